@@ -1,0 +1,96 @@
+// A device without a window, for samples, tests and benchmarks: it makes its own Vulkan device or
+// EGL context, runs pass lists, waits, and reads results back. An engine has no need of it: it
+// records with pelage/vulkan.h or pelage/gl.h on a device of its own.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pelage/pass_list.h"
+#include "pelage/result.h"
+#include "pelage/types.h"
+
+namespace pelage {
+
+enum class Api : uint8_t {
+  kVulkan,  ///< Vulkan 1.1 or later
+  kGl,      ///< OpenGL core 4.5 through EGL
+  kGles,    ///< OpenGL ES 3.2 through EGL
+};
+
+/// "vulkan", "gl" or "gles".
+const char* apiName(Api api);
+
+struct HeadlessDef {
+  Api api = Api::kVulkan;
+  /// Vulkan: the Khronos validation layer with synchronisation validation. GL: a debug context.
+  /// Messages are counted and printed to stderr. An error when it is asked for and not there.
+  bool validation = false;
+  /// Which device when there are several, in the driver's order; -1 takes a discrete GPU, else an
+  /// integrated one, else a software driver.
+  int deviceIndex = -1;
+};
+
+struct DeviceInfo {
+  Api api = Api::kVulkan;
+  std::string name;     ///< of the GPU
+  std::string driver;   ///< with its version
+  std::string version;  ///< of the API: "1.3.230", "4.5 (Core Profile)"
+  bool software = false;  ///< runs on the CPU (lavapipe, llvmpipe)
+  uint32_t maxSamples = 1;  ///< of a 16-bit float colour target with a depth target
+};
+
+/// GPU time of one pass.
+struct PassTiming {
+  const char* name = "";
+  double milliseconds = 0;
+};
+
+/// Target of render(): 16-bit float colour (linear, RGBA) and 32-bit float depth, cleared first.
+struct RenderTargetDef {
+  uint32_t width = 0, height = 0;  ///< pixels, 1..16384
+  uint32_t samples = 1;            ///< 1, 2, 4 or 8; at most DeviceInfo::maxSamples
+  Float4 clearColor = {0, 0, 0, 0};
+  float clearDepth = 1;  ///< 1 for standard depth, 0 for reversed depth
+};
+
+/// What render() gives back; row 0 is the top row on every API.
+struct RenderedImage {
+  uint32_t width = 0, height = 0;
+  std::vector<Float4> pixels;  ///< width * height, linear, samples averaged
+};
+
+class HeadlessDevice {
+ public:
+  virtual ~HeadlessDevice() = default;
+  HeadlessDevice(const HeadlessDevice&) = delete;
+  HeadlessDevice& operator=(const HeadlessDevice&) = delete;
+
+  virtual const DeviceInfo& info() const = 0;
+  /// Creates the table's new buffers with their initial data and frees those that were removed.
+  virtual Result<void> update(const ResourceTable& resources) = 0;
+  /// Runs uploads and dispatches and waits for them. `timings`, when given, receives one entry a
+  /// pass; an entry of a device without timestamps is negative.
+  virtual Result<void> execute(const PassList& list, std::vector<PassTiming>* timings = nullptr) = 0;
+  /// Runs the whole list, its draws into a cleared target, waits and reads the colours back.
+  virtual Result<RenderedImage> render(const PassList& list, const RenderTargetDef& target,
+                                       std::vector<PassTiming>* timings = nullptr) = 0;
+  /// Reads a buffer back; size 0 reads from the offset to the end.
+  virtual Result<std::vector<std::byte>> read(BufferId buffer, uint64_t offset = 0,
+                                              uint64_t size = 0) = 0;
+  /// Validation or debug messages of at least warning severity so far.
+  virtual uint32_t messageCount() const = 0;
+
+ protected:
+  HeadlessDevice() = default;
+};
+
+/// In pelage::vulkan. Errors: no loader, no device, a missing feature; each named.
+Result<std::unique_ptr<HeadlessDevice>> createHeadlessVulkan(const HeadlessDef& def);
+/// In pelage::gl, for Api::kGl and Api::kGles.
+Result<std::unique_ptr<HeadlessDevice>> createHeadlessGl(const HeadlessDef& def);
+
+}  // namespace pelage

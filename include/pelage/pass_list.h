@@ -1,0 +1,238 @@
+// The pass list: what a frame asks of a GPU, as plain data. The core writes it, a runtime (or an
+// engine's own executor) loops over it. It names no graphics API.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pelage/kernel.h"
+#include "pelage/result.h"
+
+namespace pelage {
+
+/// A buffer of a ResourceTable.
+enum class BufferId : uint32_t { kInvalid = 0xffffffffu };
+
+/// What a buffer is used for; a bit set.
+enum class BufferUsage : uint8_t {
+  kStorage = 1,   ///< shader storage buffer
+  kIndex = 2,     ///< uint32 indices of a draw
+  kIndirect = 4,  ///< arguments of an indirect dispatch or draw
+  kUpload = 8,    ///< written by the host from a pass list (PassList::uploads)
+  kReadback = 16, ///< read by the host
+};
+constexpr BufferUsage operator|(BufferUsage a, BufferUsage b) {
+  return static_cast<BufferUsage>(static_cast<uint8_t>(a) | static_cast<uint8_t>(b));
+}
+constexpr bool contains(BufferUsage set, BufferUsage bit) {
+  return (static_cast<uint8_t>(set) & static_cast<uint8_t>(bit)) != 0;
+}
+
+/// A buffer that a runtime is to create.
+struct BufferDesc {
+  std::string name;    ///< for debuggers and error messages: "mohawk/positions"
+  uint64_t size = 0;   ///< bytes, > 0, a multiple of 4
+  uint32_t stride = 0; ///< bytes an element
+  BufferUsage usage = BufferUsage::kStorage;
+  std::vector<std::byte> initial;  ///< empty: zero-filled; else exactly `size` bytes
+};
+
+/// The buffers of a scene. Ids are never reused, so that a runtime notices what is new and what is
+/// gone by looking at the ids alone.
+class ResourceTable {
+ public:
+  /// Registers a buffer and returns its id. Asserts on size 0, a size that is not a multiple of 4,
+  /// or initial data of another size.
+  BufferId add(BufferDesc desc);
+  /// Forgets a buffer; its id stays invalid from now on.
+  void remove(BufferId id);
+  /// nullptr when the id was removed or never existed.
+  const BufferDesc* find(BufferId id) const;
+  /// One past the largest id ever given, as a number: iterate 0..end() and find() each.
+  uint32_t end() const { return static_cast<uint32_t>(buffers_.size()); }
+  /// Sum of the sizes of the live buffers in bytes.
+  uint64_t totalBytes() const;
+  /// Number of live buffers.
+  uint32_t count() const;
+  /// Changes whenever a buffer is added or removed.
+  uint64_t version() const { return version_; }
+
+ private:
+  struct Slot {
+    BufferDesc desc;
+    bool live = false;
+  };
+  std::vector<Slot> buffers_;
+  uint64_t version_ = 0;
+};
+
+/// A resource bound to (set, entry) of a pass.
+struct PassBinding {
+  uint8_t set = 0;
+  uint8_t entry = 0;  ///< index into the layout's entries
+  /// Storage buffers: which one. kInvalid for uniform buffers, whose bytes are in
+  /// PassList::constants.
+  BufferId buffer = BufferId::kInvalid;
+  uint64_t offset = 0;  ///< bytes, into the buffer or into PassList::constants
+  uint64_t size = 0;    ///< bytes
+  Access access = Access::kNone;
+  StageMask stages = 0;
+};
+
+enum class PassKind : uint8_t { kDispatch, kDispatchIndirect, kDraw };
+
+enum class PrimitiveTopology : uint8_t { kTriangleList, kTriangleStrip, kLineList };
+enum class DepthCompare : uint8_t { kAlways, kLess, kLessEqual, kGreater, kGreaterEqual };
+enum class BlendMode : uint8_t { kOpaque, kPremultipliedAlpha };
+
+/// Fixed-function state of a draw. Culling is always off: hair has no back.
+struct DrawState {
+  PrimitiveTopology topology = PrimitiveTopology::kTriangleList;
+  DepthCompare depthCompare = DepthCompare::kLess;
+  bool depthWrite = true;
+  BlendMode blend = BlendMode::kOpaque;
+  bool operator==(const DrawState&) const = default;
+};
+
+/// What must have finished before a pass starts. `before` and `after` hold the accesses on the
+/// two sides; host uploads and index or indirect reads have flags of their own.
+struct Barrier {
+  BufferId buffer = BufferId::kInvalid;
+  Access before = Access::kNone;
+  Access after = Access::kNone;
+  StageMask beforeStages = 0;
+  StageMask afterStages = 0;
+  bool beforeUpload = false;   ///< the earlier write came from PassList::uploads
+  bool afterUpload = false;    ///< the later write is one
+  bool afterIndirect = false;  ///< the later read is of indirect arguments
+  bool afterIndex = false;     ///< the later read is of indices
+};
+
+/// One dispatch or draw. Ranges index into the arrays of the PassList.
+struct Pass {
+  const char* name = "";                   ///< the kernel's; also the name of its timer
+  PassKind kind = PassKind::kDispatch;
+  const KernelVariant* kernel = nullptr;   ///< compute, or vertex stage of a draw
+  const KernelVariant* pixel = nullptr;    ///< draws only
+  uint32_t firstBinding = 0, bindingCount = 0;
+  uint32_t firstSpecValue = 0, specValueCount = 0;  ///< for both stages
+  uint32_t firstBarrier = 0, barrierCount = 0;      ///< dispatches only; see drawBarriers
+  uint32_t groups[3] = {0, 0, 0};          ///< kDispatch: each in 1..65535
+  BufferId indirect = BufferId::kInvalid;  ///< kDispatchIndirect: three uint32 at indirectOffset
+  uint64_t indirectOffset = 0;
+  BufferId indices = BufferId::kInvalid;   ///< kDraw: kInvalid draws without indices
+  uint32_t elementCount = 0;               ///< kDraw: indices or vertices an instance
+  uint32_t instanceCount = 0;
+  DrawState state;
+  uint64_t bytes = 0;  ///< bytes that the pass must move at least, for figures; 0 = not known
+};
+
+/// Bytes that the host writes into a buffer before the first pass.
+struct Upload {
+  BufferId buffer = BufferId::kInvalid;
+  uint64_t offset = 0;      ///< into the buffer, multiple of 4
+  uint64_t dataOffset = 0;  ///< into PassList::uploadData
+  uint64_t size = 0;        ///< multiple of 4
+};
+
+/// Everything that one call of a runtime executes, in order: uploads, then dispatches, then draws.
+struct PassList {
+  std::vector<Pass> passes;  ///< dispatches first, then draws
+  std::vector<PassBinding> bindings;
+  std::vector<SpecValue> specValues;
+  std::vector<Barrier> barriers;
+  std::vector<Barrier> uploadBarriers;  ///< before the uploads
+  std::vector<Barrier> drawBarriers;    ///< after the last dispatch, before the first draw
+  std::vector<Upload> uploads;
+  std::vector<std::byte> uploadData;
+  std::vector<std::byte> constants;  ///< blocks at multiples of kConstantAlignment
+
+  /// Offset alignment of constant blocks: the largest that Vulkan and GL devices may ask for.
+  static constexpr uint64_t kConstantAlignment = 256;
+
+  void clear();
+  std::span<const PassBinding> bindingsOf(const Pass& pass) const {
+    return {bindings.data() + pass.firstBinding, pass.bindingCount};
+  }
+  std::span<const SpecValue> specValuesOf(const Pass& pass) const {
+    return {specValues.data() + pass.firstSpecValue, pass.specValueCount};
+  }
+  std::span<const Barrier> barriersOf(const Pass& pass) const {
+    return {barriers.data() + pass.firstBarrier, pass.barrierCount};
+  }
+};
+
+/// Adds passes to a PassList: picks from the offered resources those that the permutation really
+/// uses, so that a caller may offer everything it has.
+class PassBuilder {
+ public:
+  explicit PassBuilder(PassList& list) : list_(list) {}
+
+  /// Starts a dispatch; groups are rounded up from `threads` by the variant's group size. A count
+  /// of 0 threads adds no pass (finish() then does nothing).
+  PassBuilder& dispatch(const KernelVariant& variant, uint32_t threadsX, uint32_t threadsY = 1,
+                        uint32_t threadsZ = 1);
+  /// Starts a draw.
+  PassBuilder& draw(const KernelVariant& vertex, const KernelVariant& pixel, const DrawState& state,
+                    uint32_t elementCount, uint32_t instanceCount,
+                    BufferId indices = BufferId::kInvalid);
+  /// Offers a storage buffer under the name it has in HLSL.
+  PassBuilder& bind(std::string_view name, BufferId buffer, uint64_t size, uint64_t offset = 0);
+  /// Offers the bytes of a uniform block under the name it has in HLSL.
+  PassBuilder& constants(std::string_view name, std::span<const std::byte> bytes);
+  template <class T>
+  PassBuilder& constants(std::string_view name, const T& block) {
+    return constants(name, std::as_bytes(std::span(&block, 1)));
+  }
+  PassBuilder& spec(std::span<const SpecValue> values);
+  PassBuilder& bytes(uint64_t bytes);
+  /// Adds the pass. An error names the resource that the permutation needs and nobody offered, or
+  /// the axis that exceeds 65535 groups.
+  Result<void> finish();
+
+ private:
+  struct Offer {
+    std::string name;
+    BufferId buffer;
+    uint64_t offset, size;
+  };
+  PassList& list_;
+  Pass pass_;
+  uint64_t threads_[3] = {0, 0, 0};
+  std::vector<Offer> offers_;
+};
+
+/// Appends host data to a list's uploads.
+void addUpload(PassList& list, BufferId buffer, std::span<const std::byte> bytes,
+               uint64_t offset = 0);
+
+/// Computes the barriers of pass lists from the accesses that reflection found. Keeps the last
+/// accesses between lists: pass the lists in the order in which they will run.
+class HazardTracker {
+ public:
+  /// Fills barriers, uploadBarriers and drawBarriers of the list. A read after a write, a write
+  /// after a read and a write after a write get one; a read after a read gets none.
+  void resolve(PassList& list);
+  /// Forgets a buffer that was removed.
+  void forget(BufferId buffer);
+
+ private:
+  struct State {
+    StageMask readStages = 0;
+    StageMask writeStages = 0;
+    bool uploadWrite = false;
+    bool indexRead = false;
+    bool indirectRead = false;
+    /// Stages (and fixed-function reads) to which the last write has been made visible already.
+    StageMask visibleStages = 0;
+    bool visibleIndex = false;
+    bool visibleIndirect = false;
+  };
+  State& state(BufferId buffer);
+  std::vector<State> states_;
+};
+
+}  // namespace pelage
