@@ -17,8 +17,8 @@ void reportAssert(const char* condition, const char* message, const char* file, 
 
 }  // namespace pelage
 
-#define PELAGE_ASSERT(condition, message)                                      \
-  do {                                                                         \
-    if (!(condition)) [[unlikely]]                                             \
-      ::pelage::reportAssert(#condition, (message), __FILE__, __LINE__);       \
+#define PELAGE_ASSERT(condition, message)                                \
+  do {                                                                   \
+    if (!(condition)) [[unlikely]]                                       \
+      ::pelage::reportAssert(#condition, (message), __FILE__, __LINE__); \
   } while (false)

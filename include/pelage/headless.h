@@ -36,10 +36,10 @@ struct HeadlessDef {
 
 struct DeviceInfo {
   Api api = Api::kVulkan;
-  std::string name;     ///< of the GPU
-  std::string driver;   ///< with its version
-  std::string version;  ///< of the API: "1.3.230", "4.5 (Core Profile)"
-  bool software = false;  ///< runs on the CPU (lavapipe, llvmpipe)
+  std::string name;         ///< of the GPU
+  std::string driver;       ///< with its version
+  std::string version;      ///< of the API: "1.3.230", "4.5 (Core Profile)"
+  bool software = false;    ///< runs on the CPU (lavapipe, llvmpipe)
   uint32_t maxSamples = 1;  ///< of a 16-bit float colour target with a depth target
 };
 
@@ -74,7 +74,8 @@ class HeadlessDevice {
   virtual Result<void> update(const ResourceTable& resources) = 0;
   /// Runs uploads and dispatches and waits for them. `timings`, when given, receives one entry a
   /// pass; an entry of a device without timestamps is negative.
-  virtual Result<void> execute(const PassList& list, std::vector<PassTiming>* timings = nullptr) = 0;
+  virtual Result<void> execute(const PassList& list,
+                               std::vector<PassTiming>* timings = nullptr) = 0;
   /// Runs the whole list, its draws into a cleared target, waits and reads the colours back.
   virtual Result<RenderedImage> render(const PassList& list, const RenderTargetDef& target,
                                        std::vector<PassTiming>* timings = nullptr) = 0;

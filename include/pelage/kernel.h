@@ -39,8 +39,8 @@ struct KernelVariant {
   const Kernel* kernel;
   const char* key;  ///< "wind=1 globalShape=0"; empty when the kernel has no axes
   std::span<const uint32_t> spirv;
-  std::string_view glsl;  ///< GLSL 450 core
-  std::string_view essl;  ///< ESSL 320
+  std::string_view glsl;                     ///< GLSL 450 core
+  std::string_view essl;                     ///< ESSL 320
   std::span<const VariantBinding> bindings;  ///< ascending by (set, entry)
   uint32_t groupSize[3];                     ///< compute: threads a group; else 0
   uint64_t hash;                             ///< of the SPIR-V; equal variants are one object

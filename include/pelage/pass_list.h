@@ -18,11 +18,11 @@ enum class BufferId : uint32_t { kInvalid = 0xffffffffu };
 
 /// What a buffer is used for; a bit set.
 enum class BufferUsage : uint8_t {
-  kStorage = 1,   ///< shader storage buffer
-  kIndex = 2,     ///< uint32 indices of a draw
-  kIndirect = 4,  ///< arguments of an indirect dispatch or draw
-  kUpload = 8,    ///< written by the host from a pass list (PassList::uploads)
-  kReadback = 16, ///< read by the host
+  kStorage = 1,    ///< shader storage buffer
+  kIndex = 2,      ///< uint32 indices of a draw
+  kIndirect = 4,   ///< arguments of an indirect dispatch or draw
+  kUpload = 8,     ///< written by the host from a pass list (PassList::uploads)
+  kReadback = 16,  ///< read by the host
 };
 constexpr BufferUsage operator|(BufferUsage a, BufferUsage b) {
   return static_cast<BufferUsage>(static_cast<uint8_t>(a) | static_cast<uint8_t>(b));
@@ -33,9 +33,9 @@ constexpr bool contains(BufferUsage set, BufferUsage bit) {
 
 /// A buffer that a runtime is to create.
 struct BufferDesc {
-  std::string name;    ///< for debuggers and error messages: "mohawk/positions"
-  uint64_t size = 0;   ///< bytes, > 0, a multiple of 4
-  uint32_t stride = 0; ///< bytes an element
+  std::string name;     ///< for debuggers and error messages: "mohawk/positions"
+  uint64_t size = 0;    ///< bytes, > 0, a multiple of 4
+  uint32_t stride = 0;  ///< bytes an element
   BufferUsage usage = BufferUsage::kStorage;
   std::vector<std::byte> initial;  ///< empty: zero-filled; else exactly `size` bytes
 };
@@ -105,26 +105,28 @@ struct Barrier {
   Access after = Access::kNone;
   StageMask beforeStages = 0;
   StageMask afterStages = 0;
-  bool beforeUpload = false;   ///< the earlier write came from PassList::uploads
-  bool afterUpload = false;    ///< the later write is one
-  bool afterIndirect = false;  ///< the later read is of indirect arguments
-  bool afterIndex = false;     ///< the later read is of indices
+  bool beforeUpload = false;    ///< the earlier write came from PassList::uploads
+  bool beforeIndirect = false;  ///< the earlier read was of indirect arguments
+  bool beforeIndex = false;     ///< the earlier read was of indices
+  bool afterUpload = false;     ///< the later write is one
+  bool afterIndirect = false;   ///< the later read is of indirect arguments
+  bool afterIndex = false;      ///< the later read is of indices
 };
 
 /// One dispatch or draw. Ranges index into the arrays of the PassList.
 struct Pass {
-  const char* name = "";                   ///< the kernel's; also the name of its timer
+  const char* name = "";  ///< the kernel's; also the name of its timer
   PassKind kind = PassKind::kDispatch;
-  const KernelVariant* kernel = nullptr;   ///< compute, or vertex stage of a draw
-  const KernelVariant* pixel = nullptr;    ///< draws only
+  const KernelVariant* kernel = nullptr;  ///< compute, or vertex stage of a draw
+  const KernelVariant* pixel = nullptr;   ///< draws only
   uint32_t firstBinding = 0, bindingCount = 0;
   uint32_t firstSpecValue = 0, specValueCount = 0;  ///< for both stages
   uint32_t firstBarrier = 0, barrierCount = 0;      ///< dispatches only; see drawBarriers
-  uint32_t groups[3] = {0, 0, 0};          ///< kDispatch: each in 1..65535
+  uint32_t groups[3] = {0, 0, 0};                   ///< kDispatch: each in 1..65535
   BufferId indirect = BufferId::kInvalid;  ///< kDispatchIndirect: three uint32 at indirectOffset
   uint64_t indirectOffset = 0;
-  BufferId indices = BufferId::kInvalid;   ///< kDraw: kInvalid draws without indices
-  uint32_t elementCount = 0;               ///< kDraw: indices or vertices an instance
+  BufferId indices = BufferId::kInvalid;  ///< kDraw: kInvalid draws without indices
+  uint32_t elementCount = 0;              ///< kDraw: indices or vertices an instance
   uint32_t instanceCount = 0;
   DrawState state;
   uint64_t bytes = 0;  ///< bytes that the pass must move at least, for figures; 0 = not known
@@ -139,6 +141,8 @@ struct Upload {
 };
 
 /// Everything that one call of a runtime executes, in order: uploads, then dispatches, then draws.
+/// Uploads of one list must not overlap. Draws of one list are not ordered against each other: a
+/// draw that needs what another one writes to a buffer belongs into a later list.
 struct PassList {
   std::vector<Pass> passes;  ///< dispatches first, then draws
   std::vector<PassBinding> bindings;
@@ -196,9 +200,11 @@ class PassBuilder {
  private:
   struct Offer {
     std::string name;
-    BufferId buffer;
-    uint64_t offset, size;
+    BufferId buffer = BufferId::kInvalid;
+    uint64_t offset = 0, size = 0;
+    std::vector<std::byte> block;  // of a uniform block
   };
+  Result<void> addBindings(const KernelVariant& variant);
   PassList& list_;
   Pass pass_;
   uint64_t threads_[3] = {0, 0, 0};

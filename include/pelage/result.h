@@ -13,12 +13,12 @@ namespace pelage {
 
 /// What kind of thing went wrong; the message says which one and what to do about it.
 enum class ErrorCode {
-  kInvalidArgument,   ///< a parameter is out of its documented range
-  kFileNotFound,      ///< a file does not exist or cannot be opened
-  kInvalidFile,       ///< a file is truncated or holds impossible values; the message has the offset
-  kOutOfMemory,       ///< host or device memory is exhausted
-  kUnsupported,       ///< the device or driver lacks something; the message names it
-  kDevice,            ///< the driver reported a failure
+  kInvalidArgument,  ///< a parameter is out of its documented range
+  kFileNotFound,     ///< a file does not exist or cannot be opened
+  kInvalidFile,      ///< a file is truncated or holds impossible values; the message has the offset
+  kOutOfMemory,      ///< host or device memory is exhausted
+  kUnsupported,      ///< the device or driver lacks something; the message names it
+  kDevice,           ///< the driver reported a failure
 };
 
 /// An error with one line that a person can act on: it names the file, the byte offset or the
