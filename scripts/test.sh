@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# All tests: installs what is missing, then format, release and sanitizer builds with their tests,
+# and static analysis.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+step() { printf '\n=== %s (%d s)\n' "$1" "$SECONDS"; }
+
+step "packages"
+bash scripts/install_packages.sh
+
+step "format"
+git ls-files '*.h' '*.cpp' 2>/dev/null | xargs -r clang-format-14 --dry-run --Werror
+
+step "release build"
+cmake --preset release -DPELAGE_BUILD_TESTS=ON -DPELAGE_BUILD_BENCHMARKS=ON
+cmake --build --preset release --parallel "$(nproc)"
+step "release tests"
+ctest --preset release
+
+step "sanitizer build"
+cmake --preset asan
+cmake --build --preset asan --parallel "$(nproc)"
+step "sanitizer tests"
+# The drivers keep caches until the process ends, so leaks are looked for in the tests without them.
+ASAN_OPTIONS=detect_leaks=1 ctest --preset asan -L unit
+ASAN_OPTIONS=detect_leaks=0 ctest --preset asan -LE unit
+
+step "static analysis"
+bash scripts/tidy.sh
+
+step "done"
