@@ -1,0 +1,39 @@
+# install() rules and the package that find_package(pelage) reads.
+include(CMakePackageConfigHelpers)
+
+set(pelage_targets pelage_core pelage_kernels pelage-codegen)
+if(PELAGE_VULKAN)
+  list(APPEND pelage_targets pelage_vulkan)
+endif()
+if(PELAGE_GL)
+  list(APPEND pelage_targets pelage_gl)
+endif()
+
+set(pelage_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/pelage)
+install(TARGETS ${pelage_targets} EXPORT pelage-targets
+  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+  LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
+  RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(EXPORT pelage-targets NAMESPACE pelage:: DESTINATION ${pelage_package_dir})
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/pelage DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+# The generated headers: kernels.h, layouts.h, gpu_structs.h.
+get_target_property(pelage_generated_include pelage_kernels PELAGE_GENERATED_INCLUDE)
+install(DIRECTORY ${pelage_generated_include}/pelage DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+  FILES_MATCHING PATTERN "*.h")
+# The HLSL, for engines that include functions of it in kernels of their own.
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/kernels DESTINATION ${CMAKE_INSTALL_DATADIR}/pelage
+  FILES_MATCHING PATTERN "*.hlsl" PATTERN "*.hlsli" PATTERN "manifest.json")
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/pelage)
+
+configure_package_config_file(
+  ${PROJECT_SOURCE_DIR}/cmake/pelage-config.cmake.in
+  ${PROJECT_BINARY_DIR}/pelage-config.cmake
+  INSTALL_DESTINATION ${pelage_package_dir}
+  PATH_VARS CMAKE_INSTALL_DATADIR)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/pelage-config-version.cmake
+  COMPATIBILITY SameMinorVersion)
+install(FILES
+  ${PROJECT_BINARY_DIR}/pelage-config.cmake
+  ${PROJECT_BINARY_DIR}/pelage-config-version.cmake
+  ${PROJECT_SOURCE_DIR}/cmake/PelageKernels.cmake
+  DESTINATION ${pelage_package_dir})

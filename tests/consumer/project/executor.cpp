@@ -1,0 +1,85 @@
+#include "executor.h"
+
+#define GL_GLEXT_PROTOTYPES
+#include <GL/gl.h>
+#include <GL/glext.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+void Executor::createBuffers(const pelage::ResourceTable& table) {
+  for (uint32_t i = 0; i < table.end(); ++i) {
+    const pelage::BufferDesc* desc = table.find(pelage::BufferId{i});
+    if (desc == nullptr || buffers_.contains(i)) continue;
+    GLuint name = 0;
+    glGenBuffers(1, &name);
+    glBindBuffer(GL_SHADER_STORAGE_BUFFER, name);
+    const std::vector<std::byte> zeros(desc->initial.empty() ? desc->size : 0);
+    glBufferData(GL_SHADER_STORAGE_BUFFER, static_cast<GLsizeiptr>(desc->size),
+                 desc->initial.empty() ? zeros.data() : desc->initial.data(), GL_DYNAMIC_DRAW);
+    buffers_[i] = name;
+  }
+}
+
+unsigned Executor::program(const pelage::KernelVariant& variant) {
+  GLuint& program = programs_[&variant];
+  if (program != 0) return program;
+  const GLuint shader = glCreateShader(GL_COMPUTE_SHADER);
+  const GLchar* text = variant.glsl.data();
+  const auto length = static_cast<GLint>(variant.glsl.size());
+  glShaderSource(shader, 1, &text, &length);
+  glCompileShader(shader);
+  program = glCreateProgram();
+  glAttachShader(program, shader);
+  glLinkProgram(program);
+  GLint linked = 0;
+  glGetProgramiv(program, GL_LINK_STATUS, &linked);
+  if (linked == 0) {
+    char log[4096] = {};
+    glGetShaderInfoLog(shader, sizeof(log), nullptr, log);
+    std::fprintf(stderr, "%s: %s\n", variant.kernel->name, log);
+    std::exit(1);
+  }
+  glDeleteShader(shader);
+  return program;
+}
+
+void Executor::run(const pelage::PassList& list) {
+  for (const pelage::Upload& upload : list.uploads) {
+    glBindBuffer(GL_SHADER_STORAGE_BUFFER, buffers_.at(static_cast<uint32_t>(upload.buffer)));
+    glBufferSubData(GL_SHADER_STORAGE_BUFFER, static_cast<GLintptr>(upload.offset),
+                    static_cast<GLsizeiptr>(upload.size),
+                    list.uploadData.data() + upload.dataOffset);
+  }
+  if (!list.constants.empty()) {
+    if (constants_ == 0) glGenBuffers(1, &constants_);
+    glBindBuffer(GL_UNIFORM_BUFFER, constants_);
+    glBufferData(GL_UNIFORM_BUFFER, static_cast<GLsizeiptr>(list.constants.size()),
+                 list.constants.data(), GL_STREAM_DRAW);
+  }
+  for (const pelage::Pass& pass : list.passes) {
+    if (pass.kind != pelage::PassKind::kDispatch) continue;
+    if (pass.barrierCount > 0) glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    glUseProgram(program(*pass.kernel));
+    for (const pelage::PassBinding& binding : list.bindingsOf(pass)) {
+      const pelage::LayoutEntry& entry =
+          pass.kernel->kernel->layouts[binding.set]->entries[binding.entry];
+      const bool block = entry.kind == pelage::ResourceKind::kUniformBuffer;
+      glBindBufferRange(block ? GL_UNIFORM_BUFFER : GL_SHADER_STORAGE_BUFFER, entry.glBinding,
+                        block ? constants_ : buffers_.at(static_cast<uint32_t>(binding.buffer)),
+                        static_cast<GLintptr>(binding.offset),
+                        static_cast<GLsizeiptr>(binding.size));
+    }
+    glDispatchCompute(pass.groups[0], pass.groups[1], pass.groups[2]);
+  }
+}
+
+std::vector<float> Executor::read(pelage::BufferId buffer, size_t floats) const {
+  std::vector<float> values(floats);
+  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  glBindBuffer(GL_SHADER_STORAGE_BUFFER, buffers_.at(static_cast<uint32_t>(buffer)));
+  glGetBufferSubData(GL_SHADER_STORAGE_BUFFER, 0, static_cast<GLsizeiptr>(floats * sizeof(float)),
+                     values.data());
+  return values;
+}
