@@ -1,0 +1,248 @@
+#include "codegen/back_end.h"
+
+#include <algorithm>
+#include <exception>
+#include <optional>
+#include <spirv-tools/libspirv.hpp>
+#include <spirv-tools/optimizer.hpp>
+#include <spirv_cross/spirv_glsl.hpp>
+
+#include "codegen/checks/checks.h"
+#include "codegen/front_end.h"
+#include "codegen/spirv_reader.h"
+
+namespace pelage::codegen {
+namespace {
+
+constexpr spv_target_env kEnvironment = SPV_ENV_VULKAN_1_1;
+
+const BindingPatch* findPatch(const std::vector<BindingPatch>& patches, uint32_t set,
+                              uint32_t rawBinding) {
+  const auto found = std::find_if(patches.begin(), patches.end(), [&](const BindingPatch& p) {
+    return p.set == set && p.rawBinding == rawBinding;
+  });
+  return found == patches.end() ? nullptr : &*found;
+}
+
+// Writes the Vulkan bindings into the module.
+std::vector<uint32_t> patchBindings(std::span<const uint32_t> words,
+                                    const std::vector<BindingPatch>& patches) {
+  std::vector<uint32_t> patched(words.begin(), words.end());
+  const std::optional<SpirvReader> module = SpirvReader::parse(words);
+  if (!module) return patched;
+  constexpr auto kBinding = static_cast<uint32_t>(SpvDecorationBinding);
+  for (const SpirvInstruction& instruction : module->instructions()) {
+    if (instruction.op != SpvOpDecorate || instruction.operands[1] != kBinding) continue;
+    const uint32_t set =
+        module->decoration(instruction.operands[0], SpvDecorationDescriptorSet).value_or(0);
+    if (const BindingPatch* patch = findPatch(patches, set, instruction.operands[2])) {
+      patched[instruction.wordOffset + 3] = patch->binding;
+    }
+  }
+  return patched;
+}
+
+spvtools::MessageConsumer collect(std::string& text) {
+  return
+      [&text](spv_message_level_t level, const char*, const spv_position_t&, const char* message) {
+        if (level > SPV_MSG_WARNING) return;
+        if (!text.empty()) text += "; ";
+        text += message;
+      };
+}
+
+// One line, so that it fits a diagnostic.
+std::string oneLine(std::string text) {
+  while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
+  std::string result;
+  for (const char c : text) {
+    if (c == '\n') {
+      result += " | ";
+    } else if (c != '\r') {
+      result += c;
+    }
+  }
+  return result;
+}
+
+std::optional<std::vector<uint32_t>> optimise(const std::vector<uint32_t>& words,
+                                              std::string& messages) {
+  spvtools::Optimizer optimizer(kEnvironment);
+  optimizer.SetMessageConsumer(collect(messages));
+  // HLSL may pass resources to functions, which SPIR-V may not until everything is inlined.
+  optimizer.RegisterLegalizationPasses();
+  optimizer.RegisterPerformancePasses();
+  optimizer.RegisterPass(spvtools::CreateCompactIdsPass());
+  spvtools::OptimizerOptions options;
+  options.set_run_validator(false);
+  std::vector<uint32_t> result;
+  if (!optimizer.Run(words.data(), words.size(), &result, options)) return std::nullopt;
+  return result;
+}
+
+std::optional<std::vector<uint32_t>> strip(const std::vector<uint32_t>& words) {
+  spvtools::Optimizer optimizer(kEnvironment);
+  optimizer.RegisterPass(spvtools::CreateStripDebugInfoPass());
+  optimizer.RegisterPass(spvtools::CreateStripReflectInfoPass());
+  optimizer.RegisterPass(spvtools::CreateCompactIdsPass());
+  spvtools::OptimizerOptions options;
+  options.set_run_validator(false);
+  std::vector<uint32_t> result;
+  if (!optimizer.Run(words.data(), words.size(), &result, options)) return std::nullopt;
+  return result;
+}
+
+bool validate(const std::vector<uint32_t>& words, std::string& messages) {
+  spvtools::SpirvTools tools(kEnvironment);
+  tools.SetMessageConsumer(collect(messages));
+  return tools.Validate(words);
+}
+
+// Combined image-samplers take the texture's binding; two samplers on one texture would need two.
+void bindCombinedSamplers(spirv_cross::CompilerGLSL& compiler, const BackEndInput& input,
+                          std::vector<BackEndError>& errors) {
+  const spirv_cross::VariableID dummy = compiler.build_dummy_sampler_for_combined_images();
+  if (dummy != spirv_cross::VariableID(0)) {
+    compiler.set_name(dummy, "noSampler");
+  }
+  compiler.build_combined_image_samplers();
+  std::vector<uint32_t> images;
+  for (const spirv_cross::CombinedImageSampler& combined : compiler.get_combined_image_samplers()) {
+    const std::string name = compiler.get_name(combined.image_id);
+    if (std::find(images.begin(), images.end(), uint32_t{combined.image_id}) != images.end()) {
+      errors.push_back({"PK406",
+                        "texture '" + name +
+                            "' is read through two samplers, or with and without one; GL has one "
+                            "combined unit for it: declare a second texture",
+                        true});
+      continue;
+    }
+    images.push_back(combined.image_id);
+    compiler.set_name(combined.combined_id, name);
+    const uint32_t set = compiler.get_decoration(combined.image_id, spv::DecorationDescriptorSet);
+    const uint32_t binding = compiler.get_decoration(combined.image_id, spv::DecorationBinding);
+    for (const BindingPatch& patch : input.patches) {
+      if (patch.set == set && patch.binding == binding &&
+          patch.kind == ResourceKind::kSampledTexture) {
+        compiler.set_decoration(combined.combined_id, spv::DecorationBinding, patch.glBinding);
+      }
+    }
+  }
+}
+
+void bindForGl(spirv_cross::CompilerGLSL& compiler, const BackEndInput& input) {
+  const spirv_cross::ShaderResources resources = compiler.get_shader_resources();
+  const auto bind = [&](const spirv_cross::SmallVector<spirv_cross::Resource>& list) {
+    for (const spirv_cross::Resource& resource : list) {
+      const uint32_t set = compiler.get_decoration(resource.id, spv::DecorationDescriptorSet);
+      const uint32_t binding = compiler.get_decoration(resource.id, spv::DecorationBinding);
+      for (const BindingPatch& patch : input.patches) {
+        if (patch.set != set || patch.binding != binding) continue;
+        compiler.set_decoration(resource.id, spv::DecorationBinding, patch.glBinding);
+        compiler.unset_decoration(resource.id, spv::DecorationDescriptorSet);
+      }
+    }
+  };
+  bind(resources.uniform_buffers);
+  bind(resources.storage_buffers);
+  bind(resources.storage_images);
+}
+
+std::string crossCompile(const std::vector<uint32_t>& words, const BackEndInput& input, bool es,
+                         std::vector<BackEndError>& errors) {
+  // SPIRV-Cross reports by exceptions; they end here.
+  try {
+    spirv_cross::CompilerGLSL compiler(words);
+    spirv_cross::CompilerGLSL::Options options;
+    options.version = es ? 320 : 450;
+    options.es = es;
+    options.enable_420pack_extension = true;
+    options.emit_push_constant_as_uniform_buffer = true;
+    // Loop variables; Mesa warns of them as uninitialised where a for loop names them in its head.
+    options.force_zero_initialized_variables = true;
+    options.vertex.support_nonzero_base_instance = false;
+    if (input.stage == Stage::kVertex) {
+      // HLSL's clip space (y up, depth 0..1) to GL's, with row 0 of the picture at the top.
+      options.vertex.fixup_clipspace = true;
+      options.vertex.flip_vert_y = true;
+    }
+    options.fragment.default_float_precision = spirv_cross::CompilerGLSL::Options::Highp;
+    options.fragment.default_int_precision = spirv_cross::CompilerGLSL::Options::Highp;
+    compiler.set_common_options(options);
+    bindCombinedSamplers(compiler, input, errors);
+    bindForGl(compiler, input);
+    return compiler.compile();
+  } catch (const std::exception& e) {
+    errors.push_back({es ? "PK405" : "PK404",
+                      std::string("SPIRV-Cross cannot write ") + (es ? "ESSL 320" : "GLSL 450") +
+                          " from it: " + oneLine(e.what()),
+                      true});
+    return {};
+  }
+}
+
+}  // namespace
+
+BackEndOutput runBackEnd(const BackEndInput& input) {
+  BackEndOutput output;
+  const auto fail = [&](const char* code, std::string message) {
+    output.errors.push_back({code, std::move(message), true});
+  };
+  std::vector<uint32_t> module = patchBindings(input.rawSpirv, input.patches);
+  
+
+  std::string messages;
+  std::optional<std::vector<uint32_t>> optimised = optimise(module, messages);
+  if (!optimised) {
+    fail("PK402", "spirv-opt refuses the module: " + oneLine(messages));
+    return output;
+  }
+  messages.clear();
+  const bool valid = validate(*optimised, messages);
+  output.optimised = *optimised;
+  if (!valid) {
+    fail("PK403", "spirv-val: " + oneLine(messages));
+    return output;
+  }
+  const std::optional<std::vector<uint32_t>> stripped = strip(*optimised);
+  messages.clear();
+  if (!stripped || !validate(*stripped, messages)) {
+    fail("PK403", "spirv-val on the stripped module: " + oneLine(messages));
+    return output;
+  }
+  output.spirv = *stripped;
+
+  output.glsl = crossCompile(*optimised, input, false, output.errors);
+  std::vector<BackEndError> esErrors;
+  output.essl = crossCompile(*optimised, input, true, esErrors);
+  const auto reparse = [&](std::string& text, const char* code, const char* language,
+                           std::vector<BackEndError>& errors) {
+    if (text.empty()) return;
+    const std::string log = parseGlsl(text, input.stage);
+    if (log.empty()) return;
+    errors.push_back(
+        {code,
+         std::string("the ") + language + " that SPIRV-Cross wrote does not parse: " + oneLine(log),
+         true});
+    text.clear();
+  };
+  reparse(output.glsl, "PK407", "GLSL 450", output.errors);
+  reparse(output.essl, "PK408", "ESSL 320", esErrors);
+  for (BackEndError& error : esErrors) {
+    // A kernel for desktops alone may use what GLES lacks; it then has no ESSL.
+    error.isError = !input.desktopTier;
+    if (std::find_if(output.errors.begin(), output.errors.end(), [&](const BackEndError& e) {
+          return e.message == error.message;
+        }) == output.errors.end()) {
+      output.errors.push_back(std::move(error));
+    }
+  }
+  return output;
+}
+
+std::string backEndVersion() {
+  return std::string(spvSoftwareVersionDetailsString()) + " SPIRV-Cross " +
+         std::to_string(SPV_REVISION);
+}
+
+}  // namespace pelage::codegen

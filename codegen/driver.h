@@ -1,0 +1,44 @@
+// The whole way from a manifest to the generated files.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "codegen/diagnostics.h"
+#include "codegen/program.h"
+
+namespace pelage::codegen {
+
+struct BuildOptions {
+  std::filesystem::path manifest;
+  std::vector<std::filesystem::path> includeDirs;
+  std::filesystem::path outputDir;       ///< gets include/<namespace>/*.h and *.cpp
+  std::filesystem::path reflectionFile;  ///< empty: reflection.json in outputDir
+  std::filesystem::path depFile;         ///< empty: none. Needs stampFile.
+  std::filesystem::path stampFile;       ///< empty: none. Touched after every success.
+  std::filesystem::path cacheDir;        ///< empty: "cache" in outputDir
+  std::filesystem::path tool;            ///< pelage-codegen, which the children run
+  unsigned jobs = 0;                     ///< children at a time; 0: one for each hardware thread
+  std::chrono::seconds timeout{120};     ///< for a child
+};
+
+struct BuildResult {
+  Diagnostics diagnostics;  ///< with paths that start like BuildOptions::manifest
+  bool ok = false;          ///< no errors, everything written
+  size_t permutations = 0;
+  size_t compiled = 0;  ///< permutations for which a compiler ran
+  size_t fromCache = 0;
+  size_t distinct = 0;  ///< variants after removing equal ones
+  Program program;
+
+  /// "pelage-codegen: 24 permutations, 0 compiled, 24 from cache, 19 distinct".
+  std::string summary() const;
+};
+
+/// Compiles, checks and writes. After an error no output is written.
+BuildResult build(const BuildOptions& options);
+
+}  // namespace pelage::codegen

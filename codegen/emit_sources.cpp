@@ -1,0 +1,452 @@
+// The C++ that a manifest becomes.
+#include <fmt/format.h>
+
+#include <bit>
+#include <cstdlib>
+#include <set>
+
+#include "codegen/enum_names.h"
+#include "codegen/names.h"
+#include "codegen/program.h"
+
+namespace pelage::codegen {
+namespace {
+
+// Longer texts are written as numbers: compilers limit the length of a string literal (MSVC: 65,535
+// bytes; C++ itself recommends only 65,536).
+constexpr size_t kLongestLiteral = 60000;
+
+std::string hex64(uint64_t value) { return fmt::format("0x{:016x}ull", value); }
+
+std::string escape(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    const auto u = static_cast<unsigned char>(c);
+    if (c == '\\' || c == '"') {
+      result += '\\';
+      result += c;
+    } else if (u < 32 || u > 126) {
+      result += fmt::format("\\{:03o}", u);
+    } else {
+      result += c;
+    }
+  }
+  return result;
+}
+
+const char* specType(ScalarType type) {
+  switch (type) {
+    case ScalarType::kFloat:
+      return "float";
+    case ScalarType::kInt:
+      return "int32_t";
+    case ScalarType::kBool:
+      return "bool";
+    default:
+      return "uint32_t";
+  }
+}
+
+std::string specDefault(const SpecConstantInfo& constant) {
+  switch (constant.type) {
+    case ScalarType::kFloat:
+      return fmt::format("std::bit_cast<float>(0x{:08x}u)", constant.defaultBits);
+    case ScalarType::kInt:
+      return std::to_string(std::bit_cast<int32_t>(constant.defaultBits));
+    case ScalarType::kBool:
+      return constant.defaultBits != 0 ? "true" : "false";
+    default:
+      return std::to_string(constant.defaultBits) + "u";
+  }
+}
+
+std::string specBits(const SpecConstantInfo& constant) {
+  const std::string name = hostName(constant.name);
+  switch (constant.type) {
+    case ScalarType::kBool:
+      return name + " ? 1u : 0u";
+    case ScalarType::kUint:
+      return name;
+    default:
+      return "std::bit_cast<uint32_t>(" + name + ")";
+  }
+}
+
+class Writer {
+ public:
+  explicit Writer(const Program& program) : program_(program) {
+    space_ = program.manifest.namespaceName();
+    folder_ = program.manifest.namespaceFolder();
+    prefix_ = space_ == "pelage" ? "" : "::pelage::";
+  }
+
+  std::map<std::string, std::string> write() const {
+    return {{"include/" + folder_ + "/layouts.h", layoutsHeader()},
+            {"include/" + folder_ + "/kernels.h", kernelsHeader()},
+            {"include/" + folder_ + "/gpu_structs.h", structsHeader()},
+            {"layouts.cpp", layoutsSource()},
+            {"kernels.cpp", kernelsSource()}};
+  }
+
+ private:
+  std::string head(const std::string& what) const {
+    return "// " + what + "\n// Made by pelage-codegen from " + program_.manifest.file +
+           ". Edits are lost.\n";
+  }
+  std::string open() const { return "namespace " + space_ + " {\n\n"; }
+  std::string close() const { return "}  // namespace " + space_ + "\n"; }
+
+  std::string layoutsHeader() const {
+    std::string text = head("The layouts: one table for each descriptor set.");
+    text +=
+        "#pragma once\n\n#include <cstdint>\n#include <span>\n\n#include \"pelage/layout.h\"\n\n";
+    text += open();
+    for (const PlannedLayout& layout : program_.layouts) {
+      text += fmt::format("/// Set {} of group \"{}\".\nextern const {}LayoutTable k{}Layout;\n\n",
+                          layout.set, layout.group, prefix_, layout.name);
+      text +=
+          fmt::format("/// Indices into k{0}Layout.entries.\nstruct {0}Entry {{\n", layout.name);
+      if (!layout.entries.empty()) {
+        text += "  enum : uint8_t {\n";
+        for (const PlannedEntry& entry : layout.entries) {
+          text += fmt::format("    {},\n", hostName(entry.name));
+        }
+        text += "  };\n";
+      }
+      text += "};\n\n";
+      text += fmt::format(
+          "/// Hands k{0}Layout to an engine's layout manager: returns what\n"
+          "/// `manager.createLayout(const pelage::LayoutTable&)` makes of it.\n"
+          "template <class LayoutManager>\n"
+          "decltype(auto) Create{0}Layout(LayoutManager&& manager) {{\n"
+          "  return manager.createLayout(k{0}Layout);\n"
+          "}}\n\n",
+          layout.name);
+    }
+    text += fmt::format(
+        "/// All of them, in the order of the manifest.\n"
+        "std::span<const {}LayoutTable* const> allLayouts();\n\n",
+        prefix_);
+    return text + close();
+  }
+
+  std::string layoutsSource() const {
+    std::string text = head("The tables of layouts.h.");
+    text += fmt::format("#include \"{}/layouts.h\"\n\n", folder_);
+    text += open();
+    text += "namespace {\n\n";
+    for (const PlannedLayout& layout : program_.layouts) {
+      if (layout.entries.empty()) continue;
+      text +=
+          fmt::format("constinit const {}LayoutEntry k{}Entries[] = {{\n", prefix_, layout.name);
+      for (const PlannedEntry& entry : layout.entries) {
+        text += fmt::format(
+            "    {{\"{}\", \"{}\", {}ResourceKind::{},\n     {}Access::{}, {}, {}, {}, {}}},\n",
+            entry.name, entry.structName, prefix_, enumerator(entry.kind), prefix_,
+            enumerator(entry.access), static_cast<unsigned>(entry.stages), entry.stride,
+            entry.binding, entry.glBinding);
+      }
+      text += "};\n\n";
+    }
+    text += "}  // namespace\n\n";
+    for (const PlannedLayout& layout : program_.layouts) {
+      text += fmt::format("constinit const {}LayoutTable k{}Layout{{\"{}\", \"{}\", {}, {}}};\n",
+                          prefix_, layout.name, layout.name, layout.group, layout.set,
+                          layout.entries.empty() ? "{}" : "k" + layout.name + "Entries");
+    }
+    text += fmt::format("\nstd::span<const {}LayoutTable* const> allLayouts() {{\n", prefix_);
+    if (program_.layouts.empty()) {
+      text += "  return {};\n";
+    } else {
+      text += fmt::format("  static constexpr const {}LayoutTable* kAll[] = {{\n", prefix_);
+      for (const PlannedLayout& layout : program_.layouts) {
+        text += fmt::format("      &k{}Layout,\n", layout.name);
+      }
+      text += "  };\n  return kAll;\n";
+    }
+    return text + "}\n\n" + close();
+  }
+
+  std::string structsHeader() const {
+    std::string text = head("Structs and constant blocks as the kernels read them.");
+    text +=
+        "#pragma once\n\n#include <cstddef>\n#include <cstdint>\n#include <type_traits>\n\n"
+        "#include \"pelage/types.h\"\n\n";
+    text += open();
+    static const std::set<std::string> kPelageTypes = {"Float2", "Float3", "Float4",
+                                                       "Uint2",  "Uint4",  "Int4"};
+    for (const HostStruct& type : program_.structs) {
+      text += "struct " + type.name + " {\n";
+      for (const HostField& field : type.fields) {
+        const std::string cpp =
+            kPelageTypes.contains(field.type) ? prefix_ + field.type : field.type;
+        const std::string array =
+            field.arraySize > 0 ? "[" + std::to_string(field.arraySize) + "]" : "";
+        const bool isScalar = field.type == "float" || field.type.ends_with("_t");
+        const char* value = !array.empty() ? " = {}" : isScalar ? " = 0" : "";
+        text += fmt::format("  {} {}{}{};\n", cpp, field.name, array, value);
+      }
+      text += "};\n";
+      text += fmt::format("static_assert(sizeof({}) == {});\n", type.name, type.size);
+      for (const HostField& field : type.fields) {
+        if (field.isPadding) continue;
+        text += fmt::format("static_assert(offsetof({}, {}) == {});\n", type.name, field.name,
+                            field.offset);
+      }
+      text += fmt::format("static_assert(std::is_trivially_copyable_v<{}>);\n\n", type.name);
+    }
+    return text + close();
+  }
+
+  static std::string axisEnum(const ManifestKernel& kernel, const Axis& axis) {
+    return pascalCase(kernel.name) + pascalCase(axis.name);
+  }
+
+  // How a value of an axis is written in C++.
+  static std::string axisValue(const ManifestKernel& kernel, const Axis& axis, int32_t value) {
+    if (axis.isBool) return value != 0 ? "true" : "false";
+    return axisEnum(kernel, axis) + "::k" + std::to_string(value);
+  }
+
+  void keyTypes(const ManifestKernel& kernel, std::string& text) const {
+    const std::string name = pascalCase(kernel.name);
+    for (const Axis& axis : kernel.axes) {
+      if (axis.isBool) continue;
+      text += fmt::format("enum class {} : int32_t {{\n", axisEnum(kernel, axis));
+      for (const int32_t value : axis.values) text += fmt::format("  k{0} = {0},\n", value);
+      text += "};\n\n";
+    }
+    text += fmt::format("/// The permutation axes of {}.\nstruct {}Key {{\n", kernel.name, name);
+    for (const Axis& axis : kernel.axes) {
+      text += fmt::format("  {} {} = {};\n", axis.isBool ? "bool" : axisEnum(kernel, axis),
+                          axis.name, axisValue(kernel, axis, axis.values.front()));
+    }
+    text += fmt::format("  auto operator<=>(const {}Key&) const = default;\n}};\n\n", name);
+  }
+
+  std::string kernelsHeader() const {
+    std::string text = head("The kernels, with a typed key for the permutations of each.");
+    text +=
+        "#pragma once\n\n#include <array>\n#include <bit>\n#include <compare>\n#include <cstdint>\n"
+        "#include <span>\n\n#include \"pelage/kernel.h\"\n\n";
+    text += open();
+    for (const KernelOutput& output : program_.kernels) {
+      const ManifestKernel& kernel = output.kernel;
+      const std::string name = pascalCase(kernel.name);
+      const std::string function = camelCase(kernel.name) + "Variant";
+      text += fmt::format("extern const {}Kernel k{}Kernel;\n\n", prefix_, name);
+      keyTypes(kernel, text);
+      if (kernel.excludes.empty()) {
+        text += fmt::format("const {0}KernelVariant& {1}(const {2}Key& key{3});\n\n", prefix_,
+                            function, name, " = {}");
+      } else {
+        text += fmt::format(
+            "/// False for the combinations that the manifest excludes.\n"
+            "constexpr bool exists(const {}Key& key) {{\n  return !(",
+            name);
+        for (size_t i = 0; i < kernel.excludes.size(); ++i) {
+          text += i > 0 ? " || (" : "(";
+          for (size_t j = 0; j < kernel.excludes[i].size(); ++j) {
+            const auto& [axis, value] = kernel.excludes[i][j];
+            text += fmt::format("{}key.{} == {}", j > 0 ? " && " : "", kernel.axes[axis].name,
+                                axisValue(kernel, kernel.axes[axis], value));
+          }
+          text += ")";
+        }
+        text += ");\n}\n\n";
+        text += fmt::format(
+            "/// nullptr for an excluded key.\nconst {0}KernelVariant* {1}(const {2}Key& key);\n\n"
+            "/// The same for a key that is known now: an excluded one does not compile.\n"
+            "template <{2}Key K>\n  requires(true)\nconst {0}KernelVariant& {1}() {{\n"
+            "  return *{1}(K);\n}}\n\n",
+            prefix_, function, name);
+      }
+      if (!output.specConstants.empty()) specialization(output, text);
+    }
+    text += fmt::format(
+        "/// All of them, in the order of the manifest.\n"
+        "std::span<const {}Kernel* const> allKernels();\n\n",
+        prefix_);
+    return text + close();
+  }
+
+  void specialization(const KernelOutput& output, std::string& text) const {
+    const std::string name = pascalCase(output.kernel.name);
+    text += fmt::format("/// The specialization constants of {}.\nstruct {}Specialization {{\n",
+                        output.kernel.name, name);
+    std::string values;
+    for (const SpecConstantInfo& constant : output.specConstants) {
+      text += fmt::format("  {} {} = {};\n", specType(constant.type), hostName(constant.name),
+                          specDefault(constant));
+      values +=
+          fmt::format("        {}SpecValue{{{}, {}}},\n", prefix_, constant.id, specBits(constant));
+    }
+    text += fmt::format(
+        "  /// For Pass::firstSpecValue: Vulkan and GL take the same values.\n"
+        "  std::array<{}SpecValue, {}> values() const {{\n    return {{{{\n{}    }}}};\n  "
+        "}}\n}};\n\n",
+        prefix_, output.specConstants.size(), values);
+  }
+
+  static void text(const std::string& name, const std::string& content, std::string& out) {
+    if (content.size() > kLongestLiteral) {
+      out += fmt::format("constexpr char {}[] = {{", name);
+      for (size_t i = 0; i < content.size(); ++i) {
+        out += i % 24 == 0 ? "\n    " : "";
+        out += std::to_string(static_cast<int>(content[i])) + ",";
+      }
+      out += "0};\n\n";
+      return;
+    }
+    out += fmt::format("constexpr char {}[] =", name);
+    size_t begin = 0;
+    while (begin < content.size()) {
+      const size_t newline = content.find('\n', begin);
+      const size_t end = newline == std::string::npos ? content.size() : newline;
+      out += "\n    \"" + escape(std::string_view(content).substr(begin, end - begin)) +
+             (newline == std::string::npos ? "\"" : "\\n\"");
+      begin = end + 1;
+    }
+    if (content.empty()) out += " \"\"";
+    out += ";\n\n";
+  }
+
+  std::string kernelsSource() const {
+    std::string out = head("Code and tables of kernels.h.");
+    out += fmt::format(
+        "#include \"{}/kernels.h\"\n\n#include <cstdlib>\n\n#include \"{}/layouts.h\"\n\n", folder_,
+        folder_);
+    out += open();
+    out += "namespace {\n\n";
+    for (const KernelOutput& output : program_.kernels) code(output, out);
+    out += "}  // namespace\n\n";
+    for (const KernelOutput& output : program_.kernels) tables(output, out);
+    out += fmt::format("std::span<const {}Kernel* const> allKernels() {{\n", prefix_);
+    if (program_.kernels.empty()) {
+      out += "  return {};\n";
+    } else {
+      out += fmt::format("  static constexpr const {}Kernel* kAll[] = {{\n", prefix_);
+      for (const KernelOutput& output : program_.kernels) {
+        out += fmt::format("      &k{}Kernel,\n", pascalCase(output.kernel.name));
+      }
+      out += "  };\n  return kAll;\n";
+    }
+    return out + "}\n\n" + close();
+  }
+
+  // SPIR-V, GLSL, ESSL and bindings of each distinct variant.
+  void code(const KernelOutput& output, std::string& out) const {
+    const std::string name = pascalCase(output.kernel.name);
+    for (size_t v = 0; v < output.variants.size(); ++v) {
+      const VariantOutput& variant = output.variants[v];
+      const std::string stem = fmt::format("k{}{}", name, v);
+      out += fmt::format("constexpr uint32_t {}Spirv[] = {{", stem);
+      for (size_t i = 0; i < variant.spirv.size(); ++i) {
+        out += fmt::format("{}0x{:x},", i % 12 == 0 ? "\n    " : "", variant.spirv[i]);
+      }
+      out += "\n};\n\n";
+      text(stem + "Glsl", variant.glsl, out);
+      text(stem + "Essl", variant.essl, out);
+      if (!variant.bindings.empty()) {
+        out += fmt::format("constexpr {}VariantBinding {}Bindings[] = {{\n", prefix_, stem);
+        for (const BindingUse& use : variant.bindings) {
+          out += fmt::format("    {{{}, {}, {}Access::{}}},\n", use.set, use.entry, prefix_,
+                             enumerator(use.access));
+        }
+        out += "};\n\n";
+      }
+    }
+  }
+
+  void tables(const KernelOutput& output, std::string& out) const {
+    const ManifestKernel& kernel = output.kernel;
+    const std::string name = pascalCase(kernel.name);
+    const std::string function = camelCase(kernel.name) + "Variant";
+    out += "namespace {\n\n";
+    out += fmt::format("constinit const {0}KernelVariant k{1}Variants[] = {{\n", prefix_, name);
+    for (size_t v = 0; v < output.variants.size(); ++v) {
+      const VariantOutput& variant = output.variants[v];
+      const std::string stem = fmt::format("k{}{}", name, v);
+      out += fmt::format(
+          "    {{&k{}Kernel, \"{}\", {}Spirv,\n     {{{}Glsl, sizeof {}Glsl - 1}}, {{{}Essl, "
+          "sizeof {}Essl - "
+          "1}},\n     {}, {{{}, {}, {}}}, {}}},\n",
+          name, permutationKey(kernel, variant.permutations.front()), stem, stem, stem, stem, stem,
+          variant.bindings.empty() ? "{}" : stem + "Bindings", variant.groupSize[0],
+          variant.groupSize[1], variant.groupSize[2], hex64(variant.hash));
+    }
+    out += "};\n\n";
+    out += fmt::format("constexpr const {0}KernelVariant* k{1}Distinct[] = {{\n", prefix_, name);
+    for (size_t v = 0; v < output.variants.size(); ++v) {
+      out += fmt::format("    &k{}Variants[{}],\n", name, v);
+    }
+    out += "};\n\n";
+
+    // By key: the last axis varies fastest.
+    std::map<Permutation, size_t> index;
+    for (size_t v = 0; v < output.variants.size(); ++v) {
+      for (const Permutation& permutation : output.variants[v].permutations) index[permutation] = v;
+    }
+    ManifestKernel everything = kernel;
+    everything.excludes.clear();
+    out += fmt::format("constexpr const {0}KernelVariant* k{1}ByKey[] = {{\n", prefix_, name);
+    for (const Permutation& permutation : everything.permutations()) {
+      const auto found = index.find(permutation);
+      out += found == index.end() ? std::string("    nullptr,\n")
+                                  : fmt::format("    &k{}Variants[{}],\n", name, found->second);
+    }
+    out += "};\n\n";
+
+    const ManifestGroup& group = program_.manifest.groups[kernel.group];
+    out += fmt::format("constexpr const {0}LayoutTable* k{1}Layouts[] = {{\n", prefix_, name);
+    for (const std::string& layout : group.layouts) out += fmt::format("    &k{}Layout,\n", layout);
+    out += "};\n\n";
+    if (!output.specConstants.empty()) {
+      out += fmt::format("constexpr {0}SpecConstant k{1}SpecConstants[] = {{\n", prefix_, name);
+      for (const SpecConstantInfo& constant : output.specConstants) {
+        out += fmt::format("    {{\"{}\", {}, 0x{:x}}},\n", constant.name, constant.id,
+                           constant.defaultBits);
+      }
+      out += "};\n\n";
+    }
+    out += "}  // namespace\n\n";
+    out += fmt::format(
+        "constinit const {0}Kernel k{1}Kernel{{\"{2}\", {0}Stage::{3}, k{1}Layouts,\n    {4}, "
+        "k{1}Distinct}};\n\n",
+        prefix_, name, kernel.name, enumerator(kernel.stage),
+        output.specConstants.empty() ? "{}" : "k" + name + "SpecConstants");
+
+    const bool optional = !kernel.excludes.empty();
+    out += fmt::format("const {}KernelVariant{} {}(const {}Key&{}) {{\n", prefix_,
+                       optional ? "*" : "&", function, name, kernel.axes.empty() ? "" : " key");
+    out += "  size_t index = 0;\n";
+    for (const Axis& axis : kernel.axes) {
+      if (axis.isBool) {
+        out += fmt::format("  index = index * 2 + (key.{} ? 1 : 0);\n", axis.name);
+        continue;
+      }
+      out += fmt::format("  index *= {};\n  switch (key.{}) {{\n", axis.values.size(), axis.name);
+      for (size_t i = 0; i < axis.values.size(); ++i) {
+        out += fmt::format("    case {}:\n", axisValue(kernel, axis, axis.values[i]));
+        if (i > 0) out += fmt::format("      index += {};\n", i);
+        out += "      break;\n";
+      }
+      // Only a cast can make another value.
+      out += "    default:\n      std::abort();\n  }\n";
+    }
+    out += fmt::format("  return {}k{}ByKey[index];\n}}\n\n", optional ? "" : "*", name);
+  }
+
+  const Program& program_;
+  std::string space_;
+  std::string folder_;
+  std::string prefix_;
+};
+
+}  // namespace
+
+std::map<std::string, std::string> emitSources(const Program& program) {
+  return Writer(program).write();
+}
+
+}  // namespace pelage::codegen

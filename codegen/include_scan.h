@@ -1,0 +1,38 @@
+// Every file that a kernel may include, whatever the permutation: the input of cache keys and
+// depfiles.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace pelage::codegen {
+
+/// Reads files once and follows their #include lines, with the search order of the front end.
+class IncludeScanner {
+ public:
+  IncludeScanner(std::filesystem::path baseDir, std::vector<std::filesystem::path> includeDirs)
+      : baseDir_(std::move(baseDir)), includeDirs_(std::move(includeDirs)) {}
+
+  /// Names (see displayName()) of the file and all that it includes, directly or not, sorted. A
+  /// file that an include line names and that is not there is left out.
+  std::vector<std::string> closure(const std::string& file);
+
+  /// SHA-256 of a file's content in hex digits; "missing" when there is none.
+  const std::string& contentHash(const std::string& name) { return entry(name).hash; }
+
+ private:
+  struct Entry {
+    std::string hash = "missing";
+    std::vector<std::string> includes;  ///< resolved names
+  };
+  Entry& entry(const std::string& name);
+  std::filesystem::path pathOf(const std::string& name) const;
+
+  std::filesystem::path baseDir_;
+  std::vector<std::filesystem::path> includeDirs_;
+  std::map<std::string, Entry> entries_;
+};
+
+}  // namespace pelage::codegen

@@ -1,0 +1,78 @@
+// One binding plan for each layout, from the resources of all kernels and permutations that use it.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "codegen/back_end.h"
+#include "codegen/diagnostics.h"
+#include "codegen/manifest.h"
+#include "codegen/reflect.h"
+#include "codegen/unit.h"
+
+namespace pelage::codegen {
+
+struct PlannedEntry {
+  std::string name;  ///< as in HLSL
+  std::string structName;
+  ResourceKind kind = ResourceKind::kStorageBuffer;
+  RegisterClass registerClass = RegisterClass::kUniform;
+  uint32_t registerNumber = 0;
+  uint32_t stride = 0;
+  uint32_t binding = 0;
+  uint32_t glBinding = 0;
+  Access access = Access::kNone;
+  StageMask stages = 0;
+  SourceLocation location;
+};
+
+struct PlannedLayout {
+  std::string name;
+  std::string group;
+  uint32_t set = 0;
+  std::vector<PlannedEntry> entries;  ///< index = Vulkan binding
+};
+
+/// Index into the entries of the layout (group, set).
+struct EntryIndex {
+  uint32_t set = 0;
+  uint32_t entry = 0;
+  auto operator<=>(const EntryIndex&) const = default;
+};
+
+class LayoutPlan {
+ public:
+  explicit LayoutPlan(const Manifest& manifest);
+
+  /// Adds the resources of one permutation's module, and says what is wrong with them as far as
+  /// the front end's result does not say it already.
+  void add(const ManifestKernel& kernel, const ModuleReflection& reflection,
+           const FrontEndResult& front, Diagnostics& diagnostics);
+
+  /// Numbers the bindings. Call once, after the last add().
+  void assign(Diagnostics& diagnostics);
+
+  /// Where the resources of a module of the kernel go.
+  std::vector<BindingPatch> patches(const ManifestKernel& kernel,
+                                    const ModuleReflection& reflection) const;
+
+  /// In the manifest's order.
+  std::vector<PlannedLayout>& layouts() { return layouts_; }
+  const std::vector<PlannedLayout>& layouts() const { return layouts_; }
+  PlannedLayout& layout(uint32_t group, uint32_t set) { return layouts_[first_[group] + set]; }
+  const PlannedLayout& layout(uint32_t group, uint32_t set) const {
+    return layouts_[first_[group] + set];
+  }
+
+ private:
+  const Manifest& manifest_;
+  std::vector<size_t> first_;  ///< index of each group's set 0 in layouts_
+  std::vector<PlannedLayout> layouts_;
+};
+
+/// Raw binding number of a register, as the front end writes it.
+uint32_t rawBinding(RegisterClass registerClass, uint32_t registerNumber);
+
+}  // namespace pelage::codegen

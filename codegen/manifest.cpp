@@ -1,0 +1,530 @@
+#include "codegen/manifest.h"
+
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+
+#include "codegen/names.h"
+
+namespace pelage::codegen {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr size_t kMaximumPermutations = 1024;
+constexpr size_t kMaximumLayouts = 4;  // Vulkan guarantees four sets
+
+// A JSON value with the line that it is on.
+struct Node {
+  enum class Type { kNull, kBool, kInteger, kNumber, kString, kArray, kObject };
+  Type type = Type::kNull;
+  uint32_t line = 1;
+  bool boolean = false;
+  int64_t integer = 0;
+  std::string string;
+  std::vector<std::string> keys;  // of an object, parallel to children
+  std::vector<uint32_t> keyLines;
+  std::vector<Node> children;
+
+  const Node* find(std::string_view key) const {
+    for (size_t i = 0; i < keys.size(); ++i) {
+      if (keys[i] == key) return &children[i];
+    }
+    return nullptr;
+  }
+};
+
+// Counts the lines that the parser has consumed. nlohmann's parser copies its iterator, so the
+// count lives outside.
+class LineIterator {
+ public:
+  using iterator_category = std::input_iterator_tag;
+  using value_type = char;
+  using difference_type = std::ptrdiff_t;
+  using pointer = const char*;
+  using reference = const char&;
+
+  LineIterator(const char* position, uint32_t* line) : position_(position), line_(line) {}
+  reference operator*() const { return *position_; }
+  LineIterator& operator++() {
+    if (*position_ == '\n') ++*line_;
+    ++position_;
+    return *this;
+  }
+  LineIterator operator++(int) {
+    LineIterator old = *this;
+    ++*this;
+    return old;
+  }
+  bool operator==(const LineIterator& other) const { return position_ == other.position_; }
+
+ private:
+  const char* position_;
+  uint32_t* line_;
+};
+
+class TreeBuilder final : public nlohmann::json_sax<nlohmann::json> {
+ public:
+  TreeBuilder(const uint32_t& line, const std::string& file, Diagnostics& diagnostics)
+      : line_(line), file_(file), diagnostics_(diagnostics) {}
+
+  bool null() override { return add(Node::Type::kNull); }
+  bool boolean(bool value) override {
+    add(Node::Type::kBool)->boolean = value;
+    return true;
+  }
+  bool number_integer(number_integer_t value) override {
+    add(Node::Type::kInteger)->integer = value;
+    return true;
+  }
+  bool number_unsigned(number_unsigned_t value) override {
+    constexpr auto kLargest = static_cast<uint64_t>(std::numeric_limits<int64_t>::max());
+    add(Node::Type::kInteger)->integer = static_cast<int64_t>(std::min<uint64_t>(value, kLargest));
+    return true;
+  }
+  bool number_float(number_float_t, const string_t&) override {
+    return add(Node::Type::kNumber) != nullptr;
+  }
+  bool string(string_t& value) override {
+    add(Node::Type::kString)->string = value;
+    return true;
+  }
+  bool binary(binary_t&) override { return false; }
+  bool start_object(size_t) override { return open(Node::Type::kObject); }
+  bool end_object() override { return close(); }
+  bool start_array(size_t) override { return open(Node::Type::kArray); }
+  bool end_array() override { return close(); }
+  bool key(string_t& value) override {
+    Node& object = *stack_.back();
+    if (object.find(value) != nullptr) {
+      diagnostics_.error(file_, line_, "PK301", "the key \"" + value + "\" is there twice");
+    }
+    object.keys.push_back(value);
+    object.keyLines.push_back(line_);
+    return true;
+  }
+  bool parse_error(size_t, const std::string& token,
+                   const nlohmann::detail::exception& e) override {
+    // The exception's text starts with its own name and a position that we have as a line.
+    std::string what = e.what();
+    const size_t colon = what.find(": ");
+    if (colon != std::string::npos) what = what.substr(colon + 2);
+    diagnostics_.error(file_, line_, "PK301",
+                       "not valid JSON near '" + token.substr(0, 40) + "': " + what);
+    return false;
+  }
+
+  Node root;
+
+ private:
+  Node* add(Node::Type type) {
+    Node* node = &root;
+    if (!stack_.empty()) node = &stack_.back()->children.emplace_back();
+    node->type = type;
+    node->line = line_;
+    return node;
+  }
+  bool open(Node::Type type) {
+    // A container grows only while it is the innermost one, so pointers to the outer ones hold.
+    stack_.push_back(add(type));
+    return true;
+  }
+  bool close() {
+    stack_.pop_back();
+    return true;
+  }
+
+  const uint32_t& line_;
+  const std::string& file_;
+  Diagnostics& diagnostics_;
+  std::vector<Node*> stack_;
+};
+
+const char* typeName(Node::Type type) {
+  switch (type) {
+    case Node::Type::kNull:
+      return "null";
+    case Node::Type::kBool:
+      return "a bool";
+    case Node::Type::kInteger:
+      return "an integer";
+    case Node::Type::kNumber:
+      return "a number";
+    case Node::Type::kString:
+      return "a string";
+    case Node::Type::kArray:
+      return "an array";
+    case Node::Type::kObject:
+      break;
+  }
+  return "an object";
+}
+
+class Reader {
+ public:
+  Reader(const fs::path& path, Manifest& manifest, Diagnostics& diagnostics)
+      : folder_(path.parent_path()), manifest_(manifest), diagnostics_(diagnostics) {}
+
+  void read(const Node& root) {
+    if (!expect(root, Node::Type::kObject, "the manifest")) return;
+    allowKeys(root, {"namespace", "groups", "kernels"}, "the manifest");
+    readNamespace(root);
+    if (const Node* groups = require(root, "groups", Node::Type::kObject, "the manifest")) {
+      readGroups(*groups);
+    }
+    if (const Node* kernels = require(root, "kernels", Node::Type::kArray, "the manifest")) {
+      for (const Node& kernel : kernels->children) readKernel(kernel);
+    }
+  }
+
+ private:
+  void error(uint32_t line, const char* code, std::string message) {
+    diagnostics_.error(manifest_.file, line, code, std::move(message));
+  }
+
+  bool expect(const Node& node, Node::Type type, const std::string& what) {
+    if (node.type == type) return true;
+    error(node.line, "PK302",
+          what + " must be " + typeName(type) + ", it is " + typeName(node.type));
+    return false;
+  }
+
+  const Node* require(const Node& object, std::string_view key, Node::Type type,
+                      const std::string& where) {
+    const Node* node = object.find(key);
+    if (node == nullptr) {
+      error(object.line, "PK302", where + " lacks \"" + std::string(key) + "\"");
+      return nullptr;
+    }
+    return expect(*node, type, "\"" + std::string(key) + "\"") ? node : nullptr;
+  }
+
+  void allowKeys(const Node& object, std::initializer_list<std::string_view> allowed,
+                 const std::string& where) {
+    for (size_t i = 0; i < object.keys.size(); ++i) {
+      if (std::find(allowed.begin(), allowed.end(), object.keys[i]) != allowed.end()) continue;
+      std::string list;
+      for (const std::string_view key : allowed)
+        list += (list.empty() ? "" : ", ") + std::string(key);
+      error(object.keyLines[i], "PK303",
+            "unknown key \"" + object.keys[i] + "\" in " + where + "; known: " + list);
+    }
+  }
+
+  void readNamespace(const Node& root) {
+    const Node* node = require(root, "namespace", Node::Type::kString, "the manifest");
+    if (node == nullptr) return;
+    std::string rest = node->string;
+    while (true) {
+      const size_t colons = rest.find("::");
+      const std::string part = rest.substr(0, colons);
+      if (!isIdentifier(part)) {
+        error(node->line, "PK304", "\"" + node->string + "\" is not a C++ namespace");
+        return;
+      }
+      manifest_.namespaceParts.push_back(part);
+      if (colons == std::string::npos) return;
+      rest = rest.substr(colons + 2);
+    }
+  }
+
+  void readGroups(const Node& groups) {
+    std::map<std::string, std::string> owners;
+    for (size_t i = 0; i < groups.keys.size() && i < groups.children.size(); ++i) {
+      ManifestGroup group;
+      group.name = groups.keys[i];
+      group.line = groups.keyLines[i];
+      const Node& list = groups.children[i];
+      if (!expect(list, Node::Type::kArray, "group \"" + group.name + "\"")) continue;
+      if (list.children.empty() || list.children.size() > kMaximumLayouts) {
+        error(list.line, "PK305",
+              "group \"" + group.name + "\" has " + std::to_string(list.children.size()) +
+                  " layouts; Vulkan guarantees 1 to " + std::to_string(kMaximumLayouts) + " sets");
+      }
+      for (const Node& layout : list.children) {
+        if (!expect(layout, Node::Type::kString, "a layout")) continue;
+        if (!isIdentifier(layout.string) || std::islower(layout.string[0]) != 0) {
+          error(layout.line, "PK304",
+                "\"" + layout.string + "\" is not a layout name; write it like \"SimPosTan\"");
+        }
+        const auto [found, added] = owners.emplace(layout.string, group.name);
+        if (!added) {
+          error(layout.line, "PK306",
+                "layout \"" + layout.string + "\" is already in group \"" + found->second + "\"");
+        }
+        group.layouts.push_back(layout.string);
+      }
+      manifest_.groups.push_back(std::move(group));
+    }
+  }
+
+  void readKernel(const Node& node) {
+    if (!expect(node, Node::Type::kObject, "a kernel")) return;
+    ManifestKernel kernel;
+    kernel.line = node.line;
+    const Node* name = require(node, "name", Node::Type::kString, "a kernel");
+    if (name == nullptr) return;
+    kernel.name = name->string;
+    kernel.line = name->line;
+    const std::string where = "kernel \"" + kernel.name + "\"";
+    allowKeys(node, {"name", "file", "stage", "group", "axes", "exclude", "tier", "precise"},
+              where);
+    if (!isIdentifier(kernel.name) ||
+        std::any_of(kernel.name.begin(), kernel.name.end(),
+                    [](unsigned char c) { return std::isupper(c) != 0; })) {
+      error(name->line, "PK304",
+            "\"" + kernel.name + "\" is not a kernel name; write it like \"skin_roots\"");
+    }
+    for (const ManifestKernel& other : manifest_.kernels) {
+      if (camelCase(other.name) == camelCase(kernel.name)) {
+        error(name->line, "PK307",
+              where + " is there twice, or gives the same C++ name as \"" + other.name +
+                  "\" in line " + std::to_string(other.line));
+      }
+    }
+    if (const Node* file = require(node, "file", Node::Type::kString, where)) {
+      kernel.file = file->string;
+      std::error_code ignored;
+      if (!fs::is_regular_file(folder_ / kernel.file, ignored)) {
+        error(file->line, "PK308", where + ": there is no file \"" + kernel.file + "\"");
+      }
+    }
+    if (const Node* stage = require(node, "stage", Node::Type::kString, where)) {
+      readStage(*stage, kernel, where);
+    }
+    if (const Node* group = require(node, "group", Node::Type::kString, where)) {
+      const auto found =
+          std::find_if(manifest_.groups.begin(), manifest_.groups.end(),
+                       [&](const ManifestGroup& g) { return g.name == group->string; });
+      if (found == manifest_.groups.end()) {
+        error(group->line, "PK309", where + ": there is no group \"" + group->string + "\"");
+      } else {
+        kernel.group = static_cast<uint32_t>(found - manifest_.groups.begin());
+      }
+    }
+    if (const Node* axes = node.find("axes")) readAxes(*axes, kernel, where);
+    if (const Node* exclude = node.find("exclude")) readExcludes(*exclude, kernel, where);
+    if (const Node* tier = node.find("tier")) {
+      if (expect(*tier, Node::Type::kString, "\"tier\"")) {
+        kernel.desktopTier = tier->string == "desktop";
+        if (!kernel.desktopTier && tier->string != "portable") {
+          error(tier->line, "PK302", where + ": \"tier\" is \"portable\" (default) or \"desktop\"");
+        }
+      }
+    }
+    if (const Node* precise = node.find("precise")) {
+      if (expect(*precise, Node::Type::kBool, "\"precise\"")) kernel.precise = precise->boolean;
+    }
+    if (countPermutations(kernel) > kMaximumPermutations) {
+      error(name->line, "PK310",
+            where + " has " + std::to_string(countPermutations(kernel)) +
+                " permutations, more than " + std::to_string(kMaximumPermutations) +
+                "; make some axes specialization constants");
+      return;
+    }
+    if (kernel.permutations().empty()) {
+      error(name->line, "PK311", where + ": all permutations are excluded");
+    } else if (kernel.isExcluded(kernel.defaultPermutation())) {
+      error(name->line, "PK311",
+            where + ": the default permutation (false, or the first value) is excluded");
+    }
+    manifest_.kernels.push_back(std::move(kernel));
+  }
+
+  void readStage(const Node& stage, ManifestKernel& kernel, const std::string& where) {
+    if (stage.string == "compute") {
+      kernel.stage = Stage::kCompute;
+    } else if (stage.string == "vertex") {
+      kernel.stage = Stage::kVertex;
+    } else if (stage.string == "pixel") {
+      kernel.stage = Stage::kPixel;
+    } else {
+      error(stage.line, "PK302",
+            where + ": stage \"" + stage.string + "\" is none of compute, vertex, pixel");
+    }
+  }
+
+  void readAxes(const Node& axes, ManifestKernel& kernel, const std::string& where) {
+    if (!expect(axes, Node::Type::kArray, "\"axes\"")) return;
+    for (const Node& node : axes.children) {
+      if (!expect(node, Node::Type::kObject, "an axis")) continue;
+      const Node* name = require(node, "name", Node::Type::kString, "an axis of " + where);
+      if (name == nullptr) continue;
+      Axis axis;
+      axis.name = name->string;
+      allowKeys(node, {"name", "values"}, "axis \"" + axis.name + "\"");
+      if (!isIdentifier(axis.name) || std::isupper(static_cast<unsigned char>(axis.name[0])) != 0) {
+        error(name->line, "PK304",
+              "\"" + axis.name + "\" is not an axis name; write it like \"globalShape\"");
+        continue;
+      }
+      for (const Axis& other : kernel.axes) {
+        if (macroName(other.name) == macroName(axis.name)) {
+          error(name->line, "PK312",
+                where + ": axes \"" + other.name + "\" and \"" + axis.name +
+                    "\" have the same macro " + macroName(axis.name));
+        }
+      }
+      if (const Node* values = node.find("values")) readValues(*values, axis, where);
+      kernel.axes.push_back(std::move(axis));
+    }
+  }
+
+  void readValues(const Node& values, Axis& axis, const std::string& where) {
+    if (!expect(values, Node::Type::kArray, "\"values\"")) return;
+    axis.isBool = false;
+    axis.values.clear();
+    for (const Node& value : values.children) {
+      if (!expect(value, Node::Type::kInteger, "a value of axis \"" + axis.name + "\"")) continue;
+      if (value.integer < 0 || value.integer > 1'000'000 ||
+          std::find(axis.values.begin(), axis.values.end(), value.integer) != axis.values.end()) {
+        error(value.line, "PK313",
+              where + ": value " + std::to_string(value.integer) + " of axis \"" + axis.name +
+                  "\" is there twice or not in 0..1000000");
+        continue;
+      }
+      axis.values.push_back(static_cast<int32_t>(value.integer));
+    }
+    if (axis.values.empty()) {
+      error(values.line, "PK313", where + ": axis \"" + axis.name + "\" has no values");
+      axis.values.push_back(0);
+    }
+  }
+
+  void readExcludes(const Node& exclude, ManifestKernel& kernel, const std::string& where) {
+    if (!expect(exclude, Node::Type::kArray, "\"exclude\"")) return;
+    for (const Node& node : exclude.children) {
+      if (!expect(node, Node::Type::kObject, "an exclusion")) continue;
+      std::vector<std::pair<uint32_t, int32_t>> conditions;
+      for (size_t i = 0; i < node.keys.size() && i < node.children.size(); ++i) {
+        const auto axis = std::find_if(kernel.axes.begin(), kernel.axes.end(),
+                                       [&](const Axis& a) { return a.name == node.keys[i]; });
+        if (axis == kernel.axes.end()) {
+          error(node.keyLines[i], "PK314",
+                where + " has no axis \"" + node.keys[i] + "\" to exclude");
+          continue;
+        }
+        const Node& value = node.children[i];
+        if (!expect(value, axis->isBool ? Node::Type::kBool : Node::Type::kInteger,
+                    "the excluded value of axis \"" + axis->name + "\"")) {
+          continue;
+        }
+        const int64_t number = axis->isBool ? int64_t{value.boolean} : value.integer;
+        if (std::find(axis->values.begin(), axis->values.end(), number) == axis->values.end()) {
+          error(value.line, "PK314",
+                where + ": axis \"" + axis->name + "\" has no value " + std::to_string(number));
+          continue;
+        }
+        conditions.emplace_back(static_cast<uint32_t>(axis - kernel.axes.begin()),
+                                static_cast<int32_t>(number));
+      }
+      if (node.keys.empty()) {
+        error(node.line, "PK314", where + ": an exclusion without an axis excludes everything");
+        continue;
+      }
+      if (!conditions.empty()) kernel.excludes.push_back(std::move(conditions));
+    }
+  }
+
+  static size_t countPermutations(const ManifestKernel& kernel) {
+    size_t count = 1;
+    for (const Axis& axis : kernel.axes) {
+      if (count > kMaximumPermutations) break;
+      count *= axis.values.size();
+    }
+    return count;
+  }
+
+  fs::path folder_;
+  Manifest& manifest_;
+  Diagnostics& diagnostics_;
+};
+
+}  // namespace
+
+bool ManifestKernel::isExcluded(const Permutation& permutation) const {
+  return std::any_of(excludes.begin(), excludes.end(), [&](const auto& conditions) {
+    return std::all_of(conditions.begin(), conditions.end(), [&](const auto& condition) {
+      return permutation[condition.first] == condition.second;
+    });
+  });
+}
+
+Permutation ManifestKernel::defaultPermutation() const {
+  Permutation permutation;
+  for (const Axis& axis : axes) permutation.push_back(axis.values.front());
+  return permutation;
+}
+
+std::vector<Permutation> ManifestKernel::permutations() const {
+  std::vector<Permutation> all{{}};
+  for (const Axis& axis : axes) {
+    std::vector<Permutation> longer;
+    for (const Permutation& prefix : all) {
+      for (const int32_t value : axis.values) {
+        longer.push_back(prefix);
+        longer.back().push_back(value);
+      }
+    }
+    all = std::move(longer);
+  }
+  std::erase_if(all, [this](const Permutation& p) { return isExcluded(p); });
+  return all;
+}
+
+std::string Manifest::namespaceName() const {
+  std::string name;
+  for (const std::string& part : namespaceParts) name += (name.empty() ? "" : "::") + part;
+  return name;
+}
+
+std::string Manifest::namespaceFolder() const {
+  std::string name;
+  for (const std::string& part : namespaceParts) name += (name.empty() ? "" : "/") + part;
+  return name;
+}
+
+Manifest readManifest(const fs::path& path, Diagnostics& diagnostics) {
+  Manifest manifest;
+  manifest.file = path.filename().string();
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) {
+    diagnostics.error(manifest.file, 1, "PK300", "cannot open the manifest " + path.string());
+    return manifest;
+  }
+  const std::string text((std::istreambuf_iterator<char>(stream)),
+                         std::istreambuf_iterator<char>());
+  uint32_t line = 1;
+  TreeBuilder builder(line, manifest.file, diagnostics);
+  if (nlohmann::json::sax_parse(LineIterator(text.data(), &line),
+                                LineIterator(text.data() + text.size(), &line), &builder)) {
+    Reader(path, manifest, diagnostics).read(builder.root);
+  }
+  return manifest;
+}
+
+std::string macroName(const std::string& axis) {
+  std::string name;
+  for (const char c : axis) {
+    const auto u = static_cast<unsigned char>(c);
+    if (std::isupper(u) != 0 && !name.empty()) name += '_';
+    name += static_cast<char>(std::toupper(u));
+  }
+  return name;
+}
+
+std::string permutationKey(const ManifestKernel& kernel, const Permutation& permutation) {
+  std::string key;
+  for (size_t i = 0; i < kernel.axes.size(); ++i) {
+    key += (key.empty() ? "" : " ") + kernel.axes[i].name + "=" + std::to_string(permutation[i]);
+  }
+  return key;
+}
+
+}  // namespace pelage::codegen

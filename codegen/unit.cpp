@@ -1,0 +1,304 @@
+#include "codegen/unit.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <nlohmann/json.hpp>
+
+#include "codegen/checks/checks.h"
+#include "codegen/checks/source_model.h"
+#include "codegen/checks/token_stream.h"
+#include "codegen/error_recovery.h"
+#include "codegen/file_io.h"
+
+namespace pelage::codegen {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+json::binary_t packWords(const std::vector<uint32_t>& words) {
+  json::binary_t::container_type bytes;
+  bytes.reserve(words.size() * 4);
+  for (const uint32_t word : words) {
+    for (int shift = 0; shift < 32; shift += 8)
+      bytes.push_back(static_cast<uint8_t>(word >> shift));
+  }
+  return json::binary_t(std::move(bytes));
+}
+
+std::vector<uint32_t> unpackWords(const json& value) {
+  const json::binary_t& bytes = value.get_binary();
+  std::vector<uint32_t> words(bytes.size() / 4);
+  for (size_t i = 0; i < words.size() * 4; ++i) {
+    words[i / 4] |= uint32_t{bytes[i]} << (8 * (i % 4));
+  }
+  return words;
+}
+
+json pack(const Diagnostics& diagnostics) {
+  json list = json::array();
+  for (const Diagnostic& d : diagnostics.items()) {
+    list.push_back({d.file, d.line, d.code, d.message, d.isError});
+  }
+  return list;
+}
+
+Diagnostics unpackDiagnostics(const json& list) {
+  Diagnostics diagnostics;
+  for (const json& d : list) {
+    diagnostics.add({d.at(0).get<std::string>(), d.at(1).get<uint32_t>(),
+                     d.at(2).get<std::string>(), d.at(3).get<std::string>(), d.at(4).get<bool>()});
+  }
+  return diagnostics;
+}
+
+std::string toText(const json& value) {
+  const std::vector<uint8_t> bytes = json::to_cbor(value);
+  return {bytes.begin(), bytes.end()};
+}
+
+void addMessages(const std::vector<FrontEndMessage>& messages, Diagnostics& diagnostics) {
+  for (const FrontEndMessage& message : messages) {
+    if (message.isError) diagnostics.error(message.file, message.line, "PK400", message.text);
+  }
+}
+
+std::map<std::string, SourceLocation> findDeclarations(const std::string& text,
+                                                       const std::string& file) {
+  std::map<std::string, SourceLocation> declarations;
+  const checks::TokenStream stream = checks::tokenize(text, file);
+  const checks::SourceModel model = checks::parseSource(stream);
+  const auto add = [&](size_t token) {
+    const checks::Token& t = stream.at(token);
+    declarations.emplace(std::string(t.text), SourceLocation{stream.fileOf(t), t.line});
+  };
+  for (const checks::Declaration& global : model.globals) add(global.name);
+  for (const checks::ConstantBlock& block : model.blocks) add(block.nameToken);
+  for (const checks::Struct& type : model.structs) add(type.nameToken);
+  for (const checks::Function& function : model.functions) add(function.name);
+  return declarations;
+}
+
+// Keeps what is known so far on disk: glslang may take the process down at any of its calls.
+class ResultFile {
+ public:
+  explicit ResultFile(fs::path path) : path_(std::move(path)) {}
+  bool write(const FrontEndResult& result) const { return writeWholeFile(path_, encode(result)); }
+  bool write(const BackEndResult& result) const { return writeWholeFile(path_, encode(result)); }
+
+ private:
+  fs::path path_;
+};
+
+int runFrontEnd(const json& job, const ResultFile& file) {
+  FrontEndInput input;
+  input.baseDir = job.at("baseDir").get<std::string>();
+  input.file = job.at("file").get<std::string>();
+  input.entry = job.at("entry").get<std::string>();
+  input.stage = static_cast<Stage>(job.at("stage").get<int>());
+  for (const json& macro : job.at("macros")) {
+    input.macros.emplace_back(macro.at(0).get<std::string>(), macro.at(1).get<std::string>());
+  }
+  for (const json& dir : job.at("includeDirs"))
+    input.includeDirs.emplace_back(dir.get<std::string>());
+
+  FrontEndResult result;
+  PreprocessOutput source = preprocessHlsl(input);
+  result.files = source.files;
+  addMessages(source.messages, result.diagnostics);
+  if (!source.ok && !result.diagnostics.hasErrors()) {
+    result.diagnostics.error(input.file, 1, "PK400", "the preprocessor gave up without a message");
+  }
+  if (!source.ok) {
+    result.complete = true;
+    return file.write(result) ? 0 : 1;
+  }
+
+  CheckInput check;
+  const std::string kernel = job.at("kernel").get<std::string>();
+  check.kernelName = kernel;
+  check.stage = input.stage;
+  check.entry = input.entry;
+  check.file = input.file;
+  check.preprocessed = source.text;
+  check.desktopTier = job.at("desktopTier").get<bool>();
+  check.precise = job.at("precise").get<bool>();
+  runSourceChecks(check, result.diagnostics);
+  result.declarations = findDeclarations(source.text, input.file);
+  if (!file.write(result)) return 1;
+
+  FrontEndOutput output = compileHlsl(input);
+  if (!output.ok) {
+    // The first message says it; what follows at the same place is what the parser makes of it.
+    FrontEndResult early = result;
+    addMessages({*std::find_if(output.messages.begin(), output.messages.end(),
+                               [](const FrontEndMessage& m) { return m.isError; })},
+                early.diagnostics);
+    if (!file.write(early)) return 1;
+    addMessages(findAllErrors(input, source.text, output.messages), result.diagnostics);
+    result.complete = true;
+    return file.write(result) ? 0 : 1;
+  }
+  result.spirv = std::move(output.spirv);
+  result.log = std::move(output.log);
+  check.rawSpirv = result.spirv;
+  check.frontEndLog = result.log;
+  runModuleChecks(check, result.diagnostics);
+  result.complete = true;
+  return file.write(result) ? 0 : 1;
+}
+
+int runBackEnd(const json& job, const ResultFile& file) {
+  BackEndInput input;
+  const std::vector<uint32_t> raw = unpackWords(job.at("spirv"));
+  input.rawSpirv = raw;
+  input.entry = job.at("entry").get<std::string>();
+  input.stage = static_cast<Stage>(job.at("stage").get<int>());
+  input.desktopTier = job.at("desktopTier").get<bool>();
+  input.precise = job.at("precise").get<bool>();
+  for (const json& p : job.at("patches")) {
+    input.patches.push_back({p.at(0).get<uint32_t>(), p.at(1).get<uint32_t>(),
+                             p.at(2).get<uint32_t>(), p.at(3).get<uint32_t>(),
+                             static_cast<ResourceKind>(p.at(4).get<int>())});
+  }
+  const auto entryFile = job.at("entryFile").get<std::string>();
+  const auto entryLine = job.at("entryLine").get<uint32_t>();
+
+  BackEndOutput output = runBackEnd(input);
+  BackEndResult result;
+  CheckInput check;
+  const std::string kernel = job.at("kernel").get<std::string>();
+  check.kernelName = kernel;
+  check.stage = input.stage;
+  check.entry = input.entry;
+  check.file = job.at("file").get<std::string>();
+  check.rawSpirv = raw;
+  check.optimisedSpirv = output.optimised;
+  check.frontEndLog = job.at("log").get<std::string>();
+  check.glsl = output.glsl;
+  check.essl = output.essl;
+  check.desktopTier = input.desktopTier;
+  check.precise = input.precise;
+  runModuleChecks(check, result.diagnostics);
+  for (const BackEndError& error : output.errors) {
+    result.diagnostics.add({entryFile, entryLine, error.code, error.message, error.isError});
+  }
+  result.optimised = std::move(output.optimised);
+  result.spirv = std::move(output.spirv);
+  result.glsl = std::move(output.glsl);
+  result.essl = std::move(output.essl);
+  result.complete = true;
+  return file.write(result) ? 0 : 1;
+}
+
+}  // namespace
+
+std::string encode(const FrontEndJob& job) {
+  json macros = json::array();
+  for (const auto& [name, value] : job.source.macros) macros.push_back({name, value});
+  json includeDirs = json::array();
+  for (const fs::path& dir : job.source.includeDirs) includeDirs.push_back(dir.string());
+  return toText({{"step", "front end"},
+                 {"baseDir", job.source.baseDir.string()},
+                 {"file", job.source.file},
+                 {"entry", job.source.entry},
+                 {"stage", static_cast<int>(job.source.stage)},
+                 {"macros", std::move(macros)},
+                 {"includeDirs", std::move(includeDirs)},
+                 {"kernel", job.kernel},
+                 {"desktopTier", job.desktopTier},
+                 {"precise", job.precise}});
+}
+
+std::string encode(const BackEndJob& job) {
+  json patches = json::array();
+  for (const BindingPatch& p : job.patches) {
+    patches.push_back({p.set, p.rawBinding, p.binding, p.glBinding, static_cast<int>(p.kind)});
+  }
+  return toText({{"step", "back end"},
+                 {"kernel", job.kernel},
+                 {"file", job.file},
+                 {"entry", job.entry},
+                 {"entryFile", job.entryLocation.file},
+                 {"entryLine", job.entryLocation.line},
+                 {"stage", static_cast<int>(job.stage)},
+                 {"desktopTier", job.desktopTier},
+                 {"precise", job.precise},
+                 {"spirv", packWords(job.spirv)},
+                 {"log", job.log},
+                 {"patches", std::move(patches)}});
+}
+
+std::string encode(const FrontEndResult& result) {
+  json declarations = json::object();
+  for (const auto& [name, where] : result.declarations)
+    declarations[name] = {where.file, where.line};
+  return toText({{"complete", result.complete},
+                 {"diagnostics", pack(result.diagnostics)},
+                 {"spirv", packWords(result.spirv)},
+                 {"log", result.log},
+                 {"files", result.files},
+                 {"declarations", std::move(declarations)}});
+}
+
+std::string encode(const BackEndResult& result) {
+  return toText({{"complete", result.complete},
+                 {"diagnostics", pack(result.diagnostics)},
+                 {"optimised", packWords(result.optimised)},
+                 {"spirv", packWords(result.spirv)},
+                 {"glsl", result.glsl},
+                 {"essl", result.essl}});
+}
+
+std::optional<FrontEndResult> decodeFrontEndResult(const std::string& text) {
+  try {
+    const json value = json::from_cbor(text);
+    FrontEndResult result;
+    result.complete = value.at("complete").get<bool>();
+    result.diagnostics = unpackDiagnostics(value.at("diagnostics"));
+    result.spirv = unpackWords(value.at("spirv"));
+    result.log = value.at("log").get<std::string>();
+    result.files = value.at("files").get<std::vector<std::string>>();
+    for (const auto& [name, where] : value.at("declarations").items()) {
+      result.declarations[name] = {where.at(0).get<std::string>(), where.at(1).get<uint32_t>()};
+    }
+    return result;
+  } catch (const json::exception&) {
+    return std::nullopt;
+  }
+}
+
+std::optional<BackEndResult> decodeBackEndResult(const std::string& text) {
+  try {
+    const json value = json::from_cbor(text);
+    BackEndResult result;
+    result.complete = value.at("complete").get<bool>();
+    result.diagnostics = unpackDiagnostics(value.at("diagnostics"));
+    result.optimised = unpackWords(value.at("optimised"));
+    result.spirv = unpackWords(value.at("spirv"));
+    result.glsl = value.at("glsl").get<std::string>();
+    result.essl = value.at("essl").get<std::string>();
+    return result;
+  } catch (const json::exception&) {
+    return std::nullopt;
+  }
+}
+
+int runUnit(const fs::path& jobFile, const fs::path& resultFile) {
+  try {
+    const std::optional<std::string> text = readWholeFile(jobFile);
+    if (!text) {
+      std::fprintf(stderr, "cannot read %s\n", jobFile.c_str());
+      return 1;
+    }
+    const json job = json::from_cbor(*text);
+    const ResultFile file(resultFile);
+    return job.at("step") == "front end" ? runFrontEnd(job, file) : runBackEnd(job, file);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "%s\n", e.what());
+    return 1;
+  }
+}
+
+}  // namespace pelage::codegen

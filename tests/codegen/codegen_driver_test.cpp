@@ -1,0 +1,372 @@
+// The driver from the outside: what it writes, what it says, what it compiles again.
+#include "codegen/driver.h"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include "test_project.h"
+
+namespace pelage::codegen::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kFixture = fs::path(PELAGE_CODEGEN_TEST_DIR) / "kernels";
+
+constexpr const char* kGoodKernel = R"(
+RWStructuredBuffer<float4> g_data : register(u0, space0);
+[numthreads(64, 1, 1)]
+void good(uint3 id : SV_DispatchThreadID) { g_data[id.x] = g_data[id.x] * 2.0; }
+)";
+
+// The one diagnostic with this code; fails the test when there is none.
+Diagnostic only(const BuildResult& result, const std::string& code) {
+  std::vector<Diagnostic> found;
+  for (const Diagnostic& d : result.diagnostics.sorted()) {
+    if (d.code == code) found.push_back(d);
+  }
+  EXPECT_EQ(found.size(), 1u) << code << " in:\n" << result.diagnostics.format();
+  return found.empty() ? Diagnostic{} : found.front();
+}
+
+bool says(const BuildResult& result, const std::string& text) {
+  return result.diagnostics.format().find(text) != std::string::npos;
+}
+
+struct ToolRun {
+  int status = -1;
+  std::string out, err;
+};
+
+ToolRun runTool(const TestProject& project, const std::string& arguments) {
+  const fs::path out = project.folder() / "stdout", err = project.folder() / "stderr";
+  const std::string command = std::string(PELAGE_CODEGEN_TOOL) + " " + arguments + " >" +
+                              out.string() + " 2>" + err.string();
+  ToolRun run;
+  const int status = std::system(command.c_str());
+  if (WIFEXITED(status)) run.status = WEXITSTATUS(status);
+  run.out = fileText(out);
+  run.err = fileText(err);
+  return run;
+}
+
+TEST(CodegenDriver, WritesTheSameBytesFromAnotherFolderAndAnEmptyCache) {
+  const TestProject first, second;
+  first.copy(kFixture);
+  second.copy(kFixture);
+  BuildOptions sequential = second.options();
+  sequential.jobs = 1;
+  const BuildResult one = first.build();
+  const BuildResult two = build(sequential);
+  ASSERT_TRUE(one.ok) << one.diagnostics.format();
+  ASSERT_TRUE(two.ok) << two.diagnostics.format();
+  EXPECT_EQ(one.compiled, one.permutations);
+  EXPECT_EQ(two.compiled, two.permutations);
+  const auto outputs = first.outputs();
+  EXPECT_EQ(outputs.size(), 6u);
+  EXPECT_EQ(outputs, second.outputs());
+  for (const auto& [name, text] : outputs) {
+    EXPECT_EQ(text.find(first.folder().string()), std::string::npos) << name;
+  }
+}
+
+TEST(CodegenDriver, CompilesNothingTheSecondTimeAndLeavesTheFilesAlone) {
+  const TestProject project;
+  project.copy(kFixture);
+  const BuildResult first = project.build();
+  ASSERT_TRUE(first.ok) << first.diagnostics.format();
+  const auto outputs = project.outputs();
+  const auto time = fs::last_write_time(project.output() / "kernels.cpp");
+  const BuildResult second = project.build();
+  ASSERT_TRUE(second.ok) << second.diagnostics.format();
+  EXPECT_EQ(second.compiled, 0u);
+  EXPECT_EQ(second.fromCache, second.permutations);
+  EXPECT_EQ(second.summary(),
+            "pelage-codegen: 14 permutations, 0 compiled, 14 from cache, 13 distinct");
+  EXPECT_EQ(project.outputs(), outputs);
+  EXPECT_EQ(fs::last_write_time(project.output() / "kernels.cpp"), time);
+}
+
+TEST(CodegenDriver, RecompilesJustTheUsersOfAChangedInclude) {
+  const TestProject project;
+  project.copy(kFixture);
+  ASSERT_TRUE(project.build().ok);
+  project.write("shared/forces.hlsli", fileText(kFixture / "shared/forces.hlsli") + "// changed\n");
+  const BuildResult result = project.build();
+  ASSERT_TRUE(result.ok) << result.diagnostics.format();
+  EXPECT_EQ(result.compiled, 10u) << "the permutations of move_particles and no others";
+}
+
+TEST(CodegenDriver, MakesADamagedCacheEntryAgain) {
+  const TestProject project;
+  project.copy(kFixture);
+  ASSERT_TRUE(project.build().ok);
+  const auto outputs = project.outputs();
+  for (const fs::directory_entry& entry : fs::directory_iterator(project.output() / "cache")) {
+    std::fstream stream(entry.path(), std::ios::in | std::ios::out | std::ios::binary);
+    stream.seekp(200);
+    stream.put('\x7f');
+    stream.put('\x01');
+  }
+  const BuildResult result = project.build();
+  ASSERT_TRUE(result.ok) << result.diagnostics.format();
+  EXPECT_EQ(result.compiled, result.permutations);
+  EXPECT_EQ(project.outputs(), outputs);
+}
+
+TEST(CodegenDriver, ReportsTheErrorsOfAllKernelsAtOnceAndWritesNothing) {
+  const TestProject project;
+  project.write("manifest.json",
+                manifestWith(computeKernel("good") + ",\n" + computeKernel("syntax") + ",\n" +
+                             computeKernel("undeclared") + ",\n" + computeKernel("missing")));
+  project.write("good.hlsl", kGoodKernel);
+  project.write("syntax.hlsl", "[numthreads(1, 1, 1)]\nvoid syntax() {\n  int x = ;\n}\n");
+  project.write("undeclared.hlsl",
+                "RWStructuredBuffer<float> g_other : register(u1, space0);\n"
+                "[numthreads(1, 1, 1)]\nvoid undeclared() {\n  g_other[0] = first;\n"
+                "  g_other[1] = second;\n}\n");
+  const BuildResult result = project.build();
+  EXPECT_FALSE(result.ok);
+  const std::string text = result.diagnostics.format();
+  EXPECT_TRUE(says(result, "src/syntax.hlsl:3: error: [PK400] ")) << text;
+  EXPECT_TRUE(says(result, "src/undeclared.hlsl:4: error: [PK400] 'first'")) << text;
+  EXPECT_TRUE(says(result, "src/undeclared.hlsl:5: error: [PK400] 'second'")) << text;
+  EXPECT_TRUE(says(result, "src/manifest.json:8: error: [PK308] ")) << text;
+  EXPECT_FALSE(says(result, "good.hlsl")) << text;
+  EXPECT_TRUE(project.outputs().empty());
+}
+
+TEST(CodegenDriver, FindsEveryErrorOfAKernelAndNoneThatFollowsFromAnother) {
+  const TestProject project;
+  project.write("manifest.json", manifestWith(computeKernel("many")));
+  project.write("many.hlsl", R"(RWStructuredBuffer<float> g_x : register(u0, space0);
+float twice(float v) { return v * missing1; }
+[numthreads(64, 1, 1)]
+void many(uint3 id : SV_DispatchThreadID) {
+  float a = missing2;
+  a += 1.0;
+  if (missing3 > a) {
+    g_x[0] = a;
+  } else {
+    g_x[1] = missing4;
+  }
+  if (a > 2.0) g_x[2] = missing5; else g_x[2] = a;
+  for (uint i = 0; i < missing6; ++i) {
+    g_x[i] = twice(a, missing7);
+  }
+  g_x[3] = a;
+}
+)");
+  const BuildResult result = project.build();
+  const std::vector<Diagnostic> errors = result.diagnostics.sorted();
+  std::vector<uint32_t> lines;
+  for (const Diagnostic& error : errors) {
+    lines.push_back(error.line);
+    EXPECT_EQ(error.code, "PK400");
+  }
+  EXPECT_EQ(lines, (std::vector<uint32_t>{2, 5, 7, 10, 12, 13, 14})) << result.diagnostics.format();
+}
+
+TEST(CodegenDriver, NamesThePermutationOfAnErrorThatNotAllHave) {
+  const TestProject project;
+  project.write("manifest.json",
+                manifestWith(computeKernel("good", R"(, "axes": [{"name": "a"}, {"name": "b"}])")));
+  project.write("good.hlsl", std::string("#if A && B\n#error together\n#endif\n") + kGoodKernel);
+  const BuildResult result = project.build();
+  EXPECT_FALSE(result.ok);
+  EXPECT_TRUE(says(result, "good.hlsl:2: error: [PK400]")) << result.diagnostics.format();
+  EXPECT_TRUE(says(result, "(kernel 'good' with a=1 b=1)")) << result.diagnostics.format();
+}
+
+TEST(CodegenDriver, SurvivesACrashOfTheFrontEndAndCompilesTheOthers) {
+  const TestProject project;
+  project.write("manifest.json",
+                manifestWith(computeKernel("crash") + ",\n" + computeKernel("spec") + ",\n" +
+                             computeKernel("good")));
+  project.write("good.hlsl", kGoodKernel);
+  // Deeper than any parser's stack.
+  project.write("crash.hlsl",
+                "RWStructuredBuffer<float> g_x : register(u1, space0);\n"
+                "[numthreads(1, 1, 1)]\nvoid crash() { g_x[0] = " +
+                    std::string(200000, '(') + "1.0" + std::string(200000, ')') + "; }\n");
+  project.write("spec.hlsl",
+                "[[vk::constant_id(0)]] const uint g_size = 64;\n"
+                "RWStructuredBuffer<float> g_y : register(u2, space0);\n"
+                "[numthreads(g_size, 1, 1)]\nvoid spec() { g_y[0] = 1.0; }\n");
+  const BuildResult result = project.build();
+  EXPECT_FALSE(result.ok);
+  const Diagnostic crash = only(result, "PK411");
+  EXPECT_TRUE(crash.file.ends_with("crash.hlsl"));
+  EXPECT_EQ(crash.line, 1u);
+  EXPECT_NE(crash.message.find("'crash'"), std::string::npos) << crash.message;
+  EXPECT_NE(crash.message.find("signal"), std::string::npos) << crash.message;
+  EXPECT_TRUE(says(result, "spec.hlsl:3: error: ")) << result.diagnostics.format();
+  EXPECT_FALSE(says(result, "good.hlsl"));
+  ASSERT_EQ(result.program.kernels.size(), 3u);
+  EXPECT_EQ(result.program.kernels[2].variants.size(), 1u) << "good was compiled all the same";
+}
+
+TEST(CodegenDriver, EndsAKernelThatTakesTooLong) {
+  const TestProject project;
+  project.write("manifest.json", manifestWith(computeKernel("good")));
+  project.write("good.hlsl", kGoodKernel);
+  BuildOptions options = project.options();
+  options.timeout = std::chrono::seconds(0);
+  const BuildResult result = build(options);
+  EXPECT_FALSE(result.ok);
+  EXPECT_NE(only(result, "PK411").message.find("did not finish"), std::string::npos);
+}
+
+TEST(CodegenDriver, RefusesTwoResourcesInOneSlotAndNamesBothLines) {
+  const TestProject project;
+  project.write("manifest.json",
+                manifestWith(computeKernel("good") + ",\n" + computeKernel("other")));
+  project.write("good.hlsl", kGoodKernel);
+  project.write("other.hlsl",
+                "RWStructuredBuffer<float4> g_else : register(u0, space0);\n"
+                "[numthreads(1, 1, 1)]\nvoid other() { g_else[0] = float4(1, 1, 1, 1); }\n");
+  const BuildResult result = project.build();
+  EXPECT_TRUE(says(result,
+                   "src/good.hlsl:2: error: [PK504] 'g_data' and 'g_else' (other.hlsl:1) both "
+                   "are register(u0, space0)"))
+      << result.diagnostics.format();
+  EXPECT_TRUE(says(result, "src/other.hlsl:1: error: [PK504] 'g_else' and 'g_data' (good.hlsl:2)"))
+      << result.diagnostics.format();
+}
+
+TEST(CodegenDriver, RefusesOneResourceInTwoSlotsAndNamesBothLines) {
+  const TestProject project;
+  project.write("manifest.json",
+                manifestWith(computeKernel("good") + ",\n" + computeKernel("other")));
+  project.write("good.hlsl", kGoodKernel);
+  project.write("other.hlsl",
+                "RWStructuredBuffer<float4> g_data : register(u1, space1);\n"
+                "[numthreads(1, 1, 1)]\nvoid other() { g_data[0] = float4(1, 1, 1, 1); }\n");
+  const BuildResult result = project.build();
+  EXPECT_TRUE(says(result,
+                   "src/good.hlsl:2: error: [PK505] 'g_data' is register(u0, space0) here and "
+                   "register(u1, space1) at other.hlsl:1"))
+      << result.diagnostics.format();
+  EXPECT_TRUE(says(result, "src/other.hlsl:1: error: [PK505]")) << result.diagnostics.format();
+}
+
+TEST(CodegenDriver, RefusesASpaceThatTheGroupDoesNotHave) {
+  const TestProject project;
+  project.write("manifest.json", manifestWith(computeKernel("far")));
+  project.write("far.hlsl",
+                "\nRWStructuredBuffer<float> g_far : register(u0, space2);\n"
+                "[numthreads(1, 1, 1)]\nvoid far() { g_far[0] = 1.0; }\n");
+  const Diagnostic error = only(project.build(), "PK503");
+  EXPECT_TRUE(error.file.ends_with("far.hlsl"));
+  EXPECT_EQ(error.line, 2u);
+}
+
+TEST(CodegenDriver, RefusesStructsThatDifferBetweenKernels) {
+  const TestProject project;
+  project.write("manifest.json", manifestWith(computeKernel("one") + ",\n" + computeKernel("two")));
+  project.write("one.hlsl",
+                "struct Item { float4 a; };\n"
+                "RWStructuredBuffer<Item> g_one : register(u0, space0);\n"
+                "[numthreads(1, 1, 1)]\nvoid one() { g_one[0].a = float4(1, 1, 1, 1); }\n");
+  project.write("two.hlsl",
+                "\nstruct Item { float4 b; };\n"
+                "RWStructuredBuffer<Item> g_two : register(u1, space0);\n"
+                "[numthreads(1, 1, 1)]\nvoid two() { g_two[0].b = float4(1, 1, 1, 1); }\n");
+  const Diagnostic error = only(project.build(), "PK601");
+  EXPECT_TRUE(error.file.ends_with("two.hlsl"));
+  EXPECT_EQ(error.line, 2u);
+  EXPECT_NE(error.message.find("'two'"), std::string::npos);
+  EXPECT_NE(error.message.find("'one' at one.hlsl:1"), std::string::npos) << error.message;
+}
+
+TEST(CodegenDriver, RefusesAConstantBlockThatDevicesNeedNotTake) {
+  const TestProject project;
+  project.write("manifest.json", manifestWith(computeKernel("big")));
+  project.write("big.hlsl",
+                "cbuffer Big : register(b0, space0) { float4 g_table[1025]; };\n"
+                "RWStructuredBuffer<float4> g_out : register(u0, space0);\n"
+                "[numthreads(1, 1, 1)]\n"
+                "void big(uint3 id : SV_DispatchThreadID) { g_out[0] = g_table[id.x]; }\n");
+  EXPECT_EQ(only(project.build(), "PK701").line, 1u);
+}
+
+TEST(CodegenDriver, RefusesAnIncludeWhoseNameIsAMacro) {
+  const TestProject project;
+  project.write("manifest.json", manifestWith(computeKernel("good")));
+  project.write("hidden.hlsli", "\n");
+  project.write("good.hlsl",
+                std::string("#define NAME \"hidden.hlsli\"\n#include NAME\n") + kGoodKernel);
+  const BuildResult result = project.build();
+  EXPECT_FALSE(result.ok);
+}
+
+TEST(CodegenDriver, FindsIncludesBesideTheFileBesideTheManifestAndInTheFolders) {
+  const TestProject project;
+  project.write("manifest.json", manifestWith(R"(    {"name": "good", "file": "deep/good.hlsl",
+     "stage": "compute", "group": "g"})"));
+  project.write("deep/near.hlsli", "#define NEAR 1\n");
+  project.write("common/base.hlsli", "#define BASE 2\n");
+  project.write("../elsewhere/far.hlsli", "#include \"further.hlsli\"\n");
+  project.write("../elsewhere/further.hlsli", "#define FAR 3\n");
+  project.write("deep/good.hlsl",
+                std::string("#include \"near.hlsli\"\n#include \"common/base.hlsli\"\n#include "
+                            "<far.hlsli>\n#if NEAR + BASE + FAR != 6\n#error wrong\n#endif\n") +
+                    kGoodKernel);
+  BuildOptions options = project.options();
+  options.includeDirs.push_back(project.folder() / "elsewhere");
+  options.stampFile = project.folder() / "done.stamp";
+  options.depFile = project.folder() / "done.d";
+  const BuildResult result = build(options);
+  ASSERT_TRUE(result.ok) << result.diagnostics.format();
+  const std::string dependencies = fileText(options.depFile);
+  EXPECT_TRUE(dependencies.starts_with(options.stampFile.string() + ":")) << dependencies;
+  for (const char* name :
+       {"src/manifest.json", "src/deep/good.hlsl", "src/deep/near.hlsli", "src/common/base.hlsli",
+        "elsewhere/far.hlsli", "elsewhere/further.hlsli"}) {
+    EXPECT_NE(dependencies.find((project.folder() / name).string()), std::string::npos) << name;
+  }
+  EXPECT_EQ(build(options).compiled, 0u);
+  project.write("../elsewhere/further.hlsli", "#define FAR (1 + 2)\n");
+  EXPECT_EQ(build(options).compiled, 1u);
+}
+
+TEST(CodegenTool, PrintsASummaryAndThenTakesEverythingFromItsCache) {
+  const TestProject project;
+  project.copy(kFixture);
+  const std::string arguments = project.manifest().string() + " -o " + project.output().string();
+  const ToolRun first = runTool(project, arguments);
+  EXPECT_EQ(first.status, 0) << first.err;
+  EXPECT_EQ(first.out, "pelage-codegen: 14 permutations, 14 compiled, 0 from cache, 13 distinct\n");
+  const ToolRun second = runTool(project, arguments);
+  EXPECT_EQ(second.status, 0) << second.err;
+  EXPECT_EQ(second.out,
+            "pelage-codegen: 14 permutations, 0 compiled, 14 from cache, 13 distinct\n");
+}
+
+TEST(CodegenTool, ExitsWithOneAndTheErrorsInGccFormat) {
+  const TestProject project;
+  project.write("manifest.json", manifestWith(computeKernel("good")));
+  project.write("good.hlsl", "void good() {}\n");
+  const ToolRun run =
+      runTool(project, project.manifest().string() + " -o " + project.output().string());
+  EXPECT_EQ(run.status, 1);
+  EXPECT_TRUE(run.out.empty()) << run.out;
+  EXPECT_TRUE(run.err.starts_with((project.folder() / "src/good.hlsl").string() + ":1: error: [PK"))
+      << run.err;
+}
+
+TEST(CodegenTool, ExplainsItselfWhenArgumentsAreMissing) {
+  const TestProject project;
+  const ToolRun run = runTool(project, "");
+  EXPECT_EQ(run.status, 2);
+  EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+  EXPECT_NE(runTool(project, "/does/not/exist.json -o x").status, 0);
+}
+
+}  // namespace
+}  // namespace pelage::codegen::test

@@ -1,0 +1,309 @@
+// The generated code of the fixture, as an engine would use it.
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "codegen/spirv_reader.h"
+#include "fixture/gpu/gpu_structs.h"
+#include "fixture/gpu/kernels.h"
+#include "fixture/gpu/layouts.h"
+#include "pelage/gpu_structs.h"
+#include "pelage/kernels.h"
+#include "pelage/layouts.h"
+
+namespace {
+
+namespace gpu = fixture::gpu;
+using pelage::Access;
+using pelage::codegen::SpirvInstruction;
+using pelage::codegen::SpirvReader;
+
+// True when the variant template accepts the key.
+template <gpu::MoveParticlesKey K>
+concept Compiles = requires {
+  gpu::moveParticlesVariant<K>();
+};
+
+constexpr gpu::MoveParticlesKey kAllowed{.airDrag = true,
+                                         .subSteps = gpu::MoveParticlesSubSteps::k4};
+constexpr gpu::MoveParticlesKey kExcluded{.bounce = true,
+                                          .subSteps = gpu::MoveParticlesSubSteps::k4};
+
+TEST(GeneratedKernels, DoNotCompileForAnExcludedKey) {
+  static_assert(Compiles<gpu::MoveParticlesKey{}>);
+  static_assert(Compiles<kAllowed>);
+  static_assert(!Compiles<kExcluded>);
+  static_assert(gpu::exists(kAllowed) && !gpu::exists(kExcluded));
+  EXPECT_EQ(gpu::moveParticlesVariant(kExcluded), nullptr);
+  EXPECT_EQ(gpu::moveParticlesVariant(kAllowed), &gpu::moveParticlesVariant<kAllowed>());
+}
+
+TEST(GeneratedKernels, HaveAVariantOfTheirOwnForEachKey) {
+  EXPECT_EQ(gpu::moveParticlesVariant({})->key, std::string("airDrag=0 bounce=0 subSteps=2"))
+      << "the first value of an axis is the default";
+  std::set<const pelage::KernelVariant*> found;
+  for (const bool drag : {false, true}) {
+    for (const bool bounce : {false, true}) {
+      for (const auto steps : {gpu::MoveParticlesSubSteps::k1, gpu::MoveParticlesSubSteps::k2,
+                               gpu::MoveParticlesSubSteps::k4}) {
+        const pelage::KernelVariant* variant = gpu::moveParticlesVariant({drag, bounce, steps});
+        if (variant == nullptr) continue;
+        found.insert(variant);
+        const std::string key = variant->key;
+        EXPECT_NE(key.find(drag ? "airDrag=1" : "airDrag=0"), std::string::npos) << key;
+        EXPECT_NE(key.find(bounce ? "bounce=1" : "bounce=0"), std::string::npos) << key;
+        EXPECT_NE(key.find("subSteps=" + std::to_string(static_cast<int>(steps))),
+                  std::string::npos);
+        EXPECT_EQ(variant->kernel, &gpu::kMoveParticlesKernel);
+      }
+    }
+  }
+  EXPECT_EQ(found.size(), 10u);
+  EXPECT_EQ(gpu::kMoveParticlesKernel.variants.size(), 10u);
+}
+
+TEST(GeneratedKernels, StoreEqualVariantsOnce) {
+  EXPECT_EQ(&gpu::countParticlesVariant({.unused = false}),
+            &gpu::countParticlesVariant({.unused = true}));
+  EXPECT_EQ(gpu::kCountParticlesKernel.variants.size(), 1u);
+}
+
+TEST(GeneratedKernels, KnowGroupSizeStageAndLayouts) {
+  const pelage::KernelVariant& count = gpu::countParticlesVariant();
+  EXPECT_EQ(count.groupSize[0], 32u);
+  EXPECT_EQ(count.groupSize[1], 2u);
+  EXPECT_EQ(count.groupSize[2], 1u);
+  EXPECT_EQ(gpu::pointVertexVariant().groupSize[0], 0u);
+  EXPECT_EQ(gpu::kPointVertexKernel.stage, pelage::Stage::kVertex);
+  EXPECT_EQ(gpu::kPointPixelKernel.stage, pelage::Stage::kPixel);
+  ASSERT_EQ(gpu::kCountParticlesKernel.layouts.size(), 2u);
+  EXPECT_EQ(gpu::kCountParticlesKernel.layouts[0], &gpu::kParticlesLayout);
+  EXPECT_EQ(gpu::kCountParticlesKernel.layouts[1], &gpu::kForcesLayout);
+  EXPECT_EQ(gpu::allKernels().size(), 4u);
+}
+
+Access accessOf(const pelage::KernelVariant& variant, uint8_t set, uint8_t entry) {
+  for (const pelage::VariantBinding& binding : variant.bindings) {
+    if (binding.set == set && binding.entry == entry) return binding.access;
+  }
+  return Access::kNone;
+}
+
+TEST(GeneratedKernels, KnowWhatEachVariantReadsAndWrites) {
+  const pelage::KernelVariant& move = *gpu::moveParticlesVariant({});
+  EXPECT_EQ(accessOf(move, 0, gpu::ParticlesEntry::particles), Access::kReadWrite);
+  EXPECT_EQ(accessOf(move, 0, gpu::ParticlesEntry::cellCounts), Access::kNone);
+  EXPECT_EQ(accessOf(move, 1, gpu::ForcesEntry::wells), Access::kRead)
+      << "read in a helper function";
+  EXPECT_EQ(accessOf(move, 1, gpu::ForcesEntry::trail), Access::kWrite);
+  EXPECT_EQ(accessOf(move, 1, gpu::ForcesEntry::noise), Access::kRead);
+  EXPECT_EQ(accessOf(move, 1, gpu::ForcesEntry::noiseSampler), Access::kRead);
+  const pelage::KernelVariant& count = gpu::countParticlesVariant();
+  EXPECT_EQ(accessOf(count, 0, gpu::ParticlesEntry::particles), Access::kRead);
+  EXPECT_EQ(accessOf(count, 0, gpu::ParticlesEntry::cellCounts), Access::kReadWrite) << "an atomic";
+  EXPECT_EQ(accessOf(count, 1, gpu::ForcesEntry::log), Access::kWrite);
+}
+
+// (set, binding) of all resources of a module.
+std::set<std::pair<uint32_t, uint32_t>> moduleBindings(const SpirvReader& module) {
+  std::set<std::pair<uint32_t, uint32_t>> bindings;
+  for (const SpirvInstruction& i : module.instructions()) {
+    if (i.op != SpvOpVariable) continue;
+    const auto set = module.decoration(i.result, SpvDecorationDescriptorSet);
+    const auto binding = module.decoration(i.result, SpvDecorationBinding);
+    if (set && binding) bindings.insert({*set, *binding});
+  }
+  return bindings;
+}
+
+TEST(GeneratedKernels, CarrySpirvWithThePlannedBindingsAndNoNames) {
+  for (const auto kernels : {gpu::allKernels(), pelage::allKernels()}) {
+    for (const pelage::Kernel* kernel : kernels) {
+      for (const pelage::KernelVariant* variant : kernel->variants) {
+        const std::optional<SpirvReader> module = SpirvReader::parse(variant->spirv);
+        ASSERT_TRUE(module) << kernel->name;
+        std::set<std::pair<uint32_t, uint32_t>> planned;
+        for (const pelage::VariantBinding& binding : variant->bindings) {
+          planned.insert(
+              {binding.set, kernel->layouts[binding.set]->entries[binding.entry].binding});
+        }
+        EXPECT_EQ(moduleBindings(*module), planned) << kernel->name << " " << variant->key;
+        for (const SpirvInstruction& instruction : module->instructions()) {
+          EXPECT_NE(instruction.op, SpvOpName);
+          EXPECT_NE(instruction.op, SpvOpLine);
+          EXPECT_NE(instruction.op, SpvOpString);
+        }
+        EXPECT_TRUE(variant->glsl.starts_with("#version 450\n"));
+        EXPECT_TRUE(variant->essl.starts_with("#version 320 es\n"));
+        EXPECT_NE(variant->hash, 0u);
+      }
+    }
+  }
+}
+
+TEST(GeneratedKernels, BindByNumberInGlsl) {
+  for (const std::string_view text :
+       {gpu::moveParticlesVariant({})->glsl, gpu::moveParticlesVariant({})->essl}) {
+    EXPECT_NE(text.find("layout(binding = 0, std140) uniform ForceConstants"), std::string::npos);
+    EXPECT_NE(text.find("layout(binding = 1, std430) buffer g_particles"), std::string::npos);
+    EXPECT_NE(text.find("layout(binding = 2, std430) readonly buffer g_wells"), std::string::npos);
+    EXPECT_NE(text.find("layout(binding = 0) uniform"), std::string::npos) << "the texture";
+  }
+}
+
+TEST(GeneratedKernels, StayPreciseInSpirvAndInGlsl) {
+  const pelage::KernelVariant& variant =
+      *gpu::moveParticlesVariant({.airDrag = true, .bounce = true});
+  const std::optional<SpirvReader> module = SpirvReader::parse(variant.spirv);
+  ASSERT_TRUE(module);
+  size_t products = 0;
+  for (const SpirvInstruction& i : module->instructions()) {
+    if (i.op != SpvOpFMul && i.op != SpvOpFAdd && i.op != SpvOpVectorTimesScalar) continue;
+    ++products;
+    EXPECT_TRUE(module->decoration(i.result, SpvDecorationNoContraction).has_value());
+  }
+  EXPECT_GT(products, 10u);
+  EXPECT_NE(variant.glsl.find("precise "), std::string::npos);
+  EXPECT_NE(variant.essl.find("precise "), std::string::npos);
+}
+
+TEST(GeneratedKernels, MapClipSpaceInTheVertexStageAlone) {
+  EXPECT_NE(gpu::pointVertexVariant().glsl.find("gl_Position.y = -gl_Position.y"),
+            std::string::npos);
+  EXPECT_NE(gpu::pointVertexVariant().essl.find("gl_Position.y = -gl_Position.y"),
+            std::string::npos);
+  EXPECT_NE(gpu::pointVertexVariant().essl.find("2.0 * gl_Position.z - gl_Position.w"),
+            std::string::npos);
+  EXPECT_EQ(gpu::pointVertexVariant().glsl.find("SPIRV_Cross_BaseInstance"), std::string::npos);
+}
+
+TEST(GeneratedSpecialization, GivesTheDefaultsOfTheHlslAndTheBitsOfEachType) {
+  const gpu::MoveParticlesSpecialization defaults;
+  EXPECT_EQ(defaults.restitution, 0.5f);
+  EXPECT_EQ(defaults.wellLimit, 16u);
+  EXPECT_TRUE(defaults.attract);
+  EXPECT_EQ(defaults.bias, -3);
+  static_assert(std::is_same_v<decltype(defaults.wellLimit), uint32_t>);
+  gpu::MoveParticlesSpecialization changed;
+  changed.restitution = 1.0f;
+  changed.attract = false;
+  changed.bias = -1;
+  const auto values = changed.values();
+  ASSERT_EQ(values.size(), 4u);
+  EXPECT_EQ(values[0], (pelage::SpecValue{2, 16}));
+  EXPECT_EQ(values[1], (pelage::SpecValue{4, 0}));
+  EXPECT_EQ(values[2], (pelage::SpecValue{5, 0xffffffffu}));
+  EXPECT_EQ(values[3], (pelage::SpecValue{7, 0x3f800000u}));
+  ASSERT_EQ(gpu::kMoveParticlesKernel.specConstants.size(), 4u);
+  EXPECT_STREQ(gpu::kMoveParticlesKernel.specConstants[3].name, "g_restitution");
+  EXPECT_EQ(gpu::kMoveParticlesKernel.specConstants[3].defaultBits, 0x3f000000u);
+  EXPECT_NE(gpu::moveParticlesVariant({.bounce = true})->glsl.find("SPIRV_CROSS_CONSTANT_ID_7"),
+            std::string::npos);
+}
+
+struct Manager {
+  std::vector<const pelage::LayoutTable*> made;
+  int createLayout(const pelage::LayoutTable& table) {
+    made.push_back(&table);
+    return static_cast<int>(made.size());
+  }
+};
+
+TEST(GeneratedLayouts, AreHandedToTheEnginesManager) {
+  Manager manager;
+  EXPECT_EQ(gpu::CreateParticlesLayout(manager), 1);
+  EXPECT_EQ(gpu::CreateForcesLayout(manager), 2);
+  EXPECT_EQ(pelage::CreateSimPosTanLayout(manager), 3);
+  EXPECT_EQ(pelage::CreateSimLayout(manager), 4);
+  EXPECT_EQ(pelage::CreateRenderPosTanLayout(manager), 5);
+  EXPECT_EQ(pelage::CreateRenderLayout(manager), 6);
+  EXPECT_EQ(manager.made[1], &gpu::kForcesLayout);
+  EXPECT_EQ(manager.made[2], &pelage::kSimPosTanLayout);
+}
+
+TEST(GeneratedLayouts, NumberBindingsDenselyByClassAndRegister) {
+  std::vector<std::string> names;
+  for (const pelage::LayoutEntry& entry : gpu::kForcesLayout.entries) {
+    EXPECT_EQ(entry.binding, names.size());
+    names.push_back(entry.name);
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"ForceConstants", "g_noise", "g_wells", "g_trail",
+                                             "g_log", "g_noiseSampler"}));
+}
+
+TEST(GeneratedLayouts, NumberGlBindingsDenselyForEachKindOverTheSetsOfAGroup) {
+  for (const auto layouts : {gpu::allLayouts(), pelage::allLayouts()}) {
+    std::map<std::pair<std::string, pelage::ResourceKind>, uint32_t> next;
+    for (const pelage::LayoutTable* layout : layouts) {
+      for (const pelage::LayoutEntry& entry : layout->entries) {
+        if (entry.kind == pelage::ResourceKind::kSampler) continue;
+        EXPECT_EQ(entry.glBinding, (next[{layout->group, entry.kind}]++)) << entry.name;
+      }
+    }
+    EXPECT_FALSE(next.empty());
+  }
+}
+
+TEST(GeneratedLayouts, JoinAccessAndStagesOfAllKernels) {
+  const pelage::LayoutEntry& particles =
+      gpu::kParticlesLayout.entries[gpu::ParticlesEntry::particles];
+  EXPECT_EQ(particles.access, Access::kReadWrite);
+  EXPECT_EQ(particles.stride, sizeof(gpu::Particle));
+  const pelage::LayoutEntry& constants = gpu::kDrawLayout.entries[gpu::DrawEntry::drawConstants];
+  EXPECT_EQ(constants.stages,
+            pelage::stageBit(pelage::Stage::kVertex) | pelage::stageBit(pelage::Stage::kPixel));
+  EXPECT_EQ(constants.stride, sizeof(gpu::DrawConstants));
+}
+
+// Offsets of the members of the struct that is bound at (set, binding), from the shipped SPIR-V.
+std::vector<uint32_t> spirvOffsets(const pelage::KernelVariant& variant, uint32_t set,
+                                   uint32_t entry) {
+  const std::optional<SpirvReader> module = SpirvReader::parse(variant.spirv);
+  std::vector<uint32_t> offsets;
+  if (!module) return offsets;
+  const uint32_t binding = variant.kernel->layouts[set]->entries[entry].binding;
+  for (const SpirvInstruction& i : module->instructions()) {
+    if (i.op != SpvOpVariable || module->decoration(i.result, SpvDecorationDescriptorSet) != set ||
+        module->decoration(i.result, SpvDecorationBinding) != binding) {
+      continue;
+    }
+    uint32_t type = module->definition(i.resultType)->operands[1];
+    const SpirvInstruction* last = module->definition(module->definition(type)->operands.back());
+    if (last->op == SpvOpTypeRuntimeArray) type = last->operands[0];
+    for (uint32_t m = 0; m < module->definition(type)->operands.size(); ++m) {
+      offsets.push_back(module->memberDecoration(type, m, SpvDecorationOffset).value_or(~0u));
+    }
+  }
+  return offsets;
+}
+
+TEST(GeneratedStructs, HaveTheOffsetsOfTheSpirv) {
+  using gpu::ForceConstants;
+  using gpu::Particle;
+  using gpu::Well;
+  const pelage::KernelVariant& variant =
+      *gpu::moveParticlesVariant({.airDrag = true, .bounce = true});
+  EXPECT_EQ(spirvOffsets(variant, 1, gpu::ForcesEntry::forceConstants),
+            (std::vector<uint32_t>{
+                offsetof(ForceConstants, planes), offsetof(ForceConstants, gravity),
+                offsetof(ForceConstants, timeStep), offsetof(ForceConstants, particleCount),
+                offsetof(ForceConstants, wellCount), offsetof(ForceConstants, drag),
+                offsetof(ForceConstants, gridOrigin), offsetof(ForceConstants, lastOne)}));
+  EXPECT_EQ(spirvOffsets(variant, 0, gpu::ParticlesEntry::particles),
+            (std::vector<uint32_t>{offsetof(Particle, position), offsetof(Particle, size),
+                                   offsetof(Particle, kind), offsetof(Particle, lives),
+                                   offsetof(Particle, cell), offsetof(Particle, history),
+                                   offsetof(Particle, last)}));
+  EXPECT_EQ(spirvOffsets(variant, 1, gpu::ForcesEntry::wells),
+            (std::vector<uint32_t>{offsetof(Well, center), offsetof(Well, strength),
+                                   offsetof(Well, radius)}));
+  static_assert(sizeof(ForceConstants) % 16 == 0);
+}
+
+}  // namespace
