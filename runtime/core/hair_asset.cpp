@@ -1,0 +1,244 @@
+#include "pelage/hair_asset.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "guard.h"
+#include "pelage/random.h"
+#include "portable_math.h"
+#include "vector3.h"
+
+namespace pelage {
+namespace {
+
+using Vector = detail::Vector3<float>;
+using Frame = detail::UnitQuaternion<float>;
+
+constexpr uint32_t kMaxFollowHairsPerGuide = 64;
+
+Vector xyz(const Float4& p) { return {p.x, p.y, p.z}; }
+
+bool isCoordinate(float value) { return std::abs(value) <= kMaxCoordinate; }  // false for NaN
+
+Error invalid(std::string message) {
+  return Error{ErrorCode::kInvalidArgument, std::move(message)};
+}
+
+// Direction of the first segment that has one: what the kernel starts from, too.
+Vector rootTangent(const Float4* strand, uint32_t count) {
+  for (uint32_t i = 0; i + 1 < count; ++i) {
+    const Vector direction = detail::normalizeOr(xyz(strand[i + 1]) - xyz(strand[i]), Vector{});
+    if (dot(direction, direction) > 0) return direction;
+  }
+  return {1, 0, 0};
+}
+
+float segmentLength(const Float4& a, const Float4& b) {
+  const detail::Vector3<double> d = {double{b.x} - a.x, double{b.y} - a.y, double{b.z} - a.z};
+  return static_cast<float>(detail::length(d));
+}
+
+Result<void> checkAsset(const HairAsset& asset) {
+  if (asset.strandCount == 0) return invalid("the hair asset has no strands");
+  if (asset.verticesPerStrand < kMinVerticesPerStrand ||
+      asset.verticesPerStrand > kMaxVerticesPerStrand)
+    return invalid(fmt::format("the hair asset has {} vertices a strand; it must be 2 to 256",
+                               asset.verticesPerStrand));
+  const uint64_t strandCount = asset.strandCount;
+  const uint64_t vertexCount = strandCount * asset.verticesPerStrand;
+  const auto checkSize = [](const char* name, uint64_t size, uint64_t wanted,
+                            bool optional) -> Result<void> {
+    if (size == wanted || (optional && size == 0)) return {};
+    return invalid(fmt::format("HairAsset::{} has {} elements instead of {}", name, size, wanted));
+  };
+  if (auto r = checkSize("positions", asset.positions.size(), vertexCount, false); !r) return r;
+  if (auto r = checkSize("strandUv", asset.strandUv.size(), strandCount, true); !r) return r;
+  if (auto r = checkSize("vertexUv", asset.vertexUv.size(), vertexCount, true); !r) return r;
+  if (auto r = checkSize("strandThickness", asset.strandThickness.size(), strandCount, true); !r)
+    return r;
+  if (auto r = checkSize("vertexColor", asset.vertexColor.size(), vertexCount, true); !r) return r;
+
+  for (uint64_t i = 0; i < vertexCount; ++i) {
+    const Float4& p = asset.positions[i];
+    const uint64_t strand = i / asset.verticesPerStrand, vertex = i % asset.verticesPerStrand;
+    if (!isCoordinate(p.x) || !isCoordinate(p.y) || !isCoordinate(p.z))
+      return invalid(
+          fmt::format("position of strand {}, vertex {} is ({}, {}, {}); it must be "
+                      "finite and within +-1e6 m",
+                      strand, vertex, p.x, p.y, p.z));
+    if (!std::isfinite(p.w) || p.w < 0)
+      return invalid(
+          fmt::format("inverse mass of strand {}, vertex {} is {}; it must be finite and "
+                      "not negative",
+                      strand, vertex, p.w));
+  }
+  for (uint64_t i = 0; i < asset.strandThickness.size(); ++i)
+    if (!(asset.strandThickness[i] >= 0 && asset.strandThickness[i] <= kMaxCoordinate))
+      return invalid(fmt::format("thickness of strand {} is {}; it must be 0 to 1e6", i,
+                                 asset.strandThickness[i]));
+  const auto checkFinite = [](const char* name, const float* values, uint64_t count,
+                              uint64_t perElement) -> Result<void> {
+    for (uint64_t i = 0; i < count * perElement; ++i)
+      if (!std::isfinite(values[i]))
+        return invalid(fmt::format("HairAsset::{}[{}] is not finite", name, i / perElement));
+    return {};
+  };
+  static_assert(sizeof(Float2) == 2 * sizeof(float) && sizeof(Float4) == 4 * sizeof(float));
+  const auto floats = [](const auto& v) { return reinterpret_cast<const float*>(v.data()); };
+  if (auto r = checkFinite("strandUv", floats(asset.strandUv), asset.strandUv.size(), 2); !r)
+    return r;
+  if (auto r = checkFinite("vertexUv", floats(asset.vertexUv), asset.vertexUv.size(), 2); !r)
+    return r;
+  return checkFinite("vertexColor", floats(asset.vertexColor), asset.vertexColor.size(), 4);
+}
+
+// Rest data of one strand; `first` is the index of its vertex 0.
+void processStrand(HairAsset& asset, uint64_t first, float thickness, float tipThickness) {
+  const uint32_t count = asset.verticesPerStrand;
+  const Float4* positions = asset.positions.data() + first;
+
+  double arcLength = 0;
+  for (uint32_t i = 0; i + 1 < count; ++i) {
+    const float length = segmentLength(positions[i], positions[i + 1]);
+    asset.restLengths[first + i] = length;
+    arcLength += length;
+    if (length < kMinSegmentLength) ++asset.degenerateSegmentCount;
+  }
+
+  // Parallel transport (Bergou et al. 2008, "Discrete Elastic Rods", section 4.2.2): each frame is
+  // the one before, turned by the shortest arc between the two directions.
+  const Vector rootDirection = rootTangent(positions, count);
+  Vector direction = rootDirection;
+  Frame frame = detail::shortestArc(Vector{1, 0, 0}, direction);
+  for (uint32_t i = 0; i < count; ++i) {
+    // The frame is still that of the arriving edge (vertex 0: of edge 0).
+    asset.restFrames[first + i] = {frame.x, frame.y, frame.z, frame.w};
+    if (i + 1 == count) break;
+    const Vector edge = xyz(positions[i + 1]) - xyz(positions[i]);
+    const Vector rest = detail::rotateInverse(frame, edge);
+    asset.restVectors[first + i] = {rest.x, rest.y, rest.z};
+    const Vector next = detail::normalizeOr(edge, direction);
+    if (i > 0) frame = detail::normalized(detail::shortestArc(direction, next) * frame);
+    direction = next;
+  }
+
+  direction = rootDirection;
+  for (uint32_t i = 0; i < count; ++i) {
+    const Vector before = xyz(positions[i > 0 ? i - 1 : 0]);
+    const Vector here = xyz(positions[i]);
+    const Vector after = xyz(positions[i + 1 < count ? i + 1 : i]);
+    direction = detail::normalizeOr(after - here, direction);
+    const Vector tangent = detail::normalizeOr(after - before, direction);
+    asset.tangents[first + i] = {tangent.x, tangent.y, tangent.z};
+  }
+
+  double distance = 0;
+  for (uint32_t i = 0; i < count; ++i) {
+    const double share = arcLength > 0 ? std::min(distance / arcLength, 1.0) : 0.0;
+    asset.vertexThickness[first + i] =
+        static_cast<float>(thickness * (1.0 + (double{tipThickness} - 1.0) * share));
+    asset.inverseMasses[first + i] = i < 2 ? 0.0f : positions[i].w;
+    distance += asset.restLengths[first + i];
+  }
+}
+
+Result<void> processAsset(HairAsset& asset, const ProcessDef& def) {
+  if (!(def.tipThickness >= 0 && def.tipThickness <= 1))
+    return invalid(
+        fmt::format("ProcessDef::tipThickness is {}; it must be 0 to 1", def.tipThickness));
+  if (auto r = checkAsset(asset); !r) return r;
+  const uint64_t vertexCount = uint64_t{asset.strandCount} * asset.verticesPerStrand;
+  asset.restLengths.assign(vertexCount, 0.0f);
+  asset.restFrames.assign(vertexCount, {});
+  asset.restVectors.assign(vertexCount, {});
+  asset.tangents.assign(vertexCount, {});
+  asset.inverseMasses.assign(vertexCount, 0.0f);
+  asset.vertexThickness.assign(vertexCount, 0.0f);
+  asset.degenerateSegmentCount = 0;
+  for (uint64_t strand = 0; strand < asset.strandCount; ++strand)
+    processStrand(asset, strand * asset.verticesPerStrand,
+                  asset.strandThickness.empty() ? 1.0f : asset.strandThickness[strand],
+                  def.tipThickness);
+  return {};
+}
+
+Result<std::vector<FollowHair>> makeFollowHairs(const HairAsset& asset, const FollowDef& def) {
+  if (def.countPerGuide > kMaxFollowHairsPerGuide)
+    return invalid(fmt::format("FollowDef::countPerGuide is {}; it must be 0 to {}",
+                               def.countPerGuide, kMaxFollowHairsPerGuide));
+  if (!(def.maxRadius >= 0 && def.maxRadius <= 1))
+    return invalid(fmt::format("FollowDef::maxRadius is {} m; it must be 0 to 1 m", def.maxRadius));
+  if (!(def.tipSeparation >= 0 && def.tipSeparation <= 100))
+    return invalid(
+        fmt::format("FollowDef::tipSeparation is {}; it must be 0 to 100", def.tipSeparation));
+  if (auto r = checkAsset(asset); !r) return r.error();
+  const uint64_t total = uint64_t{asset.strandCount} * def.countPerGuide;
+  if (total + asset.strandCount > std::numeric_limits<uint32_t>::max())
+    return invalid(fmt::format("{} guides with {} follow hairs each are more than 2^32 strands",
+                               asset.strandCount, def.countPerGuide));
+
+  std::vector<FollowHair> hairs;
+  hairs.reserve(total);
+  for (uint32_t guide = 0; guide < asset.strandCount; ++guide) {
+    Random random(def.seed, guide);
+    const Frame frame = detail::shortestArc(
+        Vector{1, 0, 0},
+        rootTangent(asset.positions.data() + uint64_t{guide} * asset.verticesPerStrand,
+                    asset.verticesPerStrand));
+    for (uint32_t k = 0; k < def.countPerGuide; ++k) {
+      // The square root makes the density uniform over the disc's area.
+      const double radius = def.maxRadius * std::sqrt(random.uniformDouble());
+      const detail::SinCos angle = detail::sinCos(detail::kTwoPi * random.uniformDouble());
+      const Vector offset =
+          detail::rotate(frame, Vector{0, static_cast<float>(radius * angle.cosine),
+                                       static_cast<float>(radius * angle.sine)});
+      hairs.push_back({guide, {offset.x, offset.y, offset.z, def.tipSeparation}});
+    }
+  }
+  return hairs;
+}
+
+}  // namespace
+
+Result<void> validate(const HairAsset& asset) {
+  return detail::guarded([&] { return checkAsset(asset); });
+}
+
+Result<void> HairAsset::process(const ProcessDef& def) {
+  return detail::guarded([&] { return processAsset(*this, def); });
+}
+
+Result<std::vector<FollowHair>> HairAsset::generateFollowHairs(const FollowDef& def) const {
+  return detail::guarded([&] { return makeFollowHairs(*this, def); });
+}
+
+Result<std::vector<Float4>> packRest(const HairAsset& asset) {
+  return detail::guarded([&]() -> Result<std::vector<Float4>> {
+    const uint64_t strandCount = asset.strandCount, count = asset.verticesPerStrand;
+    const uint64_t vertexCount = strandCount * count;
+    if (vertexCount == 0 || asset.positions.size() != vertexCount ||
+        asset.restVectors.size() != vertexCount || asset.restLengths.size() != vertexCount ||
+        asset.restFrames.size() != vertexCount || asset.inverseMasses.size() != vertexCount) {
+      return invalid("packRest() needs an asset on which process() succeeded");
+    }
+    std::vector<Float4> packed(2 * vertexCount);
+    for (uint64_t strand = 0; strand < strandCount; ++strand) {
+      for (uint64_t i = 0; i < count; ++i) {
+        const uint64_t from = strand * count + i, to = i * strandCount + strand;
+        const Float4& p = asset.positions[from];
+        const Float3& rest = asset.restVectors[from];
+        packed[to] = {p.x, p.y, p.z, asset.inverseMasses[from] > 0 ? 1.0f : 0.0f};
+        packed[vertexCount + to] = {rest.x, rest.y, rest.z, asset.restLengths[from]};
+      }
+      const Quaternion& frame = asset.restFrames[strand * count];
+      packed[vertexCount + (count - 1) * strandCount + strand] = {frame.x, frame.y, frame.z,
+                                                                  frame.w};
+    }
+    return packed;
+  });
+}
+
+}  // namespace pelage

@@ -1,0 +1,73 @@
+#include "pelage/simulation_settings.h"
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+namespace pelage {
+namespace {
+
+constexpr float kMax = std::numeric_limits<float>::max();
+
+struct Range {
+  const char* name;
+  float value, low, high;
+};
+
+Error outOfRange(const std::string& name, const std::string& value, const std::string& range) {
+  return {ErrorCode::kInvalidArgument,
+          "simulation setting '" + name + "' is " + value + ", but must be " + range};
+}
+
+std::string text(float value) {
+  std::string digits = std::to_string(value);
+  while (digits.find('.') != std::string::npos && (digits.back() == '0' || digits.back() == '.')) {
+    const bool point = digits.back() == '.';
+    digits.pop_back();
+    if (point) break;
+  }
+  return digits;
+}
+
+}  // namespace
+
+Result<void> validate(const SimulationSettings& s) {
+  const Range ranges[] = {
+      {"gravity.x", s.gravity.x, -kMax, kMax},
+      {"gravity.y", s.gravity.y, -kMax, kMax},
+      {"gravity.z", s.gravity.z, -kMax, kMax},
+      {"damping", s.damping, 0, 1},
+      {"localStiffness", s.localStiffness, 0, 1},
+      {"globalStiffness", s.globalStiffness, 0, 1},
+      {"globalRange", s.globalRange, 0, 1},
+      {"vspCoefficient", s.vspCoefficient, 0, 1},
+      {"wind.velocity.x", s.wind.velocity.x, -kMax, kMax},
+      {"wind.velocity.y", s.wind.velocity.y, -kMax, kMax},
+      {"wind.velocity.z", s.wind.velocity.z, -kMax, kMax},
+      {"wind.gustStrength", s.wind.gustStrength, 0, 1},
+      {"wind.gustPeriod", s.wind.gustPeriod, 1e-3f, kMax},
+      {"airDrag", s.airDrag, 0, kMax},
+      {"maxSpeed", s.maxSpeed, 1e-6f, kMax},
+      {"tipSeparation", s.tipSeparation, 0, kMax},
+  };
+  for (const Range& range : ranges) {
+    if (!std::isfinite(range.value)) {
+      return outOfRange(range.name, std::isnan(range.value) ? "not a number" : "infinite",
+                        "finite");
+    }
+    if (range.value < range.low || range.value > range.high) {
+      return outOfRange(range.name, text(range.value),
+                        range.high == kMax ? "at least " + text(range.low)
+                                           : "in " + text(range.low) + ".." + text(range.high));
+    }
+  }
+  // An infinite threshold is allowed: it means never.
+  if (!(s.vspThreshold > 0)) return outOfRange("vspThreshold", text(s.vspThreshold), "above 0");
+  if (s.localIterations < 1 || s.localIterations > 16)
+    return outOfRange("localIterations", std::to_string(s.localIterations), "in 1..16");
+  if (s.lengthIterations < 1 || s.lengthIterations > 16)
+    return outOfRange("lengthIterations", std::to_string(s.lengthIterations), "in 1..16");
+  return {};
+}
+
+}  // namespace pelage
