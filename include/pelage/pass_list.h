@@ -37,7 +37,7 @@ struct BufferDesc {
   uint64_t size = 0;    ///< bytes, > 0, a multiple of 4
   uint32_t stride = 0;  ///< bytes an element
   BufferUsage usage = BufferUsage::kStorage;
-  std::vector<std::byte> initial;  ///< empty: zero-filled; else exactly `size` bytes
+  std::vector<std::byte> initial = {};  ///< empty: zero-filled; else exactly `size` bytes
 };
 
 /// The buffers of a scene. Ids are never reused, so that a runtime notices what is new and what is

@@ -1,0 +1,236 @@
+// Runs pass lists with OpenGL core 4.5 or OpenGL ES 3.2, on a context that the caller owns. The
+// same code serves both; which one it is, is read from the context. No GL library is linked:
+// every function is loaded through the caller's getProcAddress.
+//
+// All calls, the destructors included, need the context current that was current at create().
+// Nothing here is thread-safe.
+//
+// The pictures' convention: row 0 of the framebuffer is the top row of the picture, and depth runs
+// from 0 to 1 as in HLSL (kernels are translated that way). An engine whose framebuffers have the
+// bottom row first draws into a texture of its own and flips it when it samples it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pelage/headless.h"
+#include "pelage/kernel.h"
+#include "pelage/pass_list.h"
+#include "pelage/result.h"
+
+namespace pelage::gl {
+
+/// Indexed buffer bindings (GL_SHADER_STORAGE_BUFFER, GL_UNIFORM_BUFFER) that pelage may use:
+/// 0..kMaxBindings-1. StateGuard saves these.
+inline constexpr uint32_t kMaxBindings = 16;
+
+enum class Profile : uint8_t {
+  kCore,  ///< OpenGL 4.5 core or later
+  kEs,    ///< OpenGL ES 3.2 or later
+};
+
+/// Keeps linked programs between runs. The key covers the driver's strings and the whole source,
+/// so that another driver or kernel asks for another entry. Either function may be empty.
+struct ProgramCache {
+  /// The bytes stored under the key; empty when there are none. They may be anything: what is
+  /// truncated, corrupt or refused by the driver is compiled again.
+  std::function<std::vector<std::byte>(uint64_t key)> load;
+  std::function<void(uint64_t key, std::span<const std::byte> bytes)> store;
+};
+
+/// A ProgramCache of one file a program in a directory, which is created when it is missing. A
+/// directory that cannot be written is no error: programs are compiled then.
+ProgramCache directoryProgramCache(std::string directory);
+
+struct RuntimeDef {
+  /// Address of a GL function in the current context: eglGetProcAddress, glXGetProcAddress,
+  /// SDL_GL_GetProcAddress. Must know the core functions too.
+  std::function<void*(const char* name)> getProcAddress;
+  ProgramCache programCache;
+  /// Names every object and pass for debuggers (KHR_debug), and checks glGetError after every
+  /// recording. Costs a synchronisation with the driver a call.
+  bool debug = false;
+};
+
+/// What the context offers; read once in create().
+struct Limits {
+  uint32_t storageBindings = 0, uniformBindings = 0;  ///< binding points of the context
+  uint32_t computeStorageBlocks = 0, vertexStorageBlocks = 0, pixelStorageBlocks = 0;
+  uint32_t combinedStorageBlocks = 0;  ///< vertex and pixel stage together
+  uint32_t groupCount[3] = {0, 0, 0};  ///< work groups of a dispatch on each axis
+  uint32_t groupSize[3] = {0, 0, 0};   ///< threads of a work group on each axis
+  uint32_t groupThreads = 0;           ///< threads of a work group
+  uint64_t uniformBlockBytes = 0, storageBlockBytes = 0;
+  uint32_t uniformAlignment = 0, storageAlignment = 0;  ///< of the offset of a binding [bytes]
+  bool timestamps = false;       ///< PassTimer measures; otherwise its times are negative
+  bool programBinaries = false;  ///< the driver hands out binaries for the ProgramCache
+};
+
+/// What a Runtime has done so far.
+struct Statistics {
+  uint32_t programsCompiled = 0;  ///< from source
+  uint32_t programsLoaded = 0;    ///< from the ProgramCache
+  uint64_t bufferBytes = 0;       ///< of the buffers that it owns now
+};
+
+/// What createLayout() makes of a table: GL has no descriptor sets, so this is its slots. Owned by
+/// the runtime.
+struct Layout {
+  const LayoutTable* table = nullptr;
+  struct Slot {
+    uint32_t target = 0;   ///< GL_UNIFORM_BUFFER or GL_SHADER_STORAGE_BUFFER; 0: no buffer
+    uint32_t binding = 0;  ///< for glBindBufferRange
+  };
+  std::vector<Slot> slots;  ///< [entry of the table]
+};
+
+/// A member of a block as the driver lays it out.
+struct DriverMember {
+  std::string name;                  ///< as the driver writes it: "RenderConstants.g_eye"
+  uint32_t offset = 0;               ///< [bytes]; of the first element where it is an array
+  uint32_t type = 0;                 ///< GL_FLOAT_VEC4 and so on
+  uint32_t arraySize = 0;            ///< elements; 0 = of the block's length, 1 = no array
+  uint32_t arrayStride = 0;          ///< [bytes]; 0 = no array
+  uint32_t topLevelArraySize = 0;    ///< buffer variables only; 0 = of the block's length
+  uint32_t topLevelArrayStride = 0;  ///< [bytes] an element of the buffer
+};
+
+/// A uniform block or shader storage block as the driver lays it out.
+struct DriverBlock {
+  std::string name;
+  ResourceKind kind = ResourceKind::kUniformBuffer;  ///< or kStorageBuffer
+  uint32_t binding = 0;
+  uint32_t dataSize = 0;  ///< [bytes]; with one element of an array of the block's length
+  std::vector<DriverMember> members;  ///< ascending by offset
+};
+
+/// The part of the bound framebuffer that is drawn to [pixels]; row 0 is the top row.
+struct DrawTarget {
+  uint32_t x = 0, y = 0;
+  uint32_t width = 0, height = 0;  ///< 1 or more, at most GL_MAX_VIEWPORT_DIMS
+};
+
+/// The bits for glMemoryBarrier that GL needs for some barriers of a pass list; 0: none. Only what
+/// a shader wrote, or a shader writes next, needs one: GL itself orders uploads (glBufferSubData,
+/// glBufferData) and reads of indices and indirect arguments after every earlier API write, and
+/// uploads after every earlier read (OpenGL 4.5, 7.12.2; OpenGL ES 3.2, 7.11.2).
+uint32_t memoryBarrierBits(std::span<const Barrier> barriers);
+
+class PassTimer;
+class StateGuard;
+
+/// Buffers, programs and recording for one context.
+///
+/// Errors are found before anything is issued: a list that is refused has done nothing. The message
+/// names the pass and the resource. Kernel variants are remembered by address and must outlive the
+/// runtime (generated tables are static).
+///
+/// The functions clear GL's error flag and leave none behind. They change the state that StateGuard
+/// lists and restore none of it.
+class Runtime {
+ public:
+  /// Needs a current context. kUnsupported names what the context lacks: its version, a function,
+  /// storage buffer bindings, an offset alignment.
+  static Result<Runtime> create(RuntimeDef def);
+
+  Runtime(Runtime&&) noexcept;
+  Runtime& operator=(Runtime&&) noexcept;
+  ~Runtime();
+
+  Profile profile() const;
+  const Limits& limits() const;
+  const Statistics& statistics() const;
+
+  /// Creates the table's new buffers with their initial data, or zeros, and frees those that were
+  /// removed. One runtime serves one table. kOutOfMemory names the buffer.
+  Result<void> update(const ResourceTable& resources);
+
+  /// Uses the engine's buffer for an id: update() then neither creates, fills nor frees it. Call it
+  /// before update(), or later to replace a buffer. The engine keeps it alive and at least as large
+  /// as the table says (checked when it is used). Its initial data is the engine's business.
+  Result<void> registerBuffer(BufferId id, uint32_t glName);
+
+  /// The GL name of a buffer; 0 when there is none.
+  uint32_t bufferName(BufferId id) const;
+
+  /// The slots of a layout, made when they are first asked for; record() asks for those that it
+  /// needs. kUnsupported when a binding point is beyond the context's.
+  Result<const Layout*> createLayout(const LayoutTable& table);
+
+  /// Checks a list and makes its programs, without running it: while loading, say.
+  Result<void> prepare(const PassList& list);
+
+  /// Issues the list's uploads and dispatches; its draws are left out.
+  Result<void> record(const PassList& list, PassTimer* timer = nullptr);
+
+  /// Issues the list's draws into the framebuffer that the caller has bound. Follows record() of
+  /// the same list.
+  Result<void> recordDraws(const PassList& list, const DrawTarget& target,
+                           PassTimer* timer = nullptr);
+
+  /// Waits for the GPU and reads a buffer; size 0 reads from the offset to the end.
+  Result<std::vector<std::byte>> read(BufferId id, uint64_t offset = 0, uint64_t size = 0);
+
+  /// The blocks of a variant as the driver lays them out (glGetProgramResourceiv), ascending by
+  /// kind and binding.
+  Result<std::vector<DriverBlock>> reflectProgram(const KernelVariant& variant);
+
+ private:
+  friend class PassTimer;
+  friend class StateGuard;
+  struct Impl;
+  explicit Runtime(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+/// GPU times of recorded passes. Results come when the GPU gets there: an engine keeps two or three
+/// timers and reads the oldest.
+class PassTimer {
+ public:
+  explicit PassTimer(const Runtime& runtime);
+  PassTimer(PassTimer&&) noexcept;
+  PassTimer& operator=(PassTimer&&) noexcept;
+  ~PassTimer();
+
+  /// True when read() would not wait.
+  bool ready() const;
+  /// One entry for each pass that was recorded with this timer since the last read(), in order;
+  /// waits where it has to. Negative where the context has no timestamps (OpenGL ES without
+  /// GL_EXT_disjoint_timer_query) or the GPU's clock jumped in between.
+  std::vector<PassTiming> read();
+
+ private:
+  friend class Runtime;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Saves, for its lifetime, the GL state that a Runtime changes:
+///  - always: current program; indexed bindings 0..kMaxBindings-1 and the generic binding of
+///    GL_UNIFORM_BUFFER and GL_SHADER_STORAGE_BUFFER; GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER,
+///    GL_DISPATCH_INDIRECT_BUFFER
+///  - of recordDraws(): vertex array; viewport and depth range 0; scissor test 0; clip control and
+///    polygon mode (core); depth test, function, mask; blending and colour mask of every draw
+///    buffer; stencil test, face culling, polygon offset, rasterizer discard, primitive restart,
+///    alpha to coverage, sample coverage and mask; depth clamp, logic operation, sRGB and
+///    multisampling are left as they are.
+/// It costs some hundred queries; an engine that sets its own state before each pass has no need
+/// of it.
+class StateGuard {
+ public:
+  explicit StateGuard(const Runtime& runtime);
+  ~StateGuard();
+  StateGuard(const StateGuard&) = delete;
+  StateGuard& operator=(const StateGuard&) = delete;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace pelage::gl

@@ -1,0 +1,95 @@
+// A groom in a scene: its buffers, its settings and its bones. Made by Scene::addHair().
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pelage/bone_weights.h"
+#include "pelage/hair_asset.h"
+#include "pelage/pass_list.h"
+#include "pelage/simulation_settings.h"
+#include "pelage/types.h"
+#include "pelage/view.h"
+
+namespace pelage {
+
+/// How the bones of a root are blended.
+enum class SkinningMethod : uint8_t {
+  kMatrices,         ///< weighted sum of matrices, then the closest rotation
+  kDualQuaternions,  ///< dual quaternion blending (Kavan et al. 2008); bones without scale
+};
+
+/// What a hair object is made with; what cannot change later.
+struct HairDef {
+  std::string name = "hair";
+  SimulationSettings settings = {};
+  StrandMaterial material = {};
+  SkinningMethod skinning = SkinningMethod::kMatrices;
+  /// Bones and weights of the roots, one entry a guide, from mapBones(); empty binds every root to
+  /// bone 0.
+  std::span<const BoneInfluences> influences = {};
+  /// Number of transforms that setBones() takes, >= 1; influences refer to 0..boneCount - 1.
+  uint32_t boneCount = 1;
+  /// Follow strands, from generateFollowHairs(); empty for none.
+  std::span<const FollowHair> followHairs = {};
+};
+
+/// Buffers of a hair object; kInvalid marks one that this object does not need.
+struct HairBuffers {
+  BufferId positions = BufferId::kInvalid;       ///< [strand][vertex] Float4, guides first
+  BufferId tangents = BufferId::kInvalid;        ///< [strand][vertex] Float4
+  BufferId state = BufferId::kInvalid;           ///< [2][vertex][guide] Float4
+  BufferId rest = BufferId::kInvalid;            ///< [2][vertex][guide] Float4
+  BufferId rootTransforms = BufferId::kInvalid;  ///< RootTransform
+  BufferId rootBindings = BufferId::kInvalid;    ///< [guide] RootBinding
+  BufferId boneTransforms =
+      BufferId::kInvalid;  ///< 3 (matrices) or 2 (dual quaternions) Float4 each
+  BufferId followStrands = BufferId::kInvalid;    ///< [follow] FollowStrand
+  BufferId strandThickness = BufferId::kInvalid;  ///< [strand] float
+  BufferId indices = BufferId::kInvalid;          ///< one strand's ribbon, uint32
+};
+
+class HairObject {
+ public:
+  const std::string& name() const { return name_; }
+  uint32_t guideCount() const { return guideCount_; }
+  uint32_t followCount() const { return followCount_; }
+  uint32_t strandCount() const { return guideCount_ + followCount_; }
+  uint32_t verticesPerStrand() const { return vertexCount_; }
+  uint32_t boneCount() const { return boneCount_; }
+  SkinningMethod skinning() const { return skinning_; }
+  const HairBuffers& buffers() const { return buffers_; }
+
+  /// May be changed at any time; checked by Scene::simulate().
+  SimulationSettings settings;
+  /// May be changed at any time.
+  StrandMaterial material;
+  /// A hidden object is simulated, but not drawn.
+  bool visible = true;
+  /// Strands drawn, from the first: 0..strandCount(). Follow hairs go first when it falls.
+  uint32_t drawnStrands = 0;
+
+  /// Sets the skinning transforms (bind space to world) of all bones for the next frames. Asserts
+  /// that there are boneCount() of them. Non-finite ones leave their roots where they were.
+  void setBones(std::span<const AffineTransform> bones);
+  /// Puts the hair into its bind shape at the next frame and forgets all velocities: for
+  /// teleports, cuts, and changes of animation.
+  void reset() { resetPending_ = true; }
+
+ private:
+  friend class Scene;
+  HairObject() = default;
+
+  std::string name_;
+  uint32_t guideCount_ = 0, followCount_ = 0, vertexCount_ = 0, boneCount_ = 0;
+  SkinningMethod skinning_ = SkinningMethod::kMatrices;
+  HairBuffers buffers_;
+  std::vector<Float4> boneData_;
+  bool bonesChanged_ = true;
+  bool resetPending_ = true;
+  float lastStep_ = 0;
+};
+
+}  // namespace pelage

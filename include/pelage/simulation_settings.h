@@ -1,0 +1,61 @@
+// Parameters of the strand simulation, with units, ranges and defaults.
+#pragma once
+
+#include <cstdint>
+
+#include "pelage/result.h"
+#include "pelage/types.h"
+
+namespace pelage {
+
+/// A uniform wind that swells and fades in time.
+struct WindSettings {
+  /// Mean velocity of the air in world space [m/s]; 0 leaves the wind out of the kernel.
+  Float3 velocity = {};
+  /// Relative strength of the gusts, 0..1: the speed varies by this share around the mean.
+  float gustStrength = 0.5f;
+  /// Mean time from one gust to the next [s], > 0.
+  float gustPeriod = 2.5f;
+};
+
+/// Everything an artist sets for a hair object. May change every frame. The 0..1 values are defined
+/// for steps of 1/60 s and are converted to the real step, so that the frame rate does not change
+/// the hair.
+struct SimulationSettings {
+  /// Acceleration in world space [m/s2].
+  Float3 gravity = {0, -9.81f, 0};
+  /// Share of the velocity that is lost in 1/60 s, 0..1.
+  float damping = 0.06f;
+  /// How strongly each segment keeps its bind angle to the one before, 0..1; 0 leaves local shape
+  /// out of the kernel.
+  float localStiffness = 0.9f;
+  /// Sweeps of the local shape, 1..16. More make the strand stiffer.
+  uint32_t localIterations = 2;
+  /// Share of the way back to the bind pose that a vertex goes in 1/60 s, 0..1; 0, or a range of 0,
+  /// leaves global shape out of the kernel.
+  float globalStiffness = 0.0f;
+  /// Share of the strand, from the root, on which global stiffness acts, 0..1.
+  float globalRange = 0.3f;
+  /// Velocity shock propagation: share of the root's rigid motion that the whole strand takes part
+  /// in, 0..1. 0 with an infinite threshold leaves it out of the kernel.
+  float vspCoefficient = 0.75f;
+  /// Acceleration of the root [m/s2], > 0, at which the strand starts to take part in all of the
+  /// root's motion; at twice the value it does.
+  float vspThreshold = 200.0f;
+  WindSettings wind = {};
+  /// How fast the air takes a segment along, across the segment [1/s], >= 0.
+  float airDrag = 2.0f;
+  /// Newton steps of the length solve, 1..16. Lengths are exact after it in any case; more steps
+  /// follow the true motion better.
+  uint32_t lengthIterations = 4;
+  /// Speed limit of a vertex relative to its root [m/s], > 0.
+  float maxSpeed = 50.0f;
+  /// Factor on the offset of follow strands at their tip, >= 0; 1 keeps them parallel to their
+  /// guide, less gathers them, more spreads them.
+  float tipSeparation = 1.0f;
+};
+
+/// Names the first parameter that is out of its range or not finite.
+Result<void> validate(const SimulationSettings& settings);
+
+}  // namespace pelage

@@ -1,0 +1,183 @@
+// Runs pass lists on a Vulkan 1.1 device that the caller owns. The runtime records into the
+// caller's command buffers; it never submits, never waits, and needs no extension.
+//
+// A frame of an engine:
+//
+//   runtime.beginFrame(frame, completedFrame);         // what the GPU has finished is reused
+//   runtime.update(scene.resources(), commands);       // new buffers, their initial data
+//   runtime.record(list, commands);                    // uploads, dispatches, barriers
+//   vkCmdBeginRenderPass(commands, ...);
+//   runtime.recordDraws(list, commands, target, area);
+//   vkCmdEndRenderPass(commands);
+//
+// All entry points of Vulkan are loaded through RuntimeDef::getInstanceProcAddr, so that an engine
+// with a loader of its own (volk, a layer, a wrapper) keeps it. This header needs the types of
+// <vulkan/vulkan_core.h> only; with volk, define VK_NO_PROTOTYPES for the whole program.
+#pragma once
+
+#include <vulkan/vulkan_core.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "pelage/headless.h"
+#include "pelage/kernel.h"
+#include "pelage/layout.h"
+#include "pelage/pass_list.h"
+#include "pelage/result.h"
+
+namespace pelage::vulkan {
+
+/// What a buffer's memory is for.
+enum class MemoryKind : uint8_t {
+  kDevice,     ///< device-local; the host does not see it
+  kConstants,  ///< mapped, host-coherent, device-local as well where there is such memory
+  kStaging,    ///< mapped, host-coherent: source of copies
+  kReadback,   ///< mapped, host-coherent, host-cached where there is such memory
+};
+
+/// A buffer with its memory bound.
+struct AllocatedBuffer {
+  VkBuffer buffer = VK_NULL_HANDLE;
+  void* mapped = nullptr;      ///< stays mapped; nullptr for kDevice
+  void* allocation = nullptr;  ///< the allocator's own
+};
+
+/// An engine's own allocator, VMA for instance. Leave `create` null for the runtime's: blocks of
+/// 32 MiB, and memory of their own for larger buffers.
+struct BufferAllocator {
+  void* user = nullptr;  ///< passed back
+  /// Makes a buffer, binds memory of the kind to it and fills `out`. `name` is for debuggers.
+  VkResult (*create)(void* user, const VkBufferCreateInfo& info, MemoryKind kind, const char* name,
+                     AllocatedBuffer& out) = nullptr;
+  void (*destroy)(void* user, const AllocatedBuffer& buffer) = nullptr;
+};
+
+struct RuntimeDef {
+  VkInstance instance = VK_NULL_HANDLE;
+  VkPhysicalDevice physicalDevice = VK_NULL_HANDLE;  ///< Vulkan 1.1 or later
+  VkDevice device = VK_NULL_HANDLE;
+  /// Family of the queue that runs the command buffers: compute, and graphics when there are draws.
+  uint32_t queueFamily = 0;
+  /// What the device was created with. A kernel that needs more than this is an error that names
+  /// the feature.
+  VkPhysicalDeviceFeatures enabledFeatures = {};
+  /// Where functions come from; nullptr opens the system's loader (libvulkan.so.1).
+  PFN_vkGetInstanceProcAddr getInstanceProcAddr = nullptr;
+  /// Must outlive the runtime; nullptr = the driver's.
+  const VkAllocationCallbacks* allocationCallbacks = nullptr;
+  BufferAllocator allocator;
+  /// The engine's pipeline cache; VK_NULL_HANDLE gives the runtime one of its own.
+  VkPipelineCache pipelineCache = VK_NULL_HANDLE;
+  /// For a cache of its own: what Runtime::pipelineCacheData() gave in an earlier run. Data of
+  /// another device or driver version is ignored.
+  std::span<const std::byte> pipelineCacheData;
+  /// VK_EXT_debug_utils is enabled on the instance: name objects, label passes.
+  bool debugUtils = false;
+};
+
+/// A buffer of the engine in place of one of the runtime's.
+struct ExternalBuffer {
+  /// Usage: storage, transfer destination, and index or indirect where the BufferDesc says so. The
+  /// engine keeps it alive until the frame after the removal of its id has completed.
+  VkBuffer buffer = VK_NULL_HANDLE;
+  VkDeviceSize offset = 0;    ///< of the BufferDesc's bytes; a multiple of 4
+  bool keepContents = false;  ///< true: update() does not write the BufferDesc's initial data
+};
+
+/// Where a buffer of a ResourceTable lives.
+struct BufferRange {
+  VkBuffer buffer = VK_NULL_HANDLE;
+  VkDeviceSize offset = 0;
+  VkDeviceSize size = 0;
+};
+
+/// Target of draws.
+struct TargetFormats {
+  VkFormat color = VK_FORMAT_R16G16B16A16_SFLOAT;  ///< the only colour attachment
+  VkFormat depth =
+      VK_FORMAT_D32_SFLOAT;  ///< VK_FORMAT_UNDEFINED: no depth test, whatever a draw says
+  VkSampleCountFlagBits samples = VK_SAMPLE_COUNT_1_BIT;
+  /// The render pass that the draws run in, or one that is compatible with it. VK_NULL_HANDLE: they
+  /// run inside vkCmdBeginRendering (Vulkan 1.3 or VK_KHR_dynamic_rendering, enabled).
+  VkRenderPass renderPass = VK_NULL_HANDLE;
+  uint32_t subpass = 0;
+  bool operator==(const TargetFormats&) const = default;
+};
+
+/// Executes pass lists of one ResourceTable. Not thread-safe: one thread at a time.
+///
+/// A command buffer that it recorded is to be submitted once, in the frame it was recorded in.
+class Runtime {
+ public:
+  /// Errors: kInvalidArgument for a missing handle; kUnsupported, naming it, for a function, a
+  /// queue capability or a Vulkan version that is not there; kOutOfMemory.
+  static Result<Runtime> create(const RuntimeDef& def);
+
+  Runtime(Runtime&&) noexcept;
+  Runtime& operator=(Runtime&&) noexcept;
+  /// Destroys everything at once: the device must have finished the frames that were recorded.
+  ~Runtime();
+
+  /// Starts a frame: numbers rise, from 1. All frames up to `completedFrame` are known to have
+  /// finished on the device (their fences were signalled); what they used is reused or destroyed.
+  /// Any number of frames may be in flight. Asserts that frame numbers rise.
+  void beginFrame(uint64_t frame, uint64_t completedFrame);
+  /// Takes note that frames have finished without starting another one.
+  void collect(uint64_t completedFrame);
+
+  /// Makes update() use a buffer of the engine for this id. Call it before the update() that sees
+  /// the id first; asserts on an id that already has a buffer.
+  void useExternalBuffer(BufferId id, const ExternalBuffer& buffer);
+
+  /// Creates the table's new buffers in device memory and records their initial data (or zeros)
+  /// with a barrier behind it; removed buffers are destroyed once this frame has completed. Outside
+  /// a render pass. On an error nothing was recorded or created.
+  Result<void> update(const ResourceTable& resources, VkCommandBuffer commands);
+
+  /// Makes the pipelines of a list ahead of its first frame. With a target: those of its draws too.
+  Result<void> prepare(const PassList& list, const TargetFormats* target = nullptr);
+
+  /// Records uploads and dispatches with the list's barriers, and those in front of its draws.
+  /// Outside a render pass. Leaves the command buffer's compute state changed. The whole list is
+  /// checked first: on an error nothing was recorded. Errors name the pass and the resource.
+  Result<void> record(const PassList& list, VkCommandBuffer commands);
+
+  /// Records the list's draws, inside the caller's render pass; record() comes before. Sets
+  /// viewport and scissor to `area` with a negative height: clip space has y up, row 0 is the top.
+  Result<void> recordDraws(const PassList& list, VkCommandBuffer commands,
+                           const TargetFormats& target, const VkRect2D& area);
+
+  /// The layout manager of the generated Create*Layout templates: makes the descriptor set layout
+  /// of a table when it is first asked for. Uniform buffers are dynamic ones. The runtime owns it.
+  /// `table` must have static lifetime, as the generated ones have.
+  Result<VkDescriptorSetLayout> createLayout(const LayoutTable& table);
+
+  /// The buffer behind an id, for an engine that reads it itself; empty when there is none.
+  BufferRange buffer(BufferId id) const;
+
+  /// Drops the pipelines made for a render pass that is about to be destroyed; its frames must have
+  /// completed.
+  void forget(VkRenderPass renderPass);
+
+  /// Whether lists recorded from now on measure each pass; off by default.
+  void setTimestamps(bool enabled);
+  /// Times of a completed frame in the order of recording: one entry a recorded pass, negative when
+  /// the queue family has no timestamps. They are kept for the 8 newest completed frames. Draws
+  /// are timed for the first recordDraws() of a list after its record(). Empty when nothing was
+  /// measured.
+  std::vector<PassTiming> timings(uint64_t frame) const;
+
+  /// Contents of the pipeline cache, to be stored for the next run.
+  Result<std::vector<std::byte>> pipelineCacheData() const;
+
+ private:
+  struct Impl;
+  explicit Runtime(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace pelage::vulkan

@@ -1,0 +1,276 @@
+// Scenes and their pass lists, without a GPU.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "pelage/gpu_structs.h"
+#include "pelage/kernels.h"
+#include "pelage/scene.h"
+
+namespace pelage {
+namespace {
+
+HairAsset makeAsset(uint32_t strands = 5, uint32_t vertices = 8) {
+  HairAsset asset;
+  asset.strandCount = strands;
+  asset.verticesPerStrand = vertices;
+  for (uint32_t s = 0; s < strands; ++s) {
+    for (uint32_t v = 0; v < vertices; ++v) {
+      const float t = 0.01f * static_cast<float>(v);
+      asset.positions.push_back(
+          {0.01f * static_cast<float>(s) + 3 * t * t, t, 0, v < 2 ? 0.0f : 1.0f});
+    }
+  }
+  const Result<void> processed = asset.process();
+  EXPECT_TRUE(processed) << processed.error().message;
+  return asset;
+}
+
+const Pass* findPass(const PassList& list, std::string_view name) {
+  for (const Pass& pass : list.passes)
+    if (pass.name == name) return &pass;
+  return nullptr;
+}
+
+uint32_t countPasses(const PassList& list, std::string_view name) {
+  uint32_t count = 0;
+  for (const Pass& pass : list.passes) count += pass.name == name ? 1 : 0;
+  return count;
+}
+
+SimulationConstants constantsOf(const PassList& list, const Pass& pass) {
+  SimulationConstants constants = {};
+  for (const PassBinding& binding : list.bindingsOf(pass)) {
+    if (binding.buffer == BufferId::kInvalid)
+      std::memcpy(&constants, list.constants.data() + binding.offset, sizeof(constants));
+  }
+  return constants;
+}
+
+class SceneTest : public testing::Test {
+ protected:
+  HairObject& add(const HairDef& def = {}) {
+    const Result<HairId> added = scene_.addHair(asset_, def);
+    EXPECT_TRUE(added) << added.error().message;
+    id_ = *added;
+    return scene_.hair(id_);
+  }
+  PassList& simulate(float dt = 1.0f / 60) {
+    const Result<void> done = scene_.simulate(dt, list_);
+    EXPECT_TRUE(done) << done.error().message;
+    scene_.finish(list_);
+    return list_;
+  }
+
+  HairAsset asset_ = makeAsset();
+  Scene scene_;
+  HairId id_ = HairId::kInvalid;
+  PassList list_;
+};
+
+TEST_F(SceneTest, WithoutFollowHairsThereIsNoFollowPassAndNoFollowBuffer) {
+  const HairObject& hair = add();
+  EXPECT_EQ(findPass(simulate(), "update_follow_strands"), nullptr);
+  EXPECT_EQ(hair.buffers().followStrands, BufferId::kInvalid);
+}
+
+TEST_F(SceneTest, FollowHairsAddOnePassAndOneBuffer) {
+  const auto follow = asset_.generateFollowHairs({.countPerGuide = 3});
+  ASSERT_TRUE(follow);
+  const HairObject& hair = add({.followHairs = *follow});
+  EXPECT_EQ(countPasses(simulate(), "update_follow_strands"), 1u);
+  EXPECT_NE(hair.buffers().followStrands, BufferId::kInvalid);
+  EXPECT_EQ(hair.strandCount(), 20u);
+}
+
+TEST_F(SceneTest, WhatIsSwitchedOffIsNotInThePermutation) {
+  HairObject& hair = add();
+  hair.settings.wind.velocity = {};
+  hair.settings.globalStiffness = 0;
+  hair.settings.localStiffness = 0;
+  hair.settings.vspCoefficient = 0;
+  hair.settings.vspThreshold = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(findPass(simulate(), "simulate_strands")->kernel, &simulateStrandsVariant({}));
+
+  hair.settings.wind.velocity = {1, 0, 0};
+  EXPECT_EQ(findPass(simulate(), "simulate_strands")->kernel,
+            &simulateStrandsVariant({.wind = true}));
+  hair.settings.airDrag = 0;  // air that does not touch the hair is no wind
+  EXPECT_EQ(findPass(simulate(), "simulate_strands")->kernel, &simulateStrandsVariant({}));
+
+  hair.settings.globalStiffness = 0.1f;
+  EXPECT_EQ(findPass(simulate(), "simulate_strands")->kernel,
+            &simulateStrandsVariant({.globalShape = true}));
+  hair.settings.globalRange = 0;
+  EXPECT_EQ(findPass(simulate(), "simulate_strands")->kernel, &simulateStrandsVariant({}));
+  EXPECT_NE(&simulateStrandsVariant({}), &simulateStrandsVariant({.wind = true}));
+}
+
+TEST_F(SceneTest, AStrandThicknessBufferExistsOnlyForAssetsThatHaveOne) {
+  EXPECT_EQ(add().buffers().strandThickness, BufferId::kInvalid);
+  asset_.strandThickness.assign(asset_.strandCount, 0.5f);
+  EXPECT_NE(add().buffers().strandThickness, BufferId::kInvalid);
+}
+
+TEST_F(SceneTest, BonesAreUploadedOnlyWhenTheyChange) {
+  HairObject& hair = add();
+  EXPECT_EQ(simulate().uploads.size(), 1u);
+  EXPECT_TRUE(simulate().uploads.empty());
+  const AffineTransform bone;
+  hair.setBones({&bone, 1});
+  EXPECT_EQ(simulate().uploads.size(), 1u);
+}
+
+TEST_F(SceneTest, AFrameOfNoTimeDoesNothing) {
+  add();
+  EXPECT_TRUE(simulate(0).passes.empty());
+}
+
+TEST_F(SceneTest, LongFramesAreCutIntoEqualSubStepsThatCoverThePoseOnce) {
+  add();
+  EXPECT_EQ(countPasses(simulate(1.0f / 60), "simulate_strands"), 1u);
+  EXPECT_EQ(countPasses(simulate(1.0f / 240), "simulate_strands"), 1u);
+  simulate(1.0f / 20);
+  ASSERT_EQ(countPasses(list_, "simulate_strands"), 3u);
+  EXPECT_EQ(countPasses(list_, "skin_roots"), 1u);
+  float end = 0;
+  for (const Pass& pass : list_.passes) {
+    if (std::string_view(pass.name) != "simulate_strands") continue;
+    const SimulationConstants constants = constantsOf(list_, pass);
+    EXPECT_EQ(constants.rootBegin, end);
+    EXPECT_NEAR(constants.timeStep, 1.0f / 60, 1e-7f);
+    end = constants.rootEnd;
+  }
+  EXPECT_EQ(end, 1.0f);
+  EXPECT_EQ(countPasses(simulate(10.0f), "simulate_strands"), Scene::kMaxSubSteps);
+}
+
+TEST_F(SceneTest, MapsTheArtistsValuesToTheStep) {  // K16
+  HairObject& hair = add();
+  hair.settings.damping = 0.2f;
+  hair.settings.globalStiffness = 0.3f;
+  simulate(1.0f / 60);
+  SimulationConstants constants = constantsOf(list_, *findPass(list_, "simulate_strands"));
+  EXPECT_NEAR(constants.dampingKeep, 0.8f, 1e-6f);
+  EXPECT_NEAR(constants.globalStiffness, 0.3f, 1e-6f);
+  EXPECT_NEAR(constants.gravityStep, 1.0f / 3600, 1e-9f);
+  simulate(1.0f / 120);
+  constants = constantsOf(list_, *findPass(list_, "simulate_strands"));
+  EXPECT_NEAR(constants.dampingKeep * constants.dampingKeep, 0.8f, 1e-6f);
+  EXPECT_NEAR(constants.timeStepRatio, 0.5f, 1e-6f);
+  // The velocity that gravity and damping settle at is the same: g step / ((1 - keep) h).
+  EXPECT_NEAR(constants.gravityStep / (1 - constants.dampingKeep) * 120, 1.0f / 0.2f / 60, 1e-4f);
+}
+
+TEST_F(SceneTest, RefusesAnInvalidTimeStepOrSetting) {
+  HairObject& hair = add({.name = "fringe"});
+  for (const float dt :
+       {-1.0f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    EXPECT_FALSE(scene_.simulate(dt, list_));
+  }
+  hair.settings.damping = 1.5f;
+  const Result<void> done = scene_.simulate(1.0f / 60, list_);
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().message,
+            "hair 'fringe': simulation setting 'damping' is 1.5, but must be in 0..1");
+  EXPECT_TRUE(list_.passes.empty());
+}
+
+TEST_F(SceneTest, ResetLastsOneFrame) {
+  HairObject& hair = add();
+  simulate();
+  EXPECT_EQ(constantsOf(list_, *findPass(list_, "simulate_strands")).flags, 1u);
+  simulate();
+  EXPECT_EQ(constantsOf(list_, *findPass(list_, "simulate_strands")).flags, 0u);
+  hair.reset();
+  simulate();
+  EXPECT_EQ(constantsOf(list_, *findPass(list_, "simulate_strands")).flags, 1u);
+}
+
+TEST_F(SceneTest, RemovingAnObjectFreesItsBuffers) {
+  add();
+  EXPECT_GT(scene_.resources().totalBytes(), 0u);
+  scene_.removeHair(id_);
+  EXPECT_EQ(scene_.resources().totalBytes(), 0u);
+  EXPECT_EQ(scene_.resources().count(), 0u);
+  EXPECT_EQ(scene_.hairCount(), 0u);
+  EXPECT_TRUE(simulate().passes.empty());
+}
+
+TEST_F(SceneTest, PassesThatDependOnEachOtherAreSeparatedByBarriers) {
+  const auto follow = asset_.generateFollowHairs({.countPerGuide = 1});
+  const HairObject& hair = add({.followHairs = *follow});
+  simulate();
+  const auto waitsFor = [&](const char* pass, BufferId buffer) {
+    for (const Barrier& barrier : list_.barriersOf(*findPass(list_, pass)))
+      if (barrier.buffer == buffer && writes(barrier.before) && reads(barrier.after)) return true;
+    return false;
+  };
+  EXPECT_TRUE(waitsFor("skin_roots", hair.buffers().boneTransforms));
+  EXPECT_TRUE(waitsFor("simulate_strands", hair.buffers().rootTransforms));
+  EXPECT_TRUE(waitsFor("update_follow_strands", hair.buffers().positions));
+}
+
+TEST_F(SceneTest, DispatchesOnlyTheThreadsThatHaveAStrand) {  // K1
+  asset_ = makeAsset(130, 4);
+  add();
+  simulate();
+  EXPECT_EQ(findPass(list_, "simulate_strands")->groups[0], 3u);
+  EXPECT_EQ(constantsOf(list_, *findPass(list_, "simulate_strands")).guideCount, 130u);
+}
+
+TEST_F(SceneTest, HiddenObjectsAreNotDrawn) {
+  HairObject& hair = add();
+  const View view{.width = 64, .height = 64};
+  PassList list;
+  ASSERT_TRUE(scene_.draw(view, {}, list));
+  ASSERT_EQ(list.passes.size(), 1u);
+  EXPECT_EQ(list.passes[0].elementCount, 7u * 6);
+  EXPECT_EQ(list.passes[0].instanceCount, 5u);
+  list.clear();
+  hair.drawnStrands = 2;
+  ASSERT_TRUE(scene_.draw(view, {}, list));
+  EXPECT_EQ(list.passes[0].instanceCount, 2u);
+  list.clear();
+  hair.visible = false;
+  ASSERT_TRUE(scene_.draw(view, {}, list));
+  EXPECT_TRUE(list.passes.empty());
+}
+
+TEST_F(SceneTest, RefusesGroomsThatDoNotFitTogether) {
+  const std::vector<BoneInfluences> influences(asset_.strandCount - 1);
+  EXPECT_FALSE(scene_.addHair(asset_, {.influences = influences}));
+  std::vector<BoneInfluences> wrong(asset_.strandCount);
+  wrong[3].bones[1] = 7;
+  const Result<HairId> added = scene_.addHair(asset_, {.influences = wrong, .boneCount = 7});
+  ASSERT_FALSE(added);
+  EXPECT_NE(added.error().message.find("guide 3 refers to bone 7"), std::string::npos);
+  const std::vector<FollowHair> follow = {{.guide = 5, .offset = {}}};
+  EXPECT_FALSE(scene_.addHair(asset_, {.followHairs = follow}));
+  EXPECT_FALSE(scene_.addHair(HairAsset{}, {}));
+  EXPECT_EQ(scene_.resources().count(), 0u);
+}
+
+TEST(LookAt, PutsTheTargetInTheMiddleAtTheExpectedDepth) {
+  for (const bool reversed : {false, true}) {
+    const Matrix4 m = lookAt({1, 2, 5}, {1, 2, 0}, {0, 1, 0}, 1.0f, 1.5f, 0.1f, 100.0f, reversed);
+    const auto row = [&](int i, Float3 p) {
+      const Float4 r = m.rows[i];
+      return r.x * p.x + r.y * p.y + r.z * p.z + r.w;
+    };
+    EXPECT_NEAR(row(0, {1, 2, 0}) / row(3, {1, 2, 0}), 0, 1e-6);
+    EXPECT_NEAR(row(1, {1, 2, 0}) / row(3, {1, 2, 0}), 0, 1e-6);
+    EXPECT_NEAR(row(3, {1, 2, 0}), 5, 1e-5);
+    EXPECT_GT(row(1, {1, 3, 0}), 0);  // y up
+    EXPECT_GT(row(0, {2, 2, 0}), 0);  // x to the right
+    const Float3 nearPoint = {1, 2, 4.9f};
+    EXPECT_NEAR(row(2, nearPoint) / row(3, nearPoint), reversed ? 1 : 0, 1e-4);
+  }
+}
+
+}  // namespace
+}  // namespace pelage
