@@ -33,27 +33,34 @@ RWStructuredBuffer<float4> g_positions : register(u0, space0);
 // [strand][vertex], (G + F) * V: unit tangent; w = 0.
 RWStructuredBuffer<float4> g_tangents : register(u1, space0);
 
+// One sub-step of h seconds; h0 = 1/60 s. The artist's damping d, stiffnesses s and iterations are
+// defined for steps of h0, and the host converts them, so that another step is not another hair:
+//   keep      = (1 - d)^(h / h0)
+//   map(s)    = a / (1 + a), a = (h / h0)^2 s / (1 - s), with s <= 0.9999: a spring of the same
+//               stiffness, taken implicitly over h instead of h0
+// d = 0 has the limit gravityStep = h^2.
 cbuffer SimulationConstants : register(b0, space1) {
   float4 g_gravity;   // xyz [m/s2]; w unused
-  float4 g_wind;      // xyz velocity of the air [m/s], gusts included; w = air drag [1/s]
+  float4 g_wind;      // xyz velocity of the air [m/s], gusts included; w = air drag c [1/s], >= 0
   uint g_guideCount;
   uint g_followCount;
   uint g_vertexCount;  // vertices a strand, 2..256
   uint g_boneCount;
-  float g_timeStep;          // this sub-step [s], > 0
+  float g_timeStep;          // h, this sub-step [s], > 0
   float g_timeStepRatio;     // this sub-step over the one before, 1 when there was none
   float g_rootBegin;         // root pose at the sub-step's start, 0 = last frame, 1 = this frame
   float g_rootEnd;           // root pose at its end
-  float g_dampingKeep;       // velocity kept in this sub-step, (1 - damping)^(60 h)
-  float g_gravityStep;       // displacement in this sub-step for 1 m/s2 [s2]
-  float g_localStiffness;    // correction a vertex and sub-step, mapped to the sub-step
-  float g_globalStiffness;   // share of the way to the goal in this sub-step
-  float g_globalRange;       // share of the strand that global stiffness acts on, 0..1
+  float g_dampingKeep;       // keep: share of the velocity that is kept in this sub-step
+  float g_gravityStep;       // h h0 (1 - keep) / d: displacement in this sub-step for 1 m/s2 [s2]
+  float g_localStiffness;    // map(min(s, 0.95)): share of the way to the rest vector in a sweep
+  float g_globalStiffness;   // map(s): share of the way to the goal in this sub-step
+  float g_globalRange;       // share of the strand's vertices that it acts on, 0..1, from the root
   float g_vspCoefficient;    // share of the root's motion carried by the strand, 0..1
-  float g_vspThreshold;      // pseudo-acceleration of the root above which all of it is [m/s2]
-  float g_maxSpeed;          // [m/s]
-  uint g_localIterations;
-  uint g_lengthIterations;
+  float g_vspThreshold;      // acceleration of the root [m/s2] above which the share grows; it is
+                             // 1 from twice the value on; > 0, may be infinite
+  float g_maxSpeed;          // of the free motion, without what was carried [m/s]
+  uint g_localIterations;    // sweeps of the local shape, at most 64
+  uint g_lengthIterations;   // Newton steps of the length solve, at most 64
   float g_tipSeparation;     // factor on the follow offsets at the tip, on top of FollowStrand's
   uint g_flags;              // bit 0: reset (take the goal, forget velocities)
 };
@@ -63,10 +70,16 @@ RWStructuredBuffer<RootTransform> g_rootTransforms : register(u0, space1);
 // [2][V][G], strand fastest: current (0) and previous (1) position of the guides [m]; the w
 // components are scratch of the length solve.
 RWStructuredBuffer<float4> g_state : register(u1, space1);
-// [2][V][G], strand fastest: 0: bind position, w = inverse mass (0 or 1); 1: the next segment's rest
-// vector in this vertex's rest frame [m], w = rest length [m].
+// [2][V][G], strand fastest. 0: bind position b_i [m], w = inverse mass (0 or 1; vertices 0 and 1
+// are held whatever it says). 1: rest vector of the segment from vertex i to i + 1 in the frame of
+// the segment before [m], w = rest length |b_i+1 - b_i| [m]; at the last vertex, which has no next
+// segment, F_0 as a quaternion.
+// The frames F_i of the segments have the segment's direction t_i as x axis (that of the segment
+// before where the length is 0) and are carried from the root without twist: F_0 = between(e_x, t_0),
+// F_i = between(t_i-1, t_i) F_i-1. The rest vector of segment i is conj(F_max(i-1, 0)) (b_i+1 - b_i).
 StructuredBuffer<float4> g_rest : register(t0, space1);
-// Skinning matrices, 3 rows a bone (bind space to world), or dual quaternions, 2 float4 a bone.
+// Skinning transforms, bind space to world: 3 rows of [M | t] a bone, or, with the dualQuaternions
+// permutation, 2 quaternions a bone: the rotation r and the dual part t r / 2 (common/bones.hlsli).
 StructuredBuffer<float4> g_boneTransforms : register(t1, space1);
 // [G]
 StructuredBuffer<RootBinding> g_rootBindings : register(t2, space1);

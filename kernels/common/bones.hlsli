@@ -1,0 +1,190 @@
+// Blending of up to four bones at a root. A blend is a sum that bones are added to one by one.
+#ifndef PELAGE_COMMON_BONES_HLSLI
+#define PELAGE_COMMON_BONES_HLSLI
+
+#include "../layouts/simulation.hlsli"
+#include "quaternion.hlsli"
+
+// ---- matrices
+
+// Rows of [M | t].
+struct BoneMatrix {
+  float4 a;
+  float4 b;
+  float4 c;
+};
+
+struct MatrixBlend {
+  BoneMatrix sum;        // weighted
+  BoneMatrix strongest;  // the bone of the largest weight, the first one of equals
+  float strongestWeight;
+  float weightSum;
+  float volume;          // weighted sum of |det M|
+  bool usable;           // false once a bone had a NaN, an infinity or a number above 1e18
+};
+
+float determinant3(float3 a, float3 b, float3 c) {
+  precise float r = dot3(a, cross3(b, c));
+  return r;
+}
+
+MatrixBlend emptyMatrixBlend() {
+  MatrixBlend blend;
+  blend.sum.a = float4(0.0, 0.0, 0.0, 0.0);
+  blend.sum.b = float4(0.0, 0.0, 0.0, 0.0);
+  blend.sum.c = float4(0.0, 0.0, 0.0, 0.0);
+  blend.strongest = blend.sum;
+  blend.strongestWeight = 0.0;
+  blend.weightSum = 0.0;
+  blend.volume = 0.0;
+  blend.usable = true;
+  return blend;
+}
+
+// A bone that takes part: it exists and its weight is a number above 0.
+bool boneCounts(uint bone, float weight) {
+  return bone < g_boneCount && isUsable(float3(weight, 0.0, 0.0)) && weight > 0.0;
+}
+
+MatrixBlend addMatrixBone(MatrixBlend blend, uint bone, float weight) {
+  if (!boneCounts(bone, weight)) return blend;
+  BoneMatrix m;
+  m.a = g_boneTransforms[bone * 3];
+  m.b = g_boneTransforms[bone * 3 + 1];
+  m.c = g_boneTransforms[bone * 3 + 2];
+  blend.usable = blend.usable && isUsable(m.a) && isUsable(m.b) && isUsable(m.c);
+  precise float weightSum = blend.weightSum + weight;
+  precise float volume = blend.volume + abs(determinant3(m.a.xyz, m.b.xyz, m.c.xyz)) * weight;
+  precise float4 a = blend.sum.a + m.a * weight;
+  precise float4 b = blend.sum.b + m.b * weight;
+  precise float4 c = blend.sum.c + m.c * weight;
+  blend.weightSum = weightSum;
+  blend.volume = volume;
+  blend.sum.a = a;
+  blend.sum.b = b;
+  blend.sum.c = c;
+  if (weight > blend.strongestWeight) {
+    blend.strongestWeight = weight;
+    blend.strongest = m;
+  }
+  return blend;
+}
+
+// Divides the sums by the weights.
+MatrixBlend normalizeBlend(MatrixBlend blend) {
+  precise float share = 1.0 / blend.weightSum;
+  precise float volume = blend.volume * share;
+  precise float4 a = blend.sum.a * share;
+  precise float4 b = blend.sum.b * share;
+  precise float4 c = blend.sum.c * share;
+  blend.volume = volume;
+  blend.sum.a = a;
+  blend.sum.b = b;
+  blend.sum.c = c;
+  return blend;
+}
+
+// Rotation of a matrix that has rows a, b, c and is a rotation up to rounding (Shepperd 1978: the
+// largest component first, so nothing small is divided by).
+float4 quaternionOfRotation(float3 a, float3 b, float3 c) {
+  precise float xx = 1.0 + a.x - b.y - c.z;
+  precise float yy = 1.0 - a.x + b.y - c.z;
+  precise float zz = 1.0 - a.x - b.y + c.z;
+  precise float ww = 1.0 + a.x + b.y + c.z;
+  precise float4 q;
+  if (ww >= xx && ww >= yy && ww >= zz) {
+    q = float4(c.y - b.z, a.z - c.x, b.x - a.y, ww);
+  } else if (xx >= yy && xx >= zz) {
+    q = float4(xx, a.y + b.x, a.z + c.x, c.y - b.z);
+  } else if (yy >= zz) {
+    q = float4(a.y + b.x, yy, b.z + c.y, a.z - c.x);
+  } else {
+    q = float4(a.z + c.x, b.z + c.y, zz, b.x - a.y);
+  }
+  return normalizeQuaternion(q);
+}
+
+// The rotation R of the polar decomposition M = R S, as a quaternion. A mirrored matrix (det < 0)
+// is mirrored back along the bind space's x axis first. The fallback where M has (nearly) no
+// volume: |det| below 1e-6 of that of a uniform scale with the same sum of squares.
+//
+// Newton's iteration X <- (g X + X^-T / g) / 2 with Frobenius scaling g^2 = |X^-1| / |X| (Higham,
+// "Computing the polar decomposition - with applications", SIAM J. Sci. Stat. Comput. 7, 1986,
+// equation 3.1 and section 4). Four steps: the blend of bones 90 degrees apart is within 0.04
+// degrees, a single bone with scales of 1:10 within float rounding.
+float4 rotationOfMatrix(float3 a, float3 b, float3 c, float4 fallback) {
+  precise float det = determinant3(a, b, c);
+  if (det < 0.0) {
+    a.x = -a.x;
+    b.x = -b.x;
+    c.x = -c.x;
+  }
+  precise float squares = (dot3(a, a) + dot3(b, b) + dot3(c, c)) * (1.0 / 3.0);
+  precise float size = sqrt(squares);
+  if (!(size > 1e-10) || !(size < 1e12)) return fallback;
+  precise float inverseSize = 1.0 / size;
+  precise float3 ra = a * inverseSize;
+  precise float3 rb = b * inverseSize;
+  precise float3 rc = c * inverseSize;
+  precise float volume = determinant3(ra, rb, rc);
+  if (!(volume > 1e-6)) return fallback;
+  for (uint i = 0; i < 4; ++i) {
+    precise float d = determinant3(ra, rb, rc);
+    precise float inverse = 1.0 / max(d, 1e-12);
+    // Rows of X^-T: the cofactors over the determinant.
+    precise float3 ia = cross3(rb, rc) * inverse;
+    precise float3 ib = cross3(rc, ra) * inverse;
+    precise float3 ic = cross3(ra, rb) * inverse;
+    precise float own = dot3(ra, ra) + dot3(rb, rb) + dot3(rc, rc);
+    precise float other = dot3(ia, ia) + dot3(ib, ib) + dot3(ic, ic);
+    precise float g = sqrt(sqrt(other / own));
+    precise float ownShare = 0.5 * g;
+    precise float otherShare = 0.5 / g;
+    ra = ra * ownShare + ia * otherShare;
+    rb = rb * ownShare + ib * otherShare;
+    rc = rc * ownShare + ic * otherShare;
+  }
+  return quaternionOfRotation(ra, rb, rc);
+}
+
+// Rotation of a blend. Where the blend has lost more than three quarters of its bones' volume it
+// has no meaningful rotation, and the strongest bone decides: two bones of equal weight are 120
+// degrees apart there (volume cos^2 of half the angle), or one of them is mirrored.
+float4 rotationOfBlend(MatrixBlend blend, float4 fallback) {
+  precise float det = determinant3(blend.sum.a.xyz, blend.sum.b.xyz, blend.sum.c.xyz);
+  precise float leastVolume = 0.25 * blend.volume;
+  BoneMatrix m = blend.sum;
+  if (!(abs(det) >= leastVolume)) m = blend.strongest;
+  return rotationOfMatrix(m.a.xyz, m.b.xyz, m.c.xyz, fallback);
+}
+
+// ---- dual quaternions
+// Bone: g_boneTransforms[2 b] real part r, [2 b + 1] dual part d = t r / 2 for the rigid motion
+// p -> rotate(r, p) + t, with t as the quaternion (t, 0).
+
+struct DualBlend {
+  float4 real;  // weighted sums
+  float4 dual;
+  bool usable;  // false once a bone had a NaN, an infinity, a number above 1e18 or no rotation
+};
+
+// Dual quaternion linear blending (Kavan, Collins, Zara and O'Sullivan, "Geometric Skinning with
+// Approximate Dual Quaternion Blending", ACM Trans. Graph. 27(4), 2008, section 3.2), with the
+// antipodality fix of its section 4.1: a bone whose real part points away from the pivot's is
+// negated. The pivot is the real part of the bone of the largest weight.
+DualBlend addDualBone(DualBlend blend, uint bone, float weight, float4 pivot) {
+  if (!boneCounts(bone, weight)) return blend;
+  float4 real = g_boneTransforms[bone * 2];
+  float4 dual = g_boneTransforms[bone * 2 + 1];
+  precise float squared = dot4(real, real);
+  blend.usable = blend.usable && isUsable(real) && isUsable(dual) && squared > 1e-12;
+  precise float share = weight / sqrt(max(squared, 1e-12));
+  if (dot4(real, pivot) < 0.0) share = -share;
+  precise float4 sumReal = blend.real + real * share;
+  precise float4 sumDual = blend.dual + dual * share;
+  blend.real = sumReal;
+  blend.dual = sumDual;
+  return blend;
+}
+
+#endif
