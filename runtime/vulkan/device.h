@@ -1,0 +1,25 @@
+// What every part of the runtime knows about the caller's device.
+#pragma once
+
+#include "functions.h"
+
+namespace pelage::vulkan {
+
+struct Device {
+  Functions vk;
+  VkInstance instance = VK_NULL_HANDLE;
+  VkPhysicalDevice physical = VK_NULL_HANDLE;
+  VkDevice handle = VK_NULL_HANDLE;
+  uint32_t queueFamily = 0;
+  const VkAllocationCallbacks* callbacks = nullptr;
+  VkPhysicalDeviceProperties properties = {};
+  VkPhysicalDeviceMemoryProperties memory = {};
+  VkQueueFamilyProperties queue = {};
+  VkPhysicalDeviceFeatures features = {};  ///< those enabled
+  VkPhysicalDeviceSubgroupProperties subgroup = {};
+  VkDeviceSize maxAllocation = 0;  ///< bytes of one allocation
+
+  const VkPhysicalDeviceLimits& limits() const { return properties.limits; }
+};
+
+}  // namespace pelage::vulkan

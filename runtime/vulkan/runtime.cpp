@@ -1,0 +1,979 @@
+// The Vulkan runtime: buffers of a resource table, and pass lists into command buffers.
+//
+// record() and recordDraws() work in two steps. The first resolves everything (pipelines, sets,
+// memory) and finds every error; the second records and cannot fail. So a command buffer never
+// holds half a list.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+#include "barriers.h"
+#include "buffer_memory.h"
+#include "descriptors.h"
+#include "device.h"
+#include "frame_arena.h"
+#include "pelage/vulkan.h"
+#include "pipelines.h"
+#include "timers.h"
+
+namespace pelage::vulkan {
+namespace {
+
+/// More descriptor sets than any group of layouts has; the device's own limit is checked as well.
+constexpr size_t kMaxSets = 8;
+constexpr VkDeviceSize kConstantsChunk = VkDeviceSize{64} << 10;
+constexpr VkDeviceSize kStagingChunk = VkDeviceSize{256} << 10;
+/// Enough for every copy of a buffer; uploads and constants are aligned to it.
+constexpr VkDeviceSize kStagingAlignment = 16;
+
+constexpr VkPipelineStageFlags kShaderStages = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT |
+                                               VK_PIPELINE_STAGE_VERTEX_SHADER_BIT |
+                                               VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT;
+
+// A buffer of the table on the device.
+struct BufferSlot {
+  bool live = false;
+  bool external = false;
+  AllocatedBuffer own;
+  VkBuffer buffer = VK_NULL_HANDLE;
+  VkDeviceSize offset = 0;
+  VkDeviceSize size = 0;
+  uint64_t generation = 0;
+  BufferUsage usage = BufferUsage::kStorage;
+  std::string name;
+};
+
+struct PendingExternal {
+  BufferId id = BufferId::kInvalid;
+  ExternalBuffer buffer;
+};
+
+struct RetiredBuffer {
+  AllocatedBuffer buffer;
+  uint64_t frame = 0;
+};
+
+// A pass, ready to be recorded.
+struct ResolvedPass {
+  Pipeline pipeline;
+  struct Set {
+    uint32_t index = 0;
+    VkDescriptorSet handle = VK_NULL_HANDLE;
+    uint32_t firstOffset = 0;
+    uint32_t offsetCount = 0;
+  };
+  std::array<Set, kMaxSets> sets;
+  uint32_t setCount = 0;
+};
+
+// One labelled region of a command buffer, where labels are on.
+class Label {
+ public:
+  Label(const Device& device, VkCommandBuffer commands, const char* text)
+      : device_(device), commands_(commands) {
+    if (device_.vk.CmdBeginDebugUtilsLabel == nullptr) return;
+    auto label = tagged<VkDebugUtilsLabelEXT>(VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT);
+    label.pLabelName = text;
+    device_.vk.CmdBeginDebugUtilsLabel(commands_, &label);
+  }
+  ~Label() {
+    if (device_.vk.CmdEndDebugUtilsLabel != nullptr) device_.vk.CmdEndDebugUtilsLabel(commands_);
+  }
+  Label(const Label&) = delete;
+  Label& operator=(const Label&) = delete;
+
+ private:
+  const Device& device_;
+  VkCommandBuffer commands_;
+};
+
+uint32_t indexOf(BufferId id) { return static_cast<uint32_t>(id); }
+
+Error invalid(std::string message) { return {ErrorCode::kInvalidArgument, std::move(message)}; }
+
+Result<void> fillDevice(const RuntimeDef& def, Device& device) {
+  if (def.instance == VK_NULL_HANDLE) return invalid("RuntimeDef::instance is null");
+  if (def.physicalDevice == VK_NULL_HANDLE) return invalid("RuntimeDef::physicalDevice is null");
+  if (def.device == VK_NULL_HANDLE) return invalid("RuntimeDef::device is null");
+  if ((def.allocator.create == nullptr) != (def.allocator.destroy == nullptr))
+    return invalid("RuntimeDef::allocator has only one of create and destroy");
+  device.instance = def.instance;
+  device.physical = def.physicalDevice;
+  device.handle = def.device;
+  device.queueFamily = def.queueFamily;
+  device.callbacks = def.allocationCallbacks;
+  device.features = def.enabledFeatures;
+
+  if (Result<void> loaded = device.vk.loadGlobal(def.getInstanceProcAddr); !loaded) return loaded;
+  if (Result<void> loaded = device.vk.loadInstance(def.instance); !loaded) return loaded;
+  if (Result<void> loaded = device.vk.loadDevice(def.instance, def.device, def.debugUtils); !loaded)
+    return loaded;
+
+  const Functions& vk = device.vk;
+  vk.GetPhysicalDeviceProperties(device.physical, &device.properties);
+  const uint32_t version = device.properties.apiVersion;
+  if (version < VK_API_VERSION_1_1) {
+    return Error{ErrorCode::kUnsupported,
+                 fmt::format("{} has Vulkan {}.{}, the runtime needs 1.1: update its driver",
+                             device.properties.deviceName, VK_API_VERSION_MAJOR(version),
+                             VK_API_VERSION_MINOR(version))};
+  }
+  auto maintenance = tagged<VkPhysicalDeviceMaintenance3Properties>(
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES);
+  device.subgroup.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES;
+  device.subgroup.pNext = &maintenance;
+  auto properties =
+      tagged<VkPhysicalDeviceProperties2>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2);
+  properties.pNext = &device.subgroup;
+  vk.GetPhysicalDeviceProperties2(device.physical, &properties);
+  device.subgroup.pNext = nullptr;
+  device.maxAllocation = maintenance.maxMemoryAllocationSize;
+  vk.GetPhysicalDeviceMemoryProperties(device.physical, &device.memory);
+
+  uint32_t count = 0;
+  vk.GetPhysicalDeviceQueueFamilyProperties(device.physical, &count, nullptr);
+  std::vector<VkQueueFamilyProperties> families(count);
+  vk.GetPhysicalDeviceQueueFamilyProperties(device.physical, &count, families.data());
+  if (def.queueFamily >= count) {
+    return invalid(fmt::format("RuntimeDef::queueFamily is {}, {} has {} families", def.queueFamily,
+                               device.properties.deviceName, count));
+  }
+  device.queue = families[def.queueFamily];
+  if ((device.queue.queueFlags & VK_QUEUE_COMPUTE_BIT) == 0) {
+    return Error{ErrorCode::kUnsupported,
+                 fmt::format("queue family {} of {} cannot compute: take one with "
+                             "VK_QUEUE_COMPUTE_BIT",
+                             def.queueFamily, device.properties.deviceName)};
+  }
+  return {};
+}
+
+}  // namespace
+
+struct Runtime::Impl {
+  explicit Impl(const RuntimeDef& def)
+      : allocator(def.allocator),
+        memory(device, allocator),
+        descriptors(device),
+        pipelines(device, descriptors),
+        timers(device),
+        constantsArena(memory, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, MemoryKind::kConstants,
+                       "pelage/constants", kConstantsChunk, nextGeneration,
+                       [this](uint64_t generation) { descriptors.forgetBuffer(generation); }),
+        stagingArena(memory, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryKind::kStaging,
+                     "pelage/staging", kStagingChunk, nextGeneration, [](uint64_t) {}) {}
+  ~Impl() {
+    for (const BufferSlot& slot : slots) memory.destroy(slot.own);
+    for (const RetiredBuffer& retired : retiredBuffers) memory.destroy(retired.buffer);
+    memory.destroy(filler);
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  // Buffers.
+  const BufferSlot* find(BufferId id) const {
+    return indexOf(id) < slots.size() && slots[indexOf(id)].live ? &slots[indexOf(id)] : nullptr;
+  }
+  std::string bufferName(BufferId id) const;
+  Result<void> update(const ResourceTable& resources, VkCommandBuffer commands);
+  Result<BufferSlot> createSlot(const BufferDesc& desc, const ExternalBuffer* external);
+  void retire(BufferSlot& slot);
+  void collect(uint64_t completed);
+
+  // Lists: the checking step.
+  Result<void> checkRanges(const PassList& list) const;
+  Result<void> checkPass(const PassList& list, const Pass& pass) const;
+  Result<void> checkBinding(const Pass& pass, const PassBinding& binding,
+                            const LayoutEntry& entry) const;
+  Result<void> checkBarriers(std::span<const Barrier> barriers, const char* where) const;
+  Result<void> checkUploads(const PassList& list) const;
+  Result<Pipeline> pipelineOf(const PassList& list, const Pass& pass, const TargetFormats* target);
+  Result<void> resolve(const PassList& list, bool draws, const TargetFormats* target);
+  Result<void> resolvePass(const PassList& list, const Pass& pass, const TargetFormats* target,
+                           const ArenaSlice& constants, uint64_t firstConstant, ResolvedPass& out);
+  Result<ArenaSlice> copyConstants(const PassList& list, bool draws, uint64_t& first);
+  Result<void> makeFiller();
+
+  // Lists: the recording step.
+  Result<void> record(const PassList& list, VkCommandBuffer commands);
+  Result<void> recordDraws(const PassList& list, VkCommandBuffer commands,
+                           const TargetFormats& target, const VkRect2D& area);
+  void recordUploads(const PassList& list, const ArenaSlice& data, VkCommandBuffer commands);
+  void recordBarriers(std::span<const Barrier> list, VkCommandBuffer commands);
+  void bind(const ResolvedPass& pass, VkPipelineBindPoint point, VkCommandBuffer commands) const;
+
+  Device device;
+  BufferAllocator allocator;
+  BufferMemory memory;
+  uint64_t nextGeneration = 1;
+  Descriptors descriptors;
+  Pipelines pipelines;
+  Timers timers;
+  FrameArena constantsArena;
+  FrameArena stagingArena;
+
+  uint64_t frame = 0;
+  uint64_t completedFrame = 0;
+  bool timestamps = false;
+
+  std::vector<BufferSlot> slots;
+  std::vector<PendingExternal> pendingExternals;
+  std::vector<RetiredBuffer> retiredBuffers;
+  bool seenTable = false;
+  uint64_t tableVersion = 0;
+
+  // Stands in for uniform blocks of a layout that a permutation does not use: a dynamic uniform
+  // buffer must point somewhere when its set is bound.
+  AllocatedBuffer filler;
+  uint64_t fillerGeneration = 0;
+  VkDeviceSize fillerSize = 0;
+
+  // Timers of draws, reserved by record() for the recordDraws() of the same list.
+  const PassList* timedList = nullptr;
+  size_t timedDraws = 0;
+  size_t timedDrawCount = 0;
+
+  // Kept between calls, so that a frame like the last one allocates nothing.
+  std::vector<ResolvedPass> resolved;
+  std::vector<uint32_t> dynamicOffsets;
+  std::vector<BoundBuffer> bound;
+  BarrierBatch batch;
+};
+
+std::string Runtime::Impl::bufferName(BufferId id) const {
+  const BufferSlot* slot = find(id);
+  return slot != nullptr ? slot->name : fmt::format("#{}", indexOf(id));
+}
+
+Result<BufferSlot> Runtime::Impl::createSlot(const BufferDesc& desc,
+                                             const ExternalBuffer* external) {
+  BufferSlot slot;
+  slot.live = true;
+  slot.size = desc.size;
+  slot.usage = desc.usage;
+  slot.name = desc.name;
+  if (external != nullptr) {
+    slot.external = true;
+    slot.buffer = external->buffer;
+    slot.offset = external->offset;
+  } else {
+    VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
+                               VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
+    if (contains(desc.usage, BufferUsage::kIndex)) usage |= VK_BUFFER_USAGE_INDEX_BUFFER_BIT;
+    if (contains(desc.usage, BufferUsage::kIndirect)) usage |= VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
+    Result<AllocatedBuffer> made =
+        memory.create(desc.size, usage, MemoryKind::kDevice, desc.name.c_str());
+    if (!made) return made.error();
+    slot.own = *made;
+    slot.buffer = made->buffer;
+  }
+  slot.generation = nextGeneration++;
+  return slot;
+}
+
+void Runtime::Impl::retire(BufferSlot& slot) {
+  descriptors.forgetBuffer(slot.generation);
+  if (slot.own.buffer != VK_NULL_HANDLE) retiredBuffers.push_back({slot.own, frame});
+  slot = {};
+}
+
+Result<void> Runtime::Impl::update(const ResourceTable& resources, VkCommandBuffer commands) {
+  PELAGE_ASSERT(frame > 0, "beginFrame() comes before update()");
+  if (seenTable && tableVersion == resources.version()) return {};
+
+  // What may fail comes first, into a list of its own that takes everything back on an error.
+  struct New {
+    uint32_t index;
+    const BufferDesc* desc;
+    bool keepContents;
+    BufferSlot slot;
+    ArenaSlice staging;
+  };
+  std::vector<New> added;
+  const auto undo = [&](const Error& error) -> Result<void> {
+    for (const New& item : added) memory.destroy(item.slot.own);
+    return error;
+  };
+  if (slots.size() < resources.end()) slots.resize(resources.end());
+  retiredBuffers.reserve(retiredBuffers.size() + slots.size());
+  for (uint32_t index = 0; index < resources.end(); ++index) {
+    const BufferDesc* desc = resources.find(static_cast<BufferId>(index));
+    if (desc == nullptr || slots[index].live) continue;
+    const auto external =
+        std::find_if(pendingExternals.begin(), pendingExternals.end(),
+                     [&](const PendingExternal& p) { return indexOf(p.id) == index; });
+    const ExternalBuffer* given = external != pendingExternals.end() ? &external->buffer : nullptr;
+    added.reserve(added.size() + 1);
+    Result<BufferSlot> slot = createSlot(*desc, given);
+    if (!slot) return undo(slot.error());
+    added.push_back({index, desc, given != nullptr && given->keepContents, *std::move(slot), {}});
+    if (desc->initial.empty() || added.back().keepContents) continue;
+    Result<ArenaSlice> staging =
+        stagingArena.allocate(frame, desc->initial.size(), kStagingAlignment);
+    if (!staging) return undo(staging.error());
+    std::memcpy(staging->mapped, desc->initial.data(), desc->initial.size());
+    added.back().staging = *staging;
+  }
+
+  for (uint32_t index = 0; index < slots.size(); ++index) {
+    if (slots[index].live && resources.find(static_cast<BufferId>(index)) == nullptr)
+      retire(slots[index]);
+  }
+  std::vector<VkBufferMemoryBarrier> barriers;
+  barriers.reserve(added.size());
+  for (New& item : added) {
+    BufferSlot& slot = slots[item.index];
+    slot = std::move(item.slot);
+    std::erase_if(pendingExternals,
+                  [&](const PendingExternal& p) { return indexOf(p.id) == item.index; });
+    if (item.keepContents) continue;
+    if (item.staging.buffer != VK_NULL_HANDLE) {
+      const VkBufferCopy copy = {item.staging.offset, slot.offset, slot.size};
+      device.vk.CmdCopyBuffer(commands, item.staging.buffer, slot.buffer, 1, &copy);
+    } else {
+      device.vk.CmdFillBuffer(commands, slot.buffer, slot.offset, slot.size, 0);
+    }
+    auto barrier = tagged<VkBufferMemoryBarrier>(VK_STRUCTURE_TYPE_BUFFER_MEMORY_BARRIER);
+    barrier.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
+    barrier.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT |
+                            VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT |
+                            VK_ACCESS_INDEX_READ_BIT | VK_ACCESS_INDIRECT_COMMAND_READ_BIT;
+    barrier.srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+    barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+    barrier.buffer = slot.buffer;
+    barrier.offset = slot.offset;
+    barrier.size = slot.size;
+    barriers.push_back(barrier);
+  }
+  if (!barriers.empty()) {
+    // The list's hazards do not know of the initial data: whatever comes next waits for it here.
+    const bool graphics = (device.queue.queueFlags & VK_QUEUE_GRAPHICS_BIT) != 0;
+    const VkPipelineStageFlags next =
+        (graphics ? kShaderStages | VK_PIPELINE_STAGE_VERTEX_INPUT_BIT
+                  : VkPipelineStageFlags{VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT}) |
+        VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
+    if (!graphics) {
+      for (VkBufferMemoryBarrier& barrier : barriers)
+        barrier.dstAccessMask &= ~VkAccessFlags{VK_ACCESS_INDEX_READ_BIT};
+    }
+    device.vk.CmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, next, 0, 0, nullptr,
+                                 static_cast<uint32_t>(barriers.size()), barriers.data(), 0,
+                                 nullptr);
+  }
+  seenTable = true;
+  tableVersion = resources.version();
+  return {};
+}
+
+void Runtime::Impl::collect(uint64_t completed) {
+  completedFrame = std::max(completedFrame, completed);
+  std::erase_if(retiredBuffers, [&](const RetiredBuffer& retired) {
+    if (retired.frame > completedFrame) return false;
+    memory.destroy(retired.buffer);
+    return true;
+  });
+  timers.collect(completedFrame);
+  constantsArena.collect(completedFrame);
+  stagingArena.collect(completedFrame);
+  descriptors.collect(completedFrame);
+}
+
+Result<void> Runtime::Impl::checkRanges(const PassList& list) const {
+  const auto inside = [](uint64_t first, uint64_t count, size_t size) {
+    return first <= size && count <= size - first;
+  };
+  bool draws = false;
+  for (const Pass& pass : list.passes) {
+    if (pass.kernel == nullptr) return invalid("a pass of the list has no kernel");
+    if (!inside(pass.firstBinding, pass.bindingCount, list.bindings.size()) ||
+        !inside(pass.firstSpecValue, pass.specValueCount, list.specValues.size()) ||
+        !inside(pass.firstBarrier, pass.barrierCount, list.barriers.size())) {
+      return invalid(fmt::format("pass {}: a range of it points outside the list's arrays",
+                                 variantName(*pass.kernel)));
+    }
+    if (draws && pass.kind != PassKind::kDraw) {
+      return invalid(fmt::format("pass {}: a dispatch stands behind a draw; dispatches come first",
+                                 variantName(*pass.kernel)));
+    }
+    draws = draws || pass.kind == PassKind::kDraw;
+  }
+  return {};
+}
+
+Result<void> Runtime::Impl::checkBinding(const Pass& pass, const PassBinding& binding,
+                                         const LayoutEntry& entry) const {
+  const VkPhysicalDeviceLimits& limits = device.limits();
+  const BufferSlot* slot = find(binding.buffer);
+  const auto where = [&] {
+    return fmt::format("pass {}, resource {}", variantName(*pass.kernel), entry.name);
+  };
+  if (slot == nullptr) {
+    return invalid(fmt::format("{}: buffer #{} was removed, or update() has not seen it", where(),
+                               indexOf(binding.buffer)));
+  }
+  if (binding.size == 0 || binding.offset > slot->size ||
+      binding.size > slot->size - binding.offset) {
+    return invalid(fmt::format("{}: bytes {} to {} of buffer '{}', which has {}", where(),
+                               binding.offset, binding.offset + binding.size, slot->name,
+                               slot->size));
+  }
+  if (binding.size > limits.maxStorageBufferRange) {
+    return Error{ErrorCode::kUnsupported,
+                 fmt::format("{}: {} bytes of buffer '{}', the device binds at most {} "
+                             "(maxStorageBufferRange): split the object",
+                             where(), binding.size, slot->name, limits.maxStorageBufferRange)};
+  }
+  if ((slot->offset + binding.offset) % limits.minStorageBufferOffsetAlignment != 0) {
+    return invalid(
+        fmt::format("{}: offset {} of buffer '{}' is not a multiple of {} "
+                    "(minStorageBufferOffsetAlignment)",
+                    where(), slot->offset + binding.offset, slot->name,
+                    limits.minStorageBufferOffsetAlignment));
+  }
+  return {};
+}
+
+Result<void> Runtime::Impl::checkPass(const PassList& list, const Pass& pass) const {
+  const VkPhysicalDeviceLimits& limits = device.limits();
+  const std::string name = variantName(*pass.kernel);
+  const auto reads32 = [&](BufferId id, uint64_t offset, uint64_t size, BufferUsage usage,
+                           const char* what) -> Result<void> {
+    const BufferSlot* slot = find(id);
+    if (slot == nullptr) {
+      return invalid(fmt::format("pass {}: {} buffer #{} was removed, or update() has not seen it",
+                                 name, what, indexOf(id)));
+    }
+    if (!contains(slot->usage, usage)) {
+      return invalid(fmt::format("pass {}: buffer '{}' was not made as {} buffer (BufferUsage)",
+                                 name, slot->name, what));
+    }
+    if (offset % 4 != 0 || offset > slot->size || size > slot->size - offset) {
+      return invalid(fmt::format("pass {}: {} bytes {} to {} of buffer '{}', which has {}", name,
+                                 what, offset, offset + size, slot->name, slot->size));
+    }
+    return {};
+  };
+
+  const Stage stage = pass.kernel->kernel->stage;
+  if (pass.kind == PassKind::kDraw) {
+    if (stage != Stage::kVertex || pass.pixel == nullptr ||
+        pass.pixel->kernel->stage != Stage::kPixel)
+      return invalid(fmt::format("draw {} needs a vertex kernel and a pixel kernel", name));
+    const auto vertexLayouts = pass.kernel->kernel->layouts;
+    const auto pixelLayouts = pass.pixel->kernel->layouts;
+    if (!std::equal(vertexLayouts.begin(), vertexLayouts.end(), pixelLayouts.begin(),
+                    pixelLayouts.end())) {
+      return invalid(fmt::format("draw {}: kernel {} is of another group of layouts", name,
+                                 variantName(*pass.pixel)));
+    }
+    if (pass.indices != BufferId::kInvalid) {
+      if (Result<void> checked = reads32(pass.indices, 0, uint64_t{pass.elementCount} * 4,
+                                         BufferUsage::kIndex, "index");
+          !checked)
+        return checked;
+    }
+  } else {
+    if (stage != Stage::kCompute)
+      return invalid(fmt::format("pass {} dispatches what is no compute kernel", name));
+    if (pass.kind == PassKind::kDispatchIndirect) {
+      if (Result<void> checked =
+              reads32(pass.indirect, pass.indirectOffset, sizeof(VkDispatchIndirectCommand),
+                      BufferUsage::kIndirect, "indirect");
+          !checked)
+        return checked;
+    } else {
+      for (int axis = 0; axis < 3; ++axis) {
+        if (pass.groups[axis] == 0) {
+          return invalid(fmt::format("pass {} has no thread groups on axis {}", name, "xyz"[axis]));
+        }
+        if (pass.groups[axis] > limits.maxComputeWorkGroupCount[axis]) {
+          return Error{ErrorCode::kUnsupported,
+                       fmt::format("pass {} needs {} thread groups on axis {}, the device runs {}: "
+                                   "split the object",
+                                   name, pass.groups[axis], "xyz"[axis],
+                                   limits.maxComputeWorkGroupCount[axis])};
+        }
+      }
+    }
+  }
+
+  const auto layouts = pass.kernel->kernel->layouts;
+  if (layouts.size() > kMaxSets) {
+    return Error{ErrorCode::kUnsupported,
+                 fmt::format("kernel {} has {} descriptor sets, the runtime binds {}", name,
+                             layouts.size(), kMaxSets)};
+  }
+  const auto bindings = list.bindingsOf(pass);
+  for (const PassBinding& binding : bindings) {
+    if (binding.set >= layouts.size() || layouts[binding.set] == nullptr ||
+        binding.entry >= layouts[binding.set]->entries.size()) {
+      return invalid(
+          fmt::format("pass {}: a binding names set {}, entry {}, which its layouts "
+                      "do not have",
+                      name, binding.set, binding.entry));
+    }
+  }
+  for (const KernelVariant* variant : {pass.kernel, pass.pixel}) {
+    if (variant == nullptr) continue;
+    for (const VariantBinding& use : variant->bindings) {
+      const LayoutEntry& entry = layouts[use.set]->entries[use.entry];
+      const auto found =
+          std::find_if(bindings.begin(), bindings.end(), [&](const PassBinding& binding) {
+            return binding.set == use.set && binding.entry == use.entry;
+          });
+      if (found == bindings.end()) {
+        return invalid(fmt::format("pass {} binds nothing to resource {}, which kernel {} uses",
+                                   name, entry.name, variantName(*variant)));
+      }
+      switch (entry.kind) {
+        case ResourceKind::kUniformBuffer: {
+          const uint64_t size = list.constants.size();
+          if (found->offset > size || found->size > size - found->offset ||
+              found->size < entry.stride) {
+            return invalid(fmt::format(
+                "pass {}: block {} has {} bytes; the list has bytes {} to "
+                "{} of {} for it",
+                name, entry.name, entry.stride, found->offset, found->offset + found->size, size));
+          }
+          if (found->offset % PassList::kConstantAlignment != 0) {
+            return invalid(
+                fmt::format("pass {}: block {} at offset {} of the constants, which is "
+                            "not a multiple of {}",
+                            name, entry.name, found->offset, PassList::kConstantAlignment));
+          }
+          if (found->size > limits.maxUniformBufferRange) {
+            return Error{ErrorCode::kUnsupported,
+                         fmt::format("pass {}: block {} has {} bytes, the device reads {} "
+                                     "(maxUniformBufferRange)",
+                                     name, entry.name, found->size, limits.maxUniformBufferRange)};
+          }
+          break;
+        }
+        case ResourceKind::kStorageBuffer:
+          if (Result<void> checked = checkBinding(pass, *found, entry); !checked) return checked;
+          break;
+        case ResourceKind::kSampledTexture:
+        case ResourceKind::kStorageTexture:
+        case ResourceKind::kSampler:
+          return Error{ErrorCode::kUnsupported,
+                       fmt::format("pass {}: resource {} is a texture or sampler, pass lists carry "
+                                   "buffers only",
+                                   name, entry.name)};
+      }
+    }
+  }
+  return {};
+}
+
+Result<void> Runtime::Impl::checkBarriers(std::span<const Barrier> barriers,
+                                          const char* where) const {
+  for (const Barrier& barrier : barriers) {
+    if (find(barrier.buffer) == nullptr) {
+      return invalid(
+          fmt::format("a barrier {} names buffer #{}, which was removed or which "
+                      "update() has not seen",
+                      where, indexOf(barrier.buffer)));
+    }
+  }
+  return {};
+}
+
+Result<void> Runtime::Impl::checkUploads(const PassList& list) const {
+  for (const Upload& upload : list.uploads) {
+    const BufferSlot* slot = find(upload.buffer);
+    if (slot == nullptr) {
+      return invalid(
+          fmt::format("an upload names buffer #{}, which was removed or which update() "
+                      "has not seen",
+                      indexOf(upload.buffer)));
+    }
+    if (upload.size == 0 || upload.size % 4 != 0 || upload.offset % 4 != 0 ||
+        upload.offset > slot->size || upload.size > slot->size - upload.offset) {
+      return invalid(
+          fmt::format("upload of bytes {} to {} of buffer '{}', which has {}; both are "
+                      "to be multiples of 4",
+                      upload.offset, upload.offset + upload.size, slot->name, slot->size));
+    }
+    if (upload.dataOffset > list.uploadData.size() ||
+        upload.size > list.uploadData.size() - upload.dataOffset) {
+      return invalid(fmt::format("upload into buffer '{}': its {} bytes are not in the list's data",
+                                 slot->name, upload.size));
+    }
+  }
+  return {};
+}
+
+Result<Pipeline> Runtime::Impl::pipelineOf(const PassList& list, const Pass& pass,
+                                           const TargetFormats* target) {
+  if (pass.kind == PassKind::kDraw) {
+    return pipelines.graphics(*pass.kernel, *pass.pixel, list.specValuesOf(pass), pass.state,
+                              *target);
+  }
+  return pipelines.compute(*pass.kernel, list.specValuesOf(pass));
+}
+
+Result<void> Runtime::Impl::makeFiller() {
+  if (filler.buffer != VK_NULL_HANDLE) return {};
+  const VkDeviceSize size =
+      std::min<VkDeviceSize>(kConstantsChunk, device.limits().maxUniformBufferRange);
+  Result<AllocatedBuffer> made = memory.create(size, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
+                                               MemoryKind::kConstants, "pelage/unused constants");
+  if (!made) return made.error();
+  std::memset(made->mapped, 0, static_cast<size_t>(size));
+  filler = *made;
+  fillerSize = size;
+  fillerGeneration = nextGeneration++;
+  return {};
+}
+
+Result<ArenaSlice> Runtime::Impl::copyConstants(const PassList& list, bool draws, uint64_t& first) {
+  uint64_t begin = UINT64_MAX;
+  uint64_t end = 0;
+  for (const Pass& pass : list.passes) {
+    if ((pass.kind == PassKind::kDraw) != draws) continue;
+    for (const PassBinding& binding : list.bindingsOf(pass)) {
+      const LayoutTable& table = *pass.kernel->kernel->layouts[binding.set];
+      if (table.entries[binding.entry].kind != ResourceKind::kUniformBuffer) continue;
+      begin = std::min(begin, binding.offset);
+      end = std::max(end, binding.offset + binding.size);
+    }
+  }
+  if (begin >= end) return ArenaSlice{};
+  first = begin;
+  Result<ArenaSlice> slice =
+      constantsArena.allocate(frame, end - begin, PassList::kConstantAlignment);
+  if (slice)
+    std::memcpy(slice->mapped, list.constants.data() + begin, static_cast<size_t>(end - begin));
+  return slice;
+}
+
+Result<void> Runtime::Impl::resolvePass(const PassList& list, const Pass& pass,
+                                        const TargetFormats* target, const ArenaSlice& constants,
+                                        uint64_t firstConstant, ResolvedPass& out) {
+  Result<Pipeline> pipeline = pipelineOf(list, pass, target);
+  if (!pipeline) return pipeline.error();
+  out.pipeline = *pipeline;
+  out.setCount = 0;
+
+  const auto layouts = pass.kernel->kernel->layouts;
+  const auto bindings = list.bindingsOf(pass);
+  for (uint32_t set = 0; set < layouts.size(); ++set) {
+    const bool used = std::any_of(bindings.begin(), bindings.end(),
+                                  [&](const PassBinding& binding) { return binding.set == set; });
+    if (!used) continue;
+    const LayoutTable& table = *layouts[set];
+    ResolvedPass::Set& resolvedSet = out.sets[out.setCount];
+    resolvedSet.index = set;
+    resolvedSet.firstOffset = static_cast<uint32_t>(dynamicOffsets.size());
+    bound.clear();
+    // Dynamic offsets go by ascending binding number, which entries need not follow.
+    std::array<std::pair<uint32_t, uint32_t>, 32> offsets;
+    size_t offsetCount = 0;
+    for (uint32_t index = 0; index < table.entries.size(); ++index) {
+      const LayoutEntry& entry = table.entries[index];
+      const auto found = std::find_if(bindings.begin(), bindings.end(), [&](const auto& binding) {
+        return binding.set == set && binding.entry == index;
+      });
+      if (entry.kind == ResourceKind::kUniformBuffer) {
+        if (offsetCount == offsets.size()) {
+          return Error{
+              ErrorCode::kUnsupported,
+              fmt::format("layout {} has more than {} uniform blocks", table.name, offsets.size())};
+        }
+        if (found != bindings.end()) {
+          bound.push_back({index, constants.generation, constants.buffer, 0, found->size});
+          offsets[offsetCount++] = {
+              entry.binding,
+              static_cast<uint32_t>(constants.offset + found->offset - firstConstant)};
+        } else {
+          if (Result<void> made = makeFiller(); !made) return made;
+          bound.push_back({index, fillerGeneration, filler.buffer, 0, fillerSize});
+          offsets[offsetCount++] = {entry.binding, 0};
+        }
+      } else if (found != bindings.end()) {
+        const BufferSlot& slot = *find(found->buffer);
+        bound.push_back(
+            {index, slot.generation, slot.buffer, slot.offset + found->offset, found->size});
+      }
+    }
+    std::sort(offsets.begin(), offsets.begin() + static_cast<std::ptrdiff_t>(offsetCount));
+    for (size_t i = 0; i < offsetCount; ++i) dynamicOffsets.push_back(offsets[i].second);
+    resolvedSet.offsetCount = static_cast<uint32_t>(offsetCount);
+    Result<VkDescriptorSet> handle = descriptors.set(table, bound, frame);
+    if (!handle) {
+      return Error{handle.error().code,
+                   fmt::format("pass {}: {}", variantName(*pass.kernel), handle.error().message)};
+    }
+    resolvedSet.handle = *handle;
+    ++out.setCount;
+  }
+  return {};
+}
+
+Result<void> Runtime::Impl::resolve(const PassList& list, bool draws, const TargetFormats* target) {
+  PELAGE_ASSERT(frame > 0, "beginFrame() comes before record()");
+  resolved.clear();
+  dynamicOffsets.clear();
+  if (Result<void> checked = checkRanges(list); !checked) return checked;
+  for (const Pass& pass : list.passes) {
+    if ((pass.kind == PassKind::kDraw) != draws) continue;
+    if (Result<void> checked = checkPass(list, pass); !checked) return checked;
+  }
+  uint64_t firstConstant = 0;
+  Result<ArenaSlice> constants = copyConstants(list, draws, firstConstant);
+  if (!constants) return constants.error();
+  for (const Pass& pass : list.passes) {
+    if ((pass.kind == PassKind::kDraw) != draws) continue;
+    ResolvedPass& out = resolved.emplace_back();
+    if (Result<void> done = resolvePass(list, pass, target, *constants, firstConstant, out); !done)
+      return done;
+  }
+  return {};
+}
+
+void Runtime::Impl::recordUploads(const PassList& list, const ArenaSlice& data,
+                                  VkCommandBuffer commands) {
+  const auto overlaps = [](const Upload& a, const Upload& b) {
+    return a.buffer == b.buffer && a.offset < b.offset + b.size && b.offset < a.offset + a.size;
+  };
+  size_t ordered = 0;  // uploads before this one are ordered against what follows
+  for (size_t i = 0; i < list.uploads.size(); ++i) {
+    const Upload& upload = list.uploads[i];
+    // Uploads happen in order; copies do so only where something says so.
+    const auto first = list.uploads.begin() + static_cast<std::ptrdiff_t>(ordered);
+    const auto last = list.uploads.begin() + static_cast<std::ptrdiff_t>(i);
+    if (std::any_of(first, last, [&](const Upload& other) { return overlaps(upload, other); })) {
+      auto barrier = tagged<VkMemoryBarrier>(VK_STRUCTURE_TYPE_MEMORY_BARRIER);
+      barrier.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
+      barrier.dstAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
+      device.vk.CmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT,
+                                   VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 1, &barrier, 0, nullptr, 0,
+                                   nullptr);
+      ordered = i;
+    }
+    const BufferSlot& slot = *find(upload.buffer);
+    const VkBufferCopy copy = {data.offset + upload.dataOffset, slot.offset + upload.offset,
+                               upload.size};
+    device.vk.CmdCopyBuffer(commands, data.buffer, slot.buffer, 1, &copy);
+  }
+}
+
+void Runtime::Impl::recordBarriers(std::span<const Barrier> list, VkCommandBuffer commands) {
+  for (const Barrier& barrier : list) {
+    const BufferSlot& slot = *find(barrier.buffer);
+    batch.add(barrier, {slot.buffer, slot.offset, slot.size});
+  }
+  batch.record(device, commands);
+}
+
+void Runtime::Impl::bind(const ResolvedPass& pass, VkPipelineBindPoint point,
+                         VkCommandBuffer commands) const {
+  device.vk.CmdBindPipeline(commands, point, pass.pipeline.handle);
+  for (uint32_t i = 0; i < pass.setCount; ++i) {
+    const ResolvedPass::Set& set = pass.sets[i];
+    device.vk.CmdBindDescriptorSets(commands, point, pass.pipeline.layout, set.index, 1,
+                                    &set.handle, set.offsetCount,
+                                    dynamicOffsets.data() + set.firstOffset);
+  }
+}
+
+Result<void> Runtime::Impl::record(const PassList& list, VkCommandBuffer commands) {
+  if (Result<void> done = resolve(list, false, nullptr); !done) return done;
+  if (Result<void> done = checkUploads(list); !done) return done;
+  for (const auto& [barriers, where] : {std::pair(&list.uploadBarriers, "before the uploads"),
+                                        std::pair(&list.barriers, "between the dispatches"),
+                                        std::pair(&list.drawBarriers, "before the draws")}) {
+    if (Result<void> done = checkBarriers(*barriers, where); !done) return done;
+  }
+  ArenaSlice data;
+  if (!list.uploads.empty()) {
+    Result<ArenaSlice> slice =
+        stagingArena.allocate(frame, list.uploadData.size(), kStagingAlignment);
+    if (!slice) return slice.error();
+    data = *slice;
+    std::memcpy(data.mapped, list.uploadData.data(), list.uploadData.size());
+  }
+  size_t span = 0;
+  timedList = nullptr;
+  if (timestamps && !list.passes.empty()) {
+    std::vector<const char*> dispatchNames;
+    std::vector<const char*> drawNames;
+    for (const Pass& pass : list.passes)
+      (pass.kind == PassKind::kDraw ? drawNames : dispatchNames).push_back(pass.name);
+    timedDrawCount = drawNames.size();
+    const bool hasDraws = !drawNames.empty();
+    Result<size_t> reserved = timers.reserve(frame, std::move(dispatchNames));
+    if (!reserved) return reserved.error();
+    span = *reserved;
+    if (hasDraws) {
+      Result<size_t> drawSpan = timers.reserve(frame, std::move(drawNames));
+      if (!drawSpan) return drawSpan.error();
+      timedDraws = *drawSpan;
+      timedList = &list;
+    }
+  }
+
+  // Nothing fails from here on.
+  const bool timed = timestamps && !list.passes.empty();
+  if (timed) timers.resetSpan(span, commands);
+  if (timedList != nullptr) timers.resetSpan(timedDraws, commands);
+  if (!list.uploads.empty()) {
+    const Label label(device, commands, "uploads");
+    recordBarriers(list.uploadBarriers, commands);
+    recordUploads(list, data, commands);
+  }
+  uint32_t index = 0;
+  if (timed) timers.write(span, 0, commands);
+  for (const ResolvedPass& ready : resolved) {
+    const Pass& pass = list.passes[index++];
+    const Label label(device, commands, pass.name);
+    recordBarriers(list.barriersOf(pass), commands);
+    bind(ready, VK_PIPELINE_BIND_POINT_COMPUTE, commands);
+    if (pass.kind == PassKind::kDispatchIndirect) {
+      const BufferSlot& slot = *find(pass.indirect);
+      device.vk.CmdDispatchIndirect(commands, slot.buffer, slot.offset + pass.indirectOffset);
+    } else {
+      device.vk.CmdDispatch(commands, pass.groups[0], pass.groups[1], pass.groups[2]);
+    }
+    if (timed) timers.write(span, index, commands);
+  }
+  recordBarriers(list.drawBarriers, commands);
+  return {};
+}
+
+Result<void> Runtime::Impl::recordDraws(const PassList& list, VkCommandBuffer commands,
+                                        const TargetFormats& target, const VkRect2D& area) {
+  if ((device.queue.queueFlags & VK_QUEUE_GRAPHICS_BIT) == 0) {
+    return Error{ErrorCode::kUnsupported,
+                 fmt::format("queue family {} of {} cannot draw: take one with "
+                             "VK_QUEUE_GRAPHICS_BIT",
+                             device.queueFamily, device.properties.deviceName)};
+  }
+  const VkPhysicalDeviceLimits& limits = device.limits();
+  if (area.extent.width == 0 || area.extent.height == 0 ||
+      area.extent.width > limits.maxViewportDimensions[0] ||
+      area.extent.height > limits.maxViewportDimensions[1] || area.offset.x < 0 ||
+      area.offset.y < 0) {
+    return invalid(fmt::format("draws into an area of {} x {} pixels at ({}, {})",
+                               area.extent.width, area.extent.height, area.offset.x,
+                               area.offset.y));
+  }
+  if (Result<void> done = resolve(list, true, &target); !done) return done;
+  if (resolved.empty()) return {};
+
+  const VkViewport viewport = {
+      static_cast<float>(area.offset.x),
+      static_cast<float>(area.offset.y) + static_cast<float>(area.extent.height),
+      static_cast<float>(area.extent.width),
+      -static_cast<float>(area.extent.height),
+      0.0f,
+      1.0f};
+  device.vk.CmdSetViewport(commands, 0, 1, &viewport);
+  device.vk.CmdSetScissor(commands, 0, 1, &area);
+  const bool timed = timedList == &list && timedDrawCount == resolved.size();
+  if (timed) timedList = nullptr;
+  const size_t firstDraw = list.passes.size() - resolved.size();
+  if (timed) timers.write(timedDraws, 0, commands);
+  for (size_t i = 0; i < resolved.size(); ++i) {
+    const Pass& pass = list.passes[firstDraw + i];
+    const Label label(device, commands, pass.name);
+    bind(resolved[i], VK_PIPELINE_BIND_POINT_GRAPHICS, commands);
+    if (pass.indices != BufferId::kInvalid) {
+      const BufferSlot& slot = *find(pass.indices);
+      device.vk.CmdBindIndexBuffer(commands, slot.buffer, slot.offset, VK_INDEX_TYPE_UINT32);
+      device.vk.CmdDrawIndexed(commands, pass.elementCount, pass.instanceCount, 0, 0, 0);
+    } else {
+      device.vk.CmdDraw(commands, pass.elementCount, pass.instanceCount, 0, 0);
+    }
+    if (timed) timers.write(timedDraws, static_cast<uint32_t>(i + 1), commands);
+  }
+  return {};
+}
+
+Runtime::Runtime(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Runtime::Runtime(Runtime&&) noexcept = default;
+Runtime& Runtime::operator=(Runtime&&) noexcept = default;
+Runtime::~Runtime() = default;
+
+Result<Runtime> Runtime::create(const RuntimeDef& def) {
+  return guarded([&]() -> Result<Runtime> {
+    auto impl = std::make_unique<Impl>(def);
+    if (Result<void> filled = fillDevice(def, impl->device); !filled) return filled.error();
+    if (Result<void> opened = impl->pipelines.openCache(def.pipelineCache, def.pipelineCacheData);
+        !opened)
+      return opened.error();
+    return Runtime(std::move(impl));
+  });
+}
+
+void Runtime::beginFrame(uint64_t frame, uint64_t completedFrame) {
+  PELAGE_ASSERT(frame > impl_->frame, "frame numbers rise, from 1");
+  PELAGE_ASSERT(completedFrame < frame, "a frame that begins has not completed");
+  impl_->collect(completedFrame);
+  impl_->frame = frame;
+  impl_->timedList = nullptr;
+}
+
+void Runtime::collect(uint64_t completedFrame) {
+  PELAGE_ASSERT(completedFrame <= impl_->frame, "a frame that has not begun has not completed");
+  impl_->collect(completedFrame);
+  if (completedFrame == impl_->frame) impl_->timedList = nullptr;
+}
+
+void Runtime::useExternalBuffer(BufferId id, const ExternalBuffer& buffer) {
+  PELAGE_ASSERT(buffer.buffer != VK_NULL_HANDLE, "an external buffer is a buffer");
+  PELAGE_ASSERT(buffer.offset % 4 == 0, "the offset of an external buffer is a multiple of 4");
+  PELAGE_ASSERT(impl_->find(id) == nullptr, "useExternalBuffer() comes before update()");
+  impl_->pendingExternals.push_back({id, buffer});
+}
+
+Result<void> Runtime::update(const ResourceTable& resources, VkCommandBuffer commands) {
+  return guarded([&] { return impl_->update(resources, commands); });
+}
+
+Result<void> Runtime::prepare(const PassList& list, const TargetFormats* target) {
+  return guarded([&]() -> Result<void> {
+    if (Result<void> checked = impl_->checkRanges(list); !checked) return checked;
+    for (const Pass& pass : list.passes) {
+      if (pass.kind == PassKind::kDraw && (target == nullptr || pass.pixel == nullptr)) continue;
+      Result<Pipeline> pipeline = impl_->pipelineOf(list, pass, target);
+      if (!pipeline) return pipeline.error();
+    }
+    return {};
+  });
+}
+
+Result<void> Runtime::record(const PassList& list, VkCommandBuffer commands) {
+  return guarded([&] { return impl_->record(list, commands); });
+}
+
+Result<void> Runtime::recordDraws(const PassList& list, VkCommandBuffer commands,
+                                  const TargetFormats& target, const VkRect2D& area) {
+  return guarded([&] { return impl_->recordDraws(list, commands, target, area); });
+}
+
+Result<VkDescriptorSetLayout> Runtime::createLayout(const LayoutTable& table) {
+  return guarded([&] { return impl_->descriptors.layout(table); });
+}
+
+BufferRange Runtime::buffer(BufferId id) const {
+  const BufferSlot* slot = impl_->find(id);
+  return slot != nullptr ? BufferRange{slot->buffer, slot->offset, slot->size} : BufferRange{};
+}
+
+void Runtime::forget(VkRenderPass renderPass) { impl_->pipelines.forget(renderPass); }
+
+void Runtime::setTimestamps(bool enabled) { impl_->timestamps = enabled; }
+
+std::vector<PassTiming> Runtime::timings(uint64_t frame) const {
+  return impl_->timers.results(frame);
+}
+
+Result<std::vector<std::byte>> Runtime::pipelineCacheData() const {
+  return guarded([&] { return impl_->pipelines.cacheData(); });
+}
+
+}  // namespace pelage::vulkan

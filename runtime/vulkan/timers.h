@@ -1,0 +1,61 @@
+// GPU time of passes by timestamp queries.
+#pragma once
+
+#include <deque>
+#include <vector>
+
+#include "device.h"
+#include "pelage/headless.h"
+
+namespace pelage::vulkan {
+
+class Timers {
+ public:
+  explicit Timers(const Device& device) : device_(device) {}
+  ~Timers();
+  Timers(const Timers&) = delete;
+  Timers& operator=(const Timers&) = delete;
+
+  /// Timestamps around `names.size()` passes that follow one another.
+  struct Span {
+    VkQueryPool pool = VK_NULL_HANDLE;  ///< null when the device has no timestamps
+    uint32_t first = 0;
+    std::vector<const char*> names;
+    bool written = false;
+  };
+
+  /// Makes room for a span; its queries must be reset (resetSpan) outside a render pass. The index
+  /// is valid until the next frame. Changes nothing on an error.
+  Result<size_t> reserve(uint64_t frame, std::vector<const char*> names);
+  void resetSpan(size_t span, VkCommandBuffer commands);
+  /// Timestamp number `index` of a span: 0 is before its first pass, i after pass i - 1.
+  void write(size_t span, uint32_t index, VkCommandBuffer commands);
+
+  /// Reads the results of completed frames.
+  void collect(uint64_t completedFrame);
+  std::vector<PassTiming> results(uint64_t frame) const;
+
+ private:
+  struct Pool {
+    VkQueryPool handle = VK_NULL_HANDLE;
+    uint32_t size = 0;
+    uint32_t used = 0;
+  };
+  struct Frame {
+    uint64_t number = 0;
+    std::vector<Pool> pools;
+    std::vector<Span> spans;
+  };
+  struct Finished {
+    uint64_t number = 0;
+    std::vector<PassTiming> timings;
+  };
+  void read(const Frame& frame, Finished& out) const;
+
+  const Device& device_;
+  std::deque<Frame> frames_;  // the last is the current one
+  std::vector<Pool> free_;
+  std::deque<Finished> finished_;
+};
+
+}  // namespace pelage::vulkan
