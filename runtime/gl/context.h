@@ -1,0 +1,32 @@
+// What every part of the GL runtime needs to know of the context.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "functions.h"
+#include "pelage/gl.h"
+
+namespace pelage::gl {
+
+struct Context {
+  Functions gl;
+  Profile profile = Profile::kCore;
+  Limits limits;
+  std::string renderer;  ///< for messages
+  std::string identity;  ///< every string that tells one driver from another
+  std::vector<GLint> binaryFormats;
+  bool disjointTimer = false;  ///< the clock may jump, and the context says when it did
+  bool debug = false;
+};
+
+/// "simulate_strands [wind=1]".
+std::string describe(const KernelVariant& variant);
+
+/// "GL_INVALID_OPERATION".
+std::string errorName(GLenum error);
+
+/// Clears the error flag.
+void clearErrors(const Functions& gl);
+
+}  // namespace pelage::gl

@@ -1,0 +1,561 @@
+// EGL without a window. Each call makes the device's context current for its duration and puts back
+// what was current before, so that several devices live in one process.
+#include <EGL/egl.h>
+#include <EGL/eglext.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstdio>
+#include <cstring>
+#include <new>
+#include <optional>
+#include <utility>
+
+#include "context.h"
+#include "pelage/gl.h"
+#include "pelage/headless.h"
+
+namespace pelage {
+namespace {
+
+using gl::Functions;
+
+Error unsupported(std::string message) {
+  return Error{ErrorCode::kUnsupported, std::move(message)};
+}
+
+// Whole words of a list that is separated by spaces.
+bool listHas(const char* list, std::string_view word) {
+  const std::string_view text = list != nullptr ? list : "";
+  for (size_t at = text.find(word); at != std::string_view::npos; at = text.find(word, at + 1)) {
+    const size_t end = at + word.size();
+    if ((at == 0 || text[at - 1] == ' ') && (end == text.size() || text[end] == ' ')) return true;
+  }
+  return false;
+}
+
+std::string eglErrorName() {
+  const EGLint error = eglGetError();
+  switch (error) {
+    case EGL_SUCCESS:
+      return "no EGL error";
+    case EGL_NOT_INITIALIZED:
+      return "EGL_NOT_INITIALIZED";
+    case EGL_BAD_ACCESS:
+      return "EGL_BAD_ACCESS";
+    case EGL_BAD_ALLOC:
+      return "EGL_BAD_ALLOC";
+    case EGL_BAD_ATTRIBUTE:
+      return "EGL_BAD_ATTRIBUTE";
+    case EGL_BAD_CONFIG:
+      return "EGL_BAD_CONFIG";
+    case EGL_BAD_CONTEXT:
+      return "EGL_BAD_CONTEXT";
+    case EGL_BAD_DISPLAY:
+      return "EGL_BAD_DISPLAY";
+    case EGL_BAD_MATCH:
+      return "EGL_BAD_MATCH";
+    case EGL_BAD_PARAMETER:
+      return "EGL_BAD_PARAMETER";
+    default:
+      return "EGL error " + std::to_string(error);
+  }
+}
+
+// A place to look for a device.
+struct Candidate {
+  EGLDisplay display = EGL_NO_DISPLAY;
+  std::string name;  // for messages
+  int rank = 0;      // lower is tried first
+};
+
+template <class Function>
+Function eglFunction(const char* name) {
+  return reinterpret_cast<Function>(eglGetProcAddress(name));
+}
+
+// Displays in the order in which they are to be tried.
+Result<std::vector<Candidate>> findCandidates(int deviceIndex) {
+  const char* client = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
+  const auto getDisplay = eglFunction<PFNEGLGETPLATFORMDISPLAYEXTPROC>("eglGetPlatformDisplayEXT");
+  std::vector<Candidate> candidates;
+
+  const bool devices =
+      getDisplay != nullptr && listHas(client, "EGL_EXT_platform_device") &&
+      (listHas(client, "EGL_EXT_device_enumeration") || listHas(client, "EGL_EXT_device_base"));
+  EGLint count = 0;
+  if (devices) {
+    const auto queryDevices = eglFunction<PFNEGLQUERYDEVICESEXTPROC>("eglQueryDevicesEXT");
+    const auto queryString = eglFunction<PFNEGLQUERYDEVICESTRINGEXTPROC>("eglQueryDeviceStringEXT");
+    std::vector<EGLDeviceEXT> found;
+    if (queryDevices != nullptr && queryDevices(0, nullptr, &count) == EGL_TRUE && count > 0) {
+      found.resize(static_cast<size_t>(count));
+      if (queryDevices(count, found.data(), &count) != EGL_TRUE) count = 0;
+    }
+    for (EGLint i = 0; i < count; ++i) {
+      if (deviceIndex >= 0 && i != deviceIndex) continue;
+      const EGLDeviceEXT device = found[static_cast<size_t>(i)];
+      const char* extensions =
+          queryString != nullptr ? queryString(device, EGL_EXTENSIONS) : nullptr;
+      // EGL does not say what is discrete; of what it says, CUDA is the surest sign of it.
+      const int rank = listHas(extensions, "EGL_MESA_device_software") ? 3
+                       : listHas(extensions, "EGL_NV_device_cuda")     ? 0
+                                                                       : 1;
+      candidates.push_back({getDisplay(EGL_PLATFORM_DEVICE_EXT, device, nullptr),
+                            "EGL device " + std::to_string(i), rank});
+    }
+  }
+  if (deviceIndex >= 0) {
+    if (candidates.empty()) {
+      return Error{ErrorCode::kInvalidArgument, "HeadlessDef::deviceIndex is " +
+                                                    std::to_string(deviceIndex) + "; EGL has " +
+                                                    std::to_string(count) + " devices"};
+    }
+    return candidates;
+  }
+  if (getDisplay != nullptr && listHas(client, "EGL_MESA_platform_surfaceless")) {
+    candidates.push_back({getDisplay(EGL_PLATFORM_SURFACELESS_MESA, nullptr, nullptr),
+                          "the surfaceless platform", 2});
+  }
+  candidates.push_back({eglGetDisplay(EGL_DEFAULT_DISPLAY), "the default display", 4});
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.rank < b.rank; });
+  return candidates;
+}
+
+// A context and, where the driver needs one, a pixel buffer to make it current with.
+class EglContext {
+ public:
+  EglContext() = default;
+  EglContext(EglContext&& other) noexcept { swap(other); }
+  EglContext& operator=(EglContext&& other) noexcept {
+    swap(other);
+    return *this;
+  }
+  ~EglContext() {
+    // The display stays initialised: it belongs to the process, and others may use it.
+    if (context_ != EGL_NO_CONTEXT) eglDestroyContext(display_, context_);
+    if (surface_ != EGL_NO_SURFACE) eglDestroySurface(display_, surface_);
+  }
+
+  static Result<EglContext> create(const Candidate& candidate, Api api, bool debug);
+
+  EGLDisplay display() const { return display_; }
+  EGLSurface surface() const { return surface_; }
+  EGLContext context() const { return context_; }
+  EGLenum api() const { return api_; }
+
+ private:
+  void swap(EglContext& other) noexcept {
+    std::swap(display_, other.display_);
+    std::swap(surface_, other.surface_);
+    std::swap(context_, other.context_);
+    std::swap(api_, other.api_);
+  }
+
+  EGLDisplay display_ = EGL_NO_DISPLAY;
+  EGLSurface surface_ = EGL_NO_SURFACE;
+  EGLContext context_ = EGL_NO_CONTEXT;
+  EGLenum api_ = EGL_OPENGL_API;
+};
+
+Result<EglContext> EglContext::create(const Candidate& candidate, Api api, bool debug) {
+  const auto fail = [&](const std::string& what) {
+    return unsupported(candidate.name + ": " + what + " (" + eglErrorName() + ")");
+  };
+  EglContext egl;
+  egl.display_ = candidate.display;
+  if (egl.display_ == EGL_NO_DISPLAY) return fail("no display");
+  EGLint major = 0, minor = 0;
+  if (eglInitialize(egl.display_, &major, &minor) != EGL_TRUE) return fail("cannot be initialised");
+  const char* extensions = eglQueryString(egl.display_, EGL_EXTENSIONS);
+  const bool es = api == Api::kGles;
+  egl.api_ = es ? EGL_OPENGL_ES_API : EGL_OPENGL_API;
+  if (eglBindAPI(egl.api_) != EGL_TRUE)
+    return fail(es ? "has no OpenGL ES" : "has no desktop OpenGL");
+  const bool version15 = major > 1 || minor >= 5;
+  if (!version15 && !listHas(extensions, "EGL_KHR_create_context"))
+    return fail("lacks EGL_KHR_create_context");
+
+  const bool surfaceless = listHas(extensions, "EGL_KHR_surfaceless_context");
+  const bool configless = listHas(extensions, "EGL_KHR_no_config_context");
+  EGLConfig config = EGL_NO_CONFIG_KHR;
+  if (!surfaceless || !configless) {
+    const EGLint attributes[] = {EGL_SURFACE_TYPE, surfaceless ? 0 : EGL_PBUFFER_BIT,
+                                 EGL_RENDERABLE_TYPE, es ? EGL_OPENGL_ES3_BIT : EGL_OPENGL_BIT,
+                                 EGL_NONE};
+    EGLint count = 0;
+    if (eglChooseConfig(egl.display_, attributes, &config, 1, &count) != EGL_TRUE || count == 0)
+      return fail("has no config for a pixel buffer");
+    if (!surfaceless) {
+      const EGLint size[] = {EGL_WIDTH, 1, EGL_HEIGHT, 1, EGL_NONE};
+      egl.surface_ = eglCreatePbufferSurface(egl.display_, config, size);
+      if (egl.surface_ == EGL_NO_SURFACE) return fail("makes no pixel buffer");
+    }
+  }
+
+  std::vector<EGLint> attributes = {EGL_CONTEXT_MAJOR_VERSION, es ? 3 : 4,
+                                    EGL_CONTEXT_MINOR_VERSION, es ? 2 : 5};
+  if (!es) {
+    attributes.insert(attributes.end(),
+                      {EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT});
+  }
+  if (debug) {
+    if (version15) {
+      attributes.insert(attributes.end(), {EGL_CONTEXT_OPENGL_DEBUG, EGL_TRUE});
+    } else {
+      attributes.insert(attributes.end(),
+                        {EGL_CONTEXT_FLAGS_KHR, EGL_CONTEXT_OPENGL_DEBUG_BIT_KHR});
+    }
+  }
+  attributes.push_back(EGL_NONE);
+  egl.context_ = eglCreateContext(egl.display_, config, EGL_NO_CONTEXT, attributes.data());
+  if (egl.context_ == EGL_NO_CONTEXT)
+    return fail(es ? "has no OpenGL ES 3.2" : "has no OpenGL 4.5 core");
+  return egl;
+}
+
+// Makes a context current, and puts back the one before.
+class ScopedCurrent {
+ public:
+  explicit ScopedCurrent(const EglContext& egl)
+      : api_(eglQueryAPI()),
+        display_(eglGetCurrentDisplay()),
+        draw_(eglGetCurrentSurface(EGL_DRAW)),
+        read_(eglGetCurrentSurface(EGL_READ)),
+        context_(eglGetCurrentContext()),
+        ours_(egl.display()) {
+    eglBindAPI(egl.api());
+    current_ =
+        eglMakeCurrent(egl.display(), egl.surface(), egl.surface(), egl.context()) == EGL_TRUE;
+  }
+  ~ScopedCurrent() {
+    if (context_ == EGL_NO_CONTEXT) {
+      eglMakeCurrent(ours_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+      eglBindAPI(api_);
+    } else {
+      eglBindAPI(api_);
+      eglMakeCurrent(display_, draw_, read_, context_);
+    }
+  }
+  ScopedCurrent(const ScopedCurrent&) = delete;
+  ScopedCurrent& operator=(const ScopedCurrent&) = delete;
+
+  Result<void> check() const {
+    if (current_) return {};
+    return Error{ErrorCode::kDevice,
+                 "the context cannot be made current: is it current in another thread? (" +
+                     eglErrorName() + ")"};
+  }
+
+ private:
+  EGLenum api_;
+  EGLDisplay display_;
+  EGLSurface draw_, read_;
+  EGLContext context_;
+  EGLDisplay ours_;
+  bool current_ = false;
+};
+
+// What counts: every API error and undefined behaviour, and of the rest what is severe.
+void APIENTRY onDebugMessage(GLenum, GLenum type, GLuint id, GLenum severity, GLsizei length,
+                             const GLchar* message, const void* user) {
+  const bool error = type == GL_DEBUG_TYPE_ERROR || type == GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR;
+  if (!error && severity != GL_DEBUG_SEVERITY_HIGH) return;
+  ++*const_cast<uint32_t*>(static_cast<const uint32_t*>(user));
+  const size_t size = length >= 0 ? static_cast<size_t>(length) : std::strlen(message);
+  std::string_view text(message, size);
+  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back())))
+    text.remove_suffix(1);
+  std::fprintf(stderr, "OpenGL %s %u: %.*s\n",
+               error                               ? "error"
+               : type == GL_DEBUG_TYPE_PERFORMANCE ? "performance warning"
+                                                   : "warning",
+               id, static_cast<int>(text.size()), text.data());
+}
+
+constexpr uint32_t kLargestTarget = 16384;
+
+class HeadlessGl final : public HeadlessDevice {
+ public:
+  static Result<std::unique_ptr<HeadlessDevice>> create(const Candidate& candidate,
+                                                        const HeadlessDef& def);
+  ~HeadlessGl() override {
+    const ScopedCurrent current(egl_);
+    releaseTarget();
+    timer_.reset();
+    runtime_.reset();
+  }
+
+  const DeviceInfo& info() const override { return info_; }
+
+  Result<void> update(const ResourceTable& resources) override {
+    const ScopedCurrent current(egl_);
+    if (Result<void> ok = current.check(); !ok) return ok;
+    return runtime_->update(resources);
+  }
+
+  Result<void> execute(const PassList& list, std::vector<PassTiming>* timings) override {
+    const ScopedCurrent current(egl_);
+    if (Result<void> ok = current.check(); !ok) return ok;
+    Result<void> recorded = runtime_->record(list, timings != nullptr ? &*timer_ : nullptr);
+    return finish(std::move(recorded), timings);
+  }
+
+  Result<RenderedImage> render(const PassList& list, const RenderTargetDef& target,
+                               std::vector<PassTiming>* timings) override;
+
+  Result<std::vector<std::byte>> read(BufferId buffer, uint64_t offset, uint64_t size) override {
+    const ScopedCurrent current(egl_);
+    if (Result<void> ok = current.check(); !ok) return ok.error();
+    return runtime_->read(buffer, offset, size);
+  }
+
+  uint32_t messageCount() const override { return messageCount_; }
+
+ private:
+  explicit HeadlessGl(EglContext egl) : egl_(std::move(egl)) {}
+  Result<void> initialise(const HeadlessDef& def);
+  Result<void> finish(Result<void> recorded, std::vector<PassTiming>* timings);
+  Result<void> makeTarget(const RenderTargetDef& target);
+  void releaseTarget();
+
+  EglContext egl_;
+  Functions gl_;
+  uint32_t messageCount_ = 0;
+  DeviceInfo info_;
+  std::optional<gl::Runtime> runtime_;
+  std::optional<gl::PassTimer> timer_;
+
+  // Kept between frames of one size: [0] is drawn to, [1] takes the average of its samples.
+  uint32_t width_ = 0, height_ = 0, samples_ = 0;
+  GLuint framebuffers_[2] = {};
+  GLuint renderbuffers_[3] = {};  // colour, depth, average
+};
+
+std::string text(const Functions& gl, GLenum name) {
+  const auto* string = reinterpret_cast<const char*>(gl.glGetString(name));
+  return string != nullptr ? string : "";
+}
+
+// "4.5 (Core Profile) Mesa 22.3.6" -> {"4.5 (Core Profile)", "Mesa 22.3.6"}.
+std::pair<std::string, std::string> splitVersion(const std::string& version) {
+  size_t at = version.find_first_of("0123456789");
+  at = at == std::string::npos ? version.size() : version.find(' ', at);
+  constexpr std::string_view kProfile = " (Core Profile)";
+  if (at != std::string::npos && version.compare(at, kProfile.size(), kProfile) == 0)
+    at += kProfile.size();
+  if (at == std::string::npos || at >= version.size()) return {version, ""};
+  return {version.substr(0, at), version.substr(at + 1)};
+}
+
+uint32_t largestSampleCount(const Functions& gl, GLenum format) {
+  GLint samples = 1;
+  gl.glGetInternalformativ(GL_RENDERBUFFER, format, GL_SAMPLES, 1, &samples);  // largest first
+  return static_cast<uint32_t>(std::max(samples, 1));
+}
+
+Result<void> HeadlessGl::initialise(const HeadlessDef& def) {
+  const ScopedCurrent current(egl_);
+  if (Result<void> ok = current.check(); !ok) return ok;
+  gl::RuntimeDef runtimeDef;
+  runtimeDef.getProcAddress = [](const char* name) {
+    return reinterpret_cast<void*>(eglGetProcAddress(name));
+  };
+  runtimeDef.debug = def.validation;
+  const gl::GetProcAddress getProcAddress = runtimeDef.getProcAddress;
+  Result<gl::Runtime> runtime = gl::Runtime::create(std::move(runtimeDef));
+  if (!runtime) return runtime.error();
+  if (const std::string missing = gl::loadCommonFunctions(gl_, getProcAddress); !missing.empty())
+    return unsupported("EGL does not know " + missing);
+  runtime_ = std::move(*runtime);
+  timer_.emplace(*runtime_);
+
+  if (def.validation) {
+    GLint flags = 0;
+    gl_.glGetIntegerv(GL_CONTEXT_FLAGS, &flags);
+    if ((flags & GL_CONTEXT_FLAG_DEBUG_BIT) == 0)
+      return unsupported("HeadlessDef::validation: the driver gives no debug context");
+    gl_.glEnable(GL_DEBUG_OUTPUT);
+    gl_.glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
+    gl_.glDebugMessageControl(GL_DONT_CARE, GL_DONT_CARE, GL_DONT_CARE, 0, nullptr, GL_TRUE);
+    gl_.glDebugMessageCallback(&onDebugMessage, &messageCount_);
+  }
+
+  info_.api = def.api;
+  info_.name = text(gl_, GL_RENDERER);
+  std::tie(info_.version, info_.driver) = splitVersion(text(gl_, GL_VERSION));
+  if (info_.driver.empty()) info_.driver = text(gl_, GL_VENDOR);
+  std::string lower = info_.name;
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (const char* software : {"llvmpipe", "softpipe", "swrast", "swiftshader", "software"})
+    info_.software |= lower.find(software) != std::string::npos;
+  info_.maxSamples =
+      std::min(largestSampleCount(gl_, GL_RGBA16F), largestSampleCount(gl_, GL_DEPTH_COMPONENT32F));
+  return {};
+}
+
+Result<std::unique_ptr<HeadlessDevice>> HeadlessGl::create(const Candidate& candidate,
+                                                           const HeadlessDef& def) {
+  Result<EglContext> egl = EglContext::create(candidate, def.api, def.validation);
+  if (!egl) return egl.error();
+  std::unique_ptr<HeadlessGl> device(new HeadlessGl(std::move(*egl)));
+  if (Result<void> ready = device->initialise(def); !ready) {
+    Error error = ready.error();
+    error.message = candidate.name + ": " + error.message;
+    return error;
+  }
+  return std::unique_ptr<HeadlessDevice>(std::move(device));
+}
+
+Result<void> HeadlessGl::finish(Result<void> recorded, std::vector<PassTiming>* timings) {
+  gl_.glFinish();
+  // Read even after a failure: the timer must be empty for the next list.
+  std::vector<PassTiming> read = timer_->read();
+  if (recorded && timings != nullptr) *timings = std::move(read);
+  return recorded;
+}
+
+void HeadlessGl::releaseTarget() {
+  gl_.glDeleteFramebuffers(2, framebuffers_);
+  gl_.glDeleteRenderbuffers(3, renderbuffers_);
+  std::fill(std::begin(framebuffers_), std::end(framebuffers_), 0u);
+  std::fill(std::begin(renderbuffers_), std::end(renderbuffers_), 0u);
+  width_ = height_ = samples_ = 0;
+}
+
+Result<void> HeadlessGl::makeTarget(const RenderTargetDef& target) {
+  if (width_ == target.width && height_ == target.height && samples_ == target.samples) return {};
+  releaseTarget();
+  const auto width = static_cast<GLsizei>(target.width);
+  const auto height = static_cast<GLsizei>(target.height);
+  const GLsizei samples = target.samples > 1 ? static_cast<GLsizei>(target.samples) : 0;
+  gl_.glGenFramebuffers(2, framebuffers_);
+  gl_.glGenRenderbuffers(3, renderbuffers_);
+  gl::clearErrors(gl_);
+  const auto storage = [&](int index, GLenum format, GLsizei count) {
+    gl_.glBindRenderbuffer(GL_RENDERBUFFER, renderbuffers_[index]);
+    gl_.glRenderbufferStorageMultisample(GL_RENDERBUFFER, count, format, width, height);
+  };
+  storage(0, GL_RGBA16F, samples);
+  storage(1, GL_DEPTH_COMPONENT32F, samples);
+  if (samples > 0) storage(2, GL_RGBA16F, 0);
+  GLenum status = GL_FRAMEBUFFER_COMPLETE;
+  const auto attach = [&](int framebuffer, int colour, int depth) {
+    gl_.glBindFramebuffer(GL_FRAMEBUFFER, framebuffers_[framebuffer]);
+    gl_.glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER,
+                                  renderbuffers_[colour]);
+    if (depth >= 0) {
+      gl_.glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER,
+                                    renderbuffers_[depth]);
+    }
+    const GLenum now = gl_.glCheckFramebufferStatus(GL_FRAMEBUFFER);
+    if (now != GL_FRAMEBUFFER_COMPLETE) status = now;
+  };
+  const GLenum error = gl_.glGetError();
+  if (error == GL_NO_ERROR) {
+    attach(0, 0, 1);
+    if (samples > 0) attach(1, 2, -1);
+  }
+  if (error != GL_NO_ERROR || status != GL_FRAMEBUFFER_COMPLETE) {
+    releaseTarget();
+    return Error{error == GL_OUT_OF_MEMORY ? ErrorCode::kOutOfMemory : ErrorCode::kUnsupported,
+                 info_.name + " cannot draw to " + std::to_string(target.width) + " x " +
+                     std::to_string(target.height) + " RGBA16F pixels with " +
+                     std::to_string(target.samples) + " samples and 32-bit depth (" +
+                     (error != GL_NO_ERROR ? gl::errorName(error)
+                                           : "framebuffer status " + std::to_string(status)) +
+                     ")"};
+  }
+  width_ = target.width;
+  height_ = target.height;
+  samples_ = target.samples;
+  return {};
+}
+
+Result<RenderedImage> HeadlessGl::render(const PassList& list, const RenderTargetDef& target,
+                                         std::vector<PassTiming>* timings) try {
+  if (target.width == 0 || target.height == 0 || target.width > kLargestTarget ||
+      target.height > kLargestTarget) {
+    return Error{ErrorCode::kInvalidArgument, "RenderTargetDef: " + std::to_string(target.width) +
+                                                  " x " + std::to_string(target.height) +
+                                                  " pixels; each is 1 to 16384"};
+  }
+  if (target.samples == 0 || (target.samples & (target.samples - 1)) != 0 || target.samples > 8) {
+    return Error{
+        ErrorCode::kInvalidArgument,
+        "RenderTargetDef::samples is " + std::to_string(target.samples) + "; it is 1, 2, 4 or 8"};
+  }
+  if (target.samples > info_.maxSamples) {
+    return unsupported("RenderTargetDef::samples is " + std::to_string(target.samples) + "; " +
+                       info_.name + " allows " + std::to_string(info_.maxSamples));
+  }
+  const ScopedCurrent current(egl_);
+  if (Result<void> ok = current.check(); !ok) return ok.error();
+  RenderedImage image;
+  image.width = target.width;
+  image.height = target.height;
+  image.pixels.resize(size_t{target.width} * target.height);
+  if (Result<void> made = makeTarget(target); !made) return made.error();
+
+  gl::PassTimer* timer = timings != nullptr ? &*timer_ : nullptr;
+  Result<void> recorded = runtime_->prepare(list);
+  if (recorded) recorded = runtime_->record(list, timer);
+  if (recorded) {
+    gl_.glBindFramebuffer(GL_FRAMEBUFFER, framebuffers_[0]);
+    // Clears obey these, and the draws of an earlier frame have set them.
+    gl_.glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    gl_.glDepthMask(GL_TRUE);
+    gl_.glDisable(GL_SCISSOR_TEST);
+    gl_.glDisable(GL_RASTERIZER_DISCARD);
+    const Float4& clear = target.clearColor;
+    const GLfloat colour[4] = {clear.x, clear.y, clear.z, clear.w};
+    gl_.glClearBufferfv(GL_COLOR, 0, colour);
+    gl_.glClearBufferfv(GL_DEPTH, 0, &target.clearDepth);
+    recorded = runtime_->recordDraws(list, {0, 0, target.width, target.height}, timer);
+  }
+  if (recorded) {
+    const auto width = static_cast<GLint>(target.width);
+    const auto height = static_cast<GLint>(target.height);
+    if (target.samples > 1) {
+      gl_.glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffers_[0]);
+      gl_.glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffers_[1]);
+      gl_.glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT,
+                            GL_NEAREST);
+      gl_.glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffers_[1]);
+    }
+    gl::clearErrors(gl_);
+    static_assert(sizeof(Float4) == 4 * sizeof(float));
+    gl_.glReadPixels(0, 0, width, height, GL_RGBA, GL_FLOAT, image.pixels.data());
+    if (const GLenum error = gl_.glGetError(); error != GL_NO_ERROR) {
+      recorded = Error{ErrorCode::kDevice,
+                       info_.name + " does not give the picture back: " + gl::errorName(error)};
+    }
+  }
+  if (Result<void> done = finish(std::move(recorded), timings); !done) return done.error();
+  return image;
+} catch (const std::bad_alloc&) {
+  return Error{ErrorCode::kOutOfMemory, "no host memory is left for a picture of " +
+                                            std::to_string(target.width) + " x " +
+                                            std::to_string(target.height) + " pixels"};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<HeadlessDevice>> createHeadlessGl(const HeadlessDef& def) {
+  PELAGE_ASSERT(def.api != Api::kVulkan, "createHeadlessGl() makes OpenGL and OpenGL ES devices");
+  Result<std::vector<Candidate>> candidates = findCandidates(def.deviceIndex);
+  if (!candidates) return candidates.error();
+  std::string reasons;
+  for (const Candidate& candidate : *candidates) {
+    Result<std::unique_ptr<HeadlessDevice>> device = HeadlessGl::create(candidate, def);
+    if (device) return device;
+    reasons += "; " + device.error().message;
+  }
+  return unsupported(
+      std::string("no device for OpenGL ") + (def.api == Api::kGles ? "ES 3.2" : "4.5 core") +
+      " was found through EGL: install a driver (Debian: libegl-mesa0 for the CPU)" + reasons);
+}
+
+}  // namespace pelage

@@ -1,0 +1,801 @@
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstring>
+#include <new>
+#include <unordered_map>
+#include <utility>
+
+#include "context.h"
+#include "pelage/gl.h"
+#include "program.h"
+#include "runtime_impl.h"
+
+namespace pelage::gl {
+namespace {
+
+Error invalid(std::string message) {
+  return Error{ErrorCode::kInvalidArgument, std::move(message)};
+}
+
+bool fits(uint64_t offset, uint64_t size, uint64_t total) {
+  return offset <= total && size <= total - offset;
+}
+
+std::string number(BufferId id) { return std::to_string(static_cast<uint32_t>(id)); }
+
+std::string stringOf(const Functions& gl, GLenum name) {
+  const auto* text = reinterpret_cast<const char*>(gl.glGetString(name));
+  return text != nullptr ? text : "";
+}
+
+struct Version {
+  Profile profile = Profile::kCore;
+  int major = 0, minor = 0;
+};
+
+// "4.5 (Core Profile) Mesa 22.3.6", "OpenGL ES 3.2 NVIDIA 535.104".
+Version parseVersion(const std::string& text) {
+  Version version;
+  const char* digits = text.c_str();
+  constexpr char kEsPrefix[] = "OpenGL ES ";
+  if (text.starts_with(kEsPrefix)) {
+    version.profile = Profile::kEs;
+    digits += sizeof(kEsPrefix) - 1;
+  }
+  if (std::sscanf(digits, "%d.%d", &version.major, &version.minor) != 2) version.major = 0;
+  return version;
+}
+
+bool hasExtension(const Functions& gl, const char* wanted) {
+  GLint count = 0;
+  gl.glGetIntegerv(GL_NUM_EXTENSIONS, &count);
+  for (GLint i = 0; i < count; ++i) {
+    const auto* name =
+        reinterpret_cast<const char*>(gl.glGetStringi(GL_EXTENSIONS, static_cast<GLuint>(i)));
+    if (name != nullptr && std::strcmp(name, wanted) == 0) return true;
+  }
+  return false;
+}
+
+uint32_t integer(const Functions& gl, GLenum name) {
+  GLint value = 0;
+  gl.glGetIntegerv(name, &value);
+  return value > 0 ? static_cast<uint32_t>(value) : 0;
+}
+
+uint64_t integer64(const Functions& gl, GLenum name) {
+  GLint64 value = 0;
+  gl.glGetInteger64v(name, &value);
+  return value > 0 ? static_cast<uint64_t>(value) : 0;
+}
+
+Limits readLimits(const Functions& gl) {
+  Limits limits;
+  limits.storageBindings = integer(gl, GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS);
+  limits.uniformBindings = integer(gl, GL_MAX_UNIFORM_BUFFER_BINDINGS);
+  limits.computeStorageBlocks = integer(gl, GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS);
+  limits.vertexStorageBlocks = integer(gl, GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS);
+  limits.pixelStorageBlocks = integer(gl, GL_MAX_FRAGMENT_SHADER_STORAGE_BLOCKS);
+  limits.combinedStorageBlocks = integer(gl, GL_MAX_COMBINED_SHADER_STORAGE_BLOCKS);
+  for (GLuint axis = 0; axis < 3; ++axis) {
+    GLint count = 0, size = 0;
+    gl.glGetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, axis, &count);
+    gl.glGetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_SIZE, axis, &size);
+    limits.groupCount[axis] = static_cast<uint32_t>(std::max(count, 0));
+    limits.groupSize[axis] = static_cast<uint32_t>(std::max(size, 0));
+  }
+  limits.groupThreads = integer(gl, GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS);
+  limits.uniformBlockBytes = integer64(gl, GL_MAX_UNIFORM_BLOCK_SIZE);
+  limits.storageBlockBytes = integer64(gl, GL_MAX_SHADER_STORAGE_BLOCK_SIZE);
+  limits.uniformAlignment = integer(gl, GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT);
+  limits.storageAlignment = integer(gl, GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT);
+  return limits;
+}
+
+GLenum usageHint(BufferUsage usage) {
+  if (contains(usage, BufferUsage::kUpload)) return GL_DYNAMIC_DRAW;
+  // Written and read by the GPU alone; a driver keeps it in its own memory.
+  return contains(usage, BufferUsage::kStorage) ? GL_DYNAMIC_COPY : GL_STATIC_DRAW;
+}
+
+GLenum topologyMode(PrimitiveTopology topology) {
+  switch (topology) {
+    case PrimitiveTopology::kTriangleList:
+      return GL_TRIANGLES;
+    case PrimitiveTopology::kTriangleStrip:
+      return GL_TRIANGLE_STRIP;
+    case PrimitiveTopology::kLineList:
+      return GL_LINES;
+  }
+  return GL_TRIANGLES;
+}
+
+GLenum depthFunction(DepthCompare compare) {
+  switch (compare) {
+    case DepthCompare::kAlways:
+      return GL_ALWAYS;
+    case DepthCompare::kLess:
+      return GL_LESS;
+    case DepthCompare::kLessEqual:
+      return GL_LEQUAL;
+    case DepthCompare::kGreater:
+      return GL_GREATER;
+    case DepthCompare::kGreaterEqual:
+      return GL_GEQUAL;
+  }
+  return GL_ALWAYS;
+}
+
+bool sameLayouts(const Kernel& a, const Kernel& b) {
+  return std::equal(a.layouts.begin(), a.layouts.end(), b.layouts.begin(), b.layouts.end());
+}
+
+}  // namespace
+
+std::string describe(const KernelVariant& variant) {
+  std::string text = variant.kernel->name;
+  if (variant.key != nullptr && variant.key[0] != '\0')
+    text.append(" [").append(variant.key).append("]");
+  return text;
+}
+
+std::string errorName(GLenum error) {
+  switch (error) {
+    case GL_INVALID_ENUM:
+      return "GL_INVALID_ENUM";
+    case GL_INVALID_VALUE:
+      return "GL_INVALID_VALUE";
+    case GL_INVALID_OPERATION:
+      return "GL_INVALID_OPERATION";
+    case GL_INVALID_FRAMEBUFFER_OPERATION:
+      return "GL_INVALID_FRAMEBUFFER_OPERATION";
+    case GL_OUT_OF_MEMORY:
+      return "GL_OUT_OF_MEMORY";
+    case GL_CONTEXT_LOST:
+      return "GL_CONTEXT_LOST";
+    default:
+      return "GL error " + std::to_string(error);
+  }
+}
+
+void clearErrors(const Functions& gl) {
+  // A lost context reports its loss for ever.
+  for (int i = 0; i < 16 && gl.glGetError() != GL_NO_ERROR; ++i) {
+  }
+}
+
+uint32_t memoryBarrierBits(std::span<const Barrier> barriers) {
+  uint32_t bits = 0;
+  for (const Barrier& barrier : barriers) {
+    const bool shaderBefore = barrier.beforeStages != 0;
+    if (barrier.afterStages != 0 && (shaderBefore || barrier.beforeIndex || barrier.beforeIndirect))
+      bits |= GL_SHADER_STORAGE_BARRIER_BIT;
+    if (!shaderBefore || !writes(barrier.before)) continue;
+    if (barrier.afterUpload) bits |= GL_BUFFER_UPDATE_BARRIER_BIT;
+    if (barrier.afterIndirect) bits |= GL_COMMAND_BARRIER_BIT;
+    if (barrier.afterIndex) bits |= GL_ELEMENT_ARRAY_BARRIER_BIT;
+  }
+  return bits;
+}
+
+Runtime::Impl::Impl(std::shared_ptr<const Context> context_, ProgramCache cache)
+    : context(std::move(context_)), programs(context, std::move(cache), statistics) {
+  const Functions& gl = context->gl;
+  gl.glGenBuffers(1, &constants);
+  gl.glGenVertexArrays(1, &vertexArray);
+}
+
+Runtime::Impl::~Impl() {
+  const Functions& gl = context->gl;
+  for (const Buffer& buffer : buffers)
+    if (buffer.owned) gl.glDeleteBuffers(1, &buffer.name);
+  gl.glDeleteBuffers(1, &constants);
+  gl.glDeleteVertexArrays(1, &vertexArray);
+}
+
+Runtime::Runtime(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Runtime::Runtime(Runtime&&) noexcept = default;
+Runtime& Runtime::operator=(Runtime&&) noexcept = default;
+Runtime::~Runtime() = default;
+
+Profile Runtime::profile() const { return impl_->context->profile; }
+const Limits& Runtime::limits() const { return impl_->context->limits; }
+const Statistics& Runtime::statistics() const { return impl_->statistics; }
+
+Result<Runtime> Runtime::create(RuntimeDef def) {
+  const auto unsupported = [](std::string message) {
+    return Error{ErrorCode::kUnsupported, std::move(message)};
+  };
+  if (!def.getProcAddress) return invalid("gl::RuntimeDef::getProcAddress is empty");
+  const auto context = std::make_shared<Context>();
+  Functions& gl = context->gl;
+  context->debug = def.debug;
+
+  // The version first: an old context should be told so, not that some function is missing.
+  gl.glGetString = reinterpret_cast<PFNGLGETSTRINGPROC>(def.getProcAddress("glGetString"));
+  if (gl.glGetString == nullptr)
+    return unsupported("getProcAddress does not know glGetString: it must load core functions too");
+  const std::string versionText = stringOf(gl, GL_VERSION);
+  if (versionText.empty()) return invalid("no OpenGL context is current: make one current first");
+  const Version version = parseVersion(versionText);
+  context->profile = version.profile;
+  const bool core = version.profile == Profile::kCore;
+  const int have = version.major * 10 + version.minor;
+  if (have < (core ? 45 : 32)) {
+    return unsupported("the context has '" + versionText + "'; pelage needs OpenGL " +
+                       (core ? "4.5 core" : "ES 3.2") + " or later");
+  }
+  std::string missing = loadCommonFunctions(gl, def.getProcAddress);
+  if (missing.empty() && core) missing = loadCoreFunctions(gl, def.getProcAddress);
+  if (missing.empty() && core) missing = loadTimerFunctions(gl, def.getProcAddress, "");
+  if (!missing.empty())
+    return unsupported("getProcAddress does not know " + missing + " of '" + versionText + "'");
+  clearErrors(gl);
+
+  context->renderer = stringOf(gl, GL_RENDERER);
+  context->identity = stringOf(gl, GL_VENDOR) + '\n' + context->renderer + '\n' + versionText +
+                      '\n' + stringOf(gl, GL_SHADING_LANGUAGE_VERSION);
+  Limits& limits = context->limits;
+  limits = readLimits(gl);
+  const auto require = [&](uint32_t value, uint32_t least, const char* name) -> Result<void> {
+    if (value >= least) return {};
+    return unsupported(context->renderer + " has " + name + " = " + std::to_string(value) +
+                       "; pelage needs at least " + std::to_string(least));
+  };
+  for (const auto& [value, least, name] :
+       {std::tuple{limits.storageBindings, 4u, "GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS"},
+        std::tuple{limits.computeStorageBlocks, 4u, "GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS"},
+        std::tuple{limits.groupCount[0], 65535u, "GL_MAX_COMPUTE_WORK_GROUP_COUNT"},
+        std::tuple{limits.groupThreads, 128u, "GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS"}}) {
+    if (Result<void> enough = require(value, least, name); !enough) return enough.error();
+  }
+  if (limits.uniformAlignment == 0 || PassList::kConstantAlignment % limits.uniformAlignment != 0) {
+    return unsupported(context->renderer + " has GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT = " +
+                       std::to_string(limits.uniformAlignment) + ", which does not divide " +
+                       std::to_string(PassList::kConstantAlignment));
+  }
+
+  bool timer = core;
+  if (!core && hasExtension(gl, "GL_EXT_disjoint_timer_query")) {
+    timer = loadTimerFunctions(gl, def.getProcAddress, "EXT").empty();
+    context->disjointTimer = timer;
+  }
+  if (timer) {
+    GLint bits = 0;
+    gl.glGetQueryiv(GL_TIMESTAMP, GL_QUERY_COUNTER_BITS, &bits);
+    limits.timestamps = bits > 0;
+  }
+  GLint formats = 0;
+  gl.glGetIntegerv(GL_NUM_PROGRAM_BINARY_FORMATS, &formats);
+  if (formats > 0) {
+    context->binaryFormats.resize(static_cast<size_t>(formats));
+    gl.glGetIntegerv(GL_PROGRAM_BINARY_FORMATS, context->binaryFormats.data());
+    limits.programBinaries = true;
+  }
+  return Runtime(std::make_unique<Impl>(context, std::move(def.programCache)));
+}
+
+const Buffer* Runtime::Impl::find(BufferId id) const {
+  const auto index = static_cast<uint32_t>(id);
+  return index < buffers.size() && buffers[index].name != 0 ? &buffers[index] : nullptr;
+}
+
+std::string Runtime::Impl::label(BufferId id) const {
+  const Buffer* buffer = find(id);
+  return buffer != nullptr && !buffer->label.empty() ? "'" + buffer->label + "'"
+                                                     : "number " + number(id);
+}
+
+Result<void> Runtime::Impl::createBuffer(Buffer& buffer, const BufferDesc& desc) {
+  const Functions& gl = context->gl;
+  GLuint name = 0;
+  gl.glGenBuffers(1, &name);
+  gl.glBindBuffer(GL_COPY_WRITE_BUFFER, name);
+  const GLenum usage = usageHint(desc.usage);
+  const bool filled = !desc.initial.empty();
+  clearErrors(gl);
+  gl.glBufferData(GL_COPY_WRITE_BUFFER, static_cast<GLsizeiptr>(desc.size),
+                  filled ? desc.initial.data() : nullptr, usage);
+  if (const GLenum error = gl.glGetError(); error != GL_NO_ERROR) {
+    gl.glDeleteBuffers(1, &name);
+    return Error{error == GL_OUT_OF_MEMORY ? ErrorCode::kOutOfMemory : ErrorCode::kDevice,
+                 "buffer '" + desc.name + "' of " + std::to_string(desc.size) +
+                     " bytes cannot be created on " + context->renderer + ": " + errorName(error)};
+  }
+  if (!filled) {
+    constexpr uint64_t kChunk = 1u << 20;
+    zeros.resize(std::max<size_t>(zeros.size(), std::min(desc.size, kChunk)));
+    for (uint64_t offset = 0; offset < desc.size; offset += kChunk) {
+      gl.glBufferSubData(GL_COPY_WRITE_BUFFER, static_cast<GLintptr>(offset),
+                         static_cast<GLsizeiptr>(std::min(kChunk, desc.size - offset)),
+                         zeros.data());
+    }
+  }
+  if (context->debug) gl.glObjectLabel(GL_BUFFER, name, -1, desc.name.c_str());
+  buffer.name = name;
+  buffer.size = desc.size;
+  buffer.usage = usage;
+  buffer.owned = true;
+  statistics.bufferBytes += desc.size;
+  return {};
+}
+
+void Runtime::Impl::release(Buffer& buffer) {
+  if (buffer.owned) {
+    context->gl.glDeleteBuffers(1, &buffer.name);
+    statistics.bufferBytes -= buffer.size;
+  }
+  buffer = {};
+}
+
+Result<void> Runtime::update(const ResourceTable& resources) try {
+  std::vector<Buffer>& buffers = impl_->buffers;
+  if (buffers.size() < resources.end()) buffers.resize(resources.end());
+  for (uint32_t index = 0; index < buffers.size(); ++index) {
+    Buffer& buffer = buffers[index];
+    const BufferDesc* desc = resources.find(static_cast<BufferId>(index));
+    if (desc == nullptr) {
+      // A buffer that the engine registered ahead of its entry is kept.
+      if (index < resources.end()) impl_->release(buffer);
+      continue;
+    }
+    if (buffer.label.empty()) buffer.label = desc->name;
+    if (buffer.name == 0) {
+      if (Result<void> made = impl_->createBuffer(buffer, *desc); !made) return made;
+    } else if (!buffer.owned && buffer.size < desc->size) {
+      return invalid("the buffer that the engine registered for '" + desc->name + "' has " +
+                     std::to_string(buffer.size) + " bytes; it needs " +
+                     std::to_string(desc->size));
+    }
+  }
+  return {};
+} catch (const std::bad_alloc&) {
+  return Error{ErrorCode::kOutOfMemory, "no host memory is left for the table of buffers"};
+}
+
+Result<void> Runtime::registerBuffer(BufferId id, uint32_t glName) {
+  PELAGE_ASSERT(id != BufferId::kInvalid, "registerBuffer() needs a valid id");
+  const Functions& gl = impl_->context->gl;
+  if (gl.glIsBuffer(glName) == GL_FALSE)
+    return invalid("registerBuffer(): " + std::to_string(glName) + " is not a GL buffer");
+  gl.glBindBuffer(GL_COPY_WRITE_BUFFER, glName);
+  GLint64 size = 0;
+  gl.glGetBufferParameteri64v(GL_COPY_WRITE_BUFFER, GL_BUFFER_SIZE, &size);
+  const auto index = static_cast<uint32_t>(id);
+  if (index >= impl_->buffers.size()) impl_->buffers.resize(size_t{index} + 1);
+  Buffer& buffer = impl_->buffers[index];
+  std::string label = std::move(buffer.label);
+  impl_->release(buffer);
+  buffer.label = std::move(label);
+  buffer.name = glName;
+  buffer.size = static_cast<uint64_t>(size);
+  return {};
+}
+
+uint32_t Runtime::bufferName(BufferId id) const {
+  const Buffer* buffer = impl_->find(id);
+  return buffer != nullptr ? buffer->name : 0;
+}
+
+Result<const Layout*> Runtime::createLayout(const LayoutTable& table) {
+  std::unique_ptr<Layout>& known = impl_->layouts[&table];
+  if (known) return known.get();
+  Layout layout;
+  layout.table = &table;
+  const Limits& limits = impl_->context->limits;
+  for (const LayoutEntry& entry : table.entries) {
+    Layout::Slot slot;
+    slot.binding = entry.glBinding;
+    uint32_t allowed = 0;
+    if (entry.kind == ResourceKind::kStorageBuffer) {
+      slot.target = GL_SHADER_STORAGE_BUFFER;
+      allowed = limits.storageBindings;
+    } else if (entry.kind == ResourceKind::kUniformBuffer) {
+      slot.target = GL_UNIFORM_BUFFER;
+      allowed = limits.uniformBindings;
+    }
+    allowed = std::min(allowed, kMaxBindings);
+    if (slot.target != 0 && entry.glBinding >= allowed) {
+      return Error{ErrorCode::kUnsupported,
+                   std::string("layout ") + table.name + ": '" + entry.name + "' has GL binding " +
+                       std::to_string(entry.glBinding) + "; " + impl_->context->renderer +
+                       " and pelage allow " + std::to_string(allowed) + " of its kind"};
+    }
+    layout.slots.push_back(slot);
+  }
+  known = std::make_unique<Layout>(std::move(layout));
+  return known.get();
+}
+
+// Everything that can be wrong with a pass is found here, so that issuing needs no checks.
+Result<void> Runtime::Impl::checkPass(Runtime& runtime, const PassList& list, const Pass& pass) {
+  // Texts are made when something is wrong: this runs for every pass of every frame.
+  const auto name = [&pass] { return std::string("pass '") + pass.name + "'"; };
+  const Limits& limits = context->limits;
+  const bool draw = pass.kind == PassKind::kDraw;
+  if (pass.kernel == nullptr || (draw && pass.pixel == nullptr))
+    return invalid(name() + " has no kernel");
+  const Kernel& kernel = *pass.kernel->kernel;
+  if (kernel.stage != (draw ? Stage::kVertex : Stage::kCompute) ||
+      (draw && pass.pixel->kernel->stage != Stage::kPixel))
+    return invalid(name() + ": the kernel's stage does not suit a " + (draw ? "draw" : "dispatch"));
+  if (draw && !sameLayouts(kernel, *pass.pixel->kernel))
+    return invalid(name() + ": its vertex and pixel kernel belong to different groups of layouts");
+  if (!fits(pass.firstBinding, pass.bindingCount, list.bindings.size()) ||
+      !fits(pass.firstSpecValue, pass.specValueCount, list.specValues.size()) ||
+      !fits(pass.firstBarrier, pass.barrierCount, list.barriers.size()))
+    return invalid(name() + ": its bindings, spec values or barriers are not in the list");
+
+  for (const PassBinding& binding : list.bindingsOf(pass)) {
+    if (binding.set >= kernel.layouts.size() ||
+        binding.entry >= kernel.layouts[binding.set]->entries.size()) {
+      return invalid(name() + " binds entry " + std::to_string(binding.entry) + " of set " +
+                     std::to_string(binding.set) + ", which its layouts do not have");
+    }
+    const LayoutEntry& entry = kernel.layouts[binding.set]->entries[binding.entry];
+    const auto what = [&] {
+      return std::string("pass '") + pass.name + "', resource '" + entry.name + "': ";
+    };
+    if (Result<const Layout*> layout = runtime.createLayout(*kernel.layouts[binding.set]); !layout)
+      return layout.error();
+    const auto range = [&binding] {
+      return std::to_string(binding.size) + " bytes at " + std::to_string(binding.offset);
+    };
+    if (entry.kind == ResourceKind::kUniformBuffer) {
+      if (binding.size == 0 || binding.size < entry.stride ||
+          binding.offset % PassList::kConstantAlignment != 0 ||
+          !fits(binding.offset, binding.size, list.constants.size())) {
+        return invalid(what() + range() + " is no block of " + std::to_string(entry.stride) +
+                       " bytes in the list's " + std::to_string(list.constants.size()) +
+                       " bytes of constants");
+      }
+      if (binding.size > limits.uniformBlockBytes) {
+        return Error{ErrorCode::kUnsupported,
+                     what() + range() + "; " + context->renderer + " allows " +
+                         std::to_string(limits.uniformBlockBytes) + " (GL_MAX_UNIFORM_BLOCK_SIZE)"};
+      }
+    } else if (entry.kind == ResourceKind::kStorageBuffer) {
+      const Buffer* buffer = find(binding.buffer);
+      if (buffer == nullptr) {
+        return invalid(what() + "there is no buffer " + label(binding.buffer) +
+                       "; update() or registerBuffer() makes it known");
+      }
+      if (binding.size == 0 || !fits(binding.offset, binding.size, buffer->size)) {
+        return invalid(what() + range() + " is not inside buffer " + label(binding.buffer) +
+                       " of " + std::to_string(buffer->size) + " bytes");
+      }
+      if (limits.storageAlignment > 1 && binding.offset % limits.storageAlignment != 0) {
+        return invalid(what() + "offset " + std::to_string(binding.offset) + " in buffer " +
+                       label(binding.buffer) + " is not a multiple of " +
+                       std::to_string(limits.storageAlignment) +
+                       " (GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT)");
+      }
+      if (binding.size > limits.storageBlockBytes) {
+        return Error{ErrorCode::kUnsupported,
+                     what() + range() + "; " + context->renderer + " allows " +
+                         std::to_string(limits.storageBlockBytes) +
+                         " (GL_MAX_SHADER_STORAGE_BLOCK_SIZE): split the object"};
+      }
+    } else {
+      return Error{ErrorCode::kUnsupported, what() + "it is a texture; pass lists carry buffers"};
+    }
+  }
+
+  for (const KernelVariant* variant : {pass.kernel, pass.pixel}) {
+    if (variant == nullptr) continue;
+    for (const VariantBinding& use : variant->bindings) {
+      const auto bindings = list.bindingsOf(pass);
+      const bool bound =
+          std::any_of(bindings.begin(), bindings.end(), [&use](const PassBinding& binding) {
+            return binding.set == use.set && binding.entry == use.entry;
+          });
+      if (!bound) {
+        return invalid(name() + " does not bind '" +
+                       kernel.layouts[use.set]->entries[use.entry].name + "', which kernel " +
+                       describe(*variant) + " uses");
+      }
+    }
+  }
+
+  if (pass.kind == PassKind::kDispatch) {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (pass.groups[axis] == 0 || pass.groups[axis] > limits.groupCount[axis]) {
+        return invalid(name() + " has " + std::to_string(pass.groups[axis]) +
+                       " thread groups on axis " + "xyz"[axis] + "; 1 to " +
+                       std::to_string(limits.groupCount[axis]) + " are possible");
+      }
+    }
+  } else if (pass.kind == PassKind::kDispatchIndirect) {
+    const Buffer* buffer = find(pass.indirect);
+    if (buffer == nullptr || pass.indirectOffset % 4 != 0 ||
+        !fits(pass.indirectOffset, 12, buffer->size)) {
+      return invalid(name() + ": its indirect arguments at " + std::to_string(pass.indirectOffset) +
+                     " are not inside buffer " + label(pass.indirect));
+    }
+  } else if (pass.indices != BufferId::kInvalid) {
+    const Buffer* buffer = find(pass.indices);
+    if (buffer == nullptr || !fits(0, uint64_t{pass.elementCount} * 4, buffer->size)) {
+      return invalid(name() + ": its " + std::to_string(pass.elementCount) +
+                     " indices are not inside buffer " + label(pass.indices));
+    }
+  }
+  // GL counts elements and instances in signed numbers.
+  if (draw && (pass.elementCount > 0x7fffffffu || pass.instanceCount > 0x7fffffffu))
+    return invalid(name() + " has more elements or instances than 2147483647");
+
+  Result<GLuint> program = programs.find(*pass.kernel, pass.pixel, list.specValuesOf(pass));
+  if (!program) {
+    Error error = program.error();
+    error.message = name() + ": " + error.message;
+    return error;
+  }
+  passPrograms.push_back(*program);
+  return {};
+}
+
+Result<void> Runtime::Impl::check(Runtime& runtime, const PassList& list, bool dispatches,
+                                  bool draws) {
+  passPrograms.clear();
+  if (dispatches) {
+    for (const Upload& upload : list.uploads) {
+      const Buffer* buffer = find(upload.buffer);
+      if (buffer == nullptr || upload.offset % 4 != 0 || upload.size % 4 != 0 ||
+          !fits(upload.offset, upload.size, buffer->size)) {
+        return invalid("upload of " + std::to_string(upload.size) + " bytes at " +
+                       std::to_string(upload.offset) + " does not fit into buffer " +
+                       label(upload.buffer) +
+                       (buffer != nullptr ? " of " + std::to_string(buffer->size) + " bytes"
+                                          : ", which does not exist: update() creates it"));
+      }
+      if (!fits(upload.dataOffset, upload.size, list.uploadData.size())) {
+        return invalid("upload into buffer " + label(upload.buffer) + " takes " +
+                       std::to_string(upload.size) + " bytes at " +
+                       std::to_string(upload.dataOffset) + " of the list's " +
+                       std::to_string(list.uploadData.size()) + " bytes of data");
+      }
+    }
+  }
+  for (const Pass& pass : list.passes) {
+    if (!(pass.kind == PassKind::kDraw ? draws : dispatches)) continue;
+    if (Result<void> checked = checkPass(runtime, list, pass); !checked) return checked;
+  }
+  return {};
+}
+
+void Runtime::Impl::memoryBarrier(std::span<const Barrier> barriers) {
+  if (const uint32_t bits = memoryBarrierBits(barriers)) context->gl.glMemoryBarrier(bits);
+}
+
+void Runtime::Impl::uploadConstants(const PassList& list) {
+  if (list.constants.empty()) return;
+  const Functions& gl = context->gl;
+  const uint64_t size = list.constants.size();
+  constantBytes = (size + PassList::kConstantAlignment - 1) / PassList::kConstantAlignment *
+                  PassList::kConstantAlignment;
+  gl.glBindBuffer(GL_UNIFORM_BUFFER, constants);
+  // New storage a list: the GPU may still read the last one.
+  gl.glBufferData(GL_UNIFORM_BUFFER, static_cast<GLsizeiptr>(constantBytes),
+                  size == constantBytes ? list.constants.data() : nullptr, GL_STREAM_DRAW);
+  if (size != constantBytes)
+    gl.glBufferSubData(GL_UNIFORM_BUFFER, 0, static_cast<GLsizeiptr>(size), list.constants.data());
+}
+
+void Runtime::Impl::bind(const PassList& list, const Pass& pass) {
+  const Functions& gl = context->gl;
+  for (const PassBinding& binding : list.bindingsOf(pass)) {
+    const Layout& layout = *layouts.find(pass.kernel->kernel->layouts[binding.set])->second;
+    const Layout::Slot slot = layout.slots[binding.entry];
+    const bool uniform = slot.target == GL_UNIFORM_BUFFER;
+    Bound wanted{uniform ? constants : find(binding.buffer)->name, binding.offset, binding.size};
+    if (uniform) {
+      // A driver may round a block's size up to 16 bytes; what follows up to the next block is
+      // ours.
+      wanted.size = (binding.size + PassList::kConstantAlignment - 1) /
+                    PassList::kConstantAlignment * PassList::kConstantAlignment;
+      wanted.size = std::min(wanted.size, constantBytes - binding.offset);
+    }
+    Bound& now = (uniform ? boundUniform : boundStorage)[slot.binding];
+    if (now == wanted) continue;
+    now = wanted;
+    gl.glBindBufferRange(slot.target, slot.binding, wanted.name,
+                         static_cast<GLintptr>(wanted.offset),
+                         static_cast<GLsizeiptr>(wanted.size));
+  }
+}
+
+void Runtime::Impl::forgetBindings() {
+  // The caller may have bound anything since.
+  boundUniform.fill({});
+  boundStorage.fill({});
+  currentProgram = 0;
+}
+
+void Runtime::Impl::use(GLuint program) {
+  if (program == currentProgram) return;
+  currentProgram = program;
+  context->gl.glUseProgram(program);
+}
+
+Result<void> Runtime::Impl::finish(const char* call) {
+  if (!context->debug) return {};
+  const GLenum error = context->gl.glGetError();
+  if (error == GL_NO_ERROR) return {};
+  clearErrors(context->gl);
+  return Error{ErrorCode::kDevice, std::string(call) + ": " + context->renderer + " reports " +
+                                       errorName(error) + "; its debug output says more"};
+}
+
+Result<void> Runtime::prepare(const PassList& list) {
+  return impl_->check(*this, list, true, true);
+}
+
+Result<void> Runtime::record(const PassList& list, PassTimer* timer) {
+  if (Result<void> checked = impl_->check(*this, list, true, false); !checked) return checked;
+  const Functions& gl = impl_->context->gl;
+  if (impl_->context->debug) clearErrors(gl);
+  impl_->forgetBindings();
+
+  impl_->memoryBarrier(list.uploadBarriers);
+  for (const Upload& upload : list.uploads) {
+    const Buffer& buffer = *impl_->find(upload.buffer);
+    const std::byte* data = list.uploadData.data() + upload.dataOffset;
+    gl.glBindBuffer(GL_COPY_WRITE_BUFFER, buffer.name);
+    if (buffer.owned && upload.size == buffer.size) {
+      // All of it: new storage, so that nobody waits for the GPU to be done with the old one.
+      gl.glBufferData(GL_COPY_WRITE_BUFFER, static_cast<GLsizeiptr>(upload.size), data,
+                      buffer.usage);
+    } else {
+      gl.glBufferSubData(GL_COPY_WRITE_BUFFER, static_cast<GLintptr>(upload.offset),
+                         static_cast<GLsizeiptr>(upload.size), data);
+    }
+  }
+  const bool any = std::any_of(list.passes.begin(), list.passes.end(),
+                               [](const Pass& pass) { return pass.kind != PassKind::kDraw; });
+  if (!any) return impl_->finish("record()");
+  impl_->uploadConstants(list);
+
+  size_t index = 0;
+  size_t mark = timer != nullptr ? timer->impl_->mark() : 0;
+  for (const Pass& pass : list.passes) {
+    if (pass.kind == PassKind::kDraw) continue;
+    if (impl_->context->debug) gl.glPushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, 0, -1, pass.name);
+    impl_->memoryBarrier(list.barriersOf(pass));
+    impl_->use(impl_->passPrograms[index++]);
+    impl_->bind(list, pass);
+    if (pass.kind == PassKind::kDispatch) {
+      gl.glDispatchCompute(pass.groups[0], pass.groups[1], pass.groups[2]);
+    } else {
+      gl.glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, impl_->find(pass.indirect)->name);
+      gl.glDispatchComputeIndirect(static_cast<GLintptr>(pass.indirectOffset));
+    }
+    if (impl_->context->debug) gl.glPopDebugGroup();
+    if (timer != nullptr) mark = timer->impl_->close(pass.name, mark);
+  }
+  return impl_->finish("record()");
+}
+
+void Runtime::Impl::setDrawDefaults(const DrawTarget& target) {
+  const Functions& gl = context->gl;
+  if (context->profile == Profile::kCore) {
+    gl.glViewportIndexedf(0, static_cast<GLfloat>(target.x), static_cast<GLfloat>(target.y),
+                          static_cast<GLfloat>(target.width), static_cast<GLfloat>(target.height));
+    gl.glDepthRangeIndexed(0, 0, 1);
+    gl.glDisablei(GL_SCISSOR_TEST, 0);
+    gl.glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
+    gl.glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+    gl.glDisable(GL_PRIMITIVE_RESTART);
+  } else {
+    gl.glViewport(static_cast<GLint>(target.x), static_cast<GLint>(target.y),
+                  static_cast<GLsizei>(target.width), static_cast<GLsizei>(target.height));
+    gl.glDepthRangef(0, 1);
+    gl.glDisable(GL_SCISSOR_TEST);
+  }
+  for (const GLenum capability : kDisabledInDraws) gl.glDisable(capability);
+  gl.glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  gl.glBlendEquation(GL_FUNC_ADD);
+  gl.glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);  // premultiplied alpha
+}
+
+void Runtime::Impl::setDrawState(const DrawState& state) {
+  const Functions& gl = context->gl;
+  // GL writes no depth where it does not test it.
+  if (state.depthCompare == DepthCompare::kAlways && !state.depthWrite) {
+    gl.glDisable(GL_DEPTH_TEST);
+  } else {
+    gl.glEnable(GL_DEPTH_TEST);
+  }
+  gl.glDepthFunc(depthFunction(state.depthCompare));
+  gl.glDepthMask(state.depthWrite ? GL_TRUE : GL_FALSE);
+  if (state.blend == BlendMode::kPremultipliedAlpha) {
+    gl.glEnable(GL_BLEND);
+  } else {
+    gl.glDisable(GL_BLEND);
+  }
+}
+
+Result<void> Runtime::recordDraws(const PassList& list, const DrawTarget& target,
+                                  PassTimer* timer) {
+  if (target.width == 0 || target.height == 0)
+    return invalid("recordDraws(): the target has no pixels");
+  if (Result<void> checked = impl_->check(*this, list, false, true); !checked) return checked;
+  if (impl_->passPrograms.empty()) return {};
+  const Functions& gl = impl_->context->gl;
+  if (impl_->context->debug) clearErrors(gl);
+  impl_->forgetBindings();
+
+  impl_->memoryBarrier(list.drawBarriers);
+  impl_->uploadConstants(list);
+  gl.glBindVertexArray(impl_->vertexArray);
+  impl_->setDrawDefaults(target);
+
+  size_t index = 0;
+  size_t mark = timer != nullptr ? timer->impl_->mark() : 0;
+  const DrawState* state = nullptr;
+  for (const Pass& pass : list.passes) {
+    if (pass.kind != PassKind::kDraw) continue;
+    if (impl_->context->debug) gl.glPushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, 0, -1, pass.name);
+    impl_->use(impl_->passPrograms[index++]);
+    impl_->bind(list, pass);
+    if (state == nullptr || *state != pass.state) impl_->setDrawState(pass.state);
+    state = &pass.state;
+    const GLenum mode = topologyMode(pass.state.topology);
+    const auto elements = static_cast<GLsizei>(pass.elementCount);
+    const auto instances = static_cast<GLsizei>(pass.instanceCount);
+    if (pass.indices != BufferId::kInvalid) {
+      gl.glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, impl_->find(pass.indices)->name);
+      gl.glDrawElementsInstanced(mode, elements, GL_UNSIGNED_INT, nullptr, instances);
+    } else {
+      gl.glDrawArraysInstanced(mode, 0, elements, instances);
+    }
+    if (impl_->context->debug) gl.glPopDebugGroup();
+    if (timer != nullptr) mark = timer->impl_->close(pass.name, mark);
+  }
+  return impl_->finish("recordDraws()");
+}
+
+Result<std::vector<std::byte>> Runtime::read(BufferId id, uint64_t offset, uint64_t size) try {
+  const Functions& gl = impl_->context->gl;
+  const Buffer* buffer = impl_->find(id);
+  if (buffer == nullptr)
+    return invalid("read(): there is no buffer " + number(id) + "; update() creates it");
+  if (size == 0 && offset < buffer->size) size = buffer->size - offset;
+  if (size == 0 || !fits(offset, size, buffer->size)) {
+    return invalid("read(): " + std::to_string(size) + " bytes at " + std::to_string(offset) +
+                   " are not inside buffer " + impl_->label(id) + " of " +
+                   std::to_string(buffer->size) + " bytes");
+  }
+  std::vector<std::byte> bytes(static_cast<size_t>(size));
+  // Through a copy: mapping the buffer itself would make some drivers move it to host memory for
+  // good.
+  GLuint staging = 0;
+  gl.glGenBuffers(1, &staging);
+  gl.glBindBuffer(GL_COPY_WRITE_BUFFER, staging);
+  gl.glBindBuffer(GL_COPY_READ_BUFFER, buffer->name);
+  clearErrors(gl);
+  gl.glBufferData(GL_COPY_WRITE_BUFFER, static_cast<GLsizeiptr>(size), nullptr, GL_STREAM_READ);
+  gl.glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  gl.glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, static_cast<GLintptr>(offset),
+                         0, static_cast<GLsizeiptr>(size));
+  const void* mapped =
+      gl.glMapBufferRange(GL_COPY_WRITE_BUFFER, 0, static_cast<GLsizeiptr>(size), GL_MAP_READ_BIT);
+  bool complete = mapped != nullptr;
+  if (complete) {
+    std::memcpy(bytes.data(), mapped, bytes.size());
+    complete = gl.glUnmapBuffer(GL_COPY_WRITE_BUFFER) == GL_TRUE;
+  }
+  const GLenum error = gl.glGetError();
+  gl.glDeleteBuffers(1, &staging);
+  if (!complete || error != GL_NO_ERROR) {
+    clearErrors(gl);
+    return Error{error == GL_OUT_OF_MEMORY ? ErrorCode::kOutOfMemory : ErrorCode::kDevice,
+                 "read(): " + std::to_string(size) + " bytes of buffer " + impl_->label(id) +
+                     " could not be copied to the host: " + errorName(error)};
+  }
+  return bytes;
+} catch (const std::bad_alloc&) {
+  return Error{ErrorCode::kOutOfMemory,
+               "read(): no host memory for buffer " + number(id) + " is left"};
+}
+
+}  // namespace pelage::gl

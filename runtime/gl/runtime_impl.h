@@ -1,0 +1,89 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "context.h"
+#include "program.h"
+
+namespace pelage::gl {
+
+/// Capabilities that a draw needs off, on both APIs; StateGuard saves them.
+inline constexpr GLenum kDisabledInDraws[] = {
+    GL_CULL_FACE,           GL_STENCIL_TEST,
+    GL_POLYGON_OFFSET_FILL, GL_RASTERIZER_DISCARD,
+    GL_SAMPLE_COVERAGE,     GL_SAMPLE_ALPHA_TO_COVERAGE,
+    GL_SAMPLE_MASK,         GL_PRIMITIVE_RESTART_FIXED_INDEX,
+};
+
+struct Buffer {
+  GLuint name = 0;
+  uint64_t size = 0;
+  GLenum usage = GL_DYNAMIC_DRAW;
+  bool owned = false;
+  std::string label;
+};
+
+struct Runtime::Impl {
+  struct Bound {
+    GLuint name = 0;
+    uint64_t offset = 0, size = 0;
+    bool operator==(const Bound&) const = default;
+  };
+
+  std::shared_ptr<const Context> context;
+  Statistics statistics;
+  ProgramStore programs;
+  std::vector<Buffer> buffers;  // [BufferId]
+  std::unordered_map<const LayoutTable*, std::unique_ptr<Layout>> layouts;
+  GLuint constants = 0;
+  uint64_t constantBytes = 0;
+  GLuint vertexArray = 0;
+  std::vector<std::byte> zeros;
+  std::vector<GLuint> passPrograms;  // of the passes that check() went through
+  std::array<Bound, kMaxBindings> boundUniform, boundStorage;
+  GLuint currentProgram = 0;
+
+  Impl(std::shared_ptr<const Context> context_, ProgramCache cache);
+  ~Impl();
+
+  const Buffer* find(BufferId id) const;
+  std::string label(BufferId id) const;
+  Result<void> createBuffer(Buffer& buffer, const BufferDesc& desc);
+  void release(Buffer& buffer);
+
+  Result<void> check(Runtime& runtime, const PassList& list, bool dispatches, bool draws);
+  Result<void> checkPass(Runtime& runtime, const PassList& list, const Pass& pass);
+
+  void memoryBarrier(std::span<const Barrier> barriers);
+  void uploadConstants(const PassList& list);
+  void forgetBindings();
+  void use(GLuint program);
+  void bind(const PassList& list, const Pass& pass);
+  void setDrawDefaults(const DrawTarget& target);
+  void setDrawState(const DrawState& state);
+  Result<void> finish(const char* call);
+};
+
+struct PassTimer::Impl {
+  struct Entry {
+    const char* name;
+    size_t begin, end;  // indices into queries
+  };
+  std::shared_ptr<const Context> context;
+  std::vector<GLuint> queries;
+  size_t used = 0;
+  std::vector<Entry> entries;
+
+  explicit Impl(std::shared_ptr<const Context> context_) : context(std::move(context_)) {}
+  ~Impl();
+  /// Notes the GPU's time when it gets here; returns the query's index.
+  size_t mark();
+  /// Ends a pass that began at a mark; returns the mark where the next one begins.
+  size_t close(const char* name, size_t begin);
+};
+
+}  // namespace pelage::gl
