@@ -1,0 +1,227 @@
+#include "vulkan_engine.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+
+namespace runtime_test {
+namespace {
+
+template <class T>
+T tagged(VkStructureType type) {
+  T structure = {};
+  structure.sType = type;
+  return structure;
+}
+
+void check(VkResult result, const char* what) {
+  if (result != VK_SUCCESS) ADD_FAILURE() << what << ": VkResult " << result;
+}
+
+VKAPI_ATTR VkBool32 VKAPI_CALL onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT,
+                                         VkDebugUtilsMessageTypeFlagsEXT,
+                                         const VkDebugUtilsMessengerCallbackDataEXT* data,
+                                         void* user) {
+  static_cast<std::atomic<uint32_t>*>(user)->fetch_add(1);
+  std::fprintf(stderr, "%s\n", data->pMessage);
+  return VK_FALSE;
+}
+
+}  // namespace
+
+std::unique_ptr<Engine> Engine::create(std::string& reason) {
+  std::unique_ptr<Engine> engine(new Engine);
+  return engine->open(reason) ? std::move(engine) : nullptr;
+}
+
+bool Engine::open(std::string& reason) {
+  auto application = tagged<VkApplicationInfo>(VK_STRUCTURE_TYPE_APPLICATION_INFO);
+  application.apiVersion = VK_API_VERSION_1_3;
+  auto messenger = tagged<VkDebugUtilsMessengerCreateInfoEXT>(
+      VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT);
+  messenger.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT |
+                              VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+  messenger.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT;
+  messenger.pfnUserCallback = onMessage;
+  messenger.pUserData = &messages_;
+  const VkValidationFeatureEnableEXT enable =
+      VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
+  auto validation = tagged<VkValidationFeaturesEXT>(VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT);
+  validation.enabledValidationFeatureCount = 1;
+  validation.pEnabledValidationFeatures = &enable;
+  messenger.pNext = &validation;
+  const char* layer = "VK_LAYER_KHRONOS_validation";
+  const char* extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME,
+                              VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
+  auto info = tagged<VkInstanceCreateInfo>(VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO);
+  info.pNext = &messenger;
+  info.pApplicationInfo = &application;
+  info.enabledLayerCount = 1;
+  info.ppEnabledLayerNames = &layer;
+  info.enabledExtensionCount = 2;
+  info.ppEnabledExtensionNames = extensions;
+  if (vkCreateInstance(&info, nullptr, &instance_) != VK_SUCCESS) {
+    reason = "no Vulkan instance with the validation layer";
+    return false;
+  }
+  messenger.pNext = nullptr;
+  const auto createMessenger = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
+      vkGetInstanceProcAddr(instance_, "vkCreateDebugUtilsMessengerEXT"));
+  check(createMessenger(instance_, &messenger, nullptr, &messenger_), "messenger");
+
+  // The same choice as the headless device: a GPU before a software driver.
+  uint32_t count = 0;
+  vkEnumeratePhysicalDevices(instance_, &count, nullptr);
+  std::vector<VkPhysicalDevice> devices(count);
+  vkEnumeratePhysicalDevices(instance_, &count, devices.data());
+  for (const VkPhysicalDevice candidate : devices) {
+    VkPhysicalDeviceProperties properties;
+    vkGetPhysicalDeviceProperties(candidate, &properties);
+    const bool software = properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+    if (physical_ != VK_NULL_HANDLE && software) continue;
+    physical_ = candidate;
+    properties_ = properties;
+  }
+  if (physical_ == VK_NULL_HANDLE) {
+    reason = "no Vulkan device";
+    return false;
+  }
+  vkGetPhysicalDeviceQueueFamilyProperties(physical_, &count, nullptr);
+  std::vector<VkQueueFamilyProperties> families(count);
+  vkGetPhysicalDeviceQueueFamilyProperties(physical_, &count, families.data());
+  const VkQueueFlags both = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
+  const auto family = std::find_if(families.begin(), families.end(), [&](const auto& candidate) {
+    return (candidate.queueFlags & both) == both;
+  });
+  if (family == families.end()) {
+    reason = "no queue family that draws and computes";
+    return false;
+  }
+  family_ = static_cast<uint32_t>(family - families.begin());
+
+  const float priority = 1;
+  auto queue = tagged<VkDeviceQueueCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO);
+  queue.queueFamilyIndex = family_;
+  queue.queueCount = 1;
+  queue.pQueuePriorities = &priority;
+  auto rendering = tagged<VkPhysicalDeviceDynamicRenderingFeatures>(
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DYNAMIC_RENDERING_FEATURES);
+  rendering.dynamicRendering = VK_TRUE;
+  dynamicRendering_ = properties_.apiVersion >= VK_API_VERSION_1_3;
+  auto device = tagged<VkDeviceCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO);
+  if (dynamicRendering_) device.pNext = &rendering;
+  device.queueCreateInfoCount = 1;
+  device.pQueueCreateInfos = &queue;
+  device.pEnabledFeatures = &features_;
+  if (vkCreateDevice(physical_, &device, nullptr, &device_) != VK_SUCCESS) {
+    reason = "the Vulkan device cannot be made";
+    return false;
+  }
+  vkGetDeviceQueue(device_, family_, 0, &queue_);
+  return true;
+}
+
+Engine::~Engine() {
+  if (device_ != VK_NULL_HANDLE) {
+    vkDeviceWaitIdle(device_);
+    vkDestroyDevice(device_, nullptr);
+  }
+  if (instance_ == VK_NULL_HANDLE) return;
+  const auto destroyMessenger = reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(
+      vkGetInstanceProcAddr(instance_, "vkDestroyDebugUtilsMessengerEXT"));
+  if (messenger_ != VK_NULL_HANDLE) destroyMessenger(instance_, messenger_, nullptr);
+  vkDestroyInstance(instance_, nullptr);
+}
+
+pelage::vulkan::RuntimeDef Engine::runtimeDef() const {
+  pelage::vulkan::RuntimeDef def;
+  def.instance = instance_;
+  def.physicalDevice = physical_;
+  def.device = device_;
+  def.queueFamily = family_;
+  def.enabledFeatures = features_;
+  def.getInstanceProcAddr = vkGetInstanceProcAddr;
+  def.debugUtils = true;
+  return def;
+}
+
+EngineBuffer Engine::createBuffer(VkDeviceSize size, VkBufferUsageFlags usage,
+                                  bool hostVisible) const {
+  EngineBuffer buffer;
+  auto info = tagged<VkBufferCreateInfo>(VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO);
+  info.size = size;
+  info.usage = usage;
+  check(vkCreateBuffer(device_, &info, nullptr, &buffer.buffer), "vkCreateBuffer");
+  VkMemoryRequirements needs;
+  vkGetBufferMemoryRequirements(device_, buffer.buffer, &needs);
+  VkPhysicalDeviceMemoryProperties types;
+  vkGetPhysicalDeviceMemoryProperties(physical_, &types);
+  const VkMemoryPropertyFlags wanted =
+      hostVisible ? VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT
+                  : VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
+  auto allocate = tagged<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
+  allocate.allocationSize = needs.size;
+  for (uint32_t type = 0; type < types.memoryTypeCount; ++type) {
+    if ((needs.memoryTypeBits >> type & 1u) == 0) continue;
+    if ((types.memoryTypes[type].propertyFlags & wanted) != wanted) continue;
+    allocate.memoryTypeIndex = type;
+    break;
+  }
+  check(vkAllocateMemory(device_, &allocate, nullptr, &buffer.memory), "vkAllocateMemory");
+  check(vkBindBufferMemory(device_, buffer.buffer, buffer.memory, 0), "vkBindBufferMemory");
+  if (hostVisible) {
+    check(vkMapMemory(device_, buffer.memory, 0, VK_WHOLE_SIZE, 0, &buffer.mapped), "vkMapMemory");
+  }
+  return buffer;
+}
+
+void Engine::destroyBuffer(const EngineBuffer& buffer) const {
+  vkDestroyBuffer(device_, buffer.buffer, nullptr);
+  vkFreeMemory(device_, buffer.memory, nullptr);
+}
+
+Engine::Frame Engine::createFrame() const {
+  Frame frame;
+  auto pool = tagged<VkCommandPoolCreateInfo>(VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO);
+  pool.queueFamilyIndex = family_;
+  check(vkCreateCommandPool(device_, &pool, nullptr, &frame.pool), "vkCreateCommandPool");
+  auto info = tagged<VkCommandBufferAllocateInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO);
+  info.commandPool = frame.pool;
+  info.commandBufferCount = 1;
+  check(vkAllocateCommandBuffers(device_, &info, &frame.commands), "vkAllocateCommandBuffers");
+  auto fence = tagged<VkFenceCreateInfo>(VK_STRUCTURE_TYPE_FENCE_CREATE_INFO);
+  fence.flags = VK_FENCE_CREATE_SIGNALED_BIT;
+  check(vkCreateFence(device_, &fence, nullptr, &frame.fence), "vkCreateFence");
+  return frame;
+}
+
+void Engine::destroyFrame(const Frame& frame) const {
+  wait(frame);
+  vkDestroyFence(device_, frame.fence, nullptr);
+  vkDestroyCommandPool(device_, frame.pool, nullptr);
+}
+
+void Engine::wait(const Frame& frame) const {
+  check(vkWaitForFences(device_, 1, &frame.fence, VK_TRUE, UINT64_MAX), "vkWaitForFences");
+}
+
+void Engine::begin(const Frame& frame) const {
+  wait(frame);
+  check(vkResetFences(device_, 1, &frame.fence), "vkResetFences");
+  check(vkResetCommandPool(device_, frame.pool, 0), "vkResetCommandPool");
+  auto info = tagged<VkCommandBufferBeginInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO);
+  info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+  check(vkBeginCommandBuffer(frame.commands, &info), "vkBeginCommandBuffer");
+}
+
+void Engine::submit(const Frame& frame) const {
+  check(vkEndCommandBuffer(frame.commands), "vkEndCommandBuffer");
+  auto info = tagged<VkSubmitInfo>(VK_STRUCTURE_TYPE_SUBMIT_INFO);
+  info.commandBufferCount = 1;
+  info.pCommandBuffers = &frame.commands;
+  check(vkQueueSubmit(queue_, 1, &info, frame.fence), "vkQueueSubmit");
+}
+
+}  // namespace runtime_test
