@@ -1,0 +1,132 @@
+#include "options.h"
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <map>
+#include <vector>
+
+#include "messages.h"
+
+namespace sample {
+namespace {
+
+constexpr double kFastestWind = 1000;  // m/s
+
+// Refuses what CLI11's own checks cannot see.
+void checkTogether(const Options& options, const std::vector<float>& wind) {
+  for (const float speed : wind)
+    if (!(std::abs(static_cast<double>(speed)) <= kFastestWind))
+      throw CLI::ValidationError("--wind", "takes speeds of at most 1000 m/s");
+  if (options.asset.empty() && (!options.bones.empty() || !options.mesh.empty()))
+    throw CLI::ValidationError("--bones and --mesh", "need --asset");
+  if (!options.asset.empty() && options.guides)
+    throw CLI::ValidationError("--guides", "is for the generated groom, not for --asset");
+  for (const uint32_t size : {options.width, options.height})
+    if (size * options.supersample > 16384)
+      throw CLI::ValidationError("--supersample",
+                                 "makes the picture larger than 16384 pixels on a side");
+}
+
+}  // namespace
+
+std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
+  Options options;
+  std::vector<float> wind = {0, 0, 0};
+  uint32_t guides = 0, follow = 0;
+  bool noImages = false;
+
+  CLI::App app(
+      "Simulates a groom on a turning and nodding head and renders it without a window.\n"
+      "Makes a head with hair of its own unless --asset names a file. Writes PNG frames, a "
+      "contact\n"
+      "sheet, and what each kernel cost.",
+      kProgram);
+  app.set_version_flag("--version", PELAGE_SAMPLE_VERSION);
+  app.get_formatter()->column_width(34);
+
+  const std::map<std::string, pelage::Api> apis = {
+      {"vulkan", pelage::Api::kVulkan}, {"gl", pelage::Api::kGl}, {"gles", pelage::Api::kGles}};
+  app.add_option("--api", options.api, "vulkan, gl or gles (vulkan)")
+      ->transform(CLI::CheckedTransformer(apis).description(""))
+      ->type_name("API");
+  app.add_option("--device", options.device, "number of the device in --list-devices")
+      ->check(CLI::Range(0, 63).description(""))
+      ->type_name("N");
+  app.add_flag("--list-devices", options.listDevices, "list the devices of --api and stop");
+  app.add_flag("--validation", options.validation,
+               "validation layer or debug context; a message is a failure");
+
+  app.add_option("--asset", options.asset, "guide hairs")->type_name("FILE.tfx");
+  app.add_option("--bones", options.bones, "bone weights of the hairs")->type_name("FILE.tfxbone");
+  app.add_option("--mesh", options.mesh, "mesh to draw with the hairs")->type_name("FILE.tfxmesh");
+  app.add_option("--seed", options.seed, "of the generated groom and the follow hairs (1)")
+      ->type_name("N");
+  auto* guidesOption = app.add_option("--guides", guides, "guides of the generated groom")
+                           ->check(CLI::Range(1u, 1u << 20).description(""))
+                           ->type_name("N");
+  app.add_option("--repeat", options.repeat,
+                 "copies of the guides, all at one place, for measurements (1)")
+      ->check(CLI::Range(1u, 65536u).description(""))
+      ->type_name("N");
+  auto* followOption = app.add_option("--follow", follow, "follow hairs a guide")
+                           ->check(CLI::Range(0u, 64u).description(""))
+                           ->type_name("N");
+  const std::map<std::string, pelage::SkinningMethod> methods = {
+      {"matrices", pelage::SkinningMethod::kMatrices},
+      {"dual-quaternions", pelage::SkinningMethod::kDualQuaternions}};
+  app.add_option("--skinning", options.skinning, "matrices or dual-quaternions (matrices)")
+      ->transform(CLI::CheckedTransformer(methods).description(""))
+      ->type_name("METHOD");
+  app.add_option("--wind", wind, "velocity of the air [m/s] (0,0,0)")
+      ->delimiter(',')
+      ->expected(3)
+      ->type_name("X,Y,Z");
+
+  app.add_option("--frames", options.frames, "frames of 1/60 s to simulate (240)")
+      ->check(CLI::Range(1u, 1u << 20).description(""))
+      ->type_name("N");
+  app.add_option("--every", options.every, "render every Nth frame (10)")
+      ->check(CLI::Range(1u, 1u << 20).description(""))
+      ->type_name("N");
+  app.add_option("--width", options.width, "of the pictures [pixels] (640)")
+      ->check(CLI::Range(16u, 16384u).description(""))
+      ->type_name("N");
+  app.add_option("--height", options.height, "of the pictures [pixels] (640)")
+      ->check(CLI::Range(16u, 16384u).description(""))
+      ->type_name("N");
+  app.add_option("--samples", options.samples, "samples a pixel: 1, 2, 4 or 8 (4)")
+      ->check(CLI::IsMember({1u, 2u, 4u, 8u}).description(""))
+      ->type_name("N");
+  app.add_option("--supersample", options.supersample,
+                 "render N times larger and average in linear light, 1..4 (2)")
+      ->check(CLI::Range(1u, 4u).description(""))
+      ->type_name("N");
+  app.add_flag("--no-images", noImages, "simulate only");
+  app.add_option("--out", options.out, "folder of the pictures (out)")->type_name("DIR");
+
+  app.add_option("--write-asset", options.writeAsset,
+                 "write the groom as .tfx, .tfxbone and .tfxmesh into a folder")
+      ->type_name("DIR");
+  app.add_option("--csv", options.csv, "append the figures to a file")->type_name("FILE");
+  app.add_option("--commit", options.commit, "commit to name in --csv")->type_name("TEXT");
+  app.add_flag("--quiet", options.quiet, "print errors only");
+
+  try {
+    app.parse(argc, argv);
+    if (*guidesOption) options.guides = guides;
+    if (*followOption) options.follow = follow;
+    checkTogether(options, wind);
+  } catch (const CLI::CallForHelp& help) {
+    return app.exit(help);
+  } catch (const CLI::CallForVersion& version) {
+    return app.exit(version);
+  } catch (const CLI::ParseError& error) {
+    printError(error.what());
+    return kBadArguments;
+  }
+  options.wind = {wind[0], wind[1], wind[2]};
+  options.images = !noImages;
+  return options;
+}
+
+}  // namespace sample

@@ -1,0 +1,46 @@
+// The command line of pelage-headless.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "pelage/hair_object.h"
+#include "pelage/headless.h"
+
+namespace sample {
+
+struct Options {
+  pelage::Api api = pelage::Api::kVulkan;
+  int device = -1;
+  bool validation = false;
+  bool listDevices = false;
+
+  std::filesystem::path asset, bones, mesh;
+  uint64_t seed = 1;
+  std::optional<uint32_t> guides;  ///< of the generated groom; its default when not given
+  uint32_t repeat = 1;
+  std::optional<uint32_t> follow;  ///< hairs a guide; a default for each asset when not given
+  pelage::SkinningMethod skinning = pelage::SkinningMethod::kMatrices;
+  pelage::Float3 wind;
+
+  uint32_t frames = 240;
+  uint32_t every = 10;
+  uint32_t width = 640, height = 640;
+  uint32_t samples = 4;
+  uint32_t supersample = 2;
+  bool images = true;
+  std::filesystem::path out = "out";
+
+  std::filesystem::path writeAsset, csv;
+  std::string commit;
+  bool quiet = false;
+};
+
+/// The options, or the exit code of a program that has said what there was to say: help, the
+/// version, or one line on stderr about what is wrong.
+std::variant<Options, int> parseOptions(int argc, const char* const* argv);
+
+}  // namespace sample

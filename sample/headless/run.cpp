@@ -1,0 +1,211 @@
+#include "run.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <memory>
+#include <optional>
+
+#include "demo_assets.h"
+#include "demo_scene.h"
+#include "device.h"
+#include "figures.h"
+#include "messages.h"
+#include "picture_writer.h"
+
+namespace sample {
+
+using pelage::DeviceInfo;
+using pelage::Error;
+using pelage::ErrorCode;
+using pelage::HeadlessDevice;
+using pelage::Result;
+
+namespace {
+
+constexpr float kHeadCellSize = 0.0025f;  // m; the face is smooth at 640 pixels
+
+std::string describe(const DeviceInfo& info) {
+  return fmt::format("{} ({}), {} {}", info.name, info.driver, pelage::apiName(info.api),
+                     info.version);
+}
+
+Result<void> printDevices(pelage::Api api) {
+  const auto devices = listDevices(api);
+  if (!devices) return devices.error();
+  for (size_t i = 0; i < devices->size(); ++i)
+    fmt::print("{}: {}{}\n", i, describe((*devices)[i]),
+               (*devices)[i].software ? ", on the CPU" : "");
+  return {};
+}
+
+Result<DemoAssets> makeAssets(const Options& options) {
+  if (options.asset.empty()) {
+    pelage::GroomDef def;
+    def.seed = options.seed;
+    def.headCellSize = kHeadCellSize;
+    if (options.guides) def.strandCount = *options.guides;
+    return generateAssets(def);
+  }
+  uint64_t repaired = 0;
+  auto assets = loadAssets({options.asset, options.bones, options.mesh}, &repaired);
+  if (assets && repaired > 0 && !options.quiet)
+    fmt::print("{}: {} values could not be used and were repaired\n", options.asset.string(),
+               repaired);
+  return assets;
+}
+
+Result<std::unique_ptr<HeadlessDevice>> makeDevice(const Options& options) {
+  pelage::HeadlessDef def;
+  def.api = options.api;
+  def.validation = options.validation;
+  def.deviceIndex = options.device;
+  auto device = createDevice(def);
+  if (device && options.images && options.samples > (*device)->info().maxSamples)
+    return Error{
+        ErrorCode::kUnsupported,
+        fmt::format("{} has at most {} samples a pixel; use --samples {}", (*device)->info().name,
+                    (*device)->info().maxSamples, (*device)->info().maxSamples)};
+  return device;
+}
+
+// One frame: simulated, and rendered when a picture is wanted.
+class FrameLoop {
+ public:
+  FrameLoop(const Options& options, DemoScene& demo, HeadlessDevice& device)
+      : options_(options), demo_(demo), device_(device) {
+    const uint32_t width = options.width * options.supersample;
+    const uint32_t height = options.height * options.supersample;
+    const Camera camera =
+        demo.camera(static_cast<float>(options.width) / static_cast<float>(options.height));
+    view_ = makeView(camera, width, height, options.samples);
+    target_ = {width, height, options.samples, {0, 0, 0, 0}, 1};
+  }
+
+  Result<void> simulate() {
+    if (Result<void> done = prepare(false); !done) return done;
+    if (Result<void> done = device_.execute(list_, &timings_); !done) return done;
+    figures_.add(list_, timings_);
+    return {};
+  }
+
+  Result<pelage::RenderedImage> render() {
+    if (Result<void> done = prepare(true); !done) return done.error();
+    auto image = device_.render(list_, target_, &timings_);
+    if (image) figures_.add(list_, timings_);
+    return image;
+  }
+
+  const Figures& figures() const { return figures_; }
+
+ private:
+  Result<void> prepare(bool draw) {
+    if (Result<void> done = demo_.advance(list_); !done) return done;
+    if (draw)
+      if (Result<void> done = demo_.draw(view_, list_); !done) return done;
+    demo_.finish(list_);
+    return device_.update(demo_.resources());
+  }
+
+  const Options& options_;
+  DemoScene& demo_;
+  HeadlessDevice& device_;
+  pelage::View view_;
+  pelage::RenderTargetDef target_;
+  pelage::PassList list_;
+  std::vector<pelage::PassTiming> timings_;
+  Figures figures_;
+};
+
+// Runs the frames; returns how many there were.
+Result<uint32_t> runFrames(const Options& options, FrameLoop& loop) {
+  std::optional<PictureWriter> pictures;
+  if (options.images && options.frames >= options.every) {
+    auto writer = PictureWriter::create(options.out, options.frames / options.every, options.width,
+                                        options.height, options.supersample);
+    if (!writer) return writer.error();
+    pictures = std::move(*writer);
+  }
+  Progress progress(options.frames, options.quiet);
+  uint32_t frame = 0;
+  while (frame < options.frames && !interrupted()) {
+    ++frame;
+    if (pictures && frame % options.every == 0) {
+      const auto image = loop.render();
+      if (!image) return image.error();
+      if (Result<void> done = pictures->add(frame, *image); !done) return done.error();
+    } else if (Result<void> done = loop.simulate(); !done) {
+      return done.error();
+    }
+    progress.update(frame);
+  }
+  if (pictures)
+    if (Result<void> done = pictures->finish(); !done) return done.error();
+  return frame;
+}
+
+void printGroom(const Options& options, const pelage::HairObject& hair) {
+  fmt::print("groom:  {}, {} guides x {} vertices, {} follow hairs, {} bones\n", hair.name(),
+             hair.guideCount(), hair.verticesPerStrand(), hair.followCount(), hair.boneCount());
+  if (options.images)
+    fmt::print("images: {}, every {} of {} frames, {} x {}, {} samples\n", options.out.string(),
+               options.every, options.frames, options.width, options.height,
+               options.samples * options.supersample * options.supersample);
+}
+
+Result<void> checkMessages(const Options& options, const HeadlessDevice& device) {
+  const uint32_t count = device.messageCount();
+  if (!options.validation || count == 0) return {};
+  return Error{ErrorCode::kDevice,
+               fmt::format("validation reported {} messages (printed above)", count)};
+}
+
+}  // namespace
+
+Result<void> run(const Options& options) {
+  if (options.listDevices) return printDevices(options.api);
+
+  auto assets = makeAssets(options);
+  if (!assets) return assets.error();
+  if (!options.writeAsset.empty())
+    if (Result<void> done = writeAssets(*assets, options.writeAsset); !done) return done;
+  if (Result<void> done = repeatGuides(*assets, options.repeat); !done) return done;
+
+  DemoDef def;
+  def.followPerGuide = options.follow;
+  def.seed = options.seed;
+  def.skinning = options.skinning;
+  def.wind = options.wind;
+  auto demo = DemoScene::create(*assets, def);
+  if (!demo) return demo.error();
+
+  const auto device = makeDevice(options);
+  if (!device) return device.error();
+  if (!options.quiet) {
+    fmt::print("device: {}\n", describe((*device)->info()));
+    printGroom(options, demo->hair());
+  }
+
+  const auto start = std::chrono::steady_clock::now();
+  FrameLoop loop(options, *demo, **device);
+  const auto frames = runFrames(options, loop);
+  if (!frames) return frames.error();
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+
+  if (!options.quiet)
+    fmt::print("\n{}\n{} frames in {:.1f} s{}\n", loop.figures().table(), *frames, seconds.count(),
+               interrupted() ? ", interrupted" : "");
+  if (!options.csv.empty()) {
+    const pelage::HairObject& hair = demo->hair();
+    const RunInfo info = {options.commit,           assets->name,
+                          hair.guideCount(),        hair.followCount(),
+                          hair.verticesPerStrand(), *frames};
+    if (Result<void> done =
+            appendCsv(options.csv.string(), loop.figures(), (*device)->info(), info);
+        !done)
+      return done;
+  }
+  return checkMessages(options, **device);
+}
+
+}  // namespace sample

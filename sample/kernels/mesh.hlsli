@@ -1,0 +1,38 @@
+// Resources of the sample's mesh kernels, group "mesh".
+#ifndef SAMPLE_MESH_HLSLI
+#define SAMPLE_MESH_HLSLI
+
+struct MeshVertex {
+  float4 position;  // xyz in bind space [m]; w = share of the scalp's colour, 0..1
+  float4 normal;    // xyz unit vector in bind space; w unused
+  uint4 bones;      // index g_meshBones, in bones
+  float4 weights;   // sum to 1
+};
+
+// [vertex]
+StructuredBuffer<MeshVertex> g_meshVertices : register(t0, space0);
+// Three rows a bone: bind space to world.
+StructuredBuffer<float4> g_meshBones : register(t1, space0);
+
+cbuffer MeshConstants : register(b0, space0) {
+  float4 g_worldToClip[4];  // rows; clip = rows * (p, 1), depth 0..1, y up
+  float4 g_eye;             // xyz position of the camera [m]
+  float4 g_lightDirection;  // xyz unit vector towards the light
+  float4 g_lightColor;      // linear rgb
+  float4 g_ambientColor;    // linear rgb, from above; half of it comes from below
+  float4 g_skinColor;       // linear rgb
+  float4 g_scalpColor;      // linear rgb, where the hair grows
+  uint g_meshVertexCount;
+  uint g_meshBoneCount;
+  uint g_meshPad0;
+  uint g_meshPad1;
+};
+
+struct MeshVaryings {
+  float4 clip : SV_Position;
+  float3 world : TEXCOORD0;
+  float3 normal : TEXCOORD1;
+  float scalp : TEXCOORD2;
+};
+
+#endif

@@ -1,0 +1,38 @@
+// Shades a mesh like unglazed clay: wrapped Lambert, an ambient term that is brighter from above, a
+// broad faint highlight. Linear colour, opaque.
+//
+// One thread a pixel. Reads the constants alone.
+// Invariant: finite for every normal, and brighter where the surface faces the light.
+#include "mesh.hlsli"
+
+// Light that reaches past the terminator, as it does through skin: 0 is Lambert, 1 a full wrap.
+static const float kWrap = 0.35;
+static const float kHighlight = 0.10;
+static const float kHighlightExponent = 14.0;
+// Fresnel term of Schlick, "An Inexpensive BRDF Model for Physically-based Rendering" (1994), eq. 15,
+// for a refractive index of 1.4.
+static const float kReflectance = 0.028;
+
+float3 unit(float3 v) { return v * rsqrt(max(dot(v, v), 1e-20)); }
+
+float4 mesh_pixel(MeshVaryings input) : SV_Target {
+  float3 eye = unit(g_eye.xyz - input.world);
+  float3 normal = unit(input.normal);
+  float3 light = g_lightDirection.xyz;
+
+  float facing = (dot(normal, light) + kWrap) / (1.0 + kWrap);
+  float diffuse = max(facing, 0.0);
+  diffuse = diffuse * diffuse;
+  float3 ambient = g_ambientColor.rgb * (0.75 + 0.25 * normal.y);
+
+  float3 middle = unit(light + eye);
+  float grazing = 1.0 - saturate(dot(eye, normal));
+  float fresnel = kReflectance + (1.0 - kReflectance) * grazing * grazing * grazing * grazing * grazing;
+  float highlight = kHighlight * pow(max(dot(normal, middle), 1e-4), kHighlightExponent) * diffuse;
+
+  float3 albedo = lerp(g_skinColor.rgb, g_scalpColor.rgb, saturate(input.scalp));
+  float3 color = albedo * (g_lightColor.rgb * diffuse + ambient) +
+                 (1.0 - saturate(input.scalp)) *
+                     (g_lightColor.rgb * highlight + g_ambientColor.rgb * (0.5 * fresnel));
+  return float4(color, 1.0);
+}

@@ -1,0 +1,59 @@
+// What the sample shows: a groom and a mesh, made or loaded.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pelage/bone_weights.h"
+#include "pelage/collision_mesh.h"
+#include "pelage/groom.h"
+#include "pelage/hair_asset.h"
+#include "pelage/result.h"
+#include "pelage/skeleton.h"
+
+namespace sample {
+
+struct DemoAssets {
+  std::string name;
+  pelage::HairAsset hair;       ///< processed
+  pelage::BoneWeights weights;  ///< without strands when there is no bone file
+  /// Bones with joints, in the order of `weights`; without bones for a groom from files, which do
+  /// not say where the joints are.
+  pelage::Skeleton skeleton;
+  std::optional<pelage::CollisionMesh> mesh;
+  float rootSpacing = 0;  ///< no two roots are closer than this [m]; 0 when that is not known
+
+  /// Bones that the hair and the mesh together may refer to, at least 1.
+  uint32_t boneCount() const;
+};
+
+/// Files of a groom; only `hair` must be there.
+struct DemoFiles {
+  std::filesystem::path hair;   ///< .tfx
+  std::filesystem::path bones;  ///< .tfxbone, or empty
+  std::filesystem::path mesh;   ///< .tfxmesh, or empty
+};
+
+/// Loads a groom. Values in the .tfx file that cannot be used are repaired; `repaired` receives how
+/// many they were. Errors: those of the loaders.
+pelage::Result<DemoAssets> loadAssets(const DemoFiles& files, uint64_t* repaired = nullptr);
+
+/// Makes the head and its groom.
+pelage::Result<DemoAssets> generateAssets(const pelage::GroomDef& def);
+
+/// Puts the guides in `copies` times, one copy after the other and all at the same place: for
+/// measurements at a larger size. Errors: more guides than 32 bits count.
+pelage::Result<void> repeatGuides(DemoAssets& assets, uint32_t copies);
+
+/// Writes NAME.tfx, NAME.tfxbone and, when there is one, NAME.tfxmesh into a folder, which is made
+/// when it is not there.
+pelage::Result<void> writeAssets(const DemoAssets& assets, const std::filesystem::path& folder);
+
+/// [vertex of the mesh] how much of the scalp's colour it takes: 1 where roots are near, falling to
+/// 0 at `reach` [m] from the nearest root.
+std::vector<float> scalpShares(const DemoAssets& assets, float reach);
+
+}  // namespace sample

@@ -1,0 +1,227 @@
+#include "demo_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "head_motion.h"
+
+namespace sample {
+
+using pelage::AffineTransform;
+using pelage::BoneInfluences;
+using pelage::Float3;
+using pelage::Float4;
+using pelage::HairAsset;
+using pelage::Result;
+
+namespace {
+
+constexpr float kScalpReach = 1.8f;           // root spacings that the scalp's colour reaches
+constexpr uint32_t kSweptStrands = 500;       // strands that the camera looks at, at most
+constexpr uint32_t kSweptMeshVertices = 600;  // the same for the mesh
+constexpr double kSweptStep = 0.1;            // s between the poses it looks at
+
+struct Bounds {
+  Float3 low = {std::numeric_limits<float>::max(), std::numeric_limits<float>::max(),
+                std::numeric_limits<float>::max()};
+  Float3 high = {std::numeric_limits<float>::lowest(), std::numeric_limits<float>::lowest(),
+                 std::numeric_limits<float>::lowest()};
+};
+
+Bounds boundsOf(const HairAsset& hair) {
+  Bounds bounds;
+  for (const Float4& p : hair.positions) {
+    bounds.low = {std::min(bounds.low.x, p.x), std::min(bounds.low.y, p.y),
+                  std::min(bounds.low.z, p.z)};
+    bounds.high = {std::max(bounds.high.x, p.x), std::max(bounds.high.y, p.y),
+                   std::max(bounds.high.z, p.z)};
+  }
+  return bounds;
+}
+
+// A neck below the middle of the groom.
+Float3 pivotUnder(const HairAsset& hair) {
+  const Bounds b = boundsOf(hair);
+  const float below = 0.4f * (b.high.y - b.low.y);
+  return {(b.low.x + b.high.x) / 2, b.low.y - below, (b.low.z + b.high.z) / 2};
+}
+
+Float3 blend(const std::vector<AffineTransform>& bones, const BoneInfluences& influences,
+             const Float3& point) {
+  Float3 sum;
+  float weights = 0;
+  for (int i = 0; i < 4; ++i) {
+    const float weight = influences.weights[i];
+    if (!(weight > 0)) continue;
+    const Float3 moved = pelage::transformPoint(bones[influences.bones[i]], point);
+    sum = {sum.x + weight * moved.x, sum.y + weight * moved.y, sum.z + weight * moved.z};
+    weights += weight;
+  }
+  if (!(weights > 0)) return pelage::transformPoint(bones[0], point);
+  return {sum.x / weights, sum.y / weights, sum.z / weights};
+}
+
+void sweepHair(const DemoAssets& assets, const std::vector<AffineTransform>& bones,
+               std::vector<Float3>& points) {
+  const HairAsset& hair = assets.hair;
+  const uint32_t stride = std::max(1u, hair.strandCount / kSweptStrands);
+  for (uint32_t strand = 0; strand < hair.strandCount; strand += stride) {
+    const BoneInfluences influences =
+        assets.weights.strands.empty() ? BoneInfluences{} : assets.weights.strands[strand];
+    for (const uint32_t vertex : {0u, hair.verticesPerStrand / 2, hair.verticesPerStrand - 1}) {
+      const Float4& p = hair.positions[size_t{strand} * hair.verticesPerStrand + vertex];
+      points.push_back(blend(bones, influences, {p.x, p.y, p.z}));
+    }
+  }
+}
+
+void sweepMesh(const DemoAssets& assets, const std::vector<AffineTransform>& bones,
+               std::vector<Float3>& points) {
+  const pelage::CollisionMesh& mesh = *assets.mesh;
+  const size_t stride = std::max<size_t>(1, mesh.positions.size() / kSweptMeshVertices);
+  for (size_t i = 0; i < mesh.positions.size(); i += stride)
+    points.push_back(blend(bones, mesh.influences[i], mesh.positions[i]));
+}
+
+// How a groom is lit, coloured and simulated.
+struct Look {
+  pelage::StrandMaterial material;
+  pelage::SimulationSettings settings;
+  uint32_t followPerGuide = 0;
+  float followRadius = 0;  // m
+  CameraDef camera;
+};
+
+// The generated groom: chestnut hair that swings. Its bind shape hangs already, so that most of the
+// weight is in the shape; without collision, hair under its full weight would sink into the head.
+Look generatedLook() {
+  Look look;
+  look.material.rootColor = {0.030f, 0.014f, 0.009f};
+  look.material.tipColor = {0.155f, 0.080f, 0.043f};
+  look.material.fiberRadius = 100e-6f;
+  look.material.primaryStrength = 0.06f;
+  look.material.primaryExponent = 60;
+  look.material.secondaryStrength = 0.9f;
+  look.material.secondaryExponent = 14;
+  look.followPerGuide = 10;
+  look.followRadius = 0.004f;
+  look.camera.direction = {0.40f, 0.16f, 1};
+  look.settings.gravity = {0, -2.5f, 0};
+  look.settings.damping = 0.04f;
+  look.settings.globalStiffness = 0.04f;
+  look.settings.globalRange = 1;
+  look.settings.vspCoefficient = 0.2f;
+  return look;
+}
+
+// A groom from files, of which nothing is known: stiff enough to keep its style, seen from the
+// side.
+Look fileLook() {
+  Look look;
+  look.material.rootColor = {0.16f, 0.026f, 0.010f};
+  look.material.tipColor = {0.46f, 0.15f, 0.040f};
+  look.material.fiberRadius = 200e-6f;
+  look.material.primaryStrength = 0.06f;
+  look.material.secondaryStrength = 0.8f;
+  look.followPerGuide = 8;
+  look.followRadius = 0.006f;
+  look.settings.gravity = {0, -2.5f, 0};
+  look.settings.globalStiffness = 0.06f;
+  look.settings.globalRange = 1;
+  look.settings.vspCoefficient = 0.2f;
+  look.camera.direction = {1, 0.25f, -0.3f};
+  return look;
+}
+
+// A warm light from the upper left of the camera, and a cool sky.
+pelage::Light studioLight() {
+  pelage::Light light;
+  light.direction = {-0.25f, 0.70f, 0.75f};
+  light.color = {1.32f, 1.24f, 1.12f};
+  light.ambient = {0.19f, 0.22f, 0.27f};
+  return light;
+}
+
+}  // namespace
+
+Result<DemoScene> DemoScene::create(const DemoAssets& assets, const DemoDef& def) {
+  const bool generated = !assets.skeleton.bones.empty();
+  DemoScene demo;
+  demo.skeleton_ = assets.skeleton;
+  demo.boneCount_ = assets.boneCount();
+  demo.pivot_ = pivotUnder(assets.hair);
+  demo.light = studioLight();
+  const Look look = generated ? generatedLook() : fileLook();
+  demo.cameraDef_ = look.camera;
+
+  pelage::FollowDef followDef;
+  followDef.countPerGuide = def.followPerGuide.value_or(look.followPerGuide);
+  followDef.maxRadius = look.followRadius;
+  followDef.seed = def.seed;
+  auto follow = assets.hair.generateFollowHairs(followDef);
+  if (!follow) return follow.error();
+
+  pelage::HairDef hairDef;
+  hairDef.name = assets.name;
+  hairDef.material = look.material;
+  hairDef.settings = look.settings;
+  hairDef.settings.wind.velocity = def.wind;
+  hairDef.skinning = def.skinning;
+  hairDef.influences = assets.weights.strands;
+  hairDef.boneCount = demo.boneCount_;
+  hairDef.followHairs = *follow;
+  const auto hair = demo.scene_.addHair(assets.hair, hairDef);
+  if (!hair) return hair.error();
+  demo.hair_ = *hair;
+
+  if (assets.mesh)
+    if (Result<void> added = demo.addMesh(assets); !added) return added.error();
+
+  for (double time = 0; time < kHeadMotionSeconds; time += kSweptStep) {
+    const std::vector<AffineTransform> bones = demo.pose(time);
+    sweepHair(assets, bones, demo.sweptPoints_);
+    if (assets.mesh && generated) sweepMesh(assets, bones, demo.sweptPoints_);
+  }
+  return demo;
+}
+
+Result<void> DemoScene::addMesh(const DemoAssets& assets) {
+  std::vector<float> scalp;
+  if (assets.rootSpacing > 0) scalp = scalpShares(assets, kScalpReach * assets.rootSpacing);
+  MeshDef def;
+  def.name = assets.name + "/mesh";
+  def.influences = assets.mesh->influences;
+  def.boneCount = boneCount_;
+  def.scalp = scalp;
+  auto mesh = MeshObject::create(scene_.resources(), *assets.mesh, def);
+  if (!mesh) return mesh.error();
+  mesh_ = *mesh;
+  return {};
+}
+
+std::vector<AffineTransform> DemoScene::pose(double seconds) const {
+  const HeadPose head = headPose(seconds);
+  if (!skeleton_.bones.empty()) return poseSkeleton(skeleton_, head);
+  return std::vector<AffineTransform>(boneCount_, rotationAbout(poseRotation(head), pivot_));
+}
+
+Result<void> DemoScene::advance(pelage::PassList& list) {
+  ++frame_;
+  const std::vector<AffineTransform> bones = pose(frame_ * kFrameSeconds);
+  scene_.hair(hair_).setBones(bones);
+  if (Result<void> done = scene_.simulate(static_cast<float>(kFrameSeconds), list); !done)
+    return done;
+  if (mesh_) mesh_->setBones(bones, list);
+  return {};
+}
+
+Result<void> DemoScene::draw(const pelage::View& view, pelage::PassList& list) {
+  if (mesh_)
+    if (Result<void> done = mesh_->draw(view, light, list); !done) return done;
+  return scene_.draw(view, light, list);
+}
+
+Camera DemoScene::camera(float aspect) const { return frameAll(sweptPoints_, cameraDef_, aspect); }
+
+}  // namespace sample

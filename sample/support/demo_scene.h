@@ -1,0 +1,64 @@
+// The sample's scene: a groom and its mesh on a head that moves. Samples, golden tests and
+// benchmarks share it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "camera.h"
+#include "demo_assets.h"
+#include "mesh_object.h"
+#include "pelage/scene.h"
+
+namespace sample {
+
+struct DemoDef {
+  std::optional<uint32_t> followPerGuide;  ///< a default for the groom when not given
+  uint64_t seed = 1;                       ///< of the follow hairs
+  pelage::SkinningMethod skinning = pelage::SkinningMethod::kMatrices;
+  pelage::Float3 wind;  ///< [m/s]
+};
+
+class DemoScene {
+ public:
+  static constexpr double kFrameSeconds = 1.0 / 60;
+
+  static pelage::Result<DemoScene> create(const DemoAssets& assets, const DemoDef& def);
+
+  /// Writes the passes of the next frame into a list, which is cleared first: the pose of the head
+  /// at the frame's end and one simulation step.
+  pelage::Result<void> advance(pelage::PassList& list);
+  /// Adds the draws of mesh and hair.
+  pelage::Result<void> draw(const pelage::View& view, pelage::PassList& list);
+  /// Computes the barriers of a complete list.
+  void finish(pelage::PassList& list) { scene_.finish(list); }
+
+  /// A camera that sees the bind shape in every pose of the motion.
+  Camera camera(float aspect) const;
+
+  const pelage::ResourceTable& resources() const { return scene_.resources(); }
+  pelage::HairObject& hair() { return scene_.hair(hair_); }
+  const pelage::HairObject& hair() const { return scene_.hair(hair_); }
+  /// Frames advanced so far.
+  uint32_t frame() const { return frame_; }
+
+  pelage::Light light;
+
+ private:
+  DemoScene() = default;
+  pelage::Result<void> addMesh(const DemoAssets& assets);
+  std::vector<pelage::AffineTransform> pose(double seconds) const;
+
+  pelage::Scene scene_;
+  pelage::HairId hair_ = pelage::HairId::kInvalid;
+  std::optional<MeshObject> mesh_;
+  pelage::Skeleton skeleton_;
+  uint32_t boneCount_ = 1;
+  CameraDef cameraDef_;
+  pelage::Float3 pivot_;  ///< of a groom without a skeleton [m]
+  std::vector<pelage::Float3> sweptPoints_;
+  uint32_t frame_ = 0;
+};
+
+}  // namespace sample

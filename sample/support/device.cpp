@@ -1,0 +1,63 @@
+#include "device.h"
+
+#include <string>
+
+namespace sample {
+
+using pelage::Api;
+using pelage::Error;
+using pelage::ErrorCode;
+using pelage::HeadlessDef;
+using pelage::HeadlessDevice;
+using pelage::Result;
+
+namespace {
+
+constexpr int kMaxDevices = 64;
+
+[[maybe_unused]] Error notBuilt(const char* option) {
+  return {ErrorCode::kUnsupported,
+          std::string("this program was built without that runtime: configure with -D") + option +
+              "=ON"};
+}
+
+}  // namespace
+
+std::optional<Api> parseApi(std::string_view name) {
+  for (const Api api : {Api::kVulkan, Api::kGl, Api::kGles})
+    if (name == pelage::apiName(api)) return api;
+  return std::nullopt;
+}
+
+Result<std::unique_ptr<HeadlessDevice>> createDevice(const HeadlessDef& def) {
+  if (def.api == Api::kVulkan) {
+#ifdef PELAGE_SAMPLE_VULKAN
+    return pelage::createHeadlessVulkan(def);
+#else
+    return notBuilt("PELAGE_VULKAN");
+#endif
+  }
+#ifdef PELAGE_SAMPLE_GL
+  return pelage::createHeadlessGl(def);
+#else
+  return notBuilt("PELAGE_GL");
+#endif
+}
+
+Result<std::vector<pelage::DeviceInfo>> listDevices(Api api) {
+  std::vector<pelage::DeviceInfo> devices;
+  for (int index = 0; index < kMaxDevices; ++index) {
+    HeadlessDef def;
+    def.api = api;
+    def.deviceIndex = index;
+    auto device = createDevice(def);
+    if (!device) {
+      if (devices.empty()) return device.error();
+      break;
+    }
+    devices.push_back((*device)->info());
+  }
+  return devices;
+}
+
+}  // namespace sample

@@ -1,0 +1,127 @@
+#include "mesh_object.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <vector>
+
+#include "pelage/assert.h"
+#include "sample/gpu_structs.h"
+#include "sample/kernels.h"
+
+namespace sample {
+
+using pelage::BoneInfluences;
+using pelage::BufferId;
+using pelage::BufferUsage;
+using pelage::CollisionMesh;
+using pelage::Error;
+using pelage::ErrorCode;
+using pelage::Float3;
+using pelage::Float4;
+using pelage::Result;
+
+namespace {
+
+constexpr uint32_t kRowsPerBone = 3;
+
+Float4 unitVector(const Float3& v) {
+  const float length = std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
+  if (!(length > 0) || !std::isfinite(length)) return {0, 1, 0, 0};
+  return {v.x / length, v.y / length, v.z / length, 0};
+}
+
+void setBones(MeshVertex& vertex, const BoneInfluences& from) {
+  float sum = 0;
+  for (const float weight : from.weights) sum += weight;
+  const float scale = sum > 0 ? 1 / sum : 0;
+  vertex.bones = {from.bones[0], from.bones[1], from.bones[2], from.bones[3]};
+  vertex.weights = {sum > 0 ? from.weights[0] * scale : 1, from.weights[1] * scale,
+                    from.weights[2] * scale, from.weights[3] * scale};
+}
+
+std::vector<MeshVertex> packVertices(const CollisionMesh& mesh, const MeshDef& def) {
+  std::vector<MeshVertex> vertices(mesh.positions.size());
+  for (size_t i = 0; i < vertices.size(); ++i) {
+    const Float3& p = mesh.positions[i];
+    vertices[i].position = {p.x, p.y, p.z, def.scalp.empty() ? 0 : def.scalp[i]};
+    vertices[i].normal = unitVector(mesh.normals[i]);
+    setBones(vertices[i], def.influences.empty() ? BoneInfluences{} : def.influences[i]);
+  }
+  return vertices;
+}
+
+template <class T>
+BufferId addBuffer(pelage::ResourceTable& resources, std::string name, std::span<const T> data,
+                   BufferUsage usage) {
+  const auto bytes = std::as_bytes(data);
+  return resources.add({.name = std::move(name),
+                        .size = bytes.size(),
+                        .stride = sizeof(T),
+                        .usage = usage,
+                        .initial = {bytes.begin(), bytes.end()}});
+}
+
+}  // namespace
+
+Result<MeshObject> MeshObject::create(pelage::ResourceTable& resources, const CollisionMesh& mesh,
+                                      const MeshDef& def) {
+  const size_t count = mesh.positions.size();
+  const auto refuse = [&](const char* what) {
+    return Error{ErrorCode::kInvalidArgument, "mesh '" + def.name + "' " + what};
+  };
+  if (mesh.indices.size() < 3) return refuse("has no triangles");
+  if (mesh.normals.size() != count || (!def.scalp.empty() && def.scalp.size() != count) ||
+      (!def.influences.empty() && def.influences.size() != count))
+    return refuse("has arrays of different lengths");
+
+  MeshObject object;
+  object.vertexCount_ = static_cast<uint32_t>(count);
+  object.indexCount_ = static_cast<uint32_t>(mesh.indices.size());
+  object.boneCount_ = def.boneCount;
+  const std::vector<MeshVertex> vertices = packVertices(mesh, def);
+  object.vertices_ = addBuffer(resources, def.name + "/vertices",
+                               std::span<const MeshVertex>(vertices), BufferUsage::kStorage);
+  object.indices_ = addBuffer(resources, def.name + "/indices",
+                              std::span<const uint32_t>(mesh.indices), BufferUsage::kIndex);
+  object.bones_ = resources.add({.name = def.name + "/bones",
+                                 .size = uint64_t{kRowsPerBone} * def.boneCount * sizeof(Float4),
+                                 .stride = sizeof(Float4),
+                                 .usage = BufferUsage::kStorage | BufferUsage::kUpload});
+  return object;
+}
+
+void MeshObject::setBones(std::span<const pelage::AffineTransform> bones,
+                          pelage::PassList& list) const {
+  PELAGE_ASSERT(bones.size() == boneCount_, "MeshObject::setBones() takes boneCount transforms");
+  pelage::addUpload(list, bones_, std::as_bytes(bones));
+}
+
+Result<void> MeshObject::draw(const pelage::View& view, const pelage::Light& light,
+                              pelage::PassList& list) const {
+  MeshConstants constants = {};
+  std::copy(std::begin(view.worldToClip.rows), std::end(view.worldToClip.rows),
+            std::begin(constants.worldToClip));
+  constants.eye = {view.eye.x, view.eye.y, view.eye.z, 1};
+  constants.lightDirection = unitVector(light.direction);
+  constants.lightColor = {light.color.x, light.color.y, light.color.z, 0};
+  constants.ambientColor = {light.ambient.x, light.ambient.y, light.ambient.z, 0};
+  constants.skinColor = {material.skin.x, material.skin.y, material.skin.z, 1};
+  constants.scalpColor = {material.scalp.x, material.scalp.y, material.scalp.z, 1};
+  constants.meshVertexCount = vertexCount_;
+  constants.meshBoneCount = boneCount_;
+
+  pelage::DrawState state;
+  state.depthCompare =
+      view.reversedDepth ? pelage::DepthCompare::kGreater : pelage::DepthCompare::kLess;
+  const uint64_t vertexBytes = uint64_t{vertexCount_} * sizeof(MeshVertex);
+  pelage::PassBuilder builder(list);
+  return builder.draw(meshVertexVariant({}), meshPixelVariant({}), state, indexCount_, 1, indices_)
+      .bind("g_meshVertices", vertices_, vertexBytes)
+      .bind("g_meshBones", bones_, uint64_t{kRowsPerBone} * boneCount_ * sizeof(Float4))
+      .constants("MeshConstants", constants)
+      .bytes(vertexBytes + uint64_t{indexCount_} * sizeof(uint32_t))
+      .finish();
+}
+
+}  // namespace sample

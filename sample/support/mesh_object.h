@@ -1,0 +1,54 @@
+// A skinned mesh drawn with the sample's own kernels, in the same pass list as the hair.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "pelage/collision_mesh.h"
+#include "pelage/pass_list.h"
+#include "pelage/result.h"
+#include "pelage/skeleton.h"
+#include "pelage/view.h"
+
+namespace sample {
+
+struct MeshDef {
+  std::string name = "mesh";
+  /// [vertex] bones and weights in terms of setBones(), from mapBones(); empty binds all vertices
+  /// to bone 0.
+  std::span<const pelage::BoneInfluences> influences;
+  uint32_t boneCount = 1;
+  /// [vertex] share of the scalp's colour, 0..1; empty for none.
+  std::span<const float> scalp;
+};
+
+/// Linear RGB, 0..1.
+struct MeshMaterial {
+  pelage::Float3 skin = {0.52f, 0.375f, 0.305f};
+  pelage::Float3 scalp = {0.060f, 0.034f, 0.024f};
+};
+
+class MeshObject {
+ public:
+  /// Adds the mesh's buffers to a table. Errors: a mesh without triangles, arrays that do not fit
+  /// together.
+  static pelage::Result<MeshObject> create(pelage::ResourceTable& resources,
+                                           const pelage::CollisionMesh& mesh, const MeshDef& def);
+
+  /// Adds the upload of the bones (bind space to world) to a list. Asserts on another count.
+  void setBones(std::span<const pelage::AffineTransform> bones, pelage::PassList& list) const;
+  /// Adds the draw to a list.
+  pelage::Result<void> draw(const pelage::View& view, const pelage::Light& light,
+                            pelage::PassList& list) const;
+
+  MeshMaterial material;
+
+ private:
+  pelage::BufferId vertices_ = pelage::BufferId::kInvalid;
+  pelage::BufferId bones_ = pelage::BufferId::kInvalid;
+  pelage::BufferId indices_ = pelage::BufferId::kInvalid;
+  uint32_t vertexCount_ = 0, indexCount_ = 0, boneCount_ = 0;
+};
+
+}  // namespace sample

@@ -1,0 +1,217 @@
+// Golden images: the sample's scene at a small size, on every API, against pictures in images/.
+// A failing test writes what it saw, the difference and the golden into the build folder. After a
+// change that is meant, run the test with PELAGE_UPDATE_GOLDEN=1 and look at the new pictures.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "demo_scene.h"
+#include "device.h"
+#include "image_difference.h"
+#include "png_file.h"
+
+namespace {
+
+using pelage::Api;
+using pelage::test::difference;
+using pelage::test::ImageDifference;
+using sample::ByteImage;
+
+constexpr uint32_t kSize = 160;  // pixels
+constexpr uint32_t kSamples = 4;
+// Pixels differ by more than this where a strand covers one sample more on another rasteriser.
+constexpr uint32_t kThreshold = 24;       // 1/255
+constexpr double kMeanTolerance = 1.0;    // 1/255
+constexpr double kShareTolerance = 0.02;  // of the pixels may be over the threshold
+constexpr Api kApis[] = {Api::kVulkan, Api::kGl, Api::kGles};
+
+// Frames of the groom that are compared: at rest, in the swing to one side, in a nod.
+const std::vector<uint32_t> kGroomFrames = {10, 45, 185};
+const std::vector<uint32_t> kMohawkFrames = {45};
+
+using Pictures = std::map<uint32_t, ByteImage>;
+
+pelage::Result<sample::DemoAssets> groomAssets() {
+  pelage::GroomDef def;
+  def.strandCount = 400;
+  def.verticesPerStrand = 16;
+  def.headCellSize = 0.006f;
+  return sample::generateAssets(def);
+}
+
+std::filesystem::path ratboy(const char* name) {
+  return std::filesystem::path(PELAGE_TEST_DATA_DIR) / "ratboy" / name;
+}
+
+pelage::Result<sample::DemoAssets> mohawkAssets() {
+  return sample::loadAssets({ratboy("Ratboy_mohawk.tfx"), ratboy("Ratboy_mohawk.tfxbone"), {}});
+}
+
+pelage::Result<Pictures> render(pelage::HeadlessDevice& device, const sample::DemoAssets& assets,
+                                const std::vector<uint32_t>& frames) {
+  auto demo = sample::DemoScene::create(assets, {});
+  if (!demo) return demo.error();
+  const pelage::View view = sample::makeView(demo->camera(1), kSize, kSize, kSamples);
+  const pelage::RenderTargetDef target = {kSize, kSize, kSamples, {0, 0, 0, 0}, 1};
+  Pictures pictures;
+  pelage::PassList list;
+  for (uint32_t frame = 1; frame <= frames.back(); ++frame) {
+    const bool wanted = std::find(frames.begin(), frames.end(), frame) != frames.end();
+    if (auto done = demo->advance(list); !done) return done.error();
+    if (wanted)
+      if (auto done = demo->draw(view, list); !done) return done.error();
+    demo->finish(list);
+    if (auto done = device.update(demo->resources()); !done) return done.error();
+    if (!wanted) {
+      if (auto done = device.execute(list); !done) return done.error();
+      continue;
+    }
+    auto image = device.render(list, target);
+    if (!image) return image.error();
+    sample::compositeOver(*image, {});
+    pictures[frame] = sample::encodeSrgb(*image);
+  }
+  return pictures;
+}
+
+// Pictures of one asset on one API; nothing, with the reason, when there is no such device.
+struct Rendered {
+  bool available = false;
+  std::string why;
+  Pictures pictures;
+};
+
+Rendered renderOn(Api api, const sample::DemoAssets& assets, const std::vector<uint32_t>& frames) {
+  Rendered result;
+  auto device = sample::createDevice({.api = api, .validation = false, .deviceIndex = -1});
+  if (!device) {
+    result.why = device.error().message;
+    return result;
+  }
+  auto pictures = render(**device, assets, frames);
+  EXPECT_TRUE(pictures.ok()) << pictures.error().message;
+  if (!pictures) return result;
+  result.available = true;
+  result.pictures = std::move(*pictures);
+  return result;
+}
+
+const Rendered& groomOn(Api api) {
+  static std::map<Api, Rendered> cache;
+  const auto found = cache.find(api);
+  if (found != cache.end()) return found->second;
+  const auto assets = groomAssets();
+  EXPECT_TRUE(assets.ok());
+  return cache[api] = renderOn(api, *assets, kGroomFrames);
+}
+
+const Rendered& mohawkOn(Api api) {
+  static std::map<Api, Rendered> cache;
+  const auto found = cache.find(api);
+  if (found != cache.end()) return found->second;
+  const auto assets = mohawkAssets();
+  EXPECT_TRUE(assets.ok()) << assets.error().message;
+  return cache[api] = renderOn(api, *assets, kMohawkFrames);
+}
+
+std::filesystem::path goldenPath(const std::string& name) {
+  return std::filesystem::path(PELAGE_SOURCE_DIR) / "tests/golden/images" / (name + ".png");
+}
+
+void keepForInspection(const std::string& name, const ByteImage& actual, const ByteImage& golden) {
+  const std::filesystem::path folder = PELAGE_GOLDEN_OUTPUT_DIR;
+  std::filesystem::create_directories(folder);
+  const auto write = [&](const char* what, const ByteImage& image) {
+    const std::string path = (folder / (name + "_" + what + ".png")).string();
+    const auto written = sample::writePng(path, image);
+    std::cout << "  " << (written ? path : written.error().message) << "\n";
+  };
+  write("actual", actual);
+  write("golden", golden);
+  write("difference", pelage::test::differenceImage(actual, golden));
+}
+
+void compareWithGolden(const std::string& name, const std::string& api, const ByteImage& actual) {
+  if (std::getenv("PELAGE_UPDATE_GOLDEN") != nullptr) {
+    const auto written = sample::writePng(goldenPath(name).string(), actual);
+    ASSERT_TRUE(written.ok()) << written.error().message;
+    return;
+  }
+  const auto golden = sample::readPng(goldenPath(name).string());
+  ASSERT_TRUE(golden.ok()) << golden.error().message;
+  ASSERT_EQ(golden->width, actual.width);
+  ASSERT_EQ(golden->height, actual.height);
+  const ImageDifference d = difference(actual, *golden, kThreshold);
+  std::cout << name << " on " << api << ": " << d << "\n";
+  EXPECT_LE(d.mean, kMeanTolerance);
+  EXPECT_LE(d.shareOff, kShareTolerance);
+  if (d.mean > kMeanTolerance || d.shareOff > kShareTolerance)
+    keepForInspection(name + "_" + api, actual, *golden);
+}
+
+void expectGroom(Api api) {
+  const Rendered& groom = groomOn(api);
+  if (!groom.available) GTEST_SKIP() << "skipped: " << groom.why;
+  for (const auto& [frame, picture] : groom.pictures)
+    compareWithGolden("groom_" + std::to_string(frame), pelage::apiName(api), picture);
+}
+
+void expectAgreement(const std::string& name, const Rendered& (*renderedOn)(Api)) {
+  for (size_t i = 0; i < std::size(kApis); ++i)
+    for (size_t j = i + 1; j < std::size(kApis); ++j) {
+      const Rendered& a = renderedOn(kApis[i]);
+      const Rendered& b = renderedOn(kApis[j]);
+      if (!a.available || !b.available)
+        GTEST_SKIP() << "skipped: " << (a.available ? b.why : a.why);
+      for (const auto& [frame, picture] : a.pictures) {
+        const ImageDifference d = difference(picture, b.pictures.at(frame), kThreshold);
+        std::cout << name << " frame " << frame << ", " << pelage::apiName(kApis[i]) << " and "
+                  << pelage::apiName(kApis[j]) << ": " << d << "\n";
+        EXPECT_LE(d.mean, kMeanTolerance);
+        EXPECT_LE(d.shareOff, kShareTolerance);
+      }
+    }
+}
+
+TEST(Golden, TheGroomOnVulkanLooksAsItDid) { expectGroom(Api::kVulkan); }
+TEST(Golden, TheGroomOnGlLooksAsItDid) { expectGroom(Api::kGl); }
+TEST(Golden, TheGroomOnGlesLooksAsItDid) { expectGroom(Api::kGles); }
+TEST(Golden, TheThreeApisAgreeOnTheGroom) { expectAgreement("groom", groomOn); }
+
+TEST(Golden, TheThreeApisAgreeOnTheMohawk) {
+  if (!std::filesystem::exists(ratboy("Ratboy_mohawk.tfx")))
+    GTEST_SKIP() << "skipped: there is no " << ratboy("Ratboy_mohawk.tfx");
+  expectAgreement("mohawk", mohawkOn);
+}
+
+TEST(Golden, TheMohawkLooksAsItDid) {
+  if (!std::filesystem::exists(ratboy("Ratboy_mohawk.tfx")))
+    GTEST_SKIP() << "skipped: there is no " << ratboy("Ratboy_mohawk.tfx");
+  for (const Api api : kApis) {
+    const Rendered& mohawk = mohawkOn(api);
+    if (!mohawk.available) GTEST_SKIP() << "skipped: " << mohawk.why;
+    for (const auto& [frame, picture] : mohawk.pictures)
+      compareWithGolden("mohawk_" + std::to_string(frame), pelage::apiName(api), picture);
+  }
+}
+
+// The tolerance would hide nothing: another time of the same motion is far outside of it.
+TEST(Golden, TheToleranceTellsTwoFramesApart) {
+  for (const Api api : kApis) {
+    const Rendered& groom = groomOn(api);
+    if (!groom.available) continue;
+    const ImageDifference d =
+        difference(groom.pictures.begin()->second, groom.pictures.rbegin()->second, kThreshold);
+    EXPECT_GT(d.mean, 2 * kMeanTolerance);
+    EXPECT_GT(d.shareOff, 2 * kShareTolerance);
+    return;
+  }
+  GTEST_SKIP() << "skipped: no device";
+}
+
+}  // namespace

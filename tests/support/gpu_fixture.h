@@ -1,0 +1,173 @@
+// Devices for tests: each is made once a process; what a device lacks skips the test, and says what.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pelage/headless.h"
+#include "pelage/pass_list.h"
+
+namespace pelage::test {
+
+inline constexpr std::array<Api, 3> kApis = {Api::kVulkan, Api::kGl, Api::kGles};
+
+inline Result<std::unique_ptr<HeadlessDevice>> createDevice(const HeadlessDef& def) {
+  if (def.api == Api::kVulkan) {
+#if PELAGE_TEST_VULKAN
+    return createHeadlessVulkan(def);
+#endif
+  } else {
+#if PELAGE_TEST_GL
+    return createHeadlessGl(def);
+#endif
+  }
+  return Error{ErrorCode::kUnsupported, "this build has no runtime for it"};
+}
+
+/// A device, the buffers that tests have on it, and the hazards between their lists. One object for
+/// each API, because a device recognises buffers by the ids of one table.
+class Gpu {
+ public:
+  static Gpu& of(Api api) {
+    // Not static objects: drivers may be unloaded before those are destroyed.
+    static std::array<std::unique_ptr<Gpu>, kApis.size()>* all = [] {
+      static auto gpus = std::make_unique<std::array<std::unique_ptr<Gpu>, kApis.size()>>();
+      struct Cleanup : testing::Environment {
+        void TearDown() override {
+          for (auto& gpu : *gpus) gpu.reset();
+        }
+      };
+      testing::AddGlobalTestEnvironment(new Cleanup);
+      return gpus.get();
+    }();
+    std::unique_ptr<Gpu>& gpu = (*all)[static_cast<size_t>(api)];
+    if (!gpu) gpu.reset(new Gpu(api));
+    return *gpu;
+  }
+
+  /// nullptr when there is none; error() says why.
+  HeadlessDevice* device() const { return device_.get(); }
+  const Error& error() const { return error_; }
+
+  ResourceTable resources;
+  HazardTracker hazards;
+
+ private:
+  explicit Gpu(Api api) {
+    HeadlessDef def;
+    def.api = api;
+    def.validation = true;
+    auto made = createDevice(def);
+    if (!made) {
+      // Without the validation layer or a debug context the results can still be checked.
+      def.validation = false;
+      made = createDevice(def);
+    }
+    if (made)
+      device_ = std::move(*made);
+    else
+      error_ = made.error();
+  }
+
+  std::unique_ptr<HeadlessDevice> device_;
+  Error error_;
+};
+
+/// Base of tests that run on every API: TEST_P with the Api as parameter.
+class GpuTest : public testing::TestWithParam<Api> {
+ protected:
+  void SetUp() override {
+    gpu_ = &Gpu::of(GetParam());
+    if (gpu_->device() == nullptr) {
+      if (gpu_->error().code == ErrorCode::kUnsupported) GTEST_SKIP() << gpu_->error().message;
+      FAIL() << gpu_->error().message;
+    }
+    messages_ = gpu_->device()->messageCount();
+  }
+  void TearDown() override {
+    if (gpu_->device() != nullptr) {
+      EXPECT_EQ(gpu_->device()->messageCount(), messages_) << "the driver or a layer complained";
+    }
+  }
+
+  Gpu& gpu() { return *gpu_; }
+
+ private:
+  Gpu* gpu_ = nullptr;
+  uint32_t messages_ = 0;
+};
+
+inline std::string apiTestName(const testing::TestParamInfo<Api>& info) {
+  return apiName(info.param);
+}
+
+/// A storage buffer with a pattern behind its elements, all of which is bound, so that a write past
+/// the end is seen and not dropped by a robust driver.
+template <class T>
+class GuardedBuffer {
+ public:
+  GuardedBuffer(Gpu& gpu, std::string name, const std::vector<T>& data)
+      : gpu_(gpu), count_(data.size()) {
+    BufferDesc desc;
+    desc.name = std::move(name);
+    desc.size = bytes() + kGuardBytes;
+    desc.stride = sizeof(T);
+    desc.usage = BufferUsage::kStorage | BufferUsage::kUpload | BufferUsage::kReadback;
+    desc.initial.assign(desc.size, kGuard);
+    if (count_ > 0) std::memcpy(desc.initial.data(), data.data(), bytes());
+    id_ = gpu.resources.add(std::move(desc));
+  }
+  ~GuardedBuffer() {
+    gpu_.hazards.forget(id_);
+    gpu_.resources.remove(id_);
+  }
+  GuardedBuffer(const GuardedBuffer&) = delete;
+  GuardedBuffer& operator=(const GuardedBuffer&) = delete;
+
+  void bindTo(PassBuilder& pass, std::string_view name) const {
+    pass.bind(name, id_, bytes() + kGuardBytes);
+  }
+  void upload(PassList& list, const std::vector<T>& data) const {
+    ASSERT_EQ(data.size(), count_);
+    addUpload(list, id_, std::as_bytes(std::span(data)));
+  }
+  /// Reads the elements back and checks the pattern behind them.
+  std::vector<T> read() const {
+    Result<std::vector<std::byte>> raw = gpu_.device()->read(id_);
+    if (!raw) {
+      ADD_FAILURE() << raw.error().message;
+      return std::vector<T>(count_);
+    }
+    EXPECT_TRUE(std::all_of(raw->begin() + static_cast<ptrdiff_t>(bytes()), raw->end(),
+                            [](std::byte b) { return b == kGuard; }))
+        << "something wrote past the end of " << gpu_.resources.find(id_)->name;
+    std::vector<T> result(count_);
+    if (count_ > 0) std::memcpy(result.data(), raw->data(), bytes());
+    return result;
+  }
+  BufferId id() const { return id_; }
+
+ private:
+  static constexpr std::byte kGuard{0xa5};
+  static constexpr uint64_t kGuardBytes = 1024;
+  uint64_t bytes() const { return count_ * sizeof(T); }
+
+  Gpu& gpu_;
+  size_t count_;
+  BufferId id_;
+};
+
+/// Fails the test with the message of an error.
+inline void expectOk(const Result<void>& result) {
+  EXPECT_TRUE(result.ok()) << (result.ok() ? "" : result.error().message);
+}
+
+}  // namespace pelage::test
