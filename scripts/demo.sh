@@ -5,5 +5,5 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 bash scripts/install_packages.sh
 cmake --preset release -DPELAGE_BUILD_TESTS=OFF -DPELAGE_BUILD_BENCHMARKS=OFF
-cmake --build --preset release --parallel "$(nproc)" --target pelage-headless
-exec build/release/sample/headless/pelage-headless "$@"
+cmake --build --preset release --parallel "$(nproc)" --target pelage_headless
+exec build/release/sample/pelage-headless "$@"
