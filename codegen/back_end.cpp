@@ -189,7 +189,7 @@ BackEndOutput runBackEnd(const BackEndInput& input) {
     output.errors.push_back({code, std::move(message), true});
   };
   std::vector<uint32_t> module = patchBindings(input.rawSpirv, input.patches);
-  
+  if (input.precise) module = forbidContraction(module);
 
   std::string messages;
   std::optional<std::vector<uint32_t>> optimised = optimise(module, messages);

@@ -20,7 +20,7 @@ std::optional<std::string> Cache::load(const std::string& key) const {
   if (!text || text->size() < kDigestLength) return std::nullopt;
   const std::string digest = text->substr(0, kDigestLength);
   text->erase(0, kDigestLength);
-  
+  if (sha256Hex(*text) != digest) return std::nullopt;
   std::error_code ignored;
   fs::last_write_time(path(key), fs::file_time_type::clock::now(), ignored);
   return text;

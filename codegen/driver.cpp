@@ -212,7 +212,7 @@ class Builder {
     hash.field(uint64_t{job.source.macros.size()});
     for (const auto& [name, value] : job.source.macros) hash.field(name).field(value);
     const std::vector<std::string>& closure = closures_.at(kernel.name);
-    for (const std::string& name : closure) hash.field(name);
+    for (const std::string& name : closure) hash.field(name).field(scanner_.contentHash(name));
     const std::string key = hex(hash.finish());
     if (const std::optional<std::string> cached = cache_.load(key)) {
       if (std::optional<FrontEndResult> result = decodeFrontEndResult(*cached)) {

@@ -257,7 +257,7 @@ class Writer {
         text += fmt::format(
             "/// nullptr for an excluded key.\nconst {0}KernelVariant* {1}(const {2}Key& key);\n\n"
             "/// The same for a key that is known now: an excluded one does not compile.\n"
-            "template <{2}Key K>\n  requires(true)\nconst {0}KernelVariant& {1}() {{\n"
+            "template <{2}Key K>\n  requires(exists(K))\nconst {0}KernelVariant& {1}() {{\n"
             "  return *{1}(K);\n}}\n\n",
             prefix_, function, name);
       }

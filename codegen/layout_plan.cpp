@@ -141,7 +141,7 @@ void LayoutPlan::assign(Diagnostics& diagnostics) {
         entry.binding = i;
         // GL has no samplers of their own here: they are merged into the textures.
         if (entry.kind == ResourceKind::kSampler) continue;
-        entry.glBinding = i;
+        entry.glBinding = next[entry.kind]++;
         for (const GlLimit& limit : kGlLimits) {
           if (limit.kind != entry.kind || entry.glBinding < limit.count) continue;
           diagnostics.error(entry.location.file, entry.location.line, "PK700",

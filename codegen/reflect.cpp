@@ -481,7 +481,7 @@ std::map<uint32_t, Access> resourceAccess(const SpirvReader& module) {
       case SpvOpAtomicAnd:
       case SpvOpAtomicOr:
       case SpvOpAtomicXor:
-        touch(operands[0], Access::kWrite);
+        touch(operands[0], Access::kReadWrite);
         break;
       case SpvOpImageRead:
       case SpvOpImageFetch:

@@ -294,7 +294,8 @@ TEST(GeneratedStructs, HaveTheOffsetsOfTheSpirv) {
                 offsetof(ForceConstants, planes), offsetof(ForceConstants, gravity),
                 offsetof(ForceConstants, timeStep), offsetof(ForceConstants, particleCount),
                 offsetof(ForceConstants, wellCount), offsetof(ForceConstants, drag),
-                offsetof(ForceConstants, gridOrigin), offsetof(ForceConstants, lastOne)}));
+                offsetof(ForceConstants, gridOrigin), offsetof(ForceConstants, lastOne),
+                offsetof(ForceConstants, window)}));
   EXPECT_EQ(spirvOffsets(variant, 0, gpu::ParticlesEntry::particles),
             (std::vector<uint32_t>{offsetof(Particle, position), offsetof(Particle, size),
                                    offsetof(Particle, kind), offsetof(Particle, lives),

@@ -7,5 +7,5 @@ void count_particles(uint3 id : SV_DispatchThreadID) {
   const uint2 cell = g_particles[id.x].cell;
   uint old;
   InterlockedAdd(g_cellCounts[cell.x + 16 * cell.y], 1, old);
-  g_log.Store(4 * id.x, old + uint(g_gridOrigin.x) + g_lastOne);
+  g_log.Store(4 * id.x, old + uint(g_gridOrigin.x) + g_lastOne + uint(g_window.x));
 }

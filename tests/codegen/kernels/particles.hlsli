@@ -31,6 +31,7 @@ cbuffer ForceConstants : register(b2, space1) {
   float2 g_drag;
   int2 g_gridOrigin;
   uint g_lastOne;
+  float4 g_window;  // 4 bytes behind the member before it
 };
 
 StructuredBuffer<Well> g_wells : register(t5, space1);
