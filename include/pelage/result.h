@@ -46,13 +46,14 @@ class [[nodiscard]] Result {
     PELAGE_ASSERT(ok(), "Result::value() on an error");
     return *std::get_if<0>(&data_);
   }
-  T&& value() && {
+  /// By value, so that `for (auto& x : *f())` does not walk a dead temporary.
+  T value() && {
     PELAGE_ASSERT(ok(), "Result::value() on an error");
     return std::move(*std::get_if<0>(&data_));
   }
   T& operator*() & { return value(); }
   const T& operator*() const& { return value(); }
-  T&& operator*() && { return std::move(*this).value(); }
+  T operator*() && { return std::move(*this).value(); }
   T* operator->() { return &value(); }
   const T* operator->() const { return &value(); }
 

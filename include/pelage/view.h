@@ -9,8 +9,8 @@ namespace pelage {
 
 /// A camera and its target. Clip space as in HLSL: y up, depth 0..1.
 struct View {
-  Matrix4 worldToClip;
-  Float3 eye;          ///< position of the camera [m]
+  Matrix4 worldToClip = {};
+  Float3 eye = {};     ///< position of the camera [m]
   float x = 0, y = 0;  ///< offset of the viewport [pixels]
   uint32_t width = 0;  ///< size of the viewport [pixels], > 0
   uint32_t height = 0;

@@ -98,10 +98,10 @@ struct Look {
 Look generatedLook() {
   Look look;
   look.material.rootColor = {0.030f, 0.014f, 0.009f};
-  look.material.tipColor = {0.155f, 0.080f, 0.043f};
-  look.material.fiberRadius = 100e-6f;
-  look.material.primaryStrength = 0.06f;
-  look.material.primaryExponent = 60;
+  look.material.tipColor = {0.165f, 0.083f, 0.040f};
+  look.material.fiberRadius = 115e-6f;
+  look.material.primaryStrength = 0.09f;
+  look.material.primaryExponent = 50;
   look.material.secondaryStrength = 0.9f;
   look.material.secondaryExponent = 14;
   look.followPerGuide = 10;
@@ -134,10 +134,14 @@ Look fileLook() {
   return look;
 }
 
-// A warm light from the upper left of the camera, and a cool sky.
-pelage::Light studioLight() {
+// A warm light from the upper left of a camera in this direction, and a cool sky.
+pelage::Light studioLight(const Float3& camera) {
+  const float length = std::hypot(camera.x, camera.z);
+  const Float3 back =
+      length > 0 ? Float3{camera.x / length, 0, camera.z / length} : Float3{0, 0, 1};
+  constexpr float kLeft = 0.55f, kUp = 0.70f, kBack = 0.62f;
   pelage::Light light;
-  light.direction = {-0.25f, 0.70f, 0.75f};
+  light.direction = {kBack * back.x - kLeft * back.z, kUp, kBack * back.z + kLeft * back.x};
   light.color = {1.32f, 1.24f, 1.12f};
   light.ambient = {0.19f, 0.22f, 0.27f};
   return light;
@@ -151,9 +155,9 @@ Result<DemoScene> DemoScene::create(const DemoAssets& assets, const DemoDef& def
   demo.skeleton_ = assets.skeleton;
   demo.boneCount_ = assets.boneCount();
   demo.pivot_ = pivotUnder(assets.hair);
-  demo.light = studioLight();
   const Look look = generated ? generatedLook() : fileLook();
   demo.cameraDef_ = look.camera;
+  demo.light = studioLight(look.camera.direction);
 
   pelage::FollowDef followDef;
   followDef.countPerGuide = def.followPerGuide.value_or(look.followPerGuide);
