@@ -18,7 +18,7 @@ cbuffer RenderConstants : register(b0, space1) {
   float4 g_ambientColor;     // linear rgb
   float4 g_rootColor;        // linear rgb; a = opacity 0..1
   float4 g_tipColor;         // linear rgb
-  float4 g_specular;         // x primary strength, y primary exponent, z secondary strength, w its exponent
+  float4 g_specular;         // primary strength and exponent, secondary strength and exponent
   float4 g_specularShift;    // x primary, y secondary shift of the tangent; zw unused
   uint g_renderVertexCount;  // vertices a strand
   uint g_renderStrandCount;

@@ -75,8 +75,9 @@ RWStructuredBuffer<float4> g_state : register(u1, space1);
 // the segment before [m], w = rest length |b_i+1 - b_i| [m]; at the last vertex, which has no next
 // segment, F_0 as a quaternion.
 // The frames F_i of the segments have the segment's direction t_i as x axis (that of the segment
-// before where the length is 0) and are carried from the root without twist: F_0 = between(e_x, t_0),
-// F_i = between(t_i-1, t_i) F_i-1. The rest vector of segment i is conj(F_max(i-1, 0)) (b_i+1 - b_i).
+// before where the length is 0) and are carried from the root without twist: F_0 = between(e_x,
+// t_0), F_i = between(t_i-1, t_i) F_i-1. The rest vector of segment i is conj(F_max(i-1, 0))
+// (b_i+1 - b_i).
 StructuredBuffer<float4> g_rest : register(t0, space1);
 // Skinning transforms, bind space to world: 3 rows of [M | t] a bone, or, with the dualQuaternions
 // permutation, 2 quaternions a bone: the rotation r and the dual part t r / 2 (common/bones.hlsli).

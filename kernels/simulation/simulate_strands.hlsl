@@ -1,7 +1,7 @@
 // Advances the guide strands by one sub-step: the classic tier, in one pass over each strand.
 //
-// Threads: one a guide strand; dispatch g_guideCount x 1. No barriers and no shared memory: a strand
-//          is as long as it is, and the result does not depend on the group size.
+// Threads: one a guide strand; dispatch g_guideCount x 1. No barriers and no shared memory: a
+//          strand is as long as it is, and the result does not depend on the group size.
 // Reads:   g_rest, g_rootTransforms, g_state
 // Writes:  g_state, g_positions and g_tangents of the guides
 //
@@ -26,15 +26,16 @@
 // Gravity acts at every share of 2.: that is part in the root's motion, not stiffness.
 //
 // Invariant (tests/kernel): free strands have their rest lengths to rounding after every step; the
-// rest pose without gravity is a fixed point to rounding; nothing finite gives a NaN; a vertex whose
-// state is not a number, or above 1e18, takes its goal.
+// rest pose without gravity is a fixed point to rounding; nothing finite gives a NaN; a vertex
+// whose state is not a number, or above 1e18, takes its goal.
 #include "../common/quaternion.hlsli"
 #include "../common/root_pose.hlsli"
 #include "../common/strand_indexing.hlsli"
 
 // Guard of the loops against constants that are out of their range.
 static const uint kMaxIterations = 64;
-// Passes over a span between two held vertices; more of them bring less than they cost.
+// Passes over a span between two held vertices: nearly taut spans of 11 segments under gravity and
+// wind are then stretched by 0.35 % at worst.
 static const uint kSpanRounds = 16;
 // A pivot of the length solve below this share of its diagonal means a folded strand, whose
 // segments depend on each other; without the floor one step may leave the float range.
@@ -204,11 +205,11 @@ uint integrate(uint guide, float3 bindRoot, RootPose end, Motion motion) {
 // ---- local shape
 
 // What rounding alone may change the length of a segment at p by: coordinates have an error of
-// 6e-8 of their size, and the arm from the root is as long as p and the root are far from the origin
-// at most. Errors below it are left alone: corrections of that size would only be rounded again,
-// step after step, and a resting strand would wander.
+// 6e-8 of their size at each of a few roundings, and the arm from the root is at most as long as p
+// and the root are far from the origin. Errors below it are left alone: corrections of that size
+// would be rounded again, step after step, and a resting strand would wander.
 float lengthRounding(float3 p, float3 root) {
-  precise float r = 1.2e-7 * (max(abs(p.x), max(abs(p.y), abs(p.z))) +
+  precise float r = 2.4e-7 * (max(abs(p.x), max(abs(p.y), abs(p.z))) +
                               max(abs(root.x), max(abs(root.y), abs(root.z))));
   return r;
 }
@@ -319,10 +320,10 @@ void newtonLengthStep(uint guide) {
   }
 }
 
-// The vertices between two held ones, a and b, that are `reach` metres of rest length apart. Too far
-// apart: a straight line, all segments stretched alike. Else follow the leader from b and from a in
-// turn (Aristidou and Lasenby, "FABRIK", Graphical Models 73(5), 2011), and what the last segment
-// then lacks is spread over all of them.
+// The vertices between two held ones, a and b, that are `reach` metres of rest length apart. Too
+// far apart: a straight line, all segments stretched alike. Else follow the leader from b and from
+// a in turn (Aristidou and Lasenby, "FABRIK", Graphical Models 73(5), 2011), and what the last
+// segment then lacks is spread over all of them.
 void fitSpan(uint guide, uint a, uint b, float reach, float3 fallback) {
   float3 start = position(a, guide);
   float3 goal = position(b, guide);
@@ -386,8 +387,9 @@ void store(uint guide, uint vertex, float3 value, float3 tangent) {
   g_tangents[vertexIndex(guide, vertex)] = float4(tangent, 0.0);
 }
 
-// Follow the leader beyond vertex `held` (g_vertexCount: nowhere), and the outputs. A vertex's tangent is the direction from
-// the vertex before to the one after; at the two ends, that of the only segment.
+// Follow the leader beyond vertex `held` (g_vertexCount: nowhere), and the outputs. A vertex's
+// tangent is the direction from the vertex before to the one after; at the two ends, that of the
+// only segment.
 void finish(uint guide, uint held, float3 fallback) {
   float3 root = position(0, guide);
   float3 beforeBefore = root;

@@ -124,10 +124,10 @@ Result<VkDescriptorSetLayout> Descriptors::layout(const LayoutTable& table) {
   return (*found)->handle;
 }
 
-Result<VkDescriptorSet> Descriptors::takeSet(Layout& layout) {
-  if (!layout.free.empty()) {
-    VkDescriptorSet set = layout.free.back();
-    layout.free.pop_back();
+Result<VkDescriptorSet> Descriptors::takeSet(Layout& layout, std::vector<VkDescriptorSet>& free) {
+  if (!free.empty()) {
+    VkDescriptorSet set = free.back();
+    free.pop_back();
     return set;
   }
   if (layout.setsLeft == 0) {
@@ -191,10 +191,13 @@ Result<VkDescriptorSet> Descriptors::set(const LayoutTable& table,
   // All host memory first: a set that was taken must not get lost.
   std::vector<VkDescriptorBufferInfo> infos(buffers.size());
   std::vector<VkWriteDescriptorSet> writes(buffers.size());
-  const auto [place, inserted] = sets_.emplace(key_, Cached{*layout, VK_NULL_HANDLE, frame});
-  (*layout)->free.reserve(sets_.size() + retired_.size());
+  uint64_t entries = 0;
+  for (const BoundBuffer& bound : buffers) entries |= uint64_t{1} << (bound.entry % 64);
+  std::vector<VkDescriptorSet>& free = (*layout)->free[entries];
+  const auto [place, inserted] = sets_.emplace(key_, Cached{&free, VK_NULL_HANDLE, frame});
+  free.reserve(sets_.size() + retired_.size());
   retired_.reserve(sets_.size() + retired_.size());
-  Result<VkDescriptorSet> set = takeSet(**layout);
+  Result<VkDescriptorSet> set = takeSet(**layout, free);
   if (!set) {
     sets_.erase(place);
     return set.error();
@@ -232,7 +235,7 @@ void Descriptors::forgetBuffer(uint64_t generation) {
 void Descriptors::collect(uint64_t completedFrame) {
   std::erase_if(retired_, [&](const Cached& cached) {
     if (cached.lastFrame > completedFrame) return false;
-    cached.layout->free.push_back(cached.set);
+    cached.free->push_back(cached.set);
     return true;
   });
   if (completedFrame < lastSweep_ + kFramesBetweenSweeps) return;
@@ -240,7 +243,7 @@ void Descriptors::collect(uint64_t completedFrame) {
   std::erase_if(sets_, [&](const auto& entry) {
     const Cached& cached = entry.second;
     if (cached.lastFrame + kFramesKept > completedFrame) return false;
-    cached.layout->free.push_back(cached.set);
+    cached.free->push_back(cached.set);
     return true;
   });
 }

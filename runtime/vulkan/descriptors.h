@@ -53,16 +53,18 @@ class Descriptors {
     std::vector<VkDescriptorPool> pools;
     uint32_t setsLeft = 0;  // in the last pool
     uint32_t poolSize = 0;  // sets of the last pool
-    std::vector<VkDescriptorSet> free;
+    // By the entries that were written: lavapipe (Mesa 22.3) reads every entry of a bound set, also
+    // those that no shader uses, and a set with fewer entries would keep buffers that are gone.
+    std::unordered_map<uint64_t, std::vector<VkDescriptorSet>> free;
   };
   struct Cached {
-    Layout* layout = nullptr;
+    std::vector<VkDescriptorSet>* free = nullptr;  // where it goes when it is not used any more
     VkDescriptorSet set = VK_NULL_HANDLE;
     uint64_t lastFrame = 0;
   };
 
   Result<Layout*> find(const LayoutTable& table);
-  Result<VkDescriptorSet> takeSet(Layout& layout);
+  Result<VkDescriptorSet> takeSet(Layout& layout, std::vector<VkDescriptorSet>& free);
   Result<VkDescriptorSetLayout> create(const LayoutTable* table);
 
   const Device& device_;

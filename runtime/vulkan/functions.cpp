@@ -41,6 +41,12 @@ Result<void> openLoader(PFN_vkGetInstanceProcAddr& out) {
   return {};
 }
 
+template <class Function>
+bool assign(Function& function, PFN_vkVoidFunction found) {
+  function = reinterpret_cast<Function>(found);
+  return function != nullptr;
+}
+
 Error missingFunction(std::string_view name) {
   return {ErrorCode::kUnsupported,
           fmt::format("Vulkan has no function vk{}: the runtime needs Vulkan 1.1", name)};
@@ -55,28 +61,27 @@ Result<void> Functions::loadGlobal(PFN_vkGetInstanceProcAddr loader) {
   GetInstanceProcAddr = loader;
   EnumerateInstanceVersion = reinterpret_cast<PFN_vkEnumerateInstanceVersion>(
       GetInstanceProcAddr(VK_NULL_HANDLE, "vkEnumerateInstanceVersion"));
-#define PELAGE_VULKAN_LOAD(function)                                                           \
-  function =                                                                                   \
-      reinterpret_cast<PFN_vk##function>(GetInstanceProcAddr(VK_NULL_HANDLE, "vk" #function)); \
-  if (function == nullptr) return missingFunction(#function);
+#define PELAGE_VULKAN_LOAD(function)                                            \
+  if (!assign((function), GetInstanceProcAddr(VK_NULL_HANDLE, "vk" #function))) \
+    return missingFunction(#function);
   PELAGE_VULKAN_GLOBAL_FUNCTIONS(PELAGE_VULKAN_LOAD)
 #undef PELAGE_VULKAN_LOAD
   return {};
 }
 
 Result<void> Functions::loadInstance(VkInstance instance) {
-#define PELAGE_VULKAN_LOAD(function)                                                            \
-  function = reinterpret_cast<PFN_vk##function>(GetInstanceProcAddr(instance, "vk" #function)); \
-  if (function == nullptr) return missingFunction(#function);
+#define PELAGE_VULKAN_LOAD(function)                                      \
+  if (!assign((function), GetInstanceProcAddr(instance, "vk" #function))) \
+    return missingFunction(#function);
   PELAGE_VULKAN_INSTANCE_FUNCTIONS(PELAGE_VULKAN_LOAD)
 #undef PELAGE_VULKAN_LOAD
   return {};
 }
 
 Result<void> Functions::loadDevice(VkInstance instance, VkDevice device, bool debugUtils) {
-#define PELAGE_VULKAN_LOAD(function)                                                        \
-  function = reinterpret_cast<PFN_vk##function>(GetDeviceProcAddr(device, "vk" #function)); \
-  if (function == nullptr) return missingFunction(#function);
+#define PELAGE_VULKAN_LOAD(function)                                  \
+  if (!assign((function), GetDeviceProcAddr(device, "vk" #function))) \
+    return missingFunction(#function);
   PELAGE_VULKAN_DEVICE_FUNCTIONS(PELAGE_VULKAN_LOAD)
 #undef PELAGE_VULKAN_LOAD
   dynamicRendering = GetDeviceProcAddr(device, "vkCmdBeginRendering") != nullptr ||

@@ -249,8 +249,8 @@ Result<void> HeadlessVulkan::createInstance(const HeadlessDef& def) {
   if (result == VK_ERROR_INCOMPATIBLE_DRIVER) {
     return Error{
         ErrorCode::kUnsupported,
-        "no Vulkan driver is installed. On Debian: apt-get install mesa-vulkan-drivers, or "
-        "the driver of the GPU"};
+        "no Vulkan driver can be loaded (VK_LOADER_DEBUG=all says why). On Debian: apt-get "
+        "install mesa-vulkan-drivers, or the driver of the GPU"};
   }
   if (result != VK_SUCCESS) return vulkanError(result, "vkCreateInstance");
   if (Result<void> loaded = vk.loadInstance(device_.instance); !loaded) return loaded;

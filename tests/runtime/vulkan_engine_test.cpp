@@ -277,7 +277,7 @@ TEST_F(VulkanEngine, RunsOnABufferOfTheEngineAtAnOffset) {
   const std::vector<uint32_t> inherited = valuesOf(contents);
   for (uint32_t i = 0; i < kCount; ++i) {
     uint32_t value;
-    std::memcpy(&value, bytes + kOffset + i * 4, 4);
+    std::memcpy(&value, bytes + kOffset + i * sizeof(value), sizeof(value));
     ASSERT_EQ(value, 3 * (i + 2) + 10 * (i + 1)) << i;
     ASSERT_EQ(inherited[i], 10 * (i + 1)) << i;
   }
@@ -380,8 +380,8 @@ TEST_F(VulkanEngine, DrawsInsideDynamicRendering) {
   viewInfo.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
   VkImageView view = VK_NULL_HANDLE;
   ASSERT_EQ(vkCreateImageView(engine_->device(), &viewInfo, nullptr, &view), VK_SUCCESS);
-  const EngineBuffer out =
-      engine_->createBuffer(kSize * kSize * 4, VK_BUFFER_USAGE_TRANSFER_DST_BIT, true);
+  const EngineBuffer out = engine_->createBuffer(VkDeviceSize{kSize} * kSize * 4,
+                                                 VK_BUFFER_USAGE_TRANSFER_DST_BIT, true);
 
   PassList list;
   ASSERT_TRUE(PassBuilder(list)
@@ -443,7 +443,7 @@ TEST_F(VulkanEngine, DrawsInsideDynamicRendering) {
                          &copy);
   engine_->submit(frame);
   finishFrames();
-  std::array<uint32_t, kSize * kSize> pixels;
+  std::array<uint32_t, size_t{kSize} * kSize> pixels;
   std::memcpy(pixels.data(), out.mapped, sizeof(pixels));
   for (uint32_t i = 0; i < pixels.size(); ++i)
     ASSERT_EQ(pixels[i], i % kSize >= kSize / 2 ? 0xffff00ffu : 0u) << i;

@@ -1,0 +1,145 @@
+// update_follow_strands against the double-precision reference.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "kernel/strand_run.h"
+#include "reference/skinning_reference.h"
+
+namespace pelage::test {
+namespace {
+
+using reference::Pose;
+
+class UpdateFollowStrands : public GpuTest {};
+
+std::vector<FollowStrand> followStrands(uint32_t guides, uint32_t count) {
+  Random random(8);
+  std::vector<FollowStrand> strands(count);
+  for (uint32_t f = 0; f < count; ++f) {
+    strands[f].guide = f % guides;
+    strands[f].offset = toFloat4(random.vector(0.004), random.between(0, 2));
+  }
+  return strands;
+}
+
+std::vector<Pose> turnedPoses(const HairAsset& asset) {
+  Random random(2);
+  std::vector<Pose> poses;
+  for (uint32_t s = 0; s < asset.strandCount; ++s)
+    poses.push_back({random.rotation(), random.vector(0.5)});
+  return poses;
+}
+
+// K11
+TEST_P(UpdateFollowStrands, TurnOffsetsWithTheRootForEveryCount) {
+  struct Size {
+    uint32_t guides, follows, vertices;
+  };
+  for (const Size size : {Size{1, 1, 2}, Size{3, 17, 5}, Size{5, 63, 32}, Size{5, 65, 31},
+                          Size{2, 9, 256}, Size{4, 65537, 2}}) {
+    SCOPED_TRACE(size.follows);
+    const HairAsset asset = wavyAsset(size.guides, size.vertices);
+    const std::vector<FollowStrand> follows = followStrands(size.guides, size.follows);
+    StrandRun run(gpu(), asset, follows);
+    const std::vector<Pose> poses = turnedPoses(asset);
+    run.reset(poses);
+    run.constants.tipSeparation = 1.5f;
+    run.updateFollowStrands();
+    run.run();
+    run.checkGuards();
+    const std::vector<Float4> positions = run.positions(), tangents = run.tangents();
+    const auto strand = [&](const std::vector<Float4>& from, uint32_t s) {
+      std::vector<Vector3d> result;
+      for (uint32_t v = 0; v < size.vertices; ++v)
+        result.push_back(toVector(from[s * size.vertices + v]));
+      return result;
+    };
+    double worst = 0, worstTangent = 0, worstMass = 0;
+    for (uint32_t f = 0; f < size.follows; ++f) {
+      const uint32_t g = follows[f].guide;
+      const std::vector<Vector3d> expected =
+          reference::followStrand(strand(positions, g), poses[g].rotation,
+                                  toVector(follows[f].offset), double{follows[f].offset.w} * 1.5);
+      const std::vector<Vector3d> actual = strand(positions, size.guides + f);
+      const std::vector<Vector3d> tangent = strand(tangents, size.guides + f);
+      for (uint32_t v = 0; v < size.vertices; ++v) {
+        worst = std::max(worst, (actual[v] - expected[v]).norm());
+        const Vector3d along =
+            expected[std::min(v + 1, size.vertices - 1)] - expected[v > 0 ? v - 1 : 0];
+        worstTangent = std::max(worstTangent, (tangent[v] - along.normalized()).norm());
+        worstMass = std::max(worstMass,
+                             std::abs(double{positions[(size.guides + f) * size.vertices + v].w} -
+                                      double{positions[g * size.vertices + v].w}));
+      }
+    }
+    EXPECT_LT(worst, 5e-7);
+    EXPECT_LT(worstTangent, 2e-3);  // 256 vertices: segments of 1 mm, rounded to 1e-7 m
+    EXPECT_EQ(worstMass, 0);
+  }
+}
+
+// K11
+TEST_P(UpdateFollowStrands, KeepTheirPlaceOnAScalpThatTurns) {
+  const HairAsset asset = wavyAsset(6, 8);
+  const std::vector<FollowStrand> follows = followStrands(6, 24);
+  StrandRun run(gpu(), asset, follows);
+  const auto offsetsInRootSpace = [&](const std::vector<Pose>& poses) {
+    run.reset(poses);
+    run.updateFollowStrands();
+    run.run();
+    const std::vector<Float4> positions = run.positions();
+    std::vector<Vector3d> result;
+    for (uint32_t f = 0; f < 24; ++f)
+      result.push_back(
+          poses[follows[f].guide].rotation.conjugate() *
+          (toVector(positions[(6 + f) * 8]) - toVector(positions[follows[f].guide * 8])));
+    return result;
+  };
+  std::vector<Pose> bind;
+  for (uint32_t s = 0; s < 6; ++s) bind.push_back(bindPose(asset, s));
+  const std::vector<Vector3d> before = offsetsInRootSpace(bind);
+  const std::vector<Vector3d> after = offsetsInRootSpace(turnedPoses(asset));
+  for (uint32_t f = 0; f < 24; ++f) {
+    EXPECT_LT((before[f] - toVector(follows[f].offset)).norm(), 1e-7) << "strand " << f;
+    EXPECT_LT((after[f] - before[f]).norm(), 2e-7) << "strand " << f;
+  }
+}
+
+TEST_P(UpdateFollowStrands, LeaveStrandsWithoutAGuideAlone) {
+  const HairAsset asset = wavyAsset(2, 4);
+  std::vector<FollowStrand> follows = followStrands(2, 3);
+  follows[0].guide = 2;
+  follows[2].guide = 0xffffffffu;
+  StrandRun run(gpu(), asset, follows);
+  run.reset(turnedPoses(asset));
+  run.updateFollowStrands();
+  run.run();
+  run.checkGuards();
+  const std::vector<Float4> positions = run.positions();
+  for (uint32_t v = 0; v < 4; ++v) {
+    EXPECT_EQ(positions[2 * 4 + v], Float4{});
+    EXPECT_NE(positions[3 * 4 + v], Float4{});
+    EXPECT_EQ(positions[4 * 4 + v], Float4{});
+  }
+}
+
+TEST_P(UpdateFollowStrands, TakeTheGuidesTangentWhereTheirOwnVerticesCoincide) {
+  const HairAsset asset = wavyAsset(1, 3);
+  std::vector<Vector3d> bind = bindOf(asset, 0);
+  // An offset that puts all of the follow strand's vertices 0 and 2 in one place.
+  FollowStrand follow = {};
+  const Vector3d span = bind[2] - bind[0];
+  follow.offset = toFloat4(span, 0);
+  StrandRun run(gpu(), asset, {follow});
+  run.reset({bindPose(asset, 0)});
+  run.updateFollowStrands();
+  run.run();
+  for (const Float4& t : run.tangents()) EXPECT_NEAR(toVector(t).norm(), 1, 1e-5);
+}
+
+}  // namespace
+
+INSTANTIATE_TEST_SUITE_P(Apis, UpdateFollowStrands, testing::ValuesIn(kApis), apiTestName);
+
+}  // namespace pelage::test
