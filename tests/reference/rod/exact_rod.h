@@ -1,0 +1,580 @@
+// The exact strand solver: an inextensible Kirchhoff rod, implicit in time, one Newton step solved
+// exactly in O(n) by a Riccati elimination from the tip to the root. A readable CPU statement of
+// kernels/simulation/exact, in float or double.
+//
+// The rod. Vertices 0..n-1, edges 0..n-2 of fixed length l_i with a frame q_i whose x axis is the
+// tangent; vertices 0 and 1 and edge 0 follow the root. Unknowns of a step are the rotations of the
+// edges alone, so no step can stretch an edge. Bending and twist energy of vertex i is that of the
+// discrete Kirchhoff rod (Bergou et al., "Discrete Elastic Rods", ACM Trans. Graph. 27(3), 2008,
+// section 4.2) in the half-angle form s = tan(angle / 4): 4 tan(angle / 4) instead of the angle.
+//
+// The step. BDF2 gives each free vertex a target y_i and a weight am_i; the step minimises
+//   sum_i am_i/2 |x_i - y_i|^2 + bending energy
+// over the rotations. Linearised about an iterate this is a linear-quadratic control problem along
+// the strand: dx_i+1 = dx_i + dphi_i x e_i, with control dphi_i. Its value function over the state
+// (dx_i, dphi_i-1),
+//   V = 1/2 dx.M dx + dx.N dphi + 1/2 dphi.D dphi + px.dx + pf.dphi,
+// obeys a Riccati recursion (Bertsekas, Dynamic Programming and Optimal Control, volume I, section
+// 3.1), from the tip, where it is known, to the root; the rotations follow from root to tip.
+//
+// Rounding. Positions enter as differences over the step, each summed along the strand from
+// differences of tangents, and never as differences of positions that were summed in two ways: the
+// weights am multiply an error of 1e-7 m into 1e-3 m/s2, and the rest shape would not be at rest.
+#pragma once
+
+#include <vector>
+
+#include "rod_contact.h"
+
+namespace pelage::reference {
+
+/// Each of these was found necessary, by trying without it (see the notes beside them).
+template <class Real>
+struct RodTuning {
+  /// Largest rotation of an edge by its rate in the guess, and by a Newton step [rad].
+  static constexpr Real kGuessLimit = Real(0.5), kStepLimit = Real(1);
+  /// Rotary inertia about the tangent over am l^2. Without one the twist has no mass, and the guess
+  /// that extrapolates it makes energy grow without bound.
+  static constexpr Real kTwistInertia = Real(0.005);
+  /// Turn of an edge in a step [rad] at which the guess extrapolates half of its twist; less of
+  /// slower edges. When all of it is, one Newton pass does not let a loose curl come to rest: it
+  /// creeps about on a cycle of 0.1 % L, as wide as the second pass allows. At 0.01 some still do;
+  /// from 0.1 on energy grows. What is left out damps the twist, the more the shorter the step is,
+  /// so that the angle goes down with its square below 1/240 s.
+  static Real slowTurn(double h) {
+    const double share = std::min(240 * h, 1.0);
+    return Real(0.02 * share * share);
+  }
+  /// Least stiffness against twist, and least pivot, over the trace of the system. In exact
+  /// arithmetic the sub-chain has no stiffness against twist but D's: what is there in float is
+  /// rounding of either sign.
+  static constexpr Real kTwistFloor = Real(2e-6), kPivotFloor = Real(2e-7), kTiny = Real(1e-22);
+  /// Contact stiffness over am: at 1e4 and above the strand jitters, at 10 it sinks in.
+  static constexpr Real kContactStiffness = Real(30);
+  /// Greatest friction stiffness over am: a strand that sticks creeps by a 300th of a free slip.
+  static constexpr Real kFrictionStiffness = Real(300);
+  /// Friction acts up to this share of the vertex's region outside the surface, because a vertex
+  /// that rests on it is on either side by rounding.
+  static constexpr Real kFrictionReach = Real(0.05);
+  /// Goal spring of a held tip [1/s2]; at 1e8 the Newton passes no longer converge.
+  static constexpr Real kHoldStiffness = Real(1e6);
+};
+
+template <class Real>
+class ExactRod {
+ public:
+  using Vector = Vector3<Real>;
+  using Rotation = Quaternion<Real>;
+
+  struct Statistics {
+    long steps = 0;   ///< sub-steps
+    long passes = 0;  ///< Newton passes
+  };
+
+  ExactRod(const RestStrand& rest, const RootPose& pose) : rest_(rest) {
+    for (int i = 0; i + 1 < rest.size(); ++i) {
+      lengths_.push_back(static_cast<Real>(rest.lengths[i]));
+      relative_.emplace_back(rest.relative[i]);
+      // Twist axis of vertex i, in the frame of edge i - 1: half-way between the two rest
+      // tangents. The axis of edge i - 1 alone makes a curled rod first order in n only.
+      const Vector ex(1, 0, 0);
+      twistAxes_.push_back(directionOr(ex + axisX(relative_.back()), ex));
+    }
+    for (const double region : rest.regions) regions_.push_back(static_cast<Real>(region));
+    reset(pose);
+  }
+
+  /// Takes the rest shape at `pose`, at rest.
+  void reset(const RootPose& pose) {
+    const int n = size();
+    pose_ = pose;
+    rootVelocity_ = Vector3d();
+    stepBefore_ = 0;
+    frameBefore_ = 0;
+    frames_.resize(n - 1);
+    positions_.resize(n);
+    const Root root = rootAt(pose);
+    frames_[0] = rootFrame(root);
+    positions_[0] = root.position;
+    for (int i = 0; i + 1 < n; ++i) {
+      if (i > 0) frames_[i] = normalized(frames_[i - 1] * relative_[i]);
+      positions_[i + 1] = positions_[i] + axisX(frames_[i]) * lengths_[i];
+    }
+    carry_ = carryBefore_ = Motion();
+    framesBefore_ = frames_;
+    positionsBefore_ = positions_;
+    velocities_.assign(n, Vector());
+    velocitiesBefore_.assign(n, Vector());
+    gains_.resize(n);
+    targets_.resize(n);
+    weights_.assign(n, Real(0));
+    start_ = guess_ = iterate_ = frames_;
+    moved_ = positions_;
+  }
+
+  /// Advances by `dt` > 0 seconds to a new pose of the root.
+  void step(double dt, const RootPose& pose, const RodSettings& settings) {
+    const Vector3d& root = rest_.positions[0];
+    const Vector3d velocity = (pose.apply(root) - pose_.apply(root)) * (1 / dt);
+    const double between = 0.5 * (dt + (frameBefore_ > 0 ? frameBefore_ : dt));
+    const double acceleration = reference::length(velocity - rootVelocity_) / between;
+    const double excess = std::clamp(acceleration / settings.carryThreshold - 1, 0.0, 1.0);
+    const Real share = Real(settings.carry + (1 - settings.carry) * excess);
+    carrying_ = settings.carry > 0 || std::isfinite(settings.carryThreshold);
+    const Root from = rootAt(pose_), to = rootAt(pose);
+    Root before = from;
+    const int count = settings.subSteps;
+    for (int k = 0; k < count; ++k) {
+      const Real begin = Real(static_cast<double>(k) / count);
+      const Real end = Real(static_cast<double>(k + 1) / count);
+      Root now = to;
+      if (k + 1 < count) {
+        now.rotation = interpolate(from.rotation, to.rotation, end);
+        now.position = from.position + (to.position - from.position) * end;
+      }
+      shapes_.clear();
+      for (const RodCollider& c : settings.colliders) shapes_.emplace_back(c, begin, end);
+      carry_ = carrying_ ? carriedMotion(before, now, share) : Motion();
+      subStep(dt / count, now, settings);
+      before = now;
+      carryBefore_ = carry_;
+    }
+    pose_ = pose;
+    rootVelocity_ = velocity;
+    frameBefore_ = dt;
+  }
+
+  int size() const { return rest_.size(); }
+  const RestStrand& rest() const { return rest_; }
+  const Vector& position(int i) const { return positions_[i]; }
+  const Vector& velocity(int i) const { return velocities_[i]; }
+  const Rotation& frame(int i) const { return frames_[i]; }
+  const Statistics& statistics() const { return statistics_; }
+  std::vector<Vector3d> positions() const { return {positions_.begin(), positions_.end()}; }
+
+  /// Kinetic, potential and elastic energy for unit linear density [m3/s2].
+  double energy(const RodSettings& settings) const {
+    double sum = 0;
+    for (int i = 2; i < size(); ++i) {
+      const Vector3d x(positions_[i]), v(velocities_[i]);
+      sum += rest_.regions[i] * (0.5 * dot(v, v) - dot(settings.gravity, x));
+    }
+    for (int i = 1; i + 1 < size(); ++i) {
+      const Quaterniond before(frames_[i - 1]), after(frames_[i]);
+      const Quaterniond r =
+          normalized((conjugate(before) * after) * conjugate(Quaterniond(relative_[i])));
+      const Vector3d angles = r.vector() * ((r.w < 0 ? -4 : 4) / (1 + std::abs(r.w)));
+      const double twist = dot(angles, Vector3d(twistAxes_[i]));
+      sum += 0.5 / rest_.regions[i] *
+             (settings.material.bend * (dot(angles, angles) - twist * twist) +
+              settings.material.twist * twist * twist);
+    }
+    return sum;
+  }
+
+ private:
+  using Symmetric = Symmetric3<Real>;
+  using Tuning = RodTuning<Real>;
+
+  /// Columns of the matrices of the control law u_i = -k - Kx dx_i + Kw u_i-1.
+  struct Gain {
+    Vector k, kx[3], kw[3];
+  };
+  /// Value function; N by its rows.
+  struct Value {
+    Symmetric m, d;
+    Vector n[3], px, pf;
+  };
+  /// Gradient and Gauss-Newton matrix of the bending and twist energy in a relative rotation.
+  struct Bending {
+    Vector gradient;
+    Symmetric matrix;
+  };
+  /// Numbers of a sub-step.
+  struct StepNumbers {
+    Real h, a2, inverseHe, baseWeight, velocityShare;  // y = xb + vb velocityShare + drift
+    Vector drift;
+    Real goalStiffness, goalRange;
+    Real bend, twist, damping;  // damping = tau / h
+  };
+
+  /// Where the root is, in the solver's precision.
+  struct Root {
+    Rotation rotation;  // bind space to world
+    Vector position;    // of vertex 0
+  };
+
+  Root rootAt(const RootPose& pose) const {
+    return {normalized(Rotation(pose.rotation)), Vector(pose.apply(rest_.positions[0]))};
+  }
+  Rotation rootFrame(const Root& root) const { return normalized(root.rotation * relative_[0]); }
+
+  /// Rotation by the vector p to second order, without trigonometry: the Cayley map.
+  static Rotation cayley(const Vector& p) { return Rotation(p * Real(0.5), Real(1)); }
+  static Vector twiceVector(const Rotation& d) { return d.vector() * Real(d.w < 0 ? -2 : 2); }
+
+  /// p -> rotate(rotation, p) + shift.
+  struct Motion {
+    Rotation rotation;
+    Vector shift;
+    Vector operator()(const Vector& p) const { return rotate(rotation, p) + shift; }
+  };
+
+  // The state as the sub-step starts from it: carried along by a share of the root's rigid motion.
+  // The state before it was carried in the last sub-step already. What was stored stays as it is,
+  // and differences are taken before they are turned.
+  Vector carriedPosition(int i) const { return carrying_ ? carry_(positions_[i]) : positions_[i]; }
+  /// x_-1 - x.
+  Vector carriedWayBack(int i) const {
+    if (!carrying_) return positionsBefore_[i] - positions_[i];
+    return rotate(carry_.rotation, carryBefore_(positionsBefore_[i]) - positions_[i]);
+  }
+  /// v + a2 (v_-1 - v).
+  Vector carriedVelocity(int i, Real a2) const {
+    if (!carrying_) return velocities_[i] + (velocitiesBefore_[i] - velocities_[i]) * a2;
+    const Vector before = rotate(carryBefore_.rotation, velocitiesBefore_[i]);
+    return rotate(carry_.rotation, velocities_[i] + (before - velocities_[i]) * a2);
+  }
+
+  /// A share of the root's motion.
+  static Motion carriedMotion(const Root& from, const Root& to, Real share) {
+    const Rotation turn = normalized(to.rotation * conjugate(from.rotation));
+    Motion motion;
+    motion.rotation = interpolate(Rotation(), turn, share);
+    motion.shift = from.position + (to.position - from.position) * share -
+                   rotate(motion.rotation, from.position);
+    return motion;
+  }
+
+  void subStep(double h, const Root& root, const RodSettings& settings) {
+    const int n = size();
+    const StepNumbers numbers = numbersOf(h, settings);
+    const Rotation frame = rootFrame(root);
+    const Vector& x0 = root.position;
+    const Vector x1 = x0 + axisX(frame) * lengths_[0];
+    setTargets(root, settings, numbers);
+    setGuess(frame, h);
+    ++statistics_.steps;
+    for (int pass = 0; pass < settings.maxPasses && n > 2; ++pass) {
+      eliminate(x1, numbers);
+      ++statistics_.passes;
+      if (rollOut(x0, x1) <= Real(settings.passTolerance * settings.passTolerance)) break;
+    }
+    if (n == 2) {
+      moved_[0] = x0;
+      moved_[1] = x1;
+    }
+    for (int i = 0; i < n; ++i) {
+      const Vector back = carriedPosition(i) + carriedWayBack(i) * numbers.a2;
+      velocitiesBefore_[i] = velocities_[i];
+      velocities_[i] = i < 2 ? Vector() : (moved_[i] - back) * numbers.inverseHe;
+    }
+    positionsBefore_.swap(positions_);
+    positions_.swap(moved_);
+    framesBefore_.swap(frames_);
+    frames_ = iterate_;
+    stepBefore_ = h;
+  }
+
+  StepNumbers numbersOf(double h, const RodSettings& settings) const {
+    const bool history = stepBefore_ > 0 && !settings.backwardEuler;
+    const StepCoefficients c = StepCoefficients::of(h, stepBefore_, history);
+    const RodMaterial& material = settings.material;
+    const double weight = 1 / (c.he * c.he) + material.airDrag / c.he;
+    const double s = settings.globalStiffness;
+    StepNumbers numbers;
+    numbers.h = Real(h);
+    numbers.a2 = Real(c.a2);
+    numbers.inverseHe = Real(1 / c.he);
+    numbers.baseWeight = Real(weight);
+    numbers.velocityShare = Real(1 / (c.he * weight));
+    numbers.drift = Vector((settings.gravity + settings.wind * material.airDrag) * (1 / weight));
+    numbers.goalStiffness = Real(s * 3600 / std::max(1 - s, 1e-3));
+    numbers.goalRange = Real(settings.globalRange);
+    numbers.bend = Real(material.bend);
+    numbers.twist = Real(material.twist);
+    numbers.damping = Real(material.relaxation / h);
+    return numbers;
+  }
+
+  void setTargets(const Root& root, const RodSettings& settings, const StepNumbers& numbers) {
+    for (int i = 1; i < size(); ++i) {
+      const Vector xb = carriedWayBack(i) * numbers.a2;
+      const Vector vb = carriedVelocity(i, numbers.a2);
+      Vector offset = xb + vb * numbers.velocityShare + numbers.drift;
+      Real weight = numbers.baseWeight;
+      const Real spring = goalSpring(i, settings, numbers);
+      if (spring > 0) {
+        const Vector arm(rest_.positions[i] - rest_.positions[0]);
+        const Vector goal = root.position + rotate(root.rotation, arm);
+        weight = weight + spring;
+        offset += (goal - carriedPosition(i) - offset) * (spring / weight);
+      }
+      targets_[i] = offset;
+      weights_[i] = regions_[i] * weight;
+    }
+  }
+
+  Real goalSpring(int i, const RodSettings& settings, const StepNumbers& numbers) const {
+    if (settings.holdTip && i + 1 == size()) return Tuning::kHoldStiffness;
+    const Real fade = Real(0.25) * numbers.goalRange;
+    if (!(fade > 0)) return Real(0);
+    const Real within = (numbers.goalRange + fade - Real(rest_.share[i])) / fade;
+    return numbers.goalStiffness * std::clamp(within, Real(0), Real(1));
+  }
+
+  /// Turns every edge on at its last rate; slow edges without their twist.
+  void setGuess(const Rotation& root, double h) {
+    const Real ratio = stepBefore_ > 0 ? Real(h / stepBefore_) : Real(0);
+    const Real slowTurn = Tuning::slowTurn(h), slow = slowTurn * slowTurn;
+    start_ = frames_;
+    std::vector<Rotation>& before = iterate_;
+    before = framesBefore_;
+    if (carrying_) {
+      const Rotation both = normalized(carry_.rotation * carryBefore_.rotation);
+      for (Rotation& q : start_) q = normalized(carry_.rotation * q);
+      for (Rotation& q : before) q = normalized(both * q);
+    }
+    guess_[0] = root;
+    for (int i = 1; i + 1 < size(); ++i) {
+      Vector turn = twiceVector(start_[i] * conjugate(before[i])) * ratio;
+      const Vector t = axisX(start_[i]);
+      turn -= t * (dot(t, turn) * (slow / std::max(dot(turn, turn) + slow, Tuning::kTiny)));
+      const Real squared = dot(turn, turn);
+      if (squared > Tuning::kGuessLimit * Tuning::kGuessLimit) {
+        turn = turn * (Tuning::kGuessLimit / std::sqrt(squared));
+      }
+      guess_[i] = normalized(cayley(turn) * start_[i]);
+    }
+    iterate_ = guess_;
+  }
+
+  /// Energy of vertex i in the relative rotation r: 8 (kb |s|^2 + (kt - kb) (s.a)^2), with s the
+  /// rotation's vector over 1 + w. The gradient is in world space, for a rotation of edge i.
+  Bending bendingOf(int i, const StepNumbers& numbers) const {
+    const Real kb = numbers.bend / regions_[i], kt = numbers.twist / regions_[i], dk = kt - kb;
+    const Rotation& parent = iterate_[i - 1];
+    const Vector& axis = twistAxes_[i];
+    const Rotation relative = conjugate(parent) * iterate_[i];
+    const Rotation r = relative * conjugate(relative_[i]);
+    const Vector s = r.vector() * (Real(r.w < 0 ? -1 : 1) / (Real(1) + std::abs(r.w)));
+    const Real s2 = dot(s, s), o = Real(1) + s2, sa = dot(s, axis);
+    const Vector ra = axis * (Real(1) - s2) + cross(s, axis) * Real(2) + s * (Real(2) * sa);
+    Bending bending;
+    bending.gradient = rotate(parent, s * (Real(4) * kb * o) + ra * (Real(4) * dk * sa));
+    const Vector w = rotate(parent, ra);
+    bending.matrix.addDiagonal(kb * o * o);
+    bending.matrix.addOuter(w * dk, w);
+    if (numbers.damping > 0) {
+      // Kelvin-Voigt: the same energy about the last step's relative rotation, times tau / h.
+      const Rotation last = conjugate(start_[i - 1]) * start_[i];
+      const Rotation change = relative * conjugate(last);
+      const Vector turn =
+          change.vector() * (Real(change.w < 0 ? -4 : 4) / (Real(1) + std::abs(change.w)));
+      const Vector moment = turn * kb + axis * (dk * dot(turn, axis));
+      bending.gradient += rotate(parent, moment) * numbers.damping;
+      const Real scale = Real(1) + numbers.damping;
+      Symmetric& b = bending.matrix;
+      b = {b.xx * scale, b.xy * scale, b.xz * scale, b.yy * scale, b.yz * scale, b.zz * scale};
+    }
+    return bending;
+  }
+
+  /// Adds am/2 |x - y|^2 and the contacts of vertex i, which the iterate moves by `way`.
+  void addVertex(int i, const Vector& way, Value& value) const {
+    const Real am = weights_[i];
+    value.m.addDiagonal(am);
+    value.px += (way - targets_[i]) * am;
+    if (shapes_.empty()) return;
+    const Vector x = carriedPosition(i) + way;
+    for (const ContactShape<Real>& shape : shapes_) {
+      const Contact<Real> contact = findContact(shape, x);
+      if (contact.penetration > Real(0)) {
+        const Vector kn = contact.normal * (am * Tuning::kContactStiffness);
+        value.px -= kn * contact.penetration;
+        value.m.addOuter(kn, contact.normal);
+      }
+      if (shape.friction > 0 && contact.penetration > -Tuning::kFrictionReach * regions_[i]) {
+        addFriction(i, way, contact, shape.friction, value);
+      }
+    }
+  }
+
+  /// Coulomb friction as a spring against the slip in this step. It pulls with the friction of the
+  /// normal force that the vertex itself needs to stay out, am n.(surface - y), or sticks.
+  void addFriction(int i, const Vector& way, const Contact<Real>& contact, Real friction,
+                   Value& value) const {
+    const Vector& n = contact.normal;
+    const Real press = std::max(dot(n, way - targets_[i]) + contact.penetration, Real(0));
+    const Vector motion = way - contact.surfaceMotion;
+    const Vector slip = motion - n * dot(motion, n);
+    const Real size = std::sqrt(std::max(dot(slip, slip), Real(1e-20)));
+    const Real k = weights_[i] * std::min(Tuning::kFrictionStiffness, friction * press / size);
+    value.px += slip * k;
+    value.m.addDiagonal(k);
+    value.m.addOuter(n * -k, n);
+  }
+
+  /// Tip to root: the control law of every edge about the iterate.
+  void eliminate(const Vector& x1, const StepNumbers& numbers) {
+    const int n = size();
+    const auto edgeWay = [&](int i) {
+      return (axisX(iterate_[i]) - axisX(start_[i])) * lengths_[i];
+    };
+    Vector way;
+    for (int i = 1; i + 1 < n; ++i) way += edgeWay(i);
+    way += x1 - carriedPosition(1);
+    Value value;
+    addVertex(n - 1, way, value);
+    for (int i = n - 2; i >= 1; --i) {
+      way -= edgeWay(i);
+      eliminateEdge(i, numbers, value);
+      if (i > 1) addVertex(i, way, value);
+    }
+  }
+
+  /// V of (dx_i, dphi_i-1) from V of (dx_i+1, dphi_i), without vertex i's own terms.
+  void eliminateEdge(int i, const StepNumbers& numbers, Value& v) {
+    const Bending bending = bendingOf(i, numbers);
+    const Vector t = axisX(iterate_[i]), e = t * lengths_[i];
+    const Symmetric& m = v.m;
+    // S M with S = [e], by columns; S M S^T; S N.
+    const Vector c0 = cross(e, m.column0()), c1 = cross(e, m.column1()), c2 = cross(e, m.column2());
+    const Vector r0 = cross(e, Vector(c0.x, c1.x, c2.x));
+    const Vector n0 = cross(e, Vector(v.n[0].x, v.n[1].x, v.n[2].x));
+    const Vector n1 = cross(e, Vector(v.n[0].y, v.n[1].y, v.n[2].y));
+    const Vector n2 = cross(e, Vector(v.n[0].z, v.n[1].z, v.n[2].z));
+    // The second derivative of x_i+1 in dphi_i under the tension e.px, made positive.
+    const Real tension = std::abs(dot(v.px, e));
+    const Vector tt = t * tension;
+    Symmetric a;
+    a.xx = r0.x + n0.x + n0.x + v.d.xx + tension - tt.x * t.x;
+    a.xy = r0.y + n1.x + n0.y + v.d.xy - tt.x * t.y;
+    a.xz = r0.z + n2.x + n0.z + v.d.xz - tt.x * t.z;
+    a.yy = (e.z * c0.y - e.x * c2.y) + n1.y + n1.y + v.d.yy + tension - tt.y * t.y;
+    a.yz = (e.x * c1.y - e.y * c0.y) + n2.y + n1.z + v.d.yz - tt.y * t.z;
+    a.zz = (e.x * c1.z - e.y * c0.z) + n2.z + n2.z + v.d.zz + tension - tt.z * t.z;
+    // Along t all but D vanishes in exact arithmetic: its rounding is replaced.
+    const Real twistStiffness = numbers.twist / regions_[i];
+    const Real own = std::max(dot(t, v.d * t), Real(0));
+    const Real floor = std::max(a.trace() * Tuning::kTwistFloor - twistStiffness - own, Real(0));
+    const Real inertia = weights_[i + 1] * lengths_[i] * lengths_[i] * Tuning::kTwistInertia;
+    const Real correction = own - dot(t, a * t) + floor + inertia;
+    a.addOuter(t * correction, t);
+    a.addDiagonal(Tuning::kTiny);
+    const Vector turned = twiceVector(iterate_[i] * conjugate(guess_[i]));
+    v.pf += t * (inertia * dot(t, turned));
+
+    const Symmetric& b = bending.matrix;
+    const Vector& g = bending.gradient;
+    const Symmetric sum = {a.xx + b.xx, a.xy + b.xy, a.xz + b.xz,
+                           a.yy + b.yy, a.yz + b.yz, a.zz + b.zz};
+    const Symmetric w = inverseOf(sum, sum.trace() * Tuning::kPivotFloor + Tuning::kTiny);
+    const Vector q0 = cross(e, v.px) + v.pf, q = q0 + g;
+    const Vector x0 = c0 + v.n[0], x1 = c1 + v.n[1], x2 = c2 + v.n[2];
+    Gain& gain = gains_[i];
+    gain.k = w * q;
+    gain.kx[0] = w * x0;
+    gain.kx[1] = w * x1;
+    gain.kx[2] = w * x2;
+    gain.kw[0] = w * b.column0();
+    gain.kw[1] = w * b.column1();
+    gain.kw[2] = w * b.column2();
+
+    v.m = {m.xx - dot(x0, gain.kx[0]), m.xy - dot(x0, gain.kx[1]), m.xz - dot(x0, gain.kx[2]),
+           m.yy - dot(x1, gain.kx[1]), m.yz - dot(x1, gain.kx[2]), m.zz - dot(x2, gain.kx[2])};
+    const Vector x[3] = {x0, x1, x2};
+    for (int j = 0; j < 3; ++j) {
+      v.n[j] = {dot(x[j], gain.kw[0]), dot(x[j], gain.kw[1]), dot(x[j], gain.kw[2])};
+    }
+    // B W A, which is B - B W B without the cancellation.
+    const Vector a0 = a * gain.kw[0], a1 = a * gain.kw[1], a2 = a * gain.kw[2];
+    v.d = {a0.x, (a0.y + a1.x) * Real(0.5), (a0.z + a2.x) * Real(0.5),
+           a1.y, (a1.z + a2.y) * Real(0.5), a2.z};
+    v.px -= Vector(dot(x0, gain.k), dot(x1, gain.k), dot(x2, gain.k));
+    v.pf = Vector(dot(gain.kw[0], q0), dot(gain.kw[1], q0), dot(gain.kw[2], q0)) - a * (w * g);
+  }
+
+  /// Root to tip: turns the edges and places the vertices. Returns the largest squared rotation.
+  Real rollOut(const Vector& x0, const Vector& x1) {
+    moved_[0] = x0;
+    moved_[1] = x1;
+    Vector dx, u;
+    Real largest = 0;
+    for (int i = 1; i + 1 < size(); ++i) {
+      const Gain& g = gains_[i];
+      u = g.kw[0] * u.x + g.kw[1] * u.y + g.kw[2] * u.z - g.k - g.kx[0] * dx.x - g.kx[1] * dx.y -
+          g.kx[2] * dx.z;
+      const Real size = std::abs(u.x) + std::abs(u.y) + std::abs(u.z);
+      // Scaled before it is squared: the square of a huge step would not be a number.
+      if (!(size < Real(1e30))) {
+        u = Vector();
+      } else if (size > Real(4)) {
+        u = u * (Real(4) / size);
+      }
+      const Real squared = dot(u, u);
+      largest = std::max(largest, squared);
+      if (squared > Tuning::kStepLimit * Tuning::kStepLimit) {
+        u = u * (Tuning::kStepLimit / std::sqrt(squared));
+      }
+      const Vector before = axisX(iterate_[i]);
+      iterate_[i] = normalized(cayley(u) * iterate_[i]);
+      if (!shapes_.empty()) iterate_[i] = keepOut(i, iterate_[i]);
+      const Vector after = axisX(iterate_[i]);
+      moved_[i + 1] = moved_[i] + after * lengths_[i];
+      dx += (after - before) * lengths_[i];
+    }
+    return largest;
+  }
+
+  /// The frame of edge i, turned so that its end is out of the colliders. The edges behind it learn
+  /// of the turn through dx.
+  Rotation keepOut(int i, const Rotation& frame) const {
+    const Vector tangent = axisX(frame);
+    const Real least = Real(1e-12) * lengths_[i] * lengths_[i];
+    Vector direction = tangent;
+    bool touched = false;
+    for (int round = 0; round < 2; ++round) {
+      Vector end = moved_[i] + direction * lengths_[i];
+      for (const ContactShape<Real>& shape : shapes_) {
+        const Contact<Real> contact = findContact(shape, end);
+        if (contact.penetration > Real(0)) {
+          end += contact.normal * contact.penetration;
+          touched = true;
+        }
+      }
+      const Vector aim = end - moved_[i];
+      const Real squared = dot(aim, aim);
+      if (squared > least) {
+        direction = aim * (Real(1) / std::sqrt(std::max(squared, Real(1e-20))));
+      }
+    }
+    if (!touched) return frame;
+    const Real scalar = std::max(Real(1) + dot(tangent, direction), Real(1e-4));
+    const Rotation turn = normalized(Rotation(cross(tangent, direction), scalar));
+    return normalized(turn * frame);
+  }
+
+  RestStrand rest_;
+  std::vector<Real> lengths_, regions_;
+  std::vector<Rotation> relative_;
+  std::vector<Vector> twistAxes_;
+
+  RootPose pose_;
+  Vector3d rootVelocity_;  // of the frame before [m/s]
+  double stepBefore_ = 0, frameBefore_ = 0;
+  std::vector<Vector> positions_, positionsBefore_, velocities_, velocitiesBefore_;
+  std::vector<Rotation> frames_, framesBefore_;  // their difference is the edge's angular rate
+
+  bool carrying_ = false;
+  Motion carry_, carryBefore_;   // of this sub-step and the one before
+  std::vector<Rotation> start_;  // frames_, carried
+  std::vector<Rotation> guess_, iterate_;
+  std::vector<Vector> moved_, targets_;  // targets_: y - x
+  std::vector<Real> weights_;
+  std::vector<Gain> gains_;
+  std::vector<ContactShape<Real>> shapes_;
+  Statistics statistics_;
+};
+
+}  // namespace pelage::reference
