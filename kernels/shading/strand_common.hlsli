@@ -30,8 +30,8 @@ float2 projectDirection(StrandView view, float4 clip, float3 direction) {
 // covered area stays that of the fibre.
 // \param position world position [m], \param tangent unit tangent, \param radius of the fibre [m].
 // \param side -1 or 1: which edge.
-// A tangent along the line of sight takes any direction on the screen. A vertex that is not in front
-// of the eye gets no width; the near plane cuts there.
+// A tangent along the line of sight takes any direction on the screen. A vertex that is not in
+// front of the eye gets no width; the near plane cuts there.
 StrandCorner expandStrandVertex(StrandView view, float3 position, float3 tangent, float radius,
                                 float side) {
   StrandCorner corner;

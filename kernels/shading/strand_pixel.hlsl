@@ -11,8 +11,8 @@
 // samples. Alpha is constant across the ribbon: its edges are sampled by the rasteriser, and a
 // fall-off besides would take away area that the fibre has.
 //
-// Invariant (tests/golden, tests/kernel): a fibre of w < 1 pixels covers w of every pixel's width on
-// average, for 1, 2, 4 and 8 samples.
+// Invariant (tests/golden, tests/kernel): a fibre of w < 1 pixels covers w of every pixel's width
+// on average, for 1, 2, 4 and 8 samples.
 #include "../common/random_hash.hlsli"
 #include "../layouts/render.hlsli"
 #include "strand_common.hlsli"

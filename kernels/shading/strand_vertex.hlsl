@@ -2,11 +2,13 @@
 //
 // Vertices: one instance a strand, index 2 v + side with side 0 or 1 for the edges at vertex v; an
 //           index buffer of 6 (V - 1) indices makes two triangles a segment.
-// Reads:    g_renderPositions, g_renderTangents, RenderConstants; STRAND_THICKNESS: g_strandThickness
+// Reads:    g_renderPositions, g_renderTangents, RenderConstants; with STRAND_THICKNESS
+//           g_strandThickness
 // Writes:   the outputs of StrandPixel.
 //
-// Invariant (tests/kernel): the ribbon's width in pixels times its coverage is the fibre's width, for
-// every distance; nothing is NaN for a tangent along the line of sight or a vertex behind the eye.
+// Invariant (tests/kernel): the ribbon's width in pixels times its coverage is the fibre's width,
+// for every distance; nothing is NaN for a tangent along the line of sight or a vertex behind the
+// eye.
 #include "../layouts/render.hlsli"
 #include "strand_common.hlsli"
 #include "strand_interface.hlsli"

@@ -12,8 +12,8 @@
 //   s(v) = 1 + (offset.w * tipSeparation - 1) v / (V - 1)
 // The tangent is the direction from the vertex before to the one after, as for guides.
 //
-// Invariant (tests/kernel): distance and direction from the guide, seen from the root, do not change
-// with the root's motion; a strand whose guide does not exist is not written.
+// Invariant (tests/kernel): distance and direction from the guide, seen from the root, do not
+// change with the root's motion; a strand whose guide does not exist is not written.
 #include "../common/root_pose.hlsli"
 #include "../common/strand_indexing.hlsli"
 

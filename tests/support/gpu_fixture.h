@@ -1,4 +1,5 @@
-// Devices for tests: each is made once a process; what a device lacks skips the test, and says what.
+// Devices for tests: each is made once a process; what a device lacks skips the test, and says
+// what.
 #pragma once
 
 #include <gtest/gtest.h>
