@@ -41,6 +41,8 @@ struct DeviceInfo {
   std::string version;      ///< of the API: "1.3.230", "4.5 (Core Profile)"
   bool software = false;    ///< runs on the CPU (lavapipe, llvmpipe)
   uint32_t maxSamples = 1;  ///< of a 16-bit float colour target with a depth target
+  /// The sample counts that such a target can have, as a sum of 1, 2, 4 and 8.
+  uint32_t sampleCounts = 1;
 };
 
 /// GPU time of one pass.
@@ -52,7 +54,7 @@ struct PassTiming {
 /// Target of render(): 16-bit float colour (linear, RGBA) and 32-bit float depth, cleared first.
 struct RenderTargetDef {
   uint32_t width = 0, height = 0;  ///< pixels, 1..16384
-  uint32_t samples = 1;            ///< 1, 2, 4 or 8; at most DeviceInfo::maxSamples
+  uint32_t samples = 1;            ///< one of DeviceInfo::sampleCounts
   Float4 clearColor = {0, 0, 0, 0};
   float clearDepth = 1;  ///< 1 for standard depth, 0 for reversed depth
 };

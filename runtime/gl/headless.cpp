@@ -4,6 +4,7 @@
 #include <EGL/eglext.h>
 
 #include <algorithm>
+#include <bit>
 #include <cctype>
 #include <cstdio>
 #include <cstring>
@@ -107,9 +108,9 @@ Result<std::vector<Candidate>> findCandidates(int deviceIndex) {
   }
   if (deviceIndex >= 0) {
     if (candidates.empty()) {
-      return Error{ErrorCode::kInvalidArgument, "HeadlessDef::deviceIndex is " +
+      return Error{ErrorCode::kInvalidArgument, "there is no EGL device " +
                                                     std::to_string(deviceIndex) + "; EGL has " +
-                                                    std::to_string(count) + " devices"};
+                                                    std::to_string(count) + ", from 0"};
     }
     return candidates;
   }
@@ -349,10 +350,17 @@ std::pair<std::string, std::string> splitVersion(const std::string& version) {
   return {version.substr(0, at), version.substr(at + 1)};
 }
 
-uint32_t largestSampleCount(const Functions& gl, GLenum format) {
-  GLint samples = 1;
-  gl.glGetInternalformativ(GL_RENDERBUFFER, format, GL_SAMPLES, 1, &samples);  // largest first
-  return static_cast<uint32_t>(std::max(samples, 1));
+// Sum of those of 1, 2, 4 and 8 that the format has. GL rounds other counts up without a word.
+uint32_t sampleCountsOf(const Functions& gl, GLenum format) {
+  GLint count = 0;
+  gl.glGetInternalformativ(GL_RENDERBUFFER, format, GL_NUM_SAMPLE_COUNTS, 1, &count);
+  std::vector<GLint> samples(static_cast<size_t>(std::max(count, 0)));
+  if (count > 0)
+    gl.glGetInternalformativ(GL_RENDERBUFFER, format, GL_SAMPLES, count, samples.data());
+  uint32_t sum = 1;
+  for (const GLint n : samples)
+    if (n == 2 || n == 4 || n == 8) sum |= static_cast<uint32_t>(n);
+  return sum;
 }
 
 Result<void> HeadlessGl::initialise(const HeadlessDef& def) {
@@ -391,8 +399,8 @@ Result<void> HeadlessGl::initialise(const HeadlessDef& def) {
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   for (const char* software : {"llvmpipe", "softpipe", "swrast", "swiftshader", "software"})
     info_.software |= lower.find(software) != std::string::npos;
-  info_.maxSamples =
-      std::min(largestSampleCount(gl_, GL_RGBA16F), largestSampleCount(gl_, GL_DEPTH_COMPONENT32F));
+  info_.sampleCounts = sampleCountsOf(gl_, GL_RGBA16F) & sampleCountsOf(gl_, GL_DEPTH_COMPONENT32F);
+  info_.maxSamples = std::bit_floor(info_.sampleCounts);
   return {};
 }
 
@@ -487,9 +495,9 @@ Result<RenderedImage> HeadlessGl::render(const PassList& list, const RenderTarge
         ErrorCode::kInvalidArgument,
         "RenderTargetDef::samples is " + std::to_string(target.samples) + "; it is 1, 2, 4 or 8"};
   }
-  if (target.samples > info_.maxSamples) {
-    return unsupported("RenderTargetDef::samples is " + std::to_string(target.samples) + "; " +
-                       info_.name + " allows " + std::to_string(info_.maxSamples));
+  if ((info_.sampleCounts & target.samples) == 0) {
+    return unsupported(std::to_string(target.samples) + " samples a pixel: " + info_.name +
+                       " has no such target; it has up to " + std::to_string(info_.maxSamples));
   }
   const ScopedCurrent current(egl_);
   if (Result<void> ok = current.check(); !ok) return ok.error();

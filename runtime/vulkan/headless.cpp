@@ -98,7 +98,7 @@ class HeadlessVulkan final : public HeadlessDevice {
   Result<void> choosePhysicalDevice(int index);
   Result<void> createDevice();
   Result<void> describe();
-  uint32_t maxSamples() const;
+  uint32_t sampleCounts() const;
 
   /// Starts a frame and its command buffer.
   Result<void> begin();
@@ -309,12 +309,13 @@ Result<void> HeadlessVulkan::choosePhysicalDevice(int index) {
   }
   if (index < -1 || index >= static_cast<int>(devices.size())) {
     return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("there is no Vulkan device {} (there are {})", index, names)};
+                 fmt::format("there is no Vulkan device {}; the devices are: {}", index, names)};
   }
   if (index >= 0) best = index;
   if (best < 0) {
-    return Error{ErrorCode::kUnsupported,
-                 fmt::format("no device has Vulkan 1.1 (there are {}): update the driver", names)};
+    return Error{
+        ErrorCode::kUnsupported,
+        fmt::format("no device has Vulkan 1.1: update the driver; the devices are: {}", names)};
   }
   device_.physical = devices[static_cast<size_t>(best)];
   vk.GetPhysicalDeviceProperties(device_.physical, &device_.properties);
@@ -435,11 +436,12 @@ Result<void> HeadlessVulkan::describe() {
                      : fmt::format("driver version {:#x}", device_.properties.driverVersion);
   info_.version = versionText(device_.properties.apiVersion);
   info_.software = device_.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
-  info_.maxSamples = maxSamples();
+  info_.sampleCounts = sampleCounts();
+  info_.maxSamples = std::bit_floor(info_.sampleCounts);
   return {};
 }
 
-uint32_t HeadlessVulkan::maxSamples() const {
+uint32_t HeadlessVulkan::sampleCounts() const {
   const auto counts = [&](VkFormat format, VkImageUsageFlags usage) -> VkSampleCountFlags {
     VkImageFormatProperties properties = {};
     const VkResult result = device_.vk.GetPhysicalDeviceImageFormatProperties(
@@ -450,9 +452,7 @@ uint32_t HeadlessVulkan::maxSamples() const {
       counts(kColorFormat, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT) &
       counts(kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT) &
       device_.limits().framebufferColorSampleCounts & device_.limits().framebufferDepthSampleCounts;
-  for (const uint32_t samples : {8u, 4u, 2u})
-    if ((both & samples) != 0) return samples;
-  return 1;
+  return (both & 15u) | 1u;
 }
 
 Result<void> HeadlessVulkan::begin() {
@@ -661,9 +661,10 @@ Result<void> HeadlessVulkan::makeTarget(const RenderTargetDef& def) {
                  fmt::format("a target of {} x {} pixels; {} draws at most {}", def.width,
                              def.height, info_.name, largest)};
   }
-  if (def.samples > info_.maxSamples) {
-    return Error{ErrorCode::kUnsupported, fmt::format("{} samples a pixel; {} has at most {}",
-                                                      def.samples, info_.name, info_.maxSamples)};
+  if ((info_.sampleCounts & def.samples) == 0) {
+    return Error{ErrorCode::kUnsupported,
+                 fmt::format("{} samples a pixel: {} has no such target; it has up to {}",
+                             def.samples, info_.name, info_.maxSamples)};
   }
   if ((device_.queue.queueFlags & VK_QUEUE_GRAPHICS_BIT) == 0) {
     return Error{ErrorCode::kUnsupported,

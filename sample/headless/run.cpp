@@ -61,11 +61,11 @@ Result<std::unique_ptr<HeadlessDevice>> makeDevice(const Options& options) {
   def.validation = options.validation;
   def.deviceIndex = options.device;
   auto device = createDevice(def);
-  if (device && options.images && options.samples > (*device)->info().maxSamples)
+  if (device && options.images && ((*device)->info().sampleCounts & options.samples) == 0)
     return Error{
         ErrorCode::kUnsupported,
-        fmt::format("{} has at most {} samples a pixel; use --samples {}", (*device)->info().name,
-                    (*device)->info().maxSamples, (*device)->info().maxSamples)};
+        fmt::format("{} has no target with {} samples a pixel; use --samples {}",
+                    (*device)->info().name, options.samples, (*device)->info().maxSamples)};
   return device;
 }
 

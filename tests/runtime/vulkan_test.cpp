@@ -130,6 +130,17 @@ TEST_F(VulkanHeadless, NamesTheDeviceAndItsDriver) {
   EXPECT_GE(info.maxSamples, 4u);  // every Vulkan device draws with 4 samples
 }
 
+TEST_F(VulkanHeadless, DrawsWithTheSampleCountsThatItNamesAndNoOthers) {
+  const PassList list;
+  for (const uint32_t samples : {1u, 2u, 4u, 8u}) {
+    const auto image = device_->render(list, {.width = 4, .height = 4, .samples = samples});
+    ASSERT_EQ(image.ok(), (device_->info().sampleCounts & samples) != 0) << samples;
+    if (image) continue;
+    EXPECT_EQ(image.error().code, ErrorCode::kUnsupported);
+    EXPECT_NE(image.error().message.find(device_->info().name), std::string::npos);
+  }
+}
+
 TEST_F(VulkanHeadless, FillsBuffersWithTheirInitialDataOrZeros) {
   const BufferId data = add("data", ramp(7));
   const BufferId zeros = addZeros("zeros", kCount);
