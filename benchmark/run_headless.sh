@@ -7,7 +7,7 @@ build=$1
 csv=$2
 data=${3:-$(dirname "$0")/../../shared/data}
 tool=$build/sample/pelage-headless
-commit=$(git -C "$(dirname "$0")" describe --always --dirty 2>/dev/null || echo unknown)
+commit=${PELAGE_COMMIT:-$(git -C "$(dirname "$0")" describe --always --dirty 2>/dev/null || echo unknown)}
 
 asset=()
 mohawk=$data/ratboy/Ratboy_mohawk
