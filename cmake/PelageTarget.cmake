@@ -20,5 +20,9 @@ function(pelage_target target)
       -fno-sanitize=vptr  # Debian builds glslang without run-time type information
       -fno-sanitize-recover=all -fno-omit-frame-pointer)
     target_link_options(${target} PUBLIC -fsanitize=address,undefined)
+    # GCC warns about std::regex and std::function when it instruments them (PR 105562).
+    if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+      target_compile_options(${target} PRIVATE -Wno-maybe-uninitialized)
+    endif()
   endif()
 endfunction()
