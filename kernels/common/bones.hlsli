@@ -120,7 +120,7 @@ float4 rotationOfMatrix(float3 a, float3 b, float3 c, float4 fallback) {
     c.x = -c.x;
   }
   precise float squares = (dot3(a, a) + dot3(b, b) + dot3(c, c)) * (1.0 / 3.0);
-  precise float size = sqrt(squares);
+  float size = squareRoot(squares);
   if (!(size > 1e-10) || !(size < 1e12)) return fallback;
   precise float inverseSize = 1.0 / size;
   precise float3 ra = a * inverseSize;
@@ -137,7 +137,8 @@ float4 rotationOfMatrix(float3 a, float3 b, float3 c, float4 fallback) {
     precise float3 ic = cross3(ra, rb) * inverse;
     precise float own = dot3(ra, ra) + dot3(rb, rb) + dot3(rc, rc);
     precise float other = dot3(ia, ia) + dot3(ib, ib) + dot3(ic, ic);
-    precise float g = sqrt(sqrt(other / own));
+    precise float ratio = other / own;
+    float g = squareRoot(squareRoot(ratio));
     precise float ownShare = 0.5 * g;
     precise float otherShare = 0.5 / g;
     ra = ra * ownShare + ia * otherShare;
@@ -178,7 +179,7 @@ DualBlend addDualBone(DualBlend blend, uint bone, float weight, float4 pivot) {
   float4 dual = g_boneTransforms[bone * 2 + 1];
   precise float squared = dot4(real, real);
   blend.usable = blend.usable && isUsable(real) && isUsable(dual) && squared > 1e-12;
-  precise float share = weight / sqrt(max(squared, 1e-12));
+  precise float share = weight * inverseRoot(max(squared, 1e-12));
   if (dot4(real, pivot) < 0.0) share = -share;
   precise float4 sumReal = blend.real + real * share;
   precise float4 sumDual = blend.dual + dual * share;

@@ -6,6 +6,8 @@
 #ifndef PELAGE_COMMON_QUATERNION_HLSLI
 #define PELAGE_COMMON_QUATERNION_HLSLI
 
+#include "roots.hlsli"
+
 float dot3(float3 a, float3 b) {
   precise float r = a.x * b.x + a.y * b.y + a.z * b.z;
   return r;
@@ -40,7 +42,7 @@ float3 directionOr(float3 v, float3 fallback) {
   // Positive floats order like their bits: 1e-24 < squared < 1e38; a NaN is above.
   uint bits = asuint(squared);
   if (bits <= 0x179abe15u || bits >= 0x7e967699u) return fallback;
-  precise float inverse = 1.0 / sqrt(squared);
+  float inverse = inverseRoot(squared);
   precise float3 r = v * inverse;
   return r;
 }
@@ -59,7 +61,7 @@ float4 normalizeQuaternion(float4 q) {
   precise float squared = dot4(q, q);
   uint bits = asuint(squared);
   if (bits <= 0x179abe15u || bits >= 0x7e967699u) return float4(0.0, 0.0, 0.0, 1.0);
-  precise float inverse = 1.0 / sqrt(squared);
+  float inverse = inverseRoot(squared);
   precise float4 r = q * inverse;
   return r;
 }

@@ -103,7 +103,8 @@ Motion rootMotion(uint guide, RootPose begin, RootPose end) {
     precise float3 velocity = (end.position - current) / g_timeStep;
     precise float3 velocityBefore = (current - previous) / stepBefore;
     precise float3 change = (velocity - velocityBefore) * (2.0 / (g_timeStep + stepBefore));
-    precise float excess = saturate(sqrt(dot3(change, change)) / g_vspThreshold - 1.0);
+    precise float acceleration = squareRoot(dot3(change, change));
+    precise float excess = saturate(acceleration / g_vspThreshold - 1.0);
     // Smooth at both ends, so that no frame switches.
     precise float ramp = excess * excess * (3.0 - 2.0 * excess);
     share = share + (1.0 - share) * ramp;
@@ -328,7 +329,7 @@ void fitSpan(uint guide, uint a, uint b, float reach, float3 fallback) {
   float3 start = position(a, guide);
   float3 goal = position(b, guide);
   precise float3 whole = goal - start;
-  precise float distance = sqrt(dot3(whole, whole));
+  float distance = squareRoot(dot3(whole, whole));
   precise float taut = reach * 0.999999;
   if (distance >= taut) {
     precise float done = 0.0;

@@ -73,7 +73,7 @@ void skin_roots(uint3 thread : SV_DispatchThreadID) {
     blend = addDualBone(blend, bones.w, weights.w, pivot);
     if (blend.usable) {
       // No bone points away from the pivot, so the sum is at least as long as its own weight.
-      precise float inverse = 1.0 / sqrt(max(dot4(blend.real, blend.real), 1e-24));
+      float inverse = inverseRoot(max(dot4(blend.real, blend.real), 1e-24));
       precise float4 real = blend.real * inverse;
       precise float4 dual = blend.dual * inverse;
       float4 moved = multiplyQuaternions(dual, conjugate(real));
