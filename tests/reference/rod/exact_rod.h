@@ -342,7 +342,7 @@ class ExactRod {
       turn -= t * (dot(t, turn) * (slow / std::max(dot(turn, turn) + slow, Tuning::kTiny)));
       const Real squared = dot(turn, turn);
       if (squared > Tuning::kGuessLimit * Tuning::kGuessLimit) {
-        turn = turn * (Tuning::kGuessLimit / std::sqrt(squared));
+        turn = turn * (Tuning::kGuessLimit * inverseRoot(squared));
       }
       guess_[i] = normalized(cayley(turn) * start_[i]);
     }
@@ -408,7 +408,7 @@ class ExactRod {
     const Real press = std::max(dot(n, way - targets_[i]) + contact.penetration, Real(0));
     const Vector motion = way - contact.surfaceMotion;
     const Vector slip = motion - n * dot(motion, n);
-    const Real size = std::sqrt(std::max(dot(slip, slip), Real(1e-20)));
+    const Real size = squareRoot(std::max(dot(slip, slip), Real(1e-20)));
     const Real k = weights_[i] * std::min(Tuning::kFrictionStiffness, friction * press / size);
     value.px += slip * k;
     value.m.addDiagonal(k);
@@ -515,7 +515,7 @@ class ExactRod {
       const Real squared = dot(u, u);
       largest = std::max(largest, squared);
       if (squared > Tuning::kStepLimit * Tuning::kStepLimit) {
-        u = u * (Tuning::kStepLimit / std::sqrt(squared));
+        u = u * (Tuning::kStepLimit * inverseRoot(squared));
       }
       const Vector before = axisX(iterate_[i]);
       iterate_[i] = normalized(cayley(u) * iterate_[i]);
@@ -546,7 +546,7 @@ class ExactRod {
       const Vector aim = end - moved_[i];
       const Real squared = dot(aim, aim);
       if (squared > least) {
-        direction = aim * (Real(1) / std::sqrt(std::max(squared, Real(1e-20))));
+        direction = aim * inverseRoot(std::max(squared, Real(1e-20)));
       }
     }
     if (!touched) return frame;

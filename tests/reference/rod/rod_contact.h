@@ -48,13 +48,13 @@ Contact<Real> findContact(const ContactShape<Real>& shape, const Vector3<Real>& 
   if (squared > taper * taper && squared > Real(1e-16)) {
     const Real along = dot(arm, axis) / squared;
     const Vector3<Real> off = arm - axis * along;
-    const Real shift = std::sqrt(dot(off, off)) * taper /
-                       std::sqrt(squared * std::max(squared - taper * taper, Real(1e-16)));
+    const Real shift = squareRoot(dot(off, off)) * taper /
+                       squareRoot(squared * std::max(squared - taper * taper, Real(1e-16)));
     t = std::min(std::max(along - shift, Real(0)), Real(1));
   }
   const Vector3<Real> center = shape.head + axis * t;
   const Vector3<Real> out = p - center;
-  const Real distance = std::sqrt(std::max(dot(out, out), Real(1e-20)));
+  const Real distance = squareRoot(std::max(dot(out, out), Real(1e-20)));
   Contact<Real> contact;
   contact.normal = out * (Real(1) / distance);
   contact.penetration = shape.headRadius - taper * t - distance;

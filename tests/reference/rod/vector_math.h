@@ -4,9 +4,42 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <limits>
+#include <type_traits>
 
 namespace pelage::reference {
+
+/// 1 / sqrt(x) for x in 1e-30..1e38; in float with the operations of kernels/common/roots.hlsli.
+template <class Real>
+Real inverseRoot(Real x) {
+  if constexpr (std::is_same_v<Real, float>) {
+    float y = std::bit_cast<float>(0x5f375a86u - (std::bit_cast<uint32_t>(x) >> 1));
+    for (int i = 0; i < 4; ++i) {
+      const float missing = 1.0f - (x * y) * y;
+      y = y + (y * 0.5f) * missing;
+    }
+    return y;
+  } else {
+    return Real(1) / std::sqrt(x);
+  }
+}
+
+/// sqrt(x); in float with the operations of kernels/common/roots.hlsli.
+template <class Real>
+Real squareRoot(Real x) {
+  if constexpr (std::is_same_v<Real, float>) {
+    if (!(x <= std::numeric_limits<float>::max())) return x;
+    if (!(x >= 1e-30f)) return 0.0f;
+    const float y = inverseRoot(x);
+    const float root = x * y;
+    return root + (y * 0.5f) * (x - root * root);
+  } else {
+    return std::sqrt(x);
+  }
+}
 
 template <class Real>
 struct Vector3 {
@@ -42,7 +75,7 @@ constexpr Vector3<Real> cross(const Vector3<Real>& a, const Vector3<Real>& b) {
 }
 template <class Real>
 Real length(const Vector3<Real>& a) {
-  return std::sqrt(dot(a, a));
+  return squareRoot(dot(a, a));
 }
 template <class Real>
 bool isFinite(const Vector3<Real>& a) {
@@ -53,7 +86,7 @@ template <class Real>
 Vector3<Real> directionOr(const Vector3<Real>& a, const Vector3<Real>& fallback) {
   const Real squared = dot(a, a);
   if (!(squared > Real(1e-30))) return fallback;
-  return a * (Real(1) / std::sqrt(squared));
+  return a * inverseRoot(squared);
 }
 
 /// Rotation; the product a * b rotates by b first.
@@ -91,7 +124,7 @@ constexpr Real dot(const Quaternion<Real>& a, const Quaternion<Real>& b) {
 /// The caller knows that q is not near zero: a product of unit quaternions, or (v, 1).
 template <class Real>
 Quaternion<Real> normalized(const Quaternion<Real>& q) {
-  const Real inverse = Real(1) / std::sqrt(dot(q, q));
+  const Real inverse = inverseRoot(dot(q, q));
   return {q.x * inverse, q.y * inverse, q.z * inverse, q.w * inverse};
 }
 template <class Real>
@@ -123,6 +156,8 @@ Quaternion<Real> rotationBetween(const Vector3<Real>& a, const Vector3<Real>& b)
 /// Normalised linear interpolation on the shorter arc.
 template <class Real>
 Quaternion<Real> interpolate(const Quaternion<Real>& a, const Quaternion<Real>& b, Real t) {
+  if (t <= 0) return a;
+  if (t >= 1) return b;
   const Real side = dot(a, b) < 0 ? Real(-1) : Real(1);
   return normalized(Quaternion<Real>(a.x + (b.x * side - a.x) * t, a.y + (b.y * side - a.y) * t,
                                      a.z + (b.z * side - a.z) * t, a.w + (b.w * side - a.w) * t));

@@ -1,0 +1,102 @@
+// Resources of the exact strand solver. Group "exact":
+//   space0 ExactPosTan  what rendering and the SDF read too
+//   space1 Exact        what only the solver needs
+//
+// Strands of any vertex counts are one object. The host sorts them by vertex count and puts them
+// into tiles of 32; within a tile the strand is the fastest index, so that neighbouring threads
+// read neighbouring addresses, and a tile is as long as its longest strand. With T the number of
+// float4 of all tiles, sum over tiles of 32 times that count, vertex i of a strand is element
+//   set * T + ExactStrand.state + 32 i
+// of g_state, g_rest and g_gains, for each of their sets of T elements.
+//
+// Positions in g_state are relative to g_origin, so that their rounding does not depend on where in
+// the world the hair is; so are the root transforms, and the colliders.
+#ifndef PELAGE_LAYOUTS_EXACT_HLSLI
+#define PELAGE_LAYOUTS_EXACT_HLSLI
+
+struct ExactStrand {
+  uint state;   // element of vertex 0 in a set: 32 * (lengths of the tiles before) + lane
+  uint count;   // vertices, 2..256
+  uint output;  // element of vertex 0 in g_positions and g_tangents
+  uint root;    // index of its root transform
+};
+
+// A sphere or a tapered capsule in motion: the union of the spheres between two ends. All [m].
+struct ExactCollider {
+  float4 head;        // xyz at the frame's end, w radius
+  float4 tail;        // xyz at the frame's end, w radius; equal to the head for a sphere
+  float4 headBefore;  // xyz at the frame's begin, w Coulomb friction
+  float4 tailBefore;  // xyz at the frame's begin; w unused
+};
+
+// [strand][vertex]: world position [m]; w = inverse mass, 0 for the two vertices at the root.
+RWStructuredBuffer<float4> g_positions : register(u0, space0);
+// [strand][vertex]: unit tangent; w = 0.
+RWStructuredBuffer<float4> g_tangents : register(u1, space0);
+
+// One sub-step of h seconds after one of h_-1. With w = h / h_-1, BDF2 has
+//   a2 = -w^2 / (1 + 2 w), he = h (1 + w) / (1 + 2 w);
+// without history, or with w outside 0.4..2.1, backward Euler has a2 = 0, he = h. B and Bt are the
+// bending and twist stiffness over the mass a length [m4/s2], c the air drag [1/s].
+cbuffer ExactConstants : register(b0, space1) {
+  float4 g_drift;   // xyz (g + c wind) / weight [m], weight = 1 / he^2 + c / he
+  float4 g_origin;  // xyz of the state's origin in world space [m]
+  float g_historyShare;     // a2
+  float g_inverseStep;      // 1 / he [1/s]
+  float g_weight;           // 1 / he^2 + c / he [1/s2]
+  float g_velocityShare;    // 1 / (he weight) [s]
+  float g_turnRatio;        // w, 0 without history; 1 exactly while the step does not change
+  float g_slowTurn;         // 0.02 min(1, (240 h)^2) [rad]: turn of an edge in a step at which the
+                            // guess extrapolates half of its twist; less of slower edges. At 0 a
+                            // loose curl never comes to rest with one pass (it creeps on a cycle of
+                            // 0.1 % of its length); from 0.1 on undamped strands gain energy
+  float g_bendStiffness;    // B
+  float g_twistStiffness;   // Bt
+  float g_damping;          // tau / h of Kelvin-Voigt damping
+  float g_goalStiffness;    // of the global shape, s / (1 - s) * 3600 [1/s2]
+  float g_goalRange;        // share of the strand with all of it, > 0; fades to 0 at 1.25 times
+  float g_passTolerance;    // largest rotation of a first pass without a second one: 0.04 [rad];
+                            // above 4 there never is one
+  float g_rootBegin;        // root pose at the sub-step's start, 0 = last frame, 1 = this frame
+  float g_rootEnd;          // root pose at its end
+  float g_frameTime;        // of this frame [s], > 0
+  float g_frameTimeBefore;  // of the frame before [s]; this one's when there was none
+  float g_vspCoefficient;   // share of the root's motion carried by the strand, 0..1
+  float g_vspThreshold;     // acceleration of the root [m/s2] above which the share grows; it is 1
+                            // from twice the value on; > 0, may be infinite
+  uint g_strandCount;
+  uint g_stateStride;       // T
+  uint g_rootCount;
+  uint g_outputCount;       // elements of g_positions and g_tangents
+  uint g_colliderCount;
+  uint g_slot;              // 0..2: the state now; the next one goes to (g_slot + 1) % 3, which the
+                            // host passes in the next sub-step
+  uint g_flags;             // bit 0: reset to the rest shape; bit 1: last sub-step of the frame
+  uint g_exactPad0;
+  uint g_exactPad1;
+  uint g_exactPad2;
+};
+
+// 9 sets. 0..2: x [m] of three states, w = length of the edge behind the vertex (0 at the tip) [m];
+// 3..5: v [m/s], w = region of the vertex [m]; 6..8: frames of the edges, world space, x axis =
+// tangent. Spare places of a state hold, a strand:
+//   x of vertex 0: sum over the free edges of l (t(guess of the next step) - t); of use while the
+//                  step does not change and nothing is carried
+//   v of vertex 0: velocity of the root in the last frame;  v of vertex 1 and q of vertex n - 1:
+//                  shift and rotation by which this step carried the state before it
+// The host fills in the w of all sets, and 0 or the identity elsewhere, and starts with a reset.
+RWStructuredBuffer<float4> g_state : register(u0, space1);
+// Control law of every edge, scratch: 6 sets.
+RWStructuredBuffer<float4> g_gains : register(u1, space1);
+// 1 set: rotation from edge i - 1 to edge i at rest, in the frame of edge i - 1; for i = 0 the
+// frame of edge 0 in bind space. With the globalShape permutation a second one: xyz bind position
+// relative to that of vertex 0 [m], w arc length from the root over the strand's length, 0..1, or
+// -1 for a vertex that is held where the bind pose has it.
+StructuredBuffer<float4> g_rest : register(t0, space1);
+// [2][root][2]: this frame (0) and the last one (1); rotation, then position of vertex 0 relative
+// to g_origin [m]. Two float4 as a RootTransform.
+StructuredBuffer<float4> g_rootFrames : register(t1, space1);
+StructuredBuffer<ExactStrand> g_strands : register(t2, space1);
+StructuredBuffer<ExactCollider> g_exactColliders : register(t3, space1);
+
+#endif

@@ -1,0 +1,251 @@
+// Tip to root: one vertex of the Riccati elimination. The value function over the state
+// (dx_i, dphi_i-1) of the rest of the strand,
+//   V = 1/2 dx.M dx + dx.N dphi + 1/2 dphi.D dphi + px.dx + pf.dphi,
+// from that of (dx_i+1, dphi_i) by minimising over the rotation dphi_i of edge i, with
+// dx_i+1 = dx_i + dphi_i x e_i (Bertsekas, Dynamic Programming and Optimal Control, volume I,
+// section 3.1). tests/reference/rod/exact_rod.h states it for reading.
+#ifndef PELAGE_SIMULATION_EXACT_ROD_ELIMINATION_HLSLI
+#define PELAGE_SIMULATION_EXACT_ROD_ELIMINATION_HLSLI
+
+#include "rod_contact.hlsli"
+#include "rod_gains.hlsli"
+
+// Rotary inertia about the tangent over am l^2. Without one the twist has no mass, and the guess
+// that extrapolates it makes energy grow without bound.
+static const float kTwistInertia = 0.005;
+
+struct Value {
+  Symmetric3 m;
+  Symmetric3 d;
+  float3 n0;  // rows of N
+  float3 n1;
+  float3 n2;
+  float3 px;
+  float3 pf;
+};
+
+Value emptyValue() {
+  Value value;
+  value.m = zeroSymmetric();
+  value.d = zeroSymmetric();
+  value.n0 = float3(0.0, 0.0, 0.0);
+  value.n1 = float3(0.0, 0.0, 0.0);
+  value.n2 = float3(0.0, 0.0, 0.0);
+  value.px = float3(0.0, 0.0, 0.0);
+  value.pf = float3(0.0, 0.0, 0.0);
+  return value;
+}
+
+// A free vertex in this step.
+struct RodVertex {
+  float3 position;  // before the step, carried
+  float3 target;    // where it would go alone, as a way from there
+  float weight;     // am
+  float region;     // [m]
+};
+
+// An edge and the joint at its root's end.
+struct RodEdge {
+  float4 frame;     // before the step, carried
+  float4 guess;
+  float4 iterate;
+  float edgeLength;
+};
+
+// Gradient and Gauss-Newton matrix of the bending energy.
+struct Bending {
+  float3 gradient;
+  Symmetric3 b;
+};
+
+// Energy 8 (kb |s|^2 + (kt - kb) (s.a)^2) of the joint's rotation r against its rest, with s the
+// vector of r over 1 + |w|, which is tan(angle / 4) along the axis; a the twist axis, half-way
+// between the two rest tangents. (Discrete elastic rods: Bergou et al., ACM Trans. Graph. 27(3),
+// 2008, section 4.2, with 4 tan(angle / 4) for the angle.)
+Bending bendingOf(RodEdge edge, RodEdge parent, float4 rest, float region) {
+  precise float kb = g_bendStiffness / region;
+  float4 relative = multiplyQuaternions(conjugate(parent.iterate), edge.iterate);
+  float4 r = multiplyQuaternions(relative, conjugate(rest));
+  precise float factor = (r.w < 0.0 ? -1.0 : 1.0) / (1.0 + abs(r.w));
+  precise float3 s = r.xyz * factor;
+  precise float s2 = dot3(s, s);
+  precise float o = 1.0 + s2;
+  precise float scale = 4.0 * kb * o;
+  precise float3 moment = s * scale;
+  precise float diagonal = kb * o * o;
+  Bending bending;
+  bending.b = addDiagonal(zeroSymmetric(), diagonal);
+  precise float kt = g_twistStiffness / region;
+  precise float dk = kt - kb;
+  precise float3 both = float3(1.0, 0.0, 0.0) + axisX(rest);
+  precise float3 axis = float3(1.0, 0.0, 0.0);
+  precise float both2 = dot3(both, both);
+  if (both2 > 1e-30) {
+    float inverse = inverseRoot(both2);
+    axis = both * inverse;
+  }
+  precise float sa = dot3(s, axis);
+  precise float twice = 2.0 * sa;
+  precise float3 ra = axis * (1.0 - s2) + cross3(s, axis) * 2.0 + s * twice;
+  precise float share = 4.0 * dk * sa;
+  moment = moment + ra * share;
+  float3 w = rotate(parent.iterate, ra);
+  precise float3 dw = w * dk;
+  bending.b = addOuter(bending.b, dw, w);
+  precise float3 gradient = rotate(parent.iterate, moment);
+#if DAMPING
+  // Kelvin-Voigt: the same energy about the joint before the step, times tau / h.
+  float4 last = multiplyQuaternions(conjugate(parent.frame), edge.frame);
+  float4 change = multiplyQuaternions(relative, conjugate(last));
+  precise float turning = (change.w < 0.0 ? -4.0 : 4.0) / (1.0 + abs(change.w));
+  precise float3 turn = change.xyz * turning;
+  precise float3 friction = turn * kb;
+  precise float along = dk * dot3(turn, axis);
+  friction = friction + axis * along;
+  gradient = gradient + rotate(parent.iterate, friction) * g_damping;
+  precise float stiffer = 1.0 + g_damping;
+  bending.b = scaleSymmetric(bending.b, stiffer);
+#endif
+  bending.gradient = gradient;
+  return bending;
+}
+
+// Coulomb friction as a spring against the slip in this step. It pulls with the friction of the
+// normal force that the vertex itself needs to stay out, am n.(surface - y), or sticks.
+Value addFriction(Value value, RodVertex vertex, float3 way, Contact contact) {
+  float3 n = contact.normal;
+  precise float3 beyond = way - vertex.target;
+  precise float press = max(dot3(n, beyond) + contact.penetration, 0.0);
+  precise float3 motion = way - contact.surfaceMotion;
+  precise float off = dot3(motion, n);
+  precise float3 slip = motion - n * off;
+  float size = squareRoot(max(dot3(slip, slip), 1e-20));
+  precise float pull = contact.friction * press / size;
+  precise float k = vertex.weight * min(kFrictionStiffness, pull);
+  precise float3 px = value.px + slip * k;
+  precise float3 minus = n * -k;
+  value.px = px;
+  value.m = addOuter(addDiagonal(value.m, k), minus, n);
+  return value;
+}
+
+// Adds am/2 |x - y|^2 and the contacts of a vertex that the iterate moves by `way`.
+Value addVertex(Value value, RodVertex vertex, float3 way) {
+  value.m = addDiagonal(value.m, vertex.weight);
+  precise float3 px = value.px + (way - vertex.target) * vertex.weight;
+  value.px = px;
+#if COLLIDERS
+  precise float3 x = vertex.position + way;
+  for (uint c = 0; c < g_colliderCount; ++c) {
+    Contact contact = findContact(g_exactColliders[c], x);
+    if (contact.penetration > 0.0) {
+      precise float k = vertex.weight * kContactStiffness;
+      precise float3 kn = contact.normal * k;
+      precise float3 pushed = value.px - kn * contact.penetration;
+      value.px = pushed;
+      value.m = addOuter(value.m, kn, contact.normal);
+    }
+    precise float reach = -kFrictionReach * vertex.region;
+    if (contact.friction > 0.0 && contact.penetration > reach)
+      value = addFriction(value, vertex, way, contact);
+  }
+#endif
+  return value;
+}
+
+struct Elimination {
+  Value value;
+  Gain gain;
+};
+
+// \param endWeight am of vertex i + 1, whose rotary inertia about the tangent is a share of am l^2
+// \param turned    rotation vector from the edge's guess to the iterate
+Elimination eliminateEdge(Value v, RodEdge edge, Bending bending, float region, float endWeight,
+                          float3 turned) {
+  float3 t = axisX(edge.iterate);
+  precise float3 e = t * edge.edgeLength;
+  Symmetric3 m = v.m;
+  // S M with S = [e], by columns; S M S^T; S N.
+  float3 c0 = cross3(e, float3(m.xx, m.xy, m.xz));
+  float3 c1 = cross3(e, float3(m.xy, m.yy, m.yz));
+  float3 c2 = cross3(e, float3(m.xz, m.yz, m.zz));
+  float3 r0 = cross3(e, float3(c0.x, c1.x, c2.x));
+  precise float s11 = e.z * c0.y - e.x * c2.y;
+  precise float s12 = e.x * c1.y - e.y * c0.y;
+  precise float s22 = e.x * c1.z - e.y * c0.z;
+  float3 n0 = cross3(e, float3(v.n0.x, v.n1.x, v.n2.x));
+  float3 n1 = cross3(e, float3(v.n0.y, v.n1.y, v.n2.y));
+  float3 n2 = cross3(e, float3(v.n0.z, v.n1.z, v.n2.z));
+  // The second derivative of x_i+1 in dphi_i under the tension e.px, made positive.
+  precise float tension = abs(dot3(v.px, e));
+  precise float3 tt = t * tension;
+  precise float axx = r0.x + n0.x + n0.x + v.d.xx + tension - tt.x * t.x;
+  precise float axy = r0.y + n1.x + n0.y + v.d.xy - tt.x * t.y;
+  precise float axz = r0.z + n2.x + n0.z + v.d.xz - tt.x * t.z;
+  precise float ayy = s11 + n1.y + n1.y + v.d.yy + tension - tt.y * t.y;
+  precise float ayz = s12 + n2.y + n1.z + v.d.yz - tt.y * t.z;
+  precise float azz = s22 + n2.z + n2.z + v.d.zz + tension - tt.z * t.z;
+  Symmetric3 a = makeSymmetric(axx, axy, axz, ayy, ayz, azz);
+  // Along t all but D vanishes in exact arithmetic: its rounding is replaced.
+  precise float twistStiffness = g_twistStiffness / region;
+  precise float own = max(dot3(t, multiplySymmetric(v.d, t)), 0.0);
+  precise float missing = max(traceOf(a) * kTwistFloor - twistStiffness - own, 0.0);
+  precise float inertia = endWeight * edge.edgeLength * edge.edgeLength * kTwistInertia;
+  precise float correction = own - dot3(t, multiplySymmetric(a, t)) + missing + inertia;
+  precise float3 ct = t * correction;
+  a = addOuter(a, ct, t);
+  a = addDiagonal(a, kTiny);
+  precise float resist = inertia * dot3(t, turned);
+  precise float3 pf = v.pf + t * resist;
+
+  Symmetric3 b = bending.b;
+  float3 g = bending.gradient;
+  Symmetric3 sum = addSymmetric(a, b);
+  precise float least = traceOf(sum) * kPivotFloor + kTiny;
+  Symmetric3 w = inverseOf(sum, least);
+  precise float3 q0 = cross3(e, v.px) + pf;
+  precise float3 q = q0 + g;
+  precise float3 x0 = c0 + v.n0;
+  precise float3 x1 = c1 + v.n1;
+  precise float3 x2 = c2 + v.n2;
+  Elimination result;
+  Gain gain;
+  gain.k = multiplySymmetric(w, q);
+  gain.kx0 = multiplySymmetric(w, x0);
+  gain.kx1 = multiplySymmetric(w, x1);
+  gain.kx2 = multiplySymmetric(w, x2);
+  gain.kw0 = multiplySymmetric(w, float3(b.xx, b.xy, b.xz));
+  gain.kw1 = multiplySymmetric(w, float3(b.xy, b.yy, b.yz));
+  gain.kw2 = multiplySymmetric(w, float3(b.xz, b.yz, b.zz));
+  result.gain = gain;
+
+  precise float mxx = m.xx - dot3(x0, gain.kx0);
+  precise float mxy = m.xy - dot3(x0, gain.kx1);
+  precise float mxz = m.xz - dot3(x0, gain.kx2);
+  precise float myy = m.yy - dot3(x1, gain.kx1);
+  precise float myz = m.yz - dot3(x1, gain.kx2);
+  precise float mzz = m.zz - dot3(x2, gain.kx2);
+  // B W A, which is B - B W B without the cancellation.
+  float3 a0 = multiplySymmetric(a, gain.kw0);
+  float3 a1 = multiplySymmetric(a, gain.kw1);
+  float3 a2 = multiplySymmetric(a, gain.kw2);
+  precise float dxy = (a0.y + a1.x) * 0.5;
+  precise float dxz = (a0.z + a2.x) * 0.5;
+  precise float dyz = (a1.z + a2.y) * 0.5;
+  precise float3 lessPx = v.px - float3(dot3(x0, gain.k), dot3(x1, gain.k), dot3(x2, gain.k));
+  float3 back = multiplySymmetric(a, multiplySymmetric(w, g));
+  precise float3 nextPf =
+      float3(dot3(gain.kw0, q0), dot3(gain.kw1, q0), dot3(gain.kw2, q0)) - back;
+  Value next;
+  next.m = makeSymmetric(mxx, mxy, mxz, myy, myz, mzz);
+  next.d = makeSymmetric(a0.x, dxy, dxz, a1.y, dyz, a2.z);
+  next.n0 = float3(dot3(x0, gain.kw0), dot3(x0, gain.kw1), dot3(x0, gain.kw2));
+  next.n1 = float3(dot3(x1, gain.kw0), dot3(x1, gain.kw1), dot3(x1, gain.kw2));
+  next.n2 = float3(dot3(x2, gain.kw0), dot3(x2, gain.kw1), dot3(x2, gain.kw2));
+  next.px = lessPx;
+  next.pf = nextPf;
+  result.value = next;
+  return result;
+}
+
+#endif

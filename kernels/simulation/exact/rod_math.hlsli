@@ -1,0 +1,160 @@
+// Mathematics of the exact solver beyond common/quaternion.hlsli. Everything is `precise` and in
+// the order of tests/reference/rod, whose float results these kernels reproduce bit by bit where
+// the device's square root and division are exact.
+#ifndef PELAGE_SIMULATION_EXACT_ROD_MATH_HLSLI
+#define PELAGE_SIMULATION_EXACT_ROD_MATH_HLSLI
+
+#include "../../common/quaternion.hlsli"
+
+// Least stiffness against twist, and least pivot, over the trace of the system: in exact arithmetic
+// a sub-chain has no stiffness against twist but its own, and what is there in float is rounding of
+// either sign. Found by halving until strands of the fuzz test broke; ten times larger is visible.
+static const float kTwistFloor = 2e-6;
+static const float kPivotFloor = 2e-7;
+static const float kTiny = 1e-22;
+
+// Largest rotation of an edge by its rate in the guess, and by a Newton step [rad].
+static const float kGuessLimit = 0.5;
+static const float kStepLimit = 1.0;
+
+struct Symmetric3 {
+  float xx;
+  float xy;
+  float xz;
+  float yy;
+  float yz;
+  float zz;
+};
+
+// `precise` reaches the arithmetic of a struct's members only through scalars, so every function
+// here computes scalars and puts them together.
+Symmetric3 makeSymmetric(float xx, float xy, float xz, float yy, float yz, float zz) {
+  Symmetric3 a;
+  a.xx = xx;
+  a.xy = xy;
+  a.xz = xz;
+  a.yy = yy;
+  a.yz = yz;
+  a.zz = zz;
+  return a;
+}
+
+Symmetric3 zeroSymmetric() { return makeSymmetric(0.0, 0.0, 0.0, 0.0, 0.0, 0.0); }
+
+float3 multiplySymmetric(Symmetric3 a, float3 v) {
+  precise float3 r = float3(a.xx * v.x + a.xy * v.y + a.xz * v.z,
+                            a.xy * v.x + a.yy * v.y + a.yz * v.z,
+                            a.xz * v.x + a.yz * v.y + a.zz * v.z);
+  return r;
+}
+
+// a + au u^T, for au a multiple of u.
+Symmetric3 addOuter(Symmetric3 a, float3 au, float3 u) {
+  precise float xx = a.xx + au.x * u.x;
+  precise float xy = a.xy + au.x * u.y;
+  precise float xz = a.xz + au.x * u.z;
+  precise float yy = a.yy + au.y * u.y;
+  precise float yz = a.yz + au.y * u.z;
+  precise float zz = a.zz + au.z * u.z;
+  return makeSymmetric(xx, xy, xz, yy, yz, zz);
+}
+
+Symmetric3 addDiagonal(Symmetric3 a, float value) {
+  precise float xx = a.xx + value;
+  precise float yy = a.yy + value;
+  precise float zz = a.zz + value;
+  return makeSymmetric(xx, a.xy, a.xz, yy, a.yz, zz);
+}
+
+Symmetric3 addSymmetric(Symmetric3 a, Symmetric3 b) {
+  precise float xx = a.xx + b.xx;
+  precise float xy = a.xy + b.xy;
+  precise float xz = a.xz + b.xz;
+  precise float yy = a.yy + b.yy;
+  precise float yz = a.yz + b.yz;
+  precise float zz = a.zz + b.zz;
+  return makeSymmetric(xx, xy, xz, yy, yz, zz);
+}
+
+Symmetric3 scaleSymmetric(Symmetric3 a, float factor) {
+  precise float xx = a.xx * factor;
+  precise float xy = a.xy * factor;
+  precise float xz = a.xz * factor;
+  precise float yy = a.yy * factor;
+  precise float yz = a.yz * factor;
+  precise float zz = a.zz * factor;
+  return makeSymmetric(xx, xy, xz, yy, yz, zz);
+}
+
+float traceOf(Symmetric3 a) {
+  precise float r = a.xx + a.yy + a.zz;
+  return r;
+}
+
+// Inverse of a symmetric positive definite matrix by L D L^T with pivots of at least `floor`.
+Symmetric3 inverseOf(Symmetric3 a, float least) {
+  precise float i0 = 1.0 / max(a.xx, least);
+  precise float l10 = a.xy * i0;
+  precise float l20 = a.xz * i0;
+  precise float d1 = a.yy - l10 * a.xy;
+  precise float i1 = 1.0 / max(d1, least);
+  precise float a21 = a.yz - l20 * a.xy;
+  precise float l21 = a21 * i1;
+  precise float d2 = a.zz - l20 * a.xz - l21 * a21;
+  precise float i2 = 1.0 / max(d2, least);
+  precise float k20 = l10 * l21 - l20;
+  precise float zz = i2;
+  precise float yz = -(l21 * i2);
+  precise float xz = k20 * i2;
+  precise float yy = i1 - l21 * yz;
+  precise float xy = -(l10 * i1) - l21 * xz;
+  precise float xx = i0 + l10 * l10 * i1 + k20 * xz;
+  return makeSymmetric(xx, xy, xz, yy, yz, zz);
+}
+
+// Of a quaternion that is known not to be near zero: a product of unit quaternions, or (v, 1).
+float4 normalizeProduct(float4 q) {
+  float inverse = inverseRoot(dot4(q, q));
+  precise float4 r = q * inverse;
+  return r;
+}
+
+// Unit tangent of an edge: its frame's x axis.
+float3 axisX(float4 q) {
+  precise float3 r = float3(1.0 - 2.0 * (q.y * q.y + q.z * q.z), 2.0 * (q.x * q.y + q.w * q.z),
+                            2.0 * (q.x * q.z - q.w * q.y));
+  return r;
+}
+
+// The frame q turned by the rotation vector p to second order, without trigonometry: the Cayley
+// map.
+float4 turnedBy(float3 p, float4 q) {
+  precise float3 halfTurn = p * 0.5;
+  return normalizeProduct(multiplyQuaternions(float4(halfTurn, 1.0), q));
+}
+
+// Rotation vector of q conj(base), for small angles.
+float3 turnBetween(float4 q, float4 base) {
+  float4 d = multiplyQuaternions(q, conjugate(base));
+  precise float3 r = d.xyz * (d.w < 0.0 ? -2.0 : 2.0);
+  return r;
+}
+
+// The frame after `frame` that goes on turning as from `before` to it, `ratio` times as far. Edges
+// slower than `slowTurn` [rad a step] leave their twist out.
+float4 guessFrame(float4 frame, float4 before, float ratio, float slowTurn) {
+  precise float3 turn = turnBetween(frame, before) * ratio;
+  float3 tangent = axisX(frame);
+  precise float slow = slowTurn * slowTurn;
+  precise float both = dot3(turn, turn) + slow;
+  precise float left = dot3(tangent, turn) * (slow / max(both, kTiny));
+  turn = turn - tangent * left;
+  precise float squared = dot3(turn, turn);
+  if (squared > kGuessLimit * kGuessLimit) {
+    precise float factor = kGuessLimit * inverseRoot(squared);
+    turn = turn * factor;
+  }
+  return turnedBy(turn, frame);
+}
+
+#endif
