@@ -15,15 +15,15 @@ step "release build"
 cmake --preset release -DPELAGE_BUILD_TESTS=ON -DPELAGE_BUILD_BENCHMARKS=ON
 cmake --build --preset release --parallel "$(nproc)"
 step "release tests"
-ctest --preset release
+ctest --preset release --parallel "$(nproc)"
 
 step "sanitizer build"
 cmake --preset asan
 cmake --build --preset asan --parallel "$(nproc)"
 step "sanitizer tests"
 # The drivers keep caches until the process ends, so leaks are looked for in the tests without them.
-ASAN_OPTIONS=detect_leaks=1 ctest --preset asan -L unit
-ASAN_OPTIONS=detect_leaks=0 ctest --preset asan -LE unit
+ASAN_OPTIONS=detect_leaks=1 ctest --preset asan -L unit --parallel "$(nproc)"
+ASAN_OPTIONS=detect_leaks=0 ctest --preset asan -LE unit --parallel "$(nproc)"
 
 step "static analysis"
 bash scripts/tidy.sh

@@ -587,7 +587,9 @@ void Runtime::Impl::bind(const PassList& list, const Pass& pass) {
     const Layout& layout = *layouts.find(pass.kernel->kernel->layouts[binding.set])->second;
     const Layout::Slot slot = layout.slots[binding.entry];
     const bool uniform = slot.target == GL_UNIFORM_BUFFER;
-    Bound wanted{uniform ? constants : find(binding.buffer)->name, binding.offset, binding.size};
+    const Buffer* stored = uniform ? nullptr : find(binding.buffer);
+    PELAGE_ASSERT(uniform || stored != nullptr, "check() let an unknown buffer pass");
+    Bound wanted{stored != nullptr ? stored->name : constants, binding.offset, binding.size};
     if (uniform) {
       // A driver may round a block's size up to 16 bytes; what follows up to the next block is
       // ours.

@@ -182,8 +182,8 @@ Result<DemoScene> DemoScene::create(const DemoAssets& assets, const DemoDef& def
   if (assets.mesh)
     if (Result<void> added = demo.addMesh(assets); !added) return added.error();
 
-  for (double time = 0; time < kHeadMotionSeconds; time += kSweptStep) {
-    const std::vector<AffineTransform> bones = demo.pose(time);
+  for (int i = 0; i * kSweptStep < kHeadMotionSeconds; ++i) {
+    const std::vector<AffineTransform> bones = demo.pose(i * kSweptStep);
     sweepHair(assets, bones, demo.sweptPoints_);
     if (assets.mesh && generated) sweepMesh(assets, bones, demo.sweptPoints_);
   }

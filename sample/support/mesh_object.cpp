@@ -52,10 +52,10 @@ std::vector<MeshVertex> packVertices(const CollisionMesh& mesh, const MeshDef& d
 }
 
 template <class T>
-BufferId addBuffer(pelage::ResourceTable& resources, std::string name, std::span<const T> data,
-                   BufferUsage usage) {
+BufferId addBuffer(pelage::ResourceTable& resources, const std::string& name,
+                   std::span<const T> data, BufferUsage usage) {
   const auto bytes = std::as_bytes(data);
-  return resources.add({.name = std::move(name),
+  return resources.add({.name = name,
                         .size = bytes.size(),
                         .stride = sizeof(T),
                         .usage = usage,
