@@ -17,7 +17,7 @@
 struct ExactStrand {
   uint state;   // element of vertex 0 in a set: 32 * (lengths of the tiles before) + lane
   uint count;   // vertices, 2..256
-  uint output;  // element of vertex 0 in g_positions and g_tangents
+  uint target;  // element of vertex 0 in g_positions and g_tangents
   uint root;    // index of its root transform
 };
 

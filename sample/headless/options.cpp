@@ -27,6 +27,22 @@ void checkTogether(const Options& options, const std::vector<float>& wind) {
                                  "makes the picture larger than 16384 pixels on a side");
 }
 
+// Turns a name into its value, and says which names there are when it is none of them.
+template <class T>
+CLI::Validator oneOf(const std::map<std::string, T>& values) {
+  const auto transform = [values](std::string& text) {
+    const auto found = values.find(text);
+    if (found != values.end()) {
+      text = std::to_string(static_cast<int>(found->second));
+      return std::string();
+    }
+    std::string names;
+    for (const auto& [name, value] : values) names += (names.empty() ? "" : ", ") + name;
+    return "'" + text + "' is none of: " + names;
+  };
+  return CLI::Validator(transform, "");
+}
+
 }  // namespace
 
 std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
@@ -47,7 +63,7 @@ std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
   const std::map<std::string, pelage::Api> apis = {
       {"vulkan", pelage::Api::kVulkan}, {"gl", pelage::Api::kGl}, {"gles", pelage::Api::kGles}};
   app.add_option("--api", options.api, "vulkan, gl or gles (vulkan)")
-      ->transform(CLI::CheckedTransformer(apis).description(""))
+      ->transform(oneOf(apis))
       ->type_name("API");
   app.add_option("--device", options.device, "number of the device in --list-devices")
       ->check(CLI::Range(0, 63).description(""))
@@ -75,7 +91,7 @@ std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
       {"matrices", pelage::SkinningMethod::kMatrices},
       {"dual-quaternions", pelage::SkinningMethod::kDualQuaternions}};
   app.add_option("--skinning", options.skinning, "matrices or dual-quaternions (matrices)")
-      ->transform(CLI::CheckedTransformer(methods).description(""))
+      ->transform(oneOf(methods))
       ->type_name("METHOD");
   app.add_option("--wind", wind, "velocity of the air [m/s] (0,0,0)")
       ->delimiter(',')

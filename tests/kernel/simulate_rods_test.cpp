@@ -587,7 +587,7 @@ TEST_P(SimulateRods, LosesWhatIsNotANumberInAFewSteps) {
     for (const Float4& t : run.tangents()) ASSERT_NEAR(length(toVector(t)), 1, 1e-5);
     for (const ExactStrand& record : run.records()) {
       for (uint32_t v = 0; v < record.count; ++v) {
-        const size_t at = record.output + v;
+        const size_t at = record.target + v;
         ASSERT_TRUE(isFinite(positions[at]));
         if (record.count == 33) {
           ASSERT_TRUE(sameBits(positions[at], undisturbed[at]));
@@ -642,8 +642,8 @@ TEST_P(SimulateRods, LeavesOutStrandsWhoseRecordsDoNotFit) {
   records[2].count = huge;
   records[3].state = run.stride();
   records[4].state = run.stride() - 4 * kTile;
-  records[5].output = run.constants.outputCount - 4;
-  records[6].output = huge;
+  records[5].target = run.constants.outputCount - 4;
+  records[6].target = huge;
   records[7].root = run.constants.rootCount;
   run.setRecords(records);
   const std::vector<Float4> before = run.state();

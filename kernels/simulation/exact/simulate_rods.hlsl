@@ -166,8 +166,8 @@ void resetStrand(ExactStrand strand, Slots slots, RodRoot root) {
 // the one after; at the two ends, that of the only edge.
 void writeOutput(uint vertex, ExactStrand strand, float3 x, float3 across, float3 fallback) {
   precise float3 world = x + g_origin.xyz;
-  g_positions[strand.output + vertex] = float4(world, vertex < 2 ? 0.0 : 1.0);
-  g_tangents[strand.output + vertex] = float4(directionOr(across, fallback), 0.0);
+  g_positions[strand.target + vertex] = float4(world, vertex < 2 ? 0.0 : 1.0);
+  g_tangents[strand.target + vertex] = float4(directionOr(across, fallback), 0.0);
 }
 
 // The rotation of an edge by its control law, made finite and at most kStepLimit; w = its square
@@ -336,7 +336,7 @@ void simulate_rods(uint3 thread : SV_DispatchThreadID) {
   if (strand.count < kMinCount || strand.count > kMaxCount) return;
   uint reach = (strand.count - 1) * kTileStrands;
   if (reach >= g_stateStride || strand.state >= g_stateStride - reach) return;
-  if (strand.count > g_outputCount || strand.output > g_outputCount - strand.count) return;
+  if (strand.count > g_outputCount || strand.target > g_outputCount - strand.count) return;
   if (strand.root >= g_rootCount) return;
 
   Slots slots = stateSlots();
