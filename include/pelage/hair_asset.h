@@ -65,8 +65,12 @@ struct HairAsset {
   uint32_t strandCount = 0;        ///< >= 1
   uint32_t verticesPerStrand = 0;  ///< 2..256
   std::vector<Float4> positions;   ///< [strand][vertex] xyz [m], w = inverse mass, 0 = kinematic
-  std::vector<Float2> strandUv;    ///< [strand] on the scalp's texture; optional
-  std::vector<Float2> vertexUv;    ///< [strand][vertex]; optional
+  /// [strand] vertices of each strand, 2..verticesPerStrand; optional, all have verticesPerStrand
+  /// without it. Vertices beyond them are not simulated by the exact solver; process() puts them
+  /// onto the tip.
+  std::vector<uint32_t> vertexCounts;
+  std::vector<Float2> strandUv;        ///< [strand] on the scalp's texture; optional
+  std::vector<Float2> vertexUv;        ///< [strand][vertex]; optional
   std::vector<float> strandThickness;  ///< [strand] factor on the fibre radius, >= 0; optional
   std::vector<Float4> vertexColor;     ///< [strand][vertex] linear RGBA; optional
   TfxFileLayout fileLayout;

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "pelage/bone_weights.h"
+#include "pelage/collider.h"
 #include "pelage/hair_asset.h"
 #include "pelage/pass_list.h"
 #include "pelage/simulation_settings.h"
@@ -14,6 +16,10 @@
 #include "pelage/view.h"
 
 namespace pelage {
+
+namespace detail {
+struct HairInternals;
+}
 
 /// How the bones of a root are blended.
 enum class SkinningMethod : uint8_t {
@@ -38,11 +44,15 @@ struct HairDef {
 
 /// Buffers of a hair object; kInvalid marks one that this object does not need.
 struct HairBuffers {
-  BufferId positions = BufferId::kInvalid;       ///< [strand][vertex] Float4, guides first
-  BufferId tangents = BufferId::kInvalid;        ///< [strand][vertex] Float4
-  BufferId state = BufferId::kInvalid;           ///< [2][vertex][guide] Float4
-  BufferId rest = BufferId::kInvalid;            ///< [2][vertex][guide] Float4
-  BufferId rootTransforms = BufferId::kInvalid;  ///< RootTransform
+  BufferId positions = BufferId::kInvalid;  ///< [strand][vertex] Float4, guides first
+  BufferId tangents = BufferId::kInvalid;   ///< [strand][vertex] Float4
+  BufferId state = BufferId::kInvalid;      ///< of the solver: kernels/layouts say what is where
+  BufferId rest = BufferId::kInvalid;       ///< of the solver
+  BufferId strands = BufferId::kInvalid;    ///< exact: [guide] ExactStrand
+  BufferId gains = BufferId::kInvalid;      ///< exact: scratch
+  BufferId colliders = BufferId::kInvalid;  ///< Collider
+  BufferId bindRoots = BufferId::kInvalid;  ///< [guide] Float4, bind position of vertex 0
+  BufferId rootTransforms = BufferId::kInvalid;  ///< [2][guide] RootTransform
   BufferId rootBindings = BufferId::kInvalid;    ///< [guide] RootBinding
   BufferId boneTransforms =
       BufferId::kInvalid;  ///< 3 (matrices) or 2 (dual quaternions) Float4 each
@@ -53,13 +63,14 @@ struct HairBuffers {
 
 class HairObject {
  public:
+  ~HairObject();
   const std::string& name() const { return name_; }
   uint32_t guideCount() const { return guideCount_; }
   uint32_t followCount() const { return followCount_; }
   uint32_t strandCount() const { return guideCount_ + followCount_; }
   uint32_t verticesPerStrand() const { return vertexCount_; }
   uint32_t boneCount() const { return boneCount_; }
-  SkinningMethod skinning() const { return skinning_; }
+  SkinningMethod skinning() const;
   const HairBuffers& buffers() const { return buffers_; }
 
   /// May be changed at any time; checked by Scene::simulate().
@@ -74,22 +85,22 @@ class HairObject {
   /// Sets the skinning transforms (bind space to world) of all bones for the next frames. Asserts
   /// that there are boneCount() of them. Non-finite ones leave their roots where they were.
   void setBones(std::span<const AffineTransform> bones);
+  /// Sets what the hair collides with in the next frames; empty for nothing. A collider that is not
+  /// finite or has a negative radius is left out, and so is one that no strand can reach. Colliders
+  /// keep their place in the list from frame to frame, for their motion.
+  void setColliders(std::span<const CapsuleCollider> colliders);
   /// Puts the hair into its bind shape at the next frame and forgets all velocities: for
   /// teleports, cuts, and changes of animation.
-  void reset() { resetPending_ = true; }
+  void reset();
 
  private:
   friend class Scene;
-  HairObject() = default;
+  HairObject();
 
   std::string name_;
   uint32_t guideCount_ = 0, followCount_ = 0, vertexCount_ = 0, boneCount_ = 0;
-  SkinningMethod skinning_ = SkinningMethod::kMatrices;
   HairBuffers buffers_;
-  std::vector<Float4> boneData_;
-  bool bonesChanged_ = true;
-  bool resetPending_ = true;
-  float lastStep_ = 0;
+  std::unique_ptr<detail::HairInternals> internals_;
 };
 
 }  // namespace pelage

@@ -42,7 +42,8 @@ class Scene {
 
   /// Writes the passes that advance every hair object by dt.
   /// \param dt seconds, >= 0. 0 skips the simulation. Steps are at most 1/60 s: a longer dt is cut
-  ///   into equal sub-steps, at most kMaxSubSteps of them; time beyond that is dropped.
+  ///   into equal sub-steps, at most kMaxSubSteps of them; time beyond that is dropped. The exact
+  ///   solver cuts each of them further into SimulationSettings::subSteps.
   /// \param list cleared first.
   /// Errors: dt or a setting is out of range; an object with too many strands for one dispatch.
   Result<void> simulate(float dt, PassList& list);
@@ -58,7 +59,15 @@ class Scene {
   static constexpr uint32_t kMaxSubSteps = 4;
 
  private:
-  Result<void> simulateObject(HairObject& object, float frame, uint32_t subSteps, PassList& list);
+  struct Frame;
+  void addSolverBuffers(HairObject& object);
+  void removeSolverBuffers(HairObject& object);
+  void removeBuffer(BufferId& buffer);
+  Result<void> simulateObject(HairObject& object, float length, uint32_t steps, PassList& list);
+  Result<void> addRootPass(const Frame& frame);
+  Result<void> addClassicPasses(const Frame& frame);
+  Result<void> addExactPasses(const Frame& frame);
+  Result<void> addFollowPass(const Frame& frame);
 
   ResourceTable resources_;
   HazardTracker hazards_;

@@ -8,6 +8,14 @@
 
 namespace pelage {
 
+/// How strands are simulated. Both take the same settings; what only one of them uses says so.
+enum class Solver : uint8_t {
+  /// An inextensible elastic rod, implicit in time and solved directly: docs/numerics.md.
+  kExact,
+  /// Position-based: cheaper, softer, without twist.
+  kClassic,
+};
+
 /// A uniform wind that swells and fades in time.
 struct WindSettings {
   /// Mean velocity of the air in world space [m/s]; 0 leaves the wind out of the kernel.
@@ -22,14 +30,28 @@ struct WindSettings {
 /// for steps of 1/60 s and are converted to the real step, so that the frame rate does not change
 /// the hair.
 struct SimulationSettings {
+  /// Changing it puts the hair back into its bind shape.
+  Solver solver = Solver::kExact;
   /// Acceleration in world space [m/s2].
   Float3 gravity = {0, -9.81f, 0};
   /// Share of the velocity that is lost in 1/60 s, 0..1.
   float damping = 0.06f;
-  /// How strongly each segment keeps its bind angle to the one before, 0..1; 0 leaves local shape
-  /// out of the kernel.
+  /// Exact: length at which a strand that is held at one end starts to hang under its own weight
+  /// [m], 0..10. The bending stiffness over the mass a length is 9.81 bendLength^3. Human hair:
+  /// 0.05.
+  float bendLength = 0.05f;
+  /// Exact: stiffness against twist over that against bending, 0..10.
+  float twistRatio = 0.75f;
+  /// Exact: relaxation time of the inner damping of bending and twist (Kelvin-Voigt) [s], 0..1. 0
+  /// leaves it out of the kernel.
+  float relaxationTime = 0.0f;
+  /// Exact: steps that each step of at most 1/60 s is cut into, 1..32. The error falls with the
+  /// square of it.
+  uint32_t subSteps = 1;
+  /// Classic: how strongly each segment keeps its bind angle to the one before, 0..1; 0 leaves
+  /// local shape out of the kernel.
   float localStiffness = 0.9f;
-  /// Sweeps of the local shape, 1..16. More make the strand stiffer.
+  /// Classic: sweeps of the local shape, 1..16. More make the strand stiffer.
   uint32_t localIterations = 2;
   /// Share of the way back to the bind pose that a vertex goes in 1/60 s, 0..1; 0, or a range of 0,
   /// leaves global shape out of the kernel.
@@ -43,12 +65,13 @@ struct SimulationSettings {
   /// root's motion; at twice the value it does.
   float vspThreshold = 200.0f;
   WindSettings wind = {};
-  /// How fast the air takes a segment along, across the segment [1/s], >= 0.
+  /// Classic: how fast the air takes a segment along, across the segment [1/s], >= 0. (The air of
+  /// the exact solver acts through the damping.)
   float airDrag = 2.0f;
-  /// Newton steps of the length solve, 1..16. Lengths are exact after it in any case; more steps
-  /// follow the true motion better.
+  /// Classic: Newton steps of the length solve, 1..16. Lengths are exact after it in any case; more
+  /// steps follow the true motion better.
   uint32_t lengthIterations = 4;
-  /// Speed limit of a vertex relative to its root [m/s], > 0.
+  /// Classic: speed limit of a vertex relative to its root [m/s], > 0.
   float maxSpeed = 50.0f;
   /// Factor on the offset of follow strands at their tip, >= 0; 1 keeps them parallel to their
   /// guide, less gathers them, more spreads them.

@@ -14,19 +14,13 @@
 #ifndef PELAGE_LAYOUTS_EXACT_HLSLI
 #define PELAGE_LAYOUTS_EXACT_HLSLI
 
+#include "collider.hlsli"
+
 struct ExactStrand {
   uint state;   // element of vertex 0 in a set: 32 * (lengths of the tiles before) + lane
   uint count;   // vertices, 2..256
   uint target;  // element of vertex 0 in g_positions and g_tangents
   uint root;    // index of its root transform
-};
-
-// A sphere or a tapered capsule in motion: the union of the spheres between two ends. All [m].
-struct ExactCollider {
-  float4 head;        // xyz at the frame's end, w radius
-  float4 tail;        // xyz at the frame's end, w radius; equal to the head for a sphere
-  float4 headBefore;  // xyz at the frame's begin, w Coulomb friction
-  float4 tailBefore;  // xyz at the frame's begin; w unused
 };
 
 // [strand][vertex]: world position [m]; w = inverse mass, 0 for the two vertices at the root.
@@ -41,6 +35,8 @@ RWStructuredBuffer<float4> g_tangents : register(u1, space0);
 cbuffer ExactConstants : register(b0, space1) {
   float4 g_drift;   // xyz (g + c wind) / weight [m], weight = 1 / he^2 + c / he
   float4 g_origin;  // xyz of the state's origin in world space [m]
+  float4 g_rebase;  // xyz [m]: with flag bit 2, what to add to a position relative to the last
+                    // frame's origin
   float g_historyShare;     // a2
   float g_inverseStep;      // 1 / he [1/s]
   float g_weight;           // 1 / he^2 + c / he [1/s2]
@@ -71,10 +67,12 @@ cbuffer ExactConstants : register(b0, space1) {
   uint g_colliderCount;
   uint g_slot;              // 0..2: the state now; the next one goes to (g_slot + 1) % 3, which the
                             // host passes in the next sub-step
-  uint g_flags;             // bit 0: reset to the rest shape; bit 1: last sub-step of the frame
+  uint g_flags;             // bit 0: reset to the rest shape; bit 1: last sub-step of the frame;
+                            // bit 2: rebase the state
+  uint g_outputVertices;    // elements of a strand in g_positions and g_tangents; those past its
+                            // own vertices repeat its tip. 0: as many as it has vertices
   uint g_exactPad0;
   uint g_exactPad1;
-  uint g_exactPad2;
 };
 
 // 9 sets. 0..2: x [m] of three states, w = length of the edge behind the vertex (0 at the tip) [m];
@@ -97,6 +95,6 @@ StructuredBuffer<float4> g_rest : register(t0, space1);
 // to g_origin [m]. Two float4 as a RootTransform.
 StructuredBuffer<float4> g_rootFrames : register(t1, space1);
 StructuredBuffer<ExactStrand> g_strands : register(t2, space1);
-StructuredBuffer<ExactCollider> g_exactColliders : register(t3, space1);
+StructuredBuffer<Collider> g_exactColliders : register(t3, space1);
 
 #endif

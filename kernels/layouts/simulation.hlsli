@@ -16,7 +16,7 @@ struct RootBinding {
 // Rigid frame of a guide's root in world space: x = rotate(rotation, p - bindRoot) + position.xyz.
 struct RootTransform {
   float4 rotation;  // unit quaternion
-  float4 position;  // xyz of vertex 0 in metres; w unused
+  float4 position;  // xyz of vertex 0 relative to g_origin [m]; w unused
 };
 
 // A follow strand: copies its guide, shifted by an offset that turns with the guide's root.
@@ -42,6 +42,11 @@ RWStructuredBuffer<float4> g_tangents : register(u1, space0);
 cbuffer SimulationConstants : register(b0, space1) {
   float4 g_gravity;   // xyz [m/s2]; w unused
   float4 g_wind;      // xyz velocity of the air [m/s], gusts included; w = air drag c [1/s], >= 0
+  float4 g_origin;    // xyz of the object's origin in world space [m]; state, roots and colliders
+                      // are relative to it
+  float4 g_rebase;    // xyz [m]: what to add to a position relative to the last frame's origin; 0
+                      // while the origin stays. skin_roots moves the roots, and the sub-step with
+                      // flag bit 1 the state
   uint g_guideCount;
   uint g_followCount;
   uint g_vertexCount;  // vertices a strand, 2..256
@@ -62,7 +67,7 @@ cbuffer SimulationConstants : register(b0, space1) {
   uint g_localIterations;    // sweeps of the local shape, at most 64
   uint g_lengthIterations;   // Newton steps of the length solve, at most 64
   float g_tipSeparation;     // factor on the follow offsets at the tip, on top of FollowStrand's
-  uint g_flags;              // bit 0: reset (take the goal, forget velocities)
+  uint g_flags;              // bit 0: reset (take the goal, forget velocities); bit 1: rebase
 };
 
 // [2][G]: root frames of this frame (0) and the last one (1).

@@ -24,7 +24,8 @@ RootTransform keptTransform(RootTransform last, float3 bindRoot) {
   if (isPose(last)) return last;
   RootTransform bind;
   bind.rotation = float4(0.0, 0.0, 0.0, 1.0);
-  bind.position = float4(bindRoot, 0.0);
+  precise float3 position = bindRoot - g_origin.xyz;
+  bind.position = float4(position, 0.0);
   return bind;
 }
 
@@ -35,6 +36,8 @@ void skin_roots(uint3 thread : SV_DispatchThreadID) {
 
   float3 bindRoot = g_rest[guideIndex(0, 0, guide)].xyz;
   RootTransform last = g_rootTransforms[guide];
+  precise float3 rebased = last.position.xyz + g_rebase.xyz;
+  last.position = float4(rebased, 0.0);
   RootTransform kept = keptTransform(last, bindRoot);
   RootTransform next = kept;
 

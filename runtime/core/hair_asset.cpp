@@ -55,6 +55,15 @@ Result<void> checkAsset(const HairAsset& asset) {
     return invalid(fmt::format("HairAsset::{} has {} elements instead of {}", name, size, wanted));
   };
   if (auto r = checkSize("positions", asset.positions.size(), vertexCount, false); !r) return r;
+  if (auto r = checkSize("vertexCounts", asset.vertexCounts.size(), strandCount, true); !r)
+    return r;
+  for (uint64_t i = 0; i < asset.vertexCounts.size(); ++i) {
+    const uint32_t count = asset.vertexCounts[i];
+    if (count < kMinVerticesPerStrand || count > asset.verticesPerStrand)
+      return invalid(fmt::format("strand {} has {} vertices in HairAsset::vertexCounts; it must be "
+                                 "2 to verticesPerStrand, which is {}",
+                                 i, count, asset.verticesPerStrand));
+  }
   if (auto r = checkSize("strandUv", asset.strandUv.size(), strandCount, true); !r) return r;
   if (auto r = checkSize("vertexUv", asset.vertexUv.size(), vertexCount, true); !r) return r;
   if (auto r = checkSize("strandThickness", asset.strandThickness.size(), strandCount, true); !r)
@@ -151,6 +160,11 @@ Result<void> processAsset(HairAsset& asset, const ProcessDef& def) {
         fmt::format("ProcessDef::tipThickness is {}; it must be 0 to 1", def.tipThickness));
   if (auto r = checkAsset(asset); !r) return r;
   const uint64_t vertexCount = uint64_t{asset.strandCount} * asset.verticesPerStrand;
+  for (uint64_t strand = 0; strand < asset.vertexCounts.size(); ++strand) {
+    Float4* positions = asset.positions.data() + strand * asset.verticesPerStrand;
+    const uint32_t count = asset.vertexCounts[strand];
+    std::fill(positions + count, positions + asset.verticesPerStrand, positions[count - 1]);
+  }
   asset.restLengths.assign(vertexCount, 0.0f);
   asset.restFrames.assign(vertexCount, {});
   asset.restVectors.assign(vertexCount, {});

@@ -7,6 +7,7 @@
 namespace pelage {
 namespace {
 
+constexpr uint32_t kMaxSubStepsOfAStep = 32;
 constexpr float kMax = std::numeric_limits<float>::max();
 
 struct Range {
@@ -37,6 +38,9 @@ Result<void> validate(const SimulationSettings& s) {
       {"gravity.y", s.gravity.y, -kMax, kMax},
       {"gravity.z", s.gravity.z, -kMax, kMax},
       {"damping", s.damping, 0, 1},
+      {"bendLength", s.bendLength, 0, 10},
+      {"twistRatio", s.twistRatio, 0, 10},
+      {"relaxationTime", s.relaxationTime, 0, 1},
       {"localStiffness", s.localStiffness, 0, 1},
       {"globalStiffness", s.globalStiffness, 0, 1},
       {"globalRange", s.globalRange, 0, 1},
@@ -63,6 +67,13 @@ Result<void> validate(const SimulationSettings& s) {
   }
   // An infinite threshold is allowed: it means never.
   if (!(s.vspThreshold > 0)) return outOfRange("vspThreshold", text(s.vspThreshold), "above 0");
+  if (s.solver != Solver::kExact && s.solver != Solver::kClassic) {
+    return outOfRange("solver", std::to_string(static_cast<int>(s.solver)), "kExact or kClassic");
+  }
+  if (s.subSteps < 1 || s.subSteps > kMaxSubStepsOfAStep) {
+    return outOfRange("subSteps", std::to_string(s.subSteps),
+                      "in 1.." + std::to_string(kMaxSubStepsOfAStep));
+  }
   if (s.localIterations < 1 || s.localIterations > 16)
     return outOfRange("localIterations", std::to_string(s.localIterations), "in 1..16");
   if (s.lengthIterations < 1 || s.lengthIterations > 16)

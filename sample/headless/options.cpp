@@ -93,6 +93,14 @@ std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
   app.add_option("--skinning", options.skinning, "matrices or dual-quaternions (matrices)")
       ->transform(oneOf(methods))
       ->type_name("METHOD");
+  const std::map<std::string, pelage::Solver> solvers = {{"exact", pelage::Solver::kExact},
+                                                         {"classic", pelage::Solver::kClassic}};
+  app.add_option("--solver", options.solver, "exact or classic (exact)")
+      ->transform(oneOf(solvers))
+      ->type_name("SOLVER");
+  app.add_option("--sub-steps", options.subSteps, "steps of the exact solver in a frame, 1..32 (1)")
+      ->check(CLI::Range(1u, 32u).description(""))
+      ->type_name("N");
   app.add_option("--wind", wind, "velocity of the air [m/s] (0,0,0)")
       ->delimiter(',')
       ->expected(3)

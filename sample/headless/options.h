@@ -24,6 +24,8 @@ struct Options {
   uint32_t repeat = 1;
   std::optional<uint32_t> follow;  ///< hairs a guide; a default for each asset when not given
   pelage::SkinningMethod skinning = pelage::SkinningMethod::kMatrices;
+  pelage::Solver solver = pelage::Solver::kExact;
+  uint32_t subSteps = 1;
   pelage::Float3 wind;
 
   uint32_t frames = 240;

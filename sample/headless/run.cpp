@@ -175,6 +175,8 @@ Result<void> run(const Options& options) {
   def.followPerGuide = options.follow;
   def.seed = options.seed;
   def.skinning = options.skinning;
+  def.solver = options.solver;
+  def.subSteps = options.subSteps;
   def.wind = options.wind;
   auto demo = DemoScene::create(*assets, def);
   if (!demo) return demo.error();

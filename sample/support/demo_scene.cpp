@@ -84,6 +84,31 @@ void sweepMesh(const DemoAssets& assets, const std::vector<AffineTransform>& bon
     points.push_back(blend(bones, mesh.influences[i], mesh.positions[i]));
 }
 
+// Capsules inside the generated head, in bind space: along its middle, each end as large as the
+// head lets it be.
+std::vector<pelage::CapsuleCollider> headCapsules() {
+  // The first one belongs to the neck bone.
+  constexpr Float3 kEnds[][2] = {
+      {{0, 0.030f, -0.036f}, {0, 0.200f, -0.030f}},             // neck
+      {{0, 0.266f, -0.012f}, {0, 0.245f, -0.042f}},             // top to back
+      {{0, 0.244f, -0.020f}, {0, 0.256f, 0.024f}},              // middle to forehead
+      {{0, 0.235f, 0.000f}, {0, 0.145f, 0.042f}},               // middle to chin
+      {{0.032f, 0.262f, -0.016f}, {-0.032f, 0.262f, -0.016f}},  // sides of the top
+  };
+  constexpr float kInside = 0.001f;  // roots lie on the surface
+  std::vector<pelage::CapsuleCollider> capsules;
+  for (const auto& [head, tail] : kEnds) {
+    const float headRadius = std::max(-pelage::headDistance(head) - kInside, 0.0f);
+    const float tailRadius = std::max(-pelage::headDistance(tail) - kInside, 0.0f);
+    capsules.push_back({.head = head,
+                        .headRadius = headRadius,
+                        .tail = tail,
+                        .tailRadius = tailRadius,
+                        .friction = 0.3f});
+  }
+  return capsules;
+}
+
 // How a groom is lit, coloured and simulated.
 struct Look {
   pelage::StrandMaterial material;
@@ -93,9 +118,8 @@ struct Look {
   CameraDef camera;
 };
 
-// The generated groom: chestnut hair that swings. Its bind shape hangs already, so that most of the
-// weight is in the shape; without collision, hair under its full weight would sink into the head.
-Look generatedLook() {
+// The generated groom: chestnut hair that swings. Its bind shape hangs already.
+Look generatedLook(pelage::Solver solver) {
   Look look;
   look.material.rootColor = {0.030f, 0.014f, 0.009f};
   look.material.tipColor = {0.165f, 0.083f, 0.040f};
@@ -107,17 +131,26 @@ Look generatedLook() {
   look.followPerGuide = 10;
   look.followRadius = 0.004f;
   look.camera.direction = {0.40f, 0.16f, 1};
-  look.settings.gravity = {0, -2.5f, 0};
+  look.settings.solver = solver;
   look.settings.damping = 0.04f;
-  look.settings.globalStiffness = 0.04f;
-  look.settings.globalRange = 1;
   look.settings.vspCoefficient = 0.2f;
+  if (solver == pelage::Solver::kExact) {
+    look.settings.bendLength = 0.08f;
+    look.settings.globalStiffness = 0.03f;
+    look.settings.globalRange = 0.4f;
+  } else {
+    // Local shape alone does not carry the hair's weight.
+    look.settings.gravity = {0, -2.5f, 0};
+    look.settings.globalStiffness = 0.04f;
+    look.settings.globalRange = 1;
+  }
   return look;
 }
 
 // A groom from files, of which nothing is known: stiff enough to keep its style, seen from the
 // side.
-Look fileLook() {
+Look fileLook(pelage::Solver solver) {
+  const bool exact = solver == pelage::Solver::kExact;
   Look look;
   look.material.rootColor = {0.16f, 0.026f, 0.010f};
   look.material.tipColor = {0.46f, 0.15f, 0.040f};
@@ -126,7 +159,9 @@ Look fileLook() {
   look.material.secondaryStrength = 0.8f;
   look.followPerGuide = 8;
   look.followRadius = 0.006f;
-  look.settings.gravity = {0, -2.5f, 0};
+  look.settings.solver = solver;
+  if (!exact) look.settings.gravity = {0, -2.5f, 0};
+  look.settings.bendLength = 0.2f;
   look.settings.globalStiffness = 0.06f;
   look.settings.globalRange = 1;
   look.settings.vspCoefficient = 0.2f;
@@ -155,7 +190,7 @@ Result<DemoScene> DemoScene::create(const DemoAssets& assets, const DemoDef& def
   demo.skeleton_ = assets.skeleton;
   demo.boneCount_ = assets.boneCount();
   demo.pivot_ = pivotUnder(assets.hair);
-  const Look look = generated ? generatedLook() : fileLook();
+  const Look look = generated ? generatedLook(def.solver) : fileLook(def.solver);
   demo.cameraDef_ = look.camera;
   demo.light = studioLight(look.camera.direction);
 
@@ -170,6 +205,7 @@ Result<DemoScene> DemoScene::create(const DemoAssets& assets, const DemoDef& def
   hairDef.name = assets.name;
   hairDef.material = look.material;
   hairDef.settings = look.settings;
+  hairDef.settings.subSteps = def.subSteps;
   hairDef.settings.wind.velocity = def.wind;
   hairDef.skinning = def.skinning;
   hairDef.influences = assets.weights.strands;
@@ -179,6 +215,7 @@ Result<DemoScene> DemoScene::create(const DemoAssets& assets, const DemoDef& def
   if (!hair) return hair.error();
   demo.hair_ = *hair;
 
+  if (generated) demo.capsules_ = headCapsules();
   if (assets.mesh)
     if (Result<void> added = demo.addMesh(assets); !added) return added.error();
 
@@ -214,6 +251,13 @@ Result<void> DemoScene::advance(pelage::PassList& list) {
   ++frame_;
   const std::vector<AffineTransform> bones = pose(frame_ * kFrameSeconds);
   scene_.hair(hair_).setBones(bones);
+  std::vector<pelage::CapsuleCollider> capsules = capsules_;
+  for (size_t i = 0; i < capsules.size(); ++i) {
+    const AffineTransform& bone = bones[i == 0 ? 0 : 1];
+    capsules[i].head = pelage::transformPoint(bone, capsules[i].head);
+    capsules[i].tail = pelage::transformPoint(bone, capsules[i].tail);
+  }
+  scene_.hair(hair_).setColliders(capsules);
   if (Result<void> done = scene_.simulate(static_cast<float>(kFrameSeconds), list); !done)
     return done;
   if (mesh_) mesh_->setBones(bones, list);

@@ -17,7 +17,9 @@ struct DemoDef {
   std::optional<uint32_t> followPerGuide;  ///< a default for the groom when not given
   uint64_t seed = 1;                       ///< of the follow hairs
   pelage::SkinningMethod skinning = pelage::SkinningMethod::kMatrices;
-  pelage::Float3 wind;  ///< [m/s]
+  pelage::Solver solver = pelage::Solver::kExact;
+  uint32_t subSteps = 1;  ///< of the exact solver
+  pelage::Float3 wind;    ///< [m/s]
 };
 
 class DemoScene {
@@ -53,6 +55,7 @@ class DemoScene {
   pelage::Scene scene_;
   pelage::HairId hair_ = pelage::HairId::kInvalid;
   std::optional<MeshObject> mesh_;
+  std::vector<pelage::CapsuleCollider> capsules_;  ///< in bind space; the first one on the neck bone
   pelage::Skeleton skeleton_;
   uint32_t boneCount_ = 1;
   CameraDef cameraDef_;

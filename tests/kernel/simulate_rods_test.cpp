@@ -111,7 +111,7 @@ class RodRun {
   /// The same with root transforms as they were last set.
   void stepWithRoots(double dt, const RodSettings& settings) {
     if (!settings.colliders.empty()) {
-      std::vector<ExactCollider> colliders;
+      std::vector<Collider> colliders;
       for (const RodCollider& c : settings.colliders)
         colliders.push_back({toFloat4(c.head, c.headRadius), toFloat4(c.tail, c.tailRadius),
                              toFloat4(c.headBefore, c.friction), toFloat4(c.tailBefore)});
@@ -180,7 +180,7 @@ class RodRun {
         rest_(gpu, "rest", packed.rest),
         roots_(gpu, "rootFrames", std::vector<Float4>(4 * rests.size())),
         strands_(gpu, "strands", packed.records),
-        colliders_(gpu, "colliders", std::vector<ExactCollider>(kMaxColliders)) {
+        colliders_(gpu, "colliders", std::vector<Collider>(kMaxColliders)) {
     constants.strandCount = static_cast<uint32_t>(rests.size());
     constants.stateStride = packed.stride;
     constants.rootCount = constants.strandCount;
@@ -270,7 +270,7 @@ class RodRun {
   double stepBefore_ = 0, frameBefore_ = 0;
   GuardedBuffer<Float4> positions_, tangents_, state_, gains_, rest_, roots_;
   GuardedBuffer<ExactStrand> strands_;
-  GuardedBuffer<ExactCollider> colliders_;
+  GuardedBuffer<Collider> colliders_;
 };
 
 /// Something that strands go through.

@@ -53,7 +53,9 @@ SimulationConstants constantsOf(const PassList& list, const Pass& pass) {
 
 class SceneTest : public testing::Test {
  protected:
-  HairObject& add(const HairDef& def = {}) {
+  // What these tests look at are the classic solver's passes; exact_scene_test has the others.
+  HairObject& add(HairDef def = {}) {
+    def.settings.solver = Solver::kClassic;
     const Result<HairId> added = scene_.addHair(asset_, def);
     EXPECT_TRUE(added) << added.error().message;
     id_ = *added;
@@ -120,7 +122,10 @@ TEST_F(SceneTest, BonesAreUploadedOnlyWhenTheyChange) {
   HairObject& hair = add();
   EXPECT_EQ(simulate().uploads.size(), 1u);
   EXPECT_TRUE(simulate().uploads.empty());
-  const AffineTransform bone;
+  AffineTransform bone;
+  hair.setBones({&bone, 1});
+  EXPECT_TRUE(simulate().uploads.empty()) << "it is where it was";
+  bone.rows[1].w = 0.1f;
   hair.setBones({&bone, 1});
   EXPECT_EQ(simulate().uploads.size(), 1u);
 }
@@ -252,6 +257,11 @@ TEST_F(SceneTest, RefusesGroomsThatDoNotFitTogether) {
   const std::vector<FollowHair> follow = {{.guide = 5, .offset = {}}};
   EXPECT_FALSE(scene_.addHair(asset_, {.followHairs = follow}));
   EXPECT_FALSE(scene_.addHair(HairAsset{}, {}));
+  HairAsset uneven = makeAsset();
+  uneven.vertexCounts = {8, 8, 1, 8, 8};
+  const Result<void> processed = uneven.process();
+  ASSERT_FALSE(processed);
+  EXPECT_NE(processed.error().message.find("strand 2 has 1 vertices"), std::string::npos);
   EXPECT_EQ(scene_.resources().count(), 0u);
 }
 

@@ -137,7 +137,7 @@ Value addVertex(Value value, RodVertex vertex, float3 way) {
 #if COLLIDERS
   precise float3 x = vertex.position + way;
   for (uint c = 0; c < g_colliderCount; ++c) {
-    Contact contact = findContact(g_exactColliders[c], x);
+    Contact contact = contactWith(c, x);
     if (contact.penetration > 0.0) {
       precise float k = vertex.weight * kContactStiffness;
       precise float3 kn = contact.normal * k;

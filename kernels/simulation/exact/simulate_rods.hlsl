@@ -7,7 +7,8 @@
 // Writes:  g_state (next; at a reset now and before), g_gains, g_positions, g_tangents
 //
 // In this order (numbers of the step in layouts/exact.hlsli):
-//   1. Vertices 0, 1 and edge 0 go where the root is at the sub-step's end.
+//   1. Vertices 0, 1 and edge 0 go where the root is at the sub-step's end. A new origin of the
+//      object moves the state first.
 //   2. VELOCITY_SHOCK_PROPAGATION: positions, velocities and frames, of now and before, are carried
 //      along by a share of the root's rigid motion.
 //   3. Every vertex's target y = xb + vb velocityShare + drift, BDF2 or backward Euler of a free
@@ -37,6 +38,7 @@ static const uint kMaxCount = 256;
 static const float kHoldStiffness = 1e6;
 static const uint kResetFlag = 1;
 static const uint kLastFlag = 2;
+static const uint kRebaseFlag = 4;
 
 // What a vertex has in memory.
 struct StoredVertex {
@@ -160,6 +162,29 @@ void resetStrand(ExactStrand strand, Slots slots, RodRoot root) {
     g_state[stateIndex(kFrameSets + slots.before, i, strand)] = frame;
     x = x + axisX(frame) * edgeLength;
   }
+}
+
+// Moves the states now and before to the new origin, and the motion that led from one to the other.
+void rebaseStrand(ExactStrand strand, Slots slots) {
+  float3 shift = g_rebase.xyz;
+  for (uint i = 1; i < strand.count; ++i) {
+    uint now = stateIndex(kPositionSets + slots.now, i, strand);
+    uint before = stateIndex(kPositionSets + slots.before, i, strand);
+    float4 x = g_state[now];
+    float4 xBefore = g_state[before];
+    precise float3 moved = x.xyz + shift;
+    precise float3 movedBefore = xBefore.xyz + shift;
+    g_state[now] = float4(moved, x.w);
+    g_state[before] = float4(movedBefore, xBefore.w);
+  }
+#if VELOCITY_SHOCK_PROPAGATION
+  // p -> R p + s about another origin: s + d - R d.
+  uint spare = stateIndex(kVelocitySets + slots.now, 1, strand);
+  float4 rotation = g_state[stateIndex(kFrameSets + slots.now, strand.count - 1, strand)];
+  float4 motion = g_state[spare];
+  precise float3 moved = motion.xyz + (shift - rotate(rotation, shift));
+  g_state[spare] = float4(moved, motion.w);
+#endif
 }
 
 // Position and tangent for drawing. A vertex's tangent is the direction from the vertex before to
@@ -336,7 +361,8 @@ void simulate_rods(uint3 thread : SV_DispatchThreadID) {
   if (strand.count < kMinCount || strand.count > kMaxCount) return;
   uint reach = (strand.count - 1) * kTileStrands;
   if (reach >= g_stateStride || strand.state >= g_stateStride - reach) return;
-  if (strand.count > g_outputCount || strand.target > g_outputCount - strand.count) return;
+  uint outputs = max(strand.count, g_outputVertices);
+  if (outputs > g_outputCount || strand.target > g_outputCount - outputs) return;
   if (strand.root >= g_rootCount) return;
 
   Slots slots = stateSlots();
@@ -345,6 +371,7 @@ void simulate_rods(uint3 thread : SV_DispatchThreadID) {
   RodRoot root = rootAt(path, g_rootEnd);
   bool reset = (g_flags & kResetFlag) != 0u;
   if (reset) resetStrand(strand, slots, root);
+  if ((g_flags & kRebaseFlag) != 0u && !reset) rebaseStrand(strand, slots);
 
   uint tip = strand.count - 1;
   float4 firstX = g_state[stateIndex(kPositionSets + slots.now, 0, strand)];
@@ -409,6 +436,12 @@ void simulate_rods(uint3 thread : SV_DispatchThreadID) {
     writeOutput(1, strand, x1, edge0, tangent);
     float4 secondX = g_state[stateIndex(kPositionSets + slots.now, 1, strand)];
     g_state[stateIndex(kPositionSets + slots.next, 1, strand)] = float4(x1, secondX.w);
+  }
+
+  uint tipTarget = strand.target + tip;
+  for (uint pad = strand.count; pad < g_outputVertices; ++pad) {
+    g_positions[strand.target + pad] = g_positions[tipTarget];
+    g_tangents[strand.target + pad] = g_tangents[tipTarget];
   }
 
   // The spare places of the new state.

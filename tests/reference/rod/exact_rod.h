@@ -543,13 +543,13 @@ class ExactRod {
           touched = true;
         }
       }
+      if (!touched) return frame;
       const Vector aim = end - moved_[i];
       const Real squared = dot(aim, aim);
       if (squared > least) {
         direction = aim * inverseRoot(std::max(squared, Real(1e-20)));
       }
     }
-    if (!touched) return frame;
     const Real scalar = std::max(Real(1) + dot(tangent, direction), Real(1e-4));
     const Rotation turn = normalized(Rotation(cross(tangent, direction), scalar));
     return normalized(turn * frame);

@@ -1,0 +1,65 @@
+// Where a point is relative to a sphere or a tapered capsule in motion.
+#ifndef PELAGE_COMMON_COLLIDERS_HLSLI
+#define PELAGE_COMMON_COLLIDERS_HLSLI
+
+#include "../layouts/collider.hlsli"
+#include "quaternion.hlsli"
+
+struct Contact {
+  float3 normal;         // unit, out of the collider
+  float penetration;     // [m]; negative outside
+  float3 surfaceMotion;  // of the collider at the contact, in this sub-step [m]
+  float friction;        // Coulomb's coefficient
+};
+
+// Distance to the union of the spheres between two ends: the minimum over t of |p - c(t)| - r(t).
+// With z along the axis of length L and d from it, the derivative vanishes where
+// z - t L = d k / sqrt(1 - k^2), k = (r0 - r1) / L. For k outside -1..1 one end holds the other.
+//
+// \param begin, end  the part of the collider's motion in this frame that is in the sub-step, 0..1
+Contact findContact(Collider shape, float3 p, float begin, float end) {
+  Contact contact;
+  contact.normal = float3(0.0, 0.0, 0.0);
+  contact.penetration = -1e18;
+  contact.surfaceMotion = float3(0.0, 0.0, 0.0);
+  contact.friction = 0.0;
+  if (!isUsable(shape.head) || !isUsable(shape.tail) || !isUsable(shape.headBefore) ||
+      !isUsable(shape.tailBefore.xyz))
+    return contact;
+  float3 headBefore = shape.headBefore.xyz;
+  float3 tailBefore = shape.tailBefore.xyz;
+  precise float3 headWay = shape.head.xyz - headBefore;
+  precise float3 tailWay = shape.tail.xyz - tailBefore;
+  precise float3 headTo = headBefore + headWay * end;
+  precise float3 tailTo = tailBefore + tailWay * end;
+  precise float3 headFrom = headBefore + headWay * begin;
+  precise float3 tailFrom = tailBefore + tailWay * begin;
+  precise float3 axis = tailTo - headTo;
+  precise float3 arm = p - headTo;
+  precise float squared = dot3(axis, axis);
+  precise float taper = shape.head.w - shape.tail.w;
+  precise float taper2 = taper * taper;
+  precise float t = taper >= 0.0 ? 0.0 : 1.0;
+  if (squared > taper2 && squared > 1e-16) {
+    precise float along = dot3(arm, axis) / squared;
+    precise float3 off = arm - axis * along;
+    precise float wide = squareRoot(dot3(off, off)) * taper;
+    precise float shift = wide / squareRoot(squared * max(squared - taper2, 1e-16));
+    precise float place = along - shift;
+    t = min(max(place, 0.0), 1.0);
+  }
+  precise float3 center = headTo + axis * t;
+  precise float3 outward = p - center;
+  float distance = squareRoot(max(dot3(outward, outward), 1e-20));
+  precise float3 normal = outward * (1.0 / distance);
+  precise float penetration = shape.head.w - taper * t - distance;
+  precise float3 before = headFrom + (tailFrom - headFrom) * t;
+  precise float3 surfaceMotion = center - before;
+  contact.normal = normal;
+  contact.penetration = penetration;
+  contact.surfaceMotion = surfaceMotion;
+  contact.friction = shape.headBefore.w;
+  return contact;
+}
+
+#endif

@@ -1,0 +1,68 @@
+// What a hair object holds beside its public data.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "pelage/collider.h"
+#include "pelage/gpu_structs.h"
+#include "pelage/hair_asset.h"
+#include "pelage/hair_object.h"
+
+namespace pelage::detail {
+
+/// Ball around the bind positions of the roots that a bone moves.
+struct BoneBounds {
+  uint32_t bone = 0;
+  Float3 center = {};
+  float radius = 0;
+};
+
+struct HairInternals {
+  /// Positions and rest data, to fill buffers again when the solver changes.
+  HairAsset asset;
+  SkinningMethod skinning = SkinningMethod::kMatrices;
+
+  std::vector<AffineTransform> bones;
+  bool bonesChanged = true;
+  std::vector<BoneBounds> bounds;
+  float longestStrand = 0;  ///< [m]
+
+  std::vector<CapsuleCollider> colliders, collidersBefore;  ///< of this frame and the last one
+  uint32_t colliderCapacity = 0;                            ///< elements of the buffer
+
+  /// Of state, roots and colliders in world space [m]: whole metres, so that the difference of two
+  /// origins, and that of a position near an origin and the origin, are exact.
+  Float3 origin = {};
+  bool originKnown = false;
+
+  bool resetPending = true;
+  /// What the solver's buffers were made for.
+  std::optional<Solver> solver;
+  bool goals = false;
+  bool heldVertices = false;  ///< beyond the two at the root
+  bool vspBefore = false;     ///< exact: the last step had shock propagation
+
+  float lastStep = 0;   ///< length of the last sub-step [s]; 0 before the first one
+  float lastFrame = 0;  ///< of the last frame [s]
+  uint32_t slot = 0;    ///< exact: of the state now
+  uint32_t stateStride = 0;
+};
+
+/// Balls around the roots of every bone; without influences all roots belong to bone 0.
+std::vector<BoneBounds> boundsOfRoots(const HairAsset& asset,
+                                      std::span<const BoneInfluences> influences);
+/// Length of the longest strand [m].
+float longestStrand(const HairAsset& asset);
+
+/// Moves the origin after the root of the first strand.
+/// \return what to add to positions relative to the old origin; 0 while it stays.
+Float3 moveOrigin(HairInternals& hair);
+/// Bones relative to the origin, as the kernels read them.
+std::vector<Float4> packBones(const HairInternals& hair);
+/// Colliders of this frame that strands may reach, relative to the origin.
+std::vector<Collider> packColliders(const HairInternals& hair);
+
+}  // namespace pelage::detail

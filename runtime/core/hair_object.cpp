@@ -1,0 +1,215 @@
+#include "pelage/hair_object.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hair_internals.h"
+#include "pelage/assert.h"
+#include "pelage/skeleton.h"
+
+namespace pelage {
+
+HairObject::HairObject() : internals_(std::make_unique<detail::HairInternals>()) {}
+HairObject::~HairObject() = default;
+
+SkinningMethod HairObject::skinning() const { return internals_->skinning; }
+
+void HairObject::setBones(std::span<const AffineTransform> bones) {
+  PELAGE_ASSERT(bones.size() == boneCount_, "setBones() takes boneCount() transforms");
+  const size_t count = std::min<size_t>(bones.size(), boneCount_);
+  if (std::equal(bones.begin(), bones.begin() + static_cast<ptrdiff_t>(count),
+                 internals_->bones.begin()))
+    return;
+  std::copy_n(bones.begin(), count, internals_->bones.begin());
+  internals_->bonesChanged = true;
+}
+
+void HairObject::setColliders(std::span<const CapsuleCollider> colliders) {
+  internals_->colliders.assign(colliders.begin(), colliders.end());
+}
+
+void HairObject::reset() { internals_->resetPending = true; }
+
+namespace detail {
+namespace {
+
+// A root farther than this from the origin [m] moves it: the rounding of the state grows with the
+// distance, and a new origin costs a pass over the state.
+constexpr float kOriginRange = 1.5f;
+
+bool isFinite(Float3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+Float3 subtract(Float3 a, Float3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+
+float distance(Float3 a, Float3 b) {
+  const Float3 d = subtract(a, b);
+  return std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
+}
+
+Float3 apply(const AffineTransform& m, Float3 p) {
+  const auto row = [&](const Float4& r) { return r.x * p.x + r.y * p.y + r.z * p.z + r.w; };
+  return {row(m.rows[0]), row(m.rows[1]), row(m.rows[2])};
+}
+
+// Largest factor by which a transform can lengthen a vector, or a little more: the Frobenius norm.
+float scaleOf(const AffineTransform& m) {
+  float sum = 0;
+  for (const Float4& r : m.rows) sum += r.x * r.x + r.y * r.y + r.z * r.z;
+  return std::sqrt(sum);
+}
+
+bool isUsable(const CapsuleCollider& c) {
+  return isFinite(c.head) && isFinite(c.tail) && std::isfinite(c.headRadius) &&
+         std::isfinite(c.tailRadius) && std::isfinite(c.friction) && c.headRadius >= 0 &&
+         c.tailRadius >= 0 && c.friction >= 0;
+}
+
+// Ball around all strands in world space; a radius of infinity when a bone is not finite.
+struct Ball {
+  Float3 center = {};
+  float radius = 0;
+};
+
+Ball ballOfStrands(const HairInternals& hair) {
+  std::vector<Ball> balls;
+  for (const BoneBounds& bounds : hair.bounds) {
+    const AffineTransform& bone = hair.bones[bounds.bone];
+    balls.push_back({apply(bone, bounds.center), bounds.radius * scaleOf(bone)});
+    if (!isFinite(balls.back().center) || !std::isfinite(balls.back().radius))
+      return {{}, INFINITY};
+  }
+  Ball all;
+  for (const Ball& ball : balls) {
+    const auto share = 1 / static_cast<float>(balls.size());
+    all.center.x += ball.center.x * share;
+    all.center.y += ball.center.y * share;
+    all.center.z += ball.center.z * share;
+  }
+  for (const Ball& ball : balls)
+    all.radius = std::max(all.radius, distance(all.center, ball.center) + ball.radius);
+  // Blends of bones stay between what the bones do; rounding does not.
+  all.radius = 1.01f * all.radius + hair.longestStrand;
+  return all;
+}
+
+bool reaches(const CapsuleCollider& c, const Ball& ball) {
+  const float radius = std::max(c.headRadius, c.tailRadius) + 0.5f * distance(c.head, c.tail);
+  const Float3 center = {0.5f * (c.head.x + c.tail.x), 0.5f * (c.head.y + c.tail.y),
+                         0.5f * (c.head.z + c.tail.z)};
+  return !(distance(center, ball.center) > radius + ball.radius);
+}
+
+}  // namespace
+
+std::vector<BoneBounds> boundsOfRoots(const HairAsset& asset,
+                                      std::span<const BoneInfluences> influences) {
+  const size_t stride = asset.verticesPerStrand;
+  const auto root = [&](uint32_t strand) {
+    const Float4& p = asset.positions[strand * stride];
+    return Float3{p.x, p.y, p.z};
+  };
+  struct Box {
+    bool used = false;
+    Float3 low, high;
+  };
+  std::vector<Box> boxes(1);
+  const auto add = [&](uint32_t bone, Float3 p) {
+    if (bone >= boxes.size()) boxes.resize(bone + 1);
+    Box& box = boxes[bone];
+    if (!box.used) box = {true, p, p};
+    box.low = {std::min(box.low.x, p.x), std::min(box.low.y, p.y), std::min(box.low.z, p.z)};
+    box.high = {std::max(box.high.x, p.x), std::max(box.high.y, p.y), std::max(box.high.z, p.z)};
+  };
+  for (uint32_t s = 0; s < asset.strandCount; ++s) {
+    bool bound = false;
+    for (size_t k = 0; k < 4 && s < influences.size(); ++k) {
+      if (!(influences[s].weights[k] > 0)) continue;
+      add(influences[s].bones[k], root(s));
+      bound = true;
+    }
+    if (!bound) add(s < influences.size() ? influences[s].bones[0] : 0, root(s));
+  }
+  std::vector<BoneBounds> bounds;
+  for (uint32_t bone = 0; bone < boxes.size(); ++bone) {
+    const Box& box = boxes[bone];
+    if (!box.used) continue;
+    const Float3 center = {0.5f * (box.low.x + box.high.x), 0.5f * (box.low.y + box.high.y),
+                           0.5f * (box.low.z + box.high.z)};
+    bounds.push_back({bone, center, distance(center, box.high)});
+  }
+  return bounds;
+}
+
+float longestStrand(const HairAsset& asset) {
+  float longest = 0;
+  const size_t stride = asset.verticesPerStrand;
+  for (size_t s = 0; s < asset.strandCount; ++s) {
+    float length = 0;
+    for (size_t i = 0; i < stride; ++i) length += asset.restLengths[s * stride + i];
+    longest = std::max(longest, length);
+  }
+  return longest;
+}
+
+Float3 moveOrigin(HairInternals& hair) {
+  const BoneBounds& bounds = hair.bounds.front();
+  const Float3 p = apply(hair.bones[bounds.bone], bounds.center);
+  if (!isFinite(p)) {
+    hair.originKnown = true;
+    return {};
+  }
+  const Float3 away = subtract(p, hair.origin);
+  const bool near = std::abs(away.x) <= kOriginRange && std::abs(away.y) <= kOriginRange &&
+                    std::abs(away.z) <= kOriginRange;
+  if (hair.originKnown && near) return {};
+  const Float3 old = hair.origin;
+  hair.origin = {std::round(p.x), std::round(p.y), std::round(p.z)};
+  hair.bonesChanged = true;
+  if (!hair.originKnown) {
+    hair.originKnown = true;
+    return {};
+  }
+  return subtract(old, hair.origin);
+}
+
+std::vector<Float4> packBones(const HairInternals& hair) {
+  std::vector<Float4> packed;
+  packed.reserve(3 * hair.bones.size());
+  for (AffineTransform bone : hair.bones) {
+    bone.rows[0].w -= hair.origin.x;
+    bone.rows[1].w -= hair.origin.y;
+    bone.rows[2].w -= hair.origin.z;
+    if (hair.skinning == SkinningMethod::kMatrices) {
+      packed.insert(packed.end(), std::begin(bone.rows), std::end(bone.rows));
+    } else {
+      const DualQuaternion motion = toDualQuaternion(bone);
+      packed.insert(packed.end(), {motion.real, motion.dual});
+    }
+  }
+  return packed;
+}
+
+std::vector<Collider> packColliders(const HairInternals& hair) {
+  std::vector<Collider> packed;
+  if (hair.colliders.empty()) return packed;
+  const Ball ball = ballOfStrands(hair);
+  for (size_t i = 0; i < hair.colliders.size(); ++i) {
+    const CapsuleCollider& now = hair.colliders[i];
+    if (!isUsable(now)) continue;
+    const bool known = i < hair.collidersBefore.size() && isUsable(hair.collidersBefore[i]);
+    const CapsuleCollider& before = known ? hair.collidersBefore[i] : now;
+    if (!reaches(now, ball) && !reaches(before, ball)) continue;
+    const auto relative = [&](Float3 p, float w) {
+      const Float3 r = subtract(p, hair.origin);
+      return Float4{r.x, r.y, r.z, w};
+    };
+    packed.push_back({.head = relative(now.head, now.headRadius),
+                      .tail = relative(now.tail, now.tailRadius),
+                      .headBefore = relative(before.head, now.friction),
+                      .tailBefore = relative(before.tail, 0)});
+  }
+  return packed;
+}
+
+}  // namespace detail
+}  // namespace pelage

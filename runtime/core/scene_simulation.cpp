@@ -1,0 +1,395 @@
+// The passes that advance hair objects.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "exact_solver.h"
+#include "hair_internals.h"
+#include "pelage/gpu_structs.h"
+#include "pelage/kernels.h"
+#include "pelage/scene.h"
+
+namespace pelage {
+namespace {
+
+// The step that the artist's 0..1 values are defined at [s].
+constexpr double kReferenceStep = 1.0 / 60.0;
+// Bits of SimulationConstants::flags, as in kernels/layouts/simulation.hlsli.
+constexpr uint32_t kClassicReset = 1;
+constexpr uint32_t kClassicRebase = 2;
+// Bits of ExactConstants::flags, as in kernels/layouts/exact.hlsli.
+constexpr uint32_t kExactReset = 1;
+constexpr uint32_t kExactLast = 2;
+constexpr uint32_t kExactRebase = 4;
+// Root frames a guide in g_rootTransforms, as there.
+constexpr uint64_t kRootTransformSets = 2;
+// Stiffness 1 would be an infinite spring.
+constexpr double kMaxGlobalStiffness = 0.9999;
+// Beyond this the local shape's sweeps overshoot; found by sweeping it on curled strands.
+constexpr double kMaxLocalStiffness = 0.95;
+constexpr uint64_t kVector = sizeof(Float4);
+// Threads of an exact dispatch in x, as in simulate_rods.
+constexpr uint32_t kExactRow = 1u << 20;
+
+template <class T>
+std::vector<std::byte> bytesOf(const std::vector<T>& values) {
+  const auto bytes = std::as_bytes(std::span(values));
+  return {bytes.begin(), bytes.end()};
+}
+
+bool isZero(Float3 v) { return v.x == 0 && v.y == 0 && v.z == 0; }
+
+// A share s of the way to a goal in 1/60 s as a share for a step of h: a spring of the same
+// frequency, solved implicitly.
+double mapStiffness(double s, double h) {
+  const double ratio = h / kReferenceStep;
+  const double spring = ratio * ratio * s / (1 - s);
+  return spring / (1 + spring);
+}
+
+// Gusts: two incommensurate waves, so that the pattern does not repeat soon; in -1..1.
+double gust(double time, double period) {
+  const double phase = 2 * std::numbers::pi * time / period;
+  return 0.6 * std::sin(phase) + 0.4 * std::sin(2.618 * phase + 1.3);
+}
+
+// Velocity of the air, gusts included [m/s].
+Float3 windAt(const WindSettings& wind, double time) {
+  const double swell =
+      1 + static_cast<double>(wind.gustStrength) * gust(time, static_cast<double>(wind.gustPeriod));
+  const auto swelled = [&](float v) { return static_cast<float>(static_cast<double>(v) * swell); };
+  return {swelled(wind.velocity.x), swelled(wind.velocity.y), swelled(wind.velocity.z)};
+}
+
+bool usesGoals(const SimulationSettings& s) { return s.globalStiffness > 0 && s.globalRange > 0; }
+bool usesVsp(const SimulationSettings& s) {
+  return s.vspCoefficient > 0 || std::isfinite(s.vspThreshold);
+}
+
+}  // namespace
+
+// A frame of one object.
+struct Scene::Frame {
+  HairObject& object;
+  detail::HairInternals& internals;
+  const SimulationSettings& settings;
+  PassList& list;
+  float length;  ///< [s]
+  uint32_t steps;
+  Float3 wind;
+  bool reset;
+  Float3 rebase;
+  uint32_t colliderCount;
+
+  SimulationConstants commonConstants() const;
+};
+
+void Scene::removeSolverBuffers(HairObject& object) {
+  HairBuffers& buffers = object.buffers_;
+  for (BufferId* buffer : {&buffers.state, &buffers.rest, &buffers.strands, &buffers.gains})
+    removeBuffer(*buffer);
+  object.internals_->solver.reset();
+}
+
+// Makes the solver's buffers where those that are there are for something else.
+void Scene::addSolverBuffers(HairObject& object) {
+  detail::HairInternals& internals = *object.internals_;
+  const HairAsset& asset = internals.asset;
+  HairBuffers& buffers = object.buffers_;
+  const Solver solver = object.settings.solver;
+  const bool goals = usesGoals(object.settings) || internals.heldVertices;
+  const auto add = [&](const char* what, uint64_t count, uint32_t stride,
+                       std::vector<std::byte> initial = {}) {
+    return resources_.add({.name = object.name_ + "/" + what,
+                           .size = count * stride,
+                           .stride = stride,
+                           .initial = std::move(initial)});
+  };
+  if (internals.solver != solver) {
+    removeSolverBuffers(object);
+    internals.solver = solver;
+    internals.resetPending = true;
+    if (solver == Solver::kClassic) {
+      const uint64_t vertices = uint64_t{asset.strandCount} * asset.verticesPerStrand;
+      const Result<std::vector<Float4>> rest = packRest(asset);
+      PELAGE_ASSERT(rest, "addHair() takes processed assets only");
+      buffers.state = add("state", 2 * vertices, kVector);
+      buffers.rest = add("rest", rest->size(), kVector, bytesOf(*rest));
+    } else {
+      const detail::ExactStrands strands = detail::packExactStrands(asset);
+      const std::vector<Float4> state = detail::packExactState(asset, strands);
+      internals.stateStride = strands.stateStride;
+      internals.slot = 0;
+      buffers.strands =
+          add("strands", strands.strands.size(), sizeof(ExactStrand), bytesOf(strands.strands));
+      buffers.state = add("state", state.size(), kVector, bytesOf(state));
+      buffers.gains = add("gains", detail::kExactGainSets * strands.stateStride, kVector);
+    }
+  }
+  if (solver == Solver::kExact &&
+      (buffers.rest == BufferId::kInvalid || goals != internals.goals)) {
+    internals.goals = goals;
+    removeBuffer(buffers.rest);
+    const std::vector<Float4> rest =
+        detail::packExactRest(asset, detail::packExactStrands(asset), goals);
+    buffers.rest = add("rest", rest.size(), kVector, bytesOf(rest));
+  }
+}
+
+Result<void> Scene::simulate(float dt, PassList& list) {
+  list.clear();
+  if (!std::isfinite(dt) || dt < 0) {
+    return Error{ErrorCode::kInvalidArgument,
+                 "time step is " + std::to_string(dt) + " s, but must be finite and at least 0"};
+  }
+  if (dt == 0) return {};
+  // A frame of 1/60 s that is a little long by rounding is still one step.
+  const double steps = std::ceil(static_cast<double>(dt) / kReferenceStep - 1e-3);
+  const auto subSteps = static_cast<uint32_t>(std::clamp(steps, 1.0, double{kMaxSubSteps}));
+  const auto frame =
+      static_cast<float>(std::min(static_cast<double>(dt), kMaxSubSteps * kReferenceStep));
+  for (const auto& object : objects_) {
+    if (object == nullptr) continue;
+    if (Result<void> done = simulateObject(*object, frame, subSteps, list); !done) {
+      list.clear();
+      return done;
+    }
+  }
+  time_ += static_cast<double>(frame);
+  return {};
+}
+
+Result<void> Scene::simulateObject(HairObject& object, float length, uint32_t steps,
+                                   PassList& list) {
+  const SimulationSettings& s = object.settings;
+  if (Result<void> valid = validate(s); !valid) {
+    return Error{valid.error().code, "hair '" + object.name_ + "': " + valid.error().message};
+  }
+  addSolverBuffers(object);
+  detail::HairInternals& internals = *object.internals_;
+  HairBuffers& buffers = object.buffers_;
+
+  Frame frame = {.object = object,
+                 .internals = internals,
+                 .settings = s,
+                 .list = list,
+                 .length = length,
+                 .steps = steps,
+                 .wind = windAt(s.wind, time_),
+                 .reset = internals.resetPending,
+                 .rebase = s.solver == Solver::kExact ? detail::moveOrigin(internals) : Float3{},
+                 .colliderCount = 0};
+  if (internals.bonesChanged) {
+    const std::vector<Float4> bones = detail::packBones(internals);
+    addUpload(list, buffers.boneTransforms, std::as_bytes(std::span(bones)));
+    internals.bonesChanged = false;
+  }
+  if (const std::vector<Collider> colliders = detail::packColliders(internals);
+      !colliders.empty()) {
+    frame.colliderCount = static_cast<uint32_t>(colliders.size());
+    if (frame.colliderCount > internals.colliderCapacity) {
+      removeBuffer(buffers.colliders);
+      internals.colliderCapacity = frame.colliderCount;
+      buffers.colliders = resources_.add({.name = object.name_ + "/colliders",
+                                          .size = colliders.size() * sizeof(Collider),
+                                          .stride = sizeof(Collider),
+                                          .usage = BufferUsage::kStorage | BufferUsage::kUpload});
+    }
+    addUpload(list, buffers.colliders, std::as_bytes(std::span(colliders)));
+  }
+  internals.collidersBefore = internals.colliders;
+
+  if (Result<void> added = addRootPass(frame); !added) return added;
+  const Result<void> added =
+      s.solver == Solver::kExact ? addExactPasses(frame) : addClassicPasses(frame);
+  if (!added) return added;
+  internals.lastFrame = length;
+  internals.resetPending = false;
+  return addFollowPass(frame);
+}
+
+// What every kernel of the group "simulation" takes.
+SimulationConstants Scene::Frame::commonConstants() const {
+  const Float3 origin = internals.origin;
+  SimulationConstants constants = {};
+  constants.origin = {origin.x, origin.y, origin.z, 0};
+  constants.rebase = {rebase.x, rebase.y, rebase.z, 0};
+  constants.guideCount = object.guideCount_;
+  constants.followCount = object.followCount_;
+  constants.vertexCount = object.vertexCount_;
+  constants.boneCount = object.boneCount_;
+  constants.timeStepRatio = 1;
+  constants.rootBegin = 0;
+  constants.rootEnd = 1;
+  constants.tipSeparation = settings.tipSeparation;
+  constants.flags = reset ? kClassicReset : 0;
+  return constants;
+}
+
+Result<void> Scene::addRootPass(const Frame& frame) {
+  const HairBuffers& buffers = frame.object.buffers_;
+  const uint64_t guides = frame.object.guideCount_;
+  const bool dual = frame.internals.skinning == SkinningMethod::kDualQuaternions;
+  PassBuilder builder(frame.list);
+  builder.dispatch(skinRootsVariant({.dualQuaternions = dual}), frame.object.guideCount_)
+      .bind("g_rest", buffers.bindRoots, guides * kVector)
+      .bind("g_rootTransforms", buffers.rootTransforms,
+            kRootTransformSets * guides * sizeof(RootTransform))
+      .bind("g_boneTransforms", buffers.boneTransforms,
+            (dual ? 2 : 3) * frame.internals.bones.size() * kVector)
+      .bind("g_rootBindings", buffers.rootBindings, guides * sizeof(RootBinding))
+      .constants("SimulationConstants", frame.commonConstants())
+      .bytes(guides * (sizeof(RootBinding) + kVector + 3 * sizeof(RootTransform)));
+  return builder.finish();
+}
+
+Result<void> Scene::addClassicPasses(const Frame& frame) {
+  const SimulationSettings& s = frame.settings;
+  HairObject& object = frame.object;
+  detail::HairInternals& internals = frame.internals;
+  const HairBuffers& buffers = object.buffers_;
+  const uint64_t guides = object.guideCount_;
+  const uint64_t vertices = guides * object.vertexCount_;
+  const double h = static_cast<double>(frame.length) / frame.steps;
+  const double damping = static_cast<double>(s.damping);
+  const double keep = std::pow(1 - damping, h / kReferenceStep);
+
+  SimulationConstants constants = frame.commonConstants();
+  constants.gravity = {s.gravity.x, s.gravity.y, s.gravity.z, 0};
+  constants.wind = {frame.wind.x, frame.wind.y, frame.wind.z, s.airDrag};
+  constants.timeStep = static_cast<float>(h);
+  constants.dampingKeep = static_cast<float>(keep);
+  // What a step of 1/60 s gains at the same terminal velocity.
+  constants.gravityStep =
+      static_cast<float>(damping > 1e-6 ? h * kReferenceStep * (1 - keep) / damping : h * h);
+  constants.localStiffness = static_cast<float>(
+      mapStiffness(std::min(static_cast<double>(s.localStiffness), kMaxLocalStiffness), h));
+  constants.globalStiffness = static_cast<float>(
+      mapStiffness(std::min(static_cast<double>(s.globalStiffness), kMaxGlobalStiffness), h));
+  constants.globalRange = s.globalRange;
+  constants.vspCoefficient = s.vspCoefficient;
+  constants.vspThreshold = s.vspThreshold;
+  constants.maxSpeed = s.maxSpeed;
+  constants.localIterations = s.localIterations;
+  constants.lengthIterations = s.lengthIterations;
+
+  SimulateStrandsKey key;
+  key.wind = !isZero(s.wind.velocity) && s.airDrag > 0;
+  key.globalShape = usesGoals(s);
+  key.localShape = s.localStiffness > 0;
+  key.velocityShockPropagation = usesVsp(s);
+  const KernelVariant& variant = simulateStrandsVariant(key);
+  const auto steps = static_cast<float>(frame.steps);
+  for (uint32_t step = 0; step < frame.steps; ++step) {
+    constants.flags = 0;
+    if (step == 0 && frame.reset) constants.flags |= kClassicReset;
+    if (step == 0 && !isZero(frame.rebase)) constants.flags |= kClassicRebase;
+    constants.rootBegin = static_cast<float>(step) / steps;
+    constants.rootEnd = static_cast<float>(step + 1) / steps;
+    constants.timeStepRatio =
+        internals.lastStep > 0 ? constants.timeStep / internals.lastStep : 1.0f;
+    internals.lastStep = constants.timeStep;
+    PassBuilder builder(frame.list);
+    // State read and written twice each, rest data, positions and tangents.
+    builder.dispatch(variant, object.guideCount_)
+        .bind("g_positions", buffers.positions, vertices * kVector)
+        .bind("g_tangents", buffers.tangents, vertices * kVector)
+        .bind("g_state", buffers.state, 2 * vertices * kVector)
+        .bind("g_rest", buffers.rest, 2 * vertices * kVector)
+        .bind("g_rootTransforms", buffers.rootTransforms,
+              kRootTransformSets * guides * sizeof(RootTransform))
+        .constants("SimulationConstants", constants)
+        .bytes(8 * vertices * kVector + 2 * guides * sizeof(RootTransform));
+    if (Result<void> added = builder.finish(); !added) return added;
+  }
+  return {};
+}
+
+Result<void> Scene::addExactPasses(const Frame& frame) {
+  const SimulationSettings& s = frame.settings;
+  HairObject& object = frame.object;
+  detail::HairInternals& internals = frame.internals;
+  const HairBuffers& buffers = object.buffers_;
+  const uint64_t guides = object.guideCount_;
+  const uint64_t vertices = guides * object.vertexCount_;
+  const uint64_t stride = internals.stateStride;
+  const uint32_t steps = frame.steps * s.subSteps;
+  const double h = static_cast<double>(frame.length) / steps;
+
+  ExactConstants constants = {};
+  constants.origin = {internals.origin.x, internals.origin.y, internals.origin.z, 0};
+  constants.rebase = {frame.rebase.x, frame.rebase.y, frame.rebase.z, 0};
+  constants.strandCount = object.guideCount_;
+  constants.stateStride = internals.stateStride;
+  constants.rootCount = object.guideCount_;
+  constants.outputCount = static_cast<uint32_t>(vertices);
+  constants.outputVertices = object.vertexCount_;
+  constants.colliderCount = frame.colliderCount;
+  constants.frameTime = frame.length;
+  constants.frameTimeBefore =
+      frame.reset || !(internals.lastFrame > 0) ? frame.length : internals.lastFrame;
+
+  SimulateRodsKey key;
+  key.globalShape = internals.goals;
+  key.damping = s.relaxationTime > 0;
+  key.colliders = frame.colliderCount > 0;
+  key.velocityShockPropagation = usesVsp(s);
+  const KernelVariant& variant = simulateRodsVariant(key);
+  // Without shock propagation the spare places of a state hold a motion that nobody wrote.
+  const bool switched = key.velocityShockPropagation && !internals.vspBefore;
+  internals.vspBefore = key.velocityShockPropagation;
+  if (frame.reset || switched) internals.lastStep = 0;
+
+  for (uint32_t step = 0; step < steps; ++step) {
+    detail::setExactStep(constants, s, h, static_cast<double>(internals.lastStep), frame.wind);
+    internals.lastStep = static_cast<float>(h);
+    constants.rootBegin = static_cast<float>(step) / static_cast<float>(steps);
+    constants.rootEnd = static_cast<float>(step + 1) / static_cast<float>(steps);
+    constants.flags = step + 1 == steps ? kExactLast : 0;
+    if (step == 0 && frame.reset) constants.flags |= kExactReset;
+    if (step == 0 && !isZero(frame.rebase)) constants.flags |= kExactRebase;
+    constants.slot = internals.slot;
+    internals.slot = (internals.slot + 1) % 3;
+    PassBuilder builder(frame.list);
+    const uint32_t rows = (object.guideCount_ + kExactRow - 1) / kExactRow;
+    builder.dispatch(variant, std::min(object.guideCount_, kExactRow), rows)
+        .bind("g_positions", buffers.positions, vertices * kVector)
+        .bind("g_tangents", buffers.tangents, vertices * kVector)
+        .bind("g_state", buffers.state, detail::kExactStateSets * stride * kVector)
+        .bind("g_gains", buffers.gains, detail::kExactGainSets * stride * kVector)
+        .bind("g_rest", buffers.rest, (internals.goals ? 2 : 1) * stride * kVector)
+        .bind("g_rootFrames", buffers.rootTransforms,
+              kRootTransformSets * guides * sizeof(RootTransform))
+        .bind("g_strands", buffers.strands, guides * sizeof(ExactStrand))
+        .bind("g_exactColliders", buffers.colliders, frame.colliderCount * sizeof(Collider))
+        .constants("ExactConstants", constants)
+        .bytes(vertices * detail::kExactBytesAVertex);
+    if (Result<void> added = builder.finish(); !added) return added;
+  }
+  return {};
+}
+
+Result<void> Scene::addFollowPass(const Frame& frame) {
+  const HairObject& object = frame.object;
+  const HairBuffers& buffers = object.buffers_;
+  const uint64_t guides = object.guideCount_;
+  const uint64_t follows = object.followCount_;
+  const uint64_t vertices = object.vertexCount_;
+  if (follows == 0) return {};
+  SimulationConstants constants = frame.commonConstants();
+  constants.flags = 0;
+  PassBuilder builder(frame.list);
+  builder.dispatch(updateFollowStrandsVariant({}), object.followCount_, object.vertexCount_)
+      .bind("g_positions", buffers.positions, (guides + follows) * vertices * kVector)
+      .bind("g_tangents", buffers.tangents, (guides + follows) * vertices * kVector)
+      .bind("g_rest", buffers.bindRoots, guides * kVector)
+      .bind("g_rootTransforms", buffers.rootTransforms,
+            kRootTransformSets * guides * sizeof(RootTransform))
+      .bind("g_followStrands", buffers.followStrands, follows * sizeof(FollowStrand))
+      .constants("SimulationConstants", constants)
+      .bytes(follows * (sizeof(FollowStrand) + 3 * vertices * kVector));
+  return builder.finish();
+}
+
+}  // namespace pelage

@@ -1,0 +1,64 @@
+// A scene on a device of its own, for tests of what the whole simulation does.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <memory>
+#include <vector>
+
+#include "pelage/scene.h"
+#include "support/gpu_fixture.h"
+
+namespace pelage::test {
+
+class SceneRun {
+ public:
+  /// Without a device() where the API is not there; a driver that fails to start fails the test.
+  explicit SceneRun(Api api) {
+    auto made = createDevice({.api = api, .validation = true});
+    if (!made) made = createDevice({.api = api});
+    if (made) {
+      device_ = std::move(*made);
+    } else if (made.error().code != ErrorCode::kUnsupported) {
+      ADD_FAILURE() << made.error().message;
+    }
+  }
+  ~SceneRun() {
+    if (device_ != nullptr) {
+      EXPECT_EQ(device_->messageCount(), 0u) << "the driver or a layer complained";
+    }
+  }
+
+  HeadlessDevice* device() const { return device_.get(); }
+  HairObject& add(const HairAsset& asset, const HairDef& def = {}) {
+    const Result<HairId> added = scene.addHair(asset, def);
+    EXPECT_TRUE(added) << added.error().message;
+    return scene.hair(*added);
+  }
+  void step(float dt = 1.0f / 60) {
+    expectOk(scene.simulate(dt, list_));
+    scene.finish(list_);
+    expectOk(device_->update(scene.resources()));
+    expectOk(device_->execute(list_));
+  }
+  template <class T = Float4>
+  std::vector<T> read(BufferId buffer) const {
+    const auto raw = device_->read(buffer);
+    EXPECT_TRUE(raw) << raw.error().message;
+    std::vector<T> values(raw ? raw->size() / sizeof(T) : 0);
+    if (raw) std::memcpy(values.data(), raw->data(), values.size() * sizeof(T));
+    return values;
+  }
+  std::vector<Float4> positions(const HairObject& hair) const {
+    return read(hair.buffers().positions);
+  }
+
+  Scene scene;
+
+ private:
+  std::unique_ptr<HeadlessDevice> device_;
+  PassList list_;
+};
+
+}  // namespace pelage::test

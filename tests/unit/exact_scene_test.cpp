@@ -1,0 +1,312 @@
+// The exact solver's passes of a scene, without a GPU.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string_view>
+#include <vector>
+
+#include "pelage/gpu_structs.h"
+#include "pelage/kernels.h"
+#include "pelage/scene.h"
+
+namespace pelage {
+namespace {
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kFrame = 1.0f / 60;
+
+// Strands of 7 cm around the origin.
+HairAsset makeAsset(uint32_t strands = 5, uint32_t vertices = 8) {
+  HairAsset asset;
+  asset.strandCount = strands;
+  asset.verticesPerStrand = vertices;
+  for (uint32_t s = 0; s < strands; ++s) {
+    for (uint32_t v = 0; v < vertices; ++v) {
+      const float t = 0.01f * static_cast<float>(v);
+      asset.positions.push_back(
+          {0.01f * static_cast<float>(s) + 3 * t * t, t, 0, v < 2 ? 0.0f : 1.0f});
+    }
+  }
+  const Result<void> processed = asset.process();
+  EXPECT_TRUE(processed) << processed.error().message;
+  return asset;
+}
+
+class ExactSceneTest : public testing::Test {
+ protected:
+  HairObject& add(const HairDef& def = {}) {
+    const Result<HairId> added = scene_.addHair(asset_, def);
+    EXPECT_TRUE(added) << added.error().message;
+    return scene_.hair(*added);
+  }
+  void simulate(float dt = kFrame) {
+    const Result<void> done = scene_.simulate(dt, list_);
+    ASSERT_TRUE(done) << done.error().message;
+    scene_.finish(list_);
+  }
+  std::vector<const Pass*> passes(std::string_view name) const {
+    std::vector<const Pass*> found;
+    for (const Pass& pass : list_.passes)
+      if (pass.name == name) found.push_back(&pass);
+    return found;
+  }
+  std::vector<ExactConstants> constants() const {
+    std::vector<ExactConstants> found;
+    for (const Pass* pass : passes("simulate_rods")) {
+      for (const PassBinding& binding : list_.bindingsOf(*pass)) {
+        if (binding.buffer != BufferId::kInvalid) continue;
+        found.emplace_back();
+        std::memcpy(&found.back(), list_.constants.data() + binding.offset, sizeof(ExactConstants));
+      }
+    }
+    return found;
+  }
+  SimulateRodsKey plainKey() const { return {.velocityShockPropagation = true}; }
+  const KernelVariant* variant() const { return passes("simulate_rods").at(0)->kernel; }
+  std::vector<Collider> uploadedColliders(const HairObject& hair) const {
+    for (const Upload& upload : list_.uploads) {
+      if (upload.buffer != hair.buffers().colliders) continue;
+      std::vector<Collider> colliders(upload.size / sizeof(Collider));
+      std::memcpy(colliders.data(), list_.uploadData.data() + upload.dataOffset, upload.size);
+      return colliders;
+    }
+    return {};
+  }
+
+  HairAsset asset_ = makeAsset();
+  Scene scene_;
+  PassList list_;
+};
+
+TEST_F(ExactSceneTest, IsTheDefaultAndNeedsTwoPassesWithoutFollowHairs) {
+  const HairObject& hair = add();
+  simulate();
+  ASSERT_EQ(list_.passes.size(), 2u);
+  EXPECT_STREQ(list_.passes[0].name, "skin_roots");
+  EXPECT_STREQ(list_.passes[1].name, "simulate_rods");
+  EXPECT_EQ(hair.buffers().colliders, BufferId::kInvalid);
+}
+
+TEST_F(ExactSceneTest, WhatIsSwitchedOffIsNotInThePermutation) {
+  HairObject& hair = add();
+  simulate();
+  EXPECT_EQ(variant(), &simulateRodsVariant(plainKey()));
+  const uint64_t rest = scene_.resources().find(hair.buffers().rest)->size;
+
+  hair.settings.globalStiffness = 0.1f;
+  simulate();
+  EXPECT_EQ(variant(),
+            &simulateRodsVariant({.globalShape = true, .velocityShockPropagation = true}));
+  EXPECT_EQ(scene_.resources().find(hair.buffers().rest)->size, 2 * rest);
+  EXPECT_EQ(constants().at(0).flags & 1u, 0u) << "the hair goes on as it was";
+
+  hair.settings.globalRange = 0;
+  hair.settings.vspCoefficient = 0;
+  hair.settings.vspThreshold = std::numeric_limits<float>::infinity();
+  simulate();
+  EXPECT_EQ(variant(), &simulateRodsVariant({}));
+  EXPECT_EQ(scene_.resources().find(hair.buffers().rest)->size, rest);
+
+  hair.settings.relaxationTime = 1e-3f;
+  simulate();
+  EXPECT_EQ(variant(), &simulateRodsVariant({.damping = true}));
+}
+
+TEST_F(ExactSceneTest, ShockPropagationStartsWithoutHistory) {
+  HairObject& hair = add();
+  hair.settings.vspCoefficient = 0;
+  hair.settings.vspThreshold = std::numeric_limits<float>::infinity();
+  simulate();
+  simulate();
+  EXPECT_NE(constants().at(0).historyShare, 0.0f);
+  hair.settings.vspCoefficient = 0.5f;
+  simulate();
+  EXPECT_EQ(constants().at(0).historyShare, 0.0f);
+  EXPECT_EQ(constants().at(0).turnRatio, 0.0f);
+  simulate();
+  EXPECT_NE(constants().at(0).historyShare, 0.0f);
+}
+
+TEST_F(ExactSceneTest, HeldVerticesNeedTheirGoals) {
+  asset_.positions[7].w = 0;
+  ASSERT_TRUE(asset_.process());
+  add();
+  simulate();
+  EXPECT_TRUE(variant() ==
+              &simulateRodsVariant({.globalShape = true, .velocityShockPropagation = true}));
+}
+
+TEST_F(ExactSceneTest, SubStepsCoverTheFrameOnceAndTakeTurnsWithTheState) {
+  HairObject& hair = add();
+  hair.settings.subSteps = 2;
+  simulate(1.0f / 20);
+  const std::vector<ExactConstants> first = constants();
+  ASSERT_EQ(first.size(), 6u);
+  simulate(1.0f / 20);
+  std::vector<ExactConstants> all = first;
+  for (const ExactConstants& c : constants()) all.push_back(c);
+  float end = 0;
+  for (size_t i = 0; i < all.size(); ++i) {
+    EXPECT_EQ(all[i].slot, i % 3);
+    EXPECT_EQ(all[i].rootBegin, end);
+    end = all[i].rootEnd == 1 ? 0 : all[i].rootEnd;
+    EXPECT_EQ(all[i].flags, (i == 0 ? 1u : 0u) | (i % 6 == 5 ? 2u : 0u));
+    // BDF2 from the second step on: he = 2/3 h.
+    EXPECT_NEAR(all[i].inverseStep, i == 0 ? 120.0f : 180.0f, 0.01f);
+  }
+}
+
+TEST_F(ExactSceneTest, ResetForgetsTheHistory) {
+  HairObject& hair = add();
+  simulate();
+  simulate();
+  hair.reset();
+  simulate();
+  EXPECT_EQ(constants().at(0).flags, 3u);
+  EXPECT_EQ(constants().at(0).historyShare, 0.0f);
+}
+
+TEST_F(ExactSceneTest, DampingAndGlobalShapeDoNotDependOnTheStep) {  // K16
+  HairObject& hair = add();
+  hair.settings.damping = 0.2f;
+  hair.settings.globalStiffness = 0.3f;
+  hair.settings.gravity = {0, -9, 0};
+  for (const float dt : {kFrame, kFrame / 4}) {
+    hair.reset();
+    simulate(dt);
+    const ExactConstants c = constants().at(0);
+    const double h = static_cast<double>(dt);
+    // weight = 1 / h^2 + c / h without history.
+    const double drag = (static_cast<double>(c.weight) - 1 / (h * h)) * h;
+    EXPECT_NEAR(std::exp(-drag / 60), 0.8, 1e-4);
+    EXPECT_NEAR(c.goalStiffness, 0.3f / 0.7f * 3600, 0.1f);
+    EXPECT_NEAR(c.drift.y * c.weight, -9, 1e-3);
+  }
+}
+
+TEST_F(ExactSceneTest, TheOriginFollowsTheHairInWholeMetres) {
+  HairObject& hair = add();
+  simulate();
+  AffineTransform bone;
+  float origin = 0;
+  for (int frame = 1; frame <= 40; ++frame) {
+    const float x = 0.3f * static_cast<float>(frame);
+    bone.rows[0].w = x;
+    hair.setBones({&bone, 1});
+    simulate();
+    const ExactConstants c = constants().at(0);
+    EXPECT_LE(std::abs(c.origin.x - x), 1.7f);
+    EXPECT_EQ(c.origin.x, std::round(c.origin.x));
+    EXPECT_EQ(c.rebase.x, origin - c.origin.x);
+    EXPECT_EQ((c.flags & 4u) != 0, c.origin.x != origin);
+    // The bone that the kernel sees is relative to the origin.
+    Float4 row = {};
+    ASSERT_EQ(list_.uploads.size(), 1u);
+    std::memcpy(&row, list_.uploadData.data() + list_.uploads[0].dataOffset, sizeof(row));
+    EXPECT_EQ(row.w, x - c.origin.x);
+    origin = c.origin.x;
+  }
+  EXPECT_GE(origin, 10);
+}
+
+TEST_F(ExactSceneTest, CollidersThatNoStrandReachesAreLeftOut) {  // K34
+  HairObject& hair = add();
+  const CapsuleCollider far = {
+      .head = {9, 0, 0}, .headRadius = 1, .tail = {9, 1, 0}, .tailRadius = 1};
+  const CapsuleCollider near = {.head = {0, -0.5f, 0},
+                                .headRadius = 0.4f,
+                                .tail = {0, -0.5f, 0},
+                                .tailRadius = 0.4f,
+                                .friction = 0.7f};
+  const CapsuleCollider broken = {.head = {0, kNan, 0}, .headRadius = 1};
+  const CapsuleCollider negative = {.headRadius = -1};
+  hair.setColliders({{far, broken, negative}});
+  simulate();
+  EXPECT_EQ(variant(), &simulateRodsVariant(plainKey()));
+  EXPECT_EQ(hair.buffers().colliders, BufferId::kInvalid);
+
+  hair.setColliders({{far, broken, negative, near}});
+  simulate();
+  EXPECT_EQ(variant(), &simulateRodsVariant({.colliders = true, .velocityShockPropagation = true}));
+  const std::vector<Collider> colliders = uploadedColliders(hair);
+  ASSERT_EQ(colliders.size(), 1u);
+  EXPECT_EQ(colliders[0].head, (Float4{0, -0.5f, 0, 0.4f}));
+  EXPECT_EQ(colliders[0].headBefore, (Float4{0, -0.5f, 0, 0.7f}));
+  EXPECT_EQ(constants().at(0).colliderCount, 1u);
+}
+
+TEST_F(ExactSceneTest, CollidersMoveFromWhereTheyWere) {
+  HairObject& hair = add();
+  CapsuleCollider ball = {.headRadius = 0.1f, .tailRadius = 0.1f};
+  hair.setColliders({&ball, 1});
+  simulate();
+  ball.head.x = ball.tail.x = 0.0625f;
+  hair.setColliders({&ball, 1});
+  simulate();
+  const std::vector<Collider> colliders = uploadedColliders(hair);
+  ASSERT_EQ(colliders.size(), 1u);
+  EXPECT_EQ(colliders[0].headBefore.x, 0.0f);
+  EXPECT_EQ(colliders[0].head.x, 0.0625f);
+  simulate();
+  EXPECT_EQ(uploadedColliders(hair).at(0).headBefore.x, 0.0625f);
+}
+
+TEST_F(ExactSceneTest, SwitchingTheSolverReplacesItsBuffersOnly) {
+  HairObject& hair = add();
+  simulate();
+  const HairBuffers exact = hair.buffers();
+  const uint64_t bytes = scene_.resources().totalBytes();
+  hair.settings.solver = Solver::kClassic;
+  simulate();
+  EXPECT_EQ(passes("simulate_rods").size(), 0u);
+  EXPECT_EQ(passes("simulate_strands").size(), 1u);
+  EXPECT_EQ(hair.buffers().positions, exact.positions);
+  EXPECT_EQ(hair.buffers().gains, BufferId::kInvalid);
+  EXPECT_EQ(scene_.resources().find(exact.gains), nullptr);
+  EXPECT_LT(scene_.resources().totalBytes(), bytes);
+  hair.settings.solver = Solver::kExact;
+  simulate();
+  EXPECT_EQ(scene_.resources().totalBytes(), bytes);
+  EXPECT_EQ(constants().at(0).flags & 1u, 1u);
+}
+
+TEST_F(ExactSceneTest, RemovingAnObjectFreesItsBuffers) {
+  const Result<HairId> id = scene_.addHair(asset_, {});
+  ASSERT_TRUE(id);
+  const CapsuleCollider ball = {.headRadius = 1, .tailRadius = 1};
+  scene_.hair(*id).setColliders({&ball, 1});
+  simulate();
+  scene_.removeHair(*id);
+  EXPECT_EQ(scene_.resources().totalBytes(), 0u);
+}
+
+TEST_F(ExactSceneTest, StrandsOfDifferentCountsAreSortedIntoTiles) {
+  asset_ = makeAsset(40, 8);
+  asset_.vertexCounts.resize(40);
+  for (uint32_t s = 0; s < 40; ++s) asset_.vertexCounts[s] = 2 + s % 7;
+  ASSERT_TRUE(asset_.process());
+  const HairObject& hair = add();
+  const BufferDesc* desc = scene_.resources().find(hair.buffers().strands);
+  std::vector<ExactStrand> strands(40);
+  ASSERT_EQ(desc->size, strands.size() * sizeof(ExactStrand));
+  std::memcpy(strands.data(), desc->initial.data(), desc->size);
+  std::vector<bool> seen(40);
+  for (size_t i = 0; i < strands.size(); ++i) {
+    EXPECT_EQ(strands[i].count, asset_.vertexCounts[strands[i].root]);
+    EXPECT_EQ(strands[i].target, strands[i].root * 8);
+    EXPECT_EQ(strands[i].state % 32, i % 32);
+    if (i > 0) {
+      EXPECT_GE(strands[i].count, strands[i - 1].count);
+    }
+    seen[strands[i].root] = true;
+  }
+  EXPECT_EQ(std::count(seen.begin(), seen.end(), true), 40);
+  // Two tiles, as long as their longest strands.
+  EXPECT_EQ(scene_.resources().find(hair.buffers().rest)->size,
+            32u * sizeof(Float4) * (strands[31].count + strands[39].count));
+}
+
+}  // namespace
+}  // namespace pelage
