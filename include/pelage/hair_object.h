@@ -1,6 +1,7 @@
 // A groom in a scene: its buffers, its settings and its bones. Made by Scene::addHair().
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -27,6 +28,13 @@ enum class SkinningMethod : uint8_t {
   kDualQuaternions,  ///< dual quaternion blending (Kavan et al. 2008); bones without scale
 };
 
+/// Exact: factors on the parameters of one strand, >= 0.
+struct StrandFactors {
+  float stiffness = 1;        ///< against bending and twist
+  float globalStiffness = 1;  ///< of the spring to the bind pose
+  float damping = 1;          ///< of the air drag
+};
+
 /// What a hair object is made with; what cannot change later.
 struct HairDef {
   std::string name = "hair";
@@ -38,9 +46,21 @@ struct HairDef {
   std::span<const BoneInfluences> influences = {};
   /// Number of transforms that setBones() takes, >= 1; influences refer to 0..boneCount - 1.
   uint32_t boneCount = 1;
+  /// Factors of every guide; empty for 1.
+  std::span<const StrandFactors> strandFactors = {};
   /// Follow strands, from generateFollowHairs(); empty for none.
   std::span<const FollowHair> followHairs = {};
 };
+
+/// What the exact solver counted in a frame in which hair may sleep.
+struct SimulationCounters {
+  uint32_t awakeStrands = 0;
+  uint32_t secondPasses = 0;  ///< Newton passes beyond the first one, over all strands and sub-steps
+};
+
+/// Reads the counters from the first 32 bytes of HairBuffers::sleep. They are those of the last frame
+/// that the GPU has finished: copy them when your engine reads back, and use them a frame late.
+SimulationCounters readCounters(std::span<const std::byte> sleepWords);
 
 /// Buffers of a hair object; kInvalid marks one that this object does not need.
 struct HairBuffers {
@@ -50,6 +70,8 @@ struct HairBuffers {
   BufferId rest = BufferId::kInvalid;       ///< of the solver
   BufferId strands = BufferId::kInvalid;    ///< exact: [guide] ExactStrand
   BufferId gains = BufferId::kInvalid;      ///< exact: scratch
+  BufferId sleep = BufferId::kInvalid;      ///< exact: uint32, see readCounters()
+  BufferId forces = BufferId::kInvalid;     ///< [guide][vertex] Float4, see setForces()
   BufferId colliders = BufferId::kInvalid;  ///< Collider
   BufferId bindRoots = BufferId::kInvalid;  ///< [guide] Float4, bind position of vertex 0
   BufferId rootTransforms = BufferId::kInvalid;  ///< [2][guide] RootTransform
@@ -89,6 +111,11 @@ class HairObject {
   /// finite or has a negative radius is left out, and so is one that no strand can reach. Colliders
   /// keep their place in the list from frame to frame, for their motion.
   void setColliders(std::span<const CapsuleCollider> colliders);
+  /// Lets the exact solver take forces from a buffer that a pass of yours writes before each
+  /// simulation: [guide][vertex] Float4 in the order of HairBuffers::positions, xyz = acceleration
+  /// a [m/s2], w = drag k [1/s], >= 0. The equation of motion gets a - k v; a wind u of your own is
+  /// a = k u. kInvalid takes none. Forces keep the hair awake.
+  void setForces(BufferId forces) { buffers_.forces = forces; }
   /// Puts the hair into its bind shape at the next frame and forgets all velocities: for
   /// teleports, cuts, and changes of animation.
   void reset();

@@ -179,6 +179,9 @@ class PassBuilder {
   /// of 0 threads adds no pass (finish() then does nothing).
   PassBuilder& dispatch(const KernelVariant& variant, uint32_t threadsX, uint32_t threadsY = 1,
                         uint32_t threadsZ = 1);
+  /// Starts a dispatch whose numbers of groups, three uint32, a buffer has at `offset` bytes.
+  PassBuilder& dispatchIndirect(const KernelVariant& variant, BufferId arguments,
+                                uint64_t offset = 0);
   /// Starts a draw.
   PassBuilder& draw(const KernelVariant& vertex, const KernelVariant& pixel, const DrawState& state,
                     uint32_t elementCount, uint32_t instanceCount,

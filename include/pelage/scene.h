@@ -12,6 +12,8 @@
 
 namespace pelage {
 
+struct ExactConstants;
+
 /// A hair object of a scene.
 enum class HairId : uint32_t { kInvalid = 0xffffffffu };
 
@@ -66,7 +68,9 @@ class Scene {
   Result<void> simulateObject(HairObject& object, float length, uint32_t steps, PassList& list);
   Result<void> addRootPass(const Frame& frame);
   Result<void> addClassicPasses(const Frame& frame);
-  Result<void> addExactPasses(const Frame& frame);
+  Result<void> addExactPasses(Frame& frame);
+  Result<void> addSleepPass(Frame& frame, ExactConstants constants);
+  void bindExact(const Frame& frame, PassBuilder& builder) const;
   Result<void> addFollowPass(const Frame& frame);
 
   ResourceTable resources_;

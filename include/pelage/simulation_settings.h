@@ -1,6 +1,7 @@
 // Parameters of the strand simulation, with units, ranges and defaults.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "pelage/result.h"
@@ -24,6 +25,38 @@ struct WindSettings {
   float gustStrength = 0.5f;
   /// Mean time from one gust to the next [s], > 0.
   float gustPeriod = 2.5f;
+  /// Exact: how much every strand has gusts of its own, 0..1; at 0 all feel the same ones.
+  float strandVariation = 0.5f;
+  bool operator==(const WindSettings&) const = default;
+};
+
+/// Factors along a strand, at equal distances of arc length from the root to the tip, linear in
+/// between; >= 0.
+using ParameterCurve = std::array<float, 8>;
+inline constexpr ParameterCurve kConstantCurve = {1, 1, 1, 1, 1, 1, 1, 1};
+/// The value of a curve; \param share arc length over the strand's length, 0..1.
+float valueAt(const ParameterCurve& curve, float share);
+
+/// Exact: what parameters are multiplied with along the strands. Changing one uploads the rest
+/// shape again.
+struct ParameterCurves {
+  ParameterCurve stiffness = kConstantCurve;        ///< against bending and twist
+  ParameterCurve globalStiffness = kConstantCurve;  ///< of the spring to the bind pose
+  ParameterCurve damping = kConstantCurve;          ///< of the air drag
+  bool operator==(const ParameterCurves&) const = default;
+};
+
+/// Exact: when hair that does not move is left out of the simulation.
+struct SleepSettings {
+  bool enabled = true;
+  /// A strand rests while all of it is slower than this [m/s], >= 0.
+  float speed = 5e-4f;
+  /// Strands fall asleep when they and their neighbours have rested this long [s], >= 0.
+  float time = 0.5f;
+  /// They wake when their root's motion would take the tip this far [m], >= 0, when a collider
+  /// moves in their reach, and when a setting changes. Wind with gusts and forces keep all awake.
+  float wakeDistance = 2e-4f;
+  bool operator==(const SleepSettings&) const = default;
 };
 
 /// Everything an artist sets for a hair object. May change every frame. The 0..1 values are defined
@@ -73,9 +106,12 @@ struct SimulationSettings {
   uint32_t lengthIterations = 4;
   /// Classic: speed limit of a vertex relative to its root [m/s], > 0.
   float maxSpeed = 50.0f;
+  ParameterCurves curves = {};
+  SleepSettings sleep = {};
   /// Factor on the offset of follow strands at their tip, >= 0; 1 keeps them parallel to their
   /// guide, less gathers them, more spreads them.
   float tipSeparation = 1.0f;
+  bool operator==(const SimulationSettings&) const = default;
 };
 
 /// Names the first parameter that is out of its range or not finite.

@@ -21,6 +21,10 @@ struct ExactStrand {
   uint count;   // vertices, 2..256
   uint target;  // element of vertex 0 in g_positions and g_tangents
   uint root;    // index of its root transform
+  uint seed;    // of what varies from strand to strand; the same in any order of strands
+  float length; // sum of its edges [m]
+  uint pad0;
+  uint pad1;
 };
 
 // [strand][vertex]: world position [m]; w = inverse mass, 0 for the two vertices at the root.
@@ -34,6 +38,9 @@ RWStructuredBuffer<float4> g_tangents : register(u1, space0);
 // bending and twist stiffness over the mass a length [m4/s2], c the air drag [1/s].
 cbuffer ExactConstants : register(b0, space1) {
   float4 g_drift;   // xyz (g + c wind) / weight [m], weight = 1 / he^2 + c / he
+  float4 g_gust0;   // xyz what the gusts add to g_drift now [m]; w = how much strands differ, 0..1
+  float4 g_gust1;   // xyz the same a quarter of their period later
+  float4 g_air;     // xyz wind [m/s], w = c
   float4 g_origin;  // xyz of the state's origin in world space [m]
   float4 g_rebase;  // xyz [m]: with flag bit 2, what to add to a position relative to the last
                     // frame's origin
@@ -68,11 +75,16 @@ cbuffer ExactConstants : register(b0, space1) {
   uint g_slot;              // 0..2: the state now; the next one goes to (g_slot + 1) % 3, which the
                             // host passes in the next sub-step
   uint g_flags;             // bit 0: reset to the rest shape; bit 1: last sub-step of the frame;
-                            // bit 2: rebase the state
+                            // bit 2: rebase the state; bit 3: only the tiles that are awake;
+                            // bit 4: all tiles wake
   uint g_outputVertices;    // elements of a strand in g_positions and g_tangents; those past its
                             // own vertices repeat its tip. 0: as many as it has vertices
-  uint g_exactPad0;
-  uint g_exactPad1;
+  uint g_parameterSet;      // set of g_rest with factors of every vertex; 0: there is none
+  float g_restSpeed;        // speed below which a strand counts as resting [m/s]
+  float g_restTime;         // how long it has to rest before it sleeps [s]
+  float g_wakeDistance;     // motion of a root or a collider that wakes it [m]
+  uint g_followGroups;      // groups in x of an update of the follow strands
+  uint g_slotsBack;         // 0..2: what a frame of sleep adds to a tile's offset of g_slot
 };
 
 // 9 sets. 0..2: x [m] of three states, w = length of the edge behind the vertex (0 at the tip) [m];
@@ -89,12 +101,26 @@ RWStructuredBuffer<float4> g_gains : register(u1, space1);
 // 1 set: rotation from edge i - 1 to edge i at rest, in the frame of edge i - 1; for i = 0 the
 // frame of edge 0 in bind space. With the globalShape permutation a second one: xyz bind position
 // relative to that of vertex 0 [m], w arc length from the root over the strand's length, 0..1, or
-// -1 for a vertex that is held where the bind pose has it.
+// -1 for a vertex that is held where the bind pose has it. One more set with factors: x on bending
+// and twist, y on the global shape, z on the air drag; w unused.
 StructuredBuffer<float4> g_rest : register(t0, space1);
 // [2][root][2]: this frame (0) and the last one (1); rotation, then position of vertex 0 relative
 // to g_origin [m]. Two float4 as a RootTransform.
 StructuredBuffer<float4> g_rootFrames : register(t1, space1);
 StructuredBuffer<ExactStrand> g_strands : register(t2, space1);
 StructuredBuffer<Collider> g_exactColliders : register(t3, space1);
+
+// [strand][vertex] as g_positions; with the forces permutation. xyz = acceleration a [m/s2], w =
+// drag k [1/s], >= 0: the equation of motion gets a - k v. A drag towards the velocity u is a = k u.
+StructuredBuffer<float4> g_forces : register(t4, space1);
+// Which tiles are awake, T of them: select_awake_tiles.hlsl.
+//   0..2           groups of an indirect dispatch over the list
+//   3              strands awake
+//   4..6           groups of an indirect dispatch over the follow strands: 0 while all sleep
+//   7              second passes
+//   8..8+T-1       the list
+//   8+T..8+2T-1    what to add to g_slot for a tile that slept
+//   8+2T..         [strand in the order of g_strands] time at rest [s], as the bits of a float
+RWStructuredBuffer<uint> g_sleep : register(u2, space1);
 
 #endif

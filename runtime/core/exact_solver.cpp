@@ -1,7 +1,9 @@
 #include "exact_solver.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <numbers>
 
 namespace pelage::detail {
 namespace {
@@ -26,6 +28,27 @@ Float4 relative(const Quaternion& from, const Quaternion& to) {
           static_cast<float>(r.z * scale), static_cast<float>(r.w * scale)};
 }
 
+float lengthOf(const HairAsset& asset, uint32_t strand) {
+  float length = 0;
+  for (uint32_t i = 0; i + 1 < asset.verticesPerStrand; ++i)
+    length += asset.restLengths[size_t{strand} * asset.verticesPerStrand + i];
+  return length;
+}
+
+// From the root's place, so that it does not depend on the order of the strands (FNV-1a).
+uint32_t seedOf(const Float4& root) {
+  uint32_t hash = 2166136261u;
+  for (const float value : {root.x, root.y, root.z}) {
+    const auto bits = std::bit_cast<uint32_t>(value);
+    for (int shift = 0; shift < 32; shift += 8)
+      hash = (hash ^ ((bits >> shift) & 255u)) * 16777619u;
+  }
+  return hash;
+}
+
+// Gusts: two incommensurate waves, so that the pattern does not repeat soon; in -1..1.
+double gust(double phase) { return 0.6 * std::sin(phase) + 0.4 * std::sin(2.618 * phase + 1.3); }
+
 // A share of the way to the bind pose in 1/60 s as a spring [1/s2].
 double goalSpring(double share) { return share * 3600 / std::max(1 - share, 1e-3); }
 
@@ -42,7 +65,9 @@ ExactStrands packExactStrands(const HairAsset& asset) {
     packed.strands.push_back({.state = 0,
                               .count = vertexCountOf(asset, s),
                               .target = s * asset.verticesPerStrand,
-                              .root = s});
+                              .root = s,
+                              .seed = seedOf(asset.positions[size_t{s} * asset.verticesPerStrand]),
+                              .length = lengthOf(asset, s)});
   }
   std::stable_sort(packed.strands.begin(), packed.strands.end(),
                    [](const ExactStrand& a, const ExactStrand& b) { return a.count < b.count; });
@@ -79,9 +104,10 @@ std::vector<Float4> packExactState(const HairAsset& asset, const ExactStrands& s
   return state;
 }
 
-std::vector<Float4> packExactRest(const HairAsset& asset, const ExactStrands& strands, bool goals) {
+std::vector<Float4> packExactRest(const HairAsset& asset, const ExactStrands& strands,
+                                  const ExactRestSets& sets) {
   const size_t stride = strands.stateStride;
-  std::vector<Float4> rest((goals ? 2 : 1) * stride);
+  std::vector<Float4> rest(sets.count() * stride);
   for (const ExactStrand& strand : strands.strands) {
     const Quaternion* frames = &asset.restFrames[strand.target];
     const Float4* bind = &asset.positions[strand.target];
@@ -97,16 +123,39 @@ std::vector<Float4> packExactRest(const HairAsset& asset, const ExactStrands& st
       } else {
         rest[at] = i == 0 ? relative({}, frames[1]) : relative(frames[i], frames[i + 1]);
       }
-      if (goals) {
+      const double share = total > 0 ? arc / total : 0;
+      if (sets.goals) {
         const bool held = i > 1 && asset.inverseMasses[strand.target + i] <= 0;
-        const auto share = static_cast<float>(total > 0 ? arc / total : 0);
         rest[stride + at] = {bind[i].x - bind[0].x, bind[i].y - bind[0].y, bind[i].z - bind[0].z,
-                             held ? -1 : share};
+                             held ? -1 : static_cast<float>(share)};
+      }
+      if (sets.factors) {
+        const StrandFactors own =
+            sets.strands.empty() ? StrandFactors{} : sets.strands[strand.root];
+        const auto factor = [&](const ParameterCurve& curve, float strandFactor) {
+          return strandFactor * valueAt(curve, static_cast<float>(share));
+        };
+        rest[(sets.count() - 1) * stride + at] = {
+            factor(sets.curves.stiffness, own.stiffness),
+            factor(sets.curves.globalStiffness, own.globalStiffness),
+            factor(sets.curves.damping, own.damping), 0};
       }
       if (!tip) arc += static_cast<double>(lengths[i]);
     }
   }
   return rest;
+}
+
+AirMotion airAt(const WindSettings& wind, double time) {
+  const double phase = 2 * std::numbers::pi * time / static_cast<double>(wind.gustPeriod);
+  const auto scaled = [&](double factor) {
+    const auto of = [&](float v) { return static_cast<float>(static_cast<double>(v) * factor); };
+    return Float3{of(wind.velocity.x), of(wind.velocity.y), of(wind.velocity.z)};
+  };
+  const double strength = static_cast<double>(wind.gustStrength);
+  return {.velocity = scaled(1 + strength * gust(phase)),
+          .gust0 = scaled(strength * gust(phase)),
+          .gust1 = scaled(strength * gust(phase + std::numbers::pi / 2))};
 }
 
 bool hasHeldVertices(const HairAsset& asset) {
@@ -119,7 +168,7 @@ bool hasHeldVertices(const HairAsset& asset) {
 }
 
 void setExactStep(ExactConstants& constants, const SimulationSettings& s, double h, double hBefore,
-                  Float3 wind) {
+                  const AirMotion& air) {
   // BDF2 of a varying step, or backward Euler: as the layout file says.
   const double ratio = hBefore > 0 ? h / hBefore : 0;
   double a2 = 0, he = h;
@@ -129,12 +178,18 @@ void setExactStep(ExactConstants& constants, const SimulationSettings& s, double
   }
   const double drag = -60 * std::log(1 - std::min(static_cast<double>(s.damping), 0.9999));
   const double weight = 1 / (he * he) + drag / he;
-  const auto drift = [&](float gravity, float air) {
-    return static_cast<float>((static_cast<double>(gravity) + drag * static_cast<double>(air)) /
+  const auto way = [&](float gravity, float wind) {
+    return static_cast<float>((static_cast<double>(gravity) + drag * static_cast<double>(wind)) /
                               weight);
   };
-  constants.drift = {drift(s.gravity.x, wind.x), drift(s.gravity.y, wind.y),
-                     drift(s.gravity.z, wind.z), 0};
+  const Float3 wind = air.velocity;
+  constants.drift = {way(s.gravity.x, wind.x), way(s.gravity.y, wind.y), way(s.gravity.z, wind.z),
+                     0};
+  const bool blows = wind.x != 0 || wind.y != 0 || wind.z != 0;
+  constants.gust0 = {way(0, air.gust0.x), way(0, air.gust0.y), way(0, air.gust0.z),
+                     blows ? s.wind.strandVariation : 0};
+  constants.gust1 = {way(0, air.gust1.x), way(0, air.gust1.y), way(0, air.gust1.z), 0};
+  constants.air = {wind.x, wind.y, wind.z, static_cast<float>(drag)};
   constants.historyShare = static_cast<float>(a2);
   constants.inverseStep = static_cast<float>(1 / he);
   constants.weight = static_cast<float>(weight);

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "pelage/gpu_structs.h"
 #include "pelage/hair_asset.h"
+#include "pelage/hair_object.h"
 #include "pelage/simulation_settings.h"
 
 namespace pelage::detail {
@@ -29,8 +31,29 @@ struct ExactStrands {
 ExactStrands packExactStrands(const HairAsset& asset);
 /// Initial contents of g_state.
 std::vector<Float4> packExactState(const HairAsset& asset, const ExactStrands& strands);
-/// Contents of g_rest, with the second set for the global shape or without it.
-std::vector<Float4> packExactRest(const HairAsset& asset, const ExactStrands& strands, bool goals);
+/// What g_rest holds beside the rest shape.
+struct ExactRestSets {
+  bool goals = false;                           ///< set 1: bind positions for the global shape
+  bool factors = false;                         ///< the last set
+  std::span<const StrandFactors> strands = {};  ///< [strand], or empty for 1
+  ParameterCurves curves = {};
+  bool operator==(const ExactRestSets& other) const {
+    return goals == other.goals && factors == other.factors && curves == other.curves;
+  }
+  uint32_t count() const { return 1u + (goals ? 1u : 0u) + (factors ? 1u : 0u); }
+};
+
+/// Contents of g_rest.
+std::vector<Float4> packExactRest(const HairAsset& asset, const ExactStrands& strands,
+                                  const ExactRestSets& sets);
+
+/// The wind at a time [m/s].
+struct AirMotion {
+  Float3 velocity;  ///< gusts included
+  Float3 gust0;     ///< the part of it that is the gusts'
+  Float3 gust1;     ///< the same a quarter of their period later
+};
+AirMotion airAt(const WindSettings& wind, double time);
 
 /// True when a vertex beyond the two at the root is held where the bind pose has it.
 bool hasHeldVertices(const HairAsset& asset);
@@ -39,8 +62,7 @@ bool hasHeldVertices(const HairAsset& asset);
 uint32_t vertexCountOf(const HairAsset& asset, uint32_t strand);
 
 /// A sub-step of h seconds after one of hBefore (0: without history).
-/// \param wind velocity of the air, gusts included [m/s]
 void setExactStep(ExactConstants& constants, const SimulationSettings& settings, double h,
-                  double hBefore, Float3 wind);
+                  double hBefore, const AirMotion& air);
 
 }  // namespace pelage::detail

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "exact_solver.h"
 #include "pelage/collider.h"
 #include "pelage/gpu_structs.h"
 #include "pelage/hair_asset.h"
@@ -41,7 +42,12 @@ struct HairInternals {
   bool resetPending = true;
   /// What the solver's buffers were made for.
   std::optional<Solver> solver;
-  bool goals = false;
+  detail::ExactRestSets restSets;
+  std::vector<StrandFactors> strandFactors;
+  /// Of the last frame; a change wakes all strands.
+  SimulationSettings settingsBefore;
+  bool sleptBefore = false;   ///< tiles could sleep in the last frame
+  uint32_t stillFrames = 0;   ///< since the bones changed last
   bool heldVertices = false;  ///< beyond the two at the root
   bool vspBefore = false;     ///< exact: the last step had shock propagation
 

@@ -2,12 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "hair_internals.h"
 #include "pelage/assert.h"
 #include "pelage/skeleton.h"
 
 namespace pelage {
+
+SimulationCounters readCounters(std::span<const std::byte> sleepWords) {
+  uint32_t words[8] = {};
+  PELAGE_ASSERT(sleepWords.size() >= sizeof(words), "the counters are in the first 32 bytes");
+  std::memcpy(words, sleepWords.data(), std::min(sleepWords.size(), sizeof(words)));
+  return {.awakeStrands = words[3], .secondPasses = words[7]};
+}
 
 HairObject::HairObject() : internals_(std::make_unique<detail::HairInternals>()) {}
 HairObject::~HairObject() = default;

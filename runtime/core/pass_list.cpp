@@ -87,6 +87,16 @@ PassBuilder& PassBuilder::dispatch(const KernelVariant& variant, uint32_t thread
   return *this;
 }
 
+PassBuilder& PassBuilder::dispatchIndirect(const KernelVariant& variant, BufferId arguments,
+                                           uint64_t offset) {
+  PELAGE_ASSERT(arguments != BufferId::kInvalid, "an indirect dispatch takes a buffer");
+  dispatch(variant, 1);
+  pass_.kind = PassKind::kDispatchIndirect;
+  pass_.indirect = arguments;
+  pass_.indirectOffset = offset;
+  return *this;
+}
+
 PassBuilder& PassBuilder::draw(const KernelVariant& vertex, const KernelVariant& pixel,
                                const DrawState& state, uint32_t elementCount,
                                uint32_t instanceCount, BufferId indices) {
@@ -211,7 +221,8 @@ Result<void> PassBuilder::finish() {
       }
       pass_.groups[axis] = static_cast<uint32_t>(groups);
     }
-  } else if (pass_.elementCount == 0 || pass_.instanceCount == 0) {
+  } else if (pass_.kind == PassKind::kDraw &&
+             (pass_.elementCount == 0 || pass_.instanceCount == 0)) {
     return drop({});
   }
   for (const KernelVariant* variant : {pass_.kernel, pass_.pixel}) {

@@ -43,6 +43,18 @@ Result<HairId> Scene::addHair(const HairAsset& asset, const HairDef& def) {
     return refuse("has " + std::to_string(guides) + " guides, but bone weights for " +
                   std::to_string(def.influences.size()));
   }
+  if (!def.strandFactors.empty() && def.strandFactors.size() != guides) {
+    return refuse("has " + std::to_string(guides) + " guides, but strand factors for " +
+                  std::to_string(def.strandFactors.size()));
+  }
+  for (size_t i = 0; i < def.strandFactors.size(); ++i) {
+    for (const float factor : {def.strandFactors[i].stiffness, def.strandFactors[i].globalStiffness,
+                               def.strandFactors[i].damping}) {
+      if (!std::isfinite(factor) || factor < 0)
+        return refuse("a strand factor of guide " + std::to_string(i) + " is " +
+                      std::to_string(factor) + ", but must be finite and at least 0");
+    }
+  }
   for (size_t i = 0; i < def.influences.size(); ++i) {
     for (const uint32_t bone : def.influences[i].bones) {
       if (bone >= def.boneCount) {
@@ -74,6 +86,7 @@ Result<HairId> Scene::addHair(const HairAsset& asset, const HairDef& def) {
   internals.skinning = def.skinning;
   internals.bones.resize(def.boneCount);
   internals.bounds = detail::boundsOfRoots(asset, def.influences);
+  internals.strandFactors.assign(def.strandFactors.begin(), def.strandFactors.end());
   internals.heldVertices = detail::hasHeldVertices(asset);
   internals.longestStrand = detail::longestStrand(asset);
 

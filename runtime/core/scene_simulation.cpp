@@ -22,6 +22,14 @@ constexpr uint32_t kClassicRebase = 2;
 constexpr uint32_t kExactReset = 1;
 constexpr uint32_t kExactLast = 2;
 constexpr uint32_t kExactRebase = 4;
+constexpr uint32_t kExactSleep = 8;
+constexpr uint32_t kExactWakeAll = 16;
+// Words of g_sleep before its list, as there; and where the groups of the follow strands are.
+constexpr uint64_t kSleepHead = 8;
+constexpr uint64_t kFollowArguments = 4 * sizeof(uint32_t);
+// Groups in a row of select_awake_tiles, and tiles that an indirect dispatch can list.
+constexpr uint32_t kSelectRow = 32768;
+constexpr uint32_t kMaxListedTiles = 65535;
 // Root frames a guide in g_rootTransforms, as there.
 constexpr uint64_t kRootTransformSets = 2;
 // Stiffness 1 would be an infinite spring.
@@ -48,21 +56,10 @@ double mapStiffness(double s, double h) {
   return spring / (1 + spring);
 }
 
-// Gusts: two incommensurate waves, so that the pattern does not repeat soon; in -1..1.
-double gust(double time, double period) {
-  const double phase = 2 * std::numbers::pi * time / period;
-  return 0.6 * std::sin(phase) + 0.4 * std::sin(2.618 * phase + 1.3);
-}
-
-// Velocity of the air, gusts included [m/s].
-Float3 windAt(const WindSettings& wind, double time) {
-  const double swell =
-      1 + static_cast<double>(wind.gustStrength) * gust(time, static_cast<double>(wind.gustPeriod));
-  const auto swelled = [&](float v) { return static_cast<float>(static_cast<double>(v) * swell); };
-  return {swelled(wind.velocity.x), swelled(wind.velocity.y), swelled(wind.velocity.z)};
-}
-
 bool usesGoals(const SimulationSettings& s) { return s.globalStiffness > 0 && s.globalRange > 0; }
+uint64_t tileCount(uint64_t strands) {
+  return (strands + detail::kTileStrands - 1) / detail::kTileStrands;
+}
 bool usesVsp(const SimulationSettings& s) {
   return s.vspCoefficient > 0 || std::isfinite(s.vspThreshold);
 }
@@ -77,17 +74,19 @@ struct Scene::Frame {
   PassList& list;
   float length;  ///< [s]
   uint32_t steps;
-  Float3 wind;
+  detail::AirMotion air;
   bool reset;
   Float3 rebase;
   uint32_t colliderCount;
+  bool sleeps;
 
   SimulationConstants commonConstants() const;
 };
 
 void Scene::removeSolverBuffers(HairObject& object) {
   HairBuffers& buffers = object.buffers_;
-  for (BufferId* buffer : {&buffers.state, &buffers.rest, &buffers.strands, &buffers.gains})
+  for (BufferId* buffer :
+       {&buffers.state, &buffers.rest, &buffers.strands, &buffers.gains, &buffers.sleep})
     removeBuffer(*buffer);
   object.internals_->solver.reset();
 }
@@ -98,12 +97,18 @@ void Scene::addSolverBuffers(HairObject& object) {
   const HairAsset& asset = internals.asset;
   HairBuffers& buffers = object.buffers_;
   const Solver solver = object.settings.solver;
-  const bool goals = usesGoals(object.settings) || internals.heldVertices;
+  const detail::ExactRestSets sets = {
+      .goals = usesGoals(object.settings) || internals.heldVertices,
+      .factors = !internals.strandFactors.empty() || object.settings.curves != ParameterCurves{},
+      .strands = internals.strandFactors,
+      .curves = object.settings.curves};
   const auto add = [&](const char* what, uint64_t count, uint32_t stride,
-                       std::vector<std::byte> initial = {}) {
+                       std::vector<std::byte> initial = {},
+                       BufferUsage usage = BufferUsage::kStorage) {
     return resources_.add({.name = object.name_ + "/" + what,
                            .size = count * stride,
                            .stride = stride,
+                           .usage = usage,
                            .initial = std::move(initial)});
   };
   if (internals.solver != solver) {
@@ -125,14 +130,20 @@ void Scene::addSolverBuffers(HairObject& object) {
           add("strands", strands.strands.size(), sizeof(ExactStrand), bytesOf(strands.strands));
       buffers.state = add("state", state.size(), kVector, bytesOf(state));
       buffers.gains = add("gains", detail::kExactGainSets * strands.stateStride, kVector);
+      const uint64_t tiles = tileCount(object.guideCount_);
+      buffers.sleep =
+          add("sleep", kSleepHead + 2 * tiles + object.guideCount_, sizeof(uint32_t), {},
+              BufferUsage::kStorage | BufferUsage::kIndirect | BufferUsage::kUpload |
+                  BufferUsage::kReadback);
+      internals.sleptBefore = false;
     }
   }
   if (solver == Solver::kExact &&
-      (buffers.rest == BufferId::kInvalid || goals != internals.goals)) {
-    internals.goals = goals;
+      (buffers.rest == BufferId::kInvalid || sets != internals.restSets)) {
+    internals.restSets = sets;
     removeBuffer(buffers.rest);
     const std::vector<Float4> rest =
-        detail::packExactRest(asset, detail::packExactStrands(asset), goals);
+        detail::packExactRest(asset, detail::packExactStrands(asset), sets);
     buffers.rest = add("rest", rest.size(), kVector, bytesOf(rest));
   }
 }
@@ -176,10 +187,12 @@ Result<void> Scene::simulateObject(HairObject& object, float length, uint32_t st
                  .list = list,
                  .length = length,
                  .steps = steps,
-                 .wind = windAt(s.wind, time_),
+                 .air = detail::airAt(s.wind, time_),
                  .reset = internals.resetPending,
                  .rebase = s.solver == Solver::kExact ? detail::moveOrigin(internals) : Float3{},
-                 .colliderCount = 0};
+                 .colliderCount = 0,
+                 .sleeps = false};
+  internals.stillFrames = internals.bonesChanged || frame.reset ? 0 : internals.stillFrames + 1;
   if (internals.bonesChanged) {
     const std::vector<Float4> bones = detail::packBones(internals);
     addUpload(list, buffers.boneTransforms, std::as_bytes(std::span(bones)));
@@ -206,6 +219,7 @@ Result<void> Scene::simulateObject(HairObject& object, float length, uint32_t st
   if (!added) return added;
   internals.lastFrame = length;
   internals.resetPending = false;
+  internals.settingsBefore = s;
   return addFollowPass(frame);
 }
 
@@ -228,6 +242,8 @@ SimulationConstants Scene::Frame::commonConstants() const {
 }
 
 Result<void> Scene::addRootPass(const Frame& frame) {
+  // After two frames with the same bones both sets of transforms are the same.
+  if (frame.internals.stillFrames >= 2) return {};
   const HairBuffers& buffers = frame.object.buffers_;
   const uint64_t guides = frame.object.guideCount_;
   const bool dual = frame.internals.skinning == SkinningMethod::kDualQuaternions;
@@ -257,7 +273,8 @@ Result<void> Scene::addClassicPasses(const Frame& frame) {
 
   SimulationConstants constants = frame.commonConstants();
   constants.gravity = {s.gravity.x, s.gravity.y, s.gravity.z, 0};
-  constants.wind = {frame.wind.x, frame.wind.y, frame.wind.z, s.airDrag};
+  const Float3 wind = frame.air.velocity;
+  constants.wind = {wind.x, wind.y, wind.z, s.airDrag};
   constants.timeStep = static_cast<float>(h);
   constants.dampingKeep = static_cast<float>(keep);
   // What a step of 1/60 s gains at the same terminal velocity.
@@ -306,14 +323,69 @@ Result<void> Scene::addClassicPasses(const Frame& frame) {
   return {};
 }
 
-Result<void> Scene::addExactPasses(const Frame& frame) {
+// The tiles that sleep in this frame; nothing where all are awake for sure.
+Result<void> Scene::addSleepPass(Frame& frame, ExactConstants constants) {
   const SimulationSettings& s = frame.settings;
   HairObject& object = frame.object;
   detail::HairInternals& internals = frame.internals;
   const HairBuffers& buffers = object.buffers_;
+  const uint64_t tiles = tileCount(object.guideCount_);
+  const bool gusts = !isZero(s.wind.velocity) && s.wind.gustStrength > 0 && s.damping > 0;
+  const bool forced = buffers.forces != BufferId::kInvalid;
+  frame.sleeps = s.sleep.enabled && !gusts && !forced && tiles <= kMaxListedTiles;
+  const bool wake = frame.reset || !isZero(frame.rebase) || !internals.sleptBefore ||
+                    s != internals.settingsBefore;
+  internals.sleptBefore = frame.sleeps;
+  if (!frame.sleeps) return {};
+
+  const KernelVariant& follow = updateFollowStrandsVariant({});
+  const auto groups = [](uint32_t threads, uint32_t size) { return (threads + size - 1) / size; };
+  const uint32_t head[kSleepHead] = {
+      0, 1, 1, 0, 0, groups(object.vertexCount_, follow.groupSize[1]), 1, 0};
+  addUpload(frame.list, buffers.sleep, std::as_bytes(std::span(head)));
+  constants.flags = wake ? kExactWakeAll : 0;
+  constants.rootBegin = 0;
+  constants.rootEnd = 1;
+  constants.slot = internals.slot;
+  constants.followGroups = groups(object.followCount_, follow.groupSize[0]);
+  PassBuilder builder(frame.list);
+  const auto columns = static_cast<uint32_t>(std::min<uint64_t>(tiles, kSelectRow));
+  const auto rows = static_cast<uint32_t>((tiles + kSelectRow - 1) / kSelectRow);
+  builder.dispatch(selectAwakeTilesVariant({.colliders = frame.colliderCount > 0}),
+                   columns * detail::kTileStrands, rows);
+  bindExact(frame, builder);
+  builder.constants("ExactConstants", constants)
+      .bytes(object.guideCount_ * sizeof(uint32_t) + tiles * 2 * sizeof(uint32_t));
+  return builder.finish();
+}
+
+// Offers what the kernels of the group "exact" read and write.
+void Scene::bindExact(const Frame& frame, PassBuilder& builder) const {
+  const HairObject& object = frame.object;
+  const HairBuffers& buffers = object.buffers_;
   const uint64_t guides = object.guideCount_;
   const uint64_t vertices = guides * object.vertexCount_;
-  const uint64_t stride = internals.stateStride;
+  const uint64_t stride = frame.internals.stateStride;
+  builder.bind("g_positions", buffers.positions, vertices * kVector)
+      .bind("g_tangents", buffers.tangents, vertices * kVector)
+      .bind("g_state", buffers.state, detail::kExactStateSets * stride * kVector)
+      .bind("g_gains", buffers.gains, detail::kExactGainSets * stride * kVector)
+      .bind("g_rest", buffers.rest, frame.internals.restSets.count() * stride * kVector)
+      .bind("g_rootFrames", buffers.rootTransforms,
+            kRootTransformSets * guides * sizeof(RootTransform))
+      .bind("g_strands", buffers.strands, guides * sizeof(ExactStrand))
+      .bind("g_exactColliders", buffers.colliders, frame.colliderCount * sizeof(Collider))
+      .bind("g_forces", buffers.forces, vertices * kVector)
+      .bind("g_sleep", buffers.sleep,
+            (kSleepHead + 2 * tileCount(guides) + guides) * sizeof(uint32_t));
+}
+
+Result<void> Scene::addExactPasses(Frame& frame) {
+  const SimulationSettings& s = frame.settings;
+  HairObject& object = frame.object;
+  detail::HairInternals& internals = frame.internals;
+  const HairBuffers& buffers = object.buffers_;
+  const uint64_t vertices = uint64_t{object.guideCount_} * object.vertexCount_;
   const uint32_t steps = frame.steps * s.subSteps;
   const double h = static_cast<double>(frame.length) / steps;
 
@@ -330,41 +402,54 @@ Result<void> Scene::addExactPasses(const Frame& frame) {
   constants.frameTimeBefore =
       frame.reset || !(internals.lastFrame > 0) ? frame.length : internals.lastFrame;
 
+  constants.parameterSet = internals.restSets.factors ? internals.restSets.count() - 1 : 0;
+  constants.restSpeed = s.sleep.speed;
+  constants.restTime = s.sleep.time;
+  constants.wakeDistance = s.sleep.wakeDistance;
+  constants.slotsBack = (3 - steps % 3) % 3;
+  if (Result<void> added = addSleepPass(frame, constants); !added) return added;
+
   SimulateRodsKey key;
-  key.globalShape = internals.goals;
+  key.globalShape = internals.restSets.goals;
+  key.forces = buffers.forces != BufferId::kInvalid;
   key.damping = s.relaxationTime > 0;
   key.colliders = frame.colliderCount > 0;
   key.velocityShockPropagation = usesVsp(s);
   const KernelVariant& variant = simulateRodsVariant(key);
+  if (key.forces) {
+    const BufferDesc* forces = resources_.find(buffers.forces);
+    if (forces == nullptr || forces->size < vertices * kVector) {
+      return Error{ErrorCode::kInvalidArgument,
+                   "hair '" + object.name_ + "': the buffer of setForces() " +
+                       (forces == nullptr ? "does not exist"
+                                          : "has " + std::to_string(forces->size) + " bytes") +
+                       "; it takes " + std::to_string(vertices * kVector)};
+    }
+  }
   // Without shock propagation the spare places of a state hold a motion that nobody wrote.
   const bool switched = key.velocityShockPropagation && !internals.vspBefore;
   internals.vspBefore = key.velocityShockPropagation;
   if (frame.reset || switched) internals.lastStep = 0;
 
   for (uint32_t step = 0; step < steps; ++step) {
-    detail::setExactStep(constants, s, h, static_cast<double>(internals.lastStep), frame.wind);
+    detail::setExactStep(constants, s, h, static_cast<double>(internals.lastStep), frame.air);
     internals.lastStep = static_cast<float>(h);
     constants.rootBegin = static_cast<float>(step) / static_cast<float>(steps);
     constants.rootEnd = static_cast<float>(step + 1) / static_cast<float>(steps);
     constants.flags = step + 1 == steps ? kExactLast : 0;
+    if (frame.sleeps) constants.flags |= kExactSleep;
     if (step == 0 && frame.reset) constants.flags |= kExactReset;
     if (step == 0 && !isZero(frame.rebase)) constants.flags |= kExactRebase;
     constants.slot = internals.slot;
     internals.slot = (internals.slot + 1) % 3;
     PassBuilder builder(frame.list);
     const uint32_t rows = (object.guideCount_ + kExactRow - 1) / kExactRow;
-    builder.dispatch(variant, std::min(object.guideCount_, kExactRow), rows)
-        .bind("g_positions", buffers.positions, vertices * kVector)
-        .bind("g_tangents", buffers.tangents, vertices * kVector)
-        .bind("g_state", buffers.state, detail::kExactStateSets * stride * kVector)
-        .bind("g_gains", buffers.gains, detail::kExactGainSets * stride * kVector)
-        .bind("g_rest", buffers.rest, (internals.goals ? 2 : 1) * stride * kVector)
-        .bind("g_rootFrames", buffers.rootTransforms,
-              kRootTransformSets * guides * sizeof(RootTransform))
-        .bind("g_strands", buffers.strands, guides * sizeof(ExactStrand))
-        .bind("g_exactColliders", buffers.colliders, frame.colliderCount * sizeof(Collider))
-        .constants("ExactConstants", constants)
-        .bytes(vertices * detail::kExactBytesAVertex);
+    if (frame.sleeps)
+      builder.dispatchIndirect(variant, buffers.sleep);
+    else
+      builder.dispatch(variant, std::min(object.guideCount_, kExactRow), rows);
+    bindExact(frame, builder);
+    builder.constants("ExactConstants", constants).bytes(vertices * detail::kExactBytesAVertex);
     if (Result<void> added = builder.finish(); !added) return added;
   }
   return {};
@@ -380,8 +465,11 @@ Result<void> Scene::addFollowPass(const Frame& frame) {
   SimulationConstants constants = frame.commonConstants();
   constants.flags = 0;
   PassBuilder builder(frame.list);
-  builder.dispatch(updateFollowStrandsVariant({}), object.followCount_, object.vertexCount_)
-      .bind("g_positions", buffers.positions, (guides + follows) * vertices * kVector)
+  if (frame.sleeps)
+    builder.dispatchIndirect(updateFollowStrandsVariant({}), buffers.sleep, kFollowArguments);
+  else
+    builder.dispatch(updateFollowStrandsVariant({}), object.followCount_, object.vertexCount_);
+  builder.bind("g_positions", buffers.positions, (guides + follows) * vertices * kVector)
       .bind("g_tangents", buffers.tangents, (guides + follows) * vertices * kVector)
       .bind("g_rest", buffers.bindRoots, guides * kVector)
       .bind("g_rootTransforms", buffers.rootTransforms,

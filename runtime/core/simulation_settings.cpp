@@ -1,8 +1,10 @@
 #include "pelage/simulation_settings.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 
 namespace pelage {
 namespace {
@@ -30,7 +32,26 @@ std::string text(float value) {
   return digits;
 }
 
+Result<void> check(const Range& range) {
+  if (!std::isfinite(range.value)) {
+    return outOfRange(range.name, std::isnan(range.value) ? "not a number" : "infinite", "finite");
+  }
+  if (range.value < range.low || range.value > range.high) {
+    return outOfRange(range.name, text(range.value),
+                      range.high == kMax ? "at least " + text(range.low)
+                                         : "in " + text(range.low) + ".." + text(range.high));
+  }
+  return {};
+}
+
 }  // namespace
+
+float valueAt(const ParameterCurve& curve, float share) {
+  const float place = std::clamp(share, 0.0f, 1.0f) * static_cast<float>(curve.size() - 1);
+  const auto left = std::min(static_cast<size_t>(place), curve.size() - 2);
+  const float t = place - static_cast<float>(left);
+  return curve[left] + (curve[left + 1] - curve[left]) * t;
+}
 
 Result<void> validate(const SimulationSettings& s) {
   const Range ranges[] = {
@@ -50,21 +71,23 @@ Result<void> validate(const SimulationSettings& s) {
       {"wind.velocity.z", s.wind.velocity.z, -kMax, kMax},
       {"wind.gustStrength", s.wind.gustStrength, 0, 1},
       {"wind.gustPeriod", s.wind.gustPeriod, 1e-3f, kMax},
+      {"wind.strandVariation", s.wind.strandVariation, 0, 1},
+      {"sleep.speed", s.sleep.speed, 0, kMax},
+      {"sleep.time", s.sleep.time, 0, kMax},
+      {"sleep.wakeDistance", s.sleep.wakeDistance, 0, kMax},
       {"airDrag", s.airDrag, 0, kMax},
       {"maxSpeed", s.maxSpeed, 1e-6f, kMax},
       {"tipSeparation", s.tipSeparation, 0, kMax},
   };
-  for (const Range& range : ranges) {
-    if (!std::isfinite(range.value)) {
-      return outOfRange(range.name, std::isnan(range.value) ? "not a number" : "infinite",
-                        "finite");
-    }
-    if (range.value < range.low || range.value > range.high) {
-      return outOfRange(range.name, text(range.value),
-                        range.high == kMax ? "at least " + text(range.low)
-                                           : "in " + text(range.low) + ".." + text(range.high));
-    }
-  }
+  for (const Range& range : ranges)
+    if (Result<void> checked = check(range); !checked) return checked;
+  const std::pair<const char*, const ParameterCurve*> curves[] = {
+      {"curves.stiffness", &s.curves.stiffness},
+      {"curves.globalStiffness", &s.curves.globalStiffness},
+      {"curves.damping", &s.curves.damping}};
+  for (const auto& [name, curve] : curves)
+    for (const float value : *curve)
+      if (Result<void> checked = check({name, value, 0, kMax}); !checked) return checked;
   // An infinite threshold is allowed: it means never.
   if (!(s.vspThreshold > 0)) return outOfRange("vspThreshold", text(s.vspThreshold), "above 0");
   if (s.solver != Solver::kExact && s.solver != Solver::kClassic) {

@@ -118,6 +118,199 @@ TEST_P(SceneSimulation, StrandsOfDifferentCountsShareAnObject) {
   }
 }
 
+// ---- what only the exact solver has
+
+class ExactScene : public testing::TestWithParam<Api> {
+ protected:
+  ExactScene() : run_(GetParam()) {}
+  void SetUp() override {
+    if (run_.device() == nullptr) GTEST_SKIP() << "no device";
+  }
+  uint32_t awake(const HairObject& hair) const {
+    const std::vector<uint32_t> words = run_.read<uint32_t>(hair.buffers().sleep);
+    return readCounters(std::as_bytes(std::span(words))).awakeStrands;
+  }
+  /// Steps until everything sleeps; the number of frames that took.
+  int fallAsleep(const HairObject& hair) {
+    for (int frame = 1; frame <= 900; ++frame) {
+      run_.step();
+      if (awake(hair) == 0) return frame;
+    }
+    ADD_FAILURE() << awake(hair) << " strands did not come to rest";
+    return 0;
+  }
+
+  SceneRun run_;
+};
+
+SimulationSettings calmSettings() {
+  SimulationSettings settings;
+  settings.damping = 0.3f;
+  settings.vspCoefficient = 0;
+  return settings;
+}
+
+TEST_P(ExactScene, HairAtRestSleepsWhereItIs) {
+  const HairAsset asset = wavyAsset(70, 10);
+  const HairObject& hair = run_.add(asset, {.settings = calmSettings()});
+  run_.step();
+  EXPECT_EQ(awake(hair), 70u);
+  EXPECT_GT(fallAsleep(hair), 30) << "half a second of rest";
+  const std::vector<Float4> before = run_.positions(hair);
+  for (int frame = 0; frame < 10; ++frame) run_.step();
+  const std::vector<Float4> after = run_.positions(hair);
+  EXPECT_EQ(before, after);
+  EXPECT_EQ(awake(hair), 0u);
+}
+
+TEST_P(ExactScene, SleepDoesNotChangeTheMotionAfterIt) {
+  const HairAsset asset = wavyAsset(70, 10);
+  HairObject& sleeper = run_.add(asset, {.settings = calmSettings()});
+  SimulationSettings restless = calmSettings();
+  restless.sleep.enabled = false;
+  HairObject& other = run_.add(asset, {.name = "other", .settings = restless});
+  fallAsleep(sleeper);
+  for (int frame = 0; frame < 20; ++frame) run_.step();
+  double largest = 0;
+  for (int frame = 1; frame <= 30; ++frame) {
+    const AffineTransform bone = shifted(0.05 * (1 - std::cos(0.1 * frame)));
+    sleeper.setBones({&bone, 1});
+    other.setBones({&bone, 1});
+    run_.step();
+    const std::vector<Float4> a = run_.positions(sleeper), b = run_.positions(other);
+    for (size_t i = 0; i < a.size(); ++i) largest = std::max(largest, distance(a[i], b[i]));
+  }
+  EXPECT_EQ(awake(sleeper), 70u);
+  // Half a second at less than half a millimetre a second, and what was left to go.
+  EXPECT_LT(largest, 1e-3);
+}
+
+TEST_P(ExactScene, OnlyTheTilesThatAColliderStirsWake) {
+  // Two tiles, 2 m apart.
+  HairAsset asset = wavyAsset(64, 10);
+  for (size_t i = size_t{32} * 10; i < asset.positions.size(); ++i) asset.positions[i].x += 2;
+  expectOk(asset.process());
+  HairObject& hair = run_.add(asset, {.settings = calmSettings()});
+  CapsuleCollider ball = {
+      .head = {2, 1, 0}, .headRadius = 0.05f, .tail = {2, 1, 0}, .tailRadius = 0.05f};
+  hair.setColliders({&ball, 1});
+  fallAsleep(hair);
+  ball.head.y = ball.tail.y = 0.3f;
+  hair.setColliders({&ball, 1});
+  run_.step();
+  EXPECT_EQ(awake(hair), 32u);
+  const std::vector<uint32_t> sleep = run_.read<uint32_t>(hair.buffers().sleep);
+  EXPECT_EQ(sleep[0], 1u);
+  EXPECT_EQ(sleep[8], 1u) << "the tile that wakes";
+}
+
+TEST_P(ExactScene, FollowHairsSleepWithTheirGuides) {
+  const HairAsset asset = wavyAsset(20, 8);
+  const auto follow = asset.generateFollowHairs({.countPerGuide = 3});
+  ASSERT_TRUE(follow);
+  HairObject& hair = run_.add(asset, {.settings = calmSettings(), .followHairs = *follow});
+  fallAsleep(hair);
+  const std::vector<Float4> before = run_.positions(hair);
+  for (int frame = 0; frame < 3; ++frame) run_.step();
+  EXPECT_EQ(run_.positions(hair), before);
+  const AffineTransform bone = shifted(0.1);
+  hair.setBones({&bone, 1});
+  run_.step();
+  const std::vector<Float4> moved = run_.positions(hair);
+  for (size_t s = 0; s < 80; ++s) EXPECT_NEAR(moved[s * 8].x - before[s * 8].x, 0.1f, 1e-5);
+}
+
+TEST_P(ExactScene, ForcesOfABufferActLikeGravityAndWind) {
+  const HairAsset asset = wavyAsset(10, 12);
+  SimulationSettings plain;
+  plain.wind = {.velocity = {2, 0, 1}, .gustStrength = 0, .strandVariation = 0};
+  plain.damping = 0.1f;
+  HairObject& expected = run_.add(asset, {.settings = plain});
+  // The same from forces: no gravity, no damping and no wind in the settings.
+  SimulationSettings none = plain;
+  none.gravity = {};
+  none.damping = 0;
+  none.wind = {};
+  HairObject& forced = run_.add(asset, {.name = "forced", .settings = none});
+  const float drag = -60 * std::log(0.9f);
+  const std::vector<Float4> force(120, {2 * drag, -9.81f, drag, drag});
+  const auto bytes = std::as_bytes(std::span(force));
+  forced.setForces(run_.scene.resources().add({.name = "forces",
+                                               .size = bytes.size(),
+                                               .stride = sizeof(Float4),
+                                               .initial = {bytes.begin(), bytes.end()}}));
+  for (int frame = 0; frame < 30; ++frame) run_.step();
+  const std::vector<Float4> a = run_.positions(expected), b = run_.positions(forced);
+  double largest = 0, moved = 0;
+  for (size_t i = 0; i < a.size(); ++i) {
+    largest = std::max(largest, distance(a[i], b[i]));
+    moved = std::max(moved, distance(a[i], asset.positions[i]));
+  }
+  EXPECT_LT(largest, 1e-4);
+  EXPECT_GT(moved, 0.02);
+}
+
+TEST_P(ExactScene, StiffnessCurvesAndStrandFactorsAct) {
+  // Straight horizontal strands that sag.
+  HairAsset asset;
+  asset.strandCount = 3;
+  asset.verticesPerStrand = 16;
+  for (uint32_t s = 0; s < 3; ++s)
+    for (uint32_t v = 0; v < 16; ++v)
+      asset.positions.push_back(
+          {0.01f * static_cast<float>(v), 0, 0.05f * static_cast<float>(s), v < 2 ? 0.0f : 1.0f});
+  expectOk(asset.process());
+  SimulationSettings settings = calmSettings();
+  settings.bendLength = 0.05f;
+  const std::vector<StrandFactors> factors = {{}, {.stiffness = 4}, {.stiffness = 0.25f}};
+  const HairObject& hair = run_.add(asset, {.settings = settings, .strandFactors = factors});
+  SimulationSettings stiff = settings;
+  stiff.bendLength = 0.05f * std::cbrt(4.0f);
+  const HairObject& uniform = run_.add(asset, {.name = "uniform", .settings = stiff});
+  SimulationSettings curved = settings;
+  curved.curves.stiffness.fill(4);
+  const HairObject& byCurve = run_.add(asset, {.name = "curve", .settings = curved});
+  for (int frame = 0; frame < 120; ++frame) run_.step();
+  const std::vector<Float4> p = run_.positions(hair);
+  const float tip = run_.positions(uniform)[15].y;
+  EXPECT_NEAR(p[16 + 15].y, tip, 1e-5) << "a strand factor is a stiffness";
+  EXPECT_NEAR(run_.positions(byCurve)[15].y, tip, 1e-5) << "and so is a constant curve";
+  EXPECT_LT(p[15].y, p[16 + 15].y - 0.005f);
+  EXPECT_LT(p[32 + 15].y, p[15].y - 0.005f);
+}
+
+TEST_P(ExactScene, GustsDifferFromStrandToStrandAsMuchAsAskedFor) {
+  // The same strand 20 times at different places.
+  HairAsset asset;
+  asset.strandCount = 20;
+  asset.verticesPerStrand = 10;
+  for (uint32_t s = 0; s < 20; ++s)
+    for (uint32_t v = 0; v < 10; ++v)
+      asset.positions.push_back(
+          {0.05f * static_cast<float>(s), -0.02f * static_cast<float>(v), 0, v < 2 ? 0.0f : 1.0f});
+  expectOk(asset.process());
+  double spread[2] = {};
+  for (int k = 0; k < 2; ++k) {
+    SimulationSettings settings;
+    settings.wind = {
+        .velocity = {0, 0, 4}, .gustStrength = 1, .strandVariation = static_cast<float>(k)};
+    const HairObject& hair =
+        run_.add(asset, {.name = "hair" + std::to_string(k), .settings = settings});
+    for (int frame = 0; frame < 40; ++frame) run_.step();
+    const std::vector<Float4> p = run_.positions(hair);
+    float low = p[9].z, high = p[9].z;
+    for (size_t s = 0; s < 20; ++s) {
+      low = std::min(low, p[10 * s + 9].z);
+      high = std::max(high, p[10 * s + 9].z);
+    }
+    spread[k] = static_cast<double>(high - low);
+  }
+  EXPECT_LT(spread[0], 1e-5);
+  EXPECT_GT(spread[1], 0.005);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, ExactScene, testing::ValuesIn(kApis), apiTestName);
+
 std::string testName(const testing::TestParamInfo<std::tuple<Api, Solver>>& info) {
   return std::string(apiName(std::get<0>(info.param))) +
          (std::get<1>(info.param) == Solver::kExact ? "Exact" : "Classic");

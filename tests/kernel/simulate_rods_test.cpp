@@ -156,6 +156,7 @@ class RodRun {
     (void)roots_.read();
     (void)strands_.read();
     (void)colliders_.read();
+    (void)sleep_.read();
   }
 
   ExactConstants constants = {};
@@ -180,7 +181,9 @@ class RodRun {
         rest_(gpu, "rest", packed.rest),
         roots_(gpu, "rootFrames", std::vector<Float4>(4 * rests.size())),
         strands_(gpu, "strands", packed.records),
-        colliders_(gpu, "colliders", std::vector<Collider>(kMaxColliders)) {
+        colliders_(gpu, "colliders", std::vector<Collider>(kMaxColliders)),
+        sleep_(gpu, "sleep",
+               std::vector<uint32_t>(8 + 2 * ((rests.size() + kTile - 1) / kTile) + rests.size())) {
     constants.strandCount = static_cast<uint32_t>(rests.size());
     constants.stateStride = packed.stride;
     constants.rootCount = constants.strandCount;
@@ -192,7 +195,8 @@ class RodRun {
     Packed packed;
     for (uint32_t s = 0; s < rests.size(); ++s) {
       const auto count = static_cast<uint32_t>(rests[s].size());
-      packed.records.push_back({0, count, packed.outputs, s});
+      packed.records.push_back(
+          {.count = count, .target = packed.outputs, .root = s, .seed = s, .length = 1});
       packed.outputs += count;
     }
     std::stable_sort(packed.records.begin(), packed.records.end(),
@@ -258,6 +262,7 @@ class RodRun {
     roots_.bindTo(builder, "g_rootFrames");
     strands_.bindTo(builder, "g_strands");
     colliders_.bindTo(builder, "g_exactColliders");
+    sleep_.bindTo(builder, "g_sleep");
     builder.constants("ExactConstants", constants);
     expectOk(builder.finish());
   }
@@ -271,6 +276,7 @@ class RodRun {
   GuardedBuffer<Float4> positions_, tangents_, state_, gains_, rest_, roots_;
   GuardedBuffer<ExactStrand> strands_;
   GuardedBuffer<Collider> colliders_;
+  GuardedBuffer<uint32_t> sleep_;
 };
 
 /// Something that strands go through.

@@ -52,9 +52,9 @@ class ExactSceneTest : public testing::Test {
       if (pass.name == name) found.push_back(&pass);
     return found;
   }
-  std::vector<ExactConstants> constants() const {
+  std::vector<ExactConstants> constants(std::string_view name = "simulate_rods") const {
     std::vector<ExactConstants> found;
-    for (const Pass* pass : passes("simulate_rods")) {
+    for (const Pass* pass : passes(name)) {
       for (const PassBinding& binding : list_.bindingsOf(*pass)) {
         if (binding.buffer != BufferId::kInvalid) continue;
         found.emplace_back();
@@ -80,12 +80,19 @@ class ExactSceneTest : public testing::Test {
   PassList list_;
 };
 
-TEST_F(ExactSceneTest, IsTheDefaultAndNeedsTwoPassesWithoutFollowHairs) {
-  const HairObject& hair = add();
+TEST_F(ExactSceneTest, IsTheDefaultAndNeedsTwoPassesAndOneThatSeeksWhatIsAwake) {
+  HairObject& hair = add();
+  simulate();
+  ASSERT_EQ(list_.passes.size(), 3u);
+  EXPECT_STREQ(list_.passes[0].name, "skin_roots");
+  EXPECT_STREQ(list_.passes[1].name, "select_awake_tiles");
+  EXPECT_STREQ(list_.passes[2].name, "simulate_rods");
+  EXPECT_EQ(list_.passes[2].kind, PassKind::kDispatchIndirect);
+  hair.settings.sleep.enabled = false;
   simulate();
   ASSERT_EQ(list_.passes.size(), 2u);
-  EXPECT_STREQ(list_.passes[0].name, "skin_roots");
   EXPECT_STREQ(list_.passes[1].name, "simulate_rods");
+  EXPECT_EQ(list_.passes[1].kind, PassKind::kDispatch);
   EXPECT_EQ(hair.buffers().colliders, BufferId::kInvalid);
 }
 
@@ -152,7 +159,7 @@ TEST_F(ExactSceneTest, SubStepsCoverTheFrameOnceAndTakeTurnsWithTheState) {
     EXPECT_EQ(all[i].slot, i % 3);
     EXPECT_EQ(all[i].rootBegin, end);
     end = all[i].rootEnd == 1 ? 0 : all[i].rootEnd;
-    EXPECT_EQ(all[i].flags, (i == 0 ? 1u : 0u) | (i % 6 == 5 ? 2u : 0u));
+    EXPECT_EQ(all[i].flags, (i == 0 ? 1u : 0u) | (i % 6 == 5 ? 2u : 0u) | 8u);
     // BDF2 from the second step on: he = 2/3 h.
     EXPECT_NEAR(all[i].inverseStep, i == 0 ? 120.0f : 180.0f, 0.01f);
   }
@@ -164,7 +171,7 @@ TEST_F(ExactSceneTest, ResetForgetsTheHistory) {
   simulate();
   hair.reset();
   simulate();
-  EXPECT_EQ(constants().at(0).flags, 3u);
+  EXPECT_EQ(constants().at(0).flags, 11u);
   EXPECT_EQ(constants().at(0).historyShare, 0.0f);
 }
 
@@ -203,7 +210,7 @@ TEST_F(ExactSceneTest, TheOriginFollowsTheHairInWholeMetres) {
     EXPECT_EQ((c.flags & 4u) != 0, c.origin.x != origin);
     // The bone that the kernel sees is relative to the origin.
     Float4 row = {};
-    ASSERT_EQ(list_.uploads.size(), 1u);
+    ASSERT_EQ(list_.uploads.at(0).buffer, hair.buffers().boneTransforms);
     std::memcpy(&row, list_.uploadData.data() + list_.uploads[0].dataOffset, sizeof(row));
     EXPECT_EQ(row.w, x - c.origin.x);
     origin = c.origin.x;
@@ -251,6 +258,92 @@ TEST_F(ExactSceneTest, CollidersMoveFromWhereTheyWere) {
   EXPECT_EQ(colliders[0].head.x, 0.0625f);
   simulate();
   EXPECT_EQ(uploadedColliders(hair).at(0).headBefore.x, 0.0625f);
+}
+
+TEST_F(ExactSceneTest, RootsThatStandStillAreSkinnedTwice) {
+  HairObject& hair = add();
+  for (const size_t expected : {1, 1, 0, 0}) {
+    simulate();
+    EXPECT_EQ(passes("skin_roots").size(), expected);
+  }
+  AffineTransform bone;
+  bone.rows[1].w = 0.01f;
+  hair.setBones({&bone, 1});
+  for (const size_t expected : {1, 1, 0}) {
+    simulate();
+    EXPECT_EQ(passes("skin_roots").size(), expected);
+  }
+  hair.reset();
+  simulate();
+  EXPECT_EQ(passes("skin_roots").size(), 1u);
+}
+
+TEST_F(ExactSceneTest, WhatMovesAllHairWakesAllOfIt) {
+  constexpr uint32_t kWakeAll = 16;
+  HairObject& hair = add();
+  const auto wakes = [&] {
+    simulate();
+    return constants("select_awake_tiles").at(0).flags == kWakeAll;
+  };
+  EXPECT_TRUE(wakes());
+  EXPECT_FALSE(wakes());
+  hair.settings.gravity.x = 0.1f;
+  EXPECT_TRUE(wakes());
+  EXPECT_FALSE(wakes());
+  hair.reset();
+  EXPECT_TRUE(wakes());
+  hair.settings.curves.stiffness[3] = 2;
+  EXPECT_TRUE(wakes());
+  EXPECT_FALSE(wakes());
+  // Gusts keep it awake; a steady wind does not.
+  hair.settings.wind.velocity = {1, 0, 0};
+  simulate();
+  EXPECT_TRUE(passes("select_awake_tiles").empty());
+  hair.settings.wind.gustStrength = 0;
+  EXPECT_TRUE(wakes());
+  EXPECT_FALSE(wakes());
+}
+
+TEST_F(ExactSceneTest, TakesForcesOnlyFromABufferThatIsLargeEnough) {
+  HairObject& hair = add();
+  const BufferId small = scene_.resources().add({.name = "small", .size = 16, .stride = 16});
+  hair.setForces(small);
+  const Result<void> done = scene_.simulate(kFrame, list_);
+  ASSERT_FALSE(done);
+  EXPECT_NE(done.error().message.find("has 16 bytes; it takes 640"), std::string::npos);
+  hair.setForces(scene_.resources().add({.name = "forces", .size = 640, .stride = 16}));
+  simulate();
+  EXPECT_EQ(variant(), &simulateRodsVariant({.velocityShockPropagation = true, .forces = true}));
+  hair.setForces(BufferId::kInvalid);
+  simulate();
+  EXPECT_EQ(variant(), &simulateRodsVariant(plainKey()));
+}
+
+TEST_F(ExactSceneTest, CurvesAndStrandFactorsAreOneMoreSetOfTheRestShape) {
+  HairObject& hair = add();
+  simulate();
+  EXPECT_EQ(constants().at(0).parameterSet, 0u);
+  hair.settings.curves.stiffness = {1, 1, 1, 1, 1, 1, 1, 3};
+  hair.settings.globalStiffness = 0.1f;
+  simulate();
+  EXPECT_EQ(constants().at(0).parameterSet, 2u);
+  hair.settings.curves.stiffness[0] = -1;
+  const Result<void> done = scene_.simulate(kFrame, list_);
+  ASSERT_FALSE(done);
+  EXPECT_NE(done.error().message.find("'curves.stiffness' is -1"), std::string::npos);
+
+  const std::vector<StrandFactors> factors(4);
+  EXPECT_FALSE(scene_.addHair(asset_, {.strandFactors = factors}));
+  const std::vector<StrandFactors> wrong(5, {.damping = kNan});
+  EXPECT_FALSE(scene_.addHair(asset_, {.strandFactors = wrong}));
+}
+
+TEST(ParameterCurve, IsLinearBetweenItsValues) {
+  const ParameterCurve curve = {0, 1, 2, 3, 4, 5, 6, 14};
+  EXPECT_FLOAT_EQ(valueAt(curve, 0), 0);
+  EXPECT_FLOAT_EQ(valueAt(curve, 0.5f), 3.5f);
+  EXPECT_FLOAT_EQ(valueAt(curve, 1), 14);
+  EXPECT_FLOAT_EQ(valueAt(curve, 6.5f / 7), 10);
 }
 
 TEST_F(ExactSceneTest, SwitchingTheSolverReplacesItsBuffersOnly) {

@@ -22,9 +22,10 @@ struct Slots {
   uint next;
 };
 
-Slots stateSlots() {
+// \param offset of a tile that slept, 0..2
+Slots stateSlots(uint offset) {
   Slots slots;
-  slots.now = g_slot < 3 ? g_slot : 0;
+  slots.now = (g_slot + offset) % 3;
   slots.next = slots.now == 2 ? 0 : slots.now + 1;
   slots.before = slots.now == 0 ? 2 : slots.now - 1;
   return slots;

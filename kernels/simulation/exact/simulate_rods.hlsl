@@ -3,8 +3,9 @@
 //
 // Threads: one a strand in the order of g_strands; dispatch min(count, 2^20) x ceil(count / 2^20).
 //          No barriers and no shared memory; a strand of any count from 2 to 256 is a loop.
-// Reads:   g_strands, g_rootFrames, g_rest, g_state (now and before), g_exactColliders
-// Writes:  g_state (next; at a reset now and before), g_gains, g_positions, g_tangents
+// Reads:   g_strands, g_rootFrames, g_rest, g_state (now and before), g_exactColliders, g_forces,
+//          g_sleep
+// Writes:  g_state (next; at a reset now and before), g_gains, g_positions, g_tangents, g_sleep
 //
 // In this order (numbers of the step in layouts/exact.hlsli):
 //   1. Vertices 0, 1 and edge 0 go where the root is at the sub-step's end. A new origin of the
@@ -19,6 +20,8 @@
 //   6. 4 and 5 once more, about the result, where an edge turned by more than g_passTolerance.
 //      Without it strands that whip about gain energy.
 // DAMPING: Kelvin-Voigt damping of the bending and the twist.
+// FORCES: accelerations and drags of a buffer, in step 3.
+// With the sleep flag the threads are those of the tiles that select_awake_tiles has found awake.
 //
 // Rounding: positions enter the solve as ways over the step, summed along the strand from the
 // differences of tangents. A difference of positions that were summed in two ways is off by 1e-7 m,
@@ -29,6 +32,7 @@
 // state (not in lengths, regions and the rest shape) is gone after a few steps; a strand whose
 // record does not fit its buffers is left out; the result of a strand depends on no other one, and
 // agrees with tests/reference/rod bit by bit where the device's square root and division are exact.
+#include "../../common/random_hash.hlsli"
 #include "rod_elimination.hlsli"
 
 // Vertices a strand may have.
@@ -39,6 +43,9 @@ static const float kHoldStiffness = 1e6;
 static const uint kResetFlag = 1;
 static const uint kLastFlag = 2;
 static const uint kRebaseFlag = 4;
+static const uint kSleepFlag = 8;
+// Words of g_sleep before the list of tiles.
+static const uint kSleepHead = 8;
 
 // What a vertex has in memory.
 struct StoredVertex {
@@ -50,6 +57,10 @@ struct StoredVertex {
 #if GLOBAL_SHAPE
   float4 goal;
 #endif
+#if FORCES
+  float4 force;
+#endif
+  float4 factors;
 };
 
 StoredVertex loadVertex(uint vertex, ExactStrand strand, Slots slots) {
@@ -62,6 +73,11 @@ StoredVertex loadVertex(uint vertex, ExactStrand strand, Slots slots) {
 #if GLOBAL_SHAPE
   stored.goal = g_rest[stateIndex(1, vertex, strand)];
 #endif
+#if FORCES
+  stored.force = g_forces[strand.target + vertex];
+#endif
+  stored.factors = float4(1.0, 1.0, 1.0, 0.0);
+  if (g_parameterSet > 0) stored.factors = g_rest[stateIndex(g_parameterSet, vertex, strand)];
   return stored;
 }
 
@@ -108,19 +124,73 @@ float3 edgeWay(RodEdge edge) {
   return r;
 }
 
-RodVertex freeVertex(StoredVertex stored, Carry carry, RodRoot root) {
+// What an acceleration a and a drag k add to the equation of a free vertex.
+struct ExtraForce {
+  float3 acceleration;  // [m/s2]
+  float drag;           // [1/s]; below 0 it takes from the air's
+};
+
+ExtraForce extraForce(StoredVertex stored) {
+  precise float drag = 0.0;
+  precise float3 acceleration = float3(0.0, 0.0, 0.0);
+  if (g_parameterSet > 0) {
+    drag = g_air.w * (stored.factors.z - 1.0);
+    acceleration = g_air.xyz * drag;
+  }
+#if FORCES
+  if (isUsable(stored.force)) {
+    drag = drag + max(stored.force.w, 0.0);
+    acceleration = acceleration + stored.force.xyz;
+  }
+#endif
+  ExtraForce extra;
+  extra.acceleration = acceleration;
+  extra.drag = drag;
+  return extra;
+}
+
+// Way in a step by gravity and wind. Every strand has a phase of the gusts of its own.
+float3 strandDrift(ExactStrand strand) {
+  float3 drift = g_drift.xyz;
+  if (g_gust0.w > 0.0) {
+    precise float a = 2.0 * unitFloat(hashUint(strand.seed)) - 1.0;
+    precise float b = 2.0 * unitFloat(hashUint(strand.seed + 1u)) - 1.0;
+    float inverse = inverseRoot(max(a * a + b * b, 1e-12));
+    precise float s0 = g_gust0.w * (a * inverse - 1.0);
+    precise float s1 = g_gust0.w * (b * inverse);
+    precise float3 varied = drift + g_gust0.xyz * s0 + g_gust1.xyz * s1;
+    drift = varied;
+  }
+  return drift;
+}
+
+RodVertex freeVertex(StoredVertex stored, Carry carry, RodRoot root, float3 drift) {
   float3 now = carryPoint(carry, stored.now.xyz);
   precise float3 xb = carriedWayBack(carry, stored.now.xyz, stored.before.xyz) * g_historyShare;
   float3 vb =
       carriedVelocity(carry, stored.velocity.xyz, stored.velocityBefore.xyz, g_historyShare);
-  precise float3 target = xb + vb * g_velocityShare + g_drift.xyz;
+  precise float3 target = xb + vb * g_velocityShare + drift;
   precise float weight = g_weight;
+#if FORCES
+  bool forced = true;
+#else
+  bool forced = g_parameterSet > 0;
+#endif
+  if (forced) {
+    ExtraForce extra = extraForce(stored);
+    precise float heavier = weight + extra.drag * g_inverseStep;
+    precise float share = weight / heavier;
+    precise float3 pushed =
+        xb + (vb * g_velocityShare + drift) * share + extra.acceleration / heavier;
+    target = pushed;
+    weight = heavier;
+  }
 #if GLOBAL_SHAPE
   float spring = kHoldStiffness;
   if (stored.goal.w >= 0.0) {
     precise float fade = 0.25 * g_goalRange;
     precise float within = (g_goalRange + fade - stored.goal.w) / fade;
-    precise float faded = g_goalStiffness * min(max(within, 0.0), 1.0);
+    precise float faded = g_goalStiffness * stored.factors.y * min(max(within, 0.0), 1.0);
     spring = faded;
   }
   if (spring > 0.0) {
@@ -218,14 +288,14 @@ float4 limitedTurn(float3 u) {
 
 // Tip to root. \param tipWay way of the last vertex in the iterate
 void eliminate(ExactStrand strand, Slots slots, Carry carry, RodRoot root, float4 rootFrame,
-               uint pass, float3 tipWay) {
+               float3 drift, uint pass, float3 tipWay) {
   uint last = strand.count - 2;  // edge
   StoredVertex storedEnd = loadVertex(last + 1, strand, slots);
   StoredVertex stored = loadVertex(last, strand, slots);
   StoredEdge storedEdge = loadEdge(last, strand, slots, pass);
   StoredEdge storedParent = loadEdge(last - 1, strand, slots, pass);
   precise float3 way = tipWay;
-  RodVertex vertex = freeVertex(storedEnd, carry, root);
+  RodVertex vertex = freeVertex(storedEnd, carry, root, drift);
   Value value = addVertex(emptyValue(), vertex, way);
   RodEdge edge = freeEdge(storedEdge, carry, stored.now.w, pass);
   [loop] for (uint i = last; i >= 1; --i) {
@@ -237,13 +307,14 @@ void eliminate(ExactStrand strand, Slots slots, Carry carry, RodRoot root, float
     if (i > 1) parent = freeEdge(storedParent, carry, storedNext.now.w, pass);
     float3 turned = float3(0.0, 0.0, 0.0);
     if (pass > 0) turned = turnBetween(edge.iterate, edge.guess);
-    float region = stored.velocity.w;
+    // Stiffness is over the region: a stiffer joint is one of a smaller region.
+    precise float region = stored.velocity.w / max(stored.factors.x, 1e-6);
     way = way - edgeWay(edge);
     Bending bending = bendingOf(edge, parent, stored.rest, region);
     Elimination step = eliminateEdge(value, edge, bending, region, vertex.weight, turned);
     storeGain(i, strand, step.gain);
     value = step.value;
-    vertex = freeVertex(stored, carry, root);
+    vertex = freeVertex(stored, carry, root, drift);
     if (i > 1) value = addVertex(value, vertex, way);
 
     stored = storedNext;
@@ -254,6 +325,7 @@ void eliminate(ExactStrand strand, Slots slots, Carry carry, RodRoot root, float
 
 struct RollOut {
   float largest;       // square of the largest rotation [rad^2]
+  float fastest;       // square of the highest speed [m2/s2]
   float3 way;          // of the tip against vertex 1, in the new iterate
   float3 guessedWay;   // the same in the next step's guess, against the new positions
 };
@@ -264,6 +336,7 @@ RollOut rollOut(ExactStrand strand, Slots slots, Carry carry, float3 x0, float3 
   uint count = strand.count;
   RollOut result;
   result.largest = 0.0;
+  result.fastest = 0.0;
   precise float3 way = float3(0.0, 0.0, 0.0);
   precise float3 guessedWay = float3(0.0, 0.0, 0.0);
   precise float3 x = x1;
@@ -295,6 +368,7 @@ RollOut rollOut(ExactStrand strand, Slots slots, Carry carry, float3 x0, float3 
       float3 old = carryPoint(carry, now.xyz);
       precise float3 back = old + carriedWayBack(carry, now.xyz, before.xyz) * g_historyShare;
       precise float3 v = (x - back) * g_inverseStep;
+      result.fastest = max(result.fastest, dot3(v, v));
       g_state[stateIndex(kVelocitySets + slots.next, i, strand)] = float4(v, region);
     }
     precise float3 across = edgeVector;
@@ -356,6 +430,13 @@ float3 guessedTipWay(ExactStrand strand, Slots slots, Carry carry) {
 [numthreads(32, 1, 1)]
 void simulate_rods(uint3 thread : SV_DispatchThreadID) {
   uint index = (thread.y << 20) | thread.x;
+  bool sleeping = (g_flags & kSleepFlag) != 0u;
+  uint tiles = (g_strandCount + kTileStrands - 1) / kTileStrands;
+  if (sleeping) {
+    uint entry = index / kTileStrands;
+    if (entry >= tiles) return;
+    index = g_sleep[kSleepHead + entry] * kTileStrands + index % kTileStrands;
+  }
   if (index >= g_strandCount) return;
   ExactStrand strand = g_strands[index];
   if (strand.count < kMinCount || strand.count > kMaxCount) return;
@@ -365,7 +446,7 @@ void simulate_rods(uint3 thread : SV_DispatchThreadID) {
   if (outputs > g_outputCount || strand.target > g_outputCount - outputs) return;
   if (strand.root >= g_rootCount) return;
 
-  Slots slots = stateSlots();
+  Slots slots = stateSlots(g_sleep[kSleepHead + tiles + index / kTileStrands]);
   RootPath path = rootPath(strand.root);
   RodRoot begin = rootAt(path, g_rootBegin);
   RodRoot root = rootAt(path, g_rootEnd);
@@ -407,7 +488,9 @@ void simulate_rods(uint3 thread : SV_DispatchThreadID) {
   precise float3 edge0 = axisX(rootFrame) * firstX.w;
   precise float3 x1 = x0 + edge0;
 
+  float3 drift = strandDrift(strand);
   precise float3 guessedWay = float3(0.0, 0.0, 0.0);
+  float fastest = 0.0;
   if (strand.count > 2) {
     float3 oldX1 =
         carryPoint(carry, g_state[stateIndex(kPositionSets + slots.now, 1, strand)].xyz);
@@ -424,12 +507,14 @@ void simulate_rods(uint3 thread : SV_DispatchThreadID) {
     precise float tolerance2 = g_passTolerance * g_passTolerance;
     [loop] for (uint pass = 0; pass < 2; ++pass) {
       precise float3 tipWay = way + rootWay;
-      eliminate(strand, slots, carry, root, rootFrame, pass, tipWay);
+      eliminate(strand, slots, carry, root, rootFrame, drift, pass, tipWay);
       rolled = rollOut(strand, slots, carry, x0, x1, rootFrame, pass);
       way = rolled.way;
       if (rolled.largest <= tolerance2) break;
+      if (sleeping && pass == 0) InterlockedAdd(g_sleep[7], 1u);
     }
     guessedWay = rolled.guessedWay;
+    fastest = rolled.fastest;
   } else {
     float3 tangent = axisX(rootFrame);
     writeOutput(0, strand, x0, edge0, tangent);
@@ -442,6 +527,14 @@ void simulate_rods(uint3 thread : SV_DispatchThreadID) {
   for (uint pad = strand.count; pad < g_outputVertices; ++pad) {
     g_positions[strand.target + pad] = g_positions[tipTarget];
     g_tangents[strand.target + pad] = g_tangents[tipTarget];
+  }
+
+  if (sleeping && (g_flags & kLastFlag) != 0u) {
+    uint word = kSleepHead + 2 * tiles + index;
+    precise float rested = asfloat(g_sleep[word]) + g_frameTime;
+    // Not below the limit, also where it is not a number: the strand moves.
+    if (!(fastest < g_restSpeed * g_restSpeed)) rested = 0.0;
+    g_sleep[word] = asuint(rested);
   }
 
   // The spare places of the new state.
