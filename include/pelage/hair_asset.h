@@ -44,18 +44,23 @@ struct ProcessDef {
 /// How many follow hairs each guide gets, and where.
 struct FollowDef {
   uint32_t countPerGuide = 0;  ///< 0..64
-  float maxRadius = 0.004f;    ///< of the disc around the guide's root [m], 0..1
+  /// Guides that each hair takes its shape from, 1..3: its own, and those whose roots are nearest.
+  uint32_t guidesPerHair = 1;
+  float maxRadius = 0.004f;  ///< of the disc around the guide's root [m], 0..1
   /// Distance from the guide at the tip relative to that at the root, 0..100; 1 is parallel.
   float tipSeparation = 1.0f;
   uint64_t seed = 1;
 };
 
-/// A hair that copies its guide.
+/// A hair that copies its guide, or the weighted mean of up to three guides.
 struct FollowHair {
   uint32_t guide = 0;
-  /// xyz: from the guide's root to this one in bind space [m], perpendicular to the guide's first
-  /// segment; it turns with the root. w: factor on it at the tip.
+  /// xyz: from the guide's root, or the weighted mean of the guides' roots, to this one in bind
+  /// space [m]; it turns with the root of `guide`. w: factor on it at the tip.
   Float4 offset;
+  /// Further guides, and their weights, 0..1. `guide` has the rest of 1.
+  uint32_t otherGuides[2] = {0, 0};
+  float otherWeights[2] = {0, 0};
   bool operator==(const FollowHair&) const = default;
 };
 
@@ -97,7 +102,8 @@ struct HairAsset {
   Result<void> process(const ProcessDef& def = {});
 
   /// Follow hairs of all guides, countPerGuide neighbouring ones a guide; roots uniform in a disc.
-  /// The same seed gives the same hairs, and a guide's hairs do not depend on other guides. Needs
+  /// The same seed gives the same hairs. Their roots do not depend on other guides. With several
+  /// guides a hair, weights go with 1 / (d^2 + maxRadius^2), d the distance of the roots. Needs
   /// only positions. Errors: an asset that process() would refuse, a value of `def` out of range.
   Result<std::vector<FollowHair>> generateFollowHairs(const FollowDef& def) const;
 };

@@ -48,6 +48,8 @@ struct HairDef {
   uint32_t boneCount = 1;
   /// Factors of every guide; empty for 1.
   std::span<const StrandFactors> strandFactors = {};
+  /// Exact: lets HairObject::simulatedShare be below 1. Costs a table of one uint32 a guide.
+  bool levelOfDetail = false;
   /// Follow strands, from generateFollowHairs(); empty for none.
   std::span<const FollowHair> followHairs = {};
 };
@@ -55,27 +57,35 @@ struct HairDef {
 /// What the exact solver counted in a frame in which hair may sleep.
 struct SimulationCounters {
   uint32_t awakeStrands = 0;
-  uint32_t secondPasses = 0;  ///< Newton passes beyond the first one, over all strands and sub-steps
+  uint32_t secondPasses =
+      0;  ///< Newton passes beyond the first one, over all strands and sub-steps
 };
 
-/// Reads the counters from the first 32 bytes of HairBuffers::sleep. They are those of the last frame
-/// that the GPU has finished: copy them when your engine reads back, and use them a frame late.
+/// Reads the counters from the first 32 bytes of HairBuffers::sleep. They are those of the last
+/// frame that the GPU has finished: copy them when your engine reads back, and use them a frame
+/// late.
 SimulationCounters readCounters(std::span<const std::byte> sleepWords);
 
 /// Buffers of a hair object; kInvalid marks one that this object does not need.
 struct HairBuffers {
-  BufferId positions = BufferId::kInvalid;  ///< [strand][vertex] Float4, guides first
-  BufferId tangents = BufferId::kInvalid;   ///< [strand][vertex] Float4
-  BufferId state = BufferId::kInvalid;      ///< of the solver: kernels/layouts say what is where
-  BufferId rest = BufferId::kInvalid;       ///< of the solver
-  BufferId strands = BufferId::kInvalid;    ///< exact: [guide] ExactStrand
-  BufferId gains = BufferId::kInvalid;      ///< exact: scratch
-  BufferId sleep = BufferId::kInvalid;      ///< exact: uint32, see readCounters()
-  BufferId forces = BufferId::kInvalid;     ///< [guide][vertex] Float4, see setForces()
-  BufferId colliders = BufferId::kInvalid;  ///< Collider
-  BufferId bindRoots = BufferId::kInvalid;  ///< [guide] Float4, bind position of vertex 0
-  BufferId rootTransforms = BufferId::kInvalid;  ///< [2][guide] RootTransform
-  BufferId rootBindings = BufferId::kInvalid;    ///< [guide] RootBinding
+  BufferId positions = BufferId::kInvalid;     ///< [strand][vertex] Float4, guides first
+  BufferId tangents = BufferId::kInvalid;      ///< [strand][vertex] Float4
+  BufferId state = BufferId::kInvalid;         ///< of the solver: kernels/layouts say what is where
+  BufferId rest = BufferId::kInvalid;          ///< of the solver
+  BufferId strands = BufferId::kInvalid;       ///< exact: [guide] ExactStrand
+  BufferId gains = BufferId::kInvalid;         ///< exact: scratch
+  BufferId lengths = BufferId::kInvalid;       ///< classic: scratch
+  BufferId sleep = BufferId::kInvalid;         ///< exact: uint32, see readCounters()
+  BufferId lodParents = BufferId::kInvalid;    ///< exact, with level of detail: [guide] uint32
+  BufferId forces = BufferId::kInvalid;        ///< [guide][vertex] Float4, see setForces()
+  BufferId contactNodes = BufferId::kInvalid;  ///< hair contact: words of the grid's nodes
+  BufferId contactVertices = BufferId::kInvalid;  ///< [guide][vertex] Float4
+  BufferId contactRest = BufferId::kInvalid;      ///< [guide][vertex] float, rest density
+  BufferId contactForces = BufferId::kInvalid;    ///< [guide][vertex] Float4, with those of forces
+  BufferId colliders = BufferId::kInvalid;        ///< Collider
+  BufferId bindRoots = BufferId::kInvalid;        ///< [guide] Float4, bind position of vertex 0
+  BufferId rootTransforms = BufferId::kInvalid;   ///< [2][guide] RootTransform
+  BufferId rootBindings = BufferId::kInvalid;     ///< [guide] RootBinding
   BufferId boneTransforms =
       BufferId::kInvalid;  ///< 3 (matrices) or 2 (dual quaternions) Float4 each
   BufferId followStrands = BufferId::kInvalid;    ///< [follow] FollowStrand
@@ -99,6 +109,10 @@ class HairObject {
   SimulationSettings settings;
   /// May be changed at any time.
   StrandMaterial material;
+  /// Exact, with HairDef::levelOfDetail: share of the guides that are simulated, 0..1; at least one
+  /// is. The others take the shape of one near them. Changes take effect over a quarter of a
+  /// second, and guides fade from one to the other.
+  float simulatedShare = 1;
   /// A hidden object is simulated, but not drawn.
   bool visible = true;
   /// Strands drawn, from the first: 0..strandCount(). Follow hairs go first when it falls.

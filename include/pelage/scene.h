@@ -70,8 +70,16 @@ class Scene {
   Result<void> addClassicPasses(const Frame& frame);
   Result<void> addExactPasses(Frame& frame);
   Result<void> addSleepPass(Frame& frame, ExactConstants constants);
+  Result<void> setLevelOfDetail(const Frame& frame, ExactConstants& constants);
+  Result<void> addInterpolationPass(const Frame& frame, const ExactConstants& constants,
+                                    uint32_t strands);
   void bindExact(const Frame& frame, PassBuilder& builder) const;
   Result<void> addFollowPass(const Frame& frame);
+  void addHairGrid(HairObject& object);
+  void removeHairGrid(HairObject& object);
+  Result<void> addHairGridPasses(HairObject& object, double h, bool reset, PassList& list);
+  void finishHairGrid(HairObject& object, double frame);
+  BufferId forcesOf(const HairObject& object) const;
 
   ResourceTable resources_;
   HazardTracker hazards_;

@@ -59,6 +59,19 @@ struct SleepSettings {
   bool operator==(const SleepSettings&) const = default;
 };
 
+/// Exact: how hair touches hair, through a grid of the density and the velocity of an object's own
+/// strands: docs/hair_contact.md. Off, it needs no pass and no buffer. It keeps hair awake.
+struct HairContactSettings {
+  /// How strongly hair spreads where it is denser than in the bind pose, 0..1; 0 for not at all.
+  float stiffness = 0.0f;
+  /// Share of its velocity relative to the hair around it that hair loses in 1/60 s, 0..1.
+  float friction = 0.0f;
+  /// Of the grid [m], 1e-3..1: a few times the distance between guides. At most 64 nodes fit an
+  /// axis; cells are larger where those would not hold the object.
+  float cellSize = 0.015f;
+  bool operator==(const HairContactSettings&) const = default;
+};
+
 /// Everything an artist sets for a hair object. May change every frame. The 0..1 values are defined
 /// for steps of 1/60 s and are converted to the real step, so that the frame rate does not change
 /// the hair.
@@ -108,6 +121,7 @@ struct SimulationSettings {
   float maxSpeed = 50.0f;
   ParameterCurves curves = {};
   SleepSettings sleep = {};
+  HairContactSettings contact = {};
   /// Factor on the offset of follow strands at their tip, >= 0; 1 keeps them parallel to their
   /// guide, less gathers them, more spreads them.
   float tipSeparation = 1.0f;

@@ -19,8 +19,7 @@ float dot4(float4 a, float4 b) {
 }
 
 float3 cross3(float3 a, float3 b) {
-  precise float3 r =
-      float3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+  precise float3 r = float3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
   return r;
 }
 
@@ -41,10 +40,11 @@ float3 directionOr(float3 v, float3 fallback) {
   precise float squared = dot3(v, v);
   // Positive floats order like their bits: 1e-24 < squared < 1e38; a NaN is above.
   uint bits = asuint(squared);
-  if (bits <= 0x179abe15u || bits >= 0x7e967699u) return fallback;
+  bool usable = bits > 0x179abe15u && bits < 0x7e967699u;
   float inverse = inverseRoot(squared);
   precise float3 r = v * inverse;
-  return r;
+  float3 result = usable ? r : fallback;
+  return result;
 }
 
 // A unit vector at right angles to a unit vector.
@@ -60,10 +60,12 @@ float4 conjugate(float4 q) { return float4(-q.x, -q.y, -q.z, q.w); }
 float4 normalizeQuaternion(float4 q) {
   precise float squared = dot4(q, q);
   uint bits = asuint(squared);
-  if (bits <= 0x179abe15u || bits >= 0x7e967699u) return float4(0.0, 0.0, 0.0, 1.0);
+  bool usable = bits > 0x179abe15u && bits < 0x7e967699u;
   float inverse = inverseRoot(squared);
   precise float4 r = q * inverse;
-  return r;
+  float4 identity = float4(0.0, 0.0, 0.0, 1.0);
+  float4 result = usable ? r : identity;
+  return result;
 }
 
 float4 multiplyQuaternions(float4 a, float4 b) {

@@ -7,7 +7,7 @@
 
 struct RootPose {
   float4 rotation;  // unit quaternion, bind space to world
-  float3 position;  // of vertex 0 [m]
+  float3 position;  // of vertex 0 relative to g_origin [m]
 };
 
 // False for a buffer that nobody wrote, and for numbers that cannot be a pose.
@@ -25,7 +25,8 @@ RootPose rootPoseAt(uint guide, float3 bindRoot, float share) {
   bool toValid = isPose(to);
   RootPose pose;
   pose.rotation = float4(0.0, 0.0, 0.0, 1.0);
-  pose.position = bindRoot;
+  precise float3 bindPosition = bindRoot - g_origin.xyz;
+  pose.position = bindPosition;
   if (!fromValid && !toValid) return pose;
   if (!fromValid || share >= 1.0) from = to;
   if (!toValid || share <= 0.0) to = from;
@@ -37,7 +38,7 @@ RootPose rootPoseAt(uint guide, float3 bindRoot, float share) {
   return pose;
 }
 
-// Where the bind pose has a point, in a pose.
+// Where the bind pose has a point, in a pose; relative to g_origin.
 float3 goalPosition(RootPose pose, float3 bindRoot, float3 bindPosition) {
   precise float3 arm = bindPosition - bindRoot;
   precise float3 goal = pose.position + rotate(pose.rotation, arm);

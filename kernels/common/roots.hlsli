@@ -1,21 +1,27 @@
-// Square roots with the same bits on every API and device that multiplies and adds as IEEE 754 says.
+// Square roots with the same bits on every API and device that multiplies and adds as IEEE 754
+// says.
 //
-// The built-in sqrt() is what drivers are free in: on NVIDIA 580 its last bit differs between Vulkan
-// and OpenGL for 4 of 10 arguments, while sums, products and quotients agree. So the root is made of
-// products alone: a first guess from the bits of x (within 3.5 %; Lomont, "Fast inverse square
-// root", Purdue University, 2003), then Newton's y <- y + y (1 - x y^2) / 2. Four steps: the third
-// reaches rounding, and the fourth makes the root of 1 exactly 1, on which unit vectors that are not
-// to change depend.
+// The built-in sqrt() is what drivers are free in: on NVIDIA 580 its last bit differs between
+// Vulkan and OpenGL for 4 of 10 arguments, while sums, products and quotients agree. So the root is
+// made of products alone: a first guess from the bits of x (within 3.5 %; Lomont, "Fast inverse
+// square root", Purdue University, 2003), then Newton's y <- y + y (1 - x y^2) / 2. Four steps: the
+// third reaches rounding, and the fourth makes the root of 1 exactly 1, on which unit vectors that
+// are not to change depend.
 #ifndef PELAGE_COMMON_ROOTS_HLSLI
 #define PELAGE_COMMON_ROOTS_HLSLI
 
 // 1 / sqrt(x) within 1e-7 of its size, for x in 1e-30..1e38. Not for 0, infinity and NaN.
 float inverseRoot(float x) {
   precise float y = asfloat(0x5f375a86u - (asuint(x) >> 1));
-  for (uint i = 0; i < 4; ++i) {
-    precise float missing = 1.0 - (x * y) * y;
-    y = y + (y * 0.5) * missing;
-  }
+  // Written out: a loop, or a branch, would keep compilers from mixing independent roots.
+  precise float missing = 1.0 - (x * y) * y;
+  y = y + (y * 0.5) * missing;
+  missing = 1.0 - (x * y) * y;
+  y = y + (y * 0.5) * missing;
+  missing = 1.0 - (x * y) * y;
+  y = y + (y * 0.5) * missing;
+  missing = 1.0 - (x * y) * y;
+  y = y + (y * 0.5) * missing;
   return y;
 }
 

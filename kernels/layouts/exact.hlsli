@@ -9,8 +9,10 @@
 //   set * T + ExactStrand.state + 32 i
 // of g_state, g_rest and g_gains, for each of their sets of T elements.
 //
-// Positions in g_state are relative to g_origin, so that their rounding does not depend on where in
-// the world the hair is; so are the root transforms, and the colliders.
+// The state has no positions and velocities but the ways that the vertices went in the last three
+// steps: positions follow from the root and the frames of the edges, and the solve needs none of
+// them. What has a place is relative to g_origin, so that its rounding does not depend on where in
+// the world the hair is: the root transforms and the colliders.
 #ifndef PELAGE_LAYOUTS_EXACT_HLSLI
 #define PELAGE_LAYOUTS_EXACT_HLSLI
 
@@ -22,7 +24,7 @@ struct ExactStrand {
   uint target;  // element of vertex 0 in g_positions and g_tangents
   uint root;    // index of its root transform
   uint seed;    // of what varies from strand to strand; the same in any order of strands
-  float length; // sum of its edges [m]
+  float strandLength;  // sum of its edges [m]
   uint pad0;
   uint pad1;
 };
@@ -44,10 +46,14 @@ cbuffer ExactConstants : register(b0, space1) {
   float4 g_origin;  // xyz of the state's origin in world space [m]
   float4 g_rebase;  // xyz [m]: with flag bit 2, what to add to a position relative to the last
                     // frame's origin
+  // Shares of the ways of the last three steps in the way of a free vertex. With s = 1 / (he
+  // weight), a' and he' of the step before, a" and he" of the one before that:
+  float g_wayShare;         // s (1 - a2) / he' - a2
+  float g_wayShareBefore;   // s ((1 - a2) a2' / he' + a2 / he")
+  float g_wayShareEarlier;  // s a2 a2" / he"; those of steps that were not are 0
   float g_historyShare;     // a2
   float g_inverseStep;      // 1 / he [1/s]
   float g_weight;           // 1 / he^2 + c / he [1/s2]
-  float g_velocityShare;    // 1 / (he weight) [s]
   float g_turnRatio;        // w, 0 without history; 1 exactly while the step does not change
   float g_slowTurn;         // 0.02 min(1, (240 h)^2) [rad]: turn of an edge in a step at which the
                             // guess extrapolates half of its twist; less of slower edges. At 0 a
@@ -72,11 +78,12 @@ cbuffer ExactConstants : register(b0, space1) {
   uint g_rootCount;
   uint g_outputCount;       // elements of g_positions and g_tangents
   uint g_colliderCount;
-  uint g_slot;              // 0..2: the state now; the next one goes to (g_slot + 1) % 3, which the
+  uint g_slot;              // 0..3: the state now; the next one goes to (g_slot + 1) % 4, which the
                             // host passes in the next sub-step
   uint g_flags;             // bit 0: reset to the rest shape; bit 1: last sub-step of the frame;
                             // bit 2: rebase the state; bit 3: only the tiles that are awake;
-                            // bit 4: all tiles wake
+                            // bit 4: all tiles wake; bit 5: g_turnRatio is not
+                            // 1; bit 6: interpolate_guides makes states
   uint g_outputVertices;    // elements of a strand in g_positions and g_tangents; those past its
                             // own vertices repeat its tip. 0: as many as it has vertices
   uint g_parameterSet;      // set of g_rest with factors of every vertex; 0: there is none
@@ -84,25 +91,37 @@ cbuffer ExactConstants : register(b0, space1) {
   float g_restTime;         // how long it has to rest before it sleeps [s]
   float g_wakeDistance;     // motion of a root or a collider that wakes it [m]
   uint g_followGroups;      // groups in x of an update of the follow strands
-  uint g_slotsBack;         // 0..2: what a frame of sleep adds to a tile's offset of g_slot
+  uint g_slotsBack;         // 0..3: what a frame of sleep adds to a tile's offset of g_slot
+  // Level of detail, in places of g_strands: only those before g_simulatedCount are simulated, and
+  // from g_fadeStart on they fade; without it both are g_strandCount (interpolate_guides.hlsl).
+  uint g_simulatedCount;
+  uint g_fadeStart;
+  uint g_restartFrom;
+  uint g_exactPad0;
+  uint g_exactPad1;
+  uint g_exactPad2;
 };
 
-// 9 sets. 0..2: x [m] of three states, w = length of the edge behind the vertex (0 at the tip) [m];
-// 3..5: v [m/s], w = region of the vertex [m]; 6..8: frames of the edges, world space, x axis =
-// tangent. Spare places of a state hold, a strand:
-//   x of vertex 0: sum over the free edges of l (t(guess of the next step) - t); of use while the
-//                  step does not change and nothing is carried
-//   v of vertex 0: velocity of the root in the last frame;  v of vertex 1 and q of vertex n - 1:
-//                  shift and rotation by which this step carried the state before it
-// The host fills in the w of all sets, and 0 or the identity elsewhere, and starts with a reset.
+// 8 sets. 0..3: of four states, the way of the vertex in the step that led to it, without what it
+// was carried [m], nothing for vertices 0 and 1; 4..7: frames of the edges, world space, x axis =
+// tangent. Behind the sets, 5 elements a strand for each of the four states, element
+// 8 T + (5 slot + k) g_strandCount + place of the strand in g_strands:
+//   0: sum over the free edges of l (t(guess of the next step) - t); of use while the step does not
+//      change
+//   1: position of vertex 1 [m]   2: of the tip   3: velocity of the root in the last frame [m/s]
+//   4: rotation by which this step carried the state before it
+// The host makes it zero, and starts with a reset.
 RWStructuredBuffer<float4> g_state : register(u0, space1);
 // Control law of every edge, scratch: 6 sets.
 RWStructuredBuffer<float4> g_gains : register(u1, space1);
-// 1 set: rotation from edge i - 1 to edge i at rest, in the frame of edge i - 1; for i = 0 the
-// frame of edge 0 in bind space. With the globalShape permutation a second one: xyz bind position
-// relative to that of vertex 0 [m], w arc length from the root over the strand's length, 0..1, or
-// -1 for a vertex that is held where the bind pose has it. One more set with factors: x on bending
-// and twist, y on the global shape, z on the air drag; w unused.
+// Set 0, the joints. Of vertices 1..n-2: y / (1 + w) and z / (1 + w) of the rotation q from edge
+// i - 1 to edge i at rest, in the frame of edge i - 1, with w >= 0; frames are those of parallel
+// transport, so that q.x = 0. Then the length of edge i and the region of the vertex [m]. Of vertex
+// 0: the frame of edge 0 in bind space. Of the tip: the length of edge 0, 0, 0, the tip's region.
+// With the globalShape permutation a second set: xyz bind position relative to that of vertex 0
+// [m], w arc length from the root over the strand's length, 0..1, or -1 for a vertex that is held
+// where the bind pose has it. One more set with factors: x on bending and twist, y on the global
+// shape, z on the air drag; w unused.
 StructuredBuffer<float4> g_rest : register(t0, space1);
 // [2][root][2]: this frame (0) and the last one (1); rotation, then position of vertex 0 relative
 // to g_origin [m]. Two float4 as a RootTransform.
@@ -122,5 +141,7 @@ StructuredBuffer<float4> g_forces : register(t4, space1);
 //   8+T..8+2T-1    what to add to g_slot for a tile that slept
 //   8+2T..         [strand in the order of g_strands] time at rest [s], as the bits of a float
 RWStructuredBuffer<uint> g_sleep : register(u2, space1);
+// [place in g_strands] place of a strand near it and before it.
+StructuredBuffer<uint> g_lodParents : register(t5, space1);
 
 #endif

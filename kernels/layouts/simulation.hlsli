@@ -7,6 +7,8 @@
 #ifndef PELAGE_LAYOUTS_SIMULATION_HLSLI
 #define PELAGE_LAYOUTS_SIMULATION_HLSLI
 
+#include "collider.hlsli"
+
 // One guide root's bones: x..w index g_boneTransforms (in bones), the weights sum to anything > 0.
 struct RootBinding {
   uint4 bones;
@@ -19,13 +21,14 @@ struct RootTransform {
   float4 position;  // xyz of vertex 0 relative to g_origin [m]; w unused
 };
 
-// A follow strand: copies its guide, shifted by an offset that turns with the guide's root.
+// A follow strand: the weighted mean of up to three guides, shifted by an offset that turns with the
+// first one's root. Guides that do not exist and weights that are not > 0 add nothing; the others
+// count as if they summed to 1.
 struct FollowStrand {
-  float4 offset;  // xyz in bind space [m]; w = factor on the offset at the tip (1 = parallel)
-  uint guide;     // index of the guide strand
-  uint pad0;
-  uint pad1;
-  uint pad2;
+  float4 offset;   // xyz in bind space, from the mean of the guides' roots [m]; w = factor on the
+                   // offset at the tip (1 = parallel)
+  uint4 guides;    // x..z indices of guide strands; w unused
+  float4 weights;  // x..z of them; w unused
 };
 
 // [strand][vertex], (G + F) * V: world position [m]; w = inverse mass.
@@ -68,13 +71,19 @@ cbuffer SimulationConstants : register(b0, space1) {
   uint g_lengthIterations;   // Newton steps of the length solve, at most 64
   float g_tipSeparation;     // factor on the follow offsets at the tip, on top of FollowStrand's
   uint g_flags;              // bit 0: reset (take the goal, forget velocities); bit 1: rebase
+  uint g_colliderCount;
+  uint g_simulationPad0;
+  uint g_simulationPad1;
+  uint g_simulationPad2;
 };
 
 // [2][G]: root frames of this frame (0) and the last one (1).
 RWStructuredBuffer<RootTransform> g_rootTransforms : register(u0, space1);
-// [2][V][G], strand fastest: current (0) and previous (1) position of the guides [m]; the w
-// components are scratch of the length solve.
+// [2][V][G], strand fastest: current (0) and previous (1) position of the guides [m], relative to
+// g_origin; the w components are scratch.
 RWStructuredBuffer<float4> g_state : register(u1, space1);
+// [V][G], strand fastest: scratch of the length solve.
+RWStructuredBuffer<float2> g_lengths : register(u2, space1);
 // [2][V][G], strand fastest. 0: bind position b_i [m], w = inverse mass (0 or 1; vertices 0 and 1
 // are held whatever it says). 1: rest vector of the segment from vertex i to i + 1 in the frame of
 // the segment before [m], w = rest length |b_i+1 - b_i| [m]; at the last vertex, which has no next
@@ -89,7 +98,9 @@ StructuredBuffer<float4> g_rest : register(t0, space1);
 StructuredBuffer<float4> g_boneTransforms : register(t1, space1);
 // [G]
 StructuredBuffer<RootBinding> g_rootBindings : register(t2, space1);
-// [F]
+// [F]; neighbours with the same guides share the work on them.
 StructuredBuffer<FollowStrand> g_followStrands : register(t3, space1);
+// [g_colliderCount]
+StructuredBuffer<Collider> g_colliders : register(t4, space1);
 
 #endif

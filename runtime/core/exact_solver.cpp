@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace pelage::detail {
@@ -18,14 +19,20 @@ Rotation rotationOf(const Quaternion& q) {
 }
 
 // conj(a) b, normalised.
-Float4 relative(const Quaternion& from, const Quaternion& to) {
+Rotation relative(const Quaternion& from, const Quaternion& to) {
   const Rotation a = rotationOf(from), b = rotationOf(to);
   Rotation r = {
       a.w * b.x - a.x * b.w - a.y * b.z + a.z * b.y, a.w * b.y + a.x * b.z - a.y * b.w - a.z * b.x,
       a.w * b.z - a.x * b.y + a.y * b.x - a.z * b.w, a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z};
   const double scale = 1 / std::sqrt(r.x * r.x + r.y * r.y + r.z * r.z + r.w * r.w);
-  return {static_cast<float>(r.x * scale), static_cast<float>(r.y * scale),
-          static_cast<float>(r.z * scale), static_cast<float>(r.w * scale)};
+  return {r.x * scale, r.y * scale, r.z * scale, r.w * scale};
+}
+
+// The two numbers of a joint at rest: see g_rest.
+Float4 jointOf(const Rotation& q, double edgeLength, double region) {
+  const double scale = (q.w < 0 ? -1 : 1) / (1 + std::abs(q.w));
+  return {static_cast<float>(q.y * scale), static_cast<float>(q.z * scale),
+          static_cast<float>(edgeLength), static_cast<float>(region)};
 }
 
 float lengthOf(const HairAsset& asset, uint32_t strand) {
@@ -46,11 +53,23 @@ uint32_t seedOf(const Float4& root) {
   return hash;
 }
 
+// The finaliser of MurmurHash3 (A. Appleby, public domain): neighbouring numbers come far apart.
+uint32_t mixed(uint32_t value) {
+  value = (value ^ (value >> 16)) * 0x85ebca6bu;
+  value = (value ^ (value >> 13)) * 0xc2b2ae35u;
+  return value ^ (value >> 16);
+}
+
 // Gusts: two incommensurate waves, so that the pattern does not repeat soon; in -1..1.
 double gust(double phase) { return 0.6 * std::sin(phase) + 0.4 * std::sin(2.618 * phase + 1.3); }
 
 // A share of the way to the bind pose in 1/60 s as a spring [1/s2].
 double goalSpring(double share) { return share * 3600 / std::max(1 - share, 1e-3); }
+
+// Largest rotation of a first Newton pass without a second one [rad]. Without air, strands that
+// whip about gain energy above 0.04; drag takes what a wider one would add, and then a second pass
+// changes the error of the motion by less than 5 % (docs/decisions/0005-second-pass.md).
+double passTolerance(double drag) { return 0.04 + 0.12 * std::min(drag / 3, 1.0); }
 
 }  // namespace
 
@@ -58,7 +77,7 @@ uint32_t vertexCountOf(const HairAsset& asset, uint32_t strand) {
   return asset.vertexCounts.empty() ? asset.verticesPerStrand : asset.vertexCounts[strand];
 }
 
-ExactStrands packExactStrands(const HairAsset& asset) {
+ExactStrands packExactStrands(const HairAsset& asset, bool levelOfDetail) {
   ExactStrands packed;
   packed.strands.reserve(asset.strandCount);
   for (uint32_t s = 0; s < asset.strandCount; ++s) {
@@ -67,41 +86,22 @@ ExactStrands packExactStrands(const HairAsset& asset) {
                               .target = s * asset.verticesPerStrand,
                               .root = s,
                               .seed = seedOf(asset.positions[size_t{s} * asset.verticesPerStrand]),
-                              .length = lengthOf(asset, s)});
+                              .strandLength = lengthOf(asset, s)});
   }
   std::stable_sort(packed.strands.begin(), packed.strands.end(),
-                   [](const ExactStrand& a, const ExactStrand& b) { return a.count < b.count; });
+                   [&](const ExactStrand& a, const ExactStrand& b) {
+                     // All beginnings have to cover the scalp, whatever the counts are.
+                     return levelOfDetail ? mixed(a.seed) < mixed(b.seed) : a.count < b.count;
+                   });
   for (size_t from = 0; from < packed.strands.size(); from += kTileStrands) {
     const size_t to = std::min<size_t>(packed.strands.size(), from + kTileStrands);
     for (size_t s = from; s < to; ++s)
       packed.strands[s].state = packed.stateStride + static_cast<uint32_t>(s - from);
-    packed.stateStride += kTileStrands * packed.strands[to - 1].count;
+    uint32_t longest = 0;
+    for (size_t s = from; s < to; ++s) longest = std::max(longest, packed.strands[s].count);
+    packed.stateStride += kTileStrands * longest;
   }
   return packed;
-}
-
-std::vector<Float4> packExactState(const HairAsset& asset, const ExactStrands& strands) {
-  const size_t stride = strands.stateStride;
-  std::vector<Float4> state(kExactStateSets * stride);
-  for (const ExactStrand& strand : strands.strands) {
-    const float* lengths = &asset.restLengths[strand.target];
-    const uint32_t edges = strand.count - 1;
-    double total = 0;
-    for (uint32_t i = 0; i < edges; ++i) total += static_cast<double>(lengths[i]);
-    const double least = std::max(1e-3 * total / edges, 1e-7);
-    for (uint32_t i = 0; i < strand.count; ++i) {
-      const double before = i > 0 ? static_cast<double>(lengths[i - 1]) : 0;
-      const double after = i < edges ? static_cast<double>(lengths[i]) : 0;
-      const size_t at = strand.state + size_t{kTileStrands} * i;
-      for (size_t slot = 0; slot < 3; ++slot) {
-        state[slot * stride + at].w = static_cast<float>(after);
-        state[(3 + slot) * stride + at].w =
-            static_cast<float>(std::max(0.5 * (before + after), least));
-        state[(6 + slot) * stride + at] = {0, 0, 0, 1};
-      }
-    }
-  }
-  return state;
 }
 
 std::vector<Float4> packExactRest(const HairAsset& asset, const ExactStrands& strands,
@@ -114,14 +114,22 @@ std::vector<Float4> packExactRest(const HairAsset& asset, const ExactStrands& st
     const float* lengths = &asset.restLengths[strand.target];
     double total = 0, arc = 0;
     for (uint32_t i = 0; i + 1 < strand.count; ++i) total += static_cast<double>(lengths[i]);
+    const double least = std::max(1e-3 * total / (strand.count - 1), 1e-7);
     for (uint32_t i = 0; i < strand.count; ++i) {
       const size_t at = strand.state + size_t{kTileStrands} * i;
       const bool tip = i + 1 == strand.count;
+      const double before = i > 0 ? static_cast<double>(lengths[i - 1]) : 0;
+      const double after = tip ? 0 : static_cast<double>(lengths[i]);
+      const double region = std::max(0.5 * (before + after), least);
       // Frame of the edge behind vertex i: restFrames holds that of the edge before it.
-      if (tip) {
-        rest[at] = {0, 0, 0, 1};
+      if (i == 0) {
+        const Rotation frame = relative({}, frames[1]);
+        rest[at] = {static_cast<float>(frame.x), static_cast<float>(frame.y),
+                    static_cast<float>(frame.z), static_cast<float>(frame.w)};
+      } else if (tip) {
+        rest[at] = {lengths[0], 0, 0, static_cast<float>(region)};
       } else {
-        rest[at] = i == 0 ? relative({}, frames[1]) : relative(frames[i], frames[i + 1]);
+        rest[at] = jointOf(relative(frames[i], frames[i + 1]), after, region);
       }
       const double share = total > 0 ? arc / total : 0;
       if (sets.goals) {
@@ -146,6 +154,28 @@ std::vector<Float4> packExactRest(const HairAsset& asset, const ExactStrands& st
   return rest;
 }
 
+std::vector<uint32_t> nearStrandsBefore(const HairAsset& asset, const ExactStrands& strands) {
+  // More would be nearer, and take minutes for a hundred thousand strands.
+  constexpr size_t kMostCandidates = 2048;
+  std::vector<uint32_t> parents(strands.strands.size(), 0);
+  for (size_t place = 1; place < parents.size(); ++place) {
+    // Of the first half, so that the way to an ancestor is short.
+    const size_t candidates = std::min((place + 1) / 2, kMostCandidates);
+    const Float4& p = asset.positions[strands.strands[place].target];
+    float least = std::numeric_limits<float>::max();
+    for (size_t c = 0; c < candidates; ++c) {
+      const Float4& q = asset.positions[strands.strands[c].target];
+      const float dx = p.x - q.x, dy = p.y - q.y, dz = p.z - q.z;
+      const float squared = dx * dx + dy * dy + dz * dz;
+      if (squared < least) {
+        least = squared;
+        parents[place] = static_cast<uint32_t>(c);
+      }
+    }
+  }
+  return parents;
+}
+
 AirMotion airAt(const WindSettings& wind, double time) {
   const double phase = 2 * std::numbers::pi * time / static_cast<double>(wind.gustPeriod);
   const auto scaled = [&](double factor) {
@@ -167,10 +197,10 @@ bool hasHeldVertices(const HairAsset& asset) {
   return false;
 }
 
-void setExactStep(ExactConstants& constants, const SimulationSettings& s, double h, double hBefore,
-                  const AirMotion& air) {
+void setExactStep(ExactConstants& constants, const SimulationSettings& s, double h,
+                  ExactHistory& history, const AirMotion& air) {
   // BDF2 of a varying step, or backward Euler: as the layout file says.
-  const double ratio = hBefore > 0 ? h / hBefore : 0;
+  const double ratio = history.step > 0 ? h / history.step : 0;
   double a2 = 0, he = h;
   if (ratio >= 0.4 && ratio <= 2.1) {
     a2 = -ratio * ratio / (1 + 2 * ratio);
@@ -193,7 +223,17 @@ void setExactStep(ExactConstants& constants, const SimulationSettings& s, double
   constants.historyShare = static_cast<float>(a2);
   constants.inverseStep = static_cast<float>(1 / he);
   constants.weight = static_cast<float>(weight);
-  constants.velocityShare = static_cast<float>(1 / (he * weight));
+  const double share = 1 / (he * weight);
+  constants.wayShare = static_cast<float>(share * (1 - a2) * history.rate - a2);
+  constants.wayShareBefore = static_cast<float>(
+      share * ((1 - a2) * history.share * history.rate + a2 * history.rateBefore));
+  constants.wayShareEarlier =
+      static_cast<float>(share * a2 * history.shareBefore * history.rateBefore);
+  history = {.step = h,
+             .share = a2,
+             .rate = 1 / he,
+             .shareBefore = history.share,
+             .rateBefore = history.rate};
   constants.turnRatio = static_cast<float>(ratio);
   constants.slowTurn = static_cast<float>(0.02 * std::min(1.0, (240 * h) * (240 * h)));
   const double bendLength = static_cast<double>(s.bendLength);
@@ -203,7 +243,7 @@ void setExactStep(ExactConstants& constants, const SimulationSettings& s, double
   constants.damping = static_cast<float>(static_cast<double>(s.relaxationTime) / h);
   constants.goalStiffness = static_cast<float>(goalSpring(static_cast<double>(s.globalStiffness)));
   constants.goalRange = std::max(s.globalRange, 1e-6f);
-  constants.passTolerance = 0.04f;
+  constants.passTolerance = static_cast<float>(passTolerance(drag));
   constants.vspCoefficient = s.vspCoefficient;
   constants.vspThreshold = s.vspThreshold;
 }

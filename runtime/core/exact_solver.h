@@ -16,21 +16,29 @@ namespace pelage::detail {
 /// Strands a tile.
 inline constexpr uint32_t kTileStrands = 32;
 /// Sets of float4 that g_state and g_gains have.
-inline constexpr uint64_t kExactStateSets = 9;
+inline constexpr uint64_t kExactStateSets = 8;
 inline constexpr uint64_t kExactGainSets = 6;
-/// Bytes that a pass moves for a vertex: 7 vectors of the state and the rest shape and 6 gains on
-/// the way to the root; 5, 6 and 3 + 2 written on the way to the tip.
-inline constexpr uint64_t kExactBytesAVertex = 29 * 16;
+/// Elements of g_state behind its sets: four states of 5 a strand.
+inline constexpr uint64_t kExactStrandElements = 4 * 5;
+/// Bytes that a pass moves for a vertex: 5 vectors of the state, the rest shape and 6 gains on the
+/// way to the root; 1, 6 and 2 + 2 written on the way to the tip.
+inline constexpr uint64_t kExactBytesAVertex = 23 * 16;
 
 struct ExactStrands {
   std::vector<ExactStrand> strands;  ///< sorted by vertex count
   uint32_t stateStride = 0;          ///< elements of a set
 };
 
-/// Strands in tiles of 32, in the order in which the kernel's threads take them.
-ExactStrands packExactStrands(const HairAsset& asset);
-/// Initial contents of g_state.
-std::vector<Float4> packExactState(const HairAsset& asset, const ExactStrands& strands);
+/// Strands in tiles of 32, in the order in which the kernel's threads take them: by vertex count,
+/// then as in the asset, or, for level of detail, at random, so that every beginning covers the
+/// scalp.
+ExactStrands packExactStrands(const HairAsset& asset, bool levelOfDetail);
+/// For every strand but the first one, one before it and near it.
+std::vector<uint32_t> nearStrandsBefore(const HairAsset& asset, const ExactStrands& strands);
+/// Elements of g_state, which starts as zeros.
+inline uint64_t exactStateCount(uint64_t stateStride, uint64_t strands) {
+  return kExactStateSets * stateStride + kExactStrandElements * strands;
+}
 /// What g_rest holds beside the rest shape.
 struct ExactRestSets {
   bool goals = false;                           ///< set 1: bind positions for the global shape
@@ -61,8 +69,17 @@ bool hasHeldVertices(const HairAsset& asset);
 /// Vertices of a strand.
 uint32_t vertexCountOf(const HairAsset& asset, uint32_t strand);
 
-/// A sub-step of h seconds after one of hBefore (0: without history).
+/// What a sub-step has to know of those before it; zeros without any.
+struct ExactHistory {
+  double step = 0;         ///< length of the last one [s]
+  double share = 0;        ///< its a2
+  double rate = 0;         ///< its 1 / he [1/s]
+  double shareBefore = 0;  ///< of the one before it
+  double rateBefore = 0;
+};
+
+/// A sub-step of h seconds, which becomes the last one of the history.
 void setExactStep(ExactConstants& constants, const SimulationSettings& settings, double h,
-                  double hBefore, const AirMotion& air);
+                  ExactHistory& history, const AirMotion& air);
 
 }  // namespace pelage::detail

@@ -3,8 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <optional>
+#include <utility>
 
 #include "guard.h"
 #include "pelage/random.h"
@@ -60,9 +64,10 @@ Result<void> checkAsset(const HairAsset& asset) {
   for (uint64_t i = 0; i < asset.vertexCounts.size(); ++i) {
     const uint32_t count = asset.vertexCounts[i];
     if (count < kMinVerticesPerStrand || count > asset.verticesPerStrand)
-      return invalid(fmt::format("strand {} has {} vertices in HairAsset::vertexCounts; it must be "
-                                 "2 to verticesPerStrand, which is {}",
-                                 i, count, asset.verticesPerStrand));
+      return invalid(
+          fmt::format("strand {} has {} vertices in HairAsset::vertexCounts; it must be "
+                      "2 to verticesPerStrand, which is {}",
+                      i, count, asset.verticesPerStrand));
   }
   if (auto r = checkSize("strandUv", asset.strandUv.size(), strandCount, true); !r) return r;
   if (auto r = checkSize("vertexUv", asset.vertexUv.size(), vertexCount, true); !r) return r;
@@ -179,10 +184,98 @@ Result<void> processAsset(HairAsset& asset, const ProcessDef& def) {
   return {};
 }
 
+// Finds the roots that are nearest to a point: they are sorted along one axis.
+class NearestRoots {
+ public:
+  explicit NearestRoots(const HairAsset& asset) {
+    for (uint32_t i = 0; i < asset.strandCount; ++i)
+      roots_.push_back({asset.positions[uint64_t{i} * asset.verticesPerStrand], i});
+    std::sort(roots_.begin(), roots_.end(), [](const Root& a, const Root& b) {
+      return a.position.x != b.position.x ? a.position.x < b.position.x : a.guide < b.guide;
+    });
+  }
+
+  struct Found {
+    double squared = std::numeric_limits<double>::infinity();
+    uint32_t guide = 0;
+    bool operator<(const Found& other) const {
+      return squared != other.squared ? squared < other.squared : guide < other.guide;
+    }
+  };
+  /// The nearest two but for `own`; a distance is infinite when there are not so many.
+  std::array<Found, 2> find(const std::array<double, 3>& p, uint32_t own) const {
+    std::array<Found, 2> nearest;
+    const auto start = std::lower_bound(
+        roots_.begin(), roots_.end(), p[0],
+        [](const Root& root, double x) { return static_cast<double>(root.position.x) < x; });
+    // False where no further root in this direction can be nearer.
+    const auto visit = [&](const Root& root) {
+      const double dx = static_cast<double>(root.position.x) - p[0];
+      if (dx * dx > nearest[1].squared) return false;
+      if (root.guide == own) return true;
+      const double dy = static_cast<double>(root.position.y) - p[1];
+      const double dz = static_cast<double>(root.position.z) - p[2];
+      const Found found = {dx * dx + dy * dy + dz * dz, root.guide};
+      if (found < nearest[1]) nearest[1] = found;
+      if (nearest[1] < nearest[0]) std::swap(nearest[0], nearest[1]);
+      return true;
+    };
+    for (auto up = start; up != roots_.end() && visit(*up); ++up) {
+    }
+    for (auto down = start; down != roots_.begin() && visit(*std::prev(down)); --down) {
+    }
+    return nearest;
+  }
+
+ private:
+  struct Root {
+    Float4 position;
+    uint32_t guide;
+  };
+  std::vector<Root> roots_;
+};
+
+// Adds the nearest guides to a hair that so far copies its own one.
+void addGuides(FollowHair& hair, const HairAsset& asset, const NearestRoots& roots,
+               const FollowDef& def) {
+  const auto rootOf = [&](uint32_t guide) -> std::array<double, 3> {
+    const Float4& p = asset.positions[uint64_t{guide} * asset.verticesPerStrand];
+    return {static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)};
+  };
+  const std::array<double, 3> offset = {static_cast<double>(hair.offset.x),
+                                        static_cast<double>(hair.offset.y),
+                                        static_cast<double>(hair.offset.z)};
+  const std::array<double, 3> own = rootOf(hair.guide);
+  std::array<double, 3> place = {};
+  for (size_t axis = 0; axis < 3; ++axis) place[axis] = own[axis] + offset[axis];
+  // Not 0, so that guides in one place share a hair.
+  const double soft = std::max(static_cast<double>(def.maxRadius), 1e-6);
+  const auto weightAt = [&](double squared) { return 1 / (squared + soft * soft); };
+  const std::array<NearestRoots::Found, 2> nearest = roots.find(place, hair.guide);
+  double sum = weightAt(offset[0] * offset[0] + offset[1] * offset[1] + offset[2] * offset[2]);
+  const uint32_t others = def.guidesPerHair - 1;
+  for (uint32_t k = 0; k < others; ++k) sum += weightAt(nearest[k].squared);
+  std::array<double, 3> rest = offset;
+  for (uint32_t k = 0; k < others; ++k) {
+    const auto weight = static_cast<float>(weightAt(nearest[k].squared) / sum);
+    hair.otherGuides[k] = nearest[k].guide;
+    hair.otherWeights[k] = weight;
+    const std::array<double, 3> other = rootOf(nearest[k].guide);
+    for (size_t axis = 0; axis < 3; ++axis)
+      rest[axis] -= static_cast<double>(weight) * (other[axis] - own[axis]);
+  }
+  hair.offset.x = static_cast<float>(rest[0]);
+  hair.offset.y = static_cast<float>(rest[1]);
+  hair.offset.z = static_cast<float>(rest[2]);
+}
+
 Result<std::vector<FollowHair>> makeFollowHairs(const HairAsset& asset, const FollowDef& def) {
   if (def.countPerGuide > kMaxFollowHairsPerGuide)
     return invalid(fmt::format("FollowDef::countPerGuide is {}; it must be 0 to {}",
                                def.countPerGuide, kMaxFollowHairsPerGuide));
+  if (def.guidesPerHair < 1 || def.guidesPerHair > 3)
+    return invalid(
+        fmt::format("FollowDef::guidesPerHair is {}; it must be 1 to 3", def.guidesPerHair));
   if (!(def.maxRadius >= 0 && def.maxRadius <= 1))
     return invalid(fmt::format("FollowDef::maxRadius is {} m; it must be 0 to 1 m", def.maxRadius));
   if (!(def.tipSeparation >= 0 && def.tipSeparation <= 100))
@@ -194,6 +287,8 @@ Result<std::vector<FollowHair>> makeFollowHairs(const HairAsset& asset, const Fo
     return invalid(fmt::format("{} guides with {} follow hairs each are more than 2^32 strands",
                                asset.strandCount, def.countPerGuide));
 
+  std::optional<NearestRoots> roots;
+  if (def.guidesPerHair > 1) roots.emplace(asset);
   std::vector<FollowHair> hairs;
   hairs.reserve(total);
   for (uint32_t guide = 0; guide < asset.strandCount; ++guide) {
@@ -209,7 +304,10 @@ Result<std::vector<FollowHair>> makeFollowHairs(const HairAsset& asset, const Fo
       const Vector offset =
           detail::rotate(frame, Vector{0, static_cast<float>(radius * angle.cosine),
                                        static_cast<float>(radius * angle.sine)});
-      hairs.push_back({guide, {offset.x, offset.y, offset.z, def.tipSeparation}});
+      FollowHair hair = {.guide = guide,
+                         .offset = {offset.x, offset.y, offset.z, def.tipSeparation}};
+      if (roots) addGuides(hair, asset, *roots, def);
+      hairs.push_back(hair);
     }
   }
   return hairs;

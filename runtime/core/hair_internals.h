@@ -21,6 +21,23 @@ struct BoneBounds {
   float radius = 0;
 };
 
+/// The grid through which hair touches hair.
+struct HairGrid {
+  uint32_t size = 0;  ///< nodes an axis; 0: there is none
+  float cell = 0;     ///< [m]
+  // What it was made for.
+  float cellSetting = 0;
+  bool friction = false, pressure = false;
+
+  float massScale = 0, momentumScale = 0;   ///< as in kernels/layouts/hair_grid.hlsli
+  BufferId bindPoses = BufferId::kInvalid;  ///< until the rest density has been measured
+  bool measured = false;
+  uint32_t history = 0;  ///< steps since the last reset, at most 2
+  double step = 0;       ///< the last one [s]
+  Float3 middle = {};    ///< of the object in the last frame [m]
+  Float3 velocity = {};  ///< of that in the last frame [m/s]
+};
+
 struct HairInternals {
   /// Positions and rest data, to fill buffers again when the solver changes.
   HairAsset asset;
@@ -46,14 +63,20 @@ struct HairInternals {
   std::vector<StrandFactors> strandFactors;
   /// Of the last frame; a change wakes all strands.
   SimulationSettings settingsBefore;
-  bool sleptBefore = false;   ///< tiles could sleep in the last frame
-  uint32_t stillFrames = 0;   ///< since the bones changed last
-  bool heldVertices = false;  ///< beyond the two at the root
-  bool vspBefore = false;     ///< exact: the last step had shock propagation
+  bool sleptBefore = false;  ///< tiles could sleep in the last frame
+  bool levelOfDetail = false;
+  uint32_t simulatedBefore = 0;
+  uint32_t simulatedCount = 0;  ///< exact: in the last frame; 0 before the first one
+  uint32_t stillFrames = 0;     ///< since the bones changed last
+  bool heldVertices = false;    ///< beyond the two at the root
+
+  std::vector<uint32_t> hairsOfGuides;  ///< that a guide stands for, with itself
+  HairGrid grid;
 
   float lastStep = 0;   ///< length of the last sub-step [s]; 0 before the first one
   float lastFrame = 0;  ///< of the last frame [s]
-  uint32_t slot = 0;    ///< exact: of the state now
+  detail::ExactHistory history;
+  uint32_t slot = 0;  ///< exact: of the state now
   uint32_t stateStride = 0;
 };
 

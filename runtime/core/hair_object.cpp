@@ -44,8 +44,14 @@ namespace {
 // A root farther than this from the origin [m] moves it: the rounding of the state grows with the
 // distance, and a new origin costs a pass over the state.
 constexpr float kOriginRange = 1.5f;
+// Larger coordinates [m] the kernels take for broken: isUsable() in common/quaternion.hlsli.
+constexpr float kUsable = 1e18f;
 
 bool isFinite(Float3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+bool isUsable(Float3 v) {
+  return std::abs(v.x) < kUsable && std::abs(v.y) < kUsable && std::abs(v.z) < kUsable;
+}
 
 Float3 subtract(Float3 a, Float3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 
@@ -162,7 +168,7 @@ float longestStrand(const HairAsset& asset) {
 Float3 moveOrigin(HairInternals& hair) {
   const BoneBounds& bounds = hair.bounds.front();
   const Float3 p = apply(hair.bones[bounds.bone], bounds.center);
-  if (!isFinite(p)) {
+  if (!isUsable(p)) {
     hair.originKnown = true;
     return {};
   }

@@ -64,10 +64,16 @@ Result<HairId> Scene::addHair(const HairAsset& asset, const HairDef& def) {
     }
   }
   for (size_t i = 0; i < follows; ++i) {
-    if (def.followHairs[i].guide >= guides) {
-      return refuse("follow hair " + std::to_string(i) + " refers to guide " +
-                    std::to_string(def.followHairs[i].guide) + " of " + std::to_string(guides));
+    const FollowHair& hair = def.followHairs[i];
+    for (const uint32_t guide : {hair.guide, hair.otherGuides[0], hair.otherGuides[1]}) {
+      if (guide >= guides) {
+        return refuse("follow hair " + std::to_string(i) + " refers to guide " +
+                      std::to_string(guide) + " of " + std::to_string(guides));
+      }
     }
+    const float others[2] = {hair.otherWeights[0], hair.otherWeights[1]};
+    if (!(others[0] >= 0 && others[1] >= 0 && others[0] + others[1] <= 1))
+      return refuse("the weights of follow hair " + std::to_string(i) + " are not 0 to 1");
   }
   // Checks the rest data, too.
   if (const auto rest = packRest(asset); !rest) return rest.error();
@@ -87,7 +93,10 @@ Result<HairId> Scene::addHair(const HairAsset& asset, const HairDef& def) {
   internals.bones.resize(def.boneCount);
   internals.bounds = detail::boundsOfRoots(asset, def.influences);
   internals.strandFactors.assign(def.strandFactors.begin(), def.strandFactors.end());
+  internals.levelOfDetail = def.levelOfDetail;
   internals.heldVertices = detail::hasHeldVertices(asset);
+  internals.hairsOfGuides.assign(guides, 1);
+  for (const FollowHair& follow : def.followHairs) ++internals.hairsOfGuides[follow.guide];
   internals.longestStrand = detail::longestStrand(asset);
 
   const auto add = [&](const char* what, uint64_t count, uint32_t stride,
@@ -128,8 +137,11 @@ Result<HairId> Scene::addHair(const HairAsset& asset, const HairDef& def) {
   if (follows > 0) {
     std::vector<FollowStrand> table(follows);
     for (size_t i = 0; i < follows; ++i) {
-      table[i].guide = def.followHairs[i].guide;
-      table[i].offset = def.followHairs[i].offset;
+      const FollowHair& hair = def.followHairs[i];
+      const float* others = hair.otherWeights;
+      table[i].offset = hair.offset;
+      table[i].guides = {hair.guide, hair.otherGuides[0], hair.otherGuides[1], 0};
+      table[i].weights = {1 - others[0] - others[1], others[0], others[1], 0};
     }
     buffers.followStrands =
         add("followStrands", table.size(), sizeof(FollowStrand), bytesOf(table));
@@ -161,6 +173,7 @@ Result<HairId> Scene::addHair(const HairAsset& asset, const HairDef& def) {
 void Scene::removeHair(HairId id) {
   HairObject& object = hair(id);
   removeSolverBuffers(object);
+  removeHairGrid(object);
   HairBuffers& buffers = object.buffers_;
   for (BufferId* buffer :
        {&buffers.positions, &buffers.tangents, &buffers.bindRoots, &buffers.rootTransforms,

@@ -24,6 +24,12 @@ constexpr uint32_t kExactLast = 2;
 constexpr uint32_t kExactRebase = 4;
 constexpr uint32_t kExactSleep = 8;
 constexpr uint32_t kExactWakeAll = 16;
+constexpr uint32_t kExactChanged = 32;
+constexpr uint32_t kExactRestart = 64;
+// A change of the level of detail over all guides takes this long [s]; and the share of them, one
+// in so many, that fade.
+constexpr double kLevelOfDetailSeconds = 0.25;
+constexpr uint32_t kFadingShare = 8;
 // Words of g_sleep before its list, as there; and where the groups of the follow strands are.
 constexpr uint64_t kSleepHead = 8;
 constexpr uint64_t kFollowArguments = 4 * sizeof(uint32_t);
@@ -57,9 +63,21 @@ double mapStiffness(double s, double h) {
 }
 
 bool usesGoals(const SimulationSettings& s) { return s.globalStiffness > 0 && s.globalRange > 0; }
+// Other colliders than before; those that only move are not.
+bool collidersReplaced(std::span<const CapsuleCollider> before,
+                       std::span<const CapsuleCollider> now) {
+  return !std::equal(before.begin(), before.end(), now.begin(), now.end(),
+                     [](const CapsuleCollider& a, const CapsuleCollider& b) {
+                       return a.headRadius == b.headRadius && a.tailRadius == b.tailRadius &&
+                              a.friction == b.friction;
+                     });
+}
+
 uint64_t tileCount(uint64_t strands) {
   return (strands + detail::kTileStrands - 1) / detail::kTileStrands;
 }
+// Threads in x of update_follow_strands, as there.
+uint32_t followThreads(uint32_t strands) { return (strands + 3) / 4; }
 bool usesVsp(const SimulationSettings& s) {
   return s.vspCoefficient > 0 || std::isfinite(s.vspThreshold);
 }
@@ -79,14 +97,15 @@ struct Scene::Frame {
   Float3 rebase;
   uint32_t colliderCount;
   bool sleeps;
+  bool collidersReplaced;
 
   SimulationConstants commonConstants() const;
 };
 
 void Scene::removeSolverBuffers(HairObject& object) {
   HairBuffers& buffers = object.buffers_;
-  for (BufferId* buffer :
-       {&buffers.state, &buffers.rest, &buffers.strands, &buffers.gains, &buffers.sleep})
+  for (BufferId* buffer : {&buffers.state, &buffers.rest, &buffers.strands, &buffers.gains,
+                           &buffers.lengths, &buffers.sleep, &buffers.lodParents})
     removeBuffer(*buffer);
   object.internals_->solver.reset();
 }
@@ -121,15 +140,21 @@ void Scene::addSolverBuffers(HairObject& object) {
       PELAGE_ASSERT(rest, "addHair() takes processed assets only");
       buffers.state = add("state", 2 * vertices, kVector);
       buffers.rest = add("rest", rest->size(), kVector, bytesOf(*rest));
+      buffers.lengths = add("lengths", vertices, sizeof(Float2));
     } else {
-      const detail::ExactStrands strands = detail::packExactStrands(asset);
-      const std::vector<Float4> state = detail::packExactState(asset, strands);
+      const detail::ExactStrands strands = detail::packExactStrands(asset, internals.levelOfDetail);
       internals.stateStride = strands.stateStride;
       internals.slot = 0;
       buffers.strands =
           add("strands", strands.strands.size(), sizeof(ExactStrand), bytesOf(strands.strands));
-      buffers.state = add("state", state.size(), kVector, bytesOf(state));
+      buffers.state =
+          add("state", detail::exactStateCount(strands.stateStride, asset.strandCount), kVector);
       buffers.gains = add("gains", detail::kExactGainSets * strands.stateStride, kVector);
+      if (internals.levelOfDetail) {
+        const std::vector<uint32_t> parents = detail::nearStrandsBefore(asset, strands);
+        buffers.lodParents = add("lodParents", parents.size(), sizeof(uint32_t), bytesOf(parents));
+      }
+      internals.simulatedCount = 0;
       const uint64_t tiles = tileCount(object.guideCount_);
       buffers.sleep =
           add("sleep", kSleepHead + 2 * tiles + object.guideCount_, sizeof(uint32_t), {},
@@ -142,8 +167,8 @@ void Scene::addSolverBuffers(HairObject& object) {
       (buffers.rest == BufferId::kInvalid || sets != internals.restSets)) {
     internals.restSets = sets;
     removeBuffer(buffers.rest);
-    const std::vector<Float4> rest =
-        detail::packExactRest(asset, detail::packExactStrands(asset), sets);
+    const std::vector<Float4> rest = detail::packExactRest(
+        asset, detail::packExactStrands(asset, internals.levelOfDetail), sets);
     buffers.rest = add("rest", rest.size(), kVector, bytesOf(rest));
   }
 }
@@ -178,20 +203,23 @@ Result<void> Scene::simulateObject(HairObject& object, float length, uint32_t st
     return Error{valid.error().code, "hair '" + object.name_ + "': " + valid.error().message};
   }
   addSolverBuffers(object);
+  addHairGrid(object);
   detail::HairInternals& internals = *object.internals_;
   HairBuffers& buffers = object.buffers_;
 
-  Frame frame = {.object = object,
-                 .internals = internals,
-                 .settings = s,
-                 .list = list,
-                 .length = length,
-                 .steps = steps,
-                 .air = detail::airAt(s.wind, time_),
-                 .reset = internals.resetPending,
-                 .rebase = s.solver == Solver::kExact ? detail::moveOrigin(internals) : Float3{},
-                 .colliderCount = 0,
-                 .sleeps = false};
+  Frame frame = {
+      .object = object,
+      .internals = internals,
+      .settings = s,
+      .list = list,
+      .length = length,
+      .steps = steps,
+      .air = detail::airAt(s.wind, time_),
+      .reset = internals.resetPending,
+      .rebase = detail::moveOrigin(internals),
+      .colliderCount = 0,
+      .sleeps = false,
+      .collidersReplaced = collidersReplaced(internals.collidersBefore, internals.colliders)};
   internals.stillFrames = internals.bonesChanged || frame.reset ? 0 : internals.stillFrames + 1;
   if (internals.bonesChanged) {
     const std::vector<Float4> bones = detail::packBones(internals);
@@ -217,6 +245,7 @@ Result<void> Scene::simulateObject(HairObject& object, float length, uint32_t st
   const Result<void> added =
       s.solver == Solver::kExact ? addExactPasses(frame) : addClassicPasses(frame);
   if (!added) return added;
+  finishHairGrid(object, static_cast<double>(length));
   internals.lastFrame = length;
   internals.resetPending = false;
   internals.settingsBefore = s;
@@ -296,6 +325,8 @@ Result<void> Scene::addClassicPasses(const Frame& frame) {
   key.globalShape = usesGoals(s);
   key.localShape = s.localStiffness > 0;
   key.velocityShockPropagation = usesVsp(s);
+  key.colliders = frame.colliderCount > 0;
+  constants.colliderCount = frame.colliderCount;
   const KernelVariant& variant = simulateStrandsVariant(key);
   const auto steps = static_cast<float>(frame.steps);
   for (uint32_t step = 0; step < frame.steps; ++step) {
@@ -313,6 +344,8 @@ Result<void> Scene::addClassicPasses(const Frame& frame) {
         .bind("g_positions", buffers.positions, vertices * kVector)
         .bind("g_tangents", buffers.tangents, vertices * kVector)
         .bind("g_state", buffers.state, 2 * vertices * kVector)
+        .bind("g_lengths", buffers.lengths, vertices * sizeof(Float2))
+        .bind("g_colliders", buffers.colliders, frame.colliderCount * sizeof(Collider))
         .bind("g_rest", buffers.rest, 2 * vertices * kVector)
         .bind("g_rootTransforms", buffers.rootTransforms,
               kRootTransformSets * guides * sizeof(RootTransform))
@@ -331,10 +364,12 @@ Result<void> Scene::addSleepPass(Frame& frame, ExactConstants constants) {
   const HairBuffers& buffers = object.buffers_;
   const uint64_t tiles = tileCount(object.guideCount_);
   const bool gusts = !isZero(s.wind.velocity) && s.wind.gustStrength > 0 && s.damping > 0;
-  const bool forced = buffers.forces != BufferId::kInvalid;
+  const bool forced = forcesOf(object) != BufferId::kInvalid;
+  const bool refined = internals.simulatedCount != internals.simulatedBefore;
+  internals.simulatedBefore = internals.simulatedCount;
   frame.sleeps = s.sleep.enabled && !gusts && !forced && tiles <= kMaxListedTiles;
-  const bool wake = frame.reset || !isZero(frame.rebase) || !internals.sleptBefore ||
-                    s != internals.settingsBefore;
+  const bool wake = frame.reset || !isZero(frame.rebase) || !internals.sleptBefore || refined ||
+                    frame.collidersReplaced || s != internals.settingsBefore;
   internals.sleptBefore = frame.sleeps;
   if (!frame.sleeps) return {};
 
@@ -347,7 +382,7 @@ Result<void> Scene::addSleepPass(Frame& frame, ExactConstants constants) {
   constants.rootBegin = 0;
   constants.rootEnd = 1;
   constants.slot = internals.slot;
-  constants.followGroups = groups(object.followCount_, follow.groupSize[0]);
+  constants.followGroups = groups(followThreads(object.followCount_), follow.groupSize[0]);
   PassBuilder builder(frame.list);
   const auto columns = static_cast<uint32_t>(std::min<uint64_t>(tiles, kSelectRow));
   const auto rows = static_cast<uint32_t>((tiles + kSelectRow - 1) / kSelectRow);
@@ -368,14 +403,15 @@ void Scene::bindExact(const Frame& frame, PassBuilder& builder) const {
   const uint64_t stride = frame.internals.stateStride;
   builder.bind("g_positions", buffers.positions, vertices * kVector)
       .bind("g_tangents", buffers.tangents, vertices * kVector)
-      .bind("g_state", buffers.state, detail::kExactStateSets * stride * kVector)
+      .bind("g_state", buffers.state, detail::exactStateCount(stride, guides) * kVector)
       .bind("g_gains", buffers.gains, detail::kExactGainSets * stride * kVector)
       .bind("g_rest", buffers.rest, frame.internals.restSets.count() * stride * kVector)
       .bind("g_rootFrames", buffers.rootTransforms,
             kRootTransformSets * guides * sizeof(RootTransform))
       .bind("g_strands", buffers.strands, guides * sizeof(ExactStrand))
       .bind("g_exactColliders", buffers.colliders, frame.colliderCount * sizeof(Collider))
-      .bind("g_forces", buffers.forces, vertices * kVector)
+      .bind("g_forces", forcesOf(object), vertices * kVector)
+      .bind("g_lodParents", buffers.lodParents, guides * sizeof(uint32_t))
       .bind("g_sleep", buffers.sleep,
             (kSleepHead + 2 * tileCount(guides) + guides) * sizeof(uint32_t));
 }
@@ -406,17 +442,28 @@ Result<void> Scene::addExactPasses(Frame& frame) {
   constants.restSpeed = s.sleep.speed;
   constants.restTime = s.sleep.time;
   constants.wakeDistance = s.sleep.wakeDistance;
-  constants.slotsBack = (3 - steps % 3) % 3;
+  constants.slotsBack = (4 - steps % 4) % 4;
+  const uint32_t countBefore = internals.simulatedCount;
+  if (Result<void> set = setLevelOfDetail(frame, constants); !set) return set;
   if (Result<void> added = addSleepPass(frame, constants); !added) return added;
+  if (countBefore > 0 && internals.simulatedCount > countBefore && !frame.reset) {
+    ExactConstants restart = constants;
+    restart.flags = kExactRestart;
+    restart.restartFrom = countBefore;
+    restart.slot = internals.slot;
+    const Result<void> added =
+        addInterpolationPass(frame, restart, internals.simulatedCount - countBefore);
+    if (!added) return added;
+  }
 
   SimulateRodsKey key;
   key.globalShape = internals.restSets.goals;
-  key.forces = buffers.forces != BufferId::kInvalid;
+  key.forces = forcesOf(object) != BufferId::kInvalid;
   key.damping = s.relaxationTime > 0;
   key.colliders = frame.colliderCount > 0;
   key.velocityShockPropagation = usesVsp(s);
   const KernelVariant& variant = simulateRodsVariant(key);
-  if (key.forces) {
+  if (buffers.forces != BufferId::kInvalid) {
     const BufferDesc* forces = resources_.find(buffers.forces);
     if (forces == nullptr || forces->size < vertices * kVector) {
       return Error{ErrorCode::kInvalidArgument,
@@ -426,33 +473,83 @@ Result<void> Scene::addExactPasses(Frame& frame) {
                        "; it takes " + std::to_string(vertices * kVector)};
     }
   }
-  // Without shock propagation the spare places of a state hold a motion that nobody wrote.
-  const bool switched = key.velocityShockPropagation && !internals.vspBefore;
-  internals.vspBefore = key.velocityShockPropagation;
-  if (frame.reset || switched) internals.lastStep = 0;
+  if (frame.reset) internals.history = {};
 
   for (uint32_t step = 0; step < steps; ++step) {
-    detail::setExactStep(constants, s, h, static_cast<double>(internals.lastStep), frame.air);
-    internals.lastStep = static_cast<float>(h);
+    if (step % s.subSteps == 0) {
+      const Result<void> added =
+          addHairGridPasses(object, h * s.subSteps, step == 0 && frame.reset, frame.list);
+      if (!added) return added;
+    }
+    detail::setExactStep(constants, s, h, internals.history, frame.air);
     constants.rootBegin = static_cast<float>(step) / static_cast<float>(steps);
     constants.rootEnd = static_cast<float>(step + 1) / static_cast<float>(steps);
     constants.flags = step + 1 == steps ? kExactLast : 0;
     if (frame.sleeps) constants.flags |= kExactSleep;
+    if (constants.turnRatio != 1) constants.flags |= kExactChanged;
     if (step == 0 && frame.reset) constants.flags |= kExactReset;
     if (step == 0 && !isZero(frame.rebase)) constants.flags |= kExactRebase;
     constants.slot = internals.slot;
-    internals.slot = (internals.slot + 1) % 3;
+    internals.slot = (internals.slot + 1) % 4;
     PassBuilder builder(frame.list);
-    const uint32_t rows = (object.guideCount_ + kExactRow - 1) / kExactRow;
+    const uint32_t count = internals.simulatedCount;
     if (frame.sleeps)
       builder.dispatchIndirect(variant, buffers.sleep);
     else
-      builder.dispatch(variant, std::min(object.guideCount_, kExactRow), rows);
+      builder.dispatch(variant, std::min(count, kExactRow), (count + kExactRow - 1) / kExactRow);
     bindExact(frame, builder);
-    builder.constants("ExactConstants", constants).bytes(vertices * detail::kExactBytesAVertex);
+    builder.constants("ExactConstants", constants)
+        .bytes(uint64_t{count} * object.vertexCount_ * detail::kExactBytesAVertex);
     if (Result<void> added = builder.finish(); !added) return added;
   }
+  if (constants.fadeStart == object.guideCount_) return {};
+  constants.flags = 0;
+  constants.rootBegin = 0;
+  constants.rootEnd = 1;
+  constants.slot = internals.slot;
+  return addInterpolationPass(frame, constants, object.guideCount_ - constants.fadeStart);
+}
+
+// How many guides are simulated in this frame, and from which one on they fade.
+Result<void> Scene::setLevelOfDetail(const Frame& frame, ExactConstants& constants) {
+  const HairObject& object = frame.object;
+  detail::HairInternals& internals = frame.internals;
+  const uint32_t guides = object.guideCount_;
+  const float share = object.simulatedShare;
+  if (!(share >= 0 && share <= 1)) {
+    return Error{ErrorCode::kInvalidArgument, "hair '" + object.name_ + "': simulatedShare is " +
+                                                  std::to_string(share) + ", but must be in 0..1"};
+  }
+  if (share < 1 && !internals.levelOfDetail) {
+    return Error{ErrorCode::kInvalidArgument,
+                 "hair '" + object.name_ +
+                     "': simulatedShare is below 1; set HairDef::levelOfDetail for it"};
+  }
+  const auto wanted =
+      std::clamp(static_cast<uint32_t>(std::ceil(static_cast<double>(share) * guides)), 1u, guides);
+  const auto most = static_cast<uint32_t>(
+      std::ceil(guides * static_cast<double>(frame.length) / kLevelOfDetailSeconds));
+  uint32_t& count = internals.simulatedCount;
+  if (count == 0 || frame.reset)
+    count = wanted;
+  else if (wanted < count)
+    count -= std::min(count - wanted, most);
+  else if (isZero(frame.rebase))  // new states are relative to the new origin already
+    count += std::min(wanted - count, most);
+  const uint32_t fading = std::min({guides / kFadingShare, guides - count, count - 1});
+  constants.simulatedCount = count;
+  constants.fadeStart = count - fading;
   return {};
+}
+
+Result<void> Scene::addInterpolationPass(const Frame& frame, const ExactConstants& constants,
+                                         uint32_t strands) {
+  PassBuilder builder(frame.list);
+  builder.dispatch(interpolateGuidesVariant({}), strands);
+  bindExact(frame, builder);
+  builder.constants("ExactConstants", constants)
+      .bytes(uint64_t{strands} * frame.object.vertexCount_ * 5 * kVector);
+  return builder.finish();
 }
 
 Result<void> Scene::addFollowPass(const Frame& frame) {
@@ -468,7 +565,8 @@ Result<void> Scene::addFollowPass(const Frame& frame) {
   if (frame.sleeps)
     builder.dispatchIndirect(updateFollowStrandsVariant({}), buffers.sleep, kFollowArguments);
   else
-    builder.dispatch(updateFollowStrandsVariant({}), object.followCount_, object.vertexCount_);
+    builder.dispatch(updateFollowStrandsVariant({}), followThreads(object.followCount_),
+                     object.vertexCount_);
   builder.bind("g_positions", buffers.positions, (guides + follows) * vertices * kVector)
       .bind("g_tangents", buffers.tangents, (guides + follows) * vertices * kVector)
       .bind("g_rest", buffers.bindRoots, guides * kVector)

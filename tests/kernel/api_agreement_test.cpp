@@ -17,7 +17,8 @@ std::vector<uint32_t> simulatedBits(Gpu& gpu, bool dualQuaternions) {
   Random random(4);
   std::vector<FollowStrand> follows(130);
   for (uint32_t f = 0; f < 130; ++f) {
-    follows[f].guide = f / 2;
+    follows[f].guides = {f / 2, (f + 7) % 65, (f + 9) % 65, 0};
+    follows[f].weights = {0.5f, f % 3 == 0 ? 0.0f : 0.3f, f % 2 == 0 ? 0.0f : 0.2f, 0};
     follows[f].offset = toFloat4(random.vector(0.004), 0.5);
   }
   std::vector<RootBinding> bindings(65);
@@ -39,6 +40,11 @@ std::vector<uint32_t> simulatedBits(Gpu& gpu, bool dualQuaternions) {
   c.globalRange = 0.5f;
   c.vspCoefficient = 0.5f;
   c.vspThreshold = 30;
+  run.setColliders({{{0.1f, -0.1f, 0, 0.08f}, {0.2f, -0.1f, 0, 0.05f}, {0.1f, -0.1f, 0, 0.4f}, {}},
+                    {{-0.1f, -0.1f, 0, 0.08f},
+                     {-0.1f, -0.1f, 0, 0.08f},
+                     {-0.12f, -0.1f, 0, 0},
+                     {-0.12f, -0.1f, 0, 0}}});
   for (int frame = 0; frame < 120; ++frame) {
     std::vector<Float4> bones;
     for (int bone = 0; bone < 3; ++bone) {
@@ -63,7 +69,7 @@ std::vector<uint32_t> simulatedBits(Gpu& gpu, bool dualQuaternions) {
     for (int part = 0; part < 2; ++part) {
       c.rootBegin = 0.5f * static_cast<float>(part);
       c.rootEnd = c.rootBegin + 0.5f;
-      run.simulate(StrandRun::key(true, true, true, true));
+      run.simulate(StrandRun::key(true, true, true, true, true));
     }
     run.updateFollowStrands();
     run.run();

@@ -109,6 +109,8 @@ class StrandRun {
         positions_(gpu, "positions", std::vector<Float4>((guides_ + follows_) * vertices_)),
         tangents_(gpu, "tangents", std::vector<Float4>((guides_ + follows_) * vertices_)),
         rest_(gpu, "rest", packed(asset)),
+        lengths_(gpu, "lengths", std::vector<Float2>(size_t{guides_} * vertices_)),
+        colliders_(gpu, "colliders", std::vector<Collider>(kMaxColliders)),
         state_(gpu, "state", std::vector<Float4>(size_t{2} * guides_ * vertices_)),
         roots_(gpu, "rootTransforms", std::vector<RootTransform>(size_t{2} * guides_)),
         bones_(gpu, "boneTransforms", bones),
@@ -149,6 +151,13 @@ class StrandRun {
     for (const auto& pose : last) roots.push_back(toRoot(pose));
     roots_.upload(list_, roots);
   }
+  static constexpr size_t kMaxColliders = 4;
+  void setColliders(std::vector<Collider> colliders) {
+    ASSERT_LE(colliders.size(), kMaxColliders);
+    constants.colliderCount = static_cast<uint32_t>(colliders.size());
+    colliders.resize(kMaxColliders);
+    colliders_.upload(list_, colliders);
+  }
   void setState(const std::vector<Float4>& state) { state_.upload(list_, state); }
   void setBones(const std::vector<Float4>& bones) { bones_.upload(list_, bones); }
   void setRootTransforms(const std::vector<RootTransform>& roots) { roots_.upload(list_, roots); }
@@ -157,7 +166,9 @@ class StrandRun {
     pass(skinRootsVariant({.dualQuaternions = dualQuaternions}), guides_);
   }
   void simulate(const SimulateStrandsKey& key) { pass(simulateStrandsVariant(key), guides_); }
-  void updateFollowStrands() { pass(updateFollowStrandsVariant({}), follows_, vertices_); }
+  void updateFollowStrands() {
+    pass(updateFollowStrandsVariant({}), (follows_ + 3) / 4, vertices_);
+  }
   /// Sets roots to `now` for both frames and takes the goals.
   void reset(const std::vector<reference::Pose>& now) {
     setRoots(now, now);
@@ -182,6 +193,8 @@ class StrandRun {
     (void)positions_.read();
     (void)tangents_.read();
     (void)rest_.read();
+    (void)lengths_.read();
+    (void)colliders_.read();
     (void)state_.read();
     (void)roots_.read();
     (void)bones_.read();
@@ -189,11 +202,13 @@ class StrandRun {
     (void)followStrands_.read();
   }
   static SimulateStrandsKey key(bool wind = false, bool globalShape = false,
-                                bool localShape = false, bool velocityShockPropagation = false) {
+                                bool localShape = false, bool velocityShockPropagation = false,
+                                bool colliders = false) {
     return {.wind = wind,
             .globalShape = globalShape,
             .localShape = localShape,
-            .velocityShockPropagation = velocityShockPropagation};
+            .velocityShockPropagation = velocityShockPropagation,
+            .colliders = colliders};
   }
 
  private:
@@ -209,6 +224,8 @@ class StrandRun {
     positions_.bindTo(builder, "g_positions");
     tangents_.bindTo(builder, "g_tangents");
     rest_.bindTo(builder, "g_rest");
+    lengths_.bindTo(builder, "g_lengths");
+    colliders_.bindTo(builder, "g_colliders");
     state_.bindTo(builder, "g_state");
     roots_.bindTo(builder, "g_rootTransforms");
     bones_.bindTo(builder, "g_boneTransforms");
@@ -221,7 +238,10 @@ class StrandRun {
   Gpu& gpu_;
   uint32_t guides_, follows_, vertices_;
   PassList list_;
-  GuardedBuffer<Float4> positions_, tangents_, rest_, state_;
+  GuardedBuffer<Float4> positions_, tangents_, rest_;
+  GuardedBuffer<Float2> lengths_;
+  GuardedBuffer<Collider> colliders_;
+  GuardedBuffer<Float4> state_;
   GuardedBuffer<RootTransform> roots_;
   GuardedBuffer<Float4> bones_;
   GuardedBuffer<RootBinding> bindings_;

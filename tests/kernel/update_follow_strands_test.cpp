@@ -17,7 +17,8 @@ std::vector<FollowStrand> followStrands(uint32_t guides, uint32_t count) {
   Random random(8);
   std::vector<FollowStrand> strands(count);
   for (uint32_t f = 0; f < count; ++f) {
-    strands[f].guide = f % guides;
+    strands[f].guides.x = f % guides;
+    strands[f].weights.x = 1;
     strands[f].offset = toFloat4(random.vector(0.004), random.between(0, 2));
   }
   return strands;
@@ -57,7 +58,7 @@ TEST_P(UpdateFollowStrands, TurnOffsetsWithTheRootForEveryCount) {
     };
     double worst = 0, worstTangent = 0, worstMass = 0;
     for (uint32_t f = 0; f < size.follows; ++f) {
-      const uint32_t g = follows[f].guide;
+      const uint32_t g = follows[f].guides.x;
       const std::vector<Vector3d> expected =
           reference::followStrand(strand(positions, g), poses[g].rotation,
                                   toVector(follows[f].offset), double{follows[f].offset.w} * 1.5);
@@ -92,8 +93,8 @@ TEST_P(UpdateFollowStrands, KeepTheirPlaceOnAScalpThatTurns) {
     std::vector<Vector3d> result;
     for (uint32_t f = 0; f < 24; ++f)
       result.push_back(
-          poses[follows[f].guide].rotation.conjugate() *
-          (toVector(positions[(6 + f) * 8]) - toVector(positions[follows[f].guide * 8])));
+          poses[follows[f].guides.x].rotation.conjugate() *
+          (toVector(positions[(6 + f) * 8]) - toVector(positions[follows[f].guides.x * 8])));
     return result;
   };
   std::vector<Pose> bind;
@@ -106,11 +107,83 @@ TEST_P(UpdateFollowStrands, KeepTheirPlaceOnAScalpThatTurns) {
   }
 }
 
+// K11
+TEST_P(UpdateFollowStrands, MixSeveralGuidesByWeightAndStayOnTheScalp) {
+  const HairAsset asset = wavyAsset(5, 9);
+  std::vector<FollowStrand> follows = followStrands(5, 20);
+  for (uint32_t f = 0; f < 20; ++f) {
+    follows[f].guides = {f % 5, (f + 2) % 5, (f + 3) % 5, 0};
+    follows[f].weights = {0.5f, 0.3f, 0.2f, 0};
+  }
+  // What does not exist or has no weight adds nothing, and the others keep their proportions.
+  follows[3].guides.y = 5;
+  follows[4].weights.z = -1;
+  follows[5].weights.x = 0;
+  StrandRun run(gpu(), asset, follows);
+  // A rigid motion of the whole scalp.
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(1.1, Vector3d(1, 2, -1).normalized()));
+  const Vector3d shift(0.3, -0.2, 0.1);
+  std::vector<Pose> bind, moved;
+  for (uint32_t s = 0; s < 5; ++s) {
+    bind.push_back(bindPose(asset, s));
+    moved.push_back({turn, turn * bind[s].position + shift});
+  }
+  const auto positionsAt = [&](const std::vector<Pose>& poses) {
+    run.reset(poses);
+    run.updateFollowStrands();
+    run.run();
+    run.checkGuards();
+    return run.positions();
+  };
+  const std::vector<Float4> atBind = positionsAt(bind), after = positionsAt(moved);
+  for (uint32_t f = 0; f < 20; ++f) {
+    const uint32_t guides[3] = {follows[f].guides.x, follows[f].guides.y, follows[f].guides.z};
+    const float given[3] = {follows[f].weights.x, follows[f].weights.y, follows[f].weights.z};
+    double weights[3], sum = 0;
+    for (int k = 0; k < 3; ++k) {
+      weights[k] = guides[k] < 5 && given[k] > 0 ? static_cast<double>(given[k]) : 0;
+      sum += weights[k];
+    }
+    for (uint32_t v = 0; v < 9; ++v) {
+      const double factor = 1 + (double{follows[f].offset.w} - 1) * v / 8;
+      Vector3d expected = factor * toVector(follows[f].offset);
+      for (int k = 0; k < 3; ++k) {
+        if (weights[k] > 0) expected += weights[k] / sum * toVector(atBind[guides[k] * 9 + v]);
+      }
+      const size_t at = (5 + f) * 9 + v;
+      EXPECT_LT((toVector(atBind[at]) - expected).norm(), 5e-7)
+          << "strand " << f << " vertex " << v;
+      EXPECT_LT((toVector(after[at]) - (turn * expected + shift)).norm(), 1e-6)
+          << "strand " << f << " vertex " << v;
+    }
+  }
+}
+
+TEST_P(UpdateFollowStrands, AreTheSameBitsWithOneGuideWhateverItsWeight) {
+  const HairAsset asset = wavyAsset(3, 7);
+  std::vector<FollowStrand> follows = followStrands(3, 12);
+  for (uint32_t f = 6; f < 12; ++f) {
+    follows[f] = follows[f - 6];
+    follows[f].weights.x = 0.7f;
+    follows[f].guides.y = 9;
+    follows[f].weights.y = 0.3f;
+  }
+  StrandRun run(gpu(), asset, follows);
+  run.reset(turnedPoses(asset));
+  run.updateFollowStrands();
+  run.run();
+  const std::vector<Float4> positions = run.positions(), tangents = run.tangents();
+  for (size_t i = 3 * 7; i < 9 * 7; ++i) {
+    EXPECT_EQ(positions[i], positions[i + 6 * 7]);
+    EXPECT_EQ(tangents[i], tangents[i + 6 * 7]);
+  }
+}
+
 TEST_P(UpdateFollowStrands, LeaveStrandsWithoutAGuideAlone) {
   const HairAsset asset = wavyAsset(2, 4);
   std::vector<FollowStrand> follows = followStrands(2, 3);
-  follows[0].guide = 2;
-  follows[2].guide = 0xffffffffu;
+  follows[0].guides.x = 2;
+  follows[2].weights.x = 0;
   StrandRun run(gpu(), asset, follows);
   run.reset(turnedPoses(asset));
   run.updateFollowStrands();
@@ -131,6 +204,7 @@ TEST_P(UpdateFollowStrands, TakeTheGuidesTangentWhereTheirOwnVerticesCoincide) {
   FollowStrand follow = {};
   const Vector3d span = bind[2] - bind[0];
   follow.offset = toFloat4(span, 0);
+  follow.weights.x = 1;
   StrandRun run(gpu(), asset, {follow});
   run.reset({bindPose(asset, 0)});
   run.updateFollowStrands();

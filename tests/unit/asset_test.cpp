@@ -603,9 +603,84 @@ TEST(FollowHairs, DependOnTheSeedAndOnNothingElse) {  // K24
   EXPECT_EQ(*fewer.generateFollowHairs(def), all);
 }
 
+TEST(FollowHairs, MixTheNearestGuidesAndKeepTheirRoots) {
+  const FollowDef one = {.countPerGuide = 4, .maxRadius = 0.01f, .seed = 3};
+  FollowDef three = one;
+  three.guidesPerHair = 3;
+  HairAsset asset;
+  asset.strandCount = 40;
+  asset.verticesPerStrand = 2;
+  Random random(7, 0);
+  for (uint32_t s = 0; s < 40; ++s) {
+    const Float4 root = {static_cast<float>(random.uniformDouble()),
+                         static_cast<float>(random.uniformDouble()),
+                         static_cast<float>(random.uniformDouble()), 0};
+    asset.positions.push_back(root);
+    asset.positions.push_back({root.x, root.y + 0.1f, root.z, 0});
+  }
+  const auto alone = asset.generateFollowHairs(one), mixed = asset.generateFollowHairs(three);
+  ASSERT_TRUE(alone && mixed);
+  ASSERT_EQ(mixed->size(), alone->size());
+  EXPECT_EQ(*asset.generateFollowHairs(three), *mixed);
+  const auto root = [&](uint32_t guide, int axis) {
+    const Float4& p = asset.positions[2 * size_t{guide}];
+    return static_cast<double>(axis == 0 ? p.x : axis == 1 ? p.y : p.z);
+  };
+  const auto part = [](const Float4& v, int axis) {
+    return static_cast<double>(axis == 0 ? v.x : axis == 1 ? v.y : v.z);
+  };
+  for (size_t i = 0; i < mixed->size(); ++i) {
+    const FollowHair& hair = (*mixed)[i];
+    const double weights[2] = {static_cast<double>(hair.otherWeights[0]),
+                               static_cast<double>(hair.otherWeights[1])};
+    EXPECT_EQ(hair.guide, (*alone)[i].guide);
+    EXPECT_GE(weights[0], weights[1]);
+    EXPECT_GT(weights[1], 0);
+    EXPECT_LT(weights[0] + weights[1], 1);
+    double place[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      place[axis] = root(hair.guide, axis) + part((*alone)[i].offset, axis);
+      const double mean = (1 - weights[0] - weights[1]) * root(hair.guide, axis) +
+                          weights[0] * root(hair.otherGuides[0], axis) +
+                          weights[1] * root(hair.otherGuides[1], axis);
+      EXPECT_NEAR(mean + part(hair.offset, axis), place[axis], 1e-6);
+    }
+    const auto squared = [&](uint32_t guide) {
+      double sum = 0;
+      for (int axis = 0; axis < 3; ++axis)
+        sum += (root(guide, axis) - place[axis]) * (root(guide, axis) - place[axis]);
+      return sum;
+    };
+    EXPECT_LE(squared(hair.otherGuides[0]), squared(hair.otherGuides[1]));
+    for (uint32_t guide = 0; guide < 40; ++guide) {
+      if (guide == hair.guide || guide == hair.otherGuides[0]) continue;
+      EXPECT_GE(squared(guide), squared(hair.otherGuides[1]) * (1 - 1e-12)) << "hair " << i;
+    }
+  }
+}
+
+TEST(FollowHairs, GiveNoWeightToGuidesThatAreNotThere) {
+  HairAsset asset;
+  asset.strandCount = 2;
+  asset.verticesPerStrand = 2;
+  asset.positions = {{0, 0, 0, 0}, {0, 1, 0, 0}, {0.01f, 0, 0, 0}, {0.01f, 1, 0, 0}};
+  const auto hairs = asset.generateFollowHairs({.countPerGuide = 3, .guidesPerHair = 3});
+  ASSERT_TRUE(hairs);
+  for (const FollowHair& hair : *hairs) {
+    EXPECT_EQ(hair.otherGuides[0], 1 - hair.guide);
+    EXPECT_GT(hair.otherWeights[0], 0);
+    EXPECT_EQ(hair.otherWeights[1], 0);
+    EXPECT_TRUE(finite(hair.offset));
+  }
+}
+
 TEST(FollowHairs, RefuseValuesOutOfRangeByName) {
   const HairAsset asset = bentStrands(2, 3, 0.3);
   EXPECT_TRUE(mentions(asset.generateFollowHairs({.countPerGuide = 65}).error(), "countPerGuide"));
+  for (const uint32_t guides : {0u, 4u}) {
+    EXPECT_TRUE(
+        mentions(asset.generateFollowHairs({.guidesPerHair = guides}).error(), "guidesPerHair"));
+  }
   EXPECT_TRUE(mentions(asset.generateFollowHairs({.maxRadius = kNaN}).error(), "maxRadius"));
   EXPECT_TRUE(mentions(asset.generateFollowHairs({.maxRadius = -1}).error(), "maxRadius"));
   EXPECT_TRUE(

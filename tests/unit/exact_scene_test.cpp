@@ -121,7 +121,7 @@ TEST_F(ExactSceneTest, WhatIsSwitchedOffIsNotInThePermutation) {
   EXPECT_EQ(variant(), &simulateRodsVariant({.damping = true}));
 }
 
-TEST_F(ExactSceneTest, ShockPropagationStartsWithoutHistory) {
+TEST_F(ExactSceneTest, ShockPropagationGoesOnFromTheStateThatIsThere) {
   HairObject& hair = add();
   hair.settings.vspCoefficient = 0;
   hair.settings.vspThreshold = std::numeric_limits<float>::infinity();
@@ -130,10 +130,8 @@ TEST_F(ExactSceneTest, ShockPropagationStartsWithoutHistory) {
   EXPECT_NE(constants().at(0).historyShare, 0.0f);
   hair.settings.vspCoefficient = 0.5f;
   simulate();
-  EXPECT_EQ(constants().at(0).historyShare, 0.0f);
-  EXPECT_EQ(constants().at(0).turnRatio, 0.0f);
-  simulate();
   EXPECT_NE(constants().at(0).historyShare, 0.0f);
+  EXPECT_EQ(constants().at(0).turnRatio, 1.0f);
 }
 
 TEST_F(ExactSceneTest, HeldVerticesNeedTheirGoals) {
@@ -156,10 +154,10 @@ TEST_F(ExactSceneTest, SubStepsCoverTheFrameOnceAndTakeTurnsWithTheState) {
   for (const ExactConstants& c : constants()) all.push_back(c);
   float end = 0;
   for (size_t i = 0; i < all.size(); ++i) {
-    EXPECT_EQ(all[i].slot, i % 3);
+    EXPECT_EQ(all[i].slot, i % 4);
     EXPECT_EQ(all[i].rootBegin, end);
     end = all[i].rootEnd == 1 ? 0 : all[i].rootEnd;
-    EXPECT_EQ(all[i].flags, (i == 0 ? 1u : 0u) | (i % 6 == 5 ? 2u : 0u) | 8u);
+    EXPECT_EQ(all[i].flags, (i == 0 ? 33u : 0u) | (i % 6 == 5 ? 2u : 0u) | 8u);
     // BDF2 from the second step on: he = 2/3 h.
     EXPECT_NEAR(all[i].inverseStep, i == 0 ? 120.0f : 180.0f, 0.01f);
   }
@@ -171,7 +169,7 @@ TEST_F(ExactSceneTest, ResetForgetsTheHistory) {
   simulate();
   hair.reset();
   simulate();
-  EXPECT_EQ(constants().at(0).flags, 11u);
+  EXPECT_EQ(constants().at(0).flags, 43u);
   EXPECT_EQ(constants().at(0).historyShare, 0.0f);
 }
 
@@ -295,6 +293,18 @@ TEST_F(ExactSceneTest, WhatMovesAllHairWakesAllOfIt) {
   hair.settings.curves.stiffness[3] = 2;
   EXPECT_TRUE(wakes());
   EXPECT_FALSE(wakes());
+  CapsuleCollider ball = {.headRadius = 0.05f, .tailRadius = 0.05f};
+  hair.setColliders({&ball, 1});
+  EXPECT_TRUE(wakes());
+  ball.head.x = ball.tail.x = 0.01f;
+  hair.setColliders({&ball, 1});
+  EXPECT_FALSE(wakes()) << "the kernel sees which strands a motion reaches";
+  ball.headRadius = 0.04f;
+  hair.setColliders({&ball, 1});
+  EXPECT_TRUE(wakes());
+  hair.setColliders({});
+  EXPECT_TRUE(wakes());
+  EXPECT_FALSE(wakes());
   // Gusts keep it awake; a steady wind does not.
   hair.settings.wind.velocity = {1, 0, 0};
   simulate();
@@ -317,6 +327,31 @@ TEST_F(ExactSceneTest, TakesForcesOnlyFromABufferThatIsLargeEnough) {
   hair.setForces(BufferId::kInvalid);
   simulate();
   EXPECT_EQ(variant(), &simulateRodsVariant(plainKey()));
+}
+
+TEST_F(ExactSceneTest, LevelOfDetailCostsWhatIsSimulated) {  // K44
+  asset_ = makeAsset(640, 4);
+  HairObject& hair = add({.levelOfDetail = true});
+  hair.settings.sleep.enabled = false;
+  hair.simulatedShare = 0.25f;
+  simulate();
+  EXPECT_EQ(passes("simulate_rods").at(0)->groups[0], 5u);
+  EXPECT_EQ(passes("interpolate_guides").size(), 1u);
+  hair.simulatedShare = 1;
+  for (int frame = 0; frame < 15; ++frame) simulate();
+  EXPECT_EQ(passes("simulate_rods").at(0)->groups[0], 20u);
+  simulate();
+  EXPECT_EQ(passes("interpolate_guides").size(), 0u) << "nothing left to interpolate";
+
+  hair.simulatedShare = 1.5f;
+  EXPECT_FALSE(scene_.simulate(kFrame, list_));
+  HairObject& plain = add({.name = "plain"});
+  hair.simulatedShare = 1;
+  plain.simulatedShare = 0.5f;
+  const Result<void> done = scene_.simulate(kFrame, list_);
+  ASSERT_FALSE(done);
+  EXPECT_NE(done.error().message.find("HairDef::levelOfDetail"), std::string::npos);
+  EXPECT_EQ(plain.buffers().lodParents, BufferId::kInvalid);
 }
 
 TEST_F(ExactSceneTest, CurvesAndStrandFactorsAreOneMoreSetOfTheRestShape) {

@@ -38,15 +38,15 @@ Value emptyValue() {
 
 // A free vertex in this step.
 struct RodVertex {
-  float3 position;  // before the step, carried
-  float3 target;    // where it would go alone, as a way from there
-  float weight;     // am
+  float3 target;  // the way that it would go alone
+  float weight;   // am
   float region;     // [m]
 };
 
 // An edge and the joint at its root's end.
 struct RodEdge {
   float4 frame;     // before the step, carried
+  float3 halfTurn;  // from there to the guess, in the frame's axes
   float4 guess;
   float4 iterate;
   float edgeLength;
@@ -62,36 +62,28 @@ struct Bending {
 // vector of r over 1 + |w|, which is tan(angle / 4) along the axis; a the twist axis, half-way
 // between the two rest tangents. (Discrete elastic rods: Bergou et al., ACM Trans. Graph. 27(3),
 // 2008, section 4.2, with 4 tan(angle / 4) for the angle.)
-Bending bendingOf(RodEdge edge, RodEdge parent, float4 rest, float region) {
-  precise float kb = g_bendStiffness / region;
+Bending bendingOf(RodEdge edge, RodEdge parent, float3 rest, float inverseRegion) {
+  precise float kb = g_bendStiffness * inverseRegion;
+  precise float dk = g_twistStiffness * inverseRegion - kb;
   float4 relative = multiplyQuaternions(conjugate(parent.iterate), edge.iterate);
-  float4 r = multiplyQuaternions(relative, conjugate(rest));
+  float4 r = withoutRest(relative, rest);
   precise float factor = (r.w < 0.0 ? -1.0 : 1.0) / (1.0 + abs(r.w));
   precise float3 s = r.xyz * factor;
   precise float s2 = dot3(s, s);
   precise float o = 1.0 + s2;
   precise float scale = 4.0 * kb * o;
-  precise float3 moment = s * scale;
   precise float diagonal = kb * o * o;
-  Bending bending;
-  bending.b = addDiagonal(zeroSymmetric(), diagonal);
-  precise float kt = g_twistStiffness / region;
-  precise float dk = kt - kb;
-  precise float3 both = float3(1.0, 0.0, 0.0) + axisX(rest);
-  precise float3 axis = float3(1.0, 0.0, 0.0);
-  precise float both2 = dot3(both, both);
-  if (both2 > 1e-30) {
-    float inverse = inverseRoot(both2);
-    axis = both * inverse;
-  }
+  // Half-way between e_x and rest e_x, for a rest rotation without a component along e_x.
+  float3 axis = float3(rest.z, rest.y, -rest.x);
   precise float sa = dot3(s, axis);
   precise float twice = 2.0 * sa;
   precise float3 ra = axis * (1.0 - s2) + cross3(s, axis) * 2.0 + s * twice;
   precise float share = 4.0 * dk * sa;
-  moment = moment + ra * share;
+  precise float3 moment = s * scale + ra * share;
   float3 w = rotate(parent.iterate, ra);
   precise float3 dw = w * dk;
-  bending.b = addOuter(bending.b, dw, w);
+  Bending bending;
+  bending.b = addOuter(addDiagonal(zeroSymmetric(), diagonal), dw, w);
   precise float3 gradient = rotate(parent.iterate, moment);
 #if DAMPING
   // Kelvin-Voigt: the same energy about the joint before the step, times tau / h.
@@ -129,13 +121,12 @@ Value addFriction(Value value, RodVertex vertex, float3 way, Contact contact) {
   return value;
 }
 
-// Adds am/2 |x - y|^2 and the contacts of a vertex that the iterate moves by `way`.
-Value addVertex(Value value, RodVertex vertex, float3 way) {
+// Adds am/2 |x - y|^2 and the contacts of a vertex that the iterate moves by `way` to x.
+Value addVertex(Value value, RodVertex vertex, float3 way, float3 x) {
   value.m = addDiagonal(value.m, vertex.weight);
   precise float3 px = value.px + (way - vertex.target) * vertex.weight;
   value.px = px;
 #if COLLIDERS
-  precise float3 x = vertex.position + way;
   for (uint c = 0; c < g_colliderCount; ++c) {
     Contact contact = contactWith(c, x);
     if (contact.penetration > 0.0) {
@@ -160,8 +151,8 @@ struct Elimination {
 
 // \param endWeight am of vertex i + 1, whose rotary inertia about the tangent is a share of am l^2
 // \param turned    rotation vector from the edge's guess to the iterate
-Elimination eliminateEdge(Value v, RodEdge edge, Bending bending, float region, float endWeight,
-                          float3 turned) {
+Elimination eliminateEdge(Value v, RodEdge edge, Bending bending, float twistStiffness,
+                          float endWeight, float3 turned) {
   float3 t = axisX(edge.iterate);
   precise float3 e = t * edge.edgeLength;
   Symmetric3 m = v.m;
@@ -187,7 +178,6 @@ Elimination eliminateEdge(Value v, RodEdge edge, Bending bending, float region, 
   precise float azz = s22 + n2.z + n2.z + v.d.zz + tension - tt.z * t.z;
   Symmetric3 a = makeSymmetric(axx, axy, axz, ayy, ayz, azz);
   // Along t all but D vanishes in exact arithmetic: its rounding is replaced.
-  precise float twistStiffness = g_twistStiffness / region;
   precise float own = max(dot3(t, multiplySymmetric(v.d, t)), 0.0);
   precise float missing = max(traceOf(a) * kTwistFloor - twistStiffness - own, 0.0);
   precise float inertia = endWeight * edge.edgeLength * edge.edgeLength * kTwistInertia;
@@ -217,6 +207,8 @@ Elimination eliminateEdge(Value v, RodEdge edge, Bending bending, float region, 
   gain.kw0 = multiplySymmetric(w, float3(b.xx, b.xy, b.xz));
   gain.kw1 = multiplySymmetric(w, float3(b.xy, b.yy, b.yz));
   gain.kw2 = multiplySymmetric(w, float3(b.xz, b.yz, b.zz));
+  gain.edgeLength = edge.edgeLength;
+  gain.halfTurn = edge.halfTurn;
   result.gain = gain;
 
   precise float mxx = m.xx - dot3(x0, gain.kx0);

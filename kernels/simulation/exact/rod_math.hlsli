@@ -119,6 +119,37 @@ float4 normalizeProduct(float4 q) {
   return r;
 }
 
+// Of a product of quaternions that are unit to rounding: one step of Newton from 1.
+float4 polishProduct(float4 q) {
+  precise float factor = 1.5 - 0.5 * dot4(q, q);
+  precise float4 r = q * factor;
+  return r;
+}
+
+// 1 / sqrt(squared) to rounding for squared in 1..1.25, and exactly 1 for 1: a polynomial within
+// 7e-6 and one step of Newton.
+float inverseRootNearOne(float squared) {
+  precise float e = squared - 1.0;
+  precise float y = 1.0 + e * (e * (0.36183913 - e * 0.21267281) - 0.49948119);
+  precise float missing = 1.0 - (squared * y) * y;
+  y = y + (y * 0.5) * missing;
+  return y;
+}
+
+// Of a product of a unit quaternion and (v, 1) with |v| <= 1/2.
+float4 normalizeTurned(float4 q) {
+  float inverse = inverseRootNearOne(dot4(q, q));
+  precise float4 r = q * inverse;
+  return r;
+}
+
+// Whether q is a unit quaternion but for its rounding, and no NaN: on the bits of its square,
+// 0.25..4.
+bool isUnit(float4 q) {
+  precise float squared = dot4(q, q);
+  return asuint(squared) - 0x3e800000u < 0x02000000u;
+}
+
 // Unit tangent of an edge: its frame's x axis.
 float3 axisX(float4 q) {
   precise float3 r = float3(1.0 - 2.0 * (q.y * q.y + q.z * q.z), 2.0 * (q.x * q.y + q.w * q.z),
@@ -126,11 +157,11 @@ float3 axisX(float4 q) {
   return r;
 }
 
-// The frame q turned by the rotation vector p to second order, without trigonometry: the Cayley
-// map.
+// The frame q turned by the rotation vector p, |p| <= 1, to second order, without trigonometry: the
+// Cayley map.
 float4 turnedBy(float3 p, float4 q) {
   precise float3 halfTurn = p * 0.5;
-  return normalizeProduct(multiplyQuaternions(float4(halfTurn, 1.0), q));
+  return normalizeTurned(multiplyQuaternions(float4(halfTurn, 1.0), q));
 }
 
 // Rotation vector of q conj(base), for small angles.
@@ -140,21 +171,50 @@ float3 turnBetween(float4 q, float4 base) {
   return r;
 }
 
-// The frame after `frame` that goes on turning as from `before` to it, `ratio` times as far. Edges
-// slower than `slowTurn` [rad a step] leave their twist out.
-float4 guessFrame(float4 frame, float4 before, float ratio, float slowTurn) {
-  precise float3 turn = turnBetween(frame, before) * ratio;
-  float3 tangent = axisX(frame);
+// The upper 21 bits of a float, rounded.
+float shortened(float x) { return asfloat((asuint(x) + 0x400u) & 0xfffff800u); }
+
+// Half of the rotation vector by which a frame, in its own axes, goes on turning as from `before`
+// to `frame`, `ratio` times as far; shortened. Edges slower than `slowTurn` [rad a step] leave
+// their twist out.
+float3 halfTurnOn(float4 frame, float4 before, float ratio, float slowTurn) {
+  float4 d = multiplyQuaternions(conjugate(before), frame);
+  precise float3 turn = d.xyz * ((d.w < 0.0 ? -2.0 : 2.0) * ratio);
   precise float slow = slowTurn * slowTurn;
-  precise float both = dot3(turn, turn) + slow;
-  precise float left = dot3(tangent, turn) * (slow / max(both, kTiny));
-  turn = turn - tangent * left;
   precise float squared = dot3(turn, turn);
+  precise float keep = squared / max(squared + slow, kTiny);
+  precise float twist = turn.x * keep;
+  turn.x = twist;
+  squared = dot3(turn, turn);
   if (squared > kGuessLimit * kGuessLimit) {
     precise float factor = kGuessLimit * inverseRoot(squared);
     turn = turn * factor;
   }
-  return turnedBy(turn, frame);
+  precise float3 halfTurn = turn * 0.5;
+  return float3(shortened(halfTurn.x), shortened(halfTurn.y), shortened(halfTurn.z));
+}
+
+// The frame turned in its own axes.
+float4 guessFrame(float4 frame, float3 halfTurn) {
+  return normalizeTurned(multiplyQuaternions(frame, float4(halfTurn, 1.0)));
+}
+
+// A joint's rotation at rest, which has no component about the edge before it: y, z and w of a
+// quaternion with w >= 0, from y / (1 + w) and z / (1 + w).
+float3 restRotation(float2 stored) {
+  precise float factor = 2.0 / (1.0 + (stored.x * stored.x + stored.y * stored.y));
+  precise float2 yz = stored * factor;
+  precise float w = factor - 1.0;
+  return float3(yz, w);
+}
+
+// a conj(rest).
+float4 withoutRest(float4 a, float3 rest) {
+  precise float4 r = float4(a.x * rest.z - a.y * rest.y + a.z * rest.x,
+                            a.y * rest.z - a.w * rest.x + a.x * rest.y,
+                            a.z * rest.z - a.w * rest.y - a.x * rest.x,
+                            a.w * rest.z + a.y * rest.x + a.z * rest.y);
+  return r;
 }
 
 #endif

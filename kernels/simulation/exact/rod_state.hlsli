@@ -6,28 +6,42 @@
 #include "rod_math.hlsli"
 
 static const uint kTileStrands = 32;
-static const uint kPositionSets = 0;
-static const uint kVelocitySets = 3;
-static const uint kFrameSets = 6;
+static const uint kWaySets = 0;
+static const uint kFrameSets = 4;
+static const uint kStateSets = 8;
 
 // Element of a vertex in a set of g_state, g_rest or g_gains.
 uint stateIndex(uint set, uint vertex, ExactStrand strand) {
   return set * g_stateStride + strand.state + vertex * kTileStrands;
 }
 
-// The three states of g_state.
+// Elements of a strand in a state.
+static const uint kGuessedWay = 0;
+static const uint kFirstPosition = 1;
+static const uint kTipPosition = 2;
+static const uint kRootVelocity = 3;
+static const uint kCarryRotation = 4;
+static const uint kStrandElements = 5;
+
+uint strandIndex(uint element, uint slot, uint strand) {
+  return kStateSets * g_stateStride + (slot * kStrandElements + element) * g_strandCount + strand;
+}
+
+// The four states of g_state.
 struct Slots {
   uint now;
   uint before;
+  uint earlier;
   uint next;
 };
 
-// \param offset of a tile that slept, 0..2
+// \param offset of a tile that slept, 0..3
 Slots stateSlots(uint offset) {
   Slots slots;
-  slots.now = (g_slot + offset) % 3;
-  slots.next = slots.now == 2 ? 0 : slots.now + 1;
-  slots.before = slots.now == 0 ? 2 : slots.now - 1;
+  slots.now = (g_slot + offset) & 3u;
+  slots.next = (slots.now + 1) & 3u;
+  slots.earlier = (slots.now + 2) & 3u;
+  slots.before = (slots.now + 3) & 3u;
   return slots;
 }
 
@@ -49,18 +63,59 @@ float3 movePoint(RigidMotion motion, float3 p) {
   return r;
 }
 
+// The matrix of a rotation, by rows, times a factor.
+struct Turning {
+  float3 x;
+  float3 y;
+  float3 z;
+};
+
+Turning turningOf(float4 q, float factor) {
+  float3 ex = rotate(q, float3(1.0, 0.0, 0.0));
+  float3 ey = rotate(q, float3(0.0, 1.0, 0.0));
+  float3 ez = rotate(q, float3(0.0, 0.0, 1.0));
+  precise float3 x = float3(ex.x, ey.x, ez.x) * factor;
+  precise float3 y = float3(ex.y, ey.y, ez.y) * factor;
+  precise float3 z = float3(ex.z, ey.z, ez.z) * factor;
+  Turning turning;
+  turning.x = x;
+  turning.y = y;
+  turning.z = z;
+  return turning;
+}
+
+float3 turnWay(Turning turning, float3 way) {
+  precise float3 r = float3(dot3(turning.x, way), dot3(turning.y, way), dot3(turning.z, way));
+  return r;
+}
+
 // What a sub-step does to the states that it starts from. Without velocity shock propagation that
-// is nothing, and no code. What is stored stays as it is, and differences are taken before they are
-// turned.
+// is nothing, and no code. What is stored stays as it is.
 struct Carry {
 #if VELOCITY_SHOCK_PROPAGATION
-  RigidMotion now;     // by this sub-step
-  RigidMotion before;  // by the last one, of what is the state before now
-  float4 both;         // rotation of both
+  RigidMotion now;       // by this sub-step
+  float4 before;         // rotation by the last one
+  Turning way;           // of the ways of the last three steps, with their shares
+  Turning wayBefore;
+  Turning wayEarlier;
 #else
   uint unused;
 #endif
 };
+
+#if VELOCITY_SHOCK_PROPAGATION
+Carry carryOf(RigidMotion now, float4 before, float4 earlier) {
+  float4 both = normalizeProduct(multiplyQuaternions(now.rotation, before));
+  float4 all = normalizeProduct(multiplyQuaternions(both, earlier));
+  Carry carry;
+  carry.now = now;
+  carry.before = before;
+  carry.way = turningOf(now.rotation, g_wayShare);
+  carry.wayBefore = turningOf(both, g_wayShareBefore);
+  carry.wayEarlier = turningOf(all, g_wayShareEarlier);
+  return carry;
+}
+#endif
 
 float3 carryPoint(Carry carry, float3 p) {
 #if VELOCITY_SHOCK_PROPAGATION
@@ -69,37 +124,35 @@ float3 carryPoint(Carry carry, float3 p) {
   return p;
 #endif
 }
-// x_-1 - x.
-float3 carriedWayBack(Carry carry, float3 now, float3 before) {
+float3 carryWay(Carry carry, float3 way) {
 #if VELOCITY_SHOCK_PROPAGATION
-  precise float3 way = movePoint(carry.before, before) - now;
   return rotate(carry.now.rotation, way);
 #else
-  precise float3 way = before - now;
   return way;
 #endif
 }
-// v + share (v_-1 - v).
-float3 carriedVelocity(Carry carry, float3 now, float3 before, float share) {
+// Where the last three ways lead.
+float3 carriedWays(Carry carry, float3 way, float3 before, float3 earlier) {
 #if VELOCITY_SHOCK_PROPAGATION
-  float3 carried = rotate(carry.before.rotation, before);
-  precise float3 mixed = now + (carried - now) * share;
-  return rotate(carry.now.rotation, mixed);
+  precise float3 r = turnWay(carry.way, way) + turnWay(carry.wayBefore, before) +
+                     turnWay(carry.wayEarlier, earlier);
 #else
-  precise float3 mixed = now + (before - now) * share;
-  return mixed;
+  precise float3 r =
+      way * g_wayShare + before * g_wayShareBefore + earlier * g_wayShareEarlier;
 #endif
+  return r;
 }
 float4 carryFrame(Carry carry, float4 q) {
 #if VELOCITY_SHOCK_PROPAGATION
-  return normalizeProduct(multiplyQuaternions(carry.now.rotation, q));
+  return polishProduct(multiplyQuaternions(carry.now.rotation, q));
 #else
   return q;
 #endif
 }
+// A frame of the state before now, as the last sub-step started from it.
 float4 carryFrameBefore(Carry carry, float4 q) {
 #if VELOCITY_SHOCK_PROPAGATION
-  return normalizeProduct(multiplyQuaternions(carry.both, q));
+  return polishProduct(multiplyQuaternions(carry.before, q));
 #else
   return q;
 #endif
@@ -153,12 +206,15 @@ RootPath rootPath(uint root) {
 }
 
 RodRoot rootAt(RootPath path, float share) {
-  if (share >= 1.0) return path.to;
-  if (share <= 0.0) return path.from;
-  RodRoot root;
-  root.rotation = interpolateQuaternions(path.from.rotation, path.to.rotation, share);
+  float4 rotation = interpolateQuaternions(path.from.rotation, path.to.rotation, share);
   precise float3 position = path.from.position + (path.to.position - path.from.position) * share;
-  root.position = position;
+  // Selected, not branched on: some drivers compile a kernel anew for every value of a constant that
+  // a branch depends on.
+  bool ended = share >= 1.0;
+  bool begun = share > 0.0;
+  RodRoot root;
+  root.rotation = ended ? path.to.rotation : (begun ? rotation : path.from.rotation);
+  root.position = ended ? path.to.position : (begun ? position : path.from.position);
   return root;
 }
 

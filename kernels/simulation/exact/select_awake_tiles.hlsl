@@ -27,21 +27,21 @@ static const uint kWakeAllFlag = 16;
 groupshared uint s_awake;
 
 // How far a rigid motion of the root would take the strand's tip [m], at most about.
-float rootMotion(ExactStrand strand, Slots slots) {
+float rootMotion(ExactStrand strand, Slots slots, uint index) {
   RodRoot root = rootPath(strand.root).to;
   float4 rest = g_rest[stateIndex(0, 0, strand)];
   float4 frame = normalizeProduct(multiplyQuaternions(root.rotation, rest));
-  float4 x1 = g_state[stateIndex(kPositionSets + slots.now, 1, strand)];
-  float4 x0 = g_state[stateIndex(kPositionSets + slots.now, 0, strand)];
+  float3 x1 = g_state[strandIndex(kFirstPosition, slots.now, index)].xyz;
+  float edgeLength = g_rest[stateIndex(0, strand.count - 1, strand)].x;
   float4 old = g_state[stateIndex(kFrameSets + slots.now, 0, strand)];
-  precise float3 way = root.position + axisX(frame) * x0.w - x1.xyz;
+  precise float3 way = root.position + axisX(frame) * edgeLength - x1;
   // 2 sin(angle / 2) is the chord between the two quaternions, or between one and the other's
   // negative, which is the same rotation.
   precise float along = dot4(frame, old);
   precise float4 near = old * (along < 0.0 ? -1.0 : 1.0);
   precise float4 turn = frame - near;
   precise float r =
-      squareRoot(dot3(way, way)) + 2.0 * squareRoot(dot4(turn, turn)) * strand.length;
+      squareRoot(dot3(way, way)) + 2.0 * squareRoot(dot4(turn, turn)) * strand.strandLength;
   return r;
 }
 
@@ -56,7 +56,7 @@ bool isStirred(ExactStrand strand) {
     precise float moved = dot3(headWay, headWay) + dot3(tailWay, tailWay);
     if (moved <= 0.0) continue;
     // Of the sphere that moves with the larger end, generously.
-    precise float reach = strand.length + squareRoot(moved) + g_wakeDistance;
+    precise float reach = strand.strandLength + squareRoot(moved) + g_wakeDistance;
     if (findContact(shape, root, 0.0, 1.0).penetration > -reach) return true;
   }
   return false;
@@ -68,7 +68,8 @@ void select_awake_tiles(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
   uint tiles = (g_strandCount + kTileStrands - 1) / kTileStrands;
   uint tile = group.y * kTilesARow + group.x;
   uint index = tile * kTileStrands + lane;
-  bool inside = tile < tiles && index < g_strandCount;
+  uint simulated = min(g_strandCount, g_simulatedCount);
+  bool inside = tile < tiles && index < simulated;
   if (lane == 0) s_awake = 0u;
   GroupMemoryBarrierWithGroupSync();
 
@@ -84,7 +85,7 @@ void select_awake_tiles(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
                    strand.state < g_stateStride - reach && strand.root < g_rootCount;
       if (valid) {
         Slots slots = stateSlots(g_sleep[kSleepHead + tiles + tile]);
-        awake = rootMotion(strand, slots) > g_wakeDistance;
+        awake = rootMotion(strand, slots, index) > g_wakeDistance;
 #if COLLIDERS
         awake = awake || isStirred(strand);
 #endif
@@ -101,10 +102,10 @@ void select_awake_tiles(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
     uint entry;
     InterlockedAdd(g_sleep[0], 1u, entry);
     if (entry < tiles) g_sleep[kSleepHead + entry] = tile;
-    InterlockedAdd(g_sleep[3], min(kTileStrands, g_strandCount - tile * kTileStrands));
+    InterlockedAdd(g_sleep[3], min(kTileStrands, simulated - tile * kTileStrands));
     InterlockedMax(g_sleep[4], g_followGroups);
   } else {
     uint offset = g_sleep[kSleepHead + tiles + tile];
-    g_sleep[kSleepHead + tiles + tile] = (offset + g_slotsBack) % 3;
+    g_sleep[kSleepHead + tiles + tile] = (offset + g_slotsBack) % 4;
   }
 }

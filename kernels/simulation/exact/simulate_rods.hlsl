@@ -3,29 +3,35 @@
 //
 // Threads: one a strand in the order of g_strands; dispatch min(count, 2^20) x ceil(count / 2^20).
 //          No barriers and no shared memory; a strand of any count from 2 to 256 is a loop.
-// Reads:   g_strands, g_rootFrames, g_rest, g_state (now and before), g_exactColliders, g_forces,
+// Reads:   g_strands, g_rootFrames, g_rest, g_state (now, before, earlier), g_exactColliders,
+//          g_forces, g_sleep
+// Writes:  g_state (next; at a reset those that it reads), g_gains, g_positions, g_tangents,
 //          g_sleep
-// Writes:  g_state (next; at a reset now and before), g_gains, g_positions, g_tangents, g_sleep
 //
 // In this order (numbers of the step in layouts/exact.hlsli):
 //   1. Vertices 0, 1 and edge 0 go where the root is at the sub-step's end. A new origin of the
 //      object moves the state first.
-//   2. VELOCITY_SHOCK_PROPAGATION: positions, velocities and frames, of now and before, are carried
-//      along by a share of the root's rigid motion.
-//   3. Every vertex's target y = xb + vb velocityShare + drift, BDF2 or backward Euler of a free
-//      vertex with air drag; GLOBAL_SHAPE: drawn to its goal. Every edge's guess: it turns on.
+//   2. VELOCITY_SHOCK_PROPAGATION: ways and frames are carried along by a share of the root's rigid
+//      motion.
+//   3. Every vertex's target, where the last three ways and the drift lead: BDF2 or backward Euler
+//      of a free vertex with air drag; GLOBAL_SHAPE: drawn to its goal. Every edge's guess: it
+//      turns on.
 //   4. Tip to root, the elimination (rod_elimination.hlsli), with COLLIDERS' contacts and friction.
 //   5. Root to tip, the roll-out: rotations of the edges, positions by summing the edges, out of
-//      the colliders; velocities v = (x - xb) / he; positions and tangents for drawing.
+//      the colliders; the ways of this step; positions and tangents for drawing.
 //   6. 4 and 5 once more, about the result, where an edge turned by more than g_passTolerance.
 //      Without it strands that whip about gain energy.
 // DAMPING: Kelvin-Voigt damping of the bending and the twist.
 // FORCES: accelerations and drags of a buffer, in step 3.
 // With the sleep flag the threads are those of the tiles that select_awake_tiles has found awake.
 //
-// Rounding: positions enter the solve as ways over the step, summed along the strand from the
-// differences of tangents. A difference of positions that were summed in two ways is off by 1e-7 m,
-// which the weights of 1e4/s2 make into a steady force.
+// Speed: a strand is one thread, so what counts is first the way of a vertex through its loops, and
+// with many strands the bytes: 7 vectors are read and 6 written to the root, 7 read and 4 written
+// to the tip. Loads are one turn ahead. Square roots of numbers near 1 are short polynomials.
+//
+// Rounding: ways are summed along the strand from the differences of tangents. A difference of
+// positions that were summed in two ways is off by 1e-7 m, which the weights of 1e4/s2 make into a
+// steady force.
 //
 // Invariant (tests/kernel): edges have their rest lengths to rounding; the rest pose without
 // gravity is a fixed point to rounding; nothing finite gives a NaN; a NaN in what moves of the
@@ -44,16 +50,16 @@ static const uint kResetFlag = 1;
 static const uint kLastFlag = 2;
 static const uint kRebaseFlag = 4;
 static const uint kSleepFlag = 8;
+static const uint kChangedFlag = 32;
 // Words of g_sleep before the list of tiles.
 static const uint kSleepHead = 8;
 
 // What a vertex has in memory.
 struct StoredVertex {
-  float4 now;             // x, w = length of the edge behind
-  float4 before;          // x_-1
-  float4 velocity;        // v, w = region
-  float4 velocityBefore;  // v_-1
-  float4 rest;            // rotation of the joint at rest
+  float4 way;
+  float4 wayBefore;
+  float4 wayEarlier;
+  float4 rest;
 #if GLOBAL_SHAPE
   float4 goal;
 #endif
@@ -65,10 +71,9 @@ struct StoredVertex {
 
 StoredVertex loadVertex(uint vertex, ExactStrand strand, Slots slots) {
   StoredVertex stored;
-  stored.now = g_state[stateIndex(kPositionSets + slots.now, vertex, strand)];
-  stored.before = g_state[stateIndex(kPositionSets + slots.before, vertex, strand)];
-  stored.velocity = g_state[stateIndex(kVelocitySets + slots.now, vertex, strand)];
-  stored.velocityBefore = g_state[stateIndex(kVelocitySets + slots.before, vertex, strand)];
+  stored.way = g_state[stateIndex(kWaySets + slots.now, vertex, strand)];
+  stored.wayBefore = g_state[stateIndex(kWaySets + slots.before, vertex, strand)];
+  stored.wayEarlier = g_state[stateIndex(kWaySets + slots.earlier, vertex, strand)];
   stored.rest = g_rest[stateIndex(0, vertex, strand)];
 #if GLOBAL_SHAPE
   stored.goal = g_rest[stateIndex(1, vertex, strand)];
@@ -100,8 +105,9 @@ StoredEdge loadEdge(uint edge, ExactStrand strand, Slots slots, uint pass) {
 RodEdge freeEdge(StoredEdge stored, Carry carry, float edgeLength, uint pass) {
   RodEdge edge;
   edge.frame = carryFrame(carry, stored.now);
-  float4 before = carryFrameBefore(carry, stored.before);
-  edge.guess = guessFrame(edge.frame, before, g_turnRatio, g_slowTurn);
+  edge.halfTurn = halfTurnOn(stored.now, carryFrameBefore(carry, stored.before), g_turnRatio,
+                             g_slowTurn);
+  edge.guess = guessFrame(edge.frame, edge.halfTurn);
   edge.iterate = edge.guess;
   if (pass > 0) edge.iterate = stored.next;
   edge.edgeLength = edgeLength;
@@ -112,16 +118,11 @@ RodEdge freeEdge(StoredEdge stored, Carry carry, float edgeLength, uint pass) {
 RodEdge rootEdge(StoredEdge stored, Carry carry, float4 frame) {
   RodEdge edge;
   edge.frame = carryFrame(carry, stored.now);
+  edge.halfTurn = float3(0.0, 0.0, 0.0);
   edge.guess = frame;
   edge.iterate = frame;
   edge.edgeLength = 0.0;
   return edge;
-}
-
-// Way of an edge's end against its begin, in the iterate.
-float3 edgeWay(RodEdge edge) {
-  precise float3 r = (axisX(edge.iterate) - axisX(edge.frame)) * edge.edgeLength;
-  return r;
 }
 
 // What an acceleration a and a drag k add to the equation of a free vertex.
@@ -164,12 +165,12 @@ float3 strandDrift(ExactStrand strand) {
   return drift;
 }
 
-RodVertex freeVertex(StoredVertex stored, Carry carry, RodRoot root, float3 drift) {
-  float3 now = carryPoint(carry, stored.now.xyz);
-  precise float3 xb = carriedWayBack(carry, stored.now.xyz, stored.before.xyz) * g_historyShare;
-  float3 vb =
-      carriedVelocity(carry, stored.velocity.xyz, stored.velocityBefore.xyz, g_historyShare);
-  precise float3 target = xb + vb * g_velocityShare + drift;
+// \param x position in the iterate, which is `way` from where the step began
+RodVertex freeVertex(StoredVertex stored, Carry carry, RodRoot root, float3 drift, float3 x,
+                     float3 way) {
+  precise float3 ways =
+      carriedWays(carry, stored.way.xyz, stored.wayBefore.xyz, stored.wayEarlier.xyz);
+  precise float3 target = ways + drift;
   precise float weight = g_weight;
 #if FORCES
   bool forced = true;
@@ -180,8 +181,9 @@ RodVertex freeVertex(StoredVertex stored, Carry carry, RodRoot root, float3 drif
     ExtraForce extra = extraForce(stored);
     precise float heavier = weight + extra.drag * g_inverseStep;
     precise float share = weight / heavier;
-    precise float3 pushed =
-        xb + (vb * g_velocityShare + drift) * share + extra.acceleration / heavier;
+    // xb - x of BDF2, on which no drag acts.
+    precise float3 back = carryWay(carry, stored.way.xyz) * -g_historyShare;
+    precise float3 pushed = back + (target - back) * share + extra.acceleration / heavier;
     target = pushed;
     weight = heavier;
   }
@@ -195,66 +197,60 @@ RodVertex freeVertex(StoredVertex stored, Carry carry, RodRoot root, float3 drif
   }
   if (spring > 0.0) {
     precise float3 goal = root.position + rotate(root.rotation, stored.goal.xyz);
+    precise float3 goalWay = goal - x + way;
     weight = weight + spring;
-    target = target + (goal - now - target) * (spring / weight);
+    target = target + (goalWay - target) * (spring / weight);
   }
 #endif
   RodVertex vertex;
-  vertex.position = now;
   vertex.target = target;
-  vertex.region = stored.velocity.w;
-  precise float am = stored.velocity.w * weight;
+  vertex.region = stored.rest.w;
+  precise float am = stored.rest.w * weight;
   vertex.weight = am;
   return vertex;
 }
 
-// Writes the rest shape at the root's pose, at rest, into the states now and before.
-void resetStrand(ExactStrand strand, Slots slots, RodRoot root) {
+// Writes the rest shape at the root's pose, at rest, into the states that the step starts from.
+void resetStrand(ExactStrand strand, Slots slots, RodRoot root, uint index) {
+  uint tip = strand.count - 1;
   float4 rootRest = g_rest[stateIndex(0, 0, strand)];
   float4 frame = normalizeProduct(multiplyQuaternions(root.rotation, rootRest));
-  precise float3 x = root.position;
+  float edgeLength = g_rest[stateIndex(0, tip, strand)].x;
+  precise float3 x = root.position + axisX(frame) * edgeLength;
+  float4 zero = float4(0.0, 0.0, 0.0, 0.0);
+  float4 identity = float4(0.0, 0.0, 0.0, 1.0);
+  g_state[strandIndex(kFirstPosition, slots.now, index)] = float4(x, 0.0);
   for (uint i = 0; i < strand.count; ++i) {
-    uint now = stateIndex(kPositionSets + slots.now, i, strand);
-    uint before = stateIndex(kPositionSets + slots.before, i, strand);
-    float edgeLength = g_state[now].w;
-    float region = g_state[stateIndex(kVelocitySets + slots.now, i, strand)].w;
-    if (i + 1 == strand.count) {
-      frame = float4(0.0, 0.0, 0.0, 1.0);
+    if (i == tip) {
+      frame = identity;
     } else if (i > 0) {
-      float4 rest = g_rest[stateIndex(0, i, strand)];
-      frame = normalizeProduct(multiplyQuaternions(frame, rest));
+      float4 stored = g_rest[stateIndex(0, i, strand)];
+      float3 rest = restRotation(stored.xy);
+      frame = normalizeProduct(
+          multiplyQuaternions(frame, float4(0.0, rest.x, rest.y, rest.z)));
+      x = x + axisX(frame) * stored.z;
     }
-    g_state[now] = float4(x, edgeLength);
-    g_state[before] = float4(x, edgeLength);
-    g_state[stateIndex(kVelocitySets + slots.now, i, strand)] = float4(0.0, 0.0, 0.0, region);
-    g_state[stateIndex(kVelocitySets + slots.before, i, strand)] = float4(0.0, 0.0, 0.0, region);
+    g_state[stateIndex(kWaySets + slots.now, i, strand)] = zero;
+    g_state[stateIndex(kWaySets + slots.before, i, strand)] = zero;
+    g_state[stateIndex(kWaySets + slots.earlier, i, strand)] = zero;
     g_state[stateIndex(kFrameSets + slots.now, i, strand)] = frame;
     g_state[stateIndex(kFrameSets + slots.before, i, strand)] = frame;
-    x = x + axisX(frame) * edgeLength;
   }
+  g_state[strandIndex(kGuessedWay, slots.now, index)] = zero;
+  g_state[strandIndex(kTipPosition, slots.now, index)] = float4(x, 0.0);
+  g_state[strandIndex(kRootVelocity, slots.now, index)] = zero;
+  g_state[strandIndex(kCarryRotation, slots.now, index)] = identity;
+  g_state[strandIndex(kCarryRotation, slots.before, index)] = identity;
 }
 
-// Moves the states now and before to the new origin, and the motion that led from one to the other.
-void rebaseStrand(ExactStrand strand, Slots slots) {
-  float3 shift = g_rebase.xyz;
-  for (uint i = 1; i < strand.count; ++i) {
-    uint now = stateIndex(kPositionSets + slots.now, i, strand);
-    uint before = stateIndex(kPositionSets + slots.before, i, strand);
-    float4 x = g_state[now];
-    float4 xBefore = g_state[before];
-    precise float3 moved = x.xyz + shift;
-    precise float3 movedBefore = xBefore.xyz + shift;
-    g_state[now] = float4(moved, x.w);
-    g_state[before] = float4(movedBefore, xBefore.w);
-  }
-#if VELOCITY_SHOCK_PROPAGATION
-  // p -> R p + s about another origin: s + d - R d.
-  uint spare = stateIndex(kVelocitySets + slots.now, 1, strand);
-  float4 rotation = g_state[stateIndex(kFrameSets + slots.now, strand.count - 1, strand)];
-  float4 motion = g_state[spare];
-  precise float3 moved = motion.xyz + (shift - rotate(rotation, shift));
-  g_state[spare] = float4(moved, motion.w);
-#endif
+// Moves the state now to the new origin.
+void rebaseStrand(Slots slots, uint index) {
+  uint first = strandIndex(kFirstPosition, slots.now, index);
+  uint tip = strandIndex(kTipPosition, slots.now, index);
+  precise float3 movedFirst = g_state[first].xyz + g_rebase.xyz;
+  precise float3 movedTip = g_state[tip].xyz + g_rebase.xyz;
+  g_state[first] = float4(movedFirst, 0.0);
+  g_state[tip] = float4(movedTip, 0.0);
 }
 
 // Position and tangent for drawing. A vertex's tangent is the direction from the vertex before to
@@ -286,36 +282,43 @@ float4 limitedTurn(float3 u) {
   return float4(turn, squared);
 }
 
-// Tip to root. \param tipWay way of the last vertex in the iterate
+// Tip to root.
+// \param tipWay way of the last vertex in the iterate
+// \param tipX   its position
 void eliminate(ExactStrand strand, Slots slots, Carry carry, RodRoot root, float4 rootFrame,
-               float3 drift, uint pass, float3 tipWay) {
+               float3 drift, uint pass, float3 tipWay, float3 tipX) {
   uint last = strand.count - 2;  // edge
   StoredVertex storedEnd = loadVertex(last + 1, strand, slots);
   StoredVertex stored = loadVertex(last, strand, slots);
   StoredEdge storedEdge = loadEdge(last, strand, slots, pass);
   StoredEdge storedParent = loadEdge(last - 1, strand, slots, pass);
   precise float3 way = tipWay;
-  RodVertex vertex = freeVertex(storedEnd, carry, root, drift);
-  Value value = addVertex(emptyValue(), vertex, way);
-  RodEdge edge = freeEdge(storedEdge, carry, stored.now.w, pass);
+  precise float3 x = tipX;
+  RodVertex vertex = freeVertex(storedEnd, carry, root, drift, x, way);
+  Value value = addVertex(emptyValue(), vertex, way, x);
+  RodEdge edge = freeEdge(storedEdge, carry, stored.rest.z, pass);
   [loop] for (uint i = last; i >= 1; --i) {
     // Loads of the next turn, before this turn's arithmetic.
     StoredVertex storedNext = loadVertex(i - 1, strand, slots);
     StoredEdge storedGrandparent = loadEdge(i > 1 ? i - 2 : 0, strand, slots, pass);
 
     RodEdge parent = rootEdge(storedParent, carry, rootFrame);
-    if (i > 1) parent = freeEdge(storedParent, carry, storedNext.now.w, pass);
+    if (i > 1) parent = freeEdge(storedParent, carry, storedNext.rest.z, pass);
     float3 turned = float3(0.0, 0.0, 0.0);
     if (pass > 0) turned = turnBetween(edge.iterate, edge.guess);
-    // Stiffness is over the region: a stiffer joint is one of a smaller region.
-    precise float region = stored.velocity.w / max(stored.factors.x, 1e-6);
-    way = way - edgeWay(edge);
-    Bending bending = bendingOf(edge, parent, stored.rest, region);
-    Elimination step = eliminateEdge(value, edge, bending, region, vertex.weight, turned);
+    float3 tangent = axisX(edge.iterate);
+    way = way - (tangent - axisX(edge.frame)) * edge.edgeLength;
+    x = x - tangent * edge.edgeLength;
+    // Stiffness is over the region.
+    precise float inverseRegion = max(stored.factors.x, 1e-6) / stored.rest.w;
+    Bending bending = bendingOf(edge, parent, restRotation(stored.rest.xy), inverseRegion);
+    precise float twistStiffness = g_twistStiffness * inverseRegion;
+    Elimination step =
+        eliminateEdge(value, edge, bending, twistStiffness, vertex.weight, turned);
     storeGain(i, strand, step.gain);
     value = step.value;
-    vertex = freeVertex(stored, carry, root, drift);
-    if (i > 1) value = addVertex(value, vertex, way);
+    vertex = freeVertex(stored, carry, root, drift, x, way);
+    if (i > 1) value = addVertex(value, vertex, way, x);
 
     stored = storedNext;
     storedParent = storedGrandparent;
@@ -324,105 +327,100 @@ void eliminate(ExactStrand strand, Slots slots, Carry carry, RodRoot root, float
 }
 
 struct RollOut {
-  float largest;       // square of the largest rotation [rad^2]
-  float fastest;       // square of the highest speed [m2/s2]
-  float3 way;          // of the tip against vertex 1, in the new iterate
-  float3 guessedWay;   // the same in the next step's guess, against the new positions
+  float largest;      // square of the largest rotation [rad^2]
+  float farthest;     // square of the longest way [m2]
+  float3 way;         // of the tip against vertex 1, in the new iterate
+  float3 guessedWay;  // the same in the next step's guess, against the new positions
+  float3 tip;         // new position
 };
 
+struct StoredFrame {
+  float4 now;
+  float4 next;  // after the first pass
+};
+
+StoredFrame loadFrame(uint edge, ExactStrand strand, Slots slots, uint pass) {
+  StoredFrame stored;
+  stored.now = g_state[stateIndex(kFrameSets + slots.now, edge, strand)];
+  stored.next = stored.now;
+  if (pass > 0) stored.next = g_state[stateIndex(kFrameSets + slots.next, edge, strand)];
+  return stored;
+}
+
 // Root to tip.
-RollOut rollOut(ExactStrand strand, Slots slots, Carry carry, float3 x0, float3 x1,
-                float4 rootFrame, uint pass) {
-  uint count = strand.count;
+// \param edge0   vector of edge 0
+// \param rootWay way of vertex 1
+RollOut rollOut(ExactStrand strand, Slots slots, Carry carry, float3 x0, float3 edge0,
+                float4 rootFrame, float3 rootWay, uint pass) {
+  uint last = strand.count - 2;  // edge
   RollOut result;
   result.largest = 0.0;
-  result.fastest = 0.0;
+  result.farthest = 0.0;
   precise float3 way = float3(0.0, 0.0, 0.0);
   precise float3 guessedWay = float3(0.0, 0.0, 0.0);
-  precise float3 x = x1;
+  precise float3 x = x0 + edge0;
   precise float3 dx = float3(0.0, 0.0, 0.0);
   precise float3 u = float3(0.0, 0.0, 0.0);
-  float4 firstX = g_state[stateIndex(kPositionSets + slots.now, 0, strand)];
   float4 frameBefore = rootFrame;
-  float3 edgeBefore = axisX(rootFrame);
-  precise float3 edgeVector = edgeBefore * firstX.w;
-  writeOutput(0, strand, x0, edgeVector, edgeBefore);
+  precise float3 tangent = axisX(rootFrame);
+  precise float3 edgeBefore = edge0;
+  writeOutput(0, strand, x0, edge0, tangent);
 
-  float4 now = g_state[stateIndex(kPositionSets + slots.now, 1, strand)];
-  float4 before = g_state[stateIndex(kPositionSets + slots.before, 1, strand)];
-  float region = g_state[stateIndex(kVelocitySets + slots.now, 1, strand)].w;
-  StoredEdge storedEdge = loadEdge(1, strand, slots, pass);
+  StoredFrame stored = loadFrame(1, strand, slots, pass);
   PackedGain packed = loadGain(1, strand);
-  [loop] for (uint i = 1; i < count; ++i) {
+  [loop] for (uint i = 1; i <= last; ++i) {
     // Loads of the next turn, before this turn's arithmetic.
-    uint after = min(i + 1, count - 1);
-    uint edgeAfter = min(i + 1, count - 2);
-    float4 nowNext = g_state[stateIndex(kPositionSets + slots.now, after, strand)];
-    float4 beforeNext = g_state[stateIndex(kPositionSets + slots.before, after, strand)];
-    float regionNext = g_state[stateIndex(kVelocitySets + slots.now, after, strand)].w;
-    StoredEdge storedNext = loadEdge(edgeAfter, strand, slots, pass);
-    PackedGain packedNext = loadGain(edgeAfter, strand);
+    uint after = min(i + 1, last);
+    StoredFrame storedNext = loadFrame(after, strand, slots, pass);
+    PackedGain packedNext = loadGain(after, strand);
 
-    g_state[stateIndex(kPositionSets + slots.next, i, strand)] = float4(x, now.w);
-    if (i > 1) {
-      float3 old = carryPoint(carry, now.xyz);
-      precise float3 back = old + carriedWayBack(carry, now.xyz, before.xyz) * g_historyShare;
-      precise float3 v = (x - back) * g_inverseStep;
-      result.fastest = max(result.fastest, dot3(v, v));
-      g_state[stateIndex(kVelocitySets + slots.next, i, strand)] = float4(v, region);
-    }
-    precise float3 across = edgeVector;
-    precise float3 xNext = x;
-    if (i + 1 < count) {
-      RodEdge edge = freeEdge(storedEdge, carry, now.w, pass);
-      Gain g = unpackGain(packed);
-      precise float3 law = g.kw0 * u.x + g.kw1 * u.y + g.kw2 * u.z - g.k - g.kx0 * dx.x -
-                           g.kx1 * dx.y - g.kx2 * dx.z;
-      float4 limited = limitedTurn(law);
-      u = limited.xyz;
-      result.largest = max(result.largest, limited.w);
-      float4 frame = turnedBy(u, edge.iterate);
+    Gain g = unpackGain(packed);
+    precise float3 law = g.kw0 * u.x + g.kw1 * u.y + g.kw2 * u.z - g.k - g.kx0 * dx.x -
+                         g.kx1 * dx.y - g.kx2 * dx.z;
+    float4 limited = limitedTurn(law);
+    u = limited.xyz;
+    result.largest = max(result.largest, limited.w);
+    float4 old = carryFrame(carry, stored.now);
+    float4 iterate = stored.next;
+    if (pass == 0) iterate = guessFrame(old, g.halfTurn);
+    float4 frame = turnedBy(u, iterate);
 #if COLLIDERS
-      frame = keepOut(x, frame, edge.edgeLength);
+    frame = keepOut(x, frame, g.edgeLength);
 #endif
-      // A state that was not a number: the edge goes on as the one before it.
-      if (!isUsable(frame)) frame = frameBefore;
-      frameBefore = frame;
-      g_state[stateIndex(kFrameSets + slots.next, i, strand)] = frame;
-      float3 tangent = axisX(frame);
-      edgeVector = tangent * edge.edgeLength;
-      across = across + edgeVector;
-      xNext = x + edgeVector;
-      dx = dx + (tangent - axisX(edge.iterate)) * edge.edgeLength;
-      way = way + (tangent - axisX(edge.frame)) * edge.edgeLength;
-      float3 goingOn = axisX(guessFrame(frame, edge.frame, 1.0, g_slowTurn));
-      guessedWay = guessedWay + (goingOn - tangent) * edge.edgeLength;
-      edgeBefore = tangent;
-    }
-    writeOutput(i, strand, x, across, edgeBefore);
-    x = xNext;
-    now = nowNext;
-    before = beforeNext;
-    region = regionNext;
-    storedEdge = storedNext;
+    // A state that was not a number: the edge goes on as the one before it.
+    if (!isUnit(frame)) frame = frameBefore;
+    frameBefore = frame;
+    g_state[stateIndex(kFrameSets + slots.next, i, strand)] = frame;
+    tangent = axisX(frame);
+    precise float3 edgeVector = tangent * g.edgeLength;
+    precise float3 across = edgeBefore + edgeVector;
+    writeOutput(i, strand, x, across, tangent);
+    edgeBefore = edgeVector;
+    x = x + edgeVector;
+    dx = dx + (tangent - axisX(iterate)) * g.edgeLength;
+    way = way + (tangent - axisX(old)) * g.edgeLength;
+    precise float3 wholeWay = rootWay + way;
+    result.farthest = max(result.farthest, dot3(wholeWay, wholeWay));
+    g_state[stateIndex(kWaySets + slots.next, i + 1, strand)] = float4(wholeWay, 0.0);
+    float4 goingOn = guessFrame(frame, halfTurnOn(frame, old, 1.0, g_slowTurn));
+    guessedWay = guessedWay + (axisX(goingOn) - tangent) * g.edgeLength;
+    stored = storedNext;
     packed = packedNext;
   }
+  writeOutput(last + 1, strand, x, edgeBefore, tangent);
   result.way = way;
   result.guessedWay = guessedWay;
+  result.tip = x;
   return result;
 }
 
 // Way of the tip against vertex 1 in the guess.
 float3 guessedTipWay(ExactStrand strand, Slots slots, Carry carry) {
   precise float3 way = float3(0.0, 0.0, 0.0);
-  StoredEdge stored = loadEdge(1, strand, slots, 0);
-  float edgeLength = g_state[stateIndex(kPositionSets + slots.now, 1, strand)].w;
   [loop] for (uint i = 1; i + 1 < strand.count; ++i) {
-    StoredEdge storedNext = loadEdge(i + 1, strand, slots, 0);
-    float lengthNext = g_state[stateIndex(kPositionSets + slots.now, i + 1, strand)].w;
-    way = way + edgeWay(freeEdge(stored, carry, edgeLength, 0));
-    stored = storedNext;
-    edgeLength = lengthNext;
+    StoredEdge stored = loadEdge(i, strand, slots, 0);
+    RodEdge edge = freeEdge(stored, carry, g_rest[stateIndex(0, i, strand)].z, 0);
+    way = way + (axisX(edge.iterate) - axisX(edge.frame)) * edge.edgeLength;
   }
   return way;
 }
@@ -437,7 +435,7 @@ void simulate_rods(uint3 thread : SV_DispatchThreadID) {
     if (entry >= tiles) return;
     index = g_sleep[kSleepHead + entry] * kTileStrands + index % kTileStrands;
   }
-  if (index >= g_strandCount) return;
+  if (index >= min(g_strandCount, g_simulatedCount)) return;
   ExactStrand strand = g_strands[index];
   if (strand.count < kMinCount || strand.count > kMaxCount) return;
   uint reach = (strand.count - 1) * kTileStrands;
@@ -451,33 +449,25 @@ void simulate_rods(uint3 thread : SV_DispatchThreadID) {
   RodRoot begin = rootAt(path, g_rootBegin);
   RodRoot root = rootAt(path, g_rootEnd);
   bool reset = (g_flags & kResetFlag) != 0u;
-  if (reset) resetStrand(strand, slots, root);
-  if ((g_flags & kRebaseFlag) != 0u && !reset) rebaseStrand(strand, slots);
+  if (reset) resetStrand(strand, slots, root, index);
+  if ((g_flags & kRebaseFlag) != 0u && !reset) rebaseStrand(slots, index);
 
   uint tip = strand.count - 1;
-  float4 firstX = g_state[stateIndex(kPositionSets + slots.now, 0, strand)];
-  float4 firstV = g_state[stateIndex(kVelocitySets + slots.now, 0, strand)];
+  float3 rootVelocityBefore = g_state[strandIndex(kRootVelocity, slots.now, index)].xyz;
   precise float3 rootVelocity = (path.to.position - path.from.position) / g_frameTime;
   RigidMotion carried = noMotion();
   Carry carry;
 #if VELOCITY_SHOCK_PROPAGATION
-  carry.now = carried;
-  carry.before = carried;
-  carry.both = carried.rotation;
   if (!reset) {
-    precise float3 change = rootVelocity - firstV.xyz;
+    precise float3 change = rootVelocity - rootVelocityBefore;
     precise float between = 0.5 * (g_frameTime + g_frameTimeBefore);
     precise float acceleration = squareRoot(dot3(change, change)) / between;
     precise float excess = min(max(acceleration / g_vspThreshold - 1.0, 0.0), 1.0);
     precise float share = g_vspCoefficient + (1.0 - g_vspCoefficient) * excess;
     carried = carriedMotion(begin, root, share);
-    RigidMotion last;
-    last.rotation = g_state[stateIndex(kFrameSets + slots.now, tip, strand)];
-    last.shift = g_state[stateIndex(kVelocitySets + slots.now, 1, strand)].xyz;
-    carry.now = carried;
-    carry.before = last;
-    carry.both = normalizeProduct(multiplyQuaternions(carried.rotation, last.rotation));
   }
+  carry = carryOf(carried, g_state[strandIndex(kCarryRotation, slots.now, index)],
+                  g_state[strandIndex(kCarryRotation, slots.before, index)]);
 #else
   carry.unused = 0;
 #endif
@@ -485,42 +475,39 @@ void simulate_rods(uint3 thread : SV_DispatchThreadID) {
   float4 rootRest = g_rest[stateIndex(0, 0, strand)];
   float4 rootFrame = normalizeProduct(multiplyQuaternions(root.rotation, rootRest));
   float3 x0 = root.position;
-  precise float3 edge0 = axisX(rootFrame) * firstX.w;
+  precise float3 edge0 = axisX(rootFrame) * g_rest[stateIndex(0, tip, strand)].x;
   precise float3 x1 = x0 + edge0;
 
   float3 drift = strandDrift(strand);
-  precise float3 guessedWay = float3(0.0, 0.0, 0.0);
-  float fastest = 0.0;
+  RollOut rolled;
+  rolled.largest = 0.0;
+  rolled.farthest = 0.0;
+  rolled.way = float3(0.0, 0.0, 0.0);
+  rolled.guessedWay = float3(0.0, 0.0, 0.0);
+  rolled.tip = x1;
   if (strand.count > 2) {
     float3 oldX1 =
-        carryPoint(carry, g_state[stateIndex(kPositionSets + slots.now, 1, strand)].xyz);
+        carryPoint(carry, g_state[strandIndex(kFirstPosition, slots.now, index)].xyz);
+    float3 oldTip = carryPoint(carry, g_state[strandIndex(kTipPosition, slots.now, index)].xyz);
     precise float3 rootWay = x1 - oldX1;
-    precise float3 way = firstX.xyz;
-#if VELOCITY_SHOCK_PROPAGATION
-    // The last sub-step's sum, turned, would differ from the sum of the turned edges by its
-    // rounding.
-    way = guessedTipWay(strand, slots, carry);
-#else
-    if (g_turnRatio != 1.0 || reset) way = guessedTipWay(strand, slots, carry);
-#endif
-    RollOut rolled;
+    precise float3 way =
+        carryWay(carry, g_state[strandIndex(kGuessedWay, slots.now, index)].xyz);
+    if ((g_flags & kChangedFlag) != 0u || reset) way = guessedTipWay(strand, slots, carry);
+    precise float3 tipX = oldTip + (way + rootWay);
     precise float tolerance2 = g_passTolerance * g_passTolerance;
     [loop] for (uint pass = 0; pass < 2; ++pass) {
       precise float3 tipWay = way + rootWay;
-      eliminate(strand, slots, carry, root, rootFrame, drift, pass, tipWay);
-      rolled = rollOut(strand, slots, carry, x0, x1, rootFrame, pass);
+      eliminate(strand, slots, carry, root, rootFrame, drift, pass, tipWay, tipX);
+      rolled = rollOut(strand, slots, carry, x0, edge0, rootFrame, rootWay, pass);
       way = rolled.way;
+      tipX = rolled.tip;
       if (rolled.largest <= tolerance2) break;
       if (sleeping && pass == 0) InterlockedAdd(g_sleep[7], 1u);
     }
-    guessedWay = rolled.guessedWay;
-    fastest = rolled.fastest;
   } else {
     float3 tangent = axisX(rootFrame);
     writeOutput(0, strand, x0, edge0, tangent);
     writeOutput(1, strand, x1, edge0, tangent);
-    float4 secondX = g_state[stateIndex(kPositionSets + slots.now, 1, strand)];
-    g_state[stateIndex(kPositionSets + slots.next, 1, strand)] = float4(x1, secondX.w);
   }
 
   uint tipTarget = strand.target + tip;
@@ -533,17 +520,17 @@ void simulate_rods(uint3 thread : SV_DispatchThreadID) {
     uint word = kSleepHead + 2 * tiles + index;
     precise float rested = asfloat(g_sleep[word]) + g_frameTime;
     // Not below the limit, also where it is not a number: the strand moves.
-    if (!(fastest < g_restSpeed * g_restSpeed)) rested = 0.0;
+    precise float restWay = g_restSpeed * (g_frameTime * (g_rootEnd - g_rootBegin));
+    if (!(rolled.farthest < restWay * restWay)) rested = 0.0;
     g_sleep[word] = asuint(rested);
   }
 
-  // The spare places of the new state.
   bool lastSubStep = (g_flags & kLastFlag) != 0u;
-  if (!lastSubStep) rootVelocity = firstV.xyz;
-  float region1 = g_state[stateIndex(kVelocitySets + slots.now, 1, strand)].w;
-  g_state[stateIndex(kPositionSets + slots.next, 0, strand)] = float4(guessedWay, firstX.w);
-  g_state[stateIndex(kVelocitySets + slots.next, 0, strand)] = float4(rootVelocity, firstV.w);
-  g_state[stateIndex(kVelocitySets + slots.next, 1, strand)] = float4(carried.shift, region1);
+  if (!lastSubStep) rootVelocity = rootVelocityBefore;
   g_state[stateIndex(kFrameSets + slots.next, 0, strand)] = rootFrame;
-  g_state[stateIndex(kFrameSets + slots.next, tip, strand)] = carried.rotation;
+  g_state[strandIndex(kGuessedWay, slots.next, index)] = float4(rolled.guessedWay, 0.0);
+  g_state[strandIndex(kFirstPosition, slots.next, index)] = float4(x1, 0.0);
+  g_state[strandIndex(kTipPosition, slots.next, index)] = float4(rolled.tip, 0.0);
+  g_state[strandIndex(kRootVelocity, slots.next, index)] = float4(rootVelocity, 0.0);
+  g_state[strandIndex(kCarryRotation, slots.next, index)] = carried.rotation;
 }

@@ -59,8 +59,9 @@ void Executor::run(const pelage::PassList& list) {
                  list.constants.data(), GL_STREAM_DRAW);
   }
   for (const pelage::Pass& pass : list.passes) {
-    if (pass.kind != pelage::PassKind::kDispatch) continue;
-    if (pass.barrierCount > 0) glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    if (pass.kind == pelage::PassKind::kDraw) continue;
+    if (pass.barrierCount > 0)
+      glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
     glUseProgram(program(*pass.kernel));
     for (const pelage::PassBinding& binding : list.bindingsOf(pass)) {
       const pelage::LayoutEntry& entry =
@@ -71,7 +72,12 @@ void Executor::run(const pelage::PassList& list) {
                         static_cast<GLintptr>(binding.offset),
                         static_cast<GLsizeiptr>(binding.size));
     }
-    glDispatchCompute(pass.groups[0], pass.groups[1], pass.groups[2]);
+    if (pass.kind == pelage::PassKind::kDispatchIndirect) {
+      glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, buffers_.at(static_cast<uint32_t>(pass.indirect)));
+      glDispatchComputeIndirect(static_cast<GLintptr>(pass.indirectOffset));
+    } else {
+      glDispatchCompute(pass.groups[0], pass.groups[1], pass.groups[2]);
+    }
   }
 }
 

@@ -72,13 +72,10 @@ class ExactRod {
   };
 
   ExactRod(const RestStrand& rest, const RootPose& pose) : rest_(rest) {
+    rootRest_ = Rotation(rest.relative[0]);
     for (int i = 0; i + 1 < rest.size(); ++i) {
       lengths_.push_back(static_cast<Real>(rest.lengths[i]));
-      relative_.emplace_back(rest.relative[i]);
-      // Twist axis of vertex i, in the frame of edge i - 1: half-way between the two rest
-      // tangents. The axis of edge i - 1 alone makes a curled rod first order in n only.
-      const Vector ex(1, 0, 0);
-      twistAxes_.push_back(directionOr(ex + axisX(relative_.back()), ex));
+      joints_.push_back(i > 0 ? jointOf(rest.relative[i]) : Rotation());
     }
     for (const double region : rest.regions) regions_.push_back(static_cast<Real>(region));
     reset(pose);
@@ -91,24 +88,25 @@ class ExactRod {
     rootVelocity_ = Vector3d();
     stepBefore_ = 0;
     frameBefore_ = 0;
+    coefficients_ = coefficientsBefore_ = {0, 0};
     frames_.resize(n - 1);
     positions_.resize(n);
     const Root root = rootAt(pose);
     frames_[0] = rootFrame(root);
     positions_[0] = root.position;
     for (int i = 0; i + 1 < n; ++i) {
-      if (i > 0) frames_[i] = normalized(frames_[i - 1] * relative_[i]);
+      if (i > 0) frames_[i] = normalized(frames_[i - 1] * joints_[i]);
       positions_[i + 1] = positions_[i] + axisX(frames_[i]) * lengths_[i];
     }
-    carry_ = carryBefore_ = Motion();
+    carry_ = Motion();
+    carryBefore_ = carryEarlier_ = Rotation();
+    guessedWay_ = Vector();
     framesBefore_ = frames_;
-    positionsBefore_ = positions_;
-    velocities_.assign(n, Vector());
-    velocitiesBefore_.assign(n, Vector());
+    for (auto* ways : {&ways_, &waysBefore_, &waysEarlier_}) ways->assign(n, Vector());
     gains_.resize(n);
     targets_.resize(n);
-    weights_.assign(n, Real(0));
     start_ = guess_ = iterate_ = frames_;
+    halfTurns_.assign(n, Vector());
     moved_ = positions_;
   }
 
@@ -137,7 +135,6 @@ class ExactRod {
       carry_ = carrying_ ? carriedMotion(before, now, share) : Motion();
       subStep(dt / count, now, settings);
       before = now;
-      carryBefore_ = carry_;
     }
     pose_ = pose;
     rootVelocity_ = velocity;
@@ -147,7 +144,12 @@ class ExactRod {
   int size() const { return rest_.size(); }
   const RestStrand& rest() const { return rest_; }
   const Vector& position(int i) const { return positions_[i]; }
-  const Vector& velocity(int i) const { return velocities_[i]; }
+  /// BDF2's, at the end of the last step.
+  Vector velocity(int i) const {
+    if (i < 2 || !(coefficients_.he > 0)) return Vector();
+    return (ways_[i] + rotate(carryBefore_, waysBefore_[i]) * Real(coefficients_.a2)) *
+           Real(1 / coefficients_.he);
+  }
   const Rotation& frame(int i) const { return frames_[i]; }
   const Statistics& statistics() const { return statistics_; }
   std::vector<Vector3d> positions() const { return {positions_.begin(), positions_.end()}; }
@@ -156,15 +158,15 @@ class ExactRod {
   double energy(const RodSettings& settings) const {
     double sum = 0;
     for (int i = 2; i < size(); ++i) {
-      const Vector3d x(positions_[i]), v(velocities_[i]);
+      const Vector3d x(positions_[i]), v(velocity(i));
       sum += rest_.regions[i] * (0.5 * dot(v, v) - dot(settings.gravity, x));
     }
     for (int i = 1; i + 1 < size(); ++i) {
       const Quaterniond before(frames_[i - 1]), after(frames_[i]);
       const Quaterniond r =
-          normalized((conjugate(before) * after) * conjugate(Quaterniond(relative_[i])));
+          normalized((conjugate(before) * after) * conjugate(Quaterniond(joints_[i])));
       const Vector3d angles = r.vector() * ((r.w < 0 ? -4 : 4) / (1 + std::abs(r.w)));
-      const double twist = dot(angles, Vector3d(twistAxes_[i]));
+      const double twist = dot(angles, Vector3d(twistAxis(i)));
       sum += 0.5 / rest_.regions[i] *
              (settings.material.bend * (dot(angles, angles) - twist * twist) +
               settings.material.twist * twist * twist);
@@ -192,8 +194,10 @@ class ExactRod {
   };
   /// Numbers of a sub-step.
   struct StepNumbers {
-    Real h, a2, inverseHe, baseWeight, velocityShare;  // y = xb + vb velocityShare + drift
+    Real way, wayBefore, wayEarlier;  // y = shares of the last three ways + drift
+    Real baseWeight;
     Vector drift;
+    Real turnRatio, slowTurn;
     Real goalStiffness, goalRange;
     Real bend, twist, damping;  // damping = tau / h
   };
@@ -207,7 +211,22 @@ class ExactRod {
   Root rootAt(const RootPose& pose) const {
     return {normalized(Rotation(pose.rotation)), Vector(pose.apply(rest_.positions[0]))};
   }
-  Rotation rootFrame(const Root& root) const { return normalized(root.rotation * relative_[0]); }
+  Rotation rootFrame(const Root& root) const { return normalized(root.rotation * rootRest_); }
+
+  /// A joint at rest. Frames are those of parallel transport, so that there is no rotation about
+  /// the edge before: two numbers, that of the half-way point of the stereographic projection.
+  static Rotation jointOf(const Quaterniond& q) {
+    const double scale = (q.w < 0 ? -1 : 1) / (1 + std::abs(q.w));
+    const Real y = Real(q.y * scale), z = Real(q.z * scale);
+    const Real factor = Real(2) / (Real(1) + (y * y + z * z));
+    return {Real(0), y * factor, z * factor, factor - Real(1)};
+  }
+  /// Of vertex i, in the frame of edge i - 1: half-way between the two rest tangents. The axis of
+  /// edge i - 1 alone makes a curled rod first order in n only.
+  Vector twistAxis(int i) const {
+    const Rotation& q = joints_[i];
+    return {q.w, q.z, -q.y};
+  }
 
   /// Rotation by the vector p to second order, without trigonometry: the Cayley map.
   static Rotation cayley(const Vector& p) { return Rotation(p * Real(0.5), Real(1)); }
@@ -220,20 +239,29 @@ class ExactRod {
     Vector operator()(const Vector& p) const { return rotate(rotation, p) + shift; }
   };
 
+  /// The matrix of a rotation, by rows, times a factor.
+  struct Turning {
+    Vector rows[3];
+    Turning(const Rotation& q, Real factor) {
+      const Vector x = rotate(q, Vector(1, 0, 0)), y = rotate(q, Vector(0, 1, 0)),
+                   z = rotate(q, Vector(0, 0, 1));
+      rows[0] = Vector(x.x, y.x, z.x) * factor;
+      rows[1] = Vector(x.y, y.y, z.y) * factor;
+      rows[2] = Vector(x.z, y.z, z.z) * factor;
+    }
+    Vector operator()(const Vector& v) const {
+      return {dot(rows[0], v), dot(rows[1], v), dot(rows[2], v)};
+    }
+  };
+
   // The state as the sub-step starts from it: carried along by a share of the root's rigid motion.
-  // The state before it was carried in the last sub-step already. What was stored stays as it is,
-  // and differences are taken before they are turned.
-  Vector carriedPosition(int i) const { return carrying_ ? carry_(positions_[i]) : positions_[i]; }
-  /// x_-1 - x.
-  Vector carriedWayBack(int i) const {
-    if (!carrying_) return positionsBefore_[i] - positions_[i];
-    return rotate(carry_.rotation, carryBefore_(positionsBefore_[i]) - positions_[i]);
+  // What was stored stays as it is.
+  Rotation carriedFrame(int i) const {
+    return carrying_ ? polished(carry_.rotation * frames_[i]) : frames_[i];
   }
-  /// v + a2 (v_-1 - v).
-  Vector carriedVelocity(int i, Real a2) const {
-    if (!carrying_) return velocities_[i] + (velocitiesBefore_[i] - velocities_[i]) * a2;
-    const Vector before = rotate(carryBefore_.rotation, velocitiesBefore_[i]);
-    return rotate(carry_.rotation, velocities_[i] + (before - velocities_[i]) * a2);
+  /// As the last sub-step started from it.
+  Rotation carriedFrameBefore(int i) const {
+    return carrying_ ? polished(carryBefore_ * framesBefore_[i]) : framesBefore_[i];
   }
 
   /// A share of the root's motion.
@@ -251,68 +279,109 @@ class ExactRod {
     const StepNumbers numbers = numbersOf(h, settings);
     const Rotation frame = rootFrame(root);
     const Vector& x0 = root.position;
-    const Vector x1 = x0 + axisX(frame) * lengths_[0];
-    setTargets(root, settings, numbers);
-    setGuess(frame, h);
+    const Vector edge0 = axisX(frame) * lengths_[0], x1 = x0 + edge0;
+    const Vector rootWay = x1 - (carrying_ ? carry_(positions_[1]) : positions_[1]);
+    const Vector oldTip = carrying_ ? carry_(positions_[n - 1]) : positions_[n - 1];
+    setGuess(frame, numbers);
+    // Of the tip against vertex 1.
+    Vector way = carrying_ ? rotate(carry_.rotation, guessedWay_) : guessedWay_;
+    if (numbers.turnRatio != 1) {
+      way = Vector();
+      for (int i = 1; i + 1 < n; ++i) way += (axisX(iterate_[i]) - axisX(start_[i])) * lengths_[i];
+    }
+    Vector tip = oldTip + (way + rootWay);
     ++statistics_.steps;
     for (int pass = 0; pass < settings.maxPasses && n > 2; ++pass) {
-      eliminate(x1, numbers);
+      eliminate(way + rootWay, tip, root, settings, numbers);
       ++statistics_.passes;
-      if (rollOut(x0, x1) <= Real(settings.passTolerance * settings.passTolerance)) break;
+      const Real largest = rollOut(x0, x1, way);
+      tip = moved_[n - 1];
+      if (largest <= Real(settings.passTolerance * settings.passTolerance)) break;
     }
-    if (n == 2) {
-      moved_[0] = x0;
-      moved_[1] = x1;
+    moved_[0] = x0;
+    moved_[1] = x1;
+    // The oldest ways make place for the new ones.
+    waysEarlier_.swap(waysBefore_);
+    waysBefore_.swap(ways_);
+    way = guessedWay_ = Vector();
+    for (int i = 1; i + 1 < n; ++i) {
+      const Vector tangent = axisX(iterate_[i]);
+      way += (tangent - axisX(start_[i])) * lengths_[i];
+      ways_[i + 1] = rootWay + way;
+      const Vector on = halfTurnOn(iterate_[i], start_[i], Real(1), numbers.slowTurn);
+      guessedWay_ += (axisX(guessFrame(iterate_[i], on)) - tangent) * lengths_[i];
     }
-    for (int i = 0; i < n; ++i) {
-      const Vector back = carriedPosition(i) + carriedWayBack(i) * numbers.a2;
-      velocitiesBefore_[i] = velocities_[i];
-      velocities_[i] = i < 2 ? Vector() : (moved_[i] - back) * numbers.inverseHe;
-    }
-    positionsBefore_.swap(positions_);
     positions_.swap(moved_);
     framesBefore_.swap(frames_);
     frames_ = iterate_;
+    carryEarlier_ = carryBefore_;
+    carryBefore_ = carry_.rotation;
     stepBefore_ = h;
   }
 
-  StepNumbers numbersOf(double h, const RodSettings& settings) const {
+  StepNumbers numbersOf(double h, const RodSettings& settings) {
     const bool history = stepBefore_ > 0 && !settings.backwardEuler;
     const StepCoefficients c = StepCoefficients::of(h, stepBefore_, history);
     const RodMaterial& material = settings.material;
     const double weight = 1 / (c.he * c.he) + material.airDrag / c.he;
     const double s = settings.globalStiffness;
     StepNumbers numbers;
-    numbers.h = Real(h);
-    numbers.a2 = Real(c.a2);
-    numbers.inverseHe = Real(1 / c.he);
+    // y = xb + vb / (he weight) + drift, with v = (x - xb) / he of each step.
+    const StepCoefficients &c1 = coefficients_, &c2 = coefficientsBefore_;
+    const double share = 1 / (c.he * weight);
+    const double i1 = c1.he > 0 ? 1 / c1.he : 0, i2 = c2.he > 0 ? 1 / c2.he : 0;
+    numbers.way = Real(share * (1 - c.a2) * i1 - c.a2);
+    numbers.wayBefore = Real(share * ((1 - c.a2) * c1.a2 * i1 + c.a2 * i2));
+    numbers.wayEarlier = Real(share * c.a2 * c2.a2 * i2);
+    coefficientsBefore_ = coefficients_;
+    coefficients_ = c;
     numbers.baseWeight = Real(weight);
-    numbers.velocityShare = Real(1 / (c.he * weight));
     numbers.drift = Vector((settings.gravity + settings.wind * material.airDrag) * (1 / weight));
+    numbers.turnRatio = stepBefore_ > 0 ? Real(h / stepBefore_) : Real(0);
+    numbers.slowTurn = Tuning::slowTurn(h);
     numbers.goalStiffness = Real(s * 3600 / std::max(1 - s, 1e-3));
     numbers.goalRange = Real(settings.globalRange);
     numbers.bend = Real(material.bend);
     numbers.twist = Real(material.twist);
     numbers.damping = Real(material.relaxation / h);
+    setTurnings(numbers);
     return numbers;
   }
 
-  void setTargets(const Root& root, const RodSettings& settings, const StepNumbers& numbers) {
+  /// Where the last three ways lead.
+  void setTurnings(const StepNumbers& numbers) {
+    const Rotation both = normalized(carry_.rotation * carryBefore_);
+    const Rotation all = normalized(both * carryEarlier_);
+    const Turning turnings[3] = {
+        {carry_.rotation, numbers.way}, {both, numbers.wayBefore}, {all, numbers.wayEarlier}};
     for (int i = 1; i < size(); ++i) {
-      const Vector xb = carriedWayBack(i) * numbers.a2;
-      const Vector vb = carriedVelocity(i, numbers.a2);
-      Vector offset = xb + vb * numbers.velocityShare + numbers.drift;
-      Real weight = numbers.baseWeight;
-      const Real spring = goalSpring(i, settings, numbers);
-      if (spring > 0) {
-        const Vector arm(rest_.positions[i] - rest_.positions[0]);
-        const Vector goal = root.position + rotate(root.rotation, arm);
-        weight = weight + spring;
-        offset += (goal - carriedPosition(i) - offset) * (spring / weight);
-      }
-      targets_[i] = offset;
-      weights_[i] = regions_[i] * weight;
+      targets_[i] = carrying_ ? turnings[0](ways_[i]) + turnings[1](waysBefore_[i]) +
+                                    turnings[2](waysEarlier_[i])
+                              : ways_[i] * numbers.way + waysBefore_[i] * numbers.wayBefore +
+                                    waysEarlier_[i] * numbers.wayEarlier;
+      targets_[i] += numbers.drift;
     }
+  }
+
+  /// The way of vertex i alone, and its weight.
+  struct Target {
+    Vector way;
+    Real weight;
+  };
+  /// \param x position in the iterate, which is `way` from where the step began
+  Target targetOf(int i, const Vector& x, const Vector& way, const Root& root,
+                  const RodSettings& settings, const StepNumbers& numbers) const {
+    Target target = {targets_[i], numbers.baseWeight};
+    const Real spring = goalSpring(i, settings, numbers);
+    if (spring > 0) {
+      const Vector arm(rest_.positions[i] - rest_.positions[0]);
+      const Vector goal = root.position + rotate(root.rotation, arm);
+      const Vector goalWay = goal - x + way;
+      target.weight = target.weight + spring;
+      target.way += (goalWay - target.way) * (spring / target.weight);
+    }
+    target.weight = regions_[i] * target.weight;
+    return target;
   }
 
   Real goalSpring(int i, const RodSettings& settings, const StepNumbers& numbers) const {
@@ -324,39 +393,45 @@ class ExactRod {
   }
 
   /// Turns every edge on at its last rate; slow edges without their twist.
-  void setGuess(const Rotation& root, double h) {
-    const Real ratio = stepBefore_ > 0 ? Real(h / stepBefore_) : Real(0);
-    const Real slowTurn = Tuning::slowTurn(h), slow = slowTurn * slowTurn;
-    start_ = frames_;
-    std::vector<Rotation>& before = iterate_;
-    before = framesBefore_;
-    if (carrying_) {
-      const Rotation both = normalized(carry_.rotation * carryBefore_.rotation);
-      for (Rotation& q : start_) q = normalized(carry_.rotation * q);
-      for (Rotation& q : before) q = normalized(both * q);
+  void setGuess(const Rotation& root, const StepNumbers& numbers) {
+    for (int i = 0; i + 1 < size(); ++i) {
+      start_[i] = carriedFrame(i);
+      if (i == 0) continue;
+      halfTurns_[i] =
+          halfTurnOn(frames_[i], carriedFrameBefore(i), numbers.turnRatio, numbers.slowTurn);
+      guess_[i] = guessFrame(start_[i], halfTurns_[i]);
     }
     guess_[0] = root;
-    for (int i = 1; i + 1 < size(); ++i) {
-      Vector turn = twiceVector(start_[i] * conjugate(before[i])) * ratio;
-      const Vector t = axisX(start_[i]);
-      turn -= t * (dot(t, turn) * (slow / std::max(dot(turn, turn) + slow, Tuning::kTiny)));
-      const Real squared = dot(turn, turn);
-      if (squared > Tuning::kGuessLimit * Tuning::kGuessLimit) {
-        turn = turn * (Tuning::kGuessLimit * inverseRoot(squared));
-      }
-      guess_[i] = normalized(cayley(turn) * start_[i]);
-    }
     iterate_ = guess_;
+  }
+  /// Half of the rotation vector by which a frame, in its own axes, goes on turning as from
+  /// `before` to `frame`, `ratio` times as far; rounded to the 21 bits that the kernel keeps of it.
+  static Vector halfTurnOn(const Rotation& frame, const Rotation& before, Real ratio,
+                           Real slowTurn) {
+    const Rotation d = conjugate(before) * frame;
+    Vector turn = d.vector() * (Real(d.w < 0 ? -2 : 2) * ratio);
+    const Real slow = slowTurn * slowTurn, twisted = dot(turn, turn);
+    turn.x = turn.x * (twisted / std::max(twisted + slow, Tuning::kTiny));
+    const Real squared = dot(turn, turn);
+    if (squared > Tuning::kGuessLimit * Tuning::kGuessLimit) {
+      turn = turn * (Tuning::kGuessLimit * inverseRoot(squared));
+    }
+    turn = turn * Real(0.5);
+    return {shortened(turn.x), shortened(turn.y), shortened(turn.z)};
+  }
+  /// The frame turned in its own axes.
+  static Rotation guessFrame(const Rotation& frame, const Vector& halfTurn) {
+    return normalizedTurned(frame * Rotation(halfTurn, Real(1)));
   }
 
   /// Energy of vertex i in the relative rotation r: 8 (kb |s|^2 + (kt - kb) (s.a)^2), with s the
   /// rotation's vector over 1 + w. The gradient is in world space, for a rotation of edge i.
-  Bending bendingOf(int i, const StepNumbers& numbers) const {
-    const Real kb = numbers.bend / regions_[i], kt = numbers.twist / regions_[i], dk = kt - kb;
+  Bending bendingOf(int i, const StepNumbers& numbers, Real inverseRegion) const {
+    const Real kb = numbers.bend * inverseRegion, dk = numbers.twist * inverseRegion - kb;
     const Rotation& parent = iterate_[i - 1];
-    const Vector& axis = twistAxes_[i];
+    const Vector axis = twistAxis(i);
     const Rotation relative = conjugate(parent) * iterate_[i];
-    const Rotation r = relative * conjugate(relative_[i]);
+    const Rotation r = lessJoint(relative, joints_[i]);
     const Vector s = r.vector() * (Real(r.w < 0 ? -1 : 1) / (Real(1) + std::abs(r.w)));
     const Real s2 = dot(s, s), o = Real(1) + s2, sa = dot(s, axis);
     const Vector ra = axis * (Real(1) - s2) + cross(s, axis) * Real(2) + s * (Real(2) * sa);
@@ -380,13 +455,21 @@ class ExactRod {
     return bending;
   }
 
-  /// Adds am/2 |x - y|^2 and the contacts of vertex i, which the iterate moves by `way`.
-  void addVertex(int i, const Vector& way, Value& value) const {
-    const Real am = weights_[i];
+  /// a conj(joint), without the products with the joint's x, which is 0.
+  static Rotation lessJoint(const Rotation& a, const Rotation& joint) {
+    return {a.x * joint.w - a.y * joint.z + a.z * joint.y,
+            a.y * joint.w - a.w * joint.y + a.x * joint.z,
+            a.z * joint.w - a.w * joint.z - a.x * joint.y,
+            a.w * joint.w + a.y * joint.y + a.z * joint.z};
+  }
+
+  /// Adds am/2 |x - y|^2 and the contacts of vertex i, which the iterate moves by `way` to x.
+  void addVertex(int i, const Vector& way, const Vector& x, const Target& target,
+                 Value& value) const {
+    const Real am = target.weight;
     value.m.addDiagonal(am);
-    value.px += (way - targets_[i]) * am;
+    value.px += (way - target.way) * am;
     if (shapes_.empty()) return;
-    const Vector x = carriedPosition(i) + way;
     for (const ContactShape<Real>& shape : shapes_) {
       const Contact<Real> contact = findContact(shape, x);
       if (contact.penetration > Real(0)) {
@@ -395,47 +478,48 @@ class ExactRod {
         value.m.addOuter(kn, contact.normal);
       }
       if (shape.friction > 0 && contact.penetration > -Tuning::kFrictionReach * regions_[i]) {
-        addFriction(i, way, contact, shape.friction, value);
+        addFriction(target, way, contact, shape.friction, value);
       }
     }
   }
 
   /// Coulomb friction as a spring against the slip in this step. It pulls with the friction of the
   /// normal force that the vertex itself needs to stay out, am n.(surface - y), or sticks.
-  void addFriction(int i, const Vector& way, const Contact<Real>& contact, Real friction,
-                   Value& value) const {
+  void addFriction(const Target& target, const Vector& way, const Contact<Real>& contact,
+                   Real friction, Value& value) const {
     const Vector& n = contact.normal;
-    const Real press = std::max(dot(n, way - targets_[i]) + contact.penetration, Real(0));
+    const Real press = std::max(dot(n, way - target.way) + contact.penetration, Real(0));
     const Vector motion = way - contact.surfaceMotion;
     const Vector slip = motion - n * dot(motion, n);
     const Real size = squareRoot(std::max(dot(slip, slip), Real(1e-20)));
-    const Real k = weights_[i] * std::min(Tuning::kFrictionStiffness, friction * press / size);
+    const Real k = target.weight * std::min(Tuning::kFrictionStiffness, friction * press / size);
     value.px += slip * k;
     value.m.addDiagonal(k);
     value.m.addOuter(n * -k, n);
   }
 
   /// Tip to root: the control law of every edge about the iterate.
-  void eliminate(const Vector& x1, const StepNumbers& numbers) {
+  void eliminate(Vector way, Vector x, const Root& root, const RodSettings& settings,
+                 const StepNumbers& numbers) {
     const int n = size();
-    const auto edgeWay = [&](int i) {
-      return (axisX(iterate_[i]) - axisX(start_[i])) * lengths_[i];
-    };
-    Vector way;
-    for (int i = 1; i + 1 < n; ++i) way += edgeWay(i);
-    way += x1 - carriedPosition(1);
+    const auto target = [&](int i) { return targetOf(i, x, way, root, settings, numbers); };
+    Target end = target(n - 1);
     Value value;
-    addVertex(n - 1, way, value);
+    addVertex(n - 1, way, x, end, value);
     for (int i = n - 2; i >= 1; --i) {
-      way -= edgeWay(i);
-      eliminateEdge(i, numbers, value);
-      if (i > 1) addVertex(i, way, value);
+      const Vector tangent = axisX(iterate_[i]);
+      way -= (tangent - axisX(start_[i])) * lengths_[i];
+      x -= tangent * lengths_[i];
+      eliminateEdge(i, end.weight, numbers, value);
+      end = target(i);
+      if (i > 1) addVertex(i, way, x, end, value);
     }
   }
 
   /// V of (dx_i, dphi_i-1) from V of (dx_i+1, dphi_i), without vertex i's own terms.
-  void eliminateEdge(int i, const StepNumbers& numbers, Value& v) {
-    const Bending bending = bendingOf(i, numbers);
+  void eliminateEdge(int i, Real endWeight, const StepNumbers& numbers, Value& v) {
+    const Real inverseRegion = Real(1) / regions_[i];
+    const Bending bending = bendingOf(i, numbers, inverseRegion);
     const Vector t = axisX(iterate_[i]), e = t * lengths_[i];
     const Symmetric& m = v.m;
     // S M with S = [e], by columns; S M S^T; S N.
@@ -455,10 +539,10 @@ class ExactRod {
     a.yz = (e.x * c1.y - e.y * c0.y) + n2.y + n1.z + v.d.yz - tt.y * t.z;
     a.zz = (e.x * c1.z - e.y * c0.z) + n2.z + n2.z + v.d.zz + tension - tt.z * t.z;
     // Along t all but D vanishes in exact arithmetic: its rounding is replaced.
-    const Real twistStiffness = numbers.twist / regions_[i];
+    const Real twistStiffness = numbers.twist * inverseRegion;
     const Real own = std::max(dot(t, v.d * t), Real(0));
     const Real floor = std::max(a.trace() * Tuning::kTwistFloor - twistStiffness - own, Real(0));
-    const Real inertia = weights_[i + 1] * lengths_[i] * lengths_[i] * Tuning::kTwistInertia;
+    const Real inertia = endWeight * lengths_[i] * lengths_[i] * Tuning::kTwistInertia;
     const Real correction = own - dot(t, a * t) + floor + inertia;
     a.addOuter(t * correction, t);
     a.addDiagonal(Tuning::kTiny);
@@ -496,7 +580,9 @@ class ExactRod {
   }
 
   /// Root to tip: turns the edges and places the vertices. Returns the largest squared rotation.
-  Real rollOut(const Vector& x0, const Vector& x1) {
+  /// \param way of the tip against vertex 1
+  Real rollOut(const Vector& x0, const Vector& x1, Vector& way) {
+    way = Vector();
     moved_[0] = x0;
     moved_[1] = x1;
     Vector dx, u;
@@ -518,11 +604,14 @@ class ExactRod {
         u = u * (Tuning::kStepLimit * inverseRoot(squared));
       }
       const Vector before = axisX(iterate_[i]);
-      iterate_[i] = normalized(cayley(u) * iterate_[i]);
+      iterate_[i] = normalizedTurned(cayley(u) * iterate_[i]);
       if (!shapes_.empty()) iterate_[i] = keepOut(i, iterate_[i]);
+      // A state that was not a number: the edge goes on as the one before it.
+      if (!isUnit(iterate_[i])) iterate_[i] = iterate_[i - 1];
       const Vector after = axisX(iterate_[i]);
       moved_[i + 1] = moved_[i] + after * lengths_[i];
       dx += (after - before) * lengths_[i];
+      way += (after - axisX(start_[i])) * lengths_[i];
     }
     return largest;
   }
@@ -557,21 +646,25 @@ class ExactRod {
 
   RestStrand rest_;
   std::vector<Real> lengths_, regions_;
-  std::vector<Rotation> relative_;
-  std::vector<Vector> twistAxes_;
+  Rotation rootRest_;             // frame of edge 0 in bind space
+  std::vector<Rotation> joints_;  // from edge i - 1 to edge i at rest
 
   RootPose pose_;
   Vector3d rootVelocity_;  // of the frame before [m/s]
   double stepBefore_ = 0, frameBefore_ = 0;
-  std::vector<Vector> positions_, positionsBefore_, velocities_, velocitiesBefore_;
-  std::vector<Rotation> frames_, framesBefore_;  // their difference is the edge's angular rate
+  StepCoefficients coefficients_, coefficientsBefore_;  // of the last steps; he = 0 without
+  std::vector<Vector> positions_;
+  std::vector<Vector> ways_, waysBefore_, waysEarlier_;  // in the last steps, less the carrying
+  std::vector<Rotation> frames_, framesBefore_;
+  Vector guessedWay_;  // of the tip against vertex 1 in the next step's guess
 
   bool carrying_ = false;
-  Motion carry_, carryBefore_;   // of this sub-step and the one before
-  std::vector<Rotation> start_;  // frames_, carried
+  Motion carry_;                         // of this sub-step
+  Rotation carryBefore_, carryEarlier_;  // of the two before
+  std::vector<Rotation> start_;          // frames_, carried
   std::vector<Rotation> guess_, iterate_;
-  std::vector<Vector> moved_, targets_;  // targets_: y - x
-  std::vector<Real> weights_;
+  std::vector<Vector> halfTurns_;        // from start to guess
+  std::vector<Vector> moved_, targets_;  // targets_: ways
   std::vector<Gain> gains_;
   std::vector<ContactShape<Real>> shapes_;
   Statistics statistics_;

@@ -41,6 +41,16 @@ Real squareRoot(Real x) {
   }
 }
 
+/// In float with the upper 21 bits, rounded.
+template <class Real>
+Real shortened(Real x) {
+  if constexpr (std::is_same_v<Real, float>) {
+    return std::bit_cast<float>((std::bit_cast<uint32_t>(x) + 0x400u) & 0xfffff800u);
+  } else {
+    return x;
+  }
+}
+
 template <class Real>
 struct Vector3 {
   Real x = 0, y = 0, z = 0;
@@ -126,6 +136,27 @@ template <class Real>
 Quaternion<Real> normalized(const Quaternion<Real>& q) {
   const Real inverse = inverseRoot(dot(q, q));
   return {q.x * inverse, q.y * inverse, q.z * inverse, q.w * inverse};
+}
+/// Of a product of quaternions that are unit to rounding: one step of Newton from 1.
+template <class Real>
+constexpr Quaternion<Real> polished(const Quaternion<Real>& q) {
+  const Real factor = Real(1.5) - Real(0.5) * dot(q, q);
+  return {q.x * factor, q.y * factor, q.z * factor, q.w * factor};
+}
+/// Of a product of a unit quaternion and (v, 1) with |v| <= 1/2.
+template <class Real>
+Quaternion<Real> normalizedTurned(const Quaternion<Real>& q) {
+  const Real squared = dot(q, q), e = squared - Real(1);
+  Real y = Real(1) + e * (e * (Real(0.36183913) - e * Real(0.21267281)) - Real(0.49948119));
+  const int steps = std::is_same_v<Real, float> ? 1 : 3;
+  for (int i = 0; i < steps; ++i) y = y + (y * Real(0.5)) * (Real(1) - (squared * y) * y);
+  return {q.x * y, q.y * y, q.z * y, q.w * y};
+}
+/// Whether q is a unit quaternion but for its rounding, and no NaN.
+template <class Real>
+bool isUnit(const Quaternion<Real>& q) {
+  const Real squared = dot(q, q);
+  return squared >= Real(0.25) && squared < Real(4);
 }
 template <class Real>
 constexpr Vector3<Real> rotate(const Quaternion<Real>& q, const Vector3<Real>& v) {

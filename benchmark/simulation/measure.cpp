@@ -1,0 +1,251 @@
+#include "measure.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <string_view>
+
+namespace bench {
+
+using pelage::Error;
+using pelage::ErrorCode;
+using pelage::Float4;
+using pelage::PassList;
+using pelage::PassTiming;
+using pelage::Result;
+using pelage::reference::Vector3d;
+
+namespace {
+
+// Frames of a chaotic scene whose stretch is read back: from this one on, every so many.
+constexpr int kFirstSample = 59, kSampleEvery = 30;
+// Compiling, first touches and clocks that rise are over after this many frames.
+constexpr int kWarmUpFrames = 5;
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
+double least(const std::vector<double>& values) {
+  return values.empty() ? 0 : *std::min_element(values.begin(), values.end());
+}
+
+Vector3d toVector(const Float4& v) {
+  return Vector3d(pelage::reference::Vector3<float>(v.x, v.y, v.z));
+}
+
+/// GPU times of frames.
+class FrameTimes {
+ public:
+  void add(const std::vector<PassTiming>& timings) {
+    if (++frames_ <= kWarmUpFrames) return;
+    double frame = 0, solve = 0;
+    for (const PassTiming& timing : timings) {
+      if (timing.milliseconds < 0) return;
+      frame += 1000 * timing.milliseconds;
+      if (std::string_view(timing.name) != "skin_roots") solve += 1000 * timing.milliseconds;
+    }
+    frame_.push_back(frame);
+    solve_.push_back(solve);
+  }
+  void store(Measurement& row) const {
+    row.medianFrame = median(frame_);
+    row.leastFrame = least(frame_);
+    row.medianSolve = median(solve_);
+    row.leastSolve = least(solve_);
+  }
+
+ private:
+  int frames_ = 0;
+  std::vector<double> frame_, solve_;
+};
+
+/// How far edges are from their lengths, and strands from the reference.
+class Errors {
+ public:
+  Errors(const BenchScene& scene, const SceneReference& reference)
+      : asset_(scene.asset), reference_(reference) {}
+
+  /// \param positions  of the first strands, whole ones
+  void addStretch(const std::vector<Float4>& positions) {
+    const size_t n = asset_.verticesPerStrand;
+    broken_ = 0;
+    for (size_t s = 0; (s + 1) * n <= positions.size(); ++s) {
+      bool finite = true;
+      for (size_t v = 0; v < n; ++v) {
+        const Float4& p = positions[s * n + v];
+        finite = finite && std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+      }
+      if (!finite) {
+        ++broken_;
+        continue;
+      }
+      for (size_t v = 1; v + 1 < n; ++v) addEdge(positions, s * n + v);
+    }
+  }
+
+  /// \param frame  of the reference
+  void addError(const std::vector<Float4>& strand, size_t frame) {
+    const Points& expected = reference_.reference->frames[frame];
+    const std::vector<int>& chosen = reference_.reference->vertices;
+    const size_t count = chosen.empty() ? expected.size() : chosen.size();
+    for (size_t k = 0; k < count; ++k) {
+      const size_t v = chosen.empty() ? k : static_cast<size_t>(chosen[k]);
+      const Vector3d d = toVector(strand[v]) - expected[v];
+      errorSum_ += dot(d, d);
+      ++errorCount_;
+    }
+  }
+
+  void store(Measurement& row) const {
+    const auto rms = [](double sum, uint64_t count) {
+      return count > 0 ? 100 * std::sqrt(sum / static_cast<double>(count)) : 0;
+    };
+    if (errorCount_ > 0) row.error = rms(errorSum_, errorCount_) / reference_.length;
+    row.largestStretch = 100 * largest_;
+    row.rmsStretch = rms(stretchSum_, edges_);
+    row.brokenStrands = broken_;
+  }
+
+ private:
+  void addEdge(const std::vector<Float4>& positions, size_t at) {
+    const auto rest = static_cast<double>(asset_.restLengths[at]);
+    if (rest < kShortestEdge) return;
+    const double size = length(toVector(positions[at + 1]) - toVector(positions[at]));
+    const double stretch = std::abs(size / rest - 1);
+    largest_ = std::max(largest_, stretch);
+    stretchSum_ += stretch * stretch;
+    ++edges_;
+  }
+
+  const pelage::HairAsset& asset_;
+  const SceneReference& reference_;
+  double errorSum_ = 0, stretchSum_ = 0, largest_ = 0;
+  uint64_t errorCount_ = 0, edges_ = 0, broken_ = 0;
+};
+
+Result<std::vector<Float4>> readPositions(Workbench& workbench, pelage::BufferId buffer,
+                                          uint64_t vertices) {
+  const auto raw = workbench.device.read(buffer, 0, vertices * sizeof(Float4));
+  if (!raw) return raw.error();
+  std::vector<Float4> positions(vertices);
+  std::memcpy(positions.data(), raw->data(), raw->size());
+  return positions;
+}
+
+// Strands that are copies of each other are read once.
+Result<void> sample(Workbench& workbench, const BenchScene& scene, const SceneReference& reference,
+                    const StrandSolver& solver, int frame, Errors& errors) {
+  const uint64_t n = scene.asset.verticesPerStrand;
+  if (!reference.reference) {
+    if (frame < kFirstSample || (frame - kFirstSample) % kSampleEvery != 0) return {};
+    const auto all = readPositions(workbench, solver.positions(), n * scene.asset.strandCount);
+    if (!all) return all.error();
+    errors.addStretch(*all);
+    return {};
+  }
+  const auto compared = static_cast<int>(reference.reference->frames.size());
+  if (frame < scene.frames - compared) return {};
+  const auto strand = readPositions(workbench, solver.positions(), n);
+  if (!strand) return strand.error();
+  errors.addStretch(*strand);
+  errors.addError(*strand, static_cast<size_t>(frame - (scene.frames - compared)));
+  return {};
+}
+
+std::string number(double value, bool known) { return known ? fmt::format("{:.6g}", value) : ""; }
+
+constexpr const char* kCsvHeader =
+    "commit,api,scene,solver,effort,setting,strands,vertices_per_strand,frames,error_rms_percent,"
+    "stretch_max_percent,stretch_rms_percent,broken_strands,frame_us_median,frame_us_min,"
+    "solve_us_median,solve_us_min,bytes,gb_per_s,floor_us,ratio_to_baseline,device,driver\n";
+
+std::string csvRow(const Measurement& m, const pelage::DeviceInfo& device,
+                   const std::string& commit) {
+  const bool timed = m.medianFrame > 0;
+  const double rate = timed ? static_cast<double>(m.bytes) / (1e3 * m.medianFrame) : 0;
+  // Names of devices hold commas; they come last and are quoted.
+  return fmt::format(
+      "{},{},{},{},{},{},{},{},{},{},{:.6g},{:.6g},{},{},{},{},{},{},{},{},{},\"{}\",\"{}\"\n",
+      commit, pelage::apiName(device.api), m.scene, m.solver, m.effort, m.setting, m.strands,
+      m.vertices, m.frames, number(m.error, m.error >= 0), m.largestStretch, m.rmsStretch,
+      m.brokenStrands, number(m.medianFrame, timed), number(m.leastFrame, timed),
+      number(m.medianSolve, timed), number(m.leastSolve, timed), m.bytes, number(rate, rate > 0),
+      number(m.floor, m.floor > 0), number(m.ratioToBaseline, m.ratioToBaseline > 0), device.name,
+      device.driver);
+}
+
+}  // namespace
+
+SceneReference::SceneReference(const BenchScene& scene) : reference(scene.reference()) {
+  for (uint32_t v = 0; v + 1 < scene.asset.verticesPerStrand; ++v)
+    length += static_cast<double>(scene.asset.restLengths[v]);
+}
+
+Result<Measurement> measure(Workbench& workbench, const BenchScene& scene,
+                            const SceneReference& reference, const SolverChoice& choice) {
+  auto solver = makeSolver(workbench, scene, choice);
+  if (!solver) return solver.error();
+  Measurement row;
+  row.scene = scene.name;
+  row.solver = solverName(choice.kind);
+  row.setting = choice.setting();
+  row.effort = choice.effort;
+  row.strands = scene.asset.strandCount;
+  row.vertices = scene.asset.verticesPerStrand;
+  row.frames = scene.frames;
+  FrameTimes times;
+  Errors errors(scene, reference);
+  PassList list;
+  // One frame in the bind pose, then the scene settles, then it is measured.
+  for (int frame = -1 - scene.settleFrames; frame < scene.frames; ++frame) {
+    const double time = std::max(0, frame + 1) * kFrameSeconds;
+    if (Result<void> done = (*solver)->advance(scene.motion(time), list); !done)
+      return done.error();
+    const auto timings = workbench.run(list);
+    if (!timings) return timings.error();
+    if (frame == -1)
+      if (Result<void> done = warmUp(workbench); !done) return done.error();
+    if (frame < 0) continue;
+    times.add(*timings);
+    if (Result<void> done = sample(workbench, scene, reference, **solver, frame, errors); !done)
+      return done.error();
+  }
+  // What hair that sleeps does not move is not known.
+  for (const pelage::Pass& pass : list.passes) row.bytes += scene.sleeps ? 0 : pass.bytes;
+  times.store(row);
+  errors.store(row);
+  solver->reset();
+  if (row.bytes == 0) return row;
+  const auto floor = copyFloor(workbench, row.strands * row.vertices, row.bytes);
+  if (!floor) return floor.error();
+  row.floor = *floor;
+  return row;
+}
+
+Result<void> appendCsv(const std::string& path, const std::vector<Measurement>& rows,
+                       const pelage::DeviceInfo& device, const std::string& commit) {
+  std::FILE* file = std::fopen(path.c_str(), "ab");
+  if (file == nullptr)
+    return Error{ErrorCode::kFileNotFound,
+                 fmt::format("{}: cannot be opened: {}", path, std::strerror(errno))};
+  // The position of a stream opened for appending is not at the end before the first write.
+  bool good = std::fseek(file, 0, SEEK_END) == 0;
+  if (good && std::ftell(file) == 0) good = std::fputs(kCsvHeader, file) >= 0;
+  for (const Measurement& row : rows)
+    good = good && std::fputs(csvRow(row, device, commit).c_str(), file) >= 0;
+  good = std::fclose(file) == 0 && good;
+  if (!good)
+    return Error{ErrorCode::kFileNotFound,
+                 fmt::format("{}: cannot be written: {}", path, std::strerror(errno))};
+  return {};
+}
+
+}  // namespace bench

@@ -1,0 +1,41 @@
+// Resources of the grid through which hair touches hair. Group "hairGrid", all in space0.
+//
+// The grid has g_gridSize^3 nodes, x fastest, a cell size apart. A node has g_gridChannels words:
+// mass, and with friction the three components of momentum, in two's complement fixed point.
+#ifndef PELAGE_LAYOUTS_HAIR_GRID_HLSLI
+#define PELAGE_LAYOUTS_HAIR_GRID_HLSLI
+
+// Mass is length of hair [m]: a guide stands for itself and for its follow hairs. With M the mass
+// of all vertices, the host sets
+//   g_massScale     <= 2^31 / M          a node's mass is at most M
+//   g_momentumScale <= 2^30 / (M vmax)   and its momentum at most M vmax, a component
+// as powers of two. No sum overflows, whatever the strands do: N vertices add at most 4 N by
+// rounding, for which there is room up to N = 2^28.
+cbuffer HairGridConstants : register(b0, space0) {
+  float4 g_gridOrigin;     // xyz of node 0 in world space [m]; w = cell size [m]
+  float4 g_gridVelocity;   // xyz of the object as a whole [m/s], what momentum is relative to; w =
+                           // vmax [m/s], largest component of a velocity relative to it
+  float g_massScale;       // quanta a metre of hair
+  float g_momentumScale;   // quanta a metre of hair times m/s
+  float g_pressure;        // c^2 of apply_hair_grid [m2/s2]
+  float g_frictionRate;    // share of a relative velocity to take away over the step [1/s]
+  float g_lookAhead;       // this step [s]
+  float g_inverseStep;     // 1 / the step before [1/s]; 0: there is no position before
+  uint g_gridSize;         // nodes an axis, 2..64
+  uint g_gridVertexCount;  // elements of g_gridPositions and of all that is a vertex's
+};
+
+// [strand][vertex] of the guides: world position [m]; w unused.
+StructuredBuffer<float4> g_gridPositions : register(t0, space0);
+// [strand][vertex]: forces of others, as g_gridForces; with the forces permutation.
+StructuredBuffer<float4> g_otherForces : register(t1, space0);
+// [strand][vertex]: xyz position a step before [m], w = mass [m]; 0 leaves the vertex out.
+RWStructuredBuffer<float4> g_gridBefore : register(u0, space0);
+// [strand][vertex]: mass density in the bind pose, in quanta a cell.
+RWStructuredBuffer<float> g_gridRest : register(u1, space0);
+// [node][channel]
+RWStructuredBuffer<uint> g_gridNodes : register(u2, space0);
+// [strand][vertex]: xyz acceleration [m/s2], w drag [1/s].
+RWStructuredBuffer<float4> g_gridForces : register(u3, space0);
+
+#endif

@@ -1,0 +1,122 @@
+// Free motion of a strand's vertices: inertia, gravity, wind, global shape.
+#ifndef PELAGE_SIMULATION_CLASSIC_FREE_MOTION_HLSLI
+#define PELAGE_SIMULATION_CLASSIC_FREE_MOTION_HLSLI
+
+#include "strand_root.hlsli"
+
+// A vertex as it is in memory.
+struct StoredVertex {
+  float4 bind;
+  float rest;  // length of the segment behind it
+  float3 current;
+  float3 previous;
+};
+
+struct Particle {
+  float rest;       // as stored
+  float3 goal;      // bind position in the end pose
+  float3 stored;    // position at the begin of the sub-step
+  float3 current;   // the same, carried by the root's motion
+  float3 previous;  // one sub-step earlier, carried likewise
+  bool held;        // by its inverse mass
+  bool free;        // neither held nor lost: else it goes to its goal
+};
+
+StoredVertex loadVertex(uint vertex, uint guide) {
+  StoredVertex v;
+  v.bind = g_rest[guideIndex(0, vertex, guide)];
+  v.rest = g_rest[guideIndex(1, vertex, guide)].w;
+  v.current = storedPosition(0, vertex, guide);
+  v.previous = storedPosition(1, vertex, guide);
+  return v;
+}
+
+Particle makeParticle(StoredVertex v, uint vertex, float3 bindRoot, RootPose end, Motion motion) {
+  Particle p;
+  p.rest = v.rest;
+  p.goal = goalPosition(end, bindRoot, v.bind.xyz);
+  p.stored = v.current;
+  p.previous = v.previous;
+  bool lost = (g_flags & 1u) != 0u || !isUsable(p.stored) || !isUsable(p.previous);
+  float3 current = carried(motion, p.stored);
+  float3 previous = carried(motion, p.previous);
+  float3 goal = p.goal;
+  p.stored = lost ? goal : p.stored;
+  p.current = lost ? goal : current;
+  p.previous = lost ? goal : previous;
+  p.held = vertex < 2 || !(v.bind.w > 0.0);
+  p.free = !lost && !p.held;
+  return p;
+}
+
+// v, no longer than the limit, in the same direction; 0 where it overflowed.
+float3 limited(float3 v, float limit) {
+  precise float squared = dot3(v, v);
+  precise float most = limit * limit;
+  bool usable = isUsable(v);
+  float3 r = v;
+  if (!(usable && squared <= most)) {
+    float3 none = float3(0.0, 0.0, 0.0);
+    precise float3 cut = directionOr(v, none) * limit;
+    r = usable ? cut : none;
+  }
+  return r;
+}
+
+// Moves the vertices to the strand's place of work, and their history to g_state. Sets what is
+// held.
+void integrate(inout Strand s, float3 bindRoot, RootPose end, Motion motion) {
+  uint guide = s.guide;
+  precise float velocityFactor = g_timeStepRatio * g_dampingKeep;
+  precise float3 fall = g_gravity.xyz * g_gravityStep;
+  precise float maxStep = g_maxSpeed * g_timeStep;
+#if WIND
+  precise float dragStep = g_wind.w * g_timeStep;
+  precise float dragShare = dragStep / (1.0 + dragStep);
+  precise float3 windStep = g_wind.xyz * g_timeStep;
+#endif
+#if GLOBAL_SHAPE
+  precise float rangeEnd = g_globalRange * float(g_vertexCount);
+#endif
+  uint last = g_vertexCount - 1;
+  Particle p = makeParticle(loadVertex(0, guide), 0, bindRoot, end, motion);
+  // Two vertices ahead, so that the way from memory is hidden.
+  StoredVertex ahead = loadVertex(1, guide);
+  StoredVertex further = loadVertex(min(2, last), guide);
+  float3 before = p.current;
+  uint held = 1;
+  for (uint i = 0; i <= last; ++i) {
+    StoredVertex furthest = loadVertex(min(i + 3, last), guide);
+    // The tip comes after itself.
+    Particle next = makeParticle(ahead, i + 1, bindRoot, end, motion);
+    ahead = further;
+    further = furthest;
+    precise float3 u = (p.current - p.previous) * velocityFactor + fall;
+#if WIND
+    float3 tangent = directionOr(next.current - before, float3(0.0, 0.0, 0.0));
+    precise float3 relative = windStep - u;
+    precise float3 across = relative - tangent * dot3(tangent, relative);
+    u = u + across * dragShare;
+#endif
+    u = limited(u, maxStep);
+    precise float3 x = p.current + u;
+#if GLOBAL_SHAPE
+    float share = float(i) < rangeEnd ? g_globalStiffness : 0.0;
+    x = x + (p.goal - x) * share;
+#endif
+    float3 goal = p.goal;
+    float3 moved = p.free ? x : goal;
+    float3 stored = p.stored;
+    float3 carriedNow = p.current;
+    float3 history = p.free ? carriedNow : stored;
+    held = p.held ? i : held;
+    storePoint(s, i, float4(moved, p.held ? 0.0 : 1.0));
+    storeLength(s, i, packLength(p.rest, p.held));
+    g_state[guideIndex(1, i, guide)] = float4(history, 0.0);
+    before = p.current;
+    p = next;
+  }
+  s.held = max(held, 1);
+}
+
+#endif

@@ -1,0 +1,132 @@
+// The last sweep over a strand: lengths and contacts, and what others read.
+#ifndef PELAGE_SIMULATION_CLASSIC_STRAND_FINISH_HLSLI
+#define PELAGE_SIMULATION_CLASSIC_STRAND_FINISH_HLSLI
+
+#include "../../common/colliders.hlsli"
+#include "strand_root.hlsli"
+
+#if COLLIDERS
+// Moves vertex i at x, `rest` metres from its leader, out of the colliders and back to its length,
+// in turn. Coulomb's friction at position level: of the way that the vertex slides along the
+// surface in this sub-step, as far as friction times the way that it was pushed out.
+float3 keepOut(Strand s, Motion motion, uint i, float3 x, float3 leader, float3 direction,
+               float rest) {
+  float3 start = uncarried(motion, g_state[guideIndex(1, i, s.guide)].xyz);
+  for (uint round = 0; round < kContactRounds; ++round) {
+    bool touched = false;
+    precise float3 p = x;
+    for (uint c = 0; c < g_colliderCount; ++c) {
+      Contact contact = findContact(g_colliders[c], p, g_rootBegin, g_rootEnd);
+      if (contact.penetration > 0.0) {
+        touched = true;
+        p = p + contact.normal * contact.penetration;
+        if (round == 0 && contact.friction > 0.0) {
+          precise float3 way = p - start - contact.surfaceMotion;
+          precise float off = dot3(way, contact.normal);
+          precise float3 slip = way - contact.normal * off;
+          float size = squareRoot(dot3(slip, slip));
+          precise float most = contact.friction * contact.penetration;
+          precise float share = size > most ? most / size : 1.0;
+          p = p - slip * share;
+        }
+      }
+    }
+    if (!touched) return x;
+    precise float3 arm = p - leader;
+    x = leader + directionOr(arm, direction) * rest;
+  }
+  return x;
+}
+#endif
+
+// Follow the leader beyond the last held vertex, with the contacts.
+void followLeaders(Strand s, Motion motion, bool free, float3 fallback) {
+  float3 before = s.root;
+  float3 direction = fallback;
+  float2 lengthBefore = loadLength(s, 0);
+  float4 pointHere = loadPoint(s, 1);
+  float2 lengthHere = loadLength(s, 1);
+  uint last = g_vertexCount - 1;
+  for (uint i = 1; i <= last; ++i) {
+    float4 ahead = loadPoint(s, min(i + 1, last));
+    float2 lengthAhead = loadLength(s, min(i + 1, last));
+    float3 x = pointHere.xyz;
+    bool follows = free && i > s.held;
+    float rest = restLength(lengthBefore);
+    precise float3 segment = x - before;
+    direction = directionOr(segment, direction);
+    precise float error = dot3(direction, segment) - rest;
+    bool moves = follows && !(abs(error) <= lengthRounding(x, s.root));
+    precise float3 fitted = before + direction * rest;
+    x = moves ? fitted : x;
+#if COLLIDERS
+    if (follows) x = keepOut(s, motion, i, x, before, direction, rest);
+#endif
+    storePoint(s, i, float4(x, inverseMass(lengthHere)));
+    before = x;
+    lengthBefore = lengthHere;
+    pointHere = ahead;
+    lengthHere = lengthAhead;
+  }
+}
+
+// ---- what others read
+
+// Direction of the last segment up to a vertex that has one, else of the root.
+float3 directionUpTo(Strand s, uint vertex) {
+  float3 none = float3(0.0, 0.0, 0.0);
+  for (uint i = vertex; i > 0; --i) {
+    precise float3 segment = position(s, i) - position(s, i - 1);
+    float3 direction = directionOr(segment, none);
+    if (dot3(direction, direction) > 0.0) return direction;
+  }
+  float3 bindRoot = restPosition(0, s.guide);
+  RootPose end = rootPoseAt(s.guide, bindRoot, g_rootEnd);
+  return firstDirection(s.guide, bindRoot, end, firstFrame(s.guide, end));
+}
+
+// Two vertices of every strand of the group, on their way to memory: a strand's vertices are
+// neighbours there, so that a thread that wrote its own strand would touch a line for each value.
+static const uint kTileVertices = 2;
+static const uint kTileRow = GROUP_LANES + 4;
+groupshared float4 s_positions[kTileVertices * kTileRow];
+groupshared float4 s_tangents[kTileVertices * kTileRow];
+
+// A vertex's tangent is the direction from the vertex before to the one after; at the two ends,
+// that of the only segment.
+void tileOutput(Strand s, uint vertex, uint place) {
+  uint to = min(vertex + 1, g_vertexCount - 1);
+  float4 pointHere = loadPoint(s, vertex);
+  precise float3 across = position(s, to) - position(s, max(vertex, 1) - 1);
+  float3 none = float3(0.0, 0.0, 0.0);
+  float3 tangent = directionOr(across, none);
+  if (!(dot3(tangent, tangent) > 0.0)) tangent = directionUpTo(s, to);
+  precise float3 world = pointHere.xyz + g_origin.xyz;
+  s_positions[place * kTileRow + s.lane] = float4(world, pointHere.w);
+  s_tangents[place * kTileRow + s.lane] = float4(tangent, 0.0);
+}
+
+// All threads of the group call it.
+void writeOutputs(Strand s, bool alive, uint firstGuide) {
+  for (uint vertex = 0; vertex < g_vertexCount; vertex += kTileVertices) {
+    uint count = min(g_vertexCount - vertex, kTileVertices);
+    if (alive) {
+      tileOutput(s, vertex, 0);
+      if (count > 1) tileOutput(s, vertex + 1, 1);
+    }
+    GroupMemoryBarrierWithGroupSync();
+    for (uint k = s.lane; k < kTileVertices * GROUP_LANES; k += GROUP_LANES) {
+      uint strand = k / kTileVertices;
+      uint place = k - strand * kTileVertices;
+      uint guide = firstGuide + strand;
+      if (guide < g_guideCount && place < count) {
+        uint to = vertexIndex(guide, vertex + place);
+        g_positions[to] = s_positions[place * kTileRow + strand];
+        g_tangents[to] = s_tangents[place * kTileRow + strand];
+      }
+    }
+    GroupMemoryBarrierWithGroupSync();
+  }
+}
+
+#endif

@@ -1,0 +1,148 @@
+// Gives guides that are not simulated, or fade in or out, the shape of one that is: simulation level
+// of detail.
+//
+// Threads: one a place in g_strands from g_fadeStart on; dispatch g_strandCount - g_fadeStart x 1,
+//          after the sub-steps of a frame. With the restart flag: before them, from g_restartFrom on.
+// Reads:   g_strands, g_lodParents, g_rest, g_rootFrames, g_state, g_sleep
+// Writes:  g_positions and g_tangents of these strands; with the restart flag g_state instead
+//
+// The host has put the strands into an order of which every beginning covers the scalp, and given
+// each a parent before it, near it. A strand turns every edge from its own rest shape as its parent,
+// the first ancestor that is wholly simulated, has turned the edge at the same share of its length;
+// all in the frames of their roots. Between g_fadeStart and g_simulatedCount, where strands are
+// simulated as well, the two shapes are blended edge by edge, so that lengths are kept.
+// The restart flag makes what comes out the state of strands that are simulated again from now on.
+//
+// Invariant (tests/kernel): edges have their rest lengths; a strand whose parent is at rest is at
+// rest; with a parent of the same rest shape it has the parent's shape.
+#include "rod_state.hlsli"
+
+static const uint kSleepHead = 8;
+static const uint kRestartFlag = 64;
+static const uint kMaxVertices = 256;
+
+bool isSound(ExactStrand strand) {
+  if (strand.count < 2 || strand.count > kMaxVertices) return false;
+  uint reach = (strand.count - 1) * kTileStrands;
+  if (reach >= g_stateStride || strand.state >= g_stateStride - reach) return false;
+  return strand.root < g_rootCount;
+}
+
+Slots slotsOf(uint place) {
+  uint tiles = (g_strandCount + kTileStrands - 1) / kTileStrands;
+  return stateSlots(g_sleep[kSleepHead + tiles + place / kTileStrands]);
+}
+
+// The frame of the edge behind `before` at rest, in bind space.
+float4 restFrameAfter(float4 before, uint edge, ExactStrand strand) {
+  float4 stored = g_rest[stateIndex(0, edge, strand)];
+  float3 rest = restRotation(stored.xy);
+  return normalizeProduct(multiplyQuaternions(before, float4(0.0, rest.x, rest.y, rest.z)));
+}
+
+[numthreads(32, 1, 1)]
+void interpolate_guides(uint3 thread : SV_DispatchThreadID) {
+  bool restart = (g_flags & kRestartFlag) != 0u;
+  uint place = thread.x + (restart ? g_restartFrom : g_fadeStart);
+  uint end = restart ? min(g_simulatedCount, g_strandCount) : g_strandCount;
+  if (place >= end || place == 0) return;
+  uint parentPlace = g_lodParents[place];
+  // Every parent comes before its child.
+  for (uint k = 0; k < 32 && parentPlace >= g_fadeStart && parentPlace > 0; ++k)
+    parentPlace = min(g_lodParents[parentPlace], parentPlace - 1);
+  ExactStrand strand = g_strands[place];
+  ExactStrand parent = g_strands[min(parentPlace, place - 1)];
+  if (!isSound(strand) || !isSound(parent)) return;
+  uint outputs = max(strand.count, g_outputVertices);
+  if (outputs > g_outputCount || strand.target > g_outputCount - outputs) return;
+
+  Slots slots = slotsOf(place);
+  Slots parentSlots = slotsOf(parentPlace);
+  RootPath path = rootPath(strand.root);
+  RodRoot root = rootAt(path, g_rootEnd);
+  RodRoot parentRoot = rootAt(rootPath(parent.root), g_rootEnd);
+  bool simulated = place < g_simulatedCount && !restart;
+  precise float weight = 1.0;
+  if (simulated)
+    weight = float(place - g_fadeStart + 1) / float(g_simulatedCount - g_fadeStart + 1);
+
+  uint tip = strand.count - 1;
+  uint last = strand.count - 2;  // edges
+  uint parentLast = parent.count - 2;
+  float4 restFrame = g_rest[stateIndex(0, 0, strand)];
+  float4 parentRest = g_rest[stateIndex(0, 0, parent)];
+  uint parentEdge = 0;
+  float4 frame = normalizeProduct(multiplyQuaternions(root.rotation, restFrame));
+  float edgeLength = g_rest[stateIndex(0, tip, strand)].x;
+  precise float3 x = root.position;
+  precise float3 edgeVector = axisX(frame) * edgeLength;
+  precise float3 world = x + g_origin.xyz;
+  float3 tangent = axisX(frame);
+  if (!restart) {
+    g_positions[strand.target] = float4(world, 0.0);
+    g_tangents[strand.target] = float4(tangent, 0.0);
+  } else {
+    g_state[stateIndex(kFrameSets + slots.now, 0, strand)] = frame;
+    g_state[stateIndex(kFrameSets + slots.before, 0, strand)] = frame;
+    precise float3 first = x + edgeVector;
+    g_state[strandIndex(kFirstPosition, slots.now, place)] = float4(first, 0.0);
+  }
+  x = x + edgeVector;
+  [loop] for (uint i = 1; i <= last; ++i) {
+    restFrame = restFrameAfter(restFrame, i, strand);
+    uint wanted = parentLast > 0 ? 1 + ((i - 1) * parentLast) / last : 0;
+    while (parentEdge < wanted) {
+      parentEdge = parentEdge + 1;
+      parentRest = restFrameAfter(parentRest, parentEdge, parent);
+    }
+    float4 bent = frame;
+    if (wanted > 0) {
+      float4 now = g_state[stateIndex(kFrameSets + parentSlots.now, wanted, parent)];
+      float4 inBind = multiplyQuaternions(conjugate(parentRoot.rotation), now);
+      float4 deformation = multiplyQuaternions(inBind, conjugate(parentRest));
+      bent = multiplyQuaternions(root.rotation, multiplyQuaternions(deformation, restFrame));
+    } else {
+      bent = multiplyQuaternions(root.rotation, restFrame);
+    }
+    frame = normalizeProduct(bent);
+    if (simulated) {
+      float4 own = g_state[stateIndex(kFrameSets + slots.now, i, strand)];
+      frame = interpolateQuaternions(own, frame, weight);
+    }
+    float3 direction = axisX(frame);
+    precise float3 next = direction * g_rest[stateIndex(0, i, strand)].z;
+    precise float3 across = edgeVector + next;
+    if (!restart) {
+      world = x + g_origin.xyz;
+      g_positions[strand.target + i] = float4(world, i < 2 ? 0.0 : 1.0);
+      g_tangents[strand.target + i] = float4(directionOr(across, direction), 0.0);
+    } else {
+      g_state[stateIndex(kFrameSets + slots.now, i, strand)] = frame;
+      g_state[stateIndex(kFrameSets + slots.before, i, strand)] = frame;
+    }
+    edgeVector = next;
+    tangent = direction;
+    x = x + next;
+  }
+  if (!restart) {
+    world = x + g_origin.xyz;
+    for (uint v = tip; v < outputs; ++v) {
+      g_positions[strand.target + v] = float4(world, tip < 2 ? 0.0 : 1.0);
+      g_tangents[strand.target + v] = float4(tangent, 0.0);
+    }
+    return;
+  }
+  float4 zero = float4(0.0, 0.0, 0.0, 0.0);
+  for (uint j = 0; j < strand.count; ++j) {
+    g_state[stateIndex(kWaySets + slots.now, j, strand)] = zero;
+    g_state[stateIndex(kWaySets + slots.before, j, strand)] = zero;
+    g_state[stateIndex(kWaySets + slots.earlier, j, strand)] = zero;
+  }
+  float4 identity = float4(0.0, 0.0, 0.0, 1.0);
+  g_state[strandIndex(kGuessedWay, slots.now, place)] = zero;
+  g_state[strandIndex(kTipPosition, slots.now, place)] = float4(x, 0.0);
+  g_state[strandIndex(kRootVelocity, slots.now, place)] =
+      g_state[strandIndex(kRootVelocity, parentSlots.now, parentPlace)];
+  g_state[strandIndex(kCarryRotation, slots.now, place)] = identity;
+  g_state[strandIndex(kCarryRotation, slots.before, place)] = identity;
+}
