@@ -52,6 +52,10 @@ struct HairDef {
   bool levelOfDetail = false;
   /// Follow strands, from generateFollowHairs(); empty for none.
   std::span<const FollowHair> followHairs = {};
+  /// True when something but the drawing, like a collision field or a pass of your own, reads the
+  /// follow hairs from HairBuffers::positions and tangents. Otherwise they are never stored, and
+  /// the vertex kernel places them.
+  bool storeFollowHairs = false;
 };
 
 /// What the exact solver counted in a frame in which hair may sleep.
@@ -68,8 +72,9 @@ SimulationCounters readCounters(std::span<const std::byte> sleepWords);
 
 /// Buffers of a hair object; kInvalid marks one that this object does not need.
 struct HairBuffers {
-  BufferId positions = BufferId::kInvalid;     ///< [strand][vertex] Float4, guides first
-  BufferId tangents = BufferId::kInvalid;      ///< [strand][vertex] Float4
+  BufferId positions = BufferId::kInvalid;     ///< [strand][vertex] Float4, guides first;
+                                               ///< follow hairs only with storeFollowHairs
+  BufferId tangents = BufferId::kInvalid;      ///< [strand][vertex] Float4, as many
   BufferId state = BufferId::kInvalid;         ///< of the solver: kernels/layouts say what is where
   BufferId rest = BufferId::kInvalid;          ///< of the solver
   BufferId strands = BufferId::kInvalid;       ///< exact: [guide] ExactStrand

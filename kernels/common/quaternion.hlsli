@@ -35,6 +35,13 @@ bool isUsable(float4 v) {
   return max(max(bits.x, bits.w), max(bits.y, bits.z)) < 0x5d5e0b6bu;
 }
 
+// False for a pose that nobody wrote, and for numbers that cannot be one.
+bool isPose(float4 rotation, float3 position) {
+  if (!isUsable(rotation) || !isUsable(position)) return false;
+  precise float squared = dot4(rotation, rotation);
+  return squared > 0.25 && squared < 4.0;
+}
+
 // v / |v|, or the fallback where |v| is below 1e-12, above 1e19 or not a number.
 float3 directionOr(float3 v, float3 fallback) {
   precise float squared = dot3(v, v);

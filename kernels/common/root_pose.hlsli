@@ -10,12 +10,7 @@ struct RootPose {
   float3 position;  // of vertex 0 relative to g_origin [m]
 };
 
-// False for a buffer that nobody wrote, and for numbers that cannot be a pose.
-bool isPose(RootTransform transform) {
-  if (!isUsable(transform.rotation) || !isUsable(transform.position.xyz)) return false;
-  precise float squared = dot4(transform.rotation, transform.rotation);
-  return squared > 0.25 && squared < 4.0;
-}
+bool isPose(RootTransform transform) { return isPose(transform.rotation, transform.position.xyz); }
 
 // \param share 0 = the last frame, 1 = this frame.
 RootPose rootPoseAt(uint guide, float3 bindRoot, float share) {

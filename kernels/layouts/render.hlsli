@@ -4,9 +4,12 @@
 #ifndef PELAGE_LAYOUTS_RENDER_HLSLI
 #define PELAGE_LAYOUTS_RENDER_HLSLI
 
-// [strand][vertex]: world position [m]; w = inverse mass.
+#include "follow.hlsli"
+
+// [strand][vertex]: world position [m]; w = inverse mass. With the followStrands permutation only
+// the g_renderGuideCount guides are there.
 StructuredBuffer<float4> g_renderPositions : register(t0, space0);
-// [strand][vertex]: unit tangent.
+// [strand][vertex], as many: unit tangent.
 StructuredBuffer<float4> g_renderTangents : register(t1, space0);
 
 cbuffer RenderConstants : register(b0, space1) {
@@ -22,15 +25,20 @@ cbuffer RenderConstants : register(b0, space1) {
   float4 g_specularShift;    // x primary, y secondary shift of the tangent; zw unused
   uint g_renderVertexCount;  // vertices a strand
   uint g_renderStrandCount;
-  uint g_sampleCount;        // samples a pixel of the target
-  uint g_seed;               // of the coverage dither
-  float g_fiberRadius;       // at the root [m]
-  float g_tipRadiusRatio;    // radius at the tip over that at the root, 0..1
-  float g_renderPad0;
-  float g_renderPad1;
+  uint g_sampleCount;           // samples a pixel of the target
+  uint g_seed;                  // of the coverage dither
+  float g_fiberRadius;          // at the root [m]
+  float g_tipRadiusRatio;       // radius at the tip over that at the root, 0..1
+  uint g_renderGuideCount;      // the strands from here on are follow strands
+  float g_renderTipSeparation;  // factor on the follow offsets at the tip
 };
 
 // [strand]: factor on the fibre radius; only with the strandThickness permutation.
 StructuredBuffer<float> g_strandThickness : register(t0, space1);
+// [strand - g_renderGuideCount]; only with the followStrands permutation.
+StructuredBuffer<FollowStrand> g_renderFollowStrands : register(t1, space1);
+// [2][g_renderGuideCount]: root frames of this frame and the last one; only with the followStrands
+// permutation.
+StructuredBuffer<RootTransform> g_renderRoots : register(t2, space1);
 
 #endif

@@ -3,32 +3,18 @@
 //   space1 Sim        what only the simulation needs
 // Every simulation kernel includes this file, so a resource has one slot everywhere.
 //
-// Sizes: G guide strands, F follow strands, V vertices a strand. Guide strands come first.
+// Sizes: G guide strands, F follow strands, V vertices a strand. Guide strands come first. Follow
+// strands that only the drawing needs are not stored: F is 0 then.
 #ifndef PELAGE_LAYOUTS_SIMULATION_HLSLI
 #define PELAGE_LAYOUTS_SIMULATION_HLSLI
 
 #include "collider.hlsli"
+#include "follow.hlsli"
 
 // One guide root's bones: x..w index g_boneTransforms (in bones), the weights sum to anything > 0.
 struct RootBinding {
   uint4 bones;
   float4 weights;
-};
-
-// Rigid frame of a guide's root in world space: x = rotate(rotation, p - bindRoot) + position.xyz.
-struct RootTransform {
-  float4 rotation;  // unit quaternion
-  float4 position;  // xyz of vertex 0 relative to g_origin [m]; w unused
-};
-
-// A follow strand: the weighted mean of up to three guides, shifted by an offset that turns with the
-// first one's root. Guides that do not exist and weights that are not > 0 add nothing; the others
-// count as if they summed to 1.
-struct FollowStrand {
-  float4 offset;   // xyz in bind space, from the mean of the guides' roots [m]; w = factor on the
-                   // offset at the tip (1 = parallel)
-  uint4 guides;    // x..z indices of guide strands; w unused
-  float4 weights;  // x..z of them; w unused
 };
 
 // [strand][vertex], (G + F) * V: world position [m]; w = inverse mass.

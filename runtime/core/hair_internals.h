@@ -65,6 +65,7 @@ struct HairInternals {
   SimulationSettings settingsBefore;
   bool sleptBefore = false;  ///< tiles could sleep in the last frame
   bool levelOfDetail = false;
+  bool storesFollowHairs = false;
   uint32_t simulatedBefore = 0;
   uint32_t simulatedCount = 0;  ///< exact: in the last frame; 0 before the first one
   uint32_t stillFrames = 0;     ///< since the bones changed last

@@ -94,6 +94,7 @@ Result<HairId> Scene::addHair(const HairAsset& asset, const HairDef& def) {
   internals.bounds = detail::boundsOfRoots(asset, def.influences);
   internals.strandFactors.assign(def.strandFactors.begin(), def.strandFactors.end());
   internals.levelOfDetail = def.levelOfDetail;
+  internals.storesFollowHairs = def.storeFollowHairs && follows > 0;
   internals.heldVertices = detail::hasHeldVertices(asset);
   internals.hairsOfGuides.assign(guides, 1);
   for (const FollowHair& follow : def.followHairs) ++internals.hairsOfGuides[follow.guide];
@@ -110,8 +111,9 @@ Result<HairId> Scene::addHair(const HairAsset& asset, const HairDef& def) {
   };
   HairBuffers& buffers = object->buffers_;
   const uint64_t strands = guides + follows;
-  buffers.positions = add("positions", strands * vertices, sizeof(Float4));
-  buffers.tangents = add("tangents", strands * vertices, sizeof(Float4));
+  const uint64_t stored = internals.storesFollowHairs ? strands : guides;
+  buffers.positions = add("positions", stored * vertices, sizeof(Float4));
+  buffers.tangents = add("tangents", stored * vertices, sizeof(Float4));
   std::vector<Float4> bindRoots;
   bindRoots.reserve(guides);
   for (size_t i = 0; i < guides; ++i) bindRoots.push_back(asset.positions[i * vertices]);
@@ -234,12 +236,20 @@ Result<void> Scene::draw(const View& view, const Light& light, PassList& list) {
     constants.seed = view.seed;
     constants.fiberRadius = m.fiberRadius;
     constants.tipRadiusRatio = m.tipRadiusRatio;
+    constants.renderGuideCount = object.guideCount_;
+    constants.renderTipSeparation = object.settings.tipSeparation;
 
     const HairBuffers& buffers = object.buffers_;
-    const uint64_t bytes = uint64_t{object.strandCount()} * object.vertexCount_ * sizeof(Float4);
+    const bool stored = object.internals_->storesFollowHairs;
+    const uint64_t guides = object.guideCount_;
+    const uint64_t strandBytes = object.vertexCount_ * sizeof(Float4);
+    const uint64_t bytes = (stored ? object.strandCount() : guides) * strandBytes;
+    // Those that the vertex kernel places itself.
+    const uint64_t placed = stored || strands <= guides ? 0 : strands - guides;
     DrawState state;
     state.depthCompare = view.reversedDepth ? DepthCompare::kGreater : DepthCompare::kLess;
-    const StrandVertexKey key{.strandThickness = buffers.strandThickness != BufferId::kInvalid};
+    const StrandVertexKey key{.strandThickness = buffers.strandThickness != BufferId::kInvalid,
+                              .followStrands = placed > 0};
     PassBuilder builder(list);
     builder
         .draw(strandVertexVariant(key), strandPixelVariant({}), state,
@@ -248,8 +258,12 @@ Result<void> Scene::draw(const View& view, const Light& light, PassList& list) {
         .bind("g_renderTangents", buffers.tangents, bytes)
         .bind("g_strandThickness", buffers.strandThickness,
               uint64_t{object.strandCount()} * sizeof(float))
+        .bind("g_renderFollowStrands", buffers.followStrands,
+              uint64_t{object.followCount_} * sizeof(FollowStrand))
+        .bind("g_renderRoots", buffers.rootTransforms, 2 * guides * sizeof(RootTransform))
         .constants("RenderConstants", constants)
-        .bytes(2 * uint64_t{strands} * object.vertexCount_ * sizeof(Float4));
+        .bytes(2 * (strands - placed) * strandBytes + placed * sizeof(FollowStrand) +
+               (placed > 0 ? guides * sizeof(RootTransform) : 0));
     if (Result<void> added = builder.finish(); !added) return added;
   }
   return {};

@@ -259,7 +259,7 @@ SimulationConstants Scene::Frame::commonConstants() const {
   constants.origin = {origin.x, origin.y, origin.z, 0};
   constants.rebase = {rebase.x, rebase.y, rebase.z, 0};
   constants.guideCount = object.guideCount_;
-  constants.followCount = object.followCount_;
+  constants.followCount = internals.storesFollowHairs ? object.followCount_ : 0;
   constants.vertexCount = object.vertexCount_;
   constants.boneCount = object.boneCount_;
   constants.timeStepRatio = 1;
@@ -382,7 +382,8 @@ Result<void> Scene::addSleepPass(Frame& frame, ExactConstants constants) {
   constants.rootBegin = 0;
   constants.rootEnd = 1;
   constants.slot = internals.slot;
-  constants.followGroups = groups(followThreads(object.followCount_), follow.groupSize[0]);
+  if (internals.storesFollowHairs)
+    constants.followGroups = groups(followThreads(object.followCount_), follow.groupSize[0]);
   PassBuilder builder(frame.list);
   const auto columns = static_cast<uint32_t>(std::min<uint64_t>(tiles, kSelectRow));
   const auto rows = static_cast<uint32_t>((tiles + kSelectRow - 1) / kSelectRow);
@@ -558,7 +559,7 @@ Result<void> Scene::addFollowPass(const Frame& frame) {
   const uint64_t guides = object.guideCount_;
   const uint64_t follows = object.followCount_;
   const uint64_t vertices = object.vertexCount_;
-  if (follows == 0) return {};
+  if (!frame.internals.storesFollowHairs) return {};
   SimulationConstants constants = frame.commonConstants();
   constants.flags = 0;
   PassBuilder builder(frame.list);

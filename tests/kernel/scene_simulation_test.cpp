@@ -208,7 +208,8 @@ TEST_P(ExactScene, FollowHairsSleepWithTheirGuides) {
   const HairAsset asset = wavyAsset(20, 8);
   const auto follow = asset.generateFollowHairs({.countPerGuide = 3});
   ASSERT_TRUE(follow);
-  HairObject& hair = run_.add(asset, {.settings = calmSettings(), .followHairs = *follow});
+  HairObject& hair = run_.add(
+      asset, {.settings = calmSettings(), .followHairs = *follow, .storeFollowHairs = true});
   fallAsleep(hair);
   const std::vector<Float4> before = run_.positions(hair);
   for (int frame = 0; frame < 3; ++frame) run_.step();
@@ -218,6 +219,51 @@ TEST_P(ExactScene, FollowHairsSleepWithTheirGuides) {
   run_.step();
   const std::vector<Float4> moved = run_.positions(hair);
   for (size_t s = 0; s < 80; ++s) EXPECT_NEAR(moved[s * 8].x - before[s * 8].x, 0.1f, 1e-5);
+}
+
+TEST_P(ExactScene, FollowHairsLookTheSameWhetherTheyAreStoredOrNot) {
+  HairAsset asset = wavyAsset(30, 10);
+  asset.strandThickness.resize(30);
+  for (uint32_t s = 0; s < 30; ++s) asset.strandThickness[s] = 0.5f + 0.05f * static_cast<float>(s);
+  expectOk(asset.process());
+  const auto follow = asset.generateFollowHairs(
+      {.countPerGuide = 6, .guidesPerHair = 3, .maxRadius = 0.02f, .tipSeparation = 2});
+  ASSERT_TRUE(follow);
+  HairDef def = {.material = {.fiberRadius = 1e-3f}, .followHairs = *follow};
+  def.settings.tipSeparation = 0.7f;
+  HairObject& placed = run_.add(asset, def);
+  def.storeFollowHairs = true;
+  HairObject& stored = run_.add(asset, def);
+  for (int frame = 1; frame <= 20; ++frame) {
+    const Eigen::Matrix3d turn =
+        Eigen::AngleAxisd(0.07 * frame, Vector3d(1, 3, 2).normalized()).toRotationMatrix();
+    AffineTransform bone;
+    for (int i = 0; i < 3; ++i) bone.rows[i] = toFloat4(turn.row(i).transpose(), i == 0 ? 0.1 : 0);
+    placed.setBones({&bone, 1});
+    stored.setBones({&bone, 1});
+    run_.step();
+  }
+  std::vector<Float4> guides = run_.positions(stored);
+  guides.resize(size_t{30} * 10);
+  ASSERT_EQ(run_.positions(placed), guides);
+
+  const auto render = [&](HairObject& shown) {
+    placed.visible = &shown == &placed;
+    stored.visible = &shown == &stored;
+    return run_.render({0.1f, 0, 1.6f}, 320);
+  };
+  const RenderedImage a = render(placed), b = render(stored);
+  stored.drawnStrands = 30;
+  const RenderedImage alone = render(stored);
+  const auto off = [](const RenderedImage& one, const RenderedImage& other) {
+    size_t count = 0;
+    for (size_t i = 0; i < one.pixels.size(); ++i)
+      count += distance(one.pixels[i], other.pixels[i]) > 0.01 ||
+               std::abs(one.pixels[i].w - other.pixels[i].w) > 0.01f;
+    return count;
+  };
+  EXPECT_GT(off(alone, b), 2000u) << "the follow hairs cannot be seen";
+  EXPECT_LE(off(a, b), 5u);
 }
 
 TEST_P(ExactScene, ForcesOfABufferActLikeGravityAndWind) {

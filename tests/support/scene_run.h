@@ -5,6 +5,7 @@
 
 #include <cstring>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "pelage/scene.h"
@@ -41,6 +42,22 @@ class SceneRun {
     scene.finish(list_);
     expectOk(device_->update(scene.resources()));
     expectOk(device_->execute(list_));
+  }
+  /// What a camera at `eye` that looks along -z sees, square and with 45 degrees.
+  RenderedImage render(Float3 eye, uint32_t pixels) {
+    View view;
+    view.worldToClip = lookAt(eye, {eye.x, eye.y, eye.z - 1}, {0, 1, 0}, 0.785f, 1, 0.1f, 10.0f);
+    view.eye = eye;
+    view.width = view.height = pixels;
+    PassList list;
+    expectOk(scene.draw(view, {}, list));
+    scene.finish(list);
+    RenderTargetDef target;
+    target.width = target.height = pixels;
+    Result<RenderedImage> image = device_->render(list, target);
+    if (image) return std::move(*image);
+    ADD_FAILURE() << image.error().message;
+    return {pixels, pixels, std::vector<Float4>(size_t{pixels} * pixels)};
   }
   template <class T = Float4>
   std::vector<T> read(BufferId buffer) const {

@@ -68,6 +68,15 @@ class SceneTest : public testing::Test {
     return list_;
   }
 
+  /// The vertex kernel of the only object; as many instances as strands are drawn.
+  const KernelVariant* drawnWith(const HairObject& hair) {
+    PassList list;
+    const Result<void> drawn = scene_.draw({.width = 64, .height = 64}, {}, list);
+    EXPECT_TRUE(drawn) << drawn.error().message;
+    EXPECT_EQ(list.passes.at(0).instanceCount, hair.drawnStrands);
+    return list.passes.at(0).kernel;
+  }
+
   HairAsset asset_ = makeAsset();
   Scene scene_;
   HairId id_ = HairId::kInvalid;
@@ -80,13 +89,32 @@ TEST_F(SceneTest, WithoutFollowHairsThereIsNoFollowPassAndNoFollowBuffer) {
   EXPECT_EQ(hair.buffers().followStrands, BufferId::kInvalid);
 }
 
-TEST_F(SceneTest, FollowHairsAddOnePassAndOneBuffer) {
+TEST_F(SceneTest, StoredFollowHairsAddOnePassAndOneBuffer) {
   const auto follow = asset_.generateFollowHairs({.countPerGuide = 3});
   ASSERT_TRUE(follow);
-  const HairObject& hair = add({.followHairs = *follow});
+  const HairObject& hair = add({.followHairs = *follow, .storeFollowHairs = true});
   EXPECT_EQ(countPasses(simulate(), "update_follow_strands"), 1u);
   EXPECT_NE(hair.buffers().followStrands, BufferId::kInvalid);
   EXPECT_EQ(hair.strandCount(), 20u);
+  for (const BufferId buffer : {hair.buffers().positions, hair.buffers().tangents})
+    EXPECT_EQ(scene_.resources().find(buffer)->size, 20u * 8 * sizeof(Float4));
+  EXPECT_EQ(drawnWith(hair), &strandVertexVariant({}));
+}
+
+TEST_F(SceneTest, FollowHairsThatOnlyTheDrawingNeedsAreNeitherStoredNorUpdated) {
+  asset_.strandThickness.assign(asset_.strandCount, 0.5f);
+  const auto follow = asset_.generateFollowHairs({.countPerGuide = 3});
+  ASSERT_TRUE(follow);
+  HairObject& hair = add({.followHairs = *follow});
+  EXPECT_EQ(findPass(simulate(), "update_follow_strands"), nullptr);
+  EXPECT_EQ(hair.strandCount(), 20u);
+  for (const BufferId buffer : {hair.buffers().positions, hair.buffers().tangents})
+    EXPECT_EQ(scene_.resources().find(buffer)->size, 5u * 8 * sizeof(Float4));
+  EXPECT_EQ(scene_.resources().find(hair.buffers().strandThickness)->size, 20u * sizeof(float));
+  EXPECT_EQ(drawnWith(hair), &strandVertexVariant({.strandThickness = true, .followStrands = true}))
+      << "all " << hair.drawnStrands;
+  hair.drawnStrands = 5;
+  EXPECT_EQ(drawnWith(hair), &strandVertexVariant({.strandThickness = true}));
 }
 
 TEST_F(SceneTest, WhatIsSwitchedOffIsNotInThePermutation) {
@@ -207,7 +235,7 @@ TEST_F(SceneTest, RemovingAnObjectFreesItsBuffers) {
 
 TEST_F(SceneTest, PassesThatDependOnEachOtherAreSeparatedByBarriers) {
   const auto follow = asset_.generateFollowHairs({.countPerGuide = 1});
-  const HairObject& hair = add({.followHairs = *follow});
+  const HairObject& hair = add({.followHairs = *follow, .storeFollowHairs = true});
   simulate();
   const auto waitsFor = [&](const char* pass, BufferId buffer) {
     for (const Barrier& barrier : list_.barriersOf(*findPass(list_, pass)))

@@ -1,0 +1,258 @@
+// What other hair libraries get wrong, for both solvers in a scene; docs/stress.md has the list.
+#include <numbers>
+
+#include "stress/stress_run.h"
+
+namespace pelage::test {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+class Defects : public StressTest {
+ protected:
+  Defects() {
+    // See StressTest; none that could be seen.
+    settings_.wind.velocity.z = 1e-9f;
+    settings_.wind.gustStrength = settings_.wind.strandVariation = 0;
+  }
+  double largestStretch(const HairAsset& asset, const std::vector<Float4>& positions) const {
+    double worst = 0;
+    for (uint32_t s = 0; s < asset.strandCount; ++s)
+      worst = std::max(worst, stretchOf(asset, positions, s, 1e-4));
+    return worst;
+  }
+};
+
+HairAsset straightAsset(const std::vector<uint32_t>& counts, double length, const Vector3d& way) {
+  HairAsset asset;
+  asset.strandCount = static_cast<uint32_t>(counts.size());
+  asset.vertexCounts = counts;
+  asset.verticesPerStrand = *std::max_element(counts.begin(), counts.end());
+  for (uint32_t s = 0; s < counts.size(); ++s) {
+    for (uint32_t v = 0; v < asset.verticesPerStrand; ++v) {
+      const double share = static_cast<double>(std::min(v, counts[s] - 1)) / (counts[s] - 1);
+      const Vector3d p = Vector3d(0.001 * s, 0, 0) + way * (length * share);
+      asset.positions.push_back(toFloat4(p, v < 2 ? 0 : 1));
+    }
+  }
+  expectOk(asset.process());
+  return asset;
+}
+
+// K3, K6: in flight, and pressed onto a collider.
+TEST_P(Defects, TangentsAreThoseOfThePositionsUpToTheTip) {
+  const HairAsset asset = wavyAsset(33, 16);
+  const HairId id = add(asset, {.settings = settings_});
+  HairObject& hair = run_.scene.hair(id);
+  for (int frame = 0; frame < 30; ++frame) {
+    const CapsuleCollider ball = {.head = {0, -0.3f + 0.01f * static_cast<float>(frame), 0},
+                                  .headRadius = 0.15f,
+                                  .tail = {0, -0.3f + 0.01f * static_cast<float>(frame), 0},
+                                  .tailRadius = 0.15f};
+    hair.setColliders({&ball, 1});
+    run_.step();
+  }
+  const std::vector<Float4> positions = run_.positions(hair);
+  const std::vector<Float4> tangents = run_.read(hair.buffers().tangents);
+  double worst = 0;
+  for (size_t i = 0; i < positions.size(); ++i) {
+    const size_t v = i % 16, before = v > 0 ? i - 1 : i, after = v < 15 ? i + 1 : i;
+    const Vector3d across = toVector(positions[after]) - toVector(positions[before]);
+    worst = std::max(worst, (across.normalized() - toVector(tangents[i])).norm());
+  }
+  EXPECT_LT(worst, 1e-4);
+  EXPECT_LT(largestStretch(asset, positions), 1e-3);
+}
+
+// K5
+TEST_P(Defects, HangingHairIsAsLongAsItWasMadeForEveryVertexCount) {
+  const HairAsset asset = straightAsset({8, 16, 32, 64, 128}, 0.3, {0.6, -0.8, 0});
+  const HairId id = add(asset, {.settings = settings_});
+  const HairObject& hair = run_.scene.hair(id);
+  for (int frame = 0; frame < 120; ++frame) run_.step();
+  EXPECT_LT(largestStretch(asset, run_.positions(hair)), 1e-3);
+}
+
+// K8
+TEST_P(Defects, EveryVertexCountFrom2To256IsSimulatedInFull) {
+  std::vector<uint32_t> counts;
+  for (uint32_t n = 2; n <= 256; n += exact() ? 1 : 254) counts.push_back(n);
+  const HairAsset asset = straightAsset(counts, 0.3, {1, 0, 0});
+  settings_.localStiffness = 0;
+  settings_.bendLength = 0.02f;
+  const HairId id = add(asset, {.settings = settings_});
+  const HairObject& hair = run_.scene.hair(id);
+  for (int frame = 0; frame < 12; ++frame) run_.step();
+  const std::vector<Float4> positions = run_.positions(hair);
+  EXPECT_LT(largestStretch(asset, positions), 1e-3);
+  for (uint32_t s = 0; s < counts.size(); ++s) {
+    if (counts[s] < 4) continue;
+    const size_t tip = size_t{s} * asset.verticesPerStrand + counts[s] - 1;
+    EXPECT_LT(positions[tip].y, -0.05f) << counts[s] << " vertices: the tip falls";
+  }
+}
+
+// K7, K18
+TEST_P(Defects, AMoveOf40Or200MetresTakesTheHairAlong) {
+  const HairAsset asset = wavyAsset(9, 12);
+  const HairId id = add(asset, {.settings = settings_});
+  HairObject& hair = run_.scene.hair(id);
+  for (const double way : {0.0, 40.0, 240.0, 40.0}) {
+    AffineTransform bone;
+    bone.rows[1].w = static_cast<float>(way);
+    hair.setBones({&bone, 1});
+    for (int frame = 0; frame < 2; ++frame) run_.step();
+    const std::vector<Float4> positions = run_.positions(hair);
+    EXPECT_LT(largestStretch(asset, positions), 0.02) << "rounding at 240 m included";
+    for (size_t i = 0; i < positions.size(); i += 12)
+      EXPECT_LT(std::abs(positions[i].y - asset.positions[i].y - static_cast<float>(way)), 1e-4f);
+  }
+}
+
+// K12: neither twist nor length is lost, whatever the share.
+TEST_P(Defects, ShockPropagationCarriesTheWholeShapeThroughAHalfTurnInOneFrame) {
+  const HairAsset asset = wavyAsset(17, 12);
+  settings_.gravity = {};
+  settings_.vspCoefficient = 1;
+  const HairId id = add(asset, {.settings = settings_});
+  HairObject& hair = run_.scene.hair(id);
+  for (int frame = 0; frame < 5; ++frame) run_.step();
+  const Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(0.999 * kPi, Vector3d(1, 2, -0.5).normalized()).toRotationMatrix();
+  const Vector3d shift(0.2, -0.1, 0.3);
+  const AffineTransform bone = toTransform(turn, shift);
+  hair.setBones({&bone, 1});
+  run_.step();
+  const std::vector<Float4> positions = run_.positions(hair);
+  double worst = 0;
+  for (size_t i = 0; i < positions.size(); ++i) {
+    const Vector3d goal = turn * toVector(asset.positions[i]) + shift;
+    worst = std::max(worst, (toVector(positions[i]) - goal).norm());
+  }
+  EXPECT_LT(worst, 1e-3) << "of 0.3 m";
+}
+
+// K13: half turns of the root that nothing softens, on either side of 180 degrees.
+TEST_P(Defects, HairComesBackToItsShapeAfterHalfTurns) {
+  const HairAsset asset = straightAsset({12, 12, 12, 12}, 0.1, {0, -1, 0});
+  settings_.gravity = {};
+  settings_.damping = 0.2f;
+  settings_.bendLength = 0.3f;
+  settings_.vspCoefficient = 0;
+  const HairId id = add(asset, {.settings = settings_});
+  HairObject& hair = run_.scene.hair(id);
+  for (const double degrees : {179.0, 180.0, 181.0, 360.0}) {
+    const Eigen::Matrix3d turn =
+        Eigen::AngleAxisd(degrees / 180 * kPi, Vector3d(1, 0, 0)).toRotationMatrix();
+    const AffineTransform bone = toTransform(turn, Vector3d(0, 0, 0));
+    hair.setBones({&bone, 1});
+    for (int frame = 0; frame < 180; ++frame) run_.step();
+    const std::vector<Float4> positions = run_.positions(hair);
+    double worst = 0;
+    for (size_t i = 0; i < positions.size(); ++i) {
+      const Vector3d goal = turn * toVector(asset.positions[i]);
+      worst = std::max(worst, (toVector(positions[i]) - goal).norm());
+    }
+    EXPECT_LT(worst, 2e-3) << degrees << " degrees, of 0.1 m";
+  }
+}
+
+// K14
+TEST_P(Defects, ACapsuleWhoseEndsCoincideIsASphere) {
+  const HairAsset asset = straightAsset({32, 32}, 0.3, {1, 0, 0});
+  const CapsuleCollider ball = {
+      .head = {0.1f, -0.1f, 0}, .headRadius = 0.08f, .tail = {0.1f, -0.1f, 0}, .tailRadius = 0.08f};
+  const HairId id = add(asset, {.settings = settings_});
+  HairObject& hair = run_.scene.hair(id);
+  hair.setColliders({&ball, 1});
+  double deepest = 0, nearest = 1;
+  for (int frame = 0; frame < 240; ++frame) {
+    run_.step();
+    if (frame < 120) continue;
+    for (const Float4& p : run_.positions(hair)) {
+      const double outside =
+          (toVector(p) - Vector3d(static_cast<double>(0.1f), static_cast<double>(-0.1f), 0))
+              .norm() -
+          static_cast<double>(0.08f);
+      deepest = std::max(deepest, -outside);
+      nearest = std::min(nearest, outside);
+    }
+  }
+  EXPECT_LT(deepest, 1e-3) << "metres";
+  EXPECT_LT(nearest, 3e-3) << "the hair lies on it";
+  EXPECT_LT(largestStretch(asset, run_.positions(hair)), 1e-3);
+}
+
+// K14: a sphere that turns about nothing moves past the hair in any direction and takes it along.
+TEST_P(Defects, FrictionActsInEveryDirection) {
+  settings_.localStiffness = 0.05f;
+  // The bar below lies along x or along z; it moves along x in both cases.
+  for (const bool along : {true, false}) {
+    double tipAt[2] = {};
+    for (const bool rough : {false, true}) {
+      const HairAsset asset = straightAsset({24}, 0.3, {0, -0.28, 0.96});
+      const HairId id = add(asset, {.settings = settings_});
+      HairObject& hair = run_.scene.hair(id);
+      for (int frame = 0; frame < 90; ++frame) {
+        const float x = 0.001f * static_cast<float>(std::max(0, frame - 40));
+        const Vector3d half = along ? Vector3d(1, 0, 0) : Vector3d(0, 0, 1);
+        const Vector3d center(static_cast<double>(x), -0.17, 0.1);
+        const Vector3d head = center - half, tail = center + half;
+        const auto narrow = [](const Vector3d& v) {
+          const Float4 p = toFloat4(v);
+          return Float3{p.x, p.y, p.z};
+        };
+        const CapsuleCollider bar = {.head = narrow(head),
+                                     .headRadius = 0.1f,
+                                     .tail = narrow(tail),
+                                     .tailRadius = 0.1f,
+                                     .friction = rough ? 0.8f : 0.0f};
+        hair.setColliders({&bar, 1});
+        run_.step();
+      }
+      tipAt[rough ? 1 : 0] = static_cast<double>(run_.positions(hair).back().x);
+      remove(id);
+    }
+    EXPECT_GT(tipAt[1], tipAt[0] + 2e-3) << (along ? "along" : "across") << " the bar";
+  }
+}
+
+// K15: hair leans the same way for either sign, the tip most of all, at any count of segments.
+TEST_P(Defects, WindBlowsAlongItsVector) {
+  settings_.bendLength = 0.15f;
+  settings_.localStiffness = 0.3f;
+  settings_.damping = 0.1f;
+  double leanOf[2][2] = {};
+  for (const int sign : {1, -1}) {
+    settings_.wind.velocity = {0, 0, 3.0f * static_cast<float>(sign)};
+    const HairAsset asset = straightAsset({12, 48}, 0.3, {0, -1, 0});
+    const HairId id = add(asset, {.settings = settings_});
+    const HairObject& hair = run_.scene.hair(id);
+    for (int frame = 0; frame < 240; ++frame) run_.step();
+    const std::vector<Float4> positions = run_.positions(hair);
+    for (uint32_t s = 0; s < 2; ++s) {
+      const size_t first = size_t{s} * asset.verticesPerStrand, tip = first + asset.vertexCounts[s];
+      double before = 0;
+      for (size_t i = first + 2; i < tip; ++i) {
+        const double lean = sign * static_cast<double>(positions[i].z);
+        EXPECT_GT(lean, before) << "strand " << s << ", vertex " << i - first;
+        EXPECT_LT(std::abs(positions[i].x - positions[first].x), exact() ? 1e-4f : 1e-2f);
+        before = lean;
+      }
+      leanOf[sign > 0 ? 0 : 1][s] = before;
+    }
+    remove(id);
+  }
+  for (uint32_t s = 0; s < 2; ++s) EXPECT_NEAR(leanOf[0][s], leanOf[1][s], 1e-4) << "strand " << s;
+  if (exact()) {
+    EXPECT_NEAR(leanOf[0][0], leanOf[0][1], 0.1 * leanOf[0][0]);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Defects,
+                         testing::Combine(testing::ValuesIn(kApis),
+                                          testing::Values(Solver::kExact, Solver::kClassic)),
+                         stressTestName);
+
+}  // namespace
+}  // namespace pelage::test

@@ -1,0 +1,116 @@
+// A million steps: strands that swing without damping gain no energy and do not wander.
+#include "stress/stress_run.h"
+
+namespace pelage::test {
+namespace {
+
+constexpr uint32_t kStrands = 32, kVertices = 4;
+constexpr double kLength = 0.3;
+
+/// Straight strands that start at different angles, from hanging to nearly upright.
+HairAsset swingingAsset() {
+  HairAsset asset;
+  asset.strandCount = kStrands;
+  asset.verticesPerStrand = kVertices;
+  for (uint32_t s = 0; s < kStrands; ++s) {
+    const double angle = 2.5 * s / (kStrands - 1), around = 0.7 * s;
+    const Vector3d way(std::sin(angle) * std::cos(around), -std::cos(angle),
+                       std::sin(angle) * std::sin(around));
+    for (uint32_t v = 0; v < kVertices; ++v) {
+      const Vector3d p = Vector3d(0.01 * s, 0, 0) + way * (kLength * v / (kVertices - 1));
+      asset.positions.push_back(toFloat4(p, v < 2 ? 0 : 1));
+    }
+  }
+  expectOk(asset.process());
+  return asset;
+}
+
+/// Height of the free vertices above the lowest that the strand can hang, over its length: their
+/// potential energy over m g L. The tip stands for half an edge.
+double heightOf(const std::vector<Float4>& positions, uint32_t strand) {
+  double sum = 0, mass = 0;
+  for (uint32_t v = 2; v < kVertices; ++v) {
+    const double m = v + 1 == kVertices ? 0.5 : 1;
+    sum += m * toVector(positions[strand * kVertices + v]).y();
+    mass += m;
+  }
+  return sum / mass / kLength;
+}
+
+class LongRun : public StressTest {
+ protected:
+  LongRun() {
+    settings_.damping = 0;
+    settings_.bendLength = 0.01f;
+    settings_.localStiffness = 0;
+    settings_.vspCoefficient = 0;
+    settings_.maxSpeed = 1e6f;
+    settings_.sleep.enabled = false;
+    // None that could be seen; see StressTest.
+    settings_.wind.velocity.z = settings_.airDrag = 1e-9f;
+  }
+};
+
+TEST_P(LongRun, AMillionStepsOfAnUndampedSwingGainNoEnergyAndDoNotWander) {
+  // Of the lists that a frame may have, the longest: 4 steps of 1/60 s in 32 sub-steps each. The
+  // classic solver has no sub-steps.
+  settings_.subSteps = exact() ? 32 : 1;
+  const uint32_t stepsAList = exact() ? 128 : 4;
+  const uint32_t lists = fullStress()          ? 1000000 / stepsAList
+                         : kSanitized          ? 50
+                         : api() == Api::kGles ? 100
+                         : exact()             ? 1000
+                                               : 5000;
+  const HairAsset asset = swingingAsset();
+  const HairId id = add(asset, {.settings = settings_});
+  HairObject& hair = run_.scene.hair(id);
+  std::vector<double> start, highest(kStrands, -2);
+  for (uint32_t s = 0; s < kStrands; ++s) start.push_back(heightOf(asset.positions, s));
+  double stretch = 0, moved = 0;
+  for (uint32_t list = 0; list < lists; ++list) {
+    run_.step(4.0f / 60);
+    if (list % 10 != 0 && list + 1 != lists) continue;
+    const std::vector<Float4> positions = run_.positions(hair);
+    ASSERT_TRUE(allFinite(positions)) << "list " << list;
+    for (uint32_t s = 0; s < kStrands; ++s) {
+      highest[s] = std::max(highest[s], heightOf(positions, s));
+      stretch = std::max(stretch, stretchOf(asset, positions, s, 1e-5));
+      for (uint32_t v = 0; v < 2; ++v) {
+        const size_t i = s * kVertices + v;
+        moved = std::max(moved, distance(positions[i], asset.positions[i]));
+      }
+    }
+  }
+  double gained = -1;
+  for (uint32_t s = 0; s < kStrands; ++s) gained = std::max(gained, highest[s] - start[s]);
+  EXPECT_LE(gained, 0.01) << "of m g L";
+  EXPECT_LE(stretch, 1e-4);
+  EXPECT_LE(moved, 1e-6) << "of the roots, in metres";
+
+  // With damping they hang where new ones do. Stiffer, since limp hair loses its twist slowly.
+  settings_.damping = hair.settings.damping = 0.2f;
+  settings_.bendLength = hair.settings.bendLength = 0.05f;
+  hair.settings.subSteps = 1;
+  for (int frame = 0; frame < 600; ++frame) run_.step();
+  const std::vector<Float4> old = run_.positions(hair);
+  remove(id);
+  settings_.subSteps = 1;
+  const HairObject& fresh = run_.scene.hair(add(asset, {.settings = settings_}));
+  for (int frame = 0; frame < 900; ++frame) run_.step();
+  const std::vector<Float4> young = run_.positions(fresh);
+  double drift = 0;
+  for (size_t i = 0; i < old.size(); ++i) drift = std::max(drift, distance(old[i], young[i]));
+  EXPECT_LE(drift, 1e-4);
+  std::printf(
+      "[ FIGURE ] long run, %s: %u steps in %u lists; energy gained %.3g %% of m g L, stretch %.3g "
+      "%%, where it hangs afterwards %.3g mm from new hair\n",
+      label().c_str(), lists * stepsAList, lists, 100 * gained, 100 * stretch, 1000 * drift);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, LongRun,
+                         testing::Combine(testing::ValuesIn(kApis),
+                                          testing::Values(Solver::kExact, Solver::kClassic)),
+                         stressTestName);
+
+}  // namespace
+}  // namespace pelage::test
