@@ -55,7 +55,8 @@ class DemoScene {
   pelage::Scene scene_;
   pelage::HairId hair_ = pelage::HairId::kInvalid;
   std::optional<MeshObject> mesh_;
-  std::vector<pelage::CapsuleCollider> capsules_;  ///< in bind space; the first one on the neck bone
+  std::vector<pelage::CapsuleCollider>
+      capsules_;  ///< in bind space; the first one on the neck bone
   pelage::Skeleton skeleton_;
   uint32_t boneCount_ = 1;
   CameraDef cameraDef_;
