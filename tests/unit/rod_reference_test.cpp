@@ -584,8 +584,9 @@ TEST(ExactRod, NeverGainsEnergyWithDragAndTheToleranceThatGoesWithIt) {
     }
   }
   expectAtMost("growth of energy with drag, % of mgL", worst, 0.05);
+  const double mostPasses = kEnergyFrames < 2000 ? 1.7 : 1.3;  // as above
   expectAtMost("mean Newton passes with drag",
-               static_cast<double>(passes) / static_cast<double>(steps), 1.3);
+               static_cast<double>(passes) / static_cast<double>(steps), mostPasses);
 }
 
 TEST(ExactRod, NeverGainsEnergyInTenThousandFrames) {
