@@ -47,7 +47,9 @@ class Scene {
   ///   into equal sub-steps, at most kMaxSubSteps of them; time beyond that is dropped. The exact
   ///   solver cuts each of them further into SimulationSettings::subSteps.
   /// \param list cleared first.
-  /// Errors: dt or a setting is out of range; an object with too many strands for one dispatch.
+  /// Errors: dt or a setting is out of range; a share without HairDef::levelOfDetail; a buffer of
+  /// setForces() that is too small; an object with too many strands for one dispatch. After one of
+  /// the first three nothing has changed: bones and resets wait for the next frame.
   Result<void> simulate(float dt, PassList& list);
   /// Adds draws of all visible hair objects to a list (which is not cleared).
   Result<void> draw(const View& view, const Light& light, PassList& list);
@@ -65,12 +67,13 @@ class Scene {
   void addSolverBuffers(HairObject& object);
   void removeSolverBuffers(HairObject& object);
   void removeBuffer(BufferId& buffer);
+  Result<void> checkObject(const HairObject& object) const;
   Result<void> simulateObject(HairObject& object, float length, uint32_t steps, PassList& list);
   Result<void> addRootPass(const Frame& frame);
   Result<void> addClassicPasses(const Frame& frame);
   Result<void> addExactPasses(Frame& frame);
   Result<void> addSleepPass(Frame& frame, ExactConstants constants);
-  Result<void> setLevelOfDetail(const Frame& frame, ExactConstants& constants);
+  void setLevelOfDetail(const Frame& frame, ExactConstants& constants);
   Result<void> addInterpolationPass(const Frame& frame, const ExactConstants& constants,
                                     uint32_t strands);
   void bindExact(const Frame& frame, PassBuilder& builder) const;

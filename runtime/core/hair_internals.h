@@ -92,6 +92,8 @@ float longestStrand(const HairAsset& asset);
 Float3 moveOrigin(HairInternals& hair);
 /// Bones relative to the origin, as the kernels read them.
 std::vector<Float4> packBones(const HairInternals& hair);
+/// True for other colliders than before; those that only move are not.
+bool areReplaced(std::span<const CapsuleCollider> before, std::span<const CapsuleCollider> now);
 /// Colliders of this frame that strands may reach, relative to the origin.
 std::vector<Collider> packColliders(const HairInternals& hair);
 

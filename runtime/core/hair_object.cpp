@@ -203,6 +203,14 @@ std::vector<Float4> packBones(const HairInternals& hair) {
   return packed;
 }
 
+bool areReplaced(std::span<const CapsuleCollider> before, std::span<const CapsuleCollider> now) {
+  return !std::equal(before.begin(), before.end(), now.begin(), now.end(),
+                     [](const CapsuleCollider& a, const CapsuleCollider& b) {
+                       return isUsable(a) == isUsable(b) && a.headRadius == b.headRadius &&
+                              a.tailRadius == b.tailRadius && a.friction == b.friction;
+                     });
+}
+
 std::vector<Collider> packColliders(const HairInternals& hair) {
   std::vector<Collider> packed;
   if (hair.colliders.empty()) return packed;

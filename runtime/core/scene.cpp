@@ -4,19 +4,14 @@
 #include <cmath>
 #include <iterator>
 
-#include "exact_solver.h"
-#include "hair_internals.h"
-#include "pelage/gpu_structs.h"
 #include "pelage/kernels.h"
+#include "scene_frame.h"
 
 namespace pelage {
-namespace {
 
-template <class T>
-std::vector<std::byte> bytesOf(const std::vector<T>& values) {
-  const auto bytes = std::as_bytes(std::span(values));
-  return {bytes.begin(), bytes.end()};
-}
+using detail::bytesOf;
+
+namespace {
 
 Float3 normalized(Float3 v, Float3 fallback) {
   const float length = std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);

@@ -1,16 +1,26 @@
 // The passes that advance hair objects.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 
 #include "exact_solver.h"
 #include "hair_internals.h"
 #include "pelage/gpu_structs.h"
 #include "pelage/kernels.h"
-#include "pelage/scene.h"
+#include "scene_frame.h"
 
 namespace pelage {
+
+using detail::bytesOf;
+using detail::followThreads;
+using detail::isZero;
+using detail::kFollowArguments;
+using detail::kRootTransformSets;
+using detail::kSleepHead;
+using detail::kVector;
+using detail::tileCount;
+using detail::usesVsp;
+
 namespace {
 
 // The step that the artist's 0..1 values are defined at [s].
@@ -18,41 +28,10 @@ constexpr double kReferenceStep = 1.0 / 60.0;
 // Bits of SimulationConstants::flags, as in kernels/layouts/simulation.hlsli.
 constexpr uint32_t kClassicReset = 1;
 constexpr uint32_t kClassicRebase = 2;
-// Bits of ExactConstants::flags, as in kernels/layouts/exact.hlsli.
-constexpr uint32_t kExactReset = 1;
-constexpr uint32_t kExactLast = 2;
-constexpr uint32_t kExactRebase = 4;
-constexpr uint32_t kExactSleep = 8;
-constexpr uint32_t kExactWakeAll = 16;
-constexpr uint32_t kExactChanged = 32;
-constexpr uint32_t kExactRestart = 64;
-// A change of the level of detail over all guides takes this long [s]; and the share of them, one
-// in so many, that fade.
-constexpr double kLevelOfDetailSeconds = 0.25;
-constexpr uint32_t kFadingShare = 8;
-// Words of g_sleep before its list, as there; and where the groups of the follow strands are.
-constexpr uint64_t kSleepHead = 8;
-constexpr uint64_t kFollowArguments = 4 * sizeof(uint32_t);
-// Groups in a row of select_awake_tiles, and tiles that an indirect dispatch can list.
-constexpr uint32_t kSelectRow = 32768;
-constexpr uint32_t kMaxListedTiles = 65535;
-// Root frames a guide in g_rootTransforms, as there.
-constexpr uint64_t kRootTransformSets = 2;
 // Stiffness 1 would be an infinite spring.
 constexpr double kMaxGlobalStiffness = 0.9999;
 // Beyond this the local shape's sweeps overshoot; found by sweeping it on curled strands.
 constexpr double kMaxLocalStiffness = 0.95;
-constexpr uint64_t kVector = sizeof(Float4);
-// Threads of an exact dispatch in x, as in simulate_rods.
-constexpr uint32_t kExactRow = 1u << 20;
-
-template <class T>
-std::vector<std::byte> bytesOf(const std::vector<T>& values) {
-  const auto bytes = std::as_bytes(std::span(values));
-  return {bytes.begin(), bytes.end()};
-}
-
-bool isZero(Float3 v) { return v.x == 0 && v.y == 0 && v.z == 0; }
 
 // A share s of the way to a goal in 1/60 s as a share for a step of h: a spring of the same
 // frequency, solved implicitly.
@@ -63,44 +42,8 @@ double mapStiffness(double s, double h) {
 }
 
 bool usesGoals(const SimulationSettings& s) { return s.globalStiffness > 0 && s.globalRange > 0; }
-// Other colliders than before; those that only move are not.
-bool collidersReplaced(std::span<const CapsuleCollider> before,
-                       std::span<const CapsuleCollider> now) {
-  return !std::equal(before.begin(), before.end(), now.begin(), now.end(),
-                     [](const CapsuleCollider& a, const CapsuleCollider& b) {
-                       return a.headRadius == b.headRadius && a.tailRadius == b.tailRadius &&
-                              a.friction == b.friction;
-                     });
-}
-
-uint64_t tileCount(uint64_t strands) {
-  return (strands + detail::kTileStrands - 1) / detail::kTileStrands;
-}
-// Threads in x of update_follow_strands, as there.
-uint32_t followThreads(uint32_t strands) { return (strands + 3) / 4; }
-bool usesVsp(const SimulationSettings& s) {
-  return s.vspCoefficient > 0 || std::isfinite(s.vspThreshold);
-}
 
 }  // namespace
-
-// A frame of one object.
-struct Scene::Frame {
-  HairObject& object;
-  detail::HairInternals& internals;
-  const SimulationSettings& settings;
-  PassList& list;
-  float length;  ///< [s]
-  uint32_t steps;
-  detail::AirMotion air;
-  bool reset;
-  Float3 rebase;
-  uint32_t colliderCount;
-  bool sleeps;
-  bool collidersReplaced;
-
-  SimulationConstants commonConstants() const;
-};
 
 void Scene::removeSolverBuffers(HairObject& object) {
   HairBuffers& buffers = object.buffers_;
@@ -185,6 +128,13 @@ Result<void> Scene::simulate(float dt, PassList& list) {
   const auto subSteps = static_cast<uint32_t>(std::clamp(steps, 1.0, double{kMaxSubSteps}));
   const auto frame =
       static_cast<float>(std::min(static_cast<double>(dt), kMaxSubSteps * kReferenceStep));
+  // Before anything changes, so that a frame that is refused loses nothing.
+  for (const auto& object : objects_) {
+    if (object == nullptr) continue;
+    if (Result<void> valid = checkObject(*object); !valid) {
+      return Error{valid.error().code, "hair '" + object->name_ + "': " + valid.error().message};
+    }
+  }
   for (const auto& object : objects_) {
     if (object == nullptr) continue;
     if (Result<void> done = simulateObject(*object, frame, subSteps, list); !done) {
@@ -196,12 +146,34 @@ Result<void> Scene::simulate(float dt, PassList& list) {
   return {};
 }
 
+// What an application can get wrong from frame to frame.
+Result<void> Scene::checkObject(const HairObject& object) const {
+  const auto refuse = [](const std::string& what) {
+    return Error{ErrorCode::kInvalidArgument, what};
+  };
+  if (Result<void> valid = validate(object.settings); !valid) return valid;
+  if (object.settings.solver != Solver::kExact) return {};
+  const float share = object.simulatedShare;
+  if (!(share >= 0 && share <= 1))
+    return refuse("simulatedShare is " + std::to_string(share) + ", but must be in 0..1");
+  if (share < 1 && !object.internals_->levelOfDetail)
+    return refuse("simulatedShare is below 1; set HairDef::levelOfDetail for it");
+  if (const BufferId id = object.buffers_.forces; id != BufferId::kInvalid) {
+    const BufferDesc* forces = resources_.find(id);
+    const uint64_t bytes = uint64_t{object.guideCount_} * object.vertexCount_ * kVector;
+    if (forces == nullptr || forces->size < bytes) {
+      return refuse("the buffer of setForces() " +
+                    (forces == nullptr ? "does not exist"
+                                       : "has " + std::to_string(forces->size) + " bytes") +
+                    "; it takes " + std::to_string(bytes));
+    }
+  }
+  return {};
+}
+
 Result<void> Scene::simulateObject(HairObject& object, float length, uint32_t steps,
                                    PassList& list) {
   const SimulationSettings& s = object.settings;
-  if (Result<void> valid = validate(s); !valid) {
-    return Error{valid.error().code, "hair '" + object.name_ + "': " + valid.error().message};
-  }
   addSolverBuffers(object);
   addHairGrid(object);
   detail::HairInternals& internals = *object.internals_;
@@ -219,7 +191,7 @@ Result<void> Scene::simulateObject(HairObject& object, float length, uint32_t st
       .rebase = detail::moveOrigin(internals),
       .colliderCount = 0,
       .sleeps = false,
-      .collidersReplaced = collidersReplaced(internals.collidersBefore, internals.colliders)};
+      .collidersReplaced = detail::areReplaced(internals.collidersBefore, internals.colliders)};
   internals.stillFrames = internals.bonesChanged || frame.reset ? 0 : internals.stillFrames + 1;
   if (internals.bonesChanged) {
     const std::vector<Float4> bones = detail::packBones(internals);
@@ -354,203 +326,6 @@ Result<void> Scene::addClassicPasses(const Frame& frame) {
     if (Result<void> added = builder.finish(); !added) return added;
   }
   return {};
-}
-
-// The tiles that sleep in this frame; nothing where all are awake for sure.
-Result<void> Scene::addSleepPass(Frame& frame, ExactConstants constants) {
-  const SimulationSettings& s = frame.settings;
-  HairObject& object = frame.object;
-  detail::HairInternals& internals = frame.internals;
-  const HairBuffers& buffers = object.buffers_;
-  const uint64_t tiles = tileCount(object.guideCount_);
-  const bool gusts = !isZero(s.wind.velocity) && s.wind.gustStrength > 0 && s.damping > 0;
-  const bool forced = forcesOf(object) != BufferId::kInvalid;
-  const bool refined = internals.simulatedCount != internals.simulatedBefore;
-  internals.simulatedBefore = internals.simulatedCount;
-  frame.sleeps = s.sleep.enabled && !gusts && !forced && tiles <= kMaxListedTiles;
-  const bool wake = frame.reset || !isZero(frame.rebase) || !internals.sleptBefore || refined ||
-                    frame.collidersReplaced || s != internals.settingsBefore;
-  internals.sleptBefore = frame.sleeps;
-  if (!frame.sleeps) return {};
-
-  const KernelVariant& follow = updateFollowStrandsVariant({});
-  const auto groups = [](uint32_t threads, uint32_t size) { return (threads + size - 1) / size; };
-  const uint32_t head[kSleepHead] = {
-      0, 1, 1, 0, 0, groups(object.vertexCount_, follow.groupSize[1]), 1, 0};
-  addUpload(frame.list, buffers.sleep, std::as_bytes(std::span(head)));
-  constants.flags = wake ? kExactWakeAll : 0;
-  constants.rootBegin = 0;
-  constants.rootEnd = 1;
-  constants.slot = internals.slot;
-  if (internals.storesFollowHairs)
-    constants.followGroups = groups(followThreads(object.followCount_), follow.groupSize[0]);
-  PassBuilder builder(frame.list);
-  const auto columns = static_cast<uint32_t>(std::min<uint64_t>(tiles, kSelectRow));
-  const auto rows = static_cast<uint32_t>((tiles + kSelectRow - 1) / kSelectRow);
-  builder.dispatch(selectAwakeTilesVariant({.colliders = frame.colliderCount > 0}),
-                   columns * detail::kTileStrands, rows);
-  bindExact(frame, builder);
-  builder.constants("ExactConstants", constants)
-      .bytes(object.guideCount_ * sizeof(uint32_t) + tiles * 2 * sizeof(uint32_t));
-  return builder.finish();
-}
-
-// Offers what the kernels of the group "exact" read and write.
-void Scene::bindExact(const Frame& frame, PassBuilder& builder) const {
-  const HairObject& object = frame.object;
-  const HairBuffers& buffers = object.buffers_;
-  const uint64_t guides = object.guideCount_;
-  const uint64_t vertices = guides * object.vertexCount_;
-  const uint64_t stride = frame.internals.stateStride;
-  builder.bind("g_positions", buffers.positions, vertices * kVector)
-      .bind("g_tangents", buffers.tangents, vertices * kVector)
-      .bind("g_state", buffers.state, detail::exactStateCount(stride, guides) * kVector)
-      .bind("g_gains", buffers.gains, detail::kExactGainSets * stride * kVector)
-      .bind("g_rest", buffers.rest, frame.internals.restSets.count() * stride * kVector)
-      .bind("g_rootFrames", buffers.rootTransforms,
-            kRootTransformSets * guides * sizeof(RootTransform))
-      .bind("g_strands", buffers.strands, guides * sizeof(ExactStrand))
-      .bind("g_exactColliders", buffers.colliders, frame.colliderCount * sizeof(Collider))
-      .bind("g_forces", forcesOf(object), vertices * kVector)
-      .bind("g_lodParents", buffers.lodParents, guides * sizeof(uint32_t))
-      .bind("g_sleep", buffers.sleep,
-            (kSleepHead + 2 * tileCount(guides) + guides) * sizeof(uint32_t));
-}
-
-Result<void> Scene::addExactPasses(Frame& frame) {
-  const SimulationSettings& s = frame.settings;
-  HairObject& object = frame.object;
-  detail::HairInternals& internals = frame.internals;
-  const HairBuffers& buffers = object.buffers_;
-  const uint64_t vertices = uint64_t{object.guideCount_} * object.vertexCount_;
-  const uint32_t steps = frame.steps * s.subSteps;
-  const double h = static_cast<double>(frame.length) / steps;
-
-  ExactConstants constants = {};
-  constants.origin = {internals.origin.x, internals.origin.y, internals.origin.z, 0};
-  constants.rebase = {frame.rebase.x, frame.rebase.y, frame.rebase.z, 0};
-  constants.strandCount = object.guideCount_;
-  constants.stateStride = internals.stateStride;
-  constants.rootCount = object.guideCount_;
-  constants.outputCount = static_cast<uint32_t>(vertices);
-  constants.outputVertices = object.vertexCount_;
-  constants.colliderCount = frame.colliderCount;
-  constants.frameTime = frame.length;
-  constants.frameTimeBefore =
-      frame.reset || !(internals.lastFrame > 0) ? frame.length : internals.lastFrame;
-
-  constants.parameterSet = internals.restSets.factors ? internals.restSets.count() - 1 : 0;
-  constants.restSpeed = s.sleep.speed;
-  constants.restTime = s.sleep.time;
-  constants.wakeDistance = s.sleep.wakeDistance;
-  constants.slotsBack = (4 - steps % 4) % 4;
-  const uint32_t countBefore = internals.simulatedCount;
-  if (Result<void> set = setLevelOfDetail(frame, constants); !set) return set;
-  if (Result<void> added = addSleepPass(frame, constants); !added) return added;
-  if (countBefore > 0 && internals.simulatedCount > countBefore && !frame.reset) {
-    ExactConstants restart = constants;
-    restart.flags = kExactRestart;
-    restart.restartFrom = countBefore;
-    restart.slot = internals.slot;
-    const Result<void> added =
-        addInterpolationPass(frame, restart, internals.simulatedCount - countBefore);
-    if (!added) return added;
-  }
-
-  SimulateRodsKey key;
-  key.globalShape = internals.restSets.goals;
-  key.forces = forcesOf(object) != BufferId::kInvalid;
-  key.damping = s.relaxationTime > 0;
-  key.colliders = frame.colliderCount > 0;
-  key.velocityShockPropagation = usesVsp(s);
-  const KernelVariant& variant = simulateRodsVariant(key);
-  if (buffers.forces != BufferId::kInvalid) {
-    const BufferDesc* forces = resources_.find(buffers.forces);
-    if (forces == nullptr || forces->size < vertices * kVector) {
-      return Error{ErrorCode::kInvalidArgument,
-                   "hair '" + object.name_ + "': the buffer of setForces() " +
-                       (forces == nullptr ? "does not exist"
-                                          : "has " + std::to_string(forces->size) + " bytes") +
-                       "; it takes " + std::to_string(vertices * kVector)};
-    }
-  }
-  if (frame.reset) internals.history = {};
-
-  for (uint32_t step = 0; step < steps; ++step) {
-    if (step % s.subSteps == 0) {
-      const Result<void> added =
-          addHairGridPasses(object, h * s.subSteps, step == 0 && frame.reset, frame.list);
-      if (!added) return added;
-    }
-    detail::setExactStep(constants, s, h, internals.history, frame.air);
-    constants.rootBegin = static_cast<float>(step) / static_cast<float>(steps);
-    constants.rootEnd = static_cast<float>(step + 1) / static_cast<float>(steps);
-    constants.flags = step + 1 == steps ? kExactLast : 0;
-    if (frame.sleeps) constants.flags |= kExactSleep;
-    if (constants.turnRatio != 1) constants.flags |= kExactChanged;
-    if (step == 0 && frame.reset) constants.flags |= kExactReset;
-    if (step == 0 && !isZero(frame.rebase)) constants.flags |= kExactRebase;
-    constants.slot = internals.slot;
-    internals.slot = (internals.slot + 1) % 4;
-    PassBuilder builder(frame.list);
-    const uint32_t count = internals.simulatedCount;
-    if (frame.sleeps)
-      builder.dispatchIndirect(variant, buffers.sleep);
-    else
-      builder.dispatch(variant, std::min(count, kExactRow), (count + kExactRow - 1) / kExactRow);
-    bindExact(frame, builder);
-    builder.constants("ExactConstants", constants)
-        .bytes(uint64_t{count} * object.vertexCount_ * detail::kExactBytesAVertex);
-    if (Result<void> added = builder.finish(); !added) return added;
-  }
-  if (constants.fadeStart == object.guideCount_) return {};
-  constants.flags = 0;
-  constants.rootBegin = 0;
-  constants.rootEnd = 1;
-  constants.slot = internals.slot;
-  return addInterpolationPass(frame, constants, object.guideCount_ - constants.fadeStart);
-}
-
-// How many guides are simulated in this frame, and from which one on they fade.
-Result<void> Scene::setLevelOfDetail(const Frame& frame, ExactConstants& constants) {
-  const HairObject& object = frame.object;
-  detail::HairInternals& internals = frame.internals;
-  const uint32_t guides = object.guideCount_;
-  const float share = object.simulatedShare;
-  if (!(share >= 0 && share <= 1)) {
-    return Error{ErrorCode::kInvalidArgument, "hair '" + object.name_ + "': simulatedShare is " +
-                                                  std::to_string(share) + ", but must be in 0..1"};
-  }
-  if (share < 1 && !internals.levelOfDetail) {
-    return Error{ErrorCode::kInvalidArgument,
-                 "hair '" + object.name_ +
-                     "': simulatedShare is below 1; set HairDef::levelOfDetail for it"};
-  }
-  const auto wanted =
-      std::clamp(static_cast<uint32_t>(std::ceil(static_cast<double>(share) * guides)), 1u, guides);
-  const auto most = static_cast<uint32_t>(
-      std::ceil(guides * static_cast<double>(frame.length) / kLevelOfDetailSeconds));
-  uint32_t& count = internals.simulatedCount;
-  if (count == 0 || frame.reset)
-    count = wanted;
-  else if (wanted < count)
-    count -= std::min(count - wanted, most);
-  else if (isZero(frame.rebase))  // new states are relative to the new origin already
-    count += std::min(wanted - count, most);
-  const uint32_t fading = std::min({guides / kFadingShare, guides - count, count - 1});
-  constants.simulatedCount = count;
-  constants.fadeStart = count - fading;
-  return {};
-}
-
-Result<void> Scene::addInterpolationPass(const Frame& frame, const ExactConstants& constants,
-                                         uint32_t strands) {
-  PassBuilder builder(frame.list);
-  builder.dispatch(interpolateGuidesVariant({}), strands);
-  bindExact(frame, builder);
-  builder.constants("ExactConstants", constants)
-      .bytes(uint64_t{strands} * frame.object.vertexCount_ * 5 * kVector);
-  return builder.finish();
 }
 
 Result<void> Scene::addFollowPass(const Frame& frame) {

@@ -185,6 +185,35 @@ TEST_P(ExactScene, SleepDoesNotChangeTheMotionAfterIt) {
   EXPECT_LT(largest, 1e-3);
 }
 
+// A limit that is far too high puts strands to sleep in full swing: what a sleeping tile keeps is
+// then seen to the last bit.
+TEST_P(ExactScene, WhatSleepsInFullSwingGoesOnAsIfNoTimeHadPassed) {
+  const HairAsset asset = wavyAsset(70, 10);
+  SimulationSettings settings = calmSettings();
+  settings.sleep.enabled = false;
+  HairObject& sleeper = run_.add(asset, {.settings = settings});
+  const HairObject& other = run_.add(asset, {.name = "other", .settings = settings});
+  std::vector<std::vector<Float4>> others;
+  size_t steps = 0;
+  const auto step = [&] {
+    run_.step();
+    others.push_back(run_.positions(other));
+  };
+  // Every remainder of the four states that a strand has.
+  for (int pause = 3; pause < 7; ++pause) {
+    for (int frame = 0; frame < 3; ++frame, ++steps) step();
+    sleeper.settings.sleep = {.enabled = true, .speed = 1e6f, .time = 0};
+    while (step(), awake(sleeper) > 0) ++steps;
+    for (int frame = 1; frame < pause; ++frame) step();
+    EXPECT_EQ(awake(sleeper), 0u);
+    EXPECT_EQ(run_.positions(sleeper), others.at(steps - 1));
+    sleeper.settings.sleep.enabled = false;
+    step();
+    ++steps;
+    EXPECT_EQ(run_.positions(sleeper), others.at(steps - 1)) << "after " << pause << " frames";
+  }
+}
+
 TEST_P(ExactScene, OnlyTheTilesThatAColliderStirsWake) {
   // Two tiles, 2 m apart.
   HairAsset asset = wavyAsset(64, 10);

@@ -1,6 +1,7 @@
 // The exact solver's passes of a scene, without a GPU.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -10,29 +11,16 @@
 #include "pelage/gpu_structs.h"
 #include "pelage/kernels.h"
 #include "pelage/scene.h"
+#include "pelage/skeleton.h"
+#include "support/plain_asset.h"
 
 namespace pelage {
 namespace {
 
+using test::makeAsset;
+
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kFrame = 1.0f / 60;
-
-// Strands of 7 cm around the origin.
-HairAsset makeAsset(uint32_t strands = 5, uint32_t vertices = 8) {
-  HairAsset asset;
-  asset.strandCount = strands;
-  asset.verticesPerStrand = vertices;
-  for (uint32_t s = 0; s < strands; ++s) {
-    for (uint32_t v = 0; v < vertices; ++v) {
-      const float t = 0.01f * static_cast<float>(v);
-      asset.positions.push_back(
-          {0.01f * static_cast<float>(s) + 3 * t * t, t, 0, v < 2 ? 0.0f : 1.0f});
-    }
-  }
-  const Result<void> processed = asset.process();
-  EXPECT_TRUE(processed) << processed.error().message;
-  return asset;
-}
 
 class ExactSceneTest : public testing::Test {
  protected:
@@ -302,6 +290,13 @@ TEST_F(ExactSceneTest, WhatMovesAllHairWakesAllOfIt) {
   ball.headRadius = 0.04f;
   hair.setColliders({&ball, 1});
   EXPECT_TRUE(wakes());
+  EXPECT_FALSE(wakes());
+  ball.head.x = kNan;
+  hair.setColliders({&ball, 1});
+  EXPECT_TRUE(wakes()) << "what it rested on is gone";
+  ball.head.x = 0;
+  hair.setColliders({&ball, 1});
+  EXPECT_TRUE(wakes());
   hair.setColliders({});
   EXPECT_TRUE(wakes());
   EXPECT_FALSE(wakes());
@@ -327,6 +322,38 @@ TEST_F(ExactSceneTest, TakesForcesOnlyFromABufferThatIsLargeEnough) {
   hair.setForces(BufferId::kInvalid);
   simulate();
   EXPECT_EQ(variant(), &simulateRodsVariant(plainKey()));
+}
+
+// Bones, a reset and the wind's phase wait for a frame that is not refused.
+TEST_F(ExactSceneTest, AFrameThatIsRefusedLosesNothing) {
+  HairObject& first = add();
+  HairObject& second = add({.name = "second"});
+  simulate();
+  const AffineTransform moved = rigidTransform({0, 0, 0, 1}, {0, 0.25f, 0});
+  first.setBones({&moved, 1});
+  first.reset();
+  const double time = scene_.time();
+  const auto refused = [&] {
+    const Result<void> done = scene_.simulate(kFrame, list_);
+    EXPECT_FALSE(done);
+    EXPECT_TRUE(list_.passes.empty() && list_.uploads.empty());
+    EXPECT_EQ(scene_.time(), time);
+  };
+  second.simulatedShare = 0.5f;
+  refused();
+  second.simulatedShare = 1;
+  second.settings.damping = kNan;
+  refused();
+  second.settings.damping = 0.1f;
+  second.setForces(scene_.resources().add({.name = "small", .size = 16, .stride = 16}));
+  refused();
+  second.setForces(BufferId::kInvalid);
+  simulate();
+  const bool uploaded = std::any_of(
+      list_.uploads.begin(), list_.uploads.end(),
+      [&](const Upload& upload) { return upload.buffer == first.buffers().boneTransforms; });
+  EXPECT_TRUE(uploaded);
+  EXPECT_EQ(constants().at(0).flags & 1u, 1u) << "the reset";
 }
 
 TEST_F(ExactSceneTest, LevelOfDetailCostsWhatIsSimulated) {  // K44

@@ -10,25 +10,12 @@
 #include "pelage/gpu_structs.h"
 #include "pelage/kernels.h"
 #include "pelage/scene.h"
+#include "support/plain_asset.h"
 
 namespace pelage {
 namespace {
 
-HairAsset makeAsset(uint32_t strands = 5, uint32_t vertices = 8) {
-  HairAsset asset;
-  asset.strandCount = strands;
-  asset.verticesPerStrand = vertices;
-  for (uint32_t s = 0; s < strands; ++s) {
-    for (uint32_t v = 0; v < vertices; ++v) {
-      const float t = 0.01f * static_cast<float>(v);
-      asset.positions.push_back(
-          {0.01f * static_cast<float>(s) + 3 * t * t, t, 0, v < 2 ? 0.0f : 1.0f});
-    }
-  }
-  const Result<void> processed = asset.process();
-  EXPECT_TRUE(processed) << processed.error().message;
-  return asset;
-}
+using test::makeAsset;
 
 const Pass* findPass(const PassList& list, std::string_view name) {
   for (const Pass& pass : list.passes)

@@ -17,21 +17,7 @@
 // rest; with a parent of the same rest shape it has the parent's shape.
 #include "rod_state.hlsli"
 
-static const uint kSleepHead = 8;
 static const uint kRestartFlag = 64;
-static const uint kMaxVertices = 256;
-
-bool isSound(ExactStrand strand) {
-  if (strand.count < 2 || strand.count > kMaxVertices) return false;
-  uint reach = (strand.count - 1) * kTileStrands;
-  if (reach >= g_stateStride || strand.state >= g_stateStride - reach) return false;
-  return strand.root < g_rootCount;
-}
-
-Slots slotsOf(uint place) {
-  uint tiles = (g_strandCount + kTileStrands - 1) / kTileStrands;
-  return stateSlots(g_sleep[kSleepHead + tiles + place / kTileStrands]);
-}
 
 // The frame of the edge behind `before` at rest, in bind space.
 float4 restFrameAfter(float4 before, uint edge, ExactStrand strand) {
@@ -52,12 +38,10 @@ void interpolate_guides(uint3 thread : SV_DispatchThreadID) {
     parentPlace = min(g_lodParents[parentPlace], parentPlace - 1);
   ExactStrand strand = g_strands[place];
   ExactStrand parent = g_strands[min(parentPlace, place - 1)];
-  if (!isSound(strand) || !isSound(parent)) return;
-  uint outputs = max(strand.count, g_outputVertices);
-  if (outputs > g_outputCount || strand.target > g_outputCount - outputs) return;
+  if (!isSound(strand) || !isSound(parent) || !fitsOutputs(strand)) return;
 
-  Slots slots = slotsOf(place);
-  Slots parentSlots = slotsOf(parentPlace);
+  Slots slots = slotsOfTile(place / kTileStrands);
+  Slots parentSlots = slotsOfTile(parentPlace / kTileStrands);
   RootPath path = rootPath(strand.root);
   RodRoot root = rootAt(path, g_rootEnd);
   RodRoot parentRoot = rootAt(rootPath(parent.root), g_rootEnd);
@@ -126,7 +110,7 @@ void interpolate_guides(uint3 thread : SV_DispatchThreadID) {
   }
   if (!restart) {
     world = x + g_origin.xyz;
-    for (uint v = tip; v < outputs; ++v) {
+    for (uint v = tip; v < max(strand.count, g_outputVertices); ++v) {
       g_positions[strand.target + v] = float4(world, tip < 2 ? 0.0 : 1.0);
       g_tangents[strand.target + v] = float4(tangent, 0.0);
     }

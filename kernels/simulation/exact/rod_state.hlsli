@@ -9,11 +9,32 @@ static const uint kTileStrands = 32;
 static const uint kWaySets = 0;
 static const uint kFrameSets = 4;
 static const uint kStateSets = 8;
+// Words of g_sleep before the list of tiles.
+static const uint kSleepHead = 8;
+// Vertices a strand may have.
+static const uint kMinCount = 2;
+static const uint kMaxCount = 256;
 
 // Element of a vertex in a set of g_state, g_rest or g_gains.
 uint stateIndex(uint set, uint vertex, ExactStrand strand) {
   return set * g_stateStride + strand.state + vertex * kTileStrands;
 }
+
+// False for a record that does not fit the buffers of the state and the roots.
+bool isSound(ExactStrand strand) {
+  if (strand.count < kMinCount || strand.count > kMaxCount) return false;
+  uint reach = (strand.count - 1) * kTileStrands;
+  if (reach >= g_stateStride || strand.state >= g_stateStride - reach) return false;
+  return strand.root < g_rootCount;
+}
+
+// False for one that does not fit g_positions and g_tangents.
+bool fitsOutputs(ExactStrand strand) {
+  uint outputs = max(strand.count, g_outputVertices);
+  return outputs <= g_outputCount && strand.target <= g_outputCount - outputs;
+}
+
+uint tileCount() { return (g_strandCount + kTileStrands - 1) / kTileStrands; }
 
 // Elements of a strand in a state.
 static const uint kGuessedWay = 0;
@@ -44,6 +65,8 @@ Slots stateSlots(uint offset) {
   slots.before = (slots.now + 3) & 3u;
   return slots;
 }
+
+Slots slotsOfTile(uint tile) { return stateSlots(g_sleep[kSleepHead + tileCount() + tile]); }
 
 // p -> rotate(rotation, p) + shift.
 struct RigidMotion {
@@ -165,13 +188,6 @@ struct RodRoot {
   float3 position;  // of vertex 0, relative to the origin [m]
 };
 
-// False for a buffer that nobody wrote, and for numbers that cannot be a pose.
-bool isRodRoot(RodRoot root) {
-  if (!isUsable(root.rotation) || !isUsable(root.position)) return false;
-  precise float squared = dot4(root.rotation, root.rotation);
-  return squared > 0.25 && squared < 4.0;
-}
-
 RodRoot loadRoot(uint frameIndex, uint root) {
   uint index = (frameIndex * g_rootCount + root) * 2;
   RodRoot pose;
@@ -191,8 +207,8 @@ RootPath rootPath(uint root) {
   RootPath path;
   path.to = loadRoot(0, root);
   path.from = loadRoot(1, root);
-  bool toValid = isRodRoot(path.to);
-  bool fromValid = isRodRoot(path.from);
+  bool toValid = isPose(path.to.rotation, path.to.position);
+  bool fromValid = isPose(path.from.rotation, path.from.position);
   if (!toValid && !fromValid) {
     path.to.rotation = float4(0.0, 0.0, 0.0, 1.0);
     path.to.position = float3(0.0, 0.0, 0.0);

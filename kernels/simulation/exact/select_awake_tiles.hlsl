@@ -20,7 +20,6 @@
 #include "../../common/colliders.hlsli"
 #include "rod_state.hlsli"
 
-static const uint kSleepHead = 8;
 static const uint kTilesARow = 32768;
 static const uint kWakeAllFlag = 16;
 
@@ -65,7 +64,7 @@ bool isStirred(ExactStrand strand) {
 
 [numthreads(32, 1, 1)]
 void select_awake_tiles(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
-  uint tiles = (g_strandCount + kTileStrands - 1) / kTileStrands;
+  uint tiles = tileCount();
   uint tile = group.y * kTilesARow + group.x;
   uint index = tile * kTileStrands + lane;
   uint simulated = min(g_strandCount, g_simulatedCount);
@@ -80,11 +79,8 @@ void select_awake_tiles(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
     awake = (g_flags & kWakeAllFlag) != 0u || !(rested >= g_restTime);
     if (!awake) {
       ExactStrand strand = g_strands[index];
-      uint reach = (strand.count - 1) * kTileStrands;
-      bool valid = strand.count > 1 && reach < g_stateStride &&
-                   strand.state < g_stateStride - reach && strand.root < g_rootCount;
-      if (valid) {
-        Slots slots = stateSlots(g_sleep[kSleepHead + tiles + tile]);
+      if (isSound(strand)) {
+        Slots slots = slotsOfTile(tile);
         awake = rootMotion(strand, slots, index) > g_wakeDistance;
 #if COLLIDERS
         awake = awake || isStirred(strand);

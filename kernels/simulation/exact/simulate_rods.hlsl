@@ -41,9 +41,6 @@
 #include "../../common/random_hash.hlsli"
 #include "rod_elimination.hlsli"
 
-// Vertices a strand may have.
-static const uint kMinCount = 2;
-static const uint kMaxCount = 256;
 // Goal spring of a vertex that is held [1/s2]; with 1e8 two passes do not converge.
 static const float kHoldStiffness = 1e6;
 static const uint kResetFlag = 1;
@@ -51,8 +48,6 @@ static const uint kLastFlag = 2;
 static const uint kRebaseFlag = 4;
 static const uint kSleepFlag = 8;
 static const uint kChangedFlag = 32;
-// Words of g_sleep before the list of tiles.
-static const uint kSleepHead = 8;
 
 // What a vertex has in memory.
 struct StoredVertex {
@@ -429,7 +424,7 @@ float3 guessedTipWay(ExactStrand strand, Slots slots, Carry carry) {
 void simulate_rods(uint3 thread : SV_DispatchThreadID) {
   uint index = (thread.y << 20) | thread.x;
   bool sleeping = (g_flags & kSleepFlag) != 0u;
-  uint tiles = (g_strandCount + kTileStrands - 1) / kTileStrands;
+  uint tiles = tileCount();
   if (sleeping) {
     uint entry = index / kTileStrands;
     if (entry >= tiles) return;
@@ -437,14 +432,9 @@ void simulate_rods(uint3 thread : SV_DispatchThreadID) {
   }
   if (index >= min(g_strandCount, g_simulatedCount)) return;
   ExactStrand strand = g_strands[index];
-  if (strand.count < kMinCount || strand.count > kMaxCount) return;
-  uint reach = (strand.count - 1) * kTileStrands;
-  if (reach >= g_stateStride || strand.state >= g_stateStride - reach) return;
-  uint outputs = max(strand.count, g_outputVertices);
-  if (outputs > g_outputCount || strand.target > g_outputCount - outputs) return;
-  if (strand.root >= g_rootCount) return;
+  if (!isSound(strand) || !fitsOutputs(strand)) return;
 
-  Slots slots = stateSlots(g_sleep[kSleepHead + tiles + index / kTileStrands]);
+  Slots slots = slotsOfTile(index / kTileStrands);
   RootPath path = rootPath(strand.root);
   RodRoot begin = rootAt(path, g_rootBegin);
   RodRoot root = rootAt(path, g_rootEnd);

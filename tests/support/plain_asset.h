@@ -1,0 +1,29 @@
+// A small groom for tests of pass lists.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+
+#include "pelage/hair_asset.h"
+
+namespace pelage::test {
+
+/// Slightly bent strands near the origin, 1 cm apart along x and 7 cm long with 8 vertices.
+inline HairAsset makeAsset(uint32_t strands = 5, uint32_t vertices = 8) {
+  HairAsset asset;
+  asset.strandCount = strands;
+  asset.verticesPerStrand = vertices;
+  for (uint32_t s = 0; s < strands; ++s) {
+    for (uint32_t v = 0; v < vertices; ++v) {
+      const float t = 0.01f * static_cast<float>(v);
+      asset.positions.push_back(
+          {0.01f * static_cast<float>(s) + 3 * t * t, t, 0, v < 2 ? 0.0f : 1.0f});
+    }
+  }
+  const Result<void> processed = asset.process();
+  EXPECT_TRUE(processed) << processed.error().message;
+  return asset;
+}
+
+}  // namespace pelage::test
