@@ -8,6 +8,9 @@ endif()
 if(PELAGE_GL)
   list(APPEND pelage_targets pelage_gl)
 endif()
+if(PELAGE_MESH_IMPORT)
+  list(APPEND pelage_targets pelage_mesh_import)
+endif()
 
 set(pelage_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/pelage)
 install(TARGETS ${pelage_targets} EXPORT pelage-targets

@@ -11,21 +11,9 @@
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
 #include "pelage/scene.h"
+#include "workbench.h"
 
 namespace bench {
-
-/// A device and the buffers on it. A device knows buffers by the ids of one table, so that all
-/// solvers of a run share this one.
-struct Workbench {
-  pelage::HeadlessDevice& device;
-  pelage::Scene scene;
-
-  /// Adds a buffer with its contents to the table.
-  template <class T>
-  pelage::BufferId add(std::string name, const std::vector<T>& values);
-  /// Runs a complete list, and returns the times of its passes.
-  pelage::Result<std::vector<pelage::PassTiming>> run(pelage::PassList& list);
-};
 
 /// One groom that one solver moves. Its buffers go with it.
 class StrandSolver {
@@ -81,21 +69,5 @@ inline constexpr float kEdgeInertia = 0.25f;
 /// thread a vertex; the least of some tries. Up to 7 float4 a vertex are copied, and the time of
 /// more is in proportion. 0 without timestamps.
 pelage::Result<double> copyFloor(Workbench& workbench, uint32_t vertices, uint64_t bytes);
-
-/// Keeps a GPU busy for 150 ms: while the host makes buffers its clocks fall, and what
-/// runs next would take twice as long. Nothing on a software driver.
-pelage::Result<void> warmUp(Workbench& workbench);
-
-template <class T>
-pelage::BufferId Workbench::add(std::string name, const std::vector<T>& values) {
-  pelage::BufferDesc desc;
-  desc.name = std::move(name);
-  desc.size = values.size() * sizeof(T);
-  desc.stride = sizeof(T);
-  desc.usage = pelage::BufferUsage::kStorage | pelage::BufferUsage::kReadback;
-  const auto bytes = std::as_bytes(std::span(values));
-  desc.initial.assign(bytes.begin(), bytes.end());
-  return scene.resources().add(std::move(desc));
-}
 
 }  // namespace bench

@@ -41,4 +41,33 @@ Result<CollisionMesh> loadTfxMesh(std::string_view text, std::string_view name);
 Result<std::string> saveTfxMesh(const CollisionMesh& mesh);
 Result<void> saveTfxMesh(const CollisionMesh& mesh, const std::filesystem::path& path);
 
+/// What a mesh is like as a surface. Vertices at the same place in the bind pose count as one.
+struct MeshReport {
+  uint32_t vertexCount = 0;
+  uint32_t weldedVertexCount = 0;  ///< places
+  uint32_t triangleCount = 0;
+  /// Without those that have two corners at one place and without duplicates.
+  uint32_t usedTriangleCount = 0;
+  uint32_t nonFiniteVertices = 0;    ///< a coordinate is NaN or infinite
+  uint32_t nonFiniteTriangles = 0;   ///< with such a vertex; they are in no field
+  uint32_t degenerateTriangles = 0;  ///< without area in the bind pose
+  uint32_t duplicateTriangles = 0;   ///< same places in the same order as an earlier one
+  uint32_t openEdges = 0;            ///< with one triangle
+  uint32_t nonManifoldEdges = 0;     ///< with more than two
+  uint32_t misorientedEdges = 0;     ///< whose triangles do not run along it in opposite directions
+  double volume = 0;                 ///< [m3], signed: negative when the inside is outside
+  /// No edge has an odd number of triangles, and none of the triangles is not finite.
+  bool closed = false;
+  bool consistentlyOriented = false;  ///< no misoriented edge
+  bool inverted = false;              ///< closed, consistently oriented, negative volume
+
+  bool operator==(const MeshReport&) const = default;
+};
+
+/// Judges a mesh. Error: indices that are no triangles or refer to vertices that are not there.
+Result<MeshReport> inspectMesh(const CollisionMesh& mesh);
+
+/// One line: the counts, and what they mean for a distance field.
+std::string describe(const MeshReport& report);
+
 }  // namespace pelage

@@ -28,7 +28,7 @@ enum class SkinningMethod : uint8_t {
   kDualQuaternions,  ///< dual quaternion blending (Kavan et al. 2008); bones without scale
 };
 
-/// Exact: factors on the parameters of one strand, >= 0.
+/// Factors on the parameters of one strand, >= 0.
 struct StrandFactors {
   float stiffness = 1;        ///< against bending and twist
   float globalStiffness = 1;  ///< of the spring to the bind pose
@@ -88,6 +88,7 @@ struct HairBuffers {
   BufferId contactRest = BufferId::kInvalid;      ///< [guide][vertex] float, rest density
   BufferId contactForces = BufferId::kInvalid;    ///< [guide][vertex] Float4, with those of forces
   BufferId colliders = BufferId::kInvalid;        ///< Collider
+  BufferId fields = BufferId::kInvalid;           ///< SdfField, of colliders within reach
   BufferId bindRoots = BufferId::kInvalid;        ///< [guide] Float4, bind position of vertex 0
   BufferId rootTransforms = BufferId::kInvalid;   ///< [2][guide] RootTransform
   BufferId rootBindings = BufferId::kInvalid;     ///< [guide] RootBinding
@@ -118,6 +119,8 @@ class HairObject {
   /// is. The others take the shape of one near them. Changes take effect over a quarter of a
   /// second, and guides fade from one to the other.
   float simulatedShare = 1;
+  /// Collides with the scene's mesh colliders.
+  bool usesMeshColliders = true;
   /// A hidden object is simulated, but not drawn.
   bool visible = true;
   /// Strands drawn, from the first: 0..strandCount(). Follow hairs go first when it falls.
@@ -130,7 +133,7 @@ class HairObject {
   /// finite or has a negative radius is left out, and so is one that no strand can reach. Colliders
   /// keep their place in the list from frame to frame, for their motion.
   void setColliders(std::span<const CapsuleCollider> colliders);
-  /// Lets the exact solver take forces from a buffer that a pass of yours writes before each
+  /// Lets the solver take forces from a buffer that a pass of yours writes before each
   /// simulation: [guide][vertex] Float4 in the order of HairBuffers::positions, xyz = acceleration
   /// a [m/s2], w = drag k [1/s], >= 0. The equation of motion gets a - k v; a wind u of your own is
   /// a = k u. kInvalid takes none. Forces keep the hair awake.

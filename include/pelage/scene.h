@@ -3,16 +3,23 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "pelage/hair_object.h"
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
+#include "pelage/sdf_collider.h"
+#include "pelage/sdf_data.h"
 #include "pelage/view.h"
 
 namespace pelage {
 
 struct ExactConstants;
+namespace detail {
+struct SdfGridPlan;
+}
 
 /// A hair object of a scene.
 enum class HairId : uint32_t { kInvalid = 0xffffffffu };
@@ -37,6 +44,26 @@ class Scene {
   const HairObject& hair(HairId id) const;
   uint32_t hairCount() const;
 
+  /// Adds a mesh that all hair collides with, through a signed distance field. It is built before
+  /// the hair moves, in the frames in which hair can reach it and it has moved: what moved alone,
+  /// or all of it. Open meshes and meshes with overlaps are taken, see SdfCollider::report().
+  /// Errors: no bones, settings out of range, indices of vertices or bones that do not exist, a
+  /// field over the memory cap, a vertex buffer that is too small.
+  Result<ColliderId> addCollider(const CollisionMesh& mesh, const SdfColliderDef& def);
+  /// The same with a field that was built before; it never moves. Errors: settings out of range.
+  Result<ColliderId> addCollider(const SdfData& data, const SdfColliderDef& def);
+  void removeCollider(ColliderId id);
+  /// Asserts that the collider exists.
+  SdfCollider& collider(ColliderId id);
+  const SdfCollider& collider(ColliderId id) const;
+  /// What the last build of a collider left in sdfKeys() and sdfSurface(), read back, as data that
+  /// can be saved. Error: there was no build, or the buffers are not the scene's.
+  Result<SdfData> copyField(ColliderId id, std::span<const std::byte> keys,
+                            std::span<const std::byte> surface) const;
+  /// Keys and records of all colliders; kInvalid without any.
+  BufferId sdfKeys() const { return sdfKeys_; }
+  BufferId sdfSurface() const { return sdfSurface_; }
+
   /// The buffers that a runtime is to create before it runs the next list. Add buffers of your own
   /// to use them in passes beside the scene's.
   ResourceTable& resources() { return resources_; }
@@ -53,6 +80,15 @@ class Scene {
   Result<void> simulate(float dt, PassList& list);
   /// Adds draws of all visible hair objects to a list (which is not cleared).
   Result<void> draw(const View& view, const Light& light, PassList& list);
+  /// Adds the passes and the draw that show a collider as its field has it, for debugging: the
+  /// surface where the distance is the look's level. Draws nothing before the first simulation.
+  /// Errors: a grid that is too large for it.
+  Result<void> drawCollider(ColliderId id, const View& view, const Light& light,
+                            const ColliderLook& look, PassList& list);
+  /// Whether the last drawCollider() that ran drew all of it. \param counts what
+  /// SdfColliderBuffers::isoCounts holds, read back. Error: the surface is larger than what there
+  /// is room for, and incomplete.
+  Result<void> checkColliderDraw(ColliderId id, std::span<const std::byte> counts) const;
   /// Computes the barriers of a list that is complete. Call it once for each list, in the order in
   /// which the lists run; lists of your own that touch the scene's buffers included.
   void finish(PassList& list) { hazards_.resolve(list); }
@@ -68,6 +104,16 @@ class Scene {
   void removeSolverBuffers(HairObject& object);
   void removeBuffer(BufferId& buffer);
   Result<void> checkObject(const HairObject& object) const;
+  Result<std::vector<std::optional<detail::SdfGridPlan>>> checkColliders() const;
+  bool planCollider(SdfCollider& collider, const detail::SdfGridPlan& plan);
+  void addColliderBuffers(SdfCollider& collider);
+  void layOutFields();
+  void removeIsoSurface(SdfCollider& collider);
+  bool isReached(const SdfCollider& collider) const;
+  Result<void> buildCollider(SdfCollider& collider, PassList& list);
+  Result<void> addSkinningPass(SdfCollider& collider, PassList& list);
+  void addFields(Frame& frame);
+  uint64_t bytesOfBuffer(BufferId id) const;
   Result<void> simulateObject(HairObject& object, float length, uint32_t steps, PassList& list);
   Result<void> addRootPass(const Frame& frame);
   Result<void> addClassicPasses(const Frame& frame);
@@ -87,6 +133,8 @@ class Scene {
   ResourceTable resources_;
   HazardTracker hazards_;
   std::vector<std::unique_ptr<HairObject>> objects_;
+  std::vector<std::unique_ptr<SdfCollider>> colliders_;
+  BufferId sdfKeys_ = BufferId::kInvalid, sdfSurface_ = BufferId::kInvalid;
   double time_ = 0;
 };
 

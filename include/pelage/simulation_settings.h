@@ -25,7 +25,7 @@ struct WindSettings {
   float gustStrength = 0.5f;
   /// Mean time from one gust to the next [s], > 0.
   float gustPeriod = 2.5f;
-  /// Exact: how much every strand has gusts of its own, 0..1; at 0 all feel the same ones.
+  /// How much every strand has gusts of its own, 0..1; at 0 all feel the same ones.
   float strandVariation = 0.5f;
   bool operator==(const WindSettings&) const = default;
 };
@@ -37,10 +37,10 @@ inline constexpr ParameterCurve kConstantCurve = {1, 1, 1, 1, 1, 1, 1, 1};
 /// The value of a curve; \param share arc length over the strand's length, 0..1.
 float valueAt(const ParameterCurve& curve, float share);
 
-/// Exact: what parameters are multiplied with along the strands. Changing one uploads the rest
+/// What parameters are multiplied with along the strands. Changing one uploads the rest
 /// shape again.
 struct ParameterCurves {
-  ParameterCurve stiffness = kConstantCurve;        ///< against bending and twist
+  ParameterCurve stiffness = kConstantCurve;  ///< against bending and twist; of the local shape
   ParameterCurve globalStiffness = kConstantCurve;  ///< of the spring to the bind pose
   ParameterCurve damping = kConstantCurve;          ///< of the air drag
   bool operator==(const ParameterCurves&) const = default;

@@ -1,9 +1,25 @@
-// Blending of up to four bones at a root. A blend is a sum that bones are added to one by one.
+// Blending of up to four bones at a point. A blend is a sum that bones are added to one by one.
+//
+// Who includes this has defined what its layout calls the bones:
+//   BONE_TRANSFORMS  buffer of float4: 3 rows of [M | t] a bone, or 2 quaternions (below)
+//   BONE_COUNT       bones in it
 #ifndef PELAGE_COMMON_BONES_HLSLI
 #define PELAGE_COMMON_BONES_HLSLI
 
-#include "../layouts/simulation.hlsli"
 #include "quaternion.hlsli"
+
+// A bone that takes part: it exists and its weight is a number above 0.
+bool boneCounts(uint bone, float weight) {
+  return bone < BONE_COUNT && isUsable(float3(weight, 0.0, 0.0)) && weight > 0.0;
+}
+
+// The weights; where no bone takes part, the first one alone.
+float4 weightsOfBones(uint4 bones, float4 weights) {
+  if (!boneCounts(bones.x, weights.x) && !boneCounts(bones.y, weights.y) &&
+      !boneCounts(bones.z, weights.z) && !boneCounts(bones.w, weights.w))
+    return float4(1.0, 0.0, 0.0, 0.0);
+  return weights;
+}
 
 // ---- matrices
 
@@ -41,17 +57,12 @@ MatrixBlend emptyMatrixBlend() {
   return blend;
 }
 
-// A bone that takes part: it exists and its weight is a number above 0.
-bool boneCounts(uint bone, float weight) {
-  return bone < g_boneCount && isUsable(float3(weight, 0.0, 0.0)) && weight > 0.0;
-}
-
 MatrixBlend addMatrixBone(MatrixBlend blend, uint bone, float weight) {
   if (!boneCounts(bone, weight)) return blend;
   BoneMatrix m;
-  m.a = g_boneTransforms[bone * 3];
-  m.b = g_boneTransforms[bone * 3 + 1];
-  m.c = g_boneTransforms[bone * 3 + 2];
+  m.a = BONE_TRANSFORMS[bone * 3];
+  m.b = BONE_TRANSFORMS[bone * 3 + 1];
+  m.c = BONE_TRANSFORMS[bone * 3 + 2];
   blend.usable = blend.usable && isUsable(m.a) && isUsable(m.b) && isUsable(m.c);
   precise float weightSum = blend.weightSum + weight;
   precise float volume = blend.volume + abs(determinant3(m.a.xyz, m.b.xyz, m.c.xyz)) * weight;
@@ -82,6 +93,27 @@ MatrixBlend normalizeBlend(MatrixBlend blend) {
   blend.sum.b = b;
   blend.sum.c = c;
   return blend;
+}
+
+// The blend of up to four bones, divided by the weights. False when there is none, or not with
+// numbers.
+bool blendMatrices(uint4 bones, float4 weights, out MatrixBlend blend) {
+  blend = emptyMatrixBlend();
+  blend = addMatrixBone(blend, bones.x, weights.x);
+  blend = addMatrixBone(blend, bones.y, weights.y);
+  blend = addMatrixBone(blend, bones.z, weights.z);
+  blend = addMatrixBone(blend, bones.w, weights.w);
+  if (!(blend.weightSum > 0.0) || !blend.usable) return false;
+  blend = normalizeBlend(blend);
+  return true;
+}
+
+// A bind position where the blend takes it.
+float3 moveByBlend(MatrixBlend blend, float3 bind) {
+  precise float x = dot3(blend.sum.a.xyz, bind) + blend.sum.a.w;
+  precise float y = dot3(blend.sum.b.xyz, bind) + blend.sum.b.w;
+  precise float z = dot3(blend.sum.c.xyz, bind) + blend.sum.c.w;
+  return float3(x, y, z);
 }
 
 // Rotation of a matrix that has rows a, b, c and is a rotation up to rounding (Shepperd 1978: the
@@ -160,7 +192,7 @@ float4 rotationOfBlend(MatrixBlend blend, float4 fallback) {
 }
 
 // ---- dual quaternions
-// Bone: g_boneTransforms[2 b] real part r, [2 b + 1] dual part d = t r / 2 for the rigid motion
+// Bone: BONE_TRANSFORMS[2 b] real part r, [2 b + 1] dual part d = t r / 2 for the rigid motion
 // p -> rotate(r, p) + t, with t as the quaternion (t, 0).
 
 struct DualBlend {
@@ -175,8 +207,8 @@ struct DualBlend {
 // negated. The pivot is the real part of the bone of the largest weight.
 DualBlend addDualBone(DualBlend blend, uint bone, float weight, float4 pivot) {
   if (!boneCounts(bone, weight)) return blend;
-  float4 real = g_boneTransforms[bone * 2];
-  float4 dual = g_boneTransforms[bone * 2 + 1];
+  float4 real = BONE_TRANSFORMS[bone * 2];
+  float4 dual = BONE_TRANSFORMS[bone * 2 + 1];
   precise float squared = dot4(real, real);
   blend.usable = blend.usable && isUsable(real) && isUsable(dual) && squared > 1e-12;
   precise float share = weight * inverseRoot(max(squared, 1e-12));
@@ -186,6 +218,58 @@ DualBlend addDualBone(DualBlend blend, uint bone, float weight, float4 pivot) {
   blend.real = sumReal;
   blend.dual = sumDual;
   return blend;
+}
+
+struct RigidMotion {
+  float4 rotation;     // unit quaternion
+  float3 translation;  // after the rotation [m]
+};
+
+// The blend of up to four bones as a rigid motion. False when there is none, or not with numbers.
+bool blendDualQuaternions(uint4 bones, float4 weights, out RigidMotion motion) {
+  motion.rotation = float4(0.0, 0.0, 0.0, 1.0);
+  motion.translation = float3(0.0, 0.0, 0.0);
+  uint strongest = bones.x;
+  float strongestWeight = 0.0;
+  if (boneCounts(bones.x, weights.x)) strongestWeight = weights.x;
+  if (boneCounts(bones.y, weights.y) && weights.y > strongestWeight) {
+    strongest = bones.y;
+    strongestWeight = weights.y;
+  }
+  if (boneCounts(bones.z, weights.z) && weights.z > strongestWeight) {
+    strongest = bones.z;
+    strongestWeight = weights.z;
+  }
+  if (boneCounts(bones.w, weights.w) && weights.w > strongestWeight) {
+    strongest = bones.w;
+    strongestWeight = weights.w;
+  }
+  if (!(strongestWeight > 0.0)) return false;
+  float4 pivot = BONE_TRANSFORMS[strongest * 2];
+  DualBlend blend;
+  blend.real = float4(0.0, 0.0, 0.0, 0.0);
+  blend.dual = float4(0.0, 0.0, 0.0, 0.0);
+  blend.usable = true;
+  blend = addDualBone(blend, bones.x, weights.x, pivot);
+  blend = addDualBone(blend, bones.y, weights.y, pivot);
+  blend = addDualBone(blend, bones.z, weights.z, pivot);
+  blend = addDualBone(blend, bones.w, weights.w, pivot);
+  if (!blend.usable) return false;
+  // No bone points away from the pivot, so the sum is at least as long as its own weight.
+  float inverse = inverseRoot(max(dot4(blend.real, blend.real), 1e-24));
+  precise float4 real = blend.real * inverse;
+  precise float4 dual = blend.dual * inverse;
+  float4 moved = multiplyQuaternions(dual, conjugate(real));
+  precise float3 translation = moved.xyz * 2.0;
+  motion.rotation = normalizeQuaternion(real);
+  motion.translation = translation;
+  return true;
+}
+
+// A bind position where the motion takes it.
+float3 moveRigidly(RigidMotion motion, float3 bind) {
+  precise float3 position = rotate(motion.rotation, bind) + motion.translation;
+  return position;
 }
 
 #endif

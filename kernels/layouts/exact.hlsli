@@ -17,6 +17,7 @@
 #define PELAGE_LAYOUTS_EXACT_HLSLI
 
 #include "collider.hlsli"
+#include "sdf_field.hlsli"
 
 struct ExactStrand {
   uint state;   // element of vertex 0 in a set: 32 * (lengths of the tiles before) + lane
@@ -55,17 +56,18 @@ cbuffer ExactConstants : register(b0, space1) {
   float g_inverseStep;      // 1 / he [1/s]
   float g_weight;           // 1 / he^2 + c / he [1/s2]
   float g_turnRatio;        // w, 0 without history; 1 exactly while the step does not change
-  float g_slowTurn;         // 0.02 min(1, (240 h)^2) [rad]: turn of an edge in a step at which the
-                            // guess extrapolates half of its twist; less of slower edges. At 0 a
-                            // loose curl never comes to rest with one pass (it creeps on a cycle of
-                            // 0.1 % of its length); from 0.1 on undamped strands gain energy
+  float g_slowTurn;         // 0.02 min(1, (240 h)^2) + c^2 min(1, (60 h)^4) [rad]: turn of an edge in
+                            // a step at which the guess extrapolates half of its twist; less of
+                            // slower edges. At 0 a loose curl never comes to rest with one pass (it
+                            // creeps on a cycle of 0.1 % of its length); from 0.1 on undamped strands
+                            // gain energy. With drag the twist, which has no mass, stays as it is
   float g_bendStiffness;    // B
   float g_twistStiffness;   // Bt
   float g_damping;          // tau / h of Kelvin-Voigt damping
   float g_goalStiffness;    // of the global shape, s / (1 - s) * 3600 [1/s2]
   float g_goalRange;        // share of the strand with all of it, > 0; fades to 0 at 1.25 times
-  float g_passTolerance;    // largest rotation of a first pass without a second one: 0.04 [rad];
-                            // above 4 there never is one
+  float g_passTolerance;    // largest rotation of a first pass without a second one [rad]: 0.04 +
+                            // 0.2 (min(c, 3) min(1, 60 h))^2; above 4 there never is one
   float g_rootBegin;        // root pose at the sub-step's start, 0 = last frame, 1 = this frame
   float g_rootEnd;          // root pose at its end
   float g_frameTime;        // of this frame [s], > 0
@@ -97,13 +99,15 @@ cbuffer ExactConstants : register(b0, space1) {
   uint g_simulatedCount;
   uint g_fadeStart;
   uint g_restartFrom;
-  uint g_exactPad0;
+  uint g_fieldCount;  // distance fields that the strands collide with
   uint g_exactPad1;
-  uint g_exactPad2;
+  float g_guessTrend;       // 0.5 min(c, 1): share of what the last guess missed that a guess adds to
+                            // the last turn of an edge
 };
 
 // 8 sets. 0..3: of four states, the way of the vertex in the step that led to it, without what it
-// was carried [m], nothing for vertices 0 and 1; 4..7: frames of the edges, world space, x axis =
+// was carried [m], nothing for vertices 0 and 1, and in w how the edge before it is to turn on
+// (nextHalfTurn in rod_math.hlsli; 0: not at all); 4..7: frames of the edges, world space, x axis =
 // tangent. Behind the sets, 5 elements a strand for each of the four states, element
 // 8 T + (5 slot + k) g_strandCount + place of the strand in g_strands:
 //   0: sum over the free edges of l (t(guess of the next step) - t); of use while the step does not
@@ -143,5 +147,9 @@ StructuredBuffer<float4> g_forces : register(t4, space1);
 RWStructuredBuffer<uint> g_sleep : register(u2, space1);
 // [place in g_strands] place of a strand near it and before it.
 StructuredBuffer<uint> g_lodParents : register(t5, space1);
+// With the sdf permutation: [g_fieldCount], relative to g_origin, and what they refer to.
+StructuredBuffer<SdfField> g_exactFields : register(t6, space1);
+StructuredBuffer<uint> g_fieldKeys : register(t7, space1);
+StructuredBuffer<uint4> g_fieldSurface : register(t8, space1);
 
 #endif

@@ -10,6 +10,7 @@
 
 #include "collider.hlsli"
 #include "follow.hlsli"
+#include "sdf_field.hlsli"
 
 // One guide root's bones: x..w index g_boneTransforms (in bones), the weights sum to anything > 0.
 struct RootBinding {
@@ -31,6 +32,8 @@ RWStructuredBuffer<float4> g_tangents : register(u1, space0);
 cbuffer SimulationConstants : register(b0, space1) {
   float4 g_gravity;   // xyz [m/s2]; w unused
   float4 g_wind;      // xyz velocity of the air [m/s], gusts included; w = air drag c [1/s], >= 0
+  float4 g_gust0;     // xyz the gusts' part of it now [m/s]; w = how much strands differ, 0..1
+  float4 g_gust1;     // xyz the same a quarter of their period later
   float4 g_origin;    // xyz of the object's origin in world space [m]; state, roots and colliders
                       // are relative to it
   float4 g_rebase;    // xyz [m]: what to add to a position relative to the last frame's origin; 0
@@ -58,9 +61,9 @@ cbuffer SimulationConstants : register(b0, space1) {
   float g_tipSeparation;     // factor on the follow offsets at the tip, on top of FollowStrand's
   uint g_flags;              // bit 0: reset (take the goal, forget velocities); bit 1: rebase
   uint g_colliderCount;
-  uint g_simulationPad0;
+  uint g_factorSet;  // set of g_rest with factors of every vertex, 2; 0: there is none
+  uint g_fieldCount;  // distance fields that the strands collide with
   uint g_simulationPad1;
-  uint g_simulationPad2;
 };
 
 // [2][G]: root frames of this frame (0) and the last one (1).
@@ -70,7 +73,7 @@ RWStructuredBuffer<RootTransform> g_rootTransforms : register(u0, space1);
 RWStructuredBuffer<float4> g_state : register(u1, space1);
 // [V][G], strand fastest: scratch of the length solve.
 RWStructuredBuffer<float2> g_lengths : register(u2, space1);
-// [2][V][G], strand fastest. 0: bind position b_i [m], w = inverse mass (0 or 1; vertices 0 and 1
+// [2 or 3][V][G], strand fastest. 0: bind position b_i [m], w = inverse mass (0 or 1; vertices 0 and 1
 // are held whatever it says). 1: rest vector of the segment from vertex i to i + 1 in the frame of
 // the segment before [m], w = rest length |b_i+1 - b_i| [m]; at the last vertex, which has no next
 // segment, F_0 as a quaternion.
@@ -78,6 +81,8 @@ RWStructuredBuffer<float2> g_lengths : register(u2, space1);
 // before where the length is 0) and are carried from the root without twist: F_0 = between(e_x,
 // t_0), F_i = between(t_i-1, t_i) F_i-1. The rest vector of segment i is conj(F_max(i-1, 0))
 // (b_i+1 - b_i).
+// With factors a third set: x on the spring of the local shape that ends at the vertex, y on that of
+// the global shape, z on the damping; >= 0, w unused.
 StructuredBuffer<float4> g_rest : register(t0, space1);
 // Skinning transforms, bind space to world: 3 rows of [M | t] a bone, or, with the dualQuaternions
 // permutation, 2 quaternions a bone: the rotation r and the dual part t r / 2 (common/bones.hlsli).
@@ -88,5 +93,12 @@ StructuredBuffer<RootBinding> g_rootBindings : register(t2, space1);
 StructuredBuffer<FollowStrand> g_followStrands : register(t3, space1);
 // [g_colliderCount]
 StructuredBuffer<Collider> g_colliders : register(t4, space1);
+// [G][V] as g_positions; with the forces permutation. xyz = acceleration a [m/s2], w = drag k [1/s],
+// >= 0: the equation of motion gets a - k v. A drag towards the velocity u is a = k u.
+StructuredBuffer<float4> g_strandForces : register(t5, space1);
+// With the sdf permutation: [g_fieldCount], relative to g_origin, and what they refer to.
+StructuredBuffer<SdfField> g_classicFields : register(t6, space1);
+StructuredBuffer<uint> g_fieldKeys : register(t7, space1);
+StructuredBuffer<uint4> g_fieldSurface : register(t8, space1);
 
 #endif

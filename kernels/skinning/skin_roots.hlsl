@@ -15,6 +15,9 @@
 // binding's first bone has weight 1. A root whose bones hold a NaN or an infinity, or do not exist,
 // stays where it was in the last frame (in the bind pose when there was none); one whose bones have
 // no volume keeps its last rotation.
+#include "../layouts/simulation.hlsli"
+#define BONE_TRANSFORMS g_boneTransforms
+#define BONE_COUNT g_boneCount
 #include "../common/bones.hlsli"
 #include "../common/root_pose.hlsli"
 #include "../common/strand_indexing.hlsli"
@@ -43,62 +46,19 @@ void skin_roots(uint3 thread : SV_DispatchThreadID) {
 
   RootBinding binding = g_rootBindings[guide];
   uint4 bones = binding.bones;
-  float4 weights = binding.weights;
-  if (!boneCounts(bones.x, weights.x) && !boneCounts(bones.y, weights.y) &&
-      !boneCounts(bones.z, weights.z) && !boneCounts(bones.w, weights.w))
-    weights = float4(1.0, 0.0, 0.0, 0.0);
+  float4 weights = weightsOfBones(bones, binding.weights);
 
 #if DUAL_QUATERNIONS
-  uint strongest = bones.x;
-  float strongestWeight = 0.0;
-  if (boneCounts(bones.x, weights.x)) strongestWeight = weights.x;
-  if (boneCounts(bones.y, weights.y) && weights.y > strongestWeight) {
-    strongest = bones.y;
-    strongestWeight = weights.y;
-  }
-  if (boneCounts(bones.z, weights.z) && weights.z > strongestWeight) {
-    strongest = bones.z;
-    strongestWeight = weights.z;
-  }
-  if (boneCounts(bones.w, weights.w) && weights.w > strongestWeight) {
-    strongest = bones.w;
-    strongestWeight = weights.w;
-  }
-  if (strongestWeight > 0.0) {
-    float4 pivot = g_boneTransforms[strongest * 2];
-    DualBlend blend;
-    blend.real = float4(0.0, 0.0, 0.0, 0.0);
-    blend.dual = float4(0.0, 0.0, 0.0, 0.0);
-    blend.usable = true;
-    blend = addDualBone(blend, bones.x, weights.x, pivot);
-    blend = addDualBone(blend, bones.y, weights.y, pivot);
-    blend = addDualBone(blend, bones.z, weights.z, pivot);
-    blend = addDualBone(blend, bones.w, weights.w, pivot);
-    if (blend.usable) {
-      // No bone points away from the pivot, so the sum is at least as long as its own weight.
-      float inverse = inverseRoot(max(dot4(blend.real, blend.real), 1e-24));
-      precise float4 real = blend.real * inverse;
-      precise float4 dual = blend.dual * inverse;
-      float4 moved = multiplyQuaternions(dual, conjugate(real));
-      float4 rotation = normalizeQuaternion(real);
-      precise float3 position = rotate(rotation, bindRoot) + moved.xyz * 2.0;
-      next.rotation = rotation;
-      next.position = float4(position, 0.0);
-    }
+  RigidMotion motion;
+  if (blendDualQuaternions(bones, weights, motion)) {
+    next.rotation = motion.rotation;
+    next.position = float4(moveRigidly(motion, bindRoot), 0.0);
   }
 #else
-  MatrixBlend blend = emptyMatrixBlend();
-  blend = addMatrixBone(blend, bones.x, weights.x);
-  blend = addMatrixBone(blend, bones.y, weights.y);
-  blend = addMatrixBone(blend, bones.z, weights.z);
-  blend = addMatrixBone(blend, bones.w, weights.w);
-  if (blend.weightSum > 0.0 && blend.usable) {
-    blend = normalizeBlend(blend);
-    precise float x = dot3(blend.sum.a.xyz, bindRoot) + blend.sum.a.w;
-    precise float y = dot3(blend.sum.b.xyz, bindRoot) + blend.sum.b.w;
-    precise float z = dot3(blend.sum.c.xyz, bindRoot) + blend.sum.c.w;
+  MatrixBlend blend;
+  if (blendMatrices(bones, weights, blend)) {
     next.rotation = rotationOfBlend(blend, kept.rotation);
-    next.position = float4(x, y, z, 0.0);
+    next.position = float4(moveByBlend(blend, bindRoot), 0.0);
   }
 #endif
 

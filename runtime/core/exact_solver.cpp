@@ -67,9 +67,19 @@ double gust(double phase) { return 0.6 * std::sin(phase) + 0.4 * std::sin(2.618 
 double goalSpring(double share) { return share * 3600 / std::max(1 - share, 1e-3); }
 
 // Largest rotation of a first Newton pass without a second one [rad]. Without air, strands that
-// whip about gain energy above 0.04; drag takes what a wider one would add, and then a second pass
-// changes the error of the motion by less than 5 % (docs/decisions/0005-second-pass.md).
-double passTolerance(double drag) { return 0.04 + 0.12 * std::min(drag / 3, 1.0); }
+// whip about gain energy above 0.04; what the air takes in a step is more than what a wider one
+// adds, and then a second pass does not make the motion better
+// (docs/decisions/0005-second-pass.md).
+double passTolerance(double h, double drag) {
+  const double c = std::min(drag, 3.0) * std::min(60 * h, 1.0);
+  return 0.04 + 0.2 * c * c;
+}
+
+// See ExactConstants.
+double slowTurn(double h, double drag) {
+  const double share = std::min(240 * h, 1.0), slow = drag * std::pow(std::min(60 * h, 1.0), 2);
+  return 0.02 * share * share + slow * slow;
+}
 
 }  // namespace
 
@@ -104,8 +114,33 @@ ExactStrands packExactStrands(const HairAsset& asset, bool levelOfDetail) {
   return packed;
 }
 
+Float4 vertexFactors(const RestSets& sets, uint32_t strand, double share) {
+  const StrandFactors own = sets.strands.empty() ? StrandFactors{} : sets.strands[strand];
+  const auto factor = [&](const ParameterCurve& curve, float strandFactor) {
+    return strandFactor * valueAt(curve, static_cast<float>(share));
+  };
+  return {factor(sets.curves.stiffness, own.stiffness),
+          factor(sets.curves.globalStiffness, own.globalStiffness),
+          factor(sets.curves.damping, own.damping), 0};
+}
+
+std::vector<Float4> packClassicFactors(const HairAsset& asset, const RestSets& sets) {
+  const size_t strands = asset.strandCount, count = asset.verticesPerStrand;
+  std::vector<Float4> factors(strands * count);
+  for (size_t s = 0; s < strands; ++s) {
+    const double total = static_cast<double>(lengthOf(asset, static_cast<uint32_t>(s)));
+    double arc = 0;
+    for (size_t i = 0; i < count; ++i) {
+      factors[i * strands + s] =
+          vertexFactors(sets, static_cast<uint32_t>(s), total > 0 ? arc / total : 0);
+      if (i + 1 < count) arc += static_cast<double>(asset.restLengths[s * count + i]);
+    }
+  }
+  return factors;
+}
+
 std::vector<Float4> packExactRest(const HairAsset& asset, const ExactStrands& strands,
-                                  const ExactRestSets& sets) {
+                                  const RestSets& sets) {
   const size_t stride = strands.stateStride;
   std::vector<Float4> rest(sets.count() * stride);
   for (const ExactStrand& strand : strands.strands) {
@@ -138,15 +173,7 @@ std::vector<Float4> packExactRest(const HairAsset& asset, const ExactStrands& st
                              held ? -1 : static_cast<float>(share)};
       }
       if (sets.factors) {
-        const StrandFactors own =
-            sets.strands.empty() ? StrandFactors{} : sets.strands[strand.root];
-        const auto factor = [&](const ParameterCurve& curve, float strandFactor) {
-          return strandFactor * valueAt(curve, static_cast<float>(share));
-        };
-        rest[(sets.count() - 1) * stride + at] = {
-            factor(sets.curves.stiffness, own.stiffness),
-            factor(sets.curves.globalStiffness, own.globalStiffness),
-            factor(sets.curves.damping, own.damping), 0};
+        rest[(sets.count() - 1) * stride + at] = vertexFactors(sets, strand.root, share);
       }
       if (!tip) arc += static_cast<double>(lengths[i]);
     }
@@ -235,7 +262,8 @@ void setExactStep(ExactConstants& constants, const SimulationSettings& s, double
              .shareBefore = history.share,
              .rateBefore = history.rate};
   constants.turnRatio = static_cast<float>(ratio);
-  constants.slowTurn = static_cast<float>(0.02 * std::min(1.0, (240 * h) * (240 * h)));
+  constants.slowTurn = static_cast<float>(slowTurn(h, drag));
+  constants.guessTrend = static_cast<float>(0.5 * std::min(drag, 1.0));
   const double bendLength = static_cast<double>(s.bendLength);
   const double bend = 9.81 * bendLength * bendLength * bendLength;
   constants.bendStiffness = static_cast<float>(bend);
@@ -243,7 +271,7 @@ void setExactStep(ExactConstants& constants, const SimulationSettings& s, double
   constants.damping = static_cast<float>(static_cast<double>(s.relaxationTime) / h);
   constants.goalStiffness = static_cast<float>(goalSpring(static_cast<double>(s.globalStiffness)));
   constants.goalRange = std::max(s.globalRange, 1e-6f);
-  constants.passTolerance = static_cast<float>(passTolerance(drag));
+  constants.passTolerance = static_cast<float>(passTolerance(h, drag));
   constants.vspCoefficient = s.vspCoefficient;
   constants.vspThreshold = s.vspThreshold;
 }

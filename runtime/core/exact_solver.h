@@ -40,20 +40,25 @@ inline uint64_t exactStateCount(uint64_t stateStride, uint64_t strands) {
   return kExactStateSets * stateStride + kExactStrandElements * strands;
 }
 /// What g_rest holds beside the rest shape.
-struct ExactRestSets {
+struct RestSets {
   bool goals = false;                           ///< set 1: bind positions for the global shape
   bool factors = false;                         ///< the last set
   std::span<const StrandFactors> strands = {};  ///< [strand], or empty for 1
   ParameterCurves curves = {};
-  bool operator==(const ExactRestSets& other) const {
+  bool operator==(const RestSets& other) const {
     return goals == other.goals && factors == other.factors && curves == other.curves;
   }
   uint32_t count() const { return 1u + (goals ? 1u : 0u) + (factors ? 1u : 0u); }
 };
 
+/// Factors at a share of a strand's arc length: on stiffness, global stiffness and damping.
+Float4 vertexFactors(const RestSets& sets, uint32_t strand, double share);
+/// The third set of the classic solver's g_rest.
+std::vector<Float4> packClassicFactors(const HairAsset& asset, const RestSets& sets);
+
 /// Contents of g_rest.
 std::vector<Float4> packExactRest(const HairAsset& asset, const ExactStrands& strands,
-                                  const ExactRestSets& sets);
+                                  const RestSets& sets);
 
 /// The wind at a time [m/s].
 struct AirMotion {

@@ -51,6 +51,9 @@ struct HairInternals {
   std::vector<CapsuleCollider> colliders, collidersBefore;  ///< of this frame and the last one
   uint32_t colliderCapacity = 0;                            ///< elements of the buffer
 
+  std::vector<std::byte> fieldsBefore;  ///< contents of the buffer of fields
+  uint32_t fieldCapacity = 0;           ///< elements of it
+
   /// Of state, roots and colliders in world space [m]: whole metres, so that the difference of two
   /// origins, and that of a position near an origin and the origin, are exact.
   Float3 origin = {};
@@ -59,7 +62,7 @@ struct HairInternals {
   bool resetPending = true;
   /// What the solver's buffers were made for.
   std::optional<Solver> solver;
-  detail::ExactRestSets restSets;
+  detail::RestSets restSets;
   std::vector<StrandFactors> strandFactors;
   /// Of the last frame; a change wakes all strands.
   SimulationSettings settingsBefore;
@@ -92,6 +95,14 @@ float longestStrand(const HairAsset& asset);
 Float3 moveOrigin(HairInternals& hair);
 /// Bones relative to the origin, as the kernels read them.
 std::vector<Float4> packBones(const HairInternals& hair);
+struct Ball {
+  Float3 center = {};
+  float radius = 0;
+};
+
+/// Around all strands in world space; a radius of infinity when a bone is not finite.
+Ball ballOfStrands(const HairInternals& hair);
+
 /// True for other colliders than before; those that only move are not.
 bool areReplaced(std::span<const CapsuleCollider> before, std::span<const CapsuleCollider> now);
 /// Colliders of this frame that strands may reach, relative to the origin.

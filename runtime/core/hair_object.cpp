@@ -78,11 +78,14 @@ bool isUsable(const CapsuleCollider& c) {
          c.tailRadius >= 0 && c.friction >= 0;
 }
 
-// Ball around all strands in world space; a radius of infinity when a bone is not finite.
-struct Ball {
-  Float3 center = {};
-  float radius = 0;
-};
+bool reaches(const CapsuleCollider& c, const Ball& ball) {
+  const float radius = std::max(c.headRadius, c.tailRadius) + 0.5f * distance(c.head, c.tail);
+  const Float3 center = {0.5f * (c.head.x + c.tail.x), 0.5f * (c.head.y + c.tail.y),
+                         0.5f * (c.head.z + c.tail.z)};
+  return !(distance(center, ball.center) > radius + ball.radius);
+}
+
+}  // namespace
 
 Ball ballOfStrands(const HairInternals& hair) {
   std::vector<Ball> balls;
@@ -105,15 +108,6 @@ Ball ballOfStrands(const HairInternals& hair) {
   all.radius = 1.01f * all.radius + hair.longestStrand;
   return all;
 }
-
-bool reaches(const CapsuleCollider& c, const Ball& ball) {
-  const float radius = std::max(c.headRadius, c.tailRadius) + 0.5f * distance(c.head, c.tail);
-  const Float3 center = {0.5f * (c.head.x + c.tail.x), 0.5f * (c.head.y + c.tail.y),
-                         0.5f * (c.head.z + c.tail.z)};
-  return !(distance(center, ball.center) > radius + ball.radius);
-}
-
-}  // namespace
 
 std::vector<BoneBounds> boundsOfRoots(const HairAsset& asset,
                                       std::span<const BoneInfluences> influences) {

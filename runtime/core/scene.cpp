@@ -175,7 +175,7 @@ void Scene::removeHair(HairId id) {
   for (BufferId* buffer :
        {&buffers.positions, &buffers.tangents, &buffers.bindRoots, &buffers.rootTransforms,
         &buffers.rootBindings, &buffers.boneTransforms, &buffers.followStrands,
-        &buffers.strandThickness, &buffers.indices, &buffers.colliders})
+        &buffers.strandThickness, &buffers.indices, &buffers.colliders, &buffers.fields})
     removeBuffer(*buffer);
   objects_[static_cast<uint32_t>(id)].reset();
 }
@@ -185,6 +185,11 @@ void Scene::removeBuffer(BufferId& buffer) {
   resources_.remove(buffer);
   hazards_.forget(buffer);
   buffer = BufferId::kInvalid;
+}
+
+uint64_t Scene::bytesOfBuffer(BufferId id) const {
+  const BufferDesc* desc = resources_.find(id);
+  return desc != nullptr ? desc->size : 0;
 }
 
 HairObject& Scene::hair(HairId id) {

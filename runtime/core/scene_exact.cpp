@@ -91,7 +91,10 @@ void Scene::bindExact(const Frame& frame, PassBuilder& builder) const {
       .bind("g_rootFrames", buffers.rootTransforms,
             kRootTransformSets * guides * sizeof(RootTransform))
       .bind("g_strands", buffers.strands, guides * sizeof(ExactStrand))
-      .bind("g_exactColliders", buffers.colliders, frame.colliderCount * sizeof(Collider))
+      .bind("g_exactColliders", buffers.colliders, bytesOfBuffer(buffers.colliders))
+      .bind("g_exactFields", buffers.fields, frame.fieldCount * sizeof(SdfField))
+      .bind("g_fieldKeys", sdfKeys_, bytesOfBuffer(sdfKeys_))
+      .bind("g_fieldSurface", sdfSurface_, bytesOfBuffer(sdfSurface_))
       .bind("g_forces", forcesOf(object), vertices * kVector)
       .bind("g_lodParents", buffers.lodParents, guides * sizeof(uint32_t))
       .bind("g_sleep", buffers.sleep,
@@ -116,6 +119,7 @@ Result<void> Scene::addExactPasses(Frame& frame) {
   constants.outputCount = static_cast<uint32_t>(vertices);
   constants.outputVertices = object.vertexCount_;
   constants.colliderCount = frame.colliderCount;
+  constants.fieldCount = frame.fieldCount;
   constants.frameTime = frame.length;
   constants.frameTimeBefore =
       frame.reset || !(internals.lastFrame > 0) ? frame.length : internals.lastFrame;
@@ -144,7 +148,12 @@ Result<void> Scene::addExactPasses(Frame& frame) {
   key.damping = s.relaxationTime > 0;
   key.colliders = frame.colliderCount > 0;
   key.velocityShockPropagation = usesVsp(s);
-  const KernelVariant& variant = simulateRodsVariant(key);
+  key.sdf = frame.fieldCount > 0;
+  // What is rare comes with what is common, and has fewer permutations: the manifest's exclusions.
+  key.damping = key.damping || key.sdf;
+  key.colliders = key.colliders || key.sdf;
+  key.velocityShockPropagation = key.velocityShockPropagation || key.sdf;
+  const KernelVariant& variant = *simulateRodsVariant(key);
   if (frame.reset) internals.history = {};
 
   for (uint32_t step = 0; step < steps; ++step) {

@@ -54,6 +54,7 @@ struct Scene::Frame {
   bool reset;
   Float3 rebase;
   uint32_t colliderCount;
+  uint32_t fieldCount;  ///< of mesh colliders within reach
   bool sleeps;
   bool collidersReplaced;
 

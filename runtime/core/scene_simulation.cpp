@@ -8,6 +8,7 @@
 #include "pelage/gpu_structs.h"
 #include "pelage/kernels.h"
 #include "scene_frame.h"
+#include "sdf_collider.h"
 
 namespace pelage {
 
@@ -59,8 +60,8 @@ void Scene::addSolverBuffers(HairObject& object) {
   const HairAsset& asset = internals.asset;
   HairBuffers& buffers = object.buffers_;
   const Solver solver = object.settings.solver;
-  const detail::ExactRestSets sets = {
-      .goals = usesGoals(object.settings) || internals.heldVertices,
+  const detail::RestSets sets = {
+      .goals = solver == Solver::kExact && (usesGoals(object.settings) || internals.heldVertices),
       .factors = !internals.strandFactors.empty() || object.settings.curves != ParameterCurves{},
       .strands = internals.strandFactors,
       .curves = object.settings.curves};
@@ -79,10 +80,7 @@ void Scene::addSolverBuffers(HairObject& object) {
     internals.resetPending = true;
     if (solver == Solver::kClassic) {
       const uint64_t vertices = uint64_t{asset.strandCount} * asset.verticesPerStrand;
-      const Result<std::vector<Float4>> rest = packRest(asset);
-      PELAGE_ASSERT(rest, "addHair() takes processed assets only");
       buffers.state = add("state", 2 * vertices, kVector);
-      buffers.rest = add("rest", rest->size(), kVector, bytesOf(*rest));
       buffers.lengths = add("lengths", vertices, sizeof(Float2));
     } else {
       const detail::ExactStrands strands = detail::packExactStrands(asset, internals.levelOfDetail);
@@ -106,14 +104,23 @@ void Scene::addSolverBuffers(HairObject& object) {
       internals.sleptBefore = false;
     }
   }
-  if (solver == Solver::kExact &&
-      (buffers.rest == BufferId::kInvalid || sets != internals.restSets)) {
-    internals.restSets = sets;
-    removeBuffer(buffers.rest);
-    const std::vector<Float4> rest = detail::packExactRest(
-        asset, detail::packExactStrands(asset, internals.levelOfDetail), sets);
-    buffers.rest = add("rest", rest.size(), kVector, bytesOf(rest));
+  if (buffers.rest != BufferId::kInvalid && sets == internals.restSets) return;
+  internals.restSets = sets;
+  removeBuffer(buffers.rest);
+  std::vector<Float4> rest;
+  if (solver == Solver::kExact) {
+    rest = detail::packExactRest(asset, detail::packExactStrands(asset, internals.levelOfDetail),
+                                 sets);
+  } else {
+    Result<std::vector<Float4>> packed = packRest(asset);
+    PELAGE_ASSERT(packed, "addHair() takes processed assets only");
+    rest = std::move(*packed);
+    if (sets.factors) {
+      const std::vector<Float4> factors = detail::packClassicFactors(asset, sets);
+      rest.insert(rest.end(), factors.begin(), factors.end());
+    }
   }
+  buffers.rest = add("rest", rest.size(), kVector, bytesOf(rest));
 }
 
 Result<void> Scene::simulate(float dt, PassList& list) {
@@ -135,6 +142,21 @@ Result<void> Scene::simulate(float dt, PassList& list) {
       return Error{valid.error().code, "hair '" + object->name_ + "': " + valid.error().message};
     }
   }
+  Result<std::vector<std::optional<detail::SdfGridPlan>>> plans = checkColliders();
+  if (!plans) return plans.error();
+  bool grown = false;
+  for (size_t i = 0; i < colliders_.size(); ++i) {
+    if (!(*plans)[i]) continue;
+    if (planCollider(*colliders_[i], *(*plans)[i])) grown = true;
+  }
+  if (grown) layOutFields();
+  for (const auto& collider : colliders_) {
+    if (collider == nullptr) continue;
+    if (Result<void> done = buildCollider(*collider, list); !done) {
+      list.clear();
+      return done;
+    }
+  }
   for (const auto& object : objects_) {
     if (object == nullptr) continue;
     if (Result<void> done = simulateObject(*object, frame, subSteps, list); !done) {
@@ -152,11 +174,11 @@ Result<void> Scene::checkObject(const HairObject& object) const {
     return Error{ErrorCode::kInvalidArgument, what};
   };
   if (Result<void> valid = validate(object.settings); !valid) return valid;
-  if (object.settings.solver != Solver::kExact) return {};
   const float share = object.simulatedShare;
-  if (!(share >= 0 && share <= 1))
+  const bool exact = object.settings.solver == Solver::kExact;
+  if (exact && !(share >= 0 && share <= 1))
     return refuse("simulatedShare is " + std::to_string(share) + ", but must be in 0..1");
-  if (share < 1 && !object.internals_->levelOfDetail)
+  if (exact && share < 1 && !object.internals_->levelOfDetail)
     return refuse("simulatedShare is below 1; set HairDef::levelOfDetail for it");
   if (const BufferId id = object.buffers_.forces; id != BufferId::kInvalid) {
     const BufferDesc* forces = resources_.find(id);
@@ -190,6 +212,7 @@ Result<void> Scene::simulateObject(HairObject& object, float length, uint32_t st
       .reset = internals.resetPending,
       .rebase = detail::moveOrigin(internals),
       .colliderCount = 0,
+      .fieldCount = 0,
       .sleeps = false,
       .collidersReplaced = detail::areReplaced(internals.collidersBefore, internals.colliders)};
   internals.stillFrames = internals.bonesChanged || frame.reset ? 0 : internals.stillFrames + 1;
@@ -198,19 +221,20 @@ Result<void> Scene::simulateObject(HairObject& object, float length, uint32_t st
     addUpload(list, buffers.boneTransforms, std::as_bytes(std::span(bones)));
     internals.bonesChanged = false;
   }
-  if (const std::vector<Collider> colliders = detail::packColliders(internals);
-      !colliders.empty()) {
-    frame.colliderCount = static_cast<uint32_t>(colliders.size());
-    if (frame.colliderCount > internals.colliderCapacity) {
-      removeBuffer(buffers.colliders);
-      internals.colliderCapacity = frame.colliderCount;
-      buffers.colliders = resources_.add({.name = object.name_ + "/colliders",
-                                          .size = colliders.size() * sizeof(Collider),
-                                          .stride = sizeof(Collider),
-                                          .usage = BufferUsage::kStorage | BufferUsage::kUpload});
-    }
-    addUpload(list, buffers.colliders, std::as_bytes(std::span(colliders)));
+  addFields(frame);
+  const std::vector<Collider> colliders = detail::packColliders(internals);
+  frame.colliderCount = static_cast<uint32_t>(colliders.size());
+  // Permutations with fields have the capsules' code, and want their buffer.
+  const uint32_t wanted = std::max(frame.colliderCount, frame.fieldCount > 0 ? 1u : 0u);
+  if (wanted > internals.colliderCapacity) {
+    removeBuffer(buffers.colliders);
+    internals.colliderCapacity = wanted;
+    buffers.colliders = resources_.add({.name = object.name_ + "/colliders",
+                                        .size = wanted * sizeof(Collider),
+                                        .stride = sizeof(Collider),
+                                        .usage = BufferUsage::kStorage | BufferUsage::kUpload});
   }
+  if (!colliders.empty()) addUpload(list, buffers.colliders, std::as_bytes(std::span(colliders)));
   internals.collidersBefore = internals.colliders;
 
   if (Result<void> added = addRootPass(frame); !added) return added;
@@ -276,6 +300,10 @@ Result<void> Scene::addClassicPasses(const Frame& frame) {
   constants.gravity = {s.gravity.x, s.gravity.y, s.gravity.z, 0};
   const Float3 wind = frame.air.velocity;
   constants.wind = {wind.x, wind.y, wind.z, s.airDrag};
+  const Float3 gust0 = frame.air.gust0, gust1 = frame.air.gust1;
+  constants.gust0 = {gust0.x, gust0.y, gust0.z, s.wind.strandVariation};
+  constants.gust1 = {gust1.x, gust1.y, gust1.z, 0};
+  constants.factorSet = internals.restSets.factors ? 2 : 0;
   constants.timeStep = static_cast<float>(h);
   constants.dampingKeep = static_cast<float>(keep);
   // What a step of 1/60 s gains at the same terminal velocity.
@@ -289,7 +317,7 @@ Result<void> Scene::addClassicPasses(const Frame& frame) {
   constants.vspCoefficient = s.vspCoefficient;
   constants.vspThreshold = s.vspThreshold;
   constants.maxSpeed = s.maxSpeed;
-  constants.localIterations = s.localIterations;
+  constants.localIterations = s.localStiffness > 0 ? s.localIterations : 0;
   constants.lengthIterations = s.lengthIterations;
 
   SimulateStrandsKey key;
@@ -298,8 +326,19 @@ Result<void> Scene::addClassicPasses(const Frame& frame) {
   key.localShape = s.localStiffness > 0;
   key.velocityShockPropagation = usesVsp(s);
   key.colliders = frame.colliderCount > 0;
+  key.forces = buffers.forces != BufferId::kInvalid;
   constants.colliderCount = frame.colliderCount;
-  const KernelVariant& variant = simulateStrandsVariant(key);
+  key.sdf = frame.fieldCount > 0;
+  // What is rare comes with what is common, and has fewer permutations: the manifest's exclusions.
+  // Still air does not drag.
+  if (!key.wind) constants.wind.w = 0;
+  key.wind = key.wind || key.forces || key.sdf;
+  key.globalShape = key.globalShape || key.sdf;
+  key.localShape = key.localShape || key.forces || key.sdf;
+  key.velocityShockPropagation = key.velocityShockPropagation || key.sdf;
+  key.colliders = key.colliders || key.sdf;
+  constants.fieldCount = frame.fieldCount;
+  const KernelVariant& variant = *simulateStrandsVariant(key);
   const auto steps = static_cast<float>(frame.steps);
   for (uint32_t step = 0; step < frame.steps; ++step) {
     constants.flags = 0;
@@ -317,8 +356,12 @@ Result<void> Scene::addClassicPasses(const Frame& frame) {
         .bind("g_tangents", buffers.tangents, vertices * kVector)
         .bind("g_state", buffers.state, 2 * vertices * kVector)
         .bind("g_lengths", buffers.lengths, vertices * sizeof(Float2))
-        .bind("g_colliders", buffers.colliders, frame.colliderCount * sizeof(Collider))
-        .bind("g_rest", buffers.rest, 2 * vertices * kVector)
+        .bind("g_colliders", buffers.colliders, bytesOfBuffer(buffers.colliders))
+        .bind("g_rest", buffers.rest, (internals.restSets.factors ? 3 : 2) * vertices * kVector)
+        .bind("g_classicFields", buffers.fields, frame.fieldCount * sizeof(SdfField))
+        .bind("g_fieldKeys", sdfKeys_, bytesOfBuffer(sdfKeys_))
+        .bind("g_fieldSurface", sdfSurface_, bytesOfBuffer(sdfSurface_))
+        .bind("g_strandForces", buffers.forces, vertices * kVector)
         .bind("g_rootTransforms", buffers.rootTransforms,
               kRootTransformSets * guides * sizeof(RootTransform))
         .constants("SimulationConstants", constants)

@@ -19,6 +19,8 @@ void checkTogether(const Options& options, const std::vector<float>& wind) {
       throw CLI::ValidationError("--wind", "takes speeds of at most 1000 m/s");
   if (options.asset.empty() && (!options.bones.empty() || !options.mesh.empty()))
     throw CLI::ValidationError("--bones and --mesh", "need --asset");
+  if (options.drawSdf && !options.asset.empty() && options.mesh.empty())
+    throw CLI::ValidationError("--draw-sdf", "needs --mesh with --asset");
   if (!options.asset.empty() && options.guides)
     throw CLI::ValidationError("--guides", "is for the generated groom, not for --asset");
   for (const uint32_t size : {options.width, options.height})
@@ -125,6 +127,8 @@ std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
                  "render N times larger and average in linear light, 1..4 (2)")
       ->check(CLI::Range(1u, 4u).description(""))
       ->type_name("N");
+  app.add_flag("--draw-sdf", options.drawSdf,
+               "let the mesh collide by a signed distance field, and draw the field's surface");
   app.add_flag("--no-images", noImages, "simulate only");
   app.add_option("--out", options.out, "folder of the pictures (out)")->type_name("DIR");
 

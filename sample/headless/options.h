@@ -34,6 +34,7 @@ struct Options {
   uint32_t samples = 4;
   uint32_t supersample = 2;
   bool images = true;
+  bool drawSdf = false;
   std::filesystem::path out = "out";
 
   std::filesystem::path writeAsset, csv;

@@ -92,7 +92,9 @@ class FrameLoop {
   Result<pelage::RenderedImage> render() {
     if (Result<void> done = prepare(true); !done) return done.error();
     auto image = device_.render(list_, target_, &timings_);
-    if (image) figures_.add(list_, timings_);
+    if (!image) return image;
+    figures_.add(list_, timings_);
+    if (Result<void> done = demo_.checkDraw(device_); !done) return done.error();
     return image;
   }
 
@@ -178,6 +180,7 @@ Result<void> run(const Options& options) {
   def.solver = options.solver;
   def.subSteps = options.subSteps;
   def.wind = options.wind;
+  def.drawSdf = options.drawSdf;
   auto demo = DemoScene::create(*assets, def);
   if (!demo) return demo.error();
 

@@ -215,9 +215,11 @@ Result<DemoScene> DemoScene::create(const DemoAssets& assets, const DemoDef& def
   if (!hair) return hair.error();
   demo.hair_ = *hair;
 
-  if (generated) demo.capsules_ = headCapsules();
-  if (assets.mesh)
-    if (Result<void> added = demo.addMesh(assets); !added) return added.error();
+  if (generated && !def.drawSdf) demo.capsules_ = headCapsules();
+  if (assets.mesh) {
+    Result<void> added = def.drawSdf ? demo.addCollider(assets) : demo.addMesh(assets);
+    if (!added) return added.error();
+  }
 
   for (int i = 0; i * kSweptStep < kHeadMotionSeconds; ++i) {
     const std::vector<AffineTransform> bones = demo.pose(i * kSweptStep);
@@ -241,6 +243,16 @@ Result<void> DemoScene::addMesh(const DemoAssets& assets) {
   return {};
 }
 
+Result<void> DemoScene::addCollider(const DemoAssets& assets) {
+  pelage::SdfColliderDef def;
+  def.name = assets.name + "/field";
+  def.boneCount = boneCount_;
+  const auto added = scene_.addCollider(*assets.mesh, def);
+  if (!added) return added.error();
+  collider_ = *added;
+  return {};
+}
+
 std::vector<AffineTransform> DemoScene::pose(double seconds) const {
   const HeadPose head = headPose(seconds);
   if (!skeleton_.bones.empty()) return poseSkeleton(skeleton_, head);
@@ -258,6 +270,7 @@ Result<void> DemoScene::advance(pelage::PassList& list) {
     capsules[i].tail = pelage::transformPoint(bone, capsules[i].tail);
   }
   scene_.hair(hair_).setColliders(capsules);
+  if (collider_ != pelage::ColliderId::kInvalid) scene_.collider(collider_).setBones(bones);
   if (Result<void> done = scene_.simulate(static_cast<float>(kFrameSeconds), list); !done)
     return done;
   if (mesh_) mesh_->setBones(bones, list);
@@ -265,9 +278,22 @@ Result<void> DemoScene::advance(pelage::PassList& list) {
 }
 
 Result<void> DemoScene::draw(const pelage::View& view, pelage::PassList& list) {
-  if (mesh_)
+  if (collider_ != pelage::ColliderId::kInvalid) {
+    if (Result<void> done = scene_.drawCollider(collider_, view, light, {}, list); !done)
+      return done;
+  } else if (mesh_) {
     if (Result<void> done = mesh_->draw(view, light, list); !done) return done;
+  }
   return scene_.draw(view, light, list);
+}
+
+Result<void> DemoScene::checkDraw(pelage::HeadlessDevice& device) const {
+  if (collider_ == pelage::ColliderId::kInvalid) return {};
+  const pelage::BufferId counts = scene_.collider(collider_).buffers().isoCounts;
+  if (counts == pelage::BufferId::kInvalid) return {};
+  const auto bytes = device.read(counts);
+  if (!bytes) return bytes.error();
+  return scene_.checkColliderDraw(collider_, *bytes);
 }
 
 Camera DemoScene::camera(float aspect) const { return frameAll(sweptPoints_, cameraDef_, aspect); }

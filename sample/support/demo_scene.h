@@ -9,6 +9,7 @@
 #include "camera.h"
 #include "demo_assets.h"
 #include "mesh_object.h"
+#include "pelage/headless.h"
 #include "pelage/scene.h"
 
 namespace sample {
@@ -20,6 +21,9 @@ struct DemoDef {
   pelage::Solver solver = pelage::Solver::kExact;
   uint32_t subSteps = 1;  ///< of the exact solver
   pelage::Float3 wind;    ///< [m/s]
+  /// Hair collides with the mesh by a signed distance field, and draw() shows the field's surface
+  /// in place of the mesh.
+  bool drawSdf = false;
 };
 
 class DemoScene {
@@ -33,6 +37,9 @@ class DemoScene {
   pelage::Result<void> advance(pelage::PassList& list);
   /// Adds the draws of mesh and hair.
   pelage::Result<void> draw(const pelage::View& view, pelage::PassList& list);
+  /// With DemoDef::drawSdf, after draw() has run: an error when the surface was too large to be
+  /// drawn as a whole.
+  pelage::Result<void> checkDraw(pelage::HeadlessDevice& device) const;
   /// Computes the barriers of a complete list.
   void finish(pelage::PassList& list) { scene_.finish(list); }
 
@@ -50,11 +57,13 @@ class DemoScene {
  private:
   DemoScene() = default;
   pelage::Result<void> addMesh(const DemoAssets& assets);
+  pelage::Result<void> addCollider(const DemoAssets& assets);
   std::vector<pelage::AffineTransform> pose(double seconds) const;
 
   pelage::Scene scene_;
   pelage::HairId hair_ = pelage::HairId::kInvalid;
   std::optional<MeshObject> mesh_;
+  pelage::ColliderId collider_ = pelage::ColliderId::kInvalid;
   std::vector<pelage::CapsuleCollider>
       capsules_;  ///< in bind space; the first one on the neck bone
   pelage::Skeleton skeleton_;

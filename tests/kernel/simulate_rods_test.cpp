@@ -256,7 +256,8 @@ class RodRun {
     coefficientsBefore_ = coefficients_;
     coefficients_ = c;
     constants.turnRatio = stepBefore_ > 0 ? static_cast<float>(h / stepBefore_) : 0;
-    constants.slowTurn = RodTuning<float>::slowTurn(h);
+    constants.slowTurn = RodTuning<float>::slowTurn(h, s.material.airDrag);
+    constants.guessTrend = RodTuning<float>::guessTrend(s.material.airDrag);
     constants.bendStiffness = static_cast<float>(s.material.bend);
     constants.twistStiffness = static_cast<float>(s.material.twist);
     constants.damping = static_cast<float>(s.material.relaxation / h);
@@ -271,7 +272,7 @@ class RodRun {
 
   void dispatch() {
     PassBuilder builder(list_);
-    builder.dispatch(simulateRodsVariant(key_), constants.strandCount);
+    builder.dispatch(*simulateRodsVariant(key_), constants.strandCount);
     positions_.bindTo(builder, "g_positions");
     tangents_.bindTo(builder, "g_tangents");
     state_.bindTo(builder, "g_state");

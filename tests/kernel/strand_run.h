@@ -158,6 +158,20 @@ class StrandRun {
     colliders.resize(kMaxColliders);
     colliders_.upload(list_, colliders);
   }
+  /// What the sdf permutation collides with; keys and surface stay as they are after the first
+  /// time.
+  void setFields(const std::vector<SdfField>& fields, const std::vector<uint32_t>& keys,
+                 const std::vector<Uint4>& surface) {
+    constants.fieldCount = static_cast<uint32_t>(fields.size());
+    if (fields_) {
+      fields_->upload(list_, fields);
+      return;
+    }
+    fields_.emplace(gpu_, "classicFields", fields);
+    fieldKeys_.emplace(gpu_, "fieldKeys", keys);
+    fieldSurface_.emplace(gpu_, "fieldSurface", surface);
+    expectOk(gpu_.device()->update(gpu_.resources));
+  }
   void setState(const std::vector<Float4>& state) { state_.upload(list_, state); }
   void setBones(const std::vector<Float4>& bones) { bones_.upload(list_, bones); }
   void setRootTransforms(const std::vector<RootTransform>& roots) { roots_.upload(list_, roots); }
@@ -165,7 +179,7 @@ class StrandRun {
   void skinRoots(bool dualQuaternions = false) {
     pass(skinRootsVariant({.dualQuaternions = dualQuaternions}), guides_);
   }
-  void simulate(const SimulateStrandsKey& key) { pass(simulateStrandsVariant(key), guides_); }
+  void simulate(const SimulateStrandsKey& key) { pass(*simulateStrandsVariant(key), guides_); }
   void updateFollowStrands() {
     pass(updateFollowStrandsVariant({}), (follows_ + 3) / 4, vertices_);
   }
@@ -231,6 +245,11 @@ class StrandRun {
     bones_.bindTo(builder, "g_boneTransforms");
     bindings_.bindTo(builder, "g_rootBindings");
     followStrands_.bindTo(builder, "g_followStrands");
+    if (fields_) {
+      fields_->bindTo(builder, "g_classicFields");
+      fieldKeys_->bindTo(builder, "g_fieldKeys");
+      fieldSurface_->bindTo(builder, "g_fieldSurface");
+    }
     builder.constants("SimulationConstants", constants);
     expectOk(builder.finish());
   }
@@ -246,6 +265,9 @@ class StrandRun {
   GuardedBuffer<Float4> bones_;
   GuardedBuffer<RootBinding> bindings_;
   GuardedBuffer<FollowStrand> followStrands_;
+  std::optional<GuardedBuffer<SdfField>> fields_;
+  std::optional<GuardedBuffer<uint32_t>> fieldKeys_;
+  std::optional<GuardedBuffer<Uint4>> fieldSurface_;
 };
 
 /// The constants as the reference takes them; what the permutation leaves out is off.

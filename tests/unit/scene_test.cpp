@@ -111,20 +111,20 @@ TEST_F(SceneTest, WhatIsSwitchedOffIsNotInThePermutation) {
   hair.settings.localStiffness = 0;
   hair.settings.vspCoefficient = 0;
   hair.settings.vspThreshold = std::numeric_limits<float>::infinity();
-  EXPECT_EQ(findPass(simulate(), "simulate_strands")->kernel, &simulateStrandsVariant({}));
+  EXPECT_EQ(findPass(simulate(), "simulate_strands")->kernel, simulateStrandsVariant({}));
 
   hair.settings.wind.velocity = {1, 0, 0};
   EXPECT_EQ(findPass(simulate(), "simulate_strands")->kernel,
-            &simulateStrandsVariant({.wind = true}));
+            simulateStrandsVariant({.wind = true}));
   hair.settings.airDrag = 0;  // air that does not touch the hair is no wind
-  EXPECT_EQ(findPass(simulate(), "simulate_strands")->kernel, &simulateStrandsVariant({}));
+  EXPECT_EQ(findPass(simulate(), "simulate_strands")->kernel, simulateStrandsVariant({}));
 
   hair.settings.globalStiffness = 0.1f;
   EXPECT_EQ(findPass(simulate(), "simulate_strands")->kernel,
-            &simulateStrandsVariant({.globalShape = true}));
+            simulateStrandsVariant({.globalShape = true}));
   hair.settings.globalRange = 0;
-  EXPECT_EQ(findPass(simulate(), "simulate_strands")->kernel, &simulateStrandsVariant({}));
-  EXPECT_NE(&simulateStrandsVariant({}), &simulateStrandsVariant({.wind = true}));
+  EXPECT_EQ(findPass(simulate(), "simulate_strands")->kernel, simulateStrandsVariant({}));
+  EXPECT_NE(simulateStrandsVariant({}), simulateStrandsVariant({.wind = true}));
 }
 
 TEST_F(SceneTest, AStrandThicknessBufferExistsOnlyForAssetsThatHaveOne) {

@@ -2,6 +2,7 @@
 #ifndef PELAGE_SIMULATION_CLASSIC_FREE_MOTION_HLSLI
 #define PELAGE_SIMULATION_CLASSIC_FREE_MOTION_HLSLI
 
+#include "../../common/random_hash.hlsli"
 #include "strand_root.hlsli"
 
 // A vertex as it is in memory.
@@ -63,17 +64,38 @@ float3 limited(float3 v, float limit) {
   return r;
 }
 
+#if WIND
+// Way of the air in the sub-step. Every strand has a phase of the gusts of its own, which goes by
+// where it grows.
+float3 airWay(float3 bindRoot) {
+  precise float3 air = g_wind.xyz;
+  if (g_gust0.w > 0.0) {
+    uint seed = hashUints(asuint(bindRoot.x), hashUints(asuint(bindRoot.y), asuint(bindRoot.z)));
+    precise float a = 2.0 * unitFloat(hashUint(seed)) - 1.0;
+    precise float b = 2.0 * unitFloat(hashUint(seed + 1u)) - 1.0;
+    float inverse = inverseRoot(max(a * a + b * b, 1e-12));
+    precise float s0 = g_gust0.w * (a * inverse - 1.0);
+    precise float s1 = g_gust0.w * (b * inverse);
+    precise float3 varied = air + g_gust0.xyz * s0 + g_gust1.xyz * s1;
+    air = varied;
+  }
+  precise float3 way = air * g_timeStep;
+  return way;
+}
+#endif
+
 // Moves the vertices to the strand's place of work, and their history to g_state. Sets what is
 // held.
 void integrate(inout Strand s, float3 bindRoot, RootPose end, Motion motion) {
   uint guide = s.guide;
-  precise float velocityFactor = g_timeStepRatio * g_dampingKeep;
-  precise float3 fall = g_gravity.xyz * g_gravityStep;
+  bool hasFactors = g_factorSet > 0;
+  precise float keepAll = g_dampingKeep;
+  precise float gravityAll = g_gravityStep;
   precise float maxStep = g_maxSpeed * g_timeStep;
 #if WIND
   precise float dragStep = g_wind.w * g_timeStep;
   precise float dragShare = dragStep / (1.0 + dragStep);
-  precise float3 windStep = g_wind.xyz * g_timeStep;
+  float3 windStep = airWay(bindRoot);
 #endif
 #if GLOBAL_SHAPE
   precise float rangeEnd = g_globalRange * float(g_vertexCount);
@@ -91,7 +113,26 @@ void integrate(inout Strand s, float3 bindRoot, RootPose end, Motion motion) {
     Particle next = makeParticle(ahead, i + 1, bindRoot, end, motion);
     ahead = further;
     further = furthest;
-    precise float3 u = (p.current - p.previous) * velocityFactor + fall;
+    float3 factors = float3(1.0, 1.0, 1.0);
+    precise float keep = keepAll;
+    precise float gravityStep = gravityAll;
+    if (hasFactors) {
+      factors = g_rest[guideIndex(2, i, guide)].xyz;
+      // With the same gravityStep the terminal velocity falls as the damping rises.
+      precise float lost = factors.z * (1.0 - keepAll);
+      keep = 1.0 - min(lost, 1.0);
+      gravityStep = gravityAll / max(lost, 1.0);
+    }
+    precise float velocityFactor = g_timeStepRatio * keep;
+    precise float3 u = (p.current - p.previous) * velocityFactor + g_gravity.xyz * gravityStep;
+#if FORCES
+    float4 force = g_strandForces[vertexIndex(guide, i)];
+    if (isUsable(force)) {
+      precise float drag = max(force.w, 0.0) * g_timeStep;
+      precise float3 pushed = u + force.xyz * g_timeStep * g_timeStep;
+      u = pushed / (1.0 + drag);
+    }
+#endif
 #if WIND
     float3 tangent = directionOr(next.current - before, float3(0.0, 0.0, 0.0));
     precise float3 relative = windStep - u;
@@ -101,7 +142,9 @@ void integrate(inout Strand s, float3 bindRoot, RootPose end, Motion motion) {
     u = limited(u, maxStep);
     precise float3 x = p.current + u;
 #if GLOBAL_SHAPE
-    float share = float(i) < rangeEnd ? g_globalStiffness : 0.0;
+    float goalShare = g_globalStiffness;
+    if (hasFactors) goalShare = scaledShare(g_globalStiffness, factors.y);
+    float share = float(i) < rangeEnd ? goalShare : 0.0;
     x = x + (p.goal - x) * share;
 #endif
     float3 goal = p.goal;

@@ -53,6 +53,18 @@ float3 sweepSegment(inout ShapeSweep sweep, float4 rest, float3 q, float massQ, 
   return newP;
 }
 
+// Share of the segment that ends at a vertex, of what it is without factors.
+float shapeShare(float share, uint vertex, uint guide) {
+  float r = share;
+  if (g_factorSet > 0) {
+    // Twice the share is the spring's; beyond 0.95 the sweeps overshoot.
+    precise float scaled = scaledShare(2.0 * share, g_rest[guideIndex(2, vertex, guide)].x);
+    precise float limited = 0.5 * min(scaled, 0.95);
+    r = limited;
+  }
+  return r;
+}
+
 // Two sweeps at a time, the second one segment behind the first: they do not wait for each other.
 void keepLocalShape(Strand s, float4 rootFrame, float3 rootDirection) {
   uint rounds = min(g_localIterations, kMaxIterations);
@@ -73,12 +85,17 @@ void keepLocalShape(Strand s, float4 rootFrame, float3 rootDirection) {
     float4 q = loadPoint(s, min(3, last));
     float4 start = loadPoint(s, 2);
     // Vertex 1 stays.
+    first.share = shapeShare(share, 2, s.guide);
     sweepSegment(first, restBefore, start.xyz, start.w, s.root);
     for (uint i = 2; i < last; ++i) {
       float4 restAhead = g_rest[guideIndex(1, i + 1, s.guide)];
       float4 ahead = loadPoint(s, min(i + 2, last));
       float mass = first.mass;
       float massBefore = second.mass;
+      if (g_factorSet > 0) {
+        second.share = second.share > 0.0 ? first.share : 0.0;
+        first.share = shapeShare(share, i + 1, s.guide);
+      }
       float3 p = sweepSegment(first, rest, q.xyz, q.w, s.root);
       float3 done = sweepSegment(second, restBefore, p, mass, s.root);
       storePoint(s, i - 1, float4(done, massBefore));
@@ -87,6 +104,7 @@ void keepLocalShape(Strand s, float4 rootFrame, float3 rootDirection) {
       q = ahead;
     }
     float massBefore = second.mass;
+    if (g_factorSet > 0) second.share = second.share > 0.0 ? first.share : 0.0;
     float3 done = sweepSegment(second, restBefore, first.p, first.mass, s.root);
     storePoint(s, last - 1, float4(done, massBefore));
     storePoint(s, last, float4(second.p, second.mass));

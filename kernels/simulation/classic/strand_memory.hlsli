@@ -46,6 +46,13 @@ float3 restPosition(uint vertex, uint guide) { return g_rest[guideIndex(0, verte
 
 float segmentLength(Strand s, uint segment) { return restLength(loadLength(s, segment)); }
 
+// A share of the way to a goal when the spring behind it is `factor` times as stiff.
+float scaledShare(float share, float factor) {
+  precise float scaled = share * factor;
+  precise float r = scaled / (1.0 - share + scaled);
+  return r;
+}
+
 // What rounding alone may change the length of a segment at p by: coordinates have an error of
 // 6e-8 of their size at each of a few roundings, and the arm from the root is at most as long as p
 // and the root are far from the origin. Errors below it are left alone: corrections of that size

@@ -67,7 +67,6 @@ void interpolate_guides(uint3 thread : SV_DispatchThreadID) {
     g_tangents[strand.target] = float4(tangent, 0.0);
   } else {
     g_state[stateIndex(kFrameSets + slots.now, 0, strand)] = frame;
-    g_state[stateIndex(kFrameSets + slots.before, 0, strand)] = frame;
     precise float3 first = x + edgeVector;
     g_state[strandIndex(kFirstPosition, slots.now, place)] = float4(first, 0.0);
   }
@@ -102,7 +101,6 @@ void interpolate_guides(uint3 thread : SV_DispatchThreadID) {
       g_tangents[strand.target + i] = float4(directionOr(across, direction), 0.0);
     } else {
       g_state[stateIndex(kFrameSets + slots.now, i, strand)] = frame;
-      g_state[stateIndex(kFrameSets + slots.before, i, strand)] = frame;
     }
     edgeVector = next;
     tangent = direction;

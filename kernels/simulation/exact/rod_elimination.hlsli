@@ -121,25 +121,35 @@ Value addFriction(Value value, RodVertex vertex, float3 way, Contact contact) {
   return value;
 }
 
+// A contact of a vertex that the iterate moves by `way`.
+Value addContact(Value value, RodVertex vertex, float3 way, Contact contact) {
+  if (contact.penetration > 0.0) {
+    precise float k = vertex.weight * kContactStiffness;
+    precise float3 kn = contact.normal * k;
+    precise float3 pushed = value.px - kn * contact.penetration;
+    value.px = pushed;
+    value.m = addOuter(value.m, kn, contact.normal);
+  }
+  precise float reach = -kFrictionReach * vertex.region;
+  if (contact.friction > 0.0 && contact.penetration > reach)
+    value = addFriction(value, vertex, way, contact);
+  return value;
+}
+
 // Adds am/2 |x - y|^2 and the contacts of a vertex that the iterate moves by `way` to x.
-Value addVertex(Value value, RodVertex vertex, float3 way, float3 x) {
+Value addVertex(Value value, RodVertex vertex, float3 way, float3 x, Carry carry) {
   value.m = addDiagonal(value.m, vertex.weight);
   precise float3 px = value.px + (way - vertex.target) * vertex.weight;
   value.px = px;
 #if COLLIDERS
-  for (uint c = 0; c < g_colliderCount; ++c) {
-    Contact contact = contactWith(c, x);
-    if (contact.penetration > 0.0) {
-      precise float k = vertex.weight * kContactStiffness;
-      precise float3 kn = contact.normal * k;
-      precise float3 pushed = value.px - kn * contact.penetration;
-      value.px = pushed;
-      value.m = addOuter(value.m, kn, contact.normal);
-    }
-    precise float reach = -kFrictionReach * vertex.region;
-    if (contact.friction > 0.0 && contact.penetration > reach)
-      value = addFriction(value, vertex, way, contact);
-  }
+  for (uint c = 0; c < g_colliderCount; ++c)
+    value = addContact(value, vertex, way, contactWith(c, x));
+#endif
+#if SDF
+  precise float3 carriedBefore = x - way;
+  precise float touching = kFrictionReach * vertex.region;
+  for (uint f = 0; f < g_fieldCount; ++f)
+    value = addContact(value, vertex, way, contactWithField(f, carry, carriedBefore, x, touching));
 #endif
   return value;
 }

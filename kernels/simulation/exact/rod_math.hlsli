@@ -174,24 +174,53 @@ float3 turnBetween(float4 q, float4 base) {
 // The upper 21 bits of a float, rounded.
 float shortened(float x) { return asfloat((asuint(x) + 0x400u) & 0xfffff800u); }
 
-// Half of the rotation vector by which a frame, in its own axes, goes on turning as from `before`
-// to `frame`, `ratio` times as far; shortened. Edges slower than `slowTurn` [rad a step] leave
-// their twist out.
-float3 halfTurnOn(float4 frame, float4 before, float ratio, float slowTurn) {
-  float4 d = multiplyQuaternions(conjugate(before), frame);
-  precise float3 turn = d.xyz * ((d.w < 0.0 ? -2.0 : 2.0) * ratio);
-  precise float slow = slowTurn * slowTurn;
+static const float kHalfTurnLimit = 0.5 * kGuessLimit;
+
+float3 limitedHalfTurn(float3 v) {
+  precise float3 turn = v;
   precise float squared = dot3(turn, turn);
-  precise float keep = squared / max(squared + slow, kTiny);
-  precise float twist = turn.x * keep;
-  turn.x = twist;
-  squared = dot3(turn, turn);
-  if (squared > kGuessLimit * kGuessLimit) {
-    precise float factor = kGuessLimit * inverseRoot(squared);
+  if (squared > kHalfTurnLimit * kHalfTurnLimit) {
+    precise float factor = kHalfTurnLimit * inverseRoot(squared);
     turn = turn * factor;
   }
-  precise float3 halfTurn = turn * 0.5;
-  return float3(shortened(halfTurn.x), shortened(halfTurn.y), shortened(halfTurn.z));
+  return turn;
+}
+
+// Half of the rotation vector by which an edge is to turn on in its own axes, packed, after it
+// turned from `before` to `frame` and `guessed` was the guess: its bending by the turn and `trend`
+// times what the guess missed, its twist by the turn, or less for edges slower than `slowTurn` [rad
+// a step].
+float nextHalfTurn(float4 frame, float4 before, float3 guessed, float trend, float slowTurn) {
+  float4 d = multiplyQuaternions(conjugate(before), frame);
+  precise float3 turn = d.xyz * (d.w < 0.0 ? -1.0 : 1.0);
+  precise float slow = 0.25 * slowTurn * slowTurn;
+  precise float squared = dot3(turn, turn);
+  precise float keep = squared / max(squared + slow, kTiny);
+  precise float x = turn.x * keep;
+  precise float y = turn.y + (turn.y - guessed.y) * trend;
+  precise float z = turn.z + (turn.z - guessed.z) * trend;
+  float3 limited = limitedHalfTurn(float3(x, y, z));
+  // Three numbers of 9 bits with one exponent of 4, which is neither 0 nor 15: so the bits are those
+  // of no NaN and of no denormal.
+  float largest = max(max(abs(limited.x), abs(limited.y)), abs(limited.z));
+  uint binade = asuint(largest) >> 23;
+  uint exponent = min(max(binade, 112u) - 111u, 14u);
+  precise float steps = asfloat((150u - exponent) << 23);  // 2^(23 - exponent)
+  precise float3 rounded = floor(limited * steps + 0.5) + 256.0;
+  uint3 code = uint3(clamp(rounded, 0.0, 511.0));
+  return asfloat((exponent << 27) | (code.x << 18) | (code.y << 9) | code.z);
+}
+
+// That of g_state, `ratio` times as far; shortened. After a reset there is none.
+float3 halfTurnOn(float stored, float ratio) {
+  uint bits = asuint(stored);
+  uint3 code = uint3((bits >> 18) & 511u, (bits >> 9) & 511u, bits & 511u);
+  precise float unit = asfloat((((bits >> 27) & 15u) + 104u) << 23);  // 2^(exponent - 23)
+  unit = bits == 0u ? 0.0 : unit;
+  precise float3 next = (float3(code) - 256.0) * unit;
+  precise float3 further = next * ratio;
+  float3 turn = limitedHalfTurn(further);
+  return float3(shortened(turn.x), shortened(turn.y), shortened(turn.z));
 }
 
 // The frame turned in its own axes.

@@ -117,7 +117,6 @@ float3 turnWay(Turning turning, float3 way) {
 struct Carry {
 #if VELOCITY_SHOCK_PROPAGATION
   RigidMotion now;       // by this sub-step
-  float4 before;         // rotation by the last one
   Turning way;           // of the ways of the last three steps, with their shares
   Turning wayBefore;
   Turning wayEarlier;
@@ -127,12 +126,12 @@ struct Carry {
 };
 
 #if VELOCITY_SHOCK_PROPAGATION
+// \param before, earlier rotations by the two sub-steps before
 Carry carryOf(RigidMotion now, float4 before, float4 earlier) {
   float4 both = normalizeProduct(multiplyQuaternions(now.rotation, before));
   float4 all = normalizeProduct(multiplyQuaternions(both, earlier));
   Carry carry;
   carry.now = now;
-  carry.before = before;
   carry.way = turningOf(now.rotation, g_wayShare);
   carry.wayBefore = turningOf(both, g_wayShareBefore);
   carry.wayEarlier = turningOf(all, g_wayShareEarlier);
@@ -168,14 +167,6 @@ float3 carriedWays(Carry carry, float3 way, float3 before, float3 earlier) {
 float4 carryFrame(Carry carry, float4 q) {
 #if VELOCITY_SHOCK_PROPAGATION
   return polishProduct(multiplyQuaternions(carry.now.rotation, q));
-#else
-  return q;
-#endif
-}
-// A frame of the state before now, as the last sub-step started from it.
-float4 carryFrameBefore(Carry carry, float4 q) {
-#if VELOCITY_SHOCK_PROPAGATION
-  return polishProduct(multiplyQuaternions(carry.before, q));
 #else
   return q;
 #endif

@@ -4,7 +4,7 @@
 // Threads: one a strand in the order of g_strands; dispatch min(count, 2^20) x ceil(count / 2^20).
 //          No barriers and no shared memory; a strand of any count from 2 to 256 is a loop.
 // Reads:   g_strands, g_rootFrames, g_rest, g_state (now, before, earlier), g_exactColliders,
-//          g_forces, g_sleep
+//          g_exactFields, g_fieldKeys, g_fieldSurface, g_forces, g_sleep
 // Writes:  g_state (next; at a reset those that it reads), g_gains, g_positions, g_tangents,
 //          g_sleep
 //
@@ -15,8 +15,9 @@
 //      motion.
 //   3. Every vertex's target, where the last three ways and the drift lead: BDF2 or backward Euler
 //      of a free vertex with air drag; GLOBAL_SHAPE: drawn to its goal. Every edge's guess: it
-//      turns on.
-//   4. Tip to root, the elimination (rod_elimination.hlsli), with COLLIDERS' contacts and friction.
+//      turns on, as the last step has left it in the w of the way of the vertex at its end.
+//   4. Tip to root, the elimination (rod_elimination.hlsli), with contacts and friction: of
+//      COLLIDERS, and of SDF, signed distance fields.
 //   5. Root to tip, the roll-out: rotations of the edges, positions by summing the edges, out of
 //      the colliders; the ways of this step; positions and tangents for drawing.
 //   6. 4 and 5 once more, about the result, where an edge turned by more than g_passTolerance.
@@ -26,7 +27,7 @@
 // With the sleep flag the threads are those of the tiles that select_awake_tiles has found awake.
 //
 // Speed: a strand is one thread, so what counts is first the way of a vertex through its loops, and
-// with many strands the bytes: 7 vectors are read and 6 written to the root, 7 read and 4 written
+// with many strands the bytes: 6 vectors are read and 6 written to the root, 7 read and 4 written
 // to the tip. Loads are one turn ahead. Square roots of numbers near 1 are short polynomials.
 //
 // Rounding: ways are summed along the strand from the differences of tangents. A difference of
@@ -83,25 +84,23 @@ StoredVertex loadVertex(uint vertex, ExactStrand strand, Slots slots) {
 
 struct StoredEdge {
   float4 now;
-  float4 before;
   float4 next;  // after the first pass
 };
 
 StoredEdge loadEdge(uint edge, ExactStrand strand, Slots slots, uint pass) {
   StoredEdge stored;
   stored.now = g_state[stateIndex(kFrameSets + slots.now, edge, strand)];
-  stored.before = g_state[stateIndex(kFrameSets + slots.before, edge, strand)];
   stored.next = stored.now;
   if (pass > 0) stored.next = g_state[stateIndex(kFrameSets + slots.next, edge, strand)];
   return stored;
 }
 
 // A free edge in a pass.
-RodEdge freeEdge(StoredEdge stored, Carry carry, float edgeLength, uint pass) {
+// \param turn how it turns on: w of the way of the vertex at its end
+RodEdge freeEdge(StoredEdge stored, float turn, Carry carry, float edgeLength, uint pass) {
   RodEdge edge;
   edge.frame = carryFrame(carry, stored.now);
-  edge.halfTurn = halfTurnOn(stored.now, carryFrameBefore(carry, stored.before), g_turnRatio,
-                             g_slowTurn);
+  edge.halfTurn = halfTurnOn(turn, g_turnRatio);
   edge.guess = guessFrame(edge.frame, edge.halfTurn);
   edge.iterate = edge.guess;
   if (pass > 0) edge.iterate = stored.next;
@@ -229,7 +228,6 @@ void resetStrand(ExactStrand strand, Slots slots, RodRoot root, uint index) {
     g_state[stateIndex(kWaySets + slots.before, i, strand)] = zero;
     g_state[stateIndex(kWaySets + slots.earlier, i, strand)] = zero;
     g_state[stateIndex(kFrameSets + slots.now, i, strand)] = frame;
-    g_state[stateIndex(kFrameSets + slots.before, i, strand)] = frame;
   }
   g_state[strandIndex(kGuessedWay, slots.now, index)] = zero;
   g_state[strandIndex(kTipPosition, slots.now, index)] = float4(x, 0.0);
@@ -290,15 +288,15 @@ void eliminate(ExactStrand strand, Slots slots, Carry carry, RodRoot root, float
   precise float3 way = tipWay;
   precise float3 x = tipX;
   RodVertex vertex = freeVertex(storedEnd, carry, root, drift, x, way);
-  Value value = addVertex(emptyValue(), vertex, way, x);
-  RodEdge edge = freeEdge(storedEdge, carry, stored.rest.z, pass);
+  Value value = addVertex(emptyValue(), vertex, way, x, carry);
+  RodEdge edge = freeEdge(storedEdge, storedEnd.way.w, carry, stored.rest.z, pass);
   [loop] for (uint i = last; i >= 1; --i) {
     // Loads of the next turn, before this turn's arithmetic.
     StoredVertex storedNext = loadVertex(i - 1, strand, slots);
     StoredEdge storedGrandparent = loadEdge(i > 1 ? i - 2 : 0, strand, slots, pass);
 
     RodEdge parent = rootEdge(storedParent, carry, rootFrame);
-    if (i > 1) parent = freeEdge(storedParent, carry, storedNext.rest.z, pass);
+    if (i > 1) parent = freeEdge(storedParent, stored.way.w, carry, storedNext.rest.z, pass);
     float3 turned = float3(0.0, 0.0, 0.0);
     if (pass > 0) turned = turnBetween(edge.iterate, edge.guess);
     float3 tangent = axisX(edge.iterate);
@@ -313,7 +311,7 @@ void eliminate(ExactStrand strand, Slots slots, Carry carry, RodRoot root, float
     storeGain(i, strand, step.gain);
     value = step.value;
     vertex = freeVertex(stored, carry, root, drift, x, way);
-    if (i > 1) value = addVertex(value, vertex, way, x);
+    if (i > 1) value = addVertex(value, vertex, way, x, carry);
 
     stored = storedNext;
     storedParent = storedGrandparent;
@@ -379,8 +377,9 @@ RollOut rollOut(ExactStrand strand, Slots slots, Carry carry, float3 x0, float3 
     float4 iterate = stored.next;
     if (pass == 0) iterate = guessFrame(old, g.halfTurn);
     float4 frame = turnedBy(u, iterate);
-#if COLLIDERS
-    frame = keepOut(x, frame, g.edgeLength);
+#if COLLIDERS || SDF
+    precise float3 carriedBefore = x - (rootWay + way) + axisX(old) * g.edgeLength;
+    frame = keepOut(x, frame, g.edgeLength, carry, carriedBefore);
 #endif
     // A state that was not a number: the edge goes on as the one before it.
     if (!isUnit(frame)) frame = frameBefore;
@@ -396,8 +395,9 @@ RollOut rollOut(ExactStrand strand, Slots slots, Carry carry, float3 x0, float3 
     way = way + (tangent - axisX(old)) * g.edgeLength;
     precise float3 wholeWay = rootWay + way;
     result.farthest = max(result.farthest, dot3(wholeWay, wholeWay));
-    g_state[stateIndex(kWaySets + slots.next, i + 1, strand)] = float4(wholeWay, 0.0);
-    float4 goingOn = guessFrame(frame, halfTurnOn(frame, old, 1.0, g_slowTurn));
+    float nextTurn = nextHalfTurn(frame, old, g.halfTurn, g_guessTrend, g_slowTurn);
+    g_state[stateIndex(kWaySets + slots.next, i + 1, strand)] = float4(wholeWay, nextTurn);
+    float4 goingOn = guessFrame(frame, halfTurnOn(nextTurn, 1.0));
     guessedWay = guessedWay + (axisX(goingOn) - tangent) * g.edgeLength;
     stored = storedNext;
     packed = packedNext;
@@ -414,7 +414,8 @@ float3 guessedTipWay(ExactStrand strand, Slots slots, Carry carry) {
   precise float3 way = float3(0.0, 0.0, 0.0);
   [loop] for (uint i = 1; i + 1 < strand.count; ++i) {
     StoredEdge stored = loadEdge(i, strand, slots, 0);
-    RodEdge edge = freeEdge(stored, carry, g_rest[stateIndex(0, i, strand)].z, 0);
+    float turn = g_state[stateIndex(kWaySets + slots.now, i + 1, strand)].w;
+    RodEdge edge = freeEdge(stored, turn, carry, g_rest[stateIndex(0, i, strand)].z, 0);
     way = way + (axisX(edge.iterate) - axisX(edge.frame)) * edge.edgeLength;
   }
   return way;

@@ -22,6 +22,8 @@
 // weights am multiply an error of 1e-7 m into 1e-3 m/s2, and the rest shape would not be at rest.
 #pragma once
 
+#include <bit>
+#include <cstdint>
 #include <vector>
 
 #include "rod_contact.h"
@@ -39,11 +41,21 @@ struct RodTuning {
   /// Turn of an edge in a step [rad] at which the guess extrapolates half of its twist; less of
   /// slower edges. When all of it is, one Newton pass does not let a loose curl come to rest: it
   /// creeps about on a cycle of 0.1 % L, as wide as the second pass allows. At 0.01 some still do;
-  /// from 0.1 on energy grows. What is left out damps the twist, the more the shorter the step is,
-  /// so that the angle goes down with its square below 1/240 s.
-  static Real slowTurn(double h) {
-    const double share = std::min(240 * h, 1.0);
-    return Real(0.02 * share * share);
+  /// from 0.1 on energy grows without drag. What is left out damps the twist, the more the shorter
+  /// the step is, so that the angle goes down with its square below 1/240 s.
+  /// With air drag the twist is left out more and more. It has no mass, so that nothing makes it go
+  /// on turning: extrapolated, one pass lets it swing by up to 1 rad from step to step.
+  static Real slowTurn(double h, double drag) {
+    const double share = std::min(240 * h, 1.0), slow = drag * std::pow(std::min(60 * h, 1.0), 2);
+    return Real(0.02 * share * share + slow * slow);
+  }
+  /// Share of what the last guess missed that the guess adds to an edge's last turn.
+  static Real guessTrend(double drag) { return Real(0.5 * std::min(drag, 1.0)); }
+  /// Largest rotation of a first pass without a second one [rad], as the runtime chooses it
+  /// (docs/decisions/0005-second-pass.md).
+  static double passTolerance(double h, double drag) {
+    const double c = std::min(drag, 3.0) * std::min(60 * h, 1.0);
+    return 0.04 + 0.2 * c * c;
   }
   /// Least stiffness against twist, and least pivot, over the trace of the system. In exact
   /// arithmetic the sub-chain has no stiffness against twist but D's: what is there in float is
@@ -101,12 +113,12 @@ class ExactRod {
     carry_ = Motion();
     carryBefore_ = carryEarlier_ = Rotation();
     guessedWay_ = Vector();
-    framesBefore_ = frames_;
     for (auto* ways : {&ways_, &waysBefore_, &waysEarlier_}) ways->assign(n, Vector());
     gains_.resize(n);
     targets_.resize(n);
     start_ = guess_ = iterate_ = frames_;
     halfTurns_.assign(n, Vector());
+    nextTurns_.assign(n, Vector());
     moved_ = positions_;
   }
 
@@ -197,7 +209,7 @@ class ExactRod {
     Real way, wayBefore, wayEarlier;  // y = shares of the last three ways + drift
     Real baseWeight;
     Vector drift;
-    Real turnRatio, slowTurn;
+    Real turnRatio, slowTurn, guessTrend;
     Real goalStiffness, goalRange;
     Real bend, twist, damping;  // damping = tau / h
   };
@@ -259,10 +271,6 @@ class ExactRod {
   Rotation carriedFrame(int i) const {
     return carrying_ ? polished(carry_.rotation * frames_[i]) : frames_[i];
   }
-  /// As the last sub-step started from it.
-  Rotation carriedFrameBefore(int i) const {
-    return carrying_ ? polished(carryBefore_ * framesBefore_[i]) : framesBefore_[i];
-  }
 
   /// A share of the root's motion.
   static Motion carriedMotion(const Root& from, const Root& to, Real share) {
@@ -308,11 +316,11 @@ class ExactRod {
       const Vector tangent = axisX(iterate_[i]);
       way += (tangent - axisX(start_[i])) * lengths_[i];
       ways_[i + 1] = rootWay + way;
-      const Vector on = halfTurnOn(iterate_[i], start_[i], Real(1), numbers.slowTurn);
+      nextTurns_[i] = nextHalfTurn(iterate_[i], start_[i], halfTurns_[i], numbers);
+      const Vector on = halfTurnOn(nextTurns_[i], Real(1));
       guessedWay_ += (axisX(guessFrame(iterate_[i], on)) - tangent) * lengths_[i];
     }
     positions_.swap(moved_);
-    framesBefore_.swap(frames_);
     frames_ = iterate_;
     carryEarlier_ = carryBefore_;
     carryBefore_ = carry_.rotation;
@@ -338,7 +346,8 @@ class ExactRod {
     numbers.baseWeight = Real(weight);
     numbers.drift = Vector((settings.gravity + settings.wind * material.airDrag) * (1 / weight));
     numbers.turnRatio = stepBefore_ > 0 ? Real(h / stepBefore_) : Real(0);
-    numbers.slowTurn = Tuning::slowTurn(h);
+    numbers.slowTurn = Tuning::slowTurn(h, material.airDrag);
+    numbers.guessTrend = Tuning::guessTrend(material.airDrag);
     numbers.goalStiffness = Real(s * 3600 / std::max(1 - s, 1e-3));
     numbers.goalRange = Real(settings.globalRange);
     numbers.bend = Real(material.bend);
@@ -392,31 +401,52 @@ class ExactRod {
     return numbers.goalStiffness * std::clamp(within, Real(0), Real(1));
   }
 
-  /// Turns every edge on at its last rate; slow edges without their twist.
+  /// Turns every edge on.
   void setGuess(const Rotation& root, const StepNumbers& numbers) {
     for (int i = 0; i + 1 < size(); ++i) {
       start_[i] = carriedFrame(i);
       if (i == 0) continue;
-      halfTurns_[i] =
-          halfTurnOn(frames_[i], carriedFrameBefore(i), numbers.turnRatio, numbers.slowTurn);
+      halfTurns_[i] = halfTurnOn(nextTurns_[i], numbers.turnRatio);
       guess_[i] = guessFrame(start_[i], halfTurns_[i]);
     }
     guess_[0] = root;
     iterate_ = guess_;
   }
-  /// Half of the rotation vector by which a frame, in its own axes, goes on turning as from
-  /// `before` to `frame`, `ratio` times as far; rounded to the 21 bits that the kernel keeps of it.
-  static Vector halfTurnOn(const Rotation& frame, const Rotation& before, Real ratio,
-                           Real slowTurn) {
+  /// Half of the rotation vector by which an edge is to turn on in its own axes, after it turned
+  /// from `before` to `frame` and `guessed` was the guess: its bending by the turn and a share of
+  /// what the guess missed, its twist by the turn or less. As the kernel's state keeps it.
+  static Vector nextHalfTurn(const Rotation& frame, const Rotation& before, const Vector& guessed,
+                             const StepNumbers& numbers) {
     const Rotation d = conjugate(before) * frame;
-    Vector turn = d.vector() * (Real(d.w < 0 ? -2 : 2) * ratio);
-    const Real slow = slowTurn * slowTurn, twisted = dot(turn, turn);
+    Vector turn = d.vector() * Real(d.w < 0 ? -1 : 1);
+    const Real slow = Real(0.25) * numbers.slowTurn * numbers.slowTurn, twisted = dot(turn, turn);
     turn.x = turn.x * (twisted / std::max(twisted + slow, Tuning::kTiny));
+    turn.y = turn.y + (turn.y - guessed.y) * numbers.guessTrend;
+    turn.z = turn.z + (turn.z - guessed.z) * numbers.guessTrend;
+    turn = limitedHalfTurn(turn);
+    return stored(turn);
+  }
+  /// Three numbers of 9 bits with one exponent.
+  static Vector stored(const Vector& turn) {
+    const float largest =
+        static_cast<float>(std::max({std::abs(turn.x), std::abs(turn.y), std::abs(turn.z)}));
+    const int binade = static_cast<int>(std::bit_cast<uint32_t>(largest) >> 23);
+    const int exponent = std::clamp(binade - 111, 1, 14);
+    const Real unit = std::ldexp(Real(1), exponent - 23),
+               steps = std::ldexp(Real(1), 23 - exponent);
+    const auto rounded = [&](Real x) {
+      return std::min(std::floor(x * steps + Real(0.5)), Real(255)) * unit;
+    };
+    return {rounded(turn.x), rounded(turn.y), rounded(turn.z)};
+  }
+  static Vector limitedHalfTurn(const Vector& turn) {
+    constexpr Real kLimit = Real(0.5) * Tuning::kGuessLimit;
     const Real squared = dot(turn, turn);
-    if (squared > Tuning::kGuessLimit * Tuning::kGuessLimit) {
-      turn = turn * (Tuning::kGuessLimit * inverseRoot(squared));
-    }
-    turn = turn * Real(0.5);
+    return squared > kLimit * kLimit ? turn * (kLimit * inverseRoot(squared)) : turn;
+  }
+  /// `ratio` times as far; rounded to the 21 bits that the kernel's gains keep of it.
+  static Vector halfTurnOn(const Vector& next, Real ratio) {
+    const Vector turn = limitedHalfTurn(next * ratio);
     return {shortened(turn.x), shortened(turn.y), shortened(turn.z)};
   }
   /// The frame turned in its own axes.
@@ -655,7 +685,7 @@ class ExactRod {
   StepCoefficients coefficients_, coefficientsBefore_;  // of the last steps; he = 0 without
   std::vector<Vector> positions_;
   std::vector<Vector> ways_, waysBefore_, waysEarlier_;  // in the last steps, less the carrying
-  std::vector<Rotation> frames_, framesBefore_;
+  std::vector<Rotation> frames_;
   Vector guessedWay_;  // of the tip against vertex 1 in the next step's guess
 
   bool carrying_ = false;
@@ -664,6 +694,7 @@ class ExactRod {
   std::vector<Rotation> start_;          // frames_, carried
   std::vector<Rotation> guess_, iterate_;
   std::vector<Vector> halfTurns_;        // from start to guess
+  std::vector<Vector> nextTurns_;        // the same of the next step, if it is as long
   std::vector<Vector> moved_, targets_;  // targets_: ways
   std::vector<Gain> gains_;
   std::vector<ContactShape<Real>> shapes_;

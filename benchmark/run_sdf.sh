@@ -1,0 +1,25 @@
+#!/usr/bin/env bash
+# Distance fields, error against time, on Vulkan and GL: replaces OUT_DIR/sdf_<device>.csv.
+#   benchmark/run_sdf.sh TOOL OUT_DIR DEVICE [DATA_DIR] [more options of the tool...]
+# TOOL is pelage-sdf-benchmark; DEVICE names the file: h200, lavapipe, llvmpipe. Body and hand take
+# part where DATA_DIR holds them. A software driver gets little hair and coarse grids.
+set -euo pipefail
+here=$(dirname "$0")
+tool=$1
+csv=$2/sdf_$3.csv
+data=${4:-$here/../../shared/data}
+shift $(($# < 4 ? $# : 4))
+commit=${PELAGE_COMMIT:-$(git -C "$here" describe --always --dirty 2>/dev/null || echo unknown)}
+
+mkdir -p "$(dirname "$csv")"
+rm -f "$csv"
+run() { "$tool" --csv "$csv" --commit "$commit" --data "$data" "$@"; }
+software=(--frames 6 --vertices 32000 --cells 18 25 50)
+case $csv in
+  *lavapipe.csv) run --api vulkan "${software[@]}" "$@" ;;
+  *llvmpipe.csv) run --api gl "${software[@]}" "$@" ;;
+  *)
+    # GL runs the same code: Vulkan has all rows.
+    run --api vulkan "$@"
+    run --api gl --shapes body cube --cells 50 "$@" ;;
+esac

@@ -1,0 +1,89 @@
+// The builds of distance fields and the collisions with them, pelage's and the baseline's, behind
+// one interface.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pelage/pass_list.h"
+#include "pelage/result.h"
+#include "sdf/field_errors.h"
+#include "sdf/field_shapes.h"
+#include "simulation/workbench.h"
+
+namespace bench {
+
+/// How a vertex is moved out.
+enum class Response : uint8_t {
+  kClassic,          ///< the baseline's: gradient by forward differences
+  kTrilinear,        ///< analytic gradient
+  kClosestNoWalk,    ///< the nearest feature of the triangles that the corners name
+  kClosestFeature,   ///< the same with the walk over their neighbours
+  kClosestFriction,  ///< the last with Coulomb friction
+};
+const char* responseName(Response response);
+
+/// Vertices that collide; all of them end where they are.
+struct HairBuffers {
+  pelage::BufferId positions = pelage::BufferId::kInvalid;
+  pelage::BufferId before = pelage::BufferId::kInvalid;
+  uint32_t count = 0;
+};
+
+/// A field on the GPU. Its buffers go with it.
+class FieldBuild {
+ public:
+  virtual ~FieldBuild() = default;
+  FieldBuild(const FieldBuild&) = delete;
+  FieldBuild& operator=(const FieldBuild&) = delete;
+
+  /// Adds the passes of one build.
+  virtual pelage::Result<void> addBuild(pelage::PassList& list) = 0;
+  virtual std::vector<Response> responses() const = 0;
+  virtual pelage::Result<void> addCollision(pelage::PassList& list, const HairBuffers& hair,
+                                            Response response) = 0;
+  /// The values at the nodes of the grid that it was made with.
+  virtual pelage::Result<std::vector<NodeValue>> nodes() = 0;
+  virtual uint64_t nodeCount() const = 0;   ///< of its own grid
+  virtual uint64_t fieldBytes() const = 0;  ///< of what is kept a node
+  /// Of all of its buffers but mesh and vertices.
+  virtual uint64_t bytes() const = 0;
+
+ protected:
+  FieldBuild() = default;
+};
+
+enum class FieldMotion : uint8_t {
+  kAll,   ///< rebuilt as a whole, every time
+  kPart,  ///< 9 % of the triangles move, and what they touch is rebuilt
+  kNone,  ///< nothing moves, and the GPU finds that out
+};
+
+struct FieldMethod {
+  std::string name;
+  bool classic = false;
+  bool ownGrid = false;  ///< classic: the padded grid of the original; else that of pelage
+  bool threeAxes = false;
+  float band = 2;        ///< [cell]
+  uint32_t keyBits = 0;  ///< of a distance at most; 0: what the triangles leave
+  FieldMotion motion = FieldMotion::kAll;
+  bool collides = false;  ///< hair is measured, too
+};
+
+/// Where the nodes are that pelage plans for a mesh; all methods of one shape, cell and band are
+/// compared there.
+pelage::Result<NodeGrid> comparedGrid(const FieldShape& shape, float cellSize, float band);
+
+pelage::Result<std::unique_ptr<FieldBuild>> makeField(Workbench& workbench, const FieldShape& shape,
+                                                      const NodeGrid& compared,
+                                                      const FieldMethod& method);
+std::unique_ptr<FieldBuild> makeClassicField(Workbench& workbench, const FieldShape& shape,
+                                             const NodeGrid& compared, bool ownGrid);
+pelage::Result<std::unique_ptr<FieldBuild>> makePelageField(Workbench& workbench,
+                                                            const FieldShape& shape,
+                                                            const NodeGrid& compared,
+                                                            const FieldMethod& method);
+
+}  // namespace bench

@@ -1,0 +1,296 @@
+#include "sdf/field_measure.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <string_view>
+
+#include "baseline/gpu_structs.h"
+#include "baseline/kernels.h"
+
+namespace bench {
+
+using pelage::BufferId;
+using pelage::Error;
+using pelage::ErrorCode;
+using pelage::Float4;
+using pelage::PassBuilder;
+using pelage::PassList;
+using pelage::PassTiming;
+using pelage::Result;
+using pelage::reference::DistanceOracle;
+using pelage::reference::Vector3d;
+
+namespace {
+
+// Even, for those that move there and back.
+constexpr int kWarmUpFrames = 6;
+constexpr uint32_t kJudgedVertices = 10000;
+constexpr double kDeep = -0.05, kResolved = -0.02;  // cell
+constexpr const char* kCopyPass = "copy_state";
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
+// Times of lists that have the same passes.
+class PassTimes {
+ public:
+  void add(const std::vector<PassTiming>& timings) {
+    names_.resize(timings.size());
+    passes_.resize(timings.size());
+    double all = 0, surface = 0, interior = 0;
+    for (size_t i = 0; i < timings.size(); ++i) {
+      const std::string_view name = timings[i].name;
+      if (timings[i].milliseconds < 0) return;
+      if (name == kCopyPass) continue;
+      const double us = 1000 * timings[i].milliseconds;
+      names_[i] = name;
+      passes_[i].push_back(us);
+      all += us;
+      if (name == "update_surface") surface += us;
+      if (name == "list_inner_nodes" || name == "flood_interior" || name == "write_interior")
+        interior += us;
+    }
+    all_.push_back(all);
+    surface_.push_back(surface);
+    interior_.push_back(interior);
+  }
+
+  void store(FieldRow& row, bool parts) const {
+    row.median = median(all_);
+    row.least = all_.empty() ? 0 : *std::min_element(all_.begin(), all_.end());
+    if (parts) row.surface = median(surface_);
+    if (parts) row.interior = median(interior_);
+    for (size_t i = 0; i < names_.size(); ++i)
+      if (!names_[i].empty())
+        row.passes += fmt::format("{}{} {:.2f}", row.passes.empty() ? "" : "; ", names_[i],
+                                  median(passes_[i]));
+  }
+
+ private:
+  std::vector<double> all_, surface_, interior_;
+  std::vector<std::string> names_;
+  std::vector<std::vector<double>> passes_;
+};
+
+// Hair that starts at the same places in every run.
+class Hair {
+ public:
+  Hair(Workbench& workbench, const std::vector<Float4>& start)
+      : workbench_(workbench), start_(start) {
+    from_ = workbench.add("hairStart", start);
+    buffers_.positions = workbench.add("hairPositions", start);
+    buffers_.before = workbench.add("hairBefore", start);
+    buffers_.count = static_cast<uint32_t>(start.size());
+  }
+  ~Hair() {
+    for (const BufferId buffer : {from_, buffers_.positions, buffers_.before})
+      workbench_.scene.resources().remove(buffer);
+  }
+  Hair(const Hair&) = delete;
+  Hair& operator=(const Hair&) = delete;
+
+  const HairBuffers& buffers() const { return buffers_; }
+
+  Result<void> addStart(PassList& list) const {
+    for (const BufferId to : {buffers_.positions, buffers_.before}) {
+      baseline::CopyConstants constants = {};
+      constants.elementCount = buffers_.count;
+      constants.sets = 1;
+      const uint64_t bytes = start_.size() * sizeof(Float4);
+      PassBuilder builder(list);
+      builder.dispatch(baseline::copyStateVariant({}), buffers_.count)
+          .bind("g_copyFrom", from_, bytes)
+          .bind("g_copyTo", to, bytes)
+          .constants("CopyConstants", constants);
+      if (Result<void> done = builder.finish(); !done) return done;
+    }
+    return {};
+  }
+
+  /// Share of these vertices that are outside now; negative without any.
+  Result<double> resolved(const std::vector<uint32_t>& deep, const DistanceOracle& oracle,
+                          double cell) const {
+    if (deep.empty()) return -1.0;
+    const auto raw = workbench_.device.read(buffers_.positions);
+    if (!raw) return raw.error();
+    uint64_t out = 0;
+    for (const uint32_t i : deep) {
+      Float4 p;
+      std::memcpy(&p, raw->data() + i * sizeof p, sizeof p);
+      if (oracle.signedDistance(Vector3d(p.x, p.y, p.z)) > kResolved * cell) ++out;
+    }
+    return static_cast<double>(out) / static_cast<double>(deep.size());
+  }
+
+ private:
+  Workbench& workbench_;
+  const std::vector<Float4>& start_;
+  BufferId from_;
+  HairBuffers buffers_;
+};
+
+// Runs what `add` adds, and times all but the first frames. A software driver gets fewer of those.
+template <class Add>
+Result<PassTimes> timeList(Workbench& workbench, int frames, const Add& add) {
+  PassTimes times;
+  for (int frame = workbench.device.info().software ? -2 : -kWarmUpFrames; frame < frames;
+       ++frame) {
+    PassList list;
+    if (Result<void> done = add(list); !done) return done.error();
+    workbench.scene.finish(list);
+    const auto timings = workbench.run(list);
+    if (!timings) return timings.error();
+    if (frame >= 0) times.add(*timings);
+  }
+  return times;
+}
+
+Result<void> measureCollisions(Workbench& workbench, FieldBuild& field, const FieldRow& base,
+                               const HairSet& set, const DistanceOracle& oracle, int frames,
+                               std::vector<FieldRow>& rows) {
+  const Hair hair(workbench, set.start);
+  if (Result<void> done = warmUp(workbench); !done) return done;
+  for (const Response response : field.responses()) {
+    const auto times = timeList(workbench, frames, [&](PassList& list) {
+      Result<void> done = hair.addStart(list);
+      return done ? field.addCollision(list, hair.buffers(), response) : done;
+    });
+    if (!times) return times.error();
+    FieldRow row = base;
+    row.what = set.name;
+    row.response = responseName(response);
+    row.vertices = hair.buffers().count;
+    const auto resolved = hair.resolved(set.deep, oracle, static_cast<double>(base.cellSize));
+    if (!resolved) return resolved.error();
+    row.resolved = *resolved;
+    times->store(row, false);
+    rows.push_back(row);
+  }
+  return {};
+}
+
+std::string number(double value, bool known) { return known ? fmt::format("{:.6g}", value) : ""; }
+
+constexpr const char* kCsvHeader =
+    "commit,api,shape,triangles,cells,cell_m,what,method,response,us_median,us_min,surface_us,"
+    "interior_us,"
+    "wrong_signs,near_error_max_cells,near_error_rms_cells,unset_interior_percent,"
+    "far_error_max_cells,far_error_rms_cells,vertices,resolved_percent,nodes,field_bytes,bytes,"
+    "ratio_to_classic,passes,device,driver\n";
+
+std::string csvRow(const FieldRow& r, const pelage::DeviceInfo& device, const std::string& commit) {
+  const FieldErrors& e = r.errors;
+  const auto error = [&](double value) { return number(value, r.hasErrors); };
+  // Names of devices hold commas; they come last and are quoted.
+  return fmt::format(
+      "{},{},{},{},{},{:.6g},{},\"{}\",\"{}\",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},\"{}"
+      "\",\"{}\","
+      "\"{}\"\n",
+      commit, pelage::apiName(device.api), r.shape, r.triangles, r.cells, r.cellSize, r.what,
+      r.method, r.response, number(r.median, r.median > 0), number(r.least, r.median > 0),
+      number(r.surface, r.surface >= 0), number(r.interior, r.interior >= 0),
+      r.hasErrors ? std::to_string(e.wrongSigns) : "", error(e.nearMax), error(e.nearRms),
+      error(100 * e.unsetInterior), error(e.farMax), error(e.farRms), r.vertices,
+      number(100 * r.resolved, r.resolved >= 0), r.nodes, r.fieldBytes, r.bytes,
+      number(r.ratioToClassic, r.ratioToClassic > 0), r.passes, device.name, device.driver);
+}
+
+}  // namespace
+
+const char* responseName(Response response) {
+  switch (response) {
+    case Response::kClassic:
+      return "forward differences";
+    case Response::kTrilinear:
+      return "trilinear";
+    case Response::kClosestNoWalk:
+      return "closest feature without walk";
+    case Response::kClosestFeature:
+      return "closest feature";
+    case Response::kClosestFriction:
+      return "closest feature with friction";
+  }
+  return "unknown";
+}
+
+Result<std::unique_ptr<FieldBuild>> makeField(Workbench& workbench, const FieldShape& shape,
+                                              const NodeGrid& compared, const FieldMethod& method) {
+  if (method.classic) return makeClassicField(workbench, shape, compared, method.ownGrid);
+  return makePelageField(workbench, shape, compared, method);
+}
+
+HairSet makeHairSet(const FieldShape& shape, const DistanceOracle& oracle, std::string name,
+                    uint32_t vertices, float from, float to, float cellSize) {
+  HairSet set;
+  set.name = std::move(name);
+  set.start = hairVertices(shape, vertices, from * cellSize, to * cellSize);
+  const auto step = std::max<size_t>(set.start.size() / kJudgedVertices, 1) | 1;
+  for (size_t i = 0; i < set.start.size(); i += step) {
+    const Float4& p = set.start[i];
+    if (oracle.signedDistance(Vector3d(p.x, p.y, p.z)) < kDeep * static_cast<double>(cellSize))
+      set.deep.push_back(static_cast<uint32_t>(i));
+  }
+  return set;
+}
+
+Result<std::vector<FieldRow>> measureField(Workbench& workbench, const FieldCase& what,
+                                           const FieldMethod& method, const DistanceOracle& oracle,
+                                           int frames) {
+  auto field = makeField(workbench, what.shape, what.grid, method);
+  if (!field) return field.error();
+  if (Result<void> done = warmUp(workbench); !done) return done.error();
+  const auto times =
+      timeList(workbench, frames, [&](PassList& list) { return (*field)->addBuild(list); });
+  if (!times) return times.error();
+  FieldRow row;
+  row.shape = what.shape.name;
+  row.what = "build";
+  row.method = method.name;
+  row.triangles = what.shape.mesh.triangleCount();
+  row.cells = what.cells;
+  row.cellSize = what.grid.cellSize;
+  row.nodes = (*field)->nodeCount();
+  row.fieldBytes = (*field)->fieldBytes();
+  row.bytes = (*field)->bytes();
+  std::vector<FieldRow> rows = {row};
+  const auto values = (*field)->nodes();
+  if (!values) return values.error();
+  rows[0].errors = compareField(*values, what.truth);
+  rows[0].hasErrors = true;
+  times->store(rows[0], !method.classic);
+  if (!method.collides) return rows;
+  for (const HairSet& set : what.hair)
+    if (Result<void> done = measureCollisions(workbench, **field, row, set, oracle, frames, rows);
+        !done)
+      return done.error();
+  return rows;
+}
+
+Result<void> appendFieldCsv(const std::string& path, const std::vector<FieldRow>& rows,
+                            const pelage::DeviceInfo& device, const std::string& commit) {
+  std::FILE* file = std::fopen(path.c_str(), "ab");
+  if (file == nullptr)
+    return Error{ErrorCode::kFileNotFound,
+                 fmt::format("{}: cannot be opened: {}", path, std::strerror(errno))};
+  // The position of a stream opened for appending is not at the end before the first write.
+  bool good = std::fseek(file, 0, SEEK_END) == 0;
+  if (good && std::ftell(file) == 0) good = std::fputs(kCsvHeader, file) >= 0;
+  for (const FieldRow& row : rows)
+    good = good && std::fputs(csvRow(row, device, commit).c_str(), file) >= 0;
+  good = std::fclose(file) == 0 && good;
+  if (!good)
+    return Error{ErrorCode::kFileNotFound,
+                 fmt::format("{}: cannot be written: {}", path, std::strerror(errno))};
+  return {};
+}
+
+}  // namespace bench

@@ -1,0 +1,260 @@
+// pelage's build of distance fields and its collision, by the functions that a scene uses.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+#include "collider_topology.h"
+#include "pelage/gpu_structs.h"
+#include "pelage/kernels.h"
+#include "sdf/field_build.h"
+#include "sdf_build.h"
+#include "sdf_grid.h"
+
+namespace bench {
+
+using pelage::BufferDesc;
+using pelage::BufferId;
+using pelage::BufferUsage;
+using pelage::Float3;
+using pelage::PassBuilder;
+using pelage::PassList;
+using pelage::Result;
+namespace detail = pelage::detail;
+
+namespace {
+
+constexpr double kMovedShare = 0.09;  // of the triangles
+constexpr float kMovedWay = 0.5f;     // cell
+constexpr uint32_t kRow = 1 << 20;    // threads, as in collide_vertices.hlsl
+
+Result<detail::ColliderTopology> topologyOf(const FieldShape& shape) {
+  const auto& positions = shape.mesh.positions;
+  return detail::makeColliderTopology(shape.mesh.indices, static_cast<uint32_t>(positions.size()),
+                                      positions);
+}
+
+Result<detail::SdfGridPlan> planOf(const FieldShape& shape, uint32_t triangles, float cellSize,
+                                   float band, bool threeAxes) {
+  detail::SdfGridDef def;
+  def.lowest = def.highest = shape.mesh.positions.front();
+  for (const Float3& p : shape.mesh.positions) {
+    def.lowest = {std::min(def.lowest.x, p.x), std::min(def.lowest.y, p.y),
+                  std::min(def.lowest.z, p.z)};
+    def.highest = {std::max(def.highest.x, p.x), std::max(def.highest.y, p.y),
+                   std::max(def.highest.z, p.z)};
+  }
+  def.cellSize = cellSize;
+  def.band = band;
+  def.triangleCount = triangles;
+  def.threeAxes = threeAxes;
+  return detail::planSdfGrid(def);
+}
+
+std::vector<float> flatten(const std::vector<Float3>& positions) {
+  std::vector<float> values;
+  for (const Float3& p : positions) values.insert(values.end(), {p.x, p.y, p.z});
+  return values;
+}
+
+// The vertices of the highest triangles, as a jaw or a brow is a part of a face.
+std::vector<bool> movedVertices(const FieldShape& shape) {
+  const auto& mesh = shape.mesh;
+  std::vector<std::pair<float, uint32_t>> heights;
+  for (uint32_t t = 0; t < mesh.triangleCount(); ++t)
+    heights.emplace_back(-mesh.positions[mesh.indices[size_t{t} * 3]].y, t);
+  std::sort(heights.begin(), heights.end());
+  // What moves takes the triangles around it along: they are about a twentieth more.
+  heights.resize(static_cast<size_t>(0.95 * kMovedShare * static_cast<double>(heights.size())));
+  std::vector<bool> moved(mesh.positions.size());
+  for (const auto& [height, t] : heights)
+    for (size_t k = 0; k < 3; ++k) moved[mesh.indices[size_t{t} * 3 + k]] = true;
+  return moved;
+}
+
+class PelageField : public FieldBuild {
+ public:
+  PelageField(Workbench& workbench, const FieldShape& shape,
+              const detail::ColliderTopology& topology, const detail::SdfGridPlan& plan,
+              FieldMotion motion)
+      : workbench_(workbench), vertices_(flatten(shape.mesh.positions)), motion_(motion) {
+    def_.plan = plan;
+    def_.triangleCount = topology.triangleCount();
+    def_.placeCount = topology.placeCount();
+    def_.vertexCount = static_cast<uint32_t>(shape.mesh.positions.size());
+    def_.floodCapacity = plan.floodCapacity;
+    def_.motionTolerance = motion == FieldMotion::kAll ? 0 : 0.01f;
+    if (motion == FieldMotion::kPart) moved_ = movedVertices(shape);
+    addBuffers(topology);
+  }
+  ~PelageField() override {
+    for (const BufferId buffer : owned_) workbench_.scene.resources().remove(buffer);
+  }
+
+  Result<void> addBuild(PassList& list) override {
+    if (motion_ == FieldMotion::kPart) moveVertices(list);
+    const auto mode = motion_ == FieldMotion::kAll ? detail::SdfBuildMode::kFull
+                                                   : detail::SdfBuildMode::kIncremental;
+    return addSdfBuild(list, workbench_.scene.resources(), buffers_, def_, mode, state_);
+  }
+
+  std::vector<Response> responses() const override {
+    return {Response::kTrilinear, Response::kClosestNoWalk, Response::kClosestFeature,
+            Response::kClosestFriction};
+  }
+
+  Result<void> addCollision(PassList& list, const HairBuffers& hair, Response response) override {
+    using Walk = pelage::CollideVerticesWalk;
+    const auto* variant = pelage::collideVerticesVariant(
+        {.closestFeature = response != Response::kTrilinear,
+         .friction = response == Response::kClosestFriction,
+         .walk = response == Response::kClosestNoWalk ? Walk::k0 : Walk::k4});
+    pelage::ApplySdfConstants constants = {};
+    constants.sdfVertexCount = hair.count;
+    constants.sdfFieldCount = 1;
+    constants.sdfEnd = 1;
+    PassBuilder builder(list);
+    builder.dispatch(*variant, std::min(hair.count, kRow), (hair.count + kRow - 1) / kRow);
+    const std::pair<const char*, BufferId> all[] = {{"g_sdfPositions", hair.positions},
+                                                    {"g_sdfPositionsBefore", hair.before},
+                                                    {"g_sdfFields", fields_},
+                                                    {"g_sdfKeys", buffers_.keys},
+                                                    {"g_sdfSurface", buffers_.surface}};
+    for (const auto& [name, buffer] : all)
+      builder.bind(name, buffer, workbench_.scene.resources().find(buffer)->size);
+    return builder.constants("ApplySdfConstants", constants).finish();
+  }
+
+  // As kernels/sdf/sdf_key.hlsli says.
+  Result<std::vector<NodeValue>> nodes() override {
+    const auto raw = workbench_.device.read(buffers_.keys);
+    if (!raw) return raw.error();
+    const detail::SdfGridPlan& plan = def_.plan;
+    const auto most = static_cast<float>((1u << (30 - plan.triangleBits)) - 1);
+    std::vector<NodeValue> values(plan.nodeCount());
+    for (size_t i = 0; i < values.size(); ++i) {
+      uint32_t key = 0;
+      std::memcpy(&key, raw->data() + i * sizeof key, sizeof key);
+      const uint32_t magnitude = key & 0x7fffffffu;
+      const bool far = (magnitude & 0x40000000u) != 0;
+      const auto code = static_cast<float>((magnitude & 0x3fffffffu) >> plan.triangleBits);
+      NodeValue& value = values[i];
+      value = {NodeState::kUnfilled, plan.band};
+      if (magnitude != 0x7fffffffu && far)
+        value = {NodeState::kFar, plan.band + code / most * plan.farRange};
+      else if (magnitude != 0x7fffffffu)
+        value = {NodeState::kNear, code / most * plan.band};
+      if ((key & 0x80000000u) != 0) value.distance = -value.distance;
+    }
+    return values;
+  }
+
+  uint64_t nodeCount() const override { return def_.plan.nodeCount(); }
+  uint64_t fieldBytes() const override {
+    const detail::SdfBufferSizes sizes = detail::sdfBufferSizes(def_);
+    return sizes.keys + sizes.counts;
+  }
+  uint64_t bytes() const override { return bytes_; }
+
+ private:
+  template <class T>
+  BufferId addValues(const char* name, const std::vector<T>& values) {
+    owned_.push_back(workbench_.add(name, values));
+    return owned_.back();
+  }
+  BufferId addBuffer(const char* name, uint64_t size) {
+    if (size == 0) return BufferId::kInvalid;
+    BufferDesc desc;
+    desc.name = name;
+    desc.size = size;
+    desc.stride = 4;
+    desc.usage = BufferUsage::kStorage | BufferUsage::kUpload | BufferUsage::kReadback |
+                 BufferUsage::kIndirect;
+    bytes_ += size;
+    owned_.push_back(workbench_.scene.resources().add(std::move(desc)));
+    return owned_.back();
+  }
+
+  void addBuffers(const detail::ColliderTopology& topology) {
+    const detail::SdfTables tables = detail::makeSdfTables(topology);
+    buffers_.placeVertices = addValues("placeVertices", tables.placeVertices);
+    buffers_.indices = addValues("indices", tables.indices);
+    buffers_.neighbors = addValues("neighbors", tables.neighbors);
+    buffers_.fanStarts = addValues("fanStarts", tables.fanStarts);
+    buffers_.fans = addValues("fans", tables.fans);
+    BufferDesc desc;
+    desc.name = "vertices";
+    desc.size = vertices_.size() * sizeof(float);
+    desc.stride = sizeof(float);
+    desc.usage = BufferUsage::kStorage | BufferUsage::kUpload;
+    const auto initial = std::as_bytes(std::span(vertices_));
+    desc.initial.assign(initial.begin(), initial.end());
+    owned_.push_back(workbench_.scene.resources().add(std::move(desc)));
+    buffers_.vertices = owned_.back();
+
+    const detail::SdfBufferSizes sizes = detail::sdfBufferSizes(def_);
+    buffers_.keys = addBuffer("keys", sizes.keys);
+    buffers_.surface = addBuffer("surface", sizes.surface);
+    buffers_.counts = addBuffer("counts", sizes.counts);
+    buffers_.places = addBuffer("places", sizes.places);
+    buffers_.work = addBuffer("work", sizes.work);
+    buffers_.marks = addBuffer("marks", sizes.marks);
+    buffers_.flood = addBuffer("flood", sizes.flood);
+    buffers_.votes = addBuffer("votes", sizes.votes);
+
+    const detail::SdfGridPlan& plan = def_.plan;
+    pelage::SdfField field = {};
+    field.origin = {plan.origin.x, plan.origin.y, plan.origin.z, plan.cellSize};
+    field.nodes = {plan.nodes[0], plan.nodes[1], plan.nodes[2], 0};
+    field.triangleCount = def_.triangleCount;
+    field.triangleBits = plan.triangleBits;
+    field.surfaceStride = 4;
+    field.band = plan.band;
+    field.farRange = plan.farRange;
+    field.friction = 0.3f;
+    fields_ = addValues("fields", std::vector<pelage::SdfField>{field});
+  }
+
+  // There and back: after an even number of builds the mesh is as it was.
+  void moveVertices(PassList& list) {
+    const bool away = state_.builds % 2 == 0;
+    std::vector<float> now = vertices_;
+    for (size_t v = 0; away && v < moved_.size(); ++v)
+      if (moved_[v]) now[v * 3 + 2] += kMovedWay * def_.plan.cellSize;
+    pelage::addUpload(list, buffers_.vertices, std::as_bytes(std::span(now)));
+  }
+
+  Workbench& workbench_;
+  std::vector<float> vertices_;
+  FieldMotion motion_;
+  std::vector<bool> moved_;  // [vertex]
+  detail::SdfBuildDef def_;
+  detail::SdfBuildBuffers buffers_;
+  detail::SdfBuildState state_;
+  BufferId fields_ = BufferId::kInvalid;
+  std::vector<BufferId> owned_;
+  uint64_t bytes_ = 0;
+};
+
+}  // namespace
+
+Result<NodeGrid> comparedGrid(const FieldShape& shape, float cellSize, float band) {
+  const auto plan = planOf(shape, shape.mesh.triangleCount(), cellSize, band, false);
+  if (!plan) return plan.error();
+  return NodeGrid{plan->origin, plan->cellSize, {plan->nodes[0], plan->nodes[1], plan->nodes[2]}};
+}
+
+Result<std::unique_ptr<FieldBuild>> makePelageField(Workbench& workbench, const FieldShape& shape,
+                                                    const NodeGrid& compared,
+                                                    const FieldMethod& method) {
+  const auto topology = topologyOf(shape);
+  if (!topology) return topology.error();
+  auto plan =
+      planOf(shape, topology->triangleCount(), compared.cellSize, method.band, method.threeAxes);
+  if (!plan) return plan.error();
+  if (method.keyBits > 0) plan->triangleBits = std::max(plan->triangleBits, 30 - method.keyBits);
+  return std::unique_ptr<FieldBuild>(
+      new PelageField(workbench, shape, *topology, *plan, method.motion));
+}
+
+}  // namespace bench

@@ -1,0 +1,73 @@
+// Resources of the kernels that build a signed distance field. Group "generateSdf", all in space0.
+//
+// Lengths are in cells and places are relative to node 0, but for g_sdfVertices. A place is what
+// vertices at one position have in common; triangles are counted by the host's topology.
+#ifndef PELAGE_LAYOUTS_GENERATE_SDF_HLSLI
+#define PELAGE_LAYOUTS_GENERATE_SDF_HLSLI
+
+cbuffer GenerateSdfConstants : register(b0, space0) {
+  // As in SdfField.
+  float4 g_fieldOrigin;
+  uint4 g_fieldNodes;
+  uint g_fieldTriangleCount;
+  uint g_fieldTriangleBits;
+  uint g_fieldSurface;
+  uint g_fieldSurfaceStride;
+  float g_fieldBand;
+  float g_fieldFarRange;
+  uint g_vertexStride;      // of g_sdfVertices, in floats
+  uint g_vertexOffset;      // of the first one's x, in floats
+  uint g_vertexCount;
+  uint g_placeCount;
+  uint g_placeSlot;         // 0 or 1: the half of g_sdfPlaces that is written; the other one is
+                            // what the last build wrote
+  uint g_buildStamp;        // another number > 0 in every build
+  float4 g_historyShift;    // xyz: what to add to the places of the last build; w = 1 when there
+                            // are any, else 0
+  // Groups of the dispatches that an incremental build starts on the GPU.
+  uint g_triangleGroups;    // x of find_moved_triangles and scatter_triangles
+  uint g_surfaceGroups;     // x of update_surface
+  uint g_rowGroups;         // x of finalize_sdf
+  uint g_clearGroups;       // x of clear_sdf
+  uint g_columnGroups;      // x of count_sdf_columns
+  float g_motionTolerance;  // a vertex that moved less since it was built stays where it is
+  uint g_floodCapacity;     // entries of g_sdfFlood
+  uint g_floodStep;         // nodes that flood_interior looks away
+  uint g_floodSlot;         // 0 or 1: the half of the entries' triangles that is read; the other
+                            // one is written
+  uint g_floodFlags;        // bit 0: there are no triangles yet
+  uint g_generatePad0;
+  uint g_generatePad1;
+};
+
+// An engine's vertex buffer, positions in the field's space [m].
+StructuredBuffer<float> g_sdfVertices : register(t0, space0);
+// [place] one of its vertices.
+StructuredBuffer<uint> g_sdfPlaceVertices : register(t1, space0);
+// [triangle][corner] place.
+StructuredBuffer<uint> g_sdfIndices : register(t2, space0);
+// [triangle][edge] triangle across the edges 01, 12, 20, or kSdfNone.
+StructuredBuffer<uint> g_sdfNeighbors : register(t3, space0);
+// [place] first of its elements of g_sdfFans, and one more at the end.
+StructuredBuffer<uint> g_sdfFanStarts : register(t4, space0);
+// Of each corner at the place, the places of the next and of the previous corner of its triangle.
+StructuredBuffer<uint2> g_sdfFans : register(t5, space0);
+
+// [2][place]: xyz; w = 1, or 0 where the vertex is not finite.
+RWStructuredBuffer<float4> g_sdfPlaces : register(u0, space0);
+RWStructuredBuffer<uint> g_sdfKeys : register(u1, space0);
+// [axis][node / 4]: crossings, a signed byte a node with the borrow of the bytes below it; axes y
+// and z with the threeAxes permutation.
+RWStructuredBuffer<uint> g_sdfCounts : register(u2, space0);
+RWStructuredBuffer<uint4> g_sdfSurface : register(u3, space0);
+// sdf_work.hlsli says what is where.
+RWStructuredBuffer<uint> g_sdfWork : register(u4, space0);
+// Inside nodes whose triangle is not known: [entry] node, then [2][entry] triangle.
+RWStructuredBuffer<uint> g_sdfFlood : register(u5, space0);
+// [brick of 4^3 nodes, x fastest] the last build that cleared it; then [place] the last build in
+// which it or a neighbour moved.
+RWStructuredBuffer<uint> g_sdfMarks : register(u6, space0);
+// [axis y, z][node / 4]: a byte a node, what the axis says of it: voteOf() of sdf_counts.hlsli.
+RWStructuredBuffer<uint> g_sdfVotes : register(u7, space0);
+
+#endif

@@ -1,0 +1,48 @@
+// What scatter_triangles does, for the triangles that it left out.
+//
+// Threads: 64 a brick of 4^3 nodes; dispatchIndirect, groups in x share the triangles, groups in y
+//          share the bricks and the lines of one triangle.
+// Reads:   g_sdfWork, g_sdfPlaces, g_sdfIndices; with INCREMENTAL g_sdfMarks
+// Writes:  g_sdfKeys, g_sdfCounts
+//
+// A brick that the triangle's plane is further away from than the band is skipped: of a giant that
+// crosses the whole grid, most are.
+//
+// Invariant (tests/kernel): the same keys as if scatter_triangles had seen to the triangle.
+#include "sdf_bricks.hlsli"
+#include "sdf_crossings.hlsli"
+
+[numthreads(64, 1, 1)]
+void scatter_big_triangles(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
+  uint count = min(g_sdfWork[kWorkBigCount], g_fieldTriangleCount);
+  uint shares = max(g_sdfWork[kWorkBig + 1], 1u);
+  for (uint entry = group.x; entry < count; entry += kBigGroups) {
+    uint index = g_sdfWork[kWorkBigList + entry];
+    if (index >= g_fieldTriangleCount) continue;
+    PlacedTriangle t = loadTriangle(index, slotNow());
+    if (!t.usable) continue;
+#if !INCREMENTAL
+    addCrossings(t, 1, group.y * 64u + lane, shares * 64u);
+#endif
+    TriangleShape shape = shapeOf(t.a, t.b, t.c);
+    NodeRange range = rangeOf(t);
+    if (!shape.hasArea || isEmpty(range)) continue;
+    float inverseLength = squareRoot(shape.inverseNormal);
+    BrickRange bricks = bricksOf(range);
+    uint most = bricks.extent.x * bricks.extent.y * bricks.extent.z;
+    int3 corner = int3(int(lane & 3u), int((lane >> 2) & 3u), int(lane >> 4));
+    for (uint i = group.y; i < most; i += shares) {
+      uint3 brick = brickOf(bricks, i);
+#if INCREMENTAL
+      if (g_sdfMarks[brickIndex(brick)] != g_buildStamp) continue;
+#endif
+      if (!isNearPlane(brick, shape, inverseLength)) continue;
+      int3 low = int3(brick * 4u);
+      int3 node = low + corner;
+      if (min(min(node.x - range.low.x, node.y - range.low.y), node.z - range.low.z) < 0) continue;
+      if (min(min(range.high.x - node.x, range.high.y - node.y), range.high.z - node.z) < 0)
+        continue;
+      scatterNode(node, index, shape);
+    }
+  }
+}

@@ -1,0 +1,152 @@
+// Contact of a moving point with the surface of a signed distance field that moves, too.
+//
+// The field is that of a frame's end. A point at share t of the frame is looked for where it would
+// be if it went along with the surface for the rest of the frame: (1 - t) times the motion of the
+// nearest feature further. There the surface stands still, and a way is the way relative to it.
+#ifndef PELAGE_SDF_SDF_RESPONSE_HLSLI
+#define PELAGE_SDF_SDF_RESPONSE_HLSLI
+
+#include "sdf_query.hlsli"
+
+// A way longer than this is swept [cell]: half of the thinnest plate that counts.
+static const float kSdfSweepFrom = 0.5;
+// A sweep stops this near to the surface [cell], when the next kSdfLookAhead lead at least as deep
+// below it: not where the way runs along the surface.
+static const float kSdfStop = 0.1;
+static const float kSdfLookAhead = 0.5;
+// Least steps of a sweep [cell], towards the surface and along it.
+static const float kSdfLeastStep = 0.05;
+static const float kSdfLeastGlide = 0.25;
+// Queries of a contact. A sweep that has used them up stops where it is.
+static const uint kSdfMostQueries = 64;
+
+// In cells from node 0, relative to the surface.
+struct SdfContact {
+  bool found;           // nearer than the margin and the reach; else the rest is 0
+  bool swept;          // the way ends at `stop`, before its end
+  float3 normal;       // unit, outwards
+  float penetration;   // how far the way's end is from where the margin ends, inwards
+  float3 motion;       // of the surface in the whole frame
+  float3 from;         // the way's begin
+  float3 to;           // its end
+  float3 stop;
+};
+
+static const uint kSdfAtEnd = 0;
+static const uint kSdfAtBegin = 1;
+static const uint kSdfOnWay = 2;
+
+// The part of a way from a in a unit direction that is within the grid.
+float2 sdfPartWithin(SdfField field, float3 a, float3 direction, float most) {
+  float3 last = float3(max(field.nodes.xyz, 1u) - 1u);
+  precise float3 safe = float3(abs(direction.x) > 1e-9 ? direction.x : 1e-9,
+                               abs(direction.y) > 1e-9 ? direction.y : 1e-9,
+                               abs(direction.z) > 1e-9 ? direction.z : 1e-9);
+  precise float3 low = -a / safe;
+  precise float3 high = (last - a) / safe;
+  float3 enter = min(low, high);
+  float3 leave = max(low, high);
+  return float2(max(max(enter.x, enter.y), max(enter.z, 0.0)),
+                min(min(leave.x, leave.y), min(leave.z, most)));
+}
+
+// \param before, after  the point at the way's begin and end, in the space of field.origin [m]
+// \param begin, end     shares of the frame at which it is there, 0..1
+// \param reach          what is this far outside the margin is a contact, too [m]
+SdfContact sdfContact(SdfField field, float3 before, float3 after, float begin, float end,
+                      float reach) {
+  precise float inverseCell = 1.0 / field.origin.w;
+  precise float3 a = (before - field.origin.xyz) * inverseCell;
+  precise float3 b = (after - field.origin.xyz) * inverseCell;
+  precise float margin = field.margin * inverseCell;
+  precise float wanted = margin + reach * inverseCell;
+  SdfContact contact;
+  contact.found = false;
+  contact.swept = false;
+  contact.normal = float3(0.0, 0.0, 0.0);
+  contact.penetration = 0.0;
+  contact.motion = float3(0.0, 0.0, 0.0);
+  contact.from = a;
+  contact.to = b;
+  contact.stop = b;
+  if (!isUsable(a) || !isUsable(b)) return contact;
+
+  bool moving = field.motionScale > 0.0 && field.surfaceStride >= 7u;
+  precise float left = 1.0 - end;
+  precise float leftBefore = 1.0 - begin;
+  bool shifts = moving && left > 0.0;
+  uint phase = kSdfAtEnd;
+  precise float3 at = b;
+  precise float3 direction = float3(0.0, 0.0, 0.0);
+  precise float s = 0.0;
+  precise float last = 0.0;
+  // A way that may be long needs to know how the surface moves, though it may be far.
+  precise float3 wholeWay = b - a;
+  bool mayBeLong = dot3(wholeWay, wholeWay) > kSdfSweepFrom * kSdfSweepFrom;
+  bool asks = moving && (left > 0.0 || mayBeLong);
+  float range = asks ? max(wanted, field.band) : wanted;
+  [loop] for (uint query = 0; query < kSdfMostQueries; ++query) {
+    SdfHit hit = sdfQuery(field, at, range);
+    if (phase == kSdfOnWay) {
+      precise float clear = hit.distance - margin;
+      precise float approach = min(dot3(hit.normal, direction), 0.0);
+      precise float ahead = clear + approach * kSdfLookAhead;
+      bool lastQuery = query + 1u == kSdfMostQueries;
+      if (hit.found && (lastQuery || (clear < kSdfStop && ahead < -kSdfStop))) {
+        precise float3 rest = at - contact.to;
+        precise float penetration = dot3(rest, hit.normal) - clear;
+        precise float3 stop = at - hit.normal * min(clear, 0.0);
+        contact.found = true;
+        contact.swept = true;
+        contact.normal = hit.normal;
+        contact.penetration = penetration;
+        contact.stop = stop;
+        break;
+      }
+      float least = approach < 0.0 ? kSdfLeastStep : kSdfLeastGlide;
+      s = s + max(clear - 0.5 * kSdfStop, least);
+    } else {
+      if (hit.found) contact.motion = hit.motion;
+      if (phase == kSdfAtEnd) {
+        if (shifts && hit.found) {
+          shifts = false;
+          at = b + contact.motion * left;
+          contact.to = at;
+          continue;
+        }
+        if (hit.found && hit.distance < wanted) {
+          precise float penetration = margin - hit.distance;
+          contact.found = true;
+          contact.normal = hit.normal;
+          contact.penetration = penetration;
+        }
+      }
+      precise float3 from = a + contact.motion * leftBefore;
+      precise float3 to = b + contact.motion * left;
+      contact.from = from;
+      contact.to = to;
+      precise float3 way = to - from;
+      precise float squared = dot3(way, way);
+      if (!(squared > kSdfSweepFrom * kSdfSweepFrom)) break;
+      if (moving && phase == kSdfAtEnd && !hit.found) {
+        // How the surface moves is told by what is near to the begin then.
+        phase = kSdfAtBegin;
+        at = a;
+        range = field.band;
+        continue;
+      }
+      precise float size = squareRoot(squared);
+      direction = way / size;
+      float2 part = sdfPartWithin(field, from, direction, size);
+      phase = kSdfOnWay;
+      s = part.x;
+      last = part.y;
+      range = margin + 1.0;
+    }
+    if (!(s < last)) break;
+    at = contact.from + direction * s;
+  }
+  return contact;
+}
+
+#endif

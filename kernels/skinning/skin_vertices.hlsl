@@ -1,0 +1,58 @@
+// Moves the vertices of a mesh with up to four bones each.
+//
+// Threads: one a vertex, in rows of 2^20.
+// Reads:   g_bindVertices, g_vertexBindings, g_skinningBones, g_skinned (this frame's)
+// Writes:  g_skinnedBefore: what g_skinned had, the positions of the last frame; then g_skinned.
+//          With g_skinningReset both get the new positions. The floats between the positions stay.
+//
+// The blended map applied to the bind position; DUAL_QUATERNIONS blends rigid motions instead of
+// matrices (common/bones.hlsli).
+//
+// Invariant (tests/kernel): bones past the end and weights that are not > 0 add nothing; where none
+// is left, the binding's first bone has weight 1. A vertex whose bones hold a NaN or an infinity, or
+// do not exist, stays where it was in the last frame (in the bind pose when there was none). Where
+// the bind position is no number the skinned one is none either, so that those who read the mesh can
+// leave its triangles out.
+#include "../layouts/bone_skinning.hlsli"
+#define BONE_TRANSFORMS g_skinningBones
+#define BONE_COUNT g_skinningCount
+#include "../common/bones.hlsli"
+
+float3 skinnedPosition(uint vertex, float3 bind, float3 kept) {
+  VertexBinding binding = g_vertexBindings[vertex];
+  float4 weights = weightsOfBones(binding.bones, binding.weights);
+  float3 moved = kept;
+#if DUAL_QUATERNIONS
+  RigidMotion motion;
+  if (blendDualQuaternions(binding.bones, weights, motion)) moved = moveRigidly(motion, bind);
+#else
+  MatrixBlend blend;
+  if (blendMatrices(binding.bones, weights, blend)) moved = moveByBlend(blend, bind);
+#endif
+  // Also for a bind position that is none, and for sums of huge numbers.
+  return isUsable(moved) ? moved : kept;
+}
+
+[numthreads(64, 1, 1)]
+void skin_vertices(uint3 thread : SV_DispatchThreadID) {
+  uint vertex = (thread.y << 20) | thread.x;
+  if (vertex >= g_skinnedCount) return;
+
+  uint source = g_bindOffset + g_bindStride * vertex;
+  uint target = g_skinnedOffset + g_skinnedStride * vertex;
+  uint before = g_beforeOffset + g_beforeStride * vertex;
+  float3 bind = float3(g_bindVertices[source], g_bindVertices[source + 1],
+                       g_bindVertices[source + 2]);
+  float3 last = float3(g_skinned[target], g_skinned[target + 1], g_skinned[target + 2]);
+  bool hasLast = g_skinningReset == 0u && isUsable(last);
+  float3 kept = hasLast ? last : bind;
+  float3 next = skinnedPosition(vertex, bind, kept);
+  float3 previous = hasLast ? last : next;
+
+  g_skinned[target] = next.x;
+  g_skinned[target + 1] = next.y;
+  g_skinned[target + 2] = next.z;
+  g_skinnedBefore[before] = previous.x;
+  g_skinnedBefore[before + 1] = previous.y;
+  g_skinnedBefore[before + 2] = previous.z;
+}

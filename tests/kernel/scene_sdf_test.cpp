@@ -1,0 +1,300 @@
+// Mesh colliders of a scene on every API: their fields follow the bones.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "kernel/strand_run.h"
+#include "pelage/sdf_data.h"
+#include "pelage/skeleton.h"
+#include "reference/sdf/distance_oracle.h"
+#include "reference/sdf/mesh_shapes.h"
+#include "support/plain_asset.h"
+#include "support/scene_run.h"
+
+namespace pelage::test {
+namespace {
+
+using reference::TriangleMesh;
+
+CollisionMesh toMesh(const TriangleMesh& shape) {
+  CollisionMesh mesh;
+  mesh.positions = shape.positions;
+  mesh.normals.resize(shape.positions.size());
+  mesh.indices = shape.indices;
+  return mesh;
+}
+
+AffineTransform turned(float angle, const Float3& shift) {
+  return rigidTransform({0, 0, std::sin(angle / 2), std::cos(angle / 2)}, shift);
+}
+
+class SceneSdf : public testing::TestWithParam<Api> {
+ protected:
+  SceneSdf() : run_(GetParam()) {}
+  void SetUp() override {
+    if (run_.device() == nullptr) GTEST_SKIP() << "no device";
+    run_.add(makeAsset());
+  }
+  SdfCollider& add(const CollisionMesh& mesh, const SdfColliderDef& def) {
+    const Result<ColliderId> added = run_.scene.addCollider(mesh, def);
+    EXPECT_TRUE(added) << added.error().message;
+    id_ = *added;
+    return run_.scene.collider(id_);
+  }
+  SdfData copy() {
+    const auto keys = run_.device()->read(run_.scene.sdfKeys());
+    const auto surface = run_.device()->read(run_.scene.sdfSurface());
+    EXPECT_TRUE(keys && surface);
+    Result<SdfData> data = run_.scene.copyField(id_, *keys, *surface);
+    EXPECT_TRUE(data) << data.error().message;
+    return *data;
+  }
+  /// Greatest error of the distances within the band [cell]; counts wrong signs.
+  static double errorOf(const SdfData& data, const TriangleMesh& mesh, int& wrongSigns) {
+    const double cell = static_cast<double>(data.grid.cellSize);
+    const uint32_t nodes[3] = {data.grid.nodes[0], data.grid.nodes[1], data.grid.nodes[2]};
+    const Eigen::Vector3d origin = {static_cast<double>(data.grid.origin.x),
+                                    static_cast<double>(data.grid.origin.y),
+                                    static_cast<double>(data.grid.origin.z)};
+    const std::vector<double> truth =
+        reference::DistanceOracle(mesh).gridDistances(origin, cell, nodes);
+    const double most = std::exp2(30 - static_cast<int>(data.triangleBits)) - 1;
+    double largest = 0;
+    for (size_t i = 0; i < truth.size(); ++i) {
+      const uint32_t key = data.keys[i];
+      const double d = truth[i] / cell;
+      if (std::abs(d) > 1e-3 && (key >> 31 != 0) != (d < 0)) ++wrongSigns;
+      if ((key & 0x40000000u) != 0) continue;
+      const double code = (key & 0x3fffffffu) >> data.triangleBits;
+      largest =
+          std::max(largest, std::abs(code / most * static_cast<double>(data.band) - std::abs(d)));
+    }
+    return largest;
+  }
+
+  SceneRun run_;
+  ColliderId id_ = ColliderId::kInvalid;
+};
+
+TEST_P(SceneSdf, FieldsFollowTheBonesAndWhatMovedAloneIsTheWhole) {
+  // Two spheres on a bone each; one of them moves, then both.
+  const TriangleMesh large = reference::sphere(0.1f, 12, 16, {0, -0.15f, 0});
+  const TriangleMesh small = reference::sphere(0.03f, 8, 10, {0, 0.05f, 0.02f});
+  const TriangleMesh shape = reference::joined(large, small);
+  CollisionMesh mesh = toMesh(shape);
+  mesh.influences.resize(mesh.positions.size());
+  for (size_t v = 0; v < mesh.positions.size(); ++v) {
+    mesh.influences[v].bones[0] = v < large.positions.size() ? 0 : 1;
+    mesh.influences[v].weights[0] = 1;
+  }
+  SdfCollider& collider = add(mesh, {.cellSize = 0.012f, .motionTolerance = 0, .boneCount = 2});
+  const AffineTransform poses[3][2] = {{{}, {}},
+                                       {{}, turned(0.4f, {0.011f, 0.013f, 0})},
+                                       {turned(0.05f, {}), turned(0.5f, {0.02f, 0.01f, 0})}};
+  for (const auto& bones : poses) {
+    collider.setBones(bones);
+    run_.step();
+    TriangleMesh posed = shape;
+    for (size_t v = 0; v < posed.positions.size(); ++v) {
+      posed.positions[v] =
+          transformPoint(bones[v < large.positions.size() ? 0 : 1], posed.positions[v]);
+    }
+    const SdfData data = copy();
+    int wrongSigns = 0;
+    EXPECT_LT(errorOf(data, posed, wrongSigns), 1e-4) << "positions are floats, too";
+    EXPECT_EQ(wrongSigns, 0);
+    // Another collider makes all of them be built as a whole.
+    const Result<ColliderId> other = run_.scene.addCollider(toMesh(small), {.name = "other"});
+    ASSERT_TRUE(other);
+    run_.step();
+    EXPECT_EQ(copy(), data);
+    run_.scene.removeCollider(*other);
+    run_.step();
+  }
+  const std::vector<uint32_t> work = run_.read<uint32_t>(collider.buffers().work);
+  const SdfCounters counters = readSdfCounters(std::as_bytes(std::span(work)));
+  EXPECT_GT(counters.interiorNodes, 0u);
+}
+
+TEST_P(SceneSdf, CountersSayWhatABuildTouched) {
+  const TriangleMesh large = reference::sphere(0.1f, 12, 16, {0, -0.15f, 0});
+  const TriangleMesh small = reference::sphere(0.03f, 8, 10, {0, 0.05f, 0.02f});
+  CollisionMesh mesh = toMesh(reference::joined(large, small));
+  mesh.influences.resize(mesh.positions.size());
+  for (size_t v = 0; v < mesh.positions.size(); ++v) {
+    mesh.influences[v].bones[0] = v < large.positions.size() ? 0 : 1;
+    mesh.influences[v].weights[0] = 1;
+  }
+  SdfCollider& collider = add(mesh, {.cellSize = 0.012f, .boneCount = 2});
+  run_.step();
+  const AffineTransform bones[2] = {{}, turned(0, {0.005f, 0, 0})};
+  collider.setBones(bones);
+  run_.step();
+  const std::vector<uint32_t> work = run_.read<uint32_t>(collider.buffers().work);
+  const SdfCounters counters = readSdfCounters(std::as_bytes(std::span(work)));
+  EXPECT_EQ(counters.movedVertices, small.positions.size());
+  EXPECT_EQ(counters.movedTriangles, small.triangleCount());
+  EXPECT_GT(counters.clearedBricks, 0u);
+  const SdfGrid& grid = collider.grid();
+  EXPECT_LT(counters.clearedBricks, grid.nodes[0] * grid.nodes[1] * grid.nodes[2] / 64 / 3);
+}
+
+TEST_P(SceneSdf, AnEnginesVerticesGiveTheSameField) {
+  const TriangleMesh shape = reference::torus(0.08f, 0.03f, 20, 12);
+  std::vector<float> engine(shape.positions.size() * 8, 9e9f);
+  for (size_t v = 0; v < shape.positions.size(); ++v) {
+    engine[8 * v + 2] = shape.positions[v].x;
+    engine[8 * v + 3] = shape.positions[v].y;
+    engine[8 * v + 4] = shape.positions[v].z;
+  }
+  const auto bytes = std::as_bytes(std::span(engine));
+  const BufferId vertices = run_.scene.resources().add({.name = "engine",
+                                                        .size = bytes.size(),
+                                                        .stride = 32,
+                                                        .initial = {bytes.begin(), bytes.end()}});
+  add(toMesh(shape), {.name = "skinned", .cellSize = 0.01f});
+  run_.step();
+  const SdfData expected = copy();
+  add(toMesh(shape), {.name = "engine",
+                      .cellSize = 0.01f,
+                      .vertices = vertices,
+                      .vertexStride = 8,
+                      .vertexOffset = 2});
+  run_.step();
+  EXPECT_EQ(copy(), expected);
+}
+
+TEST_P(SceneSdf, AFieldIsTheSameOutOfAFile) {
+  add(toMesh(reference::torus(0.08f, 0.03f, 20, 12)), {.cellSize = 0.01f});
+  run_.step();
+  const SdfData built = copy();
+  const std::filesystem::path path =
+      std::filesystem::temp_directory_path() /
+      ("pelage_scene_sdf_" + std::string(apiName(GetParam())) + ".psdf");
+  expectOk(saveSdf(built, path));
+  const Result<SdfData> loaded = loadSdf(path);
+  std::filesystem::remove(path);
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  run_.scene.removeCollider(id_);
+  const Result<ColliderId> again = run_.scene.addCollider(*loaded, {.name = "baked"});
+  ASSERT_TRUE(again);
+  id_ = *again;
+  run_.step();
+  EXPECT_EQ(copy(), built);
+  const std::vector<uint32_t> keys = run_.read<uint32_t>(run_.scene.sdfKeys());
+  EXPECT_EQ(keys, built.keys) << "what the kernels see";
+}
+
+INSTANTIATE_TEST_SUITE_P(All, SceneSdf, testing::ValuesIn(kApis), apiTestName);
+
+// ---- hair on colliders
+
+class SceneSdfHair : public testing::TestWithParam<std::tuple<Api, Solver>> {
+ protected:
+  static constexpr double kRadius = 0.08;
+  SceneSdfHair() : run_(std::get<0>(GetParam())) { settings_.solver = std::get<1>(GetParam()); }
+  void SetUp() override {
+    if (run_.device() == nullptr) GTEST_SKIP() << "no device";
+    settings_.localStiffness = 0.2f;
+    settings_.bendLength = 0.02f;
+    settings_.damping = 0.1f;
+  }
+  /// Horizontal strands above a ball at the origin; they fall onto it.
+  static HairAsset comb() {
+    HairAsset asset;
+    asset.strandCount = 9;
+    asset.verticesPerStrand = 24;
+    for (uint32_t s = 0; s < asset.strandCount; ++s) {
+      for (uint32_t v = 0; v < asset.verticesPerStrand; ++v) {
+        asset.positions.push_back({-0.03f + 0.0125f * static_cast<float>(v), 0.09f,
+                                   0.012f * (static_cast<float>(s) - 4), v < 2 ? 0.0f : 1.0f});
+      }
+    }
+    expectOk(asset.process());
+    return asset;
+  }
+  SdfCollider& addBall() {
+    const Result<ColliderId> added = run_.scene.addCollider(
+        toMesh(reference::sphere(static_cast<float>(kRadius), 24, 32)), {.cellSize = 0.008f});
+    EXPECT_TRUE(added) << added.error().message;
+    SdfCollider& ball = run_.scene.collider(*added);
+    ball.margin = 0.001f;
+    return ball;
+  }
+  /// How deep the deepest free vertex is in a ball [m]; negative outside.
+  static double depth(const std::vector<Float4>& positions, const Eigen::Vector3d& center) {
+    double deepest = -1;
+    for (const Float4& p : positions)
+      if (p.w > 0) deepest = std::max(deepest, kRadius - (toVector(p) - center).norm());
+    return deepest;
+  }
+  static double stretch(const HairAsset& asset, const std::vector<Float4>& positions) {
+    double largest = 0;
+    for (size_t i = 0; i + 1 < positions.size(); ++i) {
+      const double rest = static_cast<double>(asset.restLengths[i]);
+      if (rest > 0) {
+        const double now = (toVector(positions[i + 1]) - toVector(positions[i])).norm();
+        largest = std::max(largest, std::abs(now / rest - 1));
+      }
+    }
+    return largest;
+  }
+
+  SceneRun run_;
+  SimulationSettings settings_;
+};
+
+TEST_P(SceneSdfHair, LiesOnAMeshWithItsLengths) {  // K6, K29
+  const HairAsset asset = comb();
+  const HairObject& hair = run_.add(asset, {.settings = settings_});
+  addBall();
+  double lowest = 1;
+  for (int frame = 0; frame < 120; ++frame) {
+    run_.step();
+    const std::vector<Float4> positions = run_.positions(hair);
+    // The ball of triangles is up to 0.6 % of its radius inside the ball.
+    ASSERT_LT(depth(positions, {0, 0, 0}), 0.02 * 0.008 + 0.006 * kRadius) << "frame " << frame;
+    ASSERT_LT(stretch(asset, positions), 1e-3) << "frame " << frame;
+    for (const Float4& p : positions) lowest = std::min(lowest, static_cast<double>(p.y));
+  }
+  EXPECT_LT(lowest, 0.05) << "it fell at all";
+  EXPECT_GT(depth(run_.positions(hair), {0, 0, 0}), -0.004) << "and lies on the ball";
+}
+
+TEST_P(SceneSdfHair, IsCarriedByAMeshThatMovesAndNotWithoutIt) {
+  const HairAsset asset = comb();
+  const HairObject& hair = run_.add(asset, {.settings = settings_});
+  SdfCollider& ball = addBall();
+  for (int frame = 0; frame < 60; ++frame) run_.step();
+  Eigen::Vector3d center(0, 0, 0);
+  for (int frame = 0; frame < 40; ++frame) {
+    // Up to 1.2 m/s, 2.5 cells a frame.
+    center.z() += 0.02 * std::sin(0.08 * frame) * std::cos(0.08 * frame);
+    const AffineTransform bone =
+        rigidTransform({0, 0, 0, 1}, {0, 0, static_cast<float>(center.z())});
+    ball.setBones({&bone, 1});
+    run_.step();
+    ASSERT_LT(depth(run_.positions(hair), center), 0.02 * 0.008 + 0.006 * kRadius)
+        << "frame " << frame;
+    ASSERT_LT(stretch(asset, run_.positions(hair)), 1e-3);
+  }
+  ball.enabled = false;
+  for (int frame = 0; frame < 60; ++frame) run_.step();
+  EXPECT_GT(depth(run_.positions(hair), center), 0.02);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, SceneSdfHair,
+                         testing::Combine(testing::ValuesIn(kApis),
+                                          testing::Values(Solver::kExact, Solver::kClassic)),
+                         [](const auto& info) {
+                           return std::string(apiName(std::get<0>(info.param))) +
+                                  (std::get<1>(info.param) == Solver::kExact ? "Exact" : "Classic");
+                         });
+
+}  // namespace
+}  // namespace pelage::test
