@@ -74,7 +74,8 @@ enum class SdfBuildMode : uint8_t {
 struct SdfBuildCounters {
   static constexpr uint64_t kOffset = 32 * sizeof(uint32_t);  ///< bytes into the work buffer
   uint32_t bigTriangles = 0;                                  ///< that were shared by groups
-  uint32_t floodedNodes = 0;    ///< inside nodes beyond the band; above the flood's capacity some
+  uint32_t floodedNodes = 0;    ///< inside nodes beyond the band or, of three axes, nearest to a
+                                ///< triangle that is no way out; above the flood's capacity some
                                 ///< stayed unset
   uint32_t movedPlaces = 0;     ///< incremental builds: vertices that moved
   uint32_t movedTriangles = 0;  ///< incremental builds, but of three axes

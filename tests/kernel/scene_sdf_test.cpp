@@ -291,9 +291,10 @@ TEST_P(SceneSdfHair, IsCarriedByAMeshThatMovesAndNotWithoutIt) {
 INSTANTIATE_TEST_SUITE_P(All, SceneSdfHair,
                          testing::Combine(testing::ValuesIn(kApis),
                                           testing::Values(Solver::kExact, Solver::kClassic)),
-                         [](const auto& info) {
-                           return std::string(apiName(std::get<0>(info.param))) +
-                                  (std::get<1>(info.param) == Solver::kExact ? "Exact" : "Classic");
+                         [](const auto& tested) {
+                           return std::string(apiName(std::get<0>(tested.param))) +
+                                  (std::get<1>(tested.param) == Solver::kExact ? "Exact"
+                                                                               : "Classic");
                          });
 
 }  // namespace

@@ -1,0 +1,217 @@
+// What the stress tests of mesh colliders share: a block, the hair that lies on it, and what is
+// always true of both.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <limits>
+
+#include "pelage/sdf_data.h"
+#include "pelage/skeleton.h"
+#include "reference/sdf/distance_oracle.h"
+#include "reference/sdf/mesh_shapes.h"
+#include "stress/stress_run.h"
+
+namespace pelage::test {
+
+using reference::DistanceOracle;
+using reference::TriangleMesh;
+
+inline constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+inline constexpr float kInf = std::numeric_limits<float>::infinity();
+inline constexpr int kGoodFrames = 9, kBadFrames = 5, kRecoveryFrames = 60;
+inline constexpr float kCell = 0.01f;  // [m]
+// From one collider with its hair to the next: whole metres, so that all have the same bits.
+inline constexpr float kSpacing = 3;
+
+/// Horizontal strands that lie across the top of a block at the origin, held beside it. Where they
+/// are drawn to is 3 mm deep in it, so that there is one place alone where they come to rest.
+inline HairAsset comb(float scale = 1) {
+  HairAsset asset;
+  asset.strandCount = 4;
+  asset.verticesPerStrand = 16;
+  for (uint32_t s = 0; s < asset.strandCount; ++s) {
+    for (uint32_t v = 0; v < asset.verticesPerStrand; ++v) {
+      asset.positions.push_back({scale * (-0.12f + 0.018f * static_cast<float>(v)), scale * 0.08f,
+                                 scale * 0.016f * (static_cast<float>(s) - 1.5f),
+                                 v < 2 ? 0.0f : 1.0f});
+    }
+  }
+  expectOk(asset.process());
+  return asset;
+}
+
+inline TriangleMesh block() {
+  return reference::box({-0.093f, -0.08f, -0.083f}, {0.093f, 0.0717f, 0.083f});
+}
+
+inline AffineTransform boneAt(const Float3& place, const Float3& scale = {1, 1, 1}) {
+  AffineTransform bone;
+  bone.rows[0] = {scale.x, 0, 0, place.x};
+  bone.rows[1] = {0, scale.y, 0, place.y};
+  bone.rows[2] = {0, 0, scale.z, place.z};
+  return bone;
+}
+
+inline Float3 plus(const Float3& a, const Float3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+
+/// Up to 0.7 cells a frame, within the room that a grid has; then it stands still. In steps of
+/// 2^-12 m, which every place has exactly.
+inline Float3 wayAt(int frame) {
+  const float t = 0.448799f * static_cast<float>(std::min(frame, kGoodFrames + kBadFrames));
+  const auto exact = [](float x) { return std::round(x * 4096) / 4096; };
+  return {0, exact(-1.4f * kCell * std::sin(t)), exact(0.8f * kCell * std::sin(2 * t))};
+}
+
+inline CollisionMesh toMesh(const TriangleMesh& shape) {
+  CollisionMesh mesh;
+  mesh.positions = shape.positions;
+  mesh.normals.resize(shape.positions.size());
+  mesh.indices = shape.indices;
+  return mesh;
+}
+
+inline TriangleMesh posed(TriangleMesh mesh, const AffineTransform& bone) {
+  for (Float3& p : mesh.positions) p = transformPoint(bone, p);
+  return mesh;
+}
+
+/// A collider, the hair over it, and where both are.
+struct Place {
+  std::string name;
+  TriangleMesh mesh;
+  Float3 at = {};
+  HairId hair = HairId::kInvalid;
+  ColliderId collider = ColliderId::kInvalid;
+};
+
+class SdfStress : public StressTest {
+ protected:
+  SdfStress() {
+    // Hair that is back in its place within a second.
+    settings_.damping = 0.3f;
+    settings_.globalStiffness = 0.2f;
+    settings_.globalRange = 1;
+    settings_.bendLength = 0.2f;
+    settings_.wind.velocity.z = 0.5f;
+    settings_.wind.gustStrength = 0;
+  }
+  void TearDown() override {
+    while (!colliders_.empty()) remove(colliders_.back());
+    StressTest::TearDown();
+    for (const BufferId buffer : buffers_) run_.scene.resources().remove(buffer);
+  }
+  using StressTest::remove;
+  ColliderId add(const TriangleMesh& mesh, const SdfColliderDef& def) {
+    const Result<ColliderId> added = run_.scene.addCollider(toMesh(mesh), def);
+    if (!added) {
+      ADD_FAILURE() << added.error().message;
+      return ColliderId::kInvalid;
+    }
+    colliders_.push_back(*added);
+    return *added;
+  }
+  void remove(ColliderId id) {
+    run_.scene.removeCollider(id);
+    std::erase(colliders_, id);
+  }
+  using StressTest::add;
+  /// A vertex buffer of an engine's, until the test's end.
+  BufferId addVertices(const TriangleMesh& mesh) {
+    const auto bytes = std::as_bytes(std::span(mesh.positions));
+    buffers_.push_back(run_.scene.resources().add({.name = "engine",
+                                                   .size = bytes.size(),
+                                                   .stride = sizeof(float),
+                                                   .initial = {bytes.begin(), bytes.end()}}));
+    return buffers_.back();
+  }
+  HairObject& hairOf(const Place& place) { return run_.scene.hair(place.hair); }
+  SdfCollider& colliderOf(const Place& place) { return run_.scene.collider(place.collider); }
+  void setBones(const Place& place, const Float3& way, const Float3& scale = {1, 1, 1}) {
+    const AffineTransform bone = boneAt(plus(place.at, way), scale);
+    colliderOf(place).setBones({&bone, 1});
+  }
+  /// Hair with a comb's shape, at the place.
+  void addHair(Place& place, const HairAsset& asset, const SimulationSettings& settings) {
+    place.hair = add(asset, {.name = place.name, .settings = settings});
+    const AffineTransform bone = boneAt(place.at);
+    hairOf(place).setBones({&bone, 1});
+  }
+
+  /// Finite, with its lengths but for the rounding of world space, and counters that can be.
+  void expectSane(const HairAsset& asset, const Place& place, const std::string& when) {
+    const std::vector<Float4> positions = run_.positions(hairOf(place));
+    ASSERT_TRUE(allFinite(positions)) << place.name << ", " << when;
+    ASSERT_TRUE(allFinite(run_.read(hairOf(place).buffers().tangents))) << place.name;
+    double size = 0;
+    for (const Float4& p : positions) size = std::max(size, toVector(p).cwiseAbs().maxCoeff());
+    for (size_t i = 0; i + 1 < positions.size(); ++i) {
+      const double rest = static_cast<double>(asset.restLengths[i]);
+      if (!(rest > 0) || (i + 1) % asset.verticesPerStrand == 0) continue;
+      const double off = std::abs(distance(positions[i], positions[i + 1]) - rest);
+      const double stretch = std::max(off - 2.4e-7 * size, 0.0) / rest;
+      worstStretch_ = std::max(worstStretch_, stretch);
+      ASSERT_LT(stretch, 1e-3) << place.name << ", " << when << ", vertex " << i;
+    }
+    if (place.collider == ColliderId::kInvalid) return;
+    const SdfCollider& collider = colliderOf(place);
+    const SdfGrid& grid = collider.grid();
+    const uint64_t nodes = uint64_t{grid.nodes[0]} * grid.nodes[1] * grid.nodes[2];
+    uint64_t bricks = 1;
+    for (const uint32_t n : grid.nodes) bricks *= (n + 3) / 4;
+    const std::vector<uint32_t> work = run_.read<uint32_t>(collider.buffers().work);
+    const SdfCounters counters = readSdfCounters(std::as_bytes(std::span(work)));
+    ASSERT_LE(counters.bigTriangles, place.mesh.triangleCount()) << place.name << ", " << when;
+    ASSERT_LE(counters.interiorNodes, nodes) << place.name << ", " << when;
+    ASSERT_LE(counters.movedVertices, place.mesh.positions.size()) << place.name << ", " << when;
+    ASSERT_LE(counters.movedTriangles, place.mesh.triangleCount()) << place.name << ", " << when;
+    ASSERT_LE(counters.clearedBricks, bricks) << place.name << ", " << when;
+  }
+  /// How deep the deepest free vertex is in a mesh [m].
+  double depth(const Place& place, const TriangleMesh& mesh) {
+    const DistanceOracle oracle(mesh);
+    double deepest = 0;
+    for (const Float4& p : run_.positions(hairOf(place)))
+      if (p.w > 0) deepest = std::max(deepest, -oracle.signedDistance(toVector(p)));
+    return deepest;
+  }
+  std::vector<SdfData> copyFields(const std::vector<Place>& places) {
+    const auto keys = run_.device()->read(run_.scene.sdfKeys());
+    const auto surface = run_.device()->read(run_.scene.sdfSurface());
+    EXPECT_TRUE(keys && surface);
+    std::vector<SdfData> all;
+    for (const Place& place : places) {
+      Result<SdfData> data = run_.scene.copyField(place.collider, *keys, *surface);
+      EXPECT_TRUE(data) << place.name << ": " << data.error().message;
+      all.push_back(data ? std::move(*data) : SdfData());
+    }
+    return all;
+  }
+  /// Greatest error of the distances within the band [cell]; counts wrong signs.
+  static double errorOf(const SdfData& data, const TriangleMesh& mesh, int& wrongSigns) {
+    const double cell = static_cast<double>(data.grid.cellSize);
+    const uint32_t nodes[3] = {data.grid.nodes[0], data.grid.nodes[1], data.grid.nodes[2]};
+    const Vector3d origin =
+        toVector({data.grid.origin.x, data.grid.origin.y, data.grid.origin.z, 0});
+    const std::vector<double> truth = DistanceOracle(mesh).gridDistances(origin, cell, nodes);
+    const double most = std::exp2(30 - static_cast<int>(data.triangleBits)) - 1;
+    double largest = 0;
+    for (size_t i = 0; i < truth.size(); ++i) {
+      const uint32_t key = data.keys[i];
+      const double d = truth[i] / cell;
+      if (std::abs(d) > 1e-3 && (key >> 31 != 0) != (d < 0)) ++wrongSigns;
+      if ((key & 0x40000000u) != 0) continue;
+      const double code = (key & 0x3fffffffu) >> data.triangleBits;
+      largest =
+          std::max(largest, std::abs(code / most * static_cast<double>(data.band) - std::abs(d)));
+    }
+    return largest;
+  }
+
+  double worstStretch_ = 0;
+
+ private:
+  std::vector<ColliderId> colliders_;
+  std::vector<BufferId> buffers_;
+};
+
+}  // namespace pelage::test
