@@ -25,8 +25,7 @@ uint reserveEntries(uint count, uint lane) {
     uint first;
     InterlockedAdd(g_sdfWork[kWorkFloodCount], s_listed, first);
     uint last = min(first + s_listed, g_floodCapacity);
-    // Eight entries a group of flood_interior.
-    InterlockedMax(g_sdfWork[kWorkFlood], min((last + 7u) / 8u, kFloodGroups));
+    InterlockedMax(g_sdfWork[kWorkFlood], min((last + 63u) / 64u, kFloodGroups));
     s_firstEntry = first;
   }
   GroupMemoryBarrierWithGroupSync();
