@@ -190,6 +190,46 @@ TEST_P(SceneSdf, AFieldIsTheSameOutOfAFile) {
   EXPECT_EQ(keys, built.keys) << "what the kernels see";
 }
 
+TEST_P(SceneSdf, DrawsAColliderWhereItsFieldIs) {
+  SdfCollider& collider =
+      add(toMesh(reference::sphere(0.05f, 16, 20, {0, 0.05f, 0})), {.cellSize = 0.005f});
+  const AffineTransform bone = rigidTransform({0, 0, 0, 1}, {0.1f, 0, 0});
+  collider.setBones({&bone, 1});
+  View view;
+  view.eye = {0, 0.05f, 0.5f};
+  view.worldToClip = lookAt(view.eye, {0, 0.05f, 0}, {0, 1, 0}, 0.785f, 1, 0.1f, 10.0f);
+  view.width = view.height = 100;
+  // Pixels that the surface covers; and their mean place.
+  const auto covered = [&](double& x) {
+    PassList list;
+    expectOk(run_.scene.drawCollider(id_, view, {}, {}, list));
+    run_.scene.finish(list);
+    expectOk(run_.device()->update(run_.scene.resources()));
+    RenderTargetDef target;
+    target.width = target.height = 100;
+    const Result<RenderedImage> image = run_.device()->render(list, target);
+    EXPECT_TRUE(image) << image.error().message;
+    int count = 0;
+    for (size_t i = 0; i < image->pixels.size(); ++i) {
+      if (!(image->pixels[i].w > 0.5f)) continue;
+      ++count;
+      x += static_cast<double>(i % 100);
+    }
+    x /= std::max(count, 1);
+    return count;
+  };
+  double x = 0;
+  run_.step();
+  const int count = covered(x);
+  // A disc of 0.1 of the 0.414 m that the view is wide half a metre away.
+  EXPECT_NEAR(count, 460, 60);
+  EXPECT_NEAR(x, 50 + 24, 2);
+  const auto counts = run_.device()->read(collider.buffers().isoCounts);
+  ASSERT_TRUE(counts);
+  expectOk(run_.scene.checkColliderDraw(id_, *counts));
+  run_.scene.removeCollider(id_);
+}
+
 INSTANTIATE_TEST_SUITE_P(All, SceneSdf, testing::ValuesIn(kApis), apiTestName);
 
 // ---- hair on colliders
