@@ -49,10 +49,9 @@ struct HairInternals {
   float longestStrand = 0;  ///< [m]
 
   std::vector<CapsuleCollider> colliders, collidersBefore;  ///< of this frame and the last one
+  std::vector<std::byte> fieldsBefore;                      ///< contents of the buffer of fields
   uint32_t colliderCapacity = 0;                            ///< elements of the buffer
-
-  std::vector<std::byte> fieldsBefore;  ///< contents of the buffer of fields
-  uint32_t fieldCapacity = 0;           ///< elements of it
+  uint32_t fieldCapacity = 0;                               ///< likewise, of that of fields
 
   /// Of state, roots and colliders in world space [m]: whole metres, so that the difference of two
   /// origins, and that of a position near an origin and the origin, are exact.

@@ -209,22 +209,23 @@ void Scene::layOutFields() {
   }
   if (keys == 0) return;
   std::vector<std::byte> keyBytes(keys * sizeof(uint32_t));
-  std::vector<std::byte> recordBytes(std::max<uint64_t>(elements, 1) * kRecordBytes);
+  const uint64_t records = std::max<uint64_t>(elements, 1) * kRecordBytes;
+  std::vector<std::byte> recordBytes(records);
   for (const auto& held : colliders_) {
     if (held == nullptr || !held->internals_->data) continue;
     const SdfColliderInternals& c = *held->internals_;
     const auto from = std::as_bytes(std::span(c.data->keys));
     std::copy(from.begin(), from.end(), keyBytes.begin() + int64_t{c.keyOffset} * 4);
-    const auto records = std::as_bytes(std::span(c.data->surface));
-    std::copy(records.begin(), records.end(), recordBytes.begin() + int64_t{c.surfaceOffset} * 16);
+    const auto surface = std::as_bytes(std::span(c.data->surface));
+    std::copy(surface.begin(), surface.end(), recordBytes.begin() + int64_t{c.surfaceOffset} * 16);
   }
   sdfKeys_ = resources_.add({.name = "sdf/keys",
-                             .size = keyBytes.size(),
+                             .size = keys * sizeof(uint32_t),
                              .stride = sizeof(uint32_t),
                              .usage = BufferUsage::kStorage | BufferUsage::kReadback,
                              .initial = std::move(keyBytes)});
   sdfSurface_ = resources_.add({.name = "sdf/surface",
-                                .size = recordBytes.size(),
+                                .size = records,
                                 .stride = kRecordBytes,
                                 .usage = BufferUsage::kStorage | BufferUsage::kReadback,
                                 .initial = std::move(recordBytes)});
