@@ -306,7 +306,7 @@ TEST_P(MarchingCubes, FollowTheLevelOnBothSides) {
   expectOnSurface(run.run(1.5f), shape, 1.5, 0.1, 4);
 }
 
-TEST_P(MarchingCubes, HaveNoShellAtTheEdgeOfTheBand) {
+TEST_P(MarchingCubes, HaveNoShellAtTheEdgeOfTheBand) {  // K33
   const Shape shape = sphere({13.3, 12.6, 12.1}, 9.4);
   MarchingRun filled(gpu(), makeField({28, 26, 25}, shape));
   MarchingRun unset(gpu(), makeField({28, 26, 25}, shape, Depths::kLeftUnset));
@@ -389,7 +389,7 @@ TEST_P(MarchingCubes, TakeNodesThatLieOnTheLevel) {
   }
 }
 
-TEST_P(MarchingCubes, ReportAnOverflowAndWriteNothingPastTheEnd) {
+TEST_P(MarchingCubes, ReportAnOverflowAndWriteNothingPastTheEnd) {  // K33
   const Field field = makeField({28, 26, 25}, sphere({13.3, 12.6, 12.1}, 9.4));
   const Mesh whole = MarchingRun(gpu(), field).run();
   const uint32_t vertices = whole.counts.vertices, triangles = whole.counts.triangles;

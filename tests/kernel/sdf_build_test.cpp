@@ -83,7 +83,7 @@ void expectRight(const SdfErrors& errors, const std::string& what) {
 
 class SdfBuild : public GpuTest {};
 
-TEST_P(SdfBuild, SignsAndDistancesAreRightWhereverTheGridIs) {
+TEST_P(SdfBuild, SignsAndDistancesAreRightWhereverTheGridIs) {  // K25, K26, K27, K28
   for (const Shape& shape : closedShapes()) {
     uint64_t far = 0;
     for (int i = 0; i < 10; ++i) {

@@ -306,7 +306,7 @@ double wrongSide(Gpu& gpu, const Body& body, double length, uint64_t seed) {
   return static_cast<double>(wrong) / static_cast<double>(vertices.size());
 }
 
-TEST_P(SdfCollision, FastVerticesStayOnTheirSide) {
+TEST_P(SdfCollision, FastVerticesStayOnTheirSide) {  // K30
   std::vector<const Body*> bodies = smoothBodies();
   const double cell = 1.0 / 60;
   const Body thick(reference::plate(1, static_cast<float>(1.2 * cell), 6, 0.35f), {.cell = cell});

@@ -157,7 +157,7 @@ TEST_F(SdfSceneTest, WhatNoHairReachesIsNeitherBuiltNorApplied) {  // K34
   EXPECT_EQ(count("scatter_triangles"), 0u);
 }
 
-TEST_F(SdfSceneTest, FieldsAreRelativeToTheOriginOfTheHair) {
+TEST_F(SdfSceneTest, FieldsAreRelativeToTheOriginOfTheHair) {  // K32
   HairObject& hair = addHair();
   SdfCollider& collider = addCollider();
   const AffineTransform bone = shifted(1024.25f);
