@@ -23,7 +23,7 @@ cmake --build --preset asan --parallel "$(nproc)"
 step "sanitizer tests"
 # The drivers keep caches until the process ends, so leaks are looked for in the tests without them.
 ASAN_OPTIONS=detect_leaks=1 ctest --preset asan -L unit --parallel "$(nproc)"
-# Fields are built and met under the sanitizers by scene_sdf, strand_sdf and the stress suite.
+# Fields are built and met under the sanitizers by scene_sdf and the stress suite.
 ASAN_OPTIONS=detect_leaks=0 ctest --preset asan -LE "unit|oracle" --parallel "$(nproc)"
 
 step "static analysis"
