@@ -3,16 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <string_view>
 
+#include "csv_file.h"
+
 namespace bench {
 
-using pelage::Error;
-using pelage::ErrorCode;
 using pelage::Float4;
 using pelage::PassList;
 using pelage::PassTiming;
@@ -232,20 +230,9 @@ Result<Measurement> measure(Workbench& workbench, const BenchScene& scene,
 
 Result<void> appendCsv(const std::string& path, const std::vector<Measurement>& rows,
                        const pelage::DeviceInfo& device, const std::string& commit) {
-  std::FILE* file = std::fopen(path.c_str(), "ab");
-  if (file == nullptr)
-    return Error{ErrorCode::kFileNotFound,
-                 fmt::format("{}: cannot be opened: {}", path, std::strerror(errno))};
-  // The position of a stream opened for appending is not at the end before the first write.
-  bool good = std::fseek(file, 0, SEEK_END) == 0;
-  if (good && std::ftell(file) == 0) good = std::fputs(kCsvHeader, file) >= 0;
-  for (const Measurement& row : rows)
-    good = good && std::fputs(csvRow(row, device, commit).c_str(), file) >= 0;
-  good = std::fclose(file) == 0 && good;
-  if (!good)
-    return Error{ErrorCode::kFileNotFound,
-                 fmt::format("{}: cannot be written: {}", path, std::strerror(errno))};
-  return {};
+  std::vector<std::string> lines;
+  for (const Measurement& row : rows) lines.push_back(csvRow(row, device, commit));
+  return appendLines(path, kCsvHeader, lines);
 }
 
 }  // namespace bench

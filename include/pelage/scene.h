@@ -57,7 +57,8 @@ class Scene {
   SdfCollider& collider(ColliderId id);
   const SdfCollider& collider(ColliderId id) const;
   /// What the last build of a collider left in sdfKeys() and sdfSurface(), read back, as data that
-  /// can be saved. Error: there was no build, or the buffers are not the scene's.
+  /// can be saved. Error: there was no build since it got its place there, or the buffers are not
+  /// the scene's.
   Result<SdfData> copyField(ColliderId id, std::span<const std::byte> keys,
                             std::span<const std::byte> surface) const;
   /// Keys and records of all colliders; kInvalid without any.

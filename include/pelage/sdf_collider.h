@@ -101,7 +101,8 @@ class SdfCollider {
   uint64_t memoryBytes() const;
   const SdfColliderBuffers& buffers() const { return buffers_; }
 
-  /// Hair is kept this far outside [m], >= 0.
+  /// Hair is kept this far outside [m], >= 0; at most about a band, beyond which there is no
+  /// distance to go by.
   float margin = 0.001f;
   /// Coulomb's coefficient, >= 0.
   float friction = 0.3f;

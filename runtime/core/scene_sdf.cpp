@@ -434,7 +434,7 @@ Result<SdfData> Scene::copyField(ColliderId id, std::span<const std::byte> keys,
   const auto refuse = [&](const char* what) {
     return Error{ErrorCode::kInvalidArgument, "collider '" + c.def.name + "': " + what};
   };
-  if (c.state.builds == 0) return refuse("was not built yet; simulate a frame with hair near it");
+  if (c.buildPending) return refuse("is yet to be built; simulate a frame with hair near it");
   SdfData data;
   data.grid = c.grid;
   data.band = c.plan.band;

@@ -11,10 +11,10 @@
 #include "kernel/strand_run.h"
 #include "pelage/sdf_data.h"
 #include "pelage/skeleton.h"
-#include "reference/sdf/distance_oracle.h"
 #include "reference/sdf/mesh_shapes.h"
 #include "support/plain_asset.h"
 #include "support/scene_run.h"
+#include "support/sdf_field_error.h"
 
 namespace pelage::test {
 namespace {
@@ -54,28 +54,6 @@ class SceneSdf : public testing::TestWithParam<Api> {
     EXPECT_TRUE(data) << data.error().message;
     return *data;
   }
-  /// Greatest error of the distances within the band [cell]; counts wrong signs.
-  static double errorOf(const SdfData& data, const TriangleMesh& mesh, int& wrongSigns) {
-    const double cell = static_cast<double>(data.grid.cellSize);
-    const uint32_t nodes[3] = {data.grid.nodes[0], data.grid.nodes[1], data.grid.nodes[2]};
-    const Eigen::Vector3d origin = {static_cast<double>(data.grid.origin.x),
-                                    static_cast<double>(data.grid.origin.y),
-                                    static_cast<double>(data.grid.origin.z)};
-    const std::vector<double> truth =
-        reference::DistanceOracle(mesh).gridDistances(origin, cell, nodes);
-    const double most = std::exp2(30 - static_cast<int>(data.triangleBits)) - 1;
-    double largest = 0;
-    for (size_t i = 0; i < truth.size(); ++i) {
-      const uint32_t key = data.keys[i];
-      const double d = truth[i] / cell;
-      if (std::abs(d) > 1e-3 && (key >> 31 != 0) != (d < 0)) ++wrongSigns;
-      if ((key & 0x40000000u) != 0) continue;
-      const double code = (key & 0x3fffffffu) >> data.triangleBits;
-      largest =
-          std::max(largest, std::abs(code / most * static_cast<double>(data.band) - std::abs(d)));
-    }
-    return largest;
-  }
 
   SceneRun run_;
   ColliderId id_ = ColliderId::kInvalid;
@@ -106,7 +84,7 @@ TEST_P(SceneSdf, FieldsFollowTheBonesAndWhatMovedAloneIsTheWhole) {
     }
     const SdfData data = copy();
     int wrongSigns = 0;
-    EXPECT_LT(errorOf(data, posed, wrongSigns), 1e-4) << "positions are floats, too";
+    EXPECT_LT(fieldError(data, posed, wrongSigns), 1e-4) << "positions are floats, too";
     EXPECT_EQ(wrongSigns, 0);
     // Another collider makes all of them be built as a whole.
     const Result<ColliderId> other = run_.scene.addCollider(toMesh(small), {.name = "other"});
@@ -119,6 +97,49 @@ TEST_P(SceneSdf, FieldsFollowTheBonesAndWhatMovedAloneIsTheWhole) {
   const std::vector<uint32_t> work = run_.read<uint32_t>(collider.buffers().work);
   const SdfCounters counters = readSdfCounters(std::as_bytes(std::span(work)));
   EXPECT_GT(counters.interiorNodes, 0u);
+}
+
+// The origin of vertices and grid follows in whole metres; the motion is that of the surface alone.
+TEST_P(SceneSdf, MotionIsTheSameWhereTheOriginMoves) {
+  const TriangleMesh ball = reference::sphere(0.1f, 8, 10);
+  const float cell = 0.02f, step = 0.25f;
+  SdfCollider& collider = add(toMesh(ball), {.cellSize = cell});
+  HairObject& hair = run_.add(makeAsset());
+  for (int frame = 0; frame < 14; ++frame) {
+    const AffineTransform bone =
+        rigidTransform({0, 0, 0, 1}, {step * static_cast<float>(frame), 0, 0});
+    collider.setBones({&bone, 1});
+    hair.setBones({&bone, 1});
+    run_.step();
+    if (frame == 0) continue;
+    const std::vector<float> records = run_.read<float>(run_.scene.sdfSurface());
+    // A record has 7 rows of 4; rows 4 to 6 are the ways of its corners.
+    for (size_t t = 0; t < ball.triangleCount(); ++t) {
+      for (size_t corner = 0; corner < 3; ++corner) {
+        const float* way = &records[28 * t + 16 + 4 * corner];
+        ASSERT_NEAR(way[0], step / cell, 1e-3) << "frame " << frame << ", triangle " << t;
+        ASSERT_NEAR(way[1], 0, 1e-3);
+      }
+    }
+  }
+  EXPECT_GT(collider.grid().origin.x, 2.5f) << "it went further than the origin stays";
+}
+
+TEST_P(SceneSdf, AFieldIsCopiedOnlyAfterItsBuild) {
+  add(toMesh(reference::sphere(0.05f, 8, 10)), {.cellSize = 0.01f});
+  const auto copied = [&] {
+    const std::vector<std::byte> bytes(size_t{1} << 24);
+    return run_.scene.copyField(id_, bytes, bytes).ok();
+  };
+  EXPECT_FALSE(copied());
+  run_.step();
+  EXPECT_TRUE(copied());
+  const ColliderId first = id_;
+  add(toMesh(reference::sphere(0.05f, 8, 10)), {.name = "other", .cellSize = 0.01f});
+  id_ = first;
+  EXPECT_FALSE(copied()) << "the buffers are new and empty";
+  run_.step();
+  EXPECT_TRUE(copied());
 }
 
 TEST_P(SceneSdf, CountersSayWhatABuildTouched) {

@@ -233,16 +233,7 @@ std::vector<Trouble> troubles() {
 
 class BadInput : public StressTest {
  protected:
-  BadInput() {
-    // Hair that is back in its place well within a second.
-    settings_.damping = 0.3f;
-    settings_.globalStiffness = 0.2f;
-    settings_.globalRange = 1;
-    // Curls of softer hair have a second shape in which they come to rest.
-    settings_.bendLength = 0.2f;
-    settings_.wind.velocity.z = 0.5f;
-    settings_.wind.gustStrength = 0;
-  }
+  BadInput() { makeHairReturnSoon(); }
   void expectSane(const HairAsset& asset, const HairObject& hair, const std::string& when) {
     const std::vector<Float4> positions = run_.positions(hair);
     ASSERT_TRUE(allFinite(positions)) << hair.name() << ", " << when;

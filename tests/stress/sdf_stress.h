@@ -10,6 +10,7 @@
 #include "reference/sdf/distance_oracle.h"
 #include "reference/sdf/mesh_shapes.h"
 #include "stress/stress_run.h"
+#include "support/sdf_field_error.h"
 
 namespace pelage::test {
 
@@ -86,15 +87,7 @@ struct Place {
 
 class SdfStress : public StressTest {
  protected:
-  SdfStress() {
-    // Hair that is back in its place within a second.
-    settings_.damping = 0.3f;
-    settings_.globalStiffness = 0.2f;
-    settings_.globalRange = 1;
-    settings_.bendLength = 0.2f;
-    settings_.wind.velocity.z = 0.5f;
-    settings_.wind.gustStrength = 0;
-  }
+  SdfStress() { makeHairReturnSoon(); }
   void TearDown() override {
     while (!colliders_.empty()) remove(colliders_.back());
     StressTest::TearDown();
@@ -185,26 +178,6 @@ class SdfStress : public StressTest {
       all.push_back(data ? std::move(*data) : SdfData());
     }
     return all;
-  }
-  /// Greatest error of the distances within the band [cell]; counts wrong signs.
-  static double errorOf(const SdfData& data, const TriangleMesh& mesh, int& wrongSigns) {
-    const double cell = static_cast<double>(data.grid.cellSize);
-    const uint32_t nodes[3] = {data.grid.nodes[0], data.grid.nodes[1], data.grid.nodes[2]};
-    const Vector3d origin =
-        toVector({data.grid.origin.x, data.grid.origin.y, data.grid.origin.z, 0});
-    const std::vector<double> truth = DistanceOracle(mesh).gridDistances(origin, cell, nodes);
-    const double most = std::exp2(30 - static_cast<int>(data.triangleBits)) - 1;
-    double largest = 0;
-    for (size_t i = 0; i < truth.size(); ++i) {
-      const uint32_t key = data.keys[i];
-      const double d = truth[i] / cell;
-      if (std::abs(d) > 1e-3 && (key >> 31 != 0) != (d < 0)) ++wrongSigns;
-      if ((key & 0x40000000u) != 0) continue;
-      const double code = (key & 0x3fffffffu) >> data.triangleBits;
-      largest =
-          std::max(largest, std::abs(code / most * static_cast<double>(data.band) - std::abs(d)));
-    }
-    return largest;
   }
 
   double worstStretch_ = 0;

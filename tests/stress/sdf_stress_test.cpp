@@ -147,7 +147,7 @@ TEST_P(SdfTrouble, OfAColliderIsSurvivedAndForgotten) {
     if (api() == Api::kVulkan && exact()) {
       int wrongSigns = 0;
       EXPECT_LT(
-          errorOf(fields[i], posed(places[i].mesh, boneAt(plus(places[i].at, way))), wrongSigns),
+          fieldError(fields[i], posed(places[i].mesh, boneAt(plus(places[i].at, way))), wrongSigns),
           1e-3)
           << places[i].name;
       EXPECT_EQ(wrongSigns, 0) << places[i].name;

@@ -1,0 +1,16 @@
+// Results of benchmarks as CSV.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pelage/result.h"
+
+namespace bench {
+
+/// Appends lines, behind a header where the file is new. Lines end in a newline. Errors: the file
+/// cannot be opened or written.
+pelage::Result<void> appendLines(const std::string& path, const char* header,
+                                 const std::vector<std::string>& lines);
+
+}  // namespace bench
