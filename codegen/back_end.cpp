@@ -42,6 +42,27 @@ std::vector<uint32_t> patchBindings(std::span<const uint32_t> words,
   return patched;
 }
 
+// Draws with the same vertex kernel and other pixel kernels have to find the same bits of depth.
+std::vector<uint32_t> makePositionInvariant(const std::vector<uint32_t>& words) {
+  const std::optional<SpirvReader> module = SpirvReader::parse(words);
+  if (!module) return words;
+  std::vector<uint32_t> result;
+  size_t done = 0;
+  for (const SpirvInstruction& instruction : module->instructions()) {
+    if (instruction.op != SpvOpDecorate || instruction.operands[1] != SpvDecorationBuiltIn ||
+        instruction.operands[2] != SpvBuiltInPosition)
+      continue;
+    constexpr uint32_t kWords = 3;
+    const size_t end = instruction.wordOffset + kWords + 1;
+    result.insert(result.end(), words.begin() + done, words.begin() + end);
+    result.insert(result.end(), {kWords << 16 | uint32_t{SpvOpDecorate}, instruction.operands[0],
+                                 uint32_t{SpvDecorationInvariant}});
+    done = end;
+  }
+  result.insert(result.end(), words.begin() + done, words.end());
+  return result;
+}
+
 spvtools::MessageConsumer collect(std::string& text) {
   return
       [&text](spv_message_level_t level, const char*, const spv_position_t&, const char* message) {
@@ -190,6 +211,7 @@ BackEndOutput runBackEnd(const BackEndInput& input) {
   };
   std::vector<uint32_t> module = patchBindings(input.rawSpirv, input.patches);
   if (input.precise) module = forbidContraction(module);
+  if (input.stage == Stage::kVertex) module = makePositionInvariant(module);
 
   std::string messages;
   std::optional<std::vector<uint32_t>> optimised = optimise(module, messages);

@@ -1,6 +1,7 @@
 // The C++ that a manifest becomes.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstdlib>
 #include <set>
@@ -101,14 +102,26 @@ class Writer {
   std::string open() const { return "namespace " + space_ + " {\n\n"; }
   std::string close() const { return "}  // namespace " + space_ + "\n"; }
 
+  // "group "a"" or "groups "a", "b"".
+  std::string groupsOf(const PlannedLayout& layout) const {
+    std::string names;
+    size_t count = 0;
+    for (const ManifestGroup& group : program_.manifest.groups) {
+      if (std::find(group.layouts.begin(), group.layouts.end(), layout.name) == group.layouts.end())
+        continue;
+      names += (count++ > 0 ? ", \"" : "\"") + group.name + "\"";
+    }
+    return (count > 1 ? "groups " : "group ") + names;
+  }
+
   std::string layoutsHeader() const {
     std::string text = head("The layouts: one table for each descriptor set.");
     text +=
         "#pragma once\n\n#include <cstdint>\n#include <span>\n\n#include \"pelage/layout.h\"\n\n";
     text += open();
     for (const PlannedLayout& layout : program_.layouts) {
-      text += fmt::format("/// Set {} of group \"{}\".\nextern const {}LayoutTable k{}Layout;\n\n",
-                          layout.set, layout.group, prefix_, layout.name);
+      text += fmt::format("/// Set {} of {}.\nextern const {}LayoutTable k{}Layout;\n\n",
+                          layout.set, groupsOf(layout), prefix_, layout.name);
       text +=
           fmt::format("/// Indices into k{0}Layout.entries.\nstruct {0}Entry {{\n", layout.name);
       if (!layout.entries.empty()) {

@@ -39,12 +39,24 @@ uint32_t rawBinding(RegisterClass registerClass, uint32_t registerNumber) {
 }
 
 LayoutPlan::LayoutPlan(const Manifest& manifest) : manifest_(manifest) {
+  std::map<std::string, size_t> known;
   for (const ManifestGroup& group : manifest.groups) {
-    first_.push_back(layouts_.size());
+    std::vector<size_t>& indices = indices_.emplace_back();
     for (uint32_t set = 0; set < group.layouts.size(); ++set) {
-      layouts_.push_back({group.layouts[set], group.name, set, {}});
+      const auto [found, added] = known.emplace(group.layouts[set], layouts_.size());
+      if (added) layouts_.push_back({group.layouts[set], group.name, set, {}});
+      indices.push_back(found->second);
     }
   }
+}
+
+std::set<size_t> LayoutPlan::boundWith(size_t layout) const {
+  std::set<size_t> result;
+  for (const std::vector<size_t>& group : indices_) {
+    if (std::find(group.begin(), group.end(), layout) == group.end()) continue;
+    result.insert(group.begin(), group.end());
+  }
+  return result;
 }
 
 void LayoutPlan::add(const ManifestKernel& kernel, const ModuleReflection& reflection,
@@ -90,9 +102,13 @@ void LayoutPlan::add(const ManifestKernel& kernel, const ModuleReflection& refle
     entry.location = where;
 
     bool known = false;
-    for (uint32_t set = 0; set < group.layouts.size(); ++set) {
-      for (PlannedEntry& other : layout(kernel.group, set).entries) {
-        const bool sameSlot = set == resource.space && other.registerClass == entry.registerClass &&
+    const size_t home = indices_[kernel.group][resource.space];
+    // A pass offers its resources by name: over all sets that may be bound with this one, a name
+    // stands for one resource.
+    for (const size_t index : boundWith(home)) {
+      for (PlannedEntry& other : layouts_[index].entries) {
+        const uint32_t set = layouts_[index].set;
+        const bool sameSlot = index == home && other.registerClass == entry.registerClass &&
                               other.registerNumber == entry.registerNumber;
         if (sameSlot && other.name == entry.name) {
           known = true;
@@ -123,15 +139,24 @@ void LayoutPlan::add(const ManifestKernel& kernel, const ModuleReflection& refle
         }
       }
     }
-    if (!known) layout(kernel.group, resource.space).entries.push_back(std::move(entry));
+    if (!known) layouts_[home].entries.push_back(std::move(entry));
   }
 }
 
 void LayoutPlan::assign(Diagnostics& diagnostics) {
-  for (size_t group = 0; group < first_.size(); ++group) {
+  std::set<size_t> done;
+  for (size_t group = 0; group < indices_.size(); ++group) {
     std::map<ResourceKind, uint32_t> next;
-    for (uint32_t set = 0; set < manifest_.groups[group].layouts.size(); ++set) {
-      std::vector<PlannedEntry>& entries = layout(static_cast<uint32_t>(group), set).entries;
+    for (const size_t index : indices_[group]) {
+      std::vector<PlannedEntry>& entries = layouts_[index].entries;
+      if (!done.insert(index).second) {
+        // Shared with an earlier group, where the same layouts came before it: the numbers that it
+        // has are the next ones here too.
+        for (const PlannedEntry& entry : entries) {
+          if (entry.kind != ResourceKind::kSampler) ++next[entry.kind];
+        }
+        continue;
+      }
       std::sort(entries.begin(), entries.end(), [](const PlannedEntry& a, const PlannedEntry& b) {
         return std::tie(a.registerClass, a.registerNumber) <
                std::tie(b.registerClass, b.registerNumber);

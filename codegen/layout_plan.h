@@ -1,8 +1,10 @@
 // One binding plan for each layout, from the resources of all kernels and permutations that use it.
+// A layout that several groups share has one plan; it stands at the same place in all of them.
 #pragma once
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -30,7 +32,7 @@ struct PlannedEntry {
 
 struct PlannedLayout {
   std::string name;
-  std::string group;
+  std::string group;  ///< the first one that has it
   uint32_t set = 0;
   std::vector<PlannedEntry> entries;  ///< index = Vulkan binding
 };
@@ -58,17 +60,20 @@ class LayoutPlan {
   std::vector<BindingPatch> patches(const ManifestKernel& kernel,
                                     const ModuleReflection& reflection) const;
 
-  /// In the manifest's order.
+  /// In the manifest's order, each once.
   std::vector<PlannedLayout>& layouts() { return layouts_; }
   const std::vector<PlannedLayout>& layouts() const { return layouts_; }
-  PlannedLayout& layout(uint32_t group, uint32_t set) { return layouts_[first_[group] + set]; }
+  PlannedLayout& layout(uint32_t group, uint32_t set) { return layouts_[indices_[group][set]]; }
   const PlannedLayout& layout(uint32_t group, uint32_t set) const {
-    return layouts_[first_[group] + set];
+    return layouts_[indices_[group][set]];
   }
 
  private:
+  /// The layouts of all groups that have this one, as indices into layouts_.
+  std::set<size_t> boundWith(size_t layout) const;
+
   const Manifest& manifest_;
-  std::vector<size_t> first_;  ///< index of each group's set 0 in layouts_
+  std::vector<std::vector<size_t>> indices_;  ///< [group][set] into layouts_
   std::vector<PlannedLayout> layouts_;
 };
 

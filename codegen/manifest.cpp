@@ -235,7 +235,7 @@ class Reader {
   }
 
   void readGroups(const Node& groups) {
-    std::map<std::string, std::string> owners;
+    std::map<std::string, size_t> owners;  // the first group that has a layout
     for (size_t i = 0; i < groups.keys.size() && i < groups.children.size(); ++i) {
       ManifestGroup group;
       group.name = groups.keys[i];
@@ -247,21 +247,40 @@ class Reader {
               "group \"" + group.name + "\" has " + std::to_string(list.children.size()) +
                   " layouts; Vulkan guarantees 1 to " + std::to_string(kMaximumLayouts) + " sets");
       }
+      bool inOrder = true;
       for (const Node& layout : list.children) {
         if (!expect(layout, Node::Type::kString, "a layout")) continue;
         if (!isIdentifier(layout.string) || std::islower(layout.string[0]) != 0) {
           error(layout.line, "PK304",
                 "\"" + layout.string + "\" is not a layout name; write it like \"SimPosTan\"");
         }
-        const auto [found, added] = owners.emplace(layout.string, group.name);
-        if (!added) {
-          error(layout.line, "PK306",
-                "layout \"" + layout.string + "\" is already in group \"" + found->second + "\"");
-        }
+        const auto [found, added] = owners.emplace(layout.string, manifest_.groups.size());
         group.layouts.push_back(layout.string);
+        // What stands behind a wrong one is wrong with it.
+        if (!added && inOrder) inOrder = checkShared(group, found->second, layout);
       }
       manifest_.groups.push_back(std::move(group));
     }
+  }
+
+  // A layout has one set number and one block of GL bindings: what a group shares with another one
+  // is how both begin. The layout is the last one of the group so far.
+  bool checkShared(const ManifestGroup& group, size_t owner, const Node& layout) {
+    if (owner == manifest_.groups.size()) {
+      error(layout.line, "PK306",
+            "layout \"" + layout.string + "\" is there twice in group \"" + group.name + "\"");
+      return false;
+    }
+    const ManifestGroup& other = manifest_.groups[owner];
+    if (other.layouts.size() >= group.layouts.size() &&
+        std::equal(group.layouts.begin(), group.layouts.end(), other.layouts.begin())) {
+      return true;
+    }
+    error(layout.line, "PK306",
+          "layout \"" + layout.string + "\" is in group \"" + other.name +
+              "\" too, at another place or after other layouts: put the layouts that groups share "
+              "first, in the same order in each");
+    return false;
   }
 
   void readKernel(const Node& node) {

@@ -213,7 +213,7 @@ class PassTimer {
 /// Saves, for its lifetime, the GL state that a Runtime changes:
 ///  - always: current program; indexed bindings 0..kMaxBindings-1 and the generic binding of
 ///    GL_UNIFORM_BUFFER and GL_SHADER_STORAGE_BUFFER; GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER,
-///    GL_DISPATCH_INDIRECT_BUFFER
+///    GL_DISPATCH_INDIRECT_BUFFER, GL_DRAW_INDIRECT_BUFFER
 ///  - of recordDraws(): vertex array; viewport and depth range 0; scissor test 0; clip control and
 ///    polygon mode (core); depth test, function, mask; blending and colour mask of every draw
 ///    buffer; stencil test, face culling, polygon offset, rasterizer discard, primitive restart,

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,7 @@ struct DeviceInfo {
   uint32_t maxSamples = 1;  ///< of a 16-bit float colour target with a depth target
   /// The sample counts that such a target can have, as a sum of 1, 2, 4 and 8.
   uint32_t sampleCounts = 1;
+  uint64_t maxBufferBytes = 0;  ///< that a kernel can have bound of one storage buffer
 };
 
 /// GPU time of one pass.
@@ -57,6 +59,11 @@ struct RenderTargetDef {
   uint32_t samples = 1;            ///< one of DeviceInfo::sampleCounts
   Float4 clearColor = {0, 0, 0, 0};
   float clearDepth = 1;  ///< 1 for standard depth, 0 for reversed depth
+  /// Receives the depth of the target after the draws of list number `depthCopyAfter`, before the
+  /// next list: width * height floats in 0..1 as the kernels see them, row 0 is the top row. For
+  /// what an engine would read from its depth texture. The target has one sample then.
+  BufferId depthCopy = BufferId::kInvalid;
+  uint32_t depthCopyAfter = 0;  ///< index of the list
 };
 
 /// What render() gives back; row 0 is the top row on every API.
@@ -78,9 +85,17 @@ class HeadlessDevice {
   /// pass; an entry of a device without timestamps is negative.
   virtual Result<void> execute(const PassList& list,
                                std::vector<PassTiming>* timings = nullptr) = 0;
-  /// Runs the whole list, its draws into a cleared target, waits and reads the colours back.
-  virtual Result<RenderedImage> render(const PassList& list, const RenderTargetDef& target,
+  /// Clears the target once and runs the lists one after the other, the draws of each into what the
+  /// earlier ones have drawn; waits and reads the colours back.
+  virtual Result<RenderedImage> render(std::span<const PassList* const> lists,
+                                       const RenderTargetDef& target,
                                        std::vector<PassTiming>* timings = nullptr) = 0;
+  /// The same with one list.
+  Result<RenderedImage> render(const PassList& list, const RenderTargetDef& target,
+                               std::vector<PassTiming>* timings = nullptr) {
+    const PassList* const lists[] = {&list};
+    return render(lists, target, timings);
+  }
   /// Reads a buffer back; size 0 reads from the offset to the end.
   virtual Result<std::vector<std::byte>> read(BufferId buffer, uint64_t offset = 0,
                                               uint64_t size = 0) = 0;
@@ -89,6 +104,8 @@ class HeadlessDevice {
 
  protected:
   HeadlessDevice() = default;
+  /// Whether RenderTargetDef::depthCopy can be done; `bytes` of the buffer, 0 when there is none.
+  static Result<void> checkDepthCopy(const RenderTargetDef& target, size_t lists, uint64_t bytes);
 };
 
 /// In pelage::vulkan. Errors: no loader, no device, a missing feature; each named.

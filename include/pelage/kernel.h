@@ -2,6 +2,7 @@
 // pelage_add_kernels() makes for an engine's own HLSL).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string_view>
@@ -54,5 +55,14 @@ struct Kernel {
   std::span<const SpecConstant> specConstants;
   std::span<const KernelVariant* const> variants;  ///< distinct ones
 };
+
+/// Whether two kernels can be the stages of one draw: they have the same layouts, or one of them
+/// the first layouts of the other.
+constexpr bool layoutsFit(const Kernel& a, const Kernel& b) {
+  const size_t shared = a.layouts.size() < b.layouts.size() ? a.layouts.size() : b.layouts.size();
+  for (size_t set = 0; set < shared; ++set)
+    if (a.layouts[set] != b.layouts[set]) return false;
+  return true;
+}
 
 }  // namespace pelage

@@ -41,14 +41,14 @@ struct LayoutEntry {
   StageMask stages;    ///< union over all kernels of the layout
   uint32_t stride;     ///< bytes an element (storage buffer) or a block (uniform buffer); else 0
   uint32_t binding;    ///< Vulkan binding within the set
-  uint32_t glBinding;  ///< GL binding point, dense for each kind of resource over the group's sets
+  uint32_t glBinding;  ///< GL binding point, dense for each kind of resource over a group's sets
 };
 
 /// One descriptor set.
 struct LayoutTable {
   const char* name;   ///< "SimPosTan" for CreateSimPosTanLayout
-  const char* group;  ///< layouts of one group are bound together
-  uint32_t set;       ///< Vulkan set number within its group
+  const char* group;  ///< layouts of one group are bound together; the first group that has it
+  uint32_t set;       ///< Vulkan set number, the same in every group that has it
   std::span<const LayoutEntry> entries;
 };
 

@@ -82,10 +82,13 @@ struct PassBinding {
   StageMask stages = 0;
 };
 
-enum class PassKind : uint8_t { kDispatch, kDispatchIndirect, kDraw };
+enum class PassKind : uint8_t { kDispatch, kDispatchIndirect, kDraw, kDrawIndirect };
+constexpr bool isDraw(PassKind kind) {
+  return kind == PassKind::kDraw || kind == PassKind::kDrawIndirect;
+}
 
 enum class PrimitiveTopology : uint8_t { kTriangleList, kTriangleStrip, kLineList };
-enum class DepthCompare : uint8_t { kAlways, kLess, kLessEqual, kGreater, kGreaterEqual };
+enum class DepthCompare : uint8_t { kAlways, kLess, kLessEqual, kGreater, kGreaterEqual, kEqual };
 enum class BlendMode : uint8_t { kOpaque, kPremultipliedAlpha };
 
 /// Fixed-function state of a draw. Culling is always off: hair has no back.
@@ -94,6 +97,7 @@ struct DrawState {
   DepthCompare depthCompare = DepthCompare::kLess;
   bool depthWrite = true;
   BlendMode blend = BlendMode::kOpaque;
+  bool colorWrite = true;  ///< false: a draw that only writes buffers or depth
   bool operator==(const DrawState&) const = default;
 };
 
@@ -115,15 +119,23 @@ struct Barrier {
 
 /// One dispatch or draw. Ranges index into the arrays of the PassList.
 struct Pass {
-  const char* name = "";  ///< the kernel's; also the name of its timer
+  const char* name = "";  ///< the kernel's, of a draw the pixel kernel's; also of its timer
   PassKind kind = PassKind::kDispatch;
   const KernelVariant* kernel = nullptr;  ///< compute, or vertex stage of a draw
   const KernelVariant* pixel = nullptr;   ///< draws only
+  /// The tables that (set, entry) of the bindings mean: of the stage that has more of them.
+  std::span<const LayoutTable* const> layouts() const {
+    const auto own = kernel->kernel->layouts;
+    return pixel != nullptr && pixel->kernel->layouts.size() > own.size() ? pixel->kernel->layouts
+                                                                          : own;
+  }
   uint32_t firstBinding = 0, bindingCount = 0;
   uint32_t firstSpecValue = 0, specValueCount = 0;  ///< for both stages
   uint32_t firstBarrier = 0, barrierCount = 0;      ///< dispatches only; see drawBarriers
   uint32_t groups[3] = {0, 0, 0};                   ///< kDispatch: each in 1..65535
-  BufferId indirect = BufferId::kInvalid;  ///< kDispatchIndirect: three uint32 at indirectOffset
+  /// kDispatchIndirect: three uint32 at indirectOffset. kDrawIndirect: four, the vertices of an
+  /// instance, the instances, 0 and 0; without indices, and with elementCount and instanceCount 0.
+  BufferId indirect = BufferId::kInvalid;
   uint64_t indirectOffset = 0;
   BufferId indices = BufferId::kInvalid;  ///< kDraw: kInvalid draws without indices
   uint32_t elementCount = 0;              ///< kDraw: indices or vertices an instance
@@ -182,10 +194,14 @@ class PassBuilder {
   /// Starts a dispatch whose numbers of groups, three uint32, a buffer has at `offset` bytes.
   PassBuilder& dispatchIndirect(const KernelVariant& variant, BufferId arguments,
                                 uint64_t offset = 0);
-  /// Starts a draw.
+  /// Starts a draw. Of the two kernels' layouts, those of one are the first ones of the other's.
   PassBuilder& draw(const KernelVariant& vertex, const KernelVariant& pixel, const DrawState& state,
                     uint32_t elementCount, uint32_t instanceCount,
                     BufferId indices = BufferId::kInvalid);
+  /// Starts a draw whose counts a buffer has at `offset` bytes; see Pass::indirect. A dispatch of
+  /// the same list may have written them.
+  PassBuilder& drawIndirect(const KernelVariant& vertex, const KernelVariant& pixel,
+                            const DrawState& state, BufferId arguments, uint64_t offset = 0);
   /// Offers a storage buffer under the name it has in HLSL.
   PassBuilder& bind(std::string_view name, BufferId buffer, uint64_t size, uint64_t offset = 0);
   /// Offers the bytes of a uniform block under the name it has in HLSL.

@@ -143,7 +143,8 @@ class Runtime {
 
   /// Records uploads and dispatches with the list's barriers, and those in front of its draws.
   /// Outside a render pass. Leaves the command buffer's compute state changed. The whole list is
-  /// checked first: on an error nothing was recorded. Errors name the pass and the resource.
+  /// checked first: on an error nothing was recorded. Errors name the pass and the resource. A
+  /// frame may have several lists: each goes through here and recordDraws() before the next one.
   Result<void> record(const PassList& list, VkCommandBuffer commands);
 
   /// Records the list's draws, inside the caller's render pass; record() comes before. Sets

@@ -1,5 +1,7 @@
 #include "pelage/headless.h"
 
+#include <string>
+
 namespace pelage {
 
 const char* apiName(Api api) {
@@ -12,6 +14,31 @@ const char* apiName(Api api) {
       return "gles";
   }
   return "unknown";
+}
+
+Result<void> HeadlessDevice::checkDepthCopy(const RenderTargetDef& target, size_t lists,
+                                            uint64_t bytes) {
+  if (target.depthCopy == BufferId::kInvalid) return {};
+  const auto invalid = [](std::string message) {
+    return Error{ErrorCode::kInvalidArgument, "RenderTargetDef::depthCopy: " + std::move(message)};
+  };
+  const std::string buffer = "buffer " + std::to_string(static_cast<uint32_t>(target.depthCopy));
+  const uint64_t needed = uint64_t{target.width} * target.height * sizeof(float);
+  if (target.samples > 1) {
+    return invalid("the target has " + std::to_string(target.samples) +
+                   " samples a pixel; depth is copied from one with 1");
+  }
+  if (target.depthCopyAfter >= lists) {
+    return invalid("depthCopyAfter is " + std::to_string(target.depthCopyAfter) + ", there are " +
+                   std::to_string(lists) + " lists");
+  }
+  if (bytes == 0) return invalid(buffer + " was removed, or update() has not seen it");
+  if (bytes < needed) {
+    return invalid(buffer + " has " + std::to_string(bytes) + " bytes, the depth of " +
+                   std::to_string(target.width) + " x " + std::to_string(target.height) +
+                   " pixels takes " + std::to_string(needed));
+  }
+  return {};
 }
 
 }  // namespace pelage

@@ -102,11 +102,10 @@ PassBuilder& PassBuilder::draw(const KernelVariant& vertex, const KernelVariant&
                                uint32_t instanceCount, BufferId indices) {
   PELAGE_ASSERT(vertex.kernel->stage == Stage::kVertex && pixel.kernel->stage == Stage::kPixel,
                 "a draw takes a vertex kernel and a pixel kernel");
-  PELAGE_ASSERT(std::equal(vertex.kernel->layouts.begin(), vertex.kernel->layouts.end(),
-                           pixel.kernel->layouts.begin(), pixel.kernel->layouts.end()),
-                "both stages of a draw belong to one group of layouts");
+  PELAGE_ASSERT(layoutsFit(*vertex.kernel, *pixel.kernel),
+                "of the two stages of a draw, one has the first layouts of the other");
   pass_ = {};
-  pass_.name = vertex.kernel->name;
+  pass_.name = pixel.kernel->name;
   pass_.kind = PassKind::kDraw;
   pass_.kernel = &vertex;
   pass_.pixel = &pixel;
@@ -116,6 +115,17 @@ PassBuilder& PassBuilder::draw(const KernelVariant& vertex, const KernelVariant&
   pass_.indices = indices;
   offers_.clear();
   pass_.firstSpecValue = static_cast<uint32_t>(list_.specValues.size());
+  return *this;
+}
+
+PassBuilder& PassBuilder::drawIndirect(const KernelVariant& vertex, const KernelVariant& pixel,
+                                       const DrawState& state, BufferId arguments,
+                                       uint64_t offset) {
+  PELAGE_ASSERT(arguments != BufferId::kInvalid, "an indirect draw takes a buffer");
+  draw(vertex, pixel, state, 0, 0);
+  pass_.kind = PassKind::kDrawIndirect;
+  pass_.indirect = arguments;
+  pass_.indirectOffset = offset;
   return *this;
 }
 
@@ -230,11 +240,10 @@ Result<void> PassBuilder::finish() {
     if (Result<void> added = addBindings(*variant); !added) return drop(added);
   }
   pass_.bindingCount = static_cast<uint32_t>(list_.bindings.size()) - pass_.firstBinding;
-  if (pass_.kind != PassKind::kDraw) {
+  if (!isDraw(pass_.kind)) {
     // Dispatches come before draws, whatever the order of the calls.
-    const auto firstDraw =
-        std::find_if(list_.passes.begin(), list_.passes.end(),
-                     [](const Pass& pass) { return pass.kind == PassKind::kDraw; });
+    const auto firstDraw = std::find_if(list_.passes.begin(), list_.passes.end(),
+                                        [](const Pass& pass) { return isDraw(pass.kind); });
     list_.passes.insert(firstDraw, pass_);
   } else {
     list_.passes.push_back(pass_);
@@ -352,7 +361,7 @@ void HazardTracker::resolve(PassList& list) {
   };
 
   for (Pass& pass : list.passes) {
-    if (pass.kind == PassKind::kDraw) continue;
+    if (isDraw(pass.kind)) continue;
     uses.clear();
     collect(pass);
     pass.firstBarrier = static_cast<uint32_t>(list.barriers.size());
@@ -364,7 +373,7 @@ void HazardTracker::resolve(PassList& list) {
   // as if they were a single pass.
   uses.clear();
   for (const Pass& pass : list.passes)
-    if (pass.kind == PassKind::kDraw) collect(pass);
+    if (isDraw(pass.kind)) collect(pass);
   for (const Use& use : uses) apply(use, list.drawBarriers);
 }
 

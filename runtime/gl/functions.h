@@ -8,6 +8,7 @@
 
 // Functions that OpenGL core 4.5 and OpenGL ES 3.2 have under one name.
 #define PELAGE_GL_COMMON_FUNCTIONS(X)                                          \
+  X(PFNGLACTIVETEXTUREPROC, glActiveTexture)                                   \
   X(PFNGLATTACHSHADERPROC, glAttachShader)                                     \
   X(PFNGLBEGINQUERYPROC, glBeginQuery)                                         \
   X(PFNGLBINDBUFFERPROC, glBindBuffer)                                         \
@@ -15,6 +16,7 @@
   X(PFNGLBINDBUFFERRANGEPROC, glBindBufferRange)                               \
   X(PFNGLBINDFRAMEBUFFERPROC, glBindFramebuffer)                               \
   X(PFNGLBINDRENDERBUFFERPROC, glBindRenderbuffer)                             \
+  X(PFNGLBINDTEXTUREPROC, glBindTexture)                                       \
   X(PFNGLBINDVERTEXARRAYPROC, glBindVertexArray)                               \
   X(PFNGLBLENDEQUATIONPROC, glBlendEquation)                                   \
   X(PFNGLBLENDEQUATIONSEPARATEIPROC, glBlendEquationSeparatei)                 \
@@ -39,6 +41,7 @@
   X(PFNGLDELETEQUERIESPROC, glDeleteQueries)                                   \
   X(PFNGLDELETERENDERBUFFERSPROC, glDeleteRenderbuffers)                       \
   X(PFNGLDELETESHADERPROC, glDeleteShader)                                     \
+  X(PFNGLDELETETEXTURESPROC, glDeleteTextures)                                 \
   X(PFNGLDELETEVERTEXARRAYSPROC, glDeleteVertexArrays)                         \
   X(PFNGLDEPTHFUNCPROC, glDepthFunc)                                           \
   X(PFNGLDEPTHMASKPROC, glDepthMask)                                           \
@@ -47,16 +50,19 @@
   X(PFNGLDISABLEIPROC, glDisablei)                                             \
   X(PFNGLDISPATCHCOMPUTEPROC, glDispatchCompute)                               \
   X(PFNGLDISPATCHCOMPUTEINDIRECTPROC, glDispatchComputeIndirect)               \
+  X(PFNGLDRAWARRAYSINDIRECTPROC, glDrawArraysIndirect)                         \
   X(PFNGLDRAWARRAYSINSTANCEDPROC, glDrawArraysInstanced)                       \
   X(PFNGLDRAWELEMENTSINSTANCEDPROC, glDrawElementsInstanced)                   \
   X(PFNGLENABLEPROC, glEnable)                                                 \
   X(PFNGLENABLEIPROC, glEnablei)                                               \
   X(PFNGLFINISHPROC, glFinish)                                                 \
   X(PFNGLFRAMEBUFFERRENDERBUFFERPROC, glFramebufferRenderbuffer)               \
+  X(PFNGLFRAMEBUFFERTEXTURE2DPROC, glFramebufferTexture2D)                     \
   X(PFNGLGENBUFFERSPROC, glGenBuffers)                                         \
   X(PFNGLGENFRAMEBUFFERSPROC, glGenFramebuffers)                               \
   X(PFNGLGENQUERIESPROC, glGenQueries)                                         \
   X(PFNGLGENRENDERBUFFERSPROC, glGenRenderbuffers)                             \
+  X(PFNGLGENTEXTURESPROC, glGenTextures)                                       \
   X(PFNGLGENVERTEXARRAYSPROC, glGenVertexArrays)                               \
   X(PFNGLGETBOOLEANI_VPROC, glGetBooleani_v)                                   \
   X(PFNGLGETBOOLEANVPROC, glGetBooleanv)                                       \
@@ -94,6 +100,8 @@
   X(PFNGLREADPIXELSPROC, glReadPixels)                                         \
   X(PFNGLRENDERBUFFERSTORAGEMULTISAMPLEPROC, glRenderbufferStorageMultisample) \
   X(PFNGLSHADERSOURCEPROC, glShaderSource)                                     \
+  X(PFNGLTEXPARAMETERIPROC, glTexParameteri)                                   \
+  X(PFNGLTEXSTORAGE2DPROC, glTexStorage2D)                                     \
   X(PFNGLUNMAPBUFFERPROC, glUnmapBuffer)                                       \
   X(PFNGLUSEPROGRAMPROC, glUseProgram)                                         \
   X(PFNGLVIEWPORTPROC, glViewport)

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "context.h"
+#include "depth_copy.h"
 #include "pelage/gl.h"
 #include "pelage/headless.h"
 
@@ -284,6 +285,7 @@ class HeadlessGl final : public HeadlessDevice {
   ~HeadlessGl() override {
     const ScopedCurrent current(egl_);
     releaseTarget();
+    depthCopy_.release(gl_);
     timer_.reset();
     runtime_.reset();
   }
@@ -303,7 +305,9 @@ class HeadlessGl final : public HeadlessDevice {
     return finish(std::move(recorded), timings);
   }
 
-  Result<RenderedImage> render(const PassList& list, const RenderTargetDef& target,
+  using HeadlessDevice::render;
+  Result<RenderedImage> render(std::span<const PassList* const> lists,
+                               const RenderTargetDef& target,
                                std::vector<PassTiming>* timings) override;
 
   Result<std::vector<std::byte>> read(BufferId buffer, uint64_t offset, uint64_t size) override {
@@ -320,6 +324,10 @@ class HeadlessGl final : public HeadlessDevice {
   Result<void> finish(Result<void> recorded, std::vector<PassTiming>* timings);
   Result<void> makeTarget(const RenderTargetDef& target);
   void releaseTarget();
+  uint64_t bufferBytes(BufferId buffer) const;
+  void clear(const RenderTargetDef& target) const;
+  Result<void> recordLists(std::span<const PassList* const> lists, const RenderTargetDef& target,
+                           gl::PassTimer* timer);
 
   EglContext egl_;
   Functions gl_;
@@ -331,7 +339,9 @@ class HeadlessGl final : public HeadlessDevice {
   // Kept between frames of one size: [0] is drawn to, [1] takes the average of its samples.
   uint32_t width_ = 0, height_ = 0, samples_ = 0;
   GLuint framebuffers_[2] = {};
-  GLuint renderbuffers_[3] = {};  // colour, depth, average
+  GLuint renderbuffers_[3] = {};  // colour, depth of several samples, average
+  GLuint depthTexture_ = 0;       // depth of one sample: what depthCopy_ can read
+  gl::DepthCopy depthCopy_;
 };
 
 std::string text(const Functions& gl, GLenum name) {
@@ -401,6 +411,7 @@ Result<void> HeadlessGl::initialise(const HeadlessDef& def) {
     info_.software |= lower.find(software) != std::string::npos;
   info_.sampleCounts = sampleCountsOf(gl_, GL_RGBA16F) & sampleCountsOf(gl_, GL_DEPTH_COMPONENT32F);
   info_.maxSamples = std::bit_floor(info_.sampleCounts);
+  info_.maxBufferBytes = runtime_->limits().storageBlockBytes;
   return {};
 }
 
@@ -428,6 +439,8 @@ Result<void> HeadlessGl::finish(Result<void> recorded, std::vector<PassTiming>* 
 void HeadlessGl::releaseTarget() {
   gl_.glDeleteFramebuffers(2, framebuffers_);
   gl_.glDeleteRenderbuffers(3, renderbuffers_);
+  gl_.glDeleteTextures(1, &depthTexture_);
+  depthTexture_ = 0;
   std::fill(std::begin(framebuffers_), std::end(framebuffers_), 0u);
   std::fill(std::begin(renderbuffers_), std::end(renderbuffers_), 0u);
   width_ = height_ = samples_ = 0;
@@ -447,24 +460,37 @@ Result<void> HeadlessGl::makeTarget(const RenderTargetDef& target) {
     gl_.glRenderbufferStorageMultisample(GL_RENDERBUFFER, count, format, width, height);
   };
   storage(0, GL_RGBA16F, samples);
-  storage(1, GL_DEPTH_COMPONENT32F, samples);
-  if (samples > 0) storage(2, GL_RGBA16F, 0);
+  if (samples > 0) {
+    storage(1, GL_DEPTH_COMPONENT32F, samples);
+    storage(2, GL_RGBA16F, 0);
+  } else {
+    gl_.glGenTextures(1, &depthTexture_);
+    gl_.glActiveTexture(GL_TEXTURE0);
+    gl_.glBindTexture(GL_TEXTURE_2D, depthTexture_);
+    gl_.glTexStorage2D(GL_TEXTURE_2D, 1, GL_DEPTH_COMPONENT32F, width, height);
+    gl_.glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    gl_.glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    gl_.glBindTexture(GL_TEXTURE_2D, 0);
+  }
   GLenum status = GL_FRAMEBUFFER_COMPLETE;
-  const auto attach = [&](int framebuffer, int colour, int depth) {
+  const auto attach = [&](int framebuffer, int colour, bool depth) {
     gl_.glBindFramebuffer(GL_FRAMEBUFFER, framebuffers_[framebuffer]);
     gl_.glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER,
                                   renderbuffers_[colour]);
-    if (depth >= 0) {
+    if (depth && samples > 0) {
       gl_.glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER,
-                                    renderbuffers_[depth]);
+                                    renderbuffers_[1]);
+    } else if (depth) {
+      gl_.glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depthTexture_,
+                                 0);
     }
     const GLenum now = gl_.glCheckFramebufferStatus(GL_FRAMEBUFFER);
     if (now != GL_FRAMEBUFFER_COMPLETE) status = now;
   };
   const GLenum error = gl_.glGetError();
   if (error == GL_NO_ERROR) {
-    attach(0, 0, 1);
-    if (samples > 0) attach(1, 2, -1);
+    attach(0, 0, true);
+    if (samples > 0) attach(1, 2, false);
   }
   if (error != GL_NO_ERROR || status != GL_FRAMEBUFFER_COMPLETE) {
     releaseTarget();
@@ -482,7 +508,51 @@ Result<void> HeadlessGl::makeTarget(const RenderTargetDef& target) {
   return {};
 }
 
-Result<RenderedImage> HeadlessGl::render(const PassList& list, const RenderTargetDef& target,
+uint64_t HeadlessGl::bufferBytes(BufferId buffer) const {
+  const GLuint name = runtime_->bufferName(buffer);
+  if (name == 0) return 0;
+  GLint64 size = 0;
+  gl_.glBindBuffer(GL_COPY_WRITE_BUFFER, name);
+  gl_.glGetBufferParameteri64v(GL_COPY_WRITE_BUFFER, GL_BUFFER_SIZE, &size);
+  return static_cast<uint64_t>(size);
+}
+
+void HeadlessGl::clear(const RenderTargetDef& target) const {
+  gl_.glBindFramebuffer(GL_FRAMEBUFFER, framebuffers_[0]);
+  // Clears obey these, and the draws of an earlier frame have set them.
+  gl_.glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  gl_.glDepthMask(GL_TRUE);
+  gl_.glDisable(GL_SCISSOR_TEST);
+  gl_.glDisable(GL_RASTERIZER_DISCARD);
+  const Float4& color = target.clearColor;
+  const GLfloat values[4] = {color.x, color.y, color.z, color.w};
+  gl_.glClearBufferfv(GL_COLOR, 0, values);
+  gl_.glClearBufferfv(GL_DEPTH, 0, &target.clearDepth);
+}
+
+Result<void> HeadlessGl::recordLists(std::span<const PassList* const> lists,
+                                     const RenderTargetDef& target, gl::PassTimer* timer) {
+  // An error is found before anything runs.
+  for (const PassList* list : lists) {
+    if (Result<void> ready = runtime_->prepare(*list); !ready) return ready;
+  }
+  clear(target);
+  for (size_t i = 0; i < lists.size(); ++i) {
+    if (Result<void> done = runtime_->record(*lists[i], timer); !done) return done;
+    gl_.glBindFramebuffer(GL_FRAMEBUFFER, framebuffers_[0]);
+    Result<void> drawn =
+        runtime_->recordDraws(*lists[i], {0, 0, target.width, target.height}, timer);
+    if (!drawn) return drawn;
+    if (target.depthCopy == BufferId::kInvalid || i != target.depthCopyAfter) continue;
+    Result<void> copied = depthCopy_.run(gl_, runtime_->profile(), depthTexture_, target.width,
+                                         target.height, runtime_->bufferName(target.depthCopy));
+    if (!copied) return copied;
+  }
+  return {};
+}
+
+Result<RenderedImage> HeadlessGl::render(std::span<const PassList* const> lists,
+                                         const RenderTargetDef& target,
                                          std::vector<PassTiming>* timings) try {
   if (target.width == 0 || target.height == 0 || target.width > kLargestTarget ||
       target.height > kLargestTarget) {
@@ -501,6 +571,8 @@ Result<RenderedImage> HeadlessGl::render(const PassList& list, const RenderTarge
   }
   const ScopedCurrent current(egl_);
   if (Result<void> ok = current.check(); !ok) return ok.error();
+  if (Result<void> ok = checkDepthCopy(target, lists.size(), bufferBytes(target.depthCopy)); !ok)
+    return ok.error();
   RenderedImage image;
   image.width = target.width;
   image.height = target.height;
@@ -508,21 +580,7 @@ Result<RenderedImage> HeadlessGl::render(const PassList& list, const RenderTarge
   if (Result<void> made = makeTarget(target); !made) return made.error();
 
   gl::PassTimer* timer = timings != nullptr ? &*timer_ : nullptr;
-  Result<void> recorded = runtime_->prepare(list);
-  if (recorded) recorded = runtime_->record(list, timer);
-  if (recorded) {
-    gl_.glBindFramebuffer(GL_FRAMEBUFFER, framebuffers_[0]);
-    // Clears obey these, and the draws of an earlier frame have set them.
-    gl_.glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-    gl_.glDepthMask(GL_TRUE);
-    gl_.glDisable(GL_SCISSOR_TEST);
-    gl_.glDisable(GL_RASTERIZER_DISCARD);
-    const Float4& clear = target.clearColor;
-    const GLfloat colour[4] = {clear.x, clear.y, clear.z, clear.w};
-    gl_.glClearBufferfv(GL_COLOR, 0, colour);
-    gl_.glClearBufferfv(GL_DEPTH, 0, &target.clearDepth);
-    recorded = runtime_->recordDraws(list, {0, 0, target.width, target.height}, timer);
-  }
+  Result<void> recorded = recordLists(lists, target, timer);
   if (recorded) {
     const auto width = static_cast<GLint>(target.width);
     const auto height = static_cast<GLint>(target.height);

@@ -123,12 +123,10 @@ GLenum depthFunction(DepthCompare compare) {
       return GL_GREATER;
     case DepthCompare::kGreaterEqual:
       return GL_GEQUAL;
+    case DepthCompare::kEqual:
+      return GL_EQUAL;
   }
   return GL_ALWAYS;
-}
-
-bool sameLayouts(const Kernel& a, const Kernel& b) {
-  return std::equal(a.layouts.begin(), a.layouts.end(), b.layouts.begin(), b.layouts.end());
 }
 
 }  // namespace
@@ -413,31 +411,34 @@ Result<void> Runtime::Impl::checkPass(Runtime& runtime, const PassList& list, co
   // Texts are made when something is wrong: this runs for every pass of every frame.
   const auto name = [&pass] { return std::string("pass '") + pass.name + "'"; };
   const Limits& limits = context->limits;
-  const bool draw = pass.kind == PassKind::kDraw;
+  const bool draw = isDraw(pass.kind);
   if (pass.kernel == nullptr || (draw && pass.pixel == nullptr))
     return invalid(name() + " has no kernel");
   const Kernel& kernel = *pass.kernel->kernel;
   if (kernel.stage != (draw ? Stage::kVertex : Stage::kCompute) ||
       (draw && pass.pixel->kernel->stage != Stage::kPixel))
     return invalid(name() + ": the kernel's stage does not suit a " + (draw ? "draw" : "dispatch"));
-  if (draw && !sameLayouts(kernel, *pass.pixel->kernel))
-    return invalid(name() + ": its vertex and pixel kernel belong to different groups of layouts");
+  if (draw && !layoutsFit(kernel, *pass.pixel->kernel)) {
+    return invalid(name() +
+                   ": its vertex and pixel kernel belong to different groups of layouts, and "
+                   "neither has the first ones of the other");
+  }
+  const auto tables = pass.layouts();
   if (!fits(pass.firstBinding, pass.bindingCount, list.bindings.size()) ||
       !fits(pass.firstSpecValue, pass.specValueCount, list.specValues.size()) ||
       !fits(pass.firstBarrier, pass.barrierCount, list.barriers.size()))
     return invalid(name() + ": its bindings, spec values or barriers are not in the list");
 
   for (const PassBinding& binding : list.bindingsOf(pass)) {
-    if (binding.set >= kernel.layouts.size() ||
-        binding.entry >= kernel.layouts[binding.set]->entries.size()) {
+    if (binding.set >= tables.size() || binding.entry >= tables[binding.set]->entries.size()) {
       return invalid(name() + " binds entry " + std::to_string(binding.entry) + " of set " +
                      std::to_string(binding.set) + ", which its layouts do not have");
     }
-    const LayoutEntry& entry = kernel.layouts[binding.set]->entries[binding.entry];
+    const LayoutEntry& entry = tables[binding.set]->entries[binding.entry];
     const auto what = [&] {
       return std::string("pass '") + pass.name + "', resource '" + entry.name + "': ";
     };
-    if (Result<const Layout*> layout = runtime.createLayout(*kernel.layouts[binding.set]); !layout)
+    if (Result<const Layout*> layout = runtime.createLayout(*tables[binding.set]); !layout)
       return layout.error();
     const auto range = [&binding] {
       return std::to_string(binding.size) + " bytes at " + std::to_string(binding.offset);
@@ -491,9 +492,8 @@ Result<void> Runtime::Impl::checkPass(Runtime& runtime, const PassList& list, co
             return binding.set == use.set && binding.entry == use.entry;
           });
       if (!bound) {
-        return invalid(name() + " does not bind '" +
-                       kernel.layouts[use.set]->entries[use.entry].name + "', which kernel " +
-                       describe(*variant) + " uses");
+        return invalid(name() + " does not bind '" + tables[use.set]->entries[use.entry].name +
+                       "', which kernel " + describe(*variant) + " uses");
       }
     }
   }
@@ -506,13 +506,15 @@ Result<void> Runtime::Impl::checkPass(Runtime& runtime, const PassList& list, co
                        std::to_string(limits.groupCount[axis]) + " are possible");
       }
     }
-  } else if (pass.kind == PassKind::kDispatchIndirect) {
+  } else if (pass.kind == PassKind::kDispatchIndirect || pass.kind == PassKind::kDrawIndirect) {
     const Buffer* buffer = find(pass.indirect);
     if (buffer == nullptr || pass.indirectOffset % 4 != 0 ||
-        !fits(pass.indirectOffset, 12, buffer->size)) {
+        !fits(pass.indirectOffset, draw ? 16 : 12, buffer->size)) {
       return invalid(name() + ": its indirect arguments at " + std::to_string(pass.indirectOffset) +
                      " are not inside buffer " + label(pass.indirect));
     }
+    if (draw && pass.indices != BufferId::kInvalid)
+      return invalid(name() + ": an indirect draw has no indices");
   } else if (pass.indices != BufferId::kInvalid) {
     const Buffer* buffer = find(pass.indices);
     if (buffer == nullptr || !fits(0, uint64_t{pass.elementCount} * 4, buffer->size)) {
@@ -557,7 +559,7 @@ Result<void> Runtime::Impl::check(Runtime& runtime, const PassList& list, bool d
     }
   }
   for (const Pass& pass : list.passes) {
-    if (!(pass.kind == PassKind::kDraw ? draws : dispatches)) continue;
+    if (!(isDraw(pass.kind) ? draws : dispatches)) continue;
     if (Result<void> checked = checkPass(runtime, list, pass); !checked) return checked;
   }
   return {};
@@ -584,7 +586,7 @@ void Runtime::Impl::uploadConstants(const PassList& list) {
 void Runtime::Impl::bind(const PassList& list, const Pass& pass) {
   const Functions& gl = context->gl;
   for (const PassBinding& binding : list.bindingsOf(pass)) {
-    const Layout& layout = *layouts.find(pass.kernel->kernel->layouts[binding.set])->second;
+    const Layout& layout = *layouts.find(pass.layouts()[binding.set])->second;
     const Layout::Slot slot = layout.slots[binding.entry];
     const bool uniform = slot.target == GL_UNIFORM_BUFFER;
     const Buffer* stored = uniform ? nullptr : find(binding.buffer);
@@ -653,14 +655,14 @@ Result<void> Runtime::record(const PassList& list, PassTimer* timer) {
     }
   }
   const bool any = std::any_of(list.passes.begin(), list.passes.end(),
-                               [](const Pass& pass) { return pass.kind != PassKind::kDraw; });
+                               [](const Pass& pass) { return !isDraw(pass.kind); });
   if (!any) return impl_->finish("record()");
   impl_->uploadConstants(list);
 
   size_t index = 0;
   size_t mark = timer != nullptr ? timer->impl_->mark() : 0;
   for (const Pass& pass : list.passes) {
-    if (pass.kind == PassKind::kDraw) continue;
+    if (isDraw(pass.kind)) continue;
     if (impl_->context->debug) gl.glPushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, 0, -1, pass.name);
     impl_->memoryBarrier(list.barriersOf(pass));
     impl_->use(impl_->passPrograms[index++]);
@@ -694,7 +696,6 @@ void Runtime::Impl::setDrawDefaults(const DrawTarget& target) {
     gl.glDisable(GL_SCISSOR_TEST);
   }
   for (const GLenum capability : kDisabledInDraws) gl.glDisable(capability);
-  gl.glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   gl.glBlendEquation(GL_FUNC_ADD);
   gl.glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);  // premultiplied alpha
 }
@@ -709,6 +710,8 @@ void Runtime::Impl::setDrawState(const DrawState& state) {
   }
   gl.glDepthFunc(depthFunction(state.depthCompare));
   gl.glDepthMask(state.depthWrite ? GL_TRUE : GL_FALSE);
+  const GLboolean color = state.colorWrite ? GL_TRUE : GL_FALSE;
+  gl.glColorMask(color, color, color, color);
   if (state.blend == BlendMode::kPremultipliedAlpha) {
     gl.glEnable(GL_BLEND);
   } else {
@@ -735,7 +738,7 @@ Result<void> Runtime::recordDraws(const PassList& list, const DrawTarget& target
   size_t mark = timer != nullptr ? timer->impl_->mark() : 0;
   const DrawState* state = nullptr;
   for (const Pass& pass : list.passes) {
-    if (pass.kind != PassKind::kDraw) continue;
+    if (!isDraw(pass.kind)) continue;
     if (impl_->context->debug) gl.glPushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, 0, -1, pass.name);
     impl_->use(impl_->passPrograms[index++]);
     impl_->bind(list, pass);
@@ -744,7 +747,11 @@ Result<void> Runtime::recordDraws(const PassList& list, const DrawTarget& target
     const GLenum mode = topologyMode(pass.state.topology);
     const auto elements = static_cast<GLsizei>(pass.elementCount);
     const auto instances = static_cast<GLsizei>(pass.instanceCount);
-    if (pass.indices != BufferId::kInvalid) {
+    if (pass.kind == PassKind::kDrawIndirect) {
+      gl.glBindBuffer(GL_DRAW_INDIRECT_BUFFER, impl_->find(pass.indirect)->name);
+      // NOLINTNEXTLINE(performance-no-int-to-ptr): GL takes the offset as a pointer
+      gl.glDrawArraysIndirect(mode, reinterpret_cast<const void*>(pass.indirectOffset));
+    } else if (pass.indices != BufferId::kInvalid) {
       gl.glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, impl_->find(pass.indices)->name);
       gl.glDrawElementsInstanced(mode, elements, GL_UNSIGNED_INT, nullptr, instances);
     } else {

@@ -47,6 +47,7 @@ namespace pelage::vulkan {
   X(CmdDispatchIndirect)                  \
   X(CmdDraw)                              \
   X(CmdDrawIndexed)                       \
+  X(CmdDrawIndirect)                      \
   X(CmdEndRenderPass)                     \
   X(CmdFillBuffer)                        \
   X(CmdPipelineBarrier)                   \

@@ -15,14 +15,13 @@
 #include "buffer_memory.h"
 #include "device.h"
 #include "pelage/vulkan.h"
+#include "render_target.h"
 
 namespace pelage {
 namespace vulkan {
 namespace {
 
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
-constexpr VkFormat kColorFormat = VK_FORMAT_R16G16B16A16_SFLOAT;
-constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 constexpr uint32_t kMaxTargetSize = 16384;
 /// Bytes of a read that are staged at once.
 constexpr VkDeviceSize kMaxReadback = VkDeviceSize{64} << 20;
@@ -61,23 +60,6 @@ bool hasExtension(const std::vector<Properties>& extensions, const char* name) {
   });
 }
 
-// Images and framebuffer of render(), kept while the size stays.
-struct RenderTarget {
-  struct Image {
-    VkImage image = VK_NULL_HANDLE;
-    VkDeviceMemory memory = VK_NULL_HANDLE;
-    VkImageView view = VK_NULL_HANDLE;
-  };
-  uint32_t width = 0;
-  uint32_t height = 0;
-  uint32_t samples = 0;
-  Image color;  // with one sample: what is read back
-  Image depth;
-  Image resolve;  // with more than one sample: what is read back
-  VkRenderPass renderPass = VK_NULL_HANDLE;
-  VkFramebuffer framebuffer = VK_NULL_HANDLE;
-};
-
 class HeadlessVulkan final : public HeadlessDevice {
  public:
   HeadlessVulkan() = default;
@@ -88,7 +70,9 @@ class HeadlessVulkan final : public HeadlessDevice {
   const DeviceInfo& info() const override { return info_; }
   Result<void> update(const ResourceTable& resources) override;
   Result<void> execute(const PassList& list, std::vector<PassTiming>* timings) override;
-  Result<RenderedImage> render(const PassList& list, const RenderTargetDef& target,
+  using HeadlessDevice::render;
+  Result<RenderedImage> render(std::span<const PassList* const> lists,
+                               const RenderTargetDef& target,
                                std::vector<PassTiming>* timings) override;
   Result<std::vector<std::byte>> read(BufferId buffer, uint64_t offset, uint64_t size) override;
   uint32_t messageCount() const override { return messages_.load(); }
@@ -108,12 +92,8 @@ class HeadlessVulkan final : public HeadlessDevice {
   void abandon();
 
   Result<void> makeTarget(const RenderTargetDef& def);
-  Result<void> makeImage(RenderTarget::Image& image, VkFormat format, VkImageUsageFlags usage,
-                         VkSampleCountFlagBits samples, VkImageAspectFlags aspect,
-                         const char* name);
-  Result<void> makeRenderPass(VkSampleCountFlagBits samples);
-  void destroyTarget();
-  void destroyImage(RenderTarget::Image& image);
+  /// Records one list of render(): all but the first load what is there.
+  Result<void> recordList(const PassList& list, const RenderTargetDef& def, bool first);
 
   std::atomic<uint32_t> messages_{0};
   DeviceInfo info_;
@@ -127,14 +107,15 @@ class HeadlessVulkan final : public HeadlessDevice {
   uint64_t frame_ = 0;
   std::unique_ptr<BufferMemory> memory_;  // of readbacks
   std::optional<Runtime> runtime_;
-  RenderTarget target_;
+  RenderTarget target_{device_};
 };
 
 HeadlessVulkan::~HeadlessVulkan() {
   const Functions& vk = device_.vk;
   if (device_.handle != VK_NULL_HANDLE) {
     static_cast<void>(vk.DeviceWaitIdle(device_.handle));
-    destroyTarget();
+    if (runtime_) runtime_->forget(target_.renderPass());
+    target_.destroy();
     runtime_.reset();
     memory_.reset();
     vk.DestroyFence(device_.handle, fence_, nullptr);
@@ -438,6 +419,7 @@ Result<void> HeadlessVulkan::describe() {
   info_.software = device_.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
   info_.sampleCounts = sampleCounts();
   info_.maxSamples = std::bit_floor(info_.sampleCounts);
+  info_.maxBufferBytes = device_.properties.limits.maxStorageBufferRange;
   return {};
 }
 
@@ -449,8 +431,8 @@ uint32_t HeadlessVulkan::sampleCounts() const {
     return result == VK_SUCCESS ? properties.sampleCounts : 0;
   };
   const VkSampleCountFlags both =
-      counts(kColorFormat, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT) &
-      counts(kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT) &
+      counts(RenderTarget::kColorFormat, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT) &
+      counts(RenderTarget::kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT) &
       device_.limits().framebufferColorSampleCounts & device_.limits().framebufferDepthSampleCounts;
   return (both & 15u) | 1u;
 }
@@ -517,131 +499,6 @@ Result<void> HeadlessVulkan::execute(const PassList& list, std::vector<PassTimin
   });
 }
 
-Result<void> HeadlessVulkan::makeImage(RenderTarget::Image& image, VkFormat format,
-                                       VkImageUsageFlags usage, VkSampleCountFlagBits samples,
-                                       VkImageAspectFlags aspect, const char* name) {
-  const Functions& vk = device_.vk;
-  const auto failed = [&](VkResult result) {
-    return vulkanError(result,
-                       fmt::format("{} image of {} x {} pixels, {} samples", name, target_.width,
-                                   target_.height, static_cast<uint32_t>(samples)));
-  };
-  auto info = tagged<VkImageCreateInfo>(VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO);
-  info.imageType = VK_IMAGE_TYPE_2D;
-  info.format = format;
-  info.extent = {target_.width, target_.height, 1};
-  info.mipLevels = 1;
-  info.arrayLayers = 1;
-  info.samples = samples;
-  info.tiling = VK_IMAGE_TILING_OPTIMAL;
-  info.usage = usage;
-  info.initialLayout = VK_IMAGE_LAYOUT_UNDEFINED;
-  VkResult result = vk.CreateImage(device_.handle, &info, nullptr, &image.image);
-  if (result != VK_SUCCESS) return failed(result);
-  vk.name(device_.handle, VK_OBJECT_TYPE_IMAGE, image.image, name);
-
-  VkMemoryRequirements needs = {};
-  vk.GetImageMemoryRequirements(device_.handle, image.image, &needs);
-  const VkPhysicalDeviceMemoryProperties& types = device_.memory;
-  uint32_t type = types.memoryTypeCount;
-  for (uint32_t i = 0; i < types.memoryTypeCount; ++i) {
-    if ((needs.memoryTypeBits >> i & 1u) == 0) continue;
-    if (type == types.memoryTypeCount) type = i;
-    if ((types.memoryTypes[i].propertyFlags & VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT) != 0) {
-      type = i;
-      break;
-    }
-  }
-  auto memory = tagged<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
-  memory.allocationSize = needs.size;
-  memory.memoryTypeIndex = type;
-  result = vk.AllocateMemory(device_.handle, &memory, nullptr, &image.memory);
-  if (result != VK_SUCCESS) return failed(result);
-  result = vk.BindImageMemory(device_.handle, image.image, image.memory, 0);
-  if (result != VK_SUCCESS) return failed(result);
-
-  auto view = tagged<VkImageViewCreateInfo>(VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO);
-  view.image = image.image;
-  view.viewType = VK_IMAGE_VIEW_TYPE_2D;
-  view.format = format;
-  view.subresourceRange = {aspect, 0, 1, 0, 1};
-  result = vk.CreateImageView(device_.handle, &view, nullptr, &image.view);
-  if (result != VK_SUCCESS) return failed(result);
-  return {};
-}
-
-Result<void> HeadlessVulkan::makeRenderPass(VkSampleCountFlagBits samples) {
-  const bool resolves = samples != VK_SAMPLE_COUNT_1_BIT;
-  std::vector<VkAttachmentDescription> attachments(resolves ? 3 : 2);
-  VkAttachmentDescription& color = attachments[0];
-  color.format = kColorFormat;
-  color.samples = samples;
-  color.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
-  color.storeOp = resolves ? VK_ATTACHMENT_STORE_OP_DONT_CARE : VK_ATTACHMENT_STORE_OP_STORE;
-  color.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
-  color.stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
-  color.initialLayout = VK_IMAGE_LAYOUT_UNDEFINED;
-  color.finalLayout =
-      resolves ? VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL : VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
-  VkAttachmentDescription& depth = attachments[1];
-  depth = color;
-  depth.format = kDepthFormat;
-  depth.storeOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
-  depth.finalLayout = VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
-  if (resolves) {
-    VkAttachmentDescription& resolve = attachments[2];
-    resolve = color;
-    resolve.samples = VK_SAMPLE_COUNT_1_BIT;
-    resolve.loadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
-    resolve.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-    resolve.finalLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
-  }
-  const VkAttachmentReference colorReference = {0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
-  const VkAttachmentReference depthReference = {1,
-                                                VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL};
-  const VkAttachmentReference resolveReference = {2, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
-  VkSubpassDescription subpass = {};
-  subpass.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS;
-  subpass.colorAttachmentCount = 1;
-  subpass.pColorAttachments = &colorReference;
-  subpass.pDepthStencilAttachment = &depthReference;
-  if (resolves) subpass.pResolveAttachments = &resolveReference;
-
-  constexpr VkPipelineStageFlags kAttachmentStages = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT |
-                                                     VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT |
-                                                     VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT;
-  VkSubpassDependency before = {};
-  before.srcSubpass = VK_SUBPASS_EXTERNAL;
-  before.dstSubpass = 0;
-  before.srcStageMask = kAttachmentStages | VK_PIPELINE_STAGE_TRANSFER_BIT;
-  before.dstStageMask = kAttachmentStages;
-  before.srcAccessMask =
-      VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
-  before.dstAccessMask =
-      VK_ACCESS_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT |
-      VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
-  VkSubpassDependency after = {};
-  after.srcSubpass = 0;
-  after.dstSubpass = VK_SUBPASS_EXTERNAL;
-  after.srcStageMask = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
-  after.dstStageMask = VK_PIPELINE_STAGE_TRANSFER_BIT;
-  after.srcAccessMask = VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
-  after.dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT;
-  const VkSubpassDependency dependencies[] = {before, after};
-
-  auto info = tagged<VkRenderPassCreateInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO);
-  info.attachmentCount = static_cast<uint32_t>(attachments.size());
-  info.pAttachments = attachments.data();
-  info.subpassCount = 1;
-  info.pSubpasses = &subpass;
-  info.dependencyCount = static_cast<uint32_t>(std::size(dependencies));
-  info.pDependencies = dependencies;
-  const VkResult result =
-      device_.vk.CreateRenderPass(device_.handle, &info, nullptr, &target_.renderPass);
-  if (result != VK_SUCCESS) return vulkanError(result, "vkCreateRenderPass");
-  return {};
-}
-
 Result<void> HeadlessVulkan::makeTarget(const RenderTargetDef& def) {
   if (def.width < 1 || def.width > kMaxTargetSize || def.height < 1 ||
       def.height > kMaxTargetSize) {
@@ -670,79 +527,32 @@ Result<void> HeadlessVulkan::makeTarget(const RenderTargetDef& def) {
     return Error{ErrorCode::kUnsupported,
                  fmt::format("{} has no queue that draws; it can only compute", info_.name)};
   }
-  if (target_.framebuffer != VK_NULL_HANDLE && target_.width == def.width &&
-      target_.height == def.height && target_.samples == def.samples)
-    return {};
-
-  destroyTarget();
-  target_.width = def.width;
-  target_.height = def.height;
-  target_.samples = def.samples;
-  const auto samples = static_cast<VkSampleCountFlagBits>(def.samples);
-  const bool resolves = def.samples > 1;
-  constexpr VkImageUsageFlags kReadColor =
-      VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
-  const auto fail = [&](const Error& error) -> Result<void> {
-    destroyTarget();
-    return error;
-  };
-  if (Result<void> made =
-          makeImage(target_.color, kColorFormat,
-                    resolves ? VkImageUsageFlags{VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT} : kReadColor,
-                    samples, VK_IMAGE_ASPECT_COLOR_BIT, "pelage/color");
-      !made)
-    return fail(made.error());
-  if (Result<void> made =
-          makeImage(target_.depth, kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
-                    samples, VK_IMAGE_ASPECT_DEPTH_BIT, "pelage/depth");
-      !made)
-    return fail(made.error());
-  std::vector<VkImageView> views = {target_.color.view, target_.depth.view};
-  if (resolves) {
-    if (Result<void> made =
-            makeImage(target_.resolve, kColorFormat, kReadColor, VK_SAMPLE_COUNT_1_BIT,
-                      VK_IMAGE_ASPECT_COLOR_BIT, "pelage/resolved color");
-        !made)
-      return fail(made.error());
-    views.push_back(target_.resolve.view);
-  }
-  if (Result<void> made = makeRenderPass(samples); !made) return fail(made.error());
-  auto info = tagged<VkFramebufferCreateInfo>(VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO);
-  info.renderPass = target_.renderPass;
-  info.attachmentCount = static_cast<uint32_t>(views.size());
-  info.pAttachments = views.data();
-  info.width = target_.width;
-  info.height = target_.height;
-  info.layers = 1;
-  const VkResult result =
-      device_.vk.CreateFramebuffer(device_.handle, &info, nullptr, &target_.framebuffer);
-  if (result != VK_SUCCESS) return fail(vulkanError(result, "vkCreateFramebuffer"));
-  return {};
+  if (target_.fits(def)) return {};
+  runtime_->forget(target_.renderPass());
+  return target_.make(def);
 }
 
-void HeadlessVulkan::destroyImage(RenderTarget::Image& image) {
-  device_.vk.DestroyImageView(device_.handle, image.view, nullptr);
-  device_.vk.DestroyImage(device_.handle, image.image, nullptr);
-  device_.vk.FreeMemory(device_.handle, image.memory, nullptr);
-  image = {};
+Result<void> HeadlessVulkan::recordList(const PassList& list, const RenderTargetDef& def,
+                                        bool first) {
+  if (Result<void> done = runtime_->record(list, commands_); !done) return done;
+  const bool draws = std::any_of(list.passes.begin(), list.passes.end(),
+                                 [](const Pass& pass) { return isDraw(pass.kind); });
+  if (!first && !draws) return {};
+  target_.begin(commands_, def, first);
+  Result<void> drawn = runtime_->recordDraws(list, commands_, target_.formats(),
+                                             VkRect2D{{0, 0}, {def.width, def.height}});
+  device_.vk.CmdEndRenderPass(commands_);
+  return drawn;
 }
 
-void HeadlessVulkan::destroyTarget() {
-  if (runtime_) runtime_->forget(target_.renderPass);
-  device_.vk.DestroyFramebuffer(device_.handle, target_.framebuffer, nullptr);
-  device_.vk.DestroyRenderPass(device_.handle, target_.renderPass, nullptr);
-  destroyImage(target_.color);
-  destroyImage(target_.depth);
-  destroyImage(target_.resolve);
-  target_ = {};
-}
-
-Result<RenderedImage> HeadlessVulkan::render(const PassList& list, const RenderTargetDef& def,
+Result<RenderedImage> HeadlessVulkan::render(std::span<const PassList* const> lists,
+                                             const RenderTargetDef& def,
                                              std::vector<PassTiming>* timings) {
   return guarded([&]() -> Result<RenderedImage> {
-    const Functions& vk = device_.vk;
     if (timings != nullptr) timings->clear();
     if (Result<void> made = makeTarget(def); !made) return made.error();
+    const uint64_t depthBytes = runtime_->buffer(def.depthCopy).size;
+    if (Result<void> ok = checkDepthCopy(def, lists.size(), depthBytes); !ok) return ok.error();
     constexpr size_t kPixelBytes = 4 * sizeof(uint16_t);
     const size_t pixels = size_t{def.width} * def.height;
     RenderedImage image{def.width, def.height, std::vector<Float4>(pixels)};
@@ -757,43 +567,18 @@ Result<RenderedImage> HeadlessVulkan::render(const PassList& list, const RenderT
 
     if (Result<void> done = begin(); !done) return release(done.error());
     runtime_->setTimestamps(timings != nullptr);
-    if (Result<void> done = runtime_->record(list, commands_); !done) {
-      abandon();
-      return release(done.error());
+    const PassList none;
+    const PassList* const nothing[] = {&none};
+    if (lists.empty()) lists = nothing;  // still clears
+    for (size_t i = 0; i < lists.size(); ++i) {
+      if (Result<void> done = recordList(*lists[i], def, i == 0); !done) {
+        abandon();
+        return release(done.error());
+      }
+      if (def.depthCopy != BufferId::kInvalid && i == def.depthCopyAfter)
+        target_.copyDepth(commands_, runtime_->buffer(def.depthCopy));
     }
-    std::array<VkClearValue, 2> clears = {};
-    const float color[] = {def.clearColor.x, def.clearColor.y, def.clearColor.z, def.clearColor.w};
-    std::copy(std::begin(color), std::end(color), clears[0].color.float32);
-    clears[1].depthStencil.depth = def.clearDepth;
-    auto pass = tagged<VkRenderPassBeginInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO);
-    pass.renderPass = target_.renderPass;
-    pass.framebuffer = target_.framebuffer;
-    pass.renderArea.extent = {def.width, def.height};
-    pass.clearValueCount = static_cast<uint32_t>(clears.size());
-    pass.pClearValues = clears.data();
-    TargetFormats formats;
-    formats.color = kColorFormat;
-    formats.depth = kDepthFormat;
-    formats.samples = static_cast<VkSampleCountFlagBits>(def.samples);
-    formats.renderPass = target_.renderPass;
-    vk.CmdBeginRenderPass(commands_, &pass, VK_SUBPASS_CONTENTS_INLINE);
-    const Result<void> drawn = runtime_->recordDraws(list, commands_, formats, pass.renderArea);
-    vk.CmdEndRenderPass(commands_);
-    if (!drawn) {
-      abandon();
-      return release(drawn.error());
-    }
-    VkBufferImageCopy copy = {};
-    copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-    copy.imageExtent = {def.width, def.height, 1};
-    const VkImage source = def.samples > 1 ? target_.resolve.image : target_.color.image;
-    vk.CmdCopyImageToBuffer(commands_, source, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-                            readback->buffer, 1, &copy);
-    auto barrier = tagged<VkMemoryBarrier>(VK_STRUCTURE_TYPE_MEMORY_BARRIER);
-    barrier.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
-    barrier.dstAccessMask = VK_ACCESS_HOST_READ_BIT;
-    vk.CmdPipelineBarrier(commands_, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0,
-                          1, &barrier, 0, nullptr, 0, nullptr);
+    target_.copyColor(commands_, readback->buffer);
     if (Result<void> done = submit(); !done) return release(done.error());
     if (timings != nullptr) *timings = runtime_->timings(frame_);
 

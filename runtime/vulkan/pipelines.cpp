@@ -34,6 +34,8 @@ VkCompareOp compareOp(DepthCompare compare) {
       return VK_COMPARE_OP_GREATER;
     case DepthCompare::kGreaterEqual:
       return VK_COMPARE_OP_GREATER_OR_EQUAL;
+    case DepthCompare::kEqual:
+      return VK_COMPARE_OP_EQUAL;
   }
   PELAGE_ASSERT(false, "a depth comparison that is not in the enumeration");
   return VK_COMPARE_OP_ALWAYS;
@@ -338,14 +340,16 @@ Result<Pipeline> Pipelines::compute(const KernelVariant& variant,
 Result<Pipeline> Pipelines::graphics(const KernelVariant& vertex, const KernelVariant& pixel,
                                      std::span<const SpecValue> values, const DrawState& state,
                                      const TargetFormats& target) {
-  key_.assign(
-      {pointerKey(&vertex), pointerKey(&pixel),
-       static_cast<uint64_t>(state.topology) | static_cast<uint64_t>(state.depthCompare) << 8 |
-           static_cast<uint64_t>(state.depthWrite) << 16 |
-           static_cast<uint64_t>(state.blend) << 24 | static_cast<uint64_t>(target.samples) << 32,
-       static_cast<uint64_t>(target.color) << 32 | static_cast<uint32_t>(target.depth),
-       // NOLINTNEXTLINE: an integer on 32-bit platforms, a pointer on others
-       (uint64_t)target.renderPass, target.subpass});
+  key_.assign({pointerKey(&vertex), pointerKey(&pixel),
+               static_cast<uint64_t>(state.topology) |
+                   static_cast<uint64_t>(state.depthCompare) << 8 |
+                   static_cast<uint64_t>(state.depthWrite) << 16 |
+                   static_cast<uint64_t>(state.blend) << 24 |
+                   static_cast<uint64_t>(state.colorWrite) << 31 |
+                   static_cast<uint64_t>(target.samples) << 32,
+               static_cast<uint64_t>(target.color) << 32 | static_cast<uint32_t>(target.depth),
+               // NOLINTNEXTLINE: an integer on 32-bit platforms, a pointer on others
+               (uint64_t)target.renderPass, target.subpass});
   appendKey(key_, values);
   if (const auto known = pipelines_.find(key_); known != pipelines_.end())
     return known->second.pipeline;
@@ -357,7 +361,9 @@ Result<Pipeline> Pipelines::graphics(const KernelVariant& vertex, const KernelVa
                      ": TargetFormats::renderPass is null and the device has no dynamic rendering "
                      "(Vulkan 1.3 or VK_KHR_dynamic_rendering): give a render pass"};
   }
-  Result<VkPipelineLayout> pipelineLayout = layout(*vertex.kernel);
+  Result<VkPipelineLayout> pipelineLayout =
+      layout(pixel.kernel->layouts.size() > vertex.kernel->layouts.size() ? *pixel.kernel
+                                                                          : *vertex.kernel);
   if (!pipelineLayout) return pipelineLayout.error();
   Result<Module> vertexShader = module(vertex);
   if (!vertexShader) return vertexShader.error();
@@ -394,8 +400,10 @@ Result<Pipeline> Pipelines::graphics(const KernelVariant& vertex, const KernelVa
   depth.depthWriteEnable = hasDepth && state.depthWrite;
   depth.depthCompareOp = compareOp(state.depthCompare);
   VkPipelineColorBlendAttachmentState attachment = {};
-  attachment.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT |
-                              VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
+  if (state.colorWrite) {
+    attachment.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT |
+                                VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
+  }
   attachment.blendEnable = state.blend == BlendMode::kPremultipliedAlpha;
   attachment.srcColorBlendFactor = VK_BLEND_FACTOR_ONE;
   attachment.dstColorBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;

@@ -394,11 +394,11 @@ Result<void> Runtime::Impl::checkRanges(const PassList& list) const {
       return invalid(fmt::format("pass {}: a range of it points outside the list's arrays",
                                  variantName(*pass.kernel)));
     }
-    if (draws && pass.kind != PassKind::kDraw) {
+    if (draws && !isDraw(pass.kind)) {
       return invalid(fmt::format("pass {}: a dispatch stands behind a draw; dispatches come first",
                                  variantName(*pass.kernel)));
     }
-    draws = draws || pass.kind == PassKind::kDraw;
+    draws = draws || isDraw(pass.kind);
   }
   return {};
 }
@@ -458,18 +458,25 @@ Result<void> Runtime::Impl::checkPass(const PassList& list, const Pass& pass) co
   };
 
   const Stage stage = pass.kernel->kernel->stage;
-  if (pass.kind == PassKind::kDraw) {
+  if (isDraw(pass.kind)) {
     if (stage != Stage::kVertex || pass.pixel == nullptr ||
         pass.pixel->kernel->stage != Stage::kPixel)
       return invalid(fmt::format("draw {} needs a vertex kernel and a pixel kernel", name));
-    const auto vertexLayouts = pass.kernel->kernel->layouts;
-    const auto pixelLayouts = pass.pixel->kernel->layouts;
-    if (!std::equal(vertexLayouts.begin(), vertexLayouts.end(), pixelLayouts.begin(),
-                    pixelLayouts.end())) {
-      return invalid(fmt::format("draw {}: kernel {} is of another group of layouts", name,
-                                 variantName(*pass.pixel)));
+    if (!layoutsFit(*pass.kernel->kernel, *pass.pixel->kernel)) {
+      return invalid(
+          fmt::format("draw {}: kernel {} is of another group of layouts, and neither "
+                      "has the first ones of the other",
+                      name, variantName(*pass.pixel)));
     }
-    if (pass.indices != BufferId::kInvalid) {
+    if (pass.kind == PassKind::kDrawIndirect) {
+      if (pass.indices != BufferId::kInvalid)
+        return invalid(fmt::format("draw {}: an indirect draw has no indices", name));
+      if (Result<void> checked =
+              reads32(pass.indirect, pass.indirectOffset, sizeof(VkDrawIndirectCommand),
+                      BufferUsage::kIndirect, "indirect");
+          !checked)
+        return checked;
+    } else if (pass.indices != BufferId::kInvalid) {
       if (Result<void> checked = reads32(pass.indices, 0, uint64_t{pass.elementCount} * 4,
                                          BufferUsage::kIndex, "index");
           !checked)
@@ -500,7 +507,7 @@ Result<void> Runtime::Impl::checkPass(const PassList& list, const Pass& pass) co
     }
   }
 
-  const auto layouts = pass.kernel->kernel->layouts;
+  const auto layouts = pass.layouts();
   if (layouts.size() > kMaxSets) {
     return Error{ErrorCode::kUnsupported,
                  fmt::format("kernel {} has {} descriptor sets, the runtime binds {}", name,
@@ -608,7 +615,7 @@ Result<void> Runtime::Impl::checkUploads(const PassList& list) const {
 
 Result<Pipeline> Runtime::Impl::pipelineOf(const PassList& list, const Pass& pass,
                                            const TargetFormats* target) {
-  if (pass.kind == PassKind::kDraw) {
+  if (isDraw(pass.kind)) {
     return pipelines.graphics(*pass.kernel, *pass.pixel, list.specValuesOf(pass), pass.state,
                               *target);
   }
@@ -633,9 +640,9 @@ Result<ArenaSlice> Runtime::Impl::copyConstants(const PassList& list, bool draws
   uint64_t begin = UINT64_MAX;
   uint64_t end = 0;
   for (const Pass& pass : list.passes) {
-    if ((pass.kind == PassKind::kDraw) != draws) continue;
+    if (isDraw(pass.kind) != draws) continue;
     for (const PassBinding& binding : list.bindingsOf(pass)) {
-      const LayoutTable& table = *pass.kernel->kernel->layouts[binding.set];
+      const LayoutTable& table = *pass.layouts()[binding.set];
       if (table.entries[binding.entry].kind != ResourceKind::kUniformBuffer) continue;
       begin = std::min(begin, binding.offset);
       end = std::max(end, binding.offset + binding.size);
@@ -658,7 +665,7 @@ Result<void> Runtime::Impl::resolvePass(const PassList& list, const Pass& pass,
   out.pipeline = *pipeline;
   out.setCount = 0;
 
-  const auto layouts = pass.kernel->kernel->layouts;
+  const auto layouts = pass.layouts();
   const auto bindings = list.bindingsOf(pass);
   for (uint32_t set = 0; set < layouts.size(); ++set) {
     const bool used = std::any_of(bindings.begin(), bindings.end(),
@@ -719,14 +726,14 @@ Result<void> Runtime::Impl::resolve(const PassList& list, bool draws, const Targ
   dynamicOffsets.clear();
   if (Result<void> checked = checkRanges(list); !checked) return checked;
   for (const Pass& pass : list.passes) {
-    if ((pass.kind == PassKind::kDraw) != draws) continue;
+    if (isDraw(pass.kind) != draws) continue;
     if (Result<void> checked = checkPass(list, pass); !checked) return checked;
   }
   uint64_t firstConstant = 0;
   Result<ArenaSlice> constants = copyConstants(list, draws, firstConstant);
   if (!constants) return constants.error();
   for (const Pass& pass : list.passes) {
-    if ((pass.kind == PassKind::kDraw) != draws) continue;
+    if (isDraw(pass.kind) != draws) continue;
     ResolvedPass& out = resolved.emplace_back();
     if (Result<void> done = resolvePass(list, pass, target, *constants, firstConstant, out); !done)
       return done;
@@ -802,7 +809,7 @@ Result<void> Runtime::Impl::record(const PassList& list, VkCommandBuffer command
     std::vector<const char*> dispatchNames;
     std::vector<const char*> drawNames;
     for (const Pass& pass : list.passes)
-      (pass.kind == PassKind::kDraw ? drawNames : dispatchNames).push_back(pass.name);
+      (isDraw(pass.kind) ? drawNames : dispatchNames).push_back(pass.name);
     timedDrawCount = drawNames.size();
     const bool hasDraws = !drawNames.empty();
     Result<size_t> reserved = timers.reserve(frame, std::move(dispatchNames));
@@ -881,7 +888,10 @@ Result<void> Runtime::Impl::recordDraws(const PassList& list, VkCommandBuffer co
     const Pass& pass = list.passes[firstDraw + i];
     const Label label(device, commands, pass.name);
     bind(resolved[i], VK_PIPELINE_BIND_POINT_GRAPHICS, commands);
-    if (pass.indices != BufferId::kInvalid) {
+    if (pass.kind == PassKind::kDrawIndirect) {
+      const BufferSlot& slot = *find(pass.indirect);
+      device.vk.CmdDrawIndirect(commands, slot.buffer, slot.offset + pass.indirectOffset, 1, 0);
+    } else if (pass.indices != BufferId::kInvalid) {
       const BufferSlot& slot = *find(pass.indices);
       device.vk.CmdBindIndexBuffer(commands, slot.buffer, slot.offset, VK_INDEX_TYPE_UINT32);
       device.vk.CmdDrawIndexed(commands, pass.elementCount, pass.instanceCount, 0, 0, 0);
@@ -938,7 +948,7 @@ Result<void> Runtime::prepare(const PassList& list, const TargetFormats* target)
   return guarded([&]() -> Result<void> {
     if (Result<void> checked = impl_->checkRanges(list); !checked) return checked;
     for (const Pass& pass : list.passes) {
-      if (pass.kind == PassKind::kDraw && (target == nullptr || pass.pixel == nullptr)) continue;
+      if (isDraw(pass.kind) && (target == nullptr || pass.pixel == nullptr)) continue;
       Result<Pipeline> pipeline = impl_->pipelineOf(list, pass, target);
       if (!pipeline) return pipeline.error();
     }

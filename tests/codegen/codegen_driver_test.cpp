@@ -258,6 +258,70 @@ TEST(CodegenDriver, RefusesOneResourceInTwoSlotsAndNamesBothLines) {
   EXPECT_TRUE(says(result, "src/other.hlsl:1: error: [PK505]")) << result.diagnostics.format();
 }
 
+// Two groups that begin with the same layout.
+constexpr const char* kSharingGroups = R"("namespace": "fixture",
+  "groups": {"one": ["Common", "First"], "two": ["Common", "Second"]},
+  "kernels": [
+    {"name": "a", "file": "a.hlsl", "stage": "compute", "group": "one"},
+    {"name": "b", "file": "b.hlsl", "stage": "compute", "group": "two"}
+  ]
+})";
+
+TEST(CodegenDriver, PlansALayoutThatGroupsShareOnceOverTheKernelsOfBoth) {
+  const TestProject project;
+  project.write("manifest.json", std::string("{") + kSharingGroups);
+  project.write("a.hlsl",
+                "RWStructuredBuffer<uint> g_low : register(u1, space0);\n"
+                "RWStructuredBuffer<uint> g_mine : register(u0, space1);\n"
+                "[numthreads(1, 1, 1)]\nvoid a() { g_mine[0] = g_low[0]; }\n");
+  project.write("b.hlsl",
+                "RWStructuredBuffer<uint> g_high : register(u3, space0);\n"
+                "RWStructuredBuffer<uint> g_theirs : register(u0, space1);\n"
+                "[numthreads(1, 1, 1)]\nvoid b() { g_high[0] = g_theirs[0]; }\n");
+  const BuildResult result = project.build();
+  ASSERT_TRUE(result.ok) << result.diagnostics.format();
+  const std::vector<PlannedLayout>& layouts = result.program.layouts;
+  ASSERT_EQ(layouts.size(), 3u);
+  EXPECT_EQ(layouts[0].name, "Common");
+  ASSERT_EQ(layouts[0].entries.size(), 2u);
+  EXPECT_EQ(layouts[0].entries[0].name, "g_low");
+  EXPECT_EQ(layouts[0].entries[1].name, "g_high");
+  EXPECT_EQ(layouts[0].entries[1].binding, 1u);
+  EXPECT_EQ(layouts[0].entries[1].glBinding, 1u);
+  EXPECT_EQ(layouts[0].entries[0].access, Access::kRead);
+  EXPECT_EQ(layouts[0].entries[1].access, Access::kWrite);
+  for (const size_t own : {1u, 2u}) {  // behind the shared ones in both groups
+    EXPECT_EQ(layouts[own].set, 1u);
+    ASSERT_EQ(layouts[own].entries.size(), 1u);
+    EXPECT_EQ(layouts[own].entries[0].glBinding, 2u);
+  }
+  const std::string header = fileText(project.output() / "include/fixture/layouts.h");
+  const size_t first = header.find("CreateCommonLayout(");
+  ASSERT_NE(first, std::string::npos);
+  EXPECT_EQ(header.find("CreateCommonLayout(", first + 1), std::string::npos);
+  EXPECT_NE(header.find("Set 0 of groups \"one\", \"two\"."), std::string::npos);
+  const std::string kernels = fileText(project.output() / "kernels.cpp");
+  EXPECT_NE(kernels.find("kALayouts[] = {\n    &kCommonLayout,\n    &kFirstLayout,"),
+            std::string::npos);
+  EXPECT_NE(kernels.find("kBLayouts[] = {\n    &kCommonLayout,\n    &kSecondLayout,"),
+            std::string::npos);
+}
+
+TEST(CodegenDriver, RefusesANameOfASharedLayoutInAnotherLayoutOfAnyOfItsGroups) {
+  const TestProject project;
+  project.write("manifest.json", std::string("{") + kSharingGroups);
+  project.write("a.hlsl",
+                "RWStructuredBuffer<uint> g_data : register(u0, space1);\n"
+                "[numthreads(1, 1, 1)]\nvoid a() { g_data[0] = 1; }\n");
+  project.write("b.hlsl",
+                "RWStructuredBuffer<uint> g_data : register(u0, space0);\n"
+                "[numthreads(1, 1, 1)]\nvoid b() { g_data[0] = 1; }\n");
+  const BuildResult result = project.build();
+  EXPECT_FALSE(result.ok);
+  EXPECT_TRUE(says(result, "src/a.hlsl:1: error: [PK505] ")) << result.diagnostics.format();
+  EXPECT_TRUE(says(result, "src/b.hlsl:1: error: [PK505] ")) << result.diagnostics.format();
+}
+
 TEST(CodegenDriver, RefusesASpaceThatTheGroupDoesNotHave) {
   const TestProject project;
   project.write("manifest.json", manifestWith(computeKernel("far")));

@@ -183,6 +183,30 @@ TEST(GeneratedKernels, MapClipSpaceInTheVertexStageAlone) {
   EXPECT_EQ(gpu::pointVertexVariant().glsl.find("SPIRV_Cross_BaseInstance"), std::string::npos);
 }
 
+TEST(GeneratedKernels, DeclareThePositionInvariantForDrawsThatMeetAgainAtTheSameDepth) {
+  size_t positions = 0;
+  for (const auto kernels : {gpu::allKernels(), pelage::allKernels()}) {
+    for (const pelage::Kernel* kernel : kernels) {
+      if (kernel->stage != pelage::Stage::kVertex) continue;
+      for (const pelage::KernelVariant* variant : kernel->variants) {
+        const std::optional<SpirvReader> module = SpirvReader::parse(variant->spirv);
+        ASSERT_TRUE(module) << kernel->name;
+        for (const SpirvInstruction& i : module->instructions()) {
+          if (i.op != SpvOpDecorate || i.operands[1] != SpvDecorationBuiltIn ||
+              i.operands[2] != SpvBuiltInPosition)
+            continue;
+          ++positions;
+          EXPECT_TRUE(module->decoration(i.operands[0], SpvDecorationInvariant).has_value())
+              << kernel->name << " " << variant->key;
+        }
+        EXPECT_NE(variant->glsl.find("invariant gl_Position;"), std::string::npos);
+        EXPECT_NE(variant->essl.find("invariant gl_Position;"), std::string::npos);
+      }
+    }
+  }
+  EXPECT_GT(positions, 30u);
+}
+
 TEST(GeneratedSpecialization, GivesTheDefaultsOfTheHlslAndTheBitsOfEachType) {
   const gpu::MoveParticlesSpecialization defaults;
   EXPECT_EQ(defaults.restitution, 0.5f);
@@ -238,15 +262,18 @@ TEST(GeneratedLayouts, NumberBindingsDenselyByClassAndRegister) {
 }
 
 TEST(GeneratedLayouts, NumberGlBindingsDenselyForEachKindOverTheSetsOfAGroup) {
-  for (const auto layouts : {gpu::allLayouts(), pelage::allLayouts()}) {
-    std::map<std::pair<std::string, pelage::ResourceKind>, uint32_t> next;
-    for (const pelage::LayoutTable* layout : layouts) {
-      for (const pelage::LayoutEntry& entry : layout->entries) {
-        if (entry.kind == pelage::ResourceKind::kSampler) continue;
-        EXPECT_EQ(entry.glBinding, (next[{layout->group, entry.kind}]++)) << entry.name;
+  for (const auto kernels : {gpu::allKernels(), pelage::allKernels()}) {
+    ASSERT_FALSE(kernels.empty());
+    for (const pelage::Kernel* kernel : kernels) {
+      // Groups that share their first layouts count them each on its own.
+      std::map<pelage::ResourceKind, uint32_t> next;
+      for (const pelage::LayoutTable* layout : kernel->layouts) {
+        for (const pelage::LayoutEntry& entry : layout->entries) {
+          if (entry.kind == pelage::ResourceKind::kSampler) continue;
+          EXPECT_EQ(entry.glBinding, next[entry.kind]++) << kernel->name << " " << entry.name;
+        }
       }
     }
-    EXPECT_FALSE(next.empty());
   }
 }
 

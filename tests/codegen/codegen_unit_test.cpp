@@ -92,6 +92,14 @@ TEST_F(ManifestTest, ListsThePermutationsThatAreNotExcluded) {
   EXPECT_EQ(permutationKey(manifest.kernels[0], {1, 4}), "x=1 n=4");
 }
 
+TEST_F(ManifestTest, LetsGroupsShareTheLayoutsWithWhichTheyBegin) {
+  const Manifest manifest = read(R"({"namespace": "a", "kernels": [],
+    "groups": {"g": ["L", "M"], "h": ["L", "M", "N"], "i": ["L", "O"], "j": ["L"]}})");
+  ASSERT_FALSE(diagnostics_.hasErrors()) << diagnostics_.format();
+  ASSERT_EQ(manifest.groups.size(), 4u);
+  EXPECT_EQ(manifest.groups[1].layouts, (std::vector<std::string>{"L", "M", "N"}));
+}
+
 TEST_F(ManifestTest, RefusesWhatIsWrongWithTheLine) {
   ASSERT_EQ((read(kernel("")), diagnostics_.format()), "");
   EXPECT_EQ(error("{\n\"namespace\": \"a\",\n\"groups\" {}\n}"), "3 PK301");
@@ -102,9 +110,13 @@ TEST_F(ManifestTest, RefusesWhatIsWrongWithTheLine) {
   EXPECT_EQ(error("{\n\"namespace\": \"a\",\n\"groups\": {},\n\"kernels\": [],\n\"kernel\": []}"),
             "5 PK303");
   EXPECT_EQ(error("{\n\"namespace\": \"a-b\",\n\"groups\": {},\n\"kernels\": []}"), "2 PK304");
-  EXPECT_EQ(error("{\n\"namespace\": \"a\",\n\"groups\": {\"g\": [\"L\"],\n\"h\": [\"L\"]},\n"
-                  "\"kernels\": []}"),
-            "4 PK306");
+  for (const char* other :
+       {"[\"M\", \"L\"]", "[\"N\", \"M\"]", "[\"L\", \"N\", \"M\"]", "[\"N\", \"N\"]"}) {
+    EXPECT_EQ(error("{\n\"namespace\": \"a\",\n\"groups\": {\"g\": [\"L\", \"M\"],\n\"h\": " +
+                    std::string(other) + "},\n\"kernels\": []}"),
+              "4 PK306")
+        << other;
+  }
   EXPECT_EQ(error("{\n\"namespace\": \"a\",\n\"groups\": {\n\"g\": []},\n\"kernels\": []}"),
             "4 PK305");
   EXPECT_EQ(error(kernel(",\n\"ax\": []")), "6 PK303");

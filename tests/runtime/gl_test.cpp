@@ -565,7 +565,7 @@ void main() {
   for (const Float4& pixel : image.pixels) EXPECT_EQ(pixel, (Float4{0.5f, 0, 0, 1}));
   ASSERT_EQ(timings.size(), 2u);
   EXPECT_STREQ(timings[0].name, "make_corners");
-  EXPECT_STREQ(timings[1].name, "fill_vertex");
+  EXPECT_STREQ(timings[1].name, "fill_pixel");
 }
 
 TEST_P(GlTest, TimesEachPass) {
@@ -1255,10 +1255,10 @@ std::vector<int64_t> snapshot(Api api) {
   const auto isEnabledIndexed = glFunction<PFNGLISENABLEDIPROC>("glIsEnabledi");
   const auto getFloat = glFunction<PFNGLGETFLOATVPROC>("glGetFloatv");
   std::vector<int64_t> state;
-  for (const GLenum name :
-       {GL_CURRENT_PROGRAM, GL_VERTEX_ARRAY_BINDING, GL_UNIFORM_BUFFER_BINDING,
-        GL_SHADER_STORAGE_BUFFER_BINDING, GL_COPY_READ_BUFFER_BINDING, GL_COPY_WRITE_BUFFER_BINDING,
-        GL_DISPATCH_INDIRECT_BUFFER_BINDING, GL_DEPTH_FUNC, GL_DEPTH_WRITEMASK}) {
+  for (const GLenum name : {GL_CURRENT_PROGRAM, GL_VERTEX_ARRAY_BINDING, GL_UNIFORM_BUFFER_BINDING,
+                            GL_SHADER_STORAGE_BUFFER_BINDING, GL_COPY_READ_BUFFER_BINDING,
+                            GL_COPY_WRITE_BUFFER_BINDING, GL_DISPATCH_INDIRECT_BUFFER_BINDING,
+                            GL_DRAW_INDIRECT_BUFFER_BINDING, GL_DEPTH_FUNC, GL_DEPTH_WRITEMASK}) {
     GLint value = 0;
     getInteger(static_cast<GLenum>(name), &value);
     state.push_back(value);
@@ -1319,6 +1319,7 @@ TEST_P(GlRuntimeTest, GuardsTheStateOfTheEngine) {
   const BufferId buffer = addZeros(table, "buffer", 64, upload);
   const BufferId other =
       addZeros(table, "other", 64, BufferUsage::kStorage | BufferUsage::kIndirect);
+  const BufferId zeros = addZeros(table, "zeros", 4, BufferUsage::kIndirect);
   const BufferId corners = addCorners(table, kEverything);
   ASSERT_TRUE(runtime.update(table));
   PassList list;
@@ -1330,6 +1331,8 @@ TEST_P(GlRuntimeTest, GuardsTheStateOfTheEngine) {
   list.passes.back().indirect = other;
   addDraw(list, draws, {.depthCompare = DepthCompare::kGreater, .depthWrite = false}, corners, 3,
           {}, 3);
+  list.passes.back().kind = PassKind::kDrawIndirect;
+  list.passes.back().indirect = zeros;  // draws nothing
   HazardTracker tracker;
   tracker.resolve(list);
 
@@ -1369,6 +1372,7 @@ TEST_P(GlRuntimeTest, GuardsTheStateOfTheEngine) {
   bindBuffer(GL_COPY_READ_BUFFER, buffers[0]);
   bindBuffer(GL_COPY_WRITE_BUFFER, buffers[1]);
   bindBuffer(GL_DISPATCH_INDIRECT_BUFFER, buffers[2]);
+  bindBuffer(GL_DRAW_INDIRECT_BUFFER, buffers[0]);
   const auto enable = glFunction<PFNGLENABLEPROC>("glEnable");
   for (const GLenum name :
        {GL_SCISSOR_TEST, GL_DEPTH_TEST, GL_CULL_FACE, GL_STENCIL_TEST, GL_POLYGON_OFFSET_FILL,

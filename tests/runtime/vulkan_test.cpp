@@ -543,7 +543,7 @@ TEST_F(VulkanDraw, DrawsIndexedTrianglesThatAPassHasMoved) {
   for (const Float4& pixel : image.pixels) EXPECT_EQ(pixel, kGreen);
   EXPECT_GE(list.drawBarriers.size(), 1u);
   ASSERT_EQ(timings.size(), 3u);
-  EXPECT_STREQ(timings[2].name, "fill_vertex");
+  EXPECT_STREQ(timings[2].name, "fill_pixel");
   for (const PassTiming& timing : timings) EXPECT_GE(timing.milliseconds, 0);
 }
 

@@ -27,6 +27,18 @@ constexpr KernelVariant kCopy = {&kCopyKernel, "", {}, {}, {}, kCopyBindings, {6
 constexpr KernelVariant kVertex = {&kVertexKernel, "", {}, {}, {}, kDrawBindings, {0, 0, 0}, 2};
 constexpr KernelVariant kPixel = {&kPixelKernel, "", {}, {}, {}, kDrawBindings, {0, 0, 0}, 3};
 
+// A pixel kernel of another group that begins with the same layout.
+constexpr LayoutEntry kMoreEntries[] = {
+    {"g_more", "uint", ResourceKind::kStorageBuffer, Access::kReadWrite, 4, 4, 0, 2},
+};
+constexpr LayoutTable kMoreTable = {"More", "more", 1, kMoreEntries};
+constexpr const LayoutTable* kMoreTables[] = {&kTable, &kMoreTable};
+constexpr const LayoutTable* kOtherTables[] = {&kMoreTable};
+constexpr VariantBinding kMoreBindings[] = {{0, 1, Access::kRead}, {1, 0, Access::kWrite}};
+constexpr Kernel kMoreKernel = {"more", Stage::kPixel, kMoreTables, {}, {}};
+constexpr Kernel kOtherKernel = {"other", Stage::kPixel, kOtherTables, {}, {}};
+constexpr KernelVariant kMore = {&kMoreKernel, "", {}, {}, {}, kMoreBindings, {0, 0, 0}, 4};
+
 constexpr auto kA = BufferId{0};
 constexpr auto kB = BufferId{1};
 constexpr std::array<float, 4> kBlock = {1, 2, 3, 4};
@@ -119,6 +131,61 @@ TEST(PassBuilder, IgnoresOffersThatThePermutationDoesNotUse) {
   EXPECT_EQ(list.bindings[0].buffer, kA);
   EXPECT_EQ(list.bindings[0].stages, stageBit(Stage::kVertex) | stageBit(Stage::kPixel));
   EXPECT_TRUE(list.constants.empty());
+}
+
+TEST(PassBuilder, BindsTheLayoutsOfTheStageThatHasMore) {
+  EXPECT_TRUE(layoutsFit(kVertexKernel, kMoreKernel));
+  EXPECT_TRUE(layoutsFit(kMoreKernel, kVertexKernel));
+  EXPECT_FALSE(layoutsFit(kVertexKernel, kOtherKernel));
+  PassList list;
+  PassBuilder builder(list);
+  ASSERT_TRUE(builder.draw(kVertex, kMore, {}, 3, 1)
+                  .bind("g_source", kA, 64)
+                  .bind("g_more", kB, 4)
+                  .finish());
+  const Pass& pass = list.passes[0];
+  EXPECT_EQ(pass.layouts().size(), 2u);
+  ASSERT_EQ(list.bindingsOf(pass).size(), 2u);
+  const PassBinding shared = list.bindingsOf(pass)[0], own = list.bindingsOf(pass)[1];
+  EXPECT_EQ(shared.stages, stageBit(Stage::kVertex) | stageBit(Stage::kPixel));
+  EXPECT_EQ(own.set, 1u);
+  EXPECT_EQ(own.buffer, kB);
+  EXPECT_EQ(own.stages, stageBit(Stage::kPixel));
+}
+
+TEST(PassBuilder, PutsIndirectDrawsBehindTheDispatches) {
+  PassList list;
+  PassBuilder builder(list);
+  const auto arguments = BufferId{5};
+  ASSERT_TRUE(
+      builder.drawIndirect(kVertex, kPixel, {}, arguments, 16).bind("g_source", kA, 64).finish());
+  addCopy(list, kA, kB);
+  ASSERT_EQ(list.passes.size(), 2u);
+  EXPECT_EQ(list.passes[0].kind, PassKind::kDispatch);
+  EXPECT_EQ(list.passes[1].kind, PassKind::kDrawIndirect);
+  EXPECT_EQ(list.passes[1].indirect, arguments);
+  EXPECT_EQ(list.passes[1].indirectOffset, 16u);
+}
+
+TEST(HazardTracker, OrdersTheArgumentsOfAnIndirectDrawWithTheOtherReadsOfTheDraws) {
+  HazardTracker tracker;
+  PassList list;
+  addCopy(list, kA, kB);
+  addDraw(list, kB);
+  PassBuilder builder(list);
+  ASSERT_TRUE(builder.drawIndirect(kVertex, kPixel, {}, kB).bind("g_source", kA, 64).finish());
+  tracker.resolve(list);
+  EXPECT_EQ(list.barriers.size(), 0u);
+  ASSERT_EQ(list.drawBarriers.size(), 1u);  // one for both draws
+  EXPECT_EQ(list.drawBarriers[0].buffer, kB);
+  EXPECT_TRUE(list.drawBarriers[0].afterIndirect);
+  EXPECT_EQ(list.drawBarriers[0].afterStages, stageBit(Stage::kVertex) | stageBit(Stage::kPixel));
+
+  PassList next;
+  addCopy(next, kA, kB);
+  tracker.resolve(next);
+  ASSERT_EQ(next.barriers.size(), 1u);
+  EXPECT_TRUE(next.barriers[0].beforeIndirect);
 }
 
 TEST(HazardTracker, LeavesIndependentPassesAlone) {

@@ -59,7 +59,7 @@ void Executor::run(const pelage::PassList& list) {
                  list.constants.data(), GL_STREAM_DRAW);
   }
   for (const pelage::Pass& pass : list.passes) {
-    if (pass.kind == pelage::PassKind::kDraw) continue;
+    if (pelage::isDraw(pass.kind)) continue;
     if (pass.barrierCount > 0)
       glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
     glUseProgram(program(*pass.kernel));

@@ -1,0 +1,63 @@
+// The target of the Vulkan headless device's render().
+#pragma once
+
+#include "device.h"
+#include "pelage/headless.h"
+#include "pelage/vulkan.h"
+
+namespace pelage::vulkan {
+
+/// Images, render passes and framebuffer. Kept while the size stays.
+class RenderTarget {
+ public:
+  static constexpr VkFormat kColorFormat = VK_FORMAT_R16G16B16A16_SFLOAT;
+  static constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
+
+  explicit RenderTarget(const Device& device) : device_(device) {}
+  RenderTarget(const RenderTarget&) = delete;
+  RenderTarget& operator=(const RenderTarget&) = delete;
+
+  bool fits(const RenderTargetDef& def) const {
+    return framebuffer_ != VK_NULL_HANDLE && width_ == def.width && height_ == def.height &&
+           samples_ == def.samples;
+  }
+  /// Replaces what there was; on an error nothing is left.
+  Result<void> make(const RenderTargetDef& def);
+  /// Before the device goes.
+  void destroy();
+
+  /// The one that clears: the pipelines of draws are made for it.
+  VkRenderPass renderPass() const { return renderPass_; }
+  TargetFormats formats() const;
+  /// Begins a render pass, which clears or loads what is there.
+  void begin(VkCommandBuffer commands, const RenderTargetDef& def, bool clear) const;
+  /// Copies the depth to the front of a buffer, outside a render pass.
+  void copyDepth(VkCommandBuffer commands, const BufferRange& range) const;
+  /// Copies the colours, samples averaged, to the front of a buffer for the host.
+  void copyColor(VkCommandBuffer commands, VkBuffer buffer) const;
+
+ private:
+  struct Image {
+    VkImage image = VK_NULL_HANDLE;
+    VkDeviceMemory memory = VK_NULL_HANDLE;
+    VkImageView view = VK_NULL_HANDLE;
+  };
+  Result<void> makeImage(Image& image, VkFormat format, VkImageUsageFlags usage,
+                         VkSampleCountFlagBits samples, VkImageAspectFlags aspect,
+                         const char* name) const;
+  Result<VkRenderPass> makeRenderPass(VkSampleCountFlagBits samples, bool load) const;
+  void destroyImage(Image& image) const;
+
+  const Device& device_;
+  uint32_t width_ = 0;
+  uint32_t height_ = 0;
+  uint32_t samples_ = 0;
+  Image color_;  // with one sample: what is read back
+  Image depth_;
+  Image resolve_;                             // with more than one sample: what is read back
+  VkRenderPass renderPass_ = VK_NULL_HANDLE;  // clears first
+  VkRenderPass loadPass_ = VK_NULL_HANDLE;    // compatible with it; goes on drawing
+  VkFramebuffer framebuffer_ = VK_NULL_HANDLE;
+};
+
+}  // namespace pelage::vulkan
