@@ -21,7 +21,9 @@ enum class Response : uint8_t {
   kTrilinear,        ///< analytic gradient
   kClosestNoWalk,    ///< the nearest feature of the triangles that the corners name
   kClosestFeature,   ///< the same with the walk over their neighbours
-  kClosestFriction,  ///< the last with Coulomb friction
+  kClosestListed,    ///< the same, of vertices that a pass before has listed as near
+  kClosestFriction,  ///< kClosestFeature with Coulomb friction
+  kFrictionListed,   ///< kClosestListed with Coulomb friction
 };
 const char* responseName(Response response);
 

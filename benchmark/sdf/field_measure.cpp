@@ -213,6 +213,10 @@ const char* responseName(Response response) {
       return "closest feature without walk";
     case Response::kClosestFeature:
       return "closest feature";
+    case Response::kClosestListed:
+      return "closest feature of listed ones";
+    case Response::kFrictionListed:
+      return "closest feature with friction of listed ones";
     case Response::kClosestFriction:
       return "closest feature with friction";
   }

@@ -9,6 +9,7 @@
 #include "pelage/kernels.h"
 #include "sdf/field_build.h"
 #include "sdf_build.h"
+#include "sdf_collision.h"
 #include "sdf_grid.h"
 
 namespace bench {
@@ -99,11 +100,23 @@ class PelageField : public FieldBuild {
   }
 
   std::vector<Response> responses() const override {
-    return {Response::kTrilinear, Response::kClosestNoWalk, Response::kClosestFeature,
-            Response::kClosestFriction};
+    return {Response::kTrilinear,     Response::kClosestNoWalk,   Response::kClosestFeature,
+            Response::kClosestListed, Response::kClosestFriction, Response::kFrictionListed};
   }
 
   Result<void> addCollision(PassList& list, const HairBuffers& hair, Response response) override {
+    if (response == Response::kClosestListed || response == Response::kFrictionListed) {
+      if (nearCount_ < hair.count) {
+        nearList_ = addBuffer("nearList", detail::sdfNearBytes(hair.count));
+        nearCount_ = hair.count;
+      }
+      return detail::addSdfCollision(
+          list, workbench_.scene.resources(),
+          {hair.positions, hair.before, fields_, buffers_.keys, buffers_.surface, nearList_},
+          {.vertexCount = hair.count,
+           .fieldCount = 1,
+           .friction = response == Response::kFrictionListed});
+    }
     using Walk = pelage::CollideVerticesWalk;
     const auto* variant = pelage::collideVerticesVariant(
         {.closestFeature = response != Response::kTrilinear,
@@ -231,7 +244,8 @@ class PelageField : public FieldBuild {
   detail::SdfBuildDef def_;
   detail::SdfBuildBuffers buffers_;
   detail::SdfBuildState state_;
-  BufferId fields_ = BufferId::kInvalid;
+  BufferId fields_ = BufferId::kInvalid, nearList_ = BufferId::kInvalid;
+  uint32_t nearCount_ = 0;
   std::vector<BufferId> owned_;
   uint64_t bytes_ = 0;
 };

@@ -35,6 +35,12 @@ struct StrandFactors {
   float damping = 1;          ///< of the air drag
 };
 
+/// A picture that colours strands by the place of their roots; it repeats beyond 0..1.
+struct ColorTexture {
+  uint32_t width = 0, height = 0;       ///< texels, 0..16384
+  std::span<const Float4> texels = {};  ///< [y][x] linear RGBA, 0..1; A scales the opacity
+};
+
 /// What a hair object is made with; what cannot change later.
 struct HairDef {
   std::string name = "hair";
@@ -52,6 +58,8 @@ struct HairDef {
   bool levelOfDetail = false;
   /// Follow strands, from generateFollowHairs(); empty for none.
   std::span<const FollowHair> followHairs = {};
+  /// Texture of the base colour, at the roots' HairAsset::strandUv; without texels there is none.
+  ColorTexture baseTexture = {};
   /// True when something but the drawing, like a collision field or a pass of your own, reads the
   /// follow hairs from HairBuffers::positions and tangents. Otherwise they are never stored, and
   /// the vertex kernel places them.
@@ -97,6 +105,9 @@ struct HairBuffers {
   BufferId followStrands = BufferId::kInvalid;    ///< [follow] FollowStrand
   BufferId strandThickness = BufferId::kInvalid;  ///< [strand] float
   BufferId indices = BufferId::kInvalid;          ///< one strand's ribbon, uint32
+  BufferId vertexColors = BufferId::kInvalid;  ///< [guide][vertex] linear rgba, 4 unorms of 16 bits
+  BufferId strandUv = BufferId::kInvalid;      ///< [guide] Float2, with baseTexture
+  BufferId baseTexture = BufferId::kInvalid;   ///< [y][x] as vertexColors
 };
 
 class HairObject {
@@ -125,6 +136,10 @@ class HairObject {
   bool visible = true;
   /// Strands drawn, from the first: 0..strandCount(). Follow hairs go first when it falls.
   uint32_t drawnStrands = 0;
+  /// Level of detail: share of `drawnStrands` that is drawn, 0..1. Those that are left are wider,
+  /// so that the hair covers as much; the last eighth fades, so that nothing pops. See
+  /// shareForView().
+  float drawnShare = 1;
 
   /// Sets the skinning transforms (bind space to world) of all bones for the next frames. Asserts
   /// that there are boneCount() of them. Non-finite ones leave their roots where they were.

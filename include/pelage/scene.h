@@ -12,14 +12,17 @@
 #include "pelage/result.h"
 #include "pelage/sdf_collider.h"
 #include "pelage/sdf_data.h"
+#include "pelage/transparency.h"
 #include "pelage/view.h"
 
 namespace pelage {
 
 struct ExactConstants;
 namespace detail {
+struct BufferNeed;
+struct DrawOffers;
 struct SdfGridPlan;
-}
+}  // namespace detail
 
 /// A hair object of a scene.
 enum class HairId : uint32_t { kInvalid = 0xffffffffu };
@@ -79,8 +82,28 @@ class Scene {
   /// setForces() that is too small; an object with too many strands for one dispatch. After one of
   /// the first three nothing has changed: bones and resets wait for the next frame.
   Result<void> simulate(float dt, PassList& list);
-  /// Adds draws of all visible hair objects to a list (which is not cleared).
+  /// Adds draws of all hair objects that are visible and in view to a list (which is not cleared),
+  /// without sorting: Transparency::kStochastic. It may make buffers: update the runtime before the
+  /// list runs. A list takes one view: the shadows of a second one would be those of the first,
+  /// too. Errors: as below.
   Result<void> draw(const View& view, const Light& light, PassList& list);
+  /// Draws them with transparency. The lists run one after another, each with its draws in a render
+  /// pass that keeps what is in the target. What is opaque is drawn before, into the same depth
+  /// target: earlier, or by draws that lists[0] has already.
+  /// \param lists lists[0] is not cleared, the others are; as many as the method needs, or more.
+  /// Errors: a view without pixels, or whose worldToClip has no inverse; too many lights or
+  /// shadows; a light or setting out of range; a memory cap that is too small; more hair objects in
+  /// view than lists can tell apart (64).
+  Result<void> draw(const View& view, std::span<const Light> lights,
+                    const TransparencySettings& settings, std::vector<PassList>& lists);
+  /// Level of detail for a view: the share of strands that is enough when fibres are drawn at least
+  /// `pixels` wide, in the middle of the object: 1 up close, then falling with the distance, down
+  /// to 1/64. Set HairObject::drawnShare to it, and simulatedShare (with HairDef::levelOfDetail),
+  /// so that the simulation falls with it. 1 where the view or the place of the hair is not finite.
+  float shareForView(HairId id, const View& view, float pixels = 0.4f) const;
+  /// Words for readTransparencyCounters(); kInvalid before the first draw with linked
+  /// lists or tiles.
+  BufferId transparencyCounters() const { return lists_.counters; }
   /// Adds the passes and the draw that show a collider as its field has it, for debugging: the
   /// surface where the distance is the look's level. Draws nothing before the first simulation.
   /// Errors: a grid that is too large for it.
@@ -101,6 +124,25 @@ class Scene {
 
  private:
   struct Frame;
+  struct DrawFrame;
+  /// Of per-pixel linked lists, as in kernels/layouts/ppll_build.hlsli.
+  struct ListBuffers {
+    BufferId heads = BufferId::kInvalid, nodes = BufferId::kInvalid, counters = BufferId::kInvalid,
+             tiles = BufferId::kInvalid, tail = BufferId::kInvalid;
+  };
+  /// Of strands in tiles, as in kernels/layouts/strand_tiles.hlsli; the counters are those of
+  /// lists.
+  struct TileBuffers {
+    BufferId records = BufferId::kInvalid, tiles = BufferId::kInvalid,
+             references = BufferId::kInvalid, sums = BufferId::kInvalid,
+             picture = BufferId::kInvalid;
+  };
+  /// Of methods with a fixed number of layers, as in kernels/layouts/hybrid_depths.hlsli,
+  /// hybrid_colors.hlsli and short_cut_*.hlsli.
+  struct LayerBuffers {
+    BufferId depths = BufferId::kInvalid, colors = BufferId::kInvalid, tail = BufferId::kInvalid,
+             counters = BufferId::kInvalid, tiles = BufferId::kInvalid;
+  };
   void addSolverBuffers(HairObject& object);
   void removeSolverBuffers(HairObject& object);
   void removeBuffer(BufferId& buffer);
@@ -130,12 +172,31 @@ class Scene {
   Result<void> addHairGridPasses(HairObject& object, double h, bool reset, PassList& list);
   void finishHairGrid(HairObject& object, double frame);
   BufferId forcesOf(const HairObject& object) const;
+  Result<DrawFrame> beginDraw(const View& view, std::span<const Light> lights) const;
+  Result<void> addShadows(DrawFrame& frame, PassList& list);
+  Result<void> addStrandDraw(const DrawFrame& frame, size_t material, bool smooth,
+                             const KernelVariant& pixel, DrawState state,
+                             const detail::DrawOffers& offers, PassList& list) const;
+  Result<void> addOpaqueDraws(const DrawFrame& frame, bool stochastic, PassList& list) const;
+  Result<void> addListPasses(const DrawFrame& frame, const TransparencySettings& settings,
+                             const TransparencyPlan& plan, std::vector<PassList>& lists);
+  void makeRoom(const detail::BufferNeed& need);
+  Result<void> addHybridPasses(const DrawFrame& frame, uint32_t layers,
+                               std::vector<PassList>& lists);
+  Result<void> addShortCutPasses(const DrawFrame& frame, std::vector<PassList>& lists);
+  Result<void> addTilePasses(const DrawFrame& frame, const TransparencySettings& settings,
+                             const TransparencyPlan& plan, uint64_t vertices, PassList& list);
+  void offerStrands(const DrawFrame& frame, size_t material, PassBuilder& builder) const;
 
   ResourceTable resources_;
   HazardTracker hazards_;
   std::vector<std::unique_ptr<HairObject>> objects_;
   std::vector<std::unique_ptr<SdfCollider>> colliders_;
   BufferId sdfKeys_ = BufferId::kInvalid, sdfSurface_ = BufferId::kInvalid;
+  ListBuffers lists_;
+  LayerBuffers hybrid_, shortCut_;
+  TileBuffers tiles_;
+  BufferId shadowWords_ = BufferId::kInvalid, shadowViews_ = BufferId::kInvalid;
   double time_ = 0;
 };
 

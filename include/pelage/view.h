@@ -19,26 +19,60 @@ struct View {
   uint32_t seed = 0;           ///< of the coverage dither; constant: a still image does not flicker
 };
 
-/// One directional light and an ambient term, linear RGB.
+/// What hair does to the light that passes it.
+enum class HairShadow : uint8_t {
+  kNone,
+  /// Light falls with the way through hair of mean density behind the nearest strand.
+  kDepth,
+  /// Light falls with the hair that is there, in layers behind the nearest strand.
+  kDeep,
+};
+
+/// A light, and an ambient term that goes with it. Linear RGB; a white surface that faces a light
+/// of 1 is as bright as 1.
 struct Light {
   Float3 direction = {0.35f, 0.75f, 0.55f};  ///< towards the light; normalised on use
   Float3 color = {1, 1, 1};
-  Float3 ambient = {0.12f, 0.13f, 0.15f};
+  Float3 ambient = {0.12f, 0.13f, 0.15f};  ///< from all sides; those of all lights add up
+  bool hasPosition = false;                ///< a point light; it casts no shadow
+  Float3 position = {};  ///< of a point light [m]; color is that at a distance of 1 m
+  HairShadow shadow = HairShadow::kNone;  ///< at most kMaxStrandShadows lights of a view have one
+  uint32_t shadowSize = 1024;             ///< texels an edge of its map, 4..8192
+  uint32_t shadowLayers = 8;              ///< kDeep: 1..16
+};
+
+inline constexpr uint32_t kMaxStrandLights = 8;   ///< lights that a view has at most
+inline constexpr uint32_t kMaxStrandShadows = 4;  ///< of them with a shadow
+
+/// How light leaves a fibre; docs/shading.md has the equations.
+enum class ShadingModel : uint8_t {
+  kKajiyaKay,  ///< diffuse light and two shifted highlights
+  kFiber,      ///< R, TT and TRT lobes that keep the energy
 };
 
 /// The look of a hair object.
 struct StrandMaterial {
   Float3 rootColor = {0.10f, 0.045f, 0.02f};  ///< linear RGB, 0..1
   Float3 tipColor = {0.25f, 0.12f, 0.05f};    ///< linear RGB, 0..1
-  float opacity = 1.0f;                       ///< of a fibre wider than a pixel, 0..1
-  float fiberRadius = 60e-6f;                 ///< at the root [m], > 0
-  float tipRadiusRatio = 0.3f;                ///< radius at the tip over that at the root, 0..1
-  float primaryStrength = 0.35f;              ///< highlight of the light's colour, >= 0
-  float primaryExponent = 80.0f;              ///< its sharpness, >= 1
-  float primaryShift = -0.06f;                ///< its shift along the strand; < 0 towards the root
-  float secondaryStrength = 0.45f;            ///< highlight of the hair's colour, >= 0
+  float colorVariation = 0.15f;  ///< by which strands differ around the mean, as a share, 0..1
+  float opacity = 1.0f;          ///< of a fibre wider than a pixel, 0..1
+  float fiberRadius = 60e-6f;    ///< at the root [m], > 0
+  float tipRadiusRatio = 0.3f;   ///< radius at the tip over that at the root, 0..1
+  ShadingModel model = ShadingModel::kKajiyaKay;
+  float ambientStrength = 1.0f;     ///< 0..1
+  float diffuseStrength = 1.0f;     ///< Kajiya-Kay, 0..1
+  float primaryStrength = 0.35f;    ///< Kajiya-Kay: highlight of the light's colour, >= 0
+  float primaryExponent = 80.0f;    ///< its sharpness, >= 1
+  float primaryShift = -0.06f;      ///< its shift along the strand; < 0 towards the root
+  float secondaryStrength = 0.45f;  ///< Kajiya-Kay: highlight of the hair's colour, >= 0
   float secondaryExponent = 16.0f;
   float secondaryShift = 0.12f;
+  float secondaryTint = 1.0f;           ///< share of the hair's colour in it, 0..1
+  float longitudinalRoughness = 0.25f;  ///< fibre model, 0..1
+  float azimuthalRoughness = 0.3f;      ///< fibre model, 0..1
+  float cuticleTilt = 0.035f;           ///< fibre model: of the scales, towards the root [rad]
+  float refractiveIndex = 1.55f;        ///< fibre model, > 1
+  float scatteredShare = 0.0f;          ///< fibre model: light scattered in all directions, 0..1
 };
 
 /// Right-handed camera matrices for samples and tests.

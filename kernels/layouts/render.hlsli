@@ -6,31 +6,37 @@
 
 #include "follow.hlsli"
 
+#define STRAND_VIEW_REGISTER register(b0, space1)
+#include "strand_view.hlsli"
+
 // [strand][vertex]: world position [m]; w = inverse mass. With the followStrands permutation only
 // the g_renderGuideCount guides are there.
 StructuredBuffer<float4> g_renderPositions : register(t0, space0);
 // [strand][vertex], as many: unit tangent.
 StructuredBuffer<float4> g_renderTangents : register(t1, space0);
 
-cbuffer RenderConstants : register(b0, space1) {
-  float4 g_worldToClip[4];   // rows; clip = rows * (p, 1), depth 0..1, y up
-  float4 g_eye;              // xyz position of the camera [m]
-  float4 g_viewport;         // xy offset, zw size [pixels]
-  float4 g_lightDirection;   // xyz unit vector towards the light
-  float4 g_lightColor;       // linear rgb
-  float4 g_ambientColor;     // linear rgb
-  float4 g_rootColor;        // linear rgb; a = opacity 0..1
-  float4 g_tipColor;         // linear rgb
-  float4 g_specular;         // primary strength and exponent, secondary strength and exponent
-  float4 g_specularShift;    // x primary, y secondary shift of the tangent; zw unused
-  uint g_renderVertexCount;  // vertices a strand
+cbuffer RenderConstants : register(b1, space1) {
+  float4 g_shadingBody;         // members of StrandShading
+  float4 g_shadingPrimary;
+  float4 g_shadingSecondary;
+  float4 g_shadingFiber;
+  float4 g_rootColor;           // linear rgb; a = opacity 0..1
+  float4 g_tipColor;            // linear rgb
+  uint g_renderVertexCount;     // vertices a strand
   uint g_renderStrandCount;
-  uint g_sampleCount;           // samples a pixel of the target
-  uint g_seed;                  // of the coverage dither
-  float g_fiberRadius;          // at the root [m]
-  float g_tipRadiusRatio;       // radius at the tip over that at the root, 0..1
   uint g_renderGuideCount;      // the strands from here on are follow strands
   float g_renderTipSeparation;  // factor on the follow offsets at the tip
+  float g_fiberRadius;          // at the root [m]
+  float g_tipRadiusRatio;       // radius at the tip over that at the root, 0..1
+  float g_strandVariation;      // share by which strands differ in colour, 0..1
+  uint g_materialIndex;         // of lists that keep it, 0..63
+  float g_drawnStrands;         // strands from here on have no width
+  float g_fadingStrands;        // before them, those whose width falls to 0
+  float g_strandWidening;       // factor on the radius, for the strands that are not drawn
+  uint g_shadingModel;          // StrandShading.model.x
+  uint2 g_textureSize;          // texels; 0: no texture
+  uint g_renderPad0;
+  uint g_renderPad1;
 };
 
 // [strand]: factor on the fibre radius; only with the strandThickness permutation.
@@ -40,5 +46,19 @@ StructuredBuffer<FollowStrand> g_renderFollowStrands : register(t1, space1);
 // [2][g_renderGuideCount]: root frames of this frame and the last one; only with the followStrands
 // permutation.
 StructuredBuffer<RootTransform> g_renderRoots : register(t2, space1);
+// [guide][vertex]: linear rgba as four halves; only with the vertexColors permutation. A follow
+// strand has the colours of its first guide.
+StructuredBuffer<uint2> g_vertexColors : register(t3, space1);
+// [guide]: place on the texture, 0..1 and repeated beyond; only with the baseTexture permutation.
+StructuredBuffer<float2> g_strandUv : register(t4, space1);
+// [y][x]: linear rgba as two words of two 16-bit unorms; only with the baseTexture permutation.
+StructuredBuffer<uint2> g_baseTexture : register(t5, space1);
+// Words of all shadow maps.
+StructuredBuffer<uint> g_shadowWords : register(t6, space1);
+
+StrandShading renderShading() {
+  return shadingFrom(g_shadingModel, g_shadingBody, g_shadingPrimary, g_shadingSecondary,
+                     g_shadingFiber);
+}
 
 #endif

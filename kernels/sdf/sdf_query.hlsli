@@ -210,15 +210,25 @@ SdfClosest sdfClosestFeature(SdfField field, float3 p, uint4 low, uint4 high) {
 }
 #endif
 
+// What the keys around a point tell of its distance.
+struct SdfNear {
+  bool may;        // be nearer than the reach; else only the distance counts
+  float distance;  // a lower bound [cell]
+  SdfPlace place;
+  uint4 low;       // keys of the corners 0 - 3
+  uint4 high;      // and 4 - 7
+  SdfCorners corners;
+  float4 lowAway;  // squared ways to the corners
+  float4 highAway;
+};
+
 // \param reach  [cell] what is further from the surface, or outside the grid, is not looked at
-SdfHit sdfQuery(SdfField field, float3 p, float reach) {
-  SdfHit hit;
-  hit.found = false;
-  hit.distance = field.band;
-  hit.normal = float3(0.0, 0.0, 0.0);
-  hit.motion = float3(0.0, 0.0, 0.0);
-  SdfPlace place = sdfPlaceOf(field, p);
-  if (!place.inside) return hit;
+SdfNear sdfNearOf(SdfField field, float3 p, float reach) {
+  SdfNear near = (SdfNear)0;
+  near.distance = field.band;
+  near.place = sdfPlaceOf(field, p);
+  if (!near.place.inside) return near;
+  SdfPlace place = near.place;
 
   float most = sdfGreatestCode(field.triangleBits);
   precise float3 scale = float3(field.band, field.band / most, field.farRange / most);
@@ -229,33 +239,47 @@ SdfHit sdfQuery(SdfField field, float3 p, float reach) {
   uint key = SDF_KEYS[place.node];
   precise float first = sdfDistance(key, field.band, field.farRange, field.triangleBits);
   precise float bound = first - squareRoot(away.x + away.y + away.z) - kSdfKeyError;
-  hit.distance = min(bound, field.band);
-  if (bound > reach) return hit;
+  near.distance = min(bound, field.band);
+  if (bound > reach) return near;
 
   uint4 onward = uint4(0u, place.onward.x, place.onward.y, place.onward.x + place.onward.y);
   uint4 lowNodes = onward + place.node;
   uint4 highNodes = lowNodes + place.onward.z;
-  uint4 low = uint4(key, SDF_KEYS[lowNodes.y], SDF_KEYS[lowNodes.z], SDF_KEYS[lowNodes.w]);
-  uint4 high = uint4(SDF_KEYS[highNodes.x], SDF_KEYS[highNodes.y], SDF_KEYS[highNodes.z],
-                     SDF_KEYS[highNodes.w]);
-  SdfCorners corners;
-  corners.low = sdfDistances(low, field.triangleBits, scale);
-  corners.high = sdfDistances(high, field.triangleBits, scale);
+  near.low = uint4(key, SDF_KEYS[lowNodes.y], SDF_KEYS[lowNodes.z], SDF_KEYS[lowNodes.w]);
+  near.high = uint4(SDF_KEYS[highNodes.x], SDF_KEYS[highNodes.y], SDF_KEYS[highNodes.z],
+                    SDF_KEYS[highNodes.w]);
+  near.corners.low = sdfDistances(near.low, field.triangleBits, scale);
+  near.corners.high = sdfDistances(near.high, field.triangleBits, scale);
   precise float4 flat =
       float4(away.x + away.y, back.x + away.y, away.x + back.y, back.x + back.y);
   precise float4 lowAway = flat + away.z;
   precise float4 highAway = flat + back.z;
-  precise float4 lowClear = max(corners.low - (reach + kSdfKeyError), 0.0);
-  precise float4 highClear = max(corners.high - (reach + kSdfKeyError), 0.0);
+  near.lowAway = lowAway;
+  near.highAway = highAway;
+  precise float4 lowClear = max(near.corners.low - (reach + kSdfKeyError), 0.0);
+  precise float4 highClear = max(near.corners.high - (reach + kSdfKeyError), 0.0);
   precise float4 lowBeyond = lowClear * lowClear - lowAway;
   precise float4 highBeyond = highClear * highClear - highAway;
-  if (sdfGreatest(lowBeyond, highBeyond) > 0.0) {
-    hit.distance = max(hit.distance, reach);
-    return hit;
-  }
-  uint4 lowTriangles = sdfTriangles(field, low);
-  uint4 highTriangles = sdfTriangles(field, high);
-  SdfSlope slope = sdfTrilinear(corners, place);
+  near.may = !(sdfGreatest(lowBeyond, highBeyond) > 0.0);
+  if (!near.may) near.distance = max(near.distance, reach);
+  return near;
+}
+
+// \param reach  as above
+SdfHit sdfQuery(SdfField field, float3 p, float reach) {
+  SdfNear near = sdfNearOf(field, p, reach);
+  SdfHit hit;
+  hit.found = false;
+  hit.distance = near.distance;
+  hit.normal = float3(0.0, 0.0, 0.0);
+  hit.motion = float3(0.0, 0.0, 0.0);
+  if (!near.may) return hit;
+  SdfCorners corners = near.corners;
+  float4 lowAway = near.lowAway;
+  float4 highAway = near.highAway;
+  uint4 lowTriangles = sdfTriangles(field, near.low);
+  uint4 highTriangles = sdfTriangles(field, near.high);
+  SdfSlope slope = sdfTrilinear(corners, near.place);
 
 #if SDF_CLOSEST_FEATURE
   SdfClosest best = sdfClosestFeature(field, p, lowTriangles, highTriangles);

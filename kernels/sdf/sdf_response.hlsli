@@ -50,6 +50,21 @@ float2 sdfPartWithin(SdfField field, float3 a, float3 direction, float most) {
                 min(min(leave.x, leave.y), min(leave.z, most)));
 }
 
+// False when sdfContact() without a reach finds nothing, which costs a look at some keys to say.
+bool sdfMayTouch(SdfField field, float3 before, float3 after, float end) {
+  precise float inverseCell = 1.0 / field.origin.w;
+  precise float3 a = (before - field.origin.xyz) * inverseCell;
+  precise float3 b = (after - field.origin.xyz) * inverseCell;
+  precise float3 way = b - a;
+  precise float margin = field.margin * inverseCell;
+  if (!isUsable(a) || !isUsable(b)) return false;
+  // Long ways are swept.
+  if (!(dot3(way, way) <= kSdfSweepFrom * kSdfSweepFrom)) return true;
+  bool shifts = field.motionScale > 0.0 && field.surfaceStride >= 7u && end < 1.0;
+  float reach = shifts ? max(margin, field.band) : margin;
+  return sdfNearOf(field, b, reach).may;
+}
+
 // \param before, after  the point at the way's begin and end, in the space of field.origin [m]
 // \param begin, end     shares of the frame at which it is there, 0..1
 // \param reach          what is this far outside the margin is a contact, too [m]

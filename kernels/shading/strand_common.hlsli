@@ -1,4 +1,4 @@
-// Geometry and light of strands, for the project's kernels and for an engine's own: no resources.
+// Geometry of strands, for the project's kernels and for an engine's own: no resources.
 #ifndef PELAGE_SHADING_STRAND_COMMON_HLSLI
 #define PELAGE_SHADING_STRAND_COMMON_HLSLI
 
@@ -25,21 +25,25 @@ float2 projectDirection(StrandView view, float4 clip, float3 direction) {
   return (moved - ndc * movedW) / clip.w * (view.viewportSize * 0.5);
 }
 
-// The corner of a camera-facing ribbon at a vertex of a strand. Its width on the screen is that of
-// the fibre, but never below one pixel: what it gains there it gives back as coverage, so that the
-// covered area stays that of the fibre.
-// \param position world position [m], \param tangent unit tangent, \param radius of the fibre [m].
-// \param side -1 or 1: which edge.
+// A vertex of a fibre on the screen.
+struct StrandImage {
+  float4 clip;
+  float2 normal;    // unit, at right angles to the fibre's image
+  float halfWidth;  // of the image [pixels]
+  bool visible;     // else there is no normal
+};
+
 // A tangent along the line of sight takes any direction on the screen. A vertex that is not in
 // front of the eye gets no width; the near plane cuts there.
-StrandCorner expandStrandVertex(StrandView view, float3 position, float3 tangent, float radius,
-                                float side) {
-  StrandCorner corner;
+StrandImage projectStrand(StrandView view, float3 position, float3 tangent, float radius) {
+  StrandImage image;
   float4 p = float4(position, 1.0);
-  corner.clip = float4(dot(view.clipX, p), dot(view.clipY, p), dot(view.clipZ, p),
-                       dot(view.clipW, p));
-  corner.coverage = 1.0;
-  if (!(corner.clip.w > 1e-6)) return corner;
+  image.clip = float4(dot(view.clipX, p), dot(view.clipY, p), dot(view.clipZ, p),
+                      dot(view.clipW, p));
+  image.normal = float2(0.0, 0.0);
+  image.halfWidth = 0.0;
+  image.visible = false;
+  if (!(image.clip.w > 1e-6)) return image;
 
   // Across: at right angles to the fibre and to the line of sight, where the fibre shows its width.
   float3 toEye = view.eye - position;
@@ -54,46 +58,82 @@ StrandCorner expandStrandVertex(StrandView view, float3 position, float3 tangent
   across *= 1.0 / sqrt(max(squared, 1e-30));
 
   // The ribbon is at right angles to the fibre's image, which `across` is only near the centre.
-  float2 width = projectDirection(view, corner.clip, across);
-  float2 along = projectDirection(view, corner.clip, tangent);
+  float2 width = projectDirection(view, image.clip, across);
+  float2 along = projectDirection(view, image.clip, tangent);
   float2 normal = float2(-along.y, along.x);
   // An image shorter than a thousandth of the width is rounding, not a direction.
   if (!(dot(along, along) > 1e-6 * dot(width, width))) normal = width;
   float normalSquared = dot(normal, normal);
-  if (!(normalSquared > 1e-30)) return corner;
+  if (!(normalSquared > 1e-30)) return image;
   normal *= 1.0 / sqrt(normalSquared);
   if (dot(normal, width) < 0.0) normal = -normal;
+  image.normal = normal;
+  image.halfWidth = radius * dot(normal, width);
+  image.visible = true;
+  return image;
+}
 
-  float halfWidth = radius * dot(normal, width);
-  float shown = max(halfWidth, 0.5);
-  corner.coverage = halfWidth / shown;
-  float2 offset = normal * (side * shown) / (view.viewportSize * 0.5);
-  corner.clip.xy += offset * corner.clip.w;
+float4 moveOnScreen(StrandView view, float4 clip, float2 pixels) {
+  float2 offset = pixels / (view.viewportSize * 0.5);
+  clip.xy += offset * clip.w;
+  return clip;
+}
+
+// The corner of a camera-facing ribbon at a vertex of a strand. Its width on the screen is that of
+// the fibre, but never below one pixel: what it gains there it gives back as coverage, so that the
+// covered area stays that of the fibre.
+// \param position world position [m], \param tangent unit tangent, \param radius of the fibre [m].
+// \param side -1 or 1: which edge.
+StrandCorner expandStrandVertex(StrandView view, float3 position, float3 tangent, float radius,
+                                float side) {
+  StrandImage image = projectStrand(view, position, tangent, radius);
+  StrandCorner corner;
+  corner.clip = image.clip;
+  corner.coverage = 1.0;
+  if (!image.visible) return corner;
+  float shown = max(image.halfWidth, 0.5);
+  corner.coverage = image.halfWidth / shown;
+  corner.clip = moveOnScreen(view, image.clip, image.normal * (side * shown));
   return corner;
 }
 
-// Diffuse light on a fibre: the sine of the angle between tangent and light (Kajiya and Kay,
-// "Rendering fur with three dimensional textures", SIGGRAPH 1989, equation 14).
-float fiberDiffuse(float3 tangent, float3 toLight) {
-  float cosine = dot(tangent, toLight);
-  return sqrt(max(1.0 - cosine * cosine, 0.0));
+// A corner of a ribbon that reaches half a pixel past the fibre on both sides: it has all pixels
+// whose unit box, laid across the fibre, the fibre overlaps. Distance and half width are linear on
+// the screen: not every API interpolates without perspective, so hand the pixel stage both times
+// clip.w, and clip.w beside them to divide by.
+struct StrandRibbon {
+  float4 clip;
+  float distance;   // signed, from the centre line [pixels]
+  float halfWidth;  // of the fibre [pixels], >= 0
+};
+
+// Wider images than this are those of fibres that touch the eye.
+static const float kWidestFiber = 32768.0;
+
+// Arguments as for expandStrandVertex.
+StrandRibbon expandStrandRibbon(StrandView view, float3 position, float3 tangent, float radius,
+                                float side) {
+  StrandImage image = projectStrand(view, position, tangent, radius);
+  StrandRibbon ribbon;
+  ribbon.clip = image.clip;
+  ribbon.distance = 0.0;
+  ribbon.halfWidth = 0.0;
+  if (!image.visible) return ribbon;
+  // Neither for a radius that is not a number.
+  if (image.halfWidth > 0.0) ribbon.halfWidth = min(image.halfWidth, kWidestFiber);
+  ribbon.distance = side * (ribbon.halfWidth + 0.5);
+  ribbon.clip = moveOnScreen(view, image.clip, image.normal * ribbon.distance);
+  return ribbon;
 }
 
-// Highlight of a fibre (Kajiya and Kay 1989, equation 16, with the half vector and the shifted
-// tangents of Scheuermann, "Practical real-time hair rendering and shading", SIGGRAPH sketch 2004).
-// \param normal unit vector at right angles to the tangent; \param shift > 0 tilts towards it.
-float fiberSpecular(float3 tangent, float3 normal, float3 toLight, float3 toEye, float shift,
-                    float exponent) {
-  float3 tilted = normalize(tangent + normal * shift);
-  float3 middle = toLight + toEye;
-  float length2 = dot(middle, middle);
-  if (!(length2 > 1e-12)) return 0.0;
-  float cosine = dot(tilted, middle) / sqrt(length2);
-  float sine = sqrt(max(1.0 - cosine * cosine, 0.0));
-  // Fades where the light comes from behind the tilted fibre.
-  float front = smoothstep(-1.0, 0.0, cosine);
-  // pow() of 0 is not defined everywhere.
-  return front * pow(max(sine, 1e-6), max(exponent, 1.0));
+// Share of a pixel that a fibre covers, the pixel taken as a unit box across the fibre: over all
+// distances it sums to the fibre's width, however thin that is.
+// \param distance of the pixel's centre from the centre line, \param halfWidth of the fibre
+// [pixels].
+float ribbonCoverage(float distance, float halfWidth) {
+  float covered = min(distance + 0.5, halfWidth) - max(distance - 0.5, -halfWidth);
+  // Also 0 where it is not a number.
+  return covered > 0.0 ? min(covered, 1.0) : 0.0;
 }
 
 #endif

@@ -1,14 +1,19 @@
-// What strand_vertex hands to strand_pixel, and to an engine's own pixel shader.
+// What strand_vertex hands to the pixel kernels, and to an engine's own pixel shader. Who takes its
+// smooth permutation defines SMOOTH as 1 before, like the kernel itself.
 #ifndef PELAGE_SHADING_STRAND_INTERFACE_HLSLI
 #define PELAGE_SHADING_STRAND_INTERFACE_HLSLI
 
 struct StrandPixel {
   float4 clip : SV_Position;
-  float3 position : TEXCOORD0;  // world [m]
-  float3 tangent : TEXCOORD1;   // unit at the vertices
-  // x 0 at the root to 1 at the tip; y coverage of the ribbon by the fibre, 0..1; z -1..1 across.
+  float3 tangent : TEXCOORD0;  // unit at the vertices
+  float4 color : TEXCOORD1;    // linear rgb, opacity
+  // Without the smooth permutation: x coverage of the ribbon by the fibre, 0..1.
+  // With it: x distance from the centre line, y half the fibre's width [pixels], each times z; z is
+  // the clip w, so that x / z and y / z are linear on the screen.
   float3 ribbon : TEXCOORD2;
+#if !SMOOTH
   nointerpolation uint strand : TEXCOORD3;
+#endif
 };
 
 #endif

@@ -46,7 +46,13 @@ struct HairInternals {
   std::vector<AffineTransform> bones;
   bool bonesChanged = true;
   std::vector<BoneBounds> bounds;
-  float longestStrand = 0;  ///< [m]
+  float longestStrand = 0;   ///< [m]
+  float meanStrand = 0;      ///< mean length [m]
+  float volume = 0;          ///< that the bind shape fills [m3]
+  float followReach = 0;     ///< largest offset of a follow hair at its root, and at its tip
+  float followTipReach = 0;  ///< before the setting's tipSeparation [m]
+  float meanThickness = 1, largestThickness = 1;  ///< of the factors of all strands
+  uint32_t textureWidth = 0, textureHeight = 0;   ///< texels of the base colour's texture
 
   std::vector<CapsuleCollider> colliders, collidersBefore;  ///< of this frame and the last one
   std::vector<std::byte> fieldsBefore;                      ///< contents of the buffer of fields

@@ -6,6 +6,7 @@
 
 #include "pelage/kernels.h"
 #include "scene_frame.h"
+#include "strand_shadow.h"
 
 namespace pelage {
 
@@ -13,10 +14,16 @@ using detail::bytesOf;
 
 namespace {
 
-Float3 normalized(Float3 v, Float3 fallback) {
-  const float length = std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
-  if (!(length > 0) || !std::isfinite(length)) return fallback;
-  return {v.x / length, v.y / length, v.z / length};
+// As kernels/common/color_packing.hlsli reads them.
+std::vector<Uint2> packColors(std::span<const Float4> colors) {
+  const auto unorm = [](float value) {
+    return static_cast<uint32_t>(value > 0 ? std::min(value, 1.0f) * 65535 + 0.5f : 0);
+  };
+  std::vector<Uint2> packed;
+  packed.reserve(colors.size());
+  for (const Float4& c : colors)
+    packed.push_back({unorm(c.x) | unorm(c.y) << 16, unorm(c.z) | unorm(c.w) << 16});
+  return packed;
 }
 
 }  // namespace
@@ -70,6 +77,14 @@ Result<HairId> Scene::addHair(const HairAsset& asset, const HairDef& def) {
     if (!(others[0] >= 0 && others[1] >= 0 && others[0] + others[1] <= 1))
       return refuse("the weights of follow hair " + std::to_string(i) + " are not 0 to 1");
   }
+  const ColorTexture& texture = def.baseTexture;
+  const uint64_t texels = uint64_t{texture.width} * texture.height;
+  if (texture.width > 16384 || texture.height > 16384 || texture.texels.size() != texels)
+    return refuse("its texture has " + std::to_string(texture.texels.size()) + " texels for " +
+                  std::to_string(texture.width) + " x " + std::to_string(texture.height) +
+                  "; at most 16384 x 16384 are taken");
+  if (texels > 0 && asset.strandUv.empty())
+    return refuse("has a texture, but the asset has no strandUv");
   // Checks the rest data, too.
   if (const auto rest = packRest(asset); !rest) return rest.error();
 
@@ -94,6 +109,16 @@ Result<HairId> Scene::addHair(const HairAsset& asset, const HairDef& def) {
   internals.hairsOfGuides.assign(guides, 1);
   for (const FollowHair& follow : def.followHairs) ++internals.hairsOfGuides[follow.guide];
   internals.longestStrand = detail::longestStrand(asset);
+  internals.volume =
+      static_cast<float>(detail::hairVolume(asset.positions, asset.verticesPerStrand));
+  for (const float length : asset.restLengths)
+    internals.meanStrand += length / static_cast<float>(guides);
+  for (const FollowHair& follow : def.followHairs) {
+    const float reach = std::hypot(follow.offset.x, follow.offset.y, follow.offset.z);
+    internals.followReach = std::max(internals.followReach, reach);
+    internals.followTipReach =
+        std::max(internals.followTipReach, reach * std::abs(follow.offset.w));
+  }
 
   const auto add = [&](const char* what, uint64_t count, uint32_t stride,
                        std::vector<std::byte> initial = {},
@@ -148,8 +173,27 @@ Result<HairId> Scene::addHair(const HairAsset& asset, const HairDef& def) {
     thickness.reserve(strands);
     for (const FollowHair& follow : def.followHairs)
       thickness.push_back(asset.strandThickness[follow.guide]);
+    double sum = 0;
+    internals.largestThickness = 0;
+    for (const float factor : thickness) {
+      sum += static_cast<double>(factor);
+      internals.largestThickness = std::max(internals.largestThickness, factor);
+    }
+    internals.meanThickness = static_cast<float>(sum / static_cast<double>(thickness.size()));
     buffers.strandThickness =
         add("strandThickness", thickness.size(), sizeof(float), bytesOf(thickness));
+  }
+
+  if (!asset.vertexColor.empty())
+    buffers.vertexColors = add("vertexColors", asset.vertexColor.size(), sizeof(Uint2),
+                               bytesOf(packColors(asset.vertexColor)));
+  if (texels > 0) {
+    buffers.strandUv =
+        add("strandUv", asset.strandUv.size(), sizeof(Float2), bytesOf(asset.strandUv));
+    buffers.baseTexture =
+        add("baseTexture", texels, sizeof(Uint2), bytesOf(packColors(texture.texels)));
+    internals.textureWidth = texture.width;
+    internals.textureHeight = texture.height;
   }
 
   // One ribbon, shared by all strands: vertex 2 i and 2 i + 1 are the two sides at strand vertex i.
@@ -175,7 +219,8 @@ void Scene::removeHair(HairId id) {
   for (BufferId* buffer :
        {&buffers.positions, &buffers.tangents, &buffers.bindRoots, &buffers.rootTransforms,
         &buffers.rootBindings, &buffers.boneTransforms, &buffers.followStrands,
-        &buffers.strandThickness, &buffers.indices, &buffers.colliders, &buffers.fields})
+        &buffers.strandThickness, &buffers.indices, &buffers.colliders, &buffers.fields,
+        &buffers.vertexColors, &buffers.strandUv, &buffers.baseTexture})
     removeBuffer(*buffer);
   objects_[static_cast<uint32_t>(id)].reset();
 }
@@ -203,70 +248,6 @@ const HairObject& Scene::hair(HairId id) const { return const_cast<Scene*>(this)
 uint32_t Scene::hairCount() const {
   return static_cast<uint32_t>(
       std::count_if(objects_.begin(), objects_.end(), [](const auto& o) { return o != nullptr; }));
-}
-
-Result<void> Scene::draw(const View& view, const Light& light, PassList& list) {
-  if (view.width == 0 || view.height == 0) {
-    return Error{ErrorCode::kInvalidArgument, "the viewport has no pixels"};
-  }
-  for (const auto& held : objects_) {
-    if (held == nullptr || !held->visible) continue;
-    const HairObject& object = *held;
-    const StrandMaterial& m = object.material;
-    const uint32_t strands = std::min(object.drawnStrands, object.strandCount());
-
-    RenderConstants constants = {};
-    std::copy(std::begin(view.worldToClip.rows), std::end(view.worldToClip.rows),
-              std::begin(constants.worldToClip));
-    const Float3 toLight = normalized(light.direction, {0, 1, 0});
-    constants.eye = {view.eye.x, view.eye.y, view.eye.z, 1};
-    constants.viewport = {view.x, view.y, static_cast<float>(view.width),
-                          static_cast<float>(view.height)};
-    constants.lightDirection = {toLight.x, toLight.y, toLight.z, 0};
-    constants.lightColor = {light.color.x, light.color.y, light.color.z, 0};
-    constants.ambientColor = {light.ambient.x, light.ambient.y, light.ambient.z, 0};
-    constants.rootColor = {m.rootColor.x, m.rootColor.y, m.rootColor.z, m.opacity};
-    constants.tipColor = {m.tipColor.x, m.tipColor.y, m.tipColor.z, 1};
-    constants.specular = {m.primaryStrength, m.primaryExponent, m.secondaryStrength,
-                          m.secondaryExponent};
-    constants.specularShift = {m.primaryShift, m.secondaryShift, 0, 0};
-    constants.renderVertexCount = object.vertexCount_;
-    constants.renderStrandCount = object.strandCount();
-    constants.sampleCount = view.samples;
-    constants.seed = view.seed;
-    constants.fiberRadius = m.fiberRadius;
-    constants.tipRadiusRatio = m.tipRadiusRatio;
-    constants.renderGuideCount = object.guideCount_;
-    constants.renderTipSeparation = object.settings.tipSeparation;
-
-    const HairBuffers& buffers = object.buffers_;
-    const bool stored = object.internals_->storesFollowHairs;
-    const uint64_t guides = object.guideCount_;
-    const uint64_t strandBytes = object.vertexCount_ * sizeof(Float4);
-    const uint64_t bytes = (stored ? object.strandCount() : guides) * strandBytes;
-    // Those that the vertex kernel places itself.
-    const uint64_t placed = stored || strands <= guides ? 0 : strands - guides;
-    DrawState state;
-    state.depthCompare = view.reversedDepth ? DepthCompare::kGreater : DepthCompare::kLess;
-    const StrandVertexKey key{.strandThickness = buffers.strandThickness != BufferId::kInvalid,
-                              .followStrands = placed > 0};
-    PassBuilder builder(list);
-    builder
-        .draw(strandVertexVariant(key), strandPixelVariant({}), state,
-              (object.vertexCount_ - 1) * 6, strands, buffers.indices)
-        .bind("g_renderPositions", buffers.positions, bytes)
-        .bind("g_renderTangents", buffers.tangents, bytes)
-        .bind("g_strandThickness", buffers.strandThickness,
-              uint64_t{object.strandCount()} * sizeof(float))
-        .bind("g_renderFollowStrands", buffers.followStrands,
-              uint64_t{object.followCount_} * sizeof(FollowStrand))
-        .bind("g_renderRoots", buffers.rootTransforms, 2 * guides * sizeof(RootTransform))
-        .constants("RenderConstants", constants)
-        .bytes(2 * (strands - placed) * strandBytes + placed * sizeof(FollowStrand) +
-               (placed > 0 ? guides * sizeof(RootTransform) : 0));
-    if (Result<void> added = builder.finish(); !added) return added;
-  }
-  return {};
 }
 
 }  // namespace pelage

@@ -8,6 +8,20 @@
 #include "messages.h"
 
 namespace sample {
+
+namespace {
+
+// Composites fragments instead of samples.
+bool isSorted(pelage::Transparency method) {
+  return method != pelage::Transparency::kAlphaTest && method != pelage::Transparency::kStochastic;
+}
+
+}  // namespace
+
+uint32_t samplesOf(const Options& options) {
+  return options.samples.value_or(isSorted(options.transparency) ? 1 : 4);
+}
+
 namespace {
 
 constexpr double kFastestWind = 1000;  // m/s
@@ -21,6 +35,9 @@ void checkTogether(const Options& options, const std::vector<float>& wind) {
     throw CLI::ValidationError("--bones and --mesh", "need --asset");
   if (options.drawSdf && !options.asset.empty() && options.mesh.empty())
     throw CLI::ValidationError("--draw-sdf", "needs --mesh with --asset");
+  if (isSorted(options.transparency) && samplesOf(options) != 1)
+    throw CLI::ValidationError(
+        "--samples", "is 1 but with --transparency alpha-test and --transparency stochastic");
   if (!options.asset.empty() && options.guides)
     throw CLI::ValidationError("--guides", "is for the generated groom, not for --asset");
   for (const uint32_t size : {options.width, options.height})
@@ -50,7 +67,7 @@ CLI::Validator oneOf(const std::map<std::string, T>& values) {
 std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
   Options options;
   std::vector<float> wind = {0, 0, 0};
-  uint32_t guides = 0, follow = 0;
+  uint32_t guides = 0, follow = 0, samples = 0;
   bool noImages = false;
 
   CLI::App app(
@@ -120,9 +137,33 @@ std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
   app.add_option("--height", options.height, "of the pictures [pixels] (640)")
       ->check(CLI::Range(16u, 16384u).description(""))
       ->type_name("N");
-  app.add_option("--samples", options.samples, "samples a pixel: 1, 2, 4 or 8 (4)")
-      ->check(CLI::IsMember({1u, 2u, 4u, 8u}).description(""))
-      ->type_name("N");
+  const std::map<std::string, pelage::Transparency> transparencies = {
+      {"alpha-test", pelage::Transparency::kAlphaTest},
+      {"stochastic", pelage::Transparency::kStochastic},
+      {"windowed", pelage::Transparency::kWindowed},
+      {"hybrid4", pelage::Transparency::kHybrid4},
+      {"hybrid8", pelage::Transparency::kHybrid8},
+      {"hybrid16", pelage::Transparency::kHybrid16},
+      {"shortcut", pelage::Transparency::kShortCut},
+      {"tiles", pelage::Transparency::kTiles}};
+  app.add_option("--transparency", options.transparency,
+                 "alpha-test, stochastic, windowed, hybrid4, hybrid8, hybrid16, shortcut or tiles "
+                 "(windowed)")
+      ->transform(oneOf(transparencies))
+      ->type_name("METHOD");
+  const std::map<std::string, pelage::HairShadow> shadows = {{"none", pelage::HairShadow::kNone},
+                                                             {"depth", pelage::HairShadow::kDepth},
+                                                             {"deep", pelage::HairShadow::kDeep}};
+  app.add_option("--shadow", options.shadow, "of hair on hair: none, depth or deep (deep)")
+      ->transform(oneOf(shadows))
+      ->type_name("KIND");
+  auto* samplesOption =
+      app.add_option(
+             "--samples", samples,
+             "samples a pixel: 1, 2, 4 or 8 (4 with --transparency alpha-test or stochastic, "
+             "else 1)")
+          ->check(CLI::IsMember({1u, 2u, 4u, 8u}).description(""))
+          ->type_name("N");
   app.add_option("--supersample", options.supersample,
                  "render N times larger and average in linear light, 1..4 (2)")
       ->check(CLI::Range(1u, 4u).description(""))
@@ -143,6 +184,7 @@ std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
     app.parse(argc, argv);
     if (*guidesOption) options.guides = guides;
     if (*followOption) options.follow = follow;
+    if (*samplesOption) options.samples = samples;
     checkTogether(options, wind);
   } catch (const CLI::CallForHelp& help) {
     return app.exit(help);

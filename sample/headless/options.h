@@ -9,6 +9,8 @@
 
 #include "pelage/hair_object.h"
 #include "pelage/headless.h"
+#include "pelage/transparency.h"
+#include "pelage/view.h"
 
 namespace sample {
 
@@ -31,7 +33,9 @@ struct Options {
   uint32_t frames = 240;
   uint32_t every = 10;
   uint32_t width = 640, height = 640;
-  uint32_t samples = 4;
+  std::optional<uint32_t> samples;  ///< what the kind of transparency wants when not given
+  pelage::Transparency transparency = pelage::Transparency::kWindowed;
+  pelage::HairShadow shadow = pelage::HairShadow::kDeep;
   uint32_t supersample = 2;
   bool images = true;
   bool drawSdf = false;
@@ -41,6 +45,9 @@ struct Options {
   std::string commit;
   bool quiet = false;
 };
+
+/// Samples a pixel of the target.
+uint32_t samplesOf(const Options& options);
 
 /// The options, or the exit code of a program that has said what there was to say: help, the
 /// version, or one line on stderr about what is wrong.

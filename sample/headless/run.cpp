@@ -61,11 +61,11 @@ Result<std::unique_ptr<HeadlessDevice>> makeDevice(const Options& options) {
   def.validation = options.validation;
   def.deviceIndex = options.device;
   auto device = createDevice(def);
-  if (device && options.images && ((*device)->info().sampleCounts & options.samples) == 0)
+  if (device && options.images && ((*device)->info().sampleCounts & samplesOf(options)) == 0)
     return Error{
         ErrorCode::kUnsupported,
         fmt::format("{} has no target with {} samples a pixel; use --samples {}",
-                    (*device)->info().name, options.samples, (*device)->info().maxSamples)};
+                    (*device)->info().name, samplesOf(options), (*device)->info().maxSamples)};
   return device;
 }
 
@@ -78,22 +78,35 @@ class FrameLoop {
     const uint32_t height = options.height * options.supersample;
     const Camera camera =
         demo.camera(static_cast<float>(options.width) / static_cast<float>(options.height));
-    view_ = makeView(camera, width, height, options.samples);
-    target_ = {width, height, options.samples, {0, 0, 0, 0}, 1};
+    view_ = makeView(camera, width, height, samplesOf(options));
+    target_.width = width;
+    target_.height = height;
+    target_.samples = samplesOf(options);
+    settings_.method = options.transparency;
+    settings_.maxBytes = uint64_t{4} << 30;
+    settings_.maxBufferBytes = device.info().maxBufferBytes;
+    if (options.transparency == pelage::Transparency::kTiles) {
+      settings_.opaqueDepth = demo.addDepthBuffer(width, height);
+      target_.depthCopy = settings_.opaqueDepth;
+    }
+    demo.light.shadow = options.shadow;
   }
 
   Result<void> simulate() {
     if (Result<void> done = prepare(false); !done) return done;
-    if (Result<void> done = device_.execute(list_, &timings_); !done) return done;
-    figures_.add(list_, timings_);
+    if (Result<void> done = device_.execute(lists_[0], &timings_); !done) return done;
+    figures_.add(lists_, timings_);
     return {};
   }
 
   Result<pelage::RenderedImage> render() {
     if (Result<void> done = prepare(true); !done) return done.error();
-    auto image = device_.render(list_, target_, &timings_);
+    std::vector<const pelage::PassList*> lists;
+    for (const pelage::PassList& list : lists_) lists.push_back(&list);
+    auto image = device_.render(lists, target_, &timings_);
     if (!image) return image;
-    figures_.add(list_, timings_);
+    figures_.add(lists_, timings_);
+    if (Result<void> done = growLists(); !done) return done.error();
     if (Result<void> done = demo_.checkDraw(device_); !done) return done.error();
     return image;
   }
@@ -102,11 +115,30 @@ class FrameLoop {
 
  private:
   Result<void> prepare(bool draw) {
-    if (Result<void> done = demo_.advance(list_); !done) return done;
+    lists_.resize(1);
+    if (Result<void> done = demo_.advance(lists_[0]); !done) return done;
     if (draw)
-      if (Result<void> done = demo_.draw(view_, list_); !done) return done;
-    demo_.finish(list_);
+      if (Result<void> done = demo_.draw(view_, settings_, lists_); !done) return done;
+    for (pelage::PassList& list : lists_) demo_.finish(list);
     return device_.update(demo_.resources());
+  }
+
+  // The next picture's lists have room for what this one's wanted.
+  Result<void> growLists() {
+    const pelage::BufferId counters = demo_.transparencyCounters();
+    const bool grows = settings_.method == pelage::Transparency::kWindowed ||
+                       settings_.method == pelage::Transparency::kTiles;
+    if (!grows || counters == pelage::BufferId::kInvalid) return {};
+    const auto words = device_.read(counters);
+    if (!words) return words.error();
+    const pelage::HairObject& hair = demo_.hair();
+    const auto plan =
+        pelage::planTransparency(view_.width, view_.height, settings_,
+                                 uint64_t{hair.strandCount()} * hair.verticesPerStrand());
+    if (!plan) return plan.error();
+    settings_.nodeCount = pelage::growNodes(
+        pelage::readTransparencyCounters(*words, plan->nodeCount), plan->nodeCount);
+    return {};
   }
 
   const Options& options_;
@@ -114,7 +146,8 @@ class FrameLoop {
   HeadlessDevice& device_;
   pelage::View view_;
   pelage::RenderTargetDef target_;
-  pelage::PassList list_;
+  pelage::TransparencySettings settings_;
+  std::vector<pelage::PassList> lists_;
   std::vector<pelage::PassTiming> timings_;
   Figures figures_;
 };
@@ -152,7 +185,7 @@ void printGroom(const Options& options, const pelage::HairObject& hair) {
   if (options.images)
     fmt::print("images: {}, every {} of {} frames, {} x {}, {} samples\n", options.out.string(),
                options.every, options.frames, options.width, options.height,
-               options.samples * options.supersample * options.supersample);
+               samplesOf(options) * options.supersample * options.supersample);
 }
 
 Result<void> checkMessages(const Options& options, const HeadlessDevice& device) {

@@ -277,14 +277,29 @@ Result<void> DemoScene::advance(pelage::PassList& list) {
   return {};
 }
 
+Result<void> DemoScene::drawMesh(const pelage::View& view, pelage::PassList& list) {
+  if (collider_ != pelage::ColliderId::kInvalid)
+    return scene_.drawCollider(collider_, view, light, {}, list);
+  if (mesh_) return mesh_->draw(view, light, list);
+  return {};
+}
+
 Result<void> DemoScene::draw(const pelage::View& view, pelage::PassList& list) {
-  if (collider_ != pelage::ColliderId::kInvalid) {
-    if (Result<void> done = scene_.drawCollider(collider_, view, light, {}, list); !done)
-      return done;
-  } else if (mesh_) {
-    if (Result<void> done = mesh_->draw(view, light, list); !done) return done;
-  }
+  if (Result<void> done = drawMesh(view, list); !done) return done;
   return scene_.draw(view, light, list);
+}
+
+Result<void> DemoScene::draw(const pelage::View& view, const pelage::TransparencySettings& settings,
+                             std::vector<pelage::PassList>& lists) {
+  if (lists.empty()) lists.resize(1);
+  if (Result<void> done = drawMesh(view, lists[0]); !done) return done;
+  return scene_.draw(view, {&light, 1}, settings, lists);
+}
+
+pelage::BufferId DemoScene::addDepthBuffer(uint32_t width, uint32_t height) {
+  return scene_.resources().add({.name = "opaque depth",
+                                 .size = uint64_t{width} * height * sizeof(float),
+                                 .stride = sizeof(float)});
 }
 
 Result<void> DemoScene::checkDraw(pelage::HeadlessDevice& device) const {

@@ -35,8 +35,11 @@ class DemoScene {
   /// Writes the passes of the next frame into a list, which is cleared first: the pose of the head
   /// at the frame's end and one simulation step.
   pelage::Result<void> advance(pelage::PassList& list);
-  /// Adds the draws of mesh and hair.
+  /// Adds the draws of mesh and hair, without sorting.
   pelage::Result<void> draw(const pelage::View& view, pelage::PassList& list);
+  /// Adds them to lists that run one after another. lists[0] keeps what it has.
+  pelage::Result<void> draw(const pelage::View& view, const pelage::TransparencySettings& settings,
+                            std::vector<pelage::PassList>& lists);
   /// With DemoDef::drawSdf, after draw() has run: an error when the surface was too large to be
   /// drawn as a whole.
   pelage::Result<void> checkDraw(pelage::HeadlessDevice& device) const;
@@ -46,6 +49,9 @@ class DemoScene {
   /// A camera that sees the bind shape in every pose of the motion.
   Camera camera(float aspect) const;
 
+  /// A buffer for the depth of the mesh, for TransparencySettings::opaqueDepth.
+  pelage::BufferId addDepthBuffer(uint32_t width, uint32_t height);
+  pelage::BufferId transparencyCounters() const { return scene_.transparencyCounters(); }
   const pelage::ResourceTable& resources() const { return scene_.resources(); }
   pelage::HairObject& hair() { return scene_.hair(hair_); }
   const pelage::HairObject& hair() const { return scene_.hair(hair_); }
@@ -56,6 +62,7 @@ class DemoScene {
 
  private:
   DemoScene() = default;
+  pelage::Result<void> drawMesh(const pelage::View& view, pelage::PassList& list);
   pelage::Result<void> addMesh(const DemoAssets& assets);
   pelage::Result<void> addCollider(const DemoAssets& assets);
   std::vector<pelage::AffineTransform> pose(double seconds) const;

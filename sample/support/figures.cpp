@@ -58,6 +58,17 @@ double PassFigure::gigabytesPerSecond() const {
   return static_cast<double>(bytes) / (time * 1e6);
 }
 
+void Figures::add(const std::vector<pelage::PassList>& lists,
+                  const std::vector<pelage::PassTiming>& timings) {
+  size_t first = 0;
+  for (const pelage::PassList& list : lists) {
+    const size_t last = std::min(first + list.passes.size(), timings.size());
+    add(list, {timings.begin() + static_cast<std::ptrdiff_t>(first),
+               timings.begin() + static_cast<std::ptrdiff_t>(last)});
+    first = last;
+  }
+}
+
 void Figures::add(const pelage::PassList& list, const std::vector<pelage::PassTiming>& timings) {
   for (size_t i = 0; i < list.passes.size(); ++i) {
     const pelage::Pass& pass = list.passes[i];

@@ -30,6 +30,9 @@ class Figures {
  public:
   /// Adds a list that ran. `timings` is what the device gave for it.
   void add(const pelage::PassList& list, const std::vector<pelage::PassTiming>& timings);
+  /// The same for lists that ran one after another.
+  void add(const std::vector<pelage::PassList>& lists,
+           const std::vector<pelage::PassTiming>& timings);
   /// In the order in which the names came first.
   const std::vector<PassFigure>& passes() const { return passes_; }
   /// Lines for a person: one a pass name.

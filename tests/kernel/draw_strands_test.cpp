@@ -36,17 +36,23 @@ class DrawStrands : public GpuTest {
     const Matrix4 clip = lookAt({0, 0, 1}, {0, 0, 0}, {0, 1, 0}, kFov,
                                 static_cast<float>(kWidth) / kHeight, 0.1f, 10.0f);
     worldToClip_ = toMatrix(clip);
-    std::copy(std::begin(clip.rows), std::end(clip.rows), std::begin(constants_.worldToClip));
-    constants_.eye = {0, 0, 1, 1};
-    constants_.viewport = {0, 0, kWidth, kHeight};
-    constants_.lightDirection = {0, 0, 1, 0};
-    constants_.ambientColor = {1, 1, 1, 0};
+    std::copy(std::begin(clip.rows), std::end(clip.rows), std::begin(view_.worldToClip));
+    const Eigen::Matrix4d inverse = worldToClip_.inverse();
+    for (int row = 0; row < 4; ++row) {
+      const Eigen::Vector4f r = inverse.row(row).cast<float>();
+      view_.clipToWorld[row] = {r.x(), r.y(), r.z(), r.w()};
+    }
+    view_.eye = {0, 0, 1, 1};
+    view_.viewport = {0, 0, kWidth, kHeight};
+    view_.ambientColor = {1, 1, 1, 0};
+    view_.seed = 5;
+    constants_.shadingBody = {0, 1, 0, 0};
     constants_.rootColor = {1, 1, 1, 1};
     constants_.tipColor = {1, 1, 1, 1};
-    constants_.specular = {0, 1, 0, 1};
+    constants_.renderGuideCount = 1;
+    constants_.strandWidening = 1;
     constants_.renderVertexCount = kVertices;
     constants_.tipRadiusRatio = 1;
-    constants_.seed = 5;
   }
 
   RenderedImage draw(const std::vector<Strand>& strands, uint32_t samples,
@@ -69,11 +75,13 @@ class DrawStrands : public GpuTest {
       for (const uint32_t corner : {0u, 1u, 2u, 2u, 1u, 3u}) indices.push_back(2 * v + corner);
     const auto strandCount = static_cast<uint32_t>(positions.size() / kVertices);
     constants_.renderStrandCount = strandCount;
-    constants_.sampleCount = samples;
+    constants_.drawnStrands = static_cast<float>(strandCount);
+    view_.sampleCount = samples;
 
     const GuardedBuffer<Float4> positionBuffer(gpu(), "positions", positions);
     const GuardedBuffer<Float4> tangentBuffer(gpu(), "tangents", tangents);
     const GuardedBuffer<float> thicknessBuffer(gpu(), "thickness", thickness);
+    const GuardedBuffer<uint32_t> shadowBuffer(gpu(), "shadows", {0, 0, 0, 0});
     BufferDesc desc;
     desc.name = "indices";
     desc.size = indices.size() * sizeof(uint32_t);
@@ -87,12 +95,14 @@ class DrawStrands : public GpuTest {
     PassList list;
     PassBuilder builder(list);
     builder.draw(strandVertexVariant({.strandThickness = !thickness.empty()}),
-                 strandPixelVariant({}), DrawState{}, static_cast<uint32_t>(indices.size()),
-                 strandCount, indexBuffer);
+                 strandPixelVariant({.stochastic = true}), DrawState{},
+                 static_cast<uint32_t>(indices.size()), strandCount, indexBuffer);
     positionBuffer.bindTo(builder, "g_renderPositions");
     tangentBuffer.bindTo(builder, "g_renderTangents");
     thicknessBuffer.bindTo(builder, "g_strandThickness");
+    shadowBuffer.bindTo(builder, "g_shadowWords");
     builder.constants("RenderConstants", constants_);
+    builder.constants("StrandViewConstants", view_);
     expectOk(builder.finish());
     gpu().hazards.resolve(list);
     RenderTargetDef target;
@@ -160,6 +170,7 @@ class DrawStrands : public GpuTest {
   static double radiusOf(double pixels) { return pixels * std::tan(kFov / 2) / kHeight; }
 
   RenderConstants constants_ = {};
+  StrandViewConstants view_ = {};
   Eigen::Matrix4d worldToClip_;
 };
 
@@ -243,27 +254,31 @@ uint32_t pcg(uint32_t value) {
 
 TEST_P(DrawStrands, AreLitAsTheReference) {
   constants_.fiberRadius = static_cast<float>(radiusOf(12));
-  constants_.ambientColor = {0.1f, 0.2f, 0.3f, 0};
-  constants_.lightColor = {1.5f, 1.2f, 0.9f, 0};
+  view_.ambientColor = {0.1f, 0.2f, 0.3f, 0};
+  view_.lightCount = 1;
+  view_.lightColors[0] = {1.5f, 1.2f, 0.9f, 0};
+  view_.lightShadows[0].x = ~0u;
   constants_.rootColor = {0.5f, 0.3f, 0.2f, 1};
   constants_.tipColor = {0.5f, 0.3f, 0.2f, 1};
-  constants_.specular = {0.5f, 40, 0.6f, 9};
-  constants_.specularShift = {-0.06f, 0.12f, 0, 0};
+  constants_.strandVariation = 0.15f;
+  constants_.shadingBody = {1, 1, 0, 0};
+  constants_.shadingPrimary = {0.5f, 40, -0.06f, 0};
+  constants_.shadingSecondary = {0.6f, 9, 0.12f, 1};
   reference::FiberLight light;
-  light.lightColor = toVector(constants_.lightColor);
-  light.ambient = toVector(constants_.ambientColor);
+  light.lightColor = toVector(view_.lightColors[0]);
+  light.ambient = toVector(view_.ambientColor);
   light.primaryStrength = 0.5;
   light.primaryExponent = 40;
-  light.primaryShift = double{-0.06f};
+  light.primaryShift = double{0.06f};  // the tilt of the normal, against the highlight's way
   light.secondaryStrength = double{0.6f};
   light.secondaryExponent = 9;
-  light.secondaryShift = double{0.12f};
+  light.secondaryShift = double{-0.12f};
   const double random = (pcg(0) >> 8) * 0x1p-24 * 2 - 1;
   const Vector3d hair = toVector(constants_.rootColor) * (1 + 0.15 * random);
   Random directions(3);
   for (int i = 0; i < 20; ++i) {
     light.toLight = directions.vector(1).normalized();
-    constants_.lightDirection = toFloat4(light.toLight);
+    view_.lightDirections[0] = toFloat4(light.toLight);
     const Vector3d tangent = Vector3d(directions.between(-1, 1), directions.between(-1, 1),
                                       directions.between(-0.3, 0.3))
                                  .normalized();
@@ -272,8 +287,9 @@ TEST_P(DrawStrands, AreLitAsTheReference) {
     const Float4& pixel = image.pixels[kHeight / 2 * kWidth + kWidth / 2];
     const double pixelSize = 2 * std::tan(double{kFov} / 2) / kHeight;
     const Eigen::Vector2d beside(0.5 * pixelSize, -0.5 * pixelSize);
-    const Vector3d point =
-        tangent * beside.dot(tangent.head<2>()) / tangent.head<2>().squaredNorm();
+    // As deep as the strand is there.
+    const double along = beside.dot(tangent.head<2>()) / tangent.head<2>().squaredNorm();
+    const Vector3d point(beside.x(), beside.y(), along * tangent.z());
     const Vector3d expected = light.shade(tangent, (Vector3d(0, 0, 1) - point).normalized(), hair);
     for (int c = 0; c < 3; ++c)
       EXPECT_NEAR(toVector(pixel)[c], expected[c], 0.004 + 0.004 * expected[c])

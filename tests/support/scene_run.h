@@ -52,6 +52,7 @@ class SceneRun {
     PassList list;
     expectOk(scene.draw(view, {}, list));
     scene.finish(list);
+    expectOk(device_->update(scene.resources()));
     RenderTargetDef target;
     target.width = target.height = pixels;
     Result<RenderedImage> image = device_->render(list, target);

@@ -1,0 +1,97 @@
+// How hair is drawn over what is behind it, what that costs in memory, and how full its memory was.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "pelage/pass_list.h"
+#include "pelage/result.h"
+
+namespace pelage {
+
+enum class Transparency : uint8_t {
+  /// Fragments are opaque, or left out where they cover less of the pixel than a threshold of the
+  /// strand's own. The cheapest.
+  kAlphaTest,
+  /// As many samples of a pixel are written as the fibre covers, picked at random; wants a target
+  /// of several samples.
+  kStochastic,
+  /// The exact composite: per-pixel linked lists, resolved in windows of the nearest fragments.
+  kWindowed,
+  /// The nearest 4, 8 or 16 fragments of a pixel exactly, the others averaged behind them, in a
+  /// fixed amount of memory: 8 bytes a pixel for each fragment kept, and 16. Draws the strands
+  /// twice.
+  kHybrid4,
+  kHybrid8,
+  kHybrid16,
+  /// The nearest 3 fragments, the others with their mean colour: 28 bytes a pixel. Draws the
+  /// strands
+  /// twice, and writes the depth of the third fragment into the target.
+  kShortCut,
+  /// The exact composite without the hardware's rasteriser and without lists: strands are sorted
+  /// into tiles, each of which is composited in the memory of a group. 48 bytes a vertex of the
+  /// hair
+  /// in view, 8 a pixel, and 4 for each segment in each tile that it touches. See opaqueDepth.
+  kTiles,
+};
+
+struct TransparencySettings {
+  Transparency method = Transparency::kWindowed;
+  /// Bytes that a method's buffers may take; lists get fewer nodes where it is short. The buffers
+  /// are made by the first draw that needs them.
+  uint64_t maxBytes = uint64_t{512} << 20;
+  /// Bytes that a kernel can have bound of one buffer. Every Vulkan and GL device takes 128 MiB;
+  /// most take more (VkPhysicalDeviceLimits::maxStorageBufferRange,
+  /// GL_MAX_SHADER_STORAGE_BLOCK_SIZE, DeviceInfo::maxBufferBytes).
+  uint64_t maxBufferBytes = uint64_t{128} << 20;
+  /// Lists: fragments that they have room for; 0 takes 8 a pixel of the view. Tiles: segments in
+  /// tiles; 0 takes 6 a vertex. See growNodes().
+  uint32_t nodeCount = 0;
+  /// Lists: fragments without room are averaged, behind those that have it; costs 16 bytes a pixel.
+  /// Otherwise they are left out.
+  bool spillTail = true;
+  /// Lists and tiles: where less than this comes through, nothing is looked for behind, 0..1.
+  float epsilon = 0.5f / 255;
+  /// Tiles: depth of what is opaque, a float for each pixel of the view, row 0 the top row. The
+  /// engine fills it after lists[0] and before lists[1]. Without it nothing occludes hair.
+  BufferId opaqueDepth = BufferId::kInvalid;
+};
+
+/// What the buffers of a method take for a view.
+struct TransparencyPlan {
+  uint32_t nodeCount = 0;  ///< of lists; of tiles the segments in them
+  uint64_t bytes = 0;      ///< of all buffers
+};
+
+/// Largest number of nodes that lists may have.
+inline constexpr uint32_t kMaxListNodes = 0x3ffffff;
+
+/// Errors: a view without pixels or of more than 2^28; an epsilon that is not 0..1; a cap that is
+/// too small for one node, or for the layers of a method that keeps a fixed number, with what is
+/// needed.
+/// \param strandVertices of the strands in view, for tiles alone.
+Result<TransparencyPlan> planTransparency(uint32_t width, uint32_t height,
+                                          const TransparencySettings& settings,
+                                          uint64_t strandVertices = 0);
+
+/// What the lists of the last frame held, or the tiles: they have segments in tiles for fragments,
+/// and a tile whose segments do not all fit is left empty.
+struct TransparencyCounters {
+  uint32_t fragments = 0;  ///< that wanted a node
+  uint32_t spilled = 0;    ///< of them without room
+  uint32_t tiles = 0;      ///< of 8 x 8 pixels that had hair
+};
+
+/// Reads the counters from what Scene::transparencyCounters() holds, read back: those of the last
+/// frame that the GPU has finished. Copy them when your engine reads back, and use them a frame
+/// late. Asserts on fewer than 32 bytes.
+/// \param nodeCount that the lists of that frame had.
+TransparencyCounters readTransparencyCounters(std::span<const std::byte> words, uint32_t nodeCount);
+
+/// A number of nodes for the next frames: a quarter more than there were fragments, where some
+/// spilled or less than a third of the nodes was used; otherwise the same one, so that buffers are
+/// not made anew every frame.
+uint32_t growNodes(const TransparencyCounters& counters, uint32_t nodeCount);
+
+}  // namespace pelage

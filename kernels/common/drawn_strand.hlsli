@@ -1,0 +1,71 @@
+// Vertices of strands whose follow strands are placed beside their guides where they are needed, as
+// update_follow_strands places those that are stored; no resources. Who includes this defines:
+//   STRAND_POSITIONS, STRAND_VERTEX_COUNT
+// with FOLLOW_STRANDS, whose buffer of positions has the guides alone, also
+//   STRAND_FOLLOW_STRANDS, STRAND_ROOTS, STRAND_GUIDE_COUNT, STRAND_TIP_SEPARATION
+// and, where tangents are needed, STRAND_TANGENTS.
+#ifndef PELAGE_COMMON_DRAWN_STRAND_HLSLI
+#define PELAGE_COMMON_DRAWN_STRAND_HLSLI
+
+#include "quaternion.hlsli"
+
+struct DrawnVertex {
+  float3 position;  // [m]
+  float3 tangent;   // (0, 1, 0) without STRAND_TANGENTS
+  bool known;       // false for a follow strand without a guide
+};
+
+#if FOLLOW_STRANDS
+float4 guidePosition(uint guide, uint vertex) {
+  return STRAND_POSITIONS[guide * STRAND_VERTEX_COUNT + vertex];
+}
+#endif
+
+float3 storedTangent(uint strand, uint vertex) {
+#ifdef STRAND_TANGENTS
+  return STRAND_TANGENTS[strand * STRAND_VERTEX_COUNT + vertex].xyz;
+#else
+  return float3(0.0, 1.0, 0.0);
+#endif
+}
+
+#if FOLLOW_STRANDS
+float3 guideTangent(uint guide, uint vertex) { return storedTangent(guide, vertex); }
+
+float4 guideRotation(uint guide) {
+  RootTransform root = STRAND_ROOTS[guide];
+  if (!isPose(root.rotation, root.position.xyz)) root = STRAND_ROOTS[STRAND_GUIDE_COUNT + guide];
+  float4 rotation = float4(0.0, 0.0, 0.0, 1.0);
+  if (isPose(root.rotation, root.position.xyz)) rotation = normalizeQuaternion(root.rotation);
+  return rotation;
+}
+
+#include "follow_vertex.hlsli"
+#endif
+
+// \param vertex < STRAND_VERTEX_COUNT.
+DrawnVertex drawnVertex(uint strand, uint vertex) {
+  DrawnVertex drawn;
+  drawn.position = float3(0.0, 0.0, 0.0);
+  drawn.tangent = float3(0.0, 1.0, 0.0);
+  drawn.known = true;
+#if FOLLOW_STRANDS
+  if (strand >= STRAND_GUIDE_COUNT) {
+    FollowStrand follow = STRAND_FOLLOW_STRANDS[strand - STRAND_GUIDE_COUNT];
+    GuideVertex guides =
+        loadGuides(follow.guides, follow.weights, vertex, STRAND_VERTEX_COUNT, STRAND_GUIDE_COUNT);
+    drawn.known = guides.known;
+    if (!guides.known) return drawn;
+    FollowVertex placed =
+        followVertex(guides, follow.offset, STRAND_TIP_SEPARATION, vertex, STRAND_VERTEX_COUNT);
+    drawn.position = placed.position;
+    drawn.tangent = placed.tangent;
+    return drawn;
+  }
+#endif
+  drawn.position = STRAND_POSITIONS[strand * STRAND_VERTEX_COUNT + vertex].xyz;
+  drawn.tangent = storedTangent(strand, vertex);
+  return drawn;
+}
+
+#endif

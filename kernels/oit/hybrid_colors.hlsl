@@ -1,0 +1,44 @@
+// Lights the fragments of hair: those of the nearest depths into their layers, the others into the
+// pixel's tail.
+//
+// Reads:   RenderConstants, StrandViewConstants, HybridColorsConstants, g_foundDepths, g_shadowWords
+// Writes:  g_hybridColors, g_hybridTail
+//
+// Invariant (tests/oit): every fragment of alpha > 0 is in one layer or in the tail.
+#include "../layouts/hybrid_colors.hlsli"
+#include "../layouts/render.hlsli"
+#include "../shading/strand_alpha.hlsli"
+#include "layer_packing.hlsli"
+#include "spill_tail.hlsli"
+#define LAYER_DEPTHS g_foundDepths
+#define LAYER_COLORS g_hybridColors
+#include "insert_layer.hlsli"
+#define SHADOW_WORDS g_shadowWords
+#include "../shading/light_strand.hlsli"
+
+[earlydepthstencil]
+void hybrid_colors(StrandPixel strand) {
+  uint alpha = layerAlphaOf(strandAlpha(strand));
+  if (alpha == 0u) return;
+  uint pixel = layerPixel(strand.clip.xy, g_viewport.xy, g_colorsWidth, g_colorsHeight);
+  if (pixel == kNoPixel) return;
+  uint key = layerKey(strand.clip.z, g_reversedDepth != 0u);
+  float3 light = lightStrand(
+      renderShading(), strandSurface(fragmentPosition(strand.clip.xy - g_viewport.xy, strand.clip.z),
+                                     strand.tangent, saturate(strand.color.rgb)));
+  uint layer = packLayer(light, alpha);
+
+  // The first key that is not nearer; there is a power of two of them.
+  uint first = g_colorsLayers * pixel;
+  uint place = 0u;
+  for (uint step = g_colorsLayers >> 1; step > 0u; step >>= 1) {
+    if (g_foundDepths[first + place + step - 1u] < key) place += step;
+  }
+  uint left = insertLayer(first, first, place, g_colorsLayers, key, layer);
+  if (left == 0u) return;
+  uint4 tail = tailOf(lightOfLayer(left), alphaOfLayer(left));
+  InterlockedAdd(g_hybridTail[4u * pixel], tail.x);
+  InterlockedAdd(g_hybridTail[4u * pixel + 1u], tail.y);
+  InterlockedAdd(g_hybridTail[4u * pixel + 2u], tail.z);
+  InterlockedAdd(g_hybridTail[4u * pixel + 3u], tail.w);
+}

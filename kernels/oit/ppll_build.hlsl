@@ -1,0 +1,63 @@
+// Adds a fragment of hair to the list of its pixel.
+//
+// Reads:   RenderConstants, StrandViewConstants, PPLLBuildConstants
+// Writes:  g_listHeads, g_listNodes, g_listCounters, g_listTiles; with TAIL g_listTail
+//
+// A fragment without room for a node goes to the pixel's tail, lit and averaged, or nowhere without
+// one; the counter of nodes tells how many there were. Nothing is linked before its node is known to
+// be in bounds (K35).
+//
+// Invariant (tests/kernel): every fragment of alpha > 0 is in exactly one list or tail, whatever
+// the capacity.
+#include "../layouts/ppll_build.hlsli"
+#include "../layouts/render.hlsli"
+#include "../shading/strand_alpha.hlsli"
+#include "fragment_packing.hlsli"
+#include "ppll_counters.hlsli"
+#include "spill_tail.hlsli"
+#define SHADOW_WORDS g_shadowWords
+#include "../shading/light_strand.hlsli"
+
+[earlydepthstencil]
+void ppll_build(StrandPixel strand) {
+  float alpha = strandAlpha(strand);
+  uint shape = packShape(strand.tangent, alpha);
+  if (!(alphaOfShape(shape) > 0.0)) return;
+  // The pixel's place in the target, whatever part of it the viewport is.
+  int2 at = int2(strand.clip.xy) - int2(g_viewport.xy);
+  if (at.x < 0 || at.y < 0 || uint(at.x) >= g_listWidth || uint(at.y) >= g_listHeight) return;
+  uint pixel = uint(at.y) * g_listWidth + uint(at.x);
+
+  uint tile = (uint(at.y) >> 3) * g_listTileColumns + (uint(at.x) >> 3);
+  if (g_listTiles[tile] == 0u) {
+    uint before;
+    InterlockedExchange(g_listTiles[tile], 1u, before);
+    if (before == 0u) {
+      uint place;
+      InterlockedAdd(g_listCounters[kCounterTiles], 1u, place);
+      uint tiles = g_listTileColumns * ((g_listHeight + 7u) >> 3);
+      g_listTiles[tiles + place] = tile;
+    }
+  }
+
+  uint node;
+  InterlockedAdd(g_listCounters[kCounterNodes], 1u, node);
+  if (node < g_nodeCapacity) {
+    uint next;
+    InterlockedExchange(g_listHeads[pixel], node + 1u, next);
+    g_listNodes[node] =
+        uint4(packLink(next, g_materialIndex), depthKey(strand.clip.z, g_reversedDepth != 0u),
+              shape, packColor(strand.color.rgb));
+    return;
+  }
+#if TAIL
+  float3 light = lightStrand(
+      renderShading(), strandSurface(fragmentPosition(strand.clip.xy - g_viewport.xy, strand.clip.z),
+                                     strand.tangent, saturate(strand.color.rgb)));
+  uint4 tail = tailOf(light, alphaOfShape(shape));
+  InterlockedAdd(g_listTail[4u * pixel], tail.x);
+  InterlockedAdd(g_listTail[4u * pixel + 1u], tail.y);
+  InterlockedAdd(g_listTail[4u * pixel + 2u], tail.z);
+  InterlockedAdd(g_listTail[4u * pixel + 3u], tail.w);
+#endif
+}

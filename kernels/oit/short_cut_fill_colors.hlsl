@@ -1,0 +1,34 @@
+// ShortCut, third pass: lights the three nearest fragments of each pixel.
+//
+// Reads:   RenderConstants, StrandViewConstants, ShortCutFillColorsConstants, g_fillDepths,
+//          g_shadowWords
+// Writes:  g_shortCutColors
+#include "../layouts/render.hlsli"
+#include "../layouts/short_cut_fill_colors.hlsli"
+#include "../shading/strand_alpha.hlsli"
+#include "layer_packing.hlsli"
+#define LAYER_DEPTHS g_fillDepths
+#define LAYER_COLORS g_shortCutColors
+#include "insert_layer.hlsli"
+#define SHADOW_WORDS g_shadowWords
+#include "../shading/light_strand.hlsli"
+
+[earlydepthstencil]
+void short_cut_fill_colors(StrandPixel strand) {
+  uint alpha = layerAlphaOf(strandAlpha(strand));
+  if (alpha == 0u) return;
+  uint pixel = layerPixel(strand.clip.xy, g_viewport.xy, g_fillWidth, g_fillHeight);
+  if (pixel == kNoPixel) return;
+  uint key = layerKey(strand.clip.z, g_reversedDepth != 0u);
+  uint3 keys = uint3(g_fillDepths[4u * pixel], g_fillDepths[4u * pixel + 1u],
+                     g_fillDepths[4u * pixel + 2u]);
+  // The first key that is not nearer. Not a loop: with one that invocations leave at different turns,
+  // llvmpipe of Mesa 22.3 found the wrong place.
+  uint place = (keys.x < key ? 1u : 0u) + (keys.y < key ? 1u : 0u) + (keys.z < key ? 1u : 0u);
+  if (keys.x != key && keys.y != key && keys.z != key) return;
+  float3 light = lightStrand(
+      renderShading(), strandSurface(fragmentPosition(strand.clip.xy - g_viewport.xy, strand.clip.z),
+                                     strand.tangent, saturate(strand.color.rgb)));
+  // More of one depth than there are slots for count by their transmittance alone.
+  insertLayer(4u * pixel, 3u * pixel, place, 3u, key, packLayer(light, alpha));
+}

@@ -1,0 +1,32 @@
+// ShortCut, second pass: writes the third nearest depth of a pixel, so that the fragments behind it
+// fail the depth test of the next pass before they are lit.
+//
+// Reads:   ShortCutResolveDepthConstants, g_thirdDepths
+// Writes:  SV_Depth
+#include "../layouts/oit_tiles.hlsli"
+#include "../layouts/short_cut_resolve_depth.hlsli"
+#include "layer_composite.hlsli"
+#include "oit_tile_interface.hlsli"
+
+// The depth is written that much behind the fragment, for it to pass the test in targets of 16 bits,
+// and where the test's depth is rounded in another way than the kernel's. What lies between is lit
+// and then found to be none of the three.
+static const float kDepthMargin = 1.5 / 65535.0;
+
+struct DepthPixel {
+  float depth : SV_Depth;
+};
+
+DepthPixel short_cut_resolve_depth(OitTilePixel tile) {
+  DepthPixel result;
+  result.depth = 0.0;
+  uint pixel = layerPixel(tile.clip.xy, g_thirdOrigin, g_thirdWidth, g_thirdHeight);
+  if (pixel == kNoPixel) discard;
+  uint third = g_thirdDepths[pixel == kNoPixel ? 0u : pixel].z;
+  // With fewer than three there is nothing behind.
+  if (third == kNoDepth) discard;
+  bool reversed = g_thirdReversed != 0u;
+  float depth = depthOfKey(third, reversed);
+  result.depth = saturate(reversed ? depth - kDepthMargin : depth + kDepthMargin);
+  return result;
+}

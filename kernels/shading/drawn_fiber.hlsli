@@ -1,0 +1,125 @@
+// What a strand is drawn as at a vertex: place, radius and colour. The includer has the layouts of
+// group render, and the permutations STRAND_THICKNESS, FOLLOW_STRANDS, VERTEX_COLORS and
+// BASE_TEXTURE.
+#ifndef PELAGE_SHADING_DRAWN_FIBER_HLSLI
+#define PELAGE_SHADING_DRAWN_FIBER_HLSLI
+
+#include "../common/color_packing.hlsli"
+#include "../common/quaternion.hlsli"
+#include "../common/random_hash.hlsli"
+#include "../layouts/render.hlsli"
+#include "strand_common.hlsli"
+#define STRAND_POSITIONS g_renderPositions
+#define STRAND_TANGENTS g_renderTangents
+#define STRAND_VERTEX_COUNT g_renderVertexCount
+#define STRAND_FOLLOW_STRANDS g_renderFollowStrands
+#define STRAND_ROOTS g_renderRoots
+#define STRAND_GUIDE_COUNT g_renderGuideCount
+#define STRAND_TIP_SEPARATION g_renderTipSeparation
+#include "../common/drawn_strand.hlsli"
+
+#if BASE_TEXTURE
+float4 texelAt(int2 at) {
+  int2 size = int2(g_textureSize);
+  // Coordinates run from -1 to the size.
+  int2 wrapped = int2(at.x < 0 ? size.x - 1 : (at.x >= size.x ? 0 : at.x),
+                      at.y < 0 ? size.y - 1 : (at.y >= size.y ? 0 : at.y));
+  return unpackColor(g_baseTexture[uint(wrapped.y * size.x + wrapped.x)]);
+}
+
+// Between the four nearest texels; the texture repeats.
+float4 textureAt(float2 uv) {
+  float2 place = (uv - floor(uv)) * float2(g_textureSize);
+  // Not a number, and what floats make of a UV just below 0.
+  place.x = place.x > 0.0 ? min(place.x, float(g_textureSize.x)) : 0.0;
+  place.y = place.y > 0.0 ? min(place.y, float(g_textureSize.y)) : 0.0;
+  place -= 0.5;
+  float2 low = floor(place);
+  float2 share = place - low;
+  int2 at = int2(low);
+  return lerp(lerp(texelAt(at), texelAt(at + int2(1, 0)), share.x),
+              lerp(texelAt(at + int2(0, 1)), texelAt(at + int2(1, 1)), share.x), share.y);
+}
+#endif
+
+float4 strandColor(uint strand, uint guide, uint vertex, float along) {
+  float random = unitFloat(hashUint(strand)) * 2.0 - 1.0;
+  float4 color = float4(lerp(g_rootColor.rgb, g_tipColor.rgb, along) *
+                            (1.0 + g_strandVariation * random),
+                        g_rootColor.a);
+#if VERTEX_COLORS
+  color *= unpackColor(g_vertexColors[guide * g_renderVertexCount + vertex]);
+#endif
+#if BASE_TEXTURE
+  color *= textureAt(g_strandUv[guide]);
+#endif
+  return color;
+}
+
+// What the strand's width is multiplied with.
+float strandWidth(uint strand) {
+  float left = g_drawnStrands - float(strand);
+  return g_strandWidening * (g_fadingStrands > 0.0 ? saturate(left / g_fadingStrands)
+                                                   : (left > 0.0 ? 1.0 : 0.0));
+}
+
+// The vertex, or known = false where it is not finite, too.
+DrawnVertex finiteVertex(uint strand, uint vertex) {
+  DrawnVertex drawn = drawnVertex(strand, vertex);
+  drawn.known = drawn.known && dot(abs(drawn.position), float3(1.0, 1.0, 1.0)) < 1e18;
+  return drawn;
+}
+
+struct DrawnFiber {
+  float3 position;  // world [m]
+  float3 tangent;   // unit
+  float4 color;     // linear rgb, opacity
+  float radius;     // [m]
+  bool known;       // false: the strand is not drawn
+};
+
+// \param strand, \param vertex of those that there are.
+DrawnFiber drawnFiber(uint strand, uint vertex) {
+  DrawnFiber fiber;
+  fiber.position = float3(0.0, 0.0, 0.0);
+  fiber.tangent = float3(0.0, 1.0, 0.0);
+  fiber.color = float4(0.0, 0.0, 0.0, 0.0);
+  fiber.radius = 0.0;
+  DrawnVertex at = finiteVertex(strand, vertex);
+  // A vertex that is not finite goes where the nearest one is that is.
+  for (uint apart = 1u; !at.known && apart < g_renderVertexCount; ++apart) {
+    if (vertex >= apart) at = finiteVertex(strand, vertex - apart);
+    if (!at.known && vertex + apart < g_renderVertexCount)
+      at = finiteVertex(strand, vertex + apart);
+  }
+  fiber.known = at.known;
+  if (!at.known) return fiber;
+  fiber.position = at.position;
+  fiber.tangent = directionOr(at.tangent, float3(0.0, 1.0, 0.0));
+
+  float along = float(vertex) / float(max(g_renderVertexCount, 2u) - 1u);
+  fiber.radius = g_fiberRadius * lerp(1.0, g_tipRadiusRatio, along) * strandWidth(strand);
+#if STRAND_THICKNESS
+  fiber.radius *= g_strandThickness[strand];
+#endif
+  uint guide = strand;
+#if VERTEX_COLORS || BASE_TEXTURE
+  if (strand >= g_renderGuideCount)
+    guide = g_renderFollowStrands[strand - g_renderGuideCount].guides.x;
+#endif
+  fiber.color = strandColor(strand, min(guide, g_renderGuideCount - 1u), vertex, along);
+  return fiber;
+}
+
+StrandView renderView() {
+  StrandView view;
+  view.clipX = g_worldToClip[0];
+  view.clipY = g_worldToClip[1];
+  view.clipZ = g_worldToClip[2];
+  view.clipW = g_worldToClip[3];
+  view.eye = g_eye.xyz;
+  view.viewportSize = g_viewport.zw;
+  return view;
+}
+
+#endif

@@ -1,0 +1,41 @@
+// All the light that a strand sends to the eye: the lights of StrandViewConstants, each through the
+// hair in front of it, and the ambient term. The includer has a layout with strand_view.hlsli and
+// defines SHADOW_WORDS, the buffer of the shadow maps.
+#ifndef PELAGE_SHADING_LIGHT_STRAND_HLSLI
+#define PELAGE_SHADING_LIGHT_STRAND_HLSLI
+
+#include "strand_lighting.hlsli"
+#include "strand_shadow.hlsli"
+
+// World position of a fragment [m].
+// \param at place in the viewport, row 0 the top row [pixels], \param depth 0..1
+float3 fragmentPosition(float2 at, float depth) {
+  float2 share = at / g_viewport.zw;
+  float4 clip = float4(share.x * 2.0 - 1.0, 1.0 - share.y * 2.0, depth, 1.0);
+  float w = dot(g_clipToWorld[3], clip);
+  float3 world =
+      float3(dot(g_clipToWorld[0], clip), dot(g_clipToWorld[1], clip), dot(g_clipToWorld[2], clip));
+  // 0 is at infinity: reversed depth 0.
+  return abs(w) > 1e-20 ? world / w : float3(0.0, 0.0, 0.0);
+}
+
+StrandSurface strandSurface(float3 position, float3 tangent, float3 baseColor) {
+  return makeStrandSurface(position, tangent, g_eye.xyz, baseColor);
+}
+
+float3 lightStrand(StrandShading material, StrandSurface surface) {
+  float3 sum = g_ambientColor.rgb * strandAmbient(material, surface);
+  uint count = min(g_lightCount, kMaxStrandLights);
+  for (uint i = 0u; i < count; ++i) {
+    StrandLight light = lightAt(i);
+    StrandIllumination arriving = strandIllumination(light, surface.position);
+    float transmittance = 1.0;
+    if (light.shadow.x < kMaxStrandShadows)
+      transmittance = strandTransmittance(shadowAt(light.shadow.x), surface.position);
+    if (transmittance > 0.0)
+      sum += arriving.color * (shadeStrand(material, surface, arriving.toLight) * transmittance);
+  }
+  return sum;
+}
+
+#endif

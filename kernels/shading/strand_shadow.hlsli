@@ -1,0 +1,63 @@
+// Light that hair lets through, from a shadow map, for the project's kernels and for an engine's
+// own; no resources. Who includes this defines before
+//   SHADOW_WORDS   the buffer of the maps' words, a StructuredBuffer<uint>
+// layouts/strand_shadow_view.hlsli says what is in it.
+//
+// With layers, a texel's optical depth at a distance behind its nearest hair lies on the line
+// between those at the ends of the layer (Yuksel and Keyser, "Deep opacity maps", Eurographics
+// 2008). Without, hair is taken to be as dense as on average: (1 - a)^(distance / spacing), for
+// fibres of opacity a that a ray meets at every `spacing` metres, is exp(-extinction distance) with
+// extinction = -ln(1 - a) / spacing. Both have lengths in metres alone: scaling the scene does not
+// change them.
+#ifndef PELAGE_SHADING_STRAND_SHADOW_HLSLI
+#define PELAGE_SHADING_STRAND_SHADOW_HLSLI
+
+#include "../layouts/strand_shadow_view.hlsli"
+
+// Of the texel at (x, y) up to a distance behind the near plane [m].
+float opticalDepthAt(StrandShadowView map, int x, int y, float depth) {
+  if (min(x, y) < 0 || x >= int(map.width) || y >= int(map.height)) return 0.0;
+  uint word = map.firstWord + (uint(y) * map.width + uint(x)) * (1u + map.layerCount);
+  uint nearest = SHADOW_WORDS[word];
+  if (nearest == kNoHair) return 0.0;
+  float behind = depth - map.bias - asfloat(nearest);
+  if (!(behind > 0.0)) return 0.0;
+  if (map.layerCount == 0u) return behind * map.extinction;
+
+  float layers = float(map.layerCount);
+  float layer = min(floor(sqrt(behind / map.layerRange) * layers), layers - 1.0);
+  float2 ends = float2(layer, layer + 1.0) / layers;
+  ends = ends * ends * map.layerRange;
+  float share = saturate((behind - ends.x) / (ends.y - ends.x));
+  uint last = word + 1u + uint(layer);
+  float low = 0.0;
+  if (layer > 0.0) low = float(SHADOW_WORDS[last - 1u]);
+  float high = float(SHADOW_WORDS[last]);
+  return (low + (high - low) * share) * map.tauQuantum;
+}
+
+// Share 0..1 of the light that hair in front of a point lets through to it. 1 outside the map, and
+// for a position that is not finite.
+float strandTransmittance(StrandShadowView map, float3 position) {
+  float4 p = float4(position, 1.0);
+  float w = dot(map.mapW, p);
+  if (!(w >= map.nearW)) return 1.0;
+  float2 texel = float2(dot(map.mapX, p), dot(map.mapY, p)) / w - 0.5;
+  float depth = dot(map.mapZ, p);
+  float2 size = float2(float(map.width), float(map.height));
+  // What is not a number fails these, too.
+  if (!(min(texel.x, texel.y) > -1.0) || !(texel.x < size.x) || !(texel.y < size.y)) return 1.0;
+  if (!(depth > 0.0) || !(depth < 1e30)) return 1.0;
+
+  float2 lowest = floor(texel);
+  float2 share = texel - lowest;
+  int x = int(lowest.x);
+  int y = int(lowest.y);
+  float4 tau =
+      float4(opticalDepthAt(map, x, y, depth), opticalDepthAt(map, x + 1, y, depth),
+             opticalDepthAt(map, x, y + 1, depth), opticalDepthAt(map, x + 1, y + 1, depth));
+  float2 rows = tau.xz + (tau.yw - tau.xz) * share.x;
+  return exp(-max(rows.x + (rows.y - rows.x) * share.y, 0.0));
+}
+
+#endif

@@ -1,0 +1,184 @@
+// Strands in every direction in a ball, seen from the front: pixels of many layers.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <vector>
+
+#include "oit/fragment_capture.h"
+#include "pelage/random.h"
+#include "pelage/scene.h"
+#include "support/gpu_fixture.h"
+#include "support/scene_run.h"
+
+namespace pelage::test {
+
+struct TangleDef {
+  uint32_t strands = 1800;
+  uint32_t vertices = 6;
+  float radius = 0.0012f;  ///< of the fibres [m]; 2.7 mm a pixel in the middle of tangleView(96), 4
+                           ///< mm of tangleView(64)
+  float opacity = 0.33f;
+  uint64_t seed = 7;
+  bool reversed = false;  ///< strands in the reverse order
+};
+
+/// Bent strands of 5 to 20 cm around the origin.
+inline HairAsset tangle(const TangleDef& def) {
+  Random random(def.seed);
+  const auto between = [&](float low, float high) { return low + (high - low) * random.uniform(); };
+  std::vector<std::vector<Float4>> strands(def.strands);
+  for (std::vector<Float4>& strand : strands) {
+    Float3 p = {between(-0.11f, 0.11f), between(-0.11f, 0.11f), between(-0.1f, 0.1f)};
+    Float3 step = {between(-0.02f, 0.02f), between(-0.02f, 0.02f), between(-0.02f, 0.02f)};
+    for (uint32_t v = 0; v < def.vertices; ++v) {
+      strand.push_back({p.x, p.y, p.z, v < 2 ? 0.0f : 1.0f});
+      step = {step.x + between(-0.008f, 0.008f), step.y + between(-0.008f, 0.008f),
+              step.z + between(-0.008f, 0.008f)};
+      p = {p.x + step.x, p.y + step.y, p.z + step.z};
+    }
+  }
+  if (def.reversed) std::reverse(strands.begin(), strands.end());
+  HairAsset asset;
+  asset.strandCount = def.strands;
+  asset.verticesPerStrand = def.vertices;
+  for (const std::vector<Float4>& strand : strands)
+    asset.positions.insert(asset.positions.end(), strand.begin(), strand.end());
+  expectOk(asset.process());
+  return asset;
+}
+
+inline StrandMaterial tangleMaterial(const TangleDef& def) {
+  StrandMaterial material;
+  material.rootColor = {0.6f, 0.3f, 0.1f};
+  material.tipColor = {0.2f, 0.5f, 0.7f};
+  // Strands keep their colour when their order changes.
+  material.colorVariation = 0;
+  material.opacity = def.opacity;
+  material.fiberRadius = def.radius;
+  material.tipRadiusRatio = 0.2f;
+  return material;
+}
+
+inline View tangleView(uint32_t pixels, bool reversedDepth = false) {
+  View view;
+  view.eye = {0, 0, 0.5f};
+  view.worldToClip = lookAt(view.eye, {0, 0, 0}, {0, 1, 0}, 0.5f, 1, 0.1f, 5.0f, reversedDepth);
+  view.width = view.height = pixels;
+  view.reversedDepth = reversedDepth;
+  return view;
+}
+
+inline std::vector<Light> tangleLights() {
+  Light key;
+  key.direction = {0.5f, 0.7f, 0.5f};
+  key.shadow = HairShadow::kDeep;
+  key.shadowSize = 128;
+  Light side;
+  side.hasPosition = true;
+  side.position = {-0.4f, 0.1f, 0.2f};
+  side.color = {0.05f, 0.06f, 0.1f};
+  side.ambient = {0, 0, 0};
+  return {key, side};
+}
+
+/// A scene with a tangle on a device of its own, at rest.
+class TangleRun {
+ public:
+  explicit TangleRun(Api api) : run(api) {}
+
+  void add(const TangleDef& def) {
+    HairDef hairDef;
+    hairDef.name = "tangle";
+    hairDef.material = tangleMaterial(def);
+    hairDef.settings.gravity = {0, 0, 0};
+    const Result<HairId> added = run.scene.addHair(tangle(def), hairDef);
+    ASSERT_TRUE(added) << added.error().message;
+    hair_ = *added;
+    run.step();
+  }
+  HairObject& hair() { return run.scene.hair(hair_); }
+
+  /// Draws with these settings into an empty target.
+  RenderedImage render(const View& view, const TransparencySettings& settings,
+                       uint32_t targetWidth = 0, uint32_t targetHeight = 0) {
+    lists.clear();
+    const RenderedImage none = {view.width, view.height,
+                                std::vector<Float4>(size_t{view.width} * view.height)};
+    const Result<void> drawn = run.scene.draw(view, tangleLights(), settings, lists);
+    EXPECT_TRUE(drawn) << drawn.error().message;
+    if (!drawn) return none;
+    return renderLists(view, targetWidth, targetHeight).value_or(none);
+  }
+
+  std::optional<RenderedImage> renderLists(const View& view, uint32_t targetWidth = 0,
+                                           uint32_t targetHeight = 0) {
+    std::vector<const PassList*> pointers;
+    for (PassList& list : lists) {
+      run.scene.finish(list);
+      pointers.push_back(&list);
+    }
+    expectOk(run.device()->update(run.scene.resources()));
+    RenderTargetDef target;
+    target.width = targetWidth > 0 ? targetWidth : view.width;
+    target.height = targetHeight > 0 ? targetHeight : view.height;
+    target.clearDepth = view.reversedDepth ? 0.0f : 1.0f;
+    Result<RenderedImage> image = run.device()->render(pointers, target, nullptr);
+    EXPECT_TRUE(image) << image.error().message;
+    if (!image) return std::nullopt;
+    return std::move(*image);
+  }
+
+  /// The exact composite of what the last render() drew.
+  std::vector<ExactPixel> exact(const View& view, uint32_t capacity = 1 << 19) {
+    FragmentCapture capture(resources(), capacity);
+    std::vector<PassList> drawn = std::move(lists);
+    lists.assign(1, {});
+    capture.addDraws(drawn[0], lists[0]);
+    renderLists(view);
+    lists = std::move(drawn);
+    return FragmentCapture::composite(capture.read(*run.device()), view);
+  }
+
+  TransparencyCounters counters(uint32_t nodeCount) {
+    const auto words = run.read<std::byte>(run.scene.transparencyCounters());
+    return readTransparencyCounters(words, nodeCount);
+  }
+
+  // The scene's own table: the test adds its capture to it.
+  ResourceTable& resources() { return const_cast<ResourceTable&>(run.scene.resources()); }
+
+  SceneRun run;
+  std::vector<PassList> lists;
+
+ private:
+  HairId hair_ = HairId::kInvalid;
+};
+
+/// Makes a TangleRun of the parameter's API, or skips.
+class TangleTest : public testing::TestWithParam<Api> {
+ protected:
+  void SetUp() override {
+    tangleRun_ = std::make_unique<TangleRun>(GetParam());
+    if (tangleRun_->run.device() == nullptr)
+      GTEST_SKIP() << "skipped: no " << apiName(GetParam()) << " device";
+  }
+  TangleRun& tangleRun() { return *tangleRun_; }
+
+ private:
+  std::unique_ptr<TangleRun> tangleRun_;
+};
+
+inline bool sameBits(const RenderedImage& a, const RenderedImage& b) {
+  return a.pixels.size() == b.pixels.size() &&
+         std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof(Float4)) == 0;
+}
+
+inline bool allFinite(const RenderedImage& image) {
+  return std::all_of(image.pixels.begin(), image.pixels.end(), [](const Float4& p) {
+    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) && std::isfinite(p.w);
+  });
+}
+
+}  // namespace pelage::test

@@ -1,0 +1,29 @@
+// Light scattered by a fibre in double precision, written from the papers: d'Eon et al. 2011 along
+// the fibre, Chiang et al. 2016 around it. It has angles where the kernels have sines and cosines.
+#pragma once
+
+#include <Eigen/Core>
+
+namespace pelage::reference {
+
+struct Fiber {
+  double betaM = 0.3;  ///< longitudinal roughness
+  double betaN = 0.3;  ///< azimuthal roughness
+  double tilt = 0;     ///< of the scales [rad]
+  double ior = 1.55;
+  double absorption = 0;  ///< along one radius
+};
+
+/// Chiang et al. 2016, equation 9.
+double absorptionOf(double albedo, double betaN);
+
+/// f cos(theta of the light) [1/sr] for a ray to the eye at `offset` of the fibre's radius,
+/// positive towards tangent x toEye. Unit vectors.
+double nearScattering(const Fiber& fiber, const Eigen::Vector3d& tangent,
+                      const Eigen::Vector3d& toEye, const Eigen::Vector3d& toLight, double offset);
+
+/// Its mean over the offsets, by `steps` midpoints of the arc.
+double farScattering(const Fiber& fiber, const Eigen::Vector3d& tangent,
+                     const Eigen::Vector3d& toEye, const Eigen::Vector3d& toLight, int steps);
+
+}  // namespace pelage::reference

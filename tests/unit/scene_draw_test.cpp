@@ -1,0 +1,231 @@
+// What drawing puts into pass lists, without a GPU: nothing that a view does not need.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "pelage/gpu_structs.h"
+#include "pelage/scene.h"
+#include "support/plain_asset.h"
+
+namespace pelage {
+namespace {
+
+using test::makeAsset;
+
+class SceneDraw : public testing::Test {
+ protected:
+  HairObject& add(HairDef def = {}) {
+    const Result<HairId> added = scene_.addHair(makeAsset(40), def);
+    EXPECT_TRUE(added) << added.error().message;
+    id_ = *added;
+    return scene_.hair(id_);
+  }
+
+  static View viewFrom(float distance) {
+    View view;
+    view.eye = {0, 0.04f, distance};
+    view.worldToClip = lookAt(view.eye, {0, 0.04f, 0}, {0, 1, 0}, 0.6f, 1, 0.01f, 100);
+    view.width = view.height = 200;
+    return view;
+  }
+
+  /// Names of the passes of all lists; "|" between lists.
+  std::string draw(const View& view, const TransparencySettings& settings = {}, Light light = {}) {
+    lists_.clear();
+    const Result<void> drawn = scene_.draw(view, {&light, 1}, settings, lists_);
+    EXPECT_TRUE(drawn) << drawn.error().message;
+    std::string names;
+    for (size_t i = 0; i < lists_.size(); ++i) {
+      if (i > 0) names += "| ";
+      for (const Pass& pass : lists_[i].passes) names += std::string(pass.name) + " ";
+    }
+    return names;
+  }
+
+  RenderConstants constantsOfDraw() const {
+    RenderConstants constants = {};
+    for (const Pass& pass : lists_[0].passes) {
+      if (pass.kind != PassKind::kDraw) continue;
+      for (const PassBinding& binding : lists_[0].bindingsOf(pass)) {
+        const LayoutEntry& entry = pass.layouts()[binding.set]->entries[binding.entry];
+        if (std::string_view(entry.name) == "RenderConstants")
+          std::memcpy(&constants, lists_[0].constants.data() + binding.offset, sizeof(constants));
+      }
+    }
+    return constants;
+  }
+
+  Scene scene_;
+  HairId id_ = HairId::kInvalid;
+  std::vector<PassList> lists_;
+};
+
+TEST_F(SceneDraw, ListsHaveThePassesOfTheirMethod) {
+  add();
+  const View view = viewFrom(0.5f);
+  EXPECT_EQ(draw(view), "clear_ppll ppll_build | ppll_read ");
+  EXPECT_EQ(draw(view, {.method = Transparency::kStochastic}), "strand_pixel ");
+  EXPECT_EQ(draw(view, {.method = Transparency::kAlphaTest}), "strand_pixel ");
+  Light shadowed;
+  shadowed.shadow = HairShadow::kDepth;
+  EXPECT_EQ(draw(view, {.method = Transparency::kAlphaTest}, shadowed),
+            "clear_strand_shadow splat_strand_depths strand_pixel ");
+  shadowed.shadow = HairShadow::kDeep;
+  EXPECT_EQ(draw(view, {.method = Transparency::kAlphaTest}, shadowed),
+            "clear_strand_shadow splat_strand_depths splat_strand_opacity accumulate_strand_shadow "
+            "strand_pixel ");
+}
+
+TEST_F(SceneDraw, WhatIsOutOfViewOrHiddenCostsNothing) {
+  HairObject& hair = add();
+  const uint64_t bytes = scene_.resources().totalBytes();
+  View view = viewFrom(0.5f);
+  // Looks away.
+  view.worldToClip = lookAt(view.eye, {0, 0.04f, 1}, {0, 1, 0}, 0.6f, 1, 0.01f, 100);
+  EXPECT_EQ(draw(view), "");
+  // Beside the picture, and nearer than the near plane.
+  view.worldToClip = lookAt(view.eye, {-2, 0.04f, 0}, {0, 1, 0}, 0.6f, 1, 0.01f, 100);
+  EXPECT_EQ(draw(view), "");
+  view.worldToClip = lookAt(view.eye, {0, 0.04f, 0}, {0, 1, 0}, 0.6f, 1, 10, 100);
+  EXPECT_EQ(draw(view), "");
+  hair.visible = false;
+  EXPECT_EQ(draw(viewFrom(0.5f)), "");
+  hair.visible = true;
+  hair.drawnStrands = 0;
+  EXPECT_EQ(draw(viewFrom(0.5f)), "");
+  EXPECT_EQ(scene_.resources().totalBytes(), bytes) << "buffers that no draw has needed";
+}
+
+TEST_F(SceneDraw, BuffersAreThoseOfTheMethodsThatAreUsed) {
+  add();
+  const View view = viewFrom(0.5f);
+  draw(view, {.method = Transparency::kStochastic});
+  EXPECT_EQ(scene_.transparencyCounters(), BufferId::kInvalid);
+  const uint64_t before = scene_.resources().totalBytes();
+  TransparencySettings settings;
+  settings.nodeCount = 1000;
+  draw(view, settings);
+  const auto plan = planTransparency(view.width, view.height, settings);
+  ASSERT_TRUE(plan);
+  EXPECT_EQ(plan->nodeCount, 1000u);
+  EXPECT_EQ(scene_.resources().totalBytes() - before, plan->bytes);
+  settings.spillTail = false;
+  draw(view, settings);
+  EXPECT_EQ(scene_.resources().totalBytes() - before,
+            planTransparency(view.width, view.height, settings)->bytes);
+}
+
+TEST_F(SceneDraw, ListsFitIntoTheMemoryThatTheyAreGiven) {
+  for (const uint64_t cap : {uint64_t{60} << 20, uint64_t{200} << 20, uint64_t{4} << 30}) {
+    TransparencySettings settings;
+    settings.maxBytes = cap;
+    const auto plan = planTransparency(1920, 1080, settings);
+    ASSERT_TRUE(plan) << plan.error().message;
+    EXPECT_LE(plan->bytes, cap);
+    EXPECT_LE(uint64_t{plan->nodeCount} * 16, settings.maxBufferBytes);
+    EXPECT_GT(plan->nodeCount, 0u);
+  }
+  // A buffer a device cannot bind is refused, and what helps is named.
+  TransparencySettings settings;
+  settings.maxBytes = uint64_t{4} << 30;
+  const auto large = planTransparency(7680, 4320, settings);
+  ASSERT_FALSE(large);
+  EXPECT_NE(large.error().message.find("maxBufferBytes"), std::string::npos);
+  settings.spillTail = false;
+  settings.maxBufferBytes = uint64_t{1} << 30;
+  EXPECT_TRUE(planTransparency(7680, 4320, settings));
+}
+
+TEST_F(SceneDraw, NodesGrowWhereSomeWereMissingAndShrinkWhereFewWereUsed) {
+  EXPECT_EQ(growNodes({.fragments = 900'000, .spilled = 0}, 1'000'000), 1'000'000u);
+  EXPECT_GE(growNodes({.fragments = 3'000'000, .spilled = 2'000'000}, 1'000'000), 3'750'000u);
+  const uint32_t shrunk = growNodes({.fragments = 100'000, .spilled = 0}, 1'000'000);
+  EXPECT_GE(shrunk, 125'000u);
+  EXPECT_LT(shrunk, 250'000u);
+  EXPECT_EQ(growNodes({.fragments = 100'000, .spilled = 0}, shrunk), shrunk);
+  EXPECT_LE(growNodes({.fragments = ~0u, .spilled = ~0u - 5}, 5), kMaxListNodes);
+}
+
+TEST_F(SceneDraw, FewerStrandsAreWiderAndCoverAsMuch) {  // K44
+  HairObject& hair = add({.material = {}, .followHairs = {}});
+  const View view = viewFrom(0.5f);
+  uint32_t before = 0;
+  for (const float share : {0.02f, 0.1f, 0.3f, 0.5f, 0.8f, 0.95f, 1.0f}) {
+    hair.drawnShare = share;
+    draw(view);
+    const RenderConstants c = constantsOfDraw();
+    double widths = 0;
+    for (uint32_t s = 0; s < 40; ++s) {
+      const double left = static_cast<double>(c.drawnStrands) - s;
+      const double fading = static_cast<double>(c.fadingStrands);
+      widths += static_cast<double>(c.strandWidening) *
+                (fading > 0 ? std::clamp(left / fading, 0.0, 1.0) : (left > 0 ? 1.0 : 0.0));
+    }
+    // With 40 strands the sum of the last ones' widths is off by up to one of them.
+    EXPECT_NEAR(widths, 40, 0.6 * static_cast<double>(c.strandWidening)) << share;
+    const uint32_t drawn = lists_[0].passes.back().instanceCount;
+    EXPECT_GE(drawn, before);
+    EXPECT_LE(drawn, std::ceil(40 * share) + 1);
+    before = drawn;
+  }
+  EXPECT_EQ(before, 40u);
+  EXPECT_EQ(constantsOfDraw().strandWidening, 1.0f);
+}
+
+TEST_F(SceneDraw, TheShareForAViewFallsWithTheDistance) {
+  HairObject& hair = add();
+  hair.material.fiberRadius = 60e-6f;
+  EXPECT_EQ(scene_.shareForView(id_, viewFrom(0.15f)), 1.0f);
+  float before = 1;
+  for (const float distance : {0.3f, 0.6f, 1.2f, 2.5f, 5.0f, 50.0f}) {
+    const float share = scene_.shareForView(id_, viewFrom(distance));
+    EXPECT_LE(share, before) << distance;
+    EXPECT_GE(share, 1.0f / 64);
+    before = share;
+  }
+  EXPECT_EQ(before, 1.0f / 64);
+  // Around the eye.
+  EXPECT_EQ(scene_.shareForView(id_, viewFrom(0.0f)), 1.0f);
+  View broken = viewFrom(1);
+  broken.worldToClip.rows[3].x = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(scene_.shareForView(id_, broken), 1.0f);
+}
+
+TEST_F(SceneDraw, RefusesLightsAndTexturesThatDoNotFit) {
+  add();
+  std::vector<Light> lights(kMaxStrandLights + 1);
+  Result<void> drawn = scene_.draw(viewFrom(0.5f), lights, {}, lists_);
+  ASSERT_FALSE(drawn);
+  EXPECT_NE(drawn.error().message.find("9 lights"), std::string::npos);
+  lights.resize(kMaxStrandShadows + 1);
+  for (Light& light : lights) light.shadow = HairShadow::kDepth;
+  drawn = scene_.draw(viewFrom(0.5f), lights, {}, lists_);
+  ASSERT_FALSE(drawn);
+  EXPECT_NE(drawn.error().message.find("shadow"), std::string::npos);
+  lights.resize(1);
+  lights[0].color.x = std::numeric_limits<float>::infinity();
+  EXPECT_FALSE(scene_.draw(viewFrom(0.5f), lights, {}, lists_));
+
+  const std::vector<Float4> texels(6, {1, 1, 1, 1});
+  HairAsset asset = makeAsset(3);
+  HairDef def;
+  def.baseTexture = {2, 2, texels};
+  Result<HairId> added = scene_.addHair(asset, def);
+  ASSERT_FALSE(added);
+  EXPECT_NE(added.error().message.find("6 texels for 2 x 2"), std::string::npos);
+  def.baseTexture = {3, 2, texels};
+  added = scene_.addHair(asset, def);
+  ASSERT_FALSE(added);
+  EXPECT_NE(added.error().message.find("strandUv"), std::string::npos);
+  asset.strandUv.assign(3, {0.5f, 0.5f});
+  ASSERT_TRUE(asset.process());
+  EXPECT_TRUE(scene_.addHair(asset, def));
+}
+
+}  // namespace
+}  // namespace pelage
