@@ -96,6 +96,16 @@ std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
   app.add_option("--mesh", options.mesh, "mesh to draw with the hairs")->type_name("FILE.tfxmesh");
   app.add_option("--seed", options.seed, "of the generated groom and the follow hairs (1)")
       ->type_name("N");
+  const std::map<std::string, GroomPreset> presets = {{"parted", GroomPreset::kParted},
+                                                      {"straight", GroomPreset::kStraight},
+                                                      {"curly", GroomPreset::kCurly},
+                                                      {"fur", GroomPreset::kFur},
+                                                      {"mohawk", GroomPreset::kMohawk}};
+  auto* presetOption =
+      app.add_option("--groom", options.preset,
+                     "of the generated groom: parted, straight, curly, fur or mohawk (parted)")
+          ->transform(oneOf(presets))
+          ->type_name("KIND");
   auto* guidesOption = app.add_option("--guides", guides, "guides of the generated groom")
                            ->check(CLI::Range(1u, 1u << 20).description(""))
                            ->type_name("N");
@@ -184,6 +194,8 @@ std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
     app.parse(argc, argv);
     if (*guidesOption) options.guides = guides;
     if (*followOption) options.follow = follow;
+    if (*presetOption && !options.asset.empty())
+      throw CLI::ValidationError("--groom", "is for the generated groom, not for --asset");
     if (*samplesOption) options.samples = samples;
     checkTogether(options, wind);
   } catch (const CLI::CallForHelp& help) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <variant>
 
+#include "groom_presets.h"
 #include "pelage/hair_object.h"
 #include "pelage/headless.h"
 #include "pelage/transparency.h"
@@ -22,6 +23,7 @@ struct Options {
 
   std::filesystem::path asset, bones, mesh;
   uint64_t seed = 1;
+  GroomPreset preset = GroomPreset::kParted;  ///< of the generated groom
   std::optional<uint32_t> guides;  ///< of the generated groom; its default when not given
   uint32_t repeat = 1;
   std::optional<uint32_t> follow;  ///< hairs a guide; a default for each asset when not given

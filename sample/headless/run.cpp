@@ -41,7 +41,7 @@ Result<void> printDevices(pelage::Api api) {
 
 Result<DemoAssets> makeAssets(const Options& options) {
   if (options.asset.empty()) {
-    pelage::GroomDef def;
+    pelage::GroomDef def = presetLook(options.preset).groom;
     def.seed = options.seed;
     def.headCellSize = kHeadCellSize;
     if (options.guides) def.strandCount = *options.guides;
@@ -214,6 +214,7 @@ Result<void> run(const Options& options) {
   def.subSteps = options.subSteps;
   def.wind = options.wind;
   def.drawSdf = options.drawSdf;
+  def.preset = options.preset;
   auto demo = DemoScene::create(*assets, def);
   if (!demo) return demo.error();
 

@@ -118,25 +118,20 @@ struct Look {
   CameraDef camera;
 };
 
-// The generated groom: chestnut hair that swings. Its bind shape hangs already.
-Look generatedLook(pelage::Solver solver) {
+// A generated groom that swings.
+Look generatedLook(GroomPreset preset, pelage::Solver solver) {
+  const PresetLook from = presetLook(preset);
   Look look;
-  look.material.rootColor = {0.030f, 0.014f, 0.009f};
-  look.material.tipColor = {0.165f, 0.083f, 0.040f};
-  look.material.fiberRadius = 115e-6f;
-  look.material.primaryStrength = 0.09f;
-  look.material.primaryExponent = 50;
-  look.material.secondaryStrength = 0.9f;
-  look.material.secondaryExponent = 14;
-  look.followPerGuide = 10;
-  look.followRadius = 0.004f;
+  look.material = from.material;
+  look.followPerGuide = from.followPerGuide;
+  look.followRadius = from.followRadius;
   look.camera.direction = {0.40f, 0.16f, 1};
   look.settings.solver = solver;
   look.settings.damping = 0.04f;
   look.settings.vspCoefficient = 0.2f;
   if (solver == pelage::Solver::kExact) {
-    look.settings.bendLength = 0.08f;
-    look.settings.globalStiffness = 0.03f;
+    look.settings.bendLength = from.bendLength;
+    look.settings.globalStiffness = from.globalStiffness;
     look.settings.globalRange = 0.4f;
   } else {
     // Local shape alone does not carry the hair's weight.
@@ -190,7 +185,7 @@ Result<DemoScene> DemoScene::create(const DemoAssets& assets, const DemoDef& def
   demo.skeleton_ = assets.skeleton;
   demo.boneCount_ = assets.boneCount();
   demo.pivot_ = pivotUnder(assets.hair);
-  const Look look = generated ? generatedLook(def.solver) : fileLook(def.solver);
+  const Look look = generated ? generatedLook(def.preset, def.solver) : fileLook(def.solver);
   demo.cameraDef_ = look.camera;
   demo.light = studioLight(look.camera.direction);
 

@@ -8,6 +8,7 @@
 
 #include "camera.h"
 #include "demo_assets.h"
+#include "groom_presets.h"
 #include "mesh_object.h"
 #include "pelage/headless.h"
 #include "pelage/scene.h"
@@ -19,8 +20,9 @@ struct DemoDef {
   uint64_t seed = 1;                       ///< of the follow hairs
   pelage::SkinningMethod skinning = pelage::SkinningMethod::kMatrices;
   pelage::Solver solver = pelage::Solver::kExact;
-  uint32_t subSteps = 1;  ///< of the exact solver
-  pelage::Float3 wind;    ///< [m/s]
+  uint32_t subSteps = 1;                      ///< of the exact solver
+  pelage::Float3 wind;                        ///< [m/s]
+  GroomPreset preset = GroomPreset::kParted;  ///< the look of a generated groom
   /// Hair collides with the mesh by a signed distance field, and draw() shows the field's surface
   /// in place of the mesh.
   bool drawSdf = false;
