@@ -74,7 +74,7 @@ Result<void> ClassicList::draw(const pelage::View& view, uint32_t nodes,
   read.classicReadWidth = view.width;
   read.classicReadHeight = view.height;
   read.classicReadCapacity = nodes;
-  const BufferId shadows = bufferOfStrands(from, "g_shadowWords");
+  const BufferId shadows = scene_.shadowWords();
   pelage::DrawState over;
   over.depthCompare = pelage::DepthCompare::kAlways;
   over.depthWrite = false;

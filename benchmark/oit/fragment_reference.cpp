@@ -96,6 +96,8 @@ Result<ExactPicture> FragmentReference::picture(const pelage::View& view) {
     const auto offer = [&](PassBuilder& builder) {
       builder.bind("g_sampled", fragments_, uint64_t{limit_} * sizeof(SampledFragment))
           .bind("g_sampledCounts", counts_, 16)
+          .bind("g_shadowWords", scene_.shadowWords(),
+                scene_.resources().find(scene_.shadowWords())->size)
           .constants("SampleFragmentsConstants", constants);
     };
     if (Result<void> done =

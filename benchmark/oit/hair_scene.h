@@ -49,6 +49,7 @@ class HairScene {
 
   pelage::HeadlessDevice& device() { return device_; }
   pelage::ResourceTable& resources() { return scene_.resources(); }
+  pelage::BufferId shadowWords() const { return scene_.shadowWords(); }
   pelage::HairObject& hair() { return scene_.hair(hair_); }
   const pelage::HairObject& hair() const { return scene_.hair(hair_); }
   pelage::BufferId transparencyCounters() const { return scene_.transparencyCounters(); }

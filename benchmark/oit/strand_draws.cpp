@@ -45,8 +45,6 @@ Result<std::vector<PassList>> strandLists(HairScene& scene, const pelage::View& 
   pelage::TransparencySettings settings;
   settings.method = pelage::Transparency::kWindowed;
   settings.nodeCount = 1;
-  // The kernel with a tail lights fragments, so that its draws have all that this takes.
-  settings.spillTail = true;
   settings.maxBytes = uint64_t{16} << 30;
   std::vector<PassList> lists;
   if (Result<void> done = scene.draw(view, settings, lists); !done) return done.error();
@@ -86,11 +84,6 @@ std::vector<std::byte> blockOfStrands(const PassList& list, std::string_view nam
   if (binding == nullptr) return {};
   const auto bytes = std::span(list.constants).subspan(binding->offset, binding->size);
   return {bytes.begin(), bytes.end()};
-}
-
-BufferId bufferOfStrands(const PassList& list, std::string_view name) {
-  const PassBinding* binding = bindingOfStrands(list, name);
-  return binding != nullptr ? binding->buffer : BufferId::kInvalid;
 }
 
 }  // namespace bench

@@ -12,8 +12,8 @@ namespace bench {
 pelage::Result<std::vector<pelage::PassList>> strandLists(HairScene& scene,
                                                           const pelage::View& view);
 
-/// Adds the draws of smooth strands that `from` has to `to`, with all their resources and another
-/// pixel kernel. \param offer adds that kernel's own resources to a pass.
+/// Adds the draws of smooth strands that `from` has to `to`, with their resources and another pixel
+/// kernel. \param offer adds that kernel's own resources to a pass.
 pelage::Result<void> addStrandDraws(const pelage::PassList& from,
                                     const pelage::KernelVariant& pixel,
                                     const std::function<void(pelage::PassBuilder&)>& offer,
@@ -25,7 +25,5 @@ void copyOtherPasses(const pelage::PassList& from, pelage::PassList& to);
 
 /// A block of the first draw of strands; nothing when there is no such draw.
 std::vector<std::byte> blockOfStrands(const pelage::PassList& list, std::string_view name);
-/// A buffer of the first draw of strands; kInvalid when there is no such draw.
-pelage::BufferId bufferOfStrands(const pelage::PassList& list, std::string_view name);
 
 }  // namespace bench

@@ -101,6 +101,9 @@ class Scene {
   /// to 1/64. Set HairObject::drawnShare to it, and simulatedShare (with HairDef::levelOfDetail),
   /// so that the simulation falls with it. 1 where the view or the place of the hair is not finite.
   float shareForView(HairId id, const View& view, float pixels = 0.4f) const;
+  /// Words of the shadow maps of the last draw, for pixel kernels of your own (SHADOW_WORDS of
+  /// kernels/shading/strand_shadow.hlsli); kInvalid before the first draw.
+  BufferId shadowWords() const { return shadowWords_; }
   /// Words for readTransparencyCounters(); kInvalid before the first draw with linked
   /// lists or tiles.
   BufferId transparencyCounters() const { return lists_.counters; }

@@ -3,9 +3,9 @@
 // Reads:   RenderConstants, StrandViewConstants, PPLLBuildConstants
 // Writes:  g_listHeads, g_listNodes, g_listCounters, g_listTiles; with TAIL g_listTail
 //
-// A fragment without room for a node goes to the pixel's tail, lit and averaged, or nowhere without
-// one; the counter of nodes tells how many there were. Nothing is linked before its node is known to
-// be in bounds (K35).
+// A fragment without room for a node goes to the pixel's tail, averaged and not lit, or nowhere
+// without one; the counter of nodes tells how many there were. Nothing is linked before its node is
+// known to be in bounds (K35).
 //
 // Invariant (tests/kernel): every fragment of alpha > 0 is in exactly one list or tail, whatever
 // the capacity.
@@ -15,8 +15,6 @@
 #include "fragment_packing.hlsli"
 #include "ppll_counters.hlsli"
 #include "spill_tail.hlsli"
-#define SHADOW_WORDS g_shadowWords
-#include "../shading/light_strand.hlsli"
 
 [earlydepthstencil]
 void ppll_build(StrandPixel strand) {
@@ -51,10 +49,7 @@ void ppll_build(StrandPixel strand) {
     return;
   }
 #if TAIL
-  float3 light = lightStrand(
-      renderShading(), strandSurface(fragmentPosition(strand.clip.xy - g_viewport.xy, strand.clip.z),
-                                     strand.tangent, saturate(strand.color.rgb)));
-  uint4 tail = tailOf(light, alphaOfShape(shape));
+  uint4 tail = tailOf(strand.color.rgb, alphaOfShape(shape));
   InterlockedAdd(g_listTail[4u * pixel], tail.x);
   InterlockedAdd(g_listTail[4u * pixel + 1u], tail.y);
   InterlockedAdd(g_listTail[4u * pixel + 2u], tail.z);

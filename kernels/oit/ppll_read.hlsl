@@ -13,6 +13,7 @@
 //
 // Invariant (tests/kernel): the composite of all fragments in order, but for what lies behind a
 // transmittance of g_readEpsilon.
+#include "../common/random_hash.hlsli"
 #include "../layouts/oit_tiles.hlsli"
 #include "../layouts/ppll_read.hlsli"
 #include "fragment_packing.hlsli"
@@ -22,9 +23,10 @@
 #include "../shading/light_strand.hlsli"
 #include "composite_fragment.hlsli"
 
-// Key and place of a node; a free slot has kNoPlace and the farthest key.
+// A node of the window: what orders it, and its place. A free slot has kNoPlace and is the farthest.
 struct WindowSlot {
   uint key;
+  uint tie;  // orders nodes of one depth by what they are
   uint place;
 };
 
@@ -32,21 +34,26 @@ static const uint kNoPlace = 0xffffffffu;
 // Visits of nodes that a pixel has for its exact composite.
 static const uint kMaxVisits = 32768u;
 
-// Whether node a comes before node b, of the same key.
-bool tiesBefore(uint a, uint b) {
-  if (a == kNoPlace || b == kNoPlace) return b == kNoPlace && a != kNoPlace;
-  uint4 na = g_readNodes[a];
-  uint4 nb = g_readNodes[b];
-  if (na.z != nb.z) return na.z < nb.z;
-  if (na.w != nb.w) return na.w < nb.w;
-  if (materialOf(na.x) != materialOf(nb.x)) return materialOf(na.x) < materialOf(nb.x);
-  return a < b;
+WindowSlot freeSlot() {
+  WindowSlot slot;
+  slot.key = 0xffffffffu;
+  slot.tie = 0xffffffffu;
+  slot.place = kNoPlace;
+  return slot;
+}
+
+// Nodes of one depth whose hashes are equal are equal themselves, but for one pair in 2^32.
+WindowSlot slotOf(uint4 node, uint place) {
+  WindowSlot slot;
+  slot.key = node.y;
+  slot.tie = hashUint(node.z ^ hashUint(node.w ^ materialOf(node.x)));
+  slot.place = place;
+  return slot;
 }
 
 bool isBefore(WindowSlot a, WindowSlot b) {
-  bool result = a.key < b.key;
-  if (a.key == b.key) result = tiesBefore(a.place, b.place);
-  return result;
+  bool tie = a.tie < b.tie || (a.tie == b.tie && a.place < b.place);
+  return a.key < b.key || (a.key == b.key && tie);
 }
 
 void addNode(inout Composite sum, uint place, float2 pixel) {
@@ -54,21 +61,17 @@ void addNode(inout Composite sum, uint place, float2 pixel) {
   addFragment(sum, readShading(materialOf(node.x)), pixel - g_viewport.xy, node.y, node.z, node.w);
 }
 
-// All that lies behind a node, as in spill_tail.hlsli.
-uint4 averagedBehind(WindowSlot last, uint head, float2 pixel) {
+// Base colours of all that lies behind a node, as in spill_tail.hlsli.
+uint4 averagedBehind(WindowSlot last, uint head) {
   uint4 sum = uint4(0u, 0u, 0u, 0u);
   uint next = head;
   for (uint step = 0u; step < g_readNodeCapacity; ++step) {
     if (next == 0u || next > g_readNodeCapacity) break;
-    WindowSlot slot;
-    slot.place = next - 1u;
-    uint4 node = g_readNodes[slot.place];
-    slot.key = node.y;
+    uint4 node = g_readNodes[next - 1u];
+    WindowSlot slot = slotOf(node, next - 1u);
     next = nextOf(node.x);
     if (isBefore(last, slot))
-      sum += tailOf(lightStrand(readShading(materialOf(node.x)),
-                                surfaceOfFragment(pixel - g_viewport.xy, node.y, node.z, node.w)),
-                    alphaOfShape(node.z));
+      sum += tailOf(colorOf(node.w), alphaOfShape(node.z));
   }
   return sum;
 }
@@ -93,28 +96,24 @@ ResolvedPixel ppll_read(OitTilePixel tile) {
 #endif
 
   Composite sum = emptyComposite();
-  WindowSlot last;
-  last.key = 0u;
-  last.place = kNoPlace;
+  WindowSlot last = freeSlot();
   bool more = true;
   uint visits = 0u;
   while (more && visits < kMaxVisits) {
     WindowSlot window[WINDOW];
-    [unroll] for (uint i = 0u; i < uint(WINDOW); ++i) {
-      window[i].key = 0xffffffffu;
-      window[i].place = kNoPlace;
-    }
+    [unroll] for (uint i = 0u; i < uint(WINDOW); ++i) window[i] = freeSlot();
     more = false;
     uint next = head;
     for (uint step = 0u; step < g_readNodeCapacity; ++step) {
       if (next == 0u || next > g_readNodeCapacity) break;
       ++visits;
-      WindowSlot slot;
-      slot.place = next - 1u;
-      uint4 node = g_readNodes[slot.place];
-      slot.key = node.y;
+      uint4 node = g_readNodes[next - 1u];
+      WindowSlot slot = slotOf(node, next - 1u);
       next = nextOf(node.x);
       if (last.place != kNoPlace && !isBefore(last, slot)) continue;
+      // One of the nodes comes in a later walk: this one, or the one that it drives out.
+      more = more || window[WINDOW - 1].place != kNoPlace;
+      if (!isBefore(slot, window[WINDOW - 1])) continue;
       [unroll] for (uint j = 0u; j < uint(WINDOW); ++j) {
         if (isBefore(slot, window[j])) {
           WindowSlot moved = window[j];
@@ -122,26 +121,39 @@ ResolvedPixel ppll_read(OitTilePixel tile) {
           slot = moved;
         }
       }
-      // The one that fell out comes in a later walk.
-      more = more || slot.place != kNoPlace;
     }
-    [unroll] for (uint k = 0u; k < uint(WINDOW); ++k) {
-      if (window[k].place != kNoPlace && sum.transmittance > g_readEpsilon) {
-        addNode(sum, window[k].place, tile.clip.xy);
-        last = window[k];
-      }
+    // The nearest one leaves the window each time: the light is in the code once, and the window in
+    // registers.
+    for (uint k = 0u; k < uint(WINDOW); ++k) {
+      WindowSlot nearest = window[0];
+      [unroll] for (uint m = 0u; m + 1u < uint(WINDOW); ++m) window[m] = window[m + 1u];
+      window[WINDOW - 1] = freeSlot();
+      if (nearest.place == kNoPlace || !(sum.transmittance > g_readEpsilon)) break;
+      addNode(sum, nearest.place, tile.clip.xy);
+      last = nearest;
     }
     more = more && sum.transmittance > g_readEpsilon;
   }
   uint4 rest = uint4(0u, 0u, 0u, 0u);
-  if (more) rest = averagedBehind(last, head, tile.clip.xy);
+  if (more) rest = averagedBehind(last, head);
 #if TAIL
   rest += spilled;
 #endif
   if (rest.w > 0u) {
-    float4 tail = tailLight(rest);
-    sum.light += tail.rgb * sum.transmittance;
-    sum.transmittance *= tail.a;
+    // The mean fibre, lit where the last one was; at the eye where no fragment has a node.
+    uint4 node = uint4(0u, 0u, 0u, 0u);
+    float3 place = g_eye.xyz;
+    if (last.place != kNoPlace) {
+      node = g_readNodes[last.place];
+      place = fragmentPosition(tile.clip.xy - g_viewport.xy,
+                               depthOfKey(node.y, g_reversedDepth != 0u));
+    }
+    float3 color = float3(rest.xyz) / float(rest.w);
+    float3 light = lightStrand(readShading(materialOf(node.x)),
+                               strandSurface(place, tangentOfShape(node.z), color));
+    float transmittance = transmittanceOf(rest.w);
+    sum.light += light * ((1.0 - transmittance) * sum.transmittance);
+    sum.transmittance *= transmittance;
   }
   result.color = float4(sum.light, 1.0 - sum.transmittance);
   return result;

@@ -54,6 +54,7 @@ class DemoScene {
   /// A buffer for the depth of the mesh, for TransparencySettings::opaqueDepth.
   pelage::BufferId addDepthBuffer(uint32_t width, uint32_t height);
   pelage::BufferId transparencyCounters() const { return scene_.transparencyCounters(); }
+  pelage::BufferId shadowWords() const { return scene_.shadowWords(); }
   const pelage::ResourceTable& resources() const { return scene_.resources(); }
   pelage::HairObject& hair() { return scene_.hair(hair_); }
   const pelage::HairObject& hair() const { return scene_.hair(hair_); }

@@ -51,7 +51,8 @@ class FragmentCapture {
 
   /// Adds to `to` the draws of smooth ribbons that `from` has, with the same resources, into the
   /// capture. The capture is emptied first.
-  void addDraws(const PassList& from, PassList& to) {
+  /// \param shadowWords Scene::shadowWords()
+  void addDraws(const PassList& from, BufferId shadowWords, PassList& to) {
     const uint32_t zeros[4] = {0, 0, 0, 0};
     addUpload(to, count_, std::as_bytes(std::span(zeros)));
     oit_test::CaptureConstants constants = {};
@@ -77,6 +78,7 @@ class FragmentCapture {
       builder
           .bind("g_captured", fragments_, uint64_t{capacity_} * sizeof(oit_test::CapturedFragment))
           .bind("g_capturedCount", count_, 16)
+          .bind("g_shadowWords", shadowWords, resources_.find(shadowWords)->size)
           .constants("CaptureConstants", constants);
       expectOk(builder.finish());
     }

@@ -187,7 +187,7 @@ TEST_P(LayeredTransparency, DrawsOverWhatIsOpaqueAndNotBehindIt) {
     drawWall();
     scene.lists.push_back(hair[0]);
     scene.lists.emplace_back();
-    capture.addDraws(hair[0], scene.lists.back());
+    capture.addDraws(hair[0], scene.run.scene.shadowWords(), scene.lists.back());
     scene.renderLists(view);
     const std::vector<ExactPixel> exact =
         FragmentCapture::composite(capture.read(*scene.run.device()), view);

@@ -135,7 +135,7 @@ class TangleRun {
     FragmentCapture capture(resources(), capacity);
     std::vector<PassList> drawn = std::move(lists);
     lists.assign(1, {});
-    capture.addDraws(drawn[0], lists[0]);
+    capture.addDraws(drawn[0], run.scene.shadowWords(), lists[0]);
     renderLists(view);
     lists = std::move(drawn);
     return FragmentCapture::composite(capture.read(*run.device()), view);
