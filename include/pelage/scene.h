@@ -180,6 +180,9 @@ class Scene {
   Result<void> addStrandDraw(const DrawFrame& frame, size_t material, bool smooth,
                              const KernelVariant& pixel, DrawState state,
                              const detail::DrawOffers& offers, PassList& list) const;
+  /// Smooth ribbons of all objects into the buffers of a method.
+  Result<void> addStrandDraws(const DrawFrame& frame, const KernelVariant& pixel,
+                              const detail::DrawOffers& offers, PassList& list) const;
   Result<void> addOpaqueDraws(const DrawFrame& frame, bool stochastic, PassList& list) const;
   Result<void> addListPasses(const DrawFrame& frame, const TransparencySettings& settings,
                              const TransparencyPlan& plan, std::vector<PassList>& lists);

@@ -26,13 +26,11 @@ enum class Transparency : uint8_t {
   kHybrid8,
   kHybrid16,
   /// The nearest 3 fragments, the others with their mean colour: 28 bytes a pixel. Draws the
-  /// strands
-  /// twice, and writes the depth of the third fragment into the target.
+  /// strands twice, and writes the depth of the third fragment into the target.
   kShortCut,
   /// The exact composite without the hardware's rasteriser and without lists: strands are sorted
   /// into tiles, each of which is composited in the memory of a group. 48 bytes a vertex of the
-  /// hair
-  /// in view, 8 a pixel, and 4 for each segment in each tile that it touches. See opaqueDepth.
+  /// hair in view, 8 a pixel, and 4 for each segment in each tile that it touches. See opaqueDepth.
   kTiles,
 };
 

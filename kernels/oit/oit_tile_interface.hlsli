@@ -1,9 +1,13 @@
-// What oit_tile_vertex hands to the kernels that resolve transparency.
+// What oit_tile_vertex hands to the kernels that resolve transparency, and what they write.
 #ifndef PELAGE_OIT_OIT_TILE_INTERFACE_HLSLI
 #define PELAGE_OIT_OIT_TILE_INTERFACE_HLSLI
 
 struct OitTilePixel {
   float4 clip : SV_Position;
+};
+
+struct ResolvedPixel {
+  float4 color : SV_Target0;  // premultiplied; alpha = 1 - transmittance
 };
 
 #endif

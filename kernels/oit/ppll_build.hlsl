@@ -7,7 +7,7 @@
 // without one; the counter of nodes tells how many there were. Nothing is linked before its node is
 // known to be in bounds (K35).
 //
-// Invariant (tests/kernel): every fragment of alpha > 0 is in exactly one list or tail, whatever
+// Invariant (tests/oit): every fragment of alpha > 0 is in exactly one list or tail, whatever
 // the capacity.
 #include "../layouts/ppll_build.hlsli"
 #include "../layouts/render.hlsli"

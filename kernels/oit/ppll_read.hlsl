@@ -11,7 +11,7 @@
 // 512 fragments that let light through as far as that are averaged behind what kMaxVisits visits of
 // nodes had time for; so the time that a pixel takes does not grow with the square of its layers.
 //
-// Invariant (tests/kernel): the composite of all fragments in order, but for what lies behind a
+// Invariant (tests/oit): the composite of all fragments in order, but for what lies behind a
 // transmittance of g_readEpsilon.
 #include "../common/random_hash.hlsli"
 #include "../layouts/oit_tiles.hlsli"
@@ -77,10 +77,6 @@ uint4 averagedBehind(WindowSlot last, uint head) {
   }
   return sum;
 }
-
-struct ResolvedPixel {
-  float4 color : SV_Target0;
-};
 
 ResolvedPixel ppll_read(OitTilePixel tile) {
   ResolvedPixel result;

@@ -12,10 +12,6 @@
 #include "layer_composite.hlsli"
 #include "oit_tile_interface.hlsli"
 
-struct ResolvedPixel {
-  float4 color : SV_Target0;
-};
-
 ResolvedPixel short_cut_resolve_color(OitTilePixel tile) {
   ResolvedPixel result;
   result.color = float4(0.0, 0.0, 0.0, 0.0);

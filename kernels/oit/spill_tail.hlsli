@@ -1,10 +1,10 @@
 // Where the fragments of a pixel go that found no room: sums of integers, so that their order of
-// arrival does not matter.
+// arrival does not matter. Lists add base colours and light their mean, layers add lit ones.
 //
 //   words 0..2  sum of w x linear colour, in units of 1 / kTailScale
 //   word 3      sum of w = -log2(1 - alpha), in units of 1 / kTailScale
 //
-// Their transmittance is exact; their light is the mean colour, weighted by the optical depth w
+// Their transmittance is exact but for that rounding; their colour is the mean, weighted by w
 // (after the weighted averages of Bavoil and Myers, "Order independent transparency with dual depth
 // peeling", 2008, with w in place of alpha: it needs no word of its own).
 #ifndef PELAGE_OIT_SPILL_TAIL_HLSLI

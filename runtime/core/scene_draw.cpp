@@ -100,6 +100,28 @@ ShadingParts shadingOf(const StrandMaterial& m) {
           {m.longitudinalRoughness, m.azimuthalRoughness, m.cuticleTilt, m.refractiveIndex}};
 }
 
+void setMaterials(std::span<const HairObject* const> objects, std::span<Uint4> models,
+                  std::span<Float4> bodies, std::span<Float4> primaries,
+                  std::span<Float4> secondaries, std::span<Float4> fibers) {
+  for (size_t i = 0; i < objects.size(); ++i) {
+    const ShadingParts shading = shadingOf(objects[i]->material);
+    uint32_t Uint4::*const parts[4] = {&Uint4::x, &Uint4::y, &Uint4::z, &Uint4::w};
+    models[i / 4].*parts[i % 4] = shading.model;
+    bodies[i] = shading.body;
+    primaries[i] = shading.primary;
+    secondaries[i] = shading.secondary;
+    fibers[i] = shading.fiber;
+  }
+}
+
+DrawState overTarget() {
+  DrawState over;
+  over.depthCompare = DepthCompare::kAlways;
+  over.depthWrite = false;
+  over.blend = BlendMode::kPremultipliedAlpha;
+  return over;
+}
+
 uint64_t placedStrands(const HairObject& object, const HairInternals& hair) {
   const uint32_t drawn = drawnCount(object);
   const uint32_t guides = object.guideCount();
@@ -202,6 +224,18 @@ Result<void> Scene::addStrandDraw(const DrawFrame& frame, size_t material, bool 
   return builder.finish();
 }
 
+Result<void> Scene::addStrandDraws(const DrawFrame& frame, const KernelVariant& pixel,
+                                   const detail::DrawOffers& offers, PassList& list) const {
+  DrawState into;
+  into.depthWrite = false;
+  into.colorWrite = false;
+  for (size_t i = 0; i < frame.visible.size(); ++i) {
+    if (Result<void> added = addStrandDraw(frame, i, true, pixel, into, offers, list); !added)
+      return added;
+  }
+  return {};
+}
+
 Result<void> Scene::addOpaqueDraws(const DrawFrame& frame, bool stochastic, PassList& list) const {
   for (size_t i = 0; i < frame.visible.size(); ++i) {
     if (Result<void> added = addStrandDraw(
@@ -249,6 +283,13 @@ Result<void> Scene::draw(const View& view, std::span<const Light> lights,
       planTransparency(view.width, view.height, settings, vertices);
   if (!plan) return plan.error();
   if (frame->visible.empty()) return {};
+  const bool keepsMaterials =
+      settings.method == Transparency::kWindowed || settings.method == Transparency::kTiles;
+  if (keepsMaterials && frame->visible.size() > detail::kMaxMaterials) {
+    return refuse("has " + std::to_string(frame->visible.size()) +
+                  " hair objects in it, but lists and tiles tell at most " +
+                  std::to_string(detail::kMaxMaterials) + " apart");
+  }
   if (Result<void> added = addShadows(*frame, lists[0]); !added) return added;
   switch (settings.method) {
     case Transparency::kAlphaTest:
@@ -281,27 +322,20 @@ void Scene::makeRoom(const detail::BufferNeed& need) {
 
 Result<void> Scene::addListPasses(const DrawFrame& frame, const TransparencySettings& settings,
                                   const TransparencyPlan& plan, std::vector<PassList>& lists) {
-  constexpr size_t kMaxMaterials = 64;
-  if (frame.visible.size() > kMaxMaterials) {
-    return refuse("lists hold fragments of at most " + std::to_string(kMaxMaterials) +
-                  " hair objects, but " + std::to_string(frame.visible.size()) + " are in view");
-  }
   const View& view = frame.view;
   const bool tail = settings.spillTail;
   const detail::ListSizes sizes = detail::listSizes(view.width, view.height, tail);
-  const auto need = [&](BufferId& buffer, const char* name, uint64_t bytes, uint32_t stride,
-                        BufferUsage usage = BufferUsage::kStorage) {
-    if (bytesOfBuffer(buffer) >= bytes) return;
-    removeBuffer(buffer);
-    buffer = resources_.add({.name = name, .size = bytes, .stride = stride, .usage = usage});
-  };
-  need(lists_.heads, "transparency/heads", sizes.headBytes, sizeof(uint32_t));
-  need(lists_.nodes, "transparency/nodes", plan.nodeCount * detail::kNodeBytes, sizeof(Uint4));
-  need(lists_.tiles, "transparency/tiles", sizes.tileBytes, sizeof(uint32_t));
-  need(lists_.counters, "transparency/counters", detail::kCounterBytes, sizeof(uint32_t),
-       BufferUsage::kStorage | BufferUsage::kIndirect | BufferUsage::kReadback);
-  if (tail) need(lists_.tail, "transparency/tail", sizes.tailBytes, sizeof(Uint4));
-  if (!tail) removeBuffer(lists_.tail);
+  const uint64_t nodeBytes = plan.nodeCount * detail::kNodeBytes;
+  constexpr uint32_t kWord = sizeof(uint32_t);
+  makeRoom({lists_.heads, "transparency/heads", sizes.headBytes, kWord});
+  makeRoom({lists_.nodes, "transparency/nodes", nodeBytes, sizeof(Uint4)});
+  makeRoom({lists_.tiles, "transparency/tiles", sizes.tileBytes, kWord});
+  makeRoom({lists_.counters, "transparency/counters", detail::kCounterBytes, kWord,
+            BufferUsage::kStorage | BufferUsage::kIndirect | BufferUsage::kReadback});
+  if (tail)
+    makeRoom({lists_.tail, "transparency/tail", sizes.tailBytes, sizeof(Uint4)});
+  else
+    removeBuffer(lists_.tail);
 
   PPLLBuildConstants build = {};
   build.listWidth = view.width;
@@ -320,58 +354,34 @@ Result<void> Scene::addListPasses(const DrawFrame& frame, const TransparencySett
 
   detail::DrawOffers offers;
   offers.buffers = {{"g_listHeads", lists_.heads, sizes.headBytes},
-                    {"g_listNodes", lists_.nodes, plan.nodeCount * detail::kNodeBytes},
+                    {"g_listNodes", lists_.nodes, nodeBytes},
                     {"g_listCounters", lists_.counters, detail::kCounterBytes},
                     {"g_listTiles", lists_.tiles, sizes.tileBytes},
                     {"g_listTail", lists_.tail, sizes.tailBytes}};
   offers.blockName = "PPLLBuildConstants";
   offers.block = std::as_bytes(std::span(&build, 1));
-  DrawState into;
-  into.depthWrite = false;
-  into.colorWrite = false;
-  for (size_t i = 0; i < frame.visible.size(); ++i) {
-    if (Result<void> added =
-            addStrandDraw(frame, i, true, ppllBuildVariant({.tail = tail}), into, offers, lists[0]);
-        !added)
-      return added;
-  }
+  if (Result<void> added =
+          addStrandDraws(frame, ppllBuildVariant({.tail = tail}), offers, lists[0]);
+      !added)
+    return added;
 
   PPLLReadConstants read = {};
-  for (size_t i = 0; i < frame.visible.size(); ++i) {
-    const ShadingParts shading = shadingOf(frame.visible[i]->material);
-    Uint4& models = read.readModels[i / 4];
-    (i % 4 == 0   ? models.x
-     : i % 4 == 1 ? models.y
-     : i % 4 == 2 ? models.z
-                  : models.w) = shading.model;
-    read.readBodies[i] = shading.body;
-    read.readPrimaries[i] = shading.primary;
-    read.readSecondaries[i] = shading.secondary;
-    read.readFibers[i] = shading.fiber;
-  }
+  detail::setMaterials(frame.visible, read.readModels, read.readBodies, read.readPrimaries,
+                       read.readSecondaries, read.readFibers);
   read.readWidth = view.width;
   read.readHeight = view.height;
   read.readNodeCapacity = plan.nodeCount;
   read.readEpsilon = settings.epsilon;
-  OitTileConstants tiles = {};
-  tiles.tileColumns = sizes.columns;
-  tiles.tileListStart = static_cast<uint32_t>(sizes.tiles);
-  tiles.targetWidth = view.width;
-  tiles.targetHeight = view.height;
-  DrawState over;
-  over.depthCompare = DepthCompare::kAlways;
-  over.depthWrite = false;
-  over.blend = BlendMode::kPremultipliedAlpha;
   PassBuilder resolve(lists[1]);
   resolve
-      .drawIndirect(oitTileVertexVariant({}), ppllReadVariant({.tail = tail}), over,
+      .drawIndirect(oitTileVertexVariant({}), ppllReadVariant({.tail = tail}), detail::overTarget(),
                     lists_.counters)
       .bind("g_tiles", lists_.tiles, sizes.tileBytes)
       .bind("g_readHeads", lists_.heads, sizes.headBytes)
-      .bind("g_readNodes", lists_.nodes, plan.nodeCount * detail::kNodeBytes)
+      .bind("g_readNodes", lists_.nodes, nodeBytes)
       .bind("g_readTail", lists_.tail, sizes.tailBytes)
       .bind("g_readShadowWords", shadowWords_, bytesOfBuffer(shadowWords_))
-      .constants("OitTileConstants", tiles)
+      .constants("OitTileConstants", detail::tileConstants(view.width, view.height))
       .constants("StrandViewConstants", frame.constants)
       .constants("PPLLReadConstants", read);
   return resolve.finish();
@@ -414,18 +424,10 @@ Result<void> Scene::addShadows(DrawFrame& frame, PassList& list) {
   }
   // Kernels that read shadows have the buffer bound, also where no light has one.
   const uint64_t wordBytes = std::max<uint64_t>(words, 4) * sizeof(uint32_t);
-  if (bytesOfBuffer(shadowWords_) < wordBytes) {
-    removeBuffer(shadowWords_);
-    shadowWords_ =
-        resources_.add({.name = "shadows/words", .size = wordBytes, .stride = sizeof(uint32_t)});
-  }
+  makeRoom({shadowWords_, "shadows/words", wordBytes, sizeof(uint32_t)});
   if (plans.empty()) return {};
-  if (shadowViews_ == BufferId::kInvalid) {
-    shadowViews_ = resources_.add({.name = "shadows/views",
-                                   .size = kMaxStrandShadows * sizeof(StrandShadowView),
-                                   .stride = sizeof(StrandShadowView),
-                                   .usage = BufferUsage::kStorage | BufferUsage::kUpload});
-  }
+  makeRoom({shadowViews_, "shadows/views", kMaxStrandShadows * sizeof(StrandShadowView),
+            sizeof(StrandShadowView), BufferUsage::kStorage | BufferUsage::kUpload});
   for (size_t i = 0; i < plans.size(); ++i) {
     detail::StrandShadowBuffers buffers;
     buffers.views = shadowViews_;

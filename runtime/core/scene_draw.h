@@ -55,6 +55,17 @@ struct ShadingParts {
 
 ShadingParts shadingOf(const StrandMaterial& material);
 
+/// Hair objects that fragments can name, as in kernels/oit/fragment_packing.hlsli.
+inline constexpr size_t kMaxMaterials = 64;
+
+/// Fills the tables of StrandShading, [object]; of its model four in one element.
+void setMaterials(std::span<const HairObject* const> objects, std::span<Uint4> models,
+                  std::span<Float4> bodies, std::span<Float4> primaries,
+                  std::span<Float4> secondaries, std::span<Float4> fibers);
+
+/// Of draws that blend what they have resolved over the target.
+DrawState overTarget();
+
 /// Strands that a kernel places beside their guides.
 uint64_t placedStrands(const HairObject& object, const HairInternals& hair);
 

@@ -48,31 +48,20 @@ Result<void> Scene::addHybridPasses(const DrawFrame& frame, uint32_t layers,
                   {"g_hybridTail", hybrid_.tail, sizes.tailBytes}};
   fill.blockName = "HybridColorsConstants";
   fill.block = std::as_bytes(std::span(&colors, 1));
-  DrawState into;
-  into.depthWrite = false;
-  into.colorWrite = false;
-  for (size_t i = 0; i < frame.visible.size(); ++i) {
-    if (Result<void> added =
-            addStrandDraw(frame, i, true, hybridDepthsVariant(), into, find, lists[0]);
-        !added)
-      return added;
-    if (Result<void> added =
-            addStrandDraw(frame, i, true, hybridColorsVariant(), into, fill, lists[1]);
-        !added)
-      return added;
-  }
+  if (Result<void> added = addStrandDraws(frame, hybridDepthsVariant(), find, lists[0]); !added)
+    return added;
+  if (Result<void> added = addStrandDraws(frame, hybridColorsVariant(), fill, lists[1]); !added)
+    return added;
 
   HybridReadConstants read = {};
   read.layersOrigin = {view.x, view.y};
   read.layersWidth = view.width;
   read.layersHeight = view.height;
   read.layersQuads = layers / 4;
-  DrawState over;
-  over.depthCompare = DepthCompare::kAlways;
-  over.depthWrite = false;
-  over.blend = BlendMode::kPremultipliedAlpha;
   PassBuilder resolve(lists[2]);
-  resolve.drawIndirect(oitTileVertexVariant(), hybridReadVariant(), over, hybrid_.counters)
+  resolve
+      .drawIndirect(oitTileVertexVariant(), hybridReadVariant(), detail::overTarget(),
+                    hybrid_.counters)
       .bind("g_tiles", hybrid_.tiles, sizes.tileBytes)
       .bind("g_layerColors", hybrid_.colors, sizes.colorBytes)
       .bind("g_layerTail", hybrid_.tail, sizes.tailBytes)

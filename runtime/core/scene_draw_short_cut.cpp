@@ -43,19 +43,12 @@ Result<void> Scene::addShortCutPasses(const DrawFrame& frame, std::vector<PassLi
                   {"g_shortCutColors", shortCut_.colors, sizes.colorBytes}};
   fill.blockName = "ShortCutFillColorsConstants";
   fill.block = std::as_bytes(std::span(&colors, 1));
-  DrawState into;
-  into.depthWrite = false;
-  into.colorWrite = false;
-  for (size_t i = 0; i < frame.visible.size(); ++i) {
-    if (Result<void> added =
-            addStrandDraw(frame, i, true, shortCutDepthsAlphaVariant(), into, find, lists[0]);
-        !added)
-      return added;
-    if (Result<void> added =
-            addStrandDraw(frame, i, true, shortCutFillColorsVariant(), into, fill, lists[2]);
-        !added)
-      return added;
-  }
+  if (Result<void> added = addStrandDraws(frame, shortCutDepthsAlphaVariant(), find, lists[0]);
+      !added)
+    return added;
+  if (Result<void> added = addStrandDraws(frame, shortCutFillColorsVariant(), fill, lists[2]);
+      !added)
+    return added;
 
   const OitTileConstants tiles = detail::tileConstants(view.width, view.height);
   ShortCutResolveDepthConstants third = {};
@@ -80,13 +73,10 @@ Result<void> Scene::addShortCutPasses(const DrawFrame& frame, std::vector<PassLi
   front.frontOrigin = {view.x, view.y};
   front.frontWidth = view.width;
   front.frontHeight = view.height;
-  DrawState over;
-  over.depthCompare = DepthCompare::kAlways;
-  over.depthWrite = false;
-  over.blend = BlendMode::kPremultipliedAlpha;
   PassBuilder resolveColor(lists[3]);
   resolveColor
-      .drawIndirect(oitTileVertexVariant(), shortCutResolveColorVariant(), over, shortCut_.counters)
+      .drawIndirect(oitTileVertexVariant(), shortCutResolveColorVariant(), detail::overTarget(),
+                    shortCut_.counters)
       .bind("g_tiles", shortCut_.tiles, sizes.tileBytes)
       .bind("g_frontDepths", shortCut_.depths, sizes.depthBytes)
       .bind("g_frontColors", shortCut_.colors, sizes.colorBytes)

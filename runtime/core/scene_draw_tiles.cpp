@@ -13,7 +13,6 @@ namespace {
 // As in kernels/oit/tiles/strand_tile_counters.hlsli.
 constexpr uint32_t kDispatchRow = 4194304;
 constexpr uint64_t kDispatchOffset = 5 * sizeof(uint32_t);
-constexpr size_t kMaxMaterials = 64;
 
 Error refuse(const std::string& what) { return {ErrorCode::kInvalidArgument, "view: " + what}; }
 
@@ -29,10 +28,6 @@ uint32_t rowsOf(uint64_t vertices) {
 
 Result<void> Scene::addTilePasses(const DrawFrame& frame, const TransparencySettings& settings,
                                   const TransparencyPlan& plan, uint64_t vertices, PassList& list) {
-  if (frame.visible.size() > kMaxMaterials) {
-    return refuse("tiles hold segments of at most " + std::to_string(kMaxMaterials) +
-                  " hair objects, but " + std::to_string(frame.visible.size()) + " are in view");
-  }
   const View& view = frame.view;
   const uint64_t depthBytes = uint64_t{view.width} * view.height * sizeof(float);
   const bool occluded = settings.opaqueDepth != BufferId::kInvalid;
@@ -97,18 +92,8 @@ Result<void> Scene::addTilePasses(const DrawFrame& frame, const TransparencySett
   if (Result<void> added = add(binStrandsVariant({.fill = true}), row, rows); !added) return added;
 
   StrandTilesCompositeConstants composite = {};
-  for (size_t i = 0; i < frame.visible.size(); ++i) {
-    const detail::ShadingParts shading = detail::shadingOf(frame.visible[i]->material);
-    Uint4& models = composite.tileModels[i / 4];
-    (i % 4 == 0   ? models.x
-     : i % 4 == 1 ? models.y
-     : i % 4 == 2 ? models.z
-                  : models.w) = shading.model;
-    composite.tileBodies[i] = shading.body;
-    composite.tilePrimaries[i] = shading.primary;
-    composite.tileSecondaries[i] = shading.secondary;
-    composite.tileFibers[i] = shading.fiber;
-  }
+  detail::setMaterials(frame.visible, composite.tileModels, composite.tileBodies,
+                       composite.tilePrimaries, composite.tileSecondaries, composite.tileFibers);
   composite.tileWidth = view.width;
   composite.tileHeight = view.height;
   composite.tileRowSize = sizes.columns;
@@ -135,12 +120,9 @@ Result<void> Scene::addTilePasses(const DrawFrame& frame, const TransparencySett
   picture.pictureSize = {view.width, view.height};
   OitTileConstants tiles = detail::tileConstants(view.width, view.height);
   tiles.tileListStart = 2 * sizes.tiles;
-  DrawState over;
-  over.depthCompare = DepthCompare::kAlways;
-  over.depthWrite = false;
-  over.blend = BlendMode::kPremultipliedAlpha;
   PassBuilder show(list);
-  show.drawIndirect(oitTileVertexVariant(), showStrandTilesVariant(), over, lists_.counters)
+  show.drawIndirect(oitTileVertexVariant(), showStrandTilesVariant(), detail::overTarget(),
+                    lists_.counters)
       .bind("g_tiles", tiles_.tiles, sizes.tileBytes)
       .bind("g_picture", tiles_.picture, sizes.pictureBytes)
       .constants("OitTileConstants", tiles)

@@ -224,30 +224,13 @@ TEST_P(StrandTiles, DoNotDependOnTheOrderOfStrands) {  // K36
 }
 
 TEST_P(StrandTiles, DoNotDependOnTheOrderOfStrandsAtOnePlace) {  // K36
-  HairAsset half = tangle({.strands = 20});
-  const auto render = [&](TangleRun& scene, bool reversed) {
-    // Each strand twice, red and blue.
-    HairAsset asset;
-    asset.strandCount = 2 * half.strandCount;
-    asset.verticesPerStrand = half.verticesPerStrand;
-    for (const bool red : {reversed, !reversed}) {
-      for (const Float4& p : half.positions) {
-        asset.positions.push_back(p);
-        asset.vertexColor.push_back(red ? Float4{1, 0.1f, 0, 1} : Float4{0, 0.1f, 1, 1});
-      }
-    }
-    expectOk(asset.process());
-    HairDef def;
-    def.material = tangleMaterial({.radius = 0.005f, .opacity = 0.6f});
-    def.settings.gravity = {0, 0, 0};
-    scene.run.add(asset, def);
-    scene.run.step();
-    return scene.render(tangleView(kPixels), tiles());
-  };
+  const TangleDef def = {.strands = 20, .radius = 0.005f, .opacity = 0.6f};
+  tangleRun().add(def, twins(tangle(def), false));
+  const RenderedImage image = tangleRun().render(tangleView(kPixels), tiles());
   TangleRun other(GetParam());
-  const RenderedImage image = render(tangleRun(), false);
+  other.add(def, twins(tangle(def), true));
   EXPECT_GT(covered(image), 0.1);
-  EXPECT_TRUE(sameBits(image, render(other, true)));
+  EXPECT_TRUE(sameBits(image, other.render(tangleView(kPixels), tiles())));
 }
 
 TEST_P(StrandTiles, StandAlphasOfZeroAndOneAndHundredsOfLayers) {

@@ -49,6 +49,21 @@ inline HairAsset tangle(const TangleDef& def) {
   return asset;
 }
 
+/// The strands of a tangle twice, red and blue at one place: all their fragments tie in depth.
+inline HairAsset twins(const HairAsset& half, bool reversed) {
+  HairAsset asset;
+  asset.strandCount = 2 * half.strandCount;
+  asset.verticesPerStrand = half.verticesPerStrand;
+  for (const bool red : {reversed, !reversed}) {
+    for (const Float4& p : half.positions) {
+      asset.positions.push_back(p);
+      asset.vertexColor.push_back(red ? Float4{1, 0.1f, 0, 1} : Float4{0, 0.1f, 1, 1});
+    }
+  }
+  expectOk(asset.process());
+  return asset;
+}
+
 inline StrandMaterial tangleMaterial(const TangleDef& def) {
   StrandMaterial material;
   material.rootColor = {0.6f, 0.3f, 0.1f};
@@ -88,12 +103,13 @@ class TangleRun {
  public:
   explicit TangleRun(Api api) : run(api) {}
 
-  void add(const TangleDef& def) {
+  void add(const TangleDef& def) { add(def, tangle(def)); }
+  void add(const TangleDef& def, const HairAsset& asset) {
     HairDef hairDef;
     hairDef.name = "tangle";
     hairDef.material = tangleMaterial(def);
     hairDef.settings.gravity = {0, 0, 0};
-    const Result<HairId> added = run.scene.addHair(tangle(def), hairDef);
+    const Result<HairId> added = run.scene.addHair(asset, hairDef);
     ASSERT_TRUE(added) << added.error().message;
     hair_ = *added;
     run.step();

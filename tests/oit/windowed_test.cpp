@@ -62,6 +62,19 @@ TEST_P(WindowedTransparency, DoesNotDependOnTheOrderOfArrival) {  // K36
   EXPECT_TRUE(sameBits(image, tangleRun().render(view, roomy())));
 }
 
+TEST_P(WindowedTransparency, DoesNotDependOnTheOrderOfStrandsAtOnePlace) {  // K36
+  const TangleDef def = {.strands = 20, .radius = 0.005f, .opacity = 0.6f};
+  const View view = tangleView(kPixels);
+  tangleRun().add(def, twins(tangle(def), false));
+  const RenderedImage image = tangleRun().render(view, roomy());
+  EXPECT_GT(std::count_if(image.pixels.begin(), image.pixels.end(),
+                          [](const Float4& p) { return p.w > 0; }),
+            400);
+  TangleRun other(GetParam());
+  other.add(def, twins(tangle(def), true));
+  EXPECT_TRUE(sameBits(image, other.render(view, roomy())));
+}
+
 TEST_P(WindowedTransparency, KeepsThePictureWhereTheListsAreFull) {  // K35
   const View view = tangleView(kPixels);
   tangleRun().add({});

@@ -6,6 +6,8 @@
 #include <cstring>
 #include <limits>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "pelage/gpu_structs.h"
@@ -48,12 +50,17 @@ class SceneDraw : public testing::Test {
   }
 
   RenderConstants constantsOfDraw() const {
-    RenderConstants constants = {};
+    return blockOfDraw<RenderConstants>("RenderConstants");
+  }
+
+  template <class T>
+  T blockOfDraw(std::string_view name) const {
+    T constants = {};
     for (const Pass& pass : lists_[0].passes) {
       if (pass.kind != PassKind::kDraw) continue;
       for (const PassBinding& binding : lists_[0].bindingsOf(pass)) {
         const LayoutEntry& entry = pass.layouts()[binding.set]->entries[binding.entry];
-        if (std::string_view(entry.name) == "RenderConstants")
+        if (entry.name == name)
           std::memcpy(&constants, lists_[0].constants.data() + binding.offset, sizeof(constants));
       }
     }
@@ -88,11 +95,17 @@ TEST_F(SceneDraw, WhatIsOutOfViewOrHiddenCostsNothing) {
   // Looks away.
   view.worldToClip = lookAt(view.eye, {0, 0.04f, 1}, {0, 1, 0}, 0.6f, 1, 0.01f, 100);
   EXPECT_EQ(draw(view), "");
-  // Beside the picture, and nearer than the near plane.
-  view.worldToClip = lookAt(view.eye, {-2, 0.04f, 0}, {0, 1, 0}, 0.6f, 1, 0.01f, 100);
-  EXPECT_EQ(draw(view), "");
-  view.worldToClip = lookAt(view.eye, {0, 0.04f, 0}, {0, 1, 0}, 0.6f, 1, 10, 100);
-  EXPECT_EQ(draw(view), "");
+  // Left, right, above and below of the picture: one plane alone leaves it out each time.
+  view = viewFrom(5);
+  for (const Float3 target : {Float3{6, 0.04f, 0}, {-6, 0.04f, 0}, {0, 6, 0}, {0, -6, 0}}) {
+    view.worldToClip = lookAt(view.eye, target, {0, 1, 0}, 0.6f, 1, 0.01f, 100);
+    EXPECT_EQ(draw(view), "") << target.x << " " << target.y;
+  }
+  // Nearer than the near plane, and beyond the far one.
+  for (const auto& [near, far] : {std::pair(10.0f, 100.0f), std::pair(0.01f, 2.0f)}) {
+    view.worldToClip = lookAt(view.eye, {0, 0.04f, 0}, {0, 1, 0}, 0.6f, 1, near, far);
+    EXPECT_EQ(draw(view), "") << near << " to " << far;
+  }
   hair.visible = false;
   EXPECT_EQ(draw(viewFrom(0.5f)), "");
   hair.visible = true;
@@ -194,6 +207,36 @@ TEST_F(SceneDraw, TheShareForAViewFallsWithTheDistance) {
   View broken = viewFrom(1);
   broken.worldToClip.rows[3].x = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(scene_.shareForView(id_, broken), 1.0f);
+}
+
+TEST_F(SceneDraw, ShadowsAreAsDenseAsTheHairWhereverElseThereIsSome) {
+  Light light;
+  light.shadow = HairShadow::kDepth;
+  const auto extinction = [&] {
+    draw(viewFrom(0.5f), {.method = Transparency::kAlphaTest}, light);
+    return blockOfDraw<StrandViewConstants>("StrandViewConstants").shadowDepths[0].z;
+  };
+  add();
+  const float alone = extinction();
+  EXPECT_GT(alone, 0);
+  AffineTransform away;
+  away.rows[0].w = 20;
+  add().setBones({&away, 1});
+  EXPECT_NEAR(extinction(), alone, 0.01f * alone);
+}
+
+TEST_F(SceneDraw, ListsAndTilesTell64ObjectsApart) {
+  for (int i = 0; i < 64; ++i) add();
+  const View view = viewFrom(0.5f);
+  EXPECT_NE(draw(view), "");
+  add();
+  for (const Transparency method : {Transparency::kWindowed, Transparency::kTiles}) {
+    const Light light;
+    const Result<void> drawn = scene_.draw(view, {&light, 1}, {.method = method}, lists_);
+    ASSERT_FALSE(drawn);
+    EXPECT_NE(drawn.error().message.find("65 hair objects"), std::string::npos);
+  }
+  EXPECT_NE(draw(view, {.method = Transparency::kHybrid4}), "");
 }
 
 TEST_F(SceneDraw, RefusesLightsAndTexturesThatDoNotFit) {
