@@ -7,6 +7,13 @@
 # The target's property PELAGE_GENERATED_INCLUDE is the folder that holds them.
 # INCLUDE adds folders to the search of #include in HLSL, REFLECTION names the JSON file (default:
 # reflection.json beside the generated sources).
+#
+# PELAGE_CODEGEN_EXECUTABLE names a pelage-codegen to use in place of the build's own or the
+# package's: for cross builds, whose own does not run here. PELAGE_CODEGEN_CACHE names a folder of
+# compiled permutations that several targets and build trees share.
+set(PELAGE_CODEGEN_EXECUTABLE "" CACHE FILEPATH "pelage-codegen to use (empty: the one built)")
+set(PELAGE_CODEGEN_CACHE "" CACHE PATH "Folder of compiled permutations (empty: one a target)")
+
 function(pelage_add_kernels target)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "MANIFEST;REFLECTION" "INCLUDE")
   if(NOT arg_MANIFEST OR arg_UNPARSED_ARGUMENTS)
@@ -40,12 +47,20 @@ function(pelage_add_kernels target)
     get_filename_component(dir "${dir}" ABSOLUTE)
     list(APPEND includes "-I${dir}")
   endforeach()
+  set(codegen pelage::codegen)
+  if(PELAGE_CODEGEN_EXECUTABLE)
+    set(codegen "${PELAGE_CODEGEN_EXECUTABLE}")
+  endif()
+  set(cache)
+  if(PELAGE_CODEGEN_CACHE)
+    set(cache --cache "${PELAGE_CODEGEN_CACHE}")
+  endif()
   add_custom_command(
     OUTPUT "${output}/kernels.stamp"
     BYPRODUCTS ${headers} ${sources} "${reflection}"
-    COMMAND pelage::codegen "${manifest}" --output "${output}" ${includes}
+    COMMAND ${codegen} "${manifest}" --output "${output}" ${includes} ${cache}
       --reflection "${reflection}" --stamp "${output}/kernels.stamp" --depfile "${output}/kernels.d"
-    DEPENDS pelage::codegen "${manifest}"
+    DEPENDS ${codegen} "${manifest}"
     DEPFILE "${output}/kernels.d"
     COMMENT "Compiling the kernels of ${target}"
     VERBATIM)

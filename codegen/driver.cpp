@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 
 // Counts up when the same tool and input give another result for a reason that no hash sees.
 constexpr uint64_t kCacheFormat = 1;
-constexpr uint64_t kCacheBytes = 256u << 20;
+constexpr uint64_t kCacheBytes = uint64_t{1} << 30;
 
 // Guaranteed by Vulkan, GL and GLES for one constant block.
 constexpr uint32_t kUniformBlockBytes = 16384;
