@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "pelage/result.h"
+#include "pelage/stream.h"
 
 namespace pelage {
 
@@ -45,8 +46,11 @@ struct BoneWeights {
 /// range, a duplicate bone or strand, a weight that is negative, not finite or above 1e6, another
 /// strand count, bytes after the last record.
 Result<BoneWeights> loadTfxBone(const std::filesystem::path& path, uint32_t strandCount = 0);
-/// The same from memory; `name` is what errors call it.
+/// The same from memory, or from a stream, all of which is read at once; `name` is what errors call
+/// it.
 Result<BoneWeights> loadTfxBone(std::span<const std::byte> bytes, std::string_view name,
+                                uint32_t strandCount = 0);
+Result<BoneWeights> loadTfxBone(ByteSource& source, std::string_view name,
                                 uint32_t strandCount = 0);
 
 /// The bytes of a .tfxbone file, strands ascending. What loadTfxBone() read from a file with

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -11,9 +12,14 @@
 
 #include "pelage/bone_weights.h"
 #include "pelage/result.h"
+#include "pelage/stream.h"
 #include "pelage/types.h"
 
 namespace pelage {
+
+namespace detail {
+struct PreparedCollider;
+}
 
 struct CollisionMesh {
   std::vector<BoneName> bones;
@@ -24,15 +30,25 @@ struct CollisionMesh {
   std::vector<uint32_t> indices;
   /// Vertices without weights when the file was loaded; they follow their first bone.
   uint32_t repairedVertexCount = 0;
+  /// Set by prepareCollider() and by caches; copies of the mesh share it.
+  std::shared_ptr<const detail::PreparedCollider> prepared;
 };
+
+/// Finds out now what Scene::addCollider() else does on the spot: which triangles are neighbours,
+/// which vertices are in one place. It depends on positions and indices alone; when these change,
+/// addCollider() notices and does without. Caches keep it. Errors: indices that are no triangles or
+/// refer to vertices that are not there.
+Result<void> prepareCollider(CollisionMesh& mesh);
 
 /// Loads a .tfxmesh file (see saveTfxMesh() for its form). Lines may end in LF or CR LF, vertices
 /// and triangles may come in any order. Errors name file:line: a number that cannot be read, is not
 /// finite or beyond +-1e6, an index out of range or given twice, a missing line, a section that is
 /// missing, text after the last triangle.
 Result<CollisionMesh> loadTfxMesh(const std::filesystem::path& path);
-/// The same from memory; `name` is what errors call it.
+/// The same from memory, or from a stream, all of which is read at once; `name` is what errors call
+/// it.
 Result<CollisionMesh> loadTfxMesh(std::string_view text, std::string_view name);
+Result<CollisionMesh> loadTfxMesh(ByteSource& source, std::string_view name);
 
 /// The text of a .tfxmesh file: `numOfBones N` and N lines `index name`; `numOfVertices N` and N
 /// lines `index x y z nx ny nz b0 b1 b2 b3 w0 w1 w2 w3`; `numOfTriangles N` and N lines

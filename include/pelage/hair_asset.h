@@ -10,6 +10,7 @@
 
 #include "pelage/bone_weights.h"
 #include "pelage/result.h"
+#include "pelage/stream.h"
 #include "pelage/types.h"
 
 namespace pelage {
@@ -123,6 +124,11 @@ struct TfxLoadOptions {
   /// there is none before (a strand without any good vertex is an error); an inverse mass becomes 0
   /// on vertices 0 and 1 and 1 elsewhere; UV and colour become 0, a thickness 1.
   bool repair = false;
+  /// The first strands of the file, >= 1: for a quick look, or a coarse level of a groom whose
+  /// strands are in random order. Of a stream, only their bytes are read.
+  uint32_t maxStrands = 0xffffffffu;
+  /// Optional arrays that are taken when the file has them; the others are not even read.
+  bool strandUv = true, vertexUv = true, strandThickness = true, vertexColor = true;
 };
 
 struct TfxLoadReport {
@@ -132,11 +138,15 @@ struct TfxLoadReport {
 
 /// Loads a .tfx file, version 4.0, and validates all of it; does not call process(). Errors name
 /// the byte offset: truncation, another version, counts out of range (a file without strands is
-/// refused), arrays that leave the file or overlap, and what TfxLoadOptions repairs.
+/// refused), arrays that leave the file or overlap, and what TfxLoadOptions repairs. Of an asset
+/// that is only a part, saveTfx() makes a file of its own.
 Result<HairAsset> loadTfx(const std::filesystem::path& path, const TfxLoadOptions& options = {},
                           TfxLoadReport* report = nullptr);
-/// The same from memory; `name` is what errors call it.
+/// The same from memory, or from a stream; `name` is what errors call it. Without parts left out,
+/// each byte of a stream is read once.
 Result<HairAsset> loadTfx(std::span<const std::byte> bytes, std::string_view name,
+                          const TfxLoadOptions& options = {}, TfxLoadReport* report = nullptr);
+Result<HairAsset> loadTfx(ByteSource& source, std::string_view name,
                           const TfxLoadOptions& options = {}, TfxLoadReport* report = nullptr);
 
 /// The bytes of a .tfx file. An asset from loadTfx() (without repairs) gives the bytes it came

@@ -10,6 +10,7 @@
 
 #include "pelage/result.h"
 #include "pelage/sdf_collider.h"
+#include "pelage/stream.h"
 
 namespace pelage {
 
@@ -32,7 +33,9 @@ Result<void> saveSdf(const SdfData& data, const std::filesystem::path& path);
 /// fit the file, a grid or numbers out of range, a key or a record that refers to a triangle that
 /// is not there.
 Result<SdfData> loadSdf(const std::filesystem::path& path);
-/// The same from memory; `name` is what errors call it.
+/// The same from memory, or from a stream, all of which is read at once; `name` is what errors call
+/// it.
 Result<SdfData> loadSdf(std::span<const std::byte> bytes, std::string_view name);
+Result<SdfData> loadSdf(ByteSource& source, std::string_view name);
 
 }  // namespace pelage

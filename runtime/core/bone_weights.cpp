@@ -296,6 +296,12 @@ Result<BoneWeights> loadTfxBone(std::span<const std::byte> bytes, std::string_vi
   return detail::guarded([&] { return load(bytes, name, strandCount); });
 }
 
+Result<BoneWeights> loadTfxBone(ByteSource& source, std::string_view name, uint32_t strandCount) {
+  auto bytes = readAll(source, name);
+  if (!bytes) return bytes.error();
+  return loadTfxBone(*bytes, name, strandCount);
+}
+
 Result<BoneWeights> loadTfxBone(const std::filesystem::path& path, uint32_t strandCount) {
   return detail::guarded([&]() -> Result<BoneWeights> {
     auto bytes = detail::readFile(path);

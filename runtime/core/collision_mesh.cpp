@@ -293,6 +293,14 @@ Result<CollisionMesh> loadTfxMesh(std::string_view text, std::string_view name) 
   return detail::guarded([&] { return load(text, name); });
 }
 
+Result<CollisionMesh> loadTfxMesh(ByteSource& source, std::string_view name) {
+  return detail::guarded([&]() -> Result<CollisionMesh> {
+    auto bytes = readAll(source, name);
+    if (!bytes) return bytes.error();
+    return load({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, name);
+  });
+}
+
 Result<CollisionMesh> loadTfxMesh(const std::filesystem::path& path) {
   return detail::guarded([&]() -> Result<CollisionMesh> {
     auto bytes = detail::readFile(path);

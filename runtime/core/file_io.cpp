@@ -5,28 +5,14 @@
 #include <fstream>
 #include <system_error>
 
+#include "pelage/stream.h"
+
 namespace pelage::detail {
 
 Result<std::vector<std::byte>> readFile(const std::filesystem::path& path) {
-  std::error_code error;
-  const std::filesystem::file_status status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status))
-    return Error{ErrorCode::kFileNotFound, fmt::format("{}: no such file", path.string())};
-  if (!std::filesystem::is_regular_file(status))
-    return Error{ErrorCode::kFileNotFound, fmt::format("{}: not a regular file", path.string())};
-  const uint64_t size = std::filesystem::file_size(path, error);
-  if (error)
-    return Error{ErrorCode::kFileNotFound, fmt::format("{}: {}", path.string(), error.message())};
-  std::ifstream file(path, std::ios::binary);
-  if (!file)
-    return Error{ErrorCode::kFileNotFound,
-                 fmt::format("{}: cannot be opened; check its permissions", path.string())};
-  std::vector<std::byte> bytes(size);
-  file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
-  if (static_cast<uint64_t>(file.gcount()) != size)
-    return Error{ErrorCode::kInvalidFile, fmt::format("{}: byte {}: reading failed", path.string(),
-                                                      static_cast<uint64_t>(file.gcount()))};
-  return bytes;
+  auto file = FileSource::open(path);
+  if (!file) return file.error();
+  return readAll(*file, path.string());
 }
 
 Result<void> writeFile(const std::filesystem::path& path, std::span<const std::byte> bytes) {

@@ -141,6 +141,12 @@ Result<SdfData> loadSdf(std::span<const std::byte> bytes, std::string_view name)
   return data;
 }
 
+Result<SdfData> loadSdf(ByteSource& source, std::string_view name) {
+  Result<std::vector<std::byte>> bytes = readAll(source, name);
+  if (!bytes) return bytes.error();
+  return loadSdf(*bytes, name);
+}
+
 Result<SdfData> loadSdf(const std::filesystem::path& path) {
   Result<std::vector<std::byte>> bytes = detail::readFile(path);
   if (!bytes) return bytes.error();

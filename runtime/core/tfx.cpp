@@ -10,12 +10,15 @@
 #include "file_io.h"
 #include "guard.h"
 #include "pelage/hair_asset.h"
+#include "stream_reader.h"
+#include "tfx_layout.h"
 
 namespace pelage {
 namespace {
 
 using detail::fileError;
 using detail::readAt;
+using detail::StreamReader;
 
 constexpr float kVersion = 4.0f;
 constexpr uint64_t kHeaderSize = 160;
@@ -68,21 +71,20 @@ bool isPosition(const Float4& p) {
 // Reads the arrays and judges their values.
 class ValueReader {
  public:
-  ValueReader(std::span<const std::byte> bytes, std::string_view name, const HairAsset& asset,
-              const TfxLoadOptions& options)
-      : bytes_(bytes), name_(name), asset_(asset), options_(options) {}
+  ValueReader(StreamReader& stream, const HairAsset& asset, const TfxLoadOptions& options)
+      : stream_(stream), asset_(asset), options_(options) {}
 
   Result<void> readPositions(std::vector<Float4>& out) {
     const uint64_t offset = asset_.fileLayout.offsets[kPositions];
     const uint32_t vertexCount = asset_.verticesPerStrand;
-    copy(kPositions, out);
+    if (auto r = fetch(kPositions, out); !r) return r;
     for (uint64_t strand = 0; strand < asset_.strandCount; ++strand) {
       Float4* vertices = out.data() + strand * vertexCount;
       const uint64_t strandOffset = offset + strand * vertexCount * sizeof(Float4);
       uint32_t firstGood = 0;
       while (firstGood < vertexCount && !isPosition(vertices[firstGood])) ++firstGood;
       if (firstGood == vertexCount && options_.repair)
-        return fileError(name_, strandOffset,
+        return fileError(stream_.name(), strandOffset,
                          fmt::format("strand {} has no vertex with a usable position; remove the "
                                      "strand",
                                      strand));
@@ -119,7 +121,7 @@ class ValueReader {
                     const char* allowed, float replacement) {
     const uint64_t offset = asset_.fileLayout.offsets[array];
     if (offset == 0) return {};
-    copy(array, out);
+    if (auto r = fetch(array, out); !r) return r;
     constexpr uint64_t components = sizeof(T) / sizeof(float);
     const ArrayFormat& format = kFormats[array];
     const uint64_t perStrand = format.perVertex ? asset_.verticesPerStrand : 1;
@@ -145,17 +147,16 @@ class ValueReader {
   TfxLoadReport report() const { return report_; }
 
  private:
+  // The elements of the asset's strands; the file may have more.
   template <class T>
-  void copy(Array array, std::vector<T>& out) {
+  Result<void> fetch(Array array, std::vector<T>& out) {
     const uint64_t size = arraySize(array, asset_.strandCount, asset_.verticesPerStrand);
-    out.resize(size / sizeof(T));
-    std::memcpy(static_cast<void*>(out.data()), bytes_.data() + asset_.fileLayout.offsets[array],
-                size);
+    return stream_.readArray(asset_.fileLayout.offsets[array], size / sizeof(T), out);
   }
 
   Error refuse(uint64_t offset, const char* what, uint64_t strand, uint32_t vertex, float value,
                const char* allowed) const {
-    return fileError(name_, offset,
+    return fileError(stream_.name(), offset,
                      fmt::format("{} of strand {}, vertex {} is {}; it must be {} "
                                  "(TfxLoadOptions::repair replaces such values)",
                                  what, strand, vertex, value, allowed));
@@ -166,18 +167,19 @@ class ValueReader {
     ++report_.repairedCount;
   }
 
-  std::span<const std::byte> bytes_;
-  std::string_view name_;
+  StreamReader& stream_;
   const HairAsset& asset_;
   const TfxLoadOptions& options_;
   TfxLoadReport report_;
 };
 
-Result<HairAsset> load(std::span<const std::byte> bytes, std::string_view name,
-                       const TfxLoadOptions& options, TfxLoadReport* report) {
-  if (report != nullptr) *report = {};
-  if (bytes.size() < kHeaderSize)
-    return fileError(name, bytes.size(), "the file ends inside the 160-byte header");
+// The header, checked against the size of the file; no arrays yet.
+Result<HairAsset> readHeader(StreamReader& stream) {
+  const std::string_view name = stream.name();
+  if (stream.size() < kHeaderSize)
+    return fileError(name, stream.size(), "the file ends inside the 160-byte header");
+  std::array<std::byte, kHeaderSize> bytes;
+  if (auto r = stream.read(0, bytes); !r) return r.error();
   const float version = readAt<float>(bytes, 0);
   if (version != kVersion)
     return fileError(
@@ -196,7 +198,7 @@ Result<HairAsset> load(std::span<const std::byte> bytes, std::string_view name,
   TfxFileLayout& layout = asset.fileLayout;
   layout.strandCount = asset.strandCount;
   layout.verticesPerStrand = asset.verticesPerStrand;
-  layout.fileSize = bytes.size();
+  layout.fileSize = stream.size();
   std::memcpy(layout.reserved, bytes.data() + kReservedAt, sizeof(layout.reserved));
   std::memcpy(layout.offsets, bytes.data() + kOffsetsAt, sizeof(layout.offsets));
   if (layout.offsets[kPositions] == 0)
@@ -205,34 +207,59 @@ Result<HairAsset> load(std::span<const std::byte> bytes, std::string_view name,
     const uint64_t begin = layout.offsets[i];
     const uint64_t size =
         arraySize(static_cast<int>(i), asset.strandCount, asset.verticesPerStrand);
-    if (begin == 0 || begin + size <= bytes.size()) continue;
+    if (begin == 0 || begin + size <= stream.size()) continue;
     return fileError(name, kOffsetsAt + i * sizeof(uint32_t),
                      fmt::format("the {} of {} strands x {} vertices need bytes {} to {}, but the "
                                  "file ends at byte {}",
                                  kFormats[i].name, asset.strandCount, asset.verticesPerStrand,
-                                 begin, begin + size, bytes.size()));
+                                 begin, begin + size, stream.size()));
   }
+  return asset;
+}
+
+// The bytes between the arrays. Errors: arrays that overlap; and reading, when they are wanted.
+Result<void> readExtras(StreamReader& stream, bool wanted, HairAsset& asset) {
+  TfxFileLayout& layout = asset.fileLayout;
   const std::vector<Region> regions =
       regionsOf(layout.offsets, asset.strandCount, asset.verticesPerStrand);
   for (size_t i = 0; i < regions.size(); ++i) {
-    const uint64_t next = i + 1 < regions.size() ? regions[i + 1].begin : bytes.size();
+    const uint64_t next = i + 1 < regions.size() ? regions[i + 1].begin : stream.size();
     if (next < regions[i].end) {
       const auto later = static_cast<size_t>(regions[i + 1].array);
       const int earlier = regions[i].array;
       return fileError(
-          name, kOffsetsAt + later * sizeof(uint32_t),
+          stream.name(), kOffsetsAt + later * sizeof(uint32_t),
           fmt::format("the {} at byte {} overlap the {}", kFormats[later].name,
                       layout.offsets[later],
                       earlier < 0 ? "header" : kFormats[static_cast<size_t>(earlier)].name));
     }
-    if (next > regions[i].end) {
-      const std::span<const std::byte> gap = bytes.subspan(regions[i].end, next - regions[i].end);
-      layout.extras.push_back({regions[i].end, {gap.begin(), gap.end()}});
-    }
+    if (next == regions[i].end || !wanted) continue;
+    TfxFileLayout::Extra extra{.offset = regions[i].end, .bytes = {}};
+    if (auto r = stream.readArray(extra.offset, next - regions[i].end, extra.bytes); !r) return r;
+    layout.extras.push_back(std::move(extra));
   }
+  return {};
+}
+
+Result<HairAsset> load(StreamReader& stream, const TfxLoadOptions& options, TfxLoadReport* report) {
+  if (report != nullptr) *report = {};
+  if (options.maxStrands == 0)
+    return Error{ErrorCode::kInvalidArgument, "TfxLoadOptions::maxStrands is 0"};
+  auto header = readHeader(stream);
+  if (!header) return header;
+  HairAsset& asset = *header;
+  TfxFileLayout& layout = asset.fileLayout;
+  const bool wanted[kArrayCount] = {true, options.strandUv, options.vertexUv,
+                                    options.strandThickness, options.vertexColor};
+  bool whole = options.maxStrands >= asset.strandCount;
+  for (size_t i = 0; i < kArrayCount; ++i) whole = whole && (wanted[i] || layout.offsets[i] == 0);
+  if (auto r = readExtras(stream, whole, asset); !r) return r.error();
+  asset.strandCount = std::min(asset.strandCount, options.maxStrands);
+  for (size_t i = 0; i < kArrayCount; ++i)
+    if (!wanted[i]) layout.offsets[i] = 0;
 
   constexpr float kMax = std::numeric_limits<float>::max();
-  ValueReader reader(bytes, name, asset, options);
+  ValueReader reader(stream, asset, options);
   if (auto r = reader.readPositions(asset.positions); !r) return r.error();
   if (auto r = reader.read(kStrandUv, asset.strandUv, -kMax, kMax, "finite", 0); !r)
     return r.error();
@@ -244,8 +271,14 @@ Result<HairAsset> load(std::span<const std::byte> bytes, std::string_view name,
     return r.error();
   if (auto r = reader.read(kVertexColor, asset.vertexColor, -kMax, kMax, "finite", 0); !r)
     return r.error();
+  if (!whole) {
+    // A part is saved as a file of its own.
+    TfxFileLayout part;
+    std::copy(std::begin(layout.reserved), std::end(layout.reserved), part.reserved);
+    layout = std::move(part);
+  }
   if (report != nullptr) *report = reader.report();
-  return asset;
+  return header;
 }
 
 struct ArrayBytes {
@@ -259,28 +292,11 @@ std::array<ArrayBytes, kArrayCount> arraysOf(const HairAsset& asset) {
           bytesOf(asset.strandThickness), bytesOf(asset.vertexColor)};
 }
 
-// Whether an asset's arrays are still those that its file layout describes.
-bool layoutFits(const HairAsset& asset) {
-  const TfxFileLayout& layout = asset.fileLayout;
-  if (layout.fileSize < kHeaderSize || layout.strandCount != asset.strandCount ||
-      layout.verticesPerStrand != asset.verticesPerStrand)
-    return false;
-  const auto arrays = arraysOf(asset);
-  for (size_t i = 0; i < kArrayCount; ++i) {
-    if ((layout.offsets[i] != 0) != (arrays[i].size != 0)) return false;
-    if (layout.offsets[i] + arrays[i].size > layout.fileSize) return false;
-  }
-  for (const TfxFileLayout::Extra& extra : layout.extras)
-    if (extra.offset > layout.fileSize || extra.bytes.size() > layout.fileSize - extra.offset)
-      return false;
-  return true;
-}
-
 Result<std::vector<std::byte>> save(const HairAsset& asset) {
   if (auto r = validate(asset); !r) return r.error();
   const auto arrays = arraysOf(asset);
   TfxFileLayout fresh;
-  const bool keep = layoutFits(asset);
+  const bool keep = detail::tfxLayoutFits(asset);
   if (!keep) {
     fresh.fileSize = kHeaderSize;
     for (size_t i = 0; i < kArrayCount; ++i) {
@@ -315,17 +331,46 @@ Result<std::vector<std::byte>> save(const HairAsset& asset) {
 
 }  // namespace
 
+bool detail::tfxLayoutFits(const HairAsset& asset) {
+  const TfxFileLayout& layout = asset.fileLayout;
+  if (layout.fileSize < kHeaderSize || layout.strandCount != asset.strandCount ||
+      layout.verticesPerStrand != asset.verticesPerStrand)
+    return false;
+  const auto arrays = arraysOf(asset);
+  uint64_t covered = kHeaderSize;
+  for (size_t i = 0; i < kArrayCount; ++i) {
+    if ((layout.offsets[i] != 0) != (arrays[i].size != 0)) return false;
+    if (layout.offsets[i] + arrays[i].size > layout.fileSize) return false;
+    covered += arrays[i].size;
+  }
+  for (const TfxFileLayout::Extra& extra : layout.extras) {
+    if (extra.offset > layout.fileSize || extra.bytes.size() > layout.fileSize - extra.offset)
+      return false;
+    covered += extra.bytes.size();
+  }
+  return layout.fileSize <= covered;
+}
+
+Result<HairAsset> loadTfx(ByteSource& source, std::string_view name, const TfxLoadOptions& options,
+                          TfxLoadReport* report) {
+  return detail::guarded([&] {
+    StreamReader stream(source, name);
+    return load(stream, options, report);
+  });
+}
+
 Result<HairAsset> loadTfx(std::span<const std::byte> bytes, std::string_view name,
                           const TfxLoadOptions& options, TfxLoadReport* report) {
-  return detail::guarded([&] { return load(bytes, name, options, report); });
+  MemorySource source(bytes);
+  return loadTfx(source, name, options, report);
 }
 
 Result<HairAsset> loadTfx(const std::filesystem::path& path, const TfxLoadOptions& options,
                           TfxLoadReport* report) {
   return detail::guarded([&]() -> Result<HairAsset> {
-    auto bytes = detail::readFile(path);
-    if (!bytes) return bytes.error();
-    return load(*bytes, path.string(), options, report);
+    auto file = FileSource::open(path);
+    if (!file) return file.error();
+    return loadTfx(*file, path.string(), options, report);
   });
 }
 
