@@ -12,6 +12,10 @@ if(PELAGE_MESH_IMPORT)
   list(APPEND pelage_targets pelage_mesh_import)
 endif()
 
+if(PELAGE_AUTHORING)
+  list(APPEND pelage_targets pelage_authoring pelage_convert)
+endif()
+
 set(pelage_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/pelage)
 install(TARGETS ${pelage_targets} EXPORT pelage-targets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}

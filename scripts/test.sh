@@ -30,6 +30,9 @@ ASAN_OPTIONS=detect_leaks=1 ctest --preset asan -L unit --parallel "$(nproc)"
 # Fields are built and met under the sanitizers by scene_sdf and the stress suite.
 ASAN_OPTIONS=detect_leaks=0 ctest --preset asan -LE "unit|oracle" --parallel "$(nproc)"
 
+step "fuzzers"
+bash scripts/fuzz.sh
+
 step "static analysis"
 bash scripts/tidy.sh
 

@@ -16,6 +16,7 @@ namespace pelage {
 /// - A vertex has its four strongest bones, their weights summing to 1. What has no weights follows
 ///   its node, as a bone of that name; in a skinned mesh it counts as repaired.
 /// - Vertices that agree in position, normal and bones become one.
+/// loadSkinnedMesh() of pelage/authoring/skinned_mesh.h keeps them apart, by objects and materials.
 /// Errors name the file, and the mesh where there is one: a file that is not there or cannot be
 /// read, no triangles, a coordinate that is not finite or beyond +-1e6, an index out of range.
 Result<CollisionMesh> loadMesh(const std::filesystem::path& path);

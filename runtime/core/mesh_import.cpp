@@ -1,6 +1,7 @@
 #include "pelage/mesh_import.h"
 
 #include <assimp/config.h>
+#include <assimp/material.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <fmt/format.h>
@@ -9,9 +10,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
-#include <array>
 #include <assimp/Importer.hpp>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -22,6 +21,8 @@
 
 #include "bone_influences.h"
 #include "guard.h"
+#include "mesh_weld.h"
+#include "pelage/authoring/skinned_mesh.h"
 
 namespace pelage {
 namespace {
@@ -64,7 +65,7 @@ class MeshReader {
  public:
   MeshReader(const aiScene& scene, std::string name) : scene_(scene), name_(std::move(name)) {}
 
-  Result<CollisionMesh> read() {
+  Result<SkinnedMesh> read() {
     placeNodes();
     for (const PlacedNode& placed : nodes_)
       for (uint32_t i = 0; i < placed.node->mNumMeshes; ++i)
@@ -163,7 +164,13 @@ class MeshReader {
     for (uint32_t i = 0; i < mesh.mNumBones; ++i)
       boneNumbers.push_back(boneIndex(viewOf(mesh.mBones[i]->mName)));
 
-    std::vector<uint32_t> vertices(mesh.mNumVertices);  // [vertex of the mesh]
+    SkinnedMeshPart part;
+    part.mesh = viewOf(mesh.mName);
+    part.name = placed.node->mName.length > 0 ? viewOf(placed.node->mName) : viewOf(mesh.mName);
+    part.material = materialOf(mesh);
+    part.firstVertex = static_cast<uint32_t>(out_.positions.size());
+    part.vertexCount = mesh.mNumVertices;
+    part.firstTriangle = out_.triangleCount();
     for (uint32_t v = 0; v < mesh.mNumVertices; ++v) {
       Matrix4d map = Matrix4d::Zero();
       BoneInfluences influences;
@@ -190,9 +197,21 @@ class MeshReader {
       if (!(position.cwiseAbs().maxCoeff() <= kMaxCoordinate) || !position.allFinite())
         return fail(mesh, fmt::format("vertex {} is at {} {} {}; coordinates must be within +-1e6",
                                       v, position.x(), position.y(), position.z()));
-      vertices[v] = vertexIndex(toFloat3(position), normalOf(mesh, v, map), influences);
+      out_.positions.push_back(toFloat3(position));
+      out_.normals.push_back(normalOf(mesh, v, map));
+      out_.influences.push_back(influences);
     }
-    return addTriangles(mesh, vertices, maps);
+    if (auto r = addTriangles(mesh, part.firstVertex, maps); !r) return r;
+    part.triangleCount = out_.triangleCount() - part.firstTriangle;
+    out_.parts.push_back(std::move(part));
+    return {};
+  }
+
+  std::string materialOf(const aiMesh& mesh) const {
+    aiString name;
+    if (mesh.mMaterialIndex < scene_.mNumMaterials)
+      scene_.mMaterials[mesh.mMaterialIndex]->Get(AI_MATKEY_NAME, name);
+    return std::string(viewOf(name));
   }
 
   static Float3 normalOf(const aiMesh& mesh, uint32_t vertex, const Matrix4d& map) {
@@ -207,26 +226,7 @@ class MeshReader {
     return length > 0 && std::isfinite(length) ? toFloat3(normal / length) : Float3{};
   }
 
-  uint32_t vertexIndex(const Float3& position, const Float3& normal,
-                       const BoneInfluences& influences) {
-    std::array<uint32_t, 14> key{};
-    size_t at = 0;
-    // + 0 makes one zero of both.
-    for (const float value : {position.x, position.y, position.z, normal.x, normal.y, normal.z})
-      key[at++] = std::bit_cast<uint32_t>(value + 0.0f);
-    for (const uint32_t bone : influences.bones) key[at++] = bone;
-    for (const float weight : influences.weights) key[at++] = std::bit_cast<uint32_t>(weight);
-    const auto next = static_cast<uint32_t>(out_.positions.size());
-    const auto [entry, added] = known_.emplace(key, next);
-    if (added) {
-      out_.positions.push_back(position);
-      out_.normals.push_back(normal);
-      out_.influences.push_back(influences);
-    }
-    return entry->second;
-  }
-
-  Result<void> addTriangles(const aiMesh& mesh, const std::vector<uint32_t>& vertices,
+  Result<void> addTriangles(const aiMesh& mesh, uint32_t firstVertex,
                             const std::vector<Matrix4d>& maps) {
     // A mirror turns the triangles inside out.
     const bool mirrored = maps.front().topLeftCorner<3, 3>().determinant() < 0;
@@ -238,7 +238,7 @@ class MeshReader {
         if (index >= mesh.mNumVertices)
           return fail(mesh, fmt::format("triangle {} refers to vertex {} of {}", f, index,
                                         mesh.mNumVertices));
-        out_.indices.push_back(vertices[index]);
+        out_.indices.push_back(firstVertex + index);
       }
     }
     return {};
@@ -249,12 +249,10 @@ class MeshReader {
   std::vector<PlacedNode> nodes_;
   std::map<std::string, Matrix4d> transforms_;
   std::map<std::string, uint32_t> bones_;
-  std::map<std::array<uint32_t, 14>, uint32_t> known_;
-  CollisionMesh out_;
+  SkinnedMesh out_;
 };
 
-Result<CollisionMesh> load(const std::filesystem::path& path) {
-  if (path.extension() == ".tfxmesh") return loadTfxMesh(path);
+Result<SkinnedMesh> importFile(const std::filesystem::path& path) {
   const std::string name = path.string();
   std::error_code status;
   if (!std::filesystem::is_regular_file(path, status))
@@ -275,10 +273,74 @@ Result<CollisionMesh> load(const std::filesystem::path& path) {
   return MeshReader(*scene, name).read();
 }
 
+// The four places of a vertex in a file need not be in order, nor their weights sum to 1.
+BoneInfluences normalized(const BoneInfluences& influences) {
+  std::vector<Share> shares;
+  double sum = 0;
+  for (size_t k = 0; k < 4; ++k) {
+    sum += influences.weights[k];
+    if (influences.weights[k] > 0) shares.push_back({influences.bones[k], influences.weights[k]});
+  }
+  std::stable_sort(shares.begin(), shares.end(),
+                   [](const Share& a, const Share& b) { return a.weight > b.weight; });
+  BoneInfluences result;
+  std::fill(std::begin(result.bones), std::end(result.bones), shares.front().bone);
+  for (size_t k = 0; k < shares.size(); ++k) {
+    result.bones[k] = shares[k].bone;
+    result.weights[k] = static_cast<float>(shares[k].weight / sum);
+  }
+  return result;
+}
+
+Result<SkinnedMesh> loadSkinned(const std::filesystem::path& path) {
+  if (path.extension() != ".tfxmesh") return importFile(path);
+  auto mesh = loadTfxMesh(path);
+  if (!mesh) return mesh.error();
+  SkinnedMesh out;
+  SkinnedMeshPart part;
+  part.name = path.stem().string();
+  part.vertexCount = static_cast<uint32_t>(mesh->positions.size());
+  part.triangleCount = static_cast<uint32_t>(mesh->indices.size() / 3);
+  out.parts.push_back(std::move(part));
+  out.bones = std::move(mesh->bones);
+  out.positions = std::move(mesh->positions);
+  out.normals = std::move(mesh->normals);
+  out.indices = std::move(mesh->indices);
+  for (const BoneInfluences& influences : mesh->influences)
+    out.influences.push_back(normalized(influences));
+  out.repairedVertexCount = mesh->repairedVertexCount;
+  return out;
+}
+
+Result<CollisionMesh> load(const std::filesystem::path& path) {
+  if (path.extension() == ".tfxmesh") return loadTfxMesh(path);
+  auto mesh = importFile(path);
+  if (!mesh) return mesh.error();
+  const std::vector<uint32_t> first =
+      detail::weldVertices(*mesh, detail::WeldBy::kPositionNormalAndBones);
+  CollisionMesh out;
+  std::vector<uint32_t> numbers(first.size());  // [vertex] that of the welded one
+  for (uint32_t v = 0; v < first.size(); ++v) {
+    numbers[v] = first[v] == v ? static_cast<uint32_t>(out.positions.size()) : numbers[first[v]];
+    if (first[v] != v) continue;
+    out.positions.push_back(mesh->positions[v]);
+    out.normals.push_back(mesh->normals[v]);
+    out.influences.push_back(mesh->influences[v]);
+  }
+  for (const uint32_t index : mesh->indices) out.indices.push_back(numbers[index]);
+  out.bones = std::move(mesh->bones);
+  out.repairedVertexCount = mesh->repairedVertexCount;
+  return out;
+}
+
 }  // namespace
 
 Result<CollisionMesh> loadMesh(const std::filesystem::path& path) {
   return detail::guarded([&] { return load(path); });
+}
+
+Result<SkinnedMesh> loadSkinnedMesh(const std::filesystem::path& path) {
+  return detail::guarded([&] { return loadSkinned(path); });
 }
 
 }  // namespace pelage

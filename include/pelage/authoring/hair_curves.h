@@ -1,0 +1,31 @@
+// Hair as modelling programs have it: curves, each with as many vertices as it likes. What is read
+// from files before it becomes a HairAsset.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pelage/result.h"
+#include "pelage/types.h"
+
+namespace pelage {
+
+/// Curves of hair, root first. Per-vertex arrays hold the vertices of curve 0, then of curve 1, and
+/// so on; optional arrays are empty.
+struct HairCurves {
+  std::vector<uint32_t> vertexCounts;  ///< [curve] >= 2
+  std::vector<Float3> positions;       ///< [vertex] [m] once scaled; as in the file before
+  std::vector<float> inverseMasses;    ///< [vertex] >= 0, 0 = kinematic; optional
+  std::vector<float> radii;      ///< [vertex] of the fibre, in the unit of positions; optional
+  std::vector<Float4> colors;    ///< [vertex] linear RGBA, A = opacity; optional
+  std::vector<Float2> vertexUv;  ///< [vertex]; optional
+  std::vector<Float2> strandUv;  ///< [curve] on the scalp's texture; optional
+
+  uint32_t curveCount() const { return static_cast<uint32_t>(vertexCounts.size()); }
+};
+
+/// Checks that the arrays fit together and the values are in range: coordinates finite and within
+/// kMaxCoordinate, everything else finite. Errors name curve and vertex.
+Result<void> validate(const HairCurves& curves);
+
+}  // namespace pelage

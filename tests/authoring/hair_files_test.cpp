@@ -1,0 +1,564 @@
+// Readers of hair curves: what goes in comes out, and nothing that a file can hold does harm. Each
+// file is made here.
+#include "pelage/authoring/hair_files.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "pelage/authoring/curve_import.h"
+#include "pelage/hair_asset.h"
+
+namespace pelage {
+namespace {
+
+using Bytes = std::vector<std::byte>;
+
+Bytes bytesOf(std::string_view text) {
+  Bytes bytes(text.size());
+  std::memcpy(bytes.data(), text.data(), text.size());
+  return bytes;
+}
+
+template <class T>
+void push(Bytes& bytes, const T& value) {
+  const auto* data = reinterpret_cast<const std::byte*>(&value);
+  bytes.insert(bytes.end(), data, data + sizeof(T));
+}
+
+template <class T>
+Bytes changed(Bytes bytes, size_t offset, const T& value) {
+  EXPECT_LE(offset + sizeof(T), bytes.size());
+  std::memcpy(bytes.data() + offset, &value, sizeof(T));
+  return bytes;
+}
+
+bool mentions(const Error& error, std::string_view text) {
+  return error.message.find(text) != std::string::npos;
+}
+
+#define EXPECT_REFUSED(result, text)                                         \
+  do {                                                                       \
+    const auto& refused = (result);                                          \
+    ASSERT_FALSE(refused);                                                   \
+    EXPECT_TRUE(mentions(refused.error(), text)) << refused.error().message; \
+  } while (false)
+
+// Three curves of 2, 3 and 5 vertices with all arrays; the numbers survive halving and 1 - x.
+HairCurves someCurves() {
+  HairCurves curves;
+  curves.vertexCounts = {2, 3, 5};
+  for (uint32_t i = 0; i < 10; ++i) {
+    const auto x = static_cast<float>(i);
+    curves.positions.push_back({x * 0.1f, -x, 1e-7f * x * x});
+    curves.inverseMasses.push_back(i % 3 == 0 ? 0.0f : 1.25f);
+    curves.radii.push_back(0.001f * x);
+    curves.colors.push_back({x / 16, 0.3f, 1e3f, 1 - x / 16});
+    curves.vertexUv.push_back({x, -0.7f});
+  }
+  curves.strandUv = {{0.1f, 0.2f}, {0, 1}, {-3, 0.333f}};
+  return curves;
+}
+
+void expectSame(const HairCurves& a, const HairCurves& b) {
+  EXPECT_EQ(a.vertexCounts, b.vertexCounts);
+  EXPECT_EQ(a.positions, b.positions);
+  EXPECT_EQ(a.inverseMasses, b.inverseMasses);
+  EXPECT_EQ(a.radii, b.radii);
+  EXPECT_EQ(a.colors, b.colors);
+  EXPECT_EQ(a.vertexUv, b.vertexUv);
+  EXPECT_EQ(a.strandUv, b.strandUv);
+}
+
+// ---- Small good files
+
+Bytes hairFile() { return *saveYukselHair(someCurves()); }
+Bytes textFile() { return bytesOf(*saveHairText(someCurves())); }
+
+Bytes objFile() {
+  return bytesOf(
+      "# two curves\n"
+      "v 0 0 0 0.25 0.5 0.75\nv 0 1 0\nv 0 2 \\\n 0.5\nvt 0.25 1\nvt 0.5 0\n"
+      "g hair\nf 1 2 3\nl 1/1 2/2 3\n"
+      "v 1 0 0\nv 1 1 0\nv 1 2 0\nl -3 -2\nl -2 -1\n");
+}
+
+std::string base64(const Bytes& bytes) {
+  constexpr std::string_view kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    uint32_t bits = 0;
+    for (size_t k = 0; k < 3; ++k)
+      bits = bits << 8 | (i + k < bytes.size() ? static_cast<uint32_t>(bytes[i + k]) : 0);
+    for (size_t k = 0; k < 4; ++k)
+      text += i + k <= bytes.size() ? kDigits[bits >> (18 - 6 * k) & 63] : '=';
+  }
+  return text;
+}
+
+// Positions (0 1 2), (1 2 3), ... of four vertices, then byte colours, then indices 0 1 1 2 2 3.
+Bytes gltfBuffer() {
+  Bytes bytes;
+  for (uint32_t i = 0; i < 4; ++i)
+    for (uint32_t c = 0; c < 3; ++c) push(bytes, static_cast<float>(i + c));
+  for (uint32_t i = 0; i < 4; ++i)
+    for (const uint8_t c : {uint8_t{255}, uint8_t{0}, uint8_t{51}, uint8_t{255}}) push(bytes, c);
+  for (const int index : {0, 1, 1, 2, 2, 3}) push(bytes, static_cast<uint16_t>(index));
+  return bytes;
+}
+
+std::string gltfText(const std::string& buffer, const std::string& primitive =
+                                                    "{\"mode\":3,\"attributes\":{\"POSITION\":0,"
+                                                    "\"COLOR_0\":1}}") {
+  return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],)"
+         R"("nodes":[{"scale":[2,2,2],"children":[1]},)"
+         R"({"translation":[10,0,0],"rotation":[0,0,0.70710678118654752,0.70710678118654752],)"
+         R"("mesh":0}],"meshes":[{"primitives":[)" +
+         primitive +
+         R"(]}],"accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"},)"
+         R"({"bufferView":1,"componentType":5121,"normalized":true,"count":4,"type":"VEC4"},)"
+         R"({"bufferView":2,"componentType":5123,"count":6,"type":"SCALAR"}],)"
+         R"("bufferViews":[{"buffer":0,"byteLength":48},)"
+         R"({"buffer":0,"byteOffset":48,"byteLength":16},)"
+         R"({"buffer":0,"byteOffset":64,"byteLength":12}],"buffers":[{"byteLength":76)" +
+         buffer + "}]}";
+}
+
+Bytes gltfFile() {
+  return bytesOf(
+      gltfText(",\"uri\":\"data:application/octet-stream;base64," + base64(gltfBuffer()) + "\""));
+}
+
+Bytes glbFile() {
+  std::string json = gltfText("");
+  while (json.size() % 4 != 0) json += ' ';
+  const Bytes buffer = gltfBuffer();
+  Bytes bytes = bytesOf("glTF");
+  push(bytes, uint32_t{2});
+  push(bytes, static_cast<uint32_t>(28 + json.size() + buffer.size()));
+  push(bytes, static_cast<uint32_t>(json.size()));
+  for (const char c : std::string_view("JSON")) push(bytes, c);
+  for (const char c : json) push(bytes, c);
+  push(bytes, static_cast<uint32_t>(buffer.size()));
+  for (const char c : std::string_view("BIN\0", 4)) push(bytes, c);
+  bytes.insert(bytes.end(), buffer.begin(), buffer.end());
+  return bytes;
+}
+
+Bytes tfx2File() {
+  return bytesOf(
+      "version 2.0\nscale 2.0\nrotation 0 0 0\ntranslation 1 0 0\nbothEndsImmovable 1\n"
+      "maxNumVerticesInStrand 5\nnumFollowHairsPerGuideHair 4\nmaxRadiusAroundGuideHair 1.5\n"
+      "numStrands 2\nis sorted 1\n"
+      "strand 0 numVerts 2 texcoord 0.500000 000000\n0.5, 1.0, 2.0\n0.5, 2.0, 2.0\n"
+      "strand 1 numVerts 5 texcoord 0.25 0.75\n0 0 0\n1 0 0\n2 0 0\n3 0 0\n4 0 0\n");
+}
+
+Bytes tfx3File() {
+  Bytes bytes;
+  push(bytes, 3.0f);
+  for (const uint32_t count : {2u, 3u, 0u, 1u}) push(bytes, count);
+  for (int i = 0; i < 31; ++i) push(bytes, 0u);
+  for (const uint32_t offset : {296u, 368u, 376u, 0u, 0u, 0u}) push(bytes, offset);
+  for (int i = 0; i < 32; ++i) push(bytes, 0u);
+  EXPECT_EQ(bytes.size(), 296u);
+  for (int i = 0; i < 18; ++i) push(bytes, static_cast<float>(i));
+  for (const float thickness : {1.0f, 0.5f}) push(bytes, thickness);
+  for (const float uv : {0.1f, 0.2f, 0.3f, 0.4f}) push(bytes, uv);
+  return bytes;
+}
+
+Bytes tfx4File() {
+  HairAsset asset;
+  asset.strandCount = 2;
+  asset.verticesPerStrand = 3;
+  for (int i = 0; i < 6; ++i)
+    asset.positions.push_back({static_cast<float>(i), 0, 1, i % 3 < 2 ? 0.0f : 1.0f});
+  asset.strandUv = {{0.5f, 0.25f}, {1, 0}};
+  asset.strandThickness = {1, 0.5f};
+  return *saveTfx(asset);
+}
+
+struct Sample {
+  const char* name;
+  Bytes bytes;
+};
+
+std::vector<Sample> allSamples() {
+  return {{"a.hair", hairFile()}, {"a.hairtxt", textFile()}, {"a.obj", objFile()},
+          {"a.gltf", gltfFile()}, {"a.glb", glbFile()},      {"text.tfx", tfx2File()},
+          {"3.tfx", tfx3File()},  {"4.tfx", tfx4File()}};
+}
+
+// ---- Every format
+
+TEST(HairFiles, EachFormatIsRecognisedAndItsCurvesAreUsable) {
+  for (const Sample& sample : allSamples()) {
+    SCOPED_TRACE(sample.name);
+    HairFileReport report;
+    auto curves = loadHairCurves(sample.bytes, sample.name, &report);
+    ASSERT_TRUE(curves) << curves.error().message;
+    EXPECT_TRUE(validate(*curves));
+    EXPECT_GE(curves->curveCount(), 1u);
+    EXPECT_EQ(report.fileSize, sample.bytes.size());
+    EXPECT_FALSE(report.format.empty());
+  }
+}
+
+TEST(HairFiles, EveryTruncationIsAnErrorOrTheCurvesThatAreWhole) {
+  for (const Sample& sample : allSamples()) {
+    SCOPED_TRACE(sample.name);
+    const std::string_view name = sample.name;
+    // Text has no length of its own: the end of a line is a good end.
+    const bool openEnd = name == "a.hairtxt" || name == "a.obj";
+    const size_t whole = loadHairCurves(sample.bytes, name)->positions.size();
+    size_t refused = 0;
+    for (size_t size = 0; size < sample.bytes.size(); ++size) {
+      const auto curves = loadHairCurves(std::span(sample.bytes).first(size), name);
+      refused += curves ? 0 : 1;
+      if (curves && openEnd) {
+        EXPECT_LE(curves->positions.size(), whole);
+      }
+      if (curves && !openEnd && sample.bytes.size() - size > 16)
+        ADD_FAILURE() << "accepted with " << size << " bytes";
+      if (!curves) {
+        EXPECT_TRUE(mentions(curves.error(), name)) << curves.error().message;
+      }
+    }
+    EXPECT_GT(refused, sample.bytes.size() / 4);
+  }
+}
+
+TEST(HairFiles, NoSingleByteCanDoHarm) {
+  for (const Sample& sample : allSamples()) {
+    SCOPED_TRACE(sample.name);
+    for (size_t at = 0; at < sample.bytes.size(); ++at)
+      for (const int value : {0, 0xFF, 0x7F, 0x80, 0x2D, 0x39}) {
+        auto curves =
+            loadHairCurves(changed(sample.bytes, at, static_cast<std::byte>(value)), sample.name);
+        if (!curves) continue;
+        if (!prepareCurves(*curves, {})) continue;
+        const auto valid = validate(*curves);
+        ASSERT_TRUE(valid) << "byte " << at << " = " << value << ": " << valid.error().message;
+      }
+  }
+}
+
+TEST(HairFiles, AFileOfNoKindIsRefusedByName) {
+  EXPECT_REFUSED(loadHairCurves(bytesOf("hello"), "a.png"), "a.png");
+  EXPECT_REFUSED(loadHairCurves(bytesOf(""), "nothing"), "nothing");
+  EXPECT_REFUSED(loadHairCurves(std::filesystem::path("missing.hair")), "missing.hair");
+  // The magic number counts more than the name.
+  HairFileReport report;
+  EXPECT_TRUE(loadHairCurves(hairFile(), "a.obj", &report));
+  EXPECT_EQ(report.kind, HairFileKind::kHair);
+}
+
+// ---- .hair
+
+TEST(YukselHair, KeepsEveryBitOfWhatItHasAPlaceFor) {
+  HairCurves curves = someCurves();
+  auto loaded = loadYukselHair(*saveYukselHair(curves), "a.hair");
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  curves.inverseMasses.clear();
+  curves.strandUv.clear();
+  expectSame(*loaded, curves);
+}
+
+TEST(YukselHair, ReadsTheHeaderAndTheArraysWhereTheSpecificationPutsThem) {
+  Bytes bytes = bytesOf("HAIR");
+  for (const uint32_t word : {1u, 2u, 2u | 4u | 8u, 1u}) push(bytes, word);
+  for (const float value : {9.0f, 0.5f, 0.25f, 0.5f, 0.75f}) push(bytes, value);
+  bytes.resize(128);
+  for (const float value : {1.0f, 2.0f, 3.0f, 4.0f, 5.0f, 6.0f}) push(bytes, value);
+  for (const float thickness : {0.5f, 0.25f}) push(bytes, thickness);
+  for (const float transparency : {0.0f, 0.75f}) push(bytes, transparency);
+  auto curves = loadYukselHair(bytes, "a.hair");
+  ASSERT_TRUE(curves) << curves.error().message;
+  EXPECT_EQ(curves->vertexCounts, std::vector<uint32_t>{2});
+  EXPECT_EQ(curves->positions[1], (Float3{4, 5, 6}));
+  EXPECT_EQ(curves->radii, (std::vector<float>{0.25f, 0.125f}));
+  EXPECT_EQ(curves->colors[1], (Float4{0.25f, 0.5f, 0.75f, 0.25f}));
+}
+
+TEST(YukselHair, CountsThatLieAreRefusedAtTheirByte) {
+  const Bytes good = hairFile();
+  for (const uint32_t lie : {0u, 4u, 0x7FFFFFFFu, 0xFFFFFFFFu}) {
+    EXPECT_REFUSED(loadYukselHair(changed(good, 4, lie), "a.hair"), "a.hair: byte ");
+    EXPECT_REFUSED(loadYukselHair(changed(good, 8, lie), "a.hair"), "a.hair: byte ");
+  }
+  EXPECT_REFUSED(loadYukselHair(changed(good, 12, 0u), "a.hair"),
+                 "byte 12: the file has no points");
+  EXPECT_REFUSED(loadYukselHair(changed(good, 12, 0x1003u), "a.hair"), "0x1000");
+  EXPECT_REFUSED(loadYukselHair(changed(good, 128, uint16_t{7}), "a.hair"), "need 16");
+  EXPECT_REFUSED(loadYukselHair(changed(good, 0, 'h'), "a.hair"), "byte 0");
+  // Without the array, the default number of segments must fit.
+  EXPECT_REFUSED(loadYukselHair(changed(changed(good, 12, 2u), 16, 0xFFFFFFFFu), "a.hair"),
+                 "byte 8");
+}
+
+// ---- .obj
+
+TEST(ObjCurves, ReadsPolylinesJoinedPairsNegativeIndicesAndContinuedLines) {
+  HairFileReport report;
+  auto curves = loadObjCurves(objFile(), "a.obj", &report);
+  ASSERT_TRUE(curves) << curves.error().message;
+  EXPECT_EQ(curves->vertexCounts, (std::vector<uint32_t>{3, 3}));
+  EXPECT_EQ(curves->positions[2], (Float3{0, 2, 0.5f}));
+  EXPECT_EQ(curves->positions[5], (Float3{1, 2, 0}));
+  EXPECT_EQ(curves->colors[0], (Float4{0.25f, 0.5f, 0.75f, 1}));
+  EXPECT_EQ(curves->colors[5], (Float4{1, 1, 1, 1}));
+  EXPECT_EQ(curves->vertexUv[1], (Float2{0.5f, 0}));
+  ASSERT_EQ(report.notes.size(), 2u);
+  EXPECT_EQ(report.notes[1], "1 faces are ignored");
+}
+
+TEST(ObjCurves, JoinsPairsInAnyOrderTheWayMostOfThemRunAndEndsAtForks) {
+  const std::string vertices = "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 3 0 0\nv 4 0 0\n";
+  const auto xs = [&](const std::string& lines) {
+    auto curves = loadObjCurves(bytesOf(vertices + lines), "a.obj");
+    EXPECT_TRUE(curves);
+    std::vector<std::vector<float>> out;
+    size_t at = 0;
+    for (const uint32_t count : curves->vertexCounts) {
+      out.emplace_back();
+      for (uint32_t i = 0; i < count; ++i) out.back().push_back(curves->positions[at++].x);
+    }
+    return out;
+  };
+  using Chains = std::vector<std::vector<float>>;
+  EXPECT_EQ(xs("l 3 4\nl 1 2\nl 4 5\nl 2 3\n"), (Chains{{0, 1, 2, 3, 4}}));
+  EXPECT_EQ(xs("l 2 3\nl 3 2\n").size(), 1u);
+  EXPECT_EQ(xs("l 3 2\nl 2 1\nl 3 4\n"), (Chains{{3, 2, 1, 0}}));
+  EXPECT_EQ(xs("l 2 1\nl 2 3\nl 3 4\n"), (Chains{{0, 1, 2, 3}}));
+  EXPECT_EQ(xs("l 1 2\nl 2 3\nl 3 1\n"), (Chains{{0, 1, 2, 0}}));
+  EXPECT_EQ(xs("l 1 3\nl 2 3\nl 3 4\nl 4 5\n"), (Chains{{0, 2}, {1, 2}, {2, 3, 4}}));
+}
+
+TEST(ObjCurves, ErrorsNameTheLine) {
+  const auto load = [](std::string_view text) { return loadObjCurves(bytesOf(text), "a.obj"); };
+  EXPECT_REFUSED(load("v 0 0 0\nl 1 2\n"), "a.obj:2: ");
+  EXPECT_REFUSED(load("v 0 0 0\nl -2 1\n"), "a.obj:2: ");
+  EXPECT_REFUSED(load("v 0 0 0\nl 0 1\n"), "a.obj:2: ");
+  EXPECT_REFUSED(load("v 0 0 0\nl 1 -9223372036854775808\n"), "a.obj:2: ");
+  EXPECT_REFUSED(load("v 0 0 0\nl 1 99999999999999999999\n"), "a.obj:2: ");
+  EXPECT_REFUSED(load("v 0 0 0\nl 1/1 1\n"), "texture coordinate");
+  EXPECT_REFUSED(load("v 0 0\n"), "a.obj:1: ");
+  EXPECT_REFUSED(load("v 0 0 zero\n"), "'zero' is not a number");
+  EXPECT_REFUSED(load("v 0 0 0\nf 1 1 1\n"), "no lines");
+}
+
+// ---- glTF
+
+TEST(GltfCurves, StripsAreWhereTheNodesPutThem) {
+  for (const Bytes& bytes : {gltfFile(), glbFile()}) {
+    auto curves = loadGltfCurves(bytes, "a.gltf");
+    ASSERT_TRUE(curves) << curves.error().message;
+    ASSERT_EQ(curves->vertexCounts, std::vector<uint32_t>{4});
+    // A quarter turn about z, moved by 10, then doubled: (x y z) -> 2 (10 - y, x, z).
+    for (uint32_t i = 0; i < 4; ++i) {
+      const auto k = static_cast<float>(i);
+      EXPECT_NEAR(curves->positions[i].x, 2 * (10 - (k + 1)), 1e-5);
+      EXPECT_NEAR(curves->positions[i].y, 2 * k, 1e-5);
+      EXPECT_NEAR(curves->positions[i].z, 2 * (k + 2), 1e-5);
+      EXPECT_EQ(curves->colors[i], (Float4{1, 0, 0.2f, 1}));
+    }
+  }
+}
+
+TEST(GltfCurves, LinesAreJoinedAndLoopsClosed) {
+  const std::string uri =
+      ",\"uri\":\"data:application/octet-stream;base64," + base64(gltfBuffer()) + "\"";
+  const auto counts = [&](const std::string& primitive) {
+    auto curves = loadGltfCurves(bytesOf(gltfText(uri, primitive)), "a.gltf");
+    EXPECT_TRUE(curves) << curves.error().message;
+    return curves ? curves->vertexCounts : std::vector<uint32_t>();
+  };
+  EXPECT_EQ(counts(R"({"mode":1,"indices":2,"attributes":{"POSITION":0}})"),
+            std::vector<uint32_t>{4});
+  EXPECT_EQ(counts(R"({"mode":1,"attributes":{"POSITION":0}})"), (std::vector<uint32_t>{2, 2}));
+  EXPECT_EQ(counts(R"({"mode":2,"attributes":{"POSITION":0}})"), std::vector<uint32_t>{5});
+}
+
+TEST(GltfCurves, WhatDoesNotFitTogetherIsRefusedByItsPlace) {
+  const std::string good(reinterpret_cast<const char*>(gltfFile().data()), gltfFile().size());
+  const auto with = [&](std::string_view from, std::string_view to) {
+    std::string text = good;
+    const size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return loadGltfCurves(bytesOf(text.replace(at, from.size(), to)), "a.gltf");
+  };
+  EXPECT_REFUSED(with("\"count\":4", "\"count\":5"), "accessors[0]");
+  EXPECT_REFUSED(with("\"count\":4", "\"count\":18446744073709551615"), "accessors[0]");
+  EXPECT_REFUSED(with("\"count\":4", "\"count\":-1"), "accessors[0].count");
+  EXPECT_REFUSED(with("\"count\":4", "\"count\":0"), "accessors[0].count");
+  EXPECT_REFUSED(with("\"count\":4", "\"byteOffset\":18446744073709551615,\"count\":4"),
+                 "accessors[0]");
+  EXPECT_REFUSED(with("\"count\":4", "\"sparse\":{},\"count\":4"), "sparse");
+  EXPECT_REFUSED(with("{\"bufferView\":0,", "{"), "no bufferView");
+  EXPECT_REFUSED(with("\"byteLength\":48", "\"byteLength\":77"), "bufferViews[0]");
+  EXPECT_REFUSED(with("\"byteLength\":48", "\"byteStride\":4,\"byteLength\":48"), "byteStride");
+  EXPECT_REFUSED(with("\"byteLength\":76", "\"byteLength\":77"), "buffers[0]");
+  EXPECT_REFUSED(with("\"children\":[1]", "\"children\":[1,1]"), "nodes[1]");
+  EXPECT_REFUSED(with("\"children\":[1]", "\"children\":[0]"), "nodes[0]");
+  EXPECT_REFUSED(with("\"children\":[1]", "\"children\":[7]"), "nodes[7]");
+  EXPECT_REFUSED(with("\"POSITION\":0", "\"POSITION\":2"), "accessors[2].type");
+  EXPECT_REFUSED(with("\"mode\":3", "\"indices\":0,\"mode\":3"), "accessors[0]");
+  EXPECT_REFUSED(with("\"mode\":3", "\"mode\":4"), "no lines");
+  EXPECT_REFUSED(with("data:application/octet-stream;base64,", "../secret.bin?"), "folder");
+  EXPECT_REFUSED(with("\"version\":\"2.0\"", "\"version\":\"1.0\""), "asset.version");
+  EXPECT_REFUSED(with("{\"asset\"", "[{\"asset\""), "byte ");
+  EXPECT_REFUSED(with("[2,2,2]", "[2,1e999,2]"), "out of range");
+}
+
+TEST(GltfCurves, InstancesCannotGrowWithoutBound) {
+  // 2000 nodes of one mesh with 500 primitives: 4 million vertices of 40 kB.
+  std::string primitives, nodes, list;
+  for (int i = 0; i < 500; ++i)
+    primitives += std::string(i == 0 ? "" : ",") + R"({"mode":3,"attributes":{"POSITION":0}})";
+  for (int i = 0; i < 2000; ++i) {
+    nodes += std::string(i == 0 ? "" : ",") + R"({"mesh":0})";
+    list += (i == 0 ? "" : ",") + std::to_string(i);
+  }
+  std::string text = gltfText(
+      ",\"uri\":\"data:application/octet-stream;base64," + base64(gltfBuffer()) + "\"", primitives);
+  const size_t from = text.find("\"scenes\""), to = text.find("\"meshes\"");
+  text.replace(from, to - from,
+               "\"scenes\":[{\"nodes\":[" + list + "]}],\"nodes\":[" + nodes + "],");
+  EXPECT_REFUSED(loadGltfCurves(bytesOf(text), "a.gltf"), "instances");
+}
+
+TEST(GltfCurves, BuffersBesideTheFileAreFound) {
+  const auto folder = std::filesystem::temp_directory_path() / "pelage_hair_files_test";
+  std::filesystem::create_directories(folder);
+  const auto write = [&](const char* name, const Bytes& bytes) {
+    std::ofstream(folder / name, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()),
+               static_cast<std::streamsize>(bytes.size()));
+  };
+  const Bytes file = bytesOf(gltfText(R"(,"uri":"the%20hair.bin")"));
+  write("the hair.bin", gltfBuffer());
+  write("a.gltf", file);
+  const auto curves = loadHairCurves(folder / "a.gltf");
+  EXPECT_TRUE(curves) << curves.error().message;
+  EXPECT_REFUSED(loadHairCurves(file, "a.gltf"), "load by path");
+  std::filesystem::remove_all(folder);
+}
+
+// ---- .tfx
+
+TEST(TfxCurves, TextOfVersion2IsScaledMovedAndFixedAtBothEnds) {
+  HairFileReport report;
+  auto curves = loadTfxCurves(tfx2File(), "a.tfx", &report);
+  ASSERT_TRUE(curves) << curves.error().message;
+  EXPECT_EQ(report.format, "TressFX 2.0 text");
+  EXPECT_EQ(curves->vertexCounts, (std::vector<uint32_t>{2, 5}));
+  EXPECT_EQ(curves->positions[0], (Float3{2, 2, 4}));
+  EXPECT_EQ(curves->strandUv[1], (Float2{0.25f, 0.75f}));
+  EXPECT_EQ(curves->inverseMasses, (std::vector<float>{0, 0, 0, 0, 1, 0, 0}));
+}
+
+TEST(TfxCurves, TextOfVersion1HasNoHeaderButTheCount) {
+  HairFileReport report;
+  auto curves = loadTfxCurves(
+      bytesOf("numStrands 1\nis sorted 1\nstrand 0 numVerts 3 texcoord 0 0\n1 2 3\n-1.#INF 0 0\n"
+              "4 5 6"),
+      "a.tfx", &report);
+  ASSERT_TRUE(curves) << curves.error().message;
+  EXPECT_EQ(report.format, "TressFX 1 text");
+  CurveImportReport imported;
+  ASSERT_TRUE(prepareCurves(*curves, {}, &imported));
+  EXPECT_EQ(imported.removedVertices, 1u);
+  EXPECT_EQ(curves->positions, (std::vector<Float3>{{1, 2, 3}, {4, 5, 6}}));
+}
+
+TEST(TfxCurves, RotationOfVersion2IsRollThenPitchThenYaw) {
+  const auto turned = [](const std::string& rotation) {
+    return loadTfxCurves(
+               bytesOf("version 2.0\nrotation " + rotation +
+                       "\nnumStrands 1\nstrand 0 numVerts 2 texcoord 0 0\n1 2 3\n0 0 0\n"),
+               "a.tfx")
+        ->positions[0];
+  };
+  const auto near = [](const Float3& a, const Float3& b) {
+    return std::abs(a.x - b.x) + std::abs(a.y - b.y) + std::abs(a.z - b.z) < 1e-5;
+  };
+  EXPECT_TRUE(near(turned("0 0 1.57079633"), {-2, 1, 3}));
+  EXPECT_TRUE(near(turned("1.57079633 0 1.57079633"), {-2, -3, 1}));
+  EXPECT_TRUE(near(turned("1.57079633 1.57079633 1.57079633"), {1, -3, 2}));
+}
+
+TEST(TfxCurves, Version3HasItsArraysAtItsOffsets) {
+  HairFileReport report;
+  auto curves = loadTfxCurves(tfx3File(), "a.tfx", &report);
+  ASSERT_TRUE(curves) << curves.error().message;
+  EXPECT_EQ(report.format, "TressFX 3.0");
+  EXPECT_EQ(curves->vertexCounts, (std::vector<uint32_t>{3, 3}));
+  EXPECT_EQ(curves->positions[5], (Float3{15, 16, 17}));
+  EXPECT_EQ(curves->strandUv[1], (Float2{0.3f, 0.4f}));
+  EXPECT_EQ(curves->radii[3], 0.5f * kUnitFibreRadius);
+  EXPECT_EQ(curves->inverseMasses.size(), 6u);
+}
+
+TEST(TfxCurves, OtherVersionsAndLyingCountsAreNamed) {
+  EXPECT_REFUSED(loadTfxCurves(changed(tfx3File(), 0, 3.5f), "a.tfx"), "version is 3.5");
+  EXPECT_REFUSED(loadTfxCurves(bytesOf("version 2.5\n"), "a.tfx"), "version 2.5");
+  EXPECT_REFUSED(loadTfxCurves(tfx3File(), "a.tfxb"), ".tfxb");
+  for (const uint32_t lie : {0u, 7u, 0xFFFFFFFFu}) {
+    EXPECT_REFUSED(loadTfxCurves(changed(tfx3File(), 4, lie), "a.tfx"), "byte ");
+    EXPECT_REFUSED(loadTfxCurves(changed(tfx3File(), 8, lie), "a.tfx"), "byte ");
+  }
+  EXPECT_REFUSED(loadTfxCurves(changed(tfx3File(), 144, 4u), "a.tfx"), "byte 144");
+  EXPECT_REFUSED(
+      loadTfxCurves(bytesOf("numStrands 9\nstrand 0 numVerts 4000000000 texcoord 0 0\n"), "a.tfx"),
+      "a.tfx:2: ");
+  EXPECT_REFUSED(loadTfxCurves(bytesOf("numStrands 4000000000\n"), "a.tfx"), "after 0 strands");
+}
+
+// ---- .hairtxt
+
+TEST(HairText, KeepsEveryBit) {
+  const HairCurves curves = someCurves();
+  auto loaded = loadHairText(bytesOf(*saveHairText(curves)), "a.hairtxt");
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  expectSame(*loaded, curves);
+}
+
+TEST(HairText, HasColumnsCommentsAndRoots) {
+  auto curves = loadHairText(bytesOf("# mine\n\nhairtxt 1 z x y radius # columns\n"
+                                     "1 2 3 .5\n# not the end\r\n+1 2e1 3 1e-50\n\n\n"
+                                     "root 0.5 1\n0 0 0 1\n0 1 0 1"),
+                             "a.hairtxt");
+  ASSERT_TRUE(curves) << curves.error().message;
+  EXPECT_EQ(curves->vertexCounts, (std::vector<uint32_t>{2, 2}));
+  EXPECT_EQ(curves->positions[1], (Float3{20, 3, 1}));
+  EXPECT_EQ(curves->radii, (std::vector<float>{0.5f, 0, 1, 1}));
+  EXPECT_EQ(curves->strandUv, (std::vector<Float2>{{0, 0}, {0.5f, 1}}));
+}
+
+TEST(HairText, ErrorsNameTheLine) {
+  const auto load = [](std::string_view text) { return loadHairText(bytesOf(text), "a.hairtxt"); };
+  EXPECT_REFUSED(load(""), "hairtxt 1");
+  EXPECT_REFUSED(load("hairtxt 2\n"), "version 2");
+  EXPECT_REFUSED(load("hairtxt 1 x y w\n"), "a.hairtxt:1: no column is called 'w'");
+  EXPECT_REFUSED(load("hairtxt 1 x y z x\n"), "twice");
+  EXPECT_REFUSED(load("hairtxt 1 x y z r g\n"), "r, g and b");
+  EXPECT_REFUSED(load("hairtxt 1 x y z u\n"), "u and v");
+  EXPECT_REFUSED(load("hairtxt 1\n1 2\n"), "a.hairtxt:2: 'z' is missing");
+  EXPECT_REFUSED(load("hairtxt 1\n1 2 3 4\n"), "a.hairtxt:2: ");
+  EXPECT_REFUSED(load("hairtxt 1\n1 2 x\n"), "'x' is not a number");
+  EXPECT_REFUSED(load("hairtxt 1\n1 2 3\nroot 0 0\n"), "a.hairtxt:3: 'root'");
+  EXPECT_REFUSED(load("hairtxt 1\nroot 0 0\n"), "needs a curve");
+  EXPECT_REFUSED(load("hairtxt 1\n"), "no curves");
+}
+
+}  // namespace
+}  // namespace pelage

@@ -1,0 +1,260 @@
+#include "pelage/authoring/collision_from_mesh.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "cut_caps.h"
+#include "guard.h"
+#include "influence_blend.h"
+#include "mesh_simplify.h"
+#include "mesh_weld.h"
+#include "pelage/hair_asset.h"
+#include "vector3.h"
+
+namespace pelage {
+namespace {
+
+using detail::WeldBy;
+using Vector = detail::Vector3<double>;
+
+// Names in a message about a name that is not there.
+constexpr size_t kNamesListed = 20;
+
+Error refuse(std::string text) { return Error{ErrorCode::kInvalidArgument, std::move(text)}; }
+
+Vector toVector(const Float3& v) { return {v.x, v.y, v.z}; }
+
+Float3 toFloat3(const Vector& v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+
+// Triangles of the mesh that become one collision mesh.
+struct Piece {
+  std::string name;
+  std::vector<uint32_t> triangles;
+};
+
+class Cutter {
+ public:
+  Cutter(const SkinnedMesh& mesh, const CollisionMeshDef& def)
+      : mesh_(mesh),
+        def_(def),
+        places_(detail::weldVertices(mesh, WeldBy::kPosition)),
+        merged_(def.errorBound > 0 ? places_
+                                   : detail::weldVertices(mesh, WeldBy::kPositionAndBones)),
+        whole_(placesOf(mesh.indices)),
+        normals_(mesh.positions.size()) {
+    boneNames_.resize(mesh.bones.size());
+    for (const BoneName& bone : mesh.bones) boneNames_[bone.index] = bone.name;
+    for (size_t v = 0; v < merged_.size(); ++v) normals_[merged_[v]] += toVector(mesh.normals[v]);
+    std::vector<uint32_t> counts(merged_.size());
+    for (const uint32_t v : merged_) ++counts[v];
+    for (size_t v = 0; v < merged_.size(); ++v)
+      if (counts[v] > 1) normals_[v] = detail::normalizeOr(normals_[v], {});
+  }
+
+  Result<std::vector<NamedCollisionMesh>> cut() {
+    auto pieces = piecesOf();
+    if (!pieces) return pieces.error();
+    std::vector<NamedCollisionMesh> result;
+    for (const Piece& piece : *pieces) {
+      auto mesh = make(piece);
+      if (!mesh) return mesh.error();
+      result.push_back(std::move(*mesh));
+    }
+    return result;
+  }
+
+ private:
+  std::vector<uint32_t> placesOf(std::span<const uint32_t> indices) const {
+    std::vector<uint32_t> result;
+    result.reserve(indices.size());
+    for (const uint32_t v : indices) result.push_back(places_[v]);
+    return result;
+  }
+
+  // [triangle] the bone with the largest sum of weights.
+  uint32_t boneOf(uint32_t triangle) const {
+    std::array<detail::WeightedInfluences, 3> corners;
+    for (size_t k = 0; k < 3; ++k)
+      corners[k] = {&mesh_.influences[mesh_.indices[size_t{triangle} * 3 + k]], 1};
+    return detail::blendInfluences(corners, 1).bones[0];
+  }
+
+  // All pieces, those without triangles too; for kWhole the objects.
+  std::vector<Piece> allPieces() const {
+    std::vector<Piece> pieces;
+    if (def_.by == CollisionSplit::kBone) {
+      for (const std::string& name : boneNames_) pieces.push_back({name, {}});
+      for (uint32_t t = 0; t < mesh_.triangleCount(); ++t) pieces[boneOf(t)].triangles.push_back(t);
+      return pieces;
+    }
+    for (const SkinnedMeshPart& part : mesh_.parts) {
+      const std::string& name = def_.by == CollisionSplit::kMaterial ? part.material : part.name;
+      auto piece = std::find_if(pieces.begin(), pieces.end(),
+                                [&](const Piece& p) { return p.name == name; });
+      if (piece == pieces.end()) piece = pieces.insert(pieces.end(), {name, {}});
+      for (uint32_t i = 0; i < part.triangleCount; ++i)
+        piece->triangles.push_back(part.firstTriangle + i);
+    }
+    return pieces;
+  }
+
+  Result<std::vector<Piece>> piecesOf() const {
+    std::vector<Piece> pieces = allPieces();
+    std::erase_if(pieces, [](const Piece& piece) { return piece.triangles.empty(); });
+    for (const std::string& name : def_.only)
+      if (std::none_of(pieces.begin(), pieces.end(),
+                       [&](const Piece& piece) { return piece.name == name; })) {
+        std::string names;
+        for (size_t i = 0; i < std::min(pieces.size(), kNamesListed); ++i)
+          names += fmt::format("{}'{}'", i == 0 ? "" : ", ", pieces[i].name);
+        return refuse(fmt::format("nothing of the mesh is named '{}'; there are {}{}", name, names,
+                                  pieces.size() > kNamesListed ? ", ..." : ""));
+      }
+    if (!def_.only.empty())
+      std::erase_if(pieces, [&](const Piece& piece) {
+        return std::find(def_.only.begin(), def_.only.end(), piece.name) == def_.only.end();
+      });
+    if (def_.by != CollisionSplit::kWhole) return pieces;
+    Piece whole = {pieces.front().name, {}};
+    for (const Piece& piece : pieces)
+      whole.triangles.insert(whole.triangles.end(), piece.triangles.begin(), piece.triangles.end());
+    std::sort(whole.triangles.begin(), whole.triangles.end());
+    return std::vector<Piece>{std::move(whole)};
+  }
+
+  Result<NamedCollisionMesh> make(const Piece& piece) {
+    NamedCollisionMesh result;
+    result.name = piece.name;
+    CollisionMesh& mesh = result.mesh;
+    std::vector<uint32_t> source;  // vertices of the skinned mesh
+    for (const uint32_t t : piece.triangles)
+      for (size_t k = 0; k < 3; ++k) source.push_back(mesh_.indices[size_t{t} * 3 + k]);
+    numbers_.assign(mesh_.positions.size(), kNone);
+    cornerAt_.assign(mesh_.positions.size(), kNone);
+    for (const uint32_t v : source) {
+      mesh.indices.push_back(numberOf(v, mesh));
+      if (uint32_t& corner = cornerAt_[places_[v]]; corner == kNone) corner = mesh.indices.back();
+    }
+    std::vector<std::vector<uint32_t>> rims;
+    if (def_.capHoles) rims = detail::cutRims(placesOf(source), whole_);
+    const size_t sourceCount = mesh.indices.size();
+    if (def_.errorBound > 0) {
+      auto simplified =
+          detail::simplifyMesh(mesh.positions, mesh.indices, def_.errorBound, !rims.empty());
+      mesh.indices = std::move(simplified.indices);
+      // Up, so that the bound stays one in float.
+      if (simplified.error > 0)
+        result.error = std::nextafter(static_cast<float>(simplified.error), kMaxCoordinate);
+    }
+    const size_t simplifiedCount = mesh.indices.size();
+    for (const std::vector<uint32_t>& rim : rims) addCap(rim, mesh);
+    result.capCount = static_cast<uint32_t>(rims.size());
+    result.sourceTriangleCount =
+        static_cast<uint32_t>((sourceCount + mesh.indices.size() - simplifiedCount) / 3);
+    keepUsed(mesh);
+    auto report = inspectMesh(mesh);
+    if (!report) return report.error();
+    result.report = *report;
+    return result;
+  }
+
+  uint32_t numberOf(uint32_t vertex, CollisionMesh& mesh) {
+    const uint32_t first = merged_[vertex];
+    if (numbers_[first] == kNone) {
+      numbers_[first] = static_cast<uint32_t>(mesh.positions.size());
+      mesh.positions.push_back(mesh_.positions[first]);
+      mesh.normals.push_back(toFloat3(normals_[first]));
+      mesh.influences.push_back(mesh_.influences[first]);
+    }
+    return numbers_[first];
+  }
+
+  // A triangle, or a fan around the middle of the rim.
+  void addCap(const std::vector<uint32_t>& rim, CollisionMesh& mesh) {
+    std::vector<uint32_t> corners;
+    for (const uint32_t place : rim) corners.push_back(cornerAt_[place]);
+    if (corners.size() == 3) {
+      mesh.indices.insert(mesh.indices.end(), corners.begin(), corners.end());
+      return;
+    }
+    const auto middle = static_cast<uint32_t>(mesh.positions.size());
+    Vector sum, normal;
+    std::vector<detail::WeightedInfluences> influences;
+    for (size_t i = 0; i < corners.size(); ++i) {
+      const Vector at = toVector(mesh.positions[corners[i]]);
+      sum += at;
+      normal += cross(at, toVector(mesh.positions[corners[(i + 1) % corners.size()]]));
+      influences.push_back({&mesh.influences[corners[i]], 1});
+    }
+    const BoneInfluences blended = detail::blendInfluences(influences, 4);
+    mesh.positions.push_back(toFloat3(sum * (1.0 / static_cast<double>(corners.size()))));
+    mesh.normals.push_back(toFloat3(detail::normalizeOr(normal, {})));
+    mesh.influences.push_back(blended);
+    for (size_t i = 0; i < corners.size(); ++i)
+      mesh.indices.insert(mesh.indices.end(),
+                          {middle, corners[i], corners[(i + 1) % corners.size()]});
+  }
+
+  // Leaves out the vertices and bones that no triangle needs.
+  void keepUsed(CollisionMesh& mesh) const {
+    std::vector<uint32_t> vertices(mesh.positions.size(), kNone);
+    std::vector<uint32_t> kept;
+    for (uint32_t& index : mesh.indices) {
+      if (vertices[index] == kNone) {
+        vertices[index] = static_cast<uint32_t>(kept.size());
+        kept.push_back(index);
+      }
+      index = vertices[index];
+    }
+    CollisionMesh out;
+    std::vector<uint32_t> bones(boneNames_.size(), kNone);
+    for (const uint32_t v : kept)
+      for (const uint32_t bone : mesh.influences[v].bones) bones[bone] = 0;
+    for (size_t i = 0; i < bones.size(); ++i) {
+      if (bones[i] == kNone) continue;
+      bones[i] = static_cast<uint32_t>(out.bones.size());
+      out.bones.push_back({bones[i], boneNames_[i]});
+    }
+    for (const uint32_t v : kept) {
+      out.positions.push_back(mesh.positions[v]);
+      out.normals.push_back(mesh.normals[v]);
+      out.influences.push_back(mesh.influences[v]);
+      for (uint32_t& bone : out.influences.back().bones) bone = bones[bone];
+    }
+    out.indices = std::move(mesh.indices);
+    mesh = std::move(out);
+  }
+
+  static constexpr uint32_t kNone = 0xffffffffu;
+
+  const SkinnedMesh& mesh_;
+  const CollisionMeshDef& def_;
+  std::vector<uint32_t> places_;  // [vertex] the first one at its place
+  std::vector<uint32_t> merged_;  // [vertex] the one that it becomes
+  detail::EdgeBalance whole_;     // between places
+  std::vector<Vector> normals_;   // [vertex] of those that stay
+  std::vector<std::string> boneNames_;
+  // Of the piece at hand.
+  std::vector<uint32_t> numbers_;   // [vertex] in the collision mesh
+  std::vector<uint32_t> cornerAt_;  // [place] a vertex of the collision mesh
+};
+
+}  // namespace
+
+Result<std::vector<NamedCollisionMesh>> collisionMeshes(const SkinnedMesh& mesh,
+                                                        const CollisionMeshDef& def) {
+  return detail::guarded([&]() -> Result<std::vector<NamedCollisionMesh>> {
+    if (!(def.errorBound >= 0) || !std::isfinite(def.errorBound))
+      return refuse(fmt::format("errorBound is {}; it must be 0 or more", def.errorBound));
+    if (auto r = validate(mesh); !r) return r.error();
+    return Cutter(mesh, def).cut();
+  });
+}
+
+}  // namespace pelage

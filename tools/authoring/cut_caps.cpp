@@ -1,0 +1,84 @@
+#include "cut_caps.h"
+
+#include <algorithm>
+
+namespace pelage::detail {
+namespace {
+
+struct Balance {
+  std::array<uint32_t, 2> edge;  // ascending vertices
+  int balance;                   // runs from the lower to the higher one, less those back
+};
+
+// Edges that are not closed, ascending.
+std::vector<Balance> openEdges(std::span<const uint32_t> indices) {
+  std::vector<Balance> runs;
+  runs.reserve(indices.size());
+  for (size_t i = 0; i < indices.size(); ++i) {
+    const uint32_t from = indices[i], to = indices[i % 3 == 2 ? i - 2 : i + 1];
+    if (from != to) runs.push_back({{std::min(from, to), std::max(from, to)}, from < to ? 1 : -1});
+  }
+  std::sort(runs.begin(), runs.end(),
+            [](const Balance& a, const Balance& b) { return a.edge < b.edge; });
+  std::vector<Balance> open;
+  for (size_t begin = 0, end = 0; begin < runs.size(); begin = end) {
+    Balance sum = {runs[begin].edge, 0};
+    while (end < runs.size() && runs[end].edge == sum.edge) sum.balance += runs[end++].balance;
+    if (sum.balance != 0) open.push_back(sum);
+  }
+  return open;
+}
+
+}  // namespace
+
+EdgeBalance::EdgeBalance(std::span<const uint32_t> indices) {
+  for (const Balance& edge : openEdges(indices)) open_.push_back(edge.edge);
+}
+
+bool EdgeBalance::isClosed(uint32_t from, uint32_t to) const {
+  return !std::binary_search(open_.begin(), open_.end(),
+                             std::array{std::min(from, to), std::max(from, to)});
+}
+
+std::vector<std::vector<uint32_t>> cutRims(std::span<const uint32_t> indices,
+                                           const EdgeBalance& whole) {
+  // What closes an edge runs along it the other way.
+  std::vector<std::array<uint32_t, 2>> edges;  // from, to
+  for (const Balance& edge : openEdges(indices)) {
+    if (!whole.isClosed(edge.edge[0], edge.edge[1])) continue;
+    const std::array<uint32_t, 2> back =
+        edge.balance > 0 ? std::array{edge.edge[1], edge.edge[0]} : edge.edge;
+    edges.insert(edges.end(), static_cast<size_t>(std::abs(edge.balance)), back);
+  }
+  std::sort(edges.begin(), edges.end());
+
+  std::vector<std::vector<uint32_t>> rims;
+  std::vector<bool> used(edges.size());
+  // The first unused edge that leaves a vertex; the end when there is none.
+  const auto leaving = [&](uint32_t vertex) {
+    auto edge = std::lower_bound(edges.begin(), edges.end(), std::array{vertex, 0u});
+    while (edge != edges.end() && (*edge)[0] == vertex &&
+           used[static_cast<size_t>(edge - edges.begin())])
+      ++edge;
+    return edge != edges.end() && (*edge)[0] == vertex ? edge : edges.end();
+  };
+  for (size_t start = 0; start < edges.size(); ++start) {
+    if (used[start]) continue;
+    std::vector<uint32_t> path = {edges[start][0]};
+    // A path that ends without coming back was never a ring: its edges stay open.
+    for (auto edge = leaving(path.back()); edge != edges.end(); edge = leaving(path.back())) {
+      used[static_cast<size_t>(edge - edges.begin())] = true;
+      const uint32_t next = (*edge)[1];
+      const auto met = std::find(path.begin(), path.end(), next);
+      if (met == path.end()) {
+        path.push_back(next);
+        continue;
+      }
+      rims.emplace_back(met, path.end());
+      path.erase(met + 1, path.end());
+    }
+  }
+  return rims;
+}
+
+}  // namespace pelage::detail

@@ -1,0 +1,63 @@
+#include "session.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+namespace pelage::convert {
+namespace {
+
+constexpr int kBarWidth = 32;
+
+}  // namespace
+
+void Session::add(std::string_view key, nlohmann::json value, std::string_view label,
+                  std::string text) {
+  if (!key.empty()) report_[std::string(key)] = std::move(value);
+  if (!label.empty()) lines_.push_back({std::string(label), std::move(text)});
+}
+
+void Session::warn(std::string text) {
+  if (!quiet) fmt::print(stderr, "pelage-convert: warning: {}\n", text);
+  warnings_.push_back(std::move(text));
+}
+
+void Session::print() const {
+  if (json) {
+    nlohmann::ordered_json report = report_;
+    report["warnings"] = warnings_;
+    fmt::print("{}\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    return;
+  }
+  if (quiet) return;
+  size_t width = 0;
+  for (const Line& line : lines_) width = std::max(width, line.label.size());
+  for (const Line& line : lines_) fmt::print("{:<{}}  {}\n", line.label, width, line.text);
+}
+
+void Session::progress(std::string_view what, uint64_t done, uint64_t total) {
+  if (quiet || json || total == 0 || isatty(STDERR_FILENO) == 0) return;
+  const uint64_t permille = done * 1000 / total;
+  if (permille == drawnPermille_) return;
+  drawnPermille_ = permille;
+  if (done >= total) {
+    fmt::print(stderr, "\r\x1b[K");
+    return;
+  }
+  const int filled = static_cast<int>(permille * kBarWidth / 1000);
+  fmt::print(stderr, "\r[{:#<{}}{:.<{}}] {}\x1b[K", "", filled, "", kBarWidth - filled, what);
+  std::fflush(stderr);
+}
+
+void printError(std::string_view text) {
+  std::string line(text);
+  while (!line.empty() && (line.back() == '\n' || line.back() == ' ')) line.pop_back();
+  std::replace(line.begin(), line.end(), '\n', ' ');
+  std::fflush(stdout);
+  fmt::print(stderr, "pelage-convert: error: {}\n", line);
+}
+
+}  // namespace pelage::convert

@@ -1,0 +1,53 @@
+// What the commands of pelage-convert share: the report, for people or as JSON, and progress.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+
+#include "pelage/result.h"
+
+namespace CLI {
+class App;
+}
+
+namespace pelage::convert {
+
+/// One run of the program. A command adds facts to the report in the order in which they are to be
+/// read; the session prints them at the end, as lines "label: text" or as one JSON object.
+class Session {
+ public:
+  bool json = false;   ///< --json
+  bool quiet = false;  ///< --quiet
+
+  /// \param key of the JSON object; empty for something that only people read.
+  /// \param label, text what people read instead; an empty label for nothing.
+  void add(std::string_view key, nlohmann::json value, std::string_view label, std::string text);
+  /// Something that the artist should know: in the list "warnings" of the report, and on stderr.
+  void warn(std::string text);
+  /// Prints the report on stdout.
+  void print() const;
+
+  /// A bar on stderr while that is a terminal; nothing with --quiet or --json.
+  /// \param done, total steps of `what`; done = total removes the bar.
+  void progress(std::string_view what, uint64_t done, uint64_t total);
+
+  /// Set by the command that was chosen.
+  std::function<Result<void>()> command;
+
+ private:
+  struct Line {
+    std::string label, text;
+  };
+  nlohmann::ordered_json report_;
+  std::vector<Line> lines_;
+  std::vector<std::string> warnings_;
+  uint64_t drawnPermille_ = ~uint64_t{0};
+};
+
+/// Prints `pelage-convert: error: ...` on stderr, in one line.
+void printError(std::string_view text);
+
+}  // namespace pelage::convert
