@@ -11,6 +11,7 @@
 #include "pelage/bone_weights.h"
 #include "pelage/collider.h"
 #include "pelage/hair_asset.h"
+#include "pelage/ids.h"
 #include "pelage/pass_list.h"
 #include "pelage/simulation_settings.h"
 #include "pelage/types.h"
@@ -26,6 +27,12 @@ struct HairInternals;
 enum class SkinningMethod : uint8_t {
   kMatrices,         ///< weighted sum of matrices, then the closest rotation
   kDualQuaternions,  ///< dual quaternion blending (Kavan et al. 2008); bones without scale
+};
+
+/// Which strands of an object collide.
+enum class CollidingHair : uint8_t {
+  kGuides,            ///< follow hairs go where their guides take them
+  kGuidesAndFollows,  ///< follow hairs are moved out, too: docs/colliders.md says how
 };
 
 /// Factors on the parameters of one strand, >= 0.
@@ -52,6 +59,9 @@ struct HairDef {
   std::span<const BoneInfluences> influences = {};
   /// Number of transforms that setBones() takes, >= 1; influences refer to 0..boneCount - 1.
   uint32_t boneCount = 1;
+  /// Bones that other objects follow, too, in place of setBones(). boneCount is that of the
+  /// skeleton then, or left at 1.
+  SkeletonId skeleton = SkeletonId::kInvalid;
   /// Factors of every guide; empty for 1.
   std::span<const StrandFactors> strandFactors = {};
   /// Exact: lets HairObject::simulatedShare be below 1. Costs a table of one uint32 a guide.
@@ -64,6 +74,9 @@ struct HairDef {
   /// follow hairs from HairBuffers::positions and tangents. Otherwise they are never stored, and
   /// the vertex kernel places them.
   bool storeFollowHairs = false;
+  /// With follow hairs, kGuidesAndFollows stores them as storeFollowHairs does. It takes a pass and
+  /// 16 bytes for each of their vertices, from the first frame in which something is in reach.
+  CollidingHair collidingHair = CollidingHair::kGuides;
 };
 
 /// What the exact solver counted in a frame in which hair may sleep.
@@ -101,8 +114,11 @@ struct HairBuffers {
   BufferId rootTransforms = BufferId::kInvalid;   ///< [2][guide] RootTransform
   BufferId rootBindings = BufferId::kInvalid;     ///< [guide] RootBinding
   BufferId boneTransforms =
-      BufferId::kInvalid;  ///< 3 (matrices) or 2 (dual quaternions) Float4 each
+      BufferId::kInvalid;  ///< 3 (matrices) or 2 (dual quaternions) Float4 each; the skeleton's,
+                           ///< where the object follows one
   BufferId followStrands = BufferId::kInvalid;    ///< [follow] FollowStrand
+  BufferId followBefore = BufferId::kInvalid;     ///< [follow][vertex] Float4: of the last frame,
+                                                  ///< where follow hairs collide
   BufferId strandThickness = BufferId::kInvalid;  ///< [strand] float
   BufferId indices = BufferId::kInvalid;          ///< one strand's ribbon, uint32
   BufferId vertexColors = BufferId::kInvalid;  ///< [guide][vertex] linear rgba, 4 unorms of 16 bits
@@ -130,7 +146,7 @@ class HairObject {
   /// is. The others take the shape of one near them. Changes take effect over a quarter of a
   /// second, and guides fade from one to the other.
   float simulatedShare = 1;
-  /// Collides with the scene's mesh colliders.
+  /// Collides with the scene's mesh colliders: with those of setMeshColliders(), or all.
   bool usesMeshColliders = true;
   /// A hidden object is simulated, but not drawn.
   bool visible = true;
@@ -142,12 +158,18 @@ class HairObject {
   float drawnShare = 1;
 
   /// Sets the skinning transforms (bind space to world) of all bones for the next frames. Asserts
-  /// that there are boneCount() of them. Non-finite ones leave their roots where they were.
+  /// that there are boneCount() of them, and that the object follows no skeleton. Non-finite ones
+  /// leave their roots where they were.
   void setBones(std::span<const AffineTransform> bones);
   /// Sets what the hair collides with in the next frames; empty for nothing. A collider that is not
   /// finite or has a negative radius is left out, and so is one that no strand can reach. Colliders
   /// keep their place in the list from frame to frame, for their motion.
   void setColliders(std::span<const CapsuleCollider> colliders);
+  /// Sets which of the scene's mesh colliders the hair collides with in the next frames; empty for
+  /// none of them. Ids of colliders that are not there, or no longer, are ignored.
+  void setMeshColliders(std::span<const ColliderId> colliders);
+  /// Lets it collide with all of them, also those that are added later: the default.
+  void useAllMeshColliders();
   /// Lets the solver take forces from a buffer that a pass of yours writes before each
   /// simulation: [guide][vertex] Float4 in the order of HairBuffers::positions, xyz = acceleration
   /// a [m/s2], w = drag k [1/s], >= 0. The equation of motion gets a - k v; a wind u of your own is

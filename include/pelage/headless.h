@@ -53,17 +53,27 @@ struct PassTiming {
   double milliseconds = 0;
 };
 
+/// A rectangle of pixels; row 0 is the top row.
+struct PixelArea {
+  uint32_t x = 0, y = 0;
+  uint32_t width = 0, height = 0;
+};
+
 /// Target of render(): 16-bit float colour (linear, RGBA) and 32-bit float depth, cleared first.
 struct RenderTargetDef {
   uint32_t width = 0, height = 0;  ///< pixels, 1..16384
   uint32_t samples = 1;            ///< one of DeviceInfo::sampleCounts
   Float4 clearColor = {0, 0, 0, 0};
   float clearDepth = 1;  ///< 1 for standard depth, 0 for reversed depth
-  /// Receives the depth of the target after the draws of list number `depthCopyAfter`, before the
-  /// next list: width * height floats in 0..1 as the kernels see them, row 0 is the top row. For
-  /// what an engine would read from its depth texture. The target has one sample then.
+  /// Receives the depth of the area that is drawn to, after the draws of list number
+  /// `depthCopyAfter` and before the next list: a float a pixel in 0..1 as the kernels see them,
+  /// row 0 is the top row. For what an engine would read from its depth texture. The target has one
+  /// sample then.
   BufferId depthCopy = BufferId::kInvalid;
   uint32_t depthCopyAfter = 0;  ///< index of the list
+  /// The viewport: what is drawn to of the target, as View::x, y, width and height have it. All of
+  /// the target where it has no pixels. All of the target is cleared.
+  PixelArea area = {};
 };
 
 /// What render() gives back; row 0 is the top row on every API.
@@ -99,11 +109,16 @@ class HeadlessDevice {
   /// Reads a buffer back; size 0 reads from the offset to the end.
   virtual Result<std::vector<std::byte>> read(BufferId buffer, uint64_t offset = 0,
                                               uint64_t size = 0) = 0;
+  /// Bytes of the tables' buffers that the device holds now; those that were removed count until
+  /// the GPU has done with them.
+  virtual uint64_t bufferBytes() const = 0;
   /// Validation or debug messages of at least warning severity so far.
   virtual uint32_t messageCount() const = 0;
 
  protected:
   HeadlessDevice() = default;
+  /// RenderTargetDef::area, or all of the target. Error: it leaves the target.
+  static Result<PixelArea> drawArea(const RenderTargetDef& target);
   /// Whether RenderTargetDef::depthCopy can be done; `bytes` of the buffer, 0 when there is none.
   static Result<void> checkDepthCopy(const RenderTargetDef& target, size_t lists, uint64_t bytes);
 };

@@ -40,8 +40,9 @@ struct BufferDesc {
   std::vector<std::byte> initial = {};  ///< empty: zero-filled; else exactly `size` bytes
 };
 
-/// The buffers of a scene. Ids are never reused, so that a runtime notices what is new and what is
-/// gone by looking at the ids alone.
+/// The buffers of a scene. An id is given once, so that a runtime notices what is new and what is
+/// gone by looking at the ids alone. The places in the table that they stand for are used again:
+/// its size is that of the most buffers there were at a time.
 class ResourceTable {
  public:
   /// Registers a buffer and returns its id. Asserts on size 0, a size that is not a multiple of 4,
@@ -51,8 +52,16 @@ class ResourceTable {
   void remove(BufferId id);
   /// nullptr when the id was removed or never existed.
   const BufferDesc* find(BufferId id) const;
-  /// One past the largest id ever given, as a number: iterate 0..end() and find() each.
+  /// Places that there are: iterate 0..end() and find(at()) each.
   uint32_t end() const { return static_cast<uint32_t>(buffers_.size()); }
+  /// The id of the buffer at a place; kInvalid where there is none.
+  BufferId at(uint32_t place) const;
+  /// The place of an id, for arrays beside the table.
+  static constexpr uint32_t placeOf(BufferId id) {
+    return static_cast<uint32_t>(id) & (kMaxBuffers - 1);
+  }
+  /// Buffers that there can be at a time.
+  static constexpr uint32_t kMaxBuffers = 1u << 20;
   /// Sum of the sizes of the live buffers in bytes.
   uint64_t totalBytes() const;
   /// Number of live buffers.
@@ -64,8 +73,10 @@ class ResourceTable {
   struct Slot {
     BufferDesc desc;
     bool live = false;
+    uint32_t generation = 0;  ///< buffers that were here before: the upper bits of the id
   };
   std::vector<Slot> buffers_;
+  std::vector<uint32_t> free_;  ///< places
   uint64_t version_ = 0;
 };
 
@@ -246,6 +257,7 @@ class HazardTracker {
 
  private:
   struct State {
+    BufferId buffer = BufferId::kInvalid;  ///< what it is of; nothing is known of another one
     StageMask readStages = 0;
     StageMask writeStages = 0;
     bool uploadWrite = false;

@@ -8,10 +8,12 @@
 #include <vector>
 
 #include "pelage/hair_object.h"
+#include "pelage/ids.h"
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
 #include "pelage/sdf_collider.h"
 #include "pelage/sdf_data.h"
+#include "pelage/skeleton_pose.h"
 #include "pelage/transparency.h"
 #include "pelage/view.h"
 
@@ -24,9 +26,6 @@ struct DrawOffers;
 struct SdfGridPlan;
 }  // namespace detail
 
-/// A hair object of a scene.
-enum class HairId : uint32_t { kInvalid = 0xffffffffu };
-
 /// Holds hair objects and writes their pass lists. No graphics API: a runtime creates the buffers
 /// of resources() and runs the lists, in the order in which they were made.
 ///
@@ -38,27 +37,47 @@ enum class HairId : uint32_t { kInvalid = 0xffffffffu };
 class Scene {
  public:
   /// Adds a hair object. Errors: an asset without strands, settings out of range, a follow hair of
-  /// a guide that does not exist, bone weights of another groom.
+  /// a guide that does not exist, bone weights of another groom, a skeleton that does not exist or
+  /// has another number of bones.
   Result<HairId> addHair(const HairAsset& asset, const HairDef& def);
-  /// Removes a hair object and its buffers.
+  /// Removes a hair object and its buffers; with the last one also those that draw() has made.
   void removeHair(HairId id);
   /// Asserts that the object exists.
   HairObject& hair(HairId id);
   const HairObject& hair(HairId id) const;
   uint32_t hairCount() const;
 
-  /// Adds a mesh that all hair collides with, through a signed distance field. It is built before
-  /// the hair moves, in the frames in which hair can reach it and it has moved: what moved alone,
-  /// or all of it. Open meshes and meshes with overlaps are taken, see SdfCollider::report().
+  /// Adds a mesh that hair collides with, through a signed distance field: all hair, but for what
+  /// HairObject::setMeshColliders() leaves out. It is built before the hair moves, in the frames in
+  /// which hair can reach it and it has moved: what moved alone, or all of it. Open meshes and
+  /// meshes with overlaps are taken, see SdfCollider::report().
   /// Errors: no bones, settings out of range, indices of vertices or bones that do not exist, a
-  /// field over the memory cap, a vertex buffer that is too small.
+  /// field over the memory cap, a vertex buffer that is too small, a skeleton that does not exist
+  /// or has another number of bones.
   Result<ColliderId> addCollider(const CollisionMesh& mesh, const SdfColliderDef& def);
-  /// The same with a field that was built before; it never moves. Errors: settings out of range.
+  /// The same with a field that was built before; it never moves. Errors: settings out of range, a
+  /// skeleton.
   Result<ColliderId> addCollider(const SdfData& data, const SdfColliderDef& def);
   void removeCollider(ColliderId id);
   /// Asserts that the collider exists.
   SdfCollider& collider(ColliderId id);
   const SdfCollider& collider(ColliderId id) const;
+  /// Adds bones that hair objects and colliders can follow together: HairDef::skeleton,
+  /// SdfColliderDef::skeleton. They are identities until SkeletonPose::setBones(). Error: no bones.
+  Result<SkeletonId> addSkeleton(const SkeletonDef& def);
+  /// Error: something follows it, which stays as it is.
+  Result<void> removeSkeleton(SkeletonId id);
+  /// Asserts that the skeleton exists.
+  SkeletonPose& skeleton(SkeletonId id);
+  const SkeletonPose& skeleton(SkeletonId id) const;
+
+  /// Gives back what the next frame can make again: the buffers that draw() has made for all hair
+  /// together (lists, layers, tiles, shadow maps), which else stay at the largest size that a view
+  /// has asked for, and those of drawCollider(). Lists that were written before must not run any
+  /// more; shadowWords(), shadowViews() and transparencyCounters() are kInvalid until the next
+  /// draw().
+  void trim();
+
   /// What the last build of a collider left in sdfKeys() and sdfSurface(), read back, as data that
   /// can be saved. Error: there was no build since it got its place there, or the buffers are not
   /// the scene's.
@@ -101,9 +120,21 @@ class Scene {
   /// to 1/64. Set HairObject::drawnShare to it, and simulatedShare (with HairDef::levelOfDetail),
   /// so that the simulation falls with it. 1 where the view or the place of the hair is not finite.
   float shareForView(HairId id, const View& view, float pixels = 0.4f) const;
-  /// Words of the shadow maps of the last draw, for pixel kernels of your own (SHADOW_WORDS of
-  /// kernels/shading/strand_shadow.hlsli); kInvalid before the first draw.
+  /// What drawing this view with an exact method takes, from the hair's size on the screen alone:
+  /// within a factor of two or so. For chooseTransparency(). Nothing where draw() would draw
+  /// nothing or refuse the view.
+  TransparencyWork predictWork(const View& view) const;
+  /// Adds the passes that fill the shadow maps of these lights, as draw() does, and no draws: for
+  /// shaders of your own (sample/engine_shader). A list takes either this or one draw().
+  /// \return number of maps, in the order of the lights that cast a shadow; 0 without visible hair.
+  /// Errors: a light out of range; too many shadows.
+  Result<uint32_t> castShadows(std::span<const Light> lights, PassList& list);
+  /// Words of the shadow maps of the last draw or castShadows(), for pixel kernels of your own
+  /// (SHADOW_WORDS of kernels/shading/strand_shadow.hlsli); kInvalid before the first one.
   BufferId shadowWords() const { return shadowWords_; }
+  /// What those kernels need to know of each map: kMaxStrandShadows elements of StrandShadowView,
+  /// of which as many are written as there are maps; kInvalid likewise.
+  BufferId shadowViews() const { return shadowViews_; }
   /// Words for readTransparencyCounters(); kInvalid before the first draw with linked
   /// lists or tiles.
   BufferId transparencyCounters() const { return lists_.counters; }
@@ -155,8 +186,13 @@ class Scene {
   void addColliderBuffers(SdfCollider& collider);
   void layOutFields();
   void removeIsoSurface(SdfCollider& collider);
-  bool isReached(const SdfCollider& collider) const;
-  Result<void> buildCollider(SdfCollider& collider, PassList& list);
+  bool isReached(size_t collider) const;
+  void followSkeletons();
+  Result<SkeletonPose*> findSkeleton(SkeletonId id, uint32_t boneCount) const;
+  BufferId skeletonBuffer(detail::SkeletonInternals& skeleton, SkinningMethod method);
+  void removeUnusedCopies();
+  void removeDrawBuffers();
+  Result<void> buildCollider(size_t place, PassList& list);
   Result<void> addSkinningPass(SdfCollider& collider, PassList& list);
   void addFields(Frame& frame);
   uint64_t bytesOfBuffer(BufferId id) const;
@@ -170,13 +206,14 @@ class Scene {
                                     uint32_t strands);
   void bindExact(const Frame& frame, PassBuilder& builder) const;
   Result<void> addFollowPass(const Frame& frame);
+  Result<void> addFollowCollision(const Frame& frame);
   void addHairGrid(HairObject& object);
   void removeHairGrid(HairObject& object);
   Result<void> addHairGridPasses(HairObject& object, double h, bool reset, PassList& list);
   void finishHairGrid(HairObject& object, double frame);
   BufferId forcesOf(const HairObject& object) const;
   Result<DrawFrame> beginDraw(const View& view, std::span<const Light> lights) const;
-  Result<void> addShadows(DrawFrame& frame, PassList& list);
+  Result<uint32_t> addShadows(DrawFrame& frame, PassList& list);
   Result<void> addStrandDraw(const DrawFrame& frame, size_t material, bool smooth,
                              const KernelVariant& pixel, DrawState state,
                              const detail::DrawOffers& offers, PassList& list) const;
@@ -196,8 +233,9 @@ class Scene {
 
   ResourceTable resources_;
   HazardTracker hazards_;
-  std::vector<std::unique_ptr<HairObject>> objects_;
-  std::vector<std::unique_ptr<SdfCollider>> colliders_;
+  detail::Slots<HairId, HairObject> objects_;
+  detail::Slots<ColliderId, SdfCollider> colliders_;
+  detail::Slots<SkeletonId, SkeletonPose> skeletons_;
   BufferId sdfKeys_ = BufferId::kInvalid, sdfSurface_ = BufferId::kInvalid;
   ListBuffers lists_;
   LayerBuffers hybrid_, shortCut_;

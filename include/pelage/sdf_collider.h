@@ -10,6 +10,7 @@
 
 #include "pelage/collision_mesh.h"
 #include "pelage/hair_object.h"
+#include "pelage/ids.h"
 #include "pelage/pass_list.h"
 #include "pelage/types.h"
 
@@ -18,9 +19,6 @@ namespace pelage {
 namespace detail {
 struct SdfColliderInternals;
 }
-
-/// A collider of a scene.
-enum class ColliderId : uint32_t { kInvalid = 0xffffffffu };
 
 struct SdfColliderDef {
   std::string name = "collider";
@@ -37,6 +35,9 @@ struct SdfColliderDef {
   SkinningMethod skinning = SkinningMethod::kMatrices;
   /// Bones of setBones(), > 0; the mesh's influences refer to them.
   uint32_t boneCount = 1;
+  /// Bones that other objects follow, too, in place of setBones(). boneCount is that of the
+  /// skeleton then, or left at 1.
+  SkeletonId skeleton = SkeletonId::kInvalid;
   /// A vertex buffer of the engine's, in world space, that is there before each simulation. The
   /// mesh's positions then only tell which vertices are one, and bones are not used.
   BufferId vertices = BufferId::kInvalid;
@@ -68,10 +69,11 @@ SdfCounters readSdfCounters(std::span<const std::byte> work);
 /// Buffers of a collider; kInvalid marks one that it does not need. Keys and records are in two
 /// buffers that all colliders share, Scene::sdfKeys() and Scene::sdfSurface().
 struct SdfColliderBuffers {
-  BufferId bindVertices = BufferId::kInvalid;  ///< [vertex][3] float
-  BufferId bindings = BufferId::kInvalid;      ///< [vertex] VertexBinding
-  BufferId bones = BufferId::kInvalid;         ///< 3 (matrices) or 2 (dual quaternions) Float4 each
-  BufferId vertices = BufferId::kInvalid;      ///< [vertex][3] float, skinned
+  BufferId bindVertices = BufferId::kInvalid;    ///< [vertex][3] float
+  BufferId bindings = BufferId::kInvalid;        ///< [vertex] VertexBinding
+  BufferId bones = BufferId::kInvalid;           ///< 3 (matrices) or 2 (dual quaternions) Float4
+                                                 ///< each; the skeleton's, where it follows one
+  BufferId vertices = BufferId::kInvalid;        ///< [vertex][3] float, skinned
   BufferId verticesBefore = BufferId::kInvalid;  ///< the same of the last build
   BufferId placeVertices = BufferId::kInvalid, indices = BufferId::kInvalid;
   BufferId neighbors = BufferId::kInvalid, fanStarts = BufferId::kInvalid;
@@ -110,7 +112,8 @@ class SdfCollider {
   bool enabled = true;
 
   /// Sets the skinning transforms (bind space to world) of all bones for the next frames. Asserts
-  /// that there are boneCount of them. Vertices of non-finite ones stay where they were.
+  /// that there are boneCount of them, and that it follows no skeleton. Vertices of non-finite ones
+  /// stay where they were.
   void setBones(std::span<const AffineTransform> bones);
   /// Says that the engine's vertex buffer has changed, and that all of it is in a box in world
   /// space [m]. What leaves the box is no longer seen by hair there.

@@ -92,4 +92,34 @@ TransparencyCounters readTransparencyCounters(std::span<const std::byte> words, 
 /// not made anew every frame.
 uint32_t growNodes(const TransparencyCounters& counters, uint32_t nodeCount);
 
+/// What the time of the exact methods, kWindowed and kTiles, goes by.
+struct TransparencyWork {
+  double vertices = 0;    ///< of the strands that are drawn
+  double fragments = 0;   ///< that their ribbons have in the view
+  double references = 0;  ///< segments in tiles of 8 x 8 pixels
+  double tiles = 0;       ///< of them with hair
+  double alpha = 0;       ///< of a fragment on average, 0..1
+};
+
+/// Puts what a frame counted in place of what was predicted: fragments of lists or references of
+/// tiles, and the tiles. Of the two, the one that was not counted is scaled by the same factor.
+/// \param predicted for that frame by Scene::predictWork(). Others than the two methods change
+/// nothing, nor does a frame without hair.
+TransparencyWork refineWork(const TransparencyWork& predicted, Transparency method,
+                            const TransparencyCounters& counters);
+
+/// Milliseconds on the GPU that the model was fitted on; docs/transparency_tiles.md has it. Other
+/// devices are faster or slower, but often in both methods.
+struct TransparencyCost {
+  double windowed = 0, tiles = 0;
+};
+TransparencyCost predictCost(const TransparencyWork& work);
+
+/// kWindowed or kTiles, whichever is predicted to be faster: both draw the same picture.
+/// \param software the device is a software driver (DeviceInfo::software), where windows of lists
+/// are always faster.
+/// \param current the method of the last frame; it is kept unless the other one takes four fifths
+/// of its time or less, so that a view at the border does not change it every frame.
+Transparency chooseTransparency(const TransparencyWork& work, bool software, Transparency current);
+
 }  // namespace pelage

@@ -10,8 +10,11 @@ namespace pelage {
 /// A camera and its target. Clip space as in HLSL: y up, depth 0..1.
 struct View {
   Matrix4 worldToClip = {};
-  Float3 eye = {};     ///< position of the camera [m]
-  float x = 0, y = 0;  ///< offset of the viewport [pixels]
+  Float3 eye = {};  ///< position of the camera [m]
+  /// Where in the target the viewport begins, from the top left corner [pixels]: whole numbers,
+  /// 0..65535. The runtime that draws the lists has to be told the same viewport. Buffers a pixel,
+  /// TransparencySettings::opaqueDepth too, have the pixels of the viewport alone.
+  float x = 0, y = 0;
   uint32_t width = 0;  ///< size of the viewport [pixels], > 0
   uint32_t height = 0;
   uint32_t samples = 1;        ///< samples a pixel of the target: 1, 2, 4 or 8
@@ -36,9 +39,10 @@ struct Light {
   Float3 ambient = {0.12f, 0.13f, 0.15f};  ///< from all sides; those of all lights add up
   bool hasPosition = false;                ///< a point light; it casts no shadow
   Float3 position = {};  ///< of a point light [m]; color is that at a distance of 1 m
-  HairShadow shadow = HairShadow::kNone;  ///< at most kMaxStrandShadows lights of a view have one
-  uint32_t shadowSize = 1024;             ///< texels an edge of its map, 4..8192
-  uint32_t shadowLayers = 8;              ///< kDeep: 1..16
+  /// At most kMaxStrandShadows lights of a view have one; that of a point light is ignored.
+  HairShadow shadow = HairShadow::kNone;
+  uint32_t shadowSize = 1024;  ///< texels an edge of its map, 4..8192
+  uint32_t shadowLayers = 8;   ///< kDeep: 1..16
 };
 
 inline constexpr uint32_t kMaxStrandLights = 8;   ///< lights that a view has at most

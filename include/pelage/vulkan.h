@@ -159,6 +159,9 @@ class Runtime {
 
   /// The buffer behind an id, for an engine that reads it itself; empty when there is none.
   BufferRange buffer(BufferId id) const;
+  /// Bytes of the buffers that update() has made and that are not destroyed yet: those that were
+  /// removed count until their frame is known to have finished. Without what the engine owns.
+  uint64_t bufferBytes() const;
 
   /// Drops the pipelines made for a render pass that is about to be destroyed; its frames must have
   /// completed.

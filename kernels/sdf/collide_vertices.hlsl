@@ -13,7 +13,7 @@
 // FRICTION: Coulomb's at position level. Of the way along the surface, relative to it, as much is
 // taken as friction times the way outwards.
 // A way of more than half a cell relative to the surface is swept: it stops at the surface, and
-// goes on along it, swept again, up to kRounds times. Then the vertex is where it stopped last.
+// goes on along it, swept again, up to kSdfRounds times. Then the vertex is where it stopped last.
 // The velocity that is left has no part along the normal relative to the surface: the position
 // before is moved, so that being pushed out is not a velocity.
 //
@@ -28,81 +28,25 @@
 #define SDF_SURFACE g_sdfSurface
 #define SDF_CLOSEST_FEATURE CLOSEST_FEATURE
 #define SDF_WALK WALK
+#define SDF_FRICTION FRICTION
 
 #include "../layouts/apply_sdf.hlsli"
 #include "sdf_near_list.hlsli"
-#include "sdf_response.hlsli"
-
-static const uint kRounds = 4;
-
-struct Vertex {
-  float3 now;
-  float3 before;
-  bool moved;
-};
-
-void collide(inout Vertex vertex, SdfField field) {
-  float3 from = vertex.before;
-  float3 to = vertex.now;
-  float begin = g_sdfBegin;
-  float end = g_sdfEnd;
-  precise float3 shift = float3(0.0, 0.0, 0.0);  // to where the surface stands still
-  precise float3 carried = float3(0.0, 0.0, 0.0);
-  precise float3 place = vertex.now;
-  float3 normal = float3(0.0, 0.0, 0.0);
-  bool touched = false;
-  [loop] for (uint round = 0; round < kRounds; ++round) {
-    SdfContact contact = sdfContact(field, from, to, begin, end, 0.0);
-    if (!contact.found) break;
-    precise float cell = field.origin.w;
-    if (round == 0) {
-      shift = contact.motion * (cell * (1.0 - g_sdfEnd));
-      carried = contact.motion * (cell * (g_sdfEnd - g_sdfBegin));
-      place = place + shift;
-      begin = 1.0;
-      end = 1.0;
-    }
-    touched = true;
-    normal = contact.normal;
-    precise float push = max(contact.penetration, 0.0);
-    precise float3 outward = normal * push;
-#if FRICTION
-    precise float3 start = contact.swept ? contact.stop : contact.from;
-    precise float3 way = contact.to + outward - start;
-    precise float off = dot3(way, normal);
-    precise float3 slip = way - normal * off;
-    precise float size = squareRoot(dot3(slip, slip));
-    precise float most = field.friction * push;
-    precise float share = size > most ? most / size : 1.0;
-    outward = outward - slip * share;
-#endif
-    precise float3 pushed = place + outward * cell;
-    precise float3 stop = field.origin.xyz + contact.stop * cell;
-    bool stays = contact.swept && round + 1u == kRounds;
-    place = stays ? stop : pushed;
-    if (!contact.swept) break;
-    from = stop;
-    to = place;
-  }
-  if (!touched || !isUsable(place)) return;
-  precise float3 now = place - shift;
-  precise float3 velocity = now - vertex.before - carried;
-  precise float rising = dot3(velocity, normal);
-  precise float3 before = vertex.before + normal * rising;
-  vertex.now = now;
-  vertex.before = before;
-  vertex.moved = true;
-}
+#include "sdf_vertex.hlsli"
 
 void collideVertex(uint index) {
   float4 now = g_sdfPositions[index];
   if (!(now.w > 0.0) || !isUsable(now)) return;
   float4 before = g_sdfPositionsBefore[index];
-  Vertex vertex;
+  SdfVertex vertex;
   vertex.now = now.xyz;
   vertex.before = isUsable(before.xyz) ? before.xyz : now.xyz;
+  vertex.normal = float3(0.0, 0.0, 0.0);
+  vertex.carried = float3(0.0, 0.0, 0.0);
+  vertex.grip = 0.0;
   vertex.moved = false;
-  for (uint f = 0; f < g_sdfFieldCount; ++f) collide(vertex, g_sdfFields[f]);
+  for (uint f = 0; f < g_sdfFieldCount; ++f)
+    collideWithField(vertex, g_sdfFields[f], g_sdfBegin, g_sdfEnd);
   if (!vertex.moved) return;
   g_sdfPositions[index] = float4(vertex.now, now.w);
   g_sdfPositionsBefore[index] = float4(vertex.before, before.w);

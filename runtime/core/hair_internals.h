@@ -11,6 +11,7 @@
 #include "pelage/gpu_structs.h"
 #include "pelage/hair_asset.h"
 #include "pelage/hair_object.h"
+#include "skeleton_pose.h"
 
 namespace pelage::detail {
 
@@ -45,6 +46,8 @@ struct HairInternals {
 
   std::vector<AffineTransform> bones;
   bool bonesChanged = true;
+  SkeletonInternals* skeleton = nullptr;  ///< that it follows
+  uint64_t skeletonVersion = 0;           ///< of `bones`, where it does
   std::vector<BoneBounds> bounds;
   float longestStrand = 0;   ///< [m]
   float meanStrand = 0;      ///< mean length [m]
@@ -54,6 +57,8 @@ struct HairInternals {
   float meanThickness = 1, largestThickness = 1;  ///< of the factors of all strands
   uint32_t textureWidth = 0, textureHeight = 0;   ///< texels of the base colour's texture
 
+  /// Mesh colliders that it meets, ascending; nothing: all.
+  std::optional<std::vector<ColliderId>> meshColliders;
   std::vector<CapsuleCollider> colliders, collidersBefore;  ///< of this frame and the last one
   std::vector<std::byte> fieldsBefore;                      ///< contents of the buffer of fields
   uint32_t colliderCapacity = 0;                            ///< elements of the buffer
@@ -74,6 +79,8 @@ struct HairInternals {
   bool sleptBefore = false;  ///< tiles could sleep in the last frame
   bool levelOfDetail = false;
   bool storesFollowHairs = false;
+  bool collidesFollowHairs = false;  ///< they are stored, too
+  bool followsCollided = false;      ///< in the last frame: followBefore is of its end
   uint32_t simulatedBefore = 0;
   uint32_t simulatedCount = 0;  ///< exact: in the last frame; 0 before the first one
   uint32_t stillFrames = 0;     ///< since the bones changed last
@@ -98,8 +105,6 @@ float longestStrand(const HairAsset& asset);
 /// Moves the origin after the root of the first strand.
 /// \return what to add to positions relative to the old origin; 0 while it stays.
 Float3 moveOrigin(HairInternals& hair);
-/// Bones relative to the origin, as the kernels read them.
-std::vector<Float4> packBones(const HairInternals& hair);
 struct Ball {
   Float3 center = {};
   float radius = 0;
@@ -108,9 +113,15 @@ struct Ball {
 /// Around all strands in world space; a radius of infinity when a bone is not finite.
 Ball ballOfStrands(const HairInternals& hair);
 
+/// With follow hairs.
+Ball ballOfHair(const HairInternals& hair, float tipSeparation);
+/// Around all strands that collide.
+Ball ballOfCollisions(const HairInternals& hair, float tipSeparation);
+bool meets(const HairInternals& hair, ColliderId collider);
+
 /// True for other colliders than before; those that only move are not.
 bool areReplaced(std::span<const CapsuleCollider> before, std::span<const CapsuleCollider> now);
-/// Colliders of this frame that strands may reach, relative to the origin.
-std::vector<Collider> packColliders(const HairInternals& hair);
+/// Colliders of this frame that reach a ball, relative to the origin.
+std::vector<Collider> packColliders(const HairInternals& hair, const Ball& ball);
 
 }  // namespace pelage::detail

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include "hair_internals.h"
 #include "pelage/assert.h"
-#include "pelage/skeleton.h"
 
 namespace pelage {
 
@@ -23,6 +23,8 @@ HairObject::~HairObject() = default;
 SkinningMethod HairObject::skinning() const { return internals_->skinning; }
 
 void HairObject::setBones(std::span<const AffineTransform> bones) {
+  PELAGE_ASSERT(internals_->skeleton == nullptr,
+                "the bones are those of a skeleton: SkeletonPose::setBones()");
   PELAGE_ASSERT(bones.size() == boneCount_, "setBones() takes boneCount() transforms");
   const size_t count = std::min<size_t>(bones.size(), boneCount_);
   if (std::equal(bones.begin(), bones.begin() + static_cast<ptrdiff_t>(count),
@@ -35,6 +37,14 @@ void HairObject::setBones(std::span<const AffineTransform> bones) {
 void HairObject::setColliders(std::span<const CapsuleCollider> colliders) {
   internals_->colliders.assign(colliders.begin(), colliders.end());
 }
+
+void HairObject::setMeshColliders(std::span<const ColliderId> colliders) {
+  std::vector<ColliderId> set(colliders.begin(), colliders.end());
+  std::sort(set.begin(), set.end());
+  internals_->meshColliders = std::move(set);
+}
+
+void HairObject::useAllMeshColliders() { internals_->meshColliders.reset(); }
 
 void HairObject::reset() { internals_->resetPending = true; }
 
@@ -109,6 +119,15 @@ Ball ballOfStrands(const HairInternals& hair) {
   return all;
 }
 
+Ball ballOfCollisions(const HairInternals& hair, float tipSeparation) {
+  return hair.collidesFollowHairs ? ballOfHair(hair, tipSeparation) : ballOfStrands(hair);
+}
+
+bool meets(const HairInternals& hair, ColliderId collider) {
+  return !hair.meshColliders ||
+         std::binary_search(hair.meshColliders->begin(), hair.meshColliders->end(), collider);
+}
+
 std::vector<BoneBounds> boundsOfRoots(const HairAsset& asset,
                                       std::span<const BoneInfluences> influences) {
   const size_t stride = asset.verticesPerStrand;
@@ -160,6 +179,14 @@ float longestStrand(const HairAsset& asset) {
 }
 
 Float3 moveOrigin(HairInternals& hair) {
+  if (hair.skeleton != nullptr) {
+    const Float3 old = hair.origin;
+    hair.origin = hair.skeleton->origin;
+    const bool known = std::exchange(hair.originKnown, true);
+    if (!known || hair.origin == old) return {};
+    hair.bonesChanged = true;
+    return subtract(old, hair.origin);
+  }
   const BoneBounds& bounds = hair.bounds.front();
   const Float3 p = apply(hair.bones[bounds.bone], bounds.center);
   if (!isUsable(p)) {
@@ -180,23 +207,6 @@ Float3 moveOrigin(HairInternals& hair) {
   return subtract(old, hair.origin);
 }
 
-std::vector<Float4> packBones(const HairInternals& hair) {
-  std::vector<Float4> packed;
-  packed.reserve(3 * hair.bones.size());
-  for (AffineTransform bone : hair.bones) {
-    bone.rows[0].w -= hair.origin.x;
-    bone.rows[1].w -= hair.origin.y;
-    bone.rows[2].w -= hair.origin.z;
-    if (hair.skinning == SkinningMethod::kMatrices) {
-      packed.insert(packed.end(), std::begin(bone.rows), std::end(bone.rows));
-    } else {
-      const DualQuaternion motion = toDualQuaternion(bone);
-      packed.insert(packed.end(), {motion.real, motion.dual});
-    }
-  }
-  return packed;
-}
-
 bool areReplaced(std::span<const CapsuleCollider> before, std::span<const CapsuleCollider> now) {
   return !std::equal(before.begin(), before.end(), now.begin(), now.end(),
                      [](const CapsuleCollider& a, const CapsuleCollider& b) {
@@ -205,10 +215,8 @@ bool areReplaced(std::span<const CapsuleCollider> before, std::span<const Capsul
                      });
 }
 
-std::vector<Collider> packColliders(const HairInternals& hair) {
+std::vector<Collider> packColliders(const HairInternals& hair, const Ball& ball) {
   std::vector<Collider> packed;
-  if (hair.colliders.empty()) return packed;
-  const Ball ball = ballOfStrands(hair);
   for (size_t i = 0; i < hair.colliders.size(); ++i) {
     const CapsuleCollider& now = hair.colliders[i];
     if (!isUsable(now)) continue;

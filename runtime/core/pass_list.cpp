@@ -9,6 +9,12 @@ namespace {
 
 // The largest number of thread groups on an axis that every device of our three APIs accepts.
 constexpr uint64_t kMaxGroups = 65535;
+// Buffers that have a place of a table one after the other.
+constexpr uint32_t kMaxGenerations = 0xffffffffu / ResourceTable::kMaxBuffers;
+
+BufferId idOf(uint32_t place, uint32_t generation) {
+  return static_cast<BufferId>(generation * ResourceTable::kMaxBuffers + place);
+}
 
 std::string describe(const KernelVariant& variant) {
   std::string text = variant.kernel->name;
@@ -23,23 +29,39 @@ BufferId ResourceTable::add(BufferDesc desc) {
   PELAGE_ASSERT(desc.size % 4 == 0, "a buffer's size is a multiple of 4");
   PELAGE_ASSERT(desc.initial.empty() || desc.initial.size() == desc.size,
                 "initial data has the buffer's size");
-  buffers_.push_back({std::move(desc), true});
   ++version_;
-  return static_cast<BufferId>(buffers_.size() - 1);
+  if (free_.empty()) {
+    PELAGE_ASSERT(buffers_.size() < kMaxBuffers, "a table has at most 2^20 buffers");
+    free_.push_back(static_cast<uint32_t>(buffers_.size()));
+    buffers_.emplace_back();
+  }
+  const uint32_t place = free_.back();
+  free_.pop_back();
+  Slot& slot = buffers_[place];
+  slot.desc = std::move(desc);
+  slot.live = true;
+  return idOf(place, slot.generation);
 }
 
 void ResourceTable::remove(BufferId id) {
-  const auto index = static_cast<uint32_t>(id);
-  PELAGE_ASSERT(index < buffers_.size() && buffers_[index].live,
-                "removing a buffer that is not there");
-  if (index >= buffers_.size()) return;
-  buffers_[index] = {};
+  PELAGE_ASSERT(find(id) != nullptr, "removing a buffer that is not there");
+  if (find(id) == nullptr) return;
+  Slot& slot = buffers_[placeOf(id)];
+  slot = {.desc = {}, .live = false, .generation = slot.generation + 1};
+  if (slot.generation < kMaxGenerations) free_.push_back(placeOf(id));
   ++version_;
 }
 
 const BufferDesc* ResourceTable::find(BufferId id) const {
-  const auto index = static_cast<uint32_t>(id);
-  return index < buffers_.size() && buffers_[index].live ? &buffers_[index].desc : nullptr;
+  const uint32_t place = placeOf(id);
+  if (place >= buffers_.size()) return nullptr;
+  const Slot& slot = buffers_[place];
+  return slot.live && idOf(place, slot.generation) == id ? &slot.desc : nullptr;
+}
+
+BufferId ResourceTable::at(uint32_t place) const {
+  const Slot& slot = buffers_[place];
+  return slot.live ? idOf(place, slot.generation) : BufferId::kInvalid;
 }
 
 uint64_t ResourceTable::totalBytes() const {
@@ -252,14 +274,16 @@ Result<void> PassBuilder::finish() {
 }
 
 HazardTracker::State& HazardTracker::state(BufferId buffer) {
-  const auto index = static_cast<uint32_t>(buffer);
-  if (index >= states_.size()) states_.resize(index + 1);
-  return states_[index];
+  const uint32_t place = ResourceTable::placeOf(buffer);
+  if (place >= states_.size()) states_.resize(size_t{place} + 1);
+  State& state = states_[place];
+  if (state.buffer != buffer) state = {.buffer = buffer};
+  return state;
 }
 
 void HazardTracker::forget(BufferId buffer) {
-  const auto index = static_cast<uint32_t>(buffer);
-  if (index < states_.size()) states_[index] = {};
+  const uint32_t place = ResourceTable::placeOf(buffer);
+  if (place < states_.size()) states_[place] = {};
 }
 
 void HazardTracker::resolve(PassList& list) {
@@ -300,7 +324,7 @@ void HazardTracker::resolve(PassList& list) {
         barrier.afterIndirect = use.indirect;
         out.push_back(barrier);
       }
-      now = {};
+      now = {.buffer = use.buffer};
       now.writeStages = use.writeStages;
       return;
     }
@@ -339,7 +363,7 @@ void HazardTracker::resolve(PassList& list) {
       barrier.afterUpload = true;
       list.uploadBarriers.push_back(barrier);
     }
-    now = {};
+    now = {.buffer = upload.buffer};
     now.uploadWrite = true;
   }
 

@@ -34,7 +34,10 @@ Result<HairId> Scene::addHair(const HairAsset& asset, const HairDef& def) {
   };
   if (asset.restLengths.empty()) return refuse("call process() on the asset first");
   if (Result<void> valid = validate(def.settings); !valid) return refuse(valid.error().message);
-  if (def.boneCount == 0) return refuse("boneCount must be at least 1");
+  if (objects_.isFull()) return refuse("the scene has as many hair objects as ids");
+  const Result<SkeletonPose*> skeleton = findSkeleton(def.skeleton, def.boneCount);
+  if (!skeleton) return refuse(skeleton.error().message);
+  const uint32_t boneCount = *skeleton != nullptr ? (*skeleton)->boneCount() : def.boneCount;
   const uint64_t guides = asset.strandCount;
   const uint64_t follows = def.followHairs.size();
   const uint64_t vertices = asset.verticesPerStrand;
@@ -59,9 +62,9 @@ Result<HairId> Scene::addHair(const HairAsset& asset, const HairDef& def) {
   }
   for (size_t i = 0; i < def.influences.size(); ++i) {
     for (const uint32_t bone : def.influences[i].bones) {
-      if (bone >= def.boneCount) {
+      if (bone >= boneCount) {
         return refuse("guide " + std::to_string(i) + " refers to bone " + std::to_string(bone) +
-                      ", but boneCount is " + std::to_string(def.boneCount));
+                      ", but boneCount is " + std::to_string(boneCount));
       }
     }
   }
@@ -95,16 +98,19 @@ Result<HairId> Scene::addHair(const HairAsset& asset, const HairDef& def) {
   object->guideCount_ = static_cast<uint32_t>(guides);
   object->followCount_ = static_cast<uint32_t>(follows);
   object->vertexCount_ = static_cast<uint32_t>(vertices);
-  object->boneCount_ = def.boneCount;
+  object->boneCount_ = boneCount;
   object->drawnStrands = object->strandCount();
   detail::HairInternals& internals = *object->internals_;
   internals.asset = asset;
   internals.skinning = def.skinning;
-  internals.bones.resize(def.boneCount);
+  internals.bones.resize(boneCount);
   internals.bounds = detail::boundsOfRoots(asset, def.influences);
   internals.strandFactors.assign(def.strandFactors.begin(), def.strandFactors.end());
   internals.levelOfDetail = def.levelOfDetail;
-  internals.storesFollowHairs = def.storeFollowHairs && follows > 0;
+  internals.collidesFollowHairs =
+      def.collidingHair == CollidingHair::kGuidesAndFollows && follows > 0;
+  internals.storesFollowHairs =
+      (def.storeFollowHairs && follows > 0) || internals.collidesFollowHairs;
   internals.heldVertices = detail::hasHeldVertices(asset);
   internals.hairsOfGuides.assign(guides, 1);
   for (const FollowHair& follow : def.followHairs) ++internals.hairsOfGuides[follow.guide];
@@ -152,9 +158,15 @@ Result<HairId> Scene::addHair(const HairAsset& asset, const HairDef& def) {
   }
   buffers.rootBindings =
       add("rootBindings", bindings.size(), sizeof(RootBinding), bytesOf(bindings));
-  const uint64_t rows = def.skinning == SkinningMethod::kMatrices ? 3 : 2;
-  buffers.boneTransforms = add("boneTransforms", rows * def.boneCount, sizeof(Float4), {},
-                               BufferUsage::kStorage | BufferUsage::kUpload);
+  if (*skeleton != nullptr) {
+    const detail::BoneBounds& bounds = internals.bounds.front();
+    internals.skeleton = (*skeleton)->internals_.get();
+    detail::moveOrigin(*internals.skeleton, {bounds.bone, bounds.center});
+    buffers.boneTransforms = skeletonBuffer(*internals.skeleton, def.skinning);
+  } else {
+    buffers.boneTransforms = add("boneTransforms", detail::rowsOf(def.skinning) * boneCount,
+                                 sizeof(Float4), {}, BufferUsage::kStorage | BufferUsage::kUpload);
+  }
 
   if (follows > 0) {
     std::vector<FollowStrand> table(follows);
@@ -207,8 +219,7 @@ Result<HairId> Scene::addHair(const HairAsset& asset, const HairDef& def) {
       add("indices", indices.size(), sizeof(uint32_t), bytesOf(indices), BufferUsage::kIndex);
 
   addSolverBuffers(*object);
-  objects_.push_back(std::move(object));
-  return static_cast<HairId>(objects_.size() - 1);
+  return objects_.add(std::move(object));
 }
 
 void Scene::removeHair(HairId id) {
@@ -216,13 +227,16 @@ void Scene::removeHair(HairId id) {
   removeSolverBuffers(object);
   removeHairGrid(object);
   HairBuffers& buffers = object.buffers_;
+  if (object.internals_->skeleton != nullptr) buffers.boneTransforms = BufferId::kInvalid;
   for (BufferId* buffer :
        {&buffers.positions, &buffers.tangents, &buffers.bindRoots, &buffers.rootTransforms,
         &buffers.rootBindings, &buffers.boneTransforms, &buffers.followStrands,
         &buffers.strandThickness, &buffers.indices, &buffers.colliders, &buffers.fields,
-        &buffers.vertexColors, &buffers.strandUv, &buffers.baseTexture})
+        &buffers.vertexColors, &buffers.strandUv, &buffers.baseTexture, &buffers.followBefore})
     removeBuffer(*buffer);
-  objects_[static_cast<uint32_t>(id)].reset();
+  objects_.remove(id);
+  removeUnusedCopies();
+  if (hairCount() == 0) removeDrawBuffers();
 }
 
 void Scene::removeBuffer(BufferId& buffer) {
@@ -238,9 +252,9 @@ uint64_t Scene::bytesOfBuffer(BufferId id) const {
 }
 
 HairObject& Scene::hair(HairId id) {
-  const auto index = static_cast<uint32_t>(id);
-  PELAGE_ASSERT(index < objects_.size() && objects_[index], "no such hair object");
-  return *objects_[index];
+  HairObject* object = objects_.find(id);
+  PELAGE_ASSERT(object != nullptr, "no such hair object");
+  return *object;
 }
 
 const HairObject& Scene::hair(HairId id) const { return const_cast<Scene*>(this)->hair(id); }

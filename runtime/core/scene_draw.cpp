@@ -24,6 +24,9 @@ Float3 normalized(Float3 v, Float3 fallback) {
   return {v.x / length, v.y / length, v.z / length};
 }
 
+// Of a viewport. Kernels take it as an integer.
+bool isOffset(float x) { return x >= 0 && x < 65536 && x == std::floor(x); }
+
 Float4 withW(Float3 v, float w) { return {v.x, v.y, v.z, w}; }
 
 Eigen::Matrix4d toMatrix(const Matrix4& m) {
@@ -62,6 +65,10 @@ Result<StrandViewConstants> viewConstants(const View& view, std::span<const Ligh
   }
   if (!isFinite(view.eye)) return refuse("the eye is not finite");
   constants.eye = withW(view.eye, 1);
+  if (!isOffset(view.x) || !isOffset(view.y)) {
+    return refuse("begins at (" + std::to_string(view.x) + ", " + std::to_string(view.y) +
+                  "); both are whole numbers from 0 to 65535");
+  }
   constants.viewport = {view.x, view.y, static_cast<float>(view.width),
                         static_cast<float>(view.height)};
   constants.reversedDepth = view.reversedDepth ? 1 : 0;
@@ -266,7 +273,7 @@ float Scene::shareForView(HairId id, const View& view, float pixels) const {
 Result<void> Scene::draw(const View& view, const Light& light, PassList& list) {
   Result<DrawFrame> frame = beginDraw(view, {&light, 1});
   if (!frame) return frame.error();
-  if (Result<void> added = addShadows(*frame, list); !added) return added;
+  if (Result<uint32_t> added = addShadows(*frame, list); !added) return added.error();
   return addOpaqueDraws(*frame, true, list);
 }
 
@@ -290,7 +297,7 @@ Result<void> Scene::draw(const View& view, std::span<const Light> lights,
                   " hair objects in it, but lists and tiles tell at most " +
                   std::to_string(detail::kMaxMaterials) + " apart");
   }
-  if (Result<void> added = addShadows(*frame, lists[0]); !added) return added;
+  if (Result<uint32_t> added = addShadows(*frame, lists[0]); !added) return added.error();
   switch (settings.method) {
     case Transparency::kAlphaTest:
     case Transparency::kStochastic:
@@ -387,8 +394,17 @@ Result<void> Scene::addListPasses(const DrawFrame& frame, const TransparencySett
   return resolve.finish();
 }
 
+Result<uint32_t> Scene::castShadows(std::span<const Light> lights, PassList& list) {
+  // Maps do not depend on who looks.
+  const View view;
+  Result<StrandViewConstants> constants = viewConstants(view, lights);
+  if (!constants) return constants.error();
+  DrawFrame frame = {view, lights, *constants, {}};
+  return addShadows(frame, list);
+}
+
 // Maps of the lights that cast shadows, from all hair in the scene that is visible to anybody.
-Result<void> Scene::addShadows(DrawFrame& frame, PassList& list) {
+Result<uint32_t> Scene::addShadows(DrawFrame& frame, PassList& list) {
   std::vector<detail::ShadowedHair> hairs;
   detail::Ball all;
   for (const auto& held : objects_) {
@@ -425,7 +441,6 @@ Result<void> Scene::addShadows(DrawFrame& frame, PassList& list) {
   // Kernels that read shadows have the buffer bound, also where no light has one.
   const uint64_t wordBytes = std::max<uint64_t>(words, 4) * sizeof(uint32_t);
   makeRoom({shadowWords_, "shadows/words", wordBytes, sizeof(uint32_t)});
-  if (plans.empty()) return {};
   makeRoom({shadowViews_, "shadows/views", kMaxStrandShadows * sizeof(StrandShadowView),
             sizeof(StrandShadowView), BufferUsage::kStorage | BufferUsage::kUpload});
   for (size_t i = 0; i < plans.size(); ++i) {
@@ -436,9 +451,9 @@ Result<void> Scene::addShadows(DrawFrame& frame, PassList& list) {
     buffers.words = shadowWords_;
     buffers.wordCount = bytesOfBuffer(shadowWords_) / sizeof(uint32_t);
     if (Result<void> added = detail::addStrandShadow(list, plans[i], buffers, hairs); !added)
-      return added;
+      return added.error();
   }
-  return {};
+  return static_cast<uint32_t>(plans.size());
 }
 
 }  // namespace pelage

@@ -26,8 +26,6 @@ struct DrawnStrands {
 DrawnStrands drawnStrands(const HairObject& object);
 inline uint32_t drawnCount(const HairObject& object) { return drawnStrands(object).count; }
 
-/// Around all strands, follow hairs included; infinite where it is not known.
-Ball ballOfHair(const HairInternals& hair, float tipSeparation);
 Ball ballAround(const Ball& a, const Ball& b);
 /// At least as large, and the same for radii that differ little.
 float steadyRadius(float radius);

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "pelage/kernels.h"
-#include "pelage/skeleton.h"
+#include "prepared_collider.h"
 #include "scene_frame.h"
 #include "sdf_collider.h"
 
@@ -48,20 +48,25 @@ Result<ColliderId> Scene::addCollider(const CollisionMesh& mesh, const SdfCollid
   };
   if (Result<void> valid = detail::checkSdfColliderDef(def); !valid)
     return refuse(valid.error().message);
+  if (colliders_.isFull()) return refuse("the scene has as many colliders as ids");
+  const Result<SkeletonPose*> skeleton = findSkeleton(def.skeleton, def.boneCount);
+  if (!skeleton) return refuse(skeleton.error().message);
+  if (*skeleton != nullptr && def.vertices != BufferId::kInvalid)
+    return refuse("has a vertex buffer, which follows no skeleton");
+  const uint32_t boneCount = *skeleton != nullptr ? (*skeleton)->boneCount() : def.boneCount;
   if (!mesh.influences.empty() && mesh.influences.size() != mesh.positions.size()) {
     return refuse("has " + std::to_string(mesh.positions.size()) +
                   " vertices, but bone weights for " + std::to_string(mesh.influences.size()));
   }
   for (size_t v = 0; v < mesh.influences.size(); ++v) {
     for (const uint32_t bone : mesh.influences[v].bones) {
-      if (bone >= def.boneCount) {
+      if (bone >= boneCount) {
         return refuse("vertex " + std::to_string(v) + " refers to bone " + std::to_string(bone) +
-                      ", but boneCount is " + std::to_string(def.boneCount));
+                      ", but boneCount is " + std::to_string(boneCount));
       }
     }
   }
-  Result<detail::ColliderTopology> topology = detail::makeColliderTopology(
-      mesh.indices, static_cast<uint32_t>(mesh.positions.size()), mesh.positions);
+  Result<detail::ColliderTopology> topology = detail::topologyOf(mesh);
   if (!topology) return refuse(topology.error().message);
   if (def.vertices != BufferId::kInvalid) {
     const BufferDesc* vertices = resources_.find(def.vertices);
@@ -85,7 +90,11 @@ Result<ColliderId> Scene::addCollider(const CollisionMesh& mesh, const SdfCollid
   c.topology = std::move(*topology);
   c.vertexCount = static_cast<uint32_t>(mesh.positions.size());
   c.boneBoxes = detail::boneBoxesOf(mesh);
-  c.bones.resize(def.boneCount);
+  c.bones.resize(boneCount);
+  if (*skeleton != nullptr) {
+    c.skeleton = (*skeleton)->internals_.get();
+    c.bones = c.skeleton->bones;
+  }
   for (const Float3& p : mesh.positions)
     if (detail::isFinite({p, p})) c.vertexBounds = detail::include(c.vertexBounds, p);
   if (!(c.def.cellSize > 0)) {
@@ -95,6 +104,10 @@ Result<ColliderId> Scene::addCollider(const CollisionMesh& mesh, const SdfCollid
             ? 0
             : std::max({box.high.x - box.low.x, box.high.y - box.low.y, box.high.z - box.low.z});
     c.def.cellSize = longest > 0 ? longest / 50 : 1;
+  }
+  if (c.skeleton != nullptr && !c.boneBoxes.empty()) {
+    const detail::BoneBox& first = c.boneBoxes.front();
+    detail::moveOrigin(*c.skeleton, {first.bone, detail::middleOf(first.box)});
   }
   Result<std::optional<detail::SdfGridPlan>> plan = detail::planGrid(c);
   if (!plan) return plan.error();
@@ -136,21 +149,27 @@ Result<ColliderId> Scene::addCollider(const CollisionMesh& mesh, const SdfCollid
         space("vertices", uint64_t{3} * c.vertexCount, sizeof(float), BufferUsage::kStorage);
     buffers.verticesBefore =
         space("verticesBefore", uint64_t{3} * c.vertexCount, sizeof(float), BufferUsage::kStorage);
-    const uint64_t rows = def.skinning == SkinningMethod::kMatrices ? 3 : 2;
-    buffers.bones =
-        space("bones", rows * def.boneCount, kVector, BufferUsage::kStorage | BufferUsage::kUpload);
+    buffers.bones = c.skeleton != nullptr
+                        ? skeletonBuffer(*c.skeleton, def.skinning)
+                        : space("bones", detail::rowsOf(def.skinning) * boneCount, kVector,
+                                BufferUsage::kStorage | BufferUsage::kUpload);
   }
-  colliders_.push_back(std::move(collider));
-  SdfCollider& added = *colliders_.back();
-  if (*plan) planCollider(added, **plan);
+  const ColliderId id = colliders_.add(std::move(collider));
+  if (*plan) planCollider(this->collider(id), **plan);
   layOutFields();
-  return static_cast<ColliderId>(colliders_.size() - 1);
+  return id;
 }
 
 Result<ColliderId> Scene::addCollider(const SdfData& data, const SdfColliderDef& def) {
   if (Result<void> valid = detail::checkSdfColliderDef(def); !valid) {
     return Error{valid.error().code, "collider '" + def.name + "': " + valid.error().message};
   }
+  const auto refuse = [&](const char* what) {
+    return Error{ErrorCode::kInvalidArgument, "collider '" + def.name + "': " + what};
+  };
+  if (colliders_.isFull()) return refuse("the scene has as many colliders as ids");
+  if (def.skeleton != SkeletonId::kInvalid)
+    return refuse("a field that was built before never moves, and follows no skeleton");
   auto collider = std::unique_ptr<SdfCollider>(new SdfCollider);
   collider->name_ = def.name;
   SdfColliderInternals& c = *collider->internals_;
@@ -165,27 +184,29 @@ Result<ColliderId> Scene::addCollider(const SdfData& data, const SdfColliderDef&
       {end(data.grid.origin.x, data.grid.nodes[0]), end(data.grid.origin.y, data.grid.nodes[1]),
        end(data.grid.origin.z, data.grid.nodes[2])}};
   c.topology.report.triangleCount = c.topology.report.usedTriangleCount = data.triangleCount;
-  colliders_.push_back(std::move(collider));
+  const ColliderId id = colliders_.add(std::move(collider));
   layOutFields();
-  return static_cast<ColliderId>(colliders_.size() - 1);
+  return id;
 }
 
 void Scene::removeCollider(ColliderId id) {
   SdfCollider& removed = collider(id);
   removeIsoSurface(removed);
   SdfColliderBuffers& b = removed.buffers_;
+  if (removed.internals_->skeleton != nullptr) b.bones = BufferId::kInvalid;
   for (BufferId* buffer : {&b.bindVertices, &b.bindings, &b.bones, &b.vertices, &b.verticesBefore,
                            &b.placeVertices, &b.indices, &b.neighbors, &b.fanStarts, &b.fans,
                            &b.counts, &b.places, &b.work, &b.marks, &b.flood, &b.votes})
     removeBuffer(*buffer);
-  colliders_[static_cast<uint32_t>(id)].reset();
+  colliders_.remove(id);
+  removeUnusedCopies();
   layOutFields();
 }
 
 SdfCollider& Scene::collider(ColliderId id) {
-  const auto index = static_cast<uint32_t>(id);
-  PELAGE_ASSERT(index < colliders_.size() && colliders_[index], "no such collider");
-  return *colliders_[index];
+  SdfCollider* found = colliders_.find(id);
+  PELAGE_ASSERT(found != nullptr, "no such collider");
+  return *found;
 }
 
 const SdfCollider& Scene::collider(ColliderId id) const {
@@ -273,13 +294,17 @@ bool Scene::planCollider(SdfCollider& collider, const detail::SdfGridPlan& plan)
   return grown;
 }
 
-bool Scene::isReached(const SdfCollider& collider) const {
+bool Scene::isReached(size_t place) const {
+  const SdfCollider& collider = *colliders_[place];
   if (!collider.enabled) return false;
+  const ColliderId id = colliders_.idOf(place);
   const SdfColliderInternals& c = *collider.internals_;
   const detail::Box box = c.data ? c.vertexBounds : detail::boundsOf(c);
   return std::any_of(objects_.begin(), objects_.end(), [&](const auto& object) {
     if (object == nullptr || !object->usesMeshColliders) return false;
-    detail::Ball ball = detail::ballOfStrands(*object->internals_);
+    if (!detail::meets(*object->internals_, id)) return false;
+    detail::Ball ball =
+        detail::ballOfCollisions(*object->internals_, object->settings.tipSeparation);
     ball.radius += std::max(collider.margin, 0.0f);
     return detail::reaches(box, ball);
   });
@@ -289,7 +314,7 @@ bool Scene::isReached(const SdfCollider& collider) const {
 Result<std::vector<std::optional<detail::SdfGridPlan>>> Scene::checkColliders() const {
   std::vector<std::optional<detail::SdfGridPlan>> plans(colliders_.size());
   for (size_t i = 0; i < colliders_.size(); ++i) {
-    const SdfCollider* collider = colliders_[i].get();
+    const SdfCollider* collider = colliders_[i];
     if (collider == nullptr) continue;
     const auto check = [&](const char* what, float value) {
       if (std::isfinite(value) && value >= 0) return std::string();
@@ -299,7 +324,7 @@ Result<std::vector<std::optional<detail::SdfGridPlan>>> Scene::checkColliders() 
     for (const std::string& fault :
          {check("margin", collider->margin), check("friction", collider->friction)})
       if (!fault.empty()) return Error{ErrorCode::kInvalidArgument, fault};
-    if (collider->internals_->data || !isReached(*collider)) continue;
+    if (collider->internals_->data || !isReached(i)) continue;
     Result<std::optional<detail::SdfGridPlan>> plan = detail::planGrid(*collider->internals_);
     if (!plan) return plan.error();
     plans[i] = *plan;
@@ -307,10 +332,11 @@ Result<std::vector<std::optional<detail::SdfGridPlan>>> Scene::checkColliders() 
   return plans;
 }
 
-Result<void> Scene::buildCollider(SdfCollider& collider, PassList& list) {
+Result<void> Scene::buildCollider(size_t place, PassList& list) {
+  SdfCollider& collider = *colliders_[place];
   SdfColliderInternals& c = *collider.internals_;
   c.wasActive = c.active;
-  c.active = isReached(collider);
+  c.active = isReached(place);
   c.builtNow = c.moves = false;
   if (!c.active || c.data || c.plan.nodeCount() == 0) return {};
   const float tolerance = c.def.motionTolerance * c.plan.cellSize;
@@ -318,6 +344,8 @@ Result<void> Scene::buildCollider(SdfCollider& collider, PassList& list) {
   const bool changed = own ? detail::motionSinceBuild(c) > tolerance : c.verticesChanged;
   if (!c.buildPending && !changed) return {};
 
+  // Its vertices would be relative to another origin than its grid.
+  if (c.skeleton != nullptr && c.origin != c.skeleton->origin) return {};
   const bool whole = c.buildPending || (own && detail::movedShare(c, tolerance) > kMostMovedShare);
   if (own && c.vertexCount > 0) {
     if (Result<void> added = addSkinningPass(collider, list); !added) return added;
@@ -354,20 +382,13 @@ Result<void> Scene::buildCollider(SdfCollider& collider, PassList& list) {
 Result<void> Scene::addSkinningPass(SdfCollider& collider, PassList& list) {
   SdfColliderInternals& c = *collider.internals_;
   const SdfColliderBuffers& b = collider.buffers_;
-  const bool dual = c.def.skinning == SkinningMethod::kDualQuaternions;
-  std::vector<Float4> bones;
-  for (AffineTransform bone : c.bones) {
-    bone.rows[0].w -= c.origin.x;
-    bone.rows[1].w -= c.origin.y;
-    bone.rows[2].w -= c.origin.z;
-    if (dual) {
-      const DualQuaternion motion = toDualQuaternion(bone);
-      bones.insert(bones.end(), {motion.real, motion.dual});
-    } else {
-      bones.insert(bones.end(), std::begin(bone.rows), std::end(bone.rows));
-    }
+  const SkinningMethod method = c.def.skinning;
+  if (c.skeleton != nullptr) {
+    detail::uploadBones(*c.skeleton, method, list);
+  } else {
+    const std::vector<Float4> bones = detail::packBones(c.bones, c.origin, method);
+    addUpload(list, b.bones, std::as_bytes(std::span(bones)));
   }
-  addUpload(list, b.bones, std::as_bytes(std::span(bones)));
   BoneSkinningConstants constants = {};
   constants.skinnedCount = c.vertexCount;
   constants.skinningCount = static_cast<uint32_t>(c.bones.size());
@@ -376,12 +397,12 @@ Result<void> Scene::addSkinningPass(SdfCollider& collider, PassList& list) {
   const uint64_t bytes = uint64_t{3} * c.vertexCount * sizeof(float);
   PassBuilder builder(list);
   builder
-      .dispatch(skinVerticesVariant({.dualQuaternions = dual}),
-                std::min(c.vertexCount, kSkinningRow),
-                (c.vertexCount + kSkinningRow - 1) / kSkinningRow)
+      .dispatch(
+          skinVerticesVariant({.dualQuaternions = method == SkinningMethod::kDualQuaternions}),
+          std::min(c.vertexCount, kSkinningRow), (c.vertexCount + kSkinningRow - 1) / kSkinningRow)
       .bind("g_bindVertices", b.bindVertices, bytes)
       .bind("g_vertexBindings", b.bindings, c.vertexCount * sizeof(VertexBinding))
-      .bind("g_skinningBones", b.bones, bones.size() * kVector)
+      .bind("g_skinningBones", b.bones, detail::rowsOf(method) * c.bones.size() * kVector)
       .bind("g_skinned", b.vertices, bytes)
       .bind("g_skinnedBefore", b.verticesBefore, bytes)
       .constants("BoneSkinningConstants", constants)
@@ -395,9 +416,12 @@ void Scene::addFields(Frame& frame) {
   std::vector<SdfField> fields;
   bool stirred = false;
   if (frame.object.usesMeshColliders) {
-    const detail::Ball around = detail::ballOfStrands(internals);
-    for (const auto& held : colliders_) {
+    const detail::Ball around =
+        detail::ballOfCollisions(internals, frame.object.settings.tipSeparation);
+    for (size_t place = 0; place < colliders_.size(); ++place) {
+      const SdfCollider* held = colliders_[place];
       if (held == nullptr || !held->internals_->active) continue;
+      if (!detail::meets(internals, colliders_.idOf(place))) continue;
       const SdfColliderInternals& c = *held->internals_;
       detail::Ball ball = around;
       ball.radius += held->margin;

@@ -135,6 +135,7 @@ Result<void> Scene::simulate(float dt, PassList& list) {
   const auto subSteps = static_cast<uint32_t>(std::clamp(steps, 1.0, double{kMaxSubSteps}));
   const auto frame =
       static_cast<float>(std::min(static_cast<double>(dt), kMaxSubSteps * kReferenceStep));
+  followSkeletons();
   // Before anything changes, so that a frame that is refused loses nothing.
   for (const auto& object : objects_) {
     if (object == nullptr) continue;
@@ -150,19 +151,22 @@ Result<void> Scene::simulate(float dt, PassList& list) {
     if (planCollider(*colliders_[i], *(*plans)[i])) grown = true;
   }
   if (grown) layOutFields();
-  for (const auto& collider : colliders_) {
-    if (collider == nullptr) continue;
-    if (Result<void> done = buildCollider(*collider, list); !done) {
-      list.clear();
-      return done;
+  const auto drop = [&](const Result<void>& error) {
+    list.clear();
+    for (const auto& skeleton : skeletons_) {
+      if (skeleton == nullptr) continue;
+      for (auto& copy : skeleton->internals_->copies) copy.version = 0;
     }
+    return error;
+  };
+  for (size_t place = 0; place < colliders_.size(); ++place) {
+    if (colliders_[place] == nullptr) continue;
+    if (Result<void> done = buildCollider(place, list); !done) return drop(done);
   }
   for (const auto& object : objects_) {
     if (object == nullptr) continue;
-    if (Result<void> done = simulateObject(*object, frame, subSteps, list); !done) {
-      list.clear();
-      return done;
-    }
+    if (Result<void> done = simulateObject(*object, frame, subSteps, list); !done)
+      return drop(done);
   }
   time_ += static_cast<double>(frame);
   return {};
@@ -216,13 +220,20 @@ Result<void> Scene::simulateObject(HairObject& object, float length, uint32_t st
       .sleeps = false,
       .collidersReplaced = detail::areReplaced(internals.collidersBefore, internals.colliders)};
   internals.stillFrames = internals.bonesChanged || frame.reset ? 0 : internals.stillFrames + 1;
-  if (internals.bonesChanged) {
-    const std::vector<Float4> bones = detail::packBones(internals);
+  if (internals.skeleton != nullptr && internals.bonesChanged) {
+    detail::uploadBones(*internals.skeleton, internals.skinning, list);
+  } else if (internals.bonesChanged) {
+    const std::vector<Float4> bones =
+        detail::packBones(internals.bones, internals.origin, internals.skinning);
     addUpload(list, buffers.boneTransforms, std::as_bytes(std::span(bones)));
-    internals.bonesChanged = false;
   }
+  internals.bonesChanged = false;
   addFields(frame);
-  const std::vector<Collider> colliders = detail::packColliders(internals);
+  // What sleeps does not look whether a capsule reaches its follow hairs.
+  if (internals.collidesFollowHairs && internals.colliders != internals.collidersBefore)
+    frame.collidersReplaced = true;
+  const std::vector<Collider> colliders =
+      detail::packColliders(internals, detail::ballOfCollisions(internals, s.tipSeparation));
   frame.colliderCount = static_cast<uint32_t>(colliders.size());
   // Permutations with fields have the capsules' code, and want their buffer.
   const uint32_t wanted = std::max(frame.colliderCount, frame.fieldCount > 0 ? 1u : 0u);
@@ -245,7 +256,8 @@ Result<void> Scene::simulateObject(HairObject& object, float length, uint32_t st
   internals.lastFrame = length;
   internals.resetPending = false;
   internals.settingsBefore = s;
-  return addFollowPass(frame);
+  if (Result<void> placed = addFollowPass(frame); !placed) return placed;
+  return addFollowCollision(frame);
 }
 
 // What every kernel of the group "simulation" takes.
@@ -278,7 +290,7 @@ Result<void> Scene::addRootPass(const Frame& frame) {
       .bind("g_rootTransforms", buffers.rootTransforms,
             kRootTransformSets * guides * sizeof(RootTransform))
       .bind("g_boneTransforms", buffers.boneTransforms,
-            (dual ? 2 : 3) * frame.internals.bones.size() * kVector)
+            detail::rowsOf(frame.internals.skinning) * frame.internals.bones.size() * kVector)
       .bind("g_rootBindings", buffers.rootBindings, guides * sizeof(RootBinding))
       .constants("SimulationConstants", frame.commonConstants())
       .bytes(guides * (sizeof(RootBinding) + kVector + 3 * sizeof(RootTransform)));
@@ -394,6 +406,47 @@ Result<void> Scene::addFollowPass(const Frame& frame) {
       .bind("g_followStrands", buffers.followStrands, follows * sizeof(FollowStrand))
       .constants("SimulationConstants", constants)
       .bytes(follows * (sizeof(FollowStrand) + 3 * vertices * kVector));
+  return builder.finish();
+}
+
+Result<void> Scene::addFollowCollision(const Frame& frame) {
+  HairObject& object = frame.object;
+  detail::HairInternals& internals = frame.internals;
+  HairBuffers& buffers = object.buffers_;
+  const bool known = internals.followsCollided && !frame.reset;
+  internals.followsCollided = false;
+  if (!internals.collidesFollowHairs) return {};
+  if (frame.fieldCount == 0 && frame.colliderCount == 0) return {};
+  const uint64_t stored = object.strandCount() * uint64_t{object.vertexCount_} * kVector;
+  const uint64_t follows = object.followCount_ * uint64_t{object.vertexCount_} * kVector;
+  if (buffers.followBefore == BufferId::kInvalid) {
+    buffers.followBefore = resources_.add(
+        {.name = object.name_ + "/followBefore", .size = follows, .stride = kVector});
+  }
+  FollowCollisionConstants constants = {};
+  constants.followOrigin = {internals.origin.x, internals.origin.y, internals.origin.z, 0};
+  constants.firstFollow = object.guideCount_;
+  constants.followStrandCount = object.followCount_;
+  constants.followVertexCount = object.vertexCount_;
+  constants.followFieldCount = frame.fieldCount;
+  constants.followColliderCount = frame.colliderCount;
+  constants.followHistory = known ? 1 : 0;
+  const KernelVariant& variant = collideFollowStrandsVariant({.sdf = frame.fieldCount > 0});
+  PassBuilder builder(frame.list);
+  if (frame.sleeps)
+    builder.dispatchIndirect(variant, buffers.sleep, kFollowArguments);
+  else
+    builder.dispatch(variant, object.followCount_);
+  builder.bind("g_followPositions", buffers.positions, stored)
+      .bind("g_followTangents", buffers.tangents, stored)
+      .bind("g_followBefore", buffers.followBefore, follows)
+      .bind("g_followFields", buffers.fields, frame.fieldCount * sizeof(SdfField))
+      .bind("g_followKeys", sdfKeys_, bytesOfBuffer(sdfKeys_))
+      .bind("g_followSurface", sdfSurface_, bytesOfBuffer(sdfSurface_))
+      .bind("g_followColliders", buffers.colliders, bytesOfBuffer(buffers.colliders))
+      .constants("FollowCollisionConstants", constants)
+      .bytes(3 * follows);
+  internals.followsCollided = true;
   return builder.finish();
 }
 

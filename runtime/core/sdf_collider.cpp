@@ -18,12 +18,6 @@ bool isFinite(const Float3& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
-bool isFiniteBone(const AffineTransform& bone) {
-  return std::all_of(std::begin(bone.rows), std::end(bone.rows), [](const Float4& r) {
-    return std::isfinite(r.x) && std::isfinite(r.y) && std::isfinite(r.z) && std::isfinite(r.w);
-  });
-}
-
 Float3 corner(const Box& box, uint32_t index) {
   return {(index & 1) != 0 ? box.high.x : box.low.x, (index & 2) != 0 ? box.high.y : box.low.y,
           (index & 4) != 0 ? box.high.z : box.low.z};
@@ -59,7 +53,13 @@ float largestWay(const BoneBox& bone, const AffineTransform& from, const AffineT
 
 }  // namespace
 
+Float3 middleOf(const Box& box) {
+  return {0.5f * (box.low.x + box.high.x), 0.5f * (box.low.y + box.high.y),
+          0.5f * (box.low.z + box.high.z)};
+}
+
 Float3 originFor(const SdfColliderInternals& collider) {
+  if (collider.skeleton != nullptr) return collider.skeleton->origin;
   const Box box = boundsOf(collider);
   // An engine's vertices are where they are.
   if (collider.def.vertices != BufferId::kInvalid || box.isEmpty() || !isFinite(box))
@@ -181,7 +181,10 @@ Result<std::optional<SdfGridPlan>> planGrid(const SdfColliderInternals& collider
     const double cell = static_cast<double>(plan.cellSize);
     const bool wasteful =
         static_cast<double>(plan.nodeCount()) * cell * cell * cell > kMostWaste * size(relative);
-    if (isInside(relative, grid, ring) && !wasteful) return std::optional<SdfGridPlan>();
+    const bool originMoved =
+        collider.skeleton != nullptr && collider.skeleton->origin != collider.origin;
+    if (isInside(relative, grid, ring) && !wasteful && !originMoved)
+      return std::optional<SdfGridPlan>();
   }
   SdfGridDef grid;
   grid.lowest = {0, 0, 0};
@@ -300,6 +303,8 @@ uint64_t SdfCollider::memoryBytes() const {
 const SdfGrid& SdfCollider::grid() const { return internals_->grid; }
 
 void SdfCollider::setBones(std::span<const AffineTransform> bones) {
+  PELAGE_ASSERT(internals_->skeleton == nullptr,
+                "the bones are those of a skeleton: SkeletonPose::setBones()");
   PELAGE_ASSERT(bones.size() == internals_->bones.size(),
                 "SdfCollider::setBones() takes boneCount transforms");
   // Broken ones leave all that is known of the bone, bounds too, where it was.

@@ -22,6 +22,7 @@ struct Box {
   bool isEmpty() const { return low.x > high.x; }
 };
 
+Float3 middleOf(const Box& box);
 Box include(const Box& box, const Float3& point);
 Box include(const Box& a, const Box& b);
 bool isFinite(const Box& box);
@@ -45,6 +46,7 @@ struct SdfColliderInternals {
   std::vector<BoneBox> boneBoxes;
 
   std::vector<AffineTransform> bones;
+  SkeletonInternals* skeleton = nullptr;    ///< that it follows
   std::vector<AffineTransform> builtBones;  ///< of the field; empty before the first build
   Box vertexBounds;                         ///< of the engine's vertex buffer, in world space
   bool verticesChanged = true;

@@ -11,12 +11,12 @@ constexpr GLuint kGroupSize = 8;
 constexpr char kSource[] = R"(
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 0) uniform sampler2D depthTexture;
+layout(location = 0) uniform ivec4 area;  // x, y, width, height
 layout(std430, binding = 0) writeonly buffer Depths { float depths[]; };
 void main() {
-  ivec2 size = textureSize(depthTexture, 0);
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-  if (any(greaterThanEqual(pixel, size))) return;
-  depths[pixel.y * size.x + pixel.x] = texelFetch(depthTexture, pixel, 0).r;
+  if (any(greaterThanEqual(pixel, area.zw))) return;
+  depths[pixel.y * area.z + pixel.x] = texelFetch(depthTexture, area.xy + pixel, 0).r;
 }
 )";
 
@@ -54,8 +54,8 @@ void DepthCopy::release(const Functions& gl) {
   program_ = 0;
 }
 
-Result<void> DepthCopy::run(const Functions& gl, Profile profile, GLuint texture, uint32_t width,
-                            uint32_t height, GLuint buffer) {
+Result<void> DepthCopy::run(const Functions& gl, Profile profile, GLuint texture,
+                            const PixelArea& area, GLuint buffer) {
   if (program_ == 0) {
     if (Result<void> made = makeProgram(gl, profile); !made) return made;
   }
@@ -63,11 +63,13 @@ Result<void> DepthCopy::run(const Functions& gl, Profile profile, GLuint texture
   // and every use after it waits here.
   gl.glMemoryBarrier(GL_ALL_BARRIER_BITS);
   gl.glUseProgram(program_);
+  gl.glUniform4i(0, static_cast<GLint>(area.x), static_cast<GLint>(area.y),
+                 static_cast<GLint>(area.width), static_cast<GLint>(area.height));
   gl.glActiveTexture(GL_TEXTURE0);
   gl.glBindTexture(GL_TEXTURE_2D, texture);
   gl.glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, buffer);
-  gl.glDispatchCompute((width + kGroupSize - 1) / kGroupSize,
-                       (height + kGroupSize - 1) / kGroupSize, 1);
+  gl.glDispatchCompute((area.width + kGroupSize - 1) / kGroupSize,
+                       (area.height + kGroupSize - 1) / kGroupSize, 1);
   gl.glMemoryBarrier(GL_ALL_BARRIER_BITS);
   gl.glBindTexture(GL_TEXTURE_2D, 0);
   return {};

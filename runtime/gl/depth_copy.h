@@ -3,6 +3,7 @@
 
 #include "functions.h"
 #include "pelage/gl.h"
+#include "pelage/headless.h"
 #include "pelage/result.h"
 
 namespace pelage::gl {
@@ -16,10 +17,10 @@ class DepthCopy {
   /// Before the context goes.
   void release(const Functions& gl);
 
-  /// Writes width * height floats to the front of the buffer, row 0 of the texture first. Changes
-  /// the program, storage binding 0 and texture unit 0.
-  Result<void> run(const Functions& gl, Profile profile, GLuint texture, uint32_t width,
-                   uint32_t height, GLuint buffer);
+  /// Writes the area's width * height floats to the front of the buffer, the row of the lowest
+  /// index first. Changes the program, storage binding 0 and texture unit 0.
+  Result<void> run(const Functions& gl, Profile profile, GLuint texture, const PixelArea& area,
+                   GLuint buffer);
 
  private:
   Result<void> makeProgram(const Functions& gl, Profile profile);

@@ -103,6 +103,7 @@
   X(PFNGLTEXPARAMETERIPROC, glTexParameteri)                                   \
   X(PFNGLTEXSTORAGE2DPROC, glTexStorage2D)                                     \
   X(PFNGLUNMAPBUFFERPROC, glUnmapBuffer)                                       \
+  X(PFNGLUNIFORM4IPROC, glUniform4i)                                           \
   X(PFNGLUSEPROGRAMPROC, glUseProgram)                                         \
   X(PFNGLVIEWPORTPROC, glViewport)
 

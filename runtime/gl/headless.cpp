@@ -316,6 +316,7 @@ class HeadlessGl final : public HeadlessDevice {
     return runtime_->read(buffer, offset, size);
   }
 
+  uint64_t bufferBytes() const override { return runtime_->statistics().bufferBytes; }
   uint32_t messageCount() const override { return messageCount_; }
 
  private:
@@ -324,7 +325,7 @@ class HeadlessGl final : public HeadlessDevice {
   Result<void> finish(Result<void> recorded, std::vector<PassTiming>* timings);
   Result<void> makeTarget(const RenderTargetDef& target);
   void releaseTarget();
-  uint64_t bufferBytes(BufferId buffer) const;
+  uint64_t sizeOf(BufferId buffer) const;
   void clear(const RenderTargetDef& target) const;
   Result<void> recordLists(std::span<const PassList* const> lists, const RenderTargetDef& target,
                            gl::PassTimer* timer);
@@ -508,7 +509,7 @@ Result<void> HeadlessGl::makeTarget(const RenderTargetDef& target) {
   return {};
 }
 
-uint64_t HeadlessGl::bufferBytes(BufferId buffer) const {
+uint64_t HeadlessGl::sizeOf(BufferId buffer) const {
   const GLuint name = runtime_->bufferName(buffer);
   if (name == 0) return 0;
   GLint64 size = 0;
@@ -533,6 +534,8 @@ void HeadlessGl::clear(const RenderTargetDef& target) const {
 Result<void> HeadlessGl::recordLists(std::span<const PassList* const> lists,
                                      const RenderTargetDef& target, gl::PassTimer* timer) {
   // An error is found before anything runs.
+  const Result<PixelArea> area = drawArea(target);
+  if (!area) return area.error();
   for (const PassList* list : lists) {
     if (Result<void> ready = runtime_->prepare(*list); !ready) return ready;
   }
@@ -541,11 +544,11 @@ Result<void> HeadlessGl::recordLists(std::span<const PassList* const> lists,
     if (Result<void> done = runtime_->record(*lists[i], timer); !done) return done;
     gl_.glBindFramebuffer(GL_FRAMEBUFFER, framebuffers_[0]);
     Result<void> drawn =
-        runtime_->recordDraws(*lists[i], {0, 0, target.width, target.height}, timer);
+        runtime_->recordDraws(*lists[i], {area->x, area->y, area->width, area->height}, timer);
     if (!drawn) return drawn;
     if (target.depthCopy == BufferId::kInvalid || i != target.depthCopyAfter) continue;
-    Result<void> copied = depthCopy_.run(gl_, runtime_->profile(), depthTexture_, target.width,
-                                         target.height, runtime_->bufferName(target.depthCopy));
+    Result<void> copied = depthCopy_.run(gl_, runtime_->profile(), depthTexture_, *area,
+                                         runtime_->bufferName(target.depthCopy));
     if (!copied) return copied;
   }
   return {};
@@ -571,7 +574,7 @@ Result<RenderedImage> HeadlessGl::render(std::span<const PassList* const> lists,
   }
   const ScopedCurrent current(egl_);
   if (Result<void> ok = current.check(); !ok) return ok.error();
-  if (Result<void> ok = checkDepthCopy(target, lists.size(), bufferBytes(target.depthCopy)); !ok)
+  if (Result<void> ok = checkDepthCopy(target, lists.size(), sizeOf(target.depthCopy)); !ok)
     return ok.error();
   RenderedImage image;
   image.width = target.width;

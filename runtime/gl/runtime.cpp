@@ -275,8 +275,9 @@ Result<Runtime> Runtime::create(RuntimeDef def) {
 }
 
 const Buffer* Runtime::Impl::find(BufferId id) const {
-  const auto index = static_cast<uint32_t>(id);
-  return index < buffers.size() && buffers[index].name != 0 ? &buffers[index] : nullptr;
+  const uint32_t place = ResourceTable::placeOf(id);
+  const bool known = place < buffers.size() && buffers[place].id == id && buffers[place].name != 0;
+  return known ? &buffers[place] : nullptr;
 }
 
 std::string Runtime::Impl::label(BufferId id) const {
@@ -332,12 +333,13 @@ Result<void> Runtime::update(const ResourceTable& resources) try {
   if (buffers.size() < resources.end()) buffers.resize(resources.end());
   for (uint32_t index = 0; index < buffers.size(); ++index) {
     Buffer& buffer = buffers[index];
-    const BufferDesc* desc = resources.find(static_cast<BufferId>(index));
-    if (desc == nullptr) {
-      // A buffer that the engine registered ahead of its entry is kept.
-      if (index < resources.end()) impl_->release(buffer);
-      continue;
-    }
+    // A buffer that the engine registered ahead of its entry is kept.
+    if (index >= resources.end()) continue;
+    const BufferId id = resources.at(index);
+    if (buffer.id != id) impl_->release(buffer);
+    const BufferDesc* desc = resources.find(id);
+    if (desc == nullptr) continue;
+    buffer.id = id;
     if (buffer.label.empty()) buffer.label = desc->name;
     if (buffer.name == 0) {
       if (Result<void> made = impl_->createBuffer(buffer, *desc); !made) return made;
@@ -360,11 +362,12 @@ Result<void> Runtime::registerBuffer(BufferId id, uint32_t glName) {
   gl.glBindBuffer(GL_COPY_WRITE_BUFFER, glName);
   GLint64 size = 0;
   gl.glGetBufferParameteri64v(GL_COPY_WRITE_BUFFER, GL_BUFFER_SIZE, &size);
-  const auto index = static_cast<uint32_t>(id);
-  if (index >= impl_->buffers.size()) impl_->buffers.resize(size_t{index} + 1);
-  Buffer& buffer = impl_->buffers[index];
-  std::string label = std::move(buffer.label);
+  const uint32_t place = ResourceTable::placeOf(id);
+  if (place >= impl_->buffers.size()) impl_->buffers.resize(size_t{place} + 1);
+  Buffer& buffer = impl_->buffers[place];
+  std::string label = buffer.id == id ? std::move(buffer.label) : std::string();
   impl_->release(buffer);
+  buffer.id = id;
   buffer.label = std::move(label);
   buffer.name = glName;
   buffer.size = static_cast<uint64_t>(size);

@@ -20,6 +20,7 @@ inline constexpr GLenum kDisabledInDraws[] = {
 };
 
 struct Buffer {
+  BufferId id = BufferId::kInvalid;
   GLuint name = 0;
   uint64_t size = 0;
   GLenum usage = GL_DYNAMIC_DRAW;

@@ -75,6 +75,7 @@ class HeadlessVulkan final : public HeadlessDevice {
                                const RenderTargetDef& target,
                                std::vector<PassTiming>* timings) override;
   Result<std::vector<std::byte>> read(BufferId buffer, uint64_t offset, uint64_t size) override;
+  uint64_t bufferBytes() const override { return runtime_->bufferBytes(); }
   uint32_t messageCount() const override { return messages_.load(); }
 
  private:
@@ -93,7 +94,8 @@ class HeadlessVulkan final : public HeadlessDevice {
 
   Result<void> makeTarget(const RenderTargetDef& def);
   /// Records one list of render(): all but the first load what is there.
-  Result<void> recordList(const PassList& list, const RenderTargetDef& def, bool first);
+  Result<void> recordList(const PassList& list, const RenderTargetDef& def, const VkRect2D& area,
+                          bool first);
 
   std::atomic<uint32_t> messages_{0};
   DeviceInfo info_;
@@ -533,14 +535,13 @@ Result<void> HeadlessVulkan::makeTarget(const RenderTargetDef& def) {
 }
 
 Result<void> HeadlessVulkan::recordList(const PassList& list, const RenderTargetDef& def,
-                                        bool first) {
+                                        const VkRect2D& area, bool first) {
   if (Result<void> done = runtime_->record(list, commands_); !done) return done;
   const bool draws = std::any_of(list.passes.begin(), list.passes.end(),
                                  [](const Pass& pass) { return isDraw(pass.kind); });
   if (!first && !draws) return {};
   target_.begin(commands_, def, first);
-  Result<void> drawn = runtime_->recordDraws(list, commands_, target_.formats(),
-                                             VkRect2D{{0, 0}, {def.width, def.height}});
+  Result<void> drawn = runtime_->recordDraws(list, commands_, target_.formats(), area);
   device_.vk.CmdEndRenderPass(commands_);
   return drawn;
 }
@@ -551,6 +552,10 @@ Result<RenderedImage> HeadlessVulkan::render(std::span<const PassList* const> li
   return guarded([&]() -> Result<RenderedImage> {
     if (timings != nullptr) timings->clear();
     if (Result<void> made = makeTarget(def); !made) return made.error();
+    const Result<PixelArea> drawn = drawArea(def);
+    if (!drawn) return drawn.error();
+    const VkRect2D area = {{static_cast<int32_t>(drawn->x), static_cast<int32_t>(drawn->y)},
+                           {drawn->width, drawn->height}};
     const uint64_t depthBytes = runtime_->buffer(def.depthCopy).size;
     if (Result<void> ok = checkDepthCopy(def, lists.size(), depthBytes); !ok) return ok.error();
     constexpr size_t kPixelBytes = 4 * sizeof(uint16_t);
@@ -571,12 +576,12 @@ Result<RenderedImage> HeadlessVulkan::render(std::span<const PassList* const> li
     const PassList* const nothing[] = {&none};
     if (lists.empty()) lists = nothing;  // still clears
     for (size_t i = 0; i < lists.size(); ++i) {
-      if (Result<void> done = recordList(*lists[i], def, i == 0); !done) {
+      if (Result<void> done = recordList(*lists[i], def, area, i == 0); !done) {
         abandon();
         return release(done.error());
       }
       if (def.depthCopy != BufferId::kInvalid && i == def.depthCopyAfter)
-        target_.copyDepth(commands_, runtime_->buffer(def.depthCopy));
+        target_.copyDepth(commands_, area, runtime_->buffer(def.depthCopy));
     }
     target_.copyColor(commands_, readback->buffer);
     if (Result<void> done = submit(); !done) return release(done.error());

@@ -228,7 +228,8 @@ void RenderTarget::begin(VkCommandBuffer commands, const RenderTargetDef& def, b
   device_.vk.CmdBeginRenderPass(commands, &pass, VK_SUBPASS_CONTENTS_INLINE);
 }
 
-void RenderTarget::copyDepth(VkCommandBuffer commands, const BufferRange& range) const {
+void RenderTarget::copyDepth(VkCommandBuffer commands, const VkRect2D& area,
+                             const BufferRange& range) const {
   const Functions& vk = device_.vk;
   constexpr VkPipelineStageFlags kDepthStages =
       VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT;
@@ -251,7 +252,8 @@ void RenderTarget::copyDepth(VkCommandBuffer commands, const BufferRange& range)
   VkBufferImageCopy copy = {};
   copy.bufferOffset = range.offset;
   copy.imageSubresource = {VK_IMAGE_ASPECT_DEPTH_BIT, 0, 0, 1};
-  copy.imageExtent = {width_, height_, 1};
+  copy.imageOffset = {area.offset.x, area.offset.y, 0};
+  copy.imageExtent = {area.extent.width, area.extent.height, 1};
   vk.CmdCopyImageToBuffer(commands, depth_.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
                           range.buffer, 1, &copy);
   memory.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;

@@ -31,8 +31,8 @@ class RenderTarget {
   TargetFormats formats() const;
   /// Begins a render pass, which clears or loads what is there.
   void begin(VkCommandBuffer commands, const RenderTargetDef& def, bool clear) const;
-  /// Copies the depth to the front of a buffer, outside a render pass.
-  void copyDepth(VkCommandBuffer commands, const BufferRange& range) const;
+  /// Copies the depth of an area to the front of a buffer, outside a render pass.
+  void copyDepth(VkCommandBuffer commands, const VkRect2D& area, const BufferRange& range) const;
   /// Copies the colours, samples averaged, to the front of a buffer for the host.
   void copyColor(VkCommandBuffer commands, VkBuffer buffer) const;
 

@@ -36,6 +36,7 @@ constexpr VkPipelineStageFlags kShaderStages = VK_PIPELINE_STAGE_COMPUTE_SHADER_
 // A buffer of the table on the device.
 struct BufferSlot {
   bool live = false;
+  BufferId id = BufferId::kInvalid;
   bool external = false;
   AllocatedBuffer own;
   VkBuffer buffer = VK_NULL_HANDLE;
@@ -54,6 +55,7 @@ struct PendingExternal {
 struct RetiredBuffer {
   AllocatedBuffer buffer;
   uint64_t frame = 0;
+  uint64_t size = 0;
 };
 
 // A pass, ready to be recorded.
@@ -90,7 +92,9 @@ class Label {
   VkCommandBuffer commands_;
 };
 
-uint32_t indexOf(BufferId id) { return static_cast<uint32_t>(id); }
+uint32_t indexOf(BufferId id) { return ResourceTable::placeOf(id); }
+// In messages.
+uint32_t numberOf(BufferId id) { return static_cast<uint32_t>(id); }
 
 Error invalid(std::string message) { return {ErrorCode::kInvalidArgument, std::move(message)}; }
 
@@ -175,7 +179,9 @@ struct Runtime::Impl {
 
   // Buffers.
   const BufferSlot* find(BufferId id) const {
-    return indexOf(id) < slots.size() && slots[indexOf(id)].live ? &slots[indexOf(id)] : nullptr;
+    const uint32_t index = indexOf(id);
+    const bool known = index < slots.size() && slots[index].live && slots[index].id == id;
+    return known ? &slots[index] : nullptr;
   }
   std::string bufferName(BufferId id) const;
   Result<void> update(const ResourceTable& resources, VkCommandBuffer commands);
@@ -245,7 +251,7 @@ struct Runtime::Impl {
 
 std::string Runtime::Impl::bufferName(BufferId id) const {
   const BufferSlot* slot = find(id);
-  return slot != nullptr ? slot->name : fmt::format("#{}", indexOf(id));
+  return slot != nullptr ? slot->name : fmt::format("#{}", numberOf(id));
 }
 
 Result<BufferSlot> Runtime::Impl::createSlot(const BufferDesc& desc,
@@ -276,7 +282,7 @@ Result<BufferSlot> Runtime::Impl::createSlot(const BufferDesc& desc,
 
 void Runtime::Impl::retire(BufferSlot& slot) {
   descriptors.forgetBuffer(slot.generation);
-  if (slot.own.buffer != VK_NULL_HANDLE) retiredBuffers.push_back({slot.own, frame});
+  if (slot.own.buffer != VK_NULL_HANDLE) retiredBuffers.push_back({slot.own, frame, slot.size});
   slot = {};
 }
 
@@ -300,15 +306,16 @@ Result<void> Runtime::Impl::update(const ResourceTable& resources, VkCommandBuff
   if (slots.size() < resources.end()) slots.resize(resources.end());
   retiredBuffers.reserve(retiredBuffers.size() + slots.size());
   for (uint32_t index = 0; index < resources.end(); ++index) {
-    const BufferDesc* desc = resources.find(static_cast<BufferId>(index));
-    if (desc == nullptr || slots[index].live) continue;
-    const auto external =
-        std::find_if(pendingExternals.begin(), pendingExternals.end(),
-                     [&](const PendingExternal& p) { return indexOf(p.id) == index; });
+    const BufferId id = resources.at(index);
+    const BufferDesc* desc = resources.find(id);
+    if (desc == nullptr || (slots[index].live && slots[index].id == id)) continue;
+    const auto external = std::find_if(pendingExternals.begin(), pendingExternals.end(),
+                                       [&](const PendingExternal& p) { return p.id == id; });
     const ExternalBuffer* given = external != pendingExternals.end() ? &external->buffer : nullptr;
     added.reserve(added.size() + 1);
     Result<BufferSlot> slot = createSlot(*desc, given);
     if (!slot) return undo(slot.error());
+    slot->id = id;
     added.push_back({index, desc, given != nullptr && given->keepContents, *std::move(slot), {}});
     if (desc->initial.empty() || added.back().keepContents) continue;
     Result<ArenaSlice> staging =
@@ -319,16 +326,14 @@ Result<void> Runtime::Impl::update(const ResourceTable& resources, VkCommandBuff
   }
 
   for (uint32_t index = 0; index < slots.size(); ++index) {
-    if (slots[index].live && resources.find(static_cast<BufferId>(index)) == nullptr)
-      retire(slots[index]);
+    if (slots[index].live && resources.find(slots[index].id) == nullptr) retire(slots[index]);
   }
   std::vector<VkBufferMemoryBarrier> barriers;
   barriers.reserve(added.size());
   for (New& item : added) {
     BufferSlot& slot = slots[item.index];
     slot = std::move(item.slot);
-    std::erase_if(pendingExternals,
-                  [&](const PendingExternal& p) { return indexOf(p.id) == item.index; });
+    std::erase_if(pendingExternals, [&](const PendingExternal& p) { return p.id == slot.id; });
     if (item.keepContents) continue;
     if (item.staging.buffer != VK_NULL_HANDLE) {
       const VkBufferCopy copy = {item.staging.offset, slot.offset, slot.size};
@@ -412,7 +417,7 @@ Result<void> Runtime::Impl::checkBinding(const Pass& pass, const PassBinding& bi
   };
   if (slot == nullptr) {
     return invalid(fmt::format("{}: buffer #{} was removed, or update() has not seen it", where(),
-                               indexOf(binding.buffer)));
+                               numberOf(binding.buffer)));
   }
   if (binding.size == 0 || binding.offset > slot->size ||
       binding.size > slot->size - binding.offset) {
@@ -444,7 +449,7 @@ Result<void> Runtime::Impl::checkPass(const PassList& list, const Pass& pass) co
     const BufferSlot* slot = find(id);
     if (slot == nullptr) {
       return invalid(fmt::format("pass {}: {} buffer #{} was removed, or update() has not seen it",
-                                 name, what, indexOf(id)));
+                                 name, what, numberOf(id)));
     }
     if (!contains(slot->usage, usage)) {
       return invalid(fmt::format("pass {}: buffer '{}' was not made as {} buffer (BufferUsage)",
@@ -582,7 +587,7 @@ Result<void> Runtime::Impl::checkBarriers(std::span<const Barrier> barriers,
       return invalid(
           fmt::format("a barrier {} names buffer #{}, which was removed or which "
                       "update() has not seen",
-                      where, indexOf(barrier.buffer)));
+                      where, numberOf(barrier.buffer)));
     }
   }
   return {};
@@ -595,7 +600,7 @@ Result<void> Runtime::Impl::checkUploads(const PassList& list) const {
       return invalid(
           fmt::format("an upload names buffer #{}, which was removed or which update() "
                       "has not seen",
-                      indexOf(upload.buffer)));
+                      numberOf(upload.buffer)));
     }
     if (upload.size == 0 || upload.size % 4 != 0 || upload.offset % 4 != 0 ||
         upload.offset > slot->size || upload.size > slot->size - upload.offset) {
@@ -972,6 +977,14 @@ Result<VkDescriptorSetLayout> Runtime::createLayout(const LayoutTable& table) {
 BufferRange Runtime::buffer(BufferId id) const {
   const BufferSlot* slot = impl_->find(id);
   return slot != nullptr ? BufferRange{slot->buffer, slot->offset, slot->size} : BufferRange{};
+}
+
+uint64_t Runtime::bufferBytes() const {
+  uint64_t bytes = 0;
+  for (const BufferSlot& slot : impl_->slots)
+    if (slot.own.buffer != VK_NULL_HANDLE) bytes += slot.size;
+  for (const RetiredBuffer& retired : impl_->retiredBuffers) bytes += retired.size;
+  return bytes;
 }
 
 void Runtime::forget(VkRenderPass renderPass) { impl_->pipelines.forget(renderPass); }

@@ -1,7 +1,11 @@
-# Fails unless the first ```cpp block of DOCUMENT is the whole of SOURCE.
+# Fails unless a block of DOCUMENT that is fenced as LANGUAGE (default: cpp) is the whole of SOURCE.
+if(NOT LANGUAGE)
+  set(LANGUAGE cpp)
+endif()
 file(READ ${SOURCE} source)
 file(READ ${DOCUMENT} document)
-string(FIND "${document}" "```cpp\n${source}```" found)
+string(FIND "${document}" "```${LANGUAGE}\n${source}```" found)
 if(found EQUAL -1)
-  message(FATAL_ERROR "${DOCUMENT}: the cpp block is not ${SOURCE}; copy the file into it")
+  message(FATAL_ERROR
+    "${DOCUMENT}: no ${LANGUAGE} block is ${SOURCE}; copy the file into it")
 endif()

@@ -35,15 +35,20 @@ AffineTransform turned(float angle, const Float3& shift) {
 
 class SceneSdf : public testing::TestWithParam<Api> {
  protected:
-  SceneSdf() : run_(GetParam()) {}
+  SceneSdf() : run_(sharedSceneRun(GetParam())) {}
   void SetUp() override {
     if (run_.device() == nullptr) GTEST_SKIP() << "no device";
+    messages_ = run_.device()->messageCount();
     run_.add(makeAsset());
   }
+  void TearDown() override {
+    run_.clear();
+    if (run_.device() != nullptr) {
+      EXPECT_EQ(run_.device()->messageCount(), messages_) << "the driver or a layer complained";
+    }
+  }
   SdfCollider& add(const CollisionMesh& mesh, const SdfColliderDef& def) {
-    const Result<ColliderId> added = run_.scene.addCollider(mesh, def);
-    EXPECT_TRUE(added) << added.error().message;
-    id_ = *added;
+    id_ = run_.add(mesh, def);
     return run_.scene.collider(id_);
   }
   SdfData copy() {
@@ -55,8 +60,11 @@ class SceneSdf : public testing::TestWithParam<Api> {
     return *data;
   }
 
-  SceneRun run_;
+  SceneRun& run_;
   ColliderId id_ = ColliderId::kInvalid;
+
+ private:
+  uint32_t messages_ = 0;
 };
 
 TEST_P(SceneSdf, FieldsFollowTheBonesAndWhatMovedAloneIsTheWhole) {
@@ -87,11 +95,10 @@ TEST_P(SceneSdf, FieldsFollowTheBonesAndWhatMovedAloneIsTheWhole) {
     EXPECT_LT(fieldError(data, posed, wrongSigns), 1e-4) << "positions are floats, too";
     EXPECT_EQ(wrongSigns, 0);
     // Another collider makes all of them be built as a whole.
-    const Result<ColliderId> other = run_.scene.addCollider(toMesh(small), {.name = "other"});
-    ASSERT_TRUE(other);
+    const ColliderId other = run_.add(toMesh(small), {.name = "other"});
     run_.step();
     EXPECT_EQ(copy(), data);
-    run_.scene.removeCollider(*other);
+    run_.remove(other);
     run_.step();
   }
   const std::vector<uint32_t> work = run_.read<uint32_t>(collider.buffers().work);
@@ -188,6 +195,8 @@ TEST_P(SceneSdf, AnEnginesVerticesGiveTheSameField) {
                       .vertexOffset = 2});
   run_.step();
   EXPECT_EQ(copy(), expected);
+  run_.clear();
+  run_.scene.resources().remove(vertices);
 }
 
 TEST_P(SceneSdf, AFieldIsTheSameOutOfAFile) {
@@ -201,10 +210,8 @@ TEST_P(SceneSdf, AFieldIsTheSameOutOfAFile) {
   const Result<SdfData> loaded = loadSdf(path);
   std::filesystem::remove(path);
   ASSERT_TRUE(loaded) << loaded.error().message;
-  run_.scene.removeCollider(id_);
-  const Result<ColliderId> again = run_.scene.addCollider(*loaded, {.name = "baked"});
-  ASSERT_TRUE(again);
-  id_ = *again;
+  run_.remove(id_);
+  id_ = run_.add(*loaded, {.name = "baked"});
   run_.step();
   EXPECT_EQ(copy(), built);
   const std::vector<uint32_t> keys = run_.read<uint32_t>(run_.scene.sdfKeys());
@@ -248,7 +255,26 @@ TEST_P(SceneSdf, DrawsAColliderWhereItsFieldIs) {
   const auto counts = run_.device()->read(collider.buffers().isoCounts);
   ASSERT_TRUE(counts);
   expectOk(run_.scene.checkColliderDraw(id_, *counts));
-  run_.scene.removeCollider(id_);
+}
+
+TEST_P(SceneSdf, ASkeletonMovesHairAsBonesOfItsOwnDo) {
+  const Result<SkeletonId> skeleton = run_.scene.addSkeleton({});
+  ASSERT_TRUE(skeleton);
+  for (const SkinningMethod method :
+       {SkinningMethod::kMatrices, SkinningMethod::kDualQuaternions}) {
+    HairObject& own = run_.add(makeAsset(), {.skinning = method});
+    const HairObject& followed = run_.add(makeAsset(), {.skinning = method, .skeleton = *skeleton});
+    for (int frame = 0; frame < 5; ++frame) {
+      const AffineTransform bone =
+          turned(0.1f * static_cast<float>(frame), {0.5f * static_cast<float>(frame), 0.2f, 0});
+      own.setBones({&bone, 1});
+      run_.scene.skeleton(*skeleton).setBones({&bone, 1});
+      run_.step();
+      EXPECT_EQ(run_.positions(own), run_.positions(followed)) << "frame " << frame;
+    }
+    run_.clear();
+  }
+  expectOk(run_.scene.removeSkeleton(*skeleton));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, SceneSdf, testing::ValuesIn(kApis), apiTestName);
@@ -258,12 +284,21 @@ INSTANTIATE_TEST_SUITE_P(All, SceneSdf, testing::ValuesIn(kApis), apiTestName);
 class SceneSdfHair : public testing::TestWithParam<std::tuple<Api, Solver>> {
  protected:
   static constexpr double kRadius = 0.08;
-  SceneSdfHair() : run_(std::get<0>(GetParam())) { settings_.solver = std::get<1>(GetParam()); }
+  SceneSdfHair() : run_(sharedSceneRun(std::get<0>(GetParam()))) {
+    settings_.solver = std::get<1>(GetParam());
+  }
   void SetUp() override {
     if (run_.device() == nullptr) GTEST_SKIP() << "no device";
+    messages_ = run_.device()->messageCount();
     settings_.localStiffness = 0.2f;
     settings_.bendLength = 0.02f;
     settings_.damping = 0.1f;
+  }
+  void TearDown() override {
+    run_.clear();
+    if (run_.device() != nullptr) {
+      EXPECT_EQ(run_.device()->messageCount(), messages_) << "the driver or a layer complained";
+    }
   }
   /// Horizontal strands above a ball at the origin; they fall onto it.
   static HairAsset comb() {
@@ -280,10 +315,9 @@ class SceneSdfHair : public testing::TestWithParam<std::tuple<Api, Solver>> {
     return asset;
   }
   SdfCollider& addBall() {
-    const Result<ColliderId> added = run_.scene.addCollider(
-        toMesh(reference::sphere(static_cast<float>(kRadius), 24, 32)), {.cellSize = 0.008f});
-    EXPECT_TRUE(added) << added.error().message;
-    SdfCollider& ball = run_.scene.collider(*added);
+    const ColliderId id = run_.add(toMesh(reference::sphere(static_cast<float>(kRadius), 24, 32)),
+                                   {.cellSize = 0.008f});
+    SdfCollider& ball = run_.scene.collider(id);
     ball.margin = 0.001f;
     return ball;
   }
@@ -306,8 +340,11 @@ class SceneSdfHair : public testing::TestWithParam<std::tuple<Api, Solver>> {
     return largest;
   }
 
-  SceneRun run_;
+  SceneRun& run_;
   SimulationSettings settings_;
+
+ private:
+  uint32_t messages_ = 0;
 };
 
 TEST_P(SceneSdfHair, LiesOnAMeshWithItsLengths) {  // K6, K29

@@ -168,10 +168,18 @@ TEST_P(StrandTiles, AreHiddenByWhatIsOpaque) {
   HairObject& opaque = tangleRun().run.add(bars, def);
   tangleRun().run.step();
   for (const bool reversedDepth : {false, true}) {
-    const View view = tangleView(kPixels - 5, reversedDepth);
+    View view = tangleView(kPixels - 5, reversedDepth);
     RenderTargetDef target;
     target.width = view.width;
     target.height = view.height;
+    if (reversedDepth) {
+      // The buffer of depths has the viewport's pixels.
+      view.x = 6;
+      view.y = 11;
+      target.area = {6, 11, view.width, view.height};
+      target.width += 9;
+      target.height += 13;
+    }
     target.clearDepth = reversedDepth ? 0.0f : 1.0f;
     target.depthCopy = tangleRun().resources().add(
         {.name = "depth", .size = uint64_t{view.width} * view.height * 4, .stride = 4});

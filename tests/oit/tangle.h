@@ -118,27 +118,27 @@ class TangleRun {
 
   /// Draws with these settings into an empty target.
   RenderedImage render(const View& view, const TransparencySettings& settings,
-                       uint32_t targetWidth = 0, uint32_t targetHeight = 0) {
+                       const RenderTargetDef& target = {}) {
     lists.clear();
-    const RenderedImage none = {view.width, view.height,
-                                std::vector<Float4>(size_t{view.width} * view.height)};
+    const uint32_t width = target.width > 0 ? target.width : view.width;
+    const uint32_t height = target.height > 0 ? target.height : view.height;
+    const RenderedImage none = {width, height, std::vector<Float4>(size_t{width} * height)};
     const Result<void> drawn = run.scene.draw(view, tangleLights(), settings, lists);
     EXPECT_TRUE(drawn) << drawn.error().message;
     if (!drawn) return none;
-    return renderLists(view, targetWidth, targetHeight).value_or(none);
+    return renderLists(view, target).value_or(none);
   }
 
-  std::optional<RenderedImage> renderLists(const View& view, uint32_t targetWidth = 0,
-                                           uint32_t targetHeight = 0) {
+  /// \param target the size of the view where it has none.
+  std::optional<RenderedImage> renderLists(const View& view, RenderTargetDef target = {}) {
     std::vector<const PassList*> pointers;
     for (PassList& list : lists) {
       run.scene.finish(list);
       pointers.push_back(&list);
     }
     expectOk(run.device()->update(run.scene.resources()));
-    RenderTargetDef target;
-    target.width = targetWidth > 0 ? targetWidth : view.width;
-    target.height = targetHeight > 0 ? targetHeight : view.height;
+    if (target.width == 0) target.width = view.width;
+    if (target.height == 0) target.height = view.height;
     target.clearDepth = view.reversedDepth ? 0.0f : 1.0f;
     Result<RenderedImage> image = run.device()->render(pointers, target, nullptr);
     EXPECT_TRUE(image) << image.error().message;
@@ -147,7 +147,7 @@ class TangleRun {
   }
 
   /// The exact composite of what the last render() drew.
-  std::vector<ExactPixel> exact(const View& view, uint32_t capacity = 1 << 19) {
+  std::vector<ExactPixel> exact(const View& view, uint32_t capacity = 1 << 17) {
     FragmentCapture capture(resources(), capacity);
     std::vector<PassList> drawn = std::move(lists);
     lists.assign(1, {});

@@ -376,6 +376,39 @@ TEST_P(DrawLists, CopyTheDepthThatThePixelKernelsSaw) {
   }
 }
 
+TEST_P(DrawLists, DrawIntoAnAreaAndCopyItsDepth) {
+  constexpr PixelArea kArea = {3, 2, 6, 4};
+  const BufferId copy = addWords("depth copy", kPixels);
+  // The left half of the area.
+  std::vector<Float4> corners = Rectangle{0, 0, kWidth / 2, kHeight, 0.25f}.corners();
+  PassList list;
+  addRecord(list, addCorners(corners), kRed);
+  const RenderedImage image = render(list, {.depthCopy = copy, .area = kArea});
+  const std::vector<float> depths = readFloats(copy);
+  for (uint32_t y = 0; y < kHeight; ++y) {
+    for (uint32_t x = 0; x < kWidth; ++x) {
+      const uint32_t u = x - kArea.x, v = y - kArea.y;  // beyond it to the left and above, too
+      const bool inside = u < kArea.width && v < kArea.height;
+      const bool drawn = inside && u < kArea.width / 2;
+      EXPECT_EQ(image.pixels[y * kWidth + x], drawn ? kRed : kClear) << x << " " << y;
+      if (inside) {
+        EXPECT_NEAR(depths[v * kArea.width + u], drawn ? 0.25 : 1, 1.2e-7) << u << " " << v;
+      }
+    }
+  }
+  for (size_t i = size_t{kArea.width} * kArea.height; i < depths.size(); ++i)
+    EXPECT_EQ(depths[i], 0.0f) << i;
+}
+
+TEST_P(DrawLists, RefuseAnAreaThatLeavesTheTarget) {
+  PassList list;
+  for (const PixelArea area : {PixelArea{1, 0, 4, 4}, PixelArea{0, 1, 4, 4},
+                               PixelArea{0xffffffffu, 0, 4, 4}, PixelArea{0, 0, 1, 5}})
+    EXPECT_NE(errorOf(list, {.width = 4, .height = 4, .area = area}).find("area"),
+              std::string::npos);
+  EXPECT_TRUE(device().render(list, {.width = 4, .height = 4, .area = {3, 3, 1, 1}}));
+}
+
 TEST_P(DrawLists, RefuseACopyOfTheDepthThatCannotBe) {
   const BufferId fits = addWords("fits", 16);
   const BufferId small = addWords("small", 15);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstring>
 #include <memory>
 #include <utility>
@@ -35,7 +36,31 @@ class SceneRun {
   HairObject& add(const HairAsset& asset, const HairDef& def = {}) {
     const Result<HairId> added = scene.addHair(asset, def);
     EXPECT_TRUE(added) << added.error().message;
+    hairs_.push_back(*added);
     return scene.hair(*added);
+  }
+  ColliderId add(const CollisionMesh& mesh, const SdfColliderDef& def) {
+    const Result<ColliderId> added = scene.addCollider(mesh, def);
+    EXPECT_TRUE(added) << added.error().message;
+    colliders_.push_back(*added);
+    return *added;
+  }
+  ColliderId add(const SdfData& data, const SdfColliderDef& def) {
+    const Result<ColliderId> added = scene.addCollider(data, def);
+    EXPECT_TRUE(added) << added.error().message;
+    colliders_.push_back(*added);
+    return *added;
+  }
+  void remove(ColliderId id) {
+    scene.removeCollider(id);
+    std::erase(colliders_, id);
+  }
+  /// Removes all that add() has added.
+  void clear() {
+    for (const HairId id : hairs_) scene.removeHair(id);
+    for (const ColliderId id : colliders_) scene.removeCollider(id);
+    hairs_.clear();
+    colliders_.clear();
   }
   void step(float dt = 1.0f / 60) {
     expectOk(scene.simulate(dt, list_));
@@ -77,6 +102,21 @@ class SceneRun {
  private:
   std::unique_ptr<HeadlessDevice> device_;
   PassList list_;
+  std::vector<HairId> hairs_;
+  std::vector<ColliderId> colliders_;
 };
+
+/// One for all tests of a program, because drivers compile kernels for each device: clear() it.
+inline SceneRun& sharedSceneRun(Api api) {
+  static auto all = std::make_unique<std::array<std::unique_ptr<SceneRun>, kApis.size()>>();
+  struct Cleanup : testing::Environment {
+    void TearDown() override { all.reset(); }
+  };
+  [[maybe_unused]] static testing::Environment* const cleanup =
+      testing::AddGlobalTestEnvironment(new Cleanup);
+  std::unique_ptr<SceneRun>& run = (*all)[static_cast<size_t>(api)];
+  if (!run) run = std::make_unique<SceneRun>(api);
+  return *run;
+}
 
 }  // namespace pelage::test

@@ -58,7 +58,7 @@ class LayeredTransparencyTest : public testing::Test {
   std::vector<std::string> buffersOf(std::string_view prefix) const {
     std::vector<std::string> names;
     for (uint32_t i = 0; i < scene_.resources().end(); ++i) {
-      const BufferDesc* desc = scene_.resources().find(BufferId{i});
+      const BufferDesc* desc = scene_.resources().find(scene_.resources().at(i));
       if (desc != nullptr && desc->name.starts_with(prefix)) names.push_back(desc->name);
     }
     return names;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <set>
 
 #include "pelage/pass_list.h"
 
@@ -307,6 +308,40 @@ TEST(HazardTracker, ForgetsARemovedBuffer) {
   addCopy(next, kA, kB);
   tracker.resolve(next);
   EXPECT_TRUE(next.barriers.empty());
+}
+
+TEST(HazardTracker, KnowsNothingOfTheBufferThatHadAPlaceBefore) {
+  ResourceTable table;
+  const BufferId a = table.add({.name = "a", .size = 16});
+  const BufferId b = table.add({.name = "b", .size = 16});
+  HazardTracker tracker;
+  PassList list;
+  addCopy(list, a, b);
+  tracker.resolve(list);
+  table.remove(b);
+  const BufferId c = table.add({.name = "c", .size = 16});
+  ASSERT_EQ(ResourceTable::placeOf(c), ResourceTable::placeOf(b));
+  PassList next;
+  addCopy(next, a, c);
+  tracker.resolve(next);
+  EXPECT_TRUE(next.barriers.empty());
+}
+
+TEST(ResourceTable, UsesPlacesAgain) {
+  ResourceTable table;
+  const BufferId kept = table.add({.name = "kept", .size = 16});
+  std::set<BufferId> ids;
+  // More than a place has ids for.
+  for (int round = 0; round < 10000; ++round) {
+    const BufferId id = table.add({.name = "comes and goes", .size = 16});
+    EXPECT_TRUE(ids.insert(id).second);
+    EXPECT_EQ(table.at(ResourceTable::placeOf(id)), id);
+    table.remove(id);
+    EXPECT_EQ(table.at(ResourceTable::placeOf(id)), BufferId::kInvalid);
+  }
+  EXPECT_LE(table.end(), 5u);
+  EXPECT_NE(table.find(kept), nullptr);
+  EXPECT_EQ(table.find(BufferId::kInvalid), nullptr);
 }
 
 TEST(ResourceTable, NeverReusesAnId) {

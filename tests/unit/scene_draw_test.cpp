@@ -88,6 +88,65 @@ TEST_F(SceneDraw, ListsHaveThePassesOfTheirMethod) {
             "strand_pixel ");
 }
 
+TEST_F(SceneDraw, PointLightsHaveNoShadow) {
+  add();
+  Light light;
+  light.hasPosition = true;
+  light.position = {0, 1, 0};
+  light.shadow = HairShadow::kDeep;
+  EXPECT_EQ(draw(viewFrom(0.5f), {.method = Transparency::kAlphaTest}, light), "strand_pixel ");
+  // Neither do they count as one of those that have.
+  std::vector<Light> lights(kMaxStrandShadows + 1, light);
+  lists_.assign(1, {});
+  EXPECT_TRUE(scene_.draw(viewFrom(0.5f), lights, {}, lists_));
+}
+
+TEST_F(SceneDraw, ShadowsAreCastWithoutDrawsForShadersOfAnEngine) {
+  HairObject& hair = add();
+  EXPECT_EQ(scene_.shadowViews(), BufferId::kInvalid);
+  Light plain, deep, depths, point;
+  deep.shadow = point.shadow = HairShadow::kDeep;
+  depths.shadow = HairShadow::kDepth;
+  point.hasPosition = true;
+  PassList list;
+  const Light lights[] = {plain, deep, point, depths};
+  const Result<uint32_t> cast = scene_.castShadows(lights, list);
+  ASSERT_TRUE(cast) << cast.error().message;
+  EXPECT_EQ(*cast, 2u);
+  std::string names;
+  for (const Pass& pass : list.passes) names += std::string(pass.name) + " ";
+  EXPECT_EQ(names,
+            "clear_strand_shadow splat_strand_depths splat_strand_opacity accumulate_strand_shadow "
+            "clear_strand_shadow splat_strand_depths ");
+  // One after the other, in the order of the lights.
+  ASSERT_EQ(list.uploads.size(), 2u);
+  for (uint32_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(list.uploads[i].buffer, scene_.shadowViews());
+    EXPECT_EQ(list.uploads[i].offset, i * sizeof(StrandShadowView));
+    StrandShadowView map;
+    std::memcpy(&map, list.uploadData.data() + list.uploads[i].dataOffset, sizeof(map));
+    EXPECT_EQ(map.layerCount, i == 0 ? deep.shadowLayers : 0u);
+  }
+
+  // Without hair there are no maps, but still the buffers that shaders have bound.
+  hair.visible = false;
+  Scene empty;
+  for (Scene* scene : {&scene_, &empty}) {
+    list.clear();
+    const Result<uint32_t> none = scene->castShadows(lights, list);
+    ASSERT_TRUE(none);
+    EXPECT_EQ(*none, 0u);
+    EXPECT_TRUE(list.passes.empty());
+    EXPECT_NE(scene->resources().find(scene->shadowWords()), nullptr);
+    EXPECT_NE(scene->resources().find(scene->shadowViews()), nullptr);
+  }
+  hair.visible = true;
+  const std::vector<Light> tooMany(kMaxStrandShadows + 1, deep);
+  EXPECT_FALSE(scene_.castShadows(tooMany, list));
+  plain.color.x = std::numeric_limits<float>::infinity();
+  EXPECT_FALSE(scene_.castShadows({&plain, 1}, list));
+}
+
 TEST_F(SceneDraw, WhatIsOutOfViewOrHiddenCostsNothing) {
   HairObject& hair = add();
   const uint64_t bytes = scene_.resources().totalBytes();

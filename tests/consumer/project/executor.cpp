@@ -10,15 +10,16 @@
 
 void Executor::createBuffers(const pelage::ResourceTable& table) {
   for (uint32_t i = 0; i < table.end(); ++i) {
-    const pelage::BufferDesc* desc = table.find(pelage::BufferId{i});
-    if (desc == nullptr || buffers_.contains(i)) continue;
+    const pelage::BufferId id = table.at(i);
+    const pelage::BufferDesc* desc = table.find(id);
+    if (desc == nullptr || buffers_.contains(static_cast<uint32_t>(id))) continue;
     GLuint name = 0;
     glGenBuffers(1, &name);
     glBindBuffer(GL_SHADER_STORAGE_BUFFER, name);
     const std::vector<std::byte> zeros(desc->initial.empty() ? desc->size : 0);
     glBufferData(GL_SHADER_STORAGE_BUFFER, static_cast<GLsizeiptr>(desc->size),
                  desc->initial.empty() ? zeros.data() : desc->initial.data(), GL_DYNAMIC_DRAW);
-    buffers_[i] = name;
+    buffers_[static_cast<uint32_t>(id)] = name;
   }
 }
 

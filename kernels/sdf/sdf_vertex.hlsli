@@ -1,0 +1,78 @@
+// What becomes of a vertex that meets a signed distance field: collide_vertices says how. The file
+// that includes it defines what sdf_response.hlsli wants, and SDF_FRICTION.
+#ifndef PELAGE_SDF_SDF_VERTEX_HLSLI
+#define PELAGE_SDF_SDF_VERTEX_HLSLI
+
+#include "sdf_response.hlsli"
+
+static const uint kSdfRounds = 4;
+
+struct SdfVertex {
+  float3 now;
+  float3 before;
+  float3 normal;   // of the last contact
+  float3 carried;  // way of its surface from where the vertex was before to now [m]
+  float grip;      // sum over the contacts of friction times the way outwards [m]
+  bool moved;
+};
+
+// \param frameBegin, frameEnd  shares of the frame at which it is where it was before, and now
+void collideWithField(inout SdfVertex vertex, SdfField field, float frameBegin, float frameEnd) {
+  float3 from = vertex.before;
+  float3 to = vertex.now;
+  float begin = frameBegin;
+  float end = frameEnd;
+  precise float3 shift = float3(0.0, 0.0, 0.0);  // to where the surface stands still
+  precise float3 carried = float3(0.0, 0.0, 0.0);
+  precise float3 place = vertex.now;
+  float3 normal = float3(0.0, 0.0, 0.0);
+  precise float grip = vertex.grip;
+  bool touched = false;
+  [loop] for (uint round = 0; round < kSdfRounds; ++round) {
+    SdfContact contact = sdfContact(field, from, to, begin, end, 0.0);
+    if (!contact.found) break;
+    precise float cell = field.origin.w;
+    if (round == 0) {
+      shift = contact.motion * (cell * (1.0 - frameEnd));
+      carried = contact.motion * (cell * (frameEnd - frameBegin));
+      place = place + shift;
+      begin = 1.0;
+      end = 1.0;
+    }
+    touched = true;
+    normal = contact.normal;
+    precise float push = max(contact.penetration, 0.0);
+    precise float3 outward = normal * push;
+    grip = grip + field.friction * (push * cell);
+#if SDF_FRICTION
+    precise float3 start = contact.swept ? contact.stop : contact.from;
+    precise float3 way = contact.to + outward - start;
+    precise float off = dot3(way, normal);
+    precise float3 slip = way - normal * off;
+    precise float size = squareRoot(dot3(slip, slip));
+    precise float most = field.friction * push;
+    precise float share = size > most ? most / size : 1.0;
+    outward = outward - slip * share;
+#endif
+    precise float3 pushed = place + outward * cell;
+    precise float3 stop = field.origin.xyz + contact.stop * cell;
+    bool stays = contact.swept && round + 1u == kSdfRounds;
+    place = stays ? stop : pushed;
+    if (!contact.swept) break;
+    from = stop;
+    to = place;
+  }
+  if (!touched || !isUsable(place)) return;
+  precise float3 now = place - shift;
+  precise float3 velocity = now - vertex.before - carried;
+  precise float rising = dot3(velocity, normal);
+  precise float3 before = vertex.before + normal * rising;
+  vertex.now = now;
+  vertex.before = before;
+  vertex.normal = normal;
+  vertex.carried = carried;
+  vertex.grip = grip;
+  vertex.moved = true;
+}
+
+#endif
