@@ -162,11 +162,16 @@ Result<int> run(const Options& options) {
   Size first;
   parseSize(options.sizes.front(), first);
   std::vector<HairSceneDef> scenes;
+  const float aspect = static_cast<float>(first.width) / static_cast<float>(first.height);
   if (isChosen(options.scenes, "groom")) {
-    auto groom = bench::groomScene(
-        options.guides, static_cast<float>(first.width) / static_cast<float>(first.height));
+    auto groom = bench::groomScene(options.guides, aspect);
     if (!groom) return groom.error();
     scenes.push_back(std::move(*groom));
+  }
+  if (!options.scenes.empty() && isChosen(options.scenes, "character")) {
+    auto character = bench::characterScene(aspect);
+    if (!character) return character.error();
+    scenes.push_back(std::move(*character));
   }
   if (isChosen(options.scenes, "mohawk")) {
     auto mohawk = bench::mohawkScene(options.data);
@@ -194,8 +199,9 @@ int main(int argc, char** argv) {
   app.add_option("--api", options.apis, "vulkan, gl or gles; several run one after the other")
       ->check(CLI::IsMember(std::set<std::string>{"vulkan", "gl", "gles"}));
   app.add_option("--device", options.device, "which device, in the driver's order");
-  app.add_option("--scenes", options.scenes, "mohawk, groom; both when not given")
-      ->check(CLI::IsMember(std::set<std::string>{"mohawk", "groom"}));
+  app.add_option("--scenes", options.scenes,
+                 "mohawk, groom, character; the first two when not given")
+      ->check(CLI::IsMember(std::set<std::string>{"mohawk", "groom", "character"}));
   app.add_option("--views", options.views, "whole, close; both when not given")
       ->check(CLI::IsMember(std::set<std::string>{"whole", "close"}));
   app.add_option("--methods", options.methods, "only these")->check(CLI::IsMember(methods));

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# The main job: installs what is missing, builds, and renders a groom on a turning head.
+# The main job: installs what is missing, builds, and renders a character that walks, shakes its
+# head and jumps.
 # Arguments go to the sample: scripts/demo.sh --api gles --asset hair.tfx
 set -euo pipefail
 cd "$(dirname "$0")/.."

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include "pelage/character.h"
+
 namespace bench {
 
 using pelage::Float3;
@@ -75,6 +77,31 @@ Result<HairSceneDef> groomScene(uint32_t guides, float aspect) {
   def.close = def.whole;
   // The side of the head.
   def.close.target = {def.whole.target.x + 0.03f, def.whole.target.y + 0.05f, def.whole.target.z};
+  def.close.verticalFov *= 0.4f;
+  return def;
+}
+
+Result<HairSceneDef> characterScene(float aspect) {
+  auto character = pelage::generateCharacter();
+  if (!character) return character.error();
+  pelage::CharacterGroom& hair = character->grooms[0];
+  HairSceneDef def;
+  def.name = "character";
+  def.assets.name = def.name;
+  def.assets.hair = std::move(hair.hair);
+  if (Result<void> done = def.assets.hair.process(); !done) return done.error();
+  def.assets.mesh = std::move(character->mesh);
+  def.material = hair.material;
+  def.follow = hair.follow;
+  def.light = keyLight({0.5f, 0.7f, 0.6f});
+  std::vector<Float3> points;
+  for (const pelage::Float4& p : def.assets.hair.positions) points.push_back({p.x, p.y, p.z});
+  sample::CameraDef camera;
+  camera.direction = {0.40f, 0.16f, 1};
+  def.whole = sample::frameAll(points, camera, aspect);
+  def.close = def.whole;
+  // The side of the head.
+  def.close.target = {def.whole.target.x + 0.04f, def.whole.target.y + 0.03f, def.whole.target.z};
   def.close.verticalFov *= 0.4f;
   return def;
 }

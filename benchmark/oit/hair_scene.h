@@ -30,6 +30,8 @@ struct HairSceneDef {
 pelage::Result<std::optional<HairSceneDef>> mohawkScene(const std::filesystem::path& data);
 /// The generated groom with 10 follow hairs a guide.
 pelage::Result<HairSceneDef> groomScene(uint32_t guides, float aspect);
+/// The character with its long hair.
+pelage::Result<HairSceneDef> characterScene(float aspect);
 
 /// The scene on a device, which knows its buffers by the ids of this table.
 class HairScene {

@@ -5,46 +5,16 @@
 
 #include <array>
 #include <cstdint>
-#include <limits>
 
 #include "guard.h"
+#include "implicit_shapes.h"
 #include "pelage/groom.h"
 #include "portable_math.h"
+#include "surface_net.h"
 
 namespace pelage {
 namespace detail {
 namespace {
-
-// Distances and smooth blends after I. Quilez, "Distance functions" and "Smooth minimum" (2013).
-double sphere(const Vector& p, const Vector& center, double radius) {
-  return length(p - center) - radius;
-}
-
-double ellipsoid(const Vector& p, const Vector& center, const Vector& radii) {
-  const Vector q = p - center;
-  const double k0 = length(Vector{q.x / radii.x, q.y / radii.y, q.z / radii.z});
-  const double k1 = length(
-      Vector{q.x / (radii.x * radii.x), q.y / (radii.y * radii.y), q.z / (radii.z * radii.z)});
-  // At the centre both are 0; the nearest point is on the shortest axis.
-  return k1 > 1e-9 ? k0 * (k0 - 1) / k1 : -std::min({radii.x, radii.y, radii.z});
-}
-
-// A capsule whose radius changes from a to b.
-double taperedCapsule(const Vector& p, const Vector& a, const Vector& b, double radiusA,
-                      double radiusB) {
-  const Vector axis = b - a;
-  const double t = saturate(dot(p - a, axis) / dot(axis, axis));
-  return length(p - (a + axis * t)) - (radiusA + (radiusB - radiusA) * t);
-}
-
-double smoothUnion(double a, double b, double width) {
-  const double h = std::max(width - std::abs(a - b), 0.0) / width;
-  return std::min(a, b) - h * h * width / 4;
-}
-
-double smoothCut(double body, double hole, double width) {
-  return -smoothUnion(-body, hole, width);
-}
 
 double ear(const Vector& p) {
   // Leans back and stands off the head a little.
@@ -94,13 +64,8 @@ double surface(const Vector& point, Ears ears) {
   return -smoothUnion(-d, p.y, 0.016);  // cut off at y = 0
 }
 
-// Differences along the four directions of a tetrahedron.
-Vector gradient(const Vector& p, Ears ears) {
-  constexpr double step = 1e-5;
-  Vector sum;
-  for (const Vector& k : {Vector{1, -1, -1}, Vector{-1, -1, 1}, Vector{-1, 1, -1}, Vector{1, 1, 1}})
-    sum += k * surface(p + k * step, ears);
-  return normalizeOr(sum, Vector{0, 1, 0});
+Vector gradient(const Vector& point, Ears ears) {
+  return gradientOf(point, [ears](const Vector& p) { return surface(p, ears); });
 }
 
 }  // namespace
@@ -154,142 +119,13 @@ namespace {
 
 using detail::Vector;
 
-// Naive surface nets (Gibson 1998, "Constrained Elastic Surface Nets"): a vertex in each cell that
-// the surface crosses, a quad around each grid edge that it crosses.
-class SurfaceNet {
+class Head : public detail::Solid {
  public:
-  explicit SurfaceNet(double cellSize) : cell_(cellSize) {
-    const Vector size = kHigh - kLow;
-    for (size_t axis = 0; axis < 3; ++axis) {
-      const double extent = axis == 0 ? size.x : axis == 1 ? size.y : size.z;
-      // The middle plane x = 0 is half-way between nodes, so that both halves are alike.
-      count_[axis] = 2 * static_cast<size_t>(std::ceil(extent / (2 * cell_))) + 2;
-    }
-    origin_ = (kLow + kHigh) * 0.5 -
-              Vector{node(count_[0] - 1), node(count_[1] - 1), node(count_[2] - 1)} * 0.5;
-    sample();
-    resolveAmbiguousFaces();
-    makeVertices();
-    makeTriangles();
-  }
-
-  std::vector<Vector> vertices;
-  std::vector<uint32_t> indices;
-
- private:
-  static constexpr Vector kLow = {-0.130, -0.010, -0.135}, kHigh = {0.130, 0.345, 0.130};
-  static constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
-
-  double node(size_t i) const { return static_cast<double>(i) * cell_; }
-  size_t at(size_t i, size_t j, size_t k) const { return (k * count_[1] + j) * count_[0] + i; }
-  Vector point(size_t i, size_t j, size_t k) const {
-    return origin_ + Vector{node(i), node(j), node(k)};
-  }
-
-  void sample() {
-    values_.resize(count_[0] * count_[1] * count_[2]);
-    for (size_t k = 0; k < count_[2]; ++k)
-      for (size_t j = 0; j < count_[1]; ++j)
-        for (size_t i = 0; i < count_[0]; ++i)
-          values_[at(i, j, k)] = detail::headSurface(point(i, j, k));
-  }
-
-  // Where the signs at a face's corners alternate, four quads would meet in one edge. The outer
-  // corner nearest to the surface goes inside, until there is no such face.
-  void resolveAmbiguousFaces() {
-    const size_t strides[3] = {1, count_[0], count_[0] * count_[1]};
-    bool changed = true;
-    while (changed) {
-      changed = false;
-      for (size_t k = 0; k + 1 < count_[2]; ++k)
-        for (size_t j = 0; j + 1 < count_[1]; ++j)
-          for (size_t i = 0; i + 1 < count_[0]; ++i)
-            for (size_t axis = 0; axis < 3; ++axis)
-              changed |= resolveFace(at(i, j, k), strides[axis], strides[(axis + 1) % 3]);
-    }
-  }
-
-  bool resolveFace(size_t corner, size_t u, size_t v) {
-    const size_t corners[4] = {corner, corner + u, corner + u + v, corner + v};
-    for (size_t c = 0; c < 4; ++c)
-      if ((values_[corners[c]] < 0) == (values_[corners[(c + 1) % 4]] < 0)) return false;
-    // Always from outside to inside, so that this ends.
-    const size_t first = values_[corners[0]] < 0 ? 1 : 0;
-    const bool second = values_[corners[first + 2]] < values_[corners[first]];
-    values_[corners[first + (second ? 2 : 0)]] = -1e-6 * cell_;
-    return true;
-  }
-
-  void makeVertices() {
-    cellVertex_.assign(values_.size(), kNone);
-    for (size_t k = 0; k + 1 < count_[2]; ++k)
-      for (size_t j = 0; j + 1 < count_[1]; ++j)
-        for (size_t i = 0; i + 1 < count_[0]; ++i) makeVertex(i, j, k);
-  }
-
-  void makeVertex(size_t i, size_t j, size_t k) {
-    Vector sum;
-    int crossings = 0;
-    for (size_t a = 0; a < 8; ++a) {
-      for (size_t axis = 0; axis < 3; ++axis) {
-        const size_t b = a | size_t{1} << axis;
-        if (b == a) continue;
-        const double va = values_[at(i + (a & 1), j + (a >> 1 & 1), k + (a >> 2))];
-        const double vb = values_[at(i + (b & 1), j + (b >> 1 & 1), k + (b >> 2))];
-        if ((va < 0) == (vb < 0)) continue;
-        const Vector pa = point(i + (a & 1), j + (a >> 1 & 1), k + (a >> 2));
-        const Vector pb = point(i + (b & 1), j + (b >> 1 & 1), k + (b >> 2));
-        sum += lerp(pa, pb, va / (va - vb));
-        ++crossings;
-      }
-    }
-    if (crossings == 0) return;
-    Vector p = sum * (1.0 / crossings);
-    // The mean lies beside the surface where that is curved; walk to it, but not out of the cell.
-    for (int step = 0; step < 4; ++step) {
-      const double d = detail::headSurface(p);
-      const double limit = 0.2 * cell_;
-      p -= detail::headNormal(p) * std::min(std::max(d, -limit), limit);
-    }
-    cellVertex_[at(i, j, k)] = static_cast<uint32_t>(vertices.size());
-    vertices.push_back(p);
-  }
-
-  void makeTriangles() {
-    for (size_t k = 1; k + 1 < count_[2]; ++k)
-      for (size_t j = 1; j + 1 < count_[1]; ++j)
-        for (size_t i = 1; i + 1 < count_[0]; ++i) {
-          const bool inside = values_[at(i, j, k)] < 0;
-          // The four cells around the edge that leaves this node, in turn about the axis.
-          if (inside != (values_[at(i + 1, j, k)] < 0))
-            makeQuad(at(i, j - 1, k - 1), at(i, j, k - 1), at(i, j, k), at(i, j - 1, k), inside);
-          if (inside != (values_[at(i, j + 1, k)] < 0))
-            makeQuad(at(i - 1, j, k - 1), at(i - 1, j, k), at(i, j, k), at(i, j, k - 1), inside);
-          if (inside != (values_[at(i, j, k + 1)] < 0))
-            makeQuad(at(i - 1, j - 1, k), at(i, j - 1, k), at(i, j, k), at(i - 1, j, k), inside);
-        }
-  }
-
-  void makeQuad(size_t a, size_t b, size_t c, size_t d, bool inside) {
-    uint32_t quad[4] = {cellVertex_[a], cellVertex_[b], cellVertex_[c], cellVertex_[d]};
-    if (!inside) std::swap(quad[1], quad[3]);
-    const double ac = length(vertices[quad[0]] - vertices[quad[2]]);
-    const double bd = length(vertices[quad[1]] - vertices[quad[3]]);
-    const size_t first = ac <= bd ? 0 : 1;  // cut along the shorter diagonal
-    for (const size_t corner : {size_t{0}, size_t{1}, size_t{2}, size_t{0}, size_t{2}, size_t{3}})
-      indices.push_back(quad[(first + corner) % 4]);
-  }
-
-  double cell_;
-  size_t count_[3] = {};
-  Vector origin_;
-  std::vector<double> values_;
-  std::vector<uint32_t> cellVertex_;  // by the cell's lowest node
+  double distance(const Vector& p) const override { return detail::headSurface(p); }
+  Vector normal(const Vector& p) const override { return detail::headNormal(p); }
 };
 
-Float3 toFloat3(const Vector& v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
+constexpr detail::SolidBox kHeadBox = {{-0.130, -0.010, -0.135}, {0.130, 0.345, 0.130}};
 
 }  // namespace
 
@@ -310,13 +146,13 @@ Result<CollisionMesh> generateHead(float cellSize) {
       return Error{
           ErrorCode::kInvalidArgument,
           fmt::format("the head's cell size is {} m; it must be 0.002 to 0.007 m", cellSize)};
-    const SurfaceNet net(cellSize);
+    const detail::SurfaceMesh net = detail::meshSolid(Head(), kHeadBox, cellSize);
     CollisionMesh mesh;
     mesh.bones = {{0, "neck"}, {1, "head"}};
     mesh.indices = net.indices;
     for (const Vector& p : net.vertices) {
-      mesh.positions.push_back(toFloat3(p));
-      mesh.normals.push_back(toFloat3(detail::headNormal(p)));
+      mesh.positions.push_back(detail::toFloat3(p));
+      mesh.normals.push_back(detail::toFloat3(detail::headNormal(p)));
       const auto share = static_cast<float>(detail::headBoneShare(p));
       mesh.influences.push_back({{0, 1, 0, 0}, {1 - share, share, 0, 0}});
     }

@@ -1,4 +1,4 @@
-// pelage-headless: a groom on a moving head, simulated and rendered without a window.
+// pelage-headless: hair on a character that moves, simulated and rendered without a window.
 #include <exception>
 
 #include "messages.h"

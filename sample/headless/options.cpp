@@ -18,6 +18,10 @@ bool isSorted(pelage::Transparency method) {
 
 }  // namespace
 
+bool showsCharacter(const Options& options) {
+  return options.asset.empty() && options.scene == GeneratedScene::kCharacter;
+}
+
 uint32_t samplesOf(const Options& options) {
   return options.samples.value_or(isSorted(options.transparency) ? 1 : 4);
 }
@@ -40,6 +44,8 @@ void checkTogether(const Options& options, const std::vector<float>& wind) {
         "--samples", "is 1 but with --transparency alpha-test and --transparency stochastic");
   if (!options.asset.empty() && options.guides)
     throw CLI::ValidationError("--guides", "is for the generated groom, not for --asset");
+  if (options.repeat != 1 && showsCharacter(options))
+    throw CLI::ValidationError("--repeat", "is for --scene head and --asset");
   for (const uint32_t size : {options.width, options.height})
     if (size * options.supersample > 16384)
       throw CLI::ValidationError("--supersample",
@@ -71,10 +77,11 @@ std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
   bool noImages = false;
 
   CLI::App app(
-      "Simulates a groom on a turning and nodding head and renders it without a window.\n"
-      "Makes a head with hair of its own unless --asset names a file. Writes PNG frames, a "
-      "contact\n"
-      "sheet, and what each kernel cost.",
+      "Simulates hair and renders it without a window: a generated character with long hair, fur "
+      "and a\n"
+      "mohawk, a generated head (--scene head), or a groom from a file (--asset). Writes PNG "
+      "frames, a\n"
+      "contact sheet, and what each kernel cost.",
       kProgram);
   app.set_version_flag("--version", PELAGE_SAMPLE_VERSION);
   app.get_formatter()->column_width(34);
@@ -94,6 +101,23 @@ std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
   app.add_option("--asset", options.asset, "guide hairs")->type_name("FILE.tfx");
   app.add_option("--bones", options.bones, "bone weights of the hairs")->type_name("FILE.tfxbone");
   app.add_option("--mesh", options.mesh, "mesh to draw with the hairs")->type_name("FILE.tfxmesh");
+  const std::map<std::string, GeneratedScene> scenes = {{"character", GeneratedScene::kCharacter},
+                                                        {"head", GeneratedScene::kHead}};
+  auto* sceneOption = app.add_option("--scene", options.scene,
+                                     "what is made without --asset: character, or head, which "
+                                     "--groom implies (character)")
+                          ->transform(oneOf(scenes))
+                          ->type_name("SCENE");
+  const std::map<std::string, pelage::CharacterMotion> motions = {
+      {"bind", pelage::CharacterMotion::kBind}, {"idle", pelage::CharacterMotion::kIdle},
+      {"walk", pelage::CharacterMotion::kWalk}, {"shake", pelage::CharacterMotion::kHeadShake},
+      {"jump", pelage::CharacterMotion::kJump}, {"all", pelage::CharacterMotion::kAll}};
+  auto* motionOption =
+      app.add_option("--motion", options.motion,
+                     "of the character: bind, idle, walk, shake, jump, or all of the last three "
+                     "(all)")
+          ->transform(oneOf(motions))
+          ->type_name("MOTION");
   app.add_option("--seed", options.seed, "of the generated groom and the follow hairs (1)")
       ->type_name("N");
   const std::map<std::string, GroomPreset> presets = {{"parted", GroomPreset::kParted},
@@ -103,12 +127,16 @@ std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
                                                       {"mohawk", GroomPreset::kMohawk}};
   auto* presetOption =
       app.add_option("--groom", options.preset,
-                     "of the generated groom: parted, straight, curly, fur or mohawk (parted)")
+                     "of the generated head: parted, straight, curly, fur or mohawk (parted)")
           ->transform(oneOf(presets))
           ->type_name("KIND");
-  auto* guidesOption = app.add_option("--guides", guides, "guides of the generated groom")
-                           ->check(CLI::Range(1u, 1u << 20).description(""))
-                           ->type_name("N");
+  auto* guidesOption =
+      app.add_option(
+             "--guides", guides,
+             "guides of the generated groom; of the character's long hair, its other grooms "
+             "have more or less in proportion")
+          ->check(CLI::Range(1u, 1u << 20).description(""))
+          ->type_name("N");
   app.add_option("--repeat", options.repeat,
                  "copies of the guides, all at one place, for measurements (1)")
       ->check(CLI::Range(1u, 65536u).description(""))
@@ -179,12 +207,13 @@ std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
       ->check(CLI::Range(1u, 4u).description(""))
       ->type_name("N");
   app.add_flag("--draw-sdf", options.drawSdf,
-               "let the mesh collide by a signed distance field, and draw the field's surface");
+               "draw the surfaces of the signed distance fields that hair collides with");
   app.add_flag("--no-images", noImages, "simulate only");
   app.add_option("--out", options.out, "folder of the pictures (out)")->type_name("DIR");
 
   app.add_option("--write-asset", options.writeAsset,
-                 "write the groom as .tfx, .tfxbone and .tfxmesh into a folder")
+                 "write grooms as .tfx and .tfxbone, colliders as .tfxmesh, and the character as "
+                 "glTF into a folder")
       ->type_name("DIR");
   app.add_option("--csv", options.csv, "append the figures to a file")->type_name("FILE");
   app.add_option("--commit", options.commit, "commit to name in --csv")->type_name("TEXT");
@@ -196,6 +225,13 @@ std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
     if (*followOption) options.follow = follow;
     if (*presetOption && !options.asset.empty())
       throw CLI::ValidationError("--groom", "is for the generated groom, not for --asset");
+    if (*presetOption && *sceneOption && showsCharacter(options))
+      throw CLI::ValidationError("--groom", "is for --scene head");
+    if (*presetOption) options.scene = GeneratedScene::kHead;
+    if (*sceneOption && !options.asset.empty())
+      throw CLI::ValidationError("--scene", "is for what is generated, not for --asset");
+    if (*motionOption && !showsCharacter(options))
+      throw CLI::ValidationError("--motion", "is for --scene character");
     if (*samplesOption) options.samples = samples;
     checkTogether(options, wind);
   } catch (const CLI::CallForHelp& help) {

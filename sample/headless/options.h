@@ -8,12 +8,16 @@
 #include <variant>
 
 #include "groom_presets.h"
+#include "pelage/character.h"
 #include "pelage/hair_object.h"
 #include "pelage/headless.h"
 #include "pelage/transparency.h"
 #include "pelage/view.h"
 
 namespace sample {
+
+/// What is generated, unless --asset names a file.
+enum class GeneratedScene : uint8_t { kCharacter, kHead };
 
 struct Options {
   pelage::Api api = pelage::Api::kVulkan;
@@ -22,9 +26,12 @@ struct Options {
   bool listDevices = false;
 
   std::filesystem::path asset, bones, mesh;
+  GeneratedScene scene = GeneratedScene::kCharacter;
+  pelage::CharacterMotion motion = pelage::CharacterMotion::kAll;  ///< of the character
   uint64_t seed = 1;
   GroomPreset preset = GroomPreset::kParted;  ///< of the generated groom
-  std::optional<uint32_t> guides;  ///< of the generated groom; its default when not given
+  /// Of the generated groom, or of the character's long hair; a default when not given.
+  std::optional<uint32_t> guides;
   uint32_t repeat = 1;
   std::optional<uint32_t> follow;  ///< hairs a guide; a default for each asset when not given
   pelage::SkinningMethod skinning = pelage::SkinningMethod::kMatrices;
@@ -47,6 +54,9 @@ struct Options {
   std::string commit;
   bool quiet = false;
 };
+
+/// Whether the scene is that of the character.
+bool showsCharacter(const Options& options);
 
 /// Samples a pixel of the target.
 uint32_t samplesOf(const Options& options);

@@ -2,9 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <optional>
+#include <string>
+#include <utility>
 
 #include "demo_assets.h"
 #include "demo_scene.h"
@@ -23,7 +27,8 @@ using pelage::Result;
 
 namespace {
 
-constexpr float kHeadCellSize = 0.0025f;  // m; the face is smooth at 640 pixels
+// The face is smooth at 640 pixels.
+constexpr float kHeadCellSize = 0.0025f, kCharacterCellSize = 0.003f;  // m
 
 std::string describe(const DeviceInfo& info) {
   return fmt::format("{} ({}), {} {}", info.name, info.driver, pelage::apiName(info.api),
@@ -131,10 +136,8 @@ class FrameLoop {
     if (!grows || counters == pelage::BufferId::kInvalid) return {};
     const auto words = device_.read(counters);
     if (!words) return words.error();
-    const pelage::HairObject& hair = demo_.hair();
     const auto plan =
-        pelage::planTransparency(view_.width, view_.height, settings_,
-                                 uint64_t{hair.strandCount()} * hair.verticesPerStrand());
+        pelage::planTransparency(view_.width, view_.height, settings_, demo_.vertexCount());
     if (!plan) return plan.error();
     settings_.nodeCount = pelage::growNodes(
         pelage::readTransparencyCounters(*words, plan->nodeCount), plan->nodeCount);
@@ -179,13 +182,68 @@ Result<uint32_t> runFrames(const Options& options, FrameLoop& loop) {
   return frame;
 }
 
-void printGroom(const Options& options, const pelage::HairObject& hair) {
-  fmt::print("groom:  {}, {} guides x {} vertices, {} follow hairs, {} bones\n", hair.name(),
-             hair.guideCount(), hair.verticesPerStrand(), hair.followCount(), hair.boneCount());
+void printGrooms(const Options& options, const DemoScene& demo) {
+  for (const pelage::HairId id : demo.hairs()) {
+    const pelage::HairObject& hair = demo.scene().hair(id);
+    fmt::print("groom:  {}, {} guides x {} vertices, {} follow hairs, {} bones\n", hair.name(),
+               hair.guideCount(), hair.verticesPerStrand(), hair.followCount(), hair.boneCount());
+  }
   if (options.images)
     fmt::print("images: {}, every {} of {} frames, {} x {}, {} samples\n", options.out.string(),
                options.every, options.frames, options.width, options.height,
                samplesOf(options) * options.supersample * options.supersample);
+}
+
+// Of all grooms together; the most vertices that a strand has.
+RunInfo runInfo(const Options& options, const DemoScene& demo, std::string name, uint32_t frames) {
+  RunInfo info = {options.commit, std::move(name), 0, 0, 0, frames};
+  for (const pelage::HairId id : demo.hairs()) {
+    const pelage::HairObject& hair = demo.scene().hair(id);
+    info.guides += hair.guideCount();
+    info.follow += hair.followCount();
+    info.verticesPerStrand = std::max(info.verticesPerStrand, hair.verticesPerStrand());
+  }
+  return info;
+}
+
+DemoDef demoDef(const Options& options) {
+  DemoDef def;
+  def.followPerGuide = options.follow;
+  def.seed = options.seed;
+  def.skinning = options.skinning;
+  def.solver = options.solver;
+  def.subSteps = options.subSteps;
+  def.wind = options.wind;
+  def.drawSdf = options.drawSdf;
+  def.preset = options.preset;
+  def.motion = options.motion;
+  return def;
+}
+
+Result<DemoScene> makeCharacterScene(const Options& options) {
+  pelage::CharacterDef def;
+  def.seed = options.seed;
+  def.cellSize = kCharacterCellSize;
+  if (options.guides) {
+    const double share = static_cast<double>(*options.guides) / def.longHair.strandCount;
+    for (uint32_t* count :
+         {&def.longHair.strandCount, &def.fur.strandCount, &def.mohawk.strandCount})
+      *count = static_cast<uint32_t>(std::clamp(std::round(share * *count), 1.0, 1e6));
+  }
+  const auto character = pelage::generateCharacter(def);
+  if (!character) return character.error();
+  if (!options.writeAsset.empty())
+    if (Result<void> done = writeAssets(*character, options.writeAsset); !done) return done.error();
+  return DemoScene::create(*character, demoDef(options));
+}
+
+Result<DemoScene> makeHeadScene(const Options& options) {
+  auto assets = makeAssets(options);
+  if (!assets) return assets.error();
+  if (!options.writeAsset.empty())
+    if (Result<void> done = writeAssets(*assets, options.writeAsset); !done) return done.error();
+  if (Result<void> done = repeatGuides(*assets, options.repeat); !done) return done.error();
+  return DemoScene::create(*assets, demoDef(options));
 }
 
 Result<void> checkMessages(const Options& options, const HeadlessDevice& device) {
@@ -200,29 +258,14 @@ Result<void> checkMessages(const Options& options, const HeadlessDevice& device)
 Result<void> run(const Options& options) {
   if (options.listDevices) return printDevices(options.api);
 
-  auto assets = makeAssets(options);
-  if (!assets) return assets.error();
-  if (!options.writeAsset.empty())
-    if (Result<void> done = writeAssets(*assets, options.writeAsset); !done) return done;
-  if (Result<void> done = repeatGuides(*assets, options.repeat); !done) return done;
-
-  DemoDef def;
-  def.followPerGuide = options.follow;
-  def.seed = options.seed;
-  def.skinning = options.skinning;
-  def.solver = options.solver;
-  def.subSteps = options.subSteps;
-  def.wind = options.wind;
-  def.drawSdf = options.drawSdf;
-  def.preset = options.preset;
-  auto demo = DemoScene::create(*assets, def);
+  auto demo = showsCharacter(options) ? makeCharacterScene(options) : makeHeadScene(options);
   if (!demo) return demo.error();
 
   const auto device = makeDevice(options);
   if (!device) return device.error();
   if (!options.quiet) {
     fmt::print("device: {}\n", describe((*device)->info()));
-    printGroom(options, demo->hair());
+    printGrooms(options, *demo);
   }
 
   const auto start = std::chrono::steady_clock::now();
@@ -235,10 +278,9 @@ Result<void> run(const Options& options) {
     fmt::print("\n{}\n{} frames in {:.1f} s{}\n", loop.figures().table(), *frames, seconds.count(),
                interrupted() ? ", interrupted" : "");
   if (!options.csv.empty()) {
-    const pelage::HairObject& hair = demo->hair();
-    const RunInfo info = {options.commit,           assets->name,
-                          hair.guideCount(),        hair.followCount(),
-                          hair.verticesPerStrand(), *frames};
+    const std::string name =
+        showsCharacter(options) ? "character" : demo->scene().hair(demo->hairs()[0]).name();
+    const RunInfo info = runInfo(options, *demo, name, *frames);
     if (Result<void> done =
             appendCsv(options.csv.string(), loop.figures(), (*device)->info(), info);
         !done)

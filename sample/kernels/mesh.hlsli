@@ -4,7 +4,7 @@
 
 struct MeshVertex {
   float4 position;  // xyz in bind space [m]; w = share of the scalp's colour, 0..1
-  float4 normal;    // xyz unit vector in bind space; w unused
+  float4 normal;    // xyz unit vector in bind space; w = share of the coat's colour, 0..1
   uint4 bones;      // index g_meshBones, in bones
   float4 weights;   // sum to 1
 };
@@ -22,6 +22,7 @@ cbuffer MeshConstants : register(b0, space0) {
   float4 g_ambientColor;    // linear rgb, from above; half of it comes from below
   float4 g_skinColor;       // linear rgb
   float4 g_scalpColor;      // linear rgb, where the hair grows
+  float4 g_coatColor;       // linear rgb, under fur
   uint g_meshVertexCount;
   uint g_meshBoneCount;
   uint g_meshPad0;
@@ -32,7 +33,7 @@ struct MeshVaryings {
   float4 clip : SV_Position;
   float3 world : TEXCOORD0;
   float3 normal : TEXCOORD1;
-  float scalp : TEXCOORD2;
+  float2 covered : TEXCOORD2;  // shares of the scalp's and the coat's colour
 };
 
 #endif

@@ -30,9 +30,10 @@ float4 mesh_pixel(MeshVaryings input) : SV_Target {
   float fresnel = kReflectance + (1.0 - kReflectance) * grazing * grazing * grazing * grazing * grazing;
   float highlight = kHighlight * pow(max(dot(normal, middle), 1e-4), kHighlightExponent) * diffuse;
 
-  float3 albedo = lerp(g_skinColor.rgb, g_scalpColor.rgb, saturate(input.scalp));
+  float2 covered = saturate(input.covered);
+  float3 albedo = lerp(lerp(g_skinColor.rgb, g_scalpColor.rgb, covered.x), g_coatColor.rgb, covered.y);
   float3 color = albedo * (g_lightColor.rgb * diffuse + ambient) +
-                 (1.0 - saturate(input.scalp)) *
+                 (1.0 - covered.x) * (1.0 - covered.y) *
                      (g_lightColor.rgb * highlight + g_ambientColor.rgb * (0.5 * fresnel));
   return float4(color, 1.0);
 }

@@ -17,7 +17,7 @@ MeshVaryings mesh_vertex(uint index : SV_VertexID) {
   result.clip = float4(2.0, 2.0, 2.0, 1.0);
   result.world = float3(0.0, 0.0, 0.0);
   result.normal = float3(0.0, 1.0, 0.0);
-  result.scalp = 0.0;
+  result.covered = float2(0.0, 0.0);
   if (index >= g_meshVertexCount) return result;
 
   MeshVertex v = g_meshVertices[index];
@@ -36,6 +36,6 @@ MeshVaryings mesh_vertex(uint index : SV_VertexID) {
   result.world = world.xyz;
   result.normal = float3(dot(row0.xyz, v.normal.xyz), dot(row1.xyz, v.normal.xyz),
                          dot(row2.xyz, v.normal.xyz));
-  result.scalp = v.position.w;
+  result.covered = float2(v.position.w, v.normal.w);
   return result;
 }

@@ -6,6 +6,8 @@
 #include <system_error>
 #include <unordered_map>
 
+#include "gltf_file.h"
+
 namespace sample {
 
 using pelage::BoneInfluences;
@@ -65,6 +67,15 @@ class PointGrid {
 float smoothStep(float from, float to, float x) {
   const float t = std::clamp((x - from) / (to - from), 0.0f, 1.0f);
   return t * t * (3 - 2 * t);
+}
+
+Result<void> makeFolder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error)
+    return Error{ErrorCode::kFileNotFound,
+                 folder.string() + ": cannot make the folder: " + error.message()};
+  return {};
 }
 
 }  // namespace
@@ -128,11 +139,7 @@ Result<void> repeatGuides(DemoAssets& assets, uint32_t copies) {
 }
 
 Result<void> writeAssets(const DemoAssets& assets, const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error)
-    return Error{ErrorCode::kFileNotFound,
-                 folder.string() + ": cannot make the folder: " + error.message()};
+  if (Result<void> done = makeFolder(folder); !done) return done;
   const auto path = [&](const char* extension) { return folder / (assets.name + extension); };
   if (Result<void> done = pelage::saveTfx(assets.hair, path(".tfx")); !done) return done;
   if (!assets.weights.strands.empty())
@@ -143,15 +150,33 @@ Result<void> writeAssets(const DemoAssets& assets, const std::filesystem::path& 
   return {};
 }
 
-std::vector<float> scalpShares(const DemoAssets& assets, float reach) {
+Result<void> writeAssets(const pelage::Character& character, const std::filesystem::path& folder) {
+  if (Result<void> done = makeFolder(folder); !done) return done;
+  for (const pelage::CharacterGroom& groom : character.grooms) {
+    if (Result<void> done = pelage::saveTfx(groom.hair, folder / (groom.name + ".tfx")); !done)
+      return done;
+    if (Result<void> done = pelage::saveTfxBone(groom.bones, folder / (groom.name + ".tfxbone"));
+        !done)
+      return done;
+  }
+  for (const pelage::CharacterCollider& collider : character.colliders)
+    if (Result<void> done =
+            pelage::saveTfxMesh(collider.mesh, folder / (collider.name + ".tfxmesh"));
+        !done)
+      return done;
+  return writeGltf(character, folder / "character.gltf");
+}
+
+std::vector<float> coveredShares(const pelage::CollisionMesh& mesh, const HairAsset& hair,
+                                 float reach) {
   PointGrid roots(reach);
-  for (uint32_t strand = 0; strand < assets.hair.strandCount; ++strand) {
-    const Float4& root = assets.hair.positions[size_t{strand} * assets.hair.verticesPerStrand];
+  for (uint32_t strand = 0; strand < hair.strandCount; ++strand) {
+    const Float4& root = hair.positions[size_t{strand} * hair.verticesPerStrand];
     roots.add({root.x, root.y, root.z});
   }
   std::vector<float> shares;
-  shares.reserve(assets.mesh->positions.size());
-  for (const Float3& p : assets.mesh->positions)
+  shares.reserve(mesh.positions.size());
+  for (const Float3& p : mesh.positions)
     shares.push_back(1 - smoothStep(0.4f * reach, reach, roots.nearest(p)));
   return shares;
 }

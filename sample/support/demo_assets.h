@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pelage/bone_weights.h"
+#include "pelage/character.h"
 #include "pelage/collision_mesh.h"
 #include "pelage/groom.h"
 #include "pelage/hair_asset.h"
@@ -52,8 +53,14 @@ pelage::Result<void> repeatGuides(DemoAssets& assets, uint32_t copies);
 /// when it is not there.
 pelage::Result<void> writeAssets(const DemoAssets& assets, const std::filesystem::path& folder);
 
-/// [vertex of the mesh] how much of the scalp's colour it takes: 1 where roots are near, falling to
-/// 0 at `reach` [m] from the nearest root.
-std::vector<float> scalpShares(const DemoAssets& assets, float reach);
+/// The same of a character: NAME.tfx and NAME.tfxbone of each groom, NAME.tfxmesh of each collider,
+/// and character.gltf with character.bin.
+pelage::Result<void> writeAssets(const pelage::Character& character,
+                                 const std::filesystem::path& folder);
+
+/// [vertex of the mesh] how much of the colour under the hair it takes: 1 where roots are near,
+/// falling to 0 at `reach` [m] from the nearest root.
+std::vector<float> coveredShares(const pelage::CollisionMesh& mesh, const pelage::HairAsset& hair,
+                                 float reach);
 
 }  // namespace sample

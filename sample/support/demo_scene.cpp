@@ -5,22 +5,17 @@
 #include <limits>
 
 #include "head_motion.h"
+#include "scene_setup.h"
 
 namespace sample {
 
 using pelage::AffineTransform;
-using pelage::BoneInfluences;
 using pelage::Float3;
 using pelage::Float4;
 using pelage::HairAsset;
 using pelage::Result;
 
 namespace {
-
-constexpr float kScalpReach = 1.8f;           // root spacings that the scalp's colour reaches
-constexpr uint32_t kSweptStrands = 500;       // strands that the camera looks at, at most
-constexpr uint32_t kSweptMeshVertices = 600;  // the same for the mesh
-constexpr double kSweptStep = 0.1;            // s between the poses it looks at
 
 struct Bounds {
   Float3 low = {std::numeric_limits<float>::max(), std::numeric_limits<float>::max(),
@@ -45,43 +40,6 @@ Float3 pivotUnder(const HairAsset& hair) {
   const Bounds b = boundsOf(hair);
   const float below = 0.4f * (b.high.y - b.low.y);
   return {(b.low.x + b.high.x) / 2, b.low.y - below, (b.low.z + b.high.z) / 2};
-}
-
-Float3 blend(const std::vector<AffineTransform>& bones, const BoneInfluences& influences,
-             const Float3& point) {
-  Float3 sum;
-  float weights = 0;
-  for (int i = 0; i < 4; ++i) {
-    const float weight = influences.weights[i];
-    if (!(weight > 0)) continue;
-    const Float3 moved = pelage::transformPoint(bones[influences.bones[i]], point);
-    sum = {sum.x + weight * moved.x, sum.y + weight * moved.y, sum.z + weight * moved.z};
-    weights += weight;
-  }
-  if (!(weights > 0)) return pelage::transformPoint(bones[0], point);
-  return {sum.x / weights, sum.y / weights, sum.z / weights};
-}
-
-void sweepHair(const DemoAssets& assets, const std::vector<AffineTransform>& bones,
-               std::vector<Float3>& points) {
-  const HairAsset& hair = assets.hair;
-  const uint32_t stride = std::max(1u, hair.strandCount / kSweptStrands);
-  for (uint32_t strand = 0; strand < hair.strandCount; strand += stride) {
-    const BoneInfluences influences =
-        assets.weights.strands.empty() ? BoneInfluences{} : assets.weights.strands[strand];
-    for (const uint32_t vertex : {0u, hair.verticesPerStrand / 2, hair.verticesPerStrand - 1}) {
-      const Float4& p = hair.positions[size_t{strand} * hair.verticesPerStrand + vertex];
-      points.push_back(blend(bones, influences, {p.x, p.y, p.z}));
-    }
-  }
-}
-
-void sweepMesh(const DemoAssets& assets, const std::vector<AffineTransform>& bones,
-               std::vector<Float3>& points) {
-  const pelage::CollisionMesh& mesh = *assets.mesh;
-  const size_t stride = std::max<size_t>(1, mesh.positions.size() / kSweptMeshVertices);
-  for (size_t i = 0; i < mesh.positions.size(); i += stride)
-    points.push_back(blend(bones, mesh.influences[i], mesh.positions[i]));
 }
 
 // Capsules inside the generated head, in bind space: along its middle, each end as large as the
@@ -164,69 +122,74 @@ Look fileLook(pelage::Solver solver) {
   return look;
 }
 
-// A warm light from the upper left of a camera in this direction, and a cool sky.
-pelage::Light studioLight(const Float3& camera) {
-  const float length = std::hypot(camera.x, camera.z);
-  const Float3 back =
-      length > 0 ? Float3{camera.x / length, 0, camera.z / length} : Float3{0, 0, 1};
-  constexpr float kLeft = 0.55f, kUp = 0.70f, kBack = 0.62f;
-  pelage::Light light;
-  light.direction = {kBack * back.x - kLeft * back.z, kUp, kBack * back.z + kLeft * back.x};
-  light.color = {1.32f, 1.24f, 1.12f};
-  light.ambient = {0.19f, 0.22f, 0.27f};
-  return light;
-}
-
 }  // namespace
 
 Result<DemoScene> DemoScene::create(const DemoAssets& assets, const DemoDef& def) {
   const bool generated = !assets.skeleton.bones.empty();
   DemoScene demo;
-  demo.skeleton_ = assets.skeleton;
   demo.boneCount_ = assets.boneCount();
-  demo.pivot_ = pivotUnder(assets.hair);
+  if (generated) {
+    demo.pose_ = [skeleton = assets.skeleton](double seconds) {
+      return poseSkeleton(skeleton, headPose(seconds));
+    };
+  } else {
+    demo.pose_ = [count = demo.boneCount_, pivot = pivotUnder(assets.hair)](double seconds) {
+      return std::vector<AffineTransform>(count,
+                                          rotationAbout(poseRotation(headPose(seconds)), pivot));
+    };
+  }
   const Look look = generated ? generatedLook(def.preset, def.solver) : fileLook(def.solver);
   demo.cameraDef_ = look.camera;
   demo.light = studioLight(look.camera.direction);
-
-  pelage::FollowDef followDef;
-  followDef.countPerGuide = def.followPerGuide.value_or(look.followPerGuide);
-  followDef.maxRadius = look.followRadius;
-  followDef.seed = def.seed;
-  auto follow = assets.hair.generateFollowHairs(followDef);
-  if (!follow) return follow.error();
+  demo.drawSdf_ = def.drawSdf;
 
   pelage::HairDef hairDef;
   hairDef.name = assets.name;
   hairDef.material = look.material;
   hairDef.settings = look.settings;
-  hairDef.settings.subSteps = def.subSteps;
-  hairDef.settings.wind.velocity = def.wind;
-  hairDef.skinning = def.skinning;
   hairDef.influences = assets.weights.strands;
-  hairDef.boneCount = demo.boneCount_;
-  hairDef.followHairs = *follow;
-  const auto hair = demo.scene_.addHair(assets.hair, hairDef);
-  if (!hair) return hair.error();
-  demo.hair_ = *hair;
+  Result<void> added = demo.addHair(
+      assets.hair, hairDef,
+      {.countPerGuide = look.followPerGuide, .maxRadius = look.followRadius, .seed = def.seed},
+      def);
+  if (!added) return added.error();
 
   if (generated && !def.drawSdf) demo.capsules_ = headCapsules();
   if (assets.mesh) {
-    Result<void> added = def.drawSdf ? demo.addCollider(assets) : demo.addMesh(assets);
+    added = def.drawSdf ? demo.addCollider(*assets.mesh, {.name = assets.name + "/field"})
+                        : demo.addMesh(assets);
     if (!added) return added.error();
   }
 
   for (int i = 0; i * kSweptStep < kHeadMotionSeconds; ++i) {
-    const std::vector<AffineTransform> bones = demo.pose(i * kSweptStep);
-    sweepHair(assets, bones, demo.sweptPoints_);
-    if (assets.mesh && generated) sweepMesh(assets, bones, demo.sweptPoints_);
+    const std::vector<AffineTransform> bones = demo.pose_(i * kSweptStep);
+    sweepHair(assets.hair, assets.weights.strands, bones, demo.sweptPoints_);
+    if (assets.mesh && generated) sweepMesh(*assets.mesh, bones, demo.sweptPoints_);
   }
   return demo;
 }
 
+Result<void> DemoScene::addHair(const HairAsset& hair, const pelage::HairDef& look,
+                                pelage::FollowDef followDef, const DemoDef& def) {
+  followDef.countPerGuide = def.followPerGuide.value_or(followDef.countPerGuide);
+  auto follow = hair.generateFollowHairs(followDef);
+  if (!follow) return follow.error();
+  pelage::HairDef hairDef = look;
+  hairDef.settings.subSteps = def.subSteps;
+  hairDef.settings.wind.velocity = def.wind;
+  hairDef.skinning = def.skinning;
+  hairDef.boneCount = boneCount_;
+  hairDef.followHairs = *follow;
+  const auto added = scene_.addHair(hair, hairDef);
+  if (!added) return added.error();
+  hairs_.push_back(*added);
+  return {};
+}
+
 Result<void> DemoScene::addMesh(const DemoAssets& assets) {
   std::vector<float> scalp;
-  if (assets.rootSpacing > 0) scalp = scalpShares(assets, kScalpReach * assets.rootSpacing);
+  if (assets.rootSpacing > 0)
+    scalp = coveredShares(*assets.mesh, assets.hair, kScalpReach * assets.rootSpacing);
   MeshDef def;
   def.name = assets.name + "/mesh";
   def.influences = assets.mesh->influences;
@@ -238,34 +201,28 @@ Result<void> DemoScene::addMesh(const DemoAssets& assets) {
   return {};
 }
 
-Result<void> DemoScene::addCollider(const DemoAssets& assets) {
-  pelage::SdfColliderDef def;
-  def.name = assets.name + "/field";
+Result<void> DemoScene::addCollider(const pelage::CollisionMesh& mesh,
+                                    const pelage::SdfColliderDef& from) {
+  pelage::SdfColliderDef def = from;
   def.boneCount = boneCount_;
-  const auto added = scene_.addCollider(*assets.mesh, def);
+  const auto added = scene_.addCollider(mesh, def);
   if (!added) return added.error();
-  collider_ = *added;
+  colliders_.push_back(*added);
   return {};
-}
-
-std::vector<AffineTransform> DemoScene::pose(double seconds) const {
-  const HeadPose head = headPose(seconds);
-  if (!skeleton_.bones.empty()) return poseSkeleton(skeleton_, head);
-  return std::vector<AffineTransform>(boneCount_, rotationAbout(poseRotation(head), pivot_));
 }
 
 Result<void> DemoScene::advance(pelage::PassList& list) {
   ++frame_;
-  const std::vector<AffineTransform> bones = pose(frame_ * kFrameSeconds);
-  scene_.hair(hair_).setBones(bones);
+  const std::vector<AffineTransform> bones = pose_(frame_ * kFrameSeconds);
+  for (const pelage::HairId hair : hairs_) scene_.hair(hair).setBones(bones);
   std::vector<pelage::CapsuleCollider> capsules = capsules_;
   for (size_t i = 0; i < capsules.size(); ++i) {
     const AffineTransform& bone = bones[i == 0 ? 0 : 1];
     capsules[i].head = pelage::transformPoint(bone, capsules[i].head);
     capsules[i].tail = pelage::transformPoint(bone, capsules[i].tail);
   }
-  scene_.hair(hair_).setColliders(capsules);
-  if (collider_ != pelage::ColliderId::kInvalid) scene_.collider(collider_).setBones(bones);
+  scene_.hair(hairs_[0]).setColliders(capsules);
+  for (const pelage::ColliderId collider : colliders_) scene_.collider(collider).setBones(bones);
   if (Result<void> done = scene_.simulate(static_cast<float>(kFrameSeconds), list); !done)
     return done;
   if (mesh_) mesh_->setBones(bones, list);
@@ -273,8 +230,10 @@ Result<void> DemoScene::advance(pelage::PassList& list) {
 }
 
 Result<void> DemoScene::drawMesh(const pelage::View& view, pelage::PassList& list) {
-  if (collider_ != pelage::ColliderId::kInvalid)
-    return scene_.drawCollider(collider_, view, light, {}, list);
+  if (drawSdf_)
+    for (const pelage::ColliderId collider : colliders_)
+      if (Result<void> done = scene_.drawCollider(collider, view, light, {}, list); !done)
+        return done;
   if (mesh_) return mesh_->draw(view, light, list);
   return {};
 }
@@ -298,12 +257,23 @@ pelage::BufferId DemoScene::addDepthBuffer(uint32_t width, uint32_t height) {
 }
 
 Result<void> DemoScene::checkDraw(pelage::HeadlessDevice& device) const {
-  if (collider_ == pelage::ColliderId::kInvalid) return {};
-  const pelage::BufferId counts = scene_.collider(collider_).buffers().isoCounts;
-  if (counts == pelage::BufferId::kInvalid) return {};
-  const auto bytes = device.read(counts);
-  if (!bytes) return bytes.error();
-  return scene_.checkColliderDraw(collider_, *bytes);
+  for (const pelage::ColliderId collider : colliders_) {
+    const pelage::BufferId counts = scene_.collider(collider).buffers().isoCounts;
+    if (counts == pelage::BufferId::kInvalid) continue;
+    const auto bytes = device.read(counts);
+    if (!bytes) return bytes.error();
+    if (Result<void> done = scene_.checkColliderDraw(collider, *bytes); !done) return done;
+  }
+  return {};
+}
+
+uint64_t DemoScene::vertexCount() const {
+  uint64_t count = 0;
+  for (const pelage::HairId id : hairs_) {
+    const pelage::HairObject& hair = scene_.hair(id);
+    count += uint64_t{hair.strandCount()} * hair.verticesPerStrand();
+  }
+  return count;
 }
 
 Camera DemoScene::camera(float aspect) const { return frameAll(sweptPoints_, cameraDef_, aspect); }

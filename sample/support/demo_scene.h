@@ -1,8 +1,9 @@
-// The sample's scene: a groom and its mesh on a head that moves. Samples, golden tests and
-// benchmarks share it.
+// The sample's scenes: a character with three grooms, or one groom and its mesh on a head that
+// moves. Samples, golden tests and benchmarks share them.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "demo_assets.h"
 #include "groom_presets.h"
 #include "mesh_object.h"
+#include "pelage/character.h"
 #include "pelage/headless.h"
 #include "pelage/scene.h"
 
@@ -23,8 +25,9 @@ struct DemoDef {
   uint32_t subSteps = 1;                      ///< of the exact solver
   pelage::Float3 wind;                        ///< [m/s]
   GroomPreset preset = GroomPreset::kParted;  ///< the look of a generated groom
-  /// Hair collides with the mesh by a signed distance field, and draw() shows the field's surface
-  /// in place of the mesh.
+  pelage::CharacterMotion motion = pelage::CharacterMotion::kAll;  ///< of a character
+  /// draw() shows the surface of the signed distance fields that hair collides with in place of the
+  /// mesh. A head's hair collides with a field only then.
   bool drawSdf = false;
 };
 
@@ -32,18 +35,22 @@ class DemoScene {
  public:
   static constexpr double kFrameSeconds = 1.0 / 60;
 
+  /// One groom on a head. Of the definition, `motion` is not used.
   static pelage::Result<DemoScene> create(const DemoAssets& assets, const DemoDef& def);
+  /// A character with its three grooms, which collide with its three colliders. Of the definition,
+  /// `preset` is not used.
+  static pelage::Result<DemoScene> create(const pelage::Character& character, const DemoDef& def);
 
-  /// Writes the passes of the next frame into a list, which is cleared first: the pose of the head
-  /// at the frame's end and one simulation step.
+  /// Writes the passes of the next frame into a list, which is cleared first: the pose at
+  /// the frame's end and one simulation step.
   pelage::Result<void> advance(pelage::PassList& list);
   /// Adds the draws of mesh and hair, without sorting.
   pelage::Result<void> draw(const pelage::View& view, pelage::PassList& list);
   /// Adds them to lists that run one after another. lists[0] keeps what it has.
   pelage::Result<void> draw(const pelage::View& view, const pelage::TransparencySettings& settings,
                             std::vector<pelage::PassList>& lists);
-  /// With DemoDef::drawSdf, after draw() has run: an error when the surface was too large to be
-  /// drawn as a whole.
+  /// With DemoDef::drawSdf, after draw() has run: an error when a surface was too large to be drawn
+  /// as a whole.
   pelage::Result<void> checkDraw(pelage::HeadlessDevice& device) const;
   /// Computes the barriers of a complete list.
   void finish(pelage::PassList& list) { scene_.finish(list); }
@@ -56,8 +63,10 @@ class DemoScene {
   pelage::BufferId transparencyCounters() const { return scene_.transparencyCounters(); }
   pelage::BufferId shadowWords() const { return scene_.shadowWords(); }
   const pelage::ResourceTable& resources() const { return scene_.resources(); }
-  pelage::HairObject& hair() { return scene_.hair(hair_); }
-  const pelage::HairObject& hair() const { return scene_.hair(hair_); }
+  const std::vector<pelage::HairId>& hairs() const { return hairs_; }
+  const pelage::Scene& scene() const { return scene_; }
+  /// Vertices of all strands, follow hairs included.
+  uint64_t vertexCount() const;
   /// Frames advanced so far.
   uint32_t frame() const { return frame_; }
 
@@ -67,19 +76,22 @@ class DemoScene {
   DemoScene() = default;
   pelage::Result<void> drawMesh(const pelage::View& view, pelage::PassList& list);
   pelage::Result<void> addMesh(const DemoAssets& assets);
-  pelage::Result<void> addCollider(const DemoAssets& assets);
-  std::vector<pelage::AffineTransform> pose(double seconds) const;
+  pelage::Result<void> addHair(const pelage::HairAsset& hair, const pelage::HairDef& hairDef,
+                               pelage::FollowDef follow, const DemoDef& def);
+  pelage::Result<void> addCollider(const pelage::CollisionMesh& mesh,
+                                   const pelage::SdfColliderDef& def);
+  pelage::Result<void> addBody(const pelage::Character& character);
 
   pelage::Scene scene_;
-  pelage::HairId hair_ = pelage::HairId::kInvalid;
+  std::vector<pelage::HairId> hairs_;
   std::optional<MeshObject> mesh_;
-  pelage::ColliderId collider_ = pelage::ColliderId::kInvalid;
+  std::vector<pelage::ColliderId> colliders_;
+  bool drawSdf_ = false;
   std::vector<pelage::CapsuleCollider>
       capsules_;  ///< in bind space; the first one on the neck bone
-  pelage::Skeleton skeleton_;
+  std::function<std::vector<pelage::AffineTransform>(double seconds)> pose_;  ///< skinning
   uint32_t boneCount_ = 1;
   CameraDef cameraDef_;
-  pelage::Float3 pivot_;  ///< of a groom without a skeleton [m]
   std::vector<pelage::Float3> sweptPoints_;
   uint32_t frame_ = 0;
 };

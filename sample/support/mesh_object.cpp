@@ -46,6 +46,7 @@ std::vector<MeshVertex> packVertices(const CollisionMesh& mesh, const MeshDef& d
     const Float3& p = mesh.positions[i];
     vertices[i].position = {p.x, p.y, p.z, def.scalp.empty() ? 0 : def.scalp[i]};
     vertices[i].normal = unitVector(mesh.normals[i]);
+    vertices[i].normal.w = def.coat.empty() ? 0 : def.coat[i];
     setBones(vertices[i], def.influences.empty() ? BoneInfluences{} : def.influences[i]);
   }
   return vertices;
@@ -72,6 +73,7 @@ Result<MeshObject> MeshObject::create(pelage::ResourceTable& resources, const Co
   };
   if (mesh.indices.size() < 3) return refuse("has no triangles");
   if (mesh.normals.size() != count || (!def.scalp.empty() && def.scalp.size() != count) ||
+      (!def.coat.empty() && def.coat.size() != count) ||
       (!def.influences.empty() && def.influences.size() != count))
     return refuse("has arrays of different lengths");
 
@@ -108,6 +110,7 @@ Result<void> MeshObject::draw(const pelage::View& view, const pelage::Light& lig
   constants.ambientColor = {light.ambient.x, light.ambient.y, light.ambient.z, 0};
   constants.skinColor = {material.skin.x, material.skin.y, material.skin.z, 1};
   constants.scalpColor = {material.scalp.x, material.scalp.y, material.scalp.z, 1};
+  constants.coatColor = {material.coat.x, material.coat.y, material.coat.z, 1};
   constants.meshVertexCount = vertexCount_;
   constants.meshBoneCount = boneCount_;
 

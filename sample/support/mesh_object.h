@@ -21,12 +21,15 @@ struct MeshDef {
   uint32_t boneCount = 1;
   /// [vertex] share of the scalp's colour, 0..1; empty for none.
   std::span<const float> scalp;
+  /// [vertex] share of the coat's colour, likewise.
+  std::span<const float> coat;
 };
 
 /// Linear RGB, 0..1.
 struct MeshMaterial {
   pelage::Float3 skin = {0.52f, 0.375f, 0.305f};
   pelage::Float3 scalp = {0.060f, 0.034f, 0.024f};
+  pelage::Float3 coat = {0.110f, 0.075f, 0.048f};
 };
 
 class MeshObject {

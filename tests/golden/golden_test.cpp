@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <iostream>
 #include <map>
 #include <string>
@@ -36,7 +37,11 @@ const std::vector<uint32_t> kMohawkFrames = {45};
 // The same groom with sorted transparency and shadows; nothing in it is random.
 const std::vector<uint32_t> kSortedFrames = {45};
 
+// The character while it shakes its head; long hair flies.
+const std::vector<uint32_t> kCharacterFrames = {20};
+
 using Pictures = std::map<uint32_t, ByteImage>;
+using MakeScene = std::function<pelage::Result<sample::DemoScene>()>;
 
 pelage::Result<sample::DemoAssets> groomAssets() {
   pelage::GroomDef def;
@@ -54,9 +59,27 @@ pelage::Result<sample::DemoAssets> mohawkAssets() {
   return sample::loadAssets({ratboy("Ratboy_mohawk.tfx"), ratboy("Ratboy_mohawk.tfxbone"), {}});
 }
 
-pelage::Result<Pictures> render(pelage::HeadlessDevice& device, const sample::DemoAssets& assets,
+pelage::Result<pelage::Character> smallCharacter() {
+  pelage::CharacterDef def;
+  def.cellSize = 0.006f;
+  def.colliderCellSize = 0.012f;
+  def.longHair = {200, 16, 0.34f};
+  def.fur = {700, 6, 0.04f};
+  def.mohawk = {120, 8, 0.095f};
+  return pelage::generateCharacter(def);
+}
+
+pelage::Result<sample::DemoScene> characterScene() {
+  static const auto character = smallCharacter();
+  if (!character) return character.error();
+  sample::DemoDef demo;
+  demo.motion = pelage::CharacterMotion::kHeadShake;
+  return sample::DemoScene::create(*character, demo);
+}
+
+pelage::Result<Pictures> render(pelage::HeadlessDevice& device, const MakeScene& makeScene,
                                 const std::vector<uint32_t>& frames, bool sorted) {
-  auto demo = sample::DemoScene::create(assets, {});
+  auto demo = makeScene();
   if (!demo) return demo.error();
   if (sorted) demo->light.shadow = pelage::HairShadow::kDeep;
   pelage::TransparencySettings settings;
@@ -99,7 +122,7 @@ struct Rendered {
   Pictures pictures;
 };
 
-Rendered renderOn(Api api, const sample::DemoAssets& assets, const std::vector<uint32_t>& frames,
+Rendered renderOn(Api api, const MakeScene& makeScene, const std::vector<uint32_t>& frames,
                   bool sorted = false) {
   Rendered result;
   auto device = sample::createDevice({.api = api, .validation = false, .deviceIndex = -1});
@@ -107,12 +130,18 @@ Rendered renderOn(Api api, const sample::DemoAssets& assets, const std::vector<u
     result.why = device.error().message;
     return result;
   }
-  auto pictures = render(**device, assets, frames, sorted);
+  auto pictures = render(**device, makeScene, frames, sorted);
   EXPECT_TRUE(pictures.ok()) << pictures.error().message;
   if (!pictures) return result;
   result.available = true;
   result.pictures = std::move(*pictures);
   return result;
+}
+
+Rendered renderOn(Api api, const sample::DemoAssets& assets, const std::vector<uint32_t>& frames,
+                  bool sorted = false) {
+  return renderOn(
+      api, [&] { return sample::DemoScene::create(assets, {}); }, frames, sorted);
 }
 
 const Rendered& groomOn(Api api) {
@@ -140,6 +169,13 @@ const Rendered& mohawkOn(Api api) {
   const auto assets = mohawkAssets();
   EXPECT_TRUE(assets.ok()) << assets.error().message;
   return cache[api] = renderOn(api, *assets, kMohawkFrames);
+}
+
+const Rendered& characterOn(Api api) {
+  static std::map<Api, Rendered> cache;
+  const auto found = cache.find(api);
+  if (found != cache.end()) return found->second;
+  return cache[api] = renderOn(api, characterScene, kCharacterFrames, true);
 }
 
 std::filesystem::path goldenPath(const std::string& name) {
@@ -191,6 +227,13 @@ void expectSorted(Api api) {
     compareWithGolden("sorted_" + std::to_string(frame), pelage::apiName(api), picture);
 }
 
+void expectCharacter(Api api) {
+  const Rendered& character = characterOn(api);
+  if (!character.available) GTEST_SKIP() << "skipped: " << character.why;
+  for (const auto& [frame, picture] : character.pictures)
+    compareWithGolden("character_" + std::to_string(frame), pelage::apiName(api), picture);
+}
+
 void expectAgreement(const std::string& name, const Rendered& (*renderedOn)(Api)) {
   for (size_t i = 0; i < std::size(kApis); ++i)
     for (size_t j = i + 1; j < std::size(kApis); ++j) {
@@ -217,6 +260,11 @@ TEST(Golden, TheSortedGroomOnVulkanLooksAsItDid) { expectSorted(Api::kVulkan); }
 TEST(Golden, TheSortedGroomOnGlLooksAsItDid) { expectSorted(Api::kGl); }
 TEST(Golden, TheSortedGroomOnGlesLooksAsItDid) { expectSorted(Api::kGles); }
 TEST(Golden, TheThreeApisAgreeOnTheSortedGroom) { expectAgreement("sorted groom", sortedOn); }
+
+TEST(Golden, TheCharacterOnVulkanLooksAsItDid) { expectCharacter(Api::kVulkan); }
+TEST(Golden, TheCharacterOnGlLooksAsItDid) { expectCharacter(Api::kGl); }
+TEST(Golden, TheCharacterOnGlesLooksAsItDid) { expectCharacter(Api::kGles); }
+TEST(Golden, TheThreeApisAgreeOnTheCharacter) { expectAgreement("character", characterOn); }
 
 TEST(Golden, TheThreeApisAgreeOnTheMohawk) {
   if (!std::filesystem::exists(ratboy("Ratboy_mohawk.tfx")))

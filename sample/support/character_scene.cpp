@@ -1,0 +1,106 @@
+// The scene of the character: three grooms and three colliders.
+#include <algorithm>
+#include <cmath>
+
+#include "demo_scene.h"
+#include "scene_setup.h"
+
+namespace sample {
+
+using pelage::AffineTransform;
+using pelage::Character;
+using pelage::CharacterGroom;
+using pelage::Float3;
+using pelage::Result;
+
+namespace {
+
+constexpr Float3 kCameraDirection = {0.42f, 0.14f, 1};
+constexpr float kFrameBottom = -0.06f;  // m; the picture ends at the chest
+constexpr float kFrameSide = 0.22f;     // m; and beside the shoulders
+constexpr float kFieldCell = 0.010f;    // m
+
+// The classic solver's shape alone does not carry the hair's weight.
+pelage::SimulationSettings settingsFor(const CharacterGroom& groom, pelage::Solver solver) {
+  pelage::SimulationSettings settings = groom.settings;
+  settings.solver = solver;
+  if (solver == pelage::Solver::kClassic) {
+    settings.gravity = {0, -2.5f, 0};
+    settings.globalStiffness = std::max(settings.globalStiffness, 0.04f);
+    settings.globalRange = 1;
+  }
+  return settings;
+}
+
+// [vertex] the larger share.
+std::vector<float> larger(std::vector<float> a, const std::vector<float>& b) {
+  for (size_t i = 0; i < a.size(); ++i) a[i] = std::max(a[i], b[i]);
+  return a;
+}
+
+}  // namespace
+
+Result<DemoScene> DemoScene::create(const Character& character, const DemoDef& def) {
+  DemoScene demo;
+  demo.boneCount_ = static_cast<uint32_t>(character.skeleton.bones.size());
+  demo.pose_ = [skeleton = character.skeleton, motion = def.motion](double seconds) {
+    return pelage::skinningTransforms(skeleton, pelage::poseCharacter(motion, seconds));
+  };
+  demo.cameraDef_.direction = kCameraDirection;
+  demo.cameraDef_.margin = 0.02f;
+  demo.light = studioLight(kCameraDirection);
+  demo.drawSdf_ = def.drawSdf;
+
+  for (const CharacterGroom& groom : character.grooms) {
+    pelage::HairAsset hair = groom.hair;
+    if (Result<void> done = hair.process(); !done) return done.error();
+    pelage::HairDef hairDef;
+    hairDef.name = groom.name;
+    hairDef.material = groom.material;
+    hairDef.settings = settingsFor(groom, def.solver);
+    hairDef.influences = groom.bones.strands;
+    if (Result<void> added = demo.addHair(hair, hairDef, groom.follow, def); !added)
+      return added.error();
+  }
+  for (const pelage::CharacterCollider& collider : character.colliders) {
+    Result<void> added =
+        demo.addCollider(collider.mesh, {.name = collider.name, .cellSize = kFieldCell});
+    if (!added) return added.error();
+  }
+  if (!def.drawSdf)
+    if (Result<void> added = demo.addBody(character); !added) return added.error();
+
+  const double seconds = pelage::characterCycle(def.motion).end;
+  std::vector<Float3> points;
+  for (int i = 0; i * kSweptStep <= seconds; ++i) {
+    const std::vector<AffineTransform> bones = demo.pose_(i * kSweptStep);
+    for (const CharacterGroom& groom : character.grooms)
+      sweepHair(groom.hair, groom.bones.strands, bones, points);
+    sweepMesh(character.mesh, bones, points);
+  }
+  for (const Float3& p : points)
+    if (p.y > kFrameBottom && std::abs(p.x) < kFrameSide) demo.sweptPoints_.push_back(p);
+  return demo;
+}
+
+Result<void> DemoScene::addBody(const Character& character) {
+  const auto covered = [&](const CharacterGroom& groom) {
+    return coveredShares(character.mesh, groom.hair, kScalpReach * groom.rootSpacing);
+  };
+  const std::vector<float> scalp =
+      larger(covered(character.grooms[0]), covered(character.grooms[2]));
+  const std::vector<float> coat = covered(character.grooms[1]);
+  MeshDef def;
+  def.name = "character";
+  def.influences = character.mesh.influences;
+  def.boneCount = boneCount_;
+  def.scalp = scalp;
+  def.coat = coat;
+  auto mesh = MeshObject::create(scene_.resources(), character.mesh, def);
+  if (!mesh) return mesh.error();
+  mesh_ = *mesh;
+  mesh_->material = {character.parts[0].color, character.parts[1].color, character.parts[2].color};
+  return {};
+}
+
+}  // namespace sample

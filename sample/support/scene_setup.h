@@ -1,0 +1,29 @@
+// What the sample's scenes have in common: what the camera is to see, and the light.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "pelage/bone_weights.h"
+#include "pelage/collision_mesh.h"
+#include "pelage/hair_asset.h"
+#include "pelage/types.h"
+#include "pelage/view.h"
+
+namespace sample {
+
+inline constexpr float kScalpReach = 1.8f;  ///< root spacings that the colour under hair reaches
+inline constexpr double kSweptStep = 0.1;   ///< s between the poses that the camera looks at
+
+/// Adds some points of a groom in a pose. \param influences [strand]; empty for bone 0.
+void sweepHair(const pelage::HairAsset& hair, std::span<const pelage::BoneInfluences> influences,
+               const std::vector<pelage::AffineTransform>& bones,
+               std::vector<pelage::Float3>& points);
+/// Adds some vertices of a mesh in a pose.
+void sweepMesh(const pelage::CollisionMesh& mesh, const std::vector<pelage::AffineTransform>& bones,
+               std::vector<pelage::Float3>& points);
+
+/// A warm light from the upper left of a camera in this direction, and a cool sky.
+pelage::Light studioLight(const pelage::Float3& camera);
+
+}  // namespace sample
