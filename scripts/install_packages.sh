@@ -1,14 +1,17 @@
 #!/usr/bin/env bash
-# Installs the Debian packages of scripts/packages.txt that are missing. Needs root only then.
+# Installs the Debian packages of lists that are missing: install_packages.sh [LIST...], without
+# arguments scripts/packages.txt. Needs root only when one is missing.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
+[ $# -gt 0 ] || set -- scripts/packages.txt
+packages=$(cat -- "$@")
 missing=()
 while read -r package; do
   case "$package" in ''|'#'*) continue ;; esac
   dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' ||
     missing+=("$package")
-done < scripts/packages.txt
+done <<< "$packages"
 [ ${#missing[@]} -gt 0 ] || exit 0
 
 if [ "$(id -u)" -ne 0 ]; then

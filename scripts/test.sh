@@ -6,7 +6,7 @@ cd "$(dirname "$0")/.."
 step() { printf '\n=== %s (%d s)\n' "$1" "$SECONDS"; }
 
 step "packages"
-bash scripts/install_packages.sh
+bash scripts/install_packages.sh scripts/packages.txt scripts/packages_tests.txt
 
 step "format"
 git ls-files '*.h' '*.cpp' 2>/dev/null | xargs -r clang-format-14 --dry-run --Werror
