@@ -1,0 +1,411 @@
+// The rows of hair objects and colliders.
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "groups.h"
+
+namespace sample {
+
+using pelage::CapsuleCollider;
+using pelage::ColliderLook;
+using pelage::ColorTexture;
+using pelage::Float3;
+using pelage::FollowDef;
+using pelage::HairDef;
+using pelage::HairObject;
+using pelage::ProcessDef;
+using pelage::SdfCollider;
+using pelage::SdfColliderDef;
+using pelage::StrandFactors;
+
+namespace {
+
+// The root is drawn back, so that the lock slides over the ball.
+Setup sliding(Setup setup, uint32_t frames) {
+  setup.frames = frames;
+  setup.motion = [](double seconds) {
+    const auto t = static_cast<float>(std::max(seconds - 1.5, 0.0));
+    return pelage::rigidTransform({0, 0, 0, 1}, {-0.07f * t, 0.02f * t, 0});
+  };
+  setup.center = {0.04f, -0.05f, 0};
+  setup.extent = 0.3f;
+  return setup;
+}
+
+// The head turns fast.
+Setup swinging() {
+  Setup setup = headSetup();
+  setup.hair.settings = {};
+  setup.hair.settings.vspCoefficient = 0;
+  setup.hair.settings.bendLength = 0.08f;
+  setup.groom.style = pelage::HairStyle::kSweptBack;
+  setup.groom.length = 0.28f;
+  setup.frames = 30;
+  setup.motion = [](double seconds) {
+    const auto half = static_cast<float>(0.9 * seconds * seconds);
+    return pelage::rigidTransform({0, std::sin(half), 0, std::cos(half)}, {});
+  };
+  setup.center = {0, 0.17f, 0};
+  setup.extent = 0.42f;
+  return setup;
+}
+
+Setup drawnField() {
+  Setup setup = headSetup();
+  setup.hasField = setup.drawsField = true;
+  setup.collider.cellSize = 0.006f;
+  setup.collider.band = 5;
+  setup.groom.strandCount = 300;
+  setup.groom.length = 0.06f;
+  setup.groom.headCellSize = 0.004f;
+  return setup;
+}
+
+// Every second guide of a lock is another one.
+template <class Apply>
+Picture factors(Setup base, Apply apply, std::string caption) {
+  base.lock.fan = 0.05f;
+  return show(std::move(base), std::vector{0.0f, 1.0f, 10.0f}, apply, std::move(caption));
+}
+
+std::vector<Parameter> objectRows() {
+  return {
+      {PELAGE_FIELD(HairObject, settings),
+       "",
+       "see SimulationSettings",
+       "How it moves; checked by Scene::simulate().",
+       {}},
+      {PELAGE_FIELD(HairObject, material), "", "see StrandMaterial", "How it looks.", {}},
+      {PELAGE_FIELD(HairObject, simulatedShare), "share of the guides", "0..1",
+       "Exact, with HairDef::levelOfDetail: guides that are simulated; at least one. The others "
+       "take the shape of one near them.",
+       show(
+           swinging(), std::vector{0.004f, 0.05f, 1.0f},
+           [](Setup& s, float v) { s.simulatedShare = v; },
+           "0.5 s into a fast turn: 8, 100 and all 2,000 guides."),
+       "exact"},
+      {PELAGE_FIELD(HairObject, usesMeshColliders), "", "",
+       "Collides with the scene's mesh colliders: with those of setMeshColliders(), or all.",
+       show(
+           fieldSetup(), std::vector{false, true},
+           [](Setup& s, bool v) { s.usesMeshColliders = v; },
+           "The lock falls through the mesh, or lies on it.")},
+      {PELAGE_FIELD(HairObject, visible),
+       "",
+       "",
+       "A hidden object is simulated, but not drawn.",
+       {}},
+      {"HairObject", "drawnStrands", "all", "strands", "0..strandCount()",
+       "Strands drawn, from the first. Follow hairs go first when it falls.",
+       [] {
+         Picture picture = show(
+             headSetup(), std::vector{0.03f, 0.2f, 1.0f},
+             [](Setup& s, float v) { s.drawnStrands = v; },
+             "Fewer strands of the same width: hair gets thin.");
+         picture.values = {"420", "2800", "all (14000)"};
+         return picture;
+       }()},
+      {PELAGE_FIELD(HairObject, drawnShare), "share of drawnStrands", "0..1",
+       "Level of detail: those that are left are wider, so that the hair covers as much. See "
+       "Scene::shareForView().",
+       show(
+           headSetup(), std::vector{0.03f, 0.2f, 1.0f}, [](Setup& s, float v) { s.drawnShare = v; },
+           "The same numbers of strands as above, but wider: from afar nothing changes.")},
+  };
+}
+
+std::vector<Parameter> defRows() {
+  return {
+      {PELAGE_FIELD(HairDef, name), "", "", "Of the object, in errors and names of buffers.", {}},
+      {PELAGE_FIELD(HairDef, settings), "", "see SimulationSettings", "The first settings.", {}},
+      {PELAGE_FIELD(HairDef, material), "", "see StrandMaterial", "The first material.", {}},
+      {PELAGE_FIELD(HairDef, skinning), "", "kMatrices, kDualQuaternions",
+       "How the bones of a root are blended; dual quaternions are for bones without scale.",
+       show(
+           sleeveSetup(),
+           std::vector{pelage::SkinningMethod::kMatrices, pelage::SkinningMethod::kDualQuaternions},
+           [](Setup& s, pelage::SkinningMethod v) { s.hair.skinning = v; },
+           "Fur on a tube whose right half is turned by 170 degrees: blended matrices let it "
+           "collapse in between.")},
+      {PELAGE_FIELD(HairDef, influences),
+       "",
+       "one a guide",
+       "Bones and weights of the roots, from mapBones(); empty binds all to bone 0.",
+       {}},
+      {PELAGE_FIELD(HairDef, boneCount), "", ">= 1", "Transforms that setBones() takes.", {}},
+      {PELAGE_FIELD(HairDef, skeleton),
+       "",
+       "of the scene",
+       "Bones that other objects follow, too, in place of setBones().",
+       {}},
+      {PELAGE_FIELD(HairDef, strandFactors),
+       "",
+       "one a guide; see StrandFactors",
+       "Factors of every guide; empty for 1.",
+       {}},
+      {PELAGE_FIELD(HairDef, levelOfDetail),
+       "",
+       "",
+       "Lets HairObject::simulatedShare be below 1; costs one uint32 a guide.",
+       {},
+       "exact"},
+      {PELAGE_FIELD(HairDef, followHairs),
+       "",
+       "guides that are there; see FollowDef",
+       "Follow strands, from generateFollowHairs().",
+       {}},
+      {PELAGE_FIELD(HairDef, baseTexture),
+       "",
+       "see ColorTexture",
+       "Texture of the base colour at the roots' HairAsset::strandUv.",
+       {}},
+      {PELAGE_FIELD(HairDef, storeFollowHairs),
+       "",
+       "",
+       "True when a field or a pass of yours reads the follow hairs from HairBuffers.",
+       {}},
+      {PELAGE_FIELD(HairDef, collidingHair), "", "kGuides, kGuidesAndFollows",
+       "Which strands collide. Follows cost a pass and 16 bytes a vertex.",
+       show(
+           with(fieldSetup(),
+                [](Setup& s) {
+                  s.lock.guides = 6;
+                  s.follow = {.countPerGuide = 40, .maxRadius = 0.02f};
+                  s.hair.material.fiberRadius = 120e-6f;
+                  s.center = {0.085f, -0.03f, 0};
+                  s.extent = 0.14f;
+                }),
+           std::vector{pelage::CollidingHair::kGuides, pelage::CollidingHair::kGuidesAndFollows},
+           [](Setup& s, pelage::CollidingHair v) { s.hair.collidingHair = v; },
+           "Six guides with wide bundles: follow hairs go through the mesh, or are moved "
+           "out.")},
+  };
+}
+
+std::vector<Parameter> factorRows() {
+  return {
+      {PELAGE_FIELD(StrandFactors, stiffness), "factor", ">= 0", "Against bending and twist.",
+       factors(
+           lockSetup(), [](Setup& s, float v) { s.strandStiffness = v; },
+           "At rest; every second guide has the factor, the others have 1.")},
+      {PELAGE_FIELD(StrandFactors, globalStiffness), "factor", ">= 0",
+       "Of the spring to the bind pose.",
+       factors(
+           with(lockSetup(),
+                [](Setup& s) {
+                  s.hair.settings.globalStiffness = 0.01f;
+                  s.hair.settings.globalRange = 1;
+                }),
+           [](Setup& s, float v) { s.strandGlobalStiffness = v; },
+           "The same with a globalStiffness of 0.01 on the whole strand.")},
+      {PELAGE_FIELD(StrandFactors, damping), "factor", ">= 0", "Of the air drag.",
+       factors(
+           with(lockSetup(), [](Setup& s) { s.frames = 22; }),
+           [](Setup& s, float v) { s.strandDamping = v; },
+           "0.37 s after the lock was let go; every second guide has the factor.")},
+  };
+}
+
+std::vector<Parameter> textureRows() {
+  Picture picture = show(
+      swatchSetup(), std::vector{0u, 2u, 8u}, [](Setup& s, uint32_t v) { s.textureSize = v; },
+      "No texture, and stripes of 2 and 8 texels over the roots: a strand has one colour.");
+  return {
+      {PELAGE_FIELD(ColorTexture, width), "texels", "0..16384", "Of the picture.", picture},
+      {PELAGE_FIELD(ColorTexture, height), "texels", "0..16384", "Of the picture.", {}},
+      {PELAGE_FIELD(ColorTexture, texels),
+       "linear RGBA",
+       "0..1",
+       "Rows from y = 0 on; A scales the opacity. It repeats beyond 0..1.",
+       {}},
+  };
+}
+
+std::vector<Parameter> followRows() {
+  const Setup few = with(lockSetup(), [](Setup& s) {
+    s.lock.guides = 6;
+    s.hair.settings.bendLength = 0.1f;
+    s.follow = {.countPerGuide = 24, .maxRadius = 0.006f};
+    s.extent = 0.2f;
+    s.center = {0.085f, -0.03f, 0};
+  });
+  const auto separation = [](Setup& s, float v) { s.follow.tipSeparation = v; };
+  return {
+      {PELAGE_FIELD(FollowDef, countPerGuide), "hairs a guide", "0..64",
+       "Follow hairs of each guide.",
+       show(
+           few, std::vector{0u, 8u, 40u}, [](Setup& s, uint32_t v) { s.follow.countPerGuide = v; },
+           "Six guides.")},
+      {PELAGE_FIELD(FollowDef, guidesPerHair), "guides", "1..3",
+       "Guides that each hair takes its shape from: its own, and those whose roots are nearest.",
+       show(
+           with(headSetup(),
+                [](Setup& s) {
+                  s.groom.strandCount = 70;
+                  s.groom.length = 0.24f;
+                  s.groom.clumpCount = 0;
+                  s.groom.noise = 0.012f;
+                  s.follow = {.countPerGuide = 64, .maxRadius = 0.02f};
+                }),
+           std::vector{1u, 2u, 3u}, [](Setup& s, uint32_t v) { s.follow.guidesPerHair = v; },
+           "70 guides with 64 wide follow hairs each: bundles dissolve.")},
+      {PELAGE_FIELD(FollowDef, maxRadius), "m", "0..1", "Of the disc around the guide's root.",
+       show(
+           few, std::vector{0.0015f, 0.004f, 0.02f},
+           [](Setup& s, float v) { s.follow.maxRadius = v; },
+           "Six guides with 24 follow hairs each.")},
+      {PELAGE_FIELD(FollowDef, tipSeparation), "factor", "0..100",
+       "Distance from the guide at the tip relative to that at the root; 1 is parallel.",
+       show(few, std::vector{0.0f, 1.0f, 4.0f}, separation,
+            "The same guides: gathered at the tip, parallel, spread.")},
+      {PELAGE_FIELD(FollowDef, seed), "", "", "Another seed places other hairs.", {}},
+  };
+}
+
+std::vector<Parameter> capsuleRows() {
+  return {
+      {PELAGE_FIELD(CapsuleCollider, head), "m", "", "Centre of the one end in world space.", {}},
+      {PELAGE_FIELD(CapsuleCollider, headRadius), "m", ">= 0", "Of the one end.",
+       show(
+           capsuleSetup(), std::vector{0.01f, 0.03f, 0.045f},
+           [](Setup& s, float v) { s.capsules[0].headRadius = s.capsules[0].tailRadius = v; },
+           "At rest on a capsule with two equal radii.")},
+      {PELAGE_FIELD(CapsuleCollider, tail),
+       "m",
+       "",
+       "Centre of the other end; equal to the head for a sphere.",
+       {}},
+      {PELAGE_FIELD(CapsuleCollider, tailRadius), "m", ">= 0", "Of the other end.", {}},
+      {PELAGE_FIELD(CapsuleCollider, friction), "", ">= 0", "Coulomb's coefficient.",
+       show(
+           sliding(capsuleSetup(), 138), std::vector{0.0f, 0.3f, 1.5f},
+           [](Setup& s, float v) { s.capsules[0].friction = v; },
+           "The root is drawn back to the left: friction holds the lock.")},
+  };
+}
+
+std::vector<Parameter> fieldRows() {
+  return {
+      {PELAGE_FIELD(SdfColliderDef, name), "", "", "Of the collider.", {}},
+      {PELAGE_FIELD(SdfColliderDef, cellSize), "m", "> 0; 0 takes a 50th of the longest side",
+       "Distance of the field's nodes. Parts thinner than about a cell let fast hair through.",
+       show(
+           drawnField(), std::vector{0.024f, 0.012f, 0.004f},
+           [](Setup& s, float v) { s.collider.cellSize = v; },
+           "The head as its field has it (Scene::drawCollider()).")},
+      {PELAGE_FIELD(SdfColliderDef, band),
+       "cells",
+       "1..8",
+       "Nodes up to here from the surface have exact distances.",
+       {}},
+      {PELAGE_FIELD(SdfColliderDef, memoryCap),
+       "bytes",
+       "",
+       "Memory of the field at most; an error says which cell size would fit.",
+       {}},
+      {PELAGE_FIELD(SdfColliderDef, motionTolerance),
+       "cells",
+       "0..1",
+       "Vertices that moved less stay where they are in the field.",
+       {}},
+      {PELAGE_FIELD(SdfColliderDef, skinning),
+       "",
+       "kMatrices, kDualQuaternions",
+       "As HairDef::skinning.",
+       {}},
+      {PELAGE_FIELD(SdfColliderDef, boneCount), "", "> 0", "Bones of setBones().", {}},
+      {PELAGE_FIELD(SdfColliderDef, skeleton),
+       "",
+       "of the scene",
+       "Bones that other objects follow, too.",
+       {}},
+      {PELAGE_FIELD(SdfColliderDef, vertices),
+       "",
+       "",
+       "A vertex buffer of the engine's in world space, in place of bones.",
+       {}},
+      {PELAGE_FIELD(SdfColliderDef, vertexStride), "floats", ">= 3", "From vertex to vertex.", {}},
+      {PELAGE_FIELD(SdfColliderDef, vertexOffset), "floats", "", "Before the first x.", {}},
+  };
+}
+
+std::vector<Parameter> colliderRows() {
+  return {
+      {PELAGE_FIELD(SdfCollider, margin), "m", ">= 0, at most about a band",
+       "Hair is kept this far outside.",
+       show(
+           fieldSetup(), std::vector{0.001f, 0.006f, 0.015f},
+           [](Setup& s, float v) { s.margin = v; }, "At rest on a mesh: the gap grows.")},
+      {PELAGE_FIELD(SdfCollider, friction), "", ">= 0", "Coulomb's coefficient.",
+       show(
+           sliding(fieldSetup(), 150), std::vector{0.0f, 0.3f, 1.5f},
+           [](Setup& s, float v) { s.friction = v; },
+           "The root is drawn back to the left: friction holds the lock.")},
+      {PELAGE_FIELD(SdfCollider, enabled),
+       "",
+       "",
+       "A disabled collider is neither built nor applied.",
+       {}},
+  };
+}
+
+std::vector<Parameter> lookRows() {
+  return {
+      {PELAGE_FIELD(ColliderLook, isoLevel), "cells", "-band..band",
+       "Distance of what is drawn from the surface.",
+       show(
+           drawnField(), std::vector{-4.0f, 0.0f, 4.0f},
+           [](Setup& s, float v) { s.colliderLook.isoLevel = v; },
+           "Inside, on, and outside of the head, with cells of 6 mm and a band of 5; the hair "
+           "stays where it is.")},
+      {PELAGE_FIELD(ColliderLook, color), "linear RGB", "0..1", "Of the drawn surface.",
+       show(
+           drawnField(),
+           std::vector<Float3>{{0.10f, 0.20f, 0.32f}, {0.35f, 0.08f, 0.05f}, {0.5f, 0.5f, 0.5f}},
+           [](Setup& s, const Float3& v) { s.colliderLook.color = v; }, "Three colours.")},
+      {PELAGE_FIELD(ColliderLook, opacity), "", "0..1", "Below 1 hair behind it is seen.",
+       show(
+           with(drawnField(), [](Setup& s) { s.colliderLook.isoLevel = 4; }),
+           std::vector{0.2f, 0.6f, 1.0f}, [](Setup& s, float v) { s.colliderLook.opacity = v; },
+           "A surface 4 cells outside of the head, with hair behind it; what is seen from inside "
+           "is "
+           "drawn in red.")},
+  };
+}
+
+}  // namespace
+
+std::vector<ParameterGroup> hairGroups() {
+  const std::string object = "pelage/hair_object.h", asset = "pelage/hair_asset.h";
+  return {
+      {"HairObject", object, "Scene::hair(); may change at any time. [scene.md](scene.md)",
+       objectRows()},
+      {"HairDef", object, "What Scene::addHair() takes; cannot change later.", defRows()},
+      {"StrandFactors", object, "HairDef::strandFactors", factorRows()},
+      {"ColorTexture", object, "HairDef::baseTexture", textureRows()},
+      {"FollowDef", asset, "HairAsset::generateFollowHairs()", followRows()},
+      {"ProcessDef",
+       asset,
+       "HairAsset::process()",
+       {{PELAGE_FIELD(ProcessDef, tipThickness),
+         "share",
+         "0..1",
+         "Thickness of the tip relative to the root in HairAsset::vertexThickness, for renderers "
+         "of your own; the scene's draws have StrandMaterial::tipRadiusRatio.",
+         {}}}},
+  };
+}
+
+std::vector<ParameterGroup> colliderGroups() {
+  const std::string sdf = "pelage/sdf_collider.h";
+  return {
+      {"CapsuleCollider", "pelage/collider.h",
+       "HairObject::setColliders(). [colliders.md](colliders.md)", capsuleRows()},
+      {"SdfColliderDef", sdf, "What Scene::addCollider() takes; cannot change later.", fieldRows()},
+      {"SdfCollider", sdf, "Scene::collider(); may change at any time.", colliderRows()},
+      {"ColliderLook", sdf, "Scene::drawCollider(), for debugging.", lookRows()},
+  };
+}
+
+}  // namespace sample

@@ -1,0 +1,381 @@
+// The rows of the simulation's settings.
+#include <cmath>
+#include <numbers>
+
+#include "groups.h"
+
+namespace sample {
+
+using pelage::AffineTransform;
+using pelage::Float3;
+using pelage::ParameterCurve;
+using pelage::SimulationSettings;
+using pelage::Solver;
+
+namespace {
+
+// Sets a field of the simulation's settings.
+template <class T>
+auto setting(T SimulationSettings::*field) {
+  return [field](Setup& setup, const T& value) { setup.hair.settings.*field = value; };
+}
+
+SimulationSettings& settings(Setup& setup) { return setup.hair.settings; }
+
+// The lock some time after it was let go.
+Setup falling(uint32_t frames) {
+  Setup setup = lockSetup();
+  setup.frames = frames;
+  return setup;
+}
+
+Setup classic(Setup setup) {
+  settings(setup).solver = Solver::kClassic;
+  return setup;
+}
+
+// A lock that hangs.
+Setup hanging() {
+  Setup setup = lockSetup();
+  setup.lock.direction = {0, -1, 0};
+  setup.center = {0, -0.09f, 0};
+  setup.frames = 200;
+  return setup;
+}
+
+Setup curly() {
+  Setup setup = hanging();
+  setup.lock.curlRadius = 0.012f;
+  setup.lock.vertices = 48;
+  setup.lock.length = 0.2f;
+  setup.lock.fan = 0.05f;
+  setup.center = {0, -0.11f, 0};
+  setup.extent = 0.29f;
+  return setup;
+}
+
+// The ball is pulled to the right, faster and faster: m/s2.
+Setup pulled(float acceleration) {
+  constexpr float kTravel = 0.13f;  // m
+  Setup setup = hanging();
+  const double frames = std::sqrt(2.0 * kTravel / acceleration) * 60;
+  setup.frames = static_cast<uint32_t>(frames);
+  setup.motion = [acceleration](double seconds) {
+    const auto t = static_cast<float>(seconds);
+    return pelage::rigidTransform({0, 0, 0, 1}, {0.5f * acceleration * t * t, 0, 0});
+  };
+  setup.center = {0.07f, -0.08f, 0};
+  setup.extent = 0.3f;
+  return setup;
+}
+
+Setup windy(float speed) {
+  Setup setup = hanging();
+  settings(setup).wind = {.velocity = {speed, 0, 0}, .gustStrength = 0};
+  setup.frames = 190;
+  setup.lock.fan = 0.2f;
+  setup.center = {0.06f, -0.07f, 0};
+  return setup;
+}
+
+// Hair that stands up in all directions and falls together.
+Setup bushy() {
+  Setup setup = hanging();
+  setup.lock.fan = 0.75f;
+  setup.lock.guides = 120;
+  setup.follow.countPerGuide = 4;
+  setup.center = {0, -0.08f, 0};
+  settings(setup).bendLength = 0.02f;
+  return setup;
+}
+
+ParameterCurve ramp(float root, float tip) {
+  ParameterCurve curve;
+  for (size_t i = 0; i < curve.size(); ++i)
+    curve[i] = root + (tip - root) * static_cast<float>(i) / static_cast<float>(curve.size() - 1);
+  return curve;
+}
+
+std::vector<Parameter> mainRows() {
+  const auto damped = [](Setup& s) { settings(s).damping = 0; };
+  return {
+      {PELAGE_FIELD(SimulationSettings, solver), "", "kExact, kClassic",
+       "An inextensible elastic rod, or the cheaper position-based solver. A change puts the hair "
+       "back into its bind shape.",
+       show(lockSetup(), std::vector{Solver::kExact, Solver::kClassic},
+            setting(&SimulationSettings::solver),
+            "The same lock at rest: the rod is bent by its weight; the classic solver's local "
+            "shape alone does not carry it.")},
+      {PELAGE_FIELD(SimulationSettings, gravity), "m/s²", "", "Acceleration in world space.",
+       show(lockSetup(), std::vector<Float3>{{0, -1, 0}, {0, -9.81f, 0}, {0, 4, 0}},
+            setting(&SimulationSettings::gravity), "At rest: weak, as on earth, and upwards.")},
+      {PELAGE_FIELD(SimulationSettings, damping), "share a 1/60 s", "0..1",
+       "Share of the velocity that is lost in 1/60 s.",
+       show(falling(22), std::vector{0.0f, 0.06f, 0.5f}, setting(&SimulationSettings::damping),
+            "0.37 s after the lock was let go: the more damping, the later it comes down.")},
+      {PELAGE_FIELD(SimulationSettings, bendLength), "m", "0..10",
+       "Length at which a strand that is held at one end starts to hang. Bending stiffness over "
+       "mass a length is 9.81 bendLength³.",
+       show(lockSetup(), std::vector{0.01f, 0.05f, 0.12f}, setting(&SimulationSettings::bendLength),
+            "At rest: soft, like human hair, and stiff."),
+       "exact"},
+      {PELAGE_FIELD(SimulationSettings, twistRatio), "", "0..10",
+       "Stiffness against twist over that against bending.",
+       show(with(curly(), [](Setup& s) { settings(s).bendLength = 0.03f; }),
+            std::vector{0.0f, 0.75f, 10.0f}, setting(&SimulationSettings::twistRatio),
+            "Curls at rest: a strand that twists easily is pulled straight by its weight."),
+       "exact"},
+      {PELAGE_FIELD(SimulationSettings, relaxationTime), "s", "0..1",
+       "Inner damping of bending and twist; 0 leaves it out of the kernel.",
+       show(with(falling(34), damped), std::vector{0.0f, 0.05f, 0.5f},
+            setting(&SimulationSettings::relaxationTime),
+            "0.57 s after the lock was let go, without other damping: inner damping slows the "
+            "bending and keeps the lock in one curve."),
+       "exact"},
+      {PELAGE_FIELD(SimulationSettings, subSteps), "", "1..32",
+       "Steps that each step of at most 1/60 s is cut into; the error falls with its square.",
+       show(with(falling(40), damped), std::vector{1u, 4u, 16u},
+            setting(&SimulationSettings::subSteps),
+            "0.67 s after the lock was let go, undamped: one step damps the swing by itself, and "
+            "more keep its speed."),
+       "exact"},
+      {PELAGE_FIELD(SimulationSettings, localStiffness), "", "0..1",
+       "How strongly each segment keeps its bind angle to the one before; 0 leaves it out.",
+       show(classic(curly()), std::vector{0.0f, 0.9f, 1.0f},
+            setting(&SimulationSettings::localStiffness),
+            "Curls at rest: without local shape they hang straight."),
+       "classic"},
+      {PELAGE_FIELD(SimulationSettings, localIterations), "", "1..16",
+       "Sweeps of the local shape; more make the strand stiffer.",
+       show(classic(curly()), std::vector{1u, 2u, 12u},
+            setting(&SimulationSettings::localIterations),
+            "Curls at rest: more sweeps keep more of them."),
+       "classic"},
+      {PELAGE_FIELD(SimulationSettings, globalStiffness), "share a 1/60 s", "0..1",
+       "Share of the way back to the bind pose that a vertex goes in 1/60 s; 0 leaves it out.",
+       show(with(lockSetup(), [](Setup& s) { settings(s).globalRange = 1; }),
+            std::vector{0.0f, 0.01f, 0.1f}, setting(&SimulationSettings::globalStiffness),
+            "At rest, with a globalRange of 1: the bind pose stands out to the right.")},
+      {PELAGE_FIELD(SimulationSettings, globalRange), "share of the strand", "0..1",
+       "From the root, where global stiffness acts.",
+       show(with(lockSetup(), [](Setup& s) { settings(s).globalStiffness = 0.2f; }),
+            std::vector{0.3f, 0.6f, 1.0f}, setting(&SimulationSettings::globalRange),
+            "At rest, with a globalStiffness of 0.2: further out only the bending stiffness is "
+            "left.")},
+      {PELAGE_FIELD(SimulationSettings, vspCoefficient), "share", "0..1",
+       "Velocity shock propagation: share of the root's rigid motion that the whole strand takes "
+       "part in.",
+       show(pulled(12), std::vector{0.0f, 0.75f, 1.0f},
+            setting(&SimulationSettings::vspCoefficient),
+            "The ball is pulled to the right at 12 m/s²: hair stays behind, or goes along.")},
+      {PELAGE_FIELD(SimulationSettings, vspThreshold), "m/s²", "> 0",
+       "Acceleration of the root at which the strand starts to take part in all of its motion; at "
+       "twice the value it does.",
+       show(with(pulled(12), [](Setup& s) { settings(s).vspCoefficient = 0; }),
+            std::vector{5.0f, 9.0f, 200.0f}, setting(&SimulationSettings::vspThreshold),
+            "The same pull at 12 m/s² with a coefficient of 0: more than twice the threshold, "
+            "between, and below it.")},
+      {PELAGE_FIELD(SimulationSettings, wind), "", "see WindSettings", "A wind with gusts.", {}},
+      {PELAGE_FIELD(SimulationSettings, airDrag), "1/s", ">= 0",
+       "How fast the air takes a segment along, across the segment.",
+       show(classic(windy(3)), std::vector{0.2f, 2.0f, 10.0f},
+            setting(&SimulationSettings::airDrag), "In a wind of 3 m/s from the left."),
+       "classic"},
+      {PELAGE_FIELD(SimulationSettings, lengthIterations), "", "1..16",
+       "Newton steps of the length solve. Lengths are exact in any case; more follow the true "
+       "motion better.",
+       show(with(classic(pulled(60)),
+                 [](Setup& s) {
+                   settings(s).vspCoefficient = 0;
+                   settings(s).localStiffness = 0;
+                 }),
+            std::vector{1u, 4u, 16u}, setting(&SimulationSettings::lengthIterations),
+            "The ball is pulled to the right at 60 m/s²."),
+       "classic"},
+      {PELAGE_FIELD(SimulationSettings, maxSpeed), "m/s", "> 0",
+       "Speed limit of a vertex relative to its root.",
+       show(classic(falling(20)), std::vector{0.2f, 0.6f, 50.0f},
+            setting(&SimulationSettings::maxSpeed), "0.33 s after the lock was let go."),
+       "classic"},
+      {PELAGE_FIELD(SimulationSettings, curves),
+       "",
+       "see ParameterCurves",
+       "Factors along the strands.",
+       {}},
+      {PELAGE_FIELD(SimulationSettings, sleep),
+       "",
+       "see SleepSettings",
+       "When hair that does not move is left out of the simulation.",
+       {},
+       "exact"},
+      {PELAGE_FIELD(SimulationSettings, contact),
+       "",
+       "see HairContactSettings",
+       "How hair touches hair.",
+       {},
+       "exact"},
+      {PELAGE_FIELD(SimulationSettings, tipSeparation), "factor", ">= 0",
+       "On the offset of follow strands at their tip: 1 keeps them parallel to their guide.",
+       show(with(lockSetup(),
+                 [](Setup& s) {
+                   s.lock.guides = 5;
+                   s.follow = {.countPerGuide = 40, .maxRadius = 0.008f};
+                   settings(s).bendLength = 0.1f;
+                   s.extent = 0.2f;
+                   s.center = {0.085f, -0.03f, 0};
+                 }),
+            std::vector{0.0f, 1.0f, 3.0f}, setting(&SimulationSettings::tipSeparation),
+            "Five guides with 40 follow hairs each: gathered, parallel, spread.")},
+  };
+}
+
+std::vector<Parameter> windRows() {
+  return {
+      {PELAGE_FIELD(WindSettings, velocity), "m/s", "",
+       "Mean velocity of the air in world space; 0 leaves the wind out of the kernel.",
+       show(
+           windy(0), std::vector<Float3>{{0, 0, 0}, {1.5f, 0, 0}, {5, 0, 0}},
+           [](Setup& s, const Float3& v) { settings(s).wind.velocity = v; },
+           "A steady wind from the left.")},
+      {PELAGE_FIELD(WindSettings, gustStrength), "share", "0..1",
+       "The speed varies by this share around the mean.",
+       show(
+           windy(2.5f), std::vector{0.0f, 0.5f, 1.0f},
+           [](Setup& s, float v) { settings(s).wind.gustStrength = v; },
+           "The same moment of a wind of 2.5 m/s: steady, and in gusts.")},
+      {PELAGE_FIELD(WindSettings, gustPeriod),
+       "s",
+       "> 0 (1e-3 or more)",
+       "Mean time from one gust to the next.",
+       {}},
+      {PELAGE_FIELD(WindSettings, strandVariation), "share", "0..1",
+       "How much every strand has gusts of its own; at 0 all feel the same ones.",
+       show(
+           with(windy(2.5f), [](Setup& s) { settings(s).wind.gustStrength = 1; }),
+           std::vector{0.0f, 0.5f, 1.0f},
+           [](Setup& s, float v) { settings(s).wind.strandVariation = v; },
+           "The same moment of gusts: together, and each strand in its own.")},
+  };
+}
+
+std::vector<Parameter> curveRows() {
+  const std::vector<ParameterCurve> curves = {ramp(4, 0), ramp(1, 1), ramp(0, 4)};
+  return {
+      {PELAGE_FIELD(ParameterCurves, stiffness), "factor", ">= 0",
+       "Against bending and twist, and of the local shape.",
+       show(
+           lockSetup(), curves,
+           [](Setup& s, const ParameterCurve& v) { settings(s).curves.stiffness = v; },
+           "At rest: stiff at the root and soft at the tip, even, and the other way round.")},
+      {PELAGE_FIELD(ParameterCurves, globalStiffness), "factor", ">= 0",
+       "Of the spring to the bind pose.",
+       show(
+           with(lockSetup(),
+                [](Setup& s) {
+                  settings(s).globalStiffness = 0.03f;
+                  settings(s).globalRange = 1;
+                  settings(s).bendLength = 0.02f;
+                }),
+           curves,
+           [](Setup& s, const ParameterCurve& v) { settings(s).curves.globalStiffness = v; },
+           "At rest, with a globalStiffness of 0.03 on the whole strand.")},
+      {PELAGE_FIELD(ParameterCurves, damping), "factor", ">= 0", "Of the air drag.",
+       show(
+           with(falling(26),
+                [](Setup& s) {
+                  settings(s).damping = 0.2f;
+                  settings(s).bendLength = 0.02f;
+                }),
+           curves, [](Setup& s, const ParameterCurve& v) { settings(s).curves.damping = v; },
+           "0.43 s after the lock was let go: where the drag is, hair stays behind.")},
+  };
+}
+
+std::vector<Parameter> sleepRows() {
+  return {
+      {PELAGE_FIELD(SleepSettings, enabled), "", "", "Whether hair may sleep.", {}, "exact"},
+      {PELAGE_FIELD(SleepSettings, speed), "m/s", ">= 0",
+       "A strand rests while all of it is slower than this.",
+       show(
+           with(falling(150),
+                [](Setup& s) {
+                  settings(s).damping = 0.4f;
+                  settings(s).sleep.time = 0.1f;
+                }),
+           std::vector{5e-4f, 0.25f, 1.0f}, [](Setup& s, float v) { settings(s).sleep.speed = v; },
+           "2.5 s after the lock was let go, with a time of 0.1 s: too high a speed makes it fall "
+           "asleep on its way."),
+       "exact"},
+      {PELAGE_FIELD(SleepSettings, time), "s", ">= 0",
+       "Strands fall asleep when they and their neighbours have rested this long.",
+       show(
+           with(falling(150),
+                [](Setup& s) {
+                  settings(s).damping = 0.4f;
+                  settings(s).sleep.speed = 1;
+                }),
+           std::vector{0.1f, 0.25f, 0.5f}, [](Setup& s, float v) { settings(s).sleep.time = v; },
+           "The same with a speed of 1 m/s, much too high: the longer hair waits, the further it "
+           "gets."),
+       "exact"},
+      {PELAGE_FIELD(SleepSettings, wakeDistance),
+       "m",
+       ">= 0",
+       "Hair wakes when its root's motion would take the tip this far.",
+       {},
+       "exact"},
+  };
+}
+
+std::vector<Parameter> contactRows() {
+  return {
+      {PELAGE_FIELD(HairContactSettings, stiffness), "", "0..1",
+       "How strongly hair spreads where it is denser than in the bind pose; 0 for not at all.",
+       show(
+           bushy(), std::vector{0.0f, 0.002f, 1.0f},
+           [](Setup& s, float v) { settings(s).contact.stiffness = v; },
+           "Hair that is a wide brush in its bind pose, at rest: contact keeps its volume."),
+       "exact"},
+      {PELAGE_FIELD(HairContactSettings, friction), "share a 1/60 s", "0..1",
+       "Share of its velocity relative to the hair around it that hair loses in 1/60 s.",
+       show(
+           with(bushy(),
+                [](Setup& s) {
+                  settings(s).damping = 0.01f;
+                  s.lock.variation = 0.6f;
+                  s.frames = 48;
+                }),
+           std::vector{0.0f, 0.1f, 0.8f},
+           [](Setup& s, float v) { settings(s).contact.friction = v; },
+           "0.8 s after hair of different lengths was let go: with friction it moves as one."),
+       "exact"},
+      {PELAGE_FIELD(HairContactSettings, cellSize), "m", "1e-3..1",
+       "Of the grid: a few times the distance between guides. At most 64 nodes fit an axis.",
+       show(
+           with(bushy(), [](Setup& s) { settings(s).contact.stiffness = 1; }),
+           std::vector{0.005f, 0.015f, 0.06f},
+           [](Setup& s, float v) { settings(s).contact.cellSize = v; },
+           "At rest with a stiffness of 1: a coarse grid evens the hair out over its cells."),
+       "exact"},
+  };
+}
+
+}  // namespace
+
+std::vector<ParameterGroup> simulationGroups() {
+  const std::string header = "pelage/simulation_settings.h";
+  return {
+      {"SimulationSettings", header,
+       "HairObject::settings; all may change in every frame. [simulation.md](simulation.md)",
+       mainRows()},
+      {"WindSettings", header, "SimulationSettings::wind", windRows()},
+      {"ParameterCurves", header,
+       "SimulationSettings::curves: eight factors at equal distances from the root to the tip.",
+       curveRows()},
+      {"SleepSettings", header, "SimulationSettings::sleep", sleepRows()},
+      {"HairContactSettings", header,
+       "SimulationSettings::contact. [hair_contact.md](hair_contact.md)", contactRows()},
+  };
+}
+
+}  // namespace sample

@@ -1,0 +1,135 @@
+// The table of parameters against the headers, and docs/parameters.md against the table.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "pelage/simulation_settings.h"
+#include "table.h"
+
+namespace {
+
+const std::filesystem::path kSource = PELAGE_SOURCE_DIR;
+
+// Structs of these headers that a program does not set: results, buffers and assets; options of
+// loaders are in docs/loading.md.
+const std::set<std::string> kNoParameters = {
+    "TransparencyPlan", "TransparencyCounters", "TransparencyWork",
+    "TransparencyCost", "SimulationCounters",   "HairBuffers",
+    "SdfGrid",          "SdfCounters",          "SdfColliderBuffers",
+    "TfxFileLayout",    "FollowHair",           "HairAsset",
+    "TfxLoadOptions",   "TfxLoadReport",        "Groom"};
+
+std::string contents(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+// The names that one declaration without initialisers declares.
+void addNames(const std::string& declaration, std::set<std::string>& names) {
+  std::istringstream parts(declaration);
+  for (std::string part; std::getline(parts, part, ',');) {
+    std::smatch name;
+    if (std::regex_search(part, name, std::regex(R"((\w+)\s*$)"))) names.insert(name[1]);
+  }
+}
+
+// Public data members of each struct and class that a header of the house's style defines.
+std::map<std::string, std::set<std::string>> fieldsOf(std::string header) {
+  header = std::regex_replace(header, std::regex("//[^\n]*"), "");
+  std::map<std::string, std::set<std::string>> fields;
+  const std::regex start(R"(\n(struct|class) (\w+) \{)");
+  for (std::sregex_iterator it(header.begin(), header.end(), start), end; it != end; ++it) {
+    const auto from = static_cast<size_t>(it->position() + it->length());
+    std::string body = header.substr(from, header.find("\n};", from) - from);
+    body = body.substr(0, body.find("\n private:"));
+    body = std::regex_replace(body, std::regex(R"(\n public:)"), "");
+    body = std::regex_replace(body, std::regex(R"(bool operator==[^;]*;)"), "");
+    body = std::regex_replace(body, std::regex(R"(\)\s*(const)?\s*\{[^{}]*\})"), ");");
+    // A nested struct's own fields are not the outer one's.
+    body = std::regex_replace(body, std::regex(R"(struct \w+ \{[^{}]*\};)"), "");
+    for (const char* pattern : {R"(\{[^{}]*\})", R"(\{[^{}]*\})", "<[^<>]*>", "=[^,;]*"})
+      body = std::regex_replace(body, std::regex(pattern), "");
+    std::set<std::string>& names = fields[(*it)[2]];
+    std::istringstream declarations(body);
+    for (std::string one; std::getline(declarations, one, ';');)
+      if (one.find('(') == std::string::npos) addNames(one, names);
+  }
+  return fields;
+}
+
+std::map<std::string, std::set<std::string>> fieldsOfTable() {
+  std::map<std::string, std::set<std::string>> fields;
+  for (const sample::ParameterGroup& group : sample::parameterTable())
+    for (const sample::Parameter& parameter : group.parameters)
+      fields[group.owner].insert(parameter.field);
+  return fields;
+}
+
+TEST(ParameterTable, ReadsFieldsOfAHeader) {
+  const auto fields = fieldsOf(
+      "\nstruct A {\n  float x = 0, y = 0;  // z\n  Float3 a[3] = {{1, 0, 0}, {0, 1, 0}};\n"
+      "  std::array<float, 3> c = {};\n"
+      "  uint64_t b = uint64_t{512} << 20;\n  bool operator==(const A&) const = default;\n};\n"
+      "\nclass B {\n public:\n  int f() const { return g_; }\n  void h(int k);\n  bool open = "
+      "true;\n\n private:\n  int g_;\n};\n");
+  EXPECT_EQ(fields.at("A"), (std::set<std::string>{"x", "y", "b", "c"}));
+  EXPECT_EQ(fields.at("B"), std::set<std::string>{"open"});
+}
+
+TEST(ParameterTable, HasEveryFieldOfItsStructsAndNoOther) {
+  std::map<std::string, std::set<std::string>> headers;
+  for (const sample::ParameterGroup& group : sample::parameterTable())
+    if (headers.count(group.owner) == 0)
+      headers.merge(fieldsOf(contents(kSource / "include" / group.header)));
+  for (const auto& [owner, fields] : fieldsOfTable()) EXPECT_EQ(headers[owner], fields) << owner;
+}
+
+TEST(ParameterTable, HasEveryStructOfItsHeadersThatIsSet) {
+  const auto table = fieldsOfTable();
+  std::set<std::string> headers;
+  for (const sample::ParameterGroup& group : sample::parameterTable()) headers.insert(group.header);
+  for (const std::string& header : headers)
+    for (const auto& [owner, fields] : fieldsOf(contents(kSource / "include" / header)))
+      EXPECT_TRUE(table.count(owner) + kNoParameters.count(owner) == 1)
+          << owner << " of " << header << " is not in the table of sample/parameters";
+}
+
+TEST(ParameterTable, PicturesShowValuesThatAreTaken) {
+  for (const sample::ParameterGroup& group : sample::parameterTable())
+    for (const sample::Parameter& p : group.parameters) {
+      EXPECT_EQ(p.owner, group.owner);
+      EXPECT_FALSE(p.meaning.empty()) << p.field;
+      if (!p.picture) continue;
+      EXPECT_GE(p.picture->values.size(), 2u) << p.field;
+      for (size_t i = 0; i < p.picture->values.size(); ++i) {
+        const auto valid = pelage::validate(p.picture->make(i).hair.settings);
+        EXPECT_TRUE(valid) << p.field << ": " << (valid ? "" : valid.error().message);
+      }
+    }
+}
+
+TEST(ParameterPage, IsWhatTheProgramWrites) {
+  EXPECT_EQ(contents(kSource / "docs/parameters.md"), sample::parameterPage())
+      << "write it again: pelage-parameters --doc docs/parameters.md";
+}
+
+TEST(ParameterPage, HasItsPicturesAndNoOthers) {
+  std::set<std::string> wanted, found;
+  for (const sample::ParameterGroup& group : sample::parameterTable())
+    for (const sample::Parameter& p : group.parameters)
+      if (p.picture) wanted.insert(sample::pictureFile(p));
+  for (const auto& entry : std::filesystem::directory_iterator(kSource / "docs/images/parameters"))
+    found.insert(entry.path().filename().string());
+  EXPECT_EQ(found, wanted) << "render them: scripts/parameter_pictures.sh";
+}
+
+}  // namespace
