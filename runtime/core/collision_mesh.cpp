@@ -144,8 +144,9 @@ Result<void> readBones(LineReader& lines, CollisionMesh& mesh) {
     if (!index) return index.error();
     const std::string_view name = lines.remainder();
     if (name.empty() || name.size() >= kMaxBoneNameLength ||
-        name.find('\0') != std::string_view::npos)
-      return lines.fail("a bone needs a name of at most 4095 characters");
+        name.find_first_of(std::string_view("\0\r", 2)) != std::string_view::npos)
+      return lines.fail(
+          "a bone needs a name of at most 4095 characters, without NUL or carriage return");
     mesh.bones.push_back({*index, std::string(name)});
   }
   return {};

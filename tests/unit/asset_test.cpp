@@ -911,6 +911,7 @@ TEST(CollisionMesh, ErrorsNameFileAndLine) {
                         {2, "numOfVertices 2", "expected 'numOfBones'"},
                         {4, "2 neck", "0 to 1"},
                         {4, "0", "needs a name"},
+                        {4, "0 a\rb", "carriage return"},
                         {5, "0 head", "twice"},
                         {6, "numOfVertices 4 5", "text after the count"},
                         {8, "0 0 0 zero 0 0 1 0 1 0 0 1 0 0 0", "'zero' is not a number"},
