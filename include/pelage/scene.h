@@ -37,8 +37,9 @@ struct SdfGridPlan;
 class Scene {
  public:
   /// Adds a hair object. Errors: an asset without strands, settings out of range, a follow hair of
-  /// a guide that does not exist, bone weights of another groom, a skeleton that does not exist or
-  /// has another number of bones.
+  /// a guide that does not exist or with an offset that is not finite, bone weights of another
+  /// groom, a skeleton that does not exist or has another number of bones, more strands than one
+  /// dispatch takes: 4,194,240 guides, and 2,097,120 follow hairs where these are stored.
   Result<HairId> addHair(const HairAsset& asset, const HairDef& def);
   /// Removes a hair object and its buffers; with the last one also those that draw() has made.
   void removeHair(HairId id);
@@ -98,8 +99,10 @@ class Scene {
   ///   solver cuts each of them further into SimulationSettings::subSteps.
   /// \param list cleared first.
   /// Errors: dt or a setting is out of range; a share without HairDef::levelOfDetail; a buffer of
-  /// setForces() that is too small; an object with too many strands for one dispatch. After one of
-  /// the first three nothing has changed: bones and resets wait for the next frame.
+  /// setForces() or the vertex buffer of a collider that is gone or too small; a collider that has
+  /// grown over its memory cap. After those nothing has changed: bones and resets wait for the next
+  /// frame. Settings that take more strands than a dispatch has room for are an error, too, after
+  /// which all hair is reset.
   Result<void> simulate(float dt, PassList& list);
   /// Adds draws of all hair objects that are visible and in view to a list (which is not cleared),
   /// without sorting: Transparency::kStochastic. It may make buffers: update the runtime before the
@@ -108,7 +111,9 @@ class Scene {
   Result<void> draw(const View& view, const Light& light, PassList& list);
   /// Draws them with transparency. The lists run one after another, each with its draws in a render
   /// pass that keeps what is in the target. What is opaque is drawn before, into the same depth
-  /// target: earlier, or by draws that lists[0] has already.
+  /// target: earlier, or by draws that lists[0] has already. All views share the buffers, and a
+  /// larger one makes them anew: with several views a frame, run the lists of one before the next
+  /// one is drawn, or draw the largest one first.
   /// \param lists lists[0] is not cleared, the others are; as many as the method needs, or more.
   /// Errors: a view without pixels, or whose worldToClip has no inverse; too many lights or
   /// shadows; a light or setting out of range; a memory cap that is too small; more hair objects in
@@ -183,7 +188,7 @@ class Scene {
   Result<void> checkObject(const HairObject& object) const;
   Result<std::vector<std::optional<detail::SdfGridPlan>>> checkColliders() const;
   bool planCollider(SdfCollider& collider, const detail::SdfGridPlan& plan);
-  void addColliderBuffers(SdfCollider& collider);
+  void addColliderTables(SdfCollider& collider);
   void layOutFields();
   void removeIsoSurface(SdfCollider& collider);
   bool isReached(size_t collider) const;

@@ -39,7 +39,9 @@ struct SdfColliderDef {
   /// skeleton then, or left at 1.
   SkeletonId skeleton = SkeletonId::kInvalid;
   /// A vertex buffer of the engine's, in world space, that is there before each simulation. The
-  /// mesh's positions then only tell which vertices are one, and bones are not used.
+  /// mesh's positions then tell which vertices are one, what cellSize 0 means, and where the field
+  /// is until the first setVertexBounds(); call that before the first simulation where they are
+  /// elsewhere. Bones are not used.
   BufferId vertices = BufferId::kInvalid;
   uint32_t vertexStride = 3;  ///< floats from vertex to vertex, >= 3
   uint32_t vertexOffset = 0;  ///< floats before the first x

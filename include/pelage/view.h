@@ -63,12 +63,12 @@ struct StrandMaterial {
   float fiberRadius = 60e-6f;    ///< at the root [m], > 0
   float tipRadiusRatio = 0.3f;   ///< radius at the tip over that at the root, 0..1
   ShadingModel model = ShadingModel::kKajiyaKay;
-  float ambientStrength = 1.0f;     ///< 0..1
-  float diffuseStrength = 1.0f;     ///< Kajiya-Kay, 0..1
-  float primaryStrength = 0.35f;    ///< Kajiya-Kay: highlight of the light's colour, >= 0
-  float primaryExponent = 80.0f;    ///< its sharpness, >= 1
+  float ambientStrength = 1.0f;     ///< 0..64
+  float diffuseStrength = 1.0f;     ///< Kajiya-Kay, 0..64; 1 / pi keeps the energy
+  float primaryStrength = 0.35f;    ///< Kajiya-Kay: highlight of the light's colour, 0..64
+  float primaryExponent = 80.0f;    ///< its sharpness, 1..10,000
   float primaryShift = -0.06f;      ///< its shift along the strand; < 0 towards the root
-  float secondaryStrength = 0.45f;  ///< Kajiya-Kay: highlight of the hair's colour, >= 0
+  float secondaryStrength = 0.45f;  ///< Kajiya-Kay: highlight of the hair's colour, 0..64
   float secondaryExponent = 16.0f;
   float secondaryShift = 0.12f;
   float secondaryTint = 1.0f;           ///< share of the hair's colour in it, 0..1

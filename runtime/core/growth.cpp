@@ -14,6 +14,10 @@ namespace {
 // Points of the grown path for each segment of the strand.
 constexpr uint32_t kPointsPerSegment = 3;
 
+// Darts that find no gap before the spacing shrinks, at most. 1000 find nearly all gaps that there
+// are; a number that grows with the roots' takes a time that grows with its square.
+constexpr size_t kMostMisses = 1000;
+
 // Streams of the generator: one for the roots, then one a strand.
 constexpr uint64_t kFirstStrandStream = 1;
 
@@ -51,7 +55,7 @@ class RootSampler {
         insert(p, static_cast<uint32_t>(roots.size()));
         roots.push_back({p, ground_.rootNormal(p)});
         misses = 0;
-      } else if (++misses > 40 + roots.size() / 4) {
+      } else if (++misses > 40 + std::min(roots.size() / 4, kMostMisses)) {
         spacing_ *= 0.97;
         rebuild(roots);
         misses = 0;

@@ -14,6 +14,12 @@ using detail::bytesOf;
 
 namespace {
 
+constexpr uint64_t kMostGroups = 65535;  // of a dispatch, on every device
+
+bool isFinite(const Float4& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z) && std::isfinite(v.w);
+}
+
 // As kernels/common/color_packing.hlsli reads them.
 std::vector<Uint2> packColors(std::span<const Float4> colors) {
   const auto unorm = [](float value) {
@@ -41,6 +47,16 @@ Result<HairId> Scene::addHair(const HairAsset& asset, const HairDef& def) {
   const uint64_t guides = asset.strandCount;
   const uint64_t follows = def.followHairs.size();
   const uint64_t vertices = asset.verticesPerStrand;
+  // What one dispatch takes: of skin_roots, and of update_follow_strands, which may be indirect.
+  const uint64_t mostGuides = kMostGroups * skinRootsVariant({}).groupSize[0];
+  const uint64_t mostFollows =
+      kMostGroups * updateFollowStrandsVariant({}).groupSize[0] * detail::kFollowsAThread;
+  const bool stores = def.storeFollowHairs || def.collidingHair == CollidingHair::kGuidesAndFollows;
+  if (guides > mostGuides || (stores && follows > mostFollows)) {
+    return refuse("has " + std::to_string(guides) + " guides and " + std::to_string(follows) +
+                  " follow hairs; an object takes " + std::to_string(mostGuides) + ", and " +
+                  std::to_string(mostFollows) + " that are stored: use several");
+  }
   // Kernels index vertices with 32 bits.
   if (guides + follows > 0x7fffffffu / vertices)
     return refuse("has more than 2^31 vertices; use several objects");
@@ -76,6 +92,8 @@ Result<HairId> Scene::addHair(const HairAsset& asset, const HairDef& def) {
                       std::to_string(guide) + " of " + std::to_string(guides));
       }
     }
+    if (!isFinite(hair.offset))
+      return refuse("the offset of follow hair " + std::to_string(i) + " is not finite");
     const float others[2] = {hair.otherWeights[0], hair.otherWeights[1]};
     if (!(others[0] >= 0 && others[1] >= 0 && others[0] + others[1] <= 1))
       return refuse("the weights of follow hair " + std::to_string(i) + " are not 0 to 1");
@@ -117,8 +135,9 @@ Result<HairId> Scene::addHair(const HairAsset& asset, const HairDef& def) {
   internals.longestStrand = detail::longestStrand(asset);
   internals.volume =
       static_cast<float>(detail::hairVolume(asset.positions, asset.verticesPerStrand));
-  for (const float length : asset.restLengths)
-    internals.meanStrand += length / static_cast<float>(guides);
+  double lengths = 0;
+  for (const float length : asset.restLengths) lengths += static_cast<double>(length);
+  internals.meanStrand = static_cast<float>(lengths / static_cast<double>(guides));
   for (const FollowHair& follow : def.followHairs) {
     const float reach = std::hypot(follow.offset.x, follow.offset.y, follow.offset.z);
     internals.followReach = std::max(internals.followReach, reach);

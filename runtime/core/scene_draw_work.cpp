@@ -34,6 +34,17 @@ struct HairImage {
   double tiles = 0;                        // in the rectangle around them
 };
 
+// Strands one after the other, and from each to the next another vertex: multiples of the golden
+// section, as steps that fit the strands' length would find the same vertex in all of them.
+size_t sampleAt(size_t sample, size_t samples, size_t vertices, size_t verticesPerStrand) {
+  if (samples == vertices) return sample;
+  const size_t strands = vertices / verticesPerStrand;
+  const double along = static_cast<double>(sample) * (std::numbers::phi - 1);
+  const auto vertex =
+      static_cast<size_t>((along - std::floor(along)) * static_cast<double>(verticesPerStrand));
+  return sample * strands / samples * verticesPerStrand + vertex;
+}
+
 // \param fiber width of a fibre [m].
 HairImage imageOf(const View& view, const detail::HairInternals& hair, double fiber) {
   HairImage image;
@@ -45,11 +56,10 @@ HairImage imageOf(const View& view, const detail::HairInternals& hair, double fi
   const Float4* rows = view.worldToClip.rows;
   const double scale =
       0.5 * view.height * std::hypot(toDouble(rows[1].x), toDouble(rows[1].y), toDouble(rows[1].z));
-  const size_t step = std::max<size_t>(1, positions.size() / kSamples);
+  const size_t samples = std::min(positions.size(), kSamples);
   double lowX = 1, highX = -1, lowY = 1, highY = -1;
-  size_t count = 0;
-  for (size_t i = step / 2; i < positions.size(); i += step) {
-    ++count;
+  for (size_t sample = 0; sample < samples; ++sample) {
+    const size_t i = sampleAt(sample, samples, positions.size(), hair.asset.verticesPerStrand);
     const Float3 p = transformPoint(bone, {positions[i].x, positions[i].y, positions[i].z});
     const double w = dot(rows[3], p), z = dot(rows[2], p);
     const double x = dot(rows[0], p) / w, y = dot(rows[1], p) / w;
@@ -71,7 +81,7 @@ HairImage imageOf(const View& view, const detail::HairInternals& hair, double fi
   }
   for (double* sum :
        {&image.share, &image.metre, &image.ribbon, &image.ribbonMetre, &image.fiberMetre})
-    *sum /= static_cast<double>(std::max<size_t>(count, 1));
+    *sum /= static_cast<double>(std::max<size_t>(samples, 1));
   return image;
 }
 

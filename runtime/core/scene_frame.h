@@ -34,7 +34,10 @@ inline bool isZero(Float3 v) { return v.x == 0 && v.y == 0 && v.z == 0; }
 inline uint64_t tileCount(uint64_t strands) { return (strands + kTileStrands - 1) / kTileStrands; }
 
 /// Threads in x of update_follow_strands, as there.
-inline uint32_t followThreads(uint32_t strands) { return (strands + 3) / 4; }
+inline constexpr uint32_t kFollowsAThread = 4;
+inline uint32_t followThreads(uint32_t strands) {
+  return (strands + kFollowsAThread - 1) / kFollowsAThread;
+}
 
 inline bool usesVsp(const SimulationSettings& s) {
   return s.vspCoefficient > 0 || std::isfinite(s.vspThreshold);

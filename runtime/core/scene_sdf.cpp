@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "pelage/kernels.h"
 #include "prepared_collider.h"
@@ -40,6 +42,30 @@ bool ownsVertices(const SdfColliderInternals& c) {
   return !c.data && c.def.vertices == BufferId::kInvalid;
 }
 
+template <class T>
+BufferId addTable(ResourceTable& resources, std::string name, const std::vector<T>& values) {
+  if (values.empty()) return BufferId::kInvalid;
+  return resources.add({.name = std::move(name),
+                        .size = values.size() * sizeof(T),
+                        .stride = sizeof(T),
+                        .initial = bytesOf(values)});
+}
+
+// What is wrong with the vertex buffer of an engine, or nothing.
+std::string faultOfVertices(const ResourceTable& resources, const SdfColliderDef& def,
+                            uint64_t count) {
+  if (def.vertices == BufferId::kInvalid) return {};
+  const BufferDesc* vertices = resources.find(def.vertices);
+  const uint64_t floats =
+      count == 0 ? 0 : def.vertexOffset + uint64_t{def.vertexStride} * (count - 1) + 3;
+  const uint64_t bytes = floats * sizeof(float);
+  if (vertices != nullptr && vertices->size >= bytes) return {};
+  return "its vertex buffer " +
+         (vertices == nullptr ? "does not exist"
+                              : "has " + std::to_string(vertices->size) + " bytes") +
+         "; " + std::to_string(count) + " vertices take " + std::to_string(bytes);
+}
+
 }  // namespace
 
 Result<ColliderId> Scene::addCollider(const CollisionMesh& mesh, const SdfColliderDef& def) {
@@ -68,20 +94,9 @@ Result<ColliderId> Scene::addCollider(const CollisionMesh& mesh, const SdfCollid
   }
   Result<detail::ColliderTopology> topology = detail::topologyOf(mesh);
   if (!topology) return refuse(topology.error().message);
-  if (def.vertices != BufferId::kInvalid) {
-    const BufferDesc* vertices = resources_.find(def.vertices);
-    const uint64_t floats =
-        mesh.positions.empty()
-            ? 0
-            : def.vertexOffset + uint64_t{def.vertexStride} * (mesh.positions.size() - 1) + 3;
-    if (vertices == nullptr || vertices->size < floats * sizeof(float)) {
-      return refuse("its vertex buffer " +
-                    (vertices == nullptr ? "does not exist"
-                                         : "has " + std::to_string(vertices->size) + " bytes") +
-                    "; " + std::to_string(mesh.positions.size()) + " vertices take " +
-                    std::to_string(floats * sizeof(float)));
-    }
-  }
+  if (const std::string fault = faultOfVertices(resources_, def, mesh.positions.size());
+      !fault.empty())
+    return refuse(fault);
 
   auto collider = std::unique_ptr<SdfCollider>(new SdfCollider);
   collider->name_ = def.name;
@@ -113,21 +128,8 @@ Result<ColliderId> Scene::addCollider(const CollisionMesh& mesh, const SdfCollid
   if (!plan) return plan.error();
 
   // Static buffers; those of the grid come with a plan.
-  const auto add = [&](const char* what, const auto& values) {
-    using T = typename std::decay_t<decltype(values)>::value_type;
-    if (values.empty()) return BufferId::kInvalid;
-    return resources_.add({.name = def.name + "/" + what,
-                           .size = values.size() * sizeof(T),
-                           .stride = sizeof(T),
-                           .initial = bytesOf(values)});
-  };
   SdfColliderBuffers& buffers = collider->buffers_;
-  const detail::SdfTables tables = detail::makeSdfTables(c.topology);
-  buffers.placeVertices = add("placeVertices", tables.placeVertices);
-  buffers.indices = add("indices", tables.indices);
-  buffers.neighbors = add("neighbors", tables.neighbors);
-  buffers.fanStarts = add("fanStarts", tables.fanStarts);
-  buffers.fans = add("fans", tables.fans);
+  addColliderTables(*collider);
   if (ownsVertices(c) && c.vertexCount > 0) {
     std::vector<VertexBinding> bindings(c.vertexCount);
     for (size_t v = 0; v < bindings.size(); ++v) {
@@ -137,8 +139,8 @@ Result<ColliderId> Scene::addCollider(const CollisionMesh& mesh, const SdfCollid
       bindings[v].bones = {from.bones[0], from.bones[1], from.bones[2], from.bones[3]};
       bindings[v].weights = {from.weights[0], from.weights[1], from.weights[2], from.weights[3]};
     }
-    buffers.bindVertices = add("bindVertices", mesh.positions);
-    buffers.bindings = add("bindings", bindings);
+    buffers.bindVertices = addTable(resources_, def.name + "/bindVertices", mesh.positions);
+    buffers.bindings = addTable(resources_, def.name + "/bindings", bindings);
     const auto space = [&](const char* what, uint64_t count, uint32_t stride, BufferUsage usage) {
       return resources_.add({.name = def.name + "/" + what,
                              .size = count * stride,
@@ -158,6 +160,23 @@ Result<ColliderId> Scene::addCollider(const CollisionMesh& mesh, const SdfCollid
   if (*plan) planCollider(this->collider(id), **plan);
   layOutFields();
   return id;
+}
+
+// What the build knows of the triangles, in place of what there is.
+void Scene::addColliderTables(SdfCollider& collider) {
+  const SdfColliderInternals& c = *collider.internals_;
+  SdfColliderBuffers& buffers = collider.buffers_;
+  detail::SdfTables tables = detail::makeSdfTables(c.topology);
+  if (c.mirrored) detail::turnRound(tables);
+  const auto replace = [&](BufferId& buffer, const char* what, const auto& values) {
+    removeBuffer(buffer);
+    buffer = addTable(resources_, c.def.name + "/" + what, values);
+  };
+  replace(buffers.placeVertices, "placeVertices", tables.placeVertices);
+  replace(buffers.indices, "indices", tables.indices);
+  replace(buffers.neighbors, "neighbors", tables.neighbors);
+  replace(buffers.fanStarts, "fanStarts", tables.fanStarts);
+  replace(buffers.fans, "fans", tables.fans);
 }
 
 Result<ColliderId> Scene::addCollider(const SdfData& data, const SdfColliderDef& def) {
@@ -324,8 +343,11 @@ Result<std::vector<std::optional<detail::SdfGridPlan>>> Scene::checkColliders() 
     for (const std::string& fault :
          {check("margin", collider->margin), check("friction", collider->friction)})
       if (!fault.empty()) return Error{ErrorCode::kInvalidArgument, fault};
-    if (collider->internals_->data || !isReached(i)) continue;
-    Result<std::optional<detail::SdfGridPlan>> plan = detail::planGrid(*collider->internals_);
+    const SdfColliderInternals& c = *collider->internals_;
+    if (c.data || !isReached(i)) continue;
+    if (const std::string fault = faultOfVertices(resources_, c.def, c.vertexCount); !fault.empty())
+      return Error{ErrorCode::kInvalidArgument, "collider '" + collider->name_ + "': " + fault};
+    Result<std::optional<detail::SdfGridPlan>> plan = detail::planGrid(c);
     if (!plan) return plan.error();
     plans[i] = *plan;
   }
@@ -339,6 +361,11 @@ Result<void> Scene::buildCollider(size_t place, PassList& list) {
   c.active = isReached(place);
   c.builtNow = c.moves = false;
   if (!c.active || c.data || c.plan.nodeCount() == 0) return {};
+  if (const bool mirrored = detail::isMirrored(c); mirrored != c.mirrored) {
+    c.mirrored = mirrored;
+    c.buildPending = true;
+    addColliderTables(collider);
+  }
   const float tolerance = c.def.motionTolerance * c.plan.cellSize;
   const bool own = ownsVertices(c);
   const bool changed = own ? detail::motionSinceBuild(c) > tolerance : c.verticesChanged;

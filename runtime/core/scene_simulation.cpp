@@ -151,8 +151,16 @@ Result<void> Scene::simulate(float dt, PassList& list) {
     if (planCollider(*colliders_[i], *(*plans)[i])) grown = true;
   }
   if (grown) layOutFields();
+  // Nothing that the list would have written is there.
   const auto drop = [&](const Result<void>& error) {
     list.clear();
+    for (const auto& object : objects_) {
+      if (object == nullptr) continue;
+      object->internals_->bonesChanged = object->internals_->resetPending = true;
+      object->internals_->fieldsBefore.clear();
+    }
+    for (const auto& held : colliders_)
+      if (held != nullptr) held->internals_->buildPending = held->internals_->resetPending = true;
     for (const auto& skeleton : skeletons_) {
       if (skeleton == nullptr) continue;
       for (auto& copy : skeleton->internals_->copies) copy.version = 0;

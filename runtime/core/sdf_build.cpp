@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <span>
+#include <utility>
 
 #include "pelage/kernels.h"
 
@@ -189,6 +190,15 @@ SdfTables makeSdfTables(const ColliderTopology& topology) {
         {tables.indices[first + (corner + 1) % 3], tables.indices[first + (corner + 2) % 3]});
   }
   return tables;
+}
+
+void turnRound(SdfTables& tables) {
+  for (size_t t = 0; t + 2 < tables.indices.size(); t += 3) {
+    std::swap(tables.indices[t + 1], tables.indices[t + 2]);
+    // Across the edges 01, 12, 20.
+    std::swap(tables.neighbors[t], tables.neighbors[t + 2]);
+  }
+  for (Uint2& others : tables.fans) std::swap(others.x, others.y);
 }
 
 SdfBufferSizes sdfBufferSizes(const SdfBuildDef& def) {

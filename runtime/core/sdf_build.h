@@ -20,6 +20,8 @@ struct SdfTables {
   std::vector<Uint2> fans;              ///< g_sdfFans
 };
 SdfTables makeSdfTables(const ColliderTopology& topology);
+/// Turns every triangle round: the second and the third corner change places.
+void turnRound(SdfTables& tables);
 
 /// What is built, and from what.
 struct SdfBuildDef {

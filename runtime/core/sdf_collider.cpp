@@ -138,6 +138,22 @@ Box boundsOf(const SdfColliderInternals& collider) {
   return all;
 }
 
+bool isMirrored(const SdfColliderInternals& collider) {
+  const bool blends = collider.def.vertices == BufferId::kInvalid &&
+                      collider.def.skinning == SkinningMethod::kMatrices;
+  if (!blends || collider.boneBoxes.empty()) return false;
+  return std::all_of(collider.boneBoxes.begin(), collider.boneBoxes.end(), [&](const BoneBox& box) {
+    const Float4* r = collider.bones[box.bone].rows;
+    const auto minor = [&](float Float4::*i, float Float4::*j) {
+      return double{r[1].*i} * double{r[2].*j} - double{r[1].*j} * double{r[2].*i};
+    };
+    return double{r[0].x} * minor(&Float4::y, &Float4::z) -
+               double{r[0].y} * minor(&Float4::x, &Float4::z) +
+               double{r[0].z} * minor(&Float4::x, &Float4::y) <
+           0;
+  });
+}
+
 Result<void> checkSdfColliderDef(const SdfColliderDef& def) {
   const auto refuse = [](const std::string& what) {
     return Error{ErrorCode::kInvalidArgument, what};

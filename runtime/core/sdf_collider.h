@@ -50,6 +50,7 @@ struct SdfColliderInternals {
   std::vector<AffineTransform> builtBones;  ///< of the field; empty before the first build
   Box vertexBounds;                         ///< of the engine's vertex buffer, in world space
   bool verticesChanged = true;
+  bool mirrored = false;     ///< the tables have the triangles turned round
   bool resetPending = true;  ///< there is no motion from the last frame
   bool buildPending = true;  ///< the field has to be built as a whole
 
@@ -76,6 +77,9 @@ std::vector<BoneBox> boneBoxesOf(const CollisionMesh& mesh);
 /// Around all vertices in world space, from the bones alone. Blends of matrices stay in the hull of
 /// what each bone does. Empty when no bone is finite.
 Box boundsOf(const SdfColliderInternals& collider);
+/// Whether the bones turn the mesh inside out: all of them that move a vertex mirror. Dual
+/// quaternions do not.
+bool isMirrored(const SdfColliderInternals& collider);
 /// Where the origin of the next grid is.
 Float3 originFor(const SdfColliderInternals& collider);
 /// The grid for the vertices where they are now; nothing while the one that there is does. Errors:

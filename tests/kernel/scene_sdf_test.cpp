@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "kernel/strand_run.h"
@@ -104,6 +105,33 @@ TEST_P(SceneSdf, FieldsFollowTheBonesAndWhatMovedAloneIsTheWhole) {
   const std::vector<uint32_t> work = run_.read<uint32_t>(collider.buffers().work);
   const SdfCounters counters = readSdfCounters(std::as_bytes(std::span(work)));
   EXPECT_GT(counters.interiorNodes, 0u);
+}
+
+// As a scale of -1 has it: the field is that of a mesh that was mirrored before.
+TEST_P(SceneSdf, AMirroredMeshIsNotInsideOut) {
+  const TriangleMesh shape = reference::sphere(0.1f, 12, 16, {0, -0.05f, 0});
+  const AffineTransform mirror = {{{-1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+  TriangleMesh mirrored = shape;
+  for (Float3& p : mirrored.positions) p = transformPoint(mirror, p);
+  for (size_t i = 0; i < mirrored.indices.size(); i += 3)
+    std::swap(mirrored.indices[i + 1], mirrored.indices[i + 2]);
+  add(toMesh(mirrored), {.cellSize = 0.012f});
+  run_.step();
+  const SdfData expected = copy();
+  run_.remove(id_);
+  SdfCollider& collider = add(toMesh(shape), {.cellSize = 0.012f});
+  for (const AffineTransform& bone : {mirror, AffineTransform{}, mirror}) {
+    collider.setBones({&bone, 1});
+    run_.step();
+    int wrongSigns = 0;
+    EXPECT_LT(fieldError(copy(), bone == mirror ? mirrored : shape, wrongSigns), 1e-4);
+    EXPECT_EQ(wrongSigns, 0);
+  }
+  run_.remove(id_);
+  SdfCollider& again = add(toMesh(shape), {.cellSize = 0.012f});
+  again.setBones({&mirror, 1});
+  run_.step();
+  EXPECT_EQ(copy(), expected);
 }
 
 // The origin of vertices and grid follows in whole metres; the motion is that of the surface alone.

@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <memory>
 #include <set>
 
+#include "pelage/ids.h"
 #include "pelage/pass_list.h"
 
 namespace pelage {
@@ -325,6 +327,23 @@ TEST(HazardTracker, KnowsNothingOfTheBufferThatHadAPlaceBefore) {
   addCopy(next, a, c);
   tracker.resolve(next);
   EXPECT_TRUE(next.barriers.empty());
+}
+
+TEST(Slots, GiveNoIdTwice) {
+  detail::Slots<HairId, int> slots;
+  const HairId kept = slots.add(std::make_unique<int>(1));
+  std::set<HairId> ids = {kept, HairId::kInvalid};
+  // More than a place has ids for.
+  for (int round = 0; round < 70000; ++round) {
+    const HairId id = slots.add(std::make_unique<int>(2));
+    ASSERT_TRUE(ids.insert(id).second) << "round " << round;
+    ASSERT_NE(slots.find(id), nullptr);
+    slots.remove(id);
+    ASSERT_EQ(slots.find(id), nullptr);
+  }
+  EXPECT_EQ(slots.size(), 3u);
+  EXPECT_EQ(*slots.find(kept), 1);
+  EXPECT_EQ(slots.find(HairId::kInvalid), nullptr);
 }
 
 TEST(ResourceTable, UsesPlacesAgain) {

@@ -141,7 +141,52 @@ TEST_F(SceneRuntimeTest, IdsOfRemovedCollidersAreIgnoredAndNameNoLaterOnes) {
   EXPECT_EQ(fieldCount(hair), 1u);
 }
 
+TEST_F(SceneRuntimeTest, AFrameThatLacksAnEnginesVerticesLosesNothing) {
+  const HairId hair = addHair();
+  addCollider();
+  const BufferId vertices =
+      scene_.resources().add({.name = "engine", .size = 8 * 12, .stride = 12});
+  const ColliderId engine = addCollider({.name = "engine", .vertices = vertices});
+  scene_.resources().remove(vertices);
+  const Result<void> done = scene_.simulate(kFrame, list_);
+  ASSERT_FALSE(done);
+  EXPECT_NE(done.error().message.find("collider 'engine': its vertex buffer does not exist"),
+            std::string::npos)
+      << done.error().message;
+  scene_.collider(engine).enabled = false;
+  simulate();
+  EXPECT_EQ(count("scatter_triangles"), 1u) << "the other one is yet to be built";
+  EXPECT_EQ(uploadsTo(scene_.hair(hair).buffers().boneTransforms), 1u);
+}
+
 // ---- follow hairs
+
+TEST_F(SceneRuntimeTest, FollowHairsWithoutAPlaceAreRefused) {
+  for (float Float4::*const member : {&Float4::x, &Float4::y, &Float4::z, &Float4::w}) {
+    for (const float value :
+         {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+      FollowHair follow;
+      follow.offset.*member = value;
+      const Result<HairId> added = scene_.addHair(makeAsset(), {.followHairs = {&follow, 1}});
+      ASSERT_FALSE(added);
+      EXPECT_NE(added.error().message.find("offset of follow hair 0"), std::string::npos);
+    }
+  }
+}
+
+// In frames in which hair may sleep their dispatch is indirect, and no list can tell.
+TEST_F(SceneRuntimeTest, MoreFollowHairsThanADispatchTakesAreStoredByNoObject) {
+  const std::vector<FollowHair> follows(2'097'121);
+  const HairAsset asset = makeAsset(1, 2);
+  const auto expectRefused = [&](const HairDef& def) {
+    const Result<HairId> added = scene_.addHair(asset, def);
+    ASSERT_FALSE(added);
+    EXPECT_NE(added.error().message.find("2097121 follow hairs"), std::string::npos);
+  };
+  expectRefused({.followHairs = follows, .storeFollowHairs = true});
+  expectRefused({.followHairs = follows, .collidingHair = CollidingHair::kGuidesAndFollows});
+  EXPECT_TRUE(scene_.addHair(asset, {.followHairs = follows})) << "not stored";
+}
 
 TEST_F(SceneRuntimeTest, FollowHairsCollideWhereTheyShallAndSomethingIsInReach) {
   FollowHair follow;

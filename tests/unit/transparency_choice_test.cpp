@@ -211,5 +211,40 @@ TEST_F(PredictedWork, GrowsWithTheHairOnTheScreenAndIsNothingOutsideOfIt) {
   EXPECT_EQ(scene.predictWork(away).fragments, 0);
 }
 
+// Sampling every so many vertices would find the same one of each strand: here the roots.
+TEST_F(PredictedWork, SeesAllOfAStrandWhateverTheNumberOfItsVertices) {
+  for (const uint32_t vertices : {4u, 16u, 24u, 64u}) {
+    HairAsset asset;
+    asset.strandCount = 8192 / vertices;
+    asset.verticesPerStrand = vertices;
+    for (uint32_t s = 0; s < asset.strandCount; ++s) {
+      for (uint32_t v = 0; v < vertices; ++v) {
+        const float along = static_cast<float>(v) / static_cast<float>(vertices - 1);
+        asset.positions.push_back({0.4f * along, 0.04f, 0, v == 0 ? 0.0f : 1.0f});
+      }
+    }
+    ASSERT_TRUE(asset.process());
+    Scene scene;
+    ASSERT_TRUE(scene.addHair(asset, {}));
+    View view = viewFrom(2);
+    view.width = view.height = 4000;
+    const double all = scene.predictWork(view).fragments;
+    ASSERT_GT(all, 0);
+    constexpr float kAngle = 0.05f;
+    const float half = 2 * std::tan(kAngle / 2);  // of what is in view [m]
+    for (const float x : {0.06f, 0.2f, 0.32f}) {
+      view.eye.x = x;
+      view.worldToClip = lookAt(view.eye, {x, 0.04f, 0}, {0, 1, 0}, kAngle, 1, 0.001f, 100);
+      view.width = view.height = 324;  // as many pixels a metre
+      uint32_t seen = 0;
+      for (uint32_t v = 0; v < vertices; ++v)
+        if (std::abs(asset.positions[v].x - x) < half) ++seen;
+      const double share = static_cast<double>(seen) / vertices;
+      EXPECT_NEAR(scene.predictWork(view).fragments / all, share, 0.01 + 0.02 * share)
+          << vertices << " vertices, at " << x;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace pelage
