@@ -20,6 +20,8 @@ inline constexpr uint32_t kByteOrder = 0x0a0b0c0d;
 inline constexpr uint32_t kMaxItems = 4096;  ///< hairs, and meshes
 inline constexpr uint32_t kMaxNameLength = 4095;
 inline constexpr uint32_t kMaxFollowHairs = 0x7fffffff;
+/// Not reached: a hair has fewer than 24 sections, as has a mesh.
+inline constexpr uint32_t kMaxSections = 2 * 24 * kMaxItems;
 
 struct Header {
   std::array<char, 8> magic = kMagic;

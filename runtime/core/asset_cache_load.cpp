@@ -81,7 +81,9 @@ class TableReader {
                                header.fileSize));
     if (header.hairCount > kMaxItems || header.meshCount > kMaxItems || header.reserved != 0)
       return fault(offsetof(Header, hairCount), "the counts are out of range");
-    if (header.sectionCount > (stream_.size() - sizeof(Header)) / sizeof(Section))
+    // The most that there can be, too, as a stream may have less than it says.
+    if (header.sectionCount > kMaxSections ||
+        header.sectionCount > (stream_.size() - sizeof(Header)) / sizeof(Section))
       return fault(offsetof(Header, sectionCount),
                    fmt::format("{} sections do not fit the file", header.sectionCount));
     return {};
@@ -438,19 +440,26 @@ class Loader {
     if (!complete) return complete;
     if (const auto found = faultOf(prepared.topology, info.vertexCount, info.triangleCount))
       return faultIn(*found, item, sections);
-    prepared.positionsHash = detail::hash64(std::as_bytes(std::span(mesh.positions)));
-    prepared.indicesHash = detail::hash64(std::as_bytes(std::span(mesh.indices)));
+    // The checksums of what they are the hashes of, which fitted.
+    prepared.positionsHash = sectionOf(Kind::kMeshPositions, item, sections).checksum;
+    prepared.indicesHash = sectionOf(Kind::kMeshIndices, item, sections).checksum;
     cache_.meshes[item].mesh.prepared =
         std::make_shared<const detail::PreparedCollider>(std::move(prepared));
     return {};
   }
 
+  static const Section& sectionOf(Kind kind, size_t item, const std::vector<Section>& sections) {
+    Section wanted;
+    wanted.kind = static_cast<uint32_t>(kind);
+    wanted.item = static_cast<uint32_t>(item);
+    const auto of = std::lower_bound(sections.begin(), sections.end(), wanted, comesBefore);
+    PELAGE_ASSERT(of != sections.end() && of->kind == wanted.kind && of->item == wanted.item,
+                  "an array is from a section that was read");
+    return *of;
+  }
+
   Result<void> faultIn(const Fault& found, size_t item, const std::vector<Section>& sections) {
-    const auto of = std::find_if(sections.begin(), sections.end(), [&](const Section& s) {
-      return s.kind == static_cast<uint32_t>(found.kind) && s.item == item;
-    });
-    PELAGE_ASSERT(of != sections.end(), "a fault is in a section that was read");
-    return fault(*of, found.offset, found.what);
+    return fault(sectionOf(found.kind, item, sections), found.offset, found.what);
   }
 
   StreamReader& stream_;

@@ -118,6 +118,8 @@ Result<void> addHair(const CachedHair& hair, size_t item, Sections& sections) {
   if (hair.bones && hair.bones->strands.size() != asset.strandCount)
     return refuse(fmt::format("{} guides, but bone weights for {}", asset.strandCount,
                               hair.bones->strands.size()));
+  if (hair.bones && hair.bones->repairedStrandCount > asset.strandCount)
+    return refuse("repairedStrandCount is too large");
   if (hair.followHairs.size() > kMaxFollowHairs) return refuse("more than 2^31 follow hairs");
   if (const auto fault = faultOf(hair))
     return refuse(fmt::format("{}: {}", nameOf(fault->kind), fault->what));
@@ -169,6 +171,7 @@ Result<void> addMesh(const CachedMesh& cached, size_t item, Sections& sections) 
   if (mesh.normals.size() != vertices || mesh.influences.size() != vertices)
     return refuse(fmt::format("has {} positions, {} normals and {} influences", vertices,
                               mesh.normals.size(), mesh.influences.size()));
+  if (mesh.repairedVertexCount > vertices) return refuse("repairedVertexCount is too large");
   if (const auto fault = faultOf(mesh))
     return refuse(fmt::format("{}: {}", nameOf(fault->kind), fault->what));
   auto topology = detail::topologyOf(mesh);

@@ -292,8 +292,15 @@ BoneInfluences normalized(const BoneInfluences& influences) {
   return result;
 }
 
+bool isTfxMesh(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return extension == ".tfxmesh";
+}
+
 Result<SkinnedMesh> loadSkinned(const std::filesystem::path& path) {
-  if (path.extension() != ".tfxmesh") return importFile(path);
+  if (!isTfxMesh(path)) return importFile(path);
   auto mesh = loadTfxMesh(path);
   if (!mesh) return mesh.error();
   SkinnedMesh out;
@@ -313,7 +320,7 @@ Result<SkinnedMesh> loadSkinned(const std::filesystem::path& path) {
 }
 
 Result<CollisionMesh> load(const std::filesystem::path& path) {
-  if (path.extension() == ".tfxmesh") return loadTfxMesh(path);
+  if (isTfxMesh(path)) return loadTfxMesh(path);
   auto mesh = importFile(path);
   if (!mesh) return mesh.error();
   const std::vector<uint32_t> first =
@@ -329,7 +336,9 @@ Result<CollisionMesh> load(const std::filesystem::path& path) {
   }
   for (const uint32_t index : mesh->indices) out.indices.push_back(numbers[index]);
   out.bones = std::move(mesh->bones);
-  out.repairedVertexCount = mesh->repairedVertexCount;
+  // Several of them may have become one.
+  out.repairedVertexCount =
+      static_cast<uint32_t>(std::min<size_t>(mesh->repairedVertexCount, out.positions.size()));
   return out;
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "file_io.h"
+#include "guard.h"
 
 namespace pelage {
 namespace {
@@ -57,9 +58,7 @@ std::string faultOf(const Header& h) {
   return {};
 }
 
-}  // namespace
-
-Result<void> saveSdf(const SdfData& data, const std::filesystem::path& path) {
+Result<void> save(const SdfData& data, const std::filesystem::path& path) {
   const Header header = {.origin = data.grid.origin,
                          .cellSize = data.grid.cellSize,
                          .nodes = data.grid.nodes,
@@ -83,7 +82,7 @@ Result<void> saveSdf(const SdfData& data, const std::filesystem::path& path) {
   return detail::writeFile(path, bytes);
 }
 
-Result<SdfData> loadSdf(std::span<const std::byte> bytes, std::string_view name) {
+Result<SdfData> load(std::span<const std::byte> bytes, std::string_view name) {
   if (bytes.size() < sizeof(Header))
     return detail::fileError(name, bytes.size(), "ends within the header; is it a .psdf file?");
   const auto header = detail::readAt<Header>(bytes, 0);
@@ -141,16 +140,28 @@ Result<SdfData> loadSdf(std::span<const std::byte> bytes, std::string_view name)
   return data;
 }
 
+}  // namespace
+
+Result<void> saveSdf(const SdfData& data, const std::filesystem::path& path) {
+  return detail::guarded([&] { return save(data, path); });
+}
+
+Result<SdfData> loadSdf(std::span<const std::byte> bytes, std::string_view name) {
+  return detail::guarded([&] { return load(bytes, name); });
+}
+
 Result<SdfData> loadSdf(ByteSource& source, std::string_view name) {
-  Result<std::vector<std::byte>> bytes = readAll(source, name);
+  auto bytes = readAll(source, name);
   if (!bytes) return bytes.error();
   return loadSdf(*bytes, name);
 }
 
 Result<SdfData> loadSdf(const std::filesystem::path& path) {
-  Result<std::vector<std::byte>> bytes = detail::readFile(path);
-  if (!bytes) return bytes.error();
-  return loadSdf(*bytes, path.string());
+  return detail::guarded([&]() -> Result<SdfData> {
+    auto bytes = detail::readFile(path);
+    if (!bytes) return bytes.error();
+    return load(*bytes, path.string());
+  });
 }
 
 }  // namespace pelage

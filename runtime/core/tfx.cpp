@@ -177,14 +177,18 @@ class ValueReader {
 Result<HairAsset> readHeader(StreamReader& stream) {
   const std::string_view name = stream.name();
   if (stream.size() < kHeaderSize)
-    return fileError(name, stream.size(), "the file ends inside the 160-byte header");
+    return fileError(name, stream.size(),
+                     "the file ends inside the 160-byte header; pelage-convert groom reads older "
+                     "versions, and other files with hair");
   std::array<std::byte, kHeaderSize> bytes;
   if (auto r = stream.read(0, bytes); !r) return r.error();
   const float version = readAt<float>(bytes, 0);
   if (version != kVersion)
     return fileError(
         name, 0,
-        fmt::format("the version is {}; only 4.0 can be read (is this a .tfx file?)", version));
+        fmt::format("the version is {}; only 4.0 can be read; pelage-convert groom makes it of "
+                    "older versions, and of other files with hair",
+                    version));
   HairAsset asset;
   asset.strandCount = readAt<uint32_t>(bytes, kStrandCountAt);
   asset.verticesPerStrand = readAt<uint32_t>(bytes, kVertexCountAt);

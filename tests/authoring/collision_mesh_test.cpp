@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -11,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "cut_caps.h"
 #include "mesh_file.h"
 #include "mesh_simplify.h"
 #include "pelage/authoring/collision_from_mesh.h"
@@ -176,6 +178,67 @@ TEST_F(CutFromATube, SeamsBetweenMaterialsDoNotOpenWhenSimplified) {
   // The rings between the ends are needed by nothing.
   EXPECT_LT(body.report.triangleCount, 36u);
   EXPECT_EQ(body.sourceTriangleCount, 36u);
+}
+
+TEST_F(CutFromATube, AMeshOfAnotherUnitAndAxesStaysClosedAndItsOutsideOut) {
+  ASSERT_TRUE(prepareMesh(mesh_, {.scale = 0.5f, .upAxis = UpAxis::kZ, .invertZ = true}));
+  const auto meshes = cut(CollisionSplit::kWhole, {"body"});
+  EXPECT_TRUE(meshes[0].report.closed && !meshes[0].report.inverted);
+  EXPECT_NEAR(meshes[0].report.volume, 2, 1e-6);
+  // The tube was along y, which became -z, and then z.
+  for (const Float3& p : meshes[0].mesh.positions) {
+    EXPECT_TRUE(std::abs(p.x) == 0.5f && std::abs(p.y) == 0.5f && p.z >= 0 && p.z <= 2)
+        << p.x << " " << p.y << " " << p.z;
+  }
+  const auto refused = prepareMesh(mesh_, {.scale = 1e7f});
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("within +-1e6"), std::string::npos);
+  EXPECT_FALSE(prepareMesh(mesh_, {.scale = -1}));
+}
+
+TEST_F(CutFromATube, PiecesDoNotDependOnThoseBeforeThem) {
+  const auto all = cut(CollisionSplit::kBone);
+  ASSERT_GT(all.size(), 1u);
+  for (const NamedCollisionMesh& piece : all) {
+    const auto alone = cut(CollisionSplit::kBone, {piece.name});
+    ASSERT_EQ(alone.size(), 1u);
+    EXPECT_EQ(*saveTfxMesh(alone[0].mesh), *saveTfxMesh(piece.mesh)) << piece.name;
+  }
+}
+
+TEST(CutRims, RingsThatMeetInAVertexAreTwoRims) {
+  // Two tetrahedra with vertex 0 in common; the piece lacks a face of each, at that vertex.
+  const std::vector<uint32_t> closed = {0, 2, 1, 0, 3, 2, 0, 1, 3, 1, 2, 3,
+                                        0, 5, 4, 0, 6, 5, 0, 4, 6, 4, 5, 6};
+  std::vector<uint32_t> piece(closed.begin() + 3, closed.end());
+  piece.erase(piece.begin() + 9, piece.begin() + 12);
+  const auto rims = detail::cutRims(piece, detail::EdgeBalance(closed));
+  ASSERT_EQ(rims.size(), 2u);
+  std::vector<uint32_t> together = piece;
+  for (const auto& rim : rims) {
+    ASSERT_EQ(rim.size(), 3u);
+    together.insert(together.end(), rim.begin(), rim.end());
+  }
+  EXPECT_TRUE(detail::EdgeBalance(together).isClosed());
+}
+
+TEST(CutRims, ALongRimTakesNoLongerThanItHas) {
+  // A strip of 2 x 300,000 triangles around a ring; the piece is its lower half.
+  constexpr uint32_t kCount = 300000;
+  std::vector<uint32_t> lower, whole;
+  for (uint32_t i = 0; i < kCount; ++i) {
+    const uint32_t next = (i + 1) % kCount;
+    for (const uint32_t v : {i, next, kCount + next, i, kCount + next, kCount + i})
+      lower.push_back(v);
+  }
+  whole = lower;
+  for (const uint32_t v : lower) whole.push_back(v + kCount);
+  const std::clock_t start = std::clock();
+  const auto rims = detail::cutRims(lower, detail::EdgeBalance(whole));
+  const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  ASSERT_EQ(rims.size(), 1u);
+  EXPECT_EQ(rims[0].size(), kCount);
+  EXPECT_LT(seconds, 2);  // of the processor; to search the path at each vertex takes many
 }
 
 TEST_F(CutFromATube, BadInputIsAnErrorThatSaysWhich) {

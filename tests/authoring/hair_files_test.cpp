@@ -11,6 +11,7 @@
 #include <functional>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pelage/authoring/curve_import.h"
@@ -252,6 +253,17 @@ TEST(HairFiles, NoSingleByteCanDoHarm) {
   }
 }
 
+TEST(HairFiles, AByteOrderMarkIsNoPartOfTheText) {
+  for (const auto& [text, name] :
+       {std::pair("v 0 0 0\nv 1 0 0\nl 1 2\n", "a.obj"), std::pair("hairtxt 1\n0 0 0\n1 0 0\n", ""),
+        std::pair("numStrands 1\nstrand 0 numVerts 2\n0 0 0\n1 0 0\n", "a.tfx")}) {
+    auto curves = loadHairCurves(bytesOf("\xef\xbb\xbf" + std::string(text)), name);
+    ASSERT_TRUE(curves) << name << curves.error().message;
+    EXPECT_EQ(curves->positions, (std::vector<Float3>{{0, 0, 0}, {1, 0, 0}}));
+    EXPECT_TRUE(curves->strandUv.empty());
+  }
+}
+
 TEST(HairFiles, AFileOfNoKindIsRefusedByName) {
   EXPECT_REFUSED(loadHairCurves(bytesOf("hello"), "a.png"), "a.png");
   EXPECT_REFUSED(loadHairCurves(bytesOf(""), "nothing"), "nothing");
@@ -388,6 +400,45 @@ TEST(GltfCurves, LinesAreJoinedAndLoopsClosed) {
   EXPECT_EQ(counts(R"({"mode":2,"attributes":{"POSITION":0}})"), std::vector<uint32_t>{5});
 }
 
+TEST(GltfCurves, ManyStrandsMayShareOneArray) {
+  // 3,000 primitives of one array of 48,000 vertices: what the indices of all ask for is little.
+  constexpr uint32_t kStrands = 3000, kVertices = 16;
+  for (const int mode : {3, 1}) {
+    Bytes data;
+    for (uint32_t i = 0; i < kStrands * kVertices; ++i)
+      push(data, Float3{static_cast<float>(i / kVertices), static_cast<float>(i % kVertices), 0});
+    const size_t positionSize = data.size();
+    // A strip, or segments that make one.
+    const uint32_t count = mode == 3 ? kVertices : 2 * (kVertices - 1);
+    for (uint32_t s = 0; s < kStrands; ++s)
+      for (uint32_t i = 0; i < count; ++i)
+        push(data, s * kVertices + (mode == 3 ? i : (i + 1) / 2));
+    std::string accessors = R"({"bufferView":0,"componentType":5126,"count":48000,"type":"VEC3"})";
+    std::string primitives;
+    for (uint32_t s = 0; s < kStrands; ++s) {
+      accessors += R"(,{"bufferView":1,"componentType":5125,"type":"SCALAR","count":)" +
+                   std::to_string(count) + R"(,"byteOffset":)" + std::to_string(s * count * 4) +
+                   "}";
+      primitives += std::string(s == 0 ? "" : ",") + R"({"attributes":{"POSITION":0},"mode":)" +
+                    std::to_string(mode) + R"(,"indices":)" + std::to_string(s + 1) + "}";
+    }
+    const std::string text =
+        R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],)"
+        R"("meshes":[{"primitives":[)" +
+        primitives + R"(]}],"accessors":[)" + accessors +
+        R"(],"bufferViews":[{"buffer":0,"byteLength":)" + std::to_string(positionSize) +
+        R"(},{"buffer":0,"byteOffset":)" + std::to_string(positionSize) + R"(,"byteLength":)" +
+        std::to_string(data.size() - positionSize) + R"(}],"buffers":[{"byteLength":)" +
+        std::to_string(data.size()) + R"(,"uri":"data:application/octet-stream;base64,)" +
+        base64(data) + R"("}]})";
+    auto curves = loadGltfCurves(bytesOf(text), "a.gltf");
+    ASSERT_TRUE(curves) << curves.error().message;
+    EXPECT_EQ(curves->vertexCounts, std::vector<uint32_t>(kStrands, kVertices));
+    const size_t last = curves->positions.size() - 1;
+    EXPECT_EQ(curves->positions[last], (Float3{kStrands - 1, kVertices - 1, 0}));
+  }
+}
+
 TEST(GltfCurves, WhatDoesNotFitTogetherIsRefusedByItsPlace) {
   const std::string good(reinterpret_cast<const char*>(gltfFile().data()), gltfFile().size());
   const auto with = [&](std::string_view from, std::string_view to) {
@@ -506,6 +557,28 @@ TEST(TfxCurves, Version3HasItsArraysAtItsOffsets) {
   EXPECT_EQ(curves->strandUv[1], (Float2{0.3f, 0.4f}));
   EXPECT_EQ(curves->radii[3], 0.5f * kUnitFibreRadius);
   EXPECT_EQ(curves->inverseMasses.size(), 6u);
+}
+
+TEST(TfxCurves, AStrandOfVersion4WithoutAnyPositionIsDroppedAndTheOthersAreKept) {
+  HairAsset asset;
+  asset.strandCount = 3;
+  asset.verticesPerStrand = 2;
+  for (const float x : {0.0f, 1.0f, 2.0f}) {
+    asset.positions.push_back({x, 0, 0, 0});
+    asset.positions.push_back({x, 1, 0, 0});
+  }
+  Bytes bytes = *saveTfx(asset);
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const size_t vertex : {2, 3, 5}) {  // all of strand 1, one of strand 2
+    std::memcpy(bytes.data() + 160 + vertex * sizeof(Float4), &nan, sizeof(nan));
+  }
+  auto curves = loadTfxCurves(bytes, "a.tfx");
+  ASSERT_TRUE(curves) << curves.error().message;
+  CurveImportReport report;
+  ASSERT_TRUE(prepareCurves(*curves, {}, &report));
+  EXPECT_EQ(report.droppedUnusable, 1u);
+  EXPECT_EQ(report.droppedNoLength, 1u);  // repaired: the vertex is on the one before
+  EXPECT_EQ(curves->positions, (std::vector<Float3>{{0, 0, 0}, {0, 1, 0}}));
 }
 
 TEST(TfxCurves, OtherVersionsAndLyingCountsAreNamed) {

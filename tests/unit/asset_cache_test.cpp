@@ -382,9 +382,30 @@ TEST(AssetCache, RefusesToSaveWhatItWouldNotLoad) {
   refused("bone weights for 2", [](AssetCache& c) { c.hairs[0].bones->strands.pop_back(); });
   refused("follow hairs", [](AssetCache& c) { c.hairs[0].followHairs[1].guide = 3; });
   refused("mesh 0 ('body'): indices", [](AssetCache& c) { c.meshes[0].mesh.indices[1] = 4; });
+  refused("repairedStrandCount", [](AssetCache& c) { c.hairs[0].bones->repairedStrandCount = 4; });
+  refused("repairedVertexCount", [](AssetCache& c) { c.meshes[0].mesh.repairedVertexCount = 5; });
   refused("3 normals", [](AssetCache& c) { c.meshes[0].mesh.normals.pop_back(); });
   refused("bone names", [](AssetCache& c) { c.meshes[0].mesh.bones.clear(); });
   refused("more than 4095 bytes", [](AssetCache& c) { c.meshes[0].name.assign(5000, 'x'); });
+}
+
+TEST(AssetCache, ATableThatALyingStreamHasRoomForTakesNoMemory) {
+  // 200 GB of table in a stream that says that it has them.
+  class Liar final : public ByteSource {
+   public:
+    Header header;
+    uint64_t size() override { return header.fileSize; }
+    size_t read(uint64_t offset, std::span<std::byte> out) override {
+      if (offset + out.size() > sizeof(header)) return 0;
+      std::memcpy(out.data(), reinterpret_cast<const std::byte*>(&header) + offset, out.size());
+      return out.size();
+    }
+  } liar;
+  liar.header.fileSize = uint64_t{1} << 50;
+  liar.header.sectionCount = 0xffffffffu;
+  const auto loaded = loadAssetCache(liar, "stream");
+  ASSERT_FALSE(loaded);
+  EXPECT_TRUE(mentions(loaded.error(), "sections do not fit")) << loaded.error().message;
 }
 
 // Counts the bytes that are read.

@@ -47,7 +47,10 @@ class Cutter {
         merged_(def.errorBound > 0 ? places_
                                    : detail::weldVertices(mesh, WeldBy::kPositionAndBones)),
         whole_(placesOf(mesh.indices)),
-        normals_(mesh.positions.size()) {
+        normals_(mesh.positions.size()),
+        numbers_(mesh.positions.size(), kNone),
+        cornerAt_(mesh.positions.size(), kNone),
+        boneNumbers_(mesh.bones.size(), kNone) {
     boneNames_.resize(mesh.bones.size());
     for (const BoneName& bone : mesh.bones) boneNames_[bone.index] = bone.name;
     for (size_t v = 0; v < merged_.size(); ++v) normals_[merged_[v]] += toVector(mesh.normals[v]);
@@ -135,8 +138,6 @@ class Cutter {
     std::vector<uint32_t> source;  // vertices of the skinned mesh
     for (const uint32_t t : piece.triangles)
       for (size_t k = 0; k < 3; ++k) source.push_back(mesh_.indices[size_t{t} * 3 + k]);
-    numbers_.assign(mesh_.positions.size(), kNone);
-    cornerAt_.assign(mesh_.positions.size(), kNone);
     for (const uint32_t v : source) {
       mesh.indices.push_back(numberOf(v, mesh));
       if (uint32_t& corner = cornerAt_[places_[v]]; corner == kNone) corner = mesh.indices.back();
@@ -158,6 +159,8 @@ class Cutter {
     result.sourceTriangleCount =
         static_cast<uint32_t>((sourceCount + mesh.indices.size() - simplifiedCount) / 3);
     keepUsed(mesh);
+    // As they were: there may be many small pieces of a large mesh.
+    for (const uint32_t v : source) numbers_[merged_[v]] = cornerAt_[places_[v]] = kNone;
     auto report = inspectMesh(mesh);
     if (!report) return report.error();
     result.report = *report;
@@ -202,7 +205,7 @@ class Cutter {
   }
 
   // Leaves out the vertices and bones that no triangle needs.
-  void keepUsed(CollisionMesh& mesh) const {
+  void keepUsed(CollisionMesh& mesh) {
     std::vector<uint32_t> vertices(mesh.positions.size(), kNone);
     std::vector<uint32_t> kept;
     for (uint32_t& index : mesh.indices) {
@@ -213,20 +216,24 @@ class Cutter {
       index = vertices[index];
     }
     CollisionMesh out;
-    std::vector<uint32_t> bones(boneNames_.size(), kNone);
+    std::vector<uint32_t> bones;
     for (const uint32_t v : kept)
-      for (const uint32_t bone : mesh.influences[v].bones) bones[bone] = 0;
-    for (size_t i = 0; i < bones.size(); ++i) {
-      if (bones[i] == kNone) continue;
-      bones[i] = static_cast<uint32_t>(out.bones.size());
-      out.bones.push_back({bones[i], boneNames_[i]});
+      for (const uint32_t bone : mesh.influences[v].bones) {
+        if (boneNumbers_[bone] == kNone) bones.push_back(bone);
+        boneNumbers_[bone] = 0;
+      }
+    std::sort(bones.begin(), bones.end());
+    for (const uint32_t bone : bones) {
+      boneNumbers_[bone] = static_cast<uint32_t>(out.bones.size());
+      out.bones.push_back({boneNumbers_[bone], boneNames_[bone]});
     }
     for (const uint32_t v : kept) {
       out.positions.push_back(mesh.positions[v]);
       out.normals.push_back(mesh.normals[v]);
       out.influences.push_back(mesh.influences[v]);
-      for (uint32_t& bone : out.influences.back().bones) bone = bones[bone];
+      for (uint32_t& bone : out.influences.back().bones) bone = boneNumbers_[bone];
     }
+    for (const uint32_t bone : bones) boneNumbers_[bone] = kNone;
     out.indices = std::move(mesh.indices);
     mesh = std::move(out);
   }
@@ -240,9 +247,10 @@ class Cutter {
   detail::EdgeBalance whole_;     // between places
   std::vector<Vector> normals_;   // [vertex] of those that stay
   std::vector<std::string> boneNames_;
-  // Of the piece at hand.
-  std::vector<uint32_t> numbers_;   // [vertex] in the collision mesh
-  std::vector<uint32_t> cornerAt_;  // [place] a vertex of the collision mesh
+  // Of the piece at hand; kNone for what it does not have.
+  std::vector<uint32_t> numbers_;      // [vertex] in the collision mesh
+  std::vector<uint32_t> cornerAt_;     // [place] a vertex of the collision mesh
+  std::vector<uint32_t> boneNumbers_;  // [bone] in the collision mesh
 };
 
 }  // namespace

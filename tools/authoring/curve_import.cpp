@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "axes.h"
 #include "guard.h"
 #include "pelage/hair_asset.h"
 #include "pelage/random.h"
@@ -22,7 +23,7 @@ Error refuse(std::string what) {
 }
 
 Result<void> checkDef(const CurveImportDef& def) {
-  if (!(def.scale >= 1e-9f && def.scale <= 1e9f))
+  if (!detail::isScale(def.scale))
     return refuse(fmt::format("the scale is {}; it must be 1e-9 to 1e9", def.scale));
   if (!(def.minCurveLength >= 0 && def.minCurveLength <= kMaxCoordinate))
     return refuse(fmt::format("minCurveLength is {} m; it must be 0 to 1e6", def.minCurveLength));
@@ -71,11 +72,8 @@ class Preparation {
 
  private:
   Float3 toMetres(const Float3& p) const {
-    Float3 q{p.x * def_.scale, p.y * def_.scale, p.z * def_.scale};
-    if (def_.upAxis == UpAxis::kX) q = {-q.y, q.x, q.z};
-    if (def_.upAxis == UpAxis::kZ) q = {q.x, q.z, -q.y};
-    if (def_.invertZ) q.z = -q.z;
-    return q;
+    return detail::turned({p.x * def_.scale, p.y * def_.scale, p.z * def_.scale}, def_.upAxis,
+                          def_.invertZ);
   }
 
   void repair(float& value, float lowest) {

@@ -52,31 +52,39 @@ std::vector<std::vector<uint32_t>> cutRims(std::span<const uint32_t> indices,
   }
   std::sort(edges.begin(), edges.end());
 
-  std::vector<std::vector<uint32_t>> rims;
-  std::vector<bool> used(edges.size());
-  // The first unused edge that leaves a vertex; the end when there is none.
-  const auto leaving = [&](uint32_t vertex) {
-    auto edge = std::lower_bound(edges.begin(), edges.end(), std::array{vertex, 0u});
-    while (edge != edges.end() && (*edge)[0] == vertex &&
-           used[static_cast<size_t>(edge - edges.begin())])
-      ++edge;
-    return edge != edges.end() && (*edge)[0] == vertex ? edge : edges.end();
+  // A vertex is known by the first of the edges that leave it. Of each: how many of them were
+  // followed, and where it is on the path.
+  constexpr size_t kNone = ~size_t{0};
+  std::vector<size_t> followed(edges.size(), 0), place(edges.size(), kNone);
+  const auto firstEdge = [&](uint32_t vertex) {
+    const auto edge = std::lower_bound(edges.begin(), edges.end(), std::array{vertex, 0u});
+    const bool leaves = edge != edges.end() && (*edge)[0] == vertex;
+    return leaves ? static_cast<size_t>(edge - edges.begin()) : kNone;
   };
+  std::vector<size_t> path;
+  const auto cutTo = [&](size_t size) {
+    for (; path.size() > size; path.pop_back()) place[path.back()] = kNone;
+  };
+  std::vector<std::vector<uint32_t>> rims;
   for (size_t start = 0; start < edges.size(); ++start) {
-    if (used[start]) continue;
-    std::vector<uint32_t> path = {edges[start][0]};
+    size_t at = firstEdge(edges[start][0]);
+    if (start < at + followed[at]) continue;
     // A path that ends without coming back was never a ring: its edges stay open.
-    for (auto edge = leaving(path.back()); edge != edges.end(); edge = leaving(path.back())) {
-      used[static_cast<size_t>(edge - edges.begin())] = true;
-      const uint32_t next = (*edge)[1];
-      const auto met = std::find(path.begin(), path.end(), next);
-      if (met == path.end()) {
-        path.push_back(next);
-        continue;
+    while (at != kNone) {
+      if (place[at] == kNone) {
+        place[at] = path.size();
+        path.push_back(at);
+      } else {
+        std::vector<uint32_t>& rim = rims.emplace_back();
+        for (size_t i = place[at]; i < path.size(); ++i) rim.push_back(edges[path[i]][0]);
+        cutTo(place[at] + 1);
       }
-      rims.emplace_back(met, path.end());
-      path.erase(met + 1, path.end());
+      const size_t edge = at + followed[at];
+      if (edge == edges.size() || edges[edge][0] != edges[at][0]) break;
+      ++followed[at];
+      at = firstEdge(edges[edge][1]);
     }
+    cutTo(0);
   }
   return rims;
 }

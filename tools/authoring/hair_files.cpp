@@ -47,7 +47,8 @@ Result<HairCurves> load(std::span<const std::byte> bytes, std::string_view name,
 }  // namespace
 
 std::optional<HairFileKind> hairFileKind(std::span<const std::byte> bytes, std::string_view name) {
-  const std::string_view text = detail::asText(bytes);
+  std::string_view text = detail::asText(bytes);
+  if (text.starts_with(detail::kByteOrderMark)) text.remove_prefix(detail::kByteOrderMark.size());
   if (text.substr(0, 4) == "HAIR") return HairFileKind::kHair;
   if (text.substr(0, 4) == "glTF") return HairFileKind::kGltf;
   if (text.substr(0, 8) == "hairtxt ") return HairFileKind::kHairText;

@@ -155,7 +155,6 @@ class GltfReader {
       return {};
     }
     if (auto r = readVertices(primitive, path); !r) return r;
-    if (auto r = spend(vertices_.size(), path); !r) return r;
     std::vector<uint32_t> order;
     if (primitive.contains("indices")) {
       auto accessor = file_.whole(primitive, "indices", path);
@@ -163,21 +162,32 @@ class GltfReader {
       auto indices = file_.indices(*accessor);
       if (!indices) return indices.error();
       order = *std::move(indices);
+      if (auto r = spend(order.size(), path); !r) return r;
       for (size_t i = 0; i < order.size(); ++i)
         if (order[i] >= vertices_.size())
           return file_.fail(path, fmt::format("index {} is {}, but there are {} vertices", i,
                                               order[i], vertices_.size()));
     } else {
+      if (auto r = spend(vertices_.size(), path); !r) return r;
       for (size_t i = 0; i < vertices_.size(); ++i) order.push_back(static_cast<uint32_t>(i));
     }
     if (*mode != kLines) {
       if (*mode == kLineLoop) order.push_back(order.front());
       return addCurve(order, path, toScene);
     }
+    // By their places among the vertices in use: the array may be that of all strands.
+    std::vector<uint32_t> used = order;
+    std::sort(used.begin(), used.end());
+    used.erase(std::unique(used.begin(), used.end()), used.end());
+    const auto placeOf = [&](uint32_t vertex) {
+      return static_cast<uint32_t>(std::lower_bound(used.begin(), used.end(), vertex) -
+                                   used.begin());
+    };
     std::vector<std::pair<uint32_t, uint32_t>> segments;
-    for (size_t i = 0; i + 1 < order.size(); i += 2) segments.push_back({order[i], order[i + 1]});
-    const detail::LineChains chains =
-        detail::joinSegments(segments, static_cast<uint32_t>(vertices_.size()));
+    for (size_t i = 0; i + 1 < order.size(); i += 2)
+      segments.push_back({placeOf(order[i]), placeOf(order[i + 1])});
+    detail::LineChains chains = detail::joinSegments(segments, static_cast<uint32_t>(used.size()));
+    for (uint32_t& vertex : chains.vertices) vertex = used[vertex];
     joinedCount_ += segments.size();
     chainCount_ += chains.counts.size();
     size_t begin = 0;
@@ -205,6 +215,7 @@ class GltfReader {
     auto uv = attribute(*attributes, "TEXCOORD_0", path, 2, 2);
     if (!uv) return uv.error();
     const size_t count = positions->size() / 3;
+    if (auto r = spend(count, path); !r) return r;
     const size_t components = colors->size() / count;
     if (colors->size() % count != 0 || (!colors->empty() && components != 3 && components != 4) ||
         (!uv->empty() && uv->size() != count * 2))

@@ -32,9 +32,49 @@ void addMasses(HairCurves& curves, bool bothEndsImmovable) {
       curves.inverseMasses.push_back(i < 2 || i + 2 >= count ? 0.0f : 1.0f);
 }
 
+// Of a file of version 4.0, the strands without a vertex that is within kMaxCoordinate. None when
+// the positions are not where the header says: loadTfx() has the words for that.
+std::vector<uint32_t> strandsWithoutPositions(std::span<const std::byte> bytes) {
+  constexpr uint64_t kHeaderSize = 160;
+  if (bytes.size() < kHeaderSize) return {};
+  const auto strandCount = readAt<uint32_t>(bytes, 4), vertexCount = readAt<uint32_t>(bytes, 8);
+  const uint64_t begin = readAt<uint32_t>(bytes, 12);
+  if (begin < kHeaderSize || vertexCount < kMinVerticesPerStrand ||
+      vertexCount > kMaxVerticesPerStrand ||
+      begin + uint64_t{strandCount} * vertexCount * sizeof(Float4) > bytes.size())
+    return {};
+  const auto isUsable = [](const Float4& p) {  // false for NaN
+    return std::abs(p.x) <= kMaxCoordinate && std::abs(p.y) <= kMaxCoordinate &&
+           std::abs(p.z) <= kMaxCoordinate;
+  };
+  std::vector<uint32_t> strands;
+  uint64_t at = begin;
+  for (uint32_t strand = 0; strand < strandCount; ++strand) {
+    bool usable = false;
+    for (uint32_t i = 0; i < vertexCount; ++i, at += sizeof(Float4))
+      usable = usable || isUsable(readAt<Float4>(bytes, at));
+    if (!usable) strands.push_back(strand);
+  }
+  return strands;
+}
+
 Result<HairCurves> readBinary4(std::span<const std::byte> bytes, std::string_view name,
                                HairFileReport& report) {
   report.format = "TressFX 4.0";
+  // Repairing has no place to put a strand without any usable position: such strands are kept from
+  // it, and get back what no reader of curves can use.
+  const std::vector<uint32_t> unusable = strandsWithoutPositions(bytes);
+  std::vector<std::byte> patched;
+  if (!unusable.empty()) {
+    patched.assign(bytes.begin(), bytes.end());
+    const auto vertexCount = readAt<uint32_t>(bytes, 8);
+    const uint64_t size = uint64_t{vertexCount} * sizeof(Float4);
+    for (const uint32_t strand : unusable)
+      std::fill_n(patched.begin() +
+                      static_cast<std::ptrdiff_t>(readAt<uint32_t>(bytes, 12) + strand * size),
+                  size, std::byte{0});
+    bytes = patched;
+  }
   TfxLoadReport loaded;
   auto asset = loadTfx(bytes, name, {.repair = true}, &loaded);
   if (!asset) return asset.error();
@@ -49,6 +89,10 @@ Result<HairCurves> readBinary4(std::span<const std::byte> bytes, std::string_vie
     curves.positions.push_back({p.x, p.y, p.z});
     curves.inverseMasses.push_back(p.w);
   }
+  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+  for (const uint32_t strand : unusable)
+    std::fill_n(curves.positions.begin() + std::ptrdiff_t{strand} * asset->verticesPerStrand,
+                asset->verticesPerStrand, Float3{kNaN, kNaN, kNaN});
   for (const float thickness : asset->strandThickness)
     curves.radii.insert(curves.radii.end(), asset->verticesPerStrand, thickness * kUnitFibreRadius);
   curves.colors = std::move(asset->vertexColor);
@@ -146,6 +190,7 @@ class TextReader {
       return lines_.fail(fmt::format("the file ends after {} strands; 'numStrands' says {}",
                                      curves_.vertexCounts.size(), *strandCount_));
     if (curves_.vertexCounts.empty()) return lines_.fail("the file has no strands");
+    if (!hasUv_) curves_.strandUv.clear();
     place();
     addMasses(curves_, bothEndsImmovable_);
     return std::move(curves_);
@@ -220,7 +265,8 @@ class TextReader {
       return lines_.fail(fmt::format("numVerts is {}, but only {} bytes of text are left", *count,
                                      lines_.bytesLeft()));
     Float2 uv;
-    if (lines_.word() == "texcoord") {
+    const bool texcoord = lines_.word() == "texcoord";
+    if (texcoord) {
       auto u = lines_.number("the strand's u");
       if (!u) return u.error();
       auto v = lines_.number("the strand's v");
@@ -240,6 +286,7 @@ class TextReader {
     }
     curves_.vertexCounts.push_back(*count);
     curves_.strandUv.push_back(uv);
+    hasUv_ = hasUv_ || texcoord;
     return {};
   }
 
@@ -264,12 +311,13 @@ class TextReader {
   std::optional<uint32_t> strandCount_;
   double scale_ = 1;
   Eigen::Vector3d rotation_ = Eigen::Vector3d::Zero(), translation_ = Eigen::Vector3d::Zero();
-  bool bothEndsImmovable_ = false;
+  bool bothEndsImmovable_ = false, hasUv_ = false;
   HairCurves curves_;
 };
 
 bool startsLikeText(std::span<const std::byte> bytes) {
-  const std::string_view text = detail::asText(bytes.first(std::min<size_t>(bytes.size(), 64)));
+  std::string_view text = detail::asText(bytes.first(std::min<size_t>(bytes.size(), 64)));
+  if (text.starts_with(detail::kByteOrderMark)) text.remove_prefix(detail::kByteOrderMark.size());
   const size_t begin = text.find_first_not_of(" \t\r\n");
   if (begin == std::string_view::npos) return false;
   const std::string_view rest = text.substr(begin);

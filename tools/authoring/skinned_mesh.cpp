@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "axes.h"
 #include "bone_influences.h"
 #include "guard.h"
 #include "pelage/hair_asset.h"
@@ -68,7 +69,25 @@ Result<void> check(const SkinnedMesh& mesh) {
   return {};
 }
 
+Result<void> prepare(SkinnedMesh& mesh, const MeshImportDef& def) {
+  if (!detail::isScale(def.scale))
+    return refuse(fmt::format("mesh: the scale is {}; it must be 1e-9 to 1e9", def.scale));
+  if (auto r = check(mesh); !r) return r;
+  for (Float3& p : mesh.positions)
+    p = detail::turned({p.x * def.scale, p.y * def.scale, p.z * def.scale}, def.upAxis,
+                       def.invertZ);
+  for (Float3& n : mesh.normals) n = detail::turned(n, def.upAxis, def.invertZ);
+  if (def.invertZ)
+    for (size_t i = 0; i < mesh.indices.size(); i += 3)
+      std::swap(mesh.indices[i + 1], mesh.indices[i + 2]);
+  return check(mesh);
+}
+
 }  // namespace
+
+Result<void> prepareMesh(SkinnedMesh& mesh, const MeshImportDef& def) {
+  return detail::guarded([&] { return prepare(mesh, def); });
+}
 
 Result<void> validate(const SkinnedMesh& mesh) {
   return detail::guarded([&] { return check(mesh); });

@@ -23,11 +23,16 @@ std::optional<float> parseFloat(std::string_view word);
 /// A whole word as a whole number.
 std::optional<int64_t> parseInteger(std::string_view word);
 
+/// What some editors of Windows put in front of UTF-8.
+inline constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+
 class TextLines {
  public:
   /// \param continued: a backslash at the end of a line joins it with the next.
   TextLines(std::string_view text, std::string_view name, bool continued = false)
-      : rest_(text), name_(name), continued_(continued) {}
+      : rest_(text), name_(name), continued_(continued) {
+    if (rest_.starts_with(kByteOrderMark)) rest_.remove_prefix(kByteOrderMark.size());
+  }
 
   /// Goes to the next line, blank ones too; false at the end. A comment (# to the end of the line)
   /// is not part of it.

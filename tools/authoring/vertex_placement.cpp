@@ -51,7 +51,7 @@ class Fitting {
     candidates_.back() = curve_.length();
     size_t moved = 0;
     for (size_t i = 1; i + 1 < curve_.arc.size(); ++i) {
-      const auto nearest = static_cast<size_t>(curve_.arc[i] / step + 0.5);
+      const auto nearest = static_cast<size_t>(std::llround(curve_.arc[i] / step));
       if (nearest <= moved || nearest >= last_) continue;
       candidates_[nearest] = curve_.arc[i];
       moved = nearest;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "commands.h"
+#include "import_options.h"
 #include "pelage/authoring/skin_binding.h"
 #include "pelage/bone_weights.h"
 #include "pelage/hair_asset.h"
@@ -21,6 +22,7 @@ constexpr size_t kStrandsListed = 8;
 
 struct BindOptions {
   std::filesystem::path groom, mesh, output, skin, compare;
+  MeshImportDef import;
   BindDef def;
 };
 
@@ -41,7 +43,7 @@ void reportFarStrands(const BindOptions& options, const BindReport& report, Sess
   if (!farthest.empty())
     session.warn(
         fmt::format("{} strands do not touch the mesh; the farthest, strand {}, is {:.4g} m "
-                    "from it",
+                    "from it (if that is most of them: do --scale and --up-axis of the mesh fit?)",
                     farthest.size(), farthest[0].strand, farthest[0].distance));
 }
 
@@ -67,6 +69,8 @@ Result<void> bind(const BindOptions& options, Session& session) {
   if (!groom) return groom.error();
   auto mesh = loadSkinnedMesh(options.mesh);
   if (!mesh) return mesh.error();
+  if (auto r = prepareMesh(*mesh, options.import); !r)
+    return Error{r.error().code, options.mesh.string() + ": " + r.error().message};
   auto binding = bindRoots(rootsOf(*groom), *mesh, options.def);
   if (!binding)
     return Error{binding.error().code, options.mesh.string() + ": " + binding.error().message};
@@ -89,6 +93,8 @@ Result<void> bind(const BindOptions& options, Session& session) {
   session.add("max_lost_weight", report.maxLostWeight, "lost weight",
               fmt::format("at most {:.4g} by the limit of {} bones", report.maxLostWeight,
                           options.def.maxBones));
+  session.add("degenerate_triangles", report.degenerateTriangles, "without area",
+              fmt::format("{} triangles, to which nothing is bound", report.degenerateTriangles));
   if (mesh->repairedVertexCount > 0)
     session.warn(fmt::format("{} vertices of the mesh have no weights and follow their node",
                              mesh->repairedVertexCount));
@@ -109,6 +115,8 @@ void addBindCommand(CLI::App& app, Session& session) {
   command->add_option("GROOM", options->groom, "Hair, .tfx")->required();
   command->add_option("MESH", options->mesh, "Skinned mesh: glTF, FBX, ..., .tfxmesh")->required();
   command->add_option("OUT", options->output, "Bones and weights, .tfxbone")->required();
+  addAxisOptions(*command, "the mesh", options->import.scale, options->import.upAxis,
+                 options->import.invertZ);
   command->add_option("--skin", options->skin,
                       "Also write the place of each root on the mesh, .tfxskin");
   command

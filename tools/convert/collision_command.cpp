@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "import_options.h"
 #include "pelage/authoring/collision_from_mesh.h"
 #include "pelage/collision_mesh.h"
 
@@ -19,11 +20,14 @@ namespace {
 
 struct CollisionOptions {
   std::filesystem::path mesh, output;
+  MeshImportDef import;
+  std::string by = "whole";
   CollisionMeshDef def;
 };
 
 const std::map<std::string, CollisionSplit> kSplits = {{"whole", CollisionSplit::kWhole},
                                                        {"material", CollisionSplit::kMaterial},
+                                                       {"object", CollisionSplit::kPart},
                                                        {"part", CollisionSplit::kPart},
                                                        {"bone", CollisionSplit::kBone}};
 
@@ -51,6 +55,8 @@ std::string fileName(const std::string& name, std::set<std::string>& taken) {
 Result<void> makeCollision(const CollisionOptions& options, Session& session) {
   auto mesh = loadSkinnedMesh(options.mesh);
   if (!mesh) return mesh.error();
+  if (auto r = prepareMesh(*mesh, options.import); !r)
+    return Error{r.error().code, options.mesh.string() + ": " + r.error().message};
   auto pieces = collisionMeshes(*mesh, options.def);
   if (!pieces)
     return Error{pieces.error().code, options.mesh.string() + ": " + pieces.error().message};
@@ -108,10 +114,16 @@ void addCollisionCommand(CLI::App& app, Session& session) {
       ->add_option("OUT", options->output,
                    "Collision mesh, .tfxmesh; pieces go to <OUT without extension>_<name>.tfxmesh")
       ->required();
-  command->add_option("--by", options->def.by, "whole, or a piece each material, part or bone")
-      ->transform(CLI::CheckedTransformer(kSplits, CLI::ignore_case));
+  addAxisOptions(*command, "the mesh", options->import.scale, options->import.upAxis,
+                 options->import.invertZ);
+  command
+      ->add_option("--by", options->by,
+                   "whole, or a piece each material, object (part is the same) or bone")
+      ->transform(CLI::IsMember({"whole", "material", "object", "part", "bone"}, CLI::ignore_case))
+      ->type_name("NAME")
+      ->capture_default_str();
   command->add_option("--only", options->def.only,
-                      "Names of the pieces to write; of the parts to take without --by");
+                      "Names of the pieces to write; of the objects to take without --by");
   command->add_flag("--cap-holes,!--no-cap-holes", options->def.capHoles,
                     "Close the holes that taking apart cuts; on without being asked for");
   command
@@ -119,6 +131,7 @@ void addCollisionCommand(CLI::App& app, Session& session) {
                    "Simplify, within this distance of the mesh [m]; 0 keeps all triangles")
       ->capture_default_str();
   command->callback([options, &session] {
+    options->def.by = kSplits.at(options->by);
     session.command = [options, &session] { return makeCollision(*options, session); };
   });
 }

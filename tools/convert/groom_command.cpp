@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "commands.h"
+#include "import_options.h"
 #include "pelage/authoring/curve_import.h"
 #include "pelage/authoring/guides.h"
 #include "pelage/authoring/hair_files.h"
@@ -35,10 +36,6 @@ struct GroomOptions {
     return !resampled && !resample.bothEndsImmovable && !selects() && import == neutral;
   }
 };
-
-const char* toString(UpAxis axis) {
-  return axis == UpAxis::kX ? "x" : axis == UpAxis::kY ? "y" : "z";
-}
 
 void reportOptions(const GroomOptions& options, uint32_t verticesPerStrand, Session& session) {
   const CurveImportDef& def = options.import;
@@ -66,7 +63,7 @@ void reportOptions(const GroomOptions& options, uint32_t verticesPerStrand, Sess
   if (options.resampled && options.resample.errorBound > 0)
     text += fmt::format(", error bound {:g} m", options.resample.errorBound);
   if (options.resample.bothEndsImmovable) text += ", both ends immovable";
-  session.add("options", std::move(json), "options", std::move(text));
+  session.add("options", json, "options", std::move(text));
 }
 
 void reportInput(const GroomOptions& options, const HairFileReport& file, Session& session) {
@@ -256,23 +253,14 @@ Result<void> groom(GroomOptions options, Session& session) {
 }
 
 void addImportOptions(CLI::App& command, CurveImportDef& def) {
-  command.add_option("--scale", def.scale, "Metres a unit of the file")->capture_default_str();
-  command
-      .add_option_function<std::string>(
-          "--up-axis",
-          [&def](const std::string& axis) {
-            def.upAxis = axis == "x" ? UpAxis::kX : axis == "y" ? UpAxis::kY : UpAxis::kZ;
-          },
-          "Axis of the file that points up: x, y or z (y)")
-      ->check(CLI::IsMember({"x", "y", "z"}))
-      ->type_name("AXIS");
-  command.add_flag("--invert-z", def.invertZ, "Mirror z");
+  addAxisOptions(command, "the file", def.scale, def.upAxis, def.invertZ);
   command.add_flag("--invert-v", def.invertV, "v of the texture becomes 1 - v");
   command.add_option("--min-curve-length", def.minCurveLength, "Drop shorter curves [m]")
       ->capture_default_str();
   command.add_flag("--randomize-strands", def.randomizeStrands,
                    "Shuffle the strands, so that the first ones are a fair sample");
   command.add_option("--seed", def.seed, "Of the shuffle, and of the choice of guides")
+      ->check(isNotNegative())
       ->capture_default_str();
 }
 
@@ -293,6 +281,7 @@ void addGroomCommand(CLI::App& app, Session& session) {
       command
           ->add_option("--error-bound", options->resample.errorBound,
                        "Take the fewest vertices with which no curve deviates by more [m]")
+          ->check(isAboveZero())
           ->excludes(vertices);
   CLI::Option* placement =
       command
@@ -307,12 +296,15 @@ void addGroomCommand(CLI::App& app, Session& session) {
           ->type_name("TEXT");
   command->add_flag("--both-ends-immovable", options->resample.bothEndsImmovable,
                     "The last two vertices of a strand are fixed, too");
-  CLI::Option* count = command->add_option("--guide-count", options->guides.guideCount,
-                                           "Keep as many strands as guides for the others");
+  CLI::Option* count = command
+                           ->add_option("--guide-count", options->guides.guideCount,
+                                        "Keep as many strands as guides for the others")
+                           ->check(isAboveZero());
   CLI::Option* guideBound =
       command
           ->add_option("--guide-error-bound", options->guides.guideErrorBound,
                        "Keep as few guides as put no vertex of the others off by more [m]")
+          ->check(isAboveZero())
           ->excludes(count);
   CLI::Option* follow = command->add_option("--follow", options->follow,
                                             "Write the strands that follow the guides, .tfxfollow");

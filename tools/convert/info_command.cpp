@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -12,10 +13,15 @@
 #include <vector>
 
 #include "commands.h"
+#include "pelage/asset_cache.h"
 #include "pelage/authoring/curve_import.h"
 #include "pelage/authoring/hair_files.h"
+#include "pelage/authoring/skinned_mesh.h"
 #include "pelage/bone_weights.h"
 #include "pelage/collision_mesh.h"
+#include "pelage/follow_file.h"
+#include "pelage/sdf_data.h"
+#include "pelage/skin_table.h"
 
 namespace pelage::convert {
 namespace {
@@ -60,12 +66,12 @@ Result<void> curvesInfo(const std::filesystem::path& path, Session& session) {
   HairFileReport file;
   auto curves = loadHairCurves(path, &file);
   if (!curves) return curves.error();
-  reportFile(path, "hair curves", file.format, session);
-  session.add("notes", file.notes, "", "");
-  for (const std::string& note : file.notes) session.warn(note);
   CurveImportReport report;
   if (auto r = prepareCurves(*curves, {}, &report); !r)
     return Error{ErrorCode::kInvalidFile, path.string() + ": " + r.error().message};
+  reportFile(path, "hair curves", file.format, session);
+  session.add("notes", file.notes, "", "");
+  for (const std::string& note : file.notes) session.warn(note);
   const auto [fewest, most] =
       std::minmax_element(curves->vertexCounts.begin(), curves->vertexCounts.end());
   session.add("curves", report.curvesRead, "curves",
@@ -129,12 +135,171 @@ Result<void> tfxMeshInfo(const std::filesystem::path& path, Session& session) {
   return {};
 }
 
+Result<void> tfxSkinInfo(const std::filesystem::path& path, Session& session) {
+  auto table = loadTfxSkin(path);
+  if (!table) return table.error();
+  reportFile(path, "roots on a mesh", ".tfxskin", session);
+  session.add("strands", table->roots.size(), "strands", fmt::format("{}", table->roots.size()));
+  std::vector<uint64_t> roots(table->parts.size());
+  double farthest = 0;
+  for (const SurfaceRoot& root : table->roots) {
+    ++roots[root.part];
+    farthest = std::max(
+        farthest, std::hypot(double{root.offset.x}, double{root.offset.y}, double{root.offset.z}));
+  }
+  session.add("max_distance", farthest, "distance",
+              fmt::format("at most {:.4g} m from the mesh", farthest));
+  nlohmann::json parts = nlohmann::json::array();
+  for (size_t i = 0; i < roots.size(); ++i) {
+    const SkinPart& part = table->parts[i];
+    parts.push_back({{"name", part.name},
+                     {"mesh", part.mesh},
+                     {"material", part.material},
+                     {"vertices", part.vertexCount},
+                     {"triangles", part.triangleCount},
+                     {"roots", roots[i]}});
+    session.add("", {}, "part",
+                fmt::format("'{}': {} vertices, {} triangles, {} roots", part.name,
+                            part.vertexCount, part.triangleCount, roots[i]));
+  }
+  session.add("parts", std::move(parts), "", "");
+  return {};
+}
+
+Result<void> tfxFollowInfo(const std::filesystem::path& path, Session& session) {
+  auto hairs = loadFollowHairs(path, 0);
+  if (!hairs) return hairs.error();
+  reportFile(path, "follow hairs", ".tfxfollow", session);
+  uint32_t lastGuide = 0;
+  std::array<uint64_t, 3> byGuides = {};  // hairs of one, two and three guides
+  for (const FollowHair& hair : *hairs) {
+    size_t others = 0;
+    lastGuide = std::max(lastGuide, hair.guide);
+    for (size_t k = 0; k < 2; ++k) {
+      if (!(hair.otherWeights[k] > 0)) continue;
+      ++others;
+      lastGuide = std::max(lastGuide, hair.otherGuides[k]);
+    }
+    ++byGuides[others];
+  }
+  session.add("follow_hairs", hairs->size(), "follow hairs",
+              fmt::format("{}: {} of one guide, {} of two, {} of three", hairs->size(), byGuides[0],
+                          byGuides[1], byGuides[2]));
+  session.add("hairs_by_guides", byGuides, "", "");
+  if (!hairs->empty())
+    session.add("last_guide", lastGuide, "last guide", fmt::format("{}", lastGuide));
+  return {};
+}
+
+Result<void> cacheInfo(const std::filesystem::path& path, Session& session) {
+  auto cache = loadAssetCache(path);
+  if (!cache) return cache.error();
+  reportFile(path, "cache of assets", fmt::format(".pelage version {}", kAssetCacheVersion),
+             session);
+  nlohmann::json hairs = nlohmann::json::array(), meshes = hairs, sources = hairs;
+  for (const CachedHair& hair : cache->hairs) {
+    const size_t bones = hair.bones ? hair.bones->bones.size() : 0;
+    hairs.push_back({{"name", hair.name},
+                     {"strands", hair.asset.strandCount},
+                     {"vertices_per_strand", hair.asset.verticesPerStrand},
+                     {"bones", bones},
+                     {"follow_hairs", hair.followHairs.size()}});
+    session.add("", {}, "hair",
+                fmt::format("'{}': {} strands of {} vertices, {} bones, {} follow hairs", hair.name,
+                            hair.asset.strandCount, hair.asset.verticesPerStrand, bones,
+                            hair.followHairs.size()));
+  }
+  for (const CachedMesh& mesh : cache->meshes) {
+    meshes.push_back({{"name", mesh.name},
+                      {"vertices", mesh.mesh.positions.size()},
+                      {"triangles", mesh.mesh.indices.size() / 3},
+                      {"bones", mesh.mesh.bones.size()},
+                      {"prepared", mesh.mesh.prepared != nullptr}});
+    session.add("", {}, "mesh",
+                fmt::format("'{}': {} vertices, {} triangles, {} bones", mesh.name,
+                            mesh.mesh.positions.size(), mesh.mesh.indices.size() / 3,
+                            mesh.mesh.bones.size()));
+  }
+  for (const SourceKey& source : cache->sources) {
+    sources.push_back({{"name", source.name},
+                       {"size", source.size},
+                       {"hash", fmt::format("{:016x}", source.hash)}});
+    session.add("", {}, "made from", fmt::format("{}, {} bytes", source.name, source.size));
+  }
+  session.add("hairs", std::move(hairs), "", "");
+  session.add("meshes", std::move(meshes), "", "");
+  session.add("sources", std::move(sources), "", "");
+  // Names of sources are relative to where the cache was made.
+  const auto stale = findStaleSource(cache->sources, {});
+  session.add(
+      "stale_source", stale ? nlohmann::json(stale->name) : nlohmann::json(), "stale",
+      stale ? fmt::format("{} has changed, or is not there when looked for from here", stale->name)
+            : "no");
+  return {};
+}
+
+Result<void> sdfInfo(const std::filesystem::path& path, Session& session) {
+  auto field = loadSdf(path);
+  if (!field) return field.error();
+  reportFile(path, "distance field", ".psdf", session);
+  const SdfGrid& grid = field->grid;
+  session.add("nodes", grid.nodes, "nodes",
+              fmt::format("{} x {} x {}", grid.nodes[0], grid.nodes[1], grid.nodes[2]));
+  session.add("cell_size", grid.cellSize, "cell size", fmt::format("{:.4g} m", grid.cellSize));
+  session.add("origin", {grid.origin.x, grid.origin.y, grid.origin.z}, "origin",
+              fmt::format("{:.4g} {:.4g} {:.4g}", grid.origin.x, grid.origin.y, grid.origin.z));
+  session.add("triangles", field->triangleCount, "triangles",
+              fmt::format("{}", field->triangleCount));
+  return {};
+}
+
+Result<void> meshInfo(const std::filesystem::path& path, Session& session) {
+  auto mesh = loadSkinnedMesh(path);
+  if (!mesh) return mesh.error();
+  reportFile(path, "mesh", "for bind and collision", session);
+  session.add("vertices", mesh->positions.size(), "vertices",
+              fmt::format("{}", mesh->positions.size()));
+  session.add("triangles", mesh->triangleCount(), "triangles",
+              fmt::format("{}", mesh->triangleCount()));
+  nlohmann::json parts = nlohmann::json::array();
+  for (const SkinnedMeshPart& part : mesh->parts) {
+    parts.push_back({{"name", part.name},
+                     {"mesh", part.mesh},
+                     {"material", part.material},
+                     {"vertices", part.vertexCount},
+                     {"triangles", part.triangleCount}});
+    session.add("", {}, "part",
+                fmt::format("'{}', material '{}': {} triangles", part.name, part.material,
+                            part.triangleCount));
+  }
+  session.add("parts", std::move(parts), "", "");
+  reportBones(mesh->bones, session);
+  session.add("vertices_without_weights", mesh->repairedVertexCount, "without weights",
+              fmt::format("{} vertices", mesh->repairedVertexCount));
+  reportBounds(mesh->positions, session);
+  return {};
+}
+
+// Hair, or else a mesh: .obj, .gltf and .glb may be either, and what only a mesh can be in is for
+// the importer of meshes. What is neither has the error of the one that its name stands for.
+Result<void> curvesOrMeshInfo(const std::filesystem::path& path, const std::string& extension,
+                              Session& session) {
+  auto curves = curvesInfo(path, session);
+  if (curves || curves.error().code == ErrorCode::kFileNotFound) return curves;
+  constexpr std::array kHairAlone = {".tfx", ".tfxb", ".hair", ".hairtxt"};
+  if (std::find(kHairAlone.begin(), kHairAlone.end(), extension) != kHairAlone.end()) return curves;
+  auto mesh = meshInfo(path, session);
+  const bool namesHair = extension == ".obj" || extension == ".gltf" || extension == ".glb";
+  return mesh || !namesHair ? mesh : curves;
+}
+
 struct Kind {
   const char* extension;
   Result<void> (*info)(const std::filesystem::path& path, Session& session);
 };
-// Everything else is hair curves, or an error that says so.
-constexpr std::array kKinds = {Kind{".tfxbone", tfxBoneInfo}, Kind{".tfxmesh", tfxMeshInfo}};
+constexpr std::array kKinds = {Kind{".tfxbone", tfxBoneInfo}, Kind{".tfxmesh", tfxMeshInfo},
+                               Kind{".tfxskin", tfxSkinInfo}, Kind{".tfxfollow", tfxFollowInfo},
+                               Kind{".pelage", cacheInfo},    Kind{".psdf", sdfInfo}};
 
 Result<void> info(const std::filesystem::path& path, Session& session) {
   std::string extension = path.extension().string();
@@ -142,7 +307,7 @@ Result<void> info(const std::filesystem::path& path, Session& session) {
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   for (const Kind& kind : kKinds)
     if (extension == kind.extension) return kind.info(path, session);
-  return curvesInfo(path, session);
+  return curvesOrMeshInfo(path, extension, session);
 }
 
 }  // namespace
@@ -150,7 +315,8 @@ Result<void> info(const std::filesystem::path& path, Session& session) {
 void addInfoCommand(CLI::App& app, Session& session) {
   auto file = std::make_shared<std::filesystem::path>();
   CLI::App* command = app.add_subcommand(
-      "info", "Says what a file holds: hair curves, bone weights, a collision mesh");
+      "info",
+      "Says what a file holds: hair curves, bone weights, follow hairs, a mesh, a cache, ...");
   command->add_option("FILE", *file, "Any file that pelage-convert reads or writes")->required();
   command->callback(
       [file, &session] { session.command = [file, &session] { return info(*file, session); }; });

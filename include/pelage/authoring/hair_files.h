@@ -70,7 +70,8 @@ Result<HairCurves> loadGltfCurves(std::span<const std::byte> bytes, std::string_
 
 /// .tfx of any version that is known: text of TressFX 1 and 2, binary 3.0 and 4.0. A strand's
 /// thickness t becomes the radius t x kUnitFibreRadius. Values of 4.0 that are no numbers are
-/// repaired as TfxLoadOptions::repair says, and noted.
+/// repaired as TfxLoadOptions::repair says, and noted; strands without any usable position are left
+/// for prepareCurves() to drop.
 Result<HairCurves> loadTfxCurves(std::span<const std::byte> bytes, std::string_view name,
                                  HairFileReport* report = nullptr);
 /// Fibre radius that a strand thickness of 1 stands for when .tfx becomes curves [m].

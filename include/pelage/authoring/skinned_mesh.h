@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "pelage/authoring/curve_import.h"
 #include "pelage/bone_weights.h"
 #include "pelage/result.h"
 #include "pelage/types.h"
@@ -51,6 +52,18 @@ struct SkinnedMesh {
 ///   (OBJ, FBX) come with one vertex a corner, face by face.
 /// Errors as loadMesh().
 Result<SkinnedMesh> loadSkinnedMesh(const std::filesystem::path& path);
+
+/// How prepareMesh() changes a mesh, in this order; as CurveImportDef does for hair.
+struct MeshImportDef {
+  float scale = 1;             ///< metres a unit of the file, 1e-9..1e9
+  UpAxis upAxis = UpAxis::kY;  ///< of the file
+  bool invertZ = false;        ///< z -> -z, after the turn; triangles are turned round with it
+  bool operator==(const MeshImportDef&) const = default;
+};
+
+/// Changes positions and normals, so that the mesh is where the hair is. Errors: a scale out of
+/// range, what validate() refuses, before or after (a coordinate beyond kMaxCoordinate).
+Result<void> prepareMesh(SkinnedMesh& mesh, const MeshImportDef& def);
 
 /// Checks that the arrays fit together and the values are in range: coordinates finite and within
 /// kMaxCoordinate, weights 0 to 1e6 with a sum above 0. Errors name part, vertex or triangle.
