@@ -38,6 +38,27 @@ bool says(const BuildResult& result, const std::string& text) {
   return result.diagnostics.format().find(text) != std::string::npos;
 }
 
+/// The fixture, built with an empty cache: once for all tests.
+struct Built {
+  TestProject project;
+  BuildResult result;
+  Built() {
+    project.copy(kFixture);
+    result = project.build();
+  }
+  /// Another project with the fixture and with this one's cache.
+  void copyTo(const TestProject& other) const {
+    other.copy(kFixture);
+    fs::create_directories(other.output());
+    fs::copy(project.output() / "cache", other.output() / "cache");
+  }
+};
+
+const Built& built() {
+  static const Built once;
+  return once;
+}
+
 struct ToolRun {
   int status = -1;
   std::string out, err;
@@ -56,12 +77,12 @@ ToolRun runTool(const TestProject& project, const std::string& arguments) {
 }
 
 TEST(CodegenDriver, WritesTheSameBytesFromAnotherFolderAndAnEmptyCache) {
-  const TestProject first, second;
-  first.copy(kFixture);
+  const TestProject& first = built().project;
+  const TestProject second;
   second.copy(kFixture);
   BuildOptions sequential = second.options();
   sequential.jobs = 1;
-  const BuildResult one = first.build();
+  const BuildResult& one = built().result;
   const BuildResult two = build(sequential);
   ASSERT_TRUE(one.ok) << one.diagnostics.format();
   ASSERT_TRUE(two.ok) << two.diagnostics.format();
@@ -77,9 +98,10 @@ TEST(CodegenDriver, WritesTheSameBytesFromAnotherFolderAndAnEmptyCache) {
 
 TEST(CodegenDriver, CompilesNothingTheSecondTimeAndLeavesTheFilesAlone) {
   const TestProject project;
-  project.copy(kFixture);
+  built().copyTo(project);
   const BuildResult first = project.build();
   ASSERT_TRUE(first.ok) << first.diagnostics.format();
+  EXPECT_EQ(first.compiled, 0u) << "in another folder";
   const auto outputs = project.outputs();
   const auto time = fs::last_write_time(project.output() / "kernels.cpp");
   const BuildResult second = project.build();
@@ -94,8 +116,7 @@ TEST(CodegenDriver, CompilesNothingTheSecondTimeAndLeavesTheFilesAlone) {
 
 TEST(CodegenDriver, RecompilesJustTheUsersOfAChangedInclude) {
   const TestProject project;
-  project.copy(kFixture);
-  ASSERT_TRUE(project.build().ok);
+  built().copyTo(project);
   project.write("shared/forces.hlsli", fileText(kFixture / "shared/forces.hlsli") + "// changed\n");
   const BuildResult result = project.build();
   ASSERT_TRUE(result.ok) << result.diagnostics.format();
@@ -104,9 +125,8 @@ TEST(CodegenDriver, RecompilesJustTheUsersOfAChangedInclude) {
 
 TEST(CodegenDriver, MakesADamagedCacheEntryAgain) {
   const TestProject project;
-  project.copy(kFixture);
-  ASSERT_TRUE(project.build().ok);
-  const auto outputs = project.outputs();
+  built().copyTo(project);
+  const auto outputs = built().project.outputs();
   for (const fs::directory_entry& entry : fs::directory_iterator(project.output() / "cache")) {
     std::fstream stream(entry.path(), std::ios::in | std::ios::out | std::ios::binary);
     stream.seekp(200);

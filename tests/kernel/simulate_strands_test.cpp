@@ -95,6 +95,8 @@ class SimulateStrands : public GpuTest {};
 
 TEST_P(SimulateStrands, MatchesTheReferenceInEveryPermutation) {
   const HairAsset asset = wavyAsset(5, 12);
+  // The sanitizers see nothing of the arithmetic in the kernels.
+  const int steps = kSanitized ? 2 : 8;
   for (uint32_t mask = 0; mask < 16; ++mask) {
     const SimulateStrandsKey key = StrandRun::key(mask & 1, mask & 2, mask & 4, mask & 8);
     SCOPED_TRACE(mask);
@@ -103,7 +105,7 @@ TEST_P(SimulateStrands, MatchesTheReferenceInEveryPermutation) {
     setLively(run.constants);
     std::vector<ClassicReference> references;
     for (uint32_t s = 0; s < asset.strandCount; ++s) references.emplace_back(bindOf(asset, s));
-    for (int step = 1; step <= 8; ++step) {
+    for (int step = 1; step <= steps; ++step) {
       // Two sub-steps of different length a frame.
       run.setRoots(headPoses(asset, step), headPoses(asset, step - 1));
       const float shares[3] = {0, 0.4f, 1};
@@ -130,10 +132,10 @@ TEST_P(SimulateStrands, MatchesTheReferenceInEveryPermutation) {
       // 16 sub-steps of float arithmetic; a wrong term is off by a millimetre or more.
       EXPECT_LT(worstDistance(positions, s, references[s].current), 2e-5) << "strand " << s;
       EXPECT_LT(worstDistance(tangents, s, references[s].tangents()), 2e-3) << "strand " << s;
-      EXPECT_GT(
-          (references[s].current.back() - references[s].goal(headPose(bindPose(asset, s), 8), 11))
-              .norm(),
-          1e-3)
+      EXPECT_GT((references[s].current.back() -
+                 references[s].goal(headPose(bindPose(asset, s), steps), 11))
+                    .norm(),
+                1e-3)
           << "nothing moved: the comparison would not see anything";
     }
     run.checkGuards();
@@ -219,7 +221,9 @@ TEST_P(SimulateStrands, KeepsItsShapeWhileTheRootTurnsRoundAndRound) {
     for (Pose& pose : now)
       pose.rotation = Eigen::Quaterniond(Eigen::AngleAxisd(kPi / 720, axis)) * pose.rotation;
     run.setRoots(now, last);
-    run.simulate(StrandRun::key(false, false, true));
+    // Neither wind nor shock propagation does anything here: lavapipe (Mesa 22.3) compiles the
+    // permutation without them anew in every dispatch.
+    run.simulate(StrandRun::key(true, false, true, true));
     run.run();
     last = now;
     if (step < 200 || step % 24 != 0) continue;

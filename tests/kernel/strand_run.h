@@ -93,7 +93,8 @@ inline std::vector<Vector3d> bindOf(const HairAsset& asset, uint32_t strand) {
 }
 
 inline reference::Pose bindPose(const HairAsset& asset, uint32_t strand) {
-  return {Eigen::Quaterniond::Identity(), bindOf(asset, strand)[0]};
+  return {Eigen::Quaterniond::Identity(),
+          toVector(asset.positions[size_t{strand} * asset.verticesPerStrand])};
 }
 
 /// The buffers of one groom on a device.

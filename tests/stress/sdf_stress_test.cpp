@@ -314,14 +314,8 @@ TEST_P(SdfPlaces, FastHairAndThinPlates) {
   EXPECT_LE(shares[0], 0.005);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, SdfTrouble,
-                         testing::Combine(testing::ValuesIn(kApis),
-                                          testing::Values(Solver::kExact, Solver::kClassic)),
-                         stressTestName);
-INSTANTIATE_TEST_SUITE_P(All, SdfPlaces,
-                         testing::Combine(testing::ValuesIn(kApis),
-                                          testing::Values(Solver::kExact, Solver::kClassic)),
-                         stressTestName);
+INSTANTIATE_TEST_SUITE_P(All, SdfTrouble, testing::ValuesIn(solversOnApis()), stressTestName);
+INSTANTIATE_TEST_SUITE_P(All, SdfPlaces, testing::ValuesIn(solversOnApis()), stressTestName);
 
 }  // namespace
 }  // namespace pelage::test

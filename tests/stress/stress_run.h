@@ -24,12 +24,6 @@ inline bool fullStress() {
   return wanted != nullptr && std::string(wanted) == "full";
 }
 
-#if defined(__SANITIZE_ADDRESS__)
-inline constexpr bool kSanitized = true;
-#else
-inline constexpr bool kSanitized = false;
-#endif
-
 /// A line of docs/stress.md.
 inline void printFigure(const std::string& what, double measured) {
   std::printf("[ FIGURE ] %s: %.4g\n", what.c_str(), measured);

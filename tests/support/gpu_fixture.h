@@ -18,6 +18,12 @@
 
 namespace pelage::test {
 
+#if defined(__SANITIZE_ADDRESS__)
+inline constexpr bool kSanitized = true;
+#else
+inline constexpr bool kSanitized = false;
+#endif
+
 inline constexpr std::array<Api, 3> kApis = {Api::kVulkan, Api::kGl, Api::kGles};
 
 inline Result<std::unique_ptr<HeadlessDevice>> createDevice(const HeadlessDef& def) {

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstring>
 #include <memory>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -13,6 +14,18 @@
 #include "support/gpu_fixture.h"
 
 namespace pelage::test {
+
+/// Every solver on every API. The sanitizers see the host's code alone, in which solvers know
+/// nothing of APIs and runtimes nothing of solvers: there, every API and every solver once or more.
+inline std::vector<std::tuple<Api, Solver>> solversOnApis() {
+  if (kSanitized)
+    return {
+        {Api::kVulkan, Solver::kExact}, {Api::kGl, Solver::kClassic}, {Api::kGles, Solver::kExact}};
+  std::vector<std::tuple<Api, Solver>> all;
+  for (const Api api : kApis)
+    for (const Solver solver : {Solver::kExact, Solver::kClassic}) all.emplace_back(api, solver);
+  return all;
+}
 
 class SceneRun {
  public:

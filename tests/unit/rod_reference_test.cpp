@@ -3,8 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <functional>
 #include <numbers>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "../reference/rod/exact_rod.h"
 #include "../reference/rod/planar_chain.h"
@@ -26,6 +30,12 @@ constexpr int kEnergyFrames = 2000, kFuzzStrands = 3000;
 #else
 constexpr int kEnergyFrames = 100, kFuzzStrands = 150;
 #endif
+
+/// PELAGE_STRESS=full: every strand, as in the stress suite.
+bool fullStress() {
+  const char* wanted = std::getenv("PELAGE_STRESS");
+  return wanted != nullptr && std::string_view(wanted) == "full";
+}
 
 void expectAtMost(const char* what, double measured, double limit) {
   std::printf("[ FIGURE ] %s: %.4g (at most %.4g)\n", what, measured, limit);
@@ -552,15 +562,19 @@ TEST(ExactRod, KeepsEverySegmentsLength) {
 
 TEST(ExactRod, NeverGainsEnergyWithoutDamping) {
   double worst = 0;
-  long passes = 0, steps = 0;
+  long passes = 0, steps = 0, count = 0;
   for (const int n : {4, 8, 16, 32, 64, 128}) {
+    // Three quarters of the time go to the two largest: the ends of the range will do for them.
+    const std::vector<double> rates =
+        n > 32 && !fullStress() ? std::vector{30., 240.} : std::vector{30., 60., 120., 240.};
     const Points strands[4] = {straightPoints(n, 0.25, Vector3d(1, 0, 0)),
                                helixPoints(n, 0.008, 0.2, 1), helixPoints(n, 0.008, 0.05, 4),
                                helixPoints(n, 0.004, 0.02, 8)};
     for (int curl = 0; curl < 4; ++curl) {
       const RestStrand rest(strands[curl]);
       for (const double bend : {0., 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1.}) {
-        for (const double rate : {30., 60., 120., 240.}) {
+        for (const double rate : rates) {
+          ++count;
           RodSettings settings;
           settings.material = {.bend = bend, .twist = 0.75 * bend};
           if (curl > 0) settings.gravity = Vector3d(9.81, 0, 0);
@@ -579,7 +593,9 @@ TEST(ExactRod, NeverGainsEnergyWithoutDamping) {
       }
     }
   }
-  expectAtMost("growth of energy, 768 undamped strands, % of mgL", worst, 1);
+  const std::string what =
+      "growth of energy, " + std::to_string(count) + " undamped strands, % of mgL";
+  expectAtMost(what.c_str(), worst, 1);
   // The start of a whip takes more passes than its course: a short run has a limit of its own.
   const double mostPasses = kEnergyFrames < 2000 ? 1.7 : 1.3;
   expectAtMost("mean Newton passes", static_cast<double>(passes) / static_cast<double>(steps),
