@@ -82,6 +82,8 @@ struct RenderedImage {
   std::vector<Float4> pixels;  ///< width * height, linear, samples averaged
 };
 
+/// A device without a window, for samples and tests. It keeps the buffers of one ResourceTable: use
+/// another device for another Scene.
 class HeadlessDevice {
  public:
   virtual ~HeadlessDevice() = default;
