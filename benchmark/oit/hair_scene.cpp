@@ -69,7 +69,8 @@ Result<HairSceneDef> groomScene(uint32_t guides, float aspect) {
   def.material.fiberRadius = 115e-6f;
   def.follow = {.countPerGuide = 10, .maxRadius = 0.004f};
   def.light = keyLight({0.5f, 0.7f, 0.6f});
-  std::vector<Float3> points = def.assets.mesh->positions;
+  std::vector<Float3> points;
+  if (def.assets.mesh) points = def.assets.mesh->positions;
   for (const pelage::Float4& p : def.assets.hair.positions) points.push_back({p.x, p.y, p.z});
   sample::CameraDef camera;
   camera.direction = {0.40f, 0.16f, 1};
