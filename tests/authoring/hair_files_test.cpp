@@ -23,9 +23,8 @@ namespace {
 using Bytes = std::vector<std::byte>;
 
 Bytes bytesOf(std::string_view text) {
-  Bytes bytes(text.size());
-  std::memcpy(bytes.data(), text.data(), text.size());
-  return bytes;
+  const auto* data = reinterpret_cast<const std::byte*>(text.data());
+  return {data, data + text.size()};
 }
 
 template <class T>
