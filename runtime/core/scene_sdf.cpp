@@ -43,9 +43,9 @@ bool ownsVertices(const SdfColliderInternals& c) {
 }
 
 template <class T>
-BufferId addTable(ResourceTable& resources, std::string name, const std::vector<T>& values) {
+BufferId addTable(ResourceTable& resources, const std::string& name, const std::vector<T>& values) {
   if (values.empty()) return BufferId::kInvalid;
-  return resources.add({.name = std::move(name),
+  return resources.add({.name = name,
                         .size = values.size() * sizeof(T),
                         .stride = sizeof(T),
                         .initial = bytesOf(values)});
