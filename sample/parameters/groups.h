@@ -73,7 +73,7 @@ const pelage::SdfCollider& untouched<pelage::SdfCollider>();
 template <class T, class Apply>
 Picture show(Setup base, std::vector<T> values, Apply apply, std::string caption) {
   Picture picture;
-  for (const T& value : values) picture.values.push_back(text(value));
+  for (const auto& value : values) picture.values.push_back(text(static_cast<const T&>(value)));
   picture.make = [base = std::move(base), values, apply](size_t index) {
     Setup setup = base;
     apply(setup, values[index]);
