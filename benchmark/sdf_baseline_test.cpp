@@ -100,9 +100,8 @@ TEST_P(SdfBaseline, ClassicPushesOutSomeVerticesAndPelageAll) {
   EXPECT_GT(classic[1].resolved, 0.3);
   EXPECT_LT(classic[1].resolved, 0.99);
   const auto pelage = measured(shape, 25, {.name = "one axis"}, 9600);
-  ASSERT_EQ(pelage.size(), 7u);
-  EXPECT_EQ(pelage[4].resolved, pelage[3].resolved);
-  EXPECT_GE(pelage[3].resolved, 0.999) << pelage[3].response;
+  ASSERT_EQ(pelage.size(), 3u);
+  EXPECT_GE(pelage[2].resolved, 0.999) << pelage[2].response;
 }
 
 TEST_P(SdfBaseline, WhatMovesThereAndBackIsBuiltAsIfItHadNotMoved) {

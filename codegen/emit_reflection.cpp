@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "codegen/enum_names.h"
+#include "codegen/key_completion.h"
 #include "codegen/program.h"
 
 namespace pelage::codegen {
@@ -50,6 +51,20 @@ Json structJson(const HostStruct& type) {
   return {{"name", type.name}, {"size", type.size}, {"members", std::move(members)}};
 }
 
+// What is switched on, and for which keys: any of the list.
+Json completionJson(const ManifestKernel& kernel) {
+  Json json = Json::object();
+  for (const CompletionRule& rule : completeKeys(kernel).rules) {
+    std::string conditions;
+    for (const auto& [axis, value] : rule.conditions) {
+      conditions +=
+          fmt::format("{}{}={}", conditions.empty() ? "" : " ", kernel.axes[axis].name, value);
+    }
+    json[kernel.axes[rule.axis].name].push_back(conditions);
+  }
+  return json;
+}
+
 Json kernelJson(const KernelOutput& output, const Program& program) {
   const ManifestKernel& kernel = output.kernel;
   Json constants = Json::array();
@@ -92,6 +107,7 @@ Json kernelJson(const KernelOutput& output, const Program& program) {
           {"tier", kernel.desktopTier ? "desktop" : "portable"},
           {"precise", kernel.precise},
           {"specConstants", std::move(constants)},
+          {"completion", completionJson(kernel)},
           {"variants", std::move(variants)}};
 }
 

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "codegen/enum_names.h"
+#include "codegen/key_completion.h"
 #include "codegen/names.h"
 #include "codegen/program.h"
 
@@ -263,13 +264,7 @@ class Writer {
             "constexpr bool exists(const {}Key& key) {{\n  return !(",
             name);
         for (size_t i = 0; i < kernel.excludes.size(); ++i) {
-          text += i > 0 ? " || (" : "(";
-          for (size_t j = 0; j < kernel.excludes[i].size(); ++j) {
-            const auto& [axis, value] = kernel.excludes[i][j];
-            text += fmt::format("{}key.{} == {}", j > 0 ? " && " : "", kernel.axes[axis].name,
-                                axisValue(kernel, kernel.axes[axis], value));
-          }
-          text += ")";
+          text += (i > 0 ? " || (" : "(") + allHold(kernel, kernel.excludes[i]) + ")";
         }
         text += ");\n}\n\n";
         text += fmt::format(
@@ -279,6 +274,7 @@ class Writer {
             "  return *{1}(K);\n}}\n\n",
             prefix_, function, name);
       }
+      if (!kernel.axes.empty()) completion(kernel, text);
       if (!output.specConstants.empty()) specialization(output, text);
     }
     text += fmt::format(
@@ -286,6 +282,52 @@ class Writer {
         "std::span<const {}Kernel* const> allKernels();\n\n",
         prefix_);
     return text + close();
+  }
+
+  // "key.wind && !key.dense && key.taps == KernelTaps::k4".
+  static std::string allHold(const ManifestKernel& kernel,
+                             const std::vector<AxisValue>& conditions) {
+    std::string text;
+    for (const auto& [index, value] : conditions) {
+      const Axis& axis = kernel.axes[index];
+      if (!text.empty()) text += " && ";
+      text += axis.isBool ? (value != 0 ? "key." : "!key.") + axis.name
+                          : "key." + axis.name + " == " + axisValue(kernel, axis, value);
+    }
+    return text;
+  }
+
+  static std::string anyApplies(const ManifestKernel& kernel,
+                                const std::vector<CompletionRule>& rules, uint32_t axis) {
+    std::vector<std::string> conditions;
+    for (const CompletionRule& rule : rules) {
+      if (rule.axis == axis) conditions.push_back(allHold(kernel, rule.conditions));
+    }
+    std::string text;
+    for (const std::string& condition : conditions) {
+      if (!text.empty()) text += " || ";
+      const bool isProduct = conditions.size() > 1 && condition.find("&&") != std::string::npos;
+      text += isProduct ? "(" + condition + ")" : condition;
+    }
+    return text;
+  }
+
+  static void completion(const ManifestKernel& kernel, std::string& text) {
+    const std::string key = pascalCase(kernel.name) + "Key";
+    text +=
+        "/// The smallest existing key that has all of this one: where the manifest wants another "
+        "feature\n/// with one that is on, that is on too.\n";
+    if (!kernel.conflicts.empty())
+      text += "/// Features that conflict have none: exists() is false for what comes back.\n";
+    text +=
+        fmt::format("constexpr {0} completeKey(const {0}& key) {{\n  {0} complete = key;\n", key);
+    const std::vector<CompletionRule> rules = completeKeys(kernel).rules;
+    for (uint32_t axis = 0; axis < kernel.axes.size(); ++axis) {
+      const std::string condition = anyApplies(kernel, rules, axis);
+      if (condition.empty()) continue;
+      text += fmt::format("  if ({}) complete.{} = true;\n", condition, kernel.axes[axis].name);
+    }
+    text += "  return complete;\n}\n\n";
   }
 
   void specialization(const KernelOutput& output, std::string& text) const {

@@ -10,6 +10,7 @@
 #include <optional>
 #include <set>
 
+#include "codegen/key_completion.h"
 #include "codegen/names.h"
 
 namespace pelage::codegen {
@@ -286,13 +287,15 @@ class Reader {
   void readKernel(const Node& node) {
     if (!expect(node, Node::Type::kObject, "a kernel")) return;
     ManifestKernel kernel;
+    const size_t saidBefore = diagnostics_.items().size();
     kernel.line = node.line;
     const Node* name = require(node, "name", Node::Type::kString, "a kernel");
     if (name == nullptr) return;
     kernel.name = name->string;
     kernel.line = name->line;
     const std::string where = "kernel \"" + kernel.name + "\"";
-    allowKeys(node, {"name", "file", "stage", "group", "axes", "exclude", "tier", "precise"},
+    allowKeys(node,
+              {"name", "file", "stage", "group", "axes", "exclude", "conflicts", "tier", "precise"},
               where);
     if (!isIdentifier(kernel.name) ||
         std::any_of(kernel.name.begin(), kernel.name.end(),
@@ -328,7 +331,14 @@ class Reader {
       }
     }
     if (const Node* axes = node.find("axes")) readAxes(*axes, kernel, where);
-    if (const Node* exclude = node.find("exclude")) readExcludes(*exclude, kernel, where);
+    if (const Node* exclude = node.find("exclude")) {
+      kernel.excludes = readExclusions(*exclude, false, kernel, where);
+    }
+    if (const Node* conflicts = node.find("conflicts")) {
+      kernel.conflicts = readExclusions(*conflicts, true, kernel, where);
+      kernel.excludes.insert(kernel.excludes.end(), kernel.conflicts.begin(),
+                             kernel.conflicts.end());
+    }
     if (const Node* tier = node.find("tier")) {
       if (expect(*tier, Node::Type::kString, "\"tier\"")) {
         kernel.desktopTier = tier->string == "desktop";
@@ -352,6 +362,8 @@ class Reader {
     } else if (kernel.isExcluded(kernel.defaultPermutation())) {
       error(name->line, "PK311",
             where + ": the default permutation (false, or the first value) is excluded");
+    } else if (diagnostics_.items().size() == saidBefore) {
+      checkCompletion(kernel, where);
     }
     manifest_.kernels.push_back(std::move(kernel));
   }
@@ -416,11 +428,15 @@ class Reader {
     }
   }
 
-  void readExcludes(const Node& exclude, ManifestKernel& kernel, const std::string& where) {
-    if (!expect(exclude, Node::Type::kArray, "\"exclude\"")) return;
-    for (const Node& node : exclude.children) {
+  std::vector<std::vector<AxisValue>> readExclusions(const Node& list, bool areConflicts,
+                                                     const ManifestKernel& kernel,
+                                                     const std::string& where) {
+    std::vector<std::vector<AxisValue>> exclusions;
+    if (!expect(list, Node::Type::kArray, areConflicts ? "\"conflicts\"" : "\"exclude\""))
+      return exclusions;
+    for (const Node& node : list.children) {
       if (!expect(node, Node::Type::kObject, "an exclusion")) continue;
-      std::vector<std::pair<uint32_t, int32_t>> conditions;
+      std::vector<AxisValue> conditions;
       for (size_t i = 0; i < node.keys.size() && i < node.children.size(); ++i) {
         const auto axis = std::find_if(kernel.axes.begin(), kernel.axes.end(),
                                        [&](const Axis& a) { return a.name == node.keys[i]; });
@@ -440,6 +456,12 @@ class Reader {
                 where + ": axis \"" + axis->name + "\" has no value " + std::to_string(number));
           continue;
         }
+        if (areConflicts && axis->isBool && number == 0) {
+          error(value.line, "PK315",
+                where + ": a conflict with axis \"" + axis->name +
+                    "\" off ends when it is switched on: write it under \"exclude\"");
+          continue;
+        }
         conditions.emplace_back(static_cast<uint32_t>(axis - kernel.axes.begin()),
                                 static_cast<int32_t>(number));
       }
@@ -447,7 +469,25 @@ class Reader {
         error(node.line, "PK314", where + ": an exclusion without an axis excludes everything");
         continue;
       }
-      if (!conditions.empty()) kernel.excludes.push_back(std::move(conditions));
+      if (!conditions.empty()) exclusions.push_back(std::move(conditions));
+    }
+    return exclusions;
+  }
+
+  void checkCompletion(const ManifestKernel& kernel, const std::string& where) {
+    const KeyCompletion completion = completeKeys(kernel);
+    if (completion.incomplete) {
+      error(kernel.line, "PK316",
+            where + ": no permutation has all of \"" +
+                permutationKey(kernel, *completion.incomplete) +
+                "\"; if no key may ask for that, write its exclusion under \"conflicts\"");
+    }
+    if (!completion.ambiguous.empty()) {
+      error(kernel.line, "PK317",
+            where + ": \"" + permutationKey(kernel, completion.ambiguous[0]) +
+                "\" could be completed to \"" + permutationKey(kernel, completion.ambiguous[1]) +
+                "\" or to \"" + permutationKey(kernel, completion.ambiguous[2]) +
+                "\": exclude one of them, or both");
     }
   }
 
@@ -465,14 +505,23 @@ class Reader {
   Diagnostics& diagnostics_;
 };
 
-}  // namespace
-
-bool ManifestKernel::isExcluded(const Permutation& permutation) const {
-  return std::any_of(excludes.begin(), excludes.end(), [&](const auto& conditions) {
-    return std::all_of(conditions.begin(), conditions.end(), [&](const auto& condition) {
+bool anyHolds(const std::vector<std::vector<AxisValue>>& exclusions,
+              const Permutation& permutation) {
+  return std::any_of(exclusions.begin(), exclusions.end(), [&](const auto& conditions) {
+    return std::all_of(conditions.begin(), conditions.end(), [&](const AxisValue& condition) {
       return permutation[condition.first] == condition.second;
     });
   });
+}
+
+}  // namespace
+
+bool ManifestKernel::isExcluded(const Permutation& permutation) const {
+  return anyHolds(excludes, permutation);
+}
+
+bool ManifestKernel::isConflict(const Permutation& permutation) const {
+  return anyHolds(conflicts, permutation);
 }
 
 Permutation ManifestKernel::defaultPermutation() const {
@@ -481,7 +530,7 @@ Permutation ManifestKernel::defaultPermutation() const {
   return permutation;
 }
 
-std::vector<Permutation> ManifestKernel::permutations() const {
+std::vector<Permutation> ManifestKernel::combinations() const {
   std::vector<Permutation> all{{}};
   for (const Axis& axis : axes) {
     std::vector<Permutation> longer;
@@ -493,6 +542,11 @@ std::vector<Permutation> ManifestKernel::permutations() const {
     }
     all = std::move(longer);
   }
+  return all;
+}
+
+std::vector<Permutation> ManifestKernel::permutations() const {
+  std::vector<Permutation> all = combinations();
   std::erase_if(all, [this](const Permutation& p) { return isExcluded(p); });
   return all;
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "codegen/diagnostics.h"
@@ -23,19 +24,27 @@ struct Axis {
 /// Values of all axes, in their order. One compiled variant.
 using Permutation = std::vector<int32_t>;
 
+/// An axis, as an index, and one of its values.
+using AxisValue = std::pair<uint32_t, int32_t>;
+
 struct ManifestKernel {
   std::string name;
   std::string file;  ///< relative to the manifest
   Stage stage = Stage::kCompute;
   uint32_t group = 0;  ///< index into Manifest::groups
   std::vector<Axis> axes;
-  std::vector<std::vector<std::pair<uint32_t, int32_t>>> excludes;  ///< (axis, value) all hold
+  /// A permutation for which all conditions of one of them hold does not exist.
+  std::vector<std::vector<AxisValue>> excludes;
+  std::vector<std::vector<AxisValue>> conflicts;  ///< the excludes that no key may ask for
   bool desktopTier = false;
   bool precise = false;
   uint32_t line = 0;  ///< in the manifest
 
   bool isExcluded(const Permutation& permutation) const;
-  /// All that are not excluded; the last axis varies fastest.
+  bool isConflict(const Permutation& permutation) const;
+  /// Every value of every axis with every other; the last axis varies fastest.
+  std::vector<Permutation> combinations() const;
+  /// The combinations that are not excluded.
   std::vector<Permutation> permutations() const;
   Permutation defaultPermutation() const;
 };

@@ -1,6 +1,3 @@
-// pelage's own strands, for the pixel kernels of the benchmarks: smooth ribbons without colours of
-// their own.
+// pelage's own strands, for the pixel kernels of the benchmarks: smooth ribbons.
 #define SMOOTH 1
-#define VERTEX_COLORS 0
-#define BASE_TEXTURE 0
 #include "../../kernels/shading/strand_vertex.hlsl"

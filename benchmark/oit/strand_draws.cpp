@@ -20,13 +20,9 @@ namespace {
 // The benchmark's own build of a vertex kernel; nullptr for other kernels than those of its scenes.
 const KernelVariant* ownVertex(const Pass& pass) {
   if (!pelage::isDraw(pass.kind)) return nullptr;
-  for (const bool thickness : {false, true})
-    for (const bool follow : {false, true})
-      if (pass.kernel ==
-          &pelage::strandVertexVariant(
-              {.strandThickness = thickness, .followStrands = follow, .smooth = true}))
-        return &baseline::strandVertexVariant(
-            {.strandThickness = thickness, .followStrands = follow});
+  for (const bool attributes : {false, true})
+    if (pass.kernel == &pelage::strandVertexVariant({.smooth = true, .attributes = attributes}))
+      return &baseline::strandVertexVariant({.attributes = attributes});
   return nullptr;
 }
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <span>
 
 #include "baseline/gpu_structs.h"
 #include "baseline/kernels.h"
@@ -24,9 +25,9 @@ namespace {
 constexpr float kPadding = 0.8f;
 constexpr uint32_t kRow = 1 << 20;  // threads, as in field_layout.hlsli
 
-std::vector<Float4> cornersOf(const FieldShape& shape) {
+std::vector<Float4> cornersOf(std::span<const Float3> positions) {
   std::vector<Float4> corners;
-  for (const Float3& p : shape.mesh.positions) corners.push_back({p.x, p.y, p.z, 1});
+  for (const Float3& p : positions) corners.push_back({p.x, p.y, p.z, 1});
   return corners;
 }
 
@@ -40,12 +41,19 @@ class ClassicField : public FieldBuild {
     constants_.fieldNodes = {grid_.nodes[0], grid_.nodes[1], grid_.nodes[2],
                              static_cast<uint32_t>(grid_.count())};
     constants_.triangleCount = shape.mesh.triangleCount();
-    corners_ = add("corners", cornersOf(shape));
+    corners_ = add("corners", cornersOf(shape.mesh.positions),
+                   pelage::BufferUsage::kStorage | pelage::BufferUsage::kUpload);
     triangles_ = add("triangles", shape.mesh.indices);
     keys_ = add("fieldKeys", std::vector<uint32_t>(grid_.count()));
   }
   ~ClassicField() override {
     for (const BufferId buffer : owned_) workbench_.scene.resources().remove(buffer);
+  }
+
+  Result<void> moveMesh(PassList& list, std::span<const Float3> positions) override {
+    const std::vector<Float4> corners = cornersOf(positions);
+    pelage::addUpload(list, corners_, std::as_bytes(std::span(corners)));
+    return {};
   }
 
   Result<void> addBuild(PassList& list) override {
@@ -113,8 +121,10 @@ class ClassicField : public FieldBuild {
   }
 
   template <class T>
-  BufferId add(const char* name, const std::vector<T>& values) {
-    owned_.push_back(workbench_.add(name, values));
+  BufferId add(const char* name, const std::vector<T>& values,
+               pelage::BufferUsage usage = pelage::BufferUsage::kStorage |
+                                           pelage::BufferUsage::kReadback) {
+    owned_.push_back(workbench_.add(name, values, usage));
     return owned_.back();
   }
 
@@ -143,6 +153,10 @@ class ClassicField : public FieldBuild {
 };
 
 }  // namespace
+
+Result<void> FieldBuild::moveMesh(PassList&, std::span<const Float3>) {
+  return pelage::Error{pelage::ErrorCode::kUnsupported, "the mesh of this build does not move"};
+}
 
 std::unique_ptr<FieldBuild> makeClassicField(Workbench& workbench, const FieldShape& shape,
                                              const NodeGrid& compared, bool ownGrid) {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,13 +18,9 @@ namespace bench {
 
 /// How a vertex is moved out.
 enum class Response : uint8_t {
-  kClassic,          ///< the baseline's: gradient by forward differences
-  kTrilinear,        ///< analytic gradient
-  kClosestNoWalk,    ///< the nearest feature of the triangles that the corners name
-  kClosestFeature,   ///< the same with the walk over their neighbours
-  kClosestListed,    ///< the same, of vertices that a pass before has listed as near
-  kClosestFriction,  ///< kClosestFeature with Coulomb friction
-  kFrictionListed,   ///< kClosestListed with Coulomb friction
+  kClassic,         ///< the baseline's: gradient by forward differences
+  kTrilinear,       ///< analytic gradient
+  kClosestFeature,  ///< the nearest feature of the surface
 };
 const char* responseName(Response response);
 
@@ -41,6 +38,10 @@ class FieldBuild {
   FieldBuild(const FieldBuild&) = delete;
   FieldBuild& operator=(const FieldBuild&) = delete;
 
+  /// Uploads where the mesh's vertices are from the list on. Only the classic baseline takes them;
+  /// kUnsupported elsewhere.
+  virtual pelage::Result<void> moveMesh(pelage::PassList& list,
+                                        std::span<const pelage::Float3> positions);
   /// Adds the passes of one build.
   virtual pelage::Result<void> addBuild(pelage::PassList& list) = 0;
   virtual std::vector<Response> responses() const = 0;

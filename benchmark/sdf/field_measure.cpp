@@ -53,8 +53,7 @@ class PassTimes {
       passes_[i].push_back(us);
       all += us;
       if (name == "update_surface") surface += us;
-      if (name == "list_inner_nodes" || name == "flood_interior" || name == "write_interior")
-        interior += us;
+      if (name == "fill_interior") interior += us;
     }
     all_.push_back(all);
     surface_.push_back(surface);
@@ -209,16 +208,8 @@ const char* responseName(Response response) {
       return "forward differences";
     case Response::kTrilinear:
       return "trilinear";
-    case Response::kClosestNoWalk:
-      return "closest feature without walk";
     case Response::kClosestFeature:
       return "closest feature";
-    case Response::kClosestListed:
-      return "closest feature of listed ones";
-    case Response::kFrictionListed:
-      return "closest feature with friction of listed ones";
-    case Response::kClosestFriction:
-      return "closest feature with friction";
   }
   return "unknown";
 }

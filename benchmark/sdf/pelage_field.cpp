@@ -6,7 +6,6 @@
 
 #include "collider_topology.h"
 #include "pelage/gpu_structs.h"
-#include "pelage/kernels.h"
 #include "sdf/field_build.h"
 #include "sdf_build.h"
 #include "sdf_collision.h"
@@ -18,7 +17,6 @@ using pelage::BufferDesc;
 using pelage::BufferId;
 using pelage::BufferUsage;
 using pelage::Float3;
-using pelage::PassBuilder;
 using pelage::PassList;
 using pelage::Result;
 namespace detail = pelage::detail;
@@ -27,7 +25,6 @@ namespace {
 
 constexpr double kMovedShare = 0.09;  // of the triangles
 constexpr float kMovedWay = 0.5f;     // cell
-constexpr uint32_t kRow = 1 << 20;    // threads, as in collide_vertices.hlsl
 
 Result<detail::ColliderTopology> topologyOf(const FieldShape& shape) {
   const auto& positions = shape.mesh.positions;
@@ -83,7 +80,6 @@ class PelageField : public FieldBuild {
     def_.triangleCount = topology.triangleCount();
     def_.placeCount = topology.placeCount();
     def_.vertexCount = static_cast<uint32_t>(shape.mesh.positions.size());
-    def_.floodCapacity = plan.floodCapacity;
     def_.motionTolerance = motion == FieldMotion::kAll ? 0 : 0.01f;
     if (motion == FieldMotion::kPart) moved_ = movedVertices(shape);
     addBuffers(topology);
@@ -100,42 +96,16 @@ class PelageField : public FieldBuild {
   }
 
   std::vector<Response> responses() const override {
-    return {Response::kTrilinear,     Response::kClosestNoWalk,   Response::kClosestFeature,
-            Response::kClosestListed, Response::kClosestFriction, Response::kFrictionListed};
+    return {Response::kTrilinear, Response::kClosestFeature};
   }
 
   Result<void> addCollision(PassList& list, const HairBuffers& hair, Response response) override {
-    if (response == Response::kClosestListed || response == Response::kFrictionListed) {
-      if (nearCount_ < hair.count) {
-        nearList_ = addBuffer("nearList", detail::sdfNearBytes(hair.count));
-        nearCount_ = hair.count;
-      }
-      return detail::addSdfCollision(
-          list, workbench_.scene.resources(),
-          {hair.positions, hair.before, fields_, buffers_.keys, buffers_.surface, nearList_},
-          {.vertexCount = hair.count,
-           .fieldCount = 1,
-           .friction = response == Response::kFrictionListed});
-    }
-    using Walk = pelage::CollideVerticesWalk;
-    const auto* variant = pelage::collideVerticesVariant(
-        {.closestFeature = response != Response::kTrilinear,
-         .friction = response == Response::kClosestFriction,
-         .walk = response == Response::kClosestNoWalk ? Walk::k0 : Walk::k4});
-    pelage::ApplySdfConstants constants = {};
-    constants.sdfVertexCount = hair.count;
-    constants.sdfFieldCount = 1;
-    constants.sdfEnd = 1;
-    PassBuilder builder(list);
-    builder.dispatch(*variant, std::min(hair.count, kRow), (hair.count + kRow - 1) / kRow);
-    const std::pair<const char*, BufferId> all[] = {{"g_sdfPositions", hair.positions},
-                                                    {"g_sdfPositionsBefore", hair.before},
-                                                    {"g_sdfFields", fields_},
-                                                    {"g_sdfKeys", buffers_.keys},
-                                                    {"g_sdfSurface", buffers_.surface}};
-    for (const auto& [name, buffer] : all)
-      builder.bind(name, buffer, workbench_.scene.resources().find(buffer)->size);
-    return builder.constants("ApplySdfConstants", constants).finish();
+    return detail::addSdfCollision(
+        list, workbench_.scene.resources(),
+        {hair.positions, hair.before, fields_, buffers_.keys, buffers_.surface},
+        {.vertexCount = hair.count,
+         .fieldCount = 1,
+         .closestFeature = response != Response::kTrilinear});
   }
 
   // As kernels/sdf/sdf_key.hlsli says.
@@ -212,7 +182,6 @@ class PelageField : public FieldBuild {
     buffers_.places = addBuffer("places", sizes.places);
     buffers_.work = addBuffer("work", sizes.work);
     buffers_.marks = addBuffer("marks", sizes.marks);
-    buffers_.flood = addBuffer("flood", sizes.flood);
     buffers_.votes = addBuffer("votes", sizes.votes);
 
     const detail::SdfGridPlan& plan = def_.plan;
@@ -244,8 +213,7 @@ class PelageField : public FieldBuild {
   detail::SdfBuildDef def_;
   detail::SdfBuildBuffers buffers_;
   detail::SdfBuildState state_;
-  BufferId fields_ = BufferId::kInvalid, nearList_ = BufferId::kInvalid;
-  uint32_t nearCount_ = 0;
+  BufferId fields_ = BufferId::kInvalid;
   std::vector<BufferId> owned_;
   uint64_t bytes_ = 0;
 };

@@ -113,6 +113,7 @@ class SweepsSolver : public BaselineSolver {
     if (done) workbench_.scene.finish(list);
     return done;
   }
+  BufferId positionsBefore() const override { return placesBefore_; }
 
  private:
   static std::vector<Float4> edgesOf(const HairAsset& asset) {

@@ -5,9 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "baseline/gpu_structs.h"
-#include "baseline/kernels.h"
 #include "pelage/skeleton.h"
+#include "simulation/copy_load.h"
 
 namespace bench {
 
@@ -134,54 +133,13 @@ Result<std::unique_ptr<StrandSolver>> makeSolver(Workbench& workbench, const Ben
   return SceneSolver::create(workbench, scene, choice);
 }
 
-/// Copies of a number of float4 sets, as passes of one list.
-class Copy {
- public:
-  Copy(Workbench& workbench, uint32_t elements, uint64_t sets)
-      : workbench_(workbench), elements_(elements), sets_(sets) {
-    const std::vector<pelage::Float4> values(elements * sets);
-    from_ = workbench.add("copyFrom", values);
-    to_ = workbench.add("copyTo", values);
-  }
-  ~Copy() {
-    workbench_.scene.resources().remove(from_);
-    workbench_.scene.resources().remove(to_);
-  }
-  Copy(const Copy&) = delete;
-  Copy& operator=(const Copy&) = delete;
-
-  uint64_t bytes() const { return 2 * elements_ * sets_ * sizeof(pelage::Float4); }
-
-  Result<std::vector<PassTiming>> run(int count) {
-    baseline::CopyConstants constants = {};
-    constants.elementCount = elements_;
-    constants.sets = static_cast<uint32_t>(sets_);
-    PassList list;
-    PassBuilder builder(list);
-    for (int i = 0; i < count; ++i) {
-      builder.dispatch(baseline::copyStateVariant({}), elements_);
-      builder.bind("g_copyFrom", from_, bytes() / 2).bind("g_copyTo", to_, bytes() / 2);
-      const Result<void> done = builder.constants("CopyConstants", constants).finish();
-      if (!done) return done.error();
-    }
-    workbench_.scene.finish(list);
-    return workbench_.run(list);
-  }
-
- private:
-  Workbench& workbench_;
-  uint32_t elements_;
-  uint64_t sets_;
-  BufferId from_ = BufferId::kInvalid, to_ = BufferId::kInvalid;
-};
-
 Result<double> copyFloor(Workbench& workbench, uint32_t vertices, uint64_t bytes) {
   constexpr int kTries = 20;
   // More are copied in this many at a time: a buffer has a largest size on some devices.
   constexpr uint64_t kMostSets = 7;
   const uint64_t perSet = uint64_t{vertices} * sizeof(pelage::Float4);
-  Copy copy(workbench, vertices,
-            std::clamp<uint64_t>((bytes + perSet) / (2 * perSet), 1, kMostSets));
+  CopyLoad copy(workbench, vertices,
+                std::clamp<uint64_t>((bytes + perSet) / (2 * perSet), 1, kMostSets));
   const double copies = static_cast<double>(bytes) / static_cast<double>(copy.bytes());
   const auto timings = copy.run(kTries);
   if (!timings) return timings.error();
@@ -196,7 +154,7 @@ Result<double> copyFloor(Workbench& workbench, uint32_t vertices, uint64_t bytes
 Result<void> warmUp(Workbench& workbench) {
   constexpr std::chrono::milliseconds kDuration(150);
   if (workbench.device.info().software) return {};
-  Copy copy(workbench, 1 << 20, 4);
+  CopyLoad copy(workbench, 1 << 20, 4);
   const auto start = std::chrono::steady_clock::now();
   while (std::chrono::steady_clock::now() - start < kDuration) {
     const auto timings = copy.run(50);

@@ -28,6 +28,9 @@ class StrandSolver {
                                        pelage::PassList& list) = 0;
   /// [strand][vertex] Float4.
   virtual pelage::BufferId positions() const = 0;
+  /// The same of the frame before, which Verlet integration takes the velocity from; kInvalid where
+  /// a solver keeps none.
+  virtual pelage::BufferId positionsBefore() const { return pelage::BufferId::kInvalid; }
 
  protected:
   StrandSolver() = default;

@@ -21,7 +21,9 @@ struct Workbench {
 
   /// Adds a buffer with its contents to the table.
   template <class T>
-  pelage::BufferId add(std::string name, const std::vector<T>& values);
+  pelage::BufferId add(std::string name, const std::vector<T>& values,
+                       pelage::BufferUsage usage = pelage::BufferUsage::kStorage |
+                                                   pelage::BufferUsage::kReadback);
   /// Runs a complete list, and returns the times of its passes.
   pelage::Result<std::vector<pelage::PassTiming>> run(pelage::PassList& list);
 };
@@ -31,12 +33,13 @@ struct Workbench {
 pelage::Result<void> warmUp(Workbench& workbench);
 
 template <class T>
-pelage::BufferId Workbench::add(std::string name, const std::vector<T>& values) {
+pelage::BufferId Workbench::add(std::string name, const std::vector<T>& values,
+                                pelage::BufferUsage usage) {
   pelage::BufferDesc desc;
   desc.name = std::move(name);
   desc.size = values.size() * sizeof(T);
   desc.stride = sizeof(T);
-  desc.usage = pelage::BufferUsage::kStorage | pelage::BufferUsage::kReadback;
+  desc.usage = usage;
   const auto bytes = std::as_bytes(std::span(values));
   desc.initial.assign(bytes.begin(), bytes.end());
   return scene.resources().add(std::move(desc));

@@ -91,6 +91,18 @@ struct SimulationCounters {
 /// late.
 SimulationCounters readCounters(std::span<const std::byte> sleepWords);
 
+/// What contacts cost in a frame, over all sub-steps.
+struct ContactCounters {
+  uint32_t records = 0;  ///< vertices near a collider, once for each of (at most two) colliders
+  uint32_t furtherPasses =
+      0;  ///< exact: solver passes beyond the first one of strands with a record
+  uint32_t tilesSolvedAgain = 0;  ///< exact: tiles of 32 strands whose contacts were found again,
+                                  ///< because a vertex ended over 1 cm from where it was expected
+};
+
+/// Reads the counters from the first 16 bytes of HairBuffers::contactWords, as readCounters() does.
+ContactCounters readContactCounters(std::span<const std::byte> words);
+
 /// Buffers of a hair object; kInvalid marks one that this object does not need.
 struct HairBuffers {
   BufferId positions = BufferId::kInvalid;     ///< [strand][vertex] Float4, guides first;
@@ -108,11 +120,16 @@ struct HairBuffers {
   BufferId contactVertices = BufferId::kInvalid;  ///< [guide][vertex] Float4
   BufferId contactRest = BufferId::kInvalid;      ///< [guide][vertex] float, rest density
   BufferId contactForces = BufferId::kInvalid;    ///< [guide][vertex] Float4, with those of forces
-  BufferId colliders = BufferId::kInvalid;        ///< Collider
-  BufferId fields = BufferId::kInvalid;           ///< SdfField, of colliders within reach
-  BufferId bindRoots = BufferId::kInvalid;        ///< [guide] Float4, bind position of vertex 0
-  BufferId rootTransforms = BufferId::kInvalid;   ///< [2][guide] RootTransform
-  BufferId rootBindings = BufferId::kInvalid;     ///< [guide] RootBinding
+  BufferId contacts = BufferId::kInvalid;  ///< [guide][vertex][2] ContactRecord, of vertices whose
+                                           ///< bit is set in contactWords; from the first frame
+                                           ///< on in which a collider is in reach
+  BufferId contactWords = BufferId::kInvalid;    ///< counters and masks, see readContactCounters()
+                                                 ///< and kernels/layouts/contact_records.hlsli
+  BufferId colliders = BufferId::kInvalid;       ///< Collider
+  BufferId fields = BufferId::kInvalid;          ///< SdfField, of colliders within reach
+  BufferId bindRoots = BufferId::kInvalid;       ///< [guide] Float4, bind position of vertex 0
+  BufferId rootTransforms = BufferId::kInvalid;  ///< [2][guide] RootTransform
+  BufferId rootBindings = BufferId::kInvalid;    ///< [guide] RootBinding
   BufferId boneTransforms =
       BufferId::kInvalid;  ///< 3 (matrices) or 2 (dual quaternions) Float4 each; the skeleton's,
                            ///< where the object follows one

@@ -184,6 +184,7 @@ class Scene {
   };
   void addSolverBuffers(HairObject& object);
   void removeSolverBuffers(HairObject& object);
+  void removeContacts(HairObject& object);
   void removeBuffer(BufferId& buffer);
   Result<void> checkObject(const HairObject& object) const;
   Result<std::vector<std::optional<detail::SdfGridPlan>>> checkColliders() const;
@@ -205,11 +206,15 @@ class Scene {
   Result<void> addRootPass(const Frame& frame);
   Result<void> addClassicPasses(const Frame& frame);
   Result<void> addExactPasses(Frame& frame);
+  void prepareContacts(Frame& frame);
+  Result<void> addContactPass(const Frame& frame, uint32_t step, uint32_t steps, bool again);
   Result<void> addSleepPass(Frame& frame, ExactConstants constants);
   void setLevelOfDetail(const Frame& frame, ExactConstants& constants);
   Result<void> addInterpolationPass(const Frame& frame, const ExactConstants& constants,
                                     uint32_t strands);
   void bindExact(const Frame& frame, PassBuilder& builder) const;
+  Result<void> finishExactPass(const Frame& frame, PassBuilder& builder,
+                               const ExactConstants& constants) const;
   Result<void> addFollowPass(const Frame& frame);
   Result<void> addFollowCollision(const Frame& frame);
   void addHairGrid(HairObject& object);

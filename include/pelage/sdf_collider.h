@@ -58,7 +58,7 @@ struct SdfGrid {
 /// What the last build of a field did.
 struct SdfCounters {
   uint32_t bigTriangles = 0;    ///< that were shared out over thread groups
-  uint32_t interiorNodes = 0;   ///< inside beyond the band
+  uint32_t interiorNodes = 0;   ///< of the coarse grid: inside beyond the band
   uint32_t movedVertices = 0;   ///< a build of what moved: by more than the tolerance
   uint32_t movedTriangles = 0;  ///< likewise: that were taken out and put in again
   uint32_t clearedBricks = 0;   ///< likewise: of 4^3 nodes
@@ -82,7 +82,7 @@ struct SdfColliderBuffers {
   BufferId fans = BufferId::kInvalid;
   BufferId counts = BufferId::kInvalid;  ///< crossings of the nodes
   BufferId places = BufferId::kInvalid, work = BufferId::kInvalid, marks = BufferId::kInvalid;
-  BufferId flood = BufferId::kInvalid, votes = BufferId::kInvalid;
+  BufferId votes = BufferId::kInvalid;
   BufferId isoCounts = BufferId::kInvalid;  ///< for Scene::checkColliderDraw()
 };
 

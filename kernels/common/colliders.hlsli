@@ -24,7 +24,7 @@ Contact findContact(Collider shape, float3 p, float begin, float end) {
   contact.surfaceMotion = float3(0.0, 0.0, 0.0);
   contact.friction = 0.0;
   if (!isUsable(shape.head) || !isUsable(shape.tail) || !isUsable(shape.headBefore) ||
-      !isUsable(shape.tailBefore.xyz))
+      !isUsable(shape.tailBefore.xyz) || !isUsable(shape.spin.xyz))
     return contact;
   float3 headBefore = shape.headBefore.xyz;
   float3 tailBefore = shape.tailBefore.xyz;
@@ -54,12 +54,46 @@ Contact findContact(Collider shape, float3 p, float begin, float end) {
   precise float3 normal = outward * (1.0 / distance);
   precise float penetration = shape.head.w - taper * t - distance;
   precise float3 before = headFrom + (tailFrom - headFrom) * t;
-  precise float3 surfaceMotion = center - before;
+  precise float3 turning = cross3(shape.spin.xyz, normal * (shape.head.w - taper * t)) * (end - begin);
+  precise float3 surfaceMotion = center - before + turning;
   contact.normal = normal;
   contact.penetration = penetration;
   contact.surfaceMotion = surfaceMotion;
   contact.friction = shape.headBefore.w;
   return contact;
+}
+
+// Sweeps of more than this share of the smaller radius look for the first contact on the way.
+static const float kSweepFrom = 0.25;
+static const float kSweepTouch = 1e-5;  // [m]
+static const uint kSweepSteps = 16;
+
+// As findContact() for a point that goes from `from` to `p`: one that meets the surface on the way has
+// the plane in which it does.
+Contact sweepCapsule(Collider shape, float3 from, float3 p, float begin, float end) {
+  Contact last = findContact(shape, p, begin, end);
+  // Relative to the surface, which is where it is in the end.
+  precise float3 start = from + last.surfaceMotion;
+  precise float3 way = p - start;
+  float size = squareRoot(dot3(way, way));
+  if (!(size > kSweepFrom * min(shape.head.w, shape.tail.w)) || last.penetration < -1e17) return last;
+  Contact contact = findContact(shape, start, begin, end);
+  if (!(contact.penetration < 0.0)) return last;
+  precise float3 direction = way * (1.0 / max(size, 1e-20));
+  precise float s = 0.0;
+  [loop] for (uint i = 0; i < kSweepSteps; ++i) {
+    if (contact.penetration > -kSweepTouch) {
+      precise float3 left = p - (start + direction * s);
+      precise float penetration = contact.penetration - dot3(contact.normal, left);
+      contact.penetration = penetration;
+      contact.surfaceMotion = last.surfaceMotion;
+      return contact;
+    }
+    s = s - contact.penetration;
+    if (!(s < size)) return last;
+    contact = findContact(shape, start + direction * s, begin, end);
+  }
+  return last;
 }
 
 #endif

@@ -1,8 +1,9 @@
 // Vertices of strands whose follow strands are placed beside their guides where they are needed, as
 // update_follow_strands places those that are stored; no resources. Who includes this defines:
 //   STRAND_POSITIONS, STRAND_VERTEX_COUNT
-// with FOLLOW_STRANDS, whose buffer of positions has the guides alone, also
+// with FOLLOW_STRANDS, where the buffer of positions may have the guides alone, also
 //   STRAND_FOLLOW_STRANDS, STRAND_ROOTS, STRAND_GUIDE_COUNT, STRAND_TIP_SEPARATION
+//   STRAND_PLACES_FOLLOWS  true if it does, and follow strands are placed here
 // and, where tangents are needed, STRAND_TANGENTS.
 #ifndef PELAGE_COMMON_DRAWN_STRAND_HLSLI
 #define PELAGE_COMMON_DRAWN_STRAND_HLSLI
@@ -50,7 +51,7 @@ DrawnVertex drawnVertex(uint strand, uint vertex) {
   drawn.tangent = float3(0.0, 1.0, 0.0);
   drawn.known = true;
 #if FOLLOW_STRANDS
-  if (strand >= STRAND_GUIDE_COUNT) {
+  if (STRAND_PLACES_FOLLOWS && strand >= STRAND_GUIDE_COUNT) {
     FollowStrand follow = STRAND_FOLLOW_STRANDS[strand - STRAND_GUIDE_COUNT];
     GuideVertex guides =
         loadGuides(follow.guides, follow.weights, vertex, STRAND_VERTEX_COUNT, STRAND_GUIDE_COUNT);

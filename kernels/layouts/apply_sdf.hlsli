@@ -16,9 +16,6 @@ cbuffer ApplySdfConstants : register(b0, space0) {
 RWStructuredBuffer<float4> g_sdfPositions : register(u0, space0);
 // [vertex]: xyz a step before [m]; what they are apart is the velocity. w unused.
 RWStructuredBuffer<float4> g_sdfPositionsBefore : register(u1, space0);
-// Vertices that are near a surface: sdf_near_list.hlsli says what is where. Of find_near_vertices and
-// the listed permutation.
-RWStructuredBuffer<uint> g_sdfNear : register(u2, space0);
 // [g_sdfFieldCount]
 StructuredBuffer<SdfField> g_sdfFields : register(t0, space0);
 StructuredBuffer<uint> g_sdfKeys : register(t1, space0);

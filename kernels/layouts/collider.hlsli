@@ -9,6 +9,8 @@ struct Collider {
   float4 tail;        // xyz at the frame's end, w radius; equal to the head for a sphere
   float4 headBefore;  // xyz at the frame's begin, w Coulomb friction
   float4 tailBefore;  // xyz at the frame's begin; w unused
+  float4 spin;        // xyz rotation vector of the frame about the axis, or a sphere's centre [rad]; w
+                      // unused
 };
 
 #endif

@@ -17,7 +17,7 @@
 #define PELAGE_LAYOUTS_EXACT_HLSLI
 
 #include "collider.hlsli"
-#include "sdf_field.hlsli"
+#include "contact_records.hlsli"
 
 struct ExactStrand {
   uint state;   // element of vertex 0 in a set: 32 * (lengths of the tiles before) + lane
@@ -85,7 +85,9 @@ cbuffer ExactConstants : register(b0, space1) {
   uint g_flags;             // bit 0: reset to the rest shape; bit 1: last sub-step of the frame;
                             // bit 2: rebase the state; bit 3: only the tiles that are awake;
                             // bit 4: all tiles wake; bit 5: g_turnRatio is not
-                            // 1; bit 6: interpolate_guides makes states
+                            // 1; bit 6: interpolate_guides makes states; bit 7: only the strands whose
+                            // contacts were found again, from the result on; bit 8: only
+                            // the reset, with its positions
   uint g_outputVertices;    // elements of a strand in g_positions and g_tangents; those past its
                             // own vertices repeat its tip. 0: as many as it has vertices
   uint g_parameterSet;      // set of g_rest with factors of every vertex; 0: there is none
@@ -99,10 +101,14 @@ cbuffer ExactConstants : register(b0, space1) {
   uint g_simulatedCount;
   uint g_fadeStart;
   uint g_restartFrom;
-  uint g_fieldCount;  // distance fields that the strands collide with
-  uint g_exactPad1;
+  uint g_contactHead;  // words of g_contactWords, with contacts
+  uint g_contactList;
   float g_guessTrend;       // 0.5 min(c, 1): share of what the last guess missed that a guess adds to
                             // the last turn of an edge
+  uint g_contactMasks;
+  uint g_contactMaskWords;  // of a strand
+  uint g_exactPad0;
+  uint g_exactPad1;
 };
 
 // 8 sets. 0..3: of four states, the way of the vertex in the step that led to it, without what it
@@ -141,15 +147,15 @@ StructuredBuffer<float4> g_forces : register(t4, space1);
 //   3              strands awake
 //   4..6           groups of an indirect dispatch over the follow strands: 0 while all sleep
 //   7              second passes
-//   8..8+T-1       the list
-//   8+T..8+2T-1    what to add to g_slot for a tile that slept
-//   8+2T..         [strand in the order of g_strands] time at rest [s], as the bits of a float
+//   8..10          groups of find_contacts over the list
+//   12..12+T-1     the list
+//   12+T..12+2T-1  what to add to g_slot for a tile that slept
+//   12+2T..        [strand in the order of g_strands] time at rest [s], as the bits of a float
 RWStructuredBuffer<uint> g_sleep : register(u2, space1);
 // [place in g_strands] place of a strand near it and before it.
 StructuredBuffer<uint> g_lodParents : register(t5, space1);
-// With the sdf permutation: [g_fieldCount], relative to g_origin, and what they refer to.
-StructuredBuffer<SdfField> g_exactFields : register(t6, space1);
-StructuredBuffer<uint> g_fieldKeys : register(t7, space1);
-StructuredBuffer<uint4> g_fieldSurface : register(t8, space1);
+// With the contacts permutation: contact_records.hlsli.
+RWStructuredBuffer<ContactRecord> g_contacts : register(u3, space1);
+RWStructuredBuffer<uint> g_contactWords : register(u4, space1);
 
 #endif

@@ -31,14 +31,14 @@ cbuffer GenerateSdfConstants : register(b0, space0) {
   uint g_clearGroups;       // x of clear_sdf
   uint g_columnGroups;      // x of count_sdf_columns
   float g_motionTolerance;  // a vertex that moved less since it was built stays where it is
-  uint g_floodCapacity;     // entries of g_sdfFlood
-  uint g_floodStep;         // nodes that flood_interior looks away
-  uint g_floodSlot;         // 0 or 1: the half of the entries' triangles that is read; the other
-                            // one is written
-  uint g_floodFlags;        // bit 0: there are no triangles yet
-  uint g_generatePad0;
-  uint g_generatePad1;
+  uint g_coarseGroups;      // x of fill_interior
+  uint g_buildFlags;        // kSdfIncremental, kSdfThreeAxes
 };
+
+// Only what moved is built; a mesh of three axes is built as a whole if anything moved.
+static const uint kSdfIncremental = 1;
+// Signs by the vote of three axes: the mesh is open, or its parts overlap.
+static const uint kSdfThreeAxes = 2;
 
 // An engine's vertex buffer, positions in the field's space [m].
 StructuredBuffer<float> g_sdfVertices : register(t0, space0);
@@ -57,17 +57,15 @@ StructuredBuffer<uint2> g_sdfFans : register(t5, space0);
 RWStructuredBuffer<float4> g_sdfPlaces : register(u0, space0);
 RWStructuredBuffer<uint> g_sdfKeys : register(u1, space0);
 // [axis][node / 4]: crossings, a signed byte a node with the borrow of the bytes below it; axes y
-// and z with the threeAxes permutation.
+// and z with kSdfThreeAxes.
 RWStructuredBuffer<uint> g_sdfCounts : register(u2, space0);
 RWStructuredBuffer<uint4> g_sdfSurface : register(u3, space0);
 // sdf_work.hlsli says what is where.
 RWStructuredBuffer<uint> g_sdfWork : register(u4, space0);
-// Inside nodes whose triangle is not known: [entry] node, then [2][entry] triangle.
-RWStructuredBuffer<uint> g_sdfFlood : register(u5, space0);
 // [brick of 4^3 nodes, x fastest] the last build that cleared it; then [place] the last build in
 // which it or a neighbour moved.
-RWStructuredBuffer<uint> g_sdfMarks : register(u6, space0);
+RWStructuredBuffer<uint> g_sdfMarks : register(u5, space0);
 // [axis y, z][node / 4]: a byte a node, what the axis says of it: voteOf() of sdf_counts.hlsli.
-RWStructuredBuffer<uint> g_sdfVotes : register(u7, space0);
+RWStructuredBuffer<uint> g_sdfVotes : register(u6, space0);
 
 #endif

@@ -1,7 +1,7 @@
 // Resources of the grid through which hair touches hair. Group "hairGrid", all in space0.
 //
-// The grid has g_gridSize^3 nodes, x fastest, a cell size apart. A node has g_gridChannels words:
-// mass, and with friction the three components of momentum, in two's complement fixed point.
+// The grid has g_gridSize^3 nodes, x fastest, a cell size apart. A node has 1 word, its mass, or with
+// g_gridFriction 4: the three components of momentum, too, in two's complement fixed point.
 #ifndef PELAGE_LAYOUTS_HAIR_GRID_HLSLI
 #define PELAGE_LAYOUTS_HAIR_GRID_HLSLI
 
@@ -17,21 +17,25 @@ cbuffer HairGridConstants : register(b0, space0) {
                            // vmax [m/s], largest component of a velocity relative to it
   float g_massScale;       // quanta a metre of hair
   float g_momentumScale;   // quanta a metre of hair times m/s
-  float g_pressure;        // c^2 of apply_hair_grid [m2/s2]
+  float g_pressure;        // c^2 of apply_hair_grid [m2/s2]; 0: no pressure, and no rest density
   float g_frictionRate;    // share of a relative velocity to take away over the step [1/s]
   float g_lookAhead;       // this step [s]
   float g_inverseStep;     // 1 / the step before [1/s]; 0: there is no position before
   uint g_gridSize;         // nodes an axis, 2..64
   uint g_gridVertexCount;  // elements of g_gridPositions and of all that is a vertex's
+  uint g_gridFriction;     // 0 or 1: nodes have a momentum
+  uint g_addsForces;       // 0 or 1: g_otherForces are added
+  uint g_gridPad0;
+  uint g_gridPad1;
 };
 
 // [strand][vertex] of the guides: world position [m]; w unused.
 StructuredBuffer<float4> g_gridPositions : register(t0, space0);
-// [strand][vertex]: forces of others, as g_gridForces; with the forces permutation.
+// [strand][vertex]: forces of others, as g_gridForces; only read with g_addsForces.
 StructuredBuffer<float4> g_otherForces : register(t1, space0);
 // [strand][vertex]: xyz position a step before [m], w = mass [m]; 0 leaves the vertex out.
 RWStructuredBuffer<float4> g_gridBefore : register(u0, space0);
-// [strand][vertex]: mass density in the bind pose, in quanta a cell.
+// [strand][vertex]: mass density in the bind pose, in quanta a cell; only read with a pressure.
 RWStructuredBuffer<float> g_gridRest : register(u1, space0);
 // [node][channel]
 RWStructuredBuffer<uint> g_gridNodes : register(u2, space0);

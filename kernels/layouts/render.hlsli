@@ -9,11 +9,16 @@
 #define STRAND_VIEW_REGISTER register(b0, space1)
 #include "strand_view.hlsli"
 
-// [strand][vertex]: world position [m]; w = inverse mass. With the followStrands permutation only
-// the g_renderGuideCount guides are there.
+// [strand][vertex]: world position [m]; w = inverse mass. With g_placesFollows only the
+// g_renderGuideCount guides are there.
 StructuredBuffer<float4> g_renderPositions : register(t0, space0);
 // [strand][vertex], as many: unit tangent.
 StructuredBuffer<float4> g_renderTangents : register(t1, space0);
+
+// Bits of g_strandAttributes: what the object has beside its strands.
+static const uint kHasThickness = 1u;
+static const uint kHasVertexColors = 2u;
+static const uint kHasBaseTexture = 4u;
 
 cbuffer RenderConstants : register(b1, space1) {
   float4 g_shadingBody;         // members of StrandShading
@@ -35,23 +40,25 @@ cbuffer RenderConstants : register(b1, space1) {
   float g_strandWidening;       // factor on the radius, for the strands that are not drawn
   uint g_shadingModel;          // StrandShading.model.x
   uint2 g_textureSize;          // texels; 0: no texture
-  uint g_renderPad0;
-  uint g_renderPad1;
+  uint g_strandAttributes;      // bits: what to read with the attributes permutation
+  uint g_placesFollows;         // 0 or 1: follow strands are placed beside their guides
 };
 
-// [strand]: factor on the fibre radius; only with the strandThickness permutation.
+// The buffers of attributes are only bound with the attributes permutation, and of them only those
+// read that g_strandAttributes has.
+// [strand]: factor on the fibre radius.
 StructuredBuffer<float> g_strandThickness : register(t0, space1);
-// [strand - g_renderGuideCount]; only with the followStrands permutation.
+// [strand - g_renderGuideCount]; only read where there are follow strands.
 StructuredBuffer<FollowStrand> g_renderFollowStrands : register(t1, space1);
-// [2][g_renderGuideCount]: root frames of this frame and the last one; only with the followStrands
-// permutation.
+// [2][g_renderGuideCount]: root frames of this frame and the last one; only read with
+// g_placesFollows.
 StructuredBuffer<RootTransform> g_renderRoots : register(t2, space1);
-// [guide][vertex]: linear rgba as four halves; only with the vertexColors permutation. A follow
-// strand has the colours of its first guide.
+// [guide][vertex]: linear rgba as four halves; an attribute. A follow strand has the colours of its
+// first guide.
 StructuredBuffer<uint2> g_vertexColors : register(t3, space1);
-// [guide]: place on the texture, 0..1 and repeated beyond; only with the baseTexture permutation.
+// [guide]: place on the texture, 0..1 and repeated beyond; an attribute.
 StructuredBuffer<float2> g_strandUv : register(t4, space1);
-// [y][x]: linear rgba as two words of two 16-bit unorms; only with the baseTexture permutation.
+// [y][x]: linear rgba as two words of two 16-bit unorms; an attribute.
 StructuredBuffer<uint2> g_baseTexture : register(t5, space1);
 // Words of all shadow maps.
 StructuredBuffer<uint> g_shadowWords : register(t6, space1);

@@ -8,9 +8,8 @@
 #ifndef PELAGE_LAYOUTS_SIMULATION_HLSLI
 #define PELAGE_LAYOUTS_SIMULATION_HLSLI
 
-#include "collider.hlsli"
+#include "contact_records.hlsli"
 #include "follow.hlsli"
-#include "sdf_field.hlsli"
 
 // One guide root's bones: x..w index g_boneTransforms (in bones), the weights sum to anything > 0.
 struct RootBinding {
@@ -60,9 +59,9 @@ cbuffer SimulationConstants : register(b0, space1) {
   uint g_lengthIterations;   // Newton steps of the length solve, at most 64
   float g_tipSeparation;     // factor on the follow offsets at the tip, on top of FollowStrand's
   uint g_flags;              // bit 0: reset (take the goal, forget velocities); bit 1: rebase
-  uint g_colliderCount;
+  uint g_contactMasks;      // words of g_contactWords, with contacts
   uint g_factorSet;  // set of g_rest with factors of every vertex, 2; 0: there is none
-  uint g_fieldCount;  // distance fields that the strands collide with
+  uint g_contactMaskWords;  // of a strand
   uint g_simulationPad1;
 };
 
@@ -91,14 +90,11 @@ StructuredBuffer<float4> g_boneTransforms : register(t1, space1);
 StructuredBuffer<RootBinding> g_rootBindings : register(t2, space1);
 // [F]; neighbours with the same guides share the work on them.
 StructuredBuffer<FollowStrand> g_followStrands : register(t3, space1);
-// [g_colliderCount]
-StructuredBuffer<Collider> g_colliders : register(t4, space1);
 // [G][V] as g_positions; with the forces permutation. xyz = acceleration a [m/s2], w = drag k [1/s],
 // >= 0: the equation of motion gets a - k v. A drag towards the velocity u is a = k u.
 StructuredBuffer<float4> g_strandForces : register(t5, space1);
-// With the sdf permutation: [g_fieldCount], relative to g_origin, and what they refer to.
-StructuredBuffer<SdfField> g_classicFields : register(t6, space1);
-StructuredBuffer<uint> g_fieldKeys : register(t7, space1);
-StructuredBuffer<uint4> g_fieldSurface : register(t8, space1);
+// With the contacts permutation: contact_records.hlsli.
+StructuredBuffer<ContactRecord> g_contacts : register(t4, space1);
+StructuredBuffer<uint> g_contactWords : register(t6, space1);
 
 #endif

@@ -17,7 +17,7 @@ cbuffer StrandShadowConstants : register(b0, space0) {
   float g_shadowOpacity;        // of a fibre, 0..1
   float g_shadowFade;           // factor on the radius of the last strands
   uint g_shadowFadingCount;     // how many those are
-  uint g_shadowPad;
+  uint g_shadowHasThickness;    // 0 or 1
 };
 
 // [strand][vertex]: world position [m]; w unused. With the followStrands permutation only the
@@ -25,7 +25,7 @@ cbuffer StrandShadowConstants : register(b0, space0) {
 StructuredBuffer<float4> g_shadowPositions : register(t0, space0);
 // [map]
 StructuredBuffer<StrandShadowView> g_shadowViews : register(t1, space0);
-// [strand]: factor on the fibre radius; only with the strandThickness permutation.
+// [strand]: factor on the fibre radius; only read with g_shadowHasThickness.
 StructuredBuffer<float> g_shadowThickness : register(t2, space0);
 // [strand - g_shadowGuideCount]; only with the followStrands permutation.
 StructuredBuffer<FollowStrand> g_shadowFollowStrands : register(t3, space0);

@@ -16,8 +16,7 @@ void clear_sdf(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
   for (uint part = 0; part < 4; ++part)
     g_sdfKeys[g_fieldNodes.w + part * words + word] = kSdfUnset;
   g_sdfCounts[word] = 0u;
-#if THREE_AXES
+  if (!hasThreeAxes()) return;
   g_sdfCounts[words + word] = 0u;
   g_sdfCounts[2u * words + word] = 0u;
-#endif
 }

@@ -25,10 +25,10 @@
 #define SDF_KEYS g_followKeys
 #define SDF_SURFACE g_followSurface
 #define SDF_CLOSEST_FEATURE 1
-#define SDF_WALK 4
 #define SDF_FRICTION 0
 
 #include "../layouts/follow_collision.hlsli"
+#include "../contact/fit_along_plane.hlsli"
 #include "sdf_strand_contact.hlsli"
 #include "sdf_vertex.hlsli"
 

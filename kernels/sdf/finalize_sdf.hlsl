@@ -3,23 +3,35 @@
 // Threads: one a word of 4 nodes, in rows of kGroupsARow groups of 64; a group has as many rows of
 //          the grid as fit it, or one, which it goes along.
 // Reads:   g_sdfCounts; with THREE_AXES g_sdfVotes, g_sdfSurface
-// Writes:  g_sdfKeys, g_sdfFlood, g_sdfWork
+// Writes:  g_sdfKeys
 //
 // A node is inside when more surfaces were entered than left before it. With THREE_AXES two of the
 // three axes have to say so: a hole or an overlap deceives the one axis on which it lies.
-// Inside nodes that the band did not reach are listed for the flood. A key that an earlier build
-// made far is unset first.
+// A key that an earlier build made far is unset again.
 // With THREE_AXES parts of the mesh may overlap, and a triangle that another part swallows is no way
 // out. On the way to its nearest triangle a node crosses no other one: behind it there is one solid
 // less, when the node is at the triangle's back, or one more. So the triangle is on the outer
-// surface when the node is in one solid and at its back; else the node is listed, too.
+// surface when the node is in one solid and at its back; else the key keeps the distance, which is
+// no more than that of the outer surface, and no triangle.
 //
 // Invariant (tests/kernel): no wrong sign further than 1e-4 cell from a closed surface; three axes
 // give the same keys as one within the band of a closed surface.
 #include "sdf_counts.hlsli"
-#include "sdf_flood.hlsli"
+#include "sdf_record.hlsli"
+
 #if THREE_AXES
-#include "sdf_way_out.hlsli"
+// On the surface itself there is no telling.
+static const float kClearlyFront = 1e-3;
+
+// Whether a node sees the front of its nearest triangle.
+//
+// \param node  index without g_fieldNodes.w
+bool isAtFront(uint node, uint key) {
+  uint index = sdfTriangle(key, g_fieldTriangleBits);
+  if (index >= g_fieldTriangleCount) return false;
+  SdfClosest closest = closestOf(float3(nodeOfIndex(node)), index);
+  return sdfSideOf(fieldOfBuild(), closest, true).distance > kClearlyFront;
+}
 #endif
 
 groupshared int s_sums[64];
@@ -77,41 +89,20 @@ void finalize_sdf(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
       }
     }
 #endif
-    uint4 keys = uint4(0u, 0u, 0u, 0u);
-    uint4 before = keys;
-    uint listed = 0u;
-    if (active) {
-      for (uint i = 0; i < 4; ++i) {
-        uint key = g_sdfKeys[g_fieldNodes.w + 4u * word + i];
-        before[i] = key;
-        key = (key & kSdfFar) != 0u ? kSdfUnset : key & kSdfUnset;
-        if (inside[i] > 0) {
-          bool lists = key == kSdfUnset;
+    for (uint n = 0; n < 4 && active; ++n) {
+      uint element = g_fieldNodes.w + 4u * word + n;
+      uint before = g_sdfKeys[element];
+      uint key = (before & kSdfFar) != 0u ? kSdfUnset : before & kSdfUnset;
+      if (inside[n] > 0) {
 #if THREE_AXES
-          if (!lists) lists = overlap[i] || isAtFront(4u * word + i, key);
-          if (lists) key = kEntryKey | (key & kSdfUnset);
+        if (key != kSdfUnset && (overlap[n] || isAtFront(4u * word + n, key)))
+          key = key | ((1u << g_fieldTriangleBits) - 1u);
 #endif
-          if (lists) listed += 1u;
-          key = key | kSdfInside;
-        }
-        keys[i] = key;
+        key = key | kSdfInside;
       }
+      if (key != before) g_sdfKeys[element] = key;
     }
-    uint entry = reserveEntries(listed, lane);
-    if (active) {
-      for (uint i = 0; i < 4; ++i) {
-        uint key = keys[i];
-        // Keys of the band have no kSdfFar.
-        if (isEntryKey(key)) {
-#if THREE_AXES
-          uint own = sdfTriangle(key, g_fieldTriangleBits);
-          if (entry < g_floodCapacity) g_sdfFlood[floodElement(0u, entry)] = own;
-#endif
-          key = listNode(4u * word + i, entry);
-          entry += 1u;
-        }
-        if (key != before[i]) g_sdfKeys[g_fieldNodes.w + 4u * word + i] = key;
-      }
-    }
+    // Before the next part writes s_sums.
+    GroupMemoryBarrierWithGroupSync();
   }
 }

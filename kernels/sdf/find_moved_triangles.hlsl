@@ -5,23 +5,48 @@
 // Reads:   g_sdfPlaces of this build and of the last one, g_sdfIndices
 // Writes:  g_sdfCounts, g_sdfMarks, g_sdfKeys, g_sdfWork
 //
-// Who marks a brick first clears it: nobody else touches keys before scatter_triangles. The marks
-// of places are those at which a normal changes.
+// The group that marks a brick first clears it: nobody else touches keys before scatter_triangles.
+// The marks of places are those at which a normal changes.
 //
 // Invariant (tests/kernel): crossings are those of a build from an empty grid.
 #include "sdf_bricks.hlsli"
 #include "sdf_crossings.hlsli"
 
-void clearBrick(uint3 brick) {
-  uint3 low = brick * 4u;
-  for (uint i = 0; i < 64; ++i) {
-    uint3 node = low + uint3(i & 3u, (i >> 2) & 3u, i >> 4);
-    if (node.y < g_fieldNodes.y && node.z < g_fieldNodes.z)
-      g_sdfKeys[g_fieldNodes.w + nodeIndex(int3(node))] = kSdfUnset;
+// Bricks that the group clears together, a node a thread: one thread would take 64 turns.
+static const uint kMostListed = 256;
+groupshared uint s_listed;
+groupshared uint s_bricks[kMostListed];
+
+void clearNode(uint3 brick, uint i) {
+  uint3 node = brick * 4u + uint3(i & 3u, (i >> 2) & 3u, i >> 4);
+  if (node.y < g_fieldNodes.y && node.z < g_fieldNodes.z)
+    g_sdfKeys[g_fieldNodes.w + nodeIndex(int3(node))] = kSdfUnset;
+}
+
+// Lists the brick, or clears it where the list is full.
+void listBrick(uint3 brick) {
+  uint slot;
+  InterlockedAdd(s_listed, 1u, slot);
+  if (slot < kMostListed) {
+    s_bricks[slot] = brickIndex(brick);
+    return;
+  }
+  for (uint i = 0; i < 64; ++i) clearNode(brick, i);
+}
+
+void clearListed(uint thread) {
+  uint3 bricks = bricksOfGrid();
+  uint count = min(s_listed, kMostListed);
+  for (uint entry = 0; entry < count; ++entry) {
+    uint index = s_bricks[entry];
+    uint row = index / bricks.x;
+    uint layer = row / bricks.y;
+    clearNode(uint3(index - row * bricks.x, row - layer * bricks.y, layer), thread);
   }
 }
 
-void clearBricks(PlacedTriangle t, uint lane, uint lanes) {
+// Marks and lists the bricks that the band of a triangle reaches.
+void findBricks(PlacedTriangle t, uint lane, uint lanes) {
   NodeRange range = rangeOf(t);
   if (!t.usable || isEmpty(range)) return;
   TriangleShape shape = shapeOf(t.a, t.b, t.c);
@@ -35,8 +60,7 @@ void clearBricks(PlacedTriangle t, uint lane, uint lanes) {
     uint last;
     InterlockedMax(g_sdfMarks[brickIndex(brick)], g_buildStamp, last);
     if (last == g_buildStamp) continue;
-    clearBrick(brick);
-    InterlockedAdd(g_sdfWork[kWorkBricks], 1u);
+    listBrick(brick);
   }
 }
 
@@ -45,10 +69,8 @@ bool differ(float3 a, float3 b) {
   return (bits.x | bits.y | bits.z) != 0u;
 }
 
-[numthreads(64, 1, 1)]
-void find_moved_triangles(uint3 group : SV_GroupID, uint thread : SV_GroupIndex) {
-  uint index = indexOfGroup(group) * 4u + thread / 16u;
-  uint lane = thread % 16u;
+// Of the triangle, when it moved.
+void takeOutAndPutIn(uint index, uint lane) {
   if (index >= g_fieldTriangleCount) return;
   PlacedTriangle before = loadTriangle(index, slotBefore());
   PlacedTriangle now = loadTriangle(index, slotNow());
@@ -57,11 +79,21 @@ void find_moved_triangles(uint3 group : SV_GroupID, uint thread : SV_GroupIndex)
     return;
   if (before.usable) addCrossings(before, -1, lane, 16u);
   if (now.usable) addCrossings(now, 1, lane, 16u);
-  clearBricks(before, lane, 16u);
-  clearBricks(now, lane, 16u);
+  findBricks(before, lane, 16u);
+  findBricks(now, lane, 16u);
   if (lane < 3u) {
     uint place = g_sdfIndices[3u * index + lane];
     if (place < g_placeCount) g_sdfMarks[placeMarks() + place] = g_buildStamp;
   }
   if (lane == 0u) InterlockedAdd(g_sdfWork[kWorkMovedTriangles], 1u);
+}
+
+[numthreads(64, 1, 1)]
+void find_moved_triangles(uint3 group : SV_GroupID, uint thread : SV_GroupIndex) {
+  if (thread == 0u) s_listed = 0u;
+  GroupMemoryBarrierWithGroupSync();
+  takeOutAndPutIn(indexOfGroup(group) * 4u + thread / 16u, thread % 16u);
+  GroupMemoryBarrierWithGroupSync();
+  clearListed(thread);
+  if (thread == 0u && s_listed > 0u) InterlockedAdd(g_sdfWork[kWorkBricks], s_listed);
 }

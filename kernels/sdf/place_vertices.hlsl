@@ -1,11 +1,11 @@
 // Brings the vertices into the grid.
 //
 // Threads: one a place, in rows of kGroupsARow groups.
-// Reads:   g_sdfVertices, g_sdfPlaceVertices; with INCREMENTAL g_sdfPlaces of the last build
-// Writes:  g_sdfPlaces; with INCREMENTAL g_sdfWork
+// Reads:   g_sdfVertices, g_sdfPlaceVertices; incremental: g_sdfPlaces of the last build
+// Writes:  g_sdfPlaces; incremental: g_sdfWork
 //
 // Coordinates end 65535 cells from node 0: further out a mesh keeps its topology but not its shape,
-// and no integer of the crossings overflows. With INCREMENTAL a vertex that moved by no more than
+// and no integer of the crossings overflows. In an incremental build a vertex that moved by no more than
 // g_motionTolerance since it was built stays where it was, and the passes of the rebuild get their
 // groups only when some vertex moved.
 //
@@ -31,7 +31,10 @@ float4 placeOf(uint place) {
 [numthreads(64, 1, 1)]
 void place_vertices(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
   uint place = indexOfGroup(group) * 64u + lane;
-#if INCREMENTAL
+  if (!isIncremental()) {
+    if (place < g_placeCount) g_sdfPlaces[slotNow() * g_placeCount + place] = placeOf(place);
+    return;
+  }
   if (lane == 0) s_moved = 0u;
   GroupMemoryBarrierWithGroupSync();
   if (place < g_placeCount) {
@@ -52,6 +55,7 @@ void place_vertices(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
     InterlockedAdd(g_sdfWork[kWorkMovedPlaces], s_moved);
     InterlockedMax(g_sdfWork[kWorkMoved], g_triangleGroups);
     InterlockedMax(g_sdfWork[kWorkRows], g_rowGroups);
+    InterlockedMax(g_sdfWork[kWorkInterior], g_coarseGroups);
     InterlockedMax(g_sdfWork[kWorkClear], g_clearGroups);
     InterlockedMax(g_sdfWork[kWorkColumns], g_columnGroups);
     InterlockedMax(g_sdfWork[kWorkLastMotion], g_buildStamp);
@@ -59,7 +63,4 @@ void place_vertices(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
   // Records with motion need a pass more, in which it ends.
   bool ends = g_fieldSurfaceStride > 4u && g_sdfWork[kWorkLastMotion] + 1u >= g_buildStamp;
   if (moves || ends) InterlockedMax(g_sdfWork[kWorkSurface], g_surfaceGroups);
-#else
-  if (place < g_placeCount) g_sdfPlaces[slotNow() * g_placeCount + place] = placeOf(place);
-#endif
 }

@@ -2,7 +2,7 @@
 //
 // Threads: 64 a brick of 4^3 nodes; dispatchIndirect, groups in x share the triangles, groups in y
 //          share the bricks and the lines of one triangle.
-// Reads:   g_sdfWork, g_sdfPlaces, g_sdfIndices; with INCREMENTAL g_sdfMarks
+// Reads:   g_sdfWork, g_sdfPlaces, g_sdfIndices; of bricks g_sdfMarks
 // Writes:  g_sdfKeys, g_sdfCounts
 //
 // A brick that the triangle's plane is further away from than the band is skipped: of a giant that
@@ -15,15 +15,14 @@
 [numthreads(64, 1, 1)]
 void scatter_big_triangles(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
   uint count = min(g_sdfWork[kWorkBigCount], g_fieldTriangleCount);
+  bool ofBricks = isOfBricks();
   uint shares = max(g_sdfWork[kWorkBig + 1], 1u);
   for (uint entry = group.x; entry < count; entry += kBigGroups) {
     uint index = g_sdfWork[kWorkBigList + entry];
     if (index >= g_fieldTriangleCount) continue;
     PlacedTriangle t = loadTriangle(index, slotNow());
     if (!t.usable) continue;
-#if !INCREMENTAL
-    addCrossings(t, 1, group.y * 64u + lane, shares * 64u);
-#endif
+    if (!ofBricks) addCrossings(t, 1, group.y * 64u + lane, shares * 64u);
     TriangleShape shape = shapeOf(t.a, t.b, t.c);
     NodeRange range = rangeOf(t);
     if (!shape.hasArea || isEmpty(range)) continue;
@@ -33,9 +32,7 @@ void scatter_big_triangles(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) 
     int3 corner = int3(int(lane & 3u), int((lane >> 2) & 3u), int(lane >> 4));
     for (uint i = group.y; i < most; i += shares) {
       uint3 brick = brickOf(bricks, i);
-#if INCREMENTAL
-      if (g_sdfMarks[brickIndex(brick)] != g_buildStamp) continue;
-#endif
+      if (ofBricks && g_sdfMarks[brickIndex(brick)] != g_buildStamp) continue;
       if (!isNearPlane(brick, shape, inverseLength)) continue;
       int3 low = int3(brick * 4u);
       int3 node = low + corner;

@@ -1,7 +1,7 @@
 // Gives every node within the band the key of the nearest triangle, and counts crossings.
 //
 // Threads: 16 a triangle, in rows of kGroupsARow groups of 64.
-// Reads:   g_sdfPlaces, g_sdfIndices; with INCREMENTAL g_sdfMarks
+// Reads:   g_sdfPlaces, g_sdfIndices; of bricks g_sdfMarks
 // Writes:  g_sdfKeys, g_sdfCounts, which clear_sdf or find_moved_triangles has cleared; g_sdfWork
 //
 // Threads a triangle, on an H200 at 100 cells across the body: 1 108 us, 8 34, 16 30, 32 30, 64 34.
@@ -9,15 +9,13 @@
 // than 512 nodes, or twice those of one of two cells, is left to scatter_big_triangles: what all
 // triangles reach is shared by threads well enough, and a group of 64 for some bricks of each costs
 // 30 times as much on a CPU (1,700 triangles, band 4).
-// INCREMENTAL: only nodes of the bricks that this build cleared; find_moved_triangles has seen to
+// A build of bricks: only nodes of the bricks that this build cleared; find_moved_triangles has seen to
 // the crossings.
 //
 // Invariant (tests/kernel): keys are within half a code of the distance to the nearest triangle,
-// and the same bits in any order of threads; with INCREMENTAL the same bits as from an empty grid.
-#include "sdf_crossings.hlsli"
-#if INCREMENTAL
+// and the same bits in any order of threads; a build of bricks gives the same bits as from an empty grid.
 #include "sdf_bricks.hlsli"
-#endif
+#include "sdf_crossings.hlsli"
 
 #define LANES 16
 #define TRIANGLES (64 / LANES)
@@ -30,9 +28,7 @@ float mostNodes() {
   return max(nodes, kBigNodes);
 }
 
-#if INCREMENTAL
 groupshared uint s_touched[TRIANGLES];
-#endif
 
 void leaveToBigOnes(uint index, int3 extent) {
   uint slot;
@@ -59,23 +55,22 @@ void scatter_triangles(uint3 group : SV_GroupID, uint thread : SV_GroupIndex) {
   bool reaches = t.usable && !isEmpty(range);
   int3 extent = range.high - range.low + 1;
 
-#if INCREMENTAL
-  if (lane == 0) s_touched[thread / uint(LANES)] = 0u;
-  GroupMemoryBarrierWithGroupSync();
-  if (reaches && touchesMarkedBricks(range, lane, uint(LANES)))
-    InterlockedOr(s_touched[thread / uint(LANES)], 1u);
-  GroupMemoryBarrierWithGroupSync();
-  reaches = reaches && s_touched[thread / uint(LANES)] != 0u;
-#endif
+  bool ofBricks = isOfBricks();
+  if (ofBricks) {
+    if (lane == 0) s_touched[thread / uint(LANES)] = 0u;
+    GroupMemoryBarrierWithGroupSync();
+    if (reaches && touchesMarkedBricks(range, lane, uint(LANES)))
+      InterlockedOr(s_touched[thread / uint(LANES)], 1u);
+    GroupMemoryBarrierWithGroupSync();
+    reaches = reaches && s_touched[thread / uint(LANES)] != 0u;
+  }
 
   if (!t.usable) return;
   // As floats: a giant's extents would overflow.
   precise float volume = float(extent.x) * float(extent.y) * float(extent.z);
   bool big = reaches && volume > mostNodes();
-#if !INCREMENTAL
   // A triangle that reaches no node still has crossings before the first one.
-  if (!big) addCrossings(t, 1, lane, uint(LANES));
-#endif
+  if (!ofBricks && !big) addCrossings(t, 1, lane, uint(LANES));
   if (!reaches) return;
   if (big) {
     if (lane == 0) leaveToBigOnes(index, extent);
@@ -90,9 +85,7 @@ void scatter_triangles(uint3 group : SV_GroupID, uint thread : SV_GroupIndex) {
     int row = quotient(i, across);
     int layer = quotient(row, down);
     int3 node = range.low + int3(i - row * extent.x, row - layer * extent.y, layer);
-#if INCREMENTAL
-    if (!isMarkedNode(node)) continue;
-#endif
+    if (ofBricks && !isMarkedNode(node)) continue;
     scatterNode(node, index, shape);
   }
 }

@@ -127,12 +127,11 @@ void addCrossings(PlacedTriangle t, int weight, uint lane, uint lanes) {
   int3 nodes = int3(g_fieldNodes.xyz);
   uint3 strides = uint3(1u, g_fieldNodes.x, g_fieldNodes.x * g_fieldNodes.y);
   addCrossingsAlong(t.a, t.b, t.c, nodes, strides, 0u, weight, lane, lanes);
-#if THREE_AXES
+  if (!hasThreeAxes()) return;
   uint words = strides.z * g_fieldNodes.z / 4;
   addCrossingsAlong(t.a.yzx, t.b.yzx, t.c.yzx, nodes.yzx, strides.yzx, words, weight, lane, lanes);
   addCrossingsAlong(t.a.zxy, t.b.zxy, t.c.zxy, nodes.zxy, strides.zxy, 2u * words, weight, lane,
                     lanes);
-#endif
 }
 
 #endif

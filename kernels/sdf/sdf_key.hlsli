@@ -9,16 +9,25 @@
 // that a smaller key without its sign is a smaller distance and, of equal ones, a smaller triangle:
 // an atomic minimum gives the same key in any order. 16,384 triangles leave 15 bits: with a band of 2
 // cells the distance is off by up to 3.1e-5 cell.
+// Only coarse nodes have far keys: sdfCoarseStride(). (All inside nodes of files that older versions
+// saved have.) Where parts of a mesh overlap, the triangle of a key may be none, all its bits set:
+// the distance is that of a surface that is swallowed, and no more than that of the outer one.
 #ifndef PELAGE_SDF_SDF_KEY_HLSLI
 #define PELAGE_SDF_SDF_KEY_HLSLI
 
 #include "../layouts/sdf_field.hlsli"
 
-// A node that nothing has reached: outside, at least the band away. With kSdfInside: inside, and
-// not yet filled.
+// A node that nothing has reached: outside, at least the band away. With kSdfInside: inside, as
+// deep.
 static const uint kSdfUnset = 0x7fffffffu;
 static const uint kSdfInside = 0x80000000u;
 static const uint kSdfFar = 0x40000000u;
+
+// Deep inside, only nodes whose coordinates are all multiples of this know their triangle. For every
+// point that is deeper than the band the eight such nodes around it include one that does: the
+// nearest one is within sqrt(3) / 2 strides, and outside by no more than that without the band.
+uint sdfCoarseShift(float band) { return band >= 2.0 ? 2u : 1u; }
+uint sdfCoarseStride(float band) { return 1u << sdfCoarseShift(band); }
 
 bool sdfIsInside(uint key) { return (key & kSdfInside) != 0u; }
 bool sdfIsSet(uint key) { return (key & kSdfUnset) != kSdfUnset; }

@@ -4,10 +4,15 @@
 
 #include "../layouts/generate_sdf.hlsli"
 
+bool isIncremental() { return (g_buildFlags & kSdfIncremental) != 0u; }
+bool hasThreeAxes() { return (g_buildFlags & kSdfThreeAxes) != 0u; }
+// Only bricks that this build has cleared get keys.
+bool isOfBricks() { return isIncremental() && !hasThreeAxes(); }
+
 // Groups of indirect dispatches, three words each and a spare one. The host writes those up to
 // kWorkKept before every build: groups in x are 0, in y as the dispatch is laid out.
 static const uint kWorkBig = 0;       // scatter_big_triangles
-static const uint kWorkFlood = 4;     // flood_interior, write_interior
+static const uint kWorkInterior = 4;  // fill_interior
 static const uint kWorkMoved = 8;     // find_moved_triangles, scatter_triangles
 static const uint kWorkSurface = 12;  // update_surface
 static const uint kWorkRows = 16;     // finalize_sdf
@@ -15,7 +20,7 @@ static const uint kWorkClear = 20;    // clear_sdf
 static const uint kWorkColumns = 24;  // count_sdf_columns
 // Counters.
 static const uint kWorkBigCount = 32;
-static const uint kWorkFloodCount = 33;  // may be more than there is room for
+static const uint kWorkInteriorCount = 33;
 static const uint kWorkMovedPlaces = 34;
 static const uint kWorkMovedTriangles = 35;
 static const uint kWorkBricks = 36;
@@ -35,7 +40,5 @@ static const uint kBigGroups = 4096;
 static const uint kMostShares = 64;
 // Bricks of 4^3 nodes that a group should have at least.
 static const uint kBricksAShare = 8;
-// Groups in x that share out the entries of the flood.
-static const uint kFloodGroups = 16384;
 
 #endif

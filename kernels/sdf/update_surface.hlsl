@@ -2,7 +2,7 @@
 //
 // Threads: 4 a triangle, one for each of the records' first 4 elements, in rows of kGroupsARow
 //          groups of 64.
-// Reads:   g_sdfPlaces, g_sdfIndices, g_sdfNeighbors, g_sdfFanStarts, g_sdfFans; with INCREMENTAL
+// Reads:   g_sdfPlaces, g_sdfIndices, g_sdfNeighbors, g_sdfFanStarts, g_sdfFans; of bricks
 //          g_sdfMarks
 // Writes:  g_sdfSurface
 //
@@ -11,7 +11,7 @@
 // normal (Baerentzen and Aanaes, "Signed distance computation using the angle weighted
 // pseudonormal", IEEE TVCG 11(3), 2005). It is gathered from the faces around the vertex, so that
 // its bits do not depend on the order of threads.
-// INCREMENTAL: only records at whose corners something moved, and the motion of all.
+// A build of bricks: only records at whose corners something moved, and the motion of all.
 //
 // Invariant (tests/kernel): as sdf_field.hlsli says; normals within 0.01 degrees of double
 // precision; the same bits from an incremental build.
@@ -84,15 +84,13 @@ void update_surface(uint3 group : SV_GroupID, uint thread : SV_GroupIndex) {
     if (t.usable) motion = motionOf(place);
     g_sdfSurface[element + 4u + row] = motion;
   }
-#if INCREMENTAL
   uint marks = placeMarks();
-  bool touched = false;
-  if (max(places.x, max(places.y, places.z)) < g_placeCount)
+  bool touched = !isOfBricks();
+  if (!touched && max(places.x, max(places.y, places.z)) < g_placeCount)
     touched = g_sdfMarks[marks + places.x] == g_buildStamp ||
               g_sdfMarks[marks + places.y] == g_buildStamp ||
               g_sdfMarks[marks + places.z] == g_buildStamp;
   if (!touched) return;
-#endif
   TriangleShape shape = shapeOf(t.a, t.b, t.c);
   bool counts = t.usable && shape.hasArea;
   uint4 record;

@@ -1,6 +1,6 @@
 // What a strand is drawn as at a vertex: place, radius and colour. The includer has the layouts of
-// group render, and the permutations STRAND_THICKNESS, FOLLOW_STRANDS, VERTEX_COLORS and
-// BASE_TEXTURE.
+// group render, and the permutation ATTRIBUTES: factors on the radius, colours of vertices and a
+// texture, of which g_strandAttributes says what there is.
 #ifndef PELAGE_SHADING_DRAWN_FIBER_HLSLI
 #define PELAGE_SHADING_DRAWN_FIBER_HLSLI
 
@@ -9,16 +9,20 @@
 #include "../common/random_hash.hlsli"
 #include "../layouts/render.hlsli"
 #include "strand_common.hlsli"
+#define FOLLOW_STRANDS 1
 #define STRAND_POSITIONS g_renderPositions
 #define STRAND_TANGENTS g_renderTangents
 #define STRAND_VERTEX_COUNT g_renderVertexCount
 #define STRAND_FOLLOW_STRANDS g_renderFollowStrands
 #define STRAND_ROOTS g_renderRoots
 #define STRAND_GUIDE_COUNT g_renderGuideCount
+#define STRAND_PLACES_FOLLOWS (g_placesFollows != 0u)
 #define STRAND_TIP_SEPARATION g_renderTipSeparation
 #include "../common/drawn_strand.hlsli"
 
-#if BASE_TEXTURE
+#if ATTRIBUTES
+bool hasAttribute(uint attribute) { return (g_strandAttributes & attribute) != 0u; }
+
 float4 texelAt(int2 at) {
   int2 size = int2(g_textureSize);
   // Coordinates run from -1 to the size.
@@ -47,11 +51,10 @@ float4 strandColor(uint strand, uint guide, uint vertex, float along) {
   float4 color = float4(lerp(g_rootColor.rgb, g_tipColor.rgb, along) *
                             (1.0 + g_strandVariation * random),
                         g_rootColor.a);
-#if VERTEX_COLORS
-  color *= unpackColor(g_vertexColors[guide * g_renderVertexCount + vertex]);
-#endif
-#if BASE_TEXTURE
-  color *= textureAt(g_strandUv[guide]);
+#if ATTRIBUTES
+  if (hasAttribute(kHasVertexColors))
+    color *= unpackColor(g_vertexColors[guide * g_renderVertexCount + vertex]);
+  if (hasAttribute(kHasBaseTexture)) color *= textureAt(g_strandUv[guide]);
 #endif
   return color;
 }
@@ -99,12 +102,10 @@ DrawnFiber drawnFiber(uint strand, uint vertex) {
 
   float along = float(vertex) / float(max(g_renderVertexCount, 2u) - 1u);
   fiber.radius = g_fiberRadius * lerp(1.0, g_tipRadiusRatio, along) * strandWidth(strand);
-#if STRAND_THICKNESS
-  fiber.radius *= g_strandThickness[strand];
-#endif
   uint guide = strand;
-#if VERTEX_COLORS || BASE_TEXTURE
-  if (strand >= g_renderGuideCount)
+#if ATTRIBUTES
+  if (hasAttribute(kHasThickness)) fiber.radius *= g_strandThickness[strand];
+  if (hasAttribute(kHasVertexColors | kHasBaseTexture) && strand >= g_renderGuideCount)
     guide = g_renderFollowStrands[strand - g_renderGuideCount].guides.x;
 #endif
   fiber.color = strandColor(strand, min(guide, g_renderGuideCount - 1u), vertex, along);

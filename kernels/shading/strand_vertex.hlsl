@@ -3,13 +3,13 @@
 // Vertices: one instance a strand, index 2 v + side with side 0 or 1 for the edges at vertex v; an
 //           index buffer of 6 (V - 1) indices makes two triangles a segment.
 // Reads:    g_renderPositions, g_renderTangents, RenderConstants, StrandViewConstants; with
-//           STRAND_THICKNESS g_strandThickness; with FOLLOW_STRANDS g_renderFollowStrands and
-//           g_renderRoots; with VERTEX_COLORS g_vertexColors; with BASE_TEXTURE g_strandUv and
-//           g_baseTexture
+//           g_placesFollows g_renderFollowStrands and g_renderRoots; with ATTRIBUTES those of
+//           g_strandThickness, g_vertexColors, g_strandUv and g_baseTexture that the object has,
+//           and g_renderFollowStrands for the colours of follow strands
 // Writes:   the outputs of StrandPixel.
 //
-// FOLLOW_STRANDS places the follow strands beside their guides here, as update_follow_strands does
-// for buffers that hold them. One without a guide is not drawn.
+// With g_placesFollows the follow strands are placed beside their guides here, as
+// update_follow_strands does for buffers that hold them. One without a guide is not drawn.
 // SMOOTH makes the ribbon a pixel wider than the fibre, for kernels that know how much of a pixel it
 // covers; without it the ribbon is as wide as the fibre, but at least one pixel.
 // The last g_fadingStrands of the drawn strands are narrower, down to nothing; all are wider by

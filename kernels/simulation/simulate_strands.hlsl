@@ -2,8 +2,7 @@
 //
 // Threads: one a guide strand; dispatch g_guideCount x 1. The group writes the outputs together.
 //          The result does not depend on its size.
-// Reads:   g_rest, g_rootTransforms, g_state, g_colliders, g_classicFields, g_fieldKeys,
-//          g_fieldSurface
+// Reads:   g_rest, g_rootTransforms, g_state, g_contacts, g_contactWords
 // Writes:  g_state, g_lengths, g_positions and g_tangents of the guides
 //
 // In this order (h the sub-step; maps of the constants in layouts/simulation.hlsli):
@@ -23,9 +22,9 @@
 //      carried along the strand without twist; each end moves half of the way.
 //   8. Length: Newton steps on all segments at once (tridiagonal), then follow the leader from the
 //      root: exact lengths. Between two held vertices there is no leader: see fitSpan().
-//   9. COLLIDERS, SDF: each vertex that follows its leader is put out of the colliders and the
-//      distance fields, with friction, and back to its length, before the next one follows it. Not
-//      between held vertices.
+//   9. CONTACTS: each vertex that follows its leader is put in front of the planes that find_contacts
+//      has found, with friction, and back to its length, before the next one follows it. Not between
+//      held vertices.
 //  10. State, positions and tangents are written.
 // Wind comes before the shapes, so that the drag acts on velocities and not on their corrections.
 // Gravity acts at every share of 2.: that is part in the root's motion, not stiffness.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "exact_solver.h"
+#include "hair_contacts.h"
 #include "pelage/collider.h"
 #include "pelage/gpu_structs.h"
 #include "pelage/hair_asset.h"
@@ -86,6 +87,8 @@ struct HairInternals {
   uint32_t stillFrames = 0;     ///< since the bones changed last
   bool heldVertices = false;    ///< beyond the two at the root
 
+  HairContacts contacts;
+
   std::vector<uint32_t> hairsOfGuides;  ///< that a guide stands for, with itself
   HairGrid grid;
 
@@ -121,7 +124,7 @@ bool meets(const HairInternals& hair, ColliderId collider);
 
 /// True for other colliders than before; those that only move are not.
 bool areReplaced(std::span<const CapsuleCollider> before, std::span<const CapsuleCollider> now);
-/// Colliders of this frame that reach a ball, relative to the origin.
-std::vector<Collider> packColliders(const HairInternals& hair, const Ball& ball);
+/// Colliders of this frame, of so many seconds, that reach a ball, relative to the origin.
+std::vector<Collider> packColliders(const HairInternals& hair, const Ball& ball, float seconds);
 
 }  // namespace pelage::detail

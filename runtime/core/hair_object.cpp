@@ -85,7 +85,17 @@ float scaleOf(const AffineTransform& m) {
 bool isUsable(const CapsuleCollider& c) {
   return isFinite(c.head) && isFinite(c.tail) && std::isfinite(c.headRadius) &&
          std::isfinite(c.tailRadius) && std::isfinite(c.friction) && c.headRadius >= 0 &&
-         c.tailRadius >= 0 && c.friction >= 0;
+         c.tailRadius >= 0 && c.friction >= 0 && isFinite(c.angularVelocity);
+}
+
+// Rotation vector of a frame: of a capsule only what is about its axis.
+Float4 spinOf(const CapsuleCollider& c, float seconds) {
+  const Float3 w = c.angularVelocity;
+  const Float3 axis = subtract(c.tail, c.head);
+  const float squared = axis.x * axis.x + axis.y * axis.y + axis.z * axis.z;
+  if (!(squared > 0)) return {w.x * seconds, w.y * seconds, w.z * seconds, 0};
+  const float share = (w.x * axis.x + w.y * axis.y + w.z * axis.z) / squared * seconds;
+  return {axis.x * share, axis.y * share, axis.z * share, 0};
 }
 
 bool reaches(const CapsuleCollider& c, const Ball& ball) {
@@ -215,7 +225,7 @@ bool areReplaced(std::span<const CapsuleCollider> before, std::span<const Capsul
                      });
 }
 
-std::vector<Collider> packColliders(const HairInternals& hair, const Ball& ball) {
+std::vector<Collider> packColliders(const HairInternals& hair, const Ball& ball, float seconds) {
   std::vector<Collider> packed;
   for (size_t i = 0; i < hair.colliders.size(); ++i) {
     const CapsuleCollider& now = hair.colliders[i];
@@ -230,7 +240,8 @@ std::vector<Collider> packColliders(const HairInternals& hair, const Ball& ball)
     packed.push_back({.head = relative(now.head, now.headRadius),
                       .tail = relative(now.tail, now.tailRadius),
                       .headBefore = relative(before.head, now.friction),
-                      .tailBefore = relative(before.tail, 0)});
+                      .tailBefore = relative(before.tail, 0),
+                      .spin = spinOf(now, seconds)});
   }
   return packed;
 }

@@ -129,6 +129,14 @@ DrawState overTarget() {
   return over;
 }
 
+uint32_t strandAttributes(const HairBuffers& buffers) {
+  const auto bit = [](BufferId buffer, uint32_t attribute) {
+    return buffer != BufferId::kInvalid ? attribute : 0;
+  };
+  return bit(buffers.strandThickness, kHasThickness) | bit(buffers.vertexColors, kHasVertexColors) |
+         bit(buffers.baseTexture, kHasBaseTexture);
+}
+
 uint64_t placedStrands(const HairObject& object, const HairInternals& hair) {
   const uint32_t drawn = drawnCount(object);
   const uint32_t guides = object.guideCount();
@@ -181,14 +189,16 @@ void Scene::offerStrands(const DrawFrame& frame, size_t material, PassBuilder& b
   constants.fadingStrands = strands.fading;
   constants.strandWidening = strands.widening;
   constants.textureSize = {internals.textureWidth, internals.textureHeight};
-
   const HairBuffers& buffers = object.buffers_;
+  constants.strandAttributes = detail::strandAttributes(buffers);
+  constants.placesFollows = detail::placedStrands(object, internals) > 0 ? 1 : 0;
+
   const bool stored = internals.storesFollowHairs;
   const uint64_t guides = object.guideCount_;
   const uint64_t strandBytes = object.vertexCount_ * sizeof(Float4);
   const uint64_t bytes = (stored ? object.strandCount() : guides) * strandBytes;
   const uint64_t placed = detail::placedStrands(object, internals);
-  // Kernels that look up colours have it bound, also where there are none to read.
+  // Bound also where there are no follow strands to read.
   const std::pair<BufferId, uint64_t> follows =
       object.followCount_ > 0
           ? std::pair(buffers.followStrands, uint64_t{object.followCount_} * sizeof(FollowStrand))
@@ -208,6 +218,9 @@ void Scene::offerStrands(const DrawFrame& frame, size_t material, PassBuilder& b
       .constants("StrandViewConstants", frame.constants)
       .bytes(2 * (strands.count - placed) * strandBytes + placed * sizeof(FollowStrand) +
              (placed > 0 ? guides * sizeof(RootTransform) : 0));
+  // Stand-ins for the attributes that the object lacks: bound beside the others, but not read.
+  for (const char* name : {"g_strandThickness", "g_vertexColors", "g_strandUv", "g_baseTexture"})
+    builder.bind(name, buffers.positions, bytes);
 }
 
 Result<void> Scene::addStrandDraw(const DrawFrame& frame, size_t material, bool smooth,
@@ -216,11 +229,7 @@ Result<void> Scene::addStrandDraw(const DrawFrame& frame, size_t material, bool 
   const HairObject& object = *frame.visible[material];
   const HairBuffers& buffers = object.buffers_;
   state.depthCompare = frame.view.reversedDepth ? DepthCompare::kGreater : DepthCompare::kLess;
-  const StrandVertexKey key{.strandThickness = buffers.strandThickness != BufferId::kInvalid,
-                            .followStrands = detail::placedStrands(object, *object.internals_) > 0,
-                            .smooth = smooth,
-                            .vertexColors = buffers.vertexColors != BufferId::kInvalid,
-                            .baseTexture = buffers.baseTexture != BufferId::kInvalid};
+  const StrandVertexKey key{.smooth = smooth, .attributes = detail::strandAttributes(buffers) != 0};
   PassBuilder builder(list);
   builder.draw(strandVertexVariant(key), pixel, state, (object.vertexCount_ - 1) * 6,
                detail::drawnCount(object), buffers.indices);

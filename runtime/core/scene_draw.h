@@ -64,6 +64,12 @@ void setMaterials(std::span<const HairObject* const> objects, std::span<Uint4> m
 /// Of draws that blend what they have resolved over the target.
 DrawState overTarget();
 
+/// Bits of RenderConstants::strandAttributes, as in kernels/layouts/render.hlsli.
+inline constexpr uint32_t kHasThickness = 1;
+inline constexpr uint32_t kHasVertexColors = 2;
+inline constexpr uint32_t kHasBaseTexture = 4;
+uint32_t strandAttributes(const HairBuffers& buffers);
+
 /// Strands that a kernel places beside their guides.
 uint64_t placedStrands(const HairObject& object, const HairInternals& hair);
 

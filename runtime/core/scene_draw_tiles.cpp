@@ -64,13 +64,8 @@ Result<void> Scene::addTilePasses(const DrawFrame& frame, const TransparencySett
 
   for (size_t i = 0; i < frame.visible.size(); ++i) {
     const HairObject& object = *frame.visible[i];
-    const HairBuffers& buffers = object.buffers();
     bin.binObjectRecords = detail::drawnCount(object) * object.verticesPerStrand();
-    const TransformStrandsKey key{
-        .strandThickness = buffers.strandThickness != BufferId::kInvalid,
-        .followStrands = detail::placedStrands(object, *object.internals_) > 0,
-        .vertexColors = buffers.vertexColors != BufferId::kInvalid,
-        .baseTexture = buffers.baseTexture != BufferId::kInvalid};
+    const TransformStrandsKey key{.attributes = detail::strandAttributes(object.buffers()) != 0};
     PassBuilder transform(list);
     transform.dispatch(transformStrandsVariant(key), threadsInRow(bin.binObjectRecords),
                        rowsOf(bin.binObjectRecords));

@@ -25,6 +25,8 @@ constexpr uint32_t kExactSleep = 8;
 constexpr uint32_t kExactWakeAll = 16;
 constexpr uint32_t kExactChanged = 32;
 constexpr uint32_t kExactRestart = 64;
+constexpr uint32_t kExactAgain = 128;
+constexpr uint32_t kExactPose = 256;
 // A change of the level of detail over all guides takes this long [s]; and the share of them, one
 // in so many, that fade.
 constexpr double kLevelOfDetailSeconds = 0.25;
@@ -56,8 +58,12 @@ Result<void> Scene::addSleepPass(Frame& frame, ExactConstants constants) {
 
   const KernelVariant& follow = updateFollowStrandsVariant({});
   const auto groups = [](uint32_t threads, uint32_t size) { return (threads + size - 1) / size; };
-  const uint32_t head[kSleepHead] = {
-      0, 1, 1, 0, 0, groups(object.vertexCount_, follow.groupSize[1]), 1, 0};
+  const uint32_t head[kSleepHead] = {0, 1,
+                                     1, 0,
+                                     0, groups(object.vertexCount_, follow.groupSize[1]),
+                                     1, 0,
+                                     0, internals.contacts.rows(),
+                                     1, 0};
   addUpload(frame.list, buffers.sleep, std::as_bytes(std::span(head)));
   constants.flags = wake ? kExactWakeAll : 0;
   constants.rootBegin = 0;
@@ -68,9 +74,10 @@ Result<void> Scene::addSleepPass(Frame& frame, ExactConstants constants) {
   PassBuilder builder(frame.list);
   const auto columns = static_cast<uint32_t>(std::min<uint64_t>(tiles, kSelectRow));
   const auto rows = static_cast<uint32_t>((tiles + kSelectRow - 1) / kSelectRow);
-  builder.dispatch(selectAwakeTilesVariant({.colliders = frame.colliderCount > 0}),
-                   columns * detail::kTileStrands, rows);
+  builder.dispatch(selectAwakeTilesVariant({}), columns * detail::kTileStrands, rows);
   bindExact(frame, builder);
+  // A stand-in that is not read, where there are no colliders.
+  builder.bind("g_exactColliders", buffers.strands, object.guideCount_ * sizeof(ExactStrand));
   builder.constants("ExactConstants", constants)
       .bytes(object.guideCount_ * sizeof(uint32_t) + tiles * 2 * sizeof(uint32_t));
   return builder.finish();
@@ -92,9 +99,10 @@ void Scene::bindExact(const Frame& frame, PassBuilder& builder) const {
             kRootTransformSets * guides * sizeof(RootTransform))
       .bind("g_strands", buffers.strands, guides * sizeof(ExactStrand))
       .bind("g_exactColliders", buffers.colliders, bytesOfBuffer(buffers.colliders))
-      .bind("g_exactFields", buffers.fields, frame.fieldCount * sizeof(SdfField))
-      .bind("g_fieldKeys", sdfKeys_, bytesOfBuffer(sdfKeys_))
-      .bind("g_fieldSurface", sdfSurface_, bytesOfBuffer(sdfSurface_))
+      .bind("g_contacts", frame.internals.contacts.records(),
+            frame.internals.contacts.recordBytes())
+      .bind("g_contactWords", frame.internals.contacts.words(),
+            frame.internals.contacts.wordBytes())
       .bind("g_forces", forcesOf(object), vertices * kVector)
       .bind("g_lodParents", buffers.lodParents, guides * sizeof(uint32_t))
       .bind("g_sleep", buffers.sleep,
@@ -119,7 +127,6 @@ Result<void> Scene::addExactPasses(Frame& frame) {
   constants.outputCount = static_cast<uint32_t>(vertices);
   constants.outputVertices = object.vertexCount_;
   constants.colliderCount = frame.colliderCount;
-  constants.fieldCount = frame.fieldCount;
   constants.frameTime = frame.length;
   constants.frameTimeBefore =
       frame.reset || !(internals.lastFrame > 0) ? frame.length : internals.lastFrame;
@@ -146,15 +153,14 @@ Result<void> Scene::addExactPasses(Frame& frame) {
   key.globalShape = internals.restSets.goals;
   key.forces = forcesOf(object) != BufferId::kInvalid;
   key.damping = s.relaxationTime > 0;
-  key.colliders = frame.colliderCount > 0;
+  key.contacts = frame.contacts;
   key.velocityShockPropagation = usesVsp(s);
-  key.sdf = frame.fieldCount > 0;
-  // What is rare comes with what is common, and has fewer permutations: the manifest's exclusions.
-  key.damping = key.damping || key.sdf;
-  key.colliders = key.colliders || key.sdf;
-  key.velocityShockPropagation = key.velocityShockPropagation || key.sdf;
-  const KernelVariant& variant = *simulateRodsVariant(key);
+  const KernelVariant& variant = *simulateRodsVariant(completeKey(key));
   if (frame.reset) internals.history = {};
+  const detail::HairContacts& contacts = internals.contacts;
+  constants.contactList = contacts.list();
+  constants.contactMasks = contacts.masks();
+  constants.contactMaskWords = contacts.maskWords();
 
   for (uint32_t step = 0; step < steps; ++step) {
     if (step % s.subSteps == 0) {
@@ -172,16 +178,33 @@ Result<void> Scene::addExactPasses(Frame& frame) {
     if (step == 0 && !isZero(frame.rebase)) constants.flags |= kExactRebase;
     constants.slot = internals.slot;
     internals.slot = (internals.slot + 1) % 4;
+    constants.contactHead = contacts.head(step);
     PassBuilder builder(frame.list);
-    const uint32_t count = internals.simulatedCount;
-    if (frame.sleeps)
-      builder.dispatchIndirect(variant, buffers.sleep);
-    else
-      builder.dispatch(variant, std::min(count, kExactRow), (count + kExactRow - 1) / kExactRow);
-    bindExact(frame, builder);
-    builder.constants("ExactConstants", constants)
-        .bytes(uint64_t{count} * object.vertexCount_ * detail::kExactBytesAVertex);
-    if (Result<void> added = builder.finish(); !added) return added;
+    const auto solve = [&](const ExactConstants& values) {
+      const uint32_t count = internals.simulatedCount;
+      if (frame.sleeps)
+        builder.dispatchIndirect(variant, buffers.sleep);
+      else
+        builder.dispatch(variant, std::min(count, kExactRow), (count + kExactRow - 1) / kExactRow);
+      return finishExactPass(frame, builder, values);
+    };
+    if (frame.contacts && step == 0 && frame.reset) {
+      // The positions are those of the frame before.
+      ExactConstants pose = constants;
+      pose.flags |= kExactPose;
+      if (Result<void> added = solve(pose); !added) return added;
+    }
+    if (frame.contacts) {
+      if (Result<void> found = addContactPass(frame, step, steps, false); !found) return found;
+    }
+    if (Result<void> added = solve(constants); !added) return added;
+    if (!frame.contacts) continue;
+    // Where a vertex ended far from where its contact was found.
+    if (Result<void> found = addContactPass(frame, step, steps, true); !found) return found;
+    ExactConstants again = constants;
+    again.flags = (constants.flags & ~(kExactReset | kExactRebase)) | kExactAgain;
+    builder.dispatchIndirect(variant, contacts.words(), contacts.solveArguments(step));
+    if (Result<void> added = finishExactPass(frame, builder, again); !added) return added;
   }
   if (constants.fadeStart == object.guideCount_) return {};
   constants.flags = 0;
@@ -189,6 +212,15 @@ Result<void> Scene::addExactPasses(Frame& frame) {
   constants.rootEnd = 1;
   constants.slot = internals.slot;
   return addInterpolationPass(frame, constants, object.guideCount_ - constants.fadeStart);
+}
+
+Result<void> Scene::finishExactPass(const Frame& frame, PassBuilder& builder,
+                                    const ExactConstants& constants) const {
+  bindExact(frame, builder);
+  builder.constants("ExactConstants", constants)
+      .bytes(uint64_t{frame.internals.simulatedCount} * frame.object.vertexCount_ *
+             detail::kExactBytesAVertex);
+  return builder.finish();
 }
 
 // How many guides are simulated in this frame, and from which one on they fade.

@@ -20,8 +20,9 @@ inline constexpr uint64_t kVector = sizeof(Float4);
 inline constexpr uint64_t kRootTransformSets = 2;
 /// Words of g_sleep before its list, as in kernels/layouts/exact.hlsli; and where the groups of the
 /// follow strands are.
-inline constexpr uint64_t kSleepHead = 8;
+inline constexpr uint64_t kSleepHead = 12;
 inline constexpr uint64_t kFollowArguments = 4 * sizeof(uint32_t);
+inline constexpr uint64_t kFindArguments = 8 * sizeof(uint32_t);
 
 template <class T>
 std::vector<std::byte> bytesOf(const std::vector<T>& values) {
@@ -60,6 +61,7 @@ struct Scene::Frame {
   uint32_t fieldCount;  ///< of mesh colliders within reach
   bool sleeps;
   bool collidersReplaced;
+  bool contacts = false;  ///< they are found in this frame
 
   SimulationConstants commonConstants() const;
 };

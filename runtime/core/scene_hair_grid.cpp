@@ -154,25 +154,22 @@ HairGridConstants constantsOf(const GridObject& object, Float3 middle) {
 
 // Clears the grid and adds the vertices to it.
 Result<void> addSplatPasses(const GridObject& object, const HairGridConstants& constants,
-                            bool friction, BufferId positions, uint64_t offset, PassList& list) {
+                            BufferId positions, uint64_t offset, PassList& list) {
   const HairBuffers& buffers = object.buffers;
   const uint32_t count = constants.gridVertexCount;
   const uint64_t nodes = uint64_t{constants.gridSize} * constants.gridSize * constants.gridSize;
-  const uint32_t channels = friction ? 4 : 1;
+  const uint32_t channels = constants.gridFriction != 0 ? 4 : 1;
   const uint64_t nodeBytes = nodes * channels * sizeof(uint32_t);
   const uint64_t lanes = uint64_t{count} * 2 * channels;
   PassBuilder clear(list);
-  clear
-      .dispatch(clearHairGridVariant({.friction = friction}),
-                static_cast<uint32_t>(nodes) * channels)
+  clear.dispatch(clearHairGridVariant({}), static_cast<uint32_t>(nodes) * channels)
       .bind("g_gridNodes", buffers.contactNodes, nodeBytes)
       .constants("HairGridConstants", constants)
       .bytes(nodeBytes);
   if (Result<void> added = clear.finish(); !added) return added;
   PassBuilder splat(list);
   splat
-      .dispatch(splatHairGridVariant({.friction = friction}),
-                static_cast<uint32_t>(std::min<uint64_t>(lanes, kRow)),
+      .dispatch(splatHairGridVariant({}), static_cast<uint32_t>(std::min<uint64_t>(lanes, kRow)),
                 static_cast<uint32_t>((lanes + kRow - 1) / kRow))
       .bind("g_gridPositions", positions, count * kVector, offset)
       .bind("g_gridBefore", buffers.contactVertices, count * kVector)
@@ -198,8 +195,7 @@ Result<void> addMeasurePasses(const GridObject& object, PassList& list) {
       };
       constants.gridOrigin = {moved(origin.x, 0), moved(origin.y, 1), moved(origin.z, 2), origin.w};
       const BufferId poses = internals.grid.bindPoses;
-      if (Result<void> added = addSplatPasses(object, constants, false, poses, offset, list);
-          !added)
+      if (Result<void> added = addSplatPasses(object, constants, poses, offset, list); !added)
         return added;
       PassBuilder builder(list);
       const auto threads = static_cast<uint32_t>(count);
@@ -310,13 +306,13 @@ Result<void> Scene::addHairGridPasses(HairObject& object, double h, bool reset, 
   constants.pressure =
       static_cast<float>(static_cast<double>(contact.stiffness) *
                          std::pow(kFrontCells * static_cast<double>(grid.cell) * 60, 2));
+  constants.gridFriction = grid.friction ? 1 : 0;
   constants.frictionRate =
       static_cast<float>((1 - std::pow(1 - static_cast<double>(contact.friction), 60 * h)) / h);
   if (grid.history == 0) {
     // Nothing is inside a grid without nodes: the pass clears the forces.
     constants.gridSize = 0;
-  } else if (Result<void> added =
-                 addSplatPasses(view, constants, grid.friction, buffers.positions, 0, list);
+  } else if (Result<void> added = addSplatPasses(view, constants, buffers.positions, 0, list);
              !added) {
     return added;
   }
@@ -324,16 +320,17 @@ Result<void> Scene::addHairGridPasses(HairObject& object, double h, bool reset, 
   const uint64_t nodes = uint64_t{grid.size} * grid.size * grid.size;
   const uint64_t nodeBytes = nodes * (grid.friction ? 4 : 1) * sizeof(uint32_t);
   const bool others = buffers.forces != BufferId::kInvalid;
+  constants.addsForces = others ? 1 : 0;
   const auto threads = static_cast<uint32_t>(count);
   PassBuilder builder(list);
-  builder
-      .dispatch(applyHairGridVariant(
-                    {.friction = grid.friction, .pressure = grid.pressure, .forces = others}),
-                std::min(threads, kRow), (threads + kRow - 1) / kRow)
+  builder.dispatch(applyHairGridVariant({}), std::min(threads, kRow), (threads + kRow - 1) / kRow)
       .bind("g_gridPositions", buffers.positions, count * kVector)
       .bind("g_otherForces", buffers.forces, count * kVector)
       .bind("g_gridBefore", buffers.contactVertices, count * kVector)
       .bind("g_gridRest", buffers.contactRest, count * sizeof(float))
+      // Stand-ins that are not read, without pressure and without forces of others.
+      .bind("g_gridRest", buffers.positions, count * kVector)
+      .bind("g_otherForces", buffers.positions, count * kVector)
       .bind("g_gridNodes", buffers.contactNodes, nodeBytes)
       .bind("g_gridForces", buffers.contactForces, count * kVector)
       .constants("HairGridConstants", constants)

@@ -215,7 +215,7 @@ void Scene::removeCollider(ColliderId id) {
   if (removed.internals_->skeleton != nullptr) b.bones = BufferId::kInvalid;
   for (BufferId* buffer : {&b.bindVertices, &b.bindings, &b.bones, &b.vertices, &b.verticesBefore,
                            &b.placeVertices, &b.indices, &b.neighbors, &b.fanStarts, &b.fans,
-                           &b.counts, &b.places, &b.work, &b.marks, &b.flood, &b.votes})
+                           &b.counts, &b.places, &b.work, &b.marks, &b.votes})
     removeBuffer(*buffer);
   colliders_.remove(id);
   removeUnusedCopies();
@@ -301,7 +301,6 @@ bool Scene::planCollider(SdfCollider& collider, const detail::SdfGridPlan& plan)
   ensure(b.counts, "counts", sizes.counts, sizeof(uint32_t));
   ensure(b.places, "places", sizes.places, kVector);
   ensure(b.marks, "marks", sizes.marks, sizeof(uint32_t));
-  ensure(b.flood, "flood", sizes.flood, sizeof(uint32_t));
   ensure(b.votes, "votes", sizes.votes, sizeof(uint32_t));
   ensure(b.work, "work", sizes.work, sizeof(uint32_t),
          BufferUsage::kStorage | BufferUsage::kIndirect | BufferUsage::kUpload |
@@ -392,7 +391,6 @@ Result<void> Scene::buildCollider(size_t place, PassList& list) {
                                            .places = b.places,
                                            .work = b.work,
                                            .marks = b.marks,
-                                           .flood = b.flood,
                                            .votes = b.votes};
   // Motion is from one frame to the next; after a pause it is not known.
   c.moves = c.wasActive && !c.resetPending && !c.builtBones.empty();

@@ -51,7 +51,74 @@ void Scene::removeSolverBuffers(HairObject& object) {
   for (BufferId* buffer : {&buffers.state, &buffers.rest, &buffers.strands, &buffers.gains,
                            &buffers.lengths, &buffers.sleep, &buffers.lodParents})
     removeBuffer(*buffer);
+  removeContacts(object);
   object.internals_->solver.reset();
+}
+
+void Scene::removeContacts(HairObject& object) {
+  for (BufferId* buffer : object.internals_->contacts.buffers()) removeBuffer(*buffer);
+  object.buffers_.contacts = object.buffers_.contactWords = BufferId::kInvalid;
+}
+
+// Whether contacts are found in this frame; their buffers, and the totals of the frame.
+void Scene::prepareContacts(Frame& frame) {
+  HairObject& object = frame.object;
+  detail::HairContacts& contacts = object.internals_->contacts;
+  const bool exact = frame.settings.solver == Solver::kExact;
+  // A reset of the classic solver takes the goals, and moves nothing.
+  frame.contacts = (exact || !frame.reset) && (frame.colliderCount > 0 || frame.fieldCount > 0);
+  if (frame.reset || !frame.contacts) contacts.forget();
+  if (!frame.contacts) return;
+  if (!contacts.isPrepared(frame.steps * (exact ? frame.settings.subSteps : 1))) {
+    removeContacts(object);
+    std::vector<ContactStrand> strands;
+    if (exact) {
+      const detail::HairInternals& internals = frame.internals;
+      for (const ExactStrand& s :
+           detail::packExactStrands(internals.asset, internals.levelOfDetail).strands)
+        strands.push_back({.target = s.target, .count = s.count, .root = s.root, .pad0 = 0});
+    } else {
+      for (uint32_t guide = 0; guide < object.guideCount_; ++guide)
+        strands.push_back({.target = guide * object.vertexCount_,
+                           .count = object.vertexCount_,
+                           .root = guide,
+                           .pad0 = 0});
+    }
+    contacts.prepare(resources_, object.name_, strands, object.vertexCount_,
+                     uint64_t{object.guideCount_} * object.vertexCount_,
+                     kMaxSubSteps * (exact ? frame.settings.subSteps : 1));
+    object.buffers_.contacts = contacts.records();
+    object.buffers_.contactWords = contacts.words();
+  }
+  contacts.begin(frame.list);
+}
+
+Result<void> Scene::addContactPass(const Frame& frame, uint32_t step, uint32_t steps, bool again) {
+  const HairBuffers& buffers = frame.object.buffers_;
+  const bool exact = frame.settings.solver == Solver::kExact;
+  const detail::ColliderBuffers colliders = {.capsules = buffers.colliders,
+                                             .capsuleCount = frame.colliderCount,
+                                             .fields = buffers.fields,
+                                             .fieldCount = frame.fieldCount,
+                                             .fieldKeys = sdfKeys_,
+                                             .fieldSurface = sdfSurface_};
+  const detail::AwakeTiles awake = {.buffer = exact ? buffers.sleep : buffers.rootTransforms,
+                                    .listed = frame.sleeps,
+                                    .firstWord = detail::kSleepHead,
+                                    .argumentBytes = detail::kFindArguments};
+  const detail::ContactStep part = {.index = step,
+                                    .begin = static_cast<float>(step) / static_cast<float>(steps),
+                                    .end = static_cast<float>(step + 1) / static_cast<float>(steps),
+                                    .length = frame.length / static_cast<float>(steps),
+                                    .gravity = frame.settings.gravity,
+                                    .again = again};
+  const detail::ContactHair hair = {
+      .positions = buffers.positions,
+      .roots = buffers.rootTransforms,
+      .rootCount = frame.object.guideCount_,
+      .strands = exact ? frame.internals.simulatedCount : frame.object.guideCount_,
+      .origin = frame.internals.origin};
+  return frame.internals.contacts.find(frame.list, resources_, hair, colliders, awake, part);
 }
 
 // Makes the solver's buffers where those that are there are for something else.
@@ -240,8 +307,8 @@ Result<void> Scene::simulateObject(HairObject& object, float length, uint32_t st
   // What sleeps does not look whether a capsule reaches its follow hairs.
   if (internals.collidesFollowHairs && internals.colliders != internals.collidersBefore)
     frame.collidersReplaced = true;
-  const std::vector<Collider> colliders =
-      detail::packColliders(internals, detail::ballOfCollisions(internals, s.tipSeparation));
+  const std::vector<Collider> colliders = detail::packColliders(
+      internals, detail::ballOfCollisions(internals, s.tipSeparation), length);
   frame.colliderCount = static_cast<uint32_t>(colliders.size());
   // Permutations with fields have the capsules' code, and want their buffer.
   const uint32_t wanted = std::max(frame.colliderCount, frame.fieldCount > 0 ? 1u : 0u);
@@ -255,6 +322,7 @@ Result<void> Scene::simulateObject(HairObject& object, float length, uint32_t st
   }
   if (!colliders.empty()) addUpload(list, buffers.colliders, std::as_bytes(std::span(colliders)));
   internals.collidersBefore = internals.colliders;
+  prepareContacts(frame);
 
   if (Result<void> added = addRootPass(frame); !added) return added;
   const Result<void> added =
@@ -345,20 +413,14 @@ Result<void> Scene::addClassicPasses(const Frame& frame) {
   key.globalShape = usesGoals(s);
   key.localShape = s.localStiffness > 0;
   key.velocityShockPropagation = usesVsp(s);
-  key.colliders = frame.colliderCount > 0;
+  key.contacts = frame.contacts;
   key.forces = buffers.forces != BufferId::kInvalid;
-  constants.colliderCount = frame.colliderCount;
-  key.sdf = frame.fieldCount > 0;
-  // What is rare comes with what is common, and has fewer permutations: the manifest's exclusions.
-  // Still air does not drag.
+  const detail::HairContacts& contacts = internals.contacts;
+  constants.contactMasks = contacts.masks();
+  constants.contactMaskWords = contacts.maskWords();
+  // Still air does not drag, also where forces or contacts bring the wind.
   if (!key.wind) constants.wind.w = 0;
-  key.wind = key.wind || key.forces || key.sdf;
-  key.globalShape = key.globalShape || key.sdf;
-  key.localShape = key.localShape || key.forces || key.sdf;
-  key.velocityShockPropagation = key.velocityShockPropagation || key.sdf;
-  key.colliders = key.colliders || key.sdf;
-  constants.fieldCount = frame.fieldCount;
-  const KernelVariant& variant = *simulateStrandsVariant(key);
+  const KernelVariant& variant = *simulateStrandsVariant(completeKey(key));
   const auto steps = static_cast<float>(frame.steps);
   for (uint32_t step = 0; step < frame.steps; ++step) {
     constants.flags = 0;
@@ -369,6 +431,10 @@ Result<void> Scene::addClassicPasses(const Frame& frame) {
     constants.timeStepRatio =
         internals.lastStep > 0 ? constants.timeStep / internals.lastStep : 1.0f;
     internals.lastStep = constants.timeStep;
+    if (frame.contacts) {
+      if (Result<void> found = addContactPass(frame, step, frame.steps, false); !found)
+        return found;
+    }
     PassBuilder builder(frame.list);
     // State read and written twice each, rest data, positions and tangents.
     builder.dispatch(variant, object.guideCount_)
@@ -376,11 +442,9 @@ Result<void> Scene::addClassicPasses(const Frame& frame) {
         .bind("g_tangents", buffers.tangents, vertices * kVector)
         .bind("g_state", buffers.state, 2 * vertices * kVector)
         .bind("g_lengths", buffers.lengths, vertices * sizeof(Float2))
-        .bind("g_colliders", buffers.colliders, bytesOfBuffer(buffers.colliders))
+        .bind("g_contacts", contacts.records(), contacts.recordBytes())
+        .bind("g_contactWords", contacts.words(), contacts.wordBytes())
         .bind("g_rest", buffers.rest, (internals.restSets.factors ? 3 : 2) * vertices * kVector)
-        .bind("g_classicFields", buffers.fields, frame.fieldCount * sizeof(SdfField))
-        .bind("g_fieldKeys", sdfKeys_, bytesOfBuffer(sdfKeys_))
-        .bind("g_fieldSurface", sdfSurface_, bytesOfBuffer(sdfSurface_))
         .bind("g_strandForces", buffers.forces, vertices * kVector)
         .bind("g_rootTransforms", buffers.rootTransforms,
               kRootTransformSets * guides * sizeof(RootTransform))

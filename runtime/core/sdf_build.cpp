@@ -14,9 +14,11 @@ namespace {
 constexpr uint32_t kGroupsARow = 32768;
 constexpr uint32_t kWorkKept = 40;
 constexpr uint32_t kWorkBigList = 44;
+// As in kernels/layouts/generate_sdf.hlsli.
+constexpr uint32_t kIncremental = 1, kThreeAxes = 2;
 enum class Work : uint32_t {
   kBig = 0,
-  kFlood = 4,
+  kInterior = 4,
   kMoved = 8,
   kSurface = 12,
   kRows = 16,
@@ -46,31 +48,26 @@ struct AllGroups {
         rows(groupsOfRows(def.plan)),
         clear(groupsOf(def.plan.nodeCount() / 4, 128)),
         columns(groupsOf(uint64_t{def.plan.nodes[0] / 4} * def.plan.nodes[2], 16) +
-                groupsOf(uint64_t{def.plan.nodes[0] / 4} * def.plan.nodes[1], 16)) {}
+                groupsOf(uint64_t{def.plan.nodes[0] / 4} * def.plan.nodes[1], 16)),
+        coarse(groupsOfCoarseNodes(def.plan)) {}
   static uint64_t groupsOfRows(const SdfGridPlan& plan) {
     const uint32_t words = plan.nodes[0] / 4;
     return groupsOf(uint64_t{plan.nodes[1]} * plan.nodes[2], 64 / std::min(words, 64u));
   }
-  Groups places, triangles, surface, rows, clear, columns;
+  // As sdfCoarseStride() in kernels/sdf/sdf_key.hlsli.
+  static uint64_t groupsOfCoarseNodes(const SdfGridPlan& plan) {
+    const uint64_t stride = plan.band >= 2 ? 4 : 2;
+    return groupsOf(plan.nodes[0], stride) * groupsOf(plan.nodes[1], stride) *
+           groupsOf(plan.nodes[2], stride);
+  }
+  Groups places, triangles, surface, rows, clear, columns, coarse;
 };
-
-// Steps of the flood: together they reach from the band to the middle of the grid's smallest axis.
-// Powers of 2 end within 0.05 cell; powers of 3, or leaving one out, within 0.2 to 1.
-std::vector<uint32_t> floodSteps(const SdfGridPlan& plan) {
-  const uint32_t nodes = std::min({plan.nodes[0], plan.nodes[1], plan.nodes[2]});
-  const float reach = 0.5f * static_cast<float>(nodes) - (2 * plan.band + 1);
-  uint32_t step = 2;
-  while (static_cast<float>(2 * step - 1) < reach) step *= 2;
-  std::vector<uint32_t> steps;
-  for (; step > 0; step /= 2) steps.push_back(step);
-  return steps;
-}
 
 class SdfPasses {
  public:
   SdfPasses(PassList& list, const ResourceTable& resources, const SdfBuildBuffers& buffers,
             const GenerateSdfConstants& block)
-      : constants(block), list_(list), resources_(resources), buffers_(buffers) {}
+      : list_(list), resources_(resources), buffers_(buffers), constants_(block) {}
 
   void add(const KernelVariant& variant, Groups groups) {
     if (!result.ok()) return;
@@ -93,7 +90,6 @@ class SdfPasses {
       add(variant, groups);
   }
 
-  GenerateSdfConstants constants;
   Result<void> result;
 
  private:
@@ -104,17 +100,18 @@ class SdfPasses {
         {"g_sdfFanStarts", buffers_.fanStarts}, {"g_sdfFans", buffers_.fans},
         {"g_sdfPlaces", buffers_.places},       {"g_sdfKeys", buffers_.keys},
         {"g_sdfCounts", buffers_.counts},       {"g_sdfSurface", buffers_.surface},
-        {"g_sdfWork", buffers_.work},           {"g_sdfFlood", buffers_.flood},
-        {"g_sdfMarks", buffers_.marks},         {"g_sdfVotes", buffers_.votes}};
+        {"g_sdfWork", buffers_.work},           {"g_sdfMarks", buffers_.marks},
+        {"g_sdfVotes", buffers_.votes}};
     for (const auto& [name, buffer] : all)
       if (const BufferDesc* desc = resources_.find(buffer)) builder.bind(name, buffer, desc->size);
-    builder.constants("GenerateSdfConstants", constants);
+    builder.constants("GenerateSdfConstants", constants_);
     result = builder.finish();
   }
 
   PassList& list_;
   const ResourceTable& resources_;
   const SdfBuildBuffers& buffers_;
+  GenerateSdfConstants constants_;
 };
 
 GenerateSdfConstants constantsOf(const SdfBuildDef& def, const AllGroups& groups,
@@ -148,7 +145,7 @@ GenerateSdfConstants constantsOf(const SdfBuildDef& def, const AllGroups& groups
   c.clearGroups = groups.clear.x;
   c.columnGroups = groups.columns.x;
   c.motionTolerance = def.motionTolerance;
-  c.floodCapacity = def.floodCapacity;
+  c.coarseGroups = groups.coarse.x;
   return c;
 }
 
@@ -161,7 +158,7 @@ void uploadWork(PassList& list, BufferId work, const AllGroups& groups, bool mot
     words[static_cast<uint32_t>(at) + 2] = 1;
   };
   set(Work::kBig, 0);
-  set(Work::kFlood, 1);
+  set(Work::kInterior, groups.coarse.y);
   set(Work::kMoved, groups.triangles.y);
   set(Work::kSurface, groups.surface.y);
   set(Work::kRows, groups.rows.y);
@@ -212,7 +209,6 @@ SdfBufferSizes sdfBufferSizes(const SdfBuildDef& def) {
   sizes.places = uint64_t{2} * def.placeCount * sizeof(Float4);
   sizes.work = (kWorkBigList + uint64_t{def.triangleCount}) * sizeof(uint32_t);
   sizes.marks = (bricks + def.placeCount) * sizeof(uint32_t);
-  sizes.flood = uint64_t{3} * def.floodCapacity * sizeof(uint32_t);
   sizes.votes = def.plan.threeAxes ? 2 * nodes : 0;
   return sizes;
 }
@@ -225,44 +221,35 @@ Result<void> addSdfBuild(PassList& list, const ResourceTable& resources,
   const bool sameGrid = hasHistory && state.origin == plan.origin &&
                         std::equal(std::begin(plan.nodes), std::end(plan.nodes), state.nodes);
   const bool incremental = mode == SdfBuildMode::kIncremental && sameGrid;
-  // A mesh of three axes is rebuilt as a whole, but only when something moved: the flood replaces
-  // keys in its band.
+  // A mesh of three axes is rebuilt as a whole, but only when something moved: the keys that
+  // finalize_sdf takes the triangles from depend on other triangles than those that are near.
   const bool bricks = incremental && !plan.threeAxes;
   const bool three = plan.threeAxes;
   const AllGroups groups(def);
-  SdfPasses passes(list, resources, buffers, constantsOf(def, groups, state, hasHistory));
+  GenerateSdfConstants constants = constantsOf(def, groups, state, hasHistory);
+  constants.buildFlags = (incremental ? kIncremental : 0) | (three ? kThreeAxes : 0);
+  SdfPasses passes(list, resources, buffers, constants);
   ++state.builds;
   state.origin = plan.origin;
   state.cellSize = plan.cellSize;
   std::copy(std::begin(plan.nodes), std::end(plan.nodes), state.nodes);
 
   uploadWork(list, buffers.work, groups, !incremental, state.builds);
-  if (def.placeCount > 0)
-    passes.add(placeVerticesVariant({.incremental = incremental}), groups.places);
+  if (def.placeCount > 0) passes.add(placeVerticesVariant({}), groups.places);
   if (bricks)
     passes.addIndirect(findMovedTrianglesVariant({}), Work::kMoved);
   else
-    passes.add(clearSdfVariant({.threeAxes = three}), groups.clear, Work::kClear, incremental);
+    passes.add(clearSdfVariant({}), groups.clear, Work::kClear, incremental);
   if (def.triangleCount == 0) return passes.result;
 
-  // The records do not wait for the keys, nor the keys for the records.
-  const auto scatter = scatterTrianglesVariant({.threeAxes = three, .incremental = bricks});
-  passes.add(*scatter, groups.triangles, Work::kMoved, incremental);
-  passes.add(updateSurfaceVariant({.incremental = bricks}), groups.surface, Work::kSurface,
-             incremental);
-  const auto big = scatterBigTrianglesVariant({.threeAxes = three, .incremental = bricks});
-  passes.addIndirect(*big, Work::kBig);
+  // The records do not wait for the keys, nor the keys for the records. The records, whose few
+  // threads wait for memory most of the time, come first.
+  passes.add(updateSurfaceVariant({}), groups.surface, Work::kSurface, incremental);
+  passes.add(scatterTrianglesVariant({}), groups.triangles, Work::kMoved, incremental);
+  passes.addIndirect(scatterBigTrianglesVariant({}), Work::kBig);
   if (three) passes.add(countSdfColumnsVariant({}), groups.columns, Work::kColumns, incremental);
   passes.add(finalizeSdfVariant({.threeAxes = three}), groups.rows, Work::kRows, incremental);
-
-  passes.constants.floodFlags = 1;
-  for (const uint32_t step : floodSteps(plan)) {
-    passes.constants.floodStep = step;
-    passes.addIndirect(floodInteriorVariant({.threeAxes = three}), Work::kFlood);
-    passes.constants.floodFlags = 0;
-    passes.constants.floodSlot ^= 1;
-  }
-  passes.addIndirect(writeInteriorVariant({.threeAxes = three}), Work::kFlood);
+  passes.add(fillInteriorVariant({}), groups.coarse, Work::kInterior, incremental);
   return passes.result;
 }
 

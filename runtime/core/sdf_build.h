@@ -27,14 +27,13 @@ void turnRound(SdfTables& tables);
 struct SdfBuildDef {
   SdfGridPlan plan;
   uint32_t triangleCount = 0, placeCount = 0;
-  uint32_t vertexCount = 0;    ///< of the vertex buffer
-  uint32_t vertexStride = 3;   ///< [float]
-  uint32_t vertexOffset = 0;   ///< of x [float]
-  uint32_t firstKey = 0;       ///< SdfField::nodes.w
-  uint32_t firstSurface = 0;   ///< SdfField::surface
-  bool motion = false;         ///< records have 7 elements
-  float motionTolerance = 0;   ///< [cell], see g_motionTolerance
-  uint32_t floodCapacity = 0;  ///< entries of the flood's buffer
+  uint32_t vertexCount = 0;   ///< of the vertex buffer
+  uint32_t vertexStride = 3;  ///< [float]
+  uint32_t vertexOffset = 0;  ///< of x [float]
+  uint32_t firstKey = 0;      ///< SdfField::nodes.w
+  uint32_t firstSurface = 0;  ///< SdfField::surface
+  bool motion = false;        ///< records have 7 elements
+  float motionTolerance = 0;  ///< [cell], see g_motionTolerance
 };
 
 /// Bytes of the buffers that a field needs of its own; keys and surface may be shared.
@@ -42,7 +41,7 @@ struct SdfBufferSizes {
   uint64_t keys = 0, surface = 0;
   uint64_t counts = 0;  ///< persistent when the field is built incrementally
   uint64_t places = 0, work = 0, marks = 0;
-  uint64_t flood = 0, votes = 0;  ///< scratch of a build; votes only of three axes
+  uint64_t votes = 0;  ///< scratch of a build of three axes
 };
 SdfBufferSizes sdfBufferSizes(const SdfBuildDef& def);
 
@@ -55,7 +54,7 @@ struct SdfBuildBuffers {
   BufferId keys = BufferId::kInvalid, surface = BufferId::kInvalid;
   BufferId counts = BufferId::kInvalid, places = BufferId::kInvalid;
   BufferId work = BufferId::kInvalid;  ///< BufferUsage: storage, indirect and upload
-  BufferId marks = BufferId::kInvalid, flood = BufferId::kInvalid, votes = BufferId::kInvalid;
+  BufferId marks = BufferId::kInvalid, votes = BufferId::kInvalid;
 };
 
 /// What a build has to know of the one before it.
@@ -76,9 +75,7 @@ enum class SdfBuildMode : uint8_t {
 struct SdfBuildCounters {
   static constexpr uint64_t kOffset = 32 * sizeof(uint32_t);  ///< bytes into the work buffer
   uint32_t bigTriangles = 0;                                  ///< that were shared by groups
-  uint32_t floodedNodes = 0;    ///< inside nodes beyond the band or, of three axes, nearest to a
-                                ///< triangle that is no way out; above the flood's capacity some
-                                ///< stayed unset
+  uint32_t interiorNodes = 0;   ///< coarse nodes that fill_interior gave a triangle
   uint32_t movedPlaces = 0;     ///< incremental builds: vertices that moved
   uint32_t movedTriangles = 0;  ///< incremental builds, but of three axes
   uint32_t clearedBricks = 0;   ///< likewise

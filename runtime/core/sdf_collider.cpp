@@ -241,11 +241,7 @@ SdfBuildDef buildDefOf(const SdfColliderInternals& collider) {
           .firstKey = collider.keyOffset,
           .firstSurface = collider.surfaceOffset,
           .motion = true,
-          .motionTolerance = collider.def.motionTolerance,
-          // Vertices of an engine may leave the box that it named.
-          .floodCapacity = own ? collider.plan.floodCapacity
-                               : static_cast<uint32_t>(std::max<uint64_t>(
-                                     collider.plan.nodeCount(), collider.plan.floodCapacity))};
+          .motionTolerance = collider.def.motionTolerance};
 }
 
 SdfField fieldOf(const SdfColliderInternals& collider, const Float3& origin) {

@@ -118,7 +118,9 @@ Result<SdfData> load(std::span<const std::byte> bytes, std::string_view name) {
   const uint32_t mask = (1u << header.triangleBits) - 1;
   for (size_t i = 0; i < data.keys.size(); ++i) {
     const uint32_t key = data.keys[i] & kUnset;
-    if (key != kUnset && (key & mask) >= data.triangleCount) {
+    // Inside, all bits set are no triangle.
+    const bool none = key != data.keys[i] && (key & mask) == mask;
+    if (key != kUnset && !none && (key & mask) >= data.triangleCount) {
       return detail::fileError(name, sizeof(Header) + i * sizeof(uint32_t),
                                "node " + std::to_string(i) + " refers to triangle " +
                                    std::to_string(key & mask) + " of " +

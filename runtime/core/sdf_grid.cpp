@@ -111,13 +111,6 @@ Result<SdfGridPlan> planSdfGrid(const SdfGridDef& def) {
   plan.triangleBits = std::max(1, static_cast<int>(std::bit_width(def.triangleCount)));
   plan.bytes = static_cast<uint64_t>(static_cast<double>(plan.nodeCount()) * bytesANode(def));
   plan.farRange = static_cast<float>(std::min({plan.nodes[0], plan.nodes[1], plan.nodes[2]}));
-  // Deeper than the band below a surface that is itself band + 1 from the end. Where nodes may be
-  // listed though the band reached them, all may be.
-  const auto margin = static_cast<uint32_t>(2 * std::floor(2 * def.band + 1));
-  uint64_t deep = 1;
-  for (const uint32_t count : plan.nodes) deep *= count > margin ? count - margin : 0;
-  const uint64_t listed = plan.threeAxes ? plan.nodeCount() : deep;
-  plan.floodCapacity = static_cast<uint32_t>(std::max<uint64_t>(listed, 64));
   return plan;
 }
 

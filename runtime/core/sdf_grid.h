@@ -25,9 +25,7 @@ struct SdfGridPlan {
   float farRange = 0;         ///< [cell] SdfField::farRange
   uint32_t triangleBits = 0;  ///< of a key
   bool threeAxes = false;
-  uint32_t floodCapacity = 0;  ///< most inside nodes that the band leaves unset while the whole
-                               ///< mesh is in the grid
-  uint64_t bytes = 0;          ///< keys and crossings
+  uint64_t bytes = 0;  ///< keys and crossings
 
   uint64_t nodeCount() const { return uint64_t{nodes[0]} * nodes[1] * nodes[2]; }
 };

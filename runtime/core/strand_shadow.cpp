@@ -206,6 +206,8 @@ Result<void> addStrandShadow(PassList& list, const StrandShadowPlan& plan,
               uint64_t{hair.vertexCount} * sizeof(Float4) *
                   (hair.storesFollows ? hair.strandCount : guides))
         .bind("g_shadowThickness", hair.thickness, uint64_t{hair.strandCount} * sizeof(float))
+        // A stand-in that is not read, where all strands have one thickness.
+        .bind("g_shadowThickness", hair.positions, uint64_t{guides} * sizeof(Float4))
         .bind("g_shadowFollowStrands", hair.followStrands, follows * sizeof(FollowStrand))
         .bind("g_shadowRoots", hair.rootTransforms, 2 * guides * sizeof(RootTransform))
         .constants("StrandShadowConstants", constants)
@@ -228,22 +230,22 @@ Result<void> addStrandShadow(PassList& list, const StrandShadowPlan& plan,
       constants.shadowOpacity = hair.opacity;
       constants.shadowFade = hair.fade;
       constants.shadowFadingCount = hair.fadingCount;
+      constants.shadowHasThickness = hair.thickness != BufferId::kInvalid ? 1 : 0;
       const uint64_t bytes = uint64_t{storedOf(hair)} * hair.vertexCount * sizeof(Float4) +
                              placed * sizeof(FollowStrand) +
                              (placed > 0 ? uint64_t{hair.guideCount} * sizeof(RootTransform) : 0);
-      const bool thick = hair.thickness != BufferId::kInvalid;
       Result<void> added =
-          dispatch(variantOf(thick, placed > 0), segmentsOf(hair), bytes + plan.bytes(), hair);
+          dispatch(variantOf(placed > 0), segmentsOf(hair), bytes + plan.bytes(), hair);
       if (!added) return added;
     }
     return {};
   };
-  Result<void> added = eachHair([](bool thick, bool placed) -> const KernelVariant& {
-    return splatStrandDepthsVariant({.strandThickness = thick, .followStrands = placed});
+  Result<void> added = eachHair([](bool placed) -> const KernelVariant& {
+    return splatStrandDepthsVariant({.followStrands = placed});
   });
   if (!added || plan.view.layerCount == 0) return added;
-  added = eachHair([](bool thick, bool placed) -> const KernelVariant& {
-    return splatStrandOpacityVariant({.strandThickness = thick, .followStrands = placed});
+  added = eachHair([](bool placed) -> const KernelVariant& {
+    return splatStrandOpacityVariant({.followStrands = placed});
   });
   if (!added) return added;
   return dispatch(accumulateStrandShadowVariant({}), uint64_t{plan.view.width} * plan.view.height,

@@ -194,6 +194,19 @@ void printGrooms(const Options& options, const DemoScene& demo) {
                samplesOf(options) * options.supersample * options.supersample);
 }
 
+// What contacts took in the last frame.
+void printContacts(const DemoScene& demo, HeadlessDevice& device) {
+  for (const pelage::HairId id : demo.hairs()) {
+    const pelage::HairObject& hair = demo.scene().hair(id);
+    if (hair.buffers().contactWords == pelage::BufferId::kInvalid) continue;
+    const auto words = device.read(hair.buffers().contactWords);
+    if (!words) continue;
+    const pelage::ContactCounters counters = pelage::readContactCounters(*words);
+    fmt::print("contacts: {}, {} records, {} further passes, {} tiles solved again\n", hair.name(),
+               counters.records, counters.furtherPasses, counters.tilesSolvedAgain);
+  }
+}
+
 // Of all grooms together; the most vertices that a strand has.
 RunInfo runInfo(const Options& options, const DemoScene& demo, std::string name, uint32_t frames) {
   RunInfo info = {options.commit, std::move(name), 0, 0, 0, frames};
@@ -277,6 +290,7 @@ Result<void> run(const Options& options) {
   if (!options.quiet)
     fmt::print("\n{}\n{} frames in {:.1f} s{}\n", loop.figures().table(), *frames, seconds.count(),
                interrupted() ? ", interrupted" : "");
+  if (!options.quiet) printContacts(*demo, **device);
   if (!options.csv.empty()) {
     const std::string name =
         showsCharacter(options) ? "character" : demo->scene().hair(demo->hairs()[0]).name();

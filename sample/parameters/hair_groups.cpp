@@ -282,6 +282,11 @@ std::vector<Parameter> capsuleRows() {
            sliding(capsuleSetup(), 138), std::vector{0.0f, 0.3f, 1.5f},
            [](Setup& s, float v) { s.capsules[0].friction = v; },
            "The root is drawn back to the left: friction holds the lock.")},
+      {PELAGE_FIELD(CapsuleCollider, angularVelocity),
+       "rad/s",
+       "",
+       "Spin in world space: drags hair along by friction, and moves nothing.",
+       {}},
   };
 }
 

@@ -41,7 +41,7 @@ std::vector<float> larger(std::vector<float> a, const std::vector<float>& b) {
 }  // namespace
 
 Result<DemoScene> DemoScene::create(const Character& character, const DemoDef& def) {
-  DemoScene demo;
+  DemoScene demo(def);
   demo.boneCount_ = static_cast<uint32_t>(character.skeleton.bones.size());
   demo.pose_ = [skeleton = character.skeleton, motion = def.motion](double seconds) {
     return pelage::skinningTransforms(skeleton, pelage::poseCharacter(motion, seconds));
@@ -96,7 +96,7 @@ Result<void> DemoScene::addBody(const Character& character) {
   def.boneCount = boneCount_;
   def.scalp = scalp;
   def.coat = coat;
-  auto mesh = MeshObject::create(scene_.resources(), character.mesh, def);
+  auto mesh = MeshObject::create(scene_->resources(), character.mesh, def);
   if (!mesh) return mesh.error();
   mesh_ = *mesh;
   mesh_->material = {character.parts[0].color, character.parts[1].color, character.parts[2].color};

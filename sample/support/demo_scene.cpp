@@ -124,9 +124,19 @@ Look fileLook(pelage::Solver solver) {
 
 }  // namespace
 
+DemoScene::DemoScene(const DemoDef& def)
+    : ownScene_(def.scene == nullptr ? std::make_unique<pelage::Scene>() : nullptr),
+      scene_(def.scene == nullptr ? ownScene_.get() : def.scene) {}
+
+// One that was moved from has neither hair nor colliders.
+DemoScene::~DemoScene() {
+  for (const pelage::HairId hair : hairs_) scene_->removeHair(hair);
+  for (const pelage::ColliderId collider : colliders_) scene_->removeCollider(collider);
+}
+
 Result<DemoScene> DemoScene::create(const DemoAssets& assets, const DemoDef& def) {
   const bool generated = !assets.skeleton.bones.empty();
-  DemoScene demo;
+  DemoScene demo(def);
   demo.boneCount_ = assets.boneCount();
   if (generated) {
     demo.pose_ = [skeleton = assets.skeleton](double seconds) {
@@ -180,7 +190,8 @@ Result<void> DemoScene::addHair(const HairAsset& hair, const pelage::HairDef& lo
   hairDef.skinning = def.skinning;
   hairDef.boneCount = boneCount_;
   hairDef.followHairs = *follow;
-  const auto added = scene_.addHair(hair, hairDef);
+  hairDef.collidingHair = def.collidingHair;
+  const auto added = scene_->addHair(hair, hairDef);
   if (!added) return added.error();
   hairs_.push_back(*added);
   return {};
@@ -195,7 +206,7 @@ Result<void> DemoScene::addMesh(const DemoAssets& assets) {
   def.influences = assets.mesh->influences;
   def.boneCount = boneCount_;
   def.scalp = scalp;
-  auto mesh = MeshObject::create(scene_.resources(), *assets.mesh, def);
+  auto mesh = MeshObject::create(scene_->resources(), *assets.mesh, def);
   if (!mesh) return mesh.error();
   mesh_ = *mesh;
   return {};
@@ -205,7 +216,7 @@ Result<void> DemoScene::addCollider(const pelage::CollisionMesh& mesh,
                                     const pelage::SdfColliderDef& from) {
   pelage::SdfColliderDef def = from;
   def.boneCount = boneCount_;
-  const auto added = scene_.addCollider(mesh, def);
+  const auto added = scene_->addCollider(mesh, def);
   if (!added) return added.error();
   colliders_.push_back(*added);
   return {};
@@ -213,26 +224,31 @@ Result<void> DemoScene::addCollider(const pelage::CollisionMesh& mesh,
 
 Result<void> DemoScene::advance(pelage::PassList& list) {
   ++frame_;
-  const std::vector<AffineTransform> bones = pose_(frame_ * kFrameSeconds);
-  for (const pelage::HairId hair : hairs_) scene_.hair(hair).setBones(bones);
+  const std::vector<AffineTransform> posed = bones();
+  for (const pelage::HairId hair : hairs_) scene_->hair(hair).setBones(posed);
+  scene_->hair(hairs_[0]).setColliders(capsules());
+  for (const pelage::ColliderId collider : colliders_) scene_->collider(collider).setBones(posed);
+  if (Result<void> done = scene_->simulate(static_cast<float>(kFrameSeconds), list); !done)
+    return done;
+  if (mesh_) mesh_->setBones(posed, list);
+  return {};
+}
+
+std::vector<pelage::CapsuleCollider> DemoScene::capsules() const {
+  const std::vector<AffineTransform> posed = bones();
   std::vector<pelage::CapsuleCollider> capsules = capsules_;
   for (size_t i = 0; i < capsules.size(); ++i) {
-    const AffineTransform& bone = bones[i == 0 ? 0 : 1];
+    const AffineTransform& bone = posed[i == 0 ? 0 : 1];
     capsules[i].head = pelage::transformPoint(bone, capsules[i].head);
     capsules[i].tail = pelage::transformPoint(bone, capsules[i].tail);
   }
-  scene_.hair(hairs_[0]).setColliders(capsules);
-  for (const pelage::ColliderId collider : colliders_) scene_.collider(collider).setBones(bones);
-  if (Result<void> done = scene_.simulate(static_cast<float>(kFrameSeconds), list); !done)
-    return done;
-  if (mesh_) mesh_->setBones(bones, list);
-  return {};
+  return capsules;
 }
 
 Result<void> DemoScene::drawMesh(const pelage::View& view, pelage::PassList& list) {
   if (drawSdf_)
     for (const pelage::ColliderId collider : colliders_)
-      if (Result<void> done = scene_.drawCollider(collider, view, light, {}, list); !done)
+      if (Result<void> done = scene_->drawCollider(collider, view, light, {}, list); !done)
         return done;
   if (mesh_) return mesh_->draw(view, light, list);
   return {};
@@ -240,29 +256,29 @@ Result<void> DemoScene::drawMesh(const pelage::View& view, pelage::PassList& lis
 
 Result<void> DemoScene::draw(const pelage::View& view, pelage::PassList& list) {
   if (Result<void> done = drawMesh(view, list); !done) return done;
-  return scene_.draw(view, light, list);
+  return scene_->draw(view, light, list);
 }
 
 Result<void> DemoScene::draw(const pelage::View& view, const pelage::TransparencySettings& settings,
                              std::vector<pelage::PassList>& lists) {
   if (lists.empty()) lists.resize(1);
   if (Result<void> done = drawMesh(view, lists[0]); !done) return done;
-  return scene_.draw(view, {&light, 1}, settings, lists);
+  return scene_->draw(view, {&light, 1}, settings, lists);
 }
 
 pelage::BufferId DemoScene::addDepthBuffer(uint32_t width, uint32_t height) {
-  return scene_.resources().add({.name = "opaque depth",
-                                 .size = uint64_t{width} * height * sizeof(float),
-                                 .stride = sizeof(float)});
+  return scene_->resources().add({.name = "opaque depth",
+                                  .size = uint64_t{width} * height * sizeof(float),
+                                  .stride = sizeof(float)});
 }
 
 Result<void> DemoScene::checkDraw(pelage::HeadlessDevice& device) const {
   for (const pelage::ColliderId collider : colliders_) {
-    const pelage::BufferId counts = scene_.collider(collider).buffers().isoCounts;
+    const pelage::BufferId counts = scene_->collider(collider).buffers().isoCounts;
     if (counts == pelage::BufferId::kInvalid) continue;
     const auto bytes = device.read(counts);
     if (!bytes) return bytes.error();
-    if (Result<void> done = scene_.checkColliderDraw(collider, *bytes); !done) return done;
+    if (Result<void> done = scene_->checkColliderDraw(collider, *bytes); !done) return done;
   }
   return {};
 }
@@ -270,7 +286,7 @@ Result<void> DemoScene::checkDraw(pelage::HeadlessDevice& device) const {
 uint64_t DemoScene::vertexCount() const {
   uint64_t count = 0;
   for (const pelage::HairId id : hairs_) {
-    const pelage::HairObject& hair = scene_.hair(id);
+    const pelage::HairObject& hair = scene_->hair(id);
     count += uint64_t{hair.strandCount()} * hair.verticesPerStrand();
   }
   return count;

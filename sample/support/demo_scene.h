@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -29,11 +30,19 @@ struct DemoDef {
   /// draw() shows the surface of the signed distance fields that hair collides with in place of the
   /// mesh. A head's hair collides with a field only then.
   bool drawSdf = false;
+  pelage::CollidingHair collidingHair = pelage::CollidingHair::kGuides;
+  /// Receives hair, colliders and mesh, and must outlive the DemoScene, which removes the hair and
+  /// the colliders in the end. nullptr: the DemoScene has a scene of its own.
+  pelage::Scene* scene = nullptr;
 };
 
 class DemoScene {
  public:
   static constexpr double kFrameSeconds = 1.0 / 60;
+
+  DemoScene(DemoScene&&) noexcept = default;
+  DemoScene& operator=(DemoScene&&) = delete;
+  ~DemoScene();
 
   /// One groom on a head. Of the definition, `motion` is not used.
   static pelage::Result<DemoScene> create(const DemoAssets& assets, const DemoDef& def);
@@ -53,18 +62,23 @@ class DemoScene {
   /// as a whole.
   pelage::Result<void> checkDraw(pelage::HeadlessDevice& device) const;
   /// Computes the barriers of a complete list.
-  void finish(pelage::PassList& list) { scene_.finish(list); }
+  void finish(pelage::PassList& list) { scene_->finish(list); }
 
   /// A camera that sees the bind shape in every pose of the motion.
   Camera camera(float aspect) const;
 
   /// A buffer for the depth of the mesh, for TransparencySettings::opaqueDepth.
   pelage::BufferId addDepthBuffer(uint32_t width, uint32_t height);
-  pelage::BufferId transparencyCounters() const { return scene_.transparencyCounters(); }
-  pelage::BufferId shadowWords() const { return scene_.shadowWords(); }
-  const pelage::ResourceTable& resources() const { return scene_.resources(); }
+  pelage::BufferId transparencyCounters() const { return scene_->transparencyCounters(); }
+  pelage::BufferId shadowWords() const { return scene_->shadowWords(); }
+  const pelage::ResourceTable& resources() const { return scene_->resources(); }
   const std::vector<pelage::HairId>& hairs() const { return hairs_; }
-  const pelage::Scene& scene() const { return scene_; }
+  const std::vector<pelage::ColliderId>& colliders() const { return colliders_; }
+  /// Skinning transforms of the last frame, bind space to world.
+  std::vector<pelage::AffineTransform> bones() const { return pose_(frame_ * kFrameSeconds); }
+  /// What a head's hair collides with without DemoDef::drawSdf, where it is in the last frame.
+  std::vector<pelage::CapsuleCollider> capsules() const;
+  const pelage::Scene& scene() const { return *scene_; }
   /// Vertices of all strands, follow hairs included.
   uint64_t vertexCount() const;
   /// Frames advanced so far.
@@ -73,7 +87,7 @@ class DemoScene {
   pelage::Light light;
 
  private:
-  DemoScene() = default;
+  explicit DemoScene(const DemoDef& def);
   pelage::Result<void> drawMesh(const pelage::View& view, pelage::PassList& list);
   pelage::Result<void> addMesh(const DemoAssets& assets);
   pelage::Result<void> addHair(const pelage::HairAsset& hair, const pelage::HairDef& hairDef,
@@ -82,7 +96,8 @@ class DemoScene {
                                    const pelage::SdfColliderDef& def);
   pelage::Result<void> addBody(const pelage::Character& character);
 
-  pelage::Scene scene_;
+  std::unique_ptr<pelage::Scene> ownScene_;  ///< nullptr: it is somebody else's
+  pelage::Scene* scene_;
   std::vector<pelage::HairId> hairs_;
   std::optional<MeshObject> mesh_;
   std::vector<pelage::ColliderId> colliders_;

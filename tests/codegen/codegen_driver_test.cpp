@@ -109,7 +109,7 @@ TEST(CodegenDriver, CompilesNothingTheSecondTimeAndLeavesTheFilesAlone) {
   EXPECT_EQ(second.compiled, 0u);
   EXPECT_EQ(second.fromCache, second.permutations);
   EXPECT_EQ(second.summary(),
-            "pelage-codegen: 14 permutations, 0 compiled, 14 from cache, 13 distinct");
+            "pelage-codegen: 13 permutations, 0 compiled, 13 from cache, 12 distinct");
   EXPECT_EQ(project.outputs(), outputs);
   EXPECT_EQ(fs::last_write_time(project.output() / "kernels.cpp"), time);
 }
@@ -120,7 +120,7 @@ TEST(CodegenDriver, RecompilesJustTheUsersOfAChangedInclude) {
   project.write("shared/forces.hlsli", fileText(kFixture / "shared/forces.hlsli") + "// changed\n");
   const BuildResult result = project.build();
   ASSERT_TRUE(result.ok) << result.diagnostics.format();
-  EXPECT_EQ(result.compiled, 10u) << "the permutations of move_particles and no others";
+  EXPECT_EQ(result.compiled, 9u) << "the permutations of move_particles and no others";
 }
 
 TEST(CodegenDriver, MakesADamagedCacheEntryAgain) {
@@ -428,11 +428,11 @@ TEST(CodegenTool, PrintsASummaryAndThenTakesEverythingFromItsCache) {
   const std::string arguments = project.manifest().string() + " -o " + project.output().string();
   const ToolRun first = runTool(project, arguments);
   EXPECT_EQ(first.status, 0) << first.err;
-  EXPECT_EQ(first.out, "pelage-codegen: 14 permutations, 14 compiled, 0 from cache, 13 distinct\n");
+  EXPECT_EQ(first.out, "pelage-codegen: 13 permutations, 13 compiled, 0 from cache, 12 distinct\n");
   const ToolRun second = runTool(project, arguments);
   EXPECT_EQ(second.status, 0) << second.err;
   EXPECT_EQ(second.out,
-            "pelage-codegen: 14 permutations, 0 compiled, 14 from cache, 13 distinct\n");
+            "pelage-codegen: 13 permutations, 0 compiled, 13 from cache, 12 distinct\n");
 }
 
 TEST(CodegenTool, ExitsWithOneAndTheErrorsInGccFormat) {

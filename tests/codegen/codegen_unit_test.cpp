@@ -12,6 +12,7 @@
 #include "codegen/hash.h"
 #include "codegen/host_struct.h"
 #include "codegen/include_scan.h"
+#include "codegen/key_completion.h"
 #include "codegen/manifest.h"
 #include "codegen/names.h"
 #include "codegen/reflect.h"
@@ -85,11 +86,64 @@ class ManifestTest : public testing::Test {
 TEST_F(ManifestTest, ListsThePermutationsThatAreNotExcluded) {
   const Manifest manifest =
       read(kernel(R"(, "axes": [{"name": "x"}, {"name": "n", "values": [4, 8]}],
-    "exclude": [{"x": true, "n": 8}])"));
+    "conflicts": [{"x": true, "n": 8}])"));
   ASSERT_FALSE(diagnostics_.hasErrors()) << diagnostics_.format();
   ASSERT_EQ(manifest.kernels.size(), 1u);
   EXPECT_EQ(manifest.kernels[0].permutations(), (std::vector<Permutation>{{0, 4}, {0, 8}, {1, 4}}));
   EXPECT_EQ(permutationKey(manifest.kernels[0], {1, 4}), "x=1 n=4");
+}
+
+// What a key is completed to.
+std::string completed(const ManifestKernel& kernel, const Permutation& wanted) {
+  return permutationKey(kernel, completeKeys(kernel).complete(wanted));
+}
+
+TEST_F(ManifestTest, CompletesAKeyWithWhatComesWithItsFeatures) {
+  const Manifest manifest = read(kernel(R"(, "axes": [{"name": "a"}, {"name": "b"}, {"name": "c"},
+      {"name": "n", "values": [4, 8]}],
+    "exclude": [{"a": true, "b": false}, {"b": true, "c": false, "n": 8}])"));
+  ASSERT_FALSE(diagnostics_.hasErrors()) << diagnostics_.format();
+  const ManifestKernel& k = manifest.kernels[0];
+  EXPECT_EQ(completed(k, {0, 0, 0, 8}), "a=0 b=0 c=0 n=8") << "it exists";
+  EXPECT_EQ(completed(k, {1, 0, 0, 4}), "a=1 b=1 c=0 n=4");
+  EXPECT_EQ(completed(k, {0, 1, 0, 8}), "a=0 b=1 c=1 n=8") << "for this value alone";
+  EXPECT_EQ(completed(k, {1, 0, 0, 8}), "a=1 b=1 c=1 n=8") << "a brings b, which brings c";
+}
+
+TEST_F(ManifestTest, CompletesEveryKeyThatDoesNotConflictToTheSmallestPermutationAroundIt) {
+  for (const char* more :
+       {R"("exclude": [{"a": true, "b": false}, {"a": true, "c": false}, {"d": true, "a": false}])",
+        R"("exclude": [{"a": true, "b": false, "c": false}, {"a": true, "b": true, "c": false}])",
+        R"("exclude": [{"a": false, "n": 2}, {"a": false, "n": 0}, {"a": false, "d": true}],
+           "conflicts": [{"n": 2, "d": true}])",
+        R"("exclude": [{"a": true, "b": false, "n": 2}, {"c": true, "d": false, "b": true}],
+           "conflicts": [{"a": true, "c": true, "n": 0}])"}) {
+    const Manifest manifest = read(kernel(R"(, "axes": [{"name": "a"}, {"name": "b"}, {"name": "c"},
+      {"name": "d"}, {"name": "n", "values": [4, 2, 0]}], )" +
+                                          std::string(more)));
+    ASSERT_FALSE(diagnostics_.hasErrors()) << diagnostics_.format();
+    const ManifestKernel& k = manifest.kernels[0];
+    const KeyCompletion completion = completeKeys(k);
+    const auto contains = [](const Permutation& larger, const Permutation& smaller) {
+      for (size_t i = 0; i < 4; ++i)
+        if (larger[i] < smaller[i]) return false;
+      return larger[4] == smaller[4];
+    };
+    size_t changed = 0;
+    for (const Permutation& wanted : k.combinations()) {
+      const Permutation given = completion.complete(wanted);
+      const std::string text = permutationKey(k, wanted) + " -> " + permutationKey(k, given);
+      EXPECT_EQ(k.isExcluded(given), k.isConflict(wanted)) << text;
+      EXPECT_TRUE(contains(given, wanted)) << text;
+      if (k.isConflict(wanted)) continue;
+      for (const Permutation& other : k.permutations()) {
+        EXPECT_TRUE(!contains(other, wanted) || contains(other, given))
+            << text << ", not " << permutationKey(k, other);
+      }
+      changed += given != wanted;
+    }
+    EXPECT_GT(changed, 3u) << more;
+  }
 }
 
 TEST_F(ManifestTest, LetsGroupsShareTheLayoutsWithWhichTheyBegin) {
@@ -128,6 +182,19 @@ TEST_F(ManifestTest, RefusesWhatIsWrongWithTheLine) {
   EXPECT_EQ(error(kernel(",\n\"exclude\": [\n{\"y\": true}]")), "7 PK314");
   EXPECT_EQ(error(kernel(",\n\"axes\": [{\"name\": \"x\"}], \"exclude\": [{\"x\": false}]")),
             "5 PK311");
+  const std::string three =
+      ",\n\"axes\": [{\"name\": \"a\"}, {\"name\": \"b\"}, {\"name\": \"c\"}],\n";
+  EXPECT_EQ(error(kernel(three + R"("conflicts": [{"a": true, "b": true},
+    {"a": true, "c": false}])")),
+            "8 PK315");
+  EXPECT_EQ(error(kernel(three + R"("exclude": [{"a": true, "b": true}])")), "5 PK316")
+      << "there is nothing to switch on";
+  EXPECT_EQ(error(kernel(three + R"("exclude": [{"a": true, "c": false}],
+    "conflicts": [{"b": true, "c": true}])")),
+            "5 PK316")
+      << "a brings c, which conflicts with b";
+  EXPECT_EQ(error(kernel(three + R"("exclude": [{"a": true, "b": false, "c": false}])")), "5 PK317")
+      << "a with b or with c";
   EXPECT_EQ(
       error("{\n\"namespace\": \"a\",\n\"groups\": {\"g\": [\"L\"]},\n\"kernels\": [\n"
             "{\"name\": \"k\", \"file\": \"k.hlsl\", \"stage\": \"compute\", \"group\": \"g\"},\n"

@@ -24,7 +24,8 @@ const std::set<std::string> kNoParameters = {
     "TransparencyCost", "SimulationCounters",   "HairBuffers",
     "SdfGrid",          "SdfCounters",          "SdfColliderBuffers",
     "TfxFileLayout",    "FollowHair",           "HairAsset",
-    "TfxLoadOptions",   "TfxLoadReport",        "Groom"};
+    "TfxLoadOptions",   "TfxLoadReport",        "Groom",
+    "ContactCounters"};
 
 std::string contents(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);

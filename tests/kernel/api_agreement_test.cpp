@@ -40,11 +40,13 @@ std::vector<uint32_t> simulatedBits(Gpu& gpu, bool dualQuaternions) {
   c.globalRange = 0.5f;
   c.vspCoefficient = 0.5f;
   c.vspThreshold = 30;
-  run.setColliders({{{0.1f, -0.1f, 0, 0.08f}, {0.2f, -0.1f, 0, 0.05f}, {0.1f, -0.1f, 0, 0.4f}, {}},
-                    {{-0.1f, -0.1f, 0, 0.08f},
-                     {-0.1f, -0.1f, 0, 0.08f},
-                     {-0.12f, -0.1f, 0, 0},
-                     {-0.12f, -0.1f, 0, 0}}});
+  run.setColliders(
+      {{{0.1f, -0.1f, 0, 0.08f}, {0.2f, -0.1f, 0, 0.05f}, {0.1f, -0.1f, 0, 0.4f}, {}, {}},
+       {{-0.1f, -0.1f, 0, 0.08f},
+        {-0.1f, -0.1f, 0, 0.08f},
+        {-0.12f, -0.1f, 0, 0},
+        {-0.12f, -0.1f, 0, 0},
+        {}}});
   for (int frame = 0; frame < 120; ++frame) {
     std::vector<Float4> bones;
     for (int bone = 0; bone < 3; ++bone) {

@@ -77,6 +77,9 @@ class DrawStrands : public GpuTest {
     constants_.renderStrandCount = strandCount;
     constants_.drawnStrands = static_cast<float>(strandCount);
     view_.sampleCount = samples;
+    RenderConstants constants = constants_;
+    if (!thickness.empty()) constants.strandAttributes |= kThickness;
+    const bool attributes = bindsAttributes_ || constants.strandAttributes != 0;
 
     const GuardedBuffer<Float4> positionBuffer(gpu(), "positions", positions);
     const GuardedBuffer<Float4> tangentBuffer(gpu(), "tangents", tangents);
@@ -94,14 +97,16 @@ class DrawStrands : public GpuTest {
 
     PassList list;
     PassBuilder builder(list);
-    builder.draw(strandVertexVariant({.strandThickness = !thickness.empty()}),
+    builder.draw(strandVertexVariant({.attributes = attributes}),
                  strandPixelVariant({.stochastic = true}), DrawState{},
                  static_cast<uint32_t>(indices.size()), strandCount, indexBuffer);
     positionBuffer.bindTo(builder, "g_renderPositions");
     tangentBuffer.bindTo(builder, "g_renderTangents");
-    thicknessBuffer.bindTo(builder, "g_strandThickness");
+    for (const char* name : {"g_strandThickness", "g_vertexColors", "g_strandUv", "g_baseTexture",
+                             "g_renderFollowStrands", "g_renderRoots"})
+      thicknessBuffer.bindTo(builder, name);
     shadowBuffer.bindTo(builder, "g_shadowWords");
-    builder.constants("RenderConstants", constants_);
+    builder.constants("RenderConstants", constants);
     builder.constants("StrandViewConstants", view_);
     expectOk(builder.finish());
     gpu().hazards.resolve(list);
@@ -169,7 +174,11 @@ class DrawStrands : public GpuTest {
   /// World radius of a fibre that is so many pixels wide at distance 1.
   static double radiusOf(double pixels) { return pixels * std::tan(kFov / 2) / kHeight; }
 
+  /// Bits of RenderConstants::strandAttributes.
+  static constexpr uint32_t kThickness = 1, kVertexColors = 2, kBaseTexture = 4;
+
   RenderConstants constants_ = {};
+  bool bindsAttributes_ = false;  ///< also where there are none
   StrandViewConstants view_ = {};
   Eigen::Matrix4d worldToClip_;
 };
@@ -217,6 +226,28 @@ TEST_P(DrawStrands, ScaleWithTheThicknessOfTheStrand) {
   }
   const uint32_t samples = sampleCounts().back();
   EXPECT_NEAR(coverage(draw(strands, samples, thickness)) / expected, 1, 0.03);
+}
+
+TEST_P(DrawStrands, ReadNoAttributeThatTheObjectLacks) {
+  // The buffers of attributes have nothing but the pattern behind their elements.
+  const std::vector<Strand> strands = comb(0.1);
+  constants_.fiberRadius = static_cast<float>(radiusOf(3));
+  constants_.rootColor = constants_.tipColor = {0.5f, 0.3f, 0.2f, 1};
+  constants_.textureSize = {1, 1};
+  view_.ambientColor = {1, 1, 1, 0};
+  constants_.shadingBody = {1, 1, 0, 0};
+  const auto sameAs = [](const RenderedImage& a, const RenderedImage& b) {
+    return std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof(Float4)) == 0;
+  };
+  const RenderedImage plain = draw(strands, 1);
+  EXPECT_GT(coverage(plain), 100);
+  EXPECT_TRUE(sameAs(draw(strands, 1, std::vector<float>(strands.size(), 1)), plain));
+  bindsAttributes_ = true;
+  EXPECT_TRUE(sameAs(draw(strands, 1), plain));
+  for (const uint32_t attribute : {kThickness, kVertexColors, kBaseTexture}) {
+    constants_.strandAttributes = attribute;
+    EXPECT_FALSE(sameAs(draw(strands, 1), plain)) << attribute;
+  }
 }
 
 TEST_P(DrawStrands, LetThroughWhatTheOpacityLeaves) {

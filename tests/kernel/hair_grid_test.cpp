@@ -82,8 +82,9 @@ class GridRun {
 
   void splat(bool friction = true) {
     const uint32_t channels = friction ? 4 : 1;
-    pass(clearHairGridVariant({.friction = friction}), kSize * kSize * kSize * channels);
-    pass(splatHairGridVariant({.friction = friction}), count_ * 2 * channels);
+    constants.gridFriction = friction ? 1 : 0;
+    pass(clearHairGridVariant({}), kSize * kSize * kSize * channels);
+    pass(splatHairGridVariant({}), count_ * 2 * channels);
     run();
   }
   void measure() {
@@ -91,8 +92,10 @@ class GridRun {
     run();
   }
   void apply(bool friction, bool pressure, bool forces = false) {
-    pass(applyHairGridVariant({.friction = friction, .pressure = pressure, .forces = forces}),
-         count_);
+    constants.gridFriction = friction ? 1 : 0;
+    constants.pressure = pressure ? 1 : 0;
+    constants.addsForces = forces ? 1 : 0;
+    pass(applyHairGridVariant({}), count_);
     run();
   }
   std::vector<uint32_t> words() const { return nodes_.read(); }

@@ -398,7 +398,8 @@ TEST_P(ExactScene, OnlyTheTilesThatAColliderStirsWake) {
   EXPECT_EQ(awake(hair), 32u);
   const std::vector<uint32_t> sleep = run_.read<uint32_t>(hair.buffers().sleep);
   EXPECT_EQ(sleep[0], 1u);
-  EXPECT_EQ(sleep[8], 1u) << "the tile that wakes";
+  EXPECT_EQ(sleep[8], 1u) << "groups of find_contacts";
+  EXPECT_EQ(sleep[12], 1u) << "the tile that wakes";
 }
 
 TEST_P(ExactScene, FollowHairsSleepWithTheirGuides) {

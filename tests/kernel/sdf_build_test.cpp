@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 
 #include <bit>
+#include <cstdio>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -76,9 +77,13 @@ void expectRight(const SdfErrors& errors, const std::string& what) {
   EXPECT_EQ(errors.wrongSigns, 0u) << what;
   EXPECT_EQ(errors.missing, 0u) << what;
   EXPECT_EQ(errors.unsetInside, 0u) << what;
-  EXPECT_EQ(errors.farOutside, 0u) << what;
+  EXPECT_EQ(errors.misplacedFar, 0u) << what;
   EXPECT_LE(errors.band, 5e-5) << what << " [cell]";
-  EXPECT_LE(errors.interior, 0.1) << what << " [cell]";
+  EXPECT_LE(errors.interior, 0.5) << what << " [cell]";
+  EXPECT_LE(errors.interiorMean, 0.005) << what << " [cell]";
+  std::printf("[ FIGURE ] %s: %llu coarse nodes inside, off by %.4f on average, by %.4f at most\n",
+              what.c_str(), static_cast<unsigned long long>(errors.far), errors.interiorMean,
+              errors.interior);
 }
 
 class SdfBuild : public GpuTest {};
@@ -93,8 +98,7 @@ TEST_P(SdfBuild, SignsAndDistancesAreRightWhereverTheGridIs) {  // K25, K26, K27
       run.build();
       const SdfErrors errors = errorsOf(run, trueDistances(run, mesh));
       expectRight(errors, std::string(shape.name) + ", offset " + std::to_string(i));
-      EXPECT_EQ(run.counters().floodedNodes, errors.far);
-      EXPECT_LE(run.counters().floodedNodes, run.def.floodCapacity);
+      EXPECT_EQ(run.counters().interiorNodes, errors.far);
       far += errors.far;
     }
     const bool plate = std::string(shape.name).starts_with("plate");
@@ -179,14 +183,19 @@ TEST_P(SdfBuild, OverlappingPartsAreOneInsideThatLeadsOut) {
   EXPECT_EQ(errors.wrongSigns, 0u);
   EXPECT_EQ(errors.unsetInside, 0u);
 
-  // Nodes deep inside have triangles of the outer surface, or at most two cells behind the seam.
-  // Of the nearest ones, many are in the lens between the spheres, up to 5.6 cells deep.
-  uint64_t deep = 0, swallowed = 0;
+  // Nodes inside that know a triangle have one of the outer surface, or at most two cells behind
+  // the seam. Of the nearest ones, many are in the lens between the spheres, up to 5.6 cells deep.
+  uint64_t inside = 0, swallowed = 0;
   for (uint64_t i = 0; i < run.nodeCount(); ++i) {
-    if (!run.isInside(i) || truth[i] > -1.8) continue;
-    ++deep;
     const uint32_t t = run.triangle(i);
-    ASSERT_LT(t, mesh.triangleCount());
+    if (run.isInside(i) && !run.isFar(i)) {
+      EXPECT_LE(run.distance(i), -truth[i] + 1e-3) << "with or without a triangle";
+    }
+    if (run.isFar(i)) {
+      EXPECT_LT(t, mesh.triangleCount());
+    }
+    if (!run.isInside(i) || t >= mesh.triangleCount()) continue;
+    ++inside;
     double depth[2] = {0, 0};
     for (size_t k = 0; k < 3; ++k) {
       const Float3& p = mesh.positions[mesh.indices[3 * t + k]];
@@ -197,8 +206,8 @@ TEST_P(SdfBuild, OverlappingPartsAreOneInsideThatLeadsOut) {
     }
     if (std::max(depth[0], depth[1]) > 2.5 * static_cast<double>(cell)) ++swallowed;
   }
-  EXPECT_GT(deep, 1000u);
-  EXPECT_LT(100 * swallowed, deep) << swallowed;
+  EXPECT_GT(inside, 1000u);
+  EXPECT_LT(100 * swallowed, inside) << swallowed;
 }
 
 TEST_P(SdfBuild, TrianglesLargerThanTheGridAreSharedByGroups) {
@@ -288,18 +297,6 @@ TEST_P(SdfBuild, AnEmptyMeshIsOutsideEverywhere) {
   SdfRun run(gpu(), {}, {.cellSize = 0.1f, .firstKey = 32});
   run.build();
   for (uint64_t i = 0; i < run.nodeCount(); ++i) EXPECT_EQ(run.key(i), 0x7fffffffu);
-}
-
-TEST_P(SdfBuild, AFullListOfTheFloodLeavesNodesUnsetAndSaysSo) {
-  const TriangleMesh mesh = sphere(1, 24, 36);
-  SdfRun run(gpu(), mesh, {.cellSize = 0.1f, .floodCapacity = 500});
-  run.build();
-  const SdfErrors errors = errorsOf(run, trueDistances(run, mesh));
-  EXPECT_GT(run.counters().floodedNodes, 500u);
-  EXPECT_EQ(errors.unsetInside, run.counters().floodedNodes - 500);
-  EXPECT_EQ(errors.far, 500u);
-  EXPECT_EQ(errors.wrongSigns, 0u);
-  EXPECT_LE(errors.band, 5e-5);
 }
 
 TEST_P(SdfBuild, KeysOfOtherFieldsStay) {
@@ -419,7 +416,7 @@ TEST(SdfBuildBits, AreTheSameForEveryOrderOfTriangles) {
       EXPECT_TRUE(run.counts->read() == expected.counts->read()) << apiName(api);
       uint64_t different = 0;
       for (uint64_t i = 0; i < run.nodeCount(); ++i) {
-        // Keys but for the numbers of triangles. Those that the flood meets depend on ties.
+        // Keys but for the numbers of triangles. Where those of the interior begin depends on ties.
         const uint32_t change = (run.key(i) ^ expected.key(i)) >> run.def.plan.triangleBits;
         if (change != 0 && !run.isFar(i)) ++different;
         if (run.isFar(i) != expected.isFar(i)) ++different;

@@ -18,6 +18,7 @@
 #include "reference/sdf/distance_oracle.h"
 #include "reference/sdf/field_builder.h"
 #include "reference/sdf/mesh_shapes.h"
+#include "sdf_collision.h"
 #include "support/gpu_fixture.h"
 
 namespace pelage::test {
@@ -103,36 +104,26 @@ class CollisionRun {
   CollisionRun(Gpu& gpu, const FieldBuffers& field, const Vertices& vertices)
       : gpu_(gpu),
         count_(static_cast<uint32_t>(vertices.size())),
+        fieldCount_(static_cast<uint32_t>(field.fields.size())),
         positions_(gpu, "sdfPositions", vertices.now),
         before_(gpu, "sdfPositionsBefore", vertices.before),
         fields_(gpu, "sdfFields", field.fields),
         keys_(gpu, "sdfKeys", field.keys),
         surface_(gpu, "sdfSurface", field.surface) {
-    constants.sdfVertexCount = count_;
-    constants.sdfFieldCount = static_cast<uint32_t>(field.fields.size());
-    constants.sdfBegin = 0;
-    constants.sdfEnd = 1;
     expectOk(gpu.device()->update(gpu.resources));
   }
 
-  ApplySdfConstants constants = {};
+  float begin = 0, end = 1;  ///< shares of the frame
 
-  Vertices collide(bool closestFeature = true, bool friction = true) {
-    const KernelVariant* variant =
-        collideVerticesVariant({.closestFeature = closestFeature, .friction = friction});
-    if (variant == nullptr) {
-      ADD_FAILURE() << "no such permutation";
-      return {positions_.read(), before_.read()};
-    }
-    PassBuilder pass(list_);
-    pass.dispatch(*variant, count_);
-    positions_.bindTo(pass, "g_sdfPositions");
-    before_.bindTo(pass, "g_sdfPositionsBefore");
-    fields_.bindTo(pass, "g_sdfFields");
-    keys_.bindTo(pass, "g_sdfKeys");
-    surface_.bindTo(pass, "g_sdfSurface");
-    pass.constants("ApplySdfConstants", constants);
-    expectOk(pass.finish());
+  Vertices collide(bool closestFeature = true) {
+    expectOk(detail::addSdfCollision(
+        list_, gpu_.resources,
+        {positions_.id(), before_.id(), fields_.id(), keys_.id(), surface_.id()},
+        {.vertexCount = count_,
+         .fieldCount = fieldCount_,
+         .begin = begin,
+         .end = end,
+         .closestFeature = closestFeature}));
     gpu_.hazards.resolve(list_);
     expectOk(gpu_.device()->execute(list_));
     list_.clear();
@@ -145,7 +136,7 @@ class CollisionRun {
 
  private:
   Gpu& gpu_;
-  uint32_t count_;
+  uint32_t count_, fieldCount_;
   PassList list_;
   GuardedBuffer<Float4> positions_, before_;
   GuardedBuffer<SdfField> fields_;
@@ -233,6 +224,75 @@ TEST_P(SdfCollision, PutsVerticesOutsideInOneStep) {
   }
 }
 
+/// The field that the kernels build.
+/// \param threeAxes  the mesh is open or overlaps
+FieldBuffers builtField(Gpu& gpu, const Body& body, bool threeAxes) {
+  SdfRun run(gpu, body.mesh, {.cellSize = static_cast<float>(body.cell), .threeAxes = threeAxes});
+  run.build();
+  const detail::SdfGridPlan& plan = run.def.plan;
+  SdfField field = {};
+  field.origin = {plan.origin.x, plan.origin.y, plan.origin.z, plan.cellSize};
+  field.nodes = {plan.nodes[0], plan.nodes[1], plan.nodes[2], 0};
+  field.triangleCount = run.def.triangleCount;
+  field.triangleBits = plan.triangleBits;
+  field.surfaceStride = 4;
+  field.band = plan.band;
+  field.farRange = plan.farRange;
+  return {{field}, run.keys->read(), run.surface->read()};
+}
+
+// Nodes deep inside know no triangle but for the coarse ones: the way out that a vertex finds from
+// these leads to the surface, and is hardly longer than the shortest one.
+TEST_P(SdfCollision, DeepVerticesGoOutByNearlyTheShortestWay) {
+  for (const Body* body : smoothBodies()) {
+    const SdfField& grid = body->buffers.fields[0];
+    Vertices vertices;
+    std::vector<double> depths;
+    Random random(12);
+    const auto within = [&](float low, uint32_t nodes) {
+      return static_cast<double>(low) + random.unit() * (nodes - 1) * body->cell;
+    };
+    while (vertices.size() < 3000) {
+      const double x = within(grid.origin.x, grid.nodes.x), y = within(grid.origin.y, grid.nodes.y);
+      const Vector3d p = {x, y, within(grid.origin.z, grid.nodes.z)};
+      if (!body->oracle.isInside(p)) continue;
+      vertices.add(p, p);
+      const double depth = -body->distance(vertices.now.back());
+      if (depth > 2) {
+        depths.push_back(depth);
+      } else {
+        vertices.now.pop_back();
+        vertices.before.pop_back();
+      }
+    }
+    const Body all(body->mesh, {.cell = body->cell, .allInside = true});
+    const std::pair<const char*, FieldBuffers> fields[] = {
+        {"built", builtField(gpu(), *body, false)},
+        {"host's", body->buffers},
+        {"an older file's", all.buffers}};
+    for (const auto& [name, field] : fields) {
+      CollisionRun run(gpu(), field, vertices);
+      const Vertices after = run.collide();
+      std::vector<double> longer;
+      double sum = 0;
+      for (size_t i = 0; i < vertices.size(); ++i) {
+        EXPECT_NEAR(body->distance(after.now[i]), 0, 0.02) << name << ", " << depths[i];
+        const Vector3d way = toVector(after.now[i]) - toVector(vertices.now[i]);
+        longer.push_back(way.norm() / body->cell - depths[i]);
+        sum += longer.back();
+      }
+      const double mean = sum / static_cast<double>(longer.size());
+      EXPECT_LE(mean, 0.01) << name << " [cell]";
+      EXPECT_LE(median(longer, 0.99), 0.3) << name << " [cell]";
+      EXPECT_LE(median(longer, 1), 2) << name << " [cell]";
+      std::printf(
+          "[ FIGURE ] %s field, deeper than 2 cells, longer than the shortest way: "
+          "mean %.4f, 99 %% %.3f, max %.2f cells\n",
+          name, mean, median(longer, 0.99), median(longer, 1));
+    }
+  }
+}
+
 // The margin makes the direction in which a vertex goes visible on both sides.
 TEST_P(SdfCollision, MovesAlongTheNormalOfTheNearestFeature) {
   for (const Body* body : smoothBodies()) {
@@ -240,7 +300,7 @@ TEST_P(SdfCollision, MovesAlongTheNormalOfTheNearestFeature) {
     field.fields[0].margin = static_cast<float>(1.1 * body->cell);
     const Vertices vertices = verticesNear(*body, 5000, 1, 3);
     CollisionRun run(gpu(), field, vertices);
-    const Vertices after = run.collide(true, false);
+    const Vertices after = run.collide();
     std::vector<double> angles, gaps;
     for (size_t i = 0; i < vertices.size(); ++i) {
       const double before = body->distance(vertices.now[i]);
@@ -265,7 +325,7 @@ TEST_P(SdfCollision, TheTrilinearMethodIsNearTheSurfaceAfterThreeSteps) {
   const Vertices vertices = verticesNear(body, 3000, 2, 4);
   CollisionRun run(gpu(), body.buffers, vertices);
   Vertices after;
-  for (int step = 0; step < 3; ++step) after = run.collide(false, false);
+  for (int step = 0; step < 3; ++step) after = run.collide(false);
   size_t deep = 0, resolved = 0;
   for (size_t i = 0; i < vertices.size(); ++i) {
     if (body.distance(vertices.now[i]) >= -0.1) continue;
@@ -274,6 +334,33 @@ TEST_P(SdfCollision, TheTrilinearMethodIsNearTheSurfaceAfterThreeSteps) {
   }
   EXPECT_GT(deep, 1000u);
   EXPECT_GE(static_cast<double>(resolved), 0.95 * static_cast<double>(deep));
+}
+
+// The two sides of a plate are in the keys of the same nodes.
+TEST_P(SdfCollision, VerticesBesideAThinPlateStayOnTheirSide) {
+  const double cell = 1.0 / 60, half = 0.15 * cell;
+  for (const float angle : {0.0f, 0.1f, 0.7f}) {
+    const Body body(reference::rotated(reference::box({-0.35f, static_cast<float>(-half), -0.35f},
+                                                      {0.35f, static_cast<float>(half), 0.35f}),
+                                       {0, 0, 1}, angle),
+                    {.cell = cell, .margin = static_cast<float>(0.25 * cell)});
+    const double turn = static_cast<double>(angle);
+    const Vector3d up(-std::sin(turn), std::cos(turn), 0), along(up.y(), -up.x(), 0);
+    Vertices vertices;
+    Random random(13);
+    while (vertices.size() < 2000) {
+      const double height = random.between(0.16, 0.4) * cell * (vertices.size() % 2 == 0 ? 1 : -1);
+      const Vector3d p = up * height + along * random.between(-0.3, 0.3) +
+                         Vector3d(0, 0, random.between(-0.3, 0.3));
+      vertices.add(p, p);
+    }
+    CollisionRun run(gpu(), body.buffers, vertices);
+    const Vertices after = run.collide();
+    for (size_t i = 0; i < vertices.size(); ++i) {
+      const double side = toVector(vertices.now[i]).dot(up) > 0 ? 1 : -1;
+      EXPECT_GE(side * toVector(after.now[i]).dot(up), half + 0.24 * cell) << angle;
+    }
+  }
 }
 
 /// Share of vertices on the wrong side after a step of `length` cells into the surface.
@@ -295,7 +382,7 @@ double wrongSide(Gpu& gpu, const Body& body, double length, uint64_t seed) {
     vertices.add(from, to);
   }
   CollisionRun run(gpu, body.buffers, vertices);
-  const Vertices after = run.collide(true, false);
+  const Vertices after = run.collide();
   size_t wrong = 0;
   for (size_t i = 0; i < vertices.size(); ++i) {
     EXPECT_TRUE(isFinite(after.now[i]));
@@ -386,8 +473,8 @@ TEST_P(SdfCollision, IsTakenAlongByASurfaceThatMoves) {
       Vertices vertices;
       vertices.add(place, place);
       CollisionRun run(gpu(), body.buffers, vertices);
-      run.constants.sdfBegin = static_cast<float>(begin);
-      run.constants.sdfEnd = static_cast<float>(end);
+      run.begin = static_cast<float>(begin);
+      run.end = static_cast<float>(end);
       const Vertices after = run.collide();
       // On the surface as it is then, and along with it.
       const Vector3d expected(place.x() + 0.25 * way.x(), top.y(), place.z() + 0.25 * way.z());
@@ -493,22 +580,6 @@ TEST_P(SdfCollision, EveryFieldIsMetWhereverItLiesInTheBuffers) {
   }
 }
 
-/// The field that the kernels build from a mesh that is open or overlaps.
-FieldBuffers builtField(Gpu& gpu, const Body& body) {
-  SdfRun run(gpu, body.mesh, {.cellSize = static_cast<float>(body.cell), .threeAxes = true});
-  run.build();
-  const detail::SdfGridPlan& plan = run.def.plan;
-  SdfField field = {};
-  field.origin = {plan.origin.x, plan.origin.y, plan.origin.z, plan.cellSize};
-  field.nodes = {plan.nodes[0], plan.nodes[1], plan.nodes[2], 0};
-  field.triangleCount = run.def.triangleCount;
-  field.triangleBits = plan.triangleBits;
-  field.surfaceStride = 4;
-  field.band = plan.band;
-  field.farRange = plan.farRange;
-  return {{field}, run.keys->read(), run.surface->read()};
-}
-
 // Overlaps have sheets inside, holes have borders: what is inside by winding number goes out. Keys
 // of the kernels know which sheets are a way out; those of the host are of the nearest triangle.
 TEST_P(SdfCollision, OpenAndOverlappingMeshesPutOutWhatIsInside) {
@@ -522,10 +593,10 @@ TEST_P(SdfCollision, OpenAndOverlappingMeshesPutOutWhatIsInside) {
   for (const Case& c : cases) {
     const Vertices vertices = verticesNear(c.body, 4000, 2, 8);
     for (const bool built : {false, true}) {
-      CollisionRun run(gpu(), built ? builtField(gpu(), c.body) : c.body.buffers, vertices);
+      CollisionRun run(gpu(), built ? builtField(gpu(), c.body, true) : c.body.buffers, vertices);
       Vertices after;
       for (int step = 0; step < 3; ++step) {
-        after = run.collide(true, false);
+        after = run.collide();
         size_t deep = 0, resolved = 0;
         for (size_t i = 0; i < vertices.size(); ++i) {
           EXPECT_TRUE(isFinite(after.now[i]));

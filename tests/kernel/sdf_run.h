@@ -26,7 +26,6 @@ struct SdfOptions {
   bool motion = false;
   float motionTolerance = 0;
   uint32_t firstKey = 0;
-  uint32_t floodCapacity = 0;  ///< 0: enough
   /// The box of the grid, where it is not that of the mesh.
   std::vector<Float3> box = {};
 };
@@ -75,10 +74,6 @@ class SdfRun {
     def.firstKey = options.firstKey;
     def.motion = options.motion;
     def.motionTolerance = options.motionTolerance;
-    // The plan's is for meshes that do not leave the grid.
-    def.floodCapacity =
-        options.box.empty() ? def.plan.floodCapacity : static_cast<uint32_t>(def.plan.nodeCount());
-    if (options.floodCapacity > 0) def.floodCapacity = options.floodCapacity;
     const detail::SdfBufferSizes sizes = detail::sdfBufferSizes(def);
 
     add(vertices, "vertices", interleaved(mesh.positions));
@@ -93,7 +88,6 @@ class SdfRun {
     add(counts, "counts", std::vector<uint32_t>(sizes.counts / 4, 0x7f7f7f7fu));
     add(places, "places", std::vector<Float4>(sizes.places / 16, {1e5f, 2e5f, 3e5f, 4e5f}));
     add(marks, "marks", std::vector<uint32_t>(sizes.marks / 4));
-    add(flood, "flood", std::vector<uint32_t>(sizes.flood / 4, 0x0badf00du));
     add(votes, "votes", std::vector<uint32_t>(std::max<uint64_t>(sizes.votes / 4, 1), 0x03030303u));
     work_ = gpu.resources.add({.name = "work",
                                .size = sizes.work,
@@ -123,7 +117,7 @@ class SdfRun {
   detail::SdfBuildBuffers buffers() const {
     return {vertices->id(), placeVertices->id(), indices->id(), neighbors->id(), fanStarts->id(),
             fans->id(),     keys->id(),          surface->id(), counts->id(),    places->id(),
-            work_,          marks->id(),         flood->id(),   votes->id()};
+            work_,          marks->id(),         votes->id()};
   }
   std::vector<uint32_t> words() const {
     const auto raw = gpu_.device()->read(work_);
@@ -148,6 +142,12 @@ class SdfRun {
   bool isInside(uint64_t node) { return (key(node) >> 31) != 0; }
   bool isSet(uint64_t node) { return (key(node) & 0x7fffffffu) != 0x7fffffffu; }
   bool isFar(uint64_t node) { return isSet(node) && (key(node) & 0x40000000u) != 0; }
+  /// Whether a node of the coarse grid: these have triangles however deep they are.
+  bool isCoarse(uint64_t node) const {
+    const uint64_t stride = def.plan.band >= 2 ? 4 : 2, row = node / def.plan.nodes[0];
+    return node % def.plan.nodes[0] % stride == 0 && row % def.plan.nodes[1] % stride == 0 &&
+           row / def.plan.nodes[1] % stride == 0;
+  }
   uint32_t triangle(uint64_t node) { return key(node) & ((1u << def.plan.triangleBits) - 1); }
   /// [cell], without its sign.
   double distance(uint64_t node) {
@@ -164,7 +164,7 @@ class SdfRun {
   std::unique_ptr<GuardedBuffer<float>> vertices;
   std::unique_ptr<GuardedBuffer<uint32_t>> placeVertices, indices, neighbors, fanStarts;
   std::unique_ptr<GuardedBuffer<Uint2>> fans;
-  std::unique_ptr<GuardedBuffer<uint32_t>> keys, counts, marks, flood, votes;
+  std::unique_ptr<GuardedBuffer<uint32_t>> keys, counts, marks, votes;
   std::unique_ptr<GuardedBuffer<Uint4>> surface;
   std::unique_ptr<GuardedBuffer<Float4>> places;
 
@@ -203,13 +203,14 @@ inline std::vector<double> trueDistances(const SdfRun& run, const TriangleMesh& 
 
 /// What a field gets wrong.
 struct SdfErrors {
-  uint64_t wrongSigns = 0;   ///< at |d| >= 1e-4 cell
-  uint64_t unsetInside = 0;  ///< nodes
-  uint64_t missing = 0;      ///< nodes within the band without a near key
-  uint64_t farOutside = 0;   ///< outside nodes with a far key
-  double band = 0;           ///< greatest error of a distance within the band [cell]
-  double interior = 0;       ///< and beyond it
-  uint64_t far = 0;          ///< nodes beyond the band, inside
+  uint64_t wrongSigns = 0;    ///< at |d| >= 1e-4 cell
+  uint64_t unsetInside = 0;   ///< coarse nodes
+  uint64_t missing = 0;       ///< nodes within the band without a near key
+  uint64_t misplacedFar = 0;  ///< nodes with a far key that are outside or not coarse
+  double band = 0;            ///< greatest error of a distance within the band [cell]
+  double interior = 0;        ///< and beyond it, of coarse nodes
+  double interiorMean = 0;
+  uint64_t far = 0;  ///< coarse nodes beyond the band, inside
 };
 
 inline SdfErrors errorsOf(SdfRun& run, const std::vector<double>& truth) {
@@ -220,17 +221,19 @@ inline SdfErrors errorsOf(SdfRun& run, const std::vector<double>& truth) {
     const bool inside = run.isInside(i);
     if (std::abs(d) >= 1e-4 && inside != (d < 0)) ++errors.wrongSigns;
     if (std::abs(d) < band - 1e-3 && (!run.isSet(i) || run.isFar(i))) ++errors.missing;
-    if (inside && !run.isSet(i)) ++errors.unsetInside;
-    if (!inside && run.isFar(i)) ++errors.farOutside;
+    if (inside && !run.isSet(i) && run.isCoarse(i)) ++errors.unsetInside;
+    if (run.isFar(i) && (!inside || !run.isCoarse(i))) ++errors.misplacedFar;
     if (!run.isSet(i)) continue;
     const double error = std::abs(run.distance(i) - std::abs(d));
     if (run.isFar(i)) {
       ++errors.far;
       errors.interior = std::max(errors.interior, error);
+      errors.interiorMean += error;
     } else {
       errors.band = std::max(errors.band, error);
     }
   }
+  if (errors.far > 0) errors.interiorMean /= static_cast<double>(errors.far);
   return errors;
 }
 

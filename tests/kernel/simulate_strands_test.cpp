@@ -184,7 +184,7 @@ TEST_P(SimulateStrands, GivesAStrandTheSameBitsAloneAndAmongOthers) {
     run.reset(bindPoses(asset));
     setLively(run.constants);
     run.setColliders(
-        {{{0, -0.1f, 0, 0.1f}, {0, -0.1f, 0, 0.1f}, {0, -0.1f, 0, 0.3f}, {0, -0.1f, 0, 0}}});
+        {{{0, -0.1f, 0, 0.1f}, {0, -0.1f, 0, 0.1f}, {0, -0.1f, 0, 0.3f}, {0, -0.1f, 0, 0}, {}}});
     for (int step = 1; step <= 5; ++step) {
       run.setRoots(headPoses(asset, step), headPoses(asset, step - 1));
       run.simulate(StrandRun::key(true, true, true, true, true));

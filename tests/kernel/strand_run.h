@@ -8,9 +8,9 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
-#include <optional>
 #include <vector>
 
+#include "kernel/contact_pass.h"
 #include "pelage/gpu_structs.h"
 #include "pelage/hair_asset.h"
 #include "pelage/kernels.h"
@@ -111,14 +111,15 @@ class StrandRun {
         tangents_(gpu, "tangents", std::vector<Float4>((guides_ + follows_) * vertices_)),
         rest_(gpu, "rest", packed(asset)),
         lengths_(gpu, "lengths", std::vector<Float2>(size_t{guides_} * vertices_)),
-        colliders_(gpu, "colliders", std::vector<Collider>(kMaxColliders)),
         state_(gpu, "state", std::vector<Float4>(size_t{2} * guides_ * vertices_)),
         roots_(gpu, "rootTransforms", std::vector<RootTransform>(size_t{2} * guides_)),
         bones_(gpu, "boneTransforms", bones),
         bindings_(
             gpu, "rootBindings",
             rootBindings.empty() ? std::vector<RootBinding>(guides_, oneBone()) : rootBindings),
-        followStrands_(gpu, "followStrands", followStrands) {
+        followStrands_(gpu, "followStrands", followStrands),
+        contacts_(gpu, contactStrands(guides_, vertices_), vertices_,
+                  uint64_t{guides_} * vertices_) {
     constants.guideCount = guides_;
     constants.followCount = follows_;
     constants.vertexCount = vertices_;
@@ -152,26 +153,14 @@ class StrandRun {
     for (const auto& pose : last) roots.push_back(toRoot(pose));
     roots_.upload(list_, roots);
   }
-  static constexpr size_t kMaxColliders = 4;
-  void setColliders(std::vector<Collider> colliders) {
-    ASSERT_LE(colliders.size(), kMaxColliders);
-    constants.colliderCount = static_cast<uint32_t>(colliders.size());
-    colliders.resize(kMaxColliders);
-    colliders_.upload(list_, colliders);
+  /// What the contacts permutation collides with.
+  void setColliders(const std::vector<Collider>& colliders) {
+    contacts_.setCapsules(list_, colliders);
   }
-  /// What the sdf permutation collides with; keys and surface stay as they are after the first
-  /// time.
+  /// The same of SDFs; keys and surface stay as they are after the first time.
   void setFields(const std::vector<SdfField>& fields, const std::vector<uint32_t>& keys,
                  const std::vector<Uint4>& surface) {
-    constants.fieldCount = static_cast<uint32_t>(fields.size());
-    if (fields_) {
-      fields_->upload(list_, fields);
-      return;
-    }
-    fields_.emplace(gpu_, "classicFields", fields);
-    fieldKeys_.emplace(gpu_, "fieldKeys", keys);
-    fieldSurface_.emplace(gpu_, "fieldSurface", surface);
-    expectOk(gpu_.device()->update(gpu_.resources));
+    contacts_.setFields(list_, fields, keys, surface);
   }
   void setState(const std::vector<Float4>& state) { state_.upload(list_, state); }
   void setBones(const std::vector<Float4>& bones) { bones_.upload(list_, bones); }
@@ -180,7 +169,10 @@ class StrandRun {
   void skinRoots(bool dualQuaternions = false) {
     pass(skinRootsVariant({.dualQuaternions = dualQuaternions}), guides_);
   }
-  void simulate(const SimulateStrandsKey& key) { pass(*simulateStrandsVariant(key), guides_); }
+  void simulate(const SimulateStrandsKey& key) {
+    if (key.contacts) findContacts();
+    pass(*simulateStrandsVariant(key), guides_);
+  }
   void updateFollowStrands() {
     pass(updateFollowStrandsVariant({}), (follows_ + 3) / 4, vertices_);
   }
@@ -189,6 +181,7 @@ class StrandRun {
     setRoots(now, now);
     constants.flags = 1;
     simulate(key());
+    contacts_.forget();
     constants.flags = 0;
     run();
   }
@@ -209,7 +202,7 @@ class StrandRun {
     (void)tangents_.read();
     (void)rest_.read();
     (void)lengths_.read();
-    (void)colliders_.read();
+    contacts_.checkGuards();
     (void)state_.read();
     (void)roots_.read();
     (void)bones_.read();
@@ -218,12 +211,12 @@ class StrandRun {
   }
   static SimulateStrandsKey key(bool wind = false, bool globalShape = false,
                                 bool localShape = false, bool velocityShockPropagation = false,
-                                bool colliders = false) {
+                                bool contacts = false) {
     return {.wind = wind,
             .globalShape = globalShape,
             .localShape = localShape,
             .velocityShockPropagation = velocityShockPropagation,
-            .colliders = colliders};
+            .contacts = contacts};
   }
 
  private:
@@ -233,6 +226,29 @@ class StrandRun {
     ADD_FAILURE() << rest.error().message;
     return {};
   }
+  static std::vector<ContactStrand> contactStrands(uint32_t guides, uint32_t vertices) {
+    std::vector<ContactStrand> strands;
+    for (uint32_t guide = 0; guide < guides; ++guide)
+      strands.push_back({.target = guide * vertices, .count = vertices, .root = guide, .pad0 = 0});
+    return strands;
+  }
+  void findContacts() {
+    const Float4 origin = constants.origin;
+    contacts_.begin(list_);
+    contacts_.find(list_,
+                   {.positions = positions_.id(),
+                    .roots = roots_.id(),
+                    .rootCount = guides_,
+                    .strands = guides_,
+                    .origin = {origin.x, origin.y, origin.z}},
+                   {.begin = constants.rootBegin,
+                    .end = constants.rootEnd,
+                    .length = constants.timeStep,
+                    .gravity = {constants.gravity.x, constants.gravity.y, constants.gravity.z}});
+    const detail::HairContacts& contacts = contacts_.contacts();
+    constants.contactMasks = contacts.masks();
+    constants.contactMaskWords = contacts.maskWords();
+  }
   void pass(const KernelVariant& variant, uint32_t threadsX, uint32_t threadsY = 1) {
     PassBuilder builder(list_);
     builder.dispatch(variant, threadsX, threadsY);
@@ -240,17 +256,12 @@ class StrandRun {
     tangents_.bindTo(builder, "g_tangents");
     rest_.bindTo(builder, "g_rest");
     lengths_.bindTo(builder, "g_lengths");
-    colliders_.bindTo(builder, "g_colliders");
     state_.bindTo(builder, "g_state");
     roots_.bindTo(builder, "g_rootTransforms");
     bones_.bindTo(builder, "g_boneTransforms");
     bindings_.bindTo(builder, "g_rootBindings");
     followStrands_.bindTo(builder, "g_followStrands");
-    if (fields_) {
-      fields_->bindTo(builder, "g_classicFields");
-      fieldKeys_->bindTo(builder, "g_fieldKeys");
-      fieldSurface_->bindTo(builder, "g_fieldSurface");
-    }
+    contacts_.bindTo(builder);
     builder.constants("SimulationConstants", constants);
     expectOk(builder.finish());
   }
@@ -260,15 +271,12 @@ class StrandRun {
   PassList list_;
   GuardedBuffer<Float4> positions_, tangents_, rest_;
   GuardedBuffer<Float2> lengths_;
-  GuardedBuffer<Collider> colliders_;
   GuardedBuffer<Float4> state_;
   GuardedBuffer<RootTransform> roots_;
   GuardedBuffer<Float4> bones_;
   GuardedBuffer<RootBinding> bindings_;
   GuardedBuffer<FollowStrand> followStrands_;
-  std::optional<GuardedBuffer<SdfField>> fields_;
-  std::optional<GuardedBuffer<uint32_t>> fieldKeys_;
-  std::optional<GuardedBuffer<Uint4>> fieldSurface_;
+  ContactPass contacts_;
 };
 
 /// The constants as the reference takes them; what the permutation leaves out is off.

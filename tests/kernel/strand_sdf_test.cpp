@@ -45,11 +45,9 @@ class RodFieldRun {
         rest_(gpu, "rest", detail::packExactRest(asset, packed_, {})),
         roots_(gpu, "rootFrames", rootsOf(asset)),
         strands_(gpu, "strands", packed_.strands),
-        sleep_(gpu, "sleep", std::vector<uint32_t>(8 + 3 * size_t{strandCount_} + 64)),
-        colliders_(gpu, "colliders", std::vector<Collider>(1)),
-        fields_(gpu, "exactFields", field.fields),
-        keys_(gpu, "fieldKeys", field.keys),
-        surface_(gpu, "fieldSurface", field.surface) {
+        sleep_(gpu, "sleep", std::vector<uint32_t>(12 + 3 * size_t{strandCount_} + 64)),
+        contacts_(gpu, contactStrands(packed_), asset.verticesPerStrand, asset.positions.size()) {
+    setFields(field);
     constants_.strandCount = strandCount_;
     constants_.simulatedCount = constants_.fadeStart = strandCount_;
     constants_.stateStride = packed_.stateStride;
@@ -57,13 +55,19 @@ class RodFieldRun {
     constants_.outputCount = static_cast<uint32_t>(asset.positions.size());
     constants_.outputVertices = asset.verticesPerStrand;
     constants_.frameTime = constants_.frameTimeBefore = kStep;
-    constants_.fieldCount = static_cast<uint32_t>(field.fields.size());
+    const detail::HairContacts& contacts = contacts_.contacts();
+    constants_.contactHead = contacts.head(0);
+    constants_.contactList = contacts.list();
+    constants_.contactMasks = contacts.masks();
+    constants_.contactMaskWords = contacts.maskWords();
     constants_.flags = 1;
     settings_.damping = 0.06f;
     expectOk(gpu.device()->update(gpu.resources));
   }
 
-  void setFields(const FieldBuffers& field) { fields_.upload(list_, field.fields); }
+  void setFields(const FieldBuffers& field) {
+    contacts_.setFields(list_, field.fields, field.keys, field.surface);
+  }
   void setGravity(const Vector3d& g) {
     settings_.gravity = {static_cast<float>(g.x()), static_cast<float>(g.y()),
                          static_cast<float>(g.z())};
@@ -74,25 +78,15 @@ class RodFieldRun {
     constants_.rootEnd = 1;
     constants_.flags |= 2;
     if (constants_.turnRatio != 1) constants_.flags |= 32;
-    PassBuilder builder(list_);
-    builder.dispatch(
-        *simulateRodsVariant(
-            {.damping = true, .colliders = true, .velocityShockPropagation = true, .sdf = true}),
-        strandCount_);
-    positions_.bindTo(builder, "g_positions");
-    tangents_.bindTo(builder, "g_tangents");
-    state_.bindTo(builder, "g_state");
-    gains_.bindTo(builder, "g_gains");
-    rest_.bindTo(builder, "g_rest");
-    roots_.bindTo(builder, "g_rootFrames");
-    strands_.bindTo(builder, "g_strands");
-    sleep_.bindTo(builder, "g_sleep");
-    colliders_.bindTo(builder, "g_exactColliders");
-    fields_.bindTo(builder, "g_exactFields");
-    keys_.bindTo(builder, "g_fieldKeys");
-    surface_.bindTo(builder, "g_fieldSurface");
-    builder.constants("ExactConstants", constants_);
-    expectOk(builder.finish());
+    contacts_.begin(list_);
+    // As scenes do: the pose of a reset, contacts, the step, and again where a vertex ended far
+    // from where its contact was found.
+    if ((constants_.flags & 1) != 0) solve(kPose);
+    find(false);
+    solve(0);
+    find(true);
+    constants_.flags &= ~1u;
+    solve(kAgain);
     gpu_.hazards.resolve(list_);
     expectOk(gpu_.device()->execute(list_));
     list_.clear();
@@ -102,6 +96,48 @@ class RodFieldRun {
   std::vector<Float4> positions() const { return positions_.read(); }
 
  private:
+  // Bits of ExactConstants::flags.
+  static constexpr uint32_t kAgain = 128, kPose = 256;
+
+  static std::vector<ContactStrand> contactStrands(const detail::ExactStrands& packed) {
+    std::vector<ContactStrand> strands;
+    for (const ExactStrand& s : packed.strands)
+      strands.push_back({.target = s.target, .count = s.count, .root = s.root, .pad0 = 0});
+    return strands;
+  }
+  void find(bool again) {
+    const Float3 g = settings_.gravity;
+    contacts_.find(list_,
+                   {.positions = positions_.id(),
+                    .roots = roots_.id(),
+                    .rootCount = strandCount_,
+                    .strands = strandCount_,
+                    .origin = {}},
+                   {.length = kStep, .gravity = g, .again = again});
+  }
+  void solve(uint32_t flags) {
+    ExactConstants constants = constants_;
+    constants.flags |= flags;
+    const KernelVariant& variant =
+        *simulateRodsVariant({.damping = true, .contacts = true, .velocityShockPropagation = true});
+    PassBuilder builder(list_);
+    if ((flags & kAgain) != 0)
+      builder.dispatchIndirect(variant, contacts_.contacts().words(),
+                               contacts_.contacts().solveArguments(0));
+    else
+      builder.dispatch(variant, strandCount_);
+    positions_.bindTo(builder, "g_positions");
+    tangents_.bindTo(builder, "g_tangents");
+    state_.bindTo(builder, "g_state");
+    gains_.bindTo(builder, "g_gains");
+    rest_.bindTo(builder, "g_rest");
+    roots_.bindTo(builder, "g_rootFrames");
+    strands_.bindTo(builder, "g_strands");
+    sleep_.bindTo(builder, "g_sleep");
+    contacts_.bindTo(builder);
+    builder.constants("ExactConstants", constants);
+    expectOk(builder.finish());
+  }
   static std::vector<Float4> rootsOf(const HairAsset& asset) {
     std::vector<Float4> roots;
     for (int set = 0; set < 2; ++set)
@@ -122,10 +158,7 @@ class RodFieldRun {
   GuardedBuffer<Float4> positions_, tangents_, state_, gains_, rest_, roots_;
   GuardedBuffer<ExactStrand> strands_;
   GuardedBuffer<uint32_t> sleep_;
-  GuardedBuffer<Collider> colliders_;  // of none, for the permutation
-  GuardedBuffer<SdfField> fields_;
-  GuardedBuffer<uint32_t> keys_;
-  GuardedBuffer<Uint4> surface_;
+  ContactPass contacts_;
 };
 
 /// The same for simulate_strands.
@@ -151,8 +184,7 @@ class ClassicFieldRun {
                    .globalShape = true,
                    .localShape = true,
                    .velocityShockPropagation = true,
-                   .colliders = true,
-                   .sdf = true});
+                   .contacts = true});
     run_.run();
   }
   std::vector<Float4> positions() const { return run_.positions(); }

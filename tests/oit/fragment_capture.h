@@ -128,9 +128,9 @@ class FragmentCapture {
  private:
   /// The test's own build of a pass's vertex kernel; nullptr for other kernels than smooth strands.
   static const KernelVariant* vertexOf(const Pass& pass) {
-    for (const bool colors : {false, true}) {
-      if (pass.kernel == &strandVertexVariant({.smooth = true, .vertexColors = colors}))
-        return oit_test::strandVertexVariant({.smooth = true, .vertexColors = colors});
+    for (const bool attributes : {false, true}) {
+      if (pass.kernel == &strandVertexVariant({.smooth = true, .attributes = attributes}))
+        return &oit_test::strandVertexVariant({.smooth = true, .attributes = attributes});
     }
     EXPECT_TRUE(pass.kernel->kernel != strandVertexVariant({}).kernel ||
                 pass.kernel == &strandVertexVariant({.smooth = false}))

@@ -203,6 +203,18 @@ std::vector<Trouble> troubles() {
   all.push_back(collider(
       "collider of NaN friction",
       {.head = near, .headRadius = 0.1f, .tail = near, .tailRadius = 0.1f, .friction = kNan}));
+  all.push_back(collider("collider that spins by NaN", {.head = near,
+                                                        .headRadius = 0.1f,
+                                                        .tail = near,
+                                                        .tailRadius = 0.1f,
+                                                        .friction = 1,
+                                                        .angularVelocity = nowhere}));
+  all.push_back(collider("collider that spins fast", {.head = near,
+                                                      .headRadius = 0.1f,
+                                                      .tail = near,
+                                                      .tailRadius = 0.1f,
+                                                      .friction = 1,
+                                                      .angularVelocity = {1e30f, 0, 0}}));
   all.push_back(collider("point collider", {.head = near, .tail = near}));
   all.push_back(collider("collider around everything",
                          {.head = near, .headRadius = 50, .tail = near, .tailRadius = 50}));

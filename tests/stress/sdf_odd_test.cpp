@@ -169,7 +169,7 @@ TEST_P(SdfFieldStress, WhatAMeshDoesIsBuiltAsFromScratch) {
       EXPECT_TRUE(run.counts->read() == fresh.counts->read()) << "step " << i;
       const detail::SdfBuildCounters counters = run.counters();
       EXPECT_LE(counters.bigTriangles, mesh.triangleCount());
-      EXPECT_LE(counters.floodedNodes, run.nodeCount());
+      EXPECT_LE(counters.interiorNodes, run.nodeCount());
       EXPECT_LE(counters.movedPlaces, mesh.positions.size());
       EXPECT_LE(counters.movedTriangles, mesh.triangleCount());
       if (!open && (i < 5)) {

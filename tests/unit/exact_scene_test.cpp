@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -40,18 +41,26 @@ class ExactSceneTest : public testing::Test {
       if (pass.name == name) found.push_back(&pass);
     return found;
   }
-  std::vector<ExactConstants> constants(std::string_view name = "simulate_rods") const {
-    std::vector<ExactConstants> found;
+  template <class T = ExactConstants>
+  std::vector<T> constants(std::string_view name = "simulate_rods") const {
+    std::vector<T> found;
     for (const Pass* pass : passes(name)) {
       for (const PassBinding& binding : list_.bindingsOf(*pass)) {
         if (binding.buffer != BufferId::kInvalid) continue;
         found.emplace_back();
-        std::memcpy(&found.back(), list_.constants.data() + binding.offset, sizeof(ExactConstants));
+        std::memcpy(&found.back(), list_.constants.data() + binding.offset, sizeof(T));
       }
     }
     return found;
   }
+  std::vector<ContactConstants> contactConstants() const {
+    return constants<ContactConstants>("find_contacts");
+  }
   SimulateRodsKey plainKey() const { return {.velocityShockPropagation = true}; }
+  /// With colliders within reach.
+  SimulateRodsKey contactKey() const {
+    return {.damping = true, .contacts = true, .velocityShockPropagation = true};
+  }
   const KernelVariant* variant() const { return passes("simulate_rods").at(0)->kernel; }
   std::vector<Collider> uploadedColliders(const HairObject& hair) const {
     for (const Upload& upload : list_.uploads) {
@@ -218,16 +227,109 @@ TEST_F(ExactSceneTest, CollidersThatNoStrandReachesAreLeftOut) {  // K34
   hair.setColliders({{far, broken, negative}});
   simulate();
   EXPECT_EQ(variant(), simulateRodsVariant(plainKey()));
+  EXPECT_EQ(passes("simulate_rods").size(), 1u);
+  EXPECT_TRUE(passes("find_contacts").empty());
   EXPECT_EQ(hair.buffers().colliders, BufferId::kInvalid);
+  EXPECT_EQ(hair.buffers().contacts, BufferId::kInvalid);
+  EXPECT_EQ(hair.buffers().contactWords, BufferId::kInvalid);
 
   hair.setColliders({{far, broken, negative, near}});
   simulate();
-  EXPECT_EQ(variant(), simulateRodsVariant({.colliders = true, .velocityShockPropagation = true}));
+  EXPECT_EQ(variant(), simulateRodsVariant(contactKey()));
   const std::vector<Collider> colliders = uploadedColliders(hair);
   ASSERT_EQ(colliders.size(), 1u);
   EXPECT_EQ(colliders[0].head, (Float4{0, -0.5f, 0, 0.4f}));
   EXPECT_EQ(colliders[0].headBefore, (Float4{0, -0.5f, 0, 0.7f}));
   EXPECT_EQ(constants().at(0).colliderCount, 1u);
+  EXPECT_EQ(contactConstants().at(0).capsuleCount, 1u);
+
+  hair.setColliders({&far, 1});
+  simulate();
+  EXPECT_EQ(variant(), simulateRodsVariant(plainKey()));
+  EXPECT_TRUE(passes("find_contacts").empty());
+}
+
+// Contacts are found for the tiles that are awake before the step, and once more for those in which
+// a vertex has ended far from where its contact was found. A reset needs its pose first.
+TEST_F(ExactSceneTest, ContactsAreFoundBeforeAStepAndAgainAfterIt) {
+  constexpr uint32_t kListed = 1, kAgain = 2, kNoHistory = 4;
+  HairObject& hair = add();
+  const CapsuleCollider ball = {.headRadius = 0.1f, .tailRadius = 0.1f};
+  hair.setColliders({&ball, 1});
+  const auto names = [&] {
+    std::vector<std::string> all;
+    for (const Pass& pass : list_.passes) all.emplace_back(pass.name);
+    return all;
+  };
+  using Names = std::vector<std::string>;
+  simulate();
+  EXPECT_EQ(names(), (Names{"skin_roots", "select_awake_tiles", "simulate_rods", "find_contacts",
+                            "simulate_rods", "find_contacts", "simulate_rods"}));
+  EXPECT_EQ(constants().at(0).flags & (1u | 256u), 1u | 256u);
+  EXPECT_EQ(constants().at(1).flags & (1u | 128u | 256u), 1u);
+  EXPECT_EQ(constants().at(2).flags & (1u | 128u | 256u), 128u);
+  EXPECT_EQ(contactConstants().at(0).contactFlags & 7u, kListed | kNoHistory);
+  EXPECT_EQ(contactConstants().at(1).contactFlags & 7u, kAgain);
+
+  simulate();
+  EXPECT_EQ(names(), (Names{"skin_roots", "select_awake_tiles", "find_contacts", "simulate_rods",
+                            "find_contacts", "simulate_rods"}));
+  for (const std::string_view name : {"find_contacts", "simulate_rods"}) {
+    for (const Pass* pass : passes(name)) EXPECT_EQ(pass->kind, PassKind::kDispatchIndirect);
+  }
+  EXPECT_EQ(contactConstants().at(0).contactFlags & 7u, kListed);
+  EXPECT_EQ(constants().at(0).slot, constants().at(1).slot) << "the same step once more";
+  EXPECT_EQ(constants().at(1).flags & 128u, 128u);
+
+  hair.settings.sleep.enabled = false;
+  hair.settings.subSteps = 2;
+  simulate();
+  EXPECT_EQ(passes("find_contacts").size(), 4u);
+  EXPECT_EQ(passes("simulate_rods").size(), 4u);
+  EXPECT_EQ(passes("find_contacts").at(0)->kind, PassKind::kDispatch);
+  EXPECT_EQ(passes("find_contacts").at(1)->kind, PassKind::kDispatchIndirect);
+  EXPECT_EQ(passes("simulate_rods").at(0)->kind, PassKind::kDispatch);
+  EXPECT_EQ(passes("simulate_rods").at(1)->kind, PassKind::kDispatchIndirect);
+  // Each sub-step has a head of its own, and its part of the frame.
+  const std::vector<ContactConstants> found = contactConstants();
+  ASSERT_EQ(found.size(), 4u);
+  EXPECT_NE(found[0].contactHead, found[2].contactHead);
+  EXPECT_EQ(found[0].contactHead, found[1].contactHead);
+  EXPECT_EQ(found[0].contactHead, constants().at(0).contactHead);
+  EXPECT_EQ(found[2].contactHead, constants().at(2).contactHead);
+  EXPECT_EQ(found[0].contactBegin, 0.0f);
+  EXPECT_EQ(found[0].contactEnd, found[2].contactBegin);
+  EXPECT_EQ(found[2].contactEnd, 1.0f);
+  // Both sub-steps are as long as each other.
+  EXPECT_NEAR(found[0].contactRatio, 0.5, 1e-6);
+  EXPECT_NEAR(found[2].contactRatio, 1, 1e-6);
+
+  // What was found long ago is not gone on from.
+  hair.setColliders({});
+  simulate();
+  EXPECT_TRUE(passes("find_contacts").empty());
+  hair.setColliders({&ball, 1});
+  simulate();
+  EXPECT_EQ(contactConstants().at(0).contactFlags & kNoHistory, kNoHistory);
+}
+
+// Arguments of find_contacts over the tiles that are awake.
+TEST_F(ExactSceneTest, TheHeadOfSleepHasWhatIndirectPassesTake) {
+  HairObject& hair = add();
+  const CapsuleCollider ball = {.headRadius = 0.1f, .tailRadius = 0.1f};
+  hair.setColliders({&ball, 1});
+  simulate();
+  // Twelve words, a tile with its offset, five strands.
+  EXPECT_EQ(scene_.resources().find(hair.buffers().sleep)->size, (12u + 2 + 5) * 4);
+  const auto upload =
+      std::find_if(list_.uploads.begin(), list_.uploads.end(),
+                   [&](const Upload& u) { return u.buffer == hair.buffers().sleep; });
+  ASSERT_NE(upload, list_.uploads.end());
+  std::vector<uint32_t> head(12);
+  ASSERT_EQ(upload->size, head.size() * sizeof(uint32_t));
+  std::memcpy(head.data(), list_.uploadData.data() + upload->dataOffset, upload->size);
+  // Eight groups of four strands for each 32 vertices.
+  EXPECT_EQ(head, (std::vector<uint32_t>{0, 1, 1, 0, 0, head[5], 1, 0, 0, 8, 1, 0}));
 }
 
 TEST_F(ExactSceneTest, CollidersMoveFromWhereTheyWere) {
@@ -427,12 +529,39 @@ TEST_F(ExactSceneTest, SwitchingTheSolverReplacesItsBuffersOnly) {
   EXPECT_EQ(constants().at(0).flags & 1u, 1u);
 }
 
+// The strands of the two solvers are in another order.
+TEST_F(ExactSceneTest, SwitchingTheSolverReplacesTheContacts) {
+  HairObject& hair = add();
+  const CapsuleCollider ball = {.headRadius = 1, .tailRadius = 1};
+  hair.setColliders({&ball, 1});
+  simulate();
+  const HairBuffers exact = hair.buffers();
+  const uint64_t bytes = scene_.resources().totalBytes();
+  hair.settings.solver = Solver::kClassic;
+  simulate();
+  EXPECT_EQ(scene_.resources().find(exact.contacts), nullptr);
+  EXPECT_EQ(scene_.resources().find(exact.contactWords), nullptr);
+  EXPECT_EQ(passes("find_contacts").size(), 0u) << "a reset takes the goals";
+  simulate();
+  EXPECT_EQ(passes("find_contacts").size(), 1u);
+  EXPECT_EQ(passes("find_contacts").at(0)->kind, PassKind::kDispatch);
+  EXPECT_EQ(passes("simulate_strands").size(), 1u);
+  EXPECT_EQ(passes("simulate_strands").at(0)->kernel,
+            simulateStrandsVariant(completeKey(SimulateStrandsKey{.contacts = true})));
+  hair.settings.solver = Solver::kExact;
+  simulate();
+  EXPECT_EQ(scene_.resources().totalBytes(), bytes);
+}
+
 TEST_F(ExactSceneTest, RemovingAnObjectFreesItsBuffers) {
   const Result<HairId> id = scene_.addHair(asset_, {});
   ASSERT_TRUE(id);
   const CapsuleCollider ball = {.headRadius = 1, .tailRadius = 1};
   scene_.hair(*id).setColliders({&ball, 1});
   simulate();
+  const HairBuffers buffers = scene_.hair(*id).buffers();
+  EXPECT_NE(scene_.resources().find(buffers.contacts), nullptr);
+  EXPECT_NE(scene_.resources().find(buffers.contactWords), nullptr);
   scene_.removeHair(*id);
   EXPECT_EQ(scene_.resources().totalBytes(), 0u);
 }

@@ -298,6 +298,47 @@ TEST_F(SceneDraw, ListsAndTilesTell64ObjectsApart) {
   EXPECT_NE(draw(view, {.method = Transparency::kHybrid4}), "");
 }
 
+TEST_F(SceneDraw, TellsTheKernelWhichAttributesAnObjectHas) {
+  const std::vector<Float4> texels(4, {1, 1, 1, 1});
+  for (const bool tiles : {false, true}) {
+    for (uint32_t attributes = 0; attributes < 8; ++attributes) {
+      HairAsset asset = makeAsset(40);
+      HairDef def;
+      if ((attributes & 1) != 0) asset.strandThickness.assign(asset.strandCount, 0.5f);
+      if ((attributes & 2) != 0) asset.vertexColor.assign(asset.positions.size(), {1, 1, 1, 1});
+      if ((attributes & 4) != 0) {
+        asset.strandUv.assign(asset.strandCount, {0.5f, 0.5f});
+        def.baseTexture = {2, 2, texels};
+      }
+      ASSERT_TRUE(asset.process());
+      const Result<HairId> added = scene_.addHair(asset, def);
+      ASSERT_TRUE(added) << added.error().message;
+      draw(viewFrom(0.5f), {.method = tiles ? Transparency::kTiles : Transparency::kStochastic});
+      const PassList& list = lists_[tiles ? 1 : 0];
+      const Pass& pass = list.passes.front();
+      EXPECT_STREQ(pass.kernel->kernel->name, tiles ? "transform_strands" : "strand_vertex");
+      std::vector<BufferId> bound;
+      for (const PassBinding& binding : list.bindingsOf(pass)) {
+        const LayoutEntry& entry = pass.layouts()[binding.set]->entries[binding.entry];
+        if (std::string_view(entry.name) == "RenderConstants") {
+          RenderConstants constants = {};
+          std::memcpy(&constants, list.constants.data() + binding.offset, sizeof(constants));
+          EXPECT_EQ(constants.strandAttributes, attributes);
+        } else {
+          bound.push_back(binding.buffer);
+        }
+      }
+      const HairBuffers& buffers = scene_.hair(*added).buffers();
+      for (const BufferId buffer :
+           {buffers.strandThickness, buffers.vertexColors, buffers.strandUv, buffers.baseTexture}) {
+        EXPECT_TRUE(buffer == BufferId::kInvalid ||
+                    std::find(bound.begin(), bound.end(), buffer) != bound.end());
+      }
+      scene_.removeHair(*added);
+    }
+  }
+}
+
 TEST_F(SceneDraw, RefusesLightsAndTexturesThatDoNotFit) {
   add();
   std::vector<Light> lights(kMaxStrandLights + 1);

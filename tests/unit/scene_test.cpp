@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pelage/gpu_structs.h"
@@ -64,6 +65,21 @@ class SceneTest : public testing::Test {
     return list.passes.at(0).kernel;
   }
 
+  /// Whether a draw of the only object places follow hairs beside their guides.
+  bool placesFollows() {
+    PassList list;
+    const Result<void> drawn = scene_.draw({.width = 64, .height = 64}, {}, list);
+    EXPECT_TRUE(drawn) << drawn.error().message;
+    const Pass& pass = list.passes.at(0);
+    RenderConstants constants = {};
+    for (const PassBinding& binding : list.bindingsOf(pass)) {
+      const LayoutEntry& entry = pass.layouts()[binding.set]->entries[binding.entry];
+      if (std::string_view(entry.name) == "RenderConstants")
+        std::memcpy(&constants, list.constants.data() + binding.offset, sizeof(constants));
+    }
+    return constants.placesFollows != 0;
+  }
+
   HairAsset asset_ = makeAsset();
   Scene scene_;
   HairId id_ = HairId::kInvalid;
@@ -86,6 +102,7 @@ TEST_F(SceneTest, StoredFollowHairsAddOnePassAndOneBuffer) {
   for (const BufferId buffer : {hair.buffers().positions, hair.buffers().tangents})
     EXPECT_EQ(scene_.resources().find(buffer)->size, 20u * 8 * sizeof(Float4));
   EXPECT_EQ(drawnWith(hair), &strandVertexVariant({}));
+  EXPECT_FALSE(placesFollows());
 }
 
 TEST_F(SceneTest, FollowHairsThatOnlyTheDrawingNeedsAreNeitherStoredNorUpdated) {
@@ -98,10 +115,11 @@ TEST_F(SceneTest, FollowHairsThatOnlyTheDrawingNeedsAreNeitherStoredNorUpdated) 
   for (const BufferId buffer : {hair.buffers().positions, hair.buffers().tangents})
     EXPECT_EQ(scene_.resources().find(buffer)->size, 5u * 8 * sizeof(Float4));
   EXPECT_EQ(scene_.resources().find(hair.buffers().strandThickness)->size, 20u * sizeof(float));
-  EXPECT_EQ(drawnWith(hair), &strandVertexVariant({.strandThickness = true, .followStrands = true}))
-      << "all " << hair.drawnStrands;
+  EXPECT_EQ(drawnWith(hair), &strandVertexVariant({.attributes = true}));
+  EXPECT_TRUE(placesFollows()) << "all " << hair.drawnStrands;
   hair.drawnStrands = 5;
-  EXPECT_EQ(drawnWith(hair), &strandVertexVariant({.strandThickness = true}));
+  EXPECT_EQ(drawnWith(hair), &strandVertexVariant({.attributes = true}));
+  EXPECT_FALSE(placesFollows()) << "guides alone";
 }
 
 TEST_F(SceneTest, WhatIsSwitchedOffIsNotInThePermutation) {
@@ -125,6 +143,34 @@ TEST_F(SceneTest, WhatIsSwitchedOffIsNotInThePermutation) {
   hair.settings.globalRange = 0;
   EXPECT_EQ(findPass(simulate(), "simulate_strands")->kernel, simulateStrandsVariant({}));
   EXPECT_NE(simulateStrandsVariant({}), simulateStrandsVariant({.wind = true}));
+}
+
+TEST_F(SceneTest, ContactsAreFoundBeforeEveryStepWhereACapsuleIsWithinReach) {  // K34
+  HairObject& hair = add();
+  const CapsuleCollider far = {
+      .head = {9, 0, 0}, .headRadius = 1, .tail = {9, 1, 0}, .tailRadius = 1};
+  const CapsuleCollider near = {.headRadius = 0.1f, .tailRadius = 0.1f};
+  hair.setColliders({&far, 1});
+  simulate();
+  simulate();
+  EXPECT_EQ(countPasses(list_, "find_contacts"), 0u);
+  EXPECT_NE(std::string_view(findPass(list_, "simulate_strands")->kernel->key).find("contacts=0"),
+            std::string_view::npos);
+  EXPECT_EQ(hair.buffers().contacts, BufferId::kInvalid);
+  hair.setColliders({{near, far}});
+  simulate(1.0f / 20);
+  EXPECT_EQ(countPasses(list_, "find_contacts"), 3u);
+  EXPECT_EQ(countPasses(list_, "simulate_strands"), 3u);
+  std::string names;
+  for (const Pass& pass : list_.passes)
+    if (std::string_view(pass.name) != "skin_roots") names += pass.name[0];
+  EXPECT_EQ(names, "fsfsfs");
+  EXPECT_EQ(findPass(list_, "simulate_strands")->kernel,
+            simulateStrandsVariant(completeKey(SimulateStrandsKey{.contacts = true})));
+  // The classic solver takes the goals at a reset.
+  hair.reset();
+  EXPECT_EQ(countPasses(simulate(), "find_contacts"), 0u);
+  EXPECT_EQ(countPasses(simulate(), "find_contacts"), 1u);
 }
 
 TEST_F(SceneTest, AStrandThicknessBufferExistsOnlyForAssetsThatHaveOne) {

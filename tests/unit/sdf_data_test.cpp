@@ -66,6 +66,15 @@ TEST_F(SdfDataTest, WhatIsSavedIsWhatIsLoaded) {
   EXPECT_EQ(*loaded, sampleData());
 }
 
+TEST_F(SdfDataTest, NodesInsideMayHaveNoTriangle) {
+  SdfData data = sampleData();
+  data.keys[1] = 0x80000000u | (5u << 2) | 3u;
+  ASSERT_TRUE(saveSdf(data, path_));
+  const Result<SdfData> loaded = loadSdf(path_);
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  EXPECT_EQ(*loaded, data);
+}
+
 TEST_F(SdfDataTest, EveryFaultOfAFileIsNamedWithItsPlace) {
   const std::vector<std::byte> good = bytes();
   ASSERT_EQ(good.size(), kHeaderBytes + 24 * 4 + 3 * 64);

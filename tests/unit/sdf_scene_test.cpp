@@ -338,8 +338,8 @@ TEST_F(SdfSceneTest, CollidersShareTwoBuffersAndLeaveNothingBehind) {
   scene_.removeCollider(*b);
   simulate();
   EXPECT_EQ(scene_.sdfKeys(), BufferId::kInvalid);
-  EXPECT_EQ(scene_.resources().count(), before + 2)
-      << "the hair keeps its buffers of fields and capsules";
+  EXPECT_EQ(scene_.resources().count(), before + 2 + 4)
+      << "the hair keeps its buffers of fields and capsules, and of contacts";
 }
 
 TEST_F(SdfSceneTest, AnEnginesVerticesAreBuiltWhenItSaysSo) {

@@ -8,6 +8,7 @@
 #define STRAND_FOLLOW_STRANDS g_shadowFollowStrands
 #define STRAND_ROOTS g_shadowRoots
 #define STRAND_GUIDE_COUNT g_shadowGuideCount
+#define STRAND_PLACES_FOLLOWS true
 #define STRAND_TIP_SEPARATION g_shadowTipSeparation
 #include "../../common/drawn_strand.hlsli"
 
@@ -48,9 +49,7 @@ float radiusAt(uint strand, uint vertex) {
   precise float along = float(vertex) / float(g_shadowVertexCount - 1u);
   precise float radius = g_shadowFiberRadius * (1.0 + (g_shadowTipRatio - 1.0) * along);
   if (g_shadowStrandCount - strand <= g_shadowFadingCount) radius = radius * g_shadowFade;
-#if STRAND_THICKNESS
-  radius = radius * g_shadowThickness[strand];
-#endif
+  if (g_shadowHasThickness != 0u) radius = radius * g_shadowThickness[strand];
   return radius;
 }
 

@@ -2,73 +2,52 @@
 #ifndef PELAGE_SIMULATION_CLASSIC_STRAND_FINISH_HLSLI
 #define PELAGE_SIMULATION_CLASSIC_STRAND_FINISH_HLSLI
 
-#include "../../common/colliders.hlsli"
 #include "strand_root.hlsli"
 
-#if SDF
-#define SDF_KEYS g_fieldKeys
-#define SDF_SURFACE g_fieldSurface
-#include "../../sdf/sdf_strand_contact.hlsli"
-#endif
+#if CONTACTS
+#include "../../contact/fit_along_plane.hlsli"
+#include "../../layouts/contact_records.hlsli"
 
-#if COLLIDERS || SDF
-struct Pushed {
-  float3 p;
-  bool touched;
-};
-
-// \param rubs  with friction
-void push(inout Pushed pushed, Contact contact, float3 start, bool rubs) {
-  if (contact.penetration > 0.0) {
-    pushed.touched = true;
-    precise float3 p = pushed.p + contact.normal * contact.penetration;
-    if (rubs && contact.friction > 0.0) {
-      precise float3 way = p - start - contact.surfaceMotion;
-      precise float off = dot3(way, contact.normal);
-      precise float3 slip = way - contact.normal * off;
-      float size = squareRoot(dot3(slip, slip));
-      precise float most = contact.friction * contact.penetration;
-      precise float share = size > most ? most / size : 1.0;
-      p = p - slip * share;
-    }
-    pushed.p = p;
-  }
+bool hasContact(Strand s, uint vertex) {
+  uint word = g_contactWords[g_contactMasks + s.guide * g_contactMaskWords + vertex / 32u];
+  return ((word >> (vertex & 31u)) & 1u) != 0u;
 }
 
-// Moves vertex i at x, `rest` metres from its leader, out of the colliders and back to its length,
-// in turn. Coulomb's friction at position level: of the way that the vertex slides along the
-// surface in this sub-step, as far as friction times the way that it was pushed out.
+// Moves vertex i at x, `rest` metres from its leader, in front of the planes of its contacts and back
+// to its length, in turn. Coulomb's friction at position level: of the way that the vertex slides
+// along the surface in this sub-step, as far as friction times the way that it was pushed out.
 float3 keepOut(Strand s, Motion motion, uint i, float3 x, float3 leader, float3 direction,
                float rest) {
   float3 start = uncarried(motion, g_state[guideIndex(1, i, s.guide)].xyz);
+  uint record = vertexIndex(s.guide, i) * kMaxContacts;
   for (uint round = 0; round < kContactRounds; ++round) {
-    Pushed pushed;
-    pushed.p = x;
-    pushed.touched = false;
-#if COLLIDERS
-    for (uint c = 0; c < g_colliderCount; ++c) {
-      Contact contact = findContact(g_colliders[c], pushed.p, g_rootBegin, g_rootEnd);
-      push(pushed, contact, start, round == 0);
-    }
-#endif
-#if SDF
-    bool onField = false;
+    precise float3 p = x;
+    bool touched = false;
     float3 plane = float3(0.0, 0.0, 0.0);
-    for (uint f = 0; f < g_fieldCount; ++f) {
-      Contact contact = findFieldContact(g_classicFields[f], start, pushed.p, g_rootBegin,
-                                         g_rootEnd, 0.0);
-      push(pushed, contact, start, round == 0);
-      if (contact.penetration > 0.0) {
-        onField = true;
-        plane = contact.normal;
+    [loop] for (uint k = 0; k < kMaxContacts; ++k) {
+      ContactRecord contact = g_contacts[record + k];
+      float3 n = contact.plane.xyz;
+      precise float3 off = p - float3(contact.foundX, contact.foundY, contact.foundZ);
+      precise float depth = -(contact.plane.w + dot3(n, off));
+      if (depth > 0.0) {
+        touched = true;
+        plane = n;
+        p = p + n * depth;
+        if (round == 0 && contact.surface.w > 0.0) {
+          precise float3 way = p - start - contact.surface.xyz;
+          precise float outward = dot3(way, n);
+          precise float3 slip = way - n * outward;
+          float size = squareRoot(dot3(slip, slip));
+          precise float most = contact.surface.w * depth;
+          precise float share = size > most ? most / size : 1.0;
+          p = p - slip * share;
+        }
       }
+      if ((contact.bits & kContactMore) == 0u) break;
     }
-#endif
-    if (!pushed.touched) return x;
-    precise float3 arm = pushed.p - leader;
-#if SDF
-    if (onField) arm = fitAlongPlane(arm, plane, rest);
-#endif
+    if (!touched) return x;
+    precise float3 arm = p - leader;
+    arm = fitAlongPlane(arm, plane, rest);
     x = leader + directionOr(arm, direction) * rest;
   }
   return x;
@@ -95,8 +74,8 @@ void followLeaders(Strand s, Motion motion, bool free, float3 fallback) {
     bool moves = follows && !(abs(error) <= lengthRounding(x, s.root));
     precise float3 fitted = before + direction * rest;
     x = moves ? fitted : x;
-#if COLLIDERS || SDF
-    if (follows) x = keepOut(s, motion, i, x, before, direction, rest);
+#if CONTACTS
+    if (follows && hasContact(s, i)) x = keepOut(s, motion, i, x, before, direction, rest);
 #endif
     storePoint(s, i, float4(x, inverseMass(lengthHere)));
     before = x;

@@ -22,6 +22,9 @@ struct Value {
   float3 n2;
   float3 px;
   float3 pf;
+#if CONTACTS
+  float load;  // bound of the force that the rest of the strand can pull with
+#endif
 };
 
 Value emptyValue() {
@@ -33,6 +36,9 @@ Value emptyValue() {
   value.n2 = float3(0.0, 0.0, 0.0);
   value.px = float3(0.0, 0.0, 0.0);
   value.pf = float3(0.0, 0.0, 0.0);
+#if CONTACTS
+  value.load = 0.0;
+#endif
   return value;
 }
 
@@ -102,54 +108,98 @@ Bending bendingOf(RodEdge edge, RodEdge parent, float3 rest, float inverseRegion
   return bending;
 }
 
-// Coulomb friction as a spring against the slip in this step. It pulls with the friction of the
-// normal force that the vertex itself needs to stay out, am n.(surface - y), or sticks.
-Value addFriction(Value value, RodVertex vertex, float3 way, Contact contact) {
+#if CONTACTS
+// Friction of a contact that presses with its normal force; leaves that of one that sticks at the
+// iterate.
+Value addFriction(Value value, inout RodContact contact, float k) {
   float3 n = contact.normal;
-  precise float3 beyond = way - vertex.target;
-  precise float press = max(dot3(n, beyond) + contact.penetration, 0.0);
-  precise float3 motion = way - contact.surfaceMotion;
-  precise float off = dot3(motion, n);
-  precise float3 slip = motion - n * off;
-  float size = squareRoot(max(dot3(slip, slip), 1e-20));
-  precise float pull = contact.friction * press / size;
-  precise float k = vertex.weight * min(kFrictionStiffness, pull);
-  precise float3 px = value.px + slip * k;
-  precise float3 minus = n * -k;
-  value.px = px;
-  value.m = addOuter(addDiagonal(value.m, k), minus, n);
-  return value;
-}
-
-// A contact of a vertex that the iterate moves by `way`.
-Value addContact(Value value, RodVertex vertex, float3 way, Contact contact) {
-  if (contact.penetration > 0.0) {
-    precise float k = vertex.weight * kContactStiffness;
-    precise float3 kn = contact.normal * k;
-    precise float3 pushed = value.px - kn * contact.penetration;
-    value.px = pushed;
-    value.m = addOuter(value.m, kn, contact.normal);
+  precise float c = k;
+  if ((contact.bits & kContactSticks) != 0u) {
+    precise float3 pull = contact.tangential - contact.slip * k;
+    contact.tangential = pull;
+    precise float3 px = value.px - pull;
+    value.px = px;
+  } else {
+    float3 d = directionOr(contact.tangential, float3(0.0, 0.0, 0.0));
+    precise float pull = contact.friction * contact.normalForce;
+    precise float3 px = value.px - d * pull;
+    value.px = px;
+    precise float size = max(abs(dot3(contact.slip, d)), kLeastSlip);
+    c = min(k, pull / size);
+    precise float3 dc = d * -c;
+    value.m = addOuter(value.m, dc, d);
   }
-  precise float reach = -kFrictionReach * vertex.region;
-  if (contact.friction > 0.0 && contact.penetration > reach)
-    value = addFriction(value, vertex, way, contact);
+  precise float3 nc = n * -c;
+  value.m = addOuter(addDiagonal(value.m, c), nc, n);
   return value;
 }
 
-// Adds am/2 |x - y|^2 and the contacts of a vertex that the iterate moves by `way` to x.
-Value addVertex(Value value, RodVertex vertex, float3 way, float3 x, Carry carry) {
-  value.m = addDiagonal(value.m, vertex.weight);
-  precise float3 px = value.px + (way - vertex.target) * vertex.weight;
-  value.px = px;
-#if COLLIDERS
-  for (uint c = 0; c < g_colliderCount; ++c)
-    value = addContact(value, vertex, way, contactWith(c, x));
+// The contacts of a vertex that the iterate moves by `way` to x.
+//
+// \param first  the first record
+Value addContacts(Value value, ExactStrand strand, uint index, StoredContact first,
+                  RodVertex vertex, float3 way, float3 x, Carry carry) {
+  uint record = recordOf(strand, index);
+  float k = contactStiffness(strand);
+  float3 moved = worldDisplacement(carry, x, way);
+  precise float3 free = vertex.target - way;
+  [loop] for (uint c = 0; c < kMaxContacts; ++c) {
+    if (c > 0u) first = loadContact(record + c);
+    RodContact contact = contactAt(first, x, moved);
+    uint stored = contact.bits;
+    // Where the vertex alone would go.
+    precise float alone = contact.gap + dot3(contact.normal, free);
+    precise float trial = contact.normalForce - k * contact.gap;
+    bool active = trial > 0.0 || (contact.gap < kContactTouch && alone < 0.0);
+    if (active && !(contact.normalForce > 0.0)) {
+      precise float press = max(-alone, 0.0) * vertex.weight;
+      contact.normalForce = press;
+      trial = press - k * contact.gap;
+    }
+    uint states = kContactSticks | kContactSlides;
+    if (active && contact.friction > 0.0 && (contact.bits & states) == 0u) {
+      precise float3 slip = contact.slip + free;
+      precise float outward = dot3(free, contact.normal);
+      slip = slip - contact.normal * outward;
+      precise float most = contact.friction * contact.normalForce;
+      bool sticks = lengthOf(slip) * vertex.weight <= most;
+      precise float3 against = slip * -1.0;
+      float3 direction = directionOr(against, float3(0.0, 0.0, 0.0));
+      precise float3 tangential = direction * (sticks ? 0.0 : most);
+      contact.tangential = tangential;
+      contact.bits = contact.bits | (sticks ? kContactSticks : kContactSlides);
+    }
+    contact.bits = (contact.bits & ~kContactActive) | (active ? kContactActive : 0u);
+    if (active) {
+      precise float3 px = value.px - contact.normal * trial;
+      value.px = px;
+      precise float3 kn = contact.normal * k;
+      value.m = addOuter(value.m, kn, contact.normal);
+      precise float load = value.load + contact.normalForce;
+      value.load = load;
+      if ((contact.bits & states) != 0u && contact.normalForce > 0.0)
+        value = addFriction(value, contact, k);
+      contact.normalForce = trial;
+    }
+    if (contact.bits != stored || active) {
+      g_contacts[record + c].bits = contact.bits;
+      g_contacts[record + c].force = float4(contact.tangential, contact.normalForce);
+    }
+    if ((contact.bits & kContactMore) == 0u) break;
+  }
+  return value;
+}
 #endif
-#if SDF
-  precise float3 carriedBefore = x - way;
-  precise float touching = kFrictionReach * vertex.region;
-  for (uint f = 0; f < g_fieldCount; ++f)
-    value = addContact(value, vertex, way, contactWithField(f, carry, carriedBefore, x, touching));
+
+// Adds am/2 |x - y|^2 of a vertex that the iterate moves by `way`.
+Value addVertex(Value value, RodVertex vertex, float3 way) {
+  value.m = addDiagonal(value.m, vertex.weight);
+  precise float3 force = (way - vertex.target) * vertex.weight;
+  precise float3 px = value.px + force;
+  value.px = px;
+#if CONTACTS
+  precise float load = value.load + squareRoot(dot3(force, force));
+  value.load = load;
 #endif
   return value;
 }
@@ -179,6 +229,10 @@ Elimination eliminateEdge(Value v, RodEdge edge, Bending bending, float twistSti
   float3 n2 = cross3(e, float3(v.n0.z, v.n1.z, v.n2.z));
   // The second derivative of x_i+1 in dphi_i under the tension e.px, made positive.
   precise float tension = abs(dot3(v.px, e));
+#if CONTACTS
+  // Far from the solution the gradient of a contact is far from its force.
+  tension = min(tension, v.load * edge.edgeLength);
+#endif
   precise float3 tt = t * tension;
   precise float axx = r0.x + n0.x + n0.x + v.d.xx + tension - tt.x * t.x;
   precise float axy = r0.y + n1.x + n0.y + v.d.xy - tt.x * t.y;
@@ -246,6 +300,9 @@ Elimination eliminateEdge(Value v, RodEdge edge, Bending bending, float twistSti
   next.n2 = float3(dot3(x2, gain.kw0), dot3(x2, gain.kw1), dot3(x2, gain.kw2));
   next.px = lessPx;
   next.pf = nextPf;
+#if CONTACTS
+  next.load = v.load;
+#endif
   result.value = next;
   return result;
 }

@@ -10,7 +10,7 @@ static const uint kWaySets = 0;
 static const uint kFrameSets = 4;
 static const uint kStateSets = 8;
 // Words of g_sleep before the list of tiles.
-static const uint kSleepHead = 8;
+static const uint kSleepHead = 12;
 // Vertices a strand may have.
 static const uint kMinCount = 2;
 static const uint kMaxCount = 256;
@@ -164,6 +164,36 @@ float3 carriedWays(Carry carry, float3 way, float3 before, float3 earlier) {
 #endif
   return r;
 }
+#if CONTACTS
+// As carriedWays(), without what an impact would make of it. BDF2 goes on with the last change of the
+// displacement: after an impact that would be a rebound of two thirds of the speed. Here a change
+// goes on only as far as it agrees with the one before it (a minmod limiter, as LeVeque, Finite
+// Volume Methods for Hyperbolic Problems, section 6.9). Smooth motion stays as it is.
+float3 limitedWays(Carry carry, float3 way, float3 before, float3 earlier) {
+  if (g_wayShare == 0.0 || g_wayShareBefore == 0.0 || g_wayShareEarlier == 0.0)
+    return carriedWays(carry, way, before, earlier);
+#if VELOCITY_SHOCK_PROPAGATION
+  precise float3 w0 = turnWay(carry.way, way) / g_wayShare;
+  precise float3 w1 = turnWay(carry.wayBefore, before) / g_wayShareBefore;
+  precise float3 w2 = turnWay(carry.wayEarlier, earlier) / g_wayShareEarlier;
+#else
+  precise float3 w0 = way;
+  precise float3 w1 = before;
+  precise float3 w2 = earlier;
+#endif
+  precise float3 change = w0 - w1;
+  precise float3 changeBefore = w1 - w2;
+  precise float3 steady = w0 * (g_wayShare + g_wayShareBefore + g_wayShareEarlier);
+  if (!(dot3(change, changeBefore) > 0.0)) return steady;
+  precise float size = dot3(change, change);
+  precise float sizeBefore = dot3(changeBefore, changeBefore);
+  if (size > 4.0 * sizeBefore) change = change * squareRoot(4.0 * sizeBefore / size);
+  if (sizeBefore > 4.0 * size) changeBefore = changeBefore * squareRoot(4.0 * size / sizeBefore);
+  precise float3 r = steady - change * (g_wayShareBefore + g_wayShareEarlier) -
+                     changeBefore * g_wayShareEarlier;
+  return r;
+}
+#endif
 float4 carryFrame(Carry carry, float4 q) {
 #if VELOCITY_SHOCK_PROPAGATION
   return polishProduct(multiplyQuaternions(carry.now.rotation, q));

@@ -1,9 +1,10 @@
 // Lists the tiles of strands that have to be simulated in this frame; the others sleep.
 //
 // Threads: one a strand in the order of g_strands, one group a tile; dispatch min(tiles, 2^15) x
-//          ceil(tiles / 2^15) groups, once a frame, after skin_roots. Words 0 to 7 of g_sleep are
-//          0, 1, 1, 0, 0, 1, 1, 0 before.
-// Reads:   g_strands, g_rootFrames, g_state (vertex 1 and edge 0), g_exactColliders
+//          ceil(tiles / 2^15) groups, once a frame, after skin_roots. Words 0 to 11 of g_sleep are
+//          written by the host before.
+// Reads:   g_strands, g_rootFrames, g_state (vertex 1 and edge 0), g_exactColliders as far as there
+//          are some
 // Writes:  g_sleep
 //
 // A strand rests when all of its vertices were slower than a limit for a while (simulate_rods
@@ -44,7 +45,6 @@ float rootMotion(ExactStrand strand, Slots slots, uint index) {
   return r;
 }
 
-#if COLLIDERS
 // True when a collider that moves in this frame can touch the strand.
 bool isStirred(ExactStrand strand) {
   float3 root = rootPath(strand.root).to.position;
@@ -52,7 +52,8 @@ bool isStirred(ExactStrand strand) {
     Collider shape = g_exactColliders[c];
     precise float3 headWay = shape.head.xyz - shape.headBefore.xyz;
     precise float3 tailWay = shape.tail.xyz - shape.tailBefore.xyz;
-    precise float moved = dot3(headWay, headWay) + dot3(tailWay, tailWay);
+    precise float moved =
+        dot3(headWay, headWay) + dot3(tailWay, tailWay) + dot3(shape.spin.xyz, shape.spin.xyz);
     if (moved <= 0.0) continue;
     // Of the sphere that moves with the larger end, generously.
     precise float reach = strand.strandLength + squareRoot(moved) + g_wakeDistance;
@@ -60,7 +61,6 @@ bool isStirred(ExactStrand strand) {
   }
   return false;
 }
-#endif
 
 [numthreads(32, 1, 1)]
 void select_awake_tiles(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
@@ -82,9 +82,7 @@ void select_awake_tiles(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
       if (isSound(strand)) {
         Slots slots = slotsOfTile(tile);
         awake = rootMotion(strand, slots, index) > g_wakeDistance;
-#if COLLIDERS
         awake = awake || isStirred(strand);
-#endif
       }
     }
     // One that is woken has to come to rest anew.
@@ -100,6 +98,7 @@ void select_awake_tiles(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
     if (entry < tiles) g_sleep[kSleepHead + entry] = tile;
     InterlockedAdd(g_sleep[3], min(kTileStrands, simulated - tile * kTileStrands));
     InterlockedMax(g_sleep[4], g_followGroups);
+    InterlockedAdd(g_sleep[8], 1u);
   } else {
     uint offset = g_sleep[kSleepHead + tiles + tile];
     g_sleep[kSleepHead + tiles + tile] = (offset + g_slotsBack) % 4;

@@ -3,10 +3,10 @@
 //
 // Threads: one a strand in the order of g_strands; dispatch min(count, 2^20) x ceil(count / 2^20).
 //          No barriers and no shared memory; a strand of any count from 2 to 256 is a loop.
-// Reads:   g_strands, g_rootFrames, g_rest, g_state (now, before, earlier), g_exactColliders,
-//          g_exactFields, g_fieldKeys, g_fieldSurface, g_forces, g_sleep
+// Reads:   g_strands, g_rootFrames, g_rest, g_state (now, before, earlier), g_contacts,
+//          g_contactWords, g_forces, g_sleep
 // Writes:  g_state (next; at a reset those that it reads), g_gains, g_positions, g_tangents,
-//          g_sleep
+//          g_sleep, g_contacts (forces and bits), g_contactWords (counters, the list of tiles)
 //
 // In this order (numbers of the step in layouts/exact.hlsli):
 //   1. Vertices 0, 1 and edge 0 go where the root is at the sub-step's end. A new origin of the
@@ -16,12 +16,15 @@
 //   3. Every vertex's target, where the last three ways and the drift lead: BDF2 or backward Euler
 //      of a free vertex with air drag; GLOBAL_SHAPE: drawn to its goal. Every edge's guess: it
 //      turns on, as the last step has left it in the w of the way of the vertex at its end.
-//   4. Tip to root, the elimination (rod_elimination.hlsli), with contacts and friction: of
-//      COLLIDERS, and of SDF, signed distance fields.
+//   4. Tip to root, the elimination (rod_elimination.hlsli). CONTACTS: with the planes and friction
+//      of what find_contacts has found (rod_contact.hlsli).
 //   5. Root to tip, the roll-out: rotations of the edges, positions by summing the edges, out of
-//      the colliders; the ways of this step; positions and tangents for drawing.
+//      the planes; the ways of this step; positions and tangents for drawing.
 //   6. 4 and 5 once more, about the result, where an edge turned by more than g_passTolerance.
-//      Without it strands that whip about gain energy.
+//      Without it strands that whip about gain energy. Up to twice more where a contact has changed.
+//      A strand with a vertex that ended far from where its contact was found is marked, and its
+//      tile listed: the host has its contacts found again, and the pass goes on from the result (flag
+//      bit 7).
 // DAMPING: Kelvin-Voigt damping of the bending and the twist.
 // FORCES: accelerations and drags of a buffer, in step 3.
 // With the sleep flag the threads are those of the tiles that select_awake_tiles has found awake.
@@ -49,6 +52,10 @@ static const uint kLastFlag = 2;
 static const uint kRebaseFlag = 4;
 static const uint kSleepFlag = 8;
 static const uint kChangedFlag = 32;
+static const uint kAgainFlag = 128;
+static const uint kPoseFlag = 256;
+// Passes of a strand with contacts; without one there are two at most.
+static const uint kContactPassLimit = 3;
 
 // What a vertex has in memory.
 struct StoredVertex {
@@ -161,9 +168,13 @@ float3 strandDrift(ExactStrand strand) {
 
 // \param x position in the iterate, which is `way` from where the step began
 RodVertex freeVertex(StoredVertex stored, Carry carry, RodRoot root, float3 drift, float3 x,
-                     float3 way) {
+                     float3 way, bool touches) {
   precise float3 ways =
       carriedWays(carry, stored.way.xyz, stored.wayBefore.xyz, stored.wayEarlier.xyz);
+#if CONTACTS
+  if (touches)
+    ways = limitedWays(carry, stored.way.xyz, stored.wayBefore.xyz, stored.wayEarlier.xyz);
+#endif
   precise float3 target = ways + drift;
   precise float weight = g_weight;
 #if FORCES
@@ -214,7 +225,10 @@ void resetStrand(ExactStrand strand, Slots slots, RodRoot root, uint index) {
   float4 zero = float4(0.0, 0.0, 0.0, 0.0);
   float4 identity = float4(0.0, 0.0, 0.0, 1.0);
   g_state[strandIndex(kFirstPosition, slots.now, index)] = float4(x, 0.0);
+  bool shown = (g_flags & kPoseFlag) != 0u;
   for (uint i = 0; i < strand.count; ++i) {
+    precise float3 world = (i == 0 ? root.position : x) + g_origin.xyz;
+    if (shown) g_positions[strand.target + i] = float4(world, i < 2 ? 0.0 : 1.0);
     if (i == tip) {
       frame = identity;
     } else if (i > 0) {
@@ -279,7 +293,7 @@ float4 limitedTurn(float3 u) {
 // \param tipWay way of the last vertex in the iterate
 // \param tipX   its position
 void eliminate(ExactStrand strand, Slots slots, Carry carry, RodRoot root, float4 rootFrame,
-               float3 drift, uint pass, float3 tipWay, float3 tipX) {
+               float3 drift, uint pass, float3 tipWay, float3 tipX, uint index, bool touches) {
   uint last = strand.count - 2;  // edge
   StoredVertex storedEnd = loadVertex(last + 1, strand, slots);
   StoredVertex stored = loadVertex(last, strand, slots);
@@ -287,13 +301,27 @@ void eliminate(ExactStrand strand, Slots slots, Carry carry, RodRoot root, float
   StoredEdge storedParent = loadEdge(last - 1, strand, slots, pass);
   precise float3 way = tipWay;
   precise float3 x = tipX;
-  RodVertex vertex = freeVertex(storedEnd, carry, root, drift, x, way);
-  Value value = addVertex(emptyValue(), vertex, way, x, carry);
+  RodVertex vertex = freeVertex(storedEnd, carry, root, drift, x, way, touches);
+  Value value = addVertex(emptyValue(), vertex, way);
+#if CONTACTS
+  uint mask = 0u;
+  if (touches) mask = contactMask(index, last + 1);
+  if (!touches) value.load = 1e30;
+  if (hasContact(mask, last + 1))
+    value = addContacts(value, strand, last + 1, loadContact(recordOf(strand, last + 1)), vertex,
+                        way, x, carry);
+#endif
   RodEdge edge = freeEdge(storedEdge, storedEnd.way.w, carry, stored.rest.z, pass);
   [loop] for (uint i = last; i >= 1; --i) {
     // Loads of the next turn, before this turn's arithmetic.
     StoredVertex storedNext = loadVertex(i - 1, strand, slots);
     StoredEdge storedGrandparent = loadEdge(i > 1 ? i - 2 : 0, strand, slots, pass);
+#if CONTACTS
+    if (touches && (i & 31u) == 31u) mask = contactMask(index, i);
+    bool inContact = i > 1 && hasContact(mask, i);
+    StoredContact storedContact = noContact();
+    if (inContact) storedContact = loadContact(recordOf(strand, i));
+#endif
 
     RodEdge parent = rootEdge(storedParent, carry, rootFrame);
     if (i > 1) parent = freeEdge(storedParent, stored.way.w, carry, storedNext.rest.z, pass);
@@ -310,8 +338,14 @@ void eliminate(ExactStrand strand, Slots slots, Carry carry, RodRoot root, float
         eliminateEdge(value, edge, bending, twistStiffness, vertex.weight, turned);
     storeGain(i, strand, step.gain);
     value = step.value;
-    vertex = freeVertex(stored, carry, root, drift, x, way);
-    if (i > 1) value = addVertex(value, vertex, way, x, carry);
+    vertex = freeVertex(stored, carry, root, drift, x, way, touches);
+    if (i > 1) {
+      value = addVertex(value, vertex, way);
+#if CONTACTS
+      if (inContact)
+        value = addContacts(value, strand, i, storedContact, vertex, way, x, carry);
+#endif
+    }
 
     stored = storedNext;
     storedParent = storedGrandparent;
@@ -325,6 +359,10 @@ struct RollOut {
   float3 way;         // of the tip against vertex 1, in the new iterate
   float3 guessedWay;  // the same in the next step's guess, against the new positions
   float3 tip;         // new position
+#if CONTACTS
+  bool changed;  // the contacts want another pass
+  bool far;      // and are far from where they were found
+#endif
 };
 
 struct StoredFrame {
@@ -344,7 +382,7 @@ StoredFrame loadFrame(uint edge, ExactStrand strand, Slots slots, uint pass) {
 // \param edge0   vector of edge 0
 // \param rootWay way of vertex 1
 RollOut rollOut(ExactStrand strand, Slots slots, Carry carry, float3 x0, float3 edge0,
-                float4 rootFrame, float3 rootWay, uint pass) {
+                float4 rootFrame, float3 rootWay, uint pass, uint index, bool touches) {
   uint last = strand.count - 2;  // edge
   RollOut result;
   result.largest = 0.0;
@@ -358,6 +396,13 @@ RollOut rollOut(ExactStrand strand, Slots slots, Carry carry, float3 x0, float3 
   precise float3 tangent = axisX(rootFrame);
   precise float3 edgeBefore = edge0;
   writeOutput(0, strand, x0, edge0, tangent);
+#if CONTACTS
+  result.changed = false;
+  result.far = false;
+  precise float3 offset = float3(0.0, 0.0, 0.0);  // from where the solve leads
+  uint mask = 0u;
+  if (touches) mask = contactMask(index, 0);
+#endif
 
   StoredFrame stored = loadFrame(1, strand, slots, pass);
   PackedGain packed = loadGain(1, strand);
@@ -366,6 +411,12 @@ RollOut rollOut(ExactStrand strand, Slots slots, Carry carry, float3 x0, float3 
     uint after = min(i + 1, last);
     StoredFrame storedNext = loadFrame(after, strand, slots, pass);
     PackedGain packedNext = loadGain(after, strand);
+#if CONTACTS
+    if (touches && ((i + 1) & 31u) == 0u) mask = contactMask(index, i + 1);
+    bool inContact = hasContact(mask, i + 1);
+    StoredContact storedContact = noContact();
+    if (inContact) storedContact = loadContact(recordOf(strand, i + 1));
+#endif
 
     Gain g = unpackGain(packed);
     precise float3 law = g.kw0 * u.x + g.kw1 * u.y + g.kw2 * u.z - g.k - g.kx0 * dx.x -
@@ -377,9 +428,12 @@ RollOut rollOut(ExactStrand strand, Slots slots, Carry carry, float3 x0, float3 
     float4 iterate = stored.next;
     if (pass == 0) iterate = guessFrame(old, g.halfTurn);
     float4 frame = turnedBy(u, iterate);
-#if COLLIDERS || SDF
-    precise float3 carriedBefore = x - (rootWay + way) + axisX(old) * g.edgeLength;
-    frame = keepOut(x, frame, g.edgeLength, carry, carriedBefore);
+#if CONTACTS
+    if (touches) {
+      if (dot3(offset, offset) > 1e-18) frame = leadBack(frame, g.edgeLength, offset);
+      if (inContact)
+        frame = keepOut(recordOf(strand, i + 1), storedContact, x, frame, g.edgeLength, offset);
+    }
 #endif
     // A state that was not a number: the edge goes on as the one before it.
     if (!isUnit(frame)) frame = frameBefore;
@@ -391,11 +445,27 @@ RollOut rollOut(ExactStrand strand, Slots slots, Carry carry, float3 x0, float3 
     writeOutput(i, strand, x, across, tangent);
     edgeBefore = edgeVector;
     x = x + edgeVector;
+#if CONTACTS
+    if (touches) dx = dx + turnedEdge(u, axisX(iterate) * g.edgeLength);
+    if (!touches) dx = dx + (tangent - axisX(iterate)) * g.edgeLength;
+#else
     dx = dx + (tangent - axisX(iterate)) * g.edgeLength;
+#endif
     way = way + (tangent - axisX(old)) * g.edgeLength;
     precise float3 wholeWay = rootWay + way;
     result.farthest = max(result.farthest, dot3(wholeWay, wholeWay));
     float nextTurn = nextHalfTurn(frame, old, g.halfTurn, g_guessTrend, g_slowTurn);
+#if CONTACTS
+    if (inContact) {
+      float3 moved = worldDisplacement(carry, x, wholeWay);
+      precise float3 solved = dx + offset;
+      ContactResult contact = updateContacts(strand, i + 1, storedContact, x, moved, solved);
+      result.changed = result.changed || contact.changed;
+      result.far = result.far || contact.far;
+      wholeWay = wholeWay - contact.taken;
+    }
+    wholeWay = wholeWay - offset;
+#endif
     g_state[stateIndex(kWaySets + slots.next, i + 1, strand)] = float4(wholeWay, nextTurn);
     float4 goingOn = guessFrame(frame, halfTurnOn(nextTurn, 1.0));
     guessedWay = guessedWay + (axisX(goingOn) - tangent) * g.edgeLength;
@@ -409,23 +479,62 @@ RollOut rollOut(ExactStrand strand, Slots slots, Carry carry, float3 x0, float3 
   return result;
 }
 
-// Way of the tip against vertex 1 in the guess.
-float3 guessedTipWay(ExactStrand strand, Slots slots, Carry carry) {
+// Way of the tip against vertex 1 in the iterate of a pass.
+float3 guessedTipWay(ExactStrand strand, Slots slots, Carry carry, uint pass) {
   precise float3 way = float3(0.0, 0.0, 0.0);
   [loop] for (uint i = 1; i + 1 < strand.count; ++i) {
-    StoredEdge stored = loadEdge(i, strand, slots, 0);
+    StoredEdge stored = loadEdge(i, strand, slots, pass);
     float turn = g_state[stateIndex(kWaySets + slots.now, i + 1, strand)].w;
-    RodEdge edge = freeEdge(stored, turn, carry, g_rest[stateIndex(0, i, strand)].z, 0);
+    RodEdge edge = freeEdge(stored, turn, carry, g_rest[stateIndex(0, i, strand)].z, pass);
     way = way + (axisX(edge.iterate) - axisX(edge.frame)) * edge.edgeLength;
   }
   return way;
 }
+
+// Counts a pass beyond the first one.
+void countPass(bool sleeping, bool touches) {
+  if (sleeping) InterlockedAdd(g_sleep[7], 1u);
+#if CONTACTS
+  if (touches) InterlockedAdd(g_contactWords[kContactPasses], 1u);
+#endif
+}
+
+#if CONTACTS
+// Marks a strand, and lists its tile once.
+void findAgain(uint index) {
+  uint tile = index / kTileStrands;
+  uint before;
+  InterlockedOr(g_contactWords[g_contactList + tileCount() + tile], 1u << (index % kTileStrands),
+                before);
+  if (before != 0u) return;
+  uint entry;
+  InterlockedAdd(g_contactWords[g_contactHead + kContactSolveArguments], 1u, entry);
+  InterlockedAdd(g_contactWords[g_contactHead + kContactFindArguments], 1u);
+  InterlockedAdd(g_contactWords[kContactTiles], 1u);
+  g_contactWords[g_contactList + entry] = tile;
+}
+#endif
 
 [numthreads(32, 1, 1)]
 void simulate_rods(uint3 thread : SV_DispatchThreadID) {
   uint index = (thread.y << 20) | thread.x;
   bool sleeping = (g_flags & kSleepFlag) != 0u;
   uint tiles = tileCount();
+  uint firstPass = 0u;
+#if CONTACTS
+  bool again = (g_flags & kAgainFlag) != 0u;
+  if (again) {
+    uint entry = index / kTileStrands;
+    if (entry >= min(g_contactWords[g_contactHead + kContactSolveArguments], tiles)) return;
+    uint tile = g_contactWords[g_contactList + entry];
+    // Not what is beside it: a strand has the same bits in any order of strands.
+    uint marks = g_contactWords[g_contactList + tiles + tile];
+    if (((marks >> (index % kTileStrands)) & 1u) == 0u) return;
+    index = tile * kTileStrands + index % kTileStrands;
+    firstPass = 1u;
+    sleeping = false;
+  }
+#endif
   if (sleeping) {
     uint entry = index / kTileStrands;
     if (entry >= tiles) return;
@@ -441,6 +550,7 @@ void simulate_rods(uint3 thread : SV_DispatchThreadID) {
   RodRoot root = rootAt(path, g_rootEnd);
   bool reset = (g_flags & kResetFlag) != 0u;
   if (reset) resetStrand(strand, slots, root, index);
+  if ((g_flags & kPoseFlag) != 0u) return;
   if ((g_flags & kRebaseFlag) != 0u && !reset) rebaseStrand(slots, index);
 
   uint tip = strand.count - 1;
@@ -483,18 +593,34 @@ void simulate_rods(uint3 thread : SV_DispatchThreadID) {
     precise float3 rootWay = x1 - oldX1;
     precise float3 way =
         carryWay(carry, g_state[strandIndex(kGuessedWay, slots.now, index)].xyz);
-    if ((g_flags & kChangedFlag) != 0u || reset) way = guessedTipWay(strand, slots, carry);
+    if ((g_flags & kChangedFlag) != 0u || reset || firstPass > 0u)
+      way = guessedTipWay(strand, slots, carry, firstPass);
     precise float3 tipX = oldTip + (way + rootWay);
     precise float tolerance2 = g_passTolerance * g_passTolerance;
-    [loop] for (uint pass = 0; pass < 2; ++pass) {
+    bool touches = false;
+    uint passes = 2u;
+#if CONTACTS
+    touches = touchesAnything(index, strand.count);
+    if (touches) passes = kContactPassLimit;
+    if (again && !touches) return;
+#endif
+    [loop] for (uint pass = firstPass; pass < firstPass + passes; ++pass) {
       precise float3 tipWay = way + rootWay;
-      eliminate(strand, slots, carry, root, rootFrame, drift, pass, tipWay, tipX);
-      rolled = rollOut(strand, slots, carry, x0, edge0, rootFrame, rootWay, pass);
+      eliminate(strand, slots, carry, root, rootFrame, drift, pass, tipWay, tipX, index, touches);
+      rolled = rollOut(strand, slots, carry, x0, edge0, rootFrame, rootWay, pass, index, touches);
       way = rolled.way;
       tipX = rolled.tip;
-      if (rolled.largest <= tolerance2) break;
-      if (sleeping && pass == 0) InterlockedAdd(g_sleep[7], 1u);
+      bool enough = rolled.largest <= tolerance2 || (pass > 0u && !touches);
+#if CONTACTS
+      bool turned = rolled.largest > min(tolerance2, kContactTurn * kContactTurn);
+      if (touches) enough = !turned && !rolled.changed;
+#endif
+      if (enough) break;
+      if (pass + 1u < firstPass + passes) countPass(sleeping, touches);
     }
+#if CONTACTS
+    if (touches && rolled.far && !again) findAgain(index);
+#endif
   } else {
     float3 tangent = axisX(rootFrame);
     writeOutput(0, strand, x0, edge0, tangent);
@@ -507,9 +633,9 @@ void simulate_rods(uint3 thread : SV_DispatchThreadID) {
     g_tangents[strand.target + pad] = g_tangents[tipTarget];
   }
 
-  if (sleeping && (g_flags & kLastFlag) != 0u) {
+  if ((g_flags & kSleepFlag) != 0u && (g_flags & kLastFlag) != 0u) {
     uint word = kSleepHead + 2 * tiles + index;
-    precise float rested = asfloat(g_sleep[word]) + g_frameTime;
+    precise float rested = asfloat(g_sleep[word]) + (firstPass > 0u ? 0.0 : g_frameTime);
     // Not below the limit, also where it is not a number: the strand moves.
     precise float restWay = g_restSpeed * (g_frameTime * (g_rootEnd - g_rootBegin));
     if (!(rolled.farthest < restWay * restWay)) rested = 0.0;

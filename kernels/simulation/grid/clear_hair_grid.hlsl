@@ -10,6 +10,6 @@
 [numthreads(128, 1, 1)]
 void clear_hair_grid(uint3 thread : SV_DispatchThreadID) {
   if (g_gridSize > kMaxGridSize) return;
-  uint words = g_gridSize * g_gridSize * g_gridSize * kChannels;
+  uint words = (g_gridSize * g_gridSize * g_gridSize) << channelShift();
   if (thread.x < words) g_gridNodes[thread.x] = 0u;
 }

@@ -5,12 +5,9 @@
 #include "../../common/quaternion.hlsli"
 #include "../../layouts/hair_grid.hlsli"
 
-// Words a node.
-#if FRICTION
-static const uint kChannels = 4;
-#else
-static const uint kChannels = 1;
-#endif
+// Words a node, as a power of two.
+uint channelShift() { return g_gridFriction != 0u ? 2u : 0u; }
+
 // Nodes an axis; the number of words must fit a dispatch.
 static const uint kMaxGridSize = 64;
 

@@ -17,6 +17,18 @@
 // obeys a Riccati recursion (Bertsekas, Dynamic Programming and Optimal Control, volume I, section
 // 3.1), from the tip, where it is known, to the root; the rotations follow from root to tip.
 //
+// Contact. A contact is a plane that a vertex stays in front of (rod_contact.h). Its normal force
+// f_n and friction f_t are the multipliers of an augmented Lagrangian (Nocedal and Wright,
+// Numerical Optimization, section 17.4) with the penalty k = 30 weight L. A pass adds, to gradient
+// and matrix,
+//   normal      f_n - k g at the gap g, where that is above 0
+//   friction    sticks: f_t - k s at the slip s; slides: mu f_n against the slip
+// and then takes the forces that the solve has used. A vertex changes between sticking and sliding
+// where the solve leaves the friction cone, or turns round. The next step starts from these forces.
+// What the passes leave of a penetration is taken from the positions alone: the edge to the vertex
+// is turned, the next edges go back to where the solve led, and the history of the displacements
+// does not learn of it. Strands without a collider within reach are solved as if there were none.
+//
 // Rounding. Positions enter as differences over the step, each summed along the strand from
 // differences of tangents, and never as differences of positions that were summed in two ways: the
 // weights am multiply an error of 1e-7 m into 1e-3 m/s2, and the rest shape would not be at rest.
@@ -61,13 +73,28 @@ struct RodTuning {
   /// arithmetic the sub-chain has no stiffness against twist but D's: what is there in float is
   /// rounding of either sign.
   static constexpr Real kTwistFloor = Real(2e-6), kPivotFloor = Real(2e-7), kTiny = Real(1e-22);
-  /// Contact stiffness over am: at 1e4 and above the strand jitters, at 10 it sinks in.
+  /// Penalty of contacts over weight L, the inertia of the whole strand: a pass leaves a thirtieth
+  /// of a gap at most. At 10 strands over an edge take 15 s to come to rest, at 100 some gain
+  /// energy.
   static constexpr Real kContactStiffness = Real(30);
-  /// Greatest friction stiffness over am: a strand that sticks creeps by a 300th of a free slip.
-  static constexpr Real kFrictionStiffness = Real(300);
-  /// Friction acts up to this share of the vertex's region outside the surface, because a vertex
-  /// that rests on it is on either side by rounding.
-  static constexpr Real kFrictionReach = Real(0.05);
+  /// A vertex that rests on a surface is on either side by rounding [m].
+  static constexpr Real kContactTouch = Real(2e-5);
+  /// Gaps that a further pass is for [m].
+  static constexpr Real kContactTolerance = Real(1e-4);
+  /// Rotation of an edge in a pass [rad] above which strands with contacts take another one; they
+  /// do also where a force or a state has changed. Where moving strands do not, the forces of limp
+  /// ones swing by a factor of four from step to step, and nothing that friction holds stays in its
+  /// place.
+  static constexpr Real kContactTurn = Real(0.2);
+  /// Slips below this have no direction to trust [m].
+  static constexpr Real kLeastSlip = Real(1e-5);
+  /// How far from where a contact was found its plane is good for [m]. Farther off, contacts are
+  /// found again and the step goes on from its result.
+  static constexpr Real kContactRange = Real(0.01);
+  /// A vertex within this distance of a surface has a record [m]; or as near as it falls further.
+  static constexpr Real kContactReach = Real(1e-3);
+  /// Longest displacement that an expectation goes on with [m].
+  static constexpr Real kLongestStep = Real(1);
   /// Goal spring of a held tip [1/s2]; at 1e8 the Newton passes no longer converge.
   static constexpr Real kHoldStiffness = Real(1e6);
 };
@@ -79,8 +106,11 @@ class ExactRod {
   using Rotation = Quaternion<Real>;
 
   struct Statistics {
-    long steps = 0;   ///< sub-steps
-    long passes = 0;  ///< Newton passes
+    long steps = 0;          ///< sub-steps
+    long passes = 0;         ///< Newton passes
+    long contactSteps = 0;   ///< sub-steps with contacts
+    long contactPasses = 0;  ///< passes in them
+    long again = 0;          ///< times that contacts were found again
   };
 
   ExactRod(const RestStrand& rest, const RootPose& pose) : rest_(rest) {
@@ -119,7 +149,10 @@ class ExactRod {
     start_ = guess_ = iterate_ = frames_;
     halfTurns_.assign(n, Vector());
     nextTurns_.assign(n, Vector());
-    moved_ = positions_;
+    moved_ = positionsBefore_ = positions_;
+    rootStep_ = Vector();
+    records_.assign(n, {});
+    corrections_.assign(n, Vector());
   }
 
   /// Advances by `dt` > 0 seconds to a new pose of the root.
@@ -145,6 +178,7 @@ class ExactRod {
       shapes_.clear();
       for (const RodCollider& c : settings.colliders) shapes_.emplace_back(c, begin, end);
       carry_ = carrying_ ? carriedMotion(before, now, share) : Motion();
+      findContacts(dt / count, now.position - before.position, settings);
       subStep(dt / count, now, settings);
       before = now;
     }
@@ -189,6 +223,8 @@ class ExactRod {
  private:
   using Symmetric = Symmetric3<Real>;
   using Tuning = RodTuning<Real>;
+  using Record = ContactRecord<Real>;
+  using Friction = typename Record::Friction;
 
   /// Columns of the matrices of the control law u_i = -k - Kx dx_i + Kw u_i-1.
   struct Gain {
@@ -198,6 +234,7 @@ class ExactRod {
   struct Value {
     Symmetric m, d;
     Vector n[3], px, pf;
+    Real load = 0;  // bound of the force that the rest of the strand can pull with
   };
   /// Gradient and Gauss-Newton matrix of the bending and twist energy in a relative rotation.
   struct Bending {
@@ -285,6 +322,7 @@ class ExactRod {
   void subStep(double h, const Root& root, const RodSettings& settings) {
     const int n = size();
     const StepNumbers numbers = numbersOf(h, settings);
+    contactStiffness_ = numbers.baseWeight * Real(rest_.length()) * Tuning::kContactStiffness;
     const Rotation frame = rootFrame(root);
     const Vector& x0 = root.position;
     const Vector edge0 = axisX(frame) * lengths_[0], x1 = x0 + edge0;
@@ -299,12 +337,22 @@ class ExactRod {
     }
     Vector tip = oldTip + (way + rootWay);
     ++statistics_.steps;
-    for (int pass = 0; pass < settings.maxPasses && n > 2; ++pass) {
-      eliminate(way + rootWay, tip, root, settings, numbers);
-      ++statistics_.passes;
-      const Real largest = rollOut(x0, x1, way);
-      tip = moved_[n - 1];
-      if (largest <= Real(settings.passTolerance * settings.passTolerance)) break;
+    far_ = false;
+    if (touching_) ++statistics_.contactSteps;
+    const auto solve = [&] {
+      for (int pass = 0; pass < (touching_ ? settings.contactPasses : settings.maxPasses); ++pass) {
+        eliminate(way + rootWay, tip, root, settings, numbers);
+        ++statistics_.passes;
+        if (touching_) ++statistics_.contactPasses;
+        const RollOut rolled = rollOut(x0, x1, rootWay, way);
+        tip = moved_[n - 1];
+        if (isEnough(rolled, settings)) break;
+      }
+    };
+    if (n > 2) solve();
+    if (far_) {
+      findContactsAgain(x0 - positions_[0]);
+      if (touching_) solve();
     }
     moved_[0] = x0;
     moved_[1] = x1;
@@ -316,10 +364,12 @@ class ExactRod {
       const Vector tangent = axisX(iterate_[i]);
       way += (tangent - axisX(start_[i])) * lengths_[i];
       ways_[i + 1] = rootWay + way;
+      if (touching_) ways_[i + 1] -= corrections_[i + 1];
       nextTurns_[i] = nextHalfTurn(iterate_[i], start_[i], halfTurns_[i], numbers);
       const Vector on = halfTurnOn(nextTurns_[i], Real(1));
       guessedWay_ += (axisX(guessFrame(iterate_[i], on)) - tangent) * lengths_[i];
     }
+    positionsBefore_ = positions_;
     positions_.swap(moved_);
     frames_ = iterate_;
     carryEarlier_ = carryBefore_;
@@ -357,6 +407,46 @@ class ExactRod {
     return numbers;
   }
 
+  // ---- contacts, before a sub-step
+
+  /// A vertex is expected to go on as in the last sub-step, and near the root to follow the root
+  /// where that changes its motion. It is swept from where it is to there.
+  void findContacts(double h, const Vector& rootDisplacement, const RodSettings& settings) {
+    const Real ratio = stepBefore_ > 0 ? Real(h / stepBefore_) : Real(0);
+    const bool known = stepBefore_ > 0;
+    const Vector now = withinLongest(rootDisplacement, Vector());
+    const Vector last = known ? rootStep_ * ratio : now;
+    reach_ = Tuning::kContactReach + Real(reference::length(settings.gravity) * h * h);
+    touching_ = false;
+    for (int i = 2; i < size() && !shapes_.empty(); ++i) {
+      const Vector& x = positions_[i];
+      const Vector moved = withinLongest((x - positionsBefore_[i]) * ratio, Vector());
+      const Real share = Real(1) - Real(i) / Real(size());
+      const Vector relative = known ? moved - last : Vector();
+      findRecords(i, x, x + moved + (now - last) * share, relative * Real(0.25));
+    }
+    rootStep_ = now;
+  }
+  /// The same with vertices swept to where the solve has put them. It has gone wrong by much, so
+  /// that more of them may meet a collider.
+  void findContactsAgain(const Vector& rootDisplacement) {
+    const Vector now = withinLongest(rootDisplacement, Vector());
+    ++statistics_.again;
+    touching_ = false;
+    for (int i = 2; i < size(); ++i) {
+      const Vector moved = withinLongest(moved_[i] - positions_[i], now);
+      findRecords(i, moved_[i] - moved, moved_[i], moved - now);
+    }
+  }
+  /// \param further how far it may end from `to`
+  void findRecords(int i, const Vector& from, const Vector& to, const Vector& further) {
+    records_[i].find(shapes_, from, to, reach_ + reference::length(further));
+    touching_ = touching_ || !records_[i].empty();
+  }
+  static Vector withinLongest(const Vector& v, const Vector& otherwise) {
+    return dot(v, v) < Tuning::kLongestStep * Tuning::kLongestStep ? v : otherwise;
+  }
+
   /// Where the last three ways lead.
   void setTurnings(const StepNumbers& numbers) {
     const Rotation both = normalized(carry_.rotation * carryBefore_);
@@ -368,8 +458,31 @@ class ExactRod {
                                     turnings[2](waysEarlier_[i])
                               : ways_[i] * numbers.way + waysBefore_[i] * numbers.wayBefore +
                                     waysEarlier_[i] * numbers.wayEarlier;
+      if (touching_ && numbers.way != 0 && numbers.wayBefore != 0 && numbers.wayEarlier != 0)
+        targets_[i] = limitedWays(i, turnings, numbers);
       targets_[i] += numbers.drift;
     }
+  }
+
+  /// BDF2 goes on with the last change of the displacement: after an impact that would be a rebound
+  /// of two thirds of the speed. Here a change goes on only as far as it agrees with the one before
+  /// it (a minmod limiter, as LeVeque, Finite Volume Methods for Hyperbolic Problems, section 6.9).
+  /// Smooth motion stays as it is.
+  Vector limitedWays(int i, const Turning (&turnings)[3], const StepNumbers& numbers) const {
+    Vector w0 = ways_[i], w1 = waysBefore_[i], w2 = waysEarlier_[i];
+    if (carrying_) {
+      w0 = turnings[0](w0) * (Real(1) / numbers.way);
+      w1 = turnings[1](w1) * (Real(1) / numbers.wayBefore);
+      w2 = turnings[2](w2) * (Real(1) / numbers.wayEarlier);
+    }
+    Vector change = w0 - w1, changeBefore = w1 - w2;
+    const Vector steady = w0 * (numbers.way + numbers.wayBefore + numbers.wayEarlier);
+    if (!(dot(change, changeBefore) > Real(0))) return steady;
+    const Real four = Real(4), size = dot(change, change), before = dot(changeBefore, changeBefore);
+    if (size > four * before) change = change * squareRoot(four * before / size);
+    if (before > four * size) changeBefore = changeBefore * squareRoot(four * size / before);
+    return steady - change * (numbers.wayBefore + numbers.wayEarlier) -
+           changeBefore * numbers.wayEarlier;
   }
 
   /// The way of vertex i alone, and its weight.
@@ -494,38 +607,68 @@ class ExactRod {
   }
 
   /// Adds am/2 |x - y|^2 and the contacts of vertex i, which the iterate moves by `way` to x.
-  void addVertex(int i, const Vector& way, const Vector& x, const Target& target,
-                 Value& value) const {
+  void addVertex(int i, const Vector& way, const Vector& x, const Target& target, Value& value) {
     const Real am = target.weight;
     value.m.addDiagonal(am);
-    value.px += (way - target.way) * am;
-    if (shapes_.empty()) return;
-    for (const ContactShape<Real>& shape : shapes_) {
-      const Contact<Real> contact = findContact(shape, x);
-      if (contact.penetration > Real(0)) {
-        const Vector kn = contact.normal * (am * Tuning::kContactStiffness);
-        value.px -= kn * contact.penetration;
-        value.m.addOuter(kn, contact.normal);
-      }
-      if (shape.friction > 0 && contact.penetration > -Tuning::kFrictionReach * regions_[i]) {
-        addFriction(target, way, contact, shape.friction, value);
-      }
-    }
+    const Vector force = (way - target.way) * am;
+    value.px += force;
+    if (!touching_) return;
+    value.load += reference::length(force);
+    for (Record& contact : records_[i]) addContact(contact, way, x, target, value);
   }
 
-  /// Coulomb friction as a spring against the slip in this step. It pulls with the friction of the
-  /// normal force that the vertex itself needs to stay out, am n.(surface - y), or sticks.
-  void addFriction(const Target& target, const Vector& way, const Contact<Real>& contact,
-                   Real friction, Value& value) const {
+  void addContact(Record& contact, const Vector& way, const Vector& x, const Target& target,
+                  Value& value) const {
     const Vector& n = contact.normal;
-    const Real press = std::max(dot(n, way - target.way) + contact.penetration, Real(0));
-    const Vector motion = way - contact.surfaceMotion;
-    const Vector slip = motion - n * dot(motion, n);
-    const Real size = squareRoot(std::max(dot(slip, slip), Real(1e-20)));
-    const Real k = target.weight * std::min(Tuning::kFrictionStiffness, friction * press / size);
-    value.px += slip * k;
-    value.m.addDiagonal(k);
-    value.m.addOuter(n * -k, n);
+    const Real k = contactStiffness_, gap = contact.gap(x);
+    // Where the vertex alone would go.
+    const Vector free = target.way - way;
+    const Real alone = gap + dot(n, free);
+    Real press = contact.normalForce - k * gap;
+    contact.active = press > 0 || (gap < Tuning::kContactTouch && alone < 0);
+    if (!contact.active) return;
+    const Vector slip = contact.slip(worldDisplacement(x, way));
+    if (!(contact.normalForce > 0)) {
+      contact.normalForce = std::max(-alone, Real(0)) * target.weight;
+      press = contact.normalForce - k * gap;
+    }
+    if (contact.friction > 0 && contact.state == Friction::kUnknown) {
+      const Vector slipAlone = slip + contact.tangentialPart(free);
+      const Real most = contact.friction * contact.normalForce;
+      const bool sticks = reference::length(slipAlone) * target.weight <= most;
+      contact.state = sticks ? Friction::kSticks : Friction::kSlides;
+      contact.tangential = sticks ? Vector() : directionOr(slipAlone * Real(-1), Vector()) * most;
+    }
+    value.px -= n * press;
+    value.m.addOuter(n * k, n);
+    value.load += contact.normalForce;
+    if (contact.state != Friction::kUnknown && contact.normalForce > 0)
+      addFriction(contact, slip, value);
+    contact.normalForce = press;
+  }
+
+  /// Friction of a contact that presses with its normal force.
+  void addFriction(Record& contact, const Vector& slip, Value& value) const {
+    Real c = contactStiffness_;
+    if (contact.state == Friction::kSticks) {
+      contact.tangential -= slip * c;
+      value.px -= contact.tangential;
+    } else {
+      const Vector d = directionOr(contact.tangential, Vector());
+      const Real pull = contact.friction * contact.normalForce;
+      value.px -= d * pull;
+      c = std::min(c, pull / std::max(std::abs(dot(slip, d)), Tuning::kLeastSlip));
+      value.m.addOuter(d * -c, d);
+    }
+    value.m.addDiagonal(c);
+    value.m.addOuter(contact.normal * -c, contact.normal);
+  }
+
+  /// The displacement in the world of a vertex at x that the iterate moves by `way` against where
+  /// it was carried to.
+  Vector worldDisplacement(const Vector& x, const Vector& way) const {
+    if (!carrying_) return way;
+    return x - rotate(conjugate(carry_.rotation), x - way - carry_.shift);
   }
 
   /// Tip to root: the control law of every edge about the iterate.
@@ -559,7 +702,9 @@ class ExactRod {
     const Vector n1 = cross(e, Vector(v.n[0].y, v.n[1].y, v.n[2].y));
     const Vector n2 = cross(e, Vector(v.n[0].z, v.n[1].z, v.n[2].z));
     // The second derivative of x_i+1 in dphi_i under the tension e.px, made positive.
-    const Real tension = std::abs(dot(v.px, e));
+    Real tension = std::abs(dot(v.px, e));
+    // Far from the solution the gradient of a contact is far from its force.
+    if (touching_) tension = std::min(tension, v.load * lengths_[i]);
     const Vector tt = t * tension;
     Symmetric a;
     a.xx = r0.x + n0.x + n0.x + v.d.xx + tension - tt.x * t.x;
@@ -609,14 +754,28 @@ class ExactRod {
     v.pf = Vector(dot(gain.kw[0], q0), dot(gain.kw[1], q0), dot(gain.kw[2], q0)) - a * (w * g);
   }
 
-  /// Root to tip: turns the edges and places the vertices. Returns the largest squared rotation.
+  /// What came of a pass.
+  struct RollOut {
+    Real largest = 0;      // square of the largest rotation
+    bool changed = false;  // contacts want another pass
+  };
+
+  bool isEnough(const RollOut& rolled, const RodSettings& settings) const {
+    const Real tolerance2 = Real(settings.passTolerance * settings.passTolerance);
+    if (!touching_) return rolled.largest <= tolerance2;
+    constexpr Real kTurn2 = Tuning::kContactTurn * Tuning::kContactTurn;
+    return rolled.largest <= std::min(tolerance2, kTurn2) && !rolled.changed;
+  }
+
+  /// Root to tip: turns the edges and places the vertices.
   /// \param way of the tip against vertex 1
-  Real rollOut(const Vector& x0, const Vector& x1, Vector& way) {
+  RollOut rollOut(const Vector& x0, const Vector& x1, const Vector& rootWay, Vector& way) {
     way = Vector();
     moved_[0] = x0;
     moved_[1] = x1;
-    Vector dx, u;
-    Real largest = 0;
+    Vector dx, u, offset;  // offset: from where the solve leads
+    far_ = false;
+    RollOut rolled;
     for (int i = 1; i + 1 < size(); ++i) {
       const Gain& g = gains_[i];
       u = g.kw[0] * u.x + g.kw[1] * u.y + g.kw[2] * u.z - g.k - g.kx[0] * dx.x - g.kx[1] * dx.y -
@@ -629,49 +788,128 @@ class ExactRod {
         u = u * (Real(4) / size);
       }
       const Real squared = dot(u, u);
-      largest = std::max(largest, squared);
+      rolled.largest = std::max(rolled.largest, squared);
       if (squared > Tuning::kStepLimit * Tuning::kStepLimit) {
         u = u * (Tuning::kStepLimit * inverseRoot(squared));
       }
       const Vector before = axisX(iterate_[i]);
       iterate_[i] = normalizedTurned(cayley(u) * iterate_[i]);
-      if (!shapes_.empty()) iterate_[i] = keepOut(i, iterate_[i]);
+      if (touching_) {
+        if (dot(offset, offset) > Real(1e-18)) iterate_[i] = leadBack(i, iterate_[i], offset);
+        for (const Record& contact : records_[i + 1])
+          iterate_[i] = keepOut(i, contact, iterate_[i], offset);
+      }
       // A state that was not a number: the edge goes on as the one before it.
       if (!isUnit(iterate_[i])) iterate_[i] = iterate_[i - 1];
       const Vector after = axisX(iterate_[i]);
       moved_[i + 1] = moved_[i] + after * lengths_[i];
-      dx += (after - before) * lengths_[i];
+      // The edges behind do not learn of what keeps this one out.
+      dx += touching_ ? turnedBy(u, before * lengths_[i]) : (after - before) * lengths_[i];
       way += (after - axisX(start_[i])) * lengths_[i];
+      if (touching_) updateContacts(i + 1, rootWay + way, dx + offset, offset, rolled);
     }
-    return largest;
+    return rolled;
   }
 
-  /// The frame of edge i, turned so that its end is out of the colliders. The edges behind it learn
-  /// of the turn through dx.
-  Rotation keepOut(int i, const Rotation& frame) const {
+  /// How a rotation by u changes an edge: as cayley() does, without the rounding of a difference of
+  /// tangents. That is 1e-9 m; times the penalty of contacts it would be as large as their forces.
+  static Vector turnedBy(const Vector& u, const Vector& edge) {
+    const Vector half = u * Real(0.5), turned = cross(half, edge);
+    return (turned + cross(half, turned)) * (Real(2) / (Real(1) + dot(half, half)));
+  }
+
+  /// The frame, turned so that its tangent is `direction`.
+  static Rotation turnFrame(const Rotation& frame, const Vector& direction) {
     const Vector tangent = axisX(frame);
-    const Real least = Real(1e-12) * lengths_[i] * lengths_[i];
-    Vector direction = tangent;
-    bool touched = false;
-    for (int round = 0; round < 2; ++round) {
-      Vector end = moved_[i] + direction * lengths_[i];
-      for (const ContactShape<Real>& shape : shapes_) {
-        const Contact<Real> contact = findContact(shape, end);
-        if (contact.penetration > Real(0)) {
-          end += contact.normal * contact.penetration;
-          touched = true;
-        }
+    const Real scalar = std::max(Real(1) + dot(tangent, direction), Real(1e-4));
+    return normalized(normalized(Rotation(cross(tangent, direction), scalar)) * frame);
+  }
+
+  /// Turns edge i, which starts `offset` from where the solve led, so that it ends where that
+  /// leads.
+  Rotation leadBack(int i, const Rotation& frame, Vector& offset) const {
+    const Real size = lengths_[i];
+    const Vector tangent = axisX(frame), arm = tangent * size - offset;
+    if (!(dot(arm, arm) > Real(1e-6) * size * size)) return frame;
+    const Rotation turned = turnFrame(frame, directionOr(arm, tangent));
+    offset += (axisX(turned) - tangent) * size;
+    return turned;
+  }
+
+  /// Turns edge i so that its end is in front of the plane.
+  /// \param offset how far the end is from where the solve leads, in and out
+  Rotation keepOut(int i, const Record& contact, const Rotation& frame, Vector& offset) const {
+    const Real size = lengths_[i];
+    const Vector &n = contact.normal, tangent = axisX(frame);
+    const Real gap = contact.gap(moved_[i] + tangent * size), along = dot(tangent, n);
+    const Vector flat = tangent - n * along;
+    const Real flat2 = dot(flat, flat);
+    if (!(gap < -Tuning::kContactTouch && flat2 > Real(1e-10))) return frame;
+    const Real height = std::clamp(along * size - gap, -size, size);
+    const Real width = squareRoot(std::max(size * size - height * height, Real(0)));
+    const Vector arm = n * height + flat * (width * inverseRoot(flat2));
+    const Rotation turned = turnFrame(frame, directionOr(arm, tangent));
+    offset += (axisX(turned) - tangent) * size;
+    return turned;
+  }
+
+  /// Takes the forces that the solve has used as those of the contacts of vertex i, which the pass
+  /// has moved by `way`.
+  /// \param dx from the iterate, as the solve has it
+  void updateContacts(int i, const Vector& way, const Vector& dx, const Vector& offset,
+                      RollOut& rolled) {
+    const Vector& x = moved_[i];
+    corrections_[i] = offset;
+    if (records_[i].empty()) return;
+    const Vector moved = worldDisplacement(x, way);
+    for (Record& contact : records_[i]) {
+      const Vector off = x - contact.found;
+      far_ = far_ || dot(off, off) > Tuning::kContactRange * Tuning::kContactRange;
+      const Real gap = contact.gap(x);
+      if (!contact.active) {
+        contact.normalForce = 0;
+        contact.tangential = Vector();
+        contact.state = Friction::kUnknown;
+        if (gap < -Tuning::kContactTolerance) rolled.changed = true;
+        continue;
       }
-      if (!touched) return frame;
-      const Vector aim = end - moved_[i];
-      const Real squared = dot(aim, aim);
-      if (squared > least) {
-        direction = aim * inverseRoot(std::max(squared, Real(1e-20)));
+      const Real k = contactStiffness_;
+      contact.normalForce = std::max(contact.normalForce - k * dot(contact.normal, dx), Real(0));
+      bool changed = updateFriction(contact, contact.slip(moved), contact.tangentialPart(dx) * k);
+      changed = changed || std::abs(gap) > Tuning::kContactTolerance;
+      rolled.changed = rolled.changed || changed;
+      // The part of the displacement that led out of the collider.
+      const Real outward = dot(moved - contact.surface, contact.normal), begun = gap - outward;
+      if (begun < 0 && outward > 0) corrections_[i] += contact.normal * std::min(outward, -begun);
+      if (!isFinite(contact.tangential) || !(contact.normalForce < Real(1e18))) {
+        contact.normalForce = 0;
+        contact.tangential = Vector();
       }
     }
-    const Real scalar = std::max(Real(1) + dot(tangent, direction), Real(1e-4));
-    const Rotation turn = normalized(Rotation(cross(tangent, direction), scalar));
-    return normalized(turn * frame);
+  }
+
+  /// Returns whether the vertex has changed between sticking and sliding.
+  /// \param stretch how far the solve has stretched the friction of a vertex that sticks
+  bool updateFriction(Record& contact, const Vector& slip, const Vector& stretch) const {
+    const Real most = contact.friction * contact.normalForce;
+    if (contact.state == Friction::kSticks) {
+      contact.tangential -= stretch;
+      const Real size = reference::length(contact.tangential);
+      if (!(size > most)) return false;
+      contact.tangential = contact.tangential * (most / size);
+      contact.state = Friction::kSlides;
+      return true;
+    }
+    const Vector direction = directionOr(contact.tangential, Vector());
+    contact.tangential = Vector();
+    if (contact.state == Friction::kUnknown) return false;
+    if (dot(slip, direction) > 0) {
+      // It came to a stop and turned round.
+      contact.state = Friction::kSticks;
+      return true;
+    }
+    contact.tangential = directionOr(slip * Real(-1), direction) * most;
+    return false;
   }
 
   RestStrand rest_;
@@ -698,6 +936,13 @@ class ExactRod {
   std::vector<Vector> moved_, targets_;  // targets_: ways
   std::vector<Gain> gains_;
   std::vector<ContactShape<Real>> shapes_;
+  std::vector<ContactRecords<Real>> records_;  // of the vertices
+  std::vector<Vector> positionsBefore_;        // where the last sub-step began
+  std::vector<Vector> corrections_;            // of displacements, unknown to the history
+  Vector rootStep_;                            // displacement of the root in the last sub-step
+  Real reach_ = 0, contactStiffness_ = 0;
+  bool touching_ = false;  // there are records
+  bool far_ = false;       // a vertex is far from where a contact was found
   Statistics statistics_;
 };
 

@@ -16,16 +16,35 @@ struct RodMaterial {
   double relaxation = 0;   ///< tau of Kelvin-Voigt bending damping [s], >= 0
 };
 
-/// A sphere or a tapered capsule that moves in the step: the union of the spheres between two ends.
+/// A sphere, a tapered capsule (the union of the spheres between two ends) or a half-space that
+/// moves in the step.
 struct RodCollider {
   Vector3d head, tail;              ///< at the end of the step [m]; equal for a sphere
   Vector3d headBefore, tailBefore;  ///< at the begin of the step [m]
   double headRadius = 0;            ///< [m], >= 0
   double tailRadius = 0;            ///< [m], >= 0
   double friction = 0;              ///< Coulomb coefficient, >= 0
+  Vector3d spin = {};    ///< rotation vector of the step about the axis, or a sphere's center [rad]
+  Vector3d normal = {};  ///< unit: what is behind the plane through `head`; 0: a capsule
 
   static RodCollider sphere(const Vector3d& center, double radius, double friction = 0) {
-    return {center, center, center, center, radius, radius, friction};
+    return capsule(center, center, radius, friction);
+  }
+  static RodCollider capsule(const Vector3d& a, const Vector3d& b, double radius,
+                             double friction = 0) {
+    return {a, b, a, b, radius, radius, friction};
+  }
+  static RodCollider plane(const Vector3d& point, const Vector3d& normal, double friction = 0) {
+    RodCollider shape = sphere(point, 0, friction);
+    shape.normal = normal;
+    return shape;
+  }
+  /// Begins the next step where the last one ended, and moves by `displacement` in it.
+  void move(const Vector3d& displacement) {
+    headBefore = head;
+    tailBefore = tail;
+    head += displacement;
+    tail += displacement;
   }
 };
 
@@ -45,6 +64,7 @@ struct RodSettings {
   /// Newton passes: passes after the first one run only while the largest rotation of an edge in
   /// the pass before was above passTolerance [rad].
   int maxPasses = 2;
+  int contactPasses = 3;  ///< the same for a strand with contacts
   double passTolerance = 0.04;
   bool backwardEuler = false;  ///< first order in time, instead of BDF2
 };

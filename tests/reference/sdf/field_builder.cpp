@@ -133,7 +133,10 @@ void addField(FieldBuffers& buffers, const TriangleMesh& mesh, const DistanceOra
         const double distance = std::abs(distances[i]) / cell;
         const bool inside = distances[i] < 0;
         uint32_t key = kUnset;
-        if (distance <= options.band || (inside && options.interior)) {
+        const uint32_t stride = options.band >= 2 ? 4 : 2;  // sdfCoarseStride()
+        const bool coarse = x % stride == 0 && y % stride == 0 && z % stride == 0;
+        const bool deep = inside && (options.allInside || (options.interior && coarse));
+        if (distance <= options.band || deep) {
           const uint32_t triangle = oracle.closest(node0 + cell * Vector3d(x, y, z)).triangle;
           key = distance <= options.band
                     ? codeOf(distance, options.band, field.triangleBits) | triangle

@@ -14,11 +14,12 @@
 namespace pelage::reference {
 
 struct FieldOptions {
-  double cell = 0.01;    ///< [m]
-  double band = 2;       ///< [cell]
-  double padding = 3;    ///< [cell] between the mesh and the grid's end
-  bool interior = true;  ///< far keys inside; else what is deeper than the band is left unset
-  float margin = 0;      ///< [m]
+  double cell = 0.01;      ///< [m]
+  double band = 2;         ///< [cell]
+  double padding = 3;      ///< [cell] between the mesh and the grid's end
+  bool interior = true;    ///< far keys of the coarse nodes inside; else they are left unset
+  bool allInside = false;  ///< far keys of all nodes inside, as older files have them
+  float margin = 0;        ///< [m]
   float friction = 0;
   /// The vertices a frame before, for records with motion.
   const std::vector<Float3>* before = nullptr;

@@ -1,0 +1,105 @@
+// What the scene benchmark computes from times and positions is what its columns say.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+#include <string>
+
+#include "scenes/collider_depths.h"
+#include "scenes/frame_figures.h"
+#include "scenes/scene_rows.h"
+
+namespace bench {
+namespace {
+
+using pelage::CapsuleCollider;
+using pelage::Float3;
+
+TEST(SceneRows, HaveDifferentNamesOfWhichNoneIsInAnotherOne) {
+  for (const SceneSize size : {SceneSize::kFull, SceneSize::kSmall, SceneSize::kQuick}) {
+    const std::vector<SceneRow> rows = sceneRows(size);
+    for (const SceneRow& a : rows)
+      for (const SceneRow& b : rows)
+        EXPECT_EQ(a.name().find(b.name()) != std::string::npos, &a == &b) << b.name();
+  }
+}
+
+TEST(SceneRows, HaveTheBaselineBeforeWhatIsComparedWithIt) {
+  std::set<std::string> begun;
+  for (const SceneRow& row : sceneRows(SceneSize::kFull)) {
+    EXPECT_TRUE(row.solver != RowSolver::kBaseline || !begun.contains(row.scene)) << row.scene;
+    begun.insert(row.scene);
+  }
+  EXPECT_EQ(begun.size(), 6u);
+}
+
+TEST(FrameFigures, CountPassesOfOneNameTogetherAndAFrameWithoutThemAsZero) {
+  FrameFigures figures;
+  for (int frame = 0; frame < 4; ++frame) {
+    figures.beginFrame();
+    figures.add("solve", false, 0.010);
+    figures.add("solve", false, 0.020);
+    if (frame == 3) figures.add("build", true, 0.400);
+  }
+  ASSERT_EQ(figures.passes().size(), 2u);
+  const PassFigure& solve = figures.passes()[0];
+  const PassFigure& build = figures.passes()[1];
+  EXPECT_EQ(solve.passes, 8u);
+  EXPECT_NEAR(spreadOf(solve.us).median, 30, 1e-9);
+  EXPECT_EQ(build.passes, 1u);
+  ASSERT_EQ(build.us.size(), 4u);
+  EXPECT_NEAR(spreadOf(build.us).mean, 100, 1e-9);
+  EXPECT_NEAR(figures.simulation().mean, 30, 1e-9);
+  EXPECT_NEAR(figures.sdf().median, 0, 1e-9);
+  EXPECT_NEAR(figures.sdf().mean, 100, 1e-9);
+  EXPECT_NEAR(figures.frame().mean, 130, 1e-9);
+  EXPECT_TRUE(figures.isTimed());
+}
+
+TEST(FrameFigures, AreNotTimedWhereAPassHasNoTimestamp) {
+  FrameFigures figures;
+  figures.beginFrame();
+  figures.add("solve", false, -1);
+  EXPECT_EQ(figures.passes().size(), 1u);
+  EXPECT_FALSE(figures.isTimed());
+}
+
+TEST(CapsuleDistance, IsThatOfTheNearestOfAllSpheresInIt) {
+  const CapsuleCollider capsules[] = {
+      {.head = {0, 0, 0}, .headRadius = 0.05f, .tail = {0.2f, 0.1f, 0}, .tailRadius = 0.09f},
+      {.head = {0, 0, 0}, .headRadius = 0.05f, .tail = {0.2f, 0.1f, 0}, .tailRadius = 0.05f},
+      {.head = {0, 0, 0}, .headRadius = 0.3f, .tail = {0.1f, 0, 0}, .tailRadius = 0.05f},
+      {.head = {0.1f, 0, 0}, .headRadius = 0.1f, .tail = {0.1f, 0, 0}, .tailRadius = 0.1f}};
+  for (const CapsuleCollider& capsule : capsules)
+    for (int k = 0; k < 200; ++k) {
+      const auto at = [&](double factor) {
+        return static_cast<float>(0.4 * std::sin(factor * (k + 1)));
+      };
+      const Float3 point = {at(1.3), at(2.1), at(3.7)};
+      double least = 1e9;
+      for (int i = 0; i <= 20000; ++i) {
+        const double t = i / 20000.0;
+        const auto mix = [&](float a, float b) { return a + t * (static_cast<double>(b) - a); };
+        const double x = point.x - mix(capsule.head.x, capsule.tail.x);
+        const double y = point.y - mix(capsule.head.y, capsule.tail.y);
+        const double z = point.z - mix(capsule.head.z, capsule.tail.z);
+        const double radius = mix(capsule.headRadius, capsule.tailRadius);
+        least = std::min(least, std::sqrt(x * x + y * y + z * z) - radius);
+      }
+      EXPECT_NEAR(capsuleDistance(capsule, point), least, 1e-6);
+    }
+}
+
+TEST(DepthsInMesh, AreTheDistanceFromTheSurfaceInsideAndZeroOutside) {
+  const auto box = pelage::reference::box({-1, -0.02f, -1}, {1, 0.02f, 1});
+  const Float3 points[] = {{0, 0.015f, 0}, {0.3f, 0, 0.2f}, {0, 0.03f, 0}, {2, 0, 0}};
+  const std::vector<double> depths = depthsInMesh(box, points);
+  ASSERT_EQ(depths.size(), 4u);
+  EXPECT_NEAR(depths[0], 0.005, 1e-7);
+  EXPECT_NEAR(depths[1], 0.02, 1e-7);
+  EXPECT_EQ(depths[2], 0);
+  EXPECT_EQ(depths[3], 0);
+}
+
+}  // namespace
+}  // namespace bench

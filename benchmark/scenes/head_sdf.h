@@ -1,0 +1,44 @@
+// The classic baseline's SDF of a mesh that moves: its build, and the collision with it.
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include "pelage/pass_list.h"
+#include "pelage/result.h"
+#include "reference/sdf/mesh_shapes.h"
+#include "simulation/workbench.h"
+
+namespace bench {
+
+class FieldBuild;
+
+/// Positions that collide, now and a frame ago: [vertex] Float4.
+struct CollidingVertices {
+  pelage::BufferId positions = pelage::BufferId::kInvalid;
+  pelage::BufferId before = pelage::BufferId::kInvalid;
+  uint32_t count = 0;
+};
+
+/// On the padded grid of the original, with the cells of pelage's SDF of the mesh: a 50th of its
+/// longest side.
+class HeadSdf {
+ public:
+  HeadSdf(Workbench& workbench, const pelage::reference::TriangleMesh& mesh);
+  ~HeadSdf();
+  HeadSdf(const HeadSdf&) = delete;
+  HeadSdf& operator=(const HeadSdf&) = delete;
+
+  /// Adds the build of the mesh as it is now, and the collision.
+  /// \param mesh  with the triangles that it was made with
+  pelage::Result<void> addPasses(pelage::PassList& list,
+                                 const pelage::reference::TriangleMesh& mesh,
+                                 const CollidingVertices& vertices);
+  /// Whether a buffer of this name holds the SDF.
+  static bool isBuffer(std::string_view name) { return name == "fieldKeys"; }
+
+ private:
+  std::unique_ptr<FieldBuild> field_;
+};
+
+}  // namespace bench
