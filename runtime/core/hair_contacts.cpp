@@ -106,7 +106,7 @@ Result<void> HairContacts::find(PassList& list, const ResourceTable& resources,
   const Float3 fall = {step.gravity.x * squared, step.gravity.y * squared,
                        step.gravity.z * squared};
   const float height = std::hypot(fall.x, fall.y, fall.z);
-  constants.contactReach = kReach + height;
+  constants.contactReach = kReach + height + step.furtherReach;
   if (height > kLeap) constants.contactFall = {fall.x, fall.y, fall.z, 0};
   const auto sizeOf = [&](BufferId id) {
     const BufferDesc* desc = resources.find(id);

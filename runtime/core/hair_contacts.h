@@ -46,6 +46,7 @@ struct ContactStep {
   float begin = 0, end = 1;  ///< of the sub-step in the frame
   float length = 0;          ///< [s]
   Float3 gravity;            ///< acceleration that hair falls with [m/s2]
+  float furtherReach = 0;    ///< beyond what the step needs [m]
   bool again = false;        ///< for the tiles that the solver has listed
 };
 

@@ -301,13 +301,14 @@ class RodRun {
                                       .rootCount = constants.rootCount,
                                       .strands = constants.simulatedCount,
                                       .origin = {}};
-    // Gravity is a part of the reach, and of nothing else.
-    const double gravity = length(s.gravity) + static_cast<double>(furtherReach_) / (h * h);
-    detail::ContactStep step = {.index = index,
-                                .begin = constants.rootBegin,
-                                .end = constants.rootEnd,
-                                .length = static_cast<float>(h),
-                                .gravity = {0, -static_cast<float>(gravity), 0}};
+    const auto& g = s.gravity;
+    detail::ContactStep step = {
+        .index = index,
+        .begin = constants.rootBegin,
+        .end = constants.rootEnd,
+        .length = static_cast<float>(h),
+        .gravity = {static_cast<float>(g.x), static_cast<float>(g.y), static_cast<float>(g.z)},
+        .furtherReach = furtherReach_};
     if ((constants.flags & kReset) != 0) {
       ExactConstants pose = constants;
       pose.flags |= kPose;
