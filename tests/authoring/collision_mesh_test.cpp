@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -222,8 +221,9 @@ TEST(CutRims, RingsThatMeetInAVertexAreTwoRims) {
   EXPECT_TRUE(detail::EdgeBalance(together).isClosed());
 }
 
-TEST(CutRims, ALongRimTakesNoLongerThanItHas) {
-  // A strip of 2 x 300,000 triangles around a ring; the piece is its lower half.
+TEST(CutRims, ALongRimIsFollowedToItsEnd) {
+  // A strip of 2 x 300,000 triangles around a ring; the piece is its lower half. To search the path
+  // at each vertex would take hours, far beyond the limit of the test program.
   constexpr uint32_t kCount = 300000;
   std::vector<uint32_t> lower, whole;
   for (uint32_t i = 0; i < kCount; ++i) {
@@ -233,12 +233,9 @@ TEST(CutRims, ALongRimTakesNoLongerThanItHas) {
   }
   whole = lower;
   for (const uint32_t v : lower) whole.push_back(v + kCount);
-  const std::clock_t start = std::clock();
   const auto rims = detail::cutRims(lower, detail::EdgeBalance(whole));
-  const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
   ASSERT_EQ(rims.size(), 1u);
   EXPECT_EQ(rims[0].size(), kCount);
-  EXPECT_LT(seconds, 2);  // of the processor; to search the path at each vertex takes many
 }
 
 TEST_F(CutFromATube, BadInputIsAnErrorThatSaysWhich) {
