@@ -121,14 +121,13 @@ Reference curlReference(const Points& points, const BenchScene& scene) {
 }
 
 std::optional<Reference> elasticaReference(const Points& points, const BenchScene& scene) {
-  const double edge = length(points[1] - points[0]);
   StaticRod rod;
-  rod.length = length(points.back() - points[0]) - edge / 2;  // the clamp is the middle of edge 0
+  rod.length = length(points.back() - points[0]);
   rod.bend = scene.bend;
   rod.twist = scene.twist;
   rod.gravity = Vector3d(0, -scene.gravity, 0);
   rod.curls = [](double) { return Vector3d(); };
-  rod.origin = points[0] + (points[1] - points[0]) * 0.5;
+  rod.origin = points[0];
   const auto curve = rod.solve();
   if (!curve) return std::nullopt;
   Reference reference;
@@ -146,19 +145,15 @@ struct Helix {
 std::optional<Reference> helixReference(const Helix& helix, const BenchScene& scene) {
   const double rise = helix.pitch / (2 * pi), speed = std::hypot(helix.radius, rise);
   const double size = 2 * pi * helix.turns * speed;
-  const double clampAngle = pi * helix.turns / (helix.vertices - 1);
   StaticRod rod;
-  rod.length = size - speed * clampAngle;
+  rod.length = size;
   rod.bend = scene.bend;
   rod.twist = scene.twist;
   rod.gravity = Vector3d(0, -scene.gravity, 0);
-  rod.origin = {helix.radius * std::cos(clampAngle) - helix.radius, -rise * clampAngle,
-                helix.radius * std::sin(clampAngle)};
   // Frenet frame: x the tangent, y the inward normal, z the binormal.
-  const double c = std::cos(clampAngle), s = std::sin(clampAngle);
-  const Vector3d tangent = Vector3d(-helix.radius * s, -rise, helix.radius * c) * (1 / speed);
+  const Vector3d tangent = Vector3d(0, -rise, helix.radius) * (1 / speed);
   const Quaterniond toTangent = rotationBetween(Vector3d(1, 0, 0), tangent);
-  const Vector3d y = rotate(toTangent, Vector3d(0, 1, 0)), normal(-c, 0, -s);
+  const Vector3d y = rotate(toTangent, Vector3d(0, 1, 0)), normal(-1, 0, 0);
   const double roll = std::atan2(dot(cross(y, normal), tangent), dot(y, normal));
   rod.clamp = axisAngle(tangent, roll) * toTangent;
   const Vector3d darboux(rise / (speed * speed), 0, helix.radius / (speed * speed));
@@ -169,8 +164,7 @@ std::optional<Reference> helixReference(const Helix& helix, const BenchScene& sc
   reference.frames.emplace_back(static_cast<size_t>(helix.vertices));
   for (int i = 2; i < helix.vertices; ++i) {
     reference.vertices.push_back(i);
-    reference.frames[0][static_cast<size_t>(i)] =
-        pointAt(*curve, (i - 0.5) / (helix.vertices - 1.5));
+    reference.frames[0][static_cast<size_t>(i)] = pointAt(*curve, i / (helix.vertices - 1.0));
   }
   return reference;
 }

@@ -32,7 +32,7 @@ pelage::SimulationSettings settingsOf(const BenchScene& scene, const SolverChoic
   s.gravity = {0, -static_cast<float>(scene.gravity), 0};
   s.damping = static_cast<float>(1 - std::exp(-scene.airDrag / 60));
   s.bendLength = static_cast<float>(std::cbrt(scene.bend / 9.81));
-  s.twistRatio = scene.bend > 0 ? static_cast<float>(scene.twist / scene.bend) : 0;
+  s.twistRatio = scene.bend > 0 ? static_cast<float>(scene.twist / scene.bend) : 0.75f;
   s.localStiffness = scene.localStiffness;
   s.vspCoefficient = static_cast<float>(scene.carry);
   s.vspThreshold = std::numeric_limits<float>::infinity();

@@ -107,8 +107,8 @@ cbuffer ExactConstants : register(b0, space1) {
                             // the last turn of an edge
   uint g_contactMasks;
   uint g_contactMaskWords;  // of a strand
+  float g_twistInertia;     // 0.005 min(1, 60 h): rotary inertia about the tangent over am l^2
   uint g_exactPad0;
-  uint g_exactPad1;
 };
 
 // 8 sets. 0..3: of four states, the way of the vertex in the step that led to it, without what it

@@ -35,6 +35,18 @@ Float4 jointOf(const Rotation& q, double edgeLength, double region) {
           static_cast<float>(edgeLength), static_cast<float>(region)};
 }
 
+// Length whose bending is in the joint at vertex 1: edge 0, which follows the root, and half of
+// edge 1. It is longer than these, because moment and lever are larger towards the clamp: a
+// straight strand of length T under its own weight bends by (T - s)^2, which moves its tip by (T -
+// s)^3. The integral of that from 0 to b = first + second / 2, over its value at vertex 1; at most
+// three times b, for strands that all but end there. (b alone is of second order, too, with twice
+// the error; the usual (first + second) / 2 is of first order.)
+double rootRegion(double first, double second, double total) {
+  const double end = first + 0.5 * second, left = total - first;
+  const double whole = std::pow(total, 4) - std::pow(total - end, 4), at = 4 * std::pow(left, 3);
+  return whole < 3 * end * at ? whole / at : 3 * end;
+}
+
 float lengthOf(const HairAsset& asset, uint32_t strand) {
   float length = 0;
   for (uint32_t i = 0; i + 1 < asset.verticesPerStrand; ++i)
@@ -69,8 +81,10 @@ double goalSpring(double share) { return share * 3600 / std::max(1 - share, 1e-3
 // Largest rotation of a first Newton pass without a second one [rad]. Without air, strands that
 // whip about gain energy above 0.04; what the air takes in a step is more than what a wider one
 // adds, and then a second pass does not make the motion better
-// (docs/decisions/0005-second-pass.md).
-double passTolerance(double h, double drag) {
+// (docs/decisions/0005-second-pass.md). Strands that twist far more easily than they bend tremble
+// by as much as a first pass may leave, for ever: 0.1 m/s at a twistRatio of 0.1 to 0.3.
+double passTolerance(double h, double drag, double twistRatio) {
+  if (twistRatio < 0.4) return 2e-4;
   const double c = std::min(drag, 3.0) * std::min(60 * h, 1.0);
   return 0.04 + 0.2 * c * c;
 }
@@ -155,7 +169,9 @@ std::vector<Float4> packExactRest(const HairAsset& asset, const ExactStrands& st
       const bool tip = i + 1 == strand.count;
       const double before = i > 0 ? static_cast<double>(lengths[i - 1]) : 0;
       const double after = tip ? 0 : static_cast<double>(lengths[i]);
-      const double region = std::max(0.5 * (before + after), least);
+      const double stands =
+          i == 1 && !tip ? rootRegion(before, after, total) : 0.5 * (before + after);
+      const double region = std::max(stands, least);
       // Frame of the edge behind vertex i: restFrames holds that of the edge before it.
       if (i == 0) {
         const Rotation frame = relative({}, frames[1]);
@@ -263,6 +279,7 @@ void setExactStep(ExactConstants& constants, const SimulationSettings& s, double
              .rateBefore = history.rate};
   constants.turnRatio = static_cast<float>(ratio);
   constants.slowTurn = static_cast<float>(slowTurn(h, drag));
+  constants.twistInertia = static_cast<float>(0.005 * std::min(60 * h, 1.0));
   constants.guessTrend = static_cast<float>(0.5 * std::min(drag, 1.0));
   const double bendLength = static_cast<double>(s.bendLength);
   const double bend = 9.81 * bendLength * bendLength * bendLength;
@@ -271,7 +288,8 @@ void setExactStep(ExactConstants& constants, const SimulationSettings& s, double
   constants.damping = static_cast<float>(static_cast<double>(s.relaxationTime) / h);
   constants.goalStiffness = static_cast<float>(goalSpring(static_cast<double>(s.globalStiffness)));
   constants.goalRange = std::max(s.globalRange, 1e-6f);
-  constants.passTolerance = static_cast<float>(passTolerance(h, drag));
+  constants.passTolerance =
+      static_cast<float>(passTolerance(h, drag, static_cast<double>(s.twistRatio)));
   constants.vspCoefficient = s.vspCoefficient;
   constants.vspThreshold = s.vspThreshold;
 }

@@ -60,7 +60,7 @@ Result<void> validate(const SimulationSettings& s) {
       {"gravity.z", s.gravity.z, -kMax, kMax},
       {"damping", s.damping, 0, 1},
       {"bendLength", s.bendLength, 0, 10},
-      {"twistRatio", s.twistRatio, 0, 10},
+      {"twistRatio", s.twistRatio, 0.05f, 10},
       {"relaxationTime", s.relaxationTime, 0, 1},
       {"localStiffness", s.localStiffness, 0, 1},
       {"globalStiffness", s.globalStiffness, 0, 1},

@@ -259,6 +259,7 @@ class RodRun {
     coefficients_ = c;
     constants.turnRatio = stepBefore_ > 0 ? static_cast<float>(h / stepBefore_) : 0;
     constants.slowTurn = RodTuning<float>::slowTurn(h, s.material.airDrag);
+    constants.twistInertia = RodTuning<float>::twistInertia(h);
     constants.guessTrend = RodTuning<float>::guessTrend(s.material.airDrag);
     constants.bendStiffness = static_cast<float>(s.material.bend);
     constants.twistStiffness = static_cast<float>(s.material.twist);

@@ -36,7 +36,7 @@ void change(SimulationSettings& s, Dice& dice, bool structure) {
   s.gravity = {structure ? dice.between(-20, 20) : 0, dice.between(-20, 20), dice.between(-20, 20)};
   s.damping = structure ? dice.share() : dice.between(0.01f, 1);
   s.bendLength = dice.between(0, 10) * dice.share();
-  s.twistRatio = dice.between(0, 10);
+  s.twistRatio = dice.between(0.05f, 10);
   s.subSteps = 1 + dice.random.below(3);
   s.localStiffness = structure ? dice.share() : dice.between(0.1f, 1);
   s.localIterations = 1 + dice.random.below(16);

@@ -10,10 +10,6 @@
 #include "rod_contact.hlsli"
 #include "rod_gains.hlsli"
 
-// Rotary inertia about the tangent over am l^2. Without one the twist has no mass, and the guess
-// that extrapolates it makes energy grow without bound.
-static const float kTwistInertia = 0.005;
-
 struct Value {
   Symmetric3 m;
   Symmetric3 d;
@@ -244,7 +240,7 @@ Elimination eliminateEdge(Value v, RodEdge edge, Bending bending, float twistSti
   // Along t all but D vanishes in exact arithmetic: its rounding is replaced.
   precise float own = max(dot3(t, multiplySymmetric(v.d, t)), 0.0);
   precise float missing = max(traceOf(a) * kTwistFloor - twistStiffness - own, 0.0);
-  precise float inertia = endWeight * edge.edgeLength * edge.edgeLength * kTwistInertia;
+  precise float inertia = endWeight * edge.edgeLength * edge.edgeLength * g_twistInertia;
   precise float correction = own - dot3(t, multiplySymmetric(a, t)) + missing + inertia;
   precise float3 ct = t * correction;
   a = addOuter(a, ct, t);

@@ -1,5 +1,6 @@
 #include "rest_strand.h"
 
+#include <cmath>
 #include <numbers>
 #include <numeric>
 
@@ -34,14 +35,22 @@ RestStrand::RestStrand(std::vector<Vector3d> points) : positions(std::move(point
   for (int i = 0; i < n; ++i) {
     const double before = i > 0 ? lengths[i - 1] : 0;
     const double after = i + 1 < n ? lengths[i] : 0;
-    regions.push_back(std::max(0.5 * (before + after), regionFloor));
+    const double region = i == 1 ? rootRegion(before, after, total) : 0.5 * (before + after);
+    regions.push_back(std::max(region, regionFloor));
     arc += before;
     share.push_back(total > 0 ? arc / total : 0);
   }
+  stiffness.assign(n, 1);
   relative.push_back(frames[0]);
   for (int i = 1; i + 1 < n; ++i) {
     relative.push_back(normalized(conjugate(frames[i - 1]) * frames[i]));
   }
+}
+
+double rootRegion(double first, double second, double total) {
+  const double end = first + 0.5 * second, left = total - first;
+  const double whole = std::pow(total, 4) - std::pow(total - end, 4), at = 4 * std::pow(left, 3);
+  return whole < 3 * end * at ? whole / at : 3 * end;
 }
 
 double RestStrand::length() const { return std::accumulate(lengths.begin(), lengths.end(), 0.0); }

@@ -50,7 +50,7 @@ FuzzCase makeFuzzCase(uint32_t seed, int frames) {
   result.points = randomPoints(random);
   RodMaterial& material = result.settings.material;
   material.bend = random.chance(0.1) ? 0 : random.logBetween(1e-9, 1e2);
-  material.twist = material.bend * random.between(0.1, 2);
+  material.twist = material.bend * random.logBetween(0.05, 10);
   material.airDrag = random.chance(0.3) ? 0 : random.between(0, 20);
   material.relaxation = random.chance(0.7) ? 0 : random.logBetween(1e-4, 1e-1);
   result.settings.gravity = random.cube(1) * random.logBetween(1e-3, 1e4);

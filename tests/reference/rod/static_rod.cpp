@@ -26,7 +26,9 @@ StaticRod::Shot StaticRod::shoot(const Vector3d& clampMoment, double load) const
     const Quaterniond q = normalized(state.frame);
     const Vector3d tangent = axisX(q);
     const Vector3d local = rotate(conjugate(q), state.moment);
-    const Vector3d darboux = curls(s) + Vector3d(local.x / twist, local.y / bend, local.z / bend);
+    const double factor = stiffness ? stiffness(s) : 1;
+    const Vector3d strain(local.x / twist, local.y / bend, local.z / bend);
+    const Vector3d darboux = curls(s) + strain * (1 / factor);
     const Quaterniond turn = q * Quaterniond(darboux * 0.5, 0);
     return State{tangent, -cross(tangent, gravity * (load * (length - s))), turn};
   };

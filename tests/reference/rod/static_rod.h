@@ -16,9 +16,10 @@ struct StaticRod {
   double bend = 0, twist = 0;             ///< B and G J / (rho A) [m4/s2]
   Vector3d gravity{0, -9.81, 0};          ///< [m/s2]
   std::function<Vector3d(double)> curls;  ///< rest Darboux vector at s, in the material frame [1/m]
-  Quaterniond clamp;                      ///< material frame at s = 0; its x axis is the tangent
-  Vector3d origin;                        ///< position at s = 0
-  int steps = 3000;                       ///< Runge-Kutta steps along the rod
+  std::function<double(double)> stiffness = {};  ///< factor of bend and twist at s; none: 1
+  Quaterniond clamp;  ///< material frame at s = 0; its x axis is the tangent
+  Vector3d origin;    ///< position at s = 0
+  int steps = 3000;   ///< Runge-Kutta steps along the rod
 
   /// Curve points at equal arc lengths, steps + 1 of them; nothing when shooting did not converge.
   /// The load is raised in `loadSteps` steps.
