@@ -35,6 +35,7 @@ struct Needle {
   Point foot, tip;  ///< [pixels]
   double depth = 0;
   bool slides = false;
+  size_t vertex = 0;
 };
 
 /// As docs/contact.md has it, without the whiteness of what slides.
@@ -62,9 +63,9 @@ class ContactDraw : public testing::TestWithParam<Api> {
   void TearDown() override { run_.clear(); }
 
   /// 0.3 m of hair that falls onto the cylinder along z.
-  HairObject& addHair(float friction) {
-    const Result<HairId> added =
-        run_.scene.addHair(strandAsset(straight(32, {-0.07, 0.06, 0}, {0.23, 0.06, 0})), {});
+  HairObject& addHair(float friction, int vertices = 32, double root = -0.07) {
+    const Result<HairId> added = run_.scene.addHair(
+        strandAsset(straight(vertices, {root, 0.06, 0}, {root + 0.3, 0.06, 0})), {});
     EXPECT_TRUE(added);
     id_ = *added;
     const CapsuleCollider capsule = cylinder(static_cast<float>(kRadius), friction);
@@ -77,11 +78,12 @@ class ContactDraw : public testing::TestWithParam<Api> {
   std::vector<Needle> needles() {
     const auto positions = run_.positions(hair());
     const auto records = run_.read<ContactRecord>(hair().buffers().contacts);
-    // Of one strand of up to 32 vertices the mask is the last word.
-    const uint32_t mask = run_.read<uint32_t>(hair().buffers().contactWords).back();
+    // The last words are the mask, as there is one strand.
+    const auto words = run_.read<uint32_t>(hair().buffers().contactWords);
+    const size_t firstMask = words.size() - (positions.size() + 31) / 32;
     std::vector<Needle> needles;
     for (size_t v = 0; v < positions.size(); ++v) {
-      if (((mask >> v) & 1) == 0) continue;
+      if (((words[firstMask + v / 32] >> (v % 32)) & 1) == 0) continue;
       const ContactRecord& r = records[2 * v];
       EXPECT_EQ(r.bits & kMore, 0u) << "there is one collider";
       const Point p = toPoint(positions[v]);
@@ -94,7 +96,7 @@ class ContactDraw : public testing::TestWithParam<Api> {
       needles.push_back(
           {pixelOf(p),
            pixelOf({p.x + length * double{r.plane.x}, p.y + length * double{r.plane.y}, 0}), depth,
-           slides});
+           slides, v});
     }
     return needles;
   }
@@ -136,11 +138,16 @@ class ContactDraw : public testing::TestWithParam<Api> {
 
 TEST_P(ContactDraw, PixelsAreWhereContactsAreAndNowhereElse) {
   size_t sliding = 0, others = 0;
-  for (const float friction : {0.0f, 2.0f}) {
-    addHair(friction);
+  for (const bool isLong : {false, true}) {
+    // The long one touches with vertices of its mask's second word.
+    if (isLong)
+      addHair(2, 70, -0.2);
+    else
+      addHair(0);
     for (int frame = 0; frame < 20; ++frame) run_.step();
     const std::vector<Needle> expected = needles();
     ASSERT_GT(expected.size(), 3u);
+    EXPECT_EQ(expected.back().vertex >= 32, isLong);
     PassList list;
     const std::vector<Float4> pixels = picture(list);
     ASSERT_EQ(pixels.size(), size_t{kPixels} * kPixels);
