@@ -33,11 +33,12 @@ class Baseline : public testing::TestWithParam<Api> {
     ASSERT_TRUE(device.ok()) << device.error().message;
     device_ = std::move(*device);
     workbench_.reset(new Workbench{*device_, {}});
+    copies_ = std::make_unique<CopyReference>(*device_, workbench_->scene, kOnce);
   }
 
   Measurement measured(const BenchScene& scene, SolverKind kind, uint32_t effort) {
     const SceneReference reference(scene);
-    auto row = measure(*workbench_, scene, reference, {kind, effort});
+    auto row = measure(*workbench_, *copies_, scene, reference, {kind, effort});
     EXPECT_TRUE(row.ok()) << (row.ok() ? "" : row.error().message);
     return row.ok() ? *row : Measurement{};
   }
@@ -65,6 +66,7 @@ class Baseline : public testing::TestWithParam<Api> {
 
   std::unique_ptr<HeadlessDevice> device_;
   std::unique_ptr<Workbench> workbench_;
+  std::unique_ptr<CopyReference> copies_;
 };
 
 /// A horizontal strand of 0.3 m without stiffness, which comes to hang.

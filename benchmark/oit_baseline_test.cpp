@@ -50,6 +50,7 @@ class OitBaseline : public testing::TestWithParam<Api> {
     auto scene = HairScene::create(*def, *device_);
     ASSERT_TRUE(scene.ok()) << scene.error().message;
     scene_ = std::move(*scene);
+    copies_ = std::make_unique<CopyReference>(*device_, scene_->scene(), kOnce);
     view_ = sample::makeView(def->whole, kPixels, kPixels, 1);
   }
 
@@ -61,7 +62,7 @@ class OitBaseline : public testing::TestWithParam<Api> {
 
   OitRow measured(const std::string& method, const ExactPicture& picture) {
     OitRow row;
-    const Result<void> done = measureOit({*scene_, view_, picture}, methodNamed(method),
+    const Result<void> done = measureOit({*scene_, *copies_, view_, picture}, methodNamed(method),
                                          {.frames = 1, .together = 2}, row);
     EXPECT_TRUE(done.ok()) << (done.ok() ? "" : done.error().message);
     return row;
@@ -90,6 +91,7 @@ class OitBaseline : public testing::TestWithParam<Api> {
 
   std::unique_ptr<HeadlessDevice> device_;
   std::unique_ptr<HairScene> scene_;
+  std::unique_ptr<CopyReference> copies_;
   pelage::View view_;
 };
 

@@ -70,7 +70,11 @@ void print(const OitRow& row) {
 class Run {
  public:
   Run(const Options& options, pelage::HeadlessDevice& device, bench::HairScene& scene)
-      : options_(options), device_(device), scene_(scene), reference_(scene, options.fragments) {}
+      : options_(options),
+        device_(device),
+        scene_(scene),
+        copies_(device, scene.scene(), {}),
+        reference_(scene, options.fragments) {}
 
   /// Rows of all methods; those that a device cannot do are told of.
   Result<void> measure(const HairSceneDef& def, bool close, const Size& size, float opacity) {
@@ -91,7 +95,7 @@ class Run {
       row.viewName = close ? "close" : "whole";
       row.opacity = std::round(1000 * static_cast<double>(opacity)) / 1000;
       if (Result<void> done =
-              bench::measureOit({scene_, view, *exact}, method, options_.counts, row);
+              bench::measureOit({scene_, copies_, view, *exact}, method, options_.counts, row);
           !done)
         return pelage::Error{done.error().code, nameOf(method) + ": " + done.error().message};
       if (&method == bench::oitMethods().data()) classic = row.resolve;
@@ -110,6 +114,7 @@ class Run {
   const Options& options_;
   pelage::HeadlessDevice& device_;
   bench::HairScene& scene_;
+  bench::CopyReference copies_;
   bench::FragmentReference reference_;
 };
 

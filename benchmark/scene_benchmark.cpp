@@ -35,7 +35,7 @@ struct Options {
 
 // A smoke test takes the first frames, in which every SDF is built.
 constexpr bench::MeasureDef kQuickMeasure = {
-    .frames = 3, .warmUpFrames = 0, .samples = 1, .maxRuns = 1, .warmUpMilliseconds = 0};
+    .frames = 3, .warmUpFrames = 0, .samples = 1, .clocks = bench::kOnce};
 
 bench::SceneSize sizeOf(const Options& options) {
   if (options.quick) return bench::SceneSize::kQuick;
@@ -69,14 +69,8 @@ class ApiRun {
         assets_(assets),
         start_(start),
         workbench_{device, {}},
-        reference_(workbench_) {
-    measure_ = options.quick ? kQuickMeasure : options.measure;
-    // A software driver has no clocks that rise, and is never alone.
-    if (device.info().software) {
-      measure_.maxRuns = 1;
-      measure_.warmUpMilliseconds = 0;
-    }
-  }
+        measure_(options.quick ? kQuickMeasure : options.measure),
+        reference_(device, workbench_.scene, measure_.clocks) {}
 
   /// Returns how many rows could not be measured.
   Result<int> run() {
@@ -128,8 +122,8 @@ class ApiRun {
   bench::SceneAssets& assets_;
   Clock::time_point start_;
   bench::Workbench workbench_;
-  bench::CopyReference reference_;
   bench::MeasureDef measure_;
+  bench::CopyReference reference_;
   std::vector<SceneResult> results_;
   std::map<std::string, bench::Spread> baselines_;  // by scene
 };
@@ -197,7 +191,7 @@ int main(int argc, char** argv) {
   app.add_option("--warm-up", options.measure.warmUpFrames, "frames before those")
       ->check(CLI::Range(0, 100000))
       ->capture_default_str();
-  app.add_option("--runs", options.measure.maxRuns,
+  app.add_option("--runs", options.measure.clocks.maxRuns,
                  "of a row at most, while the copies beside it take different times")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();

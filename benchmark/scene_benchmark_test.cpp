@@ -8,6 +8,7 @@
 #include "scenes/collider_depths.h"
 #include "scenes/frame_figures.h"
 #include "scenes/scene_rows.h"
+#include "simulation/copy_reference.h"
 
 namespace bench {
 namespace {
@@ -54,6 +55,47 @@ TEST(FrameFigures, CountPassesOfOneNameTogetherAndAFrameWithoutThemAsZero) {
   EXPECT_NEAR(figures.sdf().mean, 100, 1e-9);
   EXPECT_NEAR(figures.frame().mean, 130, 1e-9);
   EXPECT_TRUE(figures.isTimed());
+}
+
+struct DriftingRow {
+  int run = 0;
+  CopyTimes copies;
+};
+
+/// Of rows beside which the copy takes 100 us before and so long after.
+pelage::Result<DriftingRow> steadiestOf(const std::vector<double>& after) {
+  size_t runs = 0;
+  return steadiest({.maxRuns = 4, .maxDrift = 0.05}, [&]() -> pelage::Result<DriftingRow> {
+    if (runs == after.size()) return pelage::Error{pelage::ErrorCode::kDevice, "one too many"};
+    DriftingRow row;
+    row.copies = {100, after[runs], 1};
+    row.run = static_cast<int>(runs++);
+    return row;
+  });
+}
+
+TEST(CopyTimes, ARowRunsAgainUntilTheCopyBesideItKeepsItsTime) {
+  const auto steady = steadiestOf({104});
+  ASSERT_TRUE(steady);
+  EXPECT_EQ(steady->copies.runs, 1);
+  const auto third = steadiestOf({120, 80, 97});
+  ASSERT_TRUE(third);
+  EXPECT_EQ(third->run, 2);
+  EXPECT_EQ(third->copies.runs, 3);
+  const auto none = steadiestOf({120, 90, 130, 125});
+  ASSERT_TRUE(none);
+  EXPECT_EQ(none->run, 1) << "it drifted least";
+  EXPECT_EQ(none->copies.runs, 4);
+  const auto broken = steadiestOf({std::nan(""), std::nan(""), 106, 120});
+  ASSERT_TRUE(broken);
+  EXPECT_EQ(broken->run, 2);
+  EXPECT_FALSE(steadiestOf({120, 90})) << "an error of a later run is one";
+}
+
+TEST(CopyTimes, WithoutTimestampsARowRunsOnce) {
+  const auto row = steadiest({}, []() -> pelage::Result<DriftingRow> { return DriftingRow{}; });
+  ASSERT_TRUE(row);
+  EXPECT_EQ(row->copies.runs, 1);
 }
 
 TEST(FrameFigures, AreNotTimedWhereAPassHasNoTimestamp) {

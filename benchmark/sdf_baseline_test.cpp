@@ -37,6 +37,7 @@ class SdfBaseline : public testing::TestWithParam<Api> {
     ASSERT_TRUE(device.ok()) << device.error().message;
     device_ = std::move(*device);
     workbench_.reset(new Workbench{*device_, {}});
+    copies_ = std::make_unique<CopyReference>(*device_, workbench_->scene, kOnce);
   }
 
   /// The row of the build, then those of the collisions with near hair.
@@ -51,13 +52,15 @@ class SdfBaseline : public testing::TestWithParam<Api> {
     std::vector<HairSet> hair;
     if (vertices > 0) hair.push_back(makeHairSet(shape, oracle, "near", vertices, -3, 3, cell));
     method.collides = vertices > 0;
-    auto rows = measureField(*workbench_, {shape, cells, *grid, truth, hair}, method, oracle, 2);
+    auto rows =
+        measureField(*workbench_, *copies_, {shape, cells, *grid, truth, hair}, method, oracle, 2);
     EXPECT_TRUE(rows.ok()) << (rows.ok() ? "" : rows.error().message);
     return rows.ok() ? *rows : std::vector<FieldRow>{FieldRow{}};
   }
 
   std::unique_ptr<HeadlessDevice> device_;
   std::unique_ptr<Workbench> workbench_;
+  std::unique_ptr<CopyReference> copies_;
 };
 
 // K27: 60 % of a sphere are never written, and K28: too far beyond two cells.

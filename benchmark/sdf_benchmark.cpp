@@ -68,8 +68,13 @@ struct Truth {
 
 class ShapeRun {
  public:
-  ShapeRun(bench::Workbench& workbench, const FieldShape& shape, const Options& options)
-      : workbench_(workbench), shape_(shape), options_(options), oracle_(shape.mesh) {}
+  ShapeRun(bench::Workbench& workbench, bench::CopyReference& copies, const FieldShape& shape,
+           const Options& options)
+      : workbench_(workbench),
+        copies_(copies),
+        shape_(shape),
+        options_(options),
+        oracle_(shape.mesh) {}
 
   /// Returns how many rows could not be measured.
   Result<int> run() {
@@ -104,7 +109,7 @@ class ShapeRun {
     const auto truth = truthOf(cells, method.band);
     if (!truth) return truth.error();
     const bench::FieldCase what = {shape_, cells, (*truth)->grid, (*truth)->distances, hair_};
-    return bench::measureField(workbench_, what, method, oracle_, options_.frames);
+    return bench::measureField(workbench_, copies_, what, method, oracle_, options_.frames);
   }
 
   // Near: all of it within 3 cells, half of it inside. Usual: outside, a twentieth within a cell.
@@ -146,6 +151,7 @@ class ShapeRun {
   }
 
   bench::Workbench& workbench_;
+  bench::CopyReference& copies_;
   const FieldShape& shape_;
   const Options& options_;
   DistanceOracle oracle_;
@@ -170,9 +176,10 @@ Result<void> runApi(pelage::Api api, const std::vector<FieldShape>& shapes, cons
   fmt::print("{:<11}{:>6}  {:<14}{:<45}{:>10}{:>10}{:>7}{:>10}{:>8}{:>8}{:>9}\n", "shape", "cells",
              "what", "method", "median us", "min us", "signs", "error", "unset %", "inside", "MiB");
   bench::Workbench workbench{**device, {}};
+  bench::CopyReference copies(**device, workbench.scene, {});
   for (const FieldShape& shape : shapes) {
     if (!isChosen(options.shapes, shape.name)) continue;
-    const auto failed = ShapeRun(workbench, shape, options).run();
+    const auto failed = ShapeRun(workbench, copies, shape, options).run();
     if (!failed) return failed.error();
     failures += *failed;
   }

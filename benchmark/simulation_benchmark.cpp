@@ -36,6 +36,14 @@ struct Options {
   std::string csv, commit;
 };
 
+// A device with what is measured on it.
+struct Bench {
+  explicit Bench(pelage::HeadlessDevice& device)
+      : workbench{device, {}}, copies(device, workbench.scene, {}) {}
+  bench::Workbench workbench;
+  bench::CopyReference copies;
+};
+
 bool isChosen(const std::vector<std::string>& chosen, const std::string& name) {
   return chosen.empty() || std::find(chosen.begin(), chosen.end(), name) != chosen.end();
 }
@@ -71,12 +79,12 @@ void print(const Measurement& m) {
 }
 
 // The quickest of some rounds: a GPU is not always alone.
-Result<Measurement> quickest(bench::Workbench& workbench, const BenchScene& scene,
+Result<Measurement> quickest(Bench& bench, const BenchScene& scene,
                              const bench::SceneReference& reference, const SolverChoice& choice,
                              int rounds) {
-  auto best = bench::measure(workbench, scene, reference, choice);
+  auto best = bench::measure(bench.workbench, bench.copies, scene, reference, choice);
   for (int round = 1; round < rounds && best; ++round) {
-    auto row = bench::measure(workbench, scene, reference, choice);
+    auto row = bench::measure(bench.workbench, bench.copies, scene, reference, choice);
     if (!row) return row;
     row->floor = std::min(row->floor, best->floor);
     if (row->medianFrame < best->medianFrame)
@@ -88,13 +96,13 @@ Result<Measurement> quickest(bench::Workbench& workbench, const BenchScene& scen
 }
 
 // A row that a device cannot do is left out, and named.
-Result<void> runScene(bench::Workbench& workbench, const BenchScene& scene, const Options& options,
+Result<void> runScene(Bench& bench, const BenchScene& scene, const Options& options,
                       int& failures) {
   if (!isChosen(options.scenes, scene.name)) return {};
   const bench::SceneReference reference(scene);
   double baseline = 0;
   for (const SolverChoice& choice : choicesOf(scene, options)) {
-    auto row = quickest(workbench, scene, reference, choice, options.rounds);
+    auto row = quickest(bench, scene, reference, choice, options.rounds);
     if (!row) {
       fmt::print(stderr, "error: {}, {}, {}: {}\n", scene.name, solverName(choice.kind),
                  choice.setting(), row.error().message);
@@ -105,29 +113,29 @@ Result<void> runScene(bench::Workbench& workbench, const BenchScene& scene, cons
     if (baseline > 0) row->ratioToBaseline = row->medianFrame / baseline;
     print(*row);
     if (options.csv.empty()) continue;
-    const auto& device = workbench.device.info();
+    const auto& device = bench.workbench.device.info();
     if (Result<void> done = bench::appendCsv(options.csv, {*row}, device, options.commit); !done)
       return done;
   }
   return {};
 }
 
-Result<void> runGrooms(bench::Workbench& workbench, const Options& options, int& failures) {
+Result<void> runGrooms(Bench& bench, const Options& options, int& failures) {
   if (options.grooms.empty()) return {};
   const uint32_t least = *std::min_element(options.grooms.begin(), options.grooms.end());
   const auto hair = bench::generatedHair(least);
   if (!hair) return hair.error();
   for (const uint32_t strands : options.grooms) {
     const auto scene = bench::movedGroom("groom", *hair, std::max(1u, strands / least), 0);
-    if (Result<void> done = runScene(workbench, scene, options, failures); !done) return done;
+    if (Result<void> done = runScene(bench, scene, options, failures); !done) return done;
   }
   const uint32_t copies = std::max(1u, options.grooms[options.grooms.size() / 2] / least);
   const auto carried = bench::movedGroom("groom_carried", *hair, copies, 0.5);
-  if (Result<void> done = runScene(workbench, carried, options, failures); !done) return done;
-  return runScene(workbench, bench::restingGroom("groom_asleep", *hair, copies), options, failures);
+  if (Result<void> done = runScene(bench, carried, options, failures); !done) return done;
+  return runScene(bench, bench::restingGroom("groom_asleep", *hair, copies), options, failures);
 }
 
-Result<void> runMohawk(bench::Workbench& workbench, const Options& options, int& failures) {
+Result<void> runMohawk(Bench& bench, const Options& options, int& failures) {
   const auto path = options.data / "ratboy/Ratboy_mohawk.tfx";
   if (!std::filesystem::exists(path)) {
     fmt::print("mohawk: skipped, there is no {}\n", path.string());
@@ -137,7 +145,7 @@ Result<void> runMohawk(bench::Workbench& workbench, const Options& options, int&
   if (!hair) return hair.error();
   for (const uint32_t copies : options.mohawks) {
     const auto scene = bench::movedGroom("mohawk", *hair, copies, 0);
-    if (Result<void> done = runScene(workbench, scene, options, failures); !done) return done;
+    if (Result<void> done = runScene(bench, scene, options, failures); !done) return done;
   }
   return {};
 }
@@ -157,16 +165,15 @@ Result<void> runApi(pelage::Api api, const Options& options, int& failures) {
   fmt::print("{:<24}{:<15}{:<16}{:>8}{:>11}{:>12}{:>12}{:>8}{:>12}{:>12}{:>10}\n", "scene",
              "solver", "setting", "strands", "error %", "max str. %", "rms str. %", "broken",
              "median us", "min us", "floor us");
-  bench::Workbench workbench{**device, {}};
+  Bench bench(**device);
   for (const auto make : {bench::limpSwing, bench::shakenCurl})
-    if (Result<void> done = runScene(workbench, make(options.strands), options, failures); !done)
+    if (Result<void> done = runScene(bench, make(options.strands), options, failures); !done)
       return done;
   for (const auto make : {bench::elastica, bench::saggingHelix})
-    if (Result<void> done = runScene(workbench, make(options.staticStrands), options, failures);
-        !done)
+    if (Result<void> done = runScene(bench, make(options.staticStrands), options, failures); !done)
       return done;
-  if (Result<void> done = runGrooms(workbench, options, failures); !done) return done;
-  return runMohawk(workbench, options, failures);
+  if (Result<void> done = runGrooms(bench, options, failures); !done) return done;
+  return runMohawk(bench, options, failures);
 }
 
 }  // namespace

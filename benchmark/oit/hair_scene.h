@@ -50,6 +50,7 @@ class HairScene {
                                                int times = 1);
 
   pelage::HeadlessDevice& device() { return device_; }
+  pelage::Scene& scene() { return scene_; }
   pelage::ResourceTable& resources() { return scene_.resources(); }
   pelage::BufferId shadowWords() const { return scene_.shadowWords(); }
   pelage::HairObject& hair() { return scene_.hair(hair_); }

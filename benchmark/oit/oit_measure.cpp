@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "simulation/csv_file.h"
+#include "simulation/median.h"
 
 namespace bench {
 
@@ -56,13 +57,6 @@ bool isOneOf(std::string_view name, const std::string_view (&names)[N]) {
   return std::find(std::begin(names), std::end(names), name) != std::end(names);
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return -1;
-  std::sort(values.begin(), values.end());
-  const size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
-}
-
 class FrameTimes {
  public:
   void add(std::span<const PassTiming> timings) {
@@ -80,10 +74,10 @@ class FrameTimes {
     total_.push_back(build + resolve + shadow);
   }
   void store(OitRow& row) const {
-    row.build = median(build_);
-    row.resolve = median(resolve_);
-    row.shadow = median(shadow_);
-    row.total = median(total_);
+    row.build = medianOf(build_, -1);
+    row.resolve = medianOf(resolve_, -1);
+    row.shadow = medianOf(shadow_, -1);
+    row.total = medianOf(total_, -1);
   }
 
  private:
@@ -180,12 +174,51 @@ class OitFrames {
   std::vector<PassList> lists_;
 };
 
+// What frames took, beside a copy.
+struct TimedFrames {
+  FrameTimes times;
+  CopyTimes copies;
+};
+
+Result<void> drawFrames(OitFrames& drawn, int together, int frames, FrameTimes& times) {
+  const auto start = std::chrono::steady_clock::now();
+  for (int timed = 0; timed < frames; timed += together) {
+    if (timed > 0 && std::chrono::steady_clock::now() - start > kLongest) break;
+    std::vector<PassTiming> timings;
+    const auto image = drawn.render(&timings, together);
+    if (!image) return image.error();
+    const size_t passes = timings.size() / static_cast<size_t>(together);
+    for (int i = 0; i < together; ++i)
+      times.add(std::span(timings).subspan(static_cast<size_t>(i) * passes, passes));
+  }
+  return {};
+}
+
+Result<TimedFrames> timeFrames(OitFrames& drawn, const OitCase& what, const OitMethod& method,
+                               const OitFrameCounts& counts) {
+  const int together = method.writesDepth ? 1 : std::max(counts.together, 1);
+  if (!what.scene.device().info().software) {
+    FrameTimes untimed;
+    if (Result<void> done = drawFrames(drawn, together, kWarmUpFrames, untimed); !done)
+      return done.error();
+  }
+  return steadiest(what.copies.clocks(), [&]() -> Result<TimedFrames> {
+    TimedFrames timed;
+    const auto beside =
+        what.copies.around([&] { return drawFrames(drawn, together, counts.frames, timed.times); });
+    if (!beside) return beside.error();
+    timed.copies = *beside;
+    return timed;
+  });
+}
+
 std::string number(double value, bool known) { return known ? fmt::format("{:.5g}", value) : ""; }
 
 constexpr const char* kCsvHeader =
     "commit,api,scene,view,width,height,opacity,method,samples,psnr_db,error_max,off_percent,"
     "build_ms,resolve_ms,shadow_ms,total_ms,resolve_ratio_to_classic,bytes_a_pixel,bytes,fragments,"
-    "spilled,layers_mean,layers_max,hair_pixels,row_step,device,driver,version\n";
+    "spilled,layers_mean,layers_max,hair_pixels,row_step,"
+    "reference_us_before,reference_us_after,runs,device,driver,version\n";
 
 }  // namespace
 
@@ -205,24 +238,10 @@ Result<void> measureOit(const OitCase& what, const OitMethod& method, const OitF
   }
   row.error = comparePicture(*image, what.exact);
 
-  const bool software = what.scene.device().info().software;
-  const int together = method.writesDepth ? 1 : std::max(counts.together, 1);
-  FrameTimes times;
-  int untimed = software ? 0 : kWarmUpFrames;
-  const auto start = std::chrono::steady_clock::now();
-  for (int timed = 0; timed < counts.frames;) {
-    if (timed > 0 && std::chrono::steady_clock::now() - start > kLongest) break;
-    std::vector<PassTiming> timings;
-    const auto again = drawn.render(&timings, together);
-    if (!again) return again.error();
-    const size_t passes = timings.size() / static_cast<size_t>(together);
-    for (int i = 0; i < together; ++i) {
-      if (untimed-- > 0) continue;
-      times.add(std::span(timings).subspan(static_cast<size_t>(i) * passes, passes));
-      ++timed;
-    }
-  }
-  times.store(row);
+  const auto timed = timeFrames(drawn, what, method, counts);
+  if (!timed) return timed.error();
+  timed->times.store(row);
+  row.copies = timed->copies;
   row.method = method.name;
   row.samples = method.samples;
   row.width = what.view.width;
@@ -241,14 +260,15 @@ Result<void> appendOitCsv(const std::string& path, const OitRow& r,
   const double pixels = static_cast<double>(r.width) * r.height;
   const std::string line = fmt::format(
       "{},{},{},{},{},{},{},{},{},{:.2f},{:.5f},{:.4f},{},{},{},{},{},{:.1f},{},{},{},{:.2f},{},{},"
-      "{},\"{}\",\"{}\",\"{}\"\n",
+      "{},{},{},{},\"{}\",\"{}\",\"{}\"\n",
       commit, pelage::apiName(device.api), r.scene, r.viewName, r.width, r.height, r.opacity,
       r.method, r.samples, r.error.psnr, r.error.largest, 100 * r.error.off,
       number(r.build, r.build >= 0), number(r.resolve, r.resolve >= 0),
       number(r.shadow, r.shadow >= 0), number(r.total, r.total >= 0),
       number(r.resolveRatio, r.resolveRatio > 0), static_cast<double>(r.bytes) / pixels, r.bytes,
-      r.fragments, r.spilled, r.layersMean, r.layersMax, r.hairPixels, r.rowStep, device.name,
-      device.driver, device.version);
+      r.fragments, r.spilled, r.layersMean, r.layersMax, r.hairPixels, r.rowStep,
+      number(r.copies.before, r.copies.before > 0), number(r.copies.after, r.copies.after > 0),
+      r.copies.runs, device.name, device.driver, device.version);
   return appendLines(path, kCsvHeader, {line});
 }
 

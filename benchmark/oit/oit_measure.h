@@ -9,6 +9,7 @@
 #include "oit/classic_list.h"
 #include "oit/fragment_reference.h"
 #include "oit/hair_scene.h"
+#include "simulation/copy_reference.h"
 
 namespace bench {
 
@@ -38,11 +39,13 @@ struct OitRow {
   double layersMean = 0;
   uint32_t layersMax = 0, rowStep = 1;
   uint64_t hairPixels = 0;  ///< of the rows that errors are of
+  CopyTimes copies;         ///< beside the frames
 };
 
 /// What is drawn.
 struct OitCase {
   HairScene& scene;
+  CopyReference& copies;
   pelage::View view;  ///< of one sample
   const ExactPicture& exact;
 };
@@ -53,8 +56,8 @@ struct OitFrameCounts {
   int together = 4;  ///< of them without a pause, in which a GPU's clocks would fall
 };
 
-/// Renders and times. \param row has the names of the case.
-/// Errors: those of the device and of Scene::draw().
+/// Renders and times; the frames run again where the copy drifts. \param row has the names of the
+/// case. Errors: those of the device and of Scene::draw().
 pelage::Result<void> measureOit(const OitCase& what, const OitMethod& method,
                                 const OitFrameCounts& counts, OitRow& row);
 

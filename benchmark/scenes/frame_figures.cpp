@@ -2,18 +2,17 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
+
+#include "simulation/median.h"
 
 namespace bench {
 
 Spread spreadOf(std::vector<double> values) {
   if (values.empty()) return {};
-  std::sort(values.begin(), values.end());
-  const size_t half = values.size() / 2;
-  Spread spread;
-  spread.median = values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
-  spread.mean =
+  const double mean =
       std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-  return spread;
+  return {medianOf(std::move(values)), mean};
 }
 
 void FrameFigures::beginFrame() {

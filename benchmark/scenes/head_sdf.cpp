@@ -51,8 +51,7 @@ Result<void> HeadSdf::addPasses(PassList& list, const TriangleMesh& mesh,
   Result<void> done = field_->moveMesh(list, mesh.positions);
   if (done) done = field_->addBuild(list);
   if (!done) return done;
-  const HairBuffers hair = {vertices.positions, vertices.before, vertices.count};
-  return field_->addCollision(list, hair, Response::kClassic);
+  return field_->addCollision(list, vertices, Response::kClassic);
 }
 
 }  // namespace bench

@@ -7,18 +7,12 @@
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
 #include "reference/sdf/mesh_shapes.h"
+#include "sdf/colliding_vertices.h"
 #include "simulation/workbench.h"
 
 namespace bench {
 
 class FieldBuild;
-
-/// Positions that collide, now and a frame ago: [vertex] Float4.
-struct CollidingVertices {
-  pelage::BufferId positions = pelage::BufferId::kInvalid;
-  pelage::BufferId before = pelage::BufferId::kInvalid;
-  uint32_t count = 0;
-};
 
 /// On the padded grid of the original, with the cells of pelage's SDF of the mesh: a 50th of its
 /// longest side.

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <limits>
 #include <memory>
 
 namespace bench {
@@ -14,11 +12,6 @@ using pelage::Result;
 using Clock = std::chrono::steady_clock;
 
 namespace {
-
-// 128 MiB are moved by a copy: more than caches hold.
-constexpr uint32_t kCopiedVertices = 1 << 20, kSoftwareCopiedVertices = 1 << 14;
-constexpr uint64_t kCopiedSets = 4;
-constexpr int kReferenceCopies = 60, kSoftwareReferenceCopies = 5;
 
 double millisecondsSince(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -54,14 +47,9 @@ class RowRun {
       if (Result<void> done = runFrame(workbench_, **run, lists_, nullptr); !done)
         return done.error();
     describe(row, **run);
-    if (Result<void> done = reference.warmUp(def_.warmUpMilliseconds); !done) return done.error();
-    const auto before = reference.measure();
-    if (!before) return before.error();
-    if (Result<void> done = measureFrames(**run); !done) return done.error();
-    const auto after = reference.measure();
-    if (!after) return after.error();
-    result_.referenceBefore = *before;
-    result_.referenceAfter = *after;
+    const auto copies = reference.around([&] { return measureFrames(**run); });
+    if (!copies) return copies.error();
+    result_.copies = *copies;
     result_.errors = samples_.judge(def_.judgedVertices);
     for (Counter& counter : result_.counters) counter.value /= sampleCount();
     return std::move(result_);
@@ -104,59 +92,12 @@ class RowRun {
   SceneResult result_;
 };
 
-double driftOf(const SceneResult& result) {
-  if (!(result.referenceBefore > 0)) return 0;
-  return std::abs(result.referenceAfter / result.referenceBefore - 1);
-}
-
 }  // namespace
-
-CopyReference::CopyReference(Workbench& workbench)
-    : copy_(workbench, workbench.device.info().software ? kSoftwareCopiedVertices : kCopiedVertices,
-            kCopiedSets) {}
-
-Result<void> CopyReference::warmUp(double milliseconds) {
-  const Clock::time_point start = Clock::now();
-  double worked = 0;
-  // Without timestamps by the clock on the wall.
-  while (worked < milliseconds) {
-    const auto timings = copy_.run(kReferenceCopies);
-    if (!timings) return timings.error();
-    bool timed = !timings->empty();
-    for (const PassTiming& timing : *timings) {
-      timed = timed && timing.milliseconds > 0;
-      worked += std::max(timing.milliseconds, 0.0);
-    }
-    if (!timed) worked = millisecondsSince(start);
-  }
-  return {};
-}
-
-Result<double> CopyReference::measure() {
-  const bool small = copy_.bytes() < uint64_t{kCopiedVertices} * 2 * kCopiedSets * 16;
-  const auto timings = copy_.run(small ? kSoftwareReferenceCopies : kReferenceCopies);
-  if (!timings) return timings.error();
-  std::vector<double> us;
-  for (const PassTiming& timing : *timings) us.push_back(1000 * timing.milliseconds);
-  return std::max(spreadOf(std::move(us)).median, 0.0);
-}
 
 Result<SceneResult> measureRow(Workbench& workbench, CopyReference& reference, SceneAssets& assets,
                                const SceneRow& row, const MeasureDef& def) {
-  SceneResult best;
-  double leastDrift = std::numeric_limits<double>::infinity();
-  int runs = 0;
-  while (runs < def.maxRuns && leastDrift > def.maxDrift) {
-    auto result = RowRun(workbench, def).measure(reference, assets, row);
-    if (!result) return result.error();
-    ++runs;
-    const double drift = driftOf(*result);
-    if (drift >= leastDrift) continue;
-    leastDrift = drift;
-    best = *std::move(result);
-  }
-  best.runs = runs;
-  return best;
+  return steadiest(reference.clocks(),
+                   [&] { return RowRun(workbench, def).measure(reference, assets, row); });
 }
 
 Result<double> firstFrame(Workbench& workbench, SceneAssets& assets, const SceneRow& row) {

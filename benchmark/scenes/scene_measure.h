@@ -10,7 +10,7 @@
 #include "scenes/scene_counters.h"
 #include "scenes/scene_errors.h"
 #include "scenes/scene_rows.h"
-#include "simulation/copy_load.h"
+#include "simulation/copy_reference.h"
 #include "simulation/workbench.h"
 
 namespace bench {
@@ -20,10 +20,7 @@ struct MeasureDef {
   int warmUpFrames = 60;
   int samples = 4;  ///< measured frames whose errors are looked at, the last one among them
   uint64_t judgedVertices = 20000;  ///< of a sample, see ErrorSamples::judge()
-  int maxRuns = 4;
-  double maxDrift = 0.05;  ///< of the reference, above which a row is run again
-  /// GPU time of copies before a row [ms]; 0 on a software driver.
-  double warmUpMilliseconds = 300;
+  ClockDef clocks;
 };
 
 /// One row of the results.
@@ -35,28 +32,12 @@ struct SceneResult {
   FrameFigures figures;
   SceneErrors errors;
   std::vector<Counter> counters;  ///< means over the samples
-  /// A copy of fixed size before and after the frames [us]; 0 without timestamps.
-  double referenceBefore = 0, referenceAfter = 0;
-  int runs = 0;
+  CopyTimes copies;               ///< beside the frames
   /// Of median and mean frame to those of the classic baseline in the same scene; 0 without one.
   double ratioOfMedian = 0, ratioOfMean = 0;
 };
 
-/// Copies that raise the clocks of a GPU and show how they are.
-class CopyReference {
- public:
-  explicit CopyReference(Workbench& workbench);
-  /// Copies until the GPU has worked this long.
-  pelage::Result<void> warmUp(double milliseconds);
-  /// Median time of one copy [us]; 0 without timestamps.
-  pelage::Result<double> measure();
-
- private:
-  CopyLoad copy_;
-};
-
-/// Runs a row from its first frame, several times where the reference drifts; keeps the run in
-/// which it did least.
+/// Runs a row from its first frame, several times where the reference drifts.
 pelage::Result<SceneResult> measureRow(Workbench& workbench, CopyReference& reference,
                                        SceneAssets& assets, const SceneRow& row,
                                        const MeasureDef& def);

@@ -70,8 +70,8 @@ std::string csvRow(const SceneResult& r) {
       number(r.ratioOfMedian, r.ratioOfMedian > 0), number(r.ratioOfMean, r.ratioOfMean > 0),
       100 * e.stretchMax, number(1000 * e.penetrationMax, collides),
       number(1000 * e.penetrationTop, collides), e.judgedVertices, e.strandsRootedInside,
-      e.brokenStrands, countersText(r.counters), number(r.referenceBefore, r.referenceBefore > 0),
-      number(r.referenceAfter, r.referenceAfter > 0), r.runs);
+      e.brokenStrands, countersText(r.counters), number(r.copies.before, r.copies.before > 0),
+      number(r.copies.after, r.copies.after > 0), r.copies.runs);
 }
 
 std::string besidePath(const std::string& path, const char* suffix) {
@@ -97,8 +97,8 @@ std::string tableRow(const SceneResult& r) {
       us(simulation.mean), us(sdf.median), us(sdf.mean),
       shown(r.ratioOfMedian, r.ratioOfMedian > 0, 2), 100 * e.stretchMax,
       shown(1000 * e.penetrationMax, collides, 3), shown(1000 * e.penetrationTop, collides, 3),
-      e.brokenStrands, shown(r.referenceBefore, r.referenceBefore > 0, 1),
-      shown(r.referenceAfter, r.referenceAfter > 0, 1), r.runs, countersText(r.counters));
+      e.brokenStrands, shown(r.copies.before, r.copies.before > 0, 1),
+      shown(r.copies.after, r.copies.after > 0, 1), r.copies.runs, countersText(r.counters));
 }
 
 }  // namespace

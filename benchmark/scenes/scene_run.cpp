@@ -6,6 +6,7 @@
 #include "demo_scene.h"
 #include "head_motion.h"
 #include "pelage/skeleton.h"
+#include "scene_setup.h"
 #include "scenes/head_sdf.h"
 #include "simulation/strand_solver.h"
 
@@ -24,26 +25,12 @@ namespace {
 constexpr uint32_t kBaselineSweeps = 2;
 constexpr uint32_t kBaselineVertices = 32;
 
-Float3 blend(const std::vector<AffineTransform>& bones, const pelage::BoneInfluences& influences,
-             const Float3& point) {
-  Float3 sum;
-  float weights = 0;
-  for (int i = 0; i < 4; ++i) {
-    const float weight = influences.weights[i];
-    if (!(weight > 0)) continue;
-    const Float3 moved = pelage::transformPoint(bones[influences.bones[i]], point);
-    sum = {sum.x + weight * moved.x, sum.y + weight * moved.y, sum.z + weight * moved.z};
-    weights += weight;
-  }
-  return {sum.x / weights, sum.y / weights, sum.z / weights};
-}
-
 TriangleMesh posed(const pelage::CollisionMesh& mesh, const std::vector<AffineTransform>& bones) {
   TriangleMesh result;
   result.indices = mesh.indices;
   result.positions.reserve(mesh.positions.size());
   for (size_t i = 0; i < mesh.positions.size(); ++i)
-    result.positions.push_back(blend(bones, mesh.influences[i], mesh.positions[i]));
+    result.positions.push_back(sample::blendedPoint(bones, mesh.influences[i], mesh.positions[i]));
   return result;
 }
 

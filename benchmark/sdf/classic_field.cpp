@@ -64,7 +64,7 @@ class ClassicField : public FieldBuild {
   }
 
   std::vector<Response> responses() const override { return {Response::kClassic}; }
-  Result<void> addCollision(PassList& list, const HairBuffers& hair, Response) override {
+  Result<void> addCollision(PassList& list, const CollidingVertices& hair, Response) override {
     constants_.pointCount = hair.count;
     return pass(list, baseline::pushPointsVariant({}), hair.count, hair);
   }
@@ -129,7 +129,7 @@ class ClassicField : public FieldBuild {
   }
 
   Result<void> pass(PassList& list, const KernelVariant& variant, uint64_t threads,
-                    const HairBuffers& hair) {
+                    const CollidingVertices& hair) {
     PassBuilder builder(list);
     builder.dispatch(variant, static_cast<uint32_t>(std::min<uint64_t>(threads, kRow)),
                      static_cast<uint32_t>((threads + kRow - 1) / kRow));

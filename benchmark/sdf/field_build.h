@@ -10,6 +10,7 @@
 
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
+#include "sdf/colliding_vertices.h"
 #include "sdf/field_errors.h"
 #include "sdf/field_shapes.h"
 #include "simulation/workbench.h"
@@ -23,13 +24,6 @@ enum class Response : uint8_t {
   kClosestFeature,  ///< the nearest feature of the surface
 };
 const char* responseName(Response response);
-
-/// Vertices that collide; all of them end where they are.
-struct HairBuffers {
-  pelage::BufferId positions = pelage::BufferId::kInvalid;
-  pelage::BufferId before = pelage::BufferId::kInvalid;
-  uint32_t count = 0;
-};
 
 /// A field on the GPU. Its buffers go with it.
 class FieldBuild {
@@ -45,7 +39,7 @@ class FieldBuild {
   /// Adds the passes of one build.
   virtual pelage::Result<void> addBuild(pelage::PassList& list) = 0;
   virtual std::vector<Response> responses() const = 0;
-  virtual pelage::Result<void> addCollision(pelage::PassList& list, const HairBuffers& hair,
+  virtual pelage::Result<void> addCollision(pelage::PassList& list, const CollidingVertices& hair,
                                             Response response) = 0;
   /// The values at the nodes of the grid that it was made with.
   virtual pelage::Result<std::vector<NodeValue>> nodes() = 0;

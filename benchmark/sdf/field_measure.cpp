@@ -10,6 +10,7 @@
 #include "baseline/gpu_structs.h"
 #include "baseline/kernels.h"
 #include "simulation/csv_file.h"
+#include "simulation/median.h"
 
 namespace bench {
 
@@ -25,17 +26,10 @@ using pelage::reference::Vector3d;
 namespace {
 
 // Even, for those that move there and back.
-constexpr int kWarmUpFrames = 6;
+constexpr int kWarmUpFrames = 6, kSoftwareWarmUpFrames = 2;
 constexpr uint32_t kJudgedVertices = 10000;
 constexpr double kDeep = -0.05, kResolved = -0.02;  // cell
 constexpr const char* kCopyPass = "copy_state";
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  const size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
-}
 
 // Times of lists that have the same passes.
 class PassTimes {
@@ -61,14 +55,14 @@ class PassTimes {
   }
 
   void store(FieldRow& row, bool parts) const {
-    row.median = median(all_);
+    row.median = medianOf(all_);
     row.least = all_.empty() ? 0 : *std::min_element(all_.begin(), all_.end());
-    if (parts) row.surface = median(surface_);
-    if (parts) row.interior = median(interior_);
+    if (parts) row.surface = medianOf(surface_);
+    if (parts) row.interior = medianOf(interior_);
     for (size_t i = 0; i < names_.size(); ++i)
       if (!names_[i].empty())
         row.passes += fmt::format("{}{} {:.2f}", row.passes.empty() ? "" : "; ", names_[i],
-                                  median(passes_[i]));
+                                  medianOf(passes_[i]));
   }
 
  private:
@@ -94,7 +88,7 @@ class Hair {
   Hair(const Hair&) = delete;
   Hair& operator=(const Hair&) = delete;
 
-  const HairBuffers& buffers() const { return buffers_; }
+  const CollidingVertices& buffers() const { return buffers_; }
 
   Result<void> addStart(PassList& list) const {
     for (const BufferId to : {buffers_.positions, buffers_.before}) {
@@ -131,44 +125,65 @@ class Hair {
   Workbench& workbench_;
   const std::vector<Float4>& start_;
   BufferId from_;
-  HairBuffers buffers_;
+  CollidingVertices buffers_;
 };
 
-// Runs what `add` adds, and times all but the first frames. A software driver gets fewer of those.
-template <class Add>
-Result<PassTimes> timeList(Workbench& workbench, int frames, const Add& add) {
+// What a list took, beside a copy.
+struct TimedList {
   PassTimes times;
-  for (int frame = workbench.device.info().software ? -2 : -kWarmUpFrames; frame < frames;
-       ++frame) {
+  CopyTimes copies;
+};
+
+// Runs what `add` adds so many times.
+template <class Add>
+Result<void> runList(Workbench& workbench, int frames, const Add& add, PassTimes* times) {
+  for (int frame = 0; frame < frames; ++frame) {
     PassList list;
-    if (Result<void> done = add(list); !done) return done.error();
+    if (Result<void> done = add(list); !done) return done;
     workbench.scene.finish(list);
     const auto timings = workbench.run(list);
     if (!timings) return timings.error();
-    if (frame >= 0) times.add(*timings);
+    if (times != nullptr) times->add(*timings);
   }
-  return times;
+  return {};
 }
 
-Result<void> measureCollisions(Workbench& workbench, FieldBuild& field, const FieldRow& base,
-                               const HairSet& set, const DistanceOracle& oracle, int frames,
+// Times what `add` adds, but for the first frames. A software driver gets fewer of those.
+template <class Add>
+Result<TimedList> timeList(Workbench& workbench, CopyReference& copies, int frames,
+                           const Add& add) {
+  const int untimed = workbench.device.info().software ? kSoftwareWarmUpFrames : kWarmUpFrames;
+  if (Result<void> done = runList(workbench, untimed, add, nullptr); !done) return done.error();
+  return steadiest(copies.clocks(), [&]() -> Result<TimedList> {
+    TimedList timed;
+    const auto beside =
+        copies.around([&] { return runList(workbench, frames, add, &timed.times); });
+    if (!beside) return beside.error();
+    timed.copies = *beside;
+    return timed;
+  });
+}
+
+Result<void> measureCollisions(Workbench& workbench, CopyReference& copies, FieldBuild& field,
+                               const FieldRow& base, const HairSet& set,
+                               const DistanceOracle& oracle, int frames,
                                std::vector<FieldRow>& rows) {
   const Hair hair(workbench, set.start);
-  if (Result<void> done = warmUp(workbench); !done) return done;
   for (const Response response : field.responses()) {
-    const auto times = timeList(workbench, frames, [&](PassList& list) {
+    const auto timed = timeList(workbench, copies, frames, [&](PassList& list) {
       Result<void> done = hair.addStart(list);
       return done ? field.addCollision(list, hair.buffers(), response) : done;
     });
-    if (!times) return times.error();
+    if (!timed) return timed.error();
     FieldRow row = base;
     row.what = set.name;
     row.response = responseName(response);
     row.vertices = hair.buffers().count;
+    row.copies = timed->copies;
     const auto resolved = hair.resolved(set.deep, oracle, static_cast<double>(base.cellSize));
     if (!resolved) return resolved.error();
     row.resolved = *resolved;
-    times->store(row, false);
+    timed->times.store(row, false);
     rows.push_back(row);
   }
   return {};
@@ -181,14 +196,15 @@ constexpr const char* kCsvHeader =
     "interior_us,"
     "wrong_signs,near_error_max_cells,near_error_rms_cells,unset_interior_percent,"
     "far_error_max_cells,far_error_rms_cells,vertices,resolved_percent,nodes,field_bytes,bytes,"
-    "ratio_to_classic,passes,device,driver\n";
+    "ratio_to_classic,reference_us_before,reference_us_after,runs,passes,device,driver\n";
 
 std::string csvRow(const FieldRow& r, const pelage::DeviceInfo& device, const std::string& commit) {
   const FieldErrors& e = r.errors;
   const auto error = [&](double value) { return number(value, r.hasErrors); };
   // Names of devices hold commas; they come last and are quoted.
   return fmt::format(
-      "{},{},{},{},{},{:.6g},{},\"{}\",\"{}\",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},\"{}"
+      "{},{},{},{},{},{:.6g},{},\"{}\",\"{}\",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}"
+      ",{},\"{}"
       "\",\"{}\","
       "\"{}\"\n",
       commit, pelage::apiName(device.api), r.shape, r.triangles, r.cells, r.cellSize, r.what,
@@ -197,7 +213,9 @@ std::string csvRow(const FieldRow& r, const pelage::DeviceInfo& device, const st
       r.hasErrors ? std::to_string(e.wrongSigns) : "", error(e.nearMax), error(e.nearRms),
       error(100 * e.unsetInterior), error(e.farMax), error(e.farRms), r.vertices,
       number(100 * r.resolved, r.resolved >= 0), r.nodes, r.fieldBytes, r.bytes,
-      number(r.ratioToClassic, r.ratioToClassic > 0), r.passes, device.name, device.driver);
+      number(r.ratioToClassic, r.ratioToClassic > 0), number(r.copies.before, r.copies.before > 0),
+      number(r.copies.after, r.copies.after > 0), r.copies.runs, r.passes, device.name,
+      device.driver);
 }
 
 }  // namespace
@@ -234,15 +252,14 @@ HairSet makeHairSet(const FieldShape& shape, const DistanceOracle& oracle, std::
   return set;
 }
 
-Result<std::vector<FieldRow>> measureField(Workbench& workbench, const FieldCase& what,
-                                           const FieldMethod& method, const DistanceOracle& oracle,
-                                           int frames) {
+Result<std::vector<FieldRow>> measureField(Workbench& workbench, CopyReference& copies,
+                                           const FieldCase& what, const FieldMethod& method,
+                                           const DistanceOracle& oracle, int frames) {
   auto field = makeField(workbench, what.shape, what.grid, method);
   if (!field) return field.error();
-  if (Result<void> done = warmUp(workbench); !done) return done.error();
-  const auto times =
-      timeList(workbench, frames, [&](PassList& list) { return (*field)->addBuild(list); });
-  if (!times) return times.error();
+  const auto timed =
+      timeList(workbench, copies, frames, [&](PassList& list) { return (*field)->addBuild(list); });
+  if (!timed) return timed.error();
   FieldRow row;
   row.shape = what.shape.name;
   row.what = "build";
@@ -258,10 +275,12 @@ Result<std::vector<FieldRow>> measureField(Workbench& workbench, const FieldCase
   if (!values) return values.error();
   rows[0].errors = compareField(*values, what.truth);
   rows[0].hasErrors = true;
-  times->store(rows[0], !method.classic);
+  rows[0].copies = timed->copies;
+  timed->times.store(rows[0], !method.classic);
   if (!method.collides) return rows;
   for (const HairSet& set : what.hair)
-    if (Result<void> done = measureCollisions(workbench, **field, row, set, oracle, frames, rows);
+    if (Result<void> done =
+            measureCollisions(workbench, copies, **field, row, set, oracle, frames, rows);
         !done)
       return done.error();
   return rows;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sdf/field_build.h"
+#include "simulation/copy_reference.h"
 
 namespace bench {
 
@@ -26,6 +27,7 @@ struct FieldRow {
   double resolved = -1;   ///< share of those deeper than 0.05 cell that end above -0.02 cell, 0..1
   uint64_t nodes = 0, fieldBytes = 0, bytes = 0;
   double ratioToClassic = 0;  ///< of median, to the classic build on its own grid
+  CopyTimes copies;           ///< beside the frames
   std::string passes;         ///< name and median of each [us]
 };
 
@@ -49,9 +51,10 @@ struct FieldCase {
   std::span<const HairSet> hair;
 };
 
-/// Builds, and collides what there is of hair.
-pelage::Result<std::vector<FieldRow>> measureField(Workbench& workbench, const FieldCase& what,
-                                                   const FieldMethod& method,
+/// Builds, and collides what there is of hair. The frames of a row run again where the copy drifts.
+/// \param frames  an even number
+pelage::Result<std::vector<FieldRow>> measureField(Workbench& workbench, CopyReference& copies,
+                                                   const FieldCase& what, const FieldMethod& method,
                                                    const pelage::reference::DistanceOracle& oracle,
                                                    int frames);
 

@@ -99,7 +99,8 @@ class PelageField : public FieldBuild {
     return {Response::kTrilinear, Response::kClosestFeature};
   }
 
-  Result<void> addCollision(PassList& list, const HairBuffers& hair, Response response) override {
+  Result<void> addCollision(PassList& list, const CollidingVertices& hair,
+                            Response response) override {
     return detail::addSdfCollision(
         list, workbench_.scene.resources(),
         {hair.positions, hair.before, fields_, buffers_.keys, buffers_.surface},

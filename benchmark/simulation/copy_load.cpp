@@ -10,16 +10,20 @@ using pelage::PassList;
 using pelage::PassTiming;
 using pelage::Result;
 
-CopyLoad::CopyLoad(Workbench& workbench, uint32_t elements, uint64_t sets)
-    : workbench_(workbench), elements_(elements), sets_(sets) {
-  const std::vector<pelage::Float4> values(elements * sets);
-  from_ = workbench.add("copyFrom", values);
-  to_ = workbench.add("copyTo", values);
+CopyLoad::CopyLoad(pelage::HeadlessDevice& device, pelage::Scene& scene, uint32_t elements,
+                   uint64_t sets)
+    : device_(device), scene_(scene), elements_(elements), sets_(sets) {
+  const auto add = [&](const char* name) {
+    return scene.resources().add(
+        {.name = name, .size = bytes() / 2, .stride = sizeof(pelage::Float4)});
+  };
+  from_ = add("copyFrom");
+  to_ = add("copyTo");
 }
 
 CopyLoad::~CopyLoad() {
-  workbench_.scene.resources().remove(from_);
-  workbench_.scene.resources().remove(to_);
+  scene_.resources().remove(from_);
+  scene_.resources().remove(to_);
 }
 
 uint64_t CopyLoad::bytes() const { return 2 * elements_ * sets_ * sizeof(pelage::Float4); }
@@ -36,8 +40,11 @@ Result<std::vector<PassTiming>> CopyLoad::run(int count) {
     const Result<void> done = builder.constants("CopyConstants", constants).finish();
     if (!done) return done.error();
   }
-  workbench_.scene.finish(list);
-  return workbench_.run(list);
+  scene_.finish(list);
+  if (Result<void> done = device_.update(scene_.resources()); !done) return done.error();
+  std::vector<PassTiming> timings;
+  if (Result<void> done = device_.execute(list, &timings); !done) return done.error();
+  return timings;
 }
 
 }  // namespace bench

@@ -6,7 +6,7 @@
 
 #include "pelage/headless.h"
 #include "pelage/result.h"
-#include "simulation/workbench.h"
+#include "pelage/scene.h"
 
 namespace bench {
 
@@ -14,8 +14,9 @@ namespace bench {
 /// are removed with it.
 class CopyLoad {
  public:
+  /// \param scene  whose table the device knows buffers by
   /// \param elements  float4 of a set
-  CopyLoad(Workbench& workbench, uint32_t elements, uint64_t sets);
+  CopyLoad(pelage::HeadlessDevice& device, pelage::Scene& scene, uint32_t elements, uint64_t sets);
   ~CopyLoad();
   CopyLoad(const CopyLoad&) = delete;
   CopyLoad& operator=(const CopyLoad&) = delete;
@@ -26,7 +27,8 @@ class CopyLoad {
   pelage::Result<std::vector<pelage::PassTiming>> run(int count);
 
  private:
-  Workbench& workbench_;
+  pelage::HeadlessDevice& device_;
+  pelage::Scene& scene_;
   uint32_t elements_;
   uint64_t sets_;
   pelage::BufferId from_ = pelage::BufferId::kInvalid, to_ = pelage::BufferId::kInvalid;

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "csv_file.h"
+#include "simulation/median.h"
 
 namespace bench {
 
@@ -23,13 +24,6 @@ namespace {
 constexpr int kFirstSample = 59, kSampleEvery = 30;
 // Compiling, first touches and clocks that rise are over after this many frames.
 constexpr int kWarmUpFrames = 5;
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  const size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
-}
 
 double least(const std::vector<double>& values) {
   return values.empty() ? 0 : *std::min_element(values.begin(), values.end());
@@ -54,9 +48,9 @@ class FrameTimes {
     solve_.push_back(solve);
   }
   void store(Measurement& row) const {
-    row.medianFrame = median(frame_);
+    row.medianFrame = medianOf(frame_);
     row.leastFrame = least(frame_);
-    row.medianSolve = median(solve_);
+    row.medianSolve = medianOf(solve_);
     row.leastSolve = least(solve_);
   }
 
@@ -163,7 +157,8 @@ std::string number(double value, bool known) { return known ? fmt::format("{:.6g
 constexpr const char* kCsvHeader =
     "commit,api,scene,solver,effort,setting,strands,vertices_per_strand,frames,error_rms_percent,"
     "stretch_max_percent,stretch_rms_percent,broken_strands,frame_us_median,frame_us_min,"
-    "solve_us_median,solve_us_min,bytes,gb_per_s,floor_us,ratio_to_baseline,device,driver\n";
+    "solve_us_median,solve_us_min,bytes,gb_per_s,floor_us,ratio_to_baseline,"
+    "reference_us_before,reference_us_after,runs,device,driver\n";
 
 std::string csvRow(const Measurement& m, const pelage::DeviceInfo& device,
                    const std::string& commit) {
@@ -171,14 +166,81 @@ std::string csvRow(const Measurement& m, const pelage::DeviceInfo& device,
   const double rate = timed ? static_cast<double>(m.bytes) / (1e3 * m.medianFrame) : 0;
   // Names of devices hold commas; they come last and are quoted.
   return fmt::format(
-      "{},{},{},{},{},{},{},{},{},{},{:.6g},{:.6g},{},{},{},{},{},{},{},{},{},\"{}\",\"{}\"\n",
+      "{},{},{},{},{},{},{},{},{},{},{:.6g},{:.6g},{},{},{},{},{},{},{},{},{},{},{},{},\"{}\",\"{}"
+      "\"\n",
       commit, pelage::apiName(device.api), m.scene, m.solver, m.effort, m.setting, m.strands,
       m.vertices, m.frames, number(m.error, m.error >= 0), m.largestStretch, m.rmsStretch,
       m.brokenStrands, number(m.medianFrame, timed), number(m.leastFrame, timed),
       number(m.medianSolve, timed), number(m.leastSolve, timed), m.bytes, number(rate, rate > 0),
-      number(m.floor, m.floor > 0), number(m.ratioToBaseline, m.ratioToBaseline > 0), device.name,
-      device.driver);
+      number(m.floor, m.floor > 0), number(m.ratioToBaseline, m.ratioToBaseline > 0),
+      number(m.copies.before, m.copies.before > 0), number(m.copies.after, m.copies.after > 0),
+      m.copies.runs, device.name, device.driver);
 }
+
+/// One run of a scene, from its first frame.
+class SceneRound {
+ public:
+  SceneRound(Workbench& workbench, const BenchScene& scene, const SceneReference& reference,
+             const SolverChoice& choice)
+      : workbench_(workbench),
+        scene_(scene),
+        reference_(reference),
+        choice_(choice),
+        errors_(scene, reference) {}
+
+  Result<Measurement> measure(CopyReference& copies) {
+    auto solver = makeSolver(workbench_, scene_, choice_);
+    if (!solver) return solver.error();
+    // One frame in the bind pose, then the scene settles, then it is measured.
+    for (int frame = -1 - scene_.settleFrames; frame < 0; ++frame)
+      if (const auto timings = advance(**solver, frame); !timings) return timings.error();
+    const auto beside = copies.around([&] { return measureFrames(**solver); });
+    if (!beside) return beside.error();
+    Measurement row = describe();
+    row.copies = *beside;
+    return row;
+  }
+
+ private:
+  Result<std::vector<PassTiming>> advance(StrandSolver& solver, int frame) {
+    const double time = std::max(0, frame + 1) * kFrameSeconds;
+    if (Result<void> done = solver.advance(scene_.motion(time), list_); !done) return done.error();
+    return workbench_.run(list_);
+  }
+  Result<void> measureFrames(StrandSolver& solver) {
+    for (int frame = 0; frame < scene_.frames; ++frame) {
+      const auto timings = advance(solver, frame);
+      if (!timings) return timings.error();
+      times_.add(*timings);
+      if (Result<void> done = sample(workbench_, scene_, reference_, solver, frame, errors_); !done)
+        return done;
+    }
+    return {};
+  }
+  Measurement describe() const {
+    Measurement row;
+    row.scene = scene_.name;
+    row.solver = solverName(choice_.kind);
+    row.setting = choice_.setting();
+    row.effort = choice_.effort;
+    row.strands = scene_.asset.strandCount;
+    row.vertices = scene_.asset.verticesPerStrand;
+    row.frames = scene_.frames;
+    // What hair that sleeps does not move is not known.
+    for (const pelage::Pass& pass : list_.passes) row.bytes += scene_.sleeps ? 0 : pass.bytes;
+    times_.store(row);
+    errors_.store(row);
+    return row;
+  }
+
+  Workbench& workbench_;
+  const BenchScene& scene_;
+  const SceneReference& reference_;
+  const SolverChoice& choice_;
+  PassList list_;
+  FrameTimes times_;
+  Errors errors_;
+};
 
 }  // namespace
 
@@ -187,44 +249,15 @@ SceneReference::SceneReference(const BenchScene& scene) : reference(scene.refere
     length += static_cast<double>(scene.asset.restLengths[v]);
 }
 
-Result<Measurement> measure(Workbench& workbench, const BenchScene& scene,
+Result<Measurement> measure(Workbench& workbench, CopyReference& copies, const BenchScene& scene,
                             const SceneReference& reference, const SolverChoice& choice) {
-  auto solver = makeSolver(workbench, scene, choice);
-  if (!solver) return solver.error();
-  Measurement row;
-  row.scene = scene.name;
-  row.solver = solverName(choice.kind);
-  row.setting = choice.setting();
-  row.effort = choice.effort;
-  row.strands = scene.asset.strandCount;
-  row.vertices = scene.asset.verticesPerStrand;
-  row.frames = scene.frames;
-  FrameTimes times;
-  Errors errors(scene, reference);
-  PassList list;
-  // One frame in the bind pose, then the scene settles, then it is measured.
-  for (int frame = -1 - scene.settleFrames; frame < scene.frames; ++frame) {
-    const double time = std::max(0, frame + 1) * kFrameSeconds;
-    if (Result<void> done = (*solver)->advance(scene.motion(time), list); !done)
-      return done.error();
-    const auto timings = workbench.run(list);
-    if (!timings) return timings.error();
-    if (frame == -1)
-      if (Result<void> done = warmUp(workbench); !done) return done.error();
-    if (frame < 0) continue;
-    times.add(*timings);
-    if (Result<void> done = sample(workbench, scene, reference, **solver, frame, errors); !done)
-      return done.error();
-  }
-  // What hair that sleeps does not move is not known.
-  for (const pelage::Pass& pass : list.passes) row.bytes += scene.sleeps ? 0 : pass.bytes;
-  times.store(row);
-  errors.store(row);
-  solver->reset();
-  if (row.bytes == 0) return row;
-  const auto floor = copyFloor(workbench, row.strands * row.vertices, row.bytes);
+  auto row = steadiest(copies.clocks(), [&] {
+    return SceneRound(workbench, scene, reference, choice).measure(copies);
+  });
+  if (!row || row->bytes == 0) return row;
+  const auto floor = copyFloor(workbench, row->strands * row->vertices, row->bytes);
   if (!floor) return floor.error();
-  row.floor = *floor;
+  row->floor = *floor;
   return row;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "simulation/copy_reference.h"
 #include "strand_solver.h"
 
 namespace bench {
@@ -29,6 +30,7 @@ struct Measurement {
   double floor = 0;    ///< [us] that a copy of as many bytes takes
   /// medianFrame over that of the classic baseline with 2 sweeps in the same scene; 0 without one.
   double ratioToBaseline = 0;
+  CopyTimes copies;  ///< beside the frames
 };
 
 inline constexpr double kShortestEdge = 1e-3;  // m
@@ -40,9 +42,10 @@ struct SceneReference {
   double length = 0;  ///< of the first strand [m]
 };
 
-/// Runs the scene from its first frame.
-pelage::Result<Measurement> measure(Workbench& workbench, const BenchScene& scene,
-                                    const SceneReference& reference, const SolverChoice& choice);
+/// Runs the scene from its first frame, several times where the copy drifts.
+pelage::Result<Measurement> measure(Workbench& workbench, CopyReference& copies,
+                                    const BenchScene& scene, const SceneReference& reference,
+                                    const SolverChoice& choice);
 
 /// Appends rows to a CSV file, and the header when it is new.
 pelage::Result<void> appendCsv(const std::string& path, const std::vector<Measurement>& rows,

@@ -1,7 +1,6 @@
 #include "strand_solver.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -138,7 +137,7 @@ Result<double> copyFloor(Workbench& workbench, uint32_t vertices, uint64_t bytes
   // More are copied in this many at a time: a buffer has a largest size on some devices.
   constexpr uint64_t kMostSets = 7;
   const uint64_t perSet = uint64_t{vertices} * sizeof(pelage::Float4);
-  CopyLoad copy(workbench, vertices,
+  CopyLoad copy(workbench.device, workbench.scene, vertices,
                 std::clamp<uint64_t>((bytes + perSet) / (2 * perSet), 1, kMostSets));
   const double copies = static_cast<double>(bytes) / static_cast<double>(copy.bytes());
   const auto timings = copy.run(kTries);
@@ -149,18 +148,6 @@ Result<double> copyFloor(Workbench& workbench, uint32_t vertices, uint64_t bytes
     if (us > 0 && (least == 0 || us < least)) least = us;
   }
   return least;
-}
-
-Result<void> warmUp(Workbench& workbench) {
-  constexpr std::chrono::milliseconds kDuration(150);
-  if (workbench.device.info().software) return {};
-  CopyLoad copy(workbench, 1 << 20, 4);
-  const auto start = std::chrono::steady_clock::now();
-  while (std::chrono::steady_clock::now() - start < kDuration) {
-    const auto timings = copy.run(50);
-    if (!timings) return timings.error();
-  }
-  return {};
 }
 
 }  // namespace bench

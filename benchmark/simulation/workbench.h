@@ -28,10 +28,6 @@ struct Workbench {
   pelage::Result<std::vector<pelage::PassTiming>> run(pelage::PassList& list);
 };
 
-/// Keeps a GPU busy for 150 ms: while the host makes buffers its clocks fall, and what
-/// runs next would take twice as long. Nothing on a software driver.
-pelage::Result<void> warmUp(Workbench& workbench);
-
 template <class T>
 pelage::BufferId Workbench::add(std::string name, const std::vector<T>& values,
                                 pelage::BufferUsage usage) {

@@ -103,6 +103,14 @@ struct ContactCounters {
 /// Reads the counters from the first 16 bytes of HairBuffers::contactWords, as readCounters() does.
 ContactCounters readContactCounters(std::span<const std::byte> words);
 
+/// How Scene::drawContacts() shows contact records: one needle each, from the vertex along the
+/// contact's normal. docs/contact.md has the colors.
+struct ContactLook {
+  float length = 0.004f;        ///< of a contact that does not slide [m], > 0; others have half
+  float width = 4;              ///< at the vertex [pixels], > 0
+  float deepestDepth = 0.001f;  ///< a vertex this deep is red [m], > 0
+};
+
 /// Buffers of a hair object; kInvalid marks one that this object does not need.
 struct HairBuffers {
   BufferId positions = BufferId::kInvalid;     ///< [strand][vertex] Float4, guides first;

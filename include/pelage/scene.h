@@ -152,6 +152,18 @@ class Scene {
   /// SdfColliderBuffers::isoCounts holds, read back. Error: the surface is larger than what there
   /// is room for, and incomplete.
   Result<void> checkColliderDraw(ColliderId id, std::span<const std::byte> counts) const;
+  /// Adds the draw of an object's contact records, for debugging: those of the last simulation, on
+  /// the GPU. Vertices that touch nothing have no pixels; an object that was in reach of no
+  /// collider has no draw. It also shows hidden objects. Asserts that the object exists. Errors: a
+  /// view as draw() refuses it; a length, width or depth of the look that is not finite and > 0.
+  Result<void> drawContacts(HairId id, const View& view, const ContactLook& look, PassList& list);
+  /// How deep the deepest vertex is behind the plane of its contact [m]; 0 where none is.
+  /// \param contacts, contactWords, positions what these HairBuffers hold, read back after the last
+  ///   simulation. Infinite where a record or a position with one is not finite. Error: a buffer
+  ///   has another size.
+  Result<float> deepestContact(HairId id, std::span<const std::byte> contacts,
+                               std::span<const std::byte> contactWords,
+                               std::span<const std::byte> positions) const;
   /// Computes the barriers of a list that is complete. Call it once for each list, in the order in
   /// which the lists run; lists of your own that touch the scene's buffers included.
   void finish(PassList& list) { hazards_.resolve(list); }

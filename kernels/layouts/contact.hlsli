@@ -6,14 +6,6 @@
 #include "contact_records.hlsli"
 #include "sdf_field.hlsli"
 
-// A strand whose vertices may collide.
-struct ContactStrand {
-  uint target;  // element of vertex 0 in g_contactPositions
-  uint count;   // vertices; 0: none of them collides
-  uint root;    // index of its root transform
-  uint pad0;
-};
-
 cbuffer ContactConstants : register(b0, space0) {
   float4 g_contactOrigin;  // xyz [m]: records, capsules and SDFs are relative to it; w unused
   uint g_contactStrandCount;

@@ -25,6 +25,14 @@ struct ContactRecord {
   uint bits;       // kContactCollider and the flags below
 };
 
+// A strand whose vertices may collide.
+struct ContactStrand {
+  uint target;  // element of vertex 0 in the positions
+  uint count;   // vertices; 0: none of them collides
+  uint root;    // index of its root transform
+  uint pad0;
+};
+
 static const uint kMaxContacts = 2;
 // Which collider: the index of a capsule, or kContactField | the index of an SDF.
 static const uint kContactCollider = 0xffffu;

@@ -1,10 +1,14 @@
 #include "hair_contacts.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <iterator>
+#include <limits>
 #include <vector>
 
-#include "pelage/hair_object.h"
 #include "pelage/kernels.h"
 
 namespace pelage {
@@ -19,6 +23,30 @@ constexpr float kReach = 1e-3f;
 // Falls from this on are part of where a vertex is expected, though the planes at shorter ones are
 // better where it is [m].
 constexpr float kLeap = 0.01f;
+constexpr uint32_t kMore = 0x80000u;
+// Corners of what is drawn of a record.
+constexpr uint32_t kNeedleCorners = 3;
+
+// Of a vertex that has records.
+float deepestOf(const ContactRecord* records, const Float3& place) {
+  float deepest = 0;
+  for (uint32_t k = 0; k < detail::HairContacts::kMaxContacts; ++k) {
+    const ContactRecord& r = records[k];
+    const float distance = r.plane.w + r.plane.x * (place.x - r.foundX) +
+                           r.plane.y * (place.y - r.foundY) + r.plane.z * (place.z - r.foundZ);
+    if (!std::isfinite(distance)) return std::numeric_limits<float>::infinity();
+    deepest = std::max(deepest, -distance);
+    if ((r.bits & kMore) == 0) break;
+  }
+  return deepest;
+}
+
+template <class T>
+std::vector<T> copied(std::span<const std::byte> bytes) {
+  std::vector<T> values(bytes.size() / sizeof(T));
+  std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
+  return values;
+}
 
 }  // namespace
 
@@ -47,8 +75,11 @@ void HairContacts::prepare(ResourceTable& resources, const std::string& name,
   strandCount_ = static_cast<uint32_t>(strands.size());
   tiles_ = (strandCount_ + kTileStrands - 1) / kTileStrands;
   maskWords_ = (verticesPerStrand + kMaskBits - 1) / kMaskBits;
+  verticesPerStrand_ = verticesPerStrand;
   vertices_ = vertices;
   steps_ = steps;
+  targets_.clear();
+  for (const ContactStrand& strand : strands) targets_.push_back(strand.target);
   const auto add = [&](const char* what, uint64_t bytes, uint32_t stride, BufferUsage usage,
                        std::vector<std::byte> initial = {}) {
     return resources.add({.name = name + "/" + what,
@@ -69,7 +100,15 @@ void HairContacts::prepare(ResourceTable& resources, const std::string& name,
   known_ = false;
 }
 
+void HairContacts::clearTotals(PassList& list) {
+  if (!counted_ || words_ == BufferId::kInvalid) return;
+  const uint32_t zeros[kTotalWords] = {};
+  addUpload(list, words_, std::as_bytes(std::span(zeros)));
+  counted_ = false;
+}
+
 void HairContacts::begin(PassList& list) {
+  counted_ = true;
   std::vector<uint32_t> heads(kTotalWords + steps_ * kHeadWords);
   for (uint32_t step = 0; step < steps_; ++step) {
     uint32_t* head = heads.data() + this->head(step);
@@ -82,6 +121,8 @@ void HairContacts::begin(PassList& list) {
 Result<void> HairContacts::find(PassList& list, const ResourceTable& resources,
                                 const ContactHair& hair, const ColliderBuffers& colliders,
                                 const AwakeTiles& awake, const ContactStep& step) {
+  foundStrands_ = hair.strands;
+  origin_ = hair.origin;
   ContactConstants constants = {};
   constants.contactOrigin = {hair.origin.x, hair.origin.y, hair.origin.z, 0};
   constants.contactStrandCount = hair.strands;
@@ -140,6 +181,66 @@ Result<void> HairContacts::find(PassList& list, const ResourceTable& resources,
     lastLength_ = step.length;
   }
   return builder.finish();
+}
+
+Result<void> HairContacts::addDraw(PassList& list, BufferId positions, const View& view,
+                                   const ContactLook& look) const {
+  if (!known_ || records_ == BufferId::kInvalid) return {};
+  DrawContactsConstants constants = {};
+  std::copy(std::begin(view.worldToClip.rows), std::end(view.worldToClip.rows),
+            std::begin(constants.contactsToClip));
+  constants.drawnOrigin = {origin_.x, origin_.y, origin_.z, 0};
+  constants.drawnPixels = {static_cast<float>(view.width), static_cast<float>(view.height)};
+  constants.drawnStrandCount = foundStrands_;
+  constants.drawnVertexCount = static_cast<uint32_t>(vertices_);
+  constants.drawnMasks = masks();
+  constants.drawnMaskWords = maskWords_;
+  constants.needleLength = look.length;
+  constants.needleWidth = look.width;
+  constants.deepestDepth = look.deepestDepth;
+  DrawState state;
+  state.depthCompare = view.reversedDepth ? DepthCompare::kGreater : DepthCompare::kLess;
+  const uint32_t records = verticesPerStrand_ * static_cast<uint32_t>(kMaxContacts);
+  PassBuilder pass(list);
+  return pass
+      .draw(contactVertexVariant({}), contactPixelVariant({}), state, records * kNeedleCorners,
+            foundStrands_)
+      .bind("g_drawnPositions", positions, vertices_ * sizeof(Float4))
+      .bind("g_drawnContacts", records_, recordBytes())
+      .bind("g_drawnWords", words_, wordBytes())
+      .bind("g_drawnStrands", strands_, strandCount_ * sizeof(ContactStrand))
+      .constants("DrawContactsConstants", constants)
+      .bytes(uint64_t{foundStrands_} * maskWords_ * sizeof(uint32_t))
+      .finish();
+}
+
+Result<float> HairContacts::deepest(std::span<const std::byte> records,
+                                    std::span<const std::byte> words,
+                                    std::span<const std::byte> positions) const {
+  if (!known_ || records_ == BufferId::kInvalid) return 0.0f;
+  if (records.size() != recordBytes() || words.size() != wordBytes() ||
+      positions.size() < vertices_ * sizeof(Float4)) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("deepestContact(): contacts, words and positions have {}, {} and {} "
+                             "bytes; the object's have {}, {} and at least {}",
+                             records.size(), words.size(), positions.size(), recordBytes(),
+                             wordBytes(), vertices_ * sizeof(Float4))};
+  }
+  const auto found = copied<ContactRecord>(records);
+  const auto masks = copied<uint32_t>(words.subspan(this->masks() * sizeof(uint32_t)));
+  const auto places = copied<Float4>(positions);
+  float deepest = 0;
+  for (size_t strand = 0; strand < foundStrands_; ++strand) {
+    for (size_t vertex = 0; vertex < verticesPerStrand_; ++vertex) {
+      const uint32_t mask = masks[strand * maskWords_ + vertex / kMaskBits];
+      if (((mask >> (vertex % kMaskBits)) & 1) == 0) continue;
+      const size_t element = targets_[strand] + vertex;
+      const Float4& p = places[element];
+      deepest = std::max(deepest, deepestOf(&found[element * kMaxContacts],
+                                            {p.x - origin_.x, p.y - origin_.y, p.z - origin_.z}));
+    }
+  }
+  return deepest;
 }
 
 }  // namespace detail

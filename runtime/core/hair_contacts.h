@@ -6,10 +6,13 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "pelage/gpu_structs.h"
+#include "pelage/hair_object.h"
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
+#include "pelage/view.h"
 
 namespace pelage::detail {
 
@@ -69,6 +72,15 @@ class HairContacts {
                     const ContactStep& step);
   /// After a frame without contacts: what was found is not gone on from.
   void forget() { known_ = false; }
+  /// In a frame without begin(): its totals are 0.
+  void clearTotals(PassList& list);
+  /// The draw of the records that there are.
+  /// \param positions of [vertex] Float4
+  Result<void> addDraw(PassList& list, BufferId positions, const View& view,
+                       const ContactLook& look) const;
+  /// Scene::deepestContact().
+  Result<float> deepest(std::span<const std::byte> records, std::span<const std::byte> words,
+                        std::span<const std::byte> positions) const;
   /// All buffers, for their owner to remove.
   std::array<BufferId*, 4> buffers() { return {&strands_, &before_, &records_, &words_}; }
 
@@ -92,11 +104,15 @@ class HairContacts {
 
   BufferId strands_ = BufferId::kInvalid, before_ = BufferId::kInvalid,
            records_ = BufferId::kInvalid, words_ = BufferId::kInvalid;
-  uint32_t tiles_ = 0, maskWords_ = 1, strandCount_ = 0, steps_ = 0;
+  uint32_t tiles_ = 0, maskWords_ = 1, strandCount_ = 0, steps_ = 0, verticesPerStrand_ = 0;
   uint64_t vertices_ = 0;
-  float lastLength_ = 0;  ///< of the last sub-step [s]
-  bool known_ = false;    ///< the last sub-step was found for
-  bool odd_ = false;      ///< in turn, from sub-step to sub-step
+  float lastLength_ = 0;           ///< of the last sub-step [s]
+  bool known_ = false;             ///< the last sub-step was found for
+  bool odd_ = false;               ///< in turn, from sub-step to sub-step
+  bool counted_ = false;           ///< the last frame has totals
+  std::vector<uint32_t> targets_;  ///< [strand] element of vertex 0
+  uint32_t foundStrands_ = 0;      ///< of the last find()
+  Float3 origin_;                  ///< of the last find() [m]
 };
 
 }  // namespace pelage::detail

@@ -68,7 +68,10 @@ void Scene::prepareContacts(Frame& frame) {
   // A reset of the classic solver takes the goals, and moves nothing.
   frame.contacts = (exact || !frame.reset) && (frame.colliderCount > 0 || frame.fieldCount > 0);
   if (frame.reset || !frame.contacts) contacts.forget();
-  if (!frame.contacts) return;
+  if (!frame.contacts) {
+    contacts.clearTotals(frame.list);
+    return;
+  }
   if (!contacts.isPrepared(frame.steps * (exact ? frame.settings.subSteps : 1))) {
     removeContacts(object);
     std::vector<ContactStrand> strands;

@@ -39,6 +39,8 @@ void checkTogether(const Options& options, const std::vector<float>& wind) {
     throw CLI::ValidationError("--bones and --mesh", "need --asset");
   if (options.drawSdf && !options.asset.empty() && options.mesh.empty())
     throw CLI::ValidationError("--draw-sdf", "needs --mesh with --asset");
+  if (options.drawContacts && !options.images)
+    throw CLI::ValidationError("--draw-contacts", "needs pictures, which --no-images leaves out");
   if (isSorted(options.transparency) && samplesOf(options) != 1)
     throw CLI::ValidationError(
         "--samples", "is 1 but with --transparency alpha-test and --transparency stochastic");
@@ -208,6 +210,9 @@ std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
       ->type_name("N");
   app.add_flag("--draw-sdf", options.drawSdf,
                "draw the surfaces of the signed distance fields that hair collides with");
+  app.add_flag(
+      "--draw-contacts", options.drawContacts,
+      "draw where guides touch colliders: blue apart, green touching, yellow to red deeper");
   app.add_flag("--no-images", noImages, "simulate only");
   app.add_option("--out", options.out, "folder of the pictures (out)")->type_name("DIR");
 
@@ -233,6 +238,7 @@ std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
     if (*motionOption && !showsCharacter(options))
       throw CLI::ValidationError("--motion", "is for --scene character");
     if (*samplesOption) options.samples = samples;
+    options.images = !noImages;
     checkTogether(options, wind);
   } catch (const CLI::CallForHelp& help) {
     return app.exit(help);
@@ -243,7 +249,6 @@ std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
     return kBadArguments;
   }
   options.wind = {wind[0], wind[1], wind[2]};
-  options.images = !noImages;
   return options;
 }
 

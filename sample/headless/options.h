@@ -47,7 +47,7 @@ struct Options {
   pelage::HairShadow shadow = pelage::HairShadow::kDeep;
   uint32_t supersample = 2;
   bool images = true;
-  bool drawSdf = false;
+  bool drawSdf = false, drawContacts = false;
   std::filesystem::path out = "out";
 
   std::filesystem::path writeAsset, csv;

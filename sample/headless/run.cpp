@@ -194,17 +194,20 @@ void printGrooms(const Options& options, const DemoScene& demo) {
                samplesOf(options) * options.supersample * options.supersample);
 }
 
-// What contacts took in the last frame.
-void printContacts(const DemoScene& demo, HeadlessDevice& device) {
+// What contacts took in the last frame, and what they left.
+Result<void> printContacts(const DemoScene& demo, HeadlessDevice& device) {
+  constexpr float kMillimeters = 1000;
   for (const pelage::HairId id : demo.hairs()) {
-    const pelage::HairObject& hair = demo.scene().hair(id);
-    if (hair.buffers().contactWords == pelage::BufferId::kInvalid) continue;
-    const auto words = device.read(hair.buffers().contactWords);
-    if (!words) continue;
-    const pelage::ContactCounters counters = pelage::readContactCounters(*words);
-    fmt::print("contacts: {}, {} records, {} further passes, {} tiles solved again\n", hair.name(),
-               counters.records, counters.furtherPasses, counters.tilesSolvedAgain);
+    const auto figures = demo.contactFigures(id, device);
+    if (!figures) return figures.error();
+    if (!*figures) continue;
+    const pelage::ContactCounters& counters = (*figures)->counters;
+    fmt::print(
+        "contacts: {}, {} records, {} further passes, {} tiles solved again, {:.3f} mm deep\n",
+        demo.scene().hair(id).name(), counters.records, counters.furtherPasses,
+        counters.tilesSolvedAgain, (*figures)->deepest * kMillimeters);
   }
+  return {};
 }
 
 // Of all grooms together; the most vertices that a strand has.
@@ -228,6 +231,7 @@ DemoDef demoDef(const Options& options) {
   def.subSteps = options.subSteps;
   def.wind = options.wind;
   def.drawSdf = options.drawSdf;
+  def.drawContacts = options.drawContacts;
   def.preset = options.preset;
   def.motion = options.motion;
   return def;
@@ -290,7 +294,8 @@ Result<void> run(const Options& options) {
   if (!options.quiet)
     fmt::print("\n{}\n{} frames in {:.1f} s{}\n", loop.figures().table(), *frames, seconds.count(),
                interrupted() ? ", interrupted" : "");
-  if (!options.quiet) printContacts(*demo, **device);
+  if (!options.quiet)
+    if (Result<void> done = printContacts(*demo, **device); !done) return done;
   if (!options.csv.empty()) {
     const std::string name =
         showsCharacter(options) ? "character" : demo->scene().hair(demo->hairs()[0]).name();

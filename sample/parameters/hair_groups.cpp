@@ -379,6 +379,18 @@ std::vector<Parameter> lookRows() {
   };
 }
 
+std::vector<Parameter> contactRows() {
+  return {
+      {PELAGE_FIELD(ContactLook, length),
+       "m",
+       "> 0",
+       "Of the needle of a contact that does not slide; others have half.",
+       {}},
+      {PELAGE_FIELD(ContactLook, width), "pixels", "> 0", "Of a needle at the vertex.", {}},
+      {PELAGE_FIELD(ContactLook, deepestDepth), "m", "> 0", "A vertex this deep is red.", {}},
+  };
+}
+
 }  // namespace
 
 std::vector<ParameterGroup> hairGroups() {
@@ -410,6 +422,8 @@ std::vector<ParameterGroup> colliderGroups() {
       {"SdfColliderDef", sdf, "What Scene::addCollider() takes; cannot change later.", fieldRows()},
       {"SdfCollider", sdf, "Scene::collider(); may change at any time.", colliderRows()},
       {"ColliderLook", sdf, "Scene::drawCollider(), for debugging.", lookRows()},
+      {"ContactLook", "pelage/hair_object.h",
+       "Scene::drawContacts(), for debugging. [contact.md](contact.md)", contactRows()},
   };
 }
 

@@ -50,6 +50,7 @@ Result<DemoScene> DemoScene::create(const Character& character, const DemoDef& d
   demo.cameraDef_.margin = 0.02f;
   demo.light = studioLight(kCameraDirection);
   demo.drawSdf_ = def.drawSdf;
+  demo.drawContacts_ = def.drawContacts;
 
   for (const CharacterGroom& groom : character.grooms) {
     pelage::HairAsset hair = groom.hair;

@@ -152,6 +152,7 @@ Result<DemoScene> DemoScene::create(const DemoAssets& assets, const DemoDef& def
   demo.cameraDef_ = look.camera;
   demo.light = studioLight(look.camera.direction);
   demo.drawSdf_ = def.drawSdf;
+  demo.drawContacts_ = def.drawContacts;
 
   pelage::HairDef hairDef;
   hairDef.name = assets.name;
@@ -256,14 +257,26 @@ Result<void> DemoScene::drawMesh(const pelage::View& view, pelage::PassList& lis
 
 Result<void> DemoScene::draw(const pelage::View& view, pelage::PassList& list) {
   if (Result<void> done = drawMesh(view, list); !done) return done;
-  return scene_->draw(view, light, list);
+  if (Result<void> done = scene_->draw(view, light, list); !done) return done;
+  return drawContacts(view, list);
 }
 
 Result<void> DemoScene::draw(const pelage::View& view, const pelage::TransparencySettings& settings,
                              std::vector<pelage::PassList>& lists) {
-  if (lists.empty()) lists.resize(1);
+  // Without the list of contacts of the last frame.
+  if (lists.empty() || drawContacts_) lists.resize(1);
   if (Result<void> done = drawMesh(view, lists[0]); !done) return done;
-  return scene_->draw(view, {&light, 1}, settings, lists);
+  if (Result<void> done = scene_->draw(view, {&light, 1}, settings, lists); !done) return done;
+  if (!drawContacts_) return {};
+  // After the last list of any method, over what is blended there.
+  return drawContacts(view, lists.emplace_back());
+}
+
+Result<void> DemoScene::drawContacts(const pelage::View& view, pelage::PassList& list) {
+  if (!drawContacts_) return {};
+  for (const pelage::HairId hair : hairs_)
+    if (Result<void> done = scene_->drawContacts(hair, view, {}, list); !done) return done;
+  return {};
 }
 
 pelage::BufferId DemoScene::addDepthBuffer(uint32_t width, uint32_t height) {
@@ -281,6 +294,21 @@ Result<void> DemoScene::checkDraw(pelage::HeadlessDevice& device) const {
     if (Result<void> done = scene_->checkColliderDraw(collider, *bytes); !done) return done;
   }
   return {};
+}
+
+Result<std::optional<DemoScene::ContactFigures>> DemoScene::contactFigures(
+    pelage::HairId id, pelage::HeadlessDevice& device) const {
+  const pelage::HairBuffers& buffers = scene_->hair(id).buffers();
+  if (buffers.contactWords == pelage::BufferId::kInvalid) return std::optional<ContactFigures>();
+  const auto words = device.read(buffers.contactWords);
+  if (!words) return words.error();
+  const auto contacts = device.read(buffers.contacts);
+  if (!contacts) return contacts.error();
+  const auto positions = device.read(buffers.positions);
+  if (!positions) return positions.error();
+  const auto deepest = scene_->deepestContact(id, *contacts, *words, *positions);
+  if (!deepest) return deepest.error();
+  return std::optional(ContactFigures{pelage::readContactCounters(*words), *deepest});
 }
 
 uint64_t DemoScene::vertexCount() const {

@@ -30,6 +30,8 @@ struct DemoDef {
   /// draw() shows the surface of the signed distance fields that hair collides with in place of the
   /// mesh. A head's hair collides with a field only then.
   bool drawSdf = false;
+  /// draw() shows the contact records of all hair on top of it.
+  bool drawContacts = false;
   pelage::CollidingHair collidingHair = pelage::CollidingHair::kGuides;
   /// Receives hair, colliders and mesh, and must outlive the DemoScene, which removes the hair and
   /// the colliders in the end. nullptr: the DemoScene has a scene of its own.
@@ -79,6 +81,14 @@ class DemoScene {
   /// What a head's hair collides with without DemoDef::drawSdf, where it is in the last frame.
   std::vector<pelage::CapsuleCollider> capsules() const;
   const pelage::Scene& scene() const { return *scene_; }
+  /// Counters of a hair object's contacts in the last frame, and its deepest vertex [m]: read back.
+  /// Nothing where no collider has been in reach.
+  struct ContactFigures {
+    pelage::ContactCounters counters;
+    float deepest = 0;
+  };
+  pelage::Result<std::optional<ContactFigures>> contactFigures(
+      pelage::HairId hair, pelage::HeadlessDevice& device) const;
   /// Vertices of all strands, follow hairs included.
   uint64_t vertexCount() const;
   /// Frames advanced so far.
@@ -89,6 +99,7 @@ class DemoScene {
  private:
   explicit DemoScene(const DemoDef& def);
   pelage::Result<void> drawMesh(const pelage::View& view, pelage::PassList& list);
+  pelage::Result<void> drawContacts(const pelage::View& view, pelage::PassList& list);
   pelage::Result<void> addMesh(const DemoAssets& assets);
   pelage::Result<void> addHair(const pelage::HairAsset& hair, const pelage::HairDef& hairDef,
                                pelage::FollowDef follow, const DemoDef& def);
@@ -101,7 +112,7 @@ class DemoScene {
   std::vector<pelage::HairId> hairs_;
   std::optional<MeshObject> mesh_;
   std::vector<pelage::ColliderId> colliders_;
-  bool drawSdf_ = false;
+  bool drawSdf_ = false, drawContacts_ = false;
   std::vector<pelage::CapsuleCollider>
       capsules_;  ///< in bind space; the first one on the neck bone
   std::function<std::vector<pelage::AffineTransform>(double seconds)> pose_;  ///< skinning

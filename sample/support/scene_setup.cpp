@@ -13,13 +13,8 @@ using pelage::Float3;
 using pelage::Float4;
 using pelage::HairAsset;
 
-namespace {
-
-constexpr uint32_t kSweptStrands = 500;       // strands that the camera looks at, at most
-constexpr uint32_t kSweptMeshVertices = 600;  // the same for the mesh
-
-Float3 blend(const std::vector<AffineTransform>& bones, const BoneInfluences& influences,
-             const Float3& point) {
+Float3 blendedPoint(const std::vector<AffineTransform>& bones, const BoneInfluences& influences,
+                    const Float3& point) {
   Float3 sum;
   float weights = 0;
   for (int i = 0; i < 4; ++i) {
@@ -33,6 +28,11 @@ Float3 blend(const std::vector<AffineTransform>& bones, const BoneInfluences& in
   return {sum.x / weights, sum.y / weights, sum.z / weights};
 }
 
+namespace {
+
+constexpr uint32_t kSweptStrands = 500;       // strands that the camera looks at, at most
+constexpr uint32_t kSweptMeshVertices = 600;  // the same for the mesh
+
 }  // namespace
 
 void sweepHair(const HairAsset& hair, std::span<const BoneInfluences> influences,
@@ -42,7 +42,7 @@ void sweepHair(const HairAsset& hair, std::span<const BoneInfluences> influences
     const BoneInfluences root = influences.empty() ? BoneInfluences{} : influences[strand];
     for (const uint32_t vertex : {0u, hair.verticesPerStrand / 2, hair.verticesPerStrand - 1}) {
       const Float4& p = hair.positions[size_t{strand} * hair.verticesPerStrand + vertex];
-      points.push_back(blend(bones, root, {p.x, p.y, p.z}));
+      points.push_back(blendedPoint(bones, root, {p.x, p.y, p.z}));
     }
   }
 }
@@ -51,7 +51,7 @@ void sweepMesh(const pelage::CollisionMesh& mesh, const std::vector<AffineTransf
                std::vector<Float3>& points) {
   const size_t stride = std::max<size_t>(1, mesh.positions.size() / kSweptMeshVertices);
   for (size_t i = 0; i < mesh.positions.size(); i += stride)
-    points.push_back(blend(bones, mesh.influences[i], mesh.positions[i]));
+    points.push_back(blendedPoint(bones, mesh.influences[i], mesh.positions[i]));
 }
 
 pelage::Light studioLight(const Float3& camera) {

@@ -15,6 +15,10 @@ namespace sample {
 inline constexpr float kScalpReach = 1.8f;  ///< root spacings that the colour under hair reaches
 inline constexpr double kSweptStep = 0.1;   ///< s between the poses that the camera looks at
 
+/// A point of the bind pose in a pose: the weighted mean of where its bones put it; without
+/// weights where bone 0 does.
+pelage::Float3 blendedPoint(const std::vector<pelage::AffineTransform>& bones,
+                            const pelage::BoneInfluences& influences, const pelage::Float3& point);
 /// Adds some points of a groom in a pose. \param influences [strand]; empty for bone 0.
 void sweepHair(const pelage::HairAsset& hair, std::span<const pelage::BoneInfluences> influences,
                const std::vector<pelage::AffineTransform>& bones,

@@ -12,13 +12,13 @@
 #include <string>
 #include <vector>
 
+#include "kernel/collision_run.h"
 #include "kernel/sdf_run.h"
 #include "kernel/strand_run.h"
 #include "pelage/collision_mesh.h"
 #include "reference/sdf/distance_oracle.h"
 #include "reference/sdf/field_builder.h"
 #include "reference/sdf/mesh_shapes.h"
-#include "sdf_collision.h"
 #include "support/gpu_fixture.h"
 
 namespace pelage::test {
@@ -28,16 +28,6 @@ using reference::DistanceOracle;
 using reference::FieldBuffers;
 using reference::FieldOptions;
 using reference::TriangleMesh;
-
-struct Vertices {
-  std::vector<Float4> now, before;
-
-  void add(const Vector3d& from, const Vector3d& to, double inverseMass = 1) {
-    before.push_back(toFloat4(from));
-    now.push_back(toFloat4(to, inverseMass));
-  }
-  size_t size() const { return now.size(); }
-};
 
 /// A mesh, its oracle and its field.
 struct Body {
@@ -102,11 +92,9 @@ struct Body {
 class CollisionRun {
  public:
   CollisionRun(Gpu& gpu, const FieldBuffers& field, const Vertices& vertices)
-      : gpu_(gpu),
-        count_(static_cast<uint32_t>(vertices.size())),
+      : count_(static_cast<uint32_t>(vertices.size())),
         fieldCount_(static_cast<uint32_t>(field.fields.size())),
-        positions_(gpu, "sdfPositions", vertices.now),
-        before_(gpu, "sdfPositionsBefore", vertices.before),
+        vertices_(gpu, vertices),
         fields_(gpu, "sdfFields", field.fields),
         keys_(gpu, "sdfKeys", field.keys),
         surface_(gpu, "sdfSurface", field.surface) {
@@ -116,29 +104,18 @@ class CollisionRun {
   float begin = 0, end = 1;  ///< shares of the frame
 
   Vertices collide(bool closestFeature = true) {
-    expectOk(detail::addSdfCollision(
-        list_, gpu_.resources,
-        {positions_.id(), before_.id(), fields_.id(), keys_.id(), surface_.id()},
-        {.vertexCount = count_,
-         .fieldCount = fieldCount_,
-         .begin = begin,
-         .end = end,
-         .closestFeature = closestFeature}));
-    gpu_.hazards.resolve(list_);
-    expectOk(gpu_.device()->execute(list_));
-    list_.clear();
-    return {positions_.read(), before_.read()};
+    return vertices_.collide(fields_.id(), keys_.id(), surface_.id(),
+                             {.vertexCount = count_,
+                              .fieldCount = fieldCount_,
+                              .begin = begin,
+                              .end = end,
+                              .closestFeature = closestFeature});
   }
-  void set(const Vertices& vertices) {
-    positions_.upload(list_, vertices.now);
-    before_.upload(list_, vertices.before);
-  }
+  void set(const Vertices& vertices) { vertices_.set(vertices); }
 
  private:
-  Gpu& gpu_;
   uint32_t count_, fieldCount_;
-  PassList list_;
-  GuardedBuffer<Float4> positions_, before_;
+  VertexBuffers vertices_;
   GuardedBuffer<SdfField> fields_;
   GuardedBuffer<uint32_t> keys_;
   GuardedBuffer<Uint4> surface_;

@@ -1,7 +1,5 @@
 // What becomes of a vertex near a surface that moves, and that it does not depend on those beside
 // it.
-#include "sdf_collision.h"
-
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -9,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "kernel/collision_run.h"
 #include "kernel/sdf_run.h"
 #include "pelage/random.h"
 
@@ -24,21 +23,15 @@ Bits bitsOf(const std::vector<Float4>& values) {
   return bits;
 }
 
-struct Vertices {
-  std::vector<Float4> now, before;
-};
-
 /// Fields of a blob that moves along x, and the buffers of a collision with them.
 class VerticesRun {
  public:
   VerticesRun(Gpu& gpu, Vertices start, float cell, float margin)
-      : gpu_(gpu),
-        start_(std::move(start)),
+      : start_(std::move(start)),
         mesh_(reference::blob(24, 36)),
         run_(gpu, mesh_, {.cellSize = cell, .motion = true}),
         oracle_(shifted(mesh_, 0.3f * cell)),
-        positions_(gpu, "sdfPositions", start_.now),
-        before_(gpu, "sdfPositionsBefore", start_.before) {
+        vertices_(gpu, start_) {
     run_.build();
     run_.move(shifted(mesh_, 0.3f * cell).positions);
     run_.build();
@@ -71,16 +64,10 @@ class VerticesRun {
       given.now[i] = start_.now[order[i]];
       given.before[i] = start_.before[order[i]];
     }
-    PassList passes;
-    positions_.upload(passes, given.now);
-    before_.upload(passes, given.before);
-    expectOk(detail::addSdfCollision(
-        passes, gpu_.resources,
-        {positions_.id(), before_.id(), fields_->id(), run_.keys->id(), run_.surface->id()},
-        {.vertexCount = count(), .fieldCount = 2, .begin = begin, .end = end}));
-    gpu_.hazards.resolve(passes);
-    expectOk(gpu_.device()->execute(passes));
-    const Vertices moved = {positions_.read(), before_.read()};
+    vertices_.set(given);
+    const Vertices moved =
+        vertices_.collide(fields_->id(), run_.keys->id(), run_.surface->id(),
+                          {.vertexCount = count(), .fieldCount = 2, .begin = begin, .end = end});
     Vertices after = start_;
     for (uint32_t i = 0; i < count(); ++i) {
       after.now[order[i]] = moved.now[i];
@@ -98,12 +85,11 @@ class VerticesRun {
     return mesh;
   }
 
-  Gpu& gpu_;
   Vertices start_;
   TriangleMesh mesh_;
   SdfRun run_;
   DistanceOracle oracle_;
-  GuardedBuffer<Float4> positions_, before_;
+  VertexBuffers vertices_;
   std::unique_ptr<GuardedBuffer<SdfField>> fields_;
 };
 
@@ -120,12 +106,7 @@ Vertices mixed(float cell) {
   for (uint32_t i = 0; i < 5000; ++i) {
     const Vector3d p = within(random, 1.6);
     const Vector3d q = p + within(random, (i % 16 == 0 ? 4 : 0.4) * static_cast<double>(cell));
-    const auto float4 = [](const Vector3d& v, float w) {
-      return Float4{static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()),
-                    w};
-    };
-    vertices.now.push_back(float4(p, i % 32 == 5 ? 0.0f : 1.0f));
-    vertices.before.push_back(float4(q, 0));
+    vertices.add(q, p, i % 32 == 5 ? 0 : 1);
   }
   const float nan = std::numeric_limits<float>::quiet_NaN();
   vertices.now[70].y = nan;

@@ -1,0 +1,268 @@
+// The picture of contact records: a needle where there is a record, and nothing elsewhere.
+#include <gtest/gtest.h>
+
+#include <span>
+#include <string>
+
+#include "contact/contact_run.h"
+#include "pelage/gpu_structs.h"
+
+namespace pelage::test {
+namespace {
+
+constexpr double kRadius = 0.05;
+constexpr uint32_t kPixels = 256;
+constexpr float kEyeDistance = 0.25f;
+// Bits of a record, as in kernels/layouts/contact_records.hlsli.
+constexpr uint32_t kSlides = 0x20000, kMore = 0x80000;
+
+/// Of the plane z = 0, from a camera on the z axis.
+View viewOf() {
+  View view;
+  view.eye = {0, 0, kEyeDistance};
+  view.worldToClip = lookAt(view.eye, {0, 0, 0}, {0, 1, 0}, 0.785f, 1, 0.1f, 10.0f);
+  view.width = view.height = kPixels;
+  return view;
+}
+
+/// Where a point of that plane is in the picture [pixels].
+Point pixelOf(const Point& p) {
+  const double scale = kPixels / 2.0 / (double{kEyeDistance} * std::tan(double{0.785f} / 2));
+  return {kPixels / 2.0 + p.x * scale, kPixels / 2.0 - p.y * scale, 0};
+}
+
+struct Needle {
+  Point foot, tip;  ///< [pixels]
+  double depth = 0;
+  bool slides = false;
+  size_t vertex = 0;
+};
+
+/// As docs/contact.md has it, without the whiteness of what slides.
+Float3 colorOf(double depth, double deepest) {
+  if (depth < -5e-5) return {0.03f, 0.16f, 0.90f};
+  if (depth <= 5e-5) return {0.03f, 0.65f, 0.07f};
+  const auto t = static_cast<float>(std::min((depth - 5e-5) / (deepest - 5e-5), 1.0));
+  return {0.95f + (0.90f - 0.95f) * t, 0.75f + (0.02f - 0.75f) * t, 0.02f};
+}
+
+double distanceToSegment(const Point& p, const Needle& needle) {
+  const Point along = {needle.tip.x - needle.foot.x, needle.tip.y - needle.foot.y, 0};
+  const Point from = {p.x - needle.foot.x, p.y - needle.foot.y, 0};
+  const double squared = along.x * along.x + along.y * along.y;
+  const double t = std::clamp((along.x * from.x + along.y * from.y) / squared, 0.0, 1.0);
+  return distance(p, {needle.foot.x + along.x * t, needle.foot.y + along.y * t, 0});
+}
+
+class ContactDraw : public testing::TestWithParam<Api> {
+ protected:
+  ContactDraw() : run_(sharedSceneRun(GetParam())) {}
+  void SetUp() override {
+    if (run_.device() == nullptr) GTEST_SKIP() << "no device";
+  }
+  void TearDown() override { run_.clear(); }
+
+  /// 0.3 m of hair that falls onto the cylinder along z.
+  HairObject& addHair(float friction, int vertices = 32, double root = -0.07) {
+    const Result<HairId> added = run_.scene.addHair(
+        strandAsset(straight(vertices, {root, 0.06, 0}, {root + 0.3, 0.06, 0})), {});
+    EXPECT_TRUE(added);
+    id_ = *added;
+    const CapsuleCollider capsule = cylinder(static_cast<float>(kRadius), friction);
+    hair().setColliders({&capsule, 1});
+    return hair();
+  }
+  HairObject& hair() { return run_.scene.hair(id_); }
+
+  /// Needles of the records, from what is read back.
+  std::vector<Needle> needles() {
+    const auto positions = run_.positions(hair());
+    const auto records = run_.read<ContactRecord>(hair().buffers().contacts);
+    // The last words are the mask, as there is one strand.
+    const auto words = run_.read<uint32_t>(hair().buffers().contactWords);
+    const size_t firstMask = words.size() - (positions.size() + 31) / 32;
+    std::vector<Needle> needles;
+    for (size_t v = 0; v < positions.size(); ++v) {
+      if (((words[firstMask + v / 32] >> (v % 32)) & 1) == 0) continue;
+      const ContactRecord& r = records[2 * v];
+      EXPECT_EQ(r.bits & kMore, 0u) << "there is one collider";
+      const Point p = toPoint(positions[v]);
+      // The hair's origin is that of the world, as its root is near it.
+      const double depth = -(double{r.plane.w} + double{r.plane.x} * (p.x - double{r.foundX}) +
+                             double{r.plane.y} * (p.y - double{r.foundY}) +
+                             double{r.plane.z} * (p.z - double{r.foundZ}));
+      const bool slides = (r.bits & kSlides) != 0;
+      const double length = double{look_.length} * (slides ? 0.5 : 1.0);
+      needles.push_back(
+          {pixelOf(p),
+           pixelOf({p.x + length * double{r.plane.x}, p.y + length * double{r.plane.y}, 0}), depth,
+           slides, v});
+    }
+    return needles;
+  }
+  /// A picture of the contacts alone.
+  std::vector<Float4> picture(PassList& list) {
+    expectOk(run_.scene.drawContacts(id_, viewOf(), look_, list));
+    run_.scene.finish(list);
+    expectOk(run_.device()->update(run_.scene.resources()));
+    RenderTargetDef target;
+    target.width = target.height = kPixels;
+    const Result<RenderedImage> image = run_.device()->render(list, target);
+    EXPECT_TRUE(image) << image.error().message;
+    return image ? image->pixels : std::vector<Float4>();
+  }
+  static size_t covered(const std::vector<Float4>& pixels) {
+    return static_cast<size_t>(std::ranges::count_if(
+        pixels, [](const Float4& p) { return !(p.w == 0 && p.x == 0 && p.y == 0 && p.z == 0); }));
+  }
+  void expectColors(const std::vector<Float4>& pixels, const std::vector<Needle>& needles) const {
+    for (const Needle& n : needles) {
+      // Near its foot, where it is wider than a pixel.
+      const double share = 2.5 / distance(n.foot, n.tip);
+      const auto x = static_cast<size_t>(n.foot.x + (n.tip.x - n.foot.x) * share);
+      const auto y = static_cast<size_t>(n.foot.y + (n.tip.y - n.foot.y) * share);
+      const Float4& pixel = pixels[y * kPixels + x];
+      Float3 color = colorOf(n.depth, double{look_.deepestDepth});
+      if (n.slides) color = {(color.x + 1) / 2, (color.y + 1) / 2, (color.z + 1) / 2};
+      EXPECT_NEAR(pixel.x, color.x, 0.02) << x << ", " << y << ", " << n.depth << " m deep";
+      EXPECT_NEAR(pixel.y, color.y, 0.02);
+      EXPECT_NEAR(pixel.z, color.z, 0.02);
+      EXPECT_EQ(pixel.w, 1);
+    }
+  }
+
+  SceneRun& run_;
+  HairId id_ = HairId::kInvalid;
+  ContactLook look_ = {.length = 0.02f};
+};
+
+TEST_P(ContactDraw, PixelsAreWhereContactsAreAndNowhereElse) {
+  size_t sliding = 0, others = 0;
+  for (const bool isLong : {false, true}) {
+    // The long one touches with vertices of its mask's second word.
+    if (isLong)
+      addHair(2, 70, -0.2);
+    else
+      addHair(0);
+    for (int frame = 0; frame < 20; ++frame) run_.step();
+    const std::vector<Needle> expected = needles();
+    ASSERT_GT(expected.size(), 3u);
+    EXPECT_EQ(expected.back().vertex >= 32, isLong);
+    PassList list;
+    const std::vector<Float4> pixels = picture(list);
+    ASSERT_EQ(pixels.size(), size_t{kPixels} * kPixels);
+    expectColors(pixels, expected);
+    for (size_t i = 0; i < pixels.size(); ++i) {
+      if (pixels[i].w == 0) continue;
+      const Point p = {static_cast<double>(i % kPixels) + 0.5,
+                       static_cast<double>(i / kPixels) + 0.5, 0};
+      double nearest = HUGE_VAL;
+      for (const Needle& n : expected) nearest = std::min(nearest, distanceToSegment(p, n));
+      ASSERT_LT(nearest, 3) << p.x << ", " << p.y;
+    }
+    for (const Needle& n : expected) ++(n.slides ? sliding : others);
+    run_.scene.removeHair(id_);
+  }
+  EXPECT_GT(sliding, 0u);
+  EXPECT_GT(others, 0u);
+}
+
+TEST_P(ContactDraw, NothingIsDrawnWhereNothingTouches) {
+  addHair(0.3f);
+  {
+    PassList list;
+    EXPECT_EQ(covered(picture(list)), 0u) << "before the first simulation";
+  }
+  for (int frame = 0; frame < 20; ++frame) run_.step();
+  {
+    PassList list;
+    EXPECT_GT(covered(picture(list)), 0u);
+    EXPECT_EQ(list.passes.size(), 1u);
+  }
+  // Within the ball around all strands, but near none of them.
+  const CapsuleCollider apart = {.head = {-0.07f, 0.25f, 0},
+                                 .headRadius = 0.02f,
+                                 .tail = {-0.07f, 0.25f, 0},
+                                 .tailRadius = 0.02f};
+  hair().setColliders({&apart, 1});
+  for (int frame = 0; frame < 5; ++frame) run_.step();
+  {
+    PassList list;
+    EXPECT_EQ(covered(picture(list)), 0u);
+    EXPECT_EQ(list.passes.size(), 1u) << "contacts were looked for";
+  }
+  // No collider at all: what was found last time is over.
+  const CapsuleCollider capsule = cylinder(static_cast<float>(kRadius), 0.3f);
+  hair().setColliders({&capsule, 1});
+  hair().reset();
+  for (int frame = 0; frame < 20; ++frame) run_.step();
+  const auto counters = [&] {
+    const auto words = run_.read<uint32_t>(hair().buffers().contactWords);
+    return readContactCounters(std::as_bytes(std::span(words)));
+  };
+  EXPECT_GT(counters().records, 0u);
+  hair().setColliders({});
+  run_.step();
+  PassList list;
+  EXPECT_EQ(covered(picture(list)), 0u);
+  EXPECT_TRUE(list.passes.empty());
+  EXPECT_EQ(counters().records, 0u);
+  EXPECT_EQ(counters().furtherPasses, 0u);
+  run_.scene.removeHair(id_);
+}
+
+TEST_P(ContactDraw, TheDeepestVertexIsThatOfThePositions) {
+  addHair(0.3f);
+  for (int frame = 0; frame < 20; ++frame) run_.step();
+  const auto records = run_.device()->read(hair().buffers().contacts);
+  const auto words = run_.device()->read(hair().buffers().contactWords);
+  ASSERT_TRUE(records && words);
+  std::vector<Float4> positions = run_.positions(hair());
+  const auto deepest = [&] {
+    const Result<float> found =
+        run_.scene.deepestContact(id_, *records, *words, std::as_bytes(std::span(positions)));
+    EXPECT_TRUE(found) << found.error().message;
+    return double{*found};
+  };
+  EXPECT_NEAR(deepest(), std::max(depthInCylinder(positions, 32, kRadius), 0.0), 2e-5);
+  for (Float4& p : positions) p.y -= 0.002f;
+  // Planes are not the cylinder, from which they curve away.
+  EXPECT_NEAR(deepest(), depthInCylinder(positions, 32, kRadius), 1e-4);
+  for (Float4& p : positions) p.y = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_TRUE(std::isinf(deepest()));
+  const Result<float> refused =
+      run_.scene.deepestContact(id_, *records, std::span(*words).first(16), {});
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("16"), std::string::npos) << refused.error().message;
+  run_.scene.removeHair(id_);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, ContactDraw, testing::ValuesIn(kApis), apiTestName);
+
+TEST(ContactDrawErrors, NameTheMemberThatIsOutOfRange) {
+  Scene scene;
+  const Result<HairId> id = scene.addHair(strandAsset(straight(8, {0, 0, 0}, {0, -0.1, 0})), {});
+  ASSERT_TRUE(id);
+  PassList list;
+  const auto message = [&](const View& view, const ContactLook& look) {
+    const Result<void> drawn = scene.drawContacts(*id, view, look, list);
+    EXPECT_TRUE(list.passes.empty());
+    return drawn ? std::string() : drawn.error().message;
+  };
+  EXPECT_EQ(message(viewOf(), {}), "");
+  for (const float bad : {0.0f, -1.0f, std::numeric_limits<float>::infinity(),
+                          std::numeric_limits<float>::quiet_NaN()}) {
+    EXPECT_NE(message(viewOf(), {.length = bad}).find("length"), std::string::npos) << bad;
+    EXPECT_NE(message(viewOf(), {.width = bad}).find("width"), std::string::npos) << bad;
+    EXPECT_NE(message(viewOf(), {.deepestDepth = bad}).find("deepestDepth"), std::string::npos);
+  }
+  View empty = viewOf();
+  empty.width = 0;
+  EXPECT_NE(message(empty, {}).find("pixels"), std::string::npos);
+  View broken = viewOf();
+  broken.worldToClip.rows[0].x = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_NE(message(broken, {}).find("worldToClip"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace pelage::test
