@@ -217,9 +217,9 @@ TEST_F(SceneRuntimeTest, FollowHairsCollideWhereTheyShallAndSomethingIsInReach) 
     // A second time for the strands that the first one has marked.
     EXPECT_STREQ(list_.passes[pass].name, "find_follow_contacts");
     EXPECT_STREQ(list_.passes[pass + 1].name, "collide_follow_strands");
-    const bool again = pass == passes - 2;
+    const BufferId words = scene_.hair(both).buffers().followContactWords;
     for (const size_t i : {pass, pass + 1})
-      EXPECT_EQ(list_.passes[i].kind == PassKind::kDispatchIndirect, again) << i;
+      EXPECT_EQ(list_.passes[i].indirect == words, pass == passes - 2) << i;
   }
   const BufferDesc* before = scene_.resources().find(scene_.hair(both).buffers().followBefore);
   ASSERT_NE(before, nullptr);
