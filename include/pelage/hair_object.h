@@ -74,8 +74,9 @@ struct HairDef {
   /// follow hairs from HairBuffers::positions and tangents. Otherwise they are never stored, and
   /// the vertex kernel places them.
   bool storeFollowHairs = false;
-  /// With follow hairs, kGuidesAndFollows stores them as storeFollowHairs does. It takes a pass and
-  /// 16 bytes for each of their vertices, from the first frame in which something is in reach.
+  /// With follow hairs, kGuidesAndFollows stores them as storeFollowHairs does. It takes four
+  /// passes and 96 bytes for each of their vertices, from the first frame in which something is in
+  /// reach.
   CollidingHair collidingHair = CollidingHair::kGuides;
 };
 
@@ -111,6 +112,17 @@ struct ContactLook {
   float deepestDepth = 0.001f;  ///< a vertex this deep is red [m], > 0
 };
 
+/// What contacts of follow hairs cost in a frame.
+struct FollowContactCounters {
+  uint32_t records = 0;  ///< vertices near a collider, once for each of (at most two) colliders
+  uint32_t strandsWalkedAgain = 0;  ///< whose contacts were found a second time, because a vertex
+                                    ///< ended over 1 mm from where they were found first
+};
+
+/// Reads the counters from the first 8 bytes of HairBuffers::followContactWords, as
+/// readCounters() does.
+FollowContactCounters readFollowContactCounters(std::span<const std::byte> words);
+
 /// Buffers of a hair object; kInvalid marks one that this object does not need.
 struct HairBuffers {
   BufferId positions = BufferId::kInvalid;     ///< [strand][vertex] Float4, guides first;
@@ -141,11 +153,12 @@ struct HairBuffers {
   BufferId boneTransforms =
       BufferId::kInvalid;  ///< 3 (matrices) or 2 (dual quaternions) Float4 each; the skeleton's,
                            ///< where the object follows one
-  BufferId followStrands = BufferId::kInvalid;    ///< [follow] FollowStrand
-  BufferId followBefore = BufferId::kInvalid;     ///< [follow][vertex] Float4: of the last frame,
-                                                  ///< where follow hairs collide
-  BufferId strandThickness = BufferId::kInvalid;  ///< [strand] float
-  BufferId indices = BufferId::kInvalid;          ///< one strand's ribbon, uint32
+  BufferId followStrands = BufferId::kInvalid;  ///< [follow] FollowStrand
+  BufferId followBefore = BufferId::kInvalid;   ///< [2][follow][vertex] Float4, where follow hairs
+                                                ///< collide: as drawn, and as placed before
+  BufferId followContactWords = BufferId::kInvalid;  ///< see readFollowContactCounters()
+  BufferId strandThickness = BufferId::kInvalid;     ///< [strand] float
+  BufferId indices = BufferId::kInvalid;             ///< one strand's ribbon, uint32
   BufferId vertexColors = BufferId::kInvalid;  ///< [guide][vertex] linear rgba, 4 unorms of 16 bits
   BufferId strandUv = BufferId::kInvalid;      ///< [guide] Float2, with baseTexture
   BufferId baseTexture = BufferId::kInvalid;   ///< [y][x] as vertexColors

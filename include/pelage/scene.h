@@ -22,6 +22,7 @@ namespace pelage {
 struct ExactConstants;
 namespace detail {
 struct BufferNeed;
+struct ColliderBuffers;
 struct DrawOffers;
 struct SdfGridPlan;
 }  // namespace detail
@@ -219,6 +220,7 @@ class Scene {
   Result<void> addClassicPasses(const Frame& frame);
   Result<void> addExactPasses(Frame& frame);
   void prepareContacts(Frame& frame);
+  detail::ColliderBuffers colliderBuffers(const Frame& frame) const;
   Result<void> addContactPass(const Frame& frame, uint32_t step, uint32_t steps, bool again);
   Result<void> addSleepPass(Frame& frame, ExactConstants constants);
   void setLevelOfDetail(const Frame& frame, ExactConstants& constants);

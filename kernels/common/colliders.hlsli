@@ -70,7 +70,10 @@ static const uint kSweepSteps = 16;
 
 // As findContact() for a point that goes from `from` to `p`: one that meets the surface on the way has
 // the plane in which it does.
-Contact sweepCapsule(Collider shape, float3 from, float3 p, float begin, float end) {
+//
+// \param rests  a point that lies on the surface at `from` is held there where that faces away from the
+//               surface nearest to p; otherwise such a point is not swept
+Contact sweepCapsule(Collider shape, float3 from, float3 p, float begin, float end, bool rests) {
   Contact last = findContact(shape, p, begin, end);
   // Relative to the surface, which is where it is in the end.
   precise float3 start = from + last.surfaceMotion;
@@ -78,7 +81,10 @@ Contact sweepCapsule(Collider shape, float3 from, float3 p, float begin, float e
   float size = squareRoot(dot3(way, way));
   if (!(size > kSweepFrom * min(shape.head.w, shape.tail.w)) || last.penetration < -1e17) return last;
   Contact contact = findContact(shape, start, begin, end);
-  if (!(contact.penetration < 0.0)) return last;
+  float deepest = 0.0;
+  if (rests && contact.penetration > -kSweepTouch)
+    deepest = dot3(contact.normal, last.normal) > 0.0 ? -1e18 : kSweepTouch;
+  if (!(contact.penetration < deepest)) return last;
   precise float3 direction = way * (1.0 / max(size, 1e-20));
   precise float s = 0.0;
   [loop] for (uint i = 0; i < kSweepSteps; ++i) {

@@ -21,13 +21,17 @@
 // is farther from every collider than the reach; a mask has a bit for each vertex with a record.
 // SDF: with SDFs; without it there are capsules alone.
 #include "../layouts/contact.hlsli"
-#include "../common/colliders.hlsli"
 #if SDF
 #define SDF_KEYS g_fieldKeys
 #define SDF_SURFACE g_fieldSurface
-#define SDF_FACING 1
-#include "../sdf/sdf_strand_contact.hlsli"
 #endif
+#define CONTACT_CAPSULES g_capsules
+#define CONTACT_CAPSULE_COUNT g_capsuleCount
+#define CONTACT_FIELDS g_fields
+#define CONTACT_FIELD_COUNT g_fieldCount
+#define CONTACT_LOOKS 2
+#define CONTACT_RESTS false
+#include "deepest_contacts.hlsli"
 
 static const uint kTileStrands = 32;
 static const uint kGroupStrands = 4;
@@ -37,8 +41,6 @@ static const uint kAgainFlag = 2;
 static const uint kNoHistoryFlag = 4;
 static const uint kOddFlag = 8;
 static const uint kNoElement = 0xffffffffu;
-// Displacements from this on may lead through something thin [m].
-static const float kLeap = 0.01;
 // Longest displacement that an expectation goes on with [m].
 static const float kLongestStep = 1.0;
 
@@ -50,38 +52,6 @@ groupshared float3 s_to[128];
 groupshared float s_reach[128];
 groupshared uint s_element[128];
 groupshared uint s_had[4];
-
-struct Found {
-  Contact contact;
-  uint collider;
-};
-
-Found nothingFound() {
-  Found found;
-  found.contact.normal = float3(0.0, 0.0, 0.0);
-  found.contact.penetration = -1e18;
-  found.contact.surfaceMotion = float3(0.0, 0.0, 0.0);
-  found.contact.friction = 0.0;
-  found.collider = kContactCollider;
-  return found;
-}
-
-// True when a collider may be within reach.
-//
-// \param relative  displacement against the root
-bool mayTouch(float3 from, float3 to, float3 relative, float reach) {
-  for (uint c = 0; c < g_capsuleCount; ++c) {
-    Contact contact =
-        sweepCapsule(g_capsules[c], from, to, g_contactBegin, g_contactEnd);
-    if (contact.penetration > -reach) return true;
-  }
-#if SDF
-  for (uint f = 0; f < g_fieldCount; ++f) {
-    if (sdfMayReach(g_fields[f], from, to, relative, g_contactEnd, reach)) return true;
-  }
-#endif
-  return false;
-}
 
 // The force of the record that the vertex had with the same collider, in the new tangent plane.
 ContactRecord goOn(ContactRecord record, uint first, bool had) {
@@ -116,56 +86,25 @@ ContactRecord recordOf(Found found, float3 to) {
   return record;
 }
 
-void keepDeepest(Found found, float reach, inout Found first, inout Found second) {
-  float depth = found.contact.penetration;
-  if (!(depth > -reach)) return;
-  if (depth > first.contact.penetration) {
-    second = first;
-    first = found;
-  } else if (depth > second.contact.penetration) {
-    second = found;
-  }
-}
-
 // Writes the records of a vertex. Returns how many.
 uint findRecords(uint entry) {
-  float3 from = s_from[entry];
-  float3 to = s_to[entry];
-  float reach = s_reach[entry];
-  Found first = nothingFound();
-  Found second = nothingFound();
-  for (uint c = 0; c < g_capsuleCount; ++c) {
-    Found found;
-    found.contact = sweepCapsule(g_capsules[c], from, to, g_contactBegin, g_contactEnd);
-    found.collider = min(c, kContactField - 1u);
-    keepDeepest(found, reach, first, second);
-  }
-#if SDF
-  for (uint f = 0; f < g_fieldCount; ++f) {
-    Found found;
-    // What is fast may go further than expected, and there be behind what is thin: a second time as far
-    // again. (One call, as compilers copy the query to every place that it stands in.)
-    precise float3 way = to - from;
-    precise float3 further = float3(0.0, 0.0, 0.0);
-    [loop] for (uint round = 0; round < 2; ++round) {
-      found.contact = findFieldContact(g_fields[f], from, to + further, g_contactBegin,
-                                       g_contactEnd, reach);
-      precise float depth = found.contact.penetration + dot3(further, found.contact.normal);
-      found.contact.penetration = depth;
-      if (found.contact.penetration > -reach || dot3(way, way) <= kLeap * kLeap) break;
-      further = way;
-    }
-    found.collider = kContactField | min(f, kContactField - 2u);
-    keepDeepest(found, reach, first, second);
-  }
-#endif
-  if (!(first.contact.penetration > -reach)) return 0u;
-  bool more = second.contact.penetration > -reach;
+  SweptVertex swept;
+  swept.from = s_from[entry];
+  swept.to = s_to[entry];
+  swept.relative = float3(0.0, 0.0, 0.0);
+  swept.begin = g_contactBegin;
+  swept.end = g_contactEnd;
+  swept.reach = s_reach[entry];
+  Found first;
+  Found second;
+  findDeepest(swept, first, second);
+  if (!(first.contact.penetration > -swept.reach)) return 0u;
+  bool more = second.contact.penetration > -swept.reach;
   uint strand = s_list[entry] >> 5;
   bool had = ((s_had[strand] >> (s_list[entry] & 31u)) & 1u) != 0u;
   uint element = s_element[entry] * kMaxContacts;
-  ContactRecord a = goOn(recordOf(first, to), element, had);
-  ContactRecord b = goOn(recordOf(second, to), element, had && more);
+  ContactRecord a = goOn(recordOf(first, swept.to), element, had);
+  ContactRecord b = goOn(recordOf(second, swept.to), element, had && more);
   if (more) a.bits = a.bits | kContactMore;
   g_contacts[element] = a;
   if (more) g_contacts[element + 1u] = b;
@@ -257,10 +196,10 @@ void find_contacts(uint3 group : SV_GroupID, uint3 lane : SV_GroupThreadID,
     precise float3 relative = displacement - (again ? root.now : root.last);
     if (!known) relative = float3(0.0, 0.0, 0.0);
     precise float3 there = now - g_contactOrigin.xyz;
-    precise float3 start = there;
+    precise float3 from = there;
     precise float3 to = there;
     if (again) {
-      start = there - displacement;
+      from = there - displacement;
     } else {
       precise float share = 1.0 - float(vertex) / float(strand.count);
       to = there + displacement + (root.now - root.last) * share + g_contactFall.xyz;
@@ -268,11 +207,18 @@ void find_contacts(uint3 group : SV_GroupID, uint3 lane : SV_GroupThreadID,
     // Again the solve has gone wrong by much, so that more of them may meet a collider.
     precise float reach =
         g_contactReach + (again ? 1.0 : 0.25) * squareRoot(dot3(relative, relative));
-    if (isUsable(to) && mayTouch(start, to, relative, reach)) {
+    SweptVertex swept;
+    swept.from = from;
+    swept.to = to;
+    swept.relative = relative;
+    swept.begin = g_contactBegin;
+    swept.end = g_contactEnd;
+    swept.reach = reach;
+    if (isUsable(to) && mayTouch(swept)) {
       uint entry;
       InterlockedAdd(s_count, 1u, entry);
       s_list[entry] = lane.y * 32u + lane.x;
-      s_from[entry] = start;
+      s_from[entry] = from;
       s_to[entry] = to;
       s_reach[entry] = reach;
       s_element[entry] = own;

@@ -26,7 +26,6 @@
 #define SDF_KEYS g_sdfKeys
 #define SDF_SURFACE g_sdfSurface
 #define SDF_CLOSEST_FEATURE CLOSEST_FEATURE
-#define SDF_FRICTION 1
 
 #include "../layouts/apply_sdf.hlsli"
 #include "sdf_vertex.hlsli"
@@ -55,9 +54,6 @@ void collideVertex(uint index) {
   SdfVertex vertex;
   vertex.now = now.xyz;
   vertex.before = isUsable(before.xyz) ? before.xyz : now.xyz;
-  vertex.normal = float3(0.0, 0.0, 0.0);
-  vertex.carried = float3(0.0, 0.0, 0.0);
-  vertex.grip = 0.0;
   vertex.moved = false;
   for (uint f = 0; f < g_sdfFieldCount; ++f)
     collideWithField(vertex, g_sdfFields[f], g_sdfBegin, g_sdfEnd);

@@ -1,5 +1,5 @@
 // What becomes of a vertex that meets a signed distance field: collide_vertices says how. The file
-// that includes it defines what sdf_response.hlsli wants, and SDF_FRICTION.
+// that includes it defines what sdf_response.hlsli wants.
 #ifndef PELAGE_SDF_SDF_VERTEX_HLSLI
 #define PELAGE_SDF_SDF_VERTEX_HLSLI
 
@@ -10,9 +10,6 @@ static const uint kSdfRounds = 4;
 struct SdfVertex {
   float3 now;
   float3 before;
-  float3 normal;   // of the last contact
-  float3 carried;  // way of its surface from where the vertex was before to now [m]
-  float grip;      // sum over the contacts of friction times the way outwards [m]
   bool moved;
 };
 
@@ -26,7 +23,6 @@ void collideWithField(inout SdfVertex vertex, SdfField field, float frameBegin, 
   precise float3 carried = float3(0.0, 0.0, 0.0);
   precise float3 place = vertex.now;
   float3 normal = float3(0.0, 0.0, 0.0);
-  precise float grip = vertex.grip;
   bool touched = false;
   [loop] for (uint round = 0; round < kSdfRounds; ++round) {
     SdfContact contact = sdfContact(field, from, to, begin, end, 0.0);
@@ -43,8 +39,6 @@ void collideWithField(inout SdfVertex vertex, SdfField field, float frameBegin, 
     normal = contact.normal;
     precise float push = max(contact.penetration, 0.0);
     precise float3 outward = normal * push;
-    grip = grip + field.friction * (push * cell);
-#if SDF_FRICTION
     precise float3 start = contact.swept ? contact.stop : contact.from;
     precise float3 way = contact.to + outward - start;
     precise float off = dot3(way, normal);
@@ -53,7 +47,6 @@ void collideWithField(inout SdfVertex vertex, SdfField field, float frameBegin, 
     precise float most = field.friction * push;
     precise float share = size > most ? most / size : 1.0;
     outward = outward - slip * share;
-#endif
     precise float3 pushed = place + outward * cell;
     precise float3 stop = field.origin.xyz + contact.stop * cell;
     bool stays = contact.swept && round + 1u == kSdfRounds;
@@ -69,9 +62,6 @@ void collideWithField(inout SdfVertex vertex, SdfField field, float frameBegin, 
   precise float3 before = vertex.before + normal * rising;
   vertex.now = now;
   vertex.before = before;
-  vertex.normal = normal;
-  vertex.carried = carried;
-  vertex.grip = grip;
   vertex.moved = true;
 }
 

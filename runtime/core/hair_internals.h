@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "exact_solver.h"
+#include "follow_contacts.h"
 #include "hair_contacts.h"
 #include "pelage/collider.h"
 #include "pelage/gpu_structs.h"
@@ -88,6 +89,7 @@ struct HairInternals {
   bool heldVertices = false;    ///< beyond the two at the root
 
   HairContacts contacts;
+  FollowContacts followContacts;
 
   std::vector<uint32_t> hairsOfGuides;  ///< that a guide stands for, with itself
   HairGrid grid;

@@ -251,8 +251,9 @@ void Scene::removeHair(HairId id) {
        {&buffers.positions, &buffers.tangents, &buffers.bindRoots, &buffers.rootTransforms,
         &buffers.rootBindings, &buffers.boneTransforms, &buffers.followStrands,
         &buffers.strandThickness, &buffers.indices, &buffers.colliders, &buffers.fields,
-        &buffers.vertexColors, &buffers.strandUv, &buffers.baseTexture, &buffers.followBefore})
+        &buffers.vertexColors, &buffers.strandUv, &buffers.baseTexture})
     removeBuffer(*buffer);
+  for (BufferId* buffer : object.internals_->followContacts.buffers()) removeBuffer(*buffer);
   objects_.remove(id);
   removeUnusedCopies();
   if (hairCount() == 0) removeDrawBuffers();

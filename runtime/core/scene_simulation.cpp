@@ -96,15 +96,20 @@ void Scene::prepareContacts(Frame& frame) {
   contacts.begin(frame.list);
 }
 
+detail::ColliderBuffers Scene::colliderBuffers(const Frame& frame) const {
+  const HairBuffers& buffers = frame.object.buffers_;
+  return {.capsules = buffers.colliders,
+          .capsuleCount = frame.colliderCount,
+          .fields = buffers.fields,
+          .fieldCount = frame.fieldCount,
+          .fieldKeys = sdfKeys_,
+          .fieldSurface = sdfSurface_};
+}
+
 Result<void> Scene::addContactPass(const Frame& frame, uint32_t step, uint32_t steps, bool again) {
   const HairBuffers& buffers = frame.object.buffers_;
   const bool exact = frame.settings.solver == Solver::kExact;
-  const detail::ColliderBuffers colliders = {.capsules = buffers.colliders,
-                                             .capsuleCount = frame.colliderCount,
-                                             .fields = buffers.fields,
-                                             .fieldCount = frame.fieldCount,
-                                             .fieldKeys = sdfKeys_,
-                                             .fieldSurface = sdfSurface_};
+  const detail::ColliderBuffers colliders = colliderBuffers(frame);
   const detail::AwakeTiles awake = {.buffer = exact ? buffers.sleep : buffers.rootTransforms,
                                     .listed = frame.sleeps,
                                     .firstWord = detail::kSleepHead,
@@ -492,37 +497,22 @@ Result<void> Scene::addFollowCollision(const Frame& frame) {
   internals.followsCollided = false;
   if (!internals.collidesFollowHairs) return {};
   if (frame.fieldCount == 0 && frame.colliderCount == 0) return {};
-  const uint64_t stored = object.strandCount() * uint64_t{object.vertexCount_} * kVector;
-  const uint64_t follows = object.followCount_ * uint64_t{object.vertexCount_} * kVector;
-  if (buffers.followBefore == BufferId::kInvalid) {
-    buffers.followBefore = resources_.add(
-        {.name = object.name_ + "/followBefore", .size = follows, .stride = kVector});
+  detail::FollowContacts& contacts = internals.followContacts;
+  if (!contacts.isPrepared()) {
+    contacts.prepare(resources_, object.name_, object.followCount_, object.vertexCount_);
+    buffers.followBefore = contacts.before();
+    buffers.followContactWords = contacts.words();
   }
-  FollowCollisionConstants constants = {};
-  constants.followOrigin = {internals.origin.x, internals.origin.y, internals.origin.z, 0};
-  constants.firstFollow = object.guideCount_;
-  constants.followStrandCount = object.followCount_;
-  constants.followVertexCount = object.vertexCount_;
-  constants.followFieldCount = frame.fieldCount;
-  constants.followColliderCount = frame.colliderCount;
-  constants.followHistory = known ? 1 : 0;
-  const KernelVariant& variant = collideFollowStrandsVariant({.sdf = frame.fieldCount > 0});
-  PassBuilder builder(frame.list);
-  if (frame.sleeps)
-    builder.dispatchIndirect(variant, buffers.sleep, kFollowArguments);
-  else
-    builder.dispatch(variant, object.followCount_);
-  builder.bind("g_followPositions", buffers.positions, stored)
-      .bind("g_followTangents", buffers.tangents, stored)
-      .bind("g_followBefore", buffers.followBefore, follows)
-      .bind("g_followFields", buffers.fields, frame.fieldCount * sizeof(SdfField))
-      .bind("g_followKeys", sdfKeys_, bytesOfBuffer(sdfKeys_))
-      .bind("g_followSurface", sdfSurface_, bytesOfBuffer(sdfSurface_))
-      .bind("g_followColliders", buffers.colliders, bytesOfBuffer(buffers.colliders))
-      .constants("FollowCollisionConstants", constants)
-      .bytes(3 * follows);
+  detail::FollowHairs hairs = {.positions = buffers.positions,
+                               .tangents = buffers.tangents,
+                               .first = object.guideCount_,
+                               .origin = internals.origin};
+  if (frame.sleeps) {
+    hairs.awake = buffers.sleep;
+    hairs.argumentBytes = kFollowArguments;
+  }
   internals.followsCollided = true;
-  return builder.finish();
+  return contacts.add(frame.list, resources_, hairs, colliderBuffers(frame), known);
 }
 
 }  // namespace pelage

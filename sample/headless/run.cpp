@@ -194,10 +194,21 @@ void printGrooms(const Options& options, const DemoScene& demo) {
                samplesOf(options) * options.supersample * options.supersample);
 }
 
+// What contacts of follow hairs took in the last frame.
+void printFollowContacts(const pelage::HairObject& hair, HeadlessDevice& device) {
+  if (hair.buffers().followContactWords == pelage::BufferId::kInvalid) return;
+  const auto words = device.read(hair.buffers().followContactWords);
+  if (!words) return;
+  const pelage::FollowContactCounters counters = pelage::readFollowContactCounters(*words);
+  fmt::print("follow contacts: {}, {} records, {} strands walked again\n", hair.name(),
+             counters.records, counters.strandsWalkedAgain);
+}
+
 // What contacts took in the last frame, and what they left.
 Result<void> printContacts(const DemoScene& demo, HeadlessDevice& device) {
   constexpr float kMillimeters = 1000;
   for (const pelage::HairId id : demo.hairs()) {
+    printFollowContacts(demo.scene().hair(id), device);
     const auto figures = demo.contactFigures(id, device);
     if (!figures) return figures.error();
     if (!*figures) continue;

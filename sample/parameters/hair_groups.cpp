@@ -166,7 +166,7 @@ std::vector<Parameter> defRows() {
        "True when a field or a pass of yours reads the follow hairs from HairBuffers.",
        {}},
       {PELAGE_FIELD(HairDef, collidingHair), "", "kGuides, kGuidesAndFollows",
-       "Which strands collide. Follows cost a pass and 16 bytes a vertex.",
+       "Which strands collide. Follows cost four passes and 96 bytes a vertex.",
        show(
            with(fieldSetup(),
                 [](Setup& s) {

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <memory>
 #include <numbers>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,18 @@ HairAsset curtain() {
                                  0.085f * std::sin(angle), held ? 0.0f : 1.0f});
     }
   }
+  expectOk(asset.process());
+  return asset;
+}
+
+/// One strand that hangs beside the axis.
+HairAsset plumb() {
+  HairAsset asset;
+  asset.strandCount = 1;
+  asset.verticesPerStrand = kVertices;
+  for (uint32_t v = 0; v < kVertices; ++v)
+    asset.positions.push_back(
+        {0.02f, 0.14f - 0.012f * static_cast<float>(v), 0, v < 2 ? 0.0f : 1.0f});
   expectOk(asset.process());
   return asset;
 }
@@ -213,13 +226,7 @@ TEST_P(FollowCollision, FrictionHoldsBackByItsShareOfTheDepthAndNoLonger) {  // 
 }
 
 TEST_P(FollowCollision, AFastFollowHairStaysOnItsGuidesSideOfAThinPlate) {  // K30
-  HairAsset asset;
-  asset.strandCount = 1;
-  asset.verticesPerStrand = kVertices;
-  for (uint32_t v = 0; v < kVertices; ++v)
-    asset.positions.push_back(
-        {0.02f, 0.14f - 0.012f * static_cast<float>(v), 0, v < 2 ? 0.0f : 1.0f});
-  expectOk(asset.process());
+  const HairAsset asset = plumb();
   std::vector<FollowHair> follow(1);
   follow[0].offset = {-0.012f, 0, 0, 1};
   // So that the strand goes with its root at once; the plate's upper edge is below the roots.
@@ -240,6 +247,101 @@ TEST_P(FollowCollision, AFastFollowHairStaysOnItsGuidesSideOfAThinPlate) {  // K
     EXPECT_LT(placed[v].x, -0.002f) << "vertex " << v << " would be on the other side";
     EXPECT_GT(kept[v].x, 0.002f) << "vertex " << v;
   }
+}
+
+TEST_P(FollowCollision, AFastFollowHairStaysOnItsGuidesSideOfAThinCapsule) {  // K30
+  constexpr float kThin = 0.004f, kTop = 0.06f;
+  const HairAsset asset = plumb();
+  std::vector<FollowHair> follow(1);
+  follow[0].offset = {-0.012f, 0, 0, 1};
+  settings_.globalStiffness = 0.99f;
+  settings_.globalRange = 1;
+  HairObject& hair = add(CollidingHair::kGuidesAndFollows, asset, follow);
+  HairObject& guideOnly = add(CollidingHair::kGuides, asset, follow);
+  const CapsuleCollider capsule = {
+      .head = {0, kTop, 0}, .headRadius = kThin, .tail = {0, -0.3f, 0}, .tailRadius = kThin};
+  for (HairObject* object : {&hair, &guideOnly}) object->setColliders({&capsule, 1});
+  for (const float x : {0.0f, 0.0f, -0.011f, -0.011f, -0.011f}) {
+    const AffineTransform bone = rigidTransform({0, 0, 0, 1}, {x, 0, 0});
+    hair.setBones({&bone, 1});
+    guideOnly.setBones({&bone, 1});
+    run_.step();
+  }
+  const std::vector<Float4> kept = follows(hair), placed = follows(guideOnly);
+  for (size_t v = 0; v < kVertices; ++v) {
+    if (placed[v].y > kTop) continue;
+    EXPECT_LT(placed[v].x, -0.002f) << "vertex " << v << " would be on the other side";
+    EXPECT_GT(kept[v].x, kThin - 1e-5f) << "vertex " << v;
+  }
+}
+
+TEST_P(FollowCollision, BetweenAMeshAndACapsuleTheyAreOutsideOfBoth) {
+  const HairAsset asset = curtain();
+  HairObject& guideOnly = add(CollidingHair::kGuides, asset, inwards());
+  HairObject& both = add(CollidingHair::kGuidesAndFollows, asset, inwards());
+  addBall();
+  // The hollow between the two is a ring at about y = -0.05.
+  const CapsuleCollider capsule = {
+      .head = {0, -0.1f, 0}, .headRadius = 0.075f, .tail = {0, -0.12f, 0}, .tailRadius = 0.075f};
+  for (HairObject* object : {&guideOnly, &both}) object->setColliders({&capsule, 1});
+  for (int frame = 0; frame < 6; ++frame) run_.step();
+  const reference::DistanceOracle oracle(ball());
+  const auto isOutside = [&](const Float4& p) {
+    const Eigen::Vector3d at = toVector(p);
+    const double along = std::clamp(at.y(), -0.12, -0.1);
+    const double beside = (at - Eigen::Vector3d(0, along, 0)).norm();
+    return oracle.signedDistance(at) > static_cast<double>(kMargin) - 1e-5 && beside > 0.075 - 1e-5;
+  };
+  const std::vector<Float4> placed = follows(guideOnly), pushed = follows(both);
+  uint32_t free = 0, wasInside = 0, isInside = 0;
+  double deepest = 0;
+  for (size_t i = 0; i < placed.size(); ++i) {
+    if (!(placed[i].w > 0)) continue;
+    ++free;
+    if (!isOutside(placed[i])) ++wasInside;
+    if (isOutside(pushed[i])) continue;
+    ++isInside;
+    deepest = std::max(deepest,
+                       static_cast<double>(kMargin) - oracle.signedDistance(toVector(pushed[i])));
+  }
+  std::printf("[ FIGURE ] %u of %u vertices inside of mesh or capsule, %u after, up to %.3g mm\n",
+              wasInside, free, isInside, 1000 * deepest);
+  EXPECT_GT(wasInside, free / 3);
+  EXPECT_LE(isInside, free / 1000) << "of " << free;
+}
+
+TEST_P(FollowCollision, OnlyStrandsThatLeaveWhereTheirContactsWereFoundWalkOnceMore) {
+  const HairAsset asset = curtain();
+  // Deep ones are shifted along the ball by more than a millimeter; at its surface they stay.
+  std::vector<FollowHair> shallow = inwards();
+  for (FollowHair& hair : shallow) {
+    hair.offset.x *= 0.2f;
+    hair.offset.z *= 0.2f;
+  }
+  HairObject& deepHair = add(CollidingHair::kGuidesAndFollows, asset, inwards());
+  HairObject& shallowHair = add(CollidingHair::kGuidesAndFollows, asset, shallow);
+  HairObject& farHair = add(CollidingHair::kGuidesAndFollows, asset, inwards());
+  addBall();
+  const CapsuleCollider far = {.head = {0, -0.16f, 0}, .headRadius = 0.01f, .tailRadius = 0.01f};
+  CapsuleCollider beside = far;
+  beside.tail = beside.head = {0, -0.18f, 0};
+  farHair.setMeshColliders(std::vector<ColliderId>{});
+  farHair.setColliders({&beside, 1});
+  for (int frame = 0; frame < 2; ++frame) run_.step();
+  const auto counters = [&](const HairObject& hair) {
+    const std::vector<uint32_t> words = run_.read<uint32_t>(hair.buffers().followContactWords);
+    return readFollowContactCounters(std::as_bytes(std::span(words)));
+  };
+  const FollowContactCounters deep = counters(deepHair), flat = counters(shallowHair);
+  std::printf("[ FIGURE ] deep: %u records, %u strands again; shallow: %u and %u\n", deep.records,
+              deep.strandsWalkedAgain, flat.records, flat.strandsWalkedAgain);
+  EXPECT_GT(deep.records, kFollows * 4);
+  EXPECT_GT(deep.strandsWalkedAgain, kFollows / 4);
+  EXPECT_LE(deep.strandsWalkedAgain, kFollows);
+  EXPECT_GT(flat.records, kFollows);
+  EXPECT_LT(flat.strandsWalkedAgain, deep.strandsWalkedAgain / 2);
+  EXPECT_EQ(counters(farHair).records, 0u) << "nothing is near";
+  EXPECT_EQ(counters(farHair).strandsWalkedAgain, 0u);
 }
 
 /// Everything that was written after some frames with a mesh and a capsule that both move.

@@ -198,25 +198,41 @@ TEST_F(SceneRuntimeTest, FollowHairsCollideWhereTheyShallAndSomethingIsInReach) 
   const ColliderId box = addCollider();
   simulate();
   EXPECT_EQ(count("collide_follow_strands") + count("update_follow_strands"), 0u);
+  EXPECT_EQ(count("find_follow_contacts"), 0u);
   EXPECT_EQ(scene_.hair(guides).buffers().followBefore, BufferId::kInvalid);
   const HairId both = addBoth(CollidingHair::kGuidesAndFollows);
   scene_.collider(box).enabled = false;
   simulate();
   EXPECT_EQ(count("update_follow_strands"), 1u) << "they are stored";
   EXPECT_EQ(count("collide_follow_strands"), 0u) << "nothing is in reach";
+  EXPECT_EQ(count("find_follow_contacts"), 0u);
   EXPECT_EQ(scene_.hair(both).buffers().followBefore, BufferId::kInvalid);
+  EXPECT_EQ(scene_.hair(both).buffers().followContactWords, BufferId::kInvalid);
   scene_.collider(box).enabled = true;
   simulate();
-  EXPECT_EQ(count("collide_follow_strands"), 1u);
-  EXPECT_STREQ(list_.passes.back().name, "collide_follow_strands") << "after they are placed";
+  const size_t passes = list_.passes.size();
+  ASSERT_GE(passes, 5u);
+  EXPECT_STREQ(list_.passes[passes - 5].name, "update_follow_strands");
+  for (const size_t pass : {passes - 4, passes - 2}) {
+    // A second time for the strands that the first one has marked.
+    EXPECT_STREQ(list_.passes[pass].name, "find_follow_contacts");
+    EXPECT_STREQ(list_.passes[pass + 1].name, "collide_follow_strands");
+    const BufferId words = scene_.hair(both).buffers().followContactWords;
+    for (const size_t i : {pass, pass + 1})
+      EXPECT_EQ(list_.passes[i].indirect == words, pass == passes - 2) << i;
+  }
   const BufferDesc* before = scene_.resources().find(scene_.hair(both).buffers().followBefore);
   ASSERT_NE(before, nullptr);
-  EXPECT_EQ(before->size, 8 * sizeof(Float4));
+  EXPECT_EQ(before->size, 2 * 8 * sizeof(Float4));
   const CapsuleCollider capsule = {.headRadius = 0.05f, .tailRadius = 0.05f};
   scene_.collider(box).enabled = false;
   scene_.hair(both).setColliders({&capsule, 1});
   simulate();
-  EXPECT_EQ(count("collide_follow_strands"), 1u) << "capsules, too";
+  EXPECT_EQ(count("collide_follow_strands"), 2u) << "capsules, too";
+  const HairBuffers had = scene_.hair(both).buffers();
+  scene_.removeHair(both);
+  EXPECT_EQ(scene_.resources().find(had.followBefore), nullptr);
+  EXPECT_EQ(scene_.resources().find(had.followContactWords), nullptr);
 }
 
 TEST_F(SceneRuntimeTest, WhereFollowHairsWereIsKnownFromFrameToFrameAlone) {
@@ -261,7 +277,7 @@ TEST_F(SceneRuntimeTest, ACollidersReachIsThatOfFollowHairsWhereTheyCollide) {
   addHair({.followHairs = {&follow, 1}, .collidingHair = CollidingHair::kGuidesAndFollows});
   simulate();
   EXPECT_EQ(count("scatter_triangles"), 1u);
-  EXPECT_EQ(count("collide_follow_strands"), 1u);
+  EXPECT_EQ(count("collide_follow_strands"), 2u);
 }
 
 // ---- skeletons
