@@ -48,6 +48,18 @@ tables() {
       for (s = 1; s <= 4; ++s) line = line " | " cells(scenes[s] ";" names[i])
       print line " |"
     }
+    swings = 0
+    for (i = 1; i <= count; ++i) swings += ("limp_whip;" names[i]) in time
+    if (swings) {
+      print "\nReleased from the horizontal, likewise:\n"
+      split("limp_whip soft_swing stiff_swing", falling, " ")
+      heading("limp whip | µs | bend length 0.05 m | µs | bend length 0.15 m | µs", 6)
+      for (i = 1; i <= count; ++i) {
+        line = "| " names[i]
+        for (s = 1; s <= 3; ++s) line = line " | " cells(falling[s] ";" names[i])
+        print line " |"
+      }
+    }
     print "\nThe cheapest setting with an error of at most so many %, and its µs:\n"
     heading("20 % | 5 % | 1 % | 0.3 % | 0.1 %", 5)
     split("20 5 1 0.3 0.1", limits, " ")
