@@ -53,7 +53,7 @@ std::vector<SolverChoice> choicesOf(const BenchScene& scene, const Options& opti
   const std::pair<SolverKind, std::vector<uint32_t>> all[] = {
       {SolverKind::kSweeps, {2, 20, 100}},
       {SolverKind::kCosserat, {5, 10, 20, 40}},
-      {SolverKind::kClassic, {2, 4, 8, 16}},
+      {SolverKind::kClassic, {1, 2, 4, 8}},
       {SolverKind::kExact, {1, 2, 4, 8}}};
   std::vector<SolverChoice> choices;
   for (const auto& [kind, efforts] : all) {
@@ -166,7 +166,8 @@ Result<void> runApi(pelage::Api api, const Options& options, int& failures) {
              "solver", "setting", "strands", "error %", "max str. %", "rms str. %", "broken",
              "median us", "min us", "floor us");
   Bench bench(**device);
-  for (const auto make : {bench::limpSwing, bench::shakenCurl})
+  for (const auto make :
+       {bench::limpSwing, bench::limpWhip, bench::softSwing, bench::stiffSwing, bench::shakenCurl})
     if (Result<void> done = runScene(bench, make(options.strands), options, failures); !done)
       return done;
   for (const auto make : {bench::elastica, bench::saggingHelix})

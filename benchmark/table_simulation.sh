@@ -29,6 +29,7 @@ tables() {
   commit == "" { split($0, quoted, "\""); commit = $1; device = quoted[2]; driver = quoted[4] }
   {
     name = $4 ", " $6
+    if ($3 == "limp_whip") fallingCommit = $1
     if (!(name in seen)) { seen[name] = 1; names[++count] = name }
     where = $3 ~ /^(groom|mohawk)/ ? $3 " " $7 : $3
     key = where ";" name
@@ -44,9 +45,23 @@ tables() {
     split("limp_swing shaken_curl elastica_tip helix_sag", scenes, " ")
     heading("limp swing | µs | shaken curl | µs | elastica tip | µs | helix sag | µs", 8)
     for (i = 1; i <= count; ++i) {
+      if (!(("limp_swing;" names[i]) in time)) continue
       line = "| " names[i]
       for (s = 1; s <= 4; ++s) line = line " | " cells(scenes[s] ";" names[i])
       print line " |"
+    }
+    swings = 0
+    for (i = 1; i <= count; ++i) swings += ("limp_whip;" names[i]) in time
+    if (swings) {
+      print "\nReleased from the horizontal, likewise (commit " fallingCommit "):\n"
+      split("limp_whip soft_swing stiff_swing", falling, " ")
+      heading("limp whip | µs | bend length 0.05 m | µs | bend length 0.15 m | µs", 6)
+      for (i = 1; i <= count; ++i) {
+        if (!(("limp_whip;" names[i]) in time)) continue
+        line = "| " names[i]
+        for (s = 1; s <= 3; ++s) line = line " | " cells(falling[s] ";" names[i])
+        print line " |"
+      }
     }
     print "\nThe cheapest setting with an error of at most so many %, and its µs:\n"
     heading("20 % | 5 % | 1 % | 0.3 % | 0.1 %", 5)

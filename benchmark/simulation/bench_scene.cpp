@@ -92,7 +92,7 @@ HairAsset assetOf(const Points& points, uint32_t copies) {
 Reference swingReference(const Points& points, const BenchScene& scene) {
   PlanarChain chain(RestStrand(points), scene.bend, scene.airDrag, scene.gravity);
   Reference reference;
-  for (int frame = 0; frame < 60; ++frame) {
+  for (int frame = 0; frame < scene.frames; ++frame) {
     for (int k = 0; k < 100; ++k) chain.step(kFrameSeconds / 100);
     reference.frames.push_back(chain.positions());
   }
@@ -169,19 +169,32 @@ std::optional<Reference> helixReference(const Helix& helix, const BenchScene& sc
   return reference;
 }
 
-}  // namespace
-
-BenchScene limpSwing(uint32_t copies) {
-  const double angle = -60 * pi / 180;
+// A straight strand of 0.3 m, so many degrees below the horizontal, that falls.
+BenchScene fallingStrand(const char* name, double degrees, double bendLength, int frames,
+                         uint32_t copies) {
+  const double angle = -degrees * pi / 180;
   const Points points = straightPoints(32, 0.3, Vector3d(std::cos(angle), std::sin(angle), 0));
   BenchScene scene;
-  scene.name = "limp_swing";
+  scene.name = name;
   scene.motion = still;
-  scene.frames = 60;
+  scene.frames = frames;
+  scene.bend = 9.81 * std::pow(bendLength, 3);
+  scene.twist = 0.75 * scene.bend;
+  if (bendLength > 0) scene.localStiffness = kClassicStiffness;
   scene.reference = [points, scene] { return std::optional(swingReference(points, scene)); };
   scene.asset = assetOf(points, copies);
   return scene;
 }
+
+}  // namespace
+
+BenchScene limpSwing(uint32_t copies) { return fallingStrand("limp_swing", 60, 0, 60, copies); }
+
+BenchScene limpWhip(uint32_t copies) { return fallingStrand("limp_whip", 0, 0, 60, copies); }
+
+BenchScene softSwing(uint32_t copies) { return fallingStrand("soft_swing", 0, 0.05, 60, copies); }
+
+BenchScene stiffSwing(uint32_t copies) { return fallingStrand("stiff_swing", 0, 0.15, 60, copies); }
 
 BenchScene shakenCurl(uint32_t copies) {
   const Points points = helixPoints(32, 0.008, 0.06, 4);

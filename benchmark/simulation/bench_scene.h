@@ -52,6 +52,12 @@ struct BenchScene {
 /// A limp strand of 0.3 m, 60 degrees below the horizontal, that swings for 1 s without drag.
 /// Reference: a chain in absolute angles, Runge-Kutta at 6,000 Hz.
 BenchScene limpSwing(uint32_t copies);
+/// The same from the horizontal: its tip cracks like a whip.
+BenchScene limpWhip(uint32_t copies);
+/// Strands of 0.3 m and bend length 0.05 and 0.15 m that fall from the horizontal, their rest
+/// shape, for 1 s without drag. Reference as above, and the bending of the same chain.
+BenchScene softSwing(uint32_t copies);
+BenchScene stiffSwing(uint32_t copies);
 /// A curl on a head that shakes and turns for 2 s. Reference: the exact solver in double precision
 /// at 128 steps a frame.
 BenchScene shakenCurl(uint32_t copies);

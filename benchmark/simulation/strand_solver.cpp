@@ -110,7 +110,7 @@ std::string SolverChoice::setting() const {
     case SolverKind::kCosserat:
       return count + (effort == 1 ? " sub-step" : " sub-steps");
     case SolverKind::kClassic:
-      return count + " Newton steps";
+      return count + (effort == 1 ? " length solve" : " length solves");
     case SolverKind::kSweeps:
       return count + " sweeps";
   }

@@ -48,7 +48,7 @@ const char* solverName(SolverKind kind);
 struct SolverChoice {
   SolverKind kind = SolverKind::kExact;
   uint32_t effort =
-      1;  ///< sub-steps (kExact, kCosserat), Newton steps (kClassic), sweeps (kSweeps)
+      1;  ///< sub-steps (kExact, kCosserat), length solves (kClassic), sweeps (kSweeps)
 
   std::string setting() const;
 };

@@ -117,9 +117,10 @@ struct SimulationSettings {
   /// Classic: how fast the air takes a segment along, across the segment [1/s], >= 0. (The air of
   /// the exact solver acts through the damping.)
   float airDrag = 2.0f;
-  /// Classic: Newton steps of the length solve, 1..16. Lengths are exact after it in any case; more
-  /// steps follow the true motion better.
-  uint32_t lengthIterations = 4;
+  /// Classic: solves of the lengths, 1..16. The first one finds the tensions and is stable alone;
+  /// the others are Newton steps. Lengths are exact after it in any case. With 2 to 5, long limp
+  /// strands may tremble.
+  uint32_t lengthIterations = 1;
   /// Classic: speed limit of a vertex relative to its root [m/s], > 0.
   float maxSpeed = 50.0f;
   ParameterCurves curves = {};

@@ -22,12 +22,14 @@ RWStructuredBuffer<float4> g_positions : register(u0, space0);
 // [strand][vertex], (G + F) * V: unit tangent; w = 0.
 RWStructuredBuffer<float4> g_tangents : register(u1, space0);
 
-// One sub-step of h seconds; h0 = 1/60 s. The artist's damping d, stiffnesses s and iterations are
-// defined for steps of h0, and the host converts them, so that another step is not another hair:
-//   keep      = (1 - d)^(h / h0)
-//   map(s)    = a / (1 + a), a = (h / h0)^2 s / (1 - s), with s <= 0.9999: a spring of the same
-//               stiffness, taken implicitly over h instead of h0
-// d = 0 has the limit gravityStep = h^2.
+// One sub-step of h seconds. The artist's damping d, stiffnesses s and iterations are defined for
+// steps of h0 = 1/60 s, and the classic solver works with these steps even where h is shorter: it
+// finds where a step of H = max(h, h0) would take the hair, and goes a share of that
+// (simulate_strands.hlsl). The host converts values to H, which changes them where h > h0 only:
+//   keep(t)   = (1 - d)^(t / h0)
+//   square(t) = t h0 (1 - keep(t)) / d [s2]: displacement in a step of t for 1 m/s2; t^2 for d = 0
+//   map(s)    = a / (1 + a), a = (H / h0)^2 s / (1 - s), with s <= 0.9999: a spring of the same
+//               stiffness, taken implicitly over H instead of h0
 cbuffer SimulationConstants : register(b0, space1) {
   float4 g_gravity;   // xyz [m/s2]; w unused
   float4 g_wind;      // xyz velocity of the air [m/s], gusts included; w = air drag c [1/s], >= 0
@@ -46,29 +48,29 @@ cbuffer SimulationConstants : register(b0, space1) {
   float g_timeStepRatio;     // this sub-step over the one before, 1 when there was none
   float g_rootBegin;         // root pose at the sub-step's start, 0 = last frame, 1 = this frame
   float g_rootEnd;           // root pose at its end
-  float g_dampingKeep;       // keep: share of the velocity that is kept in this sub-step
-  float g_gravityStep;       // h h0 (1 - keep) / d: displacement in this sub-step for 1 m/s2 [s2]
+  float g_dampingKeep;       // keep(H): share of the velocity that is kept in H
+  float g_gravityStep;       // square(H)
   float g_localStiffness;    // map(min(s, 0.95)): share of the way to the rest vector in a sweep
-  float g_globalStiffness;   // map(s): share of the way to the goal in this sub-step
+  float g_globalStiffness;   // map(s): share of the way to the goal in H
   float g_globalRange;       // share of the strand's vertices that it acts on, 0..1, from the root
   float g_vspCoefficient;    // share of the root's motion carried by the strand, 0..1
   float g_vspThreshold;      // acceleration of the root [m/s2] above which the share grows; it is
                              // 1 from twice the value on; > 0, may be infinite
   float g_maxSpeed;          // of the free motion, without what was carried [m/s]
   uint g_localIterations;    // sweeps of the local shape, at most 64
-  uint g_lengthIterations;   // Newton steps of the length solve, at most 64
+  uint g_lengthIterations;   // the solve of tensions and the Newton steps after it, at most 64
   float g_tipSeparation;     // factor on the follow offsets at the tip, on top of FollowStrand's
   uint g_flags;              // bit 0: reset (take the goal, forget velocities); bit 1: rebase
   uint g_contactMasks;      // words of g_contactWords, with contacts
   uint g_factorSet;  // set of g_rest with factors of every vertex, 2; 0: there is none
   uint g_contactMaskWords;  // of a strand
-  uint g_simulationPad1;
+  float g_forceShare;  // square(h) / square(H), in 0..1
 };
 
 // [2][G]: root frames of this frame (0) and the last one (1).
 RWStructuredBuffer<RootTransform> g_rootTransforms : register(u0, space1);
-// [2][V][G], strand fastest: current (0) and previous (1) position of the guides [m], relative to
-// g_origin; the w components are scratch.
+// [3][V][G], strand fastest: current (0) and previous (1) position of the guides [m], relative to
+// g_origin; the w components and set 2 are scratch.
 RWStructuredBuffer<float4> g_state : register(u1, space1);
 // [V][G], strand fastest: scratch of the length solve.
 RWStructuredBuffer<float2> g_lengths : register(u2, space1);

@@ -33,6 +33,14 @@ constexpr uint32_t kClassicRebase = 2;
 constexpr double kMaxGlobalStiffness = 0.9999;
 // Beyond this the local shape's sweeps overshoot; found by sweeping it on curled strands.
 constexpr double kMaxLocalStiffness = 0.95;
+// Of g_state, as in kernels/layouts/simulation.hlsli.
+constexpr uint64_t kStateSets = 3;
+
+// Displacement in a step of t for 1 m/s2 [s2], at the terminal velocity that steps of 1/60 s have.
+double squareOf(double t, double damping) {
+  if (!(damping > 1e-6)) return t * t;
+  return t * kReferenceStep * (1 - std::pow(1 - damping, t / kReferenceStep)) / damping;
+}
 
 // A share s of the way to a goal in 1/60 s as a share for a step of h: a spring of the same
 // frequency, solved implicitly.
@@ -155,7 +163,7 @@ void Scene::addSolverBuffers(HairObject& object) {
     internals.resetPending = true;
     if (solver == Solver::kClassic) {
       const uint64_t vertices = uint64_t{asset.strandCount} * asset.verticesPerStrand;
-      buffers.state = add("state", 2 * vertices, kVector);
+      buffers.state = add("state", kStateSets * vertices, kVector);
       buffers.lengths = add("lengths", vertices, sizeof(Float2));
     } else {
       const detail::ExactStrands strands = detail::packExactStrands(asset, internals.levelOfDetail);
@@ -389,8 +397,9 @@ Result<void> Scene::addClassicPasses(const Frame& frame) {
   const uint64_t guides = object.guideCount_;
   const uint64_t vertices = guides * object.vertexCount_;
   const double h = static_cast<double>(frame.length) / frame.steps;
+  // Forces are found for steps of 1/60 s or more, and shorter steps take a share of them.
+  const double forceStep = std::max(h, kReferenceStep);
   const double damping = static_cast<double>(s.damping);
-  const double keep = std::pow(1 - damping, h / kReferenceStep);
 
   SimulationConstants constants = frame.commonConstants();
   constants.gravity = {s.gravity.x, s.gravity.y, s.gravity.z, 0};
@@ -401,14 +410,13 @@ Result<void> Scene::addClassicPasses(const Frame& frame) {
   constants.gust1 = {gust1.x, gust1.y, gust1.z, 0};
   constants.factorSet = internals.restSets.factors ? 2 : 0;
   constants.timeStep = static_cast<float>(h);
-  constants.dampingKeep = static_cast<float>(keep);
-  // What a step of 1/60 s gains at the same terminal velocity.
-  constants.gravityStep =
-      static_cast<float>(damping > 1e-6 ? h * kReferenceStep * (1 - keep) / damping : h * h);
+  constants.dampingKeep = static_cast<float>(std::pow(1 - damping, forceStep / kReferenceStep));
+  constants.gravityStep = static_cast<float>(squareOf(forceStep, damping));
+  constants.forceShare = static_cast<float>(squareOf(h, damping) / squareOf(forceStep, damping));
   constants.localStiffness = static_cast<float>(
-      mapStiffness(std::min(static_cast<double>(s.localStiffness), kMaxLocalStiffness), h));
-  constants.globalStiffness = static_cast<float>(
-      mapStiffness(std::min(static_cast<double>(s.globalStiffness), kMaxGlobalStiffness), h));
+      mapStiffness(std::min(static_cast<double>(s.localStiffness), kMaxLocalStiffness), forceStep));
+  constants.globalStiffness = static_cast<float>(mapStiffness(
+      std::min(static_cast<double>(s.globalStiffness), kMaxGlobalStiffness), forceStep));
   constants.globalRange = s.globalRange;
   constants.vspCoefficient = s.vspCoefficient;
   constants.vspThreshold = s.vspThreshold;
@@ -448,7 +456,7 @@ Result<void> Scene::addClassicPasses(const Frame& frame) {
     builder.dispatch(variant, object.guideCount_)
         .bind("g_positions", buffers.positions, vertices * kVector)
         .bind("g_tangents", buffers.tangents, vertices * kVector)
-        .bind("g_state", buffers.state, 2 * vertices * kVector)
+        .bind("g_state", buffers.state, kStateSets * vertices * kVector)
         .bind("g_lengths", buffers.lengths, vertices * sizeof(Float2))
         .bind("g_contacts", contacts.records(), contacts.recordBytes())
         .bind("g_contactWords", contacts.words(), contacts.wordBytes())

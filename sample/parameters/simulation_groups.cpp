@@ -182,8 +182,7 @@ std::vector<Parameter> mainRows() {
             setting(&SimulationSettings::airDrag), "In a wind of 3 m/s from the left."),
        "classic"},
       {PELAGE_FIELD(SimulationSettings, lengthIterations), "", "1..16",
-       "Newton steps of the length solve. Lengths are exact in any case; more follow the true "
-       "motion better.",
+       "Solves of the lengths: the tensions, then Newton steps. Lengths are exact in any case.",
        show(with(classic(pulled(60)),
                  [](Setup& s) {
                    settings(s).vspCoefficient = 0;

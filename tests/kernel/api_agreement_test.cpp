@@ -34,7 +34,7 @@ std::vector<uint32_t> simulatedBits(Gpu& gpu, bool dualQuaternions) {
   c.gravity = {0.5f, -9.81f, 0.3f, 0};
   c.dampingKeep = 0.97f;
   c.timeStep = 1.0f / 120;
-  c.gravityStep = c.timeStep / 60;
+  c.forceShare = 0.25f;
   c.localStiffness = 0.6f;
   c.globalStiffness = 0.05f;
   c.globalRange = 0.5f;

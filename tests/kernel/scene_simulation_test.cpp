@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <functional>
+#include <numbers>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -541,6 +544,112 @@ TEST_P(ExactScene, AStrandWithTheShapeOfItsParentHasItsMotion) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ExactScene, testing::ValuesIn(kApis), apiTestName);
+
+class ClassicScene : public testing::TestWithParam<Api> {
+ protected:
+  ClassicScene() : run_(sharedSceneRun(GetParam())) {}
+  void SetUp() override {
+    if (run_.device() == nullptr) GTEST_SKIP() << "no device";
+  }
+  void TearDown() override { run_.clear(); }
+  SceneRun& run_;
+};
+
+struct Style {
+  const char* name;
+  uint32_t vertices;
+  double length, radius, frequency;  // of the strand, and of its curls [m, m, 1/m]
+};
+
+/// Strands that leave the head in four directions and fall, with curls around the middle line.
+HairAsset styledAsset(const Style& style) {
+  HairAsset asset;
+  asset.strandCount = 4;
+  asset.verticesPerStrand = style.vertices;
+  const double edge = style.length / (style.vertices - 1);
+  for (int s = 0; s < 4; ++s) {
+    Vector3d middle(0.2 * s, 0, 0);
+    for (uint32_t v = 0; v < style.vertices; ++v) {
+      const double along = edge * v, angle = 0.9 - 0.3 * s - 2.0 * along / style.length;
+      const Vector3d down(std::cos(angle), std::sin(angle), 0.1 * s);
+      if (v > 0) middle += edge * down.normalized();
+      const double turn = 2 * std::numbers::pi * style.frequency * along;
+      const double radius = style.radius * std::min(1.0, along / 0.02);
+      const Vector3d aside(-std::sin(angle) * std::cos(turn), std::cos(angle) * std::cos(turn),
+                           std::sin(turn));
+      asset.positions.push_back(toFloat4(middle + radius * aside, v < 2 ? 0 : 1));
+    }
+  }
+  expectOk(asset.process());
+  return asset;
+}
+
+/// Of a groom of the sample, and the defaults.
+std::vector<SimulationSettings> classicSettings() {
+  SimulationSettings defaults;
+  defaults.solver = Solver::kClassic;
+  // A breath that moves nothing, as above.
+  defaults.airDrag = 1e-4f;
+  defaults.wind = {.velocity = {0, 0, 1e-4f}, .gustStrength = 0, .strandVariation = 0};
+  SimulationSettings sample = defaults;
+  sample.gravity = {0, -2.5f, 0};
+  sample.damping = 0.04f;
+  sample.vspCoefficient = 0.2f;
+  sample.globalStiffness = 0.04f;
+  sample.globalRange = 1;
+  SimulationSettings windy = defaults;
+  windy.airDrag = 2;
+  windy.wind = {.velocity = {3, 0, 1}, .gustStrength = 0, .strandVariation = 0};
+  return {defaults, sample, windy};
+}
+
+// K16
+TEST_P(ClassicScene, SettlesInOneShapeAtEveryFrameRate) {
+  const Style styles[] = {
+      {"straight", 32, 0.34, 0, 0}, {"waves", 24, 0.18, 0.003, 14}, {"curls", 64, 0.24, 0.010, 32}};
+  const std::vector<SimulationSettings> all = classicSettings();
+  Random random(5);
+  const std::pair<const char*, std::function<double(int)>> rates[] = {
+      {"60 Hz", [](int) { return 1 / 60.0; }},
+      {"15 Hz", [](int) { return 1 / 15.0; }},
+      {"30 Hz", [](int) { return 1 / 30.0; }},
+      {"144 Hz", [](int) { return 1 / 144.0; }},
+      {"240 Hz", [](int) { return 1 / 240.0; }},
+      {"30 and 240 Hz", [](int frame) { return frame % 2 == 0 ? 1 / 30.0 : 1 / 240.0; }},
+      {"any of 15 to 240 Hz", [&](int) { return random.between(1 / 240.0, 1 / 15.0); }}};
+  std::vector<std::vector<Float4>> expected;
+  for (const auto& [rate, step] : rates) {
+    run_.clear();
+    std::vector<std::pair<const HairObject*, std::string>> hairs;
+    for (const Style& style : styles) {
+      for (size_t k = 0; k < all.size(); ++k) {
+        const std::string name = std::string(style.name) + ", settings " + std::to_string(k);
+        hairs.emplace_back(&run_.add(styledAsset(style), {.name = name, .settings = all[k]}), name);
+      }
+    }
+    double time = 0;
+    for (int frame = 0; time < 6; ++frame) {
+      const auto dt = static_cast<float>(step(frame));
+      run_.step(dt);
+      time += static_cast<double>(dt);
+    }
+    for (size_t k = 0; k < hairs.size(); ++k) {
+      const std::vector<Float4> now = run_.positions(*hairs[k].first);
+      if (expected.size() <= k) expected.push_back(now);
+      const Style& style = styles[k / all.size()];
+      double worst = 0;
+      for (size_t i = 0; i < now.size(); ++i) {
+        const double off = distance(now[i], expected[k][i]) / style.length;
+        worst = std::isfinite(off) ? std::max(worst, off) : INFINITY;
+      }
+      std::printf("[ FIGURE ] %s at %s: %.3f %% of the length from 60 Hz\n",
+                  hairs[k].second.c_str(), rate, 100 * worst);
+      EXPECT_LE(worst, 0.001) << hairs[k].second << " at " << rate;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, ClassicScene, testing::ValuesIn(kApis), apiTestName);
 
 std::string testName(const testing::TestParamInfo<std::tuple<Api, Solver>>& info) {
   return std::string(apiName(std::get<0>(info.param))) +

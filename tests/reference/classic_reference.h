@@ -21,12 +21,16 @@ struct Pose {
 /// nlerp on the shorter arc, and lerp.
 Pose interpolate(const Pose& from, const Pose& to, double share);
 
+/// The shortest step that forces are found for, as the kernel has it [s].
+inline constexpr double kReferenceStep = 1.0f / 60;
+
 /// Constants of one sub-step, as in SimulationConstants; what a permutation leaves out is 0 here.
 struct ClassicStep {
   double timeStep = 1.0 / 60;
   double timeStepRatio = 1;
   double dampingKeep = 1;
   double gravityStep = 1.0 / 3600;
+  double forceShare = 1;
   Vector3d gravity = Vector3d::Zero();
   Vector3d wind = Vector3d::Zero();
   double airDrag = 0;
@@ -60,6 +64,7 @@ class ClassicReference {
  private:
   bool isHeld(int vertex) const { return held_[vertex]; }
   void sweepLocalShape(double share, const Pose& end);
+  void solveTensions(const std::vector<Vector3d>& begin);
   void newtonStep();
   void followLeaders();
 

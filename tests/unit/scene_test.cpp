@@ -223,12 +223,16 @@ TEST_F(SceneTest, MapsTheArtistsValuesToTheStep) {  // K16
   EXPECT_NEAR(constants.dampingKeep, 0.8f, 1e-6f);
   EXPECT_NEAR(constants.globalStiffness, 0.3f, 1e-6f);
   EXPECT_NEAR(constants.gravityStep, 1.0f / 3600, 1e-9f);
+  EXPECT_EQ(constants.forceShare, 1.0f);
   simulate(1.0f / 120);
   constants = constantsOf(list_, *findPass(list_, "simulate_strands"));
-  EXPECT_NEAR(constants.dampingKeep * constants.dampingKeep, 0.8f, 1e-6f);
+  EXPECT_NEAR(constants.timeStep, 1.0f / 120, 1e-8f);
   EXPECT_NEAR(constants.timeStepRatio, 0.5f, 1e-6f);
-  // The velocity that gravity and damping settle at is the same: g step / ((1 - keep) h).
-  EXPECT_NEAR(constants.gravityStep / (1 - constants.dampingKeep) * 120, 1.0f / 0.2f / 60, 1e-4f);
+  // What a step of 1/60 s does, and the share of it that loses the same velocity in the same time.
+  EXPECT_NEAR(constants.dampingKeep, 0.8f, 1e-6f);
+  EXPECT_NEAR(constants.globalStiffness, 0.3f, 1e-6f);
+  EXPECT_NEAR(constants.gravityStep, 1.0f / 3600, 1e-9f);
+  EXPECT_NEAR(1 - constants.forceShare * 2 * (1 - constants.dampingKeep), std::sqrt(0.8f), 1e-6f);
 }
 
 TEST_F(SceneTest, RefusesAnInvalidTimeStepOrSetting) {

@@ -1,9 +1,14 @@
-// Free motion of a strand's vertices: inertia, gravity, wind, global shape.
+// Free motion of a strand's vertices in a step of H: inertia, gravity, wind, global shape.
 #ifndef PELAGE_SIMULATION_CLASSIC_FREE_MOTION_HLSLI
 #define PELAGE_SIMULATION_CLASSIC_FREE_MOTION_HLSLI
 
 #include "../../common/random_hash.hlsli"
 #include "strand_root.hlsli"
+
+// h0, the shortest step that forces are found for [s].
+static const float kReferenceStep = 1.0 / 60.0;
+
+float forceStep() { return max(g_timeStep, kReferenceStep); }
 
 // A vertex as it is in memory.
 struct StoredVertex {
@@ -65,7 +70,7 @@ float3 limited(float3 v, float limit) {
 }
 
 #if WIND
-// Way of the air in the sub-step. Every strand has a phase of the gusts of its own, which goes by
+// Displacement of the air in H. Every strand has a phase of the gusts of its own, which goes by
 // where it grows.
 float3 airWay(float3 bindRoot) {
   precise float3 air = g_wind.xyz;
@@ -79,21 +84,25 @@ float3 airWay(float3 bindRoot) {
     precise float3 varied = air + g_gust0.xyz * s0 + g_gust1.xyz * s1;
     air = varied;
   }
-  precise float3 way = air * g_timeStep;
+  precise float3 way = air * forceStep();
   return way;
 }
 #endif
 
-// Moves the vertices to the strand's place of work, and their history to g_state. Sets what is
-// held.
+// Moves the vertices to where a step of H takes them without the shape of the strand, and their
+// history to g_state. Sets what is held.
 void integrate(inout Strand s, float3 bindRoot, RootPose end, Motion motion) {
   uint guide = s.guide;
   bool hasFactors = g_factorSet > 0;
   precise float keepAll = g_dampingKeep;
   precise float gravityAll = g_gravityStep;
-  precise float maxStep = g_maxSpeed * g_timeStep;
+  float stepLength = forceStep();
+  precise float maxStep = g_maxSpeed * stepLength;
+  precise float velocityRatio = g_timeStepRatio * (stepLength / g_timeStep);
+  // Of the inertia of H, beside the share of the change that forces make; 0 where that is 1.
+  precise float driftShare = g_timeStep / stepLength - g_forceShare;
 #if WIND
-  precise float dragStep = g_wind.w * g_timeStep;
+  precise float dragStep = g_wind.w * stepLength;
   precise float dragShare = dragStep / (1.0 + dragStep);
   float3 windStep = airWay(bindRoot);
 #endif
@@ -123,13 +132,13 @@ void integrate(inout Strand s, float3 bindRoot, RootPose end, Motion motion) {
       keep = 1.0 - min(lost, 1.0);
       gravityStep = gravityAll / max(lost, 1.0);
     }
-    precise float velocityFactor = g_timeStepRatio * keep;
+    precise float velocityFactor = velocityRatio * keep;
     precise float3 u = (p.current - p.previous) * velocityFactor + g_gravity.xyz * gravityStep;
 #if FORCES
     float4 force = g_strandForces[vertexIndex(guide, i)];
     if (isUsable(force)) {
-      precise float drag = max(force.w, 0.0) * g_timeStep;
-      precise float3 pushed = u + force.xyz * g_timeStep * g_timeStep;
+      precise float drag = max(force.w, 0.0) * stepLength;
+      precise float3 pushed = u + force.xyz * stepLength * stepLength;
       u = pushed / (1.0 + drag);
     }
 #endif
@@ -151,15 +160,39 @@ void integrate(inout Strand s, float3 bindRoot, RootPose end, Motion motion) {
     float3 moved = p.free ? x : goal;
     float3 stored = p.stored;
     float3 carriedNow = p.current;
-    float3 history = p.free ? carriedNow : stored;
+    // The root's own history is of its motion; that of others is what the step begins from.
+    float3 history = i > 0 ? carriedNow : stored;
     held = p.held ? i : held;
     storePoint(s, i, float4(moved, p.held ? 0.0 : 1.0));
     storeLength(s, i, packLength(p.rest, p.held));
     g_state[guideIndex(1, i, guide)] = float4(history, 0.0);
+    if (g_forceShare < 1.0) {
+      precise float3 way = (p.current - p.previous) * velocityRatio;
+      precise float3 drift = limited(way, maxStep) * driftShare;
+      float3 none = float3(0.0, 0.0, 0.0);
+      g_state[guideIndex(2, i, guide)] = float4(p.free ? drift : none, 0.0);
+    }
     before = p.current;
     p = next;
   }
   s.held = max(held, 1);
+}
+
+// From where the forces of a step of H take a strand to where those of h do: the change of
+// displacement that they make, times g_forceShare, beside the inertia. At rest there is no inertia,
+// and any share of a change that the lengths undo is undone by them, so that a strand rests in the
+// same shape whatever h is. The result is a mean of three points: where the vertex is, where its
+// velocity takes it in H, and where a step of H does.
+void takeForceShare(Strand s) {
+  if (!(g_forceShare < 1.0)) return;
+  for (uint i = 2; i < g_vertexCount; ++i) {
+    float4 there = loadPoint(s, i);
+    float3 begin = g_state[guideIndex(1, i, s.guide)].xyz;
+    float3 drift = g_state[guideIndex(2, i, s.guide)].xyz;
+    precise float3 x = begin + (drift + (there.xyz - begin) * g_forceShare);
+    float3 moved = there.w > 0.0 ? x : there.xyz;
+    storePoint(s, i, float4(moved, there.w));
+  }
 }
 
 #endif

@@ -1,4 +1,4 @@
-// Lengths of all segments at once, and the spans between held vertices.
+// Tensions and lengths of all segments at once, and the spans between held vertices.
 #ifndef PELAGE_SIMULATION_CLASSIC_LENGTH_SOLVE_HLSLI
 #define PELAGE_SIMULATION_CLASSIC_LENGTH_SOLVE_HLSLI
 
@@ -11,7 +11,24 @@ static const uint kSpanRounds = 16;
 // segments depend on each other; without the floor one step may leave the float range.
 static const float kLeastPivot = 1e-4;
 
-// Newton steps on C_j = |d_j| - l_j = 0 for all segments j >= 1 at once, d_j = x_j+1 - x_j: with
+// A force density above it is that of a segment without a length.
+static const float kMostDensity = 1e9;
+
+// 1. Tensions. The step begins at X, where lengths are right, and the free motion leads to Y. Let
+// d_j = X_j+1 - X_j, and q_j the force density of segment j, tension over length, times h^2 (Schek,
+// "The force density method for form finding and computation of general networks", Comput. Methods
+// Appl. Mech. Eng. 3(1), 1974). First, the tensions that keep the lengths to first order, along the
+// segments as they are at X: J W J^T (q |d|) = J (Y - X). Then, with the segments' directions at the
+// end, implicitly: x_i + q_i-1 (x_i - x_i-1) + q_i (x_i - x_i+1) = Y_i where vertex i is free. In
+// displacements u = x - X, with q of compressed segments on the right side alone, because they
+// would make the matrix indefinite:
+//   u_i + q+_i-1 (u_i - u_i-1) + q+_i (u_i - u_i+1) = Y_i - X_i - q_i-1 d_i-1 + q_i d_i
+// Both systems are tridiagonal and diagonally dominant. Where the forces of the free motion are
+// balanced by tensions along the segments, the right side is 0: a strand at rest stays, whatever
+// the size of the step. Tensions along directions that are not implicit let taut strands tremble,
+// and so do a few Newton steps alone: the weight of 64 vertices moves them by 57 segments in 1/60 s.
+//
+// 2. Newton steps on C_j = |d_j| - l_j = 0 for all segments j >= 1 at once, d_j = x_j+1 - x_j: with
 // n_j = d_j / |d_j| and w_i the inverse masses, (J W J^T) lambda = -C has w_j + w_j+1 on its
 // diagonal and -w_j+1 n_j.n_j+1 beside it (Goldenthal et al., "Efficient Simulation of Inextensible
 // Cloth", ACM Trans. Graph. 26(3), 2007, equation 12, on a chain). Thomas' elimination: of segment
@@ -41,9 +58,10 @@ LengthElimination emptyElimination() {
   return e;
 }
 
-// Passes the segment from vertex a to b. Returns s / (p |d|) and 1 / (p |d|^2).
+// Passes the segment from vertex a to b that lacks `more` to its length on top of what the two
+// positions say. Returns s / (p |d|) and 1 / (p |d|^2).
 float2 eliminateSegment(inout LengthElimination e, float3 a, float massA, float3 b, float massB,
-                        float rest, float3 root) {
+                        float3 more, float rest, float3 root) {
   precise float3 d = b - a;
   precise float squared = dot3(d, d);
   // Positive floats order like their bits: 1e-24 < squared < 1e38; a NaN is above.
@@ -52,7 +70,8 @@ float2 eliminateSegment(inout LengthElimination e, float3 a, float massA, float3
   float root1 = inverseRoot(squared);
   precise float inverse = hasDirection ? root1 : 0.0;
   precise float excess = squared * inverse - rest;
-  float error = abs(excess) > lengthRounding(b, root) ? excess : 0.0;
+  precise float error = abs(excess) > lengthRounding(b, root) ? excess : 0.0;
+  error = error + dot3(more, d) * inverse;
   precise float diagonal = massA + massB;
   precise float coupling = -massA * (dot3(e.d, d) * e.inverse * inverse);
   precise float share = coupling * e.pivotInverse;
@@ -89,6 +108,7 @@ void sweepLengths(Strand s, bool toTip, bool solve, bool eliminate) {
   float2 lengthLast = lengthA;
   LengthElimination e = emptyElimination();
   float restBefore = 0.0;
+  float3 none = float3(0.0, 0.0, 0.0);
   for (uint k = 1; k < tip; ++k) {
     uint b = toTip ? k + 1 : tip - k;
     uint ahead = toTip ? min(k + 2, tip) : max(tip - k, 2) - 1;
@@ -112,7 +132,7 @@ void sweepLengths(Strand s, bool toTip, bool solve, bool eliminate) {
     float3 from = k > 1 ? last : x;
     float2 left = float2(0.0, 0.0);
     if (eliminate)
-      left = eliminateSegment(e, from, inverseMass(lengthLast), x, massA, restBefore, s.root);
+      left = eliminateSegment(e, from, inverseMass(lengthLast), x, massA, none, restBefore, s.root);
     float3 kept = toTip ? from : x;
     float held = toTip ? lengthLast.y : lengthA.y;
     uint place = toTip ? max(a, 2) - 1 : a;
@@ -132,7 +152,7 @@ void sweepLengths(Strand s, bool toTip, bool solve, bool eliminate) {
   precise float3 end = pointA.xyz + push * massEnd;
   float2 left = float2(0.0, 0.0);
   if (eliminate)
-    left = eliminateSegment(e, last, inverseMass(lengthLast), end, massEnd, restBefore, s.root);
+    left = eliminateSegment(e, last, inverseMass(lengthLast), end, massEnd, none, restBefore, s.root);
   if (toTip) {
     storePoint(s, tip - 1, float4(last, left.x));
     storeLength(s, tip - 1, float2(left.y, lengthLast.y));
@@ -143,8 +163,90 @@ void sweepLengths(Strand s, bool toTip, bool solve, bool eliminate) {
   }
 }
 
+// The first system of 1., eliminated from the root: leaves two numbers a segment as
+// eliminateSegment() returns them.
+void eliminateTensions(Strand s) {
+  uint tip = g_vertexCount - 1;
+  float4 pointA = loadPoint(s, 1);
+  float3 beginA = beginning(s, 1);
+  float2 lengthA = loadLength(s, 1);
+  LengthElimination e = emptyElimination();
+  for (uint a = 1; a < tip; ++a) {
+    float4 pointB = loadPoint(s, a + 1);
+    float3 beginB = beginning(s, a + 1);
+    float2 lengthB = loadLength(s, a + 1);
+    precise float3 more = (pointB.xyz - beginB) - (pointA.xyz - beginA);
+    float2 left = eliminateSegment(e, beginA, inverseMass(lengthA), beginB, inverseMass(lengthB),
+                                   more, restLength(lengthA), s.root);
+    storePoint(s, a, float4(pointA.xyz, left.x));
+    storeLength(s, a, float2(left.y, lengthA.y));
+    pointA = pointB;
+    beginA = beginB;
+    lengthA = lengthB;
+  }
+}
+
+// Back to the root: the force densities of the first system, and with them the elimination of the
+// second one, which leaves u_i = xyz + w u_i-1.
+void eliminateDisplacements(Strand s) {
+  uint tip = g_vertexCount - 1;
+  float4 pointB = loadPoint(s, tip);
+  float3 beginB = beginning(s, tip);
+  float massB = inverseMass(loadLength(s, tip));
+  // Of the segment and the vertex towards the tip.
+  float3 dAhead = float3(0.0, 0.0, 0.0);
+  precise float mu = 0.0;
+  precise float3 pullAhead = float3(0.0, 0.0, 0.0);
+  precise float3 pushAhead = float3(0.0, 0.0, 0.0);
+  precise float stiffnessAhead = 0.0;
+  for (uint b = tip; b > 1; --b) {
+    float4 pointA = loadPoint(s, b - 1);
+    float3 beginA = beginning(s, b - 1);
+    float2 lengthA = loadLength(s, b - 1);
+    precise float3 d = beginB - beginA;
+    mu = pointA.w + (massB * lengthA.x) * dot3(dAhead, d) * mu;
+    mu = abs(mu) < kMostDensity ? mu : 0.0;
+    precise float tension = max(-mu, 0.0);
+    precise float3 pull = d * -mu;
+    precise float3 way = pointB.xyz - beginB;
+    precise float3 side = way - pull + pullAhead + pushAhead;
+    precise float rest = 1.0 + stiffnessAhead;
+    precise float inverse = 1.0 / (rest + tension);
+    precise float3 solved = side * inverse;
+    bool free = massB > 0.0;
+    float3 own = free ? solved : way;
+    precise float share = free ? tension * inverse : 0.0;
+    storePoint(s, b, float4(own, share));
+    // What is left of vertex b in the row of a.
+    precise float3 push = own * tension;
+    pushAhead = push;
+    precise float stiffness = free ? tension * (rest * inverse) : tension;
+    stiffnessAhead = stiffness;
+    pullAhead = pull;
+    dAhead = d;
+    pointB = pointA;
+    beginB = beginA;
+    massB = inverseMass(lengthA);
+  }
+}
+
+void moveByDisplacements(Strand s) {
+  precise float3 u = position(s, 1) - beginning(s, 1);
+  for (uint i = 2; i < g_vertexCount; ++i) {
+    float4 left = loadPoint(s, i);
+    precise float3 here = left.xyz + u * left.w;
+    u = here;
+    precise float3 x = beginning(s, i) + u;
+    storePoint(s, i, float4(x, 0.0));
+  }
+}
+
 void solveLengths(Strand s) {
-  uint rounds = min(g_lengthIterations, kMaxIterations);
+  if (g_lengthIterations == 0 || g_vertexCount < 3) return;
+  eliminateTensions(s);
+  eliminateDisplacements(s);
+  moveByDisplacements(s);
+  uint rounds = min(g_lengthIterations - 1, kMaxIterations);
   if (rounds == 0) return;
   sweepLengths(s, true, false, true);
   for (uint round = 1; round < rounds; ++round) sweepLengths(s, (round & 1u) == 0u, true, true);

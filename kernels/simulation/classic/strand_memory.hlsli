@@ -25,6 +25,9 @@ void storePoint(Strand s, uint vertex, float4 value) {
 
 float3 position(Strand s, uint vertex) { return loadPoint(s, vertex).xyz; }
 
+// Where the sub-step begins, moved along with the root's motion.
+float3 beginning(Strand s, uint vertex) { return g_state[guideIndex(1, vertex, s.guide)].xyz; }
+
 // x: scratch of the length solve. y: rest length of the segment behind the vertex [m], its sign bit
 // set when the vertex is held.
 float2 loadLength(Strand s, uint vertex) { return g_lengths[guideIndex(0, vertex, s.guide)]; }
