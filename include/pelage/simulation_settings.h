@@ -94,8 +94,8 @@ struct SimulationSettings {
   /// Exact: relaxation time of the inner damping of bending and twist (Kelvin-Voigt) [s], 0..1. 0
   /// leaves it out of the kernel.
   float relaxationTime = 0.0f;
-  /// Exact: steps that each step of at most 1/60 s is cut into, 1..32. The error falls with the
-  /// square of it.
+  /// Exact: steps that each step of at most 1/60 s is cut into, 1..32. The error falls with its
+  /// power of 1.5 to 1.9, up to 8 (docs/numerics.md).
   uint32_t subSteps = 1;
   /// Classic: how strongly each segment keeps its bind angle to the one before, 0..1; 0 leaves
   /// local shape out of the kernel.

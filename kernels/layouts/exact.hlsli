@@ -63,7 +63,7 @@ cbuffer ExactConstants : register(b0, space1) {
                             // gain energy. With drag the twist, which has no mass, stays as it is
   float g_bendStiffness;    // B
   float g_twistStiffness;   // Bt
-  float g_damping;          // tau / h of Kelvin-Voigt damping
+  float g_damping;          // tau / h of Kelvin-Voigt damping; 0: none
   float g_goalStiffness;    // of the global shape, s / (1 - s) * 3600 [1/s2]
   float g_goalRange;        // share of the strand with all of it, > 0; fades to 0 at 1.25 times
   float g_passTolerance;    // largest rotation of a first pass without a second one [rad]: 0.04 +

@@ -88,6 +88,10 @@ Bending bendingOf(RodEdge edge, RodEdge parent, float3 rest, float inverseRegion
   bending.b = addOuter(addDiagonal(zeroSymmetric(), diagonal), dw, w);
   precise float3 gradient = rotate(parent.iterate, moment);
 #if DAMPING
+  if (g_damping == 0.0) {  // with contacts the permutation has it, too
+    bending.gradient = gradient;
+    return bending;
+  }
   // Kelvin-Voigt: the same energy about the joint before the step, times tau / h.
   float4 last = multiplyQuaternions(conjugate(parent.frame), edge.frame);
   float4 change = multiplyQuaternions(relative, conjugate(last));
