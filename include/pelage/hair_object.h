@@ -98,7 +98,7 @@ struct ContactCounters {
   uint32_t furtherPasses =
       0;  ///< exact: solver passes beyond the first one of strands with a record
   uint32_t tilesSolvedAgain = 0;  ///< exact: tiles of 32 strands whose contacts were found again,
-                                  ///< because a vertex ended over 1 cm from where it was expected
+                                  ///< because a vertex ended over 3 cm from where it was expected
 };
 
 /// Reads the counters from the first 16 bytes of HairBuffers::contactWords, as readCounters() does.

@@ -39,7 +39,7 @@ static const float kContactTurn = 0.2;
 // Slips below this have no direction to trust [m].
 static const float kLeastSlip = 1e-5;
 // How far from where a contact was found its plane is good for [m].
-static const float kContactRange = 0.01;
+static const float kContactRange = 0.03;
 
 struct RodContact {
   float3 normal;

@@ -96,7 +96,7 @@ struct RodTuning {
   static constexpr Real kLeastSlip = Real(1e-5);
   /// How far from where a contact was found its plane is good for [m]. Farther off, contacts are
   /// found again and the step goes on from its result.
-  static constexpr Real kContactRange = Real(0.01);
+  static constexpr Real kContactRange = Real(0.03);
   /// A vertex within this distance of a surface has a record [m]; or as near as it falls further.
   static constexpr Real kContactReach = Real(1e-3);
   /// Longest displacement that an expectation goes on with [m].
