@@ -25,7 +25,7 @@ const std::set<std::string> kNoParameters = {
     "SdfGrid",          "SdfCounters",          "SdfColliderBuffers",
     "TfxFileLayout",    "FollowHair",           "HairAsset",
     "TfxLoadOptions",   "TfxLoadReport",        "Groom",
-    "ContactCounters"};
+    "ContactCounters",  "FollowContactCounters"};
 
 std::string contents(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
