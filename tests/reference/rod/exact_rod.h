@@ -50,7 +50,7 @@ struct RodTuning {
   /// Rotary inertia about the tangent over am l^2. Without one the twist has no mass, and the guess
   /// that extrapolates it makes energy grow without bound. It acts against the guess, so that it is
   /// an error of first order in the step where it stays as it is (a curl's falls with the power
-  /// of 1.1 from 16 to 32 sub-steps), and of second order where it goes down with the step (1.9).
+  /// of 1.3 from 8 to 16 sub-steps), and of second order where it goes down with the step (1.9).
   /// With its square undamped strands gain 2 % of mgL.
   static Real twistInertia(double h) { return Real(0.005 * std::min(60 * h, 1.0)); }
   /// Turn of an edge in a step [rad] at which the guess extrapolates half of its twist; less of
