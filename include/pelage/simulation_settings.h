@@ -80,8 +80,8 @@ struct SimulationSettings {
   Solver solver = Solver::kExact;
   /// Acceleration in world space [m/s2].
   Float3 gravity = {0, -9.81f, 0};
-  /// Share of the velocity that is lost in 1/60 s, 0..1. 1 counts as 0.9999: hair does not quite
-  /// stand still, gravity moves it by at most 18 mm/s (it reaches its rest shape, but slowly).
+  /// Share of the velocity that is lost in 1/60 s, 0..1. 1 counts as 0.9999: gravity still
+  /// moves hair, by at most 18 mm/s.
   float damping = 0.06f;
   /// Exact: length at which a strand that is held at one end starts to hang under its own weight
   /// [m], 0..10. The bending stiffness over the mass a length is 9.81 bendLength^3. Human hair:
