@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "pelage/character.h"
+#include "pelage/demo/character.h"
 
 namespace bench {
 
