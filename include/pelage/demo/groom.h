@@ -75,7 +75,7 @@ Skeleton headSkeleton();
 /// is exact at the surface and approximate elsewhere.
 float headDistance(const Float3& point);
 
-/// Writes <name>.tfx, <name>.tfxbone and <name>.tfxmesh into a folder, which must exist.
+/// Writes `NAME.tfx`, `NAME.tfxbone` and `NAME.tfxmesh` into a folder, which must exist.
 Result<void> writeGroom(const Groom& groom, const std::filesystem::path& directory,
                         std::string_view name);
 
