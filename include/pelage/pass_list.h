@@ -14,7 +14,7 @@
 namespace pelage {
 
 /// A buffer of a ResourceTable.
-enum class BufferId : uint32_t { kInvalid = 0xffffffffu };
+enum class BufferId : uint32_t { kInvalid = 0 };
 
 /// What a buffer is used for; a bit set.
 enum class BufferUsage : uint8_t {
@@ -58,7 +58,7 @@ class ResourceTable {
   BufferId at(uint32_t place) const;
   /// The place of an id, for arrays beside the table.
   static constexpr uint32_t placeOf(BufferId id) {
-    return static_cast<uint32_t>(id) & (kMaxBuffers - 1);
+    return (static_cast<uint32_t>(id) - 1) & (kMaxBuffers - 1);
   }
   /// Buffers that there can be at a time.
   static constexpr uint32_t kMaxBuffers = 1u << 20;

@@ -43,10 +43,15 @@ class Scene {
   /// dispatch takes: 4,194,240 guides, and 2,097,120 follow hairs where these are stored.
   Result<HairId> addHair(const HairAsset& asset, const HairDef& def);
   /// Removes a hair object and its buffers; with the last one also those that draw() has made.
-  void removeHair(HairId id);
-  /// Asserts that the object exists.
+  /// Error: the id names no hair object of this scene.
+  Result<void> removeHair(HairId id);
+  /// Asserts that the object exists; where the handler of the assertion returns, the program ends.
   HairObject& hair(HairId id);
   const HairObject& hair(HairId id) const;
+  /// True while the id names something of this scene.
+  bool isValid(HairId id) const { return objects_.find(id) != nullptr; }
+  bool isValid(ColliderId id) const { return colliders_.find(id) != nullptr; }
+  bool isValid(SkeletonId id) const { return skeletons_.find(id) != nullptr; }
   uint32_t hairCount() const;
 
   /// Adds a mesh that hair collides with, through a signed distance field: all hair, but for what
@@ -60,16 +65,17 @@ class Scene {
   /// The same with a field that was built before; it never moves. Errors: settings out of range, a
   /// skeleton.
   Result<ColliderId> addCollider(const SdfData& data, const SdfColliderDef& def);
-  void removeCollider(ColliderId id);
-  /// Asserts that the collider exists.
+  /// Error: the id names no collider of this scene.
+  Result<void> removeCollider(ColliderId id);
+  /// As hair().
   SdfCollider& collider(ColliderId id);
   const SdfCollider& collider(ColliderId id) const;
   /// Adds bones that hair objects and colliders can follow together: HairDef::skeleton,
   /// SdfColliderDef::skeleton. They are identities until SkeletonPose::setBones(). Error: no bones.
   Result<SkeletonId> addSkeleton(const SkeletonDef& def);
-  /// Error: something follows it, which stays as it is.
+  /// Errors: the id names no skeleton of this scene; something follows it, which stays as it is.
   Result<void> removeSkeleton(SkeletonId id);
-  /// Asserts that the skeleton exists.
+  /// As hair().
   SkeletonPose& skeleton(SkeletonId id);
   const SkeletonPose& skeleton(SkeletonId id) const;
 

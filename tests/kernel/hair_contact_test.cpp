@@ -60,7 +60,7 @@ TEST(HairContact, GivesItsBuffersBackWithTheHair) {
   const HairId id = *scene.addHair(bundle({.strands = 40, .vertices = 8}), def);
   expectOk(scene.simulate(1.0f / 60, list));
   EXPECT_GT(gridPasses(list), 3u) << "the bind pose is measured";
-  scene.removeHair(id);
+  EXPECT_TRUE(scene.removeHair(id));
   EXPECT_EQ(scene.resources().count(), 0u);
 }
 

@@ -272,7 +272,7 @@ TEST_P(GlTest, FillsBuffersWithInitialDataOrZeros) {
   constexpr size_t kCount = (3u << 20) / 4 + 5;  // more than one piece of the runtime's zeros
   for (int i = 0; i < 8; ++i) addBuffer(table_, "dirt", std::vector<uint32_t>(kCount, 0xdeadbeefu));
   update();
-  for (uint32_t id = 1; id < table_.end(); id += 2) table_.remove(static_cast<BufferId>(id));
+  for (uint32_t id = 1; id < table_.end(); id += 2) table_.remove(table_.at(id));
   update();
   const BufferId zeros = addZeros(table_, "zeros", kCount);
   update();

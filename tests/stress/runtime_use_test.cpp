@@ -197,8 +197,8 @@ Crowd addCrowd(Scene& scene, uint32_t strands, const SimulationSettings& setting
 }
 
 void removeCrowd(Scene& scene, const Crowd& crowd) {
-  for (const HairId id : crowd.hairs) scene.removeHair(id);
-  scene.removeCollider(crowd.collider);
+  for (const HairId id : crowd.hairs) EXPECT_TRUE(scene.removeHair(id));
+  EXPECT_TRUE(scene.removeCollider(crowd.collider));
   expectOk(scene.removeSkeleton(crowd.skeleton));
 }
 

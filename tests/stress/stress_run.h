@@ -97,7 +97,7 @@ class StressTest : public testing::TestWithParam<std::tuple<Api, Solver>> {
     return HairId::kInvalid;
   }
   void remove(HairId id) {
-    run_.scene.removeHair(id);
+    EXPECT_TRUE(run_.scene.removeHair(id));
     std::erase(ids_, id);
   }
 

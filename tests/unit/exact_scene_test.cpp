@@ -562,7 +562,7 @@ TEST_F(ExactSceneTest, RemovingAnObjectFreesItsBuffers) {
   const HairBuffers buffers = scene_.hair(*id).buffers();
   EXPECT_NE(scene_.resources().find(buffers.contacts), nullptr);
   EXPECT_NE(scene_.resources().find(buffers.contactWords), nullptr);
-  scene_.removeHair(*id);
+  EXPECT_TRUE(scene_.removeHair(*id));
   EXPECT_EQ(scene_.resources().totalBytes(), 0u);
 }
 

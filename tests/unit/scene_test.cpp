@@ -263,7 +263,7 @@ TEST_F(SceneTest, ResetLastsOneFrame) {
 TEST_F(SceneTest, RemovingAnObjectFreesItsBuffers) {
   add();
   EXPECT_GT(scene_.resources().totalBytes(), 0u);
-  scene_.removeHair(id_);
+  EXPECT_TRUE(scene_.removeHair(id_));
   EXPECT_EQ(scene_.resources().totalBytes(), 0u);
   EXPECT_EQ(scene_.resources().count(), 0u);
   EXPECT_EQ(scene_.hairCount(), 0u);

@@ -13,7 +13,7 @@ constexpr uint64_t kMaxGroups = 65535;
 constexpr uint32_t kMaxGenerations = 0xffffffffu / ResourceTable::kMaxBuffers;
 
 BufferId idOf(uint32_t place, uint32_t generation) {
-  return static_cast<BufferId>(generation * ResourceTable::kMaxBuffers + place);
+  return static_cast<BufferId>(generation * ResourceTable::kMaxBuffers + place + 1);
 }
 
 std::string describe(const KernelVariant& variant) {

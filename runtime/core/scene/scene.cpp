@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "base/ids.h"
 #include "pelage/kernels.h"
 #include "scene/scene_frame.h"
 #include "shadow/strand_shadow.h"
@@ -241,7 +242,8 @@ Result<HairId> Scene::addHair(const HairAsset& asset, const HairDef& def) {
   return objects_.add(std::move(object));
 }
 
-void Scene::removeHair(HairId id) {
+Result<void> Scene::removeHair(HairId id) {
+  if (!isValid(id)) return detail::noSuchThing("removeHair()", objects_.whyNot(id));
   HairObject& object = hair(id);
   removeSolverBuffers(object);
   removeHairGrid(object);
@@ -257,6 +259,7 @@ void Scene::removeHair(HairId id) {
   objects_.remove(id);
   removeUnusedCopies();
   if (hairCount() == 0) removeDrawBuffers();
+  return {};
 }
 
 void Scene::removeBuffer(BufferId& buffer) {
@@ -273,7 +276,7 @@ uint64_t Scene::bytesOfBuffer(BufferId id) const {
 
 HairObject& Scene::hair(HairId id) {
   HairObject* object = objects_.find(id);
-  PELAGE_ASSERT(object != nullptr, "no such hair object");
+  if (object == nullptr) detail::endForId("hair()", objects_.whyNot(id));
   return *object;
 }
 

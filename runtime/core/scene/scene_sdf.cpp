@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "assets/prepared_collider.h"
+#include "base/ids.h"
 #include "pelage/kernels.h"
 #include "scene/scene_frame.h"
 #include "sdf/sdf_collider.h"
@@ -208,7 +209,8 @@ Result<ColliderId> Scene::addCollider(const SdfData& data, const SdfColliderDef&
   return id;
 }
 
-void Scene::removeCollider(ColliderId id) {
+Result<void> Scene::removeCollider(ColliderId id) {
+  if (!isValid(id)) return detail::noSuchThing("removeCollider()", colliders_.whyNot(id));
   SdfCollider& removed = collider(id);
   removeIsoSurface(removed);
   SdfColliderBuffers& b = removed.buffers_;
@@ -220,11 +222,12 @@ void Scene::removeCollider(ColliderId id) {
   colliders_.remove(id);
   removeUnusedCopies();
   layOutFields();
+  return {};
 }
 
 SdfCollider& Scene::collider(ColliderId id) {
   SdfCollider* found = colliders_.find(id);
-  PELAGE_ASSERT(found != nullptr, "no such collider");
+  if (found == nullptr) detail::endForId("collider()", colliders_.whyNot(id));
   return *found;
 }
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <string>
 
+#include "base/ids.h"
 #include "scene/scene_frame.h"
 #include "sdf/sdf_collider.h"
 #include "skinning/skeleton_pose.h"
@@ -22,6 +23,7 @@ Result<SkeletonId> Scene::addSkeleton(const SkeletonDef& def) {
 }
 
 Result<void> Scene::removeSkeleton(SkeletonId id) {
+  if (!isValid(id)) return detail::noSuchThing("removeSkeleton()", skeletons_.whyNot(id));
   const SkeletonPose& removed = skeleton(id);
   const auto refuse = [&](const std::string& what) {
     return Error{ErrorCode::kInvalidArgument,
@@ -41,7 +43,7 @@ Result<void> Scene::removeSkeleton(SkeletonId id) {
 
 SkeletonPose& Scene::skeleton(SkeletonId id) {
   SkeletonPose* found = skeletons_.find(id);
-  PELAGE_ASSERT(found != nullptr, "no such skeleton");
+  if (found == nullptr) detail::endForId("skeleton()", skeletons_.whyNot(id));
   return *found;
 }
 
@@ -57,7 +59,8 @@ Result<SkeletonPose*> Scene::findSkeleton(SkeletonId id, uint32_t boneCount) con
   if (boneCount == 0) return refuse("boneCount must be at least 1");
   if (id == SkeletonId::kInvalid) return static_cast<SkeletonPose*>(nullptr);
   SkeletonPose* skeleton = skeletons_.find(id);
-  if (skeleton == nullptr) return refuse("its skeleton does not exist");
+  if (skeleton == nullptr)
+    return refuse(std::string("the id of its skeleton ") + skeletons_.whyNot(id));
   if (boneCount != 1 && boneCount != skeleton->boneCount()) {
     return refuse("boneCount is " + std::to_string(boneCount) + ", but skeleton '" +
                   skeleton->name() + "' has " + std::to_string(skeleton->boneCount()) + " bones");
