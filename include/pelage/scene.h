@@ -1,6 +1,7 @@
 // A scene: hair objects and the pass lists that move and draw them.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -25,6 +26,8 @@ struct BufferNeed;
 struct ColliderBuffers;
 struct DrawOffers;
 struct SdfGridPlan;
+template <class T>
+struct Vector3;
 }  // namespace detail
 
 /// Holds hair objects and writes their pass lists. No graphics API: a runtime creates the buffers
@@ -175,6 +178,27 @@ class Scene {
   /// which the lists run; lists of your own that touch the scene's buffers included.
   void finish(PassList& list) { hazards_.resolve(list); }
 
+  /// Moves the origin of the world, for worlds that are larger than floats are fine: what was at p
+  /// is at p - shift from now on. Hair does not notice: nothing jerks, wakes or is reset.
+  ///
+  ///     scene.shiftOrigin(camera);  // first, then all that is set in the new coordinates
+  ///     scene.hair(*hair).setBones(bones);
+  ///     scene.simulate(seconds, list);
+  ///
+  /// All that you have set so far moves along: bones, capsules, bounds of vertices, fields. Set
+  /// what moves, in the new coordinates, after it; what stands still need not be set again. Yours
+  /// to move before the next list runs are views, lights with a position and the contents of
+  /// buffers of your own: SdfColliderDef::vertices, and the forces of setForces() where they depend
+  /// on a place. Buffers of positions are in the new coordinates when the next list of simulate(),
+  /// also with dt = 0, draw(), castShadows() or drawContacts() has run. \param shift [m],
+  /// -16,777,216..16,777,216 (2^24) along each axis, of any fraction. After whole
+  ///   metres the solvers' states have the same bits as without it.
+  /// Errors: a component is not finite or out of range. Nothing has changed then.
+  /// Cost: a pass over the guides' positions in the next list; with collisions, hair contact or
+  /// stored follow hairs one more for each of them. docs/scene.md says what floats hold.
+  /// Source: PxScene::shiftOrigin() of NVIDIA PhysX.
+  Result<void> shiftOrigin(Float3 shift);
+
   /// Seconds simulated so far; the phase of the wind.
   double time() const { return time_; }
 
@@ -242,6 +266,14 @@ class Scene {
   Result<void> addHairGridPasses(HairObject& object, double h, bool reset, PassList& list);
   void finishHairGrid(HairObject& object, double frame);
   BufferId forcesOf(const HairObject& object) const;
+  detail::Vector3<double> shifted() const;
+  Result<void> addPendingShifts(PassList& list);
+  void finishShift();
+  Result<void> addShiftPasses(const Frame& frame);
+  Result<void> addFollowShift(const Frame& frame);
+  Result<void> addShift(const Frame& frame, BufferId buffer, uint64_t first, uint64_t count);
+  Result<void> addExactRewrite(const Frame& frame);
+  Result<void> addClassicRewrite(const Frame& frame);
   Result<DrawFrame> beginDraw(const View& view, std::span<const Light> lights) const;
   Result<uint32_t> addShadows(DrawFrame& frame, PassList& list);
   Result<void> addStrandDraw(const DrawFrame& frame, size_t material, bool smooth,
@@ -254,6 +286,9 @@ class Scene {
   Result<void> addListPasses(const DrawFrame& frame, const TransparencySettings& settings,
                              const TransparencyPlan& plan, std::vector<PassList>& lists);
   void makeRoom(const detail::BufferNeed& need);
+  Result<void> addTransparency(const DrawFrame& frame, const TransparencySettings& settings,
+                               const TransparencyPlan& plan, uint64_t vertices,
+                               std::vector<PassList>& lists);
   Result<void> addHybridPasses(const DrawFrame& frame, uint32_t layers,
                                std::vector<PassList>& lists);
   Result<void> addShortCutPasses(const DrawFrame& frame, std::vector<PassList>& lists);
@@ -272,6 +307,7 @@ class Scene {
   TileBuffers tiles_;
   BufferId shadowWords_ = BufferId::kInvalid, shadowViews_ = BufferId::kInvalid;
   double time_ = 0;
+  std::array<double, 3> shifted_ = {};  ///< sum of all shifts [m]
 };
 
 }  // namespace pelage

@@ -241,7 +241,7 @@ class StrandRun {
                     .roots = roots_.id(),
                     .rootCount = guides_,
                     .strands = guides_,
-                    .origin = {origin.x, origin.y, origin.z}},
+                    .origin = {.metres = detail::toDouble3({origin.x, origin.y, origin.z})}},
                    {.begin = constants.rootBegin,
                     .end = constants.rootEnd,
                     .length = constants.timeStep,

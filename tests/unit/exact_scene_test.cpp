@@ -93,6 +93,19 @@ TEST_F(ExactSceneTest, IsTheDefaultAndNeedsTwoPassesAndOneThatSeeksWhatIsAwake) 
   EXPECT_EQ(hair.buffers().colliders, BufferId::kInvalid);
 }
 
+TEST_F(ExactSceneTest, AShiftOfTheOriginIsOnePassInTheNextListAlone) {
+  add();
+  simulate();
+  ASSERT_TRUE(scene_.shiftOrigin({100, -0.5f, 3}));
+  ASSERT_TRUE(scene_.shiftOrigin({1, 0, 0}));
+  simulate();
+  ASSERT_EQ(list_.passes.size(), 4u);
+  EXPECT_STREQ(list_.passes[0].name, "rewrite_exact_positions");
+  simulate();
+  EXPECT_EQ(list_.passes.size(), 2u) << "the bones stand still";
+  EXPECT_TRUE(passes("rewrite_exact_positions").empty());
+}
+
 TEST_F(ExactSceneTest, WhatIsSwitchedOffIsNotInThePermutation) {
   HairObject& hair = add();
   simulate();

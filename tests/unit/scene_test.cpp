@@ -346,5 +346,77 @@ TEST(LookAt, PutsTheTargetInTheMiddleAtTheExpectedDepth) {
   }
 }
 
+TEST_F(SceneTest, AShiftOfTheOriginIsInTheListThatComesNext) {
+  HairObject& hair = add();
+  hair.drawnStrands = hair.strandCount();
+  ASSERT_TRUE(scene_.shiftOrigin({5, 0, 0}));
+  EXPECT_EQ(findPass(simulate(), "rewrite_classic_positions"), nullptr) << "there is nothing yet";
+  const View view = {.width = 64, .height = 64};
+  const auto rewrites = [&](const PassList& list) {
+    return countPasses(list, "rewrite_classic_positions");
+  };
+  const auto shift = [&] { ASSERT_TRUE(scene_.shiftOrigin({0.5f, -0.25f, 8})); };
+  shift();
+  EXPECT_EQ(rewrites(simulate(0)), 1u);
+  EXPECT_EQ(rewrites(simulate(0)), 0u);
+  shift();
+  EXPECT_EQ(rewrites(simulate()), 1u);
+  shift();
+  PassList list;
+  ASSERT_TRUE(scene_.castShadows({}, list));
+  EXPECT_EQ(rewrites(list), 1u);
+  shift();
+  ASSERT_TRUE(scene_.drawContacts(id_, view, {}, list));
+  EXPECT_EQ(rewrites(list), 2u);
+  shift();
+  // A draw that is refused leaves it to the next one.
+  View broken = view;
+  broken.eye.x = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_FALSE(scene_.draw(broken, {}, list));
+  EXPECT_EQ(rewrites(list), 2u);
+  View seen = view;
+  seen.worldToClip.rows[3] = {0, 0, 0, 1000};
+  seen.worldToClip.rows[2] = {0, 0, 0.1f, 500};
+  std::vector<PassList> lists(1);
+  ASSERT_TRUE(scene_.draw(seen, {}, {.method = Transparency::kStochastic}, lists));
+  EXPECT_EQ(rewrites(lists[0]), 1u);
+  EXPECT_EQ(rewrites(simulate(0)), 0u);
+  // A reset writes everything.
+  shift();
+  hair.reset();
+  EXPECT_EQ(rewrites(simulate()), 0u);
+  EXPECT_EQ(rewrites(simulate(0)), 0u);
+}
+
+TEST_F(SceneTest, AShiftThatIsAbsurdChangesNothing) {
+  add();
+  simulate();
+  const float infinity = std::numeric_limits<float>::infinity();
+  for (const float bad :
+       {std::numeric_limits<float>::quiet_NaN(), infinity, -infinity, 1.7e7f, -1e30f}) {
+    for (const Float3& shift : {Float3{bad, 0, 0}, Float3{1, bad, 0}, Float3{1, 1, bad}}) {
+      const Result<void> refused = scene_.shiftOrigin(shift);
+      ASSERT_FALSE(refused);
+      EXPECT_NE(refused.error().message.find("shiftOrigin()"), std::string::npos);
+      EXPECT_NE(refused.error().message.find("16777216"), std::string::npos)
+          << refused.error().message;
+    }
+  }
+  EXPECT_EQ(countPasses(simulate(0), "rewrite_classic_positions"), 0u);
+  EXPECT_TRUE(scene_.shiftOrigin({16777216, -16777216, 0}));
+}
+
+TEST_F(SceneTest, BonesOfASkeletonAreThoseInTheShiftedWorld) {
+  const Result<SkeletonId> id = scene_.addSkeleton({});
+  ASSERT_TRUE(id);
+  AffineTransform bone;
+  bone.rows[0].w = 100;
+  scene_.skeleton(*id).setBones({&bone, 1});
+  ASSERT_TRUE(scene_.shiftOrigin({99, 1, -2}));
+  EXPECT_EQ(scene_.skeleton(*id).bones()[0].rows[0].w, 1);
+  EXPECT_EQ(scene_.skeleton(*id).bones()[0].rows[1].w, -1);
+  EXPECT_EQ(scene_.skeleton(*id).bones()[0].rows[2].w, 2);
+}
+
 }  // namespace
 }  // namespace pelage

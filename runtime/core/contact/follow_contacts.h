@@ -39,6 +39,7 @@ class FollowContacts {
   std::array<BufferId*, 3> buffers() { return {&before_, &contacts_, &words_}; }
 
   BufferId before() const { return before_; }
+  uint64_t beforeCount() const { return 2 * vertices(); }  ///< elements of it
   BufferId words() const { return words_; }
 
  private:

@@ -124,7 +124,8 @@ Result<void> HairContacts::find(PassList& list, const ResourceTable& resources,
   foundStrands_ = hair.strands;
   origin_ = hair.origin;
   ContactConstants constants = {};
-  constants.contactOrigin = {hair.origin.x, hair.origin.y, hair.origin.z, 0};
+  const Float3 origin = hair.origin.world();
+  constants.contactOrigin = {origin.x, origin.y, origin.z, 0};
   constants.contactStrandCount = hair.strands;
   constants.contactRootCount = hair.rootCount;
   constants.contactVertexCount = static_cast<uint32_t>(vertices_);
@@ -189,7 +190,8 @@ Result<void> HairContacts::addDraw(PassList& list, BufferId positions, const Vie
   DrawContactsConstants constants = {};
   std::copy(std::begin(view.worldToClip.rows), std::end(view.worldToClip.rows),
             std::begin(constants.contactsToClip));
-  constants.drawnOrigin = {origin_.x, origin_.y, origin_.z, 0};
+  const Float3 origin = origin_.world();
+  constants.drawnOrigin = {origin.x, origin.y, origin.z, 0};
   constants.drawnPixels = {static_cast<float>(view.width), static_cast<float>(view.height)};
   constants.drawnStrandCount = foundStrands_;
   constants.drawnVertexCount = static_cast<uint32_t>(vertices_);
@@ -236,8 +238,8 @@ Result<float> HairContacts::deepest(std::span<const std::byte> records,
       if (((mask >> (vertex % kMaskBits)) & 1) == 0) continue;
       const size_t element = targets_[strand] + vertex;
       const Float4& p = places[element];
-      deepest = std::max(deepest, deepestOf(&found[element * kMaxContacts],
-                                            {p.x - origin_.x, p.y - origin_.y, p.z - origin_.z}));
+      deepest = std::max(
+          deepest, deepestOf(&found[element * kMaxContacts], origin_.relative({p.x, p.y, p.z})));
     }
   }
   return deepest;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/local_origin.h"
 #include "pelage/gpu_structs.h"
 #include "pelage/hair_object.h"
 #include "pelage/pass_list.h"
@@ -40,7 +41,7 @@ struct ContactHair {
   BufferId roots = BufferId::kInvalid;      ///< [2][root] RootTransform, relative to the origin
   uint32_t rootCount = 0;
   uint32_t strands = 0;  ///< that are simulated
-  Float3 origin;         ///< [m]
+  LocalOrigin origin;
 };
 
 /// The part of a frame for which contacts are found.
@@ -70,6 +71,11 @@ class HairContacts {
   Result<void> find(PassList& list, const ResourceTable& resources, const ContactHair& hair,
                     const ColliderBuffers& colliders, const AwakeTiles& awake,
                     const ContactStep& step);
+  /// Once a list has moved the positions by a shift of the world.
+  void shiftWorld(const Vector3<double>& shifted) { origin_.shifted = shifted; }
+  /// Positions of the last sub-step that find() goes on from; kInvalid where it does not.
+  BufferId before() const { return known_ ? before_ : BufferId::kInvalid; }
+  uint64_t vertexCount() const { return vertices_; }
   /// After a frame without contacts: what was found is not gone on from.
   void forget() { known_ = false; }
   /// In a frame without begin(): its totals are 0.
@@ -112,7 +118,7 @@ class HairContacts {
   bool counted_ = false;           ///< the last frame has totals
   std::vector<uint32_t> targets_;  ///< [strand] element of vertex 0
   uint32_t foundStrands_ = 0;      ///< of the last find()
-  Float3 origin_;                  ///< of the last find() [m]
+  LocalOrigin origin_;             ///< of the last find()
 };
 
 }  // namespace pelage::detail

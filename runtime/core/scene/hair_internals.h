@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/bounds.h"
+#include "base/local_origin.h"
 #include "contact/follow_contacts.h"
 #include "contact/hair_contacts.h"
 #include "pelage/collider.h"
@@ -67,10 +68,16 @@ struct HairInternals {
   uint32_t colliderCapacity = 0;                            ///< elements of the buffer
   uint32_t fieldCapacity = 0;                               ///< likewise, of that of fields
 
-  /// Of state, roots and colliders in world space [m]: whole metres, so that the difference of two
-  /// origins, and that of a position near an origin and the origin, are exact.
-  Float3 origin = {};
+  /// Of state, roots and colliders.
+  LocalOrigin origin;
   bool originKnown = false;
+  /// Shift of the world that no list has yet moved the outputs by [m]; and what is shifted on the
+  /// host.
+  Vector3<double> pendingShift;
+  ShiftedFloats shiftedFloats;
+  /// Largest coordinate of the shift since the last simulation [m]: for what engines round anew.
+  double roundedShift = 0;
+  bool followsShifted = false;  ///< not placed anew since a shift
 
   bool resetPending = true;
   /// What the solver's buffers were made for.
@@ -111,6 +118,11 @@ float longestStrand(const HairAsset& asset);
 /// Moves the origin after the root of the first strand.
 /// \return what to add to positions relative to the old origin; 0 while it stays.
 Float3 moveOrigin(HairInternals& hair);
+/// Takes the world's origin to where it is after a shift: all that is known of the engine's
+/// coordinates, and the hair's own origin.
+void shiftWorld(HairInternals& hair, const Vector3<double>& shift, const Vector3<double>& shifted);
+/// After a shift: capsules that moved by no more than an engine's rounding have not moved.
+void forgetRounding(HairInternals& hair);
 /// Around all strands in world space; a radius of infinity when a bone is not finite.
 Ball ballOfStrands(const HairInternals& hair);
 

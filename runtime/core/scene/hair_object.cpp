@@ -180,12 +180,12 @@ float longestStrand(const HairAsset& asset) {
 
 Float3 moveOrigin(HairInternals& hair) {
   if (hair.skeleton != nullptr) {
-    const Float3 old = hair.origin;
+    const LocalOrigin old = hair.origin;
     hair.origin = hair.skeleton->origin;
     const bool known = std::exchange(hair.originKnown, true);
-    if (!known || hair.origin == old) return {};
+    if (!known || hair.origin.isAt(old)) return {};
     hair.bonesChanged = true;
-    return subtract(old, hair.origin);
+    return between(old, hair.origin);
   }
   const BoneBounds& bounds = hair.bounds.front();
   const Float3 p = apply(hair.bones[bounds.bone], bounds.center);
@@ -193,18 +193,53 @@ Float3 moveOrigin(HairInternals& hair) {
     hair.originKnown = true;
     return {};
   }
-  const Float3 away = subtract(p, hair.origin);
+  const Float3 away = hair.origin.relative(p);
   const bool near = std::abs(away.x) <= kOriginRange && std::abs(away.y) <= kOriginRange &&
                     std::abs(away.z) <= kOriginRange;
   if (hair.originKnown && near) return {};
-  const Float3 old = hair.origin;
-  hair.origin = {std::round(p.x), std::round(p.y), std::round(p.z)};
+  const LocalOrigin old = hair.origin;
+  hair.origin = hair.origin.near(p);
   hair.bonesChanged = true;
   if (!hair.originKnown) {
     hair.originKnown = true;
     return {};
   }
-  return subtract(old, hair.origin);
+  return between(old, hair.origin);
+}
+
+void shiftWorld(HairInternals& hair, const Vector3<double>& shift, const Vector3<double>& shifted) {
+  hair.origin.shifted = shifted;
+  ShiftedFloats& floats = hair.shiftedFloats;
+  floats.begin();
+  for (AffineTransform& bone : hair.bones) floats.shift(bone, -shift);
+  floats.shift(hair.grid.middle, -shift);
+  for (std::vector<CapsuleCollider>* capsules : {&hair.colliders, &hair.collidersBefore}) {
+    for (CapsuleCollider& capsule : *capsules) {
+      floats.shift(capsule.head, -shift);
+      floats.shift(capsule.tail, -shift);
+    }
+  }
+  floats.end();
+  // Of outputs that are not there nothing is to be moved.
+  if (hair.lastFrame > 0) hair.pendingShift += shift;
+  hair.roundedShift += std::max({std::abs(shift.x), std::abs(shift.y), std::abs(shift.z)});
+}
+
+void forgetRounding(HairInternals& hair) {
+  if (!(hair.roundedShift > 0)) return;
+  constexpr double kRounding = 0x1p-23;
+  const auto settle = [&](Float3& before, const Float3& now) {
+    const double largest =
+        static_cast<double>(std::max({std::abs(now.x), std::abs(now.y), std::abs(now.z)}));
+    const double limit = kRounding * (hair.roundedShift + 2 * largest);
+    const Vector3<double> moved = toDouble3(now) - toDouble3(before);
+    if (std::max({std::abs(moved.x), std::abs(moved.y), std::abs(moved.z)}) <= limit) before = now;
+  };
+  for (size_t i = 0; i < std::min(hair.colliders.size(), hair.collidersBefore.size()); ++i) {
+    settle(hair.collidersBefore[i].head, hair.colliders[i].head);
+    settle(hair.collidersBefore[i].tail, hair.colliders[i].tail);
+  }
+  hair.roundedShift = 0;
 }
 
 bool areReplaced(std::span<const CapsuleCollider> before, std::span<const CapsuleCollider> now) {
@@ -224,7 +259,7 @@ std::vector<Collider> packColliders(const HairInternals& hair, const Ball& ball,
     const CapsuleCollider& before = known ? hair.collidersBefore[i] : now;
     if (!reaches(now, ball) && !reaches(before, ball)) continue;
     const auto relative = [&](Float3 p, float w) {
-      const Float3 r = subtract(p, hair.origin);
+      const Float3 r = hair.origin.relative(p);
       return Float4{r.x, r.y, r.z, w};
     };
     packed.push_back({.head = relative(now.head, now.headRadius),

@@ -131,6 +131,7 @@ Result<HairId> Scene::addHair(const HairAsset& asset, const HairDef& def) {
   internals.storesFollowHairs =
       (def.storeFollowHairs && follows > 0) || internals.collidesFollowHairs;
   internals.heldVertices = detail::hasHeldVertices(asset);
+  internals.origin.shifted = shifted();
   internals.hairsOfGuides.assign(guides, 1);
   for (const FollowHair& follow : def.followHairs) ++internals.hairsOfGuides[follow.guide];
   internals.longestStrand = detail::longestStrand(asset);

@@ -283,7 +283,9 @@ Result<void> Scene::draw(const View& view, const Light& light, PassList& list) {
   Result<DrawFrame> frame = beginDraw(view, {&light, 1});
   if (!frame) return frame.error();
   if (Result<uint32_t> added = addShadows(*frame, list); !added) return added.error();
-  return addOpaqueDraws(*frame, true, list);
+  Result<void> added = addOpaqueDraws(*frame, true, list);
+  if (added) finishShift();
+  return added;
 }
 
 Result<void> Scene::draw(const View& view, std::span<const Light> lights,
@@ -307,24 +309,32 @@ Result<void> Scene::draw(const View& view, std::span<const Light> lights,
                   std::to_string(detail::kMaxMaterials) + " apart");
   }
   if (Result<uint32_t> added = addShadows(*frame, lists[0]); !added) return added.error();
+  Result<void> added = addTransparency(*frame, settings, *plan, vertices, lists);
+  if (added) finishShift();
+  return added;
+}
+
+Result<void> Scene::addTransparency(const DrawFrame& frame, const TransparencySettings& settings,
+                                    const TransparencyPlan& plan, uint64_t vertices,
+                                    std::vector<PassList>& lists) {
   switch (settings.method) {
     case Transparency::kAlphaTest:
     case Transparency::kStochastic:
-      return addOpaqueDraws(*frame, settings.method == Transparency::kStochastic, lists[0]);
+      return addOpaqueDraws(frame, settings.method == Transparency::kStochastic, lists[0]);
     case Transparency::kWindowed:
       if (lists.size() < 2) lists.resize(2);
-      return addListPasses(*frame, settings, *plan, lists);
+      return addListPasses(frame, settings, plan, lists);
     case Transparency::kHybrid4:
     case Transparency::kHybrid8:
     case Transparency::kHybrid16:
       if (lists.size() < 3) lists.resize(3);
-      return addHybridPasses(*frame, detail::layerCount(settings.method), lists);
+      return addHybridPasses(frame, detail::layerCount(settings.method), lists);
     case Transparency::kShortCut:
       if (lists.size() < 4) lists.resize(4);
-      return addShortCutPasses(*frame, lists);
+      return addShortCutPasses(frame, lists);
     case Transparency::kTiles:
       if (lists.size() < 2) lists.resize(2);
-      return addTilePasses(*frame, settings, *plan, vertices, lists[1]);
+      return addTilePasses(frame, settings, plan, vertices, lists[1]);
   }
   return {};
 }
@@ -409,10 +419,13 @@ Result<uint32_t> Scene::castShadows(std::span<const Light> lights, PassList& lis
   Result<StrandViewConstants> constants = viewConstants(view, lights);
   if (!constants) return constants.error();
   DrawFrame frame = {view, lights, *constants, {}};
-  return addShadows(frame, list);
+  Result<uint32_t> added = addShadows(frame, list);
+  if (added) finishShift();
+  return added;
 }
 
-// Maps of the lights that cast shadows, from all hair in the scene that is visible to anybody.
+// Positions where they are after a shift of the world; maps of the lights that cast shadows, from
+// all hair in the scene that is visible to anybody.
 Result<uint32_t> Scene::addShadows(DrawFrame& frame, PassList& list) {
   std::vector<detail::ShadowedHair> hairs;
   detail::Ball all;
@@ -435,6 +448,7 @@ Result<uint32_t> Scene::addShadows(DrawFrame& frame, PassList& list) {
     detail::StrandShadowDef def;
     def.toLight = light.direction;
     def.center = all.center;
+    def.shifted = shifted();
     def.radius = detail::steadyRadius(all.radius);
     def.size = light.shadowSize;
     def.layers = light.shadow == HairShadow::kDeep ? light.shadowLayers : 0;
@@ -447,6 +461,7 @@ Result<uint32_t> Scene::addShadows(DrawFrame& frame, PassList& list) {
     frame.constants.lightShadows[i].x = index;
     plans.push_back(*plan);
   }
+  if (Result<void> moved = addPendingShifts(list); !moved) return moved.error();
   // Kernels that read shadows have the buffer bound, also where no light has one.
   const uint64_t wordBytes = std::max<uint64_t>(words, 4) * sizeof(uint32_t);
   makeRoom({shadowWords_, "shadows/words", wordBytes, sizeof(uint32_t)});

@@ -29,9 +29,10 @@ Result<void> Scene::drawCollider(ColliderId id, const View& view, const Light& l
   detail::IsoSurface::Look surface;
   surface.color = look.color;
   surface.opacity = look.opacity;
-  surface.fieldToWorld.rows[0].w = c.origin.x;
-  surface.fieldToWorld.rows[1].w = c.origin.y;
-  surface.fieldToWorld.rows[2].w = c.origin.z;
+  const Float3 origin = c.origin.world();
+  surface.fieldToWorld.rows[0].w = origin.x;
+  surface.fieldToWorld.rows[1].w = origin.y;
+  surface.fieldToWorld.rows[2].w = origin.z;
   return c.isoSurface->addDraw(view, light, surface, list);
 }
 

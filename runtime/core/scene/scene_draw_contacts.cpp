@@ -19,6 +19,8 @@ Result<void> Scene::drawContacts(HairId id, const View& view, const ContactLook&
                                                     std::to_string(value) +
                                                     "; it is a finite number > 0"};
   }
+  if (Result<void> moved = addPendingShifts(list); !moved) return moved;
+  finishShift();
   return object.internals_->contacts.addDraw(list, object.buffers_.positions, view, look);
 }
 

@@ -37,7 +37,30 @@ constexpr uint32_t kMaxListedTiles = 65535;
 // Threads of an exact dispatch in x, as in simulate_rods.
 constexpr uint32_t kExactRow = 1u << 20;
 
+// Of those that are simulated, how many take on more and more of the shape of another one.
+uint32_t fadingGuides(uint32_t guides, uint32_t simulated) {
+  return std::min({guides / kFadingShare, guides - simulated, std::max(simulated, 1u) - 1});
+}
+
 }  // namespace
+
+ExactConstants Scene::Frame::exactConstants() const {
+  const Float3 origin = internals.origin.world();
+  ExactConstants constants = {};
+  constants.origin = {origin.x, origin.y, origin.z, 0};
+  constants.rebase = {rebase.x, rebase.y, rebase.z, 0};
+  constants.strandCount = object.guideCount_;
+  constants.stateStride = internals.stateStride;
+  constants.rootCount = object.guideCount_;
+  constants.outputCount = object.guideCount_ * object.vertexCount_;
+  constants.outputVertices = object.vertexCount_;
+  constants.colliderCount = colliderCount;
+  constants.slot = internals.slot;
+  constants.simulatedCount = internals.simulatedCount;
+  constants.fadeStart =
+      internals.simulatedCount - fadingGuides(object.guideCount_, internals.simulatedCount);
+  return constants;
+}
 
 // The tiles that sleep in this frame; nothing where all are awake for sure.
 Result<void> Scene::addSleepPass(Frame& frame, ExactConstants constants) {
@@ -58,19 +81,27 @@ Result<void> Scene::addSleepPass(Frame& frame, ExactConstants constants) {
 
   const KernelVariant& follow = updateFollowStrandsVariant({});
   const auto groups = [](uint32_t threads, uint32_t size) { return (threads + size - 1) / size; };
-  const uint32_t head[kSleepHead] = {0, 1,
-                                     1, 0,
-                                     0, groups(object.vertexCount_, follow.groupSize[1]),
-                                     1, 0,
-                                     0, internals.contacts.rows(),
-                                     1, 0};
+  const uint32_t followGroups =
+      internals.storesFollowHairs ? groups(followThreads(object.followCount_), follow.groupSize[0])
+                                  : 0;
+  const uint32_t head[kSleepHead] = {0,
+                                     1,
+                                     1,
+                                     0,
+                                     internals.followsShifted ? followGroups : 0,
+                                     groups(object.vertexCount_, follow.groupSize[1]),
+                                     1,
+                                     0,
+                                     0,
+                                     internals.contacts.rows(),
+                                     1,
+                                     0};
   addUpload(frame.list, buffers.sleep, std::as_bytes(std::span(head)));
   constants.flags = wake ? kExactWakeAll : 0;
   constants.rootBegin = 0;
   constants.rootEnd = 1;
   constants.slot = internals.slot;
-  if (internals.storesFollowHairs)
-    constants.followGroups = groups(followThreads(object.followCount_), follow.groupSize[0]);
+  constants.followGroups = followGroups;
   PassBuilder builder(frame.list);
   const auto columns = static_cast<uint32_t>(std::min<uint64_t>(tiles, kSelectRow));
   const auto rows = static_cast<uint32_t>((tiles + kSelectRow - 1) / kSelectRow);
@@ -114,19 +145,10 @@ Result<void> Scene::addExactPasses(Frame& frame) {
   HairObject& object = frame.object;
   detail::HairInternals& internals = frame.internals;
   const HairBuffers& buffers = object.buffers_;
-  const uint64_t vertices = uint64_t{object.guideCount_} * object.vertexCount_;
   const uint32_t steps = frame.steps * s.subSteps;
   const double h = static_cast<double>(frame.length) / steps;
 
-  ExactConstants constants = {};
-  constants.origin = {internals.origin.x, internals.origin.y, internals.origin.z, 0};
-  constants.rebase = {frame.rebase.x, frame.rebase.y, frame.rebase.z, 0};
-  constants.strandCount = object.guideCount_;
-  constants.stateStride = internals.stateStride;
-  constants.rootCount = object.guideCount_;
-  constants.outputCount = static_cast<uint32_t>(vertices);
-  constants.outputVertices = object.vertexCount_;
-  constants.colliderCount = frame.colliderCount;
+  ExactConstants constants = frame.exactConstants();
   constants.frameTime = frame.length;
   constants.frameTimeBefore =
       frame.reset || !(internals.lastFrame > 0) ? frame.length : internals.lastFrame;
@@ -240,9 +262,8 @@ void Scene::setLevelOfDetail(const Frame& frame, ExactConstants& constants) {
     count -= std::min(count - wanted, most);
   else if (isZero(frame.rebase))  // new states are relative to the new origin already
     count += std::min(wanted - count, most);
-  const uint32_t fading = std::min({guides / kFadingShare, guides - count, count - 1});
   constants.simulatedCount = count;
-  constants.fadeStart = count - fading;
+  constants.fadeStart = count - fadingGuides(guides, count);
 }
 
 Result<void> Scene::addInterpolationPass(const Frame& frame, const ExactConstants& constants,

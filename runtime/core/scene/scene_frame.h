@@ -18,6 +18,8 @@ namespace detail {
 inline constexpr uint64_t kVector = sizeof(Float4);
 /// Root frames a guide in g_rootTransforms, as in kernels/layouts/simulation.hlsli.
 inline constexpr uint64_t kRootTransformSets = 2;
+/// Of g_state, as in kernels/layouts/simulation.hlsli.
+inline constexpr uint64_t kClassicStateSets = 3;
 /// Words of g_sleep before its list, as in kernels/layouts/exact.hlsli; and where the groups of the
 /// follow strands are.
 inline constexpr uint64_t kSleepHead = 12;
@@ -56,7 +58,8 @@ struct Scene::Frame {
   uint32_t steps;
   detail::AirMotion air;
   bool reset;
-  Float3 rebase;
+  detail::LocalOrigin stateOrigin;  ///< of the state that the frame begins with
+  Float3 rebase;                    ///< from there to that of the object
   uint32_t colliderCount;
   uint32_t fieldCount;  ///< of mesh colliders within reach
   bool sleeps;
@@ -64,6 +67,8 @@ struct Scene::Frame {
   bool contacts = false;  ///< they are found in this frame
 
   SimulationConstants commonConstants() const;
+  /// What does not depend on the step, for the state as it is.
+  ExactConstants exactConstants() const;
 };
 
 }  // namespace pelage

@@ -133,17 +133,21 @@ struct GridObject {
   uint32_t vertices;  ///< of all guides
 };
 
-// What all kernels of the grid take: the grid around a middle, moved by a share of a cell.
-HairGridConstants constantsOf(const GridObject& object, Float3 middle) {
+// What all kernels of the grid take: the grid around a middle.
+// \param shifted of the middle's space: nodes stay where they are in the first world
+HairGridConstants constantsOf(const GridObject& object, Float3 middle,
+                              const detail::Vector3<double>& shifted) {
   const detail::HairGrid& grid = object.internals.grid;
   const double cell = static_cast<double>(grid.cell);
   const double reach = 0.5 * cell * (grid.size - kGridBorder);
   // To whole cells, so that hair at rest sees the same density wherever a little motion puts it.
-  const auto lowest = [&](float m) {
-    return static_cast<float>(std::floor((static_cast<double>(m) - reach) / cell) * cell);
+  const auto lowest = [&](float m, double shift) {
+    const double at = static_cast<double>(m) + shift;
+    return static_cast<float>(std::floor((at - reach) / cell) * cell - shift);
   };
   HairGridConstants constants = {};
-  constants.gridOrigin = {lowest(middle.x), lowest(middle.y), lowest(middle.z), grid.cell};
+  constants.gridOrigin = {lowest(middle.x, shifted.x), lowest(middle.y, shifted.y),
+                          lowest(middle.z, shifted.z), grid.cell};
   constants.gridVelocity = {0, 0, 0, kMaxSpeed};
   constants.massScale = grid.massScale;
   constants.momentumScale = grid.momentumScale;
@@ -183,7 +187,7 @@ Result<void> addSplatPasses(const GridObject& object, const HairGridConstants& c
 Result<void> addMeasurePasses(const GridObject& object, PassList& list) {
   const detail::HairInternals& internals = object.internals;
   const HairBuffers& buffers = object.buffers;
-  HairGridConstants constants = constantsOf(object, middleOf(internals, true));
+  HairGridConstants constants = constantsOf(object, middleOf(internals, true), {});
   const uint64_t count = constants.gridVertexCount;
   const uint64_t nodes = uint64_t{constants.gridSize} * constants.gridSize * constants.gridSize;
   const Float4 origin = constants.gridOrigin;
@@ -293,7 +297,8 @@ Result<void> Scene::addHairGridPasses(HairObject& object, double h, bool reset, 
   }
   const Float3 middle = middleOf(internals, false);
   const bool finite = std::isfinite(middle.x) && std::isfinite(middle.y) && std::isfinite(middle.z);
-  HairGridConstants constants = constantsOf(view, finite ? middle : grid.middle);
+  HairGridConstants constants =
+      constantsOf(view, finite ? middle : grid.middle, internals.origin.shifted);
   if (reset) grid.history = 0;
   // There are positions from the second step on, and velocities from the third one on.
   if (grid.history > 1) {

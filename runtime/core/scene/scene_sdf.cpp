@@ -103,6 +103,7 @@ Result<ColliderId> Scene::addCollider(const CollisionMesh& mesh, const SdfCollid
   collider->name_ = def.name;
   SdfColliderInternals& c = *collider->internals_;
   c.def = def;
+  c.origin.shifted = shifted();
   c.topology = std::move(*topology);
   c.vertexCount = static_cast<uint32_t>(mesh.positions.size());
   c.boneBoxes = detail::boneBoxesOf(mesh);
@@ -196,6 +197,8 @@ Result<ColliderId> Scene::addCollider(const SdfData& data, const SdfColliderDef&
   c.def = def;
   c.data = data;
   c.grid = data.grid;
+  c.origin = detail::LocalOrigin{{}, shifted()}.near({});
+  c.dataNode = detail::toDouble3(data.grid.origin) - (c.origin.metres - c.origin.shifted);
   const auto end = [&](float origin, uint32_t nodes) {
     return origin + static_cast<float>(nodes - 1) * data.grid.cellSize;
   };
@@ -279,16 +282,13 @@ void Scene::layOutFields() {
 bool Scene::planCollider(SdfCollider& collider, const detail::SdfGridPlan& plan) {
   SdfColliderInternals& c = *collider.internals_;
   // The state is relative to the old origin; both are whole metres.
-  const Float3 origin = detail::originFor(c);
-  c.state.origin = {c.state.origin.x + (c.origin.x - origin.x),
-                    c.state.origin.y + (c.origin.y - origin.y),
-                    c.state.origin.z + (c.origin.z - origin.z)};
+  const detail::LocalOrigin origin = detail::originFor(c);
+  const Float3 moved = detail::between(c.origin, origin);
+  c.state.origin = {c.state.origin.x + moved.x, c.state.origin.y + moved.y,
+                    c.state.origin.z + moved.z};
   c.origin = origin;
   c.plan = plan;
-  c.grid = {.origin = {plan.origin.x + c.origin.x, plan.origin.y + c.origin.y,
-                       plan.origin.z + c.origin.z},
-            .cellSize = plan.cellSize,
-            .nodes = {plan.nodes[0], plan.nodes[1], plan.nodes[2]}};
+  c.grid = detail::gridOf(c);
   c.buildPending = true;
   const detail::SdfBuildDef def = detail::buildDefOf(c);
   const detail::SdfBufferSizes sizes = detail::sdfBufferSizes(def);
@@ -374,7 +374,7 @@ Result<void> Scene::buildCollider(size_t place, PassList& list) {
   if (!c.buildPending && !changed) return {};
 
   // Its vertices would be relative to another origin than its grid.
-  if (c.skeleton != nullptr && c.origin != c.skeleton->origin) return {};
+  if (c.skeleton != nullptr && !c.origin.isAt(c.skeleton->origin)) return {};
   const bool whole = c.buildPending || (own && detail::movedShare(c, tolerance) > kMostMovedShare);
   if (own && c.vertexCount > 0) {
     if (Result<void> added = addSkinningPass(collider, list); !added) return added;
@@ -482,7 +482,11 @@ void Scene::addFields(Frame& frame) {
 Result<SdfData> Scene::copyField(ColliderId id, std::span<const std::byte> keys,
                                  std::span<const std::byte> surface) const {
   const SdfColliderInternals& c = *collider(id).internals_;
-  if (c.data) return *c.data;
+  if (c.data) {
+    SdfData data = *c.data;
+    data.grid = c.grid;
+    return data;
+  }
   const auto refuse = [&](const char* what) {
     return Error{ErrorCode::kInvalidArgument, "collider '" + c.def.name + "': " + what};
   };

@@ -33,8 +33,6 @@ constexpr uint32_t kClassicRebase = 2;
 constexpr double kMaxGlobalStiffness = 0.9999;
 // Beyond this the local shape's sweeps overshoot; found by sweeping it on curled strands.
 constexpr double kMaxLocalStiffness = 0.95;
-// Of g_state, as in kernels/layouts/simulation.hlsli.
-constexpr uint64_t kStateSets = 3;
 
 // Displacement in a step of t for 1 m/s2 [s2], at the terminal velocity that steps of 1/60 s have.
 double squareOf(double t, double damping) {
@@ -163,7 +161,7 @@ void Scene::addSolverBuffers(HairObject& object) {
     internals.resetPending = true;
     if (solver == Solver::kClassic) {
       const uint64_t vertices = uint64_t{asset.strandCount} * asset.verticesPerStrand;
-      buffers.state = add("state", kStateSets * vertices, kVector);
+      buffers.state = add("state", detail::kClassicStateSets * vertices, kVector);
       buffers.lengths = add("lengths", vertices, sizeof(Float2));
     } else {
       const detail::ExactStrands strands = detail::packExactStrands(asset, internals.levelOfDetail);
@@ -212,7 +210,14 @@ Result<void> Scene::simulate(float dt, PassList& list) {
     return Error{ErrorCode::kInvalidArgument,
                  "time step is " + std::to_string(dt) + " s, but must be finite and at least 0"};
   }
-  if (dt == 0) return {};
+  if (dt == 0) {
+    const Result<void> moved = addPendingShifts(list);
+    if (moved)
+      finishShift();
+    else
+      list.clear();
+    return moved;
+  }
   // A frame of 1/60 s that is a little long by rounding is still one step.
   const double steps = std::ceil(static_cast<double>(dt) / kReferenceStep - 1e-3);
   const auto subSteps = static_cast<uint32_t>(std::clamp(steps, 1.0, double{kMaxSubSteps}));
@@ -259,6 +264,7 @@ Result<void> Scene::simulate(float dt, PassList& list) {
     if (Result<void> done = simulateObject(*object, frame, subSteps, list); !done)
       return drop(done);
   }
+  finishShift();
   time_ += static_cast<double>(frame);
   return {};
 }
@@ -305,6 +311,7 @@ Result<void> Scene::simulateObject(HairObject& object, float length, uint32_t st
       .steps = steps,
       .air = detail::airAt(s.wind, time_),
       .reset = internals.resetPending,
+      .stateOrigin = internals.origin,
       .rebase = detail::moveOrigin(internals),
       .colliderCount = 0,
       .fieldCount = 0,
@@ -320,6 +327,7 @@ Result<void> Scene::simulateObject(HairObject& object, float length, uint32_t st
   }
   internals.bonesChanged = false;
   addFields(frame);
+  detail::forgetRounding(internals);
   // What sleeps does not look whether a capsule reaches its follow hairs.
   if (internals.collidesFollowHairs && internals.colliders != internals.collidersBefore)
     frame.collidersReplaced = true;
@@ -339,6 +347,10 @@ Result<void> Scene::simulateObject(HairObject& object, float length, uint32_t st
   if (!colliders.empty()) addUpload(list, buffers.colliders, std::as_bytes(std::span(colliders)));
   internals.collidersBefore = internals.colliders;
   prepareContacts(frame);
+  // A reset writes all of it.
+  if (!frame.reset) {
+    if (Result<void> moved = addShiftPasses(frame); !moved) return moved;
+  }
 
   if (Result<void> added = addRootPass(frame); !added) return added;
   const Result<void> added =
@@ -348,13 +360,14 @@ Result<void> Scene::simulateObject(HairObject& object, float length, uint32_t st
   internals.lastFrame = length;
   internals.resetPending = false;
   internals.settingsBefore = s;
+  internals.followsShifted = false;
   if (Result<void> placed = addFollowPass(frame); !placed) return placed;
   return addFollowCollision(frame);
 }
 
 // What every kernel of the group "simulation" takes.
 SimulationConstants Scene::Frame::commonConstants() const {
-  const Float3 origin = internals.origin;
+  const Float3 origin = internals.origin.world();
   SimulationConstants constants = {};
   constants.origin = {origin.x, origin.y, origin.z, 0};
   constants.rebase = {rebase.x, rebase.y, rebase.z, 0};
@@ -456,7 +469,7 @@ Result<void> Scene::addClassicPasses(const Frame& frame) {
     builder.dispatch(variant, object.guideCount_)
         .bind("g_positions", buffers.positions, vertices * kVector)
         .bind("g_tangents", buffers.tangents, vertices * kVector)
-        .bind("g_state", buffers.state, kStateSets * vertices * kVector)
+        .bind("g_state", buffers.state, detail::kClassicStateSets * vertices * kVector)
         .bind("g_lengths", buffers.lengths, vertices * sizeof(Float2))
         .bind("g_contacts", contacts.records(), contacts.recordBytes())
         .bind("g_contactWords", contacts.words(), contacts.wordBytes())
@@ -514,7 +527,7 @@ Result<void> Scene::addFollowCollision(const Frame& frame) {
   detail::FollowHairs hairs = {.positions = buffers.positions,
                                .tangents = buffers.tangents,
                                .first = object.guideCount_,
-                               .origin = internals.origin};
+                               .origin = internals.origin.world()};
   if (frame.sleeps) {
     hairs.awake = buffers.sleep;
     hairs.argumentBytes = kFollowArguments;

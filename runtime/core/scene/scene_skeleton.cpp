@@ -19,6 +19,7 @@ Result<SkeletonId> Scene::addSkeleton(const SkeletonDef& def) {
   skeleton->name_ = def.name;
   skeleton->internals_->name = def.name;
   skeleton->internals_->bones.resize(def.boneCount);
+  skeleton->internals_->origin.shifted = shifted();
   return skeletons_.add(std::move(skeleton));
 }
 

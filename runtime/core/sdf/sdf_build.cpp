@@ -118,7 +118,12 @@ GenerateSdfConstants constantsOf(const SdfBuildDef& def, const AllGroups& groups
                                  const SdfBuildState& state, bool hasHistory) {
   const SdfGridPlan& plan = def.plan;
   GenerateSdfConstants c = {};
-  c.fieldOrigin = {plan.origin.x, plan.origin.y, plan.origin.z, plan.cellSize};
+  const auto inVertices = [](float node, double origin) {
+    return static_cast<float>(static_cast<double>(node) + origin);
+  };
+  c.fieldOrigin = {inVertices(plan.origin.x, def.planOrigin.x),
+                   inVertices(plan.origin.y, def.planOrigin.y),
+                   inVertices(plan.origin.z, def.planOrigin.z), plan.cellSize};
   c.fieldNodes = {plan.nodes[0], plan.nodes[1], plan.nodes[2], def.firstKey};
   c.fieldTriangleCount = def.triangleCount;
   c.fieldTriangleBits = plan.triangleBits;

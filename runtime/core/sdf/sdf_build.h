@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "assets/collider_topology.h"
+#include "base/vector3.h"
 #include "pelage/gpu_structs.h"
 #include "pelage/pass_list.h"
 #include "sdf/sdf_grid.h"
@@ -26,6 +27,7 @@ void turnRound(SdfTables& tables);
 /// What is built, and from what.
 struct SdfBuildDef {
   SdfGridPlan plan;
+  Vector3<double> planOrigin;  ///< what the plan is relative to, in the space of the vertices [m]
   uint32_t triangleCount = 0, placeCount = 0;
   uint32_t vertexCount = 0;   ///< of the vertex buffer
   uint32_t vertexStride = 3;  ///< [float]

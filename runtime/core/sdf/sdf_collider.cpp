@@ -26,11 +26,19 @@ constexpr double kMostWaste = 3;
 // The origin follows when the mesh is further away from it [m].
 constexpr float kOriginRange = 1.5f;
 
-Box moved(const Box& box, const Float3& by, float sign) {
-  const auto move = [&](const Float3& p) {
-    return Float3{p.x + sign * by.x, p.y + sign * by.y, p.z + sign * by.z};
+Box relativeTo(const LocalOrigin& origin, const Box& box) {
+  return {origin.relative(box.low), origin.relative(box.high)};
+}
+
+// Around the nodes of data, in the world as it is.
+Box boxOfData(const SdfColliderInternals& collider) {
+  const SdfGrid& grid = collider.data->grid;
+  const auto last = [&](size_t axis) {
+    return static_cast<double>(grid.nodes[axis] - 1) * static_cast<double>(grid.cellSize);
   };
-  return {move(box.low), move(box.high)};
+  const LocalOrigin& origin = collider.origin;
+  const Vector3<double> low = collider.dataNode + (origin.metres - origin.shifted);
+  return {toFloat3(low), toFloat3(low + Vector3<double>{last(0), last(1), last(2)})};
 }
 
 // A point of a box goes at most as far as one of its corners.
@@ -49,19 +57,48 @@ float largestWay(const BoneBox& bone, const AffineTransform& from, const AffineT
 
 }  // namespace
 
-Float3 originFor(const SdfColliderInternals& collider) {
+LocalOrigin originFor(const SdfColliderInternals& collider) {
   if (collider.skeleton != nullptr) return collider.skeleton->origin;
   const Box box = boundsOf(collider);
-  // An engine's vertices are where they are.
-  if (collider.def.vertices != BufferId::kInvalid || box.isEmpty() || !isFinite(box))
-    return collider.origin;
-  const auto axis = [](float low, float high, float origin) {
-    const float middle = 0.5f * (low + high);
-    return std::abs(middle - origin) <= kOriginRange ? origin : std::round(middle);
-  };
-  return {axis(box.low.x, box.high.x, collider.origin.x),
-          axis(box.low.y, box.high.y, collider.origin.y),
-          axis(box.low.z, box.high.z, collider.origin.z)};
+  // An engine's vertices are relative to the world's own origin.
+  if (collider.def.vertices != BufferId::kInvalid) return collider.origin.near({});
+  if (box.isEmpty() || !isFinite(box)) return collider.origin;
+  const Float3 middle = middleOf(box);
+  const Float3 away = collider.origin.relative(middle);
+  LocalOrigin origin = collider.origin.near(middle);
+  if (std::abs(away.x) <= kOriginRange) origin.metres.x = collider.origin.metres.x;
+  if (std::abs(away.y) <= kOriginRange) origin.metres.y = collider.origin.metres.y;
+  if (std::abs(away.z) <= kOriginRange) origin.metres.z = collider.origin.metres.z;
+  return origin;
+}
+
+SdfGrid gridOf(const SdfColliderInternals& collider) {
+  if (collider.data) {
+    SdfGrid grid = collider.data->grid;
+    grid.origin = boxOfData(collider).low;
+    return grid;
+  }
+  const SdfGridPlan& plan = collider.plan;
+  return {.origin = collider.origin.toWorld(plan.origin),
+          .cellSize = plan.cellSize,
+          .nodes = {plan.nodes[0], plan.nodes[1], plan.nodes[2]}};
+}
+
+void shiftWorld(SdfColliderInternals& collider, const Vector3<double>& shift,
+                const Vector3<double>& shifted) {
+  collider.origin.shifted = shifted;
+  ShiftedFloats& floats = collider.shiftedFloats;
+  floats.begin();
+  for (AffineTransform& bone : collider.bones) floats.shift(bone, -shift);
+  for (AffineTransform& bone : collider.builtBones) floats.shift(bone, -shift);
+  if (collider.data) {
+    collider.vertexBounds = boxOfData(collider);
+  } else if (!collider.vertexBounds.isEmpty()) {
+    floats.shift(collider.vertexBounds.low, -shift);
+    floats.shift(collider.vertexBounds.high, -shift);
+  }
+  floats.end();
+  if (collider.data || collider.plan.cellSize > 0) collider.grid = gridOf(collider);
 }
 
 std::vector<BoneBox> boneBoxesOf(const CollisionMesh& mesh) {
@@ -149,7 +186,7 @@ Result<std::optional<SdfGridPlan>> planGrid(const SdfColliderInternals& collider
     const Box grid = {plan.origin,
                       {end(plan.origin.x, plan.nodes[0]), end(plan.origin.y, plan.nodes[1]),
                        end(plan.origin.z, plan.nodes[2])}};
-    const Box relative = moved(box, collider.origin, -1);
+    const Box relative = relativeTo(collider.origin, box);
     const auto size = [&](const Box& b) {
       return static_cast<double>(b.high.x - b.low.x + 2 * ring) *
              static_cast<double>(b.high.y - b.low.y + 2 * ring) *
@@ -159,8 +196,10 @@ Result<std::optional<SdfGridPlan>> planGrid(const SdfColliderInternals& collider
     const bool wasteful =
         static_cast<double>(plan.nodeCount()) * cell * cell * cell > kMostWaste * size(relative);
     const bool originMoved =
-        collider.skeleton != nullptr && collider.skeleton->origin != collider.origin;
-    if (isInside(relative, grid, ring) && !wasteful && !originMoved)
+        collider.skeleton != nullptr && !collider.skeleton->origin.isAt(collider.origin);
+    // Where vertices stay although they moved, the grid does, too.
+    const float margin = ring - def.motionTolerance * plan.cellSize;
+    if (isInside(relative, grid, margin) && !wasteful && !originMoved)
       return std::optional<SdfGridPlan>();
   }
   SdfGridDef grid;
@@ -169,7 +208,7 @@ Result<std::optional<SdfGridPlan>> planGrid(const SdfColliderInternals& collider
   if (!box.isEmpty()) {
     // Room to move from the second grid on.
     const float room = planned ? kRoomCells * def.cellSize : 0;
-    const Box relative = moved(box, originFor(collider), -1);
+    const Box relative = relativeTo(originFor(collider), box);
     grid.lowest = {relative.low.x - room, relative.low.y - room, relative.low.z - room};
     grid.highest = {relative.high.x + room, relative.high.y + room, relative.high.z + room};
   }
@@ -181,7 +220,7 @@ Result<std::optional<SdfGridPlan>> planGrid(const SdfColliderInternals& collider
   Result<SdfGridPlan> plan = planSdfGrid(grid);
   if (!plan && planned && !box.isEmpty()) {
     // Without room, where the cap has none for it.
-    const Box relative = moved(box, originFor(collider), -1);
+    const Box relative = relativeTo(originFor(collider), box);
     grid.lowest = relative.low;
     grid.highest = relative.high;
     plan = planSdfGrid(grid);
@@ -193,7 +232,9 @@ Result<std::optional<SdfGridPlan>> planGrid(const SdfColliderInternals& collider
 
 SdfBuildDef buildDefOf(const SdfColliderInternals& collider) {
   const bool own = collider.def.vertices == BufferId::kInvalid;
+  const LocalOrigin& origin = collider.origin;
   return {.plan = collider.plan,
+          .planOrigin = own ? Vector3<double>{} : origin.metres - origin.shifted,
           .triangleCount = collider.topology.triangleCount(),
           .placeCount = collider.topology.placeCount(),
           .vertexCount = collider.vertexCount,
@@ -205,18 +246,14 @@ SdfBuildDef buildDefOf(const SdfColliderInternals& collider) {
           .motionTolerance = collider.def.motionTolerance};
 }
 
-SdfField fieldOf(const SdfColliderInternals& collider, const Float3& origin) {
+SdfField fieldOf(const SdfColliderInternals& collider, const LocalOrigin& origin) {
   SdfField field = {};
-  const auto from = [](float gridOrigin, float space, float target) {
-    return static_cast<float>(static_cast<double>(gridOrigin) +
-                              (static_cast<double>(space) - static_cast<double>(target)));
-  };
-  const Float3& o = collider.origin;
+  const Vector3<double> apart = collider.origin.metres - origin.metres;
+  const Vector3<double> first = collider.data ? collider.dataNode : toDouble3(collider.plan.origin);
+  const Float3 node = toFloat3(first + apart);
   if (collider.data) {
     const SdfData& data = *collider.data;
-    const Float3& node = data.grid.origin;
-    field.origin = {from(node.x, 0, origin.x), from(node.y, 0, origin.y), from(node.z, 0, origin.z),
-                    data.grid.cellSize};
+    field.origin = {node.x, node.y, node.z, data.grid.cellSize};
     field.nodes = {data.grid.nodes[0], data.grid.nodes[1], data.grid.nodes[2], collider.keyOffset};
     field.triangleCount = data.triangleCount;
     field.triangleBits = data.triangleBits;
@@ -225,8 +262,7 @@ SdfField fieldOf(const SdfColliderInternals& collider, const Float3& origin) {
     field.surfaceStride = 4;
   } else {
     const SdfGridPlan& plan = collider.plan;
-    field.origin = {from(plan.origin.x, o.x, origin.x), from(plan.origin.y, o.y, origin.y),
-                    from(plan.origin.z, o.z, origin.z), plan.cellSize};
+    field.origin = {node.x, node.y, node.z, plan.cellSize};
     field.nodes = {plan.nodes[0], plan.nodes[1], plan.nodes[2], collider.keyOffset};
     field.triangleCount = collider.topology.triangleCount();
     field.triangleBits = plan.triangleBits;

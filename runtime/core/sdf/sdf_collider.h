@@ -8,6 +8,7 @@
 
 #include "assets/collider_topology.h"
 #include "base/bounds.h"
+#include "base/local_origin.h"
 #include "pelage/sdf_collider.h"
 #include "pelage/sdf_data.h"
 #include "sdf/iso_surface.h"
@@ -40,10 +41,12 @@ struct SdfColliderInternals {
   bool resetPending = true;  ///< there is no motion from the last frame
   bool buildPending = true;  ///< the field has to be built as a whole
 
-  /// Of vertices and grid in world space [m]: whole metres, as HairInternals::origin.
-  Float3 origin = {};
-  SdfGridPlan plan;  ///< relative to `origin`; cellSize 0 before the first one
-  SdfGrid grid;      ///< of the plan, in world space
+  /// Of the plan, and of vertices of its own.
+  LocalOrigin origin;
+  ShiftedFloats shiftedFloats;
+  Vector3<double> dataNode;  ///< node 0 of data, relative to the origin [m]
+  SdfGridPlan plan;          ///< relative to `origin`; cellSize 0 before the first one
+  SdfGrid grid;              ///< of the plan, in world space
   SdfBuildState state;
   uint32_t keyOffset = 0;    ///< in the scene's keys
   uint32_t keyCapacity = 0;  ///< keys that there is room for
@@ -67,14 +70,19 @@ Box boundsOf(const SdfColliderInternals& collider);
 /// quaternions do not.
 bool isMirrored(const SdfColliderInternals& collider);
 /// Where the origin of the next grid is.
-Float3 originFor(const SdfColliderInternals& collider);
+LocalOrigin originFor(const SdfColliderInternals& collider);
 /// The grid for the vertices where they are now; nothing while the one that there is does. Errors:
 /// those of planSdfGrid(), with the collider's name.
 Result<std::optional<SdfGridPlan>> planGrid(const SdfColliderInternals& collider);
 /// What the build takes.
 SdfBuildDef buildDefOf(const SdfColliderInternals& collider);
-/// The field relative to an origin of whole metres.
-SdfField fieldOf(const SdfColliderInternals& collider, const Float3& origin);
+/// The field relative to an origin.
+SdfField fieldOf(const SdfColliderInternals& collider, const LocalOrigin& origin);
+/// Where the grid is in the world as it is.
+SdfGrid gridOf(const SdfColliderInternals& collider);
+/// As that of a hair object. An engine's vertices are the engine's to move.
+void shiftWorld(SdfColliderInternals& collider, const Vector3<double>& shift,
+                const Vector3<double>& shifted);
 /// How far a vertex went since the field was built [m], at most; infinity when it is not known.
 float motionSinceBuild(const SdfColliderInternals& collider);
 /// Share of the vertices that a bone moves by more than a distance [m], 0..1, at most 1.

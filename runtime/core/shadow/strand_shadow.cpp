@@ -122,7 +122,8 @@ Result<StrandShadowPlan> planStrandShadow(const StrandShadowDef& def,
   const Vector y = cross(light, x);
   const Vector center = toVector(def.center);
   const auto lowest = [&](const Vector& along) {
-    return std::round(dot(along, center) / texel - 0.5 * def.size);
+    const double shift = dot(along, def.shifted) / texel;
+    return std::round(dot(along, center) / texel + shift - 0.5 * def.size) - shift;
   };
 
   StrandShadowPlan plan;

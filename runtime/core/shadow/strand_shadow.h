@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include "base/vector3.h"
 #include "pelage/gpu_structs.h"
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
@@ -36,13 +37,15 @@ struct ShadowedHair {
 struct StrandShadowDef {
   Float3 toLight = {0, 1, 0};  ///< towards a light whose rays are parallel; normalised on use
   Float3 center = {};          ///< of a ball around all hair, in world space [m]
-  float radius = 0;            ///< of it [m]; keep it from frame to frame, texels depend on it
-  uint32_t size = 1024;        ///< texels an edge, 4..8192
-  uint32_t layers = 8;         ///< 1..16; 0: distances alone
-  uint32_t firstWord = 0;      ///< of the map in the buffer of all maps
-  float biasTexels = 0.5f;     ///< bias [texel], >= 0
-  float layerRange = 0;        ///< [m] that the layers take up; 0: found from the hair
-  float volume = 0;            ///< of all hair [m3]; 0: the sum, or where one is not known the ball
+  /// Of the scene's origin [m]: texels stay where they are in the world before it.
+  Vector3<double> shifted;
+  float radius = 0;         ///< of it [m]; keep it from frame to frame, texels depend on it
+  uint32_t size = 1024;     ///< texels an edge, 4..8192
+  uint32_t layers = 8;      ///< 1..16; 0: distances alone
+  uint32_t firstWord = 0;   ///< of the map in the buffer of all maps
+  float biasTexels = 0.5f;  ///< bias [texel], >= 0
+  float layerRange = 0;     ///< [m] that the layers take up; 0: found from the hair
+  float volume = 0;         ///< of all hair [m3]; 0: the sum, or where one is not known the ball
 };
 
 struct StrandShadowPlan {

@@ -54,25 +54,34 @@ void moveOrigin(SkeletonInternals& skeleton, const SkeletonInternals::Anchor& an
 void moveOrigin(SkeletonInternals& skeleton) {
   if (!skeleton.anchor) return;
   const Float3 p = transformPoint(skeleton.bones[skeleton.anchor->bone], skeleton.anchor->point);
-  Float3& origin = skeleton.origin;
-  const auto stays = [&](float at, float from) {
-    return skeleton.originKnown && std::abs(at - from) <= kOriginRange;
+  const Float3 away = skeleton.origin.relative(p);
+  const auto stays = [&](float distance) {
+    return skeleton.originKnown && std::abs(distance) <= kOriginRange;
   };
   const auto isUsable = [](float at) { return std::abs(at) < kUsable; };
   if (!isUsable(p.x) || !isUsable(p.y) || !isUsable(p.z)) return;
-  if (stays(p.x, origin.x) && stays(p.y, origin.y) && stays(p.z, origin.z)) return;
-  origin = {std::round(p.x), std::round(p.y), std::round(p.z)};
+  if (stays(away.x) && stays(away.y) && stays(away.z)) return;
+  skeleton.origin = skeleton.origin.near(p);
   skeleton.originKnown = true;
 }
 
-std::vector<Float4> packBones(std::span<const AffineTransform> bones, const Float3& origin,
+void shiftWorld(SkeletonInternals& skeleton, const Vector3<double>& shift,
+                const Vector3<double>& shifted) {
+  skeleton.origin.shifted = shifted;
+  skeleton.shiftedFloats.begin();
+  for (AffineTransform& bone : skeleton.bones) skeleton.shiftedFloats.shift(bone, -shift);
+  skeleton.shiftedFloats.end();
+}
+
+std::vector<Float4> packBones(std::span<const AffineTransform> bones, const LocalOrigin& origin,
                               SkinningMethod method) {
   std::vector<Float4> packed;
   packed.reserve(rowsOf(method) * bones.size());
   for (AffineTransform bone : bones) {
-    bone.rows[0].w -= origin.x;
-    bone.rows[1].w -= origin.y;
-    bone.rows[2].w -= origin.z;
+    const Float3 moved = origin.relative({bone.rows[0].w, bone.rows[1].w, bone.rows[2].w});
+    bone.rows[0].w = moved.x;
+    bone.rows[1].w = moved.y;
+    bone.rows[2].w = moved.z;
     if (method == SkinningMethod::kMatrices) {
       packed.insert(packed.end(), std::begin(bone.rows), std::end(bone.rows));
     } else {
@@ -85,7 +94,7 @@ std::vector<Float4> packBones(std::span<const AffineTransform> bones, const Floa
 
 void uploadBones(SkeletonInternals& skeleton, SkinningMethod method, PassList& list) {
   SkeletonInternals::Copy& copy = skeleton.copyFor(method);
-  if (copy.version == skeleton.version && copy.origin == skeleton.origin) return;
+  if (copy.version == skeleton.version && copy.origin.isAt(skeleton.origin)) return;
   const std::vector<Float4> packed = packBones(skeleton.bones, skeleton.origin, method);
   addUpload(list, copy.buffer, std::as_bytes(std::span(packed)));
   copy.version = skeleton.version;

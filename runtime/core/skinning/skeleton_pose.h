@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/local_origin.h"
 #include "pelage/hair_object.h"
 #include "pelage/pass_list.h"
 #include "pelage/skeleton_pose.h"
@@ -17,9 +18,9 @@ struct SkeletonInternals {
   std::string name;
   std::vector<AffineTransform> bones;  ///< finite
   uint64_t version = 1;                ///< of the bones
-  /// Of all that follows, in world space [m]: whole metres, as HairInternals::origin.
-  Float3 origin = {};
+  LocalOrigin origin;                  ///< of all that follows
   bool originKnown = false;
+  ShiftedFloats shiftedFloats;
 
   /// A point in bind space that the origin goes with.
   struct Anchor {
@@ -32,7 +33,7 @@ struct SkeletonInternals {
   struct Copy {
     BufferId buffer = BufferId::kInvalid;
     uint64_t version = 0;  ///< of what it holds; 0: nothing
-    Float3 origin = {};
+    LocalOrigin origin;
   };
   std::array<Copy, 2> copies;  ///< [SkinningMethod]
   Copy& copyFor(SkinningMethod method) { return copies[static_cast<size_t>(method)]; }
@@ -42,13 +43,16 @@ bool isFiniteBone(const AffineTransform& bone);
 /// Moves the origin after the anchor, which is this one from the first call on.
 void moveOrigin(SkeletonInternals& skeleton, const SkeletonInternals::Anchor& anchor);
 void moveOrigin(SkeletonInternals& skeleton);
+/// As that of a hair object.
+void shiftWorld(SkeletonInternals& skeleton, const Vector3<double>& shift,
+                const Vector3<double>& shifted);
 
 /// Float4 of a bone in what packBones() makes.
 inline uint64_t rowsOf(SkinningMethod method) {
   return method == SkinningMethod::kMatrices ? 3 : 2;
 }
 /// Bones relative to an origin, as the kernels read them.
-std::vector<Float4> packBones(std::span<const AffineTransform> bones, const Float3& origin,
+std::vector<Float4> packBones(std::span<const AffineTransform> bones, const LocalOrigin& origin,
                               SkinningMethod method);
 
 /// The copy that a method reads, where it is not up to date.
