@@ -24,6 +24,8 @@ namespace detail {
 struct BufferNeed;
 struct ColliderBuffers;
 struct DrawOffers;
+struct FrameCheckpoint;
+struct SceneFrames;
 struct SdfGridPlan;
 }  // namespace detail
 
@@ -35,6 +37,11 @@ struct SdfGridPlan;
 ///     ...
 ///     scene.hair(*hair).setBones(bones);
 ///     scene.simulate(1.0f / 60, list);  // then the runtime runs the list
+///
+/// Nothing is delivered until it ran. A list of simulate() that is not recorded before the next
+/// simulate() never runs, and one that was recorded may still turn out not to (vulkan::Runtime::
+/// submitted(), setDelivered()): the scene is then as if that frame had never been written, and the
+/// next one has all that it had: uploads, bones, resets, time. Nobody has to say so; docs/scene.md.
 class Scene {
  public:
   /// Adds a hair object. Errors: an asset without strands, settings out of range, a follow hair of
@@ -75,9 +82,10 @@ class Scene {
 
   /// Gives back what the next frame can make again: the buffers that draw() has made for all hair
   /// together (lists, layers, tiles, shadow maps), which else stay at the largest size that a view
-  /// has asked for, and those of drawCollider(). Lists that were written before must not run any
-  /// more; shadowWords(), shadowViews() and transparencyCounters() are kInvalid until the next
-  /// draw().
+  /// has asked for, and those of drawCollider(); and those that a change of settings has put others
+  /// in place of, which else stay until the next simulate(). Lists that were written before must
+  /// not run any more; shadowWords(), shadowViews() and transparencyCounters() are kInvalid until
+  /// the next draw().
   void trim();
 
   /// What the last build of a collider left in sdfKeys() and sdfSurface(), read back, as data that
@@ -98,12 +106,12 @@ class Scene {
   /// \param dt seconds, >= 0. 0 skips the simulation. Steps are at most 1/60 s: a longer dt is cut
   ///   into equal sub-steps, at most kMaxSubSteps of them; time beyond that is dropped. The exact
   ///   solver cuts each of them further into SimulationSettings::subSteps.
-  /// \param list cleared first.
+  /// \param list cleared first. Lists of earlier frames that have not been recorded yet are
+  ///   abandoned.
   /// Errors: dt or a setting is out of range; a share without HairDef::levelOfDetail; a buffer of
   /// setForces() or the vertex buffer of a collider that is gone or too small; a collider that has
-  /// grown over its memory cap. After those nothing has changed: bones and resets wait for the next
-  /// frame. Settings that take more strands than a dispatch has room for are an error, too, after
-  /// which all hair is reset.
+  /// grown over its memory cap; settings that take more strands than a dispatch has room for. After
+  /// an error nothing has changed: bones and resets wait for the next frame.
   Result<void> simulate(float dt, PassList& list);
   /// Adds draws of all hair objects that are visible and in view to a list (which is not cleared),
   /// without sorting: Transparency::kStochastic. It may make buffers: update the runtime before the
@@ -167,9 +175,15 @@ class Scene {
                                std::span<const std::byte> positions) const;
   /// Computes the barriers of a list that is complete. Call it once for each list, in the order in
   /// which the lists run; lists of your own that touch the scene's buffers included.
-  void finish(PassList& list) { hazards_.resolve(list); }
+  void finish(PassList& list);
+  /// Says that a list does not run, though it was recorded, submitted or reported as delivered.
+  /// Only needed then: what the scene and the runtimes see by themselves they see without it. It
+  /// abandons what was written after the list, too. Until the next simulate() the scene is then as
+  /// if the frame had never been written. A list that was delivered before the last simulate()
+  /// leaves nothing to go back to: all hair is reset, and everything is sent again.
+  void abandon(const PassList& list);
 
-  /// Seconds simulated so far; the phase of the wind.
+  /// Seconds simulated so far; the phase of the wind. Without frames that were abandoned.
   double time() const { return time_; }
 
   static constexpr uint32_t kMaxSubSteps = 4;
@@ -195,6 +209,15 @@ class Scene {
     BufferId depths = BufferId::kInvalid, colors = BufferId::kInvalid, tail = BufferId::kInvalid,
              counters = BufferId::kInvalid, tiles = BufferId::kInvalid;
   };
+  void settleFrames(bool boundary);
+  void saveFrame();
+  void restoreFrame();
+  void commitFrames();
+  void forgetOwner(const void* owner);
+  void removeOf(detail::FrameCheckpoint& frame, const void* owner);
+  void relayFrames();
+  void sendEverything();
+  Result<void> simulateFrame(float frame, uint32_t steps, PassList& list);
   void addSolverBuffers(HairObject& object);
   void removeSolverBuffers(HairObject& object);
   void removeContacts(HairObject& object);
@@ -266,6 +289,7 @@ class Scene {
   TileBuffers tiles_;
   BufferId shadowWords_ = BufferId::kInvalid, shadowViews_ = BufferId::kInvalid;
   double time_ = 0;
+  std::shared_ptr<detail::SceneFrames> frames_;  ///< nullptr before the first simulate()
 };
 
 }  // namespace pelage

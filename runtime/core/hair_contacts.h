@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -110,9 +111,10 @@ class HairContacts {
   bool known_ = false;             ///< the last sub-step was found for
   bool odd_ = false;               ///< in turn, from sub-step to sub-step
   bool counted_ = false;           ///< the last frame has totals
-  std::vector<uint32_t> targets_;  ///< [strand] element of vertex 0
-  uint32_t foundStrands_ = 0;      ///< of the last find()
-  Float3 origin_;                  ///< of the last find() [m]
+  /// [strand] element of vertex 0; shared, because a scene copies all of this for each frame.
+  std::shared_ptr<const std::vector<uint32_t>> targets_;
+  uint32_t foundStrands_ = 0;  ///< of the last find()
+  Float3 origin_;              ///< of the last find() [m]
 };
 
 }  // namespace pelage::detail

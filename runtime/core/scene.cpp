@@ -242,7 +242,9 @@ Result<HairId> Scene::addHair(const HairAsset& asset, const HairDef& def) {
 }
 
 void Scene::removeHair(HairId id) {
+  settleFrames(false);
   HairObject& object = hair(id);
+  forgetOwner(&object);
   removeSolverBuffers(object);
   removeHairGrid(object);
   HairBuffers& buffers = object.buffers_;
@@ -257,13 +259,6 @@ void Scene::removeHair(HairId id) {
   objects_.remove(id);
   removeUnusedCopies();
   if (hairCount() == 0) removeDrawBuffers();
-}
-
-void Scene::removeBuffer(BufferId& buffer) {
-  if (buffer == BufferId::kInvalid) return;
-  resources_.remove(buffer);
-  hazards_.forget(buffer);
-  buffer = BufferId::kInvalid;
 }
 
 uint64_t Scene::bytesOfBuffer(BufferId id) const {

@@ -37,18 +37,9 @@ struct BoneBox {
   Box box;
 };
 
-struct SdfColliderInternals {
-  SdfColliderDef def;
-  ColliderTopology topology;
-  CollisionMesh mesh;           ///< positions and influences, to make buffers from
-  std::optional<SdfData> data;  ///< instead of a mesh: a field that is never built
-  uint32_t vertexCount = 0;
-  std::vector<BoneBox> boneBoxes;
-
-  std::vector<AffineTransform> bones;
-  SkeletonInternals* skeleton = nullptr;    ///< that it follows
+/// What a frame changes of a collider, as HairFrameState.
+struct SdfFrameState {
   std::vector<AffineTransform> builtBones;  ///< of the field; empty before the first build
-  Box vertexBounds;                         ///< of the engine's vertex buffer, in world space
   bool verticesChanged = true;
   bool mirrored = false;     ///< the tables have the triangles turned round
   bool resetPending = true;  ///< there is no motion from the last frame
@@ -66,6 +57,19 @@ struct SdfColliderInternals {
   bool moves = false;      ///< the records' motion is that of this frame
   bool active = false;     ///< some hair reaches it in this frame
   bool wasActive = false;  ///< in the last frame
+};
+
+struct SdfColliderInternals : SdfFrameState {
+  SdfColliderDef def;
+  ColliderTopology topology;
+  CollisionMesh mesh;           ///< positions and influences, to make buffers from
+  std::optional<SdfData> data;  ///< instead of a mesh: a field that is never built
+  uint32_t vertexCount = 0;
+  std::vector<BoneBox> boneBoxes;
+
+  std::vector<AffineTransform> bones;
+  SkeletonInternals* skeleton = nullptr;  ///< that it follows
+  Box vertexBounds;                       ///< of the engine's vertex buffer, in world space
 
   std::optional<IsoSurface> isoSurface;  ///< once it was drawn
 };
