@@ -279,15 +279,15 @@ class PassBuilder {
 void addUpload(PassList& list, BufferId buffer, std::span<const std::byte> bytes,
                uint64_t offset = 0);
 
-/// What executors of lists call: pelage's runtimes do, and one of your own is to. The accounts may be
-/// kept on any thread; a list itself is for one at a time.
+/// What executors of lists call: pelage's runtimes do, and one of your own is to. The accounts may
+/// be kept on any thread; a list itself is for one at a time.
 ///
 ///     if (auto ready = checkRun(list); !ready) return ready;
 ///     ...                      // uploads, dispatches
 ///     setDelivered(list.run);  // or setRecorded(), and setDelivered() once it is submitted
 ///
-/// A list that nobody calls setDelivered() for has not run: the scene writes all of its frame again.
-/// Without a handle (a list that needs no barriers) the calls do nothing.
+/// A list that nobody calls setDelivered() for has not run: the scene writes all of its frame
+/// again. Without a handle (a list that needs no barriers) the calls do nothing.
 
 /// Whether a list may run now. Errors: it has no barriers, or passes or uploads that were added
 /// behind them; it has run; it was abandoned; a list that got its barriers before has not run yet,
@@ -315,8 +315,8 @@ class HazardTracker {
   HazardTracker& operator=(const HazardTracker&) = delete;
 
   /// Fills barriers, uploadBarriers and drawBarriers of the list. A read after a write, a write
-  /// after a read and a write after a write get one; a read after a read gets none. After lists that
-  /// were abandoned, barriers are right whether these ran or not.
+  /// after a read and a write after a write get one; a read after a read gets none. After lists
+  /// that were abandoned, barriers are right whether these ran or not.
   void resolve(PassList& list);
   /// Forgets a buffer that was removed.
   void forget(BufferId buffer);

@@ -44,11 +44,11 @@ struct HairGrid {
 /// What a frame changes of an object: Scene puts it back where the frame does not run. What the
 /// application sets is not part of it.
 struct HairFrameState {
-  std::vector<AffineTransform> bonesBefore;     ///< of the last frame; empty: to be uploaded
-  std::vector<CapsuleCollider> collidersBefore; ///< likewise
-  std::vector<std::byte> fieldsBefore;          ///< contents of the buffer of fields
-  uint32_t colliderCapacity = 0;                ///< elements of the buffer
-  uint32_t fieldCapacity = 0;                   ///< likewise, of that of fields
+  std::vector<AffineTransform> bonesBefore;      ///< of the last frame; empty: to be uploaded
+  std::vector<CapsuleCollider> collidersBefore;  ///< likewise
+  std::vector<std::byte> fieldsBefore;           ///< contents of the buffer of fields
+  uint32_t colliderCapacity = 0;                 ///< elements of the buffer
+  uint32_t fieldCapacity = 0;                    ///< likewise, of that of fields
 
   /// Of state, roots and colliders in world space [m]: whole metres, so that the difference of two
   /// origins, and that of a position near an origin and the origin, are exact.

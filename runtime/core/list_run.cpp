@@ -11,7 +11,7 @@ ListRun::~ListRun() {
 }
 
 RunHandle openRun(const std::shared_ptr<RunOrder>& order, const RunRecord* last,
-                                 const PassList& list) {
+                  const PassList& list) {
   auto run = std::make_shared<ListRun>();
   run->record = std::make_shared<RunRecord>();
   run->passes = list.passes.size();

@@ -314,8 +314,8 @@ void HazardTracker::forget(BufferId buffer) {
   if (place < states_.size()) states_[place] = {};
 }
 
-// As if what happened since had happened or not: the union of the accesses, and visible is only what
-// is so either way.
+// As if what happened since had happened or not: the union of the accesses, and visible is only
+// what is so either way.
 void HazardTracker::mergeWith(const std::vector<State>& before) {
   for (size_t place = 0; place < before.size(); ++place) {
     const State& old = before[place];

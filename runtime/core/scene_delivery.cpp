@@ -41,6 +41,7 @@ void detail::sendAgain(HairInternals& hair) {
 
 void detail::sendAgain(SdfColliderInternals& collider) {
   collider.buildPending = true;
+  collider.builtBones.clear();
   if (collider.skeleton != nullptr) collider.skeleton->copyFor(collider.def.skinning).version = 0;
 }
 
@@ -264,9 +265,7 @@ void Scene::sendEverything() {
     removeHairGrid(*object);
   }
   for (const auto& collider : colliders_) {
-    if (collider == nullptr) continue;
-    collider->internals_->resetPending = true;
-    collider->internals_->builtBones.clear();
+    if (collider != nullptr) collider->internals_->resetPending = true;
   }
   for (const auto& skeleton : skeletons_) {
     if (skeleton == nullptr) continue;

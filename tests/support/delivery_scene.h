@@ -59,20 +59,20 @@ class DeliveryScene {
       follow.offset = {0.004f, 0, 0.003f, 1.5f};
       follows.push_back(follow);
     }
-    const Result<HairId> own = scene.addHair(makeAsset(40),
-                                             {.name = "own",
-                                              .settings = settings,
-                                              .levelOfDetail = exact,
-                                              .followHairs = follows,
-                                              .collidingHair = CollidingHair::kGuidesAndFollows});
+    const Result<HairId> own =
+        scene.addHair(makeAsset(40), {.name = "own",
+                                      .settings = settings,
+                                      .levelOfDetail = exact,
+                                      .followHairs = follows,
+                                      .collidingHair = CollidingHair::kGuidesAndFollows});
     // It falls asleep as soon as nothing wakes it.
     settings.sleep.speed = 10;
     settings.sleep.time = 0.02f;
-    const Result<HairId> worn = scene.addHair(makeAsset(9),
-                                              {.name = "worn",
-                                               .settings = settings,
-                                               .skinning = SkinningMethod::kDualQuaternions,
-                                               .skeleton = skeleton_});
+    const Result<HairId> worn =
+        scene.addHair(makeAsset(9), {.name = "worn",
+                                     .settings = settings,
+                                     .skinning = SkinningMethod::kDualQuaternions,
+                                     .skeleton = skeleton_});
     const Result<ColliderId> mesh =
         scene.addCollider(twoBoxes(), {.name = "mesh", .cellSize = 0.012f, .skeleton = skeleton_});
     EXPECT_TRUE(own && worn && mesh);
@@ -125,20 +125,27 @@ class DeliveryScene {
     scene_.collider(collider_).margin = frame == 6 ? 0.002f : 0.001f;
   }
   static float seconds(int frame) { return frame % 4 == 3 ? 1.0f / 40 : 1.0f / 60; }
-  Result<void> simulate(int frame, PassList& list) { return scene_.simulate(seconds(frame), list); }
+  Result<void> simulate(int frame, PassList& list) {
+    if (Result<void> done = scene_.simulate(seconds(frame), list); !done) return done;
+    Light light;
+    light.shadow = HairShadow::kDeep;
+    light.shadowSize = 64;
+    const Result<uint32_t> maps = scene_.castShadows({&light, 1}, list);
+    return maps ? Result<void>() : maps.error();
+  }
 
   /// What a frame leaves: read these back.
   std::vector<BufferId> results() const {
     std::vector<BufferId> all;
     for (const HairId id : hairs_) {
       const HairBuffers& buffers = scene_.hair(id).buffers();
-      for (const BufferId buffer :
-           {buffers.positions, buffers.tangents, buffers.rootTransforms, buffers.contactForces,
-            buffers.followBefore})
+      for (const BufferId buffer : {buffers.positions, buffers.tangents, buffers.rootTransforms,
+                                    buffers.contactForces, buffers.followBefore})
         if (buffer != BufferId::kInvalid) all.push_back(buffer);
     }
     all.push_back(scene_.sdfKeys());
     all.push_back(scene_.sdfSurface());
+    all.push_back(scene_.shadowWords());
     return all;
   }
   double time() const { return scene_.time() - started_; }
