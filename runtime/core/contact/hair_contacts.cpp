@@ -78,8 +78,9 @@ void HairContacts::prepare(ResourceTable& resources, const std::string& name,
   verticesPerStrand_ = verticesPerStrand;
   vertices_ = vertices;
   steps_ = steps;
-  targets_.clear();
-  for (const ContactStrand& strand : strands) targets_.push_back(strand.target);
+  auto targets = std::make_shared<std::vector<uint32_t>>();
+  for (const ContactStrand& strand : strands) targets->push_back(strand.target);
+  targets_ = std::move(targets);
   const auto add = [&](const char* what, uint64_t bytes, uint32_t stride, BufferUsage usage,
                        std::vector<std::byte> initial = {}) {
     return resources.add({.name = name + "/" + what,
@@ -236,7 +237,7 @@ Result<float> HairContacts::deepest(std::span<const std::byte> records,
     for (size_t vertex = 0; vertex < verticesPerStrand_; ++vertex) {
       const uint32_t mask = masks[strand * maskWords_ + vertex / kMaskBits];
       if (((mask >> (vertex % kMaskBits)) & 1) == 0) continue;
-      const size_t element = targets_[strand] + vertex;
+      const size_t element = (*targets_)[strand] + vertex;
       const Float4& p = places[element];
       deepest = std::max(
           deepest, deepestOf(&found[element * kMaxContacts], origin_.relative({p.x, p.y, p.z})));

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -112,13 +113,14 @@ class HairContacts {
            records_ = BufferId::kInvalid, words_ = BufferId::kInvalid;
   uint32_t tiles_ = 0, maskWords_ = 1, strandCount_ = 0, steps_ = 0, verticesPerStrand_ = 0;
   uint64_t vertices_ = 0;
-  float lastLength_ = 0;           ///< of the last sub-step [s]
-  bool known_ = false;             ///< the last sub-step was found for
-  bool odd_ = false;               ///< in turn, from sub-step to sub-step
-  bool counted_ = false;           ///< the last frame has totals
-  std::vector<uint32_t> targets_;  ///< [strand] element of vertex 0
-  uint32_t foundStrands_ = 0;      ///< of the last find()
-  LocalOrigin origin_;             ///< of the last find()
+  float lastLength_ = 0;  ///< of the last sub-step [s]
+  bool known_ = false;    ///< the last sub-step was found for
+  bool odd_ = false;      ///< in turn, from sub-step to sub-step
+  bool counted_ = false;  ///< the last frame has totals
+  /// [strand] element of vertex 0; shared, because a scene copies all of this for each frame.
+  std::shared_ptr<const std::vector<uint32_t>> targets_;
+  uint32_t foundStrands_ = 0;  ///< of the last find()
+  LocalOrigin origin_;         ///< of the last find()
 };
 
 }  // namespace pelage::detail

@@ -1,8 +1,11 @@
 #include "pelage/pass_list.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 #include <string>
+
+#include "passes/list_run.h"
 
 namespace pelage {
 namespace {
@@ -24,6 +27,24 @@ std::string describe(const KernelVariant& variant) {
 
 }  // namespace
 
+ResourceTable::Id::Id() {
+  static std::atomic<uint64_t> count{0};
+  value = ++count;
+}
+
+// What was moved from is another table from now on.
+ResourceTable::Id::Id(Id&& other) noexcept : Id() { std::swap(value, other.value); }
+
+ResourceTable::Id& ResourceTable::Id::operator=(const Id& other) {
+  if (this != &other) value = Id().value;
+  return *this;
+}
+
+ResourceTable::Id& ResourceTable::Id::operator=(Id&& other) noexcept {
+  std::swap(value, other.value);
+  return *this;
+}
+
 BufferId ResourceTable::add(BufferDesc desc) {
   PELAGE_ASSERT(desc.size > 0, "a buffer needs a size");
   PELAGE_ASSERT(desc.size % 4 == 0, "a buffer's size is a multiple of 4");
@@ -40,6 +61,7 @@ BufferId ResourceTable::add(BufferDesc desc) {
   Slot& slot = buffers_[place];
   slot.desc = std::move(desc);
   slot.live = true;
+  slot.version = version_;
   return idOf(place, slot.generation);
 }
 
@@ -57,6 +79,10 @@ const BufferDesc* ResourceTable::find(BufferId id) const {
   if (place >= buffers_.size()) return nullptr;
   const Slot& slot = buffers_[place];
   return slot.live && idOf(place, slot.generation) == id ? &slot.desc : nullptr;
+}
+
+uint64_t ResourceTable::versionOf(BufferId id) const {
+  return find(id) != nullptr ? buffers_[placeOf(id)].version : 0;
 }
 
 BufferId ResourceTable::at(uint32_t place) const {
@@ -86,6 +112,8 @@ void PassList::clear() {
   uploads.clear();
   uploadData.clear();
   constants.clear();
+  frame = table = 0;
+  run.reset();
 }
 
 void addUpload(PassList& list, BufferId buffer, std::span<const std::byte> bytes, uint64_t offset) {
@@ -286,7 +314,52 @@ void HazardTracker::forget(BufferId buffer) {
   if (place < states_.size()) states_[place] = {};
 }
 
+// As if what happened since had happened or not: the union of the accesses, and visible is only
+// what is so either way.
+void HazardTracker::mergeWith(const std::vector<State>& before) {
+  for (size_t place = 0; place < before.size(); ++place) {
+    const State& old = before[place];
+    State& now = states_[place];
+    if (old.buffer == BufferId::kInvalid || now.buffer != old.buffer) continue;
+    now.readStages |= old.readStages;
+    now.writeStages |= old.writeStages;
+    now.uploadWrite |= old.uploadWrite;
+    now.indexRead |= old.indexRead;
+    now.indirectRead |= old.indirectRead;
+    now.visibleStages &= old.visibleStages;
+    now.visibleIndex &= old.visibleIndex;
+    now.visibleIndirect &= old.visibleIndirect;
+  }
+}
+
+// Lets go of lists that have run, and of those that do not.
+void HazardTracker::settle() {
+  using detail::RunState;
+  const auto first = std::find_if(open_.begin(), open_.end(), [](const Open& open) {
+    return detail::stateOf(*open.record) == RunState::kAbandoned;
+  });
+  if (first != open_.end()) {
+    // What comes after it was to run behind it.
+    for (auto open = open_.end(); open != first;) detail::abandon(*(--open)->record);
+    mergeWith(first->before);
+    open_.erase(first, open_.end());
+  }
+  std::erase_if(open_, [](const Open& open) {
+    return detail::stateOf(*open.record) == RunState::kDelivered;
+  });
+}
+
+void HazardTracker::abandonOpen() {
+  for (auto open = open_.rbegin(); open != open_.rend(); ++open)
+    if (detail::stateOf(*open->record) == detail::RunState::kOpen) detail::abandon(*open->record);
+  settle();
+}
+
 void HazardTracker::resolve(PassList& list) {
+  // One that was resolved before, and has not run.
+  list.run.reset();
+  settle();
+  std::vector<State> statesBefore = states_;
   list.barriers.clear();
   list.uploadBarriers.clear();
   list.drawBarriers.clear();
@@ -399,6 +472,10 @@ void HazardTracker::resolve(PassList& list) {
   for (const Pass& pass : list.passes)
     if (isDraw(pass.kind)) collect(pass);
   for (const Use& use : uses) apply(use, list.drawBarriers);
+
+  if (order_ == nullptr) order_ = std::make_shared<detail::RunOrder>();
+  list.run = detail::openRun(order_, open_.empty() ? nullptr : open_.back().record.get(), list);
+  open_.push_back({list.run->record, std::move(statesBefore)});
 }
 
 }  // namespace pelage

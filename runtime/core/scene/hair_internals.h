@@ -43,7 +43,49 @@ struct HairGrid {
   Float3 velocity = {};  ///< of that in the last frame [m/s]
 };
 
-struct HairInternals {
+/// What a frame changes of an object: Scene puts it back where the frame does not run. What the
+/// application sets is not part of it.
+struct HairFrameState {
+  std::vector<AffineTransform> bonesBefore;      ///< of the last frame; empty: to be uploaded
+  std::vector<CapsuleCollider> collidersBefore;  ///< likewise
+  std::vector<std::byte> fieldsBefore;           ///< contents of the buffer of fields
+  uint32_t colliderCapacity = 0;                 ///< elements of the buffer
+  uint32_t fieldCapacity = 0;                    ///< likewise, of that of fields
+
+  /// Of state, roots and colliders.
+  LocalOrigin origin;
+  bool originKnown = false;
+  /// Shift of the world that no list has yet moved the outputs by [m].
+  Vector3<double> pendingShift;
+  /// Largest coordinate of the shift since the last simulation [m]: for what engines round anew.
+  double roundedShift = 0;
+  bool followsShifted = false;  ///< not placed anew since a shift
+  ShiftedFloats shiftedFloats;  ///< of what of this is in world space
+
+  bool resetPending = true;
+  /// What the solver's buffers were made for.
+  std::optional<Solver> solver;
+  detail::RestSets restSets;
+  /// Of the last frame; a change wakes all strands.
+  SimulationSettings settingsBefore;
+  bool sleptBefore = false;      ///< tiles could sleep in the last frame
+  bool followsCollided = false;  ///< in the last frame: followBefore is of its end
+  uint32_t simulatedBefore = 0;
+  uint32_t simulatedCount = 0;  ///< exact: in the last frame; 0 before the first one
+  uint32_t stillFrames = 0;     ///< since the bones changed last
+
+  HairContacts contacts;
+  FollowContacts followContacts;
+  HairGrid grid;
+
+  float lastStep = 0;   ///< length of the last sub-step [s]; 0 before the first one
+  float lastFrame = 0;  ///< of the last frame [s]
+  detail::ExactHistory history;
+  uint32_t slot = 0;  ///< exact: of the state now
+  uint32_t stateStride = 0;
+};
+
+struct HairInternals : HairFrameState {
   /// Positions and rest data, to fill buffers again when the solver changes.
   HairAsset asset;
   SkinningMethod skinning = SkinningMethod::kMatrices;
@@ -63,50 +105,16 @@ struct HairInternals {
 
   /// Mesh colliders that it meets, ascending; nothing: all.
   std::optional<std::vector<ColliderId>> meshColliders;
-  std::vector<CapsuleCollider> colliders, collidersBefore;  ///< of this frame and the last one
-  std::vector<std::byte> fieldsBefore;                      ///< contents of the buffer of fields
-  uint32_t colliderCapacity = 0;                            ///< elements of the buffer
-  uint32_t fieldCapacity = 0;                               ///< likewise, of that of fields
+  std::vector<CapsuleCollider> colliders;
+  ShiftedFloats shiftedInputs;  ///< of bones and capsules
 
-  /// Of state, roots and colliders.
-  LocalOrigin origin;
-  bool originKnown = false;
-  /// Shift of the world that no list has yet moved the outputs by [m]; and what is shifted on the
-  /// host.
-  Vector3<double> pendingShift;
-  ShiftedFloats shiftedFloats;
-  /// Largest coordinate of the shift since the last simulation [m]: for what engines round anew.
-  double roundedShift = 0;
-  bool followsShifted = false;  ///< not placed anew since a shift
-
-  bool resetPending = true;
-  /// What the solver's buffers were made for.
-  std::optional<Solver> solver;
-  detail::RestSets restSets;
   std::vector<StrandFactors> strandFactors;
-  /// Of the last frame; a change wakes all strands.
-  SimulationSettings settingsBefore;
-  bool sleptBefore = false;  ///< tiles could sleep in the last frame
   bool levelOfDetail = false;
   bool storesFollowHairs = false;
   bool collidesFollowHairs = false;  ///< they are stored, too
-  bool followsCollided = false;      ///< in the last frame: followBefore is of its end
-  uint32_t simulatedBefore = 0;
-  uint32_t simulatedCount = 0;  ///< exact: in the last frame; 0 before the first one
-  uint32_t stillFrames = 0;     ///< since the bones changed last
-  bool heldVertices = false;    ///< beyond the two at the root
-
-  HairContacts contacts;
-  FollowContacts followContacts;
+  bool heldVertices = false;         ///< beyond the two at the root
 
   std::vector<uint32_t> hairsOfGuides;  ///< that a guide stands for, with itself
-  HairGrid grid;
-
-  float lastStep = 0;   ///< length of the last sub-step [s]; 0 before the first one
-  float lastFrame = 0;  ///< of the last frame [s]
-  detail::ExactHistory history;
-  uint32_t slot = 0;  ///< exact: of the state now
-  uint32_t stateStride = 0;
 };
 
 /// Balls around the roots of every bone; without influences all roots belong to bone 0.
@@ -121,6 +129,9 @@ Float3 moveOrigin(HairInternals& hair);
 /// Takes the world's origin to where it is after a shift: all that is known of the engine's
 /// coordinates, and the hair's own origin.
 void shiftWorld(HairInternals& hair, const Vector3<double>& shift, const Vector3<double>& shifted);
+/// The same of a frame's state, which may be one of before.
+void shiftWorld(HairFrameState& state, const Vector3<double>& shift,
+                const Vector3<double>& shifted);
 /// After a shift: capsules that moved by no more than an engine's rounding have not moved.
 void forgetRounding(HairInternals& hair);
 /// Around all strands in world space; a radius of infinity when a bone is not finite.

@@ -207,22 +207,38 @@ Float3 moveOrigin(HairInternals& hair) {
   return between(old, hair.origin);
 }
 
-void shiftWorld(HairInternals& hair, const Vector3<double>& shift, const Vector3<double>& shifted) {
-  hair.origin.shifted = shifted;
-  ShiftedFloats& floats = hair.shiftedFloats;
-  floats.begin();
-  for (AffineTransform& bone : hair.bones) floats.shift(bone, -shift);
-  floats.shift(hair.grid.middle, -shift);
-  for (std::vector<CapsuleCollider>* capsules : {&hair.colliders, &hair.collidersBefore}) {
-    for (CapsuleCollider& capsule : *capsules) {
-      floats.shift(capsule.head, -shift);
-      floats.shift(capsule.tail, -shift);
-    }
+namespace {
+
+void shift(ShiftedFloats& floats, std::vector<CapsuleCollider>& capsules,
+           const Vector3<double>& by) {
+  for (CapsuleCollider& capsule : capsules) {
+    floats.shift(capsule.head, by);
+    floats.shift(capsule.tail, by);
   }
+}
+
+}  // namespace
+
+void shiftWorld(HairInternals& hair, const Vector3<double>& shift, const Vector3<double>& shifted) {
+  hair.shiftedInputs.begin();
+  for (AffineTransform& bone : hair.bones) hair.shiftedInputs.shift(bone, -shift);
+  detail::shift(hair.shiftedInputs, hair.colliders, -shift);
+  hair.shiftedInputs.end();
+  shiftWorld(static_cast<HairFrameState&>(hair), shift, shifted);
+}
+
+void shiftWorld(HairFrameState& state, const Vector3<double>& shift,
+                const Vector3<double>& shifted) {
+  state.origin.shifted = shifted;
+  ShiftedFloats& floats = state.shiftedFloats;
+  floats.begin();
+  floats.shift(state.grid.middle, -shift);
+  detail::shift(floats, state.collidersBefore, -shift);
+  for (AffineTransform& bone : state.bonesBefore) floats.shift(bone, -shift);
   floats.end();
   // Of outputs that are not there nothing is to be moved.
-  if (hair.lastFrame > 0) hair.pendingShift += shift;
-  hair.roundedShift += std::max({std::abs(shift.x), std::abs(shift.y), std::abs(shift.z)});
+  if (state.lastFrame > 0) state.pendingShift += shift;
+  state.roundedShift += std::max({std::abs(shift.x), std::abs(shift.y), std::abs(shift.z)});
 }
 
 void forgetRounding(HairInternals& hair) {

@@ -245,7 +245,9 @@ Result<HairId> Scene::addHair(const HairAsset& asset, const HairDef& def) {
 
 Result<void> Scene::removeHair(HairId id) {
   if (!isValid(id)) return detail::noSuchThing("removeHair()", objects_.whyNot(id));
+  settleFrames(false);
   HairObject& object = hair(id);
+  forgetOwner(&object);
   removeSolverBuffers(object);
   removeHairGrid(object);
   HairBuffers& buffers = object.buffers_;
@@ -261,13 +263,6 @@ Result<void> Scene::removeHair(HairId id) {
   removeUnusedCopies();
   if (hairCount() == 0) removeDrawBuffers();
   return {};
-}
-
-void Scene::removeBuffer(BufferId& buffer) {
-  if (buffer == BufferId::kInvalid) return;
-  resources_.remove(buffer);
-  hazards_.forget(buffer);
-  buffer = BufferId::kInvalid;
 }
 
 uint64_t Scene::bytesOfBuffer(BufferId id) const {

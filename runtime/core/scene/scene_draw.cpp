@@ -280,6 +280,7 @@ float Scene::shareForView(HairId id, const View& view, float pixels) const {
 }
 
 Result<void> Scene::draw(const View& view, const Light& light, PassList& list) {
+  settleFrames(false);
   Result<DrawFrame> frame = beginDraw(view, {&light, 1});
   if (!frame) return frame.error();
   if (Result<uint32_t> added = addShadows(*frame, list); !added) return added.error();
@@ -290,6 +291,7 @@ Result<void> Scene::draw(const View& view, const Light& light, PassList& list) {
 
 Result<void> Scene::draw(const View& view, std::span<const Light> lights,
                          const TransparencySettings& settings, std::vector<PassList>& lists) {
+  settleFrames(false);
   if (lists.empty()) lists.resize(1);
   for (size_t i = 1; i < lists.size(); ++i) lists[i].clear();
   Result<DrawFrame> frame = beginDraw(view, lights);
@@ -414,6 +416,7 @@ Result<void> Scene::addListPasses(const DrawFrame& frame, const TransparencySett
 }
 
 Result<uint32_t> Scene::castShadows(std::span<const Light> lights, PassList& list) {
+  settleFrames(false);
   // Maps do not depend on who looks.
   const View view;
   Result<StrandViewConstants> constants = viewConstants(view, lights);

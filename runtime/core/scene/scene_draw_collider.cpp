@@ -7,6 +7,7 @@ namespace pelage {
 
 Result<void> Scene::drawCollider(ColliderId id, const View& view, const Light& light,
                                  const ColliderLook& look, PassList& list) {
+  settleFrames(false);
   SdfCollider& drawn = collider(id);
   detail::SdfColliderInternals& c = *drawn.internals_;
   // Relative to the collider's own origin, where floats are fine.

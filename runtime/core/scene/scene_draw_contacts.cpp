@@ -9,6 +9,7 @@ namespace pelage {
 
 Result<void> Scene::drawContacts(HairId id, const View& view, const ContactLook& look,
                                  PassList& list) {
+  settleFrames(false);
   const HairObject& object = hair(id);
   if (const Result<DrawFrame> frame = beginDraw(view, {}); !frame) return frame.error();
   for (const auto& [value, name] :

@@ -214,7 +214,9 @@ Result<ColliderId> Scene::addCollider(const SdfData& data, const SdfColliderDef&
 
 Result<void> Scene::removeCollider(ColliderId id) {
   if (!isValid(id)) return detail::noSuchThing("removeCollider()", colliders_.whyNot(id));
+  settleFrames(false);
   SdfCollider& removed = collider(id);
+  forgetOwner(&removed);
   removeIsoSurface(removed);
   SdfColliderBuffers& b = removed.buffers_;
   if (removed.internals_->skeleton != nullptr) b.bones = BufferId::kInvalid;
@@ -253,7 +255,7 @@ void Scene::layOutFields() {
     keys += c.keyCapacity;
     elements += surfaceElements(c);
   }
-  if (keys == 0) return;
+  if (keys == 0) return relayFrames();
   std::vector<std::byte> keyBytes(keys * sizeof(uint32_t));
   const uint64_t records = std::max<uint64_t>(elements, 1) * kRecordBytes;
   std::vector<std::byte> recordBytes(records);
@@ -275,6 +277,7 @@ void Scene::layOutFields() {
                                 .stride = kRecordBytes,
                                 .usage = BufferUsage::kStorage | BufferUsage::kReadback,
                                 .initial = std::move(recordBytes)});
+  relayFrames();
 }
 
 // Takes a new grid, and makes the buffers that are too small for it anew.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "pelage/kernels.h"
+#include "scene/scene_delivery.h"
 #include "scene/scene_frame.h"
 #include "sdf/sdf_collider.h"
 
@@ -50,11 +51,38 @@ Result<void> Scene::shiftOrigin(Float3 shift) {
     if (held != nullptr) detail::shiftWorld(*held->internals_, by, shifted());
   for (const auto& object : objects_)
     if (object != nullptr) detail::shiftWorld(*object->internals_, by, shifted());
+  shiftFrames(by);
   return {};
+}
+
+// What open frames are taken back to is in the new coordinates, too.
+void Scene::shiftFrames(const Vector3<double>& by) {
+  if (frames_ == nullptr) return;
+  for (detail::FrameCheckpoint& frame : frames_->open) {
+    for (detail::HairCheckpoint& saved : frame.hairs)
+      detail::shiftWorld(saved.state, by, shifted());
+    for (detail::ColliderCheckpoint& saved : frame.colliders) {
+      detail::shiftWorld(saved.state, by, shifted());
+      if (saved.collider->internals_->data) saved.state.grid = saved.collider->internals_->grid;
+    }
+    for (detail::SkeletonCheckpoint& saved : frame.skeletons) saved.origin.shifted = shifted();
+  }
 }
 
 // For a list that does not simulate.
 Result<void> Scene::addPendingShifts(PassList& list) {
+  const bool pending = std::any_of(objects_.begin(), objects_.end(), [](const auto& object) {
+    return object != nullptr && !isZero(object->internals_->pendingShift);
+  });
+  if (!pending) return {};
+  // Where the list does not run, the next one has to move the outputs.
+  if (list.frame == 0) {
+    settleFrames(false);
+    saveFrame();
+    frames_->recording = false;
+    frames_->open.back().lastVersion = resources_.version();
+    list.frame = frames_->open.back().number;
+  }
   for (const auto& object : objects_) {
     if (object == nullptr || isZero(object->internals_->pendingShift)) continue;
     detail::HairInternals& internals = *object->internals_;

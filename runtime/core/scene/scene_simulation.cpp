@@ -5,7 +5,7 @@
 
 #include "pelage/gpu_structs.h"
 #include "pelage/kernels.h"
-#include "scene/hair_internals.h"
+#include "scene/scene_delivery.h"
 #include "scene/scene_frame.h"
 #include "sdf/sdf_collider.h"
 #include "simulation/exact_solver.h"
@@ -206,6 +206,7 @@ void Scene::addSolverBuffers(HairObject& object) {
 
 Result<void> Scene::simulate(float dt, PassList& list) {
   list.clear();
+  settleFrames(true);
   if (!std::isfinite(dt) || dt < 0) {
     return Error{ErrorCode::kInvalidArgument,
                  "time step is " + std::to_string(dt) + " s, but must be finite and at least 0"};
@@ -223,8 +224,22 @@ Result<void> Scene::simulate(float dt, PassList& list) {
   const auto subSteps = static_cast<uint32_t>(std::clamp(steps, 1.0, double{kMaxSubSteps}));
   const auto frame =
       static_cast<float>(std::min(static_cast<double>(dt), kMaxSubSteps * kReferenceStep));
+  saveFrame();
+  Result<void> done = simulateFrame(frame, subSteps, list);
+  frames_->recording = false;
+  frames_->open.back().lastVersion = resources_.version();
+  if (!done) {
+    list.clear();
+    restoreFrame();
+    return done;
+  }
+  time_ += static_cast<double>(frame);
+  list.frame = frames_->open.back().number;
+  return {};
+}
+
+Result<void> Scene::simulateFrame(float frame, uint32_t steps, PassList& list) {
   followSkeletons();
-  // Before anything changes, so that a frame that is refused loses nothing.
   for (const auto& object : objects_) {
     if (object == nullptr) continue;
     if (Result<void> valid = checkObject(*object); !valid) {
@@ -236,36 +251,28 @@ Result<void> Scene::simulate(float dt, PassList& list) {
   bool grown = false;
   for (size_t i = 0; i < colliders_.size(); ++i) {
     if (!(*plans)[i]) continue;
+    frames_->owner = colliders_[i];
     if (planCollider(*colliders_[i], *(*plans)[i])) grown = true;
   }
+  frames_->owner = nullptr;
   if (grown) layOutFields();
-  // Nothing that the list would have written is there.
-  const auto drop = [&](const Result<void>& error) {
-    list.clear();
-    for (const auto& object : objects_) {
-      if (object == nullptr) continue;
-      object->internals_->bonesChanged = object->internals_->resetPending = true;
-      object->internals_->fieldsBefore.clear();
-    }
-    for (const auto& held : colliders_)
-      if (held != nullptr) held->internals_->buildPending = held->internals_->resetPending = true;
-    for (const auto& skeleton : skeletons_) {
-      if (skeleton == nullptr) continue;
-      for (auto& copy : skeleton->internals_->copies) copy.version = 0;
-    }
-    return error;
-  };
+  // A reset repairs everything: whoever asks for it may have lost a frame without knowing.
+  for (const auto& object : objects_)
+    if (object != nullptr && object->internals_->resetPending)
+      detail::sendAgain(*object->internals_);
+  for (const auto& held : colliders_)
+    if (held != nullptr && held->internals_->resetPending) detail::sendAgain(*held->internals_);
   for (size_t place = 0; place < colliders_.size(); ++place) {
     if (colliders_[place] == nullptr) continue;
-    if (Result<void> done = buildCollider(place, list); !done) return drop(done);
+    frames_->owner = colliders_[place];
+    if (Result<void> done = buildCollider(place, list); !done) return done;
   }
   for (const auto& object : objects_) {
     if (object == nullptr) continue;
-    if (Result<void> done = simulateObject(*object, frame, subSteps, list); !done)
-      return drop(done);
+    frames_->owner = object.get();
+    if (Result<void> done = simulateObject(*object, frame, steps, list); !done) return done;
   }
   finishShift();
-  time_ += static_cast<double>(frame);
   return {};
 }
 
@@ -325,6 +332,7 @@ Result<void> Scene::simulateObject(HairObject& object, float length, uint32_t st
         detail::packBones(internals.bones, internals.origin, internals.skinning);
     addUpload(list, buffers.boneTransforms, std::as_bytes(std::span(bones)));
   }
+  if (internals.bonesChanged) internals.bonesBefore = internals.bones;
   internals.bonesChanged = false;
   addFields(frame);
   detail::forgetRounding(internals);

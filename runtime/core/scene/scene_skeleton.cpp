@@ -38,6 +38,7 @@ Result<void> Scene::removeSkeleton(SkeletonId id) {
     if (held != nullptr && held->internals_->skeleton == removed.internals_.get())
       return refuse("collider '" + held->name() + "'");
   }
+  forgetOwner(&removed);
   skeletons_.remove(id);
   return {};
 }
@@ -133,6 +134,7 @@ void Scene::removeDrawBuffers() {
 }
 
 void Scene::trim() {
+  commitFrames();
   removeDrawBuffers();
   for (const auto& held : colliders_)
     if (held != nullptr) removeIsoSurface(*held);

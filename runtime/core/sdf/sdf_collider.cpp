@@ -86,11 +86,10 @@ SdfGrid gridOf(const SdfColliderInternals& collider) {
 
 void shiftWorld(SdfColliderInternals& collider, const Vector3<double>& shift,
                 const Vector3<double>& shifted) {
-  collider.origin.shifted = shifted;
-  ShiftedFloats& floats = collider.shiftedFloats;
+  shiftWorld(static_cast<SdfFrameState&>(collider), shift, shifted);
+  ShiftedFloats& floats = collider.shiftedInputs;
   floats.begin();
   for (AffineTransform& bone : collider.bones) floats.shift(bone, -shift);
-  for (AffineTransform& bone : collider.builtBones) floats.shift(bone, -shift);
   if (collider.data) {
     collider.vertexBounds = boxOfData(collider);
   } else if (!collider.vertexBounds.isEmpty()) {
@@ -98,7 +97,16 @@ void shiftWorld(SdfColliderInternals& collider, const Vector3<double>& shift,
     floats.shift(collider.vertexBounds.high, -shift);
   }
   floats.end();
-  if (collider.data || collider.plan.cellSize > 0) collider.grid = gridOf(collider);
+  if (collider.data) collider.grid = gridOf(collider);
+}
+
+void shiftWorld(SdfFrameState& state, const Vector3<double>& shift,
+                const Vector3<double>& shifted) {
+  state.origin.shifted = shifted;
+  state.shiftedFloats.begin();
+  for (AffineTransform& bone : state.builtBones) state.shiftedFloats.shift(bone, -shift);
+  state.shiftedFloats.end();
+  if (state.plan.cellSize > 0) state.grid.origin = state.origin.toWorld(state.plan.origin);
 }
 
 std::vector<BoneBox> boneBoxesOf(const CollisionMesh& mesh) {

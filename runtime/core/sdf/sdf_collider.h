@@ -24,18 +24,9 @@ struct BoneBox {
   Box box;
 };
 
-struct SdfColliderInternals {
-  SdfColliderDef def;
-  ColliderTopology topology;
-  CollisionMesh mesh;           ///< positions and influences, to make buffers from
-  std::optional<SdfData> data;  ///< instead of a mesh: a field that is never built
-  uint32_t vertexCount = 0;
-  std::vector<BoneBox> boneBoxes;
-
-  std::vector<AffineTransform> bones;
-  SkeletonInternals* skeleton = nullptr;    ///< that it follows
+/// What a frame changes of a collider, as HairFrameState.
+struct SdfFrameState {
   std::vector<AffineTransform> builtBones;  ///< of the field; empty before the first build
-  Box vertexBounds;                         ///< of the engine's vertex buffer, in world space
   bool verticesChanged = true;
   bool mirrored = false;     ///< the tables have the triangles turned round
   bool resetPending = true;  ///< there is no motion from the last frame
@@ -43,10 +34,10 @@ struct SdfColliderInternals {
 
   /// Of the plan, and of vertices of its own.
   LocalOrigin origin;
-  ShiftedFloats shiftedFloats;
-  Vector3<double> dataNode;  ///< node 0 of data, relative to the origin [m]
-  SdfGridPlan plan;          ///< relative to `origin`; cellSize 0 before the first one
-  SdfGrid grid;              ///< of the plan, in world space
+  ShiftedFloats shiftedFloats;  ///< of `builtBones`
+  Vector3<double> dataNode;     ///< node 0 of data, relative to the origin [m]
+  SdfGridPlan plan;             ///< relative to `origin`; cellSize 0 before the first one
+  SdfGrid grid;                 ///< of the plan, in world space
   SdfBuildState state;
   uint32_t keyOffset = 0;    ///< in the scene's keys
   uint32_t keyCapacity = 0;  ///< keys that there is room for
@@ -55,6 +46,21 @@ struct SdfColliderInternals {
   bool moves = false;      ///< the records' motion is that of this frame
   bool active = false;     ///< some hair reaches it in this frame
   bool wasActive = false;  ///< in the last frame
+};
+
+struct SdfColliderInternals : SdfFrameState {
+  SdfColliderDef def;
+  ColliderTopology topology;
+  CollisionMesh mesh;           ///< positions and influences, to make buffers from
+  std::optional<SdfData> data;  ///< instead of a mesh: a field that is never built
+  uint32_t vertexCount = 0;
+  std::vector<BoneBox> boneBoxes;
+
+  std::vector<AffineTransform> bones;
+  SkeletonInternals* skeleton = nullptr;  ///< that it follows
+  Box vertexBounds;                       ///< of the engine's vertex buffer, in world space
+
+  ShiftedFloats shiftedInputs;  ///< of bones and bounds
 
   std::optional<IsoSurface> isoSurface;  ///< once it was drawn
 };
@@ -83,6 +89,8 @@ SdfGrid gridOf(const SdfColliderInternals& collider);
 /// As that of a hair object. An engine's vertices are the engine's to move.
 void shiftWorld(SdfColliderInternals& collider, const Vector3<double>& shift,
                 const Vector3<double>& shifted);
+/// The same of a frame's state, which may be one of before.
+void shiftWorld(SdfFrameState& state, const Vector3<double>& shift, const Vector3<double>& shifted);
 /// How far a vertex went since the field was built [m], at most; infinity when it is not known.
 float motionSinceBuild(const SdfColliderInternals& collider);
 /// Share of the vertices that a bone moves by more than a distance [m], 0..1, at most 1.
