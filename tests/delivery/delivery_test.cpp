@@ -151,6 +151,36 @@ TEST_P(Delivery, AFrameThatIsLostIsAsIfItHadNeverBeenWritten) {
   }
 }
 
+// The origin is shifted while it is not known that a frame is lost: what the scene goes back to is
+// in the new coordinates.
+TEST_P(Delivery, AShiftOfTheOriginBehindALostFrameReachesWhatIsPutBack) {
+  const auto play = [&](Loss loss) {
+    DeliveryScene scene(run_.scene, std::get<1>(GetParam()));
+    std::vector<Results> frames;
+    for (int frame = 0; frame < DeliveryScene::kFrames; ++frame) {
+      if (loss != Loss::kNone) {
+        scene.setInputs(frame);
+        EXPECT_TRUE(lose(scene, frame, loss));
+      }
+      // There and back again, by whole metres; in between one frame is elsewhere in the world.
+      if (frame == 3 || frame == 5) expectOk(run_.scene.shiftOrigin({2, -1, 3}));
+      if (frame == 4 || frame == 6) expectOk(run_.scene.shiftOrigin({-2, 1, -3}));
+      scene.setInputs(frame);
+      execute(scene, frame);
+      frames.push_back(read(scene));
+    }
+    scene.remove();
+    return frames;
+  };
+  const std::vector<Results> undisturbed = play(Loss::kNone);
+  ASSERT_FALSE(HasFailure());
+  for (const Loss loss : {Loss::kNotFinished, Loss::kNotExecuted, Loss::kAbandoned}) {
+    SCOPED_TRACE(lossName(loss));
+    expectSame(undisturbed, play(loss));
+    if (HasFailure()) return;
+  }
+}
+
 // Somebody says that a frame ran which did not. The exact solver's reset itself does not forget all
 // of what strands in contact with capsules did before: there, roots, the other hair and the field.
 TEST_P(Delivery, AResetRepairsWhatWasLostInSilence) {

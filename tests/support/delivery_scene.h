@@ -80,8 +80,8 @@ class DeliveryScene {
     collider_ = *mesh;
   }
   void remove() {
-    for (const HairId id : hairs_) scene_.removeHair(id);
-    scene_.removeCollider(collider_);
+    for (const HairId id : hairs_) EXPECT_TRUE(scene_.removeHair(id));
+    EXPECT_TRUE(scene_.removeCollider(collider_));
     EXPECT_TRUE(scene_.removeSkeleton(skeleton_));
   }
 

@@ -381,6 +381,13 @@ TEST_F(SceneTest, AShiftOfTheOriginIsInTheListThatComesNext) {
   std::vector<PassList> lists(1);
   ASSERT_TRUE(scene_.draw(seen, {}, {.method = Transparency::kStochastic}, lists));
   EXPECT_EQ(rewrites(lists[0]), 1u);
+  // The draws did not run.
+  EXPECT_EQ(rewrites(simulate(0)), 1u);
+  shift();
+  ASSERT_TRUE(scene_.draw(seen, {}, {.method = Transparency::kStochastic}, lists));
+  EXPECT_EQ(rewrites(lists[0]), 2u) << "the list was not cleared";
+  scene_.finish(lists[0]);
+  setDelivered(lists[0].run);
   EXPECT_EQ(rewrites(simulate(0)), 0u);
   // A reset writes everything.
   shift();
