@@ -69,15 +69,14 @@ struct HairInternals {
 
   /// Of state, roots and colliders.
   LocalOrigin origin;
-  bool originKnown = false;
   /// Shift of the world that no list has yet moved the outputs by [m]; and what is shifted on the
   /// host.
   Vector3<double> pendingShift;
   ShiftedFloats shiftedFloats;
   /// Largest coordinate of the shift since the last simulation [m]: for what engines round anew.
   double roundedShift = 0;
-  bool followsShifted = false;  ///< not placed anew since a shift
 
+  bool originKnown = false;
   bool resetPending = true;
   /// What the solver's buffers were made for.
   std::optional<Solver> solver;
@@ -89,6 +88,7 @@ struct HairInternals {
   bool levelOfDetail = false;
   bool storesFollowHairs = false;
   bool collidesFollowHairs = false;  ///< they are stored, too
+  bool followsShifted = false;       ///< not placed anew since a shift of the world
   bool followsCollided = false;      ///< in the last frame: followBefore is of its end
   uint32_t simulatedBefore = 0;
   uint32_t simulatedCount = 0;  ///< exact: in the last frame; 0 before the first one
