@@ -1,7 +1,7 @@
 # install() rules and the package that find_package(pelage) reads.
 include(CMakePackageConfigHelpers)
 
-set(pelage_targets pelage_headers pelage_core pelage_kernels pelage-codegen)
+set(pelage_targets pelage_headers pelage_core pelage_demo pelage_kernels pelage-codegen)
 if(PELAGE_VULKAN)
   list(APPEND pelage_targets pelage_vulkan)
 endif()

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "demo_assets.h"
-#include "pelage/character.h"
+#include "pelage/demo/character.h"
 #include "pelage/result.h"
 #include "simulation/bench_scene.h"
 

@@ -4,12 +4,12 @@
 #include <cstring>
 #include <utility>
 
-#include "collider_topology.h"
+#include "assets/collider_topology.h"
 #include "pelage/gpu_structs.h"
 #include "sdf/field_build.h"
-#include "sdf_build.h"
-#include "sdf_collision.h"
-#include "sdf_grid.h"
+#include "sdf/sdf_build.h"
+#include "sdf/sdf_collision.h"
+#include "sdf/sdf_grid.h"
 
 namespace bench {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "pelage/groom.h"
+#include "pelage/demo/groom.h"
 #include "reference/rod/exact_rod.h"
 #include "reference/rod/planar_chain.h"
 #include "reference/rod/static_rod.h"

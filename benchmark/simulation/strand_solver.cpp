@@ -58,7 +58,7 @@ class SceneSolver : public StrandSolver {
     if (!hair) return hair.error();
     return std::unique_ptr<StrandSolver>(new SceneSolver(workbench.scene, *hair));
   }
-  ~SceneSolver() override { scene_.removeHair(hair_); }
+  ~SceneSolver() override { (void)scene_.removeHair(hair_); }
 
   Result<void> advance(const RootPose& pose, PassList& list) override {
     pelage::HairObject& hair = scene_.hair(hair_);

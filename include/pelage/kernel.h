@@ -25,8 +25,8 @@ struct SpecConstant {
   uint32_t defaultBits;  ///< the 32 bits of the bool, int, uint or float
 };
 
-/// A value for a specialization constant: VkSpecializationInfo on Vulkan, a #define of
-/// SPIRV_CROSS_CONSTANT_ID_<id> after #version on GL.
+/// A value for a specialization constant: VkSpecializationInfo on Vulkan, a `#define` of
+/// SPIRV_CROSS_CONSTANT_ID_<id> after `#version` on GL.
 struct SpecValue {
   uint32_t id;
   uint32_t bits;

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,8 +14,17 @@
 
 namespace pelage {
 
+namespace detail {
+struct ListRun;
+struct RunOrder;
+struct RunRecord;
+}  // namespace detail
+
+/// What has become of a PassList; shared by its copies and by who runs it.
+using RunHandle = std::shared_ptr<detail::ListRun>;
+
 /// A buffer of a ResourceTable.
-enum class BufferId : uint32_t { kInvalid = 0xffffffffu };
+enum class BufferId : uint32_t { kInvalid = 0 };
 
 /// What a buffer is used for; a bit set.
 enum class BufferUsage : uint8_t {
@@ -58,7 +68,7 @@ class ResourceTable {
   BufferId at(uint32_t place) const;
   /// The place of an id, for arrays beside the table.
   static constexpr uint32_t placeOf(BufferId id) {
-    return static_cast<uint32_t>(id) & (kMaxBuffers - 1);
+    return (static_cast<uint32_t>(id) - 1) & (kMaxBuffers - 1);
   }
   /// Buffers that there can be at a time.
   static constexpr uint32_t kMaxBuffers = 1u << 20;
@@ -66,18 +76,33 @@ class ResourceTable {
   uint64_t totalBytes() const;
   /// Number of live buffers.
   uint32_t count() const;
-  /// Changes whenever a buffer is added or removed.
+  /// Changes whenever a buffer is added or removed: it rises.
   uint64_t version() const { return version_; }
+  /// What version() was when this buffer had been added; 0 when it is not there.
+  uint64_t versionOf(BufferId id) const;
+  /// Names the table for as long as the program runs, > 0. A copy is another table.
+  uint64_t id() const { return id_.value; }
 
  private:
   struct Slot {
     BufferDesc desc;
     bool live = false;
     uint32_t generation = 0;  ///< buffers that were here before: the upper bits of the id
+    uint64_t version = 0;     ///< when it was added
+  };
+  struct Id {
+    Id();
+    Id(const Id&) : Id() {}
+    Id(Id&& other) noexcept;
+    Id& operator=(const Id&);
+    Id& operator=(Id&& other) noexcept;
+    ~Id() = default;
+    uint64_t value;
   };
   std::vector<Slot> buffers_;
   std::vector<uint32_t> free_;  ///< places
   uint64_t version_ = 0;
+  Id id_;
 };
 
 /// A resource bound to (set, entry) of a pass.
@@ -166,6 +191,10 @@ struct Upload {
 /// Everything that one call of a runtime executes, in order: uploads, then dispatches, then draws.
 /// Uploads of one list must not overlap. Draws of one list are not ordered against each other: a
 /// draw that needs what another one writes to a buffer belongs into a later list.
+///
+/// A list runs once, behind the lists that got their barriers before it. One that is cleared,
+/// destroyed or written again without having run counts as abandoned; so does one whose copies all
+/// are. See checkRun().
 struct PassList {
   std::vector<Pass> passes;  ///< dispatches first, then draws
   std::vector<PassBinding> bindings;
@@ -176,6 +205,11 @@ struct PassList {
   std::vector<Upload> uploads;
   std::vector<std::byte> uploadData;
   std::vector<std::byte> constants;  ///< blocks at multiples of kConstantAlignment
+
+  uint64_t frame = 0;  ///< Scene::simulate() that wrote it; 0: none
+  uint64_t table = 0;  ///< ResourceTable::id() of its buffers; 0: not known
+  /// What has become of it; from HazardTracker::resolve() or Scene::finish() on. Copies share it.
+  RunHandle run;
 
   /// Offset alignment of constant blocks: the largest that Vulkan and GL devices may ask for.
   static constexpr uint64_t kConstantAlignment = 256;
@@ -245,15 +279,49 @@ class PassBuilder {
 void addUpload(PassList& list, BufferId buffer, std::span<const std::byte> bytes,
                uint64_t offset = 0);
 
+/// What executors of lists call: pelage's runtimes do, and one of your own is to. The accounts may
+/// be kept on any thread; a list itself is for one at a time.
+///
+///     if (auto ready = checkRun(list); !ready) return ready;
+///     ...                      // uploads, dispatches
+///     setDelivered(list.run);  // or setRecorded(), and setDelivered() once it is submitted
+///
+/// A list that nobody calls setDelivered() for has not run: the scene writes all of its frame
+/// again. Without a handle (a list that needs no barriers) the calls do nothing.
+
+/// Whether a list may run now. Errors: it has no barriers, or passes or uploads that were added
+/// behind them; it has run; it was abandoned; a list that got its barriers before has not run yet,
+/// or one that got them after has.
+Result<void> checkRun(const PassList& list);
+/// Whether its draws may be recorded: behind checkRun() and setRecorded() or setDelivered().
+Result<void> checkDraws(const PassList& list);
+/// Says that a list is in a command buffer, behind those that are there already.
+void setRecorded(const RunHandle& run);
+/// Says that a list has run, or is sure to: its command buffer was submitted.
+void setDelivered(const RunHandle& run);
+/// Says that a list does not run, nor any that got its barriers after it. Scene::abandon() is this
+/// for lists of a scene.
+void abandon(const RunHandle& run);
+
 /// Computes the barriers of pass lists from the accesses that reflection found. Keeps the last
 /// accesses between lists: pass the lists in the order in which they will run.
 class HazardTracker {
  public:
+  HazardTracker() = default;
+  HazardTracker(HazardTracker&&) noexcept = default;
+  HazardTracker& operator=(HazardTracker&&) noexcept = default;
+  ~HazardTracker() = default;
+  HazardTracker(const HazardTracker&) = delete;
+  HazardTracker& operator=(const HazardTracker&) = delete;
+
   /// Fills barriers, uploadBarriers and drawBarriers of the list. A read after a write, a write
-  /// after a read and a write after a write get one; a read after a read gets none.
+  /// after a read and a write after a write get one; a read after a read gets none. After lists
+  /// that were abandoned, barriers are right whether these ran or not.
   void resolve(PassList& list);
   /// Forgets a buffer that was removed.
   void forget(BufferId buffer);
+  /// Abandons all lists that were resolved and not recorded yet.
+  void abandonOpen();
 
  private:
   struct State {
@@ -268,8 +336,17 @@ class HazardTracker {
     bool visibleIndex = false;
     bool visibleIndirect = false;
   };
+  /// A list that may still be abandoned.
+  struct Open {
+    std::shared_ptr<detail::RunRecord> record;
+    std::vector<State> before;  ///< states before it
+  };
   State& state(BufferId buffer);
+  void settle();
+  void mergeWith(const std::vector<State>& before);
   std::vector<State> states_;
+  std::shared_ptr<detail::RunOrder> order_;
+  std::vector<Open> open_;  ///< in the order in which they run
 };
 
 }  // namespace pelage

@@ -25,6 +25,8 @@ namespace detail {
 struct BufferNeed;
 struct ColliderBuffers;
 struct DrawOffers;
+struct FrameCheckpoint;
+struct SceneFrames;
 struct SdfGridPlan;
 template <class T>
 struct Vector3;
@@ -38,6 +40,11 @@ struct Vector3;
 ///     ...
 ///     scene.hair(*hair).setBones(bones);
 ///     scene.simulate(1.0f / 60, list);  // then the runtime runs the list
+///
+/// Nothing is delivered until it ran. A list of simulate() that is not recorded before the next
+/// simulate() never runs, and one that was recorded may still turn out not to (vulkan::Runtime::
+/// submitted(), setDelivered()): the scene is then as if that frame had never been written, and the
+/// next one has all that it had: uploads, bones, resets, time. Nobody has to say so; docs/scene.md.
 class Scene {
  public:
   /// Adds a hair object. Errors: an asset without strands, settings out of range, a follow hair of
@@ -46,10 +53,15 @@ class Scene {
   /// dispatch takes: 4,194,240 guides, and 2,097,120 follow hairs where these are stored.
   Result<HairId> addHair(const HairAsset& asset, const HairDef& def);
   /// Removes a hair object and its buffers; with the last one also those that draw() has made.
-  void removeHair(HairId id);
-  /// Asserts that the object exists.
+  /// Error: the id names no hair object of this scene.
+  Result<void> removeHair(HairId id);
+  /// Asserts that the object exists; where the handler of the assertion returns, the program ends.
   HairObject& hair(HairId id);
   const HairObject& hair(HairId id) const;
+  /// True while the id names something of this scene.
+  bool isValid(HairId id) const { return objects_.find(id) != nullptr; }
+  bool isValid(ColliderId id) const { return colliders_.find(id) != nullptr; }
+  bool isValid(SkeletonId id) const { return skeletons_.find(id) != nullptr; }
   uint32_t hairCount() const;
 
   /// Adds a mesh that hair collides with, through a signed distance field: all hair, but for what
@@ -63,24 +75,26 @@ class Scene {
   /// The same with a field that was built before; it never moves. Errors: settings out of range, a
   /// skeleton.
   Result<ColliderId> addCollider(const SdfData& data, const SdfColliderDef& def);
-  void removeCollider(ColliderId id);
-  /// Asserts that the collider exists.
+  /// Error: the id names no collider of this scene.
+  Result<void> removeCollider(ColliderId id);
+  /// As hair().
   SdfCollider& collider(ColliderId id);
   const SdfCollider& collider(ColliderId id) const;
   /// Adds bones that hair objects and colliders can follow together: HairDef::skeleton,
   /// SdfColliderDef::skeleton. They are identities until SkeletonPose::setBones(). Error: no bones.
   Result<SkeletonId> addSkeleton(const SkeletonDef& def);
-  /// Error: something follows it, which stays as it is.
+  /// Errors: the id names no skeleton of this scene; something follows it, which stays as it is.
   Result<void> removeSkeleton(SkeletonId id);
-  /// Asserts that the skeleton exists.
+  /// As hair().
   SkeletonPose& skeleton(SkeletonId id);
   const SkeletonPose& skeleton(SkeletonId id) const;
 
   /// Gives back what the next frame can make again: the buffers that draw() has made for all hair
   /// together (lists, layers, tiles, shadow maps), which else stay at the largest size that a view
-  /// has asked for, and those of drawCollider(). Lists that were written before must not run any
-  /// more; shadowWords(), shadowViews() and transparencyCounters() are kInvalid until the next
-  /// draw().
+  /// has asked for, and those of drawCollider(); and those that a change of settings has put others
+  /// in place of, which else stay until the next simulate(). Lists that were written before must
+  /// not run any more; shadowWords(), shadowViews() and transparencyCounters() are kInvalid until
+  /// the next draw().
   void trim();
 
   /// What the last build of a collider left in sdfKeys() and sdfSurface(), read back, as data that
@@ -101,12 +115,12 @@ class Scene {
   /// \param dt seconds, >= 0. 0 skips the simulation. Steps are at most 1/60 s: a longer dt is cut
   ///   into equal sub-steps, at most kMaxSubSteps of them; time beyond that is dropped. The exact
   ///   solver cuts each of them further into SimulationSettings::subSteps.
-  /// \param list cleared first.
+  /// \param list cleared first. Lists of earlier frames that have not been recorded yet are
+  ///   abandoned.
   /// Errors: dt or a setting is out of range; a share without HairDef::levelOfDetail; a buffer of
   /// setForces() or the vertex buffer of a collider that is gone or too small; a collider that has
-  /// grown over its memory cap. After those nothing has changed: bones and resets wait for the next
-  /// frame. Settings that take more strands than a dispatch has room for are an error, too, after
-  /// which all hair is reset.
+  /// grown over its memory cap; settings that take more strands than a dispatch has room for. After
+  /// an error nothing has changed: bones and resets wait for the next frame.
   Result<void> simulate(float dt, PassList& list);
   /// Adds draws of all hair objects that are visible and in view to a list (which is not cleared),
   /// without sorting: Transparency::kStochastic. It may make buffers: update the runtime before the
@@ -170,7 +184,13 @@ class Scene {
                                std::span<const std::byte> positions) const;
   /// Computes the barriers of a list that is complete. Call it once for each list, in the order in
   /// which the lists run; lists of your own that touch the scene's buffers included.
-  void finish(PassList& list) { hazards_.resolve(list); }
+  void finish(PassList& list);
+  /// Says that a list does not run, though it was recorded, submitted or reported as delivered.
+  /// Only needed then: what the scene and the runtimes see by themselves they see without it. It
+  /// abandons what was written after the list, too. Until the next simulate() the scene is then as
+  /// if the frame had never been written. A list that was delivered before the last simulate()
+  /// leaves nothing to go back to: all hair is reset, and everything is sent again.
+  void abandon(const PassList& list);
 
   /// Moves the origin of the world, for worlds that are larger than floats are fine: what was at p
   /// is at p - shift from now on. Hair does not notice: nothing jerks, wakes or is reset.
@@ -193,7 +213,7 @@ class Scene {
   /// Source: PxScene::shiftOrigin() of NVIDIA PhysX.
   Result<void> shiftOrigin(Float3 shift);
 
-  /// Seconds simulated so far; the phase of the wind.
+  /// Seconds simulated so far; the phase of the wind. Without frames that were abandoned.
   double time() const { return time_; }
 
   static constexpr uint32_t kMaxSubSteps = 4;
@@ -219,6 +239,15 @@ class Scene {
     BufferId depths = BufferId::kInvalid, colors = BufferId::kInvalid, tail = BufferId::kInvalid,
              counters = BufferId::kInvalid, tiles = BufferId::kInvalid;
   };
+  void settleFrames(bool boundary);
+  void saveFrame();
+  void restoreFrame();
+  void commitFrames();
+  void forgetOwner(const void* owner);
+  void removeOf(detail::FrameCheckpoint& frame, const void* owner);
+  void relayFrames();
+  void sendEverything();
+  Result<void> simulateFrame(float frame, uint32_t steps, PassList& list);
   void addSolverBuffers(HairObject& object);
   void removeSolverBuffers(HairObject& object);
   void removeContacts(HairObject& object);
@@ -262,6 +291,7 @@ class Scene {
   BufferId forcesOf(const HairObject& object) const;
   detail::Vector3<double> shifted() const;
   Result<void> addPendingShifts(PassList& list);
+  void shiftFrames(const detail::Vector3<double>& by);
   void finishShift();
   Result<void> addShiftPasses(const Frame& frame);
   Result<void> addFollowShift(const Frame& frame);
@@ -301,7 +331,8 @@ class Scene {
   TileBuffers tiles_;
   BufferId shadowWords_ = BufferId::kInvalid, shadowViews_ = BufferId::kInvalid;
   double time_ = 0;
-  std::array<double, 3> shifted_ = {};  ///< sum of all shifts [m]
+  std::array<double, 3> shifted_ = {};           ///< sum of all shifts [m]
+  std::shared_ptr<detail::SceneFrames> frames_;  ///< nullptr before the first simulate()
 };
 
 }  // namespace pelage

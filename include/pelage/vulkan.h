@@ -9,6 +9,8 @@
 //   vkCmdBeginRenderPass(commands, ...);
 //   runtime.recordDraws(list, commands, target, area);
 //   vkCmdEndRenderPass(commands);
+//   vkQueueSubmit(...);
+//   runtime.submitted();                               // else nothing of the frame counts
 //
 // All entry points of Vulkan are loaded through RuntimeDef::getInstanceProcAddr, so that an engine
 // with a loader of its own (volk, a layer, a wrapper) keeps it. This header needs the types of
@@ -110,7 +112,9 @@ struct TargetFormats {
 
 /// Executes pass lists of one ResourceTable. Not thread-safe: one thread at a time.
 ///
-/// A command buffer that it recorded is to be submitted once, in the frame it was recorded in.
+/// A command buffer that it recorded is to be submitted once, in the frame it was recorded in, and
+/// behind those that were recorded before it. What is not submitted is recorded again in a later
+/// frame: buffers' contents by update(), lists by their scene. submitted() makes the difference.
 class Runtime {
  public:
   /// Errors: kInvalidArgument for a missing handle; kUnsupported, naming it, for a function, a
@@ -124,8 +128,16 @@ class Runtime {
 
   /// Starts a frame: numbers rise, from 1. All frames up to `completedFrame` are known to have
   /// finished on the device (their fences were signalled); what they used is reused or destroyed.
-  /// Any number of frames may be in flight. Asserts that frame numbers rise.
+  /// Any number of frames may be in flight. What was recorded without submitted() counts as lost.
+  /// Asserts that frame numbers rise.
   void beginFrame(uint64_t frame, uint64_t completedFrame);
+  /// Says that all that was recorded since beginFrame() was submitted, or is sure to be: call it
+  /// once vkQueueSubmit() has succeeded, or when another thread has taken the command buffers over.
+  /// Without it the frame has not run as far as scenes know, and hair stays in its bind shape.
+  void submitted();
+  /// Says that what was recorded without submitted() is not going to be submitted. The next
+  /// beginFrame() does so, too: call this where Scene::simulate() or finish() may come before that.
+  void abandonFrame();
   /// Takes note that frames have finished without starting another one.
   void collect(uint64_t completedFrame);
 

@@ -329,6 +329,12 @@ void Runtime::Impl::release(Buffer& buffer) {
 }
 
 Result<void> Runtime::update(const ResourceTable& resources) try {
+  if (impl_->table != 0 && impl_->table != resources.id()) {
+    return invalid(
+        "update() got another ResourceTable than before; a runtime has the buffers of one: make a "
+        "runtime for each scene");
+  }
+  impl_->table = resources.id();
   std::vector<Buffer>& buffers = impl_->buffers;
   if (buffers.size() < resources.end()) buffers.resize(resources.end());
   for (uint32_t index = 0; index < buffers.size(); ++index) {
@@ -638,9 +644,17 @@ Result<void> Runtime::prepare(const PassList& list) {
 }
 
 Result<void> Runtime::record(const PassList& list, PassTimer* timer) {
+  if (list.table != 0 && impl_->table != 0 && list.table != impl_->table) {
+    return invalid(
+        "the list is of another scene than the buffers of this runtime: make a runtime for each "
+        "scene");
+  }
   if (Result<void> checked = impl_->check(*this, list, true, false); !checked) return checked;
+  if (Result<void> ready = checkRun(list); !ready) return ready;
   const Functions& gl = impl_->context->gl;
   if (impl_->context->debug) clearErrors(gl);
+  // Nothing fails from here on that would leave it out.
+  setDelivered(list.run);
   impl_->forgetBindings();
 
   impl_->memoryBarrier(list.uploadBarriers);
@@ -728,6 +742,7 @@ Result<void> Runtime::recordDraws(const PassList& list, const DrawTarget& target
     return invalid("recordDraws(): the target has no pixels");
   if (Result<void> checked = impl_->check(*this, list, false, true); !checked) return checked;
   if (impl_->passPrograms.empty()) return {};
+  if (Result<void> ready = checkDraws(list); !ready) return ready;
   const Functions& gl = impl_->context->gl;
   if (impl_->context->debug) clearErrors(gl);
   impl_->forgetBindings();

@@ -456,12 +456,19 @@ Result<void> HeadlessVulkan::begin() {
 Result<void> HeadlessVulkan::submit() {
   const Functions& vk = device_.vk;
   VkResult result = vk.EndCommandBuffer(commands_);
-  if (result != VK_SUCCESS) return vulkanError(result, "vkEndCommandBuffer");
+  if (result != VK_SUCCESS) {
+    runtime_->abandonFrame();
+    return vulkanError(result, "vkEndCommandBuffer");
+  }
   auto info = tagged<VkSubmitInfo>(VK_STRUCTURE_TYPE_SUBMIT_INFO);
   info.commandBufferCount = 1;
   info.pCommandBuffers = &commands_;
   result = vk.QueueSubmit(queue_, 1, &info, fence_);
-  if (result != VK_SUCCESS) return vulkanError(result, "vkQueueSubmit");
+  if (result != VK_SUCCESS) {
+    runtime_->abandonFrame();
+    return vulkanError(result, "vkQueueSubmit");
+  }
+  runtime_->submitted();
   result = vk.WaitForFences(device_.handle, 1, &fence_, VK_TRUE, UINT64_MAX);
   if (result != VK_SUCCESS) return vulkanError(result, "vkWaitForFences");
   result = vk.ResetFences(device_.handle, 1, &fence_);
@@ -472,6 +479,7 @@ Result<void> HeadlessVulkan::submit() {
 
 void HeadlessVulkan::abandon() {
   static_cast<void>(device_.vk.EndCommandBuffer(commands_));
+  runtime_->abandonFrame();
   runtime_->collect(frame_);
 }
 

@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <memory>
+#include <utility>
 
 #include "barriers.h"
 #include "buffer_memory.h"
@@ -45,6 +47,9 @@ struct BufferSlot {
   uint64_t generation = 0;
   BufferUsage usage = BufferUsage::kStorage;
   std::string name;
+  bool keepContents = false;
+  // Its initial data: yet to be recorded; in a command buffer that has not been submitted.
+  bool unfilled = false, filling = false;
 };
 
 struct PendingExternal {
@@ -173,6 +178,7 @@ struct Runtime::Impl {
     for (const BufferSlot& slot : slots) memory.destroy(slot.own);
     for (const RetiredBuffer& retired : retiredBuffers) memory.destroy(retired.buffer);
     memory.destroy(filler);
+    abandonFrame();
   }
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
@@ -188,8 +194,11 @@ struct Runtime::Impl {
   Result<BufferSlot> createSlot(const BufferDesc& desc, const ExternalBuffer* external);
   void retire(BufferSlot& slot);
   void collect(uint64_t completed);
+  void submitted();
+  void abandonFrame();
 
   // Lists: the checking step.
+  Result<void> checkTable(const PassList& list) const;
   Result<void> checkRanges(const PassList& list) const;
   Result<void> checkPass(const PassList& list, const Pass& pass) const;
   Result<void> checkBinding(const Pass& pass, const PassBinding& binding,
@@ -228,8 +237,12 @@ struct Runtime::Impl {
   std::vector<BufferSlot> slots;
   std::vector<PendingExternal> pendingExternals;
   std::vector<RetiredBuffer> retiredBuffers;
-  bool seenTable = false;
+  uint64_t tableId = 0;  // 0: none was seen yet
   uint64_t tableVersion = 0;
+
+  // Lists in this frame's command buffers, and whether these fill buffers, before submitted().
+  std::vector<RunHandle> recordedRuns;
+  bool fills = false;
 
   // Stands in for uniform blocks of a layout that a permutation does not use: a dynamic uniform
   // buffer must point somewhere when its set is bound.
@@ -288,19 +301,25 @@ void Runtime::Impl::retire(BufferSlot& slot) {
 
 Result<void> Runtime::Impl::update(const ResourceTable& resources, VkCommandBuffer commands) {
   PELAGE_ASSERT(frame > 0, "beginFrame() comes before update()");
-  if (seenTable && tableVersion == resources.version()) return {};
+  if (tableId != 0 && tableId != resources.id()) {
+    return invalid(
+        "update() got another ResourceTable than before; a runtime has the buffers of one: make a "
+        "runtime for each scene");
+  }
+  if (tableId != 0 && tableVersion == resources.version()) return {};
 
   // What may fail comes first, into a list of its own that takes everything back on an error.
   struct New {
     uint32_t index;
     const BufferDesc* desc;
-    bool keepContents;
+    bool again;  ///< it is there, without its contents
     BufferSlot slot;
     ArenaSlice staging;
   };
   std::vector<New> added;
   const auto undo = [&](const Error& error) -> Result<void> {
-    for (const New& item : added) memory.destroy(item.slot.own);
+    for (const New& item : added)
+      if (!item.again) memory.destroy(item.slot.own);
     return error;
   };
   if (slots.size() < resources.end()) slots.resize(resources.end());
@@ -308,16 +327,22 @@ Result<void> Runtime::Impl::update(const ResourceTable& resources, VkCommandBuff
   for (uint32_t index = 0; index < resources.end(); ++index) {
     const BufferId id = resources.at(index);
     const BufferDesc* desc = resources.find(id);
-    if (desc == nullptr || (slots[index].live && slots[index].id == id)) continue;
-    const auto external = std::find_if(pendingExternals.begin(), pendingExternals.end(),
-                                       [&](const PendingExternal& p) { return p.id == id; });
-    const ExternalBuffer* given = external != pendingExternals.end() ? &external->buffer : nullptr;
+    const bool there = slots[index].live && slots[index].id == id;
+    if (desc == nullptr || (there && !slots[index].unfilled)) continue;
     added.reserve(added.size() + 1);
-    Result<BufferSlot> slot = createSlot(*desc, given);
-    if (!slot) return undo(slot.error());
-    slot->id = id;
-    added.push_back({index, desc, given != nullptr && given->keepContents, *std::move(slot), {}});
-    if (desc->initial.empty() || added.back().keepContents) continue;
+    if (there) {
+      added.push_back({index, desc, true, slots[index], {}});
+    } else {
+      const auto external = std::find_if(pendingExternals.begin(), pendingExternals.end(),
+                                         [&](const PendingExternal& p) { return p.id == id; });
+      const bool given = external != pendingExternals.end();
+      Result<BufferSlot> slot = createSlot(*desc, given ? &external->buffer : nullptr);
+      if (!slot) return undo(slot.error());
+      slot->id = id;
+      slot->keepContents = given && external->buffer.keepContents;
+      added.push_back({index, desc, false, *std::move(slot), {}});
+    }
+    if (desc->initial.empty() || added.back().slot.keepContents) continue;
     Result<ArenaSlice> staging =
         stagingArena.allocate(frame, desc->initial.size(), kStagingAlignment);
     if (!staging) return undo(staging.error());
@@ -334,7 +359,9 @@ Result<void> Runtime::Impl::update(const ResourceTable& resources, VkCommandBuff
     BufferSlot& slot = slots[item.index];
     slot = std::move(item.slot);
     std::erase_if(pendingExternals, [&](const PendingExternal& p) { return p.id == slot.id; });
-    if (item.keepContents) continue;
+    slot.unfilled = false;
+    if (slot.keepContents) continue;
+    slot.filling = fills = true;
     if (item.staging.buffer != VK_NULL_HANDLE) {
       const VkBufferCopy copy = {item.staging.offset, slot.offset, slot.size};
       device.vk.CmdCopyBuffer(commands, item.staging.buffer, slot.buffer, 1, &copy);
@@ -368,9 +395,29 @@ Result<void> Runtime::Impl::update(const ResourceTable& resources, VkCommandBuff
                                  static_cast<uint32_t>(barriers.size()), barriers.data(), 0,
                                  nullptr);
   }
-  seenTable = true;
+  tableId = resources.id();
   tableVersion = resources.version();
   return {};
+}
+
+void Runtime::Impl::submitted() {
+  for (const RunHandle& run : recordedRuns) setDelivered(run);
+  recordedRuns.clear();
+  if (!std::exchange(fills, false)) return;
+  for (BufferSlot& slot : slots) slot.filling = false;
+}
+
+// Nothing of what was recorded since the last submitted() runs.
+void Runtime::Impl::abandonFrame() {
+  for (auto run = recordedRuns.rbegin(); run != recordedRuns.rend(); ++run) abandon(*run);
+  recordedRuns.clear();
+  if (!std::exchange(fills, false)) return;
+  for (BufferSlot& slot : slots) {
+    slot.unfilled = slot.unfilled || slot.filling;
+    slot.filling = false;
+  }
+  // So that update() looks at them.
+  tableVersion = 0;
 }
 
 void Runtime::Impl::collect(uint64_t completed) {
@@ -384,6 +431,13 @@ void Runtime::Impl::collect(uint64_t completed) {
   constantsArena.collect(completedFrame);
   stagingArena.collect(completedFrame);
   descriptors.collect(completedFrame);
+}
+
+Result<void> Runtime::Impl::checkTable(const PassList& list) const {
+  if (list.table == 0 || tableId == 0 || list.table == tableId) return {};
+  return invalid(
+      "the list is of another scene than the buffers of this runtime: make a runtime for each "
+      "scene");
 }
 
 Result<void> Runtime::Impl::checkRanges(const PassList& list) const {
@@ -793,6 +847,7 @@ void Runtime::Impl::bind(const ResolvedPass& pass, VkPipelineBindPoint point,
 }
 
 Result<void> Runtime::Impl::record(const PassList& list, VkCommandBuffer commands) {
+  if (Result<void> done = checkTable(list); !done) return done;
   if (Result<void> done = resolve(list, false, nullptr); !done) return done;
   if (Result<void> done = checkUploads(list); !done) return done;
   for (const auto& [barriers, where] : {std::pair(&list.uploadBarriers, "before the uploads"),
@@ -800,6 +855,7 @@ Result<void> Runtime::Impl::record(const PassList& list, VkCommandBuffer command
                                         std::pair(&list.drawBarriers, "before the draws")}) {
     if (Result<void> done = checkBarriers(*barriers, where); !done) return done;
   }
+  if (Result<void> done = checkRun(list); !done) return done;
   ArenaSlice data;
   if (!list.uploads.empty()) {
     Result<ArenaSlice> slice =
@@ -853,6 +909,8 @@ Result<void> Runtime::Impl::record(const PassList& list, VkCommandBuffer command
     if (timed) timers.write(span, index, commands);
   }
   recordBarriers(list.drawBarriers, commands);
+  setRecorded(list.run);
+  if (list.run != nullptr) recordedRuns.push_back(list.run);
   return {};
 }
 
@@ -875,6 +933,7 @@ Result<void> Runtime::Impl::recordDraws(const PassList& list, VkCommandBuffer co
   }
   if (Result<void> done = resolve(list, true, &target); !done) return done;
   if (resolved.empty()) return {};
+  if (Result<void> done = checkDraws(list); !done) return done;
 
   const VkViewport viewport = {
       static_cast<float>(area.offset.x),
@@ -927,10 +986,15 @@ Result<Runtime> Runtime::create(const RuntimeDef& def) {
 void Runtime::beginFrame(uint64_t frame, uint64_t completedFrame) {
   PELAGE_ASSERT(frame > impl_->frame, "frame numbers rise, from 1");
   PELAGE_ASSERT(completedFrame < frame, "a frame that begins has not completed");
+  impl_->abandonFrame();
   impl_->collect(completedFrame);
   impl_->frame = frame;
   impl_->timedList = nullptr;
 }
+
+void Runtime::submitted() { impl_->submitted(); }
+
+void Runtime::abandonFrame() { impl_->abandonFrame(); }
 
 void Runtime::collect(uint64_t completedFrame) {
   PELAGE_ASSERT(completedFrame <= impl_->frame, "a frame that has not begun has not completed");

@@ -1,6 +1,6 @@
 #include "engine_picture.h"
 
-#include <pelage/groom.h>
+#include <pelage/demo/groom.h>
 #include <pelage/scene.h>
 
 #include <algorithm>

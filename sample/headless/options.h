@@ -8,7 +8,7 @@
 #include <variant>
 
 #include "groom_presets.h"
-#include "pelage/character.h"
+#include "pelage/demo/character.h"
 #include "pelage/hair_object.h"
 #include "pelage/headless.h"
 #include "pelage/transparency.h"

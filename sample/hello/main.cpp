@@ -1,6 +1,6 @@
 // The smallest program: hair on a head for one second, and where the tip of one strand went.
 // Usage: pelage-hello [FILE.tfx]
-#include <pelage/groom.h>
+#include <pelage/demo/groom.h>
 #include <pelage/headless.h>
 #include <pelage/scene.h>
 

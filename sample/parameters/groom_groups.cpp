@@ -148,7 +148,7 @@ std::vector<ParameterGroup> groomGroups() {
   std::vector<Parameter> rows = sizeRows();
   for (auto* more : {&shapeRows, &regionRows})
     for (Parameter& row : (*more)()) rows.push_back(std::move(row));
-  return {{"GroomDef", "pelage/groom.h",
+  return {{"GroomDef", "pelage/demo/groom.h",
            "generateGroom(): the head that is in many of these pictures. [gallery.md](gallery.md)",
            std::move(rows)}};
 }

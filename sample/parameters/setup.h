@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "pelage/collider.h"
-#include "pelage/groom.h"
+#include "pelage/demo/groom.h"
 #include "pelage/hair_asset.h"
 #include "pelage/hair_object.h"
 #include "pelage/headless.h"

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "pelage/bone_weights.h"
-#include "pelage/character.h"
 #include "pelage/collision_mesh.h"
-#include "pelage/groom.h"
+#include "pelage/demo/character.h"
+#include "pelage/demo/groom.h"
 #include "pelage/hair_asset.h"
 #include "pelage/result.h"
 #include "pelage/skeleton.h"

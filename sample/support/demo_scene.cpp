@@ -130,8 +130,8 @@ DemoScene::DemoScene(const DemoDef& def)
 
 // One that was moved from has neither hair nor colliders.
 DemoScene::~DemoScene() {
-  for (const pelage::HairId hair : hairs_) scene_->removeHair(hair);
-  for (const pelage::ColliderId collider : colliders_) scene_->removeCollider(collider);
+  for (const pelage::HairId hair : hairs_) (void)scene_->removeHair(hair);
+  for (const pelage::ColliderId collider : colliders_) (void)scene_->removeCollider(collider);
 }
 
 Result<DemoScene> DemoScene::create(const DemoAssets& assets, const DemoDef& def) {

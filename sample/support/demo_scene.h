@@ -12,7 +12,7 @@
 #include "demo_assets.h"
 #include "groom_presets.h"
 #include "mesh_object.h"
-#include "pelage/character.h"
+#include "pelage/demo/character.h"
 #include "pelage/headless.h"
 #include "pelage/scene.h"
 

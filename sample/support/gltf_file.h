@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "pelage/character.h"
+#include "pelage/demo/character.h"
 #include "pelage/result.h"
 
 namespace sample {

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "pelage/groom.h"
+#include "pelage/demo/groom.h"
 #include "pelage/view.h"
 
 namespace sample {

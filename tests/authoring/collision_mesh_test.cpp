@@ -15,7 +15,7 @@
 #include "mesh_file.h"
 #include "mesh_simplify.h"
 #include "pelage/authoring/collision_from_mesh.h"
-#include "pelage/groom.h"
+#include "pelage/demo/groom.h"
 #include "pelage/random.h"
 #include "surface_distance.h"
 

@@ -12,11 +12,11 @@
 #include <string_view>
 #include <vector>
 
+#include "base/vector3.h"
 #include "follow_fit.h"
 #include "hair_clusters.h"
-#include "pelage/groom.h"
+#include "pelage/demo/groom.h"
 #include "pelage/random.h"
-#include "vector3.h"
 
 namespace pelage {
 namespace {

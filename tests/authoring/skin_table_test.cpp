@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "pelage/authoring/skin_binding.h"
-#include "pelage/groom.h"
+#include "pelage/demo/groom.h"
 #include "pelage/random.h"
 #include "pelage/skeleton.h"
 

@@ -161,7 +161,7 @@ TEST_P(ContactDraw, PixelsAreWhereContactsAreAndNowhereElse) {
       ASSERT_LT(nearest, 3) << p.x << ", " << p.y;
     }
     for (const Needle& n : expected) ++(n.slides ? sliding : others);
-    run_.scene.removeHair(id_);
+    EXPECT_TRUE(run_.scene.removeHair(id_));
   }
   EXPECT_GT(sliding, 0u);
   EXPECT_GT(others, 0u);
@@ -208,7 +208,7 @@ TEST_P(ContactDraw, NothingIsDrawnWhereNothingTouches) {
   EXPECT_TRUE(list.passes.empty());
   EXPECT_EQ(counters().records, 0u);
   EXPECT_EQ(counters().furtherPasses, 0u);
-  run_.scene.removeHair(id_);
+  EXPECT_TRUE(run_.scene.removeHair(id_));
 }
 
 TEST_P(ContactDraw, TheDeepestVertexIsThatOfThePositions) {
@@ -234,7 +234,7 @@ TEST_P(ContactDraw, TheDeepestVertexIsThatOfThePositions) {
       run_.scene.deepestContact(id_, *records, std::span(*words).first(16), {});
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message.find("16"), std::string::npos) << refused.error().message;
-  run_.scene.removeHair(id_);
+  EXPECT_TRUE(run_.scene.removeHair(id_));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ContactDraw, testing::ValuesIn(kApis), apiTestName);

@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <cstring>
 
-#include "asset_cache_format.h"
-#include "hash.h"
+#include "assets/asset_cache_format.h"
+#include "assets/prepared_collider.h"
+#include "base/hash.h"
 #include "pelage/asset_cache.h"
-#include "prepared_collider.h"
 #include "targets.h"
 
 namespace pelage::fuzz {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "kernel/strand_run.h"
-#include "pelage/character.h"
+#include "pelage/demo/character.h"
 #include "reference/sdf/distance_oracle.h"
 #include "support/scene_run.h"
 

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "sdf_collision.h"
+#include "sdf/sdf_collision.h"
 #include "support/gpu_fixture.h"
 
 namespace pelage::test {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "hair_contacts.h"
+#include "contact/hair_contacts.h"
 #include "pelage/hair_object.h"
 #include "support/gpu_fixture.h"
 

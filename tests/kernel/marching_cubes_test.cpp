@@ -14,9 +14,9 @@
 #include <set>
 #include <utility>
 
-#include "iso_surface.h"
 #include "kernel/strand_run.h"
 #include "pelage/view.h"
+#include "sdf/iso_surface.h"
 
 namespace pelage::test {
 namespace {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "kernel/strand_run.h"
-#include "pelage/groom.h"
+#include "pelage/demo/groom.h"
 #include "support/scene_run.h"
 
 namespace pelage::test {

@@ -10,7 +10,7 @@
 
 #include "reference/sdf/distance_oracle.h"
 #include "reference/sdf/mesh_shapes.h"
-#include "sdf_build.h"
+#include "sdf/sdf_build.h"
 #include "support/gpu_fixture.h"
 
 namespace pelage::test {

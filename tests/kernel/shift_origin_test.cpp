@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "kernel/strand_run.h"
-#include "pelage/groom.h"
+#include "pelage/demo/groom.h"
 #include "pelage/skeleton.h"
 #include "reference/sdf/mesh_shapes.h"
 #include "support/scene_run.h"

@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "exact_solver.h"
 #include "kernel/strand_run.h"
 #include "reference/sdf/distance_oracle.h"
 #include "reference/sdf/field_builder.h"
 #include "reference/sdf/mesh_shapes.h"
+#include "simulation/exact_solver.h"
 
 namespace pelage::test {
 namespace {

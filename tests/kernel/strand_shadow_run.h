@@ -10,9 +10,9 @@
 
 #include "kernel/strand_run.h"
 #include "reference/shadow/strand_shadow_reference.h"
+#include "shadow/strand_shadow.h"
 #include "shadow_test/gpu_structs.h"
 #include "shadow_test/kernels.h"
-#include "strand_shadow.h"
 
 namespace pelage::test {
 

@@ -118,7 +118,9 @@ class DrawLists : public GpuTest {
   }
   std::string errorOf(PassList& list, const RenderTargetDef& target) {
     expectOk(device().update(gpu().resources));
-    const Result<RenderedImage> image = device().render(list, target);
+    PassList copy = list;
+    gpu().hazards.resolve(copy);
+    const Result<RenderedImage> image = device().render(copy, target);
     EXPECT_FALSE(image);
     return image ? "" : image.error().message;
   }

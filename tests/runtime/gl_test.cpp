@@ -272,7 +272,7 @@ TEST_P(GlTest, FillsBuffersWithInitialDataOrZeros) {
   constexpr size_t kCount = (3u << 20) / 4 + 5;  // more than one piece of the runtime's zeros
   for (int i = 0; i < 8; ++i) addBuffer(table_, "dirt", std::vector<uint32_t>(kCount, 0xdeadbeefu));
   update();
-  for (uint32_t id = 1; id < table_.end(); id += 2) table_.remove(static_cast<BufferId>(id));
+  for (uint32_t id = 1; id < table_.end(); id += 2) table_.remove(table_.at(id));
   update();
   const BufferId zeros = addZeros(table_, "zeros", kCount);
   update();
@@ -805,8 +805,12 @@ TEST(GlDevices, WorkAlternatelyInOneProcess) {
   for (uint32_t frame = 0; frame < 4; ++frame) {
     PassList list;
     addAccumulate(list, *kernel, sourceBuffer, targetBuffer, 100, 2, frame);
-    tracker.resolve(list);
-    for (const auto& device : devices) ASSERT_TRUE(device->execute(list));
+    for (const auto& device : devices) {
+      // A list runs once.
+      PassList copy = list;
+      tracker.resolve(copy);
+      ASSERT_TRUE(device->execute(copy));
+    }
     accumulateOnHost(source, target, 2, frame);
   }
   devices.erase(devices.begin() + 1);  // the others outlive it
@@ -969,6 +973,7 @@ TEST_P(GlRuntimeTest, UsesABufferOfTheEngine) {
 
   PassList list;
   addAccumulate(list, *kernel, sourceBuffer, shared, 64, 2, 1);
+  HazardTracker().resolve(list);
   const Result<void> recorded = runtime.record(list);
   ASSERT_TRUE(recorded) << recorded.error().message;
   std::vector<uint32_t> expected = start;
@@ -1001,6 +1006,7 @@ TEST_P(GlRuntimeTest, ReportsInDebugModeWhatTheDriverRefused) {
   PassList list;
   const std::vector<uint32_t> data = ramp(64, 1);
   addUpload(list, shared, std::as_bytes(std::span(data)));
+  HazardTracker().resolve(list);
   const Result<void> recorded = runtime.record(list);
   ASSERT_FALSE(recorded);
   EXPECT_EQ(recorded.error().code, ErrorCode::kDevice);
@@ -1022,6 +1028,7 @@ TEST_P(GlRuntimeTest, MakesAProgramOnceForEachSetOfSpecValues) {
       const std::vector<SpecValue> values = {{0, value}, {77, value}};
       ASSERT_TRUE(
           builder.dispatch(kernel.variant, 1).bind("g_target", target, 16).spec(values).finish());
+      HazardTracker().resolve(list);
       ASSERT_TRUE(runtime.record(list));
     }
   }
@@ -1067,6 +1074,7 @@ TEST_P(GlRuntimeTest, LoadsProgramsFromTheCacheAndCompilesWhatIsCorrupt) {
     EXPECT_TRUE(runtime.update(table));
     PassList list;
     addAccumulate(list, *kernel, sourceBuffer, targetBuffer, 64, 2, 1);
+    HazardTracker().resolve(list);
     const Result<void> recorded = runtime.record(list);
     EXPECT_TRUE(recorded) << recorded.error().message;
     accumulateOnHost(source, target, 2, 1);
@@ -1128,6 +1136,7 @@ TEST_P(GlRuntimeTest, CompilesWhatTheDriverRefusesToLoad) {
   {
     gl::Runtime runtime = makeRuntime(cache);
     ASSERT_TRUE(runtime.update(table));
+    HazardTracker().resolve(list);
     ASSERT_TRUE(runtime.record(list));
   }
   ASSERT_EQ(stored.size(), 1u);
@@ -1142,6 +1151,7 @@ TEST_P(GlRuntimeTest, CompilesWhatTheDriverRefusesToLoad) {
 
   gl::Runtime runtime = makeRuntime(cache);
   ASSERT_TRUE(runtime.update(table));
+  HazardTracker().resolve(list);
   const Result<void> recorded = runtime.record(list);
   ASSERT_TRUE(recorded) << recorded.error().message;
   EXPECT_EQ(runtime.statistics().programsCompiled, 1u);
@@ -1241,6 +1251,7 @@ TEST_P(GlRuntimeTest, KeepsSeveralTimersInFlight) {
     gl::PassTimer& timer = timers[static_cast<size_t>(frame % 3)];
     EXPECT_EQ(timer.read().size(), frame < 3 ? 0u : 2u);
     EXPECT_TRUE(timer.ready());
+    HazardTracker().resolve(list);
     ASSERT_TRUE(runtime.record(list, &timer));
   }
 }
@@ -1399,6 +1410,7 @@ TEST_P(GlRuntimeTest, GuardsTheStateOfTheEngine) {
   const std::vector<int64_t> before = snapshot(GetParam());
   {
     const gl::StateGuard guard(runtime);
+    HazardTracker().resolve(list);
     ASSERT_TRUE(runtime.record(list));
     const Result<void> drawn = runtime.recordDraws(list, {0, 0, 8, 8});
     ASSERT_TRUE(drawn) << drawn.error().message;

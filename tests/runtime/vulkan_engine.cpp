@@ -216,6 +216,11 @@ void Engine::begin(const Frame& frame) const {
   check(vkBeginCommandBuffer(frame.commands, &info), "vkBeginCommandBuffer");
 }
 
+void Engine::discard(const Frame& frame) const {
+  check(vkEndCommandBuffer(frame.commands), "vkEndCommandBuffer");
+  check(vkQueueSubmit(queue_, 0, nullptr, frame.fence), "vkQueueSubmit");
+}
+
 void Engine::submit(const Frame& frame) const {
   check(vkEndCommandBuffer(frame.commands), "vkEndCommandBuffer");
   auto info = tagged<VkSubmitInfo>(VK_STRUCTURE_TYPE_SUBMIT_INFO);

@@ -45,6 +45,8 @@ class Engine {
   /// Waits for the frame's last submission, then begins its command buffer anew.
   void begin(const Frame& frame) const;
   void submit(const Frame& frame) const;
+  /// In place of submit(): none of it runs.
+  void discard(const Frame& frame) const;
   void wait(const Frame& frame) const;
 
   VkDevice device() const { return device_; }

@@ -95,6 +95,10 @@ class VulkanEngine : public testing::Test {
     runtime_->beginFrame(frame_, frame_ > kFramesInFlight ? frame_ - kFramesInFlight : 0);
     return slot;
   }
+  void submit(const Engine::Frame& frame) {
+    engine_->submit(frame);
+    runtime_->submitted();
+  }
   void finishFrames() {
     for (const Engine::Frame& frame : frames_) engine_->wait(frame);
     runtime_->collect(frame_);
@@ -166,7 +170,7 @@ TEST_F(VulkanEngine, UploadsAndConstantsOfThreeFramesInFlightStayApart) {
     const Result<void> recorded = runtime_->record(list, frame.commands);
     ASSERT_TRUE(recorded) << recorded.error().message;
     copyOut(frame.commands, target, outs.back());
-    engine_->submit(frame);
+    submit(frame);
     for (uint32_t j = 0; j < kCount; ++j) state[j] = 3 * state[j] + (i + 1) * fresh[j] + 3 * i;
     expected.push_back(state);
   }
@@ -192,7 +196,7 @@ TEST_F(VulkanEngine, DestroysARemovedBufferOnlyAfterTheFrameThatUsedItHasComplet
   addAccumulate(list, source, target, 1, 1);
   tracker_.resolve(list);
   ASSERT_TRUE(runtime_->record(list, first.commands));
-  engine_->submit(first);
+  submit(first);
 
   const auto lives = [&] {
     for (const EngineBuffer& buffer : allocator.live)
@@ -204,7 +208,7 @@ TEST_F(VulkanEngine, DestroysARemovedBufferOnlyAfterTheFrameThatUsedItHasComplet
   ASSERT_TRUE(runtime_->update(table_, second.commands));
   EXPECT_EQ(runtime_->buffer(target).buffer, VkBuffer{VK_NULL_HANDLE});
   EXPECT_TRUE(lives());
-  engine_->submit(second);
+  submit(second);
   engine_->wait(first);
   engine_->wait(second);
   runtime_->collect(1);
@@ -235,7 +239,7 @@ TEST_F(VulkanEngine, AFailedUpdateChangesNothingAndCanBeRepeated) {
   const Result<void> repeated = runtime_->update(table_, frame.commands);
   EXPECT_TRUE(repeated);
   EXPECT_NE(runtime_->buffer(source).buffer, VkBuffer{VK_NULL_HANDLE});
-  engine_->submit(frame);
+  submit(frame);
   finishFrames();
   runtime_.reset();
 }
@@ -270,7 +274,7 @@ TEST_F(VulkanEngine, RunsOnABufferOfTheEngineAtAnOffset) {
   barrier.dstAccessMask = VK_ACCESS_HOST_READ_BIT;
   vkCmdPipelineBarrier(frame.commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
                        VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &barrier, 0, nullptr, 0, nullptr);
-  engine_->submit(frame);
+  submit(frame);
   finishFrames();
   const auto* bytes = static_cast<const std::byte*>(own.mapped);
   for (VkDeviceSize i = 0; i < kOffset; ++i) ASSERT_EQ(bytes[i], std::byte{0xab}) << i;
@@ -332,7 +336,7 @@ TEST_F(VulkanEngine, MeasuresPassesOfCompletedFrames) {
     for (uint32_t j = 0; j <= i; ++j) addAccumulate(list, source, target, 1, 1);
     tracker_.resolve(list);
     ASSERT_TRUE(runtime_->record(list, frame.commands));
-    engine_->submit(frame);
+    submit(frame);
     EXPECT_TRUE(runtime_->timings(frame_).empty());
     if (frame_ <= kFramesInFlight) continue;
     const std::vector<PassTiming> timings = runtime_->timings(frame_ - kFramesInFlight);
@@ -441,7 +445,7 @@ TEST_F(VulkanEngine, DrawsInsideDynamicRendering) {
   copy.imageExtent = info.extent;
   vkCmdCopyImageToBuffer(frame.commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, out.buffer, 1,
                          &copy);
-  engine_->submit(frame);
+  submit(frame);
   finishFrames();
   std::array<uint32_t, size_t{kSize} * kSize> pixels;
   std::memcpy(pixels.data(), out.mapped, sizeof(pixels));

@@ -30,7 +30,7 @@ TEST_P(SdfOdd, OddCollidersAreSurvived) {
   const auto bounds = [&](size_t i, const Float3& low, const Float3& high) {
     colliderOf(places[i]).setVertexBounds(plus(places[i].at, low), plus(places[i].at, high));
   };
-  const SdfColliderDef engine = {.vertices = static_cast<BufferId>(0)};
+  const SdfColliderDef engine = {.vertices = static_cast<BufferId>(1)};
   const size_t plain = at("plain", block(), {});
   const size_t empty = at("empty", {}, {});
   const size_t points =

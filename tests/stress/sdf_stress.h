@@ -104,7 +104,7 @@ class SdfStress : public StressTest {
     return *added;
   }
   void remove(ColliderId id) {
-    run_.scene.removeCollider(id);
+    EXPECT_TRUE(run_.scene.removeCollider(id));
     std::erase(colliders_, id);
   }
   using StressTest::add;

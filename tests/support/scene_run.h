@@ -65,13 +65,13 @@ class SceneRun {
     return *added;
   }
   void remove(ColliderId id) {
-    scene.removeCollider(id);
+    EXPECT_TRUE(scene.removeCollider(id));
     std::erase(colliders_, id);
   }
   /// Removes all that add() has added.
   void clear() {
-    for (const HairId id : hairs_) scene.removeHair(id);
-    for (const ColliderId id : colliders_) scene.removeCollider(id);
+    for (const HairId id : hairs_) EXPECT_TRUE(scene.removeHair(id));
+    for (const ColliderId id : colliders_) EXPECT_TRUE(scene.removeCollider(id));
     hairs_.clear();
     colliders_.clear();
   }

@@ -11,10 +11,10 @@
 #include <string>
 #include <vector>
 
-#include "asset_cache_format.h"
-#include "hash.h"
+#include "assets/asset_cache_format.h"
+#include "assets/prepared_collider.h"
+#include "base/hash.h"
 #include "pelage/random.h"
-#include "prepared_collider.h"
 
 namespace pelage {
 namespace {

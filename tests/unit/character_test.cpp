@@ -1,5 +1,5 @@
 // The generated character: its meshes, its hair, its motions.
-#include "pelage/character.h"
+#include "pelage/demo/character.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // What a collider's triangles have to do with each other, and what is said about a mesh on load.
-#include "collider_topology.h"
+#include "assets/collider_topology.h"
 
 #include <gtest/gtest.h>
 

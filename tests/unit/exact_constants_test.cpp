@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "../reference/rod/exact_rod.h"
-#include "exact_solver.h"
+#include "simulation/exact_solver.h"
 
 namespace pelage {
 namespace {

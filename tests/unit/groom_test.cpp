@@ -1,5 +1,5 @@
 // The procedural head and the hair on it.
-#include "pelage/groom.h"
+#include "pelage/demo/groom.h"
 
 #include <gtest/gtest.h>
 

@@ -42,8 +42,8 @@ constexpr Kernel kMoreKernel = {"more", Stage::kPixel, kMoreTables, {}, {}};
 constexpr Kernel kOtherKernel = {"other", Stage::kPixel, kOtherTables, {}, {}};
 constexpr KernelVariant kMore = {&kMoreKernel, "", {}, {}, {}, kMoreBindings, {0, 0, 0}, 4};
 
-constexpr auto kA = BufferId{0};
-constexpr auto kB = BufferId{1};
+constexpr auto kA = BufferId{1};
+constexpr auto kB = BufferId{2};
 constexpr std::array<float, 4> kBlock = {1, 2, 3, 4};
 
 void addCopy(PassList& list, BufferId source, BufferId target, uint32_t threads = 100) {
@@ -194,7 +194,7 @@ TEST(HazardTracker, OrdersTheArgumentsOfAnIndirectDrawWithTheOtherReadsOfTheDraw
 TEST(HazardTracker, LeavesIndependentPassesAlone) {
   PassList list;
   addCopy(list, kA, kB);
-  addCopy(list, kA, BufferId{2});
+  addCopy(list, kA, BufferId{3});
   HazardTracker().resolve(list);
   EXPECT_TRUE(list.barriers.empty());
 }
@@ -202,7 +202,7 @@ TEST(HazardTracker, LeavesIndependentPassesAlone) {
 TEST(HazardTracker, OrdersAReadAfterAWrite) {
   PassList list;
   addCopy(list, kA, kB);
-  addCopy(list, kB, BufferId{2});
+  addCopy(list, kB, BufferId{3});
   HazardTracker().resolve(list);
   EXPECT_EQ(list.barriersOf(list.passes[0]).size(), 0u);
   ASSERT_EQ(list.barriersOf(list.passes[1]).size(), 1u);
@@ -215,7 +215,7 @@ TEST(HazardTracker, OrdersAReadAfterAWrite) {
 TEST(HazardTracker, OrdersAWriteAfterARead) {
   PassList list;
   addCopy(list, kA, kB);
-  addCopy(list, BufferId{2}, kA);
+  addCopy(list, BufferId{3}, kA);
   HazardTracker().resolve(list);
   ASSERT_EQ(list.barriersOf(list.passes[1]).size(), 1u);
   EXPECT_EQ(list.barriersOf(list.passes[1])[0].buffer, kA);
@@ -236,8 +236,8 @@ TEST(HazardTracker, OrdersAWriteAfterAWrite) {
 TEST(HazardTracker, DoesNotRepeatABarrierForASecondReader) {
   PassList list;
   addCopy(list, kA, kB);
-  addCopy(list, kB, BufferId{2});
   addCopy(list, kB, BufferId{3});
+  addCopy(list, kB, BufferId{4});
   HazardTracker().resolve(list);
   EXPECT_EQ(list.barriers.size(), 1u);
 }
@@ -254,7 +254,7 @@ TEST(HazardTracker, TreatsABufferThatIsReadAndWrittenByOnePassAsBoth) {
 TEST(HazardTracker, MakesAWriteVisibleToEachStageThatReadsIt) {
   PassList list;
   addCopy(list, kA, kB);
-  addCopy(list, kB, BufferId{2});
+  addCopy(list, kB, BufferId{3});
   addDraw(list, kB);
   HazardTracker().resolve(list);
   EXPECT_EQ(list.barriers.size(), 1u);

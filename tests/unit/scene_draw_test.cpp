@@ -334,7 +334,7 @@ TEST_F(SceneDraw, TellsTheKernelWhichAttributesAnObjectHas) {
         EXPECT_TRUE(buffer == BufferId::kInvalid ||
                     std::find(bound.begin(), bound.end(), buffer) != bound.end());
       }
-      scene_.removeHair(*added);
+      EXPECT_TRUE(scene_.removeHair(*added));
     }
   }
 }

@@ -58,6 +58,7 @@ class SceneRuntimeTest : public testing::Test {
     const Result<void> done = scene_.simulate(kFrame, list_);
     ASSERT_TRUE(done) << done.error().message;
     scene_.finish(list_);
+    setDelivered(list_.run);  // in place of a runtime
   }
   uint32_t count(std::string_view name) const {
     return static_cast<uint32_t>(
@@ -130,7 +131,7 @@ TEST_F(SceneRuntimeTest, IdsOfRemovedCollidersAreIgnoredAndNameNoLaterOnes) {
   scene_.hair(hair).setMeshColliders({&first, 1});
   simulate();
   EXPECT_EQ(fieldCount(hair), 1u);
-  scene_.removeCollider(first);
+  EXPECT_TRUE(scene_.removeCollider(first));
   simulate();
   const ColliderId second = addCollider();
   EXPECT_NE(second, first);
@@ -230,7 +231,7 @@ TEST_F(SceneRuntimeTest, FollowHairsCollideWhereTheyShallAndSomethingIsInReach) 
   simulate();
   EXPECT_EQ(count("collide_follow_strands"), 2u) << "capsules, too";
   const HairBuffers had = scene_.hair(both).buffers();
-  scene_.removeHair(both);
+  EXPECT_TRUE(scene_.removeHair(both));
   EXPECT_EQ(scene_.resources().find(had.followBefore), nullptr);
   EXPECT_EQ(scene_.resources().find(had.followContactWords), nullptr);
 }
@@ -399,11 +400,12 @@ TEST_F(SceneRuntimeTest, WhatIsWrongWithASkeletonIsNamed) {
   const HairId hair = addHair({.skeleton = id});
   const ColliderId collider = addCollider({.skeleton = id});
   expectRefused(scene_.removeSkeleton(id), "hair 'hair' follows it");
-  scene_.removeHair(hair);
+  EXPECT_TRUE(scene_.removeHair(hair));
   expectRefused(scene_.removeSkeleton(id), "collider 'collider' follows it");
-  scene_.removeCollider(collider);
+  EXPECT_TRUE(scene_.removeCollider(collider));
   EXPECT_TRUE(scene_.removeSkeleton(id));
-  expectRefused(scene_.addHair(makeAsset(), {.skeleton = id}), "its skeleton does not exist");
+  expectRefused(scene_.addHair(makeAsset(), {.skeleton = id}),
+                "the id of its skeleton is of what was removed");
   EXPECT_NE(addSkeleton(3), id);
   EXPECT_EQ(scene_.resources().count(), buffers);
 }
@@ -469,8 +471,8 @@ class SceneLifetimeTest : public SceneRuntimeTest {
     ASSERT_TRUE(drawn) << drawn.error().message;
   }
   void empty() {
-    for (const HairId id : hairs_) scene_.removeHair(id);
-    for (const ColliderId id : colliders_) scene_.removeCollider(id);
+    for (const HairId id : hairs_) EXPECT_TRUE(scene_.removeHair(id));
+    for (const ColliderId id : colliders_) EXPECT_TRUE(scene_.removeCollider(id));
     const Result<void> removed = scene_.removeSkeleton(skeleton_);
     EXPECT_TRUE(removed) << removed.error().message;
   }
@@ -528,10 +530,67 @@ TEST_F(SceneLifetimeTest, TrimGivesBackWhatDrawsHaveMadeAndTheNextDrawMakesItAga
   drawAll(colliders_[0]);
   EXPECT_EQ(namesOf(), before);
   // The last hair object takes them along, the one before it does not.
-  scene_.removeHair(hairs_[0]);
+  EXPECT_TRUE(scene_.removeHair(hairs_[0]));
   EXPECT_NE(scene_.shadowWords(), BufferId::kInvalid);
-  scene_.removeHair(hairs_[1]);
+  EXPECT_TRUE(scene_.removeHair(hairs_[1]));
   EXPECT_EQ(scene_.shadowWords(), BufferId::kInvalid);
+}
+
+template <class T>
+void expectMessage(const Result<T>& result, std::string_view part) {
+  ASSERT_FALSE(result);
+  EXPECT_NE(result.error().message.find(part), std::string::npos) << result.error().message;
+}
+
+TEST_F(SceneLifetimeTest, RefusesIdsThatNameNothing) {
+  fill(Solver::kExact);
+  EXPECT_EQ(HairId{}, HairId::kInvalid);
+  EXPECT_EQ(ColliderId{}, ColliderId::kInvalid);
+  EXPECT_EQ(SkeletonId{}, SkeletonId::kInvalid);
+  EXPECT_EQ(BufferId{}, BufferId::kInvalid);
+  EXPECT_EQ(scene_.resources().find(BufferId{}), nullptr);
+  EXPECT_FALSE(scene_.isValid(HairId{}));
+
+  EXPECT_TRUE(scene_.isValid(hairs_[0]));
+  EXPECT_TRUE(scene_.isValid(colliders_[0]));
+  expectMessage(scene_.removeHair(HairId{}), "removeHair(): the id is zero");
+  expectMessage(scene_.removeCollider(ColliderId{}), "removeCollider(): the id is zero");
+  expectMessage(scene_.removeSkeleton(SkeletonId{}), "removeSkeleton(): the id is zero");
+
+  // The other scene gave out ids before, and in the same slots.
+  Scene other;
+  const Result<HairId> foreign = other.addHair(makeAsset(), {.name = "foreign"});
+  ASSERT_TRUE(foreign) << foreign.error().message;
+  EXPECT_FALSE(scene_.isValid(*foreign));
+  EXPECT_FALSE(other.isValid(hairs_[0]));
+  expectMessage(scene_.removeHair(*foreign), "of another scene");
+  expectMessage(other.removeHair(hairs_[0]), "of another scene");
+  EXPECT_EQ(other.hairCount(), 1u);
+  EXPECT_EQ(scene_.hairCount(), hairs_.size());
+
+  // A scene that moves takes its ids along.
+  Scene moved = std::move(other);
+  EXPECT_TRUE(moved.isValid(*foreign));
+  const Result<HairId> later = other.addHair(makeAsset(), {.name = "later"});
+  ASSERT_TRUE(later);
+  EXPECT_FALSE(moved.isValid(*later));
+
+  const HairId gone = hairs_[1];
+  ASSERT_TRUE(scene_.removeHair(gone));
+  hairs_.pop_back();
+  EXPECT_FALSE(scene_.isValid(gone));
+  expectMessage(scene_.removeHair(gone), "of what was removed");
+}
+
+TEST_F(SceneLifetimeTest, EndsWhereAnIdNamesNothingAndTheHandlerReturns) {
+  EXPECT_DEATH(
+      {
+        setAssertHandler([](const char*, const char* message, const char*, int) {
+          std::fprintf(stderr, "handled: %s\n", message);
+        });
+        scene_.hair(HairId{});
+      },
+      "handled: hair\\(\\): the id is zero");
 }
 
 }  // namespace

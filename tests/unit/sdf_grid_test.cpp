@@ -1,5 +1,5 @@
 // The grid of a distance field, before any GPU.
-#include "sdf_grid.h"
+#include "sdf/sdf_grid.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "sdf_build.h"
+#include "sdf/sdf_build.h"
 
 namespace pelage::detail {
 namespace {

@@ -7,13 +7,13 @@
 #include <cmath>
 #include <utility>
 
+#include "base/guard.h"
+#include "base/vector3.h"
 #include "cut_caps.h"
-#include "guard.h"
 #include "influence_blend.h"
 #include "mesh_simplify.h"
 #include "mesh_weld.h"
 #include "pelage/hair_asset.h"
-#include "vector3.h"
 
 namespace pelage {
 namespace {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "axes.h"
-#include "guard.h"
+#include "base/guard.h"
 #include "pelage/hair_asset.h"
 #include "pelage/random.h"
 

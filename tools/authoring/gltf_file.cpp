@@ -7,7 +7,7 @@
 #include <array>
 #include <utility>
 
-#include "file_io.h"
+#include "base/file_io.h"
 
 namespace pelage::detail {
 namespace {

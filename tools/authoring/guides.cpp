@@ -11,8 +11,8 @@
 #include <string>
 #include <utility>
 
+#include "base/guard.h"
 #include "follow_fit.h"
-#include "guard.h"
 #include "hair_clusters.h"
 #include "polyline.h"
 

@@ -7,8 +7,8 @@
 #include <cctype>
 #include <utility>
 
-#include "file_io.h"
-#include "guard.h"
+#include "base/file_io.h"
+#include "base/guard.h"
 #include "text_lines.h"
 
 namespace pelage {

@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/guard.h"
 #include "gltf_file.h"
-#include "guard.h"
 #include "line_chains.h"
 #include "pelage/authoring/hair_files.h"
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "guard.h"
+#include "base/guard.h"
 #include "line_chains.h"
 #include "pelage/authoring/hair_files.h"
 #include "text_lines.h"

@@ -5,8 +5,8 @@
 #include <iterator>
 #include <limits>
 
-#include "file_io.h"
-#include "guard.h"
+#include "base/file_io.h"
+#include "base/guard.h"
 #include "pelage/authoring/hair_files.h"
 #include "text_lines.h"
 

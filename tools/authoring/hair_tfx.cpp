@@ -1,6 +1,6 @@
-// .tfx as curves: the versions of TressFX that are known. Layouts: of 4.0 see runtime/core/tfx.cpp;
-// of 3.0 the header TressFXFileFormat.h and the Maya exporter of TressFX 3.1; of the text of
-// TressFX 1 and 2 the files that its tools wrote.
+// .tfx as curves: the versions of TressFX that are known. Layouts: of 4.0 see
+// runtime/core/assets/tfx.cpp; of 3.0 the header TressFXFileFormat.h and the Maya exporter of
+// TressFX 3.1; of the text of TressFX 1 and 2 the files that its tools wrote.
 #include <fmt/format.h>
 
 #include <Eigen/Core>
@@ -10,8 +10,8 @@
 #include <limits>
 #include <optional>
 
-#include "file_io.h"
-#include "guard.h"
+#include "base/file_io.h"
+#include "base/guard.h"
 #include "pelage/authoring/hair_files.h"
 #include "pelage/hair_asset.h"
 #include "text_lines.h"

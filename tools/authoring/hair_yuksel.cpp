@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "file_io.h"
-#include "guard.h"
+#include "base/file_io.h"
+#include "base/guard.h"
 #include "pelage/authoring/hair_files.h"
 
 namespace pelage {

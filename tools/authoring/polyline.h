@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "base/vector3.h"
 #include "pelage/types.h"
-#include "vector3.h"
 
 namespace pelage::detail {
 

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "guard.h"
+#include "base/guard.h"
 #include "polyline.h"
 #include "vertex_placement.h"
 

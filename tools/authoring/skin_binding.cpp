@@ -10,9 +10,9 @@
 #include <string>
 #include <utility>
 
-#include "guard.h"
+#include "base/guard.h"
+#include "base/triangle_frame.h"
 #include "influence_blend.h"
-#include "triangle_frame.h"
 #include "triangle_tree.h"
 
 namespace pelage {

@@ -7,9 +7,9 @@
 #include <string>
 #include <utility>
 
+#include "assets/bone_influences.h"
 #include "axes.h"
-#include "bone_influences.h"
-#include "guard.h"
+#include "base/guard.h"
 #include "pelage/hair_asset.h"
 
 namespace pelage {

@@ -1,0 +1,30 @@
+// Boxes and balls around what may be near something else.
+#pragma once
+
+#include "pelage/types.h"
+
+namespace pelage::detail {
+
+bool isFinite(const Float3& point);
+
+struct Ball {
+  Float3 center = {};
+  float radius = 0;
+};
+
+/// An axis-aligned box; empty while low > high.
+struct Box {
+  Float3 low = {1, 1, 1};
+  Float3 high = {-1, -1, -1};
+  bool isEmpty() const { return low.x > high.x; }
+};
+
+Float3 middleOf(const Box& box);
+Box include(const Box& box, const Float3& point);
+Box include(const Box& a, const Box& b);
+bool isFinite(const Box& box);
+/// True when `inner` is in `outer`, and so is its margin [m].
+bool isInside(const Box& inner, const Box& outer, float margin);
+bool reaches(const Box& box, const Ball& ball);
+
+}  // namespace pelage::detail

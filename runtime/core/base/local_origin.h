@@ -1,0 +1,81 @@
+// What the coordinates of an object are relative to, in a world whose own origin may be shifted.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "base/vector3.h"
+#include "pelage/types.h"
+
+namespace pelage::detail {
+
+inline Vector3<double> toDouble3(const Float3& v) {
+  return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
+}
+inline Float3 toFloat3(const Vector3<double>& v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+
+/// Where the coordinates of an object begin. It is counted in the first world, the one before any
+/// Scene::shiftOrigin(), in doubles, so that a shift changes neither the difference of two origins
+/// nor anything that is relative to one.
+struct LocalOrigin {
+  Vector3<double> metres = {};  ///< whole metres in the first world
+  Vector3<double> shifted =
+      {};  ///< of the scene: what was at p in the first world is at p - shifted
+
+  /// In the world as it is [m].
+  Float3 world() const { return toFloat3(metres - shifted); }
+  /// A position in the world as it is, relative to the origin.
+  Float3 relative(const Float3& p) const { return toFloat3(toDouble3(p) - (metres - shifted)); }
+  /// A position relative to the origin, in the world as it is.
+  Float3 toWorld(const Float3& p) const { return toFloat3(toDouble3(p) + (metres - shifted)); }
+  /// The origin at the whole metres next to a position in the world as it is.
+  LocalOrigin near(const Float3& p) const {
+    const Vector3<double> at = toDouble3(p) + shifted;
+    return {{std::round(at.x), std::round(at.y), std::round(at.z)}, shifted};
+  }
+  bool isAt(const LocalOrigin& other) const {
+    return metres.x == other.metres.x && metres.y == other.metres.y && metres.z == other.metres.z;
+  }
+};
+
+/// From one origin to another: what to add to positions relative to the first.
+inline Float3 between(const LocalOrigin& from, const LocalOrigin& to) {
+  return toFloat3(from.metres - to.metres);
+}
+
+/// Moves coordinates that an engine has set, again and again, without losing what floats lose while
+/// the world's origin is far from them: what comes back to where it was has its old bits.
+class ShiftedFloats {
+ public:
+  /// \param value moves by `by`. Call it for the same values in the same order each time, between
+  /// begin() and end(); a value that was set anew since starts anew.
+  void shift(float& value, double by) {
+    if (next_ == exact_.size()) exact_.push_back(static_cast<double>(value));
+    double& exact = exact_[next_++];
+    // Also where it is not a number.
+    if (!(static_cast<float>(exact) == value)) exact = static_cast<double>(value);
+    exact += by;
+    value = static_cast<float>(exact);
+  }
+  void shift(Float3& p, const Vector3<double>& by) {
+    shift(p.x, by.x);
+    shift(p.y, by.y);
+    shift(p.z, by.z);
+  }
+  void shift(AffineTransform& bone, const Vector3<double>& by) {
+    shift(bone.rows[0].w, by.x);
+    shift(bone.rows[1].w, by.y);
+    shift(bone.rows[2].w, by.z);
+  }
+  void begin() { next_ = 0; }
+  void end() { exact_.resize(next_); }
+
+ private:
+  std::vector<double> exact_;
+  size_t next_ = 0;
+};
+
+}  // namespace pelage::detail

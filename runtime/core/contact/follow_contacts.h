@@ -1,0 +1,61 @@
+// The collision of stored follow hairs: finds where their vertices touch colliders, and moves them
+// out.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "contact/hair_contacts.h"
+#include "pelage/gpu_structs.h"
+#include "pelage/pass_list.h"
+#include "pelage/result.h"
+
+namespace pelage::detail {
+
+/// Follow hairs of an object, behind its guides.
+struct FollowHairs {
+  BufferId positions = BufferId::kInvalid;  ///< [strand][vertex] Float4 in world space
+  BufferId tangents = BufferId::kInvalid;   ///< as many
+  uint32_t first = 0;                       ///< strand
+  Float3 origin;                            ///< of the colliders [m]
+  /// Groups of update_follow_strands for an indirect dispatch; kInvalid: all strands are awake.
+  BufferId awake = BufferId::kInvalid;
+  uint64_t argumentBytes = 0;  ///< offset of these in `awake`
+};
+
+/// Of one hair object.
+class FollowContacts {
+ public:
+  /// Makes the buffers. Those that were there have been removed.
+  void prepare(ResourceTable& resources, const std::string& name, uint32_t strands,
+               uint32_t verticesPerStrand);
+  bool isPrepared() const { return words_ != BufferId::kInvalid; }
+  /// Adds the passes of a frame: finds and walks, and both once more for the strands that are
+  /// marked. \param known  buffers have positions of the last frame
+  Result<void> add(PassList& list, const ResourceTable& resources, const FollowHairs& hairs,
+                   const ColliderBuffers& colliders, bool known);
+  /// All buffers, for their owner to remove.
+  std::array<BufferId*, 3> buffers() { return {&before_, &contacts_, &words_}; }
+
+  BufferId before() const { return before_; }
+  uint64_t beforeCount() const { return 2 * vertices(); }  ///< elements of it
+  BufferId words() const { return words_; }
+
+ private:
+  uint64_t vertices() const { return uint64_t{strands_} * vertices_; }
+  uint64_t beforeBytes() const { return 2 * vertices() * sizeof(Float4); }
+  uint64_t contactBytes() const { return 2 * vertices() * sizeof(FollowContact); }
+  uint64_t wordBytes() const;
+  uint32_t tiles() const;
+  uint32_t rows() const;
+  Result<void> addPass(PassList& list, const ResourceTable& resources, const KernelVariant& variant,
+                       const FollowHairs& hairs, const ColliderBuffers& colliders,
+                       const FollowCollisionConstants& constants) const;
+
+  BufferId before_ = BufferId::kInvalid, contacts_ = BufferId::kInvalid,
+           words_ = BufferId::kInvalid;
+  uint32_t strands_ = 0, vertices_ = 0;  ///< follow hairs; vertices each
+};
+
+}  // namespace pelage::detail

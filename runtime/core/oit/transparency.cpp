@@ -1,0 +1,97 @@
+#include "pelage/transparency.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <string>
+
+#include "oit/transparency.h"
+#include "pelage/assert.h"
+
+namespace pelage {
+
+namespace {
+
+constexpr uint32_t kNodesAPixel = 8;
+constexpr uint64_t kMaxPixels = uint64_t{1} << 28;
+
+}  // namespace
+
+Result<TransparencyPlan> planTransparency(uint32_t width, uint32_t height,
+                                          const TransparencySettings& settings,
+                                          uint64_t strandVertices) {
+  const auto refuse = [](const std::string& what) {
+    return Error{ErrorCode::kInvalidArgument, "transparency: " + what};
+  };
+  const uint64_t pixels = uint64_t{width} * height;
+  if (pixels == 0) return refuse("the view has no pixels");
+  if (pixels > kMaxPixels)
+    return refuse("a view of " + std::to_string(width) + " x " + std::to_string(height) +
+                  " pixels is too large: draw it in parts");
+  if (!(settings.epsilon >= 0 && settings.epsilon <= 1))
+    return refuse("epsilon is " + std::to_string(settings.epsilon) + ", but must be 0 to 1");
+  if (detail::layerCount(settings.method) > 0) return detail::planLayers(width, height, settings);
+  if (settings.method == Transparency::kTiles)
+    return detail::planStrandTiles(width, height, settings, strandVertices);
+  TransparencyPlan plan;
+  if (settings.method != Transparency::kWindowed) return plan;
+
+  const detail::ListSizes sizes = detail::listSizes(width, height, settings.spillTail);
+  const uint64_t fixed = sizes.bytesWithoutNodes();
+  const uint64_t largest = std::max({sizes.headBytes, sizes.tailBytes, detail::kNodeBytes});
+  if (settings.maxBufferBytes < largest) {
+    return refuse("lists for " + std::to_string(width) + " x " + std::to_string(height) +
+                  " pixels have a buffer of " + std::to_string(largest) +
+                  " bytes, but maxBufferBytes is " + std::to_string(settings.maxBufferBytes) +
+                  (settings.spillTail ? "; without spillTail it is a quarter" : ""));
+  }
+  if (settings.maxBytes < fixed + detail::kNodeBytes) {
+    return refuse("lists for " + std::to_string(width) + " x " + std::to_string(height) +
+                  " pixels take " + std::to_string(fixed) +
+                  " bytes and their nodes, but maxBytes is " + std::to_string(settings.maxBytes));
+  }
+  uint64_t nodes = settings.nodeCount != 0 ? settings.nodeCount : pixels * kNodesAPixel;
+  nodes =
+      std::min({nodes, uint64_t{kMaxListNodes}, (settings.maxBytes - fixed) / detail::kNodeBytes,
+                settings.maxBufferBytes / detail::kNodeBytes});
+  plan.nodeCount = static_cast<uint32_t>(nodes);
+  plan.bytes = fixed + nodes * detail::kNodeBytes;
+  return plan;
+}
+
+TransparencyCounters readTransparencyCounters(std::span<const std::byte> words,
+                                              uint32_t nodeCount) {
+  TransparencyCounters counters;
+  PELAGE_ASSERT(words.size() >= detail::kCounterBytes, "the counters have 32 bytes");
+  if (words.size() < detail::kCounterBytes) return counters;
+  uint32_t values[detail::kCounterBytes / sizeof(uint32_t)];
+  std::memcpy(values, words.data(), sizeof(values));
+  counters.tiles = values[1];
+  counters.fragments = values[4];
+  counters.spilled = counters.fragments - std::min(counters.fragments, nodeCount);
+  return counters;
+}
+
+uint32_t growNodes(const TransparencyCounters& counters, uint32_t nodeCount) {
+  const uint64_t wanted = uint64_t{counters.fragments} + counters.fragments / 4;
+  const bool roomy = uint64_t{counters.fragments} * 3 < nodeCount;
+  if (counters.spilled == 0 && !roomy) return nodeCount;
+  constexpr uint64_t kStep = 1 << 16;  // small changes ask for the same number
+  const uint64_t rounded = (std::max<uint64_t>(wanted, 1) + kStep - 1) / kStep * kStep;
+  return static_cast<uint32_t>(std::min<uint64_t>(rounded, kMaxListNodes));
+}
+
+namespace detail {
+
+ListSizes listSizes(uint32_t width, uint32_t height, bool tail) {
+  ListSizes sizes;
+  sizes.columns = (width + kTileEdge - 1) / kTileEdge;
+  sizes.tiles = uint64_t{sizes.columns} * ((height + kTileEdge - 1) / kTileEdge);
+  sizes.headBytes = uint64_t{width} * height * sizeof(uint32_t);
+  sizes.tileBytes = 2 * sizes.tiles * sizeof(uint32_t);
+  sizes.tailBytes = tail ? 4 * sizes.headBytes : 0;
+  return sizes;
+}
+
+}  // namespace detail
+}  // namespace pelage

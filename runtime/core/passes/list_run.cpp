@@ -1,0 +1,118 @@
+#include "passes/list_run.h"
+
+#include <algorithm>
+#include <string>
+
+namespace pelage {
+namespace detail {
+
+ListRun::~ListRun() {
+  if (record != nullptr) abandon(*record);
+}
+
+RunHandle openRun(const std::shared_ptr<RunOrder>& order, const RunRecord* last,
+                  const PassList& list) {
+  auto run = std::make_shared<ListRun>();
+  run->record = std::make_shared<RunRecord>();
+  run->passes = list.passes.size();
+  run->uploads = list.uploads.size();
+  const std::lock_guard lock(order->mutex);
+  run->record->order = order;
+  run->record->number = ++order->lists;
+  run->record->behind = last != nullptr ? last->number : order->recorded;
+  return run;
+}
+
+RunState stateOf(const RunRecord& record) {
+  const std::lock_guard lock(record.order->mutex);
+  return record.state;
+}
+
+void abandon(RunRecord& record) {
+  const std::lock_guard lock(record.order->mutex);
+  if (record.state == RunState::kDelivered || record.state == RunState::kAbandoned) return;
+  // What was recorded behind it is taken back with it.
+  if (record.state == RunState::kRecorded)
+    record.order->recorded = std::min(record.order->recorded, record.behind);
+  record.state = RunState::kAbandoned;
+}
+
+void setRecorded(RunRecord& record) {
+  const std::lock_guard lock(record.order->mutex);
+  if (record.state != RunState::kOpen) return;
+  record.state = RunState::kRecorded;
+  record.order->recorded = record.number;
+}
+
+void setDelivered(RunRecord& record) {
+  const std::lock_guard lock(record.order->mutex);
+  if (record.state == RunState::kAbandoned) return;
+  if (record.state == RunState::kOpen) record.order->recorded = record.number;
+  record.state = RunState::kDelivered;
+}
+
+}  // namespace detail
+
+namespace {
+
+Error refuse(const char* what) { return {ErrorCode::kInvalidArgument, what}; }
+
+Result<void> checkBarriers(const PassList& list) {
+  const bool empty = list.passes.empty() && list.uploads.empty();
+  if (list.run == nullptr) {
+    if (empty) return {};
+    return refuse("the list has no barriers: call Scene::finish() or HazardTracker::resolve()");
+  }
+  if (list.run->passes != list.passes.size() || list.run->uploads != list.uploads.size()) {
+    return refuse(
+        "the list got passes or uploads after its barriers: call Scene::finish() behind "
+        "everything that adds to it");
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<void> checkRun(const PassList& list) {
+  if (Result<void> checked = checkBarriers(list); !checked || list.run == nullptr) return checked;
+  const detail::RunRecord& record = *list.run->record;
+  const std::lock_guard lock(record.order->mutex);
+  switch (record.state) {
+    case detail::RunState::kOpen:
+      break;
+    case detail::RunState::kRecorded:
+    case detail::RunState::kDelivered:
+      return refuse("the list has run before; each runs once: write it again");
+    case detail::RunState::kAbandoned:
+      return refuse(
+          "the list was abandoned: Scene::simulate() or Scene::abandon() came before it "
+          "ran, or a list before it did not run; write it again");
+  }
+  if (record.behind == record.order->recorded) return {};
+  if (record.order->recorded > record.number)
+    return refuse("a list that was finished after this one has run before it: keep their order");
+  return refuse(
+      "a list that was finished before this one has not run: run it first, or abandon it "
+      "and finish this one again");
+}
+
+Result<void> checkDraws(const PassList& list) {
+  if (Result<void> checked = checkBarriers(list); !checked || list.run == nullptr) return checked;
+  const detail::RunState state = detail::stateOf(*list.run->record);
+  if (state == detail::RunState::kRecorded || state == detail::RunState::kDelivered) return {};
+  return refuse("the list's draws come behind its dispatches: record() the list first");
+}
+
+void setRecorded(const RunHandle& run) {
+  if (run != nullptr) detail::setRecorded(*run->record);
+}
+
+void setDelivered(const RunHandle& run) {
+  if (run != nullptr) detail::setDelivered(*run->record);
+}
+
+void abandon(const RunHandle& run) {
+  if (run != nullptr) detail::abandon(*run->record);
+}
+
+}  // namespace pelage

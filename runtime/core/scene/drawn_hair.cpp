@@ -1,0 +1,95 @@
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+
+#include "base/vector3.h"
+#include "scene/scene_draw.h"
+
+namespace pelage {
+
+namespace detail {
+
+DrawnStrands drawnStrands(const HairObject& object) {
+  const uint32_t all = std::min(object.drawnStrands, object.strandCount());
+  // What is not a number counts as 1.
+  const double share =
+      object.drawnShare >= 0 ? std::min(static_cast<double>(object.drawnShare), 1.0) : 1.0;
+  DrawnStrands drawn;
+  const double shown = share * all;
+  // The fading strands vanish where all are drawn, so that nothing jumps there.
+  const double fading = std::min(shown / 8, all - shown);
+  drawn.count = static_cast<uint32_t>(std::ceil(shown));
+  drawn.shown = static_cast<float>(shown);
+  drawn.fading = static_cast<float>(fading);
+  const double widths = shown - fading / 2;
+  drawn.widening = widths > 0 ? static_cast<float>(all / widths) : 1;
+  return drawn;
+}
+
+Ball ballOfHair(const HairInternals& hair, float tipSeparation) {
+  Ball ball = ballOfStrands(hair);
+  // Between root and tip the offset goes linearly from one to the other.
+  const float tip =
+      std::isfinite(tipSeparation) ? std::abs(tipSeparation) * hair.followTipReach : 0;
+  ball.radius += std::max(hair.followReach, tip);
+  return ball;
+}
+
+ShadowedHair shadowedHairOf(const HairObject& object, const HairInternals& hair) {
+  const DrawnStrands drawn = drawnStrands(object);
+  const HairBuffers& buffers = object.buffers();
+  const StrandMaterial& m = object.material;
+  ShadowedHair shadowed;
+  shadowed.vertexCount = object.verticesPerStrand();
+  shadowed.strandCount = drawn.count;
+  shadowed.guideCount = object.guideCount();
+  shadowed.storesFollows = hair.storesFollowHairs;
+  shadowed.tipSeparation = object.settings.tipSeparation;
+  shadowed.fiberRadius = m.fiberRadius * drawn.widening;
+  shadowed.tipRadiusRatio = m.tipRadiusRatio;
+  shadowed.opacity = m.opacity;
+  // Fading strands have half their width on average.
+  shadowed.fadingCount = static_cast<uint32_t>(std::lround(drawn.fading));
+  shadowed.fade = 0.5f;
+  shadowed.strandLength = hair.meanStrand;
+  shadowed.volume = hair.volume;
+  shadowed.meanThickness = hair.meanThickness;
+  shadowed.largestThickness = hair.largestThickness;
+  shadowed.positions = buffers.positions;
+  shadowed.thickness = buffers.strandThickness;
+  shadowed.followStrands = buffers.followStrands;
+  shadowed.rootTransforms = buffers.rootTransforms;
+  return shadowed;
+}
+
+Ball ballAround(const Ball& a, const Ball& b) {
+  const Float3 way = {b.center.x - a.center.x, b.center.y - a.center.y, b.center.z - a.center.z};
+  const float distance = std::sqrt(way.x * way.x + way.y * way.y + way.z * way.z);
+  if (distance + b.radius <= a.radius) return a;
+  if (distance + a.radius <= b.radius) return b;
+  Ball all;
+  all.radius = 0.5f * (a.radius + b.radius + distance);
+  const float share = distance > 0 ? (all.radius - a.radius) / distance : 0;
+  all.center = {a.center.x + share * way.x, a.center.y + share * way.y, a.center.z + share * way.z};
+  return all;
+}
+
+float steadyRadius(float radius) {
+  constexpr float kStep = 1.25f;
+  if (!(radius > 0)) return 1e-3f;
+  return std::pow(kStep, std::ceil(std::log(radius) / std::log(kStep)));
+}
+
+void setShadow(StrandViewConstants& constants, uint32_t index, const StrandShadowView& map) {
+  constants.shadowRows[4 * index] = map.mapX;
+  constants.shadowRows[4 * index + 1] = map.mapY;
+  constants.shadowRows[4 * index + 2] = map.mapZ;
+  constants.shadowRows[4 * index + 3] = map.mapW;
+  constants.shadowSizes[index] = {map.width, map.height, map.firstWord, map.layerCount};
+  constants.shadowDepths[index] = {map.layerRange, map.bias, map.extinction, map.texelSize};
+  constants.shadowScales[index] = {map.tauScale, map.tauQuantum, map.maxRadius, map.nearW};
+}
+
+}  // namespace detail
+}  // namespace pelage

@@ -1,0 +1,297 @@
+#include "simulation/exact_solver.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace pelage::detail {
+namespace {
+
+struct Rotation {
+  double x = 0, y = 0, z = 0, w = 1;
+};
+
+Rotation rotationOf(const Quaternion& q) {
+  return {static_cast<double>(q.x), static_cast<double>(q.y), static_cast<double>(q.z),
+          static_cast<double>(q.w)};
+}
+
+// conj(a) b, normalised.
+Rotation relative(const Quaternion& from, const Quaternion& to) {
+  const Rotation a = rotationOf(from), b = rotationOf(to);
+  Rotation r = {
+      a.w * b.x - a.x * b.w - a.y * b.z + a.z * b.y, a.w * b.y + a.x * b.z - a.y * b.w - a.z * b.x,
+      a.w * b.z - a.x * b.y + a.y * b.x - a.z * b.w, a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z};
+  const double scale = 1 / std::sqrt(r.x * r.x + r.y * r.y + r.z * r.z + r.w * r.w);
+  return {r.x * scale, r.y * scale, r.z * scale, r.w * scale};
+}
+
+// The two numbers of a joint at rest: see g_rest.
+Float4 jointOf(const Rotation& q, double edgeLength, double region) {
+  const double scale = (q.w < 0 ? -1 : 1) / (1 + std::abs(q.w));
+  return {static_cast<float>(q.y * scale), static_cast<float>(q.z * scale),
+          static_cast<float>(edgeLength), static_cast<float>(region)};
+}
+
+// Length whose bending is in the joint at vertex 1: edge 0, which follows the root, and half of
+// edge 1. It is longer than these, because moment and lever are larger towards the clamp: a
+// straight strand of length T under its own weight bends by (T - s)^2, which moves its tip by (T -
+// s)^3. The integral of that from 0 to b = first + second / 2, over its value at vertex 1; at most
+// three times b, for strands that all but end there. (b alone is of second order, too, with twice
+// the error; the usual (first + second) / 2 is of first order.)
+double rootRegion(double first, double second, double total) {
+  const double end = first + 0.5 * second, left = total - first;
+  const double whole = std::pow(total, 4) - std::pow(total - end, 4), at = 4 * std::pow(left, 3);
+  return whole < 3 * end * at ? whole / at : 3 * end;
+}
+
+float lengthOf(const HairAsset& asset, uint32_t strand) {
+  float length = 0;
+  for (uint32_t i = 0; i + 1 < asset.verticesPerStrand; ++i)
+    length += asset.restLengths[size_t{strand} * asset.verticesPerStrand + i];
+  return length;
+}
+
+// From the root's place, so that it does not depend on the order of the strands (FNV-1a).
+uint32_t seedOf(const Float4& root) {
+  uint32_t hash = 2166136261u;
+  for (const float value : {root.x, root.y, root.z}) {
+    const auto bits = std::bit_cast<uint32_t>(value);
+    for (int shift = 0; shift < 32; shift += 8)
+      hash = (hash ^ ((bits >> shift) & 255u)) * 16777619u;
+  }
+  return hash;
+}
+
+// The finaliser of MurmurHash3 (A. Appleby, public domain): neighbouring numbers come far apart.
+uint32_t mixed(uint32_t value) {
+  value = (value ^ (value >> 16)) * 0x85ebca6bu;
+  value = (value ^ (value >> 13)) * 0xc2b2ae35u;
+  return value ^ (value >> 16);
+}
+
+// Gusts: two incommensurate waves, so that the pattern does not repeat soon; in -1..1.
+double gust(double phase) { return 0.6 * std::sin(phase) + 0.4 * std::sin(2.618 * phase + 1.3); }
+
+// A share of the way to the bind pose in 1/60 s as a spring [1/s2].
+double goalSpring(double share) { return share * 3600 / std::max(1 - share, 1e-3); }
+
+// Largest rotation of a first Newton pass without a second one [rad]. Without air, strands that
+// whip about gain energy above 0.04; what the air takes in a step is more than what a wider one
+// adds, and then a second pass does not make the motion better
+// (docs/decisions/0005-second-pass.md). Strands that twist far more easily than they bend tremble
+// by as much as a first pass may leave, for ever: 0.1 m/s at a twistRatio of 0.1 to 0.3.
+double passTolerance(double h, double drag, double twistRatio) {
+  if (twistRatio < 0.4) return 2e-4;
+  const double c = std::min(drag, 3.0) * std::min(60 * h, 1.0);
+  return 0.04 + 0.2 * c * c;
+}
+
+// See ExactConstants.
+double slowTurn(double h, double drag) {
+  const double share = std::min(240 * h, 1.0), slow = drag * std::pow(std::min(60 * h, 1.0), 2);
+  return 0.02 * share * share + slow * slow;
+}
+
+}  // namespace
+
+uint32_t vertexCountOf(const HairAsset& asset, uint32_t strand) {
+  return asset.vertexCounts.empty() ? asset.verticesPerStrand : asset.vertexCounts[strand];
+}
+
+ExactStrands packExactStrands(const HairAsset& asset, bool levelOfDetail) {
+  ExactStrands packed;
+  packed.strands.reserve(asset.strandCount);
+  for (uint32_t s = 0; s < asset.strandCount; ++s) {
+    packed.strands.push_back({.state = 0,
+                              .count = vertexCountOf(asset, s),
+                              .target = s * asset.verticesPerStrand,
+                              .root = s,
+                              .seed = seedOf(asset.positions[size_t{s} * asset.verticesPerStrand]),
+                              .strandLength = lengthOf(asset, s)});
+  }
+  std::stable_sort(packed.strands.begin(), packed.strands.end(),
+                   [&](const ExactStrand& a, const ExactStrand& b) {
+                     // All beginnings have to cover the scalp, whatever the counts are.
+                     return levelOfDetail ? mixed(a.seed) < mixed(b.seed) : a.count < b.count;
+                   });
+  for (size_t from = 0; from < packed.strands.size(); from += kTileStrands) {
+    const size_t to = std::min<size_t>(packed.strands.size(), from + kTileStrands);
+    for (size_t s = from; s < to; ++s)
+      packed.strands[s].state = packed.stateStride + static_cast<uint32_t>(s - from);
+    uint32_t longest = 0;
+    for (size_t s = from; s < to; ++s) longest = std::max(longest, packed.strands[s].count);
+    packed.stateStride += kTileStrands * longest;
+  }
+  return packed;
+}
+
+Float4 vertexFactors(const RestSets& sets, uint32_t strand, double share) {
+  const StrandFactors own = sets.strands.empty() ? StrandFactors{} : sets.strands[strand];
+  const auto factor = [&](const ParameterCurve& curve, float strandFactor) {
+    return strandFactor * valueAt(curve, static_cast<float>(share));
+  };
+  return {factor(sets.curves.stiffness, own.stiffness),
+          factor(sets.curves.globalStiffness, own.globalStiffness),
+          factor(sets.curves.damping, own.damping), 0};
+}
+
+std::vector<Float4> packClassicFactors(const HairAsset& asset, const RestSets& sets) {
+  const size_t strands = asset.strandCount, count = asset.verticesPerStrand;
+  std::vector<Float4> factors(strands * count);
+  for (size_t s = 0; s < strands; ++s) {
+    const double total = static_cast<double>(lengthOf(asset, static_cast<uint32_t>(s)));
+    double arc = 0;
+    for (size_t i = 0; i < count; ++i) {
+      factors[i * strands + s] =
+          vertexFactors(sets, static_cast<uint32_t>(s), total > 0 ? arc / total : 0);
+      if (i + 1 < count) arc += static_cast<double>(asset.restLengths[s * count + i]);
+    }
+  }
+  return factors;
+}
+
+std::vector<Float4> packExactRest(const HairAsset& asset, const ExactStrands& strands,
+                                  const RestSets& sets) {
+  const size_t stride = strands.stateStride;
+  std::vector<Float4> rest(sets.count() * stride);
+  for (const ExactStrand& strand : strands.strands) {
+    const Quaternion* frames = &asset.restFrames[strand.target];
+    const Float4* bind = &asset.positions[strand.target];
+    const float* lengths = &asset.restLengths[strand.target];
+    double total = 0, arc = 0;
+    for (uint32_t i = 0; i + 1 < strand.count; ++i) total += static_cast<double>(lengths[i]);
+    const double least = std::max(1e-3 * total / (strand.count - 1), 1e-7);
+    for (uint32_t i = 0; i < strand.count; ++i) {
+      const size_t at = strand.state + size_t{kTileStrands} * i;
+      const bool tip = i + 1 == strand.count;
+      const double before = i > 0 ? static_cast<double>(lengths[i - 1]) : 0;
+      const double after = tip ? 0 : static_cast<double>(lengths[i]);
+      const double stands =
+          i == 1 && !tip ? rootRegion(before, after, total) : 0.5 * (before + after);
+      const double region = std::max(stands, least);
+      // Frame of the edge behind vertex i: restFrames holds that of the edge before it.
+      if (i == 0) {
+        const Rotation frame = relative({}, frames[1]);
+        rest[at] = {static_cast<float>(frame.x), static_cast<float>(frame.y),
+                    static_cast<float>(frame.z), static_cast<float>(frame.w)};
+      } else if (tip) {
+        rest[at] = {lengths[0], 0, 0, static_cast<float>(region)};
+      } else {
+        rest[at] = jointOf(relative(frames[i], frames[i + 1]), after, region);
+      }
+      const double share = total > 0 ? arc / total : 0;
+      if (sets.goals) {
+        const bool held = i > 1 && asset.inverseMasses[strand.target + i] <= 0;
+        rest[stride + at] = {bind[i].x - bind[0].x, bind[i].y - bind[0].y, bind[i].z - bind[0].z,
+                             held ? -1 : static_cast<float>(share)};
+      }
+      if (sets.factors) {
+        rest[(sets.count() - 1) * stride + at] = vertexFactors(sets, strand.root, share);
+      }
+      if (!tip) arc += static_cast<double>(lengths[i]);
+    }
+  }
+  return rest;
+}
+
+std::vector<uint32_t> nearStrandsBefore(const HairAsset& asset, const ExactStrands& strands) {
+  // More would be nearer, and take minutes for a hundred thousand strands.
+  constexpr size_t kMostCandidates = 2048;
+  std::vector<uint32_t> parents(strands.strands.size(), 0);
+  for (size_t place = 1; place < parents.size(); ++place) {
+    // Of the first half, so that the way to an ancestor is short.
+    const size_t candidates = std::min((place + 1) / 2, kMostCandidates);
+    const Float4& p = asset.positions[strands.strands[place].target];
+    float least = std::numeric_limits<float>::max();
+    for (size_t c = 0; c < candidates; ++c) {
+      const Float4& q = asset.positions[strands.strands[c].target];
+      const float dx = p.x - q.x, dy = p.y - q.y, dz = p.z - q.z;
+      const float squared = dx * dx + dy * dy + dz * dz;
+      if (squared < least) {
+        least = squared;
+        parents[place] = static_cast<uint32_t>(c);
+      }
+    }
+  }
+  return parents;
+}
+
+AirMotion airAt(const WindSettings& wind, double time) {
+  const double phase = 2 * std::numbers::pi * time / static_cast<double>(wind.gustPeriod);
+  const auto scaled = [&](double factor) {
+    const auto of = [&](float v) { return static_cast<float>(static_cast<double>(v) * factor); };
+    return Float3{of(wind.velocity.x), of(wind.velocity.y), of(wind.velocity.z)};
+  };
+  const double strength = static_cast<double>(wind.gustStrength);
+  return {.velocity = scaled(1 + strength * gust(phase)),
+          .gust0 = scaled(strength * gust(phase)),
+          .gust1 = scaled(strength * gust(phase + std::numbers::pi / 2))};
+}
+
+bool hasHeldVertices(const HairAsset& asset) {
+  for (uint32_t s = 0; s < asset.strandCount; ++s) {
+    const size_t first = size_t{s} * asset.verticesPerStrand;
+    for (uint32_t i = 2; i < vertexCountOf(asset, s); ++i)
+      if (asset.inverseMasses[first + i] <= 0) return true;
+  }
+  return false;
+}
+
+void setExactStep(ExactConstants& constants, const SimulationSettings& s, double h,
+                  ExactHistory& history, const AirMotion& air) {
+  // BDF2 of a varying step, or backward Euler: as the layout file says.
+  const double ratio = history.step > 0 ? h / history.step : 0;
+  double a2 = 0, he = h;
+  if (ratio >= 0.4 && ratio <= 2.1) {
+    a2 = -ratio * ratio / (1 + 2 * ratio);
+    he = h * (1 + ratio) / (1 + 2 * ratio);
+  }
+  const double drag = -60 * std::log(1 - std::min(static_cast<double>(s.damping), 0.9999));
+  const double weight = 1 / (he * he) + drag / he;
+  const auto way = [&](float gravity, float wind) {
+    return static_cast<float>((static_cast<double>(gravity) + drag * static_cast<double>(wind)) /
+                              weight);
+  };
+  const Float3 wind = air.velocity;
+  constants.drift = {way(s.gravity.x, wind.x), way(s.gravity.y, wind.y), way(s.gravity.z, wind.z),
+                     0};
+  const bool blows = wind.x != 0 || wind.y != 0 || wind.z != 0;
+  constants.gust0 = {way(0, air.gust0.x), way(0, air.gust0.y), way(0, air.gust0.z),
+                     blows ? s.wind.strandVariation : 0};
+  constants.gust1 = {way(0, air.gust1.x), way(0, air.gust1.y), way(0, air.gust1.z), 0};
+  constants.air = {wind.x, wind.y, wind.z, static_cast<float>(drag)};
+  constants.historyShare = static_cast<float>(a2);
+  constants.inverseStep = static_cast<float>(1 / he);
+  constants.weight = static_cast<float>(weight);
+  const double share = 1 / (he * weight);
+  constants.wayShare = static_cast<float>(share * (1 - a2) * history.rate - a2);
+  constants.wayShareBefore = static_cast<float>(
+      share * ((1 - a2) * history.share * history.rate + a2 * history.rateBefore));
+  constants.wayShareEarlier =
+      static_cast<float>(share * a2 * history.shareBefore * history.rateBefore);
+  history = {.step = h,
+             .share = a2,
+             .rate = 1 / he,
+             .shareBefore = history.share,
+             .rateBefore = history.rate};
+  constants.turnRatio = static_cast<float>(ratio);
+  constants.slowTurn = static_cast<float>(slowTurn(h, drag));
+  constants.twistInertia = static_cast<float>(0.005 * std::min(60 * h, 1.0));
+  constants.guessTrend = static_cast<float>(0.5 * std::min(drag, 1.0));
+  const double bendLength = static_cast<double>(s.bendLength);
+  const double bend = 9.81 * bendLength * bendLength * bendLength;
+  constants.bendStiffness = static_cast<float>(bend);
+  constants.twistStiffness = static_cast<float>(bend * static_cast<double>(s.twistRatio));
+  constants.damping = static_cast<float>(static_cast<double>(s.relaxationTime) / h);
+  constants.goalStiffness = static_cast<float>(goalSpring(static_cast<double>(s.globalStiffness)));
+  constants.goalRange = std::max(s.globalRange, 1e-6f);
+  constants.passTolerance =
+      static_cast<float>(passTolerance(h, drag, static_cast<double>(s.twistRatio)));
+  constants.vspCoefficient = s.vspCoefficient;
+  constants.vspThreshold = s.vspThreshold;
+}
+
+}  // namespace pelage::detail

@@ -1,0 +1,105 @@
+#include "skinning/skeleton_pose.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <span>
+
+#include "pelage/assert.h"
+#include "pelage/skeleton.h"
+
+namespace pelage {
+
+SkeletonPose::SkeletonPose() : internals_(std::make_unique<detail::SkeletonInternals>()) {}
+SkeletonPose::~SkeletonPose() = default;
+
+uint32_t SkeletonPose::boneCount() const { return static_cast<uint32_t>(internals_->bones.size()); }
+
+std::span<const AffineTransform> SkeletonPose::bones() const { return internals_->bones; }
+
+void SkeletonPose::setBones(std::span<const AffineTransform> bones) {
+  std::vector<AffineTransform>& own = internals_->bones;
+  PELAGE_ASSERT(bones.size() == own.size(),
+                "SkeletonPose::setBones() takes boneCount() transforms");
+  bool changed = false;
+  for (size_t i = 0; i < std::min(bones.size(), own.size()); ++i) {
+    if (bones[i] == own[i] || !detail::isFiniteBone(bones[i])) continue;
+    own[i] = bones[i];
+    changed = true;
+  }
+  if (changed) ++internals_->version;
+}
+
+namespace detail {
+namespace {
+
+// The origin follows when the anchor is further away from it [m].
+constexpr float kOriginRange = 1.5f;
+// Larger coordinates [m] the kernels take for broken: isUsable() in common/quaternion.hlsli.
+constexpr float kUsable = 1e18f;
+
+}  // namespace
+
+bool isFiniteBone(const AffineTransform& bone) {
+  return std::all_of(std::begin(bone.rows), std::end(bone.rows), [](const Float4& r) {
+    return std::isfinite(r.x) && std::isfinite(r.y) && std::isfinite(r.z) && std::isfinite(r.w);
+  });
+}
+
+void moveOrigin(SkeletonInternals& skeleton, const SkeletonInternals::Anchor& anchor) {
+  if (!skeleton.anchor) skeleton.anchor = anchor;
+  moveOrigin(skeleton);
+}
+
+void moveOrigin(SkeletonInternals& skeleton) {
+  if (!skeleton.anchor) return;
+  const Float3 p = transformPoint(skeleton.bones[skeleton.anchor->bone], skeleton.anchor->point);
+  const Float3 away = skeleton.origin.relative(p);
+  const auto stays = [&](float distance) {
+    return skeleton.originKnown && std::abs(distance) <= kOriginRange;
+  };
+  const auto isUsable = [](float at) { return std::abs(at) < kUsable; };
+  if (!isUsable(p.x) || !isUsable(p.y) || !isUsable(p.z)) return;
+  if (stays(away.x) && stays(away.y) && stays(away.z)) return;
+  skeleton.origin = skeleton.origin.near(p);
+  skeleton.originKnown = true;
+}
+
+void shiftWorld(SkeletonInternals& skeleton, const Vector3<double>& shift,
+                const Vector3<double>& shifted) {
+  skeleton.origin.shifted = shifted;
+  skeleton.shiftedFloats.begin();
+  for (AffineTransform& bone : skeleton.bones) skeleton.shiftedFloats.shift(bone, -shift);
+  skeleton.shiftedFloats.end();
+}
+
+std::vector<Float4> packBones(std::span<const AffineTransform> bones, const LocalOrigin& origin,
+                              SkinningMethod method) {
+  std::vector<Float4> packed;
+  packed.reserve(rowsOf(method) * bones.size());
+  for (AffineTransform bone : bones) {
+    const Float3 moved = origin.relative({bone.rows[0].w, bone.rows[1].w, bone.rows[2].w});
+    bone.rows[0].w = moved.x;
+    bone.rows[1].w = moved.y;
+    bone.rows[2].w = moved.z;
+    if (method == SkinningMethod::kMatrices) {
+      packed.insert(packed.end(), std::begin(bone.rows), std::end(bone.rows));
+    } else {
+      const DualQuaternion motion = toDualQuaternion(bone);
+      packed.insert(packed.end(), {motion.real, motion.dual});
+    }
+  }
+  return packed;
+}
+
+void uploadBones(SkeletonInternals& skeleton, SkinningMethod method, PassList& list) {
+  SkeletonInternals::Copy& copy = skeleton.copyFor(method);
+  if (copy.version == skeleton.version && copy.origin.isAt(skeleton.origin)) return;
+  const std::vector<Float4> packed = packBones(skeleton.bones, skeleton.origin, method);
+  addUpload(list, copy.buffer, std::as_bytes(std::span(packed)));
+  copy.version = skeleton.version;
+  copy.origin = skeleton.origin;
+}
+
+}  // namespace detail
+}  // namespace pelage

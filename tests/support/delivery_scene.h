@@ -1,0 +1,164 @@
+// A scene whose every part has a history from frame to frame, and the inputs of its frames, for
+// tests of frames that do not run.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "pelage/scene.h"
+#include "pelage/skeleton.h"
+#include "support/plain_asset.h"
+
+namespace pelage::test {
+
+/// Two closed boxes, one a bone.
+inline CollisionMesh twoBoxes() {
+  CollisionMesh mesh;
+  const auto addBox = [&](Float3 low, Float3 high, uint32_t bone) {
+    const auto first = static_cast<uint32_t>(mesh.positions.size());
+    for (int i = 0; i < 8; ++i) {
+      mesh.positions.push_back({(i & 1) != 0 ? high.x : low.x, (i & 2) != 0 ? high.y : low.y,
+                                (i & 4) != 0 ? high.z : low.z});
+      mesh.normals.push_back({0, 1, 0});
+      BoneInfluences influences = {};
+      influences.bones[0] = bone;
+      influences.weights[0] = 1;
+      mesh.influences.push_back(influences);
+    }
+    for (const uint32_t corner : {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
+                                  2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5})
+      mesh.indices.push_back(first + corner);
+  };
+  addBox({-0.06f, -0.06f, -0.06f}, {0.12f, -0.01f, 0.06f}, 0);
+  addBox({0.04f, 0.02f, 0.01f}, {0.07f, 0.05f, 0.04f}, 1);
+  return mesh;
+}
+
+/// Hair with bones of its own, hair on a skeleton, and a mesh on the same skeleton.
+class DeliveryScene {
+ public:
+  static constexpr int kFrames = 10;
+
+  DeliveryScene(Scene& scene, Solver solver) : scene_(scene), started_(scene.time()) {
+    SimulationSettings settings;
+    settings.solver = solver;
+    settings.wind.velocity = {0, 0, 0.5f};
+    settings.wind.gustStrength = 0;
+    const bool exact = solver == Solver::kExact;
+    if (exact) settings.contact.stiffness = 0.3f;
+    const Result<SkeletonId> skeleton = scene.addSkeleton({.name = "walker", .boneCount = 2});
+    EXPECT_TRUE(skeleton);
+    skeleton_ = *skeleton;
+    std::vector<FollowHair> follows;
+    for (uint32_t i = 0; i < 6; ++i) {
+      FollowHair follow;
+      follow.guide = i;
+      follow.offset = {0.004f, 0, 0.003f, 1.5f};
+      follows.push_back(follow);
+    }
+    const Result<HairId> own =
+        scene.addHair(makeAsset(40), {.name = "own",
+                                      .settings = settings,
+                                      .levelOfDetail = exact,
+                                      .followHairs = follows,
+                                      .collidingHair = CollidingHair::kGuidesAndFollows});
+    // It falls asleep as soon as nothing wakes it.
+    settings.sleep.speed = 10;
+    settings.sleep.time = 0.02f;
+    const Result<HairId> worn =
+        scene.addHair(makeAsset(9), {.name = "worn",
+                                     .settings = settings,
+                                     .skinning = SkinningMethod::kDualQuaternions,
+                                     .skeleton = skeleton_});
+    const Result<ColliderId> mesh =
+        scene.addCollider(twoBoxes(), {.name = "mesh", .cellSize = 0.012f, .skeleton = skeleton_});
+    EXPECT_TRUE(own && worn && mesh);
+    hairs_ = {*own, *worn};
+    collider_ = *mesh;
+  }
+  void remove() {
+    for (const HairId id : hairs_) scene_.removeHair(id);
+    scene_.removeCollider(collider_);
+    EXPECT_TRUE(scene_.removeSkeleton(skeleton_));
+  }
+
+  /// Sets what an application sets before simulate(). Every frame has something else that makes
+  /// buffers, history or both: a new origin, a switch of permutations, more capsules, a larger
+  /// field, a reset.
+  void setInputs(int frame) {
+    const auto t = static_cast<float>(frame);
+    HairObject& own = scene_.hair(hairs_[0]);
+    const bool far = frame >= 3;  // the origin moves
+    // It rests in two frames.
+    const float turned = frame == 5 || frame == 6 ? 4 : t;
+    const AffineTransform bone =
+        rigidTransform({0, 0, std::sin(0.03f * turned), std::cos(0.03f * turned)},
+                       {far ? 1.7f : 0.0f, 0.01f * turned, 0});
+    own.setBones({&bone, 1});
+    const float x = far ? 1.7f : 0.0f;
+    std::vector<CapsuleCollider> capsules = {{.head = {x - 0.1f, 0.03f + 0.002f * t, -0.1f},
+                                              .headRadius = 0.02f,
+                                              .tail = {x + 0.4f, 0.03f, 0.1f},
+                                              .tailRadius = 0.025f}};
+    if (frame >= 4) capsules.push_back(capsules[0]);
+    if (frame >= 4) capsules[1].head.y = -0.02f;
+    own.setColliders(capsules);
+    own.settings.bendLength = frame == 8 ? 0.3f : 0.1f;
+    own.settings.globalStiffness = frame >= 2 && frame < 7 ? 0.2f : 0.0f;
+    own.settings.globalRange = 1;
+    own.settings.subSteps = frame == 6 ? 2 : 1;
+    if (own.settings.solver == Solver::kExact) {
+      own.settings.contact.friction = frame >= 5 ? 0.3f : 0.0f;
+      own.simulatedShare = frame < 2 || frame > 7 ? 1.0f : 0.5f;
+    }
+    if (frame == 7) own.reset();
+    const float shift = frame >= 8 ? 2.0f : 0.0f;
+    // First at rest, then one bone alone, then both.
+    const float moved = frame == 1 ? 0 : t;
+    const AffineTransform pose[2] = {
+        rigidTransform({0, 0, 0, 1}, {shift + (frame >= 4 ? 0.004f * moved : 0.0f), 0, 0}),
+        rigidTransform({0, 0, 0, 1}, {shift + 0.02f * moved, 0.004f * moved, 0})};
+    scene_.skeleton(skeleton_).setBones(pose);
+    scene_.collider(collider_).margin = frame == 6 ? 0.002f : 0.001f;
+  }
+  static float seconds(int frame) { return frame % 4 == 3 ? 1.0f / 40 : 1.0f / 60; }
+  Result<void> simulate(int frame, PassList& list) {
+    if (Result<void> done = scene_.simulate(seconds(frame), list); !done) return done;
+    Light light;
+    light.shadow = HairShadow::kDeep;
+    light.shadowSize = 64;
+    const Result<uint32_t> maps = scene_.castShadows({&light, 1}, list);
+    return maps ? Result<void>() : maps.error();
+  }
+
+  /// What a frame leaves: read these back.
+  std::vector<BufferId> results() const {
+    std::vector<BufferId> all;
+    for (const HairId id : hairs_) {
+      const HairBuffers& buffers = scene_.hair(id).buffers();
+      for (const BufferId buffer : {buffers.positions, buffers.tangents, buffers.rootTransforms,
+                                    buffers.contactForces, buffers.followBefore})
+        if (buffer != BufferId::kInvalid) all.push_back(buffer);
+    }
+    all.push_back(scene_.sdfKeys());
+    all.push_back(scene_.sdfSurface());
+    all.push_back(scene_.shadowWords());
+    return all;
+  }
+  double time() const { return scene_.time() - started_; }
+  Scene& scene() { return scene_; }
+  HairObject& hair(size_t index) { return scene_.hair(hairs_[index]); }
+  SdfCollider& collider() { return scene_.collider(collider_); }
+
+ private:
+  Scene& scene_;
+  double started_;
+  SkeletonId skeleton_ = SkeletonId::kInvalid;
+  std::vector<HairId> hairs_;
+  ColliderId collider_ = ColliderId::kInvalid;
+};
+
+}  // namespace pelage::test

@@ -1,0 +1,40 @@
+// pelage/pelage.h is all of the core, and the version is the same wherever it is stated.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <string>
+
+#include "pelage/pelage.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(PublicHeaders, AreAllInTheOneThatHasTheCore) {
+  const fs::path folder = fs::path(PELAGE_SOURCE_DIR) / "include/pelage";
+  std::ifstream in(folder / "pelage.h");
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  const std::set<std::string> apart = {"pelage.h", "vulkan.h", "gl.h", "headless.h",
+                                       "mesh_import.h"};
+  size_t count = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename();
+    if (entry.is_directory() || apart.contains(name)) continue;
+    ++count;
+    EXPECT_NE(text.find("#include \"pelage/" + name + "\""), std::string::npos) << name;
+  }
+  EXPECT_GT(count, 20u);
+}
+
+TEST(PublicHeaders, HaveTheVersionOfTheProject) {
+  EXPECT_EQ(pelage::libraryVersion(), static_cast<uint32_t>(PELAGE_VERSION));
+  EXPECT_EQ(std::to_string(PELAGE_VERSION_MAJOR) + "." + std::to_string(PELAGE_VERSION_MINOR) +
+                "." + std::to_string(PELAGE_VERSION_PATCH),
+            PELAGE_TEST_PROJECT_VERSION);
+}
+
+}  // namespace
