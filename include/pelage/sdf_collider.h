@@ -41,7 +41,7 @@ struct SdfColliderDef {
   /// A vertex buffer of the engine's, in world space, that is there before each simulation. The
   /// mesh's positions then tell which vertices are one, what cellSize 0 means, and where the field
   /// is until the first setVertexBounds(); call that before the first simulation where they are
-  /// elsewhere. Bones are not used.
+  /// elsewhere. Bones are not used. After Scene::shiftOrigin() it is yours to move.
   BufferId vertices = BufferId::kInvalid;
   uint32_t vertexStride = 3;  ///< floats from vertex to vertex, >= 3
   uint32_t vertexOffset = 0;  ///< floats before the first x
@@ -99,7 +99,7 @@ class SdfCollider {
   const std::string& name() const { return name_; }
   /// What the mesh is like; open meshes and those with overlaps are taken, too.
   const MeshReport& report() const;
-  /// Of the last simulation.
+  /// Of the last simulation, in the world as it is.
   const SdfGrid& grid() const;
   /// Of keys and crossings [bytes]; what SdfColliderDef::memoryCap limits.
   uint64_t memoryBytes() const;

@@ -165,6 +165,8 @@ class ShiftOrigin : public testing::TestWithParam<std::tuple<Api, Solver>> {
     return {.head = here(p), .headRadius = radius, .tail = here(p), .tailRadius = radius};
   }
 
+  /// The only object's.
+  HairId hairId() const { return run_.lastHair(); }
   std::vector<Vector3d> positions(const HairObject& hair) const {
     std::vector<Vector3d> all;
     for (const Float4& p : run_.positions(hair)) all.push_back(toVector(p) + moved_);
@@ -373,6 +375,103 @@ TEST_P(ShiftOrigin, ADrawBeforeTheNextSimulationShowsTheSamePicture) {
   EXPECT_LT(difference / static_cast<double>(expected.pixels.size()), 1e-3);
 }
 
+TEST_P(ShiftOrigin, DrawsForDebuggingShowTheSamePicture) {
+  const HairAsset asset = fringe();
+  const ColliderId mesh = run_.add(toMesh(reference::sphere(0.08f, 12, 16)), {.cellSize = 0.01f});
+  HairObject& hair = run_.add(asset, {.settings = settings_});
+  const CapsuleCollider ball = ballAt({-0.12f, 0.02f, 0.05f}, 0.08f);
+  hair.setColliders({&ball, 1});
+  for (int frame = 0; frame < 5; ++frame) run_.step();
+  const auto keys = run_.device()->read(run_.scene.sdfKeys());
+  const auto surface = run_.device()->read(run_.scene.sdfSurface());
+  const Result<SdfData> copied = run_.scene.copyField(mesh, *keys, *surface);
+  ASSERT_TRUE(copied);
+  const ColliderId data = run_.add(*copied, {.name = "data"});
+  run_.step();
+  const auto deepest = [&] {
+    const Result<float> depth =
+        run_.scene.deepestContact(hairId(), *run_.device()->read(hair.buffers().contacts),
+                                  *run_.device()->read(hair.buffers().contactWords),
+                                  *run_.device()->read(hair.buffers().positions));
+    EXPECT_TRUE(depth) << depth.error().message;
+    return depth ? *depth : INFINITY;
+  };
+  using Draw = std::function<Result<void>(const View&, PassList&)>;
+  const std::vector<Draw> draws = {[&](const View& view, PassList& list) {
+                                     return run_.scene.drawContacts(
+                                         hairId(), view, {.length = 0.05f, .width = 6}, list);
+                                   },
+                                   [&](const View& view, PassList& list) {
+                                     return run_.scene.drawCollider(mesh, view, {}, {}, list);
+                                   },
+                                   [&](const View& view, PassList& list) {
+                                     return run_.scene.drawCollider(data, view, {}, {}, list);
+                                   }};
+  const auto pictures = [&] {
+    std::vector<RenderedImage> all;
+    for (const Draw& draw : draws) {
+      View view;
+      view.eye = here({0.03f, 0.05f, 0.6f});
+      view.worldToClip = lookAt(view.eye, {view.eye.x, view.eye.y, view.eye.z - 1}, {0, 1, 0},
+                                0.785f, 1, 0.1f, 10.0f);
+      view.width = view.height = 96;
+      PassList list;
+      expectOk(draw(view, list));
+      run_.scene.finish(list);
+      expectOk(run_.device()->update(run_.scene.resources()));
+      RenderTargetDef target;
+      target.width = target.height = 96;
+      const Result<RenderedImage> image = run_.device()->render(list, target);
+      EXPECT_TRUE(image) << image.error().message;
+      if (image) all.push_back(*image);
+    }
+    return all;
+  };
+  const float before = deepest();
+  const std::vector<RenderedImage> expected = pictures();
+  shift({8, -4, 16.5f});
+  EXPECT_EQ(deepest(), before) << "positions are still the old ones";
+  const std::vector<RenderedImage> shown = pictures();
+  EXPECT_NEAR(deepest(), before, 4e-6f);
+  ASSERT_EQ(expected.size(), 3u);
+  ASSERT_EQ(shown.size(), 3u);
+  for (size_t k = 0; k < 3; ++k) {
+    size_t covered = 0, off = 0;
+    for (size_t i = 0; i < expected[k].pixels.size(); ++i) {
+      const Float4 &a = expected[k].pixels[i], &b = shown[k].pixels[i];
+      covered += a.w > 0.1f ? 1 : 0;
+      off += std::abs(a.y - b.y) < 0.05f ? 0 : 1;
+    }
+    EXPECT_GT(covered, 20u) << "picture " << k;
+    EXPECT_LT(off, 1 + covered / 50) << "picture " << k;
+  }
+}
+
+TEST_P(ShiftOrigin, TexelsOfShadowMapsStayOnTheHair) {
+  run_.add(fringe(), {.settings = settings_}).drawnStrands = 40;
+  run_.step();
+  const std::vector<Light> lights = {
+      {.direction = {0.3f, 0.8f, 0.4f}, .shadow = HairShadow::kDeep}};
+  const auto texelOf = [&](const Float3& p) {
+    PassList list;
+    const Result<uint32_t> maps = run_.scene.castShadows(lights, list);
+    EXPECT_TRUE(maps && *maps == 1);
+    run_.scene.finish(list);
+    expectOk(run_.device()->update(run_.scene.resources()));
+    expectOk(run_.device()->execute(list));
+    const StrandShadowView map = run_.read<StrandShadowView>(run_.scene.shadowViews()).at(0);
+    const Float3 q = here(p);
+    const auto along = [&](const Float4& row) {
+      return double{row.x} * double{q.x} + double{row.y} * double{q.y} +
+             double{row.z} * double{q.z} + double{row.w};
+    };
+    return Vector3d(along(map.mapX), along(map.mapY), along(map.mapZ) / double{map.texelSize});
+  };
+  const Vector3d before = texelOf({0.1f, 0.14f, 0});
+  shift({0.301f, 1.7f, -2.9f});
+  EXPECT_LT((texelOf({0.1f, 0.14f, 0}) - before).norm(), 0.02) << "floats of mapX";
+}
+
 TEST_P(ShiftOrigin, AResetAfterAShiftIsInTheNewWorld) {
   const HairAsset asset = wavyAsset(10, 12);
   HairObject& hair = run_.add(asset, {.settings = settings_});
@@ -451,8 +550,17 @@ TEST_P(ShiftOrigin, WhatIsNotSetAnewComesBackAsItWas) {
 TEST_P(ShiftOrigin, FieldsAreNotBuiltAgain) {
   // Four meshes: on bones, on a skeleton, in a buffer of the engine's, and as a field out of a
   // file.
+  // All of it is added to a world that was shifted before.
   const TriangleMesh ball = reference::sphere(0.05f, 8, 10);
-  run_.add(fringe(), {.settings = settings_});
+  shift({1000, 0.375f, -3});
+  const Vector3d start = moved_;
+  const auto inWorld = [&](const Float3& p) {
+    const Vector3d from = start + toVector({p.x, p.y, p.z, 0});
+    const Vector3d now = from - moved_;
+    return Float3{static_cast<float>(now.x()), static_cast<float>(now.y()),
+                  static_cast<float>(now.z())};
+  };
+  const HairObject& hair = run_.add(fringe(), {.settings = settings_});
   const ColliderId own = run_.add(toMesh(ball), {.name = "own", .cellSize = 0.01f});
   const Result<SkeletonId> skeleton = run_.scene.addSkeleton({.name = "skeleton"});
   ASSERT_TRUE(skeleton);
@@ -468,7 +576,7 @@ TEST_P(ShiftOrigin, FieldsAreNotBuiltAgain) {
   const auto upload = [&] {
     std::vector<float> now;
     for (const Float3& p : ball.positions) {
-      const Float3 q = here(p);
+      const Float3 q = inWorld(p);
       now.insert(now.end(), {q.x, q.y, q.z});
     }
     PassList list;
@@ -493,6 +601,8 @@ TEST_P(ShiftOrigin, FieldsAreNotBuiltAgain) {
   run_.step();
   run_.step();
   const std::vector<uint32_t> keys = run_.read<uint32_t>(run_.scene.sdfKeys());
+  const std::vector<uint32_t> fields = run_.read<uint32_t>(hair.buffers().fields);
+  EXPECT_EQ(fields.size(), 4 * sizeof(SdfField) / sizeof(uint32_t));
   for (const Float3& by : {Float3{16, -4, 2}, Float3{0.25f, 0.5f, 100.125f}}) {
     std::map<ColliderId, Float3> before;
     for (const ColliderId id : {own, led, engine, data})
@@ -503,9 +613,12 @@ TEST_P(ShiftOrigin, FieldsAreNotBuiltAgain) {
     expectOk(run_.scene.simulate(1.0f / 60, list));
     for (const Pass& pass : list.passes)
       EXPECT_NE(std::string(pass.name), "place_vertices") << "a field is built";
+    for (const Upload& sent : list.uploads)
+      EXPECT_NE(sent.buffer, hair.buffers().fields) << "another field is in reach";
     run_.scene.finish(list);
     expectOk(run_.device()->update(run_.scene.resources()));
     expectOk(run_.device()->execute(list));
+    EXPECT_TRUE(run_.read<uint32_t>(hair.buffers().fields) == fields) << "all are in reach";
     for (const ColliderId id : {own, led, engine, data}) {
       const Float3 now = run_.scene.collider(id).grid().origin;
       EXPECT_NEAR(now.x, before[id].x - by.x, 1e-5f);
@@ -517,7 +630,8 @@ TEST_P(ShiftOrigin, FieldsAreNotBuiltAgain) {
   EXPECT_TRUE(run_.read<uint32_t>(run_.scene.sdfKeys()) == keys);
   // An engine's vertices that are built again are where the field has them.
   const SdfGrid grid = run_.scene.collider(engine).grid();
-  const Float3 low = here({-0.05f, -0.05f, -0.05f}), high = here({0.05f, 0.05f, 0.05f});
+  const Float3 low = inWorld({-0.05f, -0.05f, -0.05f});
+  const Float3 high = inWorld({0.05f, 0.05f, 0.05f});
   run_.scene.collider(engine).setVertexBounds(low, high);
   run_.step();
   EXPECT_EQ(run_.scene.collider(engine).grid(), grid);

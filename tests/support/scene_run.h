@@ -106,6 +106,8 @@ class SceneRun {
     if (raw) std::memcpy(values.data(), raw->data(), values.size() * sizeof(T));
     return values;
   }
+  /// Of the object that was added last.
+  HairId lastHair() const { return hairs_.back(); }
   std::vector<Float4> positions(const HairObject& hair) const {
     return read(hair.buffers().positions);
   }
