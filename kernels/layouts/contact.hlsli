@@ -7,6 +7,10 @@
 #include "sdf_field.hlsli"
 
 cbuffer ContactConstants : register(b0, space0) {
+  uint g_contactPad0;  // first: decision 0008
+  uint g_contactPad1;
+  uint g_contactPad2;
+  uint g_contactStrandTotal;  // simulated or not
   float4 g_contactOrigin;  // xyz [m]: records, capsules and SDFs are relative to it; w unused
   uint g_contactStrandCount;
   uint g_contactVertexCount;  // elements of g_contactPositions
@@ -26,10 +30,6 @@ cbuffer ContactConstants : register(b0, space0) {
   float g_contactEnd;
   float g_contactRatio;  // length of this sub-step over that of the last one
   float g_contactReach;  // what is this far from a surface has a record [m]
-  uint g_contactStrandTotal;  // simulated or not
-  uint g_contactPad0;
-  uint g_contactPad1;
-  uint g_contactPad2;
   float4 g_contactFall;  // xyz displacement by which vertices fall further in the sub-step, where that is
                          // far enough to leap over something [m]; w unused
 };

@@ -40,6 +40,10 @@ RWStructuredBuffer<float4> g_tangents : register(u1, space0);
 // without history, or with w outside 0.4..2.1, backward Euler has a2 = 0, he = h. B and Bt are the
 // bending and twist stiffness over the mass a length [m4/s2], c the air drag [1/s].
 cbuffer ExactConstants : register(b0, space1) {
+  uint g_exactPad0;         // first: decision 0008
+  uint g_contactMasks;
+  uint g_contactMaskWords;  // of a strand
+  float g_twistInertia;     // 0.005 min(1, 60 h): rotary inertia about the tangent over am l^2
   float4 g_drift;   // xyz (g + c wind) / weight [m], weight = 1 / he^2 + c / he
   float4 g_gust0;   // xyz what the gusts add to g_drift now [m]; w = how much strands differ, 0..1
   float4 g_gust1;   // xyz the same a quarter of their period later
@@ -105,10 +109,6 @@ cbuffer ExactConstants : register(b0, space1) {
   uint g_contactList;
   float g_guessTrend;       // 0.5 min(c, 1): share of what the last guess missed that a guess adds to
                             // the last turn of an edge
-  uint g_contactMasks;
-  uint g_contactMaskWords;  // of a strand
-  float g_twistInertia;     // 0.005 min(1, 60 h): rotary inertia about the tangent over am l^2
-  uint g_exactPad0;
 };
 
 // 8 sets. 0..3: of four states, the way of the vertex in the step that led to it, without what it

@@ -9,15 +9,15 @@
 #include "sdf_field.hlsli"
 
 cbuffer FollowCollisionConstants : register(b0, space0) {
+  uint g_followTileCount;  // T; first: decision 0008
+  uint g_followColliderCount;
+  uint g_followHistory;    // 1: g_followBefore has positions of the last frame; 0: it has none
+  uint g_followAgain;      // 1: for the strands that are marked
   float4 g_followOrigin;     // xyz of what fields and colliders are relative to, in world space [m]
   uint g_firstFollow;        // strand
   uint g_followStrandCount;  // F
   uint g_followVertexCount;  // V, 2..256
   uint g_followFieldCount;
-  uint g_followColliderCount;
-  uint g_followHistory;    // 1: g_followBefore has positions of the last frame; 0: it has none
-  uint g_followAgain;      // 1: for the strands that are marked
-  uint g_followTileCount;  // T
 };
 
 // A plane that a vertex stays in front of, relative to the origin. Without forces: a follow hair is

@@ -6,6 +6,15 @@
 #define PELAGE_LAYOUTS_GENERATE_SDF_HLSLI
 
 cbuffer GenerateSdfConstants : register(b0, space0) {
+  // Groups of the dispatches that an incremental build starts on the GPU; first: decision 0008.
+  uint g_triangleGroups;    // x of find_moved_triangles and scatter_triangles
+  uint g_surfaceGroups;     // x of update_surface
+  uint g_rowGroups;         // x of finalize_sdf
+  uint g_clearGroups;       // x of clear_sdf
+  uint g_columnGroups;      // x of count_sdf_columns
+  uint g_coarseGroups;      // x of fill_interior
+  float g_motionTolerance;  // a vertex that moved less since it was built stays where it is
+  uint g_buildFlags;        // kSdfIncremental, kSdfThreeAxes
   // As in SdfField.
   float4 g_fieldOrigin;
   uint4 g_fieldNodes;
@@ -24,15 +33,6 @@ cbuffer GenerateSdfConstants : register(b0, space0) {
   uint g_buildStamp;        // another number > 0 in every build
   float4 g_historyShift;    // xyz: what to add to the places of the last build; w = 1 when there
                             // are any, else 0
-  // Groups of the dispatches that an incremental build starts on the GPU.
-  uint g_triangleGroups;    // x of find_moved_triangles and scatter_triangles
-  uint g_surfaceGroups;     // x of update_surface
-  uint g_rowGroups;         // x of finalize_sdf
-  uint g_clearGroups;       // x of clear_sdf
-  uint g_columnGroups;      // x of count_sdf_columns
-  float g_motionTolerance;  // a vertex that moved less since it was built stays where it is
-  uint g_coarseGroups;      // x of fill_interior
-  uint g_buildFlags;        // kSdfIncremental, kSdfThreeAxes
 };
 
 // Only what moved is built; a mesh of three axes is built as a whole if anything moved.

@@ -12,6 +12,10 @@
 // as powers of two. No sum overflows, whatever the strands do: N vertices add at most 4 N by
 // rounding, for which there is room up to N = 2^28.
 cbuffer HairGridConstants : register(b0, space0) {
+  uint g_gridPad0;         // first: decision 0008
+  uint g_gridPad1;
+  uint g_gridFriction;     // 0 or 1: nodes have a momentum
+  uint g_addsForces;       // 0 or 1: g_otherForces are added
   float4 g_gridOrigin;     // xyz of node 0 in world space [m]; w = cell size [m]
   float4 g_gridVelocity;   // xyz of the object as a whole [m/s], what momentum is relative to; w =
                            // vmax [m/s], largest component of a velocity relative to it
@@ -23,10 +27,6 @@ cbuffer HairGridConstants : register(b0, space0) {
   float g_inverseStep;     // 1 / the step before [1/s]; 0: there is no position before
   uint g_gridSize;         // nodes an axis, 2..64
   uint g_gridVertexCount;  // elements of g_gridPositions and of all that is a vertex's
-  uint g_gridFriction;     // 0 or 1: nodes have a momentum
-  uint g_addsForces;       // 0 or 1: g_otherForces are added
-  uint g_gridPad0;
-  uint g_gridPad1;
 };
 
 // [strand][vertex] of the guides: world position [m]; w unused.

@@ -31,6 +31,10 @@ RWStructuredBuffer<float4> g_tangents : register(u1, space0);
 //   map(s)    = a / (1 + a), a = (H / h0)^2 s / (1 - s), with s <= 0.9999: a spring of the same
 //               stiffness, taken implicitly over H instead of h0
 cbuffer SimulationConstants : register(b0, space1) {
+  uint g_contactMasks;      // words of g_contactWords, with contacts; first: decision 0008
+  uint g_contactMaskWords;  // of a strand
+  uint g_factorSet;         // set of g_rest with factors of every vertex, 2; 0: there is none
+  float g_forceShare;       // square(h) / square(H), in 0..1
   float4 g_gravity;   // xyz [m/s2]; w unused
   float4 g_wind;      // xyz velocity of the air [m/s], gusts included; w = air drag c [1/s], >= 0
   float4 g_gust0;     // xyz the gusts' part of it now [m/s]; w = how much strands differ, 0..1
@@ -61,10 +65,6 @@ cbuffer SimulationConstants : register(b0, space1) {
   uint g_lengthIterations;   // the solve of tensions and the Newton steps after it, at most 64
   float g_tipSeparation;     // factor on the follow offsets at the tip, on top of FollowStrand's
   uint g_flags;              // bit 0: reset (take the goal, forget velocities); bit 1: rebase
-  uint g_contactMasks;      // words of g_contactWords, with contacts
-  uint g_factorSet;  // set of g_rest with factors of every vertex, 2; 0: there is none
-  uint g_contactMaskWords;  // of a strand
-  float g_forceShare;  // square(h) / square(H), in 0..1
 };
 
 // [2][G]: root frames of this frame (0) and the last one (1).

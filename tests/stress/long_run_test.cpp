@@ -1,4 +1,7 @@
-// A million steps: strands that swing without damping gain no energy and do not wander.
+// A million steps: strands that swing without damping gain no energy and do not wander. And what
+// a run in gusts may cost, in which the constants are new in every frame.
+#include <fstream>
+
 #include "stress/stress_run.h"
 
 namespace pelage::test {
@@ -106,6 +109,47 @@ TEST_P(LongRun, AMillionStepsOfAnUndampedSwingGainNoEnergyAndDoNotWander) {
       "%%, where it hangs afterwards %.3g mm from new hair\n",
       label().c_str(), lists * stepsAList, lists, 100 * gained, 100 * stretch, 1000 * drift);
 }
+
+/// Resident memory of this process [bytes]; 0 where the system does not say.
+uint64_t residentMemory() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.rfind("VmRSS:", 0) == 0) return std::stoull(line.substr(6)) * 1024;
+  return 0;
+}
+
+class GustyRun : public StressTest {
+ protected:
+  GustyRun() {
+    settings_.gravity.x = 0.5f;
+    settings_.wind.velocity = {2, 0, 1};
+    settings_.vspCoefficient = 0.2f;
+  }
+};
+
+// A driver that compiles a kernel anew for the constants of every frame keeps what it compiles:
+// docs/decisions/0008.
+TEST_P(GustyRun, TakesNoMemoryAFrame) {
+  if (kSanitized) GTEST_SKIP() << "the sanitizers keep what is freed";
+  constexpr int kFrames = 8;
+  constexpr double kMostAFrame = 1e6;
+  HairObject& hair = run_.scene.hair(add(wavyAsset(8, 12), {.settings = settings_}));
+  const CapsuleCollider ball[] = {
+      {.head = {0, -0.1f, 0}, .headRadius = 0.08f, .tail = {0, -0.1f, 0}, .tailRadius = 0.08f}};
+  hair.setColliders(ball);
+  for (int frame = 0; frame < kFrames; ++frame) run_.step();
+  const uint64_t before = residentMemory();
+  if (before == 0) GTEST_SKIP() << "the system does not say how much memory there is";
+  for (int frame = 0; frame < kFrames; ++frame) run_.step();
+  const double more = static_cast<double>(residentMemory()) - static_cast<double>(before);
+  EXPECT_LE(more / kFrames, kMostAFrame) << "bytes a frame";
+  std::printf("[ FIGURE ] gusts, %s: %.3g MB a frame\n", label().c_str(), more / kFrames / 1e6);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, GustyRun,
+                         testing::Combine(testing::ValuesIn(kApis),
+                                          testing::Values(Solver::kExact, Solver::kClassic)),
+                         stressTestName);
 
 INSTANTIATE_TEST_SUITE_P(All, LongRun,
                          testing::Combine(testing::ValuesIn(kApis),

@@ -63,10 +63,9 @@ inline const char* solverName(Solver solver) {
   return solver == Solver::kExact ? "Exact" : "Classic";
 }
 
-/// A test of a whole scene for each API and solver. Lavapipe (Mesa 22.3) compiles a kernel anew in
-/// every dispatch, for up to a second, where the first constant of its block is not 0, and some
-/// permutations in any case: these tests have forces along y and z alone, and always some wind and
-/// shock propagation, unless they are run in full.
+/// A test of a whole scene for each API and solver. Lavapipe (Mesa 22.3) may compile a kernel anew
+/// in every dispatch (docs/decisions/0008): these tests have forces along y and z alone, and always
+/// some wind and shock propagation, unless they are run in full.
 class StressTest : public testing::TestWithParam<std::tuple<Api, Solver>> {
  protected:
   StressTest() : run_(shared(api())) { settings_.solver = std::get<1>(GetParam()); }
