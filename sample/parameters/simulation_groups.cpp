@@ -126,7 +126,7 @@ std::vector<Parameter> mainRows() {
             "Curls at rest: a strand that twists easily is pulled straight by its weight."),
        "exact"},
       {PELAGE_FIELD(SimulationSettings, relaxationTime), "s", "0..1",
-       "Inner damping of bending and twist; 0 leaves it out of the kernel.",
+       "Inner damping of bending and twist; 0 leaves it out.",
        show(with(falling(34), damped), std::vector{0.0f, 0.05f, 0.5f},
             setting(&SimulationSettings::relaxationTime),
             "0.57 s after the lock was let go, without other damping: inner damping slows the "

@@ -119,7 +119,7 @@ class RodFieldRun {
     ExactConstants constants = constants_;
     constants.flags |= flags;
     const KernelVariant& variant =
-        *simulateRodsVariant({.damping = true, .contacts = true, .velocityShockPropagation = true});
+        *simulateRodsVariant({.contacts = true, .velocityShockPropagation = true});
     PassBuilder builder(list_);
     if ((flags & kAgain) != 0)
       builder.dispatchIndirect(variant, contacts_.contacts().words(),

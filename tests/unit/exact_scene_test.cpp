@@ -67,7 +67,7 @@ class ExactSceneTest : public testing::Test {
   SimulateRodsKey plainKey() const { return {.velocityShockPropagation = true}; }
   /// With colliders within reach.
   SimulateRodsKey contactKey() const {
-    return {.damping = true, .contacts = true, .velocityShockPropagation = true};
+    return {.contacts = true, .velocityShockPropagation = true};
   }
   const KernelVariant* variant() const { return passes("simulate_rods").at(0)->kernel; }
   std::vector<Collider> uploadedColliders(const HairObject& hair) const {
@@ -114,7 +114,7 @@ TEST_F(ExactSceneTest, AShiftOfTheOriginIsOnePassInTheNextListAlone) {
   EXPECT_TRUE(passes("rewrite_exact_positions").empty());
 }
 
-TEST_F(ExactSceneTest, WhatIsSwitchedOffIsNotInThePermutation) {
+TEST_F(ExactSceneTest, WhatIsSwitchedOffIsNotInThePermutationOrHasNoStrength) {
   HairObject& hair = add();
   simulate();
   EXPECT_EQ(variant(), simulateRodsVariant(plainKey()));
@@ -134,9 +134,12 @@ TEST_F(ExactSceneTest, WhatIsSwitchedOffIsNotInThePermutation) {
   EXPECT_EQ(variant(), simulateRodsVariant({}));
   EXPECT_EQ(scene_.resources().find(hair.buffers().rest)->size, rest);
 
+  EXPECT_EQ(constants().at(0).damping, 0.0f);
+
   hair.settings.relaxationTime = 1e-3f;
   simulate();
-  EXPECT_EQ(variant(), simulateRodsVariant({.damping = true}));
+  EXPECT_EQ(variant(), simulateRodsVariant({}));
+  EXPECT_GT(constants().at(0).damping, 0.0f);
 }
 
 TEST_F(ExactSceneTest, ShockPropagationGoesOnFromTheStateThatIsThere) {

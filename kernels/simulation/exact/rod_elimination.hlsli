@@ -87,23 +87,19 @@ Bending bendingOf(RodEdge edge, RodEdge parent, float3 rest, float inverseRegion
   Bending bending;
   bending.b = addOuter(addDiagonal(zeroSymmetric(), diagonal), dw, w);
   precise float3 gradient = rotate(parent.iterate, moment);
-#if DAMPING
-  if (g_damping == 0.0) {  // with contacts the permutation has it, too
-    bending.gradient = gradient;
-    return bending;
+  if (g_damping != 0.0) {
+    // Kelvin-Voigt: the same energy about the joint before the step, times tau / h.
+    float4 last = multiplyQuaternions(conjugate(parent.frame), edge.frame);
+    float4 change = multiplyQuaternions(relative, conjugate(last));
+    precise float turning = (change.w < 0.0 ? -4.0 : 4.0) / (1.0 + abs(change.w));
+    precise float3 turn = change.xyz * turning;
+    precise float3 friction = turn * kb;
+    precise float along = dk * dot3(turn, axis);
+    friction = friction + axis * along;
+    gradient = gradient + rotate(parent.iterate, friction) * g_damping;
+    precise float stiffer = 1.0 + g_damping;
+    bending.b = scaleSymmetric(bending.b, stiffer);
   }
-  // Kelvin-Voigt: the same energy about the joint before the step, times tau / h.
-  float4 last = multiplyQuaternions(conjugate(parent.frame), edge.frame);
-  float4 change = multiplyQuaternions(relative, conjugate(last));
-  precise float turning = (change.w < 0.0 ? -4.0 : 4.0) / (1.0 + abs(change.w));
-  precise float3 turn = change.xyz * turning;
-  precise float3 friction = turn * kb;
-  precise float along = dk * dot3(turn, axis);
-  friction = friction + axis * along;
-  gradient = gradient + rotate(parent.iterate, friction) * g_damping;
-  precise float stiffer = 1.0 + g_damping;
-  bending.b = scaleSymmetric(bending.b, stiffer);
-#endif
   bending.gradient = gradient;
   return bending;
 }

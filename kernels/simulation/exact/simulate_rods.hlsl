@@ -25,7 +25,7 @@
 //      A strand with a vertex that ended far from where its contact was found is marked, and its
 //      tile listed: the host has its contacts found again, and the pass goes on from the result (flag
 //      bit 7).
-// DAMPING: Kelvin-Voigt damping of the bending and the twist.
+// With g_damping: Kelvin-Voigt damping of the bending and the twist.
 // FORCES: accelerations and drags of a buffer, in step 3.
 // With the sleep flag the threads are those of the tiles that select_awake_tiles has found awake.
 //

@@ -174,7 +174,6 @@ Result<void> Scene::addExactPasses(Frame& frame) {
   SimulateRodsKey key;
   key.globalShape = internals.restSets.goals;
   key.forces = forcesOf(object) != BufferId::kInvalid;
-  key.damping = s.relaxationTime > 0;
   key.contacts = frame.contacts;
   key.velocityShockPropagation = usesVsp(s);
   const KernelVariant& variant = *simulateRodsVariant(completeKey(key));
