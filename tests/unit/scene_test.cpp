@@ -381,6 +381,7 @@ TEST_F(SceneTest, AShiftOfTheOriginIsInTheListThatComesNext) {
   std::vector<PassList> lists(1);
   ASSERT_TRUE(scene_.draw(seen, {}, {.method = Transparency::kStochastic}, lists));
   EXPECT_EQ(rewrites(lists[0]), 1u);
+  scene_.finish(lists[0]);
   EXPECT_EQ(rewrites(simulate(0)), 0u);
   // A reset writes everything.
   shift();
