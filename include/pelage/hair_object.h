@@ -214,7 +214,7 @@ class HairObject {
   /// a = k u. kInvalid takes none. Forces keep the hair awake.
   void setForces(BufferId forces) { buffers_.forces = forces; }
   /// Puts the hair into its bind shape at the next frame and forgets all velocities: for
-  /// teleports, cuts, and changes of animation.
+  /// teleports, cuts, and changes of animation. Sends bones, colliders and fields again.
   void reset();
 
  private:

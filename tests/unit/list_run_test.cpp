@@ -65,10 +65,10 @@ class ListRunTest : public testing::Test {
 
 TEST_F(ListRunTest, AListRunsOnce) {
   const PassList first = list();
-  const PassList copy = first;
+  const std::vector<PassList> copies(1, first);
   run(first);
   expectRefused(first, "has run before");
-  expectRefused(copy, "has run before");
+  expectRefused(copies[0], "has run before");
 }
 
 TEST_F(ListRunTest, AListThatIsRecordedDoesNotRunAgain) {
