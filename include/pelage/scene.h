@@ -204,9 +204,11 @@ class Scene {
   /// to move before the next list runs are views, lights with a position and the contents of
   /// buffers of your own: SdfColliderDef::vertices, and the forces of setForces() where they depend
   /// on a place. Buffers of positions are in the new coordinates when the next list of simulate(),
-  /// also with dt = 0, draw(), castShadows() or drawContacts() has run. \param shift [m],
-  /// -16,777,216..16,777,216 (2^24) along each axis, of any fraction. After whole
+  /// also with dt = 0, draw(), castShadows() or drawContacts() has run.
+  ///
+  /// \param shift [m], -16,777,216..16,777,216 (2^24) along each axis, of any fraction. After whole
   ///   metres the solvers' states have the same bits as without it.
+  ///
   /// Errors: a component is not finite or out of range. Nothing has changed then.
   /// Cost: a pass over the guides' positions in the next list; with collisions, hair contact or
   /// stored follow hairs one more for each of them. docs/scene.md says what floats hold.

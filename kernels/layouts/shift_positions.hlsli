@@ -3,11 +3,11 @@
 #define PELAGE_LAYOUTS_SHIFT_POSITIONS_HLSLI
 
 cbuffer ShiftPositionsConstants : register(b0, space0) {
-  float4 g_shift;       // xyz what to add [m]; w unused
-  uint g_shiftedFirst;  // element
+  uint g_shiftedFirst;  // element; first: decision 0008
   uint g_shiftedCount;
   uint g_shiftedPad0;
   uint g_shiftedPad1;
+  float4 g_shift;       // xyz what to add [m]; w unused
 };
 
 // xyz world position [m]; w is kept.

@@ -180,7 +180,7 @@ TEST_F(SceneDeliveryTest, ThingsMayComeAndGoWhileAFrameIsOpen) {
                                     rigidTransform({0, 0, 0, 1}, {-0.15f, 0.05f, 0})};
     scene.collider(*mesh).setBones(far);
     step(list_);
-    scene.removeHair(*gone);
+    EXPECT_TRUE(scene.removeHair(*gone));
     const auto late = scene.addHair(makeAsset(), {.name = "late"});
     const auto other = scene.addCollider(test::twoBoxes(), {.cellSize = 0.012f, .boneCount = 2});
     ASSERT_TRUE(late && other);
@@ -199,8 +199,8 @@ TEST_F(SceneDeliveryTest, ThingsMayComeAndGoWhileAFrameIsOpen) {
       }
       setDelivered(list_.run);
     }
-    for (const HairId id : {*kept, *late}) scene.removeHair(id);
-    for (const ColliderId id : {*mesh, *other}) scene.removeCollider(id);
+    for (const HairId id : {*kept, *late}) EXPECT_TRUE(scene.removeHair(id));
+    for (const ColliderId id : {*mesh, *other}) EXPECT_TRUE(scene.removeCollider(id));
     EXPECT_EQ(scene.resources().count(), 0u) << "nothing is left behind";
     step(list_);
   }
@@ -215,12 +215,12 @@ TEST_F(SceneDeliveryTest, RemovingAColliderWhileAFrameIsOpenLeavesNothingBehind)
                                     rigidTransform({0, 0, 0, 1}, {-0.4f, 0.05f, 0})};
     scene_.collider(a).setBones(far);
     write(list_);
-    scene_.removeCollider(a);
+    EXPECT_TRUE(scene_.removeCollider(a));
     if (runs) setDelivered(list_.run);
     run();
     EXPECT_EQ(count("scatter_triangles"), 1u);
-    scene_.removeCollider(b);
-    scene_.removeHair(hair);
+    EXPECT_TRUE(scene_.removeCollider(b));
+    EXPECT_TRUE(scene_.removeHair(hair));
     EXPECT_EQ(scene_.resources().count(), 0u);
   }
 }

@@ -369,6 +369,8 @@ TEST_F(SceneTest, AShiftOfTheOriginIsInTheListThatComesNext) {
   shift();
   ASSERT_TRUE(scene_.drawContacts(id_, view, {}, list));
   EXPECT_EQ(rewrites(list), 2u);
+  scene_.finish(list);
+  setDelivered(list.run);
   shift();
   // A draw that is refused leaves it to the next one.
   View broken = view;
