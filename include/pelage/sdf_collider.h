@@ -120,8 +120,8 @@ class SdfCollider {
   /// Says that the engine's vertex buffer has changed, and that all of it is in a box in world
   /// space [m]. What leaves the box is no longer seen by hair there.
   void setVertexBounds(const Float3& low, const Float3& high);
-  /// Forgets where the surface was: for teleports, with HairObject::reset(). The field is built as a
-  /// whole in the next frame in which hair reaches it.
+  /// Forgets where the surface was: for teleports, with HairObject::reset(). The field is built as
+  /// a whole in the next frame in which hair reaches it.
   void reset();
 
  private:
