@@ -415,8 +415,10 @@ Result<void> Scene::addClassicPasses(const Frame& frame) {
   constants.forceShare = static_cast<float>(squareOf(h, damping) / squareOf(forceStep, damping));
   constants.localStiffness = static_cast<float>(
       mapStiffness(std::min(static_cast<double>(s.localStiffness), kMaxLocalStiffness), forceStep));
-  constants.globalStiffness = static_cast<float>(mapStiffness(
-      std::min(static_cast<double>(s.globalStiffness), kMaxGlobalStiffness), forceStep));
+  if (usesGoals(s)) {
+    constants.globalStiffness = static_cast<float>(mapStiffness(
+        std::min(static_cast<double>(s.globalStiffness), kMaxGlobalStiffness), forceStep));
+  }
   constants.globalRange = s.globalRange;
   constants.vspCoefficient = s.vspCoefficient;
   constants.vspThreshold = s.vspThreshold;
@@ -425,18 +427,14 @@ Result<void> Scene::addClassicPasses(const Frame& frame) {
   constants.lengthIterations = s.lengthIterations;
 
   SimulateStrandsKey key;
-  key.wind = !isZero(s.wind.velocity) && s.airDrag > 0;
-  key.globalShape = usesGoals(s);
-  key.localShape = s.localStiffness > 0;
-  key.velocityShockPropagation = usesVsp(s);
   key.contacts = frame.contacts;
   key.forces = buffers.forces != BufferId::kInvalid;
   const detail::HairContacts& contacts = internals.contacts;
   constants.contactMasks = contacts.masks();
   constants.contactMaskWords = contacts.maskWords();
-  // Still air does not drag, also where forces or contacts bring the wind.
-  if (!key.wind) constants.wind.w = 0;
-  const KernelVariant& variant = *simulateStrandsVariant(completeKey(key));
+  // Still air does not drag.
+  if (isZero(s.wind.velocity)) constants.wind.w = 0;
+  const KernelVariant& variant = simulateStrandsVariant(key);
   const auto steps = static_cast<float>(frame.steps);
   for (uint32_t step = 0; step < frame.steps; ++step) {
     constants.flags = 0;
