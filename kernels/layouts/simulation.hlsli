@@ -65,7 +65,8 @@ cbuffer SimulationConstants : register(b0, space1) {
   uint g_localIterations;    // sweeps of the local shape, at most 64; 0: none
   uint g_lengthIterations;   // the solve of tensions and the Newton steps after it, at most 64
   float g_tipSeparation;     // factor on the follow offsets at the tip, on top of FollowStrand's
-  uint g_flags;              // bit 0: reset (take the goal, forget velocities); bit 1: rebase
+  uint g_flags;              // bit 0: reset (take the goal, forget velocities); bit 1: rebase;
+                             // bit 2: the bones are dual quaternions
 };
 
 // [2][G]: root frames of this frame (0) and the last one (1).
@@ -86,8 +87,8 @@ RWStructuredBuffer<float2> g_lengths : register(u2, space1);
 // With factors a third set: x on the spring of the local shape that ends at the vertex, y on that of
 // the global shape, z on the damping; >= 0, w unused.
 StructuredBuffer<float4> g_rest : register(t0, space1);
-// Skinning transforms, bind space to world: 3 rows of [M | t] a bone, or, with the dualQuaternions
-// permutation, 2 quaternions a bone: the rotation r and the dual part t r / 2 (common/bones.hlsli).
+// Skinning transforms, bind space to world: 3 rows of [M | t] a bone, or, with bit 2 of g_flags,
+// 2 quaternions a bone: the rotation r and the dual part t r / 2 (common/bones.hlsli).
 StructuredBuffer<float4> g_boneTransforms : register(t1, space1);
 // [G]
 StructuredBuffer<RootBinding> g_rootBindings : register(t2, space1);

@@ -29,6 +29,7 @@ constexpr double kReferenceStep = 1.0 / 60.0;
 // Bits of SimulationConstants::flags, as in kernels/layouts/simulation.hlsli.
 constexpr uint32_t kClassicReset = 1;
 constexpr uint32_t kClassicRebase = 2;
+constexpr uint32_t kDualQuaternions = 4;
 // Stiffness 1 would be an infinite spring.
 constexpr double kMaxGlobalStiffness = 0.9999;
 // Beyond this the local shape's sweeps overshoot; found by sweeping it on curled strands.
@@ -375,16 +376,18 @@ Result<void> Scene::addRootPass(const Frame& frame) {
   if (frame.internals.stillFrames >= 2) return {};
   const HairBuffers& buffers = frame.object.buffers_;
   const uint64_t guides = frame.object.guideCount_;
-  const bool dual = frame.internals.skinning == SkinningMethod::kDualQuaternions;
+  SimulationConstants constants = frame.commonConstants();
+  if (frame.internals.skinning == SkinningMethod::kDualQuaternions)
+    constants.flags |= kDualQuaternions;
   PassBuilder builder(frame.list);
-  builder.dispatch(skinRootsVariant({.dualQuaternions = dual}), frame.object.guideCount_)
+  builder.dispatch(skinRootsVariant(), frame.object.guideCount_)
       .bind("g_rest", buffers.bindRoots, guides * kVector)
       .bind("g_rootTransforms", buffers.rootTransforms,
             kRootTransformSets * guides * sizeof(RootTransform))
       .bind("g_boneTransforms", buffers.boneTransforms,
             detail::rowsOf(frame.internals.skinning) * frame.internals.bones.size() * kVector)
       .bind("g_rootBindings", buffers.rootBindings, guides * sizeof(RootBinding))
-      .constants("SimulationConstants", frame.commonConstants())
+      .constants("SimulationConstants", constants)
       .bytes(guides * (sizeof(RootBinding) + kVector + 3 * sizeof(RootTransform)));
   return builder.finish();
 }

@@ -189,7 +189,10 @@ class StrandRun {
   void setRootTransforms(const std::vector<RootTransform>& roots) { roots_.upload(list_, roots); }
 
   void skinRoots(bool dualQuaternions = false) {
-    pass(skinRootsVariant({.dualQuaternions = dualQuaternions}), guides_);
+    const uint32_t flags = constants.flags;
+    if (dualQuaternions) constants.flags |= 4;
+    pass(skinRootsVariant(), guides_);
+    constants.flags = flags;
   }
   void simulate(const StrandTerms& terms) {
     if (terms.contacts) findContacts();
