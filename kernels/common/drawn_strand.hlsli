@@ -1,9 +1,9 @@
 // Vertices of strands whose follow strands are placed beside their guides where they are needed, as
 // update_follow_strands places those that are stored; no resources. Who includes this defines:
 //   STRAND_POSITIONS, STRAND_VERTEX_COUNT
-// with FOLLOW_STRANDS, where the buffer of positions may have the guides alone, also
 //   STRAND_FOLLOW_STRANDS, STRAND_ROOTS, STRAND_GUIDE_COUNT, STRAND_TIP_SEPARATION
-//   STRAND_PLACES_FOLLOWS  true if it does, and follow strands are placed here
+//   STRAND_PLACES_FOLLOWS  true if the buffer of positions has the guides alone, and follow strands
+//                          are placed here
 // and, where tangents are needed, STRAND_TANGENTS.
 #ifndef PELAGE_COMMON_DRAWN_STRAND_HLSLI
 #define PELAGE_COMMON_DRAWN_STRAND_HLSLI
@@ -16,11 +16,9 @@ struct DrawnVertex {
   bool known;       // false for a follow strand without a guide
 };
 
-#if FOLLOW_STRANDS
 float4 guidePosition(uint guide, uint vertex) {
   return STRAND_POSITIONS[guide * STRAND_VERTEX_COUNT + vertex];
 }
-#endif
 
 float3 storedTangent(uint strand, uint vertex) {
 #ifdef STRAND_TANGENTS
@@ -30,7 +28,6 @@ float3 storedTangent(uint strand, uint vertex) {
 #endif
 }
 
-#if FOLLOW_STRANDS
 float3 guideTangent(uint guide, uint vertex) { return storedTangent(guide, vertex); }
 
 float4 guideRotation(uint guide) {
@@ -42,7 +39,6 @@ float4 guideRotation(uint guide) {
 }
 
 #include "follow_vertex.hlsli"
-#endif
 
 // \param vertex < STRAND_VERTEX_COUNT.
 DrawnVertex drawnVertex(uint strand, uint vertex) {
@@ -50,7 +46,6 @@ DrawnVertex drawnVertex(uint strand, uint vertex) {
   drawn.position = float3(0.0, 0.0, 0.0);
   drawn.tangent = float3(0.0, 1.0, 0.0);
   drawn.known = true;
-#if FOLLOW_STRANDS
   if (STRAND_PLACES_FOLLOWS && strand >= STRAND_GUIDE_COUNT) {
     FollowStrand follow = STRAND_FOLLOW_STRANDS[strand - STRAND_GUIDE_COUNT];
     GuideVertex guides =
@@ -63,7 +58,6 @@ DrawnVertex drawnVertex(uint strand, uint vertex) {
     drawn.tangent = placed.tangent;
     return drawn;
   }
-#endif
   drawn.position = STRAND_POSITIONS[strand * STRAND_VERTEX_COUNT + vertex].xyz;
   drawn.tangent = storedTangent(strand, vertex);
   return drawn;

@@ -21,7 +21,7 @@ cbuffer BoneSkinningConstants : register(b0, space0) {
   uint g_skinnedOffset;
   uint g_beforeStride;    // the same of g_skinnedBefore
   uint g_beforeOffset;
-  uint g_skinningPad0;
+  uint g_dualQuaternions;  // 1: the bones are dual quaternions; 0: matrices
   uint g_skinningPad1;
   uint g_skinningPad2;
 };
@@ -30,8 +30,8 @@ cbuffer BoneSkinningConstants : register(b0, space0) {
 StructuredBuffer<float> g_bindVertices : register(t0, space0);
 // [g_skinnedCount]
 StructuredBuffer<VertexBinding> g_vertexBindings : register(t1, space0);
-// Bind space to the space of the skinned positions: 3 rows of [M | t] a bone, or, with the
-// dualQuaternions permutation, 2 quaternions a bone: the rotation r and the dual part t r / 2
+// Bind space to the space of the skinned positions: 3 rows of [M | t] a bone, or, with
+// g_dualQuaternions, 2 quaternions a bone: the rotation r and the dual part t r / 2
 // (common/bones.hlsli).
 StructuredBuffer<float4> g_skinningBones : register(t2, space0);
 // Positions of this frame [m].

@@ -36,7 +36,7 @@ cbuffer SimulationConstants : register(b0, space1) {
   uint g_factorSet;         // set of g_rest with factors of every vertex, 2; 0: there is none
   float g_forceShare;       // square(h) / square(H), in 0..1
   float4 g_gravity;   // xyz [m/s2]; w unused
-  float4 g_wind;      // xyz velocity of the air [m/s], gusts included; w = air drag c [1/s], >= 0
+  float4 g_wind;      // xyz velocity of the air [m/s], gusts included; w = air drag c [1/s]; 0: none
   float4 g_gust0;     // xyz the gusts' part of it now [m/s]; w = how much strands differ, 0..1
   float4 g_gust1;     // xyz the same a quarter of their period later
   float4 g_origin;    // xyz of the object's origin in world space [m]; state, roots and colliders
@@ -55,16 +55,18 @@ cbuffer SimulationConstants : register(b0, space1) {
   float g_dampingKeep;       // keep(H): share of the velocity that is kept in H
   float g_gravityStep;       // square(H)
   float g_localStiffness;    // map(min(s, 0.95)): share of the way to the rest vector in a sweep
-  float g_globalStiffness;   // map(s): share of the way to the goal in H
+  float g_globalStiffness;   // map(s): share of the way to the goal in H; 0: none
   float g_globalRange;       // share of the strand's vertices that it acts on, 0..1, from the root
-  float g_vspCoefficient;    // share of the root's motion carried by the strand, 0..1
+  float g_vspCoefficient;    // share of the root's motion carried by the strand, 0..1; with 0 and
+                             // an infinite threshold there is no shock propagation
   float g_vspThreshold;      // acceleration of the root [m/s2] above which the share grows; it is
                              // 1 from twice the value on; > 0, may be infinite
   float g_maxSpeed;          // of the free motion, without what was carried [m/s]
-  uint g_localIterations;    // sweeps of the local shape, at most 64
+  uint g_localIterations;    // sweeps of the local shape, at most 64; 0: none
   uint g_lengthIterations;   // the solve of tensions and the Newton steps after it, at most 64
   float g_tipSeparation;     // factor on the follow offsets at the tip, on top of FollowStrand's
-  uint g_flags;              // bit 0: reset (take the goal, forget velocities); bit 1: rebase
+  uint g_flags;              // bit 0: reset (take the goal, forget velocities); bit 1: rebase;
+                             // bit 2: the bones are dual quaternions
 };
 
 // [2][G]: root frames of this frame (0) and the last one (1).
@@ -85,8 +87,8 @@ RWStructuredBuffer<float2> g_lengths : register(u2, space1);
 // With factors a third set: x on the spring of the local shape that ends at the vertex, y on that of
 // the global shape, z on the damping; >= 0, w unused.
 StructuredBuffer<float4> g_rest : register(t0, space1);
-// Skinning transforms, bind space to world: 3 rows of [M | t] a bone, or, with the dualQuaternions
-// permutation, 2 quaternions a bone: the rotation r and the dual part t r / 2 (common/bones.hlsli).
+// Skinning transforms, bind space to world: 3 rows of [M | t] a bone, or, with bit 2 of g_flags,
+// 2 quaternions a bone: the rotation r and the dual part t r / 2 (common/bones.hlsli).
 StructuredBuffer<float4> g_boneTransforms : register(t1, space1);
 // [G]
 StructuredBuffer<RootBinding> g_rootBindings : register(t2, space1);

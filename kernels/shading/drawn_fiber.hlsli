@@ -9,7 +9,6 @@
 #include "../common/random_hash.hlsli"
 #include "../layouts/render.hlsli"
 #include "strand_common.hlsli"
-#define FOLLOW_STRANDS 1
 #define STRAND_POSITIONS g_renderPositions
 #define STRAND_TANGENTS g_renderTangents
 #define STRAND_VERTEX_COUNT g_renderVertexCount

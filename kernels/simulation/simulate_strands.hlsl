@@ -10,17 +10,17 @@
 //   1. The root's pose at the sub-step's begin and end. Held vertices (0, 1, and those of inverse
 //      mass 0) go to their bind position in the end pose. A new origin of the object moves the
 //      state first.
-//   2. VELOCITY_SHOCK_PROPAGATION: current and previous positions are carried along by a share of
-//      the root's rigid motion.
+//   2. With g_vspCoefficient or a finite g_vspThreshold: current and previous positions are carried
+//      along by a share of the root's rigid motion.
 //   3. Free motion: u = (x - x_-1) (H / h_-1) keep + gravityStep g.
-//   4. WIND: u += k P (H w - u), P = I - t t^T, k = c H / (1 + c H): implicit Euler for
+//   4. With air drag c: u += k P (H w - u), P = I - t t^T, k = c H / (1 + c H): implicit Euler for
 //      dv/dt = c P (w - v), the drag of a thin fibre on the flow across it. Stable for every c h,
 //      along the wind for every sign of it, at the tip too, and the same for short and long
 //      segments. t is from the positions before the step.
 //   5. |u| <= H maxSpeed; z = x + u.
-//   6. GLOBAL_SHAPE: a share of the way to the goal, the bind position in the end pose.
-//   7. LOCAL_SHAPE: from root to tip each segment goes towards its rest vector in the frame that is
-//      carried along the strand without twist; each end moves half of the way.
+//   6. With g_globalStiffness: a share of the way to the goal, the bind position in the end pose.
+//   7. g_localIterations times: from root to tip each segment goes towards its rest vector in the
+//      frame that is carried along the strand without twist; each end moves half of the way.
 //   8. Of the change of displacement that 3. to 7. make, the share for h:
 //      x <- x + v h + forceShare (z - x - v H), v H = (x - x_-1) (H / h_-1). See takeForceShare().
 //   9. Length: the tensions of all segments at once (tridiagonal, and implicit in the segments'
@@ -62,9 +62,7 @@ void advance(inout Strand s) {
   s.root = position(s, 0);
   bool free = (g_flags & 1u) == 0u;
   if (free) {
-#if LOCAL_SHAPE
     keepLocalShape(s, rootFrame, rootDirection);
-#endif
     takeForceShare(s);
     solveLengths(s);
     if (s.held > 1) fitSpans(s, rootDirection);

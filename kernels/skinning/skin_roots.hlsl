@@ -8,7 +8,7 @@
 // Run it once a simulated frame, before the sub-steps.
 //
 // Position: the blended map applied to the bind root, which keeps the root on a skin that the same
-// bones move. Rotation: bones.hlsli; DUAL_QUATERNIONS blends rigid motions instead of matrices.
+// bones move. Rotation: bones.hlsli; dual quaternions are blended as rigid motions.
 //
 // Invariant (tests/kernel): the rotation is a unit quaternion and the position is finite for every
 // input. Bones past the end and weights that are not > 0 add nothing; where none is left, the
@@ -48,19 +48,19 @@ void skin_roots(uint3 thread : SV_DispatchThreadID) {
   uint4 bones = binding.bones;
   float4 weights = weightsOfBones(bones, binding.weights);
 
-#if DUAL_QUATERNIONS
-  RigidMotion motion;
-  if (blendDualQuaternions(bones, weights, motion)) {
-    next.rotation = motion.rotation;
-    next.position = float4(moveRigidly(motion, bindRoot), 0.0);
+  if ((g_flags & 4u) != 0u) {
+    RigidMotion motion;
+    if (blendDualQuaternions(bones, weights, motion)) {
+      next.rotation = motion.rotation;
+      next.position = float4(moveRigidly(motion, bindRoot), 0.0);
+    }
+  } else {
+    MatrixBlend blend;
+    if (blendMatrices(bones, weights, blend)) {
+      next.rotation = rotationOfBlend(blend, kept.rotation);
+      next.position = float4(moveByBlend(blend, bindRoot), 0.0);
+    }
   }
-#else
-  MatrixBlend blend;
-  if (blendMatrices(bones, weights, blend)) {
-    next.rotation = rotationOfBlend(blend, kept.rotation);
-    next.position = float4(moveByBlend(blend, bindRoot), 0.0);
-  }
-#endif
 
   // Sums of huge numbers may overflow although each of them was usable.
   if (!isPose(next)) next = kept;

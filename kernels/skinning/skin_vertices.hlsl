@@ -5,8 +5,8 @@
 // Writes:  g_skinnedBefore: what g_skinned had, the positions of the last frame; then g_skinned.
 //          With g_skinningReset both get the new positions. The floats between the positions stay.
 //
-// The blended map applied to the bind position; DUAL_QUATERNIONS blends rigid motions instead of
-// matrices (common/bones.hlsli).
+// The blended map applied to the bind position; dual quaternions are blended as rigid motions
+// (common/bones.hlsli).
 //
 // Invariant (tests/kernel): bones past the end and weights that are not > 0 add nothing; where none
 // is left, the binding's first bone has weight 1. A vertex whose bones hold a NaN or an infinity, or
@@ -22,13 +22,13 @@ float3 skinnedPosition(uint vertex, float3 bind, float3 kept) {
   VertexBinding binding = g_vertexBindings[vertex];
   float4 weights = weightsOfBones(binding.bones, binding.weights);
   float3 moved = kept;
-#if DUAL_QUATERNIONS
-  RigidMotion motion;
-  if (blendDualQuaternions(binding.bones, weights, motion)) moved = moveRigidly(motion, bind);
-#else
-  MatrixBlend blend;
-  if (blendMatrices(binding.bones, weights, blend)) moved = moveByBlend(blend, bind);
-#endif
+  if (g_dualQuaternions != 0u) {
+    RigidMotion motion;
+    if (blendDualQuaternions(binding.bones, weights, motion)) moved = moveRigidly(motion, bind);
+  } else {
+    MatrixBlend blend;
+    if (blendMatrices(binding.bones, weights, blend)) moved = moveByBlend(blend, bind);
+  }
   // Also for a bind position that is none, and for sums of huge numbers.
   return isUsable(moved) ? moved : kept;
 }

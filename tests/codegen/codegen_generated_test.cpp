@@ -61,8 +61,6 @@ TEST(GeneratedKernels, CompleteAKeyThatTheManifestExcludes) {
 TEST(GeneratedKernels, OfPelageGiveRareFeaturesTheCommonOnes) {
   static_assert(completeKey(pelage::SimulateRodsKey{.contacts = true}) ==
                 pelage::SimulateRodsKey{.contacts = true, .velocityShockPropagation = true});
-  static_assert(completeKey(pelage::SimulateStrandsKey{.forces = true}) ==
-                pelage::SimulateStrandsKey{.wind = true, .localShape = true, .forces = true});
   // Whatever a scene has, there is a kernel for it.
   for (int bits = 0; bits < 16; ++bits) {
     const pelage::SimulateRodsKey key{(bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0,

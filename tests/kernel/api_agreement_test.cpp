@@ -71,7 +71,7 @@ std::vector<uint32_t> simulatedBits(Gpu& gpu, bool dualQuaternions) {
     for (int part = 0; part < 2; ++part) {
       c.rootBegin = 0.5f * static_cast<float>(part);
       c.rootEnd = c.rootBegin + 0.5f;
-      run.simulate(StrandRun::key(true, true, true, true, true));
+      run.simulate(StrandRun::terms(true, true, true, true, true));
     }
     run.updateFollowStrands();
     run.run();

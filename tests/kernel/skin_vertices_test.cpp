@@ -67,7 +67,6 @@ class SkinRun {
           Place beforePlace = {})
       : gpu_(gpu),
         count_(static_cast<uint32_t>(bind.size())),
-        dual_(dual),
         place_(place),
         beforePlace_(beforePlace),
         bind_(gpu, "bindVertices", scatter(bind, bindPlace)),
@@ -81,6 +80,7 @@ class SkinRun {
     constants.skinnedCount = count_;
     constants.skinningCount = static_cast<uint32_t>(bones.size() / (dual ? 2 : 3));
     constants.skinningReset = 1;
+    constants.dualQuaternions = dual ? 1 : 0;
     constants.bindStride = bindPlace.stride;
     constants.bindOffset = bindPlace.offset;
     constants.skinnedStride = place.stride;
@@ -96,7 +96,7 @@ class SkinRun {
 
   void run() {
     PassBuilder builder(list_);
-    builder.dispatch(skinVerticesVariant({.dualQuaternions = dual_}), count_);
+    builder.dispatch(skinVerticesVariant(), count_);
     bind_.bindTo(builder, "g_bindVertices");
     bindings_.bindTo(builder, "g_vertexBindings");
     bones_.bindTo(builder, "g_skinningBones");
@@ -133,7 +133,6 @@ class SkinRun {
 
   Gpu& gpu_;
   uint32_t count_;
-  bool dual_;
   Place place_, beforePlace_;
   PassList list_;
   GuardedBuffer<float> bind_;

@@ -80,7 +80,7 @@ double worstStretch(const HairAsset& asset, const std::vector<Float4>& positions
 }
 
 /// Contacts have all the other axes, whose features are off here.
-const SimulateStrandsKey kStill = StrandRun::key(true, true, true, true, true);
+const StrandTerms kStill = StrandRun::terms(true, true, true, true, true);
 
 class StrandContact : public GpuTest {};
 
@@ -238,7 +238,7 @@ TEST_P(StrandContact, DoesNotDependOnWhereTheOriginIs) {
         run.constants.flags = 2;
       }
       run.setRoots(now, roots);
-      run.simulate(StrandRun::key(false, false, true, true));
+      run.simulate(StrandRun::terms(false, false, true, true));
       run.run();
       run.constants.flags = 0;
       roots = now;

@@ -97,6 +97,27 @@ inline reference::Pose bindPose(const HairAsset& asset, uint32_t strand) {
           toVector(asset.positions[size_t{strand} * asset.verticesPerStrand])};
 }
 
+/// Which terms a step has; the constants of the others do not matter.
+struct StrandTerms {
+  bool wind = false;
+  bool globalShape = false;
+  bool localShape = false;
+  bool velocityShockPropagation = false;
+  bool contacts = false;
+};
+
+/// The constants with those terms alone.
+inline SimulationConstants withTerms(SimulationConstants constants, const StrandTerms& terms) {
+  if (!terms.wind) constants.wind.w = 0;
+  if (!terms.globalShape) constants.globalStiffness = 0;
+  if (!terms.localShape) constants.localIterations = 0;
+  if (!terms.velocityShockPropagation) {
+    constants.vspCoefficient = 0;
+    constants.vspThreshold = std::numeric_limits<float>::infinity();
+  }
+  return constants;
+}
+
 /// The buffers of one groom on a device.
 class StrandRun {
  public:
@@ -168,11 +189,17 @@ class StrandRun {
   void setRootTransforms(const std::vector<RootTransform>& roots) { roots_.upload(list_, roots); }
 
   void skinRoots(bool dualQuaternions = false) {
-    pass(skinRootsVariant({.dualQuaternions = dualQuaternions}), guides_);
+    const uint32_t flags = constants.flags;
+    if (dualQuaternions) constants.flags |= 4;
+    pass(skinRootsVariant(), guides_);
+    constants.flags = flags;
   }
-  void simulate(const SimulateStrandsKey& key) {
-    if (key.contacts) findContacts();
-    pass(*simulateStrandsVariant(key), guides_);
+  void simulate(const StrandTerms& terms) {
+    if (terms.contacts) findContacts();
+    const SimulationConstants all = constants;
+    constants = withTerms(all, terms);
+    pass(simulateStrandsVariant({.contacts = terms.contacts}), guides_);
+    constants = all;
   }
   void updateFollowStrands() {
     pass(updateFollowStrandsVariant({}), (follows_ + 3) / 4, vertices_);
@@ -181,7 +208,7 @@ class StrandRun {
   void reset(const std::vector<reference::Pose>& now) {
     setRoots(now, now);
     constants.flags = 1;
-    simulate(key());
+    simulate({});
     contacts_.forget();
     constants.flags = 0;
     run();
@@ -210,9 +237,8 @@ class StrandRun {
     (void)bindings_.read();
     (void)followStrands_.read();
   }
-  static SimulateStrandsKey key(bool wind = false, bool globalShape = false,
-                                bool localShape = false, bool velocityShockPropagation = false,
-                                bool contacts = false) {
+  static StrandTerms terms(bool wind = false, bool globalShape = false, bool localShape = false,
+                           bool velocityShockPropagation = false, bool contacts = false) {
     return {.wind = wind,
             .globalShape = globalShape,
             .localShape = localShape,
@@ -280,8 +306,9 @@ class StrandRun {
   ContactPass contacts_;
 };
 
-/// The constants as the reference takes them; what the permutation leaves out is off.
-inline reference::ClassicStep toStep(const SimulationConstants& c, const SimulateStrandsKey& key) {
+/// The constants as the reference takes them.
+inline reference::ClassicStep toStep(const SimulationConstants& all, const StrandTerms& terms) {
+  const SimulationConstants c = withTerms(all, terms);
   reference::ClassicStep step;
   step.timeStep = c.timeStep;
   step.timeStepRatio = c.timeStepRatio;
@@ -291,22 +318,14 @@ inline reference::ClassicStep toStep(const SimulationConstants& c, const Simulat
   step.gravity = toVector(c.gravity);
   step.maxSpeed = c.maxSpeed;
   step.lengthIterations = static_cast<int>(c.lengthIterations);
-  if (key.wind) {
-    step.wind = toVector(c.wind);
-    step.airDrag = c.wind.w;
-  }
-  if (key.globalShape) {
-    step.globalStiffness = c.globalStiffness;
-    step.globalRange = c.globalRange;
-  }
-  if (key.localShape) {
-    step.localStiffness = c.localStiffness;
-    step.localIterations = static_cast<int>(c.localIterations);
-  }
-  if (key.velocityShockPropagation) {
-    step.vspCoefficient = c.vspCoefficient;
-    step.vspThreshold = c.vspThreshold;
-  }
+  step.wind = toVector(c.wind);
+  step.airDrag = c.wind.w;
+  step.globalStiffness = c.globalStiffness;
+  step.globalRange = c.globalRange;
+  step.localStiffness = c.localIterations > 0 ? c.localStiffness : 0;
+  step.localIterations = static_cast<int>(c.localIterations);
+  step.vspCoefficient = c.vspCoefficient;
+  step.vspThreshold = c.vspThreshold;
   return step;
 }
 

@@ -1,8 +1,8 @@
 // Finds the distance of the nearest hair from the light, a texel of a shadow map.
 //
 // Threads: one a segment of a strand, in rows of 2^20.
-// Reads:   g_shadowViews, g_shadowPositions; with g_shadowHasThickness g_shadowThickness; with
-//          FOLLOW_STRANDS g_shadowFollowStrands and g_shadowRoots
+// Reads:   g_shadowViews, g_shadowPositions; with g_shadowHasThickness g_shadowThickness; for
+//          strands from g_shadowGuideCount on g_shadowFollowStrands and g_shadowRoots
 // Writes:  the first word of the texels of g_shadowWords, which clear_strand_shadow has emptied
 //
 // A piece of a strand counts for all texels to which splat_strand_opacity gives a part of it: what

@@ -69,7 +69,6 @@ float3 limited(float3 v, float limit) {
   return r;
 }
 
-#if WIND
 // Displacement of the air in H. Every strand has a phase of the gusts of its own, which goes by
 // where it grows.
 float3 airWay(float3 bindRoot) {
@@ -87,7 +86,6 @@ float3 airWay(float3 bindRoot) {
   precise float3 way = air * forceStep();
   return way;
 }
-#endif
 
 // Moves the vertices to where a step of H takes them without the shape of the strand, and their
 // history to g_state. Sets what is held.
@@ -101,14 +99,13 @@ void integrate(inout Strand s, float3 bindRoot, RootPose end, Motion motion) {
   precise float velocityRatio = g_timeStepRatio * (stepLength / g_timeStep);
   // Of the inertia of H, beside the share of the change that forces make; 0 where that is 1.
   precise float driftShare = g_timeStep / stepLength - g_forceShare;
-#if WIND
+  bool drags = g_wind.w > 0.0;
   precise float dragStep = g_wind.w * stepLength;
   precise float dragShare = dragStep / (1.0 + dragStep);
-  float3 windStep = airWay(bindRoot);
-#endif
-#if GLOBAL_SHAPE
+  float3 windStep = float3(0.0, 0.0, 0.0);
+  if (drags) windStep = airWay(bindRoot);
+  bool hasGoals = g_globalStiffness > 0.0;
   precise float rangeEnd = g_globalRange * float(g_vertexCount);
-#endif
   uint last = g_vertexCount - 1;
   Particle p = makeParticle(loadVertex(0, guide), 0, bindRoot, end, motion);
   // Two vertices ahead, so that the way from memory is hidden.
@@ -142,20 +139,20 @@ void integrate(inout Strand s, float3 bindRoot, RootPose end, Motion motion) {
       u = pushed / (1.0 + drag);
     }
 #endif
-#if WIND
-    float3 tangent = directionOr(next.current - before, float3(0.0, 0.0, 0.0));
-    precise float3 relative = windStep - u;
-    precise float3 across = relative - tangent * dot3(tangent, relative);
-    u = u + across * dragShare;
-#endif
+    if (drags) {
+      float3 tangent = directionOr(next.current - before, float3(0.0, 0.0, 0.0));
+      precise float3 relative = windStep - u;
+      precise float3 across = relative - tangent * dot3(tangent, relative);
+      u = u + across * dragShare;
+    }
     u = limited(u, maxStep);
     precise float3 x = p.current + u;
-#if GLOBAL_SHAPE
-    float goalShare = g_globalStiffness;
-    if (hasFactors) goalShare = scaledShare(g_globalStiffness, factors.y);
-    float share = float(i) < rangeEnd ? goalShare : 0.0;
-    x = x + (p.goal - x) * share;
-#endif
+    if (hasGoals) {
+      float goalShare = g_globalStiffness;
+      if (hasFactors) goalShare = scaledShare(g_globalStiffness, factors.y);
+      float share = float(i) < rangeEnd ? goalShare : 0.0;
+      x = x + (p.goal - x) * share;
+    }
     float3 goal = p.goal;
     float3 moved = p.free ? x : goal;
     float3 stored = p.stored;

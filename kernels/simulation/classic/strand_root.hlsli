@@ -31,25 +31,23 @@ struct Motion {
   float3 shift;
 };
 
+// Whether strands are carried by their root's motion.
+bool propagatesShocks() { return g_vspCoefficient > 0.0 || g_vspThreshold < 3.402823e38; }
+
 float3 carried(Motion motion, float3 p) {
-#if VELOCITY_SHOCK_PROPAGATION
-  precise float3 arm = p - motion.pivot;
-  precise float3 r = p + (rotationDelta(motion.rotation, arm) + motion.shift);
+  precise float3 r = p;
+  if (propagatesShocks()) {
+    precise float3 arm = p - motion.pivot;
+    r = p + (rotationDelta(motion.rotation, arm) + motion.shift);
+  }
   return r;
-#else
-  return p;
-#endif
 }
 
 // Where carried() took a point from, to rounding.
 float3 uncarried(Motion motion, float3 p) {
-#if VELOCITY_SHOCK_PROPAGATION
   precise float3 arm = p - motion.pivot - motion.shift;
   precise float3 r = motion.pivot + rotate(conjugate(motion.rotation), arm);
   return r;
-#else
-  return p;
-#endif
 }
 
 Motion rootMotion(uint guide, RootPose begin, RootPose end) {
@@ -57,7 +55,7 @@ Motion rootMotion(uint guide, RootPose begin, RootPose end) {
   motion.rotation = float4(0.0, 0.0, 0.0, 1.0);
   motion.pivot = begin.position;
   motion.shift = float3(0.0, 0.0, 0.0);
-#if VELOCITY_SHOCK_PROPAGATION
+  if (!propagatesShocks()) return motion;
   // Acceleration of the root over two sub-steps of different length.
   float3 current = storedPosition(0, 0, guide);
   float3 previous = storedPosition(1, 0, guide);
@@ -78,7 +76,6 @@ Motion rootMotion(uint guide, RootPose begin, RootPose end) {
   motion.rotation = interpolateQuaternions(float4(0.0, 0.0, 0.0, 1.0), turn, share);
   precise float3 shift = (end.position - begin.position) * share;
   motion.shift = shift;
-#endif
   return motion;
 }
 

@@ -49,7 +49,7 @@ Result<HairId> Scene::addHair(const HairAsset& asset, const HairDef& def) {
   const uint64_t follows = def.followHairs.size();
   const uint64_t vertices = asset.verticesPerStrand;
   // What one dispatch takes: of skin_roots, and of update_follow_strands, which may be indirect.
-  const uint64_t mostGuides = kMostGroups * skinRootsVariant({}).groupSize[0];
+  const uint64_t mostGuides = kMostGroups * skinRootsVariant().groupSize[0];
   const uint64_t mostFollows =
       kMostGroups * updateFollowStrandsVariant({}).groupSize[0] * detail::kFollowsAThread;
   const bool stores = def.storeFollowHairs || def.collidingHair == CollidingHair::kGuidesAndFollows;

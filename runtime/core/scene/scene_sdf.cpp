@@ -424,13 +424,13 @@ Result<void> Scene::addSkinningPass(SdfCollider& collider, PassList& list) {
   constants.skinnedCount = c.vertexCount;
   constants.skinningCount = static_cast<uint32_t>(c.bones.size());
   constants.skinningReset = c.builtBones.empty() ? 1 : 0;
+  constants.dualQuaternions = method == SkinningMethod::kDualQuaternions ? 1 : 0;
   constants.bindStride = constants.skinnedStride = constants.beforeStride = 3;
   const uint64_t bytes = uint64_t{3} * c.vertexCount * sizeof(float);
   PassBuilder builder(list);
   builder
-      .dispatch(
-          skinVerticesVariant({.dualQuaternions = method == SkinningMethod::kDualQuaternions}),
-          std::min(c.vertexCount, kSkinningRow), (c.vertexCount + kSkinningRow - 1) / kSkinningRow)
+      .dispatch(skinVerticesVariant(), std::min(c.vertexCount, kSkinningRow),
+                (c.vertexCount + kSkinningRow - 1) / kSkinningRow)
       .bind("g_bindVertices", b.bindVertices, bytes)
       .bind("g_vertexBindings", b.bindings, c.vertexCount * sizeof(VertexBinding))
       .bind("g_skinningBones", b.bones, detail::rowsOf(method) * c.bones.size() * kVector)

@@ -29,6 +29,7 @@ constexpr double kReferenceStep = 1.0 / 60.0;
 // Bits of SimulationConstants::flags, as in kernels/layouts/simulation.hlsli.
 constexpr uint32_t kClassicReset = 1;
 constexpr uint32_t kClassicRebase = 2;
+constexpr uint32_t kDualQuaternions = 4;
 // Stiffness 1 would be an infinite spring.
 constexpr double kMaxGlobalStiffness = 0.9999;
 // Beyond this the local shape's sweeps overshoot; found by sweeping it on curled strands.
@@ -396,16 +397,18 @@ Result<void> Scene::addRootPass(const Frame& frame) {
   if (frame.internals.stillFrames >= 2) return {};
   const HairBuffers& buffers = frame.object.buffers_;
   const uint64_t guides = frame.object.guideCount_;
-  const bool dual = frame.internals.skinning == SkinningMethod::kDualQuaternions;
+  SimulationConstants constants = frame.commonConstants();
+  if (frame.internals.skinning == SkinningMethod::kDualQuaternions)
+    constants.flags |= kDualQuaternions;
   PassBuilder builder(frame.list);
-  builder.dispatch(skinRootsVariant({.dualQuaternions = dual}), frame.object.guideCount_)
+  builder.dispatch(skinRootsVariant(), frame.object.guideCount_)
       .bind("g_rest", buffers.bindRoots, guides * kVector)
       .bind("g_rootTransforms", buffers.rootTransforms,
             kRootTransformSets * guides * sizeof(RootTransform))
       .bind("g_boneTransforms", buffers.boneTransforms,
             detail::rowsOf(frame.internals.skinning) * frame.internals.bones.size() * kVector)
       .bind("g_rootBindings", buffers.rootBindings, guides * sizeof(RootBinding))
-      .constants("SimulationConstants", frame.commonConstants())
+      .constants("SimulationConstants", constants)
       .bytes(guides * (sizeof(RootBinding) + kVector + 3 * sizeof(RootTransform)));
   return builder.finish();
 }
@@ -436,8 +439,10 @@ Result<void> Scene::addClassicPasses(const Frame& frame) {
   constants.forceShare = static_cast<float>(squareOf(h, damping) / squareOf(forceStep, damping));
   constants.localStiffness = static_cast<float>(
       mapStiffness(std::min(static_cast<double>(s.localStiffness), kMaxLocalStiffness), forceStep));
-  constants.globalStiffness = static_cast<float>(mapStiffness(
-      std::min(static_cast<double>(s.globalStiffness), kMaxGlobalStiffness), forceStep));
+  if (usesGoals(s)) {
+    constants.globalStiffness = static_cast<float>(mapStiffness(
+        std::min(static_cast<double>(s.globalStiffness), kMaxGlobalStiffness), forceStep));
+  }
   constants.globalRange = s.globalRange;
   constants.vspCoefficient = s.vspCoefficient;
   constants.vspThreshold = s.vspThreshold;
@@ -446,18 +451,14 @@ Result<void> Scene::addClassicPasses(const Frame& frame) {
   constants.lengthIterations = s.lengthIterations;
 
   SimulateStrandsKey key;
-  key.wind = !isZero(s.wind.velocity) && s.airDrag > 0;
-  key.globalShape = usesGoals(s);
-  key.localShape = s.localStiffness > 0;
-  key.velocityShockPropagation = usesVsp(s);
   key.contacts = frame.contacts;
   key.forces = buffers.forces != BufferId::kInvalid;
   const detail::HairContacts& contacts = internals.contacts;
   constants.contactMasks = contacts.masks();
   constants.contactMaskWords = contacts.maskWords();
-  // Still air does not drag, also where forces or contacts bring the wind.
-  if (!key.wind) constants.wind.w = 0;
-  const KernelVariant& variant = *simulateStrandsVariant(completeKey(key));
+  // Still air does not drag.
+  if (isZero(s.wind.velocity)) constants.wind.w = 0;
+  const KernelVariant& variant = simulateStrandsVariant(key);
   const auto steps = static_cast<float>(frame.steps);
   for (uint32_t step = 0; step < frame.steps; ++step) {
     constants.flags = 0;

@@ -197,6 +197,8 @@ Result<void> addStrandShadow(PassList& list, const StrandShadowPlan& plan,
   const auto dispatch = [&](const KernelVariant& variant, uint64_t threads, uint64_t bytes,
                             const ShadowedHair& hair) {
     const uint64_t guides = hair.guideCount, follows = hair.strandCount - storedOf(hair);
+    const uint64_t stored = uint64_t{storedOf(hair)} * hair.vertexCount * sizeof(Float4);
+    const uint64_t roots = 2 * guides * sizeof(RootTransform);
     PassBuilder builder(list);
     builder
         .dispatch(variant, static_cast<uint32_t>(std::min(threads, kRow)),
@@ -207,24 +209,26 @@ Result<void> addStrandShadow(PassList& list, const StrandShadowPlan& plan,
               uint64_t{hair.vertexCount} * sizeof(Float4) *
                   (hair.storesFollows ? hair.strandCount : guides))
         .bind("g_shadowThickness", hair.thickness, uint64_t{hair.strandCount} * sizeof(float))
-        // A stand-in that is not read, where all strands have one thickness.
-        .bind("g_shadowThickness", hair.positions, uint64_t{guides} * sizeof(Float4))
-        .bind("g_shadowFollowStrands", hair.followStrands, follows * sizeof(FollowStrand))
-        .bind("g_shadowRoots", hair.rootTransforms, 2 * guides * sizeof(RootTransform))
-        .constants("StrandShadowConstants", constants)
-        .bytes(bytes);
+        .bind("g_shadowFollowStrands", follows > 0 ? hair.followStrands : BufferId::kInvalid,
+              follows * sizeof(FollowStrand))
+        .bind("g_shadowRoots", hair.rootTransforms, roots)
+        // Stand-ins that are not read, where no strand is placed and all have one thickness.
+        .bind("g_shadowFollowStrands", hair.rootTransforms, roots);
+    for (const char* name : {"g_shadowThickness", "g_shadowFollowStrands", "g_shadowRoots"})
+      builder.bind(name, hair.positions, stored);
+    builder.constants("StrandShadowConstants", constants).bytes(bytes);
     return builder.finish();
   };
   if (Result<void> added = dispatch(clearStrandShadowVariant({}), plan.words, plan.bytes(), {});
       !added)
     return added;
 
-  const auto eachHair = [&](const auto& variantOf) -> Result<void> {
+  const auto eachHair = [&](const KernelVariant& variant) -> Result<void> {
     for (const ShadowedHair& hair : hairs) {
       const uint32_t placed = hair.strandCount - storedOf(hair);
       constants.shadowVertexCount = hair.vertexCount;
       constants.shadowStrandCount = hair.strandCount;
-      constants.shadowGuideCount = hair.guideCount;
+      constants.shadowGuideCount = storedOf(hair);
       constants.shadowTipSeparation = hair.tipSeparation;
       constants.shadowFiberRadius = hair.fiberRadius;
       constants.shadowTipRatio = hair.tipRadiusRatio;
@@ -235,19 +239,14 @@ Result<void> addStrandShadow(PassList& list, const StrandShadowPlan& plan,
       const uint64_t bytes = uint64_t{storedOf(hair)} * hair.vertexCount * sizeof(Float4) +
                              placed * sizeof(FollowStrand) +
                              (placed > 0 ? uint64_t{hair.guideCount} * sizeof(RootTransform) : 0);
-      Result<void> added =
-          dispatch(variantOf(placed > 0), segmentsOf(hair), bytes + plan.bytes(), hair);
+      Result<void> added = dispatch(variant, segmentsOf(hair), bytes + plan.bytes(), hair);
       if (!added) return added;
     }
     return {};
   };
-  Result<void> added = eachHair([](bool placed) -> const KernelVariant& {
-    return splatStrandDepthsVariant({.followStrands = placed});
-  });
+  Result<void> added = eachHair(splatStrandDepthsVariant());
   if (!added || plan.view.layerCount == 0) return added;
-  added = eachHair([](bool placed) -> const KernelVariant& {
-    return splatStrandOpacityVariant({.followStrands = placed});
-  });
+  added = eachHair(splatStrandOpacityVariant());
   if (!added) return added;
   return dispatch(accumulateStrandShadowVariant({}), uint64_t{plan.view.width} * plan.view.height,
                   2 * plan.bytes(), {});
