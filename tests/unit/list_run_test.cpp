@@ -26,8 +26,8 @@ constexpr Kernel kPixelKernel = {"pixel", Stage::kPixel, kTables, {}, {}};
 constexpr KernelVariant kCopy = {&kCopyKernel, "", {}, {}, {}, kCopyBindings, {64, 1, 1}, 1};
 constexpr KernelVariant kVertex = {&kVertexKernel, "", {}, {}, {}, kDrawBindings, {0, 0, 0}, 2};
 constexpr KernelVariant kPixel = {&kPixelKernel, "", {}, {}, {}, kDrawBindings, {0, 0, 0}, 3};
-constexpr auto kA = BufferId{0};
-constexpr auto kB = BufferId{1};
+constexpr auto kA = BufferId{1};
+constexpr auto kB = BufferId{2};
 
 void addCopy(PassList& list, BufferId source, BufferId target) {
   PassBuilder builder(list);
