@@ -601,7 +601,8 @@ TEST_F(VulkanErrors, NamePassAndResourceOfARemovedBuffer) {
   addAccumulate(list_, gone, b_, 1, 1);
   table_.remove(gone);
   update();
-  expectError({"accumulate", "g_source", "#2", "removed"});
+  const std::string number = "#" + std::to_string(static_cast<uint32_t>(gone));
+  expectError({"accumulate", "g_source", number.c_str(), "removed"});
 }
 
 TEST_F(VulkanErrors, NameABufferThatUpdateHasNotSeen) {
