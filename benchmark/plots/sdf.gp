@@ -6,8 +6,8 @@ set linetype 4 lc rgb "#0072b2" pt 7 lw 2.4 ps 1.1
 set linetype 5 lc rgb "#cc79a7" pt 12 lw 1.6 ps 1.1
 methods = "classic tight one_axis three_axes band_4"
 names = "'TressFX 4.0 like' 'the same, tight grid' 'pelage, one axis' 'pelage, three axes' 'pelage, band of 4'"
-responses = "classic tight trilinear closest friction"
-labels = "'TressFX 4.0 like' 'the same, tight grid' 'pelage, trilinear' 'pelage, closest feature' 'closest feature, friction'"
+responses = "classic tight trilinear closest"
+labels = "'TressFX 4.0 like' 'the same, tight grid' 'pelage, trilinear' 'pelage, closest feature'"
 set multiplot layout 2,2 title "Distance field of ".shape." at ".cells." cells: ".device font ",13"
 build(k) = dir."/build.".word(methods, k)
 collide(k) = dir."/collide_near.".word(responses, k)
