@@ -30,8 +30,7 @@ awk -v api="$api" -v shape="$shape" -v dir="$work" '
       print tail[2], tail[8], tail[15] / 1048576, head[5], tail[9] > dir "/build." fileOf[method]
     } else if (head[7] == "collide_near") {
       name = method ~ /^classic/ ? fileOf[method] : method != "one axis" ? "" : \
-        response == "trilinear" ? "trilinear" : response == "closest feature" ? "closest" : \
-        ""
+        response == "trilinear" ? "trilinear" : response == "closest feature" ? "closest" : ""
       if (name != "")
         print tail[2], 100 - tail[13], tail[15] / 1048576, head[5] > dir "/collide_near." name
       vertices = tail[12]

@@ -30,8 +30,8 @@ set xlabel "collision of ".vertices." vertices [µs]"
 set ylabel "vertices left inside, % (0.001: none)"
 set title "collision: what stays inside, all within 3 cells"
 set key outside bottom center maxrows 3 samplen 2
-plot for [k = 1:5] collide(k) using 1:($2 > 0.001 ? $2 : 0.001) with linespoints lt k \
+plot for [k = 1:words(responses)] collide(k) using 1:($2 > 0.001 ? $2 : 0.001) with linespoints lt k \
     title word(labels, k), \
-  for [k = 1:5] collide(k) using 1:($2 > 0.001 ? $2 : 0.001):4 with labels offset 0.9,0.7 \
+  for [k = 1:words(responses)] collide(k) using 1:($2 > 0.001 ? $2 : 0.001):4 with labels offset 0.9,0.7 \
     font ",8" notitle
 unset multiplot
