@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "device.h"
+#include "simulation/bench_device.h"
 #include "simulation/measure.h"
 
 namespace bench {
@@ -27,7 +27,7 @@ class Baseline : public testing::TestWithParam<Api> {
   void SetUp() override {
     pelage::HeadlessDef def;
     def.api = GetParam();
-    auto device = sample::createDevice(def);
+    auto device = bench::createDevice(def);
     if (!device && device.error().code == pelage::ErrorCode::kUnsupported)
       GTEST_SKIP() << device.error().message;
     ASSERT_TRUE(device.ok()) << device.error().message;

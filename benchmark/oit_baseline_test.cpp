@@ -13,6 +13,7 @@
 
 #include "device.h"
 #include "oit/oit_measure.h"
+#include "simulation/bench_device.h"
 
 namespace bench {
 namespace {
@@ -36,14 +37,14 @@ class OitBaseline : public testing::TestWithParam<Api> {
   void SetUp() override {
     pelage::HeadlessDef deviceDef;
     deviceDef.api = GetParam();
-    auto device = sample::createDevice(deviceDef);
+    auto device = bench::createDevice(deviceDef);
     if (!device && device.error().code == pelage::ErrorCode::kUnsupported)
       GTEST_SKIP() << device.error().message;
     ASSERT_TRUE(device.ok()) << device.error().message;
     device_ = std::move(*device);
     auto def = groomScene(150, 1);
     ASSERT_TRUE(def.ok()) << def.error().message;
-    // As many layers as the mohawk has, of fibres that are wider than a pixel.
+    // As many layers as the mohawk has, of fibers that are wider than a pixel.
     def->material.fiberRadius = 1.2e-3f;
     def->material.opacity = 0.33f;
     def->light.shadow = pelage::HairShadow::kNone;
@@ -78,11 +79,11 @@ class OitBaseline : public testing::TestWithParam<Api> {
     EXPECT_EQ(some.fragments, all.fragments);
     EXPECT_NEAR(some.layersMean, all.layersMean, 0.2 * all.layersMean);
     for (const ExactPicture::Pixel& pixel : some.pixels)
-      ASSERT_EQ(pixel.place / kPixels % some.rowStep, 0u);
+      ASSERT_EQ(pixel.index / kPixels % some.rowStep, 0u);
     // Each of them is in both, and the same.
     size_t found = 0;
     for (const ExactPicture::Pixel& pixel : all.pixels) {
-      if (found == some.pixels.size() || some.pixels[found].place != pixel.place) continue;
+      if (found == some.pixels.size() || some.pixels[found].index != pixel.index) continue;
       for (int c = 0; c < 3; ++c) ASSERT_NEAR(some.pixels[found].color[c], pixel.color[c], 1e-6);
       ++found;
     }

@@ -15,6 +15,7 @@
 
 #include "device.h"
 #include "oit/oit_measure.h"
+#include "simulation/bench_device.h"
 
 namespace {
 
@@ -124,7 +125,7 @@ Result<void> runScene(pelage::Api api, const HairSceneDef& def, const Options& o
   pelage::HeadlessDef deviceDef;
   deviceDef.api = api;
   deviceDef.deviceIndex = options.device;
-  const auto device = sample::createDevice(deviceDef);
+  const auto device = bench::createDevice(deviceDef);
   if (!device) {
     if (device.error().code != pelage::ErrorCode::kUnsupported) return device.error();
     fmt::print("{}: skipped, {}\n", pelage::apiName(api), device.error().message);
@@ -210,7 +211,7 @@ int main(int argc, char** argv) {
   app.add_option("--views", options.views, "whole, close; both when not given")
       ->check(CLI::IsMember(std::set<std::string>{"whole", "close"}));
   app.add_option("--methods", options.methods, "only these")->check(CLI::IsMember(methods));
-  app.add_option("--opacities", options.opacities, "of a fibre")
+  app.add_option("--opacities", options.opacities, "of a fiber")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   app.add_option("--sizes", options.sizes, "of the pictures, WIDTHxHEIGHT [pixels]")

@@ -12,6 +12,7 @@
 #include "device.h"
 #include "scenes/scene_measure.h"
 #include "scenes/scene_report.h"
+#include "simulation/bench_device.h"
 
 namespace {
 
@@ -57,7 +58,7 @@ Result<std::unique_ptr<HeadlessDevice>> makeDevice(const std::string& api, const
   pelage::HeadlessDef def;
   def.api = *sample::parseApi(api);
   def.deviceIndex = options.device;
-  return sample::createDevice(def);
+  return bench::createDevice(def);
 }
 
 /// The rows of one API, one after the other.

@@ -8,8 +8,8 @@
 #include <memory>
 #include <string>
 
-#include "device.h"
-#include "sdf/field_measure.h"
+#include "sdf/sdf_measure.h"
+#include "simulation/bench_device.h"
 
 namespace bench {
 namespace {
@@ -19,8 +19,8 @@ using pelage::Float4;
 using pelage::HeadlessDevice;
 using pelage::reference::DistanceOracle;
 
-FieldShape shapeNamed(const std::string& name) {
-  for (FieldShape& shape : generatedShapes())
+SdfShape shapeNamed(const std::string& name) {
+  for (SdfShape& shape : generatedShapes())
     if (shape.name == name) return shape;
   ADD_FAILURE() << "there is no shape " << name;
   return {};
@@ -31,7 +31,7 @@ class SdfBaseline : public testing::TestWithParam<Api> {
   void SetUp() override {
     pelage::HeadlessDef def;
     def.api = GetParam();
-    auto device = sample::createDevice(def);
+    auto device = bench::createDevice(def);
     if (!device && device.error().code == pelage::ErrorCode::kUnsupported)
       GTEST_SKIP() << device.error().message;
     ASSERT_TRUE(device.ok()) << device.error().message;
@@ -41,21 +41,21 @@ class SdfBaseline : public testing::TestWithParam<Api> {
   }
 
   /// The row of the build, then those of the collisions with near hair.
-  std::vector<FieldRow> measured(const FieldShape& shape, uint32_t cells, FieldMethod method,
-                                 uint32_t vertices = 0) {
+  std::vector<SdfRow> measured(const SdfShape& shape, uint32_t cells, SdfMethod method,
+                               uint32_t vertices = 0) {
     const float cell = cellSizeOf(shape, cells);
     const DistanceOracle oracle(shape.mesh);
     const auto grid = comparedGrid(shape, cell, method.band);
     EXPECT_TRUE(grid.ok()) << (grid.ok() ? "" : grid.error().message);
-    if (!grid.ok()) return {FieldRow{}};
+    if (!grid.ok()) return {SdfRow{}};
     const std::vector<float> truth = trueDistances(oracle, *grid, 6);
     std::vector<HairSet> hair;
     if (vertices > 0) hair.push_back(makeHairSet(shape, oracle, "near", vertices, -3, 3, cell));
     method.collides = vertices > 0;
     auto rows =
-        measureField(*workbench_, *copies_, {shape, cells, *grid, truth, hair}, method, oracle, 2);
+        measureSdf(*workbench_, *copies_, {shape, cells, *grid, truth, hair}, method, oracle, 2);
     EXPECT_TRUE(rows.ok()) << (rows.ok() ? "" : rows.error().message);
-    return rows.ok() ? *rows : std::vector<FieldRow>{FieldRow{}};
+    return rows.ok() ? *rows : std::vector<SdfRow>{SdfRow{}};
   }
 
   std::unique_ptr<HeadlessDevice> device_;
@@ -65,7 +65,7 @@ class SdfBaseline : public testing::TestWithParam<Api> {
 
 // K27: 60 % of a sphere are never written, and K28: too far beyond two cells.
 TEST_P(SdfBaseline, ClassicLeavesMostOfASphereUnwritten) {
-  const FieldErrors errors =
+  const SdfErrors errors =
       measured(shapeNamed("sphere"), 50, {.name = "classic", .classic = true})[0].errors;
   EXPECT_EQ(errors.wrongSigns, 0u);
   EXPECT_NEAR(100 * errors.unsetInterior, 60, 3);
@@ -77,7 +77,7 @@ TEST_P(SdfBaseline, ClassicHasTheKnownDefectsOnTheBody) {
   auto shapes = realShapes(std::filesystem::path(PELAGE_TEST_DATA_DIR));
   ASSERT_TRUE(shapes.ok()) << shapes.error().message;
   if (shapes->empty()) GTEST_SKIP() << "skipped: no body";
-  const FieldRow row =
+  const SdfRow row =
       measured(shapes->front(), 50, {.name = "classic", .classic = true, .ownGrid = true})[0];
   EXPECT_GE(row.errors.wrongSigns, 8u);
   EXPECT_LE(row.errors.wrongSigns, 21u);
@@ -86,9 +86,9 @@ TEST_P(SdfBaseline, ClassicHasTheKnownDefectsOnTheBody) {
 }
 
 TEST_P(SdfBaseline, ThePaddedGridHasTheSameFieldAsTheTightOne) {
-  const FieldShape shape = shapeNamed("cube");
-  const FieldRow own = measured(shape, 25, {.name = "", .classic = true, .ownGrid = true})[0];
-  const FieldRow tight = measured(shape, 25, {.name = "", .classic = true})[0];
+  const SdfShape shape = shapeNamed("cube");
+  const SdfRow own = measured(shape, 25, {.name = "", .classic = true, .ownGrid = true})[0];
+  const SdfRow tight = measured(shape, 25, {.name = "", .classic = true})[0];
   EXPECT_GT(own.nodes, 5 * tight.nodes);
   EXPECT_EQ(own.errors.wrongSigns, tight.errors.wrongSigns);
   EXPECT_NEAR(own.errors.unsetInterior, tight.errors.unsetInterior, 1e-3);
@@ -97,7 +97,7 @@ TEST_P(SdfBaseline, ThePaddedGridHasTheSameFieldAsTheTightOne) {
 
 // K29 and what is known of forward differences: most, but not all, are out after one step.
 TEST_P(SdfBaseline, ClassicPushesOutSomeVerticesAndPelageAll) {
-  const FieldShape shape = shapeNamed("sphere");
+  const SdfShape shape = shapeNamed("sphere");
   const auto classic = measured(shape, 25, {.name = "classic", .classic = true}, 9600);
   ASSERT_EQ(classic.size(), 2u);
   EXPECT_GT(classic[1].resolved, 0.3);
@@ -108,23 +108,22 @@ TEST_P(SdfBaseline, ClassicPushesOutSomeVerticesAndPelageAll) {
 }
 
 TEST_P(SdfBaseline, WhatMovesThereAndBackIsBuiltAsIfItHadNotMoved) {
-  const FieldShape shape = shapeNamed("torus");
-  const FieldErrors still = measured(shape, 25, {.name = ""})[0].errors;
-  const FieldErrors moved =
-      measured(shape, 25, {.name = "", .motion = FieldMotion::kPart})[0].errors;
+  const SdfShape shape = shapeNamed("torus");
+  const SdfErrors still = measured(shape, 25, {.name = ""})[0].errors;
+  const SdfErrors moved = measured(shape, 25, {.name = "", .motion = SdfMotion::kPart})[0].errors;
   EXPECT_EQ(still.wrongSigns, 0u);
   EXPECT_EQ(moved.wrongSigns, 0u);
   EXPECT_EQ(moved.nearMax, still.nearMax);
   EXPECT_LT(still.nearMax, 5e-5);
 }
 
-TEST(FieldErrors, CountWhatIsWrong) {
+TEST(SdfErrors, CountWhatIsWrong) {
   const float truth[] = {1, -1, 0.5f, -0.5f, -3, -1.5f, 0.00001f};
   const NodeValue values[] = {{NodeState::kNear, -1},       {NodeState::kUnfilled, 2},
                               {NodeState::kNear, 0.75f},    {NodeState::kUnwritten, 0},
                               {NodeState::kFar, -3.5f},     {NodeState::kUnfilled, -2},
                               {NodeState::kNear, -0.00001f}};
-  const FieldErrors errors = compareField(values, truth);
+  const SdfErrors errors = compareSdf(values, truth);
   EXPECT_EQ(errors.wrongSigns, 2u);
   EXPECT_FLOAT_EQ(static_cast<float>(errors.nearMax), 0.25f);
   EXPECT_FLOAT_EQ(static_cast<float>(errors.farMax), 0.5f);
@@ -132,7 +131,7 @@ TEST(FieldErrors, CountWhatIsWrong) {
 }
 
 TEST(HairVertices, LieWhereTheyAreAskedFor) {
-  const FieldShape shape = shapeNamed("sphere");
+  const SdfShape shape = shapeNamed("sphere");
   const std::vector<Float4> hair = hairVertices(shape, 3200, -0.1f, 0.2f);
   ASSERT_EQ(hair.size(), 3200u);
   const DistanceOracle oracle(shape.mesh);

@@ -12,20 +12,21 @@
 #include <vector>
 
 #include "device.h"
-#include "sdf/field_measure.h"
+#include "sdf/sdf_measure.h"
+#include "simulation/bench_device.h"
 
 namespace {
 
-using bench::FieldMethod;
-using bench::FieldMotion;
-using bench::FieldRow;
-using bench::FieldShape;
 using bench::NodeGrid;
+using bench::SdfMethod;
+using bench::SdfMotion;
+using bench::SdfRow;
+using bench::SdfShape;
 using pelage::ErrorCode;
 using pelage::Result;
 using pelage::reference::DistanceOracle;
 
-constexpr double kReach = 6;  // cells outside that the oracle looks
+constexpr double kRange = 6;  // cells outside that the oracle looks
 
 struct Options {
   std::vector<std::string> apis = {"vulkan", "gl"};
@@ -44,8 +45,8 @@ bool isChosen(const std::vector<T>& chosen, const T& name) {
 }
 
 // The first one is what ratios refer to.
-std::vector<FieldMethod> methodsOf(const FieldShape& shape) {
-  std::vector<FieldMethod> methods = {
+std::vector<SdfMethod> methodsOf(const SdfShape& shape) {
+  std::vector<SdfMethod> methods = {
       {.name = "classic", .classic = true, .ownGrid = true, .collides = true},
       {.name = "classic, tight grid", .classic = true, .collides = true},
       {.name = "one axis", .collides = true},
@@ -55,8 +56,8 @@ std::vector<FieldMethod> methodsOf(const FieldShape& shape) {
   methods.push_back({.name = "band 4", .band = 4, .collides = true});
   methods.push_back({.name = "12 bits", .keyBits = 12, .collides = true});
   methods.push_back({.name = "10 bits", .keyBits = 10, .collides = true});
-  methods.push_back({.name = "9 % move", .motion = FieldMotion::kPart});
-  methods.push_back({.name = "nothing moves", .motion = FieldMotion::kNone});
+  methods.push_back({.name = "9 % move", .motion = SdfMotion::kPart});
+  methods.push_back({.name = "nothing moves", .motion = SdfMotion::kNone});
   return methods;
 }
 
@@ -68,7 +69,7 @@ struct Truth {
 
 class ShapeRun {
  public:
-  ShapeRun(bench::Workbench& workbench, bench::CopyReference& copies, const FieldShape& shape,
+  ShapeRun(bench::Workbench& workbench, bench::CopyReference& copies, const SdfShape& shape,
            const Options& options)
       : workbench_(workbench),
         copies_(copies),
@@ -84,7 +85,7 @@ class ShapeRun {
       truths_.clear();
       classic_.clear();
       makeHair(cells);
-      for (const FieldMethod& method : methodsOf(shape_)) {
+      for (const SdfMethod& method : methodsOf(shape_)) {
         if (!isChosen(options_.methods, method.name)) continue;
         auto rows = measure(cells, method);
         if (!rows) {
@@ -93,10 +94,10 @@ class ShapeRun {
           ++failures;
           continue;
         }
-        for (FieldRow& row : *rows) finishRow(row, method);
+        for (SdfRow& row : *rows) finishRow(row, method);
         if (options_.csv.empty()) continue;
         const auto& info = workbench_.device.info();
-        if (Result<void> done = bench::appendFieldCsv(options_.csv, *rows, info, options_.commit);
+        if (Result<void> done = bench::appendSdfCsv(options_.csv, *rows, info, options_.commit);
             !done)
           return done.error();
       }
@@ -105,11 +106,11 @@ class ShapeRun {
   }
 
  private:
-  Result<std::vector<FieldRow>> measure(uint32_t cells, const FieldMethod& method) {
+  Result<std::vector<SdfRow>> measure(uint32_t cells, const SdfMethod& method) {
     const auto truth = truthOf(cells, method.band);
     if (!truth) return truth.error();
-    const bench::FieldCase what = {shape_, cells, (*truth)->grid, (*truth)->distances, hair_};
-    return bench::measureField(workbench_, copies_, what, method, oracle_, options_.frames);
+    const bench::SdfCase what = {shape_, cells, (*truth)->grid, (*truth)->distances, hair_};
+    return bench::measureSdf(workbench_, copies_, what, method, oracle_, options_.frames);
   }
 
   // Near: all of it within 3 cells, half of it inside. Usual: outside, a twentieth within a cell.
@@ -129,11 +130,11 @@ class ShapeRun {
     const auto grid = bench::comparedGrid(shape_, bench::cellSizeOf(shape_, cells), band);
     if (!grid) return grid.error();
     Truth& truth = truths_[band];
-    truth = {*grid, bench::trueDistances(oracle_, *grid, kReach)};
+    truth = {*grid, bench::trueDistances(oracle_, *grid, kRange)};
     return &truth;
   }
 
-  void finishRow(FieldRow& row, const FieldMethod& method) {
+  void finishRow(SdfRow& row, const SdfMethod& method) {
     if (method.classic && method.ownGrid) classic_[row.what] = row.median;
     if (classic_[row.what] > 0) row.ratioToClassic = row.median / classic_[row.what];
     const auto& e = row.errors;
@@ -146,13 +147,13 @@ class ShapeRun {
     else
       fmt::print("{:>33}",
                  row.resolved >= 0 ? fmt::format("{:.3f} % out", 100 * row.resolved) : "");
-    fmt::print("{:>9.2f}\n", static_cast<double>(row.fieldBytes) / (1 << 20));
+    fmt::print("{:>9.2f}\n", static_cast<double>(row.sdfBytes) / (1 << 20));
     std::fflush(stdout);
   }
 
   bench::Workbench& workbench_;
   bench::CopyReference& copies_;
-  const FieldShape& shape_;
+  const SdfShape& shape_;
   const Options& options_;
   DistanceOracle oracle_;
   std::vector<bench::HairSet> hair_;       // of one cell size
@@ -160,12 +161,12 @@ class ShapeRun {
   std::map<std::string, double> classic_;  // [us] of what it is the time of
 };
 
-Result<void> runApi(pelage::Api api, const std::vector<FieldShape>& shapes, const Options& options,
+Result<void> runApi(pelage::Api api, const std::vector<SdfShape>& shapes, const Options& options,
                     int& failures) {
   pelage::HeadlessDef def;
   def.api = api;
   def.deviceIndex = options.device;
-  const auto device = sample::createDevice(def);
+  const auto device = bench::createDevice(def);
   if (!device) {
     if (device.error().code != ErrorCode::kUnsupported) return device.error();
     fmt::print("{}: skipped, {}\n", pelage::apiName(api), device.error().message);
@@ -177,7 +178,7 @@ Result<void> runApi(pelage::Api api, const std::vector<FieldShape>& shapes, cons
              "what", "method", "median us", "min us", "signs", "error", "unset %", "inside", "MiB");
   bench::Workbench workbench{**device, {}};
   bench::CopyReference copies(**device, workbench.scene, {});
-  for (const FieldShape& shape : shapes) {
+  for (const SdfShape& shape : shapes) {
     if (!isChosen(options.shapes, shape.name)) continue;
     const auto failed = ShapeRun(workbench, copies, shape, options).run();
     if (!failed) return failed.error();
@@ -189,7 +190,7 @@ Result<void> runApi(pelage::Api api, const std::vector<FieldShape>& shapes, cons
 Result<int> run(const Options& options) {
   auto shapes = bench::realShapes(options.data);
   if (!shapes) return shapes.error();
-  for (FieldShape& shape : bench::generatedShapes()) shapes->push_back(std::move(shape));
+  for (SdfShape& shape : bench::generatedShapes()) shapes->push_back(std::move(shape));
   int failures = 0;
   for (const std::string& name : options.apis)
     if (Result<void> done = runApi(*sample::parseApi(name), *shapes, options, failures); !done)

@@ -10,6 +10,7 @@
 
 #include "device.h"
 #include "pelage/hair_asset.h"
+#include "simulation/bench_device.h"
 #include "simulation/measure.h"
 
 namespace {
@@ -73,7 +74,7 @@ std::vector<SolverChoice> choicesOf(const BenchScene& scene, const Options& opti
 void print(const Measurement& m) {
   fmt::print("{:<24}{:<15}{:<16}{:>8}{:>11}{:>12.4g}{:>12.4g}{:>8}{:>12.1f}{:>12.1f}{:>10.1f}\n",
              m.scene, m.solver, m.setting, m.strands,
-             m.error >= 0 ? fmt::format("{:.4g}", m.error) : "-", m.largestStretch, m.rmsStretch,
+             m.error >= 0 ? fmt::format("{:.4g}", m.error) : "-", m.maxStretch, m.rmsStretch,
              m.brokenStrands, m.medianFrame, m.leastFrame, m.floor);
   std::fflush(stdout);
 }
@@ -154,7 +155,7 @@ Result<void> runApi(pelage::Api api, const Options& options, int& failures) {
   pelage::HeadlessDef def;
   def.api = api;
   def.deviceIndex = options.device;
-  const auto device = sample::createDevice(def);
+  const auto device = bench::createDevice(def);
   if (!device) {
     if (device.error().code != ErrorCode::kUnsupported) return device.error();
     fmt::print("{}: skipped, {}\n", pelage::apiName(api), device.error().message);

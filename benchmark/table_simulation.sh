@@ -37,7 +37,7 @@ tables() {
     error[key] = brief($10); stretch[key] = brief($11); rms[key] = brief($12)
     time[key] = brief($14); floor[key] = brief($20); rate[key] = brief($19)
     ratio[key] = brief($21); broken[key] = $13
-    if (where ~ / /) { if (!(where in known)) { known[where] = 1; places[++placeCount] = where } }
+    if (where ~ / /) { if (!(where in known)) { known[where] = 1; places[++pointCount] = where } }
   }
   END {
     print device ", " driver ", " api ", commit " commit ".\n"
@@ -79,7 +79,7 @@ tables() {
       }
       print line " |"
     }
-    for (p = 1; p <= placeCount; ++p) {
+    for (p = 1; p <= pointCount; ++p) {
       split(places[p], place, " ")
       print "\n`" place[1] "`, " place[2] " strands:\n"
       heading("rms stretch, % | largest, % | broken strands | µs a frame | of tressfx_like, 2 sweeps | " \

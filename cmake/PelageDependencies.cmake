@@ -17,6 +17,9 @@ macro(pelage_find name version package)
   endif()
 endmacro()
 
+# Seen by a project that takes pelage with add_subdirectory(), too.
+set(CMAKE_FIND_PACKAGE_TARGETS_GLOBAL TRUE)
+
 find_package(Threads REQUIRED)
 pelage_find(Eigen3 3.4 libeigen3-dev)
 pelage_find(fmt 9 libfmt-dev)
@@ -26,6 +29,7 @@ mark_as_advanced(PELAGE_XXHASH_INCLUDE_DIR)
 if(NOT PELAGE_XXHASH_INCLUDE_DIR)
   pelage_missing("the header xxhash.h" libxxhash-dev)
 endif()
+pelage_find(zstd 1.4 libzstd-dev)
 pelage_find(nlohmann_json 3.11 nlohmann-json3-dev)
 
 # glslang, with its HLSL front end, and SPIRV-Tools.

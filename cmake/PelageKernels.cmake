@@ -1,24 +1,58 @@
-# pelage_add_kernels(TARGET MANIFEST file [INCLUDE dirs...] [REFLECTION file])
+# pelage_add_kernels(TARGET MANIFEST file [INCLUDE dirs...] [REFLECTION file] [SHARED])
 #
-# Makes the static library TARGET from a manifest of HLSL kernels. Code that links it includes
-#   <namespace>/kernels.h      kernels, permutation keys, embedded SPIR-V and GLSL
+# Makes libraries, static ones without SHARED, from a manifest of HLSL kernels. Code that links
+# TARGET includes
+#   <namespace>/kernels.h      kernels and permutation keys
 #   <namespace>/layouts.h      layout tables and Create*Layout()
 #   <namespace>/gpu_structs.h  structs and constant blocks as the kernels read them
+#   <namespace>/constants.h    constants that the kernels declare for the host, too
+#   <namespace>/bindings.h     what a pass binds: a struct for each layout
+# The code of the kernels lies in libraries of its own, one object a kernel:
+#   <namespace>/spirv.h        TARGET_spirv
+#   <namespace>/glsl.h         TARGET_glsl, GLSL 450 core
+#   <namespace>/essl.h         TARGET_essl, ESSL 320
+#   <namespace>/code.h         TARGET_code: the three of them
 # The target's property PELAGE_GENERATED_INCLUDE is the folder that holds them.
 # INCLUDE adds folders to the search of #include in HLSL, REFLECTION names the JSON file (default:
 # reflection.json beside the generated sources).
 #
 # PELAGE_CODEGEN_EXECUTABLE names a pelage-codegen to use in place of the build's own or the
 # package's: for cross builds, whose own does not run here. PELAGE_CODEGEN_CACHE names a folder of
-# compiled permutations that several targets and build trees share.
+# compiled permutations that several targets and build trees share. PELAGE_KERNEL_NAMES keeps names
+# and lines in SPIR-V and indentation in GLSL, for debuggers; the default in Debug builds.
 set(PELAGE_CODEGEN_EXECUTABLE "" CACHE FILEPATH "pelage-codegen to use (empty: the one built)")
 set(PELAGE_CODEGEN_CACHE "" CACHE PATH "Folder of compiled permutations (empty: one a target)")
 
+if(CMAKE_BUILD_TYPE STREQUAL "Debug")
+  set(pelage_kernel_names ON)
+else()
+  set(pelage_kernel_names OFF)
+endif()
+option(PELAGE_KERNEL_NAMES "Keep names and lines in the code of kernels" ${pelage_kernel_names})
+
+# The names of a manifest's kernels.
+function(pelage_kernel_names text out)
+  set(names)
+  string(JSON kernels ERROR_VARIABLE error GET "${text}" kernels)
+  string(JSON count ERROR_VARIABLE error LENGTH "${kernels}")
+  if(NOT error AND count GREATER 0)
+    math(EXPR last "${count} - 1")
+    foreach(i RANGE ${last})
+      # What is wrong with the entry is said by pelage-codegen.
+      string(JSON name ERROR_VARIABLE error GET "${kernels}" ${i} name)
+      if(NOT error)
+        list(APPEND names "${name}")
+      endif()
+    endforeach()
+  endif()
+  set(${out} "${names}" PARENT_SCOPE)
+endfunction()
+
 function(pelage_add_kernels target)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "MANIFEST;REFLECTION" "INCLUDE")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "SHARED" "MANIFEST;REFLECTION" "INCLUDE")
   if(NOT arg_MANIFEST OR arg_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR
-      "usage: pelage_add_kernels(TARGET MANIFEST file [INCLUDE dirs...] [REFLECTION file])")
+      "usage: pelage_add_kernels(TARGET MANIFEST file [INCLUDE dirs...] [REFLECTION file] [SHARED])")
   endif()
   get_filename_component(manifest "${arg_MANIFEST}" ABSOLUTE)
   set(output "${CMAKE_CURRENT_BINARY_DIR}/${target}")
@@ -36,11 +70,19 @@ function(pelage_add_kernels target)
     message(FATAL_ERROR "${manifest}:1: error: [PK301] ${error}")
   endif()
   string(REPLACE "::" "/" folder "${namespace}")
-  set(headers
-    "${output}/include/${folder}/gpu_structs.h"
-    "${output}/include/${folder}/kernels.h"
-    "${output}/include/${folder}/layouts.h")
+  set(headers)
+  foreach(header bindings code constants essl glsl gpu_structs kernels layouts spirv)
+    list(APPEND headers "${output}/include/${folder}/${header}.h")
+  endforeach()
   set(sources "${output}/kernels.cpp" "${output}/layouts.cpp")
+  pelage_kernel_names("${text}" kernels)
+  set(code_sources "${output}/code/code.cpp")
+  foreach(format spirv glsl essl)
+    set(${format}_sources "${output}/code/${format}.cpp")
+    foreach(kernel IN LISTS kernels)
+      list(APPEND ${format}_sources "${output}/code/${kernel}_${format}.cpp")
+    endforeach()
+  endforeach()
 
   set(includes)
   foreach(dir IN LISTS arg_INCLUDE)
@@ -55,20 +97,39 @@ function(pelage_add_kernels target)
   if(PELAGE_CODEGEN_CACHE)
     set(cache --cache "${PELAGE_CODEGEN_CACHE}")
   endif()
+  set(names)
+  if(PELAGE_KERNEL_NAMES)
+    set(names --keep-names)
+  endif()
   add_custom_command(
     OUTPUT "${output}/kernels.stamp"
-    BYPRODUCTS ${headers} ${sources} "${reflection}"
-    COMMAND ${codegen} "${manifest}" --output "${output}" ${includes} ${cache}
+    BYPRODUCTS ${headers} ${sources} ${code_sources} ${spirv_sources} ${glsl_sources} ${essl_sources}
+      "${reflection}"
+    COMMAND ${codegen} "${manifest}" --output "${output}" ${includes} ${cache} ${names}
       --reflection "${reflection}" --stamp "${output}/kernels.stamp" --depfile "${output}/kernels.d"
     DEPENDS ${codegen} "${manifest}"
     DEPFILE "${output}/kernels.d"
     COMMENT "Compiling the kernels of ${target}"
     VERBATIM)
 
-  add_library(${target} STATIC ${sources} ${headers} "${output}/kernels.stamp")
-  target_compile_features(${target} PUBLIC cxx_std_20)
-  set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON
-    PELAGE_GENERATED_INCLUDE "${output}/include")
+  set(type STATIC)
+  if(arg_SHARED)
+    set(type SHARED)
+  endif()
+  # What needs the headers alone depends on this.
+  add_custom_target(${target}_headers DEPENDS "${output}/kernels.stamp")
+  add_library(${target} ${type} ${sources} ${headers} "${output}/kernels.stamp")
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${output}/include>)
   target_link_libraries(${target} PUBLIC pelage::headers)
+  foreach(format spirv glsl essl code)
+    add_library(${target}_${format} ${type} ${${format}_sources} "${output}/kernels.stamp")
+    target_link_libraries(${target}_${format} PUBLIC ${target})
+  endforeach()
+  target_link_libraries(${target}_code PUBLIC ${target}_spirv ${target}_glsl ${target}_essl)
+  foreach(library ${target} ${target}_spirv ${target}_glsl ${target}_essl ${target}_code)
+    add_dependencies(${library} ${target}_headers)
+    target_compile_features(${library} PUBLIC cxx_std_20)
+    set_target_properties(${library} PROPERTIES POSITION_INDEPENDENT_CODE ON
+      PELAGE_GENERATED_INCLUDE "${output}/include")
+  endforeach()
 endfunction()

@@ -6,9 +6,12 @@
 #include <spirv-tools/libspirv.hpp>
 #include <spirv-tools/optimizer.hpp>
 #include <spirv_cross/spirv_glsl.hpp>
+#include <spirv_cross/spirv_parser.hpp>
+#include <string_view>
 
 #include "codegen/checks/checks.h"
 #include "codegen/front_end.h"
+#include "codegen/reflect.h"
 #include "codegen/spirv_reader.h"
 
 namespace pelage::codegen {
@@ -42,7 +45,8 @@ std::vector<uint32_t> patchBindings(std::span<const uint32_t> words,
   return patched;
 }
 
-// Draws with the same vertex kernel and other pixel kernels have to find the same bits of depth.
+// Draws with the same vertex kernel and different pixel kernels must produce the same bits of
+// depth.
 std::vector<uint32_t> makePositionInvariant(const std::vector<uint32_t>& words) {
   const std::optional<SpirvReader> module = SpirvReader::parse(words);
   if (!module) return words;
@@ -90,7 +94,7 @@ std::optional<std::vector<uint32_t>> optimise(const std::vector<uint32_t>& words
                                               std::string& messages) {
   spvtools::Optimizer optimizer(kEnvironment);
   optimizer.SetMessageConsumer(collect(messages));
-  // HLSL may pass resources to functions, which SPIR-V may not until everything is inlined.
+  // HLSL may pass resources to functions; SPIR-V may not, until everything is inlined.
   optimizer.RegisterLegalizationPasses();
   optimizer.RegisterPerformancePasses();
   optimizer.RegisterPass(spvtools::CreateCompactIdsPass());
@@ -165,21 +169,73 @@ void bindForGl(spirv_cross::CompilerGLSL& compiler, const BackEndInput& input) {
     }
   };
   bind(resources.uniform_buffers);
-  bind(resources.storage_buffers);
   bind(resources.storage_images);
 }
 
-std::string crossCompile(const std::vector<uint32_t>& words, const BackEndInput& input, bool es,
-                         std::vector<BackEndError>& errors) {
-  // SPIRV-Cross reports by exceptions; they end here.
+constexpr std::string_view kVertexBlock = "vertex_";
+
+// Each permutation has its own numbers. A buffer that both stages of a program use has two, which
+// GL takes for two blocks only when they have two names.
+void bindStorageBuffers(spirv_cross::CompilerGLSL& compiler, const BackEndInput& input,
+                        const std::vector<uint32_t>& words) {
+  const std::optional<SpirvReader> module = SpirvReader::parse(words);
+  if (!module) return;
+  const auto numbers = storageBufferNumbers(*module, input.firstStorageBinding);
+  for (const spirv_cross::Resource& buffer : compiler.get_shader_resources().storage_buffers) {
+    const uint32_t set = compiler.get_decoration(buffer.id, spv::DecorationDescriptorSet);
+    const uint32_t binding = compiler.get_decoration(buffer.id, spv::DecorationBinding);
+    const auto number = numbers.find({set, binding});
+    if (number == numbers.end()) continue;
+    compiler.set_decoration(buffer.id, spv::DecorationBinding, number->second);
+    compiler.unset_decoration(buffer.id, spv::DecorationDescriptorSet);
+    if (input.stage != Stage::kVertex) continue;
+    // Buffers of one type: the first block has the name of the type, the others that of the
+    // variable.
+    for (const uint32_t id : {uint32_t{buffer.base_type_id}, uint32_t{buffer.id}}) {
+      const std::string name = compiler.get_name(id);
+      if (!name.empty() && !name.starts_with(kVertexBlock))
+        compiler.set_name(id, std::string(kVertexBlock) + name);
+    }
+  }
+}
+
+// The module as SPIRV-Cross reads it, or its reason not to.
+struct ParsedModule {
+  std::optional<spirv_cross::ParsedIR> ir;
+  std::string error;
+};
+
+// SPIRV-Cross reports by exceptions; they end here and in crossCompile().
+ParsedModule parseModule(const std::vector<uint32_t>& words) {
+  ParsedModule module;
   try {
-    spirv_cross::CompilerGLSL compiler(words);
+    spirv_cross::Parser parser(words);
+    parser.parse();
+    module.ir = std::move(parser.get_parsed_ir());
+  } catch (const std::exception& e) {
+    module.error = e.what();
+  }
+  return module;
+}
+
+std::string crossCompile(const ParsedModule& module, const std::vector<uint32_t>& words,
+                         const BackEndInput& input, bool es, std::vector<BackEndError>& errors) {
+  const auto fail = [&](std::string reason) {
+    errors.push_back({es ? "PK405" : "PK404",
+                      std::string("SPIRV-Cross cannot write ") + (es ? "ESSL 320" : "GLSL 450") +
+                          " from it: " + oneLine(std::move(reason)),
+                      true});
+    return std::string();
+  };
+  if (!module.ir) return fail(module.error);
+  try {
+    spirv_cross::CompilerGLSL compiler(*module.ir);
     spirv_cross::CompilerGLSL::Options options;
     options.version = es ? 320 : 450;
     options.es = es;
     options.enable_420pack_extension = true;
     options.emit_push_constant_as_uniform_buffer = true;
-    // Loop variables; Mesa warns of them as uninitialised where a for loop names them in its head.
+    // Loop variables; Mesa reports them as uninitialized if the head of a for loop declares them.
     options.force_zero_initialized_variables = true;
     options.vertex.support_nonzero_base_instance = false;
     if (input.stage == Stage::kVertex) {
@@ -192,13 +248,10 @@ std::string crossCompile(const std::vector<uint32_t>& words, const BackEndInput&
     compiler.set_common_options(options);
     bindCombinedSamplers(compiler, input, errors);
     bindForGl(compiler, input);
+    bindStorageBuffers(compiler, input, words);
     return compiler.compile();
   } catch (const std::exception& e) {
-    errors.push_back({es ? "PK405" : "PK404",
-                      std::string("SPIRV-Cross cannot write ") + (es ? "ESSL 320" : "GLSL 450") +
-                          " from it: " + oneLine(e.what()),
-                      true});
-    return {};
+    return fail(e.what());
   }
 }
 
@@ -219,24 +272,24 @@ BackEndOutput runBackEnd(const BackEndInput& input) {
     fail("PK402", "spirv-opt refuses the module: " + oneLine(messages));
     return output;
   }
-  messages.clear();
-  const bool valid = validate(*optimised, messages);
   output.optimised = *optimised;
-  if (!valid) {
-    fail("PK403", "spirv-val: " + oneLine(messages));
-    return output;
-  }
-  const std::optional<std::vector<uint32_t>> stripped = strip(*optimised);
+  // Stripping takes away nothing but names and lines, so that one validation does for both modules.
+  // What is wrong is looked for in the one with names.
+  std::optional<std::vector<uint32_t>> stripped = strip(*optimised);
   messages.clear();
   if (!stripped || !validate(*stripped, messages)) {
-    fail("PK403", "spirv-val on the stripped module: " + oneLine(messages));
+    std::string named;
+    const bool valid = validate(*optimised, named);
+    fail("PK403", valid ? "spirv-val on the stripped module: " + oneLine(messages)
+                        : "spirv-val: " + oneLine(named));
     return output;
   }
-  output.spirv = *stripped;
+  output.spirv = std::move(*stripped);
 
-  output.glsl = crossCompile(*optimised, input, false, output.errors);
+  const ParsedModule parsed = parseModule(*optimised);
+  output.glsl = crossCompile(parsed, *optimised, input, false, output.errors);
   std::vector<BackEndError> esErrors;
-  output.essl = crossCompile(*optimised, input, true, esErrors);
+  output.essl = crossCompile(parsed, *optimised, input, true, esErrors);
   const auto reparse = [&](std::string& text, const char* code, const char* language,
                            std::vector<BackEndError>& errors) {
     if (text.empty()) return;
@@ -251,8 +304,8 @@ BackEndOutput runBackEnd(const BackEndInput& input) {
   reparse(output.glsl, "PK407", "GLSL 450", output.errors);
   reparse(output.essl, "PK408", "ESSL 320", esErrors);
   for (BackEndError& error : esErrors) {
-    // A kernel for desktops alone may use what GLES lacks; it then has no ESSL.
-    error.isError = !input.desktopTier;
+    // A kernel of the wide tier may use features that GLES lacks; it then has no ESSL.
+    error.isError = input.tier != Tier::kWide;
     if (std::find_if(output.errors.begin(), output.errors.end(), [&](const BackEndError& e) {
           return e.message == error.message;
         }) == output.errors.end()) {

@@ -1,4 +1,4 @@
-// From the front end's module to what is shipped: bindings, optimisation, validation, GLSL, ESSL.
+// From the front end's module to the shipped code: bindings, optimization, validation, GLSL, ESSL.
 #pragma once
 
 #include <cstdint>
@@ -7,15 +7,16 @@
 #include <vector>
 
 #include "pelage/layout.h"
+#include "pelage/tier.h"
 
 namespace pelage::codegen {
 
-/// Where one resource of a module goes.
+/// The binding of one resource of a module.
 struct BindingPatch {
   uint32_t set = 0;         ///< as in the raw module
   uint32_t rawBinding = 0;  ///< as in the raw module
   uint32_t binding = 0;     ///< Vulkan binding in the same set
-  uint32_t glBinding = 0;
+  uint32_t glBinding = 0;   ///< not of storage buffers
   ResourceKind kind = ResourceKind::kStorageBuffer;
   bool operator==(const BindingPatch&) const = default;
 };
@@ -26,7 +27,8 @@ struct BackEndInput {
   Stage stage = Stage::kCompute;
   std::vector<BindingPatch> patches;
   bool precise = false;
-  bool desktopTier = false;
+  Tier tier = Tier::kBase;
+  uint32_t firstStorageBinding = 0;  ///< on GL; the others follow
 };
 
 struct BackEndError {
@@ -37,16 +39,16 @@ struct BackEndError {
 
 struct BackEndOutput {
   std::vector<uint32_t> optimised;  ///< with names and lines; bindings patched
-  std::vector<uint32_t> spirv;      ///< stripped: what is shipped
+  std::vector<uint32_t> spirv;      ///< stripped: the shipped code
   std::string glsl;
   std::string essl;
   std::vector<BackEndError> errors;
 };
 
-/// Goes as far as it can: what a failed step would have made stays empty.
+/// Continues as far as possible: the result of a failed step stays empty.
 BackEndOutput runBackEnd(const BackEndInput& input);
 
-/// Names and versions of the tools behind it, for cache keys.
+/// Returns the names and versions of the tools behind it, for cache keys.
 std::string backEndVersion();
 
 }  // namespace pelage::codegen

@@ -1,4 +1,4 @@
-// Results on disk under the hash of everything that they depend on.
+// A cache on disk; the key is the hash of everything on which a result depends.
 #pragma once
 
 #include <cstdint>
@@ -13,11 +13,11 @@ class Cache {
  public:
   explicit Cache(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-  /// Empty when there is none or the file is damaged.
+  /// Returns the result; empty if there is none or the file is damaged.
   std::optional<std::string> load(const std::string& key) const;
-  /// A result that cannot be written is made again the next time.
+  /// Stores a result. If it cannot be written, it is made again the next time.
   void store(const std::string& key, std::string_view payload) const;
-  /// Deletes the entries that were not used for the longest time until all fit into `bytes`.
+  /// Deletes the least recently used entries until all fit into `bytes`.
   void prune(uint64_t bytes) const;
 
  private:

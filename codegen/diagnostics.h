@@ -1,4 +1,4 @@
-// What the tool has to say about its input: errors and notes with file and line.
+// Messages of the tool about its input: errors and notes with file and line.
 #pragma once
 
 #include <compare>
@@ -9,13 +9,13 @@
 
 namespace pelage::codegen {
 
-/// One message in the way compilers print them.
+/// One message in the format of compilers.
 struct Diagnostic {
   std::string file;
   uint32_t line = 0;    ///< from 1
   std::string code;     ///< "PK012"
-  std::string message;  ///< one line, and the way out
-  bool isError = true;  ///< else a note, which does not fail the build
+  std::string message;  ///< one line, which also says what to do
+  bool isError = true;  ///< otherwise a note, which does not fail the build
 
   auto operator<=>(const Diagnostic&) const = default;
 };
@@ -42,7 +42,7 @@ class Diagnostics {
   /// In the order in which they were added.
   const std::vector<Diagnostic>& items() const { return items_; }
 
-  /// The sorted messages, one a line: "file:line: error: [PK012] message".
+  /// The sorted messages, one per line: "file:line: error: [PK012] message".
   std::string format() const;
 
  private:

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <deque>
 #include <functional>
 #include <mutex>
 #include <optional>
@@ -16,6 +17,7 @@
 #include "codegen/hash.h"
 #include "codegen/include_scan.h"
 #include "codegen/names.h"
+#include "codegen/pack.h"
 #include "codegen/process.h"
 #include "codegen/spirv_reader.h"
 #include "codegen/unit.h"
@@ -49,7 +51,10 @@ class Builder {
       : options_(options),
         baseDir_(fs::absolute(options.manifest).lexically_normal().parent_path()),
         cache_(cacheDir()),
-        scanner_(baseDir_, absolute(options.includeDirs)) {}
+        scanner_(baseDir_, absolute(options.includeDirs)) {
+    const unsigned jobs = options.jobs != 0 ? options.jobs : std::thread::hardware_concurrency();
+    for (unsigned i = 0; i < std::max(jobs, 1u); ++i) workers_.emplace_back(options.tool);
+  }
 
   BuildResult run() {
     result_.program.manifest = readManifest(options_.manifest, result_.diagnostics);
@@ -104,7 +109,8 @@ class Builder {
     for (const ManifestKernel& kernel : result_.program.manifest.kernels) {
       closures_[kernel.name] = scanner_.closure(kernel.file);
     }
-    forEachUnit([this](Unit& unit) { runFrontEnd(unit); });
+    collectConstants();
+    forEachUnit([this](Unit& unit, Worker& worker) { runFrontEnd(unit, worker); });
     report([](const Unit& unit) -> const Diagnostics& { return unit.front.diagnostics; });
 
     LayoutPlan plan(result_.program.manifest);
@@ -121,66 +127,136 @@ class Builder {
     collectStructs();
     // With two resources in one slot the patches would be ambiguous.
     if (!planDiagnostics.hasErrors()) {
-      forEachUnit([&](Unit& unit) {
-        if (unit.reflected) runBackEnd(unit, plan);
-      });
+      // The numbers of vertex kernels' buffers follow those of the pixel kernels.
+      for (const bool vertex : {false, true}) {
+        forEachUnit([&](Unit& unit, Worker& worker) {
+          if (unit.reflected && (unit.kernel->stage == Stage::kVertex) == vertex)
+            runBackEnd(unit, plan, worker);
+        });
+      }
       report([](const Unit& unit) -> const Diagnostics& { return unit.back.diagnostics; });
+      checkPairs();
       collectVariants(plan);
+      packKernels();
     }
+    finishWorkers();
     result_.program.layouts = plan.layouts();
     for (const Unit& unit : units_) ++(unit.ran ? result_.compiled : result_.fromCache);
   }
 
-  void forEachUnit(const std::function<void(Unit&)>& work) {
-    unsigned jobs = options_.jobs != 0 ? options_.jobs : std::thread::hardware_concurrency();
-    jobs = std::clamp(jobs, 1u, static_cast<unsigned>(std::max<size_t>(units_.size(), 1)));
+  void forEachUnit(const std::function<void(Unit&, Worker&)>& work) {
+    inParallel<Unit>(units_, [&](Unit& unit, size_t thread) { work(unit, workers_[thread]); });
+  }
+
+  // On as many threads as there are workers.
+  template <class Item>
+  void inParallel(std::vector<Item>& items,
+                  const std::function<void(Item&, size_t thread)>& work) const {
     std::atomic<size_t> next{0};
     std::vector<std::jthread> threads;
-    for (unsigned i = 0; i < jobs; ++i) {
-      threads.emplace_back([&] {
-        for (size_t u = next++; u < units_.size(); u = next++) work(units_[u]);
+    for (size_t i = 0; i < std::min(workers_.size(), items.size()); ++i) {
+      threads.emplace_back([&, i] {
+        for (size_t u = next++; u < items.size(); u = next++) work(items[u], i);
       });
     }
   }
 
-  // Runs a job in a child process. The result is what the child left, even when it crashed.
+  void finishWorkers() {
+    for (Worker& worker : workers_) {
+      const ProcessResult process = worker.finish();
+      if (process.end == ProcessResult::End::kDone) continue;
+      result_.diagnostics.error(result_.program.manifest.file, 1, "PK411",
+                                "a compiler crashed at its end: " + process.reason);
+    }
+  }
+
+  // Runs a job on a kernel or a file in a child process. The result is what the child left, even
+  // when it crashed.
+  // \param name of the child's files
   template <class Result>
-  std::optional<Result> runChild(Unit& unit, const std::string& step, const std::string& job,
+  std::optional<Result> runChild(Worker& worker, const std::string& name, const std::string& step,
+                                 const std::string& subject, const std::string& job,
                                  std::optional<Result> (*decode)(const std::string&),
                                  const SourceLocation& where) {
-    unit.ran = true;
-    const std::string stem = std::to_string(&unit - units_.data()) + "-" + step;
-    const fs::path jobFile = scratch_ / (stem + ".job");
-    const fs::path resultFile = scratch_ / (stem + ".result");
-    const fs::path logFile = scratch_ / (stem + ".log");
+    const std::string stem = (scratch_ / (name + "-" + step)).string();
+    const std::string jobFile = stem + ".job";
     ProcessResult process;
     if (writeWholeFile(jobFile, job)) {
-      process = runProcess({options_.tool.string(), "unit", jobFile.string(), resultFile.string()},
-                           logFile, options_.timeout);
+      process = worker.run(stem, options_.timeout);
     } else {
-      process.reason = "cannot write " + jobFile.string();
+      process.reason = "cannot write " + jobFile;
     }
-    const std::optional<std::string> text = readWholeFile(resultFile);
+    const std::optional<std::string> text = readWholeFile(stem + ".result");
     std::optional<Result> result = text ? decode(*text) : std::nullopt;
-    const bool ended = process.end == ProcessResult::End::kExited && process.exitStatus == 0;
+    const bool ended = process.end == ProcessResult::End::kDone;
     if (!result) result.emplace();
     // An error that was found before the crash is the better explanation.
     if (!(ended && result->complete) && !result->diagnostics.hasErrors()) {
-      std::string message = "the " + step + " crashed on kernel '" + unit.kernel->name + "'";
+      std::string message = "the " + step + " crashed on " + subject;
       if (process.end == ProcessResult::End::kTimedOut) {
-        message = "the " + step + " did not finish kernel '" + unit.kernel->name + "'";
+        message = "the " + step + " did not finish " + subject;
       } else if (process.end != ProcessResult::End::kCrashed) {
-        message = "the " + step + " failed on kernel '" + unit.kernel->name + "'";
-        if (process.reason.empty()) {
-          process.reason = "exit status " + std::to_string(process.exitStatus);
-        }
+        message = "the " + step + " failed on " + subject;
       }
       message += ": " + process.reason;
-      const std::string log = readWholeFile(logFile).value_or("");
+      const std::string log = readWholeFile(stem + ".log").value_or("");
       if (!log.empty()) message += "; it said: " + log.substr(0, log.find('\n'));
       result->diagnostics.error(where.file, where.line, "PK411", message);
     }
     return result;
+  }
+
+  template <class Result>
+  std::optional<Result> runChild(Worker& worker, Unit& unit, const std::string& step,
+                                 const std::string& job,
+                                 std::optional<Result> (*decode)(const std::string&),
+                                 const SourceLocation& where) {
+    unit.ran = true;
+    return runChild(worker, std::to_string(&unit - units_.data()), step,
+                    "kernel '" + unit.kernel->name + "'", job, decode, where);
+  }
+
+  void collectConstants() {
+    for (const ManifestConstants& listed : result_.program.manifest.constants) {
+      const std::vector<std::string> closure = scanner_.closure(listed.file);
+      closures_[listed.file] = closure;
+      Sha256 hash = startKey("constants");
+      hash.field(listed.file);
+      for (const std::string& name : closure) hash.field(name).field(scanner_.contentHash(name));
+      const std::string key = hex(hash.finish());
+      const std::optional<std::string> cached = cache_.load(key);
+      std::optional<ConstantsResult> result =
+          cached ? decodeConstantsResult(*cached) : std::nullopt;
+      if (!result) {
+        ConstantsJob job;
+        job.source.baseDir = baseDir_;
+        job.source.file = listed.file;
+        job.source.includeDirs = absolute(options_.includeDirs);
+        result = runChild(workers_[0], listed.space, "evaluation of constants",
+                          "file '" + listed.file + "'", encode(job), &decodeConstantsResult,
+                          SourceLocation{listed.file, 1});
+        checkIncludes(listed.file, result->files, closure, result->diagnostics);
+        if (!result->diagnostics.hasErrors()) cache_.store(key, encode(*result));
+      }
+      result_.diagnostics.append(result->diagnostics);
+      result_.program.constants.push_back(
+          {listed.file, listed.space, std::move(result->constants)});
+    }
+  }
+
+  // All that was read must be known to the dependency scan.
+  void checkIncludes(const std::string& source, const std::vector<std::string>& read,
+                     const std::vector<std::string>& closure, Diagnostics& diagnostics) const {
+    for (const std::string& file : read) {
+      if (std::find(closure.begin(), closure.end(), displayName(baseDir_ / file, baseDir_)) !=
+          closure.end()) {
+        continue;
+      }
+      diagnostics.error(source, 1, "PK409",
+                        "'" + file +
+                            "' is included through a macro: write the name in the #include line, "
+                            "so that a change of the file is noticed");
+    }
   }
 
   Sha256 startKey(const std::string& step) const {
@@ -190,7 +266,7 @@ class Builder {
     return hash;
   }
 
-  void runFrontEnd(Unit& unit) {
+  void runFrontEnd(Unit& unit, Worker& worker) {
     const ManifestKernel& kernel = *unit.kernel;
     FrontEndJob job;
     job.source.baseDir = baseDir_;
@@ -203,12 +279,11 @@ class Builder {
     }
     job.source.includeDirs = absolute(options_.includeDirs);
     job.kernel = kernel.name;
-    job.desktopTier = kernel.desktopTier;
     job.precise = kernel.precise;
 
     Sha256 hash = startKey("front end");
     hash.field(kernel.file).field(kernel.name).field(static_cast<uint64_t>(kernel.stage));
-    hash.field(uint64_t{kernel.desktopTier}).field(uint64_t{kernel.precise});
+    hash.field(uint64_t{kernel.precise});
     hash.field(uint64_t{job.source.macros.size()});
     for (const auto& [name, value] : job.source.macros) hash.field(name).field(value);
     const std::vector<std::string>& closure = closures_.at(kernel.name);
@@ -220,22 +295,13 @@ class Builder {
         return;
       }
     }
-    unit.front = *runChild(unit, "front end", encode(job), &decodeFrontEndResult,
+    unit.front = *runChild(worker, unit, "front end", encode(job), &decodeFrontEndResult,
                            SourceLocation{kernel.file, 1});
-    for (const std::string& file : unit.front.files) {
-      if (std::find(closure.begin(), closure.end(), displayName(baseDir_ / file, baseDir_)) !=
-          closure.end()) {
-        continue;
-      }
-      unit.front.diagnostics.error(kernel.file, 1, "PK409",
-                                   "'" + file +
-                                       "' is included through a macro: write the name in the "
-                                       "#include line, so that a change of the file is noticed");
-    }
+    checkIncludes(kernel.file, unit.front.files, closure, unit.front.diagnostics);
     if (!unit.front.diagnostics.hasErrors()) cache_.store(key, encode(unit.front));
   }
 
-  void runBackEnd(Unit& unit, const LayoutPlan& plan) {
+  void runBackEnd(Unit& unit, const LayoutPlan& plan, Worker& worker) {
     const ManifestKernel& kernel = *unit.kernel;
     BackEndJob job;
     job.kernel = kernel.name;
@@ -243,11 +309,12 @@ class Builder {
     job.entry = kernel.name;
     job.entryLocation = locate(unit, kernel.name);
     job.stage = kernel.stage;
-    job.desktopTier = kernel.desktopTier;
+    job.tier = kernel.tierOf(unit.permutation);
     job.precise = kernel.precise;
     job.spirv = unit.front.spirv;
     job.log = unit.front.log;
     job.patches = plan.patches(kernel, unit.reflection);
+    job.firstStorageBinding = firstStorageBinding(unit);
 
     const std::string encoded = encode(job);
     const std::string key = hex(startKey("back end").field(encoded).finish());
@@ -257,8 +324,63 @@ class Builder {
         return;
       }
     }
-    unit.back = *runChild(unit, "back end", encoded, &decodeBackEndResult, job.entryLocation);
+    unit.back =
+        *runChild(worker, unit, "back end", encoded, &decodeBackEndResult, job.entryLocation);
     if (!unit.back.diagnostics.hasErrors()) cache_.store(key, encode(unit.back));
+  }
+
+  static uint32_t storageBuffers(const Unit& unit) {
+    const std::optional<SpirvReader> module = SpirvReader::parse(unit.back.optimised);
+    return module ? static_cast<uint32_t>(storageBufferNumbers(*module, 0).size()) : 0;
+  }
+
+  bool canBeDrawn(const Unit& vertex, const Unit& pixel) const {
+    return vertex.kernel->stage == Stage::kVertex && pixel.kernel->stage == Stage::kPixel &&
+           result_.program.manifest.groupsFit(vertex.kernel->group, pixel.kernel->group);
+  }
+
+  // Both stages of a program share GL's binding points.
+  uint32_t firstStorageBinding(const Unit& unit) const {
+    const auto& own = unit.reflection.resources;
+    if (std::none_of(own.begin(), own.end(), [](const Resource& resource) {
+          return resource.kind == ResourceKind::kStorageBuffer;
+        })) {
+      return 0;
+    }
+    uint32_t first = 0;
+    for (const Unit& pixel : units_)
+      if (canBeDrawn(unit, pixel)) first = std::max(first, storageBuffers(pixel));
+    return first;
+  }
+
+  // All pairs of a vertex and a pixel kernel that fit, because nobody says which are drawn. Only a
+  // vertex kernel of the wide tier has storage buffers, so that no pair of the others can fail.
+  void checkPairs() {
+    for (const Unit& vertex : units_) {
+      const uint32_t own = storageBuffers(vertex);
+      if (vertex.kernel->stage != Stage::kVertex || own == 0) continue;
+      // PK217 and PK218 have said so.
+      if (own > limitsOf(vertex.kernel->tierOf(vertex.permutation)).storageBuffers.vertex) continue;
+      for (const Unit& pixel : units_) {
+        if (!canBeDrawn(vertex, pixel)) continue;
+        const Tier tier = std::max(vertex.kernel->tierOf(vertex.permutation),
+                                   pixel.kernel->tierOf(pixel.permutation));
+        const uint32_t both = own + storageBuffers(pixel);
+        if (both <= limitsOf(tier).drawStorageBuffers) continue;
+        const SourceLocation where = locate(vertex, vertex.kernel->name);
+        result_.diagnostics.error(
+            where.file, where.line, "PK702",
+            "kernels " + describe(vertex) + " and " + describe(pixel) + " have " +
+                std::to_string(both) + " storage buffers together; tier " + tierName(tier) +
+                " has " + std::to_string(limitsOf(tier).drawStorageBuffers) +
+                " for both stages of a draw: merge some, or put the kernels into groups that do "
+                "not share layouts");
+      }
+    }
+  }
+
+  static std::string describe(const Unit& unit) {
+    return "'" + unit.kernel->name + "'" + (unit.key.empty() ? "" : " with " + unit.key);
   }
 
   static SourceLocation locate(const Unit& unit, const std::string& name) {
@@ -355,11 +477,14 @@ class Builder {
       for (const Unit& unit : units_) {
         if (unit.kernel != &kernel || !unit.reflected) continue;
         collectSpecConstants(unit, output);
+        if (kernel.stage == Stage::kVertex) collectInputs(unit, output);
         const std::optional<SpirvReader> module = SpirvReader::parse(unit.back.optimised);
         if (!module || unit.back.spirv.empty()) continue;
         const auto [found, added] = known.emplace(unit.back.spirv, output.variants.size());
         if (!added) {
-          output.variants[found->second].permutations.push_back(unit.permutation);
+          VariantOutput& same = output.variants[found->second];
+          same.permutations.push_back(unit.permutation);
+          same.tier = std::min(same.tier, kernel.tierOf(unit.permutation));
           continue;
         }
         output.variants.push_back(makeVariant(unit, *module, plan));
@@ -371,23 +496,91 @@ class Builder {
     }
   }
 
-  static VariantOutput makeVariant(const Unit& unit, const SpirvReader& module, LayoutPlan& plan) {
+  // Puts the variants' code together, format by format, and compresses it.
+  void packKernels() {
+    inParallel<KernelOutput>(result_.program.kernels, [this](KernelOutput& output, size_t) {
+      for (const CodeFormat format : {CodeFormat::kSpirv, CodeFormat::kGlsl, CodeFormat::kEssl}) {
+        PackedCode& code = output.code[static_cast<size_t>(format)];
+        std::string all;
+        for (const VariantOutput& variant : output.variants) {
+          const std::string own = codeOf(variant, format);
+          if (own.empty()) continue;
+          code.ranges.push_back(
+              {variant.hash, static_cast<uint32_t>(all.size()), static_cast<uint32_t>(own.size())});
+          all += own;
+        }
+        if (all.empty()) continue;
+        code.unpackedBytes = static_cast<uint32_t>(all.size());
+        const std::string key = hex(
+            Sha256().field("pack").field(kCacheFormat).field(packVersion()).field(all).finish());
+        code.bytes = cache_.load(key).value_or("");
+        if (!code.bytes.empty()) continue;
+        code.bytes = pack(all);
+        cache_.store(key, code.bytes);
+      }
+    });
+    for (const KernelOutput& output : result_.program.kernels) {
+      for (const PackedCode& code : output.code) {
+        if (code.bytes.empty() && !code.ranges.empty())
+          result_.diagnostics.error(output.kernel.file, 1, "PK413",
+                                    "no memory to compress the code");
+      }
+    }
+  }
+
+  // The bytes of a variant's code.
+  std::string codeOf(const VariantOutput& variant, CodeFormat format) const {
+    if (format != CodeFormat::kSpirv) {
+      const std::string& source = format == CodeFormat::kGlsl ? variant.glsl : variant.essl;
+      return options_.keepNames ? source : withoutIndentation(source);
+    }
+    std::string bytes;
+    bytes.reserve(variant.spirv.size() * sizeof(uint32_t));
+    for (const uint32_t word : variant.spirv) {
+      for (int shift = 0; shift < 32; shift += 8) bytes += static_cast<char>(word >> shift & 0xffu);
+    }
+    return bytes;
+  }
+
+  static std::string withoutIndentation(std::string_view source) {
+    std::string text;
+    text.reserve(source.size());
+    bool lineStart = true;
+    for (const char c : source) {
+      if (lineStart && c == ' ') continue;
+      lineStart = c == '\n';
+      text += c;
+    }
+    return text;
+  }
+
+  VariantOutput makeVariant(const Unit& unit, const SpirvReader& module, LayoutPlan& plan) const {
     VariantOutput variant;
     variant.permutations.push_back(unit.permutation);
-    variant.spirv = unit.back.spirv;
+    variant.spirv = options_.keepNames ? unit.back.optimised : unit.back.spirv;
     variant.glsl = unit.back.glsl;
     variant.essl = unit.back.essl;
-    variant.hash = shortHash(Sha256().words(variant.spirv).finish());
+    // Two manifests may have one kernel, with the same SPIR-V and other numbers in its GLSL.
+    Sha256 hash;
+    hash.words(unit.back.spirv);
+    const uint32_t firstBinding = firstStorageBinding(unit);
+    if (firstBinding != 0) hash.field(uint64_t{firstBinding});
+    variant.hash = shortHash(hash.finish());
     const ModuleReflection reflection = reflectModule(module);
     std::copy_n(reflection.groupSize, 3, variant.groupSize);
     variant.sharedBytes = reflection.sharedBytes;
+    variant.tier = unit.kernel->tierOf(unit.permutation);
+    const auto numbers = storageBufferNumbers(module, firstBinding);
     for (const auto& [id, access] : resourceAccess(module)) {
       const uint32_t set = module.decoration(id, SpvDecorationDescriptorSet).value_or(0);
       const uint32_t binding = module.decoration(id, SpvDecorationBinding).value_or(0);
       std::vector<PlannedEntry>& entries = plan.layout(unit.kernel->group, set).entries;
       if (binding >= entries.size()) continue;
       entries[binding].access = entries[binding].access | access;
-      variant.bindings.push_back({set, binding, access});
+      const auto number = numbers.find({set, binding});
+      variant.bindings.push_back(
+          {set, binding, access,
+           number != numbers.end() ? number->second : entries[binding].glBinding});
     }
     std::sort(variant.bindings.begin(), variant.bindings.end(),
               [](const BindingUse& a, const BindingUse& b) {
@@ -425,6 +618,36 @@ class Builder {
     }
   }
 
+  // The vertex stage's inputs, one for each offset of the manifest and the same in all
+  // permutations.
+  void collectInputs(const Unit& unit, KernelOutput& output) {
+    const ManifestKernel& kernel = *unit.kernel;
+    const std::vector<StageInput>& inputs = unit.reflection.inputs;
+    const SourceLocation where = locate(unit, kernel.name);
+    const size_t known = kernel.vertexInput ? kernel.vertexInput->offsets.size() : 0;
+    const auto error = [&](const std::string& message) {
+      result_.diagnostics.error(where.file, where.line, "PK513",
+                                "kernel '" + kernel.name + "' " + message);
+    };
+    bool fits = inputs.size() == known;
+    for (size_t i = 0; i < inputs.size(); ++i) {
+      fits = fits && inputs[i].location == i;
+      if (inputs[i].scalar != ScalarType::kFloat && inputs[i].scalar != ScalarType::kUint)
+        error("has an input '" + inputs[i].name +
+              "' that is no float or uint, or a vector of them");
+    }
+    if (!fits) {
+      error("has " + std::to_string(inputs.size()) +
+            " vertex inputs, but \"vertexInput\" in the "
+            "manifest has " +
+            std::to_string(known) + " offsets: locations from 0 on, an offset each");
+    } else if (output.variants.empty() && output.inputs.empty()) {
+      output.inputs = inputs;
+    } else if (output.inputs != inputs) {
+      error("has other vertex inputs in other permutations");
+    }
+  }
+
   BuildResult finish() {
     if (!result_.diagnostics.hasErrors()) writeOutputs();
     // Files are named relative to the manifest so far; a person wants a path that opens.
@@ -443,9 +666,10 @@ class Builder {
 
   void writeOutputs() {
     std::map<fs::path, std::string> files;
-    for (auto& [name, text] : emitSources(result_.program)) {
+    for (auto& [name, text] : emitSources(result_.program))
       files[options_.outputDir / name] = std::move(text);
-    }
+    for (auto& [name, text] : emitCode(result_.program))
+      files[options_.outputDir / name] = std::move(text);
     files[options_.reflectionFile.empty() ? options_.outputDir / "reflection.json"
                                           : options_.reflectionFile] =
         emitReflection(result_.program);
@@ -490,7 +714,8 @@ class Builder {
   std::string toolHash_;
   Cache cache_;
   IncludeScanner scanner_;
-  std::map<std::string, std::vector<std::string>> closures_;  // by kernel
+  std::deque<Worker> workers_;
+  std::map<std::string, std::vector<std::string>> closures_;  // by kernel or file
   std::vector<Unit> units_;
   BuildResult result_;
 };

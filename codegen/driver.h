@@ -1,4 +1,4 @@
-// The whole way from a manifest to the generated files.
+// Runs all steps from a manifest to the generated files.
 #pragma once
 
 #include <chrono>
@@ -15,14 +15,15 @@ namespace pelage::codegen {
 struct BuildOptions {
   std::filesystem::path manifest;
   std::vector<std::filesystem::path> includeDirs;
-  std::filesystem::path outputDir;       ///< gets include/<namespace>/*.h and *.cpp
+  std::filesystem::path outputDir;       ///< gets include/<namespace>/*.h, *.cpp and code/*.cpp
   std::filesystem::path reflectionFile;  ///< empty: reflection.json in outputDir
   std::filesystem::path depFile;         ///< empty: none. Needs stampFile.
   std::filesystem::path stampFile;       ///< empty: none. Touched after every success.
   std::filesystem::path cacheDir;        ///< empty: "cache" in outputDir
   std::filesystem::path tool;            ///< pelage-codegen, which the children run
-  unsigned jobs = 0;                     ///< children at a time; 0: one for each hardware thread
-  std::chrono::seconds timeout{120};     ///< for a child
+  bool keepNames = false;                ///< debug names in SPIR-V, indentation in GLSL
+  unsigned jobs = 0;                     ///< parallel children; 0: one per hardware thread
+  std::chrono::seconds timeout{120};     ///< of a child
 };
 
 struct BuildResult {

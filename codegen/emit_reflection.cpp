@@ -65,6 +65,20 @@ Json completionJson(const ManifestKernel& kernel) {
   return json;
 }
 
+Json vertexInputJson(const KernelOutput& output) {
+  const ManifestVertexInput& input = *output.kernel.vertexInput;
+  Json attributes = Json::array();
+  for (const StageInput& attribute : output.inputs) {
+    attributes.push_back({{"location", attribute.location},
+                          {"type", word(attribute.scalar)},
+                          {"components", attribute.components},
+                          {"offset", input.offsets[attribute.location]}});
+  }
+  return {{"step", input.perInstance ? "instance" : "vertex"},
+          {"stride", input.stride},
+          {"attributes", std::move(attributes)}};
+}
+
 Json kernelJson(const KernelOutput& output, const Program& program) {
   const ManifestKernel& kernel = output.kernel;
   Json constants = Json::array();
@@ -90,9 +104,12 @@ Json kernelJson(const KernelOutput& output, const Program& program) {
       bindings.push_back({{"set", use.set},
                           {"entry", use.entry},
                           {"name", entryName},
-                          {"access", word(use.access)}});
+                          {"access", word(use.access)},
+                          {"glBinding", use.glBinding}});
     }
-    Json json = {{"keys", std::move(keys)}, {"bindings", std::move(bindings)}};
+    Json json = {{"keys", std::move(keys)},
+                 {"tier", tierName(variant.tier)},
+                 {"bindings", std::move(bindings)}};
     if (kernel.stage == Stage::kCompute) {
       json["groupSize"] = {variant.groupSize[0], variant.groupSize[1], variant.groupSize[2]};
       json["sharedBytes"] = variant.sharedBytes;
@@ -100,15 +117,16 @@ Json kernelJson(const KernelOutput& output, const Program& program) {
     json["hash"] = fmt::format("{:016x}", variant.hash);
     variants.push_back(std::move(json));
   }
-  return {{"name", kernel.name},
-          {"file", kernel.file},
-          {"stage", word(kernel.stage)},
-          {"layouts", program.manifest.groups[kernel.group].layouts},
-          {"tier", kernel.desktopTier ? "desktop" : "portable"},
-          {"precise", kernel.precise},
-          {"specConstants", std::move(constants)},
-          {"completion", completionJson(kernel)},
-          {"variants", std::move(variants)}};
+  Json json = {{"name", kernel.name},
+               {"file", kernel.file},
+               {"stage", word(kernel.stage)},
+               {"layouts", program.manifest.groups[kernel.group].layouts},
+               {"precise", kernel.precise}};
+  if (kernel.vertexInput) json["vertexInput"] = vertexInputJson(output);
+  json["specConstants"] = std::move(constants);
+  json["completion"] = completionJson(kernel);
+  json["variants"] = std::move(variants);
+  return json;
 }
 
 }  // namespace

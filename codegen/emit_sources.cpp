@@ -14,32 +14,7 @@
 namespace pelage::codegen {
 namespace {
 
-// Longer texts are written as numbers where the compiler limits the length of a string literal
-// (MSVC: 65,535 bytes). Elsewhere they are not: GCC takes 40 times the memory for an array of
-// numbers.
-#ifdef _WIN32
-constexpr size_t kLongestLiteral = 60000;
-#else
-constexpr size_t kLongestLiteral = size_t{1} << 30;
-#endif
-
 std::string hex64(uint64_t value) { return fmt::format("0x{:016x}ull", value); }
-
-std::string escape(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    const auto u = static_cast<unsigned char>(c);
-    if (c == '\\' || c == '"') {
-      result += '\\';
-      result += c;
-    } else if (u < 32 || u > 126) {
-      result += fmt::format("\\{:03o}", u);
-    } else {
-      result += c;
-    }
-  }
-  return result;
-}
 
 const char* specType(ScalarType type) {
   switch (type) {
@@ -91,29 +66,16 @@ class Writer {
     return {{"include/" + folder_ + "/layouts.h", layoutsHeader()},
             {"include/" + folder_ + "/kernels.h", kernelsHeader()},
             {"include/" + folder_ + "/gpu_structs.h", structsHeader()},
+            {"include/" + folder_ + "/constants.h", constantsHeader(program_)},
+            {"include/" + folder_ + "/bindings.h", bindingsHeader(program_)},
             {"layouts.cpp", layoutsSource()},
             {"kernels.cpp", kernelsSource()}};
   }
 
  private:
-  std::string head(const std::string& what) const {
-    return "// " + what + "\n// Made by pelage-codegen from " + program_.manifest.file +
-           ". Edits are lost.\n";
-  }
+  std::string head(const std::string& what) const { return generatedHead(program_, what); }
   std::string open() const { return "namespace " + space_ + " {\n\n"; }
   std::string close() const { return "}  // namespace " + space_ + "\n"; }
-
-  // "group "a"" or "groups "a", "b"".
-  std::string groupsOf(const PlannedLayout& layout) const {
-    std::string names;
-    size_t count = 0;
-    for (const ManifestGroup& group : program_.manifest.groups) {
-      if (std::find(group.layouts.begin(), group.layouts.end(), layout.name) == group.layouts.end())
-        continue;
-      names += (count++ > 0 ? ", \"" : "\"") + group.name + "\"";
-    }
-    return (count > 1 ? "groups " : "group ") + names;
-  }
 
   std::string layoutsHeader() const {
     std::string text = head("The layouts: one table for each descriptor set.");
@@ -122,7 +84,7 @@ class Writer {
     text += open();
     for (const PlannedLayout& layout : program_.layouts) {
       text += fmt::format("/// Set {} of {}.\nextern const {}LayoutTable k{}Layout;\n\n",
-                          layout.set, groupsOf(layout), prefix_, layout.name);
+                          layout.set, groupsOf(program_, layout), prefix_, layout.name);
       text +=
           fmt::format("/// Indices into k{0}Layout.entries.\nstruct {0}Entry {{\n", layout.name);
       if (!layout.entries.empty()) {
@@ -134,8 +96,8 @@ class Writer {
       }
       text += "};\n\n";
       text += fmt::format(
-          "/// Hands k{0}Layout to an engine's layout manager: returns what\n"
-          "/// `manager.createLayout(const pelage::LayoutTable&)` makes of it.\n"
+          "/// Passes k{0}Layout to an engine's layout manager and returns the result of\n"
+          "/// `manager.createLayout(const pelage::LayoutTable&)`.\n"
           "template <class LayoutManager>\n"
           "decltype(auto) Create{0}Layout(LayoutManager&& manager) {{\n"
           "  return manager.createLayout(k{0}Layout);\n"
@@ -143,7 +105,7 @@ class Writer {
           layout.name);
     }
     text += fmt::format(
-        "/// All of them, in the order of the manifest.\n"
+        "/// Returns all layouts, in the order of the manifest.\n"
         "std::span<const {}LayoutTable* const> allLayouts();\n\n",
         prefix_);
     return text + close();
@@ -254,13 +216,14 @@ class Writer {
       const std::string name = pascalCase(kernel.name);
       const std::string function = camelCase(kernel.name) + "Variant";
       text += fmt::format("extern const {}Kernel k{}Kernel;\n\n", prefix_, name);
+      groupSize(output, text);
       keyTypes(kernel, text);
       if (kernel.excludes.empty()) {
         text += fmt::format("const {0}KernelVariant& {1}(const {2}Key& key{3});\n\n", prefix_,
                             function, name, " = {}");
       } else {
         text += fmt::format(
-            "/// False for the combinations that the manifest excludes.\n"
+            "/// Returns false for combinations that the manifest excludes.\n"
             "constexpr bool exists(const {}Key& key) {{\n  return !(",
             name);
         for (size_t i = 0; i < kernel.excludes.size(); ++i) {
@@ -268,8 +231,10 @@ class Writer {
         }
         text += ");\n}\n\n";
         text += fmt::format(
-            "/// nullptr for an excluded key.\nconst {0}KernelVariant* {1}(const {2}Key& key);\n\n"
-            "/// The same for a key that is known now: an excluded one does not compile.\n"
+            "/// Returns nullptr for an excluded key.\nconst {0}KernelVariant* {1}(const {2}Key& "
+            "key);\n\n"
+            "/// The same for a key that is known at compile time: an excluded key does not "
+            "compile.\n"
             "template <{2}Key K>\n  requires(exists(K))\nconst {0}KernelVariant& {1}() {{\n"
             "  return *{1}(K);\n}}\n\n",
             prefix_, function, name);
@@ -278,10 +243,23 @@ class Writer {
       if (!output.specConstants.empty()) specialization(output, text);
     }
     text += fmt::format(
-        "/// All of them, in the order of the manifest.\n"
+        "/// Returns all kernels, in the order of the manifest.\n"
         "std::span<const {}Kernel* const> allKernels();\n\n",
         prefix_);
     return text + close();
+  }
+
+  // Permutations may have groups of different sizes: then there is no one size to name.
+  void groupSize(const KernelOutput& output, std::string& text) const {
+    if (output.kernel.stage != Stage::kCompute || output.variants.empty()) return;
+    const auto& size = output.variants.front().groupSize;
+    for (const VariantOutput& variant : output.variants) {
+      if (!std::equal(std::begin(size), std::end(size), std::begin(variant.groupSize))) return;
+    }
+    text += fmt::format(
+        "/// Threads of a group of {}.\ninline constexpr {}GroupSize k{}GroupSize = {{{}, {}, {}}};"
+        "\n\n",
+        output.kernel.name, prefix_, pascalCase(output.kernel.name), size[0], size[1], size[2]);
   }
 
   // "key.wind && !key.dense && key.taps == KernelTaps::k4".
@@ -315,10 +293,10 @@ class Writer {
   static void completion(const ManifestKernel& kernel, std::string& text) {
     const std::string key = pascalCase(kernel.name) + "Key";
     text +=
-        "/// The smallest existing key that has all of this one: where the manifest wants another "
-        "feature\n/// with one that is on, that is on too.\n";
+        "/// Returns the smallest existing key with all features of this one: it also turns on the "
+        "features\n/// that the manifest requires with them.\n";
     if (!kernel.conflicts.empty())
-      text += "/// Features that conflict have none: exists() is false for what comes back.\n";
+      text += "/// Keys with conflicting features have none: exists() is false for the result.\n";
     text +=
         fmt::format("constexpr {0} completeKey(const {0}& key) {{\n  {0} complete = key;\n", key);
     const std::vector<CompletionRule> rules = completeKeys(kernel).rules;
@@ -342,57 +320,20 @@ class Writer {
           fmt::format("        {}SpecValue{{{}, {}}},\n", prefix_, constant.id, specBits(constant));
     }
     text += fmt::format(
-        "  /// For Pass::firstSpecValue: Vulkan and GL take the same values.\n"
+        "  /// For Pass::firstSpecValue: Vulkan and GL use the same values.\n"
         "  std::array<{}SpecValue, {}> values() const {{\n    return {{{{\n{}    }}}};\n  "
         "}}\n}};\n\n",
         prefix_, output.specConstants.size(), values);
   }
 
-  // The code without its indentation, which is a third of it.
-  static std::string dense(std::string_view code) {
-    std::string text;
-    text.reserve(code.size());
-    bool lineStart = true;
-    for (const char c : code) {
-      if (lineStart && c == ' ') continue;
-      lineStart = c == '\n';
-      text += c;
-    }
-    return text;
-  }
-
-  static void text(const std::string& name, const std::string& code, std::string& out) {
-    const std::string content = dense(code);
-    if (content.size() > kLongestLiteral) {
-      out += fmt::format("constexpr char {}[] = {{", name);
-      for (size_t i = 0; i < content.size(); ++i) {
-        out += i % 24 == 0 ? "\n    " : "";
-        out += std::to_string(static_cast<int>(content[i])) + ",";
-      }
-      out += "0};\n\n";
-      return;
-    }
-    out += fmt::format("constexpr char {}[] =", name);
-    size_t begin = 0;
-    while (begin < content.size()) {
-      const size_t newline = content.find('\n', begin);
-      const size_t end = newline == std::string::npos ? content.size() : newline;
-      out += "\n    \"" + escape(std::string_view(content).substr(begin, end - begin)) +
-             (newline == std::string::npos ? "\"" : "\\n\"");
-      begin = end + 1;
-    }
-    if (content.empty()) out += " \"\"";
-    out += ";\n\n";
-  }
-
   std::string kernelsSource() const {
-    std::string out = head("Code and tables of kernels.h.");
+    std::string out = head("The tables of kernels.h.");
     out += fmt::format(
         "#include \"{}/kernels.h\"\n\n#include <cstdlib>\n\n#include \"{}/layouts.h\"\n\n", folder_,
         folder_);
     out += open();
     out += "namespace {\n\n";
-    for (const KernelOutput& output : program_.kernels) code(output, out);
+    for (const KernelOutput& output : program_.kernels) bindings(output, out);
     out += "}  // namespace\n\n";
     for (const KernelOutput& output : program_.kernels) tables(output, out);
     out += fmt::format("std::span<const {}Kernel* const> allKernels() {{\n", prefix_);
@@ -408,27 +349,18 @@ class Writer {
     return out + "}\n\n" + close();
   }
 
-  // SPIR-V, GLSL, ESSL and bindings of each distinct variant.
-  void code(const KernelOutput& output, std::string& out) const {
+  // What each distinct variant uses.
+  void bindings(const KernelOutput& output, std::string& out) const {
     const std::string name = pascalCase(output.kernel.name);
     for (size_t v = 0; v < output.variants.size(); ++v) {
       const VariantOutput& variant = output.variants[v];
-      const std::string stem = fmt::format("k{}{}", name, v);
-      out += fmt::format("constexpr uint32_t {}Spirv[] = {{", stem);
-      for (size_t i = 0; i < variant.spirv.size(); ++i) {
-        out += fmt::format("{}0x{:x},", i % 12 == 0 ? "\n    " : "", variant.spirv[i]);
+      if (variant.bindings.empty()) continue;
+      out += fmt::format("constexpr {}VariantBinding k{}{}Bindings[] = {{\n", prefix_, name, v);
+      for (const BindingUse& use : variant.bindings) {
+        out += fmt::format("    {{{}, {}, {}Access::{}, {}}},\n", use.set, use.entry, prefix_,
+                           enumerator(use.access), use.glBinding);
       }
-      out += "\n};\n\n";
-      text(stem + "Glsl", variant.glsl, out);
-      text(stem + "Essl", variant.essl, out);
-      if (!variant.bindings.empty()) {
-        out += fmt::format("constexpr {}VariantBinding {}Bindings[] = {{\n", prefix_, stem);
-        for (const BindingUse& use : variant.bindings) {
-          out += fmt::format("    {{{}, {}, {}Access::{}}},\n", use.set, use.entry, prefix_,
-                             enumerator(use.access));
-        }
-        out += "};\n\n";
-      }
+      out += "};\n\n";
     }
   }
 
@@ -441,13 +373,12 @@ class Writer {
     for (size_t v = 0; v < output.variants.size(); ++v) {
       const VariantOutput& variant = output.variants[v];
       const std::string stem = fmt::format("k{}{}", name, v);
-      out += fmt::format(
-          "    {{&k{}Kernel, \"{}\", {}Spirv,\n     {{{}Glsl, sizeof {}Glsl - 1}}, {{{}Essl, "
-          "sizeof {}Essl - "
-          "1}},\n     {}, {{{}, {}, {}}}, {}}},\n",
-          name, permutationKey(kernel, variant.permutations.front()), stem, stem, stem, stem, stem,
-          variant.bindings.empty() ? "{}" : stem + "Bindings", variant.groupSize[0],
-          variant.groupSize[1], variant.groupSize[2], hex64(variant.hash));
+      out +=
+          fmt::format("    {{&k{}Kernel, \"{}\", {}, {{{}, {}, {}}}, {},\n     {}Tier::{}, {}}},\n",
+                      name, permutationKey(kernel, variant.permutations.front()),
+                      variant.bindings.empty() ? "{}" : stem + "Bindings", variant.groupSize[0],
+                      variant.groupSize[1], variant.groupSize[2], hex64(variant.hash), prefix_,
+                      enumerator(variant.tier), variant.sharedBytes);
     }
     out += "};\n\n";
     out += fmt::format("constexpr const {0}KernelVariant* k{1}Distinct[] = {{\n", prefix_, name);
@@ -483,12 +414,14 @@ class Writer {
       }
       out += "};\n\n";
     }
+    if (kernel.vertexInput) vertexInput(output, out);
     out += "}  // namespace\n\n";
     out += fmt::format(
         "constinit const {0}Kernel k{1}Kernel{{\"{2}\", {0}Stage::{3}, k{1}Layouts,\n    {4}, "
-        "k{1}Distinct}};\n\n",
+        "k{1}Distinct, {5}}};\n\n",
         prefix_, name, kernel.name, enumerator(kernel.stage),
-        output.specConstants.empty() ? "{}" : "k" + name + "SpecConstants");
+        output.specConstants.empty() ? "{}" : "k" + name + "SpecConstants",
+        kernel.vertexInput ? "&k" + name + "VertexInput" : "nullptr");
 
     const bool optional = !kernel.excludes.empty();
     out += fmt::format("const {}KernelVariant{} {}(const {}Key&{}) {{\n", prefix_,
@@ -511,6 +444,19 @@ class Writer {
     out += fmt::format("  return {}k{}ByKey[index];\n}}\n\n", optional ? "" : "*", name);
   }
 
+  void vertexInput(const KernelOutput& output, std::string& out) const {
+    const std::string name = pascalCase(output.kernel.name);
+    const ManifestVertexInput& input = *output.kernel.vertexInput;
+    out += fmt::format("constexpr {0}VertexAttribute k{1}Attributes[] = {{\n", prefix_, name);
+    for (const StageInput& attribute : output.inputs) {
+      out += fmt::format("    {{{}, {}VertexFormat::k{}, {}}},\n", attribute.location, prefix_,
+                         vertexFormat(attribute), input.offsets[attribute.location]);
+    }
+    out += fmt::format(
+        "}};\n\nconstexpr {0}VertexInput k{1}VertexInput = {{k{1}Attributes, {2}, {3}}};\n\n",
+        prefix_, name, input.stride, input.perInstance);
+  }
+
   const Program& program_;
   std::string space_;
   std::string folder_;
@@ -518,6 +464,26 @@ class Writer {
 };
 
 }  // namespace
+
+std::string generatedHead(const Program& program, const std::string& what) {
+  return "// " + what + "\n// Made by pelage-codegen from " + program.manifest.file +
+         ". Edits are lost.\n";
+}
+
+std::string vertexFormat(const StageInput& input) {
+  return (input.scalar == ScalarType::kUint ? "Uint" : "Float") + std::to_string(input.components);
+}
+
+std::string groupsOf(const Program& program, const PlannedLayout& layout) {
+  std::string names;
+  size_t count = 0;
+  for (const ManifestGroup& group : program.manifest.groups) {
+    if (std::find(group.layouts.begin(), group.layouts.end(), layout.name) == group.layouts.end())
+      continue;
+    names += (count++ > 0 ? ", \"" : "\"") + group.name + "\"";
+  }
+  return (count > 1 ? "groups " : "group ") + names;
+}
 
 std::map<std::string, std::string> emitSources(const Program& program) {
   return Writer(program).write();

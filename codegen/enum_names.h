@@ -5,13 +5,15 @@
 
 #include "codegen/reflect.h"
 #include "pelage/layout.h"
+#include "pelage/tier.h"
 
 namespace pelage::codegen {
 
 const char* word(ResourceKind kind);
 const char* word(Access access);
 const char* word(Stage stage);
-/// As HLSL calls it; "" for kOther.
+inline const char* word(Tier tier) { return tierName(tier); }
+/// The name in HLSL; "" for kOther.
 const char* word(ScalarType type);
 
 /// "kStorageBuffer".

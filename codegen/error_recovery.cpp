@@ -23,22 +23,22 @@ std::string_view quotedName(std::string_view message) {
   return end == std::string_view::npos ? std::string_view{} : message.substr(1, end - 1);
 }
 
-struct Place {
+struct Location {
   size_t token = 0;
   const checks::Function* function = nullptr;
 };
 
 // The token in a function body that the message is about.
-std::optional<Place> findPlace(const TokenStream& stream, const checks::SourceModel& model,
-                               const FrontEndMessage& message) {
-  std::optional<Place> first;
+std::optional<Location> findLocation(const TokenStream& stream, const checks::SourceModel& model,
+                                     const FrontEndMessage& message) {
+  std::optional<Location> first;
   const std::string_view name = quotedName(message.text);
   for (const checks::Function& function : model.functions) {
     for (size_t i = function.body.begin; i < function.body.end; ++i) {
       const Token& token = stream.at(i);
       if (token.line != message.line || stream.fileOf(token) != message.file) continue;
-      if (token.is(name)) return Place{i, &function};
-      if (!first) first = Place{i, &function};
+      if (token.is(name)) return Location{i, &function};
+      if (!first) first = Location{i, &function};
     }
   }
   return first;
@@ -82,11 +82,11 @@ TokenRange findClause(const TokenStream& stream, TokenRange head, size_t token) 
   return clause;
 }
 
-Edit planEdit(const TokenStream& stream, const Place& place) {
-  TokenRange range = findStatement(stream, place.function->body, place.token);
+Edit planEdit(const TokenStream& stream, const Location& location) {
+  TokenRange range = findStatement(stream, location.function->body, location.token);
   // Heads of compound statements stay: "if (x) wrong;" loses "wrong", "if (wrong) y;" gets another
   // condition.
-  while (range.begin < place.token) {
+  while (range.begin < location.token) {
     const Token& head = stream.at(range.begin);
     if (head.is("else") || head.is("do")) {
       ++range.begin;
@@ -96,16 +96,16 @@ Edit planEdit(const TokenStream& stream, const Place& place) {
     if (!isFor && !head.is("if") && !head.is("while") && !head.is("switch")) break;
     const size_t close = stream.matching(range.begin + 1);
     const TokenRange inside{range.begin + 2, close};
-    if (place.token > close) {
+    if (location.token > close) {
       range.begin = close + 1;
       continue;
     }
     if (!isFor) return {inside, "0"};
-    range = findClause(stream, inside, place.token);
+    range = findClause(stream, inside, location.token);
     break;
   }
   // A variable stays declared.
-  for (size_t i = range.begin + 2; i < place.token; ++i) {
+  for (size_t i = range.begin + 2; i < location.token; ++i) {
     const Token& type = stream.at(i - 2);
     if (stream.at(i).is("(")) break;
     if (!stream.at(i).is("=") || !stream.at(i - 1).isIdentifier() || !type.isIdentifier()) continue;
@@ -113,7 +113,7 @@ Edit planEdit(const TokenStream& stream, const Place& place) {
   }
   // A function still returns something.
   if (stream.at(range.begin).is("return")) {
-    return {range, "return (" + std::string(place.function->returnType) + ")0"};
+    return {range, "return (" + std::string(location.function->returnType) + ")0"};
   }
   return {range, ""};
 }
@@ -141,9 +141,9 @@ std::vector<FrontEndMessage> findAllErrors(FrontEndInput input, std::string prep
 
     const TokenStream stream = checks::tokenize(preprocessed, input.file);
     const checks::SourceModel model = checks::parseSource(stream);
-    const std::optional<Place> place = findPlace(stream, model, *error);
-    if (!place) break;
-    const Edit edit = planEdit(stream, *place);
+    const std::optional<Location> location = findLocation(stream, model, *error);
+    if (!location) break;
+    const Edit edit = planEdit(stream, *location);
     if (edit.range.empty()) break;
     const auto start =
         static_cast<size_t>(stream.at(edit.range.begin).text.data() - preprocessed.data());

@@ -1,5 +1,5 @@
-// Finds more than the first error of a kernel. The HLSL front end gives up at the first one; this
-// blanks the statement that holds it and compiles again.
+// Finds more than the first error of a kernel. The HLSL front end stops at the first one; this
+// blanks the statement that contains it and compiles again.
 #pragma once
 
 #include <string>
@@ -9,9 +9,9 @@
 
 namespace pelage::codegen {
 
-/// Messages for the errors of a kernel that does not compile, one for each statement, in the order
-/// in which the front end finds them. `preprocessed` is preprocessHlsl()'s text for the same input,
-/// `first` what the front end said about it.
+/// Returns messages for the errors of a kernel that does not compile, one per statement, in the
+/// order in which the front end finds them. `preprocessed` is the text of preprocessHlsl() for the
+/// same input, `first` the front end's result for it.
 std::vector<FrontEndMessage> findAllErrors(FrontEndInput input, std::string preprocessed,
                                            const std::vector<FrontEndMessage>& first);
 

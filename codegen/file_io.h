@@ -1,4 +1,4 @@
-// Whole files in and out.
+// Reads and writes whole files.
 #pragma once
 
 #include <filesystem>
@@ -8,14 +8,14 @@
 
 namespace pelage::codegen {
 
-/// Empty when it is not a regular file or cannot be read.
+/// Returns nothing if it is not a regular file or cannot be read.
 std::optional<std::string> readWholeFile(const std::filesystem::path& path);
 
-/// Writes under another name and renames, so that nobody sees half a file. Makes the folder. False
-/// when the file system refuses.
+/// Writes under a temporary name and renames, so that nobody reads half a file. Creates the folder.
+/// Returns false if the file system refuses.
 bool writeWholeFile(const std::filesystem::path& path, std::string_view text);
 
-/// As writeWholeFile, but leaves a file with the same bytes, and its time, alone.
+/// As writeWholeFile, but does not touch a file with the same bytes, nor its time.
 bool writeIfChanged(const std::filesystem::path& path, std::string_view text);
 
 }  // namespace pelage::codegen

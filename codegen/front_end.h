@@ -1,5 +1,5 @@
-// The only door to glslang: HLSL to SPIR-V, and the check that a GLSL text parses. Another front
-// end would replace front_end.cpp and nothing else.
+// The only interface to glslang: HLSL to SPIR-V, and the check that a GLSL text parses. Another
+// front end would only replace front_end.cpp.
 #pragma once
 
 #include <cstdint>
@@ -33,7 +33,7 @@ struct FrontEndInput {
   std::vector<std::pair<std::string, std::string>> macros;
   std::vector<std::filesystem::path>
       includeDirs;  ///< searched after the includer's folder, baseDir
-  /// Compiled instead of the file's content when there is one; #line says where it comes from.
+  /// Compiled instead of the file's content if set; #line gives its origin.
   std::optional<std::string> text;
 };
 
@@ -48,9 +48,9 @@ struct FrontEndOutput {
   bool ok = false;
   std::vector<uint32_t> spirv;  ///< with names and line numbers
   std::vector<FrontEndMessage> messages;
-  std::string log;                        ///< everything that was said, as it was said
-  std::vector<std::string> files;         ///< read: the source first, then what it includes
-  std::vector<std::string> missingFiles;  ///< looked for on the way and not there
+  std::string log;                        ///< all messages, unchanged
+  std::vector<std::string> files;         ///< files read: the source first, then its includes
+  std::vector<std::string> missingFiles;  ///< files that were searched and do not exist
 };
 
 struct PreprocessOutput {
@@ -67,13 +67,15 @@ PreprocessOutput preprocessHlsl(const FrontEndInput& input);
 /// Compiles HLSL to unoptimised SPIR-V 1.3 for Vulkan 1.1 with storage buffers in their own class.
 FrontEndOutput compileHlsl(const FrontEndInput& input);
 
-/// Parses GLSL 450 core or ESSL 320. Empty when it is accepted, else the parser's messages.
+/// Parses GLSL 450 core or ESSL 320. Returns an empty text if it is accepted, otherwise the
+/// parser's messages.
 std::string parseGlsl(std::string_view text, Stage stage);
 
 /// Name and version of the front end, for cache keys.
 std::string frontEndVersion();
 
-/// `file` as the compiler names it: relative to baseDir when it is below it, else absolute.
+/// Returns the compiler's name of `file`: relative to baseDir if it is below it, otherwise
+/// absolute.
 std::string displayName(const std::filesystem::path& file, const std::filesystem::path& baseDir);
 
 }  // namespace pelage::codegen

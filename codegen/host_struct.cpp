@@ -47,6 +47,62 @@ CppType cppType(const StructMember& member) {
   }
 }
 
+struct Fault {
+  const char* code;
+  std::string message;
+};
+
+// What is wrong with a member that comes after byte `end`, or nothing.
+std::optional<Fault> faultOf(const StructMember& member, bool isBlock, uint32_t end) {
+  const std::string what = "member '" + member.name + "' ";
+  const std::string name = hostName(member.name);
+  if (member.scalar == ScalarType::kBool) {
+    return Fault{"PK602", what + "is a bool, whose size differs between host and GPU: use uint"};
+  }
+  if (member.columns > 1) {
+    return Fault{"PK603", what + "is a matrix: store its rows as float4[n]"};
+  }
+  if (member.nestedArray) {
+    return Fault{"PK605", what + "is an array of arrays: use one array"};
+  }
+  if (member.scalar == ScalarType::kOther && member.structName.empty()) {
+    return Fault{"PK604", what + "is not made of 32-bit int, uint or float"};
+  }
+  if (isBlock && member.structName.empty() && member.components > 1) {
+    // std140: the base alignment of a vector of two is 8 bytes, of three or four 16.
+    const uint32_t alignment = member.components == 2 ? 8 : 16;
+    if (member.offset % alignment != 0) {
+      return Fault{"PK608", what + "starts at byte " + std::to_string(member.offset) +
+                                ", std140 asks for a multiple of " + std::to_string(alignment) +
+                                ": reorder the members or pad"};
+    }
+  }
+  if (!isBlock && member.components == 3) {
+    return Fault{"PK607",
+                 what +
+                     "has three components, which take 16 bytes in a buffer: use four, or three "
+                     "scalars"};
+  }
+  if (member.offset < end) {
+    return Fault{"PK611", what + "starts at byte " + std::to_string(member.offset) +
+                              ", inside of the member before it: order members by offset"};
+  }
+  if (!member.structName.empty() && member.arraySize == 0) {
+    return Fault{"PK604",
+                 what + "is a struct; write its members out, or use an array of it in a buffer"};
+  }
+  if (member.arraySize > 0 && member.arrayStride != 4 * member.components &&
+      member.structName.empty()) {
+    return Fault{"PK606", what + "is an array with " + std::to_string(member.arrayStride) +
+                              " bytes an element of " + std::to_string(4 * member.components) +
+                              ": use float4, uint4 or int4"};
+  }
+  if (!isIdentifier(name)) {
+    return Fault{"PK610", what + "gives '" + name + "', which is no C++ name"};
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<HostStruct> makeHostStruct(const StructLayout& layout, const SourceLocation& where,
@@ -74,64 +130,12 @@ std::optional<HostStruct> makeHostStruct(const StructLayout& layout, const Sourc
   for (const StructMember& member : layout.members) {
     const std::string what = "member '" + member.name + "' ";
     const std::string name = hostName(member.name);
-    if (member.scalar == ScalarType::kBool) {
-      error("PK602", what + "is a bool, whose size differs between host and GPU: use uint");
-      continue;
-    }
-    if (member.columns > 1) {
-      error("PK603", what + "is a matrix: store its rows as float4[n]");
-      continue;
-    }
-    if (member.nestedArray) {
-      error("PK605", what + "is an array of arrays: use one array");
-      continue;
-    }
-    if (member.scalar == ScalarType::kOther && member.structName.empty()) {
-      error("PK604", what + "is not made of 32-bit int, uint or float");
-      continue;
-    }
-    if (layout.isBlock && member.structName.empty() && member.components > 1) {
-      // std140: the base alignment of a vector of two is 8 bytes, of three or four 16.
-      const uint32_t alignment = member.components == 2 ? 8 : 16;
-      if (member.offset % alignment != 0) {
-        error("PK608", what + "starts at byte " + std::to_string(member.offset) +
-                           ", std140 asks for a multiple of " + std::to_string(alignment) +
-                           ": reorder the members or pad");
-        continue;
-      }
-    }
-    if (!layout.isBlock && member.components == 3) {
-      error("PK607",
-            what +
-                "has three components, which take 16 bytes in a buffer: use four, or three "
-                "scalars");
-      continue;
-    }
-    if (member.offset < end) {
-      error("PK611", what + "starts at byte " + std::to_string(member.offset) +
-                         ", inside of the member before it: order members by offset");
+    if (const std::optional<Fault> fault = faultOf(member, layout.isBlock, end)) {
+      error(fault->code, fault->message);
       continue;
     }
     CppType type = cppType(member);
-    if (!member.structName.empty()) {
-      if (member.arraySize == 0) {
-        error("PK604",
-              what + "is a struct; write its members out, or use an array of it in a buffer");
-        continue;
-      }
-      type.elementSize = member.arrayStride;
-    }
-    if (member.arraySize > 0 && member.arrayStride != 4 * member.components &&
-        member.structName.empty()) {
-      error("PK606", what + "is an array with " + std::to_string(member.arrayStride) +
-                         " bytes an element of " + std::to_string(4 * member.components) +
-                         ": use float4, uint4 or int4");
-      continue;
-    }
-    if (!isIdentifier(name)) {
-      error("PK610", what + "gives '" + name + "', which is no C++ name");
-      continue;
-    }
+    if (!member.structName.empty()) type.elementSize = member.arrayStride;
     for (const HostField& field : result.fields) {
       if (field.name == name)
         error("PK609", what + "has the same C++ name as another one, '" + name + "'");

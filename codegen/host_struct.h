@@ -1,4 +1,4 @@
-// C++ structs with the offsets that the GPU uses.
+// C++ structs with the offsets of the GPU.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ struct HostStruct {
   std::vector<HostField> fields;
 };
 
-/// Lays out the C++ struct. What C++ cannot express goes into the diagnostics, at `where`.
+/// Lays out the C++ struct. Layouts that C++ cannot express go into the diagnostics, at `where`.
 std::optional<HostStruct> makeHostStruct(const StructLayout& layout, const SourceLocation& where,
                                          Diagnostics& diagnostics);
 

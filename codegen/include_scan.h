@@ -1,4 +1,4 @@
-// Every file that a kernel may include, whatever the permutation: the input of cache keys and
+// Finds every file that a kernel may include, whatever the permutation: the input of cache keys and
 // depfiles.
 #pragma once
 
@@ -15,11 +15,11 @@ class IncludeScanner {
   IncludeScanner(std::filesystem::path baseDir, std::vector<std::filesystem::path> includeDirs)
       : baseDir_(std::move(baseDir)), includeDirs_(std::move(includeDirs)) {}
 
-  /// Names (see displayName()) of the file and all that it includes, directly or not, sorted. A
-  /// file that an include line names and that is not there is left out.
+  /// Returns the names (see displayName()) of the file and all its direct and indirect includes,
+  /// sorted. Included files that do not exist are left out.
   std::vector<std::string> closure(const std::string& file);
 
-  /// SHA-256 of a file's content in hex digits; "missing" when there is none.
+  /// Returns the SHA-256 of a file's content in hex digits; "missing" if there is none.
   const std::string& contentHash(const std::string& name) { return entry(name).hash; }
 
  private:

@@ -1,4 +1,4 @@
-// Which permutation a key gets that the manifest excludes. docs: codegen/README.md.
+// Selects a permutation for a key that the manifest excludes. docs: codegen/README.md.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace pelage::codegen {
 
-/// Keys that fulfil all conditions get a bool axis switched on.
+/// In keys that fulfill all conditions a bool axis is switched on.
 struct CompletionRule {
   uint32_t axis = 0;
   std::vector<AxisValue> conditions;
@@ -18,12 +18,12 @@ struct CompletionRule {
   auto operator<=>(const CompletionRule&) const = default;
 };
 
-/// The smallest existing permutation that has everything a key asks for, for all keys of a kernel
-/// that do not conflict. Bool axes are only switched on; the value of another axis stays.
+/// The smallest existing permutation with all features of a key, for all keys of a kernel that do
+/// not conflict. Bool axes are only switched on; the value of another axis stays.
 struct KeyCompletion {
-  std::vector<CompletionRule> rules;  ///< by axis; all read the key as it was asked for
+  std::vector<CompletionRule> rules;  ///< by axis; all read the requested key
 
-  /// The first key that no existing permutation contains.
+  /// The first key for which no existing permutation has all features.
   std::optional<Permutation> incomplete;
   /// The first key with several smallest permutations, and two of those.
   std::vector<Permutation> ambiguous;

@@ -17,18 +17,30 @@ std::string at(const SourceLocation& location) {
   return location.file + ":" + std::to_string(location.line);
 }
 
-// The kinds of binding points that GL numbers separately, and how many of each a driver must have
-// at least: GL 4.5 core table 23.57 ff. and ES 3.2 table 21.40 ff.; storage buffers as far as
-// DESIGN allows (both specifications guarantee 8).
+// The kinds of binding points that a group numbers on GL, and how many of each a driver must have
+// at least: GL 4.5 core table 23.57 ff. and ES 3.2 table 21.40 ff. Each permutation numbers its
+// storage buffers by itself.
 struct GlLimit {
   ResourceKind kind;
   uint32_t count;
   const char* what;
 };
 constexpr GlLimit kGlLimits[] = {{ResourceKind::kUniformBuffer, 36, "uniform block"},
-                                 {ResourceKind::kStorageBuffer, 16, "storage block"},
                                  {ResourceKind::kSampledTexture, 48, "texture"},
                                  {ResourceKind::kStorageTexture, 4, "image"}};
+
+PlannedEntry entryOf(const Resource& resource, Stage stage, const SourceLocation& where) {
+  PlannedEntry entry;
+  entry.name = resource.name;
+  entry.structName = resource.structName;
+  entry.kind = resource.kind;
+  entry.registerClass = resource.registerClass;
+  entry.registerNumber = resource.registerNumber;
+  entry.stride = resource.stride;
+  entry.stages = stageBit(stage);
+  entry.location = where;
+  return entry;
+}
 
 }  // namespace
 
@@ -75,7 +87,7 @@ void LayoutPlan::add(const ManifestKernel& kernel, const ModuleReflection& refle
       if (front.diagnostics.hasErrors()) continue;
       error("PK501",
             "'" + resource.name +
-                "' has no register: write : register(xN, spaceM), where M is the place of its "
+                "' has no register: write : register(xN, spaceM), where M is the index of its "
                 "layout in group \"" +
                 group.name + "\"");
       continue;
@@ -91,16 +103,7 @@ void LayoutPlan::add(const ManifestKernel& kernel, const ModuleReflection& refle
                          std::to_string(group.layouts.size()) + " layouts");
       continue;
     }
-    PlannedEntry entry;
-    entry.name = resource.name;
-    entry.structName = resource.structName;
-    entry.kind = resource.kind;
-    entry.registerClass = resource.registerClass;
-    entry.registerNumber = resource.registerNumber;
-    entry.stride = resource.stride;
-    entry.stages = stageBit(kernel.stage);
-    entry.location = where;
-
+    PlannedEntry entry = entryOf(resource, kernel.stage, where);
     bool known = false;
     const size_t home = indices_[kernel.group][resource.space];
     // A pass offers its resources by name: over all sets that may be bound with this one, a name
@@ -166,7 +169,7 @@ void LayoutPlan::assign(Diagnostics& diagnostics) {
         entry.binding = i;
         // GL has no samplers of their own here: they are merged into the textures.
         if (entry.kind == ResourceKind::kSampler) continue;
-        entry.glBinding = next[entry.kind]++;
+        if (entry.kind != ResourceKind::kStorageBuffer) entry.glBinding = next[entry.kind]++;
         for (const GlLimit& limit : kGlLimits) {
           if (limit.kind != entry.kind || entry.glBinding < limit.count) continue;
           diagnostics.error(entry.location.file, entry.location.line, "PK700",

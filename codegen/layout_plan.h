@@ -1,5 +1,5 @@
-// One binding plan for each layout, from the resources of all kernels and permutations that use it.
-// A layout that several groups share has one plan; it stands at the same place in all of them.
+// One binding plan per layout, from the resources of all kernels and permutations that use it. A
+// layout that several groups share has one plan and the same set number in all of them.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ struct PlannedEntry {
   uint32_t registerNumber = 0;
   uint32_t stride = 0;
   uint32_t binding = 0;
-  uint32_t glBinding = 0;
+  uint32_t glBinding = 0;  ///< not of storage buffers
   Access access = Access::kNone;
   StageMask stages = 0;
   SourceLocation location;
@@ -48,19 +48,19 @@ class LayoutPlan {
  public:
   explicit LayoutPlan(const Manifest& manifest);
 
-  /// Adds the resources of one permutation's module, and says what is wrong with them as far as
-  /// the front end's result does not say it already.
+  /// Adds the resources of one permutation's module, and reports their errors, except those that
+  /// the front end has reported.
   void add(const ManifestKernel& kernel, const ModuleReflection& reflection,
            const FrontEndResult& front, Diagnostics& diagnostics);
 
   /// Numbers the bindings. Call once, after the last add().
   void assign(Diagnostics& diagnostics);
 
-  /// Where the resources of a module of the kernel go.
+  /// Returns the bindings of the resources of a kernel's module.
   std::vector<BindingPatch> patches(const ManifestKernel& kernel,
                                     const ModuleReflection& reflection) const;
 
-  /// In the manifest's order, each once.
+  /// In the manifest's order, without duplicates.
   std::vector<PlannedLayout>& layouts() { return layouts_; }
   const std::vector<PlannedLayout>& layouts() const { return layouts_; }
   PlannedLayout& layout(uint32_t group, uint32_t set) { return layouts_[indices_[group][set]]; }

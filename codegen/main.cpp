@@ -33,7 +33,7 @@ int main(int argc, char** argv) {
     app.add_option("manifest", options.manifest, "The manifest, a JSON file")
         ->check(CLI::ExistingFile);
     app.add_option("-o,--output", options.outputDir,
-                   "Folder for include/<namespace>/*.h and *.cpp");
+                   "Folder for include/<namespace>/*.h, *.cpp and code/*.cpp");
     app.add_option("-I,--include", options.includeDirs, "Folder to search for included files")
         ->allow_extra_args(false);
     app.add_option("--reflection", options.reflectionFile,
@@ -48,16 +48,15 @@ int main(int argc, char** argv) {
     app.add_option("--timeout", timeout, "Seconds that one permutation may take")
         ->check(CLI::Range(1, 86400))
         ->capture_default_str();
+    app.add_flag("--keep-names", options.keepNames,
+                 "Keep names and lines in SPIR-V, and indentation in GLSL: for debugging");
     app.add_flag("-q,--quiet", quiet, "No summary line");
 
     // What the tool runs itself as, so that a crash of a compiler ends only the child.
-    std::string job, unitResult;
-    CLI::App* unit = app.add_subcommand("unit")->group("");
-    unit->add_option("job", job)->required();
-    unit->add_option("result", unitResult)->required();
+    const CLI::App* worker = app.add_subcommand("worker")->group("");
 
     CLI11_PARSE(app, argc, argv);
-    if (unit->parsed()) return pelage::codegen::runUnit(job, unitResult);
+    if (worker->parsed()) return pelage::codegen::serveJobs(pelage::codegen::runUnit);
     if (options.manifest.empty() || options.outputDir.empty()) {
       std::fputs("pelage-codegen: give a manifest and --output; --help lists everything\n", stderr);
       return 2;

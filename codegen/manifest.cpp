@@ -174,8 +174,9 @@ class Reader {
 
   void read(const Node& root) {
     if (!expect(root, Node::Type::kObject, "the manifest")) return;
-    allowKeys(root, {"namespace", "groups", "kernels"}, "the manifest");
+    allowKeys(root, {"namespace", "groups", "constants", "kernels"}, "the manifest");
     readNamespace(root);
+    if (const Node* constants = root.find("constants")) readConstants(*constants);
     if (const Node* groups = require(root, "groups", Node::Type::kObject, "the manifest")) {
       readGroups(*groups);
     }
@@ -264,6 +265,37 @@ class Reader {
     }
   }
 
+  void readConstants(const Node& list) {
+    if (!expect(list, Node::Type::kArray, "\"constants\"")) return;
+    for (const Node& node : list.children) {
+      if (!expect(node, Node::Type::kString, "a file of constants")) continue;
+      const ManifestConstants constants{node.string, fs::path(node.string).stem().string(),
+                                        node.line};
+      std::error_code ignored;
+      if (!fs::is_regular_file(folder_ / constants.file, ignored)) {
+        error(node.line, "PK308", "constants: there is no file \"" + constants.file + "\"");
+        continue;
+      }
+      if (!isIdentifier(constants.space)) {
+        error(node.line, "PK304",
+              "\"" + constants.space + "\" of \"" + constants.file +
+                  "\" is no C++ namespace: rename the file");
+        continue;
+      }
+      const auto same =
+          std::find_if(manifest_.constants.begin(), manifest_.constants.end(),
+                       [&](const ManifestConstants& c) { return c.space == constants.space; });
+      if (same != manifest_.constants.end()) {
+        error(node.line, "PK318",
+              "the constants of \"" + constants.file + "\" get the namespace of those of \"" +
+                  same->file + "\" in line " + std::to_string(same->line) +
+                  ": name a file once, and give files different names");
+        continue;
+      }
+      manifest_.constants.push_back(constants);
+    }
+  }
+
   // A layout has one set number and one block of GL bindings: what a group shares with another one
   // is how both begin. The layout is the last one of the group so far.
   bool checkShared(const ManifestGroup& group, size_t owner, const Node& layout) {
@@ -279,7 +311,7 @@ class Reader {
     }
     error(layout.line, "PK306",
           "layout \"" + layout.string + "\" is in group \"" + other.name +
-              "\" too, at another place or after other layouts: put the layouts that groups share "
+              "\" too, at another index or after other layouts: put the layouts that groups share "
               "first, in the same order in each");
     return false;
   }
@@ -295,7 +327,8 @@ class Reader {
     kernel.line = name->line;
     const std::string where = "kernel \"" + kernel.name + "\"";
     allowKeys(node,
-              {"name", "file", "stage", "group", "axes", "exclude", "conflicts", "tier", "precise"},
+              {"name", "file", "stage", "group", "axes", "exclude", "conflicts", "tier", "tiers",
+               "precise", "vertexInput"},
               where);
     if (!isIdentifier(kernel.name) ||
         std::any_of(kernel.name.begin(), kernel.name.end(),
@@ -339,17 +372,12 @@ class Reader {
       kernel.excludes.insert(kernel.excludes.end(), kernel.conflicts.begin(),
                              kernel.conflicts.end());
     }
-    if (const Node* tier = node.find("tier")) {
-      if (expect(*tier, Node::Type::kString, "\"tier\"")) {
-        kernel.desktopTier = tier->string == "desktop";
-        if (!kernel.desktopTier && tier->string != "portable") {
-          error(tier->line, "PK302", where + ": \"tier\" is \"portable\" (default) or \"desktop\"");
-        }
-      }
-    }
+    if (const Node* tier = node.find("tier")) kernel.tier = readTier(*tier, where);
+    if (const Node* rules = node.find("tiers")) readTierRules(*rules, kernel, where);
     if (const Node* precise = node.find("precise")) {
       if (expect(*precise, Node::Type::kBool, "\"precise\"")) kernel.precise = precise->boolean;
     }
+    if (const Node* input = node.find("vertexInput")) readVertexInput(*input, kernel, where);
     if (countPermutations(kernel) > kMaximumPermutations) {
       error(name->line, "PK310",
             where + " has " + std::to_string(countPermutations(kernel)) +
@@ -379,6 +407,45 @@ class Reader {
       error(stage.line, "PK302",
             where + ": stage \"" + stage.string + "\" is none of compute, vertex, pixel");
     }
+  }
+
+  void readVertexInput(const Node& node, ManifestKernel& kernel, const std::string& where) {
+    const std::string what = "\"vertexInput\" of " + where;
+    if (!expect(node, Node::Type::kObject, what)) return;
+    allowKeys(node, {"stride", "step", "offsets"}, what);
+    if (kernel.stage != Stage::kVertex) {
+      error(node.line, "PK302", where + ": only vertex kernels have a \"vertexInput\"");
+    }
+    // The least that every API takes as a stride (GL_MAX_VERTEX_ATTRIB_STRIDE,
+    // maxVertexInputBindingStride) and as an offset.
+    constexpr int64_t kMaximumStride = 2048, kMaximumOffset = 2047;
+    ManifestVertexInput input;
+    input.line = node.line;
+    if (const Node* stride = require(node, "stride", Node::Type::kInteger, what)) {
+      input.stride = static_cast<uint32_t>(std::clamp<int64_t>(stride->integer, 0, kMaximumStride));
+      if (stride->integer != input.stride || input.stride == 0 || input.stride % 4 != 0) {
+        error(stride->line, "PK302",
+              what + ": \"stride\" is a multiple of 4 from 4 to " + std::to_string(kMaximumStride));
+      }
+    }
+    if (const Node* step = require(node, "step", Node::Type::kString, what)) {
+      input.perInstance = step->string == "instance";
+      if (!input.perInstance && step->string != "vertex")
+        error(step->line, "PK302", what + ": \"step\" is \"vertex\" or \"instance\"");
+    }
+    if (const Node* offsets = require(node, "offsets", Node::Type::kArray, what)) {
+      for (const Node& offset : offsets->children) {
+        const bool fits = offset.type == Node::Type::kInteger && offset.integer >= 0 &&
+                          offset.integer <= kMaximumOffset && offset.integer % 4 == 0;
+        if (!fits) {
+          error(
+              offset.line, "PK302",
+              what + ": an offset is a multiple of 4 from 0 to " + std::to_string(kMaximumOffset));
+        }
+        input.offsets.push_back(fits ? static_cast<uint32_t>(offset.integer) : 0);
+      }
+    }
+    kernel.vertexInput = std::move(input);
   }
 
   void readAxes(const Node& axes, ManifestKernel& kernel, const std::string& where) {
@@ -428,6 +495,41 @@ class Reader {
     }
   }
 
+  Tier readTier(const Node& node, const std::string& where) {
+    if (!expect(node, Node::Type::kString, "\"tier\"")) return Tier::kBase;
+    const std::optional<Tier> tier = tierFromName(node.string);
+    if (!tier) {
+      error(node.line, "PK302",
+            where + ": \"tier\" is \"es\", \"base\" (default) or \"wide\", not \"" + node.string +
+                "\"");
+    }
+    return tier.value_or(Tier::kBase);
+  }
+
+  void readTierRules(const Node& list, ManifestKernel& kernel, const std::string& where) {
+    if (!expect(list, Node::Type::kArray, "\"tiers\"")) return;
+    for (const Node& node : list.children) {
+      if (!expect(node, Node::Type::kObject, "a tier of permutations")) continue;
+      const std::string rule = "a tier of permutations of " + where;
+      allowKeys(node, {"when", "tier"}, rule);
+      const Node* when = require(node, "when", Node::Type::kObject, rule);
+      const Node* tier = require(node, "tier", Node::Type::kString, rule);
+      if (when == nullptr || tier == nullptr) continue;
+      const size_t saidBefore = diagnostics_.items().size();
+      TierRule read;
+      read.tier = readTier(*tier, where);
+      read.conditions = readConditions(*when, false, kernel, where);
+      if (diagnostics_.items().size() != saidBefore) continue;
+      if (read.conditions.empty() || read.tier <= kernel.tier) {
+        error(node.line, "PK319",
+              where + ": \"when\" names axes and their values, and the tier is higher than \"" +
+                  tierName(kernel.tier) + "\", which all permutations have");
+        continue;
+      }
+      kernel.tierRules.push_back(std::move(read));
+    }
+  }
+
   std::vector<std::vector<AxisValue>> readExclusions(const Node& list, bool areConflicts,
                                                      const ManifestKernel& kernel,
                                                      const std::string& where) {
@@ -436,42 +538,47 @@ class Reader {
       return exclusions;
     for (const Node& node : list.children) {
       if (!expect(node, Node::Type::kObject, "an exclusion")) continue;
-      std::vector<AxisValue> conditions;
-      for (size_t i = 0; i < node.keys.size() && i < node.children.size(); ++i) {
-        const auto axis = std::find_if(kernel.axes.begin(), kernel.axes.end(),
-                                       [&](const Axis& a) { return a.name == node.keys[i]; });
-        if (axis == kernel.axes.end()) {
-          error(node.keyLines[i], "PK314",
-                where + " has no axis \"" + node.keys[i] + "\" to exclude");
-          continue;
-        }
-        const Node& value = node.children[i];
-        if (!expect(value, axis->isBool ? Node::Type::kBool : Node::Type::kInteger,
-                    "the excluded value of axis \"" + axis->name + "\"")) {
-          continue;
-        }
-        const int64_t number = axis->isBool ? int64_t{value.boolean} : value.integer;
-        if (std::find(axis->values.begin(), axis->values.end(), number) == axis->values.end()) {
-          error(value.line, "PK314",
-                where + ": axis \"" + axis->name + "\" has no value " + std::to_string(number));
-          continue;
-        }
-        if (areConflicts && axis->isBool && number == 0) {
-          error(value.line, "PK315",
-                where + ": a conflict with axis \"" + axis->name +
-                    "\" off ends when it is switched on: write it under \"exclude\"");
-          continue;
-        }
-        conditions.emplace_back(static_cast<uint32_t>(axis - kernel.axes.begin()),
-                                static_cast<int32_t>(number));
-      }
       if (node.keys.empty()) {
         error(node.line, "PK314", where + ": an exclusion without an axis excludes everything");
         continue;
       }
+      std::vector<AxisValue> conditions = readConditions(node, areConflicts, kernel, where);
       if (!conditions.empty()) exclusions.push_back(std::move(conditions));
     }
     return exclusions;
+  }
+
+  std::vector<AxisValue> readConditions(const Node& node, bool areConflicts,
+                                        const ManifestKernel& kernel, const std::string& where) {
+    std::vector<AxisValue> conditions;
+    for (size_t i = 0; i < node.keys.size() && i < node.children.size(); ++i) {
+      const auto axis = std::find_if(kernel.axes.begin(), kernel.axes.end(),
+                                     [&](const Axis& a) { return a.name == node.keys[i]; });
+      if (axis == kernel.axes.end()) {
+        error(node.keyLines[i], "PK314", where + " has no axis \"" + node.keys[i] + "\"");
+        continue;
+      }
+      const Node& value = node.children[i];
+      if (!expect(value, axis->isBool ? Node::Type::kBool : Node::Type::kInteger,
+                  "the value of axis \"" + axis->name + "\"")) {
+        continue;
+      }
+      const int64_t number = axis->isBool ? int64_t{value.boolean} : value.integer;
+      if (std::find(axis->values.begin(), axis->values.end(), number) == axis->values.end()) {
+        error(value.line, "PK314",
+              where + ": axis \"" + axis->name + "\" has no value " + std::to_string(number));
+        continue;
+      }
+      if (areConflicts && axis->isBool && number == 0) {
+        error(value.line, "PK315",
+              where + ": a conflict with axis \"" + axis->name +
+                  "\" off ends when it is switched on: write it under \"exclude\"");
+        continue;
+      }
+      conditions.emplace_back(static_cast<uint32_t>(axis - kernel.axes.begin()),
+                              static_cast<int32_t>(number));
+    }
+    return conditions;
   }
 
   void checkCompletion(const ManifestKernel& kernel, const std::string& where) {
@@ -505,13 +612,16 @@ class Reader {
   Diagnostics& diagnostics_;
 };
 
+bool allHold(const std::vector<AxisValue>& conditions, const Permutation& permutation) {
+  return std::all_of(conditions.begin(), conditions.end(), [&](const AxisValue& condition) {
+    return permutation[condition.first] == condition.second;
+  });
+}
+
 bool anyHolds(const std::vector<std::vector<AxisValue>>& exclusions,
               const Permutation& permutation) {
-  return std::any_of(exclusions.begin(), exclusions.end(), [&](const auto& conditions) {
-    return std::all_of(conditions.begin(), conditions.end(), [&](const AxisValue& condition) {
-      return permutation[condition.first] == condition.second;
-    });
-  });
+  return std::any_of(exclusions.begin(), exclusions.end(),
+                     [&](const auto& conditions) { return allHold(conditions, permutation); });
 }
 
 }  // namespace
@@ -549,6 +659,20 @@ std::vector<Permutation> ManifestKernel::permutations() const {
   std::vector<Permutation> all = combinations();
   std::erase_if(all, [this](const Permutation& p) { return isExcluded(p); });
   return all;
+}
+
+Tier ManifestKernel::tierOf(const Permutation& permutation) const {
+  Tier highest = tier;
+  for (const TierRule& rule : tierRules)
+    if (allHold(rule.conditions, permutation)) highest = std::max(highest, rule.tier);
+  return highest;
+}
+
+bool Manifest::groupsFit(uint32_t a, uint32_t b) const {
+  const std::vector<std::string>& first = groups[a].layouts;
+  const std::vector<std::string>& second = groups[b].layouts;
+  const auto shared = static_cast<std::ptrdiff_t>(std::min(first.size(), second.size()));
+  return std::equal(first.begin(), first.begin() + shared, second.begin());
 }
 
 std::string Manifest::namespaceName() const {

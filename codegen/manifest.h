@@ -4,17 +4,19 @@
 #include <compare>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "codegen/diagnostics.h"
 #include "pelage/layout.h"
+#include "pelage/tier.h"
 
 namespace pelage::codegen {
 
-/// Something that a kernel is compiled with several values of. The macro is the name in capitals:
-/// globalShape is GLOBAL_SHAPE.
+/// A property with several values, for each of which a kernel is compiled. The macro is the name in
+/// capitals: globalShape is GLOBAL_SHAPE.
 struct Axis {
   std::string name;
   bool isBool = true;
@@ -27,26 +29,44 @@ using Permutation = std::vector<int32_t>;
 /// An axis, as an index, and one of its values.
 using AxisValue = std::pair<uint32_t, int32_t>;
 
+/// The buffer that a vertex kernel's inputs come from.
+struct ManifestVertexInput {
+  uint32_t stride = 0;  ///< bytes
+  bool perInstance = false;
+  std::vector<uint32_t> offsets;  ///< bytes; by location, from 0 on
+  uint32_t line = 0;
+};
+
+/// The permutations for which all conditions hold need a higher tier.
+struct TierRule {
+  std::vector<AxisValue> conditions;
+  Tier tier = Tier::kBase;
+};
+
 struct ManifestKernel {
   std::string name;
   std::string file;  ///< relative to the manifest
   Stage stage = Stage::kCompute;
   uint32_t group = 0;  ///< index into Manifest::groups
   std::vector<Axis> axes;
-  /// A permutation for which all conditions of one of them hold does not exist.
+  /// A permutation for which all conditions of one entry hold does not exist.
   std::vector<std::vector<AxisValue>> excludes;
-  std::vector<std::vector<AxisValue>> conflicts;  ///< the excludes that no key may ask for
-  bool desktopTier = false;
+  std::vector<std::vector<AxisValue>> conflicts;  ///< the excludes that no key may request
+  std::optional<ManifestVertexInput> vertexInput;
+  Tier tier = Tier::kBase;  ///< of the permutations without a rule
+  std::vector<TierRule> tierRules;
   bool precise = false;
   uint32_t line = 0;  ///< in the manifest
 
   bool isExcluded(const Permutation& permutation) const;
   bool isConflict(const Permutation& permutation) const;
-  /// Every value of every axis with every other; the last axis varies fastest.
+  /// All combinations of the values of all axes; the last axis varies fastest.
   std::vector<Permutation> combinations() const;
   /// The combinations that are not excluded.
   std::vector<Permutation> permutations() const;
   Permutation defaultPermutation() const;
+  /// The highest tier of the kernel and of the rules that hold.
+  Tier tierOf(const Permutation& permutation) const;
 };
 
 struct ManifestGroup {
@@ -55,18 +75,27 @@ struct ManifestGroup {
   uint32_t line = 0;
 };
 
+/// A file whose `static const` numbers become C++ constants.
+struct ManifestConstants {
+  std::string file;   ///< relative to the manifest
+  std::string space;  ///< their C++ namespace in the manifest's one: the file's name
+  uint32_t line = 0;
+};
+
 struct Manifest {
   std::string file;                         ///< name of the manifest, without its folder
   std::vector<std::string> namespaceParts;  ///< "a::b" is {"a", "b"}
   std::vector<ManifestGroup> groups;        ///< in the order of the file
+  std::vector<ManifestConstants> constants;
   std::vector<ManifestKernel> kernels;
 
   std::string namespaceName() const;    ///< "a::b"
   std::string namespaceFolder() const;  ///< "a/b"
+  /// Whether the kernels of two groups can be the stages of one draw: layoutsFit() of kernel.h.
+  bool groupsFit(uint32_t a, uint32_t b) const;
 };
 
-/// Reads a manifest. Everything that is wrong with it goes into the diagnostics, under the file's
-/// name without its folder.
+/// Reads a manifest. Its errors go into the diagnostics, under the file's name without its folder.
 Manifest readManifest(const std::filesystem::path& path, Diagnostics& diagnostics);
 
 /// "globalShape" -> "GLOBAL_SHAPE".

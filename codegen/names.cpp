@@ -106,6 +106,8 @@ constexpr std::array<std::string_view, 97> kKeywords = {"alignas",
                                                         "std"};
 
 char upper(char c) { return static_cast<char>(std::toupper(static_cast<unsigned char>(c))); }
+bool isUpper(char c) { return std::isupper(static_cast<unsigned char>(c)) != 0; }
+bool isLower(char c) { return std::islower(static_cast<unsigned char>(c)) != 0; }
 char lower(char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); }
 
 }  // namespace
@@ -141,7 +143,12 @@ std::string camelCase(std::string_view snake) {
 std::string hostName(std::string_view hlsl) {
   if (hlsl.starts_with("g_")) hlsl.remove_prefix(2);
   std::string name(hlsl);
-  if (!name.empty()) name[0] = lower(name[0]);
+  // An abbreviation becomes small as a whole: PPLLBuildConstants is ppllBuildConstants.
+  for (size_t i = 0; i < name.size() && isUpper(name[i]); ++i) {
+    const bool startsWord = i > 0 && i + 1 < name.size() && isLower(name[i + 1]);
+    if (startsWord) break;
+    name[i] = lower(name[i]);
+  }
   return name;
 }
 

@@ -1,4 +1,4 @@
-// How names in HLSL and the manifest become C++ names.
+// Converts names of HLSL and the manifest to C++ names.
 #pragma once
 
 #include <string>
@@ -12,7 +12,8 @@ bool isIdentifier(std::string_view text);
 std::string pascalCase(std::string_view snake);
 /// "skin_roots" -> "skinRoots".
 std::string camelCase(std::string_view snake);
-/// "g_positions" -> "positions", "SimulationConstants" -> "simulationConstants".
+/// "g_positions" -> "positions", "SimulationConstants" -> "simulationConstants",
+/// "PPLLBuildConstants" -> "ppllBuildConstants".
 std::string hostName(std::string_view hlsl);
 
 }  // namespace pelage::codegen

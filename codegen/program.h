@@ -1,15 +1,18 @@
-// Everything that the outputs are written from.
+// The data from which the outputs are written.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
 
+#include "codegen/constants.h"
 #include "codegen/host_struct.h"
 #include "codegen/layout_plan.h"
 #include "codegen/manifest.h"
 #include "codegen/reflect.h"
+#include "pelage/kernel_code_table.h"
 
 namespace pelage::codegen {
 
@@ -17,24 +20,46 @@ struct BindingUse {
   uint32_t set = 0;
   uint32_t entry = 0;
   Access access = Access::kNone;
+  uint32_t glBinding = 0;
 };
 
 /// A distinct variant: one SPIR-V, used by one or more permutations.
 struct VariantOutput {
   std::vector<Permutation> permutations;  ///< in the manifest's order
-  std::vector<uint32_t> spirv;
+  std::vector<uint32_t> spirv;            ///< with names where the build keeps them
   std::string glsl;
   std::string essl;
   std::vector<BindingUse> bindings;  ///< ascending by (set, entry)
   uint32_t groupSize[3] = {0, 0, 0};
   uint32_t sharedBytes = 0;
-  uint64_t hash = 0;
+  Tier tier = Tier::kWide;  ///< the lowest one of the permutations
+  uint64_t hash = 0;        ///< of the SPIR-V without names
+};
+
+/// The code of a kernel's variants in one format, one behind the other and compressed.
+struct PackedCode {
+  struct Range {
+    uint64_t variant = 0;  ///< VariantOutput::hash
+    uint32_t offset = 0, size = 0;
+  };
+  std::string bytes;
+  uint32_t unpackedBytes = 0;
+  std::vector<Range> ranges;  ///< empty when no variant has code in this format
 };
 
 struct KernelOutput {
   ManifestKernel kernel;
   std::vector<SpecConstantInfo> specConstants;  ///< ascending by id
+  std::vector<StageInput> inputs;               ///< of vertex kernels, ascending by location
   std::vector<VariantOutput> variants;
+  std::array<PackedCode, 3> code;  ///< by CodeFormat
+};
+
+/// The constants of a file, in a namespace of their own.
+struct ConstantsOutput {
+  std::string file;
+  std::string space;
+  std::vector<SharedConstant> constants;
 };
 
 struct Program {
@@ -42,12 +67,26 @@ struct Program {
   std::vector<PlannedLayout> layouts;
   std::vector<HostStruct> structs;  ///< each behind those that it contains
   std::vector<KernelOutput> kernels;
+  std::vector<ConstantsOutput> constants;  ///< in the manifest's order
 };
+
+/// The first lines of a generated file.
+std::string generatedHead(const Program& program, const std::string& what);
+/// Enumerator of VertexFormat without its k: "Float3".
+std::string vertexFormat(const StageInput& input);
+/// "group "a"" or "groups "a", "b"": those that have the layout.
+std::string groupsOf(const Program& program, const PlannedLayout& layout);
+/// Content of constants.h.
+std::string constantsHeader(const Program& program);
+/// Content of bindings.h.
+std::string bindingsHeader(const Program& program);
 
 /// Names and contents of the files to write, relative to the output folder.
 std::map<std::string, std::string> emitSources(const Program& program);
+/// The same of the libraries of code.
+std::map<std::string, std::string> emitCode(const Program& program);
 
-/// reflection.json: what the outputs say, without the code.
+/// reflection.json: the contents of the outputs, without the code.
 std::string emitReflection(const Program& program);
 
 }  // namespace pelage::codegen

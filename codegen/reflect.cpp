@@ -59,6 +59,8 @@ class Reflector {
                 return std::tie(a.space, a.registerClass, a.registerNumber, a.name) <
                        std::tie(b.space, b.registerClass, b.registerNumber, b.name);
               });
+    std::sort(output_.inputs.begin(), output_.inputs.end(),
+              [](const StageInput& a, const StageInput& b) { return a.location < b.location; });
     std::sort(output_.specConstants.begin(), output_.specConstants.end(),
               [](const SpecConstantInfo& a, const SpecConstantInfo& b) { return a.id < b.id; });
     return std::move(output_);
@@ -105,6 +107,10 @@ class Reflector {
       output_.sharedBytes = roundUp(output_.sharedBytes, alignment(typeId)) + size(typeId);
       return;
     }
+    if (storage == SpvStorageClassInput) {
+      input(instruction.result, typeId);
+      return;
+    }
     if (storage != SpvStorageClassUniform && storage != SpvStorageClassStorageBuffer &&
         storage != SpvStorageClassUniformConstant) {
       return;
@@ -140,6 +146,21 @@ class Reflector {
     }
     slot(instruction.result, resource);
     output_.resources.push_back(std::move(resource));
+  }
+
+  void input(uint32_t id, uint32_t typeId) {
+    const std::optional<uint32_t> location = module_.decoration(id, SpvDecorationLocation);
+    const SpirvInstruction* object = type(typeId);
+    if (!location || object == nullptr) return;
+    StageInput input;
+    input.location = *location;
+    input.name = module_.name(id);
+    if (object->op == SpvOpTypeVector) {
+      input.components = object->operands[1];
+      object = type(object->operands[0]);
+    }
+    input.scalar = scalarType(*object);
+    output_.inputs.push_back(std::move(input));
   }
 
   void buffer(uint32_t typeId, SpvStorageClass storage, Resource& resource) {
@@ -236,13 +257,13 @@ class Reflector {
     StructLayout layout;
     layout.name = module_.name(typeId);
     layout.isBlock = isBlock;
-    const SpirvInstruction& type_ = *type(typeId);
+    const SpirvInstruction& structType = *type(typeId);
     uint32_t end = 0;
-    for (uint32_t i = 0; i < type_.operands.size(); ++i) {
+    for (uint32_t i = 0; i < structType.operands.size(); ++i) {
       StructMember member;
       member.name = module_.memberName(typeId, i);
       member.offset = module_.memberDecoration(typeId, i, SpvDecorationOffset).value_or(end);
-      const uint32_t memberType = type_.operands[i];
+      const uint32_t memberType = structType.operands[i];
       describe(memberType, member, isBlock);
       end = std::max(end, member.offset + memberBytes(memberType, member));
       layout.members.push_back(std::move(member));
@@ -374,10 +395,12 @@ char registerLetter(RegisterClass registerClass) {
 
 ModuleReflection reflectModule(const SpirvReader& module) { return Reflector(module).run(); }
 
-std::map<uint32_t, Access> resourceAccess(const SpirvReader& module) {
-  // Which variables an id may stand for: the variable itself, pointers into it, images loaded from
-  // it. Parameters collect what their callers pass, so iterate until nothing changes.
-  std::map<uint32_t, std::set<uint32_t>> origins;
+using Origins = std::map<uint32_t, std::set<uint32_t>>;
+
+// The variables that an id may refer to: the variable itself, pointers into it, images loaded from
+// it. Parameters collect those of their callers, so it iterates until nothing changes.
+Origins originsOf(const SpirvReader& module) {
+  Origins origins;
   std::map<uint32_t, std::vector<uint32_t>> parameters;
   uint32_t function = 0;
   for (const SpirvInstruction& instruction : module.instructions()) {
@@ -434,7 +457,56 @@ std::map<uint32_t, Access> resourceAccess(const SpirvReader& module) {
       }
     }
   }
+  return origins;
+}
 
+// How an instruction accesses what its first operand refers to.
+Access accessOfFirstOperand(SpvOp op) {
+  switch (op) {
+    case SpvOpStore:
+    case SpvOpAtomicStore:
+    case SpvOpCopyMemory:
+    case SpvOpImageWrite:
+      return Access::kWrite;
+    case SpvOpAtomicExchange:
+    case SpvOpAtomicCompareExchange:
+    case SpvOpAtomicIIncrement:
+    case SpvOpAtomicIDecrement:
+    case SpvOpAtomicIAdd:
+    case SpvOpAtomicISub:
+    case SpvOpAtomicSMin:
+    case SpvOpAtomicUMin:
+    case SpvOpAtomicSMax:
+    case SpvOpAtomicUMax:
+    case SpvOpAtomicAnd:
+    case SpvOpAtomicOr:
+    case SpvOpAtomicXor:
+      return Access::kReadWrite;
+    case SpvOpLoad:
+    case SpvOpAtomicLoad:
+    case SpvOpArrayLength:
+    case SpvOpSampledImage:
+    case SpvOpImageRead:
+    case SpvOpImageFetch:
+    case SpvOpImageGather:
+    case SpvOpImageDrefGather:
+    case SpvOpImageSampleImplicitLod:
+    case SpvOpImageSampleExplicitLod:
+    case SpvOpImageSampleDrefImplicitLod:
+    case SpvOpImageSampleDrefExplicitLod:
+    case SpvOpImageQuerySizeLod:
+    case SpvOpImageQuerySize:
+    case SpvOpImageQueryLevels:
+    case SpvOpImageQuerySamples:
+    case SpvOpImageQueryLod:
+      return Access::kRead;
+    default:
+      return Access::kNone;
+  }
+}
+
+std::map<uint32_t, Access> resourceAccess(const SpirvReader& module) {
+  const Origins origins = originsOf(module);
   std::map<uint32_t, Access> accesses;
   const auto touch = [&](uint32_t id, Access access) {
     const auto found = origins.find(id);
@@ -445,64 +517,29 @@ std::map<uint32_t, Access> resourceAccess(const SpirvReader& module) {
   };
   for (const SpirvInstruction& instruction : module.instructions()) {
     const std::span<const uint32_t> operands = instruction.operands;
-    switch (instruction.op) {
-      case SpvOpStore:
-      case SpvOpAtomicStore:
-        touch(operands[0], Access::kWrite);
-        break;
-      case SpvOpCopyMemory:
-        touch(operands[0], Access::kWrite);
-        touch(operands[1], Access::kRead);
-        break;
-      case SpvOpImageWrite:
-        touch(operands[0], Access::kWrite);
-        break;
-      case SpvOpLoad:
-        if (!isHandle(module, instruction.resultType)) touch(operands[0], Access::kRead);
-        break;
-      case SpvOpAtomicLoad:
-      case SpvOpArrayLength:
-        touch(operands[0], Access::kRead);
-        break;
-      case SpvOpSampledImage:
-        touch(operands[0], Access::kRead);
-        touch(operands[1], Access::kRead);
-        break;
-      case SpvOpAtomicExchange:
-      case SpvOpAtomicCompareExchange:
-      case SpvOpAtomicIIncrement:
-      case SpvOpAtomicIDecrement:
-      case SpvOpAtomicIAdd:
-      case SpvOpAtomicISub:
-      case SpvOpAtomicSMin:
-      case SpvOpAtomicUMin:
-      case SpvOpAtomicSMax:
-      case SpvOpAtomicUMax:
-      case SpvOpAtomicAnd:
-      case SpvOpAtomicOr:
-      case SpvOpAtomicXor:
-        touch(operands[0], Access::kReadWrite);
-        break;
-      case SpvOpImageRead:
-      case SpvOpImageFetch:
-      case SpvOpImageGather:
-      case SpvOpImageDrefGather:
-      case SpvOpImageSampleImplicitLod:
-      case SpvOpImageSampleExplicitLod:
-      case SpvOpImageSampleDrefImplicitLod:
-      case SpvOpImageSampleDrefExplicitLod:
-      case SpvOpImageQuerySizeLod:
-      case SpvOpImageQuerySize:
-      case SpvOpImageQueryLevels:
-      case SpvOpImageQuerySamples:
-      case SpvOpImageQueryLod:
-        touch(operands[0], Access::kRead);
-        break;
-      default:
-        break;
-    }
+    const Access access = accessOfFirstOperand(instruction.op);
+    if (access == Access::kNone) continue;
+    // Loading an image or a sampler touches nothing yet.
+    if (instruction.op == SpvOpLoad && isHandle(module, instruction.resultType)) continue;
+    touch(operands[0], access);
+    if (instruction.op == SpvOpCopyMemory || instruction.op == SpvOpSampledImage)
+      touch(operands[1], Access::kRead);
   }
   return accesses;
+}
+
+std::map<std::pair<uint32_t, uint32_t>, uint32_t> storageBufferNumbers(const SpirvReader& module,
+                                                                       uint32_t first) {
+  std::map<std::pair<uint32_t, uint32_t>, uint32_t> numbers;
+  for (const SpirvInstruction& instruction : module.instructions()) {
+    if (instruction.op != SpvOpVariable || instruction.operands[0] != SpvStorageClassStorageBuffer)
+      continue;
+    const uint32_t id = instruction.result;
+    numbers[{module.decoration(id, SpvDecorationDescriptorSet).value_or(0),
+             module.decoration(id, SpvDecorationBinding).value_or(0)}] = 0;
+  }
+  for (auto& [slot, number] : numbers) number = first++;
+  return numbers;
 }
 
 }  // namespace pelage::codegen

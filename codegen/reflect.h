@@ -1,4 +1,4 @@
-// What a module says about itself: resources, struct layouts, specialization constants, limits.
+// The reflection of a module: resources, struct layouts, specialization constants, limits.
 #pragma once
 
 #include <compare>
@@ -65,21 +65,36 @@ struct SpecConstantInfo {
   bool operator==(const SpecConstantInfo&) const = default;
 };
 
+/// An input of the vertex stage that is no system value.
+struct StageInput {
+  uint32_t location = 0;
+  std::string name;
+  ScalarType scalar = ScalarType::kFloat;  ///< kOther: a matrix, an array
+  uint32_t components = 1;
+  bool operator==(const StageInput&) const = default;
+};
+
 struct ModuleReflection {
   std::vector<Resource> resources;  ///< those that the entry point can reach, by (space, register)
   std::map<std::string, StructLayout> structs;
   std::vector<std::string> structConflicts;  ///< names with two layouts in this module
   std::vector<SpecConstantInfo> specConstants;
+  std::vector<StageInput> inputs;  ///< of any stage, ascending by location
   uint32_t groupSize[3] = {0, 0, 0};
   uint32_t sharedBytes = 0;  ///< groupshared memory with the default specialization
   bool hasBody = false;      ///< the entry point does something
 };
 
-/// Reads names and registers: for the module as the front end wrote it.
+/// Reads names and registers from the module as written by the front end.
 ModuleReflection reflectModule(const SpirvReader& module);
 
-/// What the entry point does with each resource variable, by id. Variables that it never touches
-/// are absent.
+/// Returns the accesses of the entry point to each resource variable, by id. Variables without
+/// access are absent.
 std::map<uint32_t, Access> resourceAccess(const SpirvReader& module);
+
+/// Returns the GL binding numbers of the module's storage buffers, by (set, binding): dense from
+/// `first`, in that order.
+std::map<std::pair<uint32_t, uint32_t>, uint32_t> storageBufferNumbers(const SpirvReader& module,
+                                                                       uint32_t first);
 
 }  // namespace pelage::codegen

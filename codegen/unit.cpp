@@ -80,12 +80,13 @@ std::map<std::string, SourceLocation> findDeclarations(const std::string& text,
   return declarations;
 }
 
-// Keeps what is known so far on disk: glslang may take the process down at any of its calls.
+// Saves the results so far to disk: glslang may crash the process in any of its calls.
 class ResultFile {
  public:
   explicit ResultFile(fs::path path) : path_(std::move(path)) {}
   bool write(const FrontEndResult& result) const { return writeWholeFile(path_, encode(result)); }
   bool write(const BackEndResult& result) const { return writeWholeFile(path_, encode(result)); }
+  bool write(const ConstantsResult& result) const { return writeWholeFile(path_, encode(result)); }
 
  private:
   fs::path path_;
@@ -122,7 +123,6 @@ int runFrontEnd(const json& job, const ResultFile& file) {
   check.entry = input.entry;
   check.file = input.file;
   check.preprocessed = source.text;
-  check.desktopTier = job.at("desktopTier").get<bool>();
   check.precise = job.at("precise").get<bool>();
   runSourceChecks(check, result.diagnostics);
   result.declarations = findDeclarations(source.text, input.file);
@@ -130,7 +130,7 @@ int runFrontEnd(const json& job, const ResultFile& file) {
 
   FrontEndOutput output = compileHlsl(input);
   if (!output.ok) {
-    // The first message says it; what follows at the same place is what the parser makes of it.
+    // The first message is the cause; later ones at the same location are consequences.
     FrontEndResult early = result;
     addMessages({*std::find_if(output.messages.begin(), output.messages.end(),
                                [](const FrontEndMessage& m) { return m.isError; })},
@@ -149,13 +149,43 @@ int runFrontEnd(const json& job, const ResultFile& file) {
   return file.write(result) ? 0 : 1;
 }
 
+int runConstants(const json& job, const ResultFile& file) {
+  FrontEndInput input;
+  input.baseDir = job.at("baseDir").get<std::string>();
+  input.file = job.at("file").get<std::string>();
+  for (const json& dir : job.at("includeDirs"))
+    input.includeDirs.emplace_back(dir.get<std::string>());
+
+  ConstantsResult result;
+  result.complete = true;
+  PreprocessOutput source = preprocessHlsl(input);
+  result.files = source.files;
+  addMessages(source.messages, result.diagnostics);
+  if (!source.ok && !result.diagnostics.hasErrors()) {
+    result.diagnostics.error(input.file, 1, "PK400", "the preprocessor gave up without a message");
+  }
+  if (!result.diagnostics.hasErrors())
+    result.constants = findConstants(source.text, input.file, result.diagnostics);
+  if (!result.diagnostics.hasErrors()) {
+    const FrontEndInput probe = constantsProbe(input, source.text, result.constants);
+    const FrontEndOutput output = compileHlsl(probe);
+    if (output.ok) {
+      readConstants(output.spirv, input.file, result.constants, result.diagnostics);
+    } else {
+      addMessages(findAllErrors(probe, *probe.text, output.messages), result.diagnostics);
+    }
+  }
+  return file.write(result) ? 0 : 1;
+}
+
 int runBackEnd(const json& job, const ResultFile& file) {
   BackEndInput input;
   const std::vector<uint32_t> raw = unpackWords(job.at("spirv"));
   input.rawSpirv = raw;
   input.entry = job.at("entry").get<std::string>();
   input.stage = static_cast<Stage>(job.at("stage").get<int>());
-  input.desktopTier = job.at("desktopTier").get<bool>();
+  input.tier = static_cast<Tier>(job.at("tier").get<int>());
+  input.firstStorageBinding = job.at("firstStorageBinding").get<uint32_t>();
   input.precise = job.at("precise").get<bool>();
   for (const json& p : job.at("patches")) {
     input.patches.push_back({p.at(0).get<uint32_t>(), p.at(1).get<uint32_t>(),
@@ -178,7 +208,7 @@ int runBackEnd(const json& job, const ResultFile& file) {
   check.frontEndLog = job.at("log").get<std::string>();
   check.glsl = output.glsl;
   check.essl = output.essl;
-  check.desktopTier = input.desktopTier;
+  check.tier = input.tier;
   check.precise = input.precise;
   runModuleChecks(check, result.diagnostics);
   for (const BackEndError& error : output.errors) {
@@ -207,7 +237,6 @@ std::string encode(const FrontEndJob& job) {
                  {"macros", std::move(macros)},
                  {"includeDirs", std::move(includeDirs)},
                  {"kernel", job.kernel},
-                 {"desktopTier", job.desktopTier},
                  {"precise", job.precise}});
 }
 
@@ -223,11 +252,21 @@ std::string encode(const BackEndJob& job) {
                  {"entryFile", job.entryLocation.file},
                  {"entryLine", job.entryLocation.line},
                  {"stage", static_cast<int>(job.stage)},
-                 {"desktopTier", job.desktopTier},
+                 {"tier", static_cast<int>(job.tier)},
+                 {"firstStorageBinding", job.firstStorageBinding},
                  {"precise", job.precise},
                  {"spirv", packWords(job.spirv)},
                  {"log", job.log},
                  {"patches", std::move(patches)}});
+}
+
+std::string encode(const ConstantsJob& job) {
+  json includeDirs = json::array();
+  for (const fs::path& dir : job.source.includeDirs) includeDirs.push_back(dir.string());
+  return toText({{"step", "constants"},
+                 {"baseDir", job.source.baseDir.string()},
+                 {"file", job.source.file},
+                 {"includeDirs", std::move(includeDirs)}});
 }
 
 std::string encode(const FrontEndResult& result) {
@@ -249,6 +288,16 @@ std::string encode(const BackEndResult& result) {
                  {"spirv", packWords(result.spirv)},
                  {"glsl", result.glsl},
                  {"essl", result.essl}});
+}
+
+std::string encode(const ConstantsResult& result) {
+  json constants = json::array();
+  for (const SharedConstant& c : result.constants)
+    constants.push_back({c.name, static_cast<int>(c.type), c.bits, c.line});
+  return toText({{"complete", result.complete},
+                 {"diagnostics", pack(result.diagnostics)},
+                 {"files", result.files},
+                 {"constants", std::move(constants)}});
 }
 
 std::optional<FrontEndResult> decodeFrontEndResult(const std::string& text) {
@@ -285,7 +334,26 @@ std::optional<BackEndResult> decodeBackEndResult(const std::string& text) {
   }
 }
 
-int runUnit(const fs::path& jobFile, const fs::path& resultFile) {
+std::optional<ConstantsResult> decodeConstantsResult(const std::string& text) {
+  try {
+    const json value = json::from_cbor(text);
+    ConstantsResult result;
+    result.complete = value.at("complete").get<bool>();
+    result.diagnostics = unpackDiagnostics(value.at("diagnostics"));
+    result.files = value.at("files").get<std::vector<std::string>>();
+    for (const json& c : value.at("constants")) {
+      result.constants.push_back({c.at(0).get<std::string>(),
+                                  static_cast<ScalarType>(c.at(1).get<int>()),
+                                  c.at(2).get<uint32_t>(), c.at(3).get<uint32_t>()});
+    }
+    return result;
+  } catch (const json::exception&) {
+    return std::nullopt;
+  }
+}
+
+int runUnit(const fs::path& stem) {
+  const std::string jobFile = stem.string() + ".job";
   try {
     const std::optional<std::string> text = readWholeFile(jobFile);
     if (!text) {
@@ -293,7 +361,8 @@ int runUnit(const fs::path& jobFile, const fs::path& resultFile) {
       return 1;
     }
     const json job = json::from_cbor(*text);
-    const ResultFile file(resultFile);
+    const ResultFile file(stem.string() + ".result");
+    if (job.at("step") == "constants") return runConstants(job, file);
     return job.at("step") == "front end" ? runFrontEnd(job, file) : runBackEnd(job, file);
   } catch (const std::exception& e) {
     std::fprintf(stderr, "%s\n", e.what());

@@ -1,5 +1,6 @@
 // The work on one permutation, in two steps that run in child processes: the front end, which needs
-// nothing but the source, and the back end, which needs the binding plan of all kernels.
+// nothing but the source, and the back end, which needs the binding plan of all kernels. A third
+// kind of child evaluates the constants of a file.
 #pragma once
 
 #include <cstdint>
@@ -11,12 +12,13 @@
 #include <vector>
 
 #include "codegen/back_end.h"
+#include "codegen/constants.h"
 #include "codegen/diagnostics.h"
 #include "codegen/front_end.h"
 
 namespace pelage::codegen {
 
-/// Where something is declared.
+/// The location of a declaration.
 struct SourceLocation {
   std::string file;
   uint32_t line = 1;
@@ -25,17 +27,28 @@ struct SourceLocation {
 struct FrontEndJob {
   FrontEndInput source;
   std::string kernel;
-  bool desktopTier = false;
   bool precise = false;
 };
 
 struct FrontEndResult {
-  bool complete = false;  ///< false: what was known when the process ended early
+  bool complete = false;  ///< false: the results until the process ended early
   Diagnostics diagnostics;
   std::vector<uint32_t> spirv;  ///< empty when it does not compile
   std::string log;
   std::vector<std::string> files;
   std::map<std::string, SourceLocation> declarations;  ///< resources, structs, blocks, functions
+};
+
+/// The constants of a file; see codegen/constants.h.
+struct ConstantsJob {
+  FrontEndInput source;  ///< baseDir, file and includeDirs
+};
+
+struct ConstantsResult {
+  bool complete = false;
+  Diagnostics diagnostics;
+  std::vector<std::string> files;  ///< read: the file first, then what it includes
+  std::vector<SharedConstant> constants;
 };
 
 struct BackEndJob {
@@ -44,8 +57,9 @@ struct BackEndJob {
   std::string entry;
   SourceLocation entryLocation;
   Stage stage = Stage::kCompute;
-  bool desktopTier = false;
+  Tier tier = Tier::kBase;
   bool precise = false;
+  uint32_t firstStorageBinding = 0;
   std::vector<uint32_t> spirv;
   std::string log;
   std::vector<BindingPatch> patches;
@@ -62,13 +76,17 @@ struct BackEndResult {
 
 std::string encode(const FrontEndJob& job);
 std::string encode(const BackEndJob& job);
+std::string encode(const ConstantsJob& job);
 std::string encode(const FrontEndResult& result);
 std::string encode(const BackEndResult& result);
+std::string encode(const ConstantsResult& result);
 /// Empty when the text is not an encoded result.
 std::optional<FrontEndResult> decodeFrontEndResult(const std::string& text);
 std::optional<BackEndResult> decodeBackEndResult(const std::string& text);
+std::optional<ConstantsResult> decodeConstantsResult(const std::string& text);
 
-/// The child process: reads an encoded job and writes its result. Returns the exit status.
-int runUnit(const std::filesystem::path& job, const std::filesystem::path& result);
+/// In the child process: reads the encoded job in `stem`.job and writes its result to
+/// `stem`.result. Returns 0 if that worked.
+int runUnit(const std::filesystem::path& stem);
 
 }  // namespace pelage::codegen

@@ -17,9 +17,15 @@ out=${PELAGE_FUZZ_OUT:-$root/build/fuzz-out}
 if [ -z "${PELAGE_FUZZ_BINARIES:-}" ]; then
   launcher=()
   if command -v ccache > /dev/null; then launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
+  # The kernels are the same as in a release build: what that has made is taken.
+  codegen=()
+  if [ -x "$root/build/release/codegen/pelage-codegen" ]; then
+    codegen=(-DPELAGE_CODEGEN_EXECUTABLE="$root/build/release/codegen/pelage-codegen")
+  fi
   cmake -S "$root" -B "$root/build/fuzz" -G Ninja -DCMAKE_CXX_COMPILER=clang++-14 "${launcher[@]}" \
     -DPELAGE_BUILD_FUZZERS=ON -DPELAGE_BUILD_TESTS=OFF -DPELAGE_BUILD_SAMPLES=OFF \
-    -DPELAGE_BUILD_BENCHMARKS=OFF -DPELAGE_VULKAN=OFF -DPELAGE_GL=OFF > /dev/null
+    -DPELAGE_BUILD_BENCHMARKS=OFF -DPELAGE_VULKAN=OFF -DPELAGE_GL=OFF \
+    -DPELAGE_CODEGEN_CACHE="$root/build/codegen_cache" "${codegen[@]}" > /dev/null
   cmake --build "$root/build/fuzz" --target fuzzers --parallel "$jobs"
   PELAGE_FUZZ_BINARIES=$root/build/fuzz/tests/fuzz
 fi

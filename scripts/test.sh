@@ -1,9 +1,22 @@
 #!/usr/bin/env bash
 # All tests: installs what is missing, then format, release and sanitizer builds with their tests,
-# and static analysis.
+# and static analysis. The times of the steps come at the end.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-step() { printf '\n=== %s (%d s)\n' "$1" "$SECONDS"; }
+
+names=() starts=()
+step() {
+  printf '\n=== %s (%d s)\n' "$1" "$SECONDS"
+  names+=("$1")
+  starts+=("$SECONDS")
+}
+times() {
+  local i
+  for ((i = 0; i + 1 < ${#names[@]}; ++i)); do
+    printf '%6d s  %s\n' $((starts[i + 1] - starts[i])) "${names[i]}"
+  done
+  printf '%6d s  in all\n' "$SECONDS"
+}
 
 step "packages"
 bash scripts/install_packages.sh scripts/packages.txt scripts/packages_tests.txt
@@ -39,3 +52,4 @@ step "static analysis"
 bash scripts/tidy.sh
 
 step "done"
+times

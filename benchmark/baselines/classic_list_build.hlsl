@@ -1,5 +1,5 @@
 // Adds a fragment of hair to the list of its pixel; see classic_list_layout.hlsli.
-#include "../../kernels/layouts/render.hlsli"
+#include "../../kernels/shading/layouts/render.hlsli"
 #include "../../kernels/shading/strand_alpha.hlsli"
 #include "classic_list_layout.hlsli"
 #include "classic_list_packing.hlsli"

@@ -4,7 +4,7 @@
 #define BASELINE_CLASSIC_LIST_READ_LAYOUT_HLSLI
 
 #define STRAND_VIEW_REGISTER register(b0, space0)
-#include "../../kernels/layouts/strand_view.hlsli"
+#include "../../kernels/shading/layouts/strand_view.hlsli"
 
 cbuffer ClassicListReadConstants : register(b1, space0) {
   // Members of StrandShading.

@@ -1,5 +1,5 @@
 // Writes each fragment of the sampled rows as it is, lit and not packed.
-#include "../../kernels/layouts/render.hlsli"
+#include "../../kernels/shading/layouts/render.hlsli"
 #include "../../kernels/shading/strand_alpha.hlsli"
 #define SHADOW_WORDS g_shadowWords
 #include "../../kernels/shading/light_strand.hlsli"

@@ -24,12 +24,12 @@ namespace {
 // Fragments of each pixel of the sampled rows, front to back, over the picture without hair.
 ExactPicture composite(std::span<const SampledFragment> fragments, const RenderedImage& behind) {
   const size_t count = size_t{behind.width} * behind.height;
-  const auto placeOf = [&](const SampledFragment& f) { return size_t{f.y} * behind.width + f.x; };
+  const auto pixelOf = [&](const SampledFragment& f) { return size_t{f.y} * behind.width + f.x; };
   std::vector<uint32_t> starts(count + 1);
-  for (const SampledFragment& f : fragments) ++starts[placeOf(f) + 1];
+  for (const SampledFragment& f : fragments) ++starts[pixelOf(f) + 1];
   for (size_t i = 0; i < count; ++i) starts[i + 1] += starts[i];
   std::vector<uint32_t> order(fragments.size()), next(starts.begin(), starts.end() - 1);
-  for (uint32_t i = 0; i < fragments.size(); ++i) order[next[placeOf(fragments[i])]++] = i;
+  for (uint32_t i = 0; i < fragments.size(); ++i) order[next[pixelOf(fragments[i])]++] = i;
 
   ExactPicture exact;
   for (size_t i = 0; i < count; ++i) {
@@ -137,7 +137,7 @@ PictureError comparePicture(const RenderedImage& image, const ExactPicture& exac
   double sum = 0;
   uint64_t off = 0;
   for (const ExactPicture::Pixel& pixel : exact.pixels) {
-    const Float4& seen = image.pixels[pixel.place];
+    const Float4& seen = image.pixels[pixel.index];
     const float channels[3] = {seen.x, seen.y, seen.z};
     double largest = 0;
     for (int c = 0; c < 3; ++c) {

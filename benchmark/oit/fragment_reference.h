@@ -21,7 +21,7 @@ struct PictureError {
 /// Pixels of hair over what is behind it.
 struct ExactPicture {
   struct Pixel {
-    uint32_t place;  ///< y * width + x
+    uint32_t index;  ///< y * width + x
     double color[3];
   };
   std::vector<Pixel> pixels;

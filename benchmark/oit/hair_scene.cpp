@@ -137,7 +137,7 @@ Result<void> HairScene::settle() {
   PassList list;
   if (Result<void> done = scene_.simulate(1.0f / 60, list); !done) return done;
   const pelage::AffineTransform bone;
-  if (mesh_) mesh_->setBones({&bone, 1}, list);
+  if (mesh_) mesh_->setBones({&bone, 1});
   scene_.finish(list);
   if (Result<void> done = device_.update(scene_.resources()); !done) return done;
   return device_.execute(list);
@@ -147,6 +147,9 @@ Result<void> HairScene::draw(const pelage::View& view, const pelage::Transparenc
                              std::vector<PassList>& lists) {
   if (lists.empty()) lists.resize(1);
   lists[0].clear();
+  // Another frame: each method is measured with its shadow maps.
+  PassList begin;
+  if (Result<void> done = scene_.simulate(0, begin); !done) return done;
   if (mesh_)
     if (Result<void> done = mesh_->draw(view, light_, lists[0]); !done) return done;
   return scene_.draw(view, {&light_, 1}, settings, lists);

@@ -16,8 +16,8 @@ Vector3d toVector(const Float3& p) { return {p.x, p.y, p.z}; }
 
 }  // namespace
 
-double capsuleDistance(const pelage::CapsuleCollider& capsule, const Float3& place) {
-  const Vector3d point = toVector(place), head = toVector(capsule.head);
+double capsuleDistance(const pelage::CapsuleCollider& capsule, const Float3& site) {
+  const Vector3d point = toVector(site), head = toVector(capsule.head);
   const Vector3d axis = toVector(capsule.tail) - head;
   const double radius = static_cast<double>(capsule.headRadius);
   const double growth = static_cast<double>(capsule.tailRadius) - radius;
@@ -36,11 +36,11 @@ double capsuleDistance(const pelage::CapsuleCollider& capsule, const Float3& pla
 
 std::vector<double> depthsInMesh(const pelage::reference::TriangleMesh& mesh,
                                  std::span<const Float3> points) {
-  std::vector<Vector3d> places;
-  places.reserve(points.size());
-  for (const Float3& p : points) places.push_back(toVector(p));
+  std::vector<Vector3d> sites;
+  sites.reserve(points.size());
+  for (const Float3& p : points) sites.push_back(toVector(p));
   const pelage::reference::DistanceOracle oracle(mesh);
-  std::vector<double> depths = oracle.signedDistances(places, kDeepest);
+  std::vector<double> depths = oracle.signedDistances(sites, kDeepest);
   for (double& depth : depths) depth = std::max(-depth, 0.0);
   return depths;
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sdf/field_build.h"
+#include "sdf/build_bench.h"
 
 namespace bench {
 
@@ -38,10 +38,10 @@ NodeGrid gridAround(const TriangleMesh& mesh) {
 }  // namespace
 
 HeadSdf::HeadSdf(Workbench& workbench, const TriangleMesh& mesh) {
-  FieldShape shape;
+  SdfShape shape;
   shape.name = "head";
   shape.mesh = mesh;
-  field_ = makeClassicField(workbench, shape, gridAround(mesh), true);
+  field_ = makeClassicSdf(workbench, shape, gridAround(mesh), true);
 }
 
 HeadSdf::~HeadSdf() = default;

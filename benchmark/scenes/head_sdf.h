@@ -12,7 +12,7 @@
 
 namespace bench {
 
-class FieldBuild;
+class SdfBuild;
 
 /// On the padded grid of the original, with the cells of pelage's SDF of the mesh: a 50th of its
 /// longest side.
@@ -29,10 +29,10 @@ class HeadSdf {
                                  const pelage::reference::TriangleMesh& mesh,
                                  const CollidingVertices& vertices);
   /// Whether a buffer of this name holds the SDF.
-  static bool isBuffer(std::string_view name) { return name == "fieldKeys"; }
+  static bool isBuffer(std::string_view name) { return name == "contactSdfKeys"; }
 
  private:
-  std::unique_ptr<FieldBuild> field_;
+  std::unique_ptr<SdfBuild> field_;
 };
 
 }  // namespace bench

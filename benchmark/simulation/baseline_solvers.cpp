@@ -42,14 +42,14 @@ class BaselineSolver : public StrandSolver {
   ~BaselineSolver() override {
     for (const BufferId buffer : owned_) workbench_.scene.resources().remove(buffer);
   }
-  BufferId positions() const override { return places_; }
+  BufferId positions() const override { return slots_; }
 
  protected:
   BaselineSolver(Workbench& workbench, const HairAsset& asset)
       : workbench_(workbench),
         strands_(asset.strandCount),
         vertices_(asset.verticesPerStrand),
-        places_(add("places", std::vector<Float4>(total()))),
+        slots_(add("places", std::vector<Float4>(total()))),
         directions_(add("directions", std::vector<Float4>(total()))) {}
 
   BufferId add(const char* name, const std::vector<Float4>& values) {
@@ -67,7 +67,7 @@ class BaselineSolver : public StrandSolver {
   Workbench& workbench_;
   std::vector<BufferId> owned_;
   uint32_t strands_, vertices_;
-  BufferId places_, directions_;
+  BufferId slots_, directions_;
   std::array<RootPose, 3> poses_;  // of this frame and the two before
 
  private:
@@ -78,7 +78,7 @@ class SweepsSolver : public BaselineSolver {
  public:
   SweepsSolver(Workbench& workbench, const BenchScene& scene, uint32_t sweeps)
       : BaselineSolver(workbench, scene.asset),
-        placesBefore_(add("placesBefore", std::vector<Float4>(total()))),
+        slotsBefore_(add("slotsBefore", std::vector<Float4>(total()))),
         bind_(add("bind", scene.asset.positions)),
         edges_(add("edges", edgesOf(scene.asset))) {
     const float h = static_cast<float>(kFrameSeconds);
@@ -113,7 +113,7 @@ class SweepsSolver : public BaselineSolver {
     if (done) workbench_.scene.finish(list);
     return done;
   }
-  BufferId positionsBefore() const override { return placesBefore_; }
+  BufferId positionsBefore() const override { return slotsBefore_; }
 
  private:
   static std::vector<Float4> edgesOf(const HairAsset& asset) {
@@ -132,8 +132,8 @@ class SweepsSolver : public BaselineSolver {
                     uint64_t accesses) {
     PassBuilder builder(list);
     builder.dispatch(variant, threads);
-    const std::pair<const char*, BufferId> buffers[] = {{"g_places", places_},
-                                                        {"g_placesBefore", placesBefore_},
+    const std::pair<const char*, BufferId> buffers[] = {{"g_places", slots_},
+                                                        {"g_placesBefore", slotsBefore_},
                                                         {"g_directions", directions_},
                                                         {"g_bind", bind_},
                                                         {"g_edges", edges_}};
@@ -142,7 +142,7 @@ class SweepsSolver : public BaselineSolver {
     return builder.finish();
   }
 
-  BufferId placesBefore_, bind_, edges_;
+  BufferId slotsBefore_, bind_, edges_;
   baseline::SweepConstants constants_ = {};
 };
 
@@ -174,7 +174,7 @@ class CosseratSolver : public BaselineSolver {
     builder.dispatch(baseline::simulateCosseratVariant({}), strands_)
         .bind("g_rods", rods_, 4 * total() * kVector)
         .bind("g_rodRest", rest_, 2 * total() * kVector)
-        .bind("g_places", places_, total() * kVector)
+        .bind("g_places", slots_, total() * kVector)
         .bind("g_directions", directions_, total() * kVector)
         .constants("CosseratConstants", constants_)
         // A sub-step reads the state and the rest data and writes the state; the outputs once.
@@ -195,7 +195,7 @@ class CosseratSolver : public BaselineSolver {
       for (uint32_t v = 0; v < vertices_; ++v) {
         const uint64_t at = uint64_t{v} * strands_ + s;
         const bool tip = v + 1 == vertices_;
-        rods[at].w = static_cast<float>(strand.regions[v]);
+        rods[at].w = static_cast<float>(strand.voronoiLengths[v]);
         rods[2 * total() + at] = {0, 0, 0, 1};
         rest[at] = tip ? Float4{0, 0, 0, 1} : toFloat4(strand.relative[v]);
         rest[total() + at] =

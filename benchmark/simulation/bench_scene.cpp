@@ -46,17 +46,19 @@ double rampedUp(double time) {
 
 RootPose shakenHead(double time) {
   const double s = rampedUp(time);
-  const Quaterniond turn = axisAngle(Vector3d(0, 1, 0), s * 0.8 * std::sin(2 * pi * 1.2 * time)) *
-                           axisAngle(Vector3d(0, 0, 1), s * 0.3 * std::sin(2 * pi * 1.9 * time));
+  const Quaterniond rotation =
+      axisAngle(Vector3d(0, 1, 0), s * 0.8 * std::sin(2 * pi * 1.2 * time)) *
+      axisAngle(Vector3d(0, 0, 1), s * 0.3 * std::sin(2 * pi * 1.9 * time));
   const Vector3d shift(s * 0.05 * std::sin(9 * time), 0, s * 0.03 * std::sin(7 * time));
-  return {turn, rotate(turn, Vector3d(0.1, 0, 0)) + shift};
+  return {rotation, rotate(rotation, Vector3d(0.1, 0, 0)) + shift};
 }
 
 RootPose movedHead(double time) {
   const double s = rampedUp(time);
-  const Quaterniond turn = axisAngle(Vector3d(0, 1, 0), s * 0.6 * std::sin(2 * pi * 0.7 * time)) *
-                           axisAngle(Vector3d(1, 0, 0), s * 0.2 * std::sin(2 * pi * 1.1 * time));
-  return {turn, Vector3d(s * 0.2 * std::sin(2 * pi * 1.9 * time), 0, 0)};
+  const Quaterniond rotation =
+      axisAngle(Vector3d(0, 1, 0), s * 0.6 * std::sin(2 * pi * 0.7 * time)) *
+      axisAngle(Vector3d(1, 0, 0), s * 0.2 * std::sin(2 * pi * 1.1 * time));
+  return {rotation, Vector3d(s * 0.2 * std::sin(2 * pi * 1.9 * time), 0, 0)};
 }
 
 template <class T>
@@ -138,13 +140,13 @@ std::optional<Reference> elasticaReference(const Points& points, const BenchScen
 }
 
 struct Helix {
-  double radius = 0.008, pitch = 0.03, turns = 3;
+  double radius = 0.008, pitch = 0.03, rotations = 3;
   int vertices = 64;
 };
 
 std::optional<Reference> helixReference(const Helix& helix, const BenchScene& scene) {
   const double rise = helix.pitch / (2 * pi), speed = std::hypot(helix.radius, rise);
-  const double size = 2 * pi * helix.turns * speed;
+  const double size = 2 * pi * helix.rotations * speed;
   StaticRod rod;
   rod.length = size;
   rod.bend = scene.bend;
@@ -240,7 +242,7 @@ BenchScene saggingHelix(uint32_t copies) {
   scene.localStiffness = kClassicStiffness;
   scene.reference = [helix, scene] { return helixReference(helix, scene); };
   scene.asset =
-      assetOf(helixPoints(helix.vertices, helix.radius, helix.pitch, helix.turns), copies);
+      assetOf(helixPoints(helix.vertices, helix.radius, helix.pitch, helix.rotations), copies);
   return scene;
 }
 

@@ -101,7 +101,7 @@ class Errors {
       return count > 0 ? 100 * std::sqrt(sum / static_cast<double>(count)) : 0;
     };
     if (errorCount_ > 0) row.error = rms(errorSum_, errorCount_) / reference_.length;
-    row.largestStretch = 100 * largest_;
+    row.maxStretch = 100 * largest_;
     row.rmsStretch = rms(stretchSum_, edges_);
     row.brokenStrands = broken_;
   }
@@ -169,7 +169,7 @@ std::string csvRow(const Measurement& m, const pelage::DeviceInfo& device,
       "{},{},{},{},{},{},{},{},{},{},{:.6g},{:.6g},{},{},{},{},{},{},{},{},{},{},{},{},\"{}\",\"{}"
       "\"\n",
       commit, pelage::apiName(device.api), m.scene, m.solver, m.effort, m.setting, m.strands,
-      m.vertices, m.frames, number(m.error, m.error >= 0), m.largestStretch, m.rmsStretch,
+      m.vertices, m.frames, number(m.error, m.error >= 0), m.maxStretch, m.rmsStretch,
       m.brokenStrands, number(m.medianFrame, timed), number(m.leastFrame, timed),
       number(m.medianSolve, timed), number(m.leastSolve, timed), m.bytes, number(rate, rate > 0),
       number(m.floor, m.floor > 0), number(m.ratioToBaseline, m.ratioToBaseline > 0),

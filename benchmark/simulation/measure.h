@@ -20,7 +20,7 @@ struct Measurement {
   /// the scene has none.
   double error = -1;
   /// Of the edges of at least kShortestEdge: largest and root mean square change of length [%].
-  double largestStretch = 0, rmsStretch = 0;
+  double maxStretch = 0, rmsStretch = 0;
   uint64_t brokenStrands = 0;  ///< with a coordinate that is not a number, in the last frame
   /// All passes of a frame [us]; 0 without timestamps.
   double medianFrame = 0, leastFrame = 0;

@@ -59,7 +59,7 @@ class Rewriter {
     size_t at = kHeaderWords;
     for (; at < words_.size() && isBeforeTypes(words_[at] & 0xffff); at += words_[at] >> 16) {
       const auto instruction = words_.subspan(at, words_[at] >> 16);
-      // All of these are written anew.
+      // All of these are rewritten.
       const bool written = (instruction[0] & 0xffff) == spv::OpDecorate && instruction.size() > 2 &&
                            instruction[2] == spv::DecorationNoContraction;
       if (!written) head.insert(head.end(), instruction.begin(), instruction.end());
@@ -166,7 +166,7 @@ class Rewriter {
     emitTo(result, spv::OpCompositeConstruct, type, parts);
   }
 
-  // The products added up from the first to the last, the last sum into `result`.
+  // Adds the products from the first to the last, the last sum into `result`.
   void sum(uint32_t type, const std::vector<uint32_t>& products, uint32_t result) {
     uint32_t total = products.front();
     for (size_t i = 1; i < products.size(); ++i) {

@@ -1,6 +1,6 @@
-// Reader for SPIR-V: instructions with the source line that they came from, and the few facts about
-// ids that the module checks ask for. It reads what spirv-val may still refuse. (Reflection has a
-// reader of its own, which keeps names of members and values of decorations but no lines.)
+// Reader for SPIR-V: instructions with their source lines, and the few facts about ids that the
+// module checks need. It also reads modules that spirv-val refuses. (Reflection has its own reader,
+// which keeps names of members and values of decorations but no lines.)
 #pragma once
 
 #include <cstddef>
@@ -19,24 +19,24 @@ struct Instruction {
   uint16_t opcode = 0;
   uint32_t type = 0;                   ///< id of the result type, 0 when it has none
   uint32_t result = 0;                 ///< id, 0 when it has none
-  std::span<const uint32_t> operands;  ///< behind the result
-  uint32_t fileId = 0;                 ///< OpString of the OpLine that holds here, 0 when none does
+  std::span<const uint32_t> operands;  ///< after the result
+  uint32_t fileId = 0;                 ///< OpString of the current OpLine, 0 if there is none
   uint32_t line = 0;
 
-  /// 0 where there is no such operand.
+  /// Returns 0 if there is no such operand.
   uint32_t operand(size_t index) const { return index < operands.size() ? operands[index] : 0; }
 };
 
 /// A parsed module; keeps views into the words it was parsed from.
 class LineModule {
  public:
-  /// Nothing when the words are not SPIR-V (magic number, an instruction that reaches over the end,
-  /// or ids beyond the bound).
+  /// Returns nothing if the words are not SPIR-V (magic number, an instruction beyond the end, or
+  /// ids beyond the bound).
   static std::optional<LineModule> parse(std::span<const uint32_t> words);
 
   const std::vector<Instruction>& instructions() const { return instructions_; }
 
-  /// The instruction that makes `id`; nullptr when none does.
+  /// Returns the instruction that defines `id`; nullptr if none does.
   const Instruction* definition(uint32_t id) const;
   /// OpName of an id, empty when it has none.
   std::string_view name(uint32_t id) const;
@@ -60,7 +60,7 @@ class LineModule {
   uint64_t scalarCount(uint32_t type) const { return count(type, false, 0); }
   /// The same, a vector counted as one.
   uint64_t elementCount(uint32_t type) const { return count(type, true, 0); }
-  /// The variable or function parameter that a pointer leads to; 0 when it cannot be told.
+  /// Returns the variable or function parameter that a pointer refers to; 0 if it is not known.
   uint32_t rootOf(uint32_t pointer) const;
   /// Storage class of a pointer type or of the type of a pointer; nothing for another id.
   std::optional<uint32_t> storageClass(uint32_t id) const;
@@ -75,8 +75,8 @@ class LineModule {
   std::unordered_map<uint32_t, std::vector<uint32_t>> decorations_;
 };
 
-/// True for the arithmetic instructions on floats that NoContraction applies to. Some of them are
-/// made of products and sums themselves: isSumOfProducts().
+/// Returns true for the arithmetic instructions on floats to which NoContraction applies. Some of
+/// them consist of products and sums: isSumOfProducts().
 bool isContractable(uint16_t opcode);
 /// Dot products and the products with a matrix.
 bool isSumOfProducts(uint16_t opcode);

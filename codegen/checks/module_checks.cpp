@@ -25,20 +25,7 @@ using std::string_view_literals::operator""sv;
 // grows with the square.
 constexpr uint64_t kMaximumTableElements = 1024;
 
-// What every Vulkan and GLES 3.2 device has, and what every desktop GPU has.
-struct Limits {
-  uint32_t groupThreads;
-  std::array<uint32_t, 3> groupSize;
-  uint64_t groupSharedBytes;
-};
-constexpr Limits kPortableLimits = {128, {128, 128, 64}, 16384};
-constexpr Limits kDesktopLimits = {1024, {1024, 1024, 64}, 32768};
-
-// Storage buffers of one kernel: what every GL 4.3 has, and what one driver or another still has.
-constexpr size_t kComfortableStorageBuffers = 8;
-constexpr size_t kMaximumStorageBuffers = 15;
-
-// Formats of the images that GLES 3.2 knows; the first three can be read and written in one kernel.
+// Image formats of GLES 3.2; the first three can be read and written in one kernel.
 constexpr std::array kEsImageFormats = {
     spv::ImageFormatR32f,       spv::ImageFormatR32i,     spv::ImageFormatR32ui,
     spv::ImageFormatRgba32f,    spv::ImageFormatRgba16f,  spv::ImageFormatRgba8,
@@ -46,7 +33,7 @@ constexpr std::array kEsImageFormats = {
     spv::ImageFormatRgba8i,     spv::ImageFormatRgba32ui, spv::ImageFormatRgba16ui,
     spv::ImageFormatRgba8ui};
 
-struct Place {
+struct Location {
   std::string file;
   uint32_t line = 0;
 };
@@ -77,7 +64,7 @@ bool isAtomic(uint16_t opcode) {
   }
 }
 
-// Functions of GLSL.std.450 with products and sums inside that nothing can forbid to contract.
+// Functions of GLSL.std.450 with products and sums inside whose contraction nothing can forbid.
 const char* contractingFunction(uint32_t number) {
   switch (number) {
     case GLSLstd450Fma:
@@ -225,32 +212,32 @@ class ModuleChecks {
       checkBlocks();
       checkStatics();
     }
-    // What the optimiser removes costs nothing.
+    // Code that the optimizer removes costs nothing.
     if (optimised_) {
       checkLimits(*optimised_);
       checkImages(*optimised_);
-      checkStorageBuffers(*optimised_);
+      checkResources(*optimised_);
       if (input_.precise) checkPrecision(*optimised_);
     }
     checkText(input_.glsl, "GLSL");
-    if (!input_.desktopTier) checkText(input_.essl, "ESSL");
+    if (input_.tier != Tier::kWide) checkText(input_.essl, "ESSL");
   }
 
  private:
   // ---- places
   // -------------------------------------------------------------------------------------
 
-  Place place(const LineModule& module, const Instruction& instruction) const {
-    if (instruction.line == 0) return entryPlace_;
+  Location location(const LineModule& module, const Instruction& instruction) const {
+    if (instruction.line == 0) return entryLocation_;
     const std::string_view file = module.file(instruction.fileId);
     return {file.empty() ? input_.file : std::string(file), instruction.line};
   }
 
-  void error(const Place& at, const char* code, std::string message) {
+  void error(const Location& at, const char* code, std::string message) {
     diagnostics_.error(at.file, at.line, code, std::move(message));
   }
   void error(const Instruction& at, const char* code, std::string message) {
-    error(place(*raw_, at), code, std::move(message));
+    error(location(*raw_, at), code, std::move(message));
   }
 
   static std::string quoted(std::string_view text) { return "'" + std::string(text) + "'"; }
@@ -266,7 +253,7 @@ class ModuleChecks {
       if (instruction.opcode != spv::OpEntryPoint) continue;
       const Instruction* function = raw_->definition(instruction.operand(1));
       if (function && function->line != 0) {
-        entryPlace_ = place(*raw_, *function);
+        entryLocation_ = location(*raw_, *function);
       }
       return;
     }
@@ -294,11 +281,11 @@ class ModuleChecks {
         (line.starts_with("Linked ") && line.ends_with("stage:"))) {
       return;
     }
-    Place at = entryPlace_;
+    Location at = entryLocation_;
     constexpr std::string_view kWarning = "WARNING: ";
     if (line.starts_with(kWarning)) {
       line.remove_prefix(kWarning.size());
-      takePlace(line, at);
+      takeLocation(line, at);
     }
     error(at, "PK201",
           "the front end says: " + std::string(line) +
@@ -306,7 +293,7 @@ class ModuleChecks {
   }
 
   // Moves "file:12: " from the line to the place.
-  static void takePlace(std::string_view& line, Place& at) {
+  static void takeLocation(std::string_view& line, Location& at) {
     for (size_t colon = line.find(':'); colon != std::string_view::npos;
          colon = line.find(':', colon + 1)) {
       uint32_t number = 0;
@@ -354,7 +341,7 @@ class ModuleChecks {
       }
     }
     if (!named || !writes) {
-      error(entryPlace_, "PK202",
+      error(entryLocation_, "PK202",
             named ? quoted(input_.entry) +
                         " writes nothing: is the entry point the function that was meant?"
                   : "the module has no entry point " + quoted(input_.entry));
@@ -617,7 +604,7 @@ class ModuleChecks {
               " of its members are never assigned: assign all of them");
   }
 
-  // Notes which member a store through `pointer` writes; all when it cannot be told.
+  // Records the member that a store through `pointer` writes; all members if it is not known.
   void noteWrite(uint32_t pointer, uint32_t variable, size_t index,
                  std::map<size_t, std::set<uint32_t>>& members,
                  std::vector<bool>& writtenWhole) const {
@@ -635,8 +622,8 @@ class ModuleChecks {
     std::vector<Bits> in, out;
   };
 
-  // Variables written on any way (`must` false) or on every way to a block. A loop is taken to run
-  // once at least: what its body assigns counts behind it.
+  // Variables written on some path (`must` false) or on every path to a block. A loop counts as
+  // running at least once: assignments in its body count after it.
   static Flow solve(const FunctionGraph& graph, const std::vector<std::vector<Access>>& accesses,
                     size_t variableCount, bool must) {
     const size_t count = graph.blocks().size();
@@ -680,7 +667,7 @@ class ModuleChecks {
     return flow;
   }
 
-  // The blocks that a loop leaves by its condition, before the body.
+  // The blocks through which a loop exits by its condition, before the body.
   static std::unordered_map<size_t, std::pair<size_t, size_t>> findLoopExits(
       const FunctionGraph& graph) {
     std::unordered_map<size_t, std::pair<size_t, size_t>> exits;
@@ -702,7 +689,7 @@ class ModuleChecks {
     return exits;
   }
 
-  // A static without an initialiser that nothing writes; the language would make it zero.
+  // A static without an initializer that nothing writes; the language would make it zero.
   void checkStatics() {
     std::set<uint32_t> written;
     std::map<uint32_t, const Instruction*> read;
@@ -732,7 +719,7 @@ class ModuleChecks {
     for (const Instruction& instruction : raw_->instructions()) {
       if (instruction.opcode == spv::OpTypeStruct &&
           raw_->hasDecoration(instruction.result, spv::DecorationBufferBlock)) {
-        error(entryPlace_, "PK212",
+        error(entryLocation_, "PK212",
               "block " + quoted(raw_->name(instruction.result)) +
                   " is a BufferBlock, which Vulkan 1.2 and newer targets refuse: the front end is "
                   "to be told to use the StorageBuffer class");
@@ -741,7 +728,7 @@ class ModuleChecks {
           instruction.operand(0) == spv::StorageClassUniform) {
         const Instruction* type = raw_->definition(raw_->pointee(instruction.type));
         if (type && raw_->name(type->result) == "$Global") {
-          error(entryPlace_, "PK213",
+          error(entryLocation_, "PK213",
                 "a global variable that is neither static nor in a cbuffer became a uniform in a "
                 "hidden block at binding 0: put it in a cbuffer");
         }
@@ -749,12 +736,11 @@ class ModuleChecks {
     }
   }
 
-  Limits limits() const { return input_.desktopTier ? kDesktopLimits : kPortableLimits; }
-  const char* tierName() const { return input_.desktopTier ? "desktop" : "portable"; }
+  std::string theTier() const { return std::string("tier ") + tierName(input_.tier); }
 
   // PK214 group size, PK215 groupshared memory.
   void checkLimits(const LineModule& module) {
-    const Limits limit = limits();
+    const TierLimits limit = limitsOf(input_.tier);
     uint64_t sharedBytes = 0;
     for (const Instruction& instruction : module.instructions()) {
       if (instruction.opcode == spv::OpExecutionMode &&
@@ -762,12 +748,12 @@ class ModuleChecks {
         const std::array size = {instruction.operand(2), instruction.operand(3),
                                  instruction.operand(4)};
         const uint64_t threads = uint64_t{size[0]} * size[1] * size[2];
-        const bool fits = std::equal(size.begin(), size.end(), limit.groupSize.begin(),
+        const bool fits = std::equal(size.begin(), size.end(), limit.groupSize,
                                      [](uint32_t a, uint32_t b) { return a >= 1 && a <= b; });
         if (!fits || threads > limit.groupThreads) {
-          error(entryPlace_, "PK214",
+          error(entryLocation_, "PK214",
                 "a group of " + std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " +
-                    std::to_string(size[2]) + " threads; the " + tierName() + " tier has at most " +
+                    std::to_string(size[2]) + " threads; " + theTier() + " has at most " +
                     std::to_string(limit.groupThreads) + " threads, " +
                     std::to_string(limit.groupSize[0]) + " x " +
                     std::to_string(limit.groupSize[1]) + " x " +
@@ -782,15 +768,15 @@ class ModuleChecks {
       }
     }
     if (sharedBytes > limit.groupSharedBytes) {
-      error(entryPlace_, "PK215",
-            std::to_string(sharedBytes) + " bytes of groupshared memory; the " + tierName() +
-                " tier has " + std::to_string(limit.groupSharedBytes));
+      error(entryLocation_, "PK215",
+            std::to_string(sharedBytes) + " bytes of groupshared memory; " + theTier() + " has " +
+                std::to_string(limit.groupSharedBytes));
     }
   }
 
   // PK216 images that GLES cannot read and write, or has no format for.
   void checkImages(const LineModule& module) {
-    if (input_.desktopTier) return;
+    if (input_.tier == Tier::kWide) return;
     struct Use {
       const Instruction* read = nullptr;
       const Instruction* write = nullptr;
@@ -819,7 +805,7 @@ class ModuleChecks {
       if (!type || type->opcode != spv::OpTypeImage) continue;
       const auto format = std::find(kEsImageFormats.begin(), kEsImageFormats.end(),
                                     static_cast<spv::ImageFormat>(type->operand(6)));
-      const Place at = place(module, use.write ? *use.write : *use.read);
+      const Location at = location(module, use.write ? *use.write : *use.read);
       if (format == kEsImageFormats.end()) {
         error(at, "PK216",
               quoted(module.name(variable)) +
@@ -834,32 +820,46 @@ class ModuleChecks {
     }
   }
 
-  // PK217 too many storage buffers; PK218 those of the vertex stage.
-  void checkStorageBuffers(const LineModule& module) {
-    size_t count = 0;
+  // PK217 too many storage buffers; PK218 those of the vertex stage; PK223 other resources.
+  void checkResources(const LineModule& module) {
+    uint32_t buffers = 0, images = 0, textures = 0, blocks = 0;
     for (const Instruction& instruction : module.instructions()) {
       if (instruction.opcode != spv::OpVariable) continue;
       const uint32_t type = module.pointee(instruction.type);
+      const Instruction* definition = module.definition(type);
       if (instruction.operand(0) == spv::StorageClassStorageBuffer ||
           module.hasDecoration(type, spv::DecorationBufferBlock)) {
-        ++count;
+        ++buffers;
+      } else if (instruction.operand(0) == spv::StorageClassUniform) {
+        ++blocks;
+      } else if (instruction.operand(0) == spv::StorageClassUniformConstant && definition &&
+                 definition->opcode == spv::OpTypeImage) {
+        // 2: read or written without a sampler; all others count as textures.
+        ++(definition->operand(5) == 2 ? images : textures);
       }
     }
-    if (count > kMaximumStorageBuffers) {
-      error(entryPlace_, "PK217",
-            std::to_string(count) + " storage buffers in one kernel; at most " +
-                std::to_string(kMaximumStorageBuffers) + " are there everywhere: merge some");
-    } else if (count > kComfortableStorageBuffers) {
-      diagnostics_.note(entryPlace_.file, entryPlace_.line, "PK217",
-                        std::to_string(count) + " storage buffers in one kernel; OpenGL promises " +
-                            std::to_string(kComfortableStorageBuffers));
-    }
-    if (input_.stage == Stage::kVertex && count != 0) {
-      diagnostics_.note(entryPlace_.file, entryPlace_.line, "PK218",
-                        std::to_string(count) +
-                            " storage buffers in the vertex stage, where some GLES drivers have "
-                            "none: the runtime has to say so");
-    }
+    const TierLimits limits = limitsOf(input_.tier);
+    const auto check = [&](const char* code, uint32_t count, const StageCounts& allowed,
+                           const char* what, const char* advice) {
+      const uint32_t most = allowed.of(input_.stage);
+      if (count <= most) return;
+      error(entryLocation_, code,
+            std::to_string(count) + " " + what + " in one kernel; " + theTier() + " has " +
+                std::to_string(most) + " in the " + stageName() + " stage: " + advice);
+    };
+    const bool noneInVertex = input_.stage == Stage::kVertex && limits.storageBuffers.vertex == 0;
+    check(noneInVertex ? "PK218" : "PK217", buffers, limits.storageBuffers, "storage buffers",
+          noneInVertex ? "read vertex inputs, or state a higher tier"
+                       : "merge some, or state a higher tier");
+    check("PK223", images, limits.images, "images", "merge some, or state a higher tier");
+    check("PK223", textures, limits.textures, "textures", "merge some");
+    check("PK223", blocks, limits.uniformBlocks, "constant blocks", "merge some");
+  }
+
+  const char* stageName() const {
+    return input_.stage == Stage::kCompute  ? "compute"
+           : input_.stage == Stage::kVertex ? "vertex"
+                                            : "pixel";
   }
 
   // PK219 and PK220: the same bits everywhere.
@@ -871,7 +871,7 @@ class ModuleChecks {
           (isContractable(instruction.opcode) &&
            !module.hasDecoration(instruction.result, spv::DecorationNoContraction));
       if (contractable) {
-        const Place at = place(module, instruction);
+        const Location at = location(module, instruction);
         if (reported.insert({at.file, at.line}).second) {
           error(at, "PK219",
                 "this arithmetic may be contracted, but the kernel promises the same bits "
@@ -882,7 +882,7 @@ class ModuleChecks {
       const Instruction* set = module.definition(instruction.operand(0));
       if (!set || set->opcode != spv::OpExtInstImport) continue;
       if (const char* function = contractingFunction(instruction.operand(1))) {
-        error(place(module, instruction), "PK220",
+        error(location(module, instruction), "PK220",
               std::string(function) +
                   " has products and sums inside that each driver rounds in its own way, but the "
                   "kernel promises the same bits everywhere: write them out");
@@ -895,7 +895,7 @@ class ModuleChecks {
 
   void checkText(std::string_view text, const char* language) {
     if (text.find("SPIRV_Cross_BaseInstance") != std::string_view::npos) {
-      error(entryPlace_, "PK221",
+      error(entryLocation_, "PK221",
             std::string(language) +
                 " has a base-instance uniform that nobody sets: the back end is to be told not to "
                 "support a base instance");
@@ -910,7 +910,7 @@ class ModuleChecks {
                            (line.find(") uniform ") != std::string_view::npos ||
                             line.find(" buffer ") != std::string_view::npos);
       if (loose || unbound) {
-        error(entryPlace_, "PK222",
+        error(entryLocation_, "PK222",
               std::string(language) +
                   " has a resource without a binding: " + std::string(line.substr(0, 80)));
       }
@@ -922,7 +922,7 @@ class ModuleChecks {
   Diagnostics& diagnostics_;
   const LineModule* raw_;
   const LineModule* optimised_;
-  Place entryPlace_{input_.file, 1};
+  Location entryLocation_{input_.file, 1};
   std::set<uint32_t> tables_;
 };
 

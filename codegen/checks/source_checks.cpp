@@ -22,8 +22,7 @@ bool contains(const std::array<std::string_view, N>& list, std::string_view text
   return std::find(list.begin(), list.end(), text) != list.end();
 }
 
-// A word that may not appear. `call`: only when a '(' follows and the file defines no such
-// function.
+// A forbidden word. `call`: only if a '(' follows and the file defines no such function.
 struct Word {
   std::string_view text;
   const char* code;
@@ -67,7 +66,7 @@ constexpr std::array kCombinedSamplers = {"sampler1D"sv, "sampler2D"sv, "sampler
 constexpr std::array kAssignments = {"="sv,  "+="sv, "-="sv, "*="sv, "/="sv, "%="sv,
                                      "&="sv, "|="sv, "^="sv, "++"sv, "--"sv};
 
-// What the front end knows in each attribute scope; it ignores the rest.
+// Attributes that the front end knows in each scope; it ignores the others.
 constexpr std::array kVulkanAttributes = {"push_constant"sv, "constant_id"sv, "binding"sv,
                                           "location"sv, "input_attachment_index"sv};
 
@@ -223,8 +222,7 @@ class SourceChecks {
       const bool push = std::any_of(block.attributes.begin(), block.attributes.end(), isPush);
       if (!block.hasRegister && !push) {
         error(block.nameToken, "PK131",
-              "cbuffer " + quoted(block.name) +
-                  " has no place of its own: add : register(bN, spaceM)");
+              "cbuffer " + quoted(block.name) + " has no register: add : register(bN, spaceM)");
       }
       if (block.hasRegister && push) {
         error(block.nameToken, "PK113",
@@ -272,7 +270,7 @@ class SourceChecks {
     if (isResource(type)) {
       if (!push && !global.hasRegister) {
         error(global.name, "PK131",
-              quoted(name) + " has no place of its own: add : register(" + registerClass(type) +
+              quoted(name) + " has no register: add : register(" + registerClass(type) +
                   "N, spaceM)");
       }
       if (!global.arraySizes.empty() &&
@@ -396,7 +394,7 @@ class SourceChecks {
 
   void checkLayout(const Struct& structure, Rules rules) { (void)extentOf(structure, rules, 0); }
 
-  // Nothing where a size is not known; members behind it are not checked.
+  // Returns nothing if a size is not known; members after it are not checked.
   std::optional<Extent> extentOf(const Struct& structure, Rules rules, size_t depth) {
     const auto found = extents_.find({&structure, rules});
     if (found != extents_.end()) return found->second;
@@ -407,7 +405,7 @@ class SourceChecks {
   }
 
   std::optional<Extent> layOut(const std::vector<Declaration>& members, Rules rules, size_t depth) {
-    // Sizes stay far below 2^32, and what would not is of no use to anybody.
+    // Sizes stay far below 2^32; larger ones are of no use.
     constexpr uint32_t kMaximumSize = 1u << 28;
     Extent all{0, rules == Rules::kStd140 ? 16u : 4u};
     for (const Declaration& member : members) {
@@ -417,7 +415,7 @@ class SourceChecks {
       if (shape && !shape->isMatrix && member.arraySizes.empty()) {
         const bool straddles = all.size % 16 + extent->size > 16;
         const uint32_t start = straddles ? roundUp(all.size, 16) : all.size;
-        if (start % extent->alignment != 0) reportPlace(member, start, extent->alignment);
+        if (start % extent->alignment != 0) reportLocation(member, start, extent->alignment);
       }
       all.size = roundUp(all.size, extent->alignment) + extent->size;
       all.alignment = std::max(all.alignment, extent->alignment);
@@ -473,7 +471,7 @@ class SourceChecks {
     return value;
   }
 
-  void reportPlace(const Declaration& member, uint32_t start, uint32_t alignment) {
+  void reportLocation(const Declaration& member, uint32_t start, uint32_t alignment) {
     error(member.name, "PK124",
           quoted(at(member.name).text) + " starts at byte " + std::to_string(start) +
               " as in Direct3D, but in GLSL a " + std::string(resolve(member.type)) +

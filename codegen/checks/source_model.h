@@ -1,6 +1,5 @@
-// The declarations of one preprocessed HLSL file: as much of the grammar as the source checks need.
-// It does not diagnose syntax errors, the front end does; on text that it cannot follow it leaves
-// declarations out.
+// The declarations of one preprocessed HLSL file, as far as the source checks need them. It does
+// not diagnose syntax errors (the front end does); it leaves out declarations that it cannot parse.
 #pragma once
 
 #include <cstddef>

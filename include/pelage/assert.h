@@ -1,19 +1,23 @@
 // PELAGE_ASSERT: misuse by the programmer, reported through a hook that an engine can replace.
 #pragma once
 
+#include "pelage/export.h"
+
 namespace pelage {
 
-/// Called when an assertion fails. Returning from it continues the program; the default prints the
+/// Called when an assertion fails. If it returns, the program continues; the default prints the
 /// message to stderr and aborts.
 using AssertHandler = void (*)(const char* condition, const char* message, const char* file,
                                int line);
 
-/// Replaces the assertion handler; nullptr restores the default. Not thread-safe against running
-/// assertions: set it once at start-up.
-void setAssertHandler(AssertHandler handler);
+/// Replaces the assertion handler of all threads; nullptr restores the default. May be called on
+/// any thread; an assertion that fails meanwhile gets one of the two handlers. A handler may be
+/// called on several threads at once.
+PELAGE_API void setAssertHandler(AssertHandler handler);
 
 /// Reports a failed assertion to the current handler.
-void reportAssert(const char* condition, const char* message, const char* file, int line);
+PELAGE_API void reportAssert(const char* condition, const char* message, const char* file,
+                             int line);
 
 }  // namespace pelage
 

@@ -1,5 +1,5 @@
-// Which bones move what: the .tfxbone file of a hair asset, and the mapping of bone names to the
-// indices that an engine uses.
+// Bone weights: the .tfxbone file of a hair asset, and the mapping of bone names to the indices of
+// an engine.
 #pragma once
 
 #include <cstddef>
@@ -12,14 +12,15 @@
 #include <string_view>
 #include <vector>
 
+#include "pelage/export.h"
 #include "pelage/result.h"
 #include "pelage/stream.h"
 
 namespace pelage {
 
-/// A bone as a file names it.
+/// A bone as named in a file.
 struct BoneName {
-  uint32_t index = 0;  ///< what the influences of the same file refer to; below the bone count
+  uint32_t index = 0;  ///< used by the influences of the same file; below the bone count
   std::string name;
   bool operator==(const BoneName&) const = default;
 };
@@ -35,39 +36,38 @@ struct BoneInfluences {
 struct BoneWeights {
   std::vector<BoneName> bones;          ///< in the file's order
   std::vector<BoneInfluences> strands;  ///< [strand]
-  /// Strands whose weights summed to (almost) zero when the file was loaded; they follow the bone
-  /// of their largest weight alone, the first one when all weights are zero.
+  /// Number of strands whose weights summed to (almost) zero in the loaded file; each follows only
+  /// the bone of its largest weight, or the first bone if all weights are zero.
   uint32_t repairedStrandCount = 0;
 };
 
 /// Loads a .tfxbone file. Strand records may come in any order; each strand must have exactly one.
-/// `strandCount` is the number of strands that the hair has; 0 takes what the file says.
-/// Errors name the byte offset: truncation, a name that is not NUL-terminated, an index out of
-/// range, a duplicate bone or strand, a weight that is negative, not finite or above 1e6, another
-/// strand count, bytes after the last record.
-Result<BoneWeights> loadTfxBone(const std::filesystem::path& path, uint32_t strandCount = 0);
-/// The same from memory, or from a stream, all of which is read at once; `name` is what errors call
-/// it.
-Result<BoneWeights> loadTfxBone(std::span<const std::byte> bytes, std::string_view name,
-                                uint32_t strandCount = 0);
-Result<BoneWeights> loadTfxBone(ByteSource& source, std::string_view name,
-                                uint32_t strandCount = 0);
+/// `strandCount` is the number of strands of the hair; 0 accepts any number. Errors name the byte
+/// offset: truncation, a name that is not NUL-terminated, an index out of range, a duplicate bone
+/// or strand, a weight that is negative, not finite or above 1e6, another strand count, bytes after
+/// the last record.
+PELAGE_API Result<BoneWeights> loadTfxBone(const std::filesystem::path& path,
+                                           uint32_t strandCount = 0);
+/// The same from memory, or from a stream, which is read at once; `name` names it in errors.
+PELAGE_API Result<BoneWeights> loadTfxBone(std::span<const std::byte> bytes, std::string_view name,
+                                           uint32_t strandCount = 0);
+PELAGE_API Result<BoneWeights> loadTfxBone(ByteSource& source, std::string_view name,
+                                           uint32_t strandCount = 0);
 
-/// The bytes of a .tfxbone file, strands ascending. What loadTfxBone() read from a file with
-/// ascending strands and without repairs gives the same bytes again.
-Result<std::vector<std::byte>> saveTfxBone(const BoneWeights& weights);
-Result<void> saveTfxBone(const BoneWeights& weights, const std::filesystem::path& path);
+/// Returns the bytes of a .tfxbone file, strands ascending. A file with ascending strands and
+/// without repairs gives the same bytes again.
+PELAGE_API Result<std::vector<std::byte>> saveTfxBone(const BoneWeights& weights);
+PELAGE_API Result<void> saveTfxBone(const BoneWeights& weights, const std::filesystem::path& path);
 
-/// Gives the engine's index of a bone, or nothing when it has no such bone.
+/// Returns the engine's index of a bone, or nothing if the engine has no such bone.
 using BoneLookup = std::function<std::optional<uint32_t>(std::string_view name)>;
 
-/// Replaces file bone indices by the engine's. Only bones with a weight > 0 are looked up; the
-/// others take the index of the strand's heaviest bone, so that every index is valid. A bone that
-/// the engine lacks takes `fallback`; without one it is an error that names the bone. Also an
-/// error: an exception from the lookup, influences that name no bone of `bones`.
-Result<std::vector<BoneInfluences>> mapBones(std::span<const BoneName> bones,
-                                             std::span<const BoneInfluences> influences,
-                                             const BoneLookup& lookup,
-                                             std::optional<uint32_t> fallback = std::nullopt);
+/// Replaces bone indices of the file by those of the engine. Looks up only bones with a weight > 0;
+/// the others get the index of the strand's heaviest bone, so every index is valid. A bone that the
+/// engine lacks gets `fallback`. Errors: a missing bone without `fallback` (the error names it), an
+/// exception from the lookup, influences that refer to no bone of `bones`.
+PELAGE_API Result<std::vector<BoneInfluences>> mapBones(
+    std::span<const BoneName> bones, std::span<const BoneInfluences> influences,
+    const BoneLookup& lookup, std::optional<uint32_t> fallback = std::nullopt);
 
 }  // namespace pelage

@@ -2,8 +2,8 @@
 // same code serves both; which one it is, is read from the context. No GL library is linked:
 // every function is loaded through the caller's getProcAddress.
 //
-// All calls, the destructors included, need the context current that was current at create().
-// Nothing here is thread-safe.
+// All calls, the destructors included, need the context current that was current at create(): they
+// come from the thread that has it.
 //
 // The pictures' convention: row 0 of the framebuffer is the top row of the picture, and depth runs
 // from 0 to 1 as in HLSL (kernels are translated that way). An engine whose framebuffers have the
@@ -18,10 +18,16 @@
 #include <string>
 #include <vector>
 
+#include "pelage/essl.h"
+#include "pelage/export.h"
+#include "pelage/frame.h"
+#include "pelage/glsl.h"
 #include "pelage/headless.h"
 #include "pelage/kernel.h"
+#include "pelage/kernel_code.h"
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
+#include "pelage/tier.h"
 
 namespace pelage::gl {
 
@@ -45,7 +51,7 @@ struct ProgramCache {
 
 /// A ProgramCache of one file a program in a directory, which is created when it is missing. A
 /// directory that cannot be written is no error: programs are compiled then.
-ProgramCache directoryProgramCache(std::string directory);
+PELAGE_GL_API ProgramCache directoryProgramCache(std::string directory);
 
 struct RuntimeDef {
   /// Address of a GL function in the current context: eglGetProcAddress, glXGetProcAddress,
@@ -55,6 +61,12 @@ struct RuntimeDef {
   /// Names every object and pass for debuggers (KHR_debug), and checks glGetError after every
   /// recording. Costs a synchronisation with the driver a call.
   bool debug = false;
+  /// The context counts as one of at most this tier: Limits are no more than its own, and kernels
+  /// that need more are refused. For tests of what small devices can do.
+  Tier maxTier = Tier::kWide;
+  /// The sources of all kernels of the lists to come; OpenGL reads the GLSL, OpenGL ES the ESSL. A
+  /// program that names its own tables here links those kernels only.
+  std::vector<KernelCodeList> code = {allGlsl(), allEssl()};
 };
 
 /// What the context offers; read once in create().
@@ -84,7 +96,9 @@ struct Layout {
   const LayoutTable* table = nullptr;
   struct Slot {
     uint32_t target = 0;   ///< GL_UNIFORM_BUFFER or GL_SHADER_STORAGE_BUFFER; 0: no buffer
-    uint32_t binding = 0;  ///< for glBindBufferRange
+    /// For glBindBufferRange; 0 for storage buffers, which each permutation numbers for itself
+    /// (VariantBinding::glBinding).
+    uint32_t binding = 0;
   };
   std::vector<Slot> slots;  ///< [entry of the table]
 };
@@ -115,11 +129,19 @@ struct DrawTarget {
   uint32_t width = 0, height = 0;  ///< 1 or more, at most GL_MAX_VIEWPORT_DIMS
 };
 
+/// Where the draws of a view of a frame go.
+struct ViewTarget {
+  DrawTarget area;  ///< the viewport, as View::x, y, width and height have it
+  /// Binds the framebuffer, before the draws of each list of the view. The first list of the view
+  /// may clear it, all others keep what is in it.
+  std::function<void(const FrameStep& step)> begin;
+};
+
 /// The bits for glMemoryBarrier that GL needs for some barriers of a pass list; 0: none. Only what
 /// a shader wrote, or a shader writes next, needs one: GL itself orders uploads (glBufferSubData,
 /// glBufferData) and reads of indices and indirect arguments after every earlier API write, and
 /// uploads after every earlier read (OpenGL 4.5, 7.12.2; OpenGL ES 3.2, 7.11.2).
-uint32_t memoryBarrierBits(std::span<const Barrier> barriers);
+PELAGE_GL_API uint32_t memoryBarrierBits(std::span<const Barrier> barriers);
 
 class PassTimer;
 class StateGuard;
@@ -132,7 +154,10 @@ class StateGuard;
 ///
 /// The functions clear GL's error flag and leave none behind. They change the state that StateGuard
 /// lists and restore none of it.
-class Runtime {
+///
+/// Threads: the one that has the context current. Runtimes on two contexts may be used on two
+/// threads, several on one context from one.
+class PELAGE_GL_API Runtime {
  public:
   /// Needs a current context. kUnsupported names what the context lacks: its version, a function,
   /// storage buffer bindings, an offset alignment.
@@ -141,6 +166,9 @@ class Runtime {
   Runtime(Runtime&&) noexcept;
   Runtime& operator=(Runtime&&) noexcept;
   ~Runtime();
+
+  /// Adds tables to RuntimeDef::code: of an engine's own kernels, say.
+  void addCode(KernelCodeList code);
 
   Profile profile() const;
   const Limits& limits() const;
@@ -162,7 +190,12 @@ class Runtime {
   /// needs. kUnsupported when a binding point is beyond the context's.
   Result<const Layout*> createLayout(const LayoutTable& table);
 
-  /// Checks a list and makes its programs, without running it: while loading, say.
+  /// The most capable tier that the context has everything of, but not above RuntimeDef::maxTier:
+  /// for Scene::setTier() and SceneFeatures.
+  Tier tier() const;
+
+  /// Makes the programs of a list, without running it: while loading, with listToPrepare(). Its
+  /// buffers need not exist. Drivers with GL_KHR_parallel_shader_compile make several at a time.
   Result<void> prepare(const PassList& list);
 
   /// Issues the list's uploads and dispatches; its draws are left out.
@@ -172,6 +205,13 @@ class Runtime {
   /// the same list.
   Result<void> recordDraws(const PassList& list, const DrawTarget& target,
                            PassTimer* timer = nullptr);
+
+  /// Runs a frame: update(), then record() and recordDraws() of its lists. \param targets  one for
+  /// each view of the frame. Errors: those of the calls; another number of targets.
+  Result<void> record(Frame& frame, std::span<const ViewTarget> targets = {});
+
+  /// The time that each program took, in the order in which they were done.
+  std::vector<PipelineTime> pipelineTimes() const;
 
   /// Waits for the GPU and reads a buffer; size 0 reads from the offset to the end.
   Result<std::vector<std::byte>> read(BufferId id, uint64_t offset = 0, uint64_t size = 0);
@@ -190,7 +230,9 @@ class Runtime {
 
 /// GPU times of recorded passes. Results come when the GPU gets there: an engine keeps two or three
 /// timers and reads the oldest.
-class PassTimer {
+///
+/// Threads: as its Runtime.
+class PELAGE_GL_API PassTimer {
  public:
   explicit PassTimer(const Runtime& runtime);
   PassTimer(PassTimer&&) noexcept;
@@ -221,7 +263,9 @@ class PassTimer {
 ///    multisampling are left as they are.
 /// It costs some hundred queries; an engine that sets its own state before each pass has no need
 /// of it.
-class StateGuard {
+///
+/// Threads: as its Runtime.
+class PELAGE_GL_API StateGuard {
  public:
   explicit StateGuard(const Runtime& runtime);
   ~StateGuard();

@@ -10,8 +10,12 @@
 #include <string>
 #include <vector>
 
+#include "pelage/export.h"
+#include "pelage/frame.h"
+#include "pelage/kernel_code.h"
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
+#include "pelage/tier.h"
 #include "pelage/types.h"
 
 namespace pelage {
@@ -23,7 +27,7 @@ enum class Api : uint8_t {
 };
 
 /// "vulkan", "gl" or "gles".
-const char* apiName(Api api);
+PELAGE_API const char* apiName(Api api);
 
 struct HeadlessDef {
   Api api = Api::kVulkan;
@@ -33,6 +37,8 @@ struct HeadlessDef {
   /// Which device when there are several, in the driver's order; -1 takes a discrete GPU, else an
   /// integrated one, else a software driver.
   int deviceIndex = -1;
+  /// The device counts as one of at most this tier; see RuntimeDef::maxTier.
+  Tier maxTier = Tier::kWide;
 };
 
 struct DeviceInfo {
@@ -45,6 +51,7 @@ struct DeviceInfo {
   /// The sample counts that such a target can have, as a sum of 1, 2, 4 and 8.
   uint32_t sampleCounts = 1;
   uint64_t maxBufferBytes = 0;  ///< that a kernel can have bound of one storage buffer
+  Tier tier = Tier::kWide;      ///< for Scene::setTier()
 };
 
 /// GPU time of one pass.
@@ -84,13 +91,18 @@ struct RenderedImage {
 
 /// A device without a window, for samples and tests. It keeps the buffers of one ResourceTable: use
 /// another device for another Scene.
-class HeadlessDevice {
+///
+/// Threads: one thread at a time, and for OpenGL the thread that made it. Two devices may be made
+/// and used on two threads.
+class PELAGE_API HeadlessDevice {
  public:
   virtual ~HeadlessDevice() = default;
   HeadlessDevice(const HeadlessDevice&) = delete;
   HeadlessDevice& operator=(const HeadlessDevice&) = delete;
 
   virtual const DeviceInfo& info() const = 0;
+  /// Adds the code of kernels that are not pelage's own, which the device knows.
+  virtual void addCode(KernelCodeList code) = 0;
   /// Creates the table's new buffers with their initial data and frees those that were removed.
   virtual Result<void> update(const ResourceTable& resources) = 0;
   /// Runs uploads and dispatches and waits for them. `timings`, when given, receives one entry a
@@ -108,6 +120,12 @@ class HeadlessDevice {
     const PassList* const lists[] = {&list};
     return render(lists, target, timings);
   }
+  /// Runs a frame without views: update(), then execute() of its lists. Errors: those, and a frame
+  /// that has views.
+  Result<void> run(Frame& frame, std::vector<PassTiming>* timings = nullptr);
+  /// Runs a frame with views. \param targets  one for each view; the images come in the same order.
+  Result<std::vector<RenderedImage>> render(Frame& frame, std::span<const RenderTargetDef> targets,
+                                            std::vector<PassTiming>* timings = nullptr);
   /// Reads a buffer back; size 0 reads from the offset to the end.
   virtual Result<std::vector<std::byte>> read(BufferId buffer, uint64_t offset = 0,
                                               uint64_t size = 0) = 0;
@@ -126,8 +144,9 @@ class HeadlessDevice {
 };
 
 /// In pelage::vulkan. Errors: no loader, no device, a missing feature; each named.
-Result<std::unique_ptr<HeadlessDevice>> createHeadlessVulkan(const HeadlessDef& def);
+PELAGE_VULKAN_API Result<std::unique_ptr<HeadlessDevice>> createHeadlessVulkan(
+    const HeadlessDef& def);
 /// In pelage::gl, for Api::kGl and Api::kGles.
-Result<std::unique_ptr<HeadlessDevice>> createHeadlessGl(const HeadlessDef& def);
+PELAGE_GL_API Result<std::unique_ptr<HeadlessDevice>> createHeadlessGl(const HeadlessDef& def);
 
 }  // namespace pelage

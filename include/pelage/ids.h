@@ -1,4 +1,4 @@
-// Names of what is in a scene.
+// Ids of the objects in a scene.
 #pragma once
 
 #include <cstddef>
@@ -7,10 +7,12 @@
 #include <utility>
 #include <vector>
 
+#include "pelage/export.h"
+
 namespace pelage {
 
-/// A hair object of a scene. As for the other ids, zero names nothing, an id is never given twice,
-/// and it names nothing in another scene.
+/// A hair object of a scene. For this and the other ids: zero is invalid, ids are never reused, and
+/// an id is valid in its own scene only.
 enum class HairId : uint64_t { kInvalid = 0 };
 /// A mesh collider of a scene.
 enum class ColliderId : uint64_t { kInvalid = 0 };
@@ -19,19 +21,21 @@ enum class SkeletonId : uint64_t { kInvalid = 0 };
 
 namespace detail {
 
-/// Another number at every call, from 1 on.
-uint32_t nextOwner();
+/// Returns a different number at every call, from 1 on.
+PELAGE_API uint32_t nextOwner();
 
-/// Owns things by id. Bits 0..15 of an id are a slot, from 1 on; bits 16..31 count the things that
-/// were in the slot before; bits 32..63 are the owner, which no two of these share.
+/// Owns objects by id. Bits 0..15 of an id are a slot, from 1 on; bits 16..31 count the objects
+/// that were in the slot before; bits 32..63 are the owner, which is unique.
+///
+/// Threads: one thread at a time.
 template <class Id, class T>
 class Slots {
  public:
-  /// Things that there can be at a time.
+  /// Maximum number of objects at a time.
   static constexpr size_t kMost = 0xffff;
 
   Slots() : owner_(nextOwner()) {}
-  /// What was moved away leaves an owner without ids.
+  /// The moved-from owner has no objects.
   Slots(Slots&& other) noexcept
       : owner_(std::exchange(other.owner_, nextOwner())),
         held_(std::move(other.held_)),
@@ -44,49 +48,49 @@ class Slots {
   }
   ~Slots() = default;
 
-  bool isFull() const { return freePlace() == kMost; }
-  /// Not when isFull().
+  bool isFull() const { return freeIndex() == kMost; }
+  /// Call only if not isFull().
   Id add(std::unique_ptr<T> value) {
-    const size_t place = freePlace();
-    if (place == held_.size()) {
+    const size_t index = freeIndex();
+    if (index == held_.size()) {
       generations_.push_back(0);
       held_.emplace_back();
     }
-    held_[place] = std::move(value);
-    return idOf(place);
+    held_[index] = std::move(value);
+    return idOf(index);
   }
   void remove(Id id) {
-    const size_t place = placeOf(id);
-    held_[place].reset();
-    ++generations_[place];
+    const size_t index = indexOf(id);
+    held_[index].reset();
+    ++generations_[index];
   }
-  /// Why find() has nothing: for messages, behind "the id".
+  /// Returns why find() fails, for messages, to follow "the id".
   const char* whyNot(Id id) const {
-    if (id == Id{}) return "is zero, which names nothing";
-    if (static_cast<uint64_t>(id) >> 32 != owner_) return "is of another scene";
-    return "is of what was removed";
+    if (id == Id{}) return "is zero, which is invalid";
+    if (static_cast<uint64_t>(id) >> 32 != owner_) return "belongs to another scene";
+    return "belongs to a removed object";
   }
-  /// nullptr where there is none of this id.
+  /// Returns nullptr if there is no object with this id.
   T* find(Id id) const {
-    const size_t place = placeOf(id);
-    return place < held_.size() && idOf(place) == id ? held_[place].get() : nullptr;
+    const size_t index = indexOf(id);
+    return index < held_.size() && idOf(index) == id ? held_[index].get() : nullptr;
   }
-  Id idOf(size_t place) const {
-    return static_cast<Id>(uint64_t{owner_} << 32 | generations_[place] << 16 | (place + 1));
+  Id idOf(size_t index) const {
+    return static_cast<Id>(uint64_t{owner_} << 32 | generations_[index] << 16 | (index + 1));
   }
 
-  // By place; nullptr where there is nothing.
+  // By slot; nullptr if the slot is empty.
   size_t size() const { return held_.size(); }
-  T* operator[](size_t place) const { return held_[place].get(); }
+  T* operator[](size_t index) const { return held_[index].get(); }
   auto begin() const { return held_.begin(); }
   auto end() const { return held_.end(); }
 
  private:
-  static size_t placeOf(Id id) { return ((static_cast<uint64_t>(id) & 0xffffu) - 1) & 0xffffu; }
-  // A place whose count has come to its end is not used again.
-  size_t freePlace() const {
-    for (size_t place = 0; place < held_.size(); ++place)
-      if (held_[place] == nullptr && generations_[place] < 0xffff) return place;
+  static size_t indexOf(Id id) { return ((static_cast<uint64_t>(id) & 0xffffu) - 1) & 0xffffu; }
+  // A slot whose count has reached its maximum is not used again.
+  size_t freeIndex() const {
+    for (size_t index = 0; index < held_.size(); ++index)
+      if (held_[index] == nullptr && generations_[index] < 0xffff) return index;
     return held_.size() < kMost ? held_.size() : kMost;
   }
 

@@ -37,11 +37,13 @@ struct LayoutEntry {
   const char* name;        ///< as declared in HLSL
   const char* structName;  ///< element or block type; the generated host struct has this name
   ResourceKind kind;
-  Access access;       ///< union over all kernels and permutations of the layout
-  StageMask stages;    ///< union over all kernels of the layout
-  uint32_t stride;     ///< bytes an element (storage buffer) or a block (uniform buffer); else 0
-  uint32_t binding;    ///< Vulkan binding within the set
-  uint32_t glBinding;  ///< GL binding point, dense for each kind of resource over a group's sets
+  Access access;     ///< union over all kernels and permutations of the layout
+  StageMask stages;  ///< union over all kernels of the layout
+  uint32_t stride;   ///< bytes an element (storage buffer) or a block (uniform buffer); else 0
+  uint32_t binding;  ///< Vulkan binding within the set
+  /// GL binding point of a uniform block, texture or image: dense for each kind over a group's
+  /// sets. 0 for storage buffers: each permutation numbers its own (VariantBinding::glBinding).
+  uint32_t glBinding;
 };
 
 /// One descriptor set.

@@ -2,6 +2,7 @@
 // engine's own executor) loops over it. It names no graphics API.
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -9,12 +10,15 @@
 #include <string>
 #include <vector>
 
+#include "pelage/binding.h"
+#include "pelage/export.h"
 #include "pelage/kernel.h"
 #include "pelage/result.h"
 
 namespace pelage {
 
 namespace detail {
+struct ListHold;
 struct ListRun;
 struct RunOrder;
 struct RunRecord;
@@ -23,9 +27,6 @@ struct RunRecord;
 /// What has become of a PassList; shared by its copies and by who runs it.
 using RunHandle = std::shared_ptr<detail::ListRun>;
 
-/// A buffer of a ResourceTable.
-enum class BufferId : uint32_t { kInvalid = 0 };
-
 /// What a buffer is used for; a bit set.
 enum class BufferUsage : uint8_t {
   kStorage = 1,    ///< shader storage buffer
@@ -33,6 +34,7 @@ enum class BufferUsage : uint8_t {
   kIndirect = 4,   ///< arguments of an indirect dispatch or draw
   kUpload = 8,     ///< written by the host from a pass list (PassList::uploads)
   kReadback = 16,  ///< read by the host
+  kVertex = 32,    ///< inputs of vertex kernels (Pass::vertices)
 };
 constexpr BufferUsage operator|(BufferUsage a, BufferUsage b) {
   return static_cast<BufferUsage>(static_cast<uint8_t>(a) | static_cast<uint8_t>(b));
@@ -51,9 +53,12 @@ struct BufferDesc {
 };
 
 /// The buffers of a scene. An id is given once, so that a runtime notices what is new and what is
-/// gone by looking at the ids alone. The places in the table that they stand for are used again:
+/// gone by looking at the ids alone. The slots of the table that they stand for are used again:
 /// its size is that of the most buffers there were at a time.
-class ResourceTable {
+///
+/// Threads: as a standard container: several may read while none writes. The ids of tables are
+/// given on any thread.
+class PELAGE_API ResourceTable {
  public:
   /// Registers a buffer and returns its id. Asserts on size 0, a size that is not a multiple of 4,
   /// or initial data of another size.
@@ -62,12 +67,14 @@ class ResourceTable {
   void remove(BufferId id);
   /// nullptr when the id was removed or never existed.
   const BufferDesc* find(BufferId id) const;
-  /// Places that there are: iterate 0..end() and find(at()) each.
+  /// All of a buffer; empty when the id was removed or never existed.
+  BufferRange whole(BufferId id) const;
+  /// Number of slots: iterate 0..end() and find(at()) each.
   uint32_t end() const { return static_cast<uint32_t>(buffers_.size()); }
-  /// The id of the buffer at a place; kInvalid where there is none.
-  BufferId at(uint32_t place) const;
-  /// The place of an id, for arrays beside the table.
-  static constexpr uint32_t placeOf(BufferId id) {
+  /// The id of the buffer in a slot; kInvalid where there is none.
+  BufferId at(uint32_t slot) const;
+  /// The slot of an id, for arrays beside the table.
+  static constexpr uint32_t indexOf(BufferId id) {
     return (static_cast<uint32_t>(id) - 1) & (kMaxBuffers - 1);
   }
   /// Buffers that there can be at a time.
@@ -90,7 +97,7 @@ class ResourceTable {
     uint32_t generation = 0;  ///< buffers that were here before: the upper bits of the id
     uint64_t version = 0;     ///< when it was added
   };
-  struct Id {
+  struct PELAGE_API Id {
     Id();
     Id(const Id&) : Id() {}
     Id(Id&& other) noexcept;
@@ -100,7 +107,7 @@ class ResourceTable {
     uint64_t value;
   };
   std::vector<Slot> buffers_;
-  std::vector<uint32_t> free_;  ///< places
+  std::vector<uint32_t> free_;  ///< slots
   uint64_t version_ = 0;
   Id id_;
 };
@@ -138,7 +145,7 @@ struct DrawState {
 };
 
 /// What must have finished before a pass starts. `before` and `after` hold the accesses on the
-/// two sides; host uploads and index or indirect reads have flags of their own.
+/// two sides; host uploads and index, vertex or indirect reads have flags of their own.
 struct Barrier {
   BufferId buffer = BufferId::kInvalid;
   Access before = Access::kNone;
@@ -148,9 +155,11 @@ struct Barrier {
   bool beforeUpload = false;    ///< the earlier write came from PassList::uploads
   bool beforeIndirect = false;  ///< the earlier read was of indirect arguments
   bool beforeIndex = false;     ///< the earlier read was of indices
+  bool beforeVertex = false;    ///< the earlier read was of vertex inputs
   bool afterUpload = false;     ///< the later write is one
   bool afterIndirect = false;   ///< the later read is of indirect arguments
   bool afterIndex = false;      ///< the later read is of indices
+  bool afterVertex = false;     ///< the later read is of vertex inputs
 };
 
 /// One dispatch or draw. Ranges index into the arrays of the PassList.
@@ -174,6 +183,7 @@ struct Pass {
   BufferId indirect = BufferId::kInvalid;
   uint64_t indirectOffset = 0;
   BufferId indices = BufferId::kInvalid;  ///< kDraw: kInvalid draws without indices
+  BufferRange vertices;                   ///< of kernels with Kernel::vertexInput: what it reads
   uint32_t elementCount = 0;              ///< kDraw: indices or vertices an instance
   uint32_t instanceCount = 0;
   DrawState state;
@@ -195,7 +205,10 @@ struct Upload {
 /// A list runs once, behind the lists that got their barriers before it. One that is cleared,
 /// destroyed or written again without having run counts as abandoned; so does one whose copies all
 /// are. See checkRun().
-struct PassList {
+///
+/// Threads: as a standard container. What has become of it (PassList::run) may be asked and said on
+/// any thread.
+struct PELAGE_API PassList {
   std::vector<Pass> passes;  ///< dispatches first, then draws
   std::vector<PassBinding> bindings;
   std::vector<SpecValue> specValues;
@@ -210,6 +223,8 @@ struct PassList {
   uint64_t table = 0;  ///< ResourceTable::id() of its buffers; 0: not known
   /// What has become of it; from HazardTracker::resolve() or Scene::finish() on. Copies share it.
   RunHandle run;
+  /// The buffers of the view that it draws, until it has run; from Scene::draw(). Copies share it.
+  std::shared_ptr<detail::ListHold> hold;
 
   /// Offset alignment of constant blocks: the largest that Vulkan and GL devices may ask for.
   static constexpr uint64_t kConstantAlignment = 256;
@@ -226,9 +241,16 @@ struct PassList {
   }
 };
 
-/// Adds passes to a PassList: picks from the offered resources those that the permutation really
-/// uses, so that a caller may offer everything it has.
-class PassBuilder {
+/// Adds passes to a PassList: picks from what is bound those resources that the permutation really
+/// uses, so that a caller may bind everything it has. Passes of kernels that are known at build
+/// time give the generated structs of their layouts to finish(), which allocates nothing for them:
+///
+///     PassBuilder(list).dispatch(variant, threads).finish(exactPosTan, exact);
+///
+/// Kernels that are not known before the program runs are bound by the names in HLSL; see bind().
+///
+/// Threads: the one that uses its list.
+class PELAGE_API PassBuilder {
  public:
   explicit PassBuilder(PassList& list) : list_(list) {}
 
@@ -247,7 +269,10 @@ class PassBuilder {
   /// the same list may have written them.
   PassBuilder& drawIndirect(const KernelVariant& vertex, const KernelVariant& pixel,
                             const DrawState& state, BufferId arguments, uint64_t offset = 0);
-  /// Offers a storage buffer under the name it has in HLSL.
+  /// What a vertex kernel with Kernel::vertexInput reads; finish() is an error without it.
+  PassBuilder& vertices(BufferRange range);
+  /// Offers a storage buffer under the name it has in HLSL. Nothing notices a wrong name that no
+  /// kernel needs.
   PassBuilder& bind(std::string_view name, BufferId buffer, uint64_t size, uint64_t offset = 0);
   /// Offers the bytes of a uniform block under the name it has in HLSL.
   PassBuilder& constants(std::string_view name, std::span<const std::byte> bytes);
@@ -257,9 +282,19 @@ class PassBuilder {
   }
   PassBuilder& spec(std::span<const SpecValue> values);
   PassBuilder& bytes(uint64_t bytes);
-  /// Adds the pass. An error names the resource that the permutation needs and nobody offered, or
-  /// the axis that exceeds 65535 groups.
-  Result<void> finish();
+  /// Adds the pass with the bindings of its layouts, in any order. Errors: a resource that the
+  /// permutation needs is not bound (the message has its name), a struct is of a layout that the
+  /// pass does not have, or two are of one, or an axis exceeds 65535 groups. Then the list stays as
+  /// it was.
+  template <class... Bindings>
+  requires(sizeof...(Bindings) > 0 && (std::convertible_to<const Bindings&, LayoutBindings> &&
+                                       ...)) Result<void> finish(const Bindings&... bindings) {
+    const LayoutBindings all[] = {bindings...};
+    return finish(std::span<const LayoutBindings>(all));
+  }
+  Result<void> finish(std::span<const LayoutBindings> bindings);
+  /// Adds the pass with what was offered by name.
+  Result<void> finish() { return finish(std::span<const LayoutBindings>()); }
 
  private:
   struct Offer {
@@ -268,7 +303,11 @@ class PassBuilder {
     uint64_t offset = 0, size = 0;
     std::vector<std::byte> block;  // of a uniform block
   };
-  Result<void> addBindings(const KernelVariant& variant);
+  Result<void> checkLayouts(std::span<const LayoutBindings> bindings) const;
+  Result<BoundResource> find(const KernelVariant& variant, const VariantBinding& use,
+                             std::span<const LayoutBindings> bindings) const;
+  uint64_t addBlock(std::span<const std::byte> block);
+  Result<void> addBindings(const KernelVariant& variant, std::span<const LayoutBindings> bindings);
   PassList& list_;
   Pass pass_;
   uint64_t threads_[3] = {0, 0, 0};
@@ -276,12 +315,13 @@ class PassBuilder {
 };
 
 /// Appends host data to a list's uploads.
-void addUpload(PassList& list, BufferId buffer, std::span<const std::byte> bytes,
-               uint64_t offset = 0);
+PELAGE_API void addUpload(PassList& list, BufferId buffer, std::span<const std::byte> bytes,
+                          uint64_t offset = 0);
 
 /// What executors of lists call: pelage's runtimes do, and one of your own is to. The accounts may
 /// be kept on any thread; a list itself is for one at a time.
 ///
+///     if (auto checked = checkList(list, resources); !checked) return checked;  // list_check.h
 ///     if (auto ready = checkRun(list); !ready) return ready;
 ///     ...                      // uploads, dispatches
 ///     setDelivered(list.run);  // or setRecorded(), and setDelivered() once it is submitted
@@ -292,20 +332,22 @@ void addUpload(PassList& list, BufferId buffer, std::span<const std::byte> bytes
 /// Whether a list may run now. Errors: it has no barriers, or passes or uploads that were added
 /// behind them; it has run; it was abandoned; a list that got its barriers before has not run yet,
 /// or one that got them after has.
-Result<void> checkRun(const PassList& list);
+PELAGE_API Result<void> checkRun(const PassList& list);
 /// Whether its draws may be recorded: behind checkRun() and setRecorded() or setDelivered().
-Result<void> checkDraws(const PassList& list);
+PELAGE_API Result<void> checkDraws(const PassList& list);
 /// Says that a list is in a command buffer, behind those that are there already.
-void setRecorded(const RunHandle& run);
+PELAGE_API void setRecorded(const RunHandle& run);
 /// Says that a list has run, or is sure to: its command buffer was submitted.
-void setDelivered(const RunHandle& run);
+PELAGE_API void setDelivered(const RunHandle& run);
 /// Says that a list does not run, nor any that got its barriers after it. Scene::abandon() is this
 /// for lists of a scene.
-void abandon(const RunHandle& run);
+PELAGE_API void abandon(const RunHandle& run);
 
 /// Computes the barriers of pass lists from the accesses that reflection found. Keeps the last
 /// accesses between lists: pass the lists in the order in which they will run.
-class HazardTracker {
+///
+/// Threads: one thread at a time.
+class PELAGE_API HazardTracker {
  public:
   HazardTracker() = default;
   HazardTracker(HazardTracker&&) noexcept = default;
@@ -330,10 +372,12 @@ class HazardTracker {
     StageMask writeStages = 0;
     bool uploadWrite = false;
     bool indexRead = false;
+    bool vertexRead = false;
     bool indirectRead = false;
     /// Stages (and fixed-function reads) to which the last write has been made visible already.
     StageMask visibleStages = 0;
     bool visibleIndex = false;
+    bool visibleVertex = false;
     bool visibleIndirect = false;
   };
   /// A list that may still be abandoned.

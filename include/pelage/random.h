@@ -7,11 +7,14 @@
 namespace pelage {
 
 /// PCG32: O'Neill, "PCG: A Family of Simple Fast Space-Efficient Statistically Good Algorithms for
-/// Random Number Generation" (2014), variant XSH-RR 64/32. A value type; copies continue alike.
+/// Random Number Generation" (2014), variant XSH-RR 64/32. A value type; copies continue with the
+/// same numbers.
+///
+/// Threads: one thread at a time.
 class Random {
  public:
-  /// Any seed is good. Generators of one seed and different streams are independent: take one
-  /// stream a strand, and a strand does not change when another one is added.
+  /// Any seed is valid. Generators with the same seed and different streams are independent: use
+  /// one stream per strand, and adding a strand does not change the others.
   explicit constexpr Random(uint64_t seed, uint64_t stream = 0) : increment_(stream << 1 | 1) {
     bits();
     state_ += seed;

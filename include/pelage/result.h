@@ -1,5 +1,5 @@
-// Result<T>: a value or an Error. What depends on data, a device or a driver returns one; no
-// exception crosses the API.
+// Result<T>: a value or an Error. Functions that depend on data, a device or a driver return one;
+// no exception crosses the API.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@
 
 namespace pelage {
 
-/// What kind of thing went wrong; the message says which one and what to do about it.
+/// The kind of an error; the message has the details and says what to do.
 enum class ErrorCode {
   kInvalidArgument,  ///< a parameter is out of its documented range
   kFileNotFound,     ///< a file does not exist or cannot be opened
@@ -21,8 +21,8 @@ enum class ErrorCode {
   kDevice,           ///< the driver reported a failure
 };
 
-/// An error with one line that a person can act on: it names the file, the byte offset or the
-/// resource, and the way out.
+/// An error with a message of one line that the reader can act on: it names the file, the byte
+/// offset or the resource, and what to do.
 struct Error {
   ErrorCode code = ErrorCode::kInvalidArgument;
   std::string message;
@@ -46,7 +46,7 @@ class [[nodiscard]] Result {
     PELAGE_ASSERT(ok(), "Result::value() on an error");
     return *std::get_if<0>(&data_);
   }
-  /// By value, so that `for (auto& x : *f())` does not walk a dead temporary.
+  /// Returns by value, so that `for (auto& x : *f())` does not iterate over a dead temporary.
   T value() && {
     PELAGE_ASSERT(ok(), "Result::value() on an error");
     return std::move(*std::get_if<0>(&data_));

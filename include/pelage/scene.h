@@ -1,13 +1,13 @@
 // A scene: hair objects and the pass lists that move and draw them.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
+#include "pelage/export.h"
+#include "pelage/frame.h"
 #include "pelage/hair_object.h"
 #include "pelage/ids.h"
 #include "pelage/pass_list.h"
@@ -15,21 +15,14 @@
 #include "pelage/sdf_collider.h"
 #include "pelage/sdf_data.h"
 #include "pelage/skeleton_pose.h"
+#include "pelage/tier.h"
 #include "pelage/transparency.h"
 #include "pelage/view.h"
 
 namespace pelage {
 
-struct ExactConstants;
 namespace detail {
-struct BufferNeed;
-struct ColliderBuffers;
-struct DrawOffers;
-struct FrameCheckpoint;
-struct SceneFrames;
-struct SdfGridPlan;
-template <class T>
-struct Vector3;
+class SceneImpl;
 }  // namespace detail
 
 /// Holds hair objects and writes their pass lists. No graphics API: a runtime creates the buffers
@@ -39,19 +32,33 @@ struct Vector3;
 ///     auto hair = scene.addHair(asset, {.name = "groom"});
 ///     ...
 ///     scene.hair(*hair).setBones(bones);
-///     scene.simulate(1.0f / 60, list);  // then the runtime runs the list
+///     auto frame = scene.simulate(1.0f / 60);
+///     if (frame) drawn = frame->draw(view, lights);  // then a runtime takes the frame
 ///
 /// Nothing is delivered until it ran. A list of simulate() that is not recorded before the next
 /// simulate() never runs, and one that was recorded may still turn out not to (vulkan::Runtime::
 /// submitted(), setDelivered()): the scene is then as if that frame had never been written, and the
 /// next one has all that it had: uploads, bones, resets, time. Nobody has to say so; docs/scene.md.
-class Scene {
+///
+/// Threads: one thread at a time, for the scene and everything that it hands out. Two scenes share
+/// nothing and may be used from two threads.
+class PELAGE_API Scene {
  public:
+  Scene();
+  ~Scene();
+  /// The scene that was moved from is empty; frames go with the objects.
+  Scene(Scene&& other) noexcept;
+  Scene& operator=(Scene&& other) noexcept;
+
   /// Adds a hair object. Errors: an asset without strands, settings out of range, a follow hair of
   /// a guide that does not exist or with an offset that is not finite, bone weights of another
   /// groom, a skeleton that does not exist or has another number of bones, more strands than one
   /// dispatch takes: 4,194,240 guides, and 2,097,120 follow hairs where these are stored.
   Result<HairId> addHair(const HairAsset& asset, const HairDef& def);
+  /// The same without a copy of the asset: for objects that share it. With either, objects with the
+  /// same tables have one buffer for them (rest shape, bindings, follow hairs, colors and others
+  /// that never change): do not write into these.
+  Result<HairId> addHair(std::shared_ptr<const HairAsset> asset, const HairDef& def);
   /// Removes a hair object and its buffers; with the last one also those that draw() has made.
   /// Error: the id names no hair object of this scene.
   Result<void> removeHair(HairId id);
@@ -59,9 +66,9 @@ class Scene {
   HairObject& hair(HairId id);
   const HairObject& hair(HairId id) const;
   /// True while the id names something of this scene.
-  bool isValid(HairId id) const { return objects_.find(id) != nullptr; }
-  bool isValid(ColliderId id) const { return colliders_.find(id) != nullptr; }
-  bool isValid(SkeletonId id) const { return skeletons_.find(id) != nullptr; }
+  bool isValid(HairId id) const;
+  bool isValid(ColliderId id) const;
+  bool isValid(SkeletonId id) const;
   uint32_t hairCount() const;
 
   /// Adds a mesh that hair collides with, through a signed distance field: all hair, but for what
@@ -100,21 +107,28 @@ class Scene {
   /// What the last build of a collider left in sdfKeys() and sdfSurface(), read back, as data that
   /// can be saved. Error: there was no build since it got its place there, or the buffers are not
   /// the scene's.
-  Result<SdfData> copyField(ColliderId id, std::span<const std::byte> keys,
-                            std::span<const std::byte> surface) const;
+  Result<SdfData> copySdf(ColliderId id, std::span<const std::byte> keys,
+                          std::span<const std::byte> surface) const;
   /// Keys and records of all colliders; kInvalid without any.
-  BufferId sdfKeys() const { return sdfKeys_; }
-  BufferId sdfSurface() const { return sdfSurface_; }
+  BufferId sdfKeys() const;
+  BufferId sdfSurface() const;
 
   /// The buffers that a runtime is to create before it runs the next list. Add buffers of your own
   /// to use them in passes beside the scene's.
-  ResourceTable& resources() { return resources_; }
-  const ResourceTable& resources() const { return resources_; }
+  ResourceTable& resources();
+  const ResourceTable& resources() const;
+
+  /// Begins a frame that advances every hair object by dt: draw its views, and give it to a runtime
+  /// before the next one. \param dt seconds, as below. Errors: as below.
+  Result<pelage::Frame> simulate(float dt);
+
+  // The layer below frames, for engines that keep lists of their own: docs/scene.md says when.
 
   /// Writes the passes that advance every hair object by dt.
-  /// \param dt seconds, >= 0. 0 skips the simulation. Steps are at most 1/60 s: a longer dt is cut
-  ///   into equal sub-steps, at most kMaxSubSteps of them; time beyond that is dropped. The exact
-  ///   solver cuts each of them further into SimulationSettings::subSteps.
+  /// \param dt seconds, >= 0. 0 skips the simulation; hair that has not moved since it was added or
+  ///   reset is shown in its bind pose under the bones. Steps are at most 1/60 s: a longer dt is
+  ///   cut into equal sub-steps, at most kMaxSubSteps of them; time beyond that is dropped. The
+  ///   exact solver cuts each of them further into SimulationSettings::subSteps.
   /// \param list cleared first. Lists of earlier frames that have not been recorded yet are
   ///   abandoned.
   /// Errors: dt or a setting is out of range; a share without HairDef::levelOfDetail; a buffer of
@@ -124,43 +138,53 @@ class Scene {
   Result<void> simulate(float dt, PassList& list);
   /// Adds draws of all hair objects that are visible and in view to a list (which is not cleared),
   /// without sorting: Transparency::kStochastic. It may make buffers: update the runtime before the
-  /// list runs. A list takes one view: the shadows of a second one would be those of the first,
-  /// too. Errors: as below.
+  /// list runs. Errors: as below.
   Result<void> draw(const View& view, const Light& light, PassList& list);
   /// Draws them with transparency. The lists run one after another, each with its draws in a render
   /// pass that keeps what is in the target. What is opaque is drawn before, into the same depth
-  /// target: earlier, or by draws that lists[0] has already. All views share the buffers, and a
-  /// larger one makes them anew: with several views a frame, run the lists of one before the next
-  /// one is drawn, or draw the largest one first.
+  /// target: earlier, or by draws that lists[0] has already. Every view whose lists have not run
+  /// yet has buffers of its own; later views have them again. More than 64 hair objects whose
+  /// materials shade differently are drawn in batches by lists and tiles: docs/oit.md.
   /// \param lists lists[0] is not cleared, the others are; as many as the method needs, or more.
   /// Errors: a view without pixels, or whose worldToClip has no inverse; too many lights or
-  /// shadows; a light or setting out of range; a memory cap that is too small; more hair objects in
-  /// view than lists can tell apart (64).
+  /// shadows; a light or setting out of range; a memory cap that is too small. Nothing has changed
+  /// then.
   Result<void> draw(const View& view, std::span<const Light> lights,
                     const TransparencySettings& settings, std::vector<PassList>& lists);
-  /// Level of detail for a view: the share of strands that is enough when fibres are drawn at least
+  /// Level of detail for a view: the share of strands that is enough when fibers are drawn at least
   /// `pixels` wide, in the middle of the object: 1 up close, then falling with the distance, down
   /// to 1/64. Set HairObject::drawnShare to it, and simulatedShare (with HairDef::levelOfDetail),
-  /// so that the simulation falls with it. 1 where the view or the place of the hair is not finite.
+  /// so that the simulation falls with it. 1 where the view or the position of the hair is not
+  /// finite.
   float shareForView(HairId id, const View& view, float pixels = 0.4f) const;
   /// What drawing this view with an exact method takes, from the hair's size on the screen alone:
   /// within a factor of two or so. For chooseTransparency(). Nothing where draw() would draw
   /// nothing or refuse the view.
   TransparencyWork predictWork(const View& view) const;
   /// Adds the passes that fill the shadow maps of these lights, as draw() does, and no draws: for
-  /// shaders of your own (sample/engine_shader). A list takes either this or one draw().
+  /// shaders of your own (sample/engine_shader). A light that a list of this frame has a map of
+  /// already, from simulate() to simulate(), has no passes.
   /// \return number of maps, in the order of the lights that cast a shadow; 0 without visible hair.
-  /// Errors: a light out of range; too many shadows.
+  /// Errors: a light out of range; too many shadows; maps over setShadowMemory().
   Result<uint32_t> castShadows(std::span<const Light> lights, PassList& list);
+  /// Bytes that the shadow maps of a frame may take, 1 GiB until it is called. A light that more
+  /// than one view of a frame sees has one map for all of them. Lights over the cap are an error of
+  /// draw() and castShadows(), and the next call with less works.
+  void setShadowMemory(uint64_t maxBytes);
+  /// The tier of the device that runs the lists: vulkan::Runtime::tier(), gl::Runtime::tier().
+  /// Below Tier::kWide the vertex stage has no storage buffers: draws of hair then transform all
+  /// vertices first, which takes 48 bytes a vertex of the hair in view. Tier::kWide until it is
+  /// called; counts from the next draw on.
+  void setTier(Tier tier);
   /// Words of the shadow maps of the last draw or castShadows(), for pixel kernels of your own
   /// (SHADOW_WORDS of kernels/shading/strand_shadow.hlsli); kInvalid before the first one.
-  BufferId shadowWords() const { return shadowWords_; }
+  BufferId shadowWords() const;
   /// What those kernels need to know of each map: kMaxStrandShadows elements of StrandShadowView,
   /// of which as many are written as there are maps; kInvalid likewise.
-  BufferId shadowViews() const { return shadowViews_; }
-  /// Words for readTransparencyCounters(); kInvalid before the first draw with linked
-  /// lists or tiles.
-  BufferId transparencyCounters() const { return lists_.counters; }
+  BufferId shadowViews() const;
+  /// Words for readTransparencyCounters(), of the view that was drawn last; kInvalid before the
+  /// first draw with linked lists or tiles.
+  BufferId transparencyCounters() const;
   /// Adds the passes and the draw that show a collider as its field has it, for debugging: the
   /// surface where the distance is the look's level. Draws nothing before the first simulation.
   /// Errors: a grid that is too large for it.
@@ -216,125 +240,12 @@ class Scene {
   Result<void> shiftOrigin(Float3 shift);
 
   /// Seconds simulated so far; the phase of the wind. Without frames that were abandoned.
-  double time() const { return time_; }
+  double time() const;
 
   static constexpr uint32_t kMaxSubSteps = 4;
 
  private:
-  struct Frame;
-  struct DrawFrame;
-  /// Of per-pixel linked lists, as in kernels/layouts/ppll_build.hlsli.
-  struct ListBuffers {
-    BufferId heads = BufferId::kInvalid, nodes = BufferId::kInvalid, counters = BufferId::kInvalid,
-             tiles = BufferId::kInvalid, tail = BufferId::kInvalid;
-  };
-  /// Of strands in tiles, as in kernels/layouts/strand_tiles.hlsli; the counters are those of
-  /// lists.
-  struct TileBuffers {
-    BufferId records = BufferId::kInvalid, tiles = BufferId::kInvalid,
-             references = BufferId::kInvalid, sums = BufferId::kInvalid,
-             picture = BufferId::kInvalid;
-  };
-  /// Of methods with a fixed number of layers, as in kernels/layouts/hybrid_depths.hlsli,
-  /// hybrid_colors.hlsli and short_cut_*.hlsli.
-  struct LayerBuffers {
-    BufferId depths = BufferId::kInvalid, colors = BufferId::kInvalid, tail = BufferId::kInvalid,
-             counters = BufferId::kInvalid, tiles = BufferId::kInvalid;
-  };
-  void settleFrames(bool boundary);
-  void saveFrame();
-  void restoreFrame();
-  void commitFrames();
-  void forgetOwner(const void* owner);
-  void removeOf(detail::FrameCheckpoint& frame, const void* owner);
-  void relayFrames();
-  void sendEverything();
-  Result<void> simulateFrame(float frame, uint32_t steps, PassList& list);
-  void addSolverBuffers(HairObject& object);
-  void removeSolverBuffers(HairObject& object);
-  void removeContacts(HairObject& object);
-  void removeBuffer(BufferId& buffer);
-  Result<void> checkObject(const HairObject& object) const;
-  Result<std::vector<std::optional<detail::SdfGridPlan>>> checkColliders() const;
-  bool planCollider(SdfCollider& collider, const detail::SdfGridPlan& plan);
-  void addColliderTables(SdfCollider& collider);
-  void layOutFields();
-  void removeIsoSurface(SdfCollider& collider);
-  bool isReached(size_t collider) const;
-  void followSkeletons();
-  Result<SkeletonPose*> findSkeleton(SkeletonId id, uint32_t boneCount) const;
-  BufferId skeletonBuffer(detail::SkeletonInternals& skeleton, SkinningMethod method);
-  void removeUnusedCopies();
-  void removeDrawBuffers();
-  Result<void> buildCollider(size_t place, PassList& list);
-  Result<void> addSkinningPass(SdfCollider& collider, PassList& list);
-  void addFields(Frame& frame);
-  uint64_t bytesOfBuffer(BufferId id) const;
-  Result<void> simulateObject(HairObject& object, float length, uint32_t steps, PassList& list);
-  Result<void> addRootPass(const Frame& frame);
-  Result<void> addClassicPasses(const Frame& frame);
-  Result<void> addExactPasses(Frame& frame);
-  void prepareContacts(Frame& frame);
-  detail::ColliderBuffers colliderBuffers(const Frame& frame) const;
-  Result<void> addContactPass(const Frame& frame, uint32_t step, uint32_t steps, bool again);
-  Result<void> addSleepPass(Frame& frame, ExactConstants constants);
-  void setLevelOfDetail(const Frame& frame, ExactConstants& constants);
-  Result<void> addInterpolationPass(const Frame& frame, const ExactConstants& constants,
-                                    uint32_t strands);
-  void bindExact(const Frame& frame, PassBuilder& builder) const;
-  Result<void> finishExactPass(const Frame& frame, PassBuilder& builder,
-                               const ExactConstants& constants) const;
-  Result<void> addFollowPass(const Frame& frame);
-  Result<void> addFollowCollision(const Frame& frame);
-  void addHairGrid(HairObject& object);
-  void removeHairGrid(HairObject& object);
-  Result<void> addHairGridPasses(HairObject& object, double h, bool reset, PassList& list);
-  void finishHairGrid(HairObject& object, double frame);
-  BufferId forcesOf(const HairObject& object) const;
-  detail::Vector3<double> shifted() const;
-  Result<void> addPendingShifts(PassList& list);
-  void shiftFrames(const detail::Vector3<double>& by);
-  void finishShift();
-  Result<void> addShiftPasses(const Frame& frame);
-  Result<void> addFollowShift(const Frame& frame);
-  Result<void> addShift(const Frame& frame, BufferId buffer, uint64_t first, uint64_t count);
-  Result<void> addExactRewrite(const Frame& frame);
-  Result<void> addClassicRewrite(const Frame& frame);
-  Result<DrawFrame> beginDraw(const View& view, std::span<const Light> lights) const;
-  Result<uint32_t> addShadows(DrawFrame& frame, PassList& list);
-  Result<void> addStrandDraw(const DrawFrame& frame, size_t material, bool smooth,
-                             const KernelVariant& pixel, DrawState state,
-                             const detail::DrawOffers& offers, PassList& list) const;
-  /// Smooth ribbons of all objects into the buffers of a method.
-  Result<void> addStrandDraws(const DrawFrame& frame, const KernelVariant& pixel,
-                              const detail::DrawOffers& offers, PassList& list) const;
-  Result<void> addOpaqueDraws(const DrawFrame& frame, bool stochastic, PassList& list) const;
-  Result<void> addListPasses(const DrawFrame& frame, const TransparencySettings& settings,
-                             const TransparencyPlan& plan, std::vector<PassList>& lists);
-  void makeRoom(const detail::BufferNeed& need);
-  Result<void> addTransparency(const DrawFrame& frame, const TransparencySettings& settings,
-                               const TransparencyPlan& plan, uint64_t vertices,
-                               std::vector<PassList>& lists);
-  Result<void> addHybridPasses(const DrawFrame& frame, uint32_t layers,
-                               std::vector<PassList>& lists);
-  Result<void> addShortCutPasses(const DrawFrame& frame, std::vector<PassList>& lists);
-  Result<void> addTilePasses(const DrawFrame& frame, const TransparencySettings& settings,
-                             const TransparencyPlan& plan, uint64_t vertices, PassList& list);
-  void offerStrands(const DrawFrame& frame, size_t material, PassBuilder& builder) const;
-
-  ResourceTable resources_;
-  HazardTracker hazards_;
-  detail::Slots<HairId, HairObject> objects_;
-  detail::Slots<ColliderId, SdfCollider> colliders_;
-  detail::Slots<SkeletonId, SkeletonPose> skeletons_;
-  BufferId sdfKeys_ = BufferId::kInvalid, sdfSurface_ = BufferId::kInvalid;
-  ListBuffers lists_;
-  LayerBuffers hybrid_, shortCut_;
-  TileBuffers tiles_;
-  BufferId shadowWords_ = BufferId::kInvalid, shadowViews_ = BufferId::kInvalid;
-  double time_ = 0;
-  std::array<double, 3> shifted_ = {};           ///< sum of all shifts [m]
-  std::shared_ptr<detail::SceneFrames> frames_;  ///< nullptr before the first simulate()
+  std::shared_ptr<detail::SceneImpl> impl_;  ///< shared with nobody; frames ask whether it is there
 };
 
 }  // namespace pelage

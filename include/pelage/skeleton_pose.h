@@ -1,4 +1,4 @@
-// The bones of a character in a scene, which hair objects and colliders follow together. Made by
+// The bones of a character in a scene, which several hair objects and colliders can follow. Made by
 // Scene::addSkeleton().
 #pragma once
 
@@ -7,36 +7,40 @@
 #include <span>
 #include <string>
 
+#include "pelage/export.h"
 #include "pelage/types.h"
 
 namespace pelage {
 
 namespace detail {
+class SceneImpl;
 struct SkeletonInternals;
-}
+}  // namespace detail
 
 struct SkeletonDef {
   std::string name = "skeleton";
   uint32_t boneCount = 1;  ///< transforms that setBones() takes, >= 1
 };
 
-/// Its transforms are uploaded once for all that follows it, in frames in which they changed and
-/// something reads them. What follows it shares an origin, too: positions are as exact as floats
-/// are at the distance from what was added first.
-class SkeletonPose {
+/// A skeleton uploads its transforms once for everything that follows it, in frames in which they
+/// changed and something reads them. Its followers share an origin, too: the precision of their
+/// positions is that of floats at their distance from the follower that was added first.
+///
+/// Threads: the one that uses its scene.
+class PELAGE_API SkeletonPose {
  public:
   ~SkeletonPose();
   const std::string& name() const { return name_; }
   uint32_t boneCount() const;
 
   /// Sets the skinning transforms (bind space to world) of all bones for the next frames. Asserts
-  /// that there are boneCount() of them. Non-finite ones leave their bone where it was.
+  /// that there are boneCount() of them. A bone with a non-finite transform stays where it was.
   void setBones(std::span<const AffineTransform> bones);
-  /// As they are now.
+  /// The current transforms.
   std::span<const AffineTransform> bones() const;
 
  private:
-  friend class Scene;
+  friend class detail::SceneImpl;
   SkeletonPose();
 
   std::string name_;

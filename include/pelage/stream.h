@@ -1,4 +1,5 @@
-// Where loaders read from: a file, memory, or the engine's own files (archives, asset databases).
+// Sources of bytes for loaders: a file, memory, or the engine's own files (archives, asset
+// databases).
 #pragma once
 
 #include <cstddef>
@@ -10,27 +11,30 @@
 #include <string_view>
 #include <vector>
 
+#include "pelage/export.h"
 #include "pelage/result.h"
 
 namespace pelage {
 
-/// Bytes that can be read at any place. Loaders read in ascending order where the format allows it,
-/// and only what they need. A source is used by one loader at a time.
-class ByteSource {
+/// Bytes with random access. Loaders read in ascending order if the format allows it, and only the
+/// bytes they need.
+///
+/// Threads: one loader, on one thread, at a time; of every kind of source.
+class PELAGE_API ByteSource {
  public:
   virtual ~ByteSource() = default;
-  /// Bytes that there are. Loaders ask once. A source that says more than it has gets an error when
-  /// its end is reached, and no more memory than twice what it gave, or 8 MiB.
+  /// Total size in bytes; loaders call it once. If the source has fewer bytes, reading past its end
+  /// is an error, and the loader allocates at most twice what it has read, or 8 MiB.
   virtual uint64_t size() = 0;
-  /// Reads from `offset` up to out.size() bytes, all below size(). Fewer are fine; then the loader
-  /// asks again for the rest.
-  /// \return how many; 0 when reading failed, which ends the loading with an error. Exceptions end
-  /// it, too.
+  /// Reads up to out.size() bytes from `offset`, all below size(). It may read fewer; the loader
+  /// then asks again for the rest.
+  /// \return the number of bytes read; 0 if reading failed, which ends the loading with an error.
+  /// Exceptions end it, too.
   virtual size_t read(uint64_t offset, std::span<std::byte> out) = 0;
 };
 
-/// Bytes in memory, which must stay there.
-class MemorySource final : public ByteSource {
+/// Bytes in memory. The memory must outlive the source.
+class PELAGE_API MemorySource final : public ByteSource {
  public:
   explicit MemorySource(std::span<const std::byte> bytes) : bytes_(bytes) {}
   uint64_t size() override { return bytes_.size(); }
@@ -41,7 +45,7 @@ class MemorySource final : public ByteSource {
 };
 
 /// A file.
-class FileSource final : public ByteSource {
+class PELAGE_API FileSource final : public ByteSource {
  public:
   /// Errors: the file does not exist, is no regular file, cannot be opened.
   static Result<FileSource> open(const std::filesystem::path& path);
@@ -54,17 +58,18 @@ class FileSource final : public ByteSource {
   uint64_t size_ = 0, position_ = 0;
 };
 
-/// The engine's own functions, of the kind that archives have.
-class CallbackSource final : public ByteSource {
+/// Bytes from the engine's own functions, in the style of archives.
+class PELAGE_API CallbackSource final : public ByteSource {
  public:
   struct Functions {
     std::function<uint64_t()> size;
-    /// Goes to a byte; false when that failed. It is only called when the place changes.
+    /// Seeks to a byte; returns false if that failed. Called only if the position changes.
     std::function<bool(uint64_t offset)> seek;
-    /// Reads from there, and moves on by what it returns; 0 when reading failed.
+    /// Reads from that position and advances it by the returned number of bytes; 0 if reading
+    /// failed.
     std::function<size_t(std::span<std::byte> out)> read;
   };
-  /// Asserts that all functions are there.
+  /// Asserts that all functions are set.
   explicit CallbackSource(Functions functions);
   uint64_t size() override { return functions_.size(); }
   size_t read(uint64_t offset, std::span<std::byte> out) override;
@@ -75,8 +80,8 @@ class CallbackSource final : public ByteSource {
   bool placed_ = false;
 };
 
-/// All bytes of a source, for loaders that take memory; `name` is what errors call it. Errors name
-/// the byte at which reading failed.
-Result<std::vector<std::byte>> readAll(ByteSource& source, std::string_view name);
+/// Reads all bytes of a source, for loaders that take memory; `name` names it in errors. Errors
+/// name the byte at which reading failed.
+PELAGE_API Result<std::vector<std::byte>> readAll(ByteSource& source, std::string_view name);
 
 }  // namespace pelage

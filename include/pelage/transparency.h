@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 
+#include "pelage/export.h"
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
 
@@ -14,7 +15,7 @@ enum class Transparency : uint8_t {
   /// Fragments are opaque, or left out where they cover less of the pixel than a threshold of the
   /// strand's own. The cheapest.
   kAlphaTest,
-  /// As many samples of a pixel are written as the fibre covers, picked at random; wants a target
+  /// As many samples of a pixel are written as the fiber covers, picked at random; wants a target
   /// of several samples.
   kStochastic,
   /// The exact composite: per-pixel linked lists, resolved in windows of the nearest fragments.
@@ -36,8 +37,8 @@ enum class Transparency : uint8_t {
 
 struct TransparencySettings {
   Transparency method = Transparency::kWindowed;
-  /// Bytes that a method's buffers may take; lists get fewer nodes where it is short. The buffers
-  /// are made by the first draw that needs them.
+  /// Bytes that a method's buffers may take for one view; lists get fewer nodes where it is short.
+  /// The buffers are made by the first draw that needs them.
   uint64_t maxBytes = uint64_t{512} << 20;
   /// Bytes that a kernel can have bound of one buffer. Every Vulkan and GL device takes 128 MiB;
   /// most take more (VkPhysicalDeviceLimits::maxStorageBufferRange,
@@ -69,9 +70,9 @@ inline constexpr uint32_t kMaxListNodes = 0x3ffffff;
 /// too small for one node, or for the layers of a method that keeps a fixed number, with what is
 /// needed.
 /// \param strandVertices of the strands in view, for tiles alone.
-Result<TransparencyPlan> planTransparency(uint32_t width, uint32_t height,
-                                          const TransparencySettings& settings,
-                                          uint64_t strandVertices = 0);
+PELAGE_API Result<TransparencyPlan> planTransparency(uint32_t width, uint32_t height,
+                                                     const TransparencySettings& settings,
+                                                     uint64_t strandVertices = 0);
 
 /// What the lists of the last frame held, or the tiles: they have segments in tiles for fragments,
 /// and a tile whose segments do not all fit is left empty.
@@ -85,12 +86,13 @@ struct TransparencyCounters {
 /// frame that the GPU has finished. Copy them when your engine reads back, and use them a frame
 /// late. Asserts on fewer than 32 bytes.
 /// \param nodeCount that the lists of that frame had.
-TransparencyCounters readTransparencyCounters(std::span<const std::byte> words, uint32_t nodeCount);
+PELAGE_API TransparencyCounters readTransparencyCounters(std::span<const std::byte> words,
+                                                         uint32_t nodeCount);
 
 /// A number of nodes for the next frames: a quarter more than there were fragments, where some
 /// spilled or less than a third of the nodes was used; otherwise the same one, so that buffers are
 /// not made anew every frame.
-uint32_t growNodes(const TransparencyCounters& counters, uint32_t nodeCount);
+PELAGE_API uint32_t growNodes(const TransparencyCounters& counters, uint32_t nodeCount);
 
 /// What the time of the exact methods, kWindowed and kTiles, goes by.
 struct TransparencyWork {
@@ -105,21 +107,22 @@ struct TransparencyWork {
 /// tiles, and the tiles. Of the two, the one that was not counted is scaled by the same factor.
 /// \param predicted for that frame by Scene::predictWork(). Others than the two methods change
 /// nothing, nor does a frame without hair.
-TransparencyWork refineWork(const TransparencyWork& predicted, Transparency method,
-                            const TransparencyCounters& counters);
+PELAGE_API TransparencyWork refineWork(const TransparencyWork& predicted, Transparency method,
+                                       const TransparencyCounters& counters);
 
-/// Milliseconds on the GPU that the model was fitted on; docs/transparency_tiles.md has it. Other
+/// Milliseconds on the GPU that the model was fitted on; docs/oit_tiles.md has it. Other
 /// devices are faster or slower, but often in both methods.
 struct TransparencyCost {
   double windowed = 0, tiles = 0;
 };
-TransparencyCost predictCost(const TransparencyWork& work);
+PELAGE_API TransparencyCost predictCost(const TransparencyWork& work);
 
 /// kWindowed or kTiles, whichever is predicted to be faster: both draw the same picture.
 /// \param software the device is a software driver (DeviceInfo::software), where windows of lists
 /// are always faster.
 /// \param current the method of the last frame; it is kept unless the other one takes four fifths
 /// of its time or less, so that a view at the border does not change it every frame.
-Transparency chooseTransparency(const TransparencyWork& work, bool software, Transparency current);
+PELAGE_API Transparency chooseTransparency(const TransparencyWork& work, bool software,
+                                           Transparency current);
 
 }  // namespace pelage

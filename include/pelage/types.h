@@ -1,5 +1,5 @@
 // Plain mathematical types of the public API, in the memory layout that the kernels read. The
-// mathematics itself is done with Eigen, which does not appear in a public header.
+// implementation computes with Eigen, which does not appear in public headers.
 #pragma once
 
 #include <cstdint>

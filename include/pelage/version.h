@@ -3,7 +3,9 @@
 
 #include <cstdint>
 
-/// Semantic version. While the major number is 0, another minor number is another API.
+#include "pelage/export.h"
+
+/// Semantic version. While the major number is 0, the API may change with every minor number.
 #define PELAGE_VERSION_MAJOR 0
 #define PELAGE_VERSION_MINOR 1
 #define PELAGE_VERSION_PATCH 0
@@ -13,8 +15,8 @@
 
 namespace pelage {
 
-/// PELAGE_VERSION of the library that the program is linked to. It differs from the macro when the
-/// headers are those of another version.
-uint32_t libraryVersion();
+/// Returns PELAGE_VERSION of the linked library. It differs from the macro if the headers belong to
+/// another version.
+PELAGE_API uint32_t libraryVersion();
 
 }  // namespace pelage

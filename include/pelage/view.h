@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "pelage/export.h"
 #include "pelage/types.h"
 
 namespace pelage {
@@ -48,7 +49,7 @@ struct Light {
 inline constexpr uint32_t kMaxStrandLights = 8;   ///< lights that a view has at most
 inline constexpr uint32_t kMaxStrandShadows = 4;  ///< of them with a shadow
 
-/// How light leaves a fibre; docs/shading.md has the equations.
+/// How light leaves a fiber; docs/shading.md has the equations.
 enum class ShadingModel : uint8_t {
   kKajiyaKay,  ///< diffuse light and two shifted highlights
   kFiber,      ///< R, TT and TRT lobes that keep the energy
@@ -59,7 +60,7 @@ struct StrandMaterial {
   Float3 rootColor = {0.10f, 0.045f, 0.02f};  ///< linear RGB, 0..1
   Float3 tipColor = {0.25f, 0.12f, 0.05f};    ///< linear RGB, 0..1
   float colorVariation = 0.15f;  ///< by which strands differ around the mean, as a share, 0..1
-  float opacity = 1.0f;          ///< of a fibre wider than a pixel, 0..1
+  float opacity = 1.0f;          ///< of a fiber wider than a pixel, 0..1
   float fiberRadius = 60e-6f;    ///< at the root [m], > 0
   float tipRadiusRatio = 0.3f;   ///< radius at the tip over that at the root, 0..1
   ShadingModel model = ShadingModel::kKajiyaKay;
@@ -72,17 +73,17 @@ struct StrandMaterial {
   float secondaryExponent = 16.0f;
   float secondaryShift = 0.12f;
   float secondaryTint = 1.0f;           ///< share of the hair's colour in it, 0..1
-  float longitudinalRoughness = 0.25f;  ///< fibre model, 0..1
-  float azimuthalRoughness = 0.3f;      ///< fibre model, 0..1
-  float cuticleTilt = 0.035f;           ///< fibre model: of the scales, towards the root [rad]
-  float refractiveIndex = 1.55f;        ///< fibre model, > 1
-  float scatteredShare = 0.0f;          ///< fibre model: light scattered in all directions, 0..1
+  float longitudinalRoughness = 0.25f;  ///< fiber model, 0..1
+  float azimuthalRoughness = 0.3f;      ///< fiber model, 0..1
+  float cuticleTilt = 0.035f;           ///< fiber model: of the scales, towards the root [rad]
+  float refractiveIndex = 1.55f;        ///< fiber model, > 1
+  float scatteredShare = 0.0f;          ///< fiber model: light scattered in all directions, 0..1
 };
 
 /// Right-handed camera matrices for samples and tests.
 /// \param verticalFov full angle [radians], \param near distance of the near plane [m], > 0.
 /// \param far distance of the far plane [m]; ignored with reversedDepth, which has none.
-Matrix4 lookAt(Float3 eye, Float3 target, Float3 up, float verticalFov, float aspect, float near,
-               float far, bool reversedDepth = false);
+PELAGE_API Matrix4 lookAt(Float3 eye, Float3 target, Float3 up, float verticalFov, float aspect,
+                          float near, float far, bool reversedDepth = false);
 
 }  // namespace pelage

@@ -3,12 +3,9 @@
 //
 // A frame of an engine:
 //
-//   runtime.beginFrame(frame, completedFrame);         // what the GPU has finished is reused
-//   runtime.update(scene.resources(), commands);       // new buffers, their initial data
-//   runtime.record(list, commands);                    // uploads, dispatches, barriers
-//   vkCmdBeginRenderPass(commands, ...);
-//   runtime.recordDraws(list, commands, target, area);
-//   vkCmdEndRenderPass(commands);
+//   auto frame = scene.simulate(seconds);              // and frame->draw() for each view
+//   runtime.beginFrame(number, completedNumber);       // what the GPU has finished is reused
+//   runtime.record(*frame, commands, targets);         // buffers, dispatches, barriers, draws
 //   vkQueueSubmit(...);
 //   runtime.submitted();                               // else nothing of the frame counts
 //
@@ -21,15 +18,21 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
 
+#include "pelage/export.h"
+#include "pelage/frame.h"
 #include "pelage/headless.h"
 #include "pelage/kernel.h"
+#include "pelage/kernel_code.h"
 #include "pelage/layout.h"
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
+#include "pelage/spirv.h"
+#include "pelage/tier.h"
 
 namespace pelage::vulkan {
 
@@ -79,6 +82,15 @@ struct RuntimeDef {
   std::span<const std::byte> pipelineCacheData;
   /// VK_EXT_debug_utils is enabled on the instance: name objects, label passes.
   bool debugUtils = false;
+  /// Pipelines that are made at a time, each on a thread; 0: as many as there are processors. The
+  /// driver calls allocationCallbacks from these threads.
+  uint32_t pipelineThreads = 0;
+  /// The device counts as one of at most this tier: kernels that need more are refused. For tests
+  /// of what small devices can do.
+  Tier maxTier = Tier::kWide;
+  /// The SPIR-V of all kernels of the lists to come. A program that names its own tables here links
+  /// those kernels only.
+  std::vector<KernelCodeList> code = {allSpirv()};
 };
 
 /// A buffer of the engine in place of one of the runtime's.
@@ -110,12 +122,26 @@ struct TargetFormats {
   bool operator==(const TargetFormats&) const = default;
 };
 
-/// Executes pass lists of one ResourceTable. Not thread-safe: one thread at a time.
+/// Where the draws of a view of a frame go.
+struct ViewTarget {
+  TargetFormats formats;
+  VkRect2D area = {};  ///< the viewport, as View::x, y, width and height have it
+  /// Begins the render pass for the draws of a list of the view, and ends it. The first list of the
+  /// view may clear the target, all others keep what is in it. Called outside of a render pass.
+  std::function<void(const FrameStep& step)> begin;
+  std::function<void(const FrameStep& step)> end;
+};
+
+/// Executes pass lists of one ResourceTable.
 ///
 /// A command buffer that it recorded is to be submitted once, in the frame it was recorded in, and
 /// behind those that were recorded before it. What is not submitted is recorded again in a later
 /// frame: buffers' contents by update(), lists by their scene. submitted() makes the difference.
-class Runtime {
+///
+/// Threads: one thread at a time, which has the command buffer (and its pool) and the tables and
+/// lists that it is given to itself. Runtimes share nothing but the device, and may be used on
+/// several threads; it calls no function on the queue.
+class PELAGE_VULKAN_API Runtime {
  public:
   /// Errors: kInvalidArgument for a missing handle; kUnsupported, naming it, for a function, a
   /// queue capability or a Vulkan version that is not there; kOutOfMemory.
@@ -125,6 +151,9 @@ class Runtime {
   Runtime& operator=(Runtime&&) noexcept;
   /// Destroys everything at once: the device must have finished the frames that were recorded.
   ~Runtime();
+
+  /// Adds tables to RuntimeDef::code: of an engine's own kernels, say.
+  void addCode(KernelCodeList code);
 
   /// Starts a frame: numbers rise, from 1. All frames up to `completedFrame` are known to have
   /// finished on the device (their fences were signalled); what they used is reused or destroyed.
@@ -150,7 +179,13 @@ class Runtime {
   /// a render pass. On an error nothing was recorded or created.
   Result<void> update(const ResourceTable& resources, VkCommandBuffer commands);
 
-  /// Makes the pipelines of a list ahead of its first frame. With a target: those of its draws too.
+  /// The most capable tier that the device has everything of, but not above RuntimeDef::maxTier:
+  /// for Scene::setTier() and SceneFeatures.
+  Tier tier() const;
+
+  /// Makes the pipelines of a list ahead of its first frame, several at a time: of one that is to
+  /// run, or of listToPrepare(). Its buffers need not exist. With a target: those of its draws too.
+  /// Without it, record() and recordDraws() do so when a list needs one.
   Result<void> prepare(const PassList& list, const TargetFormats* target = nullptr);
 
   /// Records uploads and dispatches with the list's barriers, and those in front of its draws.
@@ -163,6 +198,12 @@ class Runtime {
   /// viewport and scissor to `area` with a negative height: clip space has y up, row 0 is the top.
   Result<void> recordDraws(const PassList& list, VkCommandBuffer commands,
                            const TargetFormats& target, const VkRect2D& area);
+
+  /// Records a frame: update(), then record() and recordDraws() of its lists, with the render
+  /// passes of the engine around the draws. \param targets  one for each view of the frame. Errors:
+  /// those of the calls; another number of targets.
+  Result<void> record(Frame& frame, VkCommandBuffer commands,
+                      std::span<const ViewTarget> targets = {});
 
   /// The layout manager of the generated Create*Layout templates: makes the descriptor set layout
   /// of a table when it is first asked for. Uniform buffers are dynamic ones. The runtime owns it.
@@ -186,6 +227,9 @@ class Runtime {
   /// are timed for the first recordDraws() of a list after its record(). Empty when nothing was
   /// measured.
   std::vector<PassTiming> timings(uint64_t frame) const;
+
+  /// The time that each pipeline took, in the order in which they were made.
+  std::vector<PipelineTime> pipelineTimes() const;
 
   /// Contents of the pipeline cache, to be stored for the next run.
   Result<std::vector<std::byte>> pipelineCacheData() const;

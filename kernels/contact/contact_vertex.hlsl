@@ -1,22 +1,22 @@
-// Draws contact records as needles: triangles from the vertex along the contact's normal, as wide
-// as a few pixels at the vertex. For debugging.
+// Draws contact records as needles, for debugging: triangles from the vertex along the contact's
+// normal, a few pixels wide at the vertex.
 //
 // Vertices: one instance a strand, 3 a record, kMaxContacts records a vertex of the strand; no index
 //           buffer.
 // Reads:    g_drawnPositions, g_drawnContacts, g_drawnWords, g_drawnStrands, DrawContactsConstants
 // Writes:   ContactVaryings
 //
-// The color says how deep the vertex is behind the record's plane. The needle of a contact that
-// slides is half as long and paler.
+// The color shows the depth of the vertex behind the record's plane. The needle of a sliding
+// contact is half as long and paler.
 //
 // Invariant (tests/contact): a vertex without a record, a record that is not finite, and one behind
 // the eye have no pixel.
-#include "../layouts/draw_contacts.hlsli"
+#include "layouts/draw_contacts.hlsli"
 
-// What is this near to its plane touches it [m].
-static const float kTouching = 5e-5;
+// A vertex this close to its plane touches it [m].
+static const float kContactDepth = 5e-5;
 static const float3 kApartColor = float3(0.03, 0.16, 0.90);
-static const float3 kTouchingColor = float3(0.03, 0.65, 0.07);
+static const float3 kContactColor = float3(0.03, 0.65, 0.07);
 static const float3 kShallowColor = float3(0.95, 0.75, 0.02);
 static const float3 kDeepColor = float3(0.90, 0.02, 0.02);
 static const float kSlidingLength = 0.5;  // share of the needle's length
@@ -25,27 +25,27 @@ static const float kSlidingWhite = 0.5;   // share of white in the color
 bool isDrawable(float3 v) { return dot(abs(v), float3(1.0, 1.0, 1.0)) < 1e18; }
 
 float4 toClip(float3 p) {
-  float4 place = float4(p, 1.0);
-  return float4(dot(g_contactsToClip[0], place), dot(g_contactsToClip[1], place),
-                dot(g_contactsToClip[2], place), dot(g_contactsToClip[3], place));
+  float4 homogeneous = float4(p, 1.0);
+  return float4(dot(g_contactsToClip[0], homogeneous), dot(g_contactsToClip[1], homogeneous),
+                dot(g_contactsToClip[2], homogeneous), dot(g_contactsToClip[3], homogeneous));
 }
 
 float3 colorOf(float depth, bool slides) {
-  float3 color = kTouchingColor;
-  if (depth < -kTouching) color = kApartColor;
-  float share = (depth - kTouching) / max(g_deepestDepth - kTouching, 1e-9);
+  float3 color = kContactColor;
+  if (depth < -kContactDepth) color = kApartColor;
+  float share = (depth - kContactDepth) / max(g_deepestDepth - kContactDepth, 1e-9);
   if (share > 0.0) color = lerp(kShallowColor, kDeepColor, min(share, 1.0));
   return slides ? lerp(color, float3(1.0, 1.0, 1.0), kSlidingWhite) : color;
 }
 
-// Whether a vertex of a strand has so many records that `which` is one of them.
+// Returns true if a vertex of a strand has a record of index `which`.
 bool hasRecord(uint strand, uint vertex, uint first, uint which) {
   uint mask = g_drawnWords[g_drawnMasks + strand * g_drawnMaskWords + (vertex >> 5)];
   if (((mask >> (vertex & 31u)) & 1u) == 0u) return false;
   return which == 0u || (g_drawnContacts[first].bits & kContactMore) != 0u;
 }
 
-// Corner of a needle whose both ends are in front of the eye.
+// Returns a corner of a needle with both ends in front of the eye.
 float4 cornerOf(float4 foot, float4 tip, uint corner) {
   if (corner == 2u) return tip;
   float2 halfSize = g_drawnPixels * 0.5;

@@ -1,19 +1,19 @@
-// The deepest contacts of a swept vertex with the colliders of an object.
+// Finds the deepest contacts of a swept vertex with the colliders of an object.
 //
-// The file that includes it defines CONTACT_CAPSULES, CONTACT_CAPSULE_COUNT, CONTACT_FIELDS and
-// CONTACT_FIELD_COUNT; CONTACT_LOOKS, 2 where a fast vertex may go further than expected, else 1;
-// CONTACT_RESTS, as in sweepCapsule(); and with SDF what sdf_strand_contact.hlsli wants.
+// The including file defines CONTACT_CAPSULE(c), CONTACT_CAPSULE_COUNT, CONTACT_SDF(f) and
+// CONTACT_SDF_COUNT; CONTACT_LOOKS, 2 if a fast vertex may go further than predicted, else 1;
+// CONTACT_RESTS, as in sweepCapsule(); and with SDF what sdf_strand_contact.hlsli needs.
 #ifndef PELAGE_CONTACT_DEEPEST_CONTACTS_HLSLI
 #define PELAGE_CONTACT_DEEPEST_CONTACTS_HLSLI
 
-#include "../common/colliders.hlsli"
-#include "../layouts/contact_records.hlsli"
+#include "colliders.hlsli"
+#include "layouts/contact_records.hlsli"
 #if SDF
 #define SDF_FACING 1
-#include "../sdf/sdf_strand_contact.hlsli"
+#include "sdf_strand_contact.hlsli"
 #endif
 
-// Displacements from this on may lead through something thin [m].
+// Displacements longer than this may cross a thin part [m].
 static const float kLeap = 0.01;
 
 struct Found {
@@ -28,7 +28,7 @@ struct SweptVertex {
   float3 relative;  // displacement against the strand's root
   float begin;      // of the part, 0..1
   float end;
-  float reach;      // what is this far from a surface has a contact, too [m]
+  float range;      // a vertex within this distance of a surface has a contact [m]
 };
 
 Found nothingFound() {
@@ -41,27 +41,27 @@ Found nothingFound() {
   return found;
 }
 
-// True when a collider may be within reach.
-bool mayTouch(SweptVertex vertex) {
+// Returns true if a collider may be in range.
+bool mayCollide(SweptVertex vertex) {
   for (uint c = 0; c < CONTACT_CAPSULE_COUNT; ++c) {
     Contact contact =
-        sweepCapsule(CONTACT_CAPSULES[c], vertex.from, vertex.to, vertex.begin, vertex.end,
+        sweepCapsule(CONTACT_CAPSULE(c), vertex.from, vertex.to, vertex.begin, vertex.end,
                      CONTACT_RESTS);
-    if (contact.penetration > -vertex.reach) return true;
+    if (contact.penetration > -vertex.range) return true;
   }
 #if SDF
-  for (uint f = 0; f < CONTACT_FIELD_COUNT; ++f) {
-    if (sdfMayReach(CONTACT_FIELDS[f], vertex.from, vertex.to, vertex.relative, vertex.end,
-                    vertex.reach))
+  for (uint f = 0; f < CONTACT_SDF_COUNT; ++f) {
+    if (sdfMayBeInRange(CONTACT_SDF(f), vertex.from, vertex.to, vertex.relative, vertex.end,
+                    vertex.range))
       return true;
   }
 #endif
   return false;
 }
 
-void keepDeepest(Found found, float reach, inout Found first, inout Found second) {
+void keepDeepest(Found found, float range, inout Found first, inout Found second) {
   float depth = found.contact.penetration;
-  if (!(depth > -reach)) return;
+  if (!(depth > -range)) return;
   if (depth > first.contact.penetration) {
     second = first;
     first = found;
@@ -70,37 +70,37 @@ void keepDeepest(Found found, float reach, inout Found first, inout Found second
   }
 }
 
-// \param first, second  deepest first; a penetration that is not > -reach: there is none
+// \param first, second  deepest first; none if the penetration is not > -reach
 void findDeepest(SweptVertex vertex, out Found first, out Found second) {
   first = nothingFound();
   second = nothingFound();
   for (uint c = 0; c < CONTACT_CAPSULE_COUNT; ++c) {
     Found found;
     found.contact =
-        sweepCapsule(CONTACT_CAPSULES[c], vertex.from, vertex.to, vertex.begin, vertex.end,
+        sweepCapsule(CONTACT_CAPSULE(c), vertex.from, vertex.to, vertex.begin, vertex.end,
                      CONTACT_RESTS);
-    found.collider = min(c, kContactField - 1u);
-    keepDeepest(found, vertex.reach, first, second);
+    found.collider = min(c, kContactSdf - 1u);
+    keepDeepest(found, vertex.range, first, second);
   }
 #if SDF
-  for (uint f = 0; f < CONTACT_FIELD_COUNT; ++f) {
+  for (uint f = 0; f < CONTACT_SDF_COUNT; ++f) {
     Found found;
-    // What is fast may go further than expected, and there be behind what is thin: a second time as far
-    // again. (One call, as compilers copy the query to every place that it stands in.)
+    // A fast vertex may go further than predicted, and end behind a thin part: query a second time,
+    // as far again. (One call, because compilers copy the query to every call.)
     precise float3 displacement = vertex.to - vertex.from;
     precise float3 further = float3(0.0, 0.0, 0.0);
     [loop] for (uint look = 0; look < CONTACT_LOOKS; ++look) {
-      found.contact = findFieldContact(CONTACT_FIELDS[f], vertex.from, vertex.to + further,
-                                       vertex.begin, vertex.end, vertex.reach);
+      found.contact = findSdfContact(CONTACT_SDF(f), vertex.from, vertex.to + further,
+                                       vertex.begin, vertex.end, vertex.range);
       precise float depth = found.contact.penetration + dot3(further, found.contact.normal);
       found.contact.penetration = depth;
-      if (found.contact.penetration > -vertex.reach ||
+      if (found.contact.penetration > -vertex.range ||
           dot3(displacement, displacement) <= kLeap * kLeap)
         break;
       further = displacement;
     }
-    found.collider = kContactField | min(f, kContactField - 2u);
-    keepDeepest(found, vertex.reach, first, second);
+    found.collider = kContactSdf | min(f, kContactSdf - 2u);
+    keepDeepest(found, vertex.range, first, second);
   }
 #endif
 }

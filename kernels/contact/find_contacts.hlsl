@@ -1,47 +1,79 @@
 // Finds the contacts of vertices with capsules and SDFs before a solver takes its sub-step.
 //
-// Threads: one a vertex. A group of 32 x 4 has 32 vertices of 4 strands: group.x is a tile of 32
-//          strands (or an entry of a list of them), group.y counts the 8 groups of 4 strands, then
+// Threads: one per vertex. A group of 32 x 4 has 32 vertices of 4 strands: group.x is a tile of 32
+//          strands (or an entry of a list of tiles), group.y counts the 8 groups of 4 strands, then
 //          the words of the masks, then rows of 32,768 tiles.
-// Reads:   g_contactPositions, g_contactStrands, g_contactRoots, g_awakeTiles, g_capsules, g_fields, g_fieldKeys,
-//          g_fieldSurface
-// Writes:  g_contacts, g_contactWords, g_contactBefore
+// Reads:   g_contactPositions, g_contactRoots, g_awakeTiles, g_capsules; with SDF in its place
+//          g_contactColliders, g_contactSdfKeys, g_contactSdfSurface
+// Writes:  g_contacts, g_contactWords
 //
-// A vertex is expected to go on as in the last sub-step, and near the root to follow the root where
-// that changes its motion. It is swept from where it is to there, and gets a record for each of the
-// (at most kMaxContacts, the deepest) colliders that are within g_contactReach, or a quarter of its
-// displacement against the root (again: all of it), of where it is expected. Forces of the record that
-// it had with the same collider go on: they are where the solver starts from.
-// Again, for the strands that are marked, vertices are swept to where the solver has put them.
+// The kernel predicts that a vertex goes on as in the last sub-step, and that near the root it
+// follows a change of the root's motion. It sweeps the vertex from its current to its predicted
+// position. The vertex gets a record for each of the (at most kMaxContacts, deepest) colliders
+// within g_contactRange, plus a quarter of its displacement relative to the root (in a second
+// search: all of it), of the predicted position. If it had a record with the same collider, the
+// forces are kept: the solver starts from them. In a second search, for marked strands, vertices
+// are swept to where the solver has put them.
 //
-// A group first asks which of its vertices may be near a collider, which costs a look at a key or
-// at a capsule, and then shares out the queries among its threads.
+// A group first tests which of its vertices may be near a collider, which costs one key or one
+// capsule each, and then distributes the queries over its threads.
 //
 // Invariant (tests/contact): the same records for any order of strands; a vertex without a record
 // is farther from every collider than the reach; a mask has a bit for each vertex with a record.
 // SDF: with SDFs; without it there are capsules alone.
-#include "../layouts/contact.hlsli"
+#include "../base/dispatch.hlsli"
+#include "layouts/contact.hlsli"
+#include "contact_access.hlsli"
 #if SDF
-#define SDF_KEYS g_fieldKeys
-#define SDF_SURFACE g_fieldSurface
+#define SDF_KEYS g_contactSdfKeys
+#define SDF_SURFACE g_contactSdfSurface
+#define CONTACT_CAPSULE(c) capsuleAt(c)
+
+Sdf sdfAt(uint f) {
+  uint element = kColliderElements * f;
+  uint4 counts = g_contactColliders[element + 2u];
+  float4 ranges = asfloat(g_contactColliders[element + 3u]);
+  uint4 motion = g_contactColliders[element + 4u];
+  Sdf sdf;
+  sdf.origin = asfloat(g_contactColliders[element]);
+  sdf.nodes = g_contactColliders[element + 1u];
+  sdf.triangleCount = counts.x;
+  sdf.triangleBits = counts.y;
+  sdf.surface = counts.z;
+  sdf.surfaceStride = counts.w;
+  sdf.band = ranges.x;
+  sdf.farRange = ranges.y;
+  sdf.margin = ranges.z;
+  sdf.friction = ranges.w;
+  sdf.motionScale = asfloat(motion.x);
+  sdf.pad0 = 0u;
+  sdf.pad1 = 0u;
+  sdf.pad2 = 0u;
+  return sdf;
+}
+
+Collider capsuleAt(uint c) {
+  uint element = kColliderElements * (g_contactSdfCount + c);
+  Collider capsule;
+  capsule.head = asfloat(g_contactColliders[element]);
+  capsule.tail = asfloat(g_contactColliders[element + 1u]);
+  capsule.headBefore = asfloat(g_contactColliders[element + 2u]);
+  capsule.tailBefore = asfloat(g_contactColliders[element + 3u]);
+  capsule.spin = asfloat(g_contactColliders[element + 4u]);
+  return capsule;
+}
+#else
+#define CONTACT_CAPSULE(c) g_capsules[c]
 #endif
-#define CONTACT_CAPSULES g_capsules
 #define CONTACT_CAPSULE_COUNT g_capsuleCount
-#define CONTACT_FIELDS g_fields
-#define CONTACT_FIELD_COUNT g_fieldCount
+#define CONTACT_SDF(f) sdfAt(f)
+#define CONTACT_SDF_COUNT g_contactSdfCount
 #define CONTACT_LOOKS 2
 #define CONTACT_RESTS false
 #include "deepest_contacts.hlsli"
 
-static const uint kTileStrands = 32;
-static const uint kGroupStrands = 4;
-static const uint kTilesARow = 32768;
-static const uint kListedFlag = 1;
-static const uint kAgainFlag = 2;
-static const uint kNoHistoryFlag = 4;
-static const uint kOddFlag = 8;
 static const uint kNoElement = 0xffffffffu;
-// Longest displacement that an expectation goes on with [m].
+// Maximum displacement that the prediction extrapolates [m].
 static const float kLongestStep = 1.0;
 
 groupshared uint s_masks[4];
@@ -49,17 +81,18 @@ groupshared uint s_count;
 groupshared uint s_list[128];
 groupshared float3 s_from[128];
 groupshared float3 s_to[128];
-groupshared float s_reach[128];
+groupshared float s_range[128];
 groupshared uint s_element[128];
 groupshared uint s_had[4];
 
-// The force of the record that the vertex had with the same collider, in the new tangent plane.
+// Returns the force of the record that the vertex had with the same collider, in the new tangent
+// plane.
 ContactRecord goOn(ContactRecord record, uint first, bool had) {
   float3 n = record.plane.xyz;
   for (uint k = 0; k < kMaxContacts && had; ++k) {
-    uint bits = g_contacts[first + k].bits;
+    uint bits = contactBits(first + k);
     if ((bits & kContactCollider) == (record.bits & kContactCollider)) {
-      float4 force = g_contacts[first + k].force;
+      float4 force = contactForce(first + k);
       precise float off = dot3(force.xyz, n);
       precise float3 tangential = force.xyz - n * off;
       if (isUsable(tangential) && force.w >= 0.0 && force.w < 1e18) {
@@ -86,7 +119,26 @@ ContactRecord recordOf(Found found, float3 to) {
   return record;
 }
 
-// Writes the records of a vertex. Returns how many.
+void storeRecord(uint index, ContactRecord record) {
+  uint element = kContactElements * index;
+  g_contacts[element] = asuint(record.plane);
+  g_contacts[element + 1u] = asuint(record.surface);
+  g_contacts[element + 2u] = asuint(record.force);
+  g_contacts[element + 3u] = uint4(asuint(record.foundX), asuint(record.foundY),
+                                   asuint(record.foundZ), record.bits);
+}
+
+ContactStrand strandAt(uint slot) {
+  uint word = g_contactStrands + 4u * slot;
+  ContactStrand strand;
+  strand.target = g_contactWords[word];
+  strand.count = g_contactWords[word + 1u];
+  strand.root = g_contactWords[word + 2u];
+  strand.pad0 = 0u;
+  return strand;
+}
+
+// Writes the records of a vertex. Returns their number.
 uint findRecords(uint entry) {
   SweptVertex swept;
   swept.from = s_from[entry];
@@ -94,37 +146,37 @@ uint findRecords(uint entry) {
   swept.relative = float3(0.0, 0.0, 0.0);
   swept.begin = g_contactBegin;
   swept.end = g_contactEnd;
-  swept.reach = s_reach[entry];
+  swept.range = s_range[entry];
   Found first;
   Found second;
   findDeepest(swept, first, second);
-  if (!(first.contact.penetration > -swept.reach)) return 0u;
-  bool more = second.contact.penetration > -swept.reach;
+  if (!(first.contact.penetration > -swept.range)) return 0u;
+  bool more = second.contact.penetration > -swept.range;
   uint strand = s_list[entry] >> 5;
   bool had = ((s_had[strand] >> (s_list[entry] & 31u)) & 1u) != 0u;
   uint element = s_element[entry] * kMaxContacts;
   ContactRecord a = goOn(recordOf(first, swept.to), element, had);
   ContactRecord b = goOn(recordOf(second, swept.to), element, had && more);
   if (more) a.bits = a.bits | kContactMore;
-  g_contacts[element] = a;
-  if (more) g_contacts[element + 1u] = b;
+  storeRecord(element, a);
+  if (more) storeRecord(element + 1u, b);
   return more ? 2u : 1u;
 }
 
-// Element of g_contactBefore with the displacement of a strand's root.
-uint rootStepIndex(uint place, bool last) {
+// Element of g_contacts with the displacement of a strand's root.
+uint rootStepIndex(uint slot, bool last) {
   uint which = (g_contactFlags & kOddFlag) != 0u ? 1u : 0u;
   if (last) which = 1u - which;
-  return g_contactVertexCount + which * g_contactStrandTotal + place;
+  return g_contactBefore + g_contactVertexCount + which * g_contactStrandTotal + slot;
 }
 
-// Displacement of a strand's root in the last sub-step, as far as in this one, and in this one.
+// Displacement of a strand's root in the last sub-step, scaled to this one, and in this one.
 struct RootSteps {
   float3 last;
   float3 now;
 };
 
-RootSteps rootSteps(ContactStrand strand, uint place) {
+RootSteps rootSteps(ContactStrand strand, uint slot) {
   RootSteps steps;
   steps.last = float3(0.0, 0.0, 0.0);
   steps.now = float3(0.0, 0.0, 0.0);
@@ -136,7 +188,8 @@ RootSteps rootSteps(ContactStrand strand, uint place) {
   if (isUsable(now) && dot3(now, now) < kLongestStep * kLongestStep) steps.now = now;
   steps.last = steps.now;
   if ((g_contactFlags & (kNoHistoryFlag | kAgainFlag)) != 0u) return steps;
-  precise float3 last = g_contactBefore[rootStepIndex(place, true)].xyz * g_contactRatio;
+  precise float3 last =
+      asfloat(g_contacts[rootStepIndex(slot, true)].xyz) * g_contactRatio;
   steps.last = last;
   return steps;
 }
@@ -150,7 +203,7 @@ void find_contacts(uint3 group : SV_GroupID, uint3 lane : SV_GroupThreadID,
   uint block = group.y - row * blocks;
   uint word = block / (kTileStrands / kGroupStrands);
   uint quarter = block - word * (kTileStrands / kGroupStrands);
-  uint tile = row * kTilesARow + group.x;
+  uint tile = row * kRowGroups + group.x;
   bool listed = true;
   if (again) {
     listed = tile < min(g_contactWords[g_contactHead + kContactFindArguments], g_contactTileCount);
@@ -158,13 +211,13 @@ void find_contacts(uint3 group : SV_GroupID, uint3 lane : SV_GroupThreadID,
   } else if ((g_contactFlags & kListedFlag) != 0u) {
     tile = g_awakeTiles[g_tileList + min(tile, g_contactTileCount - 1u)];
   }
-  uint place = tile * kTileStrands + quarter * kGroupStrands + lane.y;
-  bool inside = listed && tile < g_contactTileCount && place < g_contactStrandCount;
+  uint slot = tile * kTileStrands + quarter * kGroupStrands + lane.y;
+  bool inside = listed && tile < g_contactTileCount && slot < g_contactStrandCount;
   if (again && inside) {
     uint strands = g_contactWords[g_contactList + g_contactTileCount + tile];
     inside = ((strands >> (quarter * kGroupStrands + lane.y)) & 1u) != 0u;
   }
-  uint maskWord = g_contactMasks + place * g_contactMaskWords + word;
+  uint maskWord = g_contactMasks + slot * g_contactMaskWords + word;
   if (index == 0u) s_count = 0u;
   if (lane.x == 0u) {
     s_masks[lane.y] = 0u;
@@ -178,17 +231,18 @@ void find_contacts(uint3 group : SV_GroupID, uint3 lane : SV_GroupThreadID,
   uint vertex = word * 32u + lane.x;
   uint own = kNoElement;
   if (inside) {
-    ContactStrand strand = g_contactStrands[place];
+    ContactStrand strand = strandAt(slot);
     uint element = strand.target + vertex;
     if (vertex < strand.count && element < g_contactVertexCount) own = element;
   }
   if (own != kNoElement && vertex >= 2u) {
-    ContactStrand strand = g_contactStrands[place];
+    ContactStrand strand = strandAt(slot);
     float3 now = g_contactPositions[own].xyz;
-    float3 before = g_contactBefore[own].xyz;
+    float3 before = asfloat(g_contacts[g_contactBefore + own].xyz);
     bool known = (g_contactFlags & kNoHistoryFlag) == 0u && isUsable(before);
-    RootSteps root = rootSteps(strand, place);
-    if (vertex == 2u && !again) g_contactBefore[rootStepIndex(place, false)] = float4(root.now, 0.0);
+    RootSteps root = rootSteps(strand, slot);
+    if (vertex == 2u && !again)
+      g_contacts[rootStepIndex(slot, false)] = uint4(asuint(root.now), 0u);
     precise float3 displacement = now - before;
     if (!again) displacement = displacement * g_contactRatio;
     if (!known || !(dot3(displacement, displacement) < kLongestStep * kLongestStep))
@@ -204,23 +258,23 @@ void find_contacts(uint3 group : SV_GroupID, uint3 lane : SV_GroupThreadID,
       precise float share = 1.0 - float(vertex) / float(strand.count);
       to = there + displacement + (root.now - root.last) * share + g_contactFall.xyz;
     }
-    // Again the solve has gone wrong by much, so that more of them may meet a collider.
-    precise float reach =
-        g_contactReach + (again ? 1.0 : 0.25) * squareRoot(dot3(relative, relative));
+    // In a second search the prediction was wrong by much, so more of the vertices may collide.
+    precise float range =
+        g_contactRange + (again ? 1.0 : 0.25) * squareRoot(dot3(relative, relative));
     SweptVertex swept;
     swept.from = from;
     swept.to = to;
     swept.relative = relative;
     swept.begin = g_contactBegin;
     swept.end = g_contactEnd;
-    swept.reach = reach;
-    if (isUsable(to) && mayTouch(swept)) {
+    swept.range = range;
+    if (isUsable(to) && mayCollide(swept)) {
       uint entry;
       InterlockedAdd(s_count, 1u, entry);
       s_list[entry] = lane.y * 32u + lane.x;
       s_from[entry] = from;
       s_to[entry] = to;
-      s_reach[entry] = reach;
+      s_range[entry] = range;
       s_element[entry] = own;
     }
   }
@@ -237,5 +291,5 @@ void find_contacts(uint3 group : SV_GroupID, uint3 lane : SV_GroupThreadID,
   GroupMemoryBarrierWithGroupSync();
   if (lane.x == 0u && inside) g_contactWords[maskWord] = s_masks[lane.y];
   if (own != kNoElement && !again)
-    g_contactBefore[own] = float4(g_contactPositions[own].xyz, 0.0);
+    g_contacts[g_contactBefore + own] = uint4(asuint(g_contactPositions[own].xyz), 0u);
 }

@@ -1,35 +1,35 @@
-// Finds the contacts of stored follow strands with capsules and SDFs before collide_follow_strands walks
-// along them.
+// Finds the contacts of stored follow hairs with capsules and SDFs before collide_follow_hairs
+// walks along them.
 //
-// Threads: a group of 32 x 4 has 16 vertices of 32 strands: group.x is a tile of 32 strands (or an entry of
-//          the list of them), group.y a row of 16 vertices. These are the groups of
-//          update_follow_strands' indirect dispatch, too.
+// Threads: a group of 32 x 4 has 16 vertices of 32 strands: group.x is a tile of 32 strands (or an
+//          entry of the list of tiles), group.y a row of 16 vertices. The indirect dispatch of
+//          update_follow_hairs has the same groups.
 // Reads:   g_followPositions, g_followBefore, g_followContacts (again), g_followWords,
-//          g_followColliders, g_followFields, g_followKeys, g_followSurface
+//          g_followColliders, g_followSdfs, g_followKeys, g_followSurface
 // Writes:  g_followContacts, g_followWords, g_followBefore but for the first vertex of a strand
 //
-// A vertex is swept from where it was at the end of the last frame to where it was placed, and gets a
-// contact with each of the (at most two, the deepest) colliders that are within kFollowReach of that.
-// Again, for the marked strands, those that the walk has moved are swept to where it has put them, from
-// where they were placed and pushed out. One that nothing is near to there keeps what was found first.
+// A vertex is swept from its position at the end of the last frame to its posed position, and gets
+// a contact with each of the (at most two, deepest) colliders within kFollowRange of the latter. In
+// a second search, for marked strands, the vertices that the walk has moved are swept from their
+// posed position, pushed out, to where the walk has put them. A vertex without a collider nearby
+// then keeps its first contacts.
 //
-// A group first asks which of its vertices may be near a collider, which costs a look at a key or
-// at a capsule, and then shares out the queries among its threads.
+// A group first tests which of its vertices may be near a collider, which costs one key or one
+// capsule each, and then distributes the queries over its threads.
 //
-// Invariant (tests/kernel): a vertex without a contact is farther than kFollowReach from every collider;
-// positions stay as they are.
-// SDF: with SDFs; without it there are capsules alone.
-#include "../layouts/follow_collision.hlsli"
+// Invariant (tests/contact): a vertex without a contact is farther than kFollowRange from every
+// collider; positions do not change.
+#include "layouts/follow_collision.hlsli"
 #if SDF
 #define SDF_KEYS g_followKeys
 #define SDF_SURFACE g_followSurface
 #endif
-#define CONTACT_CAPSULES g_followColliders
+#define CONTACT_CAPSULE(c) g_followColliders[c]
 #define CONTACT_CAPSULE_COUNT g_followColliderCount
-#define CONTACT_FIELDS g_followFields
-#define CONTACT_FIELD_COUNT g_followFieldCount
-// A vertex is where it was placed, not where it is expected; and in every frame it is placed anew on the far
-// side of what it lies on.
+#define CONTACT_SDF(f) g_followSdfs[f]
+#define CONTACT_SDF_COUNT g_followSdfCount
+// A vertex is at its posed position, not at a predicted one; and in every frame it is posed anew on
+// the far side of the surface that it rests on.
 #define CONTACT_LOOKS 1
 #define CONTACT_RESTS true
 #include "deepest_contacts.hlsli"
@@ -50,7 +50,7 @@ struct FollowSweep {
 
 uint contactCount(uint bits) { return (bits & 1u) + ((bits >> 16) & 1u); }
 
-// From where the vertex was in the last frame to where it was placed.
+// Path from the position in the last frame to the posed position.
 FollowSweep firstSweep(uint follow, uint vertex, float4 now) {
   uint base = follow * g_followVertexCount;
   float3 root = g_followPositions[(g_firstFollow + follow) * g_followVertexCount].xyz;
@@ -68,7 +68,7 @@ FollowSweep firstSweep(uint follow, uint vertex, float4 now) {
   if (known) sweep.swept.relative = isUsable(relative) ? relative : displacement;
   sweep.swept.begin = known ? 0.0 : 1.0;
   sweep.swept.end = 1.0;
-  sweep.swept.reach = kFollowReach;
+  sweep.swept.range = kFollowRange;
   sweep.wanted = now.w > 0.0 && isUsable(now.xyz);
   return sweep;
 }
@@ -79,17 +79,17 @@ float3 inFront(float3 p, FollowContact contact) {
   return pushed;
 }
 
-// From where it was placed, in front of its planes, to where the walk has put it.
+// Path from the posed position, in front of its planes, to where the walk has put the vertex.
 // \param had  its contacts: bits 0 and 16
 FollowSweep furtherSweep(uint follow, uint vertex, float4 now, uint had) {
-  float3 placed =
-      g_followBefore[followPlacedFrom() + follow * g_followVertexCount + vertex].xyz;
+  float3 evaluated =
+      g_followBefore[followEvaluatedFrom() + follow * g_followVertexCount + vertex].xyz;
   precise float3 to = now.xyz - g_followOrigin.xyz;
-  precise float3 from = placed - g_followOrigin.xyz;
+  precise float3 from = evaluated - g_followOrigin.xyz;
   precise float3 moved = to - from;
   uint index = followContactIndex(vertex, follow);
   for (uint k = 0; k < contactCount(had); ++k)
-    from = inFront(from, g_followContacts[index + k * followPlacedFrom()]);
+    from = inFront(from, g_followContacts[index + k * followEvaluatedFrom()]);
   precise float3 relative = to - from;
   precise float squared = dot3(moved, moved);
   FollowSweep sweep;
@@ -98,8 +98,8 @@ FollowSweep furtherSweep(uint follow, uint vertex, float4 now, uint had) {
   sweep.swept.relative = relative;
   sweep.swept.begin = 1.0;
   sweep.swept.end = 1.0;
-  // So that what a plane holds far outside finds its surface again.
-  sweep.swept.reach = kFollowReach + squareRoot(squared);
+  // So that a vertex that a plane holds far outside finds its surface again.
+  sweep.swept.range = kFollowRange + squareRoot(squared);
   sweep.wanted = now.w > 0.0 && isUsable(now.xyz) && isUsable(from) && squared > 0.0;
   return sweep;
 }
@@ -110,7 +110,8 @@ FollowSweep sweepOf(uint follow, uint vertex, uint had) {
   return firstSweep(follow, vertex, now);
 }
 
-// What was is now that of this frame. The walk does so for the root, which other groups read.
+// The last position is now that of this frame. The walk does this for the root, which other groups
+// read.
 void goOn(uint follow, uint vertex) {
   if (g_followAgain == 1u || vertex == 0u) return;
   uint own = follow * g_followVertexCount + vertex;
@@ -133,19 +134,19 @@ uint findContacts(uint follow, uint vertex, uint had) {
   Found first;
   Found second;
   findDeepest(swept, first, second);
-  if (!(first.contact.penetration > -swept.reach)) return 0u;
-  bool more = second.contact.penetration > -swept.reach;
+  if (!(first.contact.penetration > -swept.range)) return 0u;
+  bool more = second.contact.penetration > -swept.range;
   uint index = followContactIndex(vertex, follow);
   FollowContact a = contactOf(first, swept);
   FollowContact b = contactOf(second, swept);
   if (had != 0u) {
-    // Friction is from the last frame on.
+    // Friction acts relative to the last frame.
     float4 hold = g_followContacts[index].hold;
     a.hold = hold;
     b.hold = hold;
   }
   g_followContacts[index] = a;
-  if (more) g_followContacts[index + followPlacedFrom()] = b;
+  if (more) g_followContacts[index + followEvaluatedFrom()] = b;
   return more ? 0x10001u : 1u;
 }
 
@@ -165,7 +166,7 @@ void find_follow_contacts(uint3 group : SV_GroupID, uint index : SV_GroupIndex) 
   uint firstStrand = tile * kFollowTileStrands;
   if (index < kFollowTileStrands) {
     uint follow = firstStrand + index;
-    bool inside = ((marks >> index) & 1u) != 0u && follow < g_followStrandCount &&
+    bool inside = ((marks >> index) & 1u) != 0u && follow < g_followHairCount &&
                   firstVertex < g_followVertexCount;
     uint had = again && inside ? g_followWords[followMaskWord(group.y, follow)] : 0u;
     s_had[index] = had;
@@ -183,15 +184,15 @@ void find_follow_contacts(uint3 group : SV_GroupID, uint index : SV_GroupIndex) 
     uint bit = pair % kFollowRowVertices;
     uint follow = firstStrand + strand;
     uint vertex = firstVertex + bit;
-    bool inside = ((marks >> strand) & 1u) != 0u && follow < g_followStrandCount &&
+    bool inside = ((marks >> strand) & 1u) != 0u && follow < g_followHairCount &&
                   vertex < g_followVertexCount;
     if (!inside) continue;
     uint own = follow * g_followVertexCount + vertex;
     if (!again)
-      g_followBefore[followPlacedFrom() + own] =
+      g_followBefore[followEvaluatedFrom() + own] =
           g_followPositions[g_firstFollow * g_followVertexCount + own];
     FollowSweep sweep = sweepOf(follow, vertex, s_had[strand] >> bit);
-    if (sweep.wanted && mayTouch(sweep.swept)) {
+    if (sweep.wanted && mayCollide(sweep.swept)) {
       uint entry;
       InterlockedAdd(s_count, 1u, entry);
       s_list[entry] = pair;
@@ -216,7 +217,7 @@ void find_follow_contacts(uint3 group : SV_GroupID, uint index : SV_GroupIndex) 
   GroupMemoryBarrierWithGroupSync();
   if (index < kFollowTileStrands) {
     uint follow = firstStrand + index;
-    bool inside = ((marks >> index) & 1u) != 0u && follow < g_followStrandCount &&
+    bool inside = ((marks >> index) & 1u) != 0u && follow < g_followHairCount &&
                   firstVertex < g_followVertexCount;
     if (inside) g_followWords[followMaskWord(group.y, follow)] = s_masks[index];
   }

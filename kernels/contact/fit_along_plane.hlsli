@@ -1,11 +1,12 @@
-// How a segment stays at its length while its end is in front of a plane.
+// Keeps the length of a segment while its end stays in front of a plane.
 #ifndef PELAGE_CONTACT_FIT_ALONG_PLANE_HLSLI
 #define PELAGE_CONTACT_FIT_ALONG_PLANE_HLSLI
 
-#include "../common/quaternion.hlsli"
+#include "../base/quaternion.hlsli"
 
-// The vector of a segment of this length whose end stays as far from a plane as that of `arm` is:
-// its part along the plane gives way. Scaled as a whole, a short arm would lead through the plane.
+// Returns the vector of a segment of this length whose end has the same distance from a plane as
+// that of `arm`: only the part along the plane changes. If the whole were scaled, a short arm would
+// cross the plane.
 float3 fitAlongPlane(float3 arm, float3 normal, float segment) {
   precise float off = dot3(arm, normal);
   precise float3 along = arm - normal * off;

@@ -1,4 +1,4 @@
-// Adds fragments of hair to a pixel, from front to back. The includer has a layout with
+// Adds fragments of hair to a pixel, from front to back. The including file has a layout with
 // strand_view.hlsli and includes shading/light_strand.hlsli before.
 #ifndef PELAGE_OIT_COMPOSITE_FRAGMENT_HLSLI
 #define PELAGE_OIT_COMPOSITE_FRAGMENT_HLSLI
@@ -17,7 +17,7 @@ Composite emptyComposite() {
   return sum;
 }
 
-// \param at centre of the pixel in the viewport, row 0 the top row [pixels]
+// \param at center of the pixel in the viewport, row 0 the top row [pixels]
 StrandSurface surfaceOfFragment(float2 at, uint key, uint shape, uint color) {
   float3 position = fragmentPosition(at, depthOfKey(key, g_reversedDepth != 0u));
   return strandSurface(position, tangentOfShape(shape), colorOf(color));

@@ -1,19 +1,20 @@
-// A fragment of hair in three words and six bits: depth, tangent with alpha, colour; material.
+// A fragment of hair in three words and six bits: depth, tangent with alpha, color; material.
 //
-// Everything is rounded to nearest. Alpha and colour are stored as square roots, so that thin
-// coverage and dark hair keep as many digits as bright hair does:
+// All values are rounded to nearest. Alpha and color are stored as square roots, so that thin
+// coverage and dark hair keep as many digits as bright hair:
 //   shape = tangent x 11 bits | tangent y 11 | sqrt(alpha) 10
 //   color = sqrt(r) 11 bits | sqrt(g) 11 | sqrt(b) 10
 // A list's node is {link, depth key, shape, color} with
-//   link  = place of the next node + 1, or 0 at the end: 26 bits | material 6
+//   link  = index of the next node + 1, or 0 at the end: 26 bits | material 6
 //
-// Invariant (tests/kernel): a round trip of any input gives finite values in range; none of them
-// reaches into a neighbour's bits.
+// Invariant (tests/oit): a round trip of any input gives finite values in range; no value
+// overflows into another's bits.
 #ifndef PELAGE_OIT_FRAGMENT_PACKING_HLSLI
 #define PELAGE_OIT_FRAGMENT_PACKING_HLSLI
 
-#include "../common/octahedral.hlsli"
+#include "../base/octahedral.hlsli"
 
+static const uint kNodeWords = 4u;  // of a list
 static const uint kMaterialLimit = 64u;
 static const uint kMaxNodes = 0x3ffffffu;
 
@@ -34,7 +35,7 @@ float squared(uint root, uint maximum) {
 
 // Nearer is smaller, for standard and for reversed depth.
 uint depthKey(float depth, bool reversed) {
-  // Negative depths and NaN, which no rasteriser gives, count as 0.
+  // Negative depths and NaN, which no rasterizer gives, count as 0.
   uint bits = asuint(depth > 0.0 ? min(depth, 1.0) : 0.0);
   return reversed ? ~bits : bits;
 }
@@ -66,7 +67,7 @@ float3 colorOf(uint color) {
                 squared(color >> 22, 1023u));
 }
 
-// \param next place of a node + 1, at most kMaxNodes, or 0
+// \param next index of a node + 1, at most kMaxNodes, or 0
 uint packLink(uint next, uint material) { return next | (min(material, kMaterialLimit - 1u) << 26); }
 uint nextOf(uint link) { return link & 0x3ffffffu; }
 uint materialOf(uint link) { return link >> 26; }

@@ -5,8 +5,8 @@
 // Writes:  g_hybridColors, g_hybridTail
 //
 // Invariant (tests/oit): every fragment of alpha > 0 is in one layer or in the tail.
-#include "../layouts/hybrid_colors.hlsli"
-#include "../layouts/render.hlsli"
+#include "layouts/hybrid_colors.hlsli"
+#include "../shading/layouts/render.hlsli"
 #include "../shading/strand_alpha.hlsli"
 #include "layer_packing.hlsli"
 #include "spill_tail.hlsli"
@@ -28,13 +28,13 @@ void hybrid_colors(StrandPixel strand) {
                                      strand.tangent, saturate(strand.color.rgb)));
   uint layer = packLayer(light, alpha);
 
-  // The first key that is not nearer; there is a power of two of them.
+  // The first key that is not nearer; their number is a power of two.
   uint first = g_colorsLayers * pixel;
-  uint place = 0u;
+  uint index = 0u;
   for (uint step = g_colorsLayers >> 1; step > 0u; step >>= 1) {
-    if (g_foundDepths[first + place + step - 1u] < key) place += step;
+    if (g_foundDepths[first + index + step - 1u] < key) index += step;
   }
-  uint left = insertLayer(first, first, place, g_colorsLayers, key, layer);
+  uint left = insertLayer(first, first, index, g_colorsLayers, key, layer);
   if (left == 0u) return;
   uint4 tail = tailOf(lightOfLayer(left), alphaOfLayer(left));
   InterlockedAdd(g_hybridTail[4u * pixel], tail.x);

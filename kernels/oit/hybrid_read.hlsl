@@ -1,12 +1,12 @@
 // Composites the layers of a pixel from front to back, then its tail.
 //
 // Reads:   HybridReadConstants, g_layerColors, g_layerTail
-// Writes:  SV_Target0 premultiplied colour, alpha = 1 - transmittance
+// Writes:  SV_Target0 premultiplied color, alpha = 1 - transmittance
 //
-// Invariant (tests/oit): the composite of all fragments in order where a pixel has no more of
-// them than layers; else its transmittance, with the mean colour of those behind the layers.
-#include "../layouts/hybrid_read.hlsli"
-#include "../layouts/oit_tiles.hlsli"
+// Invariant (tests/oit): the composite of all fragments in order if a pixel has no more of them
+// than layers; otherwise its transmittance, with the mean color of those behind the layers.
+#include "layouts/hybrid_read.hlsli"
+#include "layouts/oit_tiles.hlsli"
 #include "layer_composite.hlsli"
 #include "oit_tile_interface.hlsli"
 
@@ -15,19 +15,19 @@ ResolvedPixel hybrid_read(OitTilePixel tile) {
   result.color = float4(0.0, 0.0, 0.0, 0.0);
   uint pixel = layerPixel(tile.clip.xy, g_layersOrigin, g_layersWidth, g_layersHeight);
   if (pixel == kNoPixel) discard;
-  uint place = pixel == kNoPixel ? 0u : pixel;
+  uint index = pixel == kNoPixel ? 0u : pixel;
   LayerComposite sum;
   sum.light = float3(0.0, 0.0, 0.0);
   sum.transmittance = 1.0;
   for (uint i = 0u; i < g_layersQuads; ++i) {
-    uint4 layers = g_layerColors[g_layersQuads * place + i];
+    uint4 layers = g_layerColors[g_layersQuads * index + i];
     if (all(layers == uint4(0u, 0u, 0u, 0u))) break;
     addLayer(sum, layers.x);
     addLayer(sum, layers.y);
     addLayer(sum, layers.z);
     addLayer(sum, layers.w);
   }
-  float4 tail = tailLight(g_layerTail[place]);
+  float4 tail = tailLight(g_layerTail[index]);
   sum.light += tail.rgb * sum.transmittance;
   sum.transmittance *= tail.a;
   if (sum.transmittance == 1.0) discard;

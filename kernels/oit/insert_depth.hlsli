@@ -1,4 +1,4 @@
-// The cascade of minima of nearest_depths.hlsli. Who includes this defines before
+// The cascade of minima of nearest_depths.hlsli. The including file first defines
 //   LAYER_DEPTHS  the RWStructuredBuffer<uint> of the slots
 #ifndef PELAGE_OIT_INSERT_DEPTH_HLSLI
 #define PELAGE_OIT_INSERT_DEPTH_HLSLI

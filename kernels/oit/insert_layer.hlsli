@@ -1,4 +1,4 @@
-// The cascade of maxima of nearest_depths.hlsli. Who includes this defines before
+// The cascade of maxima of nearest_depths.hlsli. The including file first defines
 //   LAYER_DEPTHS  the StructuredBuffer<uint> of the keys
 //   LAYER_COLORS  the RWStructuredBuffer<uint> of the words
 #ifndef PELAGE_OIT_INSERT_LAYER_HLSLI
@@ -7,11 +7,11 @@
 #include "nearest_depths.hlsli"
 
 // \param depth first slot of the pixel's keys, \param color that of its words
-// \param place of the first key that is not nearer, \param count of slots
-// \return the word that no slot takes, or 0
-uint insertLayer(uint depth, uint color, uint place, uint count, uint key, uint layer) {
+// \param place index of the first key that is not nearer, \param count of slots
+// \return the word for which there is no slot, or 0
+uint insertLayer(uint depth, uint color, uint index, uint count, uint key, uint layer) {
   uint moved = layer;
-  for (uint i = place; i < count && moved != 0u; ++i) {
+  for (uint i = index; i < count && moved != 0u; ++i) {
     if (LAYER_DEPTHS[depth + i] != key) break;
     uint held;
     InterlockedMax(LAYER_COLORS[color + i], moved, held);

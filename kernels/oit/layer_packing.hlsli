@@ -1,11 +1,11 @@
 // A lit fragment in one word, for methods with a fixed number of layers:
 //   sqrt(alpha) 8 bits | exponent 3 | b 7 | g 7 | r 7
-// The channels share the exponent: the largest is at most 2^(exponent - 3), so that colours up to 16
-// keep seven bits of their largest channel. Everything is rounded to nearest. 0 is no fragment: an
-// alpha above 0 never becomes 0.
+// The channels share the exponent: the largest is at most 2^(exponent - 3), so that colors up to 16
+// keep seven bits of their largest channel. All values are rounded to nearest. 0 means no fragment:
+// an alpha above 0 never becomes 0.
 //
-// Invariant (tests/oit): the round trip of a word is that word, or, of colours that a smaller
-// exponent has too, one of the same value.
+// Invariant (tests/oit): the round trip of a word gives that word, or, for colors that a smaller
+// exponent can also store, one of the same value.
 #ifndef PELAGE_OIT_LAYER_PACKING_HLSLI
 #define PELAGE_OIT_LAYER_PACKING_HLSLI
 
@@ -22,7 +22,7 @@ float layerScale(uint exponent) { return asfloat((exponent + 124u) << 23); }
 
 // \param alpha as of layerAlphaOf
 uint packLayer(float3 light, uint alpha) {
-  // What is not a number is black.
+  // NaN becomes black.
   float largest = max(light.x, max(light.y, light.z));
   largest = largest > kDimmestLayer ? min(largest, kBrightestLayer) : kDimmestLayer;
   // Bits below those of a power of two have the next smaller exponent.

@@ -1,19 +1,19 @@
-// The nearest depths of a pixel, found by all its fragments at once, and the words that belong to
-// them. For the kernels of the methods with a fixed number of layers.
+// The nearest depths of a pixel, found by all its fragments in parallel, and the words that belong
+// to them. For the methods with a fixed number of layers.
 //
-// A cascade of atomic minima: a key goes into the first slot that has a farther one, and the one
-// that it drove out goes on to the next slot. A slot's final value is the minimum of all that ever
-// reached it, and what goes on is the rest, so the slots hold the nearest keys in order, whoever
-// came first; equal keys each have a slot. A slot only ever falls, so one that plain loads find
-// nearer, however old the value, needs no atomic.
+// A cascade of atomic minima: a key goes into the first slot with a farther key, and the displaced
+// key goes on to the next slot. A slot's final value is the minimum of all keys that reached it,
+// and the rest goes on, so the slots hold the nearest keys in order, whatever the order of arrival;
+// equal keys each have a slot. A slot's value only decreases, so if a plain load finds a nearer
+// key, however old the value, no atomic is needed.
 //
-// The second draw gives each slot the word of the fragment of that key, by the same cascade with
-// maxima over the slots of one key: what drops out of it belongs to no slot, again whoever came
-// first.
+// The second draw stores in each slot the word of the fragment with that key, by the same cascade
+// with maxima over the slots of one key: words that drop out belong to no slot, again whatever the
+// order of arrival.
 //
 // Both draws run the same vertex kernel, whose position is declared invariant, with the same depth
-// state: they see the same bits of depth. A fragment that found others would not be lost, but go
-// where those beyond the slots go.
+// state: they produce the same bits of depth. A fragment with other bits would not be lost; it
+// would be treated as one beyond the slots.
 #ifndef PELAGE_OIT_NEAREST_DEPTHS_HLSLI
 #define PELAGE_OIT_NEAREST_DEPTHS_HLSLI
 
@@ -26,10 +26,10 @@ uint layerKey(float depth, bool reversed) {
   return min(depthKey(depth, reversed), kNoDepth - 1u);
 }
 
-// Place of a pixel in buffers of the viewport's size, or kNoPixel outside of them. The viewport's
-// offset is subtracted (K41).
-uint layerPixel(float2 place, float2 origin, uint width, uint height) {
-  int2 at = int2(place) - int2(origin);
+// Returns the index of a pixel in buffers of the viewport's size, or kNoPixel outside of them. The
+// viewport's offset is subtracted (K41).
+uint layerPixel(float2 pixelPosition, float2 origin, uint width, uint height) {
+  int2 at = int2(pixelPosition) - int2(origin);
   if (at.x < 0 || at.y < 0 || uint(at.x) >= width || uint(at.y) >= height) return kNoPixel;
   return uint(at.y) * width + uint(at.x);
 }

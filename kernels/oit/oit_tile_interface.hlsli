@@ -1,4 +1,4 @@
-// What oit_tile_vertex hands to the kernels that resolve transparency, and what they write.
+// Outputs of oit_tile_vertex for the kernels that resolve transparency, and their outputs.
 #ifndef PELAGE_OIT_OIT_TILE_INTERFACE_HLSLI
 #define PELAGE_OIT_OIT_TILE_INTERFACE_HLSLI
 

@@ -3,16 +3,17 @@
 // Reads:   RenderConstants, StrandViewConstants, PPLLBuildConstants
 // Writes:  g_listHeads, g_listNodes, g_listCounters, g_listTiles; with TAIL g_listTail
 //
-// A fragment without room for a node goes to the pixel's tail, averaged and not lit, or nowhere
-// without one; the counter of nodes tells how many there were. Nothing is linked before its node is
+// A fragment without a node goes to the pixel's tail, averaged and not lit, or is dropped without a
+// tail; the counter of nodes counts these fragments, too. A node is linked only after its index is
 // known to be in bounds (K35).
 //
 // Invariant (tests/oit): every fragment of alpha > 0 is in exactly one list or tail, whatever
 // the capacity.
-#include "../layouts/ppll_build.hlsli"
-#include "../layouts/render.hlsli"
+#include "layouts/ppll_build.hlsli"
+#include "../shading/layouts/render.hlsli"
 #include "../shading/strand_alpha.hlsli"
 #include "fragment_packing.hlsli"
+#include "pixel_tiles.hlsli"
 #include "ppll_counters.hlsli"
 #include "spill_tail.hlsli"
 
@@ -21,20 +22,20 @@ void ppll_build(StrandPixel strand) {
   float alpha = strandAlpha(strand);
   uint shape = packShape(strand.tangent, alpha);
   if (!(alphaOfShape(shape) > 0.0)) return;
-  // The pixel's place in the target, whatever part of it the viewport is.
+  // The pixel's position in the target, whatever part of it the viewport is.
   int2 at = int2(strand.clip.xy) - int2(g_viewport.xy);
   if (at.x < 0 || at.y < 0 || uint(at.x) >= g_listWidth || uint(at.y) >= g_listHeight) return;
   uint pixel = uint(at.y) * g_listWidth + uint(at.x);
 
-  uint tile = (uint(at.y) >> 3) * g_listTileColumns + (uint(at.x) >> 3);
+  uint tile = (uint(at.y) >> kTileShift) * g_listTileColumns + (uint(at.x) >> kTileShift);
   if (g_listTiles[tile] == 0u) {
     uint before;
     InterlockedExchange(g_listTiles[tile], 1u, before);
     if (before == 0u) {
-      uint place;
-      InterlockedAdd(g_listCounters[kCounterTiles], 1u, place);
-      uint tiles = g_listTileColumns * ((g_listHeight + 7u) >> 3);
-      g_listTiles[tiles + place] = tile;
+      uint index;
+      InterlockedAdd(g_listCounters[kCounterTiles], 1u, index);
+      uint tiles = g_listTileColumns * ((g_listHeight + (kTileEdge - 1u)) >> kTileShift);
+      g_listTiles[tiles + index] = tile;
     }
   }
 

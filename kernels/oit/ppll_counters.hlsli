@@ -4,7 +4,7 @@
 
 // The first four are the arguments of the indirect draw of tiles: vertices, instances, 0, 0.
 static const uint kCounterTiles = 1u;
-// Nodes that fragments asked for; beyond the capacity there are none.
+// Number of nodes that fragments requested; may exceed the capacity.
 static const uint kCounterNodes = 4u;
 static const uint kCounterWords = 8u;
 

@@ -3,19 +3,19 @@
 // them, and walks again while light still comes through.
 //
 // Reads:   g_readHeads, g_readNodes, StrandViewConstants, PPLLReadConstants; with TAIL g_readTail
-// Writes:  SV_Target0 premultiplied colour, alpha = 1 - transmittance
+// Writes:  SV_Target0 premultiplied color, alpha = 1 - transmittance
 //
-// Fragments are ordered by depth, then by what they are, then by their place: those that tie to the
-// last are equal, so the order of arrival changes no bit of the picture (K36). Slots that hold
-// nothing are not shaded (K38). A list is walked no further than it can be long. Lists of more than
-// 512 fragments that let light through as far as that are averaged behind what kMaxVisits visits of
-// nodes had time for; so the time that a pixel takes does not grow with the square of its layers.
+// Fragments are ordered by depth, then by contents, then by index: fragments that tie in all are
+// equal, so the order of arrival changes no bit of the picture (K36). Empty slots are not shaded
+// (K38). A walk over a list is bounded by the list's maximum length. If a list has more than 512
+// fragments and light still comes through, the fragments behind the first kMaxVisits visits of
+// nodes are averaged; so the time of a pixel does not grow with the square of its layers.
 //
-// Invariant (tests/oit): the composite of all fragments in order, but for what lies behind a
+// Invariant (tests/oit): the composite of all fragments in order, except for those behind a
 // transmittance of g_readEpsilon.
-#include "../common/random_hash.hlsli"
-#include "../layouts/oit_tiles.hlsli"
-#include "../layouts/ppll_read.hlsli"
+#include "../base/random_hash.hlsli"
+#include "layouts/oit_tiles.hlsli"
+#include "layouts/ppll_read.hlsli"
 #include "fragment_packing.hlsli"
 #include "oit_tile_interface.hlsli"
 #include "spill_tail.hlsli"
@@ -23,47 +23,47 @@
 #include "../shading/light_strand.hlsli"
 #include "composite_fragment.hlsli"
 
-// A node of the window: what orders it, and its place. A free slot has kNoPlace and is the farthest.
+// A node of the window: its sort keys and its index. A free slot has kNoSlot and is the farthest.
 struct WindowSlot {
   uint key;
-  uint tie;  // orders nodes of one depth by what they are
-  uint place;
+  uint tie;  // orders nodes of one depth by their contents
+  uint position;
 };
 
 // 16 take as long on an H200, with twice the registers.
 static const uint kWindow = 8u;
-static const uint kNoPlace = 0xffffffffu;
-// Visits of nodes that a pixel has for its exact composite.
+static const uint kNoSlot = 0xffffffffu;
+// Maximum visits of nodes for the exact composite of a pixel.
 static const uint kMaxVisits = 32768u;
 
 WindowSlot freeSlot() {
   WindowSlot slot;
   slot.key = 0xffffffffu;
   slot.tie = 0xffffffffu;
-  slot.place = kNoPlace;
+  slot.position = kNoSlot;
   return slot;
 }
 
 // Nodes of one depth whose hashes are equal are equal themselves, but for one pair in 2^32.
-WindowSlot slotOf(uint4 node, uint place) {
+WindowSlot slotOf(uint4 node, uint position) {
   WindowSlot slot;
   slot.key = node.y;
   slot.tie = hashUint(node.z ^ hashUint(node.w ^ materialOf(node.x)));
-  slot.place = place;
+  slot.position = position;
   return slot;
 }
 
 bool isBefore(WindowSlot a, WindowSlot b) {
-  bool tie = a.tie < b.tie || (a.tie == b.tie && a.place < b.place);
+  bool tie = a.tie < b.tie || (a.tie == b.tie && a.position < b.position);
   return a.key < b.key || (a.key == b.key && tie);
 }
 
-void addNode(inout Composite sum, uint place, float2 pixel) {
-  uint4 node = g_readNodes[place];
+void addNode(inout Composite sum, uint position, float2 pixel) {
+  uint4 node = g_readNodes[position];
   addFragment(sum, readShading(materialOf(node.x)), pixel - g_viewport.xy, node.y, node.z, node.w);
 }
 
-// Base colours of all that lies behind a node, as in spill_tail.hlsli.
+// Base colors of all that lies behind a node, as in spill_tail.hlsli.
 uint4 averagedBehind(WindowSlot last, uint head) {
   uint4 sum = uint4(0u, 0u, 0u, 0u);
   uint next = head;
@@ -108,9 +108,9 @@ ResolvedPixel ppll_read(OitTilePixel tile) {
       uint4 node = g_readNodes[next - 1u];
       WindowSlot slot = slotOf(node, next - 1u);
       next = nextOf(node.x);
-      if (last.place != kNoPlace && !isBefore(last, slot)) continue;
-      // One of the nodes comes in a later walk: this one, or the one that it drives out.
-      more = more || window[kWindow - 1u].place != kNoPlace;
+      if (last.position != kNoSlot && !isBefore(last, slot)) continue;
+      // One of the nodes comes in a later walk: this one, or the one that it displaces.
+      more = more || window[kWindow - 1u].position != kNoSlot;
       if (!isBefore(slot, window[kWindow - 1u])) continue;
       [unroll] for (uint j = 0u; j < kWindow; ++j) {
         if (isBefore(slot, window[j])) {
@@ -120,14 +120,14 @@ ResolvedPixel ppll_read(OitTilePixel tile) {
         }
       }
     }
-    // The nearest one leaves the window each time: the light is in the code once, and the window in
-    // registers.
+    // The nearest one leaves the window each time, so that the lighting is in the code once, and
+    // the window is in registers.
     for (uint k = 0u; k < kWindow; ++k) {
       WindowSlot nearest = window[0];
       [unroll] for (uint m = 0u; m + 1u < kWindow; ++m) window[m] = window[m + 1u];
       window[kWindow - 1u] = freeSlot();
-      if (nearest.place == kNoPlace || !(sum.transmittance > g_readEpsilon)) break;
-      addNode(sum, nearest.place, tile.clip.xy);
+      if (nearest.position == kNoSlot || !(sum.transmittance > g_readEpsilon)) break;
+      addNode(sum, nearest.position, tile.clip.xy);
       last = nearest;
     }
     more = more && sum.transmittance > g_readEpsilon;
@@ -138,17 +138,17 @@ ResolvedPixel ppll_read(OitTilePixel tile) {
   rest += spilled;
 #endif
   if (rest.w > 0u) {
-    // The mean fibre, lit where the last one was; at the eye where no fragment has a node.
+    // The mean fiber, lit where the last one was; at the eye if no fragment has a node.
     uint4 node = uint4(0u, 0u, 0u, 0u);
-    float3 place = g_eye.xyz;
-    if (last.place != kNoPlace) {
-      node = g_readNodes[last.place];
-      place = fragmentPosition(tile.clip.xy - g_viewport.xy,
+    float3 position = g_eye.xyz;
+    if (last.position != kNoSlot) {
+      node = g_readNodes[last.position];
+      position = fragmentPosition(tile.clip.xy - g_viewport.xy,
                                depthOfKey(node.y, g_reversedDepth != 0u));
     }
     float3 color = float3(rest.xyz) / float(rest.w);
     float3 light = lightStrand(readShading(materialOf(node.x)),
-                               strandSurface(place, tangentOfShape(node.z), color));
+                               strandSurface(position, tangentOfShape(node.z), color));
     float transmittance = transmittanceOf(rest.w);
     sum.light += light * ((1.0 - transmittance) * sum.transmittance);
     sum.transmittance *= transmittance;

@@ -5,8 +5,8 @@
 // Writes:  g_shortCutDepths, g_shortCutTiles, g_shortCutCounters
 //
 // Invariant (tests/oit): every fragment of alpha > 0 counts, however thin its coverage (K39).
-#include "../layouts/render.hlsli"
-#include "../layouts/short_cut_depths_alpha.hlsli"
+#include "../shading/layouts/render.hlsli"
+#include "layouts/short_cut_depths_alpha.hlsli"
 #include "../shading/strand_alpha.hlsli"
 #include "layer_packing.hlsli"
 #include "spill_tail.hlsli"
@@ -18,7 +18,7 @@
 
 [earlydepthstencil]
 void short_cut_depths_alpha(StrandPixel strand) {
-  // Always so; Vulkan's layers warn of what a vertex kernel writes and nobody reads.
+  // Always true; Vulkan's layers warn of outputs of a vertex kernel that are not read.
   if (!(dot(strand.tangent, strand.tangent) >= 0.0)) return;
   uint alpha = layerAlphaOf(strandAlpha(strand));
   if (alpha == 0u) return;

@@ -3,8 +3,8 @@
 // Reads:   RenderConstants, StrandViewConstants, ShortCutFillColorsConstants, g_fillDepths,
 //          g_shadowWords
 // Writes:  g_shortCutColors
-#include "../layouts/render.hlsli"
-#include "../layouts/short_cut_fill_colors.hlsli"
+#include "../shading/layouts/render.hlsli"
+#include "layouts/short_cut_fill_colors.hlsli"
 #include "../shading/strand_alpha.hlsli"
 #include "layer_packing.hlsli"
 #define LAYER_DEPTHS g_fillDepths
@@ -22,13 +22,13 @@ void short_cut_fill_colors(StrandPixel strand) {
   uint key = layerKey(strand.clip.z, g_reversedDepth != 0u);
   uint3 keys = uint3(g_fillDepths[4u * pixel], g_fillDepths[4u * pixel + 1u],
                      g_fillDepths[4u * pixel + 2u]);
-  // The first key that is not nearer. Not a loop: with one that invocations leave at different turns,
-  // llvmpipe of Mesa 22.3 found the wrong place.
-  uint place = (keys.x < key ? 1u : 0u) + (keys.y < key ? 1u : 0u) + (keys.z < key ? 1u : 0u);
+  // The first key that is not nearer. Not a loop: with a loop that invocations leave at different
+  // iterations, llvmpipe of Mesa 22.3 found the wrong index.
+  uint index = (keys.x < key ? 1u : 0u) + (keys.y < key ? 1u : 0u) + (keys.z < key ? 1u : 0u);
   if (keys.x != key && keys.y != key && keys.z != key) return;
   float3 light = lightStrand(
       renderShading(), strandSurface(fragmentPosition(strand.clip.xy - g_viewport.xy, strand.clip.z),
                                      strand.tangent, saturate(strand.color.rgb)));
-  // More of one depth than there are slots for count by their transmittance alone.
-  insertLayer(4u * pixel, 3u * pixel, place, 3u, key, packLayer(light, alpha));
+  // Fragments of one depth beyond the slots only count by their transmittance.
+  insertLayer(4u * pixel, 3u * pixel, index, 3u, key, packLayer(light, alpha));
 }

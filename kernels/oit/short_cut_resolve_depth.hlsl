@@ -3,14 +3,14 @@
 //
 // Reads:   ShortCutResolveDepthConstants, g_thirdDepths
 // Writes:  SV_Depth
-#include "../layouts/oit_tiles.hlsli"
-#include "../layouts/short_cut_resolve_depth.hlsli"
+#include "layouts/oit_tiles.hlsli"
+#include "layouts/short_cut_resolve_depth.hlsli"
 #include "layer_composite.hlsli"
 #include "oit_tile_interface.hlsli"
 
-// The depth is written that much behind the fragment, for it to pass the test in targets of 16 bits,
-// and where the test's depth is rounded in another way than the kernel's. What lies between is lit
-// and then found to be none of the three.
+// The depth is written this far behind the fragment, so that it passes the test in targets of 16
+// bits, and if the test rounds the depth differently from the kernel. Fragments in between are lit
+// and then found not to be among the three.
 static const float kDepthMargin = 1.5 / 65535.0;
 
 struct DepthPixel {
@@ -23,7 +23,7 @@ DepthPixel short_cut_resolve_depth(OitTilePixel tile) {
   uint pixel = layerPixel(tile.clip.xy, g_thirdOrigin, g_thirdWidth, g_thirdHeight);
   if (pixel == kNoPixel) discard;
   uint third = g_thirdDepths[pixel == kNoPixel ? 0u : pixel].z;
-  // With fewer than three there is nothing behind.
+  // With fewer than three fragments there is nothing behind.
   if (third == kNoDepth) discard;
   bool reversed = g_thirdReversed != 0u;
   float depth = depthOfKey(third, reversed);

@@ -1,24 +1,23 @@
-// Gives the coarse nodes that are deep inside the triangle that is nearest to them: of every 2 or 4
-// nodes along each axis one, sdfCoarseStride() says which. Queries between them start from the eight
-// around.
+// Gives each coarse node that is deep inside its nearest triangle. One of every 2 or 4 nodes along
+// each axis is a coarse node; sdfCoarseStride() returns the stride. Queries between them start from
+// the eight around.
 //
-// Threads: a group of 64 a coarse node, in rows of kGroupsARow groups.
+// Threads: a group of 64 a coarse node, in rows of kRowGroups groups.
 // Reads:   g_sdfKeys, g_sdfSurface
 // Writes:  g_sdfKeys of coarse nodes that are inside and have no triangle, g_sdfWork
 //
-// Each thread goes from the node in a direction of its own until a key knows a triangle; steps of
-// the band cannot pass the nodes that do. No thread goes further than the nearest triangle that was
-// found. Then the group looks at the 4^3 nodes around the closest point, and again from where that
-// leads, while it is nearer.
-// Only keys within the band are read, and only others are written: the result depends on no order.
-// Keys of nodes that parts of the mesh overlap have no triangle (finalize_sdf), so that every
-// triangle here leads out.
+// Each thread marches from the node in its own direction until a key names a triangle; steps of the
+// band's width cannot pass the nodes that have one. No thread goes further than the nearest
+// triangle found so far. Then the group searches the 4^3 nodes around the closest point, and again
+// around the new closest point, while it gets nearer. Only keys within the band are read, and only
+// others are written: the result depends on no order. Keys of nodes where parts of the mesh overlap
+// have no triangle (finalize_sdf), so every triangle here leads out.
 //
-// Invariant (tests/kernel): the triangle is the nearest one, or at most half a cell further away;
-// no coarse node inside is left without one while there is a surface on one of its axes.
+// Invariant (tests/sdf): the triangle is the nearest one, or at most half a cell further away;
+// every coarse node inside has one if there is a surface on one of its axes.
 #include "sdf_record.hlsli"
 
-// Looks around the closest point.
+// Searches around the closest point.
 static const uint kLooks = 6;
 
 groupshared uint s_squared;  // bits of the least distance^2
@@ -28,12 +27,12 @@ groupshared float3 s_foot;   // its closest point
 // A key of the band, else kSdfUnset.
 uint nearKeyAt(int3 node) {
   if (!isInGrid(node)) return kSdfUnset;
-  uint key = g_sdfKeys[g_fieldNodes.w + nodeIndex(node)];
+  uint key = g_sdfKeys[g_sdfNodes.w + nodeIndex(node)];
   return (key & kSdfFar) != 0u ? kSdfUnset | (key & kSdfInside) : key;
 }
 
 bool hasTriangle(uint key) {
-  return sdfTriangle(key, g_fieldTriangleBits) < g_fieldTriangleCount;
+  return sdfTriangle(key, g_sdfTriangleBits) < g_sdfTriangleCount;
 }
 
 // The 64 points of { -3, -1, 1, 3 }^3, of which the inner eight would lead where the outer corners
@@ -51,15 +50,15 @@ float3 directionOf(uint lane) {
 }
 
 void offer(inout SdfClosest best, float3 p, uint key) {
-  uint index = sdfTriangle(key, g_fieldTriangleBits);
-  if (index >= g_fieldTriangleCount || index == best.index) return;
+  uint index = sdfTriangle(key, g_sdfTriangleBits);
+  if (index >= g_sdfTriangleCount || index == best.index) return;
   SdfClosest found = closestOf(p, index);
   if (found.squared < best.squared ||
       (found.squared == best.squared && found.index < best.index))
     best = found;
 }
 
-// The nearest of all threads' to s_index and s_foot.
+// Reduces all threads' nearest triangles to s_index and s_foot.
 void share(SdfClosest best, float3 p, uint lane) {
   if (lane == 0u) s_index = kSdfNone;
   GroupMemoryBarrierWithGroupSync();
@@ -75,14 +74,14 @@ void share(SdfClosest best, float3 p, uint lane) {
 
 [numthreads(64, 1, 1)]
 void fill_interior(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
-  uint stride = sdfCoarseStride(g_fieldBand);
-  uint3 coarse = (g_fieldNodes.xyz + stride - 1u) / stride;
+  uint stride = sdfCoarseStride(g_sdfBand);
+  uint3 coarse = (g_sdfNodes.xyz + stride - 1u) / stride;
   uint index = indexOfGroup(group);
   uint row = index / coarse.x;
   uint layer = row / coarse.y;
   if (layer >= coarse.z) return;
   int3 node = int3(stride * uint3(index - row * coarse.x, row - layer * coarse.y, layer));
-  uint element = g_fieldNodes.w + nodeIndex(node);
+  uint element = g_sdfNodes.w + nodeIndex(node);
   uint key = g_sdfKeys[element];
   if (!sdfIsInside(key) || hasTriangle(key)) return;
 
@@ -91,10 +90,10 @@ void fill_interior(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
   SdfClosest best = noTriangle();
   if (lane == 0u) s_squared = asuint(best.squared);
   bool goes = true;
-  float end = float(g_fieldNodes.x + g_fieldNodes.y + g_fieldNodes.z);
-  for (float way = g_fieldBand; way < end; way += g_fieldBand) {
+  float end = float(g_sdfNodes.x + g_sdfNodes.y + g_sdfNodes.z);
+  for (float travelled = g_sdfBand; travelled < end; travelled += g_sdfBand) {
     if (goes) {
-      precise float3 at = p + direction * way;
+      precise float3 at = p + direction * travelled;
       uint met = nearKeyAt(int3(floor(at + 0.5)));
       goes = sdfIsInside(met);
       if (hasTriangle(met)) {
@@ -104,8 +103,9 @@ void fill_interior(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
       }
     }
     GroupMemoryBarrierWithGroupSync();
-    // A triangle further on is at most the band and half a cell's diagonal nearer than its node.
-    precise float least = max(way - 1.0, 0.0);
+    // A triangle beyond this node is nearer than the node by at most the band and half a cell's
+    // diagonal.
+    precise float least = max(travelled - 1.0, 0.0);
     bool done = least * least > asfloat(s_squared);
     GroupMemoryBarrierWithGroupSync();
     if (done) break;
@@ -122,9 +122,9 @@ void fill_interior(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
   }
   if (lane != 0u || s_index == kSdfNone) return;
   precise float distance = squareRoot(asfloat(s_squared));
-  // What is nearer was deeper inside of another part: its key is right as it is.
-  if (sdfIsSet(key) && distance < g_fieldBand) return;
+  // A nearer one was deeper inside another part: its key is correct.
+  if (sdfIsSet(key) && distance < g_sdfBand) return;
   InterlockedAdd(g_sdfWork[kWorkInteriorCount], 1u);
-  g_sdfKeys[element] = kSdfInside | sdfFarKey(distance, s_index, g_fieldBand, g_fieldFarRange,
-                                              g_fieldTriangleBits);
+  g_sdfKeys[element] = kSdfInside | sdfFarKey(distance, s_index, g_sdfBand, g_sdfFarRange,
+                                              g_sdfTriangleBits);
 }

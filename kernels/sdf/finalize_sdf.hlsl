@@ -1,42 +1,42 @@
 // Sums the crossings along rows and marks the nodes that are inside.
 //
-// Threads: one a word of 4 nodes, in rows of kGroupsARow groups of 64; a group has as many rows of
+// Threads: one a word of 4 nodes, in rows of kRowGroups groups of 64; a group has as many rows of
 //          the grid as fit it, or one, which it goes along.
 // Reads:   g_sdfCounts; with THREE_AXES g_sdfVotes, g_sdfSurface
 // Writes:  g_sdfKeys
 //
-// A node is inside when more surfaces were entered than left before it. With THREE_AXES two of the
-// three axes have to say so: a hole or an overlap deceives the one axis on which it lies.
-// A key that an earlier build made far is unset again.
-// With THREE_AXES parts of the mesh may overlap, and a triangle that another part swallows is no way
-// out. On the way to its nearest triangle a node crosses no other one: behind it there is one solid
-// less, when the node is at the triangle's back, or one more. So the triangle is on the outer
-// surface when the node is in one solid and at its back; else the key keeps the distance, which is
-// no more than that of the outer surface, and no triangle.
+// A node is inside if more surfaces were entered than left before it. With THREE_AXES two of the
+// three axes must agree: a hole or an overlap only affects the axis on which it lies. A key that an
+// earlier build made far is unset again. With THREE_AXES parts of the mesh may overlap, and a
+// triangle inside another part does not lead out. The path from a node to its nearest triangle
+// crosses no other triangle; behind the triangle there is one solid less if the node is at the
+// triangle's back, or one more. So the triangle is on the outer surface if the node is in one solid
+// and at its back; otherwise the key keeps the distance, which is at most that of the outer
+// surface, without a triangle.
 //
-// Invariant (tests/kernel): no wrong sign further than 1e-4 cell from a closed surface; three axes
+// Invariant (tests/sdf): no wrong sign further than 1e-4 cell from a closed surface; three axes
 // give the same keys as one within the band of a closed surface.
 #include "sdf_counts.hlsli"
 #include "sdf_record.hlsli"
 
 #if THREE_AXES
-// On the surface itself there is no telling.
+// On the surface itself the sign is arbitrary.
 static const float kClearlyFront = 1e-3;
 
-// Whether a node sees the front of its nearest triangle.
+// Returns true if a node sees the front of its nearest triangle.
 //
-// \param node  index without g_fieldNodes.w
+// \param node  index without g_sdfNodes.w
 bool isAtFront(uint node, uint key) {
-  uint index = sdfTriangle(key, g_fieldTriangleBits);
-  if (index >= g_fieldTriangleCount) return false;
+  uint index = sdfTriangle(key, g_sdfTriangleBits);
+  if (index >= g_sdfTriangleCount) return false;
   SdfClosest closest = closestOf(float3(nodeOfIndex(node)), index);
-  return sdfSideOf(fieldOfBuild(), closest, true).distance > kClearlyFront;
+  return sdfSideOf(sdfOfBuild(), closest, true).distance > kClearlyFront;
 }
 #endif
 
 groupshared int s_sums[64];
 
-// Inclusive, of the threads `column` before this one.
+// Inclusive sum over the threads `column` before this one.
 int sumOfRow(int value, uint column, uint lane, uint columns) {
   s_sums[lane] = value;
   GroupMemoryBarrierWithGroupSync();
@@ -53,8 +53,8 @@ int sumOfRow(int value, uint column, uint lane, uint columns) {
 
 [numthreads(64, 1, 1)]
 void finalize_sdf(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
-  uint wordsARow = g_fieldNodes.x / 4u;
-  uint rows = g_fieldNodes.y * g_fieldNodes.z;
+  uint wordsARow = g_sdfNodes.x / 4u;
+  uint rows = g_sdfNodes.y * g_sdfNodes.z;
   uint columns = min(wordsARow, 64u);
   uint rowsAGroup = 64u / columns;
   uint local = lane / columns;
@@ -76,7 +76,7 @@ void finalize_sdf(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
     inside.w += inside.z;
     int sum = carry + sumOfRow(inside.w, column, lane, columns);
     inside += sum - inside.w;
-    // Of a row longer than the group, what the next part starts with.
+    // For a row longer than the group: the start value of the next part.
     carry += s_sums[63];
 #if THREE_AXES
     bool4 overlap = bool4(false, false, false, false);
@@ -90,19 +90,19 @@ void finalize_sdf(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
     }
 #endif
     for (uint n = 0; n < 4 && active; ++n) {
-      uint element = g_fieldNodes.w + 4u * word + n;
+      uint element = g_sdfNodes.w + 4u * word + n;
       uint before = g_sdfKeys[element];
       uint key = (before & kSdfFar) != 0u ? kSdfUnset : before & kSdfUnset;
       if (inside[n] > 0) {
 #if THREE_AXES
         if (key != kSdfUnset && (overlap[n] || isAtFront(4u * word + n, key)))
-          key = key | ((1u << g_fieldTriangleBits) - 1u);
+          key = key | ((1u << g_sdfTriangleBits) - 1u);
 #endif
         key = key | kSdfInside;
       }
       if (key != before) g_sdfKeys[element] = key;
     }
-    // Before the next part writes s_sums.
+    // Waits before the next part writes s_sums.
     GroupMemoryBarrierWithGroupSync();
   }
 }

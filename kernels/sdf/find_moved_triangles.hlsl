@@ -1,29 +1,29 @@
-// Takes the crossings of triangles that moved from where they were to where they are, and clears
-// the bricks that their bands reach, there and here.
+// Moves the crossings of triangles that moved from their old to their new position, and clears the
+// bricks that their bands touch at both.
 //
-// Threads: 16 a triangle, in rows of kGroupsARow groups of 64; dispatchIndirect.
-// Reads:   g_sdfPlaces of this build and of the last one, g_sdfIndices
+// Threads: 16 a triangle, in rows of kRowGroups groups of 64; dispatchIndirect.
+// Reads:   g_sdfPoints of this build and of the last one, g_sdfIndices
 // Writes:  g_sdfCounts, g_sdfMarks, g_sdfKeys, g_sdfWork
 //
-// The group that marks a brick first clears it: nobody else touches keys before scatter_triangles.
-// The marks of places are those at which a normal changes.
+// The group that marks a brick first clears it: no other pass touches keys before
+// scatter_triangles. The marks of vertices are set where a normal changes.
 //
-// Invariant (tests/kernel): crossings are those of a build from an empty grid.
+// Invariant (tests/sdf): crossings are those of a build from an empty grid.
 #include "sdf_bricks.hlsli"
 #include "sdf_crossings.hlsli"
 
-// Bricks that the group clears together, a node a thread: one thread would take 64 turns.
+// Bricks that the group clears together, one node per thread: one thread would need 64 iterations.
 static const uint kMostListed = 256;
 groupshared uint s_listed;
 groupshared uint s_bricks[kMostListed];
 
 void clearNode(uint3 brick, uint i) {
   uint3 node = brick * 4u + uint3(i & 3u, (i >> 2) & 3u, i >> 4);
-  if (node.y < g_fieldNodes.y && node.z < g_fieldNodes.z)
-    g_sdfKeys[g_fieldNodes.w + nodeIndex(int3(node))] = kSdfUnset;
+  if (node.y < g_sdfNodes.y && node.z < g_sdfNodes.z)
+    g_sdfKeys[g_sdfNodes.w + nodeIndex(int3(node))] = kSdfUnset;
 }
 
-// Lists the brick, or clears it where the list is full.
+// Lists the brick, or clears it if the list is full.
 void listBrick(uint3 brick) {
   uint slot;
   InterlockedAdd(s_listed, 1u, slot);
@@ -45,8 +45,8 @@ void clearListed(uint thread) {
   }
 }
 
-// Marks and lists the bricks that the band of a triangle reaches.
-void findBricks(PlacedTriangle t, uint lane, uint lanes) {
+// Marks and lists the bricks that the band of a triangle touches.
+void findBricks(PointTriangle t, uint lane, uint lanes) {
   NodeRange range = rangeOf(t);
   if (!t.usable || isEmpty(range)) return;
   TriangleShape shape = shapeOf(t.a, t.b, t.c);
@@ -71,9 +71,9 @@ bool differ(float3 a, float3 b) {
 
 // Of the triangle, when it moved.
 void takeOutAndPutIn(uint index, uint lane) {
-  if (index >= g_fieldTriangleCount) return;
-  PlacedTriangle before = loadTriangle(index, slotBefore());
-  PlacedTriangle now = loadTriangle(index, slotNow());
+  if (index >= g_sdfTriangleCount) return;
+  PointTriangle before = loadTriangle(index, slotBefore());
+  PointTriangle now = loadTriangle(index, slotNow());
   if (!differ(before.a, now.a) && !differ(before.b, now.b) && !differ(before.c, now.c) &&
       before.usable == now.usable)
     return;
@@ -82,8 +82,8 @@ void takeOutAndPutIn(uint index, uint lane) {
   findBricks(before, lane, 16u);
   findBricks(now, lane, 16u);
   if (lane < 3u) {
-    uint place = g_sdfIndices[3u * index + lane];
-    if (place < g_placeCount) g_sdfMarks[placeMarks() + place] = g_buildStamp;
+    uint pointIndex = g_sdfIndices[3u * index + lane];
+    if (pointIndex < g_pointCount) g_sdfMarks[pointMarks() + pointIndex] = g_buildStamp;
   }
   if (lane == 0u) InterlockedAdd(g_sdfWork[kWorkMovedTriangles], 1u);
 }
@@ -92,7 +92,7 @@ void takeOutAndPutIn(uint index, uint lane) {
 void find_moved_triangles(uint3 group : SV_GroupID, uint thread : SV_GroupIndex) {
   if (thread == 0u) s_listed = 0u;
   GroupMemoryBarrierWithGroupSync();
-  takeOutAndPutIn(indexOfGroup(group) * 4u + thread / 16u, thread % 16u);
+  takeOutAndPutIn(indexOfGroup(group) * kScatteredTriangles + thread / kScatterLanes, thread % kScatterLanes);
   GroupMemoryBarrierWithGroupSync();
   clearListed(thread);
   if (thread == 0u && s_listed > 0u) InterlockedAdd(g_sdfWork[kWorkBricks], s_listed);

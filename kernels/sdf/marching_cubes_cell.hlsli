@@ -1,9 +1,9 @@
-// The triangles of a cell, from which of its corners are inside.
+// Computes the triangles of a cell from the corners that are inside.
 //
 // Marching cubes (Lorensen and Cline, "Marching cubes: a high resolution 3D surface construction
-// algorithm", SIGGRAPH 1987) whose cells fit together: what the surface does on a face follows from
-// the four corners of the face alone, so both cells at the face agree. On a face with two inside
-// corners across from each other, each of them is cut off by itself.
+// algorithm", SIGGRAPH 1987) with consistent cells: the surface on a face depends only on the four
+// corners of the face, so both cells at the face agree. On a face with two inside corners at
+// opposite ends of a diagonal, each of them is cut off separately.
 //
 // On every face, going around it counter-clockwise as seen from outside, each run of inside corners
 // is cut off by a segment from where the run begins to where it ends. A crossed edge begins a run
@@ -12,8 +12,8 @@
 // diagonal there, and four triangles would share it. There is such a fan for every loop, and a cell
 // has at most 5 triangles (marching_cubes_table.py checks both).
 //
-// The walk replaces the usual table of 256 cases: with that, lavapipe (Mesa 22.3) compiles the
-// kernel for 5 s, with the 24 words of this one for a quarter of a second.
+// The walk replaces the usual table of 256 cases: with the table, lavapipe (Mesa 22.3) compiles the
+// kernel for 5 s; with the 24 words of this one, for a quarter of a second.
 //
 // Corner c is at (c & 1, c >> 1 & 1, c >> 2). Edge 4 a + k runs along axis a; the bits of k are the
 // coordinates of its start on the other two axes, the lower axis first.
@@ -22,7 +22,7 @@
 
 #include "marching_cubes_table.hlsli"
 
-// Where an edge starts.
+// Start of an edge.
 uint3 startOfEdge(uint edge) {
   uint axis = edge >> 2;
   uint low = edge & 1u;
@@ -44,7 +44,7 @@ uint crossedEdges(uint corners) {
   return alongX | (alongY << 4) | ((z & 15u) << 8);
 }
 
-// The crossed edge where the run ends that begins at this one.
+// Returns the crossed edge at the end of the run that begins at this one.
 uint edgeAfter(uint edge, uint corners) {
   uint3 start = startOfEdge(edge);
   uint side = isInside(corners, start.x | (start.y << 1) | (start.z << 2)) ? 1u : 0u;
@@ -59,7 +59,7 @@ struct CellLoop {
   uint count;  // 3 to 7
 };
 
-// The loop that the lowest of the crossed edges is on.
+// Returns the loop of the lowest crossed edge.
 CellLoop loopOf(uint crossed, uint corners) {
   CellLoop result;
   result.edges = 0u;
@@ -74,8 +74,8 @@ CellLoop loopOf(uint crossed, uint corners) {
   return result;
 }
 
-uint edgeOfLoop(CellLoop cell, uint place) {
-  uint wrapped = place < cell.count ? place : place - cell.count;
+uint edgeOfLoop(CellLoop cell, uint index) {
+  uint wrapped = index < cell.count ? index : index - cell.count;
   return (cell.edges >> (4u * wrapped)) & 15u;
 }
 
@@ -93,7 +93,7 @@ uint facesOfEdge(uint edge) {
   return (1u << (2u * low + (edge & 1u))) | (1u << (2u * high + ((edge >> 1) & 1u)));
 }
 
-// The first place in the loop whose fan has no diagonal in a face.
+// Returns the first vertex of the loop whose fan has no diagonal in a face.
 uint apexOfLoop(CellLoop cell) {
   uint apex = 0u;
   bool sound = false;

@@ -1,11 +1,11 @@
-// Turns the counts of the rows into the sums of the rows before, and says how large the mesh is.
+// Turns the counts of the rows into prefix sums, and writes the size of the mesh.
 //
 // Threads: one group of 128, each thread a run of rows.
-// Reads:   g_marchingFields, g_isoRows
+// Reads:   g_marchingSdfs, g_isoRows
 // Writes:  g_isoRows, g_isoCounts
 //
-// Invariant (tests/kernel): g_isoCounts has the sizes of the whole mesh, and a bit for everything
-// that there is no room for.
+// Invariant (tests/sdf): g_isoCounts has the sizes of the whole mesh, and a bit for each
+// exceeded capacity.
 #include "marching_cubes.hlsli"
 
 static const uint kLanes = 128;
@@ -14,10 +14,10 @@ groupshared uint2 s_sums[kLanes];
 
 [numthreads(128, 1, 1)]
 void marching_cubes_offsets(uint lane : SV_GroupIndex) {
-  SdfField field = marchingField();
-  bool fits = fitsMarching(field);
+  Sdf sdf = marchingSdf();
+  bool fits = fitsMarching(sdf);
   uint rows = 0;
-  if (fits) rows = field.nodes.y * field.nodes.z;
+  if (fits) rows = sdf.nodes.y * sdf.nodes.z;
   uint share = (rows + kLanes - 1u) / kLanes;
   uint begin = min(lane * share, rows);
   uint end = min(begin + share, rows);
@@ -26,9 +26,9 @@ void marching_cubes_offsets(uint lane : SV_GroupIndex) {
   for (uint i = begin; i < end; ++i) own += g_isoRows[i];
   s_sums[lane] = own;
   GroupMemoryBarrierWithGroupSync();
-  for (uint reach = 1; reach < kLanes; reach *= 2) {
+  for (uint range = 1; range < kLanes; range *= 2) {
     uint2 others = uint2(0u, 0u);
-    if (lane >= reach) others = s_sums[lane - reach];
+    if (lane >= range) others = s_sums[lane - range];
     GroupMemoryBarrierWithGroupSync();
     s_sums[lane] += others;
     GroupMemoryBarrierWithGroupSync();

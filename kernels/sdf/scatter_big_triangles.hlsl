@@ -1,26 +1,26 @@
-// What scatter_triangles does, for the triangles that it left out.
+// Does the work of scatter_triangles for the triangles that it left out.
 //
-// Threads: 64 a brick of 4^3 nodes; dispatchIndirect, groups in x share the triangles, groups in y
-//          share the bricks and the lines of one triangle.
-// Reads:   g_sdfWork, g_sdfPlaces, g_sdfIndices; of bricks g_sdfMarks
+// Threads: 64 per brick of 4^3 nodes; dispatchIndirect, groups in x share the triangles, groups in
+//          y share the bricks and the lines of one triangle.
+// Reads:   g_sdfWork, g_sdfPoints, g_sdfIndices; of bricks g_sdfMarks
 // Writes:  g_sdfKeys, g_sdfCounts
 //
-// A brick that the triangle's plane is further away from than the band is skipped: of a giant that
-// crosses the whole grid, most are.
+// A brick is skipped if it is further from the triangle's plane than the band: most bricks of a
+// giant triangle that crosses the whole grid are.
 //
-// Invariant (tests/kernel): the same keys as if scatter_triangles had seen to the triangle.
+// Invariant (tests/sdf): the same keys as if scatter_triangles had processed the triangle.
 #include "sdf_bricks.hlsli"
 #include "sdf_crossings.hlsli"
 
 [numthreads(64, 1, 1)]
 void scatter_big_triangles(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
-  uint count = min(g_sdfWork[kWorkBigCount], g_fieldTriangleCount);
+  uint count = min(g_sdfWork[kWorkBigCount], g_sdfTriangleCount);
   bool ofBricks = isOfBricks();
   uint shares = max(g_sdfWork[kWorkBig + 1], 1u);
   for (uint entry = group.x; entry < count; entry += kBigGroups) {
     uint index = g_sdfWork[kWorkBigList + entry];
-    if (index >= g_fieldTriangleCount) continue;
-    PlacedTriangle t = loadTriangle(index, slotNow());
+    if (index >= g_sdfTriangleCount) continue;
+    PointTriangle t = loadTriangle(index, slotNow());
     if (!t.usable) continue;
     if (!ofBricks) addCrossings(t, 1, group.y * 64u + lane, shares * 64u);
     TriangleShape shape = shapeOf(t.a, t.b, t.c);

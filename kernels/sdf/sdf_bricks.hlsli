@@ -1,18 +1,18 @@
-// Bricks of 4^3 nodes, which an incremental build clears where something moved.
+// Bricks of 4^3 nodes, which an incremental build clears if something moved there.
 #ifndef PELAGE_SDF_SDF_BRICKS_HLSLI
 #define PELAGE_SDF_SDF_BRICKS_HLSLI
 
 #include "sdf_triangle.hlsli"
 
-uint3 bricksOfGrid() { return (g_fieldNodes.xyz + 3u) / 4u; }
+uint3 bricksOfGrid() { return (g_sdfNodes.xyz + 3u) / 4u; }
 
 uint brickIndex(uint3 brick) {
   uint3 bricks = bricksOfGrid();
   return brick.x + bricks.x * (brick.y + bricks.y * brick.z);
 }
 
-// First element of the places' marks.
-uint placeMarks() {
+// First element of the points' marks.
+uint pointMarks() {
   uint3 bricks = bricksOfGrid();
   return bricks.x * bricks.y * bricks.z;
 }
@@ -38,29 +38,29 @@ uint3 brickOf(BrickRange bricks, uint i) {
   return bricks.first + uint3(i - row * bricks.extent.x, row - layer * bricks.extent.y, layer);
 }
 
-// Whether this build cleared one of the lane's bricks.
+// Returns true if this build cleared one of the lane's bricks.
 bool touchesMarkedBricks(NodeRange range, uint lane, uint lanes) {
   BrickRange bricks = bricksOf(range);
   uint count = bricks.extent.x * bricks.extent.y * bricks.extent.z;
-  bool touches = false;
-  for (uint i = lane; i < count && !touches; i += lanes)
-    touches = g_sdfMarks[brickIndex(brickOf(bricks, i))] == g_buildStamp;
-  return touches;
+  bool overlaps = false;
+  for (uint i = lane; i < count && !overlaps; i += lanes)
+    overlaps = g_sdfMarks[brickIndex(brickOf(bricks, i))] == g_buildStamp;
+  return overlaps;
 }
 
 // Half the diagonal of a brick's nodes, sqrt(27) / 2, and a little more.
 static const float kBrickRadius = 2.6;
 
-// False when no node of the brick is within the band of the triangle's plane.
+// Returns false if no node of the brick is within the band of the triangle's plane.
 //
 // \param inverseLength  of the normal
 bool isNearPlane(uint3 brick, TriangleShape shape, float inverseLength) {
   if (!(shape.inverseNormal > 0.0)) return true;
   precise float3 arm = float3(brick * 4u) + 1.5 - shape.a;
   precise float height = abs(dot3(arm, shape.normal)) * inverseLength;
-  // The normal of a giant is off by its rounding.
-  precise float reach = abs(arm.x) + abs(arm.y) + abs(arm.z);
-  precise float limit = g_fieldBand + kBrickRadius + 1e-3 * reach;
+  // The normal of a giant triangle is off by its rounding.
+  precise float furthest = abs(arm.x) + abs(arm.y) + abs(arm.z);
+  precise float limit = g_sdfBand + kBrickRadius + 1e-3 * furthest;
   return height <= limit;
 }
 

@@ -1,5 +1,5 @@
-// The closest point of a triangle of a field's surface, on which side of it a point is, and how the
-// surface moves there. The file that includes it defines SDF_SURFACE. In cells.
+// The closest point of a triangle of an SDF's surface, the side of the surface on which a point is,
+// and the motion of the surface there. The including file defines SDF_SURFACE. Units are cells.
 //
 // Closest points are found by the planes through the edges. Deciding by barycentric coordinates
 // loses up to 4e-4 cell on slivers. A face that is thinner than 3e-5 of its length has no normal to
@@ -7,8 +7,8 @@
 #ifndef PELAGE_SDF_SDF_CLOSEST_HLSLI
 #define PELAGE_SDF_SDF_CLOSEST_HLSLI
 
-#include "../common/octahedral.hlsli"
-#include "../layouts/sdf_field.hlsli"
+#include "../base/octahedral.hlsli"
+#include "layouts/sdf.hlsli"
 
 // Features of a triangle: the face, edge kSdfEdge + k from vertex k to the next one, and vertex
 // kSdfVertex + k.
@@ -45,12 +45,12 @@ SdfClosest noTriangle() {
   return closest;
 }
 
-uint sdfRecord(SdfField field, uint index) {
-  return field.surface + index * field.surfaceStride;
+uint sdfRecord(Sdf sdf, uint index) {
+  return sdf.surface + index * sdf.surfaceStride;
 }
 
-SdfCorner3 loadSdfCorners(SdfField field, uint index) {
-  uint row = sdfRecord(field, index);
+SdfCorner3 loadSdfCorners(Sdf sdf, uint index) {
+  uint row = sdfRecord(sdf, index);
   SdfCorner3 corners;
   corners.a = asfloat(SDF_SURFACE[row].xyz);
   corners.b = asfloat(SDF_SURFACE[row + 1].xyz);
@@ -58,9 +58,9 @@ SdfCorner3 loadSdfCorners(SdfField field, uint index) {
   return corners;
 }
 
-// Triangles across its edges; kSdfNone where there is none.
-uint3 sdfNeighbours(SdfField field, uint index) {
-  return SDF_SURFACE[sdfRecord(field, index) + 3].xyz;
+// Triangles across its edges; kSdfNone if there is none.
+uint3 sdfNeighbours(Sdf sdf, uint index) {
+  return SDF_SURFACE[sdfRecord(sdf, index) + 3].xyz;
 }
 
 float3 sdfFaceNormal(SdfCorner3 corners) {
@@ -68,7 +68,7 @@ float3 sdfFaceNormal(SdfCorner3 corners) {
   return n;
 }
 
-// The closest point of the edge e from whose begin the point is q away.
+// Closest point of the edge e to the point that is q away from the start of e.
 struct SdfEdgePoint {
   float3 offset;
   float squared;
@@ -149,28 +149,28 @@ struct SdfSide {
 // normal, the sum of those beside an edge, the angle-weighted one of a vertex. The border of an
 // open mesh has no sides: there the field's own sign decides.
 //
-// \param fieldInside  the sign that the field has there
-SdfSide sdfSideOf(SdfField field, SdfClosest closest, bool fieldInside) {
-  SdfCorner3 corners = loadSdfCorners(field, closest.index);
+// \param sdfInside  the sign that the field has there
+SdfSide sdfSideOf(Sdf sdf, SdfClosest closest, bool sdfInside) {
+  SdfCorner3 corners = loadSdfCorners(sdf, closest.index);
   float3 none = float3(0.0, 0.0, 0.0);
   float3 face = directionOr(sdfFaceNormal(corners), none);
   float distance = squareRoot(closest.squared);
   precise float3 pseudonormal = face;
   bool border = false;
   if (closest.feature >= kSdfVertex) {
-    uint row = sdfRecord(field, closest.index) + sdfPart(closest.feature);
+    uint row = sdfRecord(sdf, closest.index) + sdfPart(closest.feature);
     pseudonormal = unpackDirection(SDF_SURFACE[row].w);
   } else if (closest.feature != kSdfFace) {
-    uint3 beside = sdfNeighbours(field, closest.index);
+    uint3 beside = sdfNeighbours(sdf, closest.index);
     uint k = sdfPart(closest.feature);
     uint other = k == 0u ? beside.x : (k == 1u ? beside.y : beside.z);
-    border = other >= field.triangleCount;
+    border = other >= sdf.triangleCount;
     if (!border)
       pseudonormal =
-          pseudonormal + directionOr(sdfFaceNormal(loadSdfCorners(field, other)), none);
+          pseudonormal + directionOr(sdfFaceNormal(loadSdfCorners(sdf, other)), none);
   }
   bool inside = dot3(closest.offset, pseudonormal) < 0.0;
-  if (border) inside = fieldInside;
+  if (border) inside = sdfInside;
   SdfSide side;
   side.distance = inside ? -distance : distance;
   side.normal = face;
@@ -182,17 +182,17 @@ SdfSide sdfSideOf(SdfField field, SdfClosest closest, bool fieldInside) {
   return side;
 }
 
-// Way of the surface in the frame [cell]; 0 for a surface that does not move.
+// Displacement of the surface in the frame [cell]; 0 for a surface that does not move.
 // \param weights  of vertices 1 and 2
-float3 sdfMotionAt(SdfField field, uint index, float2 weights) {
+float3 sdfMotionAt(Sdf sdf, uint index, float2 weights) {
   precise float3 motion = float3(0.0, 0.0, 0.0);
-  if (field.surfaceStride >= 7u && field.motionScale > 0.0) {
-    uint row = sdfRecord(field, index) + 4u;
+  if (sdf.surfaceStride >= 7u && sdf.motionScale > 0.0) {
+    uint row = sdfRecord(sdf, index) + 4u;
     precise float rest = 1.0 - weights.x - weights.y;
     precise float3 mixed = asfloat(SDF_SURFACE[row].xyz) * rest +
                            asfloat(SDF_SURFACE[row + 1].xyz) * weights.x +
                            asfloat(SDF_SURFACE[row + 2].xyz) * weights.y;
-    precise float3 scaled = mixed * field.motionScale;
+    precise float3 scaled = mixed * sdf.motionScale;
     if (isUsable(scaled)) motion = scaled;
   }
   return motion;

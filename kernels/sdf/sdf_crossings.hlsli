@@ -1,11 +1,11 @@
-// Signed crossings of the grid's lines with a triangle. A line that goes along an axis through
-// nodes enters the solid where the triangle faces against the axis: +1, and leaves it where it
-// faces along the axis: -1. The sum of those before a node is how many solids it is in.
+// Signed crossings of the grid's lines with a triangle. A line along an axis through nodes enters
+// the solid where the triangle faces against the axis: +1, and leaves it where it faces along the
+// axis: -1. The sum of the crossings before a node is the number of solids that contain it.
 //
-// Every line has to meet a closed surface as often from one side as from the other. Corners are
+// Every line must cross a closed surface as often from one side as from the other. Corners are
 // snapped to 2^-14 cell across the line; then integers decide exactly on which side of an edge a
-// line is, and the top-left rule of rasterisers gives a line through an edge to one of its two
-// triangles. The surface is off by at most 2^-14 / sqrt 2 = 4.3e-5 cell by this.
+// line is, and the top-left rule of rasterizers gives a line through an edge to one of its two
+// triangles. This displaces the surface by at most 2^-14 / sqrt 2 = 4.3e-5 cell.
 #ifndef PELAGE_SDF_SDF_CROSSINGS_HLSLI
 #define PELAGE_SDF_SDF_CROSSINGS_HLSLI
 
@@ -13,7 +13,7 @@
 
 static const int kSnapBits = 14;
 static const float kSnap = 16384.0;
-// Greatest extent [2^-14 cell] of a triangle whose edge functions fit 32 bits: 46340^2 < 2^31.
+// Maximum extent [2^-14 cell] of a triangle whose edge functions fit 32 bits: 46340^2 < 2^31.
 static const int kSmallExtent = 46340;
 
 // 64 bits, two's complement.
@@ -44,7 +44,7 @@ Wide difference(Wide a, Wide b) {
   return r;
 }
 
-// On which side of the edge from `from` along `edge` a point is: > 0 to its left.
+// Returns the side of the edge from `from` along `edge` on which a point is: > 0 to its left.
 struct Side {
   float weight;  // twice the area between them
   int sign;
@@ -72,8 +72,8 @@ bool isInside(Side side, int2 edge) {
   return side.sign > 0 || (side.sign == 0 && (edge.y < 0 || (edge.y == 0 && edge.x > 0)));
 }
 
-// Adds `weight` for each crossing of the lines along x of a, b and c, whatever axis of the grid
-// that is. Lanes share the lines.
+// Adds `weight` for each crossing of the triangle a, b, c with the lines along x, whatever axis of
+// the grid x is. Lanes share the lines.
 //
 // \param nodes    along x, y, z, where x is the line's axis
 // \param strides  of g_sdfKeys, likewise
@@ -123,12 +123,12 @@ void addCrossingsAlong(float3 a, float3 b, float3 c, int3 nodes, uint3 strides, 
   }
 }
 
-void addCrossings(PlacedTriangle t, int weight, uint lane, uint lanes) {
-  int3 nodes = int3(g_fieldNodes.xyz);
-  uint3 strides = uint3(1u, g_fieldNodes.x, g_fieldNodes.x * g_fieldNodes.y);
+void addCrossings(PointTriangle t, int weight, uint lane, uint lanes) {
+  int3 nodes = int3(g_sdfNodes.xyz);
+  uint3 strides = uint3(1u, g_sdfNodes.x, g_sdfNodes.x * g_sdfNodes.y);
   addCrossingsAlong(t.a, t.b, t.c, nodes, strides, 0u, weight, lane, lanes);
   if (!hasThreeAxes()) return;
-  uint words = strides.z * g_fieldNodes.z / 4;
+  uint words = strides.z * g_sdfNodes.z / 4;
   addCrossingsAlong(t.a.yzx, t.b.yzx, t.c.yzx, nodes.yzx, strides.yzx, words, weight, lane, lanes);
   addCrossingsAlong(t.a.zxy, t.b.zxy, t.c.zxy, nodes.zxy, strides.zxy, 2u * words, weight, lane,
                     lanes);

@@ -1,9 +1,9 @@
-// Distance, normal and motion of the surface of a signed distance field at a point.
+// Distance, normal and motion of the surface of an SDF at a point.
 //
-// The file that includes it defines SDF_KEYS and SDF_SURFACE, the buffers (uint and uint4) of all
-// fields, and SDF_CLOSEST_FEATURE as 0 to take the trilinear distance and its gradient for what is
-// near, too: cheaper, and 4 degrees off. All here is in cells from node 0, in the space and at the
-// time of the field: the end of a frame.
+// The including file defines SDF_KEYS and SDF_SURFACE, the buffers (uint and uint4) of all SDFs,
+// and SDF_CLOSEST_FEATURE, 0 to use the trilinear distance and its gradient for near points, too:
+// cheaper, and 4 degrees off. Units are cells from node 0, in the space and at the time of the SDF:
+// the end of a frame.
 #ifndef PELAGE_SDF_SDF_QUERY_HLSLI
 #define PELAGE_SDF_SDF_QUERY_HLSLI
 
@@ -19,21 +19,21 @@
 // two and by 0.001 with four.
 static const uint kSdfWalk = 4;
 // Below this distance a point is on the surface: its offset has no direction [cell].
-static const float kSdfTouch = 1e-4;
-// A corner's triangle that is as far as the distances of the corners say, to this, needs no other one
-// [cell]: 5 to 6 triangles a query instead of 12 or more. With 0.15 it is one less, and 1 % of the
-// normals are off by 5 degrees.
+static const float kSdfContact = 1e-4;
+// If a corner's triangle is as far as the distances of the corners say, within this tolerance, no
+// other triangle is tested [cell]: 5 to 6 triangles per query instead of 12 or more. With 0.15 it
+// is one less, and 1 % of the normals are off by 5 degrees.
 static const float kSdfAgrees = 0.05;
-// Looks for the triangle at the foot of a deep point, and how far they may lead [cell].
+// Number of searches for the triangle at the foot of a deep point, and their maximum range [cell].
 static const uint kSdfFeet = 4;
-static const float kSdfFootReach = 4.0;
-// The order of corners that have been looked at: behind all others.
+static const float kSdfFootRange = 4.0;
+// Order value of corners that have been tested: after all others.
 static const float kSdfLooked = 1e30;
-// What distances of keys may be off by [cell], with room.
+// Error bound of the distances of keys [cell], with slack.
 static const float kSdfKeyError = 5e-3;
 
 struct SdfHit {
-  bool found;       // nearer than was asked for; else the distance is a lower bound and the rest 0
+  bool found;       // nearer than the query's range; else the distance is a lower bound and the rest 0
   float distance;   // [cell], negative inside
   float3 normal;    // unit, outwards
   float3 motion;    // of the surface in the frame [cell]
@@ -41,28 +41,28 @@ struct SdfHit {
 
 // The eight nodes around a point, seen from the nearest one: corner k is one node further along x,
 // y and z where its bits 0, 1 and 2 are set.
-struct SdfPlace {
+struct SdfLocation {
   bool inside;   // of the grid
   uint node;     // element of the nearest node
-  uint3 onward;  // what leads to the next node along each axis, modulo 2^32
-  float3 share;  // of the way to it, 0..0.5
+  uint3 onward;  // offset to the next node along each axis, modulo 2^32
+  float3 share;  // fraction of the distance to it, 0..0.5
   float3 side;   // its direction, -1 or 1
 };
 
 // \param shift  0: of all nodes; else of those whose coordinates are multiples of 2^shift. Beyond
 //               the last of these the point is taken to be at it.
-SdfPlace sdfPlaceOf(SdfField field, float3 p, uint shift) {
-  SdfPlace place;
-  place.inside = false;
-  place.node = 0;
-  place.onward = uint3(0, 0, 0);
-  place.share = float3(0.0, 0.0, 0.0);
-  place.side = float3(1.0, 1.0, 1.0);
-  uint3 nodes = field.nodes.xyz;
-  if (!isUsable(p) || min(nodes.x, min(nodes.y, nodes.z)) < 2u) return place;
+SdfLocation sdfLocationOf(Sdf sdf, float3 p, uint shift) {
+  SdfLocation location;
+  location.inside = false;
+  location.node = 0;
+  location.onward = uint3(0, 0, 0);
+  location.share = float3(0.0, 0.0, 0.0);
+  location.side = float3(1.0, 1.0, 1.0);
+  uint3 nodes = sdf.nodes.xyz;
+  if (!isUsable(p) || min(nodes.x, min(nodes.y, nodes.z)) < 2u) return location;
   float3 last = float3(nodes - 1u);
   if (min(p.x, min(p.y, p.z)) < 0.0 || p.x >= last.x || p.y >= last.y || p.z >= last.z)
-    return place;
+    return location;
   uint3 most = (nodes - 1u) >> shift;
   precise float3 q = p / float(1u << shift);
   uint3 nearest = min(uint3(q + 0.5), most);
@@ -72,15 +72,15 @@ SdfPlace sdfPlaceOf(SdfField field, float3 p, uint shift) {
   uint3 strides = uint3(most.x > 0u ? 1u : 0u, most.y > 0u ? nodes.x : 0u,
                         most.z > 0u ? nodes.x * nodes.y : 0u)
                   << shift;
-  place.inside = true;
-  place.node =
-      field.nodes.w + ((nearest.x + nodes.x * (nearest.y + nodes.y * nearest.z)) << shift);
-  place.onward = uint3(back.x ? 0u - strides.x : strides.x, back.y ? 0u - strides.y : strides.y,
+  location.inside = true;
+  location.node =
+      sdf.nodes.w + ((nearest.x + nodes.x * (nearest.y + nodes.y * nearest.z)) << shift);
+  location.onward = uint3(back.x ? 0u - strides.x : strides.x, back.y ? 0u - strides.y : strides.y,
                        back.z ? 0u - strides.z : strides.z);
-  place.share = float3(back.x ? max(-off.x, 0.0) : off.x, back.y ? max(-off.y, 0.0) : off.y,
+  location.share = float3(back.x ? max(-off.x, 0.0) : off.x, back.y ? max(-off.y, 0.0) : off.y,
                        back.z ? max(-off.z, 0.0) : off.z);
-  place.side = float3(back.x ? -1.0 : 1.0, back.y ? -1.0 : 1.0, back.z ? -1.0 : 1.0);
-  return place;
+  location.side = float3(back.x ? -1.0 : 1.0, back.y ? -1.0 : 1.0, back.z ? -1.0 : 1.0);
+  return location;
 }
 
 // As sdfDistance(), of four keys.
@@ -123,8 +123,8 @@ struct SdfSlope {
   float3 gradient;
 };
 
-SdfSlope sdfTrilinear(SdfCorners corners, SdfPlace place) {
-  float3 t = place.share;
+SdfSlope sdfTrilinear(SdfCorners corners, SdfLocation location) {
+  float3 t = location.share;
   float4 low = corners.low;
   float4 high = corners.high;
   precise float4 alongZ = high - low;
@@ -136,7 +136,7 @@ SdfSlope sdfTrilinear(SdfCorners corners, SdfPlace place) {
   precise float slopeY = alongY.x + (alongY.y - alongY.x) * t.x;
   precise float2 rowZ = alongZ.xy + (alongZ.zw - alongZ.xy) * t.y;
   precise float slopeZ = rowZ.x + (rowZ.y - rowZ.x) * t.x;
-  precise float3 gradient = float3(slopeX, slopeY, slopeZ) * place.side;
+  precise float3 gradient = float3(slopeX, slopeY, slopeZ) * location.side;
   SdfSlope slope;
   slope.distance = value;
   slope.gradient = gradient;
@@ -144,102 +144,102 @@ SdfSlope sdfTrilinear(SdfCorners corners, SdfPlace place) {
 }
 
 // Triangles of keys; kSdfNone of one that is not set, or of another field.
-uint4 sdfTriangles(SdfField field, uint4 keys) {
-  uint mask = (1u << field.triangleBits) - 1u;
+uint4 sdfTriangles(Sdf sdf, uint4 keys) {
+  uint mask = (1u << sdf.triangleBits) - 1u;
   uint4 t = keys & mask;
-  return uint4(sdfIsSet(keys.x) && t.x < field.triangleCount ? t.x : kSdfNone,
-               sdfIsSet(keys.y) && t.y < field.triangleCount ? t.y : kSdfNone,
-               sdfIsSet(keys.z) && t.z < field.triangleCount ? t.z : kSdfNone,
-               sdfIsSet(keys.w) && t.w < field.triangleCount ? t.w : kSdfNone);
+  return uint4(sdfIsSet(keys.x) && t.x < sdf.triangleCount ? t.x : kSdfNone,
+               sdfIsSet(keys.y) && t.y < sdf.triangleCount ? t.y : kSdfNone,
+               sdfIsSet(keys.z) && t.z < sdf.triangleCount ? t.z : kSdfNone,
+               sdfIsSet(keys.w) && t.w < sdf.triangleCount ? t.w : kSdfNone);
 }
 
-// What the eight nodes around a point know.
+// The data of the eight nodes around a point.
 struct SdfCell {
-  SdfPlace place;
+  SdfLocation location;
   uint4 low;   // keys of the corners 0 - 3
   uint4 high;  // and 4 - 7
   SdfCorners corners;
-  float4 lowAway;  // squared ways to the corners, in steps from node to node
-  float4 highAway;
+  float4 lowOffset;  // squared distances to the corners, in steps from node to node
+  float4 highOffset;
 };
 
 // \param key  of the nearest node
-SdfCell sdfCellOf(SdfField field, SdfPlace place, uint key) {
-  float most = sdfGreatestCode(field.triangleBits);
-  precise float3 scale = float3(field.band, field.band / most, field.farRange / most);
-  precise float3 away = place.share * place.share;
-  precise float3 back = (1.0 - place.share) * (1.0 - place.share);
-  uint4 onward = uint4(0u, place.onward.x, place.onward.y, place.onward.x + place.onward.y);
-  uint4 lowNodes = onward + place.node;
-  uint4 highNodes = lowNodes + place.onward.z;
+SdfCell sdfCellOf(Sdf sdf, SdfLocation location, uint key) {
+  float most = sdfGreatestCode(sdf.triangleBits);
+  precise float3 scale = float3(sdf.band, sdf.band / most, sdf.farRange / most);
+  precise float3 away = location.share * location.share;
+  precise float3 back = (1.0 - location.share) * (1.0 - location.share);
+  uint4 onward = uint4(0u, location.onward.x, location.onward.y, location.onward.x + location.onward.y);
+  uint4 lowNodes = onward + location.node;
+  uint4 highNodes = lowNodes + location.onward.z;
   SdfCell cell;
-  cell.place = place;
+  cell.location = location;
   cell.low = uint4(key, SDF_KEYS[lowNodes.y], SDF_KEYS[lowNodes.z], SDF_KEYS[lowNodes.w]);
   cell.high = uint4(SDF_KEYS[highNodes.x], SDF_KEYS[highNodes.y], SDF_KEYS[highNodes.z],
                     SDF_KEYS[highNodes.w]);
-  cell.corners.low = sdfDistances(cell.low, field.triangleBits, scale);
-  cell.corners.high = sdfDistances(cell.high, field.triangleBits, scale);
+  cell.corners.low = sdfDistances(cell.low, sdf.triangleBits, scale);
+  cell.corners.high = sdfDistances(cell.high, sdf.triangleBits, scale);
   precise float4 flat =
       float4(away.x + away.y, back.x + away.y, away.x + back.y, back.x + back.y);
-  precise float4 lowAway = flat + away.z;
-  precise float4 highAway = flat + back.z;
-  cell.lowAway = lowAway;
-  cell.highAway = highAway;
+  precise float4 lowOffset = flat + away.z;
+  precise float4 highOffset = flat + back.z;
+  cell.lowOffset = lowOffset;
+  cell.highOffset = highOffset;
   return cell;
 }
 
 #if SDF_CLOSEST_FEATURE
-// `there` of the components that are the index, `else4` of the others.
+// Returns `there` for the components that are the index, `else4` for the others.
 float4 sdfWhere(uint4 indices, uint index, float4 there, float4 else4) {
   return float4(indices.x == index ? there.x : else4.x, indices.y == index ? there.y : else4.y,
                 indices.z == index ? there.z : else4.z, indices.w == index ? there.w : else4.w);
 }
 
-// Triangles beside one over which a nearer one may be: across the edge that the closest point is on,
-// the two edges at the vertex, or the edge that is nearest to it on the face.
-uint3 sdfBeside(SdfField field, SdfClosest closest) {
-  uint3 beside = sdfNeighbours(field, closest.index);
+// Neighbors of a triangle that may be nearer: across the edge that the closest point is on, across
+// the two edges at the vertex, or across the edge that is nearest to it on the face.
+uint3 sdfBeside(Sdf sdf, SdfClosest closest) {
+  uint3 beside = sdfNeighbours(sdf, closest.index);
   precise float rest = 1.0 - closest.weights.x - closest.weights.y;
   float least = min(rest, min(closest.weights.x, closest.weights.y));
-  // Of the edges 01, 12, 20, across from the vertices 2, 0, 1.
+  // For the edges 01, 12, 20, opposite the vertices 2, 0, 1.
   bool3 crosses = bool3(closest.weights.y <= least, rest <= least, closest.weights.x <= least);
   return uint3(crosses.x ? beside.x : kSdfNone, crosses.y ? beside.y : kSdfNone,
                crosses.z ? beside.z : kSdfNone);
 }
 
-// The triangle at the point's foot on the plane of another one, no further from its closest point
-// than kSdfFootReach: where a surface is nearly flat, the nearest one.
-uint sdfTriangleAtFoot(SdfField field, float3 p, SdfClosest closest) {
+// Returns the triangle at the point's foot on the plane of another one, at most kSdfFootRange from
+// its closest point: where a surface is nearly flat, this is the nearest one.
+uint sdfTriangleAtFoot(Sdf sdf, float3 p, SdfClosest closest) {
   float3 none = float3(0.0, 0.0, 0.0);
-  float3 normal = directionOr(sdfFaceNormal(loadSdfCorners(field, closest.index)), none);
+  float3 normal = directionOr(sdfFaceNormal(loadSdfCorners(sdf, closest.index)), none);
   precise float3 aside = closest.offset - normal * dot3(closest.offset, normal);
   precise float size = squareRoot(dot3(aside, aside));
-  precise float share = size > kSdfFootReach ? kSdfFootReach / size : 1.0;
+  precise float share = size > kSdfFootRange ? kSdfFootRange / size : 1.0;
   precise float3 foot = p - closest.offset + aside * share;
-  SdfPlace place = sdfPlaceOf(field, foot, 0u);
-  if (!place.inside) return kSdfNone;
-  return sdfTriangles(field, SDF_KEYS[place.node].xxxx).x;
+  SdfLocation location = sdfLocationOf(sdf, foot, 0u);
+  if (!location.inside) return kSdfNone;
+  return sdfTriangles(sdf, SDF_KEYS[location.node].xxxx).x;
 }
 
-// The nearest of the corners' triangles, and from there to nearer ones.
+// Finds the nearest of the corners' triangles, and from there crosses to nearer ones.
 //
-// First comes the corner that is best in line with the point along the gradient, then the next one.
-// Once one is about as far as the distances of the corners say, and the point on the side of it that
-// they say, the others are not looked at.
-// Deep inside, where corners are far apart, the triangle is looked up that is at the point's foot.
-// Last, it goes over edges to nearer ones. (Where a surface is hollow, one beside a face may be.)
-SdfClosest sdfClosestFeature(SdfField field, float3 p, SdfCell cell, uint4 low, uint4 high,
+// It starts with the corner that agrees best with the point's direction along the gradient, then
+// tests the next one. If one is about as far as the distances of the corners say, and the point is
+// on the side that they say, the others are skipped. Deep inside, where corners are far apart, it
+// looks up the triangle at the point's foot. Last, it crosses edges to nearer triangles. (Where a
+// surface is concave, a triangle beside a face may be nearer.)
+SdfClosest sdfClosestFeature(Sdf sdf, float3 p, SdfCell cell, uint4 low, uint4 high,
                              SdfSlope slope, bool deep) {
   float3 level = float3(0.0, 0.0, 0.0);
-  precise float3 along = directionOr(slope.gradient, level) * cell.place.side;
-  precise float3 behind = -(along * cell.place.share);
+  precise float3 along = directionOr(slope.gradient, level) * cell.location.side;
+  precise float3 behind = -(along * cell.location.share);
   precise float3 ahead = behind + along;
   precise float4 flat = float4(behind.x + behind.y, ahead.x + behind.y, behind.x + ahead.y,
                                ahead.x + ahead.y);
   precise float4 lowAlong = flat + behind.z;
   precise float4 highAlong = flat + ahead.z;
-  precise float4 lowOff = cell.lowAway - lowAlong * lowAlong;
-  precise float4 highOff = cell.highAway - highAlong * highAlong;
+  precise float4 lowOff = cell.lowOffset - lowAlong * lowAlong;
+  precise float4 highOff = cell.highOffset - highAlong * highAlong;
   float4 looked = float4(kSdfLooked, kSdfLooked, kSdfLooked, kSdfLooked);
   lowOff = sdfWhere(low, kSdfNone, looked, lowOff);
   highOff = sdfWhere(high, kSdfNone, looked, highOff);
@@ -251,7 +251,7 @@ SdfClosest sdfClosestFeature(SdfField field, float3 p, SdfCell cell, uint4 low, 
   uint came = kSdfNone;
   uint start = kSdfNone;
   uint3 beside = uint3(kSdfNone, kSdfNone, kSdfNone);
-  // One loop, so that the threads of a wave that look at corners and those that walk share it.
+  // One loop, so that threads of a wave that test corners and threads that walk share it.
   [loop] for (uint turn = 0; turn < 8u + kSdfFeet + 3u * kSdfWalk; ++turn) {
     uint index = kSdfNone;
     float4 least4 = min(lowOff, highOff);
@@ -272,7 +272,7 @@ SdfClosest sdfClosestFeature(SdfField field, float3 p, SdfCell cell, uint4 low, 
       break;
     } else if (feet > 0u) {
       feet = best.feature == kSdfFace ? 0u : feet - 1u;
-      if (feet > 0u) index = sdfTriangleAtFoot(field, p, best);
+      if (feet > 0u) index = sdfTriangleAtFoot(sdf, p, best);
       if (index == best.index) {
         index = kSdfNone;
         feet = 0u;
@@ -284,7 +284,7 @@ SdfClosest sdfClosestFeature(SdfField field, float3 p, SdfCell cell, uint4 low, 
         came = start;
         start = best.index;
         ++walked;
-        beside = sdfBeside(field, best);
+        beside = sdfBeside(sdf, best);
         beside = uint3(beside.x == came ? kSdfNone : beside.x,
                        beside.y == came ? kSdfNone : beside.y,
                        beside.z == came ? kSdfNone : beside.z);
@@ -295,13 +295,13 @@ SdfClosest sdfClosestFeature(SdfField field, float3 p, SdfCell cell, uint4 low, 
                      beside.y == nearest ? kSdfNone : beside.y,
                      beside.z == nearest ? kSdfNone : beside.z);
     }
-    if (index < field.triangleCount) {
-      SdfCorner3 corners = loadSdfCorners(field, index);
+    if (index < sdf.triangleCount) {
+      SdfCorner3 corners = loadSdfCorners(sdf, index);
       SdfClosest found = closestOnCorners(corners, p, index);
       bool nearer = found.squared < best.squared;
       if (nearer) best = found;
       if (!nearer && !corner) feet = 0u;
-      // Of a thin plate, the far side may be as far as that by chance, but shows its back.
+      // The far side of a thin plate may be as far as that by chance, but shows its back.
       bool sameSide = (dot3(found.offset, sdfFaceNormal(corners)) < 0.0) == (slope.distance < 0.0);
       if (corner && nearer && sameSide &&
           abs(squareRoot(found.squared) - expected) < kSdfAgrees) {
@@ -314,50 +314,50 @@ SdfClosest sdfClosestFeature(SdfField field, float3 p, SdfCell cell, uint4 low, 
 }
 #endif
 
-// What the keys around a point tell of its distance.
+// What the keys around a point imply for its distance.
 struct SdfNear {
-  bool may;        // be nearer than the reach; else only the distance counts
+  bool may;        // it may be within the range; else only the distance counts
   float distance;  // a lower bound [cell]
   SdfCell cell;
 };
 
-// \param reach  [cell] what is further from the surface, or outside the grid, is not looked at
-SdfNear sdfNearOf(SdfField field, float3 p, float reach) {
+// \param reach  [cell] points further from the surface, or outside the grid, are ignored
+SdfNear sdfNearOf(Sdf sdf, float3 p, float range) {
   SdfNear near = (SdfNear)0;
-  near.distance = field.band;
-  SdfPlace place = sdfPlaceOf(field, p, 0u);
-  if (!place.inside) return near;
-  // The distance changes by no more than the way: no corner may be further from the surface than
-  // from the point and the reach together. For most points the nearest corner tells.
-  uint key = SDF_KEYS[place.node];
-  precise float first = sdfDistance(key, field.band, field.farRange, field.triangleBits);
-  precise float away = squareRoot(dot3(place.share, place.share));
+  near.distance = sdf.band;
+  SdfLocation location = sdfLocationOf(sdf, p, 0u);
+  if (!location.inside) return near;
+  // The distance changes by at most the displacement: no corner may be further from the surface
+  // than the point's distance and the range together. For most points the nearest corner decides.
+  uint key = SDF_KEYS[location.node];
+  precise float first = sdfDistance(key, sdf.band, sdf.farRange, sdf.triangleBits);
+  precise float away = squareRoot(dot3(location.share, location.share));
   precise float bound = first - away - kSdfKeyError;
-  near.distance = min(bound, field.band);
-  if (bound > reach) return near;
+  near.distance = min(bound, sdf.band);
+  if (bound > range) return near;
 
-  near.cell = sdfCellOf(field, place, key);
-  precise float4 lowClear = max(near.cell.corners.low - (reach + kSdfKeyError), 0.0);
-  precise float4 highClear = max(near.cell.corners.high - (reach + kSdfKeyError), 0.0);
-  precise float4 lowBeyond = lowClear * lowClear - near.cell.lowAway;
-  precise float4 highBeyond = highClear * highClear - near.cell.highAway;
+  near.cell = sdfCellOf(sdf, location, key);
+  precise float4 lowClear = max(near.cell.corners.low - (range + kSdfKeyError), 0.0);
+  precise float4 highClear = max(near.cell.corners.high - (range + kSdfKeyError), 0.0);
+  precise float4 lowBeyond = lowClear * lowClear - near.cell.lowOffset;
+  precise float4 highBeyond = highClear * highClear - near.cell.highOffset;
   near.may = !(sdfGreatest(lowBeyond, highBeyond) > 0.0);
-  if (!near.may) near.distance = max(near.distance, reach);
+  if (!near.may) near.distance = max(near.distance, range);
   return near;
 }
 
-// Whether a corner is deeper than it is away from the point: then the point is inside.
+// Returns true if a corner is deeper than its distance from the point: then the point is inside.
 bool sdfIsWithin(SdfCell cell) {
   precise float4 lowDeep = max(-cell.corners.low - kSdfKeyError, 0.0);
   precise float4 highDeep = max(-cell.corners.high - kSdfKeyError, 0.0);
-  precise float4 lowWithin = lowDeep * lowDeep - cell.lowAway;
-  precise float4 highWithin = highDeep * highDeep - cell.highAway;
+  precise float4 lowWithin = lowDeep * lowDeep - cell.lowOffset;
+  precise float4 highWithin = highDeep * highDeep - cell.highOffset;
   return sdfGreatest(lowWithin, highWithin) > 0.0;
 }
 
 // \param reach  as above
-SdfHit sdfQuery(SdfField field, float3 p, float reach) {
-  SdfNear near = sdfNearOf(field, p, reach);
+SdfHit sdfQuery(Sdf sdf, float3 p, float range) {
+  SdfNear near = sdfNearOf(sdf, p, range);
   SdfHit hit;
   hit.found = false;
   hit.distance = near.distance;
@@ -365,41 +365,41 @@ SdfHit sdfQuery(SdfField field, float3 p, float reach) {
   hit.motion = float3(0.0, 0.0, 0.0);
   if (!near.may) return hit;
   SdfCell cell = near.cell;
-  uint4 low = sdfTriangles(field, cell.low);
-  uint4 high = sdfTriangles(field, cell.high);
+  uint4 low = sdfTriangles(sdf, cell.low);
+  uint4 high = sdfTriangles(sdf, cell.high);
   uint4 any4 = min(low, high);
   bool deep = sdfIsInside(cell.low.x) && min(min(any4.x, any4.y), min(any4.z, any4.w)) == kSdfNone;
   bool within = sdfIsWithin(cell);
   if (deep) {
     // Only nodes of the coarse grid have triangles there.
-    SdfPlace coarse = sdfPlaceOf(field, p, sdfCoarseShift(field.band));
-    cell = sdfCellOf(field, coarse, SDF_KEYS[coarse.node]);
-    low = sdfTriangles(field, cell.low);
-    high = sdfTriangles(field, cell.high);
+    SdfLocation coarse = sdfLocationOf(sdf, p, sdfCoarseShift(sdf.band));
+    cell = sdfCellOf(sdf, coarse, SDF_KEYS[coarse.node]);
+    low = sdfTriangles(sdf, cell.low);
+    high = sdfTriangles(sdf, cell.high);
   }
-  SdfSlope slope = sdfTrilinear(cell.corners, cell.place);
+  SdfSlope slope = sdfTrilinear(cell.corners, cell.location);
 
 #if SDF_CLOSEST_FEATURE
-  SdfClosest best = sdfClosestFeature(field, p, cell, low, high, slope, deep);
+  SdfClosest best = sdfClosestFeature(sdf, p, cell, low, high, slope, deep);
   if (best.index == kSdfNone) return hit;
-  SdfSide side = sdfSideOf(field, best, slope.distance < 0.0);
+  SdfSide side = sdfSideOf(sdf, best, slope.distance < 0.0);
   hit.distance = side.distance;
   hit.normal = side.normal;
-  // Meshes that overlap have sheets inside: the point is inside, whatever sheet is nearest.
-  if (within && hit.distance > kSdfTouch) {
+  // Overlapping meshes have sheets inside: the point is inside, whichever sheet is nearest.
+  if (within && hit.distance > kSdfContact) {
     hit.distance = min(slope.distance, 0.0);
     hit.normal = directionOr(slope.gradient, side.normal);
   }
-  hit.found = hit.distance < reach;
-  if (hit.found) hit.motion = sdfMotionAt(field, best.index, best.weights);
+  hit.found = hit.distance < range;
+  if (hit.found) hit.motion = sdfMotionAt(sdf, best.index, best.weights);
 #else
   hit.distance = slope.distance;
   float3 none = float3(0.0, 0.0, 0.0);
   hit.normal = directionOr(slope.gradient, none);
-  hit.found = hit.distance < reach && dot3(hit.normal, hit.normal) > 0.0;
+  hit.found = hit.distance < range && dot3(hit.normal, hit.normal) > 0.0;
   uint known = low.x;
   if (hit.found && known != kSdfNone)
-    hit.motion = sdfMotionAt(field, known, float2(1.0 / 3.0, 1.0 / 3.0));
+    hit.motion = sdfMotionAt(sdf, known, float2(1.0 / 3.0, 1.0 / 3.0));
 #endif
   return hit;
 }

@@ -1,23 +1,23 @@
-// The triangles of a field that is built, and how far they are.
+// The triangles of an SDF that is being built, and distances to them.
 #ifndef PELAGE_SDF_SDF_TRIANGLE_HLSLI
 #define PELAGE_SDF_SDF_TRIANGLE_HLSLI
 
-#include "../common/quaternion.hlsli"
+#include "../base/quaternion.hlsli"
 #include "sdf_key.hlsli"
 #include "sdf_work.hlsli"
 
-struct PlacedTriangle {
+struct PointTriangle {
   float3 a;
   float3 b;
   float3 c;
   bool usable;  // all corners are finite
 };
 
-uint slotNow() { return g_placeSlot & 1u; }
+uint slotNow() { return g_pointSlot & 1u; }
 uint slotBefore() { return slotNow() ^ 1u; }
 
-PlacedTriangle loadTriangle(uint index, uint slot) {
-  PlacedTriangle t;
+PointTriangle loadTriangle(uint index, uint slot) {
+  PointTriangle t;
   t.a = float3(0.0, 0.0, 0.0);
   t.b = t.a;
   t.c = t.a;
@@ -25,11 +25,11 @@ PlacedTriangle loadTriangle(uint index, uint slot) {
   uint i = g_sdfIndices[3 * index];
   uint j = g_sdfIndices[3 * index + 1];
   uint k = g_sdfIndices[3 * index + 2];
-  if (max(i, max(j, k)) >= g_placeCount) return t;
-  uint first = slot * g_placeCount;
-  float4 a = g_sdfPlaces[first + i];
-  float4 b = g_sdfPlaces[first + j];
-  float4 c = g_sdfPlaces[first + k];
+  if (max(i, max(j, k)) >= g_pointCount) return t;
+  uint first = slot * g_pointCount;
+  float4 a = g_sdfPoints[first + i];
+  float4 b = g_sdfPoints[first + j];
+  float4 c = g_sdfPoints[first + k];
   t.a = a.xyz;
   t.b = b.xyz;
   t.c = c.xyz;
@@ -37,7 +37,7 @@ PlacedTriangle loadTriangle(uint index, uint slot) {
   return t;
 }
 
-// What distances to a triangle need. The planes stand on the edges, at right angles to the face.
+// Data for distances to a triangle. The planes stand on the edges, at right angles to the face.
 struct TriangleShape {
   float3 a;
   float3 b;
@@ -56,8 +56,8 @@ struct TriangleShape {
   bool hasArea;  // false: at one point or on a line, but for rounding
 };
 
-// Height over the longest edge, squared. A face below kThinnest has no normal that could be
-// trusted; its edges are never more than half its height from it.
+// Height over the longest edge, squared. A face below kThinnest has no reliable normal; its edges
+// are never more than half its height from it.
 static const float kThinnest = 1e-9;
 static const float kNoArea = 1e-14;
 
@@ -121,21 +121,21 @@ float squaredDistance(float3 p, TriangleShape shape) {
 }
 
 uint nodeIndex(int3 node) {
-  return uint(node.x) + g_fieldNodes.x * (uint(node.y) + g_fieldNodes.y * uint(node.z));
+  return uint(node.x) + g_sdfNodes.x * (uint(node.y) + g_sdfNodes.y * uint(node.z));
 }
 
-// Nodes that the band of a triangle can reach; none where low > high.
+// Range of nodes in the band of a triangle; empty if low > high.
 struct NodeRange {
   int3 low;
   int3 high;
 };
 
-NodeRange rangeOf(PlacedTriangle t) {
+NodeRange rangeOf(PointTriangle t) {
   NodeRange range;
-  precise float3 lowest = min(t.a, min(t.b, t.c)) - g_fieldBand;
-  precise float3 highest = max(t.a, max(t.b, t.c)) + g_fieldBand;
+  precise float3 lowest = min(t.a, min(t.b, t.c)) - g_sdfBand;
+  precise float3 highest = max(t.a, max(t.b, t.c)) + g_sdfBand;
   range.low = max(int3(ceil(lowest)), int3(0, 0, 0));
-  range.high = min(int3(floor(highest)), int3(g_fieldNodes.xyz) - 1);
+  range.high = min(int3(floor(highest)), int3(g_sdfNodes.xyz) - 1);
   return range;
 }
 
@@ -143,7 +143,7 @@ bool isEmpty(NodeRange range) {
   return range.low.x > range.high.x || range.low.y > range.high.y || range.low.z > range.high.z;
 }
 
-// Of that many things; exact below 2^20 of them.
+// For this many elements; exact below 2^20.
 float shareOf(int count) {
   precise float r = 1.0 / float(count);
   return r;
@@ -155,13 +155,13 @@ int quotient(int index, float share) {
   return int(r);
 }
 
-// Puts the triangle into a node's key when it is within the band.
+// Writes the triangle into a node's key if it is within the band.
 void scatterNode(int3 node, uint index, TriangleShape shape) {
   float squared = squaredDistance(float3(node), shape);
-  precise float limit = g_fieldBand * g_fieldBand;
+  precise float limit = g_sdfBand * g_sdfBand;
   if (squared > limit) return;
-  uint key = sdfNearKey(squareRoot(squared), index, g_fieldBand, g_fieldTriangleBits);
-  InterlockedMin(g_sdfKeys[g_fieldNodes.w + nodeIndex(node)], key);
+  uint key = sdfNearKey(squareRoot(squared), index, g_sdfBand, g_sdfTriangleBits);
+  InterlockedMin(g_sdfKeys[g_sdfNodes.w + nodeIndex(node)], key);
 }
 
 #endif

@@ -1,23 +1,28 @@
-// What a strand is drawn as at a vertex: place, radius and colour. The includer has the layouts of
-// group render, and the permutation ATTRIBUTES: factors on the radius, colours of vertices and a
-// texture, of which g_strandAttributes says what there is.
+// Position, radius and color of a drawn strand at a vertex. The including file has the layouts of
+// group render, and the permutation ATTRIBUTES: factors on the radius, colors of vertices and a
+// texture; g_strandAttributes has the ones that exist.
 #ifndef PELAGE_SHADING_DRAWN_FIBER_HLSLI
 #define PELAGE_SHADING_DRAWN_FIBER_HLSLI
 
-#include "../common/color_packing.hlsli"
-#include "../common/quaternion.hlsli"
-#include "../common/random_hash.hlsli"
-#include "../layouts/render.hlsli"
+#include "color_packing.hlsli"
+#include "../base/quaternion.hlsli"
+#include "../base/random_hash.hlsli"
+#include "layouts/render.hlsli"
 #include "strand_common.hlsli"
 #define STRAND_POSITIONS g_renderPositions
 #define STRAND_TANGENTS g_renderTangents
 #define STRAND_VERTEX_COUNT g_renderVertexCount
-#define STRAND_FOLLOW_STRANDS g_renderFollowStrands
+#define STRAND_FOLLOW_HAIRS g_renderFollowHairRecords
 #define STRAND_ROOTS g_renderRoots
 #define STRAND_GUIDE_COUNT g_renderGuideCount
-#define STRAND_PLACES_FOLLOWS (g_placesFollows != 0u)
+// Kernels without the permutation FOLLOWS evaluate them where the object says so.
+#if defined(FOLLOWS) && !FOLLOWS
+#define STRAND_EVALUATES_FOLLOWS false
+#else
+#define STRAND_EVALUATES_FOLLOWS (g_evaluatesFollows != 0u)
+#endif
 #define STRAND_TIP_SEPARATION g_renderTipSeparation
-#include "../common/drawn_strand.hlsli"
+#include "drawn_strand.hlsli"
 
 #if ATTRIBUTES
 bool hasAttribute(uint attribute) { return (g_strandAttributes & attribute) != 0u; }
@@ -30,15 +35,15 @@ float4 texelAt(int2 at) {
   return unpackColor(g_baseTexture[uint(wrapped.y * size.x + wrapped.x)]);
 }
 
-// Between the four nearest texels; the texture repeats.
+// Interpolates the four nearest texels; the texture repeats.
 float4 textureAt(float2 uv) {
-  float2 place = (uv - floor(uv)) * float2(g_textureSize);
-  // Not a number, and what floats make of a UV just below 0.
-  place.x = place.x > 0.0 ? min(place.x, float(g_textureSize.x)) : 0.0;
-  place.y = place.y > 0.0 ? min(place.y, float(g_textureSize.y)) : 0.0;
-  place -= 0.5;
-  float2 low = floor(place);
-  float2 share = place - low;
+  float2 texel = (uv - floor(uv)) * float2(g_textureSize);
+  // Handles NaN, and the rounding of a UV just below 0.
+  texel.x = texel.x > 0.0 ? min(texel.x, float(g_textureSize.x)) : 0.0;
+  texel.y = texel.y > 0.0 ? min(texel.y, float(g_textureSize.y)) : 0.0;
+  texel -= 0.5;
+  float2 low = floor(texel);
+  float2 share = texel - low;
   int2 at = int2(low);
   return lerp(lerp(texelAt(at), texelAt(at + int2(1, 0)), share.x),
               lerp(texelAt(at + int2(0, 1)), texelAt(at + int2(1, 1)), share.x), share.y);
@@ -53,19 +58,20 @@ float4 strandColor(uint strand, uint guide, uint vertex, float along) {
 #if ATTRIBUTES
   if (hasAttribute(kHasVertexColors))
     color *= unpackColor(g_vertexColors[guide * g_renderVertexCount + vertex]);
-  if (hasAttribute(kHasBaseTexture)) color *= textureAt(g_strandUv[guide]);
+  if (hasAttribute(kHasBaseTexture))
+    color *= textureAt(asfloat(g_baseTexture[g_textureSize.x * g_textureSize.y + guide]));
 #endif
   return color;
 }
 
-// What the strand's width is multiplied with.
+// Returns the factor on the strand's width.
 float strandWidth(uint strand) {
   float left = g_drawnStrands - float(strand);
   return g_strandWidening * (g_fadingStrands > 0.0 ? saturate(left / g_fadingStrands)
                                                    : (left > 0.0 ? 1.0 : 0.0));
 }
 
-// The vertex, or known = false where it is not finite, too.
+// Returns the vertex; known = false also if it is not finite.
 DrawnVertex finiteVertex(uint strand, uint vertex) {
   DrawnVertex drawn = drawnVertex(strand, vertex);
   drawn.known = drawn.known && dot(abs(drawn.position), float3(1.0, 1.0, 1.0)) < 1e18;
@@ -88,7 +94,7 @@ DrawnFiber drawnFiber(uint strand, uint vertex) {
   fiber.color = float4(0.0, 0.0, 0.0, 0.0);
   fiber.radius = 0.0;
   DrawnVertex at = finiteVertex(strand, vertex);
-  // A vertex that is not finite goes where the nearest one is that is.
+  // A vertex that is not finite takes the position of the nearest finite one.
   for (uint apart = 1u; !at.known && apart < g_renderVertexCount; ++apart) {
     if (vertex >= apart) at = finiteVertex(strand, vertex - apart);
     if (!at.known && vertex + apart < g_renderVertexCount)
@@ -105,7 +111,7 @@ DrawnFiber drawnFiber(uint strand, uint vertex) {
 #if ATTRIBUTES
   if (hasAttribute(kHasThickness)) fiber.radius *= g_strandThickness[strand];
   if (hasAttribute(kHasVertexColors | kHasBaseTexture) && strand >= g_renderGuideCount)
-    guide = g_renderFollowStrands[strand - g_renderGuideCount].guides.x;
+    guide = g_renderFollowHairRecords[strand - g_renderGuideCount].guides.x;
 #endif
   fiber.color = strandColor(strand, min(guide, g_renderGuideCount - 1u), vertex, along);
   return fiber;

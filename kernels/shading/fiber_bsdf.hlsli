@@ -1,31 +1,32 @@
-// Light scattered by a fibre of hair: a rough dielectric cylinder with scales, coloured inside.
-// Light that is reflected (R), goes through (TT), is reflected inside once (TRT), and all the rest.
+// Light scattered by a fiber of hair: a rough dielectric cylinder with scales, colored inside. The
+// model sums light that is reflected (R), passes through (TT), is reflected inside once (TRT), and
+// the rest.
 //
 // f cos(theta) = sum over lobes p of M_p(theta) A_p N_p(phi), [1/sr]: longitudinal M_p of d'Eon et
 // al., "An energy-conserving hair reflectance model", EGSR 2011; azimuthal N_p, roughnesses and
 // absorption of Chiang et al., "A practical and controllable hair and fur model for production path
-// tracing", Eurographics 2016. Angles as there: theta from the plane at right angles to the fibre,
+// tracing", Eurographics 2016. Angles as there: theta from the plane at right angles to the fiber,
 // here > 0 towards the tip; phi around it.
 //
-// Invariant (tests/kernel/fiber_shading_test): without absorption the integral over all directions
+// Invariant (tests/shading/fiber_shading_test): without absorption the integral over all directions
 // of light is 1; with it less; finite for every argument.
 #ifndef PELAGE_SHADING_FIBER_BSDF_HLSLI
 #define PELAGE_SHADING_FIBER_BSDF_HLSLI
 
 #include "shading_math.hlsli"
 
-// Smoother fibres have highlights that no pixel resolves and floats do not carry.
-static const float kLeastRoughness = 0.05;
-// Absorption of a fibre that is black for the eye.
-static const float kLeastAlbedo = 1e-5;
+// Minimum roughness: smoother fibers have highlights that no pixel resolves and that exceed floats.
+static const float kMinRoughness = 0.05;
+// Absorption of a fiber that is black for the eye.
+static const float kMinAlbedo = 1e-5;
 
-// What depends on material and colour alone.
+// Values that depend on material and color only.
 struct FiberModel {
   float4 variance;      // longitudinal, of R, TT, TRT and the rest
   float logisticScale;  // azimuthal
   float3 absorption;    // along one radius
   float ior;
-  float3 tiltSine;  // of the angle by which the scales turn R, TT and TRT
+  float3 tiltSine;  // of the angle by which the scales rotate R, TT and TRT
   float3 tiltCosine;
 };
 
@@ -37,7 +38,7 @@ struct FiberAngles {
   float azimuth;  // from the eye to the light, > 0 towards tangent x toEye
 };
 
-// Shares of the light that leave by each lobe; their sum is 1 without absorption.
+// Shares of the light that leave in each lobe; without absorption their sum is 1.
 struct FiberAttenuation {
   float3 r;
   float3 tt;
@@ -45,11 +46,11 @@ struct FiberAttenuation {
   float3 rest;
 };
 
-// \param fiber as StrandShading.fiber; \param base 0..1: albedo of a volume of such fibres.
+// \param fiber as StrandShading.fiber; \param base 0..1: albedo of a volume of such fibers.
 FiberModel makeFiberModel(float4 fiber, float3 base) {
   FiberModel model;
-  float m = bounded(fiber.x, kLeastRoughness, 1.0);
-  float n = bounded(fiber.y, kLeastRoughness, 1.0);
+  float m = bounded(fiber.x, kMinRoughness, 1.0);
+  float n = bounded(fiber.y, kMinRoughness, 1.0);
   float tilt = bounded(fiber.z, -0.5, 0.5);
   model.ior = bounded(fiber.w, 1.0, 3.0);
 
@@ -68,7 +69,7 @@ FiberModel makeFiberModel(float4 fiber, float3 base) {
   model.logisticScale = 0.626657069 * (0.265 * n + 1.194 * n2 + 5.372 * n22);
 
   // Chiang et al. 2016, equation 9.
-  float3 albedo = max(base, float3(kLeastAlbedo, kLeastAlbedo, kLeastAlbedo));
+  float3 albedo = max(base, float3(kMinAlbedo, kMinAlbedo, kMinAlbedo));
   float3 root = log(albedo) / (5.969 - 0.215 * n + 2.532 * n2 - 10.73 * n2 * n + 5.574 * n4 +
                                0.245 * n5);
   model.absorption = root * root;
@@ -88,7 +89,7 @@ FiberAngles fiberAngles(float3 tangent, float3 toEye, float3 toLight) {
   angles.sinEye = clamp(dot(tangent, toEye), -1.0, 1.0);
   angles.cosLight = otherLeg(angles.sinLight);
   angles.cosEye = otherLeg(angles.sinEye);
-  // Both without their parts along the fibre, and with lengths that do not matter.
+  // Both without their parts along the fiber, and with lengths that do not matter.
   float x = dot(toEye, toLight) - angles.sinEye * angles.sinLight;
   float y = dot(cross(tangent, toEye), toLight);
   angles.azimuth = 0.0;
@@ -125,10 +126,10 @@ float longitudinalScattering(float variance, float sinLight, float cosLight, flo
          (1.0 - exp(-2.0 * inverse));
 }
 
-// M of R, TT, TRT and the rest: the scales turn the direction of the eye.
+// M of R, TT, TRT and the rest: the scales rotate the direction of the eye.
 float4 longitudinalLobes(FiberModel model, FiberAngles a) {
   float3 sine = a.sinEye * model.tiltCosine + a.cosEye * model.tiltSine;
-  // Turned past the fibre's axis it comes out on the other side.
+  // Rotated past the fiber's axis, it leaves on the other side.
   float3 cosine = abs(a.cosEye * model.tiltCosine - a.sinEye * model.tiltSine);
   return float4(
       longitudinalScattering(model.variance.x, a.sinLight, a.cosLight, sine.x, cosine.x),
@@ -145,14 +146,14 @@ float fresnelReflectance(float cosine, float ior) {
   return min(0.5 * (across * across + along * along), 0.9999);
 }
 
-// Index of refraction of the cross-section of a fibre that is seen at theta (Marschner et al.,
+// Index of refraction of the cross-section of a fiber that is seen at theta (Marschner et al.,
 // "Light scattering from human hair fibers", SIGGRAPH 2003, appendix B).
 float crossSectionIor(FiberModel model, FiberAngles a) {
   float leg = sqrt(max(model.ior * model.ior - a.sinEye * a.sinEye, 0.0));
   return max(leg / max(a.cosEye, 1e-4), 1.0);
 }
 
-// \param h offset of the ray from the fibre's axis, -1..1.
+// \param h offset of the ray from the fiber's axis, -1..1.
 // Chiang et al. 2016, section 4.3 and equations 5 and 6; the rest is the geometric series.
 FiberAttenuation fiberAttenuation(FiberModel model, FiberAngles a, float h) {
   float reflected = fresnelReflectance(a.cosEye * otherLeg(h), model.ior);
@@ -168,7 +169,7 @@ FiberAttenuation fiberAttenuation(FiberModel model, FiberAngles a, float h) {
   return result;
 }
 
-// Share of a logistic distribution of scale s, cut at -pi and pi, below x in there.
+// Returns the share of a logistic distribution of scale s, cut at -pi and pi, that lies below x.
 float logisticShare(float x, float s) {
   float e = exp(-abs(x) / s);
   float share = (x < 0.0 ? e : 1.0) / (1.0 + e);
@@ -177,10 +178,10 @@ float logisticShare(float x, float s) {
   return (share - cut) / (1.0 - 2.0 * cut);
 }
 
-// Turns from -pi that x is away.
+// Number of turns from -pi to x.
 float azimuthTurns(float x) { return floor((x + kShadingPi) / (2.0 * kShadingPi)); }
 
-// The cut logistic, around and around (Chiang et al. 2016, equation 11).
+// The periodic cut logistic (Chiang et al. 2016, equation 11).
 float azimuthalDensity(float x, float s) {
   float e = exp(-abs(x - 2.0 * kShadingPi * azimuthTurns(x)) / s);
   float cut = exp(-kShadingPi / s);
@@ -197,8 +198,8 @@ float meanAzimuthalDensity(float x, float y, float s) {
   return max(share / (y - x), 0.0);
 }
 
-// Abramowitz and Stegun 4.4.46: error under 1e-7. Drivers' own may be off by 2e-4, which shows in
-// sharp lobes.
+// Abramowitz and Stegun 4.4.46: error under 1e-7. Those of drivers may be off by 2e-4, which is
+// visible in sharp lobes.
 float arcSine(float x) {
   float size = min(abs(x), 1.0);
   float sum =
@@ -221,33 +222,33 @@ float3 lobeAzimuths(float crossIor, float h) {
   return float3(entry, entry + passage, entry + 2.0 * passage);
 }
 
-// Scattering of light that meets the fibre at offset h of the eye's ray: f cos(theta), [1/sr].
+// Scattering of light that meets the fiber at offset h of the eye's ray: f cos(theta), [1/sr].
 float3 nearFiberScattering(FiberModel model, FiberAngles a, float h) {
   float4 lobes = longitudinalLobes(model, a);
   FiberAttenuation shares = fiberAttenuation(model, a, h);
-  float3 way = a.azimuth - lobeAzimuths(crossSectionIor(model, a), h);
+  float3 offset = a.azimuth - lobeAzimuths(crossSectionIor(model, a), h);
   float s = model.logisticScale;
-  return lobes.x * azimuthalDensity(way.x, s) * shares.r +
-         lobes.y * azimuthalDensity(way.y, s) * shares.tt +
-         lobes.z * azimuthalDensity(way.z, s) * shares.trt +
+  return lobes.x * azimuthalDensity(offset.x, s) * shares.r +
+         lobes.y * azimuthalDensity(offset.y, s) * shares.tt +
+         lobes.z * azimuthalDensity(offset.z, s) * shares.trt +
          lobes.w / (2.0 * kShadingPi) * shares.rest;
 }
 
-// Parts of half the fibre's width. In each, azimuth is taken as linear in h, and attenuation as the
-// one halfway along the arc. Their ends were found by search for the least error from roughness 0.2
-// to 0.5: narrow at the edge, where both change most.
+// Parts of half the fiber's width. In each, azimuth is linear in h, and attenuation is that halfway
+// along the arc. A search found the limits with the minimum error for roughness 0.2 to 0.5: narrow
+// at the edge, where both change most.
 static const uint kFiberParts = 4u;
 static const float kFiberPartEnds[5] = {0.0, 0.514, 0.788, 0.943, 1.0};
 static const float kFiberPartMiddles[4] = {0.2667, 0.6623, 0.8770, 0.9856};
 
-// The mean of nearFiberScattering over the fibre's width. In each part the logistic's mean is
-// exact, so that no point of the width shows as a lobe of its own, and nothing is lost or won.
+// Returns the mean of nearFiberScattering over the fiber's width. In each part the mean of the
+// logistic is exact, so no point of the width appears as its own lobe, and energy is conserved.
 float3 fiberScattering(FiberModel model, FiberAngles a) {
   float4 lobes = longitudinalLobes(model, a);
   float crossIor = crossSectionIor(model, a);
   float s = model.logisticScale;
   float3 sum = float3(0.0, 0.0, 0.0);
-  // Of the two halves, one is the other's mirror image.
+  // The two halves are mirror images.
   float3 innerRight = a.azimuth - lobeAzimuths(crossIor, 0.0);
   float3 innerLeft = innerRight;
   [unroll] for (uint part = 0u; part < kFiberParts; ++part) {

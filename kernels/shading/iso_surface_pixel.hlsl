@@ -1,14 +1,15 @@
-// Shades an iso surface so that its shape can be judged: wrapped Lambert on the outside, a warning
-// colour on the inside, which shows where the surface is open or the wrong way around.
+// Shades an iso surface so that its shape is visible: wrapped Lambert on the outside, a warning
+// color on the inside, which shows where the surface is open or inside out.
 //
 // Reads:   RenderMeshConstants
-// Writes:  SV_Target0 premultiplied linear colour and opacity
+// Writes:  SV_Target0 premultiplied linear color and opacity
 //
-// Invariant (tests/kernel): finite for every normal; brighter towards the light; the outside never
-// has the colour of the inside.
-#include "../layouts/render_mesh.hlsli"
+// Invariant (tests/sdf): finite for every normal; brighter towards the light; the outside never
+// has the color of the inside.
+#include "layouts/render_mesh.hlsli"
 
-// Share of the light that wraps past the terminator, so that the dark side still shows its shape.
+// Fraction of the light that wraps past the terminator, so that the dark side still shows its
+// shape.
 static const float kWrap = 0.5;
 static const float3 kInsideColor = float3(0.55, 0.02, 0.25);
 

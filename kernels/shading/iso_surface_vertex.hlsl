@@ -1,27 +1,22 @@
-// Puts a vertex of an iso surface into clip space.
+// Transforms a vertex of an iso surface into clip space.
 //
-// Vertices: one an index that marching cubes wrote.
-// Reads:    g_meshVertices, RenderMeshConstants
+// Vertices: one per index that marching cubes wrote.
+// Reads:    an IsoVertex (sdf/layouts/iso_vertex.hlsli) as vertex inputs, RenderMeshConstants
 // Writes:   MeshVaryings
 //
-// Invariant (tests/kernel): the surface appears where its field is; an index out of range is
-// outside the picture.
-#include "../layouts/render_mesh.hlsli"
+// Invariant (tests/sdf): the surface appears where its SDF is.
+#include "layouts/render_mesh.hlsli"
 
-MeshVaryings iso_surface_vertex(uint index : SV_VertexID) {
+MeshVaryings iso_surface_vertex([[vk::location(0)]] float4 position : ATTRIBUTE0,
+                                [[vk::location(1)]] float4 direction : ATTRIBUTE1) {
   MeshVaryings result;
-  result.clip = float4(2.0, 2.0, 2.0, 1.0);
-  result.position = float3(0.0, 0.0, 0.0);
-  result.normal = float3(0.0, 1.0, 0.0);
-  if (index >= g_meshVertexCount) return result;
-
-  float4 place = float4(g_meshVertices[index].position.xyz, 1.0);
-  float3 normal = g_meshVertices[index].normal.xyz;
-  result.position = float3(dot(g_fieldToWorld[0], place), dot(g_fieldToWorld[1], place),
-                           dot(g_fieldToWorld[2], place));
+  float4 homogeneous = float4(position.xyz, 1.0);
+  float3 normal = direction.xyz;
+  result.position = float3(dot(g_sdfToWorld[0], homogeneous), dot(g_sdfToWorld[1], homogeneous),
+                           dot(g_sdfToWorld[2], homogeneous));
   result.normal =
-      float3(dot(g_fieldToWorld[0].xyz, normal), dot(g_fieldToWorld[1].xyz, normal),
-             dot(g_fieldToWorld[2].xyz, normal));
+      float3(dot(g_sdfToWorld[0].xyz, normal), dot(g_sdfToWorld[1].xyz, normal),
+             dot(g_sdfToWorld[2].xyz, normal));
   float4 world = float4(result.position, 1.0);
   result.clip = float4(dot(g_meshToClip[0], world), dot(g_meshToClip[1], world),
                        dot(g_meshToClip[2], world), dot(g_meshToClip[3], world));

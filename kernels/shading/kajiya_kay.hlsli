@@ -1,16 +1,16 @@
-// Kajiya-Kay: diffuse light and two shifted highlights. Fast and not physical: see docs/shading.md
-// for how much light it makes.
+// Kajiya-Kay: diffuse light and two shifted highlights. Fast, but it does not conserve energy
+// (docs/shading.md).
 #ifndef PELAGE_SHADING_KAJIYA_KAY_HLSLI
 #define PELAGE_SHADING_KAJIYA_KAY_HLSLI
 
-#include "../layouts/shading.hlsli"
+#include "layouts/shading.hlsli"
 #include "shading_math.hlsli"
 
-// Diffuse light on a fibre: the sine of the angle between tangent and light (Kajiya and Kay,
+// Diffuse light on a fiber: the sine of the angle between tangent and light (Kajiya and Kay,
 // "Rendering fur with three dimensional textures", SIGGRAPH 1989, equation 14).
 float fiberDiffuse(float3 tangent, float3 toLight) { return otherLeg(dot(tangent, toLight)); }
 
-// Highlight of a fibre (Kajiya and Kay 1989, equation 16, with the half vector and the shifted
+// Highlight of a fiber (Kajiya and Kay 1989, equation 16, with the half vector and the shifted
 // tangents of Scheuermann, "Practical real-time hair rendering and shading", SIGGRAPH sketch 2004).
 // \param normal unit vector at right angles to the tangent; \param shift > 0 tilts towards it.
 float fiberSpecular(float3 tangent, float3 normal, float3 toLight, float3 toEye, float shift,
@@ -21,16 +21,16 @@ float fiberSpecular(float3 tangent, float3 normal, float3 toLight, float3 toEye,
   if (!(length2 > 1e-12)) return 0.0;
   float cosine = dot(tilted, middle) / sqrt(length2);
   float sine = otherLeg(cosine);
-  // Fades where the light comes from behind the tilted fibre.
+  // Fades where the light comes from behind the tilted fiber.
   float front = smoothstep(-1.0, 0.0, cosine);
   // pow() of 0 is not defined everywhere.
   return front * pow(max(sine, 1e-6), max(exponent, 1.0));
 }
 
-// One highlight. \param lobe strength, exponent, shift, share of the base colour.
-// The shift tilts the normal along the fibre: negative towards the root, from where the primary
-// highlight's light comes more, as the scales of the cuticle make it (Marschner et al., "Light
-// scattering from human hair fibers", SIGGRAPH 2003, section 5.2 and table 1).
+// One highlight. \param lobe strength, exponent, shift, share of the base color.
+// The shift tilts the normal along the fiber: negative towards the root, the side of the primary
+// highlight's light, as the scales of the cuticle do (Marschner et al., "Light scattering from
+// human hair fibers", SIGGRAPH 2003, section 5.2 and table 1).
 float3 kajiyaKayHighlight(float4 lobe, float3 tangent, float3 normal, float3 toLight, float3 toEye,
                           float3 base) {
   float shift = bounded(lobe.z, -1.0, 1.0);

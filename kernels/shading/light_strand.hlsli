@@ -1,6 +1,6 @@
-// All the light that a strand sends to the eye: the lights of StrandViewConstants, each through the
-// hair in front of it, and the ambient term. The includer has a layout with strand_view.hlsli and
-// defines SHADOW_WORDS, the buffer of the shadow maps.
+// Sums the light that a strand sends to the eye: the lights of StrandViewConstants, each through
+// the hair in front of it, and the ambient term. The including file has a layout with
+// strand_view.hlsli and defines SHADOW_WORDS, the buffer of the shadow maps.
 #ifndef PELAGE_SHADING_LIGHT_STRAND_HLSLI
 #define PELAGE_SHADING_LIGHT_STRAND_HLSLI
 
@@ -8,7 +8,7 @@
 #include "strand_shadow.hlsli"
 
 // World position of a fragment [m].
-// \param at place in the viewport, row 0 the top row [pixels], \param depth 0..1
+// \param at position in the viewport, row 0 the top row [pixels], \param depth 0..1
 float3 fragmentPosition(float2 at, float depth) {
   float2 share = at / g_viewport.zw;
   float4 clip = float4(share.x * 2.0 - 1.0, 1.0 - share.y * 2.0, depth, 1.0);

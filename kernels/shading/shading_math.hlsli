@@ -1,26 +1,25 @@
-// Small functions of the shading code that stay finite.
+// Small functions for shading that return finite values.
 #ifndef PELAGE_SHADING_SHADING_MATH_HLSLI
 #define PELAGE_SHADING_SHADING_MATH_HLSLI
 
 static const float kShadingPi = 3.14159265359;
-// Strengths over this are a mistake; the product with a light's colour stays finite.
+// Maximum strength; the product with a light's color stays finite.
 static const float kMostStrength = 64.0;
 
-// Like clamp(), but `low` for NaN, for which clamp() may be anything.
+// Like clamp(), but returns `low` for NaN, for which clamp() is undefined.
 float bounded(float value, float low, float high) {
   float result = low;
   if (value >= low) result = min(value, high);
   return result;
 }
 
-// An albedo: what reflects more than all light, or a part of it that is not a number, does not
-// exist.
+// Clamps an albedo to 0..1; NaN becomes a valid value.
 float3 boundedColor(float3 color) {
   return float3(bounded(color.x, 0.0, 1.0), bounded(color.y, 0.0, 1.0),
                 bounded(color.z, 0.0, 1.0));
 }
 
-// The unit vector along v, or `other` where v has no direction.
+// Returns the unit vector along v, or `other` if v has no direction.
 float3 unitOr(float3 v, float3 other) {
   float squared = dot(v, v);
   // Not infinite either.
@@ -28,12 +27,12 @@ float3 unitOr(float3 v, float3 other) {
   return v * (1.0 / sqrt(squared));
 }
 
-// Cosine to a sine and the other way around.
+// Returns the cosine for a sine and vice versa.
 float otherLeg(float leg) { return sqrt(max(1.0 - leg * leg, 0.0)); }
 
-// The unit vector at right angles to a fibre that is nearest to the eye.
+// Returns the unit vector at right angles to a fiber that is nearest to the eye.
 float3 shadingNormal(float3 tangent, float3 toEye) {
-  // Along the line of sight any one does.
+  // Along the line of sight any vector is valid.
   float3 axis = abs(tangent.y) < 0.7 ? float3(0.0, 1.0, 0.0) : float3(1.0, 0.0, 0.0);
   float3 side = unitOr(axis - tangent * dot(tangent, axis), axis);
   float3 normal = toEye - tangent * dot(tangent, toEye);

@@ -14,10 +14,11 @@ struct StrandView {
 // A corner of the ribbon.
 struct StrandCorner {
   float4 clip;
-  float coverage;  // width of the fibre over that of the ribbon, 0..1
+  float coverage;  // width of the fiber over that of the ribbon, 0..1
 };
 
-// A direction's motion on the screen [pixels a metre] at a point of clip coordinates `clip`, w > 0.
+// Returns a direction's motion on the screen [pixels per meter] at a point of clip coordinates
+// `clip`, w > 0.
 float2 projectDirection(StrandView view, float4 clip, float3 direction) {
   float2 moved = float2(dot(view.clipX.xyz, direction), dot(view.clipY.xyz, direction));
   float movedW = dot(view.clipW.xyz, direction);
@@ -25,16 +26,16 @@ float2 projectDirection(StrandView view, float4 clip, float3 direction) {
   return (moved - ndc * movedW) / clip.w * (view.viewportSize * 0.5);
 }
 
-// A vertex of a fibre on the screen.
+// A vertex of a fiber on the screen.
 struct StrandImage {
   float4 clip;
-  float2 normal;    // unit, at right angles to the fibre's image
+  float2 normal;    // unit, at right angles to the fiber's image
   float halfWidth;  // of the image [pixels]
   bool visible;     // else there is no normal
 };
 
-// A tangent along the line of sight takes any direction on the screen. A vertex that is not in
-// front of the eye gets no width; the near plane cuts there.
+// A tangent along the line of sight gets an arbitrary direction on the screen. A vertex that is not
+// in front of the eye gets no width; the near plane cuts there.
 StrandImage projectStrand(StrandView view, float3 position, float3 tangent, float radius) {
   StrandImage image;
   float4 p = float4(position, 1.0);
@@ -45,7 +46,7 @@ StrandImage projectStrand(StrandView view, float3 position, float3 tangent, floa
   image.visible = false;
   if (!(image.clip.w > 1e-6)) return image;
 
-  // Across: at right angles to the fibre and to the line of sight, where the fibre shows its width.
+  // Across: at right angles to the fiber and to the line of sight, where the fiber shows its width.
   float3 toEye = view.eye - position;
   float3 across = cross(tangent, toEye);
   float squared = dot(across, across);
@@ -57,7 +58,7 @@ StrandImage projectStrand(StrandView view, float3 position, float3 tangent, floa
   }
   across *= 1.0 / sqrt(max(squared, 1e-30));
 
-  // The ribbon is at right angles to the fibre's image, which `across` is only near the centre.
+  // The ribbon is at right angles to the fiber's image; `across` is that only near the center.
   float2 width = projectDirection(view, image.clip, across);
   float2 along = projectDirection(view, image.clip, tangent);
   float2 normal = float2(-along.y, along.x);
@@ -79,10 +80,10 @@ float4 moveOnScreen(StrandView view, float4 clip, float2 pixels) {
   return clip;
 }
 
-// The corner of a camera-facing ribbon at a vertex of a strand. Its width on the screen is that of
-// the fibre, but never below one pixel: what it gains there it gives back as coverage, so that the
-// covered area stays that of the fibre.
-// \param position world position [m], \param tangent unit tangent, \param radius of the fibre [m].
+// Returns the corner of a camera-facing ribbon at a vertex of a strand. Its width on the screen is
+// that of the fiber, but at least one pixel. Coverage compensates for the extra width, so the
+// covered area stays that of the fiber.
+// \param position world position [m], \param tangent unit tangent, \param radius of the fiber [m].
 // \param side -1 or 1: which edge.
 StrandCorner expandStrandVertex(StrandView view, float3 position, float3 tangent, float radius,
                                 float side) {
@@ -97,17 +98,17 @@ StrandCorner expandStrandVertex(StrandView view, float3 position, float3 tangent
   return corner;
 }
 
-// A corner of a ribbon that reaches half a pixel past the fibre on both sides: it has all pixels
-// whose unit box, laid across the fibre, the fibre overlaps. Distance and half width are linear on
-// the screen: not every API interpolates without perspective, so hand the pixel stage both times
-// clip.w, and clip.w beside them to divide by.
+// A corner of a ribbon that extends half a pixel past the fiber on both sides: it contains all
+// pixels whose unit box, laid across the fiber, overlaps the fiber. Distance and half width are
+// linear on the screen. Not every API interpolates without perspective, so pass both times clip.w
+// to the pixel stage, and clip.w to divide by.
 struct StrandRibbon {
   float4 clip;
-  float distance;   // signed, from the centre line [pixels]
-  float halfWidth;  // of the fibre [pixels], >= 0
+  float distance;   // signed, from the center line [pixels]
+  float halfWidth;  // of the fiber [pixels], >= 0
 };
 
-// Wider images than this are those of fibres that touch the eye.
+// Maximum width of an image; wider ones are fibers that touch the eye.
 static const float kWidestFiber = 32768.0;
 
 // Arguments as for expandStrandVertex.
@@ -119,16 +120,16 @@ StrandRibbon expandStrandRibbon(StrandView view, float3 position, float3 tangent
   ribbon.distance = 0.0;
   ribbon.halfWidth = 0.0;
   if (!image.visible) return ribbon;
-  // Neither for a radius that is not a number.
+  // Also false for a radius that is not a number.
   if (image.halfWidth > 0.0) ribbon.halfWidth = min(image.halfWidth, kWidestFiber);
   ribbon.distance = side * (ribbon.halfWidth + 0.5);
   ribbon.clip = moveOnScreen(view, image.clip, image.normal * ribbon.distance);
   return ribbon;
 }
 
-// Share of a pixel that a fibre covers, the pixel taken as a unit box across the fibre: over all
-// distances it sums to the fibre's width, however thin that is.
-// \param distance of the pixel's centre from the centre line, \param halfWidth of the fibre
+// Returns the share of a pixel that a fiber covers; the pixel is a unit box across the fiber. Over
+// all distances it sums to the fiber's width, however thin the fiber is.
+// \param distance of the pixel's center from the center line, \param halfWidth of the fiber
 // [pixels].
 float ribbonCoverage(float distance, float halfWidth) {
   float covered = min(distance + 0.5, halfWidth) - max(distance - 0.5, -halfWidth);

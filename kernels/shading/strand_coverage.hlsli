@@ -1,19 +1,19 @@
-// Which samples of a pixel a fragment covers, for the project's kernels and for an engine's own: no
+// Samples of a pixel that a fragment covers, for the project's kernels and for an engine's own: no
 // resources.
 //
-// Of S samples a pixel, floor(alpha S + d) are written, d in [0, 1) from a hash of strand and
-// pixel, so that alpha S are on average (Enderton, Sintorn, Shirley and Luebke, "Stochastic
-// transparency", I3D 2010, section 3); which ones, a second hash decides, so that strands behind
-// each other do not always hide the same samples. The triangles of one strand in a pixel share the
-// samples. Alpha is constant across the ribbon: its edges are sampled by the rasteriser, and a
-// fall-off besides would take away area that the fibre has.
+// Of S samples per pixel, floor(alpha S + d) are written, with d in [0, 1) from a hash of strand
+// and pixel, so that the mean is alpha S (Enderton, Sintorn, Shirley and Luebke, "Stochastic
+// transparency", I3D 2010, section 3). A second hash selects them, so that strands behind each
+// other do not always hide the same samples. The triangles of one strand in a pixel share the
+// samples. Alpha is constant across the ribbon: the rasterizer samples its edges, and an additional
+// fall-off would remove area from the fiber.
 #ifndef PELAGE_SHADING_STRAND_COVERAGE_HLSLI
 #define PELAGE_SHADING_STRAND_COVERAGE_HLSLI
 
-#include "../common/random_hash.hlsli"
+#include "../base/random_hash.hlsli"
 
-// For SV_Coverage. Discard where it is 0: a target with one sample does not look at the mask on
-// every API.
+// Returns a mask for SV_Coverage. Discard the fragment if it is 0: on some APIs a target with one
+// sample ignores the mask.
 // \param alpha opacity times the ribbon's coverage, 0..1, \param sampleCount 1..8
 // \param strand its index, \param pixel SV_Position.xy within the viewport,
 // \param seed constant for a still image

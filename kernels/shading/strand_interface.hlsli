@@ -1,5 +1,5 @@
-// What strand_vertex hands to the pixel kernels, and to an engine's own pixel shader. Who takes its
-// smooth permutation defines SMOOTH as 1 before, like the kernel itself.
+// Outputs of strand_vertex for the pixel kernels, and for an engine's own pixel shader. To use its
+// smooth permutation, define SMOOTH as 1 before, as the kernel does.
 #ifndef PELAGE_SHADING_STRAND_INTERFACE_HLSLI
 #define PELAGE_SHADING_STRAND_INTERFACE_HLSLI
 
@@ -7,8 +7,8 @@ struct StrandPixel {
   float4 clip : SV_Position;
   float3 tangent : TEXCOORD0;  // unit at the vertices
   float4 color : TEXCOORD1;    // linear rgb, opacity
-  // Without the smooth permutation: x coverage of the ribbon by the fibre, 0..1.
-  // With it: x distance from the centre line, y half the fibre's width [pixels], each times z; z is
+  // Without the smooth permutation: x coverage of the ribbon by the fiber, 0..1.
+  // With it: x distance from the center line, y half the fiber's width [pixels], each times z; z is
   // the clip w, so that x / z and y / z are linear on the screen.
   float3 ribbon : TEXCOORD2;
 #if !SMOOTH

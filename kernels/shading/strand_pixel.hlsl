@@ -1,18 +1,18 @@
-// Lights a strand's ribbon and covers as much of the pixel as the fibre does, without sorting.
+// Lights a strand's ribbon and covers as much of the pixel as the fiber does, without sorting.
 //
 // Reads:   RenderConstants, StrandViewConstants, g_shadowWords
-// Writes:  SV_Target0 linear colour, alpha 1; SV_Coverage
+// Writes:  SV_Target0 linear color, alpha 1; SV_Coverage
 //
-// With STOCHASTIC as many samples are written as the fibre covers: strand_coverage.hlsli.
-// Without STOCHASTIC, the cheapest tier: a fragment is opaque, or left out where its alpha is below
-// a threshold of the strand's own, uniform in 0..1 (after Wyman and McGuire, "Hashed alpha testing",
-// I3D 2017, with one hash a strand): as many strands are drawn as cover what all do, and no strand
+// With STOCHASTIC it writes as many samples as the fiber covers: strand_coverage.hlsli. Without
+// STOCHASTIC, the cheapest method: a fragment is opaque, or discarded if its alpha is below the
+// strand's threshold, uniform in 0..1 (after Wyman and McGuire, "Hashed alpha testing", I3D 2017,
+// with one hash per strand): the number of drawn strands matches the coverage of all, and no strand
 // flickers.
 //
-// Invariant (tests/golden, tests/kernel): with STOCHASTIC a fibre of w < 1 pixels covers w of every
-// pixel's width on average, for 1, 2, 4 and 8 samples.
-#include "../common/random_hash.hlsli"
-#include "../layouts/render.hlsli"
+// Invariant (tests/golden, tests/shading): with STOCHASTIC a fiber of w < 1 pixels covers w of
+// every pixel's width on average, for 1, 2, 4 and 8 samples.
+#include "../base/random_hash.hlsli"
+#include "layouts/render.hlsli"
 #include "strand_common.hlsli"
 #include "strand_coverage.hlsli"
 #include "strand_interface.hlsli"
@@ -29,14 +29,14 @@ struct StrandSample {
 StrandSample strand_pixel(StrandPixel strand) {
   StrandSample result;
   float alpha = strand.ribbon.x * strand.color.a;
-  float2 place = strand.clip.xy - g_viewport.xy;
+  float2 pixel = strand.clip.xy - g_viewport.xy;
 #if STOCHASTIC
-  result.coverage = strandSamples(alpha, g_sampleCount, strand.strand, place, g_seed);
+  result.coverage = strandSamples(alpha, g_sampleCount, strand.strand, pixel, g_seed);
   if (result.coverage == 0u) discard;
 #else
   if (!(alpha > unitFloat(hashUint(strand.strand)))) discard;
 #endif
-  StrandSurface surface = strandSurface(fragmentPosition(place, strand.clip.z), strand.tangent,
+  StrandSurface surface = strandSurface(fragmentPosition(pixel, strand.clip.z), strand.tangent,
                                         strand.color.rgb);
   result.color = float4(lightStrand(renderShading(), surface), 1.0);
   return result;

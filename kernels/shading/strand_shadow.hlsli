@@ -1,20 +1,19 @@
-// Light that hair lets through, from a shadow map, for the project's kernels and for an engine's
-// own; no resources. Who includes this defines before
+// Light that hair transmits, from a shadow map, for the project's kernels and for an engine's own;
+// no resources. The including file first defines
 //   SHADOW_WORDS   the buffer of the maps' words, a StructuredBuffer<uint>
-// layouts/strand_shadow_view.hlsli says what is in it.
+// shading/layouts/strand_shadow_view.hlsli says what is in it.
 //
-// With layers, a texel's optical depth at a distance behind its nearest hair lies on the line
-// between those at the ends of the layer (Yuksel and Keyser, "Deep opacity maps", Eurographics
-// 2008). Without, hair is taken to be as dense as on average: (1 - a)^(distance / spacing), for
-// fibres of opacity a that a ray meets at every `spacing` metres, is exp(-extinction distance) with
-// extinction = -ln(1 - a) / spacing. Both have lengths in metres alone: scaling the scene does not
-// change them.
+// With layers, a texel's optical depth at a distance behind its nearest hair is interpolated
+// linearly between the ends of the layer (Yuksel and Keyser, "Deep opacity maps", Eurographics
+// 2008). Without layers, hair has its mean density: (1 - a)^(distance / spacing), for fibers of
+// opacity a that a ray hits every `spacing` meters, is exp(-extinction distance) with extinction =
+// -ln(1 - a) / spacing. Both use only lengths in meters: scaling the scene does not change them.
 #ifndef PELAGE_SHADING_STRAND_SHADOW_HLSLI
 #define PELAGE_SHADING_STRAND_SHADOW_HLSLI
 
-#include "../layouts/strand_shadow_view.hlsli"
+#include "layouts/strand_shadow_view.hlsli"
 
-// Of the texel at (x, y) up to a distance behind the near plane [m].
+// Returns the optical depth of the texel at (x, y) up to a distance behind the near plane [m].
 float opticalDepthAt(StrandShadowView map, int x, int y, float depth) {
   if (min(x, y) < 0 || x >= int(map.width) || y >= int(map.height)) return 0.0;
   uint word = map.firstWord + (uint(y) * map.width + uint(x)) * (1u + map.layerCount);
@@ -36,8 +35,8 @@ float opticalDepthAt(StrandShadowView map, int x, int y, float depth) {
   return (low + (high - low) * share) * map.tauQuantum;
 }
 
-// Share 0..1 of the light that hair in front of a point lets through to it. 1 outside the map, and
-// for a position that is not finite.
+// Returns the share 0..1 of the light that hair in front of a point transmits to it; 1 outside the
+// map, and for a position that is not finite.
 float strandTransmittance(StrandShadowView map, float3 position) {
   float4 p = float4(position, 1.0);
   float w = dot(map.mapW, p);
@@ -45,7 +44,7 @@ float strandTransmittance(StrandShadowView map, float3 position) {
   float2 texel = float2(dot(map.mapX, p), dot(map.mapY, p)) / w - 0.5;
   float depth = dot(map.mapZ, p);
   float2 size = float2(float(map.width), float(map.height));
-  // What is not a number fails these, too.
+  // NaN fails these tests, too.
   if (!(min(texel.x, texel.y) > -1.0) || !(texel.x < size.x) || !(texel.y < size.y)) return 1.0;
   if (!(depth > 0.0) || !(depth < 1e30)) return 1.0;
 

@@ -1,24 +1,23 @@
 // Draws a strand as a ribbon that faces the camera.
 //
-// Vertices: one instance a strand, index 2 v + side with side 0 or 1 for the edges at vertex v; an
-//           index buffer of 6 (V - 1) indices makes two triangles a segment.
+// Vertices: one instance per strand, index 2 v + side with side 0 or 1 for the edges at vertex v;
+//           an index buffer of 6 (V - 1) indices makes two triangles per segment.
 // Reads:    g_renderPositions, g_renderTangents, RenderConstants, StrandViewConstants; with
-//           g_placesFollows g_renderFollowStrands and g_renderRoots; with ATTRIBUTES those of
-//           g_strandThickness, g_vertexColors, g_strandUv and g_baseTexture that the object has,
-//           and g_renderFollowStrands for the colours of follow strands
+//           g_evaluatesFollows g_renderFollowHairRecords and g_renderRoots; with ATTRIBUTES those of
+//           g_strandThickness, g_vertexColors and g_baseTexture that the object has,
+//           and g_renderFollowHairRecords for the colors of follow hairs
 // Writes:   the outputs of StrandPixel.
 //
-// With g_placesFollows the follow strands are placed beside their guides here, as
-// update_follow_strands does for buffers that hold them. One without a guide is not drawn.
-// SMOOTH makes the ribbon a pixel wider than the fibre, for kernels that know how much of a pixel it
-// covers; without it the ribbon is as wide as the fibre, but at least one pixel.
-// The last g_fadingStrands of the drawn strands are narrower, down to nothing; all are wider by
-// g_strandWidening.
+// With g_evaluatesFollows it computes the follow hairs from their guides, as update_follow_hairs
+// does for buffers that store them. A follow hair without a guide is not drawn. SMOOTH makes the
+// ribbon a pixel wider than the fiber, for kernels that compute the coverage of a pixel; without it
+// the ribbon is as wide as the fiber, but at least one pixel. The last g_fadingStrands of the drawn
+// strands get narrower, down to zero; all are wider by g_strandWidening.
 //
-// Invariant (tests/kernel): the ribbon's width in pixels times its coverage is the fibre's width,
+// Invariant (tests/shading): the ribbon's width in pixels times its coverage is the fiber's width,
 // for every distance; nothing is NaN for a tangent along the line of sight or a vertex behind the
 // eye.
-#include "../layouts/render.hlsli"
+#include "layouts/render.hlsli"
 #include "drawn_fiber.hlsli"
 #include "strand_common.hlsli"
 #include "strand_interface.hlsli"

@@ -1,22 +1,23 @@
 // Moves the vertices of a mesh with up to four bones each.
 //
-// Threads: one a vertex, in rows of 2^20.
+// Threads: one per vertex, in rows of 2^20.
 // Reads:   g_bindVertices, g_vertexBindings, g_skinningBones, g_skinned (this frame's)
 // Writes:  g_skinnedBefore: what g_skinned had, the positions of the last frame; then g_skinned.
 //          With g_skinningReset both get the new positions. The floats between the positions stay.
 //
 // The blended map applied to the bind position; dual quaternions are blended as rigid motions
-// (common/bones.hlsli).
+// (skinning/bones.hlsli).
 //
-// Invariant (tests/kernel): bones past the end and weights that are not > 0 add nothing; where none
-// is left, the binding's first bone has weight 1. A vertex whose bones hold a NaN or an infinity, or
-// do not exist, stays where it was in the last frame (in the bind pose when there was none). Where
-// the bind position is no number the skinned one is none either, so that those who read the mesh can
-// leave its triangles out.
-#include "../layouts/bone_skinning.hlsli"
+// Invariant (tests/skinning): bones past the end and weights that are not > 0 add nothing; if none
+// is left, the binding's first bone has weight 1. A vertex whose bones hold a NaN or an infinity,
+// or do not exist, stays at its position in the last frame (in the bind pose if there was none). If
+// the bind position is not a number, neither is the skinned one, so readers of the mesh can leave
+// its triangles out.
+#include "layouts/bone_skinning.hlsli"
 #define BONE_TRANSFORMS g_skinningBones
 #define BONE_COUNT g_skinningCount
-#include "../common/bones.hlsli"
+#include "bones.hlsli"
+#include "../base/dispatch.hlsli"
 
 float3 skinnedPosition(uint vertex, float3 bind, float3 kept) {
   VertexBinding binding = g_vertexBindings[vertex];
@@ -35,7 +36,7 @@ float3 skinnedPosition(uint vertex, float3 bind, float3 kept) {
 
 [numthreads(64, 1, 1)]
 void skin_vertices(uint3 thread : SV_DispatchThreadID) {
-  uint vertex = (thread.y << 20) | thread.x;
+  uint vertex = indexOfThread(thread);
   if (vertex >= g_skinnedCount) return;
 
   uint source = g_bindOffset + g_bindStride * vertex;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 #include <utility>
+#include <vector>
 
 #include "head.h"
 #include "implicit_shapes.h"
@@ -17,7 +18,7 @@ namespace {
 
 // The head's surface ends at y = 0; this far below, the body hides it. The body's neck ends inside
 // the head, at least this far below its surface.
-constexpr double kHeadReach = -0.045, kBodyReach = 0.19;
+constexpr double kHeadRange = -0.045, kBodyRange = 0.19;
 constexpr double kNeckBlend = 0.03;
 
 constexpr Vector kClavicle = {0.030, -0.035, -0.030}, kShoulder = {0.152, -0.062, -0.040},
@@ -26,46 +27,86 @@ constexpr Vector kClavicle = {0.030, -0.035, -0.030}, kShoulder = {0.152, -0.062
 
 Vector mirrored(const Vector& p) { return {std::abs(p.x), p.y, p.z}; }
 
+// Parts of a body, blended one after the other. Most are too far away to change a bit of the sum:
+// these cost a comparison.
+class Blend {
+ public:
+  Blend(const Vector& p, double first) : p_(p), distance_(first) {}
+
+  void add(const BoundedCapsule& part, double width) {
+    if (part.isBeyond(p_, distance_ + width)) return;
+    distance_ = smoothUnion(distance_, part.distance(p_), width);
+  }
+  void add(const BoundedEllipsoid& part, double width) {
+    if (part.isBeyond(p_, distance_ + width)) return;
+    distance_ = smoothUnion(distance_, part.distance(p_), width);
+  }
+  double distance() const { return distance_; }
+
+ private:
+  const Vector& p_;
+  double distance_;
+};
+
 // Of p.x >= 0, as all below.
 double torso(const Vector& p) {
-  double d = ellipsoid(p, {0, -0.150, -0.030}, {0.128, 0.145, 0.088});  // ribs
-  const auto add = [&](double part, double width) { d = smoothUnion(d, part, width); };
-  add(taperedCapsule(p, {0, -0.040, -0.042}, {0.132, -0.060, -0.040}, 0.056, 0.047), 0.05);
-  add(taperedCapsule(p, {0, 0.062, -0.042}, {0.118, -0.022, -0.045}, 0.047, 0.034), 0.05);
-  add(taperedCapsule(p, {0, 0.100, -0.027}, {0, -0.060, -0.036}, 0.0540, 0.0620), 0.04);
-  add(ellipsoid(p, {0.062, -0.112, 0.030}, {0.066, 0.046, 0.030}), 0.03);   // chest
-  add(ellipsoid(p, {0.075, -0.120, -0.092}, {0.055, 0.075, 0.026}), 0.04);  // shoulder blades
-  add(ellipsoid(p, {0.088, -0.170, -0.055}, {0.046, 0.110, 0.052}), 0.05);  // below the armpits
-  add(ellipsoid(p, {0, -0.300, -0.028}, {0.106, 0.130, 0.074}), 0.06);      // waist
-  add(ellipsoid(p, {0, -0.405, -0.032}, {0.132, 0.095, 0.092}), 0.06);      // hips
-  return -smoothUnion(-d, p.y + 0.47, 0.03);                                // cut off below
+  static const BoundedCapsule kShoulders({0, -0.040, -0.042}, {0.132, -0.060, -0.040}, 0.056,
+                                         0.047),
+      kNeckSide({0, 0.062, -0.042}, {0.118, -0.022, -0.045}, 0.047, 0.034),
+      kNeck({0, 0.100, -0.027}, {0, -0.060, -0.036}, 0.0540, 0.0620);
+  static const BoundedEllipsoid kChestSide({0.062, -0.112, 0.030}, {0.066, 0.046, 0.030}),
+      kShoulderBlade({0.075, -0.120, -0.092}, {0.055, 0.075, 0.026}),
+      kBelowArmpit({0.088, -0.170, -0.055}, {0.046, 0.110, 0.052}),
+      kWaist({0, -0.300, -0.028}, {0.106, 0.130, 0.074}),
+      kHip({0, -0.405, -0.032}, {0.132, 0.095, 0.092});
+  Blend parts(p, ellipsoid(p, {0, -0.150, -0.030}, {0.128, 0.145, 0.088}));  // ribs
+  parts.add(kShoulders, 0.05);
+  parts.add(kNeckSide, 0.05);
+  parts.add(kNeck, 0.04);
+  parts.add(kChestSide, 0.03);
+  parts.add(kShoulderBlade, 0.04);
+  parts.add(kBelowArmpit, 0.05);
+  parts.add(kWaist, 0.06);
+  parts.add(kHip, 0.06);
+  return -smoothUnion(-parts.distance(), p.y + 0.47, 0.03);  // cut off below
 }
 
-double arm(const Vector& p) {
-  double d = taperedCapsule(p, {0.120, -0.058, -0.040}, kShoulder, 0.044, 0.051);
-  const auto add = [&](double part, double width) { d = smoothUnion(d, part, width); };
+struct BlendedCapsule {
+  BoundedCapsule capsule;
+  double width;
+};
+
+std::vector<BlendedCapsule> armParts() {
   const Vector upper = kElbow - kShoulder, lower = kWrist - kElbow, hand = kFingertips - kWrist;
-  add(taperedCapsule(p, kShoulder, kElbow, 0.047, 0.034), 0.02);
-  add(taperedCapsule(p, kShoulder + upper * 0.30 + Vector{0, 0, 0.010},
-                     kShoulder + upper * 0.75 + Vector{0, 0, 0.008}, 0.036, 0.030),
-      0.03);  // biceps
-  add(taperedCapsule(p, kElbow, kWrist, 0.034, 0.0225), 0.02);
-  add(taperedCapsule(p, kElbow + lower * 0.15, kElbow + lower * 0.45, 0.034, 0.031), 0.03);
+  std::vector<BlendedCapsule> parts = {
+      {{kShoulder, kElbow, 0.047, 0.034}, 0.02},
+      {{kShoulder + upper * 0.30 + Vector{0, 0, 0.010},
+        kShoulder + upper * 0.75 + Vector{0, 0, 0.008}, 0.036, 0.030},
+       0.03},  // biceps
+      {{kElbow, kWrist, 0.034, 0.0225}, 0.02},
+      {{kElbow + lower * 0.15, kElbow + lower * 0.45, 0.034, 0.031}, 0.03}};
   // A hand like a mitten: palm and fingers side by side, thumb in front.
   const Vector across = {0.25, 0.15, 0.95};
   for (const double side : {-1.0, 0.0, 1.0}) {
     const Vector offset = across * (side * 0.0145);
-    add(taperedCapsule(p, kWrist + hand * 0.12 + offset * 0.7, kWrist + hand * 0.55 + offset,
-                       0.0170, 0.0150),
-        0.016);
-    add(taperedCapsule(p, kWrist + hand * 0.55 + offset,
-                       kFingertips + offset * 0.8 - hand * (0.08 * std::abs(side)), 0.0115, 0.0080),
-        0.008);
+    parts.push_back(
+        {{kWrist + hand * 0.12 + offset * 0.7, kWrist + hand * 0.55 + offset, 0.0170, 0.0150},
+         0.016});
+    parts.push_back({{kWrist + hand * 0.55 + offset,
+                      kFingertips + offset * 0.8 - hand * (0.08 * std::abs(side)), 0.0115, 0.0080},
+                     0.008});
   }
-  add(taperedCapsule(p, kWrist + hand * 0.20 + across * 0.016,
-                     kWrist + hand * 0.58 + across * 0.046, 0.0135, 0.0085),
-      0.014);
-  return d;
+  parts.push_back({{kWrist + hand * 0.20 + across * 0.016, kWrist + hand * 0.58 + across * 0.046,
+                    0.0135, 0.0085},
+                   0.014});
+  return parts;
+}
+
+double arm(const Vector& p) {
+  static const std::vector<BlendedCapsule> kParts = armParts();
+  Blend blend(p, taperedCapsule(p, {0.120, -0.058, -0.040}, kShoulder, 0.044, 0.051));
+  for (const BlendedCapsule& part : kParts) blend.add(part.capsule, part.width);
+  return blend.distance();
 }
 
 // Parts too far away to change the surface are left out.
@@ -77,8 +118,8 @@ double body(const Vector& p) {
 
 template <class Body, class HeadDistance>
 double withHead(const Vector& p, const Body& below, const HeadDistance& head) {
-  if (p.y > kBodyReach) return head(p);
-  return p.y > kHeadReach ? smoothUnion(below(mirrored(p)), head(p), kNeckBlend)
+  if (p.y > kBodyRange) return head(p);
+  return p.y > kHeadRange ? smoothUnion(below(mirrored(p)), head(p), kNeckBlend)
                           : below(mirrored(p));
 }
 
@@ -114,13 +155,13 @@ BoneInfluences characterBones(const Vector& point) {
   std::array<std::pair<double, uint32_t>, 9> shares = {};
   const double arms = armShare(p);
   // Down the trunk: each joint leaves a share to the bone below it.
-  const double head = p.y > kHeadReach ? headBoneShare(p) : 0;
+  const double head = p.y > kHeadRange ? headBoneShare(p) : 0;
   const double neck = smoothStep(-0.030, 0.055, p.y - 0.3 * p.z);
   const double chest = smoothStep(-0.260, -0.170, p.y);
   const double spine = smoothStep(-0.400, -0.310, p.y);
   double rest = 1 - arms;
-  const auto take = [&](size_t place, double share, uint32_t bone) {
-    shares[place] = {rest * share, bone};
+  const auto take = [&](size_t slot, double share, uint32_t bone) {
+    shares[slot] = {rest * share, bone};
     rest *= 1 - share;
   };
   take(0, head, kHead);

@@ -34,11 +34,11 @@ enum ArmBone : size_t { kClavicle, kUpperArm, kForearm, kHand };
 // x, then y. Where the hips are moved to [m].
 struct Pose {
   Vector hips;
-  std::array<Vector, kBoneCount> turns;
+  std::array<Vector, kBoneCount> jointRotations;
 
   void add(const Pose& other, double share) {
     hips += other.hips * share;
-    for (size_t i = 0; i < kBoneCount; ++i) turns[i] += other.turns[i] * share;
+    for (size_t i = 0; i < kBoneCount; ++i) jointRotations[i] += other.jointRotations[i] * share;
   }
 };
 
@@ -46,9 +46,9 @@ struct Pose {
 void setArm(Pose& pose, bool left, double lowered, double forwards, double bent) {
   const size_t first = left ? kLeftArm : kRightArm;
   const double side = left ? 1 : -1;
-  pose.turns[first + kUpperArm] = {-forwards, 0, -side * lowered};
-  pose.turns[first + kForearm] = {-bent, 0, 0};
-  pose.turns[first + kHand] = {-0.15 * bent, 0, -side * 0.1 * lowered};
+  pose.jointRotations[first + kUpperArm] = {-forwards, 0, -side * lowered};
+  pose.jointRotations[first + kForearm] = {-bent, 0, 0};
+  pose.jointRotations[first + kHand] = {-0.15 * bent, 0, -side * 0.1 * lowered};
 }
 
 // From 0 to 1 without velocity and acceleration at the ends.
@@ -57,8 +57,8 @@ double smootherStep(double from, double to, double t) {
   return x * x * x * (x * (6 * x - 15) + 10);
 }
 
-double sine(double turns) { return sinCos(detail::kTwoPi * turns).sine; }
-double cosine(double turns) { return sinCos(detail::kTwoPi * turns).cosine; }
+double sine(double jointRotations) { return sinCos(detail::kTwoPi * jointRotations).sine; }
+double cosine(double jointRotations) { return sinCos(detail::kTwoPi * jointRotations).cosine; }
 
 constexpr double kStride = 1.0;  // s of two steps
 
@@ -68,11 +68,11 @@ Pose walk(double seconds) {
   const double bob = 0.5 - 0.5 * cosine(2 * phase);  // twice a stride
   Pose pose;
   pose.hips = {0.012 * swing, -0.022 * bob, 0};
-  pose.turns[kHips] = {0, 6 * swing, -3 * swing};
-  pose.turns[kSpine] = {3 + bob, -7 * swing, 2.5 * swing};
-  pose.turns[kChest] = {1, -6 * swing, 1.5 * swing};
-  pose.turns[kNeck] = {-1.5 - bob, 4 * lag, -0.5 * swing};
-  pose.turns[kHead] = {-2 + 1.5 * bob, 3 * lag, -0.5 * swing};
+  pose.jointRotations[kHips] = {0, 6 * swing, -3 * swing};
+  pose.jointRotations[kSpine] = {3 + bob, -7 * swing, 2.5 * swing};
+  pose.jointRotations[kChest] = {1, -6 * swing, 1.5 * swing};
+  pose.jointRotations[kNeck] = {-1.5 - bob, 4 * lag, -0.5 * swing};
+  pose.jointRotations[kHead] = {-2 + 1.5 * bob, 3 * lag, -0.5 * swing};
   setArm(pose, true, 27, 26 * swing, 16 + 9 * swing);
   setArm(pose, false, 27, -26 * swing, 16 - 9 * swing);
   return pose;
@@ -85,9 +85,9 @@ Pose headShake(double seconds) {
       smootherStep(0, 0.30, seconds) * (1 - smootherStep(0.80, kShakeTime, seconds));
   const double yaw = 62 * amount * sine(1.75 * seconds);
   Pose pose;
-  pose.turns[kChest] = {0, -0.08 * yaw, 0};
-  pose.turns[kNeck] = {2 * amount, 0.42 * yaw, 0};
-  pose.turns[kHead] = {5 * amount, 0.66 * yaw, -0.05 * yaw};
+  pose.jointRotations[kChest] = {0, -0.08 * yaw, 0};
+  pose.jointRotations[kNeck] = {2 * amount, 0.42 * yaw, 0};
+  pose.jointRotations[kHead] = {5 * amount, 0.66 * yaw, -0.05 * yaw};
   setArm(pose, true, 12 * amount, 3 * amount, 8 * amount);
   setArm(pose, false, 12 * amount, 3 * amount, 8 * amount);
   return pose;
@@ -99,20 +99,20 @@ constexpr double kCrouched = 0.30, kLaunch = 0.46, kTouch = 0.76, kLanded = 0.93
 constexpr double kLaunchSpeed = kGravity * (kTouch - kLaunch) / 2;
 
 struct State {
-  double place, speed, acceleration;
+  double slot, speed, acceleration;
 };
 
 // The quintic that takes one state to another (Hermite interpolation of place, speed and
 // acceleration): a Taylor polynomial of the first state and three terms for the second.
 double quintic(const State& a, const State& b, double duration, double t) {
   const double x = t / duration, x3 = x * x * x;
-  const double place = a.place + t * (a.speed + t * a.acceleration / 2);
-  const double end = a.place + duration * (a.speed + duration * a.acceleration / 2);
-  const double dp = b.place - end;
+  const double slot = a.slot + t * (a.speed + t * a.acceleration / 2);
+  const double end = a.slot + duration * (a.speed + duration * a.acceleration / 2);
+  const double dp = b.slot - end;
   const double dv = (b.speed - a.speed - a.acceleration * duration) * duration;
   const double da = (b.acceleration - a.acceleration) * duration * duration;
-  return place + x3 * ((10 * dp - 4 * dv + da / 2) +
-                       x * ((-15 * dp + 7 * dv - da) + x * (6 * dp - 3 * dv + da / 2)));
+  return slot + x3 * ((10 * dp - 4 * dv + da / 2) +
+                      x * ((-15 * dp + 7 * dv - da) + x * (6 * dp - 3 * dv + da / 2)));
 }
 
 double jumpHeight(double t) {
@@ -133,11 +133,11 @@ Pose jump(double seconds) {
   const double flight = smootherStep(0.32, 0.56, t) - smootherStep(0.66, 0.95, t);
   Pose pose;
   pose.hips = {0, jumpHeight(t), -0.02 * crouch};
-  pose.turns[kHips] = {6 * crouch - 3 * flight, 0, 0};
-  pose.turns[kSpine] = {9 * crouch - 4 * flight, 0, 0};
-  pose.turns[kChest] = {4 * crouch - 4 * flight, 0, 0};
-  pose.turns[kNeck] = {-7 * crouch + 2 * flight, 0, 0};
-  pose.turns[kHead] = {-9 * crouch + 6 * flight, 0, 0};
+  pose.jointRotations[kHips] = {6 * crouch - 3 * flight, 0, 0};
+  pose.jointRotations[kSpine] = {9 * crouch - 4 * flight, 0, 0};
+  pose.jointRotations[kChest] = {4 * crouch - 4 * flight, 0, 0};
+  pose.jointRotations[kNeck] = {-7 * crouch + 2 * flight, 0, 0};
+  pose.jointRotations[kHead] = {-9 * crouch + 6 * flight, 0, 0};
   for (const bool left : {true, false})
     setArm(pose, left, 16 * crouch - 14 * flight, -20 * crouch + 38 * flight,
            20 * crouch + 20 * flight);
@@ -150,10 +150,10 @@ Pose idle(double seconds) {
   const double in = 0.5 - 0.5 * cosine(seconds / kBreath), shift = sine(seconds / kBreath);
   Pose pose;
   pose.hips = {0.006 * shift, -0.002 * in, 0};
-  pose.turns[kHips] = {0, 1.5 * shift, -shift};
-  pose.turns[kSpine] = {0.5 * in, -shift, shift};
-  pose.turns[kChest] = {-2 * in, 0, 0};
-  pose.turns[kHead] = {1.5 * in, 3 * shift, 0.5 * shift};
+  pose.jointRotations[kHips] = {0, 1.5 * shift, -shift};
+  pose.jointRotations[kSpine] = {0.5 * in, -shift, shift};
+  pose.jointRotations[kChest] = {-2 * in, 0, 0};
+  pose.jointRotations[kHead] = {1.5 * in, 3 * shift, 0.5 * shift};
   setArm(pose, true, 24 + 2 * in, 2 * shift, 10);
   setArm(pose, false, 24 + 2 * in, -2 * shift, 10);
   return pose;
@@ -223,28 +223,29 @@ std::vector<AffineTransform> poseCharacter(CharacterMotion motion, double second
   static const Skeleton skeleton = characterSkeleton();
   const Pose pose = poseAt(motion, seconds);
   std::array<Rotation, kBoneCount> rotations;
-  std::array<Vector, kBoneCount> places;
+  std::array<Vector, kBoneCount> slots;
   std::vector<AffineTransform> world(kBoneCount);
   const auto joint = [&](size_t bone) {
     const AffineTransform& bind = skeleton.bones[bone].bind;
     return Vector{bind.rows[0].w, bind.rows[1].w, bind.rows[2].w};
   };
   for (size_t i = 0; i < kBoneCount; ++i) {
-    const Vector& turn = pose.turns[i];
-    const Rotation own = about(0, 1, 0, turn.y) * about(1, 0, 0, turn.x) * about(0, 0, 1, turn.z);
+    const Vector& rotation = pose.jointRotations[i];
+    const Rotation own =
+        about(0, 1, 0, rotation.y) * about(1, 0, 0, rotation.x) * about(0, 0, 1, rotation.z);
     if (skeleton.bones[i].parent < 0) {
       rotations[i] = own;
-      places[i] = joint(i) + pose.hips;
+      slots[i] = joint(i) + pose.hips;
     } else {
       const auto parent = static_cast<size_t>(skeleton.bones[i].parent);
       rotations[i] = normalized(rotations[parent] * own);
-      places[i] = places[parent] + rotate(rotations[parent], joint(i) - joint(parent));
+      slots[i] = slots[parent] + rotate(rotations[parent], joint(i) - joint(parent));
     }
     const Rotation& q = rotations[i];
     world[i] = rigidTransform({static_cast<float>(q.x), static_cast<float>(q.y),
                                static_cast<float>(q.z), static_cast<float>(q.w)},
-                              {static_cast<float>(places[i].x), static_cast<float>(places[i].y),
-                               static_cast<float>(places[i].z)});
+                              {static_cast<float>(slots[i].x), static_cast<float>(slots[i].y),
+                               static_cast<float>(slots[i].z)});
   }
   return world;
 }

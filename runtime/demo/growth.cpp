@@ -83,7 +83,7 @@ class RootSampler {
     return corner(i) * (1 - s) + corner(i + 1) * (s * (1 - t)) + corner(i + 2) * (s * t);
   }
 
-  // A hash grid with cells of the spacing's size: a neighbour is in one of 27 cells.
+  // A hash grid with cells of the spacing's size: a neighbor is in one of 27 cells.
   static constexpr uint32_t kEnd = 0xffffffffu;
 
   size_t bucket(int64_t x, int64_t y, int64_t z) const {
@@ -131,9 +131,9 @@ class RootSampler {
 
 Vector unitVector(Random& random) {
   const double z = 2 * random.uniformDouble() - 1;
-  const SinCos turn = sinCos(kTwoPi * random.uniformDouble());
+  const SinCos rotation = sinCos(kTwoPi * random.uniformDouble());
   const double radius = std::sqrt(std::max(1 - z * z, 0.0));
-  return {radius * turn.cosine, radius * turn.sine, z};
+  return {radius * rotation.cosine, radius * rotation.sine, z};
 }
 
 }  // namespace
@@ -296,9 +296,9 @@ void HairGrower::makeCurls() {
       frame = normalized(shortestArc(tangent, next) * frame);
       tangent = next;
       const double share = static_cast<double>(k) / (pointCount_ - 1);
-      const SinCos turn = sinCos(phase + kTwoPi * frequency * share * lengths_[center]);
+      const SinCos rotation = sinCos(phase + kTwoPi * frequency * share * lengths_[center]);
       const double radius = def_.curlRadius * smoothStep(0, 0.5, share);
-      curls_[c][k] = rotate(frame, Vector{0, radius * turn.cosine, radius * turn.sine});
+      curls_[c][k] = rotate(frame, Vector{0, radius * rotation.cosine, radius * rotation.sine});
     }
   }
 }

@@ -6,6 +6,7 @@
 
 #include "functions.h"
 #include "pelage/gl.h"
+#include "pelage/list_check.h"
 
 namespace pelage::gl {
 
@@ -19,9 +20,6 @@ struct Context {
   bool disjointTimer = false;  ///< the clock may jump, and the context says when it did
   bool debug = false;
 };
-
-/// "simulate_strands [wind=1]".
-std::string describe(const KernelVariant& variant);
 
 /// "GL_INVALID_OPERATION".
 std::string errorName(GLenum error);

@@ -33,6 +33,12 @@ std::string loadTimerFunctions(Functions& gl, const GetProcAddress& getProcAddre
   return {};
 }
 
+std::string loadParallelFunctions(Functions& gl, const GetProcAddress& getProcAddress,
+                                  const char* suffix) {
+  PELAGE_GL_PARALLEL_FUNCTIONS(PELAGE_GL_LOAD)
+  return {};
+}
+
 #undef PELAGE_GL_LOAD
 
 }  // namespace pelage::gl

@@ -18,6 +18,7 @@
   X(PFNGLBINDRENDERBUFFERPROC, glBindRenderbuffer)                             \
   X(PFNGLBINDTEXTUREPROC, glBindTexture)                                       \
   X(PFNGLBINDVERTEXARRAYPROC, glBindVertexArray)                               \
+  X(PFNGLBINDVERTEXBUFFERPROC, glBindVertexBuffer)                             \
   X(PFNGLBLENDEQUATIONPROC, glBlendEquation)                                   \
   X(PFNGLBLENDEQUATIONSEPARATEIPROC, glBlendEquationSeparatei)                 \
   X(PFNGLBLENDFUNCPROC, glBlendFunc)                                           \
@@ -47,6 +48,7 @@
   X(PFNGLDEPTHMASKPROC, glDepthMask)                                           \
   X(PFNGLDEPTHRANGEFPROC, glDepthRangef)                                       \
   X(PFNGLDISABLEPROC, glDisable)                                               \
+  X(PFNGLDISABLEVERTEXATTRIBARRAYPROC, glDisableVertexAttribArray)             \
   X(PFNGLDISABLEIPROC, glDisablei)                                             \
   X(PFNGLDISPATCHCOMPUTEPROC, glDispatchCompute)                               \
   X(PFNGLDISPATCHCOMPUTEINDIRECTPROC, glDispatchComputeIndirect)               \
@@ -54,6 +56,7 @@
   X(PFNGLDRAWARRAYSINSTANCEDPROC, glDrawArraysInstanced)                       \
   X(PFNGLDRAWELEMENTSINSTANCEDPROC, glDrawElementsInstanced)                   \
   X(PFNGLENABLEPROC, glEnable)                                                 \
+  X(PFNGLENABLEVERTEXATTRIBARRAYPROC, glEnableVertexAttribArray)               \
   X(PFNGLENABLEIPROC, glEnablei)                                               \
   X(PFNGLFINISHPROC, glFinish)                                                 \
   X(PFNGLFRAMEBUFFERRENDERBUFFERPROC, glFramebufferRenderbuffer)               \
@@ -77,9 +80,9 @@
   X(PFNGLGETPROGRAMBINARYPROC, glGetProgramBinary)                             \
   X(PFNGLGETPROGRAMINFOLOGPROC, glGetProgramInfoLog)                           \
   X(PFNGLGETPROGRAMINTERFACEIVPROC, glGetProgramInterfaceiv)                   \
-  X(PFNGLGETPROGRAMIVPROC, glGetProgramiv)                                     \
-  X(PFNGLGETPROGRAMRESOURCEIVPROC, glGetProgramResourceiv)                     \
   X(PFNGLGETPROGRAMRESOURCENAMEPROC, glGetProgramResourceName)                 \
+  X(PFNGLGETPROGRAMRESOURCEIVPROC, glGetProgramResourceiv)                     \
+  X(PFNGLGETPROGRAMIVPROC, glGetProgramiv)                                     \
   X(PFNGLGETQUERYOBJECTUIVPROC, glGetQueryObjectuiv)                           \
   X(PFNGLGETQUERYIVPROC, glGetQueryiv)                                         \
   X(PFNGLGETSHADERINFOLOGPROC, glGetShaderInfoLog)                             \
@@ -102,9 +105,13 @@
   X(PFNGLSHADERSOURCEPROC, glShaderSource)                                     \
   X(PFNGLTEXPARAMETERIPROC, glTexParameteri)                                   \
   X(PFNGLTEXSTORAGE2DPROC, glTexStorage2D)                                     \
-  X(PFNGLUNMAPBUFFERPROC, glUnmapBuffer)                                       \
   X(PFNGLUNIFORM4IPROC, glUniform4i)                                           \
+  X(PFNGLUNMAPBUFFERPROC, glUnmapBuffer)                                       \
   X(PFNGLUSEPROGRAMPROC, glUseProgram)                                         \
+  X(PFNGLVERTEXATTRIBBINDINGPROC, glVertexAttribBinding)                       \
+  X(PFNGLVERTEXATTRIBFORMATPROC, glVertexAttribFormat)                         \
+  X(PFNGLVERTEXATTRIBIFORMATPROC, glVertexAttribIFormat)                       \
+  X(PFNGLVERTEXBINDINGDIVISORPROC, glVertexBindingDivisor)                     \
   X(PFNGLVIEWPORTPROC, glViewport)
 
 // Functions of core 4.5 that OpenGL ES 3.2 does not have; nullptr there.
@@ -121,6 +128,11 @@
   X(PFNGLGETQUERYOBJECTUI64VPROC, glGetQueryObjectui64v) \
   X(PFNGLQUERYCOUNTERPROC, glQueryCounter)
 
+// Of GL_KHR_parallel_shader_compile or, with the suffix ARB, GL_ARB_parallel_shader_compile; else
+// nullptr.
+#define PELAGE_GL_PARALLEL_FUNCTIONS(X) \
+  X(PFNGLMAXSHADERCOMPILERTHREADSKHRPROC, glMaxShaderCompilerThreads)
+
 namespace pelage::gl {
 
 /// GL_EXT_disjoint_timer_query; OpenGL's own header has no name for it.
@@ -131,6 +143,7 @@ struct Functions {
   PELAGE_GL_COMMON_FUNCTIONS(PELAGE_GL_DECLARE)
   PELAGE_GL_CORE_FUNCTIONS(PELAGE_GL_DECLARE)
   PELAGE_GL_TIMER_FUNCTIONS(PELAGE_GL_DECLARE)
+  PELAGE_GL_PARALLEL_FUNCTIONS(PELAGE_GL_DECLARE)
 #undef PELAGE_GL_DECLARE
 };
 
@@ -141,5 +154,7 @@ std::string loadCommonFunctions(Functions& gl, const GetProcAddress& getProcAddr
 std::string loadCoreFunctions(Functions& gl, const GetProcAddress& getProcAddress);
 std::string loadTimerFunctions(Functions& gl, const GetProcAddress& getProcAddress,
                                const char* suffix);
+std::string loadParallelFunctions(Functions& gl, const GetProcAddress& getProcAddress,
+                                  const char* suffix);
 
 }  // namespace pelage::gl

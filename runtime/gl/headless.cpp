@@ -316,6 +316,7 @@ class HeadlessGl final : public HeadlessDevice {
     return runtime_->read(buffer, offset, size);
   }
 
+  void addCode(KernelCodeList code) override { runtime_->addCode(code); }
   uint64_t bufferBytes() const override { return runtime_->statistics().bufferBytes; }
   uint32_t messageCount() const override { return messageCount_; }
 
@@ -382,6 +383,7 @@ Result<void> HeadlessGl::initialise(const HeadlessDef& def) {
     return reinterpret_cast<void*>(eglGetProcAddress(name));
   };
   runtimeDef.debug = def.validation;
+  runtimeDef.maxTier = def.maxTier;
   const gl::GetProcAddress getProcAddress = runtimeDef.getProcAddress;
   Result<gl::Runtime> runtime = gl::Runtime::create(std::move(runtimeDef));
   if (!runtime) return runtime.error();
@@ -413,6 +415,7 @@ Result<void> HeadlessGl::initialise(const HeadlessDef& def) {
   info_.sampleCounts = sampleCountsOf(gl_, GL_RGBA16F) & sampleCountsOf(gl_, GL_DEPTH_COMPONENT32F);
   info_.maxSamples = std::bit_floor(info_.sampleCounts);
   info_.maxBufferBytes = runtime_->limits().storageBlockBytes;
+  info_.tier = runtime_->tier();
   return {};
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <optional>
 #include <utility>
 
 namespace pelage::gl {
@@ -101,15 +102,12 @@ std::string trimmed(std::string text) {
 
 }  // namespace
 
-Result<std::string> assembleSource(const KernelVariant& variant, Profile profile,
+Result<std::string> assembleSource(const KernelVariant& variant, std::string_view text,
                                    std::span<const SpecValue> values) {
-  const std::string_view text = profile == Profile::kCore ? variant.glsl : variant.essl;
   const size_t lineEnd = text.find('\n');
   if (!text.starts_with("#version") || lineEnd == std::string_view::npos) {
-    return Error{ErrorCode::kUnsupported,
-                 "kernel " + describe(variant) + " has no " +
-                     (profile == Profile::kCore ? "GLSL 450" : "ESSL 320") +
-                     " source: compile it for this API"};
+    return Error{ErrorCode::kInvalidFile,
+                 "the source of kernel " + variantName(variant) + " does not begin with #version"};
   }
   std::string defines;
   for (const SpecValue& value : values) {
@@ -130,7 +128,7 @@ Result<std::string> assembleSource(const KernelVariant& variant, Profile profile
       continue;  // the permutation has optimised it away
     } else {
       return Error{ErrorCode::kUnsupported,
-                   "kernel " + describe(variant) + ": specialization constant " +
+                   "kernel " + variantName(variant) + ": specialization constant " +
                        std::to_string(value.id) + " has type '" + std::string(type) +
                        "' in GLSL; bool, int, uint and float can be set"};
     }
@@ -147,13 +145,57 @@ ProgramStore::ProgramStore(std::shared_ptr<const Context> context, ProgramCache 
     : context_(std::move(context)), cache_(std::move(cache)), statistics_(statistics) {}
 
 ProgramStore::~ProgramStore() {
-  for (const auto& [hash, entries] : programs_)
-    for (const Entry& entry : entries) context_->gl.glDeleteProgram(entry.program);
+  const Functions& gl = context_->gl;
+  for (const auto& [hash, entries] : programs_) {
+    for (const Entry& entry : entries) {
+      gl.glDeleteProgram(entry.building ? entry.building->program : entry.program);
+      if (!entry.building) continue;
+      for (const auto& [variant, shader] : entry.building->shaders) gl.glDeleteShader(shader);
+    }
+  }
+}
+
+GLuint ProgramStore::ready(const KernelVariant& kernel, const KernelVariant* pixel,
+                           std::span<const SpecValue> values) {
+  const Entry* entry = known(entriesOf(kernel, pixel, values), kernel, pixel);
+  return entry != nullptr ? entry->program : 0;
+}
+
+void ProgramStore::begin(const KernelVariant& kernel, const KernelVariant* pixel,
+                         std::span<const SpecValue> values) {
+  std::vector<Entry>& entries = entriesOf(kernel, pixel, values);
+  if (known(entries, kernel, pixel) != nullptr) return;
+  // What is wrong with it is said by find().
+  Result<Entry> entry = start(kernel, pixel, wanted_);
+  if (entry) entries.push_back(*std::move(entry));
 }
 
 Result<GLuint> ProgramStore::find(const KernelVariant& kernel, const KernelVariant* pixel,
                                   std::span<const SpecValue> values) {
-  // Values of constants that neither stage has do not make another program.
+  std::vector<Entry>& entries = entriesOf(kernel, pixel, values);
+  Entry* entry = known(entries, kernel, pixel);
+  if (entry == nullptr) {
+    Result<Entry> started = start(kernel, pixel, wanted_);
+    if (!started) return started.error();
+    entry = &entries.emplace_back(*std::move(started));
+  }
+  if (!entry->building) return entry->program;
+  const std::unique_ptr<Building> building = std::move(entry->building);
+  if (Result<void> linked = finish(*building); !linked) {
+    entries.erase(entries.begin() + (entry - entries.data()));
+    return linked.error();
+  }
+  entry->program = building->program;
+  ++statistics_.programsCompiled;
+  store(entry->program, building->key, building->check);
+  note(building->names, building->start);
+  return entry->program;
+}
+
+// Values of constants that neither stage has do not make another program.
+std::vector<ProgramStore::Entry>& ProgramStore::entriesOf(const KernelVariant& kernel,
+                                                          const KernelVariant* pixel,
+                                                          std::span<const SpecValue> values) {
   wanted_.clear();
   for (const SpecValue& value : values)
     if (hasConstant(&kernel, value.id) || hasConstant(pixel, value.id)) wanted_.push_back(value);
@@ -161,20 +203,25 @@ Result<GLuint> ProgramStore::find(const KernelVariant& kernel, const KernelVaria
   uint64_t hash = hashValue(reinterpret_cast<uintptr_t>(&kernel), kHashStart);
   hash = hashValue(reinterpret_cast<uintptr_t>(pixel), hash);
   for (const SpecValue& value : wanted_) hash = hashValue(value.bits, hashValue(value.id, hash));
-  std::vector<Entry>& entries = programs_[hash];
-  for (const Entry& entry : entries)
-    if (entry.kernel == &kernel && entry.pixel == pixel && entry.values == wanted_)
-      return entry.program;
+  return programs_[hash];
+}
 
-  Result<GLuint> program = make(kernel, pixel, wanted_);
-  if (program) entries.push_back({&kernel, pixel, wanted_, *program});
-  return program;
+ProgramStore::Entry* ProgramStore::known(std::vector<Entry>& entries, const KernelVariant& kernel,
+                                         const KernelVariant* pixel) const {
+  for (Entry& entry : entries)
+    if (entry.kernel == &kernel && entry.pixel == pixel && entry.values == wanted_) return &entry;
+  return nullptr;
+}
+
+void ProgramStore::note(std::string name, Clock::time_point start) {
+  times_.push_back(
+      {std::move(name), std::chrono::duration<double, std::milli>(Clock::now() - start).count()});
 }
 
 Result<void> ProgramStore::checkLimits(const KernelVariant& variant) const {
   const Limits& limits = context_->limits;
   const Stage stage = variant.kernel->stage;
-  const std::string kernel = "kernel " + describe(variant);
+  const std::string kernel = "kernel " + variantName(variant);
 
   const char* first = "";
   const uint32_t blocks = storageBlocks(variant, &first);
@@ -190,6 +237,15 @@ Result<void> ProgramStore::checkLimits(const KernelVariant& variant) const {
                      stageName(stage) + " stage ('" + first + "' first); " + context_->renderer +
                      " allows " + std::to_string(allowed) + " (" + constant +
                      "): use Vulkan, OpenGL core or another device"};
+  }
+  const uint32_t points = std::min(limits.storageBindings, kMaxBindings);
+  for (const VariantBinding& binding : variant.bindings) {
+    const LayoutEntry& entry = variant.kernel->layouts[binding.set]->entries[binding.entry];
+    if (entry.kind != ResourceKind::kStorageBuffer || binding.glBinding < points) continue;
+    return Error{ErrorCode::kUnsupported,
+                 kernel + ": '" + entry.name + "' has GL binding " +
+                     std::to_string(binding.glBinding) + "; " + context_->renderer +
+                     " and pelage allow " + std::to_string(points) + " of its kind"};
   }
   if (stage != Stage::kCompute) return {};
 
@@ -213,13 +269,24 @@ Result<void> ProgramStore::checkLimits(const KernelVariant& variant) const {
   return {};
 }
 
-Result<GLuint> ProgramStore::make(const KernelVariant& kernel, const KernelVariant* pixel,
-                                  std::span<const SpecValue> values) {
+Result<std::string> ProgramStore::sourceOf(const KernelVariant& variant,
+                                           std::span<const SpecValue> values) const {
+  const bool core = context_->profile == Profile::kCore;
+  const Result<std::string> text =
+      codes_.source(variant, core ? CodeFormat::kGlsl : CodeFormat::kEssl);
+  if (!text) return text;
+  return assembleSource(variant, *text, values);
+}
+
+Result<ProgramStore::Entry> ProgramStore::start(const KernelVariant& kernel,
+                                                const KernelVariant* pixel,
+                                                std::span<const SpecValue> values) {
+  const Clock::time_point begin = Clock::now();
   std::vector<StageSource> stages;
   for (const KernelVariant* variant : {&kernel, pixel}) {
     if (variant == nullptr) continue;
     if (Result<void> fits = checkLimits(*variant); !fits) return fits.error();
-    Result<std::string> source = assembleSource(*variant, context_->profile, values);
+    Result<std::string> source = sourceOf(*variant, values);
     if (!source) return source.error();
     stages.push_back({variant, std::move(*source)});
   }
@@ -227,7 +294,7 @@ Result<GLuint> ProgramStore::make(const KernelVariant& kernel, const KernelVaria
   if (pixel != nullptr &&
       storageBlocks(kernel) + storageBlocks(*pixel) > context_->limits.combinedStorageBlocks) {
     return Error{ErrorCode::kUnsupported,
-                 "kernels " + describe(kernel) + " and " + describe(*pixel) + " need " +
+                 "kernels " + variantName(kernel) + " and " + variantName(*pixel) + " need " +
                      std::to_string(storageBlocks(kernel) + storageBlocks(*pixel)) +
                      " storage buffers together; " + context_->renderer + " allows " +
                      std::to_string(context_->limits.combinedStorageBlocks) +
@@ -243,74 +310,110 @@ Result<GLuint> ProgramStore::make(const KernelVariant& kernel, const KernelVaria
   add(context_->identity);
   for (const StageSource& stage : stages) add(stage.text);
 
+  Entry entry = {&kernel, pixel, {values.begin(), values.end()}, 0, nullptr};
   if (const GLuint loaded = load(key, check)) {
     ++statistics_.programsLoaded;
-    return loaded;
+    entry.program = loaded;
+    note(namesOf(stages), begin);
+    return entry;
   }
-  Result<GLuint> program = compileAndLink(stages, false);
-  if (!program) return program;
-  ++statistics_.programsCompiled;
-  store(*program, key, check);
-  return program;
+  entry.building = std::make_unique<Building>(compileAndLink(stages, false));
+  entry.building->start = begin;
+  entry.building->key = key;
+  entry.building->check = check;
+  return entry;
 }
 
-Result<GLuint> ProgramStore::compileAndLink(std::span<const StageSource> stages, bool separable) {
-  const Functions& gl = context_->gl;
-  const GLuint program = gl.glCreateProgram();
+std::string ProgramStore::namesOf(std::span<const StageSource> stages) {
   std::string names;
+  for (const StageSource& stage : stages)
+    names += (names.empty() ? "" : " + ") + variantName(*stage.variant);
+  return names;
+}
+
+// Asks for nothing that would wait: a driver with threads of its own compiles while the next
+// program is handed over.
+ProgramStore::Building ProgramStore::compileAndLink(std::span<const StageSource> stages,
+                                                    bool separable) {
+  const Functions& gl = context_->gl;
+  Building building;
+  building.names = namesOf(stages);
+  building.program = gl.glCreateProgram();
   for (const StageSource& stage : stages) {
-    names += (names.empty() ? "" : " + ") + describe(*stage.variant);
     const GLuint shader = gl.glCreateShader(shaderType(stage.variant->kernel->stage));
     const GLchar* text = stage.text.c_str();
     const GLint length = static_cast<GLint>(stage.text.size());
     gl.glShaderSource(shader, 1, &text, &length);
     gl.glCompileShader(shader);
+    gl.glAttachShader(building.program, shader);
+    building.shaders.push_back({stage.variant, shader});
+  }
+  if (separable) gl.glProgramParameteri(building.program, GL_PROGRAM_SEPARABLE, GL_TRUE);
+  if (cache_.store && context_->limits.programBinaries)
+    gl.glProgramParameteri(building.program, GL_PROGRAM_BINARY_RETRIEVABLE_HINT, GL_TRUE);
+  gl.glLinkProgram(building.program);
+  return building;
+}
+
+std::string ProgramStore::compileLog(GLuint shader) const {
+  const Functions& gl = context_->gl;
+  GLint length = 0;
+  gl.glGetShaderiv(shader, GL_INFO_LOG_LENGTH, &length);
+  std::string log(static_cast<size_t>(std::max(length, 1)), '\0');
+  gl.glGetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), nullptr, log.data());
+  return trimmed(std::move(log));
+}
+
+std::string ProgramStore::linkLog(GLuint program) const {
+  const Functions& gl = context_->gl;
+  GLint length = 0;
+  gl.glGetProgramiv(program, GL_INFO_LOG_LENGTH, &length);
+  std::string log(static_cast<size_t>(std::max(length, 1)), '\0');
+  gl.glGetProgramInfoLog(program, static_cast<GLsizei>(log.size()), nullptr, log.data());
+  return trimmed(std::move(log));
+}
+
+// Waits for the driver. After an error the program is deleted.
+Result<void> ProgramStore::finish(const Building& building) {
+  const Functions& gl = context_->gl;
+  std::optional<Error> error;
+  for (const auto& [variant, shader] : building.shaders) {
     GLint compiled = GL_FALSE;
     gl.glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
-    if (compiled == GL_FALSE) {
-      GLint logLength = 0;
-      gl.glGetShaderiv(shader, GL_INFO_LOG_LENGTH, &logLength);
-      std::string log(static_cast<size_t>(std::max(logLength, 1)), '\0');
-      gl.glGetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), nullptr, log.data());
-      gl.glDeleteShader(shader);
-      gl.glDeleteProgram(program);
-      clearErrors(gl);
-      return Error{ErrorCode::kDevice, "kernel " + describe(*stage.variant) +
-                                           " does not compile on " + context_->renderer + ": " +
-                                           trimmed(std::move(log))};
+    if (compiled == GL_FALSE && !error) {
+      error =
+          Error{ErrorCode::kDevice, "kernel " + variantName(*variant) + " does not compile on " +
+                                        context_->renderer + ": " + compileLog(shader)};
     }
-    gl.glAttachShader(program, shader);
-    gl.glDeleteShader(shader);  // lives on as long as the program does
   }
-  if (separable) gl.glProgramParameteri(program, GL_PROGRAM_SEPARABLE, GL_TRUE);
-  if (cache_.store && context_->limits.programBinaries)
-    gl.glProgramParameteri(program, GL_PROGRAM_BINARY_RETRIEVABLE_HINT, GL_TRUE);
-  gl.glLinkProgram(program);
   GLint linked = GL_FALSE;
-  gl.glGetProgramiv(program, GL_LINK_STATUS, &linked);
-  if (linked == GL_FALSE) {
-    GLint logLength = 0;
-    gl.glGetProgramiv(program, GL_INFO_LOG_LENGTH, &logLength);
-    std::string log(static_cast<size_t>(std::max(logLength, 1)), '\0');
-    gl.glGetProgramInfoLog(program, static_cast<GLsizei>(log.size()), nullptr, log.data());
-    gl.glDeleteProgram(program);
-    clearErrors(gl);
-    return Error{ErrorCode::kDevice, "kernel " + names + " does not link on " + context_->renderer +
-                                         ": " + trimmed(std::move(log))};
+  gl.glGetProgramiv(building.program, GL_LINK_STATUS, &linked);
+  if (linked == GL_FALSE && !error) {
+    error = Error{ErrorCode::kDevice, "kernel " + building.names + " does not link on " +
+                                          context_->renderer + ": " + linkLog(building.program)};
   }
-  if (context_->debug) gl.glObjectLabel(GL_PROGRAM, program, -1, names.c_str());
-  return program;
+  // They live on as long as the program does.
+  for (const auto& [variant, shader] : building.shaders) gl.glDeleteShader(shader);
+  if (!error) {
+    if (context_->debug) gl.glObjectLabel(GL_PROGRAM, building.program, -1, building.names.c_str());
+    return {};
+  }
+  gl.glDeleteProgram(building.program);
+  clearErrors(gl);
+  return *error;
 }
 
 Result<GLuint> ProgramStore::makeStage(const KernelVariant& variant) {
   if (Result<void> fits = checkLimits(variant); !fits) return fits.error();
-  Result<std::string> source = assembleSource(variant, context_->profile, {});
+  Result<std::string> source = sourceOf(variant, {});
   if (!source) return source.error();
   const StageSource stage{&variant, std::move(*source)};
   // Desktop GL links a vertex stage alone, and refuses a separable one that does not redeclare
   // gl_PerVertex; ES has it the other way round.
   const bool whole = context_->profile == Profile::kCore && variant.kernel->stage == Stage::kVertex;
-  return compileAndLink({&stage, 1}, !whole);
+  const Building building = compileAndLink({&stage, 1}, !whole);
+  if (Result<void> linked = finish(building); !linked) return linked.error();
+  return building.program;
 }
 
 GLuint ProgramStore::load(uint64_t key, uint64_t check) {

@@ -2,27 +2,42 @@
 // binaries that are kept between runs.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "context.h"
+#include "pelage/kernel_code.h"
 
 namespace pelage::gl {
 
-/// The source of a variant for a profile, with a define for each value that it has a constant for.
-Result<std::string> assembleSource(const KernelVariant& variant, Profile profile,
+/// The source of a variant with a define for each value that it has a constant for.
+Result<std::string> assembleSource(const KernelVariant& variant, std::string_view text,
                                    std::span<const SpecValue> values);
 
 class ProgramStore {
  public:
   ProgramStore(std::shared_ptr<const Context> context, ProgramCache cache, Statistics& statistics);
   ~ProgramStore();
+  void addCode(KernelCodeList code) { codes_.add(code); }
+  const std::vector<PipelineTime>& times() const { return times_; }
   ProgramStore(const ProgramStore&) = delete;
   ProgramStore& operator=(const ProgramStore&) = delete;
+
+  /// The program when it is done, else 0.
+  GLuint ready(const KernelVariant& kernel, const KernelVariant* pixel,
+               std::span<const SpecValue> values);
+
+  /// Has the driver begin with the program that find() will be asked for. Drivers make several at a
+  /// time when all are begun before the first is asked for.
+  void begin(const KernelVariant& kernel, const KernelVariant* pixel,
+             std::span<const SpecValue> values);
 
   /// The program of a compute kernel (pixel == nullptr) or of a draw; made when it is new.
   Result<GLuint> find(const KernelVariant& kernel, const KernelVariant* pixel,
@@ -32,29 +47,53 @@ class ProgramStore {
   Result<GLuint> makeStage(const KernelVariant& variant);
 
  private:
-  struct Entry {
-    const KernelVariant* kernel;
-    const KernelVariant* pixel;
-    std::vector<SpecValue> values;
-    GLuint program;
-  };
+  using Clock = std::chrono::steady_clock;
   struct StageSource {
     const KernelVariant* variant;
     std::string text;
   };
+  /// A program that the driver is at.
+  struct Building {
+    std::string names;
+    GLuint program = 0;
+    std::vector<std::pair<const KernelVariant*, GLuint>> shaders;
+    Clock::time_point start;
+    uint64_t key = 0, check = 0;
+  };
+  struct Entry {
+    const KernelVariant* kernel;
+    const KernelVariant* pixel;
+    std::vector<SpecValue> values;
+    GLuint program;                      ///< 0 while it is being built
+    std::unique_ptr<Building> building;  ///< nullptr when it is done
+  };
 
   Result<void> checkLimits(const KernelVariant& variant) const;
-  Result<GLuint> make(const KernelVariant& kernel, const KernelVariant* pixel,
+  Result<std::string> sourceOf(const KernelVariant& variant,
+                               std::span<const SpecValue> values) const;
+  /// Fills wanted_.
+  std::vector<Entry>& entriesOf(const KernelVariant& kernel, const KernelVariant* pixel,
+                                std::span<const SpecValue> values);
+  Entry* known(std::vector<Entry>& entries, const KernelVariant& kernel,
+               const KernelVariant* pixel) const;
+  Result<Entry> start(const KernelVariant& kernel, const KernelVariant* pixel,
                       std::span<const SpecValue> values);
-  Result<GLuint> compileAndLink(std::span<const StageSource> stages, bool separable);
+  static std::string namesOf(std::span<const StageSource> stages);
+  Building compileAndLink(std::span<const StageSource> stages, bool separable);
+  Result<void> finish(const Building& building);
+  std::string compileLog(GLuint shader) const;
+  std::string linkLog(GLuint program) const;
+  void note(std::string name, Clock::time_point start);
   /// 0 when there is no usable binary.
   GLuint load(uint64_t key, uint64_t check);
   void store(GLuint program, uint64_t key, uint64_t check);
 
   std::shared_ptr<const Context> context_;
   ProgramCache cache_;
+  KernelCodes codes_;
   Statistics& statistics_;
   std::unordered_map<uint64_t, std::vector<Entry>> programs_;
+  std::vector<PipelineTime> times_;
   std::vector<SpecValue> wanted_;  // scratch of find()
 };
 

@@ -93,7 +93,7 @@ Result<std::vector<DriverBlock>> Runtime::reflectProgram(const KernelVariant& va
   gl.glDeleteProgram(*program);
   if (const GLenum error = gl.glGetError(); error != GL_NO_ERROR) {
     clearErrors(gl);
-    return Error{ErrorCode::kDevice, "kernel " + describe(variant) + ": " +
+    return Error{ErrorCode::kDevice, "kernel " + variantName(variant) + ": " +
                                          impl_->context->renderer + " reports " + errorName(error) +
                                          " when asked for its blocks"};
   }

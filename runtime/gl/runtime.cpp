@@ -93,6 +93,18 @@ Limits readLimits(const Functions& gl) {
   return limits;
 }
 
+void lowerTo(Tier tier, Limits& limits) {
+  const TierLimits most = limitsOf(tier);
+  const auto lower = [](uint32_t& limit, uint32_t value) { limit = std::min(limit, value); };
+  lower(limits.storageBindings, most.storageBindings);
+  lower(limits.computeStorageBlocks, most.storageBuffers.compute);
+  lower(limits.vertexStorageBlocks, most.storageBuffers.vertex);
+  lower(limits.pixelStorageBlocks, most.storageBuffers.pixel);
+  lower(limits.combinedStorageBlocks, most.drawStorageBuffers);
+  lower(limits.groupThreads, most.groupThreads);
+  for (int axis = 0; axis < 3; ++axis) lower(limits.groupSize[axis], most.groupSize[axis]);
+}
+
 GLenum usageHint(BufferUsage usage) {
   if (contains(usage, BufferUsage::kUpload)) return GL_DYNAMIC_DRAW;
   // Written and read by the GPU alone; a driver keeps it in its own memory.
@@ -129,14 +141,15 @@ GLenum depthFunction(DepthCompare compare) {
   return GL_ALWAYS;
 }
 
-}  // namespace
-
-std::string describe(const KernelVariant& variant) {
-  std::string text = variant.kernel->name;
-  if (variant.key != nullptr && variant.key[0] != '\0')
-    text.append(" [").append(variant.key).append("]");
-  return text;
+const VariantBinding* useOf(const KernelVariant& variant, const PassBinding& binding) {
+  const auto uses = variant.bindings;
+  const auto found = std::find_if(uses.begin(), uses.end(), [&](const VariantBinding& use) {
+    return use.set == binding.set && use.entry == binding.entry;
+  });
+  return found != uses.end() ? &*found : nullptr;
 }
+
+}  // namespace
 
 std::string errorName(GLenum error) {
   switch (error) {
@@ -167,18 +180,20 @@ uint32_t memoryBarrierBits(std::span<const Barrier> barriers) {
   uint32_t bits = 0;
   for (const Barrier& barrier : barriers) {
     const bool shaderBefore = barrier.beforeStages != 0;
-    if (barrier.afterStages != 0 && (shaderBefore || barrier.beforeIndex || barrier.beforeIndirect))
+    if (barrier.afterStages != 0 &&
+        (shaderBefore || barrier.beforeIndex || barrier.beforeVertex || barrier.beforeIndirect))
       bits |= GL_SHADER_STORAGE_BARRIER_BIT;
     if (!shaderBefore || !writes(barrier.before)) continue;
     if (barrier.afterUpload) bits |= GL_BUFFER_UPDATE_BARRIER_BIT;
     if (barrier.afterIndirect) bits |= GL_COMMAND_BARRIER_BIT;
     if (barrier.afterIndex) bits |= GL_ELEMENT_ARRAY_BARRIER_BIT;
+    if (barrier.afterVertex) bits |= GL_VERTEX_ATTRIB_ARRAY_BARRIER_BIT;
   }
   return bits;
 }
 
-Runtime::Impl::Impl(std::shared_ptr<const Context> context_, ProgramCache cache)
-    : context(std::move(context_)), programs(context, std::move(cache), statistics) {
+Runtime::Impl::Impl(std::shared_ptr<const Context> glContext, ProgramCache cache)
+    : context(std::move(glContext)), programs(context, std::move(cache), statistics) {
   const Functions& gl = context->gl;
   gl.glGenBuffers(1, &constants);
   gl.glGenVertexArrays(1, &vertexArray);
@@ -199,6 +214,18 @@ Runtime::~Runtime() = default;
 
 Profile Runtime::profile() const { return impl_->context->profile; }
 const Limits& Runtime::limits() const { return impl_->context->limits; }
+
+Tier Runtime::tier() const {
+  const Limits& own = impl_->context->limits;
+  TierLimits limits = limitsOf(Tier::kWide);
+  limits.storageBuffers = {own.computeStorageBlocks, own.vertexStorageBlocks,
+                           own.pixelStorageBlocks};
+  limits.drawStorageBuffers = own.combinedStorageBlocks;
+  limits.storageBindings = own.storageBindings;
+  limits.groupThreads = own.groupThreads;
+  std::copy(std::begin(own.groupSize), std::end(own.groupSize), std::begin(limits.groupSize));
+  return tierOf(limits).value_or(Tier::kEs);
+}
 const Statistics& Runtime::statistics() const { return impl_->statistics; }
 
 Result<Runtime> Runtime::create(RuntimeDef def) {
@@ -236,6 +263,7 @@ Result<Runtime> Runtime::create(RuntimeDef def) {
                       '\n' + stringOf(gl, GL_SHADING_LANGUAGE_VERSION);
   Limits& limits = context->limits;
   limits = readLimits(gl);
+  if (def.maxTier != Tier::kWide) lowerTo(def.maxTier, limits);
   const auto require = [&](uint32_t value, uint32_t least, const char* name) -> Result<void> {
     if (value >= least) return {};
     return unsupported(context->renderer + " has " + name + " = " + std::to_string(value) +
@@ -264,6 +292,14 @@ Result<Runtime> Runtime::create(RuntimeDef def) {
     gl.glGetQueryiv(GL_TIMESTAMP, GL_QUERY_COUNTER_BITS, &bits);
     limits.timestamps = bits > 0;
   }
+  // All the threads that the driver likes: some have but one until they are asked.
+  for (const char* suffix : {"KHR", "ARB"}) {
+    const std::string extension = std::string("GL_") + suffix + "_parallel_shader_compile";
+    if (!hasExtension(gl, extension.c_str())) continue;
+    if (!loadParallelFunctions(gl, def.getProcAddress, suffix).empty()) continue;
+    gl.glMaxShaderCompilerThreads(~GLuint{0});
+    break;
+  }
   GLint formats = 0;
   gl.glGetIntegerv(GL_NUM_PROGRAM_BINARY_FORMATS, &formats);
   if (formats > 0) {
@@ -271,19 +307,21 @@ Result<Runtime> Runtime::create(RuntimeDef def) {
     gl.glGetIntegerv(GL_PROGRAM_BINARY_FORMATS, context->binaryFormats.data());
     limits.programBinaries = true;
   }
-  return Runtime(std::make_unique<Impl>(context, std::move(def.programCache)));
+  auto impl = std::make_unique<Impl>(context, std::move(def.programCache));
+  for (const KernelCodeList list : def.code) impl->programs.addCode(list);
+  return Runtime(std::move(impl));
 }
 
 const Buffer* Runtime::Impl::find(BufferId id) const {
-  const uint32_t place = ResourceTable::placeOf(id);
-  const bool known = place < buffers.size() && buffers[place].id == id && buffers[place].name != 0;
-  return known ? &buffers[place] : nullptr;
+  const uint32_t tableIndex = ResourceTable::indexOf(id);
+  const bool known =
+      tableIndex < buffers.size() && buffers[tableIndex].id == id && buffers[tableIndex].name != 0;
+  return known ? &buffers[tableIndex] : nullptr;
 }
 
 std::string Runtime::Impl::label(BufferId id) const {
   const Buffer* buffer = find(id);
-  return buffer != nullptr && !buffer->label.empty() ? "'" + buffer->label + "'"
-                                                     : "number " + number(id);
+  return buffer != nullptr ? "'" + buffer->label + "'" : "#" + number(id);
 }
 
 Result<void> Runtime::Impl::createBuffer(Buffer& buffer, const BufferDesc& desc) {
@@ -346,7 +384,8 @@ Result<void> Runtime::update(const ResourceTable& resources) try {
     const BufferDesc* desc = resources.find(id);
     if (desc == nullptr) continue;
     buffer.id = id;
-    if (buffer.label.empty()) buffer.label = desc->name;
+    buffer.label = desc->name;
+    buffer.tableUsage = desc->usage;
     if (buffer.name == 0) {
       if (Result<void> made = impl_->createBuffer(buffer, *desc); !made) return made;
     } else if (!buffer.owned && buffer.size < desc->size) {
@@ -368,13 +407,17 @@ Result<void> Runtime::registerBuffer(BufferId id, uint32_t glName) {
   gl.glBindBuffer(GL_COPY_WRITE_BUFFER, glName);
   GLint64 size = 0;
   gl.glGetBufferParameteri64v(GL_COPY_WRITE_BUFFER, GL_BUFFER_SIZE, &size);
-  const uint32_t place = ResourceTable::placeOf(id);
-  if (place >= impl_->buffers.size()) impl_->buffers.resize(size_t{place} + 1);
-  Buffer& buffer = impl_->buffers[place];
-  std::string label = buffer.id == id ? std::move(buffer.label) : std::string();
+  const uint32_t tableIndex = ResourceTable::indexOf(id);
+  if (tableIndex >= impl_->buffers.size()) impl_->buffers.resize(size_t{tableIndex} + 1);
+  Buffer& buffer = impl_->buffers[tableIndex];
+  // What the table says of this id stays.
+  const bool replaces = buffer.id == id;
+  std::string label = replaces ? std::move(buffer.label) : "#" + number(id);
+  const BufferUsage usage = replaces ? buffer.tableUsage : kAnyUsage;
   impl_->release(buffer);
   buffer.id = id;
   buffer.label = std::move(label);
+  buffer.tableUsage = usage;
   buffer.name = glName;
   buffer.size = static_cast<uint64_t>(size);
   return {};
@@ -385,25 +428,25 @@ uint32_t Runtime::bufferName(BufferId id) const {
   return buffer != nullptr ? buffer->name : 0;
 }
 
+std::vector<PipelineTime> Runtime::pipelineTimes() const { return impl_->programs.times(); }
+
+void Runtime::addCode(KernelCodeList code) { impl_->programs.addCode(code); }
+
 Result<const Layout*> Runtime::createLayout(const LayoutTable& table) {
   std::unique_ptr<Layout>& known = impl_->layouts[&table];
   if (known) return known.get();
   Layout layout;
   layout.table = &table;
-  const Limits& limits = impl_->context->limits;
+  const uint32_t allowed = std::min(impl_->context->limits.uniformBindings, kMaxBindings);
   for (const LayoutEntry& entry : table.entries) {
     Layout::Slot slot;
-    slot.binding = entry.glBinding;
-    uint32_t allowed = 0;
     if (entry.kind == ResourceKind::kStorageBuffer) {
       slot.target = GL_SHADER_STORAGE_BUFFER;
-      allowed = limits.storageBindings;
     } else if (entry.kind == ResourceKind::kUniformBuffer) {
       slot.target = GL_UNIFORM_BUFFER;
-      allowed = limits.uniformBindings;
+      slot.binding = entry.glBinding;
     }
-    allowed = std::min(allowed, kMaxBindings);
-    if (slot.target != 0 && entry.glBinding >= allowed) {
+    if (slot.target == GL_UNIFORM_BUFFER && entry.glBinding >= allowed) {
       return Error{ErrorCode::kUnsupported,
                    std::string("layout ") + table.name + ": '" + entry.name + "' has GL binding " +
                        std::to_string(entry.glBinding) + "; " + impl_->context->renderer +
@@ -415,161 +458,54 @@ Result<const Layout*> Runtime::createLayout(const LayoutTable& table) {
   return known.get();
 }
 
-// Everything that can be wrong with a pass is found here, so that issuing needs no checks.
-Result<void> Runtime::Impl::checkPass(Runtime& runtime, const PassList& list, const Pass& pass) {
-  // Texts are made when something is wrong: this runs for every pass of every frame.
-  const auto name = [&pass] { return std::string("pass '") + pass.name + "'"; };
-  const Limits& limits = context->limits;
-  const bool draw = isDraw(pass.kind);
-  if (pass.kernel == nullptr || (draw && pass.pixel == nullptr))
-    return invalid(name() + " has no kernel");
-  const Kernel& kernel = *pass.kernel->kernel;
-  if (kernel.stage != (draw ? Stage::kVertex : Stage::kCompute) ||
-      (draw && pass.pixel->kernel->stage != Stage::kPixel))
-    return invalid(name() + ": the kernel's stage does not suit a " + (draw ? "draw" : "dispatch"));
-  if (draw && !layoutsFit(kernel, *pass.pixel->kernel)) {
-    return invalid(name() +
-                   ": its vertex and pixel kernel belong to different groups of layouts, and "
-                   "neither has the first ones of the other");
-  }
-  const auto tables = pass.layouts();
-  if (!fits(pass.firstBinding, pass.bindingCount, list.bindings.size()) ||
-      !fits(pass.firstSpecValue, pass.specValueCount, list.specValues.size()) ||
-      !fits(pass.firstBarrier, pass.barrierCount, list.barriers.size()))
-    return invalid(name() + ": its bindings, spec values or barriers are not in the list");
-
-  for (const PassBinding& binding : list.bindingsOf(pass)) {
-    if (binding.set >= tables.size() || binding.entry >= tables[binding.set]->entries.size()) {
-      return invalid(name() + " binds entry " + std::to_string(binding.entry) + " of set " +
-                     std::to_string(binding.set) + ", which its layouts do not have");
-    }
-    const LayoutEntry& entry = tables[binding.set]->entries[binding.entry];
-    const auto what = [&] {
-      return std::string("pass '") + pass.name + "', resource '" + entry.name + "': ";
-    };
-    if (Result<const Layout*> layout = runtime.createLayout(*tables[binding.set]); !layout)
-      return layout.error();
-    const auto range = [&binding] {
-      return std::to_string(binding.size) + " bytes at " + std::to_string(binding.offset);
-    };
-    if (entry.kind == ResourceKind::kUniformBuffer) {
-      if (binding.size == 0 || binding.size < entry.stride ||
-          binding.offset % PassList::kConstantAlignment != 0 ||
-          !fits(binding.offset, binding.size, list.constants.size())) {
-        return invalid(what() + range() + " is no block of " + std::to_string(entry.stride) +
-                       " bytes in the list's " + std::to_string(list.constants.size()) +
-                       " bytes of constants");
-      }
-      if (binding.size > limits.uniformBlockBytes) {
-        return Error{ErrorCode::kUnsupported,
-                     what() + range() + "; " + context->renderer + " allows " +
-                         std::to_string(limits.uniformBlockBytes) + " (GL_MAX_UNIFORM_BLOCK_SIZE)"};
-      }
-    } else if (entry.kind == ResourceKind::kStorageBuffer) {
-      const Buffer* buffer = find(binding.buffer);
-      if (buffer == nullptr) {
-        return invalid(what() + "there is no buffer " + label(binding.buffer) +
-                       "; update() or registerBuffer() makes it known");
-      }
-      if (binding.size == 0 || !fits(binding.offset, binding.size, buffer->size)) {
-        return invalid(what() + range() + " is not inside buffer " + label(binding.buffer) +
-                       " of " + std::to_string(buffer->size) + " bytes");
-      }
-      if (limits.storageAlignment > 1 && binding.offset % limits.storageAlignment != 0) {
-        return invalid(what() + "offset " + std::to_string(binding.offset) + " in buffer " +
-                       label(binding.buffer) + " is not a multiple of " +
-                       std::to_string(limits.storageAlignment) +
-                       " (GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT)");
-      }
-      if (binding.size > limits.storageBlockBytes) {
-        return Error{ErrorCode::kUnsupported,
-                     what() + range() + "; " + context->renderer + " allows " +
-                         std::to_string(limits.storageBlockBytes) +
-                         " (GL_MAX_SHADER_STORAGE_BLOCK_SIZE): split the object"};
-      }
-    } else {
-      return Error{ErrorCode::kUnsupported, what() + "it is a texture; pass lists carry buffers"};
-    }
-  }
-
-  for (const KernelVariant* variant : {pass.kernel, pass.pixel}) {
-    if (variant == nullptr) continue;
-    for (const VariantBinding& use : variant->bindings) {
-      const auto bindings = list.bindingsOf(pass);
-      const bool bound =
-          std::any_of(bindings.begin(), bindings.end(), [&use](const PassBinding& binding) {
-            return binding.set == use.set && binding.entry == use.entry;
-          });
-      if (!bound) {
-        return invalid(name() + " does not bind '" + tables[use.set]->entries[use.entry].name +
-                       "', which kernel " + describe(*variant) + " uses");
-      }
-    }
-  }
-
-  if (pass.kind == PassKind::kDispatch) {
-    for (int axis = 0; axis < 3; ++axis) {
-      if (pass.groups[axis] == 0 || pass.groups[axis] > limits.groupCount[axis]) {
-        return invalid(name() + " has " + std::to_string(pass.groups[axis]) +
-                       " thread groups on axis " + "xyz"[axis] + "; 1 to " +
-                       std::to_string(limits.groupCount[axis]) + " are possible");
-      }
-    }
-  } else if (pass.kind == PassKind::kDispatchIndirect || pass.kind == PassKind::kDrawIndirect) {
-    const Buffer* buffer = find(pass.indirect);
-    if (buffer == nullptr || pass.indirectOffset % 4 != 0 ||
-        !fits(pass.indirectOffset, draw ? 16 : 12, buffer->size)) {
-      return invalid(name() + ": its indirect arguments at " + std::to_string(pass.indirectOffset) +
-                     " are not inside buffer " + label(pass.indirect));
-    }
-    if (draw && pass.indices != BufferId::kInvalid)
-      return invalid(name() + ": an indirect draw has no indices");
-  } else if (pass.indices != BufferId::kInvalid) {
-    const Buffer* buffer = find(pass.indices);
-    if (buffer == nullptr || !fits(0, uint64_t{pass.elementCount} * 4, buffer->size)) {
-      return invalid(name() + ": its " + std::to_string(pass.elementCount) +
-                     " indices are not inside buffer " + label(pass.indices));
-    }
-  }
-  // GL counts elements and instances in signed numbers.
-  if (draw && (pass.elementCount > 0x7fffffffu || pass.instanceCount > 0x7fffffffu))
-    return invalid(name() + " has more elements or instances than 2147483647");
-
-  Result<GLuint> program = programs.find(*pass.kernel, pass.pixel, list.specValuesOf(pass));
-  if (!program) {
-    Error error = program.error();
-    error.message = name() + ": " + error.message;
-    return error;
-  }
-  passPrograms.push_back(*program);
-  return {};
+std::optional<KnownBuffer> Runtime::Impl::known(BufferId id) const {
+  const Buffer* buffer = find(id);
+  if (buffer == nullptr) return {};
+  return KnownBuffer{.name = buffer->label, .size = buffer->size, .usage = buffer->tableUsage};
 }
 
-Result<void> Runtime::Impl::check(Runtime& runtime, const PassList& list, bool dispatches,
-                                  bool draws) {
+// Everything that can be wrong with a list is found here, so that issuing needs no checks.
+Result<void> Runtime::Impl::check(Runtime& runtime, const PassList& list, ListPart part) {
+  const Limits& limits = context->limits;
+  const DeviceLimits allowed = {
+      .groups = {limits.groupCount[0], limits.groupCount[1], limits.groupCount[2]},
+      .uniformBytes = limits.uniformBlockBytes,
+      .storageBytes = limits.storageBlockBytes,
+      .storageAlignment = std::max(limits.storageAlignment, 1u)};
+  const auto lookup = [this](BufferId id) { return known(id); };
+  if (Result<void> checked = checkList(list, lookup, allowed, part); !checked) return checked;
+  return makePrograms(runtime, list, part);
+}
+
+// Leaves them in passPrograms.
+Result<void> Runtime::Impl::makePrograms(Runtime& runtime, const PassList& list, ListPart part) {
   passPrograms.clear();
-  if (dispatches) {
-    for (const Upload& upload : list.uploads) {
-      const Buffer* buffer = find(upload.buffer);
-      if (buffer == nullptr || upload.offset % 4 != 0 || upload.size % 4 != 0 ||
-          !fits(upload.offset, upload.size, buffer->size)) {
-        return invalid("upload of " + std::to_string(upload.size) + " bytes at " +
-                       std::to_string(upload.offset) + " does not fit into buffer " +
-                       label(upload.buffer) +
-                       (buffer != nullptr ? " of " + std::to_string(buffer->size) + " bytes"
-                                          : ", which does not exist: update() creates it"));
-      }
-      if (!fits(upload.dataOffset, upload.size, list.uploadData.size())) {
-        return invalid("upload into buffer " + label(upload.buffer) + " takes " +
-                       std::to_string(upload.size) + " bytes at " +
-                       std::to_string(upload.dataOffset) + " of the list's " +
-                       std::to_string(list.uploadData.size()) + " bytes of data");
-      }
-    }
-  }
+  const auto isOut = [part](const Pass& pass) {
+    return part == (isDraw(pass.kind) ? ListPart::kDispatches : ListPart::kDraws);
+  };
   for (const Pass& pass : list.passes) {
-    if (!(isDraw(pass.kind) ? draws : dispatches)) continue;
-    if (Result<void> checked = checkPass(runtime, list, pass); !checked) return checked;
+    if (isOut(pass)) continue;
+    for (const PassBinding& binding : list.bindingsOf(pass)) {
+      if (Result<const Layout*> layout = runtime.createLayout(*pass.layouts()[binding.set]);
+          !layout)
+        return layout.error();
+    }
+    const std::span<const SpecValue> values = list.specValuesOf(pass);
+    if (const GLuint ready = programs.ready(*pass.kernel, pass.pixel, values)) {
+      passPrograms.push_back(ready);
+      continue;
+    }
+    // All of the list are begun before the first is waited for.
+    for (const Pass& other : list.passes) {
+      if (!isOut(other)) programs.begin(*other.kernel, other.pixel, list.specValuesOf(other));
+    }
+    Result<GLuint> program = programs.find(*pass.kernel, pass.pixel, values);
+    if (!program) {
+      Error error = program.error();
+      error.message = std::string("pass '") + pass.name + "': " + error.message;
+      return error;
+    }
+    passPrograms.push_back(*program);
   }
   return {};
 }
@@ -599,7 +535,7 @@ void Runtime::Impl::bind(const PassList& list, const Pass& pass) {
     const Layout::Slot slot = layout.slots[binding.entry];
     const bool uniform = slot.target == GL_UNIFORM_BUFFER;
     const Buffer* stored = uniform ? nullptr : find(binding.buffer);
-    PELAGE_ASSERT(uniform || stored != nullptr, "check() let an unknown buffer pass");
+    PELAGE_ASSERT(uniform || stored != nullptr, "checkList() let an unknown buffer pass");
     Bound wanted{stored != nullptr ? stored->name : constants, binding.offset, binding.size};
     if (uniform) {
       // A driver may round a block's size up to 16 bytes; what follows up to the next block is
@@ -608,12 +544,22 @@ void Runtime::Impl::bind(const PassList& list, const Pass& pass) {
                     PassList::kConstantAlignment * PassList::kConstantAlignment;
       wanted.size = std::min(wanted.size, constantBytes - binding.offset);
     }
-    Bound& now = (uniform ? boundUniform : boundStorage)[slot.binding];
-    if (now == wanted) continue;
-    now = wanted;
-    gl.glBindBufferRange(slot.target, slot.binding, wanted.name,
-                         static_cast<GLintptr>(wanted.offset),
-                         static_cast<GLsizeiptr>(wanted.size));
+    const auto bindAt = [&](uint32_t point) {
+      Bound& now = (uniform ? boundUniform : boundStorage)[point];
+      if (now == wanted) return;
+      now = wanted;
+      gl.glBindBufferRange(slot.target, point, wanted.name, static_cast<GLintptr>(wanted.offset),
+                           static_cast<GLsizeiptr>(wanted.size));
+    };
+    if (uniform) {
+      bindAt(slot.binding);
+      continue;
+    }
+    // A storage buffer that both stages of a draw use has a number in each.
+    for (const KernelVariant* variant : {pass.kernel, pass.pixel}) {
+      const VariantBinding* use = variant != nullptr ? useOf(*variant, binding) : nullptr;
+      if (use != nullptr) bindAt(use->glBinding);
+    }
   }
 }
 
@@ -630,6 +576,36 @@ void Runtime::Impl::use(GLuint program) {
   context->gl.glUseProgram(program);
 }
 
+// The vertex array is the runtime's own, and stays as the last draw left it.
+void Runtime::Impl::bindVertices(const Pass& pass) {
+  const Functions& gl = context->gl;
+  const VertexInput* input = pass.kernel->kernel->vertexInput;
+  if (vertexInput != input) {
+    const size_t before = vertexInput != nullptr ? vertexInput->attributes.size() : 0;
+    const size_t now = input != nullptr ? input->attributes.size() : 0;
+    for (size_t i = 0; i < now; ++i) {
+      const VertexAttribute& attribute = input->attributes[i];
+      const auto components = static_cast<GLint>(componentsOf(attribute.format));
+      if (isInteger(attribute.format)) {
+        gl.glVertexAttribIFormat(attribute.location, components, GL_UNSIGNED_INT, attribute.offset);
+      } else {
+        gl.glVertexAttribFormat(attribute.location, components, GL_FLOAT, GL_FALSE,
+                                attribute.offset);
+      }
+      gl.glVertexAttribBinding(attribute.location, 0);
+      if (i >= before) gl.glEnableVertexAttribArray(attribute.location);
+    }
+    for (size_t i = now; i < before; ++i)
+      gl.glDisableVertexAttribArray(vertexInput->attributes[i].location);
+    vertexInput = input;
+  }
+  if (input == nullptr) return;
+  gl.glVertexBindingDivisor(0, input->perInstance ? 1 : 0);
+  gl.glBindVertexBuffer(0, find(pass.vertices.buffer)->name,
+                        static_cast<GLintptr>(pass.vertices.offset),
+                        static_cast<GLsizei>(input->stride));
+}
+
 Result<void> Runtime::Impl::finish(const char* call) {
   if (!context->debug) return {};
   const GLenum error = context->gl.glGetError();
@@ -640,16 +616,15 @@ Result<void> Runtime::Impl::finish(const char* call) {
 }
 
 Result<void> Runtime::prepare(const PassList& list) {
-  return impl_->check(*this, list, true, true);
+  // Its buffers need not exist yet.
+  if (Result<void> checked = checkPasses(list); !checked) return checked;
+  return impl_->makePrograms(*this, list, ListPart::kAll);
 }
 
 Result<void> Runtime::record(const PassList& list, PassTimer* timer) {
-  if (list.table != 0 && impl_->table != 0 && list.table != impl_->table) {
-    return invalid(
-        "the list is of another scene than the buffers of this runtime: make a runtime for each "
-        "scene");
-  }
-  if (Result<void> checked = impl_->check(*this, list, true, false); !checked) return checked;
+  if (Result<void> checked = checkTable(list, impl_->table); !checked) return checked;
+  if (Result<void> checked = impl_->check(*this, list, ListPart::kDispatches); !checked)
+    return checked;
   if (Result<void> ready = checkRun(list); !ready) return ready;
   const Functions& gl = impl_->context->gl;
   if (impl_->context->debug) clearErrors(gl);
@@ -736,11 +711,27 @@ void Runtime::Impl::setDrawState(const DrawState& state) {
   }
 }
 
+Result<void> Runtime::record(Frame& frame, std::span<const ViewTarget> targets) {
+  if (targets.size() != frame.viewCount()) {
+    return invalid("the frame has " + std::to_string(frame.viewCount()) + " views, but there are " +
+                   std::to_string(targets.size()) + " targets");
+  }
+  FrameExecutor executor;
+  executor.update = [&](const ResourceTable& resources) { return update(resources); };
+  executor.record = [&](const FrameStep& step) { return record(*step.list); };
+  executor.draw = [&](const FrameStep& step) {
+    const ViewTarget& target = targets[step.view];
+    if (target.begin) target.begin(step);
+    return recordDraws(*step.list, target.area);
+  };
+  return frame.run(executor);
+}
+
 Result<void> Runtime::recordDraws(const PassList& list, const DrawTarget& target,
                                   PassTimer* timer) {
   if (target.width == 0 || target.height == 0)
     return invalid("recordDraws(): the target has no pixels");
-  if (Result<void> checked = impl_->check(*this, list, false, true); !checked) return checked;
+  if (Result<void> checked = impl_->check(*this, list, ListPart::kDraws); !checked) return checked;
   if (impl_->passPrograms.empty()) return {};
   if (Result<void> ready = checkDraws(list); !ready) return ready;
   const Functions& gl = impl_->context->gl;
@@ -760,6 +751,7 @@ Result<void> Runtime::recordDraws(const PassList& list, const DrawTarget& target
     if (impl_->context->debug) gl.glPushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, 0, -1, pass.name);
     impl_->use(impl_->passPrograms[index++]);
     impl_->bind(list, pass);
+    impl_->bindVertices(pass);
     if (state == nullptr || *state != pass.state) impl_->setDrawState(pass.state);
     state = &pass.state;
     const GLenum mode = topologyMode(pass.state.topology);

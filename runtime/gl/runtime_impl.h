@@ -2,6 +2,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -19,11 +20,17 @@ inline constexpr GLenum kDisabledInDraws[] = {
     GL_SAMPLE_MASK,         GL_PRIMITIVE_RESTART_FIXED_INDEX,
 };
 
+/// Of a buffer that the engine registered before the table had it.
+inline constexpr BufferUsage kAnyUsage = BufferUsage::kStorage | BufferUsage::kIndex |
+                                         BufferUsage::kIndirect | BufferUsage::kUpload |
+                                         BufferUsage::kReadback | BufferUsage::kVertex;
+
 struct Buffer {
   BufferId id = BufferId::kInvalid;
   GLuint name = 0;
   uint64_t size = 0;
   GLenum usage = GL_DYNAMIC_DRAW;
+  BufferUsage tableUsage = kAnyUsage;
   bool owned = false;
   std::string label;
 };
@@ -44,12 +51,13 @@ struct Runtime::Impl {
   GLuint constants = 0;
   uint64_t constantBytes = 0;
   GLuint vertexArray = 0;
+  const VertexInput* vertexInput = nullptr;  // that the vertex array is set up for
   std::vector<std::byte> zeros;
   std::vector<GLuint> passPrograms;  // of the passes that check() went through
   std::array<Bound, kMaxBindings> boundUniform, boundStorage;
   GLuint currentProgram = 0;
 
-  Impl(std::shared_ptr<const Context> context_, ProgramCache cache);
+  Impl(std::shared_ptr<const Context> glContext, ProgramCache cache);
   ~Impl();
 
   const Buffer* find(BufferId id) const;
@@ -57,14 +65,16 @@ struct Runtime::Impl {
   Result<void> createBuffer(Buffer& buffer, const BufferDesc& desc);
   void release(Buffer& buffer);
 
-  Result<void> check(Runtime& runtime, const PassList& list, bool dispatches, bool draws);
-  Result<void> checkPass(Runtime& runtime, const PassList& list, const Pass& pass);
+  std::optional<KnownBuffer> known(BufferId id) const;
+  Result<void> check(Runtime& runtime, const PassList& list, ListPart part);
+  Result<void> makePrograms(Runtime& runtime, const PassList& list, ListPart part);
 
   void memoryBarrier(std::span<const Barrier> barriers);
   void uploadConstants(const PassList& list);
   void forgetBindings();
   void use(GLuint program);
   void bind(const PassList& list, const Pass& pass);
+  void bindVertices(const Pass& pass);
   void setDrawDefaults(const DrawTarget& target);
   void setDrawState(const DrawState& state);
   Result<void> finish(const char* call);
@@ -80,7 +90,7 @@ struct PassTimer::Impl {
   size_t used = 0;
   std::vector<Entry> entries;
 
-  explicit Impl(std::shared_ptr<const Context> context_) : context(std::move(context_)) {}
+  explicit Impl(std::shared_ptr<const Context> glContext) : context(std::move(glContext)) {}
   ~Impl();
   /// Notes the GPU's time when it gets here; returns the query's index.
   size_t mark();

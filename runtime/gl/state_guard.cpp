@@ -56,7 +56,9 @@ struct StateGuard::Impl {
   GLboolean disabled[std::size(kDisabledInDraws)] = {};
   std::vector<DrawBuffer> drawBuffers;
 
-  explicit Impl(std::shared_ptr<const Context> context_) : context(std::move(context_)) { save(); }
+  explicit Impl(std::shared_ptr<const Context> glContext) : context(std::move(glContext)) {
+    save();
+  }
 
   bool core() const { return context->profile == Profile::kCore; }
 

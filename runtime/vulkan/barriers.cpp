@@ -16,7 +16,7 @@ void BarrierBatch::add(const Barrier& barrier, const BarrierTarget& target) {
     written |= VK_ACCESS_TRANSFER_WRITE_BIT;
   }
   if (barrier.beforeIndirect) before |= VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT;
-  if (barrier.beforeIndex) before |= VK_PIPELINE_STAGE_VERTEX_INPUT_BIT;
+  if (barrier.beforeIndex || barrier.beforeVertex) before |= VK_PIPELINE_STAGE_VERTEX_INPUT_BIT;
 
   if (barrier.afterStages != 0) {
     if (reads(barrier.after)) next |= VK_ACCESS_SHADER_READ_BIT;
@@ -33,6 +33,10 @@ void BarrierBatch::add(const Barrier& barrier, const BarrierTarget& target) {
   if (barrier.afterIndex) {
     after |= VK_PIPELINE_STAGE_VERTEX_INPUT_BIT;
     next |= VK_ACCESS_INDEX_READ_BIT;
+  }
+  if (barrier.afterVertex) {
+    after |= VK_PIPELINE_STAGE_VERTEX_INPUT_BIT;
+    next |= VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT;
   }
 
   before_ |= before;

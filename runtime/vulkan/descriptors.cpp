@@ -194,15 +194,15 @@ Result<VkDescriptorSet> Descriptors::set(const LayoutTable& table,
   uint64_t entries = 0;
   for (const BoundBuffer& bound : buffers) entries |= uint64_t{1} << (bound.entry % 64);
   std::vector<VkDescriptorSet>& free = (*layout)->free[entries];
-  const auto [place, inserted] = sets_.emplace(key_, Cached{&free, VK_NULL_HANDLE, frame});
+  const auto [index, inserted] = sets_.emplace(key_, Cached{&free, VK_NULL_HANDLE, frame});
   free.reserve(sets_.size() + retired_.size());
   retired_.reserve(sets_.size() + retired_.size());
   Result<VkDescriptorSet> set = takeSet(**layout, free);
   if (!set) {
-    sets_.erase(place);
+    sets_.erase(index);
     return set.error();
   }
-  place->second.set = *set;
+  index->second.set = *set;
 
   for (size_t i = 0; i < buffers.size(); ++i) {
     const LayoutEntry& entry = table.entries[buffers[i].entry];

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "functions.h"
+#include "pelage/tier.h"
 
 namespace pelage::vulkan {
 
@@ -18,6 +19,7 @@ struct Device {
   VkPhysicalDeviceFeatures features = {};  ///< those enabled
   VkPhysicalDeviceSubgroupProperties subgroup = {};
   VkDeviceSize maxAllocation = 0;  ///< bytes of one allocation
+  TierLimits tierLimits;           ///< of permutations; no more than those of RuntimeDef::maxTier
 
   const VkPhysicalDeviceLimits& limits() const { return properties.limits; }
 };

@@ -40,6 +40,7 @@ namespace pelage::vulkan {
   X(CmdBeginRenderPass)                   \
   X(CmdBindDescriptorSets)                \
   X(CmdBindIndexBuffer)                   \
+  X(CmdBindVertexBuffers)                 \
   X(CmdBindPipeline)                      \
   X(CmdCopyBuffer)                        \
   X(CmdCopyImageToBuffer)                 \

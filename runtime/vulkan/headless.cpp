@@ -75,6 +75,7 @@ class HeadlessVulkan final : public HeadlessDevice {
                                const RenderTargetDef& target,
                                std::vector<PassTiming>* timings) override;
   Result<std::vector<std::byte>> read(BufferId buffer, uint64_t offset, uint64_t size) override;
+  void addCode(KernelCodeList code) override { runtime_->addCode(code); }
   uint64_t bufferBytes() const override { return runtime_->bufferBytes(); }
   uint32_t messageCount() const override { return messages_.load(); }
 
@@ -101,6 +102,7 @@ class HeadlessVulkan final : public HeadlessDevice {
   DeviceInfo info_;
   Device device_;
   bool debugUtils_ = false;
+  Tier maxTier_ = Tier::kWide;
   VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
   VkQueue queue_ = VK_NULL_HANDLE;
   VkCommandPool pool_ = VK_NULL_HANDLE;
@@ -140,11 +142,52 @@ Result<void> HeadlessVulkan::open(const HeadlessDef& def) {
     return Error{ErrorCode::kInvalidArgument,
                  "createHeadlessVulkan() makes Vulkan devices: use createHeadlessGl()"};
   }
+  maxTier_ = def.maxTier;
   if (Result<void> done = device_.vk.loadGlobal(nullptr); !done) return done;
   if (Result<void> done = createInstance(def); !done) return done;
   if (Result<void> done = choosePhysicalDevice(def.deviceIndex); !done) return done;
   if (Result<void> done = createDevice(); !done) return done;
   return describe();
+}
+
+// The instance extensions that validation takes. Errors: the layer or one of them is not there.
+Result<std::vector<const char*>> validationExtensions(const Functions& vk) {
+  uint32_t count = 0;
+  VkResult result = vk.EnumerateInstanceLayerProperties(&count, nullptr);
+  std::vector<VkLayerProperties> layers(count);
+  if (result == VK_SUCCESS) result = vk.EnumerateInstanceLayerProperties(&count, layers.data());
+  const bool found =
+      result == VK_SUCCESS && std::any_of(layers.begin(), layers.end(), [](const auto& layer) {
+        return std::strcmp(layer.layerName, kValidationLayer) == 0;
+      });
+  if (!found) {
+    return Error{ErrorCode::kUnsupported,
+                 fmt::format("validation was asked for and {} is not there. On Debian: apt-get "
+                             "install vulkan-validationlayers",
+                             kValidationLayer)};
+  }
+  std::vector<VkExtensionProperties> known;
+  for (const char* layer : {static_cast<const char*>(nullptr), kValidationLayer}) {
+    uint32_t extensionCount = 0;
+    if (vk.EnumerateInstanceExtensionProperties(layer, &extensionCount, nullptr) != VK_SUCCESS)
+      continue;
+    const size_t first = known.size();
+    known.resize(first + extensionCount);
+    static_cast<void>(
+        vk.EnumerateInstanceExtensionProperties(layer, &extensionCount, known.data() + first));
+    known.resize(first + extensionCount);
+  }
+  for (const char* name :
+       {VK_EXT_DEBUG_UTILS_EXTENSION_NAME, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME}) {
+    if (!hasExtension(known, name)) {
+      return Error{ErrorCode::kUnsupported,
+                   fmt::format("validation was asked for and the instance extension {} is not "
+                               "there: update the loader and {}",
+                               name, kValidationLayer)};
+    }
+  }
+  return std::vector<const char*>{VK_EXT_DEBUG_UTILS_EXTENSION_NAME,
+                                  VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
 }
 
 Result<void> HeadlessVulkan::createInstance(const HeadlessDef& def) {
@@ -184,41 +227,9 @@ Result<void> HeadlessVulkan::createInstance(const HeadlessDef& def) {
   features.pEnabledValidationFeatures = enables;
 
   if (def.validation) {
-    uint32_t count = 0;
-    VkResult result = vk.EnumerateInstanceLayerProperties(&count, nullptr);
-    std::vector<VkLayerProperties> layers(count);
-    if (result == VK_SUCCESS) result = vk.EnumerateInstanceLayerProperties(&count, layers.data());
-    const bool found =
-        result == VK_SUCCESS && std::any_of(layers.begin(), layers.end(), [](const auto& layer) {
-          return std::strcmp(layer.layerName, kValidationLayer) == 0;
-        });
-    if (!found) {
-      return Error{ErrorCode::kUnsupported,
-                   fmt::format("validation was asked for and {} is not there. On Debian: apt-get "
-                               "install vulkan-validationlayers",
-                               kValidationLayer)};
-    }
-    std::vector<VkExtensionProperties> known;
-    for (const char* layer : {static_cast<const char*>(nullptr), kValidationLayer}) {
-      uint32_t extensionCount = 0;
-      if (vk.EnumerateInstanceExtensionProperties(layer, &extensionCount, nullptr) != VK_SUCCESS)
-        continue;
-      const size_t first = known.size();
-      known.resize(first + extensionCount);
-      static_cast<void>(
-          vk.EnumerateInstanceExtensionProperties(layer, &extensionCount, known.data() + first));
-      known.resize(first + extensionCount);
-    }
-    for (const char* name :
-         {VK_EXT_DEBUG_UTILS_EXTENSION_NAME, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME}) {
-      if (!hasExtension(known, name)) {
-        return Error{ErrorCode::kUnsupported,
-                     fmt::format("validation was asked for and the instance extension {} is not "
-                                 "there: update the loader and {}",
-                                 name, kValidationLayer)};
-      }
-      extensions.push_back(name);
-    }
+    Result<std::vector<const char*>> wanted = validationExtensions(vk);
+    if (!wanted) return wanted.error();
+    extensions = *std::move(wanted);
     debugUtils_ = true;
     info.enabledLayerCount = 1;
     info.ppEnabledLayerNames = &kValidationLayer;
@@ -387,6 +398,7 @@ Result<void> HeadlessVulkan::createDevice() {
   def.enabledFeatures = device_.features;
   def.getInstanceProcAddr = vk.GetInstanceProcAddr;
   def.debugUtils = debugUtils_;
+  def.maxTier = maxTier_;
   Result<Runtime> runtime = Runtime::create(def);
   if (!runtime) return runtime.error();
   runtime_.emplace(*std::move(runtime));
@@ -422,6 +434,7 @@ Result<void> HeadlessVulkan::describe() {
   info_.sampleCounts = sampleCounts();
   info_.maxSamples = std::bit_floor(info_.sampleCounts);
   info_.maxBufferBytes = device_.properties.limits.maxStorageBufferRange;
+  info_.tier = runtime_->tier();
   return {};
 }
 

@@ -2,7 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cstring>
+#include <optional>
+#include <thread>
 
 #include "spirv_facts.h"
 
@@ -54,6 +59,29 @@ VkPrimitiveTopology primitiveTopology(PrimitiveTopology topology) {
   return VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
 }
 
+VkFormat formatOf(VertexFormat format) {
+  switch (format) {
+    case VertexFormat::kFloat1:
+      return VK_FORMAT_R32_SFLOAT;
+    case VertexFormat::kFloat2:
+      return VK_FORMAT_R32G32_SFLOAT;
+    case VertexFormat::kFloat3:
+      return VK_FORMAT_R32G32B32_SFLOAT;
+    case VertexFormat::kFloat4:
+      return VK_FORMAT_R32G32B32A32_SFLOAT;
+    case VertexFormat::kUint1:
+      return VK_FORMAT_R32_UINT;
+    case VertexFormat::kUint2:
+      return VK_FORMAT_R32G32_UINT;
+    case VertexFormat::kUint3:
+      return VK_FORMAT_R32G32B32_UINT;
+    case VertexFormat::kUint4:
+      return VK_FORMAT_R32G32B32A32_UINT;
+  }
+  PELAGE_ASSERT(false, "a vertex format that is not in the enumeration");
+  return VK_FORMAT_R32_SFLOAT;
+}
+
 // Whether stored cache data was made by this driver on this device. Drivers must check that
 // themselves, but not all of them survived data of another one (Vulkan specification, 10.6.3, has
 // the header).
@@ -94,12 +122,99 @@ void appendKey(std::vector<uint64_t>& key, std::span<const SpecValue> values) {
 
 uint64_t pointerKey(const void* pointer) { return reinterpret_cast<uintptr_t>(pointer); }
 
-}  // namespace
+// What of a pipeline does not come from its shaders. Its structs point at each other.
+struct FixedFunction {
+  FixedFunction(const DrawState& state, const TargetFormats& target, const VertexInput* input);
+  FixedFunction(const FixedFunction&) = delete;
+  FixedFunction& operator=(const FixedFunction&) = delete;
+  void fill(VkGraphicsPipelineCreateInfo& info) const;
 
-std::string variantName(const KernelVariant& variant) {
-  const bool keyed = variant.key != nullptr && variant.key[0] != '\0';
-  return keyed ? fmt::format("{} [{}]", variant.kernel->name, variant.key) : variant.kernel->name;
+  static constexpr VkDynamicState kDynamics[] = {VK_DYNAMIC_STATE_VIEWPORT,
+                                                 VK_DYNAMIC_STATE_SCISSOR};
+  VkVertexInputBindingDescription vertexBinding = {};
+  std::vector<VkVertexInputAttributeDescription> attributes;
+  VkPipelineVertexInputStateCreateInfo vertexInput = {};
+  VkPipelineInputAssemblyStateCreateInfo assembly = {};
+  VkPipelineViewportStateCreateInfo viewport = {};
+  VkPipelineRasterizationStateCreateInfo raster = {};
+  VkPipelineMultisampleStateCreateInfo multisample = {};
+  VkPipelineDepthStencilStateCreateInfo depth = {};
+  VkPipelineColorBlendAttachmentState attachment = {};
+  VkPipelineColorBlendStateCreateInfo blend = {};
+  VkPipelineDynamicStateCreateInfo dynamic = {};
+};
+
+FixedFunction::FixedFunction(const DrawState& state, const TargetFormats& target,
+                             const VertexInput* input) {
+  vertexInput = tagged<VkPipelineVertexInputStateCreateInfo>(
+      VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO);
+  if (input != nullptr) {
+    vertexBinding.stride = input->stride;
+    vertexBinding.inputRate =
+        input->perInstance ? VK_VERTEX_INPUT_RATE_INSTANCE : VK_VERTEX_INPUT_RATE_VERTEX;
+    for (const VertexAttribute& attribute : input->attributes)
+      attributes.push_back({attribute.location, 0, formatOf(attribute.format), attribute.offset});
+    vertexInput.vertexBindingDescriptionCount = 1;
+    vertexInput.pVertexBindingDescriptions = &vertexBinding;
+    vertexInput.vertexAttributeDescriptionCount = static_cast<uint32_t>(attributes.size());
+    vertexInput.pVertexAttributeDescriptions = attributes.data();
+  }
+  assembly = tagged<VkPipelineInputAssemblyStateCreateInfo>(
+      VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO);
+  assembly.topology = primitiveTopology(state.topology);
+  viewport = tagged<VkPipelineViewportStateCreateInfo>(
+      VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO);
+  viewport.viewportCount = 1;
+  viewport.scissorCount = 1;
+  raster = tagged<VkPipelineRasterizationStateCreateInfo>(
+      VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO);
+  raster.polygonMode = VK_POLYGON_MODE_FILL;
+  raster.cullMode = VK_CULL_MODE_NONE;
+  raster.frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE;
+  raster.lineWidth = 1;
+  multisample = tagged<VkPipelineMultisampleStateCreateInfo>(
+      VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO);
+  multisample.rasterizationSamples = target.samples;
+  depth = tagged<VkPipelineDepthStencilStateCreateInfo>(
+      VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO);
+  const bool hasDepth = target.depth != VK_FORMAT_UNDEFINED;
+  depth.depthTestEnable =
+      hasDepth && (state.depthCompare != DepthCompare::kAlways || state.depthWrite);
+  depth.depthWriteEnable = hasDepth && state.depthWrite;
+  depth.depthCompareOp = compareOp(state.depthCompare);
+  if (state.colorWrite) {
+    attachment.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT |
+                                VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
+  }
+  attachment.blendEnable = state.blend == BlendMode::kPremultipliedAlpha;
+  attachment.srcColorBlendFactor = VK_BLEND_FACTOR_ONE;
+  attachment.dstColorBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
+  attachment.colorBlendOp = VK_BLEND_OP_ADD;
+  attachment.srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
+  attachment.dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
+  attachment.alphaBlendOp = VK_BLEND_OP_ADD;
+  blend = tagged<VkPipelineColorBlendStateCreateInfo>(
+      VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO);
+  blend.attachmentCount = 1;
+  blend.pAttachments = &attachment;
+  dynamic = tagged<VkPipelineDynamicStateCreateInfo>(
+      VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO);
+  dynamic.dynamicStateCount = static_cast<uint32_t>(std::size(kDynamics));
+  dynamic.pDynamicStates = kDynamics;
 }
+
+void FixedFunction::fill(VkGraphicsPipelineCreateInfo& info) const {
+  info.pVertexInputState = &vertexInput;
+  info.pInputAssemblyState = &assembly;
+  info.pViewportState = &viewport;
+  info.pRasterizationState = &raster;
+  info.pMultisampleState = &multisample;
+  info.pDepthStencilState = &depth;
+  info.pColorBlendState = &blend;
+  info.pDynamicState = &dynamic;
+}
+
+}  // namespace
 
 struct Pipelines::Module {
   Module(const Device& owner, VkShaderModule module, std::string entry)
@@ -244,25 +359,22 @@ Result<VkPipelineLayout> Pipelines::layout(const Kernel& kernel) {
   auto info = tagged<VkPipelineLayoutCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO);
   info.setLayoutCount = static_cast<uint32_t>(sets.size());
   info.pSetLayouts = sets.data();
-  const auto place = layouts_.emplace(std::move(key), VK_NULL_HANDLE).first;
+  const auto index = layouts_.emplace(std::move(key), VK_NULL_HANDLE).first;
   const VkResult result =
-      device_.vk.CreatePipelineLayout(device_.handle, &info, device_.callbacks, &place->second);
+      device_.vk.CreatePipelineLayout(device_.handle, &info, device_.callbacks, &index->second);
   if (result != VK_SUCCESS) {
-    layouts_.erase(place);
+    layouts_.erase(index);
     return vulkanError(result, fmt::format("pipeline layout of kernel {}", kernel.name));
   }
-  device_.vk.name(device_.handle, VK_OBJECT_TYPE_PIPELINE_LAYOUT, place->second, kernel.name);
-  return place->second;
+  device_.vk.name(device_.handle, VK_OBJECT_TYPE_PIPELINE_LAYOUT, index->second, kernel.name);
+  return index->second;
 }
 
 Result<Pipelines::Module> Pipelines::module(const KernelVariant& variant) const {
   const VkShaderStageFlagBits stage = stageFlag(variant.kernel->stage);
-  if (variant.spirv.empty()) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("kernel {} has no SPIR-V: build it with codegen's SPIR-V output on",
-                             variantName(variant))};
-  }
-  Result<SpirvFacts> facts = spirvFacts(variant.spirv, stage, device_);
+  const Result<std::vector<uint32_t>> words = codes_.spirv(variant);
+  if (!words) return words.error();
+  Result<SpirvFacts> facts = spirvFacts(*words, stage, device_);
   if (!facts) {
     return Error{facts.error().code,
                  fmt::format("kernel {}: {}", variantName(variant), facts.error().message)};
@@ -282,8 +394,8 @@ Result<Pipelines::Module> Pipelines::module(const KernelVariant& variant) const 
                              variantName(variant), missing)};
   }
   auto info = tagged<VkShaderModuleCreateInfo>(VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO);
-  info.codeSize = variant.spirv.size_bytes();
-  info.pCode = variant.spirv.data();
+  info.codeSize = words->size() * sizeof(uint32_t);
+  info.pCode = words->data();
   VkShaderModule handle = VK_NULL_HANDLE;
   const VkResult result =
       device_.vk.CreateShaderModule(device_.handle, &info, device_.callbacks, &handle);
@@ -292,135 +404,151 @@ Result<Pipelines::Module> Pipelines::module(const KernelVariant& variant) const 
   return Module(device_, handle, std::move(facts->entryPoint));
 }
 
-Result<Pipeline> Pipelines::compute(const KernelVariant& variant,
-                                    std::span<const SpecValue> values) {
-  key_.assign({pointerKey(&variant)});
-  appendKey(key_, values);
-  if (const auto known = pipelines_.find(key_); known != pipelines_.end())
-    return known->second.pipeline;
+struct Pipelines::Job {
+  Key key;
+  PipelineRequest request;
+  VkPipelineLayout layout = VK_NULL_HANDLE;
+  std::string name;
+  std::optional<Result<VkPipeline>> result;
+  double milliseconds = 0;
+};
 
-  const VkPhysicalDeviceLimits& limits = device_.limits();
-  uint64_t threads = 1;
-  for (int axis = 0; axis < 3; ++axis) {
-    threads *= variant.groupSize[axis];
-    if (variant.groupSize[axis] > limits.maxComputeWorkGroupSize[axis] ||
-        threads > limits.maxComputeWorkGroupInvocations) {
-      return Error{ErrorCode::kUnsupported,
-                   fmt::format("kernel {} has groups of {} x {} x {} threads, the device allows "
-                               "{} x {} x {} and {} together",
-                               variantName(variant), variant.groupSize[0], variant.groupSize[1],
-                               variant.groupSize[2], limits.maxComputeWorkGroupSize[0],
-                               limits.maxComputeWorkGroupSize[1], limits.maxComputeWorkGroupSize[2],
-                               limits.maxComputeWorkGroupInvocations)};
-    }
+void Pipelines::setKey(const PipelineRequest& request) {
+  key_.assign({pointerKey(request.kernel), pointerKey(request.pixel)});
+  if (request.pixel != nullptr) {
+    const DrawState& state = request.state;
+    const TargetFormats& target = *request.target;
+    key_.insert(
+        key_.end(),
+        {static_cast<uint64_t>(state.topology) | static_cast<uint64_t>(state.depthCompare) << 8 |
+             static_cast<uint64_t>(state.depthWrite) << 16 |
+             static_cast<uint64_t>(state.blend) << 24 |
+             static_cast<uint64_t>(state.colorWrite) << 31 |
+             static_cast<uint64_t>(target.samples) << 32,
+         static_cast<uint64_t>(target.color) << 32 | static_cast<uint32_t>(target.depth),
+         // NOLINTNEXTLINE: an integer on 32-bit platforms, a pointer on others
+         (uint64_t)target.renderPass, target.subpass});
   }
-  Result<VkPipelineLayout> pipelineLayout = layout(*variant.kernel);
-  if (!pipelineLayout) return pipelineLayout.error();
-  Result<Module> shader = module(variant);
-  if (!shader) return shader.error();
-
-  const Specialization specialization(values);
-  auto info = tagged<VkComputePipelineCreateInfo>(VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO);
-  info.stage = shader->stage(VK_SHADER_STAGE_COMPUTE_BIT, specialization.info);
-  info.layout = *pipelineLayout;
-  info.basePipelineIndex = -1;
-  const std::string name = variantName(variant);
-  const auto place = pipelines_.emplace(key_, Cached{{VK_NULL_HANDLE, *pipelineLayout}, {}}).first;
-  Pipeline& pipeline = place->second.pipeline;
-  const VkResult result = device_.vk.CreateComputePipelines(device_.handle, cache_, 1, &info,
-                                                            device_.callbacks, &pipeline.handle);
-  if (result != VK_SUCCESS) {
-    pipelines_.erase(place);
-    return vulkanError(result, "pipeline of kernel " + name);
-  }
-  device_.vk.name(device_.handle, VK_OBJECT_TYPE_PIPELINE, pipeline.handle, name.c_str());
-  return pipeline;
+  appendKey(key_, request.values);
 }
 
-Result<Pipeline> Pipelines::graphics(const KernelVariant& vertex, const KernelVariant& pixel,
-                                     std::span<const SpecValue> values, const DrawState& state,
-                                     const TargetFormats& target) {
-  key_.assign({pointerKey(&vertex), pointerKey(&pixel),
-               static_cast<uint64_t>(state.topology) |
-                   static_cast<uint64_t>(state.depthCompare) << 8 |
-                   static_cast<uint64_t>(state.depthWrite) << 16 |
-                   static_cast<uint64_t>(state.blend) << 24 |
-                   static_cast<uint64_t>(state.colorWrite) << 31 |
-                   static_cast<uint64_t>(target.samples) << 32,
-               static_cast<uint64_t>(target.color) << 32 | static_cast<uint32_t>(target.depth),
-               // NOLINTNEXTLINE: an integer on 32-bit platforms, a pointer on others
-               (uint64_t)target.renderPass, target.subpass});
-  appendKey(key_, values);
-  if (const auto known = pipelines_.find(key_); known != pipelines_.end())
-    return known->second.pipeline;
+const Pipeline* Pipelines::find(const PipelineRequest& request) {
+  setKey(request);
+  const auto known = pipelines_.find(key_);
+  return known == pipelines_.end() ? nullptr : &known->second.pipeline;
+}
 
-  const std::string name = variantName(vertex) + " + " + variantName(pixel);
-  if (target.renderPass == VK_NULL_HANDLE && !device_.vk.dynamicRendering) {
-    return Error{ErrorCode::kUnsupported,
-                 "draw " + name +
-                     ": TargetFormats::renderPass is null and the device has no dynamic rendering "
-                     "(Vulkan 1.3 or VK_KHR_dynamic_rendering): give a render pass"};
+Result<void> Pipelines::make(std::span<const PipelineRequest> requests) {
+  std::vector<Job> jobs;
+  std::optional<Error> error;
+  for (const PipelineRequest& request : requests) {
+    if (find(request) != nullptr) continue;
+    if (std::any_of(jobs.begin(), jobs.end(), [this](const Job& job) { return job.key == key_; }))
+      continue;
+    Result<Job> job = begin(request);
+    if (job) {
+      jobs.push_back(*std::move(job));
+    } else if (!error) {
+      error = job.error();
+    }
   }
-  Result<VkPipelineLayout> pipelineLayout =
-      layout(pixel.kernel->layouts.size() > vertex.kernel->layouts.size() ? *pixel.kernel
-                                                                          : *vertex.kernel);
+
+  std::atomic<size_t> next = 0;
+  const auto work = [&] {
+    using Clock = std::chrono::steady_clock;
+    for (size_t i = next++; i < jobs.size(); i = next++) {
+      const Clock::time_point start = Clock::now();
+      jobs[i].result.emplace(guarded([&] { return create(jobs[i]); }));
+      jobs[i].milliseconds =
+          std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+    }
+  };
+  const size_t most = threads_ != 0 ? threads_ : std::max(std::thread::hardware_concurrency(), 1u);
+  {
+    // The caller's thread works, too.
+    std::vector<std::jthread> threads;
+    for (size_t i = 1; i < std::min(most, jobs.size()); ++i) threads.emplace_back(work);
+    work();
+  }
+
+  for (Job& job : jobs) {
+    if (!*job.result) {
+      if (!error) error = job.result->error();
+      continue;
+    }
+    const VkPipeline handle = **job.result;
+    const PipelineRequest& request = job.request;
+    const VkRenderPass renderPass =
+        request.target != nullptr ? request.target->renderPass : VkRenderPass{VK_NULL_HANDLE};
+    pipelines_.emplace(std::move(job.key), Cached{{handle, job.layout}, renderPass});
+    device_.vk.name(device_.handle, VK_OBJECT_TYPE_PIPELINE, handle, job.name.c_str());
+    times_.push_back({std::move(job.name), job.milliseconds});
+  }
+  if (error) return *error;
+  return {};
+}
+
+// What is not for several threads: the layouts. Expects setKey() of the request.
+Result<Pipelines::Job> Pipelines::begin(const PipelineRequest& request) {
+  Job job;
+  job.key = key_;
+  job.request = request;
+  job.name = variantName(*request.kernel);
+  const Kernel* kernel = request.kernel->kernel;
+  if (Result<void> fits = pelage::checkLimits(*request.kernel, request.pixel, device_.tierLimits,
+                                              device_.properties.deviceName);
+      !fits)
+    return fits.error();
+  if (request.pixel != nullptr) {
+    job.name += " + " + variantName(*request.pixel);
+    if (request.target->renderPass == VK_NULL_HANDLE && !device_.vk.dynamicRendering) {
+      return Error{ErrorCode::kUnsupported,
+                   "draw " + job.name +
+                       ": TargetFormats::renderPass is null and the device has no dynamic "
+                       "rendering (Vulkan 1.3 or VK_KHR_dynamic_rendering): give a render pass"};
+    }
+    if (request.pixel->kernel->layouts.size() > kernel->layouts.size())
+      kernel = request.pixel->kernel;
+  }
+  Result<VkPipelineLayout> pipelineLayout = layout(*kernel);
   if (!pipelineLayout) return pipelineLayout.error();
-  Result<Module> vertexShader = module(vertex);
+  job.layout = *pipelineLayout;
+  return job;
+}
+
+// Any number of threads at a time: the driver synchronises the cache.
+Result<VkPipeline> Pipelines::create(const Job& job) const {
+  return job.request.pixel != nullptr ? createGraphics(job) : createCompute(job);
+}
+
+Result<VkPipeline> Pipelines::createCompute(const Job& job) const {
+  Result<Module> shader = module(*job.request.kernel);
+  if (!shader) return shader.error();
+  const Specialization specialization(job.request.values);
+  auto info = tagged<VkComputePipelineCreateInfo>(VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO);
+  info.stage = shader->stage(VK_SHADER_STAGE_COMPUTE_BIT, specialization.info);
+  info.layout = job.layout;
+  info.basePipelineIndex = -1;
+  VkPipeline handle = VK_NULL_HANDLE;
+  const VkResult result = device_.vk.CreateComputePipelines(device_.handle, cache_, 1, &info,
+                                                            device_.callbacks, &handle);
+  if (result != VK_SUCCESS) return vulkanError(result, "pipeline of kernel " + job.name);
+  return handle;
+}
+
+Result<VkPipeline> Pipelines::createGraphics(const Job& job) const {
+  const PipelineRequest& request = job.request;
+  const TargetFormats& target = *request.target;
+  Result<Module> vertexShader = module(*request.kernel);
   if (!vertexShader) return vertexShader.error();
-  Result<Module> pixelShader = module(pixel);
+  Result<Module> pixelShader = module(*request.pixel);
   if (!pixelShader) return pixelShader.error();
 
-  const Specialization specialization(values);
+  const Specialization specialization(request.values);
   const VkPipelineShaderStageCreateInfo stages[] = {
       vertexShader->stage(VK_SHADER_STAGE_VERTEX_BIT, specialization.info),
       pixelShader->stage(VK_SHADER_STAGE_FRAGMENT_BIT, specialization.info)};
-  const auto vertexInput = tagged<VkPipelineVertexInputStateCreateInfo>(
-      VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO);
-  auto assembly = tagged<VkPipelineInputAssemblyStateCreateInfo>(
-      VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO);
-  assembly.topology = primitiveTopology(state.topology);
-  auto viewport = tagged<VkPipelineViewportStateCreateInfo>(
-      VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO);
-  viewport.viewportCount = 1;
-  viewport.scissorCount = 1;
-  auto raster = tagged<VkPipelineRasterizationStateCreateInfo>(
-      VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO);
-  raster.polygonMode = VK_POLYGON_MODE_FILL;
-  raster.cullMode = VK_CULL_MODE_NONE;
-  raster.frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE;
-  raster.lineWidth = 1;
-  auto multisample = tagged<VkPipelineMultisampleStateCreateInfo>(
-      VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO);
-  multisample.rasterizationSamples = target.samples;
-  auto depth = tagged<VkPipelineDepthStencilStateCreateInfo>(
-      VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO);
-  const bool hasDepth = target.depth != VK_FORMAT_UNDEFINED;
-  depth.depthTestEnable =
-      hasDepth && (state.depthCompare != DepthCompare::kAlways || state.depthWrite);
-  depth.depthWriteEnable = hasDepth && state.depthWrite;
-  depth.depthCompareOp = compareOp(state.depthCompare);
-  VkPipelineColorBlendAttachmentState attachment = {};
-  if (state.colorWrite) {
-    attachment.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT |
-                                VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
-  }
-  attachment.blendEnable = state.blend == BlendMode::kPremultipliedAlpha;
-  attachment.srcColorBlendFactor = VK_BLEND_FACTOR_ONE;
-  attachment.dstColorBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
-  attachment.colorBlendOp = VK_BLEND_OP_ADD;
-  attachment.srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
-  attachment.dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
-  attachment.alphaBlendOp = VK_BLEND_OP_ADD;
-  auto blend = tagged<VkPipelineColorBlendStateCreateInfo>(
-      VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO);
-  blend.attachmentCount = 1;
-  blend.pAttachments = &attachment;
-  const VkDynamicState dynamics[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
-  auto dynamic = tagged<VkPipelineDynamicStateCreateInfo>(
-      VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO);
-  dynamic.dynamicStateCount = static_cast<uint32_t>(std::size(dynamics));
-  dynamic.pDynamicStates = dynamics;
-
+  const FixedFunction fixed(request.state, target, request.kernel->kernel->vertexInput);
   auto rendering =
       tagged<VkPipelineRenderingCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO);
   rendering.colorAttachmentCount = 1;
@@ -431,29 +559,16 @@ Result<Pipeline> Pipelines::graphics(const KernelVariant& vertex, const KernelVa
   if (target.renderPass == VK_NULL_HANDLE) info.pNext = &rendering;
   info.stageCount = static_cast<uint32_t>(std::size(stages));
   info.pStages = stages;
-  info.pVertexInputState = &vertexInput;
-  info.pInputAssemblyState = &assembly;
-  info.pViewportState = &viewport;
-  info.pRasterizationState = &raster;
-  info.pMultisampleState = &multisample;
-  info.pDepthStencilState = &depth;
-  info.pColorBlendState = &blend;
-  info.pDynamicState = &dynamic;
-  info.layout = *pipelineLayout;
+  fixed.fill(info);
+  info.layout = job.layout;
   info.renderPass = target.renderPass;
   info.subpass = target.subpass;
   info.basePipelineIndex = -1;
-  const auto place =
-      pipelines_.emplace(key_, Cached{{VK_NULL_HANDLE, *pipelineLayout}, target.renderPass}).first;
-  Pipeline& pipeline = place->second.pipeline;
+  VkPipeline handle = VK_NULL_HANDLE;
   const VkResult result = device_.vk.CreateGraphicsPipelines(device_.handle, cache_, 1, &info,
-                                                             device_.callbacks, &pipeline.handle);
-  if (result != VK_SUCCESS) {
-    pipelines_.erase(place);
-    return vulkanError(result, "pipeline of draw " + name);
-  }
-  device_.vk.name(device_.handle, VK_OBJECT_TYPE_PIPELINE, pipeline.handle, name.c_str());
-  return pipeline;
+                                                             device_.callbacks, &handle);
+  if (result != VK_SUCCESS) return vulkanError(result, "pipeline of draw " + job.name);
+  return handle;
 }
 
 void Pipelines::forget(VkRenderPass renderPass) {

@@ -7,6 +7,8 @@
 
 #include "descriptors.h"
 #include "device.h"
+#include "pelage/kernel_code.h"
+#include "pelage/list_check.h"
 #include "pelage/pass_list.h"
 #include "pelage/vulkan.h"
 
@@ -17,8 +19,14 @@ struct Pipeline {
   VkPipelineLayout layout = VK_NULL_HANDLE;
 };
 
-/// "simulate_strands [wind=1]", for errors and debuggers.
-std::string variantName(const KernelVariant& variant);
+/// What a pass needs a pipeline for.
+struct PipelineRequest {
+  const KernelVariant* kernel = nullptr;  ///< the compute kernel, or the vertex kernel of a draw
+  const KernelVariant* pixel = nullptr;   ///< nullptr: a compute pass
+  std::span<const SpecValue> values;
+  DrawState state;
+  const TargetFormats* target = nullptr;  ///< of a draw
+};
 
 class Pipelines {
  public:
@@ -31,10 +39,16 @@ class Pipelines {
   Result<void> openCache(VkPipelineCache engine, std::span<const std::byte> data);
   Result<std::vector<std::byte>> cacheData() const;
 
-  Result<Pipeline> compute(const KernelVariant& variant, std::span<const SpecValue> values);
-  Result<Pipeline> graphics(const KernelVariant& vertex, const KernelVariant& pixel,
-                            std::span<const SpecValue> values, const DrawState& state,
-                            const TargetFormats& target);
+  void addCode(KernelCodeList code) { codes_.add(code); }
+
+  /// nullptr when there is none yet.
+  const Pipeline* find(const PipelineRequest& request);
+  /// Makes those that do not exist yet, several at a time. On an error, which is that of the first
+  /// request that has one, the others exist.
+  Result<void> make(std::span<const PipelineRequest> requests);
+  /// \param threads  at most so many at a time; 0: as many as there are processors
+  void setThreads(uint32_t threads) { threads_ = threads; }
+  const std::vector<PipelineTime>& times() const { return times_; }
   /// Destroys the pipelines of a render pass.
   void forget(VkRenderPass renderPass);
 
@@ -46,17 +60,29 @@ class Pipelines {
   /// A shader module for the time of a pipeline's creation.
   struct Module;
 
+  /// A pipeline that is being made.
+  struct Job;
+  using Key = std::vector<uint64_t>;
+
+  void setKey(const PipelineRequest& request);
+  Result<Job> begin(const PipelineRequest& request);
+  Result<VkPipeline> create(const Job& job) const;
+  Result<VkPipeline> createCompute(const Job& job) const;
+  Result<VkPipeline> createGraphics(const Job& job) const;
   Result<VkPipelineLayout> layout(const Kernel& kernel);
   Result<void> checkLimits(const Kernel& kernel) const;
   Result<Module> module(const KernelVariant& variant) const;
 
   const Device& device_;
   Descriptors& descriptors_;
+  KernelCodes codes_;
   VkPipelineCache cache_ = VK_NULL_HANDLE;
   bool ownsCache_ = false;
   std::unordered_map<std::vector<uint64_t>, Cached, WordsHash> pipelines_;
   std::unordered_map<std::vector<uint64_t>, VkPipelineLayout, WordsHash> layouts_;
-  std::vector<uint64_t> key_;
+  std::vector<PipelineTime> times_;
+  uint32_t threads_ = 0;
+  Key key_;  // of the request at hand
 };
 
 }  // namespace pelage::vulkan

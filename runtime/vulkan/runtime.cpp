@@ -10,6 +10,7 @@
 #include <array>
 #include <cstring>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "barriers.h"
@@ -17,6 +18,7 @@
 #include "descriptors.h"
 #include "device.h"
 #include "frame_arena.h"
+#include "pelage/list_check.h"
 #include "pelage/vulkan.h"
 #include "pipelines.h"
 #include "timers.h"
@@ -97,11 +99,21 @@ class Label {
   VkCommandBuffer commands_;
 };
 
-uint32_t indexOf(BufferId id) { return ResourceTable::placeOf(id); }
-// In messages.
-uint32_t numberOf(BufferId id) { return static_cast<uint32_t>(id); }
-
+uint32_t indexOf(BufferId id) { return ResourceTable::indexOf(id); }
 Error invalid(std::string message) { return {ErrorCode::kInvalidArgument, std::move(message)}; }
+
+// What a permutation may use. Sets have the resources of all permutations; Pipelines checks those.
+TierLimits tierLimitsOf(const VkPhysicalDeviceLimits& limits, Tier maxTier) {
+  TierLimits own = limitsOf(Tier::kWide);
+  const uint32_t buffers = limits.maxPerStageDescriptorStorageBuffers;
+  own.storageBuffers = {buffers, buffers, buffers};
+  own.drawStorageBuffers = limits.maxDescriptorSetStorageBuffers;
+  own.groupThreads = limits.maxComputeWorkGroupInvocations;
+  std::copy(std::begin(limits.maxComputeWorkGroupSize), std::end(limits.maxComputeWorkGroupSize),
+            std::begin(own.groupSize));
+  own.groupSharedBytes = limits.maxComputeSharedMemorySize;
+  return lowerOf(own, limitsOf(maxTier));
+}
 
 Result<void> fillDevice(const RuntimeDef& def, Device& device) {
   if (def.instance == VK_NULL_HANDLE) return invalid("RuntimeDef::instance is null");
@@ -123,6 +135,7 @@ Result<void> fillDevice(const RuntimeDef& def, Device& device) {
 
   const Functions& vk = device.vk;
   vk.GetPhysicalDeviceProperties(device.physical, &device.properties);
+  device.tierLimits = tierLimitsOf(device.limits(), def.maxTier);
   const uint32_t version = device.properties.apiVersion;
   if (version < VK_API_VERSION_1_1) {
     return Error{ErrorCode::kUnsupported,
@@ -189,8 +202,17 @@ struct Runtime::Impl {
     const bool known = index < slots.size() && slots[index].live && slots[index].id == id;
     return known ? &slots[index] : nullptr;
   }
-  std::string bufferName(BufferId id) const;
   Result<void> update(const ResourceTable& resources, VkCommandBuffer commands);
+  /// A buffer that update() makes.
+  struct New {
+    uint32_t index;
+    const BufferDesc* desc;
+    bool again;  ///< it is there, without its contents
+    BufferSlot slot;
+    ArenaSlice staging;
+  };
+  Result<void> create(const ResourceTable& resources, std::vector<New>& added);
+  void fill(std::vector<New>& added, VkCommandBuffer commands);
   Result<BufferSlot> createSlot(const BufferDesc& desc, const ExternalBuffer* external);
   void retire(BufferSlot& slot);
   void collect(uint64_t completed);
@@ -198,14 +220,14 @@ struct Runtime::Impl {
   void abandonFrame();
 
   // Lists: the checking step.
-  Result<void> checkTable(const PassList& list) const;
-  Result<void> checkRanges(const PassList& list) const;
-  Result<void> checkPass(const PassList& list, const Pass& pass) const;
-  Result<void> checkBinding(const Pass& pass, const PassBinding& binding,
-                            const LayoutEntry& entry) const;
-  Result<void> checkBarriers(std::span<const Barrier> barriers, const char* where) const;
-  Result<void> checkUploads(const PassList& list) const;
+  Result<void> check(const PassList& list, ListPart part) const;
+  static PipelineRequest requestOf(const PassList& list, const Pass& pass,
+                                   const TargetFormats* target) {
+    return {pass.kernel, pass.pixel, list.specValuesOf(pass), pass.state,
+            isDraw(pass.kind) ? target : nullptr};
+  }
   Result<Pipeline> pipelineOf(const PassList& list, const Pass& pass, const TargetFormats* target);
+  Result<void> makePipelines(const PassList& list, const TargetFormats* target);
   Result<void> resolve(const PassList& list, bool draws, const TargetFormats* target);
   Result<void> resolvePass(const PassList& list, const Pass& pass, const TargetFormats* target,
                            const ArenaSlice& constants, uint64_t firstConstant, ResolvedPass& out);
@@ -262,11 +284,6 @@ struct Runtime::Impl {
   BarrierBatch batch;
 };
 
-std::string Runtime::Impl::bufferName(BufferId id) const {
-  const BufferSlot* slot = find(id);
-  return slot != nullptr ? slot->name : fmt::format("#{}", numberOf(id));
-}
-
 Result<BufferSlot> Runtime::Impl::createSlot(const BufferDesc& desc,
                                              const ExternalBuffer* external) {
   BufferSlot slot;
@@ -282,6 +299,7 @@ Result<BufferSlot> Runtime::Impl::createSlot(const BufferDesc& desc,
     VkBufferUsageFlags usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
                                VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
     if (contains(desc.usage, BufferUsage::kIndex)) usage |= VK_BUFFER_USAGE_INDEX_BUFFER_BIT;
+    if (contains(desc.usage, BufferUsage::kVertex)) usage |= VK_BUFFER_USAGE_VERTEX_BUFFER_BIT;
     if (contains(desc.usage, BufferUsage::kIndirect)) usage |= VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
     Result<AllocatedBuffer> made =
         memory.create(desc.size, usage, MemoryKind::kDevice, desc.name.c_str());
@@ -299,24 +317,8 @@ void Runtime::Impl::retire(BufferSlot& slot) {
   slot = {};
 }
 
-Result<void> Runtime::Impl::update(const ResourceTable& resources, VkCommandBuffer commands) {
-  PELAGE_ASSERT(frame > 0, "beginFrame() comes before update()");
-  if (tableId != 0 && tableId != resources.id()) {
-    return invalid(
-        "update() got another ResourceTable than before; a runtime has the buffers of one: make a "
-        "runtime for each scene");
-  }
-  if (tableId != 0 && tableVersion == resources.version()) return {};
-
-  // What may fail comes first, into a list of its own that takes everything back on an error.
-  struct New {
-    uint32_t index;
-    const BufferDesc* desc;
-    bool again;  ///< it is there, without its contents
-    BufferSlot slot;
-    ArenaSlice staging;
-  };
-  std::vector<New> added;
+// What may fail, into a list that takes everything back on an error.
+Result<void> Runtime::Impl::create(const ResourceTable& resources, std::vector<New>& added) {
   const auto undo = [&](const Error& error) -> Result<void> {
     for (const New& item : added)
       if (!item.again) memory.destroy(item.slot.own);
@@ -349,10 +351,11 @@ Result<void> Runtime::Impl::update(const ResourceTable& resources, VkCommandBuff
     std::memcpy(staging->mapped, desc->initial.data(), desc->initial.size());
     added.back().staging = *staging;
   }
+  return {};
+}
 
-  for (uint32_t index = 0; index < slots.size(); ++index) {
-    if (slots[index].live && resources.find(slots[index].id) == nullptr) retire(slots[index]);
-  }
+// Takes what was created, and records its contents.
+void Runtime::Impl::fill(std::vector<New>& added, VkCommandBuffer commands) {
   std::vector<VkBufferMemoryBarrier> barriers;
   barriers.reserve(added.size());
   for (New& item : added) {
@@ -395,6 +398,23 @@ Result<void> Runtime::Impl::update(const ResourceTable& resources, VkCommandBuff
                                  static_cast<uint32_t>(barriers.size()), barriers.data(), 0,
                                  nullptr);
   }
+}
+
+Result<void> Runtime::Impl::update(const ResourceTable& resources, VkCommandBuffer commands) {
+  PELAGE_ASSERT(frame > 0, "beginFrame() comes before update()");
+  if (tableId != 0 && tableId != resources.id()) {
+    return invalid(
+        "update() got another ResourceTable than before; a runtime has the buffers of one: make a "
+        "runtime for each scene");
+  }
+  if (tableId != 0 && tableVersion == resources.version()) return {};
+
+  std::vector<New> added;
+  if (Result<void> created = create(resources, added); !created) return created;
+  for (uint32_t index = 0; index < slots.size(); ++index) {
+    if (slots[index].live && resources.find(slots[index].id) == nullptr) retire(slots[index]);
+  }
+  fill(added, commands);
   tableId = resources.id();
   tableVersion = resources.version();
   return {};
@@ -433,252 +453,37 @@ void Runtime::Impl::collect(uint64_t completed) {
   descriptors.collect(completedFrame);
 }
 
-Result<void> Runtime::Impl::checkTable(const PassList& list) const {
-  if (list.table == 0 || tableId == 0 || list.table == tableId) return {};
-  return invalid(
-      "the list is of another scene than the buffers of this runtime: make a runtime for each "
-      "scene");
-}
-
-Result<void> Runtime::Impl::checkRanges(const PassList& list) const {
-  const auto inside = [](uint64_t first, uint64_t count, size_t size) {
-    return first <= size && count <= size - first;
-  };
-  bool draws = false;
-  for (const Pass& pass : list.passes) {
-    if (pass.kernel == nullptr) return invalid("a pass of the list has no kernel");
-    if (!inside(pass.firstBinding, pass.bindingCount, list.bindings.size()) ||
-        !inside(pass.firstSpecValue, pass.specValueCount, list.specValues.size()) ||
-        !inside(pass.firstBarrier, pass.barrierCount, list.barriers.size())) {
-      return invalid(fmt::format("pass {}: a range of it points outside the list's arrays",
-                                 variantName(*pass.kernel)));
-    }
-    if (draws && !isDraw(pass.kind)) {
-      return invalid(fmt::format("pass {}: a dispatch stands behind a draw; dispatches come first",
-                                 variantName(*pass.kernel)));
-    }
-    draws = draws || isDraw(pass.kind);
-  }
-  return {};
-}
-
-Result<void> Runtime::Impl::checkBinding(const Pass& pass, const PassBinding& binding,
-                                         const LayoutEntry& entry) const {
+Result<void> Runtime::Impl::check(const PassList& list, ListPart part) const {
   const VkPhysicalDeviceLimits& limits = device.limits();
-  const BufferSlot* slot = find(binding.buffer);
-  const auto where = [&] {
-    return fmt::format("pass {}, resource {}", variantName(*pass.kernel), entry.name);
-  };
-  if (slot == nullptr) {
-    return invalid(fmt::format("{}: buffer #{} was removed, or update() has not seen it", where(),
-                               numberOf(binding.buffer)));
-  }
-  if (binding.size == 0 || binding.offset > slot->size ||
-      binding.size > slot->size - binding.offset) {
-    return invalid(fmt::format("{}: bytes {} to {} of buffer '{}', which has {}", where(),
-                               binding.offset, binding.offset + binding.size, slot->name,
-                               slot->size));
-  }
-  if (binding.size > limits.maxStorageBufferRange) {
-    return Error{ErrorCode::kUnsupported,
-                 fmt::format("{}: {} bytes of buffer '{}', the device binds at most {} "
-                             "(maxStorageBufferRange): split the object",
-                             where(), binding.size, slot->name, limits.maxStorageBufferRange)};
-  }
-  if ((slot->offset + binding.offset) % limits.minStorageBufferOffsetAlignment != 0) {
-    return invalid(
-        fmt::format("{}: offset {} of buffer '{}' is not a multiple of {} "
-                    "(minStorageBufferOffsetAlignment)",
-                    where(), slot->offset + binding.offset, slot->name,
-                    limits.minStorageBufferOffsetAlignment));
-  }
-  return {};
-}
-
-Result<void> Runtime::Impl::checkPass(const PassList& list, const Pass& pass) const {
-  const VkPhysicalDeviceLimits& limits = device.limits();
-  const std::string name = variantName(*pass.kernel);
-  const auto reads32 = [&](BufferId id, uint64_t offset, uint64_t size, BufferUsage usage,
-                           const char* what) -> Result<void> {
+  const DeviceLimits allowed = {
+      .groups = {limits.maxComputeWorkGroupCount[0], limits.maxComputeWorkGroupCount[1],
+                 limits.maxComputeWorkGroupCount[2]},
+      .uniformBytes = limits.maxUniformBufferRange,
+      .storageBytes = limits.maxStorageBufferRange,
+      .storageAlignment = limits.minStorageBufferOffsetAlignment};
+  const auto lookup = [this](BufferId id) -> std::optional<KnownBuffer> {
     const BufferSlot* slot = find(id);
-    if (slot == nullptr) {
-      return invalid(fmt::format("pass {}: {} buffer #{} was removed, or update() has not seen it",
-                                 name, what, numberOf(id)));
-    }
-    if (!contains(slot->usage, usage)) {
-      return invalid(fmt::format("pass {}: buffer '{}' was not made as {} buffer (BufferUsage)",
-                                 name, slot->name, what));
-    }
-    if (offset % 4 != 0 || offset > slot->size || size > slot->size - offset) {
-      return invalid(fmt::format("pass {}: {} bytes {} to {} of buffer '{}', which has {}", name,
-                                 what, offset, offset + size, slot->name, slot->size));
-    }
-    return {};
+    if (slot == nullptr) return {};
+    return KnownBuffer{
+        .name = slot->name, .size = slot->size, .usage = slot->usage, .offset = slot->offset};
   };
-
-  const Stage stage = pass.kernel->kernel->stage;
-  if (isDraw(pass.kind)) {
-    if (stage != Stage::kVertex || pass.pixel == nullptr ||
-        pass.pixel->kernel->stage != Stage::kPixel)
-      return invalid(fmt::format("draw {} needs a vertex kernel and a pixel kernel", name));
-    if (!layoutsFit(*pass.kernel->kernel, *pass.pixel->kernel)) {
-      return invalid(
-          fmt::format("draw {}: kernel {} is of another group of layouts, and neither "
-                      "has the first ones of the other",
-                      name, variantName(*pass.pixel)));
-    }
-    if (pass.kind == PassKind::kDrawIndirect) {
-      if (pass.indices != BufferId::kInvalid)
-        return invalid(fmt::format("draw {}: an indirect draw has no indices", name));
-      if (Result<void> checked =
-              reads32(pass.indirect, pass.indirectOffset, sizeof(VkDrawIndirectCommand),
-                      BufferUsage::kIndirect, "indirect");
-          !checked)
-        return checked;
-    } else if (pass.indices != BufferId::kInvalid) {
-      if (Result<void> checked = reads32(pass.indices, 0, uint64_t{pass.elementCount} * 4,
-                                         BufferUsage::kIndex, "index");
-          !checked)
-        return checked;
-    }
-  } else {
-    if (stage != Stage::kCompute)
-      return invalid(fmt::format("pass {} dispatches what is no compute kernel", name));
-    if (pass.kind == PassKind::kDispatchIndirect) {
-      if (Result<void> checked =
-              reads32(pass.indirect, pass.indirectOffset, sizeof(VkDispatchIndirectCommand),
-                      BufferUsage::kIndirect, "indirect");
-          !checked)
-        return checked;
-    } else {
-      for (int axis = 0; axis < 3; ++axis) {
-        if (pass.groups[axis] == 0) {
-          return invalid(fmt::format("pass {} has no thread groups on axis {}", name, "xyz"[axis]));
-        }
-        if (pass.groups[axis] > limits.maxComputeWorkGroupCount[axis]) {
-          return Error{ErrorCode::kUnsupported,
-                       fmt::format("pass {} needs {} thread groups on axis {}, the device runs {}: "
-                                   "split the object",
-                                   name, pass.groups[axis], "xyz"[axis],
-                                   limits.maxComputeWorkGroupCount[axis])};
-        }
-      }
-    }
-  }
-
-  const auto layouts = pass.layouts();
-  if (layouts.size() > kMaxSets) {
-    return Error{ErrorCode::kUnsupported,
-                 fmt::format("kernel {} has {} descriptor sets, the runtime binds {}", name,
-                             layouts.size(), kMaxSets)};
-  }
-  const auto bindings = list.bindingsOf(pass);
-  for (const PassBinding& binding : bindings) {
-    if (binding.set >= layouts.size() || layouts[binding.set] == nullptr ||
-        binding.entry >= layouts[binding.set]->entries.size()) {
-      return invalid(
-          fmt::format("pass {}: a binding names set {}, entry {}, which its layouts "
-                      "do not have",
-                      name, binding.set, binding.entry));
-    }
-  }
-  for (const KernelVariant* variant : {pass.kernel, pass.pixel}) {
-    if (variant == nullptr) continue;
-    for (const VariantBinding& use : variant->bindings) {
-      const LayoutEntry& entry = layouts[use.set]->entries[use.entry];
-      const auto found =
-          std::find_if(bindings.begin(), bindings.end(), [&](const PassBinding& binding) {
-            return binding.set == use.set && binding.entry == use.entry;
-          });
-      if (found == bindings.end()) {
-        return invalid(fmt::format("pass {} binds nothing to resource {}, which kernel {} uses",
-                                   name, entry.name, variantName(*variant)));
-      }
-      switch (entry.kind) {
-        case ResourceKind::kUniformBuffer: {
-          const uint64_t size = list.constants.size();
-          if (found->offset > size || found->size > size - found->offset ||
-              found->size < entry.stride) {
-            return invalid(fmt::format(
-                "pass {}: block {} has {} bytes; the list has bytes {} to "
-                "{} of {} for it",
-                name, entry.name, entry.stride, found->offset, found->offset + found->size, size));
-          }
-          if (found->offset % PassList::kConstantAlignment != 0) {
-            return invalid(
-                fmt::format("pass {}: block {} at offset {} of the constants, which is "
-                            "not a multiple of {}",
-                            name, entry.name, found->offset, PassList::kConstantAlignment));
-          }
-          if (found->size > limits.maxUniformBufferRange) {
-            return Error{ErrorCode::kUnsupported,
-                         fmt::format("pass {}: block {} has {} bytes, the device reads {} "
-                                     "(maxUniformBufferRange)",
-                                     name, entry.name, found->size, limits.maxUniformBufferRange)};
-          }
-          break;
-        }
-        case ResourceKind::kStorageBuffer:
-          if (Result<void> checked = checkBinding(pass, *found, entry); !checked) return checked;
-          break;
-        case ResourceKind::kSampledTexture:
-        case ResourceKind::kStorageTexture:
-        case ResourceKind::kSampler:
-          return Error{ErrorCode::kUnsupported,
-                       fmt::format("pass {}: resource {} is a texture or sampler, pass lists carry "
-                                   "buffers only",
-                                   name, entry.name)};
-      }
-    }
-  }
-  return {};
+  return checkList(list, lookup, allowed, part);
 }
 
-Result<void> Runtime::Impl::checkBarriers(std::span<const Barrier> barriers,
-                                          const char* where) const {
-  for (const Barrier& barrier : barriers) {
-    if (find(barrier.buffer) == nullptr) {
-      return invalid(
-          fmt::format("a barrier {} names buffer #{}, which was removed or which "
-                      "update() has not seen",
-                      where, numberOf(barrier.buffer)));
-    }
-  }
-  return {};
-}
-
-Result<void> Runtime::Impl::checkUploads(const PassList& list) const {
-  for (const Upload& upload : list.uploads) {
-    const BufferSlot* slot = find(upload.buffer);
-    if (slot == nullptr) {
-      return invalid(
-          fmt::format("an upload names buffer #{}, which was removed or which update() "
-                      "has not seen",
-                      numberOf(upload.buffer)));
-    }
-    if (upload.size == 0 || upload.size % 4 != 0 || upload.offset % 4 != 0 ||
-        upload.offset > slot->size || upload.size > slot->size - upload.offset) {
-      return invalid(
-          fmt::format("upload of bytes {} to {} of buffer '{}', which has {}; both are "
-                      "to be multiples of 4",
-                      upload.offset, upload.offset + upload.size, slot->name, slot->size));
-    }
-    if (upload.dataOffset > list.uploadData.size() ||
-        upload.size > list.uploadData.size() - upload.dataOffset) {
-      return invalid(fmt::format("upload into buffer '{}': its {} bytes are not in the list's data",
-                                 slot->name, upload.size));
-    }
-  }
-  return {};
-}
-
+// The first pass of a list without a pipeline makes those of all of the list's, at a time.
 Result<Pipeline> Runtime::Impl::pipelineOf(const PassList& list, const Pass& pass,
                                            const TargetFormats* target) {
-  if (isDraw(pass.kind)) {
-    return pipelines.graphics(*pass.kernel, *pass.pixel, list.specValuesOf(pass), pass.state,
-                              *target);
+  if (const Pipeline* known = pipelines.find(requestOf(list, pass, target))) return *known;
+  if (Result<void> made = makePipelines(list, target); !made) return made.error();
+  return *pipelines.find(requestOf(list, pass, target));
+}
+
+Result<void> Runtime::Impl::makePipelines(const PassList& list, const TargetFormats* target) {
+  std::vector<PipelineRequest> requests;
+  for (const Pass& pass : list.passes) {
+    if (!isDraw(pass.kind) || target != nullptr) requests.push_back(requestOf(list, pass, target));
   }
-  return pipelines.compute(*pass.kernel, list.specValuesOf(pass));
+  return pipelines.make(requests);
 }
 
 Result<void> Runtime::Impl::makeFiller() {
@@ -725,6 +530,11 @@ Result<void> Runtime::Impl::resolvePass(const PassList& list, const Pass& pass,
   out.setCount = 0;
 
   const auto layouts = pass.layouts();
+  if (layouts.size() > kMaxSets) {
+    return Error{ErrorCode::kUnsupported,
+                 fmt::format("kernel {} has {} descriptor sets, the runtime binds {}",
+                             variantName(*pass.kernel), layouts.size(), kMaxSets)};
+  }
   const auto bindings = list.bindingsOf(pass);
   for (uint32_t set = 0; set < layouts.size(); ++set) {
     const bool used = std::any_of(bindings.begin(), bindings.end(),
@@ -783,11 +593,8 @@ Result<void> Runtime::Impl::resolve(const PassList& list, bool draws, const Targ
   PELAGE_ASSERT(frame > 0, "beginFrame() comes before record()");
   resolved.clear();
   dynamicOffsets.clear();
-  if (Result<void> checked = checkRanges(list); !checked) return checked;
-  for (const Pass& pass : list.passes) {
-    if (isDraw(pass.kind) != draws) continue;
-    if (Result<void> checked = checkPass(list, pass); !checked) return checked;
-  }
+  const ListPart part = draws ? ListPart::kDraws : ListPart::kDispatches;
+  if (Result<void> checked = check(list, part); !checked) return checked;
   uint64_t firstConstant = 0;
   Result<ArenaSlice> constants = copyConstants(list, draws, firstConstant);
   if (!constants) return constants.error();
@@ -847,14 +654,8 @@ void Runtime::Impl::bind(const ResolvedPass& pass, VkPipelineBindPoint point,
 }
 
 Result<void> Runtime::Impl::record(const PassList& list, VkCommandBuffer commands) {
-  if (Result<void> done = checkTable(list); !done) return done;
+  if (Result<void> done = checkTable(list, tableId); !done) return done;
   if (Result<void> done = resolve(list, false, nullptr); !done) return done;
-  if (Result<void> done = checkUploads(list); !done) return done;
-  for (const auto& [barriers, where] : {std::pair(&list.uploadBarriers, "before the uploads"),
-                                        std::pair(&list.barriers, "between the dispatches"),
-                                        std::pair(&list.drawBarriers, "before the draws")}) {
-    if (Result<void> done = checkBarriers(*barriers, where); !done) return done;
-  }
   if (Result<void> done = checkRun(list); !done) return done;
   ArenaSlice data;
   if (!list.uploads.empty()) {
@@ -952,6 +753,11 @@ Result<void> Runtime::Impl::recordDraws(const PassList& list, VkCommandBuffer co
     const Pass& pass = list.passes[firstDraw + i];
     const Label label(device, commands, pass.name);
     bind(resolved[i], VK_PIPELINE_BIND_POINT_GRAPHICS, commands);
+    if (pass.vertices.buffer != BufferId::kInvalid) {
+      const BufferSlot& slot = *find(pass.vertices.buffer);
+      const VkDeviceSize offset = slot.offset + pass.vertices.offset;
+      device.vk.CmdBindVertexBuffers(commands, 0, 1, &slot.buffer, &offset);
+    }
     if (pass.kind == PassKind::kDrawIndirect) {
       const BufferSlot& slot = *find(pass.indirect);
       device.vk.CmdDrawIndirect(commands, slot.buffer, slot.offset + pass.indirectOffset, 1, 0);
@@ -979,9 +785,13 @@ Result<Runtime> Runtime::create(const RuntimeDef& def) {
     if (Result<void> opened = impl->pipelines.openCache(def.pipelineCache, def.pipelineCacheData);
         !opened)
       return opened.error();
+    for (const KernelCodeList list : def.code) impl->pipelines.addCode(list);
+    impl->pipelines.setThreads(def.pipelineThreads);
     return Runtime(std::move(impl));
   });
 }
+
+void Runtime::addCode(KernelCodeList code) { impl_->pipelines.addCode(code); }
 
 void Runtime::beginFrame(uint64_t frame, uint64_t completedFrame) {
   PELAGE_ASSERT(frame > impl_->frame, "frame numbers rise, from 1");
@@ -1015,18 +825,38 @@ Result<void> Runtime::update(const ResourceTable& resources, VkCommandBuffer com
 
 Result<void> Runtime::prepare(const PassList& list, const TargetFormats* target) {
   return guarded([&]() -> Result<void> {
-    if (Result<void> checked = impl_->checkRanges(list); !checked) return checked;
-    for (const Pass& pass : list.passes) {
-      if (isDraw(pass.kind) && (target == nullptr || pass.pixel == nullptr)) continue;
-      Result<Pipeline> pipeline = impl_->pipelineOf(list, pass, target);
-      if (!pipeline) return pipeline.error();
-    }
-    return {};
+    // Its buffers need not exist yet.
+    if (Result<void> checked = checkPasses(list); !checked) return checked;
+    return impl_->makePipelines(list, target);
   });
 }
 
+Tier Runtime::tier() const { return tierOf(impl_->device.tierLimits).value_or(Tier::kEs); }
+
+std::vector<PipelineTime> Runtime::pipelineTimes() const { return impl_->pipelines.times(); }
+
 Result<void> Runtime::record(const PassList& list, VkCommandBuffer commands) {
   return guarded([&] { return impl_->record(list, commands); });
+}
+
+Result<void> Runtime::record(Frame& frame, VkCommandBuffer commands,
+                             std::span<const ViewTarget> targets) {
+  if (targets.size() != frame.viewCount()) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("the frame has {} views, but there are {} targets", frame.viewCount(),
+                             targets.size())};
+  }
+  FrameExecutor executor;
+  executor.update = [&](const ResourceTable& resources) { return update(resources, commands); };
+  executor.record = [&](const FrameStep& step) { return record(*step.list, commands); };
+  executor.draw = [&](const FrameStep& step) {
+    const ViewTarget& target = targets[step.view];
+    if (target.begin) target.begin(step);
+    Result<void> drawn = recordDraws(*step.list, commands, target.formats, target.area);
+    if (target.end) target.end(step);
+    return drawn;
+  };
+  return frame.run(executor);
 }
 
 Result<void> Runtime::recordDraws(const PassList& list, VkCommandBuffer commands,

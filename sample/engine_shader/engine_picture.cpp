@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "engine_shader/code.h"
 #include "engine_shader/gpu_structs.h"
 #include "engine_shader/kernels.h"
 
@@ -37,7 +38,7 @@ Result<pelage::HairId> addHair(pelage::Scene& scene, pelage::HairAsset asset) {
   // This engine's vertex shader reads them where the guides are.
   def.storeFollowHairs = true;
   def.settings.globalStiffness = 0.3f;
-  // What the shadow map takes the fibres for.
+  // What the shadow map takes the fibers for.
   def.material.fiberRadius = kRootRadius;
   def.material.tipRadiusRatio = kTipRadius / kRootRadius;
   return scene.addHair(asset, def);
@@ -146,6 +147,8 @@ Result<void> drawHair(pelage::Scene& scene, pelage::HairId id, const LightRig& r
 }  // namespace
 
 Result<pelage::RenderedImage> drawPicture(pelage::HeadlessDevice& device, const PictureDef& def) {
+  // This program's own kernels; the device knows pelage's.
+  device.addCode(allCode());
   auto groom =
       pelage::generateGroom({.seed = 5, .strandCount = def.guides, .verticesPerStrand = 20});
   if (!groom) return groom.error();
@@ -155,26 +158,30 @@ Result<pelage::RenderedImage> drawPicture(pelage::HeadlessDevice& device, const 
   const Head head = addHead(scene, groom->head);
 
   // 1. pelage moves the hair, and fills the shadow map of the key light.
-  PassList list;
-  if (Result<void> done = scene.simulate(1.0f / 60, list); !done) return done.error();
+  Result<pelage::Frame> frame = scene.simulate(1.0f / 60);
+  if (!frame) return frame.error();
   scene.hair(*hair).visible = def.hair;
   pelage::Light key;
   key.direction = kKeyDirection;
   key.shadow = def.keyShadow ? pelage::HairShadow::kDeep : pelage::HairShadow::kNone;
   key.shadowSize = 512;
-  const Result<uint32_t> shadows = scene.castShadows({&key, 1}, list);
+  const Result<uint32_t> shadows = frame->castShadows({&key, 1});
   if (!shadows) return shadows.error();
 
   // 2. The engine draws, with its own kernels and constants.
   const LightRig rig = lightRig(def, *shadows);
+  PassList list;
   if (Result<void> done = drawHead(scene, head, rig, list); !done) return done.error();
   if (def.hair)
     if (Result<void> done = drawHair(scene, *hair, rig, list); !done) return done.error();
 
   // 3. Into a target of its own.
-  scene.finish(list);
-  if (Result<void> done = device.update(scene.resources()); !done) return done.error();
-  return device.render(list, {.width = def.size, .height = def.size, .samples = def.samples});
+  if (const Result<uint32_t> view = frame->addView(std::move(list)); !view) return view.error();
+  const pelage::RenderTargetDef target = {
+      .width = def.size, .height = def.size, .samples = def.samples};
+  auto images = device.render(*frame, {&target, 1});
+  if (!images) return images.error();
+  return std::move(images->front());
 }
 
 }  // namespace engine_shader

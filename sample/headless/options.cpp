@@ -72,22 +72,18 @@ CLI::Validator oneOf(const std::map<std::string, T>& values) {
 
 }  // namespace
 
-std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
-  Options options;
+namespace {
+
+// What options need beside Options.
+struct Given {
   std::vector<float> wind = {0, 0, 0};
   uint32_t guides = 0, follow = 0, samples = 0;
   bool noImages = false;
+  CLI::Option *sceneOption = nullptr, *motionOption = nullptr, *presetOption = nullptr;
+  CLI::Option *guidesOption = nullptr, *followOption = nullptr, *samplesOption = nullptr;
+};
 
-  CLI::App app(
-      "Simulates hair and renders it without a window: a generated character with long hair, fur "
-      "and a\n"
-      "mohawk, a generated head (--scene head), or a groom from a file (--asset). Writes PNG "
-      "frames, a\n"
-      "contact sheet, and what each kernel cost.",
-      kProgram);
-  app.set_version_flag("--version", PELAGE_SAMPLE_VERSION);
-  app.get_formatter()->column_width(34);
-
+void addDeviceOptions(CLI::App& app, Options& options) {
   const std::map<std::string, pelage::Api> apis = {
       {"vulkan", pelage::Api::kVulkan}, {"gl", pelage::Api::kGl}, {"gles", pelage::Api::kGles}};
   app.add_option("--api", options.api, "vulkan, gl or gles (vulkan)")
@@ -96,16 +92,24 @@ std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
   app.add_option("--device", options.device, "number of the device in --list-devices")
       ->check(CLI::Range(0, 63).description(""))
       ->type_name("N");
+  const std::map<std::string, pelage::Tier> tiers = {
+      {"es", pelage::Tier::kEs}, {"base", pelage::Tier::kBase}, {"wide", pelage::Tier::kWide}};
+  app.add_option("--tier", options.tier,
+                 "take the device for one of at most this tier: es, base or wide (wide)")
+      ->transform(oneOf(tiers))
+      ->type_name("TIER");
   app.add_flag("--list-devices", options.listDevices, "list the devices of --api and stop");
   app.add_flag("--validation", options.validation,
                "validation layer or debug context; a message is a failure");
+}
 
+void addHairOptions(CLI::App& app, Options& options, Given& given) {
   app.add_option("--asset", options.asset, "guide hairs")->type_name("FILE.tfx");
   app.add_option("--bones", options.bones, "bone weights of the hairs")->type_name("FILE.tfxbone");
   app.add_option("--mesh", options.mesh, "mesh to draw with the hairs")->type_name("FILE.tfxmesh");
   const std::map<std::string, GeneratedScene> scenes = {{"character", GeneratedScene::kCharacter},
                                                         {"head", GeneratedScene::kHead}};
-  auto* sceneOption = app.add_option("--scene", options.scene,
+  given.sceneOption = app.add_option("--scene", options.scene,
                                      "what is made without --asset: character, or head, which "
                                      "--groom implies (character)")
                           ->transform(oneOf(scenes))
@@ -114,7 +118,7 @@ std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
       {"bind", pelage::CharacterMotion::kBind}, {"idle", pelage::CharacterMotion::kIdle},
       {"walk", pelage::CharacterMotion::kWalk}, {"shake", pelage::CharacterMotion::kHeadShake},
       {"jump", pelage::CharacterMotion::kJump}, {"all", pelage::CharacterMotion::kAll}};
-  auto* motionOption =
+  given.motionOption =
       app.add_option("--motion", options.motion,
                      "of the character: bind, idle, walk, shake, jump, or all of the last three "
                      "(all)")
@@ -127,14 +131,14 @@ std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
                                                       {"curly", GroomPreset::kCurly},
                                                       {"fur", GroomPreset::kFur},
                                                       {"mohawk", GroomPreset::kMohawk}};
-  auto* presetOption =
+  given.presetOption =
       app.add_option("--groom", options.preset,
                      "of the generated head: parted, straight, curly, fur or mohawk (parted)")
           ->transform(oneOf(presets))
           ->type_name("KIND");
-  auto* guidesOption =
+  given.guidesOption =
       app.add_option(
-             "--guides", guides,
+             "--guides", given.guides,
              "guides of the generated groom; of the character's long hair, its other grooms "
              "have more or less in proportion")
           ->check(CLI::Range(1u, 1u << 20).description(""))
@@ -143,9 +147,12 @@ std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
                  "copies of the guides, all at one place, for measurements (1)")
       ->check(CLI::Range(1u, 65536u).description(""))
       ->type_name("N");
-  auto* followOption = app.add_option("--follow", follow, "follow hairs a guide")
+  given.followOption = app.add_option("--follow", given.follow, "follow hairs a guide")
                            ->check(CLI::Range(0u, 64u).description(""))
                            ->type_name("N");
+}
+
+void addSimulationOptions(CLI::App& app, Options& options, Given& given) {
   const std::map<std::string, pelage::SkinningMethod> methods = {
       {"matrices", pelage::SkinningMethod::kMatrices},
       {"dual-quaternions", pelage::SkinningMethod::kDualQuaternions}};
@@ -160,11 +167,13 @@ std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
   app.add_option("--sub-steps", options.subSteps, "steps of the exact solver in a frame, 1..32 (1)")
       ->check(CLI::Range(1u, 32u).description(""))
       ->type_name("N");
-  app.add_option("--wind", wind, "velocity of the air [m/s] (0,0,0)")
+  app.add_option("--wind", given.wind, "velocity of the air [m/s] (0,0,0)")
       ->delimiter(',')
       ->expected(3)
       ->type_name("X,Y,Z");
+}
 
+void addPictureOptions(CLI::App& app, Options& options, Given& given) {
   app.add_option("--frames", options.frames, "frames of 1/60 s to simulate (240)")
       ->check(CLI::Range(1u, 1u << 20).description(""))
       ->type_name("N");
@@ -197,9 +206,9 @@ std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
   app.add_option("--shadow", options.shadow, "of hair on hair: none, depth or deep (deep)")
       ->transform(oneOf(shadows))
       ->type_name("KIND");
-  auto* samplesOption =
+  given.samplesOption =
       app.add_option(
-             "--samples", samples,
+             "--samples", given.samples,
              "samples a pixel: 1, 2, 4 or 8 (4 with --transparency alpha-test or stochastic, "
              "else 1)")
           ->check(CLI::IsMember({1u, 2u, 4u, 8u}).description(""))
@@ -213,9 +222,11 @@ std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
   app.add_flag(
       "--draw-contacts", options.drawContacts,
       "draw where guides touch colliders: blue apart, green touching, yellow to red deeper");
-  app.add_flag("--no-images", noImages, "simulate only");
+  app.add_flag("--no-images", given.noImages, "simulate only");
   app.add_option("--out", options.out, "folder of the pictures (out)")->type_name("DIR");
+}
 
+void addOutputOptions(CLI::App& app, Options& options) {
   app.add_option("--write-asset", options.writeAsset,
                  "write grooms as .tfx and .tfxbone, colliders as .tfxmesh, and the character as "
                  "glTF into a folder")
@@ -223,23 +234,49 @@ std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
   app.add_option("--csv", options.csv, "append the figures to a file")->type_name("FILE");
   app.add_option("--commit", options.commit, "commit to name in --csv")->type_name("TEXT");
   app.add_flag("--quiet", options.quiet, "print errors only");
+}
 
+// Errors: CLI::ValidationError for options that do not go together.
+void take(const Given& given, Options& options) {
+  if (*given.guidesOption) options.guides = given.guides;
+  if (*given.followOption) options.follow = given.follow;
+  if (*given.presetOption && !options.asset.empty())
+    throw CLI::ValidationError("--groom", "is for the generated groom, not for --asset");
+  if (*given.presetOption && *given.sceneOption && showsCharacter(options))
+    throw CLI::ValidationError("--groom", "is for --scene head");
+  if (*given.presetOption) options.scene = GeneratedScene::kHead;
+  if (*given.sceneOption && !options.asset.empty())
+    throw CLI::ValidationError("--scene", "is for what is generated, not for --asset");
+  if (*given.motionOption && !showsCharacter(options))
+    throw CLI::ValidationError("--motion", "is for --scene character");
+  if (*given.samplesOption) options.samples = given.samples;
+  options.images = !given.noImages;
+  checkTogether(options, given.wind);
+  options.wind = {given.wind[0], given.wind[1], given.wind[2]};
+}
+
+}  // namespace
+
+std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
+  Options options;
+  Given given;
+  CLI::App app(
+      "Simulates hair and renders it without a window: a generated character with long hair, fur "
+      "and a\n"
+      "mohawk, a generated head (--scene head), or a groom from a file (--asset). Writes PNG "
+      "frames, a\n"
+      "contact sheet, and what each kernel cost.",
+      kProgram);
+  app.set_version_flag("--version", PELAGE_SAMPLE_VERSION);
+  app.get_formatter()->column_width(34);
+  addDeviceOptions(app, options);
+  addHairOptions(app, options, given);
+  addSimulationOptions(app, options, given);
+  addPictureOptions(app, options, given);
+  addOutputOptions(app, options);
   try {
     app.parse(argc, argv);
-    if (*guidesOption) options.guides = guides;
-    if (*followOption) options.follow = follow;
-    if (*presetOption && !options.asset.empty())
-      throw CLI::ValidationError("--groom", "is for the generated groom, not for --asset");
-    if (*presetOption && *sceneOption && showsCharacter(options))
-      throw CLI::ValidationError("--groom", "is for --scene head");
-    if (*presetOption) options.scene = GeneratedScene::kHead;
-    if (*sceneOption && !options.asset.empty())
-      throw CLI::ValidationError("--scene", "is for what is generated, not for --asset");
-    if (*motionOption && !showsCharacter(options))
-      throw CLI::ValidationError("--motion", "is for --scene character");
-    if (*samplesOption) options.samples = samples;
-    options.images = !noImages;
-    checkTogether(options, wind);
+    take(given, options);
   } catch (const CLI::CallForHelp& help) {
     return app.exit(help);
   } catch (const CLI::CallForVersion& version) {
@@ -248,7 +285,6 @@ std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
     printError(error.what());
     return kBadArguments;
   }
-  options.wind = {wind[0], wind[1], wind[2]};
   return options;
 }
 

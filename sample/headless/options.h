@@ -23,6 +23,7 @@ struct Options {
   pelage::Api api = pelage::Api::kVulkan;
   int device = -1;
   bool validation = false;
+  pelage::Tier tier = pelage::Tier::kWide;  ///< as which the device counts at most
   bool listDevices = false;
 
   std::filesystem::path asset, bones, mesh;

@@ -39,8 +39,8 @@ Result<void> printDevices(pelage::Api api) {
   const auto devices = listDevices(api);
   if (!devices) return devices.error();
   for (size_t i = 0; i < devices->size(); ++i)
-    fmt::print("{}: {}{}\n", i, describe((*devices)[i]),
-               (*devices)[i].software ? ", on the CPU" : "");
+    fmt::print("{}: {}, tier {}{}\n", i, describe((*devices)[i]),
+               pelage::tierName((*devices)[i].tier), (*devices)[i].software ? ", on the CPU" : "");
   return {};
 }
 
@@ -65,6 +65,7 @@ Result<std::unique_ptr<HeadlessDevice>> makeDevice(const Options& options) {
   def.api = options.api;
   def.validation = options.validation;
   def.deviceIndex = options.device;
+  def.maxTier = options.tier;
   auto device = createDevice(def);
   if (device && options.images && ((*device)->info().sampleCounts & samplesOf(options)) == 0)
     return Error{
@@ -78,7 +79,7 @@ Result<std::unique_ptr<HeadlessDevice>> makeDevice(const Options& options) {
 class FrameLoop {
  public:
   FrameLoop(const Options& options, DemoScene& demo, HeadlessDevice& device)
-      : options_(options), demo_(demo), device_(device) {
+      : demo_(demo), device_(device) {
     const uint32_t width = options.width * options.supersample;
     const uint32_t height = options.height * options.supersample;
     const Camera camera =
@@ -144,7 +145,6 @@ class FrameLoop {
     return {};
   }
 
-  const Options& options_;
   DemoScene& demo_;
   HeadlessDevice& device_;
   pelage::View view_;
@@ -291,6 +291,7 @@ Result<void> run(const Options& options) {
 
   const auto device = makeDevice(options);
   if (!device) return device.error();
+  demo->setTier((*device)->info().tier);
   if (!options.quiet) {
     fmt::print("device: {}\n", describe((*device)->info()));
     printGrooms(options, *demo);

@@ -29,21 +29,19 @@ int main(int argc, char** argv) {
   auto asset = makeHair(argc, argv);
   if (!good(asset) || !good(asset->process())) return 1;
 
-  // 2. A scene: buffers and pass lists as plain data, without any graphics API.
+  // 2. A scene: hair, buffers and passes as plain data, without any graphics API.
   pelage::Scene scene;
   const auto hair = scene.addHair(*asset, {.name = "hello"});
   if (!good(hair)) return 1;
 
-  // 3. A device to run it on. An engine has one already: see docs/integrate_vulkan.md.
+  // 3. A device to run it on. An engine has one already: see docs/vulkan.md.
   const auto device = pelage::createHeadlessVulkan({});
-  if (!good(device) || !good((*device)->update(scene.resources()))) return 1;
+  if (!good(device)) return 1;
 
-  // 4. Frames: write the passes, compute their barriers, run them.
-  pelage::PassList list;
-  for (int frame = 0; frame < 60; ++frame) {
-    if (!good(scene.simulate(1.0f / 60, list))) return 1;
-    scene.finish(list);
-    if (!good((*device)->execute(list))) return 1;
+  // 4. Frames: the scene writes one, the device runs it. frame->draw() would add a view.
+  for (int i = 0; i < 60; ++i) {
+    auto frame = scene.simulate(1.0f / 60);
+    if (!good(frame) || !good((*device)->run(*frame))) return 1;
   }
 
   // 5. Positions lie in a buffer, [strand][vertex]; a renderer reads it where it is.

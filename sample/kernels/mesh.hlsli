@@ -2,17 +2,15 @@
 #ifndef SAMPLE_MESH_HLSLI
 #define SAMPLE_MESH_HLSLI
 
+// Vertex inputs: many devices have no storage buffers in the vertex stage.
 struct MeshVertex {
-  float4 position;  // xyz in bind space [m]; w = share of the scalp's colour, 0..1
-  float4 normal;    // xyz unit vector in bind space; w = share of the coat's colour, 0..1
-  uint4 bones;      // index g_meshBones, in bones
-  float4 weights;   // sum to 1
+  [[vk::location(0)]] float4 position : ATTRIBUTE0;  // xyz in bind space [m]; w = share of the
+                                                     // scalp's color, 0..1
+  [[vk::location(1)]] float4 normal : ATTRIBUTE1;    // xyz unit vector in bind space; w = share of
+                                                     // the coat's color, 0..1
+  [[vk::location(2)]] uint4 bones : ATTRIBUTE2;      // index g_meshBones, in bones
+  [[vk::location(3)]] float4 weights : ATTRIBUTE3;   // sum to 1
 };
-
-// [vertex]
-StructuredBuffer<MeshVertex> g_meshVertices : register(t0, space0);
-// Three rows a bone: bind space to world.
-StructuredBuffer<float4> g_meshBones : register(t1, space0);
 
 cbuffer MeshConstants : register(b0, space0) {
   float4 g_worldToClip[4];  // rows; clip = rows * (p, 1), depth 0..1, y up
@@ -23,10 +21,11 @@ cbuffer MeshConstants : register(b0, space0) {
   float4 g_skinColor;       // linear rgb
   float4 g_scalpColor;      // linear rgb, where the hair grows
   float4 g_coatColor;       // linear rgb, under fur
-  uint g_meshVertexCount;
   uint g_meshBoneCount;
   uint g_meshPad0;
   uint g_meshPad1;
+  uint g_meshPad2;
+  float4 g_meshBones[768];  // three rows a bone: bind space to world
 };
 
 struct MeshVaryings {

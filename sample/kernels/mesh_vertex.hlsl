@@ -1,7 +1,7 @@
 // Skins a mesh and puts it into clip space.
 //
-// One thread a vertex of the index buffer. Reads g_meshVertices and g_meshBones; writes nothing but
-// its varyings. An index out of range gives a point outside the picture.
+// One thread a vertex of the index buffer. Reads its inputs and the constants; writes nothing but
+// its varyings.
 // Invariant: with all bones the same rigid motion, every vertex moves by that motion.
 #include "mesh.hlsli"
 
@@ -12,15 +12,8 @@ void addBone(uint bone, float weight, inout float4 row0, inout float4 row1, inou
   row2 += weight * g_meshBones[3 * bone + 2];
 }
 
-MeshVaryings mesh_vertex(uint index : SV_VertexID) {
+MeshVaryings mesh_vertex(MeshVertex v) {
   MeshVaryings result;
-  result.clip = float4(2.0, 2.0, 2.0, 1.0);
-  result.world = float3(0.0, 0.0, 0.0);
-  result.normal = float3(0.0, 1.0, 0.0);
-  result.covered = float2(0.0, 0.0);
-  if (index >= g_meshVertexCount) return result;
-
-  MeshVertex v = g_meshVertices[index];
   float4 row0 = float4(0.0, 0.0, 0.0, 0.0);
   float4 row1 = row0;
   float4 row2 = row0;

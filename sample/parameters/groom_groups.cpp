@@ -31,12 +31,13 @@ Setup guides() {
 
 std::vector<Parameter> sizeRows() {
   return {
-      {PELAGE_FIELD(GroomDef, seed), "", "", "Another seed is another head of hair of one kind.",
+      {PELAGE_FIELD(GroomDef, seed), "", "", "Another seed gives different hair of the same kind.",
        head(&GroomDef::seed, std::vector<uint64_t>{1, 2, 3}, "Three seeds.")},
-      {PELAGE_FIELD(GroomDef, strandCount), "guides", "1..1,000,000", "Roots on the scalp.",
+      {PELAGE_FIELD(GroomDef, strandCount), "guides", "1..1,000,000",
+       "Number of roots on the scalp.",
        show(guides(), std::vector{200u, 2000u, 12000u}, groom(&GroomDef::strandCount),
             "Without follow hairs.")},
-      {PELAGE_FIELD(GroomDef, verticesPerStrand), "", "2..256", "Of each guide.",
+      {PELAGE_FIELD(GroomDef, verticesPerStrand), "", "2..256", "Vertices of each guide.",
        show(with(guides(),
                  [](Setup& s) {
                    s.groom.strandCount = 400;
@@ -45,15 +46,15 @@ std::vector<Parameter> sizeRows() {
                    s.extent = 0.13f;
                  }),
             std::vector{5u, 24u, 64u}, groom(&GroomDef::verticesPerStrand),
-            "400 curly guides: corners go, and curls come.")},
+            "400 curly guides: corners disappear, and curls appear.")},
       {PELAGE_FIELD(GroomDef, style), "", "kSideParting, kSweptBack",
        "To both sides of a parting, then down; or from the forehead to the back.",
        head(&GroomDef::style, std::vector{HairStyle::kSideParting, HairStyle::kSweptBack},
             "The two styles.")},
-      {PELAGE_FIELD(GroomDef, length), "m", "0.002..2", "Along the hair.",
+      {PELAGE_FIELD(GroomDef, length), "m", "0.002..2", "Length of the hair.",
        head(&GroomDef::length, std::vector{0.03f, 0.18f, 0.3f}, "Short to long.")},
       {PELAGE_FIELD(GroomDef, lengthVariation), "share", "0..0.95",
-       "By which strands are shorter at most.",
+       "Strands are shorter by up to this fraction.",
        head(&GroomDef::lengthVariation, std::vector{0.0f, 0.15f, 0.8f}, "See the lower edge.")},
   };
 }
@@ -67,15 +68,16 @@ std::vector<Parameter> shapeRows() {
       {PELAGE_FIELD(GroomDef, volume), "m", "0..0.1", "Thickness of the layer of hair.",
        head(&GroomDef::volume, std::vector{0.0f, 0.008f, 0.03f}, "Flat to full.")},
       {PELAGE_FIELD(GroomDef, comb), "1/m", "0..1000",
-       "How sharply hair turns to where it is combed.",
+       "How sharply hair bends to the combed direction.",
        head(&GroomDef::comb, std::vector{0.0f, 25.0f, 200.0f},
             "As it grows, and combed to the sides.")},
-      {PELAGE_FIELD(GroomDef, droop), "1/m", "0..1000", "How sharply it turns downwards.",
+      {PELAGE_FIELD(GroomDef, droop), "1/m", "0..1000", "How sharply hair bends downwards.",
        head(&GroomDef::droop, std::vector{0.0f, 22.0f, 100.0f}, "Out, and down.")},
-      {PELAGE_FIELD(GroomDef, curlRadius), "m", "0..0.1", "Of the curls.",
+      {PELAGE_FIELD(GroomDef, curlRadius), "m", "0..0.1", "Radius of the curls.",
        show(with(headSetup(), [](Setup& s) { s.groom.verticesPerStrand = 48; }),
             std::vector{0.0f, 0.003f, 0.015f}, groom(&GroomDef::curlRadius), "Straight to curly.")},
-      {PELAGE_FIELD(GroomDef, curlFrequency), "turns a metre", "0..500", "Of the curls.",
+      {PELAGE_FIELD(GroomDef, curlFrequency), "turns per meter", "0..500",
+       "Frequency of the curls.",
        show(with(headSetup(),
                  [](Setup& s) {
                    s.groom.verticesPerStrand = 96;
@@ -84,14 +86,14 @@ std::vector<Parameter> shapeRows() {
                  }),
             std::vector{5.0f, 14.0f, 50.0f}, groom(&GroomDef::curlFrequency),
             "Curls with a radius of 8 mm.")},
-      {PELAGE_FIELD(GroomDef, clumpCount), "", "0..4096", "Locks of hair; 0 for none.",
+      {PELAGE_FIELD(GroomDef, clumpCount), "", "0..4096", "Number of locks; 0 for none.",
        show(with(headSetup(), [](Setup& s) { s.groom.clumpStrength = 0.9f; }),
             std::vector{0u, 40u, 240u}, groom(&GroomDef::clumpCount), "With a strength of 0.9.")},
       {PELAGE_FIELD(GroomDef, clumpStrength), "", "0..1",
        "0 for none; at 1 all tips of a lock meet.",
        show(with(headSetup(), [](Setup& s) { s.groom.clumpCount = 80; }),
             std::vector{0.0f, 0.4f, 1.0f}, groom(&GroomDef::clumpStrength), "80 locks.")},
-      {PELAGE_FIELD(GroomDef, noise), "m", "0..0.1", "How far tips stray.",
+      {PELAGE_FIELD(GroomDef, noise), "m", "0..0.1", "Random displacement of tips.",
        head(&GroomDef::noise, std::vector{0.0f, 0.004f, 0.03f}, "Neat to wild.")},
   };
 }
@@ -99,7 +101,7 @@ std::vector<Parameter> shapeRows() {
 std::vector<Parameter> regionRows() {
   return {
       {PELAGE_FIELD(GroomDef, hairline), "m", "-0.03..0.05",
-       "Moves the edge of the hair up: more is less hair.",
+       "Moves the edge of the hair up: a larger value gives less hair.",
        show(with(headSetup(),
                  [](Setup& s) {
                    s.groom.length = 0.012f;
@@ -107,7 +109,7 @@ std::vector<Parameter> regionRows() {
                  }),
             std::vector{-0.02f, 0.0f, 0.04f}, groom(&GroomDef::hairline), "Hair of 12 mm.")},
       {PELAGE_FIELD(GroomDef, stripWidth), "m", "0..0.3",
-       "Only a strip along the middle, this wide; 0 for all.",
+       "Width of a strip along the middle with hair; 0 for all.",
        show(with(headSetup(),
                  [](Setup& s) {
                    s.groom.length = 0.05f;
@@ -119,7 +121,7 @@ std::vector<Parameter> regionRows() {
             std::vector{0.0f, 0.03f, 0.09f}, groom(&GroomDef::stripWidth),
             "Hair of 5 cm that stands up.")},
       {PELAGE_FIELD(GroomDef, thicknessVariation), "share", "0..1",
-       "By which strands are thinner at most; 0 for all alike.",
+       "Strands are thinner by up to this fraction.",
        show(with(guides(),
                  [](Setup& s) {
                    s.groom.strandCount = 900;
@@ -129,8 +131,8 @@ std::vector<Parameter> regionRows() {
                    s.extent = 0.10f;
                  }),
             std::vector{0.0f, 0.2f, 1.0f}, groom(&GroomDef::thicknessVariation),
-            "Thick fibres at the parting.")},
-      {PELAGE_FIELD(GroomDef, headCellSize), "m", "0.002..0.007", "Of the head mesh's cells.",
+            "Thick fibers at the parting.")},
+      {PELAGE_FIELD(GroomDef, headCellSize), "m", "0.002..0.007", "Cell size of the head mesh.",
        show(with(guides(),
                  [](Setup& s) {
                    s.groom.strandCount = 300;
@@ -149,7 +151,7 @@ std::vector<ParameterGroup> groomGroups() {
   for (auto* more : {&shapeRows, &regionRows})
     for (Parameter& row : (*more)()) rows.push_back(std::move(row));
   return {{"GroomDef", "pelage/demo/groom.h",
-           "generateGroom(): the head that is in many of these pictures. [gallery.md](gallery.md)",
+           "generateGroom(): the head in many of these pictures. [gallery.md](gallery.md)",
            std::move(rows)}};
 }
 

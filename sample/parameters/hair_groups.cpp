@@ -74,19 +74,20 @@ std::vector<Parameter> objectRows() {
       {PELAGE_FIELD(HairObject, settings),
        "",
        "see SimulationSettings",
-       "How it moves; checked by Scene::simulate().",
+       "Settings of the simulation; Scene::simulate() checks them.",
        {}},
-      {PELAGE_FIELD(HairObject, material), "", "see StrandMaterial", "How it looks.", {}},
+      {PELAGE_FIELD(HairObject, material), "", "see StrandMaterial", "Look of the hair.", {}},
       {PELAGE_FIELD(HairObject, simulatedShare), "share of the guides", "0..1",
-       "Exact, with HairDef::levelOfDetail: guides that are simulated; at least one. The others "
-       "take the shape of one near them.",
+       "With HairDef::levelOfDetail: fraction of the guides that is simulated; at least one is. "
+       "Each other guide takes the shape of a simulated one near it.",
        show(
            swinging(), std::vector{0.004f, 0.05f, 1.0f},
            [](Setup& s, float v) { s.simulatedShare = v; },
-           "0.5 s into a fast turn: 8, 100 and all 2,000 guides."),
+           "0.5 s into a fast rotation: 8, 100 and all 2,000 guides."),
        "exact"},
       {PELAGE_FIELD(HairObject, usesMeshColliders), "", "",
-       "Collides with the scene's mesh colliders: with those of setMeshColliders(), or all.",
+       "If true, the hair collides with mesh colliders of the scene: with those of "
+       "setMeshColliders(), or all.",
        show(
            fieldSetup(), std::vector{false, true},
            [](Setup& s, bool v) { s.usesMeshColliders = v; },
@@ -97,7 +98,8 @@ std::vector<Parameter> objectRows() {
        "A hidden object is simulated, but not drawn.",
        {}},
       {"HairObject", "drawnStrands", "all", "strands", "0..strandCount()",
-       "Strands drawn, from the first. Follow hairs go first when it falls.",
+       "Number of strands that are drawn, from the first. Decreasing it removes follow hairs "
+       "first.",
        [] {
          Picture picture = show(
              headSetup(), std::vector{0.03f, 0.2f, 1.0f},
@@ -107,8 +109,8 @@ std::vector<Parameter> objectRows() {
          return picture;
        }()},
       {PELAGE_FIELD(HairObject, drawnShare), "share of drawnStrands", "0..1",
-       "Level of detail: those that are left are wider, so that the hair covers as much. See "
-       "Scene::shareForView().",
+       "Level of detail: the remaining strands are wider, so that the hair covers the same area. "
+       "See Scene::shareForView().",
        show(
            headSetup(), std::vector{0.03f, 0.2f, 1.0f}, [](Setup& s, float v) { s.drawnShare = v; },
            "The same numbers of strands as above, but wider: from afar nothing changes.")},
@@ -117,56 +119,64 @@ std::vector<Parameter> objectRows() {
 
 std::vector<Parameter> defRows() {
   return {
-      {PELAGE_FIELD(HairDef, name), "", "", "Of the object, in errors and names of buffers.", {}},
+      {PELAGE_FIELD(HairDef, name),
+       "",
+       "",
+       "Name of the object, in errors and names of buffers.",
+       {}},
       {PELAGE_FIELD(HairDef, settings), "", "see SimulationSettings", "The first settings.", {}},
       {PELAGE_FIELD(HairDef, material), "", "see StrandMaterial", "The first material.", {}},
       {PELAGE_FIELD(HairDef, skinning), "", "kMatrices, kDualQuaternions",
-       "How the bones of a root are blended; dual quaternions are for bones without scale.",
+       "Blending of the bones of a root; dual quaternions are for bones without scale.",
        show(
            sleeveSetup(),
            std::vector{pelage::SkinningMethod::kMatrices, pelage::SkinningMethod::kDualQuaternions},
            [](Setup& s, pelage::SkinningMethod v) { s.hair.skinning = v; },
-           "Fur on a tube whose right half is turned by 170 degrees: blended matrices let it "
-           "collapse in between.")},
+           "Fur on a tube whose right half is rotated by 170 degrees: blended matrices collapse in "
+           "between.")},
       {PELAGE_FIELD(HairDef, influences),
        "",
-       "one a guide",
-       "Bones and weights of the roots, from mapBones(); empty binds all to bone 0.",
+       "one per guide",
+       "Bones and weights of the roots, from mapBones(); if empty, all roots are bound to bone 0.",
        {}},
-      {PELAGE_FIELD(HairDef, boneCount), "", ">= 1", "Transforms that setBones() takes.", {}},
+      {PELAGE_FIELD(HairDef, boneCount),
+       "",
+       ">= 1",
+       "Number of transforms that setBones() takes.",
+       {}},
       {PELAGE_FIELD(HairDef, skeleton),
        "",
        "of the scene",
-       "Bones that other objects follow, too, in place of setBones().",
+       "A skeleton to follow instead of setBones().",
        {}},
       {PELAGE_FIELD(HairDef, strandFactors),
        "",
-       "one a guide; see StrandFactors",
-       "Factors of every guide; empty for 1.",
+       "one per guide; see StrandFactors",
+       "Factors of every guide; if empty, all are 1.",
        {}},
       {PELAGE_FIELD(HairDef, levelOfDetail),
        "",
        "",
-       "Lets HairObject::simulatedShare be below 1; costs one uint32 a guide.",
+       "Allows HairObject::simulatedShare below 1; costs one uint32 per guide.",
        {},
        "exact"},
       {PELAGE_FIELD(HairDef, followHairs),
        "",
-       "guides that are there; see FollowDef",
-       "Follow strands, from generateFollowHairs().",
+       "existing guides; see FollowDef",
+       "Follow hairs, from generateFollowHairs().",
        {}},
       {PELAGE_FIELD(HairDef, baseTexture),
        "",
        "see ColorTexture",
-       "Texture of the base colour at the roots' HairAsset::strandUv.",
+       "Texture of the base color, sampled at HairAsset::strandUv of the roots.",
        {}},
       {PELAGE_FIELD(HairDef, storeFollowHairs),
        "",
        "",
-       "True when a field or a pass of yours reads the follow hairs from HairBuffers.",
+       "Set this if your own pass reads the follow hairs from HairBuffers.",
        {}},
       {PELAGE_FIELD(HairDef, collidingHair), "", "kGuides, kGuidesAndFollows",
-       "Which strands collide. Follows cost four passes and 96 bytes a vertex.",
+       "Strands that collide. Follow hairs cost four passes and 96 bytes per vertex.",
        show(
            with(fieldSetup(),
                 [](Setup& s) {
@@ -185,12 +195,12 @@ std::vector<Parameter> defRows() {
 
 std::vector<Parameter> factorRows() {
   return {
-      {PELAGE_FIELD(StrandFactors, stiffness), "factor", ">= 0", "Against bending and twist.",
+      {PELAGE_FIELD(StrandFactors, stiffness), "factor", ">= 0", "Factor on bending and twist.",
        factors(
            lockSetup(), [](Setup& s, float v) { s.strandStiffness = v; },
            "At rest; every second guide has the factor, the others have 1.")},
       {PELAGE_FIELD(StrandFactors, globalStiffness), "factor", ">= 0",
-       "Of the spring to the bind pose.",
+       "Factor on the spring to the bind pose.",
        factors(
            with(lockSetup(),
                 [](Setup& s) {
@@ -199,25 +209,25 @@ std::vector<Parameter> factorRows() {
                 }),
            [](Setup& s, float v) { s.strandGlobalStiffness = v; },
            "The same with a globalStiffness of 0.01 on the whole strand.")},
-      {PELAGE_FIELD(StrandFactors, damping), "factor", ">= 0", "Of the air drag.",
+      {PELAGE_FIELD(StrandFactors, damping), "factor", ">= 0", "Factor on the air drag.",
        factors(
            with(lockSetup(), [](Setup& s) { s.frames = 22; }),
            [](Setup& s, float v) { s.strandDamping = v; },
-           "0.37 s after the lock was let go; every second guide has the factor.")},
+           "0.37 s after the lock was released; every second guide has the factor.")},
   };
 }
 
 std::vector<Parameter> textureRows() {
   Picture picture = show(
       swatchSetup(), std::vector{0u, 2u, 8u}, [](Setup& s, uint32_t v) { s.textureSize = v; },
-      "No texture, and stripes of 2 and 8 texels over the roots: a strand has one colour.");
+      "No texture, and stripes of 2 and 8 texels over the roots: a strand has one color.");
   return {
-      {PELAGE_FIELD(ColorTexture, width), "texels", "0..16384", "Of the picture.", picture},
-      {PELAGE_FIELD(ColorTexture, height), "texels", "0..16384", "Of the picture.", {}},
+      {PELAGE_FIELD(ColorTexture, width), "texels", "0..16384", "Width of the texture.", picture},
+      {PELAGE_FIELD(ColorTexture, height), "texels", "0..16384", "Height of the texture.", {}},
       {PELAGE_FIELD(ColorTexture, texels),
        "linear RGBA",
        "0..1",
-       "Rows from y = 0 on; A scales the opacity. It repeats beyond 0..1.",
+       "Rows from y = 0 on; A multiplies the opacity. The texture repeats beyond 0..1.",
        {}},
   };
 }
@@ -232,13 +242,13 @@ std::vector<Parameter> followRows() {
   });
   const auto separation = [](Setup& s, float v) { s.follow.tipSeparation = v; };
   return {
-      {PELAGE_FIELD(FollowDef, countPerGuide), "hairs a guide", "0..64",
-       "Follow hairs of each guide.",
+      {PELAGE_FIELD(FollowDef, countPerGuide), "hairs per guide", "0..64",
+       "Number of follow hairs per guide.",
        show(
            few, std::vector{0u, 8u, 40u}, [](Setup& s, uint32_t v) { s.follow.countPerGuide = v; },
            "Six guides.")},
       {PELAGE_FIELD(FollowDef, guidesPerHair), "guides", "1..3",
-       "Guides that each hair takes its shape from: its own, and those whose roots are nearest.",
+       "Number of guides that shape each hair: its own, and those with the nearest roots.",
        show(
            with(headSetup(),
                 [](Setup& s) {
@@ -250,23 +260,25 @@ std::vector<Parameter> followRows() {
                 }),
            std::vector{1u, 2u, 3u}, [](Setup& s, uint32_t v) { s.follow.guidesPerHair = v; },
            "70 guides with 64 wide follow hairs each: bundles dissolve.")},
-      {PELAGE_FIELD(FollowDef, maxRadius), "m", "0..1", "Of the disc around the guide's root.",
+      {PELAGE_FIELD(FollowDef, maxRadius), "m", "0..1",
+       "Radius of the disc around the guide's root.",
        show(
            few, std::vector{0.0015f, 0.004f, 0.02f},
            [](Setup& s, float v) { s.follow.maxRadius = v; },
            "Six guides with 24 follow hairs each.")},
       {PELAGE_FIELD(FollowDef, tipSeparation), "factor", "0..100",
-       "Distance from the guide at the tip relative to that at the root; 1 is parallel.",
+       "Distance from the guide at the tip relative to that at the root; 1 keeps the hair "
+       "parallel.",
        show(few, std::vector{0.0f, 1.0f, 4.0f}, separation,
             "The same guides: gathered at the tip, parallel, spread.")},
-      {PELAGE_FIELD(FollowDef, seed), "", "", "Another seed places other hairs.", {}},
+      {PELAGE_FIELD(FollowDef, seed), "", "", "Another seed gives other hairs.", {}},
   };
 }
 
 std::vector<Parameter> capsuleRows() {
   return {
-      {PELAGE_FIELD(CapsuleCollider, head), "m", "", "Centre of the one end in world space.", {}},
-      {PELAGE_FIELD(CapsuleCollider, headRadius), "m", ">= 0", "Of the one end.",
+      {PELAGE_FIELD(CapsuleCollider, head), "m", "", "Center of one end in world space.", {}},
+      {PELAGE_FIELD(CapsuleCollider, headRadius), "m", ">= 0", "Radius of this end.",
        show(
            capsuleSetup(), std::vector{0.01f, 0.03f, 0.045f},
            [](Setup& s, float v) { s.capsules[0].headRadius = s.capsules[0].tailRadius = v; },
@@ -274,10 +286,10 @@ std::vector<Parameter> capsuleRows() {
       {PELAGE_FIELD(CapsuleCollider, tail),
        "m",
        "",
-       "Centre of the other end; equal to the head for a sphere.",
+       "Center of the other end; equal to the head for a sphere.",
        {}},
-      {PELAGE_FIELD(CapsuleCollider, tailRadius), "m", ">= 0", "Of the other end.", {}},
-      {PELAGE_FIELD(CapsuleCollider, friction), "", ">= 0", "Coulomb's coefficient.",
+      {PELAGE_FIELD(CapsuleCollider, tailRadius), "m", ">= 0", "Radius of the other end.", {}},
+      {PELAGE_FIELD(CapsuleCollider, friction), "", ">= 0", "Coulomb coefficient.",
        show(
            sliding(capsuleSetup(), 138), std::vector{0.0f, 0.3f, 1.5f},
            [](Setup& s, float v) { s.capsules[0].friction = v; },
@@ -285,64 +297,74 @@ std::vector<Parameter> capsuleRows() {
       {PELAGE_FIELD(CapsuleCollider, angularVelocity),
        "rad/s",
        "",
-       "Spin in world space: drags hair along by friction, and moves nothing.",
+       "Angular velocity in world space: drags hair along by friction, but does not move the "
+       "collider.",
        {}},
   };
 }
 
 std::vector<Parameter> fieldRows() {
   return {
-      {PELAGE_FIELD(SdfColliderDef, name), "", "", "Of the collider.", {}},
-      {PELAGE_FIELD(SdfColliderDef, cellSize), "m", "> 0; 0 takes a 50th of the longest side",
-       "Distance of the field's nodes. Parts thinner than about a cell let fast hair through.",
+      {PELAGE_FIELD(SdfColliderDef, name), "", "", "Name of the collider.", {}},
+      {PELAGE_FIELD(SdfColliderDef, cellSize), "m", "> 0; 0 means a 50th of the longest side",
+       "Distance between the nodes of the SDF. Parts thinner than about a cell let fast hair "
+       "through.",
        show(
            drawnField(), std::vector{0.024f, 0.012f, 0.004f},
            [](Setup& s, float v) { s.collider.cellSize = v; },
-           "The head as its field has it (Scene::drawCollider()).")},
+           "The head as its SDF stores it (Scene::drawCollider()).")},
       {PELAGE_FIELD(SdfColliderDef, band),
        "cells",
        "1..8",
-       "Nodes up to here from the surface have exact distances.",
+       "Nodes within this distance of the surface have exact distances.",
        {}},
       {PELAGE_FIELD(SdfColliderDef, memoryCap),
        "bytes",
        "",
-       "Memory of the field at most; an error says which cell size would fit.",
+       "Maximum memory of the SDF; an error names the cell size that would fit.",
        {}},
       {PELAGE_FIELD(SdfColliderDef, motionTolerance),
        "cells",
        "0..1",
-       "Vertices that moved less stay where they are in the field.",
+       "Vertices that moved by less than this keep their position in the SDF.",
        {}},
       {PELAGE_FIELD(SdfColliderDef, skinning),
        "",
        "kMatrices, kDualQuaternions",
        "As HairDef::skinning.",
        {}},
-      {PELAGE_FIELD(SdfColliderDef, boneCount), "", "> 0", "Bones of setBones().", {}},
+      {PELAGE_FIELD(SdfColliderDef, boneCount),
+       "",
+       "> 0",
+       "Number of transforms that setBones() takes.",
+       {}},
       {PELAGE_FIELD(SdfColliderDef, skeleton),
        "",
        "of the scene",
-       "Bones that other objects follow, too.",
+       "A skeleton to follow instead of setBones().",
        {}},
       {PELAGE_FIELD(SdfColliderDef, vertices),
        "",
        "",
-       "A vertex buffer of the engine's in world space, in place of bones.",
+       "A vertex buffer of your engine in world space, instead of bones.",
        {}},
-      {PELAGE_FIELD(SdfColliderDef, vertexStride), "floats", ">= 3", "From vertex to vertex.", {}},
-      {PELAGE_FIELD(SdfColliderDef, vertexOffset), "floats", "", "Before the first x.", {}},
+      {PELAGE_FIELD(SdfColliderDef, vertexStride),
+       "floats",
+       ">= 3",
+       "Distance from vertex to vertex.",
+       {}},
+      {PELAGE_FIELD(SdfColliderDef, vertexOffset), "floats", "", "Offset of the first x.", {}},
   };
 }
 
 std::vector<Parameter> colliderRows() {
   return {
       {PELAGE_FIELD(SdfCollider, margin), "m", ">= 0, at most about a band",
-       "Hair is kept this far outside.",
+       "Distance that hair keeps from the surface.",
        show(
            fieldSetup(), std::vector{0.001f, 0.006f, 0.015f},
            [](Setup& s, float v) { s.margin = v; }, "At rest on a mesh: the gap grows.")},
-      {PELAGE_FIELD(SdfCollider, friction), "", ">= 0", "Coulomb's coefficient.",
+      {PELAGE_FIELD(SdfCollider, friction), "", ">= 0", "Coulomb coefficient.",
        show(
            sliding(fieldSetup(), 150), std::vector{0.0f, 0.3f, 1.5f},
            [](Setup& s, float v) { s.friction = v; },
@@ -358,24 +380,23 @@ std::vector<Parameter> colliderRows() {
 std::vector<Parameter> lookRows() {
   return {
       {PELAGE_FIELD(ColliderLook, isoLevel), "cells", "-band..band",
-       "Distance of what is drawn from the surface.",
+       "Distance of the drawn surface from the mesh.",
        show(
            drawnField(), std::vector{-4.0f, 0.0f, 4.0f},
            [](Setup& s, float v) { s.colliderLook.isoLevel = v; },
            "Inside, on, and outside of the head, with cells of 6 mm and a band of 5; the hair "
            "stays where it is.")},
-      {PELAGE_FIELD(ColliderLook, color), "linear RGB", "0..1", "Of the drawn surface.",
+      {PELAGE_FIELD(ColliderLook, color), "linear RGB", "0..1", "Color of the drawn surface.",
        show(
            drawnField(),
            std::vector<Float3>{{0.10f, 0.20f, 0.32f}, {0.35f, 0.08f, 0.05f}, {0.5f, 0.5f, 0.5f}},
-           [](Setup& s, const Float3& v) { s.colliderLook.color = v; }, "Three colours.")},
-      {PELAGE_FIELD(ColliderLook, opacity), "", "0..1", "Below 1 hair behind it is seen.",
+           [](Setup& s, const Float3& v) { s.colliderLook.color = v; }, "Three colors.")},
+      {PELAGE_FIELD(ColliderLook, opacity), "", "0..1", "Below 1, hair behind it is visible.",
        show(
            with(drawnField(), [](Setup& s) { s.colliderLook.isoLevel = 4; }),
            std::vector{0.2f, 0.6f, 1.0f}, [](Setup& s, float v) { s.colliderLook.opacity = v; },
-           "A surface 4 cells outside of the head, with hair behind it; what is seen from inside "
-           "is "
-           "drawn in red.")},
+           "A surface 4 cells outside of the head, with hair behind it; its inside is drawn in "
+           "red.")},
   };
 }
 
@@ -384,9 +405,9 @@ std::vector<Parameter> contactRows() {
       {PELAGE_FIELD(ContactLook, length),
        "m",
        "> 0",
-       "Of the needle of a contact that does not slide; others have half.",
+       "Length of the needle of a sticking contact; sliding ones have half.",
        {}},
-      {PELAGE_FIELD(ContactLook, width), "pixels", "> 0", "Of a needle at the vertex.", {}},
+      {PELAGE_FIELD(ContactLook, width), "pixels", "> 0", "Width of a needle at the vertex.", {}},
       {PELAGE_FIELD(ContactLook, deepestDepth), "m", "> 0", "A vertex this deep is red.", {}},
   };
 }
@@ -398,7 +419,7 @@ std::vector<ParameterGroup> hairGroups() {
   return {
       {"HairObject", object, "Scene::hair(); may change at any time. [scene.md](scene.md)",
        objectRows()},
-      {"HairDef", object, "What Scene::addHair() takes; cannot change later.", defRows()},
+      {"HairDef", object, "Argument of Scene::addHair(); cannot change later.", defRows()},
       {"StrandFactors", object, "HairDef::strandFactors", factorRows()},
       {"ColorTexture", object, "HairDef::baseTexture", textureRows()},
       {"FollowDef", asset, "HairAsset::generateFollowHairs()", followRows()},
@@ -408,8 +429,8 @@ std::vector<ParameterGroup> hairGroups() {
        {{PELAGE_FIELD(ProcessDef, tipThickness),
          "share",
          "0..1",
-         "Thickness of the tip relative to the root in HairAsset::vertexThickness, for renderers "
-         "of your own; the scene's draws have StrandMaterial::tipRadiusRatio.",
+         "Thickness of the tip relative to the root in HairAsset::vertexThickness, for your own "
+         "renderer; the scene's draws use StrandMaterial::tipRadiusRatio.",
          {}}}},
   };
 }
@@ -418,8 +439,9 @@ std::vector<ParameterGroup> colliderGroups() {
   const std::string sdf = "pelage/sdf_collider.h";
   return {
       {"CapsuleCollider", "pelage/collider.h",
-       "HairObject::setColliders(). [colliders.md](colliders.md)", capsuleRows()},
-      {"SdfColliderDef", sdf, "What Scene::addCollider() takes; cannot change later.", fieldRows()},
+       "HairObject::setColliders(). [contact.md](contact.md)", capsuleRows()},
+      {"SdfColliderDef", sdf, "Argument of Scene::addCollider(); cannot change later.",
+       fieldRows()},
       {"SdfCollider", sdf, "Scene::collider(); may change at any time.", colliderRows()},
       {"ColliderLook", sdf, "Scene::drawCollider(), for debugging.", lookRows()},
       {"ContactLook", "pelage/hair_object.h",

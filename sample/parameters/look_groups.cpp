@@ -64,24 +64,25 @@ Setup shadowed() {
 std::vector<Parameter> colorRows() {
   const std::string color = "linear RGB";
   return {
-      {PELAGE_FIELD(StrandMaterial, rootColor), color, "0..1", "At the root.",
+      {PELAGE_FIELD(StrandMaterial, rootColor), color, "0..1", "Color at the root.",
        show(lockSetup(),
             std::vector<Float3>{
                 {0.02f, 0.01f, 0.008f}, {0.10f, 0.045f, 0.02f}, {0.5f, 0.05f, 0.03f}},
-            material(&StrandMaterial::rootColor), "The tip keeps its colour.")},
-      {PELAGE_FIELD(StrandMaterial, tipColor), color, "0..1", "At the tip.",
+            material(&StrandMaterial::rootColor), "The tip keeps its color.")},
+      {PELAGE_FIELD(StrandMaterial, tipColor), color, "0..1", "Color at the tip.",
        show(lockSetup(),
             std::vector<Float3>{{0.04f, 0.02f, 0.01f}, {0.25f, 0.12f, 0.05f}, {0.05f, 0.25f, 0.6f}},
-            material(&StrandMaterial::tipColor), "The root keeps its colour.")},
+            material(&StrandMaterial::tipColor), "The root keeps its color.")},
       {PELAGE_FIELD(StrandMaterial, colorVariation), "share", "0..1",
-       "By which strands differ around the mean.",
+       "Variation of the color between strands.",
        show(swatchSetup(), std::vector{0.0f, 0.15f, 0.8f},
-            material(&StrandMaterial::colorVariation), "Strands all alike, and less so.")},
-      {PELAGE_FIELD(StrandMaterial, opacity), "", "0..1", "Of a fibre wider than a pixel.",
+            material(&StrandMaterial::colorVariation),
+            "All strands equal, and increasingly different.")},
+      {PELAGE_FIELD(StrandMaterial, opacity), "", "0..1", "Opacity of a fiber wider than a pixel.",
        show(with(closeSetup(), [](Setup& s) { s.hair.material.fiberRadius = 250e-6f; }),
             std::vector{0.15f, 0.5f, 1.0f}, material(&StrandMaterial::opacity),
-            "Thick fibres from near by.")},
-      {PELAGE_FIELD(StrandMaterial, fiberRadius), "m", "> 0", "At the root.",
+            "Thick fibers, close up.")},
+      {PELAGE_FIELD(StrandMaterial, fiberRadius), "m", "> 0", "Radius at the root.",
        show(with(closeSetup(), [](Setup& s) { s.swatchGuides = 400; }),
             std::vector{20e-6f, 60e-6f, 200e-6f}, material(&StrandMaterial::fiberRadius),
             "22 mm of the edge of a swatch.")},
@@ -102,37 +103,41 @@ std::vector<Parameter> kajiyaRows() {
   const std::string kajiya = "Kajiya-Kay: ";
   return {
       {PELAGE_FIELD(StrandMaterial, model), "", "kKajiyaKay, kFiber",
-       "Diffuse light and two shifted highlights, or R, TT and TRT lobes that keep the energy.",
+       "Diffuse light and two shifted highlights, or R, TT and TRT lobes that conserve energy.",
        show(
            swatchSetup(), std::vector{ShadingModel::kKajiyaKay, ShadingModel::kFiber},
            [](Setup& s, ShadingModel v) {
              s.hair.material.model = v;
              s.hair.material.rootColor = s.hair.material.tipColor = {0.35f, 0.18f, 0.08f};
            },
-           "The same colour and light.")},
-      {PELAGE_FIELD(StrandMaterial, ambientStrength), "", "0..64", "Of the lights' ambient term.",
+           "The same color and light.")},
+      {PELAGE_FIELD(StrandMaterial, ambientStrength), "", "0..64",
+       "Factor on the lights' ambient term.",
        show(swatchSetup(), std::vector{0.0f, 1.0f, 8.0f},
-            material(&StrandMaterial::ambientStrength), "See the hair below, out of the light.")},
+            material(&StrandMaterial::ambientStrength),
+            "Look at the hair below, out of the light.")},
       {PELAGE_FIELD(StrandMaterial, diffuseStrength), "", "0..64",
-       kajiya + "light in the hair's colour; 1 / pi keeps the energy.",
+       kajiya + "light in the hair's color; 1 / pi conserves energy.",
        show(swatchSetup(), std::vector{0.0f, 0.5f, 1.0f},
-            material(&StrandMaterial::diffuseStrength), "Without it, highlights are left.")},
+            material(&StrandMaterial::diffuseStrength), "Without it, only the highlights remain.")},
       {PELAGE_FIELD(StrandMaterial, primaryStrength), "", "0..64",
-       kajiya + "highlight of the light's colour.",
+       kajiya + "highlight in the light's color.",
        show(swatchSetup(), std::vector{0.0f, 0.35f, 1.5f},
             material(&StrandMaterial::primaryStrength), "The white band.")},
-      {PELAGE_FIELD(StrandMaterial, primaryExponent), "", "1..10,000", kajiya + "its sharpness.",
+      {PELAGE_FIELD(StrandMaterial, primaryExponent), "", "1..10,000",
+       kajiya + "sharpness of the primary highlight.",
        show(swatchSetup(), std::vector{10.0f, 80.0f, 800.0f},
             material(&StrandMaterial::primaryExponent), "A wide band, and narrow ones.")},
       {PELAGE_FIELD(StrandMaterial, primaryShift), "slope", "-1..1",
-       kajiya + "its shift along the strand; < 0 towards the root of the light's direction.",
+       kajiya + "shift of the primary highlight along the strand; negative is towards the root.",
        show(swatchSetup(), std::vector{-0.4f, -0.06f, 0.3f},
             material(&StrandMaterial::primaryShift), "The white band moves along the hair.")},
       {PELAGE_FIELD(StrandMaterial, secondaryStrength), "", "0..64",
-       kajiya + "highlight of the hair's colour.",
+       kajiya + "highlight in the hair's color.",
        show(swatchSetup(), std::vector{0.0f, 0.45f, 3.0f},
-            material(&StrandMaterial::secondaryStrength), "The wide coloured band.")},
-      {PELAGE_FIELD(StrandMaterial, secondaryExponent), "", "1..10,000", kajiya + "its sharpness.",
+            material(&StrandMaterial::secondaryStrength), "The wide colored band.")},
+      {PELAGE_FIELD(StrandMaterial, secondaryExponent), "", "1..10,000",
+       kajiya + "sharpness of the secondary highlight.",
        show(with(swatchSetup(),
                  [](Setup& s) {
                    s.hair.material.secondaryStrength = 2.5f;
@@ -141,7 +146,7 @@ std::vector<Parameter> kajiyaRows() {
             std::vector{4.0f, 16.0f, 200.0f}, material(&StrandMaterial::secondaryExponent),
             "With a strength of 2.5 and no primary highlight.")},
       {PELAGE_FIELD(StrandMaterial, secondaryShift), "slope", "-1..1",
-       kajiya + "its shift along the strand.",
+       kajiya + "shift of the secondary highlight along the strand.",
        show(with(swatchSetup(),
                  [](Setup& s) {
                    s.hair.material.secondaryStrength = 2.5f;
@@ -151,7 +156,7 @@ std::vector<Parameter> kajiyaRows() {
             std::vector{-0.3f, 0.12f, 0.5f}, material(&StrandMaterial::secondaryShift),
             "With a strength of 2.5, an exponent of 40 and no primary highlight.")},
       {PELAGE_FIELD(StrandMaterial, secondaryTint), "share", "0..1",
-       kajiya + "of the hair's colour in it.",
+       kajiya + "share of the hair's color in the secondary highlight.",
        show(with(swatchSetup(),
                  [](Setup& s) {
                    s.hair.material.secondaryStrength = 0.45f;
@@ -159,43 +164,42 @@ std::vector<Parameter> kajiyaRows() {
                    s.hair.material.rootColor = s.hair.material.tipColor = {0.30f, 0.05f, 0.03f};
                  }),
             std::vector{0.0f, 0.5f, 1.0f}, material(&StrandMaterial::secondaryTint),
-            "On red hair without a primary highlight: in the light's colour, and in its own.")},
+            "On red hair without a primary highlight: in the light's color, and in its own.")},
   };
 }
 
 std::vector<Parameter> fiberRows() {
-  const std::string fiber = "Fibre model: ";
+  const std::string fiber = "Fiber model: ";
   return {
       {PELAGE_FIELD(StrandMaterial, longitudinalRoughness), "", "0..1 (at least 0.05 is used)",
-       fiber + "along the fibre.",
+       fiber + "roughness along the fiber.",
        show(fiberSwatch(), std::vector{0.1f, 0.25f, 0.7f},
             material(&StrandMaterial::longitudinalRoughness), "The highlights get longer.")},
       {PELAGE_FIELD(StrandMaterial, azimuthalRoughness), "", "0..1 (at least 0.05 is used)",
-       fiber + "around the fibre.",
+       fiber + "roughness around the fiber.",
        show(backLit(), std::vector{0.1f, 0.3f, 0.9f}, material(&StrandMaterial::azimuthalRoughness),
-            "Light that comes through from behind: smooth fibres send more of it on to the eye, "
-            "rough "
-            "ones spread it and colour it.")},
+            "Light that comes through from behind: smooth fibers send more of it to the eye, rough "
+            "ones spread and color it.")},
       {PELAGE_FIELD(StrandMaterial, cuticleTilt), "rad", "-0.5..0.5",
-       fiber + "of the scales, towards the root; 0.03..0.07 for hair, 0 without scales.",
+       fiber + "tilt of the scales, towards the root; 0.03..0.07 for hair, 0 without scales.",
        show(with(fiberSwatch(), [](Setup& s) { s.hair.material.longitudinalRoughness = 0.12f; }),
             std::vector{-0.15f, 0.035f, 0.2f}, material(&StrandMaterial::cuticleTilt),
-            "With a longitudinal roughness of 0.12: the white and the coloured band part.")},
+            "With a longitudinal roughness of 0.12: the white and the colored band separate.")},
       {PELAGE_FIELD(StrandMaterial, refractiveIndex), "", "1..3",
-       fiber + "of what the fibre is made of.",
+       fiber + "index of refraction of the fiber.",
        show(fiberSwatch(), std::vector{1.1f, 1.55f, 2.5f},
             material(&StrandMaterial::refractiveIndex),
             "The higher, the more light is reflected by the surface.")},
       {PELAGE_FIELD(StrandMaterial, scatteredShare), "share", "0..1",
-       fiber + "light scattered in all directions.",
+       fiber + "share of the light that is scattered in all directions.",
        show(fiberSwatch(), std::vector{0.0f, 0.4f, 1.0f}, material(&StrandMaterial::scatteredShare),
-            "A stand-in for light that goes from fibre to fibre: softer and fuller.")},
+            "An approximation of light that passes from fiber to fiber: softer and fuller.")},
   };
 }
 
 std::vector<Parameter> lightRows() {
   return {
-      {PELAGE_FIELD(Light, direction), "", "any length > 0", "Towards the light.",
+      {PELAGE_FIELD(Light, direction), "", "any length > 0", "Direction towards the light.",
        show(shadowed(),
             std::vector<Float3>{{-0.75f, 0.6f, 0.35f}, {0.35f, 0.75f, 0.55f}, {0.6f, 0.5f, -0.8f}},
             light(&Light::direction), "From the left, from the right above, from behind.")},
@@ -204,12 +208,16 @@ std::vector<Parameter> lightRows() {
        show(shadowed(), std::vector<Float3>{{0.5f, 0.5f, 0.5f}, {1, 1, 1}, {2.4f, 1.3f, 0.6f}},
             light(&Light::color), "Half as bright, white, and a low sun.")},
       {PELAGE_FIELD(Light, ambient), "linear RGB", ">= 0",
-       "From all sides; those of all lights add up.",
+       "Light from all sides; the ambient terms of all lights add up.",
        show(shadowed(), std::vector<Float3>{{0, 0, 0}, {0.12f, 0.13f, 0.15f}, {0.6f, 0.65f, 0.75f}},
-            light(&Light::ambient), "See the side that the light does not reach.")},
-      {PELAGE_FIELD(Light, hasPosition), "", "", "A point light; it casts no shadow.", {}},
+            light(&Light::ambient), "Look at the side away from the light.")},
+      {PELAGE_FIELD(Light, hasPosition),
+       "",
+       "",
+       "Makes it a point light, which casts no shadow.",
+       {}},
       {PELAGE_FIELD(Light, position), "m", "",
-       "Of a point light; the colour is that at a distance of 1 m.",
+       "Position of a point light; the color is that at a distance of 1 m.",
        show(with(shadowed(),
                  [](Setup& s) {
                    s.lights[0].hasPosition = true;
@@ -219,14 +227,14 @@ std::vector<Parameter> lightRows() {
             light(&Light::position),
             "A point light of 0.06 on the left, above, and on the right below.")},
       {PELAGE_FIELD(Light, shadow), "", "kNone, kDepth, kDeep",
-       "What hair does to the light: nothing, by the way behind the nearest strand, or by the hair "
-       "that is there.",
+       "Shadow by hair: none, by the distance behind the nearest strand, or by the hair in "
+       "between.",
        show(shadowed(), std::vector{HairShadow::kNone, HairShadow::kDepth, HairShadow::kDeep},
             light(&Light::shadow), "The light is on the left.")},
-      {PELAGE_FIELD(Light, shadowSize), "texels", "4..8192", "An edge of its map.",
+      {PELAGE_FIELD(Light, shadowSize), "texels", "4..8192", "Width and height of the shadow map.",
        show(shadowed(), std::vector{16u, 64u, 1024u}, light(&Light::shadowSize),
             "Deep shadows: large texels blur them.")},
-      {PELAGE_FIELD(Light, shadowLayers), "", "1..16", "Of deep shadows.",
+      {PELAGE_FIELD(Light, shadowLayers), "", "1..16", "Number of layers of deep shadows.",
        show(with(shadowed(),
                  [](Setup& s) {
                    s.groom.strandCount = 700;
@@ -235,7 +243,7 @@ std::vector<Parameter> lightRows() {
                    s.lights[0].color = {4, 3.8f, 3.4f};
                  }),
             std::vector{1u, 2u, 8u}, light(&Light::shadowLayers),
-            "Sparse hair with the light behind it: with few layers light comes too far.")},
+            "Sparse hair with the light behind it: with few layers light penetrates too far.")},
   };
 }
 
@@ -243,11 +251,11 @@ std::vector<Parameter> viewRows() {
   return {
       {PELAGE_FIELD(View, worldToClip), "", "has an inverse", "Clip space: y up, depth 0..1.", {}},
       {PELAGE_FIELD(View, eye), "m", "", "Position of the camera.", {}},
-      {PELAGE_FIELD(View, x), "pixels", "0..65535, whole", "Where the viewport begins.", {}},
-      {PELAGE_FIELD(View, y), "pixels", "0..65535, whole", "The same, from the top.", {}},
-      {PELAGE_FIELD(View, width), "pixels", "> 0", "Of the viewport.", {}},
-      {PELAGE_FIELD(View, height), "pixels", "> 0", "Of the viewport.", {}},
-      {PELAGE_FIELD(View, samples), "", "1, 2, 4 or 8", "Samples a pixel of the target.",
+      {PELAGE_FIELD(View, x), "pixels", "0..65535, whole", "Left edge of the viewport.", {}},
+      {PELAGE_FIELD(View, y), "pixels", "0..65535, whole", "Top edge of the viewport.", {}},
+      {PELAGE_FIELD(View, width), "pixels", "> 0", "Width of the viewport.", {}},
+      {PELAGE_FIELD(View, height), "pixels", "> 0", "Height of the viewport.", {}},
+      {PELAGE_FIELD(View, samples), "", "1, 2, 4 or 8", "Samples per pixel of the target.",
        show(
            with(closeSetup(),
                 [](Setup& s) {
@@ -255,12 +263,12 @@ std::vector<Parameter> viewRows() {
                   s.supersample = 1;
                 }),
            std::vector{1u, 4u}, [](Setup& s, uint32_t v) { s.samples = v; },
-           "Transparency::kStochastic, each pixel as it is: the more samples, the less noise.")},
+           "Transparency::kStochastic, unfiltered pixels: the more samples, the less noise.")},
       {PELAGE_FIELD(View, reversedDepth), "", "", "Depth 1 at the near plane, 0 at infinity.", {}},
       {PELAGE_FIELD(View, seed),
        "",
        "",
-       "Of the coverage dither; constant, a still image does not flicker.",
+       "Seed of the coverage dither; if it is constant, a still image does not flicker.",
        {}},
   };
 }
@@ -271,7 +279,7 @@ std::vector<Parameter> transparencyRows() {
     s.hair.material.opacity = 0.4f;
     s.supersample = 1;
   });
-  // Many layers of clear fibres.
+  // Many layers of clear fibers.
   const Setup deep = with(swatchSetup(), [](Setup& s) {
     s.hair.material.opacity = 0.3f;
     s.supersample = 1;
@@ -279,8 +287,8 @@ std::vector<Parameter> transparencyRows() {
   return {
       {PELAGE_FIELD(TransparencySettings, method), "",
        "kAlphaTest, kStochastic, kWindowed, kHybrid4/8/16, kShortCut, kTiles",
-       "How hair is drawn over what is behind it. [transparency.md](transparency.md) has the "
-       "choice.",
+       "Method that draws hair over what is behind it. [oit.md](oit.md) compares "
+       "the methods.",
        show(
            thin,
            std::vector{Transparency::kAlphaTest, Transparency::kStochastic, Transparency::kWindowed,
@@ -290,41 +298,38 @@ std::vector<Parameter> transparencyRows() {
              const bool sampled = v == Transparency::kAlphaTest || v == Transparency::kStochastic;
              s.samples = sampled ? 4 : 1;
            },
-           "Fibres with an opacity of 0.4 from near by. The first two have four samples a pixel. "
+           "Fibers with an opacity of 0.4, close up. The first two have four samples per pixel. "
            "The other methods look like kWindowed here.")},
       {PELAGE_FIELD(TransparencySettings, maxBytes),
        "bytes",
        "",
-       "That a method's buffers may take; lists get fewer nodes where it is short.",
+       "Maximum memory of a method's buffers; lists get fewer nodes if it is too small.",
        {}},
       {PELAGE_FIELD(TransparencySettings, maxBufferBytes),
        "bytes",
        "what the device takes",
-       "That a kernel can have bound of one buffer.",
+       "Maximum size of a buffer that a kernel can bind.",
        {}},
       {PELAGE_FIELD(TransparencySettings, nodeCount), "fragments", "0..67,108,863",
-       "Lists: room for fragments; 0 takes 8 a pixel of the view. Tiles: segments in tiles; 0 "
-       "takes "
-       "6 a vertex.",
+       "Lists: capacity for fragments; 0 means 8 per pixel of the view. Tiles: capacity for "
+       "segments in tiles; 0 means 6 per vertex.",
        show(with(deep, [](Setup& s) { s.transparency.spillTail = false; }),
             std::vector{60000u, 0u, 3000000u}, transparency(&TransparencySettings::nodeCount),
-            "160 x 160 pixels without spillTail, clear fibres in many layers: fragments without "
-            "room "
-            "are missing; the last has room for all.")},
+            "160 x 160 pixels without spillTail, transparent fibers in many layers: fragments "
+            "without a node are missing; the last has nodes for all.")},
       {PELAGE_FIELD(TransparencySettings, spillTail), "", "",
-       "Lists: fragments without room are averaged, behind those that have it; costs 16 bytes a "
-       "pixel.",
+       "Lists: averages fragments without a node behind the others; costs 16 bytes per pixel.",
        show(with(deep, [](Setup& s) { s.transparency.nodeCount = 60000; }),
             std::vector{false, true}, transparency(&TransparencySettings::spillTail),
             "Lists that are too short.")},
       {PELAGE_FIELD(TransparencySettings, epsilon), "share", "0..1",
-       "Lists and tiles: where less than this comes through, nothing is looked for behind.",
+       "Lists and tiles: if less light than this comes through, fragments behind are ignored.",
        show(deep, std::vector{0.5f / 255, 0.3f, 0.8f}, transparency(&TransparencySettings::epsilon),
-            "A large value leaves out what is behind: pixels keep some of the background.")},
+            "A large value leaves out fragments behind: pixels keep some of the background.")},
       {PELAGE_FIELD(TransparencySettings, opaqueDepth),
        "",
-       "a float a pixel",
-       "Tiles: depth of what is opaque; without it nothing occludes hair.",
+       "one float per pixel",
+       "Tiles: depth of opaque objects; without it nothing occludes hair.",
        {}},
   };
 }
@@ -343,11 +348,11 @@ std::vector<ParameterGroup> materialGroups() {
 std::vector<ParameterGroup> viewGroups() {
   const std::string view = "pelage/view.h";
   return {
-      {"Light", view, "Scene::draw(), at most 8; shadows for 4 of them. [shadows.md](shadows.md)",
+      {"Light", view, "Scene::draw(), at most 8; shadows for 4 of them. [shadow.md](shadow.md)",
        lightRows()},
       {"View", view, "Scene::draw(): a camera and its target.", viewRows()},
-      {"TransparencySettings", "pelage/transparency.h",
-       "Scene::draw(). [transparency.md](transparency.md)", transparencyRows()},
+      {"TransparencySettings", "pelage/transparency.h", "Scene::draw(). [oit.md](oit.md)",
+       transparencyRows()},
   };
 }
 

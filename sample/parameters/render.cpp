@@ -86,8 +86,7 @@ class Stage {
     hair().setBones(bones);
     if (!setup_.hasField) hair().setColliders(setup_.capsules);
     if (Result<void> done = scene_.simulate(setup_.frameSeconds, list); !done) return done;
-    if (body_) body_->setBones(bones, list);
-    for (const MeshObject& object : stillObjects_) object.setBones({{AffineTransform{}}}, list);
+    if (body_) body_->setBones(bones);
     return {};
   }
 

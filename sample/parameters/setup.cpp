@@ -6,7 +6,7 @@ namespace sample {
 
 namespace {
 
-// Fibres that are seen in a small picture.
+// Fibers that are seen in a small picture.
 void setLook(Setup& setup) {
   setup.hair.material.rootColor = {0.060f, 0.026f, 0.014f};
   setup.hair.material.tipColor = {0.210f, 0.100f, 0.045f};
@@ -105,8 +105,8 @@ Setup sleeveSetup() {
   setup.toEye = {0, 0.3f, 1};
   setup.extent = 0.16f;
   setup.motion = [](double) {
-    constexpr float kHalfTurn = 1.48f;  // rad, half of what the right side has turned
-    return pelage::rigidTransform({std::sin(kHalfTurn), 0, 0, std::cos(kHalfTurn)}, {});
+    constexpr float kHalfRotation = 1.48f;  // rad, half of what the right side has turned
+    return pelage::rigidTransform({std::sin(kHalfRotation), 0, 0, std::cos(kHalfRotation)}, {});
   };
   return setup;
 }

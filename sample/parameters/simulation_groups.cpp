@@ -105,42 +105,44 @@ std::vector<Parameter> mainRows() {
        show(lockSetup(), std::vector{Solver::kExact, Solver::kClassic},
             setting(&SimulationSettings::solver),
             "The same lock at rest: the rod is bent by its weight; the classic solver's local "
-            "shape alone does not carry it.")},
+            "shape alone does not support it.")},
       {PELAGE_FIELD(SimulationSettings, gravity), "m/s²", "", "Acceleration in world space.",
        show(lockSetup(), std::vector<Float3>{{0, -1, 0}, {0, -9.81f, 0}, {0, 4, 0}},
             setting(&SimulationSettings::gravity), "At rest: weak, as on earth, and upwards.")},
-      {PELAGE_FIELD(SimulationSettings, damping), "share a 1/60 s", "0..1",
-       "Share of the velocity that is lost in 1/60 s.",
+      {PELAGE_FIELD(SimulationSettings, damping), "fraction per 1/60 s", "0..1",
+       "Fraction of the velocity that is lost in 1/60 s.",
        show(falling(22), std::vector{0.0f, 0.06f, 0.5f}, setting(&SimulationSettings::damping),
-            "0.37 s after the lock was let go: the more damping, the later it comes down.")},
+            "0.37 s after the lock was released: the more damping, the later it falls.")},
       {PELAGE_FIELD(SimulationSettings, bendLength), "m", "0..10",
        "Length at which a strand that is held at one end starts to hang. Bending stiffness over "
-       "mass a length is 9.81 bendLength³.",
+       "mass per length is 9.81 bendLength³.",
        show(lockSetup(), std::vector{0.01f, 0.05f, 0.12f}, setting(&SimulationSettings::bendLength),
             "At rest: soft, like human hair, and stiff."),
        "exact"},
       {PELAGE_FIELD(SimulationSettings, twistRatio), "", "0.05..10",
-       "Stiffness against twist over that against bending.",
+       "Twist stiffness over bending stiffness.",
        show(with(curly(), [](Setup& s) { settings(s).bendLength = 0.03f; }),
             std::vector{0.05f, 0.75f, 10.0f}, setting(&SimulationSettings::twistRatio),
             "Curls at rest: a strand that twists easily is pulled straight by its weight."),
        "exact"},
       {PELAGE_FIELD(SimulationSettings, relaxationTime), "s", "0..1",
-       "Inner damping of bending and twist; 0 leaves it out.",
+       "Inner damping of bending and twist; 0 turns it off.",
        show(with(falling(34), damped), std::vector{0.0f, 0.05f, 0.5f},
             setting(&SimulationSettings::relaxationTime),
-            "0.57 s after the lock was let go, without other damping: inner damping slows the "
+            "0.57 s after the lock was released, without other damping: inner damping slows the "
             "bending and keeps the lock in one curve."),
        "exact"},
       {PELAGE_FIELD(SimulationSettings, subSteps), "", "1..32",
-       "Steps that each step of at most 1/60 s is cut into; the error falls with its square.",
+       "Number of sub-steps per step of at most 1/60 s; the error falls with the power of 1.5 to "
+       "1.9 of it, up to 8.",
        show(with(falling(40), damped), std::vector{1u, 4u, 16u},
             setting(&SimulationSettings::subSteps),
-            "0.67 s after the lock was let go, undamped: one step damps the swing by itself, and "
+            "0.67 s after the lock was released, undamped: one step damps the swing by itself, and "
             "more keep its speed."),
        "exact"},
       {PELAGE_FIELD(SimulationSettings, localStiffness), "", "0..1",
-       "How strongly each segment keeps its bind angle to the one before; 0 leaves it out.",
+       "How strongly each segment keeps its bind angle to the previous one; 0 turns local shape "
+       "off.",
        show(classic(curly()), std::vector{0.0f, 0.9f, 1.0f},
             setting(&SimulationSettings::localStiffness),
             "Curls at rest: without local shape they hang straight."),
@@ -151,33 +153,34 @@ std::vector<Parameter> mainRows() {
             setting(&SimulationSettings::localIterations),
             "Curls at rest: more sweeps keep more of them."),
        "classic"},
-      {PELAGE_FIELD(SimulationSettings, globalStiffness), "share a 1/60 s", "0..1",
-       "Share of the way back to the bind pose that a vertex goes in 1/60 s; 0 leaves it out.",
+      {PELAGE_FIELD(SimulationSettings, globalStiffness), "fraction per 1/60 s", "0..1",
+       "Fraction of its displacement from the bind pose that a vertex loses in 1/60 s; 0 turns "
+       "global shape off.",
        show(with(lockSetup(), [](Setup& s) { settings(s).globalRange = 1; }),
             std::vector{0.0f, 0.01f, 0.1f}, setting(&SimulationSettings::globalStiffness),
             "At rest, with a globalRange of 1: the bind pose stands out to the right.")},
       {PELAGE_FIELD(SimulationSettings, globalRange), "share of the strand", "0..1",
-       "From the root, where global stiffness acts.",
+       "Fraction of the strand, from the root, on which global stiffness acts.",
        show(with(lockSetup(), [](Setup& s) { settings(s).globalStiffness = 0.2f; }),
             std::vector{0.3f, 0.6f, 1.0f}, setting(&SimulationSettings::globalRange),
-            "At rest, with a globalStiffness of 0.2: further out only the bending stiffness is "
-            "left.")},
+            "At rest, with a globalStiffness of 0.2: beyond the range only the bending stiffness "
+            "acts.")},
       {PELAGE_FIELD(SimulationSettings, vspCoefficient), "share", "0..1",
-       "Velocity shock propagation: share of the root's rigid motion that the whole strand takes "
-       "part in.",
+       "Velocity shock propagation: fraction of the root's rigid motion that the whole strand "
+       "follows.",
        show(pulled(12), std::vector{0.0f, 0.75f, 1.0f},
             setting(&SimulationSettings::vspCoefficient),
-            "The ball is pulled to the right at 12 m/s²: hair stays behind, or goes along.")},
+            "The ball is pulled to the right at 12 m/s²: hair stays behind, or follows.")},
       {PELAGE_FIELD(SimulationSettings, vspThreshold), "m/s²", "> 0",
-       "Acceleration of the root at which the strand starts to take part in all of its motion; at "
-       "twice the value it does.",
+       "Acceleration of the root from which on the strand follows more of its motion; at twice the "
+       "value it follows all of it.",
        show(with(pulled(12), [](Setup& s) { settings(s).vspCoefficient = 0; }),
             std::vector{5.0f, 9.0f, 200.0f}, setting(&SimulationSettings::vspThreshold),
             "The same pull at 12 m/s² with a coefficient of 0: more than twice the threshold, "
             "between, and below it.")},
       {PELAGE_FIELD(SimulationSettings, wind), "", "see WindSettings", "A wind with gusts.", {}},
       {PELAGE_FIELD(SimulationSettings, airDrag), "1/s", ">= 0",
-       "How fast the air takes a segment along, across the segment.",
+       "Rate at which the air drags a segment along, across the segment.",
        show(classic(windy(3)), std::vector{0.2f, 2.0f, 10.0f},
             setting(&SimulationSettings::airDrag), "In a wind of 3 m/s from the left."),
        "classic"},
@@ -194,7 +197,7 @@ std::vector<Parameter> mainRows() {
       {PELAGE_FIELD(SimulationSettings, maxSpeed), "m/s", "> 0",
        "Speed limit of a vertex relative to its root.",
        show(classic(falling(20)), std::vector{0.2f, 0.6f, 50.0f},
-            setting(&SimulationSettings::maxSpeed), "0.33 s after the lock was let go."),
+            setting(&SimulationSettings::maxSpeed), "0.33 s after the lock was released."),
        "classic"},
       {PELAGE_FIELD(SimulationSettings, curves),
        "",
@@ -204,17 +207,17 @@ std::vector<Parameter> mainRows() {
       {PELAGE_FIELD(SimulationSettings, sleep),
        "",
        "see SleepSettings",
-       "When hair that does not move is left out of the simulation.",
+       "When hair at rest is left out of the simulation.",
        {},
        "exact"},
       {PELAGE_FIELD(SimulationSettings, contact),
        "",
        "see HairContactSettings",
-       "How hair touches hair.",
+       "Hair-hair contact.",
        {},
        "exact"},
       {PELAGE_FIELD(SimulationSettings, tipSeparation), "factor", ">= 0",
-       "On the offset of follow strands at their tip: 1 keeps them parallel to their guide.",
+       "Factor on the offset of follow hairs at their tip: 1 keeps them parallel to their guide.",
        show(with(lockSetup(),
                  [](Setup& s) {
                    s.lock.guides = 5;
@@ -231,13 +234,13 @@ std::vector<Parameter> mainRows() {
 std::vector<Parameter> windRows() {
   return {
       {PELAGE_FIELD(WindSettings, velocity), "m/s", "",
-       "Mean velocity of the air in world space; 0 leaves the wind out of the kernel.",
+       "Mean velocity of the air in world space; 0 turns the wind off.",
        show(
            windy(0), std::vector<Float3>{{0, 0, 0}, {1.5f, 0, 0}, {5, 0, 0}},
            [](Setup& s, const Float3& v) { settings(s).wind.velocity = v; },
            "A steady wind from the left.")},
       {PELAGE_FIELD(WindSettings, gustStrength), "share", "0..1",
-       "The speed varies by this share around the mean.",
+       "The speed varies by this fraction around the mean.",
        show(
            windy(2.5f), std::vector{0.0f, 0.5f, 1.0f},
            [](Setup& s, float v) { settings(s).wind.gustStrength = v; },
@@ -248,12 +251,12 @@ std::vector<Parameter> windRows() {
        "Mean time from one gust to the next.",
        {}},
       {PELAGE_FIELD(WindSettings, strandVariation), "share", "0..1",
-       "How much every strand has gusts of its own; at 0 all feel the same ones.",
+       "How much the gusts differ from strand to strand; at 0 all strands feel the same gusts.",
        show(
            with(windy(2.5f), [](Setup& s) { settings(s).wind.gustStrength = 1; }),
            std::vector{0.0f, 0.5f, 1.0f},
            [](Setup& s, float v) { settings(s).wind.strandVariation = v; },
-           "The same moment of gusts: together, and each strand in its own.")},
+           "The same moment of gusts: the same for all, and different for each strand.")},
   };
 }
 
@@ -261,13 +264,13 @@ std::vector<Parameter> curveRows() {
   const std::vector<ParameterCurve> curves = {ramp(4, 0), ramp(1, 1), ramp(0, 4)};
   return {
       {PELAGE_FIELD(ParameterCurves, stiffness), "factor", ">= 0",
-       "Against bending and twist, and of the local shape.",
+       "Factor on bending, twist and local shape.",
        show(
            lockSetup(), curves,
            [](Setup& s, const ParameterCurve& v) { settings(s).curves.stiffness = v; },
-           "At rest: stiff at the root and soft at the tip, even, and the other way round.")},
+           "At rest: stiff at the root and soft at the tip, even, and vice versa.")},
       {PELAGE_FIELD(ParameterCurves, globalStiffness), "factor", ">= 0",
-       "Of the spring to the bind pose.",
+       "Factor on the spring to the bind pose.",
        show(
            with(lockSetup(),
                 [](Setup& s) {
@@ -278,7 +281,7 @@ std::vector<Parameter> curveRows() {
            curves,
            [](Setup& s, const ParameterCurve& v) { settings(s).curves.globalStiffness = v; },
            "At rest, with a globalStiffness of 0.03 on the whole strand.")},
-      {PELAGE_FIELD(ParameterCurves, damping), "factor", ">= 0", "Of the air drag.",
+      {PELAGE_FIELD(ParameterCurves, damping), "factor", ">= 0", "Factor on the air drag.",
        show(
            with(falling(26),
                 [](Setup& s) {
@@ -286,15 +289,15 @@ std::vector<Parameter> curveRows() {
                   settings(s).bendLength = 0.02f;
                 }),
            curves, [](Setup& s, const ParameterCurve& v) { settings(s).curves.damping = v; },
-           "0.43 s after the lock was let go: where the drag is, hair stays behind.")},
+           "0.43 s after the lock was released: where the drag is, hair stays behind.")},
   };
 }
 
 std::vector<Parameter> sleepRows() {
   return {
-      {PELAGE_FIELD(SleepSettings, enabled), "", "", "Whether hair may sleep.", {}, "exact"},
+      {PELAGE_FIELD(SleepSettings, enabled), "", "", "Lets hair sleep.", {}, "exact"},
       {PELAGE_FIELD(SleepSettings, speed), "m/s", ">= 0",
-       "A strand rests while all of it is slower than this.",
+       "A strand is at rest while all of its vertices are slower than this.",
        show(
            with(falling(150),
                 [](Setup& s) {
@@ -302,11 +305,11 @@ std::vector<Parameter> sleepRows() {
                   settings(s).sleep.time = 0.1f;
                 }),
            std::vector{5e-4f, 0.25f, 1.0f}, [](Setup& s, float v) { settings(s).sleep.speed = v; },
-           "2.5 s after the lock was let go, with a time of 0.1 s: too high a speed makes it fall "
-           "asleep on its way."),
+           "2.5 s after the lock was released, with a time of 0.1 s: with too high a speed it "
+           "falls asleep while it moves."),
        "exact"},
       {PELAGE_FIELD(SleepSettings, time), "s", ">= 0",
-       "Strands fall asleep when they and their neighbours have rested this long.",
+       "Strands fall asleep when they and their neighbors have been at rest for this long.",
        show(
            with(falling(150),
                 [](Setup& s) {
@@ -314,13 +317,13 @@ std::vector<Parameter> sleepRows() {
                   settings(s).sleep.speed = 1;
                 }),
            std::vector{0.1f, 0.25f, 0.5f}, [](Setup& s, float v) { settings(s).sleep.time = v; },
-           "The same with a speed of 1 m/s, much too high: the longer hair waits, the further it "
-           "gets."),
+           "The same with a speed of 1 m/s, much too high: the longer the time, the further the "
+           "hair moves."),
        "exact"},
       {PELAGE_FIELD(SleepSettings, wakeDistance),
        "m",
        ">= 0",
-       "Hair wakes when its root's motion would take the tip this far.",
+       "Hair wakes when the motion of its root would move the tip by this distance.",
        {},
        "exact"},
   };
@@ -329,14 +332,14 @@ std::vector<Parameter> sleepRows() {
 std::vector<Parameter> contactRows() {
   return {
       {PELAGE_FIELD(HairContactSettings, stiffness), "", "0..1",
-       "How strongly hair spreads where it is denser than in the bind pose; 0 for not at all.",
+       "How strongly hair spreads where it is denser than in the bind pose; 0 turns this off.",
        show(
            bushy(), std::vector{0.0f, 0.002f, 1.0f},
            [](Setup& s, float v) { settings(s).contact.stiffness = v; },
            "Hair that is a wide brush in its bind pose, at rest: contact keeps its volume."),
        "exact"},
-      {PELAGE_FIELD(HairContactSettings, friction), "share a 1/60 s", "0..1",
-       "Share of its velocity relative to the hair around it that hair loses in 1/60 s.",
+      {PELAGE_FIELD(HairContactSettings, friction), "fraction per 1/60 s", "0..1",
+       "Fraction of its velocity relative to the surrounding hair that hair loses in 1/60 s.",
        show(
            with(bushy(),
                 [](Setup& s) {
@@ -346,10 +349,11 @@ std::vector<Parameter> contactRows() {
                 }),
            std::vector{0.0f, 0.1f, 0.8f},
            [](Setup& s, float v) { settings(s).contact.friction = v; },
-           "0.8 s after hair of different lengths was let go: with friction it moves as one."),
+           "0.8 s after hair of different lengths was released: with friction it moves as one."),
        "exact"},
       {PELAGE_FIELD(HairContactSettings, cellSize), "m", "1e-3..1",
-       "Of the grid: a few times the distance between guides. At most 64 nodes fit an axis.",
+       "Cell size of the grid: a few times the distance between guides. The grid has at most 64 "
+       "nodes per axis.",
        show(
            with(bushy(), [](Setup& s) { settings(s).contact.stiffness = 1; }),
            std::vector{0.005f, 0.015f, 0.06f},
@@ -373,7 +377,7 @@ std::vector<ParameterGroup> simulationGroups() {
        curveRows()},
       {"SleepSettings", header, "SimulationSettings::sleep", sleepRows()},
       {"HairContactSettings", header,
-       "SimulationSettings::contact. [hair_contact.md](hair_contact.md)", contactRows()},
+       "SimulationSettings::contact. [contact_hair.md](contact_hair.md)", contactRows()},
   };
 }
 

@@ -64,14 +64,14 @@ HairAsset makeLock(const LockDef& def) {
     Float3 normal = add({}, along, std::cos(polar));
     normal = add(normal, across, std::sin(polar) * std::cos(turn));
     normal = add(normal, other, std::sin(polar) * std::sin(turn));
-    const Float3 way = unit(add(add({}, along, 1 - def.fan), normal, def.fan));
+    const Float3 offset = unit(add(add({}, along, 1 - def.fan), normal, def.fan));
     const float length = def.length * (1 - def.variation * random.uniform());
     const float phase = 0.6f * random.uniform();
     for (uint32_t v = 0; v < def.vertices; ++v) {
       const float s = length * static_cast<float>(v) / static_cast<float>(def.vertices - 1);
       const float radius = def.curlRadius * std::min(s / kCurlIn, 1.0f);
       const float angle = 2 * kPi * def.curlFrequency * s + phase;
-      Float3 p = add(add({}, normal, def.ballRadius), way, s);
+      Float3 p = add(add({}, normal, def.ballRadius), offset, s);
       p = add(p, across, radius * std::cos(angle));
       addVertex(hair, add(p, other, radius * std::sin(angle)));
     }
@@ -179,18 +179,18 @@ CollisionMesh makeCapsule(const Float3& head, float headRadius, const Float3& ta
       addPoint(std::cos(polar), std::sin(polar), 2 * kPi * static_cast<float>(i) / kBallSectors);
   }
   addPoint(-1, 0, 0);
-  const auto place = [](uint32_t ring, uint32_t i) {
+  const auto slot = [](uint32_t ring, uint32_t i) {
     return 1 + (ring - 1) * kBallSectors + i % kBallSectors;
   };
   const uint32_t last = 1 + (kBallRings - 1) * kBallSectors;
   for (uint32_t i = 0; i < kBallSectors; ++i) {
-    mesh.indices.insert(mesh.indices.end(), {0, place(1, i + 1), place(1, i)});
+    mesh.indices.insert(mesh.indices.end(), {0, slot(1, i + 1), slot(1, i)});
     for (uint32_t ring = 1; ring + 1 < kBallRings; ++ring)
       mesh.indices.insert(mesh.indices.end(),
-                          {place(ring, i), place(ring, i + 1), place(ring + 1, i),
-                           place(ring + 1, i), place(ring, i + 1), place(ring + 1, i + 1)});
+                          {slot(ring, i), slot(ring, i + 1), slot(ring + 1, i), slot(ring + 1, i),
+                           slot(ring, i + 1), slot(ring + 1, i + 1)});
     mesh.indices.insert(mesh.indices.end(),
-                        {place(kBallRings - 1, i), place(kBallRings - 1, i + 1), last});
+                        {slot(kBallRings - 1, i), slot(kBallRings - 1, i + 1), last});
   }
   finishMesh(mesh);
   return mesh;
@@ -221,7 +221,7 @@ Result<SubjectAssets> makeSubject(const Setup& setup) {
       assets.influences = std::move(groom->bones.strands);
       assets.boneCount = 2;
       assets.body = std::move(groom->head);
-      assets.scalp = coveredShares(*assets.body, assets.hair, kScalpReach * groom->rootSpacing);
+      assets.scalp = coveredShares(*assets.body, assets.hair, kScalpRange * groom->rootSpacing);
       break;
     }
   }

@@ -63,15 +63,15 @@ std::string pictureValues(const Parameter& parameter) {
 
 constexpr const char* kPageTop =
     R"(# Parameters
-What a program can set of hair, with unit, range and default, and what it does to a picture. Rendered by
-one command, `scripts/parameter_pictures.sh`; `pelage-parameters --list` prints the tables. The program
-(sample/parameters) has the table, takes the defaults from the structs, and writes this page; a test
-compares both with the headers. Values are from left to right, the default in **bold**. Outside of a range
-is an error that names the field, but for materials, which are clamped. Options of the tools:
-[authoring.md](authoring.md).
+This page lists what a program can set of hair, with unit, range and default, and its effect in pictures.
+`scripts/parameter_pictures.sh` renders it; `pelage-parameters --list` prints the tables. The program
+`sample/parameters` has the table, takes the defaults from the structs, and writes this page; a test
+keeps both in sync with the headers. Values are from left to right, the default in **bold**. A value out
+of range is an error that names the field; materials are clamped instead. [authoring.md](authoring.md)
+has the options of the tools.
 
-Unless the text says otherwise, `SimulationSettings` and what belongs to it has its defaults, a picture
-"at rest" is taken 3 to 4 s after the hair was let go from its bind pose, and the exact solver runs.
+Unless the text says otherwise, `SimulationSettings` and its members have their defaults, a picture
+"at rest" is taken 3 to 4 s after the hair was released from its bind pose, and the exact solver runs.
 )";
 
 }  // namespace
@@ -171,7 +171,7 @@ std::string parameterPage() {
   std::string page = kPageTop;
   for (const ParameterGroup& group : parameterTable()) {
     page += fmt::format("\n## {}\n`include/{}`. {}\n\n", group.owner, group.header, group.intro);
-    page += "| field | unit | range | default | what it is |\n|---|---|---|---|---|\n";
+    page += "| field | unit | range | default | meaning |\n|---|---|---|---|---|\n";
     for (const Parameter& p : group.parameters)
       page +=
           fmt::format("| `{}` | {} | {} | {} | {}{} |\n", p.field, p.unit, p.range, p.defaultText,

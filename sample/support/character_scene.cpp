@@ -18,7 +18,7 @@ namespace {
 constexpr Float3 kCameraDirection = {0.42f, 0.14f, 1};
 constexpr float kFrameBottom = -0.06f;  // m; the picture ends at the chest
 constexpr float kFrameSide = 0.22f;     // m; and beside the shoulders
-constexpr float kFieldCell = 0.010f;    // m
+constexpr float kSdfCell = 0.010f;      // m
 
 // The classic solver's shape alone does not carry the hair's weight.
 pelage::SimulationSettings settingsFor(const CharacterGroom& groom, pelage::Solver solver) {
@@ -65,7 +65,7 @@ Result<DemoScene> DemoScene::create(const Character& character, const DemoDef& d
   }
   for (const pelage::CharacterCollider& collider : character.colliders) {
     Result<void> added =
-        demo.addCollider(collider.mesh, {.name = collider.name, .cellSize = kFieldCell});
+        demo.addCollider(collider.mesh, {.name = collider.name, .cellSize = kSdfCell});
     if (!added) return added.error();
   }
   if (!def.drawSdf)
@@ -86,7 +86,7 @@ Result<DemoScene> DemoScene::create(const Character& character, const DemoDef& d
 
 Result<void> DemoScene::addBody(const Character& character) {
   const auto covered = [&](const CharacterGroom& groom) {
-    return coveredShares(character.mesh, groom.hair, kScalpReach * groom.rootSpacing);
+    return coveredShares(character.mesh, groom.hair, kScalpRange * groom.rootSpacing);
   };
   const std::vector<float> scalp =
       larger(covered(character.grooms[0]), covered(character.grooms[2]));

@@ -168,8 +168,8 @@ Result<void> writeAssets(const pelage::Character& character, const std::filesyst
 }
 
 std::vector<float> coveredShares(const pelage::CollisionMesh& mesh, const HairAsset& hair,
-                                 float reach) {
-  PointGrid roots(reach);
+                                 float range) {
+  PointGrid roots(range);
   for (uint32_t strand = 0; strand < hair.strandCount; ++strand) {
     const Float4& root = hair.positions[size_t{strand} * hair.verticesPerStrand];
     roots.add({root.x, root.y, root.z});
@@ -177,7 +177,7 @@ std::vector<float> coveredShares(const pelage::CollisionMesh& mesh, const HairAs
   std::vector<float> shares;
   shares.reserve(mesh.positions.size());
   for (const Float3& p : mesh.positions)
-    shares.push_back(1 - smoothStep(0.4f * reach, reach, roots.nearest(p)));
+    shares.push_back(1 - smoothStep(0.4f * range, range, roots.nearest(p)));
   return shares;
 }
 

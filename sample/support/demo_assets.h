@@ -61,6 +61,6 @@ pelage::Result<void> writeAssets(const pelage::Character& character,
 /// [vertex of the mesh] how much of the colour under the hair it takes: 1 where roots are near,
 /// falling to 0 at `reach` [m] from the nearest root.
 std::vector<float> coveredShares(const pelage::CollisionMesh& mesh, const pelage::HairAsset& hair,
-                                 float reach);
+                                 float range);
 
 }  // namespace sample

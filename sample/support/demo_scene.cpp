@@ -201,7 +201,7 @@ Result<void> DemoScene::addHair(const HairAsset& hair, const pelage::HairDef& lo
 Result<void> DemoScene::addMesh(const DemoAssets& assets) {
   std::vector<float> scalp;
   if (assets.rootSpacing > 0)
-    scalp = coveredShares(*assets.mesh, assets.hair, kScalpReach * assets.rootSpacing);
+    scalp = coveredShares(*assets.mesh, assets.hair, kScalpRange * assets.rootSpacing);
   MeshDef def;
   def.name = assets.name + "/mesh";
   def.influences = assets.mesh->influences;
@@ -231,7 +231,7 @@ Result<void> DemoScene::advance(pelage::PassList& list) {
   for (const pelage::ColliderId collider : colliders_) scene_->collider(collider).setBones(posed);
   if (Result<void> done = scene_->simulate(static_cast<float>(kFrameSeconds), list); !done)
     return done;
-  if (mesh_) mesh_->setBones(posed, list);
+  if (mesh_) mesh_->setBones(posed);
   return {};
 }
 

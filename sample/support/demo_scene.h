@@ -81,6 +81,8 @@ class DemoScene {
   /// What a head's hair collides with without DemoDef::drawSdf, where it is in the last frame.
   std::vector<pelage::CapsuleCollider> capsules() const;
   const pelage::Scene& scene() const { return *scene_; }
+  /// Of the device that runs it: Scene::setTier().
+  void setTier(pelage::Tier tier) { scene_->setTier(tier); }
   /// Counters of a hair object's contacts in the last frame, and its deepest vertex [m]: read back.
   /// Nothing where no collider has been in reach.
   struct ContactFigures {

@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "sample/code.h"
+
 namespace sample {
 
 using pelage::Api;
@@ -21,15 +23,7 @@ constexpr int kMaxDevices = 64;
               "=ON"};
 }
 
-}  // namespace
-
-std::optional<Api> parseApi(std::string_view name) {
-  for (const Api api : {Api::kVulkan, Api::kGl, Api::kGles})
-    if (name == pelage::apiName(api)) return api;
-  return std::nullopt;
-}
-
-Result<std::unique_ptr<HeadlessDevice>> createDevice(const HeadlessDef& def) {
+Result<std::unique_ptr<HeadlessDevice>> createDeviceOfPelage(const HeadlessDef& def) {
   if (def.api == Api::kVulkan) {
 #ifdef PELAGE_SAMPLE_VULKAN
     return pelage::createHeadlessVulkan(def);
@@ -42,6 +36,20 @@ Result<std::unique_ptr<HeadlessDevice>> createDevice(const HeadlessDef& def) {
 #else
   return notBuilt("PELAGE_GL");
 #endif
+}
+
+}  // namespace
+
+std::optional<Api> parseApi(std::string_view name) {
+  for (const Api api : {Api::kVulkan, Api::kGl, Api::kGles})
+    if (name == pelage::apiName(api)) return api;
+  return std::nullopt;
+}
+
+Result<std::unique_ptr<HeadlessDevice>> createDevice(const HeadlessDef& def) {
+  Result<std::unique_ptr<HeadlessDevice>> device = createDeviceOfPelage(def);
+  if (device) (*device)->addCode(allCode());
+  return device;
 }
 
 Result<std::vector<pelage::DeviceInfo>> listDevices(Api api) {

@@ -138,7 +138,7 @@ json materialsOf(const Character& character) {
   return materials;
 }
 
-Float3 placeOf(const AffineTransform& transform) {
+Float3 translationOf(const AffineTransform& transform) {
   return {transform.rows[0].w, transform.rows[1].w, transform.rows[2].w};
 }
 
@@ -155,7 +155,7 @@ LocalPose localPose(const pelage::Skeleton& skeleton, const std::vector<AffineTr
   if (parent >= 0)
     local = pelage::multiply(
         pelage::inverse(world[static_cast<size_t>(parent)]).value_or(AffineTransform{}), local);
-  return {pelage::toDualQuaternion(local).real, placeOf(local)};
+  return {pelage::toDualQuaternion(local).real, translationOf(local)};
 }
 
 json nodesOf(const Character& character) {

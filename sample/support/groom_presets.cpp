@@ -34,7 +34,7 @@ PresetLook straight() {
   return look;
 }
 
-// Lit as dielectric fibres are.
+// Lit as dielectric fibers are.
 PresetLook curly() {
   PresetLook look = parted();
   look.groom.length = 0.24f;

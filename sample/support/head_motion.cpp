@@ -60,8 +60,8 @@ Quaternion poseRotation(const HeadPose& pose, double share) {
 }
 
 AffineTransform rotationAbout(const Quaternion& rotation, const Float3& pivot) {
-  const AffineTransform turn = pelage::rigidTransform(rotation, {});
-  const Float3 moved = pelage::transformPoint(turn, pivot);
+  const AffineTransform relativeRotation = pelage::rigidTransform(rotation, {});
+  const Float3 moved = pelage::transformPoint(relativeRotation, pivot);
   return pelage::rigidTransform(rotation,
                                 {pivot.x - moved.x, pivot.y - moved.y, pivot.z - moved.z});
 }

@@ -24,6 +24,15 @@ using pelage::Result;
 namespace {
 
 constexpr uint32_t kRowsPerBone = 3;
+constexpr size_t kMaxBones = std::size(MeshConstants{}.meshBones) / kRowsPerBone;
+
+/// A vertex as mesh_vertex reads it.
+struct MeshVertex {
+  Float4 position, normal;
+  pelage::Uint4 bones;
+  Float4 weights;
+};
+static_assert(sizeof(MeshVertex) == 64);
 
 Float4 unitVector(const Float3& v) {
   const float length = std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
@@ -76,27 +85,27 @@ Result<MeshObject> MeshObject::create(pelage::ResourceTable& resources, const Co
       (!def.coat.empty() && def.coat.size() != count) ||
       (!def.influences.empty() && def.influences.size() != count))
     return refuse("has arrays of different lengths");
+  if (def.boneCount > kMaxBones) {
+    return Error{ErrorCode::kInvalidArgument,
+                 "mesh '" + def.name + "' has " + std::to_string(def.boneCount) +
+                     " bones; meshes are drawn with at most " + std::to_string(kMaxBones)};
+  }
 
   MeshObject object;
   object.vertexCount_ = static_cast<uint32_t>(count);
   object.indexCount_ = static_cast<uint32_t>(mesh.indices.size());
-  object.boneCount_ = def.boneCount;
+  object.bones_.resize(def.boneCount);
   const std::vector<MeshVertex> vertices = packVertices(mesh, def);
   object.vertices_ = addBuffer(resources, def.name + "/vertices",
-                               std::span<const MeshVertex>(vertices), BufferUsage::kStorage);
+                               std::span<const MeshVertex>(vertices), BufferUsage::kVertex);
   object.indices_ = addBuffer(resources, def.name + "/indices",
                               std::span<const uint32_t>(mesh.indices), BufferUsage::kIndex);
-  object.bones_ = resources.add({.name = def.name + "/bones",
-                                 .size = uint64_t{kRowsPerBone} * def.boneCount * sizeof(Float4),
-                                 .stride = sizeof(Float4),
-                                 .usage = BufferUsage::kStorage | BufferUsage::kUpload});
   return object;
 }
 
-void MeshObject::setBones(std::span<const pelage::AffineTransform> bones,
-                          pelage::PassList& list) const {
-  PELAGE_ASSERT(bones.size() == boneCount_, "MeshObject::setBones() takes boneCount transforms");
-  pelage::addUpload(list, bones_, std::as_bytes(bones));
+void MeshObject::setBones(std::span<const pelage::AffineTransform> bones) {
+  PELAGE_ASSERT(bones.size() == bones_.size(), "MeshObject::setBones() takes boneCount transforms");
+  std::copy(bones.begin(), bones.end(), bones_.begin());
 }
 
 Result<void> MeshObject::draw(const pelage::View& view, const pelage::Light& light,
@@ -111,8 +120,10 @@ Result<void> MeshObject::draw(const pelage::View& view, const pelage::Light& lig
   constants.skinColor = {material.skin.x, material.skin.y, material.skin.z, 1};
   constants.scalpColor = {material.scalp.x, material.scalp.y, material.scalp.z, 1};
   constants.coatColor = {material.coat.x, material.coat.y, material.coat.z, 1};
-  constants.meshVertexCount = vertexCount_;
-  constants.meshBoneCount = boneCount_;
+  constants.meshBoneCount = static_cast<uint32_t>(bones_.size());
+  for (size_t bone = 0; bone < bones_.size(); ++bone)
+    std::copy(std::begin(bones_[bone].rows), std::end(bones_[bone].rows),
+              constants.meshBones + kRowsPerBone * bone);
 
   pelage::DrawState state;
   state.depthCompare =
@@ -120,8 +131,7 @@ Result<void> MeshObject::draw(const pelage::View& view, const pelage::Light& lig
   const uint64_t vertexBytes = uint64_t{vertexCount_} * sizeof(MeshVertex);
   pelage::PassBuilder builder(list);
   return builder.draw(meshVertexVariant({}), meshPixelVariant({}), state, indexCount_, 1, indices_)
-      .bind("g_meshVertices", vertices_, vertexBytes)
-      .bind("g_meshBones", bones_, uint64_t{kRowsPerBone} * boneCount_ * sizeof(Float4))
+      .vertices({vertices_, vertexBytes})
       .constants("MeshConstants", constants)
       .bytes(vertexBytes + uint64_t{indexCount_} * sizeof(uint32_t))
       .finish();

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "pelage/collision_mesh.h"
 #include "pelage/pass_list.h"
@@ -35,12 +36,13 @@ struct MeshMaterial {
 class MeshObject {
  public:
   /// Adds the mesh's buffers to a table. Errors: a mesh without triangles, arrays that do not fit
-  /// together.
+  /// together, more than 256 bones.
   static pelage::Result<MeshObject> create(pelage::ResourceTable& resources,
                                            const pelage::CollisionMesh& mesh, const MeshDef& def);
 
-  /// Adds the upload of the bones (bind space to world) to a list. Asserts on another count.
-  void setBones(std::span<const pelage::AffineTransform> bones, pelage::PassList& list) const;
+  /// The bones (bind space to world) of the next draw; identities at first. Asserts on another
+  /// count.
+  void setBones(std::span<const pelage::AffineTransform> bones);
   /// Adds the draw to a list.
   pelage::Result<void> draw(const pelage::View& view, const pelage::Light& light,
                             pelage::PassList& list) const;
@@ -49,9 +51,9 @@ class MeshObject {
 
  private:
   pelage::BufferId vertices_ = pelage::BufferId::kInvalid;
-  pelage::BufferId bones_ = pelage::BufferId::kInvalid;
+  std::vector<pelage::AffineTransform> bones_;
   pelage::BufferId indices_ = pelage::BufferId::kInvalid;
-  uint32_t vertexCount_ = 0, indexCount_ = 0, boneCount_ = 0;
+  uint32_t vertexCount_ = 0, indexCount_ = 0;
 };
 
 }  // namespace sample

@@ -12,7 +12,7 @@
 
 namespace sample {
 
-inline constexpr float kScalpReach = 1.8f;  ///< root spacings that the colour under hair reaches
+inline constexpr float kScalpRange = 1.8f;  ///< root spacings that the colour under hair reaches
 inline constexpr double kSweptStep = 0.1;   ///< s between the poses that the camera looks at
 
 /// A point of the bind pose in a pose: the weighted mean of where its bones put it; without

@@ -262,7 +262,7 @@ TEST(LargestDistance, IsWhatItIsForPlates) {
   const std::vector<Float3> flat = {{0, 0, 0}, {1, 0, 0}, {1, 0, 1}, {0, 0, 1}};
   const std::vector<Float3> tilted = {{0, 0, 0}, {1, 0.5f, 0}, {1, 0.5f, 1}, {0, 0, 1}};
   const std::vector<uint32_t> square = {0, 1, 2, 0, 2, 3};
-  const auto there = detail::largestDistance(tilted, square, treeOf(flat, square), 1e-4, 1e9);
+  const auto there = detail::maxDistance(tilted, square, treeOf(flat, square), 1e-4, 1e9);
   EXPECT_NEAR(there.lower, 0.5, 1e-12);
   EXPECT_GE(there.upper, there.lower);
   EXPECT_LT(there.upper, 0.5 + 1e-4);
@@ -270,13 +270,13 @@ TEST(LargestDistance, IsWhatItIsForPlates) {
   const std::vector<Float3> roof = {{0, 0, 0}, {1, 0, 0},        {1, 0, 1},
                                     {0, 0, 1}, {0.5f, 0.25f, 0}, {0.5f, 0.25f, 1}};
   const std::vector<uint32_t> faces = {0, 4, 5, 0, 5, 3, 4, 1, 2, 4, 2, 5};
-  const auto under = detail::largestDistance(flat, square, treeOf(roof, faces), 1e-4, 1e9);
+  const auto under = detail::maxDistance(flat, square, treeOf(roof, faces), 1e-4, 1e9);
   const double expected = 0.5 * 0.25 / std::hypot(0.5, 0.25);
   EXPECT_GE(under.upper, expected);
   EXPECT_LT(under.upper, expected + 1e-4);
   EXPECT_LE(under.lower, expected + 1e-12);
   // It gives up early when told to.
-  EXPECT_GT(detail::largestDistance(tilted, square, treeOf(flat, square), 1e-4, 0.1).upper, 0.1);
+  EXPECT_GT(detail::maxDistance(tilted, square, treeOf(flat, square), 1e-4, 0.1).upper, 0.1);
 }
 
 TEST(SimplifiedHead, StaysWithinItsBoundAndClosed) {

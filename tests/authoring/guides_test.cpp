@@ -89,8 +89,8 @@ TEST(Guides, TheReportIsWhatThePlacedHairsShow) {
     const GuideSelection s = select(groom, {.guideCount = 40, .guidesPerHair = guidesPerHair});
     expectComplete(groom, s);
     ASSERT_EQ(s.source.size(), 40u);
-    const Result<std::vector<Float4>> placed = placeFollowHairs(s.guides, s.followHairs);
-    ASSERT_TRUE(placed);
+    const Result<std::vector<Float4>> evaluated = evaluateFollowHairs(s.guides, s.followHairs);
+    ASSERT_TRUE(evaluated);
     const uint32_t count = groom.verticesPerStrand;
     double largest = 0, sum = 0, squares = 0;
     uint32_t worst = 0;
@@ -98,13 +98,14 @@ TEST(Guides, TheReportIsWhatThePlacedHairsShow) {
       double own = 0;
       for (uint32_t v = 0; v < count; ++v) {
         const double d =
-            distance((*placed)[i * count + v], groom.positions[s.followSource[i] * count + v]);
+            distance((*evaluated)[i * count + v], groom.positions[s.followSource[i] * count + v]);
         own = std::max(own, d);
         sum += d;
         squares += d * d;
       }
       // The root is exact, but for the rounding of a sum.
-      EXPECT_LT(distance((*placed)[i * count], groom.positions[s.followSource[i] * count]), 1e-7);
+      EXPECT_LT(distance((*evaluated)[i * count], groom.positions[s.followSource[i] * count]),
+                1e-7);
       EXPECT_NEAR(s.followErrors[i], own, 1e-8);
       if (own > largest) worst = s.followSource[i];
       largest = std::max(largest, own);
@@ -112,7 +113,7 @@ TEST(Guides, TheReportIsWhatThePlacedHairsShow) {
       EXPECT_TRUE(guidesPerHair >= 3 || hair.otherWeights[1] == 0);
       EXPECT_TRUE(guidesPerHair >= 2 || hair.otherWeights[0] == 0);
     }
-    const auto vertices = static_cast<double>(placed->size());
+    const auto vertices = static_cast<double>(evaluated->size());
     EXPECT_NEAR(s.report.maxError, largest, 1e-8);
     EXPECT_NEAR(s.report.meanError, sum / vertices, 1e-8);
     EXPECT_NEAR(s.report.rmsError, std::sqrt(squares / vertices), 1e-8);
@@ -121,7 +122,7 @@ TEST(Guides, TheReportIsWhatThePlacedHairsShow) {
 }
 
 TEST(Guides, PlacesFollowHairsAsTheKernelSays) {
-  // kernels/common/follow_vertex.hlsli: mean of the guides + offset (1 + (w - 1) v / (V - 1)).
+  // kernels/simulation/follow_vertex.hlsli: mean of the guides + offset (1 + (w - 1) v / (V - 1)).
   HairAsset guides;
   guides.strandCount = 3;
   guides.verticesPerStrand = 5;
@@ -134,8 +135,8 @@ TEST(Guides, PlacesFollowHairsAsTheKernelSays) {
       {.guide = 2, .offset = {1, 2, 3, 0}, .otherGuides = {0, 1}, .otherWeights = {0.25f, 0.125f}},
       {.guide = 2, .offset = {0, 0, 0, 1}, .otherGuides = {0, 1}, .otherWeights = {0, 1}},
   };
-  const Result<std::vector<Float4>> placed = placeFollowHairs(guides, hairs);
-  ASSERT_TRUE(placed);
+  const Result<std::vector<Float4>> evaluated = evaluateFollowHairs(guides, hairs);
+  ASSERT_TRUE(evaluated);
   for (size_t h = 0; h < 3; ++h)
     for (size_t v = 0; v < 5; ++v) {
       const FollowHair& hair = hairs[h];
@@ -144,8 +145,8 @@ TEST(Guides, PlacesFollowHairsAsTheKernelSays) {
       for (size_t k = 0; k < 2; ++k)
         p += toVector(guides.positions[hair.otherGuides[k] * 5 + v]) * others[k];
       p += toVector(hair.offset) * (1 + (double{hair.offset.w} - 1) * static_cast<double>(v) / 4);
-      EXPECT_LT(length(toVector((*placed)[h * 5 + v]) - p), 1e-6);
-      EXPECT_EQ((*placed)[h * 5 + v].w, static_cast<float>((h == 2 ? 1 : hair.guide) * 5 + v));
+      EXPECT_LT(length(toVector((*evaluated)[h * 5 + v]) - p), 1e-6);
+      EXPECT_EQ((*evaluated)[h * 5 + v].w, static_cast<float>((h == 2 ? 1 : hair.guide) * 5 + v));
     }
 }
 
@@ -179,12 +180,12 @@ TEST(Guides, TheFitIsALeastOne) {
       candidates.push_back({guide, strandOf(guide).data()});
     }
     const auto errorOf = [&](const FollowHair& hair) {
-      std::vector<Float4> placed(count);
-      detail::placeFollowHair(
-          hair, count, [&](uint32_t guide) { return strandOf(guide).data(); }, placed.data());
+      std::vector<Float4> evaluated(count);
+      detail::evaluateFollowHair(
+          hair, count, [&](uint32_t guide) { return strandOf(guide).data(); }, evaluated.data());
       double sum = 0;
       for (uint32_t v = 0; v < count; ++v)
-        sum += std::pow(distance(placed[v], strandOf(target)[v]), 2);
+        sum += std::pow(distance(evaluated[v], strandOf(target)[v]), 2);
       return sum;
     };
     const double least = errorOf(detail::fitFollowHair(strandOf(target), candidates, 3));
@@ -270,10 +271,10 @@ TEST(Guides, MixturesOfGuidesAreReproduced) {
     const std::span<const Float4> strand(groom.positions.data() + s * count, count);
     const FollowHair hair = detail::fitFollowHair(strand, candidates, 3);
     EXPECT_NEAR(hair.offset.w, 2.5f, 0.01f);
-    std::vector<Float4> placed(count);
-    detail::placeFollowHair(
-        hair, count, [&](uint32_t k) { return candidates[k].strand; }, placed.data());
-    for (uint32_t v = 0; v < count; ++v) EXPECT_LT(distance(placed[v], strand[v]), 2e-6);
+    std::vector<Float4> evaluated(count);
+    detail::evaluateFollowHair(
+        hair, count, [&](uint32_t k) { return candidates[k].strand; }, evaluated.data());
+    for (uint32_t v = 0; v < count; ++v) EXPECT_LT(distance(evaluated[v], strand[v]), 2e-6);
   }
 }
 
@@ -460,12 +461,12 @@ TEST(Guides, RefusesWhatItCannotSelectFrom) {
   bad.vertexCounts[9] = 4;
   EXPECT_TRUE(isRefused(bad, {.guideCount = 3}, "strand 9 has 4 vertices"));
   std::vector<FollowHair> hairs(1);
-  EXPECT_TRUE(placeFollowHairs(groom, hairs));
+  EXPECT_TRUE(evaluateFollowHairs(groom, hairs));
   hairs[0].guide = 400;
-  EXPECT_FALSE(placeFollowHairs(groom, hairs));
+  EXPECT_FALSE(evaluateFollowHairs(groom, hairs));
   hairs[0].guide = 0;
   hairs[0].otherWeights[0] = hairs[0].otherWeights[1] = 0.6f;
-  EXPECT_FALSE(placeFollowHairs(groom, hairs));
+  EXPECT_FALSE(evaluateFollowHairs(groom, hairs));
 }
 
 TEST(Guides, TheMohawkFollowsATenthOfItself) {

@@ -554,7 +554,7 @@ TEST(TfxCurves, Version3HasItsArraysAtItsOffsets) {
   EXPECT_EQ(curves->vertexCounts, (std::vector<uint32_t>{3, 3}));
   EXPECT_EQ(curves->positions[5], (Float3{15, 16, 17}));
   EXPECT_EQ(curves->strandUv[1], (Float2{0.3f, 0.4f}));
-  EXPECT_EQ(curves->radii[3], 0.5f * kUnitFibreRadius);
+  EXPECT_EQ(curves->radii[3], 0.5f * kUnitFiberRadius);
   EXPECT_EQ(curves->inverseMasses.size(), 6u);
 }
 

@@ -73,9 +73,9 @@ double distanceTo(const Vector& p, const std::vector<Vector>& line) {
 // Hausdorff distance by brute force: at most half a sample's width too small.
 double sampledDistance(const std::vector<Vector>& a, const std::vector<Vector>& b, int samples) {
   double largest = 0;
-  for (int way = 0; way < 2; ++way) {
-    const std::vector<Vector>& from = way == 0 ? a : b;
-    const std::vector<Vector>& to = way == 0 ? b : a;
+  for (int direction = 0; direction < 2; ++direction) {
+    const std::vector<Vector>& from = direction == 0 ? a : b;
+    const std::vector<Vector>& to = direction == 0 ? b : a;
     for (size_t i = 0; i + 1 < from.size(); ++i)
       for (int k = 0; k <= samples; ++k)
         largest = std::max(largest,
@@ -198,7 +198,7 @@ TEST(Resample, MeasuresBothWaysAndInsideOfSegments) {
   const std::vector<Vector> base = {{-1, 0, 0}, {1, 0, 0}};
   const std::vector<Vector> roof = {{-1, 0, 0}, {-1, 3, 0}, {1, 3, 0}, {1, 0, 0}};
   const detail::PolylineTree tree(roof);
-  EXPECT_NEAR(detail::largestDistance(base, tree, 1e-9), 1.0, 1e-9);
+  EXPECT_NEAR(detail::maxDistance(base, tree, 1e-9), 1.0, 1e-9);
   EXPECT_NEAR(detail::hausdorffDistance(base, roof), 3.0, 1e-9);
 }
 
@@ -211,7 +211,7 @@ TEST(Resample, ATreeFindsWhatLookingAtEverySegmentFinds) {
   size_t hint = 0;
   for (int i = 0; i < 200; ++i) {
     const Vector p = {2 * random.uniformDouble(), random.uniformDouble(), random.uniformDouble()};
-    EXPECT_NEAR(std::sqrt(tree.squaredReach(p, p, hint)), distanceTo(p, line), 1e-14);
+    EXPECT_NEAR(std::sqrt(tree.squaredRange(p, p, hint)), distanceTo(p, line), 1e-14);
   }
 }
 
@@ -259,7 +259,7 @@ TEST(Resample, CarriesAttributesAlongTheCurve) {
   EXPECT_NEAR(asset.vertexUv[7 + 4].y, 2.0f, 1e-6f);
   EXPECT_NEAR(asset.vertexColor[7 + 4].z, 0.5f, 1e-6f);
   // Curve 1: 3e-4 over 1 m, then 3e-4 to 0 over 2 m. Both: 1e-4 over 1 m and 2e-4 over 3 m.
-  EXPECT_NEAR(result.report.fibreRadius, 1.75e-4f, 1e-9f);
+  EXPECT_NEAR(result.report.fiberRadius, 1.75e-4f, 1e-9f);
   ASSERT_EQ(asset.strandThickness.size(), 2u);
   EXPECT_NEAR(asset.strandThickness[0], 1 / 1.75f, 1e-6f);
   EXPECT_NEAR(asset.strandThickness[1], 2 / 1.75f, 1e-6f);

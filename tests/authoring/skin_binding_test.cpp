@@ -66,16 +66,16 @@ TEST(ClosestPoint, NoPointOfTheTriangleIsCloser) {
     if (i % 30 == 0) triangle[1] = triangle[0];
     const Vector point = toVector(randomPoint(random, 4));
     const SurfacePoint found = detail::closestPoint(point, triangle);
-    Vector place;
+    Vector site;
     double sum = 0;
     for (size_t k = 0; k < 3; ++k) {
       EXPECT_GE(found.barycentric[k], 0);
       sum += found.barycentric[k];
-      place += triangle[k] * found.barycentric[k];
+      site += triangle[k] * found.barycentric[k];
     }
     EXPECT_NEAR(sum, 1, 1e-12);
-    EXPECT_LT(length(place - found.position), 1e-12);
-    EXPECT_NEAR(dot(point - place, point - place), found.squaredDistance, 1e-12);
+    EXPECT_LT(length(site - found.position), 1e-12);
+    EXPECT_NEAR(dot(point - site, point - site), found.squaredDistance, 1e-12);
     for (int a = 0; a <= 20; ++a)
       for (int b = 0; a + b <= 20; ++b) {
         const Vector at = triangle[0] * (a / 20.0) + triangle[1] * (b / 20.0) +

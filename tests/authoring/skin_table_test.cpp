@@ -137,7 +137,7 @@ TEST(RootTransforms, ABlendShapeCarriesItsPatchAndNothingElse) {
   const auto moved = [](const Float3& p) { return p.y > 0.25f; };
   const auto transforms =
       follow(c, [&](const Float3& p) { return moved(p) ? transformPoint(quarter, p) : p; });
-  int turned = 0, still = 0;
+  int rotated = 0, still = 0;
   for (size_t i = 0; i < transforms.size(); ++i) {
     const Float3* bind = c.table.roots[i].bind;
     const int corners = moved(bind[0]) + moved(bind[1]) + moved(bind[2]);
@@ -146,13 +146,13 @@ TEST(RootTransforms, ABlendShapeCarriesItsPatchAndNothingElse) {
     if (corners == 3) {
       EXPECT_LT(difference(transforms[i], quarter), 5e-5);
       EXPECT_LT(apart(at, transformPoint(quarter, c.roots[i])), 1e-6);
-      ++turned;
+      ++rotated;
     } else if (corners == 0) {
       EXPECT_LT(difference(transforms[i], {}), 1e-7);
       ++still;
     }
   }
-  EXPECT_GT(turned, 50);
+  EXPECT_GT(rotated, 50);
   EXPECT_GT(still, 50);
 }
 

@@ -1,7 +1,7 @@
 // Every trap that codegen/checks knows, as a file that must fail with number, file and line, and
 // files that must pass. A fixture's first lines say what is expected of it:
 //   // expect: PK101 line 3 [file NAME] [note]     or: expect: nothing
-//   // options: stage=pixel precise desktop macro=NAME=VALUE
+//   // options: stage=pixel precise tier=wide macro=NAME=VALUE
 #include "codegen/checks/checks.h"
 
 #include <gtest/gtest.h>
@@ -33,7 +33,8 @@ struct Fixture {
   fs::path path;
   std::set<std::string> expected;  ///< "file:line: error: PK101"
   FrontEndInput compile;
-  bool precise = false, desktop = false;
+  bool precise = false;
+  Tier tier = Tier::kBase;
 };
 
 std::string summary(const Diagnostic& diagnostic) {
@@ -66,7 +67,7 @@ Fixture readFixture(const fs::path& path) {
         if (word == "stage=pixel") fixture.compile.stage = Stage::kPixel;
         if (word == "stage=vertex") fixture.compile.stage = Stage::kVertex;
         if (word == "precise") fixture.precise = true;
-        if (word == "desktop") fixture.desktop = true;
+        if (word.starts_with("tier=")) fixture.tier = tierFromName(word.substr(5)).value();
         if (word.starts_with("macro=")) {
           const size_t equal = word.find('=', 6);
           fixture.compile.macros.emplace_back(word.substr(6, equal - 6), word.substr(equal + 1));
@@ -95,7 +96,7 @@ void runFixture(const Fixture& fixture, Compiled& result) {
   result.input.file = fixture.compile.file;
   result.input.preprocessed = text.text;
   result.input.precise = fixture.precise;
-  result.input.desktopTier = fixture.desktop;
+  result.input.tier = fixture.tier;
   runSourceChecks(result.input, result.diagnostics);
   if (result.diagnostics.hasErrors()) return;
 
@@ -108,7 +109,7 @@ void runFixture(const Fixture& fixture, Compiled& result) {
   back.entry = fixture.compile.entry;
   back.stage = fixture.compile.stage;
   back.precise = fixture.precise;
-  back.desktopTier = fixture.desktop;
+  back.tier = fixture.tier;
   result.back = runBackEnd(back);
   result.input.rawSpirv = result.raw;
   result.input.optimisedSpirv = result.back.optimised;
@@ -257,7 +258,7 @@ Diagnostics checkWords(const std::vector<uint32_t>& raw,
   input.rawSpirv = raw;
   input.optimisedSpirv = optimised;
   input.precise = precise;
-  input.desktopTier = true;
+  input.tier = Tier::kWide;
   Diagnostics diagnostics;
   runModuleChecks(input, diagnostics);
   return diagnostics;
@@ -272,7 +273,7 @@ void forEachInstruction(std::vector<uint32_t>& words, Edit edit) {
 }
 
 TEST(ModuleChecks, RefuseABufferBlock) {
-  std::vector<uint32_t> words = compileGood("good_desktop");
+  std::vector<uint32_t> words = compileGood("good_wide");
   EXPECT_FALSE(checkWords(words).hasErrors());
   forEachInstruction(words, [](uint32_t opcode, std::span<uint32_t> instruction) {
     if (opcode == spv::OpDecorate && instruction[2] == spv::DecorationBlock) {
@@ -281,7 +282,7 @@ TEST(ModuleChecks, RefuseABufferBlock) {
   });
   const Diagnostics diagnostics = checkWords(words);
   ASSERT_TRUE(diagnostics.hasCode("PK212")) << diagnostics.format();
-  EXPECT_EQ(diagnostics.items().front().file, "fixtures/good_desktop.hlsl");
+  EXPECT_EQ(diagnostics.items().front().file, "fixtures/good_wide.hlsl");
   EXPECT_EQ(diagnostics.items().front().line, 8u);
 }
 
@@ -301,7 +302,7 @@ TEST(ModuleChecks, RefuseAFloatAtomicEvenWhereTheLanguageHasOne) {
 }
 
 TEST(ModuleChecks, RefuseAnUndefinedValueWhereItIsUsed) {
-  std::vector<uint32_t> words = compileGood("good_desktop");
+  std::vector<uint32_t> words = compileGood("good_wide");
   const std::optional<checks::LineModule> module = checks::LineModule::parse(words);
   ASSERT_TRUE(module);
   const auto& instructions = module->instructions();
@@ -317,8 +318,7 @@ TEST(ModuleChecks, RefuseAnUndefinedValueWhereItIsUsed) {
   const Diagnostics diagnostics = checkWords(words);
   std::set<std::string> found;
   for (const Diagnostic& diagnostic : diagnostics.items()) found.insert(summary(diagnostic));
-  EXPECT_EQ(found.count("fixtures/good_desktop.hlsl:" + std::to_string(line) + ": error: PK209"),
-            1u)
+  EXPECT_EQ(found.count("fixtures/good_wide.hlsl:" + std::to_string(line) + ": error: PK209"), 1u)
       << diagnostics.format();
 }
 
@@ -378,7 +378,7 @@ TEST(ForbidContraction, KeepsTheValuesOfDotProductsAndMatrixProducts) {
   BackEndInput input;
   input.rawSpirv = words;
   input.entry = "main";
-  input.desktopTier = true;
+  input.tier = Tier::kWide;
   const BackEndOutput output = runBackEnd(input);
   for (const char* value : {"vec4(50.0, 122.0, 194.0, 0.0)", "vec4(54.0, 75.0, 96.0, 0.0)",
                             "vec4(38.0, 44.0, 50.0, 56.0)", "vec4(83.0, 98.0, 113.0, 128.0)"}) {
@@ -389,7 +389,7 @@ TEST(ForbidContraction, KeepsTheValuesOfDotProductsAndMatrixProducts) {
 }
 
 TEST(ModuleChecks, RefuseABrokenModule) {
-  std::vector<uint32_t> words = compileGood("good_desktop");
+  std::vector<uint32_t> words = compileGood("good_wide");
   words.resize(words.size() - 1);
   words.back() = 0xffff0000u;
   const Diagnostics diagnostics = checkWords(words);

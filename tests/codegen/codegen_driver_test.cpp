@@ -89,7 +89,9 @@ TEST(CodegenDriver, WritesTheSameBytesFromAnotherFolderAndAnEmptyCache) {
   EXPECT_EQ(one.compiled, one.permutations);
   EXPECT_EQ(two.compiled, two.permutations);
   const auto outputs = first.outputs();
-  EXPECT_EQ(outputs.size(), 6u);
+  // Nine headers, two tables, the reflection, four lists, and the code of each kernel in three
+  // formats.
+  EXPECT_EQ(outputs.size(), 9u + 2 + 1 + 4 + 3 * one.program.kernels.size());
   EXPECT_EQ(outputs, second.outputs());
   for (const auto& [name, text] : outputs) {
     EXPECT_EQ(text.find(first.folder().string()), std::string::npos) << name;
@@ -121,6 +123,99 @@ TEST(CodegenDriver, RecompilesJustTheUsersOfAChangedInclude) {
   const BuildResult result = project.build();
   ASSERT_TRUE(result.ok) << result.diagnostics.format();
   EXPECT_EQ(result.compiled, 9u) << "the permutations of move_particles and no others";
+}
+
+// A project of one kernel that includes limits.hlsli, with the constants of these files.
+void writeLimits(const TestProject& project, const std::string& files, const std::string& limits) {
+  project.write("manifest.json",
+                "{\"namespace\": \"fixture\", \"groups\": {\"g\": [\"First\", \"Second\"]},\n"
+                "\"constants\": [" +
+                    files + "],\n\"kernels\": [" + computeKernel("good") + "]}\n");
+  project.write("good.hlsl", "#include \"limits.hlsli\"\n" + std::string(kGoodKernel));
+  project.write("limits.hlsli", limits);
+}
+
+std::string constantsHeaderOf(const TestProject& project) {
+  return fileText(project.output() / "include/fixture/constants.h");
+}
+
+TEST(CodegenDriver, GivesTheHostTheValuesThatTheCompilerFinds) {
+  const TestProject project;
+  project.write("base.hlsli", "static const uint kBase = 7;\n");
+  writeLimits(project, "\"limits.hlsli\"",
+              "#include \"base.hlsli\"\n"
+              "cbuffer LimitConstants : register(b0, space1) { uint g_unused; };\n"
+              "static const uint kTop = 0x80000000u, kFour = 4;\n"
+              "static const uint kMixed = (kTop >> 3) | kBase;  // 2^28 and 7\n"
+              "static const int kNegative = -3 * 2;\n"
+              "static const float kShare = 1.5 / 65535.0;\n"
+              "static const float kOne = 1;\n"
+              "#if WIND\nstatic const uint kWind = 1;\n#endif\n"
+              "uint local() { static const uint kLocal = 3; return kLocal; }\n");
+  const BuildResult result = project.build();
+  ASSERT_TRUE(result.ok) << result.diagnostics.format();
+  const std::string header = constantsHeaderOf(project);
+  EXPECT_NE(header.find("namespace fixture::limits {\n\n"
+                        "inline constexpr uint32_t kTop = 2147483648u;\n"
+                        "inline constexpr uint32_t kFour = 4u;\n"
+                        "inline constexpr uint32_t kMixed = 268435463u;\n"
+                        "inline constexpr int32_t kNegative = -6;\n"
+                        "inline constexpr float kShare = 2.2888533e-05f;\n"
+                        "inline constexpr float kOne = 1.0f;\n\n"
+                        "}  // namespace fixture::limits\n"),
+            std::string::npos)
+      << header << "those of the file itself, and of no axis";
+}
+
+TEST(CodegenDriver, ChangesTheHeaderWithAConstantThatAFileIncludes) {
+  const TestProject project;
+  project.write("base.hlsli", "static const uint kBase = 7;\n");
+  writeLimits(project, "\"limits.hlsli\"",
+              "#include \"base.hlsli\"\nstatic const uint kTwice = 2 * kBase;\n");
+  ASSERT_TRUE(project.build().ok);
+  EXPECT_NE(constantsHeaderOf(project).find("kTwice = 14u;"), std::string::npos);
+  project.write("base.hlsli", "static const uint kBase = 8;\n");
+  BuildOptions options = project.options();
+  options.stampFile = project.folder() / "done";
+  options.depFile = project.folder() / "done.d";
+  ASSERT_TRUE(build(options).ok);
+  EXPECT_NE(constantsHeaderOf(project).find("kTwice = 16u;"), std::string::npos);
+  EXPECT_NE(fileText(options.depFile).find("base.hlsli"), std::string::npos);
+}
+
+// "line code" of each error in the constants of these files.
+std::string errorsInLimits(const std::string& files, const std::string& limits) {
+  const TestProject project;
+  project.write("more/limits.hlsli", "static const uint kMore = 1;\n");
+  project.write("none.hlsli", "const uint kBlockMember = 1;\n");
+  writeLimits(project, files, limits);
+  std::string text;
+  for (const Diagnostic& d : project.build().diagnostics.sorted()) {
+    if (d.isError && d.file.find("good.hlsl") == std::string::npos)
+      text += std::to_string(d.line) + " " + d.code + "\n";
+  }
+  return text;
+}
+
+TEST(CodegenDriver, RefusesConstantsThatTheHostCannotHave) {
+  const std::string file = "\"limits.hlsli\"";
+  const std::string fine = "static const uint kFine = 1;\n";
+  EXPECT_EQ(errorsInLimits(file, fine), "");
+  EXPECT_EQ(errorsInLimits(file,
+                           "static const float3 kVector = float3(1, 2, 3);\n"
+                           "static const uint kTable[2] = {1, 2};\n"
+                           "static const bool kYes = true;\n"
+                           "static const uint constexpr = 2;\n"),
+            "1 PK510\n2 PK510\n3 PK510\n4 PK510\n");
+  EXPECT_EQ(errorsInLimits(file, "cbuffer C : register(b0, space1) { float g_c; };\n" + fine +
+                                     "static const float kAtRunTime = g_c * 2.0;\n"
+                                     "static const float kInfinite = 1.0 / 0.0;\n"),
+            "3 PK511\n4 PK511\n");
+  EXPECT_EQ(errorsInLimits("\"none.hlsli\"", fine), "1 PK512\n");
+  EXPECT_EQ(errorsInLimits("\"gone.hlsli\"", fine), "2 PK308\n");
+  EXPECT_EQ(errorsInLimits(file + ", " + file, fine), "2 PK318\n");
+  EXPECT_EQ(errorsInLimits(file + ", \"more/limits.hlsli\"", fine), "2 PK318\n");
+  EXPECT_EQ(errorsInLimits(file, "static const uint kSum = kNothing + 1;\n"), "1 PK400\n");
 }
 
 TEST(CodegenDriver, MakesADamagedCacheEntryAgain) {
@@ -234,6 +329,40 @@ TEST(CodegenDriver, SurvivesACrashOfTheFrontEndAndCompilesTheOthers) {
   EXPECT_EQ(result.program.kernels[2].variants.size(), 1u) << "good was compiled all the same";
 }
 
+// All kernels go through one child, one after the other.
+TEST(CodegenDriver, BlamesEveryCrashOfASharedChildOnItsKernelAlone) {
+  const std::string deep = std::string(200000, '(') + "1.0" + std::string(200000, ')');
+  const auto kernel = [](const std::string& name, const std::string& value) {
+    return "RWStructuredBuffer<float> g_x : register(u1, space0);\n"
+           "[numthreads(1, 1, 1)]\nvoid " +
+           name + "() { g_x[0] = " + value + "; }\n";
+  };
+  const TestProject project;
+  project.write("manifest.json",
+                manifestWith(computeKernel("before") + ",\n" + computeKernel("crash_a") + ",\n" +
+                             computeKernel("between") + ",\n" + computeKernel("crash_b") + ",\n" +
+                             computeKernel("wrong") + ",\n" + computeKernel("after")));
+  for (const std::string name : {"before", "between", "after"})
+    project.write(name + ".hlsl", kernel(name, "1.0"));
+  for (const std::string name : {"crash_a", "crash_b"})
+    project.write(name + ".hlsl", kernel(name, deep));
+  project.write("wrong.hlsl", kernel("wrong", "undeclared"));
+  BuildOptions options = project.options();
+  options.jobs = 1;
+  const BuildResult result = build(options);
+  EXPECT_FALSE(result.ok);
+  std::vector<std::string> crashed;
+  for (const Diagnostic& d : result.diagnostics.sorted()) {
+    if (d.code == "PK411") crashed.push_back(fs::path(d.file).filename());
+  }
+  EXPECT_EQ(crashed, (std::vector<std::string>{"crash_a.hlsl", "crash_b.hlsl"}))
+      << result.diagnostics.format();
+  EXPECT_TRUE(says(result, "wrong.hlsl:3: error: [PK400]")) << result.diagnostics.format();
+  ASSERT_EQ(result.program.kernels.size(), 6u);
+  for (const size_t good : {0, 2, 5})
+    EXPECT_EQ(result.program.kernels[good].variants.size(), 1u) << good;
+}
+
 TEST(CodegenDriver, EndsAKernelThatTakesTooLong) {
   const TestProject project;
   project.write("manifest.json", manifestWith(computeKernel("good")));
@@ -279,6 +408,127 @@ TEST(CodegenDriver, RefusesOneResourceInTwoSlotsAndNamesBothLines) {
 }
 
 // Two groups that begin with the same layout.
+// A kernel that reads `count` storage buffers, registers t0 to t(count - 1).
+std::string readingKernel(const std::string& name, Stage stage, int count, int first = 0) {
+  std::string text, sum = "0.0";
+  for (int i = first; i < first + count; ++i) {
+    const std::string number = std::to_string(i);
+    text += "StructuredBuffer<float4> g_b" + number + " : register(t" + number + ", space0);\n";
+    sum += " + g_b" + number + "[i]";
+  }
+  if (stage == Stage::kCompute) {
+    return text + "RWStructuredBuffer<float4> g_sum : register(u0, space0);\n" +
+           "[numthreads(64, 1, 1)]\nvoid " + name + "(uint3 id : SV_DispatchThreadID) {\n" +
+           "  const uint i = id.x;\n  g_sum[i] = " + sum + ";\n}\n";
+  }
+  if (stage == Stage::kVertex) {
+    return text + "float4 " + name + "(uint i : SV_VertexID) : SV_Position {\n  return " + sum +
+           ";\n}\n";
+  }
+  return text + "float4 " + name + "(float4 p : SV_Position) : SV_Target {\n" +
+         "  const uint i = uint(p.x);\n  return " + sum + ";\n}\n";
+}
+
+TEST(CodegenDriver, RefusesAPermutationThatIsOverItsTierByName) {
+  const TestProject project;
+  project.write("manifest.json", manifestWith(computeKernel("good", R"(, "tier": "es",
+      "axes": [{"name": "big"}, {"name": "huge"}], "exclude": [{"huge": true, "big": false}],
+      "tiers": [{"when": {"huge": true}, "tier": "base"}])")));
+  // 2, 6 and 9 buffers.
+  project.write("good.hlsl", "#if HUGE\n" + readingKernel("good", Stage::kCompute, 8) +
+                                 "#elif BIG\n" + readingKernel("good", Stage::kCompute, 5) +
+                                 "#else\n" + readingKernel("good", Stage::kCompute, 1) +
+                                 "#endif\n");
+  const BuildResult result = project.build();
+  EXPECT_FALSE(result.ok);
+  EXPECT_TRUE(says(result, "6 storage buffers in one kernel; tier es has 4"))
+      << result.diagnostics.format();
+  EXPECT_TRUE(says(result, "9 storage buffers in one kernel; tier base has 8"));
+  EXPECT_TRUE(says(result, "(kernel 'good' with big=1 huge=0)"));
+  EXPECT_TRUE(says(result, "(kernel 'good' with big=1 huge=1)"));
+}
+
+// A vertex and a pixel kernel that share the layout "First".
+void writeDraw(const TestProject& project, int vertexBuffers, int pixelBuffers) {
+  project.write(
+      "manifest.json",
+      manifestWith(
+          R"({"name": "some_vertex", "file": "some_vertex.hlsl", "stage": "vertex", "group": "g",
+          "tier": "wide"},
+         {"name": "some_pixel", "file": "some_pixel.hlsl", "stage": "pixel", "group": "g",
+          "tier": "wide"})"));
+  project.write("some_vertex.hlsl", readingKernel("some_vertex", Stage::kVertex, vertexBuffers));
+  project.write("some_pixel.hlsl", readingKernel("some_pixel", Stage::kPixel, pixelBuffers));
+}
+
+TEST(CodegenDriver, RefusesAPairThatIsOverItsTier) {
+  const TestProject project;
+  writeDraw(project, 9, 8);
+  const BuildResult result = project.build();
+  EXPECT_FALSE(result.ok);
+  const Diagnostic error = only(result, "PK702");
+  EXPECT_NE(error.message.find("'some_vertex' and 'some_pixel' have 17 storage buffers together; "
+                               "tier wide has 16"),
+            std::string::npos)
+      << error.message;
+  EXPECT_NE(error.file.find("some_vertex.hlsl"), std::string::npos);
+}
+
+TEST(CodegenDriver, NumbersStorageBuffersOnGlForEachPermutationAndPair) {
+  const TestProject project;
+  writeDraw(project, 2, 3);
+  const BuildResult result = project.build();
+  ASSERT_TRUE(result.ok) << result.diagnostics.format();
+  const KernelOutput& vertex = result.program.kernels.at(0);
+  const KernelOutput& pixel = result.program.kernels.at(1);
+  const auto numbers = [](const KernelOutput& kernel) {
+    std::vector<uint32_t> list;
+    for (const BindingUse& use : kernel.variants.at(0).bindings) list.push_back(use.glBinding);
+    return list;
+  };
+  // Both read g_b0 and g_b1, under two numbers and two names of blocks.
+  EXPECT_EQ(numbers(pixel), (std::vector<uint32_t>{0, 1, 2}));
+  EXPECT_EQ(numbers(vertex), (std::vector<uint32_t>{3, 4}));
+  for (const std::string* text : {&vertex.variants.at(0).glsl, &vertex.variants.at(0).essl}) {
+    EXPECT_NE(text->find("binding = 3, std430) readonly buffer vertex_"), std::string::npos)
+        << *text;
+    EXPECT_NE(text->find("binding = 4, std430) readonly buffer vertex_"), std::string::npos);
+  }
+  EXPECT_EQ(pixel.variants.at(0).glsl.find("vertex_"), std::string::npos);
+}
+
+// Code is found by the hash, and a program may have the tables of two manifests.
+TEST(CodegenDriver, GivesOneKernelWithOtherNumbersAnotherHash) {
+  const TestProject some, more;
+  writeDraw(some, 2, 3);
+  writeDraw(more, 2, 4);
+  const BuildResult a = some.build(), b = more.build();
+  ASSERT_TRUE(a.ok) << a.diagnostics.format();
+  ASSERT_TRUE(b.ok) << b.diagnostics.format();
+  const VariantOutput& first = a.program.kernels.at(0).variants.at(0);
+  const VariantOutput& second = b.program.kernels.at(0).variants.at(0);
+  EXPECT_EQ(first.spirv, second.spirv);
+  EXPECT_NE(first.glsl, second.glsl);
+  EXPECT_NE(first.hash, second.hash);
+}
+
+TEST(CodegenDriver, NumbersStorageBuffersFromZeroWhateverTheGroupHas) {
+  const TestProject project;
+  project.write("manifest.json", manifestWith(computeKernel("low", R"(, "tier": "wide")") + "," +
+                                              computeKernel("high", R"(, "tier": "es")")));
+  project.write("low.hlsl", readingKernel("low", Stage::kCompute, 12));
+  project.write("high.hlsl", readingKernel("high", Stage::kCompute, 2, 12));
+  const BuildResult result = project.build();
+  ASSERT_TRUE(result.ok) << result.diagnostics.format();
+  const VariantOutput& high = result.program.kernels.at(1).variants.at(0);
+  ASSERT_EQ(high.bindings.size(), 3u);
+  for (uint32_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(high.bindings[i].entry, 12 + i);
+    EXPECT_EQ(high.bindings[i].glBinding, i);
+  }
+  EXPECT_EQ(high.tier, Tier::kEs);
+}
+
 constexpr const char* kSharingGroups = R"("namespace": "fixture",
   "groups": {"one": ["Common", "First"], "two": ["Common", "Second"]},
   "kernels": [
@@ -307,13 +557,11 @@ TEST(CodegenDriver, PlansALayoutThatGroupsShareOnceOverTheKernelsOfBoth) {
   EXPECT_EQ(layouts[0].entries[0].name, "g_low");
   EXPECT_EQ(layouts[0].entries[1].name, "g_high");
   EXPECT_EQ(layouts[0].entries[1].binding, 1u);
-  EXPECT_EQ(layouts[0].entries[1].glBinding, 1u);
   EXPECT_EQ(layouts[0].entries[0].access, Access::kRead);
   EXPECT_EQ(layouts[0].entries[1].access, Access::kWrite);
   for (const size_t own : {1u, 2u}) {  // behind the shared ones in both groups
     EXPECT_EQ(layouts[own].set, 1u);
     ASSERT_EQ(layouts[own].entries.size(), 1u);
-    EXPECT_EQ(layouts[own].entries[0].glBinding, 2u);
   }
   const std::string header = fileText(project.output() / "include/fixture/layouts.h");
   const size_t first = header.find("CreateCommonLayout(");
@@ -340,6 +588,54 @@ TEST(CodegenDriver, RefusesANameOfASharedLayoutInAnotherLayoutOfAnyOfItsGroups) 
   EXPECT_FALSE(result.ok);
   EXPECT_TRUE(says(result, "src/a.hlsl:1: error: [PK505] ")) << result.diagnostics.format();
   EXPECT_TRUE(says(result, "src/b.hlsl:1: error: [PK505] ")) << result.diagnostics.format();
+}
+
+// A manifest with one vertex kernel "v", which reads its inputs as `input` says.
+std::string vertexManifest(const std::string& input) {
+  return manifestWith(R"({"name": "v", "file": "v.hlsl", "stage": "vertex", "group": "g")" + input +
+                      "}");
+}
+
+TEST(CodegenDriver, GivesTheHostTheInputsOfVertexKernels) {
+  const TestProject project;
+  project.write("manifest.json",
+                vertexManifest(R"(, "vertexInput": {"step": "instance", "stride": 24,
+                                                    "offsets": [0, 8, 32]})"));
+  project.write("v.hlsl",
+                "float4 v([[vk::location(2)]] uint3 c : C, [[vk::location(0)]] float2 a : A,\n"
+                "         [[vk::location(1)]] float b : B, uint id : SV_VertexID) : SV_Position {\n"
+                "  return float4(a, b, float(c.z + id));\n}\n");
+  const BuildResult result = project.build();
+  ASSERT_TRUE(result.ok) << result.diagnostics.format();
+  const std::string kernels = fileText(project.output() / "kernels.cpp");
+  EXPECT_NE(kernels.find("{0, ::pelage::VertexFormat::kFloat2, 0},\n"
+                         "    {1, ::pelage::VertexFormat::kFloat1, 8},\n"
+                         "    {2, ::pelage::VertexFormat::kUint3, 32},\n"),
+            std::string::npos)
+      << kernels;
+  EXPECT_NE(kernels.find("kVVertexInput = {kVAttributes, 24, true}"), std::string::npos);
+  const std::string reflection = fileText(project.output() / "reflection.json");
+  EXPECT_NE(reflection.find("\"step\": \"instance\""), std::string::npos);
+  EXPECT_NE(reflection.find("\"stride\": 24"), std::string::npos);
+}
+
+TEST(CodegenDriver, RefusesVertexInputsThatTheManifestDoesNotPlace) {
+  const TestProject project;
+  const std::string two = R"(, "vertexInput": {"step": "vertex", "stride": 8, "offsets": [0, 4]})";
+  const auto errorOf = [&](const std::string& input, const std::string& arguments) {
+    project.write("manifest.json", vertexManifest(input));
+    project.write("v.hlsl", "\nfloat4 v(" + arguments +
+                                ") : SV_Position {\n  return float4(a, 0, 0, 1);\n}\n");
+    return only(project.build(), "PK513").message;
+  };
+  EXPECT_NE(errorOf("", "float a : A").find("1 vertex inputs, but"), std::string::npos);
+  EXPECT_NE(errorOf(two, "float a : A").find("has 2 offsets"), std::string::npos);
+  EXPECT_NE(errorOf(two, "[[vk::location(0)]] float a : A, [[vk::location(3)]] float b : B")
+                .find("locations from 0 on"),
+            std::string::npos);
+  EXPECT_NE(errorOf(two, "[[vk::location(0)]] float a : A, [[vk::location(1)]] int b : B")
+                .find("no float or uint"),
+            std::string::npos);
 }
 
 TEST(CodegenDriver, RefusesASpaceThatTheGroupDoesNotHave) {

@@ -10,9 +10,14 @@
 #include <vector>
 
 #include "codegen/spirv_reader.h"
+#include "fixture/gpu/bindings.h"
+#include "fixture/gpu/code.h"
+#include "fixture/gpu/constants.h"
 #include "fixture/gpu/gpu_structs.h"
 #include "fixture/gpu/kernels.h"
 #include "fixture/gpu/layouts.h"
+#include "pelage/bindings.h"
+#include "pelage/code.h"
 #include "pelage/gpu_structs.h"
 #include "pelage/kernels.h"
 #include "pelage/layouts.h"
@@ -59,13 +64,13 @@ TEST(GeneratedKernels, CompleteAKeyThatTheManifestExcludes) {
 }
 
 TEST(GeneratedKernels, OfPelageGiveRareFeaturesTheCommonOnes) {
-  static_assert(completeKey(pelage::SimulateRodsKey{.contacts = true}) ==
-                pelage::SimulateRodsKey{.contacts = true, .velocityShockPropagation = true});
+  static_assert(completeKey(pelage::SimulateExactKey{.contacts = true}) ==
+                pelage::SimulateExactKey{.contacts = true, .velocityShockPropagation = true});
   // Whatever a scene has, there is a kernel for it.
   for (int bits = 0; bits < 16; ++bits) {
-    const pelage::SimulateRodsKey key{(bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0,
-                                      (bits & 8) != 0};
-    EXPECT_NE(simulateRodsVariant(completeKey(key)), nullptr) << bits;
+    const pelage::SimulateExactKey key{(bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0,
+                                       (bits & 8) != 0};
+    EXPECT_NE(simulateExactVariant(completeKey(key)), nullptr) << bits;
     EXPECT_EQ(completeKey(key) == key, exists(key)) << bits;
   }
 }
@@ -148,11 +153,39 @@ std::set<std::pair<uint32_t, uint32_t>> moduleBindings(const SpirvReader& module
   return bindings;
 }
 
+const pelage::KernelCodes& codes() {
+  static const pelage::KernelCodes all = [] {
+    pelage::KernelCodes both(gpu::allCode());
+    both.add(pelage::allCode());
+    return both;
+  }();
+  return all;
+}
+
+std::vector<uint32_t> spirvOf(const pelage::KernelVariant& variant) {
+  const pelage::Result<std::vector<uint32_t>> words = codes().spirv(variant);
+  EXPECT_TRUE(words) << words.error().message;
+  return words ? *words : std::vector<uint32_t>();
+}
+
+std::string sourceOf(const pelage::KernelVariant& variant, pelage::CodeFormat format) {
+  const pelage::Result<std::string> text = codes().source(variant, format);
+  EXPECT_TRUE(text) << text.error().message;
+  return text ? *text : std::string();
+}
+std::string glslOf(const pelage::KernelVariant& variant) {
+  return sourceOf(variant, pelage::CodeFormat::kGlsl);
+}
+std::string esslOf(const pelage::KernelVariant& variant) {
+  return sourceOf(variant, pelage::CodeFormat::kEssl);
+}
+
 TEST(GeneratedKernels, CarrySpirvWithThePlannedBindingsAndNoNames) {
   for (const auto kernels : {gpu::allKernels(), pelage::allKernels()}) {
     for (const pelage::Kernel* kernel : kernels) {
       for (const pelage::KernelVariant* variant : kernel->variants) {
-        const std::optional<SpirvReader> module = SpirvReader::parse(variant->spirv);
+        const std::vector<uint32_t> words = spirvOf(*variant);
+        const std::optional<SpirvReader> module = SpirvReader::parse(words);
         ASSERT_TRUE(module) << kernel->name;
         std::set<std::pair<uint32_t, uint32_t>> planned;
         for (const pelage::VariantBinding& binding : variant->bindings) {
@@ -165,8 +198,8 @@ TEST(GeneratedKernels, CarrySpirvWithThePlannedBindingsAndNoNames) {
           EXPECT_NE(instruction.op, SpvOpLine);
           EXPECT_NE(instruction.op, SpvOpString);
         }
-        EXPECT_TRUE(variant->glsl.starts_with("#version 450\n"));
-        EXPECT_TRUE(variant->essl.starts_with("#version 320 es\n"));
+        EXPECT_TRUE(glslOf(*variant).starts_with("#version 450\n"));
+        EXPECT_TRUE(esslOf(*variant).starts_with("#version 320 es\n"));
         EXPECT_NE(variant->hash, 0u);
       }
     }
@@ -174,11 +207,11 @@ TEST(GeneratedKernels, CarrySpirvWithThePlannedBindingsAndNoNames) {
 }
 
 TEST(GeneratedKernels, BindByNumberInGlsl) {
-  for (const std::string_view text :
-       {gpu::moveParticlesVariant({})->glsl, gpu::moveParticlesVariant({})->essl}) {
+  for (const std::string& text :
+       {glslOf(*gpu::moveParticlesVariant({})), esslOf(*gpu::moveParticlesVariant({}))}) {
     EXPECT_NE(text.find("layout(binding = 0, std140) uniform ForceConstants"), std::string::npos);
-    EXPECT_NE(text.find("layout(binding = 1, std430) buffer g_particles"), std::string::npos);
-    EXPECT_NE(text.find("layout(binding = 2, std430) readonly buffer g_wells"), std::string::npos);
+    EXPECT_NE(text.find("layout(binding = 0, std430) buffer g_particles"), std::string::npos);
+    EXPECT_NE(text.find("layout(binding = 1, std430) readonly buffer g_wells"), std::string::npos);
     EXPECT_NE(text.find("layout(binding = 0) uniform"), std::string::npos) << "the texture";
   }
 }
@@ -186,7 +219,8 @@ TEST(GeneratedKernels, BindByNumberInGlsl) {
 TEST(GeneratedKernels, StayPreciseInSpirvAndInGlsl) {
   const pelage::KernelVariant& variant =
       *gpu::moveParticlesVariant({.airDrag = true, .bounce = true});
-  const std::optional<SpirvReader> module = SpirvReader::parse(variant.spirv);
+  const std::vector<uint32_t> words = spirvOf(variant);
+  const std::optional<SpirvReader> module = SpirvReader::parse(words);
   ASSERT_TRUE(module);
   size_t products = 0;
   for (const SpirvInstruction& i : module->instructions()) {
@@ -195,18 +229,18 @@ TEST(GeneratedKernels, StayPreciseInSpirvAndInGlsl) {
     EXPECT_TRUE(module->decoration(i.result, SpvDecorationNoContraction).has_value());
   }
   EXPECT_GT(products, 10u);
-  EXPECT_NE(variant.glsl.find("precise "), std::string::npos);
-  EXPECT_NE(variant.essl.find("precise "), std::string::npos);
+  EXPECT_NE(glslOf(variant).find("precise "), std::string::npos);
+  EXPECT_NE(esslOf(variant).find("precise "), std::string::npos);
 }
 
 TEST(GeneratedKernels, MapClipSpaceInTheVertexStageAlone) {
-  EXPECT_NE(gpu::pointVertexVariant().glsl.find("gl_Position.y = -gl_Position.y"),
+  EXPECT_NE(glslOf(gpu::pointVertexVariant()).find("gl_Position.y = -gl_Position.y"),
             std::string::npos);
-  EXPECT_NE(gpu::pointVertexVariant().essl.find("gl_Position.y = -gl_Position.y"),
+  EXPECT_NE(esslOf(gpu::pointVertexVariant()).find("gl_Position.y = -gl_Position.y"),
             std::string::npos);
-  EXPECT_NE(gpu::pointVertexVariant().essl.find("2.0 * gl_Position.z - gl_Position.w"),
+  EXPECT_NE(esslOf(gpu::pointVertexVariant()).find("2.0 * gl_Position.z - gl_Position.w"),
             std::string::npos);
-  EXPECT_EQ(gpu::pointVertexVariant().glsl.find("SPIRV_Cross_BaseInstance"), std::string::npos);
+  EXPECT_EQ(glslOf(gpu::pointVertexVariant()).find("SPIRV_Cross_BaseInstance"), std::string::npos);
 }
 
 TEST(GeneratedKernels, DeclareThePositionInvariantForDrawsThatMeetAgainAtTheSameDepth) {
@@ -215,7 +249,8 @@ TEST(GeneratedKernels, DeclareThePositionInvariantForDrawsThatMeetAgainAtTheSame
     for (const pelage::Kernel* kernel : kernels) {
       if (kernel->stage != pelage::Stage::kVertex) continue;
       for (const pelage::KernelVariant* variant : kernel->variants) {
-        const std::optional<SpirvReader> module = SpirvReader::parse(variant->spirv);
+        const std::vector<uint32_t> words = spirvOf(*variant);
+        const std::optional<SpirvReader> module = SpirvReader::parse(words);
         ASSERT_TRUE(module) << kernel->name;
         for (const SpirvInstruction& i : module->instructions()) {
           if (i.op != SpvOpDecorate || i.operands[1] != SpvDecorationBuiltIn ||
@@ -225,8 +260,8 @@ TEST(GeneratedKernels, DeclareThePositionInvariantForDrawsThatMeetAgainAtTheSame
           EXPECT_TRUE(module->decoration(i.operands[0], SpvDecorationInvariant).has_value())
               << kernel->name << " " << variant->key;
         }
-        EXPECT_NE(variant->glsl.find("invariant gl_Position;"), std::string::npos);
-        EXPECT_NE(variant->essl.find("invariant gl_Position;"), std::string::npos);
+        EXPECT_NE(glslOf(*variant).find("invariant gl_Position;"), std::string::npos);
+        EXPECT_NE(esslOf(*variant).find("invariant gl_Position;"), std::string::npos);
       }
     }
   }
@@ -253,8 +288,75 @@ TEST(GeneratedSpecialization, GivesTheDefaultsOfTheHlslAndTheBitsOfEachType) {
   ASSERT_EQ(gpu::kMoveParticlesKernel.specConstants.size(), 4u);
   EXPECT_STREQ(gpu::kMoveParticlesKernel.specConstants[3].name, "g_restitution");
   EXPECT_EQ(gpu::kMoveParticlesKernel.specConstants[3].defaultBits, 0x3f000000u);
-  EXPECT_NE(gpu::moveParticlesVariant({.bounce = true})->glsl.find("SPIRV_CROSS_CONSTANT_ID_7"),
+  EXPECT_NE(glslOf(*gpu::moveParticlesVariant({.bounce = true})).find("SPIRV_CROSS_CONSTANT_ID_7"),
             std::string::npos);
+}
+
+TEST(GeneratedConstants, AreThoseOfTheHlsl) {
+  namespace limits = gpu::limits;
+  static_assert(limits::kMaxParticles == 1048576u);
+  static_assert(limits::kDeadFlag == 4u && limits::kStuckFlag == 8u);
+  static_assert(limits::kAnyFlag == 0x8000000cu);
+  static_assert(limits::kLowestCell == -64);
+  static_assert(limits::kRestingSpeed == 1.5f / 65535.0f);
+  static_assert(limits::kNowhere == 1e18f);
+  static_assert(std::is_same_v<decltype(limits::kMaxParticles), const uint32_t>);
+  static_assert(std::is_same_v<decltype(limits::kLowestCell), const int32_t>);
+}
+
+TEST(GeneratedKernels, NameTheSizeOfTheirGroups) {
+  for (const auto& [kernel, size] :
+       {std::pair(&gpu::kMoveParticlesKernel, gpu::kMoveParticlesGroupSize),
+        std::pair(&pelage::kFindContactsKernel, pelage::kFindContactsGroupSize)}) {
+    for (const pelage::KernelVariant* variant : kernel->variants) {
+      EXPECT_EQ(variant->groupSize[0], size.x) << kernel->name;
+      EXPECT_EQ(variant->groupSize[1], size.y) << kernel->name;
+      EXPECT_EQ(variant->groupSize[2], size.z) << kernel->name;
+    }
+  }
+}
+
+TEST(GeneratedBindings, GiveEachEntryOfTheLayoutItsOwnMember) {
+  gpu::ForcesBindings forces;
+  forces.forceConstants = gpu::ForceConstants{};
+  forces.wells = {pelage::BufferId{1}, 64, 16};
+  forces.trail = {pelage::BufferId{2}, 32};
+  forces.log = {pelage::BufferId{3}, 8};
+  const pelage::LayoutBindings view(forces);
+  EXPECT_EQ(&view.layout(), &gpu::kForcesLayout);
+  const auto buffer = [&](uint8_t entry) { return view.at(entry).range.buffer; };
+  EXPECT_EQ(buffer(gpu::ForcesEntry::wells), pelage::BufferId{1});
+  EXPECT_EQ(view.at(gpu::ForcesEntry::wells).range.size, 64u);
+  EXPECT_EQ(view.at(gpu::ForcesEntry::wells).range.offset, 16u);
+  EXPECT_EQ(buffer(gpu::ForcesEntry::trail), pelage::BufferId{2});
+  EXPECT_EQ(buffer(gpu::ForcesEntry::log), pelage::BufferId{3});
+  const auto block = view.at(gpu::ForcesEntry::forceConstants).block;
+  ASSERT_EQ(block.size(), sizeof(gpu::ForceConstants));
+  EXPECT_EQ(static_cast<const void*>(block.data()), &*forces.forceConstants) << "not a copy";
+  for (const auto texture : {gpu::ForcesEntry::noise, gpu::ForcesEntry::noiseSampler})
+    EXPECT_FALSE(view.at(texture).isBound()) << "pass lists have buffers alone";
+}
+
+TEST(GeneratedBindings, AreEmptyAtFirst) {
+  const pelage::ExactBindings exact;
+  const pelage::LayoutBindings view(exact);
+  for (uint8_t entry = 0; entry < pelage::kExactLayout.entries.size(); ++entry)
+    EXPECT_FALSE(view.at(entry).isBound()) << pelage::kExactLayout.entries[entry].name;
+}
+
+template <class Bindings>
+concept HasMisspelt = requires(Bindings bindings) {
+  bindings.contcats = {};
+};
+template <class Bindings>
+concept HasContacts = requires(Bindings bindings) {
+  bindings.contacts = {};
+};
+
+TEST(GeneratedBindings, DoNotCompileWithAMisspeltName) {
+  static_assert(HasContacts<pelage::SimBindings> && !HasMisspelt<pelage::SimBindings>);
+  static_assert(!HasContacts<pelage::SimPosTanBindings>, "nor with one of another layout");
+  static_assert(!std::is_constructible_v<pelage::LayoutBindings, int>);
 }
 
 struct Manager {
@@ -287,6 +389,53 @@ TEST(GeneratedLayouts, NumberBindingsDenselyByClassAndRegister) {
                                              "g_log", "g_noiseSampler"}));
 }
 
+// What a variant uses of the layouts of its kernel.
+const pelage::LayoutEntry& entryOf(const pelage::KernelVariant& variant,
+                                   const pelage::VariantBinding& binding) {
+  return variant.kernel->layouts[binding.set]->entries[binding.entry];
+}
+
+TEST(GeneratedKernels, NumberGlBindingsWithinTheirTierAndWithoutCollisionsInADraw) {
+  const auto numbers = [](const pelage::KernelVariant& variant) {
+    std::set<uint32_t> used;
+    for (const pelage::VariantBinding& binding : variant.bindings) {
+      const pelage::LayoutEntry& entry = entryOf(variant, binding);
+      if (entry.kind != pelage::ResourceKind::kStorageBuffer) {
+        EXPECT_EQ(binding.glBinding, entry.glBinding) << variant.kernel->name << entry.name;
+        continue;
+      }
+      EXPECT_TRUE(used.insert(binding.glBinding).second) << variant.kernel->name << entry.name;
+    }
+    const pelage::TierLimits limits = pelage::limitsOf(variant.tier);
+    EXPECT_LE(used.size(), limits.storageBuffers.of(variant.kernel->stage)) << variant.kernel->name;
+    if (!used.empty()) {
+      EXPECT_LT(*used.rbegin(), limits.storageBindings) << variant.kernel->name;
+    }
+    return used;
+  };
+  int draws = 0;
+  for (const auto kernels : {gpu::allKernels(), pelage::allKernels()}) {
+    for (const pelage::Kernel* kernel : kernels) {
+      for (const pelage::KernelVariant* variant : kernel->variants) {
+        const std::set<uint32_t> own = numbers(*variant);
+        if (kernel->stage != pelage::Stage::kVertex) {
+          EXPECT_TRUE(own.empty() || *own.rbegin() + 1 == own.size()) << "dense from 0";
+          continue;
+        }
+        for (const pelage::Kernel* pixel : kernels) {
+          if (pixel->stage != pelage::Stage::kPixel || !pelage::layoutsFit(*kernel, *pixel))
+            continue;
+          for (const pelage::KernelVariant* other : pixel->variants) {
+            ++draws;
+            for (const uint32_t number : numbers(*other)) EXPECT_FALSE(own.contains(number));
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(draws, 10);
+}
+
 TEST(GeneratedLayouts, NumberGlBindingsDenselyForEachKindOverTheSetsOfAGroup) {
   for (const auto kernels : {gpu::allKernels(), pelage::allKernels()}) {
     ASSERT_FALSE(kernels.empty());
@@ -296,6 +445,7 @@ TEST(GeneratedLayouts, NumberGlBindingsDenselyForEachKindOverTheSetsOfAGroup) {
       for (const pelage::LayoutTable* layout : kernel->layouts) {
         for (const pelage::LayoutEntry& entry : layout->entries) {
           if (entry.kind == pelage::ResourceKind::kSampler) continue;
+          if (entry.kind == pelage::ResourceKind::kStorageBuffer) continue;
           EXPECT_EQ(entry.glBinding, next[entry.kind]++) << kernel->name << " " << entry.name;
         }
       }
@@ -317,7 +467,8 @@ TEST(GeneratedLayouts, JoinAccessAndStagesOfAllKernels) {
 // Offsets of the members of the struct that is bound at (set, binding), from the shipped SPIR-V.
 std::vector<uint32_t> spirvOffsets(const pelage::KernelVariant& variant, uint32_t set,
                                    uint32_t entry) {
-  const std::optional<SpirvReader> module = SpirvReader::parse(variant.spirv);
+  const std::vector<uint32_t> words = spirvOf(variant);
+  const std::optional<SpirvReader> module = SpirvReader::parse(words);
   std::vector<uint32_t> offsets;
   if (!module) return offsets;
   const uint32_t binding = variant.kernel->layouts[set]->entries[entry].binding;

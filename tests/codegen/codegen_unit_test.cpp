@@ -2,12 +2,16 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <bit>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <optional>
 
 #include "codegen/back_end.h"
+#include "codegen/constants.h"
 #include "codegen/front_end.h"
 #include "codegen/hash.h"
 #include "codegen/host_struct.h"
@@ -41,11 +45,35 @@ TEST(Names, AreWrittenAsTheHouseStyleWantsThem) {
   EXPECT_EQ(camelCase("skin_roots"), "skinRoots");
   EXPECT_EQ(hostName("g_positions"), "positions");
   EXPECT_EQ(hostName("SimulationConstants"), "simulationConstants");
+  EXPECT_EQ(hostName("PPLLBuildConstants"), "ppllBuildConstants");
+  EXPECT_EQ(hostName("SDF"), "sdf");
+  EXPECT_EQ(hostName("g_X"), "x");
   EXPECT_EQ(macroName("velocityShockPropagation"), "VELOCITY_SHOCK_PROPAGATION");
   EXPECT_FALSE(isIdentifier("float"));
   EXPECT_FALSE(isIdentifier("2d"));
   EXPECT_FALSE(isIdentifier(""));
   EXPECT_TRUE(isIdentifier("_x2"));
+}
+
+TEST(Constants, AreReadBackAsTheSameBits) {
+  const auto value = [](ScalarType type, uint32_t bits) {
+    return constantValue({"kName", type, bits, 1});
+  };
+  EXPECT_EQ(value(ScalarType::kUint, 0xffffffffu), "4294967295u");
+  EXPECT_EQ(value(ScalarType::kInt, 0xffffffffu), "-1");
+  EXPECT_EQ(value(ScalarType::kInt, 0x80000000u), "INT32_MIN");
+  EXPECT_EQ(value(ScalarType::kFloat, std::bit_cast<uint32_t>(1.0f)), "1.0f");
+  EXPECT_EQ(value(ScalarType::kFloat, std::bit_cast<uint32_t>(-0.0f)), "-0.0f");
+  for (const float number : {0.1f, 1e-3f, 1.5f / 65535.0f, 3.14159265f, 16777217.0f, 1e18f,
+                             std::numeric_limits<float>::min(), std::numeric_limits<float>::max(),
+                             std::numeric_limits<float>::denorm_min(), -2.5e-30f}) {
+    const std::string text = value(ScalarType::kFloat, std::bit_cast<uint32_t>(number));
+    EXPECT_EQ(std::bit_cast<uint32_t>(std::strtof(text.c_str(), nullptr)),
+              std::bit_cast<uint32_t>(number))
+        << text;
+    EXPECT_TRUE(text.ends_with("f")) << text;
+    EXPECT_NE(text.find_first_of(".e"), std::string::npos) << text;
+  }
 }
 
 class ManifestTest : public testing::Test {
@@ -154,6 +182,35 @@ TEST_F(ManifestTest, LetsGroupsShareTheLayoutsWithWhichTheyBegin) {
   EXPECT_EQ(manifest.groups[1].layouts, (std::vector<std::string>{"L", "M", "N"}));
 }
 
+TEST_F(ManifestTest, GivesAPermutationTheHighestTierThatApplies) {
+  const Manifest manifest =
+      read(kernel(R"(, "axes": [{"name": "a"}, {"name": "n", "values": [4, 8]}],
+    "tier": "es", "tiers": [{"when": {"a": true}, "tier": "base"},
+                            {"when": {"a": true, "n": 8}, "tier": "wide"}])"));
+  ASSERT_FALSE(diagnostics_.hasErrors()) << diagnostics_.format();
+  const ManifestKernel& k = manifest.kernels[0];
+  EXPECT_EQ(k.tierOf({0, 4}), Tier::kEs);
+  EXPECT_EQ(k.tierOf({0, 8}), Tier::kEs);
+  EXPECT_EQ(k.tierOf({1, 4}), Tier::kBase);
+  EXPECT_EQ(k.tierOf({1, 8}), Tier::kWide);
+  EXPECT_EQ(read(kernel("")).kernels.at(0).tierOf({}), Tier::kBase);
+}
+
+TEST(Tiers, AreOrderedInAllOfTheirLimits) {
+  for (const Tier lower : kTiers) {
+    EXPECT_EQ(tierOf(limitsOf(lower)), lower);
+    EXPECT_EQ(tierFromName(tierName(lower)), lower);
+    for (const Tier higher : kTiers) {
+      if (higher < lower) continue;
+      EXPECT_EQ(lowerOf(limitsOf(lower), limitsOf(higher)), limitsOf(lower));
+    }
+  }
+  EXPECT_EQ(tierFromName("phone"), std::nullopt);
+  TierLimits less = limitsOf(Tier::kEs);
+  less.groupSharedBytes = 1;
+  EXPECT_EQ(tierOf(less), std::nullopt);
+}
+
 TEST_F(ManifestTest, RefusesWhatIsWrongWithTheLine) {
   ASSERT_EQ((read(kernel("")), diagnostics_.format()), "");
   EXPECT_EQ(error("{\n\"namespace\": \"a\",\n\"groups\" {}\n}"), "3 PK301");
@@ -176,7 +233,28 @@ TEST_F(ManifestTest, RefusesWhatIsWrongWithTheLine) {
   EXPECT_EQ(error(kernel(",\n\"ax\": []")), "6 PK303");
   EXPECT_EQ(error(kernel("", "Upper")), "5 PK304");
   EXPECT_EQ(error(kernel(",\n\"tier\": \"phone\"")), "6 PK302");
+  for (const char* old : {"portable", "desktop"})
+    EXPECT_EQ(error(kernel(",\n\"tier\": \"" + std::string(old) + "\"")), "6 PK302");
+  const std::string axis = ", \"axes\": [{\"name\": \"x\"}], \"tiers\": [\n";
+  EXPECT_EQ(error(kernel(axis + R"({"when": {"x": true}, "tier": "tall"}])")), "6 PK302");
+  EXPECT_EQ(error(kernel(axis + R"({"tier": "wide"}])")), "6 PK302");
+  EXPECT_EQ(error(kernel(axis + R"({"when": {"y": true}, "tier": "wide"}])")), "6 PK314");
+  EXPECT_EQ(error(kernel(axis + R"({"when": {"x": true}, "tier": "base"}])")), "6 PK319")
+      << "all permutations have it";
+  EXPECT_EQ(error(kernel(axis + R"({"when": {}, "tier": "wide"}])")), "6 PK319");
   EXPECT_EQ(error(kernel(",\n\"precise\": 1")), "6 PK302");
+  const auto input = [&](const std::string& stage, const std::string& fields) {
+    std::string text = kernel(",\n\"vertexInput\": {" + fields + "}");
+    const size_t at = text.find("compute");
+    return error(text.replace(at, 7, stage));
+  };
+  EXPECT_EQ(input("compute", R"("step": "vertex", "stride": 4, "offsets": [0])"), "6 PK302");
+  EXPECT_EQ(input("vertex", R"("step": "pixel", "stride": 4, "offsets": [0])"), "6 PK302");
+  EXPECT_EQ(input("vertex", R"("step": "vertex", "stride": 6, "offsets": [0])"), "6 PK302");
+  EXPECT_EQ(input("vertex", R"("step": "vertex", "stride": 4096, "offsets": [0])"), "6 PK302");
+  EXPECT_EQ(input("vertex", R"("step": "vertex", "stride": 4, "offsets": [2])"), "6 PK302");
+  EXPECT_EQ(input("vertex", R"("step": "vertex", "stride": 4, "offsets": [2048])"), "6 PK302");
+  EXPECT_EQ(input("vertex", R"("step": "vertex", "stride": 4)"), "6 PK302");
   EXPECT_EQ(error(kernel(",\n\"axes\": [{\"name\": \"aB\"},\n{\"name\": \"aB\"}]")), "7 PK312");
   EXPECT_EQ(error(kernel(",\n\"axes\": [{\"name\": \"n\", \"values\": [1,\n1]}]")), "7 PK313");
   EXPECT_EQ(error(kernel(",\n\"exclude\": [\n{\"y\": true}]")), "7 PK314");

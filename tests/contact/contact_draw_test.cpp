@@ -5,6 +5,7 @@
 #include <string>
 
 #include "contact/contact_run.h"
+#include "pelage/constants.h"
 #include "pelage/gpu_structs.h"
 
 namespace pelage::test {
@@ -13,8 +14,7 @@ namespace {
 constexpr double kRadius = 0.05;
 constexpr uint32_t kPixels = 256;
 constexpr float kEyeDistance = 0.25f;
-// Bits of a record, as in kernels/layouts/contact_records.hlsli.
-constexpr uint32_t kSlides = 0x20000, kMore = 0x80000;
+using contact_records::kContactMore, contact_records::kContactSlides;
 
 /// Of the plane z = 0, from a camera on the z axis.
 View viewOf() {
@@ -78,20 +78,22 @@ class ContactDraw : public testing::TestWithParam<Api> {
   std::vector<Needle> needles() {
     const auto positions = run_.positions(hair());
     const auto records = run_.read<ContactRecord>(hair().buffers().contacts);
-    // The last words are the mask, as there is one strand.
+    // Behind the totals, the heads, and a list and marks of one tile.
     const auto words = run_.read<uint32_t>(hair().buffers().contactWords);
-    const size_t firstMask = words.size() - (positions.size() + 31) / 32;
+    const size_t firstMask =
+        contact_records::kContactTotalWords + 2 +
+        size_t{contact_records::kContactHeadWords} * Scene::kMaxSubSteps * hair().settings.subSteps;
     std::vector<Needle> needles;
     for (size_t v = 0; v < positions.size(); ++v) {
       if (((words[firstMask + v / 32] >> (v % 32)) & 1) == 0) continue;
       const ContactRecord& r = records[2 * v];
-      EXPECT_EQ(r.bits & kMore, 0u) << "there is one collider";
+      EXPECT_EQ(r.bits & kContactMore, 0u) << "there is one collider";
       const Point p = toPoint(positions[v]);
       // The hair's origin is that of the world, as its root is near it.
       const double depth = -(double{r.plane.w} + double{r.plane.x} * (p.x - double{r.foundX}) +
                              double{r.plane.y} * (p.y - double{r.foundY}) +
                              double{r.plane.z} * (p.z - double{r.foundZ}));
-      const bool slides = (r.bits & kSlides) != 0;
+      const bool slides = (r.bits & kContactSlides) != 0;
       const double length = double{look_.length} * (slides ? 0.5 : 1.0);
       needles.push_back(
           {pixelOf(p),

@@ -56,8 +56,8 @@ TEST_F(GltfFile, HasTheVerticesTheTrianglesAndTheBoneWeightsOfTheMesh) {
     const auto round = [](float v) { return std::lround(v * 1e5); };
     return std::tuple(round(p.x), round(p.y), round(p.z));
   };
-  std::map<std::tuple<long, long, long>, size_t> places;
-  for (size_t v = 0; v < mesh.positions.size(); ++v) places[key(mesh.positions[v])] = v;
+  std::map<std::tuple<long, long, long>, size_t> slots;
+  for (size_t v = 0; v < mesh.positions.size(); ++v) slots[key(mesh.positions[v])] = v;
   const auto weightsByName = [](const CollisionMesh& from, size_t vertex) {
     std::map<std::string, float> weights;
     for (int i = 0; i < 4; ++i) {
@@ -70,8 +70,8 @@ TEST_F(GltfFile, HasTheVerticesTheTrianglesAndTheBoneWeightsOfTheMesh) {
   };
   uint32_t compared = 0;
   for (size_t v = 0; v < read->positions.size(); ++v) {
-    const auto found = places.find(key(read->positions[v]));
-    if (found == places.end()) continue;  // rounded to the neighbouring key
+    const auto found = slots.find(key(read->positions[v]));
+    if (found == slots.end()) continue;  // rounded to the neighbouring key
     ++compared;
     const auto expected = weightsByName(mesh, found->second), actual = weightsByName(*read, v);
     ASSERT_EQ(actual.size(), expected.size()) << "vertex " << v;

@@ -15,6 +15,7 @@
 #include "device.h"
 #include "image_difference.h"
 #include "png_file.h"
+#include "test_tier.h"
 
 namespace {
 
@@ -134,6 +135,7 @@ pelage::Result<RunPictures> render(pelage::HeadlessDevice& device, const MakeSce
                                    const Shots& shots) {
   auto demo = makeScene();
   if (!demo) return demo.error();
+  demo->setTier(device.info().tier);
   uint32_t last = 0;
   for (const auto* frames : {&shots.stochastic, &shots.sorted})
     if (!frames->empty()) last = std::max(last, frames->back());
@@ -168,7 +170,7 @@ struct RenderedRun {
 
 RenderedRun renderOn(Api api, const MakeScene& makeScene, const Shots& shots) {
   RenderedRun result;
-  auto device = sample::createDevice({.api = api, .validation = false, .deviceIndex = -1});
+  auto device = sample::createDevice({.api = api, .maxTier = pelage::test::tierOfTests()});
   if (!device) {
     result.stochastic.why = result.sorted.why = device.error().message;
     return result;

@@ -18,7 +18,7 @@ namespace {
 const std::filesystem::path kSource = PELAGE_SOURCE_DIR;
 
 // Structs of these headers that a program does not set: results, buffers and assets; options of
-// loaders are in docs/loading.md.
+// loaders are in docs/assets.md.
 const std::set<std::string> kNoParameters = {
     "TransparencyPlan", "TransparencyCounters", "TransparencyWork",
     "TransparencyCost", "SimulationCounters",   "HairBuffers",
@@ -47,7 +47,7 @@ void addNames(const std::string& declaration, std::set<std::string>& names) {
 std::map<std::string, std::set<std::string>> fieldsOf(std::string header) {
   header = std::regex_replace(header, std::regex("//[^\n]*"), "");
   std::map<std::string, std::set<std::string>> fields;
-  const std::regex start(R"(\n(struct|class) (\w+) \{)");
+  const std::regex start(R"(\n(struct|class) (?:PELAGE_API )?(\w+) \{)");
   for (std::sregex_iterator it(header.begin(), header.end(), start), end; it != end; ++it) {
     const auto from = static_cast<size_t>(it->position() + it->length());
     std::string body = header.substr(from, header.find("\n};", from) - from);
@@ -80,7 +80,8 @@ TEST(ParameterTable, ReadsFieldsOfAHeader) {
       "\nstruct A {\n  float x = 0, y = 0;  // z\n  Float3 a[3] = {{1, 0, 0}, {0, 1, 0}};\n"
       "  std::array<float, 3> c = {};\n"
       "  uint64_t b = uint64_t{512} << 20;\n  bool operator==(const A&) const = default;\n};\n"
-      "\nclass B {\n public:\n  int f() const { return g_; }\n  void h(int k);\n  bool open = "
+      "\nclass PELAGE_API B {\n public:\n  int f() const { return g_; }\n  void h(int k);\n  bool "
+      "open = "
       "true;\n\n private:\n  int g_;\n};\n");
   EXPECT_EQ(fields.at("A"), (std::set<std::string>{"x", "y", "b", "c"}));
   EXPECT_EQ(fields.at("B"), std::set<std::string>{"open"});

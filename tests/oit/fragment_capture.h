@@ -64,8 +64,10 @@ class FragmentCapture {
       DrawState state = pass.state;
       state.colorWrite = false;
       PassBuilder builder(to);
-      builder.draw(*vertex, oit_test::captureFragmentsVariant({}), state, pass.elementCount,
-                   pass.instanceCount, pass.indices);
+      builder
+          .draw(*vertex, oit_test::captureFragmentsVariant({}), state, pass.elementCount,
+                pass.instanceCount, pass.indices)
+          .vertices(pass.vertices);
       for (const PassBinding& binding : from.bindingsOf(pass)) {
         const LayoutEntry& entry = pass.layouts()[binding.set]->entries[binding.entry];
         if (binding.buffer != BufferId::kInvalid) {
@@ -128,6 +130,8 @@ class FragmentCapture {
  private:
   /// The test's own build of a pass's vertex kernel; nullptr for other kernels than smooth strands.
   static const KernelVariant* vertexOf(const Pass& pass) {
+    if (pass.kernel == &strandRecordVertexVariant({.smooth = true}))
+      return &oit_test::strandRecordVertexVariant({.smooth = true});
     for (const bool attributes : {false, true}) {
       if (pass.kernel == &strandVertexVariant({.smooth = true, .attributes = attributes}))
         return &oit_test::strandVertexVariant({.smooth = true, .attributes = attributes});

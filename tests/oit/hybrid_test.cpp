@@ -170,7 +170,7 @@ TEST_P(LayeredTransparency, DrawsOverWhatIsOpaqueAndNotBehindIt) {
       wall.visible = opaque;
       scene.hair().visible = !opaque;
     };
-    // In a list of its own: the shadows of the lists are in one buffer.
+    // In a list of its own, before that of the hair.
     const auto drawWall = [&] {
       show(true);
       scene.lists.assign(1, {});
@@ -183,11 +183,12 @@ TEST_P(LayeredTransparency, DrawsOverWhatIsOpaqueAndNotBehindIt) {
     // The exact composite of what is not behind the wall.
     std::vector<PassList> hair(1);
     expectOk(scene.run.scene.draw(view, tangleLights(), {}, hair));
+    const BufferId shadows = scene.run.scene.shadowWords();
     FragmentCapture capture(scene.resources(), 1 << 17);
     drawWall();
     scene.lists.push_back(hair[0]);
     scene.lists.emplace_back();
-    capture.addDraws(hair[0], scene.run.scene.shadowWords(), scene.lists.back());
+    capture.addDraws(hair[0], shadows, scene.lists.back());
     scene.renderLists(view);
     const std::vector<ExactPixel> exact =
         FragmentCapture::composite(capture.read(*scene.run.device()), view);

@@ -93,7 +93,7 @@ TEST_P(StrandTiles, AreThePictureOfTheListsAtAndBehindTheEye) {
   needles.strandCount = 90;
   needles.verticesPerStrand = 2;
   Random random(9);
-  const auto within = [&](float reach) { return reach * (2 * random.uniform() - 1); };
+  const auto within = [&](float range) { return range * (2 * random.uniform() - 1); };
   for (uint32_t i = 0; i < needles.strandCount; ++i) {
     needles.positions.push_back({within(0.1f), within(0.1f), -0.02f - 0.2f * random.uniform(), 0});
     needles.positions.push_back({within(0.2f), within(0.2f), within(0.3f), 1});

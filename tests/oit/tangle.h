@@ -17,7 +17,7 @@ namespace pelage::test {
 struct TangleDef {
   uint32_t strands = 1800;
   uint32_t vertices = 6;
-  float radius = 0.0012f;  ///< of the fibres [m]; 2.7 mm a pixel in the middle of tangleView(96), 4
+  float radius = 0.0012f;  ///< of the fibers [m]; 2.7 mm a pixel in the middle of tangleView(96), 4
                            ///< mm of tangleView(64)
   float opacity = 0.33f;
   uint64_t seed = 7;

@@ -60,7 +60,7 @@ class TransparencyTargets : public testing::TestWithParam<Api> {
   }
 };
 
-float largestDifference(const Float4& a, const Float4& b) {
+float maxDifference(const Float4& a, const Float4& b) {
   float largest = 0;
   for (const float d : {a.x - b.x, a.y - b.y, a.z - b.z, a.w - b.w})
     largest = std::abs(d) <= largest ? largest : std::abs(d);
@@ -90,7 +90,7 @@ TEST_P(TransparencyTargets, HaveThePictureWhereTheViewportIs) {  // K41
           continue;
         }
         covered += seen.w > 0 ? 1 : 0;
-        off += largestDifference(seen, image.pixels[v * view.width + u]) <= 1.0f / 255 ? 0 : 1;
+        off += maxDifference(seen, image.pixels[v * view.width + u]) <= 1.0f / 255 ? 0 : 1;
       }
     }
     EXPECT_GT(covered, 300u) << method.name;
@@ -101,13 +101,13 @@ TEST_P(TransparencyTargets, HaveThePictureWhereTheViewportIs) {  // K41
 
 TEST_P(TransparencyTargets, AreRefusedWhereTheViewportIsNoWholeNumberOfPixels) {
   const float bad[] = {0.5f, -1, 65536, std::numeric_limits<float>::quiet_NaN()};
-  for (const float place : bad) {
+  for (const float point : bad) {
     for (const bool down : {false, true}) {
       View view = tangleView(8);
-      (down ? view.y : view.x) = place;
+      (down ? view.y : view.x) = point;
       std::vector<PassList> lists;
       const Result<void> drawn = tangleRun().run.scene.draw(view, tangleLights(), {}, lists);
-      ASSERT_FALSE(drawn) << place;
+      ASSERT_FALSE(drawn) << point;
       EXPECT_NE(drawn.error().message.find("whole numbers"), std::string::npos);
     }
   }
@@ -167,7 +167,7 @@ TEST_P(TransparencyTargets, HaveThePictureInTheLastOf8192Columns) {
         covered += expected.w > 0 ? 1 : 0;
         sums[0] += static_cast<double>(seen.w);
         sums[1] += static_cast<double>(expected.w);
-        off += largestDifference(seen, expected) <= 4.0f / 255 ? 0 : 1;
+        off += maxDifference(seen, expected) <= 4.0f / 255 ? 0 : 1;
       }
     }
     EXPECT_GT(covered, kPart * kHigh / 8) << method.name;

@@ -1,6 +1,6 @@
 #include "reference/classic_reference.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -12,6 +12,20 @@ constexpr int kSpanRounds = 16;
 double smoothRamp(double excess) {
   const double x = std::clamp(excess, 0.0, 1.0);
   return x * x * (3 - 2 * x);
+}
+
+// The shortest rotation from one direction to another; not Eigen's, whose singular value
+// decomposition takes a minute to compile.
+Quaterniond rotationBetween(const Vector3d& from, const Vector3d& to) {
+  const Vector3d a = from.normalized(), b = to.normalized();
+  const double cosine = a.dot(b);
+  if (cosine < -1 + 1e-14) {
+    Vector3d axis = a.cross(std::abs(a.x()) < 0.9 ? Vector3d::UnitX() : Vector3d::UnitY());
+    axis.normalize();
+    return {0, axis.x(), axis.y(), axis.z()};
+  }
+  const Vector3d axis = a.cross(b);
+  return Quaterniond(1 + cosine, axis.x(), axis.y(), axis.z()).normalized();
 }
 
 }  // namespace
@@ -32,7 +46,7 @@ std::vector<Vector3d> restVectors(const std::vector<Vector3d>& bind) {
   for (size_t i = 0; i + 1 < bind.size(); ++i) {
     const Vector3d edge = bind[i + 1] - bind[i];
     rest.push_back(frame.conjugate() * edge);
-    if (i > 0) frame = Quaterniond::FromTwoVectors(bind[i] - bind[i - 1], edge) * frame;
+    if (i > 0) frame = rotationBetween(bind[i] - bind[i - 1], edge) * frame;
   }
   return rest;
 }
@@ -46,13 +60,13 @@ ClassicReference::ClassicReference(std::vector<Vector3d> bind, std::vector<int> 
   reset({Quaterniond::Identity(), bind_[0]});
 }
 
-Vector3d ClassicReference::goal(const Pose& pose, int vertex) const {
+Vector3d ClassicReference::target(const Pose& pose, int vertex) const {
   return pose.position + pose.rotation * (bind_[vertex] - bind_[0]);
 }
 
 void ClassicReference::reset(const Pose& pose) {
   current.clear();
-  for (int i = 0; i < count(); ++i) current.push_back(goal(pose, i));
+  for (int i = 0; i < count(); ++i) current.push_back(target(pose, i));
   previous = current;
 }
 
@@ -67,33 +81,34 @@ void ClassicReference::step(const ClassicStep& s, const Pose& begin, const Pose&
   const double acceleration = (velocity - velocityBefore).norm() * 2 / (h + before);
   const double share =
       s.vspCoefficient + (1 - s.vspCoefficient) * smoothRamp(acceleration / s.vspThreshold - 1);
-  const Pose turn =
+  const Pose relativeRotation =
       interpolate({}, {end.rotation * begin.rotation.conjugate(), Vector3d::Zero()}, share);
   const Vector3d pivot = begin.position + share * (end.position - begin.position);
-  const auto carry = [&](const Vector3d& p) -> Vector3d {
-    return turn.rotation * (p - begin.position) + pivot;
+  const auto transport = [&](const Vector3d& p) -> Vector3d {
+    return relativeRotation.rotation * (p - begin.position) + pivot;
   };
 
-  std::vector<Vector3d> carried, moved(current.size()), inertia(current.size());
-  for (const Vector3d& p : current) carried.push_back(carry(p));
+  std::vector<Vector3d> transported, moved(current.size()), inertia(current.size());
+  for (const Vector3d& p : current) transported.push_back(transport(p));
   for (int i = 0; i < count(); ++i) {
     if (isHeld(i)) {
-      moved[i] = goal(end, i);
-      previous[i] = i > 0 ? carried[i] : current[i];
+      moved[i] = target(end, i);
+      previous[i] = i > 0 ? transported[i] : current[i];
       continue;
     }
-    inertia[i] = (carried[i] - carry(previous[i])) * (force / before);
+    inertia[i] = (transported[i] - transport(previous[i])) * (force / before);
     Vector3d u = inertia[i] * s.dampingKeep + s.gravity * s.gravityStep;
-    // Implicit drag: (1 + c h) u_perp = u_perp + c h (h wind)_perp, u along the fibre as it was.
-    const Vector3d tangent = (carried[std::min(i + 1, count() - 1)] - carried[i - 1]).normalized();
+    // Implicit drag: (1 + c h) u_perp = u_perp + c h (h wind)_perp, u along the fiber as it was.
+    const Vector3d tangent =
+        (transported[std::min(i + 1, count() - 1)] - transported[i - 1]).normalized();
     const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - tangent * tangent.transpose();
     const double ch = s.airDrag * force;
     u = (Eigen::Matrix3d::Identity() + ch * across).inverse() *
         (u + ch * force * (across * s.wind));
     if (u.norm() > s.maxSpeed * force) u *= s.maxSpeed * force / u.norm();
-    moved[i] = carried[i] + u;
-    if (i < s.globalRange * count()) moved[i] += s.globalStiffness * (goal(end, i) - moved[i]);
-    previous[i] = carried[i];
+    moved[i] = transported[i] + u;
+    if (i < s.globalRange * count()) moved[i] += s.globalStiffness * (target(end, i) - moved[i]);
+    previous[i] = transported[i];
   }
   current = moved;
 
@@ -101,11 +116,11 @@ void ClassicReference::step(const ClassicStep& s, const Pose& begin, const Pose&
   // Of the change of displacement that forces make in a step of `force` the share of this one.
   for (int i = 0; i < count(); ++i)
     if (!isHeld(i))
-      current[i] = carried[i] + inertia[i] * (h / force) +
-                   s.forceShare * (current[i] - carried[i] - inertia[i]);
+      current[i] = transported[i] + inertia[i] * (h / force) +
+                   s.forceShare * (current[i] - transported[i] - inertia[i]);
   if (s.lengthIterations > 0) {
-    carried[0] = previous[0];
-    solveTensions(carried);
+    transported[0] = previous[0];
+    solveTensions(transported);
   }
   for (int round = 1; round < s.lengthIterations; ++round) newtonStep();
   followLeaders();
@@ -119,10 +134,10 @@ void ClassicReference::sweepLocalShape(double share, const Pose& end) {
         0.5 * share * (current[i] + frame * restVectors_[i] - current[i + 1]);
     if (!isHeld(i)) current[i] -= correction;
     if (!isHeld(i + 1)) current[i + 1] += correction;
-    const Vector3d turned = (current[i + 1] - current[i]).normalized();
-    frame = Quaterniond::FromTwoVectors(direction, turned) * frame;
+    const Vector3d rotated = (current[i + 1] - current[i]).normalized();
+    frame = rotationBetween(direction, rotated) * frame;
     frame.normalize();
-    direction = turned;
+    direction = rotated;
   }
 }
 
@@ -131,10 +146,10 @@ void ClassicReference::solveTensions(const std::vector<Vector3d>& begin) {
   if (n <= 0) return;
   // Dense. Along the segments as they were: J W J^T lambda = J (current - begin) + stretch.
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(n, 3 * count());
-  Eigen::VectorXd mobility(3 * count()), way(3 * count()), stretch(n);
+  Eigen::VectorXd mobility(3 * count()), displacement(3 * count()), stretch(n);
   for (int i = 0; i < count(); ++i) {
     mobility.segment<3>(3 * i).setConstant(isHeld(i) ? 0 : 1);
-    way.segment<3>(3 * i) = current[i] - begin[i];
+    displacement.segment<3>(3 * i) = current[i] - begin[i];
   }
   for (int j = 0; j < n; ++j) {
     const Vector3d edge = begin[j + 2] - begin[j + 1];
@@ -144,7 +159,7 @@ void ClassicReference::solveTensions(const std::vector<Vector3d>& begin) {
   }
   const Eigen::MatrixXd system = jacobian * mobility.asDiagonal() * jacobian.transpose();
   const Eigen::VectorXd lambda =
-      system.completeOrthogonalDecomposition().solve(jacobian * way + stretch);
+      system.completeOrthogonalDecomposition().solve(jacobian * displacement + stretch);
   // Along the segments as they become, where they are under tension: (1 + W L) u = way - W pull.
   Eigen::MatrixXd stiffness = Eigen::MatrixXd::Identity(count(), count());
   Eigen::MatrixX3d side(count(), 3);
@@ -187,16 +202,16 @@ void ClassicReference::newtonStep() {
 
 void ClassicReference::followLeaders() {
   int held = 1;
-  double reach = 0;
+  double range = 0;
   for (int i = 2; i < count(); ++i) {
-    reach += lengths_[i - 1];
+    range += lengths_[i - 1];
     if (!isHeld(i)) continue;
     const Vector3d whole = current[i] - current[held];
-    if (whole.norm() >= 0.999999 * reach) {
+    if (whole.norm() >= 0.999999 * range) {
       double done = 0;
       for (int k = held + 1; k < i; ++k) {
         done += lengths_[k - 1];
-        current[k] = current[held] + whole * (done / reach);
+        current[k] = current[held] + whole * (done / range);
       }
     } else {
       for (int round = 0; round < kSpanRounds; ++round) {
@@ -211,11 +226,11 @@ void ClassicReference::followLeaders() {
       double along = 0;
       for (int k = held + 1; k < i; ++k) {
         along += lengths_[k - 1];
-        current[k] += lack * (along / reach);
+        current[k] += lack * (along / range);
       }
     }
     held = i;
-    reach = 0;
+    range = 0;
   }
   for (int i = held + 1; i < count(); ++i)
     current[i] = current[i - 1] + lengths_[i - 1] * (current[i] - current[i - 1]).normalized();

@@ -1,5 +1,5 @@
 // The classic strand step in double precision, one strand at a time, written from its formulas
-// (head of kernels/simulation/simulate_strands.hlsl): what the kernel is compared with.
+// (head of kernels/simulation/classic/simulate_classic.hlsl): what the kernel is compared with.
 #pragma once
 
 #include <Eigen/Core>
@@ -54,7 +54,7 @@ class ClassicReference {
   void step(const ClassicStep& step, const Pose& begin, const Pose& end);
 
   int count() const { return static_cast<int>(bind_.size()); }
-  Vector3d goal(const Pose& pose, int vertex) const;
+  Vector3d target(const Pose& pose, int vertex) const;
   std::vector<Vector3d> tangents() const;
   double restLength(int segment) const { return lengths_[segment]; }
 

@@ -66,8 +66,8 @@ Pose skinByDualQuaternions(const std::vector<WeightedBone>& bones, const Vector3
   return pose;
 }
 
-std::vector<Vector3d> followStrand(const std::vector<Vector3d>& guide, const Quaterniond& root,
-                                   const Vector3d& offset, double tipSeparation) {
+std::vector<Vector3d> followHair(const std::vector<Vector3d>& guide, const Quaterniond& root,
+                                 const Vector3d& offset, double tipSeparation) {
   std::vector<Vector3d> strand;
   const double last = static_cast<double>(guide.size()) - 1;
   for (size_t i = 0; i < guide.size(); ++i) {

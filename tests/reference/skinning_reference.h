@@ -35,7 +35,7 @@ struct DualQuaternion {
 DualQuaternion dualQuaternion(const Matrix34d& rigid);
 
 /// A follow strand beside its guide. \param root rotation of the guide's root.
-std::vector<Vector3d> followStrand(const std::vector<Vector3d>& guide, const Quaterniond& root,
-                                   const Vector3d& offset, double tipSeparation);
+std::vector<Vector3d> followHair(const std::vector<Vector3d>& guide, const Quaterniond& root,
+                                 const Vector3d& offset, double tipSeparation);
 
 }  // namespace pelage::reference

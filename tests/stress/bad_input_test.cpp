@@ -411,13 +411,13 @@ TEST_P(BadInput, GroomsMayBeOdd) {
     for (size_t v = 0; v < positions.size(); ++v) {
       if (asset.inverseMasses[v] > 0) continue;
       const Float4& p = asset.positions[v];
-      Float4 goal;
-      float* out[] = {&goal.x, &goal.y, &goal.z};
+      Float4 target;
+      float* out[] = {&target.x, &target.y, &target.z};
       for (int row = 0; row < 3; ++row) {
         const Float4& r = bone.rows[row];
         *out[row] = r.x * p.x + r.y * p.y + r.z * p.z + r.w;
       }
-      worst = std::max(worst, distance(positions[v], goal));
+      worst = std::max(worst, distance(positions[v], target));
     }
   }
   EXPECT_LT(worst, exact() ? 2e-3 : 1e-5) << "the exact solver holds with springs";

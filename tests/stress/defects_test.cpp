@@ -15,7 +15,7 @@ class Defects : public StressTest {
     settings_.wind.velocity.z = 1e-9f;
     settings_.wind.gustStrength = settings_.wind.strandVariation = 0;
   }
-  double largestStretch(const HairAsset& asset, const std::vector<Float4>& positions) const {
+  double maxStretch(const HairAsset& asset, const std::vector<Float4>& positions) const {
     double worst = 0;
     for (uint32_t s = 0; s < asset.strandCount; ++s)
       worst = std::max(worst, stretchOf(asset, positions, s, 1e-4));
@@ -23,7 +23,8 @@ class Defects : public StressTest {
   }
 };
 
-HairAsset straightAsset(const std::vector<uint32_t>& counts, double length, const Vector3d& way) {
+HairAsset straightAsset(const std::vector<uint32_t>& counts, double length,
+                        const Vector3d& displacement) {
   HairAsset asset;
   asset.strandCount = static_cast<uint32_t>(counts.size());
   asset.vertexCounts = counts;
@@ -31,7 +32,7 @@ HairAsset straightAsset(const std::vector<uint32_t>& counts, double length, cons
   for (uint32_t s = 0; s < counts.size(); ++s) {
     for (uint32_t v = 0; v < asset.verticesPerStrand; ++v) {
       const double share = static_cast<double>(std::min(v, counts[s] - 1)) / (counts[s] - 1);
-      const Vector3d p = Vector3d(0.001 * s, 0, 0) + way * (length * share);
+      const Vector3d p = Vector3d(0.001 * s, 0, 0) + displacement * (length * share);
       asset.positions.push_back(toFloat4(p, v < 2 ? 0 : 1));
     }
   }
@@ -61,7 +62,7 @@ TEST_P(Defects, TangentsAreThoseOfThePositionsUpToTheTip) {
     worst = std::max(worst, (across.normalized() - toVector(tangents[i])).norm());
   }
   EXPECT_LT(worst, 1e-4);
-  EXPECT_LT(largestStretch(asset, positions), 1e-3);
+  EXPECT_LT(maxStretch(asset, positions), 1e-3);
 }
 
 // K5
@@ -70,7 +71,7 @@ TEST_P(Defects, HangingHairIsAsLongAsItWasMadeForEveryVertexCount) {
   const HairId id = add(asset, {.settings = settings_});
   const HairObject& hair = run_.scene.hair(id);
   for (int frame = 0; frame < 120; ++frame) run_.step();
-  EXPECT_LT(largestStretch(asset, run_.positions(hair)), 1e-3);
+  EXPECT_LT(maxStretch(asset, run_.positions(hair)), 1e-3);
 }
 
 // K8
@@ -84,7 +85,7 @@ TEST_P(Defects, EveryVertexCountFrom2To256IsSimulatedInFull) {
   const HairObject& hair = run_.scene.hair(id);
   for (int frame = 0; frame < 12; ++frame) run_.step();
   const std::vector<Float4> positions = run_.positions(hair);
-  EXPECT_LT(largestStretch(asset, positions), 1e-3);
+  EXPECT_LT(maxStretch(asset, positions), 1e-3);
   for (uint32_t s = 0; s < counts.size(); ++s) {
     if (counts[s] < 4) continue;
     const size_t tip = size_t{s} * asset.verticesPerStrand + counts[s] - 1;
@@ -97,43 +98,44 @@ TEST_P(Defects, AMoveOf40Or200MetresTakesTheHairAlong) {
   const HairAsset asset = wavyAsset(9, 12);
   const HairId id = add(asset, {.settings = settings_});
   HairObject& hair = run_.scene.hair(id);
-  for (const double way : {0.0, 40.0, 240.0, 40.0}) {
+  for (const double displacement : {0.0, 40.0, 240.0, 40.0}) {
     AffineTransform bone;
-    bone.rows[1].w = static_cast<float>(way);
+    bone.rows[1].w = static_cast<float>(displacement);
     hair.setBones({&bone, 1});
     for (int frame = 0; frame < 2; ++frame) run_.step();
     const std::vector<Float4> positions = run_.positions(hair);
-    EXPECT_LT(largestStretch(asset, positions), 0.02) << "rounding at 240 m included";
+    EXPECT_LT(maxStretch(asset, positions), 0.02) << "rounding at 240 m included";
     for (size_t i = 0; i < positions.size(); i += 12)
-      EXPECT_LT(std::abs(positions[i].y - asset.positions[i].y - static_cast<float>(way)), 1e-4f);
+      EXPECT_LT(std::abs(positions[i].y - asset.positions[i].y - static_cast<float>(displacement)),
+                1e-4f);
   }
 }
 
 // K12: neither twist nor length is lost, whatever the share.
-TEST_P(Defects, ShockPropagationCarriesTheWholeShapeThroughAHalfTurnInOneFrame) {
+TEST_P(Defects, ShockPropagationCarriesTheWholeShapeThroughAHalfRotationInOneFrame) {
   const HairAsset asset = wavyAsset(17, 12);
   settings_.gravity = {};
   settings_.vspCoefficient = 1;
   const HairId id = add(asset, {.settings = settings_});
   HairObject& hair = run_.scene.hair(id);
   for (int frame = 0; frame < 5; ++frame) run_.step();
-  const Eigen::Matrix3d turn =
+  const Eigen::Matrix3d rotation =
       Eigen::AngleAxisd(0.999 * kPi, Vector3d(1, 2, -0.5).normalized()).toRotationMatrix();
   const Vector3d shift(0.2, -0.1, 0.3);
-  const AffineTransform bone = toTransform(turn, shift);
+  const AffineTransform bone = toTransform(rotation, shift);
   hair.setBones({&bone, 1});
   run_.step();
   const std::vector<Float4> positions = run_.positions(hair);
   double worst = 0;
   for (size_t i = 0; i < positions.size(); ++i) {
-    const Vector3d goal = turn * toVector(asset.positions[i]) + shift;
-    worst = std::max(worst, (toVector(positions[i]) - goal).norm());
+    const Vector3d target = rotation * toVector(asset.positions[i]) + shift;
+    worst = std::max(worst, (toVector(positions[i]) - target).norm());
   }
   EXPECT_LT(worst, 1e-3) << "of 0.3 m";
 }
 
 // K13: half turns of the root that nothing softens, on either side of 180 degrees.
-TEST_P(Defects, HairComesBackToItsShapeAfterHalfTurns) {
+TEST_P(Defects, HairComesBackToItsShapeAfterHalfRotations) {
   const HairAsset asset = straightAsset({12, 12, 12, 12}, 0.1, {0, -1, 0});
   settings_.gravity = {};
   settings_.damping = 0.2f;
@@ -142,16 +144,16 @@ TEST_P(Defects, HairComesBackToItsShapeAfterHalfTurns) {
   const HairId id = add(asset, {.settings = settings_});
   HairObject& hair = run_.scene.hair(id);
   for (const double degrees : {179.0, 180.0, 181.0, 360.0}) {
-    const Eigen::Matrix3d turn =
+    const Eigen::Matrix3d rotation =
         Eigen::AngleAxisd(degrees / 180 * kPi, Vector3d(1, 0, 0)).toRotationMatrix();
-    const AffineTransform bone = toTransform(turn, Vector3d(0, 0, 0));
+    const AffineTransform bone = toTransform(rotation, Vector3d(0, 0, 0));
     hair.setBones({&bone, 1});
     for (int frame = 0; frame < 180; ++frame) run_.step();
     const std::vector<Float4> positions = run_.positions(hair);
     double worst = 0;
     for (size_t i = 0; i < positions.size(); ++i) {
-      const Vector3d goal = turn * toVector(asset.positions[i]);
-      worst = std::max(worst, (toVector(positions[i]) - goal).norm());
+      const Vector3d target = rotation * toVector(asset.positions[i]);
+      worst = std::max(worst, (toVector(positions[i]) - target).norm());
     }
     EXPECT_LT(worst, 2e-3) << degrees << " degrees, of 0.1 m";
   }
@@ -180,7 +182,7 @@ TEST_P(Defects, ACapsuleWhoseEndsCoincideIsASphere) {
   }
   EXPECT_LT(deepest, 1e-3) << "metres";
   EXPECT_LT(nearest, 3e-3) << "the hair lies on it";
-  EXPECT_LT(largestStretch(asset, run_.positions(hair)), 1e-3);
+  EXPECT_LT(maxStretch(asset, run_.positions(hair)), 1e-3);
 }
 
 // K14: a sphere that turns about nothing moves past the hair in any direction and takes it along.

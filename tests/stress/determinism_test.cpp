@@ -36,15 +36,15 @@ Groom makeGroom(const std::vector<uint32_t>& order) {
   Groom groom;
   groom.asset.strandCount = kStrands;
   groom.asset.verticesPerStrand = kVertices;
-  for (uint32_t place = 0; place < kStrands; ++place) {
-    const uint32_t s = order[place];
+  for (uint32_t slot = 0; slot < kStrands; ++slot) {
+    const uint32_t s = order[slot];
     const auto first = source.positions.begin() + static_cast<ptrdiff_t>(s * kVertices);
     groom.asset.positions.insert(groom.asset.positions.end(), first, first + kVertices);
     groom.asset.vertexCounts.push_back(2 + (s * 7) % (kVertices - 1));
     groom.influences.push_back(influences[s]);
     for (uint32_t k = 0; k < kFollows; ++k) {
       groom.follows.push_back(follows[s * kFollows + k]);
-      groom.follows.back().guide = place;
+      groom.follows.back().guide = slot;
     }
   }
   expectOk(groom.asset.process());
@@ -66,18 +66,18 @@ class Hash {
 };
 
 /// What is simulated with.
-struct Way {
+struct Case {
   const char* name;
   Solver solver;
   bool hairContact;
   int frames;
 };
 
-constexpr Way kWays[] = {{"Exact", Solver::kExact, false, 1000},
-                         {"ExactContact", Solver::kExact, true, 100},
-                         {"Classic", Solver::kClassic, false, 1000}};
+constexpr Case kCases[] = {{"Exact", Solver::kExact, false, 1000},
+                           {"ExactContact", Solver::kExact, true, 100},
+                           {"Classic", Solver::kClassic, false, 1000}};
 
-void PrintTo(const Way& way, std::ostream* out) { *out << way.name; }
+void PrintTo(const Case& variant, std::ostream* out) { *out << variant.name; }
 
 struct Outcome {
   uint64_t hash = 0;                        ///< of positions and tangents, every 10 frames
@@ -86,12 +86,12 @@ struct Outcome {
 
 /// A head with four bones that shakes, turns and walks, among colliders that move, in steps of
 /// several lengths.
-Outcome simulate(Api api, const Way& way, const std::vector<uint32_t>& order) {
+Outcome simulate(Api api, const Case& variant, const std::vector<uint32_t>& order) {
   SceneRun run(api);
   const Groom groom = makeGroom(order);
   SimulationSettings settings;
-  settings.solver = way.solver;
-  if (way.hairContact) settings.contact = {.stiffness = 0.5f, .friction = 0.1f};
+  settings.solver = variant.solver;
+  if (variant.hairContact) settings.contact = {.stiffness = 0.5f, .friction = 0.1f};
   settings.globalStiffness = 0.01f;
   settings.relaxationTime = 1e-3f;
   settings.localStiffness = 0.4f;
@@ -107,7 +107,7 @@ Outcome simulate(Api api, const Way& way, const std::vector<uint32_t>& order) {
   constexpr std::array<float, 5> kSteps = {1.0f / 60, 1.0f / 60, 1.0f / 144, 1.0f / 30, 1.0f / 90};
   Outcome outcome;
   Hash hash;
-  for (int frame = 0; frame < way.frames; ++frame) {
+  for (int frame = 0; frame < variant.frames; ++frame) {
     std::vector<AffineTransform> bones;
     for (uint32_t b = 0; b < kBones; ++b) {
       const Eigen::Quaterniond turn(
@@ -129,7 +129,7 @@ Outcome simulate(Api api, const Way& way, const std::vector<uint32_t>& order) {
                                        .friction = 0.6f}};
     hair.setColliders(shapes);
     run.step(kSteps[static_cast<size_t>(frame) % kSteps.size()]);
-    if (frame % 10 != 9 && frame + 1 != way.frames) continue;
+    if (frame % 10 != 9 && frame + 1 != variant.frames) continue;
     outcome.positions = run.positions(hair);
     outcome.tangents = run.read(hair.buffers().tangents);
     hash.add(outcome.positions);
@@ -193,7 +193,7 @@ class KnownHashes {
   std::map<std::string, std::string> hashes_;
 };
 
-class Determinism : public testing::TestWithParam<Way> {};
+class Determinism : public testing::TestWithParam<Case> {};
 
 TEST_P(Determinism, TheBitsAreThoseOfEveryApiAndRunAndOfTheTable) {
   std::string first;
@@ -247,17 +247,17 @@ TEST_P(Determinism, AStrandDoesNotDependOnItsPlaceAmongTheOthers) {
       different += same ? 0 : 1;
     }
   };
-  for (size_t place = 0; place < kStrands; ++place) {
-    compare(order[place], place);
+  for (size_t slot = 0; slot < kStrands; ++slot) {
+    compare(order[slot], slot);
     for (size_t k = 0; k < kFollows; ++k)
-      compare(kStrands + order[place] * kFollows + k, kStrands + place * kFollows + k);
+      compare(kStrands + order[slot] * kFollows + k, kStrands + slot * kFollows + k);
   }
   EXPECT_EQ(different, 0u) << "vertices of " << plain.positions.size();
 }
 
-std::string wayTestName(const testing::TestParamInfo<Way>& way) { return way.param.name; }
+std::string caseTestName(const testing::TestParamInfo<Case>& variant) { return variant.param.name; }
 
-INSTANTIATE_TEST_SUITE_P(All, Determinism, testing::ValuesIn(kWays), wayTestName);
+INSTANTIATE_TEST_SUITE_P(All, Determinism, testing::ValuesIn(kCases), caseTestName);
 
 }  // namespace
 }  // namespace pelage::test

@@ -48,8 +48,8 @@ SimulationSettings toSettings(const reference::RodSettings& from, Solver solver,
   s.relaxationTime = narrow(material.relaxation);
   s.globalStiffness = narrow(from.globalStiffness);
   s.globalRange = narrow(from.globalRange);
-  s.vspCoefficient = narrow(from.carry);
-  s.vspThreshold = narrow(from.carryThreshold);
+  s.vspCoefficient = narrow(from.transport);
+  s.vspThreshold = narrow(from.transportThreshold);
   s.wind.velocity = toFloat3(from.wind);
   // What only the classic solver has.
   s.localStiffness = narrow(between(0, 1) < 0.3 ? 0 : between(0, 1));
@@ -88,17 +88,17 @@ FuzzGroup makeFuzzGroup(uint32_t seed, uint32_t strands, int frames, Solver solv
   for (const double step : first.steps) group.steps.push_back(narrow(step));
   // Half of the colliders stay where they are; the others are carried along, so that strands that
   // have gone far from the start meet some, too.
-  const bool carried = (seed / strands) % 2 == 1;
+  const bool transported = (seed / strands) % 2 == 1;
   for (size_t frame = 0; frame < first.poses.size(); ++frame) {
     const Vector3d& shift = first.poses[frame].translation;
     std::vector<AffineTransform>& bones = group.bones.emplace_back();
     for (const FuzzCase& c : cases) bones.push_back(toTransform(c.poses[frame].rotation, shift));
     std::vector<CapsuleCollider>& colliders = group.colliders.emplace_back();
     for (const reference::RodCollider& c : first.colliders) {
-      const Vector3d way = carried ? shift : Vector3d();
-      colliders.push_back({.head = toFloat3(c.head + way),
+      const Vector3d displacement = transported ? shift : Vector3d();
+      colliders.push_back({.head = toFloat3(c.head + displacement),
                            .headRadius = narrow(c.headRadius),
-                           .tail = toFloat3(c.tail + way),
+                           .tail = toFloat3(c.tail + displacement),
                            .tailRadius = narrow(c.tailRadius),
                            .friction = narrow(c.friction)});
     }

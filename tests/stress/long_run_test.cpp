@@ -17,10 +17,10 @@ HairAsset swingingAsset() {
   asset.verticesPerStrand = kVertices;
   for (uint32_t s = 0; s < kStrands; ++s) {
     const double angle = 2.5 * s / (kStrands - 1), around = 0.7 * s;
-    const Vector3d way(std::sin(angle) * std::cos(around), -std::cos(angle),
-                       std::sin(angle) * std::sin(around));
+    const Vector3d displacement(std::sin(angle) * std::cos(around), -std::cos(angle),
+                                std::sin(angle) * std::sin(around));
     for (uint32_t v = 0; v < kVertices; ++v) {
-      const Vector3d p = Vector3d(0.01 * s, 0, 0) + way * (kLength * v / (kVertices - 1));
+      const Vector3d p = Vector3d(0.01 * s, 0, 0) + displacement * (kLength * v / (kVertices - 1));
       asset.positions.push_back(toFloat4(p, v < 2 ? 0 : 1));
     }
   }

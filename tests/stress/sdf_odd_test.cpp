@@ -1,6 +1,6 @@
 // Odd mesh colliders: empty, larger than their grid, overlapping, coming and going; grids over the
 // memory cap; and fields of meshes that do what no mesh should.
-#include "kernel/sdf_run.h"
+#include "sdf/sdf_run.h"
 #include "stress/sdf_stress.h"
 
 namespace pelage::test {
@@ -11,24 +11,24 @@ class SdfOdd : public SdfStress {};
 TEST_P(SdfOdd, OddCollidersAreSurvived) {
   const HairAsset asset = comb();
   settings_.globalStiffness = 0.02f;
-  std::vector<Place> places;
+  std::vector<Location> sites;
   const auto at = [&](const std::string& name, const TriangleMesh& mesh, SdfColliderDef def) {
-    Place place{name, mesh};
-    place.at.z = kSpacing * static_cast<float>(places.size() + 1);
-    addHair(place, asset, settings_);
+    Location site{name, mesh};
+    site.at.z = kSpacing * static_cast<float>(sites.size() + 1);
+    addHair(site, asset, settings_);
     def.name = name;
     def.cellSize = kCell;
     if (def.vertices != BufferId::kInvalid)
-      def.vertices = addVertices(reference::moved(mesh, place.at));
+      def.vertices = addVertices(reference::moved(mesh, site.at));
     // The grid of an engine's vertices is that of their bounds, which are given later.
-    place.collider =
+    site.collider =
         add(def.vertices != BufferId::kInvalid ? reference::scaled(mesh, 1e-3f) : mesh, def);
-    setBones(place, {});
-    places.push_back(place);
-    return places.size() - 1;
+    setBones(site, {});
+    sites.push_back(site);
+    return sites.size() - 1;
   };
   const auto bounds = [&](size_t i, const Float3& low, const Float3& high) {
-    colliderOf(places[i]).setVertexBounds(plus(places[i].at, low), plus(places[i].at, high));
+    colliderOf(sites[i]).setVertexBounds(plus(sites[i].at, low), plus(sites[i].at, high));
   };
   const SdfColliderDef engine = {.vertices = static_cast<BufferId>(1)};
   const size_t plain = at("plain", block(), {});
@@ -50,7 +50,7 @@ TEST_P(SdfOdd, OddCollidersAreSurvived) {
          reference::joined(block(), reference::moved(block(), {0.05f, -0.013f, 0.02f})), {});
   const size_t two = at("two colliders", block(), {});
   const ColliderId second = add(block(), {.name = "second", .cellSize = kCell});
-  const AffineTransform beside = boneAt(plus(places[two].at, {0.061f, -0.006f, 0.013f}));
+  const AffineTransform beside = boneAt(plus(sites[two].at, {0.061f, -0.006f, 0.013f}));
   run_.scene.collider(second).setBones({&beside, 1});
   at("holes", reference::sphereWithHoles(0.075f, 14, 20, 17), {});
   const size_t guest = at("comes and goes", block(), {});
@@ -58,82 +58,82 @@ TEST_P(SdfOdd, OddCollidersAreSurvived) {
   for (int frame = 0; frame < 45; ++frame) {
     // In the middle of its hair's fall, and before others in the list.
     if (frame == 20) {
-      remove(places[guest].collider);
-      places[guest].collider = ColliderId::kInvalid;
+      remove(sites[guest].collider);
+      sites[guest].collider = ColliderId::kInvalid;
     }
     if (frame == 30) {
-      places[guest].collider = add(block(), {.name = "guest", .cellSize = kCell});
-      setBones(places[guest], {});
+      sites[guest].collider = add(block(), {.name = "guest", .cellSize = kCell});
+      setBones(sites[guest], {});
     }
     if (frame == 35) bounds(cut, {kNan, 0, 0}, {kInf, 1, 1});
     run_.step();
-    for (const Place& place : places) expectSane(asset, place, "frame " + std::to_string(frame));
+    for (const Location& site : sites) expectSane(asset, site, "frame " + std::to_string(frame));
     if (HasFatalFailure()) return;
     if (frame == 29) {
       // As without it.
-      for (const Float4& p : run_.positions(hairOf(places[guest])))
+      for (const Float4& p : run_.positions(hairOf(sites[guest])))
         fallen = std::max(fallen, 0.08 - double{p.y});
     }
     for (const size_t i : {plain, giant, overlap, two, guest}) {
       if (i == guest && frame >= 20 && frame < 32) continue;
-      const double deep = depth(places[i], reference::moved(places[i].mesh, places[i].at));
-      EXPECT_LT(deep, 0.02 * double{kCell}) << places[i].name << ", frame " << frame;
+      const double deep = depth(sites[i], reference::moved(sites[i].mesh, sites[i].at));
+      EXPECT_LT(deep, 0.02 * double{kCell}) << sites[i].name << ", frame " << frame;
       deepest = std::max(deepest, deep);
     }
   }
   // Both have nothing for hair to lie on.
-  const auto tipOf = [&](size_t i) { return double{run_.positions(hairOf(places[i])).back().y}; };
+  const auto tipOf = [&](size_t i) { return double{run_.positions(hairOf(sites[i])).back().y}; };
   EXPECT_LT(tipOf(empty), 0.05);
   EXPECT_NEAR(tipOf(points), tipOf(empty), 1e-5);
   EXPECT_GT(tipOf(triangle), tipOf(empty) + 0.01);
   EXPECT_GT(fallen, 0.02);
-  const std::vector<SdfData> field = copyFields({places[points]});
-  for (const uint32_t key : field[0].keys) ASSERT_EQ(key, 0x7fffffffu);
+  const std::vector<SdfData> sdf = copySdfs({sites[points]});
+  for (const uint32_t key : sdf[0].keys) ASSERT_EQ(key, 0x7fffffffu);
   printFigure("odd colliders, " + label() + ": deepest [cell]", deepest / double{kCell});
   printFigure("  largest stretch [%]", 100 * worstStretch_);
 }
 
 TEST_P(SdfOdd, AGridOverTheCapRefusesTheFrameAndLosesNothing) {
   const HairAsset asset = comb();
-  Place place{"capped", block()};
-  addHair(place, asset, settings_);
-  place.collider = add(place.mesh, {.name = "capped", .cellSize = kCell});
-  setBones(place, {});
+  Location site{"capped", block()};
+  addHair(site, asset, settings_);
+  site.collider = add(site.mesh, {.name = "capped", .cellSize = kCell});
+  setBones(site, {});
   run_.step();
-  const uint64_t tight = colliderOf(place).memoryBytes();
-  remove(place.collider);
-  place.collider =
-      add(place.mesh, {.name = "capped", .cellSize = kCell, .memoryCap = tight + tight / 8});
+  const uint64_t tight = colliderOf(site).memoryBytes();
+  remove(site.collider);
+  site.collider =
+      add(site.mesh, {.name = "capped", .cellSize = kCell, .memoryCap = tight + tight / 8});
   for (int i = 0; i < 20; ++i) {
     // There is no room for a larger grid, but for one that goes with it.
-    setBones(place, {0, 0, 0.05f * static_cast<float>(i % 4)});
+    setBones(site, {0, 0, 0.05f * static_cast<float>(i % 4)});
     run_.step();
-    ASSERT_LE(colliderOf(place).memoryBytes(), tight + tight / 8);
+    ASSERT_LE(colliderOf(site).memoryBytes(), tight + tight / 8);
   }
-  const std::vector<Float4> before = run_.positions(hairOf(place));
-  const std::vector<SdfData> field = copyFields({place});
-  setBones(place, {0, 0, 0.15f}, {3, 3, 3});
+  const std::vector<Float4> before = run_.positions(hairOf(site));
+  const std::vector<SdfData> sdf = copySdfs({site});
+  setBones(site, {0, 0, 0.15f}, {3, 3, 3});
   PassList list;
   const Result<void> done = run_.scene.simulate(1.0f / 60, list);
   ASSERT_FALSE(done);
   EXPECT_NE(done.error().message.find("'capped'"), std::string::npos) << done.error().message;
   EXPECT_NE(done.error().message.find("fits"), std::string::npos) << done.error().message;
   EXPECT_TRUE(list.passes.empty());
-  EXPECT_EQ(run_.positions(hairOf(place)), before);
-  EXPECT_TRUE(copyFields({place})[0] == field[0]);
-  setBones(place, {0, 0, 0.15f});
+  EXPECT_EQ(run_.positions(hairOf(site)), before);
+  EXPECT_TRUE(copySdfs({site})[0] == sdf[0]);
+  setBones(site, {0, 0, 0.15f});
   run_.step();
-  expectSane(asset, place, "after it");
-  EXPECT_TRUE(copyFields({place})[0] == field[0]);
+  expectSane(asset, site, "after it");
+  EXPECT_TRUE(copySdfs({site})[0] == sdf[0]);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, SdfOdd, testing::ValuesIn(solversOnApis()), stressTestName);
 
 // ---- the field itself
 
-class SdfFieldStress : public GpuTest {};
+class SdfTableStress : public GpuTest {};
 
-TEST_P(SdfFieldStress, WhatAMeshDoesIsBuiltAsFromScratch) {
+TEST_P(SdfTableStress, WhatAMeshDoesIsBuiltAsFromScratch) {
   // One mesh that is closed and one that is not, in a grid for their first shape. They leave it,
   // grow ten times, go 16 cells a step, are mirrored and flattened, and come back.
   // The sanitizers see nothing of what runs in the kernels: fewer nodes for them.
@@ -170,7 +170,7 @@ TEST_P(SdfFieldStress, WhatAMeshDoesIsBuiltAsFromScratch) {
       const detail::SdfBuildCounters counters = run.counters();
       EXPECT_LE(counters.bigTriangles, mesh.triangleCount());
       EXPECT_LE(counters.interiorNodes, run.nodeCount());
-      EXPECT_LE(counters.movedPlaces, mesh.positions.size());
+      EXPECT_LE(counters.movedPoints, mesh.positions.size());
       EXPECT_LE(counters.movedTriangles, mesh.triangleCount());
       if (!open && (i < 5)) {
         TriangleMesh now = mesh;
@@ -182,7 +182,7 @@ TEST_P(SdfFieldStress, WhatAMeshDoesIsBuiltAsFromScratch) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, SdfFieldStress, testing::ValuesIn(kApis), apiTestName);
+INSTANTIATE_TEST_SUITE_P(All, SdfTableStress, testing::ValuesIn(kApis), apiTestName);
 
 }  // namespace
 }  // namespace pelage::test

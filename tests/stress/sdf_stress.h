@@ -10,7 +10,7 @@
 #include "reference/sdf/distance_oracle.h"
 #include "reference/sdf/mesh_shapes.h"
 #include "stress/stress_run.h"
-#include "support/sdf_field_error.h"
+#include "support/sdf_error.h"
 
 namespace pelage::test {
 
@@ -45,11 +45,11 @@ inline TriangleMesh block() {
   return reference::box({-0.093f, -0.08f, -0.083f}, {0.093f, 0.0717f, 0.083f});
 }
 
-inline AffineTransform boneAt(const Float3& place, const Float3& scale = {1, 1, 1}) {
+inline AffineTransform boneAt(const Float3& point, const Float3& scale = {1, 1, 1}) {
   AffineTransform bone;
-  bone.rows[0] = {scale.x, 0, 0, place.x};
-  bone.rows[1] = {0, scale.y, 0, place.y};
-  bone.rows[2] = {0, 0, scale.z, place.z};
+  bone.rows[0] = {scale.x, 0, 0, point.x};
+  bone.rows[1] = {0, scale.y, 0, point.y};
+  bone.rows[2] = {0, 0, scale.z, point.z};
   return bone;
 }
 
@@ -57,7 +57,7 @@ inline Float3 plus(const Float3& a, const Float3& b) { return {a.x + b.x, a.y + 
 
 /// Up to 0.7 cells a frame, within the room that a grid has; then it stands still. In steps of
 /// 2^-12 m, which every place has exactly.
-inline Float3 wayAt(int frame) {
+inline Float3 displacementAt(int frame) {
   const float t = 0.448799f * static_cast<float>(std::min(frame, kGoodFrames + kBadFrames));
   const auto exact = [](float x) { return std::round(x * 4096) / 4096; };
   return {0, exact(-1.4f * kCell * std::sin(t)), exact(0.8f * kCell * std::sin(2 * t))};
@@ -77,7 +77,7 @@ inline TriangleMesh posed(TriangleMesh mesh, const AffineTransform& bone) {
 }
 
 /// A collider, the hair over it, and where both are.
-struct Place {
+struct Location {
   std::string name;
   TriangleMesh mesh;
   Float3 at = {};
@@ -117,24 +117,25 @@ class SdfStress : public StressTest {
                                                    .initial = {bytes.begin(), bytes.end()}}));
     return buffers_.back();
   }
-  HairObject& hairOf(const Place& place) { return run_.scene.hair(place.hair); }
-  SdfCollider& colliderOf(const Place& place) { return run_.scene.collider(place.collider); }
-  void setBones(const Place& place, const Float3& way, const Float3& scale = {1, 1, 1}) {
-    const AffineTransform bone = boneAt(plus(place.at, way), scale);
-    colliderOf(place).setBones({&bone, 1});
+  HairObject& hairOf(const Location& point) { return run_.scene.hair(point.hair); }
+  SdfCollider& colliderOf(const Location& point) { return run_.scene.collider(point.collider); }
+  void setBones(const Location& point, const Float3& displacement,
+                const Float3& scale = {1, 1, 1}) {
+    const AffineTransform bone = boneAt(plus(point.at, displacement), scale);
+    colliderOf(point).setBones({&bone, 1});
   }
   /// Hair with a comb's shape, at the place.
-  void addHair(Place& place, const HairAsset& asset, const SimulationSettings& settings) {
-    place.hair = add(asset, {.name = place.name, .settings = settings});
-    const AffineTransform bone = boneAt(place.at);
-    hairOf(place).setBones({&bone, 1});
+  void addHair(Location& point, const HairAsset& asset, const SimulationSettings& settings) {
+    point.hair = add(asset, {.name = point.name, .settings = settings});
+    const AffineTransform bone = boneAt(point.at);
+    hairOf(point).setBones({&bone, 1});
   }
 
   /// Finite, with its lengths but for the rounding of world space, and counters that can be.
-  void expectSane(const HairAsset& asset, const Place& place, const std::string& when) {
-    const std::vector<Float4> positions = run_.positions(hairOf(place));
-    ASSERT_TRUE(allFinite(positions)) << place.name << ", " << when;
-    ASSERT_TRUE(allFinite(run_.read(hairOf(place).buffers().tangents))) << place.name;
+  void expectSane(const HairAsset& asset, const Location& point, const std::string& when) {
+    const std::vector<Float4> positions = run_.positions(hairOf(point));
+    ASSERT_TRUE(allFinite(positions)) << point.name << ", " << when;
+    ASSERT_TRUE(allFinite(run_.read(hairOf(point).buffers().tangents))) << point.name;
     double size = 0;
     for (const Float4& p : positions) size = std::max(size, toVector(p).cwiseAbs().maxCoeff());
     for (size_t i = 0; i + 1 < positions.size(); ++i) {
@@ -143,38 +144,38 @@ class SdfStress : public StressTest {
       const double off = std::abs(distance(positions[i], positions[i + 1]) - rest);
       const double stretch = std::max(off - 2.4e-7 * size, 0.0) / rest;
       worstStretch_ = std::max(worstStretch_, stretch);
-      ASSERT_LT(stretch, 1e-3) << place.name << ", " << when << ", vertex " << i;
+      ASSERT_LT(stretch, 1e-3) << point.name << ", " << when << ", vertex " << i;
     }
-    if (place.collider == ColliderId::kInvalid) return;
-    const SdfCollider& collider = colliderOf(place);
+    if (point.collider == ColliderId::kInvalid) return;
+    const SdfCollider& collider = colliderOf(point);
     const SdfGrid& grid = collider.grid();
     const uint64_t nodes = uint64_t{grid.nodes[0]} * grid.nodes[1] * grid.nodes[2];
     uint64_t bricks = 1;
     for (const uint32_t n : grid.nodes) bricks *= (n + 3) / 4;
     const std::vector<uint32_t> work = run_.read<uint32_t>(collider.buffers().work);
     const SdfCounters counters = readSdfCounters(std::as_bytes(std::span(work)));
-    ASSERT_LE(counters.bigTriangles, place.mesh.triangleCount()) << place.name << ", " << when;
-    ASSERT_LE(counters.interiorNodes, nodes) << place.name << ", " << when;
-    ASSERT_LE(counters.movedVertices, place.mesh.positions.size()) << place.name << ", " << when;
-    ASSERT_LE(counters.movedTriangles, place.mesh.triangleCount()) << place.name << ", " << when;
-    ASSERT_LE(counters.clearedBricks, bricks) << place.name << ", " << when;
+    ASSERT_LE(counters.bigTriangles, point.mesh.triangleCount()) << point.name << ", " << when;
+    ASSERT_LE(counters.interiorNodes, nodes) << point.name << ", " << when;
+    ASSERT_LE(counters.movedVertices, point.mesh.positions.size()) << point.name << ", " << when;
+    ASSERT_LE(counters.movedTriangles, point.mesh.triangleCount()) << point.name << ", " << when;
+    ASSERT_LE(counters.clearedBricks, bricks) << point.name << ", " << when;
   }
   /// How deep the deepest free vertex is in a mesh [m].
-  double depth(const Place& place, const TriangleMesh& mesh) {
+  double depth(const Location& point, const TriangleMesh& mesh) {
     const DistanceOracle oracle(mesh);
     double deepest = 0;
-    for (const Float4& p : run_.positions(hairOf(place)))
+    for (const Float4& p : run_.positions(hairOf(point)))
       if (p.w > 0) deepest = std::max(deepest, -oracle.signedDistance(toVector(p)));
     return deepest;
   }
-  std::vector<SdfData> copyFields(const std::vector<Place>& places) {
+  std::vector<SdfData> copySdfs(const std::vector<Location>& points) {
     const auto keys = run_.device()->read(run_.scene.sdfKeys());
     const auto surface = run_.device()->read(run_.scene.sdfSurface());
     EXPECT_TRUE(keys && surface);
     std::vector<SdfData> all;
-    for (const Place& place : places) {
-      Result<SdfData> data = run_.scene.copyField(place.collider, *keys, *surface);
-      EXPECT_TRUE(data) << place.name << ": " << data.error().message;
+    for (const Location& point : points) {
+      Result<SdfData> data = run_.scene.copySdf(point.collider, *keys, *surface);
+      EXPECT_TRUE(data) << point.name << ": " << data.error().message;
       all.push_back(data ? std::move(*data) : SdfData());
     }
     return all;

@@ -12,7 +12,7 @@ namespace {
 /// Something bad that happens to a collider in the bad frames.
 struct Trouble {
   std::string name;
-  std::function<void(SdfStress&, Place&, int frame)> make;
+  std::function<void(SdfStress&, Location&, int frame)> make;
   TriangleMesh mesh = block();
   bool forgotten = true;  ///< else the hair may end on another side of the block
   float cell = kCell;
@@ -21,23 +21,25 @@ struct Trouble {
 class SdfTrouble : public SdfStress {
  protected:
   Trouble bone(const std::string& name, int row, int column, float value, bool sometimes = false) {
-    return {name, [=, this](SdfStress&, Place& place, int frame) {
+    return {name, [=, this](SdfStress&, Location& point, int frame) {
               if (sometimes && frame % 2 == 0) return;
-              AffineTransform bone = boneAt(plus(place.at, wayAt(frame)));
+              AffineTransform bone = boneAt(plus(point.at, displacementAt(frame)));
               Float4& entry = bone.rows[row];
               float* entries[] = {&entry.x, &entry.y, &entry.z, &entry.w};
               *entries[column] = value;
-              colliderOf(place).setBones({&bone, 1});
+              colliderOf(point).setBones({&bone, 1});
             }};
   }
   Trouble scale(const std::string& name, const Float3& by, bool forgotten = true,
                 float cell = kCell) {
     return {name,
-            [=, this](SdfStress&, Place& place, int frame) { setBones(place, wayAt(frame), by); },
+            [=, this](SdfStress&, Location& point, int frame) {
+              setBones(point, displacementAt(frame), by);
+            },
             block(), forgotten, cell};
   }
   std::vector<Trouble> troubles() {
-    const auto nothing = [](SdfStress&, Place&, int) {};
+    const auto nothing = [](SdfStress&, Location&, int) {};
     std::vector<Trouble> all = {{"untouched", nothing}};
     all.push_back(bone("translation NaN", 0, 3, kNan));
     all.push_back(bone("rotation inf", 1, 1, kInf));
@@ -53,23 +55,24 @@ class SdfTrouble : public SdfStress {
     all.push_back(scale("uneven", {5, 1, 0.1f}));
     all.push_back(scale("ten times as large", {10, 10, 10}, false, 0.04f));
     all.push_back({"steps of 16 cells",
-                   [this](SdfStress&, Place& place, int frame) {
-                     setBones(place, {0, 16 * kCell * static_cast<float>(frame % 2) - 0.1f, 0});
+                   [this](SdfStress&, Location& point, int frame) {
+                     setBones(point, {0, 16 * kCell * static_cast<float>(frame % 2) - 0.1f, 0});
                    },
                    block(), false});
-    all.push_back({"teleports with reset", [this](SdfStress&, Place& place, int frame) {
+    all.push_back({"teleports with reset", [this](SdfStress&, Location& point, int frame) {
                      const float x = frame == kGoodFrames + kBadFrames - 1 ? 0.0f
                                      : frame % 2 == 0                      ? -50.0f
                                                                            : 40.0f;
-                     const AffineTransform at = boneAt(plus(place.at, {x, 0, 0}));
-                     hairOf(place).setBones({&at, 1});
-                     setBones(place, plus(wayAt(frame), {x, 0, 0}));
-                     hairOf(place).reset();
-                     colliderOf(place).reset();
+                     const AffineTransform at = boneAt(plus(point.at, {x, 0, 0}));
+                     hairOf(point).setBones({&at, 1});
+                     setBones(point, plus(displacementAt(frame), {x, 0, 0}));
+                     hairOf(point).reset();
+                     colliderOf(point).reset();
                    }});
-    all.push_back({"resets", [this](SdfStress&, Place& place, int) { colliderOf(place).reset(); }});
-    all.push_back({"off", [this](SdfStress&, Place& place, int frame) {
-                     colliderOf(place).enabled = frame == kGoodFrames + kBadFrames - 1;
+    all.push_back(
+        {"resets", [this](SdfStress&, Location& point, int) { colliderOf(point).reset(); }});
+    all.push_back({"off", [this](SdfStress&, Location& point, int frame) {
+                     colliderOf(point).enabled = frame == kGoodFrames + kBadFrames - 1;
                    }});
     all.push_back({"zero area and duplicates", nothing,
                    reference::withZeroArea(reference::withDuplicates(block(), 5), 7)});
@@ -81,83 +84,84 @@ class SdfTrouble : public SdfStress {
 TEST_P(SdfTrouble, OfAColliderIsSurvivedAndForgotten) {
   const HairAsset asset = comb();
   const std::vector<Trouble> all = troubles();
-  std::vector<Place> places;
+  std::vector<Location> points;
   for (const Trouble& trouble : all) {
-    Place place{trouble.name, trouble.mesh};
-    place.at.z = kSpacing * static_cast<float>(places.size() + 1);
-    addHair(place, asset, settings_);
-    place.collider = add(place.mesh, {.name = place.name, .cellSize = all[places.size()].cell});
-    colliderOf(place).friction = 0;
-    places.push_back(place);
+    Location point{trouble.name, trouble.mesh};
+    point.at.z = kSpacing * static_cast<float>(points.size() + 1);
+    addHair(point, asset, settings_);
+    point.collider = add(point.mesh, {.name = point.name, .cellSize = all[points.size()].cell});
+    colliderOf(point).friction = 0;
+    points.push_back(point);
   }
   double deepest = 0;
   const int frames = kGoodFrames + kBadFrames + kRecoveryFrames;
   for (int frame = 0; frame < frames; ++frame) {
     const bool bad = frame >= kGoodFrames && frame < kGoodFrames + kBadFrames;
     for (size_t i = 0; i < all.size(); ++i) {
-      setBones(places[i], wayAt(frame));
-      if (bad) all[i].make(*this, places[i], frame);
+      setBones(points[i], displacementAt(frame));
+      if (bad) all[i].make(*this, points[i], frame);
     }
     run_.step();
     const int since = frame - kGoodFrames;
     if (since >= 0 && since < kBadFrames + 3) {
-      for (const Place& place : places)
-        expectSane(asset, place, "bad frame " + std::to_string(since));
+      for (const Location& point : points)
+        expectSane(asset, point, "bad frame " + std::to_string(since));
     }
     if (HasFatalFailure()) return;
     if (since == kBadFrames - 1) {
       // A collider whose bones are no numbers is where it was.
-      const TriangleMesh last = posed(block(), boneAt(wayAt(kGoodFrames - 1)));
+      const TriangleMesh last = posed(block(), boneAt(displacementAt(kGoodFrames - 1)));
       for (size_t i = 1; i < 4; ++i) {
-        const TriangleMesh there = reference::moved(last, places[i].at);
-        EXPECT_LT(depth(places[i], there), 0.02 * double{kCell}) << places[i].name;
+        const TriangleMesh there = reference::moved(last, points[i].at);
+        EXPECT_LT(depth(points[i], there), 0.02 * double{kCell}) << points[i].name;
       }
     }
-    deepest = std::max(deepest,
-                       depth(places[0], posed(block(), boneAt(plus(places[0].at, wayAt(frame))))));
+    deepest = std::max(
+        deepest,
+        depth(points[0], posed(block(), boneAt(plus(points[0].at, displacementAt(frame))))));
   }
   EXPECT_LT(deepest, 0.02 * double{kCell});
-  const Float3 way = wayAt(frames);
-  const std::vector<Float4> untouched = run_.positions(hairOf(places[0]));
+  const Float3 displacement = displacementAt(frames);
+  const std::vector<Float4> untouched = run_.positions(hairOf(points[0]));
   double worst = 0;
   for (size_t i = 0; i < all.size(); ++i) {
-    expectSane(asset, places[i], "at the end");
-    const std::vector<Float4> positions = run_.positions(hairOf(places[i]));
+    expectSane(asset, points[i], "at the end");
+    const std::vector<Float4> positions = run_.positions(hairOf(points[i]));
     double off = 0;
     for (size_t v = 0; v < positions.size(); ++v)
       off = std::max(off, (toVector(positions[v]) - toVector(untouched[v]) -
-                           Vector3d(0, 0, static_cast<double>(places[i].at.z - places[0].at.z)))
+                           Vector3d(0, 0, static_cast<double>(points[i].at.z - points[0].at.z)))
                               .norm());
     // Classic hair may be on the other side of what was a line, or long and flat, for a while.
-    const bool mayPass = places[i].name == "a line" || places[i].name == "uneven";
+    const bool mayPass = points[i].name == "a line" || points[i].name == "uneven";
     if (all[i].forgotten && (exact() || !mayPass)) {
       // Rods that are drawn into a collider without friction tremble a little on it.
-      EXPECT_LT(off, exact() ? 6e-4 : 2e-5) << places[i].name << " [m]";
+      EXPECT_LT(off, exact() ? 6e-4 : 2e-5) << points[i].name << " [m]";
       worst = std::max(worst, off);
     }
-    EXPECT_LT(depth(places[i], posed(block(), boneAt(plus(places[i].at, way)))),
+    EXPECT_LT(depth(points[i], posed(block(), boneAt(plus(points[i].at, displacement)))),
               0.02 * double{kCell})
-        << places[i].name;
+        << points[i].name;
   }
   // The fields are right, and another collider makes all of them be built as a whole: no key
   // changes.
-  const std::vector<SdfData> fields = copyFields(places);
+  const std::vector<SdfData> sdfs = copySdfs(points);
   (void)add(block(), {.name = "other", .cellSize = kCell});
   run_.step();
-  const std::vector<SdfData> whole = copyFields(places);
+  const std::vector<SdfData> whole = copySdfs(points);
   for (size_t i = 0; i < all.size(); ++i) {
     if (api() == Api::kVulkan && exact()) {
       int wrongSigns = 0;
-      EXPECT_LT(
-          fieldError(fields[i], posed(places[i].mesh, boneAt(plus(places[i].at, way))), wrongSigns),
-          1e-3)
-          << places[i].name;
-      EXPECT_EQ(wrongSigns, 0) << places[i].name;
+      EXPECT_LT(sdfError(sdfs[i], posed(points[i].mesh, boneAt(plus(points[i].at, displacement))),
+                         wrongSigns),
+                1e-3)
+          << points[i].name;
+      EXPECT_EQ(wrongSigns, 0) << points[i].name;
     }
-    EXPECT_TRUE(fields[i].keys == whole[i].keys) << places[i].name;
+    EXPECT_TRUE(sdfs[i].keys == whole[i].keys) << points[i].name;
     const bool sameGrid = i < 5;
     if (sameGrid) {
-      EXPECT_TRUE(fields[i].keys == fields[0].keys) << places[i].name;
+      EXPECT_TRUE(sdfs[i].keys == sdfs[0].keys) << points[i].name;
     }
   }
   printFigure("trouble of colliders, " + label() + ": " + std::to_string(all.size()) +
@@ -167,11 +171,11 @@ TEST_P(SdfTrouble, OfAColliderIsSurvivedAndForgotten) {
   printFigure("  largest stretch in the bad frames [%]", 100 * worstStretch_);
 }
 
-class SdfPlaces : public SdfStress {};
+class SdfPoints : public SdfStress {};
 
 // ---- wherever and however large
 
-TEST_P(SdfPlaces, PlaceAndScaleInTheWorldDoNotMatter) {
+TEST_P(SdfPoints, PlaceAndScaleInTheWorldDoNotMatter) {
   // 10 places of the grid's nodes against the mesh, one 10 km away, and a world of another size.
   struct Where {
     Float3 at;
@@ -185,12 +189,12 @@ TEST_P(SdfPlaces, PlaceAndScaleInTheWorldDoNotMatter) {
   all.push_back({{1e4f, -1e4f, 1e4f}});
   all.push_back({{0, 0, 0}, 1e-3f});
   all.push_back({{0, 0, -3000}, 1e3f});
-  std::vector<Place> places;
+  std::vector<Location> points;
   std::vector<HairAsset> assets;
   for (const Where& where : all) {
     const float scale = where.scale;
-    Place place{"place " + std::to_string(places.size()), reference::scaled(block(), scale)};
-    place.at = where.at;
+    Location point{"place " + std::to_string(points.size()), reference::scaled(block(), scale)};
+    point.at = where.at;
     assets.push_back(comb(scale));
     SimulationSettings settings = settings_;
     settings.gravity.y *= scale;
@@ -199,37 +203,38 @@ TEST_P(SdfPlaces, PlaceAndScaleInTheWorldDoNotMatter) {
     settings.bendLength = std::min(settings.bendLength * std::pow(scale, 4.0f / 3), 10.0f);
     settings.maxSpeed *= scale;
     settings.sleep.enabled = false;
-    addHair(place, assets.back(), settings);
-    place.collider = add(place.mesh, {.name = place.name, .cellSize = scale * kCell});
-    colliderOf(place).margin = scale * 0.001f;
-    places.push_back(place);
+    addHair(point, assets.back(), settings);
+    point.collider = add(point.mesh, {.name = point.name, .cellSize = scale * kCell});
+    colliderOf(point).margin = scale * 0.001f;
+    points.push_back(point);
   }
   double deepest = 0, worst = 0;
   for (int frame = 0; frame < 40; ++frame) {
-    const Float3 way = wayAt(frame);
+    const Float3 displacement = displacementAt(frame);
     for (size_t i = 0; i < all.size(); ++i) {
       const float scale = all[i].scale;
-      setBones(places[i], {0, scale * way.y, scale * way.z});
+      setBones(points[i], {0, scale * displacement.y, scale * displacement.z});
     }
     run_.step();
     if (frame % 5 != 4) continue;
     for (size_t i = 0; i < all.size(); ++i) {
-      expectSane(assets[i], places[i], "frame " + std::to_string(frame));
+      expectSane(assets[i], points[i], "frame " + std::to_string(frame));
       const float scale = all[i].scale;
       const TriangleMesh mesh =
-          posed(places[i].mesh, boneAt(plus(places[i].at, {0, scale * way.y, scale * way.z})));
+          posed(points[i].mesh,
+                boneAt(plus(points[i].at, {0, scale * displacement.y, scale * displacement.z})));
       const double cell = static_cast<double>(scale * kCell);
       // Half a millimetre is what floats 10 km away are rounded by.
       const double rounding = i == 10 ? 0.06 : 0;
-      const double deep = depth(places[i], mesh) / cell;
-      EXPECT_LT(deep, 0.02 + rounding) << places[i].name << ", frame " << frame;
+      const double deep = depth(points[i], mesh) / cell;
+      EXPECT_LT(deep, 0.02 + rounding) << points[i].name << ", frame " << frame;
       if (i != 10) deepest = std::max(deepest, deep);
     }
     if (HasFatalFailure()) return;
   }
-  const std::vector<Float4> first = run_.positions(hairOf(places[0]));
+  const std::vector<Float4> first = run_.positions(hairOf(points[0]));
   for (size_t i = 1; i < all.size(); ++i) {
-    const std::vector<Float4> positions = run_.positions(hairOf(places[i]));
+    const std::vector<Float4> positions = run_.positions(hairOf(points[i]));
     double off = 0;
     for (size_t v = 0; v < positions.size(); ++v) {
       const auto at = [&](size_t k) {
@@ -249,7 +254,7 @@ TEST_P(SdfPlaces, PlaceAndScaleInTheWorldDoNotMatter) {
 
 // ---- thin plates
 
-TEST_P(SdfPlaces, FastHairAndThinPlates) {
+TEST_P(SdfPoints, FastHairAndThinPlates) {
   // Hair that gravity makes longer steps by 1 to 16 cells every frame, on plates of 0.3 and 1.2
   // cells, and plates that come up from below in steps as long.
   const HairAsset asset = comb();
@@ -260,7 +265,7 @@ TEST_P(SdfPlaces, FastHairAndThinPlates) {
   struct Run {
     double thickness, step;
     bool rises;
-    Place place;
+    Location point;
     float top = 0;
   };
   std::vector<Run> runs;
@@ -269,14 +274,14 @@ TEST_P(SdfPlaces, FastHairAndThinPlates) {
       for (const bool rises : {false, true}) {
         Run run{thickness, step, rises, {"plate", {}}};
         const float low = static_cast<float>(-thickness) * kCell;
-        run.place.mesh = reference::rotated(
+        run.point.mesh = reference::rotated(
             reference::box({-0.35f, low, -0.35f}, {0.35f, 0, 0.35f}), {0, 0, 1}, 0.1f);
-        run.place.at.z = kSpacing * static_cast<float>(runs.size() + 1);
+        run.point.at.z = kSpacing * static_cast<float>(runs.size() + 1);
         SimulationSettings settings = settings_;
         if (!rises)
           settings.gravity.y = static_cast<float>(-step * double{kCell} / (frame * frame));
-        addHair(run.place, asset, settings);
-        run.place.collider = add(run.place.mesh, {.name = "plate", .cellSize = kCell});
+        addHair(run.point, asset, settings);
+        run.point.collider = add(run.point.mesh, {.name = "plate", .cellSize = kCell});
         runs.push_back(run);
       }
     }
@@ -290,13 +295,13 @@ TEST_P(SdfPlaces, FastHairAndThinPlates) {
                                                   static_cast<float>(std::max(i - 12, 0)),
                                      -0.08f)
                           : -0.07f;
-      setBones(run.place, {0, run.top, 0});
+      setBones(run.point, {0, run.top, 0});
     }
     run_.step();
     for (const Run& run : runs) {
-      expectSane(asset, run.place, "frame " + std::to_string(i));
+      expectSane(asset, run.point, "frame " + std::to_string(i));
       if (HasFatalFailure()) return;
-      const std::vector<Float4> positions = run_.positions(hairOf(run.place));
+      const std::vector<Float4> positions = run_.positions(hairOf(run.point));
       const int kind = run.thickness > 1 ? 1 : 0;
       for (const Float4& p : positions) {
         if (!(p.w > 0)) continue;
@@ -318,7 +323,7 @@ TEST_P(SdfPlaces, FastHairAndThinPlates) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, SdfTrouble, testing::ValuesIn(solversOnApis()), stressTestName);
-INSTANTIATE_TEST_SUITE_P(All, SdfPlaces, testing::ValuesIn(solversOnApis()), stressTestName);
+INSTANTIATE_TEST_SUITE_P(All, SdfPoints, testing::ValuesIn(solversOnApis()), stressTestName);
 
 }  // namespace
 }  // namespace pelage::test

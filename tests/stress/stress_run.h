@@ -13,8 +13,8 @@
 #include <tuple>
 #include <vector>
 
-#include "kernel/strand_run.h"
 #include "support/scene_run.h"
+#include "support/strand_run.h"
 
 namespace pelage::test {
 

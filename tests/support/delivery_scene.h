@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pelage/scene.h"
+#include "pelage/scene_features.h"
 #include "pelage/skeleton.h"
 #include "support/plain_asset.h"
 
@@ -79,6 +80,24 @@ class DeliveryScene {
     hairs_ = {*own, *worn};
     collider_ = *mesh;
   }
+  /// All that its frames use.
+  static SceneFeatures features(Solver solver) {
+    SceneFeatures features;
+    features.settings.clear();
+    for (const float globalStiffness : {0.0f, 0.2f}) {
+      SimulationSettings settings;
+      settings.solver = solver;
+      settings.globalStiffness = globalStiffness;
+      settings.wind.velocity = {0, 0, 0.5f};
+      settings.wind.gustStrength = 0;
+      features.settings.push_back(settings);
+      settings.contact.stiffness = settings.contact.friction = 0.3f;
+      if (solver == Solver::kExact) features.settings.push_back(settings);
+    }
+    features.collidingFollowHairs = features.levelOfDetail = features.originShifts = true;
+    features.transparency = {};
+    return features;
+  }
   void remove() {
     for (const HairId id : hairs_) EXPECT_TRUE(scene_.removeHair(id));
     EXPECT_TRUE(scene_.removeCollider(collider_));
@@ -139,8 +158,8 @@ class DeliveryScene {
     std::vector<BufferId> all;
     for (const HairId id : hairs_) {
       const HairBuffers& buffers = scene_.hair(id).buffers();
-      for (const BufferId buffer : {buffers.positions, buffers.tangents, buffers.rootTransforms,
-                                    buffers.contactForces, buffers.followBefore})
+      for (const BufferId buffer :
+           {buffers.positions, buffers.tangents, buffers.contactForces, buffers.followBefore})
         if (buffer != BufferId::kInvalid) all.push_back(buffer);
     }
     all.push_back(scene_.sdfKeys());

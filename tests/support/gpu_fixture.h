@@ -15,6 +15,11 @@
 
 #include "pelage/headless.h"
 #include "pelage/pass_list.h"
+#include "support/test_tier.h"
+
+#ifdef PELAGE_TEST_CODE
+#include PELAGE_TEST_CODE_HEADER
+#endif
 
 namespace pelage::test {
 
@@ -26,7 +31,8 @@ inline constexpr bool kSanitized = false;
 
 inline constexpr std::array<Api, 3> kApis = {Api::kVulkan, Api::kGl, Api::kGles};
 
-inline Result<std::unique_ptr<HeadlessDevice>> createDevice(const HeadlessDef& def) {
+inline Result<std::unique_ptr<HeadlessDevice>> createDeviceOfPelage(HeadlessDef def) {
+  def.maxTier = std::min(def.maxTier, tierOfTests());
   if (def.api == Api::kVulkan) {
 #if PELAGE_TEST_VULKAN
     return createHeadlessVulkan(def);
@@ -37,6 +43,15 @@ inline Result<std::unique_ptr<HeadlessDevice>> createDevice(const HeadlessDef& d
 #endif
   }
   return Error{ErrorCode::kUnsupported, "this build has no runtime for it"};
+}
+
+/// A device that knows the kernels of the test, too (KERNELS in pelage_add_gpu_test()).
+inline Result<std::unique_ptr<HeadlessDevice>> createDevice(const HeadlessDef& def) {
+  Result<std::unique_ptr<HeadlessDevice>> device = createDeviceOfPelage(def);
+#ifdef PELAGE_TEST_CODE
+  if (device) (*device)->addCode(PELAGE_TEST_CODE::allCode());
+#endif
+  return device;
 }
 
 /// A device, the buffers that tests have on it, and the hazards between their lists. One object for

@@ -35,6 +35,7 @@ class SceneRun {
     if (!made) made = createDevice({.api = api});
     if (made) {
       device_ = std::move(*made);
+      scene.setTier(device_->info().tier);
     } else if (made.error().code != ErrorCode::kUnsupported) {
       ADD_FAILURE() << made.error().message;
     }

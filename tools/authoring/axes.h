@@ -1,4 +1,4 @@
-// From the axes and the unit of a file to metres with y up.
+// From the axes and the unit of a file to meters with y up.
 #pragma once
 
 #include "pelage/authoring/curve_import.h"

@@ -43,10 +43,10 @@ class Cutter {
   Cutter(const SkinnedMesh& mesh, const CollisionMeshDef& def)
       : mesh_(mesh),
         def_(def),
-        places_(detail::weldVertices(mesh, WeldBy::kPosition)),
-        merged_(def.errorBound > 0 ? places_
+        slots_(detail::weldVertices(mesh, WeldBy::kPosition)),
+        merged_(def.errorBound > 0 ? slots_
                                    : detail::weldVertices(mesh, WeldBy::kPositionAndBones)),
-        whole_(placesOf(mesh.indices)),
+        whole_(positionsOf(mesh.indices)),
         normals_(mesh.positions.size()),
         numbers_(mesh.positions.size(), kNone),
         cornerAt_(mesh.positions.size(), kNone),
@@ -73,10 +73,10 @@ class Cutter {
   }
 
  private:
-  std::vector<uint32_t> placesOf(std::span<const uint32_t> indices) const {
+  std::vector<uint32_t> positionsOf(std::span<const uint32_t> indices) const {
     std::vector<uint32_t> result;
     result.reserve(indices.size());
-    for (const uint32_t v : indices) result.push_back(places_[v]);
+    for (const uint32_t v : indices) result.push_back(slots_[v]);
     return result;
   }
 
@@ -140,10 +140,10 @@ class Cutter {
       for (size_t k = 0; k < 3; ++k) source.push_back(mesh_.indices[size_t{t} * 3 + k]);
     for (const uint32_t v : source) {
       mesh.indices.push_back(numberOf(v, mesh));
-      if (uint32_t& corner = cornerAt_[places_[v]]; corner == kNone) corner = mesh.indices.back();
+      if (uint32_t& corner = cornerAt_[slots_[v]]; corner == kNone) corner = mesh.indices.back();
     }
     std::vector<std::vector<uint32_t>> rims;
-    if (def_.capHoles) rims = detail::cutRims(placesOf(source), whole_);
+    if (def_.capHoles) rims = detail::cutRims(positionsOf(source), whole_);
     const size_t sourceCount = mesh.indices.size();
     if (def_.errorBound > 0) {
       auto simplified =
@@ -160,7 +160,7 @@ class Cutter {
         static_cast<uint32_t>((sourceCount + mesh.indices.size() - simplifiedCount) / 3);
     keepUsed(mesh);
     // As they were: there may be many small pieces of a large mesh.
-    for (const uint32_t v : source) numbers_[merged_[v]] = cornerAt_[places_[v]] = kNone;
+    for (const uint32_t v : source) numbers_[merged_[v]] = cornerAt_[slots_[v]] = kNone;
     auto report = inspectMesh(mesh);
     if (!report) return report.error();
     result.report = *report;
@@ -181,7 +181,7 @@ class Cutter {
   // A triangle, or a fan around the middle of the rim.
   void addCap(const std::vector<uint32_t>& rim, CollisionMesh& mesh) {
     std::vector<uint32_t> corners;
-    for (const uint32_t place : rim) corners.push_back(cornerAt_[place]);
+    for (const uint32_t point : rim) corners.push_back(cornerAt_[point]);
     if (corners.size() == 3) {
       mesh.indices.insert(mesh.indices.end(), corners.begin(), corners.end());
       return;
@@ -242,7 +242,7 @@ class Cutter {
 
   const SkinnedMesh& mesh_;
   const CollisionMeshDef& def_;
-  std::vector<uint32_t> places_;  // [vertex] the first one at its place
+  std::vector<uint32_t> slots_;   // [vertex] the first one at its place
   std::vector<uint32_t> merged_;  // [vertex] the one that it becomes
   detail::EdgeBalance whole_;     // between places
   std::vector<Vector> normals_;   // [vertex] of those that stay

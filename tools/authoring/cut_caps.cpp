@@ -55,7 +55,7 @@ std::vector<std::vector<uint32_t>> cutRims(std::span<const uint32_t> indices,
   // A vertex is known by the first of the edges that leave it. Of each: how many of them were
   // followed, and where it is on the path.
   constexpr size_t kNone = ~size_t{0};
-  std::vector<size_t> followed(edges.size(), 0), place(edges.size(), kNone);
+  std::vector<size_t> followed(edges.size(), 0), point(edges.size(), kNone);
   const auto firstEdge = [&](uint32_t vertex) {
     const auto edge = std::lower_bound(edges.begin(), edges.end(), std::array{vertex, 0u});
     const bool leaves = edge != edges.end() && (*edge)[0] == vertex;
@@ -63,7 +63,7 @@ std::vector<std::vector<uint32_t>> cutRims(std::span<const uint32_t> indices,
   };
   std::vector<size_t> path;
   const auto cutTo = [&](size_t size) {
-    for (; path.size() > size; path.pop_back()) place[path.back()] = kNone;
+    for (; path.size() > size; path.pop_back()) point[path.back()] = kNone;
   };
   std::vector<std::vector<uint32_t>> rims;
   for (size_t start = 0; start < edges.size(); ++start) {
@@ -71,13 +71,13 @@ std::vector<std::vector<uint32_t>> cutRims(std::span<const uint32_t> indices,
     if (start < at + followed[at]) continue;
     // A path that ends without coming back was never a ring: its edges stay open.
     while (at != kNone) {
-      if (place[at] == kNone) {
-        place[at] = path.size();
+      if (point[at] == kNone) {
+        point[at] = path.size();
         path.push_back(at);
       } else {
         std::vector<uint32_t>& rim = rims.emplace_back();
-        for (size_t i = place[at]; i < path.size(); ++i) rim.push_back(edges[path[i]][0]);
-        cutTo(place[at] + 1);
+        for (size_t i = point[at]; i < path.size(); ++i) rim.push_back(edges[path[i]][0]);
+        cutTo(point[at] + 1);
       }
       const size_t edge = at + followed[at];
       if (edge == edges.size() || edges[edge][0] != edges[at][0]) break;

@@ -12,8 +12,8 @@ namespace pelage::detail {
 namespace {
 
 // Smaller weights are not worth a guide.
-constexpr double kLeastWeight = 1e-3;
-constexpr int kMaxTurns = 6;
+constexpr double kMinWeight = 1e-3;
+constexpr int kMaxRotations = 6;
 // The problem has several valleys: hair that comes together, runs parallel, comes apart.
 constexpr std::array<double, 4> kStarts = {0, -1.5, 1.5, 4};
 constexpr double kLeastSlope = -1.0 - double{kMaxFittedTipFactor};
@@ -139,7 +139,7 @@ Fit fitChoice(const Products& products, const Choice& choice, size_t count) {
   Fit best;
   for (const double start : kStarts) {
     Fit fit = fitSlope(products, choice, count, start);
-    for (int turn = 0; turn < kMaxTurns && std::isfinite(fit.squared); ++turn) {
+    for (int turn = 0; turn < kMaxRotations && std::isfinite(fit.squared); ++turn) {
       const Fit next =
           fitSlope(products, choice, count, products.slope(choice, count, fit.weights));
       if (!(next.squared < fit.squared)) break;
@@ -163,14 +163,14 @@ FollowHair makeHair(const Fit& fit, const Products& products, std::span<const Fl
                    [&](size_t a, size_t b) { return fit.weights[a] > fit.weights[b]; });
   double sum = 0;
   for (size_t i = 0; i < fit.count; ++i)
-    if (fit.weights[i] >= kLeastWeight) sum += fit.weights[i];
+    if (fit.weights[i] >= kMinWeight) sum += fit.weights[i];
   FollowHair hair;
   hair.guide = guides[fit.choice[order[0]]].guide;
   std::array<const Float4*, 3> strands = {guides[fit.choice[order[0]]].strand, nullptr, nullptr};
   Choice choice = {fit.choice[order[0]], 0, 0};
   size_t used = 1;
   for (size_t i = 1; i < fit.count; ++i) {
-    if (fit.weights[order[i]] < kLeastWeight) continue;
+    if (fit.weights[order[i]] < kMinWeight) continue;
     const size_t k = fit.choice[order[i]];
     hair.otherGuides[used - 1] = guides[k].guide;
     hair.otherWeights[used - 1] = static_cast<float>(fit.weights[order[i]] / sum);
@@ -183,7 +183,8 @@ FollowHair makeHair(const Fit& fit, const Products& products, std::span<const Fl
   const Float4* const(&all)[3] = {strands[0], used > 1 ? strands[1] : strands[0],
                                   used > 2 ? strands[2] : strands[0]};
   hair.offset = {0, 0, 0, 1};
-  const Float4 mean = placeFollowVertex(hair, shares, all, 0, static_cast<uint32_t>(strand.size()));
+  const Float4 mean =
+      evaluateFollowVertex(hair, shares, all, 0, static_cast<uint32_t>(strand.size()));
   hair.offset.x = strand[0].x - mean.x;
   hair.offset.y = strand[0].y - mean.y;
   hair.offset.z = strand[0].z - mean.z;
@@ -213,8 +214,9 @@ GuideShares sharesOf(const FollowHair& hair) {
   return r;
 }
 
-Float4 placeFollowVertex(const FollowHair& hair, const GuideShares& shares,
-                         const Float4* const (&strands)[3], uint32_t vertex, uint32_t vertexCount) {
+Float4 evaluateFollowVertex(const FollowHair& hair, const GuideShares& shares,
+                            const Float4* const (&strands)[3], uint32_t vertex,
+                            uint32_t vertexCount) {
   Float4 p;
   for (size_t i = 0; i < 3; ++i) {
     if (!(shares.shares[i] > 0)) continue;

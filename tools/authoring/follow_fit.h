@@ -27,11 +27,11 @@ FollowHair copyGuide(std::span<const Float4> strand, const Candidate& guide);
 FollowHair fitFollowHair(std::span<const Float4> strand, std::span<const Candidate> guides,
                          uint32_t guidesPerHair);
 
-/// Vertices of a follow hair at rest, as the kernel update_follow_strands places them. `strandOf`
+/// Vertices of a follow hair at rest, as the kernel update_follow_hairs places them. `strandOf`
 /// gives the vertices of a guide. The weights are valid.
 template <class StrandOf>
-void placeFollowHair(const FollowHair& hair, uint32_t vertexCount, const StrandOf& strandOf,
-                     Float4* out);
+void evaluateFollowHair(const FollowHair& hair, uint32_t vertexCount, const StrandOf& strandOf,
+                        Float4* out);
 
 struct GuideShares {
   uint32_t guides[3] = {};
@@ -40,17 +40,18 @@ struct GuideShares {
 };
 /// Shares of the guides, as the kernel takes them.
 GuideShares sharesOf(const FollowHair& hair);
-Float4 placeFollowVertex(const FollowHair& hair, const GuideShares& shares,
-                         const Float4* const (&strands)[3], uint32_t vertex, uint32_t vertexCount);
+Float4 evaluateFollowVertex(const FollowHair& hair, const GuideShares& shares,
+                            const Float4* const (&strands)[3], uint32_t vertex,
+                            uint32_t vertexCount);
 
 template <class StrandOf>
-void placeFollowHair(const FollowHair& hair, uint32_t vertexCount, const StrandOf& strandOf,
-                     Float4* out) {
+void evaluateFollowHair(const FollowHair& hair, uint32_t vertexCount, const StrandOf& strandOf,
+                        Float4* out) {
   const GuideShares shares = sharesOf(hair);
   const Float4* const strands[3] = {strandOf(shares.guides[0]), strandOf(shares.guides[1]),
                                     strandOf(shares.guides[2])};
   for (uint32_t v = 0; v < vertexCount; ++v)
-    out[v] = placeFollowVertex(hair, shares, strands, v, vertexCount);
+    out[v] = evaluateFollowVertex(hair, shares, strands, v, vertexCount);
 }
 
 }  // namespace pelage::detail

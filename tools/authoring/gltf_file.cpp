@@ -92,7 +92,7 @@ bool staysInside(const std::filesystem::path& path) {
 }
 
 float toFloat(std::span<const std::byte> bytes, uint64_t at, uint32_t type, bool normalized) {
-  // Normalised integers: 3.6.2.2, with -1 for the lowest of a signed type.
+  // Normalized integers: 3.6.2.2, with -1 for the lowest of a signed type.
   switch (type) {
     case kByte: {
       const auto value = static_cast<float>(readAt<int8_t>(bytes, at));

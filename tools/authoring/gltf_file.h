@@ -36,7 +36,7 @@ class GltfFile {
   Result<uint64_t> whole(const nlohmann::json& object, const char* member, std::string_view path,
                          std::optional<uint64_t> fallback = {}) const;
 
-  /// The numbers of an accessor, normalised ones as fractions, one after the other.
+  /// The numbers of an accessor, normalized ones as fractions, one after the other.
   /// \param components that it must have: 1 (SCALAR) to 4 (VEC4). Errors: anything that does not
   /// fit together or leaves the buffer; sparse accessors, and those without data.
   Result<std::vector<float>> floats(uint64_t accessor, uint32_t components);

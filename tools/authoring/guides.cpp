@@ -46,7 +46,7 @@ class Selector {
         progress_(progress),
         features_(groom, double{def.rootWeight}),
         everyHair_(groom.strandCount),
-        placed_(groom.verticesPerStrand) {
+        evaluated_(groom.verticesPerStrand) {
     std::iota(everyHair_.begin(), everyHair_.end(), 0u);
   }
 
@@ -81,13 +81,13 @@ class Selector {
   }
 
   Deviation measure(uint32_t hair, const FollowHair& follow) {
-    detail::placeFollowHair(
+    detail::evaluateFollowHair(
         follow, groom_.verticesPerStrand, [&](uint32_t guide) { return strandOf(guide).data(); },
-        placed_.data());
+        evaluated_.data());
     const std::span<const Float4> strand = strandOf(hair);
     Deviation r;
     for (size_t v = 0; v < strand.size(); ++v) {
-      const detail::Vector d = toVector(placed_[v]) - toVector(strand[v]);
+      const detail::Vector d = toVector(evaluated_[v]) - toVector(strand[v]);
       const double square = dot(d, d);
       r.largest = std::max(r.largest, square);
       r.sum += std::sqrt(square);
@@ -256,9 +256,9 @@ class Selector {
   uint64_t done_ = 0, total_ = 1;
   HairFeatures features_;
   std::vector<uint32_t> everyHair_;
-  std::vector<Float4> placed_;    // of the hair being measured
-  std::vector<uint32_t> guides_;  // ascending
-  std::vector<Follow> follows_;   // [hair]; those of guides are not used
+  std::vector<Float4> evaluated_;  // of the hair being measured
+  std::vector<uint32_t> guides_;   // ascending
+  std::vector<Follow> follows_;    // [hair]; those of guides are not used
 };
 
 Result<void> check(const HairAsset& groom, const GuideDef& def) {
@@ -283,7 +283,7 @@ Result<void> check(const HairAsset& groom, const GuideDef& def) {
   return {};
 }
 
-Result<std::vector<Float4>> place(const HairAsset& guides, std::span<const FollowHair> hairs) {
+Result<std::vector<Float4>> point(const HairAsset& guides, std::span<const FollowHair> hairs) {
   if (auto r = validate(guides); !r) return r.error();
   const size_t count = guides.verticesPerStrand;
   std::vector<Float4> placed(hairs.size() * count);
@@ -296,7 +296,7 @@ Result<std::vector<Float4>> place(const HairAsset& guides, std::span<const Follo
     if (!(hair.otherWeights[0] >= 0 && hair.otherWeights[1] >= 0 &&
           hair.otherWeights[0] + hair.otherWeights[1] <= 1))
       return refuse(fmt::format("the weights of follow hair {} are not 0 to 1", i));
-    detail::placeFollowHair(
+    detail::evaluateFollowHair(
         hair, guides.verticesPerStrand,
         [&](uint32_t guide) { return guides.positions.data() + guide * count; },
         placed.data() + i * count);
@@ -314,9 +314,9 @@ Result<GuideSelection> selectGuides(const HairAsset& groom, const GuideDef& def,
   });
 }
 
-Result<std::vector<Float4>> placeFollowHairs(const HairAsset& guides,
-                                             std::span<const FollowHair> hairs) {
-  return detail::guarded([&] { return place(guides, hairs); });
+Result<std::vector<Float4>> evaluateFollowHairs(const HairAsset& guides,
+                                                std::span<const FollowHair> hairs) {
+  return detail::guarded([&] { return point(guides, hairs); });
 }
 
 }  // namespace pelage

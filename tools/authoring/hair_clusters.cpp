@@ -44,7 +44,7 @@ std::vector<std::vector<double>> makeBasis(uint32_t vertexCount) {
   }
 }
 
-// The tree over all hairs of a clustering, which knows how far each is from the centres so far.
+// The tree over all hairs of a clustering, which knows how far each is from the centers so far.
 class SeedTree : public FeatureTree {
  public:
   SeedTree(const HairFeatures& features, std::vector<uint32_t> hairs)
@@ -55,8 +55,8 @@ class SeedTree : public FeatureTree {
 
   void addCenter(uint32_t hair) { update(features_[hair], 0); }
 
-  // A hair, with a probability that goes with the squared distance from the nearest centre; false
-  // when every hair is at a centre.
+  // A hair, with a probability that goes with the squared distance from the nearest center; false
+  // when every hair is at a center.
   bool draw(Random& random, uint32_t& hair) const {
     if (!(sums_[0] > 0)) return false;
     double rest = random.uniformDouble() * sums_[0];
@@ -98,7 +98,7 @@ class SeedTree : public FeatureTree {
     }
   }
 
-  std::vector<float> squared_;  // [place in hairs_]
+  std::vector<float> squared_;  // [index in hairs_]
   std::vector<float> largest_;  // [node]
   std::vector<double> sums_;    // [node]
 };

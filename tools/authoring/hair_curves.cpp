@@ -27,7 +27,7 @@ template <class T>
 Result<void> checkArray(const std::vector<T>& values, size_t count, std::string_view what) {
   if (values.empty()) return {};
   if (values.size() != count)
-    return refuse(fmt::format("curves: {} {} for {} places", values.size(), what, count));
+    return refuse(fmt::format("curves: {} {} for {} elements", values.size(), what, count));
   for (size_t i = 0; i < count; ++i)
     if (!isFinite(values[i]))
       return refuse(fmt::format("curves: number {} of the {} is not finite", i, what));
@@ -56,7 +56,7 @@ Result<void> validate(const HairCurves& curves) {
     return refuse(fmt::format("{} positions for {} vertices", curves.positions.size(), vertex));
   if (auto r = checkArray(curves.inverseMasses, vertex, "inverse masses"); !r) return r;
   if (auto r = checkArray(curves.radii, vertex, "radii"); !r) return r;
-  if (auto r = checkArray(curves.colors, vertex, "colours"); !r) return r;
+  if (auto r = checkArray(curves.colors, vertex, "colors"); !r) return r;
   if (auto r = checkArray(curves.vertexUv, vertex, "vertex UV"); !r) return r;
   return checkArray(curves.strandUv, curves.vertexCounts.size(), "strand UV");
 }

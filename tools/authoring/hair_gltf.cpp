@@ -179,13 +179,13 @@ class GltfReader {
     std::vector<uint32_t> used = order;
     std::sort(used.begin(), used.end());
     used.erase(std::unique(used.begin(), used.end()), used.end());
-    const auto placeOf = [&](uint32_t vertex) {
+    const auto indexOf = [&](uint32_t vertex) {
       return static_cast<uint32_t>(std::lower_bound(used.begin(), used.end(), vertex) -
                                    used.begin());
     };
     std::vector<std::pair<uint32_t, uint32_t>> segments;
     for (size_t i = 0; i + 1 < order.size(); i += 2)
-      segments.push_back({placeOf(order[i]), placeOf(order[i + 1])});
+      segments.push_back({indexOf(order[i]), indexOf(order[i + 1])});
     detail::LineChains chains = detail::joinSegments(segments, static_cast<uint32_t>(used.size()));
     for (uint32_t& vertex : chains.vertices) vertex = used[vertex];
     joinedCount_ += segments.size();

@@ -1,5 +1,5 @@
 // Lines of a Wavefront .obj file. Formats: "Advanced Visualizer" manual, appendix B1 (elements v,
-// vt, l; negative references; continuation lines). Colours behind the coordinates are a custom of
+// vt, l; negative references; continuation lines). Colors behind the coordinates are a custom of
 // many programs.
 #include <fmt/format.h>
 
@@ -106,7 +106,7 @@ class ObjReader {
   }
 
   Result<void> readLine() {
-    const size_t begin = places_.size();
+    const size_t begin = slots_.size();
     while (!lines_.atEnd()) {
       const std::string_view word = lines_.word();
       const size_t slash = word.find('/');
@@ -119,14 +119,14 @@ class ObjReader {
         uv = *index;
         hasUv_ = true;
       }
-      places_.push_back({*vertex, uv});
+      slots_.push_back({*vertex, uv});
     }
-    const size_t count = places_.size() - begin;
+    const size_t count = slots_.size() - begin;
     if (count == 0) return lines_.fail("a line without vertices");
     if (count > kNoUv) return lines_.fail("a line of more than 2^32 - 1 vertices");
     if (count == 2) {
-      const Place a = places_[begin], b = places_[begin + 1];
-      places_.resize(begin);
+      const Location a = slots_[begin], b = slots_[begin + 1];
+      slots_.resize(begin);
       pairs_.push_back({a.vertex, b.vertex});
       if (a.uv != kNoUv || b.uv != kNoUv) {
         pairUv_.resize(vertices_.size(), kNoUv);
@@ -142,7 +142,7 @@ class ObjReader {
   void joinPairs() {
     const detail::LineChains chains =
         detail::joinSegments(pairs_, static_cast<uint32_t>(vertices_.size()));
-    for (const Place& place : places_) addVertex(place);
+    for (const Location& slot : slots_) addVertex(slot);
     for (const uint32_t vertex : chains.vertices)
       addVertex({vertex, vertex < pairUv_.size() ? pairUv_[vertex] : kNoUv});
     curves_.vertexCounts.insert(curves_.vertexCounts.end(), chains.counts.begin(),
@@ -152,14 +152,14 @@ class ObjReader {
                                           pairs_.size(), chains.counts.size()));
   }
 
-  struct Place {
+  struct Location {
     uint32_t vertex, uv;
   };
 
-  void addVertex(const Place& place) {
-    curves_.positions.push_back(vertices_[place.vertex]);
-    if (!colors_.empty()) curves_.colors.push_back(colors_[place.vertex]);
-    if (hasUv_) curves_.vertexUv.push_back(place.uv == kNoUv ? Float2{} : uv_[place.uv]);
+  void addVertex(const Location& slot) {
+    curves_.positions.push_back(vertices_[slot.vertex]);
+    if (!colors_.empty()) curves_.colors.push_back(colors_[slot.vertex]);
+    if (hasUv_) curves_.vertexUv.push_back(slot.uv == kNoUv ? Float2{} : uv_[slot.uv]);
   }
 
   TextLines lines_;
@@ -168,7 +168,7 @@ class ObjReader {
   std::vector<Float3> vertices_;
   std::vector<Float4> colors_;  // [vertex]; empty until the first one comes
   std::vector<Float2> uv_;
-  std::vector<Place> places_;  // of the lines of more than two vertices
+  std::vector<Location> slots_;  // of the lines of more than two vertices
   std::vector<std::pair<uint32_t, uint32_t>> pairs_;
   std::vector<uint32_t> pairUv_;  // [vertex] texture coordinate in pairs
   bool hasUv_ = false;

@@ -94,7 +94,7 @@ Result<HairCurves> readBinary4(std::span<const std::byte> bytes, std::string_vie
     std::fill_n(curves.positions.begin() + std::ptrdiff_t{strand} * asset->verticesPerStrand,
                 asset->verticesPerStrand, Float3{kNaN, kNaN, kNaN});
   for (const float thickness : asset->strandThickness)
-    curves.radii.insert(curves.radii.end(), asset->verticesPerStrand, thickness * kUnitFibreRadius);
+    curves.radii.insert(curves.radii.end(), asset->verticesPerStrand, thickness * kUnitFiberRadius);
   curves.colors = std::move(asset->vertexColor);
   curves.vertexUv = std::move(asset->vertexUv);
   curves.strandUv = std::move(asset->strandUv);
@@ -130,7 +130,7 @@ class Binary3Reader {
     if (auto r = copy(kVertexUvAt, all, "vertex UV", curves.vertexUv); !r) return r.error();
     curves.vertexCounts.assign(strandCount_, static_cast<uint32_t>(vertexCount_));
     for (const float value : thickness)
-      curves.radii.insert(curves.radii.end(), vertexCount_, value * kUnitFibreRadius);
+      curves.radii.insert(curves.radii.end(), vertexCount_, value * kUnitFiberRadius);
     addMasses(curves, readAt<uint8_t>(bytes_, kBothEndsAt) != 0);
     if (const auto follow = readAt<uint32_t>(bytes_, kFollowAt); follow > 0)
       report_.notes.push_back(
@@ -191,7 +191,7 @@ class TextReader {
                                      curves_.vertexCounts.size(), *strandCount_));
     if (curves_.vertexCounts.empty()) return lines_.fail("the file has no strands");
     if (!hasUv_) curves_.strandUv.clear();
-    place();
+    slot();
     addMasses(curves_, bothEndsImmovable_);
     return std::move(curves_);
   }
@@ -291,7 +291,7 @@ class TextReader {
   }
 
   // Scale, then roll about z, pitch about x and yaw about y [rad], then the translation.
-  void place() {
+  void slot() {
     using Eigen::AngleAxisd, Eigen::Vector3d;
     const Eigen::Matrix3d turn = (AngleAxisd(rotation_.y(), Vector3d::UnitY()) *
                                   AngleAxisd(rotation_.x(), Vector3d::UnitX()) *

@@ -60,9 +60,9 @@ SimplifiedMesh simplifyMesh(std::span<const Float3> positions, std::span<const u
     }
     const double tolerance = kTolerance * errorBound;
     const DistanceBounds there =
-        largestDistance(positions, source, treeOf(positions, result), tolerance, errorBound);
+        maxDistance(positions, source, treeOf(positions, result), tolerance, errorBound);
     const DistanceBounds back =
-        largestDistance(positions, result, sourceTree, tolerance, errorBound, there.lower);
+        maxDistance(positions, result, sourceTree, tolerance, errorBound, there.lower);
     const double error = std::max(there.upper, back.upper);
     if (error <= errorBound) return {std::move(result), error};
     target *= std::clamp(0.9 * errorBound / error, 0.2, 0.8);

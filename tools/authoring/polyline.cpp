@@ -28,7 +28,7 @@ std::vector<double> arcLengths(std::span<const Vector> points) {
   return arc;
 }
 
-PolylinePlace placeAt(std::span<const double> arc, double length) {
+PolylinePoint positionAt(std::span<const double> arc, double length) {
   // The first point at or beyond the length ends its segment; a segment without length is skipped.
   const auto end = std::lower_bound(arc.begin() + 1, arc.end() - 1, length);
   const auto segment = static_cast<size_t>(end - arc.begin()) - 1;
@@ -65,15 +65,15 @@ double PolylineTree::squaredDistance(const Vector& p, const Box& box) {
   return dot(d, d);
 }
 
-double PolylineTree::squaredReach(const Vector& p, const Vector& q, size_t& hint) const {
-  const auto reachOf = [&](size_t i) {
+double PolylineTree::squaredRange(const Vector& p, const Vector& q, size_t& hint) const {
+  const auto extentOf = [&](size_t i) {
     return std::max(detail::squaredDistance(p, points_[i], points_[i + 1]),
                     detail::squaredDistance(q, points_[i], points_[i + 1]));
   };
   const auto boundOf = [&](size_t node) {
     return std::max(squaredDistance(p, boxes_[node]), squaredDistance(q, boxes_[node]));
   };
-  double best = reachOf(hint);
+  double best = extentOf(hint);
   struct Visit {
     size_t node;
     double bound;
@@ -88,8 +88,8 @@ double PolylineTree::squaredReach(const Vector& p, const Vector& q, size_t& hint
       const size_t first = (visit.node - leafCount_) * kLeafSize;
       const size_t end = std::min(first + kLeafSize, points_.size() - 1);
       for (size_t i = first; i < end; ++i)
-        if (const double reach = reachOf(i); reach < best) {
-          best = reach;
+        if (const double range = extentOf(i); range < best) {
+          best = range;
           hint = i;
         }
       continue;
@@ -103,11 +103,11 @@ double PolylineTree::squaredReach(const Vector& p, const Vector& q, size_t& hint
   return best;
 }
 
-double largestDistance(std::span<const Vector> from, const PolylineTree& to, double tolerance) {
+double maxDistance(std::span<const Vector> from, const PolylineTree& to, double tolerance) {
   size_t hint = 0;
   double largest = 0;
   const auto measure = [&](const Vector& p) {
-    const double distance = std::sqrt(to.squaredReach(p, p, hint));
+    const double distance = std::sqrt(to.squaredRange(p, p, hint));
     largest = std::max(largest, distance);
     return distance;
   };
@@ -116,7 +116,7 @@ double largestDistance(std::span<const Vector> from, const PolylineTree& to, dou
     double atP, atQ;
   };
   // Branch and bound. The distance to one segment is convex along a straight piece, so that the
-  // piece is nowhere farther than squaredReach() of its ends; and the distance changes by no more
+  // piece is nowhere farther than squaredRange() of its ends; and the distance changes by no more
   // than one walks. What can be farther than the largest distance so far is halved.
   std::vector<Piece> pieces;
   double before = measure(from[0]);
@@ -129,7 +129,7 @@ double largestDistance(std::span<const Vector> from, const PolylineTree& to, dou
       pieces.pop_back();
       const double walked = (piece.atP + piece.atQ + length(piece.q - piece.p)) / 2;
       if (walked <= largest + tolerance) continue;
-      if (std::sqrt(to.squaredReach(piece.p, piece.q, hint)) <= largest + tolerance) continue;
+      if (std::sqrt(to.squaredRange(piece.p, piece.q, hint)) <= largest + tolerance) continue;
       const Vector middle = lerp(piece.p, piece.q, 0.5);
       const double atMiddle = measure(middle);
       pieces.push_back({piece.p, middle, piece.atP, atMiddle});
@@ -151,8 +151,8 @@ double hausdorffDistance(std::span<const Vector> a, std::span<const Vector> b) {
                                      std::abs(high.x), std::abs(high.y), std::abs(high.z)});
   const double tolerance =
       std::max({length(high - low) * kRelativeTolerance, magnitude * 0x1p-48, 0x1p-100});
-  return std::max(largestDistance(a, PolylineTree(b), tolerance),
-                  largestDistance(b, PolylineTree(a), tolerance));
+  return std::max(maxDistance(a, PolylineTree(b), tolerance),
+                  maxDistance(b, PolylineTree(a), tolerance));
 }
 
 }  // namespace pelage::detail

@@ -20,8 +20,8 @@ inline Vector toVector(const Float4& p) { return {double{p.x}, double{p.y}, doub
 /// Squared distance of a point from the segment a b, which may have no length.
 double squaredDistance(const Vector& p, const Vector& a, const Vector& b);
 
-/// A place on a polyline: on segment `segment`, at `share` of its length.
-struct PolylinePlace {
+/// A point on a polyline: on segment `segment`, at `share` of its length.
+struct PolylinePoint {
   size_t segment = 0;
   double share = 0;
 };
@@ -29,11 +29,11 @@ struct PolylinePlace {
 /// Arc length [point] from the first point; `points` has 2 or more.
 std::vector<double> arcLengths(std::span<const Vector> points);
 
-/// The place at an arc length; those beyond the ends are at the ends. `arc` is arcLengths().
-PolylinePlace placeAt(std::span<const double> arc, double length);
+/// The point at an arc length; those beyond the ends are at the ends. `arc` is arcLengths().
+PolylinePoint positionAt(std::span<const double> arc, double length);
 
-inline Vector pointAt(std::span<const Vector> points, const PolylinePlace& place) {
-  return lerp(points[place.segment], points[place.segment + 1], place.share);
+inline Vector pointAt(std::span<const Vector> points, const PolylinePoint& point) {
+  return lerp(points[point.segment], points[point.segment + 1], point.share);
 }
 
 /// Answers how far points are from a polyline: boxes around runs of segments, in a binary tree.
@@ -44,7 +44,7 @@ class PolylineTree {
   /// The least d^2 such that one segment is within d of both p and q, and so of all points
   /// between them. With p = q the squared distance of p. `hint` is a segment that may be near;
   /// the one that was found replaces it.
-  double squaredReach(const Vector& p, const Vector& q, size_t& hint) const;
+  double squaredRange(const Vector& p, const Vector& q, size_t& hint) const;
 
  private:
   struct Box {
@@ -60,7 +60,7 @@ class PolylineTree {
 
 /// Largest distance of a point of the polyline `from`, vertex or not, to the polyline `to`; at most
 /// `tolerance` (> 0) too small.
-double largestDistance(std::span<const Vector> from, const PolylineTree& to, double tolerance);
+double maxDistance(std::span<const Vector> from, const PolylineTree& to, double tolerance);
 
 /// Hausdorff distance of two polylines; at most 2^-30 of their size too small.
 double hausdorffDistance(std::span<const Vector> a, std::span<const Vector> b);

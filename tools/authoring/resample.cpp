@@ -18,7 +18,7 @@ namespace pelage {
 namespace {
 
 using detail::Curve;
-using detail::PolylinePlace;
+using detail::PolylinePoint;
 using detail::toVector;
 using detail::Vector;
 
@@ -66,7 +66,7 @@ class Resampler {
  private:
   // A strand of a curve.
   struct Strand {
-    std::vector<PolylinePlace> places;
+    std::vector<PolylinePoint> sites;
     std::vector<Float3> positions;
     double deviation = 0;
     double lengthChange = 0;  // relative
@@ -83,18 +83,19 @@ class Resampler {
 
   Strand sample(const Curve& curve, uint32_t count) const {
     Strand strand;
-    strand.places.resize(count);
+    strand.sites.resize(count);
     if (curve.length() > 0) {
-      const std::vector<double> lengths = detail::placeVertices(curve, count, def_.placement);
-      for (size_t i = 0; i < count; ++i) strand.places[i] = detail::placeAt(curve.arc, lengths[i]);
-      strand.places.front() = {0, 0};
-      strand.places.back() = {curve.points.size() - 2, 1};
+      const std::vector<double> lengths = detail::pointVertices(curve, count, def_.placement);
+      for (size_t i = 0; i < count; ++i)
+        strand.sites[i] = detail::positionAt(curve.arc, lengths[i]);
+      strand.sites.front() = {0, 0};
+      strand.sites.back() = {curve.points.size() - 2, 1};
     }
     std::vector<Vector> points;
-    for (const PolylinePlace& place : strand.places) {
+    for (const PolylinePoint& site : strand.sites) {
       // The very ends: interpolation rounds.
       const Vector p =
-          place.share == 1 ? curve.points[place.segment + 1] : detail::pointAt(curve.points, place);
+          site.share == 1 ? curve.points[site.segment + 1] : detail::pointAt(curve.points, site);
       strand.positions.push_back(
           {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
       points.push_back(toVector(strand.positions.back()));
@@ -179,7 +180,7 @@ class Resampler {
     }
     if (lengthSum > 0 && radiusSum > 0) {
       const double mean = radiusSum / lengthSum;
-      facts.fibreRadius = static_cast<float>(mean);
+      facts.fiberRadius = static_cast<float>(mean);
       for (const double radius : radii)
         asset.strandThickness.push_back(
             static_cast<float>(std::min(radius / mean, double{kMaxCoordinate})));
@@ -195,21 +196,21 @@ class Resampler {
 
   // `first` is the curve's first vertex.
   void append(const Strand& strand, size_t first, HairAsset& asset) const {
-    const size_t count = strand.places.size();
+    const size_t count = strand.sites.size();
     for (size_t i = 0; i < count; ++i) {
-      const PolylinePlace& place = strand.places[i];
-      const size_t a = first + place.segment, b = a + 1;
+      const PolylinePoint& site = strand.sites[i];
+      const size_t a = first + site.segment, b = a + 1;
       float inverseMass =
           curves_.inverseMasses.empty()
               ? 1.0f
-              : lerp(curves_.inverseMasses[a], curves_.inverseMasses[b], place.share);
+              : lerp(curves_.inverseMasses[a], curves_.inverseMasses[b], site.share);
       if (i < 2 || (def_.bothEndsImmovable && i + 2 >= count)) inverseMass = 0;
       const Float3& p = strand.positions[i];
       asset.positions.push_back({p.x, p.y, p.z, inverseMass});
       if (!curves_.colors.empty())
-        asset.vertexColor.push_back(lerp(curves_.colors[a], curves_.colors[b], place.share));
+        asset.vertexColor.push_back(lerp(curves_.colors[a], curves_.colors[b], site.share));
       if (!curves_.vertexUv.empty())
-        asset.vertexUv.push_back(lerp(curves_.vertexUv[a], curves_.vertexUv[b], place.share));
+        asset.vertexUv.push_back(lerp(curves_.vertexUv[a], curves_.vertexUv[b], site.share));
     }
   }
 

@@ -32,7 +32,7 @@ Result<void> check(std::span<const Float3> roots, const BindDef& def) {
     return refuse(fmt::format("maxBones is {}; it must be 1 to 4", def.maxBones));
   if (roots.empty()) return refuse("there are no roots to bind");
   if (roots.size() > std::numeric_limits<uint32_t>::max())
-    return refuse(fmt::format("{} roots; the most are 2^32-1", roots.size()));
+    return refuse(fmt::format("{} roots; the maximum is 2^32-1", roots.size()));
   for (size_t i = 0; i < roots.size(); ++i)
     if (const Float3& p = roots[i]; !(std::abs(p.x) <= kMaxCoordinate) ||
                                     !(std::abs(p.y) <= kMaxCoordinate) ||
@@ -68,7 +68,7 @@ class Binder {
       const SurfacePoint point = tree.closest(root, hint);
       hint = point.triangle;
       out_.weights.strands.push_back(weightsAt(point));
-      out_.table.roots.push_back(placeAt(point, root));
+      out_.table.roots.push_back(positionAt(point, root));
       const double distance = std::sqrt(point.squaredDistance);
       sum += distance;
       const auto rounded = static_cast<float>(distance);
@@ -95,7 +95,7 @@ class Binder {
     return result;
   }
 
-  SurfaceRoot placeAt(const SurfacePoint& point, const Vector& root) const {
+  SurfaceRoot positionAt(const SurfacePoint& point, const Vector& root) const {
     const auto after = std::upper_bound(
         mesh_.parts.begin(), mesh_.parts.end(), point.triangle,
         [](uint32_t t, const SkinnedMeshPart& part) { return t < part.firstTriangle; });

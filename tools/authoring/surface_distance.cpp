@@ -101,9 +101,9 @@ double boundOf(const std::array<Probe, 3>& corners, const TriangleTree& to, doub
 
 }  // namespace
 
-DistanceBounds largestDistance(std::span<const Float3> positions, std::span<const uint32_t> indices,
-                               const TriangleTree& to, double tolerance, double stopAbove,
-                               double known) {
+DistanceBounds maxDistance(std::span<const Float3> positions, std::span<const uint32_t> indices,
+                           const TriangleTree& to, double tolerance, double stopAbove,
+                           double known) {
   DistanceBounds bounds = {known, known};
   uint64_t searches = 0;
   const auto probe = [&](const Vector& at, uint32_t hint) {

@@ -22,8 +22,8 @@ struct DistanceBounds {
 /// \param tolerance  > 0 [m]; upper - lower stays below it unless ten million searches do not do
 /// \param known      a distance below which nothing matters; the result is at least that [m]
 /// \param stopAbove  gives up as soon as `lower` is above it [m]
-DistanceBounds largestDistance(std::span<const Float3> positions, std::span<const uint32_t> indices,
-                               const TriangleTree& to, double tolerance, double stopAbove,
-                               double known = 0);
+DistanceBounds maxDistance(std::span<const Float3> positions, std::span<const uint32_t> indices,
+                           const TriangleTree& to, double tolerance, double stopAbove,
+                           double known = 0);
 
 }  // namespace pelage::detail

@@ -44,7 +44,7 @@ void offer(SurfacePoint& best, const Vector& point, const Vector& candidate,
 }  // namespace
 
 SurfacePoint closestPoint(const Vector& point, const std::array<Vector, 3>& triangle) {
-  // In an order that only their places decide, neighbours do the same arithmetic on what they
+  // In an order that only their places decide, neighbors do the same arithmetic on what they
   // share.
   std::array<size_t, 3> order = {0, 1, 2};
   std::sort(order.begin(), order.end(),

@@ -18,7 +18,7 @@ class Fitting {
  public:
   Fitting(const Curve& curve, uint32_t count)
       : curve_(curve), segments_(count - 1), last_(segments_ * kSteps) {
-    placeCandidates();
+    distributeCandidates();
     measureChords();
   }
 
@@ -45,7 +45,7 @@ class Fitting {
  private:
   // Even ones; the nearest one to each point of the curve, where the curve has its corner, is moved
   // there.
-  void placeCandidates() {
+  void distributeCandidates() {
     const double step = curve_.length() / static_cast<double>(last_);
     for (size_t i = 0; i <= last_; ++i) candidates_.push_back(step * static_cast<double>(i));
     candidates_.back() = curve_.length();
@@ -64,7 +64,7 @@ class Fitting {
     std::vector<Vector> at;
     std::vector<size_t> next;  // first point of the curve beyond the candidate
     for (const double length : candidates_) {
-      at.push_back(pointAt(curve_.points, placeAt(curve_.arc, length)));
+      at.push_back(pointAt(curve_.points, positionAt(curve_.arc, length)));
       next.push_back(static_cast<size_t>(
           std::upper_bound(curve_.arc.begin(), curve_.arc.end(), length) - curve_.arc.begin()));
     }
@@ -116,7 +116,7 @@ class Fitting {
 
 }  // namespace
 
-std::vector<double> placeVertices(const Curve& curve, uint32_t count, VertexPlacement placement) {
+std::vector<double> pointVertices(const Curve& curve, uint32_t count, VertexPlacement placement) {
   if (placement == VertexPlacement::kFitted && count > 2) return Fitting(curve, count).run();
   std::vector<double> chosen(count);
   for (uint32_t i = 0; i < count; ++i) chosen[i] = curve.length() * i / (count - 1);

@@ -19,6 +19,6 @@ struct Curve {
 
 /// Arc lengths of `count` (2..256) vertices, ascending from 0 to the curve's length. `curve` has
 /// some length.
-std::vector<double> placeVertices(const Curve& curve, uint32_t count, VertexPlacement placement);
+std::vector<double> pointVertices(const Curve& curve, uint32_t count, VertexPlacement placement);
 
 }  // namespace pelage::detail

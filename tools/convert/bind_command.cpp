@@ -1,4 +1,4 @@
-// bind: bones and weights of each root, and its place on a skinned mesh.
+// bind: bones and weights of each root, and its position on a skinned mesh.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -118,7 +118,7 @@ void addBindCommand(CLI::App& app, Session& session) {
   addAxisOptions(*command, "the mesh", options->import.scale, options->import.upAxis,
                  options->import.invertZ);
   command->add_option("--skin", options->skin,
-                      "Also write the place of each root on the mesh, .tfxskin");
+                      "Also write the position of each root on the mesh, .tfxskin");
   command
       ->add_option("--max-distance", options->def.maxDistance,
                    "Report strands whose root is farther from the mesh than this [m]")

@@ -123,9 +123,9 @@ void reportDeviation(const ResampleReport& report, const HairCurves& curves, Ses
                           "{:.4g} m; lengths change by at most {:.3g} %",
                           report.maxDeviation, report.worstCurve, p.x, p.y, p.z,
                           report.meanDeviation, 100 * report.maxLengthChange));
-  if (report.fibreRadius > 0)
-    session.add("fibre_radius", report.fibreRadius, "fibre radius",
-                fmt::format("{:.4g} m, which a thickness of 1 stands for", report.fibreRadius));
+  if (report.fiberRadius > 0)
+    session.add("fiber_radius", report.fiberRadius, "fiber radius",
+                fmt::format("{:.4g} m, which a thickness of 1 stands for", report.fiberRadius));
 }
 
 bool allHaveOneCount(const HairCurves& curves) {
@@ -150,7 +150,7 @@ HairAsset keepVertices(const HairCurves& curves, const GroomOptions& options) {
     asset.positions.push_back({p.x, p.y, p.z, tip ? 0 : mass});
   }
   // Readers of .tfx give a strand one radius.
-  const double unit = double{kUnitFibreRadius} * options.import.scale;
+  const double unit = double{kUnitFiberRadius} * options.import.scale;
   for (size_t i = 0; i < curves.radii.size(); i += count)
     asset.strandThickness.push_back(static_cast<float>(curves.radii[i] / unit));
   asset.strandUv = curves.strandUv;

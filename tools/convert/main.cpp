@@ -1,4 +1,4 @@
-// pelage-convert: from the files of modelling programs to hair, bones and collision meshes.
+// pelage-convert: from the files of modeling programs to hair, bones and collision meshes.
 #include <CLI/CLI.hpp>
 #include <exception>
 

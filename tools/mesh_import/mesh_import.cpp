@@ -50,7 +50,7 @@ Float3 toFloat3(const Vector3d& v) {
 }
 
 // A node that has meshes, with its map to the scene.
-struct PlacedNode {
+struct NodeAt {
   const aiNode* node;
   Matrix4d toScene;
 };
@@ -66,8 +66,8 @@ class MeshReader {
   MeshReader(const aiScene& scene, std::string name) : scene_(scene), name_(std::move(name)) {}
 
   Result<SkinnedMesh> read() {
-    placeNodes();
-    for (const PlacedNode& placed : nodes_)
+    distributeNodes();
+    for (const NodeAt& placed : nodes_)
       for (uint32_t i = 0; i < placed.node->mNumMeshes; ++i)
         if (auto r = addMesh(*scene_.mMeshes[placed.node->mMeshes[i]], placed); !r)
           return r.error();
@@ -78,11 +78,10 @@ class MeshReader {
 
  private:
   // Without recursion: a file can nest its nodes as deeply as it likes.
-  void placeNodes() {
-    std::vector<PlacedNode> stack = {
-        {scene_.mRootNode, toEigen(scene_.mRootNode->mTransformation)}};
+  void distributeNodes() {
+    std::vector<NodeAt> stack = {{scene_.mRootNode, toEigen(scene_.mRootNode->mTransformation)}};
     while (!stack.empty()) {
-      const PlacedNode placed = stack.back();
+      const NodeAt placed = stack.back();
       stack.pop_back();
       // The first one of a name, as an engine finds it.
       transforms_.emplace(std::string(viewOf(placed.node->mName)), placed.toScene);
@@ -110,7 +109,7 @@ class MeshReader {
   // What maps the vertices of a mesh to the scene, by bone of the mesh; the last one is for those
   // without a bone. Where the file's pose is the bind pose all are one map but for rounding, which
   // would tear vertices apart that have different bones: then it is one.
-  std::vector<Matrix4d> mapsOf(const aiMesh& mesh, const PlacedNode& placed) const {
+  std::vector<Matrix4d> mapsOf(const aiMesh& mesh, const NodeAt& placed) const {
     std::vector<Matrix4d> maps;
     for (uint32_t i = 0; i < mesh.mNumBones; ++i) {
       const aiBone& bone = *mesh.mBones[i];
@@ -153,7 +152,7 @@ class MeshReader {
     return shares;
   }
 
-  Result<void> addMesh(const aiMesh& mesh, const PlacedNode& placed) {
+  Result<void> addMesh(const aiMesh& mesh, const NodeAt& placed) {
     if ((mesh.mPrimitiveTypes & aiPrimitiveType_TRIANGLE) == 0) return {};
     if (out_.positions.size() + mesh.mNumVertices > std::numeric_limits<uint32_t>::max() ||
         out_.indices.size() / 3 + mesh.mNumFaces > std::numeric_limits<uint32_t>::max() / 3)
@@ -246,7 +245,7 @@ class MeshReader {
 
   const aiScene& scene_;
   std::string name_;
-  std::vector<PlacedNode> nodes_;
+  std::vector<NodeAt> nodes_;
   std::map<std::string, Matrix4d> transforms_;
   std::map<std::string, uint32_t> bones_;
   SkinnedMesh out_;

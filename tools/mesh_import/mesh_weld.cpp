@@ -9,7 +9,7 @@
 namespace pelage::detail {
 namespace {
 
-// Orders by what the vertices must agree in, so that those that agree are neighbours.
+// Orders by what the vertices must agree in, so that those that agree are neighbors.
 std::strong_ordering compare(const SkinnedMesh& mesh, WeldBy by, uint32_t a, uint32_t b) {
   // + 0 makes one zero of both.
   const auto bits = [](const Float3& v) {

@@ -1,5 +1,5 @@
-// Hair as modelling programs have it: curves, each with as many vertices as it likes. What is read
-// from files before it becomes a HairAsset.
+// Hair as curves, each with any number of vertices: the form in which modeling programs store it,
+// and from which HairAsset is made.
 #pragma once
 
 #include <cstdint>
@@ -11,20 +11,20 @@
 namespace pelage {
 
 /// Curves of hair, root first. Per-vertex arrays hold the vertices of curve 0, then of curve 1, and
-/// so on; optional arrays are empty.
+/// so on; optional arrays may be empty.
 struct HairCurves {
   std::vector<uint32_t> vertexCounts;  ///< [curve] >= 2
-  std::vector<Float3> positions;       ///< [vertex] [m] once scaled; as in the file before
-  std::vector<float> inverseMasses;    ///< [vertex] >= 0, 0 = kinematic; optional
-  std::vector<float> radii;      ///< [vertex] of the fibre, in the unit of positions; optional
-  std::vector<Float4> colors;    ///< [vertex] linear RGBA, A = opacity; optional
-  std::vector<Float2> vertexUv;  ///< [vertex]; optional
-  std::vector<Float2> strandUv;  ///< [curve] on the scalp's texture; optional
+  std::vector<Float3> positions;  ///< [vertex] [m] after scaling; before, in the unit of the file
+  std::vector<float> inverseMasses;  ///< [vertex] >= 0, 0 = kinematic; optional
+  std::vector<float> radii;          ///< [vertex] of the fiber, in the unit of positions; optional
+  std::vector<Float4> colors;        ///< [vertex] linear RGBA, A = opacity; optional
+  std::vector<Float2> vertexUv;      ///< [vertex]; optional
+  std::vector<Float2> strandUv;      ///< [curve] UV on the scalp's texture; optional
 
   uint32_t curveCount() const { return static_cast<uint32_t>(vertexCounts.size()); }
 };
 
-/// Checks that the arrays fit together and the values are in range: coordinates finite and within
+/// Checks that the arrays match and the values are in range: coordinates finite and within
 /// kMaxCoordinate, everything else finite. Errors name curve and vertex.
 Result<void> validate(const HairCurves& curves);
 

@@ -1,20 +1,22 @@
-// Counts the tiles that each segment of a strand touches, and with FILL writes the segment into
-// those of them that have room.
+// Counts the tiles that each segment of a strand touches. With FILL, writes the segment into those
+// tiles that have capacity.
 //
-// Threads: one a vertex, in rows of kStrandDispatchRow; a segment is that of its first vertex.
+// Threads: one per vertex, in rows of kRecordDispatchRow; a segment is that of its first vertex.
 // Reads:   g_binRecords
 // Writes:  g_binTiles; with FILL g_binReferences
 //
 // The pixels of a segment are those of the triangles 0 1 2 and 2 1 3, cut at the near and the far
-// plane. Corners of one end have one depth, so that the planes cut all three edges along the
-// segment, or none, and each at the same share of its length.
+// plane. Corners of one end have one depth, so the planes cut all three edges along the segment, or
+// none, each at the same fraction of its length.
 //
-// Invariant (tests/oit): a tile that has a pixel's centre of the triangles has the segment.
-#include "../../layouts/strand_tiles.hlsli"
-#include "strand_record.hlsli"
+// Invariant (tests/oit): every tile with a pixel center in the triangles has the segment.
+#include "../layouts/strand_tiles.hlsli"
+#include "../pixel_tiles.hlsli"
+#include "../../shading/strand_record.hlsli"
 #include "strand_tile_counters.hlsli"
 
-// The shares of a segment's length between which it is in front of the near and of the far plane.
+// The fractions of a segment's length between which it is in front of the near and of the far
+// plane.
 float2 shareInDepth(uint4 first, uint4 second) {
   float2 ends = float2(0.0, 1.0);
   [unroll] for (uint plane = 0u; plane < 2u; ++plane) {
@@ -29,28 +31,28 @@ float2 shareInDepth(uint4 first, uint4 second) {
 }
 
 SegmentEnd timesW(SegmentEnd end, float w) {
-  float scale = w > kLeastClipW ? w : 1.0;
+  float scale = w > kMinClipW ? w : 1.0;
   end.low *= scale;
   end.high *= scale;
   end.w = w;
   return end;
 }
 
-// Beyond this nothing is on a screen.
+// Coordinates beyond this are not on a screen.
 static const float kFarPixel = 1048576.0;
 
-float boundedPixel(float place) {
-  return place > -kFarPixel ? min(place, kFarPixel) : -kFarPixel;
+float boundedPixel(float coordinate) {
+  return coordinate > -kFarPixel ? min(coordinate, kFarPixel) : -kFarPixel;
 }
 
 // On the edge between two corners.
-float2 placeOnEdge(float2 a, float aw, float2 b, float bw, float share) {
-  float2 place = a + (b - a) * share;
+float2 pointOnEdge(float2 a, float aw, float2 b, float bw, float share) {
+  float2 coordinate = a + (b - a) * share;
   float w = max(aw + (bw - aw) * share, 1e-12);
-  return float2(boundedPixel(place.x / w), boundedPixel(place.y / w));
+  return float2(boundedPixel(coordinate.x / w), boundedPixel(coordinate.y / w));
 }
 
-// Widens the span of x by what an edge has between two rows.
+// Extends the span of x by that of an edge between two rows.
 float2 spanWithEdge(float2 span, float2 a, float2 b, float2 rows) {
   float2 low = a.y <= b.y ? a : b;
   float2 high = a.y <= b.y ? b : a;
@@ -70,35 +72,35 @@ float2 spanWithEdge(float2 span, float2 a, float2 b, float2 rows) {
 
 void addToTile(uint tile, uint reference) {
 #if FILL
-  // Nothing fits into a tile without room.
+  // A tile without capacity gets nothing.
   if (g_binTiles[tile] == 0u) return;
-  uint place;
-  InterlockedAdd(g_binTiles[g_binTileCount + tile], 1u, place);
-  if (place < g_binCapacity) g_binReferences[place] = reference;
+  uint coordinate;
+  InterlockedAdd(g_binTiles[g_binTileCount + tile], 1u, coordinate);
+  if (coordinate < g_binCapacity) g_binReferences[coordinate] = reference;
 #else
   InterlockedAdd(g_binTiles[tile], 1u);
 #endif
 }
 
-// Tiles of which a centre of a pixel lies between two places [pixels] on one axis, a hundredth of a
-// pixel around them included; none: x > y.
+// Tiles with a pixel center between two coordinates [pixels] on one axis, extended by a hundredth
+// of a pixel; none: x > y.
 int2 tilesBetween(float low, float high, uint pixels) {
   int first = int(ceil(max(low - 0.51, 0.0)));
   int last = int(floor(min(high - 0.49, float(pixels) - 1.0)));
   int2 tiles = int2(1, 0);
-  if (first <= last) tiles = int2(first >> 3, last >> 3);
+  if (first <= last) tiles = int2(first >> kTileShift, last >> kTileShift);
   return tiles;
 }
 
 [numthreads(128, 1, 1)]
 void bin_strands(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
-  uint index = group.y * kStrandDispatchRow + group.x * 128u + lane;
+  uint index = group.y * kRecordDispatchRow + group.x * 128u + lane;
   if (index + 1u >= g_binRecordCount) return;
   uint4 first = g_binRecords[kRecordWords * index + 1u];
   if ((first.w & kRecordStartsSegment) == 0u) return;
   uint4 second = g_binRecords[kRecordWords * (index + 1u) + 1u];
   if ((second.w & kRecordDrawn) == 0u) return;
-  // Fibres without width cover nothing.
+  // Fibers without width have no coverage.
   if (!(max(asfloat(first.z), asfloat(second.z)) > 0.0)) return;
   float2 shares = shareInDepth(first, second);
   if (!(shares.x <= shares.y)) return;
@@ -106,25 +108,25 @@ void bin_strands(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
   SegmentEnd a = segmentEnd(g_binRecords[kRecordWords * index], first);
   SegmentEnd b = segmentEnd(g_binRecords[kRecordWords * (index + 1u)], second);
   if (!isInDepth(first) || !isInDepth(second)) {
-    // Shares of the length are those of clip space.
+    // Fractions of the length are in clip space.
     a = timesW(a, asfloat(first.y));
     b = timesW(b, asfloat(second.y));
   }
   // Along the edges 0 2, 1 2 and 1 3, at both ends.
   float2 corners[6];
-  corners[0] = placeOnEdge(a.low, a.w, b.low, b.w, shares.x);
-  corners[1] = placeOnEdge(a.high, a.w, b.low, b.w, shares.x);
-  corners[2] = placeOnEdge(a.high, a.w, b.high, b.w, shares.x);
-  corners[3] = placeOnEdge(a.low, a.w, b.low, b.w, shares.y);
-  corners[4] = placeOnEdge(a.high, a.w, b.low, b.w, shares.y);
-  corners[5] = placeOnEdge(a.high, a.w, b.high, b.w, shares.y);
+  corners[0] = pointOnEdge(a.low, a.w, b.low, b.w, shares.x);
+  corners[1] = pointOnEdge(a.high, a.w, b.low, b.w, shares.x);
+  corners[2] = pointOnEdge(a.high, a.w, b.high, b.w, shares.x);
+  corners[3] = pointOnEdge(a.low, a.w, b.low, b.w, shares.y);
+  corners[4] = pointOnEdge(a.high, a.w, b.low, b.w, shares.y);
+  corners[5] = pointOnEdge(a.high, a.w, b.high, b.w, shares.y);
   float2 rows = corners[0].yy;
   [unroll] for (uint i = 1u; i < 6u; ++i)
     rows = float2(min(rows.x, corners[i].y), max(rows.y, corners[i].y));
 
   int2 tileRows = tilesBetween(rows.x, rows.y, g_binHeight);
   for (int row = tileRows.x; row <= tileRows.y; ++row) {
-    // From the first to the last centre of the row's pixels, and a little more.
+    // From the first to the last center of the row's pixels, and a little more.
     float2 slab = float2(float(row) * 8.0 + 0.49, float(row) * 8.0 + 7.51);
     float2 span = float2(kFarPixel, -kFarPixel);
     [unroll] for (uint edge = 0u; edge < 3u; ++edge)

@@ -1,8 +1,8 @@
 // Empties all tiles.
 //
-// Threads: one a tile.
+// Threads: one per tile.
 // Writes:  g_binTiles
-#include "../../layouts/strand_tiles.hlsli"
+#include "../layouts/strand_tiles.hlsli"
 
 [numthreads(128, 1, 1)]
 void clear_strand_tiles(uint tile : SV_DispatchThreadID) {

@@ -1,37 +1,38 @@
 // Composites the strands of a tile from front to back, exactly, in windows of the nearest WINDOW
-// fragments, as ppll_read does from lists: all segments are looked through for the nearest
-// fragments behind the last one that was composited, those are shaded, and again while light still
-// comes through.
+// fragments, as ppll_read does from lists: it searches all segments for the nearest fragments
+// behind the last one that was composited, shades those, and repeats while light still comes
+// through.
 //
-// Threads: a group of 64 a tile that has hair, a thread a pixel; dispatched indirectly.
+// Threads: a group of 64 per tile that has hair, one thread per pixel; dispatched indirectly.
 // Reads:   g_tileRecords, g_tileBins, g_tileReferences, g_tileCounters, StrandViewConstants,
 //          StrandTilesCompositeConstants; with OCCLUDED g_tileDepth
 // Writes:  g_tilePicture
 //
-// Fragments are ordered by depth, then by what they are, then by their place, so that the order in
-// which segments came into the tile changes no bit of the picture. The group leaves out segments
-// that are nearer than all that its pixels look for, or farther.
+// Fragments are ordered by depth, then by contents, then by index, so the order in which segments
+// came into the tile changes no bit of the picture. The group skips segments that are nearer than
+// everything its pixels need, or farther.
 //
 // Invariant (tests/oit): the picture of ppll_build and ppll_read, within 1/255.
-#include "../../layouts/strand_tiles_composite.hlsli"
+#include "../layouts/strand_tiles_composite.hlsli"
 #define SHADOW_WORDS g_tileShadowWords
 #include "../../shading/light_strand.hlsli"
 #include "../composite_fragment.hlsli"
+#include "../pixel_tiles.hlsli"
 #include "strand_tile_counters.hlsli"
 #include "strand_tile_segment.hlsli"
 
-// Words as a list's node has them; a free slot is all ones, which no fragment is.
+// Words as in a node of a list; a free slot is all ones, which no fragment has.
 struct TileSlot {
   uint key;
   uint shape;
   uint color;
-  uint place;  // the segment's record, times 2, and which triangle
+  uint index;  // the segment's record, times 2, plus the index of the triangle
 };
 
 static const uint kNoSlot = 0xffffffffu;
 
-groupshared uint s_looking;   // pixels that look for more
-groupshared uint s_nearest;   // depth keys between which they look
+groupshared uint s_looking;   // pixels that need more
+groupshared uint s_nearest;   // range of depth keys that they need
 groupshared uint s_farthest;
 groupshared uint s_staged;
 
@@ -40,22 +41,22 @@ TileSlot freeSlot() {
   slot.key = kNoSlot;
   slot.shape = kNoSlot;
   slot.color = kNoSlot;
-  slot.place = kNoSlot;
+  slot.index = kNoSlot;
   return slot;
 }
 
-uint materialOfPlace(uint place) {
-  return g_tileRecords[kRecordWords * (place >> 1) + 1u].w & kRecordMaterial;
+uint materialOfStrand(uint index) {
+  return g_tileRecords[kRecordWords * (index >> 1) + 1u].w & kRecordMaterial;
 }
 
 bool tiesBefore(TileSlot a, TileSlot b) {
   if (a.shape != b.shape) return a.shape < b.shape;
   if (a.color != b.color) return a.color < b.color;
-  if (a.place == kNoSlot || b.place == kNoSlot) return a.place < b.place;
-  uint first = materialOfPlace(a.place);
-  uint second = materialOfPlace(b.place);
+  if (a.index == kNoSlot || b.index == kNoSlot) return a.index < b.index;
+  uint first = materialOfStrand(a.index);
+  uint second = materialOfStrand(b.index);
   if (first != second) return first < second;
-  return a.place < b.place;
+  return a.index < b.index;
 }
 
 bool isBefore(TileSlot a, TileSlot b) {
@@ -67,7 +68,7 @@ bool isBefore(TileSlot a, TileSlot b) {
 [numthreads(64, 1, 1)]
 void composite_strand_tiles(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
   uint listed = group.y * kTileDispatchRow + group.x;
-  // The last row of groups may have more of them than there are tiles: they look at none.
+  // The last row of groups may extend beyond the tiles: these groups do nothing.
   bool known = listed < g_tileCounters[kTileInstancesWord];
   uint tile = 0u;
   uint count = 0u;
@@ -77,10 +78,10 @@ void composite_strand_tiles(uint3 group : SV_GroupID, uint lane : SV_GroupIndex)
     count = g_tileBins[tile];
     begin = g_tileBins[g_tileTotal + tile] - count;
   }
-  uint2 place = uint2(lane & 7u, lane >> 3);
-  uint2 pixel = uint2(tile % g_tileRowSize, tile / g_tileRowSize) * 8u + place;
-  float2 corner = float2(pixel - place);
-  uint lines = (1u << place.y) | (256u << place.x);
+  uint2 index = uint2(lane & (kTileEdge - 1u), lane >> kTileShift);
+  uint2 pixel = uint2(tile % g_tileRowSize, tile / g_tileRowSize) * kTileEdge + index;
+  float2 corner = float2(pixel - index);
+  uint lines = (1u << index.y) | (256u << index.x);
   bool inside = known && pixel.x < g_tileWidth && pixel.y < g_tileHeight;
   float2 at = float2(pixel) + 0.5;
 
@@ -88,7 +89,7 @@ void composite_strand_tiles(uint3 group : SV_GroupID, uint lane : SV_GroupIndex)
   TileSlot last = freeSlot();
   bool started = false;
   bool looking = inside;
-  // From this depth key on nothing is seen, as in a target that was cleared.
+  // Nothing is visible from this depth key on, as in a cleared target.
   uint behind = depthKey(g_reversedDepth != 0u ? 0.0 : 1.0, g_reversedDepth != 0u);
 #if OCCLUDED
   if (inside)
@@ -135,7 +136,7 @@ void composite_strand_tiles(uint3 group : SV_GroupID, uint lane : SV_GroupIndex)
       GroupMemoryBarrierWithGroupSync();
       uint staged = looking ? s_staged : 0u;
       for (uint s = 0u; s < staged; ++s) {
-        if ((s_places[s].w & lines) != lines) continue;
+        if ((s_segments[s].w & lines) != lines) continue;
         uint2 keys = s_keys[s].xy;
         if (keys.x >= behind || keys.x > window[WINDOW - 1].key) continue;
         if (started && keys.y < last.key) continue;
@@ -154,7 +155,7 @@ void composite_strand_tiles(uint3 group : SV_GroupID, uint lane : SV_GroupIndex)
           slot.key = found.key;
           slot.shape = words.shape;
           slot.color = words.color;
-          slot.place = s_places[s].z * 2u + side;
+          slot.index = s_segments[s].z * 2u + side;
           if (started && !isBefore(last, slot)) continue;
           [unroll] for (uint j = 0u; j < uint(WINDOW); ++j) {
             if (isBefore(slot, window[j])) {
@@ -167,15 +168,15 @@ void composite_strand_tiles(uint3 group : SV_GroupID, uint lane : SV_GroupIndex)
       }
     }
     [unroll] for (uint k = 0u; k < uint(WINDOW); ++k) {
-      if (window[k].place != kNoSlot && sum.transmittance > g_tileEpsilon) {
-        addFragment(sum, tileShading(materialOfPlace(window[k].place)), at, window[k].key,
+      if (window[k].index != kNoSlot && sum.transmittance > g_tileEpsilon) {
+        addFragment(sum, tileShading(materialOfStrand(window[k].index)), at, window[k].key,
                     window[k].shape, window[k].color);
         last = window[k];
         started = true;
       }
     }
-    // Only a full window has left something out.
-    looking = looking && window[WINDOW - 1].place != kNoSlot && sum.transmittance > g_tileEpsilon;
+    // Only a full window may have left something out.
+    looking = looking && window[WINDOW - 1].index != kNoSlot && sum.transmittance > g_tileEpsilon;
   }
   if (inside)
     g_tilePicture[pixel.y * g_tileWidth + pixel.x] =

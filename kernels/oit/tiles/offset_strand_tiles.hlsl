@@ -1,4 +1,4 @@
-// Turns the sums of the blocks into the sums of the blocks before, and says what is to be drawn.
+// Turns the sums of the blocks into prefix sums, and writes the draw arguments.
 //
 // Threads: one group of 128, each thread a run of blocks.
 // Reads:   g_binSums

@@ -1,11 +1,11 @@
-// Draws what the composite has left for a pixel.
+// Draws the result of the composite.
 //
 // Reads:  g_picture, StrandTilesPictureConstants
-// Writes: SV_Target0 premultiplied colour, alpha = 1 - transmittance
-#include "../../layouts/oit_tiles.hlsli"
-#include "../../layouts/strand_tiles_picture.hlsli"
+// Writes: SV_Target0 premultiplied color, alpha = 1 - transmittance
+#include "../layouts/oit_tiles.hlsli"
+#include "../layouts/strand_tiles_picture.hlsli"
 #include "../oit_tile_interface.hlsli"
-#include "strand_record.hlsli"
+#include "../../shading/strand_record.hlsli"
 
 struct ShownPixel {
   float4 color : SV_Target0;

@@ -5,14 +5,12 @@
 // 0..3 are the arguments of the draw of tiles: vertices, instances, 0, 0.
 static const uint kTileDrawWord = 0u;
 static const uint kTileInstancesWord = 1u;
-// References that segments asked for.
+// Number of references that segments requested.
 static const uint kTileReferencesWord = 4u;
-// 5..7 are those of the dispatch of the composite: groups.
+// 5..7 are the arguments of the dispatch of the composite: groups.
 static const uint kTileDispatchWord = 5u;
 
 // Groups of the composite in a row.
 static const uint kTileDispatchRow = 1024u;
-// Threads of a dispatch over vertices in a row.
-static const uint kStrandDispatchRow = 4194304u;
 
 #endif

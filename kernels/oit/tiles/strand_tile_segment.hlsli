@@ -1,20 +1,19 @@
-// Segments of strands in the memory of a group, and the fragments that they have in a pixel.
+// Segments of strands in the memory of a group, and their fragments in a pixel.
 //
-// A point of a triangle that is seen at a pixel p is a sum of its corners with weights e_i, the
-// determinants of the two other corners as seen from p (Olano and Greer, "Triangle scan conversion
-// using 2D homogeneous coordinates", 1997, section 4); the triangle is there where they have one
-// sign. Corners need no division by w for it, so that segments which a plane cuts are never cut: a
-// fragment is there where its depth is.
-// A determinant of exchanged corners has the same bits but for its sign, and equality goes to one
-// of two triangles: a centre on an edge between two belongs to one of them. Whether a triangle is
-// there is found out with corners on the grid of 1/256 of a pixel, as rasterisers do; what it has
-// there, with the corners themselves.
+// A point of a triangle at a pixel p is a sum of its corners with weights e_i, the determinants of
+// the two other corners as seen from p (Olano and Greer, "Triangle scan conversion using 2D
+// homogeneous coordinates", 1997, section 4); the point is in the triangle if they have the same
+// sign. This needs no division of corners by w, so segments are never cut at a plane: a fragment
+// exists if its depth is in range. Exchanging two corners only changes the sign of a determinant,
+// and equality belongs to one of two triangles: a center on an edge between two triangles belongs
+// to one of them. Coverage is computed with corners on the grid of 1/256 of a pixel, as rasterizers
+// do; the attributes, with the corners themselves.
 #ifndef PELAGE_OIT_TILES_STRAND_TILE_SEGMENT_HLSLI
 #define PELAGE_OIT_TILES_STRAND_TILE_SEGMENT_HLSLI
 
 #include "../../shading/strand_common.hlsli"
 #include "../fragment_packing.hlsli"
-#include "strand_record.hlsli"
+#include "../../shading/strand_record.hlsli"
 
 static const uint kStagedSegments = 64u;
 
@@ -23,23 +22,23 @@ groupshared float4 s_corners[2u * kStagedSegments];
 groupshared float4 s_exactCorners[2u * kStagedSegments];
 // [segment][end]: w, z, share, half width.
 groupshared float4 s_ends[2u * kStagedSegments];
-// [segment]: least and greatest depth key, tangents of both ends.
+// [segment]: minimum and maximum depth key, tangents of both ends.
 groupshared uint4 s_keys[kStagedSegments];
-// [segment]: colours of both ends.
+// [segment]: colors of both ends.
 groupshared uint4 s_looks[kStagedSegments];
-// [segment]: reach of both ends [pixels], as floats, the first record, rows and columns of the
+// [segment]: extent of both ends [pixels], as floats, the first record, rows and columns of the
 // tile.
-groupshared uint4 s_places[kStagedSegments];
+groupshared uint4 s_segments[kStagedSegments];
 
 struct TileSegment {
   uint4 corners0, corners1;
   uint4 shape0, shape1;
   uint record;
-  uint2 keys;  // least and greatest depth key
+  uint2 keys;  // minimum and maximum depth key
   uint lines;  // bits 0..7 rows of the tile that may have it, 8..15 columns
 };
 
-// Bits 0..7 for the centres of a tile's pixels between two places on one axis.
+// Bits 0..7 for the centers of a tile's pixels between two coordinates on one axis.
 uint linesBetween(float low, float high, float tile) {
   int first = int(ceil(clamp(low - tile - 0.5, 0.0, 8.0)));
   int last = int(floor(clamp(high - tile - 0.5, -1.0, 7.0)));
@@ -66,7 +65,7 @@ TileSegment loadSegment(uint record, float2 tile) {
   segment.shape0 = g_tileRecords[kRecordWords * record + 1u];
   segment.corners1 = g_tileRecords[kRecordWords * record + kRecordWords];
   segment.shape1 = g_tileRecords[kRecordWords * record + kRecordWords + 1u];
-  // Of one that a plane cuts they are not known.
+  // Not known if a plane cuts the segment.
   segment.keys = uint2(0u, 0xffffffffu);
   segment.lines = 0xffffu;
   if (isInDepth(segment.shape0) && isInDepth(segment.shape1)) {
@@ -80,7 +79,7 @@ TileSegment loadSegment(uint record, float2 tile) {
   return segment;
 }
 
-float reachOf(uint4 shape) {
+float extentOf(uint4 shape) {
   return (shape.w & kRecordWide) != 0u ? asfloat(shape.z) + 0.5 : 0.0;
 }
 
@@ -97,7 +96,7 @@ void stageSegment(uint slot, TileSegment segment) {
   s_ends[2u * slot + 1u] = float4(b.w, b.z, b.share, asfloat(segment.shape1.z));
   s_keys[slot] = uint4(segment.keys, look0.x, look1.x);
   s_looks[slot] = uint4(look0.yz, look1.yz);
-  s_places[slot] = uint4(asuint(reachOf(segment.shape0)), asuint(reachOf(segment.shape1)),
+  s_segments[slot] = uint4(asuint(extentOf(segment.shape0)), asuint(extentOf(segment.shape1)),
                          segment.record, segment.lines);
 }
 
@@ -128,21 +127,21 @@ SegmentView viewSegment(float4 low, float4 high, float2 w, float2 at) {
   return seen;
 }
 
-// Areas that weigh the corners 0 to 3 in one of the two triangles.
+// Areas that weight the corners 0 to 3 in one of the two triangles.
 float4 cornerAreas(SegmentView seen, uint side) {
   float4 areas = float4(seen.area12, seen.area20, seen.area01, 0.0);
   if (side != 0u) areas = float4(0.0, seen.area32, seen.area13, -seen.area12);
   return areas;
 }
 
-// Whether the origin is on the inner side of the edge from a to b, or on it where that is a top or
-// a left one; rows go down.
+// Returns true if the origin is on the inner side of the edge from a to b, or on the edge if it is
+// a top or a left one; rows go down.
 bool isInside(float area, float2 a, float2 b, float turn) {
   float signedArea = area * turn;
   bool inside = signedArea > 0.0;
   if (area == 0.0) {
-    float2 way = (b - a) * turn;
-    inside = way.y < 0.0 || (way.y == 0.0 && way.x > 0.0);
+    float2 edge = (b - a) * turn;
+    inside = edge.y < 0.0 || (edge.y == 0.0 && edge.x > 0.0);
   }
   return inside;
 }
@@ -167,11 +166,11 @@ bool isCovered(SegmentView seen, uint side, float2 w) {
   return covered && abs(whole) > 0.0 && abs(whole) < 1e37;
 }
 
-// Where a pixel is on a segment.
+// Position of a pixel on a segment.
 struct SegmentPoint {
   uint key;        // of its depth
-  float coverage;  // 0: the segment is not there
-  float share;     // of the way from the first end to the second
+  float coverage;  // 0: the segment does not cover the pixel
+  float share;     // fraction of the distance from the first end to the second
 };
 
 // \param areas of the corners 0..3.
@@ -186,20 +185,20 @@ SegmentPoint pointAt(uint slot, float4 areas) {
   float2 ends = weights.xz + weights.yw;
   float depth = ends.x * a.y + ends.y * b.y;
   if (!(depth >= -1e-6) || !(depth <= 1.0 + 1e-6)) return found;
-  // Rounding does not leave the segment.
+  // Clamped: rounding must not leave the segment.
   uint2 keys = s_keys[slot].xy;
   found.key = clamp(depthKey(depth, g_reversedDepth != 0u), keys.x, keys.y);
   // Linear on the screen: distance and width times w.
-  float2 reach = asfloat(s_places[slot].xy);
-  float distance = dot(weights.yw - weights.xz, float2(a.x, b.x) * reach);
+  float2 range = asfloat(s_segments[slot].xy);
+  float distance = dot(weights.yw - weights.xz, float2(a.x, b.x) * range);
   found.coverage = ribbonCoverage(distance, dot(ends, float2(a.x * a.w, b.x * b.w)));
-  // As perspective bends it.
+  // With perspective.
   float2 bent = ends * float2(a.z, b.z);
   found.share = saturate(bent.y / (bent.x + bent.y));
   return found;
 }
 
-// Words as a list's node has them.
+// Words as in a node of a list.
 struct FragmentWords {
   uint shape;
   uint color;

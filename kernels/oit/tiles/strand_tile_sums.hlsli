@@ -2,7 +2,7 @@
 #ifndef PELAGE_OIT_TILES_STRAND_TILE_SUMS_HLSLI
 #define PELAGE_OIT_TILES_STRAND_TILE_SUMS_HLSLI
 
-#include "../../layouts/strand_tiles.hlsli"
+#include "../layouts/strand_tiles.hlsli"
 
 groupshared uint2 s_sums[128];
 
@@ -23,9 +23,9 @@ uint2 sumOfTile(uint tile) {
 uint2 sumUpTo(uint lane, uint2 own) {
   s_sums[lane] = own;
   GroupMemoryBarrierWithGroupSync();
-  for (uint reach = 1u; reach < 128u; reach *= 2u) {
+  for (uint range = 1u; range < 128u; range *= 2u) {
     uint2 others = uint2(0u, 0u);
-    if (lane >= reach) others = s_sums[lane - reach];
+    if (lane >= range) others = s_sums[lane - range];
     GroupMemoryBarrierWithGroupSync();
     s_sums[lane] = saturatingSum(s_sums[lane], others);
     GroupMemoryBarrierWithGroupSync();

@@ -1,6 +1,6 @@
 // Adds up the references of 128 tiles.
 //
-// Threads: one a tile.
+// Threads: one per tile.
 // Reads:   g_binTiles
 // Writes:  g_binSums
 #include "strand_tile_sums.hlsli"

@@ -2,10 +2,10 @@
 #ifndef PELAGE_SIMULATION_CLASSIC_FREE_MOTION_HLSLI
 #define PELAGE_SIMULATION_CLASSIC_FREE_MOTION_HLSLI
 
-#include "../../common/random_hash.hlsli"
+#include "../../base/random_hash.hlsli"
 #include "strand_root.hlsli"
 
-// h0, the shortest step that forces are found for [s].
+// h0, the shortest step for which forces are computed [s].
 static const float kReferenceStep = 1.0 / 60.0;
 
 float forceStep() { return max(g_timeStep, kReferenceStep); }
@@ -20,12 +20,12 @@ struct StoredVertex {
 
 struct Particle {
   float rest;       // as stored
-  float3 goal;      // bind position in the end pose
-  float3 stored;    // position at the begin of the sub-step
-  float3 current;   // the same, carried by the root's motion
-  float3 previous;  // one sub-step earlier, carried likewise
+  float3 target;      // bind position in the end pose
+  float3 stored;    // position at the start of the sub-step
+  float3 current;   // the same, transported by the root's motion
+  float3 previous;  // one sub-step earlier, transported likewise
   bool held;        // by its inverse mass
-  bool free;        // neither held nor lost: else it goes to its goal
+  bool free;        // neither held nor lost; otherwise it goes to its target
 };
 
 StoredVertex loadVertex(uint vertex, uint guide) {
@@ -40,22 +40,22 @@ StoredVertex loadVertex(uint vertex, uint guide) {
 Particle makeParticle(StoredVertex v, uint vertex, float3 bindRoot, RootPose end, Motion motion) {
   Particle p;
   p.rest = v.rest;
-  p.goal = goalPosition(end, bindRoot, v.bind.xyz);
+  p.target = targetPosition(end, bindRoot, v.bind.xyz);
   p.stored = v.current;
   p.previous = v.previous;
-  bool lost = (g_flags & 1u) != 0u || !isUsable(p.stored) || !isUsable(p.previous);
-  float3 current = carried(motion, p.stored);
-  float3 previous = carried(motion, p.previous);
-  float3 goal = p.goal;
-  p.stored = lost ? goal : p.stored;
-  p.current = lost ? goal : current;
-  p.previous = lost ? goal : previous;
+  bool lost = (g_flags & kResetFlag) != 0u || !isUsable(p.stored) || !isUsable(p.previous);
+  float3 current = transported(motion, p.stored);
+  float3 previous = transported(motion, p.previous);
+  float3 target = p.target;
+  p.stored = lost ? target : p.stored;
+  p.current = lost ? target : current;
+  p.previous = lost ? target : previous;
   p.held = vertex < 2 || !(v.bind.w > 0.0);
   p.free = !lost && !p.held;
   return p;
 }
 
-// v, no longer than the limit, in the same direction; 0 where it overflowed.
+// Returns v, limited in length; 0 if it overflowed.
 float3 limited(float3 v, float limit) {
   precise float squared = dot3(v, v);
   precise float most = limit * limit;
@@ -69,9 +69,9 @@ float3 limited(float3 v, float limit) {
   return r;
 }
 
-// Displacement of the air in H. Every strand has a phase of the gusts of its own, which goes by
-// where it grows.
-float3 airWay(float3 bindRoot) {
+// Returns the displacement of the air in H. Every strand has its own phase of the gusts, which
+// depends on its root.
+float3 airDisplacement(float3 bindRoot) {
   precise float3 air = g_wind.xyz;
   if (g_gust0.w > 0.0) {
     uint seed = hashUints(asuint(bindRoot.x), hashUints(asuint(bindRoot.y), asuint(bindRoot.z)));
@@ -83,12 +83,12 @@ float3 airWay(float3 bindRoot) {
     precise float3 varied = air + g_gust0.xyz * s0 + g_gust1.xyz * s1;
     air = varied;
   }
-  precise float3 way = air * forceStep();
-  return way;
+  precise float3 displacement = air * forceStep();
+  return displacement;
 }
 
-// Moves the vertices to where a step of H takes them without the shape of the strand, and their
-// history to g_state. Sets what is held.
+// Moves the vertices to where a step of H takes them without the shape of the strand, and writes
+// their history to g_state. Sets held vertices.
 void integrate(inout Strand s, float3 bindRoot, RootPose end, Motion motion) {
   uint guide = s.guide;
   bool hasFactors = g_factorSet > 0;
@@ -97,18 +97,18 @@ void integrate(inout Strand s, float3 bindRoot, RootPose end, Motion motion) {
   float stepLength = forceStep();
   precise float maxStep = g_maxSpeed * stepLength;
   precise float velocityRatio = g_timeStepRatio * (stepLength / g_timeStep);
-  // Of the inertia of H, beside the share of the change that forces make; 0 where that is 1.
+  // Fraction of the inertia of H, beside the fraction of the change by forces; 0 if that is 1.
   precise float driftShare = g_timeStep / stepLength - g_forceShare;
   bool drags = g_wind.w > 0.0;
   precise float dragStep = g_wind.w * stepLength;
   precise float dragShare = dragStep / (1.0 + dragStep);
   float3 windStep = float3(0.0, 0.0, 0.0);
-  if (drags) windStep = airWay(bindRoot);
-  bool hasGoals = g_globalStiffness > 0.0;
+  if (drags) windStep = airDisplacement(bindRoot);
+  bool hasTargets = g_globalStiffness > 0.0;
   precise float rangeEnd = g_globalRange * float(g_vertexCount);
   uint last = g_vertexCount - 1;
   Particle p = makeParticle(loadVertex(0, guide), 0, bindRoot, end, motion);
-  // Two vertices ahead, so that the way from memory is hidden.
+  // Loads two vertices ahead, to hide the latency of memory.
   StoredVertex ahead = loadVertex(1, guide);
   StoredVertex further = loadVertex(min(2, last), guide);
   float3 before = p.current;
@@ -147,25 +147,25 @@ void integrate(inout Strand s, float3 bindRoot, RootPose end, Motion motion) {
     }
     u = limited(u, maxStep);
     precise float3 x = p.current + u;
-    if (hasGoals) {
-      float goalShare = g_globalStiffness;
-      if (hasFactors) goalShare = scaledShare(g_globalStiffness, factors.y);
-      float share = float(i) < rangeEnd ? goalShare : 0.0;
-      x = x + (p.goal - x) * share;
+    if (hasTargets) {
+      float targetShare = g_globalStiffness;
+      if (hasFactors) targetShare = scaledShare(g_globalStiffness, factors.y);
+      float share = float(i) < rangeEnd ? targetShare : 0.0;
+      x = x + (p.target - x) * share;
     }
-    float3 goal = p.goal;
-    float3 moved = p.free ? x : goal;
+    float3 target = p.target;
+    float3 moved = p.free ? x : target;
     float3 stored = p.stored;
-    float3 carriedNow = p.current;
-    // The root's own history is of its motion; that of others is what the step begins from.
-    float3 history = i > 0 ? carriedNow : stored;
+    float3 transportedNow = p.current;
+    // The root's own history has its motion; that of the others is where the step starts.
+    float3 history = i > 0 ? transportedNow : stored;
     held = p.held ? i : held;
     storePoint(s, i, float4(moved, p.held ? 0.0 : 1.0));
     storeLength(s, i, packLength(p.rest, p.held));
     g_state[guideIndex(1, i, guide)] = float4(history, 0.0);
     if (g_forceShare < 1.0) {
-      precise float3 way = (p.current - p.previous) * velocityRatio;
-      precise float3 drift = limited(way, maxStep) * driftShare;
+      precise float3 displacement = (p.current - p.previous) * velocityRatio;
+      precise float3 drift = limited(displacement, maxStep) * driftShare;
       float3 none = float3(0.0, 0.0, 0.0);
       g_state[guideIndex(2, i, guide)] = float4(p.free ? drift : none, 0.0);
     }
@@ -175,11 +175,11 @@ void integrate(inout Strand s, float3 bindRoot, RootPose end, Motion motion) {
   s.held = max(held, 1);
 }
 
-// From where the forces of a step of H take a strand to where those of h do: the change of
-// displacement that they make, times g_forceShare, beside the inertia. At rest there is no inertia,
-// and any share of a change that the lengths undo is undone by them, so that a strand rests in the
-// same shape whatever h is. The result is a mean of three points: where the vertex is, where its
-// velocity takes it in H, and where a step of H does.
+// Goes from where the forces of a step of H take a strand to where those of h take it: the change
+// of displacement by forces, times g_forceShare, in addition to the inertia. At rest there is no
+// inertia, and the lengths undo any fraction of a change that they undo as a whole, so a strand
+// rests in the same shape whatever h is. The result is a mean of three points: the position of the
+// vertex, where its velocity takes it in H, and where a step of H takes it.
 void takeForceShare(Strand s) {
   if (!(g_forceShare < 1.0)) return;
   for (uint i = 2; i < g_vertexCount; ++i) {

@@ -4,12 +4,12 @@
 
 #include "strand_memory.hlsli"
 
-// Passes over a span between two held vertices: nearly taut spans of 11 segments under gravity and
-// wind are then stretched by 0.35 % at worst.
+// Passes over a span between two held vertices: with these, nearly taut spans of 11 segments under
+// gravity and wind are stretched by at most 0.35 %.
 static const uint kSpanRounds = 16;
 // A pivot of the length solve below this share of its diagonal means a folded strand, whose
 // segments depend on each other; without the floor one step may leave the float range.
-static const float kLeastPivot = 1e-4;
+static const float kMinPivot = 1e-4;
 
 // A force density above it is that of a segment without a length.
 static const float kMostDensity = 1e9;
@@ -34,12 +34,12 @@ static const float kMostDensity = 1e9;
 // Cloth", ACM Trans. Graph. 26(3), 2007, equation 12, on a chain). Thomas' elimination: of segment
 // j, after the one before it,
 //   coupling c_j = -w n.n_j,  pivot p_j = diagonal - c_j^2 / p,  side s_j = -C_j - c_j s / p.
-// The way back needs mu_j = lambda_j / |d_j| alone, because the vertices move by w d_j mu_j:
+// The back-substitution only needs mu_j = lambda_j / |d_j|, because the vertices move by w d_j mu_j:
 //   mu_j = s_j / (p_j |d_j|) + w (d_j . d) mu / (p_j |d_j|^2)
 // with d and mu of the segment that came after j in the elimination. So the elimination leaves two
-// numbers a segment, and there are no roots on the way back. The matrix is symmetric: it is
-// eliminated from either end, and the way back of one step is the elimination of the next one.
-// A segment without a direction is left to follow the leader.
+// numbers per segment, and the back-substitution has no roots. The matrix is symmetric: it can be
+// eliminated from either end, and the back-substitution of one step is the elimination of the next
+// one. A segment without a direction is left to follow the leader.
 
 // The elimination after the segments that it has passed.
 struct LengthElimination {
@@ -58,8 +58,8 @@ LengthElimination emptyElimination() {
   return e;
 }
 
-// Passes the segment from vertex a to b that lacks `more` to its length on top of what the two
-// positions say. Returns s / (p |d|) and 1 / (p |d|^2).
+// Passes the segment from vertex a to b, whose length is `more` short in addition to what the two
+// positions give. Returns s / (p |d|) and 1 / (p |d|^2).
 float2 eliminateSegment(inout LengthElimination e, float3 a, float massA, float3 b, float massB,
                         float3 more, float rest, float3 root) {
   precise float3 d = b - a;
@@ -75,7 +75,7 @@ float2 eliminateSegment(inout LengthElimination e, float3 a, float massA, float3
   precise float diagonal = massA + massB;
   precise float coupling = -massA * (dot3(e.d, d) * e.inverse * inverse);
   precise float share = coupling * e.pivotInverse;
-  precise float pivot = max(diagonal - coupling * share, diagonal * kLeastPivot);
+  precise float pivot = max(diagonal - coupling * share, diagonal * kMinPivot);
   precise float pivotOne = 1.0 / pivot;
   float pivotInverse = diagonal > 0.0 ? pivotOne : 0.0;
   precise float side = -error - share * e.side;
@@ -88,9 +88,10 @@ float2 eliminateSegment(inout LengthElimination e, float3 a, float massA, float3
   return result;
 }
 
-// A sweep over all segments from the root to the tip or back. `solve`: the way back of the
-// elimination that went the other way. `eliminate`: the elimination of the next step, one segment
-// behind. Vertices and numbers that a segment leaves lie at its end towards the root.
+// A sweep over all segments from the root to the tip or back. `solve`: the back-substitution of the
+// elimination that ran in the other direction. `eliminate`: the elimination of the next step, one
+// segment behind. The vertex and the numbers that belong to a segment are stored at its end towards
+// the root.
 void sweepLengths(Strand s, bool toTip, bool solve, bool eliminate) {
   uint tip = g_vertexCount - 1;
   if (tip < 2) return;
@@ -135,9 +136,9 @@ void sweepLengths(Strand s, bool toTip, bool solve, bool eliminate) {
       left = eliminateSegment(e, from, inverseMass(lengthLast), x, massA, none, restBefore, s.root);
     float3 kept = toTip ? from : x;
     float held = toTip ? lengthLast.y : lengthA.y;
-    uint place = toTip ? max(a, 2) - 1 : a;
-    storePoint(s, place, float4(kept, left.x));
-    storeLength(s, place, float2(left.y, held));
+    uint slot = toTip ? max(a, 2) - 1 : a;
+    storePoint(s, slot, float4(kept, left.x));
+    storeLength(s, slot, float2(left.y, held));
     last = x;
     lengthLast = lengthA;
     restBefore = restLength(toTip ? lengthA : lengthB);
@@ -208,16 +209,16 @@ void eliminateDisplacements(Strand s) {
     mu = abs(mu) < kMostDensity ? mu : 0.0;
     precise float tension = max(-mu, 0.0);
     precise float3 pull = d * -mu;
-    precise float3 way = pointB.xyz - beginB;
-    precise float3 side = way - pull + pullAhead + pushAhead;
+    precise float3 displacement = pointB.xyz - beginB;
+    precise float3 side = displacement - pull + pullAhead + pushAhead;
     precise float rest = 1.0 + stiffnessAhead;
     precise float inverse = 1.0 / (rest + tension);
     precise float3 solved = side * inverse;
     bool free = massB > 0.0;
-    float3 own = free ? solved : way;
+    float3 own = free ? solved : displacement;
     precise float share = free ? tension * inverse : 0.0;
     storePoint(s, b, float4(own, share));
-    // What is left of vertex b in the row of a.
+    // The remaining terms of vertex b in the row of a.
     precise float3 push = own * tension;
     pushAhead = push;
     precise float stiffness = free ? tension * (rest * inverse) : tension;
@@ -253,28 +254,28 @@ void solveLengths(Strand s) {
   sweepLengths(s, (rounds & 1u) == 0u, true, false);
 }
 
-// The vertices between two held ones, a and b, that are `reach` metres of rest length apart. Too
-// far apart: a straight line, all segments stretched alike. Else follow the leader from b and from
-// a in turn (Aristidou and Lasenby, "FABRIK", Graphical Models 73(5), 2011), and what the last
-// segment then lacks is spread over all of them.
-void fitSpan(Strand s, uint a, uint b, float reach, float3 fallback) {
+// Fits the vertices between two held ones, a and b, that are `reach` meters of rest length apart.
+// If they are too far apart: a straight line, all segments stretched equally. Otherwise follow the
+// leader from b and from a in turn (Aristidou and Lasenby, "FABRIK", Graphical Models 73(5), 2011);
+// the length that the last segment then lacks is distributed over all of them.
+void fitSpan(Strand s, uint a, uint b, float range, float3 fallback) {
   float3 start = position(s, a);
-  float3 goal = position(s, b);
-  precise float3 whole = goal - start;
+  float3 target = position(s, b);
+  precise float3 whole = target - start;
   float distance = squareRoot(dot3(whole, whole));
-  precise float taut = reach * 0.999999;
+  precise float taut = range * 0.999999;
   if (distance >= taut) {
     precise float done = 0.0;
     for (uint i = a + 1; i < b; ++i) {
       done = done + segmentLength(s, i - 1);
-      precise float share = reach > 0.0 ? done / reach : 0.0;
+      precise float share = range > 0.0 ? done / range : 0.0;
       precise float3 x = start + whole * share;
       storePoint(s, i, float4(x, 1.0));
     }
     return;
   }
   for (uint round = 0; round < kSpanRounds; ++round) {
-    precise float3 leader = goal;
+    precise float3 leader = target;
     for (uint k = b - 1; k > a; --k) {
       precise float3 arm = position(s, k) - leader;
       leader = leader + directionOr(arm, -fallback) * segmentLength(s, k);
@@ -287,12 +288,12 @@ void fitSpan(Strand s, uint a, uint b, float reach, float3 fallback) {
       storePoint(s, i, float4(leader, 1.0));
     }
   }
-  precise float3 lastArm = goal - position(s, b - 1);
+  precise float3 lastArm = target - position(s, b - 1);
   precise float3 lack = lastArm - directionOr(lastArm, fallback) * segmentLength(s, b - 1);
   precise float along = 0.0;
   for (uint n = a + 1; n < b; ++n) {
     along = along + segmentLength(s, n - 1);
-    precise float share = along / reach;
+    precise float share = along / range;
     precise float3 x = position(s, n) + lack * share;
     storePoint(s, n, float4(x, 1.0));
   }
@@ -301,13 +302,13 @@ void fitSpan(Strand s, uint a, uint b, float reach, float3 fallback) {
 // Fits all spans; the free end behind the last held vertex follows its leader.
 void fitSpans(Strand s, float3 fallback) {
   uint held = 1;
-  precise float reach = 0.0;
+  precise float range = 0.0;
   for (uint i = 2; i <= s.held; ++i) {
-    reach = reach + segmentLength(s, i - 1);
+    range = range + segmentLength(s, i - 1);
     if (inverseMass(loadLength(s, i)) <= 0.0) {
-      fitSpan(s, held, i, reach, fallback);
+      fitSpan(s, held, i, range, fallback);
       held = i;
-      reach = 0.0;
+      range = 0.0;
     }
   }
 }

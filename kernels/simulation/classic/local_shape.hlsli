@@ -1,4 +1,4 @@
-// Local shape: segments go towards their rest vectors.
+// Local shape: segments move towards their rest vectors.
 #ifndef PELAGE_SIMULATION_CLASSIC_LOCAL_SHAPE_HLSLI
 #define PELAGE_SIMULATION_CLASSIC_LOCAL_SHAPE_HLSLI
 
@@ -8,14 +8,15 @@
 struct ShapeSweep {
   float4 frame;
   float3 direction;
-  float3 p;     // vertex i, final but for this segment
+  float3 p;     // vertex i, final except for this segment
   float mass;   // of vertex i
-  float share;  // of the way to the rest vector that each end goes
+  float share;  // fraction of the displacement to the rest vector that each end moves
 };
 
-// Direction of a segment for the transport of frames. Coordinates around p have an error of about
-// 1e-7 |p|; where the segment is hardly longer than that, its measured direction is noise, and the
-// rest vector takes over. Without this a segment below a micrometre turns the whole strand behind.
+// Returns the direction of a segment for the transport of frames. Coordinates around p have an
+// error of about 1e-7 |p|; if the segment is hardly longer than that, its measured direction is
+// noise, and the rest vector replaces it. Otherwise a segment below a micrometer would rotate the
+// whole strand behind it.
 float3 transportDirection(float3 segment, float3 expected, float rest, float3 p, float3 before) {
   precise float noise = 1e-6 * (abs(p.x) + abs(p.y) + abs(p.z));
   precise float share = noise * noise / max(rest, max(noise, 1e-20));
@@ -36,24 +37,24 @@ float3 sweepSegment(inout ShapeSweep sweep, float4 rest, float3 q, float massQ, 
   precise float3 newP = sweep.p - correction * sweep.mass;
   precise float3 newQ = q + correction * massQ;
   precise float3 segment = newQ - newP;
-  float3 turned = transportDirection(segment, expected, rest.w, newQ, sweep.direction);
-  // rotationBetween() without its own normalisation.
+  float3 rotated = transportDirection(segment, expected, rest.w, newQ, sweep.direction);
+  // rotationBetween() without its own normalization.
   float3 d = sweep.direction;
-  precise float scalar = 1.0 + dot3(d, turned);
-  float4 between = float4(cross3(d, turned), scalar);
+  precise float scalar = 1.0 + dot3(d, rotated);
+  float4 between = float4(cross3(d, rotated), scalar);
   float3 flat = float3(-d.y, d.x, 0.0);
   float3 upright = float3(0.0, -d.z, d.y);
   float3 across = abs(d.x) + abs(d.y) < 0.1 ? upright : flat;
   float4 opposite = float4(across, 0.0);
   between = scalar < 1e-5 ? opposite : between;
   sweep.frame = normalizeQuaternion(multiplyQuaternions(between, sweep.frame));
-  sweep.direction = turned;
+  sweep.direction = rotated;
   sweep.p = newQ;
   sweep.mass = massQ;
   return newP;
 }
 
-// Share of the segment that ends at a vertex, of what it is without factors.
+// Returns the local stiffness of the segment that ends at a vertex, with its factor.
 float shapeShare(float share, uint vertex, uint guide) {
   float r = share;
   if (g_factorSet > 0) {
@@ -65,7 +66,8 @@ float shapeShare(float share, uint vertex, uint guide) {
   return r;
 }
 
-// Two sweeps at a time, the second one segment behind the first: they do not wait for each other.
+// Runs two sweeps at a time, the second one segment behind the first: they do not wait for each
+// other.
 void keepLocalShape(Strand s, float4 rootFrame, float3 rootDirection) {
   uint rounds = min(g_localIterations, kMaxIterations);
   uint last = g_vertexCount - 1;

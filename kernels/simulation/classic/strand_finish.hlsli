@@ -1,4 +1,4 @@
-// The last sweep over a strand: lengths and contacts, and what others read.
+// The last sweep over a strand: lengths and contacts, and the outputs.
 #ifndef PELAGE_SIMULATION_CLASSIC_STRAND_FINISH_HLSLI
 #define PELAGE_SIMULATION_CLASSIC_STRAND_FINISH_HLSLI
 
@@ -6,26 +6,26 @@
 
 #if CONTACTS
 #include "../../contact/fit_along_plane.hlsli"
-#include "../../layouts/contact_records.hlsli"
+#include "../../contact/contact_access.hlsli"
 
 bool hasContact(Strand s, uint vertex) {
   uint word = g_contactWords[g_contactMasks + s.guide * g_contactMaskWords + vertex / 32u];
   return ((word >> (vertex & 31u)) & 1u) != 0u;
 }
 
-// Moves vertex i at x, `rest` metres from its leader, in front of the planes of its contacts and back
-// to its length, in turn. Coulomb's friction at position level: of the way that the vertex slides
-// along the surface in this sub-step, as far as friction times the way that it was pushed out.
+// Moves vertex i at x, `rest` meters from its leader, in front of the planes of its contacts and
+// back to its length, in turn. Coulomb friction at position level: it removes at most friction
+// times the outward displacement from the vertex's displacement along the surface in this sub-step.
 float3 keepOut(Strand s, Motion motion, uint i, float3 x, float3 leader, float3 direction,
                float rest) {
-  float3 start = uncarried(motion, g_state[guideIndex(1, i, s.guide)].xyz);
+  float3 start = untransported(motion, g_state[guideIndex(1, i, s.guide)].xyz);
   uint record = vertexIndex(s.guide, i) * kMaxContacts;
   for (uint round = 0; round < kContactRounds; ++round) {
     precise float3 p = x;
     bool touched = false;
     float3 plane = float3(0.0, 0.0, 0.0);
     [loop] for (uint k = 0; k < kMaxContacts; ++k) {
-      ContactRecord contact = g_contacts[record + k];
+      ContactRecord contact = loadRecord(record + k);
       float3 n = contact.plane.xyz;
       precise float3 off = p - float3(contact.foundX, contact.foundY, contact.foundZ);
       precise float depth = -(contact.plane.w + dot3(n, off));
@@ -34,9 +34,9 @@ float3 keepOut(Strand s, Motion motion, uint i, float3 x, float3 leader, float3 
         plane = n;
         p = p + n * depth;
         if (round == 0 && contact.surface.w > 0.0) {
-          precise float3 way = p - start - contact.surface.xyz;
-          precise float outward = dot3(way, n);
-          precise float3 slip = way - n * outward;
+          precise float3 displacement = p - start - contact.surface.xyz;
+          precise float outward = dot3(displacement, n);
+          precise float3 slip = displacement - n * outward;
           float size = squareRoot(dot3(slip, slip));
           precise float most = contact.surface.w * depth;
           precise float share = size > most ? most / size : 1.0;
@@ -85,9 +85,9 @@ void followLeaders(Strand s, Motion motion, bool free, float3 fallback) {
   }
 }
 
-// ---- what others read
+// ---- outputs
 
-// Direction of the last segment up to a vertex that has one, else of the root.
+// Direction of the last segment up to a vertex that has one, else that of the root.
 float3 directionUpTo(Strand s, uint vertex) {
   float3 none = float3(0.0, 0.0, 0.0);
   for (uint i = vertex; i > 0; --i) {
@@ -100,16 +100,16 @@ float3 directionUpTo(Strand s, uint vertex) {
   return firstDirection(s.guide, bindRoot, end, firstFrame(s.guide, end));
 }
 
-// Two vertices of every strand of the group, on their way to memory: a strand's vertices are
-// neighbours there, so that a thread that wrote its own strand would touch a line for each value.
+// Two vertices of every strand of the group, on their way to memory: the vertices of a strand are
+// contiguous there, so a thread that wrote its own strand would touch a line for each value.
 static const uint kTileVertices = 2;
 static const uint kTileRow = GROUP_LANES + 4;
 groupshared float4 s_positions[kTileVertices * kTileRow];
 groupshared float4 s_tangents[kTileVertices * kTileRow];
 
-// A vertex's tangent is the direction from the vertex before to the one after; at the two ends,
-// that of the only segment.
-void tileOutput(Strand s, uint vertex, uint place) {
+// A vertex's tangent is the direction from the previous to the next vertex; at the two ends, that
+// of the only segment.
+void tileOutput(Strand s, uint vertex, uint slot) {
   uint to = min(vertex + 1, g_vertexCount - 1);
   float4 pointHere = loadPoint(s, vertex);
   precise float3 across = position(s, to) - position(s, max(vertex, 1) - 1);
@@ -117,8 +117,8 @@ void tileOutput(Strand s, uint vertex, uint place) {
   float3 tangent = directionOr(across, none);
   if (!(dot3(tangent, tangent) > 0.0)) tangent = directionUpTo(s, to);
   precise float3 world = pointHere.xyz + g_origin.xyz;
-  s_positions[place * kTileRow + s.lane] = float4(world, pointHere.w);
-  s_tangents[place * kTileRow + s.lane] = float4(tangent, 0.0);
+  s_positions[slot * kTileRow + s.lane] = float4(world, pointHere.w);
+  s_tangents[slot * kTileRow + s.lane] = float4(tangent, 0.0);
 }
 
 // All threads of the group call it.
@@ -132,12 +132,12 @@ void writeOutputs(Strand s, bool alive, uint firstGuide) {
     GroupMemoryBarrierWithGroupSync();
     for (uint k = s.lane; k < kTileVertices * GROUP_LANES; k += GROUP_LANES) {
       uint strand = k / kTileVertices;
-      uint place = k - strand * kTileVertices;
+      uint slot = k - strand * kTileVertices;
       uint guide = firstGuide + strand;
-      if (guide < g_guideCount && place < count) {
-        uint to = vertexIndex(guide, vertex + place);
-        g_positions[to] = s_positions[place * kTileRow + strand];
-        g_tangents[to] = s_tangents[place * kTileRow + strand];
+      if (guide < g_guideCount && slot < count) {
+        uint to = vertexIndex(guide, vertex + slot);
+        g_positions[to] = s_positions[slot * kTileRow + strand];
+        g_tangents[to] = s_tangents[slot * kTileRow + strand];
       }
     }
     GroupMemoryBarrierWithGroupSync();

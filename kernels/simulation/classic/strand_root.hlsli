@@ -10,8 +10,8 @@ float4 firstFrame(uint guide, RootPose pose) {
   return normalizeQuaternion(multiplyQuaternions(pose.rotation, bind));
 }
 
-// Direction of the first segment in a pose. From the positions; the frame's x axis is the same, but
-// has lost digits where the segment runs against the bind space's x axis.
+// Direction of the first segment in a pose. Computed from the positions; the frame's x axis is the
+// same, but loses digits if the segment runs against the bind space's x axis.
 float3 firstDirection(uint guide, float3 bindRoot, RootPose pose, float4 rootFrame) {
   precise float3 segment = restPosition(1, guide) - bindRoot;
   return directionOr(rotate(pose.rotation, segment), rotate(rootFrame, float3(1.0, 0.0, 0.0)));
@@ -19,7 +19,7 @@ float3 firstDirection(uint guide, float3 bindRoot, RootPose pose, float4 rootFra
 
 // A position of g_state, set 0 or 1, relative to this sub-step's origin.
 float3 storedPosition(uint set, uint vertex, uint guide) {
-  float share = (g_flags & 2u) != 0u ? 1.0 : 0.0;
+  float share = (g_flags & kRebaseFlag) != 0u ? 1.0 : 0.0;
   precise float3 p = g_state[guideIndex(set, vertex, guide)].xyz + g_rebase.xyz * share;
   return p;
 }
@@ -31,10 +31,10 @@ struct Motion {
   float3 shift;
 };
 
-// Whether strands are carried by their root's motion.
+// Returns true if strands are transported by their root's motion.
 bool propagatesShocks() { return g_vspCoefficient > 0.0 || g_vspThreshold < 3.402823e38; }
 
-float3 carried(Motion motion, float3 p) {
+float3 transported(Motion motion, float3 p) {
   precise float3 r = p;
   if (propagatesShocks()) {
     precise float3 arm = p - motion.pivot;
@@ -43,8 +43,8 @@ float3 carried(Motion motion, float3 p) {
   return r;
 }
 
-// Where carried() took a point from, to rounding.
-float3 uncarried(Motion motion, float3 p) {
+// Returns the point that carried() transported to here, up to rounding.
+float3 untransported(Motion motion, float3 p) {
   precise float3 arm = p - motion.pivot - motion.shift;
   precise float3 r = motion.pivot + rotate(conjugate(motion.rotation), arm);
   return r;
@@ -72,8 +72,8 @@ Motion rootMotion(uint guide, RootPose begin, RootPose end) {
     share = share + (1.0 - share) * ramp;
   }
   share = saturate(share);
-  float4 turn = normalizeQuaternion(multiplyQuaternions(end.rotation, conjugate(begin.rotation)));
-  motion.rotation = interpolateQuaternions(float4(0.0, 0.0, 0.0, 1.0), turn, share);
+  float4 relativeRotation = normalizeQuaternion(multiplyQuaternions(end.rotation, conjugate(begin.rotation)));
+  motion.rotation = interpolateQuaternions(float4(0.0, 0.0, 0.0, 1.0), relativeRotation, share);
   precise float3 shift = (end.position - begin.position) * share;
   motion.shift = shift;
   return motion;

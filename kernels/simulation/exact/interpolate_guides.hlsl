@@ -1,25 +1,25 @@
-// Gives guides that are not simulated, or fade in or out, the shape of one that is: simulation level
-// of detail.
+// Simulation level of detail: gives guides that are not simulated, or that fade in or out, the
+// shape of a simulated guide.
 //
-// Threads: one a place in g_strands from g_fadeStart on; dispatch g_strandCount - g_fadeStart x 1,
-//          after the sub-steps of a frame. With the restart flag: before them, from g_restartFrom on.
-// Reads:   g_strands, g_lodParents, g_rest, g_rootFrames, g_state, g_sleep
+// Threads: one per strand from g_fadeStart on; dispatch g_strandCount - g_fadeStart x
+//          1, after the sub-steps of a frame. With the restart flag: before them, from
+//          g_restartFrom on.
+// Reads:   g_lodParents, g_rest, g_state, g_sleep
 // Writes:  g_positions and g_tangents of these strands; with the restart flag g_state instead
 //
-// The host has put the strands into an order of which every beginning covers the scalp, and given
-// each a parent before it, near it. A strand turns every edge from its own rest shape as its parent,
-// the first ancestor that is wholly simulated, has turned the edge at the same share of its length;
-// all in the frames of their roots. Between g_fadeStart and g_simulatedCount, where strands are
-// simulated as well, the two shapes are blended edge by edge, so that lengths are kept.
-// The restart flag makes what comes out the state of strands that are simulated again from now on.
+// The host has sorted the strands so that every prefix covers the scalp, and given each a parent
+// before it, near it. A strand follows its first ancestor that is wholly simulated: it rotates
+// every edge from its own rest shape as the ancestor has rotated the edge at the same fraction of
+// its length, in the frames of their roots. Between g_fadeStart and g_simulatedCount, where strands
+// are simulated as well, the two shapes are blended edge by edge, so that lengths are kept. With
+// the restart flag the result becomes the state of strands that are simulated again from now on.
 //
-// Invariant (tests/kernel): edges have their rest lengths; a strand whose parent is at rest is at
-// rest; with a parent of the same rest shape it has the parent's shape.
-#include "rod_state.hlsli"
+// Invariant (tests/simulation): edges have their rest lengths; a strand whose parent is at rest is
+// at rest; with a parent of the same rest shape it has the parent's shape.
+#include "exact_state.hlsli"
 
-static const uint kRestartFlag = 64;
 
-// The frame of the edge behind `before` at rest, in bind space.
+// Returns the frame of the edge after `before` at rest, in bind space.
 float4 restFrameAfter(float4 before, uint edge, ExactStrand strand) {
   float4 stored = g_rest[stateIndex(0, edge, strand)];
   float3 rest = restRotation(stored.xy);
@@ -29,26 +29,26 @@ float4 restFrameAfter(float4 before, uint edge, ExactStrand strand) {
 [numthreads(32, 1, 1)]
 void interpolate_guides(uint3 thread : SV_DispatchThreadID) {
   bool restart = (g_flags & kRestartFlag) != 0u;
-  uint place = thread.x + (restart ? g_restartFrom : g_fadeStart);
+  uint index = thread.x + (restart ? g_restartFrom : g_fadeStart);
   uint end = restart ? min(g_simulatedCount, g_strandCount) : g_strandCount;
-  if (place >= end || place == 0) return;
-  uint parentPlace = g_lodParents[place];
+  if (index >= end || index == 0) return;
+  uint parentIndex = g_lodParents[index];
   // Every parent comes before its child.
-  for (uint k = 0; k < 32 && parentPlace >= g_fadeStart && parentPlace > 0; ++k)
-    parentPlace = min(g_lodParents[parentPlace], parentPlace - 1);
-  ExactStrand strand = g_strands[place];
-  ExactStrand parent = g_strands[min(parentPlace, place - 1)];
+  for (uint k = 0; k < 32 && parentIndex >= g_fadeStart && parentIndex > 0; ++k)
+    parentIndex = min(g_lodParents[parentIndex], parentIndex - 1);
+  ExactStrand strand = strandAt(index);
+  ExactStrand parent = strandAt(min(parentIndex, index - 1));
   if (!isSound(strand) || !isSound(parent) || !fitsOutputs(strand)) return;
 
-  Slots slots = slotsOfTile(place / kTileStrands);
-  Slots parentSlots = slotsOfTile(parentPlace / kTileStrands);
+  Slots slots = slotsOfTile(index / kTileStrands);
+  Slots parentSlots = slotsOfTile(parentIndex / kTileStrands);
   RootPath path = rootPath(strand.root);
   RodRoot root = rootAt(path, g_rootEnd);
   RodRoot parentRoot = rootAt(rootPath(parent.root), g_rootEnd);
-  bool simulated = place < g_simulatedCount && !restart;
+  bool simulated = index < g_simulatedCount && !restart;
   precise float weight = 1.0;
   if (simulated)
-    weight = float(place - g_fadeStart + 1) / float(g_simulatedCount - g_fadeStart + 1);
+    weight = float(index - g_fadeStart + 1) / float(g_simulatedCount - g_fadeStart + 1);
 
   uint tip = strand.count - 1;
   uint last = strand.count - 2;  // edges
@@ -68,7 +68,7 @@ void interpolate_guides(uint3 thread : SV_DispatchThreadID) {
   } else {
     g_state[stateIndex(kFrameSets + slots.now, 0, strand)] = frame;
     precise float3 first = x + edgeVector;
-    g_state[strandIndex(kFirstPosition, slots.now, place)] = float4(first, 0.0);
+    g_state[strandIndex(kFirstPosition, slots.now, index)] = float4(first, 0.0);
   }
   x = x + edgeVector;
   [loop] for (uint i = 1; i <= last; ++i) {
@@ -116,15 +116,15 @@ void interpolate_guides(uint3 thread : SV_DispatchThreadID) {
   }
   float4 zero = float4(0.0, 0.0, 0.0, 0.0);
   for (uint j = 0; j < strand.count; ++j) {
-    g_state[stateIndex(kWaySets + slots.now, j, strand)] = zero;
-    g_state[stateIndex(kWaySets + slots.before, j, strand)] = zero;
-    g_state[stateIndex(kWaySets + slots.earlier, j, strand)] = zero;
+    g_state[stateIndex(kDisplacementSets + slots.now, j, strand)] = zero;
+    g_state[stateIndex(kDisplacementSets + slots.before, j, strand)] = zero;
+    g_state[stateIndex(kDisplacementSets + slots.earlier, j, strand)] = zero;
   }
   float4 identity = float4(0.0, 0.0, 0.0, 1.0);
-  g_state[strandIndex(kGuessedWay, slots.now, place)] = zero;
-  g_state[strandIndex(kTipPosition, slots.now, place)] = float4(x, 0.0);
-  g_state[strandIndex(kRootVelocity, slots.now, place)] =
-      g_state[strandIndex(kRootVelocity, parentSlots.now, parentPlace)];
-  g_state[strandIndex(kCarryRotation, slots.now, place)] = identity;
-  g_state[strandIndex(kCarryRotation, slots.before, place)] = identity;
+  g_state[strandIndex(kGuessedDisplacement, slots.now, index)] = zero;
+  g_state[strandIndex(kTipPosition, slots.now, index)] = float4(x, 0.0);
+  g_state[strandIndex(kRootVelocity, slots.now, index)] =
+      g_state[strandIndex(kRootVelocity, parentSlots.now, parentIndex)];
+  g_state[strandIndex(kTransportRotation, slots.now, index)] = identity;
+  g_state[strandIndex(kTransportRotation, slots.before, index)] = identity;
 }

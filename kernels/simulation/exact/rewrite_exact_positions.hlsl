@@ -1,16 +1,17 @@
-// Writes the positions of the simulated strands once more, from the state as it is: after a shift of
-// the world's origin, for strands that sleep or are drawn in a pause.
+// Writes the positions of the simulated strands again from the current state: after a shift of the
+// world's origin, for strands that sleep or are drawn in a pause.
 //
-// Threads: one a strand in the order of g_strands, in rows of 2^20.
-// Reads:   g_strands, g_rest, g_state (now), g_sleep
-// Writes:  g_positions but for w
+// Threads: one per strand in the order of the state, in rows of 2^20.
+// Reads:   g_rest, g_state (now), g_sleep
+// Writes:  g_positions, except w
 //
-// They are summed from vertex 1 as simulate_rods does; vertex 0 is edge 0 before it. Tangents do not
-// depend on the origin. Strands beyond g_simulatedCount are those of interpolate_guides.
+// Positions are summed from vertex 1, as in simulate_exact; vertex 0 is edge 0 before it. Tangents
+// do not depend on the origin. interpolate_guides writes the strands beyond g_simulatedCount.
 //
-// Invariant (tests/kernel): with the same origin the positions are those of simulate_rods, vertex 0
-// to rounding, all others to the bit.
-#include "rod_state.hlsli"
+// Invariant (tests/simulation): with the same origin the positions are those of simulate_exact:
+// vertex 0 to rounding, all others to the bit.
+#include "../../base/dispatch.hlsli"
+#include "exact_state.hlsli"
 
 void rewritePosition(uint element, float3 x) {
   precise float3 world = x + g_origin.xyz;
@@ -19,9 +20,9 @@ void rewritePosition(uint element, float3 x) {
 
 [numthreads(32, 1, 1)]
 void rewrite_exact_positions(uint3 thread : SV_DispatchThreadID) {
-  uint index = (thread.y << 20) | thread.x;
+  uint index = indexOfThread(thread);
   if (index >= min(g_strandCount, g_simulatedCount)) return;
-  ExactStrand strand = g_strands[index];
+  ExactStrand strand = strandAt(index);
   if (!isSound(strand) || !fitsOutputs(strand)) return;
 
   Slots slots = slotsOfTile(index / kTileStrands);

@@ -1,4 +1,4 @@
-// What the sections of a .pelage file are called, and the keys of its sources.
+// Names of the sections of a .pelage file, and the keys of its sources.
 #include "pelage/asset_cache.h"
 
 #include <algorithm>
@@ -25,7 +25,7 @@ constexpr KindFormat kFormats[] = {
     {"info", Kind::kMeshInfo, 16},
     {"topology", Kind::kTopologyInfo, 16},
     {"positions", Kind::kPositions, 16},
-    {"vertex colours", Kind::kVertexColor, 16},
+    {"vertex colors", Kind::kVertexColor, 16},
     {"rest frames", Kind::kRestFrames, 16},
     {"strand UV", Kind::kStrandUv, 8},
     {"vertex UV", Kind::kVertexUv, 8},
@@ -46,9 +46,9 @@ constexpr KindFormat kFormats[] = {
     {"source triangles", Kind::kSourceTriangles, 4},
     {"adjacency", Kind::kAdjacency, 4},
     {"welded vertices", Kind::kWeldedVertices, 4},
-    {"vertices of places", Kind::kPlaceVertices, 4},
-    {"offsets of places", Kind::kPlaceOffsets, 4},
-    {"corners of places", Kind::kPlaceCorners, 4},
+    {"vertices of points", Kind::kPointVertices, 4},
+    {"offsets of points", Kind::kPointOffsets, 4},
+    {"corners of points", Kind::kPointCorners, 4},
     {"sources", Kind::kSources, 1},
     {"name", Kind::kHairName, 1},
     {"bone names", Kind::kHairBones, 1},
@@ -96,7 +96,7 @@ TopologyInfo infoOf(const ColliderTopology& topology) {
                  r.duplicateTriangles, r.openEdges, r.nonManifoldEdges},
       .flags = (r.closed ? 1u : 0u) | (r.consistentlyOriented ? 2u : 0u) | (r.inverted ? 4u : 0u),
       .triangleCount = topology.triangleCount(),
-      .placeCount = topology.placeCount(),
+      .pointCount = topology.pointCount(),
       .misorientedEdges = r.misorientedEdges,
       .volume = r.volume};
 }

@@ -1,5 +1,5 @@
-// What the values of cached assets must be like: finite, in the ranges that process() and the other
-// loaders keep, and no index beyond its array.
+// Checks the values of cached assets: finite, in the ranges of process() and the other loaders, and
+// no index beyond its array.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,10 +15,10 @@ namespace pelage::detail::cache {
 namespace {
 
 constexpr float kMaxFloat = std::numeric_limits<float>::max();
-// Two points within +-kMaxCoordinate are at most this far apart [m].
+// Maximum distance of two points within +-kMaxCoordinate [m].
 constexpr float kMaxDistance = 4 * kMaxCoordinate;
 
-/// A range for each of the components that follow each other in an array of floats.
+/// A range for each component in an array of floats.
 template <size_t N>
 struct Ranges {
   std::array<float, N> low, high;
@@ -33,8 +33,8 @@ constexpr Ranges<1> kThickness = {{0}, {kMaxCoordinate}};
 constexpr Ranges<4> kVertices = {{-kMaxCoordinate, -kMaxCoordinate, -kMaxCoordinate, 0},
                                  {kMaxCoordinate, kMaxCoordinate, kMaxCoordinate, kMaxFloat}};
 
-// Whether all are in range, NaN not. Without a branch a value, so that compilers make vectors of
-// it.
+// Returns true if all are in range; NaN is not. Without a branch per value, so that compilers
+// vectorize it.
 template <size_t N>
 bool allInside(const float* values, size_t count, const Ranges<N>& ranges) {
   int good = 1;
@@ -88,10 +88,10 @@ std::optional<Fault> checkBones(Kind names, Kind weights, const std::vector<Bone
   return std::nullopt;
 }
 
-// Numbers below a count; `none` is allowed, too.
+// Numbers below a count; `none` is valid, too.
 std::optional<Fault> checkBelow(Kind kind, const std::vector<uint32_t>& numbers, uint64_t count,
                                 bool noneAllowed = false) {
-  // Without a branch a number at first, as above.
+  // First without a branch per number, as above.
   const auto limit = static_cast<uint32_t>(std::min<uint64_t>(count, ColliderTopology::kNone));
   const int allowNone = noneAllowed ? 1 : 0;
   int good = 1;
@@ -161,7 +161,7 @@ std::optional<Fault> faultOf(const ColliderTopology& t, uint32_t vertices, uint3
   const auto allBelow = [](std::initializer_list<uint32_t> counts, uint64_t most) {
     return std::all_of(counts.begin(), counts.end(), [&](uint32_t c) { return c <= most; });
   };
-  if (report.vertexCount != vertices || report.weldedVertexCount != t.placeCount() ||
+  if (report.vertexCount != vertices || report.weldedVertexCount != t.pointCount() ||
       report.triangleCount != triangles || report.usedTriangleCount != t.triangleCount() ||
       !allBelow({report.nonFiniteVertices}, vertices) ||
       !allBelow({report.nonFiniteTriangles, report.degenerateTriangles, report.duplicateTriangles,
@@ -173,13 +173,13 @@ std::optional<Fault> faultOf(const ColliderTopology& t, uint32_t vertices, uint3
   if (auto f = checkBelow(Kind::kUsedIndices, t.indices, vertices)) return f;
   if (auto f = checkBelow(Kind::kSourceTriangles, t.sourceTriangles, triangles)) return f;
   if (auto f = checkBelow(Kind::kAdjacency, t.adjacency, t.triangleCount(), true)) return f;
-  if (auto f = checkBelow(Kind::kWeldedVertices, t.weldedVertices, t.placeCount())) return f;
-  if (auto f = checkBelow(Kind::kPlaceVertices, t.placeVertices, vertices)) return f;
-  if (auto f = checkBelow(Kind::kPlaceCorners, t.placeCorners, t.indices.size())) return f;
-  const std::vector<uint32_t>& offsets = t.placeOffsets;
-  if (offsets.front() != 0 || offsets.back() != t.placeCorners.size() ||
+  if (auto f = checkBelow(Kind::kWeldedVertices, t.weldedVertices, t.pointCount())) return f;
+  if (auto f = checkBelow(Kind::kPointVertices, t.pointVertices, vertices)) return f;
+  if (auto f = checkBelow(Kind::kPointCorners, t.pointCorners, t.indices.size())) return f;
+  const std::vector<uint32_t>& offsets = t.pointOffsets;
+  if (offsets.front() != 0 || offsets.back() != t.pointCorners.size() ||
       !std::is_sorted(offsets.begin(), offsets.end()))
-    return Fault{Kind::kPlaceOffsets, 0, "the offsets do not ascend from 0 to the last corner"};
+    return Fault{Kind::kPointOffsets, 0, "the offsets do not ascend from 0 to the last corner"};
   return std::nullopt;
 }
 

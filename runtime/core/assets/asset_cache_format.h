@@ -1,5 +1,5 @@
 // The .pelage file: header, table of sections, sections without gaps. Little endian;
-// docs/formats.md describes it byte by byte.
+// docs/assets_formats.md describes it byte by byte.
 #pragma once
 
 #include <array>
@@ -14,13 +14,13 @@
 
 namespace pelage::detail::cache {
 
-// The last bytes find out when a program took the file for text.
+// The last bytes detect that a program treated the file as text.
 inline constexpr std::array<char, 8> kMagic = {'P', 'E', 'L', 'A', 'G', 'E', '\r', '\n'};
 inline constexpr uint32_t kByteOrder = 0x0a0b0c0d;
-inline constexpr uint32_t kMaxItems = 4096;  ///< hairs, and meshes
+inline constexpr uint32_t kMaxItems = 4096;  ///< maximum number of hairs, and of meshes
 inline constexpr uint32_t kMaxNameLength = 4095;
 inline constexpr uint32_t kMaxFollowHairs = 0x7fffffff;
-/// Not reached: a hair has fewer than 24 sections, as has a mesh.
+/// An upper bound: a hair has fewer than 24 sections, as has a mesh.
 inline constexpr uint32_t kMaxSections = 2 * 24 * kMaxItems;
 
 struct Header {
@@ -35,11 +35,11 @@ struct Header {
   uint64_t checksum = 0;  ///< see headerChecksum()
 };
 static_assert(sizeof(Header) == 48);
-/// Of header and table, which `bytes` starts with: of all but the field itself.
+/// Checksum of header and table, at the start of `bytes`, without the field itself.
 uint64_t headerChecksum(std::span<const std::byte> headerAndTable);
 
-/// What is in a section. In the file come the infos, then the others by falling alignment, so that
-/// there are no gaps; within these, by item and kind.
+/// The contents of a section. The file has the infos first, then the others by decreasing
+/// alignment, so that there are no gaps; within these, by item and kind.
 enum class Kind : uint32_t {
   kHairInfo = 1,      ///< HairInfo
   kMeshInfo = 2,      ///< MeshInfo
@@ -69,9 +69,9 @@ enum class Kind : uint32_t {
   kSourceTriangles,
   kAdjacency,
   kWeldedVertices,
-  kPlaceVertices,
-  kPlaceOffsets,
-  kPlaceCorners,
+  kPointVertices,
+  kPointOffsets,
+  kPointCorners,
   // Bytes
   kSources = 60,
   kHairName,
@@ -81,7 +81,7 @@ enum class Kind : uint32_t {
   kMeshBones,
 };
 
-/// What errors call it; nullptr when there is no such kind.
+/// Name of a kind in errors; nullptr if there is no such kind.
 const char* nameOf(Kind kind);
 /// Alignment of the section in the file, 16, 8, 4 or 1; its size is a multiple of it.
 uint32_t alignmentOf(Kind kind);
@@ -98,7 +98,7 @@ struct Section {
   uint64_t reserved2 = 0;  ///< 0
 };
 static_assert(sizeof(Section) == 48);
-/// Whether a section comes before another one; a file has no two that are alike.
+/// Returns true if a section comes before another one; a file has no two equal ones.
 bool comesBefore(const Section& a, const Section& b);
 
 struct HairInfo {
@@ -126,7 +126,7 @@ static_assert(sizeof(MeshInfo) == 16);
 struct TopologyInfo {
   uint32_t counts[10] = {};  ///< the first of MeshReport, in its order
   uint32_t flags = 0;        ///< bit 0 closed, 1 consistently oriented, 2 inverted
-  uint32_t triangleCount = 0, placeCount = 0;
+  uint32_t triangleCount = 0, pointCount = 0;
   uint32_t misorientedEdges = 0;
   double volume = 0;
 };
@@ -136,15 +136,15 @@ MeshReport reportOf(const TopologyInfo& info);
 
 /// Calls f(kind, vector, elements) for every array of a topology.
 template <class Topology, class Function>
-void forEachTopologyArray(Topology& topology, uint64_t vertices, uint64_t triangles,
-                          uint64_t places, Function&& f) {
+void forEachTopologyArray(Topology& topology, uint64_t vertices, uint64_t triangles, uint64_t slots,
+                          Function&& f) {
   f(Kind::kUsedIndices, topology.indices, 3 * triangles);
   f(Kind::kSourceTriangles, topology.sourceTriangles, triangles);
   f(Kind::kAdjacency, topology.adjacency, 3 * triangles);
   f(Kind::kWeldedVertices, topology.weldedVertices, vertices);
-  f(Kind::kPlaceVertices, topology.placeVertices, places);
-  f(Kind::kPlaceOffsets, topology.placeOffsets, places + 1);
-  f(Kind::kPlaceCorners, topology.placeCorners, 3 * triangles);
+  f(Kind::kPointVertices, topology.pointVertices, slots);
+  f(Kind::kPointOffsets, topology.pointOffsets, slots + 1);
+  f(Kind::kPointCorners, topology.pointCorners, 3 * triangles);
 }
 
 /// Calls f(kind, vector, elements a full array has, optional) for every array of hair whose
@@ -165,17 +165,17 @@ void forEachArray(Asset& asset, uint64_t strands, uint64_t vertices, Function&& 
   f(Kind::kVertexThickness, asset.vertexThickness, vertices, false);
 }
 
-/// A value that a section must not have.
+/// An invalid value of a section.
 struct Fault {
   Kind kind = Kind::kPositions;
   uint64_t offset = 0;  ///< of its bytes in the section
   std::string what;
 };
-/// What is wrong with the values of an item whose arrays have their sizes; nothing when all is
-/// well.
+/// Returns the error in the values of an item whose arrays have their sizes; nothing if there is
+/// none.
 std::optional<Fault> faultOf(const CachedHair& hair);
 std::optional<Fault> faultOf(const CollisionMesh& mesh);
-/// \param vertices, triangles of the mesh that it is of.
+/// \param vertices, triangles numbers of the mesh.
 std::optional<Fault> faultOf(const ColliderTopology& topology, uint32_t vertices,
                              uint32_t triangles);
 

@@ -41,7 +41,7 @@ class TableReader {
       return r.error();
     if (headerChecksum(bytes) != header.checksum)
       return fault(offsetof(Header, checksum),
-                   "the checksum of the header and the table does not fit; the file is damaged");
+                   "the checksum of the header and the table does not match; the file is damaged");
     std::vector<Section> sections(header.sectionCount);
     if (!sections.empty())
       std::memcpy(sections.data(), bytes.data() + sizeof(Header),
@@ -81,7 +81,7 @@ class TableReader {
                                header.fileSize));
     if (header.hairCount > kMaxItems || header.meshCount > kMaxItems || header.reserved != 0)
       return fault(offsetof(Header, hairCount), "the counts are out of range");
-    // The most that there can be, too, as a stream may have less than it says.
+    // This is also the maximum, because a stream may have fewer bytes than it states.
     if (header.sectionCount > kMaxSections ||
         header.sectionCount > (stream_.size() - sizeof(Header)) / sizeof(Section))
       return fault(offsetof(Header, sectionCount),
@@ -106,7 +106,7 @@ class TableReader {
   StreamReader& stream_;
 };
 
-// Takes the sections in the order of the file.
+// Reads the sections in the order of the file.
 class Loader {
  public:
   explicit Loader(StreamReader& stream) : stream_(stream) {}
@@ -119,7 +119,7 @@ class Loader {
       if (auto r = take(section); !r) return r.error();
     if (hairs_.size() != header.hairCount || meshes_.size() != header.meshCount)
       return fileError(stream_.name(), offsetof(Header, hairCount),
-                       "the file has other numbers of hairs and meshes than its header says");
+                       "the numbers of hairs and meshes differ from those in the header");
     for (size_t i = 0; i < hairs_.size(); ++i)
       if (auto r = finishHair(i, *sections); !r) return r.error();
     for (size_t i = 0; i < meshes_.size(); ++i)
@@ -148,7 +148,7 @@ class Loader {
                                  belongsToMesh(kind) ? "mesh" : "hair", section.item, what));
   }
 
-  // An array of `count` elements, straight to its place.
+  // Reads an array of `count` elements directly into its destination.
   template <class T>
   Result<void> readArray(const Section& section, uint64_t count, std::vector<T>& out) {
     if (count == 0 || section.size / sizeof(T) != count || section.size % sizeof(T) != 0)
@@ -157,7 +157,7 @@ class Loader {
                                sizeof(T)));
     if (auto r = stream_.readArray(section.offset, count, out); !r) return r;
     if (detail::hash64(std::as_bytes(std::span(out))) != section.checksum)
-      return fault(section, 0, "its checksum does not fit; the file is damaged");
+      return fault(section, 0, "its checksum does not match; the file is damaged");
     return {};
   }
 
@@ -175,7 +175,7 @@ class Loader {
     return {};
   }
 
-  // A length of 32 bits, and as many bytes of a name.
+  // Reads a length of 32 bits and a name of that many bytes.
   Result<std::string> textAt(const Section& section, const Bytes& bytes, uint64_t& at) const {
     if (bytes.size() - at < sizeof(uint32_t)) return fault(section, at, "it ends inside an entry");
     const auto length = readAt<uint32_t>(bytes, at);
@@ -304,8 +304,8 @@ class Loader {
     const TopologyInfo& info = infos[0];
     if (section.item >= meshes_.size()) return fault(section, 0, "it belongs to no mesh");
     const MeshInfo& mesh = meshes_[section.item];
-    if (info.triangleCount > mesh.triangleCount || info.placeCount == 0 ||
-        info.placeCount > mesh.vertexCount || info.flags > 7)
+    if (info.triangleCount > mesh.triangleCount || info.pointCount == 0 ||
+        info.pointCount > mesh.vertexCount || info.flags > 7)
       return fault(section, 0, "a count is out of range");
     topologies_.resize(meshes_.size());
     topologies_[section.item].emplace().topology.report = reportOf(info);
@@ -320,7 +320,7 @@ class Loader {
     const TopologyInfo& info = topologyInfos_[section.item];
     Result<void> result;
     forEachTopologyArray(topologies_[section.item]->topology, meshes_[section.item].vertexCount,
-                         info.triangleCount, info.placeCount,
+                         info.triangleCount, info.pointCount,
                          [&](Kind of, auto& array, uint64_t count) {
                            if (of == static_cast<Kind>(section.kind))
                              result = readArray(section, count, array);
@@ -339,7 +339,7 @@ class Loader {
         return readExtras(section, info, hair.asset.fileLayout);
       case Kind::kHairBones:
       case Kind::kStrandBones:
-        if (!hair.bones) return fault(section, 0, "the hair says that it has no bones");
+        if (!hair.bones) return fault(section, 0, "the hair has bone weights, but no bones");
         if (kind == Kind::kHairBones) return readBones(section, info.boneCount, hair.bones->bones);
         return readArray(section, info.strandCount, hair.bones->strands);
       case Kind::kFollowHairs:
@@ -389,7 +389,7 @@ class Loader {
     return mesh ? takeOfMesh(section) : takeOfHair(section);
   }
 
-  // What is missing, and the values.
+  // Checks for missing sections, and checks the values.
   Result<void> finishHair(size_t item, const std::vector<Section>& sections) {
     const CachedHair& hair = cache_.hairs[item];
     const HairInfo& info = hairs_[item];
@@ -407,7 +407,7 @@ class Loader {
     if (hair.followHairs.size() != info.followCount) return missing(Kind::kFollowHairs);
     const TfxFileLayout& layout = hair.asset.fileLayout;
     if (layout.extras.size() != info.layoutExtraCount) return missing(Kind::kHairExtras);
-    // saveTfx() makes room for what the layout says.
+    // saveTfx() allocates the size in the layout.
     if (layout.fileSize != 0 && !detail::tfxLayoutFits(hair.asset))
       return fileError(stream_.name(), sizeof(Header),
                        fmt::format("hair {} has the layout of another .tfx file", item));
@@ -433,14 +433,14 @@ class Loader {
     const TopologyInfo& topologyInfo = topologyInfos_[item];
     Result<void> complete;
     forEachTopologyArray(prepared.topology, info.vertexCount, topologyInfo.triangleCount,
-                         topologyInfo.placeCount,
+                         topologyInfo.pointCount,
                          [&](Kind kind, const auto& array, uint64_t count) {
                            if (complete && array.size() != count) complete = missing(kind);
                          });
     if (!complete) return complete;
     if (const auto found = faultOf(prepared.topology, info.vertexCount, info.triangleCount))
       return faultIn(*found, item, sections);
-    // The checksums of what they are the hashes of, which fitted.
+    // The checksums of the hashed sections, which matched.
     prepared.positionsHash = sectionOf(Kind::kMeshPositions, item, sections).checksum;
     prepared.indicesHash = sectionOf(Kind::kMeshIndices, item, sections).checksum;
     cache_.meshes[item].mesh.prepared =

@@ -45,10 +45,10 @@ Bytes packSources(const std::vector<SourceKey>& sources) {
   return bytes;
 }
 
-// The sections of a file, before they have their places.
+// The sections of a file, before their offsets are known.
 class Sections {
  public:
-  /// The bytes must stay where they are.
+  /// The bytes must remain valid.
   void add(Kind kind, size_t item, std::span<const std::byte> bytes) {
     if (bytes.empty()) return;
     Section section;
@@ -131,7 +131,7 @@ Result<void> addHair(const CachedHair& hair, size_t item, Sections& sections) {
   info.degenerateSegmentCount = asset.degenerateSegmentCount;
   const TfxFileLayout& layout = asset.fileLayout;
   std::copy(std::begin(layout.reserved), std::end(layout.reserved), info.layoutReserved);
-  // A layout of a file that the asset no longer is has no use but for its reserved words.
+  // If the asset no longer matches its file, only the reserved words of the layout are of use.
   Bytes extras;
   if (detail::tfxLayoutFits(asset)) {
     info.layoutStrandCount = layout.strandCount;

@@ -42,7 +42,8 @@ class Reader {
     return readAt<float>(bytes_, offset_ - sizeof(float));
   }
 
-  // A count of records of at least `recordSize` bytes each: refused when the file cannot hold them.
+  // Reads a count of records of at least `recordSize` bytes each: an error if the file cannot hold
+  // them.
   Result<uint32_t> count(std::string_view what, uint64_t recordSize) {
     const uint64_t at = offset_;
     auto value = integer(fmt::format("the number of {}", what));
@@ -126,7 +127,7 @@ Result<BoneWeights> load(std::span<const std::byte> bytes, std::string_view name
         name, countAt,
         fmt::format("the file is for {} strands, the hair has {}", *count, strandCount));
   result.strands.resize(*count);
-  // As many records as strands, each strand at most once: then none is missing.
+  // As many records as strands, each strand at most once: so none is missing.
   std::vector<bool> seen(*count);
   for (uint32_t i = 0; i < *count; ++i) {
     const uint64_t at = reader.offset();
@@ -279,7 +280,7 @@ Result<void> checkBoneNames(std::span<const BoneName> bones, size_t maxLength) {
   for (const BoneName& bone : bones) {
     if (bone.index >= bones.size() || seen[bone.index])
       return Error{ErrorCode::kInvalidArgument,
-                   fmt::format("bone '{}' has the index {}; each of 0 to {} must be there once",
+                   fmt::format("bone '{}' has the index {}; each of 0 to {} must occur once",
                                bone.name, bone.index, bones.size() - 1)};
     seen[bone.index] = true;
     if (bone.name.size() >= maxLength || bone.name.find('\0') != std::string::npos)

@@ -20,8 +20,8 @@ namespace {
 
 using Vector = Vector3<double>;
 
-// Twice the area over the square of the longest edge, below which a triangle has none: what
-// rounding to float leaves of three points on a line.
+// A triangle below this value of twice the area over the square of the longest edge has no area: it
+// is the rounding of three collinear points in float.
 constexpr double kNoArea = 1e-9;
 
 Vector toVector(const Float3& p) { return {p.x, p.y, p.z}; }
@@ -45,15 +45,15 @@ class Builder {
   }
 
  private:
-  // Vertices of the same position become one place, numbered by their first vertex. Those that are
-  // not finite stay alone.
+  // Vertices with equal positions become one point, numbered by their first vertex. Vertices that
+  // are not finite are not merged.
   void weld() {
     MeshReport& report = out_.report;
     std::vector<uint32_t> order(report.vertexCount);
     std::iota(order.begin(), order.end(), 0u);
-    std::vector<uint32_t> first = order;  // [vertex] the first one of its place
+    std::vector<uint32_t> first = order;  // [vertex] the first one of its point
     if (!positions_.empty()) {
-      // + 0 makes one zero of both.
+      // + 0 makes both zeros equal.
       const auto key = [&](uint32_t v) {
         const Float3& p = positions_[v];
         return std::tuple(std::bit_cast<uint32_t>(p.x + 0.0f), std::bit_cast<uint32_t>(p.y + 0.0f),
@@ -73,20 +73,20 @@ class Builder {
     out_.weldedVertices.resize(report.vertexCount);
     for (uint32_t v = 0; v < report.vertexCount; ++v) {
       if (first[v] == v) {
-        out_.weldedVertices[v] = out_.placeCount();
-        out_.placeVertices.push_back(v);
+        out_.weldedVertices[v] = out_.pointCount();
+        out_.pointVertices.push_back(v);
       } else {
         out_.weldedVertices[v] = out_.weldedVertices[first[v]];
       }
     }
-    report.weldedVertexCount = out_.placeCount();
+    report.weldedVertexCount = out_.pointCount();
   }
 
-  std::array<uint32_t, 3> placesOf(uint32_t sourceTriangle) const {
-    std::array<uint32_t, 3> places{};
+  std::array<uint32_t, 3> positionsOf(uint32_t sourceTriangle) const {
+    std::array<uint32_t, 3> points{};
     for (size_t k = 0; k < 3; ++k)
-      places[k] = out_.weldedVertices[indices_[size_t{sourceTriangle} * 3 + k]];
-    return places;
+      points[k] = out_.weldedVertices[indices_[size_t{sourceTriangle} * 3 + k]];
+    return points;
   }
 
   bool hasArea(uint32_t sourceTriangle) const {
@@ -100,18 +100,18 @@ class Builder {
 
   void takeTriangles() {
     MeshReport& report = out_.report;
-    // Of equal triples, corners rotated, the first triangle stays.
+    // Of equal triples, with rotated corners, the first triangle stays.
     std::vector<std::pair<std::array<uint32_t, 3>, uint32_t>> triples;
     std::vector<bool> taken(report.triangleCount);
     for (uint32_t t = 0; t < report.triangleCount; ++t) {
-      std::array<uint32_t, 3> places = placesOf(t);
-      if (places[0] == places[1] || places[1] == places[2] || places[2] == places[0]) {
+      std::array<uint32_t, 3> points = positionsOf(t);
+      if (points[0] == points[1] || points[1] == points[2] || points[2] == points[0]) {
         ++report.degenerateTriangles;
         continue;
       }
       taken[t] = true;
-      std::rotate(places.begin(), std::min_element(places.begin(), places.end()), places.end());
-      triples.emplace_back(places, t);
+      std::rotate(points.begin(), std::min_element(points.begin(), points.end()), points.end());
+      triples.emplace_back(points, t);
     }
     std::sort(triples.begin(), triples.end());
     for (size_t i = 1; i < triples.size(); ++i)
@@ -136,7 +136,7 @@ class Builder {
 
   void linkEdges() {
     struct Edge {
-      uint32_t low, high;  // places
+      uint32_t low, high;  // points
       uint32_t corner;     // where it starts
       bool rising;
     };
@@ -175,7 +175,7 @@ class Builder {
   void measureVolume() {
     if (positions_.empty()) return;
     MeshReport& report = out_.report;
-    // From a point of the mesh, so that a far one keeps its digits.
+    // Relative to a point of the mesh, so that a distant mesh keeps its digits.
     Vector anchor;
     bool anchored = false;
     double sum = 0;
@@ -202,14 +202,14 @@ class Builder {
   }
 
   void listCorners() {
-    out_.placeOffsets.assign(size_t{out_.placeCount()} + 1, 0);
+    out_.pointOffsets.assign(size_t{out_.pointCount()} + 1, 0);
     for (const uint32_t vertex : out_.indices)
-      ++out_.placeOffsets[size_t{out_.weldedVertices[vertex]} + 1];
-    std::partial_sum(out_.placeOffsets.begin(), out_.placeOffsets.end(), out_.placeOffsets.begin());
-    out_.placeCorners.resize(out_.indices.size());
-    std::vector<uint32_t> next(out_.placeOffsets.begin(), out_.placeOffsets.end() - 1);
+      ++out_.pointOffsets[size_t{out_.weldedVertices[vertex]} + 1];
+    std::partial_sum(out_.pointOffsets.begin(), out_.pointOffsets.end(), out_.pointOffsets.begin());
+    out_.pointCorners.resize(out_.indices.size());
+    std::vector<uint32_t> next(out_.pointOffsets.begin(), out_.pointOffsets.end() - 1);
     for (uint32_t c = 0; c < out_.indices.size(); ++c)
-      out_.placeCorners[next[out_.weldedVertices[out_.indices[c]]]++] = c;
+      out_.pointCorners[next[out_.weldedVertices[out_.indices[c]]]++] = c;
   }
 
   std::span<const uint32_t> indices_;
@@ -231,7 +231,7 @@ Result<ColliderTopology> makeColliderTopology(std::span<const uint32_t> indices,
       return invalid(
           fmt::format("collider: {} indices are no triangles; give three each", indices.size()));
     if (indices.size() / 3 >= (size_t{1} << 30))
-      return invalid(fmt::format("collider: {} triangles; the most are 2^30 - 1: split the mesh",
+      return invalid(fmt::format("collider: {} triangles; the maximum is 2^30 - 1: split the mesh",
                                  indices.size() / 3));
     if (!bindPositions.empty() && bindPositions.size() != vertexCount)
       return invalid(fmt::format("collider: {} bind positions for {} vertices",
@@ -258,12 +258,12 @@ std::string describe(const MeshReport& report) {
                         : !report.closed              ? "open"
                         : report.consistentlyOriented ? "closed"
                                                       : "closed, inconsistently oriented";
-  std::string text = fmt::format("{} triangles, {} vertices at {} places, {}", report.triangleCount,
+  std::string text = fmt::format("{} triangles, {} vertices at {} points, {}", report.triangleCount,
                                  report.vertexCount, report.weldedVertexCount, surface);
   const auto add = [&](uint32_t count, const char* what) {
     if (count != 0) text += fmt::format("; {} {}", count, what);
   };
-  if (report.inverted) text += "; inside out, turned round";
+  if (report.inverted) text += "; inside out, so the SDF flips it";
   add(report.nonFiniteVertices, "vertices that are not finite");
   add(report.nonFiniteTriangles, "triangles that are not finite and left out");
   add(report.degenerateTriangles, "triangles without area");
@@ -272,7 +272,7 @@ std::string describe(const MeshReport& report) {
   add(report.nonManifoldEdges, "edges of more than two triangles");
   add(report.misorientedEdges, "edges between triangles of opposite orientation");
   if (report.usedTriangleCount != 0 && !(report.closed && report.consistentlyOriented))
-    text += "; inside is where two of three axes say so";
+    text += "; inside is decided by two of three axes";
   return text;
 }
 

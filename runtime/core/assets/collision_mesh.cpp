@@ -1,4 +1,4 @@
-// The .tfxmesh file: text, one record a line.
+// The .tfxmesh file: text, one record per line.
 #include "pelage/collision_mesh.h"
 
 #include <fmt/format.h>
@@ -20,7 +20,7 @@ constexpr size_t kMaxBoneNameLength = 4096;
 
 bool isBlank(char c) { return c == ' ' || c == '\t'; }
 
-// Hands out the lines that say something, and takes them apart.
+// Returns the lines with content, and parses them.
 class LineReader {
  public:
   LineReader(std::string_view text, std::string_view name) : rest_(text), name_(name) {}
@@ -51,7 +51,7 @@ class LineReader {
     return result;
   }
 
-  /// What is left of the line, without blanks at the ends.
+  /// Returns the rest of the line, without blanks at the ends.
   std::string_view remainder() {
     skipBlanks();
     while (!line_.empty() && isBlank(line_.back())) line_.remove_suffix(1);
@@ -105,7 +105,7 @@ class LineReader {
   uint64_t lineNumber_ = 0;
 };
 
-// "<keyword> N" with N lines to come, of at least `lineSize` bytes each.
+// Reads "<keyword> N" with N lines to follow, of at least `lineSize` bytes each.
 Result<uint32_t> readCount(LineReader& lines, std::string_view keyword, uint64_t lineSize) {
   if (!lines.next()) return lines.fail(fmt::format("the text ends where '{}' should be", keyword));
   const std::string_view found = lines.word();
@@ -115,14 +115,14 @@ Result<uint32_t> readCount(LineReader& lines, std::string_view keyword, uint64_t
   if (!count) return count.error();
   if (!lines.remainder().empty()) return lines.fail("text after the count");
   if (*count == 0) return lines.fail(fmt::format("'{}' is 0; it must be at least 1", keyword));
-  // The last line may lack its end.
+  // The last line may have no line end.
   if (*count > (lines.bytesLeft() + 1) / lineSize)
     return lines.fail(fmt::format("'{}' is {}, but only {} bytes of text are left", keyword, *count,
                                   lines.bytesLeft()));
   return count;
 }
 
-// The index that a record starts with: in range, and not seen before.
+// Reads the index at the start of a record: in range, and not used before.
 Result<uint32_t> readIndex(LineReader& lines, const char* what, std::vector<bool>& seen) {
   auto index = lines.integer(what);
   if (!index) return index.error();

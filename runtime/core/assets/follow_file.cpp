@@ -26,7 +26,7 @@ constexpr uint64_t kVersionAt = 8, kGuideCountAt = 12, kHairCountAt = 16, kReser
 constexpr uint64_t kHeaderSize = 24;
 constexpr uint64_t kOffsetAt = 4, kOthersAt = 20, kWeightsAt = 28, kHairSize = 36;
 
-// What is wrong with a hair, and at which byte of its record; an empty text when it is fine.
+// Returns the error of a hair, and the byte in its record; an empty text if there is none.
 struct Fault {
   uint64_t offset = 0;
   std::string text;

@@ -31,7 +31,7 @@ Error invalid(std::string message) {
   return Error{ErrorCode::kInvalidArgument, std::move(message)};
 }
 
-// Direction of the first segment that has one: what the kernel starts from, too.
+// Direction of the first segment that has one: the kernel starts from it, too.
 Vector rootTangent(const Float4* strand, uint32_t count) {
   for (uint32_t i = 0; i + 1 < count; ++i) {
     const Vector direction = detail::normalizeOr(xyz(strand[i + 1]) - xyz(strand[i]), Vector{});
@@ -123,12 +123,12 @@ void processStrand(HairAsset& asset, uint64_t first, float thickness, float tipT
   }
 
   // Parallel transport (Bergou et al. 2008, "Discrete Elastic Rods", section 4.2.2): each frame is
-  // the one before, turned by the shortest arc between the two directions.
+  // the previous one, rotated by the shortest arc between the two directions.
   const Vector rootDirection = rootTangent(positions, count);
   Vector direction = rootDirection;
   Frame frame = detail::shortestArc(Vector{1, 0, 0}, direction);
   for (uint32_t i = 0; i < count; ++i) {
-    // The frame is still that of the arriving edge (vertex 0: of edge 0).
+    // The frame is still that of the edge that ends here (vertex 0: of edge 0).
     asset.restFrames[first + i] = {frame.x, frame.y, frame.z, frame.w};
     if (i + 1 == count) break;
     const Vector edge = xyz(positions[i + 1]) - xyz(positions[i]);
@@ -184,7 +184,7 @@ Result<void> processAsset(HairAsset& asset, const ProcessDef& def) {
   return {};
 }
 
-// Finds the roots that are nearest to a point: they are sorted along one axis.
+// Finds the roots nearest to a point; roots are sorted along one axis.
 class NearestRoots {
  public:
   explicit NearestRoots(const HairAsset& asset) {
@@ -202,13 +202,13 @@ class NearestRoots {
       return squared != other.squared ? squared < other.squared : guide < other.guide;
     }
   };
-  /// The nearest two but for `own`; a distance is infinite when there are not so many.
+  /// The nearest two except `own`; a distance is infinite if there are fewer.
   std::array<Found, 2> find(const std::array<double, 3>& p, uint32_t own) const {
     std::array<Found, 2> nearest;
     const auto start = std::lower_bound(
         roots_.begin(), roots_.end(), p[0],
         [](const Root& root, double x) { return static_cast<double>(root.position.x) < x; });
-    // False where no further root in this direction can be nearer.
+    // False if no further root in this direction can be nearer.
     const auto visit = [&](const Root& root) {
       const double dx = static_cast<double>(root.position.x) - p[0];
       if (dx * dx > nearest[1].squared) return false;
@@ -235,7 +235,7 @@ class NearestRoots {
   std::vector<Root> roots_;
 };
 
-// Adds the nearest guides to a hair that so far copies its own one.
+// Adds the nearest guides to a hair that only copies its own one.
 void addGuides(FollowHair& hair, const HairAsset& asset, const NearestRoots& roots,
                const FollowDef& def) {
   const auto rootOf = [&](uint32_t guide) -> std::array<double, 3> {
@@ -246,12 +246,12 @@ void addGuides(FollowHair& hair, const HairAsset& asset, const NearestRoots& roo
                                         static_cast<double>(hair.offset.y),
                                         static_cast<double>(hair.offset.z)};
   const std::array<double, 3> own = rootOf(hair.guide);
-  std::array<double, 3> place = {};
-  for (size_t axis = 0; axis < 3; ++axis) place[axis] = own[axis] + offset[axis];
-  // Not 0, so that guides in one place share a hair.
+  std::array<double, 3> point = {};
+  for (size_t axis = 0; axis < 3; ++axis) point[axis] = own[axis] + offset[axis];
+  // Not 0, so that guides at one position share a hair.
   const double soft = std::max(static_cast<double>(def.maxRadius), 1e-6);
   const auto weightAt = [&](double squared) { return 1 / (squared + soft * soft); };
-  const std::array<NearestRoots::Found, 2> nearest = roots.find(place, hair.guide);
+  const std::array<NearestRoots::Found, 2> nearest = roots.find(point, hair.guide);
   double sum = weightAt(offset[0] * offset[0] + offset[1] * offset[1] + offset[2] * offset[2]);
   const uint32_t others = def.guidesPerHair - 1;
   for (uint32_t k = 0; k < others; ++k) sum += weightAt(nearest[k].squared);

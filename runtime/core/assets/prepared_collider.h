@@ -1,4 +1,4 @@
-// What addCollider() derives from a mesh, kept with it by caches.
+// The data that addCollider() derives from a mesh; caches store it.
 #pragma once
 
 #include <cstdint>
@@ -10,15 +10,16 @@
 namespace pelage::detail {
 
 struct PreparedCollider {
-  /// hash64() of what it was derived from: a mesh that was changed since does without it.
+  /// hash64() of its source: if the mesh has changed since, the data is ignored.
   uint64_t positionsHash = 0, indicesHash = 0;
   ColliderTopology topology;
 };
 
-/// Whether the mesh has one, and still is the mesh that it was derived from.
+/// Returns true if the mesh has prepared data that still match it.
 bool isPrepared(const CollisionMesh& mesh);
 
-/// The mesh's own one when it still fits, else a new one. Errors: those of makeColliderTopology().
+/// Returns the mesh's own data if they still match, otherwise new ones. Errors: those of
+/// makeColliderTopology().
 Result<ColliderTopology> topologyOf(const CollisionMesh& mesh);
 
 }  // namespace pelage::detail

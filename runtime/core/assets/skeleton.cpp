@@ -79,8 +79,8 @@ DualQuaternion toDualQuaternion(const AffineTransform& transform) {
   const Eigen::Matrix3d m = linearPart(transform);
   const Eigen::Vector3d t = translationPart(transform);
   if (!m.allFinite() || !t.allFinite()) return {};
-  // M = U S V^T: the orthogonal polar factor is U V^T. Where it mirrors, the axis of the smallest
-  // singular value (the last column of U) is turned: of all rotations that is the nearest.
+  // M = U S V^T: the orthogonal polar factor is U V^T. If it mirrors, the axis of the smallest
+  // singular value (the last column of U) is flipped: of all rotations that is the nearest.
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Matrix3d u = svd.matrixU();
   if ((u * svd.matrixV().transpose()).determinant() < 0) u.col(2) = -u.col(2);

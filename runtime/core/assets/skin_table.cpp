@@ -30,9 +30,9 @@ constexpr uint32_t kMaxNameLength = 4095;
 constexpr uint64_t kHeaderSize = 24;
 constexpr uint64_t kPartRecordMin = 5 * sizeof(uint32_t);
 constexpr uint64_t kRootRecord = 80;
-// The diagonal of all coordinates, about.
+// About the diagonal of all coordinates.
 constexpr float kMaxOffset = 4 * kMaxCoordinate;
-// What rounding to float leaves of a sum of 1.
+// Error of a sum of 1 by rounding to float.
 constexpr double kSumTolerance = 1e-5;
 
 static_assert(sizeof(SurfaceRoot) == kRootRecord && std::is_trivially_copyable_v<SurfaceRoot>,
@@ -48,7 +48,7 @@ std::optional<TriangleFrame> frameOf(const Float3& a, const Float3& b, const Flo
   return detail::triangleFrame(toVector(a), toVector(b), toVector(c));
 }
 
-// What is wrong with a root; empty when nothing is.
+// Returns the error of a root; empty if there is none.
 std::string problemOf(const SurfaceRoot& root, std::span<const SkinPart> parts) {
   if (root.part >= parts.size())
     return fmt::format("part {}; it must be 0 to {}", root.part, parts.size() - 1);
@@ -101,7 +101,7 @@ class Reader {
     if (*size > kMaxNameLength)
       return fileError(
           name_, at,
-          fmt::format("{} has a name of {} bytes; the most are {}", what, *size, kMaxNameLength));
+          fmt::format("{} has a name of {} bytes; the maximum is {}", what, *size, kMaxNameLength));
     if (left() < *size)
       return fileError(name_, bytes_.size(), fmt::format("the file ends inside {}", what));
     std::string result(reinterpret_cast<const char*>(bytes_.data() + offset_), *size);
@@ -228,12 +228,13 @@ Result<std::vector<std::byte>> save(const SkinTable& table) {
   return bytes;
 }
 
-// With the rest of 1 for the first corner: a sum that rounding took off 1 would not move along.
+// The first corner has the rest of 1: a sum that rounding moved off 1 would not follow a
+// translation.
 Vector weightedMean(const Float3& weights, const Vector& a, const Vector& b, const Vector& c) {
   return a + (b - a) * weights.y + (c - a) * weights.z;
 }
 
-// From a triangle's frame at bind time to the one it has now. In the plane the map is
+// The motion from a triangle's bind frame to its current one. In the plane the map is
 //   G = [ edge' / edge, (shear' - shear edge' / edge) / height; 0, height' / height ],
 // and the rotation of its polar decomposition, for a positive determinant, has cosine and sine
 // proportional to G00 + G11 and G10 - G01.

@@ -36,7 +36,7 @@ constexpr std::array<ArrayFormat, kArrayCount> kFormats = {{
     {"strand UV", sizeof(Float2), false},
     {"vertex UV", sizeof(Float2), true},
     {"strand thickness", sizeof(float), false},
-    {"vertex colours", sizeof(Float4), true},
+    {"vertex colors", sizeof(Float4), true},
 }};
 
 // Counts are at most 2^32 and 2^8, elements 16 bytes: 64 bits do not overflow.
@@ -45,22 +45,23 @@ uint64_t arraySize(int array, uint64_t strandCount, uint64_t verticesPerStrand) 
   return strandCount * (format.perVertex ? verticesPerStrand : 1) * format.elementSize;
 }
 
-struct Region {
+struct Section {
   uint64_t begin, end;
   int array;  // -1: header
 };
 
-// The header and the arrays that are there, ascending.
-std::vector<Region> regionsOf(const uint32_t (&offsets)[kArrayCount], uint64_t strandCount,
-                              uint64_t verticesPerStrand) {
-  std::vector<Region> regions = {{0, kHeaderSize, -1}};
+// The header and the arrays in the file, ascending.
+std::vector<Section> sectionsOf(const uint32_t (&offsets)[kArrayCount], uint64_t strandCount,
+                                uint64_t verticesPerStrand) {
+  std::vector<Section> sections = {{0, kHeaderSize, -1}};
   for (int i = 0; i < kArrayCount; ++i)
     if (offsets[i] != 0)
-      regions.push_back({offsets[i], offsets[i] + arraySize(i, strandCount, verticesPerStrand), i});
-  std::sort(regions.begin(), regions.end(), [](const Region& a, const Region& b) {
+      sections.push_back(
+          {offsets[i], offsets[i] + arraySize(i, strandCount, verticesPerStrand), i});
+  std::sort(sections.begin(), sections.end(), [](const Section& a, const Section& b) {
     return std::pair(a.begin, a.array) < std::pair(b.begin, b.array);
   });
-  return regions;
+  return sections;
 }
 
 bool isCoordinate(float value) { return std::abs(value) <= kMaxCoordinate; }  // false for NaN
@@ -68,7 +69,7 @@ bool isPosition(const Float4& p) {
   return isCoordinate(p.x) && isCoordinate(p.y) && isCoordinate(p.z);
 }
 
-// Reads the arrays and judges their values.
+// Reads the arrays and checks their values.
 class ValueReader {
  public:
   ValueReader(StreamReader& stream, const HairAsset& asset, const TfxLoadOptions& options)
@@ -122,14 +123,14 @@ class ValueReader {
     const uint64_t offset = asset_.fileLayout.offsets[array];
     if (offset == 0) return {};
     if (auto r = fetch(array, out); !r) return r;
-    constexpr uint64_t components = sizeof(T) / sizeof(float);
+    constexpr uint64_t kComponents = sizeof(T) / sizeof(float);
     const ArrayFormat& format = kFormats[array];
     const uint64_t perStrand = format.perVertex ? asset_.verticesPerStrand : 1;
     for (uint64_t i = 0; i < out.size(); ++i) {
-      std::array<float, components> values;
+      std::array<float, kComponents> values;
       std::memcpy(values.data(), &out[i], sizeof(T));
       bool changed = false;
-      for (uint64_t c = 0; c < components; ++c) {
+      for (uint64_t c = 0; c < kComponents; ++c) {
         if (values[c] >= lowest && values[c] <= highest) continue;
         const uint64_t at = offset + i * sizeof(T) + c * sizeof(float);
         if (!options_.repair)
@@ -177,17 +178,18 @@ class ValueReader {
 Result<HairAsset> readHeader(StreamReader& stream) {
   const std::string_view name = stream.name();
   if (stream.size() < kHeaderSize)
-    return fileError(name, stream.size(),
-                     "the file ends inside the 160-byte header; pelage-convert groom reads older "
-                     "versions, and other files with hair");
+    return fileError(
+        name, stream.size(),
+        "the file ends inside the 160-byte header; pelage-convert groom converts older "
+        "versions, and other files with hair");
   std::array<std::byte, kHeaderSize> bytes;
   if (auto r = stream.read(0, bytes); !r) return r.error();
   const float version = readAt<float>(bytes, 0);
   if (version != kVersion)
     return fileError(
         name, 0,
-        fmt::format("the version is {}; only 4.0 can be read; pelage-convert groom makes it of "
-                    "older versions, and of other files with hair",
+        fmt::format("the version is {}; only 4.0 can be read; pelage-convert groom converts "
+                    "older versions, and other files with hair",
                     version));
   HairAsset asset;
   asset.strandCount = readAt<uint32_t>(bytes, kStrandCountAt);
@@ -221,25 +223,25 @@ Result<HairAsset> readHeader(StreamReader& stream) {
   return asset;
 }
 
-// The bytes between the arrays. Errors: arrays that overlap; and reading, when they are wanted.
+// Reads the bytes between the arrays. Errors: overlapping arrays, and reading, if they are wanted.
 Result<void> readExtras(StreamReader& stream, bool wanted, HairAsset& asset) {
   TfxFileLayout& layout = asset.fileLayout;
-  const std::vector<Region> regions =
-      regionsOf(layout.offsets, asset.strandCount, asset.verticesPerStrand);
-  for (size_t i = 0; i < regions.size(); ++i) {
-    const uint64_t next = i + 1 < regions.size() ? regions[i + 1].begin : stream.size();
-    if (next < regions[i].end) {
-      const auto later = static_cast<size_t>(regions[i + 1].array);
-      const int earlier = regions[i].array;
+  const std::vector<Section> sections =
+      sectionsOf(layout.offsets, asset.strandCount, asset.verticesPerStrand);
+  for (size_t i = 0; i < sections.size(); ++i) {
+    const uint64_t next = i + 1 < sections.size() ? sections[i + 1].begin : stream.size();
+    if (next < sections[i].end) {
+      const auto later = static_cast<size_t>(sections[i + 1].array);
+      const int earlier = sections[i].array;
       return fileError(
           stream.name(), kOffsetsAt + later * sizeof(uint32_t),
           fmt::format("the {} at byte {} overlap the {}", kFormats[later].name,
                       layout.offsets[later],
                       earlier < 0 ? "header" : kFormats[static_cast<size_t>(earlier)].name));
     }
-    if (next == regions[i].end || !wanted) continue;
-    TfxFileLayout::Extra extra{.offset = regions[i].end, .bytes = {}};
-    if (auto r = stream.readArray(extra.offset, next - regions[i].end, extra.bytes); !r) return r;
+    if (next == sections[i].end || !wanted) continue;
+    TfxFileLayout::Extra extra{.offset = sections[i].end, .bytes = {}};
+    if (auto r = stream.readArray(extra.offset, next - sections[i].end, extra.bytes); !r) return r;
     layout.extras.push_back(std::move(extra));
   }
   return {};
@@ -276,7 +278,7 @@ Result<HairAsset> load(StreamReader& stream, const TfxLoadOptions& options, TfxL
   if (auto r = reader.read(kVertexColor, asset.vertexColor, -kMax, kMax, "finite", 0); !r)
     return r.error();
   if (!whole) {
-    // A part is saved as a file of its own.
+    // A part of a file is saved as its own file.
     TfxFileLayout part;
     std::copy(std::begin(layout.reserved), std::end(layout.reserved), part.reserved);
     layout = std::move(part);

@@ -1,13 +1,12 @@
-// What saving a .tfx file keeps of the file that the asset came from.
+// The parts of a .tfx file that saving keeps.
 #pragma once
 
 #include "pelage/hair_asset.h"
 
 namespace pelage::detail {
 
-/// Whether an asset's arrays are still those that its TfxFileLayout describes: saveTfx() then
-/// writes the file of the layout. What such a layout describes has at most the size of the asset's
-/// arrays, the extras and the header.
+/// Returns true if an asset's arrays still match its TfxFileLayout: saveTfx() then writes the file
+/// of the layout, whose size is at most that of the asset's arrays, the extras and the header.
 bool tfxLayoutFits(const HairAsset& asset);
 
 }  // namespace pelage::detail

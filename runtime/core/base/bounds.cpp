@@ -40,7 +40,7 @@ bool reaches(const Box& box, const Ball& ball) {
   const float x = away(box.low.x, box.high.x, ball.center.x);
   const float y = away(box.low.y, box.high.y, ball.center.y);
   const float z = away(box.low.z, box.high.z, ball.center.z);
-  // What is not finite may be anywhere.
+  // A value that is not finite may be anywhere.
   return !(x * x + y * y + z * z > ball.radius * ball.radius);
 }
 

@@ -1,4 +1,4 @@
-// Boxes and balls around what may be near something else.
+// Boxes and balls for tests of proximity.
 #pragma once
 
 #include "pelage/types.h"
@@ -23,7 +23,7 @@ Float3 middleOf(const Box& box);
 Box include(const Box& box, const Float3& point);
 Box include(const Box& a, const Box& b);
 bool isFinite(const Box& box);
-/// True when `inner` is in `outer`, and so is its margin [m].
+/// Returns true if `inner` with its margin [m] is in `outer`.
 bool isInside(const Box& inner, const Box& outer, float margin);
 bool reaches(const Box& box, const Ball& ball);
 

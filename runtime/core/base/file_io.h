@@ -1,4 +1,4 @@
-// Whole files in and out, and a reader of little-endian binary data that knows where it is.
+// Reads and writes whole files; a reader of little-endian binary data that knows its position.
 #pragma once
 
 #include <bit>

@@ -1,4 +1,4 @@
-// The border of the API: nothing thrown inside gets out.
+// The boundary of the API: no exception leaves it.
 #pragma once
 
 #include <exception>

@@ -1,6 +1,6 @@
 #include "base/hash.h"
 
-// All of it in this file: who links the library needs no other one.
+// The whole implementation is in this file: users of the library need no other one.
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 

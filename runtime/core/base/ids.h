@@ -1,4 +1,4 @@
-// What is said of ids that name nothing.
+// Messages for invalid ids.
 #pragma once
 
 #include "pelage/ids.h"
@@ -6,11 +6,11 @@
 
 namespace pelage::detail {
 
-/// \param call  which refuses the id
-/// \param why   of Slots::whyNot()
+/// \param call  function that refuses the id
+/// \param why   result of Slots::whyNot()
 Error noSuchThing(const char* call, const char* why);
 
-/// Asserts, and ends the program where the handler returns: there is no object to return.
+/// Asserts, and ends the program if the handler returns: there is no object to return.
 [[noreturn]] void endForId(const char* call, const char* why);
 
 }  // namespace pelage::detail

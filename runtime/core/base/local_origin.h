@@ -1,4 +1,4 @@
-// What the coordinates of an object are relative to, in a world whose own origin may be shifted.
+// The origin of an object's coordinates, in a world whose own origin may be shifted.
 #pragma once
 
 #include <cmath>
@@ -17,21 +17,21 @@ inline Float3 toFloat3(const Vector3<double>& v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
 }
 
-/// Where the coordinates of an object begin. It is counted in the first world, the one before any
+/// The origin of an object's coordinates. It is stored relative to the first world, before any
 /// Scene::shiftOrigin(), in doubles, so that a shift changes neither the difference of two origins
-/// nor anything that is relative to one.
+/// nor anything relative to one.
 struct LocalOrigin {
-  Vector3<double> metres = {};  ///< whole metres in the first world
+  Vector3<double> metres = {};  ///< whole meters in the first world
   Vector3<double> shifted =
       {};  ///< of the scene: what was at p in the first world is at p - shifted
 
-  /// In the world as it is [m].
+  /// Returns the origin in the current world [m].
   Float3 world() const { return toFloat3(metres - shifted); }
-  /// A position in the world as it is, relative to the origin.
+  /// Returns a position of the current world relative to the origin.
   Float3 relative(const Float3& p) const { return toFloat3(toDouble3(p) - (metres - shifted)); }
-  /// A position relative to the origin, in the world as it is.
+  /// Returns a position relative to the origin in the current world.
   Float3 toWorld(const Float3& p) const { return toFloat3(toDouble3(p) + (metres - shifted)); }
-  /// The origin at the whole metres next to a position in the world as it is.
+  /// Returns the origin at the whole meters next to a position of the current world.
   LocalOrigin near(const Float3& p) const {
     const Vector3<double> at = toDouble3(p) + shifted;
     return {{std::round(at.x), std::round(at.y), std::round(at.z)}, shifted};
@@ -41,13 +41,14 @@ struct LocalOrigin {
   }
 };
 
-/// From one origin to another: what to add to positions relative to the first.
+/// Returns what to add to positions relative to the first origin to make them relative to the
+/// second.
 inline Float3 between(const LocalOrigin& from, const LocalOrigin& to) {
   return toFloat3(from.metres - to.metres);
 }
 
-/// Moves coordinates that an engine has set, again and again, without losing what floats lose while
-/// the world's origin is far from them: what comes back to where it was has its old bits.
+/// Moves coordinates that an engine has set, repeatedly, without accumulating rounding while the
+/// world's origin is far away: a value that returns to its old position has its old bits.
 class ShiftedFloats {
  public:
   /// \param value moves by `by`. Call it for the same values in the same order each time, between
@@ -55,7 +56,7 @@ class ShiftedFloats {
   void shift(float& value, double by) {
     if (next_ == exact_.size()) exact_.push_back(static_cast<double>(value));
     double& exact = exact_[next_++];
-    // Also where it is not a number.
+    // Also for NaN.
     if (!(static_cast<float>(exact) == value)) exact = static_cast<double>(value);
     exact += by;
     value = static_cast<float>(exact);

@@ -1,5 +1,4 @@
-// Sine, cosine and smooth steps that give the same bits on every machine; those of the C library
-// do not.
+// Sine, cosine and smooth steps with the same bits on every machine, unlike those of the C library.
 #pragma once
 
 #include <algorithm>

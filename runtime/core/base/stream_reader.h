@@ -1,4 +1,4 @@
-// Reads of a ByteSource whose errors name the byte, and that never trust its size.
+// Reads a ByteSource; errors name the byte, and the stated size is not trusted.
 #pragma once
 
 #include <algorithm>
@@ -25,7 +25,7 @@ class StreamReader {
   /// Fills `out`. Error: the source ends before, or reading fails.
   Result<void> read(uint64_t offset, std::span<std::byte> out);
 
-  /// Reads `count` elements. Memory grows with what really arrives.
+  /// Reads `count` elements. Memory grows with the bytes that arrive.
   template <class T>
   Result<void> readArray(uint64_t offset, uint64_t count, std::vector<T>& out) {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -44,7 +44,7 @@ class StreamReader {
   }
 
  private:
-  /// What is taken on a source's word alone.
+  /// Maximum memory that is allocated before bytes have arrived.
   static constexpr uint64_t kFirstBytes = uint64_t{8} << 20;
 
   Result<void> checkRange(uint64_t offset, uint64_t count, uint64_t elementSize) const;

@@ -23,8 +23,8 @@ struct TriangleFrame {
 
 inline Vector3<double> toVector(const Float3& v) { return {v.x, v.y, v.z}; }
 
-/// Nothing when the triangle has no area (twice the area over the square of its longest edge is
-/// below what rounding to float leaves of three points on a line) or is not finite.
+/// Returns nothing if the triangle is not finite or has no area (twice the area over the square of
+/// its longest edge is below the rounding of three collinear points in float).
 inline std::optional<TriangleFrame> triangleFrame(const Vector3<double>& a,
                                                   const Vector3<double>& b,
                                                   const Vector3<double>& c) {

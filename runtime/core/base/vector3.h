@@ -1,5 +1,5 @@
 // Small vectors and quaternions for asset processing, with the operations in a fixed order, so that
-// the numbers are the same on every machine and the same as in the kernels.
+// the numbers are the same on every machine and in the kernels.
 #pragma once
 
 #include <algorithm>
@@ -34,7 +34,7 @@ T length(const Vector3<T>& a) {
   return std::sqrt(dot(a, a));
 }
 
-/// `fallback` when the vector is shorter than 1e-12.
+/// Returns `fallback` if the vector is shorter than 1e-12.
 template <class T>
 Vector3<T> normalizeOr(const Vector3<T>& a, const Vector3<T>& fallback) {
   const T square = dot(a, a);
@@ -83,9 +83,9 @@ constexpr Vector3<T> axisX(const UnitQuaternion<T>& q) {
           T(2) * (q.x * q.z - q.w * q.y)};
 }
 
-/// Shortest rotation that takes unit vector a to unit vector b: the quaternion (a x b, 1 + a.b),
-/// normalised, which needs no angle and so loses no small bend. Where the two are opposite (within
-/// a quarter of a degree) the axis is not defined; any one perpendicular to a is taken.
+/// Returns the shortest rotation from unit vector a to unit vector b: the quaternion (a x b, 1 +
+/// a.b), normalized, which needs no angle and so keeps small bends. If the two are opposite (within
+/// a quarter of a degree), the axis is not defined; it is then any one perpendicular to a.
 template <class T>
 UnitQuaternion<T> shortestArc(const Vector3<T>& a, const Vector3<T>& b) {
   const T real = T(1) + dot(a, b);

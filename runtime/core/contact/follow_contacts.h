@@ -1,8 +1,7 @@
-// The collision of stored follow hairs: finds where their vertices touch colliders, and moves them
-// out.
+// The collision of stored follow hairs: finds the contacts of their vertices with colliders, and
+// moves them out.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <string>
 
@@ -13,31 +12,35 @@
 
 namespace pelage::detail {
 
-/// Follow hairs of an object, behind its guides.
+/// Follow hairs of an object, stored after its guides.
 struct FollowHairs {
   BufferId positions = BufferId::kInvalid;  ///< [strand][vertex] Float4 in world space
   BufferId tangents = BufferId::kInvalid;   ///< as many
   uint32_t first = 0;                       ///< strand
   Float3 origin;                            ///< of the colliders [m]
-  /// Groups of update_follow_strands for an indirect dispatch; kInvalid: all strands are awake.
+  /// Groups of update_follow_hairs for an indirect dispatch; kInvalid: all strands are awake.
   BufferId awake = BufferId::kInvalid;
   uint64_t argumentBytes = 0;  ///< offset of these in `awake`
 };
 
-/// Of one hair object.
+/// The contacts of one hair object.
 class FollowContacts {
  public:
-  /// Makes the buffers. Those that were there have been removed.
+  /// Creates the buffers. The caller has removed earlier ones.
   void prepare(ResourceTable& resources, const std::string& name, uint32_t strands,
                uint32_t verticesPerStrand);
   bool isPrepared() const { return words_ != BufferId::kInvalid; }
-  /// Adds the passes of a frame: finds and walks, and both once more for the strands that are
-  /// marked. \param known  buffers have positions of the last frame
+  /// Adds the passes of a frame: find and walk, then both once more for the marked strands. \param
+  /// known buffers have positions of the last frame
   Result<void> add(PassList& list, const ResourceTable& resources, const FollowHairs& hairs,
                    const ColliderBuffers& colliders, bool known);
-  /// All buffers, for their owner to remove.
-  std::array<BufferId*, 3> buffers() { return {&before_, &contacts_, &words_}; }
+  void remove(const RoomBuffers& room) {
+    for (BufferId* buffer : {&before_, &contacts_, &words_}) room.remove(*buffer);
+  }
 
+  /// The last frame has collided: before() is of its end.
+  bool goesOn() const { return goesOn_; }
+  void forget() { goesOn_ = false; }
   BufferId before() const { return before_; }
   uint64_t beforeCount() const { return 2 * vertices(); }  ///< elements of it
   BufferId words() const { return words_; }
@@ -55,6 +58,7 @@ class FollowContacts {
 
   BufferId before_ = BufferId::kInvalid, contacts_ = BufferId::kInvalid,
            words_ = BufferId::kInvalid;
+  bool goesOn_ = false;
   uint32_t strands_ = 0, vertices_ = 0;  ///< follow hairs; vertices each
 };
 

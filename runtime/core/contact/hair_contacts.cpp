@@ -9,34 +9,38 @@
 #include <limits>
 #include <vector>
 
+#include "pelage/bindings.h"
+#include "pelage/constants.h"
 #include "pelage/kernels.h"
 
 namespace pelage {
 namespace {
 
-// As in kernels/layouts/contact_records.hlsli and contact.hlsli.
-constexpr uint32_t kTotalWords = 4, kHeadWords = 8, kFindArguments = 0, kSolveArguments = 3;
-constexpr uint32_t kListed = 1, kAgain = 2, kNoHistory = 4, kOdd = 8;
-constexpr uint32_t kTileStrands = 32, kMaskBits = 32, kTilesARow = 32768;
+using namespace contact_records;
+
+static_assert(sizeof(ContactRecord) == kContactElements * sizeof(Uint4));
+static_assert(sizeof(Collider) == contact::kColliderElements * sizeof(Uint4));
+static_assert(sizeof(Sdf) == sizeof(Collider), "both are elements of one buffer");
+
+constexpr uint32_t kMaskBits = 32;
 // What is this near to a surface has a record [m]; or as near as it falls further in a sub-step.
-constexpr float kReach = 1e-3f;
-// Falls from this on are part of where a vertex is expected, though the planes at shorter ones are
-// better where it is [m].
+constexpr float kRange = 1e-3f;
+// Falls longer than this are part of a vertex's predicted position; for shorter ones the planes at
+// the unpredicted position are better [m].
 constexpr float kLeap = 0.01f;
-constexpr uint32_t kMore = 0x80000u;
 // Corners of what is drawn of a record.
 constexpr uint32_t kNeedleCorners = 3;
 
-// Of a vertex that has records.
-float deepestOf(const ContactRecord* records, const Float3& place) {
+// Of a vertex with records.
+float deepestOf(const ContactRecord* records, const Float3& point) {
   float deepest = 0;
-  for (uint32_t k = 0; k < detail::HairContacts::kMaxContacts; ++k) {
+  for (uint32_t k = 0; k < kMaxContacts; ++k) {
     const ContactRecord& r = records[k];
-    const float distance = r.plane.w + r.plane.x * (place.x - r.foundX) +
-                           r.plane.y * (place.y - r.foundY) + r.plane.z * (place.z - r.foundZ);
+    const float distance = r.plane.w + r.plane.x * (point.x - r.foundX) +
+                           r.plane.y * (point.y - r.foundY) + r.plane.z * (point.z - r.foundZ);
     if (!std::isfinite(distance)) return std::numeric_limits<float>::infinity();
     deepest = std::max(deepest, -distance);
-    if ((r.bits & kMore) == 0) break;
+    if ((r.bits & kContactMore) == 0) break;
   }
   return deepest;
 }
@@ -51,29 +55,38 @@ std::vector<T> copied(std::span<const std::byte> bytes) {
 }  // namespace
 
 ContactCounters readContactCounters(std::span<const std::byte> words) {
-  uint32_t head[3] = {};
-  const size_t bytes = std::min(words.size(), sizeof(head));
-  std::copy_n(words.begin(), bytes, std::as_writable_bytes(std::span(head)).begin());
-  return {.records = head[0], .furtherPasses = head[1], .tilesSolvedAgain = head[2]};
+  uint32_t totals[kContactTotalWords] = {};
+  const size_t bytes = std::min(words.size(), sizeof(totals));
+  std::copy_n(words.begin(), bytes, std::as_writable_bytes(std::span(totals)).begin());
+  return {.records = totals[kContactCount],
+          .furtherPasses = totals[kContactPasses],
+          .tilesSolvedAgain = totals[kContactTiles]};
 }
 
 namespace detail {
 
-uint32_t HairContacts::head(uint32_t step) const { return kTotalWords + step * kHeadWords; }
-
-uint64_t HairContacts::wordBytes() const {
-  return (uint64_t{masks()} + uint64_t{strandCount_} * maskWords_) * sizeof(uint32_t);
+uint32_t HairContacts::head(uint32_t step) const {
+  return kContactTotalWords + step * kContactHeadWords;
 }
 
+// The word where they begin; what draws them binds them from there on.
+uint32_t HairContacts::strands() const {
+  const uint64_t end = uint64_t{masks()} + uint64_t{strandCount_} * maskWords_;
+  return static_cast<uint32_t>((end + kContactAlignment - 1) / kContactAlignment *
+                               kContactAlignment);
+}
+
+uint64_t HairContacts::wordBytes() const { return strands() * sizeof(uint32_t) + strandBytes(); }
+
 uint64_t HairContacts::solveArguments(uint32_t step) const {
-  return (uint64_t{head(step)} + kSolveArguments) * sizeof(uint32_t);
+  return (uint64_t{head(step)} + kContactSolveArguments) * sizeof(uint32_t);
 }
 
 void HairContacts::prepare(ResourceTable& resources, const std::string& name,
                            std::span<const ContactStrand> strands, uint32_t verticesPerStrand,
                            uint64_t vertices, uint32_t steps) {
   strandCount_ = static_cast<uint32_t>(strands.size());
-  tiles_ = (strandCount_ + kTileStrands - 1) / kTileStrands;
+  tiles_ = (strandCount_ + contact::kTileStrands - 1) / contact::kTileStrands;
   maskWords_ = (verticesPerStrand + kMaskBits - 1) / kMaskBits;
   verticesPerStrand_ = verticesPerStrand;
   vertices_ = vertices;
@@ -89,32 +102,32 @@ void HairContacts::prepare(ResourceTable& resources, const std::string& name,
                           .usage = usage,
                           .initial = std::move(initial)});
   };
-  const auto bytes = std::as_bytes(strands);
-  strands_ = add("contactStrands", bytes.size(), sizeof(ContactStrand), BufferUsage::kStorage,
-                 {bytes.begin(), bytes.end()});
-  before_ = add("contactBefore", beforeBytes(), sizeof(Float4), BufferUsage::kStorage);
-  records_ = add("contacts", recordBytes(), sizeof(ContactRecord),
+  records_ = add("contacts", bufferBytes(), sizeof(ContactRecord),
                  BufferUsage::kStorage | BufferUsage::kReadback);
+  std::vector<std::byte> initial(wordBytes());
+  std::memcpy(initial.data() + this->strands() * sizeof(uint32_t), strands.data(), strandBytes());
   words_ = add("contactWords", wordBytes(), sizeof(uint32_t),
                BufferUsage::kStorage | BufferUsage::kIndirect | BufferUsage::kUpload |
-                   BufferUsage::kReadback);
+                   BufferUsage::kReadback,
+               std::move(initial));
   known_ = false;
 }
 
 void HairContacts::clearTotals(PassList& list) {
   if (!counted_ || words_ == BufferId::kInvalid) return;
-  const uint32_t zeros[kTotalWords] = {};
+  const uint32_t zeros[kContactTotalWords] = {};
   addUpload(list, words_, std::as_bytes(std::span(zeros)));
   counted_ = false;
 }
 
 void HairContacts::begin(PassList& list) {
   counted_ = true;
-  std::vector<uint32_t> heads(kTotalWords + steps_ * kHeadWords);
+  std::vector<uint32_t> heads(kContactTotalWords + steps_ * kContactHeadWords);
   for (uint32_t step = 0; step < steps_; ++step) {
     uint32_t* head = heads.data() + this->head(step);
-    head[kFindArguments + 1] = rows();
-    head[kFindArguments + 2] = head[kSolveArguments + 1] = head[kSolveArguments + 2] = 1;
+    head[kContactFindArguments + 1] = rows();
+    head[kContactFindArguments + 2] = 1;
+    head[kContactSolveArguments + 1] = head[kContactSolveArguments + 2] = 1;
   }
   addUpload(list, words_, std::as_bytes(std::span(heads)));
 }
@@ -132,14 +145,17 @@ Result<void> HairContacts::find(PassList& list, const ResourceTable& resources,
   constants.contactVertexCount = static_cast<uint32_t>(vertices_);
   constants.contactMaskWords = maskWords_;
   constants.capsuleCount = colliders.capsuleCount;
-  constants.fieldCount = colliders.fieldCount;
+  constants.contactSdfCount = colliders.contactSdfCount;
   constants.contactHead = head(step.index);
   constants.contactList = this->list();
   constants.contactMasks = masks();
+  constants.contactBefore = static_cast<uint32_t>(recordBytes() / sizeof(Uint4));
+  constants.contactStrands = this->strands();
   constants.tileList = awake.firstWord;
-  constants.contactFlags = (step.again ? kAgain : 0) | (known_ || step.again ? 0 : kNoHistory) |
-                           (awake.listed && !step.again ? kListed : 0);
-  if (odd_) constants.contactFlags |= kOdd;
+  constants.contactFlags = (step.again ? contact::kAgainFlag : 0) |
+                           (known_ || step.again ? 0 : contact::kNoHistoryFlag) |
+                           (awake.listed && !step.again ? contact::kListedFlag : 0);
+  if (odd_) constants.contactFlags |= contact::kOddFlag;
   constants.contactStrandTotal = strandCount_;
   constants.contactTileCount = tiles_;
   constants.contactBegin = step.begin;
@@ -149,40 +165,36 @@ Result<void> HairContacts::find(PassList& list, const ResourceTable& resources,
   const Float3 fall = {step.gravity.x * squared, step.gravity.y * squared,
                        step.gravity.z * squared};
   const float height = std::hypot(fall.x, fall.y, fall.z);
-  constants.contactReach = kReach + height + step.furtherReach;
+  constants.contactRange = kRange + height + step.furtherRange;
   if (height > kLeap) constants.contactFall = {fall.x, fall.y, fall.z, 0};
-  const auto sizeOf = [&](BufferId id) {
-    const BufferDesc* desc = resources.find(id);
-    return desc == nullptr ? 0 : desc->size;
-  };
-  const KernelVariant& variant = findContactsVariant({.sdf = colliders.fieldCount > 0});
+  const KernelVariant& variant = findContactsVariant({.sdf = colliders.contactSdfCount > 0});
   PassBuilder builder(list);
   if (step.again)
     builder.dispatchIndirect(variant, words_, head(step.index) * sizeof(uint32_t));
   else if (awake.listed)
     builder.dispatchIndirect(variant, awake.buffer, awake.argumentBytes);
   else
-    builder.dispatch(variant, std::min(tiles_, kTilesARow) * variant.groupSize[0],
-                     rows() * ((tiles_ + kTilesARow - 1) / kTilesARow) * variant.groupSize[1]);
-  builder.bind("g_contactPositions", hair.positions, vertices_ * sizeof(Float4))
-      .bind("g_contactBefore", before_, beforeBytes())
-      .bind("g_contacts", records_, recordBytes())
-      .bind("g_contactWords", words_, wordBytes())
-      .bind("g_contactStrands", strands_, strandCount_ * sizeof(ContactStrand))
-      .bind("g_contactRoots", hair.roots, sizeOf(hair.roots))
-      .bind("g_awakeTiles", awake.buffer, sizeOf(awake.buffer))
-      .bind("g_capsules", colliders.capsules, sizeOf(colliders.capsules))
-      .bind("g_fields", colliders.fields, colliders.fieldCount * sizeof(SdfField))
-      .bind("g_fieldKeys", colliders.fieldKeys, sizeOf(colliders.fieldKeys))
-      .bind("g_fieldSurface", colliders.fieldSurface, sizeOf(colliders.fieldSurface))
-      .constants("ContactConstants", constants)
-      .bytes(vertices_ * 3 * sizeof(Float4));
+    builder.dispatch(variant, std::min(tiles_, dispatch::kRowGroups) * kFindContactsGroupSize.x,
+                     rows() * ((tiles_ + dispatch::kRowGroups - 1) / dispatch::kRowGroups) *
+                         kFindContactsGroupSize.y);
+  builder.bytes(vertices_ * 3 * sizeof(Float4));
   if (!step.again) {
     odd_ = !odd_;
     known_ = true;
     lastLength_ = step.length;
   }
-  return builder.finish();
+  return builder.finish(ContactBindings{
+      .contactConstants = constants,
+      .contactPositions = {hair.positions, vertices_ * sizeof(Float4)},
+      .awakeTiles = resources.whole(awake.buffer),
+      .contactRoots = hair.roots,
+      .capsules = resources.whole(colliders.capsules),
+      .contactColliders = resources.whole(colliders.sdfs),
+      .contactSdfKeys = resources.whole(colliders.contactSdfKeys),
+      .contactSdfSurface = resources.whole(colliders.contactSdfSurface),
+      .contacts = {records_, bufferBytes()},
+      .contactWords = {words_, wordBytes()},
+  });
 }
 
 Result<void> HairContacts::addDraw(PassList& list, BufferId positions, const View& view,
@@ -203,42 +215,43 @@ Result<void> HairContacts::addDraw(PassList& list, BufferId positions, const Vie
   constants.deepestDepth = look.deepestDepth;
   DrawState state;
   state.depthCompare = view.reversedDepth ? DepthCompare::kGreater : DepthCompare::kLess;
-  const uint32_t records = verticesPerStrand_ * static_cast<uint32_t>(kMaxContacts);
+  const uint32_t records = verticesPerStrand_ * kMaxContacts;
   PassBuilder pass(list);
   return pass
       .draw(contactVertexVariant({}), contactPixelVariant({}), state, records * kNeedleCorners,
             foundStrands_)
-      .bind("g_drawnPositions", positions, vertices_ * sizeof(Float4))
-      .bind("g_drawnContacts", records_, recordBytes())
-      .bind("g_drawnWords", words_, wordBytes())
-      .bind("g_drawnStrands", strands_, strandCount_ * sizeof(ContactStrand))
-      .constants("DrawContactsConstants", constants)
       .bytes(uint64_t{foundStrands_} * maskWords_ * sizeof(uint32_t))
-      .finish();
+      .finish(DrawContactsBindings{
+          .drawContactsConstants = constants,
+          .drawnPositions = {positions, vertices_ * sizeof(Float4)},
+          .drawnContacts = {records_, recordBytes()},
+          .drawnWords = {words_, wordBytes()},
+          .drawnStrands = {words_, strandBytes(), strands() * sizeof(uint32_t)},
+      });
 }
 
 Result<float> HairContacts::deepest(std::span<const std::byte> records,
                                     std::span<const std::byte> words,
                                     std::span<const std::byte> positions) const {
   if (!known_ || records_ == BufferId::kInvalid) return 0.0f;
-  if (records.size() != recordBytes() || words.size() != wordBytes() ||
+  if (records.size() < recordBytes() || words.size() != wordBytes() ||
       positions.size() < vertices_ * sizeof(Float4)) {
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("deepestContact(): contacts, words and positions have {}, {} and {} "
-                             "bytes; the object's have {}, {} and at least {}",
+                             "bytes; the object's have at least {}, {} and at least {}",
                              records.size(), words.size(), positions.size(), recordBytes(),
                              wordBytes(), vertices_ * sizeof(Float4))};
   }
   const auto found = copied<ContactRecord>(records);
   const auto masks = copied<uint32_t>(words.subspan(this->masks() * sizeof(uint32_t)));
-  const auto places = copied<Float4>(positions);
+  const auto points = copied<Float4>(positions);
   float deepest = 0;
   for (size_t strand = 0; strand < foundStrands_; ++strand) {
     for (size_t vertex = 0; vertex < verticesPerStrand_; ++vertex) {
       const uint32_t mask = masks[strand * maskWords_ + vertex / kMaskBits];
       if (((mask >> (vertex % kMaskBits)) & 1) == 0) continue;
       const size_t element = (*targets_)[strand] + vertex;
-      const Float4& p = places[element];
+      const Float4& p = points[element];
       deepest = std::max(
           deepest, deepestOf(&found[element * kMaxContacts], origin_.relative({p.x, p.y, p.z})));
     }

@@ -1,8 +1,7 @@
-// The contact room: finds where the vertices of a hair object touch colliders, and keeps the
-// records that solvers read.
+// Contact: finds the contacts of a hair object's vertices with colliders, and keeps the records
+// that solvers read.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -10,6 +9,8 @@
 #include <vector>
 
 #include "base/local_origin.h"
+#include "passes/room_buffers.h"
+#include "pelage/constants.h"
 #include "pelage/gpu_structs.h"
 #include "pelage/hair_object.h"
 #include "pelage/pass_list.h"
@@ -18,28 +19,29 @@
 
 namespace pelage::detail {
 
-/// What an object may collide with in a frame, relative to an origin.
+/// The colliders of an object in a frame, relative to an origin.
 struct ColliderBuffers {
   BufferId capsules = BufferId::kInvalid;  ///< [capsuleCount] Collider
   uint32_t capsuleCount = 0;
-  BufferId fields = BufferId::kInvalid;  ///< [fieldCount] SdfField
-  uint32_t fieldCount = 0;
-  BufferId fieldKeys = BufferId::kInvalid, fieldSurface = BufferId::kInvalid;
-  bool any() const { return capsuleCount > 0 || fieldCount > 0; }
+  /// [contactSdfCount] Sdf, then the capsules once more, so that a kernel binds both as one.
+  BufferId sdfs = BufferId::kInvalid;
+  uint32_t contactSdfCount = 0;
+  BufferId contactSdfKeys = BufferId::kInvalid, contactSdfSurface = BufferId::kInvalid;
+  bool any() const { return capsuleCount > 0 || contactSdfCount > 0; }
 };
 
 /// Tiles of 32 strands that are awake, as a list with arguments for an indirect dispatch.
 struct AwakeTiles {
-  BufferId buffer = BufferId::kInvalid;  ///< bound even where there is no list
+  BufferId buffer = BufferId::kInvalid;  ///< bound even if there is no list
   bool listed = false;
   uint32_t firstWord = 0;      ///< of the list
   uint64_t argumentBytes = 0;  ///< offset of the arguments
 };
 
-/// What moves the hair.
+/// The state of the moving hair.
 struct ContactHair {
   BufferId positions = BufferId::kInvalid;  ///< [vertex] Float4 in world space
-  BufferId roots = BufferId::kInvalid;      ///< [2][root] RootTransform, relative to the origin
+  BufferRange roots;                        ///< [2][root] RootTransform, relative to the origin
   uint32_t rootCount = 0;
   uint32_t strands = 0;  ///< that are simulated
   LocalOrigin origin;
@@ -50,51 +52,59 @@ struct ContactStep {
   uint32_t index = 0;        ///< of the sub-step
   float begin = 0, end = 1;  ///< of the sub-step in the frame
   float length = 0;          ///< [s]
-  Float3 gravity;            ///< acceleration that hair falls with [m/s2]
-  float furtherReach = 0;    ///< beyond what the step needs [m]
-  bool again = false;        ///< for the tiles that the solver has listed
+  Float3 gravity;            ///< acceleration of falling hair [m/s2]
+  float furtherRange = 0;    ///< additional range beyond that of the step [m]
+  bool again = false;        ///< only for the tiles that the solver has listed
 };
 
-/// Of one hair object.
+/// The contacts of one hair object.
 class HairContacts {
  public:
-  /// Makes the buffers for strands in the order in which the solver takes them. Those that were
-  /// there have been removed.
+  /// Creates the buffers for strands in the order of the solver. The caller has removed earlier
+  /// ones.
   void prepare(ResourceTable& resources, const std::string& name,
                std::span<const ContactStrand> strands, uint32_t verticesPerStrand,
                uint64_t vertices, uint32_t steps);
   bool isPrepared(uint32_t steps) const {
     return records_ != BufferId::kInvalid && steps <= steps_;
   }
-  /// Once a frame, before the first find().
+  /// Call once per frame, before the first find().
   void begin(PassList& list);
   /// Adds the pass that finds contacts.
   Result<void> find(PassList& list, const ResourceTable& resources, const ContactHair& hair,
                     const ColliderBuffers& colliders, const AwakeTiles& awake,
                     const ContactStep& step);
-  /// Once a list has moved the positions by a shift of the world.
+  /// Call after a list has moved the positions by a shift of the world.
   void shiftWorld(const Vector3<double>& shifted) { origin_.shifted = shifted; }
-  /// Positions of the last sub-step that find() goes on from; kInvalid where it does not.
-  BufferId before() const { return known_ ? before_ : BufferId::kInvalid; }
+  /// Positions of the last sub-step from which find() continues; kInvalid if it does not.
+  BufferId before() const { return known_ ? records_ : BufferId::kInvalid; }
+  /// The Float4 of before() where they begin.
+  uint64_t beforeElement() const { return recordBytes() / sizeof(Float4); }
   uint64_t vertexCount() const { return vertices_; }
-  /// After a frame without contacts: what was found is not gone on from.
+  /// Call after a frame without contacts: earlier contacts do not continue.
   void forget() { known_ = false; }
-  /// In a frame without begin(): its totals are 0.
+  /// Call in a frame without begin(): its totals are 0.
   void clearTotals(PassList& list);
-  /// The draw of the records that there are.
-  /// \param positions of [vertex] Float4
+  /// Adds the draw of the records.
+  /// \param positions [vertex] Float4
   Result<void> addDraw(PassList& list, BufferId positions, const View& view,
                        const ContactLook& look) const;
   /// Scene::deepestContact().
   Result<float> deepest(std::span<const std::byte> records, std::span<const std::byte> words,
                         std::span<const std::byte> positions) const;
-  /// All buffers, for their owner to remove.
-  std::array<BufferId*, 4> buffers() { return {&strands_, &before_, &records_, &words_}; }
+  /// Removes the buffers; prepare() makes them again.
+  void remove(const RoomBuffers& room) {
+    for (BufferId* buffer : {&records_, &words_}) room.remove(*buffer);
+  }
 
   BufferId records() const { return records_; }
   BufferId words() const { return words_; }
-  uint64_t recordBytes() const { return vertices_ * kMaxContacts * sizeof(ContactRecord); }
+  uint64_t recordBytes() const {
+    return vertices_ * contact_records::kMaxContacts * sizeof(ContactRecord);
+  }
   uint64_t wordBytes() const;
+  /// Bytes of records() and what comes behind them.
+  uint64_t bufferBytes() const { return recordBytes() + beforeBytes(); }
   uint32_t head(uint32_t step) const;
   uint32_t list() const { return head(steps_); }
   uint32_t masks() const { return list() + 2 * tiles_; }
@@ -104,13 +114,13 @@ class HairContacts {
   /// Offset of the arguments of the solver's dispatch over the tiles that are solved again.
   uint64_t solveArguments(uint32_t step) const;
 
-  static constexpr uint64_t kMaxContacts = 2;
-
  private:
   uint64_t beforeBytes() const { return (vertices_ + 2 * uint64_t{strandCount_}) * sizeof(Float4); }
 
-  BufferId strands_ = BufferId::kInvalid, before_ = BufferId::kInvalid,
-           records_ = BufferId::kInvalid, words_ = BufferId::kInvalid;
+  uint64_t strandBytes() const { return strandCount_ * sizeof(ContactStrand); }
+  uint32_t strands() const;
+
+  BufferId records_ = BufferId::kInvalid, words_ = BufferId::kInvalid;
   uint32_t tiles_ = 0, maskWords_ = 1, strandCount_ = 0, steps_ = 0, verticesPerStrand_ = 0;
   uint64_t vertices_ = 0;
   float lastLength_ = 0;  ///< of the last sub-step [s]

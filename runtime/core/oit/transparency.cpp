@@ -10,6 +10,8 @@
 
 namespace pelage {
 
+static_assert(kMaxListNodes == fragment_packing::kMaxNodes);
+
 namespace {
 
 constexpr uint32_t kNodesAPixel = 8;
@@ -66,8 +68,8 @@ TransparencyCounters readTransparencyCounters(std::span<const std::byte> words,
   if (words.size() < detail::kCounterBytes) return counters;
   uint32_t values[detail::kCounterBytes / sizeof(uint32_t)];
   std::memcpy(values, words.data(), sizeof(values));
-  counters.tiles = values[1];
-  counters.fragments = values[4];
+  counters.tiles = values[ppll_counters::kCounterTiles];
+  counters.fragments = values[ppll_counters::kCounterNodes];
   counters.spilled = counters.fragments - std::min(counters.fragments, nodeCount);
   return counters;
 }

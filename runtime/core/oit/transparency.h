@@ -1,16 +1,18 @@
-// Sizes of what transparency keeps a pixel, as in kernels/layouts/ppll_build.hlsli.
+// Sizes of what transparency keeps.
 #pragma once
 
 #include <cstdint>
 
+#include "pelage/constants.h"
 #include "pelage/gpu_structs.h"
 #include "pelage/transparency.h"
 
 namespace pelage::detail {
 
-inline constexpr uint32_t kTileEdge = 8;       ///< [pixels]
-inline constexpr uint64_t kNodeBytes = 16;     ///< of a list's node
-inline constexpr uint64_t kCounterBytes = 32;  ///< of the counters
+inline constexpr uint32_t kTileEdge = pixel_tiles::kTileEdge;  ///< [pixels]
+/// Bytes of a list's node, and of the counters.
+inline constexpr uint64_t kNodeBytes = fragment_packing::kNodeWords * sizeof(uint32_t);
+inline constexpr uint64_t kCounterBytes = ppll_counters::kCounterWords * sizeof(uint32_t);
 
 struct ListSizes {
   uint32_t columns = 0;  ///< of tiles
@@ -24,8 +26,7 @@ ListSizes listSizes(uint32_t width, uint32_t height, bool tail);
 /// Fragments that a pixel keeps, of methods with a fixed number of them; else 0.
 uint32_t layerCount(Transparency method);
 
-/// What they keep a pixel, as in kernels/layouts/hybrid_depths.hlsli, hybrid_colors.hlsli and
-/// short_cut_depths_alpha.hlsli.
+/// What they keep.
 struct LayerSizes {
   uint32_t columns = 0;  ///< of tiles
   uint64_t tiles = 0;
@@ -37,7 +38,7 @@ LayerSizes layerSizes(uint32_t width, uint32_t height, uint32_t layers);
 Result<TransparencyPlan> planLayers(uint32_t width, uint32_t height,
                                     const TransparencySettings& settings);
 
-/// What tiles of strands take, as in kernels/layouts/strand_tiles.hlsli.
+/// What tiles of strands take.
 struct StrandTileSizes {
   uint32_t columns = 0;  ///< of tiles
   uint32_t tiles = 0;
@@ -52,7 +53,10 @@ Result<TransparencyPlan> planStrandTiles(uint32_t width, uint32_t height,
                                          const TransparencySettings& settings,
                                          uint64_t strandVertices);
 
-/// Where the list of tiles begins behind their flags, and how to draw them.
+/// How tiles are drawn.
 OitTileConstants tileConstants(uint32_t width, uint32_t height);
+/// The list of tiles that are drawn: the vertex inputs of oit_tile_vertex. \param tablesBefore
+/// tables with a word a tile that come before it in the buffer.
+BufferRange tileList(BufferId buffer, uint32_t width, uint32_t height, uint64_t tablesBefore = 1);
 
 }  // namespace pelage::detail

@@ -1,5 +1,5 @@
 // Which of the exact methods is faster: a model of their times, fitted to
-// benchmark/results/transparency_h200.csv. docs/transparency_tiles.md says how well.
+// benchmark/results/transparency_h200.csv. docs/oit_tiles.md says how well.
 #include <algorithm>
 #include <cmath>
 

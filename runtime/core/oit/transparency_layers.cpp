@@ -64,10 +64,14 @@ OitTileConstants tileConstants(uint32_t width, uint32_t height) {
   const ListSizes sizes = listSizes(width, height, false);
   OitTileConstants tiles = {};
   tiles.tileColumns = sizes.columns;
-  tiles.tileListStart = static_cast<uint32_t>(sizes.tiles);
   tiles.targetWidth = width;
   tiles.targetHeight = height;
   return tiles;
+}
+
+BufferRange tileList(BufferId buffer, uint32_t width, uint32_t height, uint64_t tablesBefore) {
+  const uint64_t bytes = listSizes(width, height, false).tiles * sizeof(uint32_t);
+  return {buffer, bytes, tablesBefore * bytes};
 }
 
 }  // namespace pelage::detail

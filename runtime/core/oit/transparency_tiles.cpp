@@ -3,12 +3,13 @@
 #include <string>
 
 #include "oit/transparency.h"
+#include "pelage/kernels.h"
+#include "shading/strand_draws.h"
 
 namespace pelage::detail {
 
 namespace {
 
-constexpr uint64_t kRecordBytes = 48;       // of a vertex
 constexpr uint64_t kReferenceBytes = 4;     // of a segment in a tile
 constexpr uint64_t kPicturePixelBytes = 8;  // colour and opacity as halves
 constexpr uint64_t kReferencesAVertex = 6;  // what a view takes at first
@@ -24,7 +25,8 @@ StrandTileSizes strandTileSizes(uint32_t width, uint32_t height, uint64_t strand
   sizes.tiles = static_cast<uint32_t>(lists.tiles);
   sizes.recordBytes = std::max<uint64_t>(strandVertices, 1) * kRecordBytes;
   sizes.tileBytes = 3 * lists.tiles * sizeof(uint32_t);
-  sizes.sumBytes = (lists.tiles + 127) / 128 * sizeof(Uint2);
+  constexpr uint64_t kBlock = kSumStrandTilesGroupSize.x;
+  sizes.sumBytes = (lists.tiles + kBlock - 1) / kBlock * sizeof(Uint2);
   sizes.pictureBytes = uint64_t{width} * height * kPicturePixelBytes;
   return sizes;
 }

@@ -28,13 +28,14 @@ RunState stateOf(const RunRecord& record) {
   return record.state;
 }
 
-void abandon(RunRecord& record) {
+void abandon(RunRecord& record, const char* reason) {
   const std::lock_guard lock(record.order->mutex);
   if (record.state == RunState::kDelivered || record.state == RunState::kAbandoned) return;
-  // What was recorded behind it is taken back with it.
+  // Later recorded lists are withdrawn with it.
   if (record.state == RunState::kRecorded)
     record.order->recorded = std::min(record.order->recorded, record.behind);
   record.state = RunState::kAbandoned;
+  record.reason = reason;
 }
 
 void setRecorded(RunRecord& record) {
@@ -84,6 +85,10 @@ Result<void> checkRun(const PassList& list) {
     case detail::RunState::kDelivered:
       return refuse("the list has run before; each runs once: write it again");
     case detail::RunState::kAbandoned:
+      if (record.reason != nullptr) {
+        return {Error{ErrorCode::kInvalidArgument,
+                      std::string("the list was abandoned: ") + record.reason}};
+      }
       return refuse(
           "the list was abandoned: Scene::simulate() or Scene::abandon() came before it "
           "ran, or a list before it did not run; write it again");
@@ -100,7 +105,7 @@ Result<void> checkDraws(const PassList& list) {
   if (Result<void> checked = checkBarriers(list); !checked || list.run == nullptr) return checked;
   const detail::RunState state = detail::stateOf(*list.run->record);
   if (state == detail::RunState::kRecorded || state == detail::RunState::kDelivered) return {};
-  return refuse("the list's draws come behind its dispatches: record() the list first");
+  return refuse("the list's draws run after its dispatches: record() the list first");
 }
 
 void setRecorded(const RunHandle& run) {

@@ -1,4 +1,4 @@
-// What becomes of pass lists: whether they run, and in which order.
+// The life of pass lists: whether they run, and in which order.
 #pragma once
 
 #include <cstddef>
@@ -11,28 +11,29 @@
 namespace pelage::detail {
 
 enum class RunState : uint8_t {
-  kOpen,       ///< it may run
-  kRecorded,   ///< it is in a command buffer
-  kDelivered,  ///< it has run, or is sure to
-  kAbandoned,  ///< it never runs
+  kOpen,       ///< may run
+  kRecorded,   ///< recorded into a command buffer
+  kDelivered,  ///< has run, or is certain to
+  kAbandoned,  ///< never runs
 };
 
-/// The lists of one HazardTracker, which run one after another.
+/// The lists of one HazardTracker, which run in order.
 struct RunOrder {
   std::mutex mutex;       ///< of this and of all its records
   uint64_t lists = 0;     ///< so far
   uint64_t recorded = 0;  ///< number of the last one that was recorded or delivered; 0: none
 };
 
-/// The account of a list; its tracker and its scene hold it, too.
+/// The state of a list; its tracker and its scene share it.
 struct RunRecord {
   std::shared_ptr<RunOrder> order;
   uint64_t number = 0;  ///< from 1
   uint64_t behind = 0;  ///< number of the list that is to be recorded right before it; 0: none
   RunState state = RunState::kOpen;
+  const char* reason = nullptr;  ///< why it was abandoned, where that is known
 };
 
-/// What the copies of a list share. The last one that goes abandons a list that has not run.
+/// State shared by the copies of a list. Destroying the last copy abandons a list that has not run.
 struct ListRun {
   std::shared_ptr<RunRecord> record;
   size_t passes = 0, uploads = 0;  ///< that the barriers are for
@@ -42,12 +43,12 @@ struct ListRun {
   ListRun& operator=(const ListRun&) = delete;
 };
 
-/// \param last  the open list that is to run before; nullptr: there is none.
+/// \param last  the open list that runs before; nullptr if there is none.
 RunHandle openRun(const std::shared_ptr<RunOrder>& order, const RunRecord* last,
                   const PassList& list);
 RunState stateOf(const RunRecord& record);
-/// No effect on one that was delivered.
-void abandon(RunRecord& record);
+/// No effect on one that was delivered. \param reason for checkRun(); of static lifetime.
+void abandon(RunRecord& record, const char* reason = nullptr);
 /// No effect on one that was abandoned.
 void setRecorded(RunRecord& record);
 void setDelivered(RunRecord& record);

@@ -6,23 +6,18 @@
 #include <string>
 
 #include "passes/list_run.h"
+#include "pelage/list_check.h"
 
 namespace pelage {
 namespace {
 
-// The largest number of thread groups on an axis that every device of our three APIs accepts.
+// Maximum number of thread groups on an axis that every device of the three APIs supports.
 constexpr uint64_t kMaxGroups = 65535;
-// Buffers that have a place of a table one after the other.
+// The buffers that successively had one slot of a table.
 constexpr uint32_t kMaxGenerations = 0xffffffffu / ResourceTable::kMaxBuffers;
 
-BufferId idOf(uint32_t place, uint32_t generation) {
-  return static_cast<BufferId>(generation * ResourceTable::kMaxBuffers + place + 1);
-}
-
-std::string describe(const KernelVariant& variant) {
-  std::string text = variant.kernel->name;
-  if (variant.key[0] != '\0') text.append(" [").append(variant.key).append("]");
-  return text;
+BufferId idOf(uint32_t tableIndex, uint32_t generation) {
+  return static_cast<BufferId>(generation * ResourceTable::kMaxBuffers + tableIndex + 1);
 }
 
 }  // namespace
@@ -32,7 +27,7 @@ ResourceTable::Id::Id() {
   value = ++count;
 }
 
-// What was moved from is another table from now on.
+// The moved-from table becomes a new one.
 ResourceTable::Id::Id(Id&& other) noexcept : Id() { std::swap(value, other.value); }
 
 ResourceTable::Id& ResourceTable::Id::operator=(const Id& other) {
@@ -56,38 +51,43 @@ BufferId ResourceTable::add(BufferDesc desc) {
     free_.push_back(static_cast<uint32_t>(buffers_.size()));
     buffers_.emplace_back();
   }
-  const uint32_t place = free_.back();
+  const uint32_t tableIndex = free_.back();
   free_.pop_back();
-  Slot& slot = buffers_[place];
+  Slot& slot = buffers_[tableIndex];
   slot.desc = std::move(desc);
   slot.live = true;
   slot.version = version_;
-  return idOf(place, slot.generation);
+  return idOf(tableIndex, slot.generation);
 }
 
 void ResourceTable::remove(BufferId id) {
   PELAGE_ASSERT(find(id) != nullptr, "removing a buffer that is not there");
   if (find(id) == nullptr) return;
-  Slot& slot = buffers_[placeOf(id)];
+  Slot& slot = buffers_[indexOf(id)];
   slot = {.desc = {}, .live = false, .generation = slot.generation + 1};
-  if (slot.generation < kMaxGenerations) free_.push_back(placeOf(id));
+  if (slot.generation < kMaxGenerations) free_.push_back(indexOf(id));
   ++version_;
 }
 
 const BufferDesc* ResourceTable::find(BufferId id) const {
-  const uint32_t place = placeOf(id);
-  if (place >= buffers_.size()) return nullptr;
-  const Slot& slot = buffers_[place];
-  return slot.live && idOf(place, slot.generation) == id ? &slot.desc : nullptr;
+  const uint32_t tableIndex = indexOf(id);
+  if (tableIndex >= buffers_.size()) return nullptr;
+  const Slot& slot = buffers_[tableIndex];
+  return slot.live && idOf(tableIndex, slot.generation) == id ? &slot.desc : nullptr;
+}
+
+BufferRange ResourceTable::whole(BufferId id) const {
+  const BufferDesc* desc = find(id);
+  return desc != nullptr ? BufferRange{id, desc->size} : BufferRange{};
 }
 
 uint64_t ResourceTable::versionOf(BufferId id) const {
-  return find(id) != nullptr ? buffers_[placeOf(id)].version : 0;
+  return find(id) != nullptr ? buffers_[indexOf(id)].version : 0;
 }
 
-BufferId ResourceTable::at(uint32_t place) const {
-  const Slot& slot = buffers_[place];
-  return slot.live ? idOf(place, slot.generation) : BufferId::kInvalid;
+BufferId ResourceTable::at(uint32_t tableIndex) const {
+  const Slot& slot = buffers_[tableIndex];
+  return slot.live ? idOf(tableIndex, slot.generation) : BufferId::kInvalid;
 }
 
 uint64_t ResourceTable::totalBytes() const {
@@ -114,6 +114,7 @@ void PassList::clear() {
   constants.clear();
   frame = table = 0;
   run.reset();
+  hold.reset();
 }
 
 void addUpload(PassList& list, BufferId buffer, std::span<const std::byte> bytes, uint64_t offset) {
@@ -153,7 +154,7 @@ PassBuilder& PassBuilder::draw(const KernelVariant& vertex, const KernelVariant&
   PELAGE_ASSERT(vertex.kernel->stage == Stage::kVertex && pixel.kernel->stage == Stage::kPixel,
                 "a draw takes a vertex kernel and a pixel kernel");
   PELAGE_ASSERT(layoutsFit(*vertex.kernel, *pixel.kernel),
-                "of the two stages of a draw, one has the first layouts of the other");
+                "the layouts of one stage of a draw must be the first ones of the other stage");
   pass_ = {};
   pass_.name = pixel.kernel->name;
   pass_.kind = PassKind::kDraw;
@@ -176,6 +177,11 @@ PassBuilder& PassBuilder::drawIndirect(const KernelVariant& vertex, const Kernel
   pass_.kind = PassKind::kDrawIndirect;
   pass_.indirect = arguments;
   pass_.indirectOffset = offset;
+  return *this;
+}
+
+PassBuilder& PassBuilder::vertices(BufferRange range) {
+  pass_.vertices = range;
   return *this;
 }
 
@@ -206,60 +212,102 @@ PassBuilder& PassBuilder::bytes(uint64_t bytes) {
   return *this;
 }
 
-Result<void> PassBuilder::addBindings(const KernelVariant& variant) {
+Result<void> PassBuilder::checkLayouts(std::span<const LayoutBindings> bindings) const {
+  const auto layouts = pass_.layouts();
+  for (size_t i = 0; i < bindings.size(); ++i) {
+    const LayoutTable& layout = bindings[i].layout();
+    const auto isOfLayout = [&](const LayoutBindings& b) { return &b.layout() == &layout; };
+    const bool known = std::find(layouts.begin(), layouts.end(), &layout) != layouts.end();
+    const auto before = bindings.first(i);
+    const bool twice = std::any_of(before.begin(), before.end(), isOfLayout);
+    if (known && !twice) continue;
+    return Error{ErrorCode::kInvalidArgument,
+                 std::string("pass ") + pass_.name + (known ? " got" : " has no layout for") +
+                     " the bindings of layout '" + layout.name + "'" + (known ? " twice" : "")};
+  }
+  return {};
+}
+
+Result<BoundResource> PassBuilder::find(const KernelVariant& variant, const VariantBinding& use,
+                                        std::span<const LayoutBindings> bindings) const {
+  const LayoutTable& layout = *variant.kernel->layouts[use.set];
+  const LayoutEntry& entry = layout.entries[use.entry];
+  const auto typed = std::find_if(bindings.begin(), bindings.end(),
+                                  [&](const LayoutBindings& b) { return &b.layout() == &layout; });
+  if (typed != bindings.end()) {
+    const BoundResource resource = typed->at(use.entry);
+    if (resource.isBound()) return resource;
+  }
+  const auto offer = std::find_if(offers_.begin(), offers_.end(),
+                                  [&](const Offer& o) { return o.name == entry.name; });
+  if (offer == offers_.end()) {
+    const std::string name = std::string("'") + entry.name + "'";
+    return Error{ErrorCode::kInvalidArgument,
+                 "pass " + variantName(variant) + " needs resource " + name +
+                     (typed == bindings.end()
+                          ? ", which nobody offered: give the " + std::string(layout.name) +
+                                "Bindings to finish(), or bind() it"
+                          : ", which the " + std::string(layout.name) + "Bindings leave empty")};
+  }
+  BoundResource resource(BufferRange{offer->buffer, offer->size, offer->offset});
+  resource.block = offer->block;
+  return resource;
+}
+
+// Passes in a row often share a block; an equal one is not stored twice.
+uint64_t PassBuilder::addBlock(std::span<const std::byte> block) {
+  constexpr uint64_t kAlignment = PassList::kConstantAlignment;
+  const uint64_t padded = (block.size() + kAlignment - 1) / kAlignment * kAlignment;
+  std::vector<std::byte>& all = list_.constants;
+  const bool same = all.size() >= padded &&
+                    std::memcmp(all.data() + all.size() - padded, block.data(), block.size()) == 0;
+  if (!same) {
+    all.insert(all.end(), block.begin(), block.end());
+    all.resize((all.size() + kAlignment - 1) / kAlignment * kAlignment);
+  }
+  return all.size() - padded;
+}
+
+Result<void> PassBuilder::addBindings(const KernelVariant& variant,
+                                      std::span<const LayoutBindings> bindings) {
   const Kernel& kernel = *variant.kernel;
   for (const VariantBinding& use : variant.bindings) {
     const LayoutEntry& entry = kernel.layouts[use.set]->entries[use.entry];
     const auto known = std::find_if(
         list_.bindings.begin() + pass_.firstBinding, list_.bindings.end(),
         [&](const PassBinding& b) { return b.set == use.set && b.entry == use.entry; });
-    if (known != list_.bindings.end()) {  // the other stage of the draw uses it too
+    if (known != list_.bindings.end()) {  // the other stage of the draw also uses it
       known->access = known->access | use.access;
       known->stages |= stageBit(kernel.stage);
       continue;
     }
-    const auto offer = std::find_if(offers_.begin(), offers_.end(),
-                                    [&](const Offer& o) { return o.name == entry.name; });
-    if (offer == offers_.end()) {
-      return Error{ErrorCode::kInvalidArgument, "pass " + describe(variant) + " needs resource '" +
-                                                    entry.name +
-                                                    "', which nobody offered: bind() it"};
-    }
+    const Result<BoundResource> resource = find(variant, use, bindings);
+    if (!resource) return resource.error();
     PassBinding binding;
     binding.set = use.set;
     binding.entry = use.entry;
-    binding.buffer = offer->buffer;
-    binding.offset = offer->offset;
-    binding.size = offer->size;
+    binding.buffer = resource->range.buffer;
+    binding.offset = resource->range.offset;
+    binding.size = resource->range.size;
     binding.access = use.access;
     binding.stages = stageBit(kernel.stage);
     if (entry.kind == ResourceKind::kUniformBuffer) {
-      if (offer->block.size() < entry.stride) {
+      const std::span<const std::byte> block = resource->block;
+      if (block.size() < entry.stride) {
         return Error{ErrorCode::kInvalidArgument,
-                     "pass " + describe(variant) + ": uniform block '" + entry.name + "' has " +
+                     "pass " + variantName(variant) + ": uniform block '" + entry.name + "' has " +
                          std::to_string(entry.stride) + " bytes, got " +
-                         std::to_string(offer->block.size())};
+                         std::to_string(block.size())};
       }
-      // Passes in a row often share a block; an equal one is not stored twice.
-      const uint64_t padded = (offer->block.size() + PassList::kConstantAlignment - 1) /
-                              PassList::kConstantAlignment * PassList::kConstantAlignment;
-      std::vector<std::byte>& all = list_.constants;
-      const bool same =
-          all.size() >= padded && std::memcmp(all.data() + all.size() - padded, offer->block.data(),
-                                              offer->block.size()) == 0;
-      if (!same) {
-        all.insert(all.end(), offer->block.begin(), offer->block.end());
-        all.resize((all.size() + PassList::kConstantAlignment - 1) / PassList::kConstantAlignment *
-                   PassList::kConstantAlignment);
-      }
-      binding.offset = all.size() - padded;
+      binding.size = block.size();
+      binding.offset = addBlock(block);
     }
     list_.bindings.push_back(binding);
   }
   return {};
 }
 
-Result<void> PassBuilder::finish() {
+Result<void> PassBuilder::finish(std::span<const LayoutBindings> bindings) {
   PELAGE_ASSERT(pass_.kernel != nullptr, "finish() without dispatch() or draw()");
   const auto drop = [&](Result<void> result) {
     list_.bindings.resize(pass_.firstBinding);
@@ -267,6 +315,7 @@ Result<void> PassBuilder::finish() {
     return result;
   };
   pass_.firstBinding = static_cast<uint32_t>(list_.bindings.size());
+  if (Result<void> checked = checkLayouts(bindings); !checked) return drop(checked);
   if (pass_.kind == PassKind::kDispatch) {
     for (int axis = 0; axis < 3; ++axis) {
       const uint64_t size = pass_.kernel->groupSize[axis];
@@ -275,8 +324,8 @@ Result<void> PassBuilder::finish() {
       if (groups == 0) return drop({});
       if (groups > kMaxGroups) {
         return drop(Error{ErrorCode::kInvalidArgument,
-                          "pass " + describe(*pass_.kernel) + " needs " + std::to_string(groups) +
-                              " thread groups on axis " + "xyz"[axis] +
+                          "pass " + variantName(*pass_.kernel) + " needs " +
+                              std::to_string(groups) + " thread groups on axis " + "xyz"[axis] +
                               std::string(", the limit is 65535: split the object")});
       }
       pass_.groups[axis] = static_cast<uint32_t>(groups);
@@ -285,9 +334,17 @@ Result<void> PassBuilder::finish() {
              (pass_.elementCount == 0 || pass_.instanceCount == 0)) {
     return drop({});
   }
+  if ((pass_.kernel->kernel->vertexInput != nullptr) !=
+      (pass_.vertices.buffer != BufferId::kInvalid)) {
+    return drop(Error{ErrorCode::kInvalidArgument,
+                      "pass " + variantName(*pass_.kernel) +
+                          (pass_.kernel->kernel->vertexInput != nullptr
+                               ? " needs a buffer of vertices: give it to vertices()"
+                               : " has no vertex inputs, but got vertices()")});
+  }
   for (const KernelVariant* variant : {pass_.kernel, pass_.pixel}) {
     if (variant == nullptr) continue;
-    if (Result<void> added = addBindings(*variant); !added) return drop(added);
+    if (Result<void> added = addBindings(*variant, bindings); !added) return drop(added);
   }
   pass_.bindingCount = static_cast<uint32_t>(list_.bindings.size()) - pass_.firstBinding;
   if (!isDraw(pass_.kind)) {
@@ -302,44 +359,46 @@ Result<void> PassBuilder::finish() {
 }
 
 HazardTracker::State& HazardTracker::state(BufferId buffer) {
-  const uint32_t place = ResourceTable::placeOf(buffer);
-  if (place >= states_.size()) states_.resize(size_t{place} + 1);
-  State& state = states_[place];
+  const uint32_t tableIndex = ResourceTable::indexOf(buffer);
+  if (tableIndex >= states_.size()) states_.resize(size_t{tableIndex} + 1);
+  State& state = states_[tableIndex];
   if (state.buffer != buffer) state = {.buffer = buffer};
   return state;
 }
 
 void HazardTracker::forget(BufferId buffer) {
-  const uint32_t place = ResourceTable::placeOf(buffer);
-  if (place < states_.size()) states_[place] = {};
+  const uint32_t tableIndex = ResourceTable::indexOf(buffer);
+  if (tableIndex < states_.size()) states_[tableIndex] = {};
 }
 
-// As if what happened since had happened or not: the union of the accesses, and visible is only
-// what is so either way.
+// Merges the states with and without later events: the union of the accesses, and visible only if
+// visible in both.
 void HazardTracker::mergeWith(const std::vector<State>& before) {
-  for (size_t place = 0; place < before.size(); ++place) {
-    const State& old = before[place];
-    State& now = states_[place];
+  for (size_t tableIndex = 0; tableIndex < before.size(); ++tableIndex) {
+    const State& old = before[tableIndex];
+    State& now = states_[tableIndex];
     if (old.buffer == BufferId::kInvalid || now.buffer != old.buffer) continue;
     now.readStages |= old.readStages;
     now.writeStages |= old.writeStages;
     now.uploadWrite |= old.uploadWrite;
     now.indexRead |= old.indexRead;
+    now.vertexRead |= old.vertexRead;
     now.indirectRead |= old.indirectRead;
     now.visibleStages &= old.visibleStages;
     now.visibleIndex &= old.visibleIndex;
+    now.visibleVertex &= old.visibleVertex;
     now.visibleIndirect &= old.visibleIndirect;
   }
 }
 
-// Lets go of lists that have run, and of those that do not.
+// Releases lists that have run, and lists that never run.
 void HazardTracker::settle() {
   using detail::RunState;
   const auto first = std::find_if(open_.begin(), open_.end(), [](const Open& open) {
     return detail::stateOf(*open.record) == RunState::kAbandoned;
   });
   if (first != open_.end()) {
-    // What comes after it was to run behind it.
+    // Later lists were to run after it.
     for (auto open = open_.end(); open != first;) detail::abandon(*(--open)->record);
     mergeWith(first->before);
     open_.erase(first, open_.end());
@@ -355,8 +414,117 @@ void HazardTracker::abandonOpen() {
   settle();
 }
 
+namespace {
+
+// The accesses of a pass, or of all draws, to one buffer, over all bindings.
+struct Use {
+  BufferId buffer;
+  StageMask readStages = 0;
+  StageMask writeStages = 0;
+  bool index = false;
+  bool vertex = false;
+  bool indirect = false;
+};
+
+void collect(const PassList& list, const Pass& pass, std::vector<Use>& uses) {
+  const auto useOf = [&](BufferId buffer) -> Use& {
+    for (Use& use : uses)
+      if (use.buffer == buffer) return use;
+    return uses.emplace_back(Use{.buffer = buffer});
+  };
+  for (const PassBinding& binding : list.bindingsOf(pass)) {
+    if (binding.buffer == BufferId::kInvalid) continue;
+    Use& use = useOf(binding.buffer);
+    if (reads(binding.access)) use.readStages |= binding.stages;
+    if (writes(binding.access)) use.writeStages |= binding.stages;
+  }
+  if (pass.indices != BufferId::kInvalid) useOf(pass.indices).index = true;
+  if (pass.vertices.buffer != BufferId::kInvalid) useOf(pass.vertices.buffer).vertex = true;
+  if (pass.indirect != BufferId::kInvalid) useOf(pass.indirect).indirect = true;
+}
+
+// State is HazardTracker's, which is private.
+
+template <class State>
+bool isWritten(const State& state) {
+  return state.writeStages != 0 || state.uploadWrite;
+}
+
+template <class State>
+bool isTouched(const State& state) {
+  return isWritten(state) || state.readStages != 0 || state.indexRead || state.vertexRead ||
+         state.indirectRead;
+}
+
+// A barrier between all that touched a buffer and what overwrites it.
+template <class State>
+Barrier barrierBehind(const State& state) {
+  Barrier barrier{.buffer = state.buffer};
+  if (isWritten(state)) barrier.before = barrier.before | Access::kWrite;
+  if (state.readStages != 0) barrier.before = barrier.before | Access::kRead;
+  barrier.beforeStages = state.writeStages | state.readStages;
+  barrier.beforeUpload = state.uploadWrite;
+  barrier.beforeIndex = state.indexRead;
+  barrier.beforeVertex = state.vertexRead;
+  barrier.beforeIndirect = state.indirectRead;
+  return barrier;
+}
+
+template <class State>
+void applyWrite(State& now, const Use& use, std::vector<Barrier>& out) {
+  if (isTouched(now)) {
+    Barrier barrier = barrierBehind(now);
+    barrier.after = use.readStages != 0 ? Access::kReadWrite : Access::kWrite;
+    barrier.afterStages = use.readStages | use.writeStages;
+    barrier.afterIndex = use.index;
+    barrier.afterVertex = use.vertex;
+    barrier.afterIndirect = use.indirect;
+    out.push_back(barrier);
+  }
+  now = {.buffer = use.buffer};
+  now.writeStages = use.writeStages;
+}
+
+template <class State>
+void applyRead(State& now, const Use& use, std::vector<Barrier>& out) {
+  const auto missing = static_cast<StageMask>(use.readStages & ~now.visibleStages);
+  const bool missingIndex = use.index && !now.visibleIndex;
+  const bool missingVertex = use.vertex && !now.visibleVertex;
+  const bool missingIndirect = use.indirect && !now.visibleIndirect;
+  if (isWritten(now) && (missing != 0 || missingIndex || missingVertex || missingIndirect)) {
+    Barrier barrier{.buffer = use.buffer};
+    barrier.before = Access::kWrite;
+    barrier.beforeStages = now.writeStages;
+    barrier.beforeUpload = now.uploadWrite;
+    barrier.after = missing != 0 ? Access::kRead : Access::kNone;
+    barrier.afterStages = missing;
+    barrier.afterIndex = missingIndex;
+    barrier.afterVertex = missingVertex;
+    barrier.afterIndirect = missingIndirect;
+    out.push_back(barrier);
+  }
+  now.visibleStages |= use.readStages;
+  now.visibleIndex |= use.index;
+  now.visibleVertex |= use.vertex;
+  now.visibleIndirect |= use.indirect;
+  now.readStages |= use.readStages;
+  now.indexRead |= use.index;
+  now.vertexRead |= use.vertex;
+  now.indirectRead |= use.indirect;
+}
+
+template <class State>
+void apply(State& now, const Use& use, std::vector<Barrier>& out) {
+  if (use.writeStages != 0)
+    applyWrite(now, use, out);
+  else
+    applyRead(now, use, out);
+}
+
+}  // namespace
+
 void HazardTracker::resolve(PassList& list) {
-  // One that was resolved before, and has not run.
+  // A list that was resolved before, and has not run.
   list.run.reset();
   settle();
   std::vector<State> statesBefore = states_;
@@ -364,74 +532,13 @@ void HazardTracker::resolve(PassList& list) {
   list.uploadBarriers.clear();
   list.drawBarriers.clear();
 
-  // What a pass does with one buffer, all bindings of it together.
-  struct Use {
-    BufferId buffer;
-    StageMask readStages = 0;
-    StageMask writeStages = 0;
-    bool index = false;
-    bool indirect = false;
-  };
-
-  const auto before = [](const State& state, Barrier& barrier) {
-    if (state.writeStages != 0 || state.uploadWrite)
-      barrier.before = barrier.before | Access::kWrite;
-    if (state.readStages != 0) barrier.before = barrier.before | Access::kRead;
-    barrier.beforeStages = state.writeStages | state.readStages;
-    barrier.beforeUpload = state.uploadWrite;
-    barrier.beforeIndex = state.indexRead;
-    barrier.beforeIndirect = state.indirectRead;
-  };
-
-  const auto apply = [&](const Use& use, std::vector<Barrier>& out) {
-    State& now = state(use.buffer);
-    const bool written = now.writeStages != 0 || now.uploadWrite;
-    const bool touched = written || now.readStages != 0 || now.indexRead || now.indirectRead;
-    if (use.writeStages != 0) {
-      if (touched) {
-        Barrier barrier{.buffer = use.buffer};
-        before(now, barrier);
-        barrier.after = use.readStages != 0 ? Access::kReadWrite : Access::kWrite;
-        barrier.afterStages = use.readStages | use.writeStages;
-        barrier.afterIndex = use.index;
-        barrier.afterIndirect = use.indirect;
-        out.push_back(barrier);
-      }
-      now = {.buffer = use.buffer};
-      now.writeStages = use.writeStages;
-      return;
-    }
-    const StageMask missing = static_cast<StageMask>(use.readStages & ~now.visibleStages);
-    const bool missingIndex = use.index && !now.visibleIndex;
-    const bool missingIndirect = use.indirect && !now.visibleIndirect;
-    if (written && (missing != 0 || missingIndex || missingIndirect)) {
-      Barrier barrier{.buffer = use.buffer};
-      barrier.before = Access::kWrite;
-      barrier.beforeStages = now.writeStages;
-      barrier.beforeUpload = now.uploadWrite;
-      barrier.after = missing != 0 ? Access::kRead : Access::kNone;
-      barrier.afterStages = missing;
-      barrier.afterIndex = missingIndex;
-      barrier.afterIndirect = missingIndirect;
-      out.push_back(barrier);
-    }
-    now.visibleStages |= use.readStages;
-    now.visibleIndex |= use.index;
-    now.visibleIndirect |= use.indirect;
-    now.readStages |= use.readStages;
-    now.indexRead |= use.index;
-    now.indirectRead |= use.indirect;
-  };
-
   std::vector<BufferId> uploaded;
   for (const Upload& upload : list.uploads) {
     if (std::find(uploaded.begin(), uploaded.end(), upload.buffer) != uploaded.end()) continue;
     uploaded.push_back(upload.buffer);
     State& now = state(upload.buffer);
-    if (now.writeStages != 0 || now.uploadWrite || now.readStages != 0 || now.indexRead ||
-        now.indirectRead) {
-      Barrier barrier{.buffer = upload.buffer};
-      before(now, barrier);
+    if (isTouched(now)) {
+      Barrier barrier = barrierBehind(now);
       barrier.after = Access::kWrite;
       barrier.afterUpload = true;
       list.uploadBarriers.push_back(barrier);
@@ -441,37 +548,21 @@ void HazardTracker::resolve(PassList& list) {
   }
 
   std::vector<Use> uses;
-  const auto useOf = [&](BufferId buffer) -> Use& {
-    for (Use& use : uses)
-      if (use.buffer == buffer) return use;
-    return uses.emplace_back(Use{.buffer = buffer});
-  };
-  const auto collect = [&](const Pass& pass) {
-    for (const PassBinding& binding : list.bindingsOf(pass)) {
-      if (binding.buffer == BufferId::kInvalid) continue;
-      Use& use = useOf(binding.buffer);
-      if (reads(binding.access)) use.readStages |= binding.stages;
-      if (writes(binding.access)) use.writeStages |= binding.stages;
-    }
-    if (pass.indices != BufferId::kInvalid) useOf(pass.indices).index = true;
-    if (pass.indirect != BufferId::kInvalid) useOf(pass.indirect).indirect = true;
-  };
-
   for (Pass& pass : list.passes) {
     if (isDraw(pass.kind)) continue;
     uses.clear();
-    collect(pass);
+    collect(list, pass, uses);
     pass.firstBarrier = static_cast<uint32_t>(list.barriers.size());
-    for (const Use& use : uses) apply(use, list.barriers);
+    for (const Use& use : uses) apply(state(use.buffer), use, list.barriers);
     pass.barrierCount = static_cast<uint32_t>(list.barriers.size()) - pass.firstBarrier;
   }
 
-  // All draws run inside one render pass, where no barrier can stand: theirs go in front of it,
+  // All draws run inside one render pass, which allows no barriers: their barriers come before it,
   // as if they were a single pass.
   uses.clear();
   for (const Pass& pass : list.passes)
-    if (isDraw(pass.kind)) collect(pass);
-  for (const Use& use : uses) apply(use, list.drawBarriers);
+    if (isDraw(pass.kind)) collect(list, pass, uses);
+  for (const Use& use : uses) apply(state(use.buffer), use, list.drawBarriers);
 
   if (order_ == nullptr) order_ = std::make_shared<detail::RunOrder>();
   list.run = detail::openRun(order_, open_.empty() ? nullptr : open_.back().record.get(), list);

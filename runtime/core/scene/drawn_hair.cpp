@@ -27,12 +27,28 @@ DrawnStrands drawnStrands(const HairObject& object) {
   return drawn;
 }
 
+DrawnHair drawnHairOf(const HairObject& object, const HairInternals& hair) {
+  DrawnHair drawn;
+  drawn.material = &object.material;
+  drawn.buffers = &object.buffers();
+  drawn.strands = drawnStrands(object);
+  drawn.vertexCount = object.verticesPerStrand();
+  drawn.guideCount = object.guideCount();
+  drawn.followCount = object.strandCount() - object.guideCount();
+  drawn.storesFollows = hair.storesFollowHairs;
+  drawn.tipSeparation = object.settings.tipSeparation;
+  drawn.textureSize = {hair.textureWidth, hair.textureHeight};
+  drawn.roots = object.rootTransforms();
+  drawn.ball = ballOfHair(hair, object.settings.tipSeparation);
+  return drawn;
+}
+
 Ball ballOfHair(const HairInternals& hair, float tipSeparation) {
   Ball ball = ballOfStrands(hair);
   // Between root and tip the offset goes linearly from one to the other.
   const float tip =
-      std::isfinite(tipSeparation) ? std::abs(tipSeparation) * hair.followTipReach : 0;
-  ball.radius += std::max(hair.followReach, tip);
+      std::isfinite(tipSeparation) ? std::abs(tipSeparation) * hair.followTipRange : 0;
+  ball.radius += std::max(hair.followRange, tip);
   return ball;
 }
 
@@ -55,23 +71,27 @@ ShadowedHair shadowedHairOf(const HairObject& object, const HairInternals& hair)
   shadowed.strandLength = hair.meanStrand;
   shadowed.volume = hair.volume;
   shadowed.meanThickness = hair.meanThickness;
-  shadowed.largestThickness = hair.largestThickness;
+  shadowed.maxThickness = hair.maxThickness;
   shadowed.positions = buffers.positions;
   shadowed.thickness = buffers.strandThickness;
-  shadowed.followStrands = buffers.followStrands;
-  shadowed.rootTransforms = buffers.rootTransforms;
+  shadowed.followHairRecords = buffers.followHairRecords;
+  shadowed.rootTransforms = object.rootTransforms();
   return shadowed;
 }
 
 Ball ballAround(const Ball& a, const Ball& b) {
-  const Float3 way = {b.center.x - a.center.x, b.center.y - a.center.y, b.center.z - a.center.z};
-  const float distance = std::sqrt(way.x * way.x + way.y * way.y + way.z * way.z);
+  const Float3 displacement = {b.center.x - a.center.x, b.center.y - a.center.y,
+                               b.center.z - a.center.z};
+  const float distance =
+      std::sqrt(displacement.x * displacement.x + displacement.y * displacement.y +
+                displacement.z * displacement.z);
   if (distance + b.radius <= a.radius) return a;
   if (distance + a.radius <= b.radius) return b;
   Ball all;
   all.radius = 0.5f * (a.radius + b.radius + distance);
   const float share = distance > 0 ? (all.radius - a.radius) / distance : 0;
-  all.center = {a.center.x + share * way.x, a.center.y + share * way.y, a.center.z + share * way.z};
+  all.center = {a.center.x + share * displacement.x, a.center.y + share * displacement.y,
+                a.center.z + share * displacement.z};
   return all;
 }
 

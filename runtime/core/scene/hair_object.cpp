@@ -1,11 +1,14 @@
 #include "pelage/hair_object.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <utility>
 
+#include "contact/capsules.h"
 #include "pelage/assert.h"
+#include "pelage/constants.h"
 #include "scene/hair_internals.h"
 
 namespace pelage {
@@ -20,6 +23,9 @@ SimulationCounters readCounters(std::span<const std::byte> sleepWords) {
 HairObject::HairObject() : internals_(std::make_unique<detail::HairInternals>()) {}
 HairObject::~HairObject() = default;
 
+BufferRange HairObject::rootTransforms() const {
+  return internals_->solver.rootTransforms(buffers_);
+}
 SkinningMethod HairObject::skinning() const { return internals_->skinning; }
 
 void HairObject::setBones(std::span<const AffineTransform> bones) {
@@ -54,8 +60,8 @@ namespace {
 // A root farther than this from the origin [m] moves it: the rounding of the state grows with the
 // distance, and a new origin costs a pass over the state.
 constexpr float kOriginRange = 1.5f;
-// Larger coordinates [m] the kernels take for broken: isUsable() in common/quaternion.hlsli.
-constexpr float kUsable = 1e18f;
+// Larger coordinates are broken [m].
+constexpr float kUsable = std::bit_cast<float>(quaternion::kUsableBits);
 
 bool isUsable(Float3 v) {
   return std::abs(v.x) < kUsable && std::abs(v.y) < kUsable && std::abs(v.z) < kUsable;
@@ -78,29 +84,6 @@ float scaleOf(const AffineTransform& m) {
   float sum = 0;
   for (const Float4& r : m.rows) sum += r.x * r.x + r.y * r.y + r.z * r.z;
   return std::sqrt(sum);
-}
-
-bool isUsable(const CapsuleCollider& c) {
-  return isFinite(c.head) && isFinite(c.tail) && std::isfinite(c.headRadius) &&
-         std::isfinite(c.tailRadius) && std::isfinite(c.friction) && c.headRadius >= 0 &&
-         c.tailRadius >= 0 && c.friction >= 0 && isFinite(c.angularVelocity);
-}
-
-// Rotation vector of a frame: of a capsule only what is about its axis.
-Float4 spinOf(const CapsuleCollider& c, float seconds) {
-  const Float3 w = c.angularVelocity;
-  const Float3 axis = subtract(c.tail, c.head);
-  const float squared = axis.x * axis.x + axis.y * axis.y + axis.z * axis.z;
-  if (!(squared > 0)) return {w.x * seconds, w.y * seconds, w.z * seconds, 0};
-  const float share = (w.x * axis.x + w.y * axis.y + w.z * axis.z) / squared * seconds;
-  return {axis.x * share, axis.y * share, axis.z * share, 0};
-}
-
-bool reaches(const CapsuleCollider& c, const Ball& ball) {
-  const float radius = std::max(c.headRadius, c.tailRadius) + 0.5f * distance(c.head, c.tail);
-  const Float3 center = {0.5f * (c.head.x + c.tail.x), 0.5f * (c.head.y + c.tail.y),
-                         0.5f * (c.head.z + c.tail.z)};
-  return !(distance(center, ball.center) > radius + ball.radius);
 }
 
 }  // namespace
@@ -131,51 +114,9 @@ Ball ballOfCollisions(const HairInternals& hair, float tipSeparation) {
   return hair.collidesFollowHairs ? ballOfHair(hair, tipSeparation) : ballOfStrands(hair);
 }
 
-bool meets(const HairInternals& hair, ColliderId collider) {
+bool collidesWith(const HairInternals& hair, ColliderId collider) {
   return !hair.meshColliders ||
          std::binary_search(hair.meshColliders->begin(), hair.meshColliders->end(), collider);
-}
-
-std::vector<BoneBounds> boundsOfRoots(const HairAsset& asset,
-                                      std::span<const BoneInfluences> influences) {
-  const size_t stride = asset.verticesPerStrand;
-  const auto root = [&](uint32_t strand) {
-    const Float4& p = asset.positions[strand * stride];
-    return Float3{p.x, p.y, p.z};
-  };
-  std::vector<Box> boxes(1);
-  const auto add = [&](uint32_t bone, Float3 p) {
-    if (bone >= boxes.size()) boxes.resize(bone + 1);
-    boxes[bone] = include(boxes[bone], p);
-  };
-  for (uint32_t s = 0; s < asset.strandCount; ++s) {
-    bool bound = false;
-    for (size_t k = 0; k < 4 && s < influences.size(); ++k) {
-      if (!(influences[s].weights[k] > 0)) continue;
-      add(influences[s].bones[k], root(s));
-      bound = true;
-    }
-    if (!bound) add(s < influences.size() ? influences[s].bones[0] : 0, root(s));
-  }
-  std::vector<BoneBounds> bounds;
-  for (uint32_t bone = 0; bone < boxes.size(); ++bone) {
-    const Box& box = boxes[bone];
-    if (box.isEmpty()) continue;
-    const Float3 center = middleOf(box);
-    bounds.push_back({bone, center, distance(center, box.high)});
-  }
-  return bounds;
-}
-
-float longestStrand(const HairAsset& asset) {
-  float longest = 0;
-  const size_t stride = asset.verticesPerStrand;
-  for (size_t s = 0; s < asset.strandCount; ++s) {
-    float length = 0;
-    for (size_t i = 0; i < stride; ++i) length += asset.restLengths[s * stride + i];
-    longest = std::max(longest, length);
-  }
-  return longest;
 }
 
 Float3 moveOrigin(HairInternals& hair) {
@@ -232,59 +173,19 @@ void shiftWorld(HairFrameState& state, const Vector3<double>& shift,
   state.origin.shifted = shifted;
   ShiftedFloats& floats = state.shiftedFloats;
   floats.begin();
-  floats.shift(state.grid.middle, -shift);
+  state.grid.shift(floats, -shift);
   detail::shift(floats, state.collidersBefore, -shift);
   for (AffineTransform& bone : state.bonesBefore) floats.shift(bone, -shift);
   floats.end();
   // Of outputs that are not there nothing is to be moved.
-  if (state.lastFrame > 0) state.pendingShift += shift;
+  if (state.solver.lastFrame() > 0) state.pendingShift += shift;
   state.roundedShift += std::max({std::abs(shift.x), std::abs(shift.y), std::abs(shift.z)});
 }
 
 void forgetRounding(HairInternals& hair) {
   if (!(hair.roundedShift > 0)) return;
-  constexpr double kRounding = 0x1p-23;
-  const auto settle = [&](Float3& before, const Float3& now) {
-    const double largest =
-        static_cast<double>(std::max({std::abs(now.x), std::abs(now.y), std::abs(now.z)}));
-    const double limit = kRounding * (hair.roundedShift + 2 * largest);
-    const Vector3<double> moved = toDouble3(now) - toDouble3(before);
-    if (std::max({std::abs(moved.x), std::abs(moved.y), std::abs(moved.z)}) <= limit) before = now;
-  };
-  for (size_t i = 0; i < std::min(hair.colliders.size(), hair.collidersBefore.size()); ++i) {
-    settle(hair.collidersBefore[i].head, hair.colliders[i].head);
-    settle(hair.collidersBefore[i].tail, hair.colliders[i].tail);
-  }
+  settleCapsules(hair.collidersBefore, hair.colliders, hair.roundedShift);
   hair.roundedShift = 0;
-}
-
-bool areReplaced(std::span<const CapsuleCollider> before, std::span<const CapsuleCollider> now) {
-  return !std::equal(before.begin(), before.end(), now.begin(), now.end(),
-                     [](const CapsuleCollider& a, const CapsuleCollider& b) {
-                       return isUsable(a) == isUsable(b) && a.headRadius == b.headRadius &&
-                              a.tailRadius == b.tailRadius && a.friction == b.friction;
-                     });
-}
-
-std::vector<Collider> packColliders(const HairInternals& hair, const Ball& ball, float seconds) {
-  std::vector<Collider> packed;
-  for (size_t i = 0; i < hair.colliders.size(); ++i) {
-    const CapsuleCollider& now = hair.colliders[i];
-    if (!isUsable(now)) continue;
-    const bool known = i < hair.collidersBefore.size() && isUsable(hair.collidersBefore[i]);
-    const CapsuleCollider& before = known ? hair.collidersBefore[i] : now;
-    if (!reaches(now, ball) && !reaches(before, ball)) continue;
-    const auto relative = [&](Float3 p, float w) {
-      const Float3 r = hair.origin.relative(p);
-      return Float4{r.x, r.y, r.z, w};
-    };
-    packed.push_back({.head = relative(now.head, now.headRadius),
-                      .tail = relative(now.tail, now.tailRadius),
-                      .headBefore = relative(before.head, now.friction),
-                      .tailBefore = relative(before.tail, 0),
-                      .spin = spinOf(now, seconds)});
-  }
-  return packed;
 }
 
 }  // namespace detail

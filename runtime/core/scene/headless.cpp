@@ -1,6 +1,7 @@
 #include "pelage/headless.h"
 
 #include <string>
+#include <utility>
 
 namespace pelage {
 
@@ -54,6 +55,67 @@ Result<void> HeadlessDevice::checkDepthCopy(const RenderTargetDef& target, size_
                    " pixels takes " + std::to_string(needed));
   }
   return {};
+}
+
+namespace {
+
+void append(std::vector<PassTiming>* all, const std::vector<PassTiming>& more) {
+  if (all != nullptr) all->insert(all->end(), more.begin(), more.end());
+}
+
+}  // namespace
+
+Result<void> HeadlessDevice::run(Frame& frame, std::vector<PassTiming>* timings) {
+  if (frame.viewCount() > 0) {
+    return Error{ErrorCode::kInvalidArgument, "HeadlessDevice::run(): the frame has " +
+                                                  std::to_string(frame.viewCount()) +
+                                                  " views: render() it, with a target for each"};
+  }
+  const Result<std::vector<RenderedImage>> none = render(frame, {}, timings);
+  if (!none) return none.error();
+  return {};
+}
+
+Result<std::vector<RenderedImage>> HeadlessDevice::render(Frame& frame,
+                                                          std::span<const RenderTargetDef> targets,
+                                                          std::vector<PassTiming>* timings) {
+  if (targets.size() != frame.viewCount()) {
+    return Error{ErrorCode::kInvalidArgument,
+                 "HeadlessDevice::render(): the frame has " + std::to_string(frame.viewCount()) +
+                     " views, but there are " + std::to_string(targets.size()) + " targets"};
+  }
+  if (timings != nullptr) timings->clear();
+  std::vector<PassTiming> times;
+  std::vector<PassTiming>* const wanted = timings != nullptr ? &times : nullptr;
+  std::vector<RenderedImage> images;
+  std::vector<const PassList*> lists;  // of the view that is gathered
+  const auto renderView = [&]() -> Result<void> {
+    if (lists.empty()) return {};
+    Result<RenderedImage> image = render(lists, targets[images.size()], wanted);
+    lists.clear();
+    if (!image) return image.error();
+    images.push_back(std::move(*image));
+    append(timings, times);
+    return {};
+  };
+  FrameExecutor executor;
+  executor.update = [&](const ResourceTable& resources) { return update(resources); };
+  executor.record = [&](const FrameStep& step) -> Result<void> {
+    if (step.listOfView == 0) {
+      if (Result<void> done = renderView(); !done) return done;
+    }
+    if (step.view != FrameStep::kNoView) {
+      lists.push_back(step.list);
+      return {};
+    }
+    Result<void> done = execute(*step.list, wanted);
+    if (done) append(timings, times);
+    return done;
+  };
+  executor.draw = [](const FrameStep&) { return Result<void>(); };
+  if (Result<void> done = frame.run(executor); !done) return done.error();
+  if (Result<void> done = renderView(); !done) return done.error();
+  return images;
 }
 
 }  // namespace pelage

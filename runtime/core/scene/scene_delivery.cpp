@@ -1,17 +1,14 @@
 // Frames that do not run: the scene keeps what each frame changes on the host until it has run, and
 // puts it back where it does not.
-#include "scene/scene_delivery.h"
+#include "scene/scene_impl.h"
 
 #include <algorithm>
 #include <atomic>
 #include <utility>
 
-namespace pelage {
+#include "passes/list_ticket.h"
 
-using detail::FrameCheckpoint;
-using detail::HairFrameState;
-using detail::RunState;
-using detail::SdfFrameState;
+namespace pelage::detail {
 
 namespace {
 
@@ -19,42 +16,42 @@ namespace {
 std::atomic<uint64_t> g_frames{0};
 
 bool isDelivered(const FrameCheckpoint& frame) {
-  return !frame.abandoned && frame.run != nullptr &&
-         detail::stateOf(*frame.run) == RunState::kDelivered;
+  return !frame.abandoned && frame.run != nullptr && stateOf(*frame.run) == RunState::kDelivered;
 }
 
 // \param boundary  another frame begins: what is not recorded by now is not going to be.
 bool isLost(const FrameCheckpoint& frame, bool boundary) {
   if (frame.abandoned) return true;
   if (frame.run == nullptr) return boundary;
-  const RunState state = detail::stateOf(*frame.run);
+  const RunState state = stateOf(*frame.run);
   return state == RunState::kAbandoned || (boundary && state == RunState::kOpen);
 }
 
 }  // namespace
 
-void detail::sendAgain(HairInternals& hair) {
+void sendAgain(HairInternals& hair) {
   hair.bonesChanged = true;
-  hair.fieldsBefore.clear();
+  hair.sdfsBefore.clear();
   if (hair.skeleton != nullptr) hair.skeleton->copyFor(hair.skinning).version = 0;
 }
 
-void detail::sendAgain(SdfColliderInternals& collider) {
+void sendAgain(SdfColliderInternals& collider) {
   collider.buildPending = true;
   collider.builtBones.clear();
   if (collider.skeleton != nullptr) collider.skeleton->copyFor(collider.def.skinning).version = 0;
 }
 
-void Scene::finish(PassList& list) {
+void SceneImpl::finish(PassList& list) {
   hazards_.resolve(list);
   list.table = resources_.id();
+  if (const char* reason = noteRun(list); reason != nullptr)
+    detail::abandon(*list.run->record, reason);
   if (list.frame == 0) return;
   const auto written = [&](const FrameCheckpoint& frame) { return frame.number == list.frame; };
-  const bool open =
-      frames_ != nullptr && std::any_of(frames_->open.begin(), frames_->open.end(), written);
+  const bool open = std::any_of(frames_.open.begin(), frames_.open.end(), written);
   // Its frame is over, or one that it was written on top of does not run.
   bool lost = !open;
-  for (auto frame = open ? frames_->open.begin() : std::vector<FrameCheckpoint>::iterator();
+  for (auto frame = open ? frames_.open.begin() : std::vector<FrameCheckpoint>::iterator();
        open && !lost; ++frame) {
     if (written(*frame)) {
       frame->run = list.run->record;
@@ -65,43 +62,44 @@ void Scene::finish(PassList& list) {
   if (lost) pelage::abandon(list.run);
 }
 
-void Scene::abandon(const PassList& list) {
-  const bool delivered =
-      list.run != nullptr && detail::stateOf(*list.run->record) == RunState::kDelivered;
+void SceneImpl::abandon(const PassList& list) {
+  const bool delivered = list.run != nullptr && stateOf(*list.run->record) == RunState::kDelivered;
   pelage::abandon(list.run);
-  if (list.frame == 0 || frames_ == nullptr) return;
-  const auto found = std::find_if(frames_->open.begin(), frames_->open.end(),
+  if (list.frame == 0) return;
+  const auto found = std::find_if(frames_.open.begin(), frames_.open.end(),
                                   [&](const auto& frame) { return frame.number == list.frame; });
-  if (found != frames_->open.end())
+  if (found != frames_.open.end())
     found->abandoned = true;
   else if (delivered)
     sendEverything();
   settleFrames(false);
 }
 
-void Scene::settleFrames(bool boundary) {
-  if (boundary) hazards_.abandonOpen();
-  if (frames_ == nullptr) return;
+void SceneImpl::settleFrames(bool boundary) {
+  if (boundary) {
+    hazards_.abandonOpen();
+    ++draws_.frame;
+  }
   if (boundary) commitFrames();
-  std::vector<FrameCheckpoint>& open = frames_->open;
+  std::vector<FrameCheckpoint>& open = frames_.open;
   const auto lost = std::find_if(open.begin(), open.end(), [&](const FrameCheckpoint& frame) {
     return isLost(frame, boundary);
   });
   const auto kept = static_cast<size_t>(lost - open.begin());
   while (open.size() > kept) restoreFrame();
+  collectShared();
 }
 
-void Scene::saveFrame() {
-  if (frames_ == nullptr) frames_ = std::make_shared<detail::SceneFrames>();
+void SceneImpl::saveFrame() {
   FrameCheckpoint frame;
-  if (!frames_->spare.empty()) {
-    frame = std::move(frames_->spare.back());
-    frames_->spare.pop_back();
+  if (!frames_.spare.empty()) {
+    frame = std::move(frames_.spare.back());
+    frames_.spare.pop_back();
   }
   frame.number = ++g_frames;
   frame.time = time_;
-  frame.sdfKeys = sdfKeys_;
-  frame.sdfSurface = sdfSurface_;
+  frame.sdfKeys = sdfs_.keys;
+  frame.sdfSurface = sdfs_.surface;
   frame.firstVersion = resources_.version();
   frame.removed.clear();
   frame.run = nullptr;
@@ -114,15 +112,15 @@ void Scene::saveFrame() {
   };
   for (const auto& object : objects_) {
     if (object == nullptr) continue;
-    detail::HairCheckpoint& saved = next(frame.hairs);
+    HairCheckpoint& saved = next(frame.hairs);
     saved.object = object.get();
     saved.state = static_cast<const HairFrameState&>(*object->internals_);
     saved.buffers = object->buffers_;
   }
   frame.hairs.resize(std::exchange(count, 0));
-  for (const auto& collider : colliders_) {
+  for (const auto& collider : sdfs_.colliders) {
     if (collider == nullptr) continue;
-    detail::ColliderCheckpoint& saved = next(frame.colliders);
+    ColliderCheckpoint& saved = next(frame.colliders);
     saved.collider = collider.get();
     saved.state = static_cast<const SdfFrameState&>(*collider->internals_);
     saved.buffers = collider->buffers_;
@@ -130,23 +128,22 @@ void Scene::saveFrame() {
   frame.colliders.resize(std::exchange(count, 0));
   for (const auto& skeleton : skeletons_) {
     if (skeleton == nullptr) continue;
-    const detail::SkeletonInternals& internals = *skeleton->internals_;
+    const SkeletonInternals& internals = *skeleton->internals_;
     next(frame.skeletons) = {skeleton.get(), internals.origin, internals.originKnown,
                              internals.copies};
   }
   frame.skeletons.resize(count);
-  frames_->open.push_back(std::move(frame));
-  frames_->recording = true;
-  frames_->owner = nullptr;
+  frames_.open.push_back(std::move(frame));
+  frames_.recording = true;
 }
 
 // Takes back the last frame.
-void Scene::restoreFrame() {
-  FrameCheckpoint frame = std::move(frames_->open.back());
-  frames_->open.pop_back();
+void SceneImpl::restoreFrame() {
+  FrameCheckpoint frame = std::move(frames_.open.back());
+  frames_.open.pop_back();
   if (frame.run != nullptr) detail::abandon(*frame.run);
-  for (detail::HairCheckpoint& saved : frame.hairs) {
-    detail::HairInternals& now = *saved.object->internals_;
+  for (HairCheckpoint& saved : frame.hairs) {
+    HairInternals& now = *saved.object->internals_;
     const bool reset = now.resetPending;
     std::swap(static_cast<HairFrameState&>(now), saved.state);
     // What the application has set since stays set.
@@ -156,8 +153,8 @@ void Scene::restoreFrame() {
     saved.object->buffers_ = saved.buffers;
     saved.object->buffers_.forces = forces;
   }
-  for (detail::ColliderCheckpoint& saved : frame.colliders) {
-    detail::SdfColliderInternals& now = *saved.collider->internals_;
+  for (ColliderCheckpoint& saved : frame.colliders) {
+    SdfColliderInternals& now = *saved.collider->internals_;
     const bool reset = now.resetPending, changed = now.verticesChanged;
     std::swap(static_cast<SdfFrameState&>(now), saved.state);
     now.resetPending |= reset;
@@ -166,8 +163,8 @@ void Scene::restoreFrame() {
     saved.collider->buffers_ = saved.buffers;
     saved.collider->buffers_.isoCounts = counts;
   }
-  for (const detail::SkeletonCheckpoint& saved : frame.skeletons) {
-    detail::SkeletonInternals& now = *saved.skeleton->internals_;
+  for (const SkeletonCheckpoint& saved : frame.skeletons) {
+    SkeletonInternals& now = *saved.skeleton->internals_;
     now.origin = saved.origin;
     now.originKnown = saved.originKnown;
     for (size_t i = 0; i < now.copies.size(); ++i) {
@@ -178,45 +175,31 @@ void Scene::restoreFrame() {
     }
   }
   time_ = frame.time;
-  sdfKeys_ = frame.sdfKeys;
-  sdfSurface_ = frame.sdfSurface;
-  for (uint32_t place = 0; place < resources_.end(); ++place) {
-    BufferId buffer = resources_.at(place);
+  sdfs_.keys = frame.sdfKeys;
+  sdfs_.surface = frame.sdfSurface;
+  for (uint32_t slot = 0; slot < resources_.end(); ++slot) {
+    BufferId buffer = resources_.at(slot);
     const uint64_t version = resources_.versionOf(buffer);
-    if (version > frame.firstVersion && version <= frame.lastVersion) removeBuffer(buffer);
+    if (version > frame.firstVersion && version <= frame.lastVersion) room().remove(buffer);
   }
-  frames_->spare.push_back(std::move(frame));
+  frames_.spare.push_back(std::move(frame));
 }
 
 // Lets go of the frames that have run.
-void Scene::commitFrames() {
-  if (frames_ == nullptr) return;
-  std::vector<FrameCheckpoint>& open = frames_->open;
+void SceneImpl::commitFrames() {
+  std::vector<FrameCheckpoint>& open = frames_.open;
   const auto first = std::find_if_not(open.begin(), open.end(), isDelivered);
   for (auto frame = open.begin(); frame != first; ++frame) {
-    for (FrameCheckpoint::Removed& removed : frame->removed)
-      if (resources_.find(removed.buffer) != nullptr) removeBuffer(removed.buffer);
-    frames_->spare.push_back(std::move(*frame));
+    for (RemovedBuffer& removed : frame->removed)
+      if (resources_.find(removed.buffer) != nullptr) room().remove(removed.buffer);
+    frames_.spare.push_back(std::move(*frame));
   }
   open.erase(open.begin(), first);
 }
 
-// Within simulate() a buffer stays until the frame has run.
-void Scene::removeBuffer(BufferId& buffer) {
-  if (buffer == BufferId::kInvalid) return;
-  if (frames_ != nullptr && frames_->recording) {
-    frames_->open.back().removed.push_back({buffer, frames_->owner});
-  } else {
-    resources_.remove(buffer);
-    hazards_.forget(buffer);
-  }
-  buffer = BufferId::kInvalid;
-}
-
 // Something goes, and with it what open frames know of it.
-void Scene::forgetOwner(const void* owner) {
-  if (frames_ == nullptr) return;
-  for (FrameCheckpoint& frame : frames_->open) {
+void SceneImpl::forgetOwner(const void* owner) {
+  for (FrameCheckpoint& frame : frames_.open) {
     std::erase_if(frame.hairs, [&](const auto& saved) { return saved.object == owner; });
     std::erase_if(frame.colliders, [&](const auto& saved) { return saved.collider == owner; });
     std::erase_if(frame.skeletons, [&](const auto& saved) { return saved.skeleton == owner; });
@@ -225,11 +208,11 @@ void Scene::forgetOwner(const void* owner) {
 }
 
 // What a frame has no use for any more of an owner goes now.
-void Scene::removeOf(FrameCheckpoint& frame, const void* owner) {
-  for (FrameCheckpoint::Removed& removed : frame.removed) {
+void SceneImpl::removeOf(FrameCheckpoint& frame, const void* owner) {
+  for (RemovedBuffer& removed : frame.removed) {
     if (removed.owner != owner) continue;
     if (resources_.find(removed.buffer) != nullptr)
-      removeBuffer(removed.buffer);
+      room().remove(removed.buffer);
     else
       removed.buffer = BufferId::kInvalid;
   }
@@ -238,14 +221,14 @@ void Scene::removeOf(FrameCheckpoint& frame, const void* owner) {
 }
 
 // The fields have new places between two frames: open frames are to be taken back to these.
-void Scene::relayFrames() {
-  if (frames_ == nullptr || frames_->recording) return;
-  for (FrameCheckpoint& frame : frames_->open) {
+void SceneImpl::relayFrames() {
+  if (frames_.recording) return;
+  for (FrameCheckpoint& frame : frames_.open) {
     removeOf(frame, nullptr);
-    frame.sdfKeys = sdfKeys_;
-    frame.sdfSurface = sdfSurface_;
-    for (detail::ColliderCheckpoint& saved : frame.colliders) {
-      const detail::SdfColliderInternals& now = *saved.collider->internals_;
+    frame.sdfKeys = sdfs_.keys;
+    frame.sdfSurface = sdfs_.surface;
+    for (ColliderCheckpoint& saved : frame.colliders) {
+      const SdfColliderInternals& now = *saved.collider->internals_;
       saved.state.keyOffset = now.keyOffset;
       saved.state.keyCapacity = now.keyCapacity;
       saved.state.surfaceOffset = now.surfaceOffset;
@@ -255,16 +238,17 @@ void Scene::relayFrames() {
 }
 
 // Nothing is known of what the GPU has.
-void Scene::sendEverything() {
-  while (!frames_->open.empty()) restoreFrame();
+void SceneImpl::sendEverything() {
+  while (!frames_.open.empty()) restoreFrame();
   for (const auto& object : objects_) {
     if (object == nullptr) continue;
-    detail::HairInternals& internals = *object->internals_;
+    HairInternals& internals = *object->internals_;
     internals.resetPending = true;
-    internals.followsCollided = false;
-    removeHairGrid(*object);
+    internals.followContacts.forget();
+    internals.grid.remove(room());
+    object->buffers_.contactForces = BufferId::kInvalid;
   }
-  for (const auto& collider : colliders_) {
+  for (const auto& collider : sdfs_.colliders) {
     if (collider != nullptr) collider->internals_->resetPending = true;
   }
   for (const auto& skeleton : skeletons_) {
@@ -273,4 +257,4 @@ void Scene::sendEverything() {
   }
 }
 
-}  // namespace pelage
+}  // namespace pelage::detail

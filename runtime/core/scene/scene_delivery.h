@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "passes/list_run.h"
+#include "passes/room_buffers.h"
 #include "pelage/scene.h"
 #include "scene/hair_internals.h"
 #include "sdf/sdf_collider.h"
@@ -47,11 +48,7 @@ struct FrameCheckpoint {
   /// Of the table, before the frame and after it: buffers that were added in between are its own.
   uint64_t firstVersion = 0, lastVersion = 0;
   /// Buffers that it has no use for any more. They go once it has run.
-  struct Removed {
-    BufferId buffer = BufferId::kInvalid;
-    const void* owner = nullptr;  ///< hair object or collider; nullptr: the scene
-  };
-  std::vector<Removed> removed;
+  std::vector<RemovedBuffer> removed;
 
   std::shared_ptr<RunRecord> run;  ///< of its list; nullptr before Scene::finish()
   bool abandoned = false;
@@ -61,7 +58,6 @@ struct SceneFrames {
   std::vector<FrameCheckpoint> open;   ///< from the oldest one on; each was written on top of it
   std::vector<FrameCheckpoint> spare;  ///< for their memory
   bool recording = false;              ///< simulate() is at work on the last one
-  const void* owner = nullptr;         ///< of what it removes now
 };
 
 /// Lets the next frame upload what an object has on the GPU beside its strands' state.

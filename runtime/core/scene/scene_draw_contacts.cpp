@@ -3,15 +3,15 @@
 #include <string>
 #include <utility>
 
-#include "scene/scene_draw.h"
+#include "scene/scene_impl.h"
 
-namespace pelage {
+namespace pelage::detail {
 
-Result<void> Scene::drawContacts(HairId id, const View& view, const ContactLook& look,
-                                 PassList& list) {
+Result<void> SceneImpl::drawContacts(HairId id, const View& view, const ContactLook& look,
+                                     PassList& list) {
   settleFrames(false);
   const HairObject& object = hair(id);
-  if (const Result<DrawFrame> frame = beginDraw(view, {}); !frame) return frame.error();
+  if (const Result<DrawnView> frame = beginDraw(view, {}); !frame) return frame.error();
   for (const auto& [value, name] :
        {std::pair(look.length, "length"), std::pair(look.width, "width"),
         std::pair(look.deepestDepth, "deepestDepth")}) {
@@ -25,10 +25,10 @@ Result<void> Scene::drawContacts(HairId id, const View& view, const ContactLook&
   return object.internals_->contacts.addDraw(list, object.buffers_.positions, view, look);
 }
 
-Result<float> Scene::deepestContact(HairId id, std::span<const std::byte> contacts,
-                                    std::span<const std::byte> contactWords,
-                                    std::span<const std::byte> positions) const {
+Result<float> SceneImpl::deepestContact(HairId id, std::span<const std::byte> contacts,
+                                        std::span<const std::byte> contactWords,
+                                        std::span<const std::byte> positions) const {
   return hair(id).internals_->contacts.deepest(contacts, contactWords, positions);
 }
 
-}  // namespace pelage
+}  // namespace pelage::detail

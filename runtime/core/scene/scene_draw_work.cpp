@@ -5,13 +5,13 @@
 #include <vector>
 
 #include "pelage/skeleton.h"
-#include "scene/scene_draw.h"
+#include "scene/scene_impl.h"
 
-namespace pelage {
+namespace pelage::detail {
 
 namespace {
 
-constexpr double kTileEdge = 8;
+constexpr double kEdge = pixel_tiles::kTileEdge;
 // Means over all directions of a unit vector: the length of its image, and how far that reaches
 // across and down, added up.
 constexpr double kMeanImage = std::numbers::pi / 4;
@@ -30,7 +30,7 @@ struct HairImage {
   double share = 0;                        // of them in the view
   double metre = 0;                        // pixels of it
   double ribbon = 0;                       // pixels across a ribbon
-  double ribbonMetre = 0, fiberMetre = 0;  // pixels of a metre of ribbon, of fibre
+  double ribbonMetre = 0, fiberMetre = 0;  // pixels of a metre of ribbon, of fiber
   double tiles = 0;                        // in the rectangle around them
 };
 
@@ -45,10 +45,10 @@ size_t sampleAt(size_t sample, size_t samples, size_t vertices, size_t verticesP
   return sample * strands / samples * verticesPerStrand + vertex;
 }
 
-// \param fiber width of a fibre [m].
-HairImage imageOf(const View& view, const detail::HairInternals& hair, double fiber) {
+// \param fiber width of a fiber [m].
+HairImage imageOf(const View& view, const HairInternals& hair, double fiber) {
   HairImage image;
-  const std::vector<Float4>& positions = hair.asset.positions;
+  const std::vector<Float4>& positions = hair.asset->positions;
   // All of the bind shape goes with one bone. Where hair follows several, the counters of the
   // frames put right what that misses.
   const AffineTransform bone =
@@ -59,7 +59,7 @@ HairImage imageOf(const View& view, const detail::HairInternals& hair, double fi
   const size_t samples = std::min(positions.size(), kSamples);
   double lowX = 1, highX = -1, lowY = 1, highY = -1;
   for (size_t sample = 0; sample < samples; ++sample) {
-    const size_t i = sampleAt(sample, samples, positions.size(), hair.asset.verticesPerStrand);
+    const size_t i = sampleAt(sample, samples, positions.size(), hair.asset->verticesPerStrand);
     const Float3 p = transformPoint(bone, {positions[i].x, positions[i].y, positions[i].z});
     const double w = dot(rows[3], p), z = dot(rows[2], p);
     const double x = dot(rows[0], p) / w, y = dot(rows[1], p) / w;
@@ -76,8 +76,8 @@ HairImage imageOf(const View& view, const detail::HairInternals& hair, double fi
     highY = std::max(highY, y);
   }
   if (image.share > 0) {
-    image.tiles = (0.5 * view.width * (highX - lowX) / kTileEdge + 1) *
-                  (0.5 * view.height * (highY - lowY) / kTileEdge + 1);
+    image.tiles = (0.5 * view.width * (highX - lowX) / kEdge + 1) *
+                  (0.5 * view.height * (highY - lowY) / kEdge + 1);
   }
   for (double* sum :
        {&image.share, &image.metre, &image.ribbon, &image.ribbonMetre, &image.fiberMetre})
@@ -85,15 +85,21 @@ HairImage imageOf(const View& view, const detail::HairInternals& hair, double fi
   return image;
 }
 
+bool isDrawn(const DrawnView& view, const HairObject& object) {
+  return std::any_of(view.hairs.begin(), view.hairs.end(),
+                     [&](const DrawnHair& hair) { return hair.material == &object.material; });
+}
+
 }  // namespace
 
-TransparencyWork Scene::predictWork(const View& view) const {
+TransparencyWork SceneImpl::predictWork(const View& view) const {
   TransparencyWork work;
-  const Result<DrawFrame> frame = beginDraw(view, {});
+  const Result<DrawnView> frame = beginDraw(view, {});
   if (!frame) return work;
-  for (const HairObject* object : frame->visible) {
-    const detail::HairInternals& hair = *object->internals_;
-    const detail::DrawnStrands strands = detail::drawnStrands(*object);
+  for (const auto& object : objects_) {
+    if (object == nullptr || !isDrawn(*frame, *object)) continue;
+    const HairInternals& hair = *object->internals_;
+    const DrawnStrands strands = drawnStrands(*object);
     const StrandMaterial& m = object->material;
     const float fiber =
         m.fiberRadius * (1 + m.tipRadiusRatio) * hair.meanThickness * strands.widening;
@@ -102,8 +108,8 @@ TransparencyWork Scene::predictWork(const View& view) const {
     const double segments = static_cast<double>(strands.count) * (object->verticesPerStrand() - 1);
     work.vertices += segments + strands.count;
     work.fragments += metres * kMeanImage * image.ribbonMetre;
-    work.references += segments * (image.share + 2 * image.ribbon / kTileEdge) +
-                       metres * kMeanSpan * image.metre / kTileEdge;
+    work.references += segments * (image.share + 2 * image.ribbon / kEdge) +
+                       metres * kMeanSpan * image.metre / kEdge;
     work.tiles += image.tiles;
     work.alpha += metres * kMeanImage * toDouble(m.opacity) * image.fiberMetre;
   }
@@ -113,4 +119,4 @@ TransparencyWork Scene::predictWork(const View& view) const {
   return work;
 }
 
-}  // namespace pelage
+}  // namespace pelage::detail

@@ -7,19 +7,15 @@
 #include <cstring>
 #include <iterator>
 
+#include "pelage/bindings.h"
+#include "pelage/constants.h"
 #include "pelage/kernels.h"
 
 namespace pelage::detail {
 namespace {
 
-// As in kernels/sdf/marching_cubes.hlsli.
-constexpr uint32_t kMaxRow = 5460;
-constexpr uint64_t kMaxNodes = 1u << 28;
-constexpr uint32_t kMaxAxis = 65535;
-constexpr uint32_t kTooManyVertices = 1, kTooManyTriangles = 2;
-// Threads of marching_cubes_count a row, and of a dispatch in x.
-constexpr uint32_t kLanes = 64;
-constexpr uint32_t kRow = 1u << 20;
+using namespace marching_cubes;
+
 // Bytes of a buffer that every device takes (Vulkan's least maxStorageBufferRange).
 constexpr uint64_t kMaxBufferBytes = 1u << 27;
 
@@ -46,8 +42,8 @@ IsoSurfaceCapacity defaultIsoSurfaceCapacity(const GridSize& nodes) {
 Result<IsoSurface> IsoSurface::create(ResourceTable& resources, const std::string& name,
                                       const GridSize& nodes, const IsoSurfaceCapacity& capacity) {
   const uint64_t count = countOf(nodes);
-  if (count == 0 || nodes[0] > kMaxRow || std::max(nodes[1], nodes[2]) > kMaxAxis ||
-      count > kMaxNodes) {
+  if (count == 0 || nodes[0] > kMaxMarchingRow || std::max(nodes[1], nodes[2]) > kMaxMarchingAxis ||
+      count > kMaxMarchingNodes) {
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("iso surface '{}': a grid of {} x {} x {} nodes is larger than "
                              "marching cubes takes; use larger cells",
@@ -75,55 +71,57 @@ Result<IsoSurface> IsoSurface::create(ResourceTable& resources, const std::strin
                                               .stride = stride,
                                               .usage = BufferUsage::kStorage | more});
   };
-  add(kField, "isoField", 1, sizeof(SdfField), BufferUsage::kUpload);
+  add(kField, "isoSdf", 1, sizeof(Sdf), BufferUsage::kUpload);
   add(kRows, "isoRows", surface.rowCapacity_, sizeof(Uint2), BufferUsage::kStorage);
   add(kNodes, "isoNodes", count, sizeof(uint32_t), BufferUsage::kStorage);
   add(kCounts, "isoCounts", 1, sizeof(MarchingCounts), BufferUsage::kReadback);
-  add(kVertices, "isoVertices", capacity.vertices, sizeof(IsoVertex), BufferUsage::kReadback);
+  add(kVertices, "isoVertices", capacity.vertices, sizeof(IsoVertex),
+      BufferUsage::kVertex | BufferUsage::kReadback);
   add(kIndices, "isoIndices", uint64_t{capacity.triangles} * 3, sizeof(uint32_t),
       BufferUsage::kIndex | BufferUsage::kReadback);
   return surface;
 }
 
 bool IsoSurface::hasRoomFor(const GridSize& nodes) const {
-  return nodes[0] <= kMaxRow && std::max(nodes[1], nodes[2]) <= kMaxAxis &&
+  return nodes[0] <= kMaxMarchingRow && std::max(nodes[1], nodes[2]) <= kMaxMarchingAxis &&
          countOf(nodes) <= nodeCapacity_ && uint64_t{nodes[1]} * nodes[2] <= rowCapacity_;
 }
 
-Result<void> IsoSurface::addPasses(const SdfField& field, BufferId keys, uint32_t keyCount,
-                                   float isoLevel, PassList& list) const {
-  const GridSize nodes = {field.nodes.x, field.nodes.y, field.nodes.z};
+Result<void> IsoSurface::addPasses(const Sdf& sdf, BufferId keys, uint32_t keyCount, float isoLevel,
+                                   PassList& list) const {
+  const GridSize nodes = {sdf.nodes.x, sdf.nodes.y, sdf.nodes.z};
   MarchingCubesConstants constants = {};
   constants.isoLevel = isoLevel;
   constants.vertexCapacity = capacity_.vertices;
   constants.triangleCapacity = capacity_.triangles;
   constants.rowCapacity = rowCapacity_;
   constants.nodeCapacity = nodeCapacity_;
-  constants.fieldCapacity = 1;
+  constants.sdfCapacity = 1;
   constants.keyCapacity = keyCount;
   const uint64_t count = countOf(nodes);
   const uint64_t vertexBytes = uint64_t{capacity_.vertices} * sizeof(IsoVertex);
   const uint64_t indexBytes = uint64_t{capacity_.triangles} * 3 * sizeof(uint32_t);
   const uint64_t rowBytes = uint64_t{rowCapacity_} * sizeof(Uint2);
-  addUpload(list, buffers_[kField], std::as_bytes(std::span(&field, 1)));
+  addUpload(list, buffers_[kField], std::as_bytes(std::span(&sdf, 1)));
 
   const auto finish = [&](PassBuilder& pass, uint64_t bytes) {
-    return pass.bind("g_marchingFields", buffers_[kField], sizeof(SdfField))
-        .bind("g_marchingKeys", keys, uint64_t{keyCount} * sizeof(uint32_t))
-        .bind("g_isoRows", buffers_[kRows], rowBytes)
-        .bind("g_isoNodes", buffers_[kNodes], uint64_t{nodeCapacity_} * sizeof(uint32_t))
-        .bind("g_isoCounts", buffers_[kCounts], sizeof(MarchingCounts))
-        .bind("g_isoVertices", buffers_[kVertices], vertexBytes)
-        .bind("g_isoIndices", buffers_[kIndices], indexBytes)
-        .constants("MarchingCubesConstants", constants)
-        .bytes(bytes)
-        .finish();
+    return pass.bytes(bytes).finish(SDFMarchingCubesBindings{
+        .marchingCubesConstants = constants,
+        .marchingSdfs = {buffers_[kField], sizeof(Sdf)},
+        .marchingKeys = {keys, uint64_t{keyCount} * sizeof(uint32_t)},
+        .isoRows = {buffers_[kRows], rowBytes},
+        .isoNodes = {buffers_[kNodes], uint64_t{nodeCapacity_} * sizeof(uint32_t)},
+        .isoCounts = {buffers_[kCounts], sizeof(MarchingCounts)},
+        .isoVertices = {buffers_[kVertices], vertexBytes},
+        .isoIndices = {buffers_[kIndices], indexBytes},
+    });
   };
-  // The kernels see for themselves that a larger grid does not fit.
+  // The kernels detect by themselves that a larger grid does not fit.
   const bool marches = hasRoomFor(nodes) && count > 0;
   PassBuilder pass(list);
   if (marches) {
-    pass.dispatch(marchingCubesCountVariant({}), kLanes, nodes[1], nodes[2]);
+    pass.dispatch(marchingCubesCountVariant({}), kMarchingCubesCountGroupSize.x, nodes[1],
+                  nodes[2]);
     if (Result<void> added = finish(pass, 2 * count * sizeof(uint32_t) + rowBytes); !added)
       return added;
   }
@@ -133,6 +131,7 @@ Result<void> IsoSurface::addPasses(const SdfField& field, BufferId keys, uint32_
     pass.dispatch(marchingCubesEmitVariant({}), nodes[0], nodes[1], nodes[2]);
     if (Result<void> added = finish(pass, 2 * count * sizeof(uint32_t)); !added) return added;
   }
+  constexpr uint32_t kRow = dispatch::kRowThreads;
   pass.dispatch(marchingCubesPadVariant({}), std::min(capacity_.triangles, kRow),
                 (capacity_.triangles + kRow - 1) / kRow);
   return finish(pass, indexBytes);
@@ -143,14 +142,13 @@ Result<void> IsoSurface::addDraw(const View& view, const Light& light, const Loo
   RenderMeshConstants constants = {};
   std::copy(std::begin(view.worldToClip.rows), std::end(view.worldToClip.rows),
             std::begin(constants.meshToClip));
-  std::copy(std::begin(look.fieldToWorld.rows), std::end(look.fieldToWorld.rows),
-            std::begin(constants.fieldToWorld));
+  std::copy(std::begin(look.sdfToWorld.rows), std::end(look.sdfToWorld.rows),
+            std::begin(constants.sdfToWorld));
   constants.meshEye = {view.eye.x, view.eye.y, view.eye.z, 1};
   constants.meshLightDirection = unitVector(light.direction);
   constants.meshLightColor = {light.color.x, light.color.y, light.color.z, 0};
   constants.meshAmbientColor = {light.ambient.x, light.ambient.y, light.ambient.z, 0};
   constants.meshColor = {look.color.x, look.color.y, look.color.z, look.opacity};
-  constants.meshVertexCount = capacity_.vertices;
 
   DrawState state;
   state.depthCompare = view.reversedDepth ? DepthCompare::kGreater : DepthCompare::kLess;
@@ -161,10 +159,9 @@ Result<void> IsoSurface::addDraw(const View& view, const Light& light, const Loo
   return pass
       .draw(isoSurfaceVertexVariant({}), isoSurfacePixelVariant({}), state, capacity_.triangles * 3,
             1, buffers_[kIndices])
-      .bind("g_meshVertices", buffers_[kVertices], vertexBytes)
-      .constants("RenderMeshConstants", constants)
+      .vertices({buffers_[kVertices], vertexBytes})
       .bytes(uint64_t{capacity_.triangles} * 3 * sizeof(uint32_t))
-      .finish();
+      .finish(RenderMeshBindings{.renderMeshConstants = constants});
 }
 
 Result<IsoSurfaceCapacity> IsoSurface::checkCounts(std::span<const std::byte> counts) const {
@@ -181,7 +178,7 @@ Result<IsoSurfaceCapacity> IsoSurface::checkCounts(std::span<const std::byte> co
   if (read.overflow != 0) {
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("iso surface '{}' was made for grids of {} nodes in {} rows, and its "
-                             "field is larger: make it anew",
+                             "SDF is larger: create it again",
                              name_, nodeCapacity_, rowCapacity_)};
   }
   return IsoSurfaceCapacity{read.vertices, read.triangles};

@@ -8,6 +8,7 @@
 
 #include "base/vector3.h"
 #include "pelage/assert.h"
+#include "pelage/constants.h"
 #include "pelage/skeleton.h"
 
 namespace pelage {
@@ -19,18 +20,18 @@ Float3 corner(const Box& box, uint32_t index) {
           (index & 4) != 0 ? box.high.z : box.low.z};
 }
 
-// Room around a mesh that moves, so that not every frame takes a new grid [cells].
+// Slack around a moving mesh, so that not every frame needs a new grid [cells].
 constexpr float kRoomCells = 2;
-// A grid is too large when it has more nodes than this factor over what a new one would have.
+// A grid is too large if it has more nodes than this factor times those of a new one.
 constexpr double kMostWaste = 3;
-// The origin follows when the mesh is further away from it [m].
+// The origin follows if the mesh is farther from it than this [m].
 constexpr float kOriginRange = 1.5f;
 
 Box relativeTo(const LocalOrigin& origin, const Box& box) {
   return {origin.relative(box.low), origin.relative(box.high)};
 }
 
-// Around the nodes of data, in the world as it is.
+// Box around the nodes of data, in the current world.
 Box boxOfData(const SdfColliderInternals& collider) {
   const SdfGrid& grid = collider.data->grid;
   const auto last = [&](size_t axis) {
@@ -41,14 +42,17 @@ Box boxOfData(const SdfColliderInternals& collider) {
   return {toFloat3(low), toFloat3(low + Vector3<double>{last(0), last(1), last(2)})};
 }
 
-// A point of a box goes at most as far as one of its corners.
-float largestWay(const BoneBox& bone, const AffineTransform& from, const AffineTransform& to) {
+// A point of a box moves at most as far as one of its corners.
+float largestDisplacement(const BoneBox& bone, const AffineTransform& from,
+                          const AffineTransform& to) {
   float largest = 0;
   for (uint32_t i = 0; i < 8; ++i) {
     const Float3 p = corner(bone.box, i);
     const Float3 a = transformPoint(from, p), b = transformPoint(to, p);
-    const Float3 way = {b.x - a.x, b.y - a.y, b.z - a.z};
-    const float distance = std::sqrt(way.x * way.x + way.y * way.y + way.z * way.z);
+    const Float3 displacement = {b.x - a.x, b.y - a.y, b.z - a.z};
+    const float distance =
+        std::sqrt(displacement.x * displacement.x + displacement.y * displacement.y +
+                  displacement.z * displacement.z);
     // A NaN counts as far.
     if (!(distance <= largest)) largest = distance;
   }
@@ -182,7 +186,7 @@ Result<void> checkSdfColliderDef(const SdfColliderDef& def) {
 Result<std::optional<SdfGridPlan>> planGrid(const SdfColliderInternals& collider) {
   const Box box = boundsOf(collider);
   const bool planned = collider.plan.cellSize > 0;
-  // What is broken leaves the grid where it was.
+  // Invalid bounds leave the grid where it was.
   if (!isFinite(box) || (box.isEmpty() && planned)) return std::optional<SdfGridPlan>();
   const SdfColliderDef& def = collider.def;
   const float ring = (def.band + 1) * def.cellSize;
@@ -205,7 +209,7 @@ Result<std::optional<SdfGridPlan>> planGrid(const SdfColliderInternals& collider
         static_cast<double>(plan.nodeCount()) * cell * cell * cell > kMostWaste * size(relative);
     const bool originMoved =
         collider.skeleton != nullptr && !collider.skeleton->origin.isAt(collider.origin);
-    // Where vertices stay although they moved, the grid does, too.
+    // If vertices within the tolerance keep their positions, the grid does, too.
     const float margin = ring - def.motionTolerance * plan.cellSize;
     if (isInside(relative, grid, margin) && !wasteful && !originMoved)
       return std::optional<SdfGridPlan>();
@@ -214,7 +218,7 @@ Result<std::optional<SdfGridPlan>> planGrid(const SdfColliderInternals& collider
   grid.lowest = {0, 0, 0};
   grid.highest = {-1, -1, -1};
   if (!box.isEmpty()) {
-    // Room to move from the second grid on.
+    // Slack from the second grid on.
     const float room = planned ? kRoomCells * def.cellSize : 0;
     const Box relative = relativeTo(originFor(collider), box);
     grid.lowest = {relative.low.x - room, relative.low.y - room, relative.low.z - room};
@@ -227,7 +231,7 @@ Result<std::optional<SdfGridPlan>> planGrid(const SdfColliderInternals& collider
   grid.memoryCap = def.memoryCap;
   Result<SdfGridPlan> plan = planSdfGrid(grid);
   if (!plan && planned && !box.isEmpty()) {
-    // Without room, where the cap has none for it.
+    // Without slack if the cap does not allow it.
     const Box relative = relativeTo(originFor(collider), box);
     grid.lowest = relative.low;
     grid.highest = relative.high;
@@ -244,7 +248,7 @@ SdfBuildDef buildDefOf(const SdfColliderInternals& collider) {
   return {.plan = collider.plan,
           .planOrigin = own ? Vector3<double>{} : origin.metres - origin.shifted,
           .triangleCount = collider.topology.triangleCount(),
-          .placeCount = collider.topology.placeCount(),
+          .pointCount = collider.topology.pointCount(),
           .vertexCount = collider.vertexCount,
           .vertexStride = own ? 3 : collider.def.vertexStride,
           .vertexOffset = own ? 0 : collider.def.vertexOffset,
@@ -254,33 +258,33 @@ SdfBuildDef buildDefOf(const SdfColliderInternals& collider) {
           .motionTolerance = collider.def.motionTolerance};
 }
 
-SdfField fieldOf(const SdfColliderInternals& collider, const LocalOrigin& origin) {
-  SdfField field = {};
+Sdf sdfOf(const SdfColliderInternals& collider, const LocalOrigin& origin) {
+  Sdf sdf = {};
   const Vector3<double> apart = collider.origin.metres - origin.metres;
   const Vector3<double> first = collider.data ? collider.dataNode : toDouble3(collider.plan.origin);
   const Float3 node = toFloat3(first + apart);
   if (collider.data) {
     const SdfData& data = *collider.data;
-    field.origin = {node.x, node.y, node.z, data.grid.cellSize};
-    field.nodes = {data.grid.nodes[0], data.grid.nodes[1], data.grid.nodes[2], collider.keyOffset};
-    field.triangleCount = data.triangleCount;
-    field.triangleBits = data.triangleBits;
-    field.band = data.band;
-    field.farRange = data.farRange;
-    field.surfaceStride = 4;
+    sdf.origin = {node.x, node.y, node.z, data.grid.cellSize};
+    sdf.nodes = {data.grid.nodes[0], data.grid.nodes[1], data.grid.nodes[2], collider.keyOffset};
+    sdf.triangleCount = data.triangleCount;
+    sdf.triangleBits = data.triangleBits;
+    sdf.band = data.band;
+    sdf.farRange = data.farRange;
+    sdf.surfaceStride = 4;
   } else {
     const SdfGridPlan& plan = collider.plan;
-    field.origin = {node.x, node.y, node.z, plan.cellSize};
-    field.nodes = {plan.nodes[0], plan.nodes[1], plan.nodes[2], collider.keyOffset};
-    field.triangleCount = collider.topology.triangleCount();
-    field.triangleBits = plan.triangleBits;
-    field.band = plan.band;
-    field.farRange = plan.farRange;
-    field.surfaceStride = 7;
-    field.motionScale = collider.moves ? 1.0f : 0.0f;
+    sdf.origin = {node.x, node.y, node.z, plan.cellSize};
+    sdf.nodes = {plan.nodes[0], plan.nodes[1], plan.nodes[2], collider.keyOffset};
+    sdf.triangleCount = collider.topology.triangleCount();
+    sdf.triangleBits = plan.triangleBits;
+    sdf.band = plan.band;
+    sdf.farRange = plan.farRange;
+    sdf.surfaceStride = 7;
+    sdf.motionScale = collider.moves ? 1.0f : 0.0f;
   }
-  field.surface = collider.surfaceOffset;
-  return field;
+  sdf.surface = collider.surfaceOffset;
+  return sdf;
 }
 
 float motionSinceBuild(const SdfColliderInternals& collider) {
@@ -288,8 +292,8 @@ float motionSinceBuild(const SdfColliderInternals& collider) {
     return std::numeric_limits<float>::infinity();
   float largest = 0;
   for (const BoneBox& bone : collider.boneBoxes) {
-    largest = std::max(largest,
-                       largestWay(bone, collider.builtBones[bone.bone], collider.bones[bone.bone]));
+    largest = std::max(largest, largestDisplacement(bone, collider.builtBones[bone.bone],
+                                                    collider.bones[bone.bone]));
   }
   return largest;
 }
@@ -298,7 +302,8 @@ float movedShare(const SdfColliderInternals& collider, float distance) {
   if (collider.builtBones.size() != collider.bones.size()) return 1;
   uint64_t moved = 0;
   for (const BoneBox& bone : collider.boneBoxes) {
-    if (largestWay(bone, collider.builtBones[bone.bone], collider.bones[bone.bone]) > distance)
+    if (largestDisplacement(bone, collider.builtBones[bone.bone], collider.bones[bone.bone]) >
+        distance)
       moved += bone.vertexCount;
   }
   return std::min(
@@ -324,7 +329,7 @@ void SdfCollider::setBones(std::span<const AffineTransform> bones) {
                 "the bones are those of a skeleton: SkeletonPose::setBones()");
   PELAGE_ASSERT(bones.size() == internals_->bones.size(),
                 "SdfCollider::setBones() takes boneCount transforms");
-  // Broken ones leave all that is known of the bone, bounds too, where it was.
+  // Invalid bones keep all data of the bone, bounds too.
   for (size_t i = 0; i < bones.size(); ++i)
     if (detail::isFiniteBone(bones[i])) internals_->bones[i] = bones[i];
 }
@@ -335,16 +340,16 @@ void SdfCollider::setVertexBounds(const Float3& low, const Float3& high) {
 }
 
 SdfCounters readSdfCounters(std::span<const std::byte> work) {
-  constexpr uint64_t kOffset = detail::SdfBuildCounters::kOffset;
-  PELAGE_ASSERT(work.size() >= kOffset + 5 * sizeof(uint32_t),
+  using namespace sdf_work;
+  PELAGE_ASSERT(work.size() >= (kWorkBricks + 1) * sizeof(uint32_t),
                 "readSdfCounters() takes the first 160 bytes of the work buffer");
-  uint32_t words[5];
-  std::memcpy(words, work.data() + kOffset, sizeof(words));
-  return {.bigTriangles = words[0],
-          .interiorNodes = words[1],
-          .movedVertices = words[2],
-          .movedTriangles = words[3],
-          .clearedBricks = words[4]};
+  uint32_t words[kWorkBricks + 1];
+  std::memcpy(words, work.data(), sizeof(words));
+  return {.bigTriangles = words[kWorkBigCount],
+          .interiorNodes = words[kWorkInteriorCount],
+          .movedVertices = words[kWorkMovedPoints],
+          .movedTriangles = words[kWorkMovedTriangles],
+          .clearedBricks = words[kWorkBricks]};
 }
 
 void SdfCollider::reset() { internals_->resetPending = true; }

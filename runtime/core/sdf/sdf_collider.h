@@ -1,4 +1,4 @@
-// What a collider holds beside its public data.
+// Private data of a collider.
 #pragma once
 
 #include <cstdint>
@@ -17,20 +17,20 @@
 
 namespace pelage::detail {
 
-/// Box around the bind positions of the vertices that a bone moves, and how many these are.
+/// Box around the bind positions of the vertices that a bone moves, and their number.
 struct BoneBox {
   uint32_t bone = 0;
   uint32_t vertexCount = 0;
   Box box;
 };
 
-/// What a frame changes of a collider, as HairFrameState.
+/// The state of a collider that a frame changes, as HairFrameState.
 struct SdfFrameState {
   std::vector<AffineTransform> builtBones;  ///< of the field; empty before the first build
   bool verticesChanged = true;
-  bool mirrored = false;     ///< the tables have the triangles turned round
+  bool mirrored = false;     ///< the tables have flipped triangles
   bool resetPending = true;  ///< there is no motion from the last frame
-  bool buildPending = true;  ///< the field has to be built as a whole
+  bool buildPending = true;  ///< needs a full build
 
   /// Of the plan, and of vertices of its own.
   LocalOrigin origin;
@@ -40,11 +40,11 @@ struct SdfFrameState {
   SdfGrid grid;                 ///< of the plan, in world space
   SdfBuildState state;
   uint32_t keyOffset = 0;    ///< in the scene's keys
-  uint32_t keyCapacity = 0;  ///< keys that there is room for
+  uint32_t keyCapacity = 0;  ///< capacity for keys
   uint32_t surfaceOffset = 0;
   bool builtNow = false;   ///< in this frame
   bool moves = false;      ///< the records' motion is that of this frame
-  bool active = false;     ///< some hair reaches it in this frame
+  bool active = false;     ///< some hair is in range in this frame
   bool wasActive = false;  ///< in the last frame
 };
 
@@ -69,31 +69,31 @@ Result<void> checkSdfColliderDef(const SdfColliderDef& def);
 
 /// The boxes of all bones that move a vertex.
 std::vector<BoneBox> boneBoxesOf(const CollisionMesh& mesh);
-/// Around all vertices in world space, from the bones alone. Blends of matrices stay in the hull of
-/// what each bone does. Empty when no bone is finite.
+/// Box around all vertices in world space, from the bones alone. Blends of matrices stay in the
+/// hull of the single bones' results. Empty if no bone is finite.
 Box boundsOf(const SdfColliderInternals& collider);
-/// Whether the bones turn the mesh inside out: all of them that move a vertex mirror. Dual
+/// Returns true if the bones turn the mesh inside out: all bones that move a vertex mirror. Dual
 /// quaternions do not.
 bool isMirrored(const SdfColliderInternals& collider);
-/// Where the origin of the next grid is.
+/// Position of the next grid's origin.
 LocalOrigin originFor(const SdfColliderInternals& collider);
-/// The grid for the vertices where they are now; nothing while the one that there is does. Errors:
-/// those of planSdfGrid(), with the collider's name.
+/// Returns the grid for the current vertices; nothing if the existing one fits. Errors: those of
+/// planSdfGrid(), with the collider's name.
 Result<std::optional<SdfGridPlan>> planGrid(const SdfColliderInternals& collider);
-/// What the build takes.
+/// The definition of the build.
 SdfBuildDef buildDefOf(const SdfColliderInternals& collider);
-/// The field relative to an origin.
-SdfField fieldOf(const SdfColliderInternals& collider, const LocalOrigin& origin);
-/// Where the grid is in the world as it is.
+/// The SDF relative to an origin.
+Sdf sdfOf(const SdfColliderInternals& collider, const LocalOrigin& origin);
+/// The grid in the current world.
 SdfGrid gridOf(const SdfColliderInternals& collider);
-/// As that of a hair object. An engine's vertices are the engine's to move.
+/// As for a hair object. An engine moves its own vertices.
 void shiftWorld(SdfColliderInternals& collider, const Vector3<double>& shift,
                 const Vector3<double>& shifted);
-/// The same of a frame's state, which may be one of before.
+/// The same for a frame's state, which may be an earlier one.
 void shiftWorld(SdfFrameState& state, const Vector3<double>& shift, const Vector3<double>& shifted);
-/// How far a vertex went since the field was built [m], at most; infinity when it is not known.
+/// Upper bound of a vertex's displacement since the SDF was built [m]; infinity if it is not known.
 float motionSinceBuild(const SdfColliderInternals& collider);
-/// Share of the vertices that a bone moves by more than a distance [m], 0..1, at most 1.
+/// Upper bound of the fraction of vertices that a bone moves by more than a distance [m], 0..1.
 float movedShare(const SdfColliderInternals& collider, float distance);
 
 }  // namespace pelage::detail

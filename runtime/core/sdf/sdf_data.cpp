@@ -8,17 +8,16 @@
 
 #include "base/file_io.h"
 #include "base/guard.h"
+#include "pelage/constants.h"
 
 namespace pelage {
 namespace {
 
 constexpr uint32_t kMagic = 0x46445350;  // "PSDF"
 constexpr uint32_t kVersion = 1;
-constexpr uint64_t kWordsARecord = 16;
-constexpr uint64_t kNeighborWord = 12;
-// As in kernels/sdf/sdf_key.hlsli.
-constexpr uint32_t kUnset = 0x7fffffffu;
-constexpr uint32_t kNone = 0xffffffffu;
+constexpr uint64_t kWordsAnElement = 4;
+constexpr uint64_t kWordsARecord = kWordsAnElement * sdf::kSdfStillRecord;
+constexpr uint64_t kNeighborWord = kWordsAnElement * sdf::kSdfNeighbors;
 constexpr uint64_t kMaxNodes = uint64_t{1} << 30;
 
 struct Header {
@@ -42,7 +41,7 @@ uint64_t nodeCount(const std::array<uint32_t, 3>& nodes) {
   return count <= kMaxNodes ? count : 0;
 }
 
-// What is wrong with a header, or nothing.
+// Returns the error of a header, or nothing.
 std::string faultOf(const Header& h) {
   if (nodeCount(h.nodes) == 0 || h.nodes[0] % 4 != 0)
     return "the grid of " + std::to_string(h.nodes[0]) + " x " + std::to_string(h.nodes[1]) +
@@ -117,10 +116,10 @@ Result<SdfData> load(std::span<const std::byte> bytes, std::string_view name) {
 
   const uint32_t mask = (1u << header.triangleBits) - 1;
   for (size_t i = 0; i < data.keys.size(); ++i) {
-    const uint32_t key = data.keys[i] & kUnset;
+    const uint32_t key = data.keys[i] & sdf_key::kSdfUnset;
     // Inside, all bits set are no triangle.
     const bool none = key != data.keys[i] && (key & mask) == mask;
-    if (key != kUnset && !none && (key & mask) >= data.triangleCount) {
+    if (key != sdf_key::kSdfUnset && !none && (key & mask) >= data.triangleCount) {
       return detail::fileError(name, sizeof(Header) + i * sizeof(uint32_t),
                                "node " + std::to_string(i) + " refers to triangle " +
                                    std::to_string(key & mask) + " of " +
@@ -131,7 +130,7 @@ Result<SdfData> load(std::span<const std::byte> bytes, std::string_view name) {
     for (size_t edge = 0; edge < 3; ++edge) {
       const size_t word = t * kWordsARecord + kNeighborWord + edge;
       const uint32_t neighbor = data.surface[word];
-      if (neighbor != kNone && neighbor >= data.triangleCount) {
+      if (neighbor != sdf::kSdfNone && neighbor >= data.triangleCount) {
         return detail::fileError(name, sizeof(Header) + keyBytes + word * sizeof(uint32_t),
                                  "triangle " + std::to_string(t) + " has triangle " +
                                      std::to_string(neighbor) + " of " +

@@ -12,7 +12,7 @@ namespace pelage::detail {
 namespace {
 
 constexpr uint64_t kMostNodes = uint64_t{1} << 30;
-// Coordinates in the kernels end 65,535 cells from node 0.
+// Coordinates in the kernels are limited to 65,535 cells from node 0.
 constexpr double kMostAxisNodes = 60000;
 constexpr uint32_t kMostTriangles = 1u << 20;
 
@@ -48,7 +48,7 @@ Axes planAxes(const SdfGridDef& def, double cell) {
 // Of keys and crossings.
 double bytesANode(const SdfGridDef& def) { return def.threeAxes ? 4 + 3 : 4 + 1; }
 
-// What is too much about a grid, or nothing.
+// Returns the limit that a grid exceeds, or nothing.
 std::string excessOf(const SdfGridDef& def, const Axes& plan) {
   for (int i = 0; i < 3; ++i)
     if (plan.axes[i].nodes > kMostAxisNodes)
@@ -63,7 +63,7 @@ std::string excessOf(const SdfGridDef& def, const Axes& plan) {
   return {};
 }
 
-// The smallest cell, to 1 %, whose grid is within the limits; 0 when there is none.
+// Returns the minimum cell size, to 1 %, whose grid is within the limits; 0 if there is none.
 double fittingCell(const SdfGridDef& def) {
   double cell = static_cast<double>(def.cellSize);
   for (int i = 0; i < 12000; ++i) {

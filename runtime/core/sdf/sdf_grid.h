@@ -1,4 +1,4 @@
-// The grid of a signed distance field: where its nodes are, and what they cost.
+// The grid of an SDF: the positions of its nodes, and its memory.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ struct SdfGridPlan {
   float cellSize = 0;         ///< [m]
   uint32_t nodes[3] = {};     ///< x a multiple of 4
   float band = 0;             ///< [cell]
-  float farRange = 0;         ///< [cell] SdfField::farRange
+  float farRange = 0;         ///< [cell] Sdf::farRange
   uint32_t triangleBits = 0;  ///< of a key
   bool threeAxes = false;
   uint64_t bytes = 0;  ///< keys and crossings
@@ -30,9 +30,9 @@ struct SdfGridPlan {
   uint64_t nodeCount() const { return uint64_t{nodes[0]} * nodes[1] * nodes[2]; }
 };
 
-/// Each axis has room for the mesh and band + 1 cells on both sides. Errors: a box, cell size, band
-/// or number of triangles that is out of range; a grid over the memory cap, 2^30 nodes or 60,000
-/// nodes on an axis, with the cell size that would fit.
+/// Plans a grid that covers the mesh and band + 1 cells on both sides of each axis. Errors: a box,
+/// cell size, band or number of triangles out of range; a grid over the memory cap, 2^30 nodes or
+/// 60,000 nodes on an axis, with the cell size that would fit.
 Result<SdfGridPlan> planSdfGrid(const SdfGridDef& def);
 
 }  // namespace pelage::detail

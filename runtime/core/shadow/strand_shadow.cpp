@@ -10,6 +10,8 @@
 
 #include "base/vector3.h"
 #include "pelage/assert.h"
+#include "pelage/bindings.h"
+#include "pelage/constants.h"
 #include "pelage/kernels.h"
 
 namespace pelage::detail {
@@ -18,9 +20,9 @@ namespace {
 using Vector = Vector3<double>;
 
 constexpr uint32_t kVolumeCells = 16;
-constexpr uint32_t kMinSize = 4, kMaxSize = 8192, kMaxLayers = 16;
-// Threads of a dispatch in x, as in the kernels.
-constexpr uint64_t kRow = uint64_t{1} << 20;
+constexpr uint32_t kMinSize = 4, kMaxSize = strand_shadow_view::kMaxShadowSize;
+constexpr uint32_t kMaxLayers = strand_shadow_view::kMaxShadowLayers;
+constexpr uint64_t kRow = dispatch::kRowThreads;
 // The layers end where light would be down to e^-8 in hair of mean density.
 constexpr double kLayerDepths = 8;
 // Finer quanta than this add nothing to what a float reads.
@@ -40,7 +42,7 @@ uint64_t segmentsOf(const ShadowedHair& hair) {
   return uint64_t{hair.strandCount} * (hair.vertexCount > 0 ? hair.vertexCount - 1 : 0);
 }
 
-// Area that a fibre shows on average over all directions [m2] (Cauchy: a quarter of its surface).
+// Area that a fiber shows on average over all directions [m2] (Cauchy: a quarter of its surface).
 double areaOf(const ShadowedHair& hair) {
   const double radius = toDouble(hair.fiberRadius) * (1 + toDouble(hair.tipRadiusRatio)) / 2 *
                         toDouble(hair.meanThickness);
@@ -52,14 +54,82 @@ uint32_t storedOf(const ShadowedHair& hair) {
   return hair.storesFollows ? hair.strandCount : std::min(hair.strandCount, hair.guideCount);
 }
 
+// What is wrong with a map, or nothing.
+std::string faultOf(const StrandShadowDef& def, uint64_t words) {
+  if (def.size < kMinSize || def.size > kMaxSize)
+    return fmt::format("a map of {} texels; it has to be {} to {}", def.size, kMinSize, kMaxSize);
+  if (def.layers > kMaxLayers)
+    return fmt::format("{} layers, at most {} are possible", def.layers, kMaxLayers);
+  if (!(def.radius > 0) || !std::isfinite(def.radius) || !isFinite(def.center))
+    return fmt::format("a ball of radius {} m around ({}, {}, {})", def.radius, def.center.x,
+                       def.center.y, def.center.z);
+  if (!(def.biasTexels >= 0) || !(def.layerRange >= 0) || !(def.volume >= 0))
+    return fmt::format("a bias of {} texels, a range of {} m or a volume of {} m3 is below 0",
+                       def.biasTexels, def.layerRange, def.volume);
+  if (words + def.firstWord > std::numeric_limits<uint32_t>::max())
+    return fmt::format("{} words from word {} on do not fit into 2^32; use fewer layers", words,
+                       def.firstWord);
+  return {};
+}
+
+// The map's projection, and what of it a definition says.
+StrandShadowView viewOf(const StrandShadowDef& def, double texel) {
+  const Vector light = normalizeOr(toVector(def.toLight), {0, 1, 0});
+  const Vector axis = std::abs(light.y) < 0.9 ? Vector{0, 1, 0} : Vector{1, 0, 0};
+  const Vector x = normalizeOr(cross(axis, light), {1, 0, 0});
+  const Vector y = cross(light, x);
+  const Vector center = toVector(def.center);
+  const auto lowest = [&](const Vector& along) {
+    const double shift = dot(along, def.shifted) / texel;
+    return std::round(dot(along, center) / texel + shift - 0.5 * def.size) - shift;
+  };
+
+  StrandShadowView view = {};
+  view.mapX = toRow(x * (1 / texel), -lowest(x));
+  view.mapY = toRow(y * (1 / texel), -lowest(y));
+  // Two texels of room, so that what the snapping moves and the ball's own rounding stay behind 0.
+  view.mapZ = toRow(-light, dot(light, center) + toDouble(def.radius) + 2 * texel);
+  view.mapW = {0, 0, 0, 1};
+  view.nearW = 0.5f;
+  view.width = view.height = def.size;
+  view.firstWord = def.firstWord;
+  view.layerCount = def.layers;
+  view.texelSize = static_cast<float>(texel);
+  view.bias = static_cast<float>(texel * toDouble(def.biasTexels));
+  return view;
+}
+
+struct HairSums {
+  double area = 0, opaqueArea = 0;  // [m2]
+  double segments = 0;              // weighted with their opacity
+  double widest = 0;                // radius [texels]
+  double known = 0;                 // volume [m3]
+  bool allKnown = true;
+};
+
+HairSums sumsOf(std::span<const ShadowedHair> hairs, double texel) {
+  HairSums sums;
+  for (const ShadowedHair& hair : hairs) {
+    const double opacity = std::clamp(toDouble(hair.opacity), 0.0, 1.0);
+    sums.area += areaOf(hair);
+    sums.opaqueArea += opacity * areaOf(hair);
+    sums.known += toDouble(hair.volume);
+    sums.allKnown = sums.allKnown && hair.volume > 0;
+    sums.segments += opacity * static_cast<double>(segmentsOf(hair));
+    sums.widest =
+        std::max(sums.widest, toDouble(hair.fiberRadius) * toDouble(hair.maxThickness) / texel);
+  }
+  return sums;
+}
+
 }  // namespace
 
 double hairVolume(std::span<const Float4> positions, uint32_t vertexCount) {
   PELAGE_ASSERT(vertexCount > 0, "strands without vertices");
   const auto toPoint = [](const Float4& p) { return toVector({p.x, p.y, p.z}); };
   const auto isKnown = [](const Float4& p) { return isFinite({p.x, p.y, p.z}); };
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  Vector low = {infinity, infinity, infinity}, high = -low;
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Vector low = {kInfinity, kInfinity, kInfinity}, high = -low;
   for (const Float4& position : positions) {
     if (!isKnown(position)) continue;
     const Vector p = toPoint(position);
@@ -76,12 +146,12 @@ double hairVolume(std::span<const Float4> positions, uint32_t vertexCount) {
   for (size_t i = 1; i < positions.size(); ++i) {
     if (i % vertexCount == 0 || !isKnown(positions[i]) || !isKnown(positions[i - 1])) continue;
     const Vector from = toPoint(positions[i - 1]), to = toPoint(positions[i]);
-    const double way = length(to - from);
-    const auto steps = static_cast<uint32_t>(std::ceil(4 * way / cell));
+    const double offset = length(to - from);
+    const auto steps = static_cast<uint32_t>(std::ceil(4 * offset / cell));
     for (uint32_t step = 0; step < steps; ++step) {
       const Vector p = lerp(from, to, (step + 0.5) / steps);
       const uint32_t row = index(p.z, low.z) * kVolumeCells + index(p.y, low.y);
-      lengths[row * kVolumeCells + index(p.x, low.x)] += way / steps;
+      lengths[row * kVolumeCells + index(p.x, low.x)] += offset / steps;
     }
   }
   double sum = 0, squares = 0;
@@ -97,87 +167,44 @@ Result<StrandShadowPlan> planStrandShadow(const StrandShadowDef& def,
   const auto error = [](std::string message) {
     return Error{ErrorCode::kInvalidArgument, "strand shadow: " + std::move(message)};
   };
-  if (def.size < kMinSize || def.size > kMaxSize)
-    return error(
-        fmt::format("a map of {} texels; it has to be {} to {}", def.size, kMinSize, kMaxSize));
-  if (def.layers > kMaxLayers)
-    return error(fmt::format("{} layers, at most {} are possible", def.layers, kMaxLayers));
-  if (!(def.radius > 0) || !std::isfinite(def.radius) || !isFinite(def.center))
-    return error(fmt::format("a ball of radius {} m around ({}, {}, {})", def.radius, def.center.x,
-                             def.center.y, def.center.z));
-  if (!(def.biasTexels >= 0) || !(def.layerRange >= 0) || !(def.volume >= 0))
-    return error(fmt::format("a bias of {} texels, a range of {} m or a volume of {} m3 is below 0",
-                             def.biasTexels, def.layerRange, def.volume));
   const uint64_t words = uint64_t{def.size} * def.size * (1 + def.layers);
-  if (words + def.firstWord > std::numeric_limits<uint32_t>::max())
-    return error(fmt::format("{} words from word {} on do not fit into 2^32; use fewer layers",
-                             words, def.firstWord));
-
-  const double radius = toDouble(def.radius);
+  if (std::string fault = faultOf(def, words); !fault.empty()) return error(std::move(fault));
+  for (const ShadowedHair& hair : hairs) {
+    if (!std::isfinite(areaOf(hair) * toDouble(hair.opacity) * toDouble(hair.maxThickness)))
+      return error(
+          fmt::format("hair with fibers of radius {} m, thickness {}, length {} m and opacity {}",
+                      hair.fiberRadius, hair.maxThickness, hair.strandLength, hair.opacity));
+  }
   // The ball, half a texel on both sides for the interpolation and half of one for the snapping.
+  const double radius = toDouble(def.radius);
   const double texel = 2 * radius / (def.size - 3);
-  const Vector light = normalizeOr(toVector(def.toLight), {0, 1, 0});
-  const Vector axis = std::abs(light.y) < 0.9 ? Vector{0, 1, 0} : Vector{1, 0, 0};
-  const Vector x = normalizeOr(cross(axis, light), {1, 0, 0});
-  const Vector y = cross(light, x);
-  const Vector center = toVector(def.center);
-  const auto lowest = [&](const Vector& along) {
-    const double shift = dot(along, def.shifted) / texel;
-    return std::round(dot(along, center) / texel + shift - 0.5 * def.size) - shift;
-  };
-
+  const HairSums sums = sumsOf(hairs, texel);
   StrandShadowPlan plan;
   plan.words = static_cast<uint32_t>(words);
+  plan.view = viewOf(def, texel);
   StrandShadowView& view = plan.view;
-  view.mapX = toRow(x * (1 / texel), -lowest(x));
-  view.mapY = toRow(y * (1 / texel), -lowest(y));
-  // Two texels of room, so that what the snapping moves and the ball's own rounding stay behind 0.
-  view.mapZ = toRow(-light, dot(light, center) + radius + 2 * texel);
-  view.mapW = {0, 0, 0, 1};
-  view.nearW = 0.5f;
-  view.width = view.height = def.size;
-  view.firstWord = def.firstWord;
-  view.layerCount = def.layers;
-  view.texelSize = static_cast<float>(texel);
-  view.bias = static_cast<float>(texel * toDouble(def.biasTexels));
-
-  double area = 0, opaqueArea = 0, segments = 0;
-  double widest = 0, known = 0;
-  bool allKnown = true;
-  for (const ShadowedHair& hair : hairs) {
-    if (!std::isfinite(areaOf(hair) * toDouble(hair.opacity) * toDouble(hair.largestThickness)))
-      return error(
-          fmt::format("hair with fibres of radius {} m, thickness {}, length {} m and opacity {}",
-                      hair.fiberRadius, hair.largestThickness, hair.strandLength, hair.opacity));
-    const double opacity = std::clamp(toDouble(hair.opacity), 0.0, 1.0);
-    area += areaOf(hair);
-    opaqueArea += opacity * areaOf(hair);
-    known += toDouble(hair.volume);
-    allKnown = allKnown && hair.volume > 0;
-    segments += opacity * static_cast<double>(segmentsOf(hair));
-    widest = std::max(widest, toDouble(hair.fiberRadius) * toDouble(hair.largestThickness) / texel);
-  }
   const double ball = 4.0 / 3 * std::numbers::pi * radius * radius * radius;
-  double volume = allKnown && !hairs.empty() ? known : ball;
+  double volume = sums.allKnown && !hairs.empty() ? sums.known : ball;
   if (def.volume > 0) volume = toDouble(def.volume);
-  plan.spacing = static_cast<float>(volume / area);
-  // A ray meets fibres at random, on average every `spacing`: it is not the power of 1 - opacity
+  plan.spacing = static_cast<float>(volume / sums.area);
+  // A ray meets fibers at random, on average every `spacing`: it is not the power of 1 - opacity
   // that the mean of the light has, but that of exp(-opacity).
-  view.extinction = static_cast<float>(opaqueArea / volume);
-  const double depths =
-      opaqueArea > 0 ? kLayerDepths * volume / opaqueArea : std::numeric_limits<double>::infinity();
+  view.extinction = static_cast<float>(sums.opaqueArea / volume);
+  const double depths = sums.opaqueArea > 0 ? kLayerDepths * volume / sums.opaqueArea
+                                            : std::numeric_limits<double>::infinity();
   view.layerRange =
       def.layerRange > 0 ? def.layerRange : static_cast<float>(std::min(2 * radius, depths));
   // Room for the rounding of the ratio, which the kernel does in floats.
-  view.maxRadius = static_cast<float>(1.001 * widest);
+  view.maxRadius = static_cast<float>(1.001 * sums.widest);
   // splat_strand_opacity says what a segment adds to a texel at most. The other half of 2^32 is for
   // rounding: 4 quanta a segment.
-  const double most = 2 * toDouble(view.maxRadius) * segments;
+  const double most = 2 * toDouble(view.maxRadius) * sums.segments;
   const double scale = std::min(kFinestQuantum, most > 0 ? 0x1p31 / most : kFinestQuantum);
   view.tauScale = static_cast<float>(std::exp2(std::floor(std::log2(scale))));
   view.tauQuantum = 1 / view.tauScale;
-  if (!(segments < 0x1p29))
-    return error(fmt::format("{:.4g} segments of strands, fewer than 2^29 are possible", segments));
+  if (!(sums.segments < 0x1p29))
+    return error(
+        fmt::format("{:.4g} segments of strands, fewer than 2^29 are possible", sums.segments));
   return plan;
 }
 
@@ -198,26 +225,31 @@ Result<void> addStrandShadow(PassList& list, const StrandShadowPlan& plan,
                             const ShadowedHair& hair) {
     const uint64_t guides = hair.guideCount, follows = hair.strandCount - storedOf(hair);
     const uint64_t stored = uint64_t{storedOf(hair)} * hair.vertexCount * sizeof(Float4);
-    const uint64_t roots = 2 * guides * sizeof(RootTransform);
     PassBuilder builder(list);
     builder
         .dispatch(variant, static_cast<uint32_t>(std::min(threads, kRow)),
                   static_cast<uint32_t>((threads + kRow - 1) / kRow))
-        .bind("g_shadowWords", buffers.words, buffers.wordCount * sizeof(uint32_t))
-        .bind("g_shadowViews", buffers.views, viewBytes)
-        .bind("g_shadowPositions", hair.positions,
-              uint64_t{hair.vertexCount} * sizeof(Float4) *
-                  (hair.storesFollows ? hair.strandCount : guides))
-        .bind("g_shadowThickness", hair.thickness, uint64_t{hair.strandCount} * sizeof(float))
-        .bind("g_shadowFollowStrands", follows > 0 ? hair.followStrands : BufferId::kInvalid,
-              follows * sizeof(FollowStrand))
-        .bind("g_shadowRoots", hair.rootTransforms, roots)
-        // Stand-ins that are not read, where no strand is placed and all have one thickness.
-        .bind("g_shadowFollowStrands", hair.rootTransforms, roots);
-    for (const char* name : {"g_shadowThickness", "g_shadowFollowStrands", "g_shadowRoots"})
-      builder.bind(name, hair.positions, stored);
-    builder.constants("StrandShadowConstants", constants).bytes(bytes);
-    return builder.finish();
+        .bytes(bytes);
+    // Stand-ins that are not read, where no strand is placed and all have one thickness.
+    const BufferRange positions = {hair.positions,
+                                   uint64_t{hair.vertexCount} * sizeof(Float4) *
+                                       (hair.storesFollows ? hair.strandCount : guides)};
+    const BufferRange standIn = {hair.positions, stored};
+    const BufferRange evaluated = hair.rootTransforms;
+    const BufferRange thickness = {hair.thickness, uint64_t{hair.strandCount} * sizeof(float)};
+    const BufferRange followHairRecords = {hair.followHairRecords,
+                                           follows * sizeof(FollowHairRecord)};
+    const BufferRange orPlaced = evaluated.isBound() ? evaluated : standIn;
+    return builder.finish(StrandShadowBindings{
+        .strandShadowConstants = constants,
+        .shadowPositions = positions,
+        .shadowViews = {buffers.views, viewBytes},
+        .shadowThickness = thickness.isBound() ? thickness : standIn,
+        .shadowFollowHairRecords =
+            follows > 0 && followHairRecords.isBound() ? followHairRecords : orPlaced,
+        .shadowRoots = orPlaced,
+        .shadowWords = {buffers.words, buffers.wordCount * sizeof(uint32_t)},
+    });
   };
   if (Result<void> added = dispatch(clearStrandShadowVariant({}), plan.words, plan.bytes(), {});
       !added)
@@ -225,7 +257,7 @@ Result<void> addStrandShadow(PassList& list, const StrandShadowPlan& plan,
 
   const auto eachHair = [&](const KernelVariant& variant) -> Result<void> {
     for (const ShadowedHair& hair : hairs) {
-      const uint32_t placed = hair.strandCount - storedOf(hair);
+      const uint32_t evaluated = hair.strandCount - storedOf(hair);
       constants.shadowVertexCount = hair.vertexCount;
       constants.shadowStrandCount = hair.strandCount;
       constants.shadowGuideCount = storedOf(hair);
@@ -236,9 +268,10 @@ Result<void> addStrandShadow(PassList& list, const StrandShadowPlan& plan,
       constants.shadowFade = hair.fade;
       constants.shadowFadingCount = hair.fadingCount;
       constants.shadowHasThickness = hair.thickness != BufferId::kInvalid ? 1 : 0;
-      const uint64_t bytes = uint64_t{storedOf(hair)} * hair.vertexCount * sizeof(Float4) +
-                             placed * sizeof(FollowStrand) +
-                             (placed > 0 ? uint64_t{hair.guideCount} * sizeof(RootTransform) : 0);
+      const uint64_t bytes =
+          uint64_t{storedOf(hair)} * hair.vertexCount * sizeof(Float4) +
+          evaluated * sizeof(FollowHairRecord) +
+          (evaluated > 0 ? uint64_t{hair.guideCount} * sizeof(RootTransform) : 0);
       Result<void> added = dispatch(variant, segmentsOf(hair), bytes + plan.bytes(), hair);
       if (!added) return added;
     }

@@ -1,4 +1,4 @@
-// Shadow maps that strands cast on strands: kernels/shading/shadow, docs/shadows.md.
+// Shadow maps that strands cast on strands: kernels/shadow, docs/shadow.md.
 #pragma once
 
 #include <cstdint>
@@ -19,19 +19,20 @@ struct ShadowedHair {
   uint32_t guideCount = 0;     ///< guides; the strands from there on are follow strands
   bool storesFollows = false;  ///< positions has the follow strands, too
   float tipSeparation = 1;
-  uint32_t fadingCount = 0;    ///< of the last strands, whose radius is multiplied with
-  float fade = 1;              ///< this, 0..1
-  float fiberRadius = 0;       ///< at the root [m]
-  float tipRadiusRatio = 1;    ///< 0..1
-  float opacity = 1;           ///< of a fibre, 0..1
-  float strandLength = 0;      ///< mean [m]
-  float volume = 0;            ///< hairVolume() [m3]; 0: not known
-  float meanThickness = 1;     ///< of the factors in `thickness`
-  float largestThickness = 1;  ///< likewise; what is thicker is taken to be this
+  uint32_t fadingCount = 0;  ///< of the last strands, whose radius is multiplied with
+  float fade = 1;            ///< this, 0..1
+  float fiberRadius = 0;     ///< at the root [m]
+  float tipRadiusRatio = 1;  ///< 0..1
+  float opacity = 1;         ///< of a fiber, 0..1
+  float strandLength = 0;    ///< mean [m]
+  float volume = 0;          ///< hairVolume() [m3]; 0: not known
+  float meanThickness = 1;   ///< of the factors in `thickness`
+  float maxThickness = 1;    ///< likewise; what is thicker is taken to be this
   BufferId positions = BufferId::kInvalid;
-  BufferId thickness = BufferId::kInvalid;       ///< [strand] float; kInvalid: all 1
-  BufferId followStrands = BufferId::kInvalid;   ///< when follow strands are to be placed
-  BufferId rootTransforms = BufferId::kInvalid;  ///< likewise
+  BufferId thickness = BufferId::kInvalid;          ///< [strand] float; kInvalid: all 1
+  BufferId followHairRecords = BufferId::kInvalid;  ///< when follow strands are to be placed
+  BufferRange rootTransforms;                       ///< likewise
+  bool operator==(const ShadowedHair&) const = default;
 };
 
 struct StrandShadowDef {
@@ -50,7 +51,7 @@ struct StrandShadowDef {
 
 struct StrandShadowPlan {
   StrandShadowView view = {};
-  float spacing = 0;   ///< mean way of a ray between two fibres [m]; infinity without hair
+  float spacing = 0;   ///< mean way of a ray between two fibers [m]; infinity without hair
   uint32_t words = 0;  ///< of the map, from view.firstWord on
   uint64_t bytes() const { return uint64_t{words} * sizeof(uint32_t); }
 };
@@ -63,7 +64,7 @@ double hairVolume(std::span<const Float4> positions, uint32_t vertexCount);
 
 /// Fits a map around the ball. Its texels stay where they are in the world, for one direction and
 /// one radius: the shadow does not crawl when the ball moves. Errors: a size, number of layers or
-/// ball that is out of range; a hair object whose fibres are not finite; a map that ends beyond
+/// ball that is out of range; a hair object whose fibers are not finite; a map that ends beyond
 /// 2^32 words; too many segments for the sums.
 Result<StrandShadowPlan> planStrandShadow(const StrandShadowDef& def,
                                           std::span<const ShadowedHair> hairs);

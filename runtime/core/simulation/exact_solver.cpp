@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <numbers>
 
 namespace pelage::detail {
+
+static_assert(kMaxVerticesPerStrand == strand_indexing::kMaxVertices);
 namespace {
 
 struct Rotation {
@@ -18,7 +21,7 @@ Rotation rotationOf(const Quaternion& q) {
           static_cast<double>(q.w)};
 }
 
-// conj(a) b, normalised.
+// conj(a) b, normalized.
 Rotation relative(const Quaternion& from, const Quaternion& to) {
   const Rotation a = rotationOf(from), b = rotationOf(to);
   Rotation r = {
@@ -29,19 +32,19 @@ Rotation relative(const Quaternion& from, const Quaternion& to) {
 }
 
 // The two numbers of a joint at rest: see g_rest.
-Float4 jointOf(const Rotation& q, double edgeLength, double region) {
+Float4 jointOf(const Rotation& q, double edgeLength, double voronoiLength) {
   const double scale = (q.w < 0 ? -1 : 1) / (1 + std::abs(q.w));
   return {static_cast<float>(q.y * scale), static_cast<float>(q.z * scale),
-          static_cast<float>(edgeLength), static_cast<float>(region)};
+          static_cast<float>(edgeLength), static_cast<float>(voronoiLength)};
 }
 
 // Length whose bending is in the joint at vertex 1: edge 0, which follows the root, and half of
-// edge 1. It is longer than these, because moment and lever are larger towards the clamp: a
-// straight strand of length T under its own weight bends by (T - s)^2, which moves its tip by (T -
-// s)^3. The integral of that from 0 to b = first + second / 2, over its value at vertex 1; at most
-// three times b, for strands that all but end there. (b alone is of second order, too, with twice
-// the error; the usual (first + second) / 2 is of first order.)
-double rootRegion(double first, double second, double total) {
+// edge 1. It is longer than their sum, because moment and lever grow towards the clamp: a straight
+// strand of length T under its own weight bends by (T - s)^2, which moves its tip by (T - s)^3. The
+// value is the integral of that from 0 to b = first + second / 2, over its value at vertex 1; at
+// most three times b, for strands that almost end there. (b alone is also of second order, with
+// twice the error; the usual (first + second) / 2 is of first order.)
+double rootVoronoiLength(double first, double second, double total) {
   const double end = first + 0.5 * second, left = total - first;
   const double whole = std::pow(total, 4) - std::pow(total - end, 4), at = 4 * std::pow(left, 3);
   return whole < 3 * end * at ? whole / at : 3 * end;
@@ -54,7 +57,7 @@ float lengthOf(const HairAsset& asset, uint32_t strand) {
   return length;
 }
 
-// From the root's place, so that it does not depend on the order of the strands (FNV-1a).
+// From the root's position, so that it does not depend on the order of the strands (FNV-1a).
 uint32_t seedOf(const Float4& root) {
   uint32_t hash = 2166136261u;
   for (const float value : {root.x, root.y, root.z}) {
@@ -65,7 +68,7 @@ uint32_t seedOf(const Float4& root) {
   return hash;
 }
 
-// The finaliser of MurmurHash3 (A. Appleby, public domain): neighbouring numbers come far apart.
+// The finalizer of MurmurHash3 (A. Appleby, public domain): neighboring numbers get far apart.
 uint32_t mixed(uint32_t value) {
   value = (value ^ (value >> 16)) * 0x85ebca6bu;
   value = (value ^ (value >> 13)) * 0xc2b2ae35u;
@@ -75,14 +78,14 @@ uint32_t mixed(uint32_t value) {
 // Gusts: two incommensurate waves, so that the pattern does not repeat soon; in -1..1.
 double gust(double phase) { return 0.6 * std::sin(phase) + 0.4 * std::sin(2.618 * phase + 1.3); }
 
-// A share of the way to the bind pose in 1/60 s as a spring [1/s2].
-double goalSpring(double share) { return share * 3600 / std::max(1 - share, 1e-3); }
+// Converts a fraction of the displacement to the bind pose in 1/60 s to a spring [1/s2].
+double targetSpring(double share) { return share * 3600 / std::max(1 - share, 1e-3); }
 
-// Largest rotation of a first Newton pass without a second one [rad]. Without air, strands that
-// whip about gain energy above 0.04; what the air takes in a step is more than what a wider one
-// adds, and then a second pass does not make the motion better
-// (docs/decisions/0005-second-pass.md). Strands that twist far more easily than they bend tremble
-// by as much as a first pass may leave, for ever: 0.1 m/s at a twistRatio of 0.1 to 0.3.
+// Maximum rotation of a first Newton pass without a second one [rad]. Without air, whipping strands
+// gain energy above 0.04. With air, the drag of a step removes more than a larger rotation adds,
+// and a second pass does not improve the motion (docs/decisions/0005-second-pass.md). Strands that
+// twist far more easily than they bend tremble permanently by the remaining error of a first pass:
+// 0.1 m/s at a twistRatio of 0.1 to 0.3.
 double passTolerance(double h, double drag, double twistRatio) {
   if (twistRatio < 0.4) return 2e-4;
   const double c = std::min(drag, 3.0) * std::min(60 * h, 1.0);
@@ -90,16 +93,12 @@ double passTolerance(double h, double drag, double twistRatio) {
 }
 
 // See ExactConstants.
-double slowTurn(double h, double drag) {
+double slowRotation(double h, double drag) {
   const double share = std::min(240 * h, 1.0), slow = drag * std::pow(std::min(60 * h, 1.0), 2);
   return 0.02 * share * share + slow * slow;
 }
 
 }  // namespace
-
-uint32_t vertexCountOf(const HairAsset& asset, uint32_t strand) {
-  return asset.vertexCounts.empty() ? asset.verticesPerStrand : asset.vertexCounts[strand];
-}
 
 ExactStrands packExactStrands(const HairAsset& asset, bool levelOfDetail) {
   ExactStrands packed;
@@ -114,16 +113,16 @@ ExactStrands packExactStrands(const HairAsset& asset, bool levelOfDetail) {
   }
   std::stable_sort(packed.strands.begin(), packed.strands.end(),
                    [&](const ExactStrand& a, const ExactStrand& b) {
-                     // All beginnings have to cover the scalp, whatever the counts are.
+                     // Every prefix must cover the scalp, whatever the counts are.
                      return levelOfDetail ? mixed(a.seed) < mixed(b.seed) : a.count < b.count;
                    });
-  for (size_t from = 0; from < packed.strands.size(); from += kTileStrands) {
-    const size_t to = std::min<size_t>(packed.strands.size(), from + kTileStrands);
+  for (size_t from = 0; from < packed.strands.size(); from += exact::kTileStrands) {
+    const size_t to = std::min<size_t>(packed.strands.size(), from + exact::kTileStrands);
     for (size_t s = from; s < to; ++s)
       packed.strands[s].state = packed.stateStride + static_cast<uint32_t>(s - from);
     uint32_t longest = 0;
     for (size_t s = from; s < to; ++s) longest = std::max(longest, packed.strands[s].count);
-    packed.stateStride += kTileStrands * longest;
+    packed.stateStride += exact::kTileStrands * longest;
   }
   return packed;
 }
@@ -165,25 +164,25 @@ std::vector<Float4> packExactRest(const HairAsset& asset, const ExactStrands& st
     for (uint32_t i = 0; i + 1 < strand.count; ++i) total += static_cast<double>(lengths[i]);
     const double least = std::max(1e-3 * total / (strand.count - 1), 1e-7);
     for (uint32_t i = 0; i < strand.count; ++i) {
-      const size_t at = strand.state + size_t{kTileStrands} * i;
+      const size_t at = strand.state + size_t{exact::kTileStrands} * i;
       const bool tip = i + 1 == strand.count;
       const double before = i > 0 ? static_cast<double>(lengths[i - 1]) : 0;
       const double after = tip ? 0 : static_cast<double>(lengths[i]);
       const double stands =
-          i == 1 && !tip ? rootRegion(before, after, total) : 0.5 * (before + after);
-      const double region = std::max(stands, least);
-      // Frame of the edge behind vertex i: restFrames holds that of the edge before it.
+          i == 1 && !tip ? rootVoronoiLength(before, after, total) : 0.5 * (before + after);
+      const double voronoiLength = std::max(stands, least);
+      // Frame of the edge after vertex i: restFrames has that of the edge before it.
       if (i == 0) {
         const Rotation frame = relative({}, frames[1]);
         rest[at] = {static_cast<float>(frame.x), static_cast<float>(frame.y),
                     static_cast<float>(frame.z), static_cast<float>(frame.w)};
       } else if (tip) {
-        rest[at] = {lengths[0], 0, 0, static_cast<float>(region)};
+        rest[at] = {lengths[0], 0, 0, static_cast<float>(voronoiLength)};
       } else {
-        rest[at] = jointOf(relative(frames[i], frames[i + 1]), after, region);
+        rest[at] = jointOf(relative(frames[i], frames[i + 1]), after, voronoiLength);
       }
       const double share = total > 0 ? arc / total : 0;
-      if (sets.goals) {
+      if (sets.targets) {
         const bool held = i > 1 && asset.inverseMasses[strand.target + i] <= 0;
         rest[stride + at] = {bind[i].x - bind[0].x, bind[i].y - bind[0].y, bind[i].z - bind[0].z,
                              held ? -1 : static_cast<float>(share)};
@@ -194,17 +193,21 @@ std::vector<Float4> packExactRest(const HairAsset& asset, const ExactStrands& st
       if (!tip) arc += static_cast<double>(lengths[i]);
     }
   }
+  const size_t records = rest.size();
+  rest.resize(records + 2 * strands.strands.size());
+  std::memcpy(static_cast<void*>(rest.data() + records), strands.strands.data(),
+              strands.strands.size() * sizeof(ExactStrand));
   return rest;
 }
 
 std::vector<uint32_t> nearStrandsBefore(const HairAsset& asset, const ExactStrands& strands) {
-  // More would be nearer, and take minutes for a hundred thousand strands.
+  // More candidates would be nearer, and take minutes for a hundred thousand strands.
   constexpr size_t kMostCandidates = 2048;
   std::vector<uint32_t> parents(strands.strands.size(), 0);
-  for (size_t place = 1; place < parents.size(); ++place) {
-    // Of the first half, so that the way to an ancestor is short.
-    const size_t candidates = std::min((place + 1) / 2, kMostCandidates);
-    const Float4& p = asset.positions[strands.strands[place].target];
+  for (size_t slot = 1; slot < parents.size(); ++slot) {
+    // From the first half, so that the path to an ancestor is short.
+    const size_t candidates = std::min((slot + 1) / 2, kMostCandidates);
+    const Float4& p = asset.positions[strands.strands[slot].target];
     float least = std::numeric_limits<float>::max();
     for (size_t c = 0; c < candidates; ++c) {
       const Float4& q = asset.positions[strands.strands[c].target];
@@ -212,7 +215,7 @@ std::vector<uint32_t> nearStrandsBefore(const HairAsset& asset, const ExactStran
       const float squared = dx * dx + dy * dy + dz * dz;
       if (squared < least) {
         least = squared;
-        parents[place] = static_cast<uint32_t>(c);
+        parents[slot] = static_cast<uint32_t>(c);
       }
     }
   }
@@ -231,15 +234,6 @@ AirMotion airAt(const WindSettings& wind, double time) {
           .gust1 = scaled(strength * gust(phase + std::numbers::pi / 2))};
 }
 
-bool hasHeldVertices(const HairAsset& asset) {
-  for (uint32_t s = 0; s < asset.strandCount; ++s) {
-    const size_t first = size_t{s} * asset.verticesPerStrand;
-    for (uint32_t i = 2; i < vertexCountOf(asset, s); ++i)
-      if (asset.inverseMasses[first + i] <= 0) return true;
-  }
-  return false;
-}
-
 void setExactStep(ExactConstants& constants, const SimulationSettings& s, double h,
                   ExactHistory& history, const AirMotion& air) {
   // BDF2 of a varying step, or backward Euler: as the layout file says.
@@ -251,34 +245,35 @@ void setExactStep(ExactConstants& constants, const SimulationSettings& s, double
   }
   const double drag = -60 * std::log(1 - std::min(static_cast<double>(s.damping), 0.9999));
   const double weight = 1 / (he * he) + drag / he;
-  const auto way = [&](float gravity, float wind) {
+  const auto displacement = [&](float gravity, float wind) {
     return static_cast<float>((static_cast<double>(gravity) + drag * static_cast<double>(wind)) /
                               weight);
   };
   const Float3 wind = air.velocity;
-  constants.drift = {way(s.gravity.x, wind.x), way(s.gravity.y, wind.y), way(s.gravity.z, wind.z),
-                     0};
+  constants.drift = {displacement(s.gravity.x, wind.x), displacement(s.gravity.y, wind.y),
+                     displacement(s.gravity.z, wind.z), 0};
   const bool blows = wind.x != 0 || wind.y != 0 || wind.z != 0;
-  constants.gust0 = {way(0, air.gust0.x), way(0, air.gust0.y), way(0, air.gust0.z),
-                     blows ? s.wind.strandVariation : 0};
-  constants.gust1 = {way(0, air.gust1.x), way(0, air.gust1.y), way(0, air.gust1.z), 0};
+  constants.gust0 = {displacement(0, air.gust0.x), displacement(0, air.gust0.y),
+                     displacement(0, air.gust0.z), blows ? s.wind.strandVariation : 0};
+  constants.gust1 = {displacement(0, air.gust1.x), displacement(0, air.gust1.y),
+                     displacement(0, air.gust1.z), 0};
   constants.air = {wind.x, wind.y, wind.z, static_cast<float>(drag)};
   constants.historyShare = static_cast<float>(a2);
   constants.inverseStep = static_cast<float>(1 / he);
   constants.weight = static_cast<float>(weight);
   const double share = 1 / (he * weight);
-  constants.wayShare = static_cast<float>(share * (1 - a2) * history.rate - a2);
-  constants.wayShareBefore = static_cast<float>(
+  constants.displacementShare = static_cast<float>(share * (1 - a2) * history.rate - a2);
+  constants.displacementShareBefore = static_cast<float>(
       share * ((1 - a2) * history.share * history.rate + a2 * history.rateBefore));
-  constants.wayShareEarlier =
+  constants.displacementShareEarlier =
       static_cast<float>(share * a2 * history.shareBefore * history.rateBefore);
   history = {.step = h,
              .share = a2,
              .rate = 1 / he,
              .shareBefore = history.share,
              .rateBefore = history.rate};
-  constants.turnRatio = static_cast<float>(ratio);
-  constants.slowTurn = static_cast<float>(slowTurn(h, drag));
+  constants.rotationRatio = static_cast<float>(ratio);
+  constants.slowRotation = static_cast<float>(slowRotation(h, drag));
   constants.twistInertia = static_cast<float>(0.005 * std::min(60 * h, 1.0));
   constants.guessTrend = static_cast<float>(0.5 * std::min(drag, 1.0));
   const double bendLength = static_cast<double>(s.bendLength);
@@ -286,8 +281,9 @@ void setExactStep(ExactConstants& constants, const SimulationSettings& s, double
   constants.bendStiffness = static_cast<float>(bend);
   constants.twistStiffness = static_cast<float>(bend * static_cast<double>(s.twistRatio));
   constants.damping = static_cast<float>(static_cast<double>(s.relaxationTime) / h);
-  constants.goalStiffness = static_cast<float>(goalSpring(static_cast<double>(s.globalStiffness)));
-  constants.goalRange = std::max(s.globalRange, 1e-6f);
+  constants.targetStiffness =
+      static_cast<float>(targetSpring(static_cast<double>(s.globalStiffness)));
+  constants.targetRange = std::max(s.globalRange, 1e-6f);
   constants.passTolerance =
       static_cast<float>(passTolerance(h, drag, static_cast<double>(s.twistRatio)));
   constants.vspCoefficient = s.vspCoefficient;

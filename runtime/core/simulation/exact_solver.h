@@ -1,25 +1,33 @@
-// Host side of the exact solver: how its buffers are filled, and its constants. The layout is that
-// of kernels/layouts/exact.hlsli.
+// Host side of the exact solver: how its buffers are filled, and its constants.
 #pragma once
 
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "assets/groom.h"
+#include "pelage/constants.h"
 #include "pelage/gpu_structs.h"
 #include "pelage/hair_asset.h"
 #include "pelage/hair_object.h"
 #include "pelage/simulation_settings.h"
 
+namespace pelage {
+
+/// A strand of the exact solver; strandAt() in kernels/simulation/exact/exact_state.hlsli reads it
+/// from g_rest, where it is two elements. kernels/simulation/layouts/exact.hlsli has the members.
+struct ExactStrand {
+  uint32_t state = 0, count = 0, target = 0, root = 0;
+  uint32_t seed = 0;
+  float strandLength = 0;
+  uint32_t pad0 = 0, pad1 = 0;
+};
+static_assert(sizeof(ExactStrand) == 2 * sizeof(Float4));
+
+}  // namespace pelage
+
 namespace pelage::detail {
 
-/// Strands a tile.
-inline constexpr uint32_t kTileStrands = 32;
-/// Sets of float4 that g_state and g_gains have.
-inline constexpr uint64_t kExactStateSets = 8;
-inline constexpr uint64_t kExactGainSets = 6;
-/// Elements of g_state behind its sets: four states of 5 a strand.
-inline constexpr uint64_t kExactStrandElements = 4 * 5;
 /// Bytes that a pass moves for a vertex: 5 vectors of the state, the rest shape and 6 gains on the
 /// way to the root; 1, 6 and 2 + 2 written on the way to the tip.
 inline constexpr uint64_t kExactBytesAVertex = 23 * 16;
@@ -29,52 +37,47 @@ struct ExactStrands {
   uint32_t stateStride = 0;          ///< elements of a set
 };
 
-/// Strands in tiles of 32, in the order in which the kernel's threads take them: by vertex count,
-/// then as in the asset, or, for level of detail, at random, so that every beginning covers the
-/// scalp.
+/// Strands in tiles of 32, in the order of the kernel's threads: by vertex count, then as in the
+/// asset, or, for level of detail, at random, so that every prefix covers the scalp.
 ExactStrands packExactStrands(const HairAsset& asset, bool levelOfDetail);
-/// For every strand but the first one, one before it and near it.
+/// For every strand except the first one: an earlier strand near it.
 std::vector<uint32_t> nearStrandsBefore(const HairAsset& asset, const ExactStrands& strands);
-/// Elements of g_state, which starts as zeros.
+/// Number of elements of g_state, which starts as zeros.
 inline uint64_t exactStateCount(uint64_t stateStride, uint64_t strands) {
-  return kExactStateSets * stateStride + kExactStrandElements * strands;
+  return uint64_t{exact::kStateSets} * stateStride +
+         uint64_t{exact::kStateSlots} * exact::kStrandElements * strands +
+         uint64_t{exact::kGainSets} * stateStride;
 }
-/// What g_rest holds beside the rest shape.
+/// The optional contents of g_rest.
 struct RestSets {
-  bool goals = false;                           ///< set 1: bind positions for the global shape
+  bool targets = false;                         ///< set 1: bind positions for the global shape
   bool factors = false;                         ///< the last set
   std::span<const StrandFactors> strands = {};  ///< [strand], or empty for 1
   ParameterCurves curves = {};
   bool operator==(const RestSets& other) const {
-    return goals == other.goals && factors == other.factors && curves == other.curves;
+    return targets == other.targets && factors == other.factors && curves == other.curves;
   }
-  uint32_t count() const { return 1u + (goals ? 1u : 0u) + (factors ? 1u : 0u); }
+  uint32_t count() const { return 1u + (targets ? 1u : 0u) + (factors ? 1u : 0u); }
 };
 
-/// Factors at a share of a strand's arc length: on stiffness, global stiffness and damping.
+/// Factors at a fraction of a strand's arc length: on stiffness, global stiffness and damping.
 Float4 vertexFactors(const RestSets& sets, uint32_t strand, double share);
 /// The third set of the classic solver's g_rest.
 std::vector<Float4> packClassicFactors(const HairAsset& asset, const RestSets& sets);
 
-/// Contents of g_rest.
+/// Contents of g_rest: the sets, then the strands.
 std::vector<Float4> packExactRest(const HairAsset& asset, const ExactStrands& strands,
                                   const RestSets& sets);
 
 /// The wind at a time [m/s].
 struct AirMotion {
   Float3 velocity;  ///< gusts included
-  Float3 gust0;     ///< the part of it that is the gusts'
+  Float3 gust0;     ///< the part of the gusts in it
   Float3 gust1;     ///< the same a quarter of their period later
 };
 AirMotion airAt(const WindSettings& wind, double time);
 
-/// True when a vertex beyond the two at the root is held where the bind pose has it.
-bool hasHeldVertices(const HairAsset& asset);
-
-/// Vertices of a strand.
-uint32_t vertexCountOf(const HairAsset& asset, uint32_t strand);
-
-/// What a sub-step has to know of those before it; zeros without any.
+/// The data of earlier sub-steps that a sub-step needs; zeros if there are none.
 struct ExactHistory {
   double step = 0;         ///< length of the last one [s]
   double share = 0;        ///< its a2
@@ -83,7 +86,7 @@ struct ExactHistory {
   double rateBefore = 0;
 };
 
-/// A sub-step of h seconds, which becomes the last one of the history.
+/// Computes a sub-step of h seconds, which becomes the last one of the history.
 void setExactStep(ExactConstants& constants, const SimulationSettings& settings, double h,
                   ExactHistory& history, const AirMotion& air);
 

@@ -47,9 +47,9 @@ Result<void> check(const Range& range) {
 }  // namespace
 
 float valueAt(const ParameterCurve& curve, float share) {
-  const float place = std::clamp(share, 0.0f, 1.0f) * static_cast<float>(curve.size() - 1);
-  const auto left = std::min(static_cast<size_t>(place), curve.size() - 2);
-  const float t = place - static_cast<float>(left);
+  const float slot = std::clamp(share, 0.0f, 1.0f) * static_cast<float>(curve.size() - 1);
+  const auto left = std::min(static_cast<size_t>(slot), curve.size() - 2);
+  const float t = slot - static_cast<float>(left);
   return curve[left] + (curve[left + 1] - curve[left]) * t;
 }
 
@@ -91,7 +91,7 @@ Result<void> validate(const SimulationSettings& s) {
   for (const auto& [name, curve] : curves)
     for (const float value : *curve)
       if (Result<void> checked = check({name, value, 0, kMax}); !checked) return checked;
-  // An infinite threshold is allowed: it means never.
+  // An infinite threshold is valid: it means never.
   if (!(s.vspThreshold > 0)) return outOfRange("vspThreshold", text(s.vspThreshold), "above 0");
   if (s.solver != Solver::kExact && s.solver != Solver::kClassic) {
     return outOfRange("solver", std::to_string(static_cast<int>(s.solver)), "kExact or kClassic");

@@ -1,11 +1,13 @@
 #include "skinning/skeleton_pose.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <iterator>
 #include <span>
 
 #include "pelage/assert.h"
+#include "pelage/constants.h"
 #include "pelage/skeleton.h"
 
 namespace pelage {
@@ -33,10 +35,10 @@ void SkeletonPose::setBones(std::span<const AffineTransform> bones) {
 namespace detail {
 namespace {
 
-// The origin follows when the anchor is further away from it [m].
+// The origin follows if the anchor is farther from it than this [m].
 constexpr float kOriginRange = 1.5f;
-// Larger coordinates [m] the kernels take for broken: isUsable() in common/quaternion.hlsli.
-constexpr float kUsable = 1e18f;
+// Larger coordinates are broken [m].
+constexpr float kUsable = std::bit_cast<float>(quaternion::kUsableBits);
 
 }  // namespace
 
@@ -90,6 +92,17 @@ std::vector<Float4> packBones(std::span<const AffineTransform> bones, const Loca
     }
   }
   return packed;
+}
+
+BufferId bonesFor(SkeletonInternals& skeleton, SkinningMethod method, const RoomBuffers& room) {
+  SkeletonInternals::Copy& copy = skeleton.copyFor(method);
+  if (copy.buffer == BufferId::kInvalid) {
+    const bool dual = method == SkinningMethod::kDualQuaternions;
+    copy.buffer = room.add(skeleton.name + (dual ? "/dualQuaternions" : "/matrices"),
+                           rowsOf(method) * skeleton.bones.size(), sizeof(Float4), {},
+                           BufferUsage::kStorage | BufferUsage::kUpload);
+  }
+  return copy.buffer;
 }
 
 void uploadBones(SkeletonInternals& skeleton, SkinningMethod method, PassList& list) {

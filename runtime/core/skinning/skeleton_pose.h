@@ -1,4 +1,4 @@
-// What a skeleton of a scene holds beside its public data.
+// Private data of a skeleton in a scene.
 #pragma once
 
 #include <array>
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/local_origin.h"
+#include "passes/room_buffers.h"
 #include "pelage/hair_object.h"
 #include "pelage/pass_list.h"
 #include "pelage/skeleton_pose.h"
@@ -22,7 +23,7 @@ struct SkeletonInternals {
   bool originKnown = false;
   ShiftedFloats shiftedFloats;
 
-  /// A point in bind space that the origin goes with.
+  /// A point in bind space that the origin follows.
   struct Anchor {
     uint32_t bone = 0;
     Float3 point = {};
@@ -40,14 +41,14 @@ struct SkeletonInternals {
 };
 
 bool isFiniteBone(const AffineTransform& bone);
-/// Moves the origin after the anchor, which is this one from the first call on.
+/// Moves the origin to follow the anchor; the first call sets the anchor.
 void moveOrigin(SkeletonInternals& skeleton, const SkeletonInternals::Anchor& anchor);
 void moveOrigin(SkeletonInternals& skeleton);
-/// As that of a hair object.
+/// As for a hair object.
 void shiftWorld(SkeletonInternals& skeleton, const Vector3<double>& shift,
                 const Vector3<double>& shifted);
 
-/// Float4 of a bone in what packBones() makes.
+/// Number of Float4 per bone in the result of packBones().
 inline uint64_t rowsOf(SkinningMethod method) {
   return method == SkinningMethod::kMatrices ? 3 : 2;
 }
@@ -55,7 +56,9 @@ inline uint64_t rowsOf(SkinningMethod method) {
 std::vector<Float4> packBones(std::span<const AffineTransform> bones, const LocalOrigin& origin,
                               SkinningMethod method);
 
-/// The copy that a method reads, where it is not up to date.
+/// The buffer of a method's copy, which is made where there is none.
+BufferId bonesFor(SkeletonInternals& skeleton, SkinningMethod method, const RoomBuffers& room);
+/// The upload of a method's copy, if it is out of date.
 void uploadBones(SkeletonInternals& skeleton, SkinningMethod method, PassList& list);
 
 }  // namespace pelage::detail

@@ -37,7 +37,7 @@ HairSample hair_pixel(HairVaryings hair) {
   float3 light = g_keyColor.rgb * open * shadeStrand(shading, surface, g_keyDirection.xyz);
   light += g_rimColor.rgb * shadeStrand(shading, surface, g_rimDirection.xyz);
 
-  // The side of the fibre that the camera sees faces this way.
+  // The side of the fiber that the camera sees faces this way.
   float3 front = surface.toEye - surface.tangent * dot(surface.tangent, surface.toEye);
   light += hemisphere(unitOr(front, surface.toEye)) * strandAmbient(shading, surface);
   result.color = float4(light, 1.0);

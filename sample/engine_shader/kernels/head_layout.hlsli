@@ -2,7 +2,7 @@
 #ifndef ENGINE_SHADER_HEAD_LAYOUT_HLSLI
 #define ENGINE_SHADER_HEAD_LAYOUT_HLSLI
 
-#include "layouts/strand_shadow_view.hlsli"
+#include "shading/layouts/strand_shadow_view.hlsli"
 
 #define LIGHT_RIG_REGISTER register(b0, space0)
 #include "light_rig.hlsli"

@@ -3,6 +3,8 @@
 #ifndef FIXTURE_PARTICLES_HLSLI
 #define FIXTURE_PARTICLES_HLSLI
 
+#include "shared/limits.hlsli"
+
 struct Particle {
   float4 position;
   float2 size;

@@ -3,7 +3,9 @@
 #define GL_GLEXT_PROTOTYPES
 #include <GL/gl.h>
 #include <GL/glext.h>
+#include <pelage/list_check.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -27,8 +29,13 @@ unsigned Executor::program(const pelage::KernelVariant& variant) {
   GLuint& program = programs_[&variant];
   if (program != 0) return program;
   const GLuint shader = glCreateShader(GL_COMPUTE_SHADER);
-  const GLchar* text = variant.glsl.data();
-  const auto length = static_cast<GLint>(variant.glsl.size());
+  const pelage::Result<std::string> source = code_.source(variant, pelage::CodeFormat::kGlsl);
+  if (!source) {
+    std::fprintf(stderr, "%s\n", source.error().message.c_str());
+    std::exit(1);
+  }
+  const GLchar* text = source->data();
+  const auto length = static_cast<GLint>(source->size());
   glShaderSource(shader, 1, &text, &length);
   glCompileShader(shader);
   program = glCreateProgram();
@@ -46,9 +53,10 @@ unsigned Executor::program(const pelage::KernelVariant& variant) {
   return program;
 }
 
-void Executor::run(const pelage::PassList& list) {
-  if (const auto ready = pelage::checkRun(list); !ready) {
-    std::fprintf(stderr, "%s\n", ready.error().message.c_str());
+void Executor::run(const pelage::PassList& list, const pelage::ResourceTable& table) {
+  for (const auto& checked : {pelage::checkList(list, table), pelage::checkRun(list)}) {
+    if (checked) continue;
+    std::fprintf(stderr, "%s\n", checked.error().message.c_str());
     std::exit(1);
   }
   for (const pelage::Upload& upload : list.uploads) {
@@ -71,8 +79,14 @@ void Executor::run(const pelage::PassList& list) {
     for (const pelage::PassBinding& binding : list.bindingsOf(pass)) {
       const pelage::LayoutEntry& entry =
           pass.kernel->kernel->layouts[binding.set]->entries[binding.entry];
+      const auto use =
+          std::find_if(pass.kernel->bindings.begin(), pass.kernel->bindings.end(),
+                       [&](const pelage::VariantBinding& candidate) {
+                         return candidate.set == binding.set && candidate.entry == binding.entry;
+                       });
+      if (use == pass.kernel->bindings.end()) continue;
       const bool block = entry.kind == pelage::ResourceKind::kUniformBuffer;
-      glBindBufferRange(block ? GL_UNIFORM_BUFFER : GL_SHADER_STORAGE_BUFFER, entry.glBinding,
+      glBindBufferRange(block ? GL_UNIFORM_BUFFER : GL_SHADER_STORAGE_BUFFER, use->glBinding,
                         block ? constants_ : buffers_.at(static_cast<uint32_t>(binding.buffer)),
                         static_cast<GLintptr>(binding.offset),
                         static_cast<GLsizeiptr>(binding.size));

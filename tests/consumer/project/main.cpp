@@ -2,12 +2,15 @@
 // executor of this project. Exits with 0 when every strand ends up between 0 and its own length.
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
+#include <consumer/glsl.h>
 #include <consumer/gpu_structs.h>
 #include <consumer/kernels.h>
+#include <pelage/glsl.h>
 #include <pelage/hair_asset.h>
 #include <pelage/scene.h>
 
 #include <cstdio>
+#include <utility>
 
 #include "executor.h"
 
@@ -71,7 +74,9 @@ int main() {
   const pelage::BufferId extent = scene.resources().add(
       {.name = "extent", .size = kStrands * sizeof(float), .stride = sizeof(float)});
 
-  Executor executor;
+  pelage::KernelCodes code(pelage::allGlsl());
+  code.add(consumer::allGlsl());
+  Executor executor(std::move(code));
   executor.createBuffers(scene.resources());
   pelage::PassList list;
   for (int frame = 0; frame < 120; ++frame) {
@@ -90,7 +95,7 @@ int main() {
       if (!added) return fail(added.error().message.c_str());
     }
     scene.finish(list);
-    executor.run(list);
+    executor.run(list, scene.resources());
   }
   const float length = asset.restLengths[0] * (kVertices - 1);
   const std::vector<float> extents = executor.read(extent, kStrands);

@@ -1,6 +1,6 @@
 // Writes each fragment of smooth ribbons as it is, lit and not packed.
 #include "../../../kernels/shading/strand_alpha.hlsli"
-#include "../../../kernels/layouts/render.hlsli"
+#include "../../../kernels/shading/layouts/render.hlsli"
 #define SHADOW_WORDS g_shadowWords
 #include "../../../kernels/shading/light_strand.hlsli"
 #include "capture_layout.hlsli"
@@ -9,9 +9,9 @@
 void capture_fragments(StrandPixel strand) {
   float alpha = strandAlpha(strand);
   if (!(alpha > 0.0)) return;
-  uint place;
-  InterlockedAdd(g_capturedCount[0], 1u, place);
-  if (place >= g_captureCapacity) return;
+  uint index;
+  InterlockedAdd(g_capturedCount[0], 1u, index);
+  if (index >= g_captureCapacity) return;
   CapturedFragment fragment;
   fragment.x = uint(strand.clip.x - g_viewport.x);
   fragment.y = uint(strand.clip.y - g_viewport.y);
@@ -21,5 +21,5 @@ void capture_fragments(StrandPixel strand) {
                              strandSurface(fragmentPosition(strand.clip.xy - g_viewport.xy, strand.clip.z),
                                            strand.tangent, strand.color.rgb));
   fragment.color = float4(light, 1.0);
-  g_captured[place] = fragment;
+  g_captured[index] = fragment;
 }

@@ -9,12 +9,12 @@ PlanarChain::PlanarChain(const RestStrand& rest, double bend, double drag, doubl
     : edges_(rest.size() - 1),
       root_(rest.positions[0]),
       lengths_(rest.lengths),
-      regions_(rest.regions),
+      voronoiLengths_(rest.voronoiLengths),
       bend_(bend),
       drag_(drag),
       gravity_(gravity) {
   outerMass_.assign(edges_ + 1, 0);
-  for (int j = edges_ - 1; j >= 0; --j) outerMass_[j] = outerMass_[j + 1] + regions_[j + 1];
+  for (int j = edges_ - 1; j >= 0; --j) outerMass_[j] = outerMass_[j + 1] + voronoiLengths_[j + 1];
   for (int j = 0; j < edges_; ++j) {
     const Vector3d edge = rest.positions[j + 1] - rest.positions[j];
     restAngles_.push_back(std::atan2(edge.y, edge.x));
@@ -39,7 +39,7 @@ std::vector<double> PlanarChain::accelerations(const std::vector<double>& angles
   // Derivative of 8 kb tan^2(angle / 4), the energy of a vertex.
   const auto moment = [&](int vertex) {
     const double s = std::tan(bendAngle(angles, vertex) / 4);
-    return bend_ / regions_[vertex] * 4 * s * (1 + s * s);
+    return bend_ / voronoiLengths_[vertex] * 4 * s * (1 + s * s);
   };
   for (int j = 1; j <= free; ++j) {
     double sum = -outerMass_[j] * lengths_[j] * gravity_ * std::cos(angles[j]);
@@ -97,9 +97,9 @@ double PlanarChain::energy() const {
   for (int j = 1; j < edges_; ++j) {
     velocity +=
         Vector3d(-std::sin(angles_[j]), std::cos(angles_[j]), 0) * (lengths_[j] * rates_[j]);
-    sum += regions_[j + 1] * (0.5 * dot(velocity, velocity) + gravity_ * points[j + 1].y);
+    sum += voronoiLengths_[j + 1] * (0.5 * dot(velocity, velocity) + gravity_ * points[j + 1].y);
     const double s = std::tan(bendAngle(angles_, j) / 4);
-    sum += 8 * bend_ / regions_[j] * s * s;
+    sum += 8 * bend_ / voronoiLengths_[j] * s * s;
   }
   return sum;
 }

@@ -31,7 +31,7 @@ class PlanarChain {
 
   int edges_;
   Vector3d root_;
-  std::vector<double> lengths_, regions_, restAngles_;
+  std::vector<double> lengths_, voronoiLengths_, restAngles_;
   std::vector<double> outerMass_;  // [edge] of the vertices beyond it
   double bend_, drag_, gravity_;
   std::vector<double> angles_, rates_;

@@ -28,12 +28,12 @@ std::vector<Vector3d> randomPoints(Random& random) {
   const uint32_t kind = random.integer() % kKinds;
   const int n = 3 + static_cast<int>(random.between(0, 1) * random.between(0, 1) * 126);
   const double base = random.logBetween(1e-6, 3e-2);
-  const double turn = random.chance(0.2) ? 3.1 : random.between(0, 0.5);
+  const double relativeRotation = random.chance(0.2) ? 3.1 : random.between(0, 0.5);
   const double spread = kind == kWide ? 100 : kind == kUneven ? 3 : 1.0001;
   std::vector<Vector3d> points(1);
   Vector3d direction(0, -1, 0);
   while (static_cast<int>(points.size()) < n) {
-    direction = directionOr(direction + random.cube(1) * turn, Vector3d(0, -1, 0));
+    direction = directionOr(direction + random.cube(1) * relativeRotation, Vector3d(0, -1, 0));
     double size = base * random.logBetween(1, spread);
     if (kind == kPoint || (kind == kGaps && random.chance(0.1))) size = 0;
     if (kind == kFolds && random.chance(1.0 / 7)) direction = -direction;
@@ -61,8 +61,8 @@ FuzzCase makeFuzzCase(uint32_t seed, int frames) {
   }
   result.settings.holdTip = random.chance(0.05);
   if (random.chance(0.3)) {
-    result.settings.carry = random.between(0, 1);
-    result.settings.carryThreshold = random.logBetween(10, 1e4);
+    result.settings.transport = random.between(0, 1);
+    result.settings.transportThreshold = random.logBetween(10, 1e4);
   }
   if (random.chance(0.4)) {
     Vector3d center = random.cube(0.2);
@@ -80,12 +80,13 @@ FuzzCase makeFuzzCase(uint32_t seed, int frames) {
     result.steps.push_back(steady ? 1 / 60.0 : random.between(1 / 240.0, 1 / 15.0));
   }
   const double teleports = random.chance(0.3) ? 0.05 : 0;
-  const double turns = random.chance(0.5) ? 0.1 : std::numbers::pi;
+  const double rotations = random.chance(0.5) ? 0.1 : std::numbers::pi;
   RootPose pose;
   result.poses.push_back(pose);
   for (int f = 0; f < frames; ++f) {
     const Vector3d axis = directionOr(random.cube(1), Vector3d(1, 0, 0));
-    pose.rotation = normalized(axisAngle(axis, random.between(-turns, turns)) * pose.rotation);
+    pose.rotation =
+        normalized(axisAngle(axis, random.between(-rotations, rotations)) * pose.rotation);
     pose.translation += random.cube(0.03);
     if (random.chance(teleports)) pose.translation += random.cube(3);
     result.poses.push_back(pose);

@@ -29,8 +29,8 @@ StaticRod::Shot StaticRod::shoot(const Vector3d& clampMoment, double load) const
     const double factor = stiffness ? stiffness(s) : 1;
     const Vector3d strain(local.x / twist, local.y / bend, local.z / bend);
     const Vector3d darboux = curls(s) + strain * (1 / factor);
-    const Quaterniond turn = q * Quaterniond(darboux * 0.5, 0);
-    return State{tangent, -cross(tangent, gravity * (load * (length - s))), turn};
+    const Quaterniond rotation = q * Quaterniond(darboux * 0.5, 0);
+    return State{tangent, -cross(tangent, gravity * (load * (length - s))), rotation};
   };
   const double h = length / steps;
   Shot shot;
@@ -78,9 +78,9 @@ std::optional<std::vector<Vector3d>> StaticRod::solve(int loadSteps) const {
 }
 
 Vector3d pointAt(const std::vector<Vector3d>& curve, double share) {
-  const double place = share * static_cast<double>(curve.size() - 1);
-  const size_t i = std::min(static_cast<size_t>(place), curve.size() - 2);
-  const double rest = place - static_cast<double>(i);
+  const double slot = share * static_cast<double>(curve.size() - 1);
+  const size_t i = std::min(static_cast<size_t>(slot), curve.size() - 2);
+  const double rest = slot - static_cast<double>(i);
   return curve[i] * (1 - rest) + curve[i + 1] * rest;
 }
 

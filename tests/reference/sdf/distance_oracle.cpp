@@ -45,16 +45,17 @@ double segmentParameter(const Vector3d& p, const Vector3d& a, const Vector3d& b)
 // Every directed edge has its opposite equally often; vertices are those of equal position.
 bool edgesBalance(std::span<const Float3> positions, std::span<const uint32_t> indices,
                   const std::vector<uint32_t>& used) {
-  using Place = std::tuple<float, float, float>;
-  std::map<Place, uint32_t> places;
-  const auto place = [&](uint32_t vertex) {
+  using Location = std::tuple<float, float, float>;
+  std::map<Location, uint32_t> sites;
+  const auto site = [&](uint32_t vertex) {
     const Float3& p = positions[vertex];
-    return places.emplace(Place(p.x, p.y, p.z), static_cast<uint32_t>(places.size())).first->second;
+    return sites.emplace(Location(p.x, p.y, p.z), static_cast<uint32_t>(sites.size()))
+        .first->second;
   };
   std::vector<std::pair<std::pair<uint32_t, uint32_t>, int>> edges;
   for (const uint32_t t : used)
     for (uint32_t k = 0; k < 3; ++k) {
-      const uint32_t a = place(indices[t * 3 + k]), b = place(indices[t * 3 + (k + 1) % 3]);
+      const uint32_t a = site(indices[t * 3 + k]), b = site(indices[t * 3 + (k + 1) % 3]);
       edges.push_back({std::minmax(a, b), a < b ? 1 : -1});
     }
   std::sort(edges.begin(), edges.end());
@@ -162,10 +163,10 @@ uint32_t DistanceOracle::addNode(uint32_t begin, uint32_t end) {
   return self;
 }
 
-ClosestPoint DistanceOracle::closest(const Vector3d& p, double reach) const {
+ClosestPoint DistanceOracle::closest(const Vector3d& p, double range) const {
   ClosestPoint best{std::numeric_limits<double>::infinity(), p, 0, TriangleFeature::kFace};
   if (nodes_.empty()) return best;
-  double limit = reach;
+  double limit = range;
   std::array<std::pair<double, uint32_t>, 128> stack;
   size_t depth = 0;
   stack[depth++] = {squaredDistanceToBox(p, nodes_[0].low, nodes_[0].high), 0};
@@ -212,10 +213,10 @@ double DistanceOracle::fastWindingNumber(const Vector3d& p) const {
   while (depth > 0) {
     const uint32_t index = stack[--depth];
     const Node& node = nodes_[index];
-    const Vector3d way = node.centre - p;
-    const double square = way.squaredNorm(), far = kFarRadii * node.radius;
+    const Vector3d offset = node.centre - p;
+    const double square = offset.squaredNorm(), far = kFarRadii * node.radius;
     if (square > far * far) {
-      sum += way.dot(node.dipole) / (4 * std::numbers::pi * square * std::sqrt(square));
+      sum += offset.dot(node.dipole) / (4 * std::numbers::pi * square * std::sqrt(square));
     } else if (node.second != 0) {
       stack[depth++] = node.second;
       stack[depth++] = index + 1;
@@ -241,39 +242,39 @@ double DistanceOracle::signedDistance(const Vector3d& p) const {
 }
 
 // `lastDistance` is signed. Where the surface is closed, the whole ball up to it is on one side.
-double DistanceOracle::distanceAndSide(const Vector3d& p, double reach, const Vector3d* last,
+double DistanceOracle::distanceAndSide(const Vector3d& p, double range, const Vector3d* last,
                                        double lastDistance) const {
-  double limit = reach;
+  double limit = range;
   bool known = false;
   if (last != nullptr) {
     const double step = (p - *last).norm();
     known = closed_ && step < std::abs(lastDistance);
     // A little more, so that rounding does not lose the triangle that is there.
-    if (std::abs(lastDistance) < reach)
+    if (std::abs(lastDistance) < range)
       limit = std::min(limit, (std::abs(lastDistance) + step) * (1 + 1e-9));
   }
-  const double distance = std::min(closest(p, limit).distance, reach);
+  const double distance = std::min(closest(p, limit).distance, range);
   const bool inside = known ? lastDistance < 0 : isInside(p);
   return inside ? -distance : distance;
 }
 
 std::vector<double> DistanceOracle::signedDistances(std::span<const Vector3d> points,
-                                                    double reach) const {
+                                                    double range) const {
   std::vector<double> distances(points.size());
   for (size_t i = 0; i < points.size(); ++i)
-    distances[i] = distanceAndSide(points[i], reach, i > 0 ? &points[i - 1] : nullptr,
+    distances[i] = distanceAndSide(points[i], range, i > 0 ? &points[i - 1] : nullptr,
                                    i > 0 ? distances[i - 1] : 0);
   return distances;
 }
 
 std::vector<double> DistanceOracle::gridDistances(const Vector3d& origin, double cell,
-                                                  const uint32_t (&nodes)[3], double reach) const {
+                                                  const uint32_t (&nodes)[3], double range) const {
   std::vector<Vector3d> points;
   points.reserve(size_t{nodes[0]} * nodes[1] * nodes[2]);
   for (uint32_t z = 0; z < nodes[2]; ++z)
     for (uint32_t y = 0; y < nodes[1]; ++y)
       for (uint32_t x = 0; x < nodes[0]; ++x) points.push_back(origin + cell * Vector3d(x, y, z));
-  return signedDistances(points, reach);
+  return signedDistances(points, range);
 }
 
 }  // namespace pelage::reference

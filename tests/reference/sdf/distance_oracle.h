@@ -37,7 +37,7 @@ class DistanceOracle {
       : DistanceOracle(mesh.positions, mesh.indices) {}
 
   /// \param reach  nothing further away is looked for
-  ClosestPoint closest(const Vector3d& p, double reach = 1e300) const;
+  ClosestPoint closest(const Vector3d& p, double range = 1e300) const;
 
   /// How often the surface goes round p [Jacobson et al. 2013, equation 5], as a plain sum.
   double windingNumber(const Vector3d& p) const;
@@ -51,11 +51,11 @@ class DistanceOracle {
 
   /// Of many points; fast when neighbours in the list are neighbours in space.
   /// Where nothing is within `reach`, the result is +-reach.
-  std::vector<double> signedDistances(std::span<const Vector3d> points, double reach = 1e300) const;
+  std::vector<double> signedDistances(std::span<const Vector3d> points, double range = 1e300) const;
 
   /// At the nodes of a grid, x fastest.
   std::vector<double> gridDistances(const Vector3d& origin, double cell, const uint32_t (&nodes)[3],
-                                    double reach = 1e300) const;
+                                    double range = 1e300) const;
 
   /// Whether every edge has as many triangles on the one side as on the other: then the winding
   /// number is whole and changes at the surface alone.
@@ -77,7 +77,7 @@ class DistanceOracle {
   };
 
   uint32_t addNode(uint32_t begin, uint32_t end);
-  double distanceAndSide(const Vector3d& p, double reach, const Vector3d* last,
+  double distanceAndSide(const Vector3d& p, double range, const Vector3d* last,
                          double lastDistance) const;
 
   std::vector<Triangle> triangles_;

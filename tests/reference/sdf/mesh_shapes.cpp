@@ -169,7 +169,7 @@ TriangleMesh rotated(TriangleMesh mesh, Float3 axis, float angle) {
   return mesh;
 }
 
-TriangleMesh turnedInsideOut(TriangleMesh mesh) {
+TriangleMesh mirroredMesh(TriangleMesh mesh) {
   for (size_t t = 0; t < mesh.indices.size(); t += 3)
     std::swap(mesh.indices[t + 1], mesh.indices[t + 2]);
   return mesh;

@@ -46,7 +46,7 @@ TriangleMesh joined(const TriangleMesh& a, const TriangleMesh& b);
 TriangleMesh moved(TriangleMesh mesh, Float3 offset);
 TriangleMesh scaled(TriangleMesh mesh, float factor);
 TriangleMesh rotated(TriangleMesh mesh, Float3 axis, float angle);
-TriangleMesh turnedInsideOut(TriangleMesh mesh);
+TriangleMesh mirroredMesh(TriangleMesh mesh);
 
 /// Every triangle with vertices of its own, as after an export with hard edges.
 TriangleMesh unwelded(const TriangleMesh& mesh);

@@ -1,5 +1,5 @@
-// Light scattered by a fibre in double precision, written from the papers: d'Eon et al. 2011 along
-// the fibre, Chiang et al. 2016 around it. It has angles where the kernels have sines and cosines.
+// Light scattered by a fiber in double precision, written from the papers: d'Eon et al. 2011 along
+// the fiber, Chiang et al. 2016 around it. It has angles where the kernels have sines and cosines.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,7 +17,7 @@ struct Fiber {
 /// Chiang et al. 2016, equation 9.
 double absorptionOf(double albedo, double betaN);
 
-/// f cos(theta of the light) [1/sr] for a ray to the eye at `offset` of the fibre's radius,
+/// f cos(theta of the light) [1/sr] for a ray to the eye at `offset` of the fiber's radius,
 /// positive towards tangent x toEye. Unit vectors.
 double nearScattering(const Fiber& fiber, const Eigen::Vector3d& tangent,
                       const Eigen::Vector3d& toEye, const Eigen::Vector3d& toLight, double offset);

@@ -19,8 +19,8 @@ void clip(double begin, double end, double bound, double& from, double& to) {
 }
 
 double areaOf(const ShadowFiber& fiber, const LightAxes& light, double from, double to) {
-  const Vector3d way = fiber.to - fiber.from;
-  const double seen = Eigen::Vector2d(light.x.dot(way), light.y.dot(way)).norm();
+  const Vector3d offset = fiber.to - fiber.from;
+  const double seen = Eigen::Vector2d(light.x.dot(offset), light.y.dot(offset)).norm();
   const double middle = (from + to) / 2;
   const double radius = fiber.fromRadius + (fiber.toRadius - fiber.fromRadius) * middle;
   return 2 * radius * seen * (to - from) * fiber.opacity;

@@ -18,7 +18,7 @@ struct LightAxes {
   Eigen::Vector3d x, y, toLight;
 };
 
-/// Opacity-weighted area that fibres cover, without regard to what covers what [m2].
+/// Opacity-weighted area that fibers cover, without regard to what covers what [m2].
 double coveredArea(std::span<const ShadowFiber> fibers, const LightAxes& light);
 
 /// Optical depth of what lies in front of a point, in a square beam around it: the covered area

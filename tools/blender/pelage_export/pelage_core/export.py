@@ -129,7 +129,7 @@ class _Groom:
             return None
         factors, mean = hair.thickness_factors(np.concatenate([part.radii for part in strands]),
                                                np.concatenate([part.lengths for part in strands]))
-        report.lines.append("mean fibre radius: %.3g m" % (mean * factor))
+        report.lines.append("mean fiber radius: %.3g m" % (mean * factor))
         return factors
 
     @staticmethod

@@ -1,4 +1,4 @@
-"""Writers of .tfx, .tfxbone and .tfxmesh; their layout is in docs/formats.md."""
+"""Writers of .tfx, .tfxbone and .tfxmesh; their layout is in docs/assets_formats.md."""
 
 import os
 import struct

@@ -118,7 +118,7 @@ def inverse_masses(strand_count, vertices_per_strand, both_ends_immovable):
 
 
 def thickness_factors(radii, lengths):
-    """[strand] factor on the fibre radius: a strand's mean radius relative to that of all hair,
+    """[strand] factor on the fiber radius: a strand's mean radius relative to that of all hair,
     each strand counted by its length.
 
     :returns: the factors, None when all are alike; and that mean radius.

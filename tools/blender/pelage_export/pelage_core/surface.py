@@ -40,7 +40,7 @@ class Surface:
         if self.triangles.size == 0:
             raise ExportError("%s has no faces" % name)
         if not np.isfinite(self.positions).all():
-            raise ExportError("%s: a vertex is not at a finite place" % name)
+            raise ExportError("%s: the position of a vertex is not finite" % name)
 
     def closest(self, points):
         """The nearest point of the mesh to each point.

@@ -1,0 +1,15 @@
+// A device for the benchmarks.
+#pragma once
+
+#include <memory>
+
+#include "pelage/headless.h"
+#include "pelage/result.h"
+
+namespace bench {
+
+/// The device that sample::createDevice() makes, which knows the baselines' kernels, too.
+pelage::Result<std::unique_ptr<pelage::HeadlessDevice>> createDevice(
+    const pelage::HeadlessDef& def);
+
+}  // namespace bench

@@ -1,0 +1,49 @@
+// The pipelines that a program will need, before it has anything to show.
+#pragma once
+
+#include <vector>
+
+#include "pelage/export.h"
+#include "pelage/hair_object.h"
+#include "pelage/pass_list.h"
+#include "pelage/result.h"
+#include "pelage/simulation_settings.h"
+#include "pelage/tier.h"
+#include "pelage/transparency.h"
+
+namespace pelage {
+
+/// What of the library a program will use, at the start or later. Which pipelines a scene needs
+/// depends on its features, not on its size.
+struct SceneFeatures {
+  /// One for each kind of object: what differs between them (solver, contact between hairs, global
+  /// stiffness, velocity shock propagation, ...) and may be switched on later.
+  std::vector<SimulationSettings> settings = {SimulationSettings{}};
+  bool capsules = true;               ///< HairObject::setColliders()
+  bool meshColliders = true;          ///< Scene::addCollider()
+  bool forces = false;                ///< HairObject::setForces()
+  bool followHairs = true;            ///< HairDef::followHairs, not stored
+  bool storedFollowHairs = false;     ///< HairDef::storeFollowHairs
+  bool collidingFollowHairs = false;  ///< CollidingHair::kGuidesAndFollows
+  bool levelOfDetail = false;         ///< HairDef::levelOfDetail
+  bool attributes = false;    ///< HairAsset::strandThickness, vertexColor, HairDef::baseTexture
+  bool originShifts = false;  ///< Scene::shiftOrigin()
+  bool shadows = true;        ///< Light::shadow, Scene::castShadows()
+  /// One for each method that views use; TransparencySettings::opaqueDepth counts as given where it
+  /// is not kInvalid. Empty: nothing is drawn.
+  std::vector<TransparencySettings> transparency = {TransparencySettings{}};
+  bool reversedDepth = false;  ///< View::reversedDepth
+  Tier tier = Tier::kWide;     ///< Scene::setTier()
+};
+
+/// Returns a list with a pass for each pipeline that a scene with these features needs, now or once
+/// one of them is switched on. It is for vulkan::Runtime::prepare() and gl::Runtime::prepare()
+/// alone, and cannot run:
+///
+///     auto list = listToPrepare({.settings = {game.hair}, .levelOfDetail = true});
+///     if (list) ready = runtime.prepare(*list, &formats);  // while loading
+///
+/// Errors: settings out of range.
+PELAGE_API Result<PassList> listToPrepare(const SceneFeatures& features);
+
+}  // namespace pelage

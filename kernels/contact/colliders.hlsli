@@ -1,0 +1,105 @@
+// Distance of a point from a sphere or a tapered capsule in motion.
+#ifndef PELAGE_CONTACT_COLLIDERS_HLSLI
+#define PELAGE_CONTACT_COLLIDERS_HLSLI
+
+#include "layouts/collider.hlsli"
+#include "../base/quaternion.hlsli"
+
+struct Contact {
+  float3 normal;         // unit, out of the collider
+  float penetration;     // [m]; negative outside
+  float3 surfaceMotion;  // of the collider at the contact, in this sub-step [m]
+  float friction;        // Coulomb's coefficient
+};
+
+// Returns the distance to the union of the spheres between two ends: the minimum over t of |p -
+// c(t)| - r(t). With z along the axis of length L and d from it, the derivative vanishes where z -
+// t L = d k / sqrt(1 - k^2), k = (r0 - r1) / L. For k outside -1..1 one end contains the other.
+//
+// \param begin, end  the part of the collider's motion in this frame that is in the sub-step, 0..1
+Contact findContact(Collider shape, float3 p, float begin, float end) {
+  Contact contact;
+  contact.normal = float3(0.0, 0.0, 0.0);
+  contact.penetration = -1e18;
+  contact.surfaceMotion = float3(0.0, 0.0, 0.0);
+  contact.friction = 0.0;
+  if (!isUsable(shape.head) || !isUsable(shape.tail) || !isUsable(shape.headBefore) ||
+      !isUsable(shape.tailBefore.xyz) || !isUsable(shape.spin.xyz))
+    return contact;
+  float3 headBefore = shape.headBefore.xyz;
+  float3 tailBefore = shape.tailBefore.xyz;
+  precise float3 headDisplacement = shape.head.xyz - headBefore;
+  precise float3 tailDisplacement = shape.tail.xyz - tailBefore;
+  precise float3 headTo = headBefore + headDisplacement * end;
+  precise float3 tailTo = tailBefore + tailDisplacement * end;
+  precise float3 headFrom = headBefore + headDisplacement * begin;
+  precise float3 tailFrom = tailBefore + tailDisplacement * begin;
+  precise float3 axis = tailTo - headTo;
+  precise float3 arm = p - headTo;
+  precise float squared = dot3(axis, axis);
+  precise float taper = shape.head.w - shape.tail.w;
+  precise float taper2 = taper * taper;
+  precise float t = taper >= 0.0 ? 0.0 : 1.0;
+  if (squared > taper2 && squared > 1e-16) {
+    precise float along = dot3(arm, axis) / squared;
+    precise float3 off = arm - axis * along;
+    precise float wide = squareRoot(dot3(off, off)) * taper;
+    precise float shift = wide / squareRoot(squared * max(squared - taper2, 1e-16));
+    precise float parameter = along - shift;
+    t = min(max(parameter, 0.0), 1.0);
+  }
+  precise float3 center = headTo + axis * t;
+  precise float3 outward = p - center;
+  float distance = squareRoot(max(dot3(outward, outward), 1e-20));
+  precise float3 normal = outward * (1.0 / distance);
+  precise float penetration = shape.head.w - taper * t - distance;
+  precise float3 before = headFrom + (tailFrom - headFrom) * t;
+  precise float3 spinMotion = cross3(shape.spin.xyz, normal * (shape.head.w - taper * t)) * (end - begin);
+  precise float3 surfaceMotion = center - before + spinMotion;
+  contact.normal = normal;
+  contact.penetration = penetration;
+  contact.surfaceMotion = surfaceMotion;
+  contact.friction = shape.headBefore.w;
+  return contact;
+}
+
+// A sweep longer than this fraction of the smaller radius finds the first contact on its path.
+static const float kSweepFrom = 0.25;
+static const float kSweepContact = 1e-5;  // [m]
+static const uint kSweepSteps = 16;
+
+// As findContact(), for a point that moves from `from` to `p`. If its path meets the surface, the
+// contact has the plane at that point.
+//
+// \param rests  a point that lies on the surface at `from` is held there where that faces away from the
+//               surface nearest to p; otherwise such a point is not swept
+Contact sweepCapsule(Collider shape, float3 from, float3 p, float begin, float end, bool rests) {
+  Contact last = findContact(shape, p, begin, end);
+  // Relative to the surface, which is where it is in the end.
+  precise float3 start = from + last.surfaceMotion;
+  precise float3 displacement = p - start;
+  float size = squareRoot(dot3(displacement, displacement));
+  if (!(size > kSweepFrom * min(shape.head.w, shape.tail.w)) || last.penetration < -1e17) return last;
+  Contact contact = findContact(shape, start, begin, end);
+  float deepest = 0.0;
+  if (rests && contact.penetration > -kSweepContact)
+    deepest = dot3(contact.normal, last.normal) > 0.0 ? -1e18 : kSweepContact;
+  if (!(contact.penetration < deepest)) return last;
+  precise float3 direction = displacement * (1.0 / max(size, 1e-20));
+  precise float s = 0.0;
+  [loop] for (uint i = 0; i < kSweepSteps; ++i) {
+    if (contact.penetration > -kSweepContact) {
+      precise float3 left = p - (start + direction * s);
+      precise float penetration = contact.penetration - dot3(contact.normal, left);
+      contact.penetration = penetration;
+      contact.surfaceMotion = last.surfaceMotion;
+      return contact;
+    }
+    s = s - contact.penetration;
+    if (!(s < size)) return last;
+    contact = findContact(shape, start + direction * s, begin, end);
+  }
+  return last;
+}
+
+#endif

@@ -1,0 +1,13 @@
+// Tiles of the screen that have hair, for draws that are limited to them. First layout of the
+// groups that resolve transparency.
+#ifndef PELAGE_OIT_LAYOUTS_OIT_TILES_HLSLI
+#define PELAGE_OIT_LAYOUTS_OIT_TILES_HLSLI
+
+cbuffer OitTileConstants : register(b0, space0) {
+  uint g_tileColumns;  // tiles of 8 x 8 pixels in a row
+  uint g_targetWidth;  // [pixels]
+  uint g_targetHeight;
+  uint g_tilePad0;
+};
+
+#endif

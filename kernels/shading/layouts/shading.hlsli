@@ -1,0 +1,39 @@
+// Material and light of strands as buffers store them; no resources, those are in the layouts.
+// docs/shading.md has units, ranges and defaults.
+#ifndef PELAGE_SHADING_LAYOUTS_SHADING_HLSLI
+#define PELAGE_SHADING_LAYOUTS_SHADING_HLSLI
+
+// Lights of a view, and those of them with a shadow.
+static const uint kMaxStrandLights = 8u;
+static const uint kMaxStrandShadows = 4u;
+
+static const uint kStrandKajiyaKay = 0u;  // diffuse and two highlights
+static const uint kStrandFiber = 1u;      // R, TT, TRT, averaged over the width of the fiber
+static const uint kStrandNearFiber = 2u;  // R, TT, TRT at StrandSurface.offset
+
+// StrandLight.shadow.x of a light without a shadow.
+static const uint kNoStrandShadow = 0xffffffffu;
+
+struct StrandShading {
+  uint4 model;  // x one of the above; yzw 0
+  // x Kajiya-Kay's diffuse strength, y strength of ambient light, z share of the light that the
+  // fiber models scatter in all directions, as neighboring fibers do; w 0
+  float4 body;
+  // Kajiya-Kay's highlights: x strength, y exponent, z shift (< 0 towards the root), w share of the
+  // base color in theirs
+  float4 primary;
+  float4 secondary;
+  // Fiber models: x longitudinal and y azimuthal roughness 0..1, z tilt of the cuticle's scales
+  // [rad], w index of refraction
+  float4 fiber;
+};
+
+struct StrandLight {
+  float4 direction;  // w 0: unit vector towards the light; w 1: its position [m]
+  // linear rgb: radiance of a white Lambert surface that faces the light, at 1 m where it has a
+  // position; w 0
+  float4 color;
+  uint4 shadow;  // x index of its shadow, or kNoStrandShadow; yzw 0
+};
+
+#endif

@@ -1,0 +1,39 @@
+// A shadow map of strands, shared by the kernels that write it and those that read it; no
+// resources.
+//
+// A map is width x height texels in a buffer of uint, row by row, each 1 + layerCount words:
+//   0      distance of the nearest hair behind the light's near plane [m], the bits of a float that
+//          is not negative; kNoHair where there is none
+//   1...   optical depth up to the end of layer 1, 2, ... [quanta]
+// Layer i of n ends layerRange (i / n)^2 behind the nearest hair; the last one has no end.
+#ifndef PELAGE_SHADING_LAYOUTS_STRAND_SHADOW_VIEW_HLSLI
+#define PELAGE_SHADING_LAYOUTS_STRAND_SHADOW_VIEW_HLSLI
+
+struct StrandShadowView {
+  // From a world position p to the map: with w = mapW . (p, 1), texel = mapXY . (p, 1) / w, the
+  // middle of the first one at 0.5, and mapZ . (p, 1) is the distance behind the near plane, along
+  // the map's axis [m]. mapW is (0, 0, 0, 1) for light that is parallel.
+  float4 mapX;
+  float4 mapY;
+  float4 mapZ;
+  float4 mapW;
+  uint width;        // [texel]
+  uint height;
+  uint firstWord;    // of the map in the buffer
+  uint layerCount;   // 0: the map has depths only
+  float layerRange;  // [m] > 0
+  float bias;        // [m] >= 0; hair this close behind the nearest is lit
+  float extinction;  // without layers: optical depth per meter of hair [1/m]
+  float texelSize;   // edge of a texel where w = 1 [m]
+  float tauScale;    // quanta of an optical depth of 1
+  float tauQuantum;  // 1 / tauScale
+  float maxRadius;   // maximum radius of a fiber [texel]; wider ones count as this
+  float nearW;       // w below this is not in the map; > 0
+};
+
+// Texels an axis; words are counted with 32 bits.
+static const uint kMaxShadowSize = 8192;
+static const uint kMaxShadowLayers = 16;
+static const uint kNoHair = 0xffffffffu;
+
+#endif

@@ -1,0 +1,70 @@
+// View and lights of strands. Each layout that needs it has its own block: the including file
+// defines STRAND_VIEW_REGISTER before.
+#ifndef PELAGE_SHADING_LAYOUTS_STRAND_VIEW_HLSLI
+#define PELAGE_SHADING_LAYOUTS_STRAND_VIEW_HLSLI
+
+#include "shading.hlsli"
+#include "strand_shadow_view.hlsli"
+
+cbuffer StrandViewConstants : STRAND_VIEW_REGISTER {
+  float4 g_worldToClip[4];  // rows; clip = rows * (p, 1), depth 0..1, y up
+  float4 g_clipToWorld[4];  // rows of its inverse
+  float4 g_eye;             // xyz position of the camera [m]
+  float4 g_viewport;        // xy offset, zw size [pixels]
+  float4 g_ambientColor;    // linear rgb
+  uint g_lightCount;        // at most 8
+  uint g_reversedDepth;     // 0 or 1
+  uint g_sampleCount;       // samples per pixel of the target
+  uint g_seed;              // seed of the coverage dither
+  // Members of StrandLight, [light]; uint4 of StrandLight.shadow.
+  float4 g_lightDirections[8];
+  float4 g_lightColors[8];
+  uint4 g_lightShadows[8];
+  // Members of StrandShadowView, [shadow]: mapX to mapW; width, height, firstWord, layerCount;
+  // layerRange, bias, extinction, texelSize; tauScale, tauQuantum, maxRadius, nearW.
+  float4 g_shadowRows[16];
+  uint4 g_shadowSizes[4];
+  float4 g_shadowDepths[4];
+  float4 g_shadowScales[4];
+};
+
+StrandLight lightAt(uint index) {
+  StrandLight light;
+  light.direction = g_lightDirections[index];
+  light.color = g_lightColors[index];
+  light.shadow = g_lightShadows[index];
+  return light;
+}
+
+StrandShadowView shadowAt(uint index) {
+  StrandShadowView map;
+  map.mapX = g_shadowRows[4u * index];
+  map.mapY = g_shadowRows[4u * index + 1u];
+  map.mapZ = g_shadowRows[4u * index + 2u];
+  map.mapW = g_shadowRows[4u * index + 3u];
+  map.width = g_shadowSizes[index].x;
+  map.height = g_shadowSizes[index].y;
+  map.firstWord = g_shadowSizes[index].z;
+  map.layerCount = g_shadowSizes[index].w;
+  map.layerRange = g_shadowDepths[index].x;
+  map.bias = g_shadowDepths[index].y;
+  map.extinction = g_shadowDepths[index].z;
+  map.texelSize = g_shadowDepths[index].w;
+  map.tauScale = g_shadowScales[index].x;
+  map.tauQuantum = g_shadowScales[index].y;
+  map.maxRadius = g_shadowScales[index].z;
+  map.nearW = g_shadowScales[index].w;
+  return map;
+}
+
+StrandShading shadingFrom(uint model, float4 body, float4 primary, float4 secondary, float4 fiber) {
+  StrandShading shading;
+  shading.model = uint4(model, 0u, 0u, 0u);
+  shading.body = body;
+  shading.primary = primary;
+  shading.secondary = secondary;
+  shading.fiber = fiber;
+  return shading;
+}
+
+#endif

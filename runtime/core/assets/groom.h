@@ -1,0 +1,47 @@
+// What never changes of the hair of an object, for all rooms.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "pelage/hair_asset.h"
+#include "pelage/hair_object.h"
+
+namespace pelage::detail {
+
+struct Groom {
+  /// Positions and rest data, to fill buffers again when settings change.
+  std::shared_ptr<const HairAsset> asset;
+  std::vector<StrandFactors> strandFactors;  ///< [guide], or empty for 1
+  std::vector<uint32_t> hairsOfGuides;       ///< that a guide stands for, with itself
+  bool levelOfDetail = false;
+  bool storesFollowHairs = false;
+  bool collidesFollowHairs = false;  ///< they are stored, too
+  bool heldVertices = false;         ///< beyond the two at the root
+  float longestStrand = 0;           ///< [m]
+  float meanStrand = 0;              ///< mean length [m]
+  float volume = 0;                  ///< that the bind shape fills [m3]
+  float followRange = 0;     ///< largest offset of a follow hair at its root, and at its tip
+  float followTipRange = 0;  ///< before the setting's tipSeparation [m]
+  float meanThickness = 1, maxThickness = 1;     ///< of the factors of all strands
+  uint32_t textureWidth = 0, textureHeight = 0;  ///< texels of the base color's texture
+};
+
+/// Length of the longest strand [m].
+float longestStrand(const HairAsset& asset);
+/// Vertices of a strand, without those that only fill its row up.
+uint32_t vertexCountOf(const HairAsset& asset, uint32_t strand);
+/// True where a vertex beyond the two at the root is held in the bind pose.
+bool hasHeldVertices(const HairAsset& asset);
+
+/// Contents of a buffer.
+template <class T>
+std::vector<std::byte> bytesOf(const std::vector<T>& values) {
+  const auto bytes = std::as_bytes(std::span(values));
+  return {bytes.begin(), bytes.end()};
+}
+
+}  // namespace pelage::detail

@@ -1,0 +1,10 @@
+// {fmt} once: as a header it would take most of the time in which a file that formats compiles.
+#include <fmt/format-inl.h>
+
+namespace fmt::detail {
+
+// What format.h declares and only a library defines.
+template thousands_sep_result<char> thousands_sep_impl(locale_ref);
+template char decimal_point_impl(locale_ref);
+
+}  // namespace fmt::detail

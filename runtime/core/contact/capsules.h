@@ -1,0 +1,25 @@
+// Capsules that hair collides with, from frame to frame.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "base/bounds.h"
+#include "base/local_origin.h"
+#include "pelage/collider.h"
+#include "pelage/gpu_structs.h"
+
+namespace pelage::detail {
+
+/// True for other capsules than before; those that only move are not.
+bool areReplaced(std::span<const CapsuleCollider> before, std::span<const CapsuleCollider> now);
+/// Those of a frame of so many seconds that reach a ball, relative to an origin.
+std::vector<Collider> packCapsules(std::span<const CapsuleCollider> capsules,
+                                   std::span<const CapsuleCollider> capsulesBefore,
+                                   const LocalOrigin& origin, const Ball& ball, float seconds);
+/// After shifts of the world: capsules that moved by no more than an engine's rounding have not
+/// moved. \param roundedShift  sum of the largest components of the shifts [m]
+void settleCapsules(std::span<CapsuleCollider> before, std::span<const CapsuleCollider> now,
+                    double roundedShift);
+
+}  // namespace pelage::detail

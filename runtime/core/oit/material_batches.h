@@ -1,0 +1,28 @@
+// Hair objects of a view in batches whose fragments can name their shading.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "pelage/constants.h"
+#include "shading/strand_draws.h"
+
+namespace pelage::detail {
+
+/// Shadings that fragments can tell apart.
+inline constexpr size_t kMaxMaterials = fragment_packing::kMaterialLimit;
+
+struct MaterialBatch {
+  std::vector<size_t> hairs;                     ///< indices into DrawnView::hairs
+  std::vector<size_t> materialOf;                ///< [hair of the batch] index into `materials`
+  std::vector<const StrandMaterial*> materials;  ///< at most kMaxMaterials
+  uint64_t vertices = 0;                         ///< of its strands that are drawn
+};
+
+/// Up to kMaxMaterials objects are one batch, each with a material of its own. More of them share
+/// materials that shade alike. Where these are too many, batches are composited one over the other,
+/// the farthest first, by the middles of the objects: each is exact, and so is the picture where
+/// objects of different batches do not reach into each other's depths.
+std::vector<MaterialBatch> materialBatches(const DrawnView& view);
+
+}  // namespace pelage::detail

@@ -1,0 +1,106 @@
+// Transparency of views: their passes, and buffers for each view whose lists are still to run.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "oit/material_batches.h"
+#include "oit/transparency.h"
+#include "passes/list_ticket.h"
+#include "passes/room_buffers.h"
+#include "pelage/pass_list.h"
+#include "pelage/result.h"
+#include "pelage/transparency.h"
+#include "shading/strand_draws.h"
+
+namespace pelage::detail {
+
+/// Of strands that are placed on the screen.
+inline constexpr BufferUsage kRecordUsage = BufferUsage::kStorage | BufferUsage::kVertex;
+/// Of draws that blend what they have resolved over the target.
+DrawState overTarget();
+
+/// What one view draws into. Each buffer is made by the first draw that needs it, and only grows.
+struct OitBuffers {
+  /// Of per-pixel linked lists; kernels/oit/layouts/ppll_build.hlsli says what is in them.
+  struct Lists {
+    BufferId heads = BufferId::kInvalid, nodes = BufferId::kInvalid, counters = BufferId::kInvalid,
+             tiles = BufferId::kInvalid, tail = BufferId::kInvalid;
+  } lists;
+  /// Of methods with a fixed number of layers; see kernels/oit/layouts/hybrid_depths.hlsli,
+  /// hybrid_colors.hlsli and short_cut_*.hlsli.
+  struct Layers {
+    BufferId depths = BufferId::kInvalid, colors = BufferId::kInvalid, tail = BufferId::kInvalid,
+             counters = BufferId::kInvalid, tiles = BufferId::kInvalid;
+  } hybrid, shortCut;
+  /// Of strands in tiles; see kernels/oit/layouts/strand_tiles.hlsli; the counters are those of
+  /// lists.
+  struct Tiles {
+    BufferId records = BufferId::kInvalid, tiles = BufferId::kInvalid,
+             references = BufferId::kInvalid, sums = BufferId::kInvalid,
+             picture = BufferId::kInvalid;
+  } strands;
+
+  std::vector<BufferId*> all();
+};
+
+/// What was found out about a draw before it changes anything.
+struct OitPlan {
+  std::vector<MaterialBatch> batches;  ///< of methods that keep materials
+  uint64_t vertices = 0;               ///< of the largest of them
+  TransparencyPlan sizes;
+  uint64_t recordBytes = 0;  ///< where hair is transformed first
+};
+
+/// One draw of a view, as the methods take it.
+struct OitDraw {
+  const DrawnView& view;
+  const TransparencySettings& settings;
+  const OitPlan& plan;
+  OitBuffers& buffers;
+  RoomBuffers room;
+  std::string suffix;   ///< of buffers' names
+  bool exact = false;   ///< buffers that are too large were never created: make them anew, too
+  bool remade = false;  ///< one was made
+
+  void makeRoom(BufferId& buffer, const char* name, uint64_t bytes, uint32_t stride,
+                BufferUsage usage = BufferUsage::kStorage) {
+    remade |= room.makeRoom({buffer, name + suffix, bytes, stride, usage}, exact);
+  }
+};
+
+Result<void> addListPasses(OitDraw& draw, const MaterialBatch& batch, PassList& buildList,
+                           PassList& resolveList);
+Result<void> addTilePasses(OitDraw& draw, const MaterialBatch& batch, PassList& list);
+Result<void> addHybridPasses(OitDraw& draw, uint32_t layers, std::vector<PassList>& lists);
+Result<void> addShortCutPasses(OitDraw& draw, std::vector<PassList>& lists);
+
+class OitViews {
+ public:
+  /// Errors: those of planTransparency(); opaqueDepth that is too small.
+  static Result<OitPlan> check(DrawnView& view, const TransparencySettings& settings,
+                               const RoomBuffers& room);
+  /// Adds the passes of a method. The view gets the first buffers that no list names which is still
+  /// to run: so views of a frame have buffers of their own, and the next frame has them again.
+  /// \param lists as many as the method needs are made; those from 1 on are empty.
+  Result<void> record(DrawnView& view, const TransparencySettings& settings, const OitPlan& plan,
+                      const RoomBuffers& room, uint64_t frame, std::vector<PassList>& lists);
+  /// Of lists or tiles of the view that was drawn last; kInvalid before the first one.
+  BufferId counters() const;
+  /// Frees all buffers. \param reason why lists that have not run cannot any more.
+  void trim(const RoomBuffers& room, const char* reason);
+
+ private:
+  struct Slot {
+    OitBuffers buffers;
+    TicketSet tickets;
+  };
+  size_t freeSlot(uint64_t frame);
+  std::vector<std::unique_ptr<Slot>> slots_;
+  size_t last_ = 0;
+};
+
+}  // namespace pelage::detail

@@ -1,0 +1,189 @@
+#include "pelage/frame.h"
+
+#include <deque>
+#include <string>
+#include <utility>
+
+#include "pelage/assert.h"
+#include "pelage/scene.h"
+#include "scene/scene_impl.h"
+
+namespace pelage {
+
+namespace {
+
+constexpr size_t kSpareLists = 8;
+
+}  // namespace
+
+struct Frame::Impl {
+  struct Item {
+    std::unique_ptr<PassList> list;
+    uint32_t view = FrameStep::kNoView;
+    uint32_t listOfView = 0;
+  };
+  std::weak_ptr<detail::SceneImpl> scene;
+  uint64_t frame = 0;  // DrawRooms::frame
+  std::deque<Item> items;
+  std::vector<FrameStep> steps;
+  size_t simulation = 0;  // index of its list
+  uint32_t views = 0;
+  bool finished = false;
+
+  // One whose memory an earlier frame has had.
+  std::unique_ptr<PassList> makeList() const {
+    const std::shared_ptr<detail::SceneImpl> open = scene.lock();
+    if (open == nullptr || open->rooms().spareLists.empty()) return std::make_unique<PassList>();
+    std::vector<std::unique_ptr<PassList>>& spare = open->rooms().spareLists;
+    std::unique_ptr<PassList> list = std::move(spare.back());
+    spare.pop_back();
+    return list;
+  }
+  ~Impl() {
+    const std::shared_ptr<detail::SceneImpl> open = scene.lock();
+    if (open == nullptr) return;
+    std::vector<std::unique_ptr<PassList>>& spare = open->rooms().spareLists;
+    for (Item& item : items) {
+      if (spare.size() == kSpareLists) break;
+      item.list->clear();
+      spare.push_back(std::move(item.list));
+    }
+  }
+};
+
+Frame::Frame() : impl_(std::make_unique<Impl>()) {}
+Frame::Frame(Frame&& other) noexcept = default;
+Frame& Frame::operator=(Frame&& other) noexcept = default;
+Frame::~Frame() = default;
+
+// The scene, where it has this frame still.
+Result<detail::SceneImpl*> Frame::open(const char* call) const {
+  const auto refuse = [&](const std::string& what) {
+    return Error{ErrorCode::kInvalidArgument, "Frame::" + std::string(call) + ": " + what};
+  };
+  if (impl_ == nullptr) return refuse("the frame was moved away");
+  const std::shared_ptr<detail::SceneImpl> scene = impl_->scene.lock();
+  if (scene == nullptr) return refuse("the scene of the frame is gone");
+  if (scene->rooms().frame != impl_->frame) {
+    return refuse(
+        "simulate() has begun another frame of the scene: draw a frame and give it to the runtime "
+        "before the next simulate()");
+  }
+  return scene.get();
+}
+
+Result<detail::SceneImpl*> Frame::openForMore(const char* call) const {
+  Result<detail::SceneImpl*> scene = open(call);
+  if (scene && impl_->finished) {
+    return Error{ErrorCode::kInvalidArgument,
+                 "Frame::" + std::string(call) +
+                     ": the frame is finished: draw all views before finish(), and before a "
+                     "runtime takes it"};
+  }
+  return scene;
+}
+
+Result<uint32_t> Frame::draw(const View& view, std::span<const Light> lights,
+                             const TransparencySettings& settings, PassList before) {
+  const Result<detail::SceneImpl*> scene = openForMore("draw()");
+  if (!scene) return scene.error();
+  std::vector<PassList> lists;
+  lists.push_back(std::move(before));
+  if (Result<void> drawn = (*scene)->draw(view, lights, settings, lists); !drawn)
+    return drawn.error();
+  for (uint32_t i = 0; i < lists.size(); ++i) {
+    Impl::Item& item = impl_->items.emplace_back();
+    item.list = std::make_unique<PassList>(std::move(lists[i]));
+    item.view = impl_->views;
+    item.listOfView = i;
+  }
+  return impl_->views++;
+}
+
+Result<uint32_t> Frame::addView(PassList list) {
+  if (const Result<detail::SceneImpl*> scene = openForMore("addView()"); !scene)
+    return scene.error();
+  Impl::Item& item = impl_->items.emplace_back();
+  item.list = std::make_unique<PassList>(std::move(list));
+  item.view = impl_->views;
+  return impl_->views++;
+}
+
+Result<uint32_t> Frame::castShadows(std::span<const Light> lights) {
+  const Result<detail::SceneImpl*> scene = openForMore("castShadows()");
+  if (!scene) return scene.error();
+  std::unique_ptr<PassList> list = impl_->makeList();
+  Result<uint32_t> cast = (*scene)->castShadows(lights, *list);
+  if (cast) impl_->items.emplace_back().list = std::move(list);
+  return cast;
+}
+
+PassList& Frame::addList() {
+  PELAGE_ASSERT(!impl_->finished, "Frame::addList(): add lists before finish()");
+  std::unique_ptr<PassList>& list = impl_->items.emplace_back().list;
+  list = impl_->makeList();
+  return *list;
+}
+
+PassList& Frame::addListBefore() {
+  PELAGE_ASSERT(!impl_->finished, "Frame::addListBefore(): add lists before finish()");
+  const auto at = impl_->items.begin() + static_cast<ptrdiff_t>(impl_->simulation++);
+  std::unique_ptr<PassList>& list = impl_->items.emplace(at)->list;
+  list = impl_->makeList();
+  return *list;
+}
+
+Result<void> Frame::finish() {
+  const Result<detail::SceneImpl*> scene = open("finish()");
+  if (!scene) return scene.error();
+  if (impl_->finished) return {};
+  for (const Impl::Item& item : impl_->items) {
+    if (item.view != FrameStep::kNoView) continue;
+    for (const Pass& pass : item.list->passes) {
+      if (!isDraw(pass.kind)) continue;
+      return Error{ErrorCode::kInvalidArgument,
+                   "Frame::finish(): a list of addList() has the draw '" + std::string(pass.name) +
+                       "'; draws belong to a view: give the list to draw() or addView()"};
+    }
+  }
+  impl_->finished = true;
+  for (const Impl::Item& item : impl_->items) {
+    (*scene)->finish(*item.list);
+    impl_->steps.push_back({item.list.get(), item.view, item.listOfView});
+  }
+  return {};
+}
+
+std::span<const FrameStep> Frame::steps() const {
+  return impl_ != nullptr ? std::span<const FrameStep>(impl_->steps) : std::span<const FrameStep>();
+}
+
+uint32_t Frame::viewCount() const { return impl_ != nullptr ? impl_->views : 0; }
+
+Result<void> Frame::run(const FrameExecutor& executor) {
+  if (Result<void> done = finish(); !done) return done;
+  const Result<detail::SceneImpl*> scene = open("run()");
+  if (!scene) return scene.error();
+  if (Result<void> done = executor.update((*scene)->resources()); !done) return done;
+  for (const FrameStep& step : impl_->steps) {
+    if (Result<void> done = executor.record(step); !done) return done;
+    if (step.view == FrameStep::kNoView) continue;
+    const bool draws = !step.list->passes.empty() && isDraw(step.list->passes.back().kind);
+    if (!draws && step.listOfView > 0) continue;
+    if (Result<void> done = executor.draw(step); !done) return done;
+  }
+  return {};
+}
+
+// The simulation is the first list of a frame.
+Result<Frame> Scene::simulate(float dt) {
+  Frame frame;
+  frame.impl_->scene = impl_;
+  std::unique_ptr<PassList> list = frame.impl_->makeList();
+  if (Result<void> done = simulate(dt, *list); !done) return done.error();
+  frame.impl_->frame = impl_->rooms().frame;
+  frame.impl_->items.emplace_back().list = std::move(list);
+  return frame;
+}
+
+}  // namespace pelage

@@ -1,0 +1,359 @@
+// Hair objects of a scene: what is wrong with one, and its buffers.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <iterator>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/ids.h"
+#include "pelage/constants.h"
+#include "pelage/kernels.h"
+#include "scene/scene_impl.h"
+#include "shadow/strand_shadow.h"
+#include "simulation/hair_passes.h"
+
+namespace pelage::detail {
+
+namespace {
+
+constexpr uint32_t kMaxTextureSize = 16384;  // [texels]
+
+bool isFinite(const Float4& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z) && std::isfinite(v.w);
+}
+
+// The follow hairs take part in passes of their own.
+bool storesFollowHairs(const HairDef& def) {
+  return def.storeFollowHairs || def.collidingHair == CollidingHair::kGuidesAndFollows;
+}
+
+// What is wrong, or nothing.
+
+std::string faultOfCounts(const HairAsset& asset, const HairDef& def) {
+  const uint64_t guides = asset.strandCount, follows = def.followHairs.size();
+  const uint64_t mostGuides = kMaxGroups * skinRootsVariant().groupSize[0];
+  const uint64_t mostFollows = maxStoredFollows();
+  if (guides > mostGuides || (storesFollowHairs(def) && follows > mostFollows)) {
+    return "has " + std::to_string(guides) + " guides and " + std::to_string(follows) +
+           " follow hairs; an object takes " + std::to_string(mostGuides) + ", and " +
+           std::to_string(mostFollows) + " that are stored: use several";
+  }
+  // Kernels index vertices with 32 bits.
+  if (guides + follows > 0x7fffffffu / uint64_t{asset.verticesPerStrand})
+    return "has more than 2^31 vertices; use several objects";
+  const auto others = [&](const char* what, size_t count) {
+    return "has " + std::to_string(guides) + " guides, but " + what + " for " +
+           std::to_string(count);
+  };
+  if (!def.influences.empty() && def.influences.size() != guides)
+    return others("bone weights", def.influences.size());
+  if (!def.strandFactors.empty() && def.strandFactors.size() != guides)
+    return others("strand factors", def.strandFactors.size());
+  return {};
+}
+
+std::string faultOfGuides(const HairDef& def, uint32_t boneCount) {
+  for (size_t i = 0; i < def.strandFactors.size(); ++i) {
+    const StrandFactors& factors = def.strandFactors[i];
+    for (const float factor : {factors.stiffness, factors.globalStiffness, factors.damping}) {
+      if (!std::isfinite(factor) || factor < 0)
+        return "a strand factor of guide " + std::to_string(i) + " is " + std::to_string(factor) +
+               ", but must be finite and at least 0";
+    }
+  }
+  for (size_t i = 0; i < def.influences.size(); ++i) {
+    for (const uint32_t bone : def.influences[i].bones) {
+      if (bone >= boneCount) {
+        return "guide " + std::to_string(i) + " refers to bone " + std::to_string(bone) +
+               ", but boneCount is " + std::to_string(boneCount);
+      }
+    }
+  }
+  return {};
+}
+
+std::string faultOfFollows(const HairDef& def, uint32_t guides) {
+  for (size_t i = 0; i < def.followHairs.size(); ++i) {
+    const FollowHair& hair = def.followHairs[i];
+    for (const uint32_t guide : {hair.guide, hair.otherGuides[0], hair.otherGuides[1]}) {
+      if (guide >= guides) {
+        return "follow hair " + std::to_string(i) + " refers to guide " + std::to_string(guide) +
+               " of " + std::to_string(guides);
+      }
+    }
+    if (!isFinite(hair.offset))
+      return "the offset of follow hair " + std::to_string(i) + " is not finite";
+    const float others[2] = {hair.otherWeights[0], hair.otherWeights[1]};
+    if (!(others[0] >= 0 && others[1] >= 0 && others[0] + others[1] <= 1))
+      return "the weights of follow hair " + std::to_string(i) + " are not 0 to 1";
+  }
+  return {};
+}
+
+std::string faultOfTexture(const HairAsset& asset, const ColorTexture& texture) {
+  const uint64_t texels = uint64_t{texture.width} * texture.height;
+  if (texture.width > kMaxTextureSize || texture.height > kMaxTextureSize ||
+      texture.texels.size() != texels) {
+    return "its texture has " + std::to_string(texture.texels.size()) + " texels for " +
+           std::to_string(texture.width) + " x " + std::to_string(texture.height) +
+           "; at most 16384 x 16384 are taken";
+  }
+  if (texels > 0 && asset.strandUv.empty()) return "has a texture, but the asset has no strandUv";
+  return {};
+}
+
+Groom groomOf(std::shared_ptr<const HairAsset> shared, const HairDef& def) {
+  const HairAsset& asset = *shared;
+  Groom groom;
+  groom.strandFactors.assign(def.strandFactors.begin(), def.strandFactors.end());
+  groom.levelOfDetail = def.levelOfDetail;
+  const bool follows = !def.followHairs.empty();
+  groom.collidesFollowHairs = def.collidingHair == CollidingHair::kGuidesAndFollows && follows;
+  groom.storesFollowHairs = storesFollowHairs(def) && follows;
+  groom.heldVertices = hasHeldVertices(asset);
+  groom.hairsOfGuides.assign(asset.strandCount, 1);
+  for (const FollowHair& follow : def.followHairs) ++groom.hairsOfGuides[follow.guide];
+  groom.longestStrand = longestStrand(asset);
+  groom.volume = static_cast<float>(hairVolume(asset.positions, asset.verticesPerStrand));
+  double lengths = 0;
+  for (const float length : asset.restLengths) lengths += static_cast<double>(length);
+  groom.meanStrand = static_cast<float>(lengths / static_cast<double>(asset.strandCount));
+  for (const FollowHair& follow : def.followHairs) {
+    const float range = std::hypot(follow.offset.x, follow.offset.y, follow.offset.z);
+    groom.followRange = std::max(groom.followRange, range);
+    groom.followTipRange = std::max(groom.followTipRange, range * std::abs(follow.offset.w));
+  }
+  groom.textureWidth = def.baseTexture.width;
+  groom.textureHeight = def.baseTexture.height;
+  groom.asset = std::move(shared);
+  return groom;
+}
+
+// [strand] thickness, the follow hairs' that of their guides.
+std::vector<float> thicknessOf(const HairAsset& asset, const HairDef& def, Groom& groom) {
+  std::vector<float> thickness = asset.strandThickness;
+  thickness.reserve(asset.strandCount + def.followHairs.size());
+  for (const FollowHair& follow : def.followHairs)
+    thickness.push_back(asset.strandThickness[follow.guide]);
+  double sum = 0;
+  groom.maxThickness = 0;
+  for (const float factor : thickness) {
+    sum += static_cast<double>(factor);
+    groom.maxThickness = std::max(groom.maxThickness, factor);
+  }
+  groom.meanThickness = static_cast<float>(sum / static_cast<double>(thickness.size()));
+  return thickness;
+}
+
+std::vector<Float4> bindRootsOf(const HairAsset& asset) {
+  std::vector<Float4> roots;
+  roots.reserve(asset.strandCount);
+  for (size_t i = 0; i < asset.strandCount; ++i)
+    roots.push_back(asset.positions[i * asset.verticesPerStrand]);
+  return roots;
+}
+
+std::vector<RootBinding> bindingsOf(const HairAsset& asset, const HairDef& def) {
+  std::vector<RootBinding> bindings(asset.strandCount);
+  for (size_t i = 0; i < bindings.size(); ++i) {
+    if (def.influences.empty()) {
+      bindings[i].weights = {1, 0, 0, 0};
+      continue;
+    }
+    const BoneInfluences& from = def.influences[i];
+    bindings[i].bones = {from.bones[0], from.bones[1], from.bones[2], from.bones[3]};
+    bindings[i].weights = {from.weights[0], from.weights[1], from.weights[2], from.weights[3]};
+  }
+  return bindings;
+}
+
+std::vector<FollowHairRecord> recordsOf(std::span<const FollowHair> follows) {
+  std::vector<FollowHairRecord> records(follows.size());
+  for (size_t i = 0; i < follows.size(); ++i) {
+    const FollowHair& hair = follows[i];
+    const float* others = hair.otherWeights;
+    records[i].offset = hair.offset;
+    records[i].guides = {hair.guide, hair.otherGuides[0], hair.otherGuides[1], 0};
+    records[i].weights = {1 - others[0] - others[1], others[0], others[1], 0};
+  }
+  return records;
+}
+
+// Two words of two unorms.
+std::vector<Uint2> packColors(std::span<const Float4> colors) {
+  const auto unorm = [](float value) {
+    return static_cast<uint32_t>(
+        value > 0 ? std::min(value, 1.0f) * color_packing::kUnormRange + 0.5f : 0);
+  };
+  std::vector<Uint2> packed;
+  packed.reserve(colors.size());
+  for (const Float4& c : colors)
+    packed.push_back({unorm(c.x) | unorm(c.y) << 16, unorm(c.z) | unorm(c.w) << 16});
+  return packed;
+}
+
+// The texels, and behind them where each guide is on them.
+std::vector<Uint2> textureOf(const HairAsset& asset, const ColorTexture& texture) {
+  std::vector<Uint2> words = packColors(texture.texels);
+  for (const Float2& uv : asset.strandUv)
+    words.push_back({std::bit_cast<uint32_t>(uv.x), std::bit_cast<uint32_t>(uv.y)});
+  return words;
+}
+
+// One ribbon, shared by all strands: vertex 2 i and 2 i + 1 are the two sides at strand vertex i.
+std::vector<uint32_t> ribbonIndices(uint32_t vertices) {
+  std::vector<uint32_t> indices;
+  for (uint32_t i = 0; i + 1 < vertices; ++i) {
+    const uint32_t corner = 2 * i;
+    const uint32_t quad[6] = {corner, corner + 1, corner + 2, corner + 2, corner + 1, corner + 3};
+    indices.insert(indices.end(), std::begin(quad), std::end(quad));
+  }
+  return indices;
+}
+
+}  // namespace
+
+Result<HairId> SceneImpl::addHair(std::shared_ptr<const HairAsset> shared, const HairDef& def) {
+  const auto refuse = [&](const std::string& what) {
+    return Error{ErrorCode::kInvalidArgument, "hair '" + def.name + "': " + what};
+  };
+  if (shared == nullptr) return refuse("the asset is null");
+  const HairAsset& asset = *shared;
+  if (asset.restLengths.empty()) return refuse("call process() on the asset first");
+  if (Result<void> valid = validate(def.settings); !valid) return refuse(valid.error().message);
+  if (objects_.isFull()) return refuse("the scene has as many hair objects as ids");
+  const Result<SkeletonPose*> skeleton = findSkeleton(def.skeleton, def.boneCount);
+  if (!skeleton) return refuse(skeleton.error().message);
+  const uint32_t boneCount = *skeleton != nullptr ? (*skeleton)->boneCount() : def.boneCount;
+  if (const std::string fault = faultOfCounts(asset, def); !fault.empty()) return refuse(fault);
+  for (const std::string& fault :
+       {faultOfGuides(def, boneCount), faultOfFollows(def, asset.strandCount),
+        faultOfTexture(asset, def.baseTexture)})
+    if (!fault.empty()) return refuse(fault);
+  // Checks the rest data, too.
+  if (const auto rest = packRest(asset); !rest) return rest.error();
+
+  auto object = std::unique_ptr<HairObject>(new HairObject);
+  object->name_ = def.name;
+  object->settings = def.settings;
+  object->material = def.material;
+  object->guideCount_ = asset.strandCount;
+  object->followCount_ = static_cast<uint32_t>(def.followHairs.size());
+  object->vertexCount_ = asset.verticesPerStrand;
+  object->boneCount_ = boneCount;
+  object->drawnStrands = object->strandCount();
+  HairInternals& hair = *object->internals_;
+  static_cast<Groom&>(hair) = groomOf(std::move(shared), def);
+  hair.skinning = def.skinning;
+  hair.bones.resize(boneCount);
+  hair.bounds = boundsOfRoots(asset, def.influences);
+  hair.origin.shifted = shifted();
+  if (*skeleton != nullptr) {
+    hair.skeleton = (*skeleton)->internals_.get();
+    moveOrigin(*hair.skeleton, {hair.bounds.front().bone, hair.bounds.front().center});
+  }
+  addHairBuffers(*object, asset, def);
+  PassList unused;
+  hair.solver.prepare(frameOf(*object, object->settings, 0, 1, unused));
+  return objects_.add(std::move(object));
+}
+
+// Those that stay as long as the object does.
+void SceneImpl::addHairBuffers(HairObject& object, const HairAsset& asset, const HairDef& def) {
+  HairInternals& hair = *object.internals_;
+  const auto add = [&](const char* what, uint64_t count, uint32_t stride,
+                       BufferUsage usage = BufferUsage::kStorage) {
+    return room().add(def.name + "/" + what, count, stride, {}, usage);
+  };
+  const auto table = [&](const char* what, const auto& values) {
+    return room().share(def.name, what, sizeof(values[0]), bytesOf(values));
+  };
+  HairBuffers& buffers = object.buffers_;
+  const uint64_t guides = object.guideCount_;
+  const uint64_t stored = hair.storesFollowHairs ? object.strandCount() : guides;
+  buffers.positions = add("positions", stored * object.vertexCount_, sizeof(Float4));
+  buffers.tangents = add("tangents", stored * object.vertexCount_, sizeof(Float4));
+  buffers.bindRoots = table("bindRoots", bindRootsOf(asset));
+  buffers.rootBindings = table("rootBindings", bindingsOf(asset, def));
+  if (hair.skeleton != nullptr) {
+    buffers.boneTransforms = bonesFor(*hair.skeleton, def.skinning, room());
+  } else {
+    buffers.boneTransforms = add("boneTransforms", rowsOf(def.skinning) * object.boneCount_,
+                                 sizeof(Float4), BufferUsage::kStorage | BufferUsage::kUpload);
+  }
+  if (!def.followHairs.empty())
+    buffers.followHairRecords = table("followHairRecords", recordsOf(def.followHairs));
+  if (!asset.strandThickness.empty())
+    buffers.strandThickness = table("strandThickness", thicknessOf(asset, def, hair));
+  if (!asset.vertexColor.empty())
+    buffers.vertexColors = table("vertexColors", packColors(asset.vertexColor));
+  if (!def.baseTexture.texels.empty())
+    buffers.baseTexture = table("baseTexture", textureOf(asset, def.baseTexture));
+  buffers.indices = room().share(def.name, "indices", sizeof(uint32_t),
+                                 bytesOf(ribbonIndices(object.vertexCount_)), BufferUsage::kIndex);
+}
+
+Result<void> SceneImpl::removeHair(HairId id) {
+  if (!isValid(id)) return noSuchThing("removeHair()", objects_.whyNot(id));
+  settleFrames(false);
+  HairObject& object = hair(id);
+  forgetOwner(&object);
+  HairInternals& internals = *object.internals_;
+  HairBuffers& buffers = object.buffers_;
+  const RoomBuffers room = this->room();
+  internals.solver.remove(buffers, room);
+  internals.contacts.remove(room);
+  internals.grid.remove(room);
+  internals.followContacts.remove(room);
+  if (internals.skeleton != nullptr) buffers.boneTransforms = BufferId::kInvalid;
+  for (BufferId* buffer :
+       {&buffers.positions, &buffers.tangents, &buffers.bindRoots, &buffers.rootBindings,
+        &buffers.boneTransforms, &buffers.followHairRecords, &buffers.strandThickness,
+        &buffers.indices, &buffers.colliders, &buffers.sdfs, &buffers.vertexColors,
+        &buffers.baseTexture})
+    room.remove(*buffer);
+  objects_.remove(id);
+  removeUnusedCopies();
+  collectShared();
+  if (hairCount() == 0)
+    removeDrawBuffers("its buffers went with the last hair object; write it again");
+  return {};
+}
+
+// Tables that no object has any more, and no frame that may turn out not to run.
+void SceneImpl::collectShared() {
+  using Ids = std::array<BufferId, sizeof(HairBuffers) / sizeof(BufferId)>;
+  const auto has = [](const HairBuffers& buffers, BufferId buffer) {
+    const Ids ids = std::bit_cast<Ids>(buffers);
+    return std::find(ids.begin(), ids.end(), buffer) != ids.end();
+  };
+  shared_.collect(resources_, hazards_, [&](BufferId buffer) {
+    for (const auto& object : objects_)
+      if (object != nullptr && has(object->buffers_, buffer)) return true;
+    for (const FrameCheckpoint& frame : frames_.open)
+      for (const HairCheckpoint& saved : frame.hairs)
+        if (has(saved.buffers, buffer)) return true;
+    return false;
+  });
+}
+
+HairObject& SceneImpl::hair(HairId id) {
+  HairObject* object = objects_.find(id);
+  if (object == nullptr) endForId("hair()", objects_.whyNot(id));
+  return *object;
+}
+
+const HairObject& SceneImpl::hair(HairId id) const {
+  return const_cast<SceneImpl*>(this)->hair(id);
+}
+
+uint32_t SceneImpl::hairCount() const {
+  return static_cast<uint32_t>(
+      std::count_if(objects_.begin(), objects_.end(), [](const auto& o) { return o != nullptr; }));
+}
+
+}  // namespace pelage::detail

@@ -1,0 +1,75 @@
+// Hair that has not moved yet, in frames of 0 s: it is shown in its bind pose under the bones, and
+// its reset waits for the first frame that moves it.
+#include <algorithm>
+#include <string>
+
+#include "scene/scene_impl.h"
+#include "simulation/hair_passes.h"
+
+namespace pelage::detail {
+
+namespace {
+
+// A reset of the solvers is the bind pose where nothing acts on it.
+SimulationSettings withoutForces(SimulationSettings settings) {
+  settings.gravity = {};
+  settings.wind.velocity = {};
+  settings.contact = {};
+  settings.sleep.enabled = false;
+  settings.subSteps = 1;
+  return settings;
+}
+
+constexpr float kPoseStep = 1.0f / 60;  // [s]; the pose does not depend on it
+
+}  // namespace
+
+Result<void> SceneImpl::poseNewHair(PassList& list) {
+  const auto isNew = [](const auto& object) {
+    return object != nullptr && object->internals_->resetPending;
+  };
+  if (std::none_of(objects_.begin(), objects_.end(), isNew)) return {};
+  for (const auto& object : objects_) {
+    if (!isNew(object)) continue;
+    if (Result<void> valid = checkObject(*object); !valid)
+      return Error{valid.error().code, "hair '" + object->name_ + "': " + valid.error().message};
+  }
+  if (list.frame == 0) {
+    saveFrame();
+    list.frame = frames_.open.back().number;
+  }
+  frames_.recording = true;
+  followSkeletons();
+  Result<void> done;
+  for (const auto& object : objects_) {
+    if (!isNew(object)) continue;
+    done = poseObject(*object, list);
+    if (!done) break;
+  }
+  frames_.recording = false;
+  frames_.open.back().lastVersion = resources_.version();
+  if (!done) restoreFrame();
+  return done;
+}
+
+Result<void> SceneImpl::poseObject(HairObject& object, PassList& list) {
+  HairInternals& hair = *object.internals_;
+  const SimulationSettings settings = withoutForces(object.settings);
+  HairFrame frame = frameOf(object, settings, kPoseStep, 1, list);
+  hair.solver.prepare(frame);
+  const HairFrameState before = hair;
+  hair.grid.pause();
+  sendAgain(hair);
+  frame.reset = true;
+  frame.rebase = moveOrigin(hair);
+  frame.origin = hair.origin;
+  sendBones(object, list);
+  Result<void> added = addRootPass(frame, hair.skinning);
+  if (added) added = hair.solver.record(frame, hair.grid, gridHairOf(frame, hair));
+  if (added) added = addFollowPass(frame);
+  static_cast<HairFrameState&>(hair) = before;
+  hair.resetPending = hair.bonesChanged = true;
+  return added;
+}
+
+}  // namespace pelage::detail

@@ -1,0 +1,86 @@
+// The mesh colliders of a scene: their buffers, and the passes that build their fields.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "base/bounds.h"
+#include "base/local_origin.h"
+#include "passes/room_buffers.h"
+#include "pelage/collision_mesh.h"
+#include "pelage/gpu_structs.h"
+#include "pelage/ids.h"
+#include "pelage/pass_list.h"
+#include "pelage/result.h"
+#include "pelage/sdf_collider.h"
+#include "pelage/sdf_data.h"
+#include "pelage/view.h"
+#include "sdf/sdf_collider.h"
+
+namespace pelage::detail {
+
+/// Where hair can be in a frame, and which colliders it meets there.
+struct HairReach {
+  Ball ball;
+  const std::vector<ColliderId>* only = nullptr;  ///< ascending; nullptr: all
+};
+
+/// Bones that a collider follows, of its own or of a skeleton.
+struct ColliderBones {
+  SkeletonInternals* skeleton = nullptr;
+  uint32_t count = 1;
+};
+
+class SdfRoom {
+ public:
+  /// [collider] the grid that one needs in a frame; nothing where it has one that does.
+  using Plans = std::vector<std::optional<SdfGridPlan>>;
+
+  /// Errors: as of Scene::addCollider(), but for those of skeletons.
+  Result<ColliderId> add(const CollisionMesh& mesh, const SdfColliderDef& def,
+                         const ColliderBones& bones, const Vector3<double>& shifted,
+                         const RoomBuffers& room);
+  Result<ColliderId> add(const SdfData& data, const SdfColliderDef& def,
+                         const Vector3<double>& shifted, const RoomBuffers& room);
+  void remove(ColliderId id, const RoomBuffers& room);
+  /// Removes what only drawing a collider has made.
+  void trim(const RoomBuffers& room);
+
+  /// Errors: settings out of range, the vertex buffer of an engine, a grid over the memory cap.
+  Result<Plans> check(std::span<const HairReach> hair, const RoomBuffers& room) const;
+  /// Takes the grids, and makes the buffers that are too small for them anew.
+  void plan(const Plans& plans, const RoomBuffers& room);
+  /// Adds the passes that build the fields that hair can reach and that have moved.
+  Result<void> record(std::span<const HairReach> hair, const RoomBuffers& room, PassList& list);
+  /// The fields of the frame that hair can reach, relative to an origin.
+  struct InReach {
+    std::vector<Sdf> sdfs;
+    bool rebuilt = false;  ///< one of them, in this frame
+  };
+  InReach inReach(const HairReach& hair, const LocalOrigin& origin) const;
+
+  Result<SdfData> copy(ColliderId id, std::span<const std::byte> keys,
+                       std::span<const std::byte> surface) const;
+  Result<void> draw(ColliderId id, const View& view, const Light& light, const ColliderLook& look,
+                    const RoomBuffers& room, PassList& list);
+  Result<void> checkDraw(ColliderId id, std::span<const std::byte> counts) const;
+
+  Slots<ColliderId, SdfCollider> colliders;
+  /// Keys and records of all fields; kInvalid without any.
+  BufferId keys = BufferId::kInvalid, surface = BufferId::kInvalid;
+
+ private:
+  static void addTables(SdfCollider& collider, const RoomBuffers& room);
+  static void addSkinningBuffers(SdfCollider& collider, const CollisionMesh& mesh,
+                                 const RoomBuffers& room);
+  static bool planCollider(SdfCollider& collider, const SdfGridPlan& plan, const RoomBuffers& room);
+  static void removeIsoSurface(SdfCollider& collider, const RoomBuffers& room);
+  void layOut(const RoomBuffers& room);
+  bool isInRange(size_t slot, std::span<const HairReach> hair) const;
+  Result<void> build(SdfCollider& collider, const RoomBuffers& room, PassList& list);
+};
+
+}  // namespace pelage::detail

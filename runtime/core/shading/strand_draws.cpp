@@ -1,0 +1,291 @@
+// Strands as ribbons: constants of a view, of an object, and the draws.
+#include "shading/strand_draws.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "pelage/kernels.h"
+
+namespace pelage::detail {
+
+static_assert(kMaxStrandLights == shading::kMaxStrandLights);
+static_assert(kMaxStrandShadows == shading::kMaxStrandShadows);
+
+namespace {
+
+Error refuse(const std::string& what) { return {ErrorCode::kInvalidArgument, "view: " + what}; }
+
+Float3 normalized(Float3 v, Float3 fallback) {
+  const float length = std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
+  if (!(length > 0) || !std::isfinite(length)) return fallback;
+  return {v.x / length, v.y / length, v.z / length};
+}
+
+// Of a viewport. Kernels take it as an integer.
+bool isOffset(float x) { return x >= 0 && x < 65536 && x == std::floor(x); }
+
+Float4 withW(Float3 v, float w) { return {v.x, v.y, v.z, w}; }
+
+Eigen::Matrix4d toMatrix(const Matrix4& m) {
+  Eigen::Matrix4d result;
+  for (int row = 0; row < 4; ++row) {
+    const Float4& r = m.rows[row];
+    result.row(row) << double{r.x}, double{r.y}, double{r.z}, double{r.w};
+  }
+  return result;
+}
+
+// Draws in a state that kinds of ribbons share.
+Result<void> addDraw(const DrawnView& view, const DrawnHair& hair, size_t material, bool smooth,
+                     const KernelVariant& pixel, DrawState state,
+                     std::optional<LayoutBindings> method, PassList& list) {
+  state.depthCompare = view.view.reversedDepth ? DepthCompare::kGreater : DepthCompare::kLess;
+  const StrandBindings strands = strandBindings(view, hair, material);
+  PassBuilder builder(list);
+  if (view.transformsFirst) {
+    // An instance is a segment, or the gap between two strands.
+    const uint64_t records = hair.drawnVertices();
+    state.topology = PrimitiveTopology::kTriangleStrip;
+    builder
+        .draw(strandRecordVertexVariant({.smooth = smooth}), pixel, state, 4,
+              static_cast<uint32_t>(records - 1))
+        .vertices({view.records.buffer, records * kRecordBytes, hair.firstRecord * kRecordBytes})
+        .bytes(records * kRecordBytes);
+  } else {
+    const StrandVertexKey key{.smooth = smooth, .attributes = strandAttributes(*hair.buffers) != 0};
+    builder
+        .draw(strandVertexVariant(key), pixel, state, (hair.vertexCount - 1) * 6,
+              hair.strands.count, hair.buffers->indices)
+        .bytes(strands.bytes);
+  }
+  if (!method) return builder.finish(strands.posTan, strands.render);
+  return builder.finish(strands.posTan, strands.render, *method);
+}
+
+}  // namespace
+
+bool isInFrustum(const View& view, const Ball& ball) {
+  const Eigen::Matrix4d clip = toMatrix(view.worldToClip);
+  const Eigen::Vector4d center(double{ball.center.x}, double{ball.center.y}, double{ball.center.z},
+                               1);
+  const Eigen::RowVector4d w = clip.row(3);
+  for (const Eigen::RowVector4d& plane :
+       {Eigen::RowVector4d(w + clip.row(0)), Eigen::RowVector4d(w - clip.row(0)),
+        Eigen::RowVector4d(w + clip.row(1)), Eigen::RowVector4d(w - clip.row(1)),
+        Eigen::RowVector4d(clip.row(2)), Eigen::RowVector4d(w - clip.row(2))}) {
+    if (plane * center < -double{ball.radius} * plane.head<3>().norm()) return false;
+  }
+  return true;
+}
+
+Result<StrandViewConstants> viewConstants(const View& view, std::span<const Light> lights) {
+  StrandViewConstants constants = {};
+  std::copy(std::begin(view.worldToClip.rows), std::end(view.worldToClip.rows),
+            std::begin(constants.worldToClip));
+  const Eigen::Matrix4d inverse = toMatrix(view.worldToClip).inverse();
+  for (int row = 0; row < 4; ++row) {
+    const Eigen::Vector4f r = inverse.row(row).cast<float>();
+    if (!r.allFinite()) return refuse("worldToClip has no inverse, or values that are not finite");
+    constants.clipToWorld[row] = {r.x(), r.y(), r.z(), r.w()};
+  }
+  if (!isFinite(view.eye)) return refuse("the eye is not finite");
+  constants.eye = withW(view.eye, 1);
+  if (!isOffset(view.x) || !isOffset(view.y)) {
+    return refuse("begins at (" + std::to_string(view.x) + ", " + std::to_string(view.y) +
+                  "); both are whole numbers from 0 to 65535");
+  }
+  constants.viewport = {view.x, view.y, static_cast<float>(view.width),
+                        static_cast<float>(view.height)};
+  constants.reversedDepth = view.reversedDepth ? 1 : 0;
+  constants.sampleCount = view.samples;
+  constants.seed = view.seed;
+  if (lights.size() > kMaxStrandLights) {
+    return refuse("has " + std::to_string(lights.size()) + " lights, but at most " +
+                  std::to_string(kMaxStrandLights) + " are taken");
+  }
+  constants.lightCount = static_cast<uint32_t>(lights.size());
+  for (size_t i = 0; i < lights.size(); ++i) {
+    const Light& light = lights[i];
+    if (!isFinite(light.color) || !isFinite(light.ambient) || !isFinite(light.position))
+      return refuse("light " + std::to_string(i) + " is not finite");
+    constants.lightDirections[i] = light.hasPosition
+                                       ? withW(light.position, 1)
+                                       : withW(normalized(light.direction, {0, 1, 0}), 0);
+    constants.lightColors[i] = withW(light.color, 0);
+    constants.lightShadows[i].x = ~0u;
+    constants.ambientColor.x += light.ambient.x;
+    constants.ambientColor.y += light.ambient.y;
+    constants.ambientColor.z += light.ambient.z;
+  }
+  return constants;
+}
+
+ShadingParts shadingOf(const StrandMaterial& m) {
+  return {static_cast<uint32_t>(m.model),
+          {m.diffuseStrength, m.ambientStrength, m.scatteredShare, 0},
+          {m.primaryStrength, m.primaryExponent, m.primaryShift, 0},
+          {m.secondaryStrength, m.secondaryExponent, m.secondaryShift, m.secondaryTint},
+          {m.longitudinalRoughness, m.azimuthalRoughness, m.cuticleTilt, m.refractiveIndex}};
+}
+
+void setMaterials(std::span<const StrandMaterial* const> materials, std::span<Uint4> models,
+                  std::span<Float4> bodies, std::span<Float4> primaries,
+                  std::span<Float4> secondaries, std::span<Float4> fibers) {
+  for (size_t i = 0; i < materials.size(); ++i) {
+    const ShadingParts shading = shadingOf(*materials[i]);
+    uint32_t Uint4::*const parts[4] = {&Uint4::x, &Uint4::y, &Uint4::z, &Uint4::w};
+    models[i / 4].*parts[i % 4] = shading.model;
+    bodies[i] = shading.body;
+    primaries[i] = shading.primary;
+    secondaries[i] = shading.secondary;
+    fibers[i] = shading.fiber;
+  }
+}
+
+uint32_t strandAttributes(const HairBuffers& buffers) {
+  const auto bit = [](BufferId buffer, uint32_t attribute) {
+    return buffer != BufferId::kInvalid ? attribute : 0;
+  };
+  return bit(buffers.strandThickness, render::kHasThickness) |
+         bit(buffers.vertexColors, render::kHasVertexColors) |
+         bit(buffers.baseTexture, render::kHasBaseTexture);
+}
+
+StrandBindings strandBindings(const DrawnView& view, const DrawnHair& hair, size_t material) {
+  const StrandMaterial& m = *hair.material;
+  const DrawnStrands& strands = hair.strands;
+
+  RenderConstants constants = {};
+  const ShadingParts shading = shadingOf(m);
+  constants.shadingModel = shading.model;
+  constants.shadingBody = shading.body;
+  constants.shadingPrimary = shading.primary;
+  constants.shadingSecondary = shading.secondary;
+  constants.shadingFiber = shading.fiber;
+  constants.rootColor = withW(m.rootColor, m.opacity);
+  constants.tipColor = withW(m.tipColor, 1);
+  constants.strandVariation = m.colorVariation;
+  constants.materialIndex = static_cast<uint32_t>(material);
+  constants.renderVertexCount = hair.vertexCount;
+  constants.renderStrandCount = hair.strandCount();
+  constants.renderGuideCount = hair.guideCount;
+  constants.renderTipSeparation = hair.tipSeparation;
+  constants.fiberRadius = m.fiberRadius;
+  constants.tipRadiusRatio = m.tipRadiusRatio;
+  constants.drawnStrands = strands.shown;
+  constants.fadingStrands = strands.fading;
+  constants.strandWidening = strands.widening;
+  constants.textureSize = hair.textureSize;
+  const HairBuffers& buffers = *hair.buffers;
+  constants.strandAttributes = strandAttributes(buffers);
+  constants.evaluatesFollows = hair.evaluatedStrands() > 0 ? 1 : 0;
+
+  const uint64_t guides = hair.guideCount;
+  const uint64_t strandBytes = hair.vertexCount * sizeof(Float4);
+  const uint64_t bytes = (hair.storesFollows ? hair.strandCount() : guides) * strandBytes;
+  const uint64_t evaluated = hair.evaluatedStrands();
+  const BufferRange positions = {buffers.positions, bytes};
+  const BufferRange& roots = hair.roots;
+  // Positions stand in for attributes that the object lacks, and roots for follow strands: they are
+  // bound beside the others, but not read.
+  const auto orPositions = [&](BufferId buffer, uint64_t size) {
+    return buffer != BufferId::kInvalid ? BufferRange{buffer, size} : positions;
+  };
+  const BufferRange follows = {buffers.followHairRecords,
+                               uint64_t{hair.followCount} * sizeof(FollowHairRecord)};
+  return {
+      .posTan = {.renderPositions = positions, .renderTangents = {buffers.tangents, bytes}},
+      .render = {.strandViewConstants = view.constants,
+                 .renderConstants = constants,
+                 .strandThickness = orPositions(buffers.strandThickness,
+                                                uint64_t{hair.strandCount()} * sizeof(float)),
+                 .renderFollowHairRecords = hair.followCount > 0 ? follows : roots,
+                 .renderRoots = roots,
+                 .vertexColors =
+                     orPositions(buffers.vertexColors, guides * hair.vertexCount * sizeof(Uint2)),
+                 .baseTexture = orPositions(
+                     buffers.baseTexture,
+                     (uint64_t{hair.textureSize.x} * hair.textureSize.y + guides) * sizeof(Uint2)),
+                 .shadowWords = {view.shadowWords, view.shadowBytes}},
+      .bytes = 2 * (strands.count - evaluated) * strandBytes +
+               evaluated * sizeof(FollowHairRecord) +
+               (evaluated > 0 ? guides * sizeof(RootTransform) : 0)};
+}
+
+RecordThreads recordThreads(uint64_t records) {
+  constexpr uint32_t kRow = strand_record::kRecordDispatchRow;
+  return {static_cast<uint32_t>(std::min<uint64_t>(records, kRow)),
+          static_cast<uint32_t>((records + kRow - 1) / kRow)};
+}
+
+Result<void> addTransform(const DrawnView& view, const DrawnHair& hair, size_t material,
+                          const BufferRange& records, uint64_t first, PassList& list) {
+  StrandRecordsConstants place = {};
+  place.recordCapacity = static_cast<uint32_t>(records.size / kRecordBytes);
+  place.firstRecord = static_cast<uint32_t>(first);
+  place.objectRecords = static_cast<uint32_t>(hair.drawnVertices());
+  const TransformStrandsKey key = completeKey(TransformStrandsKey{
+      .follows = hair.evaluatedStrands() > 0, .attributes = strandAttributes(*hair.buffers) != 0});
+  const RecordThreads threads = recordThreads(hair.drawnVertices());
+  const StrandBindings bound = strandBindings(view, hair, material);
+  PassBuilder builder(list);
+  builder.dispatch(*transformStrandsVariant(key), threads.x, threads.y).bytes(bound.bytes);
+  return builder.finish(
+      bound.posTan, bound.render,
+      StrandRecordsBindings{.strandRecordsConstants = place, .strandRecords = records});
+}
+
+uint64_t placeRecords(DrawnView& view) {
+  // Each object binds its own part, and devices want offsets that are multiples of up to 256 bytes.
+  constexpr uint64_t kAlignment = 16;
+  static_assert(kAlignment * kRecordBytes % 256 == 0);
+  uint64_t next = 0;
+  for (DrawnHair& hair : view.hairs) {
+    hair.firstRecord = next;
+    next += (hair.drawnVertices() + kAlignment - 1) / kAlignment * kAlignment;
+  }
+  return next * kRecordBytes;
+}
+
+Result<void> addTransforms(const DrawnView& view, PassList& list) {
+  for (size_t i = 0; i < view.hairs.size(); ++i) {
+    const DrawnHair& hair = view.hairs[i];
+    const BufferRange own = {view.records.buffer, hair.drawnVertices() * kRecordBytes,
+                             hair.firstRecord * kRecordBytes};
+    if (Result<void> added = addTransform(view, hair, i, own, 0, list); !added) return added;
+  }
+  return {};
+}
+
+Result<void> addStrandDraw(const DrawnView& view, const DrawnHair& hair, size_t material,
+                           const KernelVariant& pixel, const LayoutBindings& method,
+                           PassList& list) {
+  DrawState into;
+  into.depthWrite = false;
+  into.colorWrite = false;
+  return addDraw(view, hair, material, true, pixel, into, method, list);
+}
+
+Result<void> addStrandDraws(const DrawnView& view, const KernelVariant& pixel,
+                            const LayoutBindings& method, PassList& list) {
+  for (size_t i = 0; i < view.hairs.size(); ++i) {
+    Result<void> added = addStrandDraw(view, view.hairs[i], i, pixel, method, list);
+    if (!added) return added;
+  }
+  return {};
+}
+
+Result<void> addOpaqueDraws(const DrawnView& view, bool stochastic, PassList& list) {
+  const KernelVariant& pixel = strandPixelVariant({.stochastic = stochastic});
+  for (size_t i = 0; i < view.hairs.size(); ++i) {
+    if (Result<void> added =
+            addDraw(view, view.hairs[i], i, false, pixel, DrawState{}, std::nullopt, list);
+        !added)
+      return added;
+  }
+  return {};
+}
+
+}  // namespace pelage::detail

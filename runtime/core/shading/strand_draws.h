@@ -1,0 +1,123 @@
+// Draws of strands: what a view knows of the hair in it, and what every method adds to lists.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "base/bounds.h"
+#include "pelage/bindings.h"
+#include "pelage/constants.h"
+#include "pelage/gpu_structs.h"
+#include "pelage/hair_object.h"
+#include "pelage/pass_list.h"
+#include "pelage/result.h"
+#include "pelage/view.h"
+
+namespace pelage::detail {
+
+/// Strands that are drawn, with HairObject::drawnShare.
+struct DrawnStrands {
+  uint32_t count = 0;  ///< instances of the draw
+  float shown = 0;     ///< strands, as a real number
+  float fading = 0;    ///< of them, the last ones, whose width falls to 0
+  float widening = 1;  ///< of all, so that the sum of widths stays what it is without
+};
+
+/// A hair object as draws take it.
+struct DrawnHair {
+  const StrandMaterial* material = nullptr;
+  const HairBuffers* buffers = nullptr;
+  DrawnStrands strands;
+  uint32_t vertexCount = 0;  ///< a strand, >= 2
+  uint32_t guideCount = 0;
+  uint32_t followCount = 0;
+  bool storesFollows = false;  ///< positions has the follow strands, too
+  float tipSeparation = 1;
+  Uint2 textureSize = {};    ///< texels
+  BufferRange roots;         ///< [2][guide] RootTransform
+  Ball ball;                 ///< around it
+  uint64_t firstRecord = 0;  ///< in DrawnView::records
+
+  uint64_t drawnVertices() const { return uint64_t{strands.count} * vertexCount; }
+  uint32_t strandCount() const { return guideCount + followCount; }
+  /// Strands that a kernel places beside their guides.
+  uint64_t evaluatedStrands() const {
+    return storesFollows || strands.count <= guideCount ? 0 : strands.count - guideCount;
+  }
+};
+
+/// A draw of a view: what was found out once.
+struct DrawnView {
+  const View& view;
+  std::span<const Light> lights;
+  StrandViewConstants constants = {};
+  std::vector<DrawnHair> hairs = {};
+  BufferId shadowWords = BufferId::kInvalid;
+  uint64_t shadowBytes = 0;
+  bool transformsFirst = false;  ///< the vertex stage has no storage buffers: draws take records
+  BufferRange records = {};      ///< of all hairs, where they are transformed first
+};
+
+/// Bytes of a vertex that transform_strands has placed on the screen.
+inline constexpr uint64_t kRecordBytes = strand_record::kRecordWords * sizeof(Uint4);
+
+/// Threads of a dispatch with one for each record.
+struct RecordThreads {
+  uint32_t x = 0, y = 0;
+};
+RecordThreads recordThreads(uint64_t records);
+
+/// Of a view. Errors: worldToClip without an inverse, a viewport of no whole numbers, too many
+/// lights, a light that is not finite.
+Result<StrandViewConstants> viewConstants(const View& view, std::span<const Light> lights);
+/// The ball is in front of all planes of the frustum, or cuts them.
+bool isInFrustum(const View& view, const Ball& ball);
+
+/// Members of StrandShading.
+struct ShadingParts {
+  uint32_t model;
+  Float4 body, primary, secondary, fiber;
+  bool operator==(const ShadingParts&) const = default;
+};
+
+ShadingParts shadingOf(const StrandMaterial& material);
+
+/// Fills the tables of StrandShading, [material]; of its model four in one element.
+void setMaterials(std::span<const StrandMaterial* const> materials, std::span<Uint4> models,
+                  std::span<Float4> bodies, std::span<Float4> primaries,
+                  std::span<Float4> secondaries, std::span<Float4> fibers);
+
+/// Bits of RenderConstants::strandAttributes: render::kHasThickness and others.
+uint32_t strandAttributes(const HairBuffers& buffers);
+
+/// What draws and dispatches over an object's strands read.
+struct StrandBindings {
+  RenderPosTanBindings posTan;
+  RenderBindings render;
+  uint64_t bytes = 0;  ///< that they move
+};
+
+/// \param material index of the object's shading for lists that keep one.
+StrandBindings strandBindings(const DrawnView& view, const DrawnHair& hair, size_t material);
+/// Places an object's vertices on the screen. \param records where they go, \param first of them.
+Result<void> addTransform(const DrawnView& view, const DrawnHair& hair, size_t material,
+                          const BufferRange& records, uint64_t first, PassList& list);
+/// Bytes that all hairs of a view take when they are transformed first; says where each begins.
+uint64_t placeRecords(DrawnView& view);
+/// Transforms all of them into view.records.
+Result<void> addTransforms(const DrawnView& view, PassList& list);
+/// Smooth ribbons of an object into the buffers of a method. \param method its layout's bindings.
+Result<void> addStrandDraw(const DrawnView& view, const DrawnHair& hair, size_t material,
+                           const KernelVariant& pixel, const LayoutBindings& method,
+                           PassList& list);
+/// The same of all objects.
+Result<void> addStrandDraws(const DrawnView& view, const KernelVariant& pixel,
+                            const LayoutBindings& method, PassList& list);
+/// Opaque ribbons of all objects into the target. \param stochastic as many samples as the fiber
+/// covers, or those above a threshold.
+Result<void> addOpaqueDraws(const DrawnView& view, bool stochastic, PassList& list);
+
+}  // namespace pelage::detail

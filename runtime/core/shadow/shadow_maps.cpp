@@ -1,0 +1,268 @@
+#include "shadow/shadow_maps.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <span>
+
+#include "pelage/view.h"
+
+namespace pelage::detail {
+
+namespace {
+
+constexpr const char* kRemade = "its shadow maps were remade by a later draw(); write it again";
+constexpr uint64_t kLeastWords = 4;  // kernels have the buffer bound where no light has a shadow
+constexpr uint64_t kMostWords = std::numeric_limits<uint32_t>::max();
+
+uint64_t wordsOf(const RoomBuffers& room, BufferId buffer) {
+  return room.bytesOf(buffer) / sizeof(uint32_t);
+}
+
+bool isEqual(const StrandShadowView& a, const StrandShadowView& b) {
+  const auto bytesOf = [](const StrandShadowView& view) {
+    return std::as_bytes(std::span(&view, 1));
+  };
+  return std::ranges::equal(bytesOf(a), bytesOf(b));
+}
+
+bool isOfFrame(const std::shared_ptr<ListTicket>& maker, uint64_t frame) {
+  return maker != nullptr && maker->frame == frame && isMade(*maker, frame);
+}
+
+void need(const std::shared_ptr<ListTicket>& reader, const std::shared_ptr<ListTicket>& maker) {
+  std::vector<std::shared_ptr<ListTicket>>& needs = reader->needs;
+  if (maker != reader && std::find(needs.begin(), needs.end(), maker) == needs.end())
+    needs.push_back(maker);
+}
+
+}  // namespace
+
+Result<ShadowPlan> ShadowMaps::check(std::span<const StrandShadowDef> defs,
+                                     std::span<const ShadowedHair> hairs, const RoomBuffers& room,
+                                     uint64_t frame) const {
+  ShadowPlan plan;
+  for (StrandShadowDef def : defs) {
+    def.firstWord = static_cast<uint32_t>(plan.words);
+    const Result<StrandShadowPlan> map = planStrandShadow(def, hairs);
+    if (!map) return map.error();
+    plan.words += map->words;
+    plan.maps.push_back(*map);
+  }
+  if (const Result<Choice> choice = choose(plan, hairs, room, frame); !choice)
+    return choice.error();
+  return plan;
+}
+
+// One of this frame, with the same hair.
+const ShadowMaps::Map* ShadowMaps::findMap(const Bank& bank, const StrandShadowPlan& plan,
+                                           std::span<const ShadowedHair> hairs, uint64_t frame) {
+  for (const Map& map : bank.maps) {
+    if (!isOfFrame(map.maker, frame)) continue;
+    StrandShadowView view = plan.view;
+    view.firstWord = map.view.firstWord;
+    if (isEqual(view, map.view) &&
+        std::equal(hairs.begin(), hairs.end(), map.hairs.begin(), map.hairs.end()))
+      return &map;
+  }
+  return nullptr;
+}
+
+uint64_t ShadowMaps::missingWords(const Bank& bank, const ShadowPlan& plan,
+                                  std::span<const ShadowedHair> hairs, uint64_t frame) {
+  uint64_t words = 0;
+  for (const StrandShadowPlan& map : plan.maps)
+    if (findMap(bank, map, hairs, frame) == nullptr) words += map.words;
+  return words;
+}
+
+Result<ShadowMaps::Choice> ShadowMaps::choose(const ShadowPlan& plan,
+                                              std::span<const ShadowedHair> hairs,
+                                              const RoomBuffers& room, uint64_t frame) const {
+  if (plan.maps.empty()) {
+    if (banks_.empty()) return Choice{.bank = 0, .empties = true, .words = kLeastWords};
+    return Choice{};
+  }
+  size_t bank = banks_.size();
+  for (size_t i = 0; i < banks_.size(); ++i) {
+    if (missingWords(*banks_[i], plan, hairs, frame) == 0) return Choice{.bank = i};
+    if (bank == banks_.size() && banks_[i]->tickets.isFree(frame)) bank = i;
+  }
+  for (size_t i = 0; i < banks_.size(); ++i) {
+    const bool inUse = !banks_[i]->tickets.isFree(frame) ||
+                       std::any_of(banks_[i]->maps.begin(), banks_[i]->maps.end(),
+                                   [&](const Map& map) { return isOfFrame(map.maker, frame); });
+    const uint64_t end = banks_[i]->used + missingWords(*banks_[i], plan, hairs, frame);
+    if (inUse && end <= std::min(wordsOf(room, banks_[i]->words), kMostWords))
+      return Choice{.bank = i};
+  }
+  const Result<uint64_t> words = limit(plan.words, bank, room, frame);
+  if (!words) return words.error();
+  return Choice{.bank = bank, .empties = true, .words = std::max(*words, kLeastWords)};
+}
+
+// What a bank may have beside those that lists still need: `words` at least, and where there is
+// room what keeps the next frame from making maps twice.
+Result<uint64_t> ShadowMaps::limit(uint64_t words, size_t bank, const RoomBuffers& room,
+                                   uint64_t frame) const {
+  uint64_t others = 0;
+  for (size_t i = 0; i < banks_.size(); ++i)
+    if (i != bank && !banks_[i]->tickets.isFree(frame)) others += room.bytesOf(banks_[i]->words);
+  const uint64_t bytes = words * sizeof(uint32_t);
+  if (others + bytes > maxBytes) {
+    return Error{
+        ErrorCode::kInvalidArgument,
+        fmt::format("view: shadow maps take {} bytes{}, but Scene::setShadowMemory() "
+                    "allows {}: use fewer texels or layers",
+                    bytes, others > 0 ? fmt::format(" beside {} of earlier views", others) : "",
+                    maxBytes)};
+  }
+  const uint64_t grown =
+      std::min(std::max(frame != frame_ ? wanted_ : uint64_t{0}, words), kMostWords);
+  return others + grown * sizeof(uint32_t) <= maxBytes ? grown : words;
+}
+
+ShadowMaps::Bank& ShadowMaps::prepare(const Choice& choice, const RoomBuffers& room,
+                                      uint64_t frame) {
+  if (choice.bank == banks_.size()) banks_.push_back(std::make_unique<Bank>());
+  Bank& bank = *banks_[choice.bank];
+  if (!choice.empties) {
+    const bool old = std::none_of(bank.maps.begin(), bank.maps.end(),
+                                  [&](const Map& map) { return isOfFrame(map.maker, frame); });
+    if (old && bank.tickets.isFree(frame)) {
+      bank.maps.clear();
+      bank.used = 0;
+    }
+    return bank;
+  }
+  const bool created = bank.tickets.hasRun();
+  bank.tickets.lose(kRemade);
+  bank.maps.clear();
+  bank.used = 0;
+  // Where it holds what several did, the others are of no use any more.
+  if (choice.words > wordsOf(room, bank.words)) {
+    std::erase_if(banks_, [&](const std::unique_ptr<Bank>& other) {
+      if (other.get() == &bank || !other->tickets.isFree(frame)) return false;
+      other->tickets.lose(kRemade);
+      room.remove(other->words);
+      return true;
+    });
+  }
+  const bool made = room.makeRoom(
+      {bank.words, "shadows/words", choice.words * sizeof(uint32_t), sizeof(uint32_t)}, !created);
+  if (made) bank.tickets.forgetRuns();
+  return bank;
+}
+
+ShadowMaps::Table& ShadowMaps::prepareTable(const std::vector<StrandShadowView>& content,
+                                            bool complete, const RoomBuffers& room,
+                                            uint64_t frame) {
+  Table* free = nullptr;
+  for (const std::unique_ptr<Table>& table : tables_) {
+    const bool equal = complete && isOfFrame(table->maker, frame) &&
+                       std::equal(content.begin(), content.end(), table->content.begin(),
+                                  table->content.end(), isEqual);
+    if (equal || content.empty()) return *table;
+    if (free == nullptr && table->tickets.isFree(frame)) free = table.get();
+  }
+  if (free == nullptr) {
+    tables_.push_back(std::make_unique<Table>());
+    free = tables_.back().get();
+    room.makeRoom({free->views, "shadows/views", kMaxStrandShadows * sizeof(StrandShadowView),
+                   sizeof(StrandShadowView), BufferUsage::kStorage | BufferUsage::kUpload});
+  }
+  free->tickets.lose(kRemade);
+  free->content = content;
+  free->maker = nullptr;
+  return *free;
+}
+
+Result<void> ShadowMaps::record(ShadowPlan& plan, std::span<const ShadowedHair> hairs,
+                                const RoomBuffers& room, uint64_t frame, PassList& list) {
+  const Result<Choice> choice = choose(plan, hairs, room, frame);
+  if (!choice) return choice.error();
+  if (frame != frame_ && !plan.maps.empty()) {
+    wanted_ = 0;
+    frame_ = frame;
+  }
+  if (choice->empties) {
+    for (const std::unique_ptr<Bank>& bank : banks_) {
+      const uint64_t missing = missingWords(*bank, plan, hairs, frame);
+      if (missing < plan.words) wanted_ = std::max(wanted_, bank->used + missing);
+    }
+  }
+  const std::shared_ptr<ListTicket> ticket = ticketOf(list, frame);
+  bank_ = &prepare(*choice, room, frame);
+
+  std::vector<bool> missing;
+  std::vector<StrandShadowView> content;
+  for (StrandShadowPlan& map : plan.maps) {
+    const Map* known = findMap(*bank_, map, hairs, frame);
+    missing.push_back(known == nullptr);
+    if (known != nullptr) {
+      map.view.firstWord = known->view.firstWord;
+      need(ticket, known->maker);
+    } else {
+      map.view.firstWord = static_cast<uint32_t>(bank_->used);
+      bank_->used += map.words;
+      bank_->maps.push_back({map.view, map.words, {hairs.begin(), hairs.end()}, ticket});
+    }
+    content.push_back(map.view);
+  }
+  const bool complete = std::find(missing.begin(), missing.end(), true) == missing.end();
+  table_ = &prepareTable(content, complete, room, frame);
+  words_ = bank_->words;
+  views_ = table_->views;
+  const bool known = complete && table_->maker != nullptr;
+  if (known) need(ticket, table_->maker);
+  for (size_t i = 0; i < plan.maps.size() && !known; ++i) {
+    table_->maker = ticket;
+    StrandShadowBuffers buffers;
+    buffers.views = views_;
+    buffers.viewCount = kMaxStrandShadows;
+    buffers.view = static_cast<uint32_t>(i);
+    buffers.words = words_;
+    buffers.wordCount = wordsOf(room, words_);
+    if (!missing[i]) {
+      addUpload(list, views_, std::as_bytes(std::span(&content[i], 1)),
+                i * sizeof(StrandShadowView));
+    } else if (Result<void> added = addStrandShadow(list, plan.maps[i], buffers, hairs); !added) {
+      return added;
+    }
+  }
+  share({&list, 1}, frame);
+  return {};
+}
+
+void ShadowMaps::share(std::span<PassList> lists, uint64_t frame) {
+  for (PassList& list : lists) {
+    if (list.passes.empty() && list.uploads.empty()) continue;  // nobody has to run it
+    const std::shared_ptr<ListTicket> ticket = ticketOf(list, frame);
+    bank_->tickets.add(ticket);
+    table_->tickets.add(ticket);
+  }
+}
+
+void ShadowMaps::forget() {
+  for (const std::unique_ptr<Bank>& bank : banks_) bank->maps.clear();
+  for (const std::unique_ptr<Table>& table : tables_) table->maker = nullptr;
+}
+
+void ShadowMaps::trim(const RoomBuffers& room, const char* reason) {
+  for (const std::unique_ptr<Bank>& bank : banks_) {
+    bank->tickets.lose(reason);
+    room.remove(bank->words);
+  }
+  for (const std::unique_ptr<Table>& table : tables_) {
+    table->tickets.lose(reason);
+    room.remove(table->views);
+  }
+  banks_.clear();
+  tables_.clear();
+  words_ = views_ = BufferId::kInvalid;
+  bank_ = nullptr;
+  table_ = nullptr;
+}
+
+}  // namespace pelage::detail

@@ -1,0 +1,98 @@
+// Shadow maps of a frame: each light has one map, whatever number of views sees it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "passes/list_ticket.h"
+#include "passes/room_buffers.h"
+#include "pelage/gpu_structs.h"
+#include "pelage/pass_list.h"
+#include "pelage/result.h"
+#include "shadow/strand_shadow.h"
+
+namespace pelage::detail {
+
+/// What the lights of a view take, found out before anything changes.
+struct ShadowPlan {
+  std::vector<StrandShadowPlan> maps;  ///< in the order of the lights; firstWord is not known yet
+  uint64_t words = 0;                  ///< of all of them
+};
+
+class ShadowMaps {
+ public:
+  /// Bytes that the maps of a frame may take.
+  uint64_t maxBytes = uint64_t{1} << 30;
+
+  /// \param defs of the lights of a view that have a map. Errors: those of planStrandShadow(); maps
+  /// that leave no room under maxBytes.
+  Result<ShadowPlan> check(std::span<const StrandShadowDef> defs,
+                           std::span<const ShadowedHair> hairs, const RoomBuffers& room,
+                           uint64_t frame) const;
+  /// Adds the passes of the maps that no list of this frame makes, and the upload of what shaders
+  /// know of them. \param plan of check(); gets the places of the maps.
+  Result<void> record(ShadowPlan& plan, std::span<const ShadowedHair> hairs,
+                      const RoomBuffers& room, uint64_t frame, PassList& list);
+  /// Lists that read the maps of the last record(), besides the one that made them.
+  void share(std::span<PassList> lists, uint64_t frame);
+  /// Hair or the world has changed: no map is used again.
+  void forget();
+  /// Frees all buffers. \param reason why lists that have not run cannot any more.
+  void trim(const RoomBuffers& room, const char* reason);
+
+  /// Of the last record(); kInvalid before it.
+  BufferId words() const { return words_; }
+  BufferId views() const { return views_; }
+
+ private:
+  struct Map {
+    StrandShadowView view;  ///< with its place
+    uint32_t words = 0;
+    std::vector<ShadowedHair> hairs;
+    std::shared_ptr<ListTicket> maker;
+  };
+  /// Maps that are in one buffer.
+  struct Bank {
+    BufferId words = BufferId::kInvalid;
+    uint64_t used = 0;  ///< words
+    std::vector<Map> maps;
+    TicketSet tickets;
+  };
+  /// What shaders know of the maps of a view.
+  struct Table {
+    BufferId views = BufferId::kInvalid;
+    std::vector<StrandShadowView> content;
+    std::shared_ptr<ListTicket> maker;
+    TicketSet tickets;
+  };
+  /// Where a view has its maps.
+  struct Choice {
+    size_t bank = 0;       ///< one behind the last is made
+    bool empties = false;  ///< its maps go
+    uint64_t words = 0;    ///< that it has to have
+  };
+  static const Map* findMap(const Bank& bank, const StrandShadowPlan& plan,
+                            std::span<const ShadowedHair> hairs, uint64_t frame);
+  static uint64_t missingWords(const Bank& bank, const ShadowPlan& plan,
+                               std::span<const ShadowedHair> hairs, uint64_t frame);
+  Result<Choice> choose(const ShadowPlan& plan, std::span<const ShadowedHair> hairs,
+                        const RoomBuffers& room, uint64_t frame) const;
+  Result<uint64_t> limit(uint64_t words, size_t bank, const RoomBuffers& room,
+                         uint64_t frame) const;
+  Bank& prepare(const Choice& choice, const RoomBuffers& room, uint64_t frame);
+  Table& prepareTable(const std::vector<StrandShadowView>& content, bool complete,
+                      const RoomBuffers& room, uint64_t frame);
+
+  std::vector<std::unique_ptr<Bank>> banks_;
+  std::vector<std::unique_ptr<Table>> tables_;
+  BufferId words_ = BufferId::kInvalid, views_ = BufferId::kInvalid;
+  Bank* bank_ = nullptr;  ///< of the last record()
+  Table* table_ = nullptr;
+  uint64_t frame_ = 0;   ///< of the last record()
+  uint64_t wanted_ = 0;  ///< words that would have kept this frame from making a map twice
+};
+
+}  // namespace pelage::detail

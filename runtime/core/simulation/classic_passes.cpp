@@ -1,0 +1,141 @@
+// The passes of the classic solver.
+#include <algorithm>
+#include <cmath>
+
+#include "pelage/bindings.h"
+#include "pelage/constants.h"
+#include "pelage/kernels.h"
+#include "simulation/hair_passes.h"
+#include "simulation/strand_solver.h"
+
+namespace pelage::detail {
+namespace {
+
+// The step that the artist's 0..1 values are defined at [s].
+constexpr double kReferenceStep = 1.0 / 60.0;
+// Stiffness 1 would be an infinite spring.
+constexpr double kMaxGlobalStiffness = 0.9999;
+// Beyond this the local shape's sweeps overshoot; found by sweeping it on curled strands.
+constexpr double kMaxLocalStiffness = 0.95;
+
+// Displacement in a step of t for 1 m/s2 [s2], at the terminal velocity that steps of 1/60 s have.
+double squareOf(double t, double damping) {
+  if (!(damping > 1e-6)) return t * t;
+  return t * kReferenceStep * (1 - std::pow(1 - damping, t / kReferenceStep)) / damping;
+}
+
+// A share s of the way to a goal in 1/60 s as a share for a step of h: a spring of the same
+// frequency, solved implicitly.
+double mapStiffness(double s, double h) {
+  const double ratio = h / kReferenceStep;
+  const double spring = ratio * ratio * s / (1 - s);
+  return spring / (1 + spring);
+}
+
+}  // namespace
+
+// What does not depend on the step.
+SimulationConstants StrandSolver::classicConstants(const HairFrame& frame) const {
+  const SimulationSettings& s = frame.settings;
+  const double h = static_cast<double>(frame.length) / frame.steps;
+  // Forces are found for steps of 1/60 s or more, and shorter steps take a share of them.
+  const double forceStep = std::max(h, kReferenceStep);
+  const double damping = static_cast<double>(s.damping);
+
+  SimulationConstants constants = frame.constants();
+  constants.gravity = {s.gravity.x, s.gravity.y, s.gravity.z, 0};
+  const Float3 wind = frame.air.velocity;
+  constants.wind = {wind.x, wind.y, wind.z, s.airDrag};
+  const Float3 gust0 = frame.air.gust0, gust1 = frame.air.gust1;
+  constants.gust0 = {gust0.x, gust0.y, gust0.z, s.wind.strandVariation};
+  constants.gust1 = {gust1.x, gust1.y, gust1.z, 0};
+  constants.factorSet = restSets_.factors ? 2 : 0;
+  constants.timeStep = static_cast<float>(h);
+  constants.dampingKeep = static_cast<float>(std::pow(1 - damping, forceStep / kReferenceStep));
+  constants.gravityStep = static_cast<float>(squareOf(forceStep, damping));
+  constants.forceShare = static_cast<float>(squareOf(h, damping) / squareOf(forceStep, damping));
+  constants.localStiffness = static_cast<float>(
+      mapStiffness(std::min(static_cast<double>(s.localStiffness), kMaxLocalStiffness), forceStep));
+  if (usesTargets(s)) {
+    constants.globalStiffness = static_cast<float>(mapStiffness(
+        std::min(static_cast<double>(s.globalStiffness), kMaxGlobalStiffness), forceStep));
+  }
+  constants.globalRange = s.globalRange;
+  constants.vspCoefficient = s.vspCoefficient;
+  constants.vspThreshold = s.vspThreshold;
+  constants.maxSpeed = s.maxSpeed;
+  constants.localIterations = s.localStiffness > 0 ? s.localIterations : 0;
+  constants.lengthIterations = s.lengthIterations;
+
+  constants.contactMasks = frame.contacts.masks();
+  constants.contactMaskWords = frame.contacts.maskWords();
+  // Still air does not drag.
+  if (isZero(s.wind.velocity)) constants.wind.w = 0;
+  return constants;
+}
+
+Result<void> StrandSolver::addClassicPasses(const HairFrame& frame) {
+  const HairBuffers& buffers = frame.buffers;
+  const uint64_t guides = frame.guideCount;
+  const uint64_t vertices = guides * frame.vertexCount;
+  SimulationConstants constants = classicConstants(frame);
+  SimulateClassicKey key;
+  key.contacts = frame.hasContacts;
+  key.forces = frame.forces != BufferId::kInvalid;
+  const KernelVariant& variant = simulateClassicVariant(key);
+  const auto steps = static_cast<float>(frame.steps);
+  for (uint32_t step = 0; step < frame.steps; ++step) {
+    constants.flags = 0;
+    if (step == 0 && frame.reset) constants.flags |= simulation::kResetFlag;
+    if (step == 0 && !isZero(frame.rebase)) constants.flags |= simulation::kRebaseFlag;
+    constants.rootBegin = static_cast<float>(step) / steps;
+    constants.rootEnd = static_cast<float>(step + 1) / steps;
+    constants.timeStepRatio = lastStep_ > 0 ? constants.timeStep / lastStep_ : 1.0f;
+    lastStep_ = constants.timeStep;
+    if (frame.hasContacts) {
+      if (Result<void> found = findContacts(frame, step, frame.steps, false); !found) return found;
+    }
+    PassBuilder builder(frame.list);
+    // State read and written twice each, rest data, positions and tangents.
+    builder.dispatch(variant, frame.guideCount)
+        .bytes(8 * vertices * kVector + 2 * guides * sizeof(RootTransform));
+    if (Result<void> added = builder.finish(
+            SimPosTanBindings{
+                .positions = {buffers.positions, vertices * kVector},
+                .tangents = {buffers.tangents, vertices * kVector},
+            },
+            SimBindings{
+                .simulationConstants = constants,
+                .rest = {buffers.rest, (restSets_.factors ? 3 : 2) * vertices * kVector},
+                .contacts = {frame.contacts.records(), frame.contacts.recordBytes()},
+                .strandForces = {frame.forces, vertices * kVector},
+                .contactWords = {frame.contacts.words(), frame.contacts.wordBytes()},
+                .state = frame.room.resources.whole(buffers.state),
+            });
+        !added)
+      return added;
+  }
+  return {};
+}
+
+// Positions from the state, after a shift of the world.
+Result<void> StrandSolver::rewriteClassic(const HairFrame& frame) const {
+  const HairBuffers& buffers = frame.buffers;
+  const uint64_t vertices = uint64_t{frame.guideCount} * frame.vertexCount;
+  SimulationConstants constants = frame.constants();
+  const Float3 origin = frame.stateOrigin.world();
+  constants.origin = {origin.x, origin.y, origin.z, 0};
+  PassBuilder builder(frame.list);
+  dispatchRows(builder, rewriteClassicPositionsVariant({}), vertices);
+  builder.bytes(3 * vertices * kVector);
+  return builder.finish(
+      SimPosTanBindings{
+          .positions = {buffers.positions, vertices * kVector},
+      },
+      SimBindings{
+          .simulationConstants = constants,
+          .state = frame.room.resources.whole(buffers.state),
+      });
+}
+
+}  // namespace pelage::detail

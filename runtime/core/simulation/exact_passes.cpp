@@ -1,0 +1,271 @@
+// The passes of the exact solver.
+#include <algorithm>
+#include <cmath>
+
+#include "pelage/bindings.h"
+#include "pelage/constants.h"
+#include "pelage/kernels.h"
+#include "simulation/hair_passes.h"
+#include "simulation/strand_solver.h"
+
+namespace pelage::detail {
+
+using exact::kSleepHead;
+
+namespace {
+
+// A change of the level of detail over all guides takes this long [s]; and the share of them, one
+// in so many, that fade.
+constexpr double kLevelOfDetailSeconds = 0.25;
+constexpr uint32_t kFadingShare = 8;
+// Tiles that an indirect dispatch can list.
+constexpr uint32_t kMaxListedTiles = 65535;
+
+// Of those that are simulated, how many take on more and more of the shape of another one.
+uint32_t fadingGuides(uint32_t guides, uint32_t simulated) {
+  return std::min({guides / kFadingShare, guides - simulated, std::max(simulated, 1u) - 1});
+}
+
+// Kernels of shock propagation want it where either of its parameters acts.
+bool usesShockPropagation(const SimulationSettings& s) {
+  return s.vspCoefficient > 0 || std::isfinite(s.vspThreshold);
+}
+
+}  // namespace
+
+ExactConstants StrandSolver::exactConstants(const HairFrame& frame) const {
+  const Float3 origin = frame.origin.world();
+  ExactConstants constants = {};
+  constants.origin = {origin.x, origin.y, origin.z, 0};
+  constants.rebase = {frame.rebase.x, frame.rebase.y, frame.rebase.z, 0};
+  constants.strandCount = frame.guideCount;
+  constants.stateStride = stateStride_;
+  constants.strandRecords = restSets_.count() * stateStride_;
+  constants.rootCount = frame.guideCount;
+  constants.outputCount = frame.guideCount * frame.vertexCount;
+  constants.outputVertices = frame.vertexCount;
+  constants.colliderCount = frame.colliders.capsuleCount;
+  constants.slot = slot_;
+  constants.simulatedCount = simulatedCount_;
+  constants.fadeStart = simulatedCount_ - fadingGuides(frame.guideCount, simulatedCount_);
+  return constants;
+}
+
+// The tiles that sleep in this frame; nothing where all are awake for sure.
+Result<void> StrandSolver::addSleepPass(HairFrame& frame, ExactConstants constants) {
+  const SimulationSettings& s = frame.settings;
+  const HairBuffers& buffers = frame.buffers;
+  const uint64_t tiles = tileCount(frame.guideCount);
+  const bool gusts = !isZero(s.wind.velocity) && s.wind.gustStrength > 0 && s.damping > 0;
+  const bool forced = frame.forces != BufferId::kInvalid;
+  const bool refined = simulatedCount_ != simulatedBefore_;
+  simulatedBefore_ = simulatedCount_;
+  frame.sleeps = s.sleep.enabled && !gusts && !forced && tiles <= kMaxListedTiles;
+  const bool wake = frame.reset || !isZero(frame.rebase) || !sleptBefore_ || refined ||
+                    frame.collidersReplaced || s != settingsBefore_;
+  sleptBefore_ = frame.sleeps;
+  if (!frame.sleeps) return {};
+
+  const KernelVariant& follow = updateFollowHairsVariant({});
+  const auto groups = [](uint32_t threads, uint32_t size) { return (threads + size - 1) / size; };
+  const uint32_t followGroups = frame.groom.storesFollowHairs
+                                    ? groups(followThreads(frame.followCount), follow.groupSize[0])
+                                    : 0;
+  uint32_t head[kSleepHead] = {};
+  const auto set = [&](uint32_t arguments, uint32_t x, uint32_t y) {
+    head[arguments] = x;
+    head[arguments + 1] = y;
+    head[arguments + 2] = 1;
+  };
+  set(exact::kSleepSolveArguments, 0, 1);
+  set(exact::kSleepFollowArguments, followsShifted_ ? followGroups : 0,
+      groups(frame.vertexCount, follow.groupSize[1]));
+  set(exact::kSleepFindArguments, 0, frame.contacts.rows());
+  addUpload(frame.list, buffers.sleep, std::as_bytes(std::span(head)));
+  constants.flags = wake ? exact::kWakeAllFlag : 0;
+  constants.rootBegin = 0;
+  constants.rootEnd = 1;
+  constants.slot = slot_;
+  constants.followGroups = followGroups;
+  PassBuilder builder(frame.list);
+  const auto columns = static_cast<uint32_t>(std::min<uint64_t>(tiles, dispatch::kRowGroups));
+  const auto rows =
+      static_cast<uint32_t>((tiles + dispatch::kRowGroups - 1) / dispatch::kRowGroups);
+  builder.dispatch(selectAwakeTilesVariant({}), columns * exact::kTileStrands, rows);
+  return finishExactPass(frame, builder, constants,
+                         frame.guideCount * sizeof(uint32_t) + tiles * 2 * sizeof(uint32_t));
+}
+
+// What does not depend on the step.
+ExactConstants StrandSolver::frameConstants(const HairFrame& frame) const {
+  const SimulationSettings& s = frame.settings;
+  const uint32_t steps = frame.steps * s.subSteps;
+  ExactConstants constants = exactConstants(frame);
+  constants.frameTime = frame.length;
+  constants.frameTimeBefore = frame.reset || !(lastFrame_ > 0) ? frame.length : lastFrame_;
+  constants.parameterSet = restSets_.factors ? restSets_.count() - 1 : 0;
+  constants.restSpeed = s.sleep.speed;
+  constants.restTime = s.sleep.time;
+  constants.wakeDistance = s.sleep.wakeDistance;
+  constants.slotsBack = (exact::kStateSlots - steps % exact::kStateSlots) % exact::kStateSlots;
+  return constants;
+}
+
+Result<void> StrandSolver::addExactPasses(HairFrame& frame, HairGrid& grid,
+                                          const GridHair& gridHair) {
+  const SimulationSettings& s = frame.settings;
+  const uint32_t steps = frame.steps * s.subSteps;
+  const double h = static_cast<double>(frame.length) / steps;
+  ExactConstants constants = frameConstants(frame);
+  const uint32_t countBefore = simulatedCount_;
+  setLevelOfDetail(frame, constants);
+  if (Result<void> added = addSleepPass(frame, constants); !added) return added;
+  if (countBefore > 0 && simulatedCount_ > countBefore && !frame.reset) {
+    ExactConstants restart = constants;
+    restart.flags = exact::kRestartFlag;
+    restart.restartFrom = countBefore;
+    restart.slot = slot_;
+    const Result<void> added = addInterpolationPass(frame, restart, simulatedCount_ - countBefore);
+    if (!added) return added;
+  }
+  if (frame.reset) history_ = {};
+  constants.contactList = frame.contacts.list();
+  constants.contactMasks = frame.contacts.masks();
+  constants.contactMaskWords = frame.contacts.maskWords();
+  for (uint32_t step = 0; step < steps; ++step) {
+    if (step % s.subSteps == 0) {
+      const Result<void> added =
+          grid.record(gridHair, h * s.subSteps, step == 0 && frame.reset, frame.list);
+      if (!added) return added;
+    }
+    setExactStep(constants, s, h, history_, frame.air);
+    constants.rootBegin = static_cast<float>(step) / static_cast<float>(steps);
+    constants.rootEnd = static_cast<float>(step + 1) / static_cast<float>(steps);
+    constants.flags = step + 1 == steps ? exact::kLastFlag : 0;
+    if (frame.sleeps) constants.flags |= exact::kSleepFlag;
+    if (constants.rotationRatio != 1) constants.flags |= exact::kChangedFlag;
+    if (step == 0 && frame.reset) constants.flags |= exact::kResetFlag;
+    if (step == 0 && !isZero(frame.rebase)) constants.flags |= exact::kRebaseFlag;
+    constants.slot = slot_;
+    slot_ = (slot_ + 1) % exact::kStateSlots;
+    constants.contactHead = frame.contacts.head(step);
+    if (Result<void> added = addExactStep(frame, constants, step); !added) return added;
+  }
+  if (constants.fadeStart == frame.guideCount) return {};
+  constants.flags = 0;
+  constants.rootBegin = 0;
+  constants.rootEnd = 1;
+  constants.slot = slot_;
+  return addInterpolationPass(frame, constants, frame.guideCount - constants.fadeStart);
+}
+
+// A sub-step, with the contacts that it is solved with.
+Result<void> StrandSolver::addExactStep(const HairFrame& frame, const ExactConstants& constants,
+                                        uint32_t step) const {
+  const uint32_t steps = frame.steps * frame.settings.subSteps;
+  const uint64_t bytes = uint64_t{simulatedCount_} * frame.vertexCount * kExactBytesAVertex;
+  SimulateExactKey key;
+  key.globalShape = restSets_.targets;
+  key.forces = frame.forces != BufferId::kInvalid;
+  key.contacts = frame.hasContacts;
+  key.velocityShockPropagation = usesShockPropagation(frame.settings);
+  const KernelVariant& variant = *simulateExactVariant(completeKey(key));
+  PassBuilder builder(frame.list);
+  const auto solve = [&](const ExactConstants& values) {
+    if (frame.sleeps)
+      builder.dispatchIndirect(variant, frame.buffers.sleep);
+    else
+      dispatchRows(builder, variant, simulatedCount_);
+    return finishExactPass(frame, builder, values, bytes);
+  };
+  if (frame.hasContacts && step == 0 && frame.reset) {
+    // The positions are those of the frame before.
+    ExactConstants pose = constants;
+    pose.flags |= exact::kPoseFlag;
+    if (Result<void> added = solve(pose); !added) return added;
+  }
+  if (frame.hasContacts) {
+    if (Result<void> found = findContacts(frame, step, steps, false); !found) return found;
+  }
+  if (Result<void> added = solve(constants); !added || !frame.hasContacts) return added;
+  // Where a vertex ended far from where its contact was found.
+  if (Result<void> found = findContacts(frame, step, steps, true); !found) return found;
+  ExactConstants again = constants;
+  again.flags = (constants.flags & ~(exact::kResetFlag | exact::kRebaseFlag)) | exact::kAgainFlag;
+  builder.dispatchIndirect(variant, frame.contacts.words(), frame.contacts.solveArguments(step));
+  return finishExactPass(frame, builder, again, bytes);
+}
+
+// Adds a pass of the group "exact".
+// \param bytes that it moves
+Result<void> StrandSolver::finishExactPass(const HairFrame& frame, PassBuilder& builder,
+                                           const ExactConstants& constants, uint64_t bytes) const {
+  const HairBuffers& buffers = frame.buffers;
+  const uint64_t guides = frame.guideCount;
+  const uint64_t vertices = guides * frame.vertexCount;
+  const BufferRange rest = frame.room.resources.whole(buffers.rest);
+  const BufferRange colliders = frame.room.resources.whole(buffers.colliders);
+  builder.bytes(bytes);
+  return builder.finish(
+      ExactPosTanBindings{
+          .positions = {buffers.positions, vertices * kVector},
+          .tangents = {buffers.tangents, vertices * kVector},
+      },
+      ExactBindings{
+          .exactConstants = constants,
+          .rest = rest,
+          // A stand-in that is not read, where there are no colliders.
+          .exactColliders = colliders.isBound() ? colliders : rest,
+          .forces = {frame.forces, vertices * kVector},
+          .lodParents = {buffers.lodParents, guides * sizeof(uint32_t)},
+          .state = frame.room.resources.whole(buffers.state),
+          .sleep = {buffers.sleep, sleepWordCount(guides) * sizeof(uint32_t)},
+          .contacts = {frame.contacts.records(), frame.contacts.bufferBytes()},
+          .contactWords = {frame.contacts.words(), frame.contacts.wordBytes()},
+      });
+}
+
+// How many guides are simulated in this frame, and from which one on they fade.
+void StrandSolver::setLevelOfDetail(const HairFrame& frame, ExactConstants& constants) {
+  const uint32_t guides = frame.guideCount;
+  const float share = frame.simulatedShare;
+  const auto wanted =
+      std::clamp(static_cast<uint32_t>(std::ceil(static_cast<double>(share) * guides)), 1u, guides);
+  const auto most = static_cast<uint32_t>(
+      std::ceil(guides * static_cast<double>(frame.length) / kLevelOfDetailSeconds));
+  uint32_t& count = simulatedCount_;
+  if (count == 0 || frame.reset)
+    count = wanted;
+  else if (wanted < count)
+    count -= std::min(count - wanted, most);
+  else if (isZero(frame.rebase))  // new states are relative to the new origin already
+    count += std::min(wanted - count, most);
+  constants.simulatedCount = count;
+  constants.fadeStart = count - fadingGuides(guides, count);
+}
+
+Result<void> StrandSolver::addInterpolationPass(const HairFrame& frame,
+                                                const ExactConstants& constants,
+                                                uint32_t strands) const {
+  PassBuilder builder(frame.list);
+  builder.dispatch(interpolateGuidesVariant({}), strands);
+  return finishExactPass(frame, builder, constants,
+                         uint64_t{strands} * frame.vertexCount * 5 * kVector);
+}
+
+// Positions from the state, after a shift of the world.
+Result<void> StrandSolver::rewriteExact(const HairFrame& frame) const {
+  const uint32_t guides = frame.guideCount;
+  ExactConstants constants = exactConstants(frame);
+  const Float3 origin = frame.stateOrigin.world();
+  constants.origin = {origin.x, origin.y, origin.z, 0};
+  constants.rootEnd = 1;  // of the last frame
+  PassBuilder builder(frame.list);
+  dispatchRows(builder, rewriteExactPositionsVariant({}), constants.simulatedCount);
+  const uint64_t bytes = uint64_t{constants.simulatedCount} * frame.vertexCount * 4 * kVector;
+  if (Result<void> added = finishExactPass(frame, builder, constants, bytes); !added) return added;
+  if (constants.fadeStart == guides) return {};
+  return addInterpolationPass(frame, constants, guides - constants.fadeStart);
+}
+
+}  // namespace pelage::detail

@@ -1,0 +1,130 @@
+#include "simulation/hair_passes.h"
+
+#include <algorithm>
+
+#include "pelage/bindings.h"
+#include "pelage/constants.h"
+#include "pelage/kernels.h"
+#include "skinning/skeleton_pose.h"
+
+namespace pelage::detail {
+
+namespace {
+
+constexpr uint32_t kFollowsAThread = simulation::kStrandsAThread;
+
+}  // namespace
+
+SimulationConstants HairFrame::constants() const {
+  const Float3 from = origin.world();
+  SimulationConstants constants = {};
+  constants.origin = {from.x, from.y, from.z, 0};
+  constants.rebase = {rebase.x, rebase.y, rebase.z, 0};
+  constants.guideCount = guideCount;
+  constants.followCount = groom.storesFollowHairs ? followCount : 0;
+  constants.vertexCount = vertexCount;
+  constants.boneCount = boneCount;
+  constants.timeStepRatio = 1;
+  constants.rootBegin = 0;
+  constants.rootEnd = 1;
+  constants.tipSeparation = settings.tipSeparation;
+  constants.flags = reset ? simulation::kResetFlag : 0;
+  return constants;
+}
+
+uint32_t followThreads(uint32_t strands) {
+  return (strands + kFollowsAThread - 1) / kFollowsAThread;
+}
+
+uint64_t maxStoredFollows() {
+  return kMaxGroups * updateFollowHairsVariant({}).groupSize[0] * kFollowsAThread;
+}
+
+void dispatchRows(PassBuilder& builder, const KernelVariant& variant, uint64_t threads) {
+  constexpr uint64_t kRow = dispatch::kRowThreads;
+  builder.dispatch(variant, static_cast<uint32_t>(std::min(threads, kRow)),
+                   static_cast<uint32_t>((threads + kRow - 1) / kRow));
+}
+
+Result<void> addRootPass(const HairFrame& frame, SkinningMethod skinning) {
+  const HairBuffers& buffers = frame.buffers;
+  const uint64_t guides = frame.guideCount;
+  SimulationConstants constants = frame.constants();
+  if (skinning == SkinningMethod::kDualQuaternions)
+    constants.flags |= simulation::kDualQuaternionsFlag;
+  PassBuilder builder(frame.list);
+  builder.dispatch(skinRootsVariant(), frame.guideCount)
+      .bytes(guides * (sizeof(RootBinding) + kVector + 3 * sizeof(RootTransform)));
+  return builder.finish(SimBindings{
+      .simulationConstants = constants,
+      .rest = {buffers.bindRoots, guides * kVector},
+      .boneTransforms = {buffers.boneTransforms, rowsOf(skinning) * frame.boneCount * kVector},
+      .rootBindings = {buffers.rootBindings, guides * sizeof(RootBinding)},
+      .rootTransforms = frame.roots,
+  });
+}
+
+Result<void> addFollowPass(const HairFrame& frame) {
+  if (!frame.groom.storesFollowHairs) return {};
+  const HairBuffers& buffers = frame.buffers;
+  const uint64_t guides = frame.guideCount;
+  const uint64_t follows = frame.followCount;
+  const uint64_t vertices = frame.vertexCount;
+  SimulationConstants constants = frame.constants();
+  constants.flags = 0;
+  PassBuilder builder(frame.list);
+  if (frame.sleeps)
+    builder.dispatchIndirect(updateFollowHairsVariant({}), buffers.sleep, kFollowArguments);
+  else
+    builder.dispatch(updateFollowHairsVariant({}), followThreads(frame.followCount),
+                     frame.vertexCount);
+  builder.bytes(follows * (sizeof(FollowHairRecord) + 3 * vertices * kVector));
+  return builder.finish(
+      SimPosTanBindings{
+          .positions = {buffers.positions, (guides + follows) * vertices * kVector},
+          .tangents = {buffers.tangents, (guides + follows) * vertices * kVector},
+      },
+      SimBindings{
+          .simulationConstants = constants,
+          .rest = {buffers.bindRoots, guides * kVector},
+          .followHairRecords = {buffers.followHairRecords, follows * sizeof(FollowHairRecord)},
+          .rootTransforms = frame.roots,
+      });
+}
+
+Result<void> addFollowCollision(const HairFrame& frame, FollowContacts& contacts) {
+  const bool known = contacts.goesOn() && !frame.reset;
+  contacts.forget();
+  if (!frame.groom.collidesFollowHairs || !frame.colliders.any()) return {};
+  if (!contacts.isPrepared()) {
+    contacts.prepare(frame.room.resources, frame.name, frame.followCount, frame.vertexCount);
+    frame.buffers.followBefore = contacts.before();
+    frame.buffers.followContactWords = contacts.words();
+  }
+  FollowHairs hairs = {.positions = frame.buffers.positions,
+                       .tangents = frame.buffers.tangents,
+                       .first = frame.guideCount,
+                       .origin = frame.origin.world()};
+  if (frame.sleeps) {
+    hairs.awake = frame.buffers.sleep;
+    hairs.argumentBytes = kFollowArguments;
+  }
+  return contacts.add(frame.list, frame.room.resources, hairs, frame.colliders, known);
+}
+
+Result<void> addShift(const HairFrame& frame, Float3 by, BufferId buffer, uint64_t first,
+                      uint64_t count) {
+  ShiftPositionsConstants constants = {};
+  constants.shift = {by.x, by.y, by.z, 0};
+  constants.shiftedFirst = static_cast<uint32_t>(first);
+  constants.shiftedCount = static_cast<uint32_t>(count);
+  PassBuilder builder(frame.list);
+  dispatchRows(builder, shiftPositionsVariant({}), count);
+  builder.bytes(2 * count * kVector);
+  return builder.finish(ShiftPositionsBindings{
+      .shiftPositionsConstants = constants,
+      .shiftedPositions = {buffer, (first + count) * kVector},
+  });
+}
+
+}  // namespace pelage::detail

@@ -1,0 +1,34 @@
+// The passes around a solver: roots before it, stored follow hairs after it, and shifts.
+#pragma once
+
+#include <cstdint>
+
+#include "contact/follow_contacts.h"
+#include "pelage/kernel.h"
+#include "pelage/result.h"
+#include "simulation/hair_frame.h"
+
+namespace pelage::detail {
+
+/// Groups along an axis of a dispatch that every device takes.
+inline constexpr uint64_t kMaxGroups = 65535;
+/// Threads in x of update_follow_hairs.
+uint32_t followThreads(uint32_t strands);
+/// Most follow hairs that one dispatch places.
+uint64_t maxStoredFollows();
+/// Where g_sleep has the groups of the follow strands [bytes].
+inline constexpr uint64_t kFollowArguments = exact::kSleepFollowArguments * sizeof(uint32_t);
+
+/// Threads in x and y of a dispatch in rows.
+void dispatchRows(PassBuilder& builder, const KernelVariant& variant, uint64_t threads);
+/// Puts the roots where the bones are.
+Result<void> addRootPass(const HairFrame& frame, SkinningMethod skinning);
+/// Places stored follow hairs beside their guides.
+Result<void> addFollowPass(const HairFrame& frame);
+/// Moves stored follow hairs out of colliders.
+Result<void> addFollowCollision(const HairFrame& frame, FollowContacts& contacts);
+/// Moves Float4 of a buffer by a shift of the world [m].
+Result<void> addShift(const HairFrame& frame, Float3 by, BufferId buffer, uint64_t first,
+                      uint64_t count);
+
+}  // namespace pelage::detail

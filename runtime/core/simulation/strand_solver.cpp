@@ -1,0 +1,177 @@
+#include "simulation/strand_solver.h"
+
+#include <utility>
+#include <vector>
+
+#include "pelage/assert.h"
+#include "pelage/constants.h"
+#include "pelage/kernels.h"
+#include "pelage/scene.h"
+
+namespace pelage::detail {
+
+namespace {
+
+/// Where g_sleep has the groups of find_contacts [bytes].
+constexpr uint64_t kFindArguments = exact::kSleepFindArguments * sizeof(uint32_t);
+
+}  // namespace
+
+void StrandSolver::remove(HairBuffers& buffers, const RoomBuffers& room) {
+  for (BufferId* buffer : {&buffers.state, &buffers.rest, &buffers.sleep, &buffers.lodParents})
+    room.remove(*buffer);
+  solver_.reset();
+}
+
+bool StrandSolver::prepare(const HairFrame& frame) {
+  const Groom& groom = frame.groom;
+  const SimulationSettings& s = frame.settings;
+  const bool exact = s.solver == Solver::kExact;
+  const bool other = solver_ != s.solver;
+  if (other) {
+    remove(frame.buffers, frame.room);
+    frame.contacts.remove(frame.room);
+    frame.buffers.contacts = frame.buffers.contactWords = BufferId::kInvalid;
+    solver_ = s.solver;
+    if (exact)
+      makeExactBuffers(frame);
+    else
+      makeClassicBuffers(frame);
+  }
+  const RestSets sets = {.targets = exact && (usesTargets(s) || groom.heldVertices),
+                         .factors = !groom.strandFactors.empty() || s.curves != ParameterCurves{},
+                         .strands = groom.strandFactors,
+                         .curves = s.curves};
+  if (frame.buffers.rest == BufferId::kInvalid || !(sets == restSets_)) makeRest(frame, sets);
+  return other;
+}
+
+void StrandSolver::makeClassicBuffers(const HairFrame& frame) {
+  const uint64_t vertices = frame.guideVertices();
+  static_assert(simulation::kRootAlignment == exact::kRootAlignment);
+  makeState(frame, kClassicStateSets * vertices);
+}
+
+// The state, and behind it the roots, which other rooms bind alone.
+void StrandSolver::makeState(const HairFrame& frame, uint64_t elements) {
+  constexpr uint64_t kAlignment = exact::kRootAlignment;
+  static_assert(kAlignment * kVector % 256 == 0, "devices ask for offsets of up to 256 bytes");
+  rootOffset_ = (elements + kAlignment - 1) / kAlignment * kAlignment * kVector;
+  rootBytes_ = kRootTransformSets * frame.guideCount * sizeof(RootTransform);
+  frame.buffers.state =
+      frame.room.add(frame.name + "/state", (rootOffset_ + rootBytes_) / kVector, kVector);
+}
+
+void StrandSolver::makeExactBuffers(const HairFrame& frame) {
+  const HairAsset& asset = *frame.groom.asset;
+  const ExactStrands strands = packExactStrands(asset, frame.groom.levelOfDetail);
+  stateStride_ = strands.stateStride;
+  slot_ = 0;
+  const auto add = [&](const char* what, uint64_t count, uint32_t stride,
+                       BufferUsage usage = BufferUsage::kStorage) {
+    return frame.room.add(frame.name + "/" + what, count, stride, {}, usage);
+  };
+  HairBuffers& buffers = frame.buffers;
+  makeState(frame, exactStateCount(stateStride_, asset.strandCount));
+  if (frame.groom.levelOfDetail) {
+    const std::vector<uint32_t> parents = nearStrandsBefore(asset, strands);
+    buffers.lodParents =
+        frame.room.share(frame.name, "lodParents", sizeof(uint32_t), bytesOf(parents));
+  }
+  simulatedCount_ = 0;
+  buffers.sleep = add("sleep", sleepWordCount(frame.guideCount), sizeof(uint32_t),
+                      BufferUsage::kStorage | BufferUsage::kIndirect | BufferUsage::kUpload |
+                          BufferUsage::kReadback);
+  sleptBefore_ = false;
+}
+
+void StrandSolver::makeRest(const HairFrame& frame, const RestSets& sets) {
+  const HairAsset& asset = *frame.groom.asset;
+  restSets_ = sets;
+  frame.room.remove(frame.buffers.rest);
+  std::vector<Float4> rest;
+  if (frame.settings.solver == Solver::kExact) {
+    rest = packExactRest(asset, packExactStrands(asset, frame.groom.levelOfDetail), sets);
+  } else {
+    Result<std::vector<Float4>> packed = packRest(asset);
+    PELAGE_ASSERT(packed, "addHair() takes processed assets only");
+    rest = std::move(*packed);
+    if (sets.factors) {
+      const std::vector<Float4> factors = packClassicFactors(asset, sets);
+      rest.insert(rest.end(), factors.begin(), factors.end());
+    }
+  }
+  frame.buffers.rest = frame.room.share(frame.name, "rest", kVector, bytesOf(rest));
+}
+
+void StrandSolver::prepareContacts(HairFrame& frame) const {
+  HairContacts& contacts = frame.contacts;
+  const bool exact = frame.settings.solver == Solver::kExact;
+  const uint32_t subSteps = exact ? frame.settings.subSteps : 1;
+  // A reset of the classic solver takes the goals, and moves nothing.
+  frame.hasContacts = (exact || !frame.reset) && frame.colliders.any();
+  if (frame.reset || !frame.hasContacts) contacts.forget();
+  if (!frame.hasContacts) {
+    contacts.clearTotals(frame.list);
+    return;
+  }
+  if (!contacts.isPrepared(frame.steps * subSteps)) {
+    contacts.remove(frame.room);
+    std::vector<ContactStrand> strands;
+    if (exact) {
+      for (const ExactStrand& s :
+           packExactStrands(*frame.groom.asset, frame.groom.levelOfDetail).strands)
+        strands.push_back({.target = s.target, .count = s.count, .root = s.root, .pad0 = 0});
+    } else {
+      for (uint32_t guide = 0; guide < frame.guideCount; ++guide)
+        strands.push_back({.target = guide * frame.vertexCount,
+                           .count = frame.vertexCount,
+                           .root = guide,
+                           .pad0 = 0});
+    }
+    contacts.prepare(frame.room.resources, frame.name, strands, frame.vertexCount,
+                     frame.guideVertices(), Scene::kMaxSubSteps * subSteps);
+    frame.buffers.contacts = contacts.records();
+    frame.buffers.contactWords = contacts.words();
+  }
+  contacts.begin(frame.list);
+}
+
+Result<void> StrandSolver::findContacts(const HairFrame& frame, uint32_t step, uint32_t steps,
+                                        bool again) const {
+  const HairBuffers& buffers = frame.buffers;
+  const bool exact = frame.settings.solver == Solver::kExact;
+  const AwakeTiles awake = {.buffer = exact ? buffers.sleep : buffers.state,
+                            .listed = frame.sleeps,
+                            .firstWord = exact::kSleepHead,
+                            .argumentBytes = kFindArguments};
+  const ContactStep part = {.index = step,
+                            .begin = static_cast<float>(step) / static_cast<float>(steps),
+                            .end = static_cast<float>(step + 1) / static_cast<float>(steps),
+                            .length = frame.length / static_cast<float>(steps),
+                            .gravity = frame.settings.gravity,
+                            .again = again};
+  const ContactHair hair = {.positions = buffers.positions,
+                            .roots = rootTransforms(buffers),
+                            .rootCount = frame.guideCount,
+                            .strands = exact ? simulatedCount_ : frame.guideCount,
+                            .origin = frame.origin};
+  return frame.contacts.find(frame.list, frame.room.resources, hair, frame.colliders, awake, part);
+}
+
+Result<void> StrandSolver::record(HairFrame& frame, HairGrid& grid, const GridHair& gridHair) {
+  const Result<void> added = frame.settings.solver == Solver::kExact
+                                 ? addExactPasses(frame, grid, gridHair)
+                                 : addClassicPasses(frame);
+  if (!added) return added;
+  lastFrame_ = frame.length;
+  settingsBefore_ = frame.settings;
+  followsShifted_ = false;
+  return {};
+}
+
+Result<void> StrandSolver::rewritePositions(const HairFrame& frame) const {
+  return solver_ == Solver::kExact ? rewriteExact(frame) : rewriteClassic(frame);
+}
+
+}  // namespace pelage::detail

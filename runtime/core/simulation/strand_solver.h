@@ -1,0 +1,97 @@
+// The solvers of guides, exact and classic: their buffers, their state, and their passes.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "contact/hair_grid.h"
+#include "passes/room_buffers.h"
+#include "pelage/gpu_structs.h"
+#include "pelage/pass_list.h"
+#include "pelage/result.h"
+#include "simulation/exact_solver.h"
+#include "simulation/hair_frame.h"
+
+namespace pelage::detail {
+
+/// Of g_state of the classic solver.
+inline constexpr uint64_t kClassicStateSets = simulation::kStateSets;
+
+/// The settings pull vertices to the bind pose.
+inline bool usesTargets(const SimulationSettings& s) {
+  return s.globalStiffness > 0 && s.globalRange > 0;
+}
+/// Tiles of 32 strands.
+inline uint64_t tileCount(uint64_t strands) {
+  return (strands + exact::kTileStrands - 1) / exact::kTileStrands;
+}
+/// Words of g_sleep.
+inline uint64_t sleepWordCount(uint64_t strands) {
+  return exact::kSleepHead + 2 * tileCount(strands) + strands;
+}
+
+/// The solver of one object. A copy of it is what a frame is taken back to.
+class StrandSolver {
+ public:
+  /// Makes the buffers where those that are there are for something else.
+  /// \return true where the hair has no state now: the frame is to be a reset
+  bool prepare(const HairFrame& frame);
+  void remove(HairBuffers& buffers, const RoomBuffers& room);
+  /// Finds out whether the frame has contacts, makes their buffers, and begins it for them.
+  void prepareContacts(HairFrame& frame) const;
+  /// Adds the passes of the frame, and where they read them those of contacts and of the grid.
+  Result<void> record(HairFrame& frame, HairGrid& grid, const GridHair& gridHair);
+  /// Adds the passes that write the positions anew from the state, after a shift of the world.
+  Result<void> rewritePositions(const HairFrame& frame) const;
+  /// Call it where follow hairs are where no simulation has put them: the next frame places all of
+  /// them anew, also those that sleep.
+  void placeFollowsAnew() { followsShifted_ = true; }
+
+  /// [2][guide] RootTransform
+  BufferRange rootTransforms(const HairBuffers& buffers) const {
+    return {buffers.state, rootBytes_, rootOffset_};
+  }
+  float lastFrame() const { return lastFrame_; }  ///< [s]; 0 before the first one
+
+ private:
+  void makeClassicBuffers(const HairFrame& frame);
+  void makeExactBuffers(const HairFrame& frame);
+  void makeState(const HairFrame& frame, uint64_t elements);
+  void makeRest(const HairFrame& frame, const RestSets& sets);
+  Result<void> findContacts(const HairFrame& frame, uint32_t step, uint32_t steps,
+                            bool again) const;
+
+  SimulationConstants classicConstants(const HairFrame& frame) const;
+  Result<void> addClassicPasses(const HairFrame& frame);
+  Result<void> rewriteClassic(const HairFrame& frame) const;
+
+  ExactConstants exactConstants(const HairFrame& frame) const;
+  ExactConstants frameConstants(const HairFrame& frame) const;
+  Result<void> addExactPasses(HairFrame& frame, HairGrid& grid, const GridHair& gridHair);
+  Result<void> addExactStep(const HairFrame& frame, const ExactConstants& constants,
+                            uint32_t step) const;
+  Result<void> addSleepPass(HairFrame& frame, ExactConstants constants);
+  Result<void> addInterpolationPass(const HairFrame& frame, const ExactConstants& constants,
+                                    uint32_t strands) const;
+  Result<void> finishExactPass(const HairFrame& frame, PassBuilder& builder,
+                               const ExactConstants& constants, uint64_t bytes) const;
+  void setLevelOfDetail(const HairFrame& frame, ExactConstants& constants);
+  Result<void> rewriteExact(const HairFrame& frame) const;
+
+  std::optional<Solver> solver_;  ///< that the buffers were made for
+  RestSets restSets_;             ///< likewise
+  /// Of the last frame; a change wakes all strands.
+  SimulationSettings settingsBefore_;
+  float lastFrame_ = 0;
+  float lastStep_ = 0;        ///< classic: length of the last sub-step [s]; 0 before the first one
+  bool sleptBefore_ = false;  ///< tiles could sleep in the last frame
+  bool followsShifted_ = false;  ///< not placed anew since a shift
+  uint32_t simulatedBefore_ = 0;
+  uint32_t simulatedCount_ = 0;  ///< exact: in the last frame; 0 before the first one
+  ExactHistory history_;
+  uint32_t slot_ = 0;  ///< exact: of the state now
+  uint32_t stateStride_ = 0;
+  uint64_t rootOffset_ = 0, rootBytes_ = 0;  ///< of the roots in the buffer of the state
+};
+
+}  // namespace pelage::detail

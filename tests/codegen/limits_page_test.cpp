@@ -1,0 +1,236 @@
+// docs/limits.md is made from the tables of the kernels; this test makes it anew and compares. To
+// write it: build the target limits_page, or run this test with PELAGE_UPDATE_GOLDEN=1.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "pelage/kernels.h"
+#include "pelage/tier.h"
+
+namespace pelage::test {
+namespace {
+
+struct Feature {
+  const char* name;
+  std::vector<std::string> kernels;
+};
+
+// What a reader knows, and the kernels that it runs. Every kernel is in at least one of them.
+const std::vector<Feature>& features() {
+  static const std::vector<Feature> kFeatures = {
+      {"Simulation, classic solver",
+       {"skin_roots", "simulate_classic", "rewrite_classic_positions", "update_follow_hairs",
+        "shift_positions"}},
+      {"Simulation, exact solver",
+       {"skin_roots", "select_awake_tiles", "simulate_exact", "interpolate_guides",
+        "rewrite_exact_positions", "update_follow_hairs", "shift_positions"}},
+      {"Hair-hair contact",
+       {"clear_hair_grid", "splat_hair_grid", "measure_hair_grid", "apply_hair_grid"}},
+      {"Contact with colliders", {"find_contacts"}},
+      {"Contact of follow hairs", {"find_follow_contacts", "collide_follow_hairs"}},
+      {"Picture of the contacts", {"contact_vertex", "contact_pixel"}},
+      {"SDF of a mesh",
+       {"compute_points", "clear_sdf", "find_moved_triangles", "scatter_triangles",
+        "scatter_big_triangles", "update_surface", "count_sdf_columns", "finalize_sdf",
+        "fill_interior"}},
+      {"Collision of vertices with an SDF", {"collide_vertices"}},
+      {"Picture of an SDF",
+       {"marching_cubes_count", "marching_cubes_offsets", "marching_cubes_emit",
+        "marching_cubes_pad", "iso_surface_vertex", "iso_surface_pixel"}},
+      {"Skinning of meshes", {"skin_vertices"}},
+      {"Shadow",
+       {"clear_strand_shadow", "splat_strand_depths", "splat_strand_opacity",
+        "accumulate_strand_shadow"}},
+      {"Hair read by the vertex stage, which Tier::kWide draws", {"strand_vertex"}},
+      {"Transparency: kAlphaTest, kStochastic",
+       {"transform_strands", "strand_record_vertex", "strand_pixel"}},
+      {"Transparency: kWindowed",
+       {"transform_strands", "strand_record_vertex", "clear_ppll", "ppll_build", "oit_tile_vertex",
+        "ppll_read"}},
+      {"Transparency: kHybrid4 to kHybrid16",
+       {"transform_strands", "strand_record_vertex", "clear_hybrid", "hybrid_depths",
+        "hybrid_colors", "oit_tile_vertex", "hybrid_read"}},
+      {"Transparency: kShortCut",
+       {"transform_strands", "strand_record_vertex", "clear_short_cut", "short_cut_depths_alpha",
+        "short_cut_resolve_depth", "short_cut_fill_colors", "short_cut_resolve_color",
+        "oit_tile_vertex"}},
+      {"Transparency: kTiles",
+       {"transform_strands", "clear_strand_tiles", "bin_strands", "sum_strand_tiles",
+        "offset_strand_tiles", "allocate_strand_tiles", "composite_strand_tiles", "oit_tile_vertex",
+        "show_strand_tiles"}},
+  };
+  return kFeatures;
+}
+
+const Kernel* find(const std::string& name) {
+  for (const Kernel* kernel : allKernels())
+    if (name == kernel->name) return kernel;
+  return nullptr;
+}
+
+uint32_t storageBuffers(const KernelVariant& variant) {
+  uint32_t count = 0;
+  for (const VariantBinding& binding : variant.bindings) {
+    const auto& entries = variant.kernel->layouts[binding.set]->entries;
+    count += entries[binding.entry].kind == ResourceKind::kStorageBuffer;
+  }
+  return count;
+}
+
+const char* stageWord(Stage stage) {
+  return stage == Stage::kCompute ? "compute" : stage == Stage::kVertex ? "vertex" : "pixel";
+}
+
+std::string range(std::vector<uint32_t> values) {
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  return *low == *high ? std::to_string(*low) : fmt::format("{} to {}", *low, *high);
+}
+
+// A row for the permutations of a kernel that have one tier.
+std::string rowOf(const Kernel& kernel, Tier tier) {
+  std::vector<uint32_t> buffers, threads, shared;
+  std::string keys;
+  size_t count = 0;
+  for (const KernelVariant* variant : kernel.variants) {
+    if (variant->tier != tier) continue;
+    buffers.push_back(storageBuffers(*variant));
+    threads.push_back(variant->groupSize[0] * variant->groupSize[1] * variant->groupSize[2]);
+    shared.push_back(variant->sharedBytes);
+    if (count++ < 4) keys += fmt::format("{}`{}`", keys.empty() ? "" : "<br>", variant->key);
+  }
+  if (count == 0) return "";
+  if (count == kernel.variants.size()) keys = "all";
+  if (count < kernel.variants.size() && count > 4) keys += fmt::format("<br>{} more", count - 4);
+  const bool compute = kernel.stage == Stage::kCompute;
+  return fmt::format("| `{}` | {} | {} | {} | {} | {} | {} |\n", kernel.name,
+                     stageWord(kernel.stage), keys, range(buffers), compute ? range(threads) : "",
+                     compute ? range(shared) : "", tierName(tier));
+}
+
+// The tier of a feature: that of its cheapest permutations, and that of all.
+std::pair<Tier, Tier> tiersOf(const Feature& feature) {
+  Tier least = Tier::kEs, all = Tier::kEs;
+  for (const std::string& name : feature.kernels) {
+    const Kernel* kernel = find(name);
+    if (kernel == nullptr) continue;
+    Tier cheapest = Tier::kWide;
+    for (const KernelVariant* variant : kernel->variants) {
+      cheapest = std::min(cheapest, variant->tier);
+      all = std::max(all, variant->tier);
+    }
+    least = std::max(least, cheapest);
+  }
+  return {least, all};
+}
+
+std::string limitRow(const char* what, const auto& value) {
+  std::string row = fmt::format("| {} |", what);
+  for (const Tier tier : kTiers) row += fmt::format(" {} |", value(limitsOf(tier)));
+  return row + "\n";
+}
+
+std::string tierTable() {
+  std::string text = "| what a kernel may use | `es` | `base` | `wide` |\n|---|---|---|---|\n";
+  const auto counts = [](const StageCounts& c) {
+    return fmt::format("{} / {} / {}", c.compute, c.vertex, c.pixel);
+  };
+  text += limitRow("storage buffers of a compute / vertex / pixel kernel",
+                   [&](const TierLimits& l) { return counts(l.storageBuffers); });
+  text += limitRow("storage buffers of both kernels of a draw",
+                   [](const TierLimits& l) { return l.drawStorageBuffers; });
+  text += limitRow("storage buffer bindings of OpenGL",
+                   [](const TierLimits& l) { return l.storageBindings; });
+  text += limitRow("images, likewise", [&](const TierLimits& l) { return counts(l.images); });
+  text += limitRow("constant blocks", [&](const TierLimits& l) { return counts(l.uniformBlocks); });
+  text += limitRow("textures", [&](const TierLimits& l) { return counts(l.textures); });
+  text += limitRow("threads of a group", [](const TierLimits& l) { return l.groupThreads; });
+  text += limitRow("threads of a group on each axis", [](const TierLimits& l) {
+    return fmt::format("{} / {} / {}", l.groupSize[0], l.groupSize[1], l.groupSize[2]);
+  });
+  text += limitRow("bytes of groupshared memory",
+                   [](const TierLimits& l) { return l.groupSharedBytes; });
+  return text;
+}
+
+std::string page() {
+  std::string text =
+      "# What devices need\n"
+      "Made from the tables of the kernels by the target `limits_page`; a test keeps this page in "
+      "sync with them.\n\n"
+      "A device is of one of three tiers. Every kernel states the tier that it runs on, and the "
+      "build refuses a kernel\nthat needs more. A runtime checks each kernel against the limits of "
+      "its device before it makes anything of it,\nand names the kernel that it refuses.\n\n"
+      "- `es`: OpenGL ES 3.2.\n- `base`: OpenGL 4.5, and Vulkan and OpenGL ES on common devices.\n"
+      "- `wide`: desktop GPUs.\n\n" +
+      tierTable() +
+      "\n`pelage/tier.h` has these numbers. They follow the minimum limits of the "
+      "specifications: OpenGL 4.5\nand OpenGL ES 3.2 (tables of implementation-dependent values) "
+      "and Vulkan 1.0 (Required Limits). Vulkan promises\n4 storage buffers in every stage, so "
+      "that "
+      "`base` asks for more than each Vulkan device has to have. Some drivers\nof OpenGL ES have "
+      "fewer storage buffers in pixel kernels than `es`. OpenGL 4.5 has 1024 threads and 32 KiB "
+      "of\n"
+      "groupshared memory; `base` keeps what Vulkan and OpenGL ES promise, because no kernel needs "
+      "more.\n\n"
+      "To see what a small device refuses, treat a large one as small: `RuntimeDef::tier`, "
+      "`HeadlessDef::tier`,\n`pelage-headless --tier base`, or `PELAGE_TIER=base` for the samples "
+      "and tests.\n\n"
+      "On Vulkan, a pipeline layout has the buffers of all kernels of a group, and a device limits "
+      "these, too. The runtime\nchecks them against the device, not against the tier.\n\n"
+      "## Features\n"
+      "The tier on which a feature runs in its cheapest form, and the one on which all of its "
+      "permutations run.\n\n"
+      "| feature | runs on | all of it on |\n|---|---|---|\n";
+  for (const Feature& feature : features()) {
+    const auto [least, all] = tiersOf(feature);
+    text += fmt::format("| {} | {} | {} |\n", feature.name, tierName(least), tierName(all));
+  }
+  text += "\n## Kernels\n";
+  for (const Feature& feature : features()) {
+    text += fmt::format(
+        "\n### {}\n\n| kernel | stage | permutations | storage buffers | threads | shared bytes | "
+        "tier |\n|---|---|---|---|---|---|---|\n",
+        feature.name);
+    for (const std::string& name : feature.kernels) {
+      const Kernel* kernel = find(name);
+      if (kernel == nullptr) continue;
+      for (const Tier tier : kTiers) text += rowOf(*kernel, tier);
+    }
+  }
+  return text;
+}
+
+TEST(LimitsPage, NamesEveryKernelAndNoOther) {
+  std::set<std::string> named;
+  for (const Feature& feature : features()) {
+    for (const std::string& name : feature.kernels) {
+      named.insert(name);
+      EXPECT_NE(find(name), nullptr) << feature.name << " names " << name;
+    }
+  }
+  for (const Kernel* kernel : allKernels())
+    EXPECT_TRUE(named.contains(kernel->name)) << kernel->name << " belongs to no feature";
+}
+
+TEST(LimitsPage, IsInSyncWithTheKernels) {
+  const std::string file = std::string(PELAGE_SOURCE_DIR) + "/docs/limits.md";
+  const std::string wanted = page();
+  if (std::getenv("PELAGE_UPDATE_GOLDEN") != nullptr) {
+    std::ofstream(file, std::ios::binary) << wanted;
+    GTEST_SKIP() << "wrote " << file;
+  }
+  std::ifstream stream(file, std::ios::binary);
+  const std::string found((std::istreambuf_iterator<char>(stream)),
+                          std::istreambuf_iterator<char>());
+  EXPECT_EQ(found, wanted) << "build the target limits_page";
+}
+
+}  // namespace
+}  // namespace pelage::test

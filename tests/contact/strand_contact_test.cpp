@@ -1,0 +1,258 @@
+// Contacts of simulate_classic with spheres and tapered capsules, and what moves with its origin.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "support/strand_run.h"
+
+namespace pelage::test {
+namespace {
+
+using reference::Pose;
+
+constexpr double kStep = 1.0 / 60;
+constexpr double kGravity = 9.81;
+
+Collider capsule(const Vector3d& head, double headRadius, const Vector3d& tail, double tailRadius,
+                 double friction = 0) {
+  return {toFloat4(head, headRadius),
+          toFloat4(tail, tailRadius),
+          toFloat4(head, friction),
+          toFloat4(tail),
+          {}};
+}
+Collider sphere(const Vector3d& center, double radius, double friction = 0) {
+  return capsule(center, radius, center, radius, friction);
+}
+
+std::vector<Pose> bindPoses(const HairAsset& asset) {
+  std::vector<Pose> poses;
+  for (uint32_t s = 0; s < asset.strandCount; ++s) poses.push_back(bindPose(asset, s));
+  return poses;
+}
+
+/// Strands of 0.3 m along `direction`, beside each other along z.
+HairAsset combAsset(uint32_t strands, uint32_t vertices, const Vector3d& direction) {
+  HairAsset asset;
+  asset.strandCount = strands;
+  asset.verticesPerStrand = vertices;
+  for (uint32_t s = 0; s < strands; ++s) {
+    for (uint32_t v = 0; v < vertices; ++v)
+      asset.positions.push_back(toFloat4(
+          Vector3d(0, 0, 0.01 * s) + direction * (0.3 * v / (vertices - 1)), v < 2 ? 0 : 1));
+  }
+  expectOk(asset.process());
+  return asset;
+}
+
+/// How deep the vertices behind the first two are in the union of the spheres between two ends [m];
+/// negative outside.
+double deepest(const HairAsset& asset, const std::vector<Float4>& positions,
+               const Collider& shape) {
+  double depth = -std::numeric_limits<double>::infinity();
+  for (size_t i = 0; i < positions.size(); ++i) {
+    if (i % asset.verticesPerStrand < 2) continue;
+    for (int k = 0; k <= 1000; ++k) {
+      const double t = k / 1000.0;
+      const Vector3d center =
+          toVector(shape.head) + t * (toVector(shape.tail) - toVector(shape.head));
+      const double radius =
+          double{shape.head.w} + t * (double{shape.tail.w} - double{shape.head.w});
+      depth = std::max(depth, radius - (toVector(positions[i]) - center).norm());
+    }
+  }
+  return depth;
+}
+
+double worstStretch(const HairAsset& asset, const std::vector<Float4>& positions) {
+  double worst = 0;
+  for (size_t i = 1; i < positions.size(); ++i) {
+    if (i % asset.verticesPerStrand < 2) continue;
+    const double rest = asset.restLengths[i - 1];
+    const double length = (toVector(positions[i]) - toVector(positions[i - 1])).norm();
+    if (!std::isfinite(length)) return std::numeric_limits<double>::infinity();
+    worst = std::max(worst, std::abs(length - rest) / rest);
+  }
+  return worst;
+}
+
+/// Contacts have all the other axes, whose features are off here.
+const StrandTerms kStill = StrandRun::terms(true, true, true, true, true);
+
+class StrandContact : public GpuTest {};
+
+// K6, K14: spheres, and capsules whose ends coincide or hold each other, keep hair out; lengths and
+// tangents are those of the hair that was kept out.
+TEST_P(StrandContact, KeepsHairOutOfEveryShapeAndAtItsLength) {
+  const HairAsset asset = combAsset(9, 24, Vector3d(1, 0, 0));
+  const std::vector<Collider> shapes = {sphere({0.1, -0.1, 0.04}, 0.08),
+                                        capsule({0.1, -0.1, -0.2}, 0.08, {0.1, -0.1, 0.3}, 0.08),
+                                        capsule({0.1, -0.1, -0.1}, 0.09, {0.1, -0.1, 0.2}, 0.05),
+                                        // The tail lies inside the head.
+                                        capsule({0.1, -0.1, 0.04}, 0.08, {0.11, -0.1, 0.04}, 0.02),
+                                        capsule({0.1, -0.1, 0.04}, 0.02, {0.11, -0.1, 0.04}, 0.08)};
+  for (const Collider& shape : shapes) {
+    for (const float friction : {0.0f, 0.4f}) {
+      StrandRun run(gpu(), asset);
+      run.reset(bindPoses(asset));
+      Collider collider = shape;
+      collider.headBefore.w = friction;
+      run.setColliders({collider});
+      run.constants.gravity = {0, -9.81f, 0, 0};
+      run.constants.dampingKeep = 0.94f;
+      double depth = -1;
+      for (int part = 0; part < 9; ++part) {
+        for (int step = 0; step < 10; ++step) run.simulate(kStill);
+        run.run();
+        const std::vector<Float4> positions = run.positions(), tangents = run.tangents();
+        depth = std::max(depth, deepest(asset, positions, collider));
+        EXPECT_LT(worstStretch(asset, positions), 1e-5);
+        for (size_t i = 0; i < positions.size(); ++i) {
+          const size_t v = i % 24;
+          if (v == 0 || v == 23) continue;
+          const Vector3d along = toVector(positions[i + 1]) - toVector(positions[i - 1]);
+          EXPECT_LT((toVector(tangents[i]) - along.normalized()).norm(), 2e-5) << i;
+        }
+      }
+      EXPECT_LT(depth, 1e-3);
+      // Without the contact the depth would be some centimetres; without touching it, negative.
+      EXPECT_GT(depth, -1e-5);
+      run.checkGuards();
+    }
+  }
+}
+
+/// A vertex on the ridge of a capsule that is inclined by `degrees`: it hangs 500 m to the side, so
+/// that its strand holds it there and nowhere else. Returns how far it slides down [m].
+double slideOnSlope(Gpu& gpu, double degrees, float friction, int steps) {
+  const double angle = degrees * std::numbers::pi / 180;
+  const Vector3d down(std::cos(angle), -std::sin(angle), 0);
+  HairAsset asset;
+  asset.strandCount = 1;
+  asset.verticesPerStrand = 3;
+  for (const double z : {1000.0, 500.0, 0.0})
+    asset.positions.push_back(toFloat4(Vector3d(0, 0, z), z > 0 ? 0 : 1));
+  expectOk(asset.process());
+  StrandRun run(gpu, asset);
+  run.reset(bindPoses(asset));
+  const Vector3d normal(std::sin(angle), std::cos(angle), 0);
+  run.setColliders({capsule(-0.1 * normal - 4 * down, 0.1, -0.1 * normal + 4 * down, 0.1,
+                            static_cast<double>(friction))});
+  run.constants.gravity = {0, -9.81f, 0, 0};
+  for (int step = 0; step < steps; ++step) run.simulate(kStill);
+  run.run();
+  const Vector3d end = toVector(run.positions()[2]);
+  EXPECT_LT(std::abs(end.dot(normal)), 1e-3) << "off the slope";
+  return end.dot(down);
+}
+
+// K14, K29
+TEST_P(StrandContact, HoldsOnASlopeThatFrictionHolds) {
+  EXPECT_LT(std::abs(slideOnSlope(gpu(), 10, 0.3f, 600)), 1e-3);
+}
+
+// K29
+TEST_P(StrandContact, SlidesDownASteeperSlopeAsCoulombSays) {
+  for (const float friction : {0.0f, 0.3f}) {
+    const double angle = 25 * std::numbers::pi / 180;
+    const double acceleration =
+        kGravity * (std::sin(angle) - static_cast<double>(friction) * std::cos(angle));
+    // 60 steps of x += h v, v += h a.
+    const double expected = acceleration * kStep * kStep * 60 * 61 / 2;
+    const double displacement = slideOnSlope(gpu(), 25, friction, 60);
+    EXPECT_NEAR(displacement, expected, 0.02 * expected) << friction;
+  }
+}
+
+TEST_P(StrandContact, IsTakenAlongByASurfaceThatMovesUnderIt) {
+  HairAsset asset;
+  asset.strandCount = 1;
+  asset.verticesPerStrand = 3;
+  for (const double z : {1000.0, 500.0, 0.0})
+    asset.positions.push_back(toFloat4(Vector3d(0, 0, z), z > 0 ? 0 : 1));
+  expectOk(asset.process());
+  StrandRun run(gpu(), asset);
+  run.reset(bindPoses(asset));
+  run.constants.gravity = {0, -9.81f, 0, 0};
+  const double displacement = 0.005;
+  for (int step = 0; step < 40; ++step) {
+    Collider belt = capsule({-4, -0.1, 0}, 0.1, {4, -0.1, 0}, 0.1, 0.5);
+    belt.headBefore.x -= static_cast<float>(displacement);
+    belt.tailBefore.x -= static_cast<float>(displacement);
+    run.setColliders({belt});
+    run.simulate(kStill);
+    run.run();
+  }
+  // It first gains the belt's speed: v^2 / (2 mu g) behind.
+  const double speed = displacement / kStep;
+  EXPECT_NEAR(run.positions()[2].x, 40 * displacement - speed * speed / (2 * 0.5 * kGravity),
+              0.004);
+}
+
+TEST_P(StrandContact, SkipsCollidersThatAreNotFinite) {
+  const HairAsset asset = combAsset(3, 12, Vector3d(1, 0, 0));
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const float infinity = std::numeric_limits<float>::infinity();
+  const auto settled = [&](const std::vector<Collider>& colliders) {
+    StrandRun run(gpu(), asset);
+    run.reset(bindPoses(asset));
+    run.setColliders(colliders);
+    run.constants.gravity = {0, -9.81f, 0, 0};
+    for (int step = 0; step < 20; ++step) run.simulate(kStill);
+    run.run();
+    return run.positions();
+  };
+  const Collider good = sphere({0.1, -0.1, 0.01}, 0.08, 0.3);
+  Collider badHead = good, badTail = good, badBefore = good;
+  badHead.head.w = nan;
+  badTail.tail.y = infinity;
+  badBefore.headBefore.x = nan;
+  const std::vector<Float4> expected = settled({good});
+  EXPECT_EQ(settled({badHead, badTail, good, badBefore}), expected);
+  EXPECT_NE(settled({badHead, badTail, badBefore}), expected);
+  for (const Float4& p : expected) EXPECT_TRUE(isFinite(p));
+}
+
+// The state is relative to the origin: far from it nothing is lost, and a new origin changes
+// nothing.
+TEST_P(StrandContact, DoesNotDependOnWhereTheOriginIs) {
+  const HairAsset asset = wavyAsset(7, 16, 5);
+  const Vector3d shift(2, -1, 3);
+  const auto simulated = [&](bool rebase) {
+    StrandRun run(gpu(), asset);
+    std::vector<Pose> roots = bindPoses(asset);
+    run.reset(roots);
+    run.constants.gravity = {0, -9.81f, 0, 0};
+    run.constants.localStiffness = 0.5f;
+    run.constants.vspCoefficient = 0.5f;
+    for (int step = 0; step < 20; ++step) {
+      std::vector<Pose> now = roots;
+      for (Pose& pose : now) pose.position.x() += 0.01;
+      if (rebase && step == 10) {
+        for (Pose& pose : roots) pose.position -= shift;
+        for (Pose& pose : now) pose.position -= shift;
+        run.constants.origin = toFloat4(shift);
+        run.constants.rebase = toFloat4(-shift);
+        run.constants.flags = 2;
+      }
+      run.setRoots(now, roots);
+      run.simulate(StrandRun::terms(false, false, true, true));
+      run.run();
+      run.constants.flags = 0;
+      roots = now;
+    }
+    return run.positions();
+  };
+  const std::vector<Float4> expected = simulated(false), moved = simulated(true);
+  for (size_t i = 0; i < expected.size(); ++i)
+    EXPECT_LT((toVector(moved[i]) - toVector(expected[i])).norm(), 2e-5) << i;
+}
+
+}  // namespace
+
+INSTANTIATE_TEST_SUITE_P(Apis, StrandContact, testing::ValuesIn(kApis), apiTestName);
+
+}  // namespace pelage::test

@@ -1,0 +1,23 @@
+# Run by ctest; see CMakeLists.txt beside this file. A manual page has every option that --help lists, and
+# no other.
+cmake_minimum_required(VERSION 3.25)
+set(help)
+foreach(command "" ${COMMANDS})
+  execute_process(COMMAND ${PROGRAM} ${command} --help OUTPUT_VARIABLE text RESULT_VARIABLE status)
+  if(NOT status EQUAL 0)
+    message(FATAL_ERROR "${PROGRAM} ${command} --help: ${status}")
+  endif()
+  string(APPEND help "${text}")
+endforeach()
+string(REGEX MATCHALL "--[a-z][-a-z]+" listed "${help}")
+list(REMOVE_DUPLICATES listed)
+
+file(READ ${PAGE} page)
+string(REGEX MATCHALL "Fl \\\\-[a-z][-a-z]+" written "${page}")
+list(TRANSFORM written REPLACE "^Fl .-" "--")
+list(REMOVE_DUPLICATES written)
+list(SORT listed)
+list(SORT written)
+if(NOT listed STREQUAL written OR NOT listed)
+  message(FATAL_ERROR "options of --help: ${listed}\noptions of ${PAGE}: ${written}")
+endif()

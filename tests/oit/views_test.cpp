@@ -1,0 +1,270 @@
+// Several views in one frame: each has the pixels that it has alone, whatever their sizes, methods
+// and lights, and a light that all of them see has one shadow map.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "oit/tangle.h"
+
+namespace pelage::test {
+namespace {
+
+// As written for a frame, and run after all views have been written.
+struct WrittenView {
+  View view;
+  std::vector<PassList> lists;
+};
+
+class ViewsOfAFrame : public testing::TestWithParam<Api> {
+ protected:
+  static std::map<Api, std::unique_ptr<TangleRun>>& runs() {
+    static std::map<Api, std::unique_ptr<TangleRun>> all;
+    return all;
+  }
+  static void TearDownTestSuite() { runs().clear(); }
+  void SetUp() override {
+    std::unique_ptr<TangleRun>& run = runs()[GetParam()];
+    if (run == nullptr) {
+      run = std::make_unique<TangleRun>(GetParam());
+      if (run->run.device() != nullptr) run->add({.strands = 300, .opacity = 0.5f});
+    }
+    if (run->run.device() == nullptr)
+      GTEST_SKIP() << "skipped: no " << apiName(GetParam()) << " device";
+    scene().trim();
+    nextFrame();
+  }
+  TangleRun& tangleRun() { return *runs()[GetParam()]; }
+  Scene& scene() { return tangleRun().run.scene; }
+  // Without moving the hair.
+  void nextFrame() { tangleRun().run.step(0); }
+
+  static TransparencySettings settingsOf(Transparency method) {
+    TransparencySettings settings;
+    settings.method = method;
+    settings.nodeCount = 1 << 15;
+    return settings;
+  }
+  static View viewOf(uint32_t width, uint32_t height) {
+    View view = tangleView(width);
+    view.height = height;
+    view.eye = {0.02f * static_cast<float>(width % 7), 0.01f, 0.45f};
+    view.worldToClip = lookAt(view.eye, {0, 0, 0}, {0, 1, 0}, 0.5f,
+                              static_cast<float>(width) / static_cast<float>(height), 0.1f, 5.0f);
+    return view;
+  }
+  WrittenView write(const View& view, const TransparencySettings& settings,
+                    std::vector<Light> lights = tangleLights()) {
+    WrittenView written = {view, std::vector<PassList>(1)};
+    expectOk(scene().draw(view, lights, settings, written.lists));
+    return written;
+  }
+  void finish(WrittenView& written) {
+    for (PassList& list : written.lists) scene().finish(list);
+  }
+  RenderedImage run(const WrittenView& written) {
+    std::vector<const PassList*> pointers;
+    for (const PassList& list : written.lists) pointers.push_back(&list);
+    expectOk(tangleRun().run.device()->update(scene().resources()));
+    RenderTargetDef target;
+    target.width = written.view.width;
+    target.height = written.view.height;
+    Result<RenderedImage> image = tangleRun().run.device()->render(pointers, target);
+    EXPECT_TRUE(image) << image.error().message;
+    return image ? std::move(*image) : RenderedImage{};
+  }
+  RenderedImage alone(const View& view, const TransparencySettings& settings) {
+    nextFrame();
+    WrittenView written = write(view, settings);
+    finish(written);
+    RenderedImage image = run(written);
+    return image;
+  }
+};
+
+bool isSame(const RenderedImage& a, const RenderedImage& b) {
+  const auto covered = [](const Float4& p) { return p.w > 0; };
+  return a.pixels.size() == b.pixels.size() && !a.pixels.empty() &&
+         std::count_if(a.pixels.begin(), a.pixels.end(), covered) > 50 &&
+         std::equal(a.pixels.begin(), a.pixels.end(), b.pixels.begin());
+}
+
+size_t passesNamed(const std::vector<PassList>& lists, std::string_view name) {
+  size_t count = 0;
+  for (const PassList& list : lists)
+    for (const Pass& pass : list.passes) count += pass.name == name ? 1 : 0;
+  return count;
+}
+
+constexpr Transparency kEachMethod[] = {Transparency::kAlphaTest, Transparency::kStochastic,
+                                        Transparency::kWindowed,  Transparency::kHybrid4,
+                                        Transparency::kHybrid8,   Transparency::kHybrid16,
+                                        Transparency::kShortCut,  Transparency::kTiles};
+
+TEST_P(ViewsOfAFrame, HaveThePixelsThatEachHasAlone) {
+  // The second one is larger than the first, and the third one smaller.
+  const View views[] = {viewOf(40, 33), viewOf(75, 64), viewOf(24, 30)};
+  for (const Transparency method : kEachMethod) {
+    std::vector<RenderedImage> expected;
+    for (const View& view : views) expected.push_back(alone(view, settingsOf(method)));
+    scene().trim();
+    for (int frame = 0; frame < 2; ++frame) {
+      nextFrame();
+      std::vector<WrittenView> written;
+      for (const View& view : views) written.push_back(write(view, settingsOf(method)));
+      for (WrittenView& view : written) finish(view);
+      for (size_t i = 0; i < written.size(); ++i) {
+        EXPECT_TRUE(isSame(run(written[i]), expected[i]))
+            << "method " << static_cast<int>(method) << ", view " << i << ", frame " << frame;
+      }
+    }
+  }
+}
+
+TEST_P(ViewsOfAFrame, MayHaveAnotherMethodEach) {
+  const View view = viewOf(48, 48);
+  std::vector<RenderedImage> expected;
+  for (const Transparency method : kEachMethod) expected.push_back(alone(view, settingsOf(method)));
+  nextFrame();
+  std::vector<WrittenView> written;
+  for (const Transparency method : kEachMethod) written.push_back(write(view, settingsOf(method)));
+  for (WrittenView& one : written) finish(one);
+  for (size_t i = 0; i < written.size(); ++i)
+    EXPECT_TRUE(isSame(run(written[i]), expected[i])) << "method " << i;
+}
+
+TEST_P(ViewsOfAFrame, TakeTheSameBuffersInTheNextFrame) {
+  const auto frame = [&] {
+    nextFrame();
+    std::vector<WrittenView> written;
+    for (const uint32_t size : {30u, 50u, 20u})
+      written.push_back(write(viewOf(size, size), settingsOf(Transparency::kWindowed)));
+    for (WrittenView& view : written) finish(view);
+    for (const WrittenView& view : written) run(view);
+  };
+  frame();
+  const uint64_t version = scene().resources().version();
+  for (int i = 0; i < 3; ++i) frame();
+  EXPECT_EQ(scene().resources().version(), version) << "a frame made buffers";
+  scene().trim();
+  for (uint32_t i = 0; i < scene().resources().end(); ++i) {
+    const BufferDesc* desc = scene().resources().find(scene().resources().at(i));
+    EXPECT_FALSE(desc != nullptr && desc->name.starts_with("transparency/")) << desc->name;
+  }
+  // Views that run one after the other share them.
+  nextFrame();
+  const uint32_t before = scene().resources().count();
+  uint32_t first = 0;
+  for (int i = 0; i < 3; ++i) {
+    WrittenView view = write(viewOf(40, 40), settingsOf(Transparency::kWindowed));
+    finish(view);
+    run(view);
+    // On Vulkan a frame that was recorded may still be refused by the queue.
+    if (i == 0) first = scene().resources().count();
+    EXPECT_EQ(scene().resources().count(), first);
+  }
+  EXPECT_GT(first, before);
+}
+
+TEST_P(ViewsOfAFrame, HaveOneMapForALightThatAllOfThemSee) {
+  const TransparencySettings settings = settingsOf(Transparency::kAlphaTest);
+  Light sun, lamp;
+  sun.direction = {0.5f, 0.7f, 0.5f};
+  sun.shadow = HairShadow::kDeep;
+  sun.shadowSize = 64;
+  lamp = sun;
+  lamp.direction = {-1, 0.3f, 0.2f};
+  const View view = viewOf(48, 48);
+  const auto draw = [&](const std::vector<std::vector<Light>>& all) {
+    nextFrame();
+    std::vector<WrittenView> written;
+    for (const std::vector<Light>& lights : all) written.push_back(write(view, settings, lights));
+    for (WrittenView& one : written) finish(one);
+    return written;
+  };
+  const auto mapsIn = [](const WrittenView& written) {
+    return passesNamed(written.lists, "clear_strand_shadow");
+  };
+  std::vector<RenderedImage> expected;
+  const std::vector<std::vector<Light>> lights = {{sun, lamp}, {lamp}, {lamp, sun}, {sun}};
+  for (const std::vector<Light>& some : lights) {
+    const auto written = draw({some});
+    EXPECT_EQ(mapsIn(written[0]), some.size());
+    expected.push_back(run(written[0]));
+  }
+  for (int round = 0; round < 2; ++round) {
+    const auto written = draw(lights);
+    for (size_t i = 0; i < written.size(); ++i) {
+      EXPECT_EQ(mapsIn(written[i]), i == 0 ? 2u : 0u) << i;
+      EXPECT_TRUE(isSame(run(written[i]), expected[i])) << i;
+    }
+  }
+  // Lights that come with a later view: the frame after has room for all of them in one buffer.
+  scene().trim();
+  for (int round = 0; round < 3; ++round) {
+    const auto written = draw({{sun}, {lamp, sun}});
+    EXPECT_EQ(mapsIn(written[0]) + mapsIn(written[1]), round == 0 ? 3u : 2u) << round;
+    EXPECT_TRUE(isSame(run(written[0]), expected[3])) << round;
+    EXPECT_TRUE(isSame(run(written[1]), expected[2])) << round;
+  }
+}
+
+TEST_P(ViewsOfAFrame, AreRefusedWhereAnotherDrawHasTheirBuffers) {
+  const TransparencySettings settings = settingsOf(Transparency::kWindowed);
+  WrittenView old = write(viewOf(40, 40), settings);
+  nextFrame();
+  WrittenView next = write(viewOf(64, 64), settings);
+  finish(next);
+  finish(old);
+  const Result<void> refused = checkRun(old.lists[0]);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("remade by a later draw()"), std::string::npos)
+      << refused.error().message;
+  // Nor does it take the next one along.
+  const RenderedImage image = run(next);
+  EXPECT_TRUE(isSame(image, alone(viewOf(64, 64), settings)));
+
+  nextFrame();
+  WrittenView trimmed = write(viewOf(40, 40), settings);
+  finish(trimmed);
+  scene().trim();
+  const Result<void> gone = checkRun(trimmed.lists[0]);
+  ASSERT_FALSE(gone);
+  EXPECT_NE(gone.error().message.find("Scene::trim()"), std::string::npos) << gone.error().message;
+}
+
+TEST_P(ViewsOfAFrame, AreRefusedWhereTheListWithTheirMapsDoesNotRun) {
+  const TransparencySettings settings = settingsOf(Transparency::kAlphaTest);
+  nextFrame();
+  WrittenView second;
+  {
+    const WrittenView first = write(viewOf(40, 40), settings);
+    second = write(viewOf(40, 40), settings);
+  }
+  EXPECT_EQ(passesNamed(second.lists, "clear_strand_shadow"), 0u);
+  finish(second);
+  const Result<void> refused = checkRun(second.lists[0]);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("needs does not run"), std::string::npos)
+      << refused.error().message;
+  // The next one makes them again.
+  EXPECT_TRUE(isSame(alone(viewOf(40, 40), settings), alone(viewOf(40, 40), settings)));
+
+  nextFrame();
+  WrittenView first = write(viewOf(40, 40), settings);
+  second = write(viewOf(40, 40), settings);
+  finish(second);
+  const Result<void> early = checkRun(second.lists[0]);
+  ASSERT_FALSE(early);
+  EXPECT_NE(early.error().message.find("order"), std::string::npos) << early.error().message;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, ViewsOfAFrame, testing::ValuesIn(kApis),
+                         [](const auto& api) { return std::string(apiName(api.param)); });
+
+}  // namespace
+}  // namespace pelage::test

@@ -1,0 +1,149 @@
+// The code of kernels: every permutation unpacks to what it was, and damage is found.
+#include "pelage/kernel_code.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <map>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "pelage/code.h"
+#include "pelage/essl.h"
+#include "pelage/glsl.h"
+#include "pelage/kernels.h"
+#include "pelage/spirv.h"
+#include "support/test_code.h"
+
+namespace pelage::test {
+namespace {
+
+constexpr uint32_t kSpirvMagic = 0x07230203u;
+
+const KernelVariant& somePermutation() { return shiftPositionsVariant({}); }
+
+TEST(KernelCodes, HaveEveryPermutationInEveryFormat) {
+  const KernelCodes codes(allCode());
+  for (const Kernel* kernel : allKernels()) {
+    for (const KernelVariant* variant : kernel->variants) {
+      const auto spirv = codes.spirv(*variant);
+      ASSERT_TRUE(spirv) << spirv.error().message;
+      ASSERT_GT(spirv->size(), 5u);
+      EXPECT_EQ((*spirv)[0], kSpirvMagic) << kernel->name;
+      for (const CodeFormat format : {CodeFormat::kGlsl, CodeFormat::kEssl}) {
+        const auto source = codes.source(*variant, format);
+        ASSERT_TRUE(source) << source.error().message;
+        EXPECT_TRUE(source->starts_with(format == CodeFormat::kGlsl ? "#version 450\n"
+                                                                    : "#version 320 es\n"))
+            << kernel->name;
+        EXPECT_NE(source->find("void main()"), std::string::npos) << kernel->name;
+        EXPECT_EQ(source->find('\0'), std::string::npos) << kernel->name;
+      }
+    }
+  }
+}
+
+TEST(KernelCodes, HaveOnlyTheTablesThatTheyWereGiven) {
+  const KernelCode* const one[] = {&kShiftPositionsSpirv};
+  const KernelCodes codes(one);
+  EXPECT_TRUE(codes.spirv(somePermutation()));
+  const auto otherFormat = codes.source(somePermutation(), CodeFormat::kGlsl);
+  ASSERT_FALSE(otherFormat);
+  EXPECT_EQ(otherFormat.error().code, ErrorCode::kUnsupported);
+  const auto otherKernel = codes.spirv(skinRootsVariant());
+  ASSERT_FALSE(otherKernel);
+  for (const char* word : {"SPIR-V", "skin_roots", "kernel_code.h"})
+    EXPECT_NE(otherKernel.error().message.find(word), std::string::npos)
+        << otherKernel.error().message;
+}
+
+TEST(KernelCodes, TakeTablesTwice) {
+  KernelCodes codes(allSpirv());
+  const auto before = codes.spirv(somePermutation());
+  codes.add(allSpirv());
+  const auto after = codes.spirv(somePermutation());
+  ASSERT_TRUE(before && after);
+  EXPECT_EQ(*before, *after);
+}
+
+TEST(KernelCodes, SayWhenATableIsDamaged) {
+  const KernelCode& good = kShiftPositionsSpirv;
+  const std::string bytes(static_cast<const char*>(good.packed), good.packedBytes);
+  const auto errorOf = [&](const KernelCode& code) {
+    const KernelCode* const one[] = {&code};
+    const auto spirv = KernelCodes(one).spirv(somePermutation());
+    EXPECT_FALSE(spirv);
+    if (spirv) return std::string();
+    EXPECT_EQ(spirv.error().code, ErrorCode::kInvalidFile);
+    EXPECT_NE(spirv.error().message.find("shift_positions"), std::string::npos);
+    return spirv.error().message;
+  };
+  // Any byte: the frame has a check sum.
+  for (size_t i = 0; i < bytes.size(); i += 7) {
+    std::string flipped = bytes;
+    flipped[i] = static_cast<char>(flipped[i] ^ 0x10);
+    KernelCode code = good;
+    code.packed = flipped.data();
+    const KernelCode* const one[] = {&code};
+    const auto spirv = KernelCodes(one).spirv(somePermutation());
+    const auto whole = KernelCodes(allSpirv()).spirv(somePermutation());
+    if (spirv) {
+      EXPECT_EQ(*spirv, *whole) << "byte " << i;
+    } else {
+      EXPECT_EQ(spirv.error().code, ErrorCode::kInvalidFile);
+    }
+  }
+  KernelCode cut = good;
+  cut.packedBytes /= 2;
+  errorOf(cut);
+  KernelCode empty = good;
+  empty.packedBytes = 0;
+  errorOf(empty);
+  KernelCode small = good;
+  small.bytes -= 4;
+  errorOf(small);
+  const KernelCode::Range outside = {somePermutation().hash, good.bytes - 4, 8};
+  KernelCode far = good;
+  far.ranges = &outside;
+  far.rangeCount = 1;
+  EXPECT_NE(errorOf(far).find("too short"), std::string::npos);
+}
+
+TEST(KernelCodes, UnpackOnSeveralThreads) {
+  const KernelCodes codes(allGlsl());
+  const auto whole = codes.source(somePermutation(), CodeFormat::kGlsl);
+  ASSERT_TRUE(whole);
+  std::array<std::string, 4> texts;
+  {
+    std::vector<std::jthread> threads;
+    for (std::string& text : texts) {
+      threads.emplace_back([&codes, &text] {
+        auto source = codes.source(somePermutation(), CodeFormat::kGlsl);
+        if (source) text = *std::move(source);
+      });
+    }
+  }
+  for (const std::string& text : texts) EXPECT_EQ(text, *whole);
+}
+
+TEST(CarriedKernels, AreThoseOfTheListWithTheirSizes) {
+  const std::vector<CarriedKernel> carried = carriedKernels(allCode());
+  std::map<CodeFormat, size_t> kernels;
+  uint64_t packed = 0, unpacked = 0;
+  for (const CarriedKernel& kernel : carried) {
+    ++kernels[kernel.format];
+    packed += kernel.packedBytes;
+    unpacked += kernel.bytes;
+    EXPECT_GT(kernel.permutations, 0u);
+  }
+  for (const CodeFormat format : {CodeFormat::kSpirv, CodeFormat::kGlsl, CodeFormat::kEssl})
+    EXPECT_EQ(kernels[format], allKernels().size()) << codeFormatName(format);
+  // What an engine ships; 2.3 MB at the time of writing.
+  EXPECT_LT(packed, 6u << 20);
+  EXPECT_GT(unpacked, packed);
+  EXPECT_EQ(allSpirv().size() + allGlsl().size() + allEssl().size(), carried.size());
+}
+
+}  // namespace
+}  // namespace pelage::test

@@ -1,0 +1,245 @@
+// A frame that does not run is as if it had never been written, on every runtime: the frames behind
+// it have the bits of a run without it.
+#include <array>
+#include <cstddef>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "support/delivery_scene.h"
+#include "support/scene_run.h"
+
+namespace pelage::test {
+namespace {
+
+/// How a frame gets lost.
+enum class Loss {
+  kNone,
+  kNotFinished,   ///< simulate() alone
+  kNotExecuted,   ///< simulate() and finish()
+  kUpdatedAlone,  ///< its buffers are made, too
+  kNotUpdated,    ///< executed without update(): refused where it has new buffers, else it runs
+  kOtherList,     ///< another list, which lives on
+  kRefused,       ///< the runtime refuses the list
+  kTwice,         ///< two frames one after the other
+  kAbandoned,     ///< and the scene is told
+};
+
+constexpr std::array kLosses = {Loss::kNotFinished, Loss::kNotExecuted, Loss::kUpdatedAlone,
+                                Loss::kNotUpdated,  Loss::kOtherList,   Loss::kRefused,
+                                Loss::kTwice,       Loss::kAbandoned};
+
+const char* lossName(Loss loss) {
+  switch (loss) {
+    case Loss::kNone:
+      return "None";
+    case Loss::kNotFinished:
+      return "NotFinished";
+    case Loss::kNotExecuted:
+      return "NotExecuted";
+    case Loss::kUpdatedAlone:
+      return "UpdatedAlone";
+    case Loss::kNotUpdated:
+      return "NotUpdated";
+    case Loss::kOtherList:
+      return "OtherList";
+    case Loss::kRefused:
+      return "Refused";
+    case Loss::kTwice:
+      return "Twice";
+    case Loss::kAbandoned:
+      return "Abandoned";
+  }
+  return "";
+}
+
+class Delivery : public testing::TestWithParam<std::tuple<Api, Solver>> {
+ protected:
+  using Results = std::vector<std::vector<std::byte>>;
+  Delivery() : run_(sharedSceneRun(std::get<0>(GetParam()))) {}
+  void SetUp() override {
+    if (run_.device() == nullptr) GTEST_SKIP() << "no device";
+  }
+
+  /// Loses a frame with what has been set. \return false: it ran after all.
+  bool lose(DeliveryScene& scene, int frame, Loss loss) {
+    if (loss == Loss::kOtherList) {
+      expectOk(scene.simulate(frame, other_));
+      run_.scene.finish(other_);
+      return true;
+    }
+    expectOk(scene.simulate(frame, list_));
+    if (loss == Loss::kNotFinished) return true;
+    run_.scene.finish(list_);
+    if (loss == Loss::kUpdatedAlone || loss == Loss::kRefused)
+      expectOk(run_.device()->update(run_.scene.resources()));
+    if (loss == Loss::kNotUpdated) return !run_.device()->execute(list_);
+    if (loss == Loss::kRefused) {
+      for (Pass& pass : list_.passes) pass.groups[0] = 0xffffffffu;
+      EXPECT_FALSE(run_.device()->execute(list_));
+    }
+    if (loss == Loss::kTwice) expectOk(scene.simulate(frame, list_));
+    if (loss == Loss::kAbandoned) run_.scene.abandon(list_);
+    return true;
+  }
+  void execute(DeliveryScene& scene, int frame) {
+    expectOk(scene.simulate(frame, list_));
+    run_.scene.finish(list_);
+    expectOk(run_.device()->update(run_.scene.resources()));
+    expectOk(run_.device()->execute(list_));
+  }
+  Results read(const DeliveryScene& scene) {
+    Results all;
+    for (const BufferId buffer : scene.results()) all.push_back(run_.read<std::byte>(buffer));
+    return all;
+  }
+  /// \param foreign  the lost frames have the inputs of another frame
+  /// \return what is there after each frame
+  std::vector<Results> play(Loss loss, bool foreign) {
+    DeliveryScene scene(run_.scene, std::get<1>(GetParam()));
+    std::vector<Results> frames;
+    for (int frame = 0; frame < DeliveryScene::kFrames; ++frame) {
+      bool ran = false;
+      if (loss != Loss::kNone) {
+        // Not that of the reset, which waits for the next frame.
+        const int other =
+            (frame + 4) % DeliveryScene::kFrames == 7 ? 8 : (frame + 4) % DeliveryScene::kFrames;
+        scene.setInputs(foreign ? other : frame);
+        ran = !lose(scene, frame, loss);
+        EXPECT_FALSE(ran && foreign);
+      }
+      // As an application that has set everything for the frame that was lost.
+      if (loss == Loss::kNone || foreign) scene.setInputs(frame);
+      if (!ran) execute(scene, frame);
+      frames.push_back(read(scene));
+    }
+    times_.push_back(scene.time());
+    scene.remove();
+    return frames;
+  }
+  static void expectSame(const std::vector<Results>& a, const std::vector<Results>& b) {
+    ASSERT_EQ(a.size(), b.size());
+    for (size_t frame = 0; frame < a.size(); ++frame) {
+      ASSERT_EQ(a[frame].size(), b[frame].size());
+      for (size_t i = 0; i < a[frame].size(); ++i) {
+        // Keys beyond a field's own may be those of an earlier layout.
+        ASSERT_EQ(a[frame][i].size(), b[frame][i].size()) << "frame " << frame << ", buffer " << i;
+        ASSERT_TRUE(a[frame][i] == b[frame][i]) << "frame " << frame << ", buffer " << i;
+      }
+    }
+  }
+
+  SceneRun& run_;
+  PassList list_, other_;
+  std::vector<double> times_;
+};
+
+TEST_P(Delivery, AFrameThatIsLostIsAsIfItHadNeverBeenWritten) {
+  const std::vector<Results> undisturbed = play(Loss::kNone, false);
+  ASSERT_FALSE(HasFailure());
+  ASSERT_NE(undisturbed[2][0], undisturbed[9][0]) << "it moved at all";
+  expectSame(undisturbed, play(Loss::kNone, false));
+  ASSERT_FALSE(HasFailure()) << "the order of runs has an effect";
+  for (const Loss loss : kLosses) {
+    for (const bool foreign : {false, true}) {
+      if (foreign && loss == Loss::kNotUpdated) continue;
+      SCOPED_TRACE(std::string(lossName(loss)) + (foreign ? ", other inputs" : ""));
+      expectSame(undisturbed, play(loss, foreign));
+      EXPECT_EQ(times_.back(), times_.front());
+      if (HasFailure()) return;
+    }
+  }
+}
+
+// The origin is shifted while it is not known that a frame is lost: what the scene goes back to is
+// in the new coordinates.
+TEST_P(Delivery, AShiftOfTheOriginBehindALostFrameReachesWhatIsPutBack) {
+  const auto play = [&](Loss loss) {
+    DeliveryScene scene(run_.scene, std::get<1>(GetParam()));
+    std::vector<Results> frames;
+    for (int frame = 0; frame < DeliveryScene::kFrames; ++frame) {
+      if (loss != Loss::kNone) {
+        scene.setInputs(frame);
+        EXPECT_TRUE(lose(scene, frame, loss));
+      }
+      // There and back again, by whole metres; in between one frame is elsewhere in the world.
+      if (frame == 3 || frame == 5) expectOk(run_.scene.shiftOrigin({2, -1, 3}));
+      if (frame == 4 || frame == 6) expectOk(run_.scene.shiftOrigin({-2, 1, -3}));
+      scene.setInputs(frame);
+      execute(scene, frame);
+      frames.push_back(read(scene));
+    }
+    scene.remove();
+    return frames;
+  };
+  const std::vector<Results> undisturbed = play(Loss::kNone);
+  ASSERT_FALSE(HasFailure());
+  for (const Loss loss : {Loss::kNotFinished, Loss::kNotExecuted, Loss::kAbandoned}) {
+    SCOPED_TRACE(lossName(loss));
+    expectSame(undisturbed, play(loss));
+    if (HasFailure()) return;
+  }
+}
+
+// Somebody says that a frame ran which did not. The exact solver's reset itself does not forget all
+// of what strands in contact with capsules did before: there, roots, the other hair and the field.
+TEST_P(Delivery, AResetRepairsWhatWasLostInSilence) {
+  constexpr int kLost = 2, kReset = 4;
+  const auto play = [&](bool lost) {
+    DeliveryScene scene(run_.scene, std::get<1>(GetParam()));
+    std::vector<Results> frames;
+    for (int frame = 0; frame < DeliveryScene::kFrames; ++frame) {
+      scene.setInputs(frame);
+      if (frame == kReset) {
+        scene.hair(0).reset();
+        scene.hair(1).reset();
+        scene.collider().reset();
+      }
+      if (lost && frame == kLost) {
+        expectOk(scene.simulate(frame, list_));
+        run_.scene.finish(list_);
+        expectOk(run_.device()->update(run_.scene.resources()));
+        setDelivered(list_.run);
+      } else {
+        execute(scene, frame);
+      }
+      if (frame < kReset) continue;
+      frames.push_back(read(scene));
+      if (std::get<1>(GetParam()) == Solver::kClassic) continue;
+      frames.back().pop_back();  // the shadows
+      for (const size_t own : {3, 2, 1, 0})
+        frames.back().erase(frames.back().begin() + static_cast<ptrdiff_t>(own));
+    }
+    scene.remove();
+    return frames;
+  };
+  const std::vector<Results> whole = play(false);
+  expectSame(whole, play(true));
+}
+
+TEST_P(Delivery, ARuntimeHasTheBuffersOfOneScene) {
+  DeliveryScene scene(run_.scene, std::get<1>(GetParam()));
+  execute(scene, 0);
+  Scene other;
+  // The same buffers by their numbers and sizes.
+  DeliveryScene twin(other, std::get<1>(GetParam()));
+  expectOk(twin.simulate(0, other_));
+  other.finish(other_);
+  const Result<void> updated = run_.device()->update(other.resources());
+  ASSERT_FALSE(updated);
+  EXPECT_NE(updated.error().message.find("another ResourceTable"), std::string::npos);
+  const Result<void> executed = run_.device()->execute(other_);
+  ASSERT_FALSE(executed);
+  EXPECT_NE(executed.error().message.find("another scene"), std::string::npos)
+      << executed.error().message;
+  execute(scene, 1);
+  scene.remove();
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Delivery, testing::ValuesIn(solversOnApis()), [](const auto& tested) {
+  return std::string(apiName(std::get<0>(tested.param))) +
+         (std::get<1>(tested.param) == Solver::kExact ? "Exact" : "Classic");
+});
+
+}  // namespace
+}  // namespace pelage::test

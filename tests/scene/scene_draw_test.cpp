@@ -1,0 +1,424 @@
+// What drawing puts into pass lists, without a GPU: nothing that a view does not need.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "pelage/gpu_structs.h"
+#include "pelage/scene.h"
+#include "support/plain_asset.h"
+
+namespace pelage {
+namespace {
+
+using test::makeAsset;
+
+class SceneDraw : public testing::Test {
+ protected:
+  HairObject& add(HairDef def = {}) {
+    const Result<HairId> added = scene_.addHair(makeAsset(40), def);
+    EXPECT_TRUE(added) << added.error().message;
+    id_ = *added;
+    return scene_.hair(id_);
+  }
+
+  static View viewFrom(float distance) {
+    View view;
+    view.eye = {0, 0.04f, distance};
+    view.worldToClip = lookAt(view.eye, {0, 0.04f, 0}, {0, 1, 0}, 0.6f, 1, 0.01f, 100);
+    view.width = view.height = 200;
+    return view;
+  }
+
+  /// Names of the passes of all lists; "|" between lists.
+  std::string draw(const View& view, const TransparencySettings& settings = {}, Light light = {}) {
+    lists_.clear();
+    const Result<void> drawn = scene_.draw(view, {&light, 1}, settings, lists_);
+    EXPECT_TRUE(drawn) << drawn.error().message;
+    std::string names;
+    for (size_t i = 0; i < lists_.size(); ++i) {
+      if (i > 0) names += "| ";
+      for (const Pass& pass : lists_[i].passes) names += std::string(pass.name) + " ";
+    }
+    return names;
+  }
+
+  RenderConstants constantsOfDraw() const {
+    return blockOfDraw<RenderConstants>("RenderConstants");
+  }
+
+  template <class T>
+  T blockOfDraw(std::string_view name) const {
+    T constants = {};
+    for (const Pass& pass : lists_[0].passes) {
+      if (pass.kind != PassKind::kDraw) continue;
+      for (const PassBinding& binding : lists_[0].bindingsOf(pass)) {
+        const LayoutEntry& entry = pass.layouts()[binding.set]->entries[binding.entry];
+        if (entry.name == name)
+          std::memcpy(&constants, lists_[0].constants.data() + binding.offset, sizeof(constants));
+      }
+    }
+    return constants;
+  }
+
+  Scene scene_;
+  HairId id_ = HairId::kInvalid;
+  std::vector<PassList> lists_;
+};
+
+TEST_F(SceneDraw, ListsHaveThePassesOfTheirMethod) {
+  add();
+  const View view = viewFrom(0.5f);
+  EXPECT_EQ(draw(view), "clear_ppll ppll_build | ppll_read ");
+  EXPECT_EQ(draw(view, {.method = Transparency::kStochastic}), "strand_pixel ");
+  EXPECT_EQ(draw(view, {.method = Transparency::kAlphaTest}), "strand_pixel ");
+  Light shadowed;
+  shadowed.shadow = HairShadow::kDepth;
+  EXPECT_EQ(draw(view, {.method = Transparency::kAlphaTest}, shadowed),
+            "clear_strand_shadow splat_strand_depths strand_pixel ");
+  shadowed.shadow = HairShadow::kDeep;
+  EXPECT_EQ(draw(view, {.method = Transparency::kAlphaTest}, shadowed),
+            "clear_strand_shadow splat_strand_depths splat_strand_opacity accumulate_strand_shadow "
+            "strand_pixel ");
+}
+
+TEST_F(SceneDraw, PointLightsHaveNoShadow) {
+  add();
+  Light light;
+  light.hasPosition = true;
+  light.position = {0, 1, 0};
+  light.shadow = HairShadow::kDeep;
+  EXPECT_EQ(draw(viewFrom(0.5f), {.method = Transparency::kAlphaTest}, light), "strand_pixel ");
+  // Neither do they count as one of those that have.
+  std::vector<Light> lights(kMaxStrandShadows + 1, light);
+  lists_.assign(1, {});
+  EXPECT_TRUE(scene_.draw(viewFrom(0.5f), lights, {}, lists_));
+}
+
+TEST_F(SceneDraw, ShadowsAreCastWithoutDrawsForShadersOfAnEngine) {
+  HairObject& hair = add();
+  EXPECT_EQ(scene_.shadowViews(), BufferId::kInvalid);
+  Light plain, deep, depths, point;
+  deep.shadow = point.shadow = HairShadow::kDeep;
+  depths.shadow = HairShadow::kDepth;
+  point.hasPosition = true;
+  PassList list;
+  const Light lights[] = {plain, deep, point, depths};
+  const Result<uint32_t> cast = scene_.castShadows(lights, list);
+  ASSERT_TRUE(cast) << cast.error().message;
+  EXPECT_EQ(*cast, 2u);
+  std::string names;
+  for (const Pass& pass : list.passes) names += std::string(pass.name) + " ";
+  EXPECT_EQ(names,
+            "clear_strand_shadow splat_strand_depths splat_strand_opacity accumulate_strand_shadow "
+            "clear_strand_shadow splat_strand_depths ");
+  // One after the other, in the order of the lights.
+  ASSERT_EQ(list.uploads.size(), 2u);
+  for (uint32_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(list.uploads[i].buffer, scene_.shadowViews());
+    EXPECT_EQ(list.uploads[i].offset, i * sizeof(StrandShadowView));
+    StrandShadowView map;
+    std::memcpy(&map, list.uploadData.data() + list.uploads[i].dataOffset, sizeof(map));
+    EXPECT_EQ(map.layerCount, i == 0 ? deep.shadowLayers : 0u);
+  }
+
+  // Without hair there are no maps, but still the buffers that shaders have bound.
+  hair.visible = false;
+  Scene empty;
+  for (Scene* scene : {&scene_, &empty}) {
+    list.clear();
+    const Result<uint32_t> none = scene->castShadows(lights, list);
+    ASSERT_TRUE(none);
+    EXPECT_EQ(*none, 0u);
+    EXPECT_TRUE(list.passes.empty());
+    EXPECT_NE(scene->resources().find(scene->shadowWords()), nullptr);
+    EXPECT_NE(scene->resources().find(scene->shadowViews()), nullptr);
+  }
+  hair.visible = true;
+  const std::vector<Light> tooMany(kMaxStrandShadows + 1, deep);
+  EXPECT_FALSE(scene_.castShadows(tooMany, list));
+  plain.color.x = std::numeric_limits<float>::infinity();
+  EXPECT_FALSE(scene_.castShadows({&plain, 1}, list));
+}
+
+TEST_F(SceneDraw, WhatIsOutOfViewOrHiddenCostsNothing) {
+  HairObject& hair = add();
+  const uint64_t bytes = scene_.resources().totalBytes();
+  View view = viewFrom(0.5f);
+  // Looks away.
+  view.worldToClip = lookAt(view.eye, {0, 0.04f, 1}, {0, 1, 0}, 0.6f, 1, 0.01f, 100);
+  EXPECT_EQ(draw(view), "");
+  // Left, right, above and below of the picture: one plane alone leaves it out each time.
+  view = viewFrom(5);
+  for (const Float3 target : {Float3{6, 0.04f, 0}, {-6, 0.04f, 0}, {0, 6, 0}, {0, -6, 0}}) {
+    view.worldToClip = lookAt(view.eye, target, {0, 1, 0}, 0.6f, 1, 0.01f, 100);
+    EXPECT_EQ(draw(view), "") << target.x << " " << target.y;
+  }
+  // Nearer than the near plane, and beyond the far one.
+  for (const auto& [near, far] : {std::pair(10.0f, 100.0f), std::pair(0.01f, 2.0f)}) {
+    view.worldToClip = lookAt(view.eye, {0, 0.04f, 0}, {0, 1, 0}, 0.6f, 1, near, far);
+    EXPECT_EQ(draw(view), "") << near << " to " << far;
+  }
+  hair.visible = false;
+  EXPECT_EQ(draw(viewFrom(0.5f)), "");
+  hair.visible = true;
+  hair.drawnStrands = 0;
+  EXPECT_EQ(draw(viewFrom(0.5f)), "");
+  EXPECT_EQ(scene_.resources().totalBytes(), bytes) << "buffers that no draw has needed";
+}
+
+TEST_F(SceneDraw, BuffersAreThoseOfTheMethodsThatAreUsed) {
+  add();
+  const View view = viewFrom(0.5f);
+  draw(view, {.method = Transparency::kStochastic});
+  EXPECT_EQ(scene_.transparencyCounters(), BufferId::kInvalid);
+  const uint64_t before = scene_.resources().totalBytes();
+  TransparencySettings settings;
+  settings.nodeCount = 1000;
+  draw(view, settings);
+  const auto plan = planTransparency(view.width, view.height, settings);
+  ASSERT_TRUE(plan);
+  EXPECT_EQ(plan->nodeCount, 1000u);
+  EXPECT_EQ(scene_.resources().totalBytes() - before, plan->bytes);
+  settings.spillTail = false;
+  draw(view, settings);
+  EXPECT_EQ(scene_.resources().totalBytes() - before,
+            planTransparency(view.width, view.height, settings)->bytes);
+}
+
+TEST_F(SceneDraw, ListsFitIntoTheMemoryThatTheyAreGiven) {
+  for (const uint64_t cap : {uint64_t{60} << 20, uint64_t{200} << 20, uint64_t{4} << 30}) {
+    TransparencySettings settings;
+    settings.maxBytes = cap;
+    const auto plan = planTransparency(1920, 1080, settings);
+    ASSERT_TRUE(plan) << plan.error().message;
+    EXPECT_LE(plan->bytes, cap);
+    EXPECT_LE(uint64_t{plan->nodeCount} * 16, settings.maxBufferBytes);
+    EXPECT_GT(plan->nodeCount, 0u);
+  }
+  // A buffer a device cannot bind is refused, and what helps is named.
+  TransparencySettings settings;
+  settings.maxBytes = uint64_t{4} << 30;
+  const auto large = planTransparency(7680, 4320, settings);
+  ASSERT_FALSE(large);
+  EXPECT_NE(large.error().message.find("maxBufferBytes"), std::string::npos);
+  settings.spillTail = false;
+  settings.maxBufferBytes = uint64_t{1} << 30;
+  EXPECT_TRUE(planTransparency(7680, 4320, settings));
+}
+
+TEST_F(SceneDraw, NodesGrowWhereSomeWereMissingAndShrinkWhereFewWereUsed) {
+  EXPECT_EQ(growNodes({.fragments = 900'000, .spilled = 0}, 1'000'000), 1'000'000u);
+  EXPECT_GE(growNodes({.fragments = 3'000'000, .spilled = 2'000'000}, 1'000'000), 3'750'000u);
+  const uint32_t shrunk = growNodes({.fragments = 100'000, .spilled = 0}, 1'000'000);
+  EXPECT_GE(shrunk, 125'000u);
+  EXPECT_LT(shrunk, 250'000u);
+  EXPECT_EQ(growNodes({.fragments = 100'000, .spilled = 0}, shrunk), shrunk);
+  EXPECT_LE(growNodes({.fragments = ~0u, .spilled = ~0u - 5}, 5), kMaxListNodes);
+}
+
+TEST_F(SceneDraw, FewerStrandsAreWiderAndCoverAsMuch) {  // K44
+  HairObject& hair = add({.material = {}, .followHairs = {}});
+  const View view = viewFrom(0.5f);
+  uint32_t before = 0;
+  for (const float share : {0.02f, 0.1f, 0.3f, 0.5f, 0.8f, 0.95f, 1.0f}) {
+    hair.drawnShare = share;
+    draw(view);
+    const RenderConstants c = constantsOfDraw();
+    double widths = 0;
+    for (uint32_t s = 0; s < 40; ++s) {
+      const double left = static_cast<double>(c.drawnStrands) - s;
+      const double fading = static_cast<double>(c.fadingStrands);
+      widths += static_cast<double>(c.strandWidening) *
+                (fading > 0 ? std::clamp(left / fading, 0.0, 1.0) : (left > 0 ? 1.0 : 0.0));
+    }
+    // With 40 strands the sum of the last ones' widths is off by up to one of them.
+    EXPECT_NEAR(widths, 40, 0.6 * static_cast<double>(c.strandWidening)) << share;
+    const uint32_t drawn = lists_[0].passes.back().instanceCount;
+    EXPECT_GE(drawn, before);
+    EXPECT_LE(drawn, std::ceil(40 * share) + 1);
+    before = drawn;
+  }
+  EXPECT_EQ(before, 40u);
+  EXPECT_EQ(constantsOfDraw().strandWidening, 1.0f);
+}
+
+TEST_F(SceneDraw, TheShareForAViewFallsWithTheDistance) {
+  HairObject& hair = add();
+  hair.material.fiberRadius = 60e-6f;
+  EXPECT_EQ(scene_.shareForView(id_, viewFrom(0.15f)), 1.0f);
+  float before = 1;
+  for (const float distance : {0.3f, 0.6f, 1.2f, 2.5f, 5.0f, 50.0f}) {
+    const float share = scene_.shareForView(id_, viewFrom(distance));
+    EXPECT_LE(share, before) << distance;
+    EXPECT_GE(share, 1.0f / 64);
+    before = share;
+  }
+  EXPECT_EQ(before, 1.0f / 64);
+  // Around the eye.
+  EXPECT_EQ(scene_.shareForView(id_, viewFrom(0.0f)), 1.0f);
+  View broken = viewFrom(1);
+  broken.worldToClip.rows[3].x = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(scene_.shareForView(id_, broken), 1.0f);
+}
+
+TEST_F(SceneDraw, ShadowsAreAsDenseAsTheHairWhereverElseThereIsSome) {
+  Light light;
+  light.shadow = HairShadow::kDepth;
+  const auto extinction = [&] {
+    draw(viewFrom(0.5f), {.method = Transparency::kAlphaTest}, light);
+    return blockOfDraw<StrandViewConstants>("StrandViewConstants").shadowDepths[0].z;
+  };
+  add();
+  const float alone = extinction();
+  EXPECT_GT(alone, 0);
+  AffineTransform away;
+  away.rows[0].w = 20;
+  add().setBones({&away, 1});
+  EXPECT_NEAR(extinction(), alone, 0.01f * alone);
+}
+
+TEST_F(SceneDraw, BatchesAreOf64Materials) {
+  const auto count = [&](const char* name) {
+    size_t found = 0;
+    for (const PassList& list : lists_)
+      for (const Pass& pass : list.passes) found += std::string_view(pass.name) == name ? 1 : 0;
+    return found;
+  };
+  std::vector<HairObject*> objects;
+  for (int i = 0; i < 130; ++i) objects.push_back(&add());
+  const View view = viewFrom(0.5f);
+  // They shade alike.
+  draw(view);
+  EXPECT_EQ(lists_.size(), 2u);
+  EXPECT_EQ(count("ppll_build"), 130u);
+  EXPECT_EQ(count("ppll_read"), 1u);
+  draw(view, {.method = Transparency::kTiles});
+  EXPECT_EQ(lists_.size(), 2u);
+  EXPECT_EQ(count("composite_strand_tiles"), 1u);
+  for (size_t i = 0; i < objects.size(); ++i)
+    objects[i]->material.primaryShift = 0.001f * static_cast<float>(i);
+  draw(view);
+  EXPECT_EQ(lists_.size(), 6u);
+  EXPECT_EQ(count("ppll_build"), 130u);
+  EXPECT_EQ(count("ppll_read"), 3u);
+  draw(view, {.method = Transparency::kTiles});
+  EXPECT_EQ(lists_.size(), 4u);
+  EXPECT_EQ(count("transform_strands"), 130u);
+  EXPECT_EQ(count("composite_strand_tiles"), 3u);
+  EXPECT_NE(draw(view, {.method = Transparency::kHybrid4}), "");
+  EXPECT_EQ(lists_.size(), 3u);
+}
+
+TEST_F(SceneDraw, ShadowMapsOverTheirCapAreRefusedOnce) {
+  add();
+  Light light;
+  light.shadow = HairShadow::kDeep;  // 1024 x 1024 texels of 9 words
+  const auto cast = [&] {
+    lists_.assign(1, {});
+    return scene_.draw(viewFrom(0.5f), {&light, 1}, {.method = Transparency::kAlphaTest}, lists_);
+  };
+  scene_.setShadowMemory(20 << 20);
+  const uint64_t before = scene_.resources().totalBytes();
+  const Result<void> refused = cast();
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("setShadowMemory() allows 20971520"), std::string::npos)
+      << refused.error().message;
+  EXPECT_EQ(scene_.resources().totalBytes(), before);
+  EXPECT_TRUE(lists_[0].passes.empty());
+  light.shadowSize = 512;
+  EXPECT_TRUE(cast());
+  const uint64_t small = scene_.resources().totalBytes();
+  EXPECT_LE(small - before, uint64_t{20} << 20);
+  // A map that the device had no memory for never ran: it goes, and does not stay too large.
+  scene_.setShadowMemory(uint64_t{8} << 30);
+  light.shadowSize = 8192;
+  light.shadowLayers = 16;
+  EXPECT_TRUE(cast());
+  EXPECT_GT(scene_.resources().totalBytes(), uint64_t{4} << 30);
+  light.shadowSize = 512;
+  light.shadowLayers = 8;
+  EXPECT_TRUE(cast());
+  EXPECT_EQ(scene_.resources().totalBytes(), small);
+}
+
+TEST_F(SceneDraw, TellsTheKernelWhichAttributesAnObjectHas) {
+  const std::vector<Float4> texels(4, {1, 1, 1, 1});
+  for (const bool tiles : {false, true}) {
+    for (uint32_t attributes = 0; attributes < 8; ++attributes) {
+      HairAsset asset = makeAsset(40);
+      HairDef def;
+      if ((attributes & 1) != 0) asset.strandThickness.assign(asset.strandCount, 0.5f);
+      if ((attributes & 2) != 0) asset.vertexColor.assign(asset.positions.size(), {1, 1, 1, 1});
+      if ((attributes & 4) != 0) {
+        asset.strandUv.assign(asset.strandCount, {0.5f, 0.5f});
+        def.baseTexture = {2, 2, texels};
+      }
+      ASSERT_TRUE(asset.process());
+      const Result<HairId> added = scene_.addHair(asset, def);
+      ASSERT_TRUE(added) << added.error().message;
+      draw(viewFrom(0.5f), {.method = tiles ? Transparency::kTiles : Transparency::kStochastic});
+      const PassList& list = lists_[tiles ? 1 : 0];
+      const Pass& pass = list.passes.front();
+      EXPECT_STREQ(pass.kernel->kernel->name, tiles ? "transform_strands" : "strand_vertex");
+      std::vector<BufferId> bound;
+      for (const PassBinding& binding : list.bindingsOf(pass)) {
+        const LayoutEntry& entry = pass.layouts()[binding.set]->entries[binding.entry];
+        if (std::string_view(entry.name) == "RenderConstants") {
+          RenderConstants constants = {};
+          std::memcpy(&constants, list.constants.data() + binding.offset, sizeof(constants));
+          EXPECT_EQ(constants.strandAttributes, attributes);
+        } else {
+          bound.push_back(binding.buffer);
+        }
+      }
+      const HairBuffers& buffers = scene_.hair(*added).buffers();
+      for (const BufferId buffer :
+           {buffers.strandThickness, buffers.vertexColors, buffers.baseTexture}) {
+        EXPECT_TRUE(buffer == BufferId::kInvalid ||
+                    std::find(bound.begin(), bound.end(), buffer) != bound.end());
+      }
+      EXPECT_TRUE(scene_.removeHair(*added));
+    }
+  }
+}
+
+TEST_F(SceneDraw, RefusesLightsAndTexturesThatDoNotFit) {
+  add();
+  std::vector<Light> lights(kMaxStrandLights + 1);
+  Result<void> drawn = scene_.draw(viewFrom(0.5f), lights, {}, lists_);
+  ASSERT_FALSE(drawn);
+  EXPECT_NE(drawn.error().message.find("9 lights"), std::string::npos);
+  lights.resize(kMaxStrandShadows + 1);
+  for (Light& light : lights) light.shadow = HairShadow::kDepth;
+  drawn = scene_.draw(viewFrom(0.5f), lights, {}, lists_);
+  ASSERT_FALSE(drawn);
+  EXPECT_NE(drawn.error().message.find("shadow"), std::string::npos);
+  lights.resize(1);
+  lights[0].color.x = std::numeric_limits<float>::infinity();
+  EXPECT_FALSE(scene_.draw(viewFrom(0.5f), lights, {}, lists_));
+
+  const std::vector<Float4> texels(6, {1, 1, 1, 1});
+  HairAsset asset = makeAsset(3);
+  HairDef def;
+  def.baseTexture = {2, 2, texels};
+  Result<HairId> added = scene_.addHair(asset, def);
+  ASSERT_FALSE(added);
+  EXPECT_NE(added.error().message.find("6 texels for 2 x 2"), std::string::npos);
+  def.baseTexture = {3, 2, texels};
+  added = scene_.addHair(asset, def);
+  ASSERT_FALSE(added);
+  EXPECT_NE(added.error().message.find("strandUv"), std::string::npos);
+  asset.strandUv.assign(3, {0.5f, 0.5f});
+  ASSERT_TRUE(asset.process());
+  EXPECT_TRUE(scene_.addHair(asset, def));
+}
+
+}  // namespace
+}  // namespace pelage

@@ -1,0 +1,222 @@
+// Devices that count as smaller ones: what their tier has runs, with the bits of any other device,
+// and what it lacks is refused by name before anything is made.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "pelage/kernels.h"
+#include "pelage/list_check.h"
+#include "support/delivery_scene.h"
+#include "support/scene_run.h"
+
+namespace pelage::test {
+namespace {
+
+std::unique_ptr<HeadlessDevice> deviceOf(Api api, Tier tier) {
+  auto made = createDevice({.api = api, .validation = true, .maxTier = tier});
+  if (!made) made = createDevice({.api = api, .maxTier = tier});
+  if (!made && made.error().code != ErrorCode::kUnsupported) ADD_FAILURE() << made.error().message;
+  return made ? std::move(*made) : nullptr;
+}
+
+class Tiers : public testing::TestWithParam<Api> {
+ protected:
+  void SetUp() override {
+    wide_ = deviceOf(GetParam(), Tier::kWide);
+    if (wide_ == nullptr) GTEST_SKIP() << "skipped: no " << apiName(GetParam()) << " device";
+    ASSERT_EQ(wide_->info().tier, Tier::kWide);
+  }
+  void TearDown() override {
+    if (wide_ != nullptr) {
+      EXPECT_EQ(wide_->messageCount(), 0u);
+    }
+  }
+  std::unique_ptr<HeadlessDevice> wide_;
+};
+INSTANTIATE_TEST_SUITE_P(, Tiers, testing::ValuesIn(kApis), apiTestName);
+
+struct Run {
+  std::vector<std::vector<std::byte>> buffers;
+  std::vector<RenderedImage> images;
+};
+
+View viewOf(uint32_t pixels) {
+  View view;
+  view.eye = {0.05f, 0.04f, 0.4f};
+  view.worldToClip = lookAt(view.eye, {0.05f, 0.04f, 0}, {0, 1, 0}, 0.6f, 1, 0.05f, 5);
+  view.width = view.height = pixels;
+  return view;
+}
+
+// Draws the scene with each of the methods.
+void drawAll(Scene& scene, HeadlessDevice& device, const std::vector<TransparencySettings>& methods,
+             const Light& light, Run& run) {
+  constexpr uint32_t kPixels = 48;
+  for (const TransparencySettings& settings : methods) {
+    std::vector<PassList> lists;
+    expectOk(scene.draw(viewOf(kPixels), {&light, 1}, settings, lists));
+    std::vector<const PassList*> pointers;
+    for (PassList& list : lists) {
+      scene.finish(list);
+      pointers.push_back(&list);
+    }
+    expectOk(device.update(scene.resources()));
+    Result<RenderedImage> image = device.render(pointers, {.width = kPixels, .height = kPixels});
+    ASSERT_TRUE(image) << image.error().message;
+    run.images.push_back(*std::move(image));
+  }
+}
+
+void expectSame(const Run& wide, const Run& small) {
+  ASSERT_EQ(wide.buffers.size(), small.buffers.size());
+  for (size_t i = 0; i < wide.buffers.size(); ++i)
+    EXPECT_TRUE(wide.buffers[i] == small.buffers[i]) << "buffer " << i;
+  ASSERT_EQ(wide.images.size(), small.images.size());
+  for (size_t m = 0; m < wide.images.size(); ++m) {
+    double covered = 0, sum = 0;
+    const std::vector<Float4>&a = wide.images[m].pixels, &b = small.images[m].pixels;
+    ASSERT_EQ(a.size(), b.size());
+    for (size_t i = 0; i < a.size(); ++i) {
+      covered += static_cast<double>(a[i].w);
+      sum += std::abs(static_cast<double>(a[i].x - b[i].x)) +
+             std::abs(static_cast<double>(a[i].w - b[i].w));
+    }
+    EXPECT_GT(covered, 20.0) << m;
+    EXPECT_LE(sum / static_cast<double>(2 * a.size()), 3e-4) << m;
+  }
+}
+
+// Classic hair with follow hairs that are stored, wind, and transparency of two kinds.
+Run playClassic(HeadlessDevice& device) {
+  Run run;
+  Scene scene;
+  scene.setTier(device.info().tier);
+  std::vector<FollowHair> follows;
+  for (uint32_t s = 0; s < 20; ++s)
+    follows.push_back({.guide = s, .offset = {0.004f, 0, 0.003f, 1}});
+  HairDef def = {.followHairs = follows, .storeFollowHairs = true};
+  def.settings.solver = Solver::kClassic;
+  def.settings.wind.velocity = {1, 0, 0.5f};
+  def.settings.globalStiffness = 0.05f;
+  def.material.fiberRadius = 0.0015f;
+  const Result<HairId> hair = scene.addHair(makeAsset(20, 12), def);
+  EXPECT_TRUE(hair) << hair.error().message;
+  PassList list;
+  for (int frame = 0; frame < 8; ++frame) {
+    const AffineTransform bone = rigidTransform({}, {0.002f * static_cast<float>(frame), 0, 0});
+    scene.hair(*hair).setBones({&bone, 1});
+    expectOk(scene.simulate(1.0f / 60, list));
+    scene.finish(list);
+    expectOk(device.update(scene.resources()));
+    expectOk(device.execute(list));
+  }
+  for (const BufferId buffer :
+       {scene.hair(*hair).buffers().positions, scene.hair(*hair).buffers().tangents}) {
+    Result<std::vector<std::byte>> bytes = device.read(buffer);
+    EXPECT_TRUE(bytes) << bytes.error().message;
+    run.buffers.push_back(bytes ? *std::move(bytes) : std::vector<std::byte>());
+  }
+  drawAll(scene, device,
+          {{.method = Transparency::kWindowed, .spillTail = false},
+           {.method = Transparency::kShortCut},
+           {.method = Transparency::kStochastic}},
+          Light{}, run);
+  return run;
+}
+
+// Everything: capsules, a mesh, hair against hair, follow hairs that collide, level of detail.
+Run playAll(HeadlessDevice& device, Solver solver) {
+  Run run;
+  Scene scene;
+  scene.setTier(device.info().tier);
+  DeliveryScene inputs(scene, solver);
+  inputs.hair(0).material.fiberRadius = inputs.hair(1).material.fiberRadius = 0.0015f;
+  PassList list;
+  for (int frame = 0; frame < 3; ++frame) {
+    inputs.setInputs(frame);
+    expectOk(inputs.simulate(frame, list));
+    scene.finish(list);
+    expectOk(device.update(scene.resources()));
+    expectOk(device.execute(list));
+  }
+  for (const BufferId buffer : inputs.results()) {
+    Result<std::vector<std::byte>> bytes = device.read(buffer);
+    EXPECT_TRUE(bytes) << bytes.error().message;
+    run.buffers.push_back(bytes ? *std::move(bytes) : std::vector<std::byte>());
+  }
+  drawAll(scene, device,
+          {{.method = Transparency::kWindowed},
+           {.method = Transparency::kHybrid8},
+           {.method = Transparency::kTiles},
+           {.method = Transparency::kAlphaTest}},
+          {.shadow = HairShadow::kDeep, .shadowSize = 64}, run);
+  return run;
+}
+
+TEST_P(Tiers, EsRunsClassicHairAndTransparency) {
+  const auto device = deviceOf(GetParam(), Tier::kEs);
+  ASSERT_NE(device, nullptr);
+  EXPECT_EQ(device->info().tier, Tier::kEs);
+  expectSame(playClassic(*wide_), playClassic(*device));
+  EXPECT_EQ(device->messageCount(), 0u);
+}
+
+TEST_P(Tiers, BaseRunsBothSolversContactFieldsAndEveryTransparency) {
+  for (const Solver solver : {Solver::kExact, Solver::kClassic}) {
+    const auto device = deviceOf(GetParam(), Tier::kBase);
+    ASSERT_NE(device, nullptr);
+    EXPECT_EQ(device->info().tier, Tier::kBase);
+    expectSame(playAll(*wide_, solver), playAll(*device, solver));
+    EXPECT_EQ(device->messageCount(), 0u);
+    wide_ = deviceOf(GetParam(), Tier::kWide);
+  }
+}
+
+TEST_P(Tiers, RefuseWhatTheyLackByName) {
+  const auto device = deviceOf(GetParam(), Tier::kEs);
+  ASSERT_NE(device, nullptr);
+  Scene scene;
+  scene.setTier(Tier::kEs);
+  ASSERT_TRUE(scene.addHair(makeAsset(20, 12), {}));
+  PassList list;
+  expectOk(scene.simulate(1.0f / 60, list));
+  scene.finish(list);
+  expectOk(device->update(scene.resources()));
+  const Result<void> ran = device->execute(list);
+  ASSERT_FALSE(ran);
+  EXPECT_EQ(ran.error().code, ErrorCode::kUnsupported);
+  for (const char* word : {"kernel ", "storage buffers", "allows 4"})
+    EXPECT_NE(ran.error().message.find(word), std::string::npos) << ran.error().message;
+  // Nothing of the list has run: the scene writes the frame again for a device that can.
+  expectOk(scene.simulate(1.0f / 60, list));
+  scene.finish(list);
+  expectOk(wide_->update(scene.resources()));
+  expectOk(wide_->execute(list));
+}
+
+TEST(TierLimits, AreCheckedForEachStageAndForBoth) {
+  const KernelVariant& exact = *simulateExactVariant({});
+  EXPECT_TRUE(checkLimits(exact, nullptr, limitsOf(Tier::kBase), "a phone"));
+  const Result<void> es = checkLimits(exact, nullptr, limitsOf(Tier::kEs), "a phone");
+  ASSERT_FALSE(es);
+  EXPECT_NE(es.error().message.find("a phone allows 4"), std::string::npos) << es.error().message;
+  const KernelVariant& vertex = strandVertexVariant({.smooth = true});
+  const KernelVariant& pixel = ppllBuildVariant({});
+  EXPECT_TRUE(checkLimits(vertex, &pixel, limitsOf(Tier::kWide), "a PC"));
+  EXPECT_FALSE(checkLimits(vertex, &pixel, limitsOf(Tier::kBase), "a phone"));
+  TierLimits few = limitsOf(Tier::kWide);
+  few.drawStorageBuffers = 7;
+  const Result<void> both = checkLimits(vertex, &pixel, few, "a phone");
+  ASSERT_FALSE(both);
+  EXPECT_NE(both.error().message.find("together"), std::string::npos) << both.error().message;
+  EXPECT_TRUE(checkLimits(strandRecordVertexVariant({.smooth = true}), &pixel, limitsOf(Tier::kEs),
+                          "a phone"));
+  TierLimits threads = limitsOf(Tier::kWide);
+  threads.groupThreads = 31;
+  EXPECT_FALSE(checkLimits(exact, nullptr, threads, "a phone"));
+}
+
+}  // namespace
+}  // namespace pelage::test

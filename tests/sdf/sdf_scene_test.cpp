@@ -1,0 +1,386 @@
+// Mesh colliders of a scene: what is in the pass lists, without a GPU.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pelage/gpu_structs.h"
+#include "pelage/scene.h"
+#include "pelage/skeleton.h"
+#include "support/plain_asset.h"
+
+namespace pelage {
+namespace {
+
+using test::makeAsset;
+
+constexpr float kFrame = 1.0f / 60;
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+// A closed box of 12 triangles around the origin.
+CollisionMesh boxMesh(float half = 0.1f) {
+  CollisionMesh mesh;
+  for (int i = 0; i < 8; ++i) {
+    mesh.positions.push_back(
+        {(i & 1) != 0 ? half : -half, (i & 2) != 0 ? half : -half, (i & 4) != 0 ? half : -half});
+    mesh.normals.push_back({0, 1, 0});
+  }
+  mesh.indices = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
+                  2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
+  return mesh;
+}
+
+AffineTransform shifted(float x) { return rigidTransform({0, 0, 0, 1}, {x, 0, 0}); }
+
+class SdfSceneTest : public testing::Test {
+ protected:
+  HairObject& addHair(const HairDef& def = {}) {
+    const Result<HairId> added = scene_.addHair(makeAsset(), def);
+    EXPECT_TRUE(added) << added.error().message;
+    return scene_.hair(*added);
+  }
+  SdfCollider& addCollider(const CollisionMesh& mesh = boxMesh(), const SdfColliderDef& def = {}) {
+    const Result<ColliderId> added = scene_.addCollider(mesh, def);
+    EXPECT_TRUE(added) << added.error().message;
+    return scene_.collider(*added);
+  }
+  void simulate() {
+    const Result<void> done = scene_.simulate(kFrame, list_);
+    ASSERT_TRUE(done) << done.error().message;
+    scene_.finish(list_);
+    setDelivered(list_.run);  // in place of a runtime
+  }
+  uint32_t count(std::string_view name) const {
+    return static_cast<uint32_t>(
+        std::count_if(list_.passes.begin(), list_.passes.end(),
+                      [&](const Pass& pass) { return name == pass.name; }));
+  }
+  // The fields that were uploaded for a hair object in this list.
+  std::vector<Sdf> uploadedSdfs(const HairObject& hair) const {
+    for (const Upload& upload : list_.uploads) {
+      if (upload.buffer != hair.buffers().sdfs) continue;
+      std::vector<Sdf> sdfs(upload.size / sizeof(Sdf));
+      std::memcpy(sdfs.data(), list_.uploadData.data() + upload.dataOffset, upload.size);
+      return sdfs;
+    }
+    return {};
+  }
+
+  Scene scene_;
+  PassList list_;
+};
+
+TEST_F(SdfSceneTest, AColliderIsBuiltOnceWhileItStays) {
+  addHair();
+  const SdfCollider& collider = addCollider();
+  EXPECT_TRUE(collider.report().closed);
+  simulate();
+  EXPECT_EQ(count("skin_vertices"), 1u);
+  EXPECT_EQ(count("scatter_triangles"), 1u);
+  EXPECT_EQ(count("find_moved_triangles"), 0u) << "the first build is a whole one";
+  for (int frame = 0; frame < 3; ++frame) {
+    simulate();
+    EXPECT_EQ(count("skin_vertices") + count("scatter_triangles") + count("compute_points"), 0u);
+  }
+}
+
+TEST_F(SdfSceneTest, MotionBelowTheToleranceBuildsNothingUntilItAddsUp) {
+  addHair();
+  SdfCollider& collider = addCollider(boxMesh(), {.motionTolerance = 0.1f});
+  const float cell = collider.grid().cellSize;
+  EXPECT_NEAR(cell, 0.2f / 50, 1e-6);
+  simulate();
+  const auto moveTo = [&](float cells) {
+    const AffineTransform bone = shifted(cells * cell);
+    collider.setBones({&bone, 1});
+    simulate();
+    return count("scatter_triangles");
+  };
+  EXPECT_EQ(moveTo(0.06f), 0u);
+  EXPECT_EQ(moveTo(0.09f), 0u);
+  EXPECT_EQ(moveTo(0.15f), 1u);
+  EXPECT_EQ(moveTo(0.2f), 0u) << "since the last build";
+}
+
+TEST_F(SdfSceneTest, OnlyWhatMovedIsBuiltWhenItIsTheSmallerPart) {
+  addHair();
+  CollisionMesh mesh = boxMesh();
+  const CollisionMesh other = boxMesh(0.02f);
+  for (const Float3& p : other.positions) mesh.positions.push_back({p.x, p.y + 0.2f, p.z});
+  for (const uint32_t index : other.indices) mesh.indices.push_back(index + 8);
+  // A third part follows the first bone, so that the second one moves a third of the vertices.
+  for (const Float3& p : other.positions) mesh.positions.push_back({p.x, p.y - 0.2f, p.z});
+  for (const uint32_t index : other.indices) mesh.indices.push_back(index + 16);
+  mesh.influences.resize(24);
+  for (size_t v = 0; v < 24; ++v) {
+    mesh.influences[v].bones[0] = v >= 8 && v < 16 ? 1 : 0;
+    mesh.influences[v].weights[0] = 1;
+  }
+  SdfCollider& collider = addCollider(mesh, {.boneCount = 2});
+  simulate();
+  AffineTransform bones[2] = {shifted(0), shifted(0.01f)};
+  collider.setBones(bones);
+  simulate();
+  EXPECT_EQ(count("find_moved_triangles"), 1u);
+  bones[0] = shifted(0.01f);
+  collider.setBones(bones);
+  simulate();
+  EXPECT_EQ(count("find_moved_triangles"), 0u) << "most of it moved";
+  EXPECT_EQ(count("scatter_triangles"), 1u);
+}
+
+TEST_F(SdfSceneTest, WhatNoHairReachesIsNeitherBuiltNorApplied) {  // K34
+  HairObject& hair = addHair();
+  SdfCollider& collider = addCollider();
+  AffineTransform bone = shifted(5);
+  collider.setBones({&bone, 1});
+  simulate();
+  EXPECT_EQ(count("scatter_triangles"), 0u);
+  EXPECT_EQ(hair.buffers().sdfs, BufferId::kInvalid);
+  bone = shifted(0);
+  collider.setBones({&bone, 1});
+  simulate();
+  EXPECT_EQ(count("scatter_triangles"), 1u);
+  EXPECT_EQ(uploadedSdfs(hair).size(), 1u);
+  collider.enabled = false;
+  simulate();
+  EXPECT_EQ(count("scatter_triangles"), 0u);
+  collider.enabled = true;
+  hair.usesMeshColliders = false;
+  bone = shifted(0.05f);
+  collider.setBones({&bone, 1});
+  simulate();
+  EXPECT_EQ(count("scatter_triangles"), 0u);
+}
+
+TEST_F(SdfSceneTest, FieldsAreRelativeToTheOriginOfTheHair) {  // K32
+  HairObject& hair = addHair();
+  SdfCollider& collider = addCollider();
+  const AffineTransform bone = shifted(1024.25f);
+  hair.setBones({&bone, 1});
+  collider.setBones({&bone, 1});
+  collider.margin = 0.002f;
+  collider.friction = 0.7f;
+  simulate();
+  const std::vector<Sdf> sdfs = uploadedSdfs(hair);
+  ASSERT_EQ(sdfs.size(), 1u);
+  const SdfGrid& grid = collider.grid();
+  EXPECT_NEAR(sdfs[0].origin.x, grid.origin.x - 1024, 1e-3);
+  EXPECT_LT(std::abs(sdfs[0].origin.x), 1);
+  EXPECT_EQ(sdfs[0].origin.w, grid.cellSize);
+  EXPECT_EQ(sdfs[0].margin, 0.002f);
+  EXPECT_EQ(sdfs[0].friction, 0.7f);
+  EXPECT_EQ(sdfs[0].motionScale, 0.0f) << "there is no frame before";
+}
+
+TEST_F(SdfSceneTest, MotionIsThatOfConsecutiveFrames) {
+  HairObject& hair = addHair();
+  SdfCollider& collider = addCollider();
+  simulate();
+  const auto moveTo = [&](float x) {
+    const AffineTransform bone = shifted(x);
+    collider.setBones({&bone, 1});
+    simulate();
+    const std::vector<Sdf> sdfs = uploadedSdfs(hair);
+    return sdfs.empty() ? -1.0f : sdfs[0].motionScale;
+  };
+  EXPECT_EQ(moveTo(0.01f), 1.0f);
+  EXPECT_EQ(moveTo(0.01f), 0.0f) << "it stopped";
+  EXPECT_EQ(moveTo(0.01f), -1.0f) << "nothing new to upload";
+  collider.reset();
+  EXPECT_EQ(moveTo(0.05f), 0.0f) << "a teleport is no motion";
+  EXPECT_EQ(count("scatter_triangles"), 1u);
+}
+
+TEST_F(SdfSceneTest, ColliderThatMovesKeepsHairAwake) {
+  addHair();
+  SdfCollider& collider = addCollider();
+  simulate();
+  const auto wakes = [&] {
+    for (const Pass& pass : list_.passes) {
+      if (std::string_view(pass.name) != "select_awake_tiles") continue;
+      for (const PassBinding& binding : list_.bindingsOf(pass)) {
+        if (binding.buffer != BufferId::kInvalid) continue;
+        ExactConstants constants;
+        std::memcpy(&constants, list_.constants.data() + binding.offset, sizeof(constants));
+        return (constants.flags & 16u) != 0;
+      }
+    }
+    return false;
+  };
+  simulate();
+  simulate();
+  EXPECT_FALSE(wakes());
+  const AffineTransform bone = shifted(0.01f);
+  collider.setBones({&bone, 1});
+  simulate();
+  EXPECT_TRUE(wakes());
+  simulate();
+  simulate();
+  EXPECT_FALSE(wakes());
+  collider.friction = 0.9f;
+  simulate();
+  EXPECT_TRUE(wakes());
+}
+
+TEST_F(SdfSceneTest, TheGridFollowsAMeshThatWalksAndGrows) {  // K31
+  HairObject& hair = addHair();
+  SdfCollider& collider = addCollider();
+  simulate();
+  const SdfGrid first = collider.grid();
+  for (int frame = 1; frame <= 40; ++frame) {
+    const AffineTransform bone = shifted(0.25f * static_cast<float>(frame));
+    hair.setBones({&bone, 1});
+    collider.setBones({&bone, 1});
+    simulate();
+    const SdfGrid& grid = collider.grid();
+    const float low = bone.rows[0].w - 0.1f, high = bone.rows[0].w + 0.1f;
+    EXPECT_LT(grid.origin.x, low - 3 * grid.cellSize + 1e-4f);
+    EXPECT_GT(grid.origin.x + grid.cellSize * static_cast<float>(grid.nodes[0] - 1),
+              high + 3 * grid.cellSize - 1e-4f);
+    // Nodes stay on one lattice, so that the field does not crawl over the mesh.
+    const double cells = static_cast<double>(grid.origin.x) / static_cast<double>(grid.cellSize);
+    EXPECT_NEAR(cells, std::round(cells), 0.01);
+  }
+  AffineTransform large = shifted(10);
+  for (int i = 0; i < 3; ++i) (&large.rows[i].x)[i] = 3;
+  collider.setBones({&large, 1});
+  simulate();
+  EXPECT_GT(collider.grid().nodes[0], 2 * first.nodes[0]);
+  EXPECT_EQ(count("scatter_triangles"), 1u);
+  // Small again: what is far too large is not kept.
+  collider.setBones({&(large = shifted(10)), 1});
+  simulate();
+  EXPECT_LT(collider.grid().nodes[0], 2 * first.nodes[0]);
+}
+
+TEST_F(SdfSceneTest, AFieldOverTheCapIsRefusedAndNothingIsLost) {
+  addHair();
+  SdfCollider& collider = addCollider(boxMesh(), {.memoryCap = 1000000});
+  simulate();
+  const SdfGrid grid = collider.grid();
+  AffineTransform large;
+  for (int i = 0; i < 3; ++i) (&large.rows[i].x)[i] = 10;
+  collider.setBones({&large, 1});
+  const Result<void> done = scene_.simulate(kFrame, list_);
+  ASSERT_FALSE(done);
+  EXPECT_NE(done.error().message.find("collider 'collider'"), std::string::npos);
+  EXPECT_NE(done.error().message.find("a cell size of"), std::string::npos) << done.error().message;
+  EXPECT_EQ(collider.grid(), grid);
+  const AffineTransform back = shifted(0);
+  collider.setBones({&back, 1});
+  simulate();
+  EXPECT_EQ(count("scatter_triangles"), 0u);
+  // At once, when it is added.
+  const Result<ColliderId> added = scene_.addCollider(boxMesh(), {.memoryCap = 10000});
+  ASSERT_FALSE(added);
+  EXPECT_NE(added.error().message.find("a cell size of"), std::string::npos);
+}
+
+TEST_F(SdfSceneTest, WhatIsWrongWithAColliderIsNamed) {
+  const auto expectRefused = [&](const CollisionMesh& mesh, const SdfColliderDef& def,
+                                 const char* what) {
+    const uint32_t buffers = scene_.resources().count();
+    const Result<ColliderId> added = scene_.addCollider(mesh, def);
+    ASSERT_FALSE(added) << what;
+    EXPECT_NE(added.error().message.find(what), std::string::npos) << added.error().message;
+    EXPECT_EQ(scene_.resources().count(), buffers) << "what is refused leaves nothing";
+  };
+  expectRefused(boxMesh(), {.cellSize = kNan}, "cellSize is nan");
+  expectRefused(boxMesh(), {.band = 0.5f}, "band is 0.5");
+  expectRefused(boxMesh(), {.boneCount = 0}, "boneCount must be at least 1");
+  expectRefused(boxMesh(), {.motionTolerance = -1}, "motionTolerance is -1");
+  CollisionMesh mesh = boxMesh();
+  mesh.indices.back() = 99;
+  expectRefused(mesh, {}, "99");
+  mesh = boxMesh();
+  mesh.influences.resize(8);
+  mesh.influences[3].bones[2] = 4;
+  expectRefused(mesh, {.boneCount = 4}, "vertex 3 refers to bone 4");
+  const BufferId small = scene_.resources().add({.name = "small", .size = 64, .stride = 4});
+  expectRefused(boxMesh(), {.vertices = small, .vertexStride = 4}, "has 64 bytes; 8 vertices take");
+  SdfCollider& collider = addCollider();
+  addHair();
+  collider.friction = kNan;
+  EXPECT_FALSE(scene_.simulate(kFrame, list_));
+}
+
+TEST_F(SdfSceneTest, AnEmptyMeshIsAColliderThatDoesNothing) {
+  HairObject& hair = addHair();
+  addCollider(CollisionMesh{});
+  simulate();
+  EXPECT_EQ(count("scatter_triangles"), 0u);
+  EXPECT_TRUE(uploadedSdfs(hair).empty());
+}
+
+TEST_F(SdfSceneTest, CollidersShareTwoBuffersAndLeaveNothingBehind) {
+  HairObject& hair = addHair();
+  simulate();
+  const uint32_t before = scene_.resources().count();
+  EXPECT_EQ(scene_.sdfKeys(), BufferId::kInvalid);
+  const Result<ColliderId> a = scene_.addCollider(boxMesh(), {.name = "a"});
+  const Result<ColliderId> b = scene_.addCollider(boxMesh(0.05f), {.name = "b"});
+  ASSERT_TRUE(a && b);
+  simulate();
+  const std::vector<Sdf> sdfs = uploadedSdfs(hair);
+  ASSERT_EQ(sdfs.size(), 2u);
+  EXPECT_EQ(sdfs[0].nodes.w, 0u);
+  EXPECT_EQ(sdfs[1].nodes.w, sdfs[0].nodes.x * sdfs[0].nodes.y * sdfs[0].nodes.z);
+  EXPECT_EQ(sdfs[1].surface, 12u * 7);
+  EXPECT_TRUE(scene_.removeCollider(*a));
+  simulate();
+  EXPECT_EQ(uploadedSdfs(hair).at(0).nodes.w, 0u);
+  EXPECT_EQ(count("scatter_triangles"), 1u) << "the other one has moved in the buffers";
+  EXPECT_TRUE(scene_.removeCollider(*b));
+  simulate();
+  EXPECT_EQ(scene_.sdfKeys(), BufferId::kInvalid);
+  EXPECT_EQ(scene_.resources().count(), before + 2 + 2)
+      << "the hair keeps its buffers of fields and capsules, and of contacts";
+}
+
+TEST_F(SdfSceneTest, AnEnginesVerticesAreBuiltWhenItSaysSo) {
+  addHair();
+  const BufferId vertices =
+      scene_.resources().add({.name = "engine", .size = 8 * 32, .stride = 32});
+  SdfCollider& collider =
+      addCollider(boxMesh(), {.vertices = vertices, .vertexStride = 8, .vertexOffset = 4});
+  simulate();
+  EXPECT_EQ(count("skin_vertices"), 0u);
+  EXPECT_EQ(count("scatter_triangles"), 1u);
+  simulate();
+  EXPECT_EQ(count("scatter_triangles"), 0u);
+  collider.setVertexBounds({-0.1f, -0.1f, -0.1f}, {0.1f, 0.1f, 0.1f});
+  simulate();
+  EXPECT_EQ(count("find_moved_triangles"), 1u) << "the GPU finds out what moved";
+}
+
+TEST_F(SdfSceneTest, AFieldOfAFileIsNeverBuilt) {
+  HairObject& hair = addHair();
+  SdfData data;
+  data.grid = {.origin = {-0.1f, -0.1f, -0.1f}, .cellSize = 0.05f, .nodes = {4, 4, 4}};
+  data.triangleBits = 1;
+  data.triangleCount = 1;
+  data.keys.assign(64, 0x7fffffffu);
+  data.surface.assign(16, 0xffffffffu);
+  const Result<ColliderId> added = scene_.addCollider(data, {.name = "baked"});
+  ASSERT_TRUE(added) << added.error().message;
+  simulate();
+  EXPECT_EQ(count("scatter_triangles") + count("skin_vertices"), 0u);
+  const std::vector<Sdf> sdfs = uploadedSdfs(hair);
+  ASSERT_EQ(sdfs.size(), 1u);
+  EXPECT_EQ(sdfs[0].surfaceStride, 4u);
+  const BufferDesc* keys = scene_.resources().find(scene_.sdfKeys());
+  ASSERT_NE(keys, nullptr);
+  EXPECT_EQ(std::memcmp(keys->initial.data(), data.keys.data(), 256), 0);
+  const Result<SdfData> copy = scene_.copySdf(*added, {}, {});
+  ASSERT_TRUE(copy);
+  EXPECT_EQ(*copy, data);
+}
+
+}  // namespace
+}  // namespace pelage

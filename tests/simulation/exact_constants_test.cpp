@@ -1,0 +1,79 @@
+// What the host packs for the exact solver is what the reference takes: the tests of the reference
+// hold the figures, and the kernels have its bits for numbers of its own.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "../reference/rod/exact_rod.h"
+#include "simulation/exact_solver.h"
+
+namespace pelage {
+namespace {
+
+using reference::RestStrand;
+using reference::RodTuning;
+using reference::Vector3d;
+
+HairAsset strandOf(const std::vector<Vector3d>& points) {
+  HairAsset asset;
+  asset.strandCount = 1;
+  asset.verticesPerStrand = static_cast<uint32_t>(points.size());
+  for (size_t i = 0; i < points.size(); ++i)
+    asset.positions.push_back({static_cast<float>(points[i].x), static_cast<float>(points[i].y),
+                               static_cast<float>(points[i].z), i < 2 ? 0.0f : 1.0f});
+  const Result<void> processed = asset.process();
+  EXPECT_TRUE(processed) << processed.error().message;
+  return asset;
+}
+
+TEST(ExactRest, HasTheRegionsOfTheReference) {
+  std::vector<std::vector<Vector3d>> strands = {
+      reference::straightPoints(8, 0.2, Vector3d(1, 0, 0)),
+      reference::straightPoints(3, 0.2, Vector3d(0, -1, 0)),
+      reference::helixPoints(32, 0.008, 0.06, 4),
+      // All but over after edge 0, where the length of the root's joint has its bound.
+      {Vector3d(0, 0, 0), Vector3d(0.1, 0, 0), Vector3d(0.101, 0, 0)}};
+  std::vector<Vector3d> uneven;
+  for (int i = 0; i < 16; ++i) uneven.emplace_back(0.02 * std::pow(i, 1.5), 0.01 * i, 0);
+  strands.push_back(uneven);
+  for (const auto& points : strands) {
+    const RestStrand expected(points);
+    const HairAsset asset = strandOf(points);
+    const detail::ExactStrands packed = detail::packExactStrands(asset, false);
+    const std::vector<Float4> rest = detail::packExactRest(asset, packed, {});
+    for (uint32_t i = 1; i < asset.verticesPerStrand; ++i) {
+      const double voronoiLength =
+          static_cast<double>(rest[packed.strands[0].state + size_t{exact::kTileStrands} * i].w);
+      EXPECT_NEAR(voronoiLength, expected.voronoiLengths[i], 1e-5 * expected.voronoiLengths[i])
+          << "vertex " << i << " of " << points.size();
+    }
+  }
+}
+
+TEST(ExactStep, HasTheTuningOfTheReference) {
+  for (const double h : {1 / 30.0, 1 / 60.0, 1 / 240.0, 1 / 1920.0}) {
+    for (const float damping : {0.0f, 0.01f, 0.06f, 0.5f, 1.0f}) {
+      for (const float twistRatio : {0.05f, 0.39f, 0.4f, 0.75f, 10.0f}) {
+        SimulationSettings settings;
+        settings.damping = damping;
+        settings.twistRatio = twistRatio;
+        ExactConstants constants = {};
+        detail::ExactHistory history;
+        detail::setExactStep(constants, settings, h, history, {});
+        const double drag = -60 * std::log(1 - std::min(static_cast<double>(damping), 0.9999));
+        const auto ratio = static_cast<double>(twistRatio);
+        using Tuning = RodTuning<float>;
+        EXPECT_FLOAT_EQ(constants.passTolerance,
+                        static_cast<float>(Tuning::passTolerance(h, drag, ratio)));
+        EXPECT_FLOAT_EQ(constants.twistInertia, Tuning::twistInertia(h));
+        EXPECT_FLOAT_EQ(constants.slowRotation, Tuning::slowRotation(h, drag));
+        EXPECT_FLOAT_EQ(constants.guessTrend, Tuning::guessTrend(drag));
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace pelage

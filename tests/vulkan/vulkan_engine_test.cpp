@@ -1,0 +1,553 @@
+// pelage/vulkan.h as an engine uses it: on the engine's device, in the engine's command buffers,
+// with several frames in flight.
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstring>
+#include <deque>
+#include <numeric>
+
+#include "runtime_test/gpu_structs.h"
+#include "runtime_test/kernels.h"
+#include "runtime_test/layouts.h"
+#include "runtime_test/spirv.h"
+#include "vulkan_engine.h"
+
+namespace {
+
+using namespace pelage;
+using runtime_test::AccumulateConstants;
+using runtime_test::Engine;
+using runtime_test::EngineBuffer;
+using vulkan::Runtime;
+using vulkan::RuntimeDef;
+
+constexpr uint32_t kCount = 5000;
+constexpr uint64_t kBytes = kCount * sizeof(uint32_t);
+constexpr size_t kFramesInFlight = 3;
+
+std::vector<uint32_t> ramp(uint32_t first) {
+  std::vector<uint32_t> values(kCount);
+  std::iota(values.begin(), values.end(), first);
+  return values;
+}
+
+std::vector<std::byte> bytesOf(const std::vector<uint32_t>& values) {
+  const auto bytes = std::as_bytes(std::span(values));
+  return {bytes.begin(), bytes.end()};
+}
+
+// An engine's allocator that remembers what lives.
+struct CountingAllocator {
+  const Engine* engine = nullptr;
+  std::vector<EngineBuffer> live;
+  uint32_t created = 0;
+  bool fails = false;
+
+  vulkan::BufferAllocator hooks() {
+    return {this,
+            [](void* user, const VkBufferCreateInfo& info, vulkan::MemoryKind kind, const char*,
+               vulkan::AllocatedBuffer& out) {
+              auto& self = *static_cast<CountingAllocator*>(user);
+              if (self.fails) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+              const EngineBuffer made = self.engine->createBuffer(
+                  info.size, info.usage, kind != vulkan::MemoryKind::kDevice);
+              self.live.push_back(made);
+              ++self.created;
+              out = {made.buffer, made.mapped, nullptr};
+              return VK_SUCCESS;
+            },
+            [](void* user, const vulkan::AllocatedBuffer& buffer) {
+              auto& self = *static_cast<CountingAllocator*>(user);
+              for (const EngineBuffer& candidate : self.live)
+                if (candidate.buffer == buffer.buffer) self.engine->destroyBuffer(candidate);
+              std::erase_if(self.live, [&](const EngineBuffer& candidate) {
+                return candidate.buffer == buffer.buffer;
+              });
+            }};
+  }
+};
+
+class VulkanEngine : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string reason;
+    engine_ = Engine::create(reason);
+    if (engine_ == nullptr) GTEST_SKIP() << reason;
+    for (Engine::Frame& frame : frames_) frame = engine_->createFrame();
+  }
+  void TearDown() override {
+    if (engine_ == nullptr) return;
+    for (const Engine::Frame& frame : frames_) engine_->destroyFrame(frame);
+    runtime_.reset();
+    EXPECT_EQ(engine_->messageCount(), 0u);
+  }
+  void createRuntime(RuntimeDef def) {
+    def.code.push_back(runtime_test::allSpirv());
+    Result<Runtime> made = Runtime::create(def);
+    ASSERT_TRUE(made) << made.error().message;
+    runtime_.emplace(*std::move(made));
+  }
+  // Begins the next frame on the slot that was used kFramesInFlight frames ago.
+  const Engine::Frame& beginFrame() {
+    ++frame_;
+    const Engine::Frame& slot = frames_[frame_ % kFramesInFlight];
+    engine_->begin(slot);
+    runtime_->beginFrame(frame_, frame_ > kFramesInFlight ? frame_ - kFramesInFlight : 0);
+    return slot;
+  }
+  void submit(const Engine::Frame& frame) {
+    engine_->submit(frame);
+    runtime_->submitted();
+  }
+  void finishFrames() {
+    for (const Engine::Frame& frame : frames_) engine_->wait(frame);
+    runtime_->collect(frame_);
+  }
+  BufferId add(const char* name, const std::vector<uint32_t>& values) {
+    return table_.add({name, values.size() * 4, 4, BufferUsage::kStorage | BufferUsage::kUpload,
+                       bytesOf(values)});
+  }
+  void addAccumulate(PassList& list, BufferId source, BufferId target, uint32_t factor,
+                     uint32_t bias) {
+    const Result<void> added =
+        PassBuilder(list)
+            .dispatch(runtime_test::accumulateVariant(), kCount)
+            .bind("g_source", source, kBytes)
+            .bind("g_target", target, kBytes)
+            .constants("AccumulateConstants", AccumulateConstants{kCount, factor, bias, 0})
+            .finish();
+    ASSERT_TRUE(added) << added.error().message;
+  }
+  // Copies a buffer of the table to memory that the host reads when the frame is done.
+  void copyOut(VkCommandBuffer commands, BufferId id, const EngineBuffer& out) const {
+    const vulkan::BufferRange range = runtime_->buffer(id);
+    VkMemoryBarrier barrier = {};
+    barrier.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER;
+    barrier.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
+    barrier.dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT;
+    vkCmdPipelineBarrier(commands,
+                         VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT,
+                         VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 1, &barrier, 0, nullptr, 0, nullptr);
+    const VkBufferCopy copy = {range.offset, 0, range.size};
+    vkCmdCopyBuffer(commands, range.buffer, out.buffer, 1, &copy);
+    barrier.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
+    barrier.dstAccessMask = VK_ACCESS_HOST_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT;
+    vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT,
+                         VK_PIPELINE_STAGE_HOST_BIT | VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, 0, 1,
+                         &barrier, 0, nullptr, 0, nullptr);
+  }
+  static std::vector<uint32_t> valuesOf(const EngineBuffer& buffer) {
+    std::vector<uint32_t> values(kCount);
+    std::memcpy(values.data(), buffer.mapped, kBytes);
+    return values;
+  }
+
+  std::unique_ptr<Engine> engine_;
+  std::array<Engine::Frame, kFramesInFlight> frames_;
+  std::optional<Runtime> runtime_;
+  ResourceTable table_;
+  HazardTracker tracker_;
+  uint64_t frame_ = 0;
+};
+
+TEST_F(VulkanEngine, UploadsAndConstantsOfThreeFramesInFlightStayApart) {
+  createRuntime(engine_->runtimeDef());
+  const BufferId source = add("source", ramp(0));
+  const BufferId target = add("target", ramp(0));
+  constexpr uint32_t kFrames = 30;
+  std::vector<EngineBuffer> outs;
+  std::vector<std::vector<uint32_t>> expected;
+  std::vector<uint32_t> state = ramp(0);
+  for (uint32_t i = 0; i < kFrames; ++i) {
+    outs.push_back(engine_->createBuffer(kBytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, true));
+    const Engine::Frame& frame = beginFrame();
+    ASSERT_TRUE(runtime_->update(table_, frame.commands));
+    PassList list;
+    const std::vector<uint32_t> fresh = ramp(i * 1000);
+    addUpload(list, source, std::as_bytes(std::span(fresh)));
+    addAccumulate(list, source, target, i + 1, 3 * i);
+    tracker_.resolve(list);
+    const Result<void> recorded = runtime_->record(list, frame.commands);
+    ASSERT_TRUE(recorded) << recorded.error().message;
+    copyOut(frame.commands, target, outs.back());
+    submit(frame);
+    for (uint32_t j = 0; j < kCount; ++j) state[j] = 3 * state[j] + (i + 1) * fresh[j] + 3 * i;
+    expected.push_back(state);
+  }
+  finishFrames();
+  for (uint32_t i = 0; i < kFrames; ++i) {
+    EXPECT_EQ(valuesOf(outs[i]), expected[i]) << "frame " << i;
+    engine_->destroyBuffer(outs[i]);
+  }
+}
+
+TEST_F(VulkanEngine, DestroysARemovedBufferOnlyAfterTheFrameThatUsedItHasCompleted) {
+  CountingAllocator allocator{engine_.get(), {}, 0, false};
+  RuntimeDef def = engine_->runtimeDef();
+  def.allocator = allocator.hooks();
+  createRuntime(def);
+  const BufferId source = add("source", ramp(0));
+  const BufferId target = add("target", ramp(0));
+
+  const Engine::Frame& first = beginFrame();
+  ASSERT_TRUE(runtime_->update(table_, first.commands));
+  const VkBuffer handle = runtime_->buffer(target).buffer;
+  PassList list;
+  addAccumulate(list, source, target, 1, 1);
+  tracker_.resolve(list);
+  ASSERT_TRUE(runtime_->record(list, first.commands));
+  submit(first);
+
+  const auto lives = [&] {
+    for (const EngineBuffer& buffer : allocator.live)
+      if (buffer.buffer == handle) return true;
+    return false;
+  };
+  table_.remove(target);
+  const Engine::Frame& second = beginFrame();
+  ASSERT_TRUE(runtime_->update(table_, second.commands));
+  EXPECT_EQ(runtime_->buffer(target).buffer, VkBuffer{VK_NULL_HANDLE});
+  EXPECT_TRUE(lives());
+  submit(second);
+  engine_->wait(first);
+  engine_->wait(second);
+  runtime_->collect(1);
+  EXPECT_TRUE(lives()) << "frame 2 may still name it";
+  runtime_->collect(2);
+  EXPECT_FALSE(lives());
+
+  finishFrames();
+  runtime_.reset();
+  EXPECT_GT(allocator.created, 3u);
+  EXPECT_TRUE(allocator.live.empty());
+}
+
+TEST_F(VulkanEngine, AFailedUpdateChangesNothingAndCanBeRepeated) {
+  CountingAllocator allocator{engine_.get(), {}, 0, false};
+  RuntimeDef def = engine_->runtimeDef();
+  def.allocator = allocator.hooks();
+  createRuntime(def);
+  const BufferId source = add("source", ramp(0));
+  const Engine::Frame& frame = beginFrame();
+  allocator.fails = true;
+  const Result<void> failed = runtime_->update(table_, frame.commands);
+  ASSERT_FALSE(failed);
+  EXPECT_EQ(failed.error().code, ErrorCode::kOutOfMemory);
+  EXPECT_NE(failed.error().message.find("'source'"), std::string::npos) << failed.error().message;
+  EXPECT_EQ(runtime_->buffer(source).buffer, VkBuffer{VK_NULL_HANDLE});
+  allocator.fails = false;
+  const Result<void> repeated = runtime_->update(table_, frame.commands);
+  EXPECT_TRUE(repeated);
+  EXPECT_NE(runtime_->buffer(source).buffer, VkBuffer{VK_NULL_HANDLE});
+  submit(frame);
+  finishFrames();
+  runtime_.reset();
+}
+
+TEST_F(VulkanEngine, RunsOnABufferOfTheEngineAtAnOffset) {
+  createRuntime(engine_->runtimeDef());
+  const BufferId source = add("source", ramp(1));
+  const BufferId target = add("target", ramp(2));
+  const BufferId kept = add("kept", ramp(3));
+  constexpr VkDeviceSize kOffset = 512;  // a multiple of every device's alignment
+  constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
+                                        VK_BUFFER_USAGE_TRANSFER_DST_BIT |
+                                        VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
+  const EngineBuffer own = engine_->createBuffer(kOffset + kBytes, kUsage, true);
+  std::memset(own.mapped, 0xab, kOffset + kBytes);
+  const EngineBuffer contents = engine_->createBuffer(kBytes, kUsage, true);
+  std::memset(contents.mapped, 0, kBytes);
+  runtime_->useExternalBuffer(target, {own.buffer, kOffset, false});
+  runtime_->useExternalBuffer(kept, {contents.buffer, 0, true});
+  const Engine::Frame& frame = beginFrame();
+  ASSERT_TRUE(runtime_->update(table_, frame.commands));
+  EXPECT_EQ(runtime_->buffer(target).buffer, own.buffer);
+  EXPECT_EQ(runtime_->buffer(target).offset, kOffset);
+  PassList list;
+  addAccumulate(list, source, target, 10, 0);
+  addAccumulate(list, source, kept, 10, 0);
+  tracker_.resolve(list);
+  ASSERT_TRUE(runtime_->record(list, frame.commands));
+  VkMemoryBarrier barrier = {};
+  barrier.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER;
+  barrier.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT;
+  barrier.dstAccessMask = VK_ACCESS_HOST_READ_BIT;
+  vkCmdPipelineBarrier(frame.commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+                       VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &barrier, 0, nullptr, 0, nullptr);
+  submit(frame);
+  finishFrames();
+  const auto* bytes = static_cast<const std::byte*>(own.mapped);
+  for (VkDeviceSize i = 0; i < kOffset; ++i) ASSERT_EQ(bytes[i], std::byte{0xab}) << i;
+  const std::vector<uint32_t> inherited = valuesOf(contents);
+  for (uint32_t i = 0; i < kCount; ++i) {
+    uint32_t value;
+    std::memcpy(&value, bytes + kOffset + i * sizeof(value), sizeof(value));
+    ASSERT_EQ(value, 3 * (i + 2) + 10 * (i + 1)) << i;
+    ASSERT_EQ(inherited[i], 10 * (i + 1)) << i;
+  }
+  runtime_.reset();
+  engine_->destroyBuffer(own);
+  engine_->destroyBuffer(contents);
+}
+
+TEST_F(VulkanEngine, MakesThePipelinesOfAListOnSeveralThreadsAndEachOnce) {
+  const BufferId source = add("source", ramp(0));
+  const BufferId target = add("target", ramp(0));
+  for (const uint32_t threads : {1u, 4u, 0u}) {
+    RuntimeDef def = engine_->runtimeDef();
+    def.pipelineThreads = threads;
+    createRuntime(def);
+    PassList list;
+    for (int round = 0; round < 2; ++round) {
+      for (const bool doubled : {false, true}) {
+        ASSERT_TRUE(PassBuilder(list)
+                        .dispatch(runtime_test::accumulateVariant({.doubled = doubled}), kCount)
+                        .bind("g_source", source, kBytes)
+                        .bind("g_target", target, kBytes)
+                        .constants("AccumulateConstants", AccumulateConstants{kCount, 1, 0, 0})
+                        .finish());
+      }
+    }
+    ASSERT_TRUE(runtime_->prepare(list));
+    ASSERT_TRUE(runtime_->prepare(list));
+    const std::vector<PipelineTime> times = runtime_->pipelineTimes();
+    ASSERT_EQ(times.size(), 2u) << threads;
+    EXPECT_NE(times[0].name, times[1].name);
+    for (const PipelineTime& time : times) {
+      EXPECT_NE(time.name.find("accumulate"), std::string::npos);
+      EXPECT_GT(time.milliseconds, 0);
+    }
+  }
+}
+
+TEST_F(VulkanEngine, KeepsTheOtherPipelinesOfAListWithABrokenKernel) {
+  createRuntime(engine_->runtimeDef());
+  const BufferId source = add("source", ramp(0));
+  const BufferId target = add("target", ramp(0));
+  KernelVariant unknown = runtime_test::accumulateVariant({.doubled = true});
+  unknown.hash = 0;
+  PassList list;
+  addAccumulate(list, source, target, 1, 0);
+  addAccumulate(list, source, target, 1, 0);
+  list.passes[0].kernel = &unknown;
+  const Result<void> failed = runtime_->prepare(list);
+  ASSERT_FALSE(failed);
+  EXPECT_NE(failed.error().message.find("doubled=1"), std::string::npos) << failed.error().message;
+  EXPECT_EQ(runtime_->pipelineTimes().size(), 1u);
+  list.passes[0].kernel = &runtime_test::accumulateVariant();
+  EXPECT_TRUE(runtime_->prepare(list));
+  EXPECT_EQ(runtime_->pipelineTimes().size(), 1u);
+}
+
+TEST_F(VulkanEngine, MakesEachLayoutOnceThroughItsTemplate) {
+  createRuntime(engine_->runtimeDef());
+  const Result<VkDescriptorSetLayout> first = runtime_test::CreateRuntimeComputeLayout(*runtime_);
+  const Result<VkDescriptorSetLayout> again = runtime_test::CreateRuntimeComputeLayout(*runtime_);
+  const Result<VkDescriptorSetLayout> other = runtime_test::CreateRuntimeDrawLayout(*runtime_);
+  ASSERT_TRUE(first);
+  ASSERT_TRUE(other);
+  EXPECT_NE(*first, VkDescriptorSetLayout{VK_NULL_HANDLE});
+  EXPECT_EQ(*first, *again);
+  EXPECT_NE(*first, *other);
+}
+
+TEST_F(VulkanEngine, TakesBackThePipelineCacheOfAnEarlierRunAndIgnoresAForeignOne) {
+  createRuntime(engine_->runtimeDef());
+  const BufferId source = add("source", ramp(0));
+  const BufferId target = add("target", ramp(0));
+  PassList list;
+  addAccumulate(list, source, target, 1, 1);
+  ASSERT_TRUE(runtime_->prepare(list));
+  const Result<std::vector<std::byte>> data = runtime_->pipelineCacheData();
+  ASSERT_TRUE(data) << data.error().message;
+  ASSERT_GE(data->size(), sizeof(VkPipelineCacheHeaderVersionOne));
+
+  std::vector<std::byte> foreign = *data;
+  foreign[offsetof(VkPipelineCacheHeaderVersionOne, pipelineCacheUUID)] ^= std::byte{1};
+  const std::vector<std::byte> cut(data->begin(), data->begin() + 7);
+  for (const std::vector<std::byte>& bytes : {*data, foreign, cut}) {
+    RuntimeDef def = engine_->runtimeDef();
+    def.pipelineCacheData = bytes;
+    createRuntime(def);
+    EXPECT_TRUE(runtime_->prepare(list));
+  }
+}
+
+TEST_F(VulkanEngine, MeasuresPassesOfCompletedFrames) {
+  createRuntime(engine_->runtimeDef());
+  const BufferId source = add("source", ramp(0));
+  const BufferId target = add("target", ramp(0));
+  runtime_->setTimestamps(true);
+  for (uint32_t i = 0; i < 8; ++i) {
+    const Engine::Frame& frame = beginFrame();
+    ASSERT_TRUE(runtime_->update(table_, frame.commands));
+    PassList list;
+    for (uint32_t j = 0; j <= i; ++j) addAccumulate(list, source, target, 1, 1);
+    tracker_.resolve(list);
+    ASSERT_TRUE(runtime_->record(list, frame.commands));
+    submit(frame);
+    EXPECT_TRUE(runtime_->timings(frame_).empty());
+    if (frame_ <= kFramesInFlight) continue;
+    const std::vector<PassTiming> timings = runtime_->timings(frame_ - kFramesInFlight);
+    ASSERT_EQ(timings.size(), i + 1 - kFramesInFlight);
+    for (const PassTiming& timing : timings) EXPECT_GE(timing.milliseconds, 0);
+  }
+  finishFrames();
+  EXPECT_EQ(runtime_->timings(frame_).size(), 8u);
+}
+
+TEST_F(VulkanEngine, DrawsInsideDynamicRendering) {
+  if (!engine_->dynamicRendering()) GTEST_SKIP() << "the device is older than Vulkan 1.3";
+  createRuntime(engine_->runtimeDef());
+  constexpr uint32_t kSize = 16;
+  const std::vector<float> corners = {-1, -1, 0.5f, 1, 3, -1, 0.5f, 1, -1, 3, 0.5f, 1};
+  std::vector<uint32_t> bits(corners.size());
+  std::memcpy(bits.data(), corners.data(), corners.size() * 4);
+  const BufferId triangle = add("triangle", bits);
+
+  VkImageCreateInfo info = {};
+  info.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO;
+  info.imageType = VK_IMAGE_TYPE_2D;
+  info.format = VK_FORMAT_R8G8B8A8_UNORM;
+  info.extent = {kSize, kSize, 1};
+  info.mipLevels = 1;
+  info.arrayLayers = 1;
+  info.samples = VK_SAMPLE_COUNT_1_BIT;
+  info.usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
+  VkImage image = VK_NULL_HANDLE;
+  ASSERT_EQ(vkCreateImage(engine_->device(), &info, nullptr, &image), VK_SUCCESS);
+  VkMemoryRequirements needs;
+  vkGetImageMemoryRequirements(engine_->device(), image, &needs);
+  VkMemoryAllocateInfo allocate = {};
+  allocate.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
+  allocate.allocationSize = needs.size;
+  while ((needs.memoryTypeBits >> allocate.memoryTypeIndex & 1u) == 0) ++allocate.memoryTypeIndex;
+  VkDeviceMemory memory = VK_NULL_HANDLE;
+  ASSERT_EQ(vkAllocateMemory(engine_->device(), &allocate, nullptr, &memory), VK_SUCCESS);
+  ASSERT_EQ(vkBindImageMemory(engine_->device(), image, memory, 0), VK_SUCCESS);
+  VkImageViewCreateInfo viewInfo = {};
+  viewInfo.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO;
+  viewInfo.image = image;
+  viewInfo.viewType = VK_IMAGE_VIEW_TYPE_2D;
+  viewInfo.format = info.format;
+  viewInfo.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+  VkImageView view = VK_NULL_HANDLE;
+  ASSERT_EQ(vkCreateImageView(engine_->device(), &viewInfo, nullptr, &view), VK_SUCCESS);
+  const EngineBuffer out = engine_->createBuffer(VkDeviceSize{kSize} * kSize * 4,
+                                                 VK_BUFFER_USAGE_TRANSFER_DST_BIT, true);
+
+  PassList list;
+  ASSERT_TRUE(PassBuilder(list)
+                  .draw(runtime_test::fillVertexVariant(), runtime_test::fillPixelVariant(),
+                        DrawState{}, 3, 1)
+                  .bind("g_corners", triangle, corners.size() * 4)
+                  .constants("FillConstants", runtime_test::FillConstants{{1, 0, 1, 1}, {}})
+                  .finish());
+  tracker_.resolve(list);
+  const Engine::Frame& frame = beginFrame();
+  ASSERT_TRUE(runtime_->update(table_, frame.commands));
+  ASSERT_TRUE(runtime_->record(list, frame.commands));
+  const auto transition = [&](VkImageLayout from, VkImageLayout to, VkPipelineStageFlags before,
+                              VkAccessFlags written, VkPipelineStageFlags after,
+                              VkAccessFlags next) {
+    VkImageMemoryBarrier barrier = {};
+    barrier.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER;
+    barrier.srcAccessMask = written;
+    barrier.dstAccessMask = next;
+    barrier.oldLayout = from;
+    barrier.newLayout = to;
+    barrier.srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+    barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+    barrier.image = image;
+    barrier.subresourceRange = viewInfo.subresourceRange;
+    vkCmdPipelineBarrier(frame.commands, before, after, 0, 0, nullptr, 0, nullptr, 1, &barrier);
+  };
+  transition(VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+             VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, 0, VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
+             VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT);
+  VkRenderingAttachmentInfo attachment = {};
+  attachment.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO;
+  attachment.imageView = view;
+  attachment.imageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
+  attachment.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
+  attachment.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+  VkRenderingInfo rendering = {};
+  rendering.sType = VK_STRUCTURE_TYPE_RENDERING_INFO;
+  rendering.renderArea.extent = {kSize, kSize};
+  rendering.layerCount = 1;
+  rendering.colorAttachmentCount = 1;
+  rendering.pColorAttachments = &attachment;
+  vkCmdBeginRendering(frame.commands, &rendering);
+  vulkan::TargetFormats target;
+  target.color = info.format;
+  target.depth = VK_FORMAT_UNDEFINED;
+  // A part of the image: its right half.
+  const VkRect2D area = {{kSize / 2, 0}, {kSize / 2, kSize}};
+  const Result<void> drawn = runtime_->recordDraws(list, frame.commands, target, area);
+  EXPECT_TRUE(drawn) << drawn.error().message;
+  vkCmdEndRendering(frame.commands);
+  transition(VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+             VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT, VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT,
+             VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_READ_BIT);
+  VkBufferImageCopy copy = {};
+  copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+  copy.imageExtent = info.extent;
+  vkCmdCopyImageToBuffer(frame.commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, out.buffer, 1,
+                         &copy);
+  submit(frame);
+  finishFrames();
+  std::array<uint32_t, size_t{kSize} * kSize> pixels;
+  std::memcpy(pixels.data(), out.mapped, sizeof(pixels));
+  for (uint32_t i = 0; i < pixels.size(); ++i)
+    ASSERT_EQ(pixels[i], i % kSize >= kSize / 2 ? 0xffff00ffu : 0u) << i;
+  runtime_.reset();
+  engine_->destroyBuffer(out);
+  vkDestroyImageView(engine_->device(), view, nullptr);
+  vkDestroyImage(engine_->device(), image, nullptr);
+  vkFreeMemory(engine_->device(), memory, nullptr);
+}
+
+TEST_F(VulkanEngine, NamesTheFeatureThatAVertexKernelThatWritesNeeds) {
+  createRuntime(engine_->runtimeDef());  // made without any feature
+  KernelVariant writing = runtime_test::fillVertexVariant();
+  std::vector<VariantBinding> bindings(writing.bindings.begin(), writing.bindings.end());
+  bindings.back().access = Access::kReadWrite;
+  writing.bindings = bindings;
+  const BufferId triangle = add("triangle", ramp(0));
+  PassList list;
+  ASSERT_TRUE(PassBuilder(list)
+                  .draw(runtime_test::fillVertexVariant(), runtime_test::fillPixelVariant(),
+                        DrawState{}, 3, 1)
+                  .bind("g_corners", triangle, 48)
+                  .constants("FillConstants", runtime_test::FillConstants{})
+                  .finish());
+  list.passes[0].kernel = &writing;
+  const vulkan::TargetFormats target;
+  const Result<void> prepared = runtime_->prepare(list, &target);
+  ASSERT_FALSE(prepared);
+  EXPECT_EQ(prepared.error().code, ErrorCode::kUnsupported);
+  EXPECT_NE(prepared.error().message.find("vertexPipelineStoresAndAtomics"), std::string::npos)
+      << prepared.error().message;
+  EXPECT_NE(prepared.error().message.find("fill_vertex"), std::string::npos);
+}
+
+TEST_F(VulkanEngine, NamesWhatIsMissingFromTheDefinition) {
+  const auto messageOf = [](const RuntimeDef& def) {
+    const Result<Runtime> made = Runtime::create(def);
+    EXPECT_FALSE(made);
+    return made ? std::string() : made.error().message;
+  };
+  RuntimeDef def = engine_->runtimeDef();
+  def.device = VK_NULL_HANDLE;
+  EXPECT_NE(messageOf(def).find("RuntimeDef::device"), std::string::npos);
+  def = engine_->runtimeDef();
+  def.queueFamily = 77;
+  EXPECT_NE(messageOf(def).find("queueFamily is 77"), std::string::npos);
+  def = engine_->runtimeDef();
+  def.getInstanceProcAddr = [](VkInstance, const char*) -> PFN_vkVoidFunction { return nullptr; };
+  EXPECT_NE(messageOf(def).find("no function vk"), std::string::npos);
+}
+
+}  // namespace
