@@ -95,7 +95,7 @@ struct Statistics {
 struct Layout {
   const LayoutTable* table = nullptr;
   struct Slot {
-    uint32_t target = 0;   ///< GL_UNIFORM_BUFFER or GL_SHADER_STORAGE_BUFFER; 0: no buffer
+    uint32_t target = 0;  ///< GL_UNIFORM_BUFFER or GL_SHADER_STORAGE_BUFFER; 0: no buffer
     /// For glBindBufferRange; 0 for storage buffers, which each permutation numbers for itself
     /// (VariantBinding::glBinding).
     uint32_t binding = 0;

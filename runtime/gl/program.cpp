@@ -242,10 +242,10 @@ Result<void> ProgramStore::checkLimits(const KernelVariant& variant) const {
   for (const VariantBinding& binding : variant.bindings) {
     const LayoutEntry& entry = variant.kernel->layouts[binding.set]->entries[binding.entry];
     if (entry.kind != ResourceKind::kStorageBuffer || binding.glBinding < points) continue;
-    return Error{ErrorCode::kUnsupported,
-                 kernel + ": '" + entry.name + "' has GL binding " +
-                     std::to_string(binding.glBinding) + "; " + context_->renderer +
-                     " and pelage allow " + std::to_string(points) + " of its kind"};
+    return Error{ErrorCode::kUnsupported, kernel + ": '" + entry.name + "' has GL binding " +
+                                              std::to_string(binding.glBinding) + "; " +
+                                              context_->renderer + " and pelage allow " +
+                                              std::to_string(points) + " of its kind"};
   }
   if (stage != Stage::kCompute) return {};
 

@@ -13,8 +13,8 @@
 #include "pelage/gpu_structs.h"
 #include "pelage/kernels.h"
 #include "pelage/scene.h"
-#include "simulation/exact_solver.h"
 #include "pelage/skeleton.h"
+#include "simulation/exact_solver.h"
 #include "support/plain_asset.h"
 
 namespace pelage {

@@ -64,7 +64,8 @@ class ContactPass {
         .contactSdfCount = sdfCount_,
         .contactSdfKeys = keys_ ? keys_->id() : BufferId::kInvalid,
         .contactSdfSurface = surface_ ? surface_->id() : BufferId::kInvalid};
-    expectOk(contacts_.find(list, gpu_.resources, hair, colliders, {.buffer = hair.roots.buffer}, step));
+    expectOk(
+        contacts_.find(list, gpu_.resources, hair, colliders, {.buffer = hair.roots.buffer}, step));
   }
   /// Offers the records to a solver.
   void bindTo(PassBuilder& builder) const {
@@ -94,7 +95,8 @@ class ContactPass {
     static_assert(sizeof(Sdf) == sizeof(Collider));
     std::vector<Sdf> all = sdfs_;
     all.resize(sdfs_.size() + kMaxCapsules);
-    std::memcpy(static_cast<void*>(all.data() + sdfs_.size()), given_.data(), given_.size() * sizeof(Collider));
+    std::memcpy(static_cast<void*>(all.data() + sdfs_.size()), given_.data(),
+                given_.size() * sizeof(Collider));
     return all;
   }
 

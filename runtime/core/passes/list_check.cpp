@@ -339,7 +339,8 @@ Result<void> checkLimits(const KernelVariant& kernel, const KernelVariant* pixel
     both += needed;
     if (needed > allowed) {
       return unsupported(
-          "kernel {} needs {} storage buffers in the {} stage; {} allows {}: docs/limits.md has what "
+          "kernel {} needs {} storage buffers in the {} stage; {} allows {}: docs/limits.md has "
+          "what "
           "each feature needs",
           variantName(*variant), needed, nameOf(stage), device, allowed);
     }
