@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pelage/random.h"
+#include "support/required_devices.h"
 #include "support/scene_run.h"
 
 namespace pelage::test {
@@ -19,7 +20,8 @@ class Crowd : public testing::TestWithParam<Api> {
  protected:
   void SetUp() override {
     run_ = std::make_unique<SceneRun>(GetParam());
-    if (run_->device() == nullptr) GTEST_SKIP() << "skipped: no " << apiName(GetParam());
+    if (run_->device() == nullptr)
+      PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: no " << apiName(GetParam());
   }
 
   // Short strands in a cell of their own.

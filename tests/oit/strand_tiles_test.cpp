@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "oit/tangle.h"
+#include "support/extremes.h"
 
 namespace pelage::test {
 namespace {
@@ -30,7 +31,7 @@ double worstDifference(const RenderedImage& a, const RenderedImage& b) {
   for (size_t i = 0; i < a.pixels.size(); ++i) {
     const Float4 p = a.pixels[i], q = b.pixels[i];
     for (const float difference : {p.x - q.x, p.y - q.y, p.z - q.z, p.w - q.w})
-      worst = std::max(worst, std::abs(static_cast<double>(difference)));
+      keepLargest(worst, std::abs(static_cast<double>(difference)));
   }
   return worst;
 }

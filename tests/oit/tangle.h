@@ -10,6 +10,7 @@
 #include "pelage/random.h"
 #include "pelage/scene.h"
 #include "support/gpu_fixture.h"
+#include "support/required_devices.h"
 #include "support/scene_run.h"
 
 namespace pelage::test {
@@ -178,7 +179,7 @@ class TangleTest : public testing::TestWithParam<Api> {
   void SetUp() override {
     tangleRun_ = std::make_unique<TangleRun>(GetParam());
     if (tangleRun_->run.device() == nullptr)
-      GTEST_SKIP() << "skipped: no " << apiName(GetParam()) << " device";
+      PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: no " << apiName(GetParam()) << " device";
   }
   TangleRun& tangleRun() { return *tangleRun_; }
 

@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "oit/tangle.h"
+#include "support/required_devices.h"
 
 namespace pelage::test {
 namespace {
@@ -46,7 +47,7 @@ class TransparencyTargets : public testing::TestWithParam<Api> {
       if (run->run.device() != nullptr) run->add({.strands = 500});
     }
     if (run->run.device() == nullptr)
-      GTEST_SKIP() << "skipped: no " << apiName(GetParam()) << " device";
+      PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: no " << apiName(GetParam()) << " device";
     run->hair().visible = true;
   }
   TangleRun& tangleRun() { return *runs()[GetParam()]; }

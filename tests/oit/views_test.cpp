@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "oit/tangle.h"
+#include "support/required_devices.h"
 
 namespace pelage::test {
 namespace {
@@ -34,7 +35,7 @@ class ViewsOfAFrame : public testing::TestWithParam<Api> {
       if (run->run.device() != nullptr) run->add({.strands = 300, .opacity = 0.5f});
     }
     if (run->run.device() == nullptr)
-      GTEST_SKIP() << "skipped: no " << apiName(GetParam()) << " device";
+      PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: no " << apiName(GetParam()) << " device";
     scene().trim();
     nextFrame();
   }
