@@ -9,6 +9,7 @@
 
 #include "simulation/bench_device.h"
 #include "simulation/measure.h"
+#include "support/required_devices.h"
 
 namespace bench {
 namespace {
@@ -29,7 +30,7 @@ class Baseline : public testing::TestWithParam<Api> {
     def.api = GetParam();
     auto device = bench::createDevice(def);
     if (!device && device.error().code == pelage::ErrorCode::kUnsupported)
-      GTEST_SKIP() << device.error().message;
+      PELAGE_SKIP_WITHOUT_DEVICE() << device.error().message;
     ASSERT_TRUE(device.ok()) << device.error().message;
     device_ = std::move(*device);
     workbench_.reset(new Workbench{*device_, {}});

@@ -14,6 +14,7 @@
 #include "device.h"
 #include "oit/oit_measure.h"
 #include "simulation/bench_device.h"
+#include "support/required_devices.h"
 
 namespace bench {
 namespace {
@@ -39,7 +40,7 @@ class OitBaseline : public testing::TestWithParam<Api> {
     deviceDef.api = GetParam();
     auto device = bench::createDevice(deviceDef);
     if (!device && device.error().code == pelage::ErrorCode::kUnsupported)
-      GTEST_SKIP() << device.error().message;
+      PELAGE_SKIP_WITHOUT_DEVICE() << device.error().message;
     ASSERT_TRUE(device.ok()) << device.error().message;
     device_ = std::move(*device);
     auto def = groomScene(150, 1);

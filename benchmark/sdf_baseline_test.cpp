@@ -10,6 +10,7 @@
 
 #include "sdf/sdf_measure.h"
 #include "simulation/bench_device.h"
+#include "support/required_devices.h"
 
 namespace bench {
 namespace {
@@ -33,7 +34,7 @@ class SdfBaseline : public testing::TestWithParam<Api> {
     def.api = GetParam();
     auto device = bench::createDevice(def);
     if (!device && device.error().code == pelage::ErrorCode::kUnsupported)
-      GTEST_SKIP() << device.error().message;
+      PELAGE_SKIP_WITHOUT_DEVICE() << device.error().message;
     ASSERT_TRUE(device.ok()) << device.error().message;
     device_ = std::move(*device);
     workbench_.reset(new Workbench{*device_, {}});

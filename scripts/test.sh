@@ -18,6 +18,9 @@ times() {
   printf '%6d s  in all\n' "$SECONDS"
 }
 
+# A driver or validation layer that is missing is a failure here, and no reason to skip.
+export PELAGE_REQUIRE_DEVICES=1
+
 step "packages"
 bash scripts/install_packages.sh scripts/packages.txt scripts/packages_tests.txt
 

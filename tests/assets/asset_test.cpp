@@ -17,6 +17,7 @@
 #include "pelage/hair_asset.h"
 #include "pelage/random.h"
 #include "pelage/skeleton.h"
+#include "support/extremes.h"
 
 namespace pelage {
 namespace {
@@ -465,7 +466,7 @@ class StepModel {
     double drift = 0;
     for (uint32_t i = 0; i < count_; ++i) {
       const Vector d = sub(x_[i], bind_[i]);
-      drift = std::max(drift, std::sqrt(double{dot(d, d)}));
+      test::keepLargest(drift, std::sqrt(double{dot(d, d)}));
     }
     return drift;
   }

@@ -17,6 +17,7 @@
 #include "pelage/authoring/collision_from_mesh.h"
 #include "pelage/demo/groom.h"
 #include "pelage/random.h"
+#include "support/extremes.h"
 #include "surface_distance.h"
 
 namespace pelage {
@@ -59,7 +60,7 @@ double sampledDistance(const std::vector<Float3>& positions, const std::vector<u
       return Vector{p.x, p.y, p.z};
     };
     const Vector at = corner(0) * (1 - u - v) + corner(1) * u + corner(2) * v;
-    most = std::max(most, to.closest(at).squaredDistance);
+    test::keepLargest(most, to.closest(at).squaredDistance);
   }
   return std::sqrt(most);
 }

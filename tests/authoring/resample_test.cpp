@@ -13,6 +13,7 @@
 
 #include "pelage/random.h"
 #include "polyline.h"
+#include "support/extremes.h"
 
 namespace pelage {
 namespace {
@@ -66,7 +67,7 @@ std::vector<Vector> pointsOf(const HairAsset& asset, uint32_t strand) {
 double distanceTo(const Vector& p, const std::vector<Vector>& line) {
   double squared = std::numeric_limits<double>::infinity();
   for (size_t i = 0; i + 1 < line.size(); ++i)
-    squared = std::min(squared, detail::squaredDistance(p, line[i], line[i + 1]));
+    test::keepSmallest(squared, detail::squaredDistance(p, line[i], line[i + 1]));
   return std::sqrt(squared);
 }
 
@@ -78,8 +79,8 @@ double sampledDistance(const std::vector<Vector>& a, const std::vector<Vector>& 
     const std::vector<Vector>& to = direction == 0 ? b : a;
     for (size_t i = 0; i + 1 < from.size(); ++i)
       for (int k = 0; k <= samples; ++k)
-        largest = std::max(largest,
-                           distanceTo(detail::lerp(from[i], from[i + 1], double(k) / samples), to));
+        test::keepLargest(largest,
+                          distanceTo(detail::lerp(from[i], from[i + 1], double(k) / samples), to));
   }
   return largest;
 }
@@ -174,9 +175,9 @@ TEST(Resample, ReportsTheDistanceThatDenseSamplingFinds) {
       const std::vector<Vector> curve = pointsOf(curves, s), strand = pointsOf(result.asset, s);
       const double distance = sampledDistance(curve, strand, 24);
       if (distance > largest) worst = s;
-      largest = std::max(largest, distance);
+      test::keepLargest(largest, distance);
       sum += distance;
-      change = std::max(change, std::abs(lengthOf(strand) / lengthOf(curve) - 1));
+      test::keepLargest(change, std::abs(lengthOf(strand) / lengthOf(curve) - 1));
     }
     // Samples are at most 0.25 m / 24 apart, but next to the largest distance much less is missed.
     EXPECT_GE(result.report.maxDeviation, largest * (1 - 1e-6));

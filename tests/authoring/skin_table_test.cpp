@@ -12,6 +12,7 @@
 #include "pelage/demo/groom.h"
 #include "pelage/random.h"
 #include "pelage/skeleton.h"
+#include "support/extremes.h"
 
 namespace pelage {
 namespace {
@@ -28,7 +29,7 @@ double difference(const AffineTransform& a, const AffineTransform& b) {
   for (size_t i = 0; i < 3; ++i)
     for (const double d : {double{a.rows[i].x} - b.rows[i].x, double{a.rows[i].y} - b.rows[i].y,
                            double{a.rows[i].z} - b.rows[i].z, double{a.rows[i].w} - b.rows[i].w})
-      most = std::max(most, std::abs(d));
+      test::keepLargest(most, std::abs(d));
   return most;
 }
 

@@ -16,6 +16,7 @@
 #include "pelage/collision_mesh.h"
 #include "pelage/hair_asset.h"
 #include "pelage/random.h"
+#include "support/extremes.h"
 
 namespace {
 
@@ -204,7 +205,7 @@ TEST_F(BlenderExport, RootsAreOnTheMeshAndMoveWithIt) {
     int blended = 0;
     for (size_t strand = 0; strand < asset.strandCount; strand += 3) {
       const MeshPoint at = closestOn(vertexOf(asset, strand, 0), bust);
-      worstDistance = std::max(worstDistance, at.distance);
+      pelage::test::keepLargest(worstDistance, at.distance);
       Shares expected;
       for (size_t corner = 0; corner < 3; ++corner)
         for (const auto& [bone, share] :
@@ -212,8 +213,8 @@ TEST_F(BlenderExport, RootsAreOnTheMeshAndMoveWithIt) {
           expected[bone] += share;
       Shares found = sharesOf(weights.strands[strand]);
       for (uint32_t bone = 0; bone < 3; ++bone)
-        worstWeight = std::max(worstWeight, std::abs(found[bone] - expected[bone]));
-      worstSum = std::max(worstSum, std::abs(sumOf(weights.strands[strand]) - 1));
+        pelage::test::keepLargest(worstWeight, std::abs(found[bone] - expected[bone]));
+      pelage::test::keepLargest(worstSum, std::abs(sumOf(weights.strands[strand]) - 1));
       if (found.size() > 1) ++blended;
     }
     // Children begin between their parents, where Blender interpolates them to.

@@ -7,6 +7,8 @@
 #include "contact/contact_run.h"
 #include "pelage/constants.h"
 #include "pelage/gpu_structs.h"
+#include "support/extremes.h"
+#include "support/required_devices.h"
 
 namespace pelage::test {
 namespace {
@@ -58,7 +60,7 @@ class ContactDraw : public testing::TestWithParam<Api> {
  protected:
   ContactDraw() : run_(sharedSceneRun(GetParam())) {}
   void SetUp() override {
-    if (run_.device() == nullptr) GTEST_SKIP() << "no device";
+    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
   }
   void TearDown() override { run_.clear(); }
 
@@ -159,7 +161,7 @@ TEST_P(ContactDraw, PixelsAreWhereContactsAreAndNowhereElse) {
       const Point p = {static_cast<double>(i % kPixels) + 0.5,
                        static_cast<double>(i / kPixels) + 0.5, 0};
       double nearest = HUGE_VAL;
-      for (const Needle& n : expected) nearest = std::min(nearest, distanceToSegment(p, n));
+      for (const Needle& n : expected) keepSmallest(nearest, distanceToSegment(p, n));
       ASSERT_LT(nearest, 3) << p.x << ", " << p.y;
     }
     for (const Needle& n : expected) ++(n.slides ? sliding : others);

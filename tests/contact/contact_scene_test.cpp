@@ -4,6 +4,8 @@
 #include <numbers>
 
 #include "contact/contact_run.h"
+#include "support/extremes.h"
+#include "support/required_devices.h"
 
 namespace pelage::test {
 namespace {
@@ -16,7 +18,7 @@ class ContactScene : public testing::TestWithParam<std::tuple<Api, Shape>> {
  protected:
   ContactScene() : run_(sharedSceneRun(std::get<0>(GetParam()))) {}
   void SetUp() override {
-    if (run_.device() == nullptr) GTEST_SKIP() << "no device";
+    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
   }
   void TearDown() override { run_.clear(); }
   bool mesh() const { return std::get<1>(GetParam()) == Shape::kMesh; }
@@ -69,7 +71,7 @@ TEST_P(ContactScene, HairOverAShoulderComesToRestAndSleeps) {
   int resting = 0;
   for (int frame = 0; frame < 400; ++frame) {
     step();
-    if (frame > 10) deepest = std::max(deepest, depth());
+    if (frame > 10) keepLargest(deepest, depth());
     resting = watch_.fastest() < 5e-4 ? resting + 1 : 0;
   }
   EXPECT_GT(resting, 60);
@@ -87,9 +89,9 @@ TEST_P(ContactScene, ALimpRopeOverAFrictionlessCylinderOnlyFalls) {
   for (int frame = 0; frame < 15; ++frame) {
     step();
     const double height = watch_.height();
-    rise = std::max(rise, height - lowest);
-    lowest = std::min(lowest, height);
-    deepest = std::max(deepest, depth());
+    keepLargest(rise, height - lowest);
+    keepSmallest(lowest, height);
+    keepLargest(deepest, depth());
     ASSERT_TRUE(std::isfinite(height));
   }
   EXPECT_LT(lowest, -0.02) << "it falls";
@@ -219,7 +221,7 @@ TEST_P(ContactScene, HairThatIsThrownAtStopsAtTheSurface) {
     hair_->setColliders({&sphere, 1});
     step();
     for (size_t i = 2; i < watch_.now.size(); ++i)
-      deepest = std::max(deepest, 0.05 - distance(toPoint(watch_.now[i]), {x, -0.2, 0.01}));
+      keepLargest(deepest, 0.05 - distance(toPoint(watch_.now[i]), {x, -0.2, 0.01}));
   }
   EXPECT_LT(deepest, 5e-5);
   EXPECT_GT(deepest, -3e-3) << "nothing touched";

@@ -14,6 +14,8 @@
 #include "pelage/skeleton.h"
 #include "reference/sdf/distance_oracle.h"
 #include "reference/sdf/mesh_shapes.h"
+#include "support/extremes.h"
+#include "support/required_devices.h"
 #include "support/scene_run.h"
 #include "support/strand_run.h"
 
@@ -86,7 +88,7 @@ class FollowCollision : public testing::TestWithParam<Api> {
  protected:
   FollowCollision() : run_(sharedSceneRun(GetParam())) {}
   void SetUp() override {
-    if (run_.device() == nullptr) GTEST_SKIP() << "no device";
+    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
     // It says which vertices are held beyond the root; the exact one holds them with springs.
     settings_.solver = Solver::kClassic;
     messages_ = run_.device()->messageCount();
@@ -152,7 +154,7 @@ TEST_P(FollowCollision, WhatWouldBeInsideAMeshIsOutsideByTheMarginWithItsLength)
       continue;
     const double segment = distance(evaluated[i], evaluated[i - 1]);
     const double off = std::abs(distance(pushed[i], pushed[i - 1]) / segment - 1);
-    longest = std::max(longest, off);
+    keepLargest(longest, off);
     if (off > 1e-3) ++longer;
   }
   EXPECT_GT(wasInside, free / 4);
@@ -185,8 +187,8 @@ TEST_P(FollowCollision, WhatWouldBeInsideAMeshIsOutsideByTheMarginWithItsLength)
   const std::vector<Float4> restedNow = follows(both), pointsNow = follows(guideOnly);
   double creep = 0, sway = 0;
   for (size_t i = 0; i < restedNow.size(); ++i) {
-    creep = std::max(creep, distance(rested[i], restedNow[i]));
-    sway = std::max(sway, distance(evaluatedLast[i], pointsNow[i]));
+    keepLargest(creep, distance(rested[i], restedNow[i]));
+    keepLargest(sway, distance(evaluatedLast[i], pointsNow[i]));
   }
   EXPECT_LT(sway, 1e-5);
   EXPECT_LT(creep, 2 * sway + 1e-6);
@@ -215,7 +217,7 @@ TEST_P(FollowCollision, FrictionHoldsBackByItsShareOfTheDepthAndNoLonger) {  // 
     const std::vector<Float4> a = follows(rough), b = follows(smooth);
     lag = 0;
     for (size_t i = 0; i < a.size(); ++i) {
-      lag = std::max(lag, distance(a[i], b[i]));
+      keepLargest(lag, distance(a[i], b[i]));
       if (a[i].w > 0) {
         ASSERT_GT(toVector(a[i]).norm(), static_cast<double>(kRadius) - 1e-5) << "frame " << frame;
       }
@@ -302,8 +304,7 @@ TEST_P(FollowCollision, BetweenAMeshAndACapsuleTheyAreOutsideOfBoth) {
     if (!isOutside(evaluated[i])) ++wasInside;
     if (isOutside(pushed[i])) continue;
     ++isInside;
-    deepest = std::max(deepest,
-                       static_cast<double>(kMargin) - oracle.signedDistance(toVector(pushed[i])));
+    keepLargest(deepest, static_cast<double>(kMargin) - oracle.signedDistance(toVector(pushed[i])));
   }
   std::printf("[ FIGURE ] %u of %u vertices inside of mesh or capsule, %u after, up to %.3g mm\n",
               wasInside, free, isInside, 1000 * deepest);
@@ -393,7 +394,7 @@ TEST(FollowCollisionBits, AreTheSameOnEveryApi) {
       EXPECT_EQ(bits, expected) << apiName(api);
     }
   }
-  if (expected.empty()) GTEST_SKIP() << "no device";
+  if (expected.empty()) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
 }
 
 INSTANTIATE_TEST_SUITE_P(All, FollowCollision, testing::ValuesIn(kApis), apiTestName);

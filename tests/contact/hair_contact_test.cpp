@@ -11,6 +11,7 @@
 #include "pelage/gpu_structs.h"
 #include "support/buffer_names.h"
 #include "support/hair_bundle.h"
+#include "support/required_devices.h"
 #include "support/scene_run.h"
 #include "support/strand_run.h"
 
@@ -130,7 +131,7 @@ class HairContactRun : public testing::TestWithParam<Api> {
  protected:
   HairContactRun() : run_(GetParam()) {}
   void SetUp() override {
-    if (run_.device() == nullptr) GTEST_SKIP() << "no device";
+    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
   }
   /// Area of the layers of the bundle over that of its bind pose.
   double areaOf(const HairObject& hair, const BundleDef& def, int axisA, int axisB) const {
@@ -318,7 +319,7 @@ TEST(HairContactBits, AreTheSameOnEveryApi) {
     if (first.empty()) first = positions;
     EXPECT_TRUE(positions == first) << apiName(api);
   }
-  if (first.empty()) GTEST_SKIP() << "no device";
+  if (first.empty()) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
 }
 
 }  // namespace

@@ -1,11 +1,11 @@
 // Contacts of simulate_classic with spheres and tapered capsules, and what moves with its origin.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
+#include "support/extremes.h"
 #include "support/strand_run.h"
 
 namespace pelage::test {
@@ -61,7 +61,7 @@ double deepest(const HairAsset& asset, const std::vector<Float4>& positions,
           toVector(shape.head) + t * (toVector(shape.tail) - toVector(shape.head));
       const double radius =
           double{shape.head.w} + t * (double{shape.tail.w} - double{shape.head.w});
-      depth = std::max(depth, radius - (toVector(positions[i]) - center).norm());
+      keepLargest(depth, radius - (toVector(positions[i]) - center).norm());
     }
   }
   return depth;
@@ -74,7 +74,7 @@ double worstStretch(const HairAsset& asset, const std::vector<Float4>& positions
     const double rest = asset.restLengths[i - 1];
     const double length = (toVector(positions[i]) - toVector(positions[i - 1])).norm();
     if (!std::isfinite(length)) return std::numeric_limits<double>::infinity();
-    worst = std::max(worst, std::abs(length - rest) / rest);
+    keepLargest(worst, std::abs(length - rest) / rest);
   }
   return worst;
 }
@@ -108,7 +108,7 @@ TEST_P(StrandContact, KeepsHairOutOfEveryShapeAndAtItsLength) {
         for (int step = 0; step < 10; ++step) run.simulate(kStill);
         run.run();
         const std::vector<Float4> positions = run.positions(), tangents = run.tangents();
-        depth = std::max(depth, deepest(asset, positions, collider));
+        keepLargest(depth, deepest(asset, positions, collider));
         EXPECT_LT(worstStretch(asset, positions), 1e-5);
         for (size_t i = 0; i < positions.size(); ++i) {
           const size_t v = i % 24;

@@ -15,6 +15,8 @@
 #include "reference/sdf/mesh_shapes.h"
 #include "reference/sdf/sdf_builder.h"
 #include "simulation/exact_solver.h"
+#include "support/extremes.h"
+#include "support/required_devices.h"
 #include "support/strand_run.h"
 
 namespace pelage::test {
@@ -212,7 +214,7 @@ double worstStretch(const HairAsset& asset, const std::vector<Float4>& positions
     const double rest = double{asset.restLengths[i - 1]};
     const double length = (toVector(positions[i]) - toVector(positions[i - 1])).norm();
     if (!std::isfinite(length)) return std::numeric_limits<double>::infinity();
-    worst = std::max(worst, std::abs(length - rest) / rest);
+    keepLargest(worst, std::abs(length - rest) / rest);
   }
   return worst;
 }
@@ -228,7 +230,7 @@ Depth depthOf(const HairAsset& asset, const std::vector<Float4>& positions,
   for (size_t i = 0; i < positions.size(); ++i) {
     if (i % asset.verticesPerStrand < 2) continue;
     const double distance = oracle.signedDistance(toVector(positions[i]) - shift) / cell;
-    depth.deepest = std::max(depth.deepest, -distance);
+    keepLargest(depth.deepest, -distance);
     if (distance < 0.5) ++depth.touching;
   }
   return depth;
@@ -342,7 +344,7 @@ class StrandField : public GpuTest {
       run.step();
       for (const Float4& p : run.positions()) {
         EXPECT_TRUE(isFinite(p));
-        below = std::max(below, (-0.1 - double{p.y}) / cell);
+        keepLargest(below, (-0.1 - double{p.y}) / cell);
       }
     }
     std::printf("[ FIGURE ] %g cells: %g cells below\n", cells, below);
@@ -459,7 +461,7 @@ void expectSameBits(const char* solver) {
     if (first.empty()) first = positions;
     EXPECT_TRUE(positions == first) << solver << " on " << apiName(api);
   }
-  if (first.empty()) GTEST_SKIP() << "no device";
+  if (first.empty()) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
 }
 
 TEST(StrandFieldBits, AreTheSameOnEveryApi) {

@@ -1,5 +1,6 @@
 // The generated character: its meshes, its hair, its motions.
 #include "pelage/demo/character.h"
+#include "support/extremes.h"
 
 #include <gtest/gtest.h>
 
@@ -175,7 +176,7 @@ TEST(CharacterMesh, HasWeightsThatSumTo1AndAreSmooth) {
     const uint32_t a = mesh.indices[t], b = mesh.indices[t % 3 == 2 ? t - 2 : t + 1];
     const double length = std::max(distance(mesh.positions[a], mesh.positions[b]), 0.003);
     for (size_t bone = 0; bone < bones; ++bone) {
-      most[bone] = std::max(most[bone], dense[a][bone]);
+      test::keepLargest(most[bone], dense[a][bone]);
       ASSERT_LT(std::abs(dense[a][bone] - dense[b][bone]) / length, 60) << "bone " << bone;
     }
   }
@@ -285,7 +286,7 @@ double maxStep(const std::vector<AffineTransform>& a, const std::vector<AffineTr
   for (size_t i = 0; i < a.size(); ++i)
     // A point a hand's length from the joint, along each axis.
     for (const Float3& p : {Float3{0.1f, 0, 0}, Float3{0, 0.1f, 0}, Float3{0, 0, 0.1f}})
-      largest = std::max(largest, distance(transformPoint(a[i], p), transformPoint(b[i], p)));
+      test::keepLargest(largest, distance(transformPoint(a[i], p), transformPoint(b[i], p)));
   return largest;
 }
 
@@ -317,7 +318,7 @@ TEST(CharacterMotions, AreContinuousInPlaceAndVelocity) {
         for (const Float3& p : {Float3{0, 0, 0}, Float3{0, 0.1f, 0}, Float3{0, 0, 0.1f}}) {
           const Float3 x = transformPoint(before[b], p), y = transformPoint(here[b], p),
                        z = transformPoint(next[b], p);
-          rotation = std::max(
+          test::keepLargest(
               rotation,
               distance({z.x - y.x, z.y - y.y, z.z - y.z}, {y.x - x.x, y.y - x.y, y.z - x.z}) / h);
         }
@@ -351,7 +352,7 @@ TEST(CharacterMotions, FallFreelyInTheAir) {
       return double{poseCharacter(CharacterMotion::kJump, s)[0].rows[1].w};
     };
     EXPECT_NEAR((height(t + h) - 2 * height(t) + height(t - h)) / (h * h), -9.81, 0.01);
-    highest = std::max(highest, height(t) - height(0));
+    test::keepLargest(highest, height(t) - height(0));
   }
   EXPECT_GT(highest, 0.1);
 }

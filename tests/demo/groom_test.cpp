@@ -1,5 +1,6 @@
 // The procedural head and the hair on it.
 #include "pelage/demo/groom.h"
+#include "support/extremes.h"
 
 #include <gtest/gtest.h>
 
@@ -89,9 +90,9 @@ TEST(HeadMesh, LooksOutwardAndHasTheSizeOfAHead) {
   for (size_t i = 0; i < mesh->positions.size(); ++i) {
     const Float3& p = mesh->positions[i];
     const Float3& n = mesh->normals[i];
-    top = std::max(top, p.y);
-    bottom = std::min(bottom, p.y);
-    side = std::max(side, std::abs(p.x));
+    test::keepLargest(top, p.y);
+    test::keepSmallest(bottom, p.y);
+    test::keepLargest(side, std::abs(p.x));
     ASSERT_NEAR(headDistance(p), 0, 5e-4) << p.x << " " << p.y << " " << p.z;
     ASSERT_NEAR(n.x * n.x + n.y * n.y + n.z * n.z, 1, 1e-5);
     const BoneInfluences& w = mesh->influences[i];
@@ -118,7 +119,7 @@ TEST(Groom, RootsAreAPoissonDiscSampleOfTheScalp) {
         nearest =
             std::min(nearest, distance(root, hair.positions[size_t{k} * def.verticesPerStrand]));
     ASSERT_GE(nearest, groom->rootSpacing);
-    farthestNeighbour = std::max(farthestNeighbour, nearest);
+    test::keepLargest(farthestNeighbour, nearest);
     ASSERT_NEAR(headDistance({root.x, root.y, root.z}), 0, 5e-4);
     // Not in the face.
     ASSERT_FALSE(root.z > 0.05f && root.y < 0.25f) << root.y << " " << root.z;

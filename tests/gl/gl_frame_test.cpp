@@ -13,6 +13,7 @@
 #include "pelage/gl.h"
 #include "support/delivery_scene.h"
 #include "support/gpu_fixture.h"
+#include "support/required_devices.h"
 
 namespace pelage::test {
 namespace {
@@ -133,7 +134,7 @@ class GlFrame : public testing::TestWithParam<Api> {
  protected:
   void SetUp() override {
     context_ = std::make_unique<EngineContext>(GetParam());
-    if (!context_->current()) GTEST_SKIP() << "no OpenGL context through EGL";
+    if (!context_->current()) PELAGE_SKIP_WITHOUT_DEVICE() << "no OpenGL context through EGL";
   }
   void TearDown() override {
     if (context_->current()) {

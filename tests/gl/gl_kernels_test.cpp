@@ -21,6 +21,7 @@
 #include "runtime_test/gpu_structs.h"
 #include "runtime_test/kernels.h"
 #include "runtime_test/layouts.h"
+#include "support/required_devices.h"
 
 namespace pelage {
 namespace {
@@ -38,7 +39,8 @@ class GlKernels : public ::testing::TestWithParam<Api> {
   void SetUp() override {
     Result<std::unique_ptr<HeadlessDevice>> made = createHeadlessGl({GetParam(), true, -1});
     if (!made) {
-      if (made.error().code == ErrorCode::kUnsupported) GTEST_SKIP() << made.error().message;
+      if (made.error().code == ErrorCode::kUnsupported)
+        PELAGE_SKIP_WITHOUT_DEVICE() << made.error().message;
       FAIL() << made.error().message;
     }
     device_ = std::move(*made);
@@ -162,7 +164,7 @@ class GlLayouts : public ::testing::TestWithParam<Api> {
  protected:
   void SetUp() override {
     context_ = std::make_unique<test::EngineContext>(GetParam());
-    if (!context_->current()) GTEST_SKIP() << "no OpenGL context through EGL";
+    if (!context_->current()) PELAGE_SKIP_WITHOUT_DEVICE() << "no OpenGL context through EGL";
     gl::RuntimeDef def;
     def.getProcAddress = test::eglAddress;
     Result<gl::Runtime> made = gl::Runtime::create(std::move(def));

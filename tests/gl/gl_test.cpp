@@ -24,6 +24,7 @@
 
 #include "engine_context.h"
 #include "pelage/headless.h"
+#include "support/required_devices.h"
 #include "support/test_code.h"
 
 namespace pelage {
@@ -220,7 +221,8 @@ class GlTest : public TestWithParam<Api> {
   void SetUp() override {
     Result<std::unique_ptr<HeadlessDevice>> made = createHeadlessGl({GetParam(), true, -1});
     if (!made) {
-      if (made.error().code == ErrorCode::kUnsupported) GTEST_SKIP() << made.error().message;
+      if (made.error().code == ErrorCode::kUnsupported)
+        PELAGE_SKIP_WITHOUT_DEVICE() << made.error().message;
       FAIL() << made.error().message;
     }
     device_ = std::move(*made);
@@ -830,7 +832,7 @@ TEST(GlDevices, WorkAlternatelyInOneProcess) {
   std::vector<std::unique_ptr<HeadlessDevice>> devices;
   for (const Api api : {Api::kGl, Api::kGles, Api::kGl}) {
     auto device = createHeadlessGl({api, true, -1});
-    if (!device) GTEST_SKIP() << device.error().message;
+    if (!device) PELAGE_SKIP_WITHOUT_DEVICE() << device.error().message;
     devices.push_back(std::move(*device));
   }
   const auto kernel = accumulateKernel();
@@ -868,7 +870,7 @@ class GlRuntimeTest : public TestWithParam<Api> {
  protected:
   void SetUp() override {
     context_ = std::make_unique<EngineContext>(GetParam());
-    if (!context_->current()) GTEST_SKIP() << "no OpenGL context through EGL";
+    if (!context_->current()) PELAGE_SKIP_WITHOUT_DEVICE() << "no OpenGL context through EGL";
   }
   void TearDown() override {
     if (!context_->current()) return;

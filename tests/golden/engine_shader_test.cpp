@@ -11,6 +11,7 @@
 #include "engine_picture.h"
 #include "image.h"
 #include "image_difference.h"
+#include "support/required_devices.h"
 
 namespace {
 
@@ -30,7 +31,11 @@ RenderedImage draw(pelage::HeadlessDevice& device, const engine_shader::PictureD
 // A device knows buffers by the ids of one scene, so each picture has one of its own.
 std::optional<RenderedImage> drawOn(Api api, const engine_shader::PictureDef& def) {
   const auto device = sample::createDevice({.api = api});
-  if (!device) return std::nullopt;
+  if (!device) {
+    EXPECT_EQ(device.error().code, pelage::ErrorCode::kUnsupported) << device.error().message;
+    pelage::test::missingDevice(device.error().message);
+    return std::nullopt;
+  }
   return draw(**device, def);
 }
 
@@ -54,7 +59,7 @@ float brightness(const pelage::Float4& p) { return p.x + p.y + p.z; }
 
 TEST(EngineShader, DrawsHairOnTheHead) {
   const std::optional<Api> api = firstApi();
-  if (!api) GTEST_SKIP() << "skipped: no device";
+  if (!api) PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: no device";
   const RenderedImage& hair = *pictureOn(*api);
   const auto bald = drawOn(*api, {.size = kSize, .guides = kGuides, .hair = false});
   uint32_t changed = 0, beside = 0;
@@ -72,7 +77,7 @@ TEST(EngineShader, DrawsHairOnTheHead) {
 
 TEST(EngineShader, CastsTheShadowOfTheHairOnHairAndHead) {
   const std::optional<Api> api = firstApi();
-  if (!api) GTEST_SKIP() << "skipped: no device";
+  if (!api) PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: no device";
   const RenderedImage& shadowed = *pictureOn(*api);
   const auto bald = drawOn(*api, {.size = kSize, .guides = kGuides, .hair = false});
   const auto lit = drawOn(*api, {.size = kSize, .guides = kGuides, .keyShadow = false});
@@ -91,7 +96,7 @@ TEST(EngineShader, CastsTheShadowOfTheHairOnHairAndHead) {
 
 TEST(EngineShader, DrawsTheSamePictureOnEveryApi) {
   const std::optional<Api> first = firstApi();
-  if (!first) GTEST_SKIP() << "skipped: no device";
+  if (!first) PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: no device";
   const sample::ByteImage expected = sample::encodeSrgb(*pictureOn(*first));
   for (const Api api : kApis) {
     if (api == *first || !pictureOn(api)) continue;

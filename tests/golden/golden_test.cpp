@@ -15,6 +15,7 @@
 #include "device.h"
 #include "image_difference.h"
 #include "png_file.h"
+#include "support/required_devices.h"
 #include "test_tier.h"
 
 namespace {
@@ -172,6 +173,7 @@ RenderedRun renderOn(Api api, const MakeScene& makeScene, const Shots& shots) {
   RenderedRun result;
   auto device = sample::createDevice({.api = api, .maxTier = pelage::test::tierOfTests()});
   if (!device) {
+    EXPECT_EQ(device.error().code, pelage::ErrorCode::kUnsupported) << device.error().message;
     result.stochastic.why = result.sorted.why = device.error().message;
     return result;
   }
@@ -245,21 +247,21 @@ void compareWithGolden(const std::string& name, const std::string& api, const By
 
 void expectGroom(Api api) {
   const Rendered& groom = groomOn(api);
-  if (!groom.available) GTEST_SKIP() << "skipped: " << groom.why;
+  if (!groom.available) PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: " << groom.why;
   for (const auto& [frame, picture] : groom.pictures)
     compareWithGolden("groom_" + std::to_string(frame), pelage::apiName(api), picture);
 }
 
 void expectSorted(Api api) {
   const Rendered& groom = sortedOn(api);
-  if (!groom.available) GTEST_SKIP() << "skipped: " << groom.why;
+  if (!groom.available) PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: " << groom.why;
   for (const auto& [frame, picture] : groom.pictures)
     compareWithGolden("sorted_" + std::to_string(frame), pelage::apiName(api), picture);
 }
 
 void expectCharacter(Api api) {
   const Rendered& character = characterOn(api);
-  if (!character.available) GTEST_SKIP() << "skipped: " << character.why;
+  if (!character.available) PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: " << character.why;
   for (const auto& [frame, picture] : character.pictures)
     compareWithGolden("character_" + std::to_string(frame), pelage::apiName(api), picture);
 }
@@ -270,7 +272,7 @@ void expectAgreement(const std::string& name, const Rendered& (*renderedOn)(Api)
       const Rendered& a = renderedOn(kApis[i]);
       const Rendered& b = renderedOn(kApis[j]);
       if (!a.available || !b.available)
-        GTEST_SKIP() << "skipped: " << (a.available ? b.why : a.why);
+        PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: " << (a.available ? b.why : a.why);
       for (const auto& [frame, picture] : a.pictures) {
         const ImageDifference d = difference(picture, b.pictures.at(frame), kThreshold);
         std::cout << name << " frame " << frame << ", " << pelage::apiName(kApis[i]) << " and "
@@ -307,7 +309,7 @@ TEST(Golden, TheMohawkLooksAsItDid) {
     GTEST_SKIP() << "skipped: there is no " << ratboy("Ratboy_mohawk.tfx");
   for (const Api api : kApis) {
     const Rendered& mohawk = mohawkOn(api);
-    if (!mohawk.available) GTEST_SKIP() << "skipped: " << mohawk.why;
+    if (!mohawk.available) PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: " << mohawk.why;
     for (const auto& [frame, picture] : mohawk.pictures)
       compareWithGolden("mohawk_" + std::to_string(frame), pelage::apiName(api), picture);
   }
@@ -324,7 +326,7 @@ TEST(Golden, TheToleranceTellsTwoFramesApart) {
     EXPECT_GT(d.shareOff, 2 * kShareTolerance);
     return;
   }
-  GTEST_SKIP() << "skipped: no device";
+  PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: no device";
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "head_motion.h"
 #include "image.h"
 #include "png_file.h"
+#include "support/extremes.h"
 
 namespace {
 
@@ -51,7 +52,7 @@ TEST(HeadMotion, HasContinuousVelocityAndAcceleration) {
     EXPECT_LT(std::abs(acceleration), 80) << time;
     EXPECT_LT(std::abs(acceleration - previous), 2.0) << time;
     previous = acceleration;
-    largestYaw = std::max(largestYaw, std::abs(yaw(time)));
+    pelage::test::keepLargest(largestYaw, std::abs(yaw(time)));
   }
   EXPECT_NEAR(largestYaw, 60 * M_PI / 180, 1e-3);
 }
@@ -102,7 +103,8 @@ TEST(Camera, SeesEveryPointAndTouchesTheMargin) {
       ASSERT_GT(clip[3], 0);
       EXPECT_GE(clip[2], 0);
       EXPECT_LE(clip[2], clip[3]);
-      widest = std::max({widest, std::abs(clip[0] / clip[3]), std::abs(clip[1] / clip[3])});
+      pelage::test::keepLargest(widest, std::abs(clip[0] / clip[3]));
+      pelage::test::keepLargest(widest, std::abs(clip[1] / clip[3]));
     }
     EXPECT_NEAR(widest, 0.8f, 2e-3f) << aspect;
   }

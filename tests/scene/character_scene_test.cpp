@@ -8,6 +8,8 @@
 
 #include "pelage/demo/character.h"
 #include "reference/sdf/distance_oracle.h"
+#include "support/extremes.h"
+#include "support/required_devices.h"
 #include "support/scene_run.h"
 #include "support/strand_run.h"
 
@@ -38,7 +40,7 @@ class CharacterScene : public testing::TestWithParam<Api> {
   CharacterScene() : run_(GetParam()) {}
 
   void SetUp() override {
-    if (run_.device() == nullptr) GTEST_SKIP() << "no device";
+    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
     const auto bones = static_cast<uint32_t>(character().skeleton.bones.size());
     for (const CharacterGroom& groom : character().grooms) {
       assets_.push_back(groom.hair);
@@ -111,12 +113,12 @@ TEST_P(CharacterScene, KeepsLengthsAndStaysOutOfTheBody) {
       const size_t vertex = i % asset.verticesPerStrand;
       if (vertex >= 2) free[g].emplace_back(p.x, p.y, p.z);
       const Float4& bind = asset.positions[i];
-      moved = std::max(
-          moved, std::hypot(double{p.x} - bind.x, double{p.y} - bind.y, double{p.z} - bind.z));
+      keepLargest(moved,
+                  std::hypot(double{p.x} - bind.x, double{p.y} - bind.y, double{p.z} - bind.z));
       if (vertex == 0) continue;
       const Float4& q = positions[i - 1];
       const double rest = asset.restLengths[i - 1];
-      worst = std::max(
+      keepLargest(
           worst,
           std::abs(std::hypot(double{p.x} - q.x, double{p.y} - q.y, double{p.z} - q.z) / rest - 1));
     }
@@ -129,7 +131,7 @@ TEST_P(CharacterScene, KeepsLengthsAndStaysOutOfTheBody) {
     const reference::DistanceOracle oracle(skinned(collider.mesh, bones), collider.mesh.indices);
     for (size_t g = 0; g < free.size(); ++g) {
       double deepest = 0;
-      for (const double d : oracle.signedDistances(free[g], 0.02)) deepest = std::min(deepest, d);
+      for (const double d : oracle.signedDistances(free[g], 0.02)) keepSmallest(deepest, d);
       EXPECT_GT(deepest, -kDepth) << hairs_[g]->name() << " in " << collider.name;
     }
   }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "support/delivery_scene.h"
+#include "support/required_devices.h"
 #include "support/scene_run.h"
 
 namespace pelage::test {
@@ -58,7 +59,7 @@ class Delivery : public testing::TestWithParam<std::tuple<Api, Solver>> {
   using Results = std::vector<std::vector<std::byte>>;
   Delivery() : run_(sharedSceneRun(std::get<0>(GetParam()))) {}
   void SetUp() override {
-    if (run_.device() == nullptr) GTEST_SKIP() << "no device";
+    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
   }
 
   /// Loses a frame with what has been set. \return false: it ran after all.

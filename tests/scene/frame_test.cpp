@@ -15,6 +15,7 @@
 #include "pelage/skeleton.h"
 #include "support/delivery_scene.h"
 #include "support/plain_asset.h"
+#include "support/required_devices.h"
 #include "support/scene_run.h"
 
 namespace pelage::test {
@@ -47,7 +48,7 @@ class FrameTest : public testing::TestWithParam<std::tuple<Api, Solver>> {
  protected:
   FrameTest() : run_(sharedSceneRun(std::get<0>(GetParam()))) {}
   void SetUp() override {
-    if (run_.device() == nullptr) GTEST_SKIP() << "no device";
+    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
   }
   void TearDown() override { run_.clear(); }
   Scene& scene() { return run_.scene; }

@@ -9,6 +9,7 @@
 #include "pelage/kernels.h"
 #include "pelage/list_check.h"
 #include "support/delivery_scene.h"
+#include "support/required_devices.h"
 #include "support/scene_run.h"
 
 namespace pelage::test {
@@ -25,7 +26,8 @@ class Tiers : public testing::TestWithParam<Api> {
  protected:
   void SetUp() override {
     wide_ = deviceOf(GetParam(), Tier::kWide);
-    if (wide_ == nullptr) GTEST_SKIP() << "skipped: no " << apiName(GetParam()) << " device";
+    if (wide_ == nullptr)
+      PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: no " << apiName(GetParam()) << " device";
     ASSERT_EQ(wide_->info().tier, Tier::kWide);
   }
   void TearDown() override {

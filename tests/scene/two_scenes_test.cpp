@@ -11,6 +11,7 @@
 
 #include "support/delivery_scene.h"
 #include "support/gpu_fixture.h"
+#include "support/required_devices.h"
 
 namespace pelage::test {
 namespace {
@@ -64,7 +65,7 @@ TEST_P(TwoScenes, OnTwoThreadsHaveTheBitsOfEachAlone) {
   Recording alone[2], together[2];
   for (size_t i = 0; i < 2; ++i) {
     alone[i] = play(GetParam(), kSolvers[i], [] {});
-    if (alone[i].skipped) GTEST_SKIP() << alone[i].error;
+    if (alone[i].skipped) PELAGE_SKIP_WITHOUT_DEVICE() << alone[i].error;
     ASSERT_EQ(alone[i].error, "");
     ASSERT_NE(alone[i].frames[2][0], alone[i].frames[9][0]) << "it moved at all";
   }

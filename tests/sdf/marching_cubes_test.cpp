@@ -16,6 +16,8 @@
 
 #include "pelage/view.h"
 #include "sdf/iso_surface.h"
+#include "support/extremes.h"
+#include "support/required_devices.h"
 #include "support/strand_run.h"
 
 namespace pelage::test {
@@ -243,8 +245,8 @@ void expectOnSurface(const Mesh& mesh, const Shape& shape, double level, double 
     return Vector3d(g.normalized());
   };
   for (size_t i = 0; i < mesh.positions.size(); ++i) {
-    worst = std::max(worst, std::abs(shape(mesh.positions[i]) - level));
-    worstNormal = std::max(worstNormal, degrees(slope(mesh.positions[i]).dot(mesh.normals[i])));
+    keepLargest(worst, std::abs(shape(mesh.positions[i]) - level));
+    keepLargest(worstNormal, degrees(slope(mesh.positions[i]).dot(mesh.normals[i])));
     EXPECT_NEAR(mesh.normals[i].norm(), 1, 1e-5);
   }
   EXPECT_LT(worst, cells);
@@ -493,7 +495,7 @@ TEST(MarchingCubesBits, AreTheSameOnEveryApi) {
       EXPECT_TRUE(mesh.indices == indices) << apiName(api);
     }
   }
-  if (runs == 0) GTEST_SKIP() << "no device";
+  if (runs == 0) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
 }
 
 /// The class that a scene uses, and the draw.

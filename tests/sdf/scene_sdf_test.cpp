@@ -12,7 +12,9 @@
 #include "pelage/sdf_data.h"
 #include "pelage/skeleton.h"
 #include "reference/sdf/mesh_shapes.h"
+#include "support/extremes.h"
 #include "support/plain_asset.h"
+#include "support/required_devices.h"
 #include "support/scene_run.h"
 #include "support/sdf_error.h"
 #include "support/strand_run.h"
@@ -38,7 +40,7 @@ class SceneSdf : public testing::TestWithParam<Api> {
  protected:
   SceneSdf() : run_(sharedSceneRun(GetParam())) {}
   void SetUp() override {
-    if (run_.device() == nullptr) GTEST_SKIP() << "no device";
+    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
     messages_ = run_.device()->messageCount();
     run_.add(makeAsset());
   }
@@ -316,7 +318,7 @@ class SceneSdfHair : public testing::TestWithParam<std::tuple<Api, Solver>> {
     settings_.solver = std::get<1>(GetParam());
   }
   void SetUp() override {
-    if (run_.device() == nullptr) GTEST_SKIP() << "no device";
+    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
     messages_ = run_.device()->messageCount();
     settings_.localStiffness = 0.2f;
     settings_.bendLength = 0.02f;
@@ -353,7 +355,7 @@ class SceneSdfHair : public testing::TestWithParam<std::tuple<Api, Solver>> {
   static double depth(const std::vector<Float4>& positions, const Eigen::Vector3d& center) {
     double deepest = -1;
     for (const Float4& p : positions)
-      if (p.w > 0) deepest = std::max(deepest, kRadius - (toVector(p) - center).norm());
+      if (p.w > 0) keepLargest(deepest, kRadius - (toVector(p) - center).norm());
     return deepest;
   }
   static double stretch(const HairAsset& asset, const std::vector<Float4>& positions) {
@@ -362,7 +364,7 @@ class SceneSdfHair : public testing::TestWithParam<std::tuple<Api, Solver>> {
       const double rest = static_cast<double>(asset.restLengths[i]);
       if (rest > 0) {
         const double now = (toVector(positions[i + 1]) - toVector(positions[i])).norm();
-        largest = std::max(largest, std::abs(now / rest - 1));
+        keepLargest(largest, std::abs(now / rest - 1));
       }
     }
     return largest;
@@ -386,7 +388,7 @@ TEST_P(SceneSdfHair, LiesOnAMeshWithItsLengths) {  // K6, K29
     // The ball of triangles is up to 0.6 % of its radius inside the ball.
     ASSERT_LT(depth(positions, {0, 0, 0}), 0.02 * 0.008 + 0.006 * kRadius) << "frame " << frame;
     ASSERT_LT(stretch(asset, positions), 1e-3) << "frame " << frame;
-    for (const Float4& p : positions) lowest = std::min(lowest, static_cast<double>(p.y));
+    for (const Float4& p : positions) keepSmallest(lowest, static_cast<double>(p.y));
   }
   EXPECT_LT(lowest, 0.05) << "it fell at all";
   EXPECT_GT(depth(run_.positions(hair), {0, 0, 0}), -0.004) << "and lies on the ball";

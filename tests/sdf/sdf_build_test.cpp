@@ -12,6 +12,8 @@
 #include "pelage/collision_mesh.h"
 #include "pelage/random.h"
 #include "sdf/sdf_run.h"
+#include "support/extremes.h"
+#include "support/required_devices.h"
 
 namespace pelage::test {
 namespace {
@@ -55,8 +57,8 @@ TriangleMesh ratboy(const char* file) {
 float cellOf(const TriangleMesh& mesh, float cells) {
   float low = mesh.positions[0].x, high = low;
   for (const Float3& p : mesh.positions) {
-    low = std::min(low, p.x);
-    high = std::max(high, p.x);
+    keepSmallest(low, p.x);
+    keepLargest(high, p.x);
   }
   return (high - low) / cells;
 }
@@ -366,7 +368,7 @@ TEST_P(SdfBuild, RecordsHaveVerticesNeighboursAndAngleWeightedNormals) {
       }
       const Vector3d reference =
           normals[topology->weldedVertices[topology->indices[3 * t + k]]].normalized();
-      worst = std::max(worst, (normal.normalized() - reference).norm());
+      keepLargest(worst, (normal.normalized() - reference).norm());
       EXPECT_EQ(surface[7 * t + 4 + k], (Uint4{0, 0, 0, 0})) << "no motion in the first build";
     }
     const Uint4 around = surface[7 * t + 3];
@@ -399,7 +401,7 @@ TEST(SdfBuildBits, AreTheSameOnEveryApi) {
         EXPECT_TRUE(run.surface->read() == surface) << apiName(api);
       }
     }
-    if (runs == 0) GTEST_SKIP() << "no device";
+    if (runs == 0) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
   }
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "sdf/sdf_run.h"
+#include "support/extremes.h"
 
 namespace pelage::test {
 namespace {
@@ -195,9 +196,9 @@ TEST_P(SdfRebuild, RecordsHaveTheMotionSinceTheLastBuild) {
         const Uint4 row = surface[7 * t + 4 + k];
         const float x = mesh.positions[mesh.indices[3 * t + k]].x;
         const float displacement = x > 0.6f ? speed * (x - 0.6f) / options.cellSize : 0;
-        worst =
-            std::max({worst, static_cast<double>(std::abs(std::bit_cast<float>(row.x))),
-                      static_cast<double>(std::abs(std::bit_cast<float>(row.z) - displacement))});
+        keepLargest(worst, static_cast<double>(std::abs(std::bit_cast<float>(row.x))));
+        keepLargest(worst,
+                    static_cast<double>(std::abs(std::bit_cast<float>(row.z) - displacement)));
       }
     EXPECT_LT(worst, 1e-4) << what << " [cell]";
   };

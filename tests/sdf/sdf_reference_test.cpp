@@ -11,6 +11,7 @@
 
 #include "reference/sdf/distance_oracle.h"
 #include "reference/sdf/mesh_shapes.h"
+#include "support/extremes.h"
 
 namespace pelage::reference {
 namespace {
@@ -86,7 +87,7 @@ TEST(DistanceOracle, ClosestPointOfATriangleIsTheClosest) {
     constexpr int kSteps = 60;
     for (int i = 0; i <= kSteps; ++i)
       for (int k = 0; k + i <= kSteps; ++k)
-        sampled = std::min(sampled, (p - (a + (b - a) * i / kSteps + (c - a) * k / kSteps)).norm());
+        test::keepSmallest(sampled, (p - (a + (b - a) * i / kSteps + (c - a) * k / kSteps)).norm());
     ASSERT_LE(found.distance, sampled + 1e-12);
     ASSERT_GE(found.distance, sampled - 1.0 / kSteps);
   }
@@ -138,7 +139,7 @@ TEST(DistanceOracle, FastWindingNumberIsWithinItsMargin) {
     const DistanceOracle oracle(mesh);
     double worst = 0;
     for (const Vector3d& p : randomPoints(1500, 1.5))
-      worst = std::max(worst, std::abs(oracle.fastWindingNumber(p) - oracle.windingNumber(p)));
+      test::keepLargest(worst, std::abs(oracle.fastWindingNumber(p) - oracle.windingNumber(p)));
     EXPECT_LT(worst, 0.1);
     EXPECT_GT(worst, 1e-9);  // else it saves nothing
   }

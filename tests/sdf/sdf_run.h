@@ -11,6 +11,7 @@
 #include "reference/sdf/distance_oracle.h"
 #include "reference/sdf/mesh_shapes.h"
 #include "sdf/sdf_build.h"
+#include "support/extremes.h"
 #include "support/gpu_fixture.h"
 
 namespace pelage::test {
@@ -227,10 +228,10 @@ inline SdfErrors errorsOf(SdfRun& run, const std::vector<double>& truth) {
     const double error = std::abs(run.distance(i) - std::abs(d));
     if (run.isFar(i)) {
       ++errors.far;
-      errors.interior = std::max(errors.interior, error);
+      keepLargest(errors.interior, error);
       errors.interiorMean += error;
     } else {
-      errors.band = std::max(errors.band, error);
+      keepLargest(errors.band, error);
     }
   }
   if (errors.far > 0) errors.interiorMean /= static_cast<double>(errors.far);

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <memory>
 
+#include "support/required_devices.h"
 #include "support/strand_run.h"
 
 namespace pelage::test {
@@ -116,7 +117,7 @@ TEST(ApiAgreement, SimulationHasTheSameBitsOnVulkanAndGl) {
                                << gpu.device()->info().name << "; dual quaternions " << dual;
     }
   }
-  if (first == nullptr) GTEST_SKIP() << "no device";
+  if (first == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
 }
 
 }  // namespace

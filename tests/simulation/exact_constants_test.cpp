@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "../reference/rod/exact_rod.h"
@@ -49,6 +50,32 @@ TEST(ExactRest, HasTheRegionsOfTheReference) {
       EXPECT_NEAR(voronoiLength, expected.voronoiLengths[i], 1e-5 * expected.voronoiLengths[i])
           << "vertex " << i << " of " << points.size();
     }
+  }
+}
+
+// The share of the gusts that repeats after `period`, by Fourier's sum over many of them.
+double gustAt(const WindSettings& wind, double period) {
+  constexpr int kPeriods = 200, kSamples = 32;
+  double cosines = 0, sines = 0;
+  for (int i = 0; i < kPeriods * kSamples; ++i) {
+    const double time = period * i / kSamples, phase = 2 * std::numbers::pi * i / kSamples;
+    const double speed = static_cast<double>(detail::airAt(wind, time).velocity.x);
+    cosines += speed * std::cos(phase);
+    sines += speed * std::sin(phase);
+  }
+  return 2 * std::hypot(cosines, sines) / (kPeriods * kSamples);
+}
+
+TEST(Gusts, ComeInTheirPeriodAndAroundTheMean) {
+  for (const float period : {0.5f, 2.5f, 40.0f}) {
+    const WindSettings wind = {.velocity = {3, 0, 0}, .gustStrength = 0.5f, .gustPeriod = period};
+    EXPECT_NEAR(gustAt(wind, double{period}), 3 * 0.5 * 0.6, 0.01);
+    for (const double other : {0.7, 1.3, 2.0})
+      EXPECT_LT(gustAt(wind, other * double{period}), 0.02) << other << " of " << period << " s";
+    double sum = 0;
+    for (int i = 0; i < 6400; ++i)
+      sum += static_cast<double>(detail::airAt(wind, double{period} * i / 32).velocity.x);
+    EXPECT_NEAR(sum / 6400, 3, 0.01);
   }
 }
 

@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "pelage/demo/groom.h"
+#include "support/extremes.h"
+#include "support/required_devices.h"
 #include "support/scene_run.h"
 #include "support/strand_run.h"
 
@@ -23,7 +25,7 @@ class SceneSimulation : public testing::TestWithParam<std::tuple<Api, Solver>> {
     settings_.solver = std::get<1>(GetParam());
   }
   void SetUp() override {
-    if (run_.device() == nullptr) GTEST_SKIP() << "no device";
+    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
   }
   void TearDown() override { run_.clear(); }
   bool exact() const { return settings_.solver == Solver::kExact; }
@@ -46,7 +48,7 @@ double maxStretch(const HairAsset& asset, const std::vector<Float4>& positions) 
   for (size_t i = 0; i + 1 < asset.positions.size(); ++i) {
     const double rest = static_cast<double>(asset.restLengths[i]);
     if (rest > 0)
-      largest = std::max(largest, std::abs(distance(positions[i], positions[i + 1]) / rest - 1));
+      keepLargest(largest, std::abs(distance(positions[i], positions[i + 1]) / rest - 1));
   }
   return largest;
 }
@@ -68,8 +70,8 @@ TEST_P(SceneSimulation, TheBindPoseWithoutGravityStays) {  // K4
   const std::vector<Float4> positions = run_.positions(hair);
   double fromBind = 0, drift = 0;
   for (size_t i = 0; i < positions.size(); ++i) {
-    fromBind = std::max(fromBind, distance(positions[i], asset.positions[i]));
-    drift = std::max(drift, distance(positions[i], first[i]));
+    keepLargest(fromBind, distance(positions[i], asset.positions[i]));
+    keepLargest(drift, distance(positions[i], first[i]));
   }
   EXPECT_LT(fromBind, 1e-5) << "of strands of 0.3 m";
   EXPECT_LT(drift, 1e-5);
@@ -95,7 +97,7 @@ TEST_P(SceneSimulation, AWalkOfHundredMetresIsTheMotionThatTheGroundDoesNotSee) 
   double largest = 0;
   for (size_t i = 0; i < here.size(); ++i) {
     const Float4 back = {there[i].x - 1024, there[i].y, there[i].z, 0};
-    largest = std::max(largest, distance(here[i], back));
+    keepLargest(largest, distance(here[i], back));
   }
   largestStretchAway = maxStretch(asset, here);
   EXPECT_LT(largest, 1e-4) << "the output's rounding at 1 km is 6e-5 m";
@@ -161,8 +163,8 @@ TEST_P(SceneSimulation, ForcesOfABufferActLikeGravityAndWind) {
   const std::vector<Float4> a = run_.positions(expected), b = run_.positions(forced);
   double largest = 0, moved = 0;
   for (size_t i = 0; i < a.size(); ++i) {
-    largest = std::max(largest, distance(a[i], b[i]));
-    moved = std::max(moved, distance(a[i], asset.positions[i]));
+    keepLargest(largest, distance(a[i], b[i]));
+    keepLargest(moved, distance(a[i], asset.positions[i]));
   }
   EXPECT_LT(largest, 1e-4);
   EXPECT_GT(moved, 0.02);
@@ -250,8 +252,7 @@ TEST_P(SceneSimulation, GlobalStiffnessAndDampingHaveCurvesToo) {
   const auto furthest = [&](const HairObject& hair) {
     const std::vector<Float4> p = run_.positions(hair);
     double largest = 0;
-    for (size_t i = 0; i < p.size(); ++i)
-      largest = std::max(largest, distance(p[i], asset.positions[i]));
+    for (size_t i = 0; i < p.size(); ++i) keepLargest(largest, distance(p[i], asset.positions[i]));
     return largest;
   };
   EXPECT_LT(furthest(damped), 0.8 * furthest(plain));
@@ -281,8 +282,8 @@ TEST_P(SceneSimulation, GustsDifferFromStrandToStrandAsMuchAsAskedFor) {
     const std::vector<Float4> p = run_.positions(hair);
     float low = p[9].z, high = p[9].z;
     for (size_t s = 0; s < 20; ++s) {
-      low = std::min(low, p[10 * s + 9].z);
-      high = std::max(high, p[10 * s + 9].z);
+      keepSmallest(low, p[10 * s + 9].z);
+      keepLargest(high, p[10 * s + 9].z);
     }
     spread[k] = static_cast<double>(high - low);
   }
@@ -296,7 +297,7 @@ class ExactScene : public testing::TestWithParam<Api> {
  protected:
   ExactScene() : run_(sharedSceneRun(GetParam())) {}
   void SetUp() override {
-    if (run_.device() == nullptr) GTEST_SKIP() << "no device";
+    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
   }
   void TearDown() override { run_.clear(); }
   uint32_t awake(const HairObject& hair) const {
@@ -344,7 +345,7 @@ TEST_P(ExactScene, SleepDoesNotChangeTheMotionAfterIt) {
     other.setBones({&bone, 1});
     run_.step();
     const std::vector<Float4> a = run_.positions(sleeper), b = run_.positions(other);
-    for (size_t i = 0; i < a.size(); ++i) largest = std::max(largest, distance(a[i], b[i]));
+    for (size_t i = 0; i < a.size(); ++i) keepLargest(largest, distance(a[i], b[i]));
   }
   EXPECT_EQ(awake(sleeper), 70u);
   // Half a second at less than half a millimetre a second, and what was left to go.
@@ -490,7 +491,7 @@ TEST_P(ExactScene, LevelOfDetailSimulatesFewerGuidesAndKeepsTheirLengths) {  // 
   EXPECT_LT(maxStretch(asset, a), 1e-4);
   for (size_t i = 0; i < a.size(); ++i) {
     ASSERT_TRUE(isFinite(a[i]));
-    apart = std::max(apart, distance(a[i], b[i]));
+    keepLargest(apart, distance(a[i], b[i]));
   }
   EXPECT_LT(apart, 0.13) << "of strands of 0.18 m with shapes of their own";
 
@@ -500,7 +501,7 @@ TEST_P(ExactScene, LevelOfDetailSimulatesFewerGuidesAndKeepsTheirLengths) {  // 
   for (int frame = 40; frame < 60; ++frame) {
     swing(frame);
     const std::vector<Float4> now = run_.positions(hair);
-    for (size_t i = 0; i < a.size(); ++i) jump = std::max(jump, distance(now[i], a[i]));
+    for (size_t i = 0; i < a.size(); ++i) keepLargest(jump, distance(now[i], a[i]));
     a = now;
   }
   EXPECT_EQ(simulatedThreads(hair), 200u);
@@ -510,7 +511,7 @@ TEST_P(ExactScene, LevelOfDetailSimulatesFewerGuidesAndKeepsTheirLengths) {  // 
   a = run_.positions(hair);
   b = run_.positions(full);
   apart = 0;
-  for (size_t i = 0; i < a.size(); ++i) apart = std::max(apart, distance(a[i], b[i]));
+  for (size_t i = 0; i < a.size(); ++i) keepLargest(apart, distance(a[i], b[i]));
   EXPECT_LT(apart, 5e-3);
 }
 
@@ -545,7 +546,7 @@ class ClassicScene : public testing::TestWithParam<Api> {
  protected:
   ClassicScene() : run_(sharedSceneRun(GetParam())) {}
   void SetUp() override {
-    if (run_.device() == nullptr) GTEST_SKIP() << "no device";
+    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
   }
   void TearDown() override { run_.clear(); }
   SceneRun& run_;

@@ -15,6 +15,8 @@
 #include "pelage/demo/groom.h"
 #include "pelage/skeleton.h"
 #include "reference/sdf/mesh_shapes.h"
+#include "support/extremes.h"
+#include "support/required_devices.h"
 #include "support/scene_run.h"
 #include "support/strand_run.h"
 
@@ -66,7 +68,7 @@ double maxDistance(const Story& a, const Story& b) {
   if (a.empty() || a.size() != b.size()) return std::numeric_limits<double>::infinity();
   double largest = 0;
   for (size_t i = 0; i < a.size(); ++i) {
-    largest = std::max(largest, maxDistance(a[i].positions, b[i].positions));
+    keepLargest(largest, maxDistance(a[i].positions, b[i].positions));
   }
   return largest;
 }
@@ -117,7 +119,7 @@ class ShiftOrigin : public testing::TestWithParam<std::tuple<Api, Solver>> {
     settings_.wind = {.velocity = {0, 0, 1e-4f}, .gustStrength = 0, .strandVariation = 0};
   }
   void SetUp() override {
-    if (run_.device() == nullptr) GTEST_SKIP() << "no device";
+    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
     messages_ = run_.device()->messageCount();
   }
   void TearDown() override {

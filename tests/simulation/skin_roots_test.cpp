@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "reference/skinning_reference.h"
+#include "support/extremes.h"
 #include "support/strand_run.h"
 
 namespace pelage::test {
@@ -356,7 +357,7 @@ TEST_P(SkinRoots, TakesAnyNumberOfRoots) {
     const Outcome outcome = split(asset, run.roots());
     double worst = 0;
     for (uint32_t i = 0; i < count; ++i)
-      worst = std::max(
+      keepLargest(
           worst,
           (toVector(outcome.now[i].position) - bone * outcome.bindRoot(i).homogeneous()).norm());
     EXPECT_LT(worst, 1e-6) << count << " roots";

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "reference/skinning_reference.h"
+#include "support/extremes.h"
 #include "support/strand_run.h"
 
 namespace pelage::test {
@@ -65,13 +66,12 @@ TEST_P(UpdateFollowHairs, TurnOffsetsWithTheRootForEveryCount) {
       const std::vector<Vector3d> actual = strand(positions, size.guides + f);
       const std::vector<Vector3d> tangent = strand(tangents, size.guides + f);
       for (uint32_t v = 0; v < size.vertices; ++v) {
-        worst = std::max(worst, (actual[v] - expected[v]).norm());
+        keepLargest(worst, (actual[v] - expected[v]).norm());
         const Vector3d along =
             expected[std::min(v + 1, size.vertices - 1)] - expected[v > 0 ? v - 1 : 0];
-        worstTangent = std::max(worstTangent, (tangent[v] - along.normalized()).norm());
-        worstMass = std::max(worstMass,
-                             std::abs(double{positions[(size.guides + f) * size.vertices + v].w} -
-                                      double{positions[g * size.vertices + v].w}));
+        keepLargest(worstTangent, (tangent[v] - along.normalized()).norm());
+        keepLargest(worstMass, std::abs(double{positions[(size.guides + f) * size.vertices + v].w} -
+                                        double{positions[g * size.vertices + v].w}));
       }
     }
     EXPECT_LT(worst, 5e-7);

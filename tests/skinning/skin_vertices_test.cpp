@@ -8,6 +8,8 @@
 #include <numbers>
 
 #include "reference/skinning_reference.h"
+#include "support/extremes.h"
+#include "support/required_devices.h"
 #include "support/strand_run.h"
 
 namespace pelage::test {
@@ -208,7 +210,7 @@ TEST_P(SkinVertices, MatchBlendsInDoublePrecisionInAnyVertexBuffer) {
       double worst = 0;
       for (size_t i = 0; i < now.size(); ++i) {
         const Vector3d expected = crowd.expected(i, dual);
-        worst = std::max(worst, (now[i] - expected).norm() / (1 + expected.norm()));
+        keepLargest(worst, (now[i] - expected).norm() / (1 + expected.norm()));
       }
       EXPECT_LT(worst, 2e-6) << (dual ? "dual quaternions" : "matrices");
       EXPECT_EQ(run.before(), now) << "a reset has no motion";
@@ -327,7 +329,7 @@ TEST_P(SkinVertices, TakeAnyNumberOfVertices) {
     const std::vector<Vector3d> now = run.now();
     double worst = 0;
     for (size_t i = 0; i < count; ++i)
-      worst = std::max(worst, (now[i] - crowd.expected(i, false)).norm());
+      keepLargest(worst, (now[i] - crowd.expected(i, false)).norm());
     EXPECT_LT(worst, 1e-5) << count;
   }
 }
@@ -347,7 +349,7 @@ TEST(SkinVerticesBits, AreTheSameOnEveryApi) {
       EXPECT_EQ(std::memcmp(run.floats().data(), floats.data(), floats.size() * sizeof(float)), 0)
           << apiName(api);
     }
-    if (floats.empty()) GTEST_SKIP() << "no device";
+    if (floats.empty()) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
   }
 }
 

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "stress/stress_run.h"
+#include "support/required_devices.h"
 
 namespace pelage::test {
 namespace {
@@ -214,7 +215,7 @@ TEST_P(Determinism, TheBitsAreThoseOfEveryApiAndRunAndOfTheTable) {
     if (expected.positions.empty()) expected = outcome;
     EXPECT_EQ(hex(outcome.hash), hex(expected.hash)) << "on " << apiName(api);
   }
-  if (first.empty()) GTEST_SKIP() << "no device";
+  if (first.empty()) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
   KnownHashes known;
   const std::string key = first + " " + GetParam().name;
   if (std::getenv("PELAGE_UPDATE_GOLDEN") != nullptr) {
@@ -230,7 +231,7 @@ TEST_P(Determinism, TheBitsAreThoseOfEveryApiAndRunAndOfTheTable) {
 TEST_P(Determinism, AStrandDoesNotDependOnItsPlaceAmongTheOthers) {
   Api api = Api::kGl;
   if (Gpu::of(api).device() == nullptr) api = Api::kVulkan;
-  if (Gpu::of(api).device() == nullptr) GTEST_SKIP() << "no device";
+  if (Gpu::of(api).device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
   std::vector<uint32_t> order = asMade();
   Random random(99);
   for (size_t i = order.size() - 1; i > 0; --i)

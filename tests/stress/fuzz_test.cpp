@@ -2,6 +2,7 @@
 // and no strand longer or shorter than it was made. The strands are those of the reference's fuzz.
 #include "stress/fuzz_group.h"
 #include "stress/stress_run.h"
+#include "support/extremes.h"
 
 namespace pelage::test {
 namespace {
@@ -57,7 +58,7 @@ class Fuzz : public StressTest {
     const std::vector<Float4> tangents = run_.read(buffers.tangents);
     double size = 0;
     for (const Float4& p : positions)
-      if (isFinite(p)) size = std::max(size, toVector(p).cwiseAbs().maxCoeff());
+      if (isFinite(p)) keepLargest(size, toVector(p).cwiseAbs().maxCoeff<Eigen::PropagateNaN>());
     // The classic solver leaves errors below 4.8e-7 of the coordinates alone.
     const double rounding = size * (exact() ? 2e-5 : 6e-5);
     const HairAsset& asset = trial.group.asset;
@@ -65,7 +66,7 @@ class Fuzz : public StressTest {
       const size_t from = size_t{s} * asset.verticesPerStrand;
       for (size_t i = from; i < from + asset.verticesPerStrand; ++i)
         trial.finite[s] = trial.finite[s] && isFinite(positions[i]) && isFinite(tangents[i]);
-      trial.stretch[s] = std::max(trial.stretch[s], stretchOf(asset, positions, s, rounding));
+      keepLargest(trial.stretch[s], stretchOf(asset, positions, s, rounding));
     }
   }
 };
@@ -101,7 +102,7 @@ TEST_P(Fuzz, EveryStrandStaysFiniteAndKeepsItsLength) {
                         << " is stretched by " << 100 * stretch << " %";
         }
         if (span) {
-          worstHeld = std::max(worstHeld, stretch);
+          keepLargest(worstHeld, stretch);
         } else if (stretch > worst) {
           worst = stretch;
           worstStrand = seed;

@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include "stress/stress_run.h"
+#include "support/extremes.h"
 
 namespace pelage::test {
 namespace {
@@ -76,16 +77,16 @@ TEST_P(LongRun, AMillionStepsOfAnUndampedSwingGainNoEnergyAndDoNotWander) {
     const std::vector<Float4> positions = run_.positions(hair);
     ASSERT_TRUE(allFinite(positions)) << "list " << list;
     for (uint32_t s = 0; s < kStrands; ++s) {
-      highest[s] = std::max(highest[s], heightOf(positions, s));
-      stretch = std::max(stretch, stretchOf(asset, positions, s, 1e-5));
+      keepLargest(highest[s], heightOf(positions, s));
+      keepLargest(stretch, stretchOf(asset, positions, s, 1e-5));
       for (uint32_t v = 0; v < 2; ++v) {
         const size_t i = s * kVertices + v;
-        moved = std::max(moved, distance(positions[i], asset.positions[i]));
+        keepLargest(moved, distance(positions[i], asset.positions[i]));
       }
     }
   }
   double gained = -1;
-  for (uint32_t s = 0; s < kStrands; ++s) gained = std::max(gained, highest[s] - start[s]);
+  for (uint32_t s = 0; s < kStrands; ++s) keepLargest(gained, highest[s] - start[s]);
   EXPECT_LE(gained, 0.01) << "of m g L";
   EXPECT_LE(stretch, 1e-4);
   EXPECT_LE(moved, 1e-6) << "of the roots, in metres";
@@ -102,7 +103,7 @@ TEST_P(LongRun, AMillionStepsOfAnUndampedSwingGainNoEnergyAndDoNotWander) {
   for (int frame = 0; frame < 900; ++frame) run_.step();
   const std::vector<Float4> young = run_.positions(fresh);
   double drift = 0;
-  for (size_t i = 0; i < old.size(); ++i) drift = std::max(drift, distance(old[i], young[i]));
+  for (size_t i = 0; i < old.size(); ++i) keepLargest(drift, distance(old[i], young[i]));
   EXPECT_LE(drift, 1e-4);
   std::printf(
       "[ FIGURE ] long run, %s: %u steps in %u lists; energy gained %.3g %% of m g L, stretch %.3g "

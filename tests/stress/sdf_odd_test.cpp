@@ -2,6 +2,7 @@
 // memory cap; and fields of meshes that do what no mesh should.
 #include "sdf/sdf_run.h"
 #include "stress/sdf_stress.h"
+#include "support/extremes.h"
 
 namespace pelage::test {
 namespace {
@@ -72,13 +73,13 @@ TEST_P(SdfOdd, OddCollidersAreSurvived) {
     if (frame == 29) {
       // As without it.
       for (const Float4& p : run_.positions(hairOf(sites[guest])))
-        fallen = std::max(fallen, 0.08 - double{p.y});
+        keepLargest(fallen, 0.08 - double{p.y});
     }
     for (const size_t i : {plain, giant, overlap, two, guest}) {
       if (i == guest && frame >= 20 && frame < 32) continue;
       const double deep = depth(sites[i], reference::moved(sites[i].mesh, sites[i].at));
       EXPECT_LT(deep, 0.02 * double{kCell}) << sites[i].name << ", frame " << frame;
-      deepest = std::max(deepest, deep);
+      keepLargest(deepest, deep);
     }
   }
   // Both have nothing for hair to lie on.

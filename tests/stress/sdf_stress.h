@@ -10,6 +10,7 @@
 #include "reference/sdf/distance_oracle.h"
 #include "reference/sdf/mesh_shapes.h"
 #include "stress/stress_run.h"
+#include "support/extremes.h"
 #include "support/sdf_error.h"
 
 namespace pelage::test {
@@ -137,13 +138,14 @@ class SdfStress : public StressTest {
     ASSERT_TRUE(allFinite(positions)) << point.name << ", " << when;
     ASSERT_TRUE(allFinite(run_.read(hairOf(point).buffers().tangents))) << point.name;
     double size = 0;
-    for (const Float4& p : positions) size = std::max(size, toVector(p).cwiseAbs().maxCoeff());
+    for (const Float4& p : positions)
+      keepLargest(size, toVector(p).cwiseAbs().maxCoeff<Eigen::PropagateNaN>());
     for (size_t i = 0; i + 1 < positions.size(); ++i) {
       const double rest = static_cast<double>(asset.restLengths[i]);
       if (!(rest > 0) || (i + 1) % asset.verticesPerStrand == 0) continue;
       const double off = std::abs(distance(positions[i], positions[i + 1]) - rest);
       const double stretch = std::max(off - 2.4e-7 * size, 0.0) / rest;
-      worstStretch_ = std::max(worstStretch_, stretch);
+      keepLargest(worstStretch_, stretch);
       ASSERT_LT(stretch, 1e-3) << point.name << ", " << when << ", vertex " << i;
     }
     if (point.collider == ColliderId::kInvalid) return;
@@ -165,7 +167,7 @@ class SdfStress : public StressTest {
     const DistanceOracle oracle(mesh);
     double deepest = 0;
     for (const Float4& p : run_.positions(hairOf(point)))
-      if (p.w > 0) deepest = std::max(deepest, -oracle.signedDistance(toVector(p)));
+      if (p.w > 0) keepLargest(deepest, -oracle.signedDistance(toVector(p)));
     return deepest;
   }
   std::vector<SdfData> copySdfs(const std::vector<Location>& points) {

@@ -3,6 +3,7 @@
 #include <functional>
 
 #include "stress/sdf_stress.h"
+#include "support/extremes.h"
 
 namespace pelage::test {
 namespace {
@@ -116,9 +117,8 @@ TEST_P(SdfTrouble, OfAColliderIsSurvivedAndForgotten) {
         EXPECT_LT(depth(points[i], there), 0.02 * double{kCell}) << points[i].name;
       }
     }
-    deepest = std::max(
-        deepest,
-        depth(points[0], posed(block(), boneAt(plus(points[0].at, displacementAt(frame))))));
+    keepLargest(deepest, depth(points[0],
+                               posed(block(), boneAt(plus(points[0].at, displacementAt(frame))))));
   }
   EXPECT_LT(deepest, 0.02 * double{kCell});
   const Float3 displacement = displacementAt(frames);
@@ -129,15 +129,15 @@ TEST_P(SdfTrouble, OfAColliderIsSurvivedAndForgotten) {
     const std::vector<Float4> positions = run_.positions(hairOf(points[i]));
     double off = 0;
     for (size_t v = 0; v < positions.size(); ++v)
-      off = std::max(off, (toVector(positions[v]) - toVector(untouched[v]) -
-                           Vector3d(0, 0, static_cast<double>(points[i].at.z - points[0].at.z)))
-                              .norm());
+      keepLargest(off, (toVector(positions[v]) - toVector(untouched[v]) -
+                        Vector3d(0, 0, static_cast<double>(points[i].at.z - points[0].at.z)))
+                           .norm());
     // Classic hair may be on the other side of what was a line, or long and flat, for a while.
     const bool mayPass = points[i].name == "a line" || points[i].name == "uneven";
     if (all[i].forgotten && (exact() || !mayPass)) {
       // Rods that are drawn into a collider without friction tremble a little on it.
       EXPECT_LT(off, exact() ? 6e-4 : 2e-5) << points[i].name << " [m]";
-      worst = std::max(worst, off);
+      keepLargest(worst, off);
     }
     EXPECT_LT(depth(points[i], posed(block(), boneAt(plus(points[i].at, displacement)))),
               0.02 * double{kCell})
@@ -228,7 +228,7 @@ TEST_P(SdfPoints, PlaceAndScaleInTheWorldDoNotMatter) {
       const double rounding = i == 10 ? 0.06 : 0;
       const double deep = depth(points[i], mesh) / cell;
       EXPECT_LT(deep, 0.02 + rounding) << points[i].name << ", frame " << frame;
-      if (i != 10) deepest = std::max(deepest, deep);
+      if (i != 10) keepLargest(deepest, deep);
     }
     if (HasFatalFailure()) return;
   }
@@ -240,12 +240,12 @@ TEST_P(SdfPoints, PlaceAndScaleInTheWorldDoNotMatter) {
       const auto at = [&](size_t k) {
         return toVector({all[k].at.x, all[k].at.y, all[k].at.z, 0});
       };
-      off = std::max(off, ((toVector(positions[v]) - at(i)) / static_cast<double>(all[i].scale) -
-                           (toVector(first[v]) - at(0)))
-                                  .norm() /
-                              double{kCell});
+      keepLargest(off, ((toVector(positions[v]) - at(i)) / static_cast<double>(all[i].scale) -
+                        (toVector(first[v]) - at(0)))
+                               .norm() /
+                           double{kCell});
     }
-    if (all[i].scale <= 1) worst = std::max(worst, off);
+    if (all[i].scale <= 1) keepLargest(worst, off);
   }
   EXPECT_LT(worst, 0.6);
   printFigure("places and scales, " + label() + ": hair differs by [cell]", worst);

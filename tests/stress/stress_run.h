@@ -13,6 +13,8 @@
 #include <tuple>
 #include <vector>
 
+#include "support/extremes.h"
+#include "support/required_devices.h"
 #include "support/scene_run.h"
 #include "support/strand_run.h"
 
@@ -50,7 +52,7 @@ inline double stretchOf(const HairAsset& asset, const std::vector<Float4>& posit
   for (size_t i = first; i + 1 < first + asset.verticesPerStrand; ++i) {
     const double rest = static_cast<double>(asset.restLengths[i]);
     const double off = std::abs(distance(positions[i], positions[i + 1]) - rest);
-    worst = std::max(worst, off / (rest + rounding + 1e-9));
+    keepLargest(worst, off / (rest + rounding + 1e-9));
   }
   return worst;
 }
@@ -70,7 +72,7 @@ class StressTest : public testing::TestWithParam<std::tuple<Api, Solver>> {
  protected:
   StressTest() : run_(shared(api())) { settings_.solver = std::get<1>(GetParam()); }
   void SetUp() override {
-    if (run_.device() == nullptr) GTEST_SKIP() << "no device";
+    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
     messages_ = run_.device()->messageCount();
   }
   void TearDown() override {

@@ -15,6 +15,7 @@
 
 #include "pelage/headless.h"
 #include "pelage/pass_list.h"
+#include "support/required_devices.h"
 #include "support/test_tier.h"
 
 #ifdef PELAGE_TEST_CODE
@@ -90,6 +91,7 @@ class Gpu {
     auto made = createDevice(def);
     if (!made) {
       // Without the validation layer or a debug context the results can still be checked.
+      missingDevice(made.error().message);
       def.validation = false;
       made = createDevice(def);
     }
@@ -109,7 +111,8 @@ class GpuTest : public testing::TestWithParam<Api> {
   void SetUp() override {
     gpu_ = &Gpu::of(GetParam());
     if (gpu_->device() == nullptr) {
-      if (gpu_->error().code == ErrorCode::kUnsupported) GTEST_SKIP() << gpu_->error().message;
+      if (gpu_->error().code == ErrorCode::kUnsupported)
+        PELAGE_SKIP_WITHOUT_DEVICE() << gpu_->error().message;
       FAIL() << gpu_->error().message;
     }
     messages_ = gpu_->device()->messageCount();

@@ -32,7 +32,10 @@ class SceneRun {
   /// Without a device() where the API is not there; a driver that fails to start fails the test.
   explicit SceneRun(Api api) {
     auto made = createDevice({.api = api, .validation = true});
-    if (!made) made = createDevice({.api = api});
+    if (!made) {
+      missingDevice(made.error().message);
+      made = createDevice({.api = api});
+    }
     if (made) {
       device_ = std::move(*made);
       scene.setTier(device_->info().tier);

@@ -10,6 +10,7 @@
 
 #include "support/delivery_scene.h"
 #include "support/gpu_fixture.h"
+#include "support/required_devices.h"
 #include "vulkan/vulkan_engine.h"
 
 namespace pelage::test {
@@ -38,7 +39,7 @@ class VulkanDelivery : public testing::TestWithParam<Solver> {
   void SetUp() override {
     std::string reason;
     engine_ = Engine::create(reason);
-    if (engine_ == nullptr) GTEST_SKIP() << reason;
+    if (engine_ == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << reason;
     for (Engine::Frame& slot : slots_) slot = engine_->createFrame();
     copies_ = engine_->createFrame();
     Result<Runtime> made = Runtime::create(engine_->runtimeDef());

@@ -12,6 +12,7 @@
 #include "runtime_test/kernels.h"
 #include "runtime_test/layouts.h"
 #include "runtime_test/spirv.h"
+#include "support/required_devices.h"
 #include "vulkan_engine.h"
 
 namespace {
@@ -74,7 +75,7 @@ class VulkanEngine : public testing::Test {
   void SetUp() override {
     std::string reason;
     engine_ = Engine::create(reason);
-    if (engine_ == nullptr) GTEST_SKIP() << reason;
+    if (engine_ == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << reason;
     for (Engine::Frame& frame : frames_) frame = engine_->createFrame();
   }
   void TearDown() override {

@@ -13,6 +13,7 @@
 #include "runtime_test/gpu_structs.h"
 #include "runtime_test/kernels.h"
 #include "runtime_test/spirv.h"
+#include "support/required_devices.h"
 #include "support/test_code.h"
 
 namespace {
@@ -61,7 +62,8 @@ class VulkanHeadless : public testing::Test {
     def.validation = true;
     Result<std::unique_ptr<HeadlessDevice>> made = createHeadlessVulkan(def);
     if (!made) {
-      if (made.error().code == ErrorCode::kUnsupported) GTEST_SKIP() << made.error().message;
+      if (made.error().code == ErrorCode::kUnsupported)
+        PELAGE_SKIP_WITHOUT_DEVICE() << made.error().message;
       FAIL() << made.error().message;
     }
     device_ = *std::move(made);
@@ -717,7 +719,8 @@ TEST(VulkanHeadlessDevice, RefusesAnIndexThatNoDeviceHas) {
   def.deviceIndex = 1000;
   const Result<std::unique_ptr<HeadlessDevice>> made = createHeadlessVulkan(def);
   ASSERT_FALSE(made);
-  if (made.error().code == ErrorCode::kUnsupported) GTEST_SKIP() << made.error().message;
+  if (made.error().code == ErrorCode::kUnsupported)
+    PELAGE_SKIP_WITHOUT_DEVICE() << made.error().message;
   EXPECT_NE(made.error().message.find("1000"), std::string::npos) << made.error().message;
 }
 
@@ -774,7 +777,7 @@ TEST(VulkanHeadlessDevice, LeavesNothingBehind) {
     Result<std::unique_ptr<HeadlessDevice>> made = createHeadlessVulkan(def);
     if (!made && made.error().code == ErrorCode::kUnsupported) {
       testing::internal::GetCapturedStderr();
-      GTEST_SKIP() << made.error().message;
+      PELAGE_SKIP_WITHOUT_DEVICE() << made.error().message;
     }
     ASSERT_TRUE(made);
     ResourceTable table;

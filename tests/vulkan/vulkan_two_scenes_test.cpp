@@ -11,6 +11,7 @@
 
 #include "support/delivery_scene.h"
 #include "support/gpu_fixture.h"
+#include "support/required_devices.h"
 #include "vulkan/vulkan_engine.h"
 
 namespace pelage::test {
@@ -85,7 +86,7 @@ class VulkanTwoScenes : public testing::Test {
   void SetUp() override {
     std::string reason;
     engine_ = Engine::create(reason);
-    if (engine_ == nullptr) GTEST_SKIP() << reason;
+    if (engine_ == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << reason;
     for (Engine::Frame& slot : slots_) slot = engine_->createFrame();
   }
   void TearDown() override {
