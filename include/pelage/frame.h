@@ -83,6 +83,10 @@ class PELAGE_API Frame {
   /// Writes the barriers of all lists; runtimes call it. Nothing can be added any more. Errors: the
   /// frame is over; a list of your own has draws, which belong to a view.
   Result<void> finish();
+  /// Checks that each view is drawn where it was written for, which finish() comes before; runtimes
+  /// call it before they record anything. \param areas  [view] the viewport that it gets. Errors:
+  /// another rectangle than the View's; the message has both.
+  Result<void> checkAreas(std::span<const PixelArea> areas) const;
   /// What to run, in this order, behind an update() to resources(). Empty before finish().
   std::span<const FrameStep> steps() const;
   /// Runs the frame: finish(), update(), then record() and draw() of each list.

@@ -207,7 +207,8 @@ class PELAGE_GL_API Runtime {
                            PassTimer* timer = nullptr);
 
   /// Runs a frame: update(), then record() and recordDraws() of its lists. \param targets  one for
-  /// each view of the frame. Errors: those of the calls; another number of targets.
+  /// each view of the frame. Errors: those of the calls; another number of targets, or an area that
+  /// is not the View's, before anything is issued.
   Result<void> record(Frame& frame, std::span<const ViewTarget> targets = {});
 
   /// The time that each program took, in the order in which they were done.

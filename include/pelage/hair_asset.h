@@ -88,7 +88,7 @@ struct PELAGE_API HairAsset {
   std::vector<Float4> vertexColor;     ///< [strand][vertex] linear RGBA; optional
   TfxFileLayout fileLayout;
 
-  /// Set by process(); empty before. Edge i joins vertices i and i + 1.
+  /// Set by process(); empty before, and after one that failed. Edge i joins vertices i and i + 1.
   std::vector<float> restLengths;  ///< [strand][vertex] of edge i [m]; 0 at the last vertex
   /// [strand][vertex] rotation from the x axis to the edge that ends at the vertex (edge 0 for
   /// vertex 0), transported along the strand without twist.
@@ -107,7 +107,8 @@ struct PELAGE_API HairAsset {
 
   /// Derives the rest data. Errors: counts and array sizes that do not match, a value that is not
   /// finite or out of range; the message names strand and vertex. Zero-length segments are valid.
-  /// The numbers are the same on every machine.
+  /// After an error the asset has no rest data, also where an earlier call made some. The numbers
+  /// are the same on every machine.
   Result<void> process(const ProcessDef& def = {});
 
   /// Returns follow hairs of all guides: countPerGuide consecutive hairs per guide, with roots

@@ -60,12 +60,6 @@ struct PassTiming {
   double milliseconds = 0;
 };
 
-/// A rectangle of pixels; row 0 is the top row.
-struct PixelArea {
-  uint32_t x = 0, y = 0;
-  uint32_t width = 0, height = 0;
-};
-
 /// Target of render(): 16-bit float colour (linear, RGBA) and 32-bit float depth, cleared first.
 struct RenderTargetDef {
   uint32_t width = 0, height = 0;  ///< pixels, 1..16384

@@ -85,6 +85,11 @@ PELAGE_API Result<void> checkList(const PassList& list, const ResourceTable& res
 PELAGE_API Result<void> checkLimits(const KernelVariant& kernel, const KernelVariant* pixel,
                                     const TierLimits& limits, std::string_view device);
 
+/// Whether the draws of a list go where they were written for: PassList::area. Call it before the
+/// draws are recorded. \param area  the viewport that they get. Errors: kInvalidArgument, with both
+/// rectangles.
+PELAGE_API Result<void> checkArea(const PassList& list, const PixelArea& area);
+
 /// Whether a list is of the table that an executor has the buffers of. Ids of another one may mean
 /// other buffers here.
 /// \param table  ResourceTable::id(); 0 (not known) goes with every list

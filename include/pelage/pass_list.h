@@ -198,6 +198,13 @@ struct Upload {
   uint64_t size = 0;        ///< multiple of 4
 };
 
+/// A rectangle of pixels; row 0 is the top row.
+struct PixelArea {
+  uint32_t x = 0, y = 0;
+  uint32_t width = 0, height = 0;
+  bool operator==(const PixelArea&) const = default;
+};
+
 /// Everything that one call of a runtime executes, in order: uploads, then dispatches, then draws.
 /// Uploads of one list must not overlap. Draws of one list are not ordered against each other: a
 /// draw that needs what another one writes to a buffer belongs into a later list.
@@ -221,6 +228,9 @@ struct PELAGE_API PassList {
 
   uint64_t frame = 0;  ///< Scene::simulate() that wrote it; 0: none
   uint64_t table = 0;  ///< ResourceTable::id() of its buffers; 0: not known
+  /// The viewport that its draws are written for: View::x, y, width and height of Scene::draw().
+  /// Runtimes refuse to draw the list into another one. Without pixels: any.
+  PixelArea area;
   /// What has become of it; from HazardTracker::resolve() or Scene::finish() on. Copies share it.
   RunHandle run;
   /// The buffers of the view that it draws, until it has run; from Scene::draw(). Copies share it.

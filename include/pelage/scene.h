@@ -146,8 +146,10 @@ class PELAGE_API Scene {
   /// yet has buffers of its own; later views have them again. More than 64 hair objects whose
   /// materials shade differently are drawn in batches by lists and tiles: docs/oit.md.
   /// \param lists lists[0] is not cleared, the others are; as many as the method needs, or more.
-  /// Errors: a view without pixels, or whose worldToClip has no inverse; too many lights or
-  /// shadows; a light or setting out of range; a memory cap that is too small. Nothing has changed
+  /// Errors, which name the field: a view without pixels, whose worldToClip is not finite or has no
+  /// inverse, or with samples that no target has; lists[0] with draws of another viewport; too many
+  /// lights or shadows; a light without a direction, or not finite; a light, setting or material
+  /// out of range or of no value of its enum; a memory cap that is too small. Nothing has changed
   /// then.
   Result<void> draw(const View& view, std::span<const Light> lights,
                     const TransparencySettings& settings, std::vector<PassList>& lists);
@@ -187,7 +189,7 @@ class PELAGE_API Scene {
   BufferId transparencyCounters() const;
   /// Adds the passes and the draw that show a collider as its field has it, for debugging: the
   /// surface where the distance is the look's level. Draws nothing before the first simulation.
-  /// Errors: a grid that is too large for it.
+  /// Errors: a grid that is too large for it; a view or light as draw() refuses it.
   Result<void> drawCollider(ColliderId id, const View& view, const Light& light,
                             const ColliderLook& look, PassList& list);
   /// Whether the last drawCollider() that ran drew all of it. \param counts what

@@ -66,10 +66,10 @@ struct TransparencyPlan {
 /// Largest number of nodes that lists may have.
 inline constexpr uint32_t kMaxListNodes = 0x3ffffff;
 
-/// Errors: a view without pixels or of more than 2^28; an epsilon that is not 0..1; a cap that is
-/// too small for one node, or for the layers of a method that keeps a fixed number, with what is
-/// needed.
-/// \param strandVertices of the strands in view, for tiles alone.
+/// Errors: a method that is no Transparency; a view without pixels or of more than 2^28; an epsilon
+/// that is not 0..1; a cap that is too small for one node, or for the layers of a method that keeps
+/// a fixed number, with what is needed. \param strandVertices of the strands in view, for tiles
+/// alone.
 PELAGE_API Result<TransparencyPlan> planTransparency(uint32_t width, uint32_t height,
                                                      const TransparencySettings& settings,
                                                      uint64_t strandVertices = 0);

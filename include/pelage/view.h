@@ -35,7 +35,7 @@ enum class HairShadow : uint8_t {
 /// A light, and an ambient term that goes with it. Linear RGB; a white surface that faces a light
 /// of 1 is as bright as 1.
 struct Light {
-  Float3 direction = {0.35f, 0.75f, 0.55f};  ///< towards the light; normalised on use
+  Float3 direction = {0.35f, 0.75f, 0.55f};  ///< towards the light, of any length > 0
   Float3 color = {1, 1, 1};
   Float3 ambient = {0.12f, 0.13f, 0.15f};  ///< from all sides; those of all lights add up
   bool hasPosition = false;                ///< a point light; it casts no shadow

@@ -201,7 +201,8 @@ class PELAGE_VULKAN_API Runtime {
 
   /// Records a frame: update(), then record() and recordDraws() of its lists, with the render
   /// passes of the engine around the draws. \param targets  one for each view of the frame. Errors:
-  /// those of the calls; another number of targets.
+  /// those of the calls; another number of targets, or an area that is not the View's, before
+  /// anything is recorded.
   Result<void> record(Frame& frame, VkCommandBuffer commands,
                       std::span<const ViewTarget> targets = {});
 

@@ -16,6 +16,7 @@
 #include "depth_copy.h"
 #include "pelage/gl.h"
 #include "pelage/headless.h"
+#include "pelage/list_check.h"
 
 namespace pelage {
 namespace {
@@ -540,6 +541,7 @@ Result<void> HeadlessGl::recordLists(std::span<const PassList* const> lists,
   const Result<PixelArea> area = drawArea(target);
   if (!area) return area.error();
   for (const PassList* list : lists) {
+    if (Result<void> fits = checkArea(*list, *area); !fits) return fits;
     if (Result<void> ready = runtime_->prepare(*list); !ready) return ready;
   }
   clear(target);

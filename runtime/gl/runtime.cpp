@@ -105,6 +105,15 @@ void lowerTo(Tier tier, Limits& limits) {
   for (int axis = 0; axis < 3; ++axis) lower(limits.groupSize[axis], most.groupSize[axis]);
 }
 
+Error inPass(const Pass& pass, Error error) {
+  error.message = std::string("pass '") + pass.name + "': " + error.message;
+  return error;
+}
+
+PixelArea areaOf(const DrawTarget& target) {
+  return {target.x, target.y, target.width, target.height};
+}
+
 GLenum usageHint(BufferUsage usage) {
   if (contains(usage, BufferUsage::kUpload)) return GL_DYNAMIC_DRAW;
   // Written and read by the GPU alone; a driver keeps it in its own memory.
@@ -500,11 +509,7 @@ Result<void> Runtime::Impl::makePrograms(Runtime& runtime, const PassList& list,
       if (!isOut(other)) programs.begin(*other.kernel, other.pixel, list.specValuesOf(other));
     }
     Result<GLuint> program = programs.find(*pass.kernel, pass.pixel, values);
-    if (!program) {
-      Error error = program.error();
-      error.message = std::string("pass '") + pass.name + "': " + error.message;
-      return error;
-    }
+    if (!program) return inPass(pass, program.error());
     passPrograms.push_back(*program);
   }
   return {};
@@ -716,6 +721,10 @@ Result<void> Runtime::record(Frame& frame, std::span<const ViewTarget> targets) 
     return invalid("the frame has " + std::to_string(frame.viewCount()) + " views, but there are " +
                    std::to_string(targets.size()) + " targets");
   }
+  if (Result<void> done = frame.finish(); !done) return done;
+  std::vector<PixelArea> areas;
+  for (const ViewTarget& target : targets) areas.push_back(areaOf(target.area));
+  if (Result<void> fits = frame.checkAreas(areas); !fits) return fits;
   FrameExecutor executor;
   executor.update = [&](const ResourceTable& resources) { return update(resources); };
   executor.record = [&](const FrameStep& step) { return record(*step.list); };
@@ -731,6 +740,7 @@ Result<void> Runtime::recordDraws(const PassList& list, const DrawTarget& target
                                   PassTimer* timer) {
   if (target.width == 0 || target.height == 0)
     return invalid("recordDraws(): the target has no pixels");
+  if (Result<void> checked = checkArea(list, areaOf(target)); !checked) return checked;
   if (Result<void> checked = impl_->check(*this, list, ListPart::kDraws); !checked) return checked;
   if (impl_->passPrograms.empty()) return {};
   if (Result<void> ready = checkDraws(list); !ready) return ready;

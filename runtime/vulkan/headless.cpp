@@ -2,6 +2,7 @@
 // runtime, waits, and reads results back.
 
 #include "pelage/headless.h"
+#include "pelage/list_check.h"
 
 #include <fmt/format.h>
 
@@ -575,6 +576,9 @@ Result<RenderedImage> HeadlessVulkan::render(std::span<const PassList* const> li
     if (Result<void> made = makeTarget(def); !made) return made.error();
     const Result<PixelArea> drawn = drawArea(def);
     if (!drawn) return drawn.error();
+    for (const PassList* list : lists) {
+      if (Result<void> fits = checkArea(*list, *drawn); !fits) return fits.error();
+    }
     const VkRect2D area = {{static_cast<int32_t>(drawn->x), static_cast<int32_t>(drawn->y)},
                            {drawn->width, drawn->height}};
     const uint64_t depthBytes = runtime_->buffer(def.depthCopy).size;

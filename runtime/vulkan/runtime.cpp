@@ -102,6 +102,11 @@ class Label {
 uint32_t indexOf(BufferId id) { return ResourceTable::indexOf(id); }
 Error invalid(std::string message) { return {ErrorCode::kInvalidArgument, std::move(message)}; }
 
+PixelArea areaOf(const VkRect2D& area) {
+  return {static_cast<uint32_t>(area.offset.x), static_cast<uint32_t>(area.offset.y),
+          area.extent.width, area.extent.height};
+}
+
 // What a permutation may use. Sets have the resources of all permutations; Pipelines checks those.
 TierLimits tierLimitsOf(const VkPhysicalDeviceLimits& limits, Tier maxTier) {
   TierLimits own = limitsOf(Tier::kWide);
@@ -732,6 +737,7 @@ Result<void> Runtime::Impl::recordDraws(const PassList& list, VkCommandBuffer co
                                area.extent.width, area.extent.height, area.offset.x,
                                area.offset.y));
   }
+  if (Result<void> done = checkArea(list, areaOf(area)); !done) return done;
   if (Result<void> done = resolve(list, true, &target); !done) return done;
   if (resolved.empty()) return {};
   if (Result<void> done = checkDraws(list); !done) return done;
@@ -846,6 +852,10 @@ Result<void> Runtime::record(Frame& frame, VkCommandBuffer commands,
                  fmt::format("the frame has {} views, but there are {} targets", frame.viewCount(),
                              targets.size())};
   }
+  if (Result<void> done = frame.finish(); !done) return done;
+  std::vector<PixelArea> areas;
+  for (const ViewTarget& target : targets) areas.push_back(areaOf(target.area));
+  if (Result<void> fits = frame.checkAreas(areas); !fits) return fits;
   FrameExecutor executor;
   executor.update = [&](const ResourceTable& resources) { return update(resources, commands); };
   executor.record = [&](const FrameStep& step) { return record(*step.list, commands); };

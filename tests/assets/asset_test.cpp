@@ -363,6 +363,26 @@ TEST(HairAsset, RefusesArraysThatDoNotFitTogether) {
   EXPECT_FALSE(packRest(fullAsset()));
 }
 
+TEST(HairAsset, HasNoRestDataAfterAProcessThatFailed) {
+  HairAsset asset = fullAsset();
+  ASSERT_TRUE(asset.process());
+  ASSERT_TRUE(packRest(asset));
+  const HairAsset good = asset;
+  asset.positions[7].y = kNaN;
+  EXPECT_FALSE(asset.process());
+  EXPECT_TRUE(asset.restLengths.empty() && asset.restFrames.empty() && asset.restVectors.empty() &&
+              asset.tangents.empty() && asset.inverseMasses.empty() &&
+              asset.vertexThickness.empty());
+  EXPECT_EQ(asset.degenerateSegmentCount, 0u);
+  EXPECT_FALSE(packRest(asset));
+  EXPECT_EQ(asset.strandUv, good.strandUv) << "what is not derived stays";
+  asset.positions = good.positions;
+  ASSERT_TRUE(asset.process());
+  EXPECT_EQ(asset.restVectors, good.restVectors);
+  EXPECT_FALSE(asset.process({.tipThickness = 2}));
+  EXPECT_TRUE(asset.restLengths.empty());
+}
+
 TEST(HairAsset, EveryVertexCountFrom2To256HasCompleteRestData) {  // K8, K20, K22
   for (uint32_t count = 2; count <= 256; ++count) {
     HairAsset asset = bentStrands(3, count, 0.05);

@@ -206,6 +206,50 @@ TEST_P(FrameTest, RefusesOtherOrdersAndSaysTheRightOne) {
   expectOk(device().run(*last));
 }
 
+TEST_P(FrameTest, RefusesATargetOfAnotherAreaBeforeAnythingRuns) {
+  HairObject& hair = run_.add(makeAsset(5), definition());
+  run_.step();
+  const std::vector<Float4> before = run_.positions(hair);
+  View view = viewOf(32, 24);
+  view.x = 4;
+  RenderTargetDef target = targetOf(view);
+  target.width = 40;
+  target.area = {4, 0, 32, 24};
+  const Light light;
+  Result<Frame> frame = scene().simulate(1.0f / 60);
+  ASSERT_TRUE(frame);
+  ASSERT_TRUE(frame->draw(view, {&light, 1}));
+  for (const PixelArea& wrong :
+       {PixelArea{}, PixelArea{0, 0, 32, 24}, PixelArea{4, 0, 33, 24}, PixelArea{4, 0, 32, 12}}) {
+    RenderTargetDef other = target;
+    other.area = wrong;
+    const Result<std::vector<RenderedImage>> refused = device().render(*frame, {&other, 1});
+    ASSERT_FALSE(refused);
+    expectRefused(refused.error(), "view 0: ");
+    expectRefused(refused.error(), "32 x 24 at (4, 0)");
+    EXPECT_EQ(run_.positions(hair), before);
+  }
+  // It has not run, and still can.
+  const Result<std::vector<RenderedImage>> drawn = device().render(*frame, {&target, 1});
+  ASSERT_TRUE(drawn) << drawn.error().message;
+  EXPECT_NE(run_.positions(hair), before);
+  // The same of lists.
+  std::vector<PassList> lists;
+  expectOk(scene().draw(view, {&light, 1}, {}, lists));
+  std::vector<const PassList*> pointers;
+  for (PassList& list : lists) {
+    scene().finish(list);
+    pointers.push_back(&list);
+  }
+  expectOk(device().update(scene().resources()));
+  RenderTargetDef all = target;
+  all.area = {};
+  const Result<RenderedImage> refused = device().render(pointers, all);
+  ASSERT_FALSE(refused);
+  expectRefused(refused.error(), "32 x 24 at (4, 0)");
+  EXPECT_TRUE(device().render(pointers, target));
+}
+
 /// How a frame gets lost.
 enum class Drop { kNone, kAtOnce, kWithAView, kFinished, kReplaced };
 

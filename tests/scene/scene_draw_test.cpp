@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "pelage/gpu_structs.h"
+#include "pelage/list_check.h"
 #include "pelage/scene.h"
 #include "support/plain_asset.h"
 
@@ -418,6 +420,141 @@ TEST_F(SceneDraw, RefusesLightsAndTexturesThatDoNotFit) {
   asset.strandUv.assign(3, {0.5f, 0.5f});
   ASSERT_TRUE(asset.process());
   EXPECT_TRUE(scene_.addHair(asset, def));
+}
+
+/// A draw with one thing wrong, and what the message has to name.
+struct WrongDraw {
+  const char* words[2];
+  std::function<void(View&, Light&, TransparencySettings&, StrandMaterial&)> make;
+};
+
+std::vector<WrongDraw> wrongDraws() {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  using V = View;
+  using L = Light;
+  using T = TransparencySettings;
+  using M = StrandMaterial;
+  std::vector<WrongDraw> all = {
+      {{"TransparencySettings::method", "99"},
+       [](V&, L&, T& t, M&) { t.method = static_cast<Transparency>(99); }},
+      {{"epsilon", "nan"}, [](V&, L&, T& t, M&) { t.epsilon = kNan; }},
+      {{"View::width", "0 x 200"}, [](V& v, L&, T&, M&) { v.width = 0; }},
+      {{"view: samples", "0"}, [](V& v, L&, T&, M&) { v.samples = 0; }},
+      {{"view: samples", "3"}, [](V& v, L&, T&, M&) { v.samples = 3; }},
+      {{"view: samples", "16"}, [](V& v, L&, T&, M&) { v.samples = 16; }},
+      {{"view: eye", "nan"}, [](V& v, L&, T&, M&) { v.eye.y = kNan; }},
+      {{"view: begins at", "0.5"}, [](V& v, L&, T&, M&) { v.x = 0.5f; }},
+      {{"view: begins at", "nan"}, [](V& v, L&, T&, M&) { v.y = kNan; }},
+      {{"worldToClip", "no inverse"}, [](V& v, L&, T&, M&) { v.worldToClip.rows[3] = {}; }},
+      {{"light 0: direction", "nan"}, [](V&, L& l, T&, M&) { l.direction.z = kNan; }},
+      {{"light 0: direction", "inf"}, [](V&, L& l, T&, M&) { l.direction.x = kInf; }},
+      {{"light 0: direction", "length > 0"}, [](V&, L& l, T&, M&) { l.direction = {}; }},
+      {{"light 0: color", "inf"}, [](V&, L& l, T&, M&) { l.color.x = -kInf; }},
+      {{"light 0: ambient", "nan"}, [](V&, L& l, T&, M&) { l.ambient.y = kNan; }},
+      {{"light 0: position", "nan"}, [](V&, L& l, T&, M&) { l.position.y = kNan; }},
+      {{"light 0: shadow", "77"}, [](V&, L& l, T&, M&) { l.shadow = HairShadow{77}; }},
+      {{"'hair': material.model", "9"}, [](V&, L&, T&, M& m) { m.model = ShadingModel{9}; }},
+      {{"'hair': material.rootColor", "nan"}, [](V&, L&, T&, M& m) { m.rootColor.x = kNan; }},
+      {{"'hair': material.fiberRadius", "inf"}, [](V&, L&, T&, M& m) { m.fiberRadius = kInf; }},
+      {{"'hair': material.refractiveIndex", "nan"},
+       [](V&, L&, T&, M& m) { m.refractiveIndex = kNan; }},
+  };
+  for (int row = 0; row < 4; ++row) {
+    for (const float bad : {kNan, kInf, -kInf}) {
+      all.push_back({{"worldToClip", "not finite"},
+                     [row, bad](V& v, L&, T&, M&) { v.worldToClip.rows[row].w = bad; }});
+    }
+  }
+  return all;
+}
+
+TEST_F(SceneDraw, RefusesByNameWhatIsNoNumberAndNoValueOfItsEnum) {
+  HairObject& hair = add();
+  const StrandMaterial good = hair.material;
+  PassList moved;
+  ASSERT_TRUE(scene_.simulate(1.0f / 60, moved));
+  const uint64_t bytes = scene_.resources().totalBytes();
+  for (const WrongDraw& wrong : wrongDraws()) {
+    View view = viewFrom(0.5f);
+    Light light;
+    TransparencySettings settings;
+    wrong.make(view, light, settings, hair.material);
+    std::vector<PassList> lists(1);
+    const Result<void> drawn = scene_.draw(view, {&light, 1}, settings, lists);
+    ASSERT_FALSE(drawn) << wrong.words[0];
+    EXPECT_EQ(drawn.error().code, ErrorCode::kInvalidArgument);
+    for (const char* word : wrong.words)
+      EXPECT_NE(drawn.error().message.find(word), std::string::npos)
+          << word << ": " << drawn.error().message;
+    EXPECT_TRUE(lists[0].passes.empty());
+    EXPECT_EQ(scene_.resources().totalBytes(), bytes) << wrong.words[0];
+    // A frame says the same, and takes a good view afterwards.
+    Result<Frame> frame = scene_.simulate(0);
+    ASSERT_TRUE(frame);
+    const Result<uint32_t> refused = frame->draw(view, {&light, 1}, settings);
+    ASSERT_FALSE(refused) << wrong.words[0];
+    EXPECT_EQ(refused.error().message, drawn.error().message);
+    hair.material = good;
+    EXPECT_EQ(frame->viewCount(), 0u);
+  }
+  EXPECT_NE(draw(viewFrom(0.5f)), "");
+}
+
+TEST_F(SceneDraw, RefusesTheSameLightsForShadowsAndColliders) {
+  add();
+  PassList list;
+  Light light;
+  light.shadow = HairShadow::kDepth;
+  light.direction = {};
+  EXPECT_FALSE(scene_.castShadows({&light, 1}, list));
+  EXPECT_TRUE(list.passes.empty());
+  EXPECT_FALSE(scene_.draw(viewFrom(0.5f), light, list));
+  // A point light has no direction, and one of any length is as good as another.
+  light.hasPosition = true;
+  EXPECT_TRUE(scene_.draw(viewFrom(0.5f), light, list));
+  light.hasPosition = false;
+  const auto directionOf = [&](float length) {
+    light.direction = {0, 3 * length, 4 * length};
+    draw(viewFrom(0.5f), {.method = Transparency::kAlphaTest}, light);
+    return blockOfDraw<StrandViewConstants>("StrandViewConstants").lightDirections[0];
+  };
+  for (const float length : {1e-38f, 1e-30f, 1e-15f, 1.0f, 1e15f, 1e30f, 5e37f}) {
+    const Float4 direction = directionOf(length);
+    EXPECT_NEAR(direction.y, 0.6f, 1e-6f) << length;
+    EXPECT_NEAR(direction.z, 0.8f, 1e-6f) << length;
+  }
+}
+
+TEST_F(SceneDraw, AListIsDrawnIntoTheViewportOfItsView) {
+  add();
+  View view = viewFrom(0.5f);
+  view.x = 8;
+  draw(view);
+  for (const PassList& list : lists_) {
+    const PixelArea area = {8, 0, 200, 200};
+    EXPECT_EQ(list.area, area);
+    EXPECT_TRUE(checkArea(list, area));
+    for (const PixelArea& wrong :
+         {PixelArea{8, 0, 300, 200}, PixelArea{8, 0, 200, 199}, PixelArea{0, 0, 200, 200}}) {
+      const Result<void> checked = checkArea(list, wrong);
+      ASSERT_FALSE(checked);
+      EXPECT_NE(checked.error().message.find("200 x 200 at (8, 0)"), std::string::npos)
+          << checked.error().message;
+    }
+  }
+  // Another viewport in the same list.
+  PassList list;
+  const Light light;
+  ASSERT_TRUE(scene_.draw(view, light, list));
+  const size_t passes = list.passes.size();
+  view.width = 100;
+  const Result<void> other = scene_.draw(view, light, list);
+  ASSERT_FALSE(other);
+  EXPECT_NE(other.error().message.find("100 x 200"), std::string::npos) << other.error().message;
+  EXPECT_EQ(list.passes.size(), passes);
+  list.clear();
+  EXPECT_TRUE(scene_.draw(view, light, list));
 }
 
 }  // namespace

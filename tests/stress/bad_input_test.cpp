@@ -116,6 +116,52 @@ TEST(BadAssets, ValuesThatAreNotNumbersAreRefusedWithTheirPlace) {
   }
 }
 
+TEST(BadAssets, AnAssetThatHasChangedSinceItWasProcessedIsRefusedWithItsArray) {
+  const HairAsset good = wavyAsset(3, 5);
+  const std::pair<const char*, std::function<void(HairAsset&)>> troubles[] = {
+      {"call process()",
+       [](HairAsset& a) {
+         a.positions[8].y = kNan;
+         EXPECT_FALSE(a.process());
+         a.positions[8].y = 0.1f;
+       }},
+      {"position of strand 1, vertex 3", [](HairAsset& a) { a.positions[8].y = kNan; }},
+      {"positions has 14", [](HairAsset& a) { a.positions.pop_back(); }},
+      {"positions has 15", [](HairAsset& a) { a.strandCount = 4; }},
+      {"strandUv has 2", [](HairAsset& a) { a.strandUv.resize(2); }},
+      {"restVectors of strand 2, vertex 1", [](HairAsset& a) { a.restVectors[11].z = kInf; }},
+      {"restFrames of strand 0, vertex 0", [](HairAsset& a) { a.restFrames[0].w = kNan; }},
+      {"restLengths of strand 1, vertex 0", [](HairAsset& a) { a.restLengths[5] = kNan; }},
+      {"inverseMasses has 0", [](HairAsset& a) { a.inverseMasses.clear(); }},
+      {"tangents has 14", [](HairAsset& a) { a.tangents.pop_back(); }},
+      {"vertexThickness has 0", [](HairAsset& a) { a.vertexThickness.clear(); }},
+  };
+  Scene scene;
+  for (const auto& [words, make] : troubles) {
+    HairAsset asset = good;
+    make(asset);
+    const Result<HairId> added = scene.addHair(asset, {.name = "stale"});
+    ASSERT_FALSE(added) << words;
+    for (const char* word : {words, "'stale'"})
+      EXPECT_NE(added.error().message.find(word), std::string::npos) << added.error().message;
+    EXPECT_EQ(scene.resources().count(), 0u) << words;
+  }
+  EXPECT_TRUE(scene.addHair(good, {}));
+}
+
+TEST(BadAssets, AnEnumWithoutThatValueIsRefused) {
+  const HairAsset asset = wavyAsset(3, 5);
+  Scene scene;
+  const Result<HairId> skinning = scene.addHair(asset, {.skinning = SkinningMethod{9}});
+  ASSERT_FALSE(skinning);
+  EXPECT_NE(skinning.error().message.find("HairDef::skinning is 9"), std::string::npos)
+      << skinning.error().message;
+  const Result<HairId> colliding = scene.addHair(asset, {.collidingHair = CollidingHair{7}});
+  ASSERT_FALSE(colliding);
+  EXPECT_NE(colliding.error().message.find("HairDef::collidingHair is 7"), std::string::npos)
+      << colliding.error().message;
+}
+
 // ---- survived
 
 /// A head that turns and moves for a second, and then stands still.

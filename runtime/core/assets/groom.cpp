@@ -1,8 +1,47 @@
 #include "assets/groom.h"
 
 #include <algorithm>
+#include <cmath>
+#include <string>
 
 namespace pelage::detail {
+
+namespace {
+
+// What is wrong with an array of floats for each vertex, or nothing.
+template <class T>
+std::string faultOf(const HairAsset& asset, const char* name, const std::vector<T>& array) {
+  const size_t vertices = size_t{asset.strandCount} * asset.verticesPerStrand;
+  if (array.size() != vertices) {
+    return "HairAsset::" + std::string(name) + " has " + std::to_string(array.size()) +
+           " elements instead of " + std::to_string(vertices);
+  }
+  constexpr size_t kFloats = sizeof(T) / sizeof(float);
+  const auto* values = reinterpret_cast<const float*>(array.data());
+  for (size_t i = 0; i < vertices * kFloats; ++i) {
+    if (std::isfinite(values[i])) continue;
+    const size_t vertex = i / kFloats;
+    return "HairAsset::" + std::string(name) + " of strand " +
+           std::to_string(vertex / asset.verticesPerStrand) + ", vertex " +
+           std::to_string(vertex % asset.verticesPerStrand) + " is not finite";
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<void> checkRestData(const HairAsset& asset) {
+  for (const std::string& fault : {faultOf(asset, "restLengths", asset.restLengths),
+                                   faultOf(asset, "restFrames", asset.restFrames),
+                                   faultOf(asset, "restVectors", asset.restVectors),
+                                   faultOf(asset, "tangents", asset.tangents),
+                                   faultOf(asset, "inverseMasses", asset.inverseMasses),
+                                   faultOf(asset, "vertexThickness", asset.vertexThickness)}) {
+    if (!fault.empty())
+      return Error{ErrorCode::kInvalidArgument, fault + ": call process() on the asset"};
+  }
+  return {};
+}
 
 float longestStrand(const HairAsset& asset) {
   float longest = 0;

@@ -30,6 +30,9 @@ struct Groom {
   uint32_t textureWidth = 0, textureHeight = 0;  ///< texels of the base color's texture
 };
 
+/// Whether the asset is as process() left it. Errors: arrays of another size than the strands have,
+/// rest data of no numbers; the message names the array and the strand.
+Result<void> checkRestData(const HairAsset& asset);
 /// Length of the longest strand [m].
 float longestStrand(const HairAsset& asset);
 /// Vertices of a strand, without those that only fill its row up.

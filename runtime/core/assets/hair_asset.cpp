@@ -184,6 +184,16 @@ Result<void> processAsset(HairAsset& asset, const ProcessDef& def) {
   return {};
 }
 
+void clearRestData(HairAsset& asset) {
+  asset.restLengths.clear();
+  asset.restFrames.clear();
+  asset.restVectors.clear();
+  asset.tangents.clear();
+  asset.inverseMasses.clear();
+  asset.vertexThickness.clear();
+  asset.degenerateSegmentCount = 0;
+}
+
 // Finds the roots nearest to a point; roots are sorted along one axis.
 class NearestRoots {
  public:
@@ -320,7 +330,10 @@ Result<void> validate(const HairAsset& asset) {
 }
 
 Result<void> HairAsset::process(const ProcessDef& def) {
-  return detail::guarded([&] { return processAsset(*this, def); });
+  Result<void> processed = detail::guarded([&] { return processAsset(*this, def); });
+  // That of other positions, or a part of it.
+  if (!processed) clearRestData(*this);
+  return processed;
 }
 
 Result<std::vector<FollowHair>> HairAsset::generateFollowHairs(const FollowDef& def) const {

@@ -25,6 +25,10 @@ Result<TransparencyPlan> planTransparency(uint32_t width, uint32_t height,
   const auto refuse = [](const std::string& what) {
     return Error{ErrorCode::kInvalidArgument, "transparency: " + what};
   };
+  if (settings.method > Transparency::kTiles)
+    return refuse("TransparencySettings::method is " +
+                  std::to_string(static_cast<uint32_t>(settings.method)) +
+                  ", which is no Transparency; take one of its values");
   const uint64_t pixels = uint64_t{width} * height;
   if (pixels == 0) return refuse("the view has no pixels");
   if (pixels > kMaxPixels)

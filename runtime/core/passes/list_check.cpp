@@ -413,6 +413,15 @@ Result<void> checkList(const PassList& list, const ResourceTable& resources,
   return checkList(list, find, limits, part);
 }
 
+Result<void> checkArea(const PassList& list, const PixelArea& area) {
+  const PixelArea& view = list.area;
+  if (view.width == 0 || view.height == 0 || view == area) return {};
+  return invalid(
+      "draws into an area of {} x {} pixels at ({}, {}), but the view of the list has {} x {} at "
+      "({}, {}): give View::x, y, width and height, and the runtime, the same rectangle",
+      area.width, area.height, area.x, area.y, view.width, view.height, view.x, view.y);
+}
+
 Result<void> checkTable(const PassList& list, uint64_t table) {
   if (list.table == 0 || table == 0 || list.table == table) return {};
   return invalid(

@@ -113,6 +113,7 @@ void PassList::clear() {
   uploadData.clear();
   constants.clear();
   frame = table = 0;
+  area = {};
   run.reset();
   hold.reset();
 }

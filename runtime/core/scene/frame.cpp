@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "pelage/assert.h"
+#include "pelage/list_check.h"
 #include "pelage/scene.h"
 #include "scene/scene_impl.h"
 
@@ -150,6 +151,17 @@ Result<void> Frame::finish() {
   for (const Impl::Item& item : impl_->items) {
     (*scene)->finish(*item.list);
     impl_->steps.push_back({item.list.get(), item.view, item.listOfView});
+  }
+  return {};
+}
+
+Result<void> Frame::checkAreas(std::span<const PixelArea> areas) const {
+  for (const FrameStep& step : steps()) {
+    if (step.view == FrameStep::kNoView || step.view >= areas.size()) continue;
+    if (Result<void> fits = checkArea(*step.list, areas[step.view]); !fits) {
+      return Error{fits.error().code,
+                   "view " + std::to_string(step.view) + ": " + fits.error().message};
+    }
   }
   return {};
 }

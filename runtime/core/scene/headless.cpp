@@ -84,6 +84,14 @@ Result<std::vector<RenderedImage>> HeadlessDevice::render(Frame& frame,
                  "HeadlessDevice::render(): the frame has " + std::to_string(frame.viewCount()) +
                      " views, but there are " + std::to_string(targets.size()) + " targets"};
   }
+  if (Result<void> done = frame.finish(); !done) return done.error();
+  std::vector<PixelArea> areas;
+  for (const RenderTargetDef& target : targets) {
+    const Result<PixelArea> area = drawArea(target);
+    if (!area) return area.error();
+    areas.push_back(*area);
+  }
+  if (Result<void> fits = frame.checkAreas(areas); !fits) return fits.error();
   if (timings != nullptr) timings->clear();
   std::vector<PassTiming> times;
   std::vector<PassTiming>* const wanted = timings != nullptr ? &times : nullptr;

@@ -68,7 +68,11 @@ Result<void> SceneImpl::drawCollider(ColliderId id, const View& view, const Ligh
                                      const ColliderLook& look, PassList& list) {
   settleFrames(false);
   static_cast<void>(collider(id));
-  return sdfs_.draw(id, view, light, look, room(), list);
+  if (const Result<DrawnView> frame = beginDraw(view, {&light, 1}, &list); !frame)
+    return frame.error();
+  Result<void> added = sdfs_.draw(id, view, light, look, room(), list);
+  setArea({&list, 1}, view);
+  return added;
 }
 
 Result<void> SceneImpl::checkColliderDraw(ColliderId id, std::span<const std::byte> counts) const {

@@ -1,4 +1,5 @@
 // Drawing of hair: which hair a view has, its shadows, and its kind of transparency.
+#include "pelage/list_check.h"
 #include "scene/scene_impl.h"
 
 #include <Eigen/Dense>
@@ -22,7 +23,17 @@ Eigen::Matrix4d toMatrix(const Matrix4& m) {
   return result;
 }
 
+PixelArea areaOf(const View& view) {
+  return {static_cast<uint32_t>(view.x), static_cast<uint32_t>(view.y), view.width, view.height};
+}
+
 }  // namespace
+
+void setArea(std::span<PassList> lists, const View& view) {
+  for (PassList& list : lists) {
+    if (!list.passes.empty() && isDraw(list.passes.back().kind)) list.area = areaOf(view);
+  }
+}
 
 BufferId SceneImpl::shadowWords() const { return draws_.shadows.words(); }
 
@@ -34,14 +45,28 @@ void SceneImpl::setTier(Tier tier) { draws_.tier = tier; }
 
 void SceneImpl::setShadowMemory(uint64_t maxBytes) { draws_.shadows.maxBytes = maxBytes; }
 
-Result<DrawnView> SceneImpl::beginDraw(const View& view, std::span<const Light> lights) const {
-  if (view.width == 0 || view.height == 0) return refuse("has no pixels");
+// Numbers that the object's draws and shadows would take.
+Result<void> SceneImpl::checkLook(const HairObject& object) {
+  const std::string fault = faultOf(object.material);
+  if (fault.empty()) return {};
+  return Error{ErrorCode::kInvalidArgument, "hair '" + object.name() + "': " + fault};
+}
+
+Result<DrawnView> SceneImpl::beginDraw(const View& view, std::span<const Light> lights,
+                                       const PassList* list) const {
+  if (view.width == 0 || view.height == 0)
+    return refuse("is " + std::to_string(view.width) + " x " + std::to_string(view.height) +
+                  " pixels; View::width and height are those of the viewport, and above 0");
   Result<StrandViewConstants> constants = viewConstants(view, lights);
   if (!constants) return constants.error();
+  if (list != nullptr) {
+    if (Result<void> fits = checkArea(*list, areaOf(view)); !fits) return fits.error();
+  }
   DrawnView frame = {.view = view, .lights = lights, .constants = *constants};
   frame.transformsFirst = limitsOf(draws_.tier).storageBuffers.vertex == 0;
   for (const auto& held : objects_) {
     if (held == nullptr || !held->visible) continue;
+    if (Result<void> checked = checkLook(*held); !checked) return checked.error();
     DrawnHair hair = drawnHairOf(*held, *held->internals_);
     if (hair.strands.count > 0 && isInFrustum(view, hair.ball)) frame.hairs.push_back(hair);
   }
@@ -68,7 +93,7 @@ float SceneImpl::shareForView(HairId id, const View& view, float pixels) const {
 // One list without sorting.
 Result<void> SceneImpl::draw(const View& view, const Light& light, PassList& list) {
   settleFrames(false);
-  Result<DrawnView> frame = beginDraw(view, {&light, 1});
+  Result<DrawnView> frame = beginDraw(view, {&light, 1}, &list);
   if (!frame) return frame.error();
   Result<ShadowCast> cast = checkShadows(frame->lights);
   if (!cast) return cast.error();
@@ -81,6 +106,7 @@ Result<void> SceneImpl::draw(const View& view, const Light& light, PassList& lis
   Result<void> added = draws_.oit.record(*frame, settings, *plan, room(), draws_.frame, lists);
   list = std::move(lists.front());
   if (added) finishShift();
+  setArea({&list, 1}, view);
   return added;
 }
 
@@ -90,7 +116,7 @@ Result<void> SceneImpl::draw(const View& view, std::span<const Light> lights,
   if (lists.empty()) lists.resize(1);
   for (size_t i = 1; i < lists.size(); ++i) lists[i].clear();
   const RoomBuffers room = this->room();
-  Result<DrawnView> frame = beginDraw(view, lights);
+  Result<DrawnView> frame = beginDraw(view, lights, lists.data());
   if (!frame) return frame.error();
   const Result<OitPlan> plan = OitViews::check(*frame, settings, room);
   if (!plan) return plan.error();
@@ -101,6 +127,7 @@ Result<void> SceneImpl::draw(const View& view, std::span<const Light> lights,
   Result<void> added = draws_.oit.record(*frame, settings, *plan, room, draws_.frame, lists);
   draws_.shadows.share(lists, draws_.frame);
   if (added) finishShift();
+  setArea(lists, view);
   return added;
 }
 
@@ -124,6 +151,7 @@ Result<ShadowCast> SceneImpl::checkShadows(std::span<const Light> lights) {
   Ball all;
   for (const auto& held : objects_) {
     if (held == nullptr || !held->visible || drawnCount(*held) == 0) continue;
+    if (Result<void> checked = checkLook(*held); !checked) return checked.error();
     const Ball ball = ballOfHair(*held->internals_, held->settings.tipSeparation);
     // One that is anywhere has no map that it fits into.
     if (!std::isfinite(ball.radius)) continue;

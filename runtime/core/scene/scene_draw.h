@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "oit/oit_views.h"
@@ -17,6 +18,9 @@ namespace pelage::detail {
 DrawnStrands drawnStrands(const HairObject& object);
 inline uint32_t drawnCount(const HairObject& object) { return drawnStrands(object).count; }
 DrawnHair drawnHairOf(const HairObject& object, const HairInternals& hair);
+
+/// Notes which viewport the draws of lists are for: PassList::area.
+void setArea(std::span<PassList> lists, const View& view);
 
 Ball ballAround(const Ball& a, const Ball& b);
 /// At least as large, and the same for radii that differ little.

@@ -11,7 +11,7 @@ Result<void> SceneImpl::drawContacts(HairId id, const View& view, const ContactL
                                      PassList& list) {
   settleFrames(false);
   const HairObject& object = hair(id);
-  if (const Result<DrawnView> frame = beginDraw(view, {}); !frame) return frame.error();
+  if (const Result<DrawnView> frame = beginDraw(view, {}, &list); !frame) return frame.error();
   for (const auto& [value, name] :
        {std::pair(look.length, "length"), std::pair(look.width, "width"),
         std::pair(look.deepestDepth, "deepestDepth")}) {
@@ -22,7 +22,10 @@ Result<void> SceneImpl::drawContacts(HairId id, const View& view, const ContactL
   }
   if (Result<void> moved = addPendingShifts(list); !moved) return moved;
   finishShift();
-  return object.internals_->contacts.addDraw(list, object.buffers_.positions, view, look);
+  Result<void> added =
+      object.internals_->contacts.addDraw(list, object.buffers_.positions, view, look);
+  setArea({&list, 1}, view);
+  return added;
 }
 
 Result<float> SceneImpl::deepestContact(HairId id, std::span<const std::byte> contacts,

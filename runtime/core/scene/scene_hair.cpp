@@ -56,6 +56,19 @@ std::string faultOfCounts(const HairAsset& asset, const HairDef& def) {
   return {};
 }
 
+std::string faultOfEnums(const HairDef& def) {
+  const auto none = [](const char* field, uint32_t value, const char* type) {
+    return std::string(field) + " is " + std::to_string(value) + ", which is no " + type +
+           "; take one of its values";
+  };
+  if (def.skinning > SkinningMethod::kDualQuaternions)
+    return none("HairDef::skinning", static_cast<uint32_t>(def.skinning), "SkinningMethod");
+  if (def.collidingHair > CollidingHair::kGuidesAndFollows)
+    return none("HairDef::collidingHair", static_cast<uint32_t>(def.collidingHair),
+                "CollidingHair");
+  return {};
+}
+
 std::string faultOfGuides(const HairDef& def, uint32_t boneCount) {
   for (size_t i = 0; i < def.strandFactors.size(); ++i) {
     const StrandFactors& factors = def.strandFactors[i];
@@ -223,7 +236,12 @@ Result<HairId> SceneImpl::addHair(std::shared_ptr<const HairAsset> shared, const
   };
   if (shared == nullptr) return refuse("the asset is null");
   const HairAsset& asset = *shared;
-  if (asset.restLengths.empty()) return refuse("call process() on the asset first");
+  if (asset.restLengths.empty()) {
+    return refuse("the asset has no rest data: call process() on it first, without an error");
+  }
+  // It may have changed since.
+  if (Result<void> valid = pelage::validate(asset); !valid) return refuse(valid.error().message);
+  if (Result<void> valid = checkRestData(asset); !valid) return refuse(valid.error().message);
   if (Result<void> valid = validate(def.settings); !valid) return refuse(valid.error().message);
   if (objects_.isFull()) return refuse("the scene has as many hair objects as ids");
   const Result<SkeletonPose*> skeleton = findSkeleton(def.skeleton, def.boneCount);
@@ -231,11 +249,9 @@ Result<HairId> SceneImpl::addHair(std::shared_ptr<const HairAsset> shared, const
   const uint32_t boneCount = *skeleton != nullptr ? (*skeleton)->boneCount() : def.boneCount;
   if (const std::string fault = faultOfCounts(asset, def); !fault.empty()) return refuse(fault);
   for (const std::string& fault :
-       {faultOfGuides(def, boneCount), faultOfFollows(def, asset.strandCount),
+       {faultOfEnums(def), faultOfGuides(def, boneCount), faultOfFollows(def, asset.strandCount),
         faultOfTexture(asset, def.baseTexture)})
     if (!fault.empty()) return refuse(fault);
-  // Checks the rest data, too.
-  if (const auto rest = packRest(asset); !rest) return rest.error();
 
   auto object = std::unique_ptr<HairObject>(new HairObject);
   object->name_ = def.name;

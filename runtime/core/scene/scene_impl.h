@@ -119,7 +119,10 @@ class SceneImpl {
   static Result<void> addFollowShift(const HairFrame& frame, const HairInternals& hair);
 
   // Drawing.
-  Result<DrawnView> beginDraw(const View& view, std::span<const Light> lights) const;
+  static Result<void> checkLook(const HairObject& object);
+  /// \param list  that the view is drawn into, behind what it has
+  Result<DrawnView> beginDraw(const View& view, std::span<const Light> lights,
+                              const PassList* list = nullptr) const;
   Result<ShadowCast> checkShadows(std::span<const Light> lights);
   Result<void> addShadows(ShadowCast& cast, DrawnView& frame, PassList& list);
 

@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 
 #include "pelage/kernels.h"
@@ -17,14 +18,63 @@ namespace {
 
 Error refuse(const std::string& what) { return {ErrorCode::kInvalidArgument, "view: " + what}; }
 
-Float3 normalized(Float3 v, Float3 fallback) {
-  const float length = std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
-  if (!(length > 0) || !std::isfinite(length)) return fallback;
+// Of a viewport. Kernels take it as an integer.
+bool isOffset(float x) { return x >= 0 && x < 65536 && x == std::floor(x); }
+
+// Of a vector that is finite and not zero.
+Float3 normalized(Float3 v) {
+  float length = std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
+  if (!(length > 0x1p-60f && length < 0x1p60f)) {
+    // Its square is no float.
+    const float scale = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+    v = {v.x / scale, v.y / scale, v.z / scale};
+    length = std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
+  }
   return {v.x / length, v.y / length, v.z / length};
 }
 
-// Of a viewport. Kernels take it as an integer.
-bool isOffset(float x) { return x >= 0 && x < 65536 && x == std::floor(x); }
+std::string toText(Float3 v) {
+  return "(" + std::to_string(v.x) + ", " + std::to_string(v.y) + ", " + std::to_string(v.z) + ")";
+}
+
+// What is wrong with the numbers of a view, or nothing.
+std::string faultOf(const View& view) {
+  for (int row = 0; row < 4; ++row) {
+    const Float4& r = view.worldToClip.rows[row];
+    if (!isFinite(Float3{r.x, r.y, r.z}) || !std::isfinite(r.w)) {
+      return "worldToClip has values that are not finite in row " + std::to_string(row) +
+             ": pass the matrix of the camera";
+    }
+  }
+  if (!isFinite(view.eye)) return "eye is " + toText(view.eye) + ", but must be finite";
+  if (!isOffset(view.x) || !isOffset(view.y)) {
+    return "begins at (" + std::to_string(view.x) + ", " + std::to_string(view.y) +
+           "); both are whole numbers from 0 to 65535";
+  }
+  if (view.samples != 1 && view.samples != 2 && view.samples != 4 && view.samples != 8) {
+    return "samples is " + std::to_string(view.samples) +
+           ", but must be 1, 2, 4 or 8: those of the target";
+  }
+  return {};
+}
+
+// The same of a light.
+std::string faultOf(const Light& light) {
+  const std::pair<const char*, Float3> vectors[] = {
+      {"color", light.color}, {"ambient", light.ambient}, {"position", light.position}};
+  for (const auto& [name, vector] : vectors)
+    if (!isFinite(vector)) return name + (" is " + toText(vector)) + ", but must be finite";
+  if (light.shadow > HairShadow::kDeep) {
+    return "shadow is " + std::to_string(static_cast<uint32_t>(light.shadow)) +
+           ", which is no HairShadow; take one of its values";
+  }
+  if (light.hasPosition) return {};
+  if (!isFinite(light.direction) || light.direction == Float3{}) {
+    return "direction is " + toText(light.direction) +
+           "; give a finite vector towards the light, of any length > 0";
+  }
+  return {};
+}
 
 Float4 withW(Float3 v, float w) { return {v.x, v.y, v.z, w}; }
 
@@ -81,21 +131,17 @@ bool isInFrustum(const View& view, const Ball& ball) {
 }
 
 Result<StrandViewConstants> viewConstants(const View& view, std::span<const Light> lights) {
+  if (const std::string fault = faultOf(view); !fault.empty()) return refuse(fault);
   StrandViewConstants constants = {};
   std::copy(std::begin(view.worldToClip.rows), std::end(view.worldToClip.rows),
             std::begin(constants.worldToClip));
   const Eigen::Matrix4d inverse = toMatrix(view.worldToClip).inverse();
   for (int row = 0; row < 4; ++row) {
     const Eigen::Vector4f r = inverse.row(row).cast<float>();
-    if (!r.allFinite()) return refuse("worldToClip has no inverse, or values that are not finite");
+    if (!r.allFinite()) return refuse("worldToClip has no inverse");
     constants.clipToWorld[row] = {r.x(), r.y(), r.z(), r.w()};
   }
-  if (!isFinite(view.eye)) return refuse("the eye is not finite");
   constants.eye = withW(view.eye, 1);
-  if (!isOffset(view.x) || !isOffset(view.y)) {
-    return refuse("begins at (" + std::to_string(view.x) + ", " + std::to_string(view.y) +
-                  "); both are whole numbers from 0 to 65535");
-  }
   constants.viewport = {view.x, view.y, static_cast<float>(view.width),
                         static_cast<float>(view.height)};
   constants.reversedDepth = view.reversedDepth ? 1 : 0;
@@ -108,11 +154,10 @@ Result<StrandViewConstants> viewConstants(const View& view, std::span<const Ligh
   constants.lightCount = static_cast<uint32_t>(lights.size());
   for (size_t i = 0; i < lights.size(); ++i) {
     const Light& light = lights[i];
-    if (!isFinite(light.color) || !isFinite(light.ambient) || !isFinite(light.position))
-      return refuse("light " + std::to_string(i) + " is not finite");
-    constants.lightDirections[i] = light.hasPosition
-                                       ? withW(light.position, 1)
-                                       : withW(normalized(light.direction, {0, 1, 0}), 0);
+    if (const std::string fault = faultOf(light); !fault.empty())
+      return refuse("light " + std::to_string(i) + ": " + fault);
+    constants.lightDirections[i] =
+        light.hasPosition ? withW(light.position, 1) : withW(normalized(light.direction), 0);
     constants.lightColors[i] = withW(light.color, 0);
     constants.lightShadows[i].x = ~0u;
     constants.ambientColor.x += light.ambient.x;
@@ -120,6 +165,41 @@ Result<StrandViewConstants> viewConstants(const View& view, std::span<const Ligh
     constants.ambientColor.z += light.ambient.z;
   }
   return constants;
+}
+
+std::string faultOf(const StrandMaterial& m) {
+  for (const auto& [name, color] :
+       {std::pair("rootColor", m.rootColor), std::pair("tipColor", m.tipColor)}) {
+    if (!isFinite(color))
+      return std::string("material.") + name + " is " + toText(color) + ", but must be finite";
+  }
+  const std::pair<const char*, float> numbers[] = {
+      {"colorVariation", m.colorVariation},
+      {"opacity", m.opacity},
+      {"fiberRadius", m.fiberRadius},
+      {"tipRadiusRatio", m.tipRadiusRatio},
+      {"ambientStrength", m.ambientStrength},
+      {"diffuseStrength", m.diffuseStrength},
+      {"primaryStrength", m.primaryStrength},
+      {"primaryExponent", m.primaryExponent},
+      {"primaryShift", m.primaryShift},
+      {"secondaryStrength", m.secondaryStrength},
+      {"secondaryExponent", m.secondaryExponent},
+      {"secondaryShift", m.secondaryShift},
+      {"secondaryTint", m.secondaryTint},
+      {"longitudinalRoughness", m.longitudinalRoughness},
+      {"azimuthalRoughness", m.azimuthalRoughness},
+      {"cuticleTilt", m.cuticleTilt},
+      {"refractiveIndex", m.refractiveIndex},
+      {"scatteredShare", m.scatteredShare}};
+  for (const auto& [name, number] : numbers) {
+    if (!std::isfinite(number))
+      return std::string("material.") + name + " is " + std::to_string(number) +
+             ", but must be finite";
+  }
+  if (m.model <= ShadingModel::kFiber) return {};
+  return "material.model is " + std::to_string(static_cast<uint32_t>(m.model)) +
+         ", which is no ShadingModel; take one of its values";
 }
 
 ShadingParts shadingOf(const StrandMaterial& m) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "base/bounds.h"
@@ -70,8 +71,9 @@ struct RecordThreads {
 };
 RecordThreads recordThreads(uint64_t records);
 
-/// Of a view. Errors: worldToClip without an inverse, a viewport of no whole numbers, too many
-/// lights, a light that is not finite.
+/// Of a view. Errors: worldToClip that is not finite or has no inverse, an eye that is not finite,
+/// a viewport of no whole numbers, samples that no target has; too many lights, a light that is not
+/// finite, or of no direction or shadow.
 Result<StrandViewConstants> viewConstants(const View& view, std::span<const Light> lights);
 /// The ball is in front of all planes of the frustum, or cuts them.
 bool isInFrustum(const View& view, const Ball& ball);
@@ -84,6 +86,8 @@ struct ShadingParts {
 };
 
 ShadingParts shadingOf(const StrandMaterial& material);
+/// What of a material is no number, or of no value of its enum; empty: nothing.
+std::string faultOf(const StrandMaterial& material);
 
 /// Fills the tables of StrandShading, [material]; of its model four in one element.
 void setMaterials(std::span<const StrandMaterial* const> materials, std::span<Uint4> models,
