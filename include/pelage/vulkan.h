@@ -16,6 +16,7 @@
 
 #include <vulkan/vulkan_core.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -100,6 +101,9 @@ struct ExternalBuffer {
   VkBuffer buffer = VK_NULL_HANDLE;
   VkDeviceSize offset = 0;    ///< of the BufferDesc's bytes; a multiple of 4
   bool keepContents = false;  ///< true: update() does not write the BufferDesc's initial data
+  /// Bytes from `offset` on that are for this id. VK_WHOLE_SIZE: up to the end of the buffer, which
+  /// Vulkan tells the runtime only rounded up to the alignment of its memory.
+  VkDeviceSize size = VK_WHOLE_SIZE;
 };
 
 /// Where a buffer of a ResourceTable lives.
@@ -109,9 +113,13 @@ struct BufferRange {
   VkDeviceSize size = 0;
 };
 
-/// Target of draws.
+/// Color attachments behind the first one, at most.
+inline constexpr uint32_t kMaxOtherColors = 7;
+
+/// Target of draws. Draws write the first color attachment and the depth, nothing else: stencil
+/// and further color attachments (normals, motion vectors) keep what is in them.
 struct TargetFormats {
-  VkFormat color = VK_FORMAT_R16G16B16A16_SFLOAT;  ///< the only colour attachment
+  VkFormat color = VK_FORMAT_R16G16B16A16_SFLOAT;  ///< of the first color attachment
   VkFormat depth =
       VK_FORMAT_D32_SFLOAT;  ///< VK_FORMAT_UNDEFINED: no depth test, whatever a draw says
   VkSampleCountFlagBits samples = VK_SAMPLE_COUNT_1_BIT;
@@ -119,6 +127,14 @@ struct TargetFormats {
   /// run inside vkCmdBeginRendering (Vulkan 1.3 or VK_KHR_dynamic_rendering, enabled).
   VkRenderPass renderPass = VK_NULL_HANDLE;
   uint32_t subpass = 0;
+  /// Dynamic rendering: that of VkRenderingInfo::pStencilAttachment, and then also that of `depth`
+  /// where there is one; VK_FORMAT_UNDEFINED without. A render pass knows its own.
+  VkFormat stencil = VK_FORMAT_UNDEFINED;
+  /// Number of color attachments of the subpass or of VkRenderingInfo behind the first one,
+  /// 0..kMaxOtherColors. More than 0 needs the device feature independentBlend.
+  uint32_t otherColorCount = 0;
+  /// Dynamic rendering: the formats of these; VK_FORMAT_UNDEFINED for one without an image.
+  std::array<VkFormat, kMaxOtherColors> otherColors = {};
   bool operator==(const TargetFormats&) const = default;
 };
 
@@ -171,12 +187,14 @@ class PELAGE_VULKAN_API Runtime {
   void collect(uint64_t completedFrame);
 
   /// Makes update() use a buffer of the engine for this id. Call it before the update() that sees
-  /// the id first; asserts on an id that already has a buffer.
+  /// the id first; asserts on an id that already has a buffer. A second call replaces the first.
+  /// update() refuses a buffer that is smaller than the BufferDesc, by its name.
   void useExternalBuffer(BufferId id, const ExternalBuffer& buffer);
 
   /// Creates the table's new buffers in device memory and records their initial data (or zeros)
   /// with a barrier behind it; removed buffers are destroyed once this frame has completed. Outside
-  /// a render pass. On an error nothing was recorded or created.
+  /// a render pass. On an error nothing was recorded or created. Errors: kOutOfMemory;
+  /// kInvalidArgument for an ExternalBuffer that is too small. They name the buffer.
   Result<void> update(const ResourceTable& resources, VkCommandBuffer commands);
 
   /// The most capable tier that the device has everything of, but not above RuntimeDef::maxTier:

@@ -10,6 +10,9 @@
 
 namespace pelage::gl {
 
+/// Draw buffers of a framebuffer that any driver has today.
+inline constexpr uint32_t kMostDrawBuffers = 16;
+
 struct Context {
   Functions gl;
   Profile profile = Profile::kCore;
@@ -17,6 +20,7 @@ struct Context {
   std::string renderer;  ///< for messages
   std::string identity;  ///< every string that tells one driver from another
   std::vector<GLint> binaryFormats;
+  uint32_t drawBuffers = 1;    ///< of a framebuffer, at most kMostDrawBuffers
   bool disjointTimer = false;  ///< the clock may jump, and the context says when it did
   bool debug = false;
 };

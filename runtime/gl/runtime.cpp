@@ -272,6 +272,7 @@ Result<Runtime> Runtime::create(RuntimeDef def) {
                       '\n' + stringOf(gl, GL_SHADING_LANGUAGE_VERSION);
   Limits& limits = context->limits;
   limits = readLimits(gl);
+  context->drawBuffers = std::clamp(integer(gl, GL_MAX_DRAW_BUFFERS), 1u, kMostDrawBuffers);
   if (def.maxTier != Tier::kWide) lowerTo(def.maxTier, limits);
   const auto require = [&](uint32_t value, uint32_t least, const char* name) -> Result<void> {
     if (value >= least) return {};
@@ -693,6 +694,9 @@ void Runtime::Impl::setDrawDefaults(const DrawTarget& target) {
     gl.glDisable(GL_SCISSOR_TEST);
   }
   for (const GLenum capability : kDisabledInDraws) gl.glDisable(capability);
+  // Kernels have one color, and what they would leave in further attachments is undefined.
+  for (GLuint i = 1; i < context->drawBuffers; ++i)
+    gl.glColorMaski(i, GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
   gl.glBlendEquation(GL_FUNC_ADD);
   gl.glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);  // premultiplied alpha
 }
@@ -708,7 +712,7 @@ void Runtime::Impl::setDrawState(const DrawState& state) {
   gl.glDepthFunc(depthFunction(state.depthCompare));
   gl.glDepthMask(state.depthWrite ? GL_TRUE : GL_FALSE);
   const GLboolean color = state.colorWrite ? GL_TRUE : GL_FALSE;
-  gl.glColorMask(color, color, color, color);
+  gl.glColorMaski(0, color, color, color, color);
   if (state.blend == BlendMode::kPremultipliedAlpha) {
     gl.glEnable(GL_BLEND);
   } else {

@@ -38,9 +38,6 @@ constexpr PlainTarget kPlainTargets[] = {
     {GL_DISPATCH_INDIRECT_BUFFER, GL_DISPATCH_INDIRECT_BUFFER_BINDING},
     {GL_DRAW_INDIRECT_BUFFER, GL_DRAW_INDIRECT_BUFFER_BINDING}};
 
-// Draw buffers of a framebuffer that any driver has today.
-constexpr GLint kMostDrawBuffers = 16;
-
 }  // namespace
 
 struct StateGuard::Impl {
@@ -103,9 +100,7 @@ struct StateGuard::Impl {
     for (size_t i = 0; i < std::size(kDisabledInDraws); ++i)
       disabled[i] = gl.glIsEnabled(kDisabledInDraws[i]);
 
-    GLint count = 0;
-    gl.glGetIntegerv(GL_MAX_DRAW_BUFFERS, &count);
-    drawBuffers.resize(static_cast<size_t>(std::clamp(count, 1, kMostDrawBuffers)));
+    drawBuffers.resize(context->drawBuffers);
     for (GLuint i = 0; i < drawBuffers.size(); ++i) {
       DrawBuffer& buffer = drawBuffers[i];
       buffer.blend = gl.glIsEnabledi(GL_BLEND, i);

@@ -3,13 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cstring>
 #include <optional>
 #include <thread>
-
-#include "spirv_facts.h"
 
 namespace pelage::vulkan {
 namespace {
@@ -82,6 +81,23 @@ VkFormat formatOf(VertexFormat format) {
   return VK_FORMAT_R32_SFLOAT;
 }
 
+bool isStencilFormat(VkFormat format) {
+  return format == VK_FORMAT_S8_UINT || format == VK_FORMAT_D16_UNORM_S8_UINT ||
+         format == VK_FORMAT_D24_UNORM_S8_UINT || format == VK_FORMAT_D32_SFLOAT_S8_UINT;
+}
+
+bool isDepthFormat(VkFormat format) {
+  return format == VK_FORMAT_D16_UNORM || format == VK_FORMAT_X8_D24_UNORM_PACK32 ||
+         format == VK_FORMAT_D32_SFLOAT || (isStencilFormat(format) && format != VK_FORMAT_S8_UINT);
+}
+
+// Of the two kernels of a draw, the one whose layouts the other's are the first of.
+const Kernel& layoutsOf(const KernelVariant& kernel, const KernelVariant* pixel) {
+  const bool more =
+      pixel != nullptr && pixel->kernel->layouts.size() > kernel.kernel->layouts.size();
+  return more ? *pixel->kernel : *kernel.kernel;
+}
+
 // Whether stored cache data was made by this driver on this device. Drivers must check that
 // themselves, but not all of them survived data of another one (Vulkan specification, 10.6.3, has
 // the header).
@@ -139,7 +155,8 @@ struct FixedFunction {
   VkPipelineRasterizationStateCreateInfo raster = {};
   VkPipelineMultisampleStateCreateInfo multisample = {};
   VkPipelineDepthStencilStateCreateInfo depth = {};
-  VkPipelineColorBlendAttachmentState attachment = {};
+  // The first one's, and that of others, which are not written.
+  std::array<VkPipelineColorBlendAttachmentState, 1 + kMaxOtherColors> attachments = {};
   VkPipelineColorBlendStateCreateInfo blend = {};
   VkPipelineDynamicStateCreateInfo dynamic = {};
 };
@@ -182,21 +199,23 @@ FixedFunction::FixedFunction(const DrawState& state, const TargetFormats& target
       hasDepth && (state.depthCompare != DepthCompare::kAlways || state.depthWrite);
   depth.depthWriteEnable = hasDepth && state.depthWrite;
   depth.depthCompareOp = compareOp(state.depthCompare);
+  // Without writes, as the others: devices without independentBlend want all to be equal.
   if (state.colorWrite) {
-    attachment.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT |
-                                VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
+    VkPipelineColorBlendAttachmentState& first = attachments[0];
+    first.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT |
+                           VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
+    first.blendEnable = state.blend == BlendMode::kPremultipliedAlpha;
+    first.srcColorBlendFactor = VK_BLEND_FACTOR_ONE;
+    first.dstColorBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
+    first.colorBlendOp = VK_BLEND_OP_ADD;
+    first.srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
+    first.dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
+    first.alphaBlendOp = VK_BLEND_OP_ADD;
   }
-  attachment.blendEnable = state.blend == BlendMode::kPremultipliedAlpha;
-  attachment.srcColorBlendFactor = VK_BLEND_FACTOR_ONE;
-  attachment.dstColorBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
-  attachment.colorBlendOp = VK_BLEND_OP_ADD;
-  attachment.srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
-  attachment.dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
-  attachment.alphaBlendOp = VK_BLEND_OP_ADD;
   blend = tagged<VkPipelineColorBlendStateCreateInfo>(
       VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO);
-  blend.attachmentCount = 1;
-  blend.pAttachments = &attachment;
+  blend.attachmentCount = 1 + target.otherColorCount;
+  blend.pAttachments = attachments.data();
   dynamic = tagged<VkPipelineDynamicStateCreateInfo>(
       VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO);
   dynamic.dynamicStateCount = static_cast<uint32_t>(std::size(kDynamics));
@@ -343,6 +362,42 @@ Result<void> Pipelines::checkLimits(const Kernel& kernel) const {
                "maxDescriptorSetStorageBuffers");
 }
 
+Result<void> Pipelines::checkTarget(const TargetFormats& target, const DrawState& state,
+                                    const std::string& draw) const {
+  const auto refuse = [&](ErrorCode code, const std::string& what) {
+    return Error{code, "draw " + draw + ": " + what};
+  };
+  const uint32_t most = std::min(kMaxOtherColors + 1, device_.limits().maxColorAttachments);
+  if (target.otherColorCount >= most) {
+    return refuse(ErrorCode::kInvalidArgument,
+                  fmt::format("TargetFormats::otherColorCount is {}, but must be 0 to {}",
+                              target.otherColorCount, most - 1));
+  }
+  if (target.otherColorCount > 0 && state.colorWrite && !device_.features.independentBlend) {
+    return refuse(
+        ErrorCode::kUnsupported,
+        "TargetFormats::otherColorCount above 0 needs the device feature independentBlend, "
+        "which the device lacks or which was not enabled (RuntimeDef::enabledFeatures)");
+  }
+  if (target.renderPass != VK_NULL_HANDLE) return {};
+  if (target.depth != VK_FORMAT_UNDEFINED && !isDepthFormat(target.depth)) {
+    return refuse(ErrorCode::kInvalidArgument,
+                  fmt::format("TargetFormats::depth is VkFormat {}, which has no depth",
+                              static_cast<int>(target.depth)));
+  }
+  if (target.stencil == VK_FORMAT_UNDEFINED) return {};
+  if (!isStencilFormat(target.stencil)) {
+    return refuse(ErrorCode::kInvalidArgument,
+                  fmt::format("TargetFormats::stencil is VkFormat {}, which has no stencil",
+                              static_cast<int>(target.stencil)));
+  }
+  if (target.depth == VK_FORMAT_UNDEFINED || target.depth == target.stencil) return {};
+  return refuse(ErrorCode::kInvalidArgument,
+                fmt::format("TargetFormats::stencil is VkFormat {} and depth {}: with both, they "
+                            "are one image, and its format is in both",
+                            static_cast<int>(target.stencil), static_cast<int>(target.depth)));
+}
+
 Result<VkPipelineLayout> Pipelines::layout(const Kernel& kernel) {
   std::vector<uint64_t> key;
   for (const LayoutTable* table : kernel.layouts) key.push_back(pointerKey(table));
@@ -370,11 +425,11 @@ Result<VkPipelineLayout> Pipelines::layout(const Kernel& kernel) {
   return index->second;
 }
 
-Result<Pipelines::Module> Pipelines::module(const KernelVariant& variant) const {
+// What is known of the kernel's code, where the device has the features that it needs.
+Result<SpirvFacts> Pipelines::factsOf(const KernelVariant& variant,
+                                      std::span<const uint32_t> words) const {
   const VkShaderStageFlagBits stage = stageFlag(variant.kernel->stage);
-  const Result<std::vector<uint32_t>> words = codes_.spirv(variant);
-  if (!words) return words.error();
-  Result<SpirvFacts> facts = spirvFacts(*words, stage, device_);
+  Result<SpirvFacts> facts = spirvFacts(words, stage, device_);
   if (!facts) {
     return Error{facts.error().code,
                  fmt::format("kernel {}: {}", variantName(variant), facts.error().message)};
@@ -393,6 +448,30 @@ Result<Pipelines::Module> Pipelines::module(const KernelVariant& variant) const 
                              "(RuntimeDef::enabledFeatures)",
                              variantName(variant), missing)};
   }
+  return facts;
+}
+
+Result<void> Pipelines::checkSupport(const KernelVariant& kernel,
+                                     const KernelVariant* pixel) const {
+  if (Result<void> fits =
+          pelage::checkLimits(kernel, pixel, device_.tierLimits, device_.properties.deviceName);
+      !fits)
+    return fits;
+  if (Result<void> fits = checkLimits(layoutsOf(kernel, pixel)); !fits) return fits;
+  for (const KernelVariant* variant : {&kernel, pixel}) {
+    if (variant == nullptr) continue;
+    const Result<std::vector<uint32_t>> words = codes_.spirv(*variant);
+    if (!words) return words.error();
+    if (const Result<SpirvFacts> facts = factsOf(*variant, *words); !facts) return facts.error();
+  }
+  return {};
+}
+
+Result<Pipelines::Module> Pipelines::module(const KernelVariant& variant) const {
+  const Result<std::vector<uint32_t>> words = codes_.spirv(variant);
+  if (!words) return words.error();
+  Result<SpirvFacts> facts = factsOf(variant, *words);
+  if (!facts) return facts.error();
   auto info = tagged<VkShaderModuleCreateInfo>(VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO);
   info.codeSize = words->size() * sizeof(uint32_t);
   info.pCode = words->data();
@@ -427,7 +506,11 @@ void Pipelines::setKey(const PipelineRequest& request) {
              static_cast<uint64_t>(target.samples) << 32,
          static_cast<uint64_t>(target.color) << 32 | static_cast<uint32_t>(target.depth),
          // NOLINTNEXTLINE: an integer on 32-bit platforms, a pointer on others
-         (uint64_t)target.renderPass, target.subpass});
+         (uint64_t)target.renderPass,
+         static_cast<uint64_t>(target.stencil) << 32 | static_cast<uint32_t>(target.subpass),
+         target.otherColorCount});
+    for (uint32_t i = 0; i < std::min(target.otherColorCount, kMaxOtherColors); ++i)
+      key_.push_back(static_cast<uint64_t>(target.otherColors[i]));
   }
   appendKey(key_, request.values);
 }
@@ -494,23 +577,22 @@ Result<Pipelines::Job> Pipelines::begin(const PipelineRequest& request) {
   job.key = key_;
   job.request = request;
   job.name = variantName(*request.kernel);
-  const Kernel* kernel = request.kernel->kernel;
   if (Result<void> fits = pelage::checkLimits(*request.kernel, request.pixel, device_.tierLimits,
                                               device_.properties.deviceName);
       !fits)
     return fits.error();
   if (request.pixel != nullptr) {
     job.name += " + " + variantName(*request.pixel);
+    if (Result<void> fits = checkTarget(*request.target, request.state, job.name); !fits)
+      return fits.error();
     if (request.target->renderPass == VK_NULL_HANDLE && !device_.vk.dynamicRendering) {
       return Error{ErrorCode::kUnsupported,
                    "draw " + job.name +
                        ": TargetFormats::renderPass is null and the device has no dynamic "
                        "rendering (Vulkan 1.3 or VK_KHR_dynamic_rendering): give a render pass"};
     }
-    if (request.pixel->kernel->layouts.size() > kernel->layouts.size())
-      kernel = request.pixel->kernel;
   }
-  Result<VkPipelineLayout> pipelineLayout = layout(*kernel);
+  Result<VkPipelineLayout> pipelineLayout = layout(layoutsOf(*request.kernel, request.pixel));
   if (!pipelineLayout) return pipelineLayout.error();
   job.layout = *pipelineLayout;
   return job;
@@ -551,9 +633,12 @@ Result<VkPipeline> Pipelines::createGraphics(const Job& job) const {
   const FixedFunction fixed(request.state, target, request.kernel->kernel->vertexInput);
   auto rendering =
       tagged<VkPipelineRenderingCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO);
-  rendering.colorAttachmentCount = 1;
-  rendering.pColorAttachmentFormats = &target.color;
+  std::array<VkFormat, 1 + kMaxOtherColors> colors = {target.color};
+  std::copy(target.otherColors.begin(), target.otherColors.end(), colors.begin() + 1);
+  rendering.colorAttachmentCount = 1 + target.otherColorCount;
+  rendering.pColorAttachmentFormats = colors.data();
   rendering.depthAttachmentFormat = target.depth;
+  rendering.stencilAttachmentFormat = target.stencil;
 
   auto info = tagged<VkGraphicsPipelineCreateInfo>(VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO);
   if (target.renderPass == VK_NULL_HANDLE) info.pNext = &rendering;

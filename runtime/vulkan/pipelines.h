@@ -11,6 +11,7 @@
 #include "pelage/list_check.h"
 #include "pelage/pass_list.h"
 #include "pelage/vulkan.h"
+#include "spirv_facts.h"
 
 namespace pelage::vulkan {
 
@@ -40,6 +41,10 @@ class Pipelines {
   Result<std::vector<std::byte>> cacheData() const;
 
   void addCode(KernelCodeList code) { codes_.add(code); }
+
+  /// Whether the device has what a pipeline of these kernels needs, as far as it can be told
+  /// without making it.
+  Result<void> checkSupport(const KernelVariant& kernel, const KernelVariant* pixel) const;
 
   /// nullptr when there is none yet.
   const Pipeline* find(const PipelineRequest& request);
@@ -71,6 +76,9 @@ class Pipelines {
   Result<VkPipeline> createGraphics(const Job& job) const;
   Result<VkPipelineLayout> layout(const Kernel& kernel);
   Result<void> checkLimits(const Kernel& kernel) const;
+  Result<void> checkTarget(const TargetFormats& target, const DrawState& state,
+                           const std::string& draw) const;
+  Result<SpirvFacts> factsOf(const KernelVariant& variant, std::span<const uint32_t> words) const;
   Result<Module> module(const KernelVariant& variant) const;
 
   const Device& device_;

@@ -218,6 +218,7 @@ struct Runtime::Impl {
   };
   Result<void> create(const ResourceTable& resources, std::vector<New>& added);
   void fill(std::vector<New>& added, VkCommandBuffer commands);
+  Result<void> checkExternal(const BufferDesc& desc, const ExternalBuffer& external) const;
   Result<BufferSlot> createSlot(const BufferDesc& desc, const ExternalBuffer* external);
   void retire(BufferSlot& slot);
   void collect(uint64_t completed);
@@ -289,6 +290,19 @@ struct Runtime::Impl {
   BarrierBatch batch;
 };
 
+Result<void> Runtime::Impl::checkExternal(const BufferDesc& desc,
+                                          const ExternalBuffer& external) const {
+  VkMemoryRequirements needs = {};
+  device.vk.GetBufferMemoryRequirements(device.handle, external.buffer, &needs);
+  const VkDeviceSize rest = needs.size - std::min(needs.size, external.offset);
+  const VkDeviceSize given = std::min(rest, external.size);
+  if (given >= desc.size) return {};
+  return invalid(fmt::format(
+      "the engine's buffer for '{}' (useExternalBuffer()) has {} bytes at offset {}; it needs {}: "
+      "give a larger one before the next update()",
+      desc.name, given, external.offset, desc.size));
+}
+
 Result<BufferSlot> Runtime::Impl::createSlot(const BufferDesc& desc,
                                              const ExternalBuffer* external) {
   BufferSlot slot;
@@ -297,6 +311,7 @@ Result<BufferSlot> Runtime::Impl::createSlot(const BufferDesc& desc,
   slot.usage = desc.usage;
   slot.name = desc.name;
   if (external != nullptr) {
+    if (Result<void> fits = checkExternal(desc, *external); !fits) return fits.error();
     slot.external = true;
     slot.buffer = external->buffer;
     slot.offset = external->offset;
@@ -822,6 +837,8 @@ void Runtime::useExternalBuffer(BufferId id, const ExternalBuffer& buffer) {
   PELAGE_ASSERT(buffer.buffer != VK_NULL_HANDLE, "an external buffer is a buffer");
   PELAGE_ASSERT(buffer.offset % 4 == 0, "the offset of an external buffer is a multiple of 4");
   PELAGE_ASSERT(impl_->find(id) == nullptr, "useExternalBuffer() comes before update()");
+  std::erase_if(impl_->pendingExternals,
+                [&](const PendingExternal& pending) { return pending.id == id; });
   impl_->pendingExternals.push_back({id, buffer});
 }
 

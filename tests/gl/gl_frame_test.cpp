@@ -18,29 +18,31 @@
 namespace pelage::test {
 namespace {
 
-// A picture with depth that an engine draws into.
+// A picture with depth that an engine draws into; a rich one has stencil, too, and two attachments
+// more.
 class Target {
  public:
-  Target(uint32_t width, uint32_t height) : width_(width), height_(height) {
-    const auto w = static_cast<GLsizei>(width), h = static_cast<GLsizei>(height);
+  Target(uint32_t width, uint32_t height, bool rich = false)
+      : width_(width), height_(height), rich_(rich) {
     call<PFNGLGENFRAMEBUFFERSPROC>("glGenFramebuffers")(1, &framebuffer_);
-    call<PFNGLGENRENDERBUFFERSPROC>("glGenRenderbuffers")(2, buffers_);
+    call<PFNGLGENRENDERBUFFERSPROC>("glGenRenderbuffers")(4, buffers_);
     bind();
-    const GLenum formats[] = {GL_RGBA16F, GL_DEPTH_COMPONENT32F};
-    const GLenum points[] = {GL_COLOR_ATTACHMENT0, GL_DEPTH_ATTACHMENT};
-    for (size_t i = 0; i < 2; ++i) {
-      call<PFNGLBINDRENDERBUFFERPROC>("glBindRenderbuffer")(GL_RENDERBUFFER, buffers_[i]);
-      call<PFNGLRENDERBUFFERSTORAGEPROC>("glRenderbufferStorage")(GL_RENDERBUFFER, formats[i], w,
-                                                                  h);
-      call<PFNGLFRAMEBUFFERRENDERBUFFERPROC>("glFramebufferRenderbuffer")(
-          GL_FRAMEBUFFER, points[i], GL_RENDERBUFFER, buffers_[i]);
+    attach(0, GL_RGBA16F, GL_COLOR_ATTACHMENT0);
+    if (rich) {
+      attach(1, GL_DEPTH32F_STENCIL8, GL_DEPTH_STENCIL_ATTACHMENT);
+      attach(2, GL_RGBA8, GL_COLOR_ATTACHMENT1);
+      attach(3, GL_R32UI, GL_COLOR_ATTACHMENT2);
+      const GLenum buffers[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2};
+      call<PFNGLDRAWBUFFERSPROC>("glDrawBuffers")(3, buffers);
+    } else {
+      attach(1, GL_DEPTH_COMPONENT32F, GL_DEPTH_ATTACHMENT);
     }
     EXPECT_EQ(call<PFNGLCHECKFRAMEBUFFERSTATUSPROC>("glCheckFramebufferStatus")(GL_FRAMEBUFFER),
               GLenum{GL_FRAMEBUFFER_COMPLETE});
   }
   ~Target() {
     call<PFNGLDELETEFRAMEBUFFERSPROC>("glDeleteFramebuffers")(1, &framebuffer_);
-    call<PFNGLDELETERENDERBUFFERSPROC>("glDeleteRenderbuffers")(2, buffers_);
+    call<PFNGLDELETERENDERBUFFERSPROC>("glDeleteRenderbuffers")(4, buffers_);
   }
   Target(const Target&) = delete;
   Target& operator=(const Target&) = delete;
@@ -50,31 +52,72 @@ class Target {
     if (!first) return;
     call<PFNGLCOLORMASKPROC>("glColorMask")(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     call<PFNGLDEPTHMASKPROC>("glDepthMask")(GL_TRUE);
-    call<PFNGLCLEARCOLORPROC>("glClearColor")(0, 0, 0, 0);
-    call<PFNGLCLEARDEPTHFPROC>("glClearDepthf")(1);
-    call<PFNGLCLEARPROC>("glClear")(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    const float color[4] = {}, depth = 1, other[4] = {0.2f, 0.2f, 0.2f, 0.2f};
+    const auto clear = call<PFNGLCLEARBUFFERFVPROC>("glClearBufferfv");
+    clear(GL_COLOR, 0, color);
+    clear(GL_DEPTH, 0, &depth);
+    if (!rich_) return;
+    const GLint stencil = kStencil;
+    const GLuint id[4] = {kId, 0, 0, 0};
+    call<PFNGLSTENCILMASKPROC>("glStencilMask")(~0u);
+    clear(GL_COLOR, 1, other);
+    call<PFNGLCLEARBUFFERUIVPROC>("glClearBufferuiv")(GL_COLOR, 2, id);
+    call<PFNGLCLEARBUFFERIVPROC>("glClearBufferiv")(GL_STENCIL, 0, &stencil);
+  }
+  /// Leaves a stencil test on that nothing passes, and that counts.
+  static void rejectByStencil() {
+    call<PFNGLENABLEPROC>("glEnable")(GL_STENCIL_TEST);
+    call<PFNGLSTENCILFUNCPROC>("glStencilFunc")(GL_NEVER, 0, ~0u);
+    call<PFNGLSTENCILOPPROC>("glStencilOp")(GL_INCR, GL_INCR, GL_INCR);
   }
   gl::DrawTarget area() const { return {0, 0, width_, height_}; }
   std::vector<float> pixels() const {
-    std::vector<float> all(size_t{4} * width_ * height_);
     bind();
-    call<PFNGLREADPIXELSPROC>("glReadPixels")(0, 0, static_cast<GLsizei>(width_),
-                                              static_cast<GLsizei>(height_), GL_RGBA, GL_FLOAT,
-                                              all.data());
-    return all;
+    return read<float>(GL_COLOR_ATTACHMENT0, GL_RGBA, GL_FLOAT, 4);
+  }
+  void expectOthersUntouched(bool es) const {
+    bind();
+    for (const uint32_t word : read<uint32_t>(GL_COLOR_ATTACHMENT1, GL_RGBA, GL_UNSIGNED_BYTE, 1))
+      ASSERT_EQ(word, 0x33333333u);  // 0.2 is 51 of 255
+    const std::vector<uint32_t> ids =
+        read<uint32_t>(GL_COLOR_ATTACHMENT2, GL_RGBA_INTEGER, GL_UNSIGNED_INT, 4);
+    for (size_t i = 0; i < ids.size(); i += 4) ASSERT_EQ(ids[i], kId);
+    if (es) return;  // OpenGL ES does not give stencil back
+    for (const uint32_t value :
+         read<uint32_t>(GL_COLOR_ATTACHMENT0, GL_STENCIL_INDEX, GL_UNSIGNED_INT, 1))
+      ASSERT_EQ(value, static_cast<uint32_t>(kStencil));
   }
 
  private:
+  static constexpr GLint kStencil = 7;
+  static constexpr GLuint kId = 0x01020304;
   template <class Function>
   static Function call(const char* name) {
     return glFunction<Function>(name);
+  }
+  void attach(size_t index, GLenum format, GLenum point) const {
+    call<PFNGLBINDRENDERBUFFERPROC>("glBindRenderbuffer")(GL_RENDERBUFFER, buffers_[index]);
+    call<PFNGLRENDERBUFFERSTORAGEPROC>("glRenderbufferStorage")(
+        GL_RENDERBUFFER, format, static_cast<GLsizei>(width_), static_cast<GLsizei>(height_));
+    call<PFNGLFRAMEBUFFERRENDERBUFFERPROC>("glFramebufferRenderbuffer")(
+        GL_FRAMEBUFFER, point, GL_RENDERBUFFER, buffers_[index]);
+  }
+  template <class T>
+  std::vector<T> read(GLenum buffer, GLenum format, GLenum type, size_t perPixel) const {
+    std::vector<T> all(perPixel * width_ * height_);
+    call<PFNGLREADBUFFERPROC>("glReadBuffer")(buffer);
+    call<PFNGLREADPIXELSPROC>("glReadPixels")(0, 0, static_cast<GLsizei>(width_),
+                                              static_cast<GLsizei>(height_), format, type,
+                                              all.data());
+    return all;
   }
   void bind() const {
     call<PFNGLBINDFRAMEBUFFERPROC>("glBindFramebuffer")(GL_FRAMEBUFFER, framebuffer_);
   }
   uint32_t width_, height_;
+  bool rich_;
   GLuint framebuffer_ = 0;
-  GLuint buffers_[2] = {0, 0};
+  GLuint buffers_[4] = {};
 };
 
 using Results = std::vector<std::vector<std::byte>>;
@@ -259,6 +302,50 @@ TEST_P(GlFrame, DrawsEachViewIntoItsTargetAsItsListsDo) {
   for (const FrameStep& step : begun) first += step.listOfView == 0;
   EXPECT_EQ(first, 2u);
   for (size_t i = 0; i < 2; ++i) EXPECT_EQ(targets[i].pixels(), expected[i]) << i;
+}
+
+// A stencil that an engine tests, and attachments for its normals and ids.
+TEST_P(GlFrame, WritesTheFirstColorAndTheDepthOfAFramebufferAlone) {
+  Player player(Solver::kClassic);
+  player.inputs().hair(0).material.fiberRadius = 0.001f;
+  player.runFrame(0);
+  constexpr uint32_t kSize = 48;
+  View view;
+  view.eye = {0.2f, 0.04f, 0.6f};
+  view.worldToClip = lookAt(view.eye, {0.2f, 0.04f, 0}, {0, 1, 0}, 0.8f, 1, 0.05f, 5);
+  view.width = view.height = kSize;
+  const Light light;
+  for (const Transparency method :
+       {Transparency::kStochastic, Transparency::kWindowed, Transparency::kShortCut}) {
+    std::vector<float> pictures[2];
+    for (const bool rich : {false, true}) {
+      const Target target(kSize, kSize, rich);
+      Result<Frame> frame = player.scene().simulate(0);
+      ASSERT_TRUE(frame) << frame.error().message;
+      ASSERT_TRUE(frame->draw(view, {&light, 1}, {.method = method}));
+      gl::ViewTarget to = {target.area(), [&](const FrameStep& step) {
+                             target.begin(step.listOfView == 0);
+                             if (rich) Target::rejectByStencil();
+                           }};
+      // An area of another size is refused before anything is drawn.
+      gl::ViewTarget wrong = {{0, 0, kSize, kSize - 1},
+                              [](const FrameStep&) { ADD_FAILURE() << "drawing has begun"; }};
+      const Result<void> refused = player.runtime().record(*frame, {&wrong, 1});
+      ASSERT_FALSE(refused);
+      EXPECT_NE(refused.error().message.find("48 x 47"), std::string::npos)
+          << refused.error().message;
+      {
+        const gl::StateGuard guard(player.runtime());
+        expectOk(player.runtime().record(*frame, {&to, 1}));
+      }
+      pictures[rich ? 1 : 0] = target.pixels();
+      if (rich) target.expectOthersUntouched(GetParam() == Api::kGles);
+    }
+    float covered = 0;
+    for (size_t k = 3; k < pictures[0].size(); k += 4) covered += pictures[0][k];
+    EXPECT_GT(covered, 10.0f);
+    EXPECT_EQ(pictures[0], pictures[1]) << static_cast<int>(method);
+  }
 }
 
 // Two scenes on one device: a runtime each, frame by frame in turn.

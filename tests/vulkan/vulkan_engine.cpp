@@ -31,8 +31,10 @@ VKAPI_ATTR VkBool32 VKAPI_CALL onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT,
 
 }  // namespace
 
-std::unique_ptr<Engine> Engine::create(std::string& reason) {
+std::unique_ptr<Engine> Engine::create(std::string& reason,
+                                       const VkPhysicalDeviceFeatures& features) {
   std::unique_ptr<Engine> engine(new Engine);
+  engine->features_ = features;
   return engine->open(reason) ? std::move(engine) : nullptr;
 }
 
@@ -88,6 +90,11 @@ bool Engine::open(std::string& reason) {
     reason = "no Vulkan device";
     return false;
   }
+  VkPhysicalDeviceFeatures there = {};
+  vkGetPhysicalDeviceFeatures(physical_, &there);
+  features_.independentBlend = features_.independentBlend & there.independentBlend;
+  features_.fragmentStoresAndAtomics =
+      features_.fragmentStoresAndAtomics & there.fragmentStoresAndAtomics;
   vkGetPhysicalDeviceQueueFamilyProperties(physical_, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);
   vkGetPhysicalDeviceQueueFamilyProperties(physical_, &count, families.data());

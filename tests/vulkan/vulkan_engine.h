@@ -23,7 +23,9 @@ struct EngineBuffer {
 class Engine {
  public:
   /// nullptr and a reason when there is no device or no validation layer.
-  static std::unique_ptr<Engine> create(std::string& reason);
+  /// \param features  of the device, as far as it has them
+  static std::unique_ptr<Engine> create(std::string& reason,
+                                        const VkPhysicalDeviceFeatures& features = {});
   ~Engine();
   Engine(const Engine&) = delete;
   Engine& operator=(const Engine&) = delete;
@@ -50,6 +52,8 @@ class Engine {
   void wait(const Frame& frame) const;
 
   VkDevice device() const { return device_; }
+  VkPhysicalDevice physical() const { return physical_; }
+  const VkPhysicalDeviceFeatures& features() const { return features_; }
   const VkPhysicalDeviceProperties& properties() const { return properties_; }
   bool dynamicRendering() const { return dynamicRendering_; }
   uint32_t messageCount() const { return messages_.load(); }

@@ -293,6 +293,46 @@ TEST_F(VulkanEngine, RunsOnABufferOfTheEngineAtAnOffset) {
   engine_->destroyBuffer(contents);
 }
 
+TEST_F(VulkanEngine, RefusesABufferOfTheEngineThatIsTooSmallByName) {
+  createRuntime(engine_->runtimeDef());
+  const BufferId target = add("target", ramp(2));
+  constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
+                                        VK_BUFFER_USAGE_TRANSFER_DST_BIT |
+                                        VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
+  const EngineBuffer tiny = engine_->createBuffer(64, kUsage, false);
+  const EngineBuffer large = engine_->createBuffer(kBytes + 512, kUsage, false);
+  const Engine::Frame& frame = beginFrame();
+  const vulkan::ExternalBuffer wrongs[] = {
+      {.buffer = tiny.buffer},
+      {.buffer = tiny.buffer, .keepContents = true},
+      {.buffer = tiny.buffer, .size = kBytes},  // it has not what it says
+      {.buffer = large.buffer, .size = kBytes - 4},
+      {.buffer = large.buffer, .offset = 4096},
+      {.buffer = large.buffer, .offset = VkDeviceSize{1} << 40},
+      {.buffer = large.buffer, .offset = 512, .size = 0},
+  };
+  for (const vulkan::ExternalBuffer& wrong : wrongs) {
+    runtime_->useExternalBuffer(target, wrong);
+    const Result<void> refused = runtime_->update(table_, frame.commands);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+    for (const char* word : {"'target'", "it needs 20000"})
+      EXPECT_NE(refused.error().message.find(word), std::string::npos) << refused.error().message;
+    EXPECT_EQ(runtime_->buffer(target).buffer, VkBuffer{VK_NULL_HANDLE});
+  }
+  // The last one counts.
+  runtime_->useExternalBuffer(target, {.buffer = large.buffer, .offset = 512, .size = kBytes});
+  const Result<void> updated = runtime_->update(table_, frame.commands);
+  EXPECT_TRUE(updated) << updated.error().message;
+  EXPECT_EQ(runtime_->buffer(target).buffer, large.buffer);
+  EXPECT_EQ(runtime_->buffer(target).size, kBytes);
+  submit(frame);
+  finishFrames();
+  runtime_.reset();
+  engine_->destroyBuffer(tiny);
+  engine_->destroyBuffer(large);
+}
+
 TEST_F(VulkanEngine, MakesThePipelinesOfAListOnSeveralThreadsAndEachOnce) {
   const BufferId source = add("source", ramp(0));
   const BufferId target = add("target", ramp(0));
