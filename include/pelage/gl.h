@@ -27,7 +27,9 @@
 #include "pelage/kernel_code.h"
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
+#include "pelage/scene_features.h"
 #include "pelage/tier.h"
+#include "pelage/transparency.h"
 
 namespace pelage::gl {
 
@@ -193,6 +195,18 @@ class PELAGE_GL_API Runtime {
   /// The most capable tier that the context has everything of, but not above RuntimeDef::maxTier:
   /// for Scene::setTier() and SceneFeatures.
   Tier tier() const;
+
+  /// Whether the device has what a list needs, without making a pipeline: storage buffers of each
+  /// stage, threads, features. For a list that is to run, or that listToPrepare() makes. Errors:
+  /// kUnsupported, with the kernel and what is missing; a list that checkPasses() refuses.
+  Result<void> supports(const PassList& list) const;
+  /// Whether views can be drawn by a transparency method, with Scene::setTier(tier()): what
+  /// record() would refuse is known before the first frame. Sizes of buffers are not looked at.
+  ///
+  ///     if (!runtime.supports({.method = Transparency::kTiles})) method = Transparency::kWindowed;
+  ///
+  /// \param hair  what of hair is drawn. Errors: as above; those of planTransparency().
+  Result<void> supports(const TransparencySettings& settings, const DrawnFeatures& hair = {}) const;
 
   /// Makes the programs of a list, without running it: while loading, with listToPrepare(). Its
   /// buffers need not exist. Drivers with GL_KHR_parallel_shader_compile make several at a time.

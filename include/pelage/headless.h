@@ -15,7 +15,9 @@
 #include "pelage/kernel_code.h"
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
+#include "pelage/scene_features.h"
 #include "pelage/tier.h"
+#include "pelage/transparency.h"
 #include "pelage/types.h"
 
 namespace pelage {
@@ -95,6 +97,11 @@ class PELAGE_API HeadlessDevice {
   HeadlessDevice& operator=(const HeadlessDevice&) = delete;
 
   virtual const DeviceInfo& info() const = 0;
+  /// Whether the device can run all passes of a list; as the runtimes' supports(), with their
+  /// errors.
+  virtual Result<void> supports(const PassList& list) const = 0;
+  /// Whether it can draw views by a method.
+  Result<void> supports(const TransparencySettings& settings, const DrawnFeatures& hair = {}) const;
   /// Adds the code of kernels that are not pelage's own, which the device knows.
   virtual void addCode(KernelCodeList code) = 0;
   /// Creates the table's new buffers with their initial data and frees those that were removed.

@@ -36,6 +36,12 @@ struct SceneFeatures {
   Tier tier = Tier::kWide;     ///< Scene::setTier()
 };
 
+/// What of hair objects a view draws, for listToDraw().
+struct DrawnFeatures {
+  bool followHairs = false;  ///< HairDef::followHairs, not stored
+  bool attributes = false;   ///< as SceneFeatures::attributes
+};
+
 /// Returns a list with a pass for each pipeline that a scene with these features needs, now or once
 /// one of them is switched on. It is for vulkan::Runtime::prepare() and gl::Runtime::prepare()
 /// alone, and cannot run:
@@ -45,5 +51,11 @@ struct SceneFeatures {
 ///
 /// Errors: settings out of range.
 PELAGE_API Result<PassList> listToPrepare(const SceneFeatures& features);
+
+/// Returns the same of the views alone, without what moves hair and without shadows: what
+/// Scene::draw() adds for a method. For the runtimes' supports(). \param tier  as Scene::setTier()
+/// is told. Errors: settings out of range.
+PELAGE_API Result<PassList> listToDraw(const TransparencySettings& settings,
+                                       const DrawnFeatures& hair, Tier tier);
 
 }  // namespace pelage

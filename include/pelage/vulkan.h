@@ -32,8 +32,10 @@
 #include "pelage/layout.h"
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
+#include "pelage/scene_features.h"
 #include "pelage/spirv.h"
 #include "pelage/tier.h"
+#include "pelage/transparency.h"
 
 namespace pelage::vulkan {
 
@@ -200,6 +202,18 @@ class PELAGE_VULKAN_API Runtime {
   /// The most capable tier that the device has everything of, but not above RuntimeDef::maxTier:
   /// for Scene::setTier() and SceneFeatures.
   Tier tier() const;
+
+  /// Whether the device has what a list needs, without making a pipeline: storage buffers of each
+  /// stage, threads, features. For a list that is to run, or that listToPrepare() makes. Errors:
+  /// kUnsupported, with the kernel and what is missing; a list that checkPasses() refuses.
+  Result<void> supports(const PassList& list) const;
+  /// Whether views can be drawn by a transparency method, with Scene::setTier(tier()): what
+  /// record() would refuse is known before the first frame. Sizes of buffers are not looked at.
+  ///
+  ///     if (!runtime.supports({.method = Transparency::kTiles})) method = Transparency::kWindowed;
+  ///
+  /// \param hair  what of hair is drawn. Errors: as above; those of planTransparency().
+  Result<void> supports(const TransparencySettings& settings, const DrawnFeatures& hair = {}) const;
 
   /// Makes the pipelines of a list ahead of its first frame, several at a time: of one that is to
   /// run, or of listToPrepare(). Its buffers need not exist. With a target: those of its draws too.

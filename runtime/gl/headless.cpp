@@ -317,6 +317,8 @@ class HeadlessGl final : public HeadlessDevice {
     return runtime_->read(buffer, offset, size);
   }
 
+  using HeadlessDevice::supports;
+  Result<void> supports(const PassList& list) const override { return runtime_->supports(list); }
   void addCode(KernelCodeList code) override { runtime_->addCode(code); }
   uint64_t bufferBytes() const override { return runtime_->statistics().bufferBytes; }
   uint32_t messageCount() const override { return messageCount_; }

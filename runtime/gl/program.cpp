@@ -269,6 +269,30 @@ Result<void> ProgramStore::checkLimits(const KernelVariant& variant) const {
   return {};
 }
 
+Result<void> ProgramStore::checkLimits(const KernelVariant& kernel,
+                                       const KernelVariant* pixel) const {
+  if (Result<void> fits = checkLimits(kernel); !fits) return fits;
+  if (pixel == nullptr) return {};
+  if (Result<void> fits = checkLimits(*pixel); !fits) return fits;
+  const uint32_t both = storageBlocks(kernel) + storageBlocks(*pixel);
+  if (both <= context_->limits.combinedStorageBlocks) return {};
+  return Error{ErrorCode::kUnsupported,
+               "kernels " + variantName(kernel) + " and " + variantName(*pixel) + " need " +
+                   std::to_string(both) + " storage buffers together; " + context_->renderer +
+                   " allows " + std::to_string(context_->limits.combinedStorageBlocks) +
+                   " (GL_MAX_COMBINED_SHADER_STORAGE_BLOCKS)"};
+}
+
+Result<void> ProgramStore::checkSupport(const KernelVariant& kernel,
+                                        const KernelVariant* pixel) const {
+  if (Result<void> fits = checkLimits(kernel, pixel); !fits) return fits;
+  for (const KernelVariant* variant : {&kernel, pixel}) {
+    if (variant == nullptr) continue;
+    if (const Result<std::string> source = sourceOf(*variant, {}); !source) return source.error();
+  }
+  return {};
+}
+
 Result<std::string> ProgramStore::sourceOf(const KernelVariant& variant,
                                            std::span<const SpecValue> values) const {
   const bool core = context_->profile == Profile::kCore;
@@ -282,23 +306,13 @@ Result<ProgramStore::Entry> ProgramStore::start(const KernelVariant& kernel,
                                                 const KernelVariant* pixel,
                                                 std::span<const SpecValue> values) {
   const Clock::time_point begin = Clock::now();
+  if (Result<void> fits = checkLimits(kernel, pixel); !fits) return fits.error();
   std::vector<StageSource> stages;
   for (const KernelVariant* variant : {&kernel, pixel}) {
     if (variant == nullptr) continue;
-    if (Result<void> fits = checkLimits(*variant); !fits) return fits.error();
     Result<std::string> source = sourceOf(*variant, values);
     if (!source) return source.error();
     stages.push_back({variant, std::move(*source)});
-  }
-
-  if (pixel != nullptr &&
-      storageBlocks(kernel) + storageBlocks(*pixel) > context_->limits.combinedStorageBlocks) {
-    return Error{ErrorCode::kUnsupported,
-                 "kernels " + variantName(kernel) + " and " + variantName(*pixel) + " need " +
-                     std::to_string(storageBlocks(kernel) + storageBlocks(*pixel)) +
-                     " storage buffers together; " + context_->renderer + " allows " +
-                     std::to_string(context_->limits.combinedStorageBlocks) +
-                     " (GL_MAX_COMBINED_SHADER_STORAGE_BLOCKS)"};
   }
 
   uint64_t key = hashValue(kBinaryVersion, kHashStart);

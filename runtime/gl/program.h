@@ -30,6 +30,9 @@ class ProgramStore {
   ProgramStore(const ProgramStore&) = delete;
   ProgramStore& operator=(const ProgramStore&) = delete;
 
+  /// Whether the context has what a program of these kernels needs, without making it.
+  Result<void> checkSupport(const KernelVariant& kernel, const KernelVariant* pixel) const;
+
   /// The program when it is done, else 0.
   GLuint ready(const KernelVariant& kernel, const KernelVariant* pixel,
                std::span<const SpecValue> values);
@@ -69,6 +72,7 @@ class ProgramStore {
   };
 
   Result<void> checkLimits(const KernelVariant& variant) const;
+  Result<void> checkLimits(const KernelVariant& kernel, const KernelVariant* pixel) const;
   Result<std::string> sourceOf(const KernelVariant& variant,
                                std::span<const SpecValue> values) const;
   /// Fills wanted_.

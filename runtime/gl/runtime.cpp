@@ -235,6 +235,25 @@ Tier Runtime::tier() const {
   std::copy(std::begin(own.groupSize), std::end(own.groupSize), std::begin(limits.groupSize));
   return tierOf(limits).value_or(Tier::kEs);
 }
+
+Result<void> Runtime::supports(const PassList& list) const try {
+  if (Result<void> checked = checkPasses(list); !checked) return checked;
+  for (const Pass& pass : list.passes) {
+    if (Result<void> able = impl_->programs.checkSupport(*pass.kernel, pass.pixel); !able)
+      return inPass(pass, able.error());
+  }
+  return {};
+} catch (const std::bad_alloc&) {
+  return Error{ErrorCode::kOutOfMemory, "no host memory is left for the code of kernels"};
+}
+
+Result<void> Runtime::supports(const TransparencySettings& settings,
+                               const DrawnFeatures& hair) const {
+  const Result<PassList> list = listToDraw(settings, hair, tier());
+  if (!list) return list.error();
+  return supports(*list);
+}
+
 const Statistics& Runtime::statistics() const { return impl_->statistics; }
 
 Result<Runtime> Runtime::create(RuntimeDef def) {

@@ -76,6 +76,8 @@ class HeadlessVulkan final : public HeadlessDevice {
                                const RenderTargetDef& target,
                                std::vector<PassTiming>* timings) override;
   Result<std::vector<std::byte>> read(BufferId buffer, uint64_t offset, uint64_t size) override;
+  using HeadlessDevice::supports;
+  Result<void> supports(const PassList& list) const override { return runtime_->supports(list); }
   void addCode(KernelCodeList code) override { runtime_->addCode(code); }
   uint64_t bufferBytes() const override { return runtime_->bufferBytes(); }
   uint32_t messageCount() const override { return messages_.load(); }

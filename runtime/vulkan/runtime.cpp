@@ -240,6 +240,8 @@ struct Runtime::Impl {
   Result<ArenaSlice> copyConstants(const PassList& list, bool draws, uint64_t& first);
   Result<void> makeFiller();
 
+  Result<void> checkGraphics() const;
+
   // Lists: the recording step.
   Result<void> record(const PassList& list, VkCommandBuffer commands);
   Result<void> recordDraws(const PassList& list, VkCommandBuffer commands,
@@ -735,14 +737,17 @@ Result<void> Runtime::Impl::record(const PassList& list, VkCommandBuffer command
   return {};
 }
 
+Result<void> Runtime::Impl::checkGraphics() const {
+  if ((device.queue.queueFlags & VK_QUEUE_GRAPHICS_BIT) != 0) return {};
+  return Error{ErrorCode::kUnsupported,
+               fmt::format("queue family {} of {} cannot draw: take one with "
+                           "VK_QUEUE_GRAPHICS_BIT",
+                           device.queueFamily, device.properties.deviceName)};
+}
+
 Result<void> Runtime::Impl::recordDraws(const PassList& list, VkCommandBuffer commands,
                                         const TargetFormats& target, const VkRect2D& area) {
-  if ((device.queue.queueFlags & VK_QUEUE_GRAPHICS_BIT) == 0) {
-    return Error{ErrorCode::kUnsupported,
-                 fmt::format("queue family {} of {} cannot draw: take one with "
-                             "VK_QUEUE_GRAPHICS_BIT",
-                             device.queueFamily, device.properties.deviceName)};
-  }
+  if (Result<void> able = checkGraphics(); !able) return able;
   const VkPhysicalDeviceLimits& limits = device.limits();
   if (area.extent.width == 0 || area.extent.height == 0 ||
       area.extent.width > limits.maxViewportDimensions[0] ||
@@ -855,6 +860,27 @@ Result<void> Runtime::prepare(const PassList& list, const TargetFormats* target)
 }
 
 Tier Runtime::tier() const { return tierOf(impl_->device.tierLimits).value_or(Tier::kEs); }
+
+Result<void> Runtime::supports(const PassList& list) const {
+  return guarded([&]() -> Result<void> {
+    if (Result<void> checked = checkPasses(list); !checked) return checked;
+    for (const Pass& pass : list.passes) {
+      if (isDraw(pass.kind)) {
+        if (Result<void> able = impl_->checkGraphics(); !able) return able;
+      }
+      if (Result<void> able = impl_->pipelines.checkSupport(*pass.kernel, pass.pixel); !able)
+        return able;
+    }
+    return {};
+  });
+}
+
+Result<void> Runtime::supports(const TransparencySettings& settings,
+                               const DrawnFeatures& hair) const {
+  const Result<PassList> list = listToDraw(settings, hair, tier());
+  if (!list) return list.error();
+  return supports(*list);
+}
 
 std::vector<PipelineTime> Runtime::pipelineTimes() const { return impl_->pipelines.times(); }
 

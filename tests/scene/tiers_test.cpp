@@ -198,6 +198,105 @@ TEST_P(Tiers, RefuseWhatTheyLackByName) {
   expectOk(wide_->execute(list));
 }
 
+/// Hair without follow hairs, with them, and with colors: what DrawnFeatures tells apart.
+std::vector<DrawnFeatures> drawnKinds() {
+  return {{}, {.followHairs = true}, {.attributes = true}};
+}
+
+std::vector<TransparencySettings> allMethods() {
+  std::vector<TransparencySettings> all;
+  for (Transparency m = Transparency::kAlphaTest; m <= Transparency::kTiles;
+       m = static_cast<Transparency>(static_cast<uint8_t>(m) + 1))
+    all.push_back({.method = m});
+  all.push_back({.method = Transparency::kWindowed, .spillTail = false});
+  return all;
+}
+
+HairId addDrawn(Scene& scene, const DrawnFeatures& kind) {
+  HairAsset asset = makeAsset(20, 12);
+  if (kind.attributes) asset.vertexColor.assign(asset.positions.size(), {1, 0.5f, 0.5f, 1});
+  expectOk(asset.process());
+  const std::vector<FollowHair> follows = {{.guide = 3, .offset = {0.004f, 0, 0.003f, 1}}};
+  HairDef def;
+  def.settings.solver = Solver::kClassic;
+  def.material.fiberRadius = 0.0015f;
+  if (kind.followHairs) def.followHairs = follows;
+  const Result<HairId> hair = scene.addHair(asset, def);
+  EXPECT_TRUE(hair) << hair.error().message;
+  return *hair;
+}
+
+TEST_P(Tiers, SayBeforeAFrameWhatItsDrawsThenDo) {
+  for (const Tier tier : kTiers) {
+    const auto device = deviceOf(GetParam(), tier);
+    ASSERT_NE(device, nullptr);
+    Scene scene;
+    scene.setTier(device->info().tier);
+    size_t drawn = 0, refused = 0;
+    for (const DrawnFeatures& kind : drawnKinds()) {
+      const HairId hair = addDrawn(scene, kind);
+      PassList list;
+      expectOk(scene.simulate(1.0f / 60, list));
+      scene.finish(list);
+      expectOk(device->update(scene.resources()));
+      expectOk(device->execute(list));
+      for (const TransparencySettings& settings : allMethods()) {
+        SCOPED_TRACE(std::string(tierName(tier)) + ", method " +
+                     std::to_string(static_cast<int>(settings.method)) +
+                     (kind.followHairs  ? ", follow hairs"
+                      : kind.attributes ? ", attributes"
+                                        : ""));
+        const Result<void> said = device->supports(settings, kind);
+        Result<Frame> frame = scene.simulate(0);
+        ASSERT_TRUE(frame);
+        const Light light;
+        ASSERT_TRUE(frame->draw(viewOf(24), {&light, 1}, settings));
+        const RenderTargetDef target = {.width = 24, .height = 24};
+        const auto images = device->render(*frame, {&target, 1});
+        ASSERT_EQ(said.ok(), images.ok()) << (said.ok() ? images.error() : said.error()).message;
+        if (said.ok()) {
+          ++drawn;
+          continue;
+        }
+        ++refused;
+        EXPECT_EQ(said.error().code, ErrorCode::kUnsupported);
+        EXPECT_EQ(images.error().code, ErrorCode::kUnsupported);
+        for (const char* word : {"kernel", "storage buffers", "4"})
+          EXPECT_NE(said.error().message.find(word), std::string::npos) << said.error().message;
+      }
+      expectOk(scene.removeHair(hair));
+    }
+    EXPECT_GT(drawn, 0u) << tierName(tier);
+    EXPECT_EQ(refused > 0, tier == Tier::kEs) << tierName(tier);
+    EXPECT_EQ(device->messageCount(), 0u);
+  }
+}
+
+TEST_P(Tiers, RefuseMethodsThatAreNone) {
+  const Result<void> none = wide_->supports({.method = static_cast<Transparency>(99)});
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_NE(none.error().message.find("99"), std::string::npos) << none.error().message;
+}
+
+TEST_P(Tiers, SayWhetherAWholeSceneRuns) {
+  for (const Tier tier : {Tier::kEs, Tier::kBase}) {
+    const auto device = deviceOf(GetParam(), tier);
+    ASSERT_NE(device, nullptr);
+    for (const Solver solver : {Solver::kClassic, Solver::kExact}) {
+      SceneFeatures features;
+      features.settings[0].solver = solver;
+      features.capsules = features.meshColliders = features.followHairs = features.shadows = false;
+      features.transparency = {{.method = Transparency::kStochastic}};
+      features.tier = tier;
+      const Result<PassList> list = listToPrepare(features);
+      ASSERT_TRUE(list);
+      EXPECT_EQ(device->supports(*list).ok(), tier == Tier::kBase || solver == Solver::kClassic)
+          << tierName(tier);
+    }
+  }
+}
+
 TEST(TierLimits, AreCheckedForEachStageAndForBoth) {
   const KernelVariant& exact = *simulateExactVariant({});
   EXPECT_TRUE(checkLimits(exact, nullptr, limitsOf(Tier::kBase), "a phone"));

@@ -500,6 +500,32 @@ TEST_F(VulkanTargets, FormatsThatFitNothingAreRefusedByName) {
       << refused.error().message;
 }
 
+TEST_F(VulkanTargets, AMethodWithoutItsFeatureIsKnownBeforeAFrame) {
+  vulkan::RuntimeDef def = engine_->runtimeDef();
+  def.enabledFeatures.fragmentStoresAndAtomics = VK_FALSE;
+  Result<Runtime> made = Runtime::create(def);
+  ASSERT_TRUE(made);
+  const vulkan::TargetFormats formats;
+  for (uint8_t i = 0; i <= static_cast<uint8_t>(Transparency::kTiles); ++i) {
+    const TransparencySettings settings = {.method = static_cast<Transparency>(i)};
+    EXPECT_TRUE(runtime_->supports(settings)) << int{i};
+    const Result<void> said = made->supports(settings);
+    const Result<PassList> list = listToDraw(settings, {}, made->tier());
+    ASSERT_TRUE(list);
+    const Result<void> prepared = made->prepare(*list, &formats);
+    ASSERT_EQ(said.ok(), prepared.ok()) << int{i};
+    const bool stores = settings.method != Transparency::kAlphaTest &&
+                        settings.method != Transparency::kStochastic &&
+                        settings.method != Transparency::kTiles;
+    EXPECT_EQ(said.ok(), !stores) << int{i};
+    if (said.ok()) continue;
+    EXPECT_EQ(said.error().code, ErrorCode::kUnsupported);
+    EXPECT_EQ(said.error().message, prepared.error().message);
+    EXPECT_NE(said.error().message.find("fragmentStoresAndAtomics"), std::string::npos)
+        << said.error().message;
+  }
+}
+
 // The one that runs: nothing was recorded before it is refused.
 TEST_F(VulkanTargets, AnAreaThatIsNotTheViewsIsRefusedBeforeARenderPassBegins) {
   engine_->begin(frame_);

@@ -17,6 +17,13 @@ const char* apiName(Api api) {
   return "unknown";
 }
 
+Result<void> HeadlessDevice::supports(const TransparencySettings& settings,
+                                      const DrawnFeatures& hair) const {
+  const Result<PassList> list = listToDraw(settings, hair, info().tier);
+  if (!list) return list.error();
+  return supports(*list);
+}
+
 Result<PixelArea> HeadlessDevice::drawArea(const RenderTargetDef& target) {
   const PixelArea& area = target.area;
   if (area.width == 0 || area.height == 0) return PixelArea{0, 0, target.width, target.height};

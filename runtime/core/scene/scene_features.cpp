@@ -80,7 +80,9 @@ std::string pipelineOf(const PassList& list, const Pass& pass) {
 
 class SmallScene {
  public:
-  explicit SmallScene(const SceneFeatures& features) : features_(features) {}
+  /// \param viewsOnly  keeps the passes of views, and drops those that move hair
+  explicit SmallScene(const SceneFeatures& features, bool viewsOnly = false)
+      : features_(features), viewsOnly_(viewsOnly) {}
 
   Result<PassList> play() {
     scene_.setTier(features_.tier);
@@ -214,7 +216,8 @@ class SmallScene {
       const FrameExecutor executor = {.update = [](const ResourceTable&) { return Result<void>(); },
                                       .record =
                                           [this](const FrameStep& step) {
-                                            take(*step.list);
+                                            if (!viewsOnly_ || step.view != FrameStep::kNoView)
+                                              take(*step.list);
                                             setDelivered(step.list->run);
                                             return Result<void>();
                                           },
@@ -240,6 +243,7 @@ class SmallScene {
   }
 
   const SceneFeatures& features_;
+  const bool viewsOnly_;
   Scene scene_;
   std::vector<HairId> hairs_;
   BufferId forces_ = BufferId::kInvalid, depth_ = BufferId::kInvalid;
@@ -251,6 +255,18 @@ class SmallScene {
 
 Result<PassList> listToPrepare(const SceneFeatures& features) {
   return SmallScene(features).play();
+}
+
+Result<PassList> listToDraw(const TransparencySettings& settings, const DrawnFeatures& hair,
+                            Tier tier) {
+  const SceneFeatures features = {.capsules = false,
+                                  .meshColliders = false,
+                                  .followHairs = hair.followHairs,
+                                  .attributes = hair.attributes,
+                                  .shadows = false,
+                                  .transparency = {settings},
+                                  .tier = tier};
+  return SmallScene(features, true).play();
 }
 
 }  // namespace pelage
