@@ -25,6 +25,18 @@ namespace detail {
 class SceneImpl;
 }  // namespace detail
 
+/// Bytes of the buffers of an object of a scene.
+struct ObjectBytes {
+  uint64_t own = 0;     ///< go with the object
+  uint64_t shared = 0;  ///< in buffers that others have, too: see Scene::bytesOf()
+};
+
+/// Bytes of the buffers that Scene::draw() has made for all hair together.
+struct DrawBytes {
+  std::vector<uint64_t> views;  ///< [n] of the n-th view of a frame, for all methods it has had
+  uint64_t shadows = 0;         ///< of the maps of all lights
+};
+
 /// Holds hair objects and writes their pass lists. No graphics API: a runtime creates the buffers
 /// of resources() and runs the lists, in the order in which they were made.
 ///
@@ -117,6 +129,16 @@ class PELAGE_API Scene {
   /// to use them in passes beside the scene's.
   ResourceTable& resources();
   const ResourceTable& resources() const;
+
+  /// Bytes of an object's buffers in resources(), of which removing it gives `own` back. Of hair,
+  /// `shared` are tables that objects with the same contents have together, and that go with the
+  /// last of them; of a collider its part of sdfKeys() and sdfSurface(). Buffers that a frame has
+  /// replaced, which stay until the next one, are in ResourceTable::totalBytes() alone. Asserts
+  /// that the object exists. Cost: some lookups.
+  ObjectBytes bytesOf(HairId id) const;
+  ObjectBytes bytesOf(ColliderId id) const;
+  /// Bytes of what trim() gives back, apart from drawCollider()'s.
+  DrawBytes drawBytes() const;
 
   /// Begins a frame that advances every hair object by dt: draw its views, and give it to a runtime
   /// before the next one. \param dt seconds, as below. Errors: as below.

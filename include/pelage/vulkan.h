@@ -88,6 +88,9 @@ struct RuntimeDef {
   /// Pipelines that are made at a time, each on a thread; 0: as many as there are processors. The
   /// driver calls allocationCallbacks from these threads.
   uint32_t pipelineThreads = 0;
+  /// Frames that may have recorded something and are not known to have completed; 0: any number. A
+  /// frame more is refused: an engine that never says what has completed would else use up memory.
+  uint32_t maxFramesInFlight = 64;
   /// The device counts as one of at most this tier: kernels that need more are refused. For tests
   /// of what small devices can do.
   Tier maxTier = Tier::kWide;
@@ -150,6 +153,15 @@ struct ViewTarget {
   std::function<void(const FrameStep& step)> end;
 };
 
+/// What a Runtime takes of the device's memory.
+struct MemoryUse {
+  uint64_t bufferBytes = 0;  ///< of the table's buffers: Runtime::bufferBytes()
+  /// Of constants and uploads: those of frames in flight, and what is kept for the next ones. Grows
+  /// with each frame that is not known to have completed.
+  uint64_t frameBytes = 0;
+  uint32_t framesInFlight = 0;  ///< that recorded something, and are not known to have completed
+};
+
 /// Executes pass lists of one ResourceTable.
 ///
 /// A command buffer that it recorded is to be submitted once, in the frame it was recorded in, and
@@ -175,8 +187,9 @@ class PELAGE_VULKAN_API Runtime {
 
   /// Starts a frame: numbers rise, from 1. All frames up to `completedFrame` are known to have
   /// finished on the device (their fences were signalled); what they used is reused or destroyed.
-  /// Any number of frames may be in flight. What was recorded without submitted() counts as lost.
-  /// Asserts that frame numbers rise.
+  /// RuntimeDef::maxFramesInFlight may be in flight; where they are, update(), record() and
+  /// recordDraws() refuse another one, until this or collect() says that some have completed. What
+  /// was recorded without submitted() counts as lost. Asserts that frame numbers rise.
   void beginFrame(uint64_t frame, uint64_t completedFrame);
   /// Says that all that was recorded since beginFrame() was submitted, or is sure to be: call it
   /// once vkQueueSubmit() has succeeded, or when another thread has taken the command buffers over.
@@ -248,6 +261,8 @@ class PELAGE_VULKAN_API Runtime {
   /// Bytes of the buffers that update() has made and that are not destroyed yet: those that were
   /// removed count until their frame is known to have finished. Without what the engine owns.
   uint64_t bufferBytes() const;
+  /// All that it has allocated, apart from pipelines and descriptor sets.
+  MemoryUse memoryUse() const;
 
   /// Drops the pipelines made for a render pass that is about to be destroyed; its frames must have
   /// completed.

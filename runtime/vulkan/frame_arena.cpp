@@ -61,6 +61,13 @@ Result<ArenaSlice> FrameArena::allocate(uint64_t frame, VkDeviceSize size, VkDev
   return slice(*busy_.back());
 }
 
+uint64_t FrameArena::bytes() const {
+  uint64_t bytes = 0;
+  for (const auto* chunks : {&busy_, &free_})
+    for (const auto& chunk : *chunks) bytes += chunk->size;
+  return bytes;
+}
+
 void FrameArena::collect(uint64_t completedFrame) {
   for (auto& chunk : busy_) {
     if (chunk->frame > completedFrame) continue;

@@ -32,6 +32,8 @@ class FrameArena {
   Result<ArenaSlice> allocate(uint64_t frame, VkDeviceSize size, VkDeviceSize alignment);
   /// Takes back what frames up to `completedFrame` used.
   void collect(uint64_t completedFrame);
+  /// Of all chunks.
+  uint64_t bytes() const;
 
  private:
   struct Chunk {

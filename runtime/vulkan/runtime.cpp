@@ -221,6 +221,7 @@ struct Runtime::Impl {
   Result<void> checkExternal(const BufferDesc& desc, const ExternalBuffer& external) const;
   Result<BufferSlot> createSlot(const BufferDesc& desc, const ExternalBuffer* external);
   void retire(BufferSlot& slot);
+  Result<void> enterFrame();
   void collect(uint64_t completed);
   void submitted();
   void abandonFrame();
@@ -262,6 +263,8 @@ struct Runtime::Impl {
 
   uint64_t frame = 0;
   uint64_t completedFrame = 0;
+  uint32_t maxFramesInFlight = 0;        // 0: any number
+  std::vector<uint64_t> framesInFlight;  // that recorded something
   bool timestamps = false;
 
   std::vector<BufferSlot> slots;
@@ -430,6 +433,7 @@ Result<void> Runtime::Impl::update(const ResourceTable& resources, VkCommandBuff
         "runtime for each scene");
   }
   if (tableId != 0 && tableVersion == resources.version()) return {};
+  if (Result<void> entered = enterFrame(); !entered) return entered;
 
   std::vector<New> added;
   if (Result<void> created = create(resources, added); !created) return created;
@@ -462,8 +466,23 @@ void Runtime::Impl::abandonFrame() {
   tableVersion = 0;
 }
 
+// Before anything of a frame is recorded, or memory taken for it.
+Result<void> Runtime::Impl::enterFrame() {
+  if (!framesInFlight.empty() && framesInFlight.back() == frame) return {};
+  if (maxFramesInFlight != 0 && framesInFlight.size() >= maxFramesInFlight) {
+    return invalid(fmt::format(
+        "frame {} is refused: {} frames, from frame {} on, are not known to have completed; pass "
+        "the last one whose fence was signalled to beginFrame() or collect(), or raise "
+        "RuntimeDef::maxFramesInFlight",
+        frame, framesInFlight.size(), framesInFlight.front()));
+  }
+  framesInFlight.push_back(frame);
+  return {};
+}
+
 void Runtime::Impl::collect(uint64_t completed) {
   completedFrame = std::max(completedFrame, completed);
+  std::erase_if(framesInFlight, [this](uint64_t open) { return open <= completedFrame; });
   std::erase_if(retiredBuffers, [&](const RetiredBuffer& retired) {
     if (retired.frame > completedFrame) return false;
     memory.destroy(retired.buffer);
@@ -613,6 +632,7 @@ Result<void> Runtime::Impl::resolvePass(const PassList& list, const Pass& pass,
 
 Result<void> Runtime::Impl::resolve(const PassList& list, bool draws, const TargetFormats* target) {
   PELAGE_ASSERT(frame > 0, "beginFrame() comes before record()");
+  if (Result<void> entered = enterFrame(); !entered) return entered;
   resolved.clear();
   dynamicOffsets.clear();
   const ListPart part = draws ? ListPart::kDraws : ListPart::kDispatches;
@@ -813,6 +833,7 @@ Result<Runtime> Runtime::create(const RuntimeDef& def) {
       return opened.error();
     for (const KernelCodeList list : def.code) impl->pipelines.addCode(list);
     impl->pipelines.setThreads(def.pipelineThreads);
+    impl->maxFramesInFlight = def.maxFramesInFlight;
     return Runtime(std::move(impl));
   });
 }
@@ -924,6 +945,11 @@ Result<VkDescriptorSetLayout> Runtime::createLayout(const LayoutTable& table) {
 BufferRange Runtime::buffer(BufferId id) const {
   const BufferSlot* slot = impl_->find(id);
   return slot != nullptr ? BufferRange{slot->buffer, slot->offset, slot->size} : BufferRange{};
+}
+
+MemoryUse Runtime::memoryUse() const {
+  return {bufferBytes(), impl_->constantsArena.bytes() + impl_->stagingArena.bytes(),
+          static_cast<uint32_t>(impl_->framesInFlight.size())};
 }
 
 uint64_t Runtime::bufferBytes() const {

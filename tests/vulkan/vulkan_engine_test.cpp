@@ -416,6 +416,67 @@ TEST_F(VulkanEngine, TakesBackThePipelineCacheOfAnEarlierRunAndIgnoresAForeignOn
   }
 }
 
+TEST_F(VulkanEngine, RefusesFramesWhenNoneIsEverSaidToHaveCompleted) {
+  RuntimeDef def = engine_->runtimeDef();
+  EXPECT_EQ(def.maxFramesInFlight, 64u);
+  def.maxFramesInFlight = 8;
+  createRuntime(def);
+  const BufferId source = add("source", ramp(0));
+  const BufferId target = add("target", ramp(0));
+  const auto record = [&](uint64_t completed) {
+    ++frame_;
+    const Engine::Frame& slot = frames_[frame_ % kFramesInFlight];
+    engine_->begin(slot);
+    runtime_->beginFrame(frame_, completed);
+    Result<void> done = runtime_->update(table_, slot.commands);
+    PassList list;
+    const std::vector<uint32_t> fresh = ramp(1);
+    addUpload(list, source, std::as_bytes(std::span(fresh)));
+    addAccumulate(list, source, target, 1, 1);
+    tracker_.resolve(list);
+    if (done) done = runtime_->record(list, slot.commands);
+    submit(slot);
+    return done;
+  };
+  EXPECT_EQ(runtime_->memoryUse().frameBytes, 0u);
+  uint64_t bytes = 0;
+  for (uint32_t i = 1; i <= 8; ++i) {
+    ASSERT_TRUE(record(0));
+    const vulkan::MemoryUse use = runtime_->memoryUse();
+    EXPECT_EQ(use.framesInFlight, i);
+    EXPECT_EQ(use.bufferBytes, runtime_->bufferBytes());
+    EXPECT_EQ(use.bufferBytes, 2 * kBytes);
+    EXPECT_GT(use.frameBytes, bytes) << "what a frame has taken is not used again";
+    bytes = use.frameBytes;
+  }
+  // Without end, if it were for the engine.
+  for (int i = 0; i < 100; ++i) {
+    const Result<void> refused = record(0);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+    for (const char* word : {"8 frames, from frame 1 on", "fence", "maxFramesInFlight"})
+      EXPECT_NE(refused.error().message.find(word), std::string::npos) << refused.error().message;
+    EXPECT_EQ(runtime_->memoryUse().frameBytes, bytes);
+    EXPECT_EQ(runtime_->memoryUse().framesInFlight, 8u);
+  }
+  // With the number, it goes on, in the memory that it has.
+  for (int i = 0; i < 100; ++i) {
+    ASSERT_TRUE(record(frame_ - kFramesInFlight + 1));
+    EXPECT_LE(runtime_->memoryUse().framesInFlight, kFramesInFlight);
+    EXPECT_EQ(runtime_->memoryUse().frameBytes, bytes);
+  }
+  finishFrames();
+  EXPECT_EQ(runtime_->memoryUse().framesInFlight, 0u);
+
+  // No bound.
+  def.maxFramesInFlight = 0;
+  createRuntime(def);
+  frame_ = 1'000'000;  // numbers of an engine begin anywhere
+  for (int i = 0; i < 70; ++i) ASSERT_TRUE(record(0));
+  EXPECT_EQ(runtime_->memoryUse().framesInFlight, 70u);
+  finishFrames();
+}
+
 TEST_F(VulkanEngine, MeasuresPassesOfCompletedFrames) {
   createRuntime(engine_->runtimeDef());
   const BufferId source = add("source", ramp(0));

@@ -178,6 +178,18 @@ BufferId OitViews::counters() const {
   return last_ < slots_.size() ? slots_[last_]->buffers.lists.counters : BufferId::kInvalid;
 }
 
+std::vector<uint64_t> OitViews::bytes(const ResourceTable& resources) const {
+  std::vector<uint64_t> all;
+  for (const auto& slot : slots_) {
+    uint64_t& bytes = all.emplace_back(0);
+    for (const BufferId* buffer : slot->buffers.all()) {
+      const BufferDesc* desc = resources.find(*buffer);
+      bytes += desc != nullptr ? desc->size : 0;
+    }
+  }
+  return all;
+}
+
 void OitViews::trim(const RoomBuffers& room, const char* reason) {
   for (const auto& slot : slots_) {
     slot->tickets.lose(reason);

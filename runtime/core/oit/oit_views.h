@@ -90,6 +90,8 @@ class OitViews {
                       const RoomBuffers& room, uint64_t frame, std::vector<PassList>& lists);
   /// Of lists or tiles of the view that was drawn last; kInvalid before the first one.
   BufferId counters() const;
+  /// [view] bytes of its buffers, for all methods it has had.
+  std::vector<uint64_t> bytes(const ResourceTable& resources) const;
   /// Frees all buffers. \param reason why lists that have not run cannot any more.
   void trim(const RoomBuffers& room, const char* reason);
 

@@ -50,6 +50,9 @@ BufferId Scene::sdfKeys() const { return impl_->sdfKeys(); }
 BufferId Scene::sdfSurface() const { return impl_->sdfSurface(); }
 ResourceTable& Scene::resources() { return impl_->resources(); }
 const ResourceTable& Scene::resources() const { return impl_->resources(); }
+ObjectBytes Scene::bytesOf(HairId id) const { return impl_->objectBytes(id); }
+ObjectBytes Scene::bytesOf(ColliderId id) const { return impl_->objectBytes(id); }
+DrawBytes Scene::drawBytes() const { return impl_->drawBytes(); }
 Result<void> Scene::simulate(float dt, PassList& list) { return impl_->simulate(dt, list); }
 Result<void> Scene::draw(const View& view, const Light& light, PassList& list) {
   return impl_->draw(view, light, list);

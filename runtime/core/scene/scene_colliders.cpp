@@ -48,6 +48,12 @@ Result<void> SceneImpl::removeCollider(ColliderId id) {
   return {};
 }
 
+ObjectBytes SceneImpl::objectBytes(ColliderId id) {
+  static_cast<void>(collider(id));
+  const SdfRoom::Bytes bytes = sdfs_.bytesOf(id, room());
+  return {bytes.own, bytes.shared};
+}
+
 SdfCollider& SceneImpl::collider(ColliderId id) {
   SdfCollider* found = sdfs_.colliders.find(id);
   if (found == nullptr) endForId("collider()", sdfs_.colliders.whyNot(id));

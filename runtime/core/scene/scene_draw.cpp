@@ -41,6 +41,10 @@ BufferId SceneImpl::shadowViews() const { return draws_.shadows.views(); }
 
 BufferId SceneImpl::transparencyCounters() const { return draws_.oit.counters(); }
 
+DrawBytes SceneImpl::drawBytes() const {
+  return {draws_.oit.bytes(resources_), draws_.shadows.bytes(resources_)};
+}
+
 void SceneImpl::setTier(Tier tier) { draws_.tier = tier; }
 
 void SceneImpl::setShadowMemory(uint64_t maxBytes) { draws_.shadows.maxBytes = maxBytes; }

@@ -313,25 +313,45 @@ void SceneImpl::addHairBuffers(HairObject& object, const HairAsset& asset, const
                                  bytesOf(ribbonIndices(object.vertexCount_)), BufferUsage::kIndex);
 }
 
-Result<void> SceneImpl::removeHair(HairId id) {
-  if (!isValid(id)) return noSuchThing("removeHair()", objects_.whyNot(id));
-  settleFrames(false);
-  HairObject& object = hair(id);
-  forgetOwner(&object);
-  HairInternals& internals = *object.internals_;
-  HairBuffers& buffers = object.buffers_;
-  const RoomBuffers room = this->room();
-  internals.solver.remove(buffers, room);
-  internals.contacts.remove(room);
-  internals.grid.remove(room);
-  internals.followContacts.remove(room);
-  if (internals.skeleton != nullptr) buffers.boneTransforms = BufferId::kInvalid;
+// All that the object has in the table.
+void SceneImpl::removeHairBuffers(HairBuffers& buffers, HairFrameState& state, bool hasSkeleton,
+                                  const RoomBuffers& room) {
+  state.solver.remove(buffers, room);
+  state.contacts.remove(room);
+  state.grid.remove(room);
+  state.followContacts.remove(room);
+  if (hasSkeleton) buffers.boneTransforms = BufferId::kInvalid;
   for (BufferId* buffer :
        {&buffers.positions, &buffers.tangents, &buffers.bindRoots, &buffers.rootBindings,
         &buffers.boneTransforms, &buffers.followHairRecords, &buffers.strandThickness,
         &buffers.indices, &buffers.colliders, &buffers.sdfs, &buffers.vertexColors,
         &buffers.baseTexture})
     room.remove(*buffer);
+}
+
+// What removing it would give back, of copies of its state.
+ObjectBytes SceneImpl::objectBytes(HairId id) {
+  const HairObject& object = hair(id);
+  HairBuffers buffers = object.buffers_;
+  HairFrameState state = *object.internals_;
+  std::vector<RemovedBuffer> removed;
+  const RoomBuffers room = {resources_, hazards_, &removed};
+  removeHairBuffers(buffers, state, object.internals_->skeleton != nullptr, room);
+  ObjectBytes bytes;
+  for (const RemovedBuffer& buffer : removed) {
+    uint64_t& sum = shared_.contains(buffer.buffer) ? bytes.shared : bytes.own;
+    sum += room.bytesOf(buffer.buffer);
+  }
+  return bytes;
+}
+
+Result<void> SceneImpl::removeHair(HairId id) {
+  if (!isValid(id)) return noSuchThing("removeHair()", objects_.whyNot(id));
+  settleFrames(false);
+  HairObject& object = hair(id);
+  forgetOwner(&object);
+  HairInternals& internals = *object.internals_;
+  removeHairBuffers(object.buffers_, internals, internals.skeleton != nullptr, room());
   objects_.remove(id);
   removeUnusedCopies();
   collectShared();

@@ -45,6 +45,9 @@ class SceneImpl {
   BufferId sdfSurface() const { return sdfs_.surface; }
   ResourceTable& resources() { return resources_; }
   const ResourceTable& resources() const { return resources_; }
+  ObjectBytes objectBytes(HairId id);
+  ObjectBytes objectBytes(ColliderId id);
+  DrawBytes drawBytes() const;
   Result<void> simulate(float dt, PassList& list);
   Result<void> draw(const View& view, const Light& light, PassList& list);
   Result<void> draw(const View& view, std::span<const Light> lights,
@@ -90,6 +93,8 @@ class SceneImpl {
   void sendEverything();
 
   // Objects.
+  static void removeHairBuffers(HairBuffers& buffers, HairFrameState& state, bool hasSkeleton,
+                                const RoomBuffers& room);
   void addHairBuffers(HairObject& object, const HairAsset& asset, const HairDef& def);
   void followSkeletons();
   Result<SkeletonPose*> findSkeleton(SkeletonId id, uint32_t boneCount) const;

@@ -234,14 +234,34 @@ Result<ColliderId> SdfRoom::add(const SdfData& data, const SdfColliderDef& def,
   return id;
 }
 
+// All but the surface of draw(), and bones of a skeleton.
+std::vector<BufferId*> SdfRoom::buffersOf(SdfColliderBuffers& b, bool hasSkeleton) {
+  std::vector<BufferId*> all = {&b.bindVertices,   &b.bindings,      &b.bones,   &b.vertices,
+                                &b.verticesBefore, &b.pointVertices, &b.indices, &b.neighbors,
+                                &b.fanStarts,      &b.fans,          &b.counts,  &b.points,
+                                &b.work,           &b.marks,         &b.votes};
+  if (hasSkeleton) std::erase(all, &b.bones);
+  return all;
+}
+
+SdfRoom::Bytes SdfRoom::bytesOf(ColliderId id, const RoomBuffers& room) {
+  SdfCollider& collider = *colliders.find(id);
+  const SdfColliderInternals& c = *collider.internals_;
+  Bytes bytes;
+  for (const BufferId* buffer : buffersOf(collider.buffers_, c.skeleton != nullptr))
+    bytes.own += room.bytesOf(*buffer);
+  if (c.isoSurface) {
+    for (const BufferId buffer : c.isoSurface->buffers()) bytes.own += room.bytesOf(buffer);
+  }
+  if (keys != BufferId::kInvalid)
+    bytes.shared = c.keyCapacity * sizeof(uint32_t) + surfaceElements(c) * kRecordBytes;
+  return bytes;
+}
+
 void SdfRoom::remove(ColliderId id, const RoomBuffers& room) {
   SdfCollider& removed = *colliders.find(id);
   removeIsoSurface(removed, room);
-  SdfColliderBuffers& b = removed.buffers_;
-  if (removed.internals_->skeleton != nullptr) b.bones = BufferId::kInvalid;
-  for (BufferId* buffer : {&b.bindVertices, &b.bindings, &b.bones, &b.vertices, &b.verticesBefore,
-                           &b.pointVertices, &b.indices, &b.neighbors, &b.fanStarts, &b.fans,
-                           &b.counts, &b.points, &b.work, &b.marks, &b.votes})
+  for (BufferId* buffer : buffersOf(removed.buffers_, removed.internals_->skeleton != nullptr))
     room.remove(*buffer);
   colliders.remove(id);
   layOut(room);

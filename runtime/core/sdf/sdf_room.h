@@ -46,6 +46,11 @@ class SdfRoom {
   Result<ColliderId> add(const SdfData& data, const SdfColliderDef& def,
                          const Vector3<double>& shifted, const RoomBuffers& room);
   void remove(ColliderId id, const RoomBuffers& room);
+  /// Of a collider's own buffers, and of its part of keys and surface.
+  struct Bytes {
+    uint64_t own = 0, shared = 0;
+  };
+  Bytes bytesOf(ColliderId id, const RoomBuffers& room);
   /// Removes what only drawing a collider has made.
   void trim(const RoomBuffers& room);
 
@@ -73,6 +78,7 @@ class SdfRoom {
   BufferId keys = BufferId::kInvalid, surface = BufferId::kInvalid;
 
  private:
+  static std::vector<BufferId*> buffersOf(SdfColliderBuffers& buffers, bool hasSkeleton);
   static void addTables(SdfCollider& collider, const RoomBuffers& room);
   static void addSkinningBuffers(SdfCollider& collider, const CollisionMesh& mesh,
                                  const RoomBuffers& room);

@@ -249,6 +249,17 @@ void ShadowMaps::forget() {
   for (const std::unique_ptr<Table>& table : tables_) table->maker = nullptr;
 }
 
+uint64_t ShadowMaps::bytes(const ResourceTable& resources) const {
+  uint64_t bytes = 0;
+  const auto add = [&](BufferId buffer) {
+    const BufferDesc* desc = resources.find(buffer);
+    bytes += desc != nullptr ? desc->size : 0;
+  };
+  for (const std::unique_ptr<Bank>& bank : banks_) add(bank->words);
+  for (const std::unique_ptr<Table>& table : tables_) add(table->views);
+  return bytes;
+}
+
 void ShadowMaps::trim(const RoomBuffers& room, const char* reason) {
   for (const std::unique_ptr<Bank>& bank : banks_) {
     bank->tickets.lose(reason);

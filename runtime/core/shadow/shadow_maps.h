@@ -40,6 +40,8 @@ class ShadowMaps {
   void share(std::span<PassList> lists, uint64_t frame);
   /// Hair or the world has changed: no map is used again.
   void forget();
+  /// Bytes of all maps, and of what shaders know of them.
+  uint64_t bytes(const ResourceTable& resources) const;
   /// Frees all buffers. \param reason why lists that have not run cannot any more.
   void trim(const RoomBuffers& room, const char* reason);
 
