@@ -9,9 +9,9 @@
 #include <string_view>
 
 /// GTEST_SKIP() for lack of a driver or of a validation layer.
-#define PELAGE_SKIP_WITHOUT_DEVICE()                                                     \
-  return GTEST_MESSAGE_("", ::pelage::test::devicesRequired()                            \
-                                ? ::testing::TestPartResult::kFatalFailure               \
+#define PELAGE_SKIP_WITHOUT_DEVICE()                                       \
+  return GTEST_MESSAGE_("", ::pelage::test::devicesRequired()              \
+                                ? ::testing::TestPartResult::kFatalFailure \
                                 : ::testing::TestPartResult::kSkip)
 
 namespace pelage::test {

@@ -13,6 +13,7 @@
 #include "pelage/scene.h"
 #include "support/gpu_fixture.h"
 #include "support/plain_asset.h"
+#include "support/required_devices.h"
 #include "vulkan/vulkan_engine.h"
 
 namespace pelage::test {
@@ -313,7 +314,7 @@ class VulkanTargets : public testing::Test {
     VkPhysicalDeviceFeatures features = {};
     features.independentBlend = features.fragmentStoresAndAtomics = VK_TRUE;
     engine_ = Engine::create(reason, features);
-    if (engine_ == nullptr) GTEST_SKIP() << reason;
+    if (engine_ == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << reason;
     if (engine_->features().independentBlend == VK_FALSE ||
         engine_->features().fragmentStoresAndAtomics == VK_FALSE)
       GTEST_SKIP() << "the device lacks a feature";
