@@ -110,10 +110,13 @@ struct SimulationSettings {
   /// Fraction of the strand, from the root, on which global stiffness acts, 0..1.
   float globalRange = 0.3f;
   /// Velocity shock propagation: fraction of the root's rigid motion that the whole strand follows,
-  /// 0..1. At 0, with an infinite threshold, the kernel skips it.
+  /// 0..1. At 0, with an infinite threshold, the kernel skips it. Up to 0.75 gravity, wind and
+  /// forces act in full; from there their share falls linearly to 0 at 1, where hair moves rigidly
+  /// with its root in its bind shape. Hair that has another shape returns to the bind shape by its
+  /// stiffness, and colliders still push it.
   float vspCoefficient = 0.75f;
   /// Acceleration of the root [m/s2], > 0, from which on the strand follows more of the root's
-  /// motion; at twice this value it follows all of it.
+  /// motion; at twice this value it follows all of it. Gravity, wind and forces act meanwhile.
   float vspThreshold = 200.0f;
   WindSettings wind = {};
   /// Classic: rate at which the air drags a segment along, across the segment [1/s], >= 0. (In the

@@ -167,7 +167,7 @@ std::vector<Parameter> mainRows() {
             "acts.")},
       {PELAGE_FIELD(SimulationSettings, vspCoefficient), "share", "0..1",
        "Velocity shock propagation: fraction of the root's rigid motion that the whole strand "
-       "follows.",
+       "follows. From 0.75 on gravity, wind and forces fade; at 1 they do not act.",
        show(pulled(12), std::vector{0.0f, 0.75f, 1.0f},
             setting(&SimulationSettings::vspCoefficient),
             "The ball is pulled to the right at 12 m/s²: hair stays behind, or follows.")},

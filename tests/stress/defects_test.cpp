@@ -203,6 +203,64 @@ TEST_P(Defects, ShockPropagationCarriesTheWholeShapeThroughAHalfRotationInOneFra
   EXPECT_LT(worst, 1e-3) << "of 0.3 m";
 }
 
+// K12: gravity, wind and forces do not act at 1, whatever the root does.
+TEST_P(Defects, AtFullShockPropagationHairMovesRigidlyWithItsRoot) {
+  const HairAsset asset = wavyAsset(17, 12);
+  settings_.vspCoefficient = 1;
+  settings_.wind = {.velocity = {0, 1, 4}};
+  const HairId id = add(asset, {.settings = settings_});
+  HairObject& hair = run_.scene.hair(id);
+  const std::vector<Float4> force(17 * 12, {0, -20, 5, 0.5f});
+  const auto bytes = std::as_bytes(std::span(force));
+  BufferId forces = run_.scene.resources().add({.name = "forces",
+                                                .size = bytes.size(),
+                                                .stride = sizeof(Float4),
+                                                .initial = {bytes.begin(), bytes.end()}});
+  hair.setForces(forces);
+  double worst = 0;
+  for (int frame = 0; frame < 60; ++frame) {
+    const Eigen::Matrix3d rotation =
+        Eigen::AngleAxisd(0.8 * std::sin(0.2 * frame), Vector3d(1, 2, -0.5).normalized())
+            .toRotationMatrix();
+    const Vector3d shift(0, 0.02 * frame, 0.1 * std::sin(0.3 * frame));
+    const AffineTransform bone = toTransform(rotation, shift);
+    hair.setBones({&bone, 1});
+    run_.step(frame % 3 == 2 ? 1.0f / 40 : 1.0f / 60);
+    const std::vector<Float4> positions = run_.positions(hair);
+    for (size_t i = 0; i < positions.size(); ++i) {
+      const Vector3d target = rotation * toVector(asset.positions[i]) + shift;
+      const double off = (toVector(positions[i]) - target).norm();
+      if (!(off <= worst)) worst = off;
+    }
+  }
+  EXPECT_LT(worst, 5e-5) << "of 0.3 m";
+  remove(id);
+  run_.scene.resources().remove(forces);
+}
+
+// K12: the share of gravity is 1 up to 0.75, and falls linearly to 0 at 1.
+TEST_P(Defects, GravityFadesTowardsFullShockPropagation) {
+  const HairAsset asset = straightAsset({12, 12}, 0.1, {1, 0, 0});
+  settings_.damping = 0.2f;
+  settings_.bendLength = 0.2f;
+  settings_.globalStiffness = exact() ? 0.0f : 0.3f;
+  settings_.globalRange = 1;
+  std::vector<double> sags;
+  for (const float share : {0.3f, 0.75f, 0.8125f, 0.875f, 0.9375f, 1.0f}) {
+    settings_.vspCoefficient = share;
+    const HairId id = add(asset, {.settings = settings_});
+    for (int frame = 0; frame < 180; ++frame) run_.step();
+    sags.push_back(-static_cast<double>(run_.positions(run_.scene.hair(id))[11].y));
+    remove(id);
+  }
+  ASSERT_GT(sags[1], 1e-3);
+  EXPECT_NEAR(sags[0], sags[1], 1e-4 * sags[1]);
+  for (int i = 1; i < 6; ++i) {
+    const double expected = sags[1] * (5 - i) / 4;
+    EXPECT_NEAR(sags[static_cast<size_t>(i)], expected, 0.03 * sags[1]) << i;
+  }
+}
+
 // K13: half turns of the root that nothing softens, on either side of 180 degrees.
 TEST_P(Defects, HairComesBackToItsShapeAfterHalfRotations) {
   const HairAsset asset = straightAsset({12, 12, 12, 12}, 0.1, {0, -1, 0});

@@ -135,7 +135,7 @@ void integrate(inout Strand s, float3 bindRoot, RootPose end, Motion motion) {
     float4 force = g_strandForces[vertexIndex(guide, i)];
     if (isUsable(force)) {
       precise float drag = max(force.w, 0.0) * stepLength;
-      precise float3 pushed = u + force.xyz * stepLength * stepLength;
+      precise float3 pushed = u + force.xyz * (1.0 - g_gravity.w) * stepLength * stepLength;
       u = pushed / (1.0 + drag);
     }
 #endif

@@ -32,8 +32,8 @@
 //      vertices.
 //  11. State, positions and tangents are written.
 // Wind comes before the shapes, so that the drag acts on velocities and not on their corrections.
-// Gravity acts at any fraction in 2.: the fraction transports the strand with the root; it is not a
-// stiffness.
+// The fraction in 2. transports the strand with the root; it is not a stiffness. Gravity, wind and
+// forces come reduced from the host where g_vspCoefficient is above 0.75.
 //
 // Invariant (tests/simulation): free strands have their rest lengths to rounding after every step,
 // in contact too; the rest pose without gravity is a fixed point to rounding; a strand at rest

@@ -137,7 +137,7 @@ ExtraForce extraForce(StoredVertex stored) {
 #if FORCES
   if (isUsable(stored.force)) {
     drag = drag + max(stored.force.w, 0.0);
-    acceleration = acceleration + stored.force.xyz;
+    acceleration = acceleration + stored.force.xyz * (1.0 - g_drift.w);
   }
 #endif
   ExtraForce extra;

@@ -45,7 +45,8 @@ cbuffer ExactConstants : register(b0, space1) {
   uint g_contactMasks;
   uint g_contactMaskWords;  // of a strand
   float g_twistInertia;     // 0.005 min(1, 60 h): rotary inertia about the tangent over am l^2
-  float4 g_drift;   // xyz (g + c wind) / weight [m], weight = 1 / he^2 + c / he
+  float4 g_drift;   // xyz (g + c wind) / weight [m], weight = 1 / he^2 + c / he; w = fraction by which
+                    // the accelerations of g_forces are reduced, 0..1
   float4 g_gust0;   // xyz addition of the gusts to g_drift now [m]; w = variation between strands, 0..1
   float4 g_gust1;   // xyz the same a quarter of their period later
   float4 g_air;     // xyz wind [m/s], w = c

@@ -36,7 +36,8 @@ cbuffer SimulationConstants : register(b0, space1) {
   uint g_contactMaskWords;  // of a strand
   uint g_factorSet;         // set of g_rest with factors of every vertex, 2; 0: there is none
   float g_forceShare;       // square(h) / square(H), in 0..1
-  float4 g_gravity;   // xyz [m/s2]; w unused
+  float4 g_gravity;   // xyz [m/s2]; w = fraction by which the accelerations of g_strandForces are
+                      // reduced, 0..1
   float4 g_wind;      // xyz velocity of the air [m/s], gusts included; w = air drag c [1/s]; 0: none
   float4 g_gust0;     // xyz part of the gusts in it now [m/s]; w = variation between strands, 0..1
   float4 g_gust1;     // xyz the same a quarter of their period later

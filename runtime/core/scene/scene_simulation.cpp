@@ -135,6 +135,7 @@ HairFrame SceneImpl::frameOf(HairObject& object, const SimulationSettings& setti
           .stateOrigin = hair.origin,
           .origin = hair.origin,
           .rebase = {},
+          .loadShare = loadShareOf(settings),
           .contacts = hair.contacts};
 }
 
@@ -153,7 +154,7 @@ Result<void> SceneImpl::simulateObject(HairObject& object, float length, uint32_
                                        PassList& list) {
   HairInternals& hair = *object.internals_;
   HairFrame frame = frameOf(object, object.settings, length, steps, list);
-  frame.air = airAt(frame.settings.wind, time_);
+  frame.air = airAt(frame.settings.wind, time_, frame.loadShare);
   if (hair.solver.prepare(frame)) hair.resetPending = true;
   frame.roots = object.rootTransforms();
   frame.reset = hair.resetPending;

@@ -43,7 +43,8 @@ SimulationConstants StrandSolver::classicConstants(const HairFrame& frame) const
   const double damping = static_cast<double>(s.damping);
 
   SimulationConstants constants = frame.constants();
-  constants.gravity = {s.gravity.x, s.gravity.y, s.gravity.z, 0};
+  const Float3 gravity = frame.gravity();
+  constants.gravity = {gravity.x, gravity.y, gravity.z, 1 - frame.loadShare};
   const Float3 wind = frame.air.velocity;
   constants.wind = {wind.x, wind.y, wind.z, s.airDrag};
   const Float3 gust0 = frame.air.gust0, gust1 = frame.air.gust1;

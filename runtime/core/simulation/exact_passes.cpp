@@ -56,7 +56,8 @@ Result<void> StrandSolver::addSleepPass(HairFrame& frame, ExactConstants constan
   const SimulationSettings& s = frame.settings;
   const HairBuffers& buffers = frame.buffers;
   const uint64_t tiles = tileCount(frame.guideCount);
-  const bool gusts = !isZero(s.wind.velocity) && s.wind.gustStrength > 0 && s.damping > 0;
+  const bool gusts =
+      !isZero(s.wind.velocity) && s.wind.gustStrength > 0 && s.damping > 0 && frame.loadShare > 0;
   const bool forced = frame.forces != BufferId::kInvalid;
   const bool refined = simulatedCount_ != simulatedBefore_;
   simulatedBefore_ = simulatedCount_;
@@ -138,7 +139,7 @@ Result<void> StrandSolver::addExactPasses(HairFrame& frame, HairGrid& grid,
           grid.record(gridHair, h * s.subSteps, step == 0 && frame.reset, frame.list);
       if (!added) return added;
     }
-    setExactStep(constants, s, h, history_, frame.air);
+    setExactStep(constants, s, h, history_, frame.air, frame.loadShare);
     constants.rootBegin = static_cast<float>(step) / static_cast<float>(steps);
     constants.rootEnd = static_cast<float>(step + 1) / static_cast<float>(steps);
     constants.flags = step + 1 == steps ? exact::kLastFlag : 0;

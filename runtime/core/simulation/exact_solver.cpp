@@ -222,20 +222,25 @@ std::vector<uint32_t> nearStrandsBefore(const HairAsset& asset, const ExactStran
   return parents;
 }
 
-AirMotion airAt(const WindSettings& wind, double time) {
+float loadShareOf(const SimulationSettings& settings) {
+  return std::min(1.0f, 4 * (1 - settings.vspCoefficient));
+}
+
+AirMotion airAt(const WindSettings& wind, double time, float loadShare) {
   const double phase = 2 * std::numbers::pi * time / static_cast<double>(wind.gustPeriod);
   const auto scaled = [&](double factor) {
     const auto of = [&](float v) { return static_cast<float>(static_cast<double>(v) * factor); };
     return Float3{of(wind.velocity.x), of(wind.velocity.y), of(wind.velocity.z)};
   };
   const double strength = static_cast<double>(wind.gustStrength);
-  return {.velocity = scaled(1 + strength * gust(phase)),
-          .gust0 = scaled(strength * gust(phase)),
-          .gust1 = scaled(strength * gust(phase + std::numbers::pi / 2))};
+  const double share = static_cast<double>(loadShare);
+  return {.velocity = scaled((1 + strength * gust(phase)) * share),
+          .gust0 = scaled(strength * gust(phase) * share),
+          .gust1 = scaled(strength * gust(phase + std::numbers::pi / 2) * share)};
 }
 
 void setExactStep(ExactConstants& constants, const SimulationSettings& s, double h,
-                  ExactHistory& history, const AirMotion& air) {
+                  ExactHistory& history, const AirMotion& air, float loadShare) {
   // BDF2 of a varying step, or backward Euler: as the layout file says.
   const double ratio = history.step > 0 ? h / history.step : 0;
   double a2 = 0, he = h;
@@ -250,8 +255,9 @@ void setExactStep(ExactConstants& constants, const SimulationSettings& s, double
                               weight);
   };
   const Float3 wind = air.velocity;
-  constants.drift = {displacement(s.gravity.x, wind.x), displacement(s.gravity.y, wind.y),
-                     displacement(s.gravity.z, wind.z), 0};
+  constants.drift = {displacement(s.gravity.x * loadShare, wind.x),
+                     displacement(s.gravity.y * loadShare, wind.y),
+                     displacement(s.gravity.z * loadShare, wind.z), 1 - loadShare};
   const bool blows = wind.x != 0 || wind.y != 0 || wind.z != 0;
   constants.gust0 = {displacement(0, air.gust0.x), displacement(0, air.gust0.y),
                      displacement(0, air.gust0.z), blows ? s.wind.strandVariation : 0};

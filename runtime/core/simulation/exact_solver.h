@@ -75,7 +75,11 @@ struct AirMotion {
   Float3 gust0;     ///< the part of the gusts in it
   Float3 gust1;     ///< the same a quarter of their period later
 };
-AirMotion airAt(const WindSettings& wind, double time);
+/// \param loadShare  of the wind that acts on hair
+AirMotion airAt(const WindSettings& wind, double time, float loadShare = 1);
+/// Share of gravity, wind and forces that acts on hair: 1 up to a VSP coefficient of 0.75, from
+/// there linearly to 0 at 1.
+float loadShareOf(const SimulationSettings& settings);
 
 /// The data of earlier sub-steps that a sub-step needs; zeros if there are none.
 struct ExactHistory {
@@ -87,7 +91,8 @@ struct ExactHistory {
 };
 
 /// Computes a sub-step of h seconds, which becomes the last one of the history.
+/// \param loadShare  of gravity and forces that acts; `air` has it already
 void setExactStep(ExactConstants& constants, const SimulationSettings& settings, double h,
-                  ExactHistory& history, const AirMotion& air);
+                  ExactHistory& history, const AirMotion& air, float loadShare = 1);
 
 }  // namespace pelage::detail

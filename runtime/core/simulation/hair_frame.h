@@ -34,6 +34,7 @@ struct HairFrame {
   float length;          ///< [s]
   uint32_t steps;
   AirMotion air;
+  float loadShare;  ///< of gravity, wind and forces that acts, 0..1; `air` has it already
   bool reset;
   LocalOrigin stateOrigin;  ///< of the state that the frame begins with
   LocalOrigin origin;       ///< of the object
@@ -47,6 +48,11 @@ struct HairFrame {
   bool collidersReplaced = false;        ///< others than in the frame before
   bool sleeps = false;                   ///< simulation: tiles of strands may sleep
 
+  /// That acts [m/s2].
+  Float3 gravity() const {
+    const Float3 g = settings.gravity;
+    return {g.x * loadShare, g.y * loadShare, g.z * loadShare};
+  }
   uint64_t guideVertices() const { return uint64_t{guideCount} * vertexCount; }
   /// What every kernel of the group "simulation" takes.
   SimulationConstants constants() const;

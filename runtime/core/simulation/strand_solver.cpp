@@ -149,7 +149,7 @@ Result<void> StrandSolver::findContacts(const HairFrame& frame, uint32_t step, u
                             .begin = static_cast<float>(step) / static_cast<float>(steps),
                             .end = static_cast<float>(step + 1) / static_cast<float>(steps),
                             .length = frame.length / static_cast<float>(steps),
-                            .gravity = frame.settings.gravity,
+                            .gravity = frame.gravity(),
                             .again = again};
   const ContactHair hair = {.positions = buffers.positions,
                             .roots = rootTransforms(buffers),
