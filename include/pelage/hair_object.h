@@ -184,6 +184,14 @@ class PELAGE_API HairObject {
   /// one is. Each other guide takes the shape of a simulated one near it. Changes take effect over
   /// a quarter of a second; guides fade from one shape to the other.
   float simulatedShare = 1;
+  /// If false, the hair is moved rigidly with its bones: it has its bind shape, and neither a
+  /// solver nor contacts have a pass. For characters far away and cut scenes. It takes effect at
+  /// the next frame; level of detail then applies to drawing alone. Once it is true again, the hair
+  /// continues from its bind shape with the velocity of its roots.
+  bool simulated = true;
+  /// Time in which gravity, wind and forces rise to their full strength after `simulated` has
+  /// become true again [s], finite, >= 0. With 0 they act at once.
+  float blendTime = 0.5f;
   /// If true, the hair collides with mesh colliders of the scene: with those of setMeshColliders(),
   /// or all.
   bool usesMeshColliders = true;

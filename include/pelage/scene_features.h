@@ -27,6 +27,7 @@ struct SceneFeatures {
   bool collidingFollowHairs = false;  ///< CollidingHair::kGuidesAndFollows
   bool levelOfDetail = false;         ///< HairDef::levelOfDetail
   bool attributes = false;    ///< HairAsset::strandThickness, vertexColor, HairDef::baseTexture
+  bool skinnedHair = false;   ///< HairObject::simulated = false
   bool originShifts = false;  ///< Scene::shiftOrigin()
   bool shadows = true;        ///< Light::shadow, Scene::castShadows()
   /// One for each method that views use; TransparencySettings::opaqueDepth counts as given where it

@@ -85,6 +85,17 @@ std::vector<Parameter> objectRows() {
            [](Setup& s, float v) { s.simulatedShare = v; },
            "0.5 s into a fast rotation: 8, 100 and all 2,000 guides."),
        "exact"},
+      {PELAGE_FIELD(HairObject, simulated),
+       "",
+       "",
+       "If false, the hair is moved rigidly with its bones, without a solver and contacts.",
+       {}},
+      {PELAGE_FIELD(HairObject, blendTime),
+       "s",
+       ">= 0",
+       "Time in which gravity, wind and forces rise to their full strength after `simulated` has "
+       "become true again.",
+       {}},
       {PELAGE_FIELD(HairObject, usesMeshColliders), "", "",
        "If true, the hair collides with mesh colliders of the scene: with those of "
        "setMeshColliders(), or all.",

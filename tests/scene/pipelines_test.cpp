@@ -173,6 +173,12 @@ class Game {
       for (const HairId id : hairs_) scene_.hair(id).setForces(forces);
     }
     frames(2);
+    if (features_.skinnedHair) {
+      for (const HairId id : hairs_) scene_.hair(id).simulated = false;
+      frames(2);
+      for (const HairId id : hairs_) scene_.hair(id).simulated = true;
+      frames(2);
+    }
     if (features_.originShifts) {
       ASSERT_TRUE(scene_.shiftOrigin({7, 0, 0}));
     }
@@ -216,6 +222,7 @@ TEST(ListToPrepare, HasEveryPipelineThatIsSwitchedOnLater) {
       {.settings = {settingsOf(Solver::kExact, true), settingsOf(Solver::kClassic, true)},
        .forces = true,
        .collidingFollowHairs = true,
+       .skinnedHair = true,
        .originShifts = true,
        .transparency = methods,
        .reversedDepth = true},
@@ -255,6 +262,8 @@ TEST(ListToPrepare, LeavesOutWhatIsNotWanted) {
   EXPECT_EQ(count({.transparency = {}}, "strand_vertex"), 0u);
   EXPECT_EQ(count({.tier = Tier::kBase}, "strand_vertex"), 0u);
   EXPECT_EQ(count({}, "simulate_classic"), 0u);
+  EXPECT_EQ(count({}, "skin_exact_strands"), 0u);
+  EXPECT_EQ(count({.skinnedHair = true}, "skin_exact_strands"), 1u);
 }
 
 TEST(ListToPrepare, RefusesSettingsThatAreOutOfRange) {

@@ -123,6 +123,66 @@ TEST_F(SceneTest, FollowHairsThatOnlyTheDrawingNeedsAreNeitherStoredNorUpdated) 
   EXPECT_FALSE(evaluatesFollows()) << "guides alone";
 }
 
+TEST_F(SceneTest, HairThatIsNotSimulatedHasNoPassOfASolverOrOfContacts) {
+  for (const Solver solver : {Solver::kExact, Solver::kClassic}) {
+    const bool exact = solver == Solver::kExact;
+    const char* solve = exact ? "simulate_exact" : "simulate_classic";
+    const char* skin = exact ? "skin_exact_strands" : "skin_classic_strands";
+    SimulationSettings settings;
+    settings.solver = solver;
+    settings.contact.stiffness = 0.5f;
+    const auto follow = asset_.generateFollowHairs({.countPerGuide = 3});
+    ASSERT_TRUE(follow);
+    const Result<HairId> id =
+        scene_.addHair(asset_, {.settings = settings,
+                                .followHairs = *follow,
+                                .storeFollowHairs = true,
+                                .collidingHair = CollidingHair::kGuidesAndFollows});
+    ASSERT_TRUE(id);
+    HairObject& hair = scene_.hair(*id);
+    const CapsuleCollider ball = {.headRadius = 0.3f, .tailRadius = 0.3f};
+    hair.setColliders({&ball, 1});
+    simulate();
+    EXPECT_GT(countPasses(list_, solve), 0u);
+    EXPECT_EQ(countPasses(list_, skin), 0u);
+    hair.simulated = false;
+    AffineTransform bone;
+    const auto move = [&] {
+      bone.rows[0].w += 0.01f;
+      hair.setBones({&bone, 1});
+    };
+    const auto expectSkinned = [&](uint32_t roots, uint32_t skins) {
+      EXPECT_EQ(simulate().passes.size(), roots + skins + 1);
+      EXPECT_EQ(countPasses(list_, "skin_roots"), roots);
+      EXPECT_EQ(countPasses(list_, skin), skins);
+      EXPECT_EQ(countPasses(list_, "update_follow_hairs"), 1u);
+    };
+    move();
+    expectSkinned(1, 1);
+    expectSkinned(1, 1);
+    // Nothing moves.
+    expectSkinned(0, 0);
+    ASSERT_TRUE(scene_.shiftOrigin({1, 0, 0}));
+    bone.rows[0].w -= 1;
+    expectSkinned(0, 1);
+    expectSkinned(0, 0);
+    move();
+    expectSkinned(1, 1);
+    hair.simulated = true;
+    simulate();
+    EXPECT_GT(countPasses(list_, solve), 0u);
+    EXPECT_EQ(countPasses(list_, skin), 0u);
+    EXPECT_GT(countPasses(list_, "find_contacts"), 0u);
+    hair.blendTime = -1;
+    EXPECT_FALSE(scene_.simulate(0.01f, list_));
+    hair.blendTime = std::numeric_limits<float>::quiet_NaN();
+    const Result<void> refused = scene_.simulate(0.01f, list_);
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find("blendTime"), std::string::npos);
+    EXPECT_TRUE(scene_.removeHair(*id));
+  }
+}
+
 TEST_F(SceneTest, WhatIsSwitchedOffHasNoStrengthInTheKernel) {
   HairObject& hair = add();
   hair.settings.wind.velocity = {};

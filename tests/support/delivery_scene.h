@@ -94,7 +94,8 @@ class DeliveryScene {
       settings.contact.stiffness = settings.contact.friction = 0.3f;
       if (solver == Solver::kExact) features.settings.push_back(settings);
     }
-    features.collidingFollowHairs = features.levelOfDetail = features.originShifts = true;
+    features.collidingFollowHairs = features.levelOfDetail = true;
+    features.skinnedHair = features.originShifts = true;
     features.transparency = {};
     return features;
   }
@@ -134,6 +135,7 @@ class DeliveryScene {
       own.simulatedShare = frame < 2 || frame > 7 ? 1.0f : 0.5f;
     }
     if (frame == 7) own.reset();
+    own.simulated = frame != 1 && frame != 2;
     const float shift = frame >= 8 ? 2.0f : 0.0f;
     // First at rest, then one bone alone, then both.
     const float moved = frame == 1 ? 0 : t;

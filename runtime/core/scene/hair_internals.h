@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -42,6 +43,9 @@ struct HairFrameState {
 
   bool resetPending = true;
   uint32_t stillFrames = 0;  ///< since the bones changed last
+  bool skinned = false;      ///< the last frame did not simulate it
+  /// Since it is simulated again [s]; infinite if it always was.
+  float sinceSkinned = std::numeric_limits<float>::infinity();
 
   // Of the rooms.
   HairContacts contacts;

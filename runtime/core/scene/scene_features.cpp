@@ -94,6 +94,12 @@ class SmallScene {
         scene_.hair(id).setForces(forces ? forces_ : BufferId::kInvalid);
       if (Result<void> ran = playColliders(); !ran) return ran.error();
     }
+    if (features_.skinnedHair) {
+      for (const bool simulated : {false, true}) {
+        for (const HairId id : hairs_) scene_.hair(id).simulated = simulated;
+        if (Result<void> ran = frames(); !ran) return ran.error();
+      }
+    }
     if (features_.originShifts) {
       if (Result<void> moved = scene_.shiftOrigin({1, 0, 0}); !moved) return moved.error();
       if (Result<void> ran = frames(); !ran) return ran.error();

@@ -110,6 +110,9 @@ class SceneImpl {
                     uint32_t steps, PassList& list);
   static GridHair gridHairOf(const HairFrame& frame, const HairInternals& hair);
   Result<void> simulateObject(HairObject& object, float length, uint32_t steps, PassList& list);
+  static float blendOf(HairObject& object, float length);
+  static Result<void> skinObject(HairObject& object, HairFrame& frame);
+  static void beginBones(HairObject& object, HairFrame& frame);
   static void sendBones(HairObject& object, PassList& list);
   void sendSdfs(HairObject& object, HairFrame& frame);
   static void sendCapsules(HairObject& object, HairFrame& frame);

@@ -1,7 +1,9 @@
-// Hair that has not moved yet, in frames of 0 s: it is shown in its bind pose under the bones, and
-// its reset waits for the first frame that moves it.
+// Hair that no solver moves. In frames of 0 s hair that has not moved yet is shown in its bind pose
+// under the bones, and its reset waits for the first frame that moves it; hair that is not
+// simulated has this pose in every frame.
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "scene/scene_impl.h"
 #include "simulation/hair_passes.h"
@@ -65,11 +67,36 @@ Result<void> SceneImpl::poseObject(HairObject& object, PassList& list) {
   frame.origin = hair.origin;
   sendBones(object, list);
   Result<void> added = addRootPass(frame, hair.skinning);
-  if (added) added = hair.solver.record(frame, hair.grid, gridHairOf(frame, hair));
+  if (added) {
+    added = object.simulated ? hair.solver.record(frame, hair.grid, gridHairOf(frame, hair))
+                             : hair.solver.skin(frame);
+  }
   if (added) added = addFollowPass(frame);
   static_cast<HairFrameState&>(hair) = before;
   hair.resetPending = hair.bonesChanged = true;
   return added;
+}
+
+// HairObject::simulated is false: nothing but the bones moves the hair.
+Result<void> SceneImpl::skinObject(HairObject& object, HairFrame& frame) {
+  HairInternals& hair = *object.internals_;
+  hair.grid.prepare(gridHairOf(frame, hair), false, frame.room);
+  frame.buffers.contactForces = hair.grid.forces();
+  beginBones(object, frame);
+  // What collides again later has no history, and capsules have not moved meanwhile.
+  hair.contacts.forget();
+  hair.contacts.clearTotals(frame.list);
+  hair.followContacts.forget();
+  hair.collidersBefore = hair.colliders;
+  hair.roundedShift = 0;
+  const Vector3<double>& shift = hair.pendingShift;
+  const bool shifts = shift.x != 0 || shift.y != 0 || shift.z != 0;
+  const bool posed = std::exchange(hair.skinned, true) && hair.stillFrames >= 2 && !shifts;
+  Result<void> added;
+  if (hair.stillFrames < 2) added = addRootPass(frame, hair.skinning);
+  if (added && !posed) added = hair.solver.skin(frame);
+  hair.resetPending = false;
+  return added ? addFollowPass(frame) : added;
 }
 
 }  // namespace pelage::detail

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "contact/capsules.h"
 #include "pelage/gpu_structs.h"
@@ -54,7 +55,7 @@ Result<void> SceneImpl::simulate(float dt, PassList& list) {
 
 // Where hair can collide with the meshes of the scene.
 std::optional<HairReach> SceneImpl::reachOf(const HairObject& object) const {
-  if (!object.usesMeshColliders) return std::nullopt;
+  if (!object.usesMeshColliders || !object.simulated) return std::nullopt;
   const HairInternals& hair = *object.internals_;
   return HairReach{ballOfCollisions(hair, object.settings.tipSeparation),
                    hair.meshColliders ? &*hair.meshColliders : nullptr};
@@ -93,6 +94,9 @@ Result<void> SceneImpl::checkObject(const HairObject& object) const {
     return Error{ErrorCode::kInvalidArgument, what};
   };
   if (Result<void> valid = validate(object.settings); !valid) return valid;
+  if (!(object.blendTime >= 0 && std::isfinite(object.blendTime)))
+    return refuse("blendTime is " + std::to_string(object.blendTime) +
+                  " s, but must be finite and at least 0");
   const float share = object.simulatedShare;
   const bool exact = object.settings.solver == Solver::kExact;
   if (exact && !(share >= 0 && share <= 1))
@@ -131,11 +135,11 @@ HairFrame SceneImpl::frameOf(HairObject& object, const SimulationSettings& setti
           .length = length,
           .steps = steps,
           .air = {},
+          .loadShare = loadShareOf(settings),
           .reset = false,
           .stateOrigin = hair.origin,
           .origin = hair.origin,
           .rebase = {},
-          .loadShare = loadShareOf(settings),
           .contacts = hair.contacts};
 }
 
@@ -150,25 +154,32 @@ GridHair SceneImpl::gridHairOf(const HairFrame& frame, const HairInternals& hair
           .settings = frame.settings.contact};
 }
 
+// Share of gravity, wind and forces since the object is simulated again.
+float SceneImpl::blendOf(HairObject& object, float length) {
+  HairInternals& hair = *object.internals_;
+  if (std::exchange(hair.skinned, false)) hair.sinceSkinned = 0;
+  const float since = hair.sinceSkinned;
+  hair.sinceSkinned += length;
+  return since < object.blendTime ? since / object.blendTime : 1.0f;
+}
+
 Result<void> SceneImpl::simulateObject(HairObject& object, float length, uint32_t steps,
                                        PassList& list) {
   HairInternals& hair = *object.internals_;
   HairFrame frame = frameOf(object, object.settings, length, steps, list);
-  frame.air = airAt(frame.settings.wind, time_, frame.loadShare);
   if (hair.solver.prepare(frame)) hair.resetPending = true;
   frame.roots = object.rootTransforms();
   frame.reset = hair.resetPending;
+  if (!object.simulated) return skinObject(object, frame);
+  frame.loadShare *= blendOf(object, length);
+  frame.air = airAt(frame.settings.wind, time_, frame.loadShare);
   const GridHair gridHair = gridHairOf(frame, hair);
   hair.grid.prepare(gridHair, frame.settings.solver == Solver::kExact, frame.room);
   frame.buffers.contactForces = hair.grid.forces();
   const bool touches = frame.buffers.contactForces != BufferId::kInvalid;
   frame.forces = touches ? frame.buffers.contactForces : frame.buffers.forces;
-  frame.rebase = moveOrigin(hair);
-  frame.origin = hair.origin;
+  beginBones(object, frame);
   frame.collidersReplaced = areReplaced(hair.collidersBefore, hair.colliders);
-  hair.stillFrames = hair.bonesChanged || frame.reset ? 0 : hair.stillFrames + 1;
-  if (hair.bonesChanged) sendBones(object, list);
-  hair.bonesChanged = false;
   sendSdfs(object, frame);
   sendCapsules(object, frame);
   hair.solver.prepareContacts(frame);
@@ -185,6 +196,16 @@ Result<void> SceneImpl::simulateObject(HairObject& object, float length, uint32_
   hair.resetPending = false;
   if (Result<void> placed = addFollowPass(frame); !placed) return placed;
   return addFollowCollision(frame, hair.followContacts);
+}
+
+// The object's origin and bones in a frame that moves it.
+void SceneImpl::beginBones(HairObject& object, HairFrame& frame) {
+  HairInternals& hair = *object.internals_;
+  frame.rebase = moveOrigin(hair);
+  frame.origin = hair.origin;
+  hair.stillFrames = hair.bonesChanged || frame.reset ? 0 : hair.stillFrames + 1;
+  if (hair.bonesChanged) sendBones(object, frame.list);
+  hair.bonesChanged = false;
 }
 
 void SceneImpl::sendBones(HairObject& object, PassList& list) {

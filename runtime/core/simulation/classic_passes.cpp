@@ -119,6 +119,28 @@ Result<void> StrandSolver::addClassicPasses(const HairFrame& frame) {
   return {};
 }
 
+// The bind shape under the roots.
+Result<void> StrandSolver::skinClassic(const HairFrame& frame) {
+  const HairBuffers& buffers = frame.buffers;
+  const uint64_t vertices = frame.guideVertices();
+  SimulationConstants constants = frame.constants();
+  constants.vspCoefficient = frame.settings.vspCoefficient;
+  lastStep_ = frame.length;
+  PassBuilder builder(frame.list);
+  dispatchRows(builder, skinClassicStrandsVariant({}), vertices);
+  builder.bytes(5 * vertices * kVector);
+  return builder.finish(
+      SimPosTanBindings{
+          .positions = {buffers.positions, vertices * kVector},
+          .tangents = {buffers.tangents, vertices * kVector},
+      },
+      SimBindings{
+          .simulationConstants = constants,
+          .rest = {buffers.rest, (restSets_.factors ? 3 : 2) * vertices * kVector},
+          .state = frame.room.resources.whole(buffers.state),
+      });
+}
+
 // Positions from the state, after a shift of the world.
 Result<void> StrandSolver::rewriteClassic(const HairFrame& frame) const {
   const HairBuffers& buffers = frame.buffers;

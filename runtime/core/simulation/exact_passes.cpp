@@ -63,7 +63,8 @@ Result<void> StrandSolver::addSleepPass(HairFrame& frame, ExactConstants constan
   simulatedBefore_ = simulatedCount_;
   frame.sleeps = s.sleep.enabled && !gusts && !forced && tiles <= kMaxListedTiles;
   const bool wake = frame.reset || !isZero(frame.rebase) || !sleptBefore_ || refined ||
-                    frame.collidersReplaced || s != settingsBefore_;
+                    frame.collidersReplaced || s != settingsBefore_ ||
+                    frame.loadShare != loadShareBefore_;
   sleptBefore_ = frame.sleeps;
   if (!frame.sleeps) return {};
 
@@ -252,6 +253,23 @@ Result<void> StrandSolver::addInterpolationPass(const HairFrame& frame,
   builder.dispatch(interpolateGuidesVariant({}), strands);
   return finishExactPass(frame, builder, constants,
                          uint64_t{strands} * frame.vertexCount * 5 * kVector);
+}
+
+// The bind shape under the roots. The frame counts as the second of two steps of backward Euler.
+Result<void> StrandSolver::skinExact(const HairFrame& frame) {
+  if (sleptBefore_) {
+    const uint32_t nothingIsAwake[kSleepHead] = {};
+    addUpload(frame.list, frame.buffers.sleep, std::as_bytes(std::span(nothingIsAwake)));
+  }
+  sleptBefore_ = false;
+  simulatedCount_ = simulatedBefore_ = frame.guideCount;
+  const double rate = 1 / static_cast<double>(frame.length);
+  history_ = {.step = static_cast<double>(frame.length), .rate = rate, .rateBefore = rate};
+  ExactConstants constants = frameConstants(frame);
+  constants.vspCoefficient = frame.settings.vspCoefficient;
+  PassBuilder builder(frame.list);
+  dispatchRows(builder, skinExactStrandsVariant({}), frame.guideCount);
+  return finishExactPass(frame, builder, constants, 7 * frame.guideVertices() * kVector);
 }
 
 // Positions from the state, after a shift of the world.

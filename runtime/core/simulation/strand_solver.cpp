@@ -166,6 +166,17 @@ Result<void> StrandSolver::record(HairFrame& frame, HairGrid& grid, const GridHa
   if (!added) return added;
   lastFrame_ = frame.length;
   settingsBefore_ = frame.settings;
+  loadShareBefore_ = frame.loadShare;
+  followsShifted_ = false;
+  return {};
+}
+
+Result<void> StrandSolver::skin(HairFrame& frame) {
+  const Result<void> added =
+      frame.settings.solver == Solver::kExact ? skinExact(frame) : skinClassic(frame);
+  if (!added) return added;
+  lastFrame_ = frame.length;
+  settingsBefore_ = frame.settings;
   followsShifted_ = false;
   return {};
 }

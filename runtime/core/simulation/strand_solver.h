@@ -41,6 +41,9 @@ class StrandSolver {
   void prepareContacts(HairFrame& frame) const;
   /// Adds the passes of the frame, and where they read them those of contacts and of the grid.
   Result<void> record(HairFrame& frame, HairGrid& grid, const GridHair& gridHair);
+  /// Adds the pass that poses the guides without simulating them, in place of record(). A frame
+  /// behind it continues from there, with the velocity of the roots.
+  Result<void> skin(HairFrame& frame);
   /// Adds the passes that write the positions anew from the state, after a shift of the world.
   Result<void> rewritePositions(const HairFrame& frame) const;
   /// Call it where follow hairs are where no simulation has put them: the next frame places all of
@@ -63,6 +66,7 @@ class StrandSolver {
 
   SimulationConstants classicConstants(const HairFrame& frame) const;
   Result<void> addClassicPasses(const HairFrame& frame);
+  Result<void> skinClassic(const HairFrame& frame);
   Result<void> rewriteClassic(const HairFrame& frame) const;
 
   ExactConstants exactConstants(const HairFrame& frame) const;
@@ -76,12 +80,14 @@ class StrandSolver {
   Result<void> finishExactPass(const HairFrame& frame, PassBuilder& builder,
                                const ExactConstants& constants, uint64_t bytes) const;
   void setLevelOfDetail(const HairFrame& frame, ExactConstants& constants);
+  Result<void> skinExact(const HairFrame& frame);
   Result<void> rewriteExact(const HairFrame& frame) const;
 
   std::optional<Solver> solver_;  ///< that the buffers were made for
   RestSets restSets_;             ///< likewise
   /// Of the last frame; a change wakes all strands.
   SimulationSettings settingsBefore_;
+  float loadShareBefore_ = 1;  ///< likewise
   float lastFrame_ = 0;
   float lastStep_ = 0;        ///< classic: length of the last sub-step [s]; 0 before the first one
   bool sleptBefore_ = false;  ///< tiles could sleep in the last frame
