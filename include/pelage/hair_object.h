@@ -226,7 +226,8 @@ class PELAGE_API HairObject {
   /// kInvalid removes the buffer. Forces keep the hair awake.
   void setForces(BufferId forces) { buffers_.forces = forces; }
   /// Puts the hair into its bind shape at the next frame and clears all velocities. Call it at
-  /// teleports, cuts, and changes of animation. It uploads bones, colliders and SDF records again.
+  /// cuts and changes of animation, and at teleports without Scene::teleport(). It uploads bones,
+  /// colliders and SDF records again.
   void reset();
 
  private:

@@ -263,6 +263,30 @@ class PELAGE_API Scene {
   /// Source: PxScene::shiftOrigin() of NVIDIA PhysX.
   Result<void> shiftOrigin(Float3 shift);
 
+  /// Moves an object rigidly to another place, with all that it is in the middle of: shape,
+  /// velocities, contacts, sleep. What was at p is at M p + t from now on, and the next frame goes
+  /// on as if the object had always been there. HairObject::reset() instead forgets it.
+  ///
+  ///     scene.teleport(hair, motion);
+  ///     scene.hair(hair).setBones(bonesThere);           // or those of its skeleton
+  ///     scene.hair(hair).setColliders(capsulesThere);
+  ///     scene.simulate(seconds, list);
+  ///
+  /// The object's own bones and capsules move along, and need not be set again if they do not move
+  /// otherwise. Yours to move before the next simulation are the skeleton that it follows, mesh
+  /// colliders (SdfCollider::reset() them, else they sweep through the hair), and, where the motion
+  /// rotates, gravity, wind and the forces of setForces(). Positions and tangents of HairBuffers
+  /// are moved when the next list of simulate(), also with dt = 0, draw(), castShadows() or
+  /// drawContacts() has run.
+  ///
+  /// \param motion a rotation (to 1e-3) and a translation [m] of at most 16,777,216 (2^24) along
+  ///   each axis; in world space.
+  ///
+  /// Errors: the id names no hair object of this scene; the motion scales, shears, mirrors, is not
+  /// finite or goes too far. Nothing has changed then.
+  /// Cost: passes over the state, contacts and tangents of the object in the next list.
+  Result<void> teleport(HairId id, const AffineTransform& motion);
+
   /// Seconds simulated so far; the phase of the wind. Without frames that were abandoned.
   double time() const;
 

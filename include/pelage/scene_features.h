@@ -29,6 +29,7 @@ struct SceneFeatures {
   bool attributes = false;    ///< HairAsset::strandThickness, vertexColor, HairDef::baseTexture
   bool skinnedHair = false;   ///< HairObject::simulated = false
   bool originShifts = false;  ///< Scene::shiftOrigin()
+  bool teleports = false;     ///< Scene::teleport()
   bool shadows = true;        ///< Light::shadow, Scene::castShadows()
   /// One for each method that views use; TransparencySettings::opaqueDepth counts as given where it
   /// is not kInvalid. Empty: nothing is drawn.

@@ -27,10 +27,11 @@ const std::vector<Feature>& features() {
   static const std::vector<Feature> kFeatures = {
       {"Simulation, classic solver",
        {"skin_roots", "simulate_classic", "skin_classic_strands", "rewrite_classic_positions",
-        "update_follow_hairs", "shift_positions"}},
+        "update_follow_hairs", "shift_positions", "move_rigidly"}},
       {"Simulation, exact solver",
        {"skin_roots", "select_awake_tiles", "simulate_exact", "skin_exact_strands",
-        "interpolate_guides", "rewrite_exact_positions", "update_follow_hairs", "shift_positions"}},
+        "interpolate_guides", "rewrite_exact_positions", "update_follow_hairs", "shift_positions",
+        "move_rigidly"}},
       {"Hair-hair contact",
        {"clear_hair_grid", "splat_hair_grid", "measure_hair_grid", "apply_hair_grid"}},
       {"Contact with colliders", {"find_contacts"}},

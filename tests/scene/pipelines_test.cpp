@@ -179,6 +179,10 @@ class Game {
       for (const HairId id : hairs_) scene_.hair(id).simulated = true;
       frames(2);
     }
+    if (features_.teleports) {
+      for (const HairId id : hairs_) ASSERT_TRUE(scene_.teleport(id, {}));
+      frames(1);
+    }
     if (features_.originShifts) {
       ASSERT_TRUE(scene_.shiftOrigin({7, 0, 0}));
     }
@@ -224,6 +228,7 @@ TEST(ListToPrepare, HasEveryPipelineThatIsSwitchedOnLater) {
        .collidingFollowHairs = true,
        .skinnedHair = true,
        .originShifts = true,
+       .teleports = true,
        .transparency = methods,
        .reversedDepth = true},
       {.capsules = false,

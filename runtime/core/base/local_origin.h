@@ -32,8 +32,9 @@ struct LocalOrigin {
   /// Returns a position relative to the origin in the current world.
   Float3 toWorld(const Float3& p) const { return toFloat3(toDouble3(p) + (metres - shifted)); }
   /// Returns the origin at the whole meters next to a position of the current world.
-  LocalOrigin near(const Float3& p) const {
-    const Vector3<double> at = toDouble3(p) + shifted;
+  LocalOrigin near(const Float3& p) const { return nearDouble(toDouble3(p)); }
+  LocalOrigin nearDouble(const Vector3<double>& p) const {
+    const Vector3<double> at = p + shifted;
     return {{std::round(at.x), std::round(at.y), std::round(at.z)}, shifted};
   }
   bool isAt(const LocalOrigin& other) const {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "contact/hair_contacts.h"
 #include "pelage/gpu_structs.h"
@@ -44,6 +45,11 @@ class FollowContacts {
   BufferId before() const { return before_; }
   uint64_t beforeCount() const { return 2 * vertices(); }  ///< elements of it
   BufferId words() const { return words_; }
+  /// What a rigid motion of the object moves.
+  std::vector<MovedElements> moved() const {
+    if (!goesOn_) return {};
+    return {{before_, 0, beforeCount(), 1, {move_rigidly::kMovesPoint}, true}};
+  }
 
  private:
   uint64_t vertices() const { return uint64_t{strands_} * vertices_; }

@@ -113,6 +113,20 @@ void HairContacts::prepare(ResourceTable& resources, const std::string& name,
   known_ = false;
 }
 
+std::vector<MovedElements> HairContacts::moved() const {
+  using namespace move_rigidly;
+  if (!known_ || records_ == BufferId::kInvalid) return {};
+  // Records, the positions before the last sub-step, and the displacements of the roots.
+  return {
+      {records_,
+       0,
+       recordBytes() / sizeof(Float4),
+       1,
+       {kMovesDirection, kMovesDirection, kMovesDirection, kMovesPoint}},
+      {records_, beforeElement(), vertices_, 1, {kMovesPoint}, true},
+      {records_, beforeElement() + vertices_, 2 * uint64_t{strandCount_}, 1, {kMovesDirection}}};
+}
+
 void HairContacts::clearTotals(PassList& list) {
   if (!counted_ || words_ == BufferId::kInvalid) return;
   const uint32_t zeros[kContactTotalWords] = {};

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/local_origin.h"
+#include "passes/moved_elements.h"
 #include "passes/room_buffers.h"
 #include "pelage/constants.h"
 #include "pelage/gpu_structs.h"
@@ -76,6 +77,10 @@ class HairContacts {
                     const ContactStep& step);
   /// Call after a list has moved the positions by a shift of the world.
   void shiftWorld(const Vector3<double>& shifted) { origin_.shifted = shifted; }
+  /// Call when moved() is relative to another origin from now on.
+  void moveTo(const LocalOrigin& origin) { origin_ = origin; }
+  /// What a rigid motion of the object moves.
+  std::vector<MovedElements> moved() const;
   /// Positions of the last sub-step from which find() continues; kInvalid if it does not.
   BufferId before() const { return known_ ? records_ : BufferId::kInvalid; }
   /// The Float4 of before() where they begin.

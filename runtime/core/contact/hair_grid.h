@@ -5,9 +5,12 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "assets/groom.h"
 #include "base/local_origin.h"
+#include "base/rigid_move.h"
+#include "passes/moved_elements.h"
 #include "passes/room_buffers.h"
 #include "pelage/gpu_structs.h"
 #include "pelage/pass_list.h"
@@ -48,6 +51,16 @@ class HairGrid {
   /// [vertex] Float4: the positions that it goes on from; kInvalid where it does not.
   BufferId before() const { return size_ > 0 && history_ > 0 ? vertices_ : BufferId::kInvalid; }
   void shift(ShiftedFloats& floats, const Vector3<double>& by) { floats.shift(middle_, by); }
+  /// Moves what it knows of the object by a rigid motion in the world.
+  void move(const RigidMove& move) {
+    middle_ = toFloat3(move(toDouble3(middle_)));
+    velocity_ = toFloat3(rotate(move.rotation, toDouble3(velocity_)));
+  }
+  /// What a rigid motion of the object moves on the GPU.
+  std::vector<MovedElements> moved(uint64_t vertices) const {
+    if (before() == BufferId::kInvalid) return {};
+    return {{vertices_, 0, vertices, 1, {move_rigidly::kMovesPoint}, true}};
+  }
 
  private:
   HairGridConstants constantsOf(const GridHair& hair, Float3 middle,

@@ -10,6 +10,7 @@
 #include "assets/groom.h"
 #include "base/bounds.h"
 #include "base/local_origin.h"
+#include "base/rigid_move.h"
 #include "contact/follow_contacts.h"
 #include "contact/hair_contacts.h"
 #include "contact/hair_grid.h"
@@ -22,6 +23,12 @@
 #include "skinning/skeleton_pose.h"
 
 namespace pelage::detail {
+
+/// A rigid motion that no list has yet moved an object's data on the GPU by.
+struct PendingTeleport {
+  RigidMove move;  ///< of coordinates relative to the object's origin: from the old to the new
+  Vector3<double> from;  ///< the old origin, as LocalOrigin::metres
+};
 
 /// What a frame changes of an object: Scene puts it back where the frame does not run. What the
 /// application sets is not part of it.
@@ -37,6 +44,7 @@ struct HairFrameState {
   bool originKnown = false;
   /// Shift of the world that no list has yet moved the outputs by [m].
   Vector3<double> pendingShift;
+  std::optional<PendingTeleport> teleport;
   /// Largest coordinate of the shift since the last simulation [m]: for what engines round anew.
   double roundedShift = 0;
   ShiftedFloats shiftedFloats;  ///< of what of this is in world space
@@ -78,6 +86,9 @@ void shiftWorld(HairInternals& hair, const Vector3<double>& shift, const Vector3
 /// The same of a frame's state, which may be one of before.
 void shiftWorld(HairFrameState& state, const Vector3<double>& shift,
                 const Vector3<double>& shifted);
+/// The pending teleport of positions in world space. Shifts of the world that are pending are part
+/// of it.
+RigidMove teleportInWorld(const HairFrameState& state);
 /// After a shift: capsules that moved by no more than an engine's rounding have not moved.
 void forgetRounding(HairInternals& hair);
 /// Around all strands in world space; a radius of infinity when a bone is not finite.

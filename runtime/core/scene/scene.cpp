@@ -92,6 +92,9 @@ Result<float> Scene::deepestContact(HairId id, std::span<const std::byte> contac
 void Scene::finish(PassList& list) { impl_->finish(list); }
 void Scene::abandon(const PassList& list) { impl_->abandon(list); }
 Result<void> Scene::shiftOrigin(Float3 shift) { return impl_->shiftOrigin(shift); }
+Result<void> Scene::teleport(HairId id, const AffineTransform& motion) {
+  return impl_->teleport(id, motion);
+}
 double Scene::time() const { return impl_->time(); }
 
 }  // namespace pelage

@@ -104,6 +104,11 @@ class SmallScene {
       if (Result<void> moved = scene_.shiftOrigin({1, 0, 0}); !moved) return moved.error();
       if (Result<void> ran = frames(); !ran) return ran.error();
     }
+    if (features_.teleports) {
+      for (const HairId id : hairs_)
+        if (Result<void> moved = scene_.teleport(id, {}); !moved) return moved.error();
+      if (Result<void> ran = frames(); !ran) return ran.error();
+    }
     std::stable_partition(all_.passes.begin(), all_.passes.end(),
                           [](const Pass& pass) { return !isDraw(pass.kind); });
     return std::move(all_);

@@ -70,6 +70,7 @@ class SceneImpl {
   void finish(PassList& list);
   void abandon(const PassList& list);
   Result<void> shiftOrigin(Float3 shift);
+  Result<void> teleport(HairId id, const AffineTransform& motion);
   double time() const { return time_; }
 
   DrawRooms& rooms() { return draws_; }
@@ -119,7 +120,8 @@ class SceneImpl {
   Result<void> poseNewHair(PassList& list);
   Result<void> poseObject(HairObject& object, PassList& list);
 
-  // Shifts of the world.
+  // Shifts of the world, and teleports.
+  static Result<void> addTeleport(const HairFrame& frame, const HairInternals& hair);
   Result<void> addPendingShifts(PassList& list);
   void shiftFrames(const Vector3<double>& by);
   void finishShift();

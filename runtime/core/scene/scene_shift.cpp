@@ -1,6 +1,6 @@
-// Shifts of the world's origin. Solvers' states are relative to origins of their own and stay as
-// they are; the outputs, which are in world space, are written anew or moved by the list that comes
-// next.
+// Shifts of the world's origin, and what lists do for teleports. Solvers' states are relative to
+// origins of their own and stay as they are; the outputs, which are in world space, are written
+// anew or moved by the list that comes next.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -19,6 +19,11 @@ namespace {
 constexpr float kMaxShift = 0x1p24f;
 
 bool isZero(const Vector3<double>& v) { return v.x == 0 && v.y == 0 && v.z == 0; }
+
+// The outputs of an object are not where its state is.
+bool isPending(const HairFrameState& state) {
+  return state.teleport.has_value() || !isZero(state.pendingShift);
+}
 
 }  // namespace
 
@@ -58,7 +63,7 @@ void SceneImpl::shiftFrames(const Vector3<double>& by) {
 // For a list that does not simulate.
 Result<void> SceneImpl::addPendingShifts(PassList& list) {
   const bool pending = std::any_of(objects_.begin(), objects_.end(), [](const auto& object) {
-    return object != nullptr && !isZero(object->internals_->pendingShift);
+    return object != nullptr && isPending(*object->internals_);
   });
   if (!pending) return {};
   // Where the list does not run, the next one has to move the outputs.
@@ -70,9 +75,10 @@ Result<void> SceneImpl::addPendingShifts(PassList& list) {
     list.frame = frames_.open.back().number;
   }
   for (const auto& object : objects_) {
-    if (object == nullptr || isZero(object->internals_->pendingShift)) continue;
+    if (object == nullptr || !isPending(*object->internals_)) continue;
     HairInternals& hair = *object->internals_;
     const HairFrame frame = frameOf(*object, object->settings, hair.solver.lastFrame(), 1, list);
+    if (Result<void> added = addTeleport(frame, hair); !added) return added;
     if (Result<void> added = addShiftPasses(frame, hair); !added) return added;
     if (Result<void> added = addFollowShift(frame, hair); !added) return added;
   }
@@ -82,17 +88,19 @@ Result<void> SceneImpl::addPendingShifts(PassList& list) {
 // Once a list has all that addPendingShifts() or simulateObject() adds.
 void SceneImpl::finishShift() {
   for (const auto& object : objects_) {
-    if (object == nullptr || isZero(object->internals_->pendingShift)) continue;
+    if (object == nullptr || !isPending(*object->internals_)) continue;
     object->internals_->pendingShift = {};
+    object->internals_->teleport.reset();
     object->internals_->contacts.shiftWorld(shifted());
   }
 }
 
 // The guides, and what the next sub-step goes on from.
 Result<void> SceneImpl::addShiftPasses(const HairFrame& frame, HairInternals& hair) {
-  if (isZero(hair.pendingShift)) return {};
+  if (!isPending(hair)) return {};
   if (Result<void> rewritten = hair.solver.rewritePositions(frame); !rewritten) return rewritten;
   if (hair.storesFollowHairs) hair.solver.placeFollowsAnew();
+  if (hair.teleport) return {};
   const Float3 by = toFloat3(-hair.pendingShift);
   const HairContacts& contacts = hair.contacts;
   if (contacts.before() != BufferId::kInvalid) {
@@ -112,8 +120,14 @@ Result<void> SceneImpl::addShiftPasses(const HairFrame& frame, HairInternals& ha
 Result<void> SceneImpl::addFollowShift(const HairFrame& frame, const HairInternals& hair) {
   if (!hair.storesFollowHairs) return {};
   if (!hair.followContacts.goesOn()) return addFollowPass(frame);
-  return addShift(frame, toFloat3(-hair.pendingShift), frame.buffers.positions,
-                  frame.guideVertices(), uint64_t{frame.followCount} * frame.vertexCount);
+  const uint64_t first = frame.guideVertices();
+  const uint64_t count = uint64_t{frame.followCount} * frame.vertexCount;
+  const BufferId positions = frame.buffers.positions;
+  if (hair.teleport) {
+    return addRigidMove(frame, teleportInWorld(hair),
+                        {positions, first, count, 1, {move_rigidly::kMovesPoint}});
+  }
+  return addShift(frame, toFloat3(-hair.pendingShift), positions, first, count);
 }
 
 }  // namespace pelage::detail

@@ -170,6 +170,9 @@ Result<void> SceneImpl::simulateObject(HairObject& object, float length, uint32_
   if (hair.solver.prepare(frame)) hair.resetPending = true;
   frame.roots = object.rootTransforms();
   frame.reset = hair.resetPending;
+  if (!frame.reset) {
+    if (Result<void> moved = addTeleport(frame, hair); !moved) return moved;
+  }
   if (!object.simulated) return skinObject(object, frame);
   frame.loadShare *= blendOf(object, length);
   frame.air = airAt(frame.settings.wind, time_, frame.loadShare);

@@ -127,4 +127,26 @@ Result<void> addShift(const HairFrame& frame, Float3 by, BufferId buffer, uint64
   });
 }
 
+Result<void> addRigidMove(const HairFrame& frame, const RigidMove& move,
+                          const MovedElements& elements) {
+  const auto narrow = [](double v) { return static_cast<float>(v); };
+  const Float3 shift = toFloat3(move.shift);
+  MoveRigidlyConstants constants = {};
+  constants.moveRotation = {narrow(move.rotation.x), narrow(move.rotation.y),
+                            narrow(move.rotation.z), narrow(move.rotation.w)};
+  constants.moveShift = {shift.x, shift.y, shift.z, 0};
+  constants.movedFirst = static_cast<uint32_t>(elements.first);
+  constants.movedCount = static_cast<uint32_t>(elements.count);
+  constants.movedBlock = static_cast<uint32_t>(elements.block);
+  constants.movedPeriod = elements.period;
+  constants.movedKinds = elements.kinds;
+  PassBuilder builder(frame.list);
+  dispatchRows(builder, moveRigidlyVariant({}), elements.count);
+  builder.bytes(2 * elements.count * kVector);
+  return builder.finish(MoveRigidlyBindings{
+      .moveRigidlyConstants = constants,
+      .movedElements = {elements.buffer, (elements.first + elements.count) * kVector},
+  });
+}
+
 }  // namespace pelage::detail

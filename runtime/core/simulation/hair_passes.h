@@ -3,7 +3,9 @@
 
 #include <cstdint>
 
+#include "base/rigid_move.h"
 #include "contact/follow_contacts.h"
+#include "passes/moved_elements.h"
 #include "pelage/kernel.h"
 #include "pelage/result.h"
 #include "simulation/hair_frame.h"
@@ -30,5 +32,9 @@ Result<void> addFollowCollision(const HairFrame& frame, FollowContacts& contacts
 /// Moves Float4 of a buffer by a shift of the world [m].
 Result<void> addShift(const HairFrame& frame, Float3 by, BufferId buffer, uint64_t first,
                       uint64_t count);
+
+/// Moves elements of a room by a rigid motion.
+Result<void> addRigidMove(const HairFrame& frame, const RigidMove& move,
+                          const MovedElements& elements);
 
 }  // namespace pelage::detail

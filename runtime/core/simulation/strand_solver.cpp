@@ -181,6 +181,30 @@ Result<void> StrandSolver::skin(HairFrame& frame) {
   return {};
 }
 
+std::vector<MovedElements> StrandSolver::moved(const HairFrame& frame) const {
+  using namespace move_rigidly;
+  const HairBuffers& buffers = frame.buffers;
+  const uint64_t guides = frame.guideCount, vertices = frame.guideVertices();
+  const uint64_t stored = frame.groom.storesFollowHairs ? frame.followCount : 0;
+  std::vector<MovedElements> all = {
+      {buffers.state, rootOffset_ / kVector, rootBytes_ / kVector, 1, {kMovesFrame, kMovesPoint}},
+      {buffers.tangents, 0, (guides + stored) * frame.vertexCount, 1, {kMovesDirection}}};
+  if (solver_ == Solver::kClassic) {
+    all.emplace_back(buffers.state, 0, 2 * vertices, 1, std::initializer_list{kMovesPoint});
+    return all;
+  }
+  const uint64_t set = stateStride_;
+  static_assert(exact::kStateSets == 2 * exact::kStateSlots && exact::kStrandElements == 5);
+  all.emplace_back(buffers.state, 0, exact::kStateSets * set, exact::kStateSlots * set,
+                   std::initializer_list{kMovesDirection, kMovesFrame});
+  // A rotation by which states were transported rotates as its axis does.
+  all.emplace_back(buffers.state, exact::kStateSets * set,
+                   exact::kStateSlots * exact::kStrandElements * guides, guides,
+                   std::initializer_list{kMovesDirection, kMovesPoint, kMovesPoint, kMovesDirection,
+                                         kMovesDirection});
+  return all;
+}
+
 Result<void> StrandSolver::rewritePositions(const HairFrame& frame) const {
   return solver_ == Solver::kExact ? rewriteExact(frame) : rewriteClassic(frame);
 }

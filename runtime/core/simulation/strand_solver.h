@@ -3,8 +3,10 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "contact/hair_grid.h"
+#include "passes/moved_elements.h"
 #include "passes/room_buffers.h"
 #include "pelage/gpu_structs.h"
 #include "pelage/pass_list.h"
@@ -46,6 +48,8 @@ class StrandSolver {
   Result<void> skin(HairFrame& frame);
   /// Adds the passes that write the positions anew from the state, after a shift of the world.
   Result<void> rewritePositions(const HairFrame& frame) const;
+  /// What a rigid motion of the object moves of the state, the roots and the tangents.
+  std::vector<MovedElements> moved(const HairFrame& frame) const;
   /// Call it where follow hairs are where no simulation has put them: the next frame places all of
   /// them anew, also those that sleep.
   void placeFollowsAnew() { followsShifted_ = true; }
