@@ -62,7 +62,8 @@ struct PassTiming {
   double milliseconds = 0;
 };
 
-/// Target of render(): 16-bit float colour (linear, RGBA) and 32-bit float depth, cleared first.
+/// Target of render(): 16-bit float colour (linear, RGBA; 32-bit with float32Color) and 32-bit
+/// float depth, cleared first.
 struct RenderTargetDef {
   uint32_t width = 0, height = 0;  ///< pixels, 1..16384
   uint32_t samples = 1;            ///< one of DeviceInfo::sampleCounts
@@ -77,6 +78,9 @@ struct RenderTargetDef {
   /// The viewport: what is drawn to of the target, as View::x, y, width and height have it. All of
   /// the target where it has no pixels. All of the target is cleared.
   PixelArea area = {};
+  /// 32-bit float colour, for what is no color: depth, motion. Not every device has it with several
+  /// samples a pixel, which is an error of render() then.
+  bool float32Color = false;
 };
 
 /// What render() gives back; row 0 is the top row on every API.

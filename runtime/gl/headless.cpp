@@ -330,6 +330,7 @@ class HeadlessGl final : public HeadlessDevice {
   Result<void> makeTarget(const RenderTargetDef& target);
   void releaseTarget();
   uint64_t sizeOf(BufferId buffer) const;
+  uint32_t sampleCounts(GLenum color) const;
   void clear(const RenderTargetDef& target) const;
   Result<void> recordLists(std::span<const PassList* const> lists, const RenderTargetDef& target,
                            gl::PassTimer* timer);
@@ -343,6 +344,7 @@ class HeadlessGl final : public HeadlessDevice {
 
   // Kept between frames of one size: [0] is drawn to, [1] takes the average of its samples.
   uint32_t width_ = 0, height_ = 0, samples_ = 0;
+  bool float32_ = false;
   GLuint framebuffers_[2] = {};
   GLuint renderbuffers_[3] = {};  // colour, depth of several samples, average
   GLuint depthTexture_ = 0;       // depth of one sample: what depthCopy_ can read
@@ -363,6 +365,10 @@ std::pair<std::string, std::string> splitVersion(const std::string& version) {
     at += kProfile.size();
   if (at == std::string::npos || at >= version.size()) return {version, ""};
   return {version.substr(0, at), version.substr(at + 1)};
+}
+
+GLenum colorFormatOf(const RenderTargetDef& target) {
+  return target.float32Color ? GL_RGBA32F : GL_RGBA16F;
 }
 
 // Sum of those of 1, 2, 4 and 8 that the format has. GL rounds other counts up without a word.
@@ -415,7 +421,7 @@ Result<void> HeadlessGl::initialise(const HeadlessDef& def) {
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   for (const char* software : {"llvmpipe", "softpipe", "swrast", "swiftshader", "software"})
     info_.software |= lower.find(software) != std::string::npos;
-  info_.sampleCounts = sampleCountsOf(gl_, GL_RGBA16F) & sampleCountsOf(gl_, GL_DEPTH_COMPONENT32F);
+  info_.sampleCounts = sampleCounts(GL_RGBA16F);
   info_.maxSamples = std::bit_floor(info_.sampleCounts);
   info_.maxBufferBytes = runtime_->limits().storageBlockBytes;
   info_.tier = runtime_->tier();
@@ -454,10 +460,13 @@ void HeadlessGl::releaseTarget() {
 }
 
 Result<void> HeadlessGl::makeTarget(const RenderTargetDef& target) {
-  if (width_ == target.width && height_ == target.height && samples_ == target.samples) return {};
+  if (width_ == target.width && height_ == target.height && samples_ == target.samples &&
+      float32_ == target.float32Color)
+    return {};
   releaseTarget();
   const auto width = static_cast<GLsizei>(target.width);
   const auto height = static_cast<GLsizei>(target.height);
+  const GLenum color = colorFormatOf(target);
   const GLsizei samples = target.samples > 1 ? static_cast<GLsizei>(target.samples) : 0;
   gl_.glGenFramebuffers(2, framebuffers_);
   gl_.glGenRenderbuffers(3, renderbuffers_);
@@ -466,10 +475,10 @@ Result<void> HeadlessGl::makeTarget(const RenderTargetDef& target) {
     gl_.glBindRenderbuffer(GL_RENDERBUFFER, renderbuffers_[index]);
     gl_.glRenderbufferStorageMultisample(GL_RENDERBUFFER, count, format, width, height);
   };
-  storage(0, GL_RGBA16F, samples);
+  storage(0, color, samples);
   if (samples > 0) {
     storage(1, GL_DEPTH_COMPONENT32F, samples);
-    storage(2, GL_RGBA16F, 0);
+    storage(2, color, 0);
   } else {
     gl_.glGenTextures(1, &depthTexture_);
     gl_.glActiveTexture(GL_TEXTURE0);
@@ -503,7 +512,8 @@ Result<void> HeadlessGl::makeTarget(const RenderTargetDef& target) {
     releaseTarget();
     return Error{error == GL_OUT_OF_MEMORY ? ErrorCode::kOutOfMemory : ErrorCode::kUnsupported,
                  info_.name + " cannot draw to " + std::to_string(target.width) + " x " +
-                     std::to_string(target.height) + " RGBA16F pixels with " +
+                     std::to_string(target.height) +
+                     (target.float32Color ? " RGBA32F" : " RGBA16F") + " pixels with " +
                      std::to_string(target.samples) + " samples and 32-bit depth (" +
                      (error != GL_NO_ERROR ? gl::errorName(error)
                                            : "framebuffer status " + std::to_string(status)) +
@@ -512,7 +522,12 @@ Result<void> HeadlessGl::makeTarget(const RenderTargetDef& target) {
   width_ = target.width;
   height_ = target.height;
   samples_ = target.samples;
+  float32_ = target.float32Color;
   return {};
+}
+
+uint32_t HeadlessGl::sampleCounts(GLenum color) const {
+  return sampleCountsOf(gl_, color) & sampleCountsOf(gl_, GL_DEPTH_COMPONENT32F);
 }
 
 uint64_t HeadlessGl::sizeOf(BufferId buffer) const {
@@ -575,12 +590,14 @@ Result<RenderedImage> HeadlessGl::render(std::span<const PassList* const> lists,
         ErrorCode::kInvalidArgument,
         "RenderTargetDef::samples is " + std::to_string(target.samples) + "; it is 1, 2, 4 or 8"};
   }
-  if ((info_.sampleCounts & target.samples) == 0) {
+  const ScopedCurrent current(egl_);
+  if (Result<void> ok = current.check(); !ok) return ok.error();
+  const uint32_t counts =
+      target.float32Color ? sampleCounts(colorFormatOf(target)) : info_.sampleCounts;
+  if ((counts & target.samples) == 0) {
     return unsupported(std::to_string(target.samples) + " samples a pixel: " + info_.name +
                        " has no such target; it has up to " + std::to_string(info_.maxSamples));
   }
-  const ScopedCurrent current(egl_);
-  if (Result<void> ok = current.check(); !ok) return ok.error();
   if (Result<void> ok = checkDepthCopy(target, lists.size(), sizeOf(target.depthCopy)); !ok)
     return ok.error();
   RenderedImage image;

@@ -87,7 +87,7 @@ class HeadlessVulkan final : public HeadlessDevice {
   Result<void> choosePhysicalDevice(int index);
   Result<void> createDevice();
   Result<void> describe();
-  uint32_t sampleCounts() const;
+  uint32_t sampleCounts(VkFormat color) const;
 
   /// Starts a frame and its command buffer.
   Result<void> begin();
@@ -434,14 +434,14 @@ Result<void> HeadlessVulkan::describe() {
                      : fmt::format("driver version {:#x}", device_.properties.driverVersion);
   info_.version = versionText(device_.properties.apiVersion);
   info_.software = device_.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
-  info_.sampleCounts = sampleCounts();
+  info_.sampleCounts = sampleCounts(RenderTarget::kColorFormat);
   info_.maxSamples = std::bit_floor(info_.sampleCounts);
   info_.maxBufferBytes = device_.properties.limits.maxStorageBufferRange;
   info_.tier = runtime_->tier();
   return {};
 }
 
-uint32_t HeadlessVulkan::sampleCounts() const {
+uint32_t HeadlessVulkan::sampleCounts(VkFormat color) const {
   const auto counts = [&](VkFormat format, VkImageUsageFlags usage) -> VkSampleCountFlags {
     VkImageFormatProperties properties = {};
     const VkResult result = device_.vk.GetPhysicalDeviceImageFormatProperties(
@@ -449,7 +449,7 @@ uint32_t HeadlessVulkan::sampleCounts() const {
     return result == VK_SUCCESS ? properties.sampleCounts : 0;
   };
   const VkSampleCountFlags both =
-      counts(RenderTarget::kColorFormat, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT) &
+      counts(color, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT) &
       counts(RenderTarget::kDepthFormat, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT) &
       device_.limits().framebufferColorSampleCounts & device_.limits().framebufferDepthSampleCounts;
   return (both & 15u) | 1u;
@@ -544,7 +544,9 @@ Result<void> HeadlessVulkan::makeTarget(const RenderTargetDef& def) {
                  fmt::format("a target of {} x {} pixels; {} draws at most {}", def.width,
                              def.height, info_.name, largest)};
   }
-  if ((info_.sampleCounts & def.samples) == 0) {
+  const uint32_t counts =
+      def.float32Color ? sampleCounts(RenderTarget::formatOf(def)) : info_.sampleCounts;
+  if ((counts & def.samples) == 0) {
     return Error{ErrorCode::kUnsupported,
                  fmt::format("{} samples a pixel: {} has no such target; it has up to {}",
                              def.samples, info_.name, info_.maxSamples)};
@@ -585,11 +587,11 @@ Result<RenderedImage> HeadlessVulkan::render(std::span<const PassList* const> li
                            {drawn->width, drawn->height}};
     const uint64_t depthBytes = runtime_->buffer(def.depthCopy).size;
     if (Result<void> ok = checkDepthCopy(def, lists.size(), depthBytes); !ok) return ok.error();
-    constexpr size_t kPixelBytes = 4 * sizeof(uint16_t);
+    const size_t pixelBytes = 4 * (def.float32Color ? sizeof(float) : sizeof(uint16_t));
     const size_t pixels = size_t{def.width} * def.height;
     RenderedImage image{def.width, def.height, std::vector<Float4>(pixels)};
     Result<AllocatedBuffer> readback =
-        memory_->create(pixels * kPixelBytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+        memory_->create(pixels * pixelBytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                         MemoryKind::kReadback, "pelage/readback");
     if (!readback) return readback.error();
     const auto release = [&](const Error& error) -> Result<RenderedImage> {
@@ -615,9 +617,11 @@ Result<RenderedImage> HeadlessVulkan::render(std::span<const PassList* const> li
     if (timings != nullptr) *timings = runtime_->timings(frame_);
 
     const auto* bytes = static_cast<const std::byte*>(readback->mapped);
-    for (size_t i = 0; i < pixels; ++i) {
+    static_assert(sizeof(Float4) == 4 * sizeof(float));
+    if (def.float32Color) std::memcpy(image.pixels.data(), bytes, pixels * pixelBytes);
+    for (size_t i = 0; i < pixels && !def.float32Color; ++i) {
       std::array<uint16_t, 4> texel;
-      std::memcpy(texel.data(), bytes + i * kPixelBytes, kPixelBytes);
+      std::memcpy(texel.data(), bytes + i * pixelBytes, pixelBytes);
       image.pixels[i] = {halfToFloat(texel[0]), halfToFloat(texel[1]), halfToFloat(texel[2]),
                          halfToFloat(texel[3])};
     }

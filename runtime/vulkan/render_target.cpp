@@ -66,7 +66,7 @@ Result<VkRenderPass> RenderTarget::makeRenderPass(VkSampleCountFlagBits samples,
   const bool resolves = samples != VK_SAMPLE_COUNT_1_BIT;
   std::vector<VkAttachmentDescription> attachments(resolves ? 3 : 2);
   VkAttachmentDescription& color = attachments[0];
-  color.format = kColorFormat;
+  color.format = colorFormat_;
   color.samples = samples;
   color.loadOp = load ? VK_ATTACHMENT_LOAD_OP_LOAD : VK_ATTACHMENT_LOAD_OP_CLEAR;
   color.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
@@ -139,6 +139,7 @@ Result<void> RenderTarget::make(const RenderTargetDef& def) {
   width_ = def.width;
   height_ = def.height;
   samples_ = def.samples;
+  colorFormat_ = formatOf(def);
   const auto samples = static_cast<VkSampleCountFlagBits>(def.samples);
   const bool resolves = def.samples > 1;
   constexpr VkImageUsageFlags kReadColor =
@@ -148,7 +149,7 @@ Result<void> RenderTarget::make(const RenderTargetDef& def) {
     return error;
   };
   if (Result<void> made =
-          makeImage(color_, kColorFormat,
+          makeImage(color_, colorFormat_,
                     resolves ? VkImageUsageFlags{VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT} : kReadColor,
                     samples, VK_IMAGE_ASPECT_COLOR_BIT, "pelage/color");
       !made)
@@ -162,7 +163,7 @@ Result<void> RenderTarget::make(const RenderTargetDef& def) {
     return fail(made.error());
   std::vector<VkImageView> views = {color_.view, depth_.view};
   if (resolves) {
-    if (Result<void> made = makeImage(resolve_, kColorFormat, kReadColor, VK_SAMPLE_COUNT_1_BIT,
+    if (Result<void> made = makeImage(resolve_, colorFormat_, kReadColor, VK_SAMPLE_COUNT_1_BIT,
                                       VK_IMAGE_ASPECT_COLOR_BIT, "pelage/resolved color");
         !made)
       return fail(made.error());
@@ -207,7 +208,7 @@ void RenderTarget::destroy() {
 
 TargetFormats RenderTarget::formats() const {
   TargetFormats formats;
-  formats.color = kColorFormat;
+  formats.color = colorFormat_;
   formats.depth = kDepthFormat;
   formats.samples = static_cast<VkSampleCountFlagBits>(samples_);
   formats.renderPass = renderPass_;  // its pipelines serve the compatible one as well

@@ -11,6 +11,7 @@ namespace pelage::vulkan {
 class RenderTarget {
  public:
   static constexpr VkFormat kColorFormat = VK_FORMAT_R16G16B16A16_SFLOAT;
+  static constexpr VkFormat kFloat32Format = VK_FORMAT_R32G32B32A32_SFLOAT;
   static constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 
   explicit RenderTarget(const Device& device) : device_(device) {}
@@ -19,7 +20,10 @@ class RenderTarget {
 
   bool fits(const RenderTargetDef& def) const {
     return framebuffer_ != VK_NULL_HANDLE && width_ == def.width && height_ == def.height &&
-           samples_ == def.samples;
+           samples_ == def.samples && colorFormat_ == formatOf(def);
+  }
+  static VkFormat formatOf(const RenderTargetDef& def) {
+    return def.float32Color ? kFloat32Format : kColorFormat;
   }
   /// Replaces what there was; on an error nothing is left.
   Result<void> make(const RenderTargetDef& def);
@@ -52,6 +56,7 @@ class RenderTarget {
   uint32_t width_ = 0;
   uint32_t height_ = 0;
   uint32_t samples_ = 0;
+  VkFormat colorFormat_ = kColorFormat;
   Image color_;  // with one sample: what is read back
   Image depth_;
   Image resolve_;                             // with more than one sample: what is read back
