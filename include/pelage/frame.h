@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pelage/export.h"
+#include "pelage/hair_depth.h"
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
 #include "pelage/transparency.h"
@@ -66,6 +67,15 @@ class PELAGE_API Frame {
   /// Errors: those of Scene::draw(); a frame that is finished or over.
   Result<uint32_t> draw(const View& view, std::span<const Light> lights,
                         const TransparencySettings& settings = {}, PassList before = {});
+  /// Draws depth of hair, and motion where the settings ask for it, into targets of their own: a
+  /// view beside those of draw(), of the same camera and whatever method. Its target has a depth
+  /// target, with depth of what is opaque so that it hides hair; it keeps what is there, or clears
+  /// it. It adds nothing to other views.
+  /// \param before  passes and draws of yours that come first in the view.
+  /// \return number of the view. Errors: those of Scene::drawDepth(); a frame that is finished or
+  /// over.
+  Result<uint32_t> drawDepth(const View& view, const HairDepthSettings& settings = {},
+                             PassList before = {});
   /// Adds a view that your own passes draw, without any of the library's: with shaders of yours.
   /// \return number of the view. Errors: a frame that is finished or over.
   Result<uint32_t> addView(PassList list);

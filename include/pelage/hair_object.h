@@ -157,7 +157,10 @@ struct HairBuffers {
   BufferId strandThickness = BufferId::kInvalid;     ///< [strand] float
   BufferId indices = BufferId::kInvalid;             ///< one strand's ribbon, uint32
   BufferId vertexColors = BufferId::kInvalid;  ///< [guide][vertex] linear rgba, 4 unorms of 16 bits
-  BufferId baseTexture = BufferId::kInvalid;   ///< [y][x] as vertexColors, then [guide] Float2: UV
+  BufferId previousPositions =
+      BufferId::kInvalid;  ///< HairObject::tracksMotion: `positions` from before the last
+                           ///< simulation with dt > 0; in the frame of a reset those from after it
+  BufferId baseTexture = BufferId::kInvalid;  ///< [y][x] as vertexColors, then [guide] Float2: UV
 };
 
 /// Hair of a scene. Threads: the one that uses its scene.
@@ -204,6 +207,11 @@ class PELAGE_API HairObject {
   /// wider, so that the hair covers the same area; the last eighth fades, so that nothing pops. See
   /// shareForView().
   float drawnShare = 1;
+  /// Keeps where the strands were before each simulation, for HairDepthColor::kMotion and for
+  /// shaders of your own (HairBuffers::previousPositions). Costs a pass that copies the positions,
+  /// and a buffer of their size; false has neither. It may change at any time: motion is right from
+  /// the first frame on that has it.
+  bool tracksMotion = false;
 
   /// Sets the skinning transforms (bind space to world) of all bones for the next frames. Asserts
   /// that there are boneCount() of them, and that the object follows no skeleton. A root with a

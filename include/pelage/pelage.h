@@ -22,6 +22,7 @@
 #include "pelage/frame.h"
 #include "pelage/gpu_structs.h"
 #include "pelage/hair_asset.h"
+#include "pelage/hair_depth.h"
 #include "pelage/hair_object.h"
 #include "pelage/ids.h"
 #include "pelage/kernel.h"

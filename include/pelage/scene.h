@@ -8,6 +8,7 @@
 
 #include "pelage/export.h"
 #include "pelage/frame.h"
+#include "pelage/hair_depth.h"
 #include "pelage/hair_object.h"
 #include "pelage/ids.h"
 #include "pelage/pass_list.h"
@@ -175,6 +176,17 @@ class PELAGE_API Scene {
   /// then.
   Result<void> draw(const View& view, std::span<const Light> lights,
                     const TransparencySettings& settings, std::vector<PassList>& lists);
+  /// Adds draws of depth, and of motion, of all hair objects that are visible and in view to a list
+  /// (which is not cleared): of strands alone, beside every method of draw(). Where several
+  /// fragments are in a pixel, the depth test keeps the nearest one. It may make buffers below
+  /// Tier::kWide: update the runtime before the list runs.
+  ///
+  /// Motion is that of hair since the last frame with HairObject::tracksMotion, and of the camera.
+  /// It is that of the camera alone without it; in frames in which the object is reset or new; and
+  /// in frames of simulate(0), which move nothing.
+  /// Errors: a view as draw() refuses it; settings out of range; below Tier::kWide a memory cap
+  /// that is too small. Nothing has changed then.
+  Result<void> drawDepth(const View& view, const HairDepthSettings& settings, PassList& list);
   /// Level of detail for a view: the share of strands that is enough when fibers are drawn at least
   /// `pixels` wide, in the middle of the object: 1 up close, then falling with the distance, down
   /// to 1/64. Set HairObject::drawnShare to it, and simulatedShare (with HairDef::levelOfDetail),
@@ -252,7 +264,7 @@ class PELAGE_API Scene {
   /// to move before the next list runs are views, lights with a position and the contents of
   /// buffers of your own: SdfColliderDef::vertices, and the forces of setForces() where they depend
   /// on a place. Buffers of positions are in the new coordinates when the next list of simulate(),
-  /// also with dt = 0, draw(), castShadows() or drawContacts() has run.
+  /// also with dt = 0, draw(), drawDepth(), castShadows() or drawContacts() has run.
   ///
   /// \param shift [m], -16,777,216..16,777,216 (2^24) along each axis, of any fraction. After whole
   ///   metres the solvers' states have the same bits as without it.

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "pelage/export.h"
+#include "pelage/hair_depth.h"
 #include "pelage/hair_object.h"
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
@@ -30,10 +31,13 @@ struct SceneFeatures {
   bool skinnedHair = false;   ///< HairObject::simulated = false
   bool originShifts = false;  ///< Scene::shiftOrigin()
   bool teleports = false;     ///< Scene::teleport()
+  bool motion = false;        ///< HairObject::tracksMotion
   bool shadows = true;        ///< Light::shadow, Scene::castShadows()
   /// One for each method that views use; TransparencySettings::opaqueDepth counts as given where it
   /// is not kInvalid. Empty: nothing is drawn.
   std::vector<TransparencySettings> transparency = {TransparencySettings{}};
+  /// One for each HairDepthSettings::color that Frame::drawDepth() writes; empty: it is not called.
+  std::vector<HairDepthSettings> depth = {};
   bool reversedDepth = false;  ///< View::reversedDepth
   Tier tier = Tier::kWide;     ///< Scene::setTier()
 };

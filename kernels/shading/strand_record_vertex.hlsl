@@ -11,24 +11,7 @@
 // records: positions to some 1e-4 pixels, colors to halves.
 #include "layouts/render.hlsli"
 #include "strand_interface.hlsli"
-#include "strand_record.hlsli"
-
-struct StrandRecordInput {
-  [[vk::location(0)]] uint4 corners : ATTRIBUTE0;
-  [[vk::location(1)]] uint4 shape : ATTRIBUTE1;
-  [[vk::location(2)]] uint4 look : ATTRIBUTE2;
-  [[vk::location(3)]] uint4 nextCorners : ATTRIBUTE3;
-  [[vk::location(4)]] uint4 nextShape : ATTRIBUTE4;
-  [[vk::location(5)]] uint4 nextLook : ATTRIBUTE5;
-};
-
-// The inverse of pointOfClip() in transform_strands.
-float4 clipOfPoint(float2 coordinate, float z, float w) {
-  float2 extent = g_viewport.zw * 0.5;
-  float2 turned = (coordinate - w * extent) / extent;
-  if (w > kMinClipW) turned = (coordinate - extent) / extent * w;
-  return float4(turned.x, -turned.y, z, w);
-}
+#include "strand_record_corner.hlsli"
 
 StrandPixel strand_record_vertex(StrandRecordInput record, uint corner : SV_VertexID,
                                  uint index : SV_InstanceID) {
@@ -40,32 +23,19 @@ StrandPixel strand_record_vertex(StrandRecordInput record, uint corner : SV_Vert
 #if !SMOOTH
   result.strand = index / max(g_renderVertexCount, 1u);
 #endif
-  uint both = record.shape.w & record.nextShape.w;
-  if ((both & kRecordDrawn) == 0u || (record.shape.w & kRecordStartsSegment) == 0u) return result;
+  if (!isSegment(record)) return result;
 
-  bool second = corner >= 2u;
-  uint4 corners = second ? record.nextCorners : record.corners;
-  uint4 shape = second ? record.nextShape : record.shape;
-  uint4 look = second ? record.nextLook : record.look;
-  bool high = (corner & 1u) != 0u;
-  float side = high ? 1.0 : -1.0;
-  float w = asfloat(shape.y);
-  float halfWidth = asfloat(shape.z);
-  float2 own = asfloat(high ? corners.zw : corners.xy);
-  float2 other = asfloat(high ? corners.xy : corners.zw);
-  result.tangent = unpackDirection(look.x);
-  result.color = float4(unpackHalves(look.y), unpackHalves(look.z));
-  bool wide = (shape.w & kRecordWide) != 0u;
+  RecordCorner at = recordCorner(record, corner);
+  result.tangent = unpackDirection(at.look.x);
+  result.color = float4(unpackHalves(at.look.y), unpackHalves(at.look.z));
 #if SMOOTH
-  result.clip = clipOfPoint(own, asfloat(shape.x), w);
-  result.ribbon = float3(wide ? side * (halfWidth + 0.5) : 0.0, halfWidth, 1.0) * w;
+  result.clip = clipOfPoint(at.own, at.z, at.w);
+  result.ribbon =
+      float3(at.wide ? at.side * (at.halfWidth + 0.5) : 0.0, at.halfWidth, 1.0) * at.w;
 #else
-  // Records have a ribbon that is a pixel wider than the fiber.
-  float shown = max(halfWidth, 0.5);
-  float2 center = (own + other) * 0.5;
-  float2 moved = center + (own - center) * (shown / (halfWidth + 0.5));
-  result.clip = clipOfPoint(wide ? moved : own, asfloat(shape.x), w);
-  result.ribbon = float3(wide ? halfWidth / shown : 1.0, 0.0, 1.0);
+  NarrowCorner narrow = narrowCorner(at);
+  result.clip = narrow.clip;
+  result.ribbon = float3(narrow.coverage, 0.0, 1.0);
 #endif
   return result;
 }

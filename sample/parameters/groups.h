@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "pelage/hair_depth.h"
 #include "pelage/hair_object.h"
 #include "pelage/sdf_collider.h"
 #include "pelage/simulation_settings.h"
@@ -31,6 +32,7 @@ std::string text(bool value);
 std::string text(uint32_t value);
 std::string text(uint64_t value);
 std::string text(const std::string& value);
+std::string text(const pelage::Float2& value);
 std::string text(const pelage::Float3& value);
 std::string text(const pelage::Matrix4& value);
 std::string text(const pelage::ParameterCurve& value);
@@ -40,6 +42,7 @@ std::string text(pelage::CollidingHair value);
 std::string text(pelage::HairShadow value);
 std::string text(pelage::ShadingModel value);
 std::string text(pelage::Transparency value);
+std::string text(pelage::HairDepthColor value);
 std::string text(pelage::HairStyle value);
 std::string text(pelage::BufferId value);
 std::string text(pelage::SkeletonId value);

@@ -125,6 +125,12 @@ std::vector<Parameter> objectRows() {
        show(
            headSetup(), std::vector{0.03f, 0.2f, 1.0f}, [](Setup& s, float v) { s.drawnShare = v; },
            "The same numbers of strands as above, but wider: from afar nothing changes.")},
+      {PELAGE_FIELD(HairObject, tracksMotion),
+       "",
+       "",
+       "Keeps the positions of the last frame for motion vectors; costs a pass and a buffer. "
+       "[shading_depth.md](shading_depth.md)",
+       {}},
   };
 }
 

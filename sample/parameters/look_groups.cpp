@@ -7,6 +7,7 @@
 namespace sample {
 
 using pelage::Float3;
+using pelage::HairDepthSettings;
 using pelage::HairShadow;
 using pelage::Light;
 using pelage::ShadingModel;
@@ -334,6 +335,48 @@ std::vector<Parameter> transparencyRows() {
   };
 }
 
+std::vector<Parameter> depthRows() {
+  return {
+      {PELAGE_FIELD(HairDepthSettings, opacity),
+       "",
+       "0..1",
+       "Hair counts from this product of opacity and coverage of a pixel on; thinner fibers have "
+       "no "
+       "depth.",
+       {}},
+      {PELAGE_FIELD(HairDepthSettings, color),
+       "",
+       "kNone, kDepth, kMotion",
+       "What goes into the color target beside depth: nothing, depth, or motion vectors.",
+       {}},
+      {PELAGE_FIELD(HairDepthSettings, previousWorldToClip),
+       "",
+       "finite",
+       "kMotion: View::worldToClip of the last frame.",
+       {}},
+      {PELAGE_FIELD(HairDepthSettings, jitter),
+       "pixels",
+       "finite",
+       "kMotion: offset of the picture in View::worldToClip, y down; motion is without it.",
+       {}},
+      {PELAGE_FIELD(HairDepthSettings, previousJitter),
+       "pixels",
+       "finite",
+       "The same of previousWorldToClip.",
+       {}},
+      {PELAGE_FIELD(HairDepthSettings, maxBytes),
+       "bytes",
+       "",
+       "Below Tier::kWide: maximum memory of the vertices on the screen.",
+       {}},
+      {PELAGE_FIELD(HairDepthSettings, maxBufferBytes),
+       "bytes",
+       "what the device takes",
+       "Below Tier::kWide: maximum size of those of an object.",
+       {}},
+  };
+}
+
 }  // namespace
 
 std::vector<ParameterGroup> materialGroups() {
@@ -353,6 +396,8 @@ std::vector<ParameterGroup> viewGroups() {
       {"View", view, "Scene::draw(): a camera and its target.", viewRows()},
       {"TransparencySettings", "pelage/transparency.h", "Scene::draw(). [oit.md](oit.md)",
        transparencyRows()},
+      {"HairDepthSettings", "pelage/hair_depth.h",
+       "Frame::drawDepth(). [shading_depth.md](shading_depth.md)", depthRows()},
   };
 }
 

@@ -94,6 +94,7 @@ std::string text(uint64_t value) {
   return fmt::format("{}", value);
 }
 std::string text(const std::string& value) { return '"' + value + '"'; }
+std::string text(const pelage::Float2& value) { return fmt::format("({}, {})", value.x, value.y); }
 std::string text(const pelage::Float3& value) {
   return fmt::format("({}, {}, {})", value.x, value.y, value.z);
 }
@@ -124,6 +125,10 @@ std::string text(pelage::ShadingModel value) {
 std::string text(pelage::Transparency value) {
   constexpr const char* kNames[] = {"kAlphaTest", "kStochastic", "kWindowed", "kHybrid4",
                                     "kHybrid8",   "kHybrid16",   "kShortCut", "kTiles"};
+  return kNames[static_cast<size_t>(value)];
+}
+std::string text(pelage::HairDepthColor value) {
+  constexpr const char* kNames[] = {"kNone", "kDepth", "kMotion"};
   return kNames[static_cast<size_t>(value)];
 }
 std::string text(pelage::HairStyle value) {

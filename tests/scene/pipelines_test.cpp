@@ -132,6 +132,10 @@ class Game {
         const auto drawn = frame->draw(view, {&light, 1}, settings);
         ASSERT_TRUE(drawn) << drawn.error().message;
       }
+      for (const HairDepthSettings& settings : features_.depth) {
+        const auto drawn = frame->drawDepth(view, settings);
+        ASSERT_TRUE(drawn) << drawn.error().message;
+      }
       const FrameExecutor executor = {.update = [](const ResourceTable&) { return Result<void>(); },
                                       .record =
                                           [this](const FrameStep& step) {
@@ -197,6 +201,7 @@ class Game {
     const auto added = scene_.addHair(makeAsset(50, 12), def);
     ASSERT_TRUE(added) << added.error().message;
     hairs_.push_back(*added);
+    scene_.hair(*added).tracksMotion = features_.motion;
   }
   const SceneFeatures& features_;
   Scene scene_;
@@ -220,6 +225,9 @@ TEST(ListToPrepare, HasEveryPipelineThatIsSwitchedOnLater) {
       {.method = Transparency::kWindowed},  {.method = Transparency::kWindowed, .spillTail = false},
       {.method = Transparency::kHybrid16},  {.method = Transparency::kShortCut},
       {.method = Transparency::kTiles}};
+  const std::vector<HairDepthSettings> depths = {{.color = HairDepthColor::kNone},
+                                                 {.color = HairDepthColor::kDepth},
+                                                 {.color = HairDepthColor::kMotion}};
   const std::vector<SceneFeatures> games = {
       {},
       {.settings = {settingsOf(Solver::kClassic)}, .meshColliders = false, .forces = true},
@@ -229,12 +237,16 @@ TEST(ListToPrepare, HasEveryPipelineThatIsSwitchedOnLater) {
        .skinnedHair = true,
        .originShifts = true,
        .teleports = true,
+       .motion = true,
        .transparency = methods,
+       .depth = depths,
        .reversedDepth = true},
       {.capsules = false,
        .levelOfDetail = true,
+       .motion = true,
        .shadows = false,
        .transparency = methods,
+       .depth = depths,
        .tier = Tier::kBase},
   };
   for (size_t i = 0; i < games.size(); ++i) {
@@ -269,6 +281,9 @@ TEST(ListToPrepare, LeavesOutWhatIsNotWanted) {
   EXPECT_EQ(count({}, "simulate_classic"), 0u);
   EXPECT_EQ(count({}, "skin_exact_strands"), 0u);
   EXPECT_EQ(count({.skinnedHair = true}, "skin_exact_strands"), 1u);
+  EXPECT_EQ(count({}, "keep_positions"), 0u);
+  EXPECT_EQ(count({}, "motion"), 0u);
+  EXPECT_EQ(count({.motion = true}, "keep_positions"), 1u);
 }
 
 TEST(ListToPrepare, RefusesSettingsThatAreOutOfRange) {

@@ -96,6 +96,7 @@ class DeliveryScene {
     }
     features.collidingFollowHairs = features.levelOfDetail = true;
     features.skinnedHair = features.originShifts = true;
+    features.motion = true;
     features.transparency = {};
     return features;
   }
@@ -136,6 +137,8 @@ class DeliveryScene {
     }
     if (frame == 7) own.reset();
     own.simulated = frame != 1 && frame != 2;
+    own.tracksMotion = frame != 2;
+    scene_.hair(hairs_[1]).tracksMotion = frame >= 1;
     const float shift = frame >= 8 ? 2.0f : 0.0f;
     // First at rest, then one bone alone, then both.
     const float moved = frame == 1 ? 0 : t;
@@ -160,8 +163,8 @@ class DeliveryScene {
     std::vector<BufferId> all;
     for (const HairId id : hairs_) {
       const HairBuffers& buffers = scene_.hair(id).buffers();
-      for (const BufferId buffer :
-           {buffers.positions, buffers.tangents, buffers.contactForces, buffers.followBefore})
+      for (const BufferId buffer : {buffers.positions, buffers.tangents, buffers.contactForces,
+                                    buffers.followBefore, buffers.previousPositions})
         if (buffer != BufferId::kInvalid) all.push_back(buffer);
     }
     all.push_back(scene_.sdfKeys());

@@ -101,6 +101,15 @@ Result<uint32_t> Frame::draw(const View& view, std::span<const Light> lights,
   return impl_->views++;
 }
 
+Result<uint32_t> Frame::drawDepth(const View& view, const HairDepthSettings& settings,
+                                  PassList before) {
+  const Result<detail::SceneImpl*> scene = openForMore("drawDepth()");
+  if (!scene) return scene.error();
+  if (Result<void> drawn = (*scene)->drawDepth(view, settings, before); !drawn)
+    return drawn.error();
+  return addView(std::move(before));
+}
+
 Result<uint32_t> Frame::addView(PassList list) {
   if (const Result<detail::SceneImpl*> scene = openForMore("addView()"); !scene)
     return scene.error();

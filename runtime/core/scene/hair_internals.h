@@ -18,6 +18,7 @@
 #include "pelage/gpu_structs.h"
 #include "pelage/hair_asset.h"
 #include "pelage/hair_object.h"
+#include "shading/strand_motion.h"
 #include "simulation/strand_solver.h"
 #include "skinning/bone_bounds.h"
 #include "skinning/skeleton_pose.h"
@@ -60,6 +61,7 @@ struct HairFrameState {
   FollowContacts followContacts;
   HairGrid grid;
   StrandSolver solver;
+  StrandMotion motion;
 };
 
 struct HairInternals : HairFrameState, Groom {

@@ -61,6 +61,9 @@ Result<void> Scene::draw(const View& view, std::span<const Light> lights,
                          const TransparencySettings& settings, std::vector<PassList>& lists) {
   return impl_->draw(view, lights, settings, lists);
 }
+Result<void> Scene::drawDepth(const View& view, const HairDepthSettings& settings, PassList& list) {
+  return impl_->drawDepth(view, settings, list);
+}
 float Scene::shareForView(HairId id, const View& view, float pixels) const {
   return impl_->shareForView(id, view, pixels);
 }

@@ -72,6 +72,7 @@ Result<DrawnView> SceneImpl::beginDraw(const View& view, std::span<const Light> 
     if (held == nullptr || !held->visible) continue;
     if (Result<void> checked = checkLook(*held); !checked) return checked.error();
     DrawnHair hair = drawnHairOf(*held, *held->internals_);
+    hair.before = held->internals_->motion.before(draws_.frame);
     if (hair.strands.count > 0 && isInFrustum(view, hair.ball)) frame.hairs.push_back(hair);
   }
   return frame;
@@ -132,6 +133,21 @@ Result<void> SceneImpl::draw(const View& view, std::span<const Light> lights,
   draws_.shadows.share(lists, draws_.frame);
   if (added) finishShift();
   setArea(lists, view);
+  return added;
+}
+
+// Beside any kind of transparency: it takes the strands alone.
+Result<void> SceneImpl::drawDepth(const View& view, const HairDepthSettings& settings,
+                                  PassList& list) {
+  settleFrames(false);
+  if (Result<void> valid = validate(settings); !valid) return valid;
+  Result<DrawnView> frame = beginDraw(view, {});
+  if (!frame) return frame.error();
+  if (Result<void> fits = StrandDepths::check(*frame, settings); !fits) return fits;
+  if (frame->hairs.empty()) return {};
+  if (Result<void> moved = addPendingShifts(list); !moved) return moved;
+  Result<void> added = draws_.depths.record(*frame, settings, room(), draws_.frame, list);
+  if (added) finishShift();
   return added;
 }
 

@@ -153,6 +153,7 @@ class SmallScene {
     Result<HairId> added = scene_.addHair(asset, def);
     if (!added) return added.error();
     hairs_.push_back(*added);
+    scene_.hair(*added).tracksMotion = features_.motion;
     return {};
   }
 
@@ -223,6 +224,10 @@ class SmallScene {
           const auto drawn = frame->draw(view, {&light, 1}, settings);
           if (!drawn) return drawn.error();
         }
+      }
+      for (const HairDepthSettings& settings : features_.depth) {
+        const auto drawn = frame->drawDepth(view, settings);
+        if (!drawn) return drawn.error();
       }
       const FrameExecutor executor = {.update = [](const ResourceTable&) { return Result<void>(); },
                                       .record =

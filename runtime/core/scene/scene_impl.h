@@ -52,6 +52,7 @@ class SceneImpl {
   Result<void> draw(const View& view, const Light& light, PassList& list);
   Result<void> draw(const View& view, std::span<const Light> lights,
                     const TransparencySettings& settings, std::vector<PassList>& lists);
+  Result<void> drawDepth(const View& view, const HairDepthSettings& settings, PassList& list);
   float shareForView(HairId id, const View& view, float pixels) const;
   TransparencyWork predictWork(const View& view) const;
   Result<uint32_t> castShadows(std::span<const Light> lights, PassList& list);
@@ -110,9 +111,15 @@ class SceneImpl {
   HairFrame frameOf(HairObject& object, const SimulationSettings& settings, float length,
                     uint32_t steps, PassList& list);
   static GridHair gridHairOf(const HairFrame& frame, const HairInternals& hair);
+  static MotionHair motionHairOf(const HairFrame& frame, const HairInternals& hair,
+                                 uint64_t shifted);
+  /// Whether the hair counts as not having moved in the frame: after resets and teleports.
+  static bool startsStill(const HairFrame& frame, const HairInternals& hair) {
+    return frame.reset || hair.teleport.has_value();
+  }
   Result<void> simulateObject(HairObject& object, float length, uint32_t steps, PassList& list);
   static float blendOf(HairObject& object, float length);
-  static Result<void> skinObject(HairObject& object, HairFrame& frame);
+  Result<void> skinObject(HairObject& object, HairFrame& frame);
   static void beginBones(HairObject& object, HairFrame& frame);
   static void sendBones(HairObject& object, PassList& list);
   void sendSdfs(HairObject& object, HairFrame& frame);
@@ -127,6 +134,7 @@ class SceneImpl {
   void finishShift();
   static Result<void> addShiftPasses(const HairFrame& frame, HairInternals& hair);
   static Result<void> addFollowShift(const HairFrame& frame, const HairInternals& hair);
+  Result<void> addMotionShift(const HairFrame& frame, const HairInternals& hair) const;
 
   // Drawing.
   static Result<void> checkLook(const HairObject& object);

@@ -89,6 +89,13 @@ Result<void> SceneImpl::skinObject(HairObject& object, HairFrame& frame) {
   hair.followContacts.forget();
   hair.collidersBefore = hair.colliders;
   hair.roundedShift = 0;
+  const MotionHair motion = motionHairOf(frame, hair, 0);
+  hair.motion.prepare(motion, object.tracksMotion, frame.room);
+  frame.buffers.previousPositions = hair.motion.positions();
+  const bool still = startsStill(frame, hair);
+  if (!still) {
+    if (Result<void> kept = hair.motion.keep(motion, frame.list); !kept) return kept;
+  }
   const Vector3<double>& shift = hair.pendingShift;
   const bool shifts = shift.x != 0 || shift.y != 0 || shift.z != 0;
   const bool posed = std::exchange(hair.skinned, true) && hair.stillFrames >= 2 && !shifts;
@@ -96,7 +103,10 @@ Result<void> SceneImpl::skinObject(HairObject& object, HairFrame& frame) {
   if (hair.stillFrames < 2) added = addRootPass(frame, hair.skinning);
   if (added && !posed) added = hair.solver.skin(frame);
   hair.resetPending = false;
-  return added ? addFollowPass(frame) : added;
+  if (added) added = addFollowPass(frame);
+  if (!added) return added;
+  hair.motion.finish(motion, still, draws_.frame);
+  return still ? hair.motion.keep(motion, frame.list) : Result<void>();
 }
 
 }  // namespace pelage::detail

@@ -81,6 +81,7 @@ Result<void> SceneImpl::addPendingShifts(PassList& list) {
     if (Result<void> added = addTeleport(frame, hair); !added) return added;
     if (Result<void> added = addShiftPasses(frame, hair); !added) return added;
     if (Result<void> added = addFollowShift(frame, hair); !added) return added;
+    if (Result<void> added = addMotionShift(frame, hair); !added) return added;
   }
   return {};
 }
@@ -128,6 +129,18 @@ Result<void> SceneImpl::addFollowShift(const HairFrame& frame, const HairInterna
                         {positions, first, count, 1, {move_rigidly::kMovesPoint}});
   }
   return addShift(frame, toFloat3(-hair.pendingShift), positions, first, count);
+}
+
+// Positions of the last frame that draws of this frame take.
+Result<void> SceneImpl::addMotionShift(const HairFrame& frame, const HairInternals& hair) const {
+  const BufferId before = hair.motion.before(draws_.frame).positions;
+  if (before == BufferId::kInvalid) return {};
+  const uint64_t count = motionHairOf(frame, hair, 0).elements;
+  if (hair.teleport) {
+    return addRigidMove(frame, teleportInWorld(hair),
+                        {before, 0, count, 1, {move_rigidly::kMovesPoint}});
+  }
+  return addShift(frame, toFloat3(-hair.pendingShift), before, 0, count);
 }
 
 }  // namespace pelage::detail

@@ -163,6 +163,21 @@ float SceneImpl::blendOf(HairObject& object, float length) {
   return since < object.blendTime ? since / object.blendTime : 1.0f;
 }
 
+// \param shifted  elements, from the first, that are already where shifts of the world bring them
+MotionHair SceneImpl::motionHairOf(const HairFrame& frame, const HairInternals& hair,
+                                   uint64_t shifted) {
+  const uint64_t follows = hair.storesFollowHairs ? frame.followCount : 0;
+  MotionHair motion = {.name = frame.name,
+                       .positions = frame.buffers.positions,
+                       .elements = frame.guideVertices() + follows * frame.vertexCount,
+                       .tipSeparation = frame.settings.tipSeparation};
+  if (!frame.reset && !isZero(toFloat3(hair.pendingShift))) {
+    motion.movedFrom = shifted;
+    motion.move = toFloat3(-hair.pendingShift);
+  }
+  return motion;
+}
+
 Result<void> SceneImpl::simulateObject(HairObject& object, float length, uint32_t steps,
                                        PassList& list) {
   HairInternals& hair = *object.internals_;
@@ -179,6 +194,10 @@ Result<void> SceneImpl::simulateObject(HairObject& object, float length, uint32_
   const GridHair gridHair = gridHairOf(frame, hair);
   hair.grid.prepare(gridHair, frame.settings.solver == Solver::kExact, frame.room);
   frame.buffers.contactForces = hair.grid.forces();
+  // Shifts have moved the guides; stored follow hairs wait for the pass that places them.
+  const MotionHair motion = motionHairOf(frame, hair, frame.guideVertices());
+  hair.motion.prepare(motion, object.tracksMotion, frame.room);
+  frame.buffers.previousPositions = hair.motion.positions();
   const bool touches = frame.buffers.contactForces != BufferId::kInvalid;
   frame.forces = touches ? frame.buffers.contactForces : frame.buffers.forces;
   beginBones(object, frame);
@@ -190,6 +209,10 @@ Result<void> SceneImpl::simulateObject(HairObject& object, float length, uint32_
   if (!frame.reset) {
     if (Result<void> moved = addShiftPasses(frame, hair); !moved) return moved;
   }
+  const bool still = startsStill(frame, hair);
+  if (!still) {
+    if (Result<void> kept = hair.motion.keep(motion, list); !kept) return kept;
+  }
   // After two frames with the same bones both sets of transforms are the same.
   if (hair.stillFrames < 2) {
     if (Result<void> added = addRootPass(frame, hair.skinning); !added) return added;
@@ -198,7 +221,9 @@ Result<void> SceneImpl::simulateObject(HairObject& object, float length, uint32_
   hair.grid.finish(gridHair, static_cast<double>(length));
   hair.resetPending = false;
   if (Result<void> placed = addFollowPass(frame); !placed) return placed;
-  return addFollowCollision(frame, hair.followContacts);
+  if (Result<void> moved = addFollowCollision(frame, hair.followContacts); !moved) return moved;
+  hair.motion.finish(motion, still, draws_.frame);
+  return still ? hair.motion.keep(motion, list) : Result<void>();
 }
 
 // The object's origin and bones in a frame that moves it.

@@ -16,6 +16,7 @@
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
 #include "pelage/view.h"
+#include "shading/strand_motion.h"
 
 namespace pelage::detail {
 
@@ -40,6 +41,7 @@ struct DrawnHair {
   Uint2 textureSize = {};    ///< texels
   BufferRange roots;         ///< [2][guide] RootTransform
   Ball ball;                 ///< around it
+  StrandsBefore before;      ///< for motion vectors
   uint64_t firstRecord = 0;  ///< in DrawnView::records
 
   uint64_t drawnVertices() const { return uint64_t{strands.count} * vertexCount; }

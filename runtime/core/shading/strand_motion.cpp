@@ -1,0 +1,52 @@
+#include "shading/strand_motion.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "pelage/bindings.h"
+#include "pelage/constants.h"
+#include "pelage/kernels.h"
+
+namespace pelage::detail {
+
+void StrandMotion::prepare(const MotionHair& hair, bool wanted, const RoomBuffers& room) {
+  const bool there = positions_ != BufferId::kInvalid;
+  if (there == wanted) return;
+  frame_ = 0;
+  if (wanted)
+    positions_ = room.add(hair.name + "/previousPositions", hair.elements, sizeof(Float4));
+  else
+    remove(room);
+}
+
+Result<void> StrandMotion::keep(const MotionHair& hair, PassList& list) const {
+  if (positions_ == BufferId::kInvalid) return {};
+  constexpr uint64_t kRow = dispatch::kRowThreads;
+  const uint64_t bytes = hair.elements * sizeof(Float4);
+  KeepPositionsConstants constants = {};
+  constants.keptCount = static_cast<uint32_t>(hair.elements);
+  constants.keptMovedFrom = static_cast<uint32_t>(std::min(hair.movedFrom, hair.elements));
+  constants.keptMove = {hair.move.x, hair.move.y, hair.move.z, 0};
+  PassBuilder builder(list);
+  return builder
+      .dispatch(keepPositionsVariant({}), static_cast<uint32_t>(std::min(hair.elements, kRow)),
+                static_cast<uint32_t>((hair.elements + kRow - 1) / kRow))
+      .bytes(2 * bytes)
+      .finish(KeepPositionsBindings{.keepPositionsConstants = constants,
+                                    .positionsToKeep = {hair.positions, bytes},
+                                    .keptPositions = {positions_, bytes}});
+}
+
+void StrandMotion::finish(const MotionHair& hair, bool reset, uint64_t frame) {
+  const bool first = reset || frame_ == 0;
+  const float before = std::exchange(nextTipSeparation_, hair.tipSeparation);
+  tipSeparation_ = first ? hair.tipSeparation : before;
+  frame_ = positions_ != BufferId::kInvalid ? frame : 0;
+}
+
+StrandsBefore StrandMotion::before(uint64_t frame) const {
+  if (frame_ != frame || frame_ == 0) return {};
+  return {positions_, tipSeparation_};
+}
+
+}  // namespace pelage::detail
