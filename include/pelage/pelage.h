@@ -24,6 +24,7 @@
 #include "pelage/hair_asset.h"
 #include "pelage/hair_depth.h"
 #include "pelage/hair_object.h"
+#include "pelage/hair_size.h"
 #include "pelage/ids.h"
 #include "pelage/kernel.h"
 #include "pelage/kernel_code.h"
