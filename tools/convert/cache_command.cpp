@@ -7,11 +7,13 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <string>
 #include <utility>
+#include <vector>
 
+#include "asset_files.h"
 #include "commands.h"
 #include "pelage/asset_cache.h"
-#include "pelage/follow_file.h"
 
 namespace pelage::convert {
 namespace {
@@ -21,48 +23,8 @@ constexpr int kRuns = 5;
 
 struct CacheOptions {
   std::filesystem::path output;
-  std::vector<std::filesystem::path> hairs, bones, followHairs, meshes;
-  ProcessDef process;
+  program::AssetFiles files;
 };
-
-// The file for the i-th hair; nothing when there is none, or it is "-".
-std::optional<std::filesystem::path> fileOf(const std::vector<std::filesystem::path>& files,
-                                            size_t i) {
-  if (i >= files.size() || files[i] == "-") return std::nullopt;
-  return files[i];
-}
-
-Result<AssetCache> loadSources(const CacheOptions& options) {
-  AssetCache cache;
-  for (size_t i = 0; i < options.hairs.size(); ++i) {
-    CachedHair hair;
-    hair.name = options.hairs[i].stem().string();
-    auto asset = loadTfx(options.hairs[i]);
-    if (!asset) return asset.error();
-    hair.asset = std::move(*asset);
-    if (auto r = hair.asset.process(options.process); !r)
-      return Error{r.error().code, options.hairs[i].string() + ": " + r.error().message};
-    if (const auto path = fileOf(options.bones, i)) {
-      auto bones = loadTfxBone(*path, hair.asset.strandCount);
-      if (!bones) return bones.error();
-      hair.bones = std::move(*bones);
-    }
-    if (const auto path = fileOf(options.followHairs, i)) {
-      auto follow = loadFollowHairs(*path, hair.asset.strandCount);
-      if (!follow) return follow.error();
-      hair.followHairs = std::move(*follow);
-    }
-    cache.hairs.push_back(std::move(hair));
-  }
-  for (const std::filesystem::path& path : options.meshes) {
-    auto mesh = loadTfxMesh(path);
-    if (!mesh) return mesh.error();
-    if (auto r = prepareCollider(*mesh); !r)
-      return Error{r.error().code, path.string() + ": " + r.error().message};
-    cache.meshes.push_back({path.stem().string(), std::move(*mesh)});
-  }
-  return cache;
-}
 
 // [ms] of the fastest run. The last result is kept.
 template <class Function>
@@ -79,20 +41,20 @@ double fastest(Function&& function) {
 }
 
 Result<void> writeCache(const CacheOptions& options, Session& session) {
-  if (options.hairs.empty() && options.meshes.empty())
+  const program::AssetFiles& from = options.files;
+  if (from.hairs.empty() && from.meshes.empty())
     return Error{ErrorCode::kInvalidArgument,
                  "nothing to put into the cache: give --hair or --mesh"};
-  if (options.bones.size() > options.hairs.size() ||
-      options.followHairs.size() > options.hairs.size())
-    return Error{ErrorCode::kInvalidArgument,
-                 "more --bones or --follow than --hair; they are taken in the same order"};
-  Result<AssetCache> sources = loadSources(options);
+  std::vector<std::string> warnings;
+  Result<AssetCache> sources = program::loadAssetFiles(from, warnings);
   if (!sources) return sources.error();
-  const double sourceTime = fastest([&] { sources = loadSources(options); });
+  for (std::string& warning : program::unitWarnings(*sources, from.scale))
+    session.warn(std::move(warning));
+  const double sourceTime = fastest([&] { sources = program::loadAssetFiles(from, warnings); });
   if (!sources) return sources.error();
 
   uint64_t sourceBytes = 0;
-  for (const auto* files : {&options.hairs, &options.bones, &options.followHairs, &options.meshes})
+  for (const auto* files : {&from.hairs, &from.bones, &from.followHairs, &from.meshes})
     for (const std::filesystem::path& path : *files) {
       if (path == "-") continue;
       auto key = sourceKeyOf(path);
@@ -134,19 +96,24 @@ void addCacheCommand(CLI::App& app, Session& session) {
   CLI::App* command = app.add_subcommand(
       "cache", "Puts processed assets into one file that loads without parsing, .pelage");
   command->add_option("OUT", options->output, "Cache, .pelage")->required();
-  command->add_option("--hair", options->hairs, "Hair, .tfx; any number")->allow_extra_args(false);
+  command->add_option("--hair", options->files.hairs, "Hair, .tfx; any number")
+      ->allow_extra_args(false);
   command
-      ->add_option("--bones", options->bones,
+      ->add_option("--bones", options->files.bones,
                    "Bones of the hair, .tfxbone: the first of the first --hair, and so on; - for "
                    "none")
       ->allow_extra_args(false);
-  command->add_option("--follow", options->followHairs, "Follow hairs, .tfxfollow, in the same way")
+  command
+      ->add_option("--follow", options->files.followHairs,
+                   "Follow hairs, .tfxfollow, in the same way")
       ->allow_extra_args(false);
-  command->add_option("--mesh", options->meshes, "Collision mesh, .tfxmesh; any number")
+  command->add_option("--mesh", options->files.meshes, "Collision mesh, .tfxmesh; any number")
       ->allow_extra_args(false);
   command
-      ->add_option("--tip-thickness", options->process.tipThickness,
+      ->add_option("--tip-thickness", options->files.process.tipThickness,
                    "Thickness of the tip relative to the root, 0 to 1")
+      ->capture_default_str();
+  command->add_option("--scale", options->files.scale, "Metres a unit of all files")
       ->capture_default_str();
   command->callback([options, &session] {
     session.command = [options, &session] { return writeCache(*options, session); };

@@ -6,9 +6,13 @@
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <set>
 #include <string>
+#include <system_error>
 #include <utility>
+#include <vector>
 
+#include "asset_files.h"
 #include "commands.h"
 #include "import_options.h"
 #include "pelage/authoring/curve_import.h"
@@ -22,7 +26,8 @@ namespace pelage::convert {
 namespace {
 
 struct GroomOptions {
-  std::filesystem::path input, output, follow;
+  std::vector<std::filesystem::path> inputs;
+  std::filesystem::path input, output, follow;  // of the one at hand; at first those given
   CurveImportDef import;
   ResampleDef resample;
   GuideDef guides;
@@ -207,6 +212,10 @@ Result<void> writeAsset(const HairAsset& asset, const GroomOptions& options, Ses
 
 Result<void> passThrough(const HairAsset& asset, const GroomOptions& options, Session& session) {
   const size_t vertexCount = asset.positions.size();
+  const auto size = measureHair(asset);
+  if (!size) return size.error();
+  if (std::string warning = program::unitWarningOf(options.input, *size, 1); !warning.empty())
+    session.warn(std::move(warning));
   session.add("unchanged", true, "unchanged", "no option changes the strands");
   session.add("curves_read", asset.strandCount, "curves",
               fmt::format("{} with {} vertices", asset.strandCount, vertexCount));
@@ -228,6 +237,10 @@ Result<void> groom(GroomOptions options, Session& session) {
   if (auto r = prepareCurves(*curves, options.import, &imported); !r)
     return Error{r.error().code, options.input.string() + ": " + r.error().message};
   reportCurves(imported, session);
+  if (std::string warning = program::unitWarningOf(
+          options.input, {imported.meanLength, imported.maxLength, {}, {}}, options.import.scale);
+      !warning.empty())
+    session.warn(std::move(warning));
   HairAsset asset;
   if (isTfx && !options.resampled && allHaveOneCount(*curves)) {
     asset = keepVertices(*curves, options);
@@ -252,6 +265,37 @@ Result<void> groom(GroomOptions options, Session& session) {
   return writeAsset(asset, options, session);
 }
 
+// Several inputs: a file for each in the folder OUT, and in that of --follow.
+Result<void> groomAll(GroomOptions options, Session& session) {
+  if (options.inputs.size() == 1) {
+    options.input = options.inputs.front();
+    return groom(std::move(options), session);
+  }
+  std::set<std::filesystem::path> names;
+  for (const std::filesystem::path& input : options.inputs)
+    if (!names.insert(input.stem()).second)
+      return Error{ErrorCode::kInvalidArgument,
+                   fmt::format("{}: another file would be written as {}.tfx, too", input.string(),
+                               input.stem().string())};
+  for (const std::filesystem::path& folder : {options.output, options.follow}) {
+    std::error_code error;
+    if (!folder.empty()) std::filesystem::create_directories(folder, error);
+    if (error)
+      return Error{ErrorCode::kFileNotFound,
+                   fmt::format("{}: cannot make the folder: {}", folder.string(), error.message())};
+  }
+  for (const std::filesystem::path& input : options.inputs) {
+    GroomOptions one = options;
+    one.input = input;
+    one.output = options.output / (input.stem().string() + ".tfx");
+    if (!options.follow.empty())
+      one.follow = options.follow / (input.stem().string() + ".tfxfollow");
+    session.beginFile();
+    if (auto r = groom(std::move(one), session); !r) return r;
+  }
+  return {};
+}
+
 void addImportOptions(CLI::App& command, CurveImportDef& def) {
   addAxisOptions(command, "the file", def.scale, def.upAxis, def.invertZ);
   command.add_flag("--invert-v", def.invertV, "v of the texture becomes 1 - v");
@@ -271,8 +315,13 @@ void addGroomCommand(CLI::App& app, Session& session) {
   CLI::App* command = app.add_subcommand(
       "groom",
       "Makes guide strands, .tfx, of hair curves: .tfx, .hair, .obj, .gltf, .glb, .hairtxt");
-  command->add_option("IN", options->input, "Hair curves")->required();
-  command->add_option("OUT", options->output, "Guide strands, .tfx")->required();
+  // The last of the files is OUT; one list, because the parser gives all to the first one.
+  command
+      ->add_option("IN", options->inputs,
+                   "Hair curves, then OUT: guide strands, .tfx; a folder for several files of "
+                   "curves")
+      ->required()
+      ->expected(2, -1);
   addImportOptions(*command, options->import);
   CLI::Option* vertices = command->add_option(
       "--vertices-per-strand", options->resample.verticesPerStrand,
@@ -313,7 +362,9 @@ void addGroomCommand(CLI::App& app, Session& session) {
       throw CLI::ValidationError("--follow", "needs --guide-count or --guide-error-bound");
     options->resampled = *vertices || *bound || *placement;
     options->guides.seed = options->import.seed;
-    session.command = [options, &session] { return groom(*options, session); };
+    options->output = options->inputs.back();
+    options->inputs.pop_back();
+    session.command = [options, &session] { return groomAll(*options, session); };
   });
 }
 

@@ -12,7 +12,9 @@
 #include <utility>
 #include <vector>
 
+#include "asset_files.h"
 #include "commands.h"
+#include "import_options.h"
 #include "pelage/asset_cache.h"
 #include "pelage/authoring/curve_import.h"
 #include "pelage/authoring/hair_files.h"
@@ -20,21 +22,31 @@
 #include "pelage/bone_weights.h"
 #include "pelage/collision_mesh.h"
 #include "pelage/follow_file.h"
+#include "pelage/hair_size.h"
 #include "pelage/sdf_data.h"
 #include "pelage/skin_table.h"
+#include "settings_file.h"
 
 namespace pelage::convert {
 namespace {
 
+struct InfoOptions {
+  std::vector<std::filesystem::path> files;
+  std::filesystem::path file;  // the one at hand
+  float scale = 1;             // of all lengths
+};
+
 // Names of bones that people read; a program gets all.
 constexpr size_t kBonesListed = 8;
 
-void reportBounds(const std::vector<Float3>& points, Session& session) {
+void reportBounds(const std::vector<Float3>& points, float scale, Session& session) {
   Float3 low = points.front(), high = low;
   for (const Float3& p : points) {
     low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
     high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
   }
+  low = {low.x * scale, low.y * scale, low.z * scale};
+  high = {high.x * scale, high.y * scale, high.z * scale};
   session.add("bounds", {{"min", {low.x, low.y, low.z}}, {"max", {high.x, high.y, high.z}}},
               "bounds",
               fmt::format("{:.4g} {:.4g} {:.4g} to {:.4g} {:.4g} {:.4g}", low.x, low.y, low.z,
@@ -62,12 +74,19 @@ void reportFile(const std::filesystem::path& path, std::string_view kind, std::s
   session.add("size", size, "size", fmt::format("{} bytes", size));
 }
 
-Result<void> curvesInfo(const std::filesystem::path& path, Session& session) {
+void warnOfUnit(const std::filesystem::path& name, const HairSize& size, const InfoOptions& options,
+                Session& session) {
+  std::string warning = program::unitWarningOf(name, size, options.scale);
+  if (!warning.empty()) session.warn(std::move(warning));
+}
+
+Result<void> curvesInfo(const InfoOptions& options, Session& session) {
+  const std::filesystem::path& path = options.file;
   HairFileReport file;
   auto curves = loadHairCurves(path, &file);
   if (!curves) return curves.error();
   CurveImportReport report;
-  if (auto r = prepareCurves(*curves, {}, &report); !r)
+  if (auto r = prepareCurves(*curves, {.scale = options.scale}, &report); !r)
     return Error{ErrorCode::kInvalidFile, path.string() + ": " + r.error().message};
   reportFile(path, "hair curves", file.format, session);
   session.add("notes", file.notes, "", "");
@@ -90,9 +109,10 @@ Result<void> curvesInfo(const std::filesystem::path& path, Session& session) {
   session.add("length",
               {{"min", report.minLength}, {"mean", report.meanLength}, {"max", report.maxLength}},
               "length",
-              fmt::format("{:.4g} to {:.4g}, mean {:.4g} (units of the file)", report.minLength,
-                          report.maxLength, report.meanLength));
-  reportBounds(curves->positions, session);
+              fmt::format("{:.4g} to {:.4g} m, mean {:.4g} m", report.minLength, report.maxLength,
+                          report.meanLength));
+  warnOfUnit(path, {report.meanLength, report.maxLength, {}, {}}, options, session);
+  reportBounds(curves->positions, 1, session);
   std::vector<std::string> arrays;
   const std::array<std::pair<const char*, bool>, 5> all = {
       {{"inverse masses", !curves->inverseMasses.empty()},
@@ -110,7 +130,8 @@ Result<void> curvesInfo(const std::filesystem::path& path, Session& session) {
   return {};
 }
 
-Result<void> tfxBoneInfo(const std::filesystem::path& path, Session& session) {
+Result<void> tfxBoneInfo(const InfoOptions& options, Session& session) {
+  const std::filesystem::path& path = options.file;
   auto weights = loadTfxBone(path);
   if (!weights) return weights.error();
   reportFile(path, "bone weights", ".tfxbone", session);
@@ -122,7 +143,8 @@ Result<void> tfxBoneInfo(const std::filesystem::path& path, Session& session) {
   return {};
 }
 
-Result<void> tfxMeshInfo(const std::filesystem::path& path, Session& session) {
+Result<void> tfxMeshInfo(const InfoOptions& options, Session& session) {
+  const std::filesystem::path& path = options.file;
   auto mesh = loadTfxMesh(path);
   if (!mesh) return mesh.error();
   reportFile(path, "collision mesh", ".tfxmesh", session);
@@ -131,11 +153,12 @@ Result<void> tfxMeshInfo(const std::filesystem::path& path, Session& session) {
   session.add("triangles", mesh->indices.size() / 3, "triangles",
               fmt::format("{}", mesh->indices.size() / 3));
   reportBones(mesh->bones, session);
-  reportBounds(mesh->positions, session);
+  reportBounds(mesh->positions, options.scale, session);
   return {};
 }
 
-Result<void> tfxSkinInfo(const std::filesystem::path& path, Session& session) {
+Result<void> tfxSkinInfo(const InfoOptions& options, Session& session) {
+  const std::filesystem::path& path = options.file;
   auto table = loadTfxSkin(path);
   if (!table) return table.error();
   reportFile(path, "roots on a mesh", ".tfxskin", session);
@@ -147,6 +170,7 @@ Result<void> tfxSkinInfo(const std::filesystem::path& path, Session& session) {
     farthest = std::max(
         farthest, std::hypot(double{root.offset.x}, double{root.offset.y}, double{root.offset.z}));
   }
+  farthest *= double{options.scale};
   session.add("max_distance", farthest, "distance",
               fmt::format("at most {:.4g} m from the mesh", farthest));
   nlohmann::json parts = nlohmann::json::array();
@@ -166,7 +190,8 @@ Result<void> tfxSkinInfo(const std::filesystem::path& path, Session& session) {
   return {};
 }
 
-Result<void> tfxFollowInfo(const std::filesystem::path& path, Session& session) {
+Result<void> tfxFollowInfo(const InfoOptions& options, Session& session) {
+  const std::filesystem::path& path = options.file;
   auto hairs = loadFollowHairs(path, 0);
   if (!hairs) return hairs.error();
   reportFile(path, "follow hairs", ".tfxfollow", session);
@@ -191,7 +216,8 @@ Result<void> tfxFollowInfo(const std::filesystem::path& path, Session& session) 
   return {};
 }
 
-Result<void> cacheInfo(const std::filesystem::path& path, Session& session) {
+Result<void> cacheInfo(const InfoOptions& options, Session& session) {
+  const std::filesystem::path& path = options.file;
   auto cache = loadAssetCache(path);
   if (!cache) return cache.error();
   reportFile(path, "cache of assets", fmt::format(".pelage version {}", kAssetCacheVersion),
@@ -199,15 +225,23 @@ Result<void> cacheInfo(const std::filesystem::path& path, Session& session) {
   nlohmann::json hairs = nlohmann::json::array(), meshes = hairs, sources = hairs;
   for (const CachedHair& hair : cache->hairs) {
     const size_t bones = hair.bones ? hair.bones->bones.size() : 0;
+    auto size = measureHair(hair.asset);
+    if (!size) return Error{size.error().code, path.string() + ": " + size.error().message};
+    size->meanLength *= double{options.scale};
+    size->maxLength *= double{options.scale};
+    warnOfUnit(path.string() + ": " + hair.name, *size, options, session);
     hairs.push_back({{"name", hair.name},
+                     {"length", {{"mean", size->meanLength}, {"max", size->maxLength}}},
                      {"strands", hair.asset.strandCount},
                      {"vertices_per_strand", hair.asset.verticesPerStrand},
                      {"bones", bones},
                      {"follow_hairs", hair.followHairs.size()}});
-    session.add("", {}, "hair",
-                fmt::format("'{}': {} strands of {} vertices, {} bones, {} follow hairs", hair.name,
-                            hair.asset.strandCount, hair.asset.verticesPerStrand, bones,
-                            hair.followHairs.size()));
+    session.add(
+        "", {}, "hair",
+        fmt::format("'{}': {} strands of {} vertices, {:.4g} m long on average, {} bones, {} "
+                    "follow hairs",
+                    hair.name, hair.asset.strandCount, hair.asset.verticesPerStrand,
+                    size->meanLength, bones, hair.followHairs.size()));
   }
   for (const CachedMesh& mesh : cache->meshes) {
     meshes.push_back({{"name", mesh.name},
@@ -238,22 +272,27 @@ Result<void> cacheInfo(const std::filesystem::path& path, Session& session) {
   return {};
 }
 
-Result<void> sdfInfo(const std::filesystem::path& path, Session& session) {
+Result<void> sdfInfo(const InfoOptions& options, Session& session) {
+  const std::filesystem::path& path = options.file;
   auto field = loadSdf(path);
   if (!field) return field.error();
   reportFile(path, "distance field", ".psdf", session);
   const SdfGrid& grid = field->grid;
   session.add("nodes", grid.nodes, "nodes",
               fmt::format("{} x {} x {}", grid.nodes[0], grid.nodes[1], grid.nodes[2]));
-  session.add("cell_size", grid.cellSize, "cell size", fmt::format("{:.4g} m", grid.cellSize));
-  session.add("origin", {grid.origin.x, grid.origin.y, grid.origin.z}, "origin",
-              fmt::format("{:.4g} {:.4g} {:.4g}", grid.origin.x, grid.origin.y, grid.origin.z));
+  const float cell = grid.cellSize * options.scale;
+  session.add("cell_size", cell, "cell size", fmt::format("{:.4g} m", cell));
+  const Float3 origin = {grid.origin.x * options.scale, grid.origin.y * options.scale,
+                         grid.origin.z * options.scale};
+  session.add("origin", {origin.x, origin.y, origin.z}, "origin",
+              fmt::format("{:.4g} {:.4g} {:.4g}", origin.x, origin.y, origin.z));
   session.add("triangles", field->triangleCount, "triangles",
               fmt::format("{}", field->triangleCount));
   return {};
 }
 
-Result<void> meshInfo(const std::filesystem::path& path, Session& session) {
+Result<void> meshInfo(const InfoOptions& options, Session& session) {
+  const std::filesystem::path& path = options.file;
   auto mesh = loadSkinnedMesh(path);
   if (!mesh) return mesh.error();
   reportFile(path, "mesh", "for bind and collision", session);
@@ -276,50 +315,76 @@ Result<void> meshInfo(const std::filesystem::path& path, Session& session) {
   reportBones(mesh->bones, session);
   session.add("vertices_without_weights", mesh->repairedVertexCount, "without weights",
               fmt::format("{} vertices", mesh->repairedVertexCount));
-  reportBounds(mesh->positions, session);
+  reportBounds(mesh->positions, options.scale, session);
+  return {};
+}
+
+Result<void> settingsInfo(const InfoOptions& options, Session& session) {
+  auto settings = program::SettingsFile::load(options.file);
+  if (!settings) return settings.error();
+  reportFile(options.file, "simulation settings", "JSON", session);
+  std::string names;
+  for (const std::string& name : settings->names()) names += (names.empty() ? "" : ", ") + name;
+  session.add("settings", settings->names(), "settings", names.empty() ? "none" : names);
   return {};
 }
 
 // Hair, or else a mesh: .obj, .gltf and .glb may be either, and what only a mesh can be in is for
 // the importer of meshes. What is neither has the error of the one that its name stands for.
-Result<void> curvesOrMeshInfo(const std::filesystem::path& path, const std::string& extension,
+Result<void> curvesOrMeshInfo(const InfoOptions& options, const std::string& extension,
                               Session& session) {
-  auto curves = curvesInfo(path, session);
+  auto curves = curvesInfo(options, session);
   if (curves || curves.error().code == ErrorCode::kFileNotFound) return curves;
   constexpr std::array kHairAlone = {".tfx", ".tfxb", ".hair", ".hairtxt"};
   if (std::find(kHairAlone.begin(), kHairAlone.end(), extension) != kHairAlone.end()) return curves;
-  auto mesh = meshInfo(path, session);
+  auto mesh = meshInfo(options, session);
   const bool namesHair = extension == ".obj" || extension == ".gltf" || extension == ".glb";
   return mesh || !namesHair ? mesh : curves;
 }
 
 struct Kind {
   const char* extension;
-  Result<void> (*info)(const std::filesystem::path& path, Session& session);
+  Result<void> (*info)(const InfoOptions& options, Session& session);
 };
 constexpr std::array kKinds = {Kind{".tfxbone", tfxBoneInfo}, Kind{".tfxmesh", tfxMeshInfo},
                                Kind{".tfxskin", tfxSkinInfo}, Kind{".tfxfollow", tfxFollowInfo},
-                               Kind{".pelage", cacheInfo},    Kind{".psdf", sdfInfo}};
+                               Kind{".pelage", cacheInfo},    Kind{".psdf", sdfInfo},
+                               Kind{".json", settingsInfo}};
 
-Result<void> info(const std::filesystem::path& path, Session& session) {
-  std::string extension = path.extension().string();
+Result<void> fileInfo(const InfoOptions& options, Session& session) {
+  std::string extension = options.file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   for (const Kind& kind : kKinds)
-    if (extension == kind.extension) return kind.info(path, session);
-  return curvesOrMeshInfo(path, extension, session);
+    if (extension == kind.extension) return kind.info(options, session);
+  return curvesOrMeshInfo(options, extension, session);
+}
+
+Result<void> info(InfoOptions options, Session& session) {
+  for (const std::filesystem::path& file : options.files) {
+    options.file = file;
+    session.beginFile();
+    if (auto r = fileInfo(options, session); !r) return r;
+  }
+  return {};
 }
 
 }  // namespace
 
 void addInfoCommand(CLI::App& app, Session& session) {
-  auto file = std::make_shared<std::filesystem::path>();
+  auto options = std::make_shared<InfoOptions>();
   CLI::App* command = app.add_subcommand(
       "info",
-      "Says what a file holds: hair curves, bone weights, follow hairs, a mesh, a cache, ...");
-  command->add_option("FILE", *file, "Any file that pelage-convert reads or writes")->required();
-  command->callback(
-      [file, &session] { session.command = [file, &session] { return info(*file, session); }; });
+      "Says what files hold: hair curves, bone weights, follow hairs, a mesh, a cache, settings, "
+      "...");
+  command->add_option("FILE", options->files, "Any files that pelage-convert reads or writes")
+      ->required();
+  command->add_option("--scale", options->scale, "Metres a unit of the file")
+      ->check(isAboveZero())
+      ->capture_default_str();
+  command->callback([options, &session] {
+    session.command = [options, &session] { return info(*options, session); };
+  });
 }
 
 }  // namespace pelage::convert

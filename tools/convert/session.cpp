@@ -7,9 +7,12 @@
 #include <cstdio>
 #include <utility>
 
+#include "program_messages.h"
+
 namespace pelage::convert {
 namespace {
 
+constexpr const char* kProgram = "pelage-convert";
 constexpr int kBarWidth = 32;
 
 }  // namespace
@@ -20,14 +23,25 @@ void Session::add(std::string_view key, nlohmann::json value, std::string_view l
   if (!label.empty()) lines_.push_back({std::string(label), std::move(text)});
 }
 
+void Session::beginFile() {
+  if (report_.empty()) return;
+  earlier_.push_back(std::move(report_));
+  report_ = {};
+  lines_.push_back({});
+}
+
 void Session::warn(std::string text) {
-  if (!quiet) fmt::print(stderr, "pelage-convert: warning: {}\n", text);
+  if (!quiet) program::printWarning(kProgram, text);
   warnings_.push_back(std::move(text));
 }
 
 void Session::print() const {
   if (json) {
     nlohmann::ordered_json report = report_;
+    if (!earlier_.empty()) {
+      report = {{"files", earlier_}};
+      report["files"].push_back(report_);
+    }
     report["warnings"] = warnings_;
     fmt::print("{}\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
     return;
@@ -35,7 +49,11 @@ void Session::print() const {
   if (quiet) return;
   size_t width = 0;
   for (const Line& line : lines_) width = std::max(width, line.label.size());
-  for (const Line& line : lines_) fmt::print("{:<{}}  {}\n", line.label, width, line.text);
+  for (const Line& line : lines_)
+    if (line.label.empty())
+      fmt::print("\n");  // between files
+    else
+      fmt::print("{:<{}}  {}\n", line.label, width, line.text);
 }
 
 void Session::progress(std::string_view what, uint64_t done, uint64_t total) {
@@ -52,12 +70,6 @@ void Session::progress(std::string_view what, uint64_t done, uint64_t total) {
   std::fflush(stderr);
 }
 
-void printError(std::string_view text) {
-  std::string line(text);
-  while (!line.empty() && (line.back() == '\n' || line.back() == ' ')) line.pop_back();
-  std::replace(line.begin(), line.end(), '\n', ' ');
-  std::fflush(stdout);
-  fmt::print(stderr, "pelage-convert: error: {}\n", line);
-}
+void printError(std::string_view text) { program::printError(kProgram, text); }
 
 }  // namespace pelage::convert

@@ -22,6 +22,8 @@ class Session {
   bool json = false;   ///< --json
   bool quiet = false;  ///< --quiet
 
+  /// Begins the report of another file: the program's JSON is then a list of them, "files".
+  void beginFile();
   /// \param key of the JSON object; empty for something that only people read.
   /// \param label, text what people read instead; an empty label for nothing.
   void add(std::string_view key, nlohmann::json value, std::string_view label, std::string text);
@@ -42,6 +44,7 @@ class Session {
     std::string label, text;
   };
   nlohmann::ordered_json report_;
+  std::vector<nlohmann::ordered_json> earlier_;  // reports of the files before
   std::vector<Line> lines_;
   std::vector<std::string> warnings_;
   uint64_t drawnPermille_ = ~uint64_t{0};
