@@ -40,11 +40,16 @@ Result<std::optional<HairSceneDef>> mohawkScene(const std::filesystem::path& dat
   const std::filesystem::path body = folder / "Ratboy_body.tfxmesh";
   if (data.empty() || !std::filesystem::exists(hair) || !std::filesystem::exists(body))
     return std::optional<HairSceneDef>();
-  auto assets = sample::loadAssets({hair, {}, body});
-  if (!assets) return assets.error();
+  auto asset = pelage::loadTfx(hair, {.repair = true});
+  if (!asset) return asset.error();
+  auto mesh = pelage::loadTfxMesh(body);
+  if (!mesh) return mesh.error();
   HairSceneDef def;
   def.name = "mohawk";
-  def.assets = std::move(*assets);
+  def.assets.name = hair.stem().string();
+  def.assets.hair = std::move(*asset);
+  if (Result<void> done = def.assets.hair.process(); !done) return done.error();
+  def.assets.mesh = std::move(*mesh);
   def.material.rootColor = {0.26f, 0.17f, 0.11f};
   def.material.tipColor = {0.85f, 0.60f, 0.36f};
   def.material.fiberRadius = 1.4e-3f;

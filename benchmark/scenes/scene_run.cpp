@@ -123,6 +123,7 @@ sample::DemoDef demoDefOf(Workbench& workbench, const SceneRow& row) {
   def.scene = &workbench.scene;
   def.solver = row.solver == RowSolver::kExact ? pelage::Solver::kExact : pelage::Solver::kClassic;
   if (row.followsCollide) def.collidingHair = pelage::CollidingHair::kGuidesAndFollows;
+  if (row.kind != SceneKind::kHeadCapsules) def.headCollider = sample::HeadCollider::kMesh;
   // Nothing is drawn: a mesh that is only drawn is left out.
   def.drawSdf = row.kind != SceneKind::kHeadCapsules;
   return def;

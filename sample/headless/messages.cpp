@@ -6,7 +6,8 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
-#include <string>
+
+#include "program_messages.h"
 
 namespace sample {
 namespace {
@@ -23,13 +24,8 @@ void onSignal(int signal) {
 
 }  // namespace
 
-void printError(std::string_view text) {
-  std::string line(text);
-  while (!line.empty() && (line.back() == '\n' || line.back() == ' ')) line.pop_back();
-  std::replace(line.begin(), line.end(), '\n', ' ');
-  std::fflush(stdout);
-  std::fprintf(stderr, "%s: error: %s\n", kProgram, line.c_str());
-}
+void printError(std::string_view text) { pelage::program::printError(kProgram, text); }
+void printWarning(std::string_view text) { pelage::program::printWarning(kProgram, text); }
 
 Progress::Progress(uint32_t total, bool quiet)
     : total_(total), shown_(!quiet && isatty(STDOUT_FILENO) != 0), start_(Clock::now()) {}

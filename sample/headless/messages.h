@@ -14,6 +14,8 @@ inline constexpr int kInterrupted = 130;  ///< as shells report SIGINT
 
 /// Prints `pelage-headless: error: ...` to stderr; line ends in the text become spaces.
 void printError(std::string_view text);
+/// Prints `pelage-headless: warning: ...` likewise, with --quiet, too.
+void printWarning(std::string_view text);
 
 /// A bar with the time that is left, drawn on stdout while it is a terminal, and not at all
 /// otherwise.

@@ -18,8 +18,12 @@ bool isSorted(pelage::Transparency method) {
 
 }  // namespace
 
+bool showsFiles(const Options& options) {
+  return !options.files.hairs.empty() || !options.files.cache.empty();
+}
+
 bool showsCharacter(const Options& options) {
-  return options.asset.empty() && options.scene == GeneratedScene::kCharacter;
+  return !showsFiles(options) && options.scene == GeneratedScene::kCharacter;
 }
 
 uint32_t samplesOf(const Options& options) {
@@ -30,22 +34,46 @@ namespace {
 
 constexpr double kFastestWind = 1000;  // m/s
 
+// Refuses options of files that do not go together.
+void checkFiles(const Options& options) {
+  const pelage::program::AssetFiles& files = options.files;
+  if (!showsFiles(options)) {
+    if (!files.bones.empty() || !files.followHairs.empty() || !files.meshes.empty())
+      throw CLI::ValidationError("--bones, --follow-file and --mesh", "need --asset or --pelage");
+    if (!options.animation.empty())
+      throw CLI::ValidationError("--animation", "needs --asset or --pelage");
+    return;
+  }
+  if (files.bones.size() > files.hairs.size() || files.followHairs.size() > files.hairs.size())
+    throw CLI::ValidationError("--bones and --follow-file",
+                               "are for --asset, in the same order; there are more of them");
+  if (!options.files.followHairs.empty() && options.repeat != 1)
+    throw CLI::ValidationError("--repeat", "is without --follow-file");
+  if (!options.clip.empty() && options.animation.empty())
+    throw CLI::ValidationError("--clip", "needs --animation");
+  if (options.drawSdf && files.meshes.empty() && files.cache.empty())
+    throw CLI::ValidationError("--draw-sdf", "needs --mesh with --asset");
+  if (options.guides)
+    throw CLI::ValidationError("--guides", "is for the generated groom, not for files");
+  if (!options.writeAsset.empty())
+    throw CLI::ValidationError("--write-asset",
+                               "is for what is generated; pelage-convert writes other files");
+}
+
 // Refuses what CLI11's own checks cannot see.
 void checkTogether(const Options& options, const std::vector<float>& wind) {
   for (const float speed : wind)
     if (!(std::abs(static_cast<double>(speed)) <= kFastestWind))
       throw CLI::ValidationError("--wind", "takes speeds of at most 1000 m/s");
-  if (options.asset.empty() && (!options.bones.empty() || !options.mesh.empty()))
-    throw CLI::ValidationError("--bones and --mesh", "need --asset");
-  if (options.drawSdf && !options.asset.empty() && options.mesh.empty())
-    throw CLI::ValidationError("--draw-sdf", "needs --mesh with --asset");
+  checkFiles(options);
+  if (options.drawSdf && !showsFiles(options) && !showsCharacter(options) &&
+      options.headCollider == HeadCollider::kCapsules)
+    throw CLI::ValidationError("--draw-sdf", "needs --colliders sdf with --scene head");
   if (options.drawContacts && !options.images)
     throw CLI::ValidationError("--draw-contacts", "needs pictures, which --no-images leaves out");
   if (isSorted(options.transparency) && samplesOf(options) != 1)
     throw CLI::ValidationError(
         "--samples", "is 1 but with --transparency alpha-test and --transparency stochastic");
-  if (!options.asset.empty() && options.guides)
-    throw CLI::ValidationError("--guides", "is for the generated groom, not for --asset");
   if (options.repeat != 1 && showsCharacter(options))
     throw CLI::ValidationError("--repeat", "is for --scene head and --asset");
   for (const uint32_t size : {options.width, options.height})
@@ -77,10 +105,15 @@ namespace {
 // What options need beside Options.
 struct Given {
   std::vector<float> wind = {0, 0, 0};
-  uint32_t guides = 0, follow = 0, samples = 0;
+  uint32_t guides = 0, follow = 0, samples = 0, subSteps = 1;
+  pelage::Solver solver = pelage::Solver::kExact;
+  std::filesystem::path settings;
   bool noImages = false;
+  CLI::Option *solverOption = nullptr, *subStepsOption = nullptr, *windOption = nullptr;
+  CLI::Option *followFileOption = nullptr, *collidersOption = nullptr;
   CLI::Option *sceneOption = nullptr, *motionOption = nullptr, *presetOption = nullptr;
-  CLI::Option *guidesOption = nullptr, *followOption = nullptr, *samplesOption = nullptr;
+  CLI::Option *scaleOption = nullptr, *guidesOption = nullptr, *followOption = nullptr,
+              *samplesOption = nullptr;
 };
 
 void addDeviceOptions(CLI::App& app, Options& options) {
@@ -103,14 +136,43 @@ void addDeviceOptions(CLI::App& app, Options& options) {
                "validation layer or debug context; a message is a failure");
 }
 
+void addFileOptions(CLI::App& app, Options& options, Given& given) {
+  pelage::program::AssetFiles& files = options.files;
+  app.add_option("--asset", files.hairs, "guide hairs; any number")
+      ->allow_extra_args(false)
+      ->type_name("FILE.tfx");
+  app.add_option("--bones", files.bones,
+                 "bone weights: the first of the first --asset, and so on; - for none")
+      ->allow_extra_args(false)
+      ->type_name("FILE.tfxbone");
+  given.followFileOption = app.add_option("--follow-file", files.followHairs,
+                                          "follow hairs, likewise; without it they are generated")
+                               ->allow_extra_args(false)
+                               ->type_name("FILE.tfxfollow");
+  app.add_option("--mesh", files.meshes, "mesh that is drawn and collides; any number")
+      ->allow_extra_args(false)
+      ->type_name("FILE.tfxmesh");
+  app.add_option("--pelage", files.cache, "cache of grooms and meshes, of pelage-convert")
+      ->type_name("FILE.pelage");
+  app.add_option("--animation", options.animation,
+                 "moves the bones of these files, by their names; without it they follow a head "
+                 "that looks around")
+      ->type_name("FILE.gltf");
+  app.add_option("--clip", options.clip, "name of an animation in that file (the first one)")
+      ->type_name("NAME");
+  given.scaleOption =
+      app.add_option("--scale", files.scale,
+                     "meters a unit of these files, but for --animation: 0.01 for centimeters, "
+                     "0.0254 for inches (1)")
+          ->check(CLI::Range(1e-9, 1e9).description(""))
+          ->type_name("X");
+}
+
 void addHairOptions(CLI::App& app, Options& options, Given& given) {
-  app.add_option("--asset", options.asset, "guide hairs")->type_name("FILE.tfx");
-  app.add_option("--bones", options.bones, "bone weights of the hairs")->type_name("FILE.tfxbone");
-  app.add_option("--mesh", options.mesh, "mesh to draw with the hairs")->type_name("FILE.tfxmesh");
   const std::map<std::string, GeneratedScene> scenes = {{"character", GeneratedScene::kCharacter},
                                                         {"head", GeneratedScene::kHead}};
   given.sceneOption = app.add_option("--scene", options.scene,
-                                     "what is made without --asset: character, or head, which "
+                                     "what is made without files: character, or head, which "
                                      "--groom implies (character)")
                           ->transform(oneOf(scenes))
                           ->type_name("SCENE");
@@ -156,21 +218,32 @@ void addSimulationOptions(CLI::App& app, Options& options, Given& given) {
   const std::map<std::string, pelage::SkinningMethod> methods = {
       {"matrices", pelage::SkinningMethod::kMatrices},
       {"dual-quaternions", pelage::SkinningMethod::kDualQuaternions}};
+  const std::map<std::string, HeadCollider> colliders = {{"capsules", HeadCollider::kCapsules},
+                                                         {"sdf", HeadCollider::kMesh}};
+  given.collidersOption =
+      app.add_option("--colliders", options.headCollider,
+                     "of the generated head: capsules, or sdf, the field of its mesh (capsules)")
+          ->transform(oneOf(colliders))
+          ->type_name("KIND");
+  app.add_option("--settings", given.settings,
+                 "JSON with names of SimulationSettings, for all hair: {\"bendLength\": 0.1}")
+      ->type_name("FILE.json");
   app.add_option("--skinning", options.skinning, "matrices or dual-quaternions (matrices)")
       ->transform(oneOf(methods))
       ->type_name("METHOD");
   const std::map<std::string, pelage::Solver> solvers = {{"exact", pelage::Solver::kExact},
                                                          {"classic", pelage::Solver::kClassic}};
-  app.add_option("--solver", options.solver, "exact or classic (exact)")
-      ->transform(oneOf(solvers))
-      ->type_name("SOLVER");
-  app.add_option("--sub-steps", options.subSteps, "steps of the exact solver in a frame, 1..32 (1)")
-      ->check(CLI::Range(1u, 32u).description(""))
-      ->type_name("N");
-  app.add_option("--wind", given.wind, "velocity of the air [m/s] (0,0,0)")
-      ->delimiter(',')
-      ->expected(3)
-      ->type_name("X,Y,Z");
+  given.solverOption = app.add_option("--solver", given.solver, "exact or classic (exact)")
+                           ->transform(oneOf(solvers))
+                           ->type_name("SOLVER");
+  given.subStepsOption = app.add_option("--sub-steps", given.subSteps,
+                                        "steps of the exact solver in a frame, 1..32 (1)")
+                             ->check(CLI::Range(1u, 32u).description(""))
+                             ->type_name("N");
+  given.windOption = app.add_option("--wind", given.wind, "velocity of the air [m/s] (0,0,0)")
+                         ->delimiter(',')
+                         ->expected(3)
+                         ->type_name("X,Y,Z");
 }
 
 void addPictureOptions(CLI::App& app, Options& options, Given& given) {
@@ -233,26 +306,44 @@ void addOutputOptions(CLI::App& app, Options& options) {
       ->type_name("DIR");
   app.add_option("--csv", options.csv, "append the figures to a file")->type_name("FILE");
   app.add_option("--commit", options.commit, "commit to name in --csv")->type_name("TEXT");
-  app.add_flag("--quiet", options.quiet, "print errors only");
+  app.add_flag("--quiet", options.quiet, "print errors and warnings only");
+}
+
+// Errors: CLI::ValidationError for options of another scene.
+void checkScene(const Given& given, const Options& options) {
+  if (*given.presetOption && showsFiles(options))
+    throw CLI::ValidationError("--groom", "is for the generated groom, not for files");
+  if (*given.presetOption && *given.sceneOption && showsCharacter(options))
+    throw CLI::ValidationError("--groom", "is for --scene head");
+  if (*given.sceneOption && showsFiles(options))
+    throw CLI::ValidationError("--scene", "is for what is generated, not for files");
 }
 
 // Errors: CLI::ValidationError for options that do not go together.
 void take(const Given& given, Options& options) {
   if (*given.guidesOption) options.guides = given.guides;
   if (*given.followOption) options.follow = given.follow;
-  if (*given.presetOption && !options.asset.empty())
-    throw CLI::ValidationError("--groom", "is for the generated groom, not for --asset");
-  if (*given.presetOption && *given.sceneOption && showsCharacter(options))
-    throw CLI::ValidationError("--groom", "is for --scene head");
+  checkScene(given, options);
   if (*given.presetOption) options.scene = GeneratedScene::kHead;
-  if (*given.sceneOption && !options.asset.empty())
-    throw CLI::ValidationError("--scene", "is for what is generated, not for --asset");
   if (*given.motionOption && !showsCharacter(options))
     throw CLI::ValidationError("--motion", "is for --scene character");
+  if (*given.collidersOption && (showsFiles(options) || showsCharacter(options)))
+    throw CLI::ValidationError("--colliders", "is for --scene head");
+  if (*given.scaleOption && !showsFiles(options))
+    throw CLI::ValidationError("--scale", "is for files, not for what is generated");
+  if (*given.followOption && *given.followFileOption)
+    throw CLI::ValidationError("--follow", "is without --follow-file");
   if (*given.samplesOption) options.samples = given.samples;
+  if (*given.solverOption) options.solver = given.solver;
+  if (*given.subStepsOption) options.subSteps = given.subSteps;
+  if (*given.windOption) options.wind = {given.wind[0], given.wind[1], given.wind[2]};
   options.images = !given.noImages;
+  options.files.repair = true;
   checkTogether(options, given.wind);
-  options.wind = {given.wind[0], given.wind[1], given.wind[2]};
+  if (given.settings.empty()) return;
+  auto settings = pelage::program::SettingsFile::load(given.settings);
+  if (!settings) throw CLI::ValidationError("--settings", settings.error().message);
+  options.settings = *std::move(settings);
 }
 
 }  // namespace
@@ -263,13 +354,14 @@ std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
   CLI::App app(
       "Simulates hair and renders it without a window: a generated character with long hair, fur "
       "and a\n"
-      "mohawk, a generated head (--scene head), or a groom from a file (--asset). Writes PNG "
-      "frames, a\n"
+      "mohawk, a generated head (--scene head), or grooms from files (--asset, --pelage). "
+      "Writes PNG frames, a\n"
       "contact sheet, and what each kernel cost.",
       kProgram);
   app.set_version_flag("--version", PELAGE_SAMPLE_VERSION);
   app.get_formatter()->column_width(34);
   addDeviceOptions(app, options);
+  addFileOptions(app, options, given);
   addHairOptions(app, options, given);
   addSimulationOptions(app, options, given);
   addPictureOptions(app, options, given);

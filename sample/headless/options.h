@@ -7,16 +7,19 @@
 #include <string>
 #include <variant>
 
+#include "asset_files.h"
+#include "demo_scene.h"
 #include "groom_presets.h"
 #include "pelage/demo/character.h"
 #include "pelage/hair_object.h"
 #include "pelage/headless.h"
 #include "pelage/transparency.h"
 #include "pelage/view.h"
+#include "settings_file.h"
 
 namespace sample {
 
-/// What is generated, unless --asset names a file.
+/// What is generated, unless files are given.
 enum class GeneratedScene : uint8_t { kCharacter, kHead };
 
 struct Options {
@@ -26,7 +29,9 @@ struct Options {
   pelage::Tier tier = pelage::Tier::kWide;  ///< as which the device counts at most
   bool listDevices = false;
 
-  std::filesystem::path asset, bones, mesh;
+  pelage::program::AssetFiles files;
+  std::filesystem::path animation;  ///< of the bones of these files
+  std::string clip;                 ///< empty takes the first one
   GeneratedScene scene = GeneratedScene::kCharacter;
   pelage::CharacterMotion motion = pelage::CharacterMotion::kAll;  ///< of the character
   uint64_t seed = 1;
@@ -36,9 +41,12 @@ struct Options {
   uint32_t repeat = 1;
   std::optional<uint32_t> follow;  ///< hairs a guide; a default for each asset when not given
   pelage::SkinningMethod skinning = pelage::SkinningMethod::kMatrices;
-  pelage::Solver solver = pelage::Solver::kExact;
-  uint32_t subSteps = 1;
-  pelage::Float3 wind;
+  HeadCollider headCollider = HeadCollider::kCapsules;
+  /// Those that are given go before `settings`.
+  std::optional<pelage::Solver> solver;
+  std::optional<uint32_t> subSteps;
+  std::optional<pelage::Float3> wind;
+  std::optional<pelage::program::SettingsFile> settings;
 
   uint32_t frames = 240;
   uint32_t every = 10;
@@ -55,6 +63,9 @@ struct Options {
   std::string commit;
   bool quiet = false;
 };
+
+/// Whether the scene is made of files.
+bool showsFiles(const Options& options);
 
 /// Whether the scene is that of the character.
 bool showsCharacter(const Options& options);

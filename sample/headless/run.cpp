@@ -9,12 +9,14 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "demo_assets.h"
 #include "demo_scene.h"
 #include "device.h"
 #include "figures.h"
 #include "messages.h"
+#include "motion_file.h"
 #include "picture_writer.h"
 
 namespace sample {
@@ -44,20 +46,12 @@ Result<void> printDevices(pelage::Api api) {
   return {};
 }
 
-Result<DemoAssets> makeAssets(const Options& options) {
-  if (options.asset.empty()) {
-    pelage::GroomDef def = presetLook(options.preset).groom;
-    def.seed = options.seed;
-    def.headCellSize = kHeadCellSize;
-    if (options.guides) def.strandCount = *options.guides;
-    return generateAssets(def);
-  }
-  uint64_t repaired = 0;
-  auto assets = loadAssets({options.asset, options.bones, options.mesh}, &repaired);
-  if (assets && repaired > 0 && !options.quiet)
-    fmt::print("{}: {} values could not be used and were repaired\n", options.asset.string(),
-               repaired);
-  return assets;
+Result<DemoAssets> makeHead(const Options& options) {
+  pelage::GroomDef def = presetLook(options.preset).groom;
+  def.seed = options.seed;
+  def.headCellSize = kHeadCellSize;
+  if (options.guides) def.strandCount = *options.guides;
+  return generateAssets(def);
 }
 
 Result<std::unique_ptr<HeadlessDevice>> makeDevice(const Options& options) {
@@ -117,6 +111,20 @@ class FrameLoop {
     return image;
   }
 
+  // What of a picture of the last frame is hair.
+  Result<HairPixels> hairPixels(const pelage::RenderedImage& image) {
+    if (!demo_.drawsMeshes()) return sample::hairPixels(image, nullptr);
+    pelage::PassList list;
+    if (Result<void> done = demo_.drawMeshes(view_, list); !done) return done.error();
+    demo_.finish(list);
+    if (Result<void> done = device_.update(demo_.resources()); !done) return done.error();
+    pelage::RenderTargetDef target = target_;
+    target.depthCopy = pelage::BufferId::kInvalid;
+    const auto without = device_.render(list, target);
+    if (!without) return without.error();
+    return sample::hairPixels(image, &*without);
+  }
+
   const Figures& figures() const { return figures_; }
 
  private:
@@ -155,8 +163,18 @@ class FrameLoop {
   Figures figures_;
 };
 
-// Runs the frames; returns how many there were.
-Result<uint32_t> runFrames(const Options& options, FrameLoop& loop) {
+struct CheckedPicture {
+  uint32_t frame = 0;
+  HairPixels hair;
+};
+
+struct RunResult {
+  uint32_t frames = 0;
+  std::vector<CheckedPicture> pictures;
+};
+
+// Runs the frames.
+Result<RunResult> runFrames(const Options& options, FrameLoop& loop) {
   std::optional<PictureWriter> pictures;
   if (options.images && options.frames >= options.every) {
     auto writer = PictureWriter::create(options.out, options.frames / options.every, options.width,
@@ -165,13 +183,17 @@ Result<uint32_t> runFrames(const Options& options, FrameLoop& loop) {
     pictures = std::move(*writer);
   }
   Progress progress(options.frames, options.quiet);
-  uint32_t frame = 0;
+  RunResult result;
+  uint32_t& frame = result.frames;
   while (frame < options.frames && !interrupted()) {
     ++frame;
     if (pictures && frame % options.every == 0) {
       const auto image = loop.render();
       if (!image) return image.error();
       if (Result<void> done = pictures->add(frame, *image); !done) return done.error();
+      const auto hair = loop.hairPixels(*image);
+      if (!hair) return hair.error();
+      result.pictures.push_back({frame, *hair});
     } else if (Result<void> done = loop.simulate(); !done) {
       return done.error();
     }
@@ -179,7 +201,38 @@ Result<uint32_t> runFrames(const Options& options, FrameLoop& loop) {
   }
   if (pictures)
     if (Result<void> done = pictures->finish(); !done) return done.error();
-  return frame;
+  return result;
+}
+
+std::string frameList(const std::vector<uint32_t>& frames) {
+  constexpr size_t kListed = 8;
+  std::string text = frames.size() == 1 ? "frame" : "frames";
+  for (size_t i = 0; i < std::min(frames.size(), kListed); ++i)
+    text += fmt::format("{} {}", i == 0 ? "" : ",", frames[i]);
+  return frames.size() > kListed ? text + ", ..." : text;
+}
+
+// A picture without hair, or no picture at all, is never left without a word.
+void reportPictures(const Options& options, const std::vector<CheckedPicture>& pictures) {
+  if (options.images && options.frames < options.every)
+    printWarning(fmt::format("there is no picture: --frames {} is less than --every {}",
+                             options.frames, options.every));
+  std::vector<uint32_t> empty, invalid;
+  for (const auto& [frame, hair] : pictures) {
+    const bool isEnd = frame == pictures.front().frame || frame == pictures.back().frame;
+    if (isEnd && !options.quiet)
+      fmt::print("hair:   {:.2f} % of the pixels of frame {}, mean luminance {:.4f}\n",
+                 100 * hair.share, frame, hair.meanLight);
+    if (hair.count == 0) empty.push_back(frame);
+    if (hair.invalidCount > 0) invalid.push_back(frame);
+  }
+  if (!empty.empty())
+    printWarning(
+        fmt::format("no hair can be seen in {}: it is too thin for the picture, behind a "
+                    "mesh or out of view; is the scale right (--scale)?",
+                    frameList(empty)));
+  if (!invalid.empty())
+    printWarning(fmt::format("pixels are NaN or infinite in {}", frameList(invalid)));
 }
 
 void printGrooms(const Options& options, const DemoScene& demo) {
@@ -238,9 +291,13 @@ DemoDef demoDef(const Options& options) {
   def.followPerGuide = options.follow;
   def.seed = options.seed;
   def.skinning = options.skinning;
-  def.solver = options.solver;
+  pelage::SimulationSettings settings;
+  if (options.settings) options.settings->apply(settings);
+  def.solver = options.solver.value_or(settings.solver);
+  def.settings = options.settings;
   def.subSteps = options.subSteps;
   def.wind = options.wind;
+  def.headCollider = options.headCollider;
   def.drawSdf = options.drawSdf;
   def.drawContacts = options.drawContacts;
   def.preset = options.preset;
@@ -266,12 +323,42 @@ Result<DemoScene> makeCharacterScene(const Options& options) {
 }
 
 Result<DemoScene> makeHeadScene(const Options& options) {
-  auto assets = makeAssets(options);
+  auto assets = makeHead(options);
   if (!assets) return assets.error();
   if (!options.writeAsset.empty())
     if (Result<void> done = writeAssets(*assets, options.writeAsset); !done) return done.error();
-  if (Result<void> done = repeatGuides(*assets, options.repeat); !done) return done.error();
+  if (Result<void> done = repeatGuides(assets->hair, assets->weights.strands, options.repeat);
+      !done)
+    return done.error();
   return DemoScene::create(*assets, demoDef(options));
+}
+
+Result<DemoScene> makeFileScene(const Options& options) {
+  std::vector<std::string> warnings;
+  auto loaded = pelage::program::loadAssetFiles(options.files, warnings);
+  if (!loaded) return loaded.error();
+  for (const std::string& warning : warnings) printWarning(warning);
+  for (const std::string& warning : pelage::program::unitWarnings(*loaded, options.files.scale))
+    printWarning(warning);
+  FileAssets files = {*std::move(loaded), {}};
+  for (pelage::CachedHair& hair : files.assets.hairs) {
+    std::vector<pelage::BoneInfluences> none;
+    if (Result<void> done =
+            repeatGuides(hair.asset, hair.bones ? hair.bones->strands : none, options.repeat);
+        !done)
+      return done.error();
+  }
+  if (!options.animation.empty()) {
+    auto motion = loadMotion(options.animation, options.clip);
+    if (!motion) return motion.error();
+    files.motion = *std::move(motion);
+  }
+  return DemoScene::create(files, demoDef(options));
+}
+
+Result<DemoScene> makeScene(const Options& options) {
+  if (showsFiles(options)) return makeFileScene(options);
+  return showsCharacter(options) ? makeCharacterScene(options) : makeHeadScene(options);
 }
 
 Result<void> checkMessages(const Options& options, const HeadlessDevice& device) {
@@ -286,7 +373,7 @@ Result<void> checkMessages(const Options& options, const HeadlessDevice& device)
 Result<void> run(const Options& options) {
   if (options.listDevices) return printDevices(options.api);
 
-  auto demo = showsCharacter(options) ? makeCharacterScene(options) : makeHeadScene(options);
+  auto demo = makeScene(options);
   if (!demo) return demo.error();
 
   const auto device = makeDevice(options);
@@ -299,19 +386,20 @@ Result<void> run(const Options& options) {
 
   const auto start = std::chrono::steady_clock::now();
   FrameLoop loop(options, *demo, **device);
-  const auto frames = runFrames(options, loop);
-  if (!frames) return frames.error();
+  const auto result = runFrames(options, loop);
+  if (!result) return result.error();
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
 
   if (!options.quiet)
-    fmt::print("\n{}\n{} frames in {:.1f} s{}\n", loop.figures().table(), *frames, seconds.count(),
-               interrupted() ? ", interrupted" : "");
+    fmt::print("\n{}\n{} frames in {:.1f} s{}\n", loop.figures().table(), result->frames,
+               seconds.count(), interrupted() ? ", interrupted" : "");
+  reportPictures(options, result->pictures);
   if (!options.quiet)
     if (Result<void> done = printContacts(*demo, **device); !done) return done;
   if (!options.csv.empty()) {
     const std::string name =
         showsCharacter(options) ? "character" : demo->scene().hair(demo->hairs()[0]).name();
-    const RunInfo info = runInfo(options, *demo, name, *frames);
+    const RunInfo info = runInfo(options, *demo, name, result->frames);
     if (Result<void> done =
             appendCsv(options.csv.string(), loop.figures(), (*device)->info(), info);
         !done)

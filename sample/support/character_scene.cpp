@@ -94,13 +94,11 @@ Result<void> DemoScene::addBody(const Character& character) {
   MeshDef def;
   def.name = "character";
   def.influences = character.mesh.influences;
-  def.boneCount = boneCount_;
   def.scalp = scalp;
   def.coat = coat;
-  auto mesh = MeshObject::create(scene_->resources(), character.mesh, def);
-  if (!mesh) return mesh.error();
-  mesh_ = *mesh;
-  mesh_->material = {character.parts[0].color, character.parts[1].color, character.parts[2].color};
+  if (Result<void> done = addMesh(character.mesh, def); !done) return done;
+  meshes_.back().material = {character.parts[0].color, character.parts[1].color,
+                             character.parts[2].color};
   return {};
 }
 

@@ -85,29 +85,6 @@ uint32_t DemoAssets::boneCount() const {
   return static_cast<uint32_t>(std::max({weights.bones.size(), ofMesh, size_t{1}}));
 }
 
-Result<DemoAssets> loadAssets(const DemoFiles& files, uint64_t* repaired) {
-  DemoAssets assets;
-  assets.name = files.hair.stem().string();
-  pelage::TfxLoadReport report;
-  auto hair = pelage::loadTfx(files.hair, {.repair = true}, &report);
-  if (!hair) return hair.error();
-  assets.hair = std::move(*hair);
-  if (Result<void> done = assets.hair.process(); !done)
-    return Error{done.error().code, files.hair.string() + ": " + done.error().message};
-  if (!files.bones.empty()) {
-    auto weights = pelage::loadTfxBone(files.bones, assets.hair.strandCount);
-    if (!weights) return weights.error();
-    assets.weights = std::move(*weights);
-  }
-  if (!files.mesh.empty()) {
-    auto mesh = pelage::loadTfxMesh(files.mesh);
-    if (!mesh) return mesh.error();
-    assets.mesh = std::move(*mesh);
-  }
-  if (repaired != nullptr) *repaired = report.repairedCount;
-  return assets;
-}
-
 Result<DemoAssets> generateAssets(const pelage::GroomDef& def) {
   auto groom = pelage::generateGroom(def);
   if (!groom) return groom.error();
@@ -122,19 +99,20 @@ Result<DemoAssets> generateAssets(const pelage::GroomDef& def) {
   return assets;
 }
 
-Result<void> repeatGuides(DemoAssets& assets, uint32_t copies) {
-  HairAsset& hair = assets.hair;
+Result<void> repeatGuides(HairAsset& hair, std::vector<BoneInfluences>& influences,
+                          uint32_t copies) {
   if (copies == 1) return {};
   if (uint64_t{hair.strandCount} * copies > std::numeric_limits<uint32_t>::max())
     return Error{ErrorCode::kInvalidArgument,
                  std::to_string(copies) + " copies of the guides are more than 2^32 of them"};
   hair.strandCount *= copies;
   repeatArray(hair.positions, copies);
+  repeatArray(hair.vertexCounts, copies);
   repeatArray(hair.strandUv, copies);
   repeatArray(hair.vertexUv, copies);
   repeatArray(hair.strandThickness, copies);
   repeatArray(hair.vertexColor, copies);
-  repeatArray(assets.weights.strands, copies);
+  repeatArray(influences, copies);
   return hair.process();
 }
 

@@ -1,4 +1,4 @@
-// What the sample shows: a groom and a mesh, made or loaded.
+// What the sample makes to show: a groom on a head.
 #pragma once
 
 #include <cstdint>
@@ -19,11 +19,9 @@ namespace sample {
 
 struct DemoAssets {
   std::string name;
-  pelage::HairAsset hair;       ///< processed
-  pelage::BoneWeights weights;  ///< without strands when there is no bone file
-  /// Bones with joints, in the order of `weights`; without bones for a groom from files, which do
-  /// not say where the joints are.
-  pelage::Skeleton skeleton;
+  pelage::HairAsset hair;  ///< processed
+  pelage::BoneWeights weights;
+  pelage::Skeleton skeleton;  ///< in the order of `weights`
   std::optional<pelage::CollisionMesh> mesh;
   float rootSpacing = 0;  ///< no two roots are closer than this [m]; 0 when that is not known
 
@@ -31,23 +29,14 @@ struct DemoAssets {
   uint32_t boneCount() const;
 };
 
-/// Files of a groom; only `hair` must be there.
-struct DemoFiles {
-  std::filesystem::path hair;   ///< .tfx
-  std::filesystem::path bones;  ///< .tfxbone, or empty
-  std::filesystem::path mesh;   ///< .tfxmesh, or empty
-};
-
-/// Loads a groom. Values in the .tfx file that cannot be used are repaired; `repaired` receives how
-/// many they were. Errors: those of the loaders.
-pelage::Result<DemoAssets> loadAssets(const DemoFiles& files, uint64_t* repaired = nullptr);
-
 /// Makes the head and its groom.
 pelage::Result<DemoAssets> generateAssets(const pelage::GroomDef& def);
 
 /// Puts the guides in `copies` times, one copy after the other and all at the same place: for
-/// measurements at a larger size. Errors: more guides than 32 bits count.
-pelage::Result<void> repeatGuides(DemoAssets& assets, uint32_t copies);
+/// measurements at a larger size. \param influences [strand] of the hair, or empty. Errors: more
+/// guides than 32 bits count.
+pelage::Result<void> repeatGuides(pelage::HairAsset& hair,
+                                  std::vector<pelage::BoneInfluences>& influences, uint32_t copies);
 
 /// Writes NAME.tfx, NAME.tfxbone and, when there is one, NAME.tfxmesh into a folder, which is made
 /// when it is not there.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "head_motion.h"
 #include "scene_setup.h"
@@ -11,36 +10,10 @@ namespace sample {
 
 using pelage::AffineTransform;
 using pelage::Float3;
-using pelage::Float4;
 using pelage::HairAsset;
 using pelage::Result;
 
 namespace {
-
-struct Bounds {
-  Float3 low = {std::numeric_limits<float>::max(), std::numeric_limits<float>::max(),
-                std::numeric_limits<float>::max()};
-  Float3 high = {std::numeric_limits<float>::lowest(), std::numeric_limits<float>::lowest(),
-                 std::numeric_limits<float>::lowest()};
-};
-
-Bounds boundsOf(const HairAsset& hair) {
-  Bounds bounds;
-  for (const Float4& p : hair.positions) {
-    bounds.low = {std::min(bounds.low.x, p.x), std::min(bounds.low.y, p.y),
-                  std::min(bounds.low.z, p.z)};
-    bounds.high = {std::max(bounds.high.x, p.x), std::max(bounds.high.y, p.y),
-                   std::max(bounds.high.z, p.z)};
-  }
-  return bounds;
-}
-
-// A neck below the middle of the groom.
-Float3 pivotUnder(const HairAsset& hair) {
-  const Bounds b = boundsOf(hair);
-  const float below = 0.4f * (b.high.y - b.low.y);
-  return {(b.low.x + b.high.x) / 2, b.low.y - below, (b.low.z + b.high.z) / 2};
-}
 
 // Capsules inside the generated head, in bind space: along its middle, each end as large as the
 // head lets it be.
@@ -100,28 +73,6 @@ Look generatedLook(GroomPreset preset, pelage::Solver solver) {
   return look;
 }
 
-// A groom from files, of which nothing is known: stiff enough to keep its style, seen from the
-// side.
-Look fileLook(pelage::Solver solver) {
-  const bool exact = solver == pelage::Solver::kExact;
-  Look look;
-  look.material.rootColor = {0.16f, 0.026f, 0.010f};
-  look.material.tipColor = {0.46f, 0.15f, 0.040f};
-  look.material.fiberRadius = 200e-6f;
-  look.material.primaryStrength = 0.06f;
-  look.material.secondaryStrength = 0.8f;
-  look.followPerGuide = 8;
-  look.followRadius = 0.006f;
-  look.settings.solver = solver;
-  if (!exact) look.settings.gravity = {0, -2.5f, 0};
-  look.settings.bendLength = 0.2f;
-  look.settings.globalStiffness = 0.06f;
-  look.settings.globalRange = 1;
-  look.settings.vspCoefficient = 0.2f;
-  look.camera.direction = {1, 0.25f, -0.3f};
-  return look;
-}
-
 }  // namespace
 
 DemoScene::DemoScene(const DemoDef& def)
@@ -135,20 +86,12 @@ DemoScene::~DemoScene() {
 }
 
 Result<DemoScene> DemoScene::create(const DemoAssets& assets, const DemoDef& def) {
-  const bool generated = !assets.skeleton.bones.empty();
   DemoScene demo(def);
   demo.boneCount_ = assets.boneCount();
-  if (generated) {
-    demo.pose_ = [skeleton = assets.skeleton](double seconds) {
-      return poseSkeleton(skeleton, headPose(seconds));
-    };
-  } else {
-    demo.pose_ = [count = demo.boneCount_, pivot = pivotUnder(assets.hair)](double seconds) {
-      return std::vector<AffineTransform>(count,
-                                          rotationAbout(poseRotation(headPose(seconds)), pivot));
-    };
-  }
-  const Look look = generated ? generatedLook(def.preset, def.solver) : fileLook(def.solver);
+  demo.pose_ = [skeleton = assets.skeleton](double seconds) {
+    return poseSkeleton(skeleton, headPose(seconds));
+  };
+  const Look look = generatedLook(def.preset, def.solver);
   demo.cameraDef_ = look.camera;
   demo.light = studioLight(look.camera.direction);
   demo.drawSdf_ = def.drawSdf;
@@ -164,33 +107,52 @@ Result<DemoScene> DemoScene::create(const DemoAssets& assets, const DemoDef& def
       {.countPerGuide = look.followPerGuide, .maxRadius = look.followRadius, .seed = def.seed},
       def);
   if (!added) return added.error();
-
-  if (generated && !def.drawSdf) demo.capsules_ = headCapsules();
-  if (assets.mesh) {
-    added = def.drawSdf ? demo.addCollider(*assets.mesh, {.name = assets.name + "/field"})
-                        : demo.addMesh(assets);
-    if (!added) return added.error();
-  }
+  if (added = demo.addHead(assets, def); !added) return added.error();
 
   for (int i = 0; i * kSweptStep < kHeadMotionSeconds; ++i) {
     const std::vector<AffineTransform> bones = demo.pose_(i * kSweptStep);
     sweepHair(assets.hair, assets.weights.strands, bones, demo.sweptPoints_);
-    if (assets.mesh && generated) sweepMesh(*assets.mesh, bones, demo.sweptPoints_);
+    if (assets.mesh) sweepMesh(*assets.mesh, bones, demo.sweptPoints_);
   }
   return demo;
 }
 
+// What hair collides with, and the mesh that is drawn.
+Result<void> DemoScene::addHead(const DemoAssets& assets, const DemoDef& def) {
+  const bool collides = def.headCollider == HeadCollider::kMesh && assets.mesh;
+  if (def.drawSdf && !collides)
+    return pelage::Error{pelage::ErrorCode::kInvalidArgument,
+                         "the hair collides with no signed distance field that could be drawn"};
+  if (!collides) capsules_ = headCapsules();
+  if (collides)
+    if (Result<void> done = addCollider(*assets.mesh, {.name = assets.name + "/field"}); !done)
+      return done;
+  if (def.drawSdf || !assets.mesh) return {};
+  std::vector<float> scalp;
+  if (assets.rootSpacing > 0)
+    scalp = coveredShares(*assets.mesh, assets.hair, kScalpRange * assets.rootSpacing);
+  return addMesh(
+      *assets.mesh,
+      {.name = assets.name + "/mesh", .influences = assets.mesh->influences, .scalp = scalp});
+}
+
 Result<void> DemoScene::addHair(const HairAsset& hair, const pelage::HairDef& look,
                                 pelage::FollowDef followDef, const DemoDef& def) {
-  followDef.countPerGuide = def.followPerGuide.value_or(followDef.countPerGuide);
-  auto follow = hair.generateFollowHairs(followDef);
-  if (!follow) return follow.error();
   pelage::HairDef hairDef = look;
-  hairDef.settings.subSteps = def.subSteps;
-  hairDef.settings.wind.velocity = def.wind;
+  std::vector<pelage::FollowHair> follow;
+  if (hairDef.followHairs.empty()) {
+    followDef.countPerGuide = def.followPerGuide.value_or(followDef.countPerGuide);
+    auto generated = hair.generateFollowHairs(followDef);
+    if (!generated) return generated.error();
+    follow = *std::move(generated);
+    hairDef.followHairs = follow;
+  }
+  if (def.settings) def.settings->apply(hairDef.settings);
+  hairDef.settings.solver = def.solver;
+  if (def.subSteps) hairDef.settings.subSteps = *def.subSteps;
+  if (def.wind) hairDef.settings.wind.velocity = *def.wind;
   hairDef.skinning = def.skinning;
   hairDef.boneCount = boneCount_;
-  hairDef.followHairs = *follow;
   hairDef.collidingHair = def.collidingHair;
   const auto added = scene_->addHair(hair, hairDef);
   if (!added) return added.error();
@@ -198,18 +160,11 @@ Result<void> DemoScene::addHair(const HairAsset& hair, const pelage::HairDef& lo
   return {};
 }
 
-Result<void> DemoScene::addMesh(const DemoAssets& assets) {
-  std::vector<float> scalp;
-  if (assets.rootSpacing > 0)
-    scalp = coveredShares(*assets.mesh, assets.hair, kScalpRange * assets.rootSpacing);
-  MeshDef def;
-  def.name = assets.name + "/mesh";
-  def.influences = assets.mesh->influences;
+Result<void> DemoScene::addMesh(const pelage::CollisionMesh& mesh, MeshDef def) {
   def.boneCount = boneCount_;
-  def.scalp = scalp;
-  auto mesh = MeshObject::create(scene_->resources(), *assets.mesh, def);
-  if (!mesh) return mesh.error();
-  mesh_ = *mesh;
+  auto object = MeshObject::create(scene_->resources(), mesh, def);
+  if (!object) return object.error();
+  meshes_.push_back(*std::move(object));
   return {};
 }
 
@@ -231,7 +186,7 @@ Result<void> DemoScene::advance(pelage::PassList& list) {
   for (const pelage::ColliderId collider : colliders_) scene_->collider(collider).setBones(posed);
   if (Result<void> done = scene_->simulate(static_cast<float>(kFrameSeconds), list); !done)
     return done;
-  if (mesh_) mesh_->setBones(posed);
+  for (MeshObject& mesh : meshes_) mesh.setBones(posed);
   return {};
 }
 
@@ -246,17 +201,18 @@ std::vector<pelage::CapsuleCollider> DemoScene::capsules() const {
   return capsules;
 }
 
-Result<void> DemoScene::drawMesh(const pelage::View& view, pelage::PassList& list) {
+Result<void> DemoScene::drawMeshes(const pelage::View& view, pelage::PassList& list) {
   if (drawSdf_)
     for (const pelage::ColliderId collider : colliders_)
       if (Result<void> done = scene_->drawCollider(collider, view, light, {}, list); !done)
         return done;
-  if (mesh_) return mesh_->draw(view, light, list);
+  for (const MeshObject& mesh : meshes_)
+    if (Result<void> done = mesh.draw(view, light, list); !done) return done;
   return {};
 }
 
 Result<void> DemoScene::draw(const pelage::View& view, pelage::PassList& list) {
-  if (Result<void> done = drawMesh(view, list); !done) return done;
+  if (Result<void> done = drawMeshes(view, list); !done) return done;
   if (Result<void> done = scene_->draw(view, light, list); !done) return done;
   return drawContacts(view, list);
 }
@@ -265,7 +221,7 @@ Result<void> DemoScene::draw(const pelage::View& view, const pelage::Transparenc
                              std::vector<pelage::PassList>& lists) {
   // Without the list of contacts of the last frame.
   if (lists.empty() || drawContacts_) lists.resize(1);
-  if (Result<void> done = drawMesh(view, lists[0]); !done) return done;
+  if (Result<void> done = drawMeshes(view, lists[0]); !done) return done;
   if (Result<void> done = scene_->draw(view, {&light, 1}, settings, lists); !done) return done;
   if (!drawContacts_) return {};
   // After the last list of any method, over what is blended there.

@@ -1,34 +1,62 @@
-// The sample's scenes: a character with three grooms, or one groom and its mesh on a head that
-// moves. Samples, golden tests and benchmarks share them.
+// The sample's scenes: a character with three grooms, a head with one, or grooms and meshes from
+// files. Samples, golden tests and benchmarks share them.
 #pragma once
 
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "camera.h"
 #include "demo_assets.h"
 #include "groom_presets.h"
 #include "mesh_object.h"
+#include "pelage/asset_cache.h"
 #include "pelage/demo/character.h"
 #include "pelage/headless.h"
 #include "pelage/scene.h"
+#include "settings_file.h"
 
 namespace sample {
+
+/// What the hair of a generated head collides with.
+enum class HeadCollider : uint8_t {
+  kCapsules,
+  kMesh,  ///< the head's mesh, through a signed distance field
+};
+
+/// The motion of the bones of grooms and meshes from files.
+struct BoneMotion {
+  std::string name;  ///< for errors
+  std::vector<std::string> bones;
+  double seconds = 0;  ///< it starts over after this time
+  /// [bone] bind space to world, at a time within `seconds`.
+  std::function<std::vector<pelage::AffineTransform>(double seconds)> pose;
+};
+
+/// Grooms and meshes from files. Bones with the same name are one bone.
+struct FileAssets {
+  pelage::AssetCache assets;
+  /// Without it all bones follow a head that looks to both sides and nods.
+  std::optional<BoneMotion> motion;
+};
 
 struct DemoDef {
   std::optional<uint32_t> followPerGuide;  ///< a default for the groom when not given
   uint64_t seed = 1;                       ///< of the follow hairs
   pelage::SkinningMethod skinning = pelage::SkinningMethod::kMatrices;
   pelage::Solver solver = pelage::Solver::kExact;
-  uint32_t subSteps = 1;                      ///< of the exact solver
-  pelage::Float3 wind;                        ///< [m/s]
+  /// Settings of all hair, in place of the scene's own. Of its solver, `solver` is used.
+  std::optional<pelage::program::SettingsFile> settings;
+  std::optional<uint32_t> subSteps;           ///< of the exact solver; before `settings`
+  std::optional<pelage::Float3> wind;         ///< [m/s]; before `settings`
   GroomPreset preset = GroomPreset::kParted;  ///< the look of a generated groom
   pelage::CharacterMotion motion = pelage::CharacterMotion::kAll;  ///< of a character
-  /// draw() shows the surface of the signed distance fields that hair collides with in place of the
-  /// mesh. A head's hair collides with a field only then.
+  HeadCollider headCollider = HeadCollider::kCapsules;
+  /// draw() shows the surfaces of the signed distance fields that hair collides with in place of
+  /// the meshes. It changes nothing else.
   bool drawSdf = false;
   /// draw() shows the contact records of all hair on top of it.
   bool drawContacts = false;
@@ -51,6 +79,10 @@ class DemoScene {
   /// A character with its three grooms, which collide with its three colliders. Of the definition,
   /// `preset` is not used.
   static pelage::Result<DemoScene> create(const pelage::Character& character, const DemoDef& def);
+  /// Grooms from files, which collide with all meshes. Of the definition, `preset`, `motion` and
+  /// `headCollider` are not used. Errors: no hair; with a motion, hair without bones, and a bone
+  /// that it does not have.
+  static pelage::Result<DemoScene> create(const FileAssets& files, const DemoDef& def);
 
   /// Writes the passes of the next frame into a list, which is cleared first: the pose at
   /// the frame's end and one simulation step.
@@ -60,6 +92,10 @@ class DemoScene {
   /// Adds them to lists that run one after another. lists[0] keeps what it has.
   pelage::Result<void> draw(const pelage::View& view, const pelage::TransparencySettings& settings,
                             std::vector<pelage::PassList>& lists);
+  /// Whether draw() shows more than hair.
+  bool drawsMeshes() const { return !meshes_.empty() || (drawSdf_ && !colliders_.empty()); }
+  /// Adds the draws of what draw() shows beside hair and contacts.
+  pelage::Result<void> drawMeshes(const pelage::View& view, pelage::PassList& list);
   /// With DemoDef::drawSdf, after draw() has run: an error when a surface was too large to be drawn
   /// as a whole.
   pelage::Result<void> checkDraw(pelage::HeadlessDevice& device) const;
@@ -78,7 +114,7 @@ class DemoScene {
   const std::vector<pelage::ColliderId>& colliders() const { return colliders_; }
   /// Skinning transforms of the last frame, bind space to world.
   std::vector<pelage::AffineTransform> bones() const { return pose_(frame_ * kFrameSeconds); }
-  /// What a head's hair collides with without DemoDef::drawSdf, where it is in the last frame.
+  /// What a head's hair collides with by HeadCollider::kCapsules, where it is in the last frame.
   std::vector<pelage::CapsuleCollider> capsules() const;
   const pelage::Scene& scene() const { return *scene_; }
   /// Of the device that runs it: Scene::setTier().
@@ -100,9 +136,11 @@ class DemoScene {
 
  private:
   explicit DemoScene(const DemoDef& def);
-  pelage::Result<void> drawMesh(const pelage::View& view, pelage::PassList& list);
   pelage::Result<void> drawContacts(const pelage::View& view, pelage::PassList& list);
-  pelage::Result<void> addMesh(const DemoAssets& assets);
+  pelage::Result<void> addMesh(const pelage::CollisionMesh& mesh, MeshDef def);
+  pelage::Result<void> addHead(const DemoAssets& assets, const DemoDef& def);
+  pelage::Result<void> addFiles(const FileAssets& files, const std::vector<std::string>& bones,
+                                const DemoDef& def);
   pelage::Result<void> addHair(const pelage::HairAsset& hair, const pelage::HairDef& hairDef,
                                pelage::FollowDef follow, const DemoDef& def);
   pelage::Result<void> addCollider(const pelage::CollisionMesh& mesh,
@@ -112,7 +150,7 @@ class DemoScene {
   std::unique_ptr<pelage::Scene> ownScene_;  ///< nullptr: it is somebody else's
   pelage::Scene* scene_;
   std::vector<pelage::HairId> hairs_;
-  std::optional<MeshObject> mesh_;
+  std::vector<MeshObject> meshes_;
   std::vector<pelage::ColliderId> colliders_;
   bool drawSdf_ = false, drawContacts_ = false;
   std::vector<pelage::CapsuleCollider>

@@ -56,6 +56,32 @@ RenderedImage reduce(const RenderedImage& image, uint32_t factor, uint32_t width
 
 }  // namespace
 
+HairPixels hairPixels(const RenderedImage& image, const RenderedImage* without) {
+  PELAGE_ASSERT(without == nullptr || without->pixels.size() == image.pixels.size(),
+                "hairPixels() compares pictures of one size");
+  constexpr float kVisible = 0.04f;
+  HairPixels result;
+  double light = 0, alpha = 0;
+  for (size_t i = 0; i < image.pixels.size(); ++i) {
+    const Float4& p = image.pixels[i];
+    if (!std::isfinite(p.x + p.y + p.z + p.w)) {
+      ++result.invalidCount;
+      continue;
+    }
+    const Float4 q = without == nullptr ? Float4{} : without->pixels[i];
+    const float change = std::max(
+        {std::abs(p.x - q.x), std::abs(p.y - q.y), std::abs(p.z - q.z), std::abs(p.w - q.w)});
+    if (!(change > kVisible)) continue;
+    ++result.count;
+    light += 0.2126 * double{p.x} + 0.7152 * double{p.y} + 0.0722 * double{p.z};
+    alpha += double{p.w};
+  }
+  if (!image.pixels.empty())
+    result.share = static_cast<double>(result.count) / static_cast<double>(image.pixels.size());
+  if (alpha > 0) result.meanLight = light / alpha;
+  return result;
+}
+
 RenderedImage boxDownsample(const RenderedImage& image, uint32_t factor) {
   PELAGE_ASSERT(factor >= 1 && image.width % factor == 0 && image.height % factor == 0,
                 "boxDownsample: the size must be a multiple of the factor");

@@ -23,6 +23,19 @@ struct Backdrop {
   float glow = 0.6f;  ///< relative brightening in the middle, >= 0
 };
 
+/// The pixels of a picture that show hair.
+struct HairPixels {
+  uint64_t count = 0;
+  double share = 0;      ///< of all pixels, 0..1
+  double meanLight = 0;  ///< mean luminance of these pixels where they are not transparent, linear
+  uint64_t invalidCount = 0;  ///< pixels with a NaN or an infinity, which are not in `count`
+};
+
+/// Returns the pixels that hair changes visibly: by more than 0.04 (10/255) in a channel or in
+/// alpha. \param without the same picture without hair; nullptr for one that is transparent
+/// everywhere. Asserts that the sizes are equal.
+HairPixels hairPixels(const pelage::RenderedImage& image, const pelage::RenderedImage* without);
+
 /// Averages blocks of factor x factor pixels, in linear light. Asserts that the size is a multiple
 /// of the factor, which is at least 1.
 pelage::RenderedImage boxDownsample(const pelage::RenderedImage& image, uint32_t factor);

@@ -18,12 +18,12 @@ struct MeshDef {
   std::string name = "mesh";
   /// [vertex] bones and weights in terms of setBones(), from mapBones(); empty binds all vertices
   /// to bone 0.
-  std::span<const pelage::BoneInfluences> influences;
+  std::span<const pelage::BoneInfluences> influences = {};
   uint32_t boneCount = 1;
   /// [vertex] share of the scalp's colour, 0..1; empty for none.
-  std::span<const float> scalp;
+  std::span<const float> scalp = {};
   /// [vertex] share of the coat's colour, likewise.
-  std::span<const float> coat;
+  std::span<const float> coat = {};
 };
 
 /// Linear RGB, 0..1.

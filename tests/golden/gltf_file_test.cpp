@@ -15,6 +15,7 @@
 #include <tuple>
 
 #include "demo_assets.h"
+#include "pelage/authoring/animation.h"
 #include "pelage/mesh_import.h"
 
 namespace {
@@ -112,6 +113,34 @@ TEST_F(GltfFile, HasTheBonesTheMaterialsAndTheAnimations) {
       for (uint32_t k = 0; k < channel.mNumPositionKeys; ++k) {
         const auto world = pelage::poseCharacter(motion, cycle.start + k / 30.0);
         ASSERT_NEAR(channel.mPositionKeys[k].mValue.y, world[0].rows[1].w, 1e-6);
+      }
+    }
+  }
+}
+
+TEST_F(GltfFile, MovesTheBonesAsTheCharacterDoes) {
+  const std::pair<const char*, pelage::CharacterMotion> clips[] = {
+      {"walk", pelage::CharacterMotion::kWalk}, {"jump", pelage::CharacterMotion::kJump}};
+  for (const auto& [clip, motion] : clips) {
+    const auto animation = pelage::loadAnimation(folder_ / "character.gltf", clip);
+    ASSERT_TRUE(animation) << animation.error().message;
+    const pelage::CharacterCycle cycle = pelage::characterCycle(motion);
+    EXPECT_NEAR(animation->seconds, cycle.end - cycle.start, 1.0 / 30);
+    const pelage::Skeleton skeleton = pelage::skeletonOf(*animation);
+    for (const int key : {0, 7, 20}) {
+      const auto expected = pelage::skinningTransforms(
+          character_.skeleton, pelage::poseCharacter(motion, cycle.start + key / 30.0));
+      const auto actual =
+          pelage::skinningTransforms(skeleton, pelage::poseAt(*animation, key / 30.0));
+      for (size_t bone = 0; bone < expected.size(); ++bone) {
+        const auto slot = skeleton.find(character_.skeleton.bones[bone].name);
+        ASSERT_TRUE(slot) << character_.skeleton.bones[bone].name;
+        const pelage::Float3 point = {0.1f, 0.3f, -0.05f};
+        const pelage::Float3 a = pelage::transformPoint(actual[*slot], point);
+        const pelage::Float3 b = pelage::transformPoint(expected[bone], point);
+        EXPECT_NEAR(a.x, b.x, 2e-5f) << clip << " " << bone << " " << key;
+        EXPECT_NEAR(a.y, b.y, 2e-5f) << clip << " " << bone << " " << key;
+        EXPECT_NEAR(a.z, b.z, 2e-5f) << clip << " " << bone << " " << key;
       }
     }
   }

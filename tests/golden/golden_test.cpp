@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "asset_files.h"
 #include "demo_scene.h"
 #include "device.h"
 #include "image_difference.h"
@@ -71,9 +72,15 @@ std::filesystem::path ratboy(const char* name) {
 }
 
 pelage::Result<sample::DemoScene> mohawkScene() {
-  static const auto assets =
-      sample::loadAssets({ratboy("Ratboy_mohawk.tfx"), ratboy("Ratboy_mohawk.tfxbone"), {}});
-  return sceneOf(assets);
+  static const auto files = [] {
+    std::vector<std::string> warnings;
+    return pelage::program::loadAssetFiles({.hairs = {ratboy("Ratboy_mohawk.tfx")},
+                                            .bones = {ratboy("Ratboy_mohawk.tfxbone")},
+                                            .repair = true},
+                                           warnings);
+  }();
+  if (!files) return files.error();
+  return sample::DemoScene::create(sample::FileAssets{*files, {}}, {});
 }
 
 pelage::Result<pelage::Character> smallCharacter() {

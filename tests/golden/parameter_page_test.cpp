@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "pelage/simulation_settings.h"
+#include "settings_file.h"
 #include "table.h"
 
 namespace {
@@ -93,6 +94,25 @@ TEST(ParameterTable, HasEveryFieldOfItsStructsAndNoOther) {
     if (headers.count(group.owner) == 0)
       headers.merge(fieldsOf(contents(kSource / "include" / group.header)));
   for (const auto& [owner, fields] : fieldsOfTable()) EXPECT_EQ(headers[owner], fields) << owner;
+}
+
+// What the message of a file of settings lists where a name is none.
+std::set<std::string> settingsOfFiles(const std::string& text) {
+  const auto file = pelage::program::SettingsFile::parse(text, "a.json");
+  std::set<std::string> names;
+  if (file) return names;
+  const std::string& message = file.error().message;
+  addNames(message.substr(message.find("there are: ") + 11), names);
+  return names;
+}
+
+TEST(ParameterTable, HasTheSettingsThatAFileOfThemCanHave) {
+  const auto fields = fieldsOfTable();
+  EXPECT_EQ(settingsOfFiles(R"({"zzz": 0})"), fields.at("SimulationSettings"));
+  EXPECT_EQ(settingsOfFiles(R"({"wind": {"zzz": 0}})"), fields.at("WindSettings"));
+  EXPECT_EQ(settingsOfFiles(R"({"curves": {"zzz": 0}})"), fields.at("ParameterCurves"));
+  EXPECT_EQ(settingsOfFiles(R"({"sleep": {"zzz": 0}})"), fields.at("SleepSettings"));
+  EXPECT_EQ(settingsOfFiles(R"({"contact": {"zzz": 0}})"), fields.at("HairContactSettings"));
 }
 
 TEST(ParameterTable, HasEveryStructOfItsHeadersThatIsSet) {

@@ -7,10 +7,12 @@
 #include <limits>
 #include <sstream>
 
+#include "asset_files.h"
 #include "camera.h"
 #include "figures.h"
 #include "head_motion.h"
 #include "image.h"
+#include "pelage/follow_file.h"
 #include "png_file.h"
 #include "support/extremes.h"
 
@@ -149,6 +151,31 @@ TEST(Image, ShowsTheBackdropOnlyWhereNothingWasDrawn) {
   EXPECT_EQ(image.pixels[1].w, 1);
 }
 
+TEST(HairPixels, AreThoseThatHairChangesVisibly) {
+  RenderedImage without = filled(10, 10, {0, 0, 0, 0});
+  for (size_t i = 0; i < 50; ++i) without.pixels[i] = {0.3f, 0.2f, 0.1f, 1};  // a mesh
+  EXPECT_EQ(sample::hairPixels(without, &without).count, 0u);
+  RenderedImage image = without;
+  image.pixels[3] = {0.1f, 0.1f, 0.1f, 1};          // hair before the mesh
+  image.pixels[60] = {0.1f, 0.1f, 0.1f, 0.5f};      // and beside it
+  image.pixels[61] = {0.01f, 0.01f, 0.01f, 0.03f};  // too thin to be seen
+  const sample::HairPixels hair = sample::hairPixels(image, &without);
+  EXPECT_EQ(hair.count, 2u);
+  EXPECT_NEAR(hair.share, 0.02, 1e-9);
+  EXPECT_NEAR(hair.meanLight, 0.2 / 1.5, 1e-6);
+  EXPECT_EQ(hair.invalidCount, 0u);
+  EXPECT_EQ(sample::hairPixels(image, nullptr).count, 51u);
+}
+
+TEST(HairPixels, DoNotTakeNumbersThatAreNoneForHair) {
+  RenderedImage image = filled(4, 1, {0, 0, 0, 0});
+  image.pixels[1].x = std::numeric_limits<float>::quiet_NaN();
+  image.pixels[2].w = std::numeric_limits<float>::infinity();
+  const sample::HairPixels hair = sample::hairPixels(image, nullptr);
+  EXPECT_EQ(hair.count, 0u);
+  EXPECT_EQ(hair.invalidCount, 2u);
+}
+
 TEST(Image, AContactSheetHoldsEveryPictureInOrder) {
   sample::ContactSheet sheet(5, 900, 600);
   for (int i = 0; i < 5; ++i) {
@@ -236,6 +263,95 @@ TEST(Figures, AppendsRowsUnderOneHeader) {
   EXPECT_EQ(lines[1],
             "abc,\"A \"\"GPU\"\", large\",,vulkan,groom,10,20,30,30,1,first,1,2.000000,2.000000,"
             "2.000000,0,0.000");
+}
+
+class AssetFilesTest : public testing::Test {
+ protected:
+  /// Two strands of 25 and 35 units, on bone 0, with a follow hair, and a triangle.
+  void SetUp() override {
+    pelage::HairAsset hair;
+    hair.strandCount = 2;
+    hair.verticesPerStrand = 3;
+    for (const float length : {25.0f, 35.0f})
+      for (const float share : {0.0f, 0.1f, 1.0f})
+        hair.positions.push_back({0, share * length, 0, share > 0.5f ? 1.0f : 0.0f});
+    ASSERT_TRUE(pelage::saveTfx(hair, files_.hairs.emplace_back(temporary("long.tfx"))));
+    pelage::BoneWeights weights;
+    weights.bones = {{0, "head"}};
+    weights.strands.assign(2, {{0, 0, 0, 0}, {1, 0, 0, 0}});
+    ASSERT_TRUE(pelage::saveTfxBone(weights, files_.bones.emplace_back(temporary("long.tfxbone"))));
+    pelage::FollowHair follow;
+    follow.guide = 1;
+    follow.offset = {0.5f, 0, -0.5f, 2};
+    ASSERT_TRUE(pelage::saveFollowHairs(
+        {&follow, 1}, 2, files_.followHairs.emplace_back(temporary("long.tfxfollow"))));
+    pelage::CollisionMesh mesh;
+    mesh.bones = {{0, "head"}};
+    mesh.positions = {{0, 0, 0}, {10, 0, 0}, {0, 0, 10}};
+    mesh.normals.assign(3, {0, 1, 0});
+    mesh.influences.assign(3, {{0, 0, 0, 0}, {1, 0, 0, 0}});
+    mesh.indices = {0, 2, 1};
+    ASSERT_TRUE(pelage::saveTfxMesh(mesh, files_.meshes.emplace_back(temporary("ground.tfxmesh"))));
+  }
+
+  pelage::program::AssetFiles files_;
+  std::vector<std::string> warnings_;
+};
+
+TEST_F(AssetFilesTest, WarnOfAGroomInCentimetersAndNameTheScale) {
+  const auto assets = pelage::program::loadAssetFiles(files_, warnings_);
+  ASSERT_TRUE(assets) << assets.error().message;
+  EXPECT_TRUE(warnings_.empty());
+  const auto units = pelage::program::unitWarnings(*assets, 1);
+  ASSERT_EQ(units.size(), 1u);
+  EXPECT_NE(units[0].find("long: the strands have a mean length of 30 m"), std::string::npos)
+      << units[0];
+  EXPECT_NE(units[0].find("centimeters (a scale of 0.01 makes it 0.3 m)"), std::string::npos)
+      << units[0];
+  EXPECT_NE(units[0].find("--scale"), std::string::npos);
+}
+
+TEST_F(AssetFilesTest, ScaleHairFollowHairsAndMeshesAlike) {
+  files_.scale = 0.01f;
+  const auto assets = pelage::program::loadAssetFiles(files_, warnings_);
+  ASSERT_TRUE(assets) << assets.error().message;
+  EXPECT_TRUE(pelage::program::unitWarnings(*assets, 0.01f).empty());
+  const pelage::CachedHair& hair = assets->hairs.at(0);
+  EXPECT_EQ(hair.name, "long");
+  EXPECT_NEAR(hair.asset.positions.back().y, 0.35f, 1e-6f);
+  EXPECT_NEAR(hair.asset.restLengths[0], 0.025f, 1e-7f);
+  EXPECT_NEAR(hair.followHairs.at(0).offset.z, -0.005f, 1e-8f);
+  EXPECT_EQ(hair.followHairs[0].offset.w, 2);
+  EXPECT_NEAR(assets->meshes.at(0).mesh.positions[1].x, 0.1f, 1e-7f);
+  EXPECT_TRUE(hair.bones.has_value());
+}
+
+TEST_F(AssetFilesTest, TakeACacheWithAScaleOfItsOwn) {
+  files_.process.tipThickness = 0.8f;
+  const auto made = pelage::program::loadAssetFiles(files_, warnings_);
+  ASSERT_TRUE(made) << made.error().message;
+  pelage::program::AssetFiles cached;
+  cached.cache = temporary("long.pelage");
+  ASSERT_TRUE(pelage::saveAssetCache(*made, cached.cache));
+  cached.scale = 0.01f;
+  const auto assets = pelage::program::loadAssetFiles(cached, warnings_);
+  ASSERT_TRUE(assets) << assets.error().message;
+  ASSERT_EQ(assets->hairs.size(), 1u);
+  EXPECT_NEAR(assets->hairs[0].asset.positions.back().y, 0.35f, 1e-6f);
+  EXPECT_EQ(assets->hairs[0].asset.vertexThickness, made->hairs[0].asset.vertexThickness);
+  EXPECT_EQ(assets->meshes.size(), 1u);
+}
+
+TEST_F(AssetFilesTest, RefuseScalesOutOfRangeAndFilesWithoutHair) {
+  for (const float scale : {0.0f, -1.0f, std::numeric_limits<float>::quiet_NaN(), 1e30f}) {
+    files_.scale = scale;
+    EXPECT_FALSE(pelage::program::loadAssetFiles(files_, warnings_)) << scale;
+  }
+  files_.scale = 1e8f;
+  EXPECT_FALSE(pelage::program::loadAssetFiles(files_, warnings_)) << "beyond the coordinates";
+  files_.scale = 1;
+  files_.bones.push_back("second.tfxbone");
+  EXPECT_FALSE(pelage::program::loadAssetFiles(files_, warnings_));
 }
 
 }  // namespace
