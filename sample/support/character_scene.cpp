@@ -20,13 +20,11 @@ constexpr float kFrameBottom = -0.06f;  // m; the picture ends at the chest
 constexpr float kFrameSide = 0.22f;     // m; and beside the shoulders
 constexpr float kSdfCell = 0.010f;      // m
 
-// The classic solver's shape alone does not carry the hair's weight.
 pelage::SimulationSettings settingsFor(const CharacterGroom& groom, pelage::Solver solver) {
   pelage::SimulationSettings settings = groom.settings;
   settings.solver = solver;
   if (solver == pelage::Solver::kClassic) {
-    settings.gravity = {0, -2.5f, 0};
-    settings.globalStiffness = std::max(settings.globalStiffness, 0.04f);
+    settings.globalStiffness = std::max(settings.globalStiffness, kClassicGlobalStiffness);
     settings.globalRange = 1;
   }
   return settings;

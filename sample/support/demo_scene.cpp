@@ -65,9 +65,7 @@ Look generatedLook(GroomPreset preset, pelage::Solver solver) {
     look.settings.globalStiffness = from.globalStiffness;
     look.settings.globalRange = 0.4f;
   } else {
-    // Local shape alone does not carry the hair's weight.
-    look.settings.gravity = {0, -2.5f, 0};
-    look.settings.globalStiffness = 0.04f;
+    look.settings.globalStiffness = kClassicGlobalStiffness;
     look.settings.globalRange = 1;
   }
   return look;

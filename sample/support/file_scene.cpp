@@ -69,9 +69,8 @@ pelage::StrandMaterial fileMaterial() {
 pelage::SimulationSettings fileSettings(pelage::Solver solver) {
   pelage::SimulationSettings settings;
   settings.solver = solver;
-  if (solver == pelage::Solver::kClassic) settings.gravity = {0, -2.5f, 0};
   settings.bendLength = 0.2f;
-  settings.globalStiffness = 0.06f;
+  settings.globalStiffness = solver == pelage::Solver::kClassic ? kClassicGlobalStiffness : 0.06f;
   settings.globalRange = 1;
   settings.vspCoefficient = 0.2f;
   return settings;

@@ -15,6 +15,10 @@ namespace sample {
 inline constexpr float kScalpRange = 1.8f;  ///< root spacings that the colour under hair reaches
 inline constexpr double kSweptStep = 0.1;   ///< s between the poses that the camera looks at
 
+/// Minimum global stiffness of the classic solver, on all of a strand: its local shape alone does
+/// not carry the hair's weight. Hair sinks by about 9.81 / 60^2 / 0.157 m = 17 mm.
+inline constexpr float kClassicGlobalStiffness = 0.157f;
+
 /// A point of the bind pose in a pose: the weighted mean of where its bones put it; without
 /// weights where bone 0 does.
 pelage::Float3 blendedPoint(const std::vector<pelage::AffineTransform>& bones,

@@ -581,7 +581,7 @@ HairAsset styledAsset(const Style& style) {
   return asset;
 }
 
-/// Of a groom of the sample, and the defaults.
+/// The defaults, weak gravity with a weak pull to the bind pose, and wind.
 std::vector<SimulationSettings> classicSettings() {
   SimulationSettings defaults;
   defaults.solver = Solver::kClassic;
