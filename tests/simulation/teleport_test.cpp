@@ -47,11 +47,11 @@ struct Snapshot {
 };
 
 /// Infinite where something is not a number, or there is nothing.
-double maxDistance(const std::vector<Float4>& a, const std::vector<Float4>& b, const Motion& of_b) {
+double maxDistance(const std::vector<Float4>& a, const std::vector<Float4>& b, const Motion& ofB) {
   if (a.empty() || a.size() != b.size()) return std::numeric_limits<double>::infinity();
   double largest = 0;
   for (size_t i = 0; i < a.size(); ++i) {
-    const double distance = (toVector(a[i]) - of_b(b[i])).norm();
+    const double distance = (toVector(a[i]) - ofB(b[i])).norm();
     if (std::isnan(distance)) return std::numeric_limits<double>::infinity();
     largest = std::max(largest, distance);
   }
