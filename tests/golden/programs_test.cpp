@@ -1,0 +1,303 @@
+// Each sample runs on each API, and its picture is judged: it is not empty, not black, has no one
+// color, and hair covers a share of it that can be.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "asset_files.h"
+#include "device.h"
+#include "image.h"
+#include "pelage/asset_cache.h"
+#include "pelage/follow_file.h"
+#include "pelage/hair_asset.h"
+#include "png_file.h"
+
+namespace {
+
+using pelage::Api;
+
+struct Output {
+  int code = -1;
+  std::string out, errors;
+};
+
+std::string contents(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+/// What a picture shows beside the sample's backdrop.
+struct Statistics {
+  double drawnShare = 0;  ///< of the pixels
+  double mean = 0;        ///< of these pixels' channels, 0..255
+  size_t colors = 0;      ///< different ones of them
+};
+
+Statistics statisticsOf(const sample::ByteImage& image) {
+  pelage::RenderedImage empty;
+  empty.width = image.width;
+  empty.height = image.height;
+  empty.pixels.resize(size_t{image.width} * image.height);
+  sample::compositeOver(empty, {});
+  const sample::ByteImage backdrop = sample::encodeSrgb(empty);
+  Statistics result;
+  std::set<std::array<uint8_t, 3>> colors;
+  size_t drawn = 0;
+  double sum = 0;
+  for (size_t i = 0; i < image.rgb.size(); i += 3) {
+    int change = 0;
+    for (size_t c = 0; c < 3; ++c)
+      change = std::max(change, std::abs(image.rgb[i + c] - backdrop.rgb[i + c]));
+    if (change <= 4) continue;
+    ++drawn;
+    sum += (image.rgb[i] + image.rgb[i + 1] + image.rgb[i + 2]) / 3.0;
+    colors.insert({image.rgb[i], image.rgb[i + 1], image.rgb[i + 2]});
+  }
+  result.drawnShare = static_cast<double>(drawn) / static_cast<double>(empty.pixels.size());
+  if (drawn > 0) result.mean = sum / static_cast<double>(drawn);
+  result.colors = colors.size();
+  return result;
+}
+
+class Programs : public testing::TestWithParam<Api> {
+ protected:
+  void SetUp() override {
+    if (auto device = sample::createDevice({.api = GetParam()}); !device)
+      GTEST_SKIP() << "skipped: " << device.error().message;
+    folder_ = std::filesystem::temp_directory_path() /
+              ("pelage_programs_" + std::to_string(getpid()) + "_" + api());
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override {
+    if (!folder_.empty()) std::filesystem::remove_all(folder_);
+  }
+
+  static std::string api() { return pelage::apiName(GetParam()); }
+  std::filesystem::path file(const std::string& name) const { return folder_ / name; }
+
+  Output run(const std::string& program, const std::string& arguments) const {
+    const std::string command = "cd '" + folder_.string() + "' && '" + program + "' " + arguments +
+                                " > stdout.txt 2> stderr.txt";
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents(file("stdout.txt")),
+            contents(file("stderr.txt"))};
+  }
+
+  /// Small pictures of a few frames.
+  Output headless(const std::string& arguments) const {
+    return run(PELAGE_HEADLESS, "--api " + api() +
+                                    " --width 96 --height 96 --supersample 1 --frames 6 --every 3 "
+                                    "--out out " +
+                                    arguments);
+  }
+
+  void expectPicture(const std::string& name, double leastShare, double mostShare) const {
+    const auto image = sample::readPng(file(name).string());
+    ASSERT_TRUE(image) << image.error().message;
+    const Statistics s = statisticsOf(*image);
+    EXPECT_GE(s.drawnShare, leastShare) << name;
+    EXPECT_LE(s.drawnShare, mostShare) << name;
+    EXPECT_GE(s.mean, 8) << name << " is black";
+    EXPECT_LE(s.mean, 247) << name << " is white";
+    EXPECT_GE(s.colors, 50u) << name;
+  }
+
+  /// The share of hair that the program states for its first and its last picture.
+  static std::vector<double> hairShares(const Output& output) {
+    std::vector<double> shares;
+    const std::regex line(R"(hair: +([0-9.]+) % of the pixels of frame [0-9]+)");
+    for (std::sregex_iterator it(output.out.begin(), output.out.end(), line), end; it != end; ++it)
+      shares.push_back(std::stod((*it)[1]) / 100);
+    return shares;
+  }
+
+  static void expectHair(const Output& output, double least, double most) {
+    ASSERT_EQ(output.code, 0) << output.errors;
+    EXPECT_EQ(output.errors, "");
+    const std::vector<double> shares = hairShares(output);
+    ASSERT_EQ(shares.size(), 2u) << output.out;
+    for (const double share : shares) {
+      EXPECT_GE(share, least);
+      EXPECT_LE(share, most);
+    }
+  }
+
+  /// The grooms, the colliders and the animations of a small character: "assets".
+  void writeCharacter() const {
+    const Output output =
+        run(PELAGE_HEADLESS, "--api " + api() +
+                                 " --guides 60 --follow 0 --motion bind --frames 1 --no-images "
+                                 "--write-asset assets --quiet");
+    ASSERT_EQ(output.code, 0) << output.errors;
+  }
+
+  /// A groom of 24 hanging strands in centimeters, on a circle: "cm.tfx".
+  void writeCentimeters() const {
+    pelage::HairAsset hair;
+    hair.strandCount = 24;
+    hair.verticesPerStrand = 8;
+    for (uint32_t s = 0; s < hair.strandCount; ++s)
+      for (uint32_t v = 0; v < hair.verticesPerStrand; ++v) {
+        const float angle = 0.26f * static_cast<float>(s);
+        hair.positions.push_back({2 * std::cos(angle), -4.0f * static_cast<float>(v),
+                                  2 * std::sin(angle), v < 2 ? 0.0f : 1.0f});
+      }
+    ASSERT_TRUE(pelage::saveTfx(hair, file("cm.tfx")));
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_P(Programs, HeadlessDrawsTheCharacter) {
+  const Output output = headless("--guides 80 --follow 3 --motion shake");
+  expectHair(output, 0.02, 0.6);
+  for (const char* picture : {"out/frame_0003.png", "out/frame_0006.png"})
+    expectPicture(picture, 0.15, 0.95);
+  EXPECT_TRUE(std::filesystem::exists(file("out/contact_sheet.png")));
+}
+
+TEST_P(Programs, HeadlessDrawsAHeadByEachSolverAndItsField) {
+  for (const char* arguments :
+       {"--scene head --guides 100", "--scene head --guides 100 --solver classic",
+        "--scene head --guides 100 --colliders sdf --draw-sdf --draw-contacts"}) {
+    const Output output = headless(arguments + std::string(" --follow 3"));
+    expectHair(output, 0.02, 0.7);
+    expectPicture("out/frame_0006.png", 0.1, 0.95);
+  }
+}
+
+TEST_P(Programs, HeadlessShowsFilesWithSeveralMeshesAnAnimationAndSettings) {
+  writeCharacter();
+  std::ofstream(file("soft.json")) << R"({"bendLength": 0.03, "wind": {"velocity": [1, 0, 0]}})";
+  const Output output = headless(
+      "--asset assets/long.tfx --bones assets/long.tfxbone --asset assets/mohawk.tfx "
+      "--bones assets/mohawk.tfxbone --mesh assets/body.tfxmesh --mesh assets/leftArm.tfxmesh "
+#ifdef PELAGE_ANIMATIONS
+      "--animation assets/character.gltf --clip headShake "
+#endif
+      "--settings soft.json --follow 3");
+  expectHair(output, 0.02, 0.7);
+  EXPECT_NE(output.out.find("contacts: long"), std::string::npos) << output.out;
+  expectPicture("out/frame_0006.png", 0.05, 0.95);
+}
+
+TEST_P(Programs, HeadlessShowsFollowHairsOfAFileCachesAndFields) {
+  writeCharacter();
+  std::vector<std::string> warnings;
+  auto assets = pelage::program::loadAssetFiles(
+      {.hairs = {file("assets/long.tfx")}, .bones = {file("assets/long.tfxbone")}}, warnings);
+  ASSERT_TRUE(assets) << assets.error().message;
+  pelage::CachedHair& hair = assets->hairs[0];
+  const auto follow = hair.asset.generateFollowHairs({.countPerGuide = 4, .maxRadius = 0.005f});
+  ASSERT_TRUE(follow);
+  ASSERT_TRUE(pelage::saveFollowHairs(*follow, hair.asset.strandCount, file("long.tfxfollow")));
+  hair.followHairs = *follow;
+  ASSERT_TRUE(pelage::saveAssetCache(*assets, file("long.pelage")));
+  const std::string mesh = " --mesh assets/body.tfxmesh";
+  const std::string count = std::to_string(follow->size()) + " follow hairs";
+  for (const std::string& arguments :
+       {"--asset assets/long.tfx --bones assets/long.tfxbone --follow-file long.tfxfollow" + mesh,
+        "--pelage long.pelage --draw-sdf" + mesh}) {
+    const Output output = headless(arguments);
+    expectHair(output, 0.02, 0.7);
+    EXPECT_NE(output.out.find(count), std::string::npos) << output.out;
+  }
+}
+
+TEST_P(Programs, HeadlessWarnsOfHairInCentimetersAndTakesAScale) {
+  writeCentimeters();
+  const Output wrong = headless("--asset cm.tfx");
+  EXPECT_EQ(wrong.code, 0) << wrong.errors;
+  EXPECT_NE(wrong.errors.find("pelage-headless: warning: cm: the strands have a mean length of 28 "
+                              "m; hair is shorter than that. Is it in centimeters (a scale of "
+                              "0.01 makes it 0.28 m)"),
+            std::string::npos)
+      << wrong.errors;
+  EXPECT_NE(wrong.errors.find("--scale"), std::string::npos);
+  const Output right = headless("--asset cm.tfx --scale 0.01");
+  expectHair(right, 0.01, 0.7);
+  expectPicture("out/frame_0006.png", 0.01, 0.7);
+}
+
+TEST_P(Programs, HeadlessSaysWhereAPictureShowsNoHair) {
+  writeCentimeters();
+  // Hair of kilometers is less than a hundredth of a percent of a pixel wide.
+  const Output output = headless("--asset cm.tfx --scale 1000 --quiet");
+  EXPECT_EQ(output.code, 0) << output.errors;
+  EXPECT_NE(output.errors.find("warning: no hair can be seen in frames 3, 6: "), std::string::npos)
+      << output.errors;
+  const Output none =
+      run(PELAGE_HEADLESS, "--api " + api() + " --asset cm.tfx --scale 0.01 --quiet --frames 2");
+  EXPECT_EQ(none.code, 0) << none.errors;
+  EXPECT_NE(none.errors.find("warning: there is no picture"), std::string::npos) << none.errors;
+}
+
+TEST_P(Programs, EngineShaderDrawsAHead) {
+  const Output output = run(PELAGE_ENGINE_SHADER, "head.png " + api());
+  EXPECT_EQ(output.code, 0) << output.errors;
+  EXPECT_EQ(output.errors, "");
+  expectPicture("head.png", 0.1, 0.95);
+}
+
+TEST_P(Programs, ParametersRendersAStrip) {
+  const Output output =
+      run(PELAGE_PARAMETERS, "--pictures strips --only StrandMaterial.fiberRadius --api " + api());
+  EXPECT_EQ(output.code, 0) << output.errors;
+  EXPECT_EQ(output.errors, "");
+  std::vector<std::filesystem::path> strips;
+  for (const auto& entry : std::filesystem::directory_iterator(file("strips")))
+    strips.push_back(entry.path());
+  ASSERT_EQ(strips.size(), 1u);
+  const auto strip = sample::readPng(strips[0].string());
+  ASSERT_TRUE(strip) << strip.error().message;
+  // On paper of one color, hair and head are darker.
+  const uint32_t paper = strip->rgb[0];
+  EXPECT_GT(paper, 128u);
+  size_t dark = 0;
+  std::set<uint8_t> levels;
+  for (size_t i = 0; i < strip->rgb.size(); i += 3) {
+    dark += strip->rgb[i] + 40u < paper ? 1u : 0u;
+    levels.insert(strip->rgb[i]);
+  }
+  const double share = static_cast<double>(dark) / (strip->width * strip->height);
+  EXPECT_GT(share, 0.02);
+  EXPECT_LT(share, 0.8);
+  EXPECT_GT(levels.size(), 20u);
+}
+
+TEST_P(Programs, HelloSaysWhereATipWent) {
+#ifndef PELAGE_HELLO
+  GTEST_SKIP() << "skipped: built without Vulkan";
+#else
+  if (GetParam() != Api::kVulkan) GTEST_SKIP() << "skipped: hello runs on Vulkan alone";
+  const Output output = run(PELAGE_HELLO, "");
+  ASSERT_EQ(output.code, 0) << output.errors;
+  float from[3], to[3];
+  ASSERT_EQ(std::sscanf(output.out.c_str(), "tip of strand 0: from (%f, %f, %f) to (%f, %f, %f) m",
+                        &from[0], &from[1], &from[2], &to[0], &to[1], &to[2]),
+            6)
+      << output.out;
+  const float way = std::hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
+  EXPECT_GT(way, 0.001f);
+  EXPECT_LT(way, 0.5f);
+#endif
+}
+
+INSTANTIATE_TEST_SUITE_P(Apis, Programs, testing::Values(Api::kVulkan, Api::kGl, Api::kGles),
+                         [](const auto& api) { return pelage::apiName(api.param); });
+
+}  // namespace
