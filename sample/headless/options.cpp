@@ -209,7 +209,8 @@ void addHairOptions(CLI::App& app, Options& options, Given& given) {
                  "copies of the guides, all at one place, for measurements (1)")
       ->check(CLI::Range(1u, 65536u).description(""))
       ->type_name("N");
-  given.followOption = app.add_option("--follow", given.follow, "follow hairs a guide")
+  given.followOption = app.add_option("--follow", given.follow,
+                                      "follow hairs a guide, in place of those of --pelage")
                            ->check(CLI::Range(0u, 64u).description(""))
                            ->type_name("N");
 }

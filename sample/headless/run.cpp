@@ -342,6 +342,8 @@ Result<DemoScene> makeFileScene(const Options& options) {
     printWarning(warning);
   FileAssets files = {*std::move(loaded), {}};
   for (pelage::CachedHair& hair : files.assets.hairs) {
+    // Those of a cache; --follow-file is not given with --follow.
+    if (options.follow) hair.followHairs.clear();
     std::vector<pelage::BoneInfluences> none;
     if (Result<void> done =
             repeatGuides(hair.asset, hair.bones ? hair.bones->strands : none, options.repeat);

@@ -146,6 +146,13 @@ TEST_P(FileScene, HasTheSameHairWhateverIsDrawn) {
       ASSERT_FALSE(HasFatalFailure());
       results.push_back(guides(*demo));
     }
+  // It has moved, and by numbers.
+  double moved = 0;
+  for (size_t i = 0; i < results[0].size(); ++i) {
+    const Float4 &a = results[0][i], &b = head().hair.positions[i];
+    moved += std::hypot(double{a.x} - b.x, double{a.y} - b.y, double{a.z} - b.z);
+  }
+  EXPECT_GT(moved / static_cast<double>(results[0].size()), 1e-4);
   for (const size_t first : {0u, 3u})
     for (size_t i = first + 1; i < first + 3; ++i) {
       ASSERT_EQ(results[i].size(), results[first].size());

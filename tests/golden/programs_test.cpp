@@ -216,6 +216,11 @@ TEST_P(Programs, HeadlessShowsFollowHairsOfAFileCachesAndFields) {
     expectHair(output, 0.02, 0.7);
     EXPECT_NE(output.out.find(count), std::string::npos) << output.out;
   }
+  const Output one = headless("--pelage long.pelage --follow 1 --no-images");
+  EXPECT_EQ(one.code, 0) << one.errors;
+  EXPECT_NE(one.out.find(", " + std::to_string(hair.asset.strandCount) + " follow hairs"),
+            std::string::npos)
+      << one.out;
 }
 
 TEST_P(Programs, HeadlessWarnsOfHairInCentimetersAndTakesAScale) {
