@@ -102,6 +102,7 @@ void change(HairObject& hair, Dice& dice, bool structure) {
   hair.drawnStrands = dice.random.below(hair.strandCount() + 1);
   hair.visible = dice.random.below(8) != 0;
   if (structure) hair.usesMeshColliders = dice.coin();
+  if (structure) hair.tracksMotion = dice.coin();
   std::vector<CapsuleCollider> capsules(structure ? dice.random.below(4) : 1);
   for (CapsuleCollider& capsule : capsules) {
     capsule = {.head = dice.vector(0.3f),
@@ -245,6 +246,13 @@ TEST(RuntimeUse, EveryParameterMayChangeInEveryFrame) {
         scene.draw(view, {&light, 1}, {.method = methods[dice.random.below(8)]}, lists);
     ASSERT_TRUE(drawn) << where << ": " << drawn.error().message;
     for (const PassList& part : lists) expectValid(part, scene.resources(), where + ", drawing");
+    scene.setTier(kTiers[dice.random.below(3)]);
+    PassList depth;
+    const Result<void> written = scene.drawDepth(
+        view, {.opacity = dice.share(), .color = static_cast<HairDepthColor>(dice.random.below(3))},
+        depth);
+    ASSERT_TRUE(written) << where << ": " << written.error().message;
+    expectValid(depth, scene.resources(), where + ", depth");
   }
   removeCrowd(scene, crowd);
   EXPECT_EQ(scene.resources().count(), 0u);
