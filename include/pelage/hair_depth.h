@@ -27,7 +27,7 @@ struct HairDepthSettings {
   /// Hair counts from this product on: StrandMaterial::opacity (with colors of vertices and
   /// texture) times the share of a pixel's width that the fiber covers, 0..1. Fibers thinner than
   /// this share of a pixel have neither depth nor motion; 0 takes all that covers anything.
-  float opacity = 0.5f;
+  float opacity = 0.1f;
   HairDepthColor color = HairDepthColor::kNone;
   /// kMotion: View::worldToClip of the last frame, in today's coordinates where
   /// Scene::shiftOrigin() came in between. In the first frame after a cut, that of this frame.

@@ -15,6 +15,8 @@
 #include "pelage/list_check.h"
 #include "pelage/skeleton.h"
 #include "support/delivery_scene.h"
+#include "support/extremes.h"
+#include "support/required_devices.h"
 #include "support/scene_run.h"
 
 namespace pelage::test {
@@ -108,7 +110,7 @@ class StrandDepth : public testing::TestWithParam<Api> {
  protected:
   StrandDepth() : run_(sharedSceneRun(GetParam())) {}
   void SetUp() override {
-    if (run_.device() == nullptr) GTEST_SKIP() << "no device";
+    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
     copy_ = run_.scene.resources().add({.name = "depth copy",
                                         .size = kPixels * kPixels * sizeof(float),
                                         .stride = sizeof(float),
@@ -263,12 +265,12 @@ TEST_P(StrandDepth, LeavesOutWhatIsTooThinOrTooClear) {
   strand.material.fiberRadius *= 5;
   strand.material.tipRadiusRatio = 0;
   const Matrix4d clip = toMatrix(view.worldToClip);
-  const Picture tapered = draw(view, {.color = HairDepthColor::kDepth});
+  const Picture tapered = draw(view, {.opacity = 0.5f, .color = HairDepthColor::kDepth});
   double farthest = 0;
   for (uint32_t y = 0; y < kPixels; ++y)
     for (uint32_t x = 0; x < kPixels; ++x)
       if (!(tapered.at(x, y).w == 0))
-        farthest = std::max(
+        keepLargest(
             farthest,
             (besideStrand(clip, root_, tip_, Vector2d(x + 0.5, y + 0.5)).point - root_).norm());
   double expected = 0;
@@ -378,7 +380,7 @@ TEST_P(StrandDepth, MotionOfARigidStrandIsTheAnalyticOne) {
           if (!(beside.share > 0.03 && beside.share < 0.97 && beside.distance < 1.5)) continue;
           ++inside;
           const Vector2d expected = motionOf(motion, beside.point, pixel);
-          largest = std::max(largest, expected.norm());
+          keepLargest(largest, expected.norm());
           const Float4& found = picture.at(x, y);
           ASSERT_NEAR(double{found.x}, expected.x(), 1e-3) << x << ", " << y;
           ASSERT_NEAR(double{found.y}, expected.y(), 1e-3) << x << ", " << y;
@@ -491,7 +493,7 @@ TEST_P(StrandDepth, MotionOfAllKindsOfStrandsFollowsTheRoots) {
         const Vector2d expected = motionOf(motion, world.head<3>() / world.w(), at);
         const double error = (Vector2d(double{pixel.x}, double{pixel.y}) - expected).norm();
         ASSERT_FALSE(std::isnan(error));
-        worst = std::max(worst, error);
+        keepLargest(worst, error);
       }
     }
     EXPECT_GT(inside, kind == 0 ? 600u : 1500u);

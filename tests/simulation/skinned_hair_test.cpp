@@ -10,6 +10,8 @@
 
 #include "pelage/skeleton.h"
 #include "stress/stress_run.h"
+#include "support/extremes.h"
+#include "support/required_devices.h"
 
 namespace pelage::test {
 namespace {
@@ -53,7 +55,7 @@ class SkinnedHair : public testing::TestWithParam<std::tuple<Api, Solver>> {
     settings_.wind = {.velocity = {0, 0, 1e-4f}, .gustStrength = 0, .strandVariation = 0};
   }
   void SetUp() override {
-    if (run_.device() == nullptr) GTEST_SKIP() << "no device";
+    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
   }
   void TearDown() override { run_.clear(); }
 
@@ -155,7 +157,7 @@ TEST_P(SkinnedHair, DoesNotJumpWhenItIsSimulatedAgain) {
           toVector(story[n - 1][i]) - 2 * toVector(story[n - 2][i]) + toVector(story[n - 3][i]);
       if (!(change.norm() <= jerk)) jerk = change.norm();
     }
-    (frame < 12 ? before : after) = std::max(frame < 12 ? before : after, jerk);
+    keepLargest(frame < 12 ? before : after, jerk);
     if (frame == 12) {
       EXPECT_LT(maxDistance(story.back(), moved(asset_.positions, turn(frame))), 1e-3)
           << "the first frame";

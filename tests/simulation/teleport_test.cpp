@@ -16,6 +16,8 @@
 #include "pelage/kernels.h"
 #include "pelage/skeleton.h"
 #include "stress/stress_run.h"
+#include "support/extremes.h"
+#include "support/required_devices.h"
 
 namespace pelage::test {
 namespace {
@@ -53,7 +55,7 @@ double maxDistance(const std::vector<Float4>& a, const std::vector<Float4>& b, c
   for (size_t i = 0; i < a.size(); ++i) {
     const double distance = (toVector(a[i]) - ofB(b[i])).norm();
     if (std::isnan(distance)) return std::numeric_limits<double>::infinity();
-    largest = std::max(largest, distance);
+    keepLargest(largest, distance);
   }
   return largest;
 }
@@ -65,7 +67,7 @@ class Teleport : public testing::TestWithParam<std::tuple<Api, Solver>> {
     settings_.wind = {.velocity = {0, 0, 0.3f}, .gustStrength = 0, .strandVariation = 0};
   }
   void SetUp() override {
-    if (run_.device() == nullptr) GTEST_SKIP() << "no device";
+    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
     messages_ = run_.device()->messageCount();
   }
   void TearDown() override {

@@ -6,6 +6,7 @@
 
 #include "stress/stress_run.h"
 #include "support/delivery_scene.h"
+#include "support/required_devices.h"
 
 namespace pelage::test {
 namespace {
@@ -60,7 +61,7 @@ class Soak : public testing::TestWithParam<Api> {
 };
 
 TEST_P(Soak, ObjectsAndViewsThatComeAndGoLeaveNothing) {
-  if (run_.device() == nullptr) GTEST_SKIP() << "no device";
+  if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
   using Clock = std::chrono::steady_clock;
   constexpr uint32_t kPeriod = 8;  // rounds in which every method, solver and size has its turn
   const auto length = std::chrono::seconds(fullStress() ? 1800 : 3);
