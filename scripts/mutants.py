@@ -2,7 +2,7 @@
 
     python3 scripts/mutants.py [--build DIR] [--report FILE] [NAME...]
 
-tests/mutants/mutants.json has the mutants: a text of a kernel, what replaces it, and the tests (a
+tests/mutants.json has the mutants: a text of a kernel, what replaces it, and the tests (a
 program and a filter of GoogleTest) of which one has to fail. Each mutant is written into the working
 tree, built in DIR (build/release), tested and taken back. The exit status is 1 if one survives.
 """
@@ -99,7 +99,7 @@ def main():
     # A mutant is taken back when the run is stopped, too.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
     os.environ["PELAGE_REQUIRE_DEVICES"] = "1"
-    mutants = json.loads(read(os.path.join(ROOT, "tests/mutants/mutants.json")))
+    mutants = json.loads(read(os.path.join(ROOT, "tests/mutants.json")))
     for mutant in mutants:
         mutated(mutant)
     survivors = []
