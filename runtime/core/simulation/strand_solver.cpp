@@ -190,18 +190,22 @@ std::vector<MovedElements> StrandSolver::moved(const HairFrame& frame) const {
       {buffers.state, rootOffset_ / kVector, rootBytes_ / kVector, 1, {kMovesFrame, kMovesPoint}},
       {buffers.tangents, 0, (guides + stored) * frame.vertexCount, 1, {kMovesDirection}}};
   if (solver_ == Solver::kClassic) {
-    all.emplace_back(buffers.state, 0, 2 * vertices, 1, std::initializer_list{kMovesPoint});
+    all.push_back({buffers.state, 0, 2 * vertices, 1, {kMovesPoint}});
     return all;
   }
   const uint64_t set = stateStride_;
   static_assert(exact::kStateSets == 2 * exact::kStateSlots && exact::kStrandElements == 5);
-  all.emplace_back(buffers.state, 0, exact::kStateSets * set, exact::kStateSlots * set,
-                   std::initializer_list{kMovesDirection, kMovesFrame});
+  all.push_back({buffers.state,
+                 0,
+                 exact::kStateSets * set,
+                 exact::kStateSlots * set,
+                 {kMovesDirection, kMovesFrame}});
   // A rotation by which states were transported rotates as its axis does.
-  all.emplace_back(buffers.state, exact::kStateSets * set,
-                   exact::kStateSlots * exact::kStrandElements * guides, guides,
-                   std::initializer_list{kMovesDirection, kMovesPoint, kMovesPoint, kMovesDirection,
-                                         kMovesDirection});
+  all.push_back({buffers.state,
+                 exact::kStateSets * set,
+                 exact::kStateSlots * exact::kStrandElements * guides,
+                 guides,
+                 {kMovesDirection, kMovesPoint, kMovesPoint, kMovesDirection, kMovesDirection}});
   return all;
 }
 
