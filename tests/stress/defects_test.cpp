@@ -141,6 +141,31 @@ TEST_P(Defects, TwoObjectsMoveAsEachDoesAlone) {
   EXPECT_TRUE(same(both[1], second[0]));
 }
 
+// Gusts of strands in all phases take nothing from the mean wind, and add nothing to it.
+TEST_P(Defects, GustsThatDifferFromStrandToStrandAverageOut) {
+  constexpr uint32_t kStrands = 400, kVertices = 6;
+  const HairAsset asset =
+      straightAsset(std::vector<uint32_t>(kStrands, kVertices), 0.1, {0, -1, 0});
+  settings_.gravity = {};
+  settings_.wind = {.velocity = {0, 0, 0.5f}, .gustPeriod = 1000};
+  const auto meanTip = [&](float strength, float variation) {
+    settings_.wind.gustStrength = strength;
+    settings_.wind.strandVariation = variation;
+    const HairId id = add(asset, {.settings = settings_});
+    for (int frame = 0; frame < 10; ++frame) run_.step();
+    const std::vector<Float4> positions = run_.positions(run_.scene.hair(id));
+    remove(id);
+    double sum = 0;
+    for (uint32_t s = 0; s < kStrands; ++s)
+      sum += double{positions[size_t{s + 1} * kVertices - 1].z} / kStrands;
+    return sum;
+  };
+  const double steady = meanTip(0, 0), together = meanTip(1, 0), apart = meanTip(1, 1);
+  EXPECT_GT(steady, 1e-4) << "the wind blows";
+  EXPECT_GT(std::abs(together - steady), 0.1 * steady) << "it gusts";
+  EXPECT_LT(std::abs(apart - steady), 0.4 * std::abs(together - steady));
+}
+
 // K43: 16 KB hold 341 bones.
 TEST_P(Defects, TheLastOfAThousandBonesMovesItsStrand) {
   constexpr uint32_t kBones = 1000;
