@@ -11,6 +11,7 @@
 #include "pelage/bone_weights.h"
 #include "pelage/collider.h"
 #include "pelage/export.h"
+#include "pelage/force_field.h"
 #include "pelage/hair_asset.h"
 #include "pelage/ids.h"
 #include "pelage/pass_list.h"
@@ -233,6 +234,12 @@ class PELAGE_API HairObject {
   /// = drag k [1/s], >= 0. The equation of motion gets a - k v; for your own wind u, set a = k u.
   /// kInvalid removes the buffer. Forces keep the hair awake.
   void setForces(BufferId forces) { buffers_.forces = forces; }
+  /// Makes a field act on the hair beside gravity, wind and setForces(), at where the vertices are
+  /// at the beginning of each frame; not in the frame of a reset. Your own pass writes it before
+  /// each simulation, in which it is read. A field without a buffer is none. Fields keep the hair
+  /// awake. Scene::shiftOrigin() moves its origin. Cost: a pass of one thread a vertex of a guide
+  /// in a frame, and 16 bytes a vertex.
+  void setForceField(const ForceField& field);
   /// Puts the hair into its bind shape at the next frame and clears all velocities. Call it at
   /// cuts and changes of animation, and at teleports without Scene::teleport(). It uploads bones,
   /// colliders and SDF records again.

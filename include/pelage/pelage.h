@@ -19,6 +19,7 @@
 #include "pelage/collision_mesh.h"
 #include "pelage/export.h"
 #include "pelage/follow_file.h"
+#include "pelage/force_field.h"
 #include "pelage/frame.h"
 #include "pelage/gpu_structs.h"
 #include "pelage/hair_asset.h"

@@ -95,6 +95,11 @@ class PELAGE_API Scene {
   /// The same with a field that was built before; it never moves. Errors: settings out of range, a
   /// skeleton.
   Result<ColliderId> addCollider(const SdfData& data, const SdfColliderDef& def);
+  /// The same with an SDF that your engine has on the GPU. Contacts are those of the trilinear
+  /// distance and its gradient, and know no motion of the surface: friction is against a surface at
+  /// rest. Of the definition, only the name counts. Errors: no such buffer, or one that is too
+  /// small; a grid that is not finite, without cells, or with more than 2^28 nodes.
+  Result<ColliderId> addCollider(const DenseSdf& sdf, const SdfColliderDef& def);
   /// Error: the id names no collider of this scene.
   Result<void> removeCollider(ColliderId id);
   /// As hair().

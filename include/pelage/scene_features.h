@@ -23,6 +23,10 @@ struct SceneFeatures {
   bool capsules = true;               ///< HairObject::setColliders()
   bool meshColliders = true;          ///< Scene::addCollider()
   bool forces = false;                ///< HairObject::setForces()
+  bool denseSdfs = false;             ///< Scene::addCollider() with a DenseSdf
+  bool forceField = false;            ///< HairObject::setForceField()
+  bool boneBuffers = false;           ///< BoneSource::kBuffer
+  bool boneSurfaces = false;          ///< BoneSource::kSurface
   bool followHairs = true;            ///< HairDef::followHairs, not stored
   bool storedFollowHairs = false;     ///< HairDef::storeFollowHairs
   bool collidingFollowHairs = false;  ///< CollidingHair::kGuidesAndFollows

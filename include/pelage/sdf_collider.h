@@ -59,6 +59,20 @@ struct SdfGrid {
   bool operator==(const SdfGrid&) const = default;
 };
 
+/// An SDF of your engine's own, in a buffer on the GPU: a global distance field, one of a tool, or
+/// one that a pass computes in each frame.
+struct DenseSdf {
+  /// One of Scene::resources(): [z][y][x] float, the distance of a node from the surface [m],
+  /// negative inside. It must not be larger than the true distance. A distance that is not finite
+  /// counts as far outside.
+  BufferId distances = BufferId::kInvalid;
+  uint32_t first = 0;  ///< floats before node 0
+  /// Where the nodes are, each axis with 2 or more. Hair does not collide beyond the grid: let it
+  /// reach beyond the surface by some cells and the margin.
+  SdfGrid grid = {};
+  bool operator==(const DenseSdf&) const = default;
+};
+
 /// Counters of the last build of an SDF.
 struct SdfCounters {
   uint32_t bigTriangles = 0;    ///< that were distributed over thread groups
@@ -125,6 +139,10 @@ class PELAGE_API SdfCollider {
   /// Call this when the engine's vertex buffer has changed. All vertices are within the box [m], in
   /// world space; hair does not collide with those outside of it.
   void setVertexBounds(const Float3& low, const Float3& high);
+  /// Of a collider with an SDF of your engine: says that the buffer has new distances, or that the
+  /// grid is somewhere else; without it both stay. The number of nodes along each axis stays, which
+  /// Scene::simulate() checks. Asserts that the collider is one.
+  void setDistances(const DenseSdf& sdf);
   /// Clears the history of the surface: for teleports, with HairObject::reset(). A full build
   /// follows in the next frame in which hair is in range.
   void reset();

@@ -10,6 +10,7 @@
 #include "layouts/contact_records.hlsli"
 #if SDF
 #define SDF_FACING 1
+#define SDF_DENSE DENSE_SDF
 #include "sdf_strand_contact.hlsli"
 #endif
 

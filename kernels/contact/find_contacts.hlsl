@@ -20,7 +20,7 @@
 //
 // Invariant (tests/contact): the same records for any order of strands; a vertex without a record
 // is farther from every collider than the reach; a mask has a bit for each vertex with a record.
-// SDF: with SDFs; without it there are capsules alone.
+// SDF: with SDFs; without it there are capsules alone. DENSE_SDF: also with SDFs of an engine.
 #include "../base/dispatch.hlsli"
 #include "layouts/contact.hlsli"
 #include "contact_access.hlsli"

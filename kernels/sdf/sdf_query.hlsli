@@ -2,7 +2,8 @@
 //
 // The including file defines SDF_KEYS and SDF_SURFACE, the buffers (uint and uint4) of all SDFs,
 // and SDF_CLOSEST_FEATURE, 0 to use the trilinear distance and its gradient for near points, too:
-// cheaper, and 4 degrees off. Units are cells from node 0, in the space and at the time of the SDF:
+// cheaper, and 4 degrees off. With SDF_DENSE there are SDFs without triangles, too, which an engine
+// has filled: their distance is the trilinear one. Units are cells from node 0, in the space and at the time of the SDF:
 // the end of a frame.
 #ifndef PELAGE_SDF_SDF_QUERY_HLSLI
 #define PELAGE_SDF_SDF_QUERY_HLSLI
@@ -12,6 +13,9 @@
 
 #ifndef SDF_CLOSEST_FEATURE
 #define SDF_CLOSEST_FEATURE 1
+#endif
+#ifndef SDF_DENSE
+#define SDF_DENSE 0
 #endif
 
 // Steps over adjacent triangles from the best one of the corners. 95 % of the normals within a cell
@@ -369,6 +373,10 @@ SdfHit sdfQuery(Sdf sdf, float3 p, float range) {
   uint4 high = sdfTriangles(sdf, cell.high);
   uint4 any4 = min(low, high);
   bool deep = sdfIsInside(cell.low.x) && min(min(any4.x, any4.y), min(any4.z, any4.w)) == kSdfNone;
+#if SDF_DENSE
+  bool dense = sdf.triangleCount == 0u;
+  deep = deep && !dense;
+#endif
   bool within = sdfIsWithin(cell);
   if (deep) {
     // Only nodes of the coarse grid have triangles there.
@@ -379,6 +387,15 @@ SdfHit sdfQuery(Sdf sdf, float3 p, float range) {
   }
   SdfSlope slope = sdfTrilinear(cell.corners, cell.location);
 
+#if SDF_DENSE
+  if (dense) {
+    float3 none = float3(0.0, 0.0, 0.0);
+    hit.distance = slope.distance;
+    hit.normal = directionOr(slope.gradient, none);
+    hit.found = hit.distance < range && dot3(hit.normal, hit.normal) > 0.0;
+    return hit;
+  }
+#endif
 #if SDF_CLOSEST_FEATURE
   SdfClosest best = sdfClosestFeature(sdf, p, cell, low, high, slope, deep);
   if (best.index == kSdfNone) return hit;

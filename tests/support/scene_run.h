@@ -116,6 +116,9 @@ class SceneRun {
     return read(hair.buffers().positions);
   }
 
+  /// That the last step() ran.
+  const PassList& list() const { return list_; }
+
   Scene scene;
 
  private:

@@ -66,7 +66,8 @@ Result<void> FollowContacts::add(PassList& list, const ResourceTable& resources,
   constants.followColliderCount = colliders.capsuleCount;
   constants.followHistory = known ? 1 : 0;
   constants.followTileCount = tiles();
-  const KernelVariant& find = findFollowContactsVariant({.sdf = colliders.contactSdfCount > 0});
+  const KernelVariant& find = *findFollowContactsVariant(
+      {.sdf = colliders.contactSdfCount > 0, .denseSdf = colliders.hasDenseSdfs});
   const KernelVariant& walk = collideFollowHairsVariant({});
   for (const bool again : {false, true}) {
     constants.followAgain = again ? 1 : 0;

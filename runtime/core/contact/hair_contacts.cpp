@@ -181,7 +181,8 @@ Result<void> HairContacts::find(PassList& list, const ResourceTable& resources,
   const float height = std::hypot(fall.x, fall.y, fall.z);
   constants.contactRange = kRange + height + step.furtherRange;
   if (height > kLeap) constants.contactFall = {fall.x, fall.y, fall.z, 0};
-  const KernelVariant& variant = findContactsVariant({.sdf = colliders.contactSdfCount > 0});
+  const KernelVariant& variant = *findContactsVariant(
+      {.sdf = colliders.contactSdfCount > 0, .denseSdf = colliders.hasDenseSdfs});
   PassBuilder builder(list);
   if (step.again)
     builder.dispatchIndirect(variant, words_, head(step.index) * sizeof(uint32_t));

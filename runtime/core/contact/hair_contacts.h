@@ -27,6 +27,7 @@ struct ColliderBuffers {
   /// [contactSdfCount] Sdf, then the capsules once more, so that a kernel binds both as one.
   BufferId sdfs = BufferId::kInvalid;
   uint32_t contactSdfCount = 0;
+  bool hasDenseSdfs = false;  ///< some of them are an engine's
   BufferId contactSdfKeys = BufferId::kInvalid, contactSdfSurface = BufferId::kInvalid;
   bool any() const { return capsuleCount > 0 || contactSdfCount > 0; }
 };

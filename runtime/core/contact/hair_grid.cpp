@@ -36,7 +36,8 @@ double extentOf(const GridHair& hair) {
     const double z = static_cast<double>(ball.center.z - middle.z);
     extent = std::max(extent, std::sqrt(x * x + y * y + z * z) + static_cast<double>(ball.radius));
   }
-  return 1.01 * extent + static_cast<double>(hair.groom.longestStrand);
+  return 1.01 * extent + static_cast<double>(hair.groom.longestStrand) +
+         static_cast<double>(hair.deviation);
 }
 
 // Mass of every vertex as a length of hair [m], the follow hairs' with their guide's; xyz is 0.

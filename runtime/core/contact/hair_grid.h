@@ -26,6 +26,7 @@ struct GridHair {
   const Groom& groom;
   std::span<const BoneBounds> bounds;
   std::span<const AffineTransform> bones;
+  float deviation = 0;      ///< of roots from where the bones put the bounds [m]
   Vector3<double> shifted;  ///< of the world that the bones are in
   BufferId positions = BufferId::kInvalid;
   BufferId otherForces = BufferId::kInvalid;  ///< that the grid's are added to; kInvalid: none

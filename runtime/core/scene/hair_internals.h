@@ -19,6 +19,7 @@
 #include "pelage/hair_asset.h"
 #include "pelage/hair_object.h"
 #include "shading/strand_motion.h"
+#include "simulation/field_forces.h"
 #include "simulation/strand_solver.h"
 #include "skinning/bone_bounds.h"
 #include "skinning/skeleton_pose.h"
@@ -59,6 +60,7 @@ struct HairFrameState {
   // Of the rooms.
   HairContacts contacts;
   FollowContacts followContacts;
+  FieldForces fieldForces;
   HairGrid grid;
   StrandSolver solver;
   StrandMotion motion;
@@ -72,11 +74,13 @@ struct HairInternals : HairFrameState, Groom {
   SkeletonInternals* skeleton = nullptr;  ///< that it follows
   uint64_t skeletonVersion = 0;           ///< of `bones`, where it does
   std::vector<BoneBounds> bounds;
+  float deviation = 0;  ///< of roots from where `bones` put `bounds` [m]
 
   /// Mesh colliders that it meets, ascending; nothing: all.
   std::optional<std::vector<ColliderId>> meshColliders;
   std::vector<CapsuleCollider> colliders;
-  ShiftedFloats shiftedInputs;  ///< of bones and capsules
+  ForceField field;
+  ShiftedFloats shiftedInputs;  ///< of bones, capsules and the field
 };
 
 /// Moves the origin after the root of the first strand.

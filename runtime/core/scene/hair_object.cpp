@@ -50,6 +50,8 @@ void HairObject::setMeshColliders(std::span<const ColliderId> colliders) {
   internals_->meshColliders = std::move(set);
 }
 
+void HairObject::setForceField(const ForceField& field) { internals_->field = field; }
+
 void HairObject::useAllMeshColliders() { internals_->meshColliders.reset(); }
 
 void HairObject::reset() { internals_->resetPending = true; }
@@ -106,7 +108,7 @@ Ball ballOfStrands(const HairInternals& hair) {
   for (const Ball& ball : balls)
     all.radius = std::max(all.radius, distance(all.center, ball.center) + ball.radius);
   // Blends of bones stay between what the bones do; rounding does not.
-  all.radius = 1.01f * all.radius + hair.longestStrand;
+  all.radius = 1.01f * all.radius + hair.longestStrand + hair.deviation;
   return all;
 }
 
@@ -164,6 +166,7 @@ void shiftWorld(HairInternals& hair, const Vector3<double>& shift, const Vector3
   hair.shiftedInputs.begin();
   for (AffineTransform& bone : hair.bones) hair.shiftedInputs.shift(bone, -shift);
   detail::shift(hair.shiftedInputs, hair.colliders, -shift);
+  hair.shiftedInputs.shift(hair.field.origin, -shift);
   hair.shiftedInputs.end();
   shiftWorld(static_cast<HairFrameState&>(hair), shift, shifted);
 }

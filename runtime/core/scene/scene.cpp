@@ -34,6 +34,9 @@ Result<ColliderId> Scene::addCollider(const CollisionMesh& mesh, const SdfCollid
 Result<ColliderId> Scene::addCollider(const SdfData& data, const SdfColliderDef& def) {
   return impl_->addCollider(data, def);
 }
+Result<ColliderId> Scene::addCollider(const DenseSdf& sdf, const SdfColliderDef& def) {
+  return impl_->addCollider(sdf, def);
+}
 Result<void> Scene::removeCollider(ColliderId id) { return impl_->removeCollider(id); }
 SdfCollider& Scene::collider(ColliderId id) { return impl_->collider(id); }
 const SdfCollider& Scene::collider(ColliderId id) const { return impl_->collider(id); }

@@ -3,6 +3,7 @@
 
 #include "base/ids.h"
 #include "scene/scene_impl.h"
+#include "sdf/dense_sdf.h"
 
 namespace pelage::detail {
 
@@ -35,6 +36,17 @@ Result<ColliderId> SceneImpl::addCollider(const SdfData& data, const SdfCollider
     return refuse("a field that was built before never moves, and follows no skeleton");
   const Result<ColliderId> id = sdfs_.add(data, def, shifted(), room());
   if (id) relayFrames();
+  return id;
+}
+
+Result<ColliderId> SceneImpl::addCollider(const DenseSdf& sdf, const SdfColliderDef& def) {
+  const auto refuse = [&](const std::string& what) {
+    return Error{ErrorCode::kInvalidArgument, "collider '" + def.name + "': " + what};
+  };
+  if (const std::string fault = faultOf(sdf, resources_); !fault.empty()) return refuse(fault);
+  if (sdfs_.colliders.isFull()) return refuse("the scene has as many colliders as ids");
+  const ColliderId id = sdfs_.add(sdf, def, shifted(), room());
+  relayFrames();
   return id;
 }
 

@@ -148,7 +148,9 @@ void SceneImpl::restoreFrame() {
     std::swap(static_cast<HairFrameState&>(now), saved.state);
     // What the application has set since stays set.
     now.resetPending |= reset;
-    now.bonesChanged = now.bones != now.bonesBefore;
+    // Bones on the GPU may have changed while their placement stayed.
+    now.bonesChanged =
+        now.bones != now.bonesBefore || (now.skeleton != nullptr && now.skeleton->isOnGpu());
     const BufferId forces = saved.object->buffers_.forces;
     saved.object->buffers_ = saved.buffers;
     saved.object->buffers_.forces = forces;

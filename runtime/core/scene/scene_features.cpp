@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "pelage/scene.h"
+#include "pelage/skin_table.h"
 
 namespace pelage {
 namespace {
@@ -46,6 +47,21 @@ CollisionMesh smallMesh() {
       mesh.indices.push_back(4 * bone + corner);
   }
   return mesh;
+}
+
+// A triangle with both roots.
+SkinTable smallSurface() {
+  SurfaceRoot root;
+  root.corners[1] = 1;
+  root.corners[2] = 2;
+  root.barycentric = {1, 0, 0};
+  root.bind[1].x = root.bind[2].z = 0.01f;
+  SkinTable table;
+  table.parts.resize(1);
+  table.parts[0].vertexCount = 3;
+  table.parts[0].triangleCount = 1;
+  table.roots.assign(kStrands, root);
+  return table;
 }
 
 View smallView(bool reversedDepth) {
@@ -88,11 +104,21 @@ class SmallScene {
     scene_.setTier(features_.tier);
     if (Result<void> added = addHair(); !added) return added.error();
     addBuffers();
+    if (Result<void> added = addFollowers(); !added) return added.error();
     for (const bool forces : {false, true}) {
       if (forces && !features_.forces) continue;
       for (const HairId id : hairs_)
         scene_.hair(id).setForces(forces ? forces_ : BufferId::kInvalid);
       if (Result<void> ran = playColliders(); !ran) return ran.error();
+    }
+    if (features_.denseSdfs) {
+      if (Result<void> ran = playDenseSdf(); !ran) return ran.error();
+    }
+    if (features_.forceField) {
+      for (const HairId id : hairs_)
+        scene_.hair(id).setForceField({.values = forces_, .cellSize = 1, .nodes = {2, 2, 2}});
+      if (Result<void> ran = playColliders(); !ran) return ran.error();
+      for (const HairId id : hairs_) scene_.hair(id).setForceField({});
     }
     if (features_.skinnedHair) {
       for (const bool simulated : {false, true}) {
@@ -166,6 +192,33 @@ class SmallScene {
     depth_ = buffer("depth", 16);
   }
 
+  // Hair whose bones are on the GPU.
+  Result<void> addFollowers() {
+    const Result<HairAsset> asset = smallGroom(false);
+    if (!asset) return asset.error();
+    const auto add = [&](const SkeletonDef& def) -> Result<SkeletonPose*> {
+      const Result<SkeletonId> skeleton = scene_.addSkeleton(def);
+      if (!skeleton) return skeleton.error();
+      HairDef hair = {.name = "prepared", .skeleton = *skeleton};
+      if (!features_.settings.empty()) hair.settings = features_.settings.front();
+      if (Result<void> added = this->add(*asset, hair); !added) return added.error();
+      return &scene_.skeleton(*skeleton);
+    };
+    if (features_.boneBuffers) {
+      const Result<SkeletonPose*> added = add({.source = BoneSource::kBuffer});
+      if (!added) return added.error();
+      (*added)->setBones({.buffer = forces_}, {});
+    }
+    if (features_.boneSurfaces) {
+      const SkinTable table = smallSurface();
+      const Result<SkeletonPose*> added = add({.source = BoneSource::kSurface, .surface = &table});
+      if (!added) return added.error();
+      const VertexBuffer vertices = {.buffer = forces_};
+      (*added)->setVertices({&vertices, 1}, {});
+    }
+    return {};
+  }
+
   void setCapsules(bool on) {
     const CapsuleCollider capsule = {.head = {0.01f, 0.02f, 0},
                                      .headRadius = 0.005f,
@@ -201,6 +254,15 @@ class SmallScene {
       scene_.collider(*added).setBones(bones);
       if (Result<void> ran = frames(); !ran) return ran;
     }
+    return scene_.removeCollider(*added);
+  }
+
+  Result<void> playDenseSdf() {
+    const Result<ColliderId> added = scene_.addCollider(
+        DenseSdf{.distances = depth_, .grid = {.cellSize = 0.1f, .nodes = {2, 2, 2}}},
+        {.name = "prepared SDF"});
+    if (!added) return added.error();
+    if (Result<void> ran = frames(); !ran) return ran;
     return scene_.removeCollider(*added);
   }
 

@@ -270,6 +270,11 @@ Result<HairId> SceneImpl::addHair(std::shared_ptr<const HairAsset> shared, const
   hair.origin.shifted = shifted();
   if (*skeleton != nullptr) {
     hair.skeleton = (*skeleton)->internals_.get();
+    if (hair.skeleton->isOnGpu()) {
+      hair.bones = hair.skeleton->bones;
+      hair.bounds = boundsOfRoots(asset, {});
+      hair.deviation = hair.skeleton->deviation;
+    }
     moveOrigin(*hair.skeleton, {hair.bounds.front().bone, hair.bounds.front().center});
   }
   addHairBuffers(*object, asset, def);
@@ -318,6 +323,7 @@ void SceneImpl::removeHairBuffers(HairBuffers& buffers, HairFrameState& state, b
                                   const RoomBuffers& room) {
   state.solver.remove(buffers, room);
   state.contacts.remove(room);
+  state.fieldForces.remove(room);
   state.grid.remove(room);
   state.followContacts.remove(room);
   state.motion.remove(room);

@@ -31,6 +31,7 @@ class SceneImpl {
   uint32_t hairCount() const;
   Result<ColliderId> addCollider(const CollisionMesh& mesh, const SdfColliderDef& def);
   Result<ColliderId> addCollider(const SdfData& data, const SdfColliderDef& def);
+  Result<ColliderId> addCollider(const DenseSdf& sdf, const SdfColliderDef& def);
   Result<void> removeCollider(ColliderId id);
   SdfCollider& collider(ColliderId id);
   const SdfCollider& collider(ColliderId id) const;
@@ -98,6 +99,7 @@ class SceneImpl {
   static void removeHairBuffers(HairBuffers& buffers, HairFrameState& state, bool hasSkeleton,
                                 const RoomBuffers& room);
   void addHairBuffers(HairObject& object, const HairAsset& asset, const HairDef& def);
+  Result<void> checkSkeletons() const;
   void followSkeletons();
   Result<SkeletonPose*> findSkeleton(SkeletonId id, uint32_t boneCount) const;
   void removeUnusedCopies();
@@ -110,6 +112,8 @@ class SceneImpl {
   Result<void> simulateFrame(float length, uint32_t steps, PassList& list);
   HairFrame frameOf(HairObject& object, const SimulationSettings& settings, float length,
                     uint32_t steps, PassList& list);
+  static FieldHair fieldHairOf(const HairFrame& frame, const HairInternals& hair);
+  static BufferId forcesOf(const HairFrame& frame, const HairInternals& hair);
   static GridHair gridHairOf(const HairFrame& frame, const HairInternals& hair);
   static MotionHair motionHairOf(const HairFrame& frame, const HairInternals& hair,
                                  uint64_t shifted);
@@ -120,8 +124,8 @@ class SceneImpl {
   Result<void> simulateObject(HairObject& object, float length, uint32_t steps, PassList& list);
   static float blendOf(HairObject& object, float length);
   Result<void> skinObject(HairObject& object, HairFrame& frame);
-  static void beginBones(HairObject& object, HairFrame& frame);
-  static void sendBones(HairObject& object, PassList& list);
+  Result<void> beginBones(HairObject& object, HairFrame& frame) const;
+  Result<void> sendBones(HairObject& object, PassList& list) const;
   void sendSdfs(HairObject& object, HairFrame& frame);
   static void sendCapsules(HairObject& object, HairFrame& frame);
   Result<void> poseNewHair(PassList& list);

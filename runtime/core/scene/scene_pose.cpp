@@ -31,6 +31,7 @@ Result<void> SceneImpl::poseNewHair(PassList& list) {
     return object != nullptr && object->internals_->resetPending;
   };
   if (std::none_of(objects_.begin(), objects_.end(), isNew)) return {};
+  if (Result<void> valid = checkSkeletons(); !valid) return valid;
   for (const auto& object : objects_) {
     if (!isNew(object)) continue;
     if (Result<void> valid = checkObject(*object); !valid)
@@ -65,8 +66,8 @@ Result<void> SceneImpl::poseObject(HairObject& object, PassList& list) {
   frame.reset = true;
   frame.rebase = moveOrigin(hair);
   frame.origin = hair.origin;
-  sendBones(object, list);
-  Result<void> added = addRootPass(frame, hair.skinning);
+  Result<void> added = sendBones(object, list);
+  if (added) added = addRootPass(frame, hair.skinning);
   if (added) {
     added = object.simulated ? hair.solver.record(frame, hair.grid, gridHairOf(frame, hair))
                              : hair.solver.skin(frame);
@@ -82,7 +83,7 @@ Result<void> SceneImpl::skinObject(HairObject& object, HairFrame& frame) {
   HairInternals& hair = *object.internals_;
   hair.grid.prepare(gridHairOf(frame, hair), false, frame.room);
   frame.buffers.contactForces = hair.grid.forces();
-  beginBones(object, frame);
+  if (Result<void> sent = beginBones(object, frame); !sent) return sent;
   // What collides again later has no history, and capsules have not moved meanwhile.
   hair.contacts.forget();
   hair.contacts.clearTotals(frame.list);

@@ -54,7 +54,8 @@ void SceneImpl::shiftFrames(const Vector3<double>& by) {
     for (HairCheckpoint& saved : frame.hairs) shiftWorld(saved.state, by, shifted());
     for (ColliderCheckpoint& saved : frame.colliders) {
       shiftWorld(saved.state, by, shifted());
-      if (saved.collider->internals_->data) saved.state.grid = saved.collider->internals_->grid;
+      const SdfColliderInternals& now = *saved.collider->internals_;
+      if (now.data || now.dense) saved.state.grid = now.grid;
     }
     for (SkeletonCheckpoint& saved : frame.skeletons) saved.origin.shifted = shifted();
   }

@@ -62,6 +62,7 @@ std::optional<HairReach> SceneImpl::reachOf(const HairObject& object) const {
 }
 
 Result<void> SceneImpl::simulateFrame(float length, uint32_t steps, PassList& list) {
+  if (Result<void> valid = checkSkeletons(); !valid) return valid;
   followSkeletons();
   std::vector<HairReach> reaches;
   for (const auto& object : objects_) {
@@ -103,6 +104,8 @@ Result<void> SceneImpl::checkObject(const HairObject& object) const {
     return refuse("simulatedShare is " + std::to_string(share) + ", but must be in 0..1");
   if (exact && share < 1 && !object.internals_->levelOfDetail)
     return refuse("simulatedShare is below 1; set HairDef::levelOfDetail for it");
+  if (const std::string fault = faultOf(object.internals_->field, resources_); !fault.empty())
+    return refuse(fault);
   if (const BufferId id = object.buffers_.forces; id != BufferId::kInvalid) {
     const BufferDesc* forces = resources_.find(id);
     const uint64_t bytes =
@@ -148,10 +151,25 @@ GridHair SceneImpl::gridHairOf(const HairFrame& frame, const HairInternals& hair
           .groom = hair,
           .bounds = hair.bounds,
           .bones = hair.bones,
+          .deviation = hair.deviation,
           .shifted = hair.origin.shifted,
           .positions = frame.buffers.positions,
-          .otherForces = frame.buffers.forces,
+          .otherForces = forcesOf(frame, hair),
           .settings = frame.settings.contact};
+}
+
+FieldHair SceneImpl::fieldHairOf(const HairFrame& frame, const HairInternals& hair) {
+  return {.name = frame.name,
+          .field = hair.field,
+          .vertices = frame.guideVertices(),
+          .positions = frame.buffers.positions,
+          .otherForces = frame.buffers.forces};
+}
+
+// Forces of the engine: those of a field have those of its own buffer in them.
+BufferId SceneImpl::forcesOf(const HairFrame& frame, const HairInternals& hair) {
+  const BufferId ofField = hair.fieldForces.forces();
+  return ofField != BufferId::kInvalid ? ofField : frame.buffers.forces;
 }
 
 // Share of gravity, wind and forces since the object is simulated again.
@@ -191,6 +209,8 @@ Result<void> SceneImpl::simulateObject(HairObject& object, float length, uint32_
   if (!object.simulated) return skinObject(object, frame);
   frame.loadShare *= blendOf(object, length);
   frame.air = airAt(frame.settings.wind, time_, frame.loadShare);
+  const FieldHair fieldHair = fieldHairOf(frame, hair);
+  hair.fieldForces.prepare(fieldHair, frame.room);
   const GridHair gridHair = gridHairOf(frame, hair);
   hair.grid.prepare(gridHair, frame.settings.solver == Solver::kExact, frame.room);
   frame.buffers.contactForces = hair.grid.forces();
@@ -199,8 +219,8 @@ Result<void> SceneImpl::simulateObject(HairObject& object, float length, uint32_
   hair.motion.prepare(motion, object.tracksMotion, frame.room);
   frame.buffers.previousPositions = hair.motion.positions();
   const bool touches = frame.buffers.contactForces != BufferId::kInvalid;
-  frame.forces = touches ? frame.buffers.contactForces : frame.buffers.forces;
-  beginBones(object, frame);
+  frame.forces = touches ? frame.buffers.contactForces : forcesOf(frame, hair);
+  if (Result<void> sent = beginBones(object, frame); !sent) return sent;
   frame.collidersReplaced = areReplaced(hair.collidersBefore, hair.colliders);
   sendSdfs(object, frame);
   sendCapsules(object, frame);
@@ -217,6 +237,9 @@ Result<void> SceneImpl::simulateObject(HairObject& object, float length, uint32_
   if (hair.stillFrames < 2) {
     if (Result<void> added = addRootPass(frame, hair.skinning); !added) return added;
   }
+  if (Result<void> added = hair.fieldForces.record(fieldHair, !frame.reset, resources_, frame.list);
+      !added)
+    return added;
   if (Result<void> added = hair.solver.record(frame, hair.grid, gridHair); !added) return added;
   hair.grid.finish(gridHair, static_cast<double>(length));
   hair.resetPending = false;
@@ -227,24 +250,29 @@ Result<void> SceneImpl::simulateObject(HairObject& object, float length, uint32_
 }
 
 // The object's origin and bones in a frame that moves it.
-void SceneImpl::beginBones(HairObject& object, HairFrame& frame) {
+Result<void> SceneImpl::beginBones(HairObject& object, HairFrame& frame) const {
   HairInternals& hair = *object.internals_;
   frame.rebase = moveOrigin(hair);
   frame.origin = hair.origin;
   hair.stillFrames = hair.bonesChanged || frame.reset ? 0 : hair.stillFrames + 1;
-  if (hair.bonesChanged) sendBones(object, frame.list);
+  if (hair.bonesChanged) {
+    if (Result<void> sent = sendBones(object, frame.list); !sent) return sent;
+  }
   hair.bonesChanged = false;
+  return {};
 }
 
-void SceneImpl::sendBones(HairObject& object, PassList& list) {
+Result<void> SceneImpl::sendBones(HairObject& object, PassList& list) const {
   HairInternals& hair = *object.internals_;
   if (hair.skeleton != nullptr) {
-    uploadBones(*hair.skeleton, hair.skinning, list);
+    const Result<void> sent = detail::sendBones(*hair.skeleton, hair.skinning, resources_, list);
+    if (!sent) return sent;
   } else {
     const std::vector<Float4> bones = packBones(hair.bones, hair.origin, hair.skinning);
     addUpload(list, object.buffers_.boneTransforms, std::as_bytes(std::span(bones)));
   }
   hair.bonesBefore = hair.bones;
+  return {};
 }
 
 // The fields that an object's strands can reach.
@@ -269,6 +297,7 @@ void SceneImpl::sendSdfs(HairObject& object, HairFrame& frame) {
   hair.sdfsBefore = bytes;
   frame.colliders.sdfs = frame.buffers.sdfs;
   frame.colliders.contactSdfCount = count;
+  frame.colliders.hasDenseSdfs = found.dense;
   frame.colliders.contactSdfKeys = sdfs_.keys;
   frame.colliders.contactSdfSurface = sdfs_.surface;
 }

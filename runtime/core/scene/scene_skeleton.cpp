@@ -1,25 +1,59 @@
 // Skeletons of a scene, and what is given back.
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "base/ids.h"
+#include "pelage/skin_table.h"
 #include "scene/scene_impl.h"
 #include "sdf/sdf_collider.h"
 #include "skinning/skeleton_pose.h"
 
 namespace pelage::detail {
 
+namespace {
+
+// What is wrong, or nothing.
+std::string faultOf(const SkeletonDef& def) {
+  if (def.boneCount == 0) return "boneCount must be at least 1";
+  if (def.source > BoneSource::kSurface)
+    return "SkeletonDef::source is " + std::to_string(static_cast<uint32_t>(def.source)) +
+           ", which is no BoneSource; take one of its values";
+  if (!(def.deviation >= 0 && std::isfinite(def.deviation)))
+    return "deviation is " + std::to_string(def.deviation) +
+           " m, but must be finite and at least 0";
+  if ((def.source == BoneSource::kSurface) != (def.surface != nullptr))
+    return "SkeletonDef::surface is for BoneSource::kSurface, which needs it";
+  if (def.surface == nullptr) return {};
+  if (Result<void> valid = validate(*def.surface); !valid) return valid.error().message;
+  const size_t roots = def.surface->roots.size();
+  if (def.boneCount != 1 && def.boneCount != roots)
+    return "boneCount is " + std::to_string(def.boneCount) + ", but the skin table has " +
+           std::to_string(roots) + " roots";
+  return {};
+}
+
+}  // namespace
+
 Result<SkeletonId> SceneImpl::addSkeleton(const SkeletonDef& def) {
-  const auto refuse = [&](const char* what) {
+  const auto refuse = [&](const std::string& what) {
     return Error{ErrorCode::kInvalidArgument, "skeleton '" + def.name + "': " + what};
   };
-  if (def.boneCount == 0) return refuse("boneCount must be at least 1");
+  if (const std::string fault = faultOf(def); !fault.empty()) return refuse(fault);
   if (skeletons_.isFull()) return refuse("the scene has as many skeletons as ids");
   auto skeleton = std::unique_ptr<SkeletonPose>(new SkeletonPose);
   skeleton->name_ = def.name;
-  skeleton->internals_->name = def.name;
-  skeleton->internals_->bones.resize(def.boneCount);
-  skeleton->internals_->origin.shifted = shifted();
+  SkeletonInternals& internals = *skeleton->internals_;
+  internals.name = def.name;
+  internals.source = def.source;
+  internals.boneCount = def.boneCount;
+  if (internals.isOnGpu()) internals.deviation = def.deviation;
+  if (def.surface != nullptr) {
+    internals.boneCount = static_cast<uint32_t>(def.surface->roots.size());
+    addSurface(internals, *def.surface, room());
+  }
+  internals.bones.resize(internals.isOnGpu() ? 1 : internals.boneCount);
+  internals.origin.shifted = shifted();
   return skeletons_.add(std::move(skeleton));
 }
 
@@ -39,6 +73,7 @@ Result<void> SceneImpl::removeSkeleton(SkeletonId id) {
       return refuse("collider '" + held->name() + "'");
   }
   forgetOwner(&removed);
+  room().remove(skeleton(id).internals_->surfaceBones);
   skeletons_.remove(id);
   return {};
 }
@@ -89,6 +124,21 @@ void SceneImpl::removeUnusedCopies() {
       copy = {};
     }
   }
+}
+
+// What an engine has got wrong of bones on the GPU that something follows.
+Result<void> SceneImpl::checkSkeletons() const {
+  for (const auto& skeleton : skeletons_) {
+    if (skeleton == nullptr) continue;
+    const SkeletonInternals& internals = *skeleton->internals_;
+    const bool followed =
+        std::any_of(internals.copies.begin(), internals.copies.end(),
+                    [](const auto& copy) { return copy.buffer != BufferId::kInvalid; });
+    if (!followed) continue;
+    if (const std::string fault = faultOfSource(internals, resources_); !fault.empty())
+      return Error{ErrorCode::kInvalidArgument, "skeleton '" + skeleton->name() + "': " + fault};
+  }
+  return {};
 }
 
 // Takes over the bones that have changed.

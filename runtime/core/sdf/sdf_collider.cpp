@@ -10,6 +10,7 @@
 #include "pelage/assert.h"
 #include "pelage/constants.h"
 #include "pelage/skeleton.h"
+#include "sdf/dense_sdf.h"
 
 namespace pelage {
 namespace detail {
@@ -77,6 +78,7 @@ LocalOrigin originFor(const SdfColliderInternals& collider) {
 }
 
 SdfGrid gridOf(const SdfColliderInternals& collider) {
+  if (collider.dense) return collider.dense->grid;
   if (collider.data) {
     SdfGrid grid = collider.data->grid;
     grid.origin = boxOfData(collider).low;
@@ -96,12 +98,15 @@ void shiftWorld(SdfColliderInternals& collider, const Vector3<double>& shift,
   for (AffineTransform& bone : collider.bones) floats.shift(bone, -shift);
   if (collider.data) {
     collider.vertexBounds = boxOfData(collider);
+  } else if (collider.dense) {
+    floats.shift(collider.dense->grid.origin, -shift);
+    collider.vertexBounds = boxOf(collider.dense->grid);
   } else if (!collider.vertexBounds.isEmpty()) {
     floats.shift(collider.vertexBounds.low, -shift);
     floats.shift(collider.vertexBounds.high, -shift);
   }
   floats.end();
-  if (collider.data) collider.grid = gridOf(collider);
+  if (!collider.hasMesh()) collider.grid = gridOf(collider);
 }
 
 void shiftWorld(SdfFrameState& state, const Vector3<double>& shift,
@@ -136,8 +141,25 @@ std::vector<BoneBox> boneBoxesOf(const CollisionMesh& mesh) {
   return boxes;
 }
 
+std::vector<BoneBox> boxOfAll(const CollisionMesh& mesh) {
+  BoneBox all;
+  for (const Float3& p : mesh.positions) {
+    if (!isFinite(p)) continue;
+    all.box = include(all.box, p);
+    ++all.vertexCount;
+  }
+  if (all.box.isEmpty()) return {};
+  return {all};
+}
+
+uint32_t boneCountOf(const SdfColliderInternals& collider) {
+  return collider.skeleton != nullptr ? collider.skeleton->boneCount
+                                      : static_cast<uint32_t>(collider.bones.size());
+}
+
 Box boundsOf(const SdfColliderInternals& collider) {
-  if (collider.def.vertices != BufferId::kInvalid) return collider.vertexBounds;
+  if (!collider.hasMesh() || collider.def.vertices != BufferId::kInvalid)
+    return collider.vertexBounds;
   Box all;
   for (const BoneBox& bone : collider.boneBoxes) {
     Box box;
@@ -145,7 +167,10 @@ Box boundsOf(const SdfColliderInternals& collider) {
       box = include(box, transformPoint(collider.bones[bone.bone], corner(bone.box, i)));
     if (isFinite(box)) all = include(all, box);
   }
-  return all;
+  if (collider.skeleton == nullptr || all.isEmpty()) return all;
+  const float deviation = collider.skeleton->deviation;
+  return {{all.low.x - deviation, all.low.y - deviation, all.low.z - deviation},
+          {all.high.x + deviation, all.high.y + deviation, all.high.z + deviation}};
 }
 
 bool isMirrored(const SdfColliderInternals& collider) {
@@ -259,6 +284,7 @@ SdfBuildDef buildDefOf(const SdfColliderInternals& collider) {
 }
 
 Sdf sdfOf(const SdfColliderInternals& collider, const LocalOrigin& origin) {
+  if (collider.dense) return sdfOf(*collider.dense, collider.keyOffset, origin);
   Sdf sdf = {};
   const Vector3<double> apart = collider.origin.metres - origin.metres;
   const Vector3<double> first = collider.data ? collider.dataNode : toDouble3(collider.plan.origin);
@@ -290,6 +316,9 @@ Sdf sdfOf(const SdfColliderInternals& collider, const LocalOrigin& origin) {
 float motionSinceBuild(const SdfColliderInternals& collider) {
   if (collider.builtBones.size() != collider.bones.size())
     return std::numeric_limits<float>::infinity();
+  if (collider.skeleton != nullptr && collider.skeleton->isOnGpu() &&
+      collider.skeleton->version != collider.builtVersion)
+    return std::numeric_limits<float>::infinity();
   float largest = 0;
   for (const BoneBox& bone : collider.boneBoxes) {
     largest = std::max(largest, largestDisplacement(bone, collider.builtBones[bone.bone],
@@ -319,6 +348,7 @@ const MeshReport& SdfCollider::report() const { return internals_->topology.repo
 
 uint64_t SdfCollider::memoryBytes() const {
   const detail::SdfColliderInternals& c = *internals_;
+  if (c.dense) return detail::nodeCountOf(c.dense->grid) * sizeof(uint32_t);
   return c.data ? c.data->keys.size() * sizeof(uint32_t) : c.plan.bytes;
 }
 
@@ -337,6 +367,16 @@ void SdfCollider::setBones(std::span<const AffineTransform> bones) {
 void SdfCollider::setVertexBounds(const Float3& low, const Float3& high) {
   internals_->vertexBounds = {low, high};
   internals_->verticesChanged = true;
+}
+
+void SdfCollider::setDistances(const DenseSdf& sdf) {
+  detail::SdfColliderInternals& c = *internals_;
+  PELAGE_ASSERT(c.dense.has_value(), "setDistances() is for a collider with an SDF of the engine");
+  if (!c.dense) return;
+  c.dense = sdf;
+  c.vertexBounds = detail::boxOf(sdf.grid);
+  c.grid = sdf.grid;
+  ++c.denseVersion;
 }
 
 SdfCounters readSdfCounters(std::span<const std::byte> work) {

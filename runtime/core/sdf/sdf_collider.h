@@ -1,6 +1,7 @@
 // Private data of a collider.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -27,6 +28,7 @@ struct BoneBox {
 /// The state of a collider that a frame changes, as HairFrameState.
 struct SdfFrameState {
   std::vector<AffineTransform> builtBones;  ///< of the field; empty before the first build
+  uint64_t builtVersion = 0;                ///< likewise, of a skeleton on the GPU or of `dense`
   bool verticesChanged = true;
   bool mirrored = false;     ///< the tables have flipped triangles
   bool resetPending = true;  ///< there is no motion from the last frame
@@ -51,8 +53,12 @@ struct SdfFrameState {
 struct SdfColliderInternals : SdfFrameState {
   SdfColliderDef def;
   ColliderTopology topology;
-  CollisionMesh mesh;           ///< positions and influences, to make buffers from
-  std::optional<SdfData> data;  ///< instead of a mesh: a field that is never built
+  CollisionMesh mesh;                       ///< positions and influences, to make buffers from
+  std::optional<SdfData> data;              ///< instead of a mesh: a field that is never built
+  std::optional<DenseSdf> dense;            ///< instead of a mesh: a field of the engine
+  std::array<uint32_t, 3> denseNodes = {};  ///< that `dense` has to have
+  uint64_t denseVersion = 1;
+  bool hasMesh() const { return !data && !dense; }
   uint32_t vertexCount = 0;
   std::vector<BoneBox> boneBoxes;
 
@@ -69,6 +75,10 @@ Result<void> checkSdfColliderDef(const SdfColliderDef& def);
 
 /// The boxes of all bones that move a vertex.
 std::vector<BoneBox> boneBoxesOf(const CollisionMesh& mesh);
+/// The box of all vertices as that of bone 0, for bones that the host does not know.
+std::vector<BoneBox> boxOfAll(const CollisionMesh& mesh);
+/// Number of bones that move the vertices.
+uint32_t boneCountOf(const SdfColliderInternals& collider);
 /// Box around all vertices in world space, from the bones alone. Blends of matrices stay in the
 /// hull of the single bones' results. Empty if no bone is finite.
 Box boundsOf(const SdfColliderInternals& collider);

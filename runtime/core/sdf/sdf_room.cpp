@@ -12,6 +12,7 @@
 #include "pelage/bindings.h"
 #include "pelage/constants.h"
 #include "pelage/kernels.h"
+#include "sdf/dense_sdf.h"
 #include "sdf/iso_surface.h"
 
 namespace pelage::detail {
@@ -29,16 +30,18 @@ uint32_t recordElements(const SdfColliderInternals& c) {
 }
 
 uint64_t surfaceElements(const SdfColliderInternals& c) {
+  if (c.dense) return 0;
   const uint32_t triangles = c.data ? c.data->triangleCount : c.topology.triangleCount();
   return uint64_t{triangles} * recordElements(c);
 }
 
 uint64_t keyCount(const SdfColliderInternals& c) {
+  if (c.dense) return nodeCountOf(c.dense->grid);
   return c.data ? c.data->keys.size() : c.plan.nodeCount();
 }
 
 bool ownsVertices(const SdfColliderInternals& c) {
-  return !c.data && c.def.vertices == BufferId::kInvalid;
+  return c.hasMesh() && c.def.vertices == BufferId::kInvalid;
 }
 
 template <class T>
@@ -91,17 +94,18 @@ bool meets(const HairReach& hair, ColliderId id) {
   return hair.only == nullptr || std::binary_search(hair.only->begin(), hair.only->end(), id);
 }
 
-Result<void> addSkinningPass(SdfColliderInternals& c, const SdfColliderBuffers& b, PassList& list) {
+Result<void> addSkinningPass(SdfColliderInternals& c, const SdfColliderBuffers& b,
+                             const ResourceTable& resources, PassList& list) {
   const SkinningMethod method = c.def.skinning;
   if (c.skeleton != nullptr) {
-    uploadBones(*c.skeleton, method, list);
+    if (Result<void> sent = sendBones(*c.skeleton, method, resources, list); !sent) return sent;
   } else {
     const std::vector<Float4> bones = packBones(c.bones, c.origin, method);
     addUpload(list, b.bones, std::as_bytes(std::span(bones)));
   }
   BoneSkinningConstants constants = {};
   constants.skinnedCount = c.vertexCount;
-  constants.skinningCount = static_cast<uint32_t>(c.bones.size());
+  constants.skinningCount = boneCountOf(c);
   constants.skinningReset = c.builtBones.empty() ? 1 : 0;
   constants.dualQuaternions = method == SkinningMethod::kDualQuaternions ? 1 : 0;
   constants.bindStride = constants.skinnedStride = constants.beforeStride = 3;
@@ -115,7 +119,7 @@ Result<void> addSkinningPass(SdfColliderInternals& c, const SdfColliderBuffers& 
       .boneSkinningConstants = constants,
       .bindVertices = {b.bindVertices, bytes},
       .vertexBindings = {b.bindings, c.vertexCount * sizeof(VertexBinding)},
-      .skinningBones = {b.bones, rowsOf(method) * c.bones.size() * kVector},
+      .skinningBones = {b.bones, rowsOf(method) * boneCountOf(c) * kVector},
       .skinned = {b.vertices, bytes},
       .skinnedBefore = {b.verticesBefore, bytes},
   });
@@ -144,7 +148,8 @@ Result<ColliderId> SdfRoom::add(const CollisionMesh& mesh, const SdfColliderDef&
   c.origin.shifted = shifted;
   c.topology = std::move(*topology);
   c.vertexCount = static_cast<uint32_t>(mesh.positions.size());
-  c.boneBoxes = boneBoxesOf(mesh);
+  const bool onGpu = bones.skeleton != nullptr && bones.skeleton->isOnGpu();
+  c.boneBoxes = onGpu ? boxOfAll(mesh) : boneBoxesOf(mesh);
   c.bones.resize(bones.count);
   c.skeleton = bones.skeleton;
   if (c.skeleton != nullptr) c.bones = c.skeleton->bones;
@@ -229,6 +234,23 @@ Result<ColliderId> SdfRoom::add(const SdfData& data, const SdfColliderDef& def,
       {end(data.grid.origin.x, data.grid.nodes[0]), end(data.grid.origin.y, data.grid.nodes[1]),
        end(data.grid.origin.z, data.grid.nodes[2])}};
   c.topology.report.triangleCount = c.topology.report.usedTriangleCount = data.triangleCount;
+  const ColliderId id = colliders.add(std::move(collider));
+  layOut(room);
+  return id;
+}
+
+ColliderId SdfRoom::add(const DenseSdf& sdf, const SdfColliderDef& def,
+                        const Vector3<double>& shifted, const RoomBuffers& room) {
+  auto collider = std::unique_ptr<SdfCollider>(new SdfCollider);
+  collider->name_ = def.name;
+  SdfColliderInternals& c = *collider->internals_;
+  c.def = def;
+  c.def.vertices = BufferId::kInvalid;
+  c.dense = sdf;
+  c.denseNodes = sdf.grid.nodes;
+  c.grid = sdf.grid;
+  c.vertexBounds = boxOf(sdf.grid);
+  c.origin = LocalOrigin{{}, shifted}.near({});
   const ColliderId id = colliders.add(std::move(collider));
   layOut(room);
   return id;
@@ -361,7 +383,7 @@ bool SdfRoom::isInRange(size_t slot, std::span<const HairReach> hair) const {
   if (!collider.enabled) return false;
   const ColliderId id = colliders.idOf(slot);
   const SdfColliderInternals& c = *collider.internals_;
-  const Box box = c.data ? c.vertexBounds : boundsOf(c);
+  const Box box = boundsOf(c);
   return std::any_of(hair.begin(), hair.end(), [&](const HairReach& reach) {
     if (!meets(reach, id)) return false;
     Ball ball = reach.ball;
@@ -386,6 +408,14 @@ Result<SdfRoom::Plans> SdfRoom::check(std::span<const HairReach> hair,
          {check("margin", collider->margin), check("friction", collider->friction)})
       if (!fault.empty()) return Error{ErrorCode::kInvalidArgument, fault};
     const SdfColliderInternals& c = *collider->internals_;
+    if (c.dense) {
+      std::string fault = faultOf(*c.dense, room.resources);
+      if (c.dense->grid.nodes != c.denseNodes)
+        fault = "its grid has another number of nodes than when it was added: add a collider";
+      if (!fault.empty() && isInRange(i, hair))
+        return Error{ErrorCode::kInvalidArgument, "collider '" + collider->name_ + "': " + fault};
+      continue;
+    }
     if (c.data || !isInRange(i, hair)) continue;
     if (const std::string fault = faultOfVertices(room.resources, c.def, c.vertexCount);
         !fault.empty())
@@ -414,6 +444,7 @@ Result<void> SdfRoom::record(std::span<const HairReach> hair, const RoomBuffers&
 
 Result<void> SdfRoom::build(SdfCollider& collider, const RoomBuffers& room, PassList& list) {
   SdfColliderInternals& c = *collider.internals_;
+  if (c.dense) return import(c, room, list);
   if (!c.active || c.data || c.plan.nodeCount() == 0) return {};
   if (const bool mirrored = isMirrored(c); mirrored != c.mirrored) {
     c.mirrored = mirrored;
@@ -429,7 +460,8 @@ Result<void> SdfRoom::build(SdfCollider& collider, const RoomBuffers& room, Pass
   if (c.skeleton != nullptr && !c.origin.isAt(c.skeleton->origin)) return {};
   const bool whole = c.buildPending || (own && movedShare(c, tolerance) > kMostMovedShare);
   if (own && c.vertexCount > 0) {
-    if (Result<void> added = addSkinningPass(c, collider.buffers(), list); !added) return added;
+    if (Result<void> added = addSkinningPass(c, collider.buffers(), room.resources, list); !added)
+      return added;
   }
   // Then the build has no positions from before.
   if (c.resetPending) c.state.cellSize = 0;
@@ -456,6 +488,20 @@ Result<void> SdfRoom::build(SdfCollider& collider, const RoomBuffers& room, Pass
   c.builtNow = true;
   c.buildPending = c.resetPending = c.verticesChanged = false;
   c.builtBones = c.bones;
+  c.builtVersion = c.skeleton != nullptr ? c.skeleton->version : 0;
+  return {};
+}
+
+// The keys of an engine's field.
+Result<void> SdfRoom::import(SdfColliderInternals& c, const RoomBuffers& room,
+                             PassList& list) const {
+  const bool changed = c.buildPending || c.resetPending || c.builtVersion != c.denseVersion;
+  if (!c.active || !changed) return {};
+  const Result<void> added = addImport(*c.dense, c.keyOffset, keys, room.resources, list);
+  if (!added) return added;
+  c.builtNow = true;
+  c.buildPending = c.resetPending = false;
+  c.builtVersion = c.denseVersion;
   return {};
 }
 
@@ -468,12 +514,13 @@ SdfRoom::InReach SdfRoom::inReach(const HairReach& hair, const LocalOrigin& orig
     const SdfColliderInternals& c = *held->internals_;
     Ball ball = hair.ball;
     ball.radius += held->margin;
-    if (!reaches(c.data ? c.vertexBounds : boundsOf(c), ball)) continue;
+    if (!reaches(boundsOf(c), ball)) continue;
     Sdf sdf = sdfOf(c, origin);
     sdf.margin = held->margin;
     sdf.friction = held->friction;
     found.sdfs.push_back(sdf);
     found.rebuilt = found.rebuilt || c.builtNow;
+    found.dense = found.dense || c.dense.has_value();
   }
   return found;
 }
@@ -481,6 +528,10 @@ SdfRoom::InReach SdfRoom::inReach(const HairReach& hair, const LocalOrigin& orig
 Result<SdfData> SdfRoom::copy(ColliderId id, std::span<const std::byte> keyBytesRead,
                               std::span<const std::byte> surfaceBytes) const {
   const SdfColliderInternals& c = *colliders.find(id)->internals_;
+  if (c.dense) {
+    return Error{ErrorCode::kInvalidArgument,
+                 "collider '" + c.def.name + "': its SDF is the engine's, which has it already"};
+  }
   if (c.data) {
     SdfData data = *c.data;
     data.grid = c.grid;

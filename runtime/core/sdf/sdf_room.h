@@ -45,6 +45,8 @@ class SdfRoom {
                          const RoomBuffers& room);
   Result<ColliderId> add(const SdfData& data, const SdfColliderDef& def,
                          const Vector3<double>& shifted, const RoomBuffers& room);
+  ColliderId add(const DenseSdf& sdf, const SdfColliderDef& def, const Vector3<double>& shifted,
+                 const RoomBuffers& room);
   void remove(ColliderId id, const RoomBuffers& room);
   /// Of a collider's own buffers, and of its part of keys and surface.
   struct Bytes {
@@ -64,6 +66,7 @@ class SdfRoom {
   struct InReach {
     std::vector<Sdf> sdfs;
     bool rebuilt = false;  ///< one of them, in this frame
+    bool dense = false;    ///< one of them is an engine's
   };
   InReach inReach(const HairReach& hair, const LocalOrigin& origin) const;
 
@@ -87,6 +90,8 @@ class SdfRoom {
   void layOut(const RoomBuffers& room);
   bool isInRange(size_t slot, std::span<const HairReach> hair) const;
   Result<void> build(SdfCollider& collider, const RoomBuffers& room, PassList& list);
+  Result<void> import(SdfColliderInternals& collider, const RoomBuffers& room,
+                      PassList& list) const;
 };
 
 }  // namespace pelage::detail

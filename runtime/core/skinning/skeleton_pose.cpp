@@ -9,17 +9,24 @@
 #include "pelage/assert.h"
 #include "pelage/constants.h"
 #include "pelage/skeleton.h"
+#include "skinning/gpu_bones.h"
 
 namespace pelage {
 
 SkeletonPose::SkeletonPose() : internals_(std::make_unique<detail::SkeletonInternals>()) {}
 SkeletonPose::~SkeletonPose() = default;
 
-uint32_t SkeletonPose::boneCount() const { return static_cast<uint32_t>(internals_->bones.size()); }
+uint32_t SkeletonPose::boneCount() const { return internals_->boneCount; }
 
-std::span<const AffineTransform> SkeletonPose::bones() const { return internals_->bones; }
+std::span<const AffineTransform> SkeletonPose::bones() const {
+  if (internals_->isOnGpu()) return {};
+  return internals_->bones;
+}
 
 void SkeletonPose::setBones(std::span<const AffineTransform> bones) {
+  PELAGE_ASSERT(internals_->source == BoneSource::kHost,
+                "the skeleton's bones are on the GPU: SkeletonDef::source");
+  if (internals_->isOnGpu()) return;
   std::vector<AffineTransform>& own = internals_->bones;
   PELAGE_ASSERT(bones.size() == own.size(),
                 "SkeletonPose::setBones() takes boneCount() transforms");
@@ -30,6 +37,27 @@ void SkeletonPose::setBones(std::span<const AffineTransform> bones) {
     changed = true;
   }
   if (changed) ++internals_->version;
+}
+
+void SkeletonPose::setBones(const BoneBuffer& bones, const AffineTransform& placement) {
+  PELAGE_ASSERT(internals_->source == BoneSource::kBuffer,
+                "a buffer of bones is for SkeletonDef::source = BoneSource::kBuffer");
+  if (internals_->source != BoneSource::kBuffer) return;
+  internals_->boneBuffer = bones;
+  if (detail::isFiniteBone(placement)) internals_->bones = {placement};
+  ++internals_->version;
+}
+
+void SkeletonPose::setVertices(std::span<const VertexBuffer> parts,
+                               const AffineTransform& placement) {
+  PELAGE_ASSERT(internals_->source == BoneSource::kSurface,
+                "buffers of vertices are for SkeletonDef::source = BoneSource::kSurface");
+  PELAGE_ASSERT(parts.size() == internals_->parts.size(),
+                "setVertices() takes a buffer for each part of the skin table");
+  if (parts.size() != internals_->parts.size()) return;
+  internals_->vertices.assign(parts.begin(), parts.end());
+  if (detail::isFiniteBone(placement)) internals_->bones = {placement};
+  ++internals_->version;
 }
 
 namespace detail {
@@ -98,20 +126,27 @@ BufferId bonesFor(SkeletonInternals& skeleton, SkinningMethod method, const Room
   SkeletonInternals::Copy& copy = skeleton.copyFor(method);
   if (copy.buffer == BufferId::kInvalid) {
     const bool dual = method == SkinningMethod::kDualQuaternions;
-    copy.buffer = room.add(skeleton.name + (dual ? "/dualQuaternions" : "/matrices"),
-                           rowsOf(method) * skeleton.bones.size(), sizeof(Float4), {},
-                           BufferUsage::kStorage | BufferUsage::kUpload);
+    copy.buffer = room.add(
+        skeleton.name + (dual ? "/dualQuaternions" : "/matrices"),
+        rowsOf(method) * skeleton.boneCount, sizeof(Float4), {},
+        skeleton.isOnGpu() ? BufferUsage::kStorage : BufferUsage::kStorage | BufferUsage::kUpload);
   }
   return copy.buffer;
 }
 
-void uploadBones(SkeletonInternals& skeleton, SkinningMethod method, PassList& list) {
+Result<void> sendBones(SkeletonInternals& skeleton, SkinningMethod method,
+                       const ResourceTable& resources, PassList& list) {
   SkeletonInternals::Copy& copy = skeleton.copyFor(method);
-  if (copy.version == skeleton.version && copy.origin.isAt(skeleton.origin)) return;
-  const std::vector<Float4> packed = packBones(skeleton.bones, skeleton.origin, method);
-  addUpload(list, copy.buffer, std::as_bytes(std::span(packed)));
+  if (copy.version == skeleton.version && copy.origin.isAt(skeleton.origin)) return {};
+  if (skeleton.isOnGpu()) {
+    if (Result<void> added = addBonePasses(skeleton, method, resources, list); !added) return added;
+  } else {
+    const std::vector<Float4> packed = packBones(skeleton.bones, skeleton.origin, method);
+    addUpload(list, copy.buffer, std::as_bytes(std::span(packed)));
+  }
   copy.version = skeleton.version;
   copy.origin = skeleton.origin;
+  return {};
 }
 
 }  // namespace detail

@@ -11,15 +11,33 @@
 #include "passes/room_buffers.h"
 #include "pelage/hair_object.h"
 #include "pelage/pass_list.h"
+#include "pelage/result.h"
 #include "pelage/skeleton_pose.h"
+#include "pelage/skin_table.h"
 
 namespace pelage::detail {
 
+/// The roots on a part of SkeletonDef::surface.
+struct SurfacePart {
+  uint32_t first = 0, count = 0;  ///< of its roots in SkeletonInternals::surfaceBones
+  uint32_t vertexCount = 0;       ///< that the roots need
+};
+
 struct SkeletonInternals {
   std::string name;
-  std::vector<AffineTransform> bones;  ///< finite
-  uint64_t version = 1;                ///< of the bones
-  LocalOrigin origin;                  ///< of all that follows
+  uint32_t boneCount = 1;
+  BoneSource source = BoneSource::kHost;
+  /// Finite. Of bones on the GPU one, the placement.
+  std::vector<AffineTransform> bones;
+  float deviation = 0;   ///< of what follows from where `bones` put it [m]
+  uint64_t version = 1;  ///< of the bones
+  // Bones on the GPU.
+  BoneBuffer boneBuffer;
+  BufferId surfaceBones = BufferId::kInvalid;  ///< SurfaceBone, by parts
+  std::vector<SurfacePart> parts;
+  std::vector<VertexBuffer> vertices;  ///< [part]
+  bool isOnGpu() const { return source != BoneSource::kHost; }
+  LocalOrigin origin;  ///< of all that follows
   bool originKnown = false;
   ShiftedFloats shiftedFloats;
 
@@ -41,6 +59,10 @@ struct SkeletonInternals {
 };
 
 bool isFiniteBone(const AffineTransform& bone);
+/// Makes the table of a skeleton that follows a surface.
+void addSurface(SkeletonInternals& skeleton, const SkinTable& table, const RoomBuffers& room);
+/// What is wrong with the buffers that the bones come from, or nothing.
+std::string faultOfSource(const SkeletonInternals& skeleton, const ResourceTable& resources);
 /// Moves the origin to follow the anchor; the first call sets the anchor.
 void moveOrigin(SkeletonInternals& skeleton, const SkeletonInternals::Anchor& anchor);
 void moveOrigin(SkeletonInternals& skeleton);
@@ -58,7 +80,8 @@ std::vector<Float4> packBones(std::span<const AffineTransform> bones, const Loca
 
 /// The buffer of a method's copy, which is made where there is none.
 BufferId bonesFor(SkeletonInternals& skeleton, SkinningMethod method, const RoomBuffers& room);
-/// The upload of a method's copy, if it is out of date.
-void uploadBones(SkeletonInternals& skeleton, SkinningMethod method, PassList& list);
+/// Adds the upload of a method's copy, or the passes that write it, if it is out of date.
+Result<void> sendBones(SkeletonInternals& skeleton, SkinningMethod method,
+                       const ResourceTable& resources, PassList& list);
 
 }  // namespace pelage::detail

@@ -1,0 +1,77 @@
+#include "simulation/field_forces.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pelage/bindings.h"
+#include "pelage/constants.h"
+#include "pelage/kernels.h"
+
+namespace pelage::detail {
+
+namespace {
+
+constexpr uint64_t kVector = sizeof(Float4);
+
+}  // namespace
+
+std::string faultOf(const ForceField& field, const ResourceTable& resources) {
+  if (field.values == BufferId::kInvalid) return {};
+  const auto fault = [](const std::string& what) { return "its force field " + what; };
+  const BufferDesc* values = resources.find(field.values);
+  if (values == nullptr) return fault("is in a buffer that does not exist");
+  const Float3 o = field.origin;
+  if (!std::isfinite(o.x) || !std::isfinite(o.y) || !std::isfinite(o.z))
+    return fault("has an origin that is not finite");
+  if (!(field.cellSize > 0) || !std::isfinite(field.cellSize)) {
+    return fault("has cells of " + std::to_string(field.cellSize) +
+                 " m, but their size must be finite and above 0");
+  }
+  const auto [x, y, z] = field.nodes;
+  const std::string size =
+      std::to_string(x) + " x " + std::to_string(y) + " x " + std::to_string(z) + " nodes";
+  if (std::min({x, y, z}) < 2) return fault("has " + size + ", but takes 2 or more along an axis");
+  // Without an overflow.
+  const double nodes = static_cast<double>(x) * y * z + field.first;
+  if (nodes * kVector <= static_cast<double>(values->size)) return {};
+  return fault("has " + size + " from element " + std::to_string(field.first) +
+               " on, but its buffer only " + std::to_string(values->size) + " bytes");
+}
+
+void FieldForces::prepare(const FieldHair& hair, const RoomBuffers& room) {
+  if (hair.field.values == BufferId::kInvalid) {
+    remove(room);
+  } else if (forces_ == BufferId::kInvalid) {
+    forces_ = room.add(hair.name + "/fieldForces", hair.vertices, kVector);
+  }
+}
+
+Result<void> FieldForces::record(const FieldHair& hair, bool known, const ResourceTable& resources,
+                                 PassList& list) const {
+  if (forces_ == BufferId::kInvalid) return {};
+  const ForceField& field = hair.field;
+  const bool others = hair.otherForces != BufferId::kInvalid;
+  const auto count = static_cast<uint32_t>(hair.vertices);
+  ForceFieldConstants constants = {};
+  constants.fieldVertexCount = count;
+  constants.fieldAddsForces = others ? 1 : 0;
+  constants.fieldFirst = field.first;
+  constants.fieldKnown = known ? 1 : 0;
+  constants.fieldOrigin = {field.origin.x, field.origin.y, field.origin.z, field.cellSize};
+  constants.fieldNodes = {field.nodes[0], field.nodes[1], field.nodes[2], 0};
+  const BufferRange positions = {hair.positions, count * kVector};
+  constexpr uint32_t kRow = dispatch::kRowThreads;
+  PassBuilder builder(list);
+  builder.dispatch(sampleForceFieldVariant(), std::min(count, kRow), (count + kRow - 1) / kRow)
+      .bytes(count * (others ? 3 : 2) * kVector);
+  // Positions stand in, and are not read, without forces of others.
+  return builder.finish(ForceFieldBindings{
+      .forceFieldConstants = constants,
+      .fieldPositions = positions,
+      .fieldValues = resources.whole(field.values),
+      .fieldOthers = others ? BufferRange{hair.otherForces, count * kVector} : positions,
+      .fieldForces = {forces_, count * kVector},
+  });
+}
+
+}  // namespace pelage::detail

@@ -1,0 +1,252 @@
+// SDFs that an engine has in a grid of its own: hair collides with them as with a mesh or a sphere.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "stress/stress_run.h"
+#include "support/engine_buffer.h"
+#include "support/extremes.h"
+#include "support/plain_asset.h"
+#include "support/required_devices.h"
+
+namespace pelage::test {
+namespace {
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr double kRadius = 0.1;
+constexpr float kCell = 0.01f;
+
+/// The distance from a sphere on the nodes of a grid.
+class SphereGrid {
+ public:
+  SphereGrid(SceneRun& run, const Vector3d& center, uint32_t first = 0)
+      : buffer_(run, "distances", first + kNodes * kNodes * kNodes), center_(center) {
+    sdf.distances = buffer_.id();
+    sdf.first = first;
+    sdf.grid.cellSize = kCell;
+    sdf.grid.nodes = {kNodes, kNodes, kNodes};
+    moveTo(center);
+  }
+  void moveTo(const Vector3d& center) {
+    center_ = center;
+    const double half = 0.5 * kCell * (kNodes - 1) + 0.003;
+    sdf.grid.origin = {static_cast<float>(center.x() - half), static_cast<float>(center.y() - half),
+                       static_cast<float>(center.z() - half)};
+    std::vector<float> floats(sdf.first, kNan);
+    for (uint32_t i = 0; i < kNodes * kNodes * kNodes; ++i) {
+      const Vector3d at(sdf.grid.origin.x + kCell * static_cast<float>(i % kNodes),
+                        sdf.grid.origin.y + kCell * static_cast<float>(i / kNodes % kNodes),
+                        sdf.grid.origin.z + kCell * static_cast<float>(i / kNodes / kNodes));
+      floats.push_back(static_cast<float>((at - center_).norm() - kRadius));
+    }
+    buffer_.write(floats);
+  }
+  DenseSdf sdf;
+
+ private:
+  static constexpr uint32_t kNodes = 31;
+  EngineBuffer buffer_;
+  Vector3d center_;
+};
+
+/// Strands that hang over a sphere around the origin.
+HairAsset strandsAbove() {
+  HairAsset asset;
+  asset.strandCount = 48;
+  asset.verticesPerStrand = 16;
+  Random random(3);
+  for (uint32_t s = 0; s < asset.strandCount; ++s) {
+    const double x = random.between(-0.07, 0.07), z = random.between(-0.07, 0.07);
+    for (uint32_t v = 0; v < 16; ++v)
+      asset.positions.push_back(toFloat4({x + 0.016 * v, 0.115, z}, v < 2 ? 0 : 1));
+  }
+  expectOk(asset.process());
+  return asset;
+}
+
+class DenseSdfTest : public testing::TestWithParam<std::tuple<Api, Solver>> {
+ protected:
+  DenseSdfTest() : run_(sharedSceneRun(std::get<0>(GetParam()))), asset_(strandsAbove()) {
+    settings_.solver = std::get<1>(GetParam());
+  }
+  void SetUp() override {
+    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
+  }
+  void TearDown() override {
+    run_.clear();
+    for (const ColliderId id : colliders_) EXPECT_TRUE(run_.scene.removeCollider(id));
+  }
+  SdfCollider& add(const DenseSdf& sdf) {
+    const Result<ColliderId> added = run_.scene.addCollider(sdf, {.name = "engine's"});
+    EXPECT_TRUE(added) << added.error().message;
+    colliders_.push_back(*added);
+    return run_.scene.collider(*added);
+  }
+  /// How deep the deepest vertex is in a sphere, and how near the surface the nearest one is.
+  static std::pair<double, double> depths(const std::vector<Float4>& positions,
+                                          const Vector3d& center) {
+    double deepest = -std::numeric_limits<double>::infinity(), nearest = 1e9;
+    for (const Float4& p : positions) {
+      const double distance = (toVector(p) - center).norm() - kRadius;
+      keepLargest(deepest, -distance);
+      keepSmallest(nearest, std::abs(distance));
+    }
+    return {deepest, nearest};
+  }
+
+  SceneRun& run_;
+  HairAsset asset_;
+  SimulationSettings settings_;
+  std::vector<ColliderId> colliders_;
+};
+
+TEST_P(DenseSdfTest, ASphereHoldsHairAsTheColliderOfItsShapeDoes) {
+  SphereGrid grid(run_, {0, 0, 0}, 5);
+  SdfCollider& collider = add(grid.sdf);
+  collider.margin = 0.001f;
+  HairObject& hair = run_.add(asset_, {.name = "hair", .settings = settings_});
+  HairObject& other = run_.add(asset_, {.name = "other", .settings = settings_});
+  HairObject& free = run_.add(asset_, {.name = "free", .settings = settings_});
+  other.usesMeshColliders = free.usesMeshColliders = false;
+  const auto radius = static_cast<float>(kRadius) + collider.margin;
+  const CapsuleCollider sphere = {.headRadius = radius, .tailRadius = radius};
+  other.setColliders({&sphere, 1});
+  for (int frame = 0; frame < 90; ++frame) run_.step();
+  const auto [deepest, nearest] = depths(run_.positions(hair), {0, 0, 0});
+  const auto [deepestOfSphere, nearestOfSphere] = depths(run_.positions(other), {0, 0, 0});
+  // The trilinear distance of a sphere is off by up to cell^2 / (4 radius) here: 2.5e-4 m.
+  EXPECT_LT(deepest, deepestOfSphere + 5e-4) << "the sphere: " << deepestOfSphere;
+  EXPECT_LT(nearest, 2e-3) << "it lies on the surface";
+  EXPECT_GT(depths(run_.positions(free), {0, 0, 0}).first, 0.03) << "without it hair falls through";
+  // Both come to rest alike.
+  const auto a = run_.positions(hair), b = run_.positions(other);
+  double mean = 0;
+  for (size_t i = 0; i < a.size(); ++i)
+    mean += distance(a[i], b[i]) / static_cast<double>(a.size());
+  EXPECT_LT(mean, 5e-3);
+}
+
+TEST_P(DenseSdfTest, HairInsideComesOut) {
+  SphereGrid grid(run_, {0, 0.03, 0});
+  add(grid.sdf);
+  HairAsset asset = asset_;
+  settings_.gravity = {};
+  HairObject& hair = run_.add(asset, {.name = "hair", .settings = settings_});
+  const Vector3d center(0, 0.03, 0);
+  run_.step();
+  for (int frame = 0; frame < 60; ++frame) run_.step();
+  double deepest = 0;
+  const auto p = run_.positions(hair);
+  ASSERT_TRUE(allFinite(p));
+  for (size_t i = 0; i < p.size(); ++i) {
+    if (i % 16 < 3) continue;  // held, and next to them
+    keepLargest(deepest, kRadius - (toVector(p[i]) - center).norm());
+  }
+  EXPECT_LT(deepest, 2e-3);
+}
+
+TEST_P(DenseSdfTest, HairFollowsAGridThatMoves) {
+  SphereGrid grid(run_, {0, -0.2, 0});
+  SdfCollider& collider = add(grid.sdf);
+  HairObject& hair = run_.add(asset_, {.name = "hair", .settings = settings_});
+  Vector3d center(0, -0.2, 0);
+  for (int frame = 0; frame < 60; ++frame) {
+    center.y() = -0.2 + 0.003 * std::min(frame, 40);
+    grid.moveTo(center);
+    collider.setDistances(grid.sdf);
+    run_.step();
+    EXPECT_EQ(countPasses(run_.list(), "import_sdf"), 1u) << "frame " << frame;
+  }
+  EXPECT_EQ(collider.grid(), grid.sdf.grid);
+  EXPECT_LT(depths(run_.positions(hair), center).first, 3e-3);
+  run_.step();
+  EXPECT_EQ(countPasses(run_.list(), "import_sdf"), 0u) << "nothing has changed";
+}
+
+TEST_P(DenseSdfTest, FollowHairsAreHeldToo) {
+  const auto follows = asset_.generateFollowHairs({.countPerGuide = 2, .maxRadius = 0.01f});
+  ASSERT_TRUE(follows);
+  SphereGrid grid(run_, {0, 0, 0});
+  add(grid.sdf);
+  HairObject& hair = run_.add(asset_, {.name = "hair",
+                                       .settings = settings_,
+                                       .followHairs = *follows,
+                                       .collidingHair = CollidingHair::kGuidesAndFollows});
+  for (int frame = 0; frame < 60; ++frame) run_.step();
+  const auto p = run_.positions(hair);
+  ASSERT_EQ(p.size(), 3 * asset_.positions.size());
+  EXPECT_LT(depths(p, {0, 0, 0}).first, 4e-3);
+}
+
+TEST_P(DenseSdfTest, ShiftsOfTheWorldMoveIt) {
+  SphereGrid grid(run_, {0, 0, 0});
+  SdfCollider& collider = add(grid.sdf);
+  HairObject& hair = run_.add(asset_, {.name = "hair", .settings = settings_});
+  for (int frame = 0; frame < 40; ++frame) run_.step();
+  const Float3 origin = collider.grid().origin;
+  expectOk(run_.scene.shiftOrigin({8, 0, -4}));
+  EXPECT_FLOAT_EQ(collider.grid().origin.x, origin.x - 8);
+  for (int frame = 0; frame < 20; ++frame) run_.step();
+  EXPECT_LT(depths(run_.positions(hair), {-8, 0, 4}).first, 1e-3);
+  expectOk(run_.scene.shiftOrigin({-8, 0, 4}));
+}
+
+INSTANTIATE_TEST_SUITE_P(Apis, DenseSdfTest, testing::ValuesIn(solversOnApis()),
+                         [](const auto& test) {
+                           return std::string(apiName(std::get<0>(test.param))) +
+                                  (std::get<1>(test.param) == Solver::kExact ? "Exact" : "Classic");
+                         });
+
+// ---- without a device
+
+TEST(DenseSdfList, WhatIsWrongIsNamed) {
+  Scene scene;
+  const BufferId buffer = scene.resources().add({.name = "distances", .size = 32, .stride = 4});
+  const DenseSdf good = {.distances = buffer, .grid = {.cellSize = 0.1f, .nodes = {2, 2, 2}}};
+  const auto expectRefused = [&](const DenseSdf& sdf, const char* what) {
+    const Result<ColliderId> added = scene.addCollider(sdf, {.name = "ground"});
+    ASSERT_FALSE(added) << what;
+    EXPECT_NE(added.error().message.find("collider 'ground': "), std::string::npos);
+    EXPECT_NE(added.error().message.find(what), std::string::npos) << added.error().message;
+  };
+  DenseSdf bad = good;
+  bad.grid.origin.z = kNan;
+  expectRefused(bad, "origin of its grid is not finite");
+  bad = good;
+  bad.grid.cellSize = 0;
+  expectRefused(bad, "cells of its grid");
+  bad = good;
+  bad.grid.nodes = {2, 2, 1};
+  expectRefused(bad, "2 x 2 x 1 nodes");
+  bad = good;
+  bad.grid.nodes = {100000, 100000, 2};
+  expectRefused(bad, "takes 2^28 in all");
+  bad = good;
+  bad.grid.nodes = {2, 2, 3};
+  expectRefused(bad, "has 32 bytes; 2 x 2 x 3 nodes take 48");
+  bad = good;
+  bad.first = 1;
+  expectRefused(bad, "take 36");
+  const Result<ColliderId> id = scene.addCollider(good, {.name = "ground"});
+  ASSERT_TRUE(id);
+  ASSERT_TRUE(scene.addHair(makeAsset(), {}));
+  PassList list;
+  EXPECT_TRUE(scene.simulate(1.0f / 60, list));
+  EXPECT_EQ(countPasses(list, "import_sdf"), 1u);
+  bad = good;
+  bad.grid.nodes = {2, 4, 1};
+  scene.collider(*id).setDistances(bad);
+  const Result<void> done = scene.simulate(1.0f / 60, list);
+  ASSERT_FALSE(done);
+  EXPECT_NE(done.error().message.find("collider 'ground'"), std::string::npos);
+  scene.collider(*id).setDistances(good);
+  EXPECT_TRUE(scene.simulate(1.0f / 60, list));
+  EXPECT_FALSE(scene.copySdf(*id, {}, {}));
+}
+
+}  // namespace
+}  // namespace pelage::test

@@ -1,0 +1,480 @@
+// Bones that an engine has in a buffer on the GPU: hair and meshes follow them as those of the
+// host.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <tuple>
+#include <vector>
+
+#include "pelage/skeleton.h"
+#include "stress/stress_run.h"
+#include "support/engine_buffer.h"
+#include "support/extremes.h"
+#include "support/plain_asset.h"
+#include "support/required_devices.h"
+
+namespace pelage::test {
+namespace {
+
+constexpr uint32_t kBones = 3;
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+using Pose = std::vector<AffineTransform>;
+
+/// Bones that turn against each other while all of them walk along x.
+Pose walk(int frame, double speed) {
+  Pose pose;
+  for (uint32_t bone = 0; bone < kBones; ++bone) {
+    const Eigen::AngleAxisd turn(0.3 * std::sin(0.3 * frame + bone),
+                                 Vector3d(1, 2, -0.5 + bone).normalized());
+    pose.push_back(
+        toTransform(turn.toRotationMatrix(), {speed * frame / 60, 0.01 * frame, 0.02 * bone}));
+  }
+  return pose;
+}
+
+AffineTransform placementOf(const Pose& pose) {
+  AffineTransform placement;
+  for (int row = 0; row < 3; ++row) placement.rows[row].w = pose[0].rows[row].w;
+  return placement;
+}
+
+Pose moved(Pose pose, const Float3& by) {
+  for (AffineTransform& bone : pose) {
+    bone.rows[0].w += by.x;
+    bone.rows[1].w += by.y;
+    bone.rows[2].w += by.z;
+  }
+  return pose;
+}
+
+std::vector<float> floatsOf(const AffineTransform& bone, BoneLayout layout) {
+  const Float4* r = bone.rows;
+  if (layout == BoneLayout::kRows)
+    return {r[0].x, r[0].y, r[0].z, r[0].w, r[1].x, r[1].y,
+            r[1].z, r[1].w, r[2].x, r[2].y, r[2].z, r[2].w};
+  if (layout == BoneLayout::kColumns)
+    return {r[0].x, r[1].x, r[2].x, 0, r[0].y, r[1].y, r[2].y, 0,
+            r[0].z, r[1].z, r[2].z, 0, r[0].w, r[1].w, r[2].w, 1};
+  const DualQuaternion q = toDualQuaternion(bone);
+  return {q.real.x, q.real.y, q.real.z, q.real.w, q.dual.x, q.dual.y, q.dual.z, q.dual.w};
+}
+
+/// What an engine has on the GPU.
+class BonePalette {
+ public:
+  BonePalette(SceneRun& run, BoneLayout layout, uint32_t stride = 0, uint32_t offset = 0)
+      : layout_(layout),
+        stride_(stride > 0 ? stride
+                           : static_cast<uint32_t>(floatsOf(AffineTransform{}, layout).size())),
+        offset_(offset),
+        given_{.layout = layout, .stride = stride, .offset = offset},
+        buffer_(run, "palette", offset + kBones * stride_) {
+    given_.buffer = buffer_.id();
+  }
+  const BoneBuffer& given() const { return given_; }
+  void write(const Pose& pose) {
+    std::vector<float> floats(offset_ + kBones * stride_, 4711);
+    for (uint32_t bone = 0; bone < kBones; ++bone) {
+      const std::vector<float> from = floatsOf(pose[bone], layout_);
+      std::copy(from.begin(), from.end(), floats.begin() + offset_ + bone * stride_);
+    }
+    buffer_.write(floats);
+  }
+
+ private:
+  BoneLayout layout_;
+  uint32_t stride_, offset_;
+  BoneBuffer given_;
+  EngineBuffer buffer_;
+};
+
+template <class T>
+bool sameBits(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
+}
+
+double largestDistance(const std::vector<Float4>& a, const std::vector<Float4>& b) {
+  if (a.size() != b.size()) return std::numeric_limits<double>::infinity();
+  double largest = 0;
+  for (size_t i = 0; i < a.size(); ++i) keepLargest(largest, distance(a[i], b[i]));
+  return largest;
+}
+
+class GpuBones : public testing::TestWithParam<std::tuple<Api, Solver>> {
+ protected:
+  GpuBones() : run_(sharedSceneRun(std::get<0>(GetParam()))), asset_(wavyAsset(40, 8)) {
+    settings_.solver = std::get<1>(GetParam());
+    for (uint32_t s = 0; s < asset_.strandCount; ++s) {
+      const float share = 0.2f + 0.1f * static_cast<float>(s % 7);
+      influences_.push_back({{s % kBones, (s + 1) % kBones, 0, 0}, {share, 1 - share, 0, 0}});
+    }
+  }
+  void SetUp() override {
+    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
+  }
+  void TearDown() override {
+    run_.clear();
+    for (const SkeletonId id : skeletons_) EXPECT_TRUE(run_.scene.removeSkeleton(id));
+  }
+
+  SkeletonId addSkeleton(const SkeletonDef& def) {
+    const Result<SkeletonId> added = run_.scene.addSkeleton(def);
+    EXPECT_TRUE(added) << added.error().message;
+    skeletons_.push_back(*added);
+    return *added;
+  }
+  SkeletonId hostSkeleton() { return addSkeleton({.name = "host", .boneCount = kBones}); }
+  SkeletonId gpuSkeleton(float deviation = 0.5f) {
+    return addSkeleton({.name = "gpu",
+                        .boneCount = kBones,
+                        .source = BoneSource::kBuffer,
+                        .deviation = deviation});
+  }
+  HairObject& addHair(const char* name, SkeletonId skeleton, SkinningMethod method) {
+    return run_.add(asset_, {.name = name,
+                             .settings = settings_,
+                             .skinning = method,
+                             .influences = influences_,
+                             .skeleton = skeleton});
+  }
+
+  SceneRun& run_;
+  HairAsset asset_;
+  SimulationSettings settings_;
+  std::vector<BoneInfluences> influences_;
+  std::vector<SkeletonId> skeletons_;
+};
+
+struct Layout {
+  BoneLayout layout;
+  uint32_t stride, offset;
+};
+
+TEST_P(GpuBones, MatricesGiveTheBitsOfThoseOfTheHost) {
+  for (const Layout& layout : {Layout{BoneLayout::kRows, 0, 0}, Layout{BoneLayout::kRows, 16, 5},
+                               Layout{BoneLayout::kColumns, 0, 3}}) {
+    BonePalette palette(run_, layout.layout, layout.stride, layout.offset);
+    const SkeletonId host = hostSkeleton(), gpu = gpuSkeleton();
+    const HairObject& expected = addHair("expected", host, SkinningMethod::kMatrices);
+    const HairObject& hair = addHair("hair", gpu, SkinningMethod::kMatrices);
+    for (int frame = 0; frame < 12; ++frame) {
+      // Through several origins; the placement moves the origin at another time than the bones.
+      const Pose pose = walk(frame, 30);
+      run_.scene.skeleton(host).setBones(pose);
+      palette.write(pose);
+      run_.scene.skeleton(gpu).setBones(palette.given(), placementOf(pose));
+      run_.step();
+      const auto a = run_.positions(expected), b = run_.positions(hair);
+      // States are rounded relative to origins that are up to 1.5 m apart.
+      EXPECT_LT(largestDistance(a, b), 5e-5) << "frame " << frame;
+      // Where both are relative to the same origin.
+      if (frame < 2) {
+        EXPECT_TRUE(sameBits(a, b)) << "frame " << frame;
+      }
+    }
+    TearDown();
+    skeletons_.clear();
+  }
+}
+
+TEST_P(GpuBones, BonesAreThoseThatTheHostUploads) {
+  for (const bool dual : {false, true}) {
+    const SkinningMethod method =
+        dual ? SkinningMethod::kDualQuaternions : SkinningMethod::kMatrices;
+    BonePalette palette(run_, dual ? BoneLayout::kDualQuaternions : BoneLayout::kRows);
+    const SkeletonId host = hostSkeleton(), gpu = gpuSkeleton();
+    const HairObject& expected = addHair("expected", host, method);
+    const HairObject& hair = addHair("hair", gpu, method);
+    for (int frame = 0; frame < 4; ++frame) {
+      const Pose pose = moved(walk(frame, 0), {dual ? 0.0f : 4.25f, 0, 0});
+      run_.scene.skeleton(host).setBones(pose);
+      palette.write(pose);
+      run_.scene.skeleton(gpu).setBones(palette.given(), placementOf(pose));
+      run_.step();
+      EXPECT_TRUE(sameBits(run_.read(expected.buffers().boneTransforms),
+                           run_.read(hair.buffers().boneTransforms)))
+          << "frame " << frame << (dual ? ", dual quaternions" : ", matrices");
+      EXPECT_TRUE(sameBits(run_.positions(expected), run_.positions(hair))) << "frame " << frame;
+    }
+    TearDown();
+    skeletons_.clear();
+  }
+}
+
+TEST_P(GpuBones, EveryLayoutServesEveryMethodWithinRounding) {
+  for (const SkinningMethod method :
+       {SkinningMethod::kMatrices, SkinningMethod::kDualQuaternions}) {
+    for (const BoneLayout layout :
+         {BoneLayout::kRows, BoneLayout::kColumns, BoneLayout::kDualQuaternions}) {
+      BonePalette palette(run_, layout, 21, 2);
+      const SkeletonId host = hostSkeleton(), gpu = gpuSkeleton();
+      HairObject& expected = addHair("expected", host, method);
+      HairObject& hair = addHair("hair", gpu, method);
+      expected.simulated = hair.simulated = false;
+      for (const float x : {0.0f, 7.5f}) {
+        const Pose pose = moved(walk(5, 0), {x, -x, 2 * x});
+        run_.scene.skeleton(host).setBones(pose);
+        palette.write(pose);
+        run_.scene.skeleton(gpu).setBones(palette.given(), placementOf(pose));
+        run_.step();
+        // A root of a float that is 16 m from 0 is rounded by 1e-6.
+        EXPECT_LT(largestDistance(run_.positions(expected), run_.positions(hair)), 1e-5)
+            << "layout " << static_cast<int>(layout) << ", " << x << " m";
+      }
+      TearDown();
+      skeletons_.clear();
+    }
+  }
+}
+
+TEST_P(GpuBones, MeshesFollowThem) {
+  const CollisionMesh plain = [] {
+    CollisionMesh mesh;
+    for (int i = 0; i < 8; ++i)
+      mesh.positions.push_back(
+          {(i & 1) != 0 ? 0.1f : -0.1f, (i & 2) != 0 ? 0.1f : -0.1f, (i & 4) != 0 ? 0.1f : -0.1f});
+    mesh.normals.assign(8, {0, 1, 0});
+    mesh.indices = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
+                    2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
+    for (uint32_t v = 0; v < 8; ++v)
+      mesh.influences.push_back({{v % kBones, (v + 1) % kBones, 0, 0}, {0.75f, 0.25f, 0, 0}});
+    return mesh;
+  }();
+  BonePalette palette(run_, BoneLayout::kRows);
+  const SkeletonId host = hostSkeleton(), gpu = gpuSkeleton(0.1f);
+  addHair("hair", host, SkinningMethod::kMatrices);
+  const ColliderId a = run_.add(plain, {.name = "a", .cellSize = 0.02f, .skeleton = host});
+  const ColliderId b = run_.add(plain, {.name = "b", .cellSize = 0.02f, .skeleton = gpu});
+  for (int frame = 0; frame < 5; ++frame) {
+    const Pose pose = walk(frame, 1);
+    run_.scene.skeleton(host).setBones(pose);
+    palette.write(pose);
+    run_.scene.skeleton(gpu).setBones(palette.given(), placementOf(pose));
+    run_.step();
+    const auto expected = run_.read<float>(run_.scene.collider(a).buffers().vertices);
+    const auto vertices = run_.read<float>(run_.scene.collider(b).buffers().vertices);
+    EXPECT_TRUE(sameBits(expected, vertices)) << "frame " << frame;
+    EXPECT_EQ(countPasses(run_.list(), "skin_vertices"), 2u);
+    EXPECT_EQ(countPasses(run_.list(), "convert_bones"), 1u);
+  }
+  run_.step();
+  EXPECT_EQ(countPasses(run_.list(), "skin_vertices"), 0u) << "nothing has moved";
+}
+
+TEST_P(GpuBones, ShiftsOfTheWorldAreNotNoticed) {
+  BonePalette palette(run_, BoneLayout::kRows);
+  const SkeletonId host = hostSkeleton(), gpu = gpuSkeleton();
+  const HairObject& expected = addHair("expected", host, SkinningMethod::kMatrices);
+  const HairObject& hair = addHair("hair", gpu, SkinningMethod::kMatrices);
+  const Float3 shift = {3, -2, 11};
+  Float3 from = {};
+  for (int frame = 0; frame < 8; ++frame) {
+    if (frame == 4) {
+      expectOk(run_.scene.shiftOrigin(shift));
+      from = {-shift.x, -shift.y, -shift.z};
+    }
+    // On binary fractions, which a shift does not round.
+    Pose pose = walk(0, 0);
+    for (AffineTransform& bone : pose)
+      bone.rows[0].w = 0.125f * static_cast<float>(frame), bone.rows[1].w = bone.rows[2].w = 0.25f;
+    pose = moved(pose, from);
+    run_.scene.skeleton(host).setBones(pose);
+    palette.write(pose);
+    run_.scene.skeleton(gpu).setBones(palette.given(), placementOf(pose));
+    run_.step();
+    EXPECT_TRUE(sameBits(run_.positions(expected), run_.positions(hair))) << "frame " << frame;
+  }
+  expectOk(run_.scene.shiftOrigin({-shift.x, -shift.y, -shift.z}));
+}
+
+TEST_P(GpuBones, TeleportsTakeHairAlong) {
+  BonePalette palette(run_, BoneLayout::kRows);
+  const SkeletonId host = hostSkeleton(), gpu = gpuSkeleton();
+  const HairObject& expected = addHair("expected", host, SkinningMethod::kMatrices);
+  const HairId first = run_.lastHair();
+  const HairObject& hair = addHair("hair", gpu, SkinningMethod::kMatrices);
+  const HairId second = run_.lastHair();
+  AffineTransform jump;
+  jump.rows[0].w = 32;
+  for (int frame = 0; frame < 6; ++frame) {
+    Pose pose = walk(frame, 0);
+    if (frame >= 3) pose = moved(pose, {32, 0, 0});
+    if (frame == 3) {
+      expectOk(run_.scene.teleport(first, jump));
+      expectOk(run_.scene.teleport(second, jump));
+    }
+    run_.scene.skeleton(host).setBones(pose);
+    palette.write(pose);
+    run_.scene.skeleton(gpu).setBones(palette.given(), placementOf(pose));
+    run_.step();
+    EXPECT_TRUE(sameBits(run_.positions(expected), run_.positions(hair))) << "frame " << frame;
+  }
+}
+
+TEST_P(GpuBones, BrokenBonesLeaveRootsWhereTheyWere) {
+  for (const SkinningMethod method :
+       {SkinningMethod::kMatrices, SkinningMethod::kDualQuaternions}) {
+    BonePalette palette(run_, BoneLayout::kRows);
+    const SkeletonId gpu = gpuSkeleton();
+    const HairObject& hair = addHair("hair", gpu, method);
+    Pose pose = walk(3, 0);
+    const auto step = [&] {
+      palette.write(pose);
+      run_.scene.skeleton(gpu).setBones(palette.given(), placementOf(pose));
+      run_.step();
+    };
+    step();
+    const auto before = run_.positions(hair);
+    pose = walk(4, 0);
+    pose[1].rows[2].y = kNan;
+    step();
+    const auto after = run_.positions(hair);
+    EXPECT_TRUE(allFinite(after));
+    for (uint32_t s = 0; s < asset_.strandCount; ++s) {
+      const bool broken = influences_[s].bones[0] == 1 || influences_[s].bones[1] == 1;
+      const size_t root = size_t{s} * asset_.verticesPerStrand;
+      EXPECT_EQ(before[root] == after[root], broken) << "strand " << s;
+    }
+    TearDown();
+    skeletons_.clear();
+  }
+}
+
+TEST_P(GpuBones, HairSleepsUntilTheyMove) {
+  if (settings_.solver != Solver::kExact) return;
+  // Everything is slow enough to sleep.
+  settings_.sleep = {.enabled = true, .speed = 1e6f, .time = 0};
+  settings_.wind = {};
+  BonePalette palette(run_, BoneLayout::kRows);
+  const SkeletonId gpu = gpuSkeleton();
+  const HairObject& hair = addHair("hair", gpu, SkinningMethod::kMatrices);
+  const auto awake = [&] {
+    return readCounters(*run_.device()->read(hair.buffers().sleep)).awakeStrands;
+  };
+  Pose pose = walk(0, 0);
+  palette.write(pose);
+  run_.scene.skeleton(gpu).setBones(palette.given(), placementOf(pose));
+  for (int frame = 0; frame < 20 && (frame < 5 || awake() > 0); ++frame) run_.step();
+  ASSERT_EQ(awake(), 0u) << "it does not come to rest";
+  // The same bones, written again: the passes run, and nothing wakes.
+  palette.write(pose);
+  run_.scene.skeleton(gpu).setBones(palette.given(), placementOf(pose));
+  run_.step();
+  EXPECT_EQ(countPasses(run_.list(), "convert_bones"), 1u);
+  EXPECT_EQ(awake(), 0u);
+  pose = moved(pose, {0.05f, 0, 0});
+  palette.write(pose);
+  run_.step();
+  EXPECT_EQ(awake(), 0u) << "nobody has said that the buffer changed";
+  run_.scene.skeleton(gpu).setBones(palette.given(), placementOf(walk(0, 0)));
+  run_.step();
+  EXPECT_EQ(awake(), asset_.strandCount) << "the placement is the same, and the bones are not";
+}
+
+INSTANTIATE_TEST_SUITE_P(Apis, GpuBones, testing::ValuesIn(solversOnApis()), [](const auto& test) {
+  return std::string(apiName(std::get<0>(test.param))) +
+         (std::get<1>(test.param) == Solver::kExact ? "Exact" : "Classic");
+});
+
+// ---- without a device
+
+class GpuBonesList : public testing::Test {
+ protected:
+  void simulate(bool delivered = true) {
+    const Result<void> done = scene_.simulate(1.0f / 60, list_);
+    ASSERT_TRUE(done) << done.error().message;
+    scene_.finish(list_);
+    if (delivered) setDelivered(list_.run);
+  }
+  void expectRefused(const char* what) {
+    const Result<void> done = scene_.simulate(1.0f / 60, list_);
+    ASSERT_FALSE(done) << what;
+    EXPECT_NE(done.error().message.find(what), std::string::npos) << done.error().message;
+    EXPECT_NE(done.error().message.find("'gpu'"), std::string::npos) << done.error().message;
+  }
+  SkeletonPose& addSkeleton(const SkeletonDef& def) {
+    id_ = *scene_.addSkeleton(def);
+    return scene_.skeleton(id_);
+  }
+  BufferId addBuffer(uint64_t floats) {
+    return scene_.resources().add(
+        {.name = "palette", .size = floats * sizeof(float), .stride = sizeof(float)});
+  }
+
+  Scene scene_;
+  PassList list_;
+  SkeletonId id_ = SkeletonId::kInvalid;
+};
+
+TEST_F(GpuBonesList, HasAPassForEachMethodInFramesInWhichTheyChanged) {
+  SkeletonPose& skeleton =
+      addSkeleton({.name = "gpu", .boneCount = 70, .source = BoneSource::kBuffer});
+  ASSERT_TRUE(scene_.addHair(makeAsset(), {.skeleton = id_}));
+  ASSERT_TRUE(scene_.addHair(makeAsset(), {.skeleton = id_}));
+  skeleton.setBones({.buffer = addBuffer(70 * 12)}, {});
+  simulate();
+  EXPECT_EQ(countPasses(list_, "convert_bones"), 1u) << "two objects of one method";
+  EXPECT_EQ(countPasses(list_, "skin_roots"), 2u);
+  EXPECT_EQ(scene_.skeleton(id_).bones().size(), 0u);
+  EXPECT_EQ(scene_.skeleton(id_).boneCount(), 70u);
+  for (int frame = 0; frame < 3; ++frame) simulate();
+  EXPECT_EQ(countPasses(list_, "convert_bones") + countPasses(list_, "skin_roots"), 0u)
+      << "at rest";
+  ASSERT_TRUE(
+      scene_.addHair(makeAsset(), {.skinning = SkinningMethod::kDualQuaternions, .skeleton = id_}));
+  skeleton.setBones({.buffer = addBuffer(70 * 12)}, {});
+  simulate();
+  EXPECT_EQ(countPasses(list_, "convert_bones"), 2u);
+  EXPECT_EQ(countPasses(list_, "skin_roots"), 3u);
+}
+
+TEST_F(GpuBonesList, OfAFrameThatDoesNotRunAreReadAgain) {
+  SkeletonPose& skeleton = addSkeleton({.name = "gpu", .source = BoneSource::kBuffer});
+  ASSERT_TRUE(scene_.addHair(makeAsset(), {.skeleton = id_}));
+  const BufferId buffer = addBuffer(12);
+  skeleton.setBones({.buffer = buffer}, {});
+  for (int frame = 0; frame < 4; ++frame) simulate();
+  skeleton.setBones({.buffer = buffer}, {});
+  simulate(false);
+  EXPECT_EQ(countPasses(list_, "convert_bones"), 1u);
+  simulate();
+  EXPECT_EQ(countPasses(list_, "convert_bones"), 1u);
+  EXPECT_EQ(countPasses(list_, "skin_roots"), 1u);
+}
+
+TEST_F(GpuBonesList, WhatIsWrongIsNamed) {
+  const auto expectNoSkeleton = [&](const SkeletonDef& def, const char* what) {
+    const Result<SkeletonId> added = scene_.addSkeleton(def);
+    ASSERT_FALSE(added) << what;
+    EXPECT_NE(added.error().message.find(what), std::string::npos) << added.error().message;
+  };
+  expectNoSkeleton({.source = BoneSource::kBuffer, .deviation = kNan}, "deviation");
+  expectNoSkeleton({.source = BoneSource::kBuffer, .deviation = -1}, "deviation");
+  expectNoSkeleton({.source = BoneSource{9}}, "SkeletonDef::source is 9");
+  expectNoSkeleton({.source = BoneSource::kSurface}, "SkeletonDef::surface");
+  SkeletonPose& skeleton =
+      addSkeleton({.name = "gpu", .boneCount = 3, .source = BoneSource::kBuffer});
+  simulate();  // nothing follows it
+  ASSERT_TRUE(scene_.addHair(makeAsset(), {.skeleton = id_}));
+  expectRefused("has no bones yet");
+  skeleton.setBones({.buffer = addBuffer(35)}, {});
+  expectRefused("has 140 bytes; 3 of them take 144");
+  const BufferId buffer = addBuffer(36);
+  skeleton.setBones({.buffer = buffer, .offset = 1}, {});
+  expectRefused("take 148");
+  skeleton.setBones({.buffer = buffer, .stride = 11}, {});
+  expectRefused("stride is 11, but a bone has 12 floats");
+  skeleton.setBones({.buffer = buffer, .layout = BoneLayout{7}}, {});
+  expectRefused("no BoneLayout");
+  skeleton.setBones({.buffer = buffer}, {});
+  simulate();
+  scene_.resources().remove(buffer);
+  expectRefused("does not exist");
+}
+
+}  // namespace
+}  // namespace pelage::test
