@@ -20,6 +20,9 @@ namespace pelage {
 /// A buffer of a ResourceTable.
 enum class BufferId : uint32_t { kInvalid = 0 };
 
+/// A texture of the engine with the sampler that reads it; see newTextureId().
+enum class TextureId : uint32_t { kInvalid = 0 };
+
 /// A part of a buffer. Without a buffer it is empty: nothing is bound.
 struct BufferRange {
   BufferId buffer = BufferId::kInvalid;
@@ -30,7 +33,8 @@ struct BufferRange {
   bool operator==(const BufferRange&) const = default;
 };
 
-/// What is bound to one entry of a layout: a buffer, the bytes of a constant block, or nothing.
+/// What is bound to one entry of a layout: a buffer, a texture or its sampler, the bytes of a
+/// constant block, or nothing.
 struct BoundResource {
   BoundResource() = default;
   explicit BoundResource(const BufferRange& bound) : range(bound) {}
@@ -40,9 +44,12 @@ struct BoundResource {
   }
 
   BufferRange range;
+  TextureId texture = TextureId::kInvalid;
   std::span<const std::byte> block;
 
-  bool isBound() const { return range.isBound() || !block.empty(); }
+  bool isBound() const {
+    return range.isBound() || texture != TextureId::kInvalid || !block.empty();
+  }
 };
 
 /// A struct with the bindings of a layout, as pelage-codegen makes them.

@@ -92,14 +92,24 @@ struct Statistics {
   uint64_t bufferBytes = 0;       ///< of the buffers that it owns now
 };
 
+/// Texture units that pelage may use, with their samplers: 0..kMaxTextures-1.
+inline constexpr uint32_t kMaxTextures = 16;
+
+/// A texture of the engine, with the sampler that reads it.
+struct ExternalTexture {
+  uint32_t target = 0;   ///< GL_TEXTURE_2D, GL_TEXTURE_2D_ARRAY, GL_TEXTURE_CUBE_MAP, ...
+  uint32_t name = 0;     ///< of glGenTextures(); 0: none
+  uint32_t sampler = 0;  ///< of glGenSamplers(); 0: as the texture's own parameters say
+};
+
 /// What createLayout() makes of a table: GL has no descriptor sets, so this is its slots. Owned by
 /// the runtime.
 struct Layout {
   const LayoutTable* table = nullptr;
   struct Slot {
     uint32_t target = 0;  ///< GL_UNIFORM_BUFFER or GL_SHADER_STORAGE_BUFFER; 0: no buffer
-    /// For glBindBufferRange; 0 for storage buffers, which each permutation numbers for itself
-    /// (VariantBinding::glBinding).
+    /// For glBindBufferRange, of a texture its unit; 0 for storage buffers, which each permutation
+    /// numbers for itself (VariantBinding::glBinding).
     uint32_t binding = 0;
   };
   std::vector<Slot> slots;  ///< [entry of the table]
@@ -184,6 +194,13 @@ class PELAGE_GL_API Runtime {
   /// before update(), or later to replace a buffer. The engine keeps it alive and at least as large
   /// as the table says (checked when it is used). Its initial data is the engine's business.
   Result<void> registerBuffer(BufferId id, uint32_t glName);
+
+  /// Says what a texture of newTextureId() is in lists that are recorded from now on; a second call
+  /// replaces it, and one without a name forgets it. The engine keeps texture and sampler alive as
+  /// long as lists with the id are recorded, and puts a glMemoryBarrier() behind its own image
+  /// stores, if it writes the texture so. Lists with textures change the active texture unit and
+  /// what is bound to units and samplers 0..kMaxTextures-1.
+  void registerTexture(TextureId id, const ExternalTexture& texture);
 
   /// The GL name of a buffer; 0 when there is none.
   uint32_t bufferName(BufferId id) const;
@@ -271,6 +288,8 @@ class PELAGE_GL_API PassTimer {
 ///  - always: current program; indexed bindings 0..kMaxBindings-1 and the generic binding of
 ///    GL_UNIFORM_BUFFER and GL_SHADER_STORAGE_BUFFER; GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER,
 ///    GL_DISPATCH_INDIRECT_BUFFER, GL_DRAW_INDIRECT_BUFFER
+///  - where a texture is registered: the active texture unit; what units 0..kMaxTextures-1 have of
+///    the registered targets, and their samplers
 ///  - of recordDraws(): vertex array; viewport and depth range 0; scissor test 0; clip control and
 ///    polygon mode (core); depth test, function, mask; blending and colour mask of every draw
 ///    buffer; stencil test, face culling, polygon offset, rasterizer discard, primitive restart,

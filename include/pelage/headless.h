@@ -83,6 +83,22 @@ struct RenderTargetDef {
   bool float32Color = false;
 };
 
+enum class TextureShape : uint8_t {
+  kArray,  ///< layers of two dimensions: Texture2DArray
+  kCube,   ///< six square layers: +x, -x, +y, -y, +z, -z, as in every API: TextureCube
+};
+
+/// A texture that is written once, without mip levels.
+struct TextureDef {
+  TextureShape shape = TextureShape::kArray;
+  uint32_t width = 0, height = 0;  ///< texels, 1..2048
+  uint32_t layers = 1;             ///< 1..256; 6 of a cube
+  /// 1: 32-bit floats, of which the sampler takes the nearest, at the edge beyond 0..1; for depth.
+  /// 4: 16-bit floats, which it interpolates linearly; for light.
+  uint32_t channels = 4;
+  std::span<const float> texels = {};  ///< [layer][row][column][channel]; row 0 is at v = 0
+};
+
 /// What render() gives back; row 0 is the top row on every API.
 struct RenderedImage {
   uint32_t width = 0, height = 0;
@@ -110,6 +126,9 @@ class PELAGE_API HeadlessDevice {
   virtual void addCode(KernelCodeList code) = 0;
   /// Creates the table's new buffers with their initial data and frees those that were removed.
   virtual Result<void> update(const ResourceTable& resources) = 0;
+  /// Makes a texture, which lives as long as the device, and registers it with the runtime. Errors:
+  /// a size that is not as TextureDef says; those of the device.
+  virtual Result<TextureId> createTexture(const TextureDef& texture) = 0;
   /// Runs uploads and dispatches and waits for them. `timings`, when given, receives one entry a
   /// pass; an entry of a device without timestamps is negative.
   virtual Result<void> execute(const PassList& list,
@@ -144,6 +163,8 @@ class PELAGE_API HeadlessDevice {
   HeadlessDevice() = default;
   /// RenderTargetDef::area, or all of the target. Error: it leaves the target.
   static Result<PixelArea> drawArea(const RenderTargetDef& target);
+  /// The texels as the device takes them. Error: one of createTexture()'s.
+  static Result<std::vector<std::byte>> textureBytes(const TextureDef& texture);
   /// Whether RenderTargetDef::depthCopy can be done; `bytes` of the buffer, 0 when there is none.
   static Result<void> checkDepthCopy(const RenderTargetDef& target, size_t lists, uint64_t bytes);
 };

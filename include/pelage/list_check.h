@@ -60,7 +60,7 @@ PELAGE_API std::string variantName(const KernelVariant& variant);
 /// layouts fit, its ranges lie in the list's arrays, each binding is an entry of its layouts and
 /// bound once, nothing that the kernels use is left out, and dispatches come before draws.
 ///
-/// Errors (kInvalidArgument, kUnsupported for textures) name the pass and the resource.
+/// Errors (kInvalidArgument, kUnsupported for images) name the pass and the resource.
 PELAGE_API Result<void> checkPasses(const PassList& list);
 
 /// Checks everything that can be wrong with a list, but for its turn (see checkRun()): what

@@ -8,6 +8,8 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "pelage/binding.h"
@@ -112,6 +114,29 @@ class PELAGE_API ResourceTable {
   Id id_;
 };
 
+/// Returns an id that no other texture of the program has. A texture belongs to the engine, which
+/// tells the runtime what it is: vulkan::Runtime::registerTexture(),
+/// gl::Runtime::registerTexture(). It is not in a ResourceTable, and lists have no barriers for it.
+/// May be called on any thread.
+PELAGE_API TextureId newTextureId();
+
+/// A resource of a pass by the name that it has in HLSL: one of the four is set.
+struct NamedResource {
+  std::string name = {};
+  BufferRange buffer = {};                  ///< a storage buffer
+  TextureId texture = TextureId::kInvalid;  ///< a texture; under another name its sampler
+  std::vector<std::byte> block = {};        ///< the bytes of a constant block
+
+  static NamedResource constants(std::string name, std::span<const std::byte> bytes) {
+    return {.name = std::move(name), .block = {bytes.begin(), bytes.end()}};
+  }
+  template <class T>
+  requires(std::is_trivially_copyable_v<T>) static NamedResource
+      constants(std::string name, const T& block) {
+    return constants(std::move(name), std::as_bytes(std::span(&block, 1)));
+  }
+};
+
 /// A resource bound to (set, entry) of a pass.
 struct PassBinding {
   uint8_t set = 0;
@@ -120,9 +145,11 @@ struct PassBinding {
   /// PassList::constants.
   BufferId buffer = BufferId::kInvalid;
   uint64_t offset = 0;  ///< bytes, into the buffer or into PassList::constants
-  uint64_t size = 0;    ///< bytes
+  uint64_t size = 0;    ///< bytes; 0 for textures
   Access access = Access::kNone;
   StageMask stages = 0;
+  /// Textures and samplers, which have no buffer: which one.
+  TextureId texture = TextureId::kInvalid;
 };
 
 enum class PassKind : uint8_t { kDispatch, kDispatchIndirect, kDraw, kDrawIndirect };
@@ -290,12 +317,17 @@ class PELAGE_API PassBuilder {
   PassBuilder& constants(std::string_view name, const T& block) {
     return constants(name, std::as_bytes(std::span(&block, 1)));
   }
+  /// Offers a texture, or its sampler, under the name it has in HLSL.
+  PassBuilder& bind(std::string_view name, TextureId texture);
+  /// Offers all of these. Copies them.
+  PassBuilder& offer(std::span<const NamedResource> resources);
   PassBuilder& spec(std::span<const SpecValue> values);
   PassBuilder& bytes(uint64_t bytes);
-  /// Adds the pass with the bindings of its layouts, in any order. Errors: a resource that the
-  /// permutation needs is not bound (the message has its name), a struct is of a layout that the
-  /// pass does not have, or two are of one, or an axis exceeds 65535 groups. Then the list stays as
-  /// it was.
+  /// Adds the pass with the bindings of its layouts, in any order. A struct of a layout with the
+  /// same name from another manifest does as well: its resources are found by their names. Errors:
+  /// a resource that the permutation needs is not bound (the message has its name), a struct is of
+  /// a layout that the pass does not have, or two are of one, or an axis exceeds 65535 groups. Then
+  /// the list stays as it was.
   template <class... Bindings>
   requires(sizeof...(Bindings) > 0 && (std::convertible_to<const Bindings&, LayoutBindings> &&
                                        ...)) Result<void> finish(const Bindings&... bindings) {
@@ -307,12 +339,6 @@ class PELAGE_API PassBuilder {
   Result<void> finish() { return finish(std::span<const LayoutBindings>()); }
 
  private:
-  struct Offer {
-    std::string name;
-    BufferId buffer = BufferId::kInvalid;
-    uint64_t offset = 0, size = 0;
-    std::vector<std::byte> block;  // of a uniform block
-  };
   Result<void> checkLayouts(std::span<const LayoutBindings> bindings) const;
   Result<BoundResource> find(const KernelVariant& variant, const VariantBinding& use,
                              std::span<const LayoutBindings> bindings) const;
@@ -321,7 +347,7 @@ class PELAGE_API PassBuilder {
   PassList& list_;
   Pass pass_;
   uint64_t threads_[3] = {0, 0, 0};
-  std::vector<Offer> offers_;
+  std::vector<NamedResource> offers_;
 };
 
 /// Appends host data to a list's uploads.

@@ -111,6 +111,16 @@ struct ExternalBuffer {
   VkDeviceSize size = VK_WHOLE_SIZE;
 };
 
+/// A texture of the engine, with the sampler that reads it.
+struct ExternalTexture {
+  /// Of the type that the HLSL declares: VK_IMAGE_VIEW_TYPE_2D_ARRAY for a Texture2DArray, _CUBE
+  /// for a TextureCube. Of a depth image the aspect VK_IMAGE_ASPECT_DEPTH_BIT.
+  VkImageView view = VK_NULL_HANDLE;
+  VkSampler sampler = VK_NULL_HANDLE;  ///< VK_NULL_HANDLE: kernels only load its texels
+  /// That the image has while lists with the texture run.
+  VkImageLayout layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
+};
+
 /// Where a buffer of a ResourceTable lives.
 struct BufferRange {
   VkBuffer buffer = VK_NULL_HANDLE;
@@ -205,6 +215,12 @@ class PELAGE_VULKAN_API Runtime {
   /// the id first; asserts on an id that already has a buffer. A second call replaces the first.
   /// update() refuses a buffer that is smaller than the BufferDesc, by its name.
   void useExternalBuffer(BufferId id, const ExternalBuffer& buffer);
+
+  /// Says what a texture of newTextureId() is in lists that are recorded from now on; a second call
+  /// replaces it, and one without a view forgets it. The engine keeps view and sampler alive until
+  /// the frames that used them have completed, and makes the image ready for shaders itself: its
+  /// layout, and a barrier behind what wrote it.
+  void registerTexture(TextureId id, const ExternalTexture& texture);
 
   /// Creates the table's new buffers in device memory and records their initial data (or zeros)
   /// with a barrier behind it; removed buffers are destroyed once this frame has completed. Outside

@@ -16,6 +16,7 @@
   X(PFNGLBINDBUFFERRANGEPROC, glBindBufferRange)                               \
   X(PFNGLBINDFRAMEBUFFERPROC, glBindFramebuffer)                               \
   X(PFNGLBINDRENDERBUFFERPROC, glBindRenderbuffer)                             \
+  X(PFNGLBINDSAMPLERPROC, glBindSampler)                                       \
   X(PFNGLBINDTEXTUREPROC, glBindTexture)                                       \
   X(PFNGLBINDVERTEXARRAYPROC, glBindVertexArray)                               \
   X(PFNGLBINDVERTEXBUFFERPROC, glBindVertexBuffer)                             \
@@ -105,6 +106,9 @@
   X(PFNGLSHADERSOURCEPROC, glShaderSource)                                     \
   X(PFNGLTEXPARAMETERIPROC, glTexParameteri)                                   \
   X(PFNGLTEXSTORAGE2DPROC, glTexStorage2D)                                     \
+  X(PFNGLTEXSTORAGE3DPROC, glTexStorage3D)                                     \
+  X(PFNGLTEXSUBIMAGE2DPROC, glTexSubImage2D)                                   \
+  X(PFNGLTEXSUBIMAGE3DPROC, glTexSubImage3D)                                   \
   X(PFNGLUNIFORM4IPROC, glUniform4i)                                           \
   X(PFNGLUNMAPBUFFERPROC, glUnmapBuffer)                                       \
   X(PFNGLUSEPROGRAMPROC, glUseProgram)                                         \

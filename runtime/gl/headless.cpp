@@ -286,6 +286,7 @@ class HeadlessGl final : public HeadlessDevice {
   ~HeadlessGl() override {
     const ScopedCurrent current(egl_);
     releaseTarget();
+    gl_.glDeleteTextures(static_cast<GLsizei>(textures_.size()), textures_.data());
     depthCopy_.release(gl_);
     timer_.reset();
     runtime_.reset();
@@ -298,6 +299,8 @@ class HeadlessGl final : public HeadlessDevice {
     if (Result<void> ok = current.check(); !ok) return ok;
     return runtime_->update(resources);
   }
+
+  Result<TextureId> createTexture(const TextureDef& texture) override;
 
   Result<void> execute(const PassList& list, std::vector<PassTiming>* timings) override {
     const ScopedCurrent current(egl_);
@@ -349,6 +352,7 @@ class HeadlessGl final : public HeadlessDevice {
   GLuint renderbuffers_[3] = {};  // colour, depth of several samples, average
   GLuint depthTexture_ = 0;       // depth of one sample: what depthCopy_ can read
   gl::DepthCopy depthCopy_;
+  std::vector<GLuint> textures_;  // of createTexture()
 };
 
 std::string text(const Functions& gl, GLenum name) {
@@ -447,6 +451,51 @@ Result<void> HeadlessGl::finish(Result<void> recorded, std::vector<PassTiming>* 
   std::vector<PassTiming> read = timer_->read();
   if (recorded && timings != nullptr) *timings = std::move(read);
   return recorded;
+}
+
+Result<TextureId> HeadlessGl::createTexture(const TextureDef& def) {
+  const Result<std::vector<std::byte>> texels = textureBytes(def);
+  if (!texels) return texels.error();
+  const ScopedCurrent current(egl_);
+  if (Result<void> ok = current.check(); !ok) return ok.error();
+  const bool cube = def.shape == TextureShape::kCube;
+  const GLenum target = cube ? GL_TEXTURE_CUBE_MAP : GL_TEXTURE_2D_ARRAY;
+  const bool single = def.channels == 1;
+  const GLenum stored = single ? GL_R32F : GL_RGBA16F;
+  const GLenum given = single ? GL_RED : GL_RGBA, type = single ? GL_FLOAT : GL_HALF_FLOAT;
+  const auto width = static_cast<GLsizei>(def.width), height = static_cast<GLsizei>(def.height);
+  GLuint name = 0;
+  gl::clearErrors(gl_);
+  gl_.glGenTextures(1, &name);
+  textures_.push_back(name);
+  gl_.glActiveTexture(GL_TEXTURE0);
+  gl_.glBindTexture(target, name);
+  if (cube) {
+    gl_.glTexStorage2D(target, 1, stored, width, height);
+    const size_t face = texels->size() / 6;
+    for (GLenum i = 0; i < 6; ++i)
+      gl_.glTexSubImage2D(GL_TEXTURE_CUBE_MAP_POSITIVE_X + i, 0, 0, 0, width, height, given, type,
+                          texels->data() + i * face);
+  } else {
+    const auto layers = static_cast<GLsizei>(def.layers);
+    gl_.glTexStorage3D(target, 1, stored, width, height, layers);
+    gl_.glTexSubImage3D(target, 0, 0, 0, 0, width, height, layers, given, type, texels->data());
+  }
+  const GLint filter = single ? GL_NEAREST : GL_LINEAR;
+  for (const GLenum parameter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
+    gl_.glTexParameteri(target, parameter, filter);
+  for (const GLenum parameter : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
+    gl_.glTexParameteri(target, parameter, GL_CLAMP_TO_EDGE);
+  gl_.glBindTexture(target, 0);
+  if (const GLenum error = gl_.glGetError(); error != GL_NO_ERROR) {
+    return Error{error == GL_OUT_OF_MEMORY ? ErrorCode::kOutOfMemory : ErrorCode::kUnsupported,
+                 info_.name + " has no texture of " + std::to_string(def.width) + " x " +
+                     std::to_string(def.height) + " texels in " + std::to_string(def.layers) +
+                     " layers (" + gl::errorName(error) + ")"};
+  }
+  const TextureId id = newTextureId();
+  runtime_->registerTexture(id, {.target = target, .name = name});
+  return id;
 }
 
 void HeadlessGl::releaseTarget() {

@@ -452,6 +452,12 @@ Result<void> Runtime::registerBuffer(BufferId id, uint32_t glName) {
   return {};
 }
 
+void Runtime::registerTexture(TextureId id, const ExternalTexture& texture) {
+  PELAGE_ASSERT(id != TextureId::kInvalid, "a texture has an id of newTextureId()");
+  impl_->textures.erase(id);
+  if (texture.name != 0) impl_->textures.emplace(id, texture);
+}
+
 uint32_t Runtime::bufferName(BufferId id) const {
   const Buffer* buffer = impl_->find(id);
   return buffer != nullptr ? buffer->name : 0;
@@ -474,6 +480,16 @@ Result<const Layout*> Runtime::createLayout(const LayoutTable& table) {
     } else if (entry.kind == ResourceKind::kUniformBuffer) {
       slot.target = GL_UNIFORM_BUFFER;
       slot.binding = entry.glBinding;
+    } else if (entry.kind == ResourceKind::kSampledTexture) {
+      slot.binding = entry.glBinding;
+      if (slot.binding >= kMaxTextures) {
+        return Error{ErrorCode::kUnsupported, std::string("layout ") + table.name + ": '" +
+                                                  entry.name + "' is texture " +
+                                                  std::to_string(slot.binding) +
+                                                  " of its group; pelage "
+                                                  "binds units below " +
+                                                  std::to_string(kMaxTextures)};
+      }
     }
     if (slot.target == GL_UNIFORM_BUFFER && entry.glBinding >= allowed) {
       return Error{ErrorCode::kUnsupported,
@@ -503,7 +519,22 @@ Result<void> Runtime::Impl::check(Runtime& runtime, const PassList& list, ListPa
       .storageAlignment = std::max(limits.storageAlignment, 1u)};
   const auto lookup = [this](BufferId id) { return known(id); };
   if (Result<void> checked = checkList(list, lookup, allowed, part); !checked) return checked;
+  if (Result<void> checked = checkTextures(list, part); !checked) return checked;
   return makePrograms(runtime, list, part);
+}
+
+Result<void> Runtime::Impl::checkTextures(const PassList& list, ListPart part) const {
+  for (const Pass& pass : list.passes) {
+    if (part != ListPart::kAll && isDraw(pass.kind) != (part == ListPart::kDraws)) continue;
+    for (const PassBinding& binding : list.bindingsOf(pass)) {
+      if (binding.texture == TextureId::kInvalid || textures.count(binding.texture) > 0) continue;
+      const LayoutEntry& entry = pass.layouts()[binding.set]->entries[binding.entry];
+      return invalid("pass " + variantName(pass.pixel != nullptr ? *pass.pixel : *pass.kernel) +
+                     ", resource '" + entry.name +
+                     "': the runtime does not know the texture: call registerTexture()");
+    }
+  }
+  return {};
 }
 
 // Leaves them in passPrograms.
@@ -553,11 +584,23 @@ void Runtime::Impl::uploadConstants(const PassList& list) {
     gl.glBufferSubData(GL_UNIFORM_BUFFER, 0, static_cast<GLsizeiptr>(size), list.constants.data());
 }
 
+// A sampler's entry has nothing to do: GL has it with its texture.
+void Runtime::Impl::bindTexture(const PassBinding& binding, uint32_t unit) const {
+  const Functions& gl = context->gl;
+  const ExternalTexture& texture = textures.at(binding.texture);
+  gl.glActiveTexture(GL_TEXTURE0 + unit);
+  gl.glBindTexture(texture.target, texture.name);
+  gl.glBindSampler(unit, texture.sampler);
+}
+
 void Runtime::Impl::bind(const PassList& list, const Pass& pass) {
   const Functions& gl = context->gl;
   for (const PassBinding& binding : list.bindingsOf(pass)) {
     const Layout& layout = *layouts.find(pass.layouts()[binding.set])->second;
     const Layout::Slot slot = layout.slots[binding.entry];
+    const ResourceKind kind = layout.table->entries[binding.entry].kind;
+    if (kind == ResourceKind::kSampledTexture) bindTexture(binding, slot.binding);
+    if (binding.texture != TextureId::kInvalid) continue;
     const bool uniform = slot.target == GL_UNIFORM_BUFFER;
     const Buffer* stored = uniform ? nullptr : find(binding.buffer);
     PELAGE_ASSERT(uniform || stored != nullptr, "checkList() let an unknown buffer pass");

@@ -47,6 +47,7 @@ struct Runtime::Impl {
   ProgramStore programs;
   std::vector<Buffer> buffers;  // [BufferId]
   uint64_t table = 0;           // ResourceTable::id(); 0: none was seen yet
+  std::unordered_map<TextureId, ExternalTexture> textures;
   std::unordered_map<const LayoutTable*, std::unique_ptr<Layout>> layouts;
   GLuint constants = 0;
   uint64_t constantBytes = 0;
@@ -67,6 +68,7 @@ struct Runtime::Impl {
 
   std::optional<KnownBuffer> known(BufferId id) const;
   Result<void> check(Runtime& runtime, const PassList& list, ListPart part);
+  Result<void> checkTextures(const PassList& list, ListPart part) const;
   Result<void> makePrograms(Runtime& runtime, const PassList& list, ListPart part);
 
   void memoryBarrier(std::span<const Barrier> barriers);
@@ -74,6 +76,7 @@ struct Runtime::Impl {
   void forgetBindings();
   void use(GLuint program);
   void bind(const PassList& list, const Pass& pass);
+  void bindTexture(const PassBinding& binding, uint32_t unit) const;
   void bindVertices(const Pass& pass);
   void setDrawDefaults(const DrawTarget& target);
   void setDrawState(const DrawState& state);

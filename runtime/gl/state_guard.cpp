@@ -38,6 +38,30 @@ constexpr PlainTarget kPlainTargets[] = {
     {GL_DISPATCH_INDIRECT_BUFFER, GL_DISPATCH_INDIRECT_BUFFER_BINDING},
     {GL_DRAW_INDIRECT_BUFFER, GL_DRAW_INDIRECT_BUFFER_BINDING}};
 
+// The query for what a unit has of a target of textures; 0: none that can be registered.
+GLenum textureBinding(GLenum target) {
+  switch (target) {
+    case GL_TEXTURE_2D:
+      return GL_TEXTURE_BINDING_2D;
+    case GL_TEXTURE_2D_ARRAY:
+      return GL_TEXTURE_BINDING_2D_ARRAY;
+    case GL_TEXTURE_3D:
+      return GL_TEXTURE_BINDING_3D;
+    case GL_TEXTURE_CUBE_MAP:
+      return GL_TEXTURE_BINDING_CUBE_MAP;
+    case GL_TEXTURE_CUBE_MAP_ARRAY:
+      return GL_TEXTURE_BINDING_CUBE_MAP_ARRAY;
+    case GL_TEXTURE_BUFFER:
+      return GL_TEXTURE_BINDING_BUFFER;
+    case GL_TEXTURE_2D_MULTISAMPLE:
+      return GL_TEXTURE_BINDING_2D_MULTISAMPLE;
+    case GL_TEXTURE_2D_MULTISAMPLE_ARRAY:
+      return GL_TEXTURE_BINDING_2D_MULTISAMPLE_ARRAY;
+    default:
+      return 0;
+  }
+}
+
 }  // namespace
 
 struct StateGuard::Impl {
@@ -53,8 +77,44 @@ struct StateGuard::Impl {
   GLboolean disabled[std::size(kDisabledInDraws)] = {};
   std::vector<DrawBuffer> drawBuffers;
 
-  explicit Impl(std::shared_ptr<const Context> glContext) : context(std::move(glContext)) {
+  // Where textures are registered.
+  std::vector<GLenum> textureTargets;
+  GLint activeUnit = 0, samplers[kMaxTextures] = {};
+  std::vector<GLint> textures[kMaxTextures];  // [unit][target]
+
+  explicit Impl(const Runtime::Impl& runtime) : context(runtime.context) {
+    for (const auto& [id, texture] : runtime.textures) {
+      const auto known = std::find(textureTargets.begin(), textureTargets.end(), texture.target);
+      if (known == textureTargets.end() && textureBinding(texture.target) != 0)
+        textureTargets.push_back(texture.target);
+    }
     save();
+    saveTextures();
+  }
+
+  void saveTextures() {
+    if (textureTargets.empty()) return;
+    const Functions& gl = context->gl;
+    gl.glGetIntegerv(GL_ACTIVE_TEXTURE, &activeUnit);
+    for (GLuint unit = 0; unit < kMaxTextures; ++unit) {
+      gl.glActiveTexture(GL_TEXTURE0 + unit);
+      gl.glGetIntegerv(GL_SAMPLER_BINDING, &samplers[unit]);
+      for (const GLenum target : textureTargets)
+        gl.glGetIntegerv(textureBinding(target), &textures[unit].emplace_back(0));
+    }
+    gl.glActiveTexture(static_cast<GLenum>(activeUnit));
+  }
+
+  void restoreTextures() const {
+    if (textureTargets.empty()) return;
+    const Functions& gl = context->gl;
+    for (GLuint unit = 0; unit < kMaxTextures; ++unit) {
+      gl.glActiveTexture(GL_TEXTURE0 + unit);
+      gl.glBindSampler(unit, static_cast<GLuint>(samplers[unit]));
+      for (size_t i = 0; i < textureTargets.size(); ++i)
+        gl.glBindTexture(textureTargets[i], static_cast<GLuint>(textures[unit][i]));
+    }
+    gl.glActiveTexture(static_cast<GLenum>(activeUnit));
   }
 
   bool core() const { return context->profile == Profile::kCore; }
@@ -181,8 +241,10 @@ struct StateGuard::Impl {
   }
 };
 
-StateGuard::StateGuard(const Runtime& runtime)
-    : impl_(std::make_unique<Impl>(runtime.impl_->context)) {}
-StateGuard::~StateGuard() { impl_->restore(); }
+StateGuard::StateGuard(const Runtime& runtime) : impl_(std::make_unique<Impl>(*runtime.impl_)) {}
+StateGuard::~StateGuard() {
+  impl_->restore();
+  impl_->restoreTextures();
+}
 
 }  // namespace pelage::gl

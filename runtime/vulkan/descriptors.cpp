@@ -213,6 +213,7 @@ Result<VkDescriptorSet> Descriptors::set(const LayoutTable& table,
     writes[i].descriptorCount = 1;
     writes[i].descriptorType = descriptorType(entry.kind);
     writes[i].pBufferInfo = &infos[i];
+    writes[i].pImageInfo = &buffers[i].image;
   }
   device_.vk.UpdateDescriptorSets(device_.handle, static_cast<uint32_t>(writes.size()),
                                   writes.data(), 0, nullptr);

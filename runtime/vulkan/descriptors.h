@@ -16,13 +16,15 @@ struct WordsHash {
   size_t operator()(const std::vector<uint64_t>& words) const;
 };
 
-/// A buffer in a descriptor set, for one entry of the layout.
+/// A buffer, texture or sampler in a descriptor set, for one entry of the layout.
 struct BoundBuffer {
-  uint32_t entry = 0;       ///< index into LayoutTable::entries
-  uint64_t generation = 0;  ///< names the buffer; handles may be used again, this is not
+  uint32_t entry = 0;  ///< index into LayoutTable::entries
+  /// Names the buffer or texture; handles may be used again, this is not.
+  uint64_t generation = 0;
   VkBuffer buffer = VK_NULL_HANDLE;
   VkDeviceSize offset = 0;
   VkDeviceSize range = 0;
+  VkDescriptorImageInfo image = {};  ///< of textures and samplers, which have no buffer
 };
 
 class Descriptors {
@@ -41,7 +43,8 @@ class Descriptors {
   /// again while a frame that used it is in flight.
   Result<VkDescriptorSet> set(const LayoutTable& table, std::span<const BoundBuffer> buffers,
                               uint64_t frame);
-  /// A buffer is gone: sets that name it wait for their frames and are then used for others.
+  /// A buffer or texture is gone: sets that name it wait for their frames and are then used for
+  /// others.
   void forgetBuffer(uint64_t generation);
   /// Reuses sets of completed frames: those of buffers that are gone, and those unused for long.
   void collect(uint64_t completedFrame);

@@ -43,6 +43,7 @@ namespace pelage::vulkan {
   X(CmdBindVertexBuffers)                 \
   X(CmdBindPipeline)                      \
   X(CmdCopyBuffer)                        \
+  X(CmdCopyBufferToImage)                 \
   X(CmdCopyImageToBuffer)                 \
   X(CmdDispatch)                          \
   X(CmdDispatchIndirect)                  \
@@ -70,6 +71,7 @@ namespace pelage::vulkan {
   X(CreatePipelineLayout)                 \
   X(CreateQueryPool)                      \
   X(CreateRenderPass)                     \
+  X(CreateSampler)                        \
   X(CreateShaderModule)                   \
   X(DestroyBuffer)                        \
   X(DestroyCommandPool)                   \
@@ -85,6 +87,7 @@ namespace pelage::vulkan {
   X(DestroyPipelineLayout)                \
   X(DestroyQueryPool)                     \
   X(DestroyRenderPass)                    \
+  X(DestroySampler)                       \
   X(DestroyShaderModule)                  \
   X(DeviceWaitIdle)                       \
   X(EndCommandBuffer)                     \

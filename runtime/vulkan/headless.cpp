@@ -17,6 +17,7 @@
 #include "device.h"
 #include "pelage/vulkan.h"
 #include "render_target.h"
+#include "texture.h"
 
 namespace pelage {
 namespace vulkan {
@@ -70,6 +71,7 @@ class HeadlessVulkan final : public HeadlessDevice {
 
   const DeviceInfo& info() const override { return info_; }
   Result<void> update(const ResourceTable& resources) override;
+  Result<TextureId> createTexture(const TextureDef& texture) override;
   Result<void> execute(const PassList& list, std::vector<PassTiming>* timings) override;
   using HeadlessDevice::render;
   Result<RenderedImage> render(std::span<const PassList* const> lists,
@@ -115,6 +117,7 @@ class HeadlessVulkan final : public HeadlessDevice {
   std::unique_ptr<BufferMemory> memory_;  // of readbacks
   std::optional<Runtime> runtime_;
   RenderTarget target_{device_};
+  std::vector<Texture> textures_;
 };
 
 HeadlessVulkan::~HeadlessVulkan() {
@@ -123,6 +126,7 @@ HeadlessVulkan::~HeadlessVulkan() {
     static_cast<void>(vk.DeviceWaitIdle(device_.handle));
     if (runtime_) runtime_->forget(target_.renderPass());
     target_.destroy();
+    for (Texture& texture : textures_) texture.destroy(device_);
     runtime_.reset();
     memory_.reset();
     vk.DestroyFence(device_.handle, fence_, nullptr);
@@ -507,6 +511,31 @@ Result<void> HeadlessVulkan::update(const ResourceTable& resources) {
       return done;
     }
     return submit();
+  });
+}
+
+Result<TextureId> HeadlessVulkan::createTexture(const TextureDef& def) {
+  return guarded([&]() -> Result<TextureId> {
+    const Result<std::vector<std::byte>> texels = textureBytes(def);
+    if (!texels) return texels.error();
+    textures_.reserve(textures_.size() + 1);
+    Texture texture;
+    if (Result<void> made = texture.make(device_, def); !made) return made.error();
+    textures_.push_back(texture);
+    Result<AllocatedBuffer> staging = memory_->create(
+        texels->size(), VK_BUFFER_USAGE_TRANSFER_SRC_BIT, MemoryKind::kStaging, "pelage/texels");
+    if (!staging) return staging.error();
+    std::memcpy(staging->mapped, texels->data(), texels->size());
+    Result<void> done = begin();
+    if (done) {
+      texture.fill(device_, commands_, staging->buffer);
+      done = submit();
+    }
+    memory_->destroy(*staging);
+    if (!done) return done.error();
+    const TextureId id = newTextureId();
+    runtime_->registerTexture(id, texture.external());
+    return id;
   });
 }
 

@@ -11,6 +11,7 @@
 #include <cstring>
 #include <memory>
 #include <optional>
+#include <unordered_map>
 #include <utility>
 
 #include "barriers.h"
@@ -57,6 +58,12 @@ struct BufferSlot {
 struct PendingExternal {
   BufferId id = BufferId::kInvalid;
   ExternalBuffer buffer;
+};
+
+// A texture of the engine.
+struct TextureSlot {
+  ExternalTexture texture;
+  uint64_t generation = 0;
 };
 
 struct RetiredBuffer {
@@ -228,6 +235,7 @@ struct Runtime::Impl {
 
   // Lists: the checking step.
   Result<void> check(const PassList& list, ListPart part) const;
+  Result<void> checkTextures(const PassList& list, const Pass& pass) const;
   static PipelineRequest requestOf(const PassList& list, const Pass& pass,
                                    const TargetFormats* target) {
     return {pass.kernel, pass.pixel, list.specValuesOf(pass), pass.state,
@@ -270,6 +278,7 @@ struct Runtime::Impl {
   std::vector<BufferSlot> slots;
   std::vector<PendingExternal> pendingExternals;
   std::vector<RetiredBuffer> retiredBuffers;
+  std::unordered_map<TextureId, TextureSlot> textures;
   uint64_t tableId = 0;  // 0: none was seen yet
   uint64_t tableVersion = 0;
 
@@ -508,7 +517,30 @@ Result<void> Runtime::Impl::check(const PassList& list, ListPart part) const {
     return KnownBuffer{
         .name = slot->name, .size = slot->size, .usage = slot->usage, .offset = slot->offset};
   };
-  return checkList(list, lookup, allowed, part);
+  if (Result<void> checked = checkList(list, lookup, allowed, part); !checked) return checked;
+  for (const Pass& pass : list.passes) {
+    if (part != ListPart::kAll && isDraw(pass.kind) != (part == ListPart::kDraws)) continue;
+    if (Result<void> checked = checkTextures(list, pass); !checked) return checked;
+  }
+  return {};
+}
+
+Result<void> Runtime::Impl::checkTextures(const PassList& list, const Pass& pass) const {
+  for (const PassBinding& binding : list.bindingsOf(pass)) {
+    if (binding.texture == TextureId::kInvalid) continue;
+    const LayoutEntry& entry = pass.layouts()[binding.set]->entries[binding.entry];
+    const auto known = textures.find(binding.texture);
+    const char* fault =
+        known == textures.end() ? "the runtime does not know the texture: call registerTexture()"
+        : entry.kind == ResourceKind::kSampler && known->second.texture.sampler == VK_NULL_HANDLE
+            ? "the texture was registered without a sampler"
+            : nullptr;
+    if (fault == nullptr) continue;
+    return invalid(fmt::format("pass {}, resource '{}': {}",
+                               variantName(pass.pixel != nullptr ? *pass.pixel : *pass.kernel),
+                               entry.name, fault));
+  }
+  return {};
 }
 
 // The first pass of a list without a pipeline makes those of all of the list's, at a time.
@@ -601,19 +633,25 @@ Result<void> Runtime::Impl::resolvePass(const PassList& list, const Pass& pass,
               fmt::format("layout {} has more than {} uniform blocks", table.name, offsets.size())};
         }
         if (found != bindings.end()) {
-          bound.push_back({index, constants.generation, constants.buffer, 0, found->size});
+          bound.push_back({index, constants.generation, constants.buffer, 0, found->size, {}});
           offsets[offsetCount++] = {
               entry.binding,
               static_cast<uint32_t>(constants.offset + found->offset - firstConstant)};
         } else {
           if (Result<void> made = makeFiller(); !made) return made;
-          bound.push_back({index, fillerGeneration, filler.buffer, 0, fillerSize});
+          bound.push_back({index, fillerGeneration, filler.buffer, 0, fillerSize, {}});
           offsets[offsetCount++] = {entry.binding, 0};
         }
+      } else if (found != bindings.end() && found->texture != TextureId::kInvalid) {
+        const TextureSlot& slot = textures.at(found->texture);
+        const ExternalTexture& texture = slot.texture;
+        bound.push_back({.entry = index,
+                         .generation = slot.generation,
+                         .image = {texture.sampler, texture.view, texture.layout}});
       } else if (found != bindings.end()) {
         const BufferSlot& slot = *find(found->buffer);
         bound.push_back(
-            {index, slot.generation, slot.buffer, slot.offset + found->offset, found->size});
+            {index, slot.generation, slot.buffer, slot.offset + found->offset, found->size, {}});
       }
     }
     std::sort(offsets.begin(), offsets.begin() + static_cast<std::ptrdiff_t>(offsetCount));
@@ -866,6 +904,17 @@ void Runtime::useExternalBuffer(BufferId id, const ExternalBuffer& buffer) {
   std::erase_if(impl_->pendingExternals,
                 [&](const PendingExternal& pending) { return pending.id == id; });
   impl_->pendingExternals.push_back({id, buffer});
+}
+
+void Runtime::registerTexture(TextureId id, const ExternalTexture& texture) {
+  PELAGE_ASSERT(id != TextureId::kInvalid, "a texture has an id of newTextureId()");
+  const auto known = impl_->textures.find(id);
+  if (known != impl_->textures.end()) {
+    impl_->descriptors.forgetBuffer(known->second.generation);
+    impl_->textures.erase(known);
+  }
+  if (texture.view == VK_NULL_HANDLE) return;
+  impl_->textures.emplace(id, TextureSlot{texture, impl_->nextGeneration++});
 }
 
 Result<void> Runtime::update(const ResourceTable& resources, VkCommandBuffer commands) {

@@ -1552,6 +1552,53 @@ TEST_P(GlRuntimeTest, GuardsTheStateOfTheEngine) {
   EXPECT_EQ(snapshot(GetParam()), before);
 }
 
+// What lists with textures change, which is what units have of the targets that are registered.
+TEST_P(GlRuntimeTest, GuardsTexturesAndSamplersOfTheEngine) {
+  gl::Runtime runtime = makeRuntime();
+  const auto activate = glFunction<PFNGLACTIVETEXTUREPROC>("glActiveTexture");
+  const auto bindTexture = glFunction<PFNGLBINDTEXTUREPROC>("glBindTexture");
+  const auto bindSampler = glFunction<PFNGLBINDSAMPLERPROC>("glBindSampler");
+  const auto getInteger = glFunction<PFNGLGETINTEGERVPROC>("glGetIntegerv");
+  GLuint textures[3] = {}, sampler = 0;
+  glFunction<PFNGLGENTEXTURESPROC>("glGenTextures")(3, textures);
+  glFunction<PFNGLGENSAMPLERSPROC>("glGenSamplers")(1, &sampler);
+  const auto state = [&] {
+    std::vector<GLint> values;
+    GLint active = 0;
+    getInteger(GL_ACTIVE_TEXTURE, &active);
+    values.push_back(active);
+    for (GLuint unit = 0; unit < gl::kMaxTextures; ++unit) {
+      activate(GL_TEXTURE0 + unit);
+      for (const GLenum name :
+           {GL_TEXTURE_BINDING_2D_ARRAY, GL_TEXTURE_BINDING_CUBE_MAP, GL_SAMPLER_BINDING})
+        getInteger(name, &values.emplace_back(0));
+    }
+    activate(static_cast<GLenum>(active));
+    return values;
+  };
+  activate(GL_TEXTURE3);
+  bindTexture(GL_TEXTURE_2D_ARRAY, textures[0]);
+  bindTexture(GL_TEXTURE_CUBE_MAP, textures[1]);
+  bindSampler(0, sampler);
+  bindSampler(3, sampler);
+  const std::vector<GLint> before = state();
+  for (const GLenum target : {GL_TEXTURE_2D_ARRAY, GL_TEXTURE_CUBE_MAP})
+    runtime.registerTexture(newTextureId(), {.target = target, .name = textures[2]});
+  {
+    const gl::StateGuard guard(runtime);
+    activate(GL_TEXTURE0);
+    bindTexture(GL_TEXTURE_2D_ARRAY, textures[2]);
+    bindSampler(0, 0);
+    activate(GL_TEXTURE3);
+    bindTexture(GL_TEXTURE_2D_ARRAY, 0);
+    bindTexture(GL_TEXTURE_CUBE_MAP, 0);
+    activate(GL_TEXTURE5);
+    EXPECT_NE(state(), before);
+  }
+  EXPECT_EQ(state(), before);
+  EXPECT_EQ(glGetError_(), GLenum{GL_NO_ERROR});
+}
+
 TEST(GlBarriers, AskForExactlyTheBitsThatGlNeeds) {
   const StageMask compute = stageBit(Stage::kCompute);
   const auto bits = [](Barrier barrier) { return gl::memoryBarrierBits({&barrier, 1}); };

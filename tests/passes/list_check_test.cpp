@@ -108,21 +108,31 @@ TEST_F(ListCheck, RefusesAListOfAnotherTable) {
   EXPECT_NE(checked.error().message.find("another scene"), std::string::npos);
 }
 
-TEST_F(ListCheck, RefusesATexture) {
+TEST_F(ListCheck, RefusesAnImageAndATextureWithoutOne) {
   static const LayoutEntry entries[] = {
-      {"g_picture", "", ResourceKind::kSampledTexture, Access::kRead, 1, 0, 0, 0}};
+      {"g_picture", "", ResourceKind::kSampledTexture, Access::kRead, 1, 0, 0, 0},
+      {"g_image", "", ResourceKind::kStorageTexture, Access::kWrite, 1, 0, 1, 0},
+      {"g_buffer", "", ResourceKind::kStorageBuffer, Access::kRead, 1, 4, 2, 0}};
   static const LayoutTable table = {"Picture", "picture", 0, entries};
   static const LayoutTable* const layouts[] = {&table};
   static const Kernel kernel = {"look", Stage::kCompute, layouts, {}, {}};
   static const KernelVariant variant = {&kernel, "wind=1", {}, {64, 1, 1}, 1};
   PassList list;
   list.bindings.push_back({.buffer = buffers_.source, .size = 4});
+  PassBinding& binding = list.bindings.back();
   Pass pass;
   pass.kernel = &variant;
   pass.bindingCount = 1;
   pass.groups[0] = pass.groups[1] = pass.groups[2] = 1;
   list.passes.push_back(pass);
-  expectRefused(list, {}, ErrorCode::kUnsupported, {"look [wind=1]", "'g_picture'", "texture"});
+  expectRefused(list, {}, ErrorCode::kInvalidArgument,
+                {"look [wind=1]", "'g_picture'", "no texture is bound"});
+  binding = {.texture = newTextureId()};
+  EXPECT_TRUE(checkPasses(list));
+  binding.entry = 1;
+  expectRefused(list, {}, ErrorCode::kUnsupported, {"look [wind=1]", "'g_image'", "image"});
+  binding.entry = 2;
+  expectRefused(list, {}, ErrorCode::kInvalidArgument, {"look [wind=1]", "'g_buffer'", "texture"});
 }
 
 }  // namespace

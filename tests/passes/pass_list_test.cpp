@@ -263,6 +263,54 @@ TEST(PassBuilder, RefusesBindingsThatDoNotGoWithTheLayouts) {
   EXPECT_TRUE(list.passes.empty() && list.bindings.empty());
 }
 
+// The layout of the same name as another manifest has it: other numbers, and a texture of its own.
+constexpr LayoutEntry kForeignEntries[] = {
+    {"g_target", "float4", ResourceKind::kStorageBuffer, Access::kWrite, 1, 16, 0, 0},
+    {"g_picture", "", ResourceKind::kSampledTexture, Access::kRead, 1, 0, 1, 0},
+    {"g_source", "float4", ResourceKind::kStorageBuffer, Access::kRead, 1, 16, 2, 0},
+    {"g_block", "Block", ResourceKind::kUniformBuffer, Access::kRead, 1, 16, 3, 0},
+};
+constexpr LayoutTable kForeignTable = {"Test", "other", 0, kForeignEntries};
+constexpr const LayoutTable* kForeignTables[] = {&kForeignTable};
+constexpr Kernel kForeignKernel = {"copy", Stage::kCompute, kForeignTables, {}, {}};
+constexpr VariantBinding kForeignBindings[] = {
+    {0, 0, Access::kWrite}, {0, 1, Access::kRead}, {0, 2, Access::kRead}, {0, 3, Access::kRead}};
+constexpr KernelVariant kForeign = {&kForeignKernel, "", kForeignBindings, {64, 1, 1}, 6};
+
+TEST(PassBuilder, FindsResourcesOfALayoutOfAnotherManifestByTheirNames) {
+  const TextureId texture = newTextureId();
+  EXPECT_NE(texture, newTextureId());
+  const NamedResource offered[] = {{.name = "g_other"}, {.name = "g_picture", .texture = texture}};
+  PassList list;
+  PassBuilder builder(list);
+  ASSERT_EQ(messageOf(builder.dispatch(kForeign, 100).offer(offered).finish(kBound)), "");
+  ASSERT_EQ(list.bindings.size(), 4u);
+  EXPECT_EQ(list.bindings[0].buffer, kB);
+  EXPECT_EQ(list.bindings[1].texture, texture);
+  EXPECT_EQ(list.bindings[1].buffer, BufferId::kInvalid);
+  EXPECT_EQ(list.bindings[2].buffer, kA);
+  EXPECT_EQ(list.bindings[2].offset, 16u);
+  EXPECT_EQ(list.bindings[3].size, 16u);
+  EXPECT_EQ(messageOf(builder.dispatch(kForeign, 100).finish(kBound)),
+            "pass copy needs resource 'g_picture', which the TestBindings leave empty");
+}
+
+TEST(PassBuilder, RefusesALayoutOfAnotherManifestWithOtherResources) {
+  static constexpr LayoutEntry entries[] = {
+      {"g_source", "float2", ResourceKind::kStorageBuffer, Access::kRead, 1, 8, 0, 0}};
+  static constexpr LayoutTable table = {"Test", "other", 0, entries};
+  static constexpr const LayoutTable* tables[] = {&table};
+  static constexpr Kernel kernel = {"copy", Stage::kCompute, tables, {}, {}};
+  static constexpr VariantBinding bindings[] = {{0, 0, Access::kRead}};
+  static constexpr KernelVariant variant = {&kernel, "", bindings, {64, 1, 1}, 7};
+  PassList list;
+  const std::string message = messageOf(PassBuilder(list).dispatch(variant, 1).finish(kBound));
+  EXPECT_NE(message.find("resource 'g_source' of layout 'Test' has another kind or size"),
+            std::string::npos)
+      << message;
+  EXPECT_TRUE(list.passes.empty() && list.bindings.empty());
+}
+
 TEST(PassBuilder, AllocatesNothingForTypedBindings) {
   PassList list;
   ASSERT_TRUE(PassBuilder(list).dispatch(kCopy, 100).finish(kBound));

@@ -36,6 +36,10 @@ bool fits(uint64_t offset, uint64_t size, uint64_t total) {
   return offset <= total && size <= total - offset;
 }
 
+bool isTexture(ResourceKind kind) {
+  return kind == ResourceKind::kSampledTexture || kind == ResourceKind::kSampler;
+}
+
 bool isOf(const PassBinding& binding, const VariantBinding& use) {
   return binding.set == use.set && binding.entry == use.entry;
 }
@@ -76,9 +80,14 @@ Result<void> checkBindings(const PassList& list, const Pass& pass) {
         })) {
       return invalid("{} binds resource '{}' twice", nameOf(pass), entry.name);
     }
-    if (entry.kind != ResourceKind::kUniformBuffer && entry.kind != ResourceKind::kStorageBuffer) {
-      return unsupported("{}, resource '{}': it is a texture or sampler; pass lists carry buffers",
+    if (entry.kind == ResourceKind::kStorageTexture) {
+      return unsupported("{}, resource '{}': it is an image; pass lists carry buffers and textures",
                          nameOf(pass), entry.name);
+    }
+    if (isTexture(entry.kind) != (binding.texture != TextureId::kInvalid)) {
+      return invalid("{}, resource '{}': {}", nameOf(pass), entry.name,
+                     isTexture(entry.kind) ? "it is a texture or sampler, but no texture is bound"
+                                           : "a texture is bound, but it is none");
     }
   }
   for (const KernelVariant* variant : {pass.kernel, pass.pixel}) {
@@ -283,6 +292,8 @@ Result<void> Checker::pass(const Pass& pass) const {
   const auto layouts = pass.layouts();
   for (const PassBinding& binding : list_.bindingsOf(pass)) {
     const LayoutEntry& entry = layouts[binding.set]->entries[binding.entry];
+    // What a texture is, the runtimes know.
+    if (isTexture(entry.kind)) continue;
     Result<void> checked = entry.kind == ResourceKind::kUniformBuffer
                                ? constants(pass, binding, entry)
                                : storage(pass, binding, entry);

@@ -22,6 +22,11 @@ BufferId idOf(uint32_t tableIndex, uint32_t generation) {
 
 }  // namespace
 
+TextureId newTextureId() {
+  static std::atomic<uint32_t> count{0};
+  return static_cast<TextureId>(++count);
+}
+
 ResourceTable::Id::Id() {
   static std::atomic<uint64_t> count{0};
   value = ++count;
@@ -189,16 +194,23 @@ PassBuilder& PassBuilder::vertices(BufferRange range) {
 PassBuilder& PassBuilder::bind(std::string_view name, BufferId buffer, uint64_t size,
                                uint64_t offset) {
   if (buffer != BufferId::kInvalid)
-    offers_.push_back({std::string(name), buffer, offset, size, {}});
+    offers_.push_back({.name = std::string(name), .buffer = {buffer, size, offset}});
+  return *this;
+}
+
+PassBuilder& PassBuilder::bind(std::string_view name, TextureId texture) {
+  if (texture != TextureId::kInvalid)
+    offers_.push_back({.name = std::string(name), .texture = texture});
+  return *this;
+}
+
+PassBuilder& PassBuilder::offer(std::span<const NamedResource> resources) {
+  offers_.insert(offers_.end(), resources.begin(), resources.end());
   return *this;
 }
 
 PassBuilder& PassBuilder::constants(std::string_view name, std::span<const std::byte> bytes) {
-  Offer offer;
-  offer.name = name;
-  offer.size = bytes.size();
-  offer.block.assign(bytes.begin(), bytes.end());
-  offers_.push_back(std::move(offer));
+  offers_.push_back(NamedResource::constants(std::string(name), bytes));
   return *this;
 }
 
@@ -213,12 +225,40 @@ PassBuilder& PassBuilder::bytes(uint64_t bytes) {
   return *this;
 }
 
+namespace {
+
+// Whether the bindings of one layout serve another: a kernel of pelage's that an engine compiled
+// with its own functions has tables of its own, of the same names.
+bool isSame(const LayoutTable& a, const LayoutTable& b) {
+  return &a == &b || std::strcmp(a.name, b.name) == 0;
+}
+
+// The entry of `from` that has the resource of an entry of `to`; beyond the last one: none.
+Result<size_t> entryIn(const LayoutTable& from, const LayoutTable& to, uint8_t entry) {
+  if (&from == &to) return entry;
+  const LayoutEntry& wanted = to.entries[entry];
+  const auto found = std::find_if(
+      from.entries.begin(), from.entries.end(),
+      [&](const LayoutEntry& other) { return std::strcmp(other.name, wanted.name) == 0; });
+  if (found != from.entries.end() &&
+      (found->kind != wanted.kind || found->stride != wanted.stride)) {
+    return Error{ErrorCode::kInvalidArgument,
+                 std::string(": resource '") + wanted.name + "' of layout '" + to.name +
+                     "' has another kind or size than the bindings: compile the kernel with the "
+                     "HLSL of this version of pelage"};
+  }
+  return static_cast<size_t>(found - from.entries.begin());
+}
+
+}  // namespace
+
 Result<void> PassBuilder::checkLayouts(std::span<const LayoutBindings> bindings) const {
   const auto layouts = pass_.layouts();
   for (size_t i = 0; i < bindings.size(); ++i) {
     const LayoutTable& layout = bindings[i].layout();
     const auto isOfLayout = [&](const LayoutBindings& b) { return &b.layout() == &layout; };
-    const bool known = std::find(layouts.begin(), layouts.end(), &layout) != layouts.end();
+    const bool known = std::any_of(layouts.begin(), layouts.end(),
+                                   [&](const LayoutTable* own) { return isSame(*own, layout); });
     const auto before = bindings.first(i);
     const bool twice = std::any_of(before.begin(), before.end(), isOfLayout);
     if (known && !twice) continue;
@@ -233,14 +273,19 @@ Result<BoundResource> PassBuilder::find(const KernelVariant& variant, const Vari
                                         std::span<const LayoutBindings> bindings) const {
   const LayoutTable& layout = *variant.kernel->layouts[use.set];
   const LayoutEntry& entry = layout.entries[use.entry];
-  const auto typed = std::find_if(bindings.begin(), bindings.end(),
-                                  [&](const LayoutBindings& b) { return &b.layout() == &layout; });
+  const auto typed = std::find_if(bindings.begin(), bindings.end(), [&](const LayoutBindings& b) {
+    return isSame(b.layout(), layout);
+  });
   if (typed != bindings.end()) {
-    const BoundResource resource = typed->at(use.entry);
+    const Result<size_t> at = entryIn(typed->layout(), layout, use.entry);
+    if (!at) return Error{at.error().code, "pass " + variantName(variant) + at.error().message};
+    const auto count = typed->layout().entries.size();
+    const BoundResource resource =
+        *at < count ? typed->at(static_cast<uint8_t>(*at)) : BoundResource();
     if (resource.isBound()) return resource;
   }
   const auto offer = std::find_if(offers_.begin(), offers_.end(),
-                                  [&](const Offer& o) { return o.name == entry.name; });
+                                  [&](const NamedResource& o) { return o.name == entry.name; });
   if (offer == offers_.end()) {
     const std::string name = std::string("'") + entry.name + "'";
     return Error{ErrorCode::kInvalidArgument,
@@ -250,7 +295,8 @@ Result<BoundResource> PassBuilder::find(const KernelVariant& variant, const Vari
                                 "Bindings to finish(), or bind() it"
                           : ", which the " + std::string(layout.name) + "Bindings leave empty")};
   }
-  BoundResource resource(BufferRange{offer->buffer, offer->size, offer->offset});
+  BoundResource resource(offer->buffer);
+  resource.texture = offer->texture;
   resource.block = offer->block;
   return resource;
 }
@@ -290,6 +336,7 @@ Result<void> PassBuilder::addBindings(const KernelVariant& variant,
     binding.buffer = resource->range.buffer;
     binding.offset = resource->range.offset;
     binding.size = resource->range.size;
+    binding.texture = resource->texture;
     binding.access = use.access;
     binding.stages = stageBit(kernel.stage);
     if (entry.kind == ResourceKind::kUniformBuffer) {

@@ -1,9 +1,29 @@
 #include "pelage/headless.h"
 
+#include <bit>
+#include <cmath>
+#include <cstring>
 #include <string>
 #include <utility>
 
 namespace pelage {
+
+namespace {
+
+constexpr uint32_t kMaxTextureSize = 2048, kMaxTextureLayers = 256;
+
+// Rounds to the nearest half. What is below 2^-14 becomes 0, what is too large the largest half,
+// and NaN 0.
+uint16_t toHalf(float value) {
+  const uint32_t sign = std::signbit(value) ? 0x8000u : 0;
+  const float size = std::abs(value);
+  if (!(size >= 0x1p-14f)) return static_cast<uint16_t>(sign);
+  const uint32_t bits = std::bit_cast<uint32_t>(size) + 0x1000u;
+  const uint32_t half = size < 65504.0f ? (bits - (112u << 23)) >> 13 : 0x7bffu;
+  return static_cast<uint16_t>(sign | half);
+}
+
+}  // namespace
 
 const char* apiName(Api api) {
   switch (api) {
@@ -35,6 +55,36 @@ Result<PixelArea> HeadlessDevice::drawArea(const RenderTargetDef& target) {
                    std::to_string(area.height) + " pixels at (" + std::to_string(area.x) + ", " +
                    std::to_string(area.y) + ") leave the target of " +
                    std::to_string(target.width) + " x " + std::to_string(target.height)};
+}
+
+Result<std::vector<std::byte>> HeadlessDevice::textureBytes(const TextureDef& texture) {
+  const bool cube = texture.shape == TextureShape::kCube;
+  const auto isSize = [](uint32_t size) { return size >= 1 && size <= kMaxTextureSize; };
+  const bool square = texture.width == texture.height && texture.layers == 6;
+  const bool shaped = cube ? square : texture.layers >= 1 && texture.layers <= kMaxTextureLayers;
+  const uint64_t values =
+      uint64_t{texture.width} * texture.height * texture.layers * texture.channels;
+  if (!isSize(texture.width) || !isSize(texture.height) || !shaped ||
+      (texture.channels != 1 && texture.channels != 4) || texture.texels.size() != values) {
+    return Error{ErrorCode::kInvalidArgument,
+                 "TextureDef: " + std::to_string(texture.width) + " x " +
+                     std::to_string(texture.height) + " texels in " +
+                     std::to_string(texture.layers) + " layers with " +
+                     std::to_string(texture.channels) + " channels and " +
+                     std::to_string(texture.texels.size()) +
+                     " values; a size is 1 to 2048, layers are 1 to 256 or 6 squares of a cube, "
+                     "channels 1 or 4, and there is a value for each"};
+  }
+  const size_t size = texture.channels == 1 ? sizeof(float) : sizeof(uint16_t);
+  std::vector<std::byte> bytes(texture.texels.size() * size);
+  for (size_t i = 0; i < texture.texels.size(); ++i) {
+    const uint16_t half = toHalf(texture.texels[i]);
+    std::memcpy(bytes.data() + i * size,
+                texture.channels == 1 ? static_cast<const void*>(&texture.texels[i])
+                                      : static_cast<const void*>(&half),
+                size);
+  }
+  return bytes;
 }
 
 Result<void> HeadlessDevice::checkDepthCopy(const RenderTargetDef& target, size_t lists,
