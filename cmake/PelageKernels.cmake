@@ -48,6 +48,21 @@ function(pelage_kernel_names text out)
   set(${out} "${names}" PARENT_SCOPE)
 endfunction()
 
+# The entry of one kernel of a manifest.
+function(pelage_kernel_entry text name out)
+  string(JSON count LENGTH "${text}" kernels)
+  math(EXPR last "${count} - 1")
+  foreach(i RANGE ${last})
+    string(JSON entry GET "${text}" kernels ${i})
+    string(JSON found GET "${entry}" name)
+    if(found STREQUAL name)
+      set(${out} "${entry}" PARENT_SCOPE)
+      return()
+    endif()
+  endforeach()
+  message(FATAL_ERROR "pelage has no kernel '${name}'")
+endfunction()
+
 function(pelage_add_kernels target)
   cmake_parse_arguments(PARSE_ARGV 1 arg "SHARED" "MANIFEST;REFLECTION" "INCLUDE")
   if(NOT arg_MANIFEST OR arg_UNPARSED_ARGUMENTS)
@@ -132,4 +147,71 @@ function(pelage_add_kernels target)
     set_target_properties(${library} PROPERTIES POSITION_INDEPENDENT_CODE ON
       PELAGE_GENERATED_INCLUDE "${output}/include")
   endforeach()
+endfunction()
+
+# pelage_add_engine_lights(TARGET FILE file NAMESPACE name [TIER es|base|wide] [INCLUDE dirs...])
+#
+# Makes the libraries of pelage_add_kernels() from pelage's own kernels that draw strands, with the
+# lights of an engine: the HLSL file defines engineLight(), which lights strands in place of pelage's
+# lights in every transparency method (docs/shading.md). Its resources are in ENGINE_LIGHTS_SPACE.
+# <namespace>::allKernels() goes to pelage::EngineLights::kernels. TIER is that of the devices that are
+# to run them, base by default; with es, composite_strand_tiles is of base all the same.
+function(pelage_add_engine_lights target)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "FILE;NAMESPACE;TIER" "INCLUDE")
+  if(NOT arg_FILE OR NOT arg_NAMESPACE OR arg_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "usage: pelage_add_engine_lights(TARGET FILE file NAMESPACE name "
+      "[TIER es|base|wide] [INCLUDE dirs...])")
+  endif()
+  if(NOT arg_TIER)
+    set(arg_TIER base)
+  endif()
+  set(kernels "${PELAGE_KERNELS_DIR}")
+  if(NOT kernels)
+    set(kernels "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/../kernels")
+  endif()
+  get_filename_component(kernels "${kernels}" ABSOLUTE)
+  get_filename_component(lights "${arg_FILE}" ABSOLUTE)
+  get_filename_component(lights_dir "${lights}" DIRECTORY)
+  get_filename_component(lights_name "${lights}" NAME)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${kernels}/manifest.json")
+  file(READ "${kernels}/manifest.json" own)
+
+  # Of each kernel: the name of a group with the engine's layout behind pelage's; none: the vertex
+  # stages, which draw with any of them.
+  set(folder "${CMAKE_CURRENT_BINARY_DIR}/${target}_source")
+  set(manifest "{\"groups\": {}, \"kernels\": []}")
+  string(JSON manifest SET "${manifest}" namespace "\"${arg_NAMESPACE}\"")
+  foreach(entry strand_vertex: strand_record_vertex: oit_tile_vertex: strand_pixel:StrandPixel
+      ppll_read:PpllRead hybrid_colors:HybridColors short_cut_fill_colors:ShortCutFillColors
+      composite_strand_tiles:CompositeStrandTiles)
+    string(REGEX MATCH "^([^:]*):(.*)$" matched "${entry}")
+    set(name "${CMAKE_MATCH_1}")
+    set(lit "${CMAKE_MATCH_2}")
+    pelage_kernel_entry("${own}" "${name}" kernel)
+    string(JSON file GET "${kernel}" file)
+    string(JSON group GET "${kernel}" group)
+    string(JSON layouts GET "${own}" groups "${group}")
+    set(text "// Made by pelage_add_engine_lights() for ${target}. Edits are lost.\n")
+    if(lit)
+      set(group "lit${lit}")
+      string(JSON space LENGTH "${layouts}")
+      string(JSON layouts SET "${layouts}" ${space} "\"${lit}Lights\"")
+      string(JSON kernel SET "${kernel}" group "\"${group}\"")
+      if(NOT arg_TIER STREQUAL "es")
+        string(JSON kernel SET "${kernel}" tier "\"${arg_TIER}\"")
+      endif()
+      string(APPEND text "#define ENGINE_LIGHTS_SPACE space${space}\n"
+        "#include \"${file}\"\n#include \"${lights_name}\"\n")
+    else()
+      string(APPEND text "#include \"${file}\"\n")
+    endif()
+    string(JSON kernel SET "${kernel}" file "\"${name}.hlsl\"")
+    string(JSON manifest SET "${manifest}" groups "${group}" "${layouts}")
+    string(JSON count LENGTH "${manifest}" kernels)
+    string(JSON manifest SET "${manifest}" kernels ${count} "${kernel}")
+    file(CONFIGURE OUTPUT "${folder}/${name}.hlsl" CONTENT "${text}" @ONLY)
+  endforeach()
+  file(CONFIGURE OUTPUT "${folder}/manifest.json" CONTENT "${manifest}\n" @ONLY)
+  pelage_add_kernels(${target} MANIFEST "${folder}/manifest.json"
+    INCLUDE "${kernels}" "${lights_dir}" ${arg_INCLUDE})
 endfunction()

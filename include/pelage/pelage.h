@@ -17,6 +17,7 @@
 #include "pelage/bone_weights.h"
 #include "pelage/collider.h"
 #include "pelage/collision_mesh.h"
+#include "pelage/engine_lights.h"
 #include "pelage/export.h"
 #include "pelage/follow_file.h"
 #include "pelage/force_field.h"

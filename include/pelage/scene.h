@@ -177,8 +177,8 @@ class PELAGE_API Scene {
   /// Errors, which name the field: a view without pixels, whose worldToClip is not finite or has no
   /// inverse, or with samples that no target has; lists[0] with draws of another viewport; too many
   /// lights or shadows; a light without a direction, or not finite; a light, setting or material
-  /// out of range or of no value of its enum; a memory cap that is too small. Nothing has changed
-  /// then.
+  /// out of range or of no value of its enum; a memory cap that is too small; engine lights that
+  /// lack a kernel. Nothing has changed then.
   Result<void> draw(const View& view, std::span<const Light> lights,
                     const TransparencySettings& settings, std::vector<PassList>& lists);
   /// Adds draws of depth, and of motion, of all hair objects that are visible and in view to a list

@@ -11,6 +11,8 @@
 
 namespace pelage {
 
+struct EngineLights;
+
 enum class Transparency : uint8_t {
   /// Fragments are opaque, or left out where they cover less of the pixel than a threshold of the
   /// strand's own. The cheapest.
@@ -55,6 +57,9 @@ struct TransparencySettings {
   /// Tiles: depth of what is opaque, a float for each pixel of the view, row 0 the top row. The
   /// engine fills it after lists[0] and before lists[1]. Without it nothing occludes hair.
   BufferId opaqueDepth = BufferId::kInvalid;
+  /// The engine's own lights in place of those that draw() is given, whose ambient light and shadow
+  /// maps they may still read. It is looked at during the call only. nullptr: pelage's lights.
+  const EngineLights* engineLights = nullptr;
 };
 
 /// What the buffers of a method take for a view.

@@ -1,6 +1,8 @@
-// Sums the light that a strand sends to the eye: the lights of StrandViewConstants, each through
-// the hair in front of it, and the ambient term. The including file has a layout with
-// strand_view.hlsli and defines SHADOW_WORDS, the buffer of the shadow maps.
+// The light that a strand sends to the eye, as every transparency method takes it. The including
+// file has a layout with strand_view.hlsli and defines SHADOW_WORDS, the buffer of the shadow maps.
+//
+// With ENGINE_LIGHTS_SPACE the light is an engine's own: pelage_add_engine_lights() defines it, and
+// includes the engine's file behind the kernel. docs/shading.md has the contract.
 #ifndef PELAGE_SHADING_LIGHT_STRAND_HLSLI
 #define PELAGE_SHADING_LIGHT_STRAND_HLSLI
 
@@ -23,7 +25,9 @@ StrandSurface strandSurface(float3 position, float3 tangent, float3 baseColor) {
   return makeStrandSurface(position, tangent, g_eye.xyz, baseColor);
 }
 
-float3 lightStrand(StrandShading material, StrandSurface surface) {
+// Sums the lights of StrandViewConstants, each through the hair in front of it, and the ambient
+// term.
+float3 viewLight(StrandShading material, StrandSurface surface) {
   float3 sum = g_ambientColor.rgb * strandAmbient(material, surface);
   uint count = min(g_lightCount, kMaxStrandLights);
   for (uint i = 0u; i < count; ++i) {
@@ -37,5 +41,18 @@ float3 lightStrand(StrandShading material, StrandSurface surface) {
   }
   return sum;
 }
+
+#ifdef ENGINE_LIGHTS_SPACE
+// In the engine's file.
+float3 engineLight(StrandShading material, StrandSurface surface);
+
+float3 lightStrand(StrandShading material, StrandSurface surface) {
+  return engineLight(material, surface);
+}
+#else
+float3 lightStrand(StrandShading material, StrandSurface surface) {
+  return viewLight(material, surface);
+}
+#endif
 
 #endif

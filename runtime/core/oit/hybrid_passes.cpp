@@ -1,6 +1,7 @@
 // The nearest fragments of a pixel in layers, the others averaged behind them.
 #include "oit/oit_views.h"
 #include "pelage/kernels.h"
+#include "shading/lit_kernels.h"
 
 namespace pelage::detail {
 
@@ -54,8 +55,8 @@ Result<void> addHybridPasses(OitDraw& draw, uint32_t layers, std::vector<PassLis
   };
   if (Result<void> added = addStrandDraws(draw.view, hybridDepthsVariant(), find, lists[0]); !added)
     return added;
-  if (Result<void> added = addStrandDraws(draw.view, hybridColorsVariant(), fill, lists[1]); !added)
-    return added;
+  const KernelVariant& lit = litVariant(draw.view.engineLights, hybridColorsVariant());
+  if (Result<void> added = addStrandDraws(draw.view, lit, fill, lists[1]); !added) return added;
 
   HybridReadConstants read = {};
   read.layersOrigin = {view.x, view.y};

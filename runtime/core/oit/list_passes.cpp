@@ -1,6 +1,7 @@
 // The exact composite from per-pixel linked lists.
 #include "oit/oit_views.h"
 #include "pelage/kernels.h"
+#include "shading/lit_kernels.h"
 
 namespace pelage::detail {
 
@@ -64,11 +65,14 @@ Result<void> addListPasses(OitDraw& draw, const MaterialBatch& batch, PassList& 
   read.readHeight = view.height;
   read.readNodeCapacity = draw.plan.sizes.nodeCount;
   read.readEpsilon = settings.epsilon;
+  const EngineLights* lights = draw.view.engineLights;
   PassBuilder resolve(resolveList);
   resolve
-      .drawIndirect(oitTileVertexVariant({}), ppllReadVariant({.tail = tail}), overTarget(),
+      .drawIndirect(litVariant(lights, oitTileVertexVariant({})),
+                    litVariant(lights, ppllReadVariant({.tail = tail})), overTarget(),
                     lists.counters)
       .vertices(tileList(lists.tiles, view.width, view.height));
+  if (lights != nullptr) resolve.offer(lights->resources);
   return resolve.finish(
       OitTilesBindings{.oitTileConstants = tileConstants(view.width, view.height)},
       PPLLReadBindings{

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "shading/lit_kernels.h"
+
 namespace pelage::detail {
 
 namespace {
@@ -97,6 +99,9 @@ std::vector<BufferId*> OitBuffers::all() {
 Result<OitPlan> OitViews::check(DrawnView& view, const TransparencySettings& settings,
                                 const RoomBuffers& room) {
   OitPlan plan;
+  if (Result<void> complete = checkLights(settings.engineLights); !complete)
+    return complete.error();
+  view.engineLights = settings.engineLights;
   TransparencySettings left = settings;
   if (view.transformsFirst && settings.method != Transparency::kTiles) {
     plan.recordBytes = placeRecords(view);

@@ -80,7 +80,8 @@ Result<void> addShortCutPasses(OitDraw& draw, std::vector<PassList>& lists);
 
 class OitViews {
  public:
-  /// Errors: those of planTransparency(); opaqueDepth that is too small.
+  /// Errors: those of planTransparency(); opaqueDepth that is too small; engineLights that lack a
+  /// kernel. Notes the lights in the view.
   static Result<OitPlan> check(DrawnView& view, const TransparencySettings& settings,
                                const RoomBuffers& room);
   /// Adds the passes of a method. The view gets the first buffers that no list names which is still

@@ -1,6 +1,7 @@
 // ShortCut: three fragments of a pixel by their depths, in four passes.
 #include "oit/oit_views.h"
 #include "pelage/kernels.h"
+#include "shading/lit_kernels.h"
 
 namespace pelage::detail {
 
@@ -99,9 +100,8 @@ Result<void> addShortCutPasses(OitDraw& draw, std::vector<PassList>& lists) {
   if (Result<void> added = addStrandDraws(draw.view, shortCutDepthsAlphaVariant(), find, lists[0]);
       !added)
     return added;
-  if (Result<void> added = addStrandDraws(draw.view, shortCutFillColorsVariant(), fill, lists[2]);
-      !added)
-    return added;
+  const KernelVariant& lit = litVariant(draw.view.engineLights, shortCutFillColorsVariant());
+  if (Result<void> added = addStrandDraws(draw.view, lit, fill, lists[2]); !added) return added;
   return addResolves(draw, sizes, lists);
 }
 

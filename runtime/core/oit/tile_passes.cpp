@@ -4,6 +4,7 @@
 
 #include "oit/oit_views.h"
 #include "pelage/kernels.h"
+#include "shading/lit_kernels.h"
 
 namespace pelage::detail {
 
@@ -30,8 +31,10 @@ Result<void> addComposite(const OitDraw& draw, const MaterialBatch& batch,
   composite.tileTotal = sizes.tiles;
   composite.tileEpsilon = settings.epsilon;
   PassBuilder builder(list);
-  builder.dispatchIndirect(compositeStrandTilesVariant({.occluded = occluded}), counters,
-                           kDispatchOffset);
+  const EngineLights* lights = draw.view.engineLights;
+  builder.dispatchIndirect(litVariant(lights, compositeStrandTilesVariant({.occluded = occluded})),
+                           counters, kDispatchOffset);
+  if (lights != nullptr) builder.offer(lights->resources);
   if (Result<void> added = builder.finish(StrandTilesCompositeBindings{
           .strandViewConstants = draw.view.constants,
           .strandTilesCompositeConstants = composite,

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "pelage/kernels.h"
+#include "shading/lit_kernels.h"
 
 namespace pelage::detail {
 
@@ -93,23 +94,25 @@ Result<void> addDraw(const DrawnView& view, const DrawnHair& hair, size_t materi
                      std::optional<LayoutBindings> method, PassList& list) {
   state.depthCompare = view.view.reversedDepth ? DepthCompare::kGreater : DepthCompare::kLess;
   const StrandBindings strands = strandBindings(view, hair, material);
+  const EngineLights* lights = lightsOf(view.engineLights, pixel);
   PassBuilder builder(list);
   if (view.transformsFirst) {
     // An instance is a segment, or the gap between two strands.
     const uint64_t records = hair.drawnVertices();
     state.topology = PrimitiveTopology::kTriangleStrip;
     builder
-        .draw(strandRecordVertexVariant({.smooth = smooth}), pixel, state, 4,
+        .draw(litVariant(lights, strandRecordVertexVariant({.smooth = smooth})), pixel, state, 4,
               static_cast<uint32_t>(records - 1))
         .vertices({view.records.buffer, records * kRecordBytes, hair.firstRecord * kRecordBytes})
         .bytes(records * kRecordBytes);
   } else {
     const StrandVertexKey key{.smooth = smooth, .attributes = strandAttributes(*hair.buffers) != 0};
     builder
-        .draw(strandVertexVariant(key), pixel, state, (hair.vertexCount - 1) * 6,
-              hair.strands.count, hair.buffers->indices)
+        .draw(litVariant(lights, strandVertexVariant(key)), pixel, state,
+              (hair.vertexCount - 1) * 6, hair.strands.count, hair.buffers->indices)
         .bytes(strands.bytes);
   }
+  if (lights != nullptr) builder.offer(lights->resources);
   if (!method) return builder.finish(strands.posTan, strands.render);
   return builder.finish(strands.posTan, strands.render, *method);
 }
@@ -358,7 +361,8 @@ Result<void> addStrandDraws(const DrawnView& view, const KernelVariant& pixel,
 }
 
 Result<void> addOpaqueDraws(const DrawnView& view, bool stochastic, PassList& list) {
-  const KernelVariant& pixel = strandPixelVariant({.stochastic = stochastic});
+  const KernelVariant& pixel =
+      litVariant(view.engineLights, strandPixelVariant({.stochastic = stochastic}));
   for (size_t i = 0; i < view.hairs.size(); ++i) {
     if (Result<void> added =
             addDraw(view, view.hairs[i], i, false, pixel, DrawState{}, std::nullopt, list);

@@ -11,6 +11,7 @@
 #include "base/bounds.h"
 #include "pelage/bindings.h"
 #include "pelage/constants.h"
+#include "pelage/engine_lights.h"
 #include "pelage/gpu_structs.h"
 #include "pelage/hair_object.h"
 #include "pelage/pass_list.h"
@@ -62,6 +63,7 @@ struct DrawnView {
   uint64_t shadowBytes = 0;
   bool transformsFirst = false;  ///< the vertex stage has no storage buffers: draws take records
   BufferRange records = {};      ///< of all hairs, where they are transformed first
+  const EngineLights* engineLights = nullptr;  ///< TransparencySettings::engineLights
 };
 
 /// Bytes of a vertex that transform_strands has placed on the screen.
@@ -119,7 +121,7 @@ Result<void> addTransforms(const DrawnView& view, PassList& list);
 Result<void> addStrandDraw(const DrawnView& view, const DrawnHair& hair, size_t material,
                            const KernelVariant& pixel, const LayoutBindings& method,
                            PassList& list);
-/// The same of all objects.
+/// The same of all objects. \param pixel  pelage's kernel, or the engine's with its lights.
 Result<void> addStrandDraws(const DrawnView& view, const KernelVariant& pixel,
                             const LayoutBindings& method, PassList& list);
 /// Opaque ribbons of all objects into the target. \param stochastic as many samples as the fiber

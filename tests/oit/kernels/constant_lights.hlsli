@@ -1,0 +1,15 @@
+// An engine's lights that give every fiber one color, of each kind of resource a part.
+cbuffer ConstantLight : register(b0, ENGINE_LIGHTS_SPACE) {
+  float4 g_constantLight;  // rgb
+};
+
+StructuredBuffer<float> g_constantScale : register(t0, ENGINE_LIGHTS_SPACE);  // of red
+Texture2DArray<float> g_constantTexels : register(t1, ENGINE_LIGHTS_SPACE);   // of green
+TextureCube<float4> g_constantCube : register(t2, ENGINE_LIGHTS_SPACE);       // of blue
+SamplerState g_constantSampler : register(s0, ENGINE_LIGHTS_SPACE);
+
+float3 engineLight(StrandShading material, StrandSurface surface) {
+  float3 scale = float3(g_constantScale[1], g_constantTexels.Load(int4(2, 1, 1, 0)),
+                        g_constantCube.SampleLevel(g_constantSampler, surface.tangent, 0.0).b);
+  return g_constantLight.rgb * scale;
+}
