@@ -59,6 +59,21 @@ class PELAGE_API Frame {
   Frame& operator=(Frame&& other) noexcept;
   ~Frame();
 
+  /// Draws the frame between two states of the simulation, for engines that simulate in fixed
+  /// steps: objects with HairObject::interpolates are drawn where they are a share of the way from
+  /// the state before the last simulation with dt > 0 to the state after it. Vertices move on
+  /// straight lines, roots of computed follow hairs rotate evenly. Without the call the frame draws
+  /// the last state, and its motion vectors are those of the camera for these objects. After a
+  /// reset both states are the new one; Scene::teleport() takes both along.
+  ///
+  ///     while (accumulator >= kStep) { ...; run(*scene.simulate(kStep)); accumulator -= kStep; }
+  ///     auto frame = scene.simulate(0);
+  ///     if (frame) placed = frame->interpolate(accumulator / kStep);  // then draw()
+  ///
+  /// \param share 0..1: 0 is the state before, to the bit, and 1 the last one.
+  /// Errors: a share out of range; a frame that is drawn or interpolated already, finished or over.
+  /// Cost: with the first call three buffers an object, then a pass or two each.
+  Result<void> interpolate(float share);
   /// Draws a view, into buffers of its own, in whatever size and method: the pixels do not depend
   /// on the other views. A light that several views see has one shadow map.
   /// \param before  passes and draws of yours that come first in the view: what is opaque, or

@@ -15,6 +15,7 @@
 #include "pelage/hair_asset.h"
 #include "pelage/ids.h"
 #include "pelage/pass_list.h"
+#include "pelage/result.h"
 #include "pelage/simulation_settings.h"
 #include "pelage/types.h"
 #include "pelage/view.h"
@@ -160,8 +161,15 @@ struct HairBuffers {
   BufferId vertexColors = BufferId::kInvalid;  ///< [guide][vertex] linear rgba, 4 unorms of 16 bits
   BufferId previousPositions =
       BufferId::kInvalid;  ///< HairObject::tracksMotion: `positions` from before the last
-                           ///< simulation with dt > 0; in the frame of a reset those from after it
+                           ///< simulation with dt > 0; in the frame of a reset those from after it.
+                           ///< With HairObject::interpolates: `drawnPositions` of the frame of
+                           ///< interpolate() before the last one
   BufferId baseTexture = BufferId::kInvalid;  ///< [y][x] as vertexColors, then [guide] Float2: UV
+  BufferId drawnPositions = BufferId::kInvalid;  ///< HairObject::interpolates: `positions` as
+                                                 ///< Frame::interpolate() has placed them last
+  BufferId drawnTangents = BufferId::kInvalid;   ///< likewise
+  BufferId drawnRoots = BufferId::kInvalid;  ///< likewise of rootTransforms(): now and before; only
+                                             ///< with follow hairs that are not stored
 };
 
 /// Hair of a scene. Threads: the one that uses its scene.
@@ -213,6 +221,11 @@ class PELAGE_API HairObject {
   /// and a buffer of their size; false has neither. It may change at any time: motion is right from
   /// the first frame on that has it.
   bool tracksMotion = false;
+  /// Keeps the state before each simulation, so that Frame::interpolate() can draw the hair between
+  /// two fixed steps. Costs a pass that copies the positions, and 48 bytes a vertex that is stored;
+  /// false has neither. It may change at any time; until the next simulation the object is drawn in
+  /// its last state. With tracksMotion, motion is that between the frames of interpolate().
+  bool interpolates = false;
 
   /// Sets the skinning transforms (bind space to world) of all bones for the next frames. Asserts
   /// that there are boneCount() of them, and that the object follows no skeleton. A root with a

@@ -152,6 +152,12 @@ class PELAGE_API Scene {
 
   // The layer below frames, for engines that keep lists of their own: docs/scene.md says when.
 
+  /// Adds the passes that place the objects with HairObject::interpolates between their last two
+  /// states, as Frame::interpolate() does, to a list behind simulate() and before all draws of the
+  /// frame; call it once a frame. \param list  that of simulate(), or one of your own (which is not
+  /// cleared). Errors: those of Frame::interpolate(); a list of an earlier frame.
+  Result<void> interpolate(float share, PassList& list);
+
   /// Writes the passes that advance every hair object by dt.
   /// \param dt seconds, >= 0. 0 skips the simulation; hair that has not moved since it was added or
   ///   reset is shown in its bind pose under the bones. Steps are at most 1/60 s: a longer dt is

@@ -31,12 +31,13 @@ struct SceneFeatures {
   bool storedFollowHairs = false;     ///< HairDef::storeFollowHairs
   bool collidingFollowHairs = false;  ///< CollidingHair::kGuidesAndFollows
   bool levelOfDetail = false;         ///< HairDef::levelOfDetail
-  bool attributes = false;    ///< HairAsset::strandThickness, vertexColor, HairDef::baseTexture
-  bool skinnedHair = false;   ///< HairObject::simulated = false
-  bool originShifts = false;  ///< Scene::shiftOrigin()
-  bool teleports = false;     ///< Scene::teleport()
-  bool motion = false;        ///< HairObject::tracksMotion
-  bool shadows = true;        ///< Light::shadow, Scene::castShadows()
+  bool attributes = false;     ///< HairAsset::strandThickness, vertexColor, HairDef::baseTexture
+  bool skinnedHair = false;    ///< HairObject::simulated = false
+  bool originShifts = false;   ///< Scene::shiftOrigin()
+  bool teleports = false;      ///< Scene::teleport()
+  bool motion = false;         ///< HairObject::tracksMotion
+  bool interpolation = false;  ///< HairObject::interpolates
+  bool shadows = true;         ///< Light::shadow, Scene::castShadows()
   /// One for each method that views use; TransparencySettings::opaqueDepth counts as given where it
   /// is not kInvalid. Empty: nothing is drawn.
   std::vector<TransparencySettings> transparency = {TransparencySettings{}};

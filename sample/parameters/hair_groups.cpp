@@ -131,6 +131,12 @@ std::vector<Parameter> objectRows() {
        "Keeps the positions of the last frame for motion vectors; costs a pass and a buffer. "
        "[shading_depth.md](shading_depth.md)",
        {}},
+      {PELAGE_FIELD(HairObject, interpolates),
+       "",
+       "",
+       "Keeps the state before each simulation, so that Frame::interpolate() can draw between "
+       "fixed steps; costs a pass and three buffers. [scene.md](scene.md#fixed-steps)",
+       {}},
   };
 }
 

@@ -55,6 +55,7 @@ const std::vector<Feature>& features() {
         "accumulate_strand_shadow"}},
       {"Hair read by the vertex stage, which Tier::kWide draws", {"strand_vertex"}},
       {"Depth of hair", {"transform_strands", "strand_record_vertex", "strand_depth_pixel"}},
+      {"Hair between two states", {"keep_positions", "interpolate_strands", "interpolate_roots"}},
       {"Motion of hair, Tier::kWide", {"keep_positions", "strand_motion_vertex"}},
       {"Motion of hair, other tiers",
        {"keep_positions", "transform_strands", "transform_motion", "motion_record_vertex",

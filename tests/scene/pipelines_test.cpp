@@ -284,6 +284,9 @@ TEST(ListToPrepare, LeavesOutWhatIsNotWanted) {
   EXPECT_EQ(count({}, "keep_positions"), 0u);
   EXPECT_EQ(count({}, "motion"), 0u);
   EXPECT_EQ(count({.motion = true}, "keep_positions"), 1u);
+  EXPECT_EQ(count({}, "interpolate_strands"), 0u);
+  EXPECT_EQ(count({.interpolation = true}, "interpolate_strands"), 1u);
+  EXPECT_EQ(count({.interpolation = true}, "interpolate_roots"), 1u);
 }
 
 TEST(ListToPrepare, RefusesSettingsThatAreOutOfRange) {

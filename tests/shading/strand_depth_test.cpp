@@ -560,6 +560,85 @@ TEST_P(StrandDepth, MotionIsZeroWhereNothingMoves) {
   }
 }
 
+// Between fixed steps, motion is that from one drawn frame to the next one.
+TEST_P(StrandDepth, MotionIsThatBetweenTheFramesThatAreDrawn) {
+  const Fur fur = makeFur();
+  const View view = viewFrom({0.1f, 0, 1}, {0, 0, 0});
+  const Matrix4d clip = toMatrix(view.worldToClip), inverse = clip.inverse();
+  const auto place = [&](float share, float dt = 0) {
+    PassList list;
+    expectOk(run_.scene.simulate(dt, list));
+    expectOk(run_.scene.interpolate(share, list));
+    run_.scene.finish(list);
+    expectOk(run_.device()->update(run_.scene.resources()));
+    expectOk(run_.device()->execute(list));
+  };
+  // Hair that goes along x by so many metres between the frames that are drawn.
+  const auto expectMotion = [&](double along, const char* when) {
+    const Picture picture =
+        draw(view, {.color = HairDepthColor::kMotion, .previousWorldToClip = view.worldToClip});
+    EXPECT_GT(picture.covered(), 1000u) << when;
+    double worst = 0;
+    for (uint32_t y = 0; y < kPixels; ++y) {
+      for (uint32_t x = 0; x < kPixels; ++x) {
+        const Float4& pixel = picture.at(x, y);
+        if (pixel.w == 0) continue;
+        const Vector2d at(x + 0.5, y + 0.5);
+        const Vector4d world = inverse * Vector4d(at.x() / kPixels * 2 - 1,
+                                                  1 - at.y() / kPixels * 2, double{pixel.z}, 1);
+        const Vector3d point = world.head<3>() / world.w();
+        const Vector2d expected =
+            pixelOf(clip, point) - pixelOf(clip, point - Vector3d(along, 0, 0));
+        const double error = (Vector2d(double{pixel.x}, double{pixel.y}) - expected).norm();
+        ASSERT_FALSE(std::isnan(error)) << when;
+        keepLargest(worst, error);
+      }
+    }
+    EXPECT_LT(worst, 0.15) << when << " [pixels]";
+  };
+  const auto poseAt = [&](float x) { pose(bone(0, {0, 1, 0}, {x, 0, 0})); };
+  for (const bool stored : {false, true}) {
+    HairObject& object = add(fur.asset, {.followHairs = fur.follows, .storeFollowHairs = stored});
+    object.material.fiberRadius = 0.002f;
+    object.interpolates = true;
+    poseAt(0);
+    run_.step();
+    poseAt(0.02f);
+    run_.step();
+    place(0.25f);
+    expectMotion(0, "nothing was drawn before");
+    place(0.75f);
+    expectMotion(0.01, "half of a step");
+    place(0.75f);
+    expectMotion(0, "at rest");
+    // Two steps between two frames, from 0.015 to 0.04 + 0.005.
+    poseAt(0.04f);
+    run_.step();
+    poseAt(0.06f);
+    place(0.25f, 1.0f / 60);
+    expectMotion(0.03, "two steps");
+    object.reset();
+    poseAt(-0.05f);
+    run_.step();
+    place(0.5f);
+    expectMotion(0, "reset");
+    expectOk(run_.scene.teleport(run_.lastHair(), bone(0, {0, 1, 0}, {0.08f, 0, 0})));
+    place(0.5f, 1.0f / 60);
+    expectMotion(0, "teleported");
+    poseAt(0.05f);
+    run_.step();
+    place(0.5f);
+    expectMotion(0.01, "moved again");
+    expectOk(run_.scene.shiftOrigin({1, 0, 0}));
+    expectOk(run_.scene.shiftOrigin({-1, 0, 0}));
+    place(1);
+    expectMotion(0.01, "shifted");
+    run_.step(0);
+    expectMotion(0, "not interpolated");
+    run_.clear();
+  }
+}
+
 // A frame that does not run moves nothing.
 TEST_P(StrandDepth, LostFramesMoveNothing) {
   const Fur fur = makeFur();

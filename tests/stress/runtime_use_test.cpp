@@ -103,6 +103,7 @@ void change(HairObject& hair, Dice& dice, bool structure) {
   hair.visible = dice.random.below(8) != 0;
   if (structure) hair.usesMeshColliders = dice.coin();
   if (structure) hair.tracksMotion = dice.coin();
+  hair.interpolates = hair.tracksMotion && hair.usesMeshColliders;
   std::vector<CapsuleCollider> capsules(structure ? dice.random.below(4) : 1);
   for (CapsuleCollider& capsule : capsules) {
     capsule = {.head = dice.vector(0.3f),

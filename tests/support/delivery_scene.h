@@ -96,7 +96,7 @@ class DeliveryScene {
     }
     features.collidingFollowHairs = features.levelOfDetail = true;
     features.skinnedHair = features.originShifts = true;
-    features.motion = true;
+    features.motion = features.interpolation = true;
     features.transparency = {};
     return features;
   }
@@ -139,6 +139,8 @@ class DeliveryScene {
     own.simulated = frame != 1 && frame != 2;
     own.tracksMotion = frame != 2;
     scene_.hair(hairs_[1]).tracksMotion = frame >= 1;
+    own.interpolates = frame >= 3 && frame < 9;
+    scene_.hair(hairs_[1]).interpolates = frame >= 2;
     const float shift = frame >= 8 ? 2.0f : 0.0f;
     // First at rest, then one bone alone, then both.
     const float moved = frame == 1 ? 0 : t;
@@ -151,6 +153,7 @@ class DeliveryScene {
   static float seconds(int frame) { return frame % 4 == 3 ? 1.0f / 40 : 1.0f / 60; }
   Result<void> simulate(int frame, PassList& list) {
     if (Result<void> done = scene_.simulate(seconds(frame), list); !done) return done;
+    if (Result<void> placed = scene_.interpolate(0.3f, list); !placed) return placed;
     Light light;
     light.shadow = HairShadow::kDeep;
     light.shadowSize = 64;
@@ -158,18 +161,25 @@ class DeliveryScene {
     return maps ? Result<void>() : maps.error();
   }
 
-  /// What a frame leaves: read these back.
+  /// What a frame leaves: read these back. First those of hair(0).
   std::vector<BufferId> results() const {
     std::vector<BufferId> all;
-    for (const HairId id : hairs_) {
-      const HairBuffers& buffers = scene_.hair(id).buffers();
-      for (const BufferId buffer : {buffers.positions, buffers.tangents, buffers.contactForces,
-                                    buffers.followBefore, buffers.previousPositions})
-        if (buffer != BufferId::kInvalid) all.push_back(buffer);
+    for (size_t index = 0; index < hairs_.size(); ++index) {
+      const std::vector<BufferId> own = resultsOf(index);
+      all.insert(all.end(), own.begin(), own.end());
     }
     all.push_back(scene_.sdfKeys());
     all.push_back(scene_.sdfSurface());
     all.push_back(scene_.shadowWords());
+    return all;
+  }
+  std::vector<BufferId> resultsOf(size_t index) const {
+    const HairBuffers& buffers = scene_.hair(hairs_[index]).buffers();
+    std::vector<BufferId> all;
+    for (const BufferId buffer :
+         {buffers.positions, buffers.tangents, buffers.contactForces, buffers.followBefore,
+          buffers.previousPositions, buffers.drawnPositions, buffers.drawnTangents})
+      if (buffer != BufferId::kInvalid) all.push_back(buffer);
     return all;
   }
   double time() const { return scene_.time() - started_; }

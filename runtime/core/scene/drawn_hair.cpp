@@ -10,6 +10,17 @@ namespace pelage {
 
 namespace detail {
 
+namespace {
+
+// The roots that draws compute follow hairs from.
+BufferRange drawnRoots(const HairObject& object, const StrandsBetween& between) {
+  BufferRange roots = object.rootTransforms();
+  if (between.roots != BufferId::kInvalid) roots = {between.roots, roots.size};
+  return roots;
+}
+
+}  // namespace
+
 DrawnStrands drawnStrands(const HairObject& object) {
   const uint32_t all = std::min(object.drawnStrands, object.strandCount());
   // What is not a number counts as 1.
@@ -27,7 +38,7 @@ DrawnStrands drawnStrands(const HairObject& object) {
   return drawn;
 }
 
-DrawnHair drawnHairOf(const HairObject& object, const HairInternals& hair) {
+DrawnHair drawnHairOf(const HairObject& object, const HairInternals& hair, uint64_t frame) {
   DrawnHair drawn;
   drawn.material = &object.material;
   drawn.buffers = &object.buffers();
@@ -38,9 +49,19 @@ DrawnHair drawnHairOf(const HairObject& object, const HairInternals& hair) {
   drawn.storesFollows = hair.storesFollowHairs;
   drawn.tipSeparation = object.settings.tipSeparation;
   drawn.textureSize = {hair.textureWidth, hair.textureHeight};
-  drawn.roots = object.rootTransforms();
-  drawn.ball = ballOfHair(hair, object.settings.tipSeparation);
+  const StrandsBetween between = hair.interpolation.drawn(frame);
+  const bool placed = between.positions != BufferId::kInvalid;
+  drawn.positions = placed ? between.positions : object.buffers().positions;
+  drawn.tangents = placed ? between.tangents : object.buffers().tangents;
+  drawn.roots = drawnRoots(object, between);
+  drawn.ball = ballOfDrawn(object, hair, frame);
   return drawn;
+}
+
+Ball ballOfDrawn(const HairObject& object, const HairInternals& hair, uint64_t frame) {
+  const Ball now = ballOfHair(hair, object.settings.tipSeparation);
+  const bool placed = hair.interpolation.drawn(frame).positions != BufferId::kInvalid;
+  return placed ? ballAround(now, hair.interpolation.ballBefore()) : now;
 }
 
 Ball ballOfHair(const HairInternals& hair, float tipSeparation) {
@@ -52,7 +73,7 @@ Ball ballOfHair(const HairInternals& hair, float tipSeparation) {
   return ball;
 }
 
-ShadowedHair shadowedHairOf(const HairObject& object, const HairInternals& hair) {
+ShadowedHair shadowedHairOf(const HairObject& object, const HairInternals& hair, uint64_t frame) {
   const DrawnStrands drawn = drawnStrands(object);
   const HairBuffers& buffers = object.buffers();
   const StrandMaterial& m = object.material;
@@ -72,10 +93,12 @@ ShadowedHair shadowedHairOf(const HairObject& object, const HairInternals& hair)
   shadowed.volume = hair.volume;
   shadowed.meanThickness = hair.meanThickness;
   shadowed.maxThickness = hair.maxThickness;
-  shadowed.positions = buffers.positions;
+  const StrandsBetween between = hair.interpolation.drawn(frame);
+  shadowed.positions =
+      between.positions != BufferId::kInvalid ? between.positions : buffers.positions;
   shadowed.thickness = buffers.strandThickness;
   shadowed.followHairRecords = buffers.followHairRecords;
-  shadowed.rootTransforms = object.rootTransforms();
+  shadowed.rootTransforms = drawnRoots(object, between);
   return shadowed;
 }
 

@@ -29,6 +29,8 @@ struct Frame::Impl {
   std::vector<FrameStep> steps;
   size_t simulation = 0;  // index of its list
   uint32_t views = 0;
+  bool drawn = false;  // something reads where strands are drawn
+  bool interpolated = false;
   bool finished = false;
 
   // One whose memory an earlier frame has had.
@@ -84,6 +86,20 @@ Result<detail::SceneImpl*> Frame::openForMore(const char* call) const {
   return scene;
 }
 
+Result<void> Frame::interpolate(float share) {
+  const Result<detail::SceneImpl*> scene = openForMore("interpolate()");
+  if (!scene) return scene.error();
+  if (impl_->drawn || impl_->interpolated) {
+    return Error{ErrorCode::kInvalidArgument,
+                 std::string("Frame::interpolate(): the frame is ") +
+                     (impl_->drawn ? "drawn" : "interpolated") +
+                     " already: call it once, before draw(), drawDepth() and castShadows()"};
+  }
+  Result<void> placed = (*scene)->interpolate(share, *impl_->items[impl_->simulation].list);
+  impl_->interpolated = placed.ok();
+  return placed;
+}
+
 Result<uint32_t> Frame::draw(const View& view, std::span<const Light> lights,
                              const TransparencySettings& settings, PassList before) {
   const Result<detail::SceneImpl*> scene = openForMore("draw()");
@@ -92,6 +108,7 @@ Result<uint32_t> Frame::draw(const View& view, std::span<const Light> lights,
   lists.push_back(std::move(before));
   if (Result<void> drawn = (*scene)->draw(view, lights, settings, lists); !drawn)
     return drawn.error();
+  impl_->drawn = true;
   for (uint32_t i = 0; i < lists.size(); ++i) {
     Impl::Item& item = impl_->items.emplace_back();
     item.list = std::make_unique<PassList>(std::move(lists[i]));
@@ -107,6 +124,7 @@ Result<uint32_t> Frame::drawDepth(const View& view, const HairDepthSettings& set
   if (!scene) return scene.error();
   if (Result<void> drawn = (*scene)->drawDepth(view, settings, before); !drawn)
     return drawn.error();
+  impl_->drawn = true;
   return addView(std::move(before));
 }
 
@@ -124,7 +142,9 @@ Result<uint32_t> Frame::castShadows(std::span<const Light> lights) {
   if (!scene) return scene.error();
   std::unique_ptr<PassList> list = impl_->makeList();
   Result<uint32_t> cast = (*scene)->castShadows(lights, *list);
-  if (cast) impl_->items.emplace_back().list = std::move(list);
+  if (!cast) return cast;
+  impl_->drawn = true;
+  impl_->items.emplace_back().list = std::move(list);
   return cast;
 }
 

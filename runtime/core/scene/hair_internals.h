@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -18,6 +19,7 @@
 #include "pelage/gpu_structs.h"
 #include "pelage/hair_asset.h"
 #include "pelage/hair_object.h"
+#include "shading/strand_interpolation.h"
 #include "shading/strand_motion.h"
 #include "simulation/field_forces.h"
 #include "simulation/strand_solver.h"
@@ -64,6 +66,7 @@ struct HairFrameState {
   HairGrid grid;
   StrandSolver solver;
   StrandMotion motion;
+  StrandInterpolation interpolation;
 };
 
 struct HairInternals : HairFrameState, Groom {
@@ -95,6 +98,8 @@ void shiftWorld(HairFrameState& state, const Vector3<double>& shift,
 /// The pending teleport of positions in world space. Shifts of the world that are pending are part
 /// of it.
 RigidMove teleportInWorld(const HairFrameState& state);
+/// The same. \param origin  that the object had before the frame moved it
+RigidMove teleportInWorld(const HairFrameState& state, const LocalOrigin& origin);
 /// After a shift: capsules that moved by no more than an engine's rounding have not moved.
 void forgetRounding(HairInternals& hair);
 /// Around all strands in world space; a radius of infinity when a bone is not finite.

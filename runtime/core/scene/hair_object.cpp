@@ -179,6 +179,7 @@ void shiftWorld(HairFrameState& state, const Vector3<double>& shift,
   state.grid.shift(floats, -shift);
   detail::shift(floats, state.collidersBefore, -shift);
   for (AffineTransform& bone : state.bonesBefore) floats.shift(bone, -shift);
+  state.interpolation.move({.rotation = {}, .shift = -shift});
   floats.end();
   // Of outputs that are not there nothing is to be moved.
   if (state.solver.lastFrame() > 0) state.pendingShift += shift;

@@ -67,6 +67,9 @@ Result<void> Scene::draw(const View& view, std::span<const Light> lights,
 Result<void> Scene::drawDepth(const View& view, const HairDepthSettings& settings, PassList& list) {
   return impl_->drawDepth(view, settings, list);
 }
+Result<void> Scene::interpolate(float share, PassList& list) {
+  return impl_->interpolate(share, list);
+}
 float Scene::shareForView(HairId id, const View& view, float pixels) const {
   return impl_->shareForView(id, view, pixels);
 }

@@ -71,7 +71,7 @@ Result<DrawnView> SceneImpl::beginDraw(const View& view, std::span<const Light> 
   for (const auto& held : objects_) {
     if (held == nullptr || !held->visible) continue;
     if (Result<void> checked = checkLook(*held); !checked) return checked.error();
-    DrawnHair hair = drawnHairOf(*held, *held->internals_);
+    DrawnHair hair = drawnHairOf(*held, *held->internals_, draws_.frame);
     hair.before = held->internals_->motion.before(draws_.frame);
     if (hair.strands.count > 0 && isInFrustum(view, hair.ball)) frame.hairs.push_back(hair);
   }
@@ -172,11 +172,11 @@ Result<ShadowCast> SceneImpl::checkShadows(std::span<const Light> lights) {
   for (const auto& held : objects_) {
     if (held == nullptr || !held->visible || drawnCount(*held) == 0) continue;
     if (Result<void> checked = checkLook(*held); !checked) return checked.error();
-    const Ball ball = ballOfHair(*held->internals_, held->settings.tipSeparation);
+    const Ball ball = ballOfDrawn(*held, *held->internals_, draws_.frame);
     // One that is anywhere has no map that it fits into.
     if (!std::isfinite(ball.radius)) continue;
     all = cast.hairs.empty() ? ball : ballAround(all, ball);
-    cast.hairs.push_back(shadowedHairOf(*held, *held->internals_));
+    cast.hairs.push_back(shadowedHairOf(*held, *held->internals_, draws_.frame));
   }
   std::vector<StrandShadowDef> defs;
   for (size_t i = 0; i < lights.size() && !cast.hairs.empty(); ++i) {

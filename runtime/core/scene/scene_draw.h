@@ -18,7 +18,10 @@ namespace pelage::detail {
 
 DrawnStrands drawnStrands(const HairObject& object);
 inline uint32_t drawnCount(const HairObject& object) { return drawnStrands(object).count; }
-DrawnHair drawnHairOf(const HairObject& object, const HairInternals& hair);
+/// \param frame DrawRooms::frame
+DrawnHair drawnHairOf(const HairObject& object, const HairInternals& hair, uint64_t frame);
+/// Around the hair where a frame draws it.
+Ball ballOfDrawn(const HairObject& object, const HairInternals& hair, uint64_t frame);
 
 /// Notes which viewport the draws of lists are for: PassList::area.
 void setArea(std::span<PassList> lists, const View& view);
@@ -27,7 +30,7 @@ Ball ballAround(const Ball& a, const Ball& b);
 /// At least as large, and the same for radii that differ little.
 float steadyRadius(float radius);
 
-ShadowedHair shadowedHairOf(const HairObject& object, const HairInternals& hair);
+ShadowedHair shadowedHairOf(const HairObject& object, const HairInternals& hair, uint64_t frame);
 void setShadow(StrandViewConstants& constants, uint32_t index, const StrandShadowView& map);
 
 /// Shadow maps that a draw takes, before anything has changed.

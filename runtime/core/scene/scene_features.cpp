@@ -180,6 +180,7 @@ class SmallScene {
     if (!added) return added.error();
     hairs_.push_back(*added);
     scene_.hair(*added).tracksMotion = features_.motion;
+    scene_.hair(*added).interpolates = features_.interpolation;
     return {};
   }
 
@@ -270,6 +271,8 @@ class SmallScene {
     for (int i = 0; i < 2; ++i) {
       auto frame = scene_.simulate(1.0f / 60);
       if (!frame) return frame.error();
+      if (features_.interpolation)
+        if (Result<void> placed = frame->interpolate(0.5f); !placed) return placed;
       const View view = smallView(features_.reversedDepth);
       for (const bool shadows : {false, true}) {
         if (shadows && !features_.shadows) continue;

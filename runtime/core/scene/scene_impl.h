@@ -53,6 +53,7 @@ class SceneImpl {
   Result<void> draw(const View& view, const Light& light, PassList& list);
   Result<void> draw(const View& view, std::span<const Light> lights,
                     const TransparencySettings& settings, std::vector<PassList>& lists);
+  Result<void> interpolate(float share, PassList& list);
   Result<void> drawDepth(const View& view, const HairDepthSettings& settings, PassList& list);
   float shareForView(HairId id, const View& view, float pixels) const;
   TransparencyWork predictWork(const View& view) const;
@@ -121,6 +122,17 @@ class SceneImpl {
   static bool startsStill(const HairFrame& frame, const HairInternals& hair) {
     return frame.reset || hair.teleport.has_value();
   }
+  // What was before a frame, for motion vectors and interpolation: scene_interpolation.cpp.
+  static InterpolatedHair interpolatedHairOf(const HairFrame& frame, const HairInternals& hair,
+                                             const MotionHair& positions);
+  static void prepareBefore(const HairObject& object, HairFrame& frame, const MotionHair& motion);
+  /// \param placed  elements, from the first, that are where a pending teleport brings them
+  static Result<void> keepBefore(HairInternals& hair, const HairFrame& frame,
+                                 const MotionHair& motion, uint64_t placed);
+  Result<void> keepBehind(const HairObject& object, const HairFrame& frame,
+                          const MotionHair& motion) const;
+  Result<void> interpolateObject(HairObject& object, float share, PassList& list);
+
   Result<void> simulateObject(HairObject& object, float length, uint32_t steps, PassList& list);
   static float blendOf(HairObject& object, float length);
   Result<void> skinObject(HairObject& object, HairFrame& frame);
@@ -139,6 +151,7 @@ class SceneImpl {
   static Result<void> addShiftPasses(const HairFrame& frame, HairInternals& hair);
   static Result<void> addFollowShift(const HairFrame& frame, const HairInternals& hair);
   Result<void> addMotionShift(const HairFrame& frame, const HairInternals& hair) const;
+  static Result<void> addInterpolationShift(const HairFrame& frame, const HairInternals& hair);
 
   // Drawing.
   static Result<void> checkLook(const HairObject& object);

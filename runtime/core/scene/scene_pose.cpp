@@ -91,12 +91,8 @@ Result<void> SceneImpl::skinObject(HairObject& object, HairFrame& frame) {
   hair.collidersBefore = hair.colliders;
   hair.roundedShift = 0;
   const MotionHair motion = motionHairOf(frame, hair, 0);
-  hair.motion.prepare(motion, object.tracksMotion, frame.room);
-  frame.buffers.previousPositions = hair.motion.positions();
-  const bool still = startsStill(frame, hair);
-  if (!still) {
-    if (Result<void> kept = hair.motion.keep(motion, frame.list); !kept) return kept;
-  }
+  prepareBefore(object, frame, motion);
+  if (Result<void> kept = keepBefore(hair, frame, motion, 0); !kept) return kept;
   const Vector3<double>& shift = hair.pendingShift;
   const bool shifts = shift.x != 0 || shift.y != 0 || shift.z != 0;
   const bool posed = std::exchange(hair.skinned, true) && hair.stillFrames >= 2 && !shifts;
@@ -105,9 +101,7 @@ Result<void> SceneImpl::skinObject(HairObject& object, HairFrame& frame) {
   if (added && !posed) added = hair.solver.skin(frame);
   hair.resetPending = false;
   if (added) added = addFollowPass(frame);
-  if (!added) return added;
-  hair.motion.finish(motion, still, draws_.frame);
-  return still ? hair.motion.keep(motion, frame.list) : Result<void>();
+  return added ? keepBehind(object, frame, motion) : added;
 }
 
 }  // namespace pelage::detail

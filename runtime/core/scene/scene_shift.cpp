@@ -83,6 +83,7 @@ Result<void> SceneImpl::addPendingShifts(PassList& list) {
     if (Result<void> added = addShiftPasses(frame, hair); !added) return added;
     if (Result<void> added = addFollowShift(frame, hair); !added) return added;
     if (Result<void> added = addMotionShift(frame, hair); !added) return added;
+    if (Result<void> added = addInterpolationShift(frame, hair); !added) return added;
   }
   return {};
 }

@@ -216,8 +216,7 @@ Result<void> SceneImpl::simulateObject(HairObject& object, float length, uint32_
   frame.buffers.contactForces = hair.grid.forces();
   // Shifts have moved the guides; stored follow hairs wait for the pass that places them.
   const MotionHair motion = motionHairOf(frame, hair, frame.guideVertices());
-  hair.motion.prepare(motion, object.tracksMotion, frame.room);
-  frame.buffers.previousPositions = hair.motion.positions();
+  prepareBefore(object, frame, motion);
   const bool touches = frame.buffers.contactForces != BufferId::kInvalid;
   frame.forces = touches ? frame.buffers.contactForces : forcesOf(frame, hair);
   if (Result<void> sent = beginBones(object, frame); !sent) return sent;
@@ -229,10 +228,8 @@ Result<void> SceneImpl::simulateObject(HairObject& object, float length, uint32_
   if (!frame.reset) {
     if (Result<void> moved = addShiftPasses(frame, hair); !moved) return moved;
   }
-  const bool still = startsStill(frame, hair);
-  if (!still) {
-    if (Result<void> kept = hair.motion.keep(motion, list); !kept) return kept;
-  }
+  if (Result<void> kept = keepBefore(hair, frame, motion, frame.guideVertices()); !kept)
+    return kept;
   // After two frames with the same bones both sets of transforms are the same.
   if (hair.stillFrames < 2) {
     if (Result<void> added = addRootPass(frame, hair.skinning); !added) return added;
@@ -245,8 +242,7 @@ Result<void> SceneImpl::simulateObject(HairObject& object, float length, uint32_
   hair.resetPending = false;
   if (Result<void> placed = addFollowPass(frame); !placed) return placed;
   if (Result<void> moved = addFollowCollision(frame, hair.followContacts); !moved) return moved;
-  hair.motion.finish(motion, still, draws_.frame);
-  return still ? hair.motion.keep(motion, list) : Result<void>();
+  return keepBehind(object, frame, motion);
 }
 
 // The object's origin and bones in a frame that moves it.

@@ -91,6 +91,8 @@ void moveState(HairFrameState& state, const RigidMove& move) {
   moveCapsules(state.collidersBefore, move);
   state.bonesBefore.clear();
   state.grid.move(move);
+  state.interpolation.move(move);
+  state.interpolation.forgetDrawn();
   if (!(state.solver.lastFrame() > 0)) return;
   const LocalOrigin old = state.origin;
   const Vector3<double> from = old.metres - old.shifted;
@@ -131,8 +133,11 @@ Result<void> SceneImpl::teleport(HairId id, const AffineTransform& motion) {
 }
 
 RigidMove teleportInWorld(const HairFrameState& state) {
+  return teleportInWorld(state, state.origin);
+}
+
+RigidMove teleportInWorld(const HairFrameState& state, const LocalOrigin& origin) {
   const RigidMove& move = state.teleport->move;
-  const LocalOrigin& origin = state.origin;
   const Vector3<double> from = state.teleport->from - origin.shifted + state.pendingShift;
   const Vector3<double> to = origin.metres - origin.shifted;
   return {move.rotation, move.shift + to - rotate(move.rotation, from)};

@@ -269,7 +269,7 @@ StrandBindings strandBindings(const DrawnView& view, const DrawnHair& hair, size
   const uint64_t strandBytes = hair.vertexCount * sizeof(Float4);
   const uint64_t bytes = (hair.storesFollows ? hair.strandCount() : guides) * strandBytes;
   const uint64_t evaluated = hair.evaluatedStrands();
-  const BufferRange positions = {buffers.positions, bytes};
+  const BufferRange positions = {hair.positions, bytes};
   const BufferRange& roots = hair.roots;
   // Positions stand in for attributes that the object lacks, and roots for follow strands: they are
   // bound beside the others, but not read.
@@ -279,7 +279,7 @@ StrandBindings strandBindings(const DrawnView& view, const DrawnHair& hair, size
   const BufferRange follows = {buffers.followHairRecords,
                                uint64_t{hair.followCount} * sizeof(FollowHairRecord)};
   return {
-      .posTan = {.renderPositions = positions, .renderTangents = {buffers.tangents, bytes}},
+      .posTan = {.renderPositions = positions, .renderTangents = {hair.tangents, bytes}},
       .render = {.strandViewConstants = view.constants,
                  .renderConstants = constants,
                  .strandThickness = orPositions(buffers.strandThickness,

@@ -39,11 +39,13 @@ struct DrawnHair {
   uint32_t followCount = 0;
   bool storesFollows = false;  ///< positions has the follow strands, too
   float tipSeparation = 1;
-  Uint2 textureSize = {};    ///< texels
-  BufferRange roots;         ///< [2][guide] RootTransform
-  Ball ball;                 ///< around it
-  StrandsBefore before;      ///< for motion vectors
-  uint64_t firstRecord = 0;  ///< in DrawnView::records
+  Uint2 textureSize = {};                   ///< texels
+  BufferId positions = BufferId::kInvalid;  ///< of `buffers`, or between two states
+  BufferId tangents = BufferId::kInvalid;   ///< likewise
+  BufferRange roots;                        ///< [2][guide] RootTransform
+  Ball ball;                                ///< around it
+  StrandsBefore before;                     ///< for motion vectors
+  uint64_t firstRecord = 0;                 ///< in DrawnView::records
 
   uint64_t drawnVertices() const { return uint64_t{strands.count} * vertexCount; }
   uint32_t strandCount() const { return guideCount + followCount; }

@@ -9,18 +9,7 @@
 
 namespace pelage::detail {
 
-void StrandMotion::prepare(const MotionHair& hair, bool wanted, const RoomBuffers& room) {
-  const bool there = positions_ != BufferId::kInvalid;
-  if (there == wanted) return;
-  frame_ = 0;
-  if (wanted)
-    positions_ = room.add(hair.name + "/previousPositions", hair.elements, sizeof(Float4));
-  else
-    remove(room);
-}
-
-Result<void> StrandMotion::keep(const MotionHair& hair, PassList& list) const {
-  if (positions_ == BufferId::kInvalid) return {};
+Result<void> addKeepPass(const MotionHair& hair, BufferId to, PassList& list) {
   constexpr uint64_t kRow = dispatch::kRowThreads;
   const uint64_t bytes = hair.elements * sizeof(Float4);
   KeepPositionsConstants constants = {};
@@ -34,7 +23,22 @@ Result<void> StrandMotion::keep(const MotionHair& hair, PassList& list) const {
       .bytes(2 * bytes)
       .finish(KeepPositionsBindings{.keepPositionsConstants = constants,
                                     .positionsToKeep = {hair.positions, bytes},
-                                    .keptPositions = {positions_, bytes}});
+                                    .keptPositions = {to, bytes}});
+}
+
+void StrandMotion::prepare(const MotionHair& hair, bool wanted, const RoomBuffers& room) {
+  const bool there = positions_ != BufferId::kInvalid;
+  if (there == wanted) return;
+  frame_ = 0;
+  if (wanted)
+    positions_ = room.add(hair.name + "/previousPositions", hair.elements, sizeof(Float4));
+  else
+    remove(room);
+}
+
+Result<void> StrandMotion::keep(const MotionHair& hair, PassList& list) const {
+  if (positions_ == BufferId::kInvalid) return {};
+  return addKeepPass(hair, positions_, list);
 }
 
 void StrandMotion::finish(const MotionHair& hair, bool reset, uint64_t frame) {

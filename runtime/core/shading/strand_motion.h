@@ -22,6 +22,9 @@ struct MotionHair {
   float tipSeparation = 1;
 };
 
+/// Adds the pass that copies the positions to a buffer of as many elements.
+Result<void> addKeepPass(const MotionHair& hair, BufferId to, PassList& list);
+
 /// What draws know of the frame before. Without positions nothing has moved in the world.
 struct StrandsBefore {
   BufferId positions = BufferId::kInvalid;

@@ -1,0 +1,90 @@
+#include "shading/strand_interpolation.h"
+
+#include <algorithm>
+
+#include "base/local_origin.h"
+#include "pelage/bindings.h"
+#include "pelage/constants.h"
+#include "pelage/gpu_structs.h"
+#include "pelage/kernels.h"
+
+namespace pelage::detail {
+
+namespace {
+
+constexpr uint64_t kRow = dispatch::kRowThreads;
+
+void dispatchThreads(PassBuilder& builder, const KernelVariant& kernel, uint64_t threads) {
+  builder.dispatch(kernel, static_cast<uint32_t>(std::min(threads, kRow)),
+                   static_cast<uint32_t>((threads + kRow - 1) / kRow));
+}
+
+}  // namespace
+
+void StrandInterpolation::prepare(const InterpolatedHair& hair, bool wanted,
+                                  const RoomBuffers& room) {
+  if (isOn() == wanted) return;
+  known_ = false;
+  forgetDrawn();
+  if (!wanted) {
+    remove(room);
+    return;
+  }
+  const MotionHair& of = hair.positions;
+  before_ = room.add(of.name + "/positionsBefore", of.elements, sizeof(Float4));
+  positions_ = room.add(of.name + "/drawnPositions", of.elements, sizeof(Float4));
+  tangents_ = room.add(of.name + "/drawnTangents", of.elements, sizeof(Float4));
+  if (hair.evaluatesFollows)
+    roots_ = room.add(of.name + "/drawnRoots", simulation::kRootSets * uint64_t{hair.guides},
+                      sizeof(RootTransform));
+}
+
+void StrandInterpolation::remove(const RoomBuffers& room) {
+  for (BufferId* buffer : {&before_, &positions_, &tangents_, &roots_}) room.remove(*buffer);
+}
+
+Result<void> StrandInterpolation::keep(const MotionHair& hair, PassList& list) const {
+  return addKeepPass(hair, before_, list);
+}
+
+void StrandInterpolation::finishState(bool reset, const Ball& ball) {
+  if (reset) forgetDrawn();
+  ballBefore_ = reset || !known_ ? ball : ballNow_;
+  ballNow_ = ball;
+  known_ = isOn();
+}
+
+Result<void> StrandInterpolation::record(const InterpolatedHair& hair, float share, bool known,
+                                         bool restarts, PassList& list) const {
+  const uint64_t bytes = hair.positions.elements * sizeof(Float4);
+  InterpolateStrandsConstants strands = {};
+  strands.interpolatedCount = static_cast<uint32_t>(hair.positions.elements);
+  strands.interpolatedVertices = hair.vertices;
+  strands.interpolatedShare = known ? share : 1;
+  PassBuilder builder(list);
+  dispatchThreads(builder, interpolateStrandsVariant({}), hair.positions.elements);
+  Result<void> added = builder.bytes(4 * bytes).finish(InterpolateStrandsBindings{
+      .interpolateStrandsConstants = strands,
+      .positionsBefore = {known ? before_ : hair.positions.positions, bytes},
+      .positionsNow = {hair.positions.positions, bytes},
+      .drawnPositions = {positions_, bytes},
+      .drawnTangents = {tangents_, bytes}});
+  if (!added || roots_ == BufferId::kInvalid) return added;
+  const uint64_t rootBytes = simulation::kRootSets * uint64_t{hair.guides} * sizeof(RootTransform);
+  InterpolateRootsConstants roots = {};
+  roots.interpolatedRoots = hair.guides;
+  roots.interpolatedRootShare = strands.interpolatedShare;
+  roots.rootsRestart = restarts ? 1 : 0;
+  dispatchThreads(builder, interpolateRootsVariant({}), hair.guides);
+  return builder.bytes(2 * rootBytes)
+      .finish(InterpolateRootsBindings{.interpolateRootsConstants = roots,
+                                       .stateRoots = hair.roots,
+                                       .drawnRoots = {roots_, rootBytes}});
+}
+
+void StrandInterpolation::move(const RigidMove& move) {
+  for (Ball* ball : {&ballBefore_, &ballNow_})
+    ball->center = toFloat3(move(toDouble3(ball->center)));
+}
+
+}  // namespace pelage::detail
