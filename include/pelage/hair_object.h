@@ -253,6 +253,20 @@ class PELAGE_API HairObject {
   /// awake. Scene::shiftOrigin() moves its origin. Cost: a pass of one thread a vertex of a guide
   /// in a frame, and 16 bytes a vertex.
   void setForceField(const ForceField& field);
+  /// Changes the rest pose without a reset: the bind positions of the guides, and with them lengths
+  /// and rest shape. State, velocities, contacts and sleep of everything else stay; from the next
+  /// frame on the solver pulls the hair towards its new rest shape, as it would from any other
+  /// shape. Lengths are the new ones from that frame on: beside its motion, a vertex jumps by at
+  /// most the sum of the changes of the lengths before it (classic: of the strand's whole length).
+  /// Roots and first edges, which the bones hold, go to where the new pose has them within the
+  /// frame, as if the bones had moved them.
+  /// \param positions  [guide][vertex] xyz [m] in bind space, guideCount() * verticesPerStrand() of
+  ///   them; w is ignored, the inverse masses stay.
+  /// Errors: another number of positions; one that is not finite or out of range, with its strand
+  /// and vertex. Nothing has changed then.
+  /// Cost: rest data are derived on the host, and a table of 16 to 48 bytes a vertex is sent; none
+  /// where the positions are those that the object has.
+  Result<void> setRestPose(std::span<const Float4> positions);
   /// Puts the hair into its bind shape at the next frame and clears all velocities. Call it at
   /// cuts and changes of animation, and at teleports without Scene::teleport(). It uploads bones,
   /// colliders and SDF records again.

@@ -43,6 +43,14 @@ Result<void> checkRestData(const HairAsset& asset) {
   return {};
 }
 
+std::vector<Float4> bindRootsOf(const HairAsset& asset) {
+  std::vector<Float4> roots;
+  roots.reserve(asset.strandCount);
+  for (size_t i = 0; i < asset.strandCount; ++i)
+    roots.push_back(asset.positions[i * asset.verticesPerStrand]);
+  return roots;
+}
+
 float longestStrand(const HairAsset& asset) {
   float longest = 0;
   const size_t stride = asset.verticesPerStrand;

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "pelage/bone_weights.h"
 #include "pelage/hair_asset.h"
 #include "pelage/hair_object.h"
 
@@ -15,8 +16,11 @@ namespace pelage::detail {
 struct Groom {
   /// Positions and rest data, to fill buffers again when settings change.
   std::shared_ptr<const HairAsset> asset;
-  std::vector<StrandFactors> strandFactors;  ///< [guide], or empty for 1
-  std::vector<uint32_t> hairsOfGuides;       ///< that a guide stands for, with itself
+  std::shared_ptr<const HairAsset> firstAsset;  ///< of addHair(): the order of strands goes by it
+  uint64_t restVersion = 0;                     ///< rises with HairObject::setRestPose()
+  std::vector<BoneInfluences> influences;       ///< [guide], or empty for bone 0
+  std::vector<StrandFactors> strandFactors;     ///< [guide], or empty for 1
+  std::vector<uint32_t> hairsOfGuides;          ///< that a guide stands for, with itself
   bool levelOfDetail = false;
   bool storesFollowHairs = false;
   bool collidesFollowHairs = false;  ///< they are stored, too
@@ -33,6 +37,8 @@ struct Groom {
 /// Whether the asset is as process() left it. Errors: arrays of another size than the strands have,
 /// rest data of no numbers; the message names the array and the strand.
 Result<void> checkRestData(const HairAsset& asset);
+/// [guide] bind position of vertex 0.
+std::vector<Float4> bindRootsOf(const HairAsset& asset);
 /// Length of the longest strand [m].
 float longestStrand(const HairAsset& asset);
 /// Vertices of a strand, without those that only fill its row up.

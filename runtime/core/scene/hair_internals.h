@@ -86,6 +86,8 @@ struct HairInternals : HairFrameState, Groom {
   ShiftedFloats shiftedInputs;  ///< of bones, capsules and the field
 };
 
+/// Sets what goes with the rest pose: the asset, lengths and volume.
+void setRestData(Groom& groom, std::shared_ptr<const HairAsset> asset);
 /// Moves the origin after the root of the first strand.
 /// \return what to add to positions relative to the old origin; 0 while it stays.
 Float3 moveOrigin(HairInternals& hair);

@@ -13,7 +13,6 @@
 #include "pelage/constants.h"
 #include "pelage/kernels.h"
 #include "scene/scene_impl.h"
-#include "shadow/strand_shadow.h"
 #include "simulation/hair_passes.h"
 
 namespace pelage::detail {
@@ -130,11 +129,6 @@ Groom groomOf(std::shared_ptr<const HairAsset> shared, const HairDef& def) {
   groom.heldVertices = hasHeldVertices(asset);
   groom.hairsOfGuides.assign(asset.strandCount, 1);
   for (const FollowHair& follow : def.followHairs) ++groom.hairsOfGuides[follow.guide];
-  groom.longestStrand = longestStrand(asset);
-  groom.volume = static_cast<float>(hairVolume(asset.positions, asset.verticesPerStrand));
-  double lengths = 0;
-  for (const float length : asset.restLengths) lengths += static_cast<double>(length);
-  groom.meanStrand = static_cast<float>(lengths / static_cast<double>(asset.strandCount));
   for (const FollowHair& follow : def.followHairs) {
     const float range = std::hypot(follow.offset.x, follow.offset.y, follow.offset.z);
     groom.followRange = std::max(groom.followRange, range);
@@ -142,7 +136,9 @@ Groom groomOf(std::shared_ptr<const HairAsset> shared, const HairDef& def) {
   }
   groom.textureWidth = def.baseTexture.width;
   groom.textureHeight = def.baseTexture.height;
-  groom.asset = std::move(shared);
+  groom.influences.assign(def.influences.begin(), def.influences.end());
+  groom.firstAsset = shared;
+  setRestData(groom, std::move(shared));
   return groom;
 }
 
@@ -160,14 +156,6 @@ std::vector<float> thicknessOf(const HairAsset& asset, const HairDef& def, Groom
   }
   groom.meanThickness = static_cast<float>(sum / static_cast<double>(thickness.size()));
   return thickness;
-}
-
-std::vector<Float4> bindRootsOf(const HairAsset& asset) {
-  std::vector<Float4> roots;
-  roots.reserve(asset.strandCount);
-  for (size_t i = 0; i < asset.strandCount; ++i)
-    roots.push_back(asset.positions[i * asset.verticesPerStrand]);
-  return roots;
 }
 
 std::vector<RootBinding> bindingsOf(const HairAsset& asset, const HairDef& def) {

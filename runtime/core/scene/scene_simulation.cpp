@@ -201,6 +201,10 @@ Result<void> SceneImpl::simulateObject(HairObject& object, float length, uint32_
   HairInternals& hair = *object.internals_;
   HairFrame frame = frameOf(object, object.settings, length, steps, list);
   if (hair.solver.prepare(frame)) hair.resetPending = true;
+  if (hair.solver.restChanged()) {
+    hair.bonesChanged = true;  // the roots are elsewhere
+    hair.grid.remove(frame.room);
+  }
   frame.roots = object.rootTransforms();
   frame.reset = hair.resetPending;
   if (!frame.reset) {

@@ -63,7 +63,7 @@ Result<void> StrandSolver::addSleepPass(HairFrame& frame, ExactConstants constan
   simulatedBefore_ = simulatedCount_;
   frame.sleeps = s.sleep.enabled && !gusts && !forced && tiles <= kMaxListedTiles;
   const bool wake = frame.reset || !isZero(frame.rebase) || !sleptBefore_ || refined ||
-                    frame.collidersReplaced || s != settingsBefore_ ||
+                    frame.collidersReplaced || restChanged() || s != settingsBefore_ ||
                     frame.loadShare != loadShareBefore_;
   sleptBefore_ = frame.sleeps;
   if (!frame.sleeps) return {};
@@ -145,7 +145,8 @@ Result<void> StrandSolver::addExactPasses(HairFrame& frame, HairGrid& grid,
     constants.rootEnd = static_cast<float>(step + 1) / static_cast<float>(steps);
     constants.flags = step + 1 == steps ? exact::kLastFlag : 0;
     if (frame.sleeps) constants.flags |= exact::kSleepFlag;
-    if (constants.rotationRatio != 1) constants.flags |= exact::kChangedFlag;
+    if (constants.rotationRatio != 1 || (step == 0 && restChanged()))
+      constants.flags |= exact::kChangedFlag;
     if (step == 0 && frame.reset) constants.flags |= exact::kResetFlag;
     if (step == 0 && !isZero(frame.rebase)) constants.flags |= exact::kRebaseFlag;
     constants.slot = slot_;

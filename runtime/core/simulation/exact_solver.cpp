@@ -127,6 +127,14 @@ ExactStrands packExactStrands(const HairAsset& asset, bool levelOfDetail) {
   return packed;
 }
 
+ExactStrands exactStrandsOf(const Groom& groom) {
+  ExactStrands packed = packExactStrands(*groom.firstAsset, groom.levelOfDetail);
+  if (groom.asset == groom.firstAsset) return packed;
+  for (ExactStrand& strand : packed.strands)
+    strand.strandLength = lengthOf(*groom.asset, strand.root);
+  return packed;
+}
+
 Float4 vertexFactors(const RestSets& sets, uint32_t strand, double share) {
   const StrandFactors own = sets.strands.empty() ? StrandFactors{} : sets.strands[strand];
   const auto factor = [&](const ParameterCurve& curve, float strandFactor) {

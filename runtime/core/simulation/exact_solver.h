@@ -40,6 +40,8 @@ struct ExactStrands {
 /// Strands in tiles of 32, in the order of the kernel's threads: by vertex count, then as in the
 /// asset, or, for level of detail, at random, so that every prefix covers the scalp.
 ExactStrands packExactStrands(const HairAsset& asset, bool levelOfDetail);
+/// Those of an object: the order stays what it was when it was added, whatever the rest pose is.
+ExactStrands exactStrandsOf(const Groom& groom);
 /// For every strand except the first one: an earlier strand near it.
 std::vector<uint32_t> nearStrandsBefore(const HairAsset& asset, const ExactStrands& strands);
 /// Number of elements of g_state, which starts as zeros.

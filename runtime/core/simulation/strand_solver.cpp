@@ -42,7 +42,15 @@ bool StrandSolver::prepare(const HairFrame& frame) {
                          .factors = !groom.strandFactors.empty() || s.curves != ParameterCurves{},
                          .strands = groom.strandFactors,
                          .curves = s.curves};
-  if (frame.buffers.rest == BufferId::kInvalid || !(sets == restSets_)) makeRest(frame, sets);
+  const bool otherPose = restVersion_ != groom.restVersion;
+  if (otherPose) {
+    frame.room.remove(frame.buffers.bindRoots);
+    frame.buffers.bindRoots =
+        frame.room.share(frame.name, "bindRoots", kVector, bytesOf(bindRootsOf(*groom.asset)));
+    restVersion_ = groom.restVersion;
+  }
+  if (otherPose || frame.buffers.rest == BufferId::kInvalid || !(sets == restSets_))
+    makeRest(frame, sets);
   return other;
 }
 
@@ -64,7 +72,7 @@ void StrandSolver::makeState(const HairFrame& frame, uint64_t elements) {
 
 void StrandSolver::makeExactBuffers(const HairFrame& frame) {
   const HairAsset& asset = *frame.groom.asset;
-  const ExactStrands strands = packExactStrands(asset, frame.groom.levelOfDetail);
+  const ExactStrands strands = exactStrandsOf(frame.groom);
   stateStride_ = strands.stateStride;
   slot_ = 0;
   const auto add = [&](const char* what, uint64_t count, uint32_t stride,
@@ -91,7 +99,7 @@ void StrandSolver::makeRest(const HairFrame& frame, const RestSets& sets) {
   frame.room.remove(frame.buffers.rest);
   std::vector<Float4> rest;
   if (frame.settings.solver == Solver::kExact) {
-    rest = packExactRest(asset, packExactStrands(asset, frame.groom.levelOfDetail), sets);
+    rest = packExactRest(asset, exactStrandsOf(frame.groom), sets);
   } else {
     Result<std::vector<Float4>> packed = packRest(asset);
     PELAGE_ASSERT(packed, "addHair() takes processed assets only");
@@ -119,8 +127,7 @@ void StrandSolver::prepareContacts(HairFrame& frame) const {
     contacts.remove(frame.room);
     std::vector<ContactStrand> strands;
     if (exact) {
-      for (const ExactStrand& s :
-           packExactStrands(*frame.groom.asset, frame.groom.levelOfDetail).strands)
+      for (const ExactStrand& s : exactStrandsOf(frame.groom).strands)
         strands.push_back({.target = s.target, .count = s.count, .root = s.root, .pad0 = 0});
     } else {
       for (uint32_t guide = 0; guide < frame.guideCount; ++guide)
@@ -166,6 +173,7 @@ Result<void> StrandSolver::record(HairFrame& frame, HairGrid& grid, const GridHa
   if (!added) return added;
   lastFrame_ = frame.length;
   settingsBefore_ = frame.settings;
+  restVersionBefore_ = restVersion_;
   loadShareBefore_ = frame.loadShare;
   followsShifted_ = false;
   return {};
@@ -177,6 +185,7 @@ Result<void> StrandSolver::skin(HairFrame& frame) {
   if (!added) return added;
   lastFrame_ = frame.length;
   settingsBefore_ = frame.settings;
+  restVersionBefore_ = restVersion_;
   followsShifted_ = false;
   return {};
 }

@@ -58,6 +58,8 @@ class StrandSolver {
   BufferRange rootTransforms(const HairBuffers& buffers) const {
     return {buffers.state, rootBytes_, rootOffset_};
   }
+  /// The rest pose is another one than in the frame before.
+  bool restChanged() const { return restVersion_ != restVersionBefore_; }
   float lastFrame() const { return lastFrame_; }  ///< [s]; 0 before the first one
 
  private:
@@ -87,8 +89,10 @@ class StrandSolver {
   Result<void> skinExact(const HairFrame& frame);
   Result<void> rewriteExact(const HairFrame& frame) const;
 
-  std::optional<Solver> solver_;  ///< that the buffers were made for
-  RestSets restSets_;             ///< likewise
+  std::optional<Solver> solver_;    ///< that the buffers were made for
+  RestSets restSets_;               ///< likewise
+  uint64_t restVersion_ = 0;        ///< likewise, of Groom::restVersion
+  uint64_t restVersionBefore_ = 0;  ///< of the last frame
   /// Of the last frame; a change wakes all strands.
   SimulationSettings settingsBefore_;
   float loadShareBefore_ = 1;  ///< likewise
