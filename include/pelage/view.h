@@ -59,6 +59,9 @@ enum class ShadingModel : uint8_t {
 struct StrandMaterial {
   Float3 rootColor = {0.10f, 0.045f, 0.02f};  ///< linear RGB, 0..1
   Float3 tipColor = {0.25f, 0.12f, 0.05f};    ///< linear RGB, 0..1
+  /// Share of the strand, from the tip, over which the color goes from rootColor to tipColor, 0..1:
+  /// 1 all along the strand, 0.25 over its last quarter, 0 not at all.
+  float tipShare = 1.0f;
   float colorVariation = 0.15f;  ///< by which strands differ around the mean, as a share, 0..1
   float opacity = 1.0f;          ///< of a fiber wider than a pixel, 0..1
   float fiberRadius = 60e-6f;    ///< at the root [m], > 0

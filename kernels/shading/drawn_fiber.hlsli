@@ -52,7 +52,9 @@ float4 textureAt(float2 uv) {
 
 float4 strandColor(uint strand, uint guide, uint vertex, float along) {
   float random = unitFloat(hashUint(strand)) * 2.0 - 1.0;
-  float4 color = float4(lerp(g_rootColor.rgb, g_tipColor.rgb, along) *
+  float share = g_tipColor.a;
+  float tip = share > 0.0 ? saturate((along - (1.0 - share)) / share) : 0.0;
+  float4 color = float4(lerp(g_rootColor.rgb, g_tipColor.rgb, tip) *
                             (1.0 + g_strandVariation * random),
                         g_rootColor.a);
 #if ATTRIBUTES

@@ -74,6 +74,12 @@ std::vector<Parameter> colorRows() {
        show(lockSetup(),
             std::vector<Float3>{{0.04f, 0.02f, 0.01f}, {0.25f, 0.12f, 0.05f}, {0.05f, 0.25f, 0.6f}},
             material(&StrandMaterial::tipColor), "The root keeps its color.")},
+      {PELAGE_FIELD(StrandMaterial, tipShare),
+       "share of the strand",
+       "0..1",
+       "Part of the strand, from the tip, over which the color goes from that of the root to that "
+       "of the tip; 0: the root's all along.",
+       {}},
       {PELAGE_FIELD(StrandMaterial, colorVariation), "share", "0..1",
        "Variation of the color between strands.",
        show(swatchSetup(), std::vector{0.0f, 0.15f, 0.8f},

@@ -26,7 +26,7 @@ cbuffer RenderConstants : register(b1, space1) {
   float4 g_shadingSecondary;
   float4 g_shadingFiber;
   float4 g_rootColor;           // linear rgb; a = opacity 0..1
-  float4 g_tipColor;            // linear rgb
+  float4 g_tipColor;            // linear rgb; a = share of the strand that it fades in over, 0..1
   uint g_renderVertexCount;     // vertices per strand
   uint g_renderStrandCount;
   uint g_renderGuideCount;      // the strands from here on are follow hairs

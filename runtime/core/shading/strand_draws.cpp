@@ -177,6 +177,7 @@ std::string faultOf(const StrandMaterial& m) {
       return std::string("material.") + name + " is " + toText(color) + ", but must be finite";
   }
   const std::pair<const char*, float> numbers[] = {
+      {"tipShare", m.tipShare},
       {"colorVariation", m.colorVariation},
       {"opacity", m.opacity},
       {"fiberRadius", m.fiberRadius},
@@ -248,7 +249,7 @@ StrandBindings strandBindings(const DrawnView& view, const DrawnHair& hair, size
   constants.shadingSecondary = shading.secondary;
   constants.shadingFiber = shading.fiber;
   constants.rootColor = withW(m.rootColor, m.opacity);
-  constants.tipColor = withW(m.tipColor, 1);
+  constants.tipColor = withW(m.tipColor, m.tipShare);
   constants.strandVariation = m.colorVariation;
   constants.materialIndex = static_cast<uint32_t>(material);
   constants.renderVertexCount = hair.vertexCount;

@@ -1,0 +1,108 @@
+// The color of a strand from its root to its tip, as scenes draw it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "support/extremes.h"
+#include "support/required_devices.h"
+#include "support/scene_run.h"
+
+namespace pelage::test {
+namespace {
+
+constexpr uint32_t kPixels = 128, kVertices = 33;
+
+class StrandColor : public testing::TestWithParam<Api> {
+ protected:
+  StrandColor() : run_(sharedSceneRun(GetParam())) {}
+  void SetUp() override {
+    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
+    HairAsset asset;
+    asset.strandCount = 1;
+    asset.verticesPerStrand = kVertices;
+    for (uint32_t v = 0; v < kVertices; ++v)
+      asset.positions.push_back(
+          {-0.2f + 0.4f * static_cast<float>(v) / (kVertices - 1), 0, 0, v < 2 ? 0.0f : 1.0f});
+    expectOk(asset.process());
+    HairObject& hair = run_.add(asset);
+    hair.simulated = false;
+    StrandMaterial& m = hair.material;
+    m.rootColor = {0.2f, 0.6f, 0};
+    m.tipColor = {0.8f, 0, 0.4f};
+    m.colorVariation = m.diffuseStrength = m.primaryStrength = m.secondaryStrength = 0;
+    m.fiberRadius = 0.02f;
+    m.tipRadiusRatio = 1;
+    run_.step();
+  }
+  void TearDown() override {
+    if (run_.device() != nullptr) run_.clear();
+  }
+  /// Of the row across the middle of the strand, which goes from one side to the other.
+  std::vector<Float4> row() {
+    View view;
+    view.eye = {0, 0, 1};
+    view.worldToClip = lookAt(view.eye, {}, {0, 1, 0}, 2 * std::atan(0.2f), 1, 0.1f, 10);
+    view.width = view.height = kPixels;
+    const Light light = {.color = {0, 0, 0}, .ambient = {1, 1, 1}};
+    PassList list;
+    expectOk(run_.scene.draw(view, light, list));
+    run_.scene.finish(list);
+    expectOk(run_.device()->update(run_.scene.resources()));
+    const auto image = run_.device()->render(list, {.width = kPixels, .height = kPixels});
+    EXPECT_TRUE(image) << image.error().message;
+    if (!image) return {};
+    const auto first = image->pixels.begin() + ptrdiff_t{kPixels} * (kPixels / 2);
+    return {first, first + kPixels};
+  }
+
+  SceneRun& run_;
+};
+
+TEST_P(StrandColor, TheTipsColorFadesInOverItsShare) {
+  StrandMaterial& m = run_.scene.hair(run_.lastHair()).material;
+  for (const float share : {1.0f, 0.5f, 0.25f, 0.0f}) {
+    m.tipShare = share;
+    const std::vector<Float4> pixels = row();
+    ASSERT_EQ(pixels.size(), kPixels);
+    double worst = 0;
+    for (uint32_t x = 2; x + 2 < kPixels; ++x) {
+      const double along = (x + 0.5) / kPixels, s = double{share};
+      const double tip = s > 0 ? std::clamp((along - (1 - s)) / s, 0.0, 1.0) : 0;
+      ASSERT_GT(pixels[x].w, 0.99f) << x;
+      keepLargest(worst, std::abs(double{pixels[x].x} - (0.2 + 0.6 * tip)));
+      keepLargest(worst, std::abs(double{pixels[x].y} - (0.6 - 0.6 * tip)));
+      keepLargest(worst, std::abs(double{pixels[x].z} - 0.4 * tip));
+    }
+    // The target has 16 bits.
+    EXPECT_LT(worst, 2e-3) << share;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, StrandColor, testing::ValuesIn(kApis), apiTestName);
+
+TEST(StrandColorErrors, NameAShareThatIsNoNumber) {
+  Scene scene;
+  HairAsset asset;
+  asset.strandCount = 1;
+  asset.verticesPerStrand = 2;
+  asset.positions = {{0, 0, 0, 0}, {0, 0.1f, 0, 0}};
+  expectOk(asset.process());
+  const auto hair = scene.addHair(asset, {});
+  ASSERT_TRUE(hair);
+  scene.hair(*hair).material.tipShare = std::numeric_limits<float>::quiet_NaN();
+  View view;
+  view.eye = {0, 0, 1};
+  view.worldToClip = lookAt(view.eye, {}, {0, 1, 0}, 0.8f, 1, 0.1f, 10);
+  view.width = view.height = 8;
+  PassList list;
+  const Result<void> drawn = scene.draw(view, {}, list);
+  ASSERT_FALSE(drawn);
+  EXPECT_NE(drawn.error().message.find("tipShare"), std::string::npos) << drawn.error().message;
+}
+
+}  // namespace
+}  // namespace pelage::test
