@@ -65,6 +65,9 @@ class PELAGE_API ResourceTable {
   /// Registers a buffer and returns its id. Asserts on size 0, a size that is not a multiple of 4,
   /// or initial data of another size.
   BufferId add(BufferDesc desc);
+  /// Replaces the initial data of a buffer, for runtimes that make it from now on. Asserts on bytes
+  /// of another size, and on an id of none.
+  void setInitial(BufferId id, std::vector<std::byte> bytes);
   /// Forgets a buffer; its id stays invalid from now on.
   void remove(BufferId id);
   /// nullptr when the id was removed or never existed.

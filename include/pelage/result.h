@@ -19,6 +19,7 @@ enum class ErrorCode {
   kOutOfMemory,      ///< host or device memory is exhausted
   kUnsupported,      ///< the device or driver lacks something; the message names it
   kDevice,           ///< the driver reported a failure
+  kDeviceLost,       ///< the device or context is gone: make another one (docs/scene.md)
 };
 
 /// An error with a message of one line that the reader can act on: it names the file, the byte

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -24,7 +25,22 @@ namespace pelage {
 
 namespace detail {
 class SceneImpl;
+struct SnapshotData;
 }  // namespace detail
+
+/// Reads a buffer of Scene::resources() back from the device, behind all that has run.
+using BufferReader = std::function<Result<std::vector<std::byte>>(BufferId)>;
+
+/// The state of the hair of a scene at a time, on the host: Scene::takeSnapshot(). Copies share it.
+class PELAGE_API SceneSnapshot {
+ public:
+  /// That it takes; 0 for none.
+  uint64_t bytes() const;
+
+ private:
+  friend class Scene;
+  std::shared_ptr<const detail::SnapshotData> data_;
+};
 
 /// Bytes of the buffers of an object of a scene.
 struct ObjectBytes {
@@ -309,6 +325,27 @@ class PELAGE_API Scene {
   /// finite or goes too far. Nothing has changed then.
   /// Cost: passes over the state, contacts and tangents of the object in the next list.
   Result<void> teleport(HairId id, const AffineTransform& motion);
+
+  /// Reads the state of all hair back, to go on from where the device is lost. \param read  as
+  /// HeadlessDevice::read(), or from copies of your own. Errors: a frame has not run yet; those of
+  /// `read`. Cost: all buffers of hair that are not shared cross the bus; take one every few
+  /// seconds, or before what may lose the device.
+  Result<SceneSnapshot> takeSnapshot(const BufferReader& read) const;
+  /// Takes note that the device is lost, or another one takes over: nothing that was recorded
+  /// counts, and the next update() of a new runtime makes all buffers anew. Objects, settings, ids,
+  /// bones and colliders stay. Hair goes on from the snapshot, with its time, where the object has
+  /// the buffers that it had then; other hair is reset, and fields of meshes are built anew. The
+  /// bytes of the snapshot stay in the table of buffers. Your own buffers of setForces() are yours
+  /// to fill.
+  ///
+  ///     if (drawn.error().code == ErrorCode::kDeviceLost) {
+  ///       device.reset();
+  ///       device = makeDevice();
+  ///       kept = scene.recover(snapshot);
+  ///     }
+  ///
+  /// \return number of objects that go on. Error: a snapshot of another scene; nothing has changed.
+  Result<uint32_t> recover(const SceneSnapshot& snapshot = {});
 
   /// Seconds simulated so far; the phase of the wind. Without frames that were abandoned.
   double time() const;

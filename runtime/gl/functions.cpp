@@ -39,6 +39,12 @@ std::string loadParallelFunctions(Functions& gl, const GetProcAddress& getProcAd
   return {};
 }
 
+std::string loadRobustFunctions(Functions& gl, const GetProcAddress& getProcAddress,
+                                const char* suffix) {
+  PELAGE_GL_ROBUST_FUNCTIONS(PELAGE_GL_LOAD)
+  return {};
+}
+
 #undef PELAGE_GL_LOAD
 
 }  // namespace pelage::gl

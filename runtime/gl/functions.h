@@ -137,6 +137,10 @@
 #define PELAGE_GL_PARALLEL_FUNCTIONS(X) \
   X(PFNGLMAXSHADERCOMPILERTHREADSKHRPROC, glMaxShaderCompilerThreads)
 
+// Whether the context was reset: core 4.5 and OpenGL ES 3.2, or with the suffix KHR in
+// GL_KHR_robustness; else nullptr.
+#define PELAGE_GL_ROBUST_FUNCTIONS(X) X(PFNGLGETGRAPHICSRESETSTATUSPROC, glGetGraphicsResetStatus)
+
 namespace pelage::gl {
 
 /// GL_EXT_disjoint_timer_query; OpenGL's own header has no name for it.
@@ -148,6 +152,7 @@ struct Functions {
   PELAGE_GL_CORE_FUNCTIONS(PELAGE_GL_DECLARE)
   PELAGE_GL_TIMER_FUNCTIONS(PELAGE_GL_DECLARE)
   PELAGE_GL_PARALLEL_FUNCTIONS(PELAGE_GL_DECLARE)
+  PELAGE_GL_ROBUST_FUNCTIONS(PELAGE_GL_DECLARE)
 #undef PELAGE_GL_DECLARE
 };
 
@@ -160,5 +165,7 @@ std::string loadTimerFunctions(Functions& gl, const GetProcAddress& getProcAddre
                                const char* suffix);
 std::string loadParallelFunctions(Functions& gl, const GetProcAddress& getProcAddress,
                                   const char* suffix);
+std::string loadRobustFunctions(Functions& gl, const GetProcAddress& getProcAddress,
+                                const char* suffix);
 
 }  // namespace pelage::gl

@@ -321,6 +321,10 @@ Result<Runtime> Runtime::create(RuntimeDef def) {
     gl.glGetQueryiv(GL_TIMESTAMP, GL_QUERY_COUNTER_BITS, &bits);
     limits.timestamps = bits > 0;
   }
+  // Both versions have it; contexts without robustness never report a reset.
+  if (!loadRobustFunctions(gl, def.getProcAddress, "").empty() &&
+      !loadRobustFunctions(gl, def.getProcAddress, "KHR").empty())
+    gl.glGetGraphicsResetStatus = nullptr;
   // All the threads that the driver likes: some have but one until they are asked.
   for (const char* suffix : {"KHR", "ARB"}) {
     const std::string extension = std::string("GL_") + suffix + "_parallel_shader_compile";
@@ -396,6 +400,7 @@ void Runtime::Impl::release(Buffer& buffer) {
 }
 
 Result<void> Runtime::update(const ResourceTable& resources) try {
+  if (Result<void> there = impl_->checkLost("update()"); !there) return there;
   if (impl_->table != 0 && impl_->table != resources.id()) {
     return invalid(
         "update() got another ResourceTable than before; a runtime has the buffers of one: make a "
@@ -674,6 +679,20 @@ void Runtime::Impl::bindVertices(const Pass& pass) {
                         static_cast<GLsizei>(input->stride));
 }
 
+Result<void> Runtime::Impl::checkLost(const char* call) {
+  const Functions& gl = context->gl;
+  if (lost == GL_NO_ERROR && gl.glGetGraphicsResetStatus != nullptr)
+    lost = gl.glGetGraphicsResetStatus();
+  if (lost == GL_NO_ERROR) return {};
+  const char* why = lost == GL_GUILTY_CONTEXT_RESET     ? "GL_GUILTY_CONTEXT_RESET"
+                    : lost == GL_INNOCENT_CONTEXT_RESET ? "GL_INNOCENT_CONTEXT_RESET"
+                                                        : "GL_UNKNOWN_CONTEXT_RESET";
+  return Error{ErrorCode::kDeviceLost,
+               std::string(call) + ": the context on " + context->renderer + " is lost (" + why +
+                   "); destroy the runtime, make another context and runtime, and call "
+                   "Scene::recover()"};
+}
+
 Result<void> Runtime::Impl::finish(const char* call) {
   if (!context->debug) return {};
   const GLenum error = context->gl.glGetError();
@@ -690,6 +709,7 @@ Result<void> Runtime::prepare(const PassList& list) {
 }
 
 Result<void> Runtime::record(const PassList& list, PassTimer* timer) {
+  if (Result<void> there = impl_->checkLost("record()"); !there) return there;
   if (Result<void> checked = checkTable(list, impl_->table); !checked) return checked;
   if (Result<void> checked = impl_->check(*this, list, ListPart::kDispatches); !checked)
     return checked;
@@ -804,6 +824,7 @@ Result<void> Runtime::record(Frame& frame, std::span<const ViewTarget> targets) 
 
 Result<void> Runtime::recordDraws(const PassList& list, const DrawTarget& target,
                                   PassTimer* timer) {
+  if (Result<void> there = impl_->checkLost("recordDraws()"); !there) return there;
   if (target.width == 0 || target.height == 0)
     return invalid("recordDraws(): the target has no pixels");
   if (Result<void> checked = checkArea(list, areaOf(target)); !checked) return checked;
@@ -850,6 +871,7 @@ Result<void> Runtime::recordDraws(const PassList& list, const DrawTarget& target
 }
 
 Result<std::vector<std::byte>> Runtime::read(BufferId id, uint64_t offset, uint64_t size) try {
+  if (Result<void> there = impl_->checkLost("read()"); !there) return there.error();
   const Functions& gl = impl_->context->gl;
   const Buffer* buffer = impl_->find(id);
   if (buffer == nullptr)

@@ -81,6 +81,9 @@ struct Runtime::Impl {
   void setDrawDefaults(const DrawTarget& target);
   void setDrawState(const DrawState& state);
   Result<void> finish(const char* call);
+  /// Error kDeviceLost where the context was reset, now or earlier.
+  Result<void> checkLost(const char* call);
+  GLenum lost = GL_NO_ERROR;  // as GL said once
 };
 
 struct PassTimer::Impl {

@@ -170,6 +170,11 @@ Error vulkanError(VkResult result, std::string_view what) {
     case VK_ERROR_FORMAT_NOT_SUPPORTED:
       code = ErrorCode::kUnsupported;
       break;
+    case VK_ERROR_DEVICE_LOST:
+      return {ErrorCode::kDeviceLost,
+              fmt::format("{}: VK_ERROR_DEVICE_LOST; destroy the runtime, make another device and "
+                          "runtime, and call Scene::recover()",
+                          what)};
     default:
       break;
   }

@@ -20,6 +20,7 @@
 #include <memory>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine_context.h"
@@ -920,7 +921,12 @@ void APIENTRY notedQuery(GLuint program, GLenum name, GLint* value) {
   if (name == GL_LINK_STATUS) g_programCalls += 'q';
   glFunction<PFNGLGETPROGRAMIVPROC>("glGetProgramiv")(program, name, value);
 }
+// As GL says it: once.
+GLenum g_resetStatus = GL_NO_ERROR;
+GLenum APIENTRY fakeResetStatus() { return std::exchange(g_resetStatus, GLenum{GL_NO_ERROR}); }
 void* fakeAddress(const char* name) {
+  if (std::strcmp(name, "glGetGraphicsResetStatus") == 0)
+    return reinterpret_cast<void*>(&fakeResetStatus);
   if (g_missingFunction == name) return nullptr;
   if (std::strcmp(name, "glLinkProgram") == 0) return reinterpret_cast<void*>(&notedLink);
   if (std::strcmp(name, "glGetProgramiv") == 0) return reinterpret_cast<void*>(&notedQuery);
@@ -935,6 +941,7 @@ class GlLackingTest : public GlRuntimeTest {
     g_fakeVersion.clear();
     g_fakeIntegers.clear();
     g_missingFunction.clear();
+    g_resetStatus = GL_NO_ERROR;
     GlRuntimeTest::SetUp();
   }
   static void expectRefusal(const std::vector<std::string>& words) {
@@ -1015,6 +1022,37 @@ TEST_P(GlLackingTest, KeepsTheOtherProgramsOfAListWithABrokenKernel) {
   EXPECT_EQ(std::count(g_programCalls.begin(), g_programCalls.end(), 'l'),
             static_cast<std::ptrdiff_t>(links));
   EXPECT_EQ(runtime->statistics().programsCompiled, 1u);
+}
+
+TEST_P(GlLackingTest, SaysThatTheContextIsLostAndKeepsSayingSo) {
+  for (const auto& [status, name] :
+       {std::pair(GLenum{GL_GUILTY_CONTEXT_RESET}, "GL_GUILTY_CONTEXT_RESET"),
+        std::pair(GLenum{GL_INNOCENT_CONTEXT_RESET}, "GL_INNOCENT_CONTEXT_RESET"),
+        std::pair(GLenum{GL_UNKNOWN_CONTEXT_RESET}, "GL_UNKNOWN_CONTEXT_RESET")}) {
+    gl::RuntimeDef def;
+    def.getProcAddress = fakeAddress;
+    Result<gl::Runtime> runtime = gl::Runtime::create(std::move(def));
+    ASSERT_TRUE(runtime) << runtime.error().message;
+    const auto kernel = accumulateKernel();
+    kernel->addTo(*runtime);
+    ResourceTable table;
+    const BufferId buffer = addZeros(table, "buffer", 64);
+    const BufferId other = addZeros(table, "other", 64);
+    ASSERT_TRUE(runtime->update(table));
+    PassList list;
+    addAccumulate(list, *kernel, buffer, other, 64, 1, 1);
+    const auto expectLost = [&](const auto& result, const char* call) {
+      ASSERT_FALSE(result);
+      EXPECT_EQ(result.error().code, ErrorCode::kDeviceLost);
+      for (const char* word : {call, name, "Scene::recover()"})
+        EXPECT_NE(result.error().message.find(word), std::string::npos) << result.error().message;
+    };
+    g_resetStatus = status;
+    expectLost(runtime->record(list), "record()");
+    expectLost(runtime->recordDraws(list, {0, 0, 8, 8}), "recordDraws()");
+    expectLost(runtime->update(table), "update()");
+    expectLost(runtime->read(buffer), "read()");
+  }
 }
 
 TEST_P(GlLackingTest, NamesTheVersionThatIsTooOld) {

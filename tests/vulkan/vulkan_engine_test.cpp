@@ -45,13 +45,14 @@ struct CountingAllocator {
   std::vector<EngineBuffer> live;
   uint32_t created = 0;
   bool fails = false;
+  VkResult failure = VK_ERROR_OUT_OF_DEVICE_MEMORY;
 
   vulkan::BufferAllocator hooks() {
     return {this,
             [](void* user, const VkBufferCreateInfo& info, vulkan::MemoryKind kind, const char*,
                vulkan::AllocatedBuffer& out) {
               auto& self = *static_cast<CountingAllocator*>(user);
-              if (self.fails) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+              if (self.fails) return self.failure;
               const EngineBuffer made = self.engine->createBuffer(
                   info.size, info.usage, kind != vulkan::MemoryKind::kDevice);
               self.live.push_back(made);
@@ -185,7 +186,7 @@ TEST_F(VulkanEngine, UploadsAndConstantsOfThreeFramesInFlightStayApart) {
 }
 
 TEST_F(VulkanEngine, DestroysARemovedBufferOnlyAfterTheFrameThatUsedItHasCompleted) {
-  CountingAllocator allocator{engine_.get(), {}, 0, false};
+  CountingAllocator allocator{engine_.get(), {}, 0, false, VK_ERROR_OUT_OF_DEVICE_MEMORY};
   RuntimeDef def = engine_->runtimeDef();
   def.allocator = allocator.hooks();
   createRuntime(def);
@@ -226,7 +227,7 @@ TEST_F(VulkanEngine, DestroysARemovedBufferOnlyAfterTheFrameThatUsedItHasComplet
 }
 
 TEST_F(VulkanEngine, AFailedUpdateChangesNothingAndCanBeRepeated) {
-  CountingAllocator allocator{engine_.get(), {}, 0, false};
+  CountingAllocator allocator{engine_.get(), {}, 0, false, VK_ERROR_OUT_OF_DEVICE_MEMORY};
   RuntimeDef def = engine_->runtimeDef();
   def.allocator = allocator.hooks();
   createRuntime(def);
@@ -242,6 +243,25 @@ TEST_F(VulkanEngine, AFailedUpdateChangesNothingAndCanBeRepeated) {
   const Result<void> repeated = runtime_->update(table_, frame.commands);
   EXPECT_TRUE(repeated);
   EXPECT_NE(runtime_->buffer(source).buffer, VkBuffer{VK_NULL_HANDLE});
+  submit(frame);
+  finishFrames();
+  runtime_.reset();
+}
+
+TEST_F(VulkanEngine, SaysThatTheDeviceIsLost) {
+  CountingAllocator allocator{engine_.get(), {}, 0, false, VK_ERROR_OUT_OF_DEVICE_MEMORY};
+  RuntimeDef def = engine_->runtimeDef();
+  def.allocator = allocator.hooks();
+  createRuntime(def);
+  add("source", ramp(0));
+  const Engine::Frame& frame = beginFrame();
+  allocator.fails = true;
+  allocator.failure = VK_ERROR_DEVICE_LOST;
+  const Result<void> failed = runtime_->update(table_, frame.commands);
+  ASSERT_FALSE(failed);
+  EXPECT_EQ(failed.error().code, ErrorCode::kDeviceLost);
+  for (const char* word : {"'source'", "VK_ERROR_DEVICE_LOST", "Scene::recover()"})
+    EXPECT_NE(failed.error().message.find(word), std::string::npos) << failed.error().message;
   submit(frame);
   finishFrames();
   runtime_.reset();

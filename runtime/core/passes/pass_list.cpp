@@ -65,6 +65,14 @@ BufferId ResourceTable::add(BufferDesc desc) {
   return idOf(tableIndex, slot.generation);
 }
 
+void ResourceTable::setInitial(BufferId id, std::vector<std::byte> bytes) {
+  PELAGE_ASSERT(find(id) != nullptr, "initial data of a buffer that is not there");
+  if (find(id) == nullptr) return;
+  BufferDesc& desc = buffers_[indexOf(id)].desc;
+  PELAGE_ASSERT(bytes.size() == desc.size, "initial data has the buffer's size");
+  desc.initial = std::move(bytes);
+}
+
 void ResourceTable::remove(BufferId id) {
   PELAGE_ASSERT(find(id) != nullptr, "removing a buffer that is not there");
   if (find(id) == nullptr) return;

@@ -240,10 +240,11 @@ void SceneImpl::relayFrames() {
 }
 
 // Nothing is known of what the GPU has.
-void SceneImpl::sendEverything() {
+void SceneImpl::sendEverything(std::span<HairObject* const> kept) {
   while (!frames_.open.empty()) restoreFrame();
   for (const auto& object : objects_) {
-    if (object == nullptr) continue;
+    if (object == nullptr || std::find(kept.begin(), kept.end(), object.get()) != kept.end())
+      continue;
     HairInternals& internals = *object->internals_;
     internals.resetPending = true;
     internals.followContacts.forget();

@@ -18,6 +18,8 @@
 
 namespace pelage::detail {
 
+struct HairSnapshot;
+
 /// The functions of Scene, and what they share. Scene has their documentation.
 class SceneImpl {
  public:
@@ -74,6 +76,9 @@ class SceneImpl {
   void abandon(const PassList& list);
   Result<void> shiftOrigin(Float3 shift);
   Result<void> teleport(HairId id, const AffineTransform& motion);
+  Result<std::shared_ptr<const SnapshotData>> takeSnapshot(const BufferReader& read);
+  /// \param snapshot nullptr: none
+  Result<uint32_t> recover(const SnapshotData* snapshot);
   double time() const { return time_; }
 
   DrawRooms& rooms() { return draws_; }
@@ -94,7 +99,12 @@ class SceneImpl {
   void forgetOwner(const void* owner);
   void removeOf(FrameCheckpoint& frame, const void* owner);
   void relayFrames();
-  void sendEverything();
+  /// \param kept  objects that are not to be reset
+  void sendEverything(std::span<HairObject* const> kept = {});
+  std::vector<BufferId> ownBuffers(const HairObject& object);
+  bool hasBuffersOf(const HairObject& object, const HairSnapshot& saved);
+  void restoreHair(HairInternals& hair, const HairFrameState& state,
+                   const Vector3<double>& shifted);
 
   // Objects.
   static void removeHairBuffers(HairBuffers& buffers, HairFrameState& state, bool hasSkeleton,
