@@ -44,6 +44,15 @@ struct Light {
   HairShadow shadow = HairShadow::kNone;
   uint32_t shadowSize = 1024;  ///< texels an edge of its map, 4..8192
   uint32_t shadowLayers = 8;   ///< kDeep: 1..16
+  /// Hair up to so far behind the nearest hair is lit [texels], >= 0: as much as keeps a strand
+  /// from shadowing itself.
+  float shadowBias = 0.5f;
+  /// kDeep: distance behind the nearest hair that the layers take up, >= 0 [m]; what lies beyond is
+  /// in the last one. 0: 8 free paths of light in hair of mean density, at most what hair takes up.
+  float shadowLayerRange = 0;
+  /// Volume of all hair [m3], >= 0, for its mean density: kDepth, and a shadowLayerRange of 0. 0:
+  /// it is measured when hair is added.
+  float shadowVolume = 0;
 };
 
 inline constexpr uint32_t kMaxStrandLights = 8;   ///< lights that a view has at most

@@ -251,6 +251,21 @@ std::vector<Parameter> lightRows() {
                  }),
             std::vector{1u, 2u, 8u}, light(&Light::shadowLayers),
             "Sparse hair with the light behind it: with few layers light penetrates too far.")},
+      {PELAGE_FIELD(Light, shadowBias), "texels", ">= 0",
+       "Hair up to so far behind the nearest hair is lit; it keeps a strand from shadowing itself.",
+       show(with(shadowed(), [](Setup& s) { s.lights[0].shadowSize = 64; }),
+            std::vector{0.0f, 0.5f, 4.0f}, light(&Light::shadowBias),
+            "Texels of 13 mm: the shadow begins deeper in the hair.")},
+      {PELAGE_FIELD(Light, shadowLayerRange),
+       "m",
+       ">= 0",
+       "kDeep: distance behind the nearest hair that the layers take up; 0 finds it from the hair.",
+       {}},
+      {PELAGE_FIELD(Light, shadowVolume), "m³", ">= 0",
+       "Volume of all hair, for its mean density: kDepth, and shadowLayerRange 0. 0 measures it.",
+       show(with(shadowed(), [](Setup& s) { s.lights[0].shadow = HairShadow::kDepth; }),
+            std::vector{0.0f, 0.001f, 0.1f}, light(&Light::shadowVolume),
+            "kDepth: the less volume the hair has, the denser it is.")},
   };
 }
 

@@ -460,6 +460,24 @@ std::vector<WrongDraw> wrongDraws() {
       {{"'hair': material.refractiveIndex", "nan"},
        [](V&, L&, T&, M& m) { m.refractiveIndex = kNan; }},
   };
+  const auto deep = [&](const char* name, const char* value, auto set) {
+    all.push_back({{name, value}, [set](V&, L& l, T&, M&) {
+                     l.shadow = HairShadow::kDeep;
+                     set(l);
+                   }});
+  };
+  deep("light 0: shadowSize is 3", "4..8192", [](L& l) { l.shadowSize = 3; });
+  deep("light 0: shadowSize is 8193", "4..8192", [](L& l) { l.shadowSize = 8193; });
+  deep("light 0: shadowLayers is 0", "1..16", [](L& l) { l.shadowLayers = 0; });
+  deep("light 0: shadowLayers is 17", "1..16", [](L& l) { l.shadowLayers = 17; });
+  for (float L::*field : {&L::shadowBias, &L::shadowLayerRange, &L::shadowVolume}) {
+    const char* name = field == &L::shadowBias         ? "light 0: shadowBias"
+                       : field == &L::shadowLayerRange ? "light 0: shadowLayerRange"
+                                                       : "light 0: shadowVolume";
+    deep(name, "nan", [field](L& l) { l.*field = kNan; });
+    deep(name, "inf", [field](L& l) { l.*field = kInf; });
+    deep(name, "-1", [field](L& l) { l.*field = -1; });
+  }
   for (int row = 0; row < 4; ++row) {
     for (const float bad : {kNan, kInf, -kInf}) {
       all.push_back({{"worldToClip", "not finite"},

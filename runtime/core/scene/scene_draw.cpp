@@ -191,6 +191,9 @@ Result<ShadowCast> SceneImpl::checkShadows(std::span<const Light> lights) {
     def.radius = steadyRadius(all.radius);
     def.size = light.shadowSize;
     def.layers = light.shadow == HairShadow::kDeep ? light.shadowLayers : 0;
+    def.biasTexels = light.shadowBias;
+    def.layerRange = light.shadowLayerRange;
+    def.volume = light.shadowVolume;
     cast.lights.push_back(i);
   }
   Result<ShadowPlan> plan = draws_.shadows.check(defs, cast.hairs, room(), draws_.frame);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "pelage/kernels.h"
+#include "shading/light_numbers.h"
 #include "shading/lit_kernels.h"
 
 namespace pelage::detail {
@@ -69,6 +70,7 @@ std::string faultOf(const Light& light) {
     return "shadow is " + std::to_string(static_cast<uint32_t>(light.shadow)) +
            ", which is no HairShadow; take one of its values";
   }
+  if (std::string fault = numberFaultOf(light); !fault.empty()) return fault;
   if (light.hasPosition) return {};
   if (!isFinite(light.direction) || light.direction == Float3{}) {
     return "direction is " + toText(light.direction) +
