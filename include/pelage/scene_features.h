@@ -38,6 +38,7 @@ struct SceneFeatures {
   bool motion = false;         ///< HairObject::tracksMotion
   bool interpolation = false;  ///< HairObject::interpolates
   bool shadows = true;         ///< Light::shadow, Scene::castShadows()
+  bool opaqueShadows = false;  ///< Light::opaque
   /// One for each method that views use; TransparencySettings::opaqueDepth counts as given where it
   /// is not kInvalid. Empty: nothing is drawn.
   std::vector<TransparencySettings> transparency = {TransparencySettings{}};

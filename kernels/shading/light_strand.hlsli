@@ -6,6 +6,7 @@
 #ifndef PELAGE_SHADING_LIGHT_STRAND_HLSLI
 #define PELAGE_SHADING_LIGHT_STRAND_HLSLI
 
+#include "opaque_shadow.hlsli"
 #include "strand_lighting.hlsli"
 #include "strand_shadow.hlsli"
 
@@ -25,8 +26,8 @@ StrandSurface strandSurface(float3 position, float3 tangent, float3 baseColor) {
   return makeStrandSurface(position, tangent, g_eye.xyz, baseColor);
 }
 
-// Sums the lights of StrandViewConstants, each through the hair in front of it, and the ambient
-// term.
+// Sums the lights of StrandViewConstants, each through the hair and past the opaque geometry in
+// front of it, and the ambient term.
 float3 viewLight(StrandShading material, StrandSurface surface) {
   float3 sum = g_ambientColor.rgb * strandAmbient(material, surface);
   uint count = min(g_lightCount, kMaxStrandLights);
@@ -36,6 +37,9 @@ float3 viewLight(StrandShading material, StrandSurface surface) {
     float transmittance = 1.0;
     if (light.shadow.x < kMaxStrandShadows)
       transmittance = strandTransmittance(shadowAt(light.shadow.x), surface.position);
+    if (light.shadow.y - 1u < kMaxStrandShadows)
+      transmittance *= opaqueTransmittance(opaqueShadowAt(light.shadow.y - 1u), surface.position,
+                                           arriving.toLight);
     if (transmittance > 0.0)
       sum += arriving.color * (shadeStrand(material, surface, arriving.toLight) * transmittance);
   }

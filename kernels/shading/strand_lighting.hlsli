@@ -44,6 +44,10 @@ StrandIllumination strandIllumination(StrandLight light, float3 position) {
   result.toLight = unitOr(lightOffset, float3(0.0, 1.0, 0.0));
   // A light without extent has no meaning nearer than a centimeter.
   float fallOff = positional ? 1.0 / max(dot(lightOffset, lightOffset), 1e-4) : 1.0;
+  if (positional && dot(light.cone.xyz, light.cone.xyz) > 0.0) {
+    float share = saturate(dot(light.cone.xyz, result.toLight) + light.cone.w);
+    fallOff *= share * share;
+  }
   result.color = light.color.rgb * fallOff;
   return result;
 }

@@ -11,7 +11,7 @@
 #ifndef PELAGE_SHADING_STRAND_SHADOW_HLSLI
 #define PELAGE_SHADING_STRAND_SHADOW_HLSLI
 
-#include "layouts/strand_shadow_view.hlsli"
+#include "shadow_faces.hlsli"
 
 // Returns the optical depth of the texel at (x, y) up to a distance behind the near plane [m].
 float opticalDepthAt(StrandShadowView map, int x, int y, float depth) {
@@ -39,14 +39,23 @@ float opticalDepthAt(StrandShadowView map, int x, int y, float depth) {
 // map, and for a position that is not finite.
 float strandTransmittance(StrandShadowView map, float3 position) {
   float4 p = float4(position, 1.0);
-  float w = dot(map.mapW, p);
-  if (!(w >= map.nearW)) return 1.0;
-  float2 texel = float2(dot(map.mapX, p), dot(map.mapY, p)) / w - 0.5;
-  float depth = dot(map.mapZ, p);
+  float4 at = float4(dot(map.mapX, p), dot(map.mapY, p), dot(map.mapZ, p), dot(map.mapW, p));
+  uint face = shadowFaceOf(map, at);
+  at = onShadowFace(map, face, at);
+  map = shadowFace(map, face);
+  if (!(at.w >= map.nearW)) return 1.0;
+  float2 texel = at.xy / at.w - 0.5;
+  float depth = at.z;
   float2 size = float2(float(map.width), float(map.height));
   // NaN fails these tests, too.
   if (!(min(texel.x, texel.y) > -1.0) || !(texel.x < size.x) || !(texel.y < size.y)) return 1.0;
   if (!(depth > 0.0) || !(depth < 1e30)) return 1.0;
+  map.bias *= at.w;
+  if (isProjective(map)) {
+    // Along a ray the way is longer than along the axis.
+    float2 slope = (texel + 0.5 - 0.5 * size) * map.texelSize;
+    map.extinction *= sqrt(1.0 + dot(slope, slope));
+  }
 
   float2 lowest = floor(texel);
   float2 share = texel - lowest;

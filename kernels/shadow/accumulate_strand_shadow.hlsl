@@ -11,7 +11,7 @@
 void accumulate_strand_shadow(uint3 thread : SV_DispatchThreadID) {
   StrandShadowView map = g_shadowViews[g_shadowView];
   uint index = indexOfThread(thread);
-  if (!isShadowView(map) || index >= map.width * map.height) return;
+  if (!isShadowView(map) || index >= map.width * map.height * map.faceCount) return;
   uint word = map.firstWord + index * (1u + map.layerCount);
   if (g_shadowWords[word] == kNoHair) return;
   uint sum = 0u;

@@ -12,10 +12,12 @@
 #define STRAND_EVALUATES_FOLLOWS true
 #define STRAND_TIP_SEPARATION g_shadowTipSeparation
 #include "../shading/drawn_strand.hlsli"
+#include "../shading/shadow_faces.hlsli"
 
 bool isShadowView(StrandShadowView map) {
   return map.width - 1u < kMaxShadowSize && map.height - 1u < kMaxShadowSize &&
-         map.layerCount <= kMaxShadowLayers && map.layerRange > 0.0;
+         map.layerCount <= kMaxShadowLayers && map.layerRange > 0.0 &&
+         (map.faceCount == 1u || map.faceCount == 6u);
 }
 
 // A point of a strand. All values except x and y are divided by w: on the map these are linear
@@ -26,6 +28,15 @@ struct ShadowPoint {
   float inverse;  // 1 / w
   float depth;    // distance behind the near plane over w [m]
   float radius;   // [texel]
+};
+
+// A segment of a strand in the world.
+struct StrandPart {
+  bool known;  // its strand is one
+  float3 from;
+  float3 to;
+  float fromRadius;  // [m]
+  float toRadius;
 };
 
 struct ShadowSegment {
@@ -47,12 +58,54 @@ float radiusAt(uint strand, uint vertex) {
   return radius;
 }
 
-ShadowPoint shadowPoint(StrandShadowView map, float3 position, float w, float radius) {
+StrandPart strandPart(uint strand, uint segment) {
+  DrawnVertex a = drawnVertex(strand, segment);
+  DrawnVertex b = drawnVertex(strand, segment + 1u);
+  StrandPart part;
+  part.known = a.known && b.known;
+  part.from = a.position;
+  part.to = b.position;
+  part.fromRadius = radiusAt(strand, segment);
+  part.toRadius = radiusAt(strand, segment + 1u);
+  return part;
+}
+
+// A point on a face: xy / w the texel, z the distance behind the near plane [m].
+float4 pointOnFace(StrandShadowView map, uint face, float3 position) {
+  return onShadowFace(map, face,
+                      float4(affine(map.mapX, position), affine(map.mapY, position),
+                             affine(map.mapZ, position), affine(map.mapW, position)));
+}
+
+// A point on a face as the offset from the light in the map's axes [m].
+float3 fromLight(StrandShadowView map, float4 at) {
+  precise float x = (at.x - 0.5 * float(map.width) * at.w) * map.texelSize;
+  precise float y = (at.y - 0.5 * float(map.height) * at.w) * map.texelSize;
+  return float3(x, y, at.w);
+}
+
+// Returns how much wider the image of a thin fiber is than 2 radius / w. Its edges lie off by the
+// radius along the unit normal m of the plane through the light and the fiber; on the plane w = 1,
+// that is radius / w over the length of m's part in that plane. 1 for parallel light.
+float widening(StrandShadowView map, float4 a, float4 b) {
+  if (!isProjective(map)) return 1.0;
+  float3 from = fromLight(map, a);
+  precise float3 along = fromLight(map, b) - from;
+  precise float3 m =
+      float3(from.y * along.z - from.z * along.y, from.z * along.x - from.x * along.z,
+             from.x * along.y - from.y * along.x);
+  precise float flat = m.x * m.x + m.y * m.y;
+  precise float squared = 1.0 + m.z * m.z / flat;
+  // 16: a map that is as wide as this is none. NaN counts as 1.
+  return squared > 1.0 ? squareRoot(min(squared, 16.0)) : 1.0;
+}
+
+ShadowPoint shadowPoint(StrandShadowView map, float4 at, float radius) {
   ShadowPoint r;
-  precise float inverse = 1.0 / w;
-  precise float x = affine(map.mapX, position) * inverse - 0.5;
-  precise float y = affine(map.mapY, position) * inverse - 0.5;
-  precise float depth = affine(map.mapZ, position) * inverse;
+  precise float inverse = 1.0 / at.w;
+  precise float x = at.x * inverse - 0.5;
+  precise float y = at.y * inverse - 0.5;
+  precise float depth = at.z * inverse;
   precise float wide = radius * inverse / map.texelSize;
   r.texel = float2(x, y);
   r.inverse = inverse;
@@ -86,9 +139,9 @@ float2 clipAxis(float from, float to, float end, float2 range) {
   return float2(max(range.x, min(low, high)), min(range.y, max(low, high)));
 }
 
-// Returns segment `segment` of a strand, cut to the map and the texels around it. Segments that are
-// not finite, outside of the map, or behind nearW are left out.
-ShadowSegment shadowSegment(StrandShadowView map, uint strand, uint segment) {
+// Returns a segment on a face, cut to the face, the texels around it and what lies behind nearW.
+// Segments that are not finite are left out.
+ShadowSegment shadowSegment(StrandShadowView map, uint face, StrandPart part) {
   ShadowSegment r;
   r.inside = false;
   r.from.texel = float2(0.0, 0.0);
@@ -96,14 +149,27 @@ ShadowSegment shadowSegment(StrandShadowView map, uint strand, uint segment) {
   r.from.depth = 0.0;
   r.from.radius = 0.0;
   r.to = r.from;
-  DrawnVertex a = drawnVertex(strand, segment);
-  DrawnVertex b = drawnVertex(strand, segment + 1u);
-  if (!a.known || !b.known) return r;
-  float wa = affine(map.mapW, a.position);
-  float wb = affine(map.mapW, b.position);
-  if (!(map.nearW > 0.0) || !(min(wa, wb) >= map.nearW)) return r;
-  r.from = shadowPoint(map, a.position, wa, radiusAt(strand, segment));
-  r.to = shadowPoint(map, b.position, wb, radiusAt(strand, segment + 1u));
+  float4 a = pointOnFace(map, face, part.from);
+  float4 b = pointOnFace(map, face, part.to);
+  if (!(map.nearW > 0.0) || !(max(a.w, b.w) >= map.nearW)) return r;
+  precise float fromRadius = part.fromRadius;
+  precise float toRadius = part.toRadius;
+  if (!(min(a.w, b.w) >= map.nearW)) {
+    precise float share = (map.nearW - a.w) / (b.w - a.w);
+    precise float4 cut = a + (b - a) * share;
+    precise float radius = fromRadius + (toRadius - fromRadius) * share;
+    cut.w = map.nearW;
+    if (a.w < map.nearW) {
+      a = cut;
+      fromRadius = radius;
+    } else {
+      b = cut;
+      toRadius = radius;
+    }
+  }
+  float wider = widening(map, a, b);
+  r.from = shadowPoint(map, a, fromRadius * wider);
+  r.to = shadowPoint(map, b, toRadius * wider);
   if (!isUsable(float4(r.from.texel, r.from.inverse, r.from.depth)) ||
       !isUsable(float4(r.to.texel, r.to.inverse, r.to.depth)))
     return r;

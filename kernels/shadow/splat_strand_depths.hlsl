@@ -13,16 +13,7 @@
 // four squares of a texel's size around its center; any order of the strands gives the same bits.
 #include "shadow_segment.hlsli"
 
-[numthreads(64, 1, 1)]
-void splat_strand_depths(uint3 thread : SV_DispatchThreadID) {
-  uint segments = max(g_shadowVertexCount, 1u) - 1u;
-  uint strand = indexOfThread(thread) / max(segments, 1u);
-  if (segments == 0u || strand >= g_shadowStrandCount) return;
-  StrandShadowView map = g_shadowViews[g_shadowView];
-  if (!isShadowView(map)) return;
-  ShadowSegment segment = shadowSegment(map, strand, indexOfThread(thread) % segments);
-  if (!segment.inside) return;
-
+void splatDepths(StrandShadowView map, ShadowSegment segment) {
   ShadowWalk walk = beginWalk(map, segment);
   float before = depthOf(segment.from);
   while (walk.pieces > 0u) {
@@ -36,5 +27,20 @@ void splat_strand_depths(uint3 thread : SV_DispatchThreadID) {
     }
     before = after;
     advance(segment, walk);
+  }
+}
+
+[numthreads(64, 1, 1)]
+void splat_strand_depths(uint3 thread : SV_DispatchThreadID) {
+  uint segments = max(g_shadowVertexCount, 1u) - 1u;
+  uint strand = indexOfThread(thread) / max(segments, 1u);
+  if (segments == 0u || strand >= g_shadowStrandCount) return;
+  StrandShadowView map = g_shadowViews[g_shadowView];
+  if (!isShadowView(map)) return;
+  StrandPart part = strandPart(strand, indexOfThread(thread) % segments);
+  if (!part.known) return;
+  for (uint face = 0u; face < map.faceCount; ++face) {
+    ShadowSegment segment = shadowSegment(map, face, part);
+    if (segment.inside) splatDepths(shadowFace(map, face), segment);
   }
 }

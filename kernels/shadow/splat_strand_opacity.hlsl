@@ -34,16 +34,7 @@ float cornerWeight(float2 share, uint corner) {
   return weight;
 }
 
-[numthreads(64, 1, 1)]
-void splat_strand_opacity(uint3 thread : SV_DispatchThreadID) {
-  uint segments = max(g_shadowVertexCount, 1u) - 1u;
-  uint strand = indexOfThread(thread) / max(segments, 1u);
-  if (segments == 0u || strand >= g_shadowStrandCount) return;
-  StrandShadowView map = g_shadowViews[g_shadowView];
-  if (!isShadowView(map) || map.layerCount == 0u) return;
-  ShadowSegment segment = shadowSegment(map, strand, indexOfThread(thread) % segments);
-  if (!segment.inside) return;
-
+void splatOpacity(StrandShadowView map, ShadowSegment segment) {
   precise float2 offset = segment.to.texel - segment.from.texel;
   precise float squared = offset.x * offset.x + offset.y * offset.y;
   // Simpson's rule has a sixth of the ends and four sixths of the middle.
@@ -81,5 +72,20 @@ void splat_strand_opacity(uint3 thread : SV_DispatchThreadID) {
     }
     before = after;
     advance(segment, walk);
+  }
+}
+
+[numthreads(64, 1, 1)]
+void splat_strand_opacity(uint3 thread : SV_DispatchThreadID) {
+  uint segments = max(g_shadowVertexCount, 1u) - 1u;
+  uint strand = indexOfThread(thread) / max(segments, 1u);
+  if (segments == 0u || strand >= g_shadowStrandCount) return;
+  StrandShadowView map = g_shadowViews[g_shadowView];
+  if (!isShadowView(map) || map.layerCount == 0u) return;
+  StrandPart part = strandPart(strand, indexOfThread(thread) % segments);
+  if (!part.known) return;
+  for (uint face = 0u; face < map.faceCount; ++face) {
+    ShadowSegment segment = shadowSegment(map, face, part);
+    if (segment.inside) splatOpacity(shadowFace(map, face), segment);
   }
 }

@@ -55,7 +55,7 @@ template <class T>
 requires std::same_as<T, pelage::WindSettings> || std::same_as<T, pelage::ParameterCurves> ||
     std::same_as<T, pelage::SleepSettings> || std::same_as<T, pelage::HairContactSettings> ||
     std::same_as<T, pelage::SimulationSettings> || std::same_as<T, pelage::StrandMaterial> ||
-    std::same_as<T, pelage::ColorTexture>
+    std::same_as<T, pelage::ColorTexture> || std::same_as<T, pelage::OpaqueShadow>
         std::string text(const T&) {
   return "its own";
 }

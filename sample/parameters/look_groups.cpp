@@ -62,6 +62,16 @@ Setup shadowed() {
   return setup;
 }
 
+// The same with a point light.
+Setup spot() {
+  Setup setup = shadowed();
+  Light& light = setup.lights[0];
+  light.hasPosition = true;
+  light.position = {-0.42f, 0.55f, 0.2f};
+  light.color = {0.5f, 0.47f, 0.43f};
+  return setup;
+}
+
 std::vector<Parameter> colorRows() {
   const std::string color = "linear RGB";
   return {
@@ -221,7 +231,7 @@ std::vector<Parameter> lightRows() {
       {PELAGE_FIELD(Light, hasPosition),
        "",
        "",
-       "Makes it a point light, which casts no shadow.",
+       "Makes it a point light, or with outerConeAngle a spot light.",
        {}},
       {PELAGE_FIELD(Light, position), "m", "",
        "Position of a point light; the color is that at a distance of 1 m.",
@@ -233,6 +243,16 @@ std::vector<Parameter> lightRows() {
             std::vector<Float3>{{-0.25f, 0.3f, 0.1f}, {0, 0.45f, 0.1f}, {0.2f, 0.1f, 0.15f}},
             light(&Light::position),
             "A point light of 0.06 on the left, above, and on the right below.")},
+      {PELAGE_FIELD(Light, outerConeAngle), "rad", "0..pi/2",
+       "Half angle of a spot light's cone around `-direction`; 0 shines in all directions. Needs "
+       "hasPosition.",
+       show(spot(), std::vector{0.0f, 0.2f, 0.35f}, light(&Light::outerConeAngle),
+            "All around, a narrow cone and a wider one.")},
+      {PELAGE_FIELD(Light, innerConeAngle), "rad", "0..outerConeAngle",
+       "Half angle inside of which a spot light has all its color.",
+       show(with(spot(), [](Setup& s) { s.lights[0].outerConeAngle = 0.3f; }),
+            std::vector{0.0f, 0.2f, 0.3f}, light(&Light::innerConeAngle),
+            "An outer angle of 0.3: a soft edge, a narrow one, and none.")},
       {PELAGE_FIELD(Light, shadow), "", "kNone, kDepth, kDeep",
        "Shadow by hair: none, by the distance behind the nearest strand, or by the hair in "
        "between.",
@@ -266,6 +286,38 @@ std::vector<Parameter> lightRows() {
        show(with(shadowed(), [](Setup& s) { s.lights[0].shadow = HairShadow::kDepth; }),
             std::vector{0.0f, 0.001f, 0.1f}, light(&Light::shadowVolume),
             "kDepth: the less volume the hair has, the denser it is.")},
+      {PELAGE_FIELD(Light, opaque),
+       "",
+       "",
+       "Depth map of opaque geometry that casts a shadow on hair, with any `shadow`.",
+       {}},
+  };
+}
+
+std::vector<Parameter> opaqueShadowRows() {
+  return {
+      {PELAGE_FIELD(OpaqueShadow, depth),
+       "",
+       "one float per texel",
+       "Depth 0..1, row by row from the top; without it opaque geometry casts no shadow on hair.",
+       {}},
+      {PELAGE_FIELD(OpaqueShadow, width), "texels", "1..8192", "Width of the map.", {}},
+      {PELAGE_FIELD(OpaqueShadow, height), "texels", "1..8192", "Height of the map.", {}},
+      {PELAGE_FIELD(OpaqueShadow, worldToClip),
+       "",
+       "finite",
+       "Clip space of the light: y up, depth 0..1.",
+       {}},
+      {PELAGE_FIELD(OpaqueShadow, reversedDepth),
+       "",
+       "",
+       "Depth 1 at the near plane, 0 at infinity.",
+       {}},
+      {PELAGE_FIELD(OpaqueShadow, bias),
+       "m",
+       ">= 0",
+       "Opaque geometry this close in front of hair does not shadow it: roots lie on the skin.",
+       {}},
   };
 }
 
@@ -414,6 +466,9 @@ std::vector<ParameterGroup> viewGroups() {
   return {
       {"Light", view, "Scene::draw(), at most 8; shadows for 4 of them. [shadow.md](shadow.md)",
        lightRows()},
+      {"OpaqueShadow", view,
+       "Light::opaque. [shadow.md](shadow.md#shadows-of-opaque-geometry-on-hair)",
+       opaqueShadowRows()},
       {"View", view, "Scene::draw(): a camera and its target.", viewRows()},
       {"TransparencySettings", "pelage/transparency.h", "Scene::draw(). [oit.md](oit.md)",
        transparencyRows()},

@@ -53,6 +53,7 @@ const std::vector<Feature>& features() {
       {"Shadow",
        {"clear_strand_shadow", "splat_strand_depths", "splat_strand_opacity",
         "accumulate_strand_shadow"}},
+      {"Shadow of opaque geometry on hair", {"copy_opaque_shadow"}},
       {"Hair read by the vertex stage, which Tier::kWide draws", {"strand_vertex"}},
       {"Depth of hair", {"transform_strands", "strand_record_vertex", "strand_depth_pixel"}},
       {"Hair between two states", {"keep_positions", "interpolate_strands", "interpolate_roots"}},

@@ -274,6 +274,8 @@ TEST(ListToPrepare, LeavesOutWhatIsNotWanted) {
   };
   EXPECT_GT(count({}, "strand_shadow"), 0u);
   EXPECT_EQ(count({.shadows = false}, "strand_shadow"), 0u);
+  EXPECT_EQ(count({}, "opaque_shadow"), 0u);
+  EXPECT_EQ(count({.opaqueShadows = true}, "copy_opaque_shadow"), 1u);
   EXPECT_GT(count({}, "find_contacts"), 0u);
   EXPECT_EQ(count({.capsules = false, .meshColliders = false}, "find_contacts"), 0u);
   EXPECT_EQ(count({.transparency = {}}, "strand_vertex"), 0u);

@@ -90,17 +90,81 @@ TEST_F(SceneDraw, ListsHaveThePassesOfTheirMethod) {
             "strand_pixel ");
 }
 
-TEST_F(SceneDraw, PointLightsHaveNoShadow) {
+TEST_F(SceneDraw, PointAndSpotLightsHaveOneMapEach) {
   add();
   Light light;
   light.hasPosition = true;
   light.position = {0, 1, 0};
-  light.shadow = HairShadow::kDeep;
   EXPECT_EQ(draw(viewFrom(0.5f), {.method = Transparency::kAlphaTest}, light), "strand_pixel ");
-  // Neither do they count as one of those that have.
-  std::vector<Light> lights(kMaxStrandShadows + 1, light);
+  light.shadow = HairShadow::kDeep;
+  const std::string passes =
+      "clear_strand_shadow splat_strand_depths splat_strand_opacity accumulate_strand_shadow "
+      "strand_pixel ";
+  const auto view = [&] {
+    EXPECT_EQ(draw(viewFrom(0.5f), {.method = Transparency::kAlphaTest}, light), passes);
+    return blockOfDraw<StrandViewConstants>("StrandViewConstants");
+  };
+  EXPECT_EQ(view().shadowFaces[0].x, 1u);
+  EXPECT_EQ(view().lightCones[0], (Float4{}));
+  // In the hair it is a cube, of less than twice the size.
+  light.position = {0, 0.04f, 0};
+  EXPECT_EQ(view().shadowFaces[0].x, 6u);
+  EXPECT_EQ(view().shadowSizes[0].x, light.shadowSize / 2);
+  // A spot light needs a cube only where its cone is too wide for one map.
+  light.direction = {0, 1, 0};
+  light.outerConeAngle = 0.5f;
+  EXPECT_EQ(view().shadowFaces[0].x, 1u);
+  EXPECT_GT(view().lightCones[0].y, 0);
+  light.outerConeAngle = 1.5f;
+  EXPECT_EQ(view().shadowFaces[0].x, 6u);
+  const std::vector<Light> lights(kMaxStrandShadows + 1, light);
   lists_.assign(1, {});
-  EXPECT_TRUE(scene_.draw(viewFrom(0.5f), lights, {}, lists_));
+  EXPECT_FALSE(scene_.draw(viewFrom(0.5f), lights, {}, lists_));
+}
+
+TEST_F(SceneDraw, DepthMapsOfOpaqueGeometryAreCopiedWhereHairIsDrawn) {
+  HairObject& hair = add();
+  Light light;
+  EXPECT_EQ(draw(viewFrom(0.5f), {.method = Transparency::kAlphaTest}, light), "strand_pixel ");
+  const uint64_t bytes = scene_.resources().totalBytes();
+  light.opaque.depth =
+      scene_.resources().add({.name = "depth", .size = 64 * 32 * 4, .stride = sizeof(float)});
+  light.opaque.width = 64;
+  light.opaque.height = 32;
+  EXPECT_EQ(draw(viewFrom(0.5f), {.method = Transparency::kAlphaTest}, light),
+            "copy_opaque_shadow strand_pixel ");
+  const auto constants = blockOfDraw<StrandViewConstants>("StrandViewConstants");
+  EXPECT_EQ(constants.lightShadows[0].x, ~0u);
+  EXPECT_EQ(constants.lightShadows[0].y, 1u);
+  // The engine's map, and its copy in place of the words that are bound without any.
+  EXPECT_LE(scene_.resources().totalBytes() - bytes, 2 * 64 * 32 * 4u);
+  // A second view of the frame reads what the first one has copied.
+  std::vector<PassList> second;
+  ASSERT_TRUE(
+      scene_.draw(viewFrom(0.4f), {&light, 1}, {.method = Transparency::kAlphaTest}, second));
+  ASSERT_EQ(second[0].passes.size(), 1u);
+  EXPECT_STREQ(second[0].passes[0].name, "strand_pixel");
+  // Beside a map of hair, in one buffer.
+  light.shadow = HairShadow::kDepth;
+  EXPECT_EQ(draw(viewFrom(0.4f), {.method = Transparency::kAlphaTest}, light),
+            "clear_strand_shadow splat_strand_depths copy_opaque_shadow strand_pixel ");
+  EXPECT_EQ(blockOfDraw<StrandViewConstants>("StrandViewConstants").opaqueSizes[0].z, 1024u * 1024);
+
+  // Engines that draw hair read their own map.
+  PassList list;
+  light.shadow = HairShadow::kNone;
+  ASSERT_TRUE(scene_.castShadows({&light, 1}, list));
+  EXPECT_TRUE(list.passes.empty());
+  hair.visible = false;
+  EXPECT_EQ(draw(viewFrom(0.5f), {.method = Transparency::kAlphaTest}, light), "");
+  hair.visible = true;
+  light.opaque.height = 33;
+  lists_.assign(1, {});
+  const Result<void> drawn = scene_.draw(viewFrom(0.5f), {&light, 1}, {}, lists_);
+  ASSERT_FALSE(drawn);
+  EXPECT_NE(drawn.error().message.find("light 0: opaque.depth has 8192 bytes, but 64 x 33"),
+            std::string::npos)
+      << drawn.error().message;
 }
 
 TEST_F(SceneDraw, ShadowsAreCastWithoutDrawsForShadersOfAnEngine) {
@@ -114,20 +178,21 @@ TEST_F(SceneDraw, ShadowsAreCastWithoutDrawsForShadersOfAnEngine) {
   const Light lights[] = {plain, deep, point, depths};
   const Result<uint32_t> cast = scene_.castShadows(lights, list);
   ASSERT_TRUE(cast) << cast.error().message;
-  EXPECT_EQ(*cast, 2u);
+  EXPECT_EQ(*cast, 3u);
   std::string names;
   for (const Pass& pass : list.passes) names += std::string(pass.name) + " ";
   EXPECT_EQ(names,
             "clear_strand_shadow splat_strand_depths splat_strand_opacity accumulate_strand_shadow "
+            "clear_strand_shadow splat_strand_depths splat_strand_opacity accumulate_strand_shadow "
             "clear_strand_shadow splat_strand_depths ");
   // One after the other, in the order of the lights.
-  ASSERT_EQ(list.uploads.size(), 2u);
-  for (uint32_t i = 0; i < 2; ++i) {
+  ASSERT_EQ(list.uploads.size(), 3u);
+  for (uint32_t i = 0; i < 3; ++i) {
     EXPECT_EQ(list.uploads[i].buffer, scene_.shadowViews());
     EXPECT_EQ(list.uploads[i].offset, i * sizeof(StrandShadowView));
     StrandShadowView map;
     std::memcpy(&map, list.uploadData.data() + list.uploads[i].dataOffset, sizeof(map));
-    EXPECT_EQ(map.layerCount, i == 0 ? deep.shadowLayers : 0u);
+    EXPECT_EQ(map.layerCount, i < 2 ? deep.shadowLayers : 0u);
   }
 
   // Without hair there are no maps, but still the buffers that shaders have bound.
@@ -454,6 +519,18 @@ std::vector<WrongDraw> wrongDraws() {
       {{"light 0: ambient", "nan"}, [](V&, L& l, T&, M&) { l.ambient.y = kNan; }},
       {{"light 0: position", "nan"}, [](V&, L& l, T&, M&) { l.position.y = kNan; }},
       {{"light 0: shadow", "77"}, [](V&, L& l, T&, M&) { l.shadow = HairShadow{77}; }},
+      {{"light 0: outerConeAngle", "nan"}, [](V&, L& l, T&, M&) { l.outerConeAngle = kNan; }},
+      {{"light 0: outerConeAngle", "1.6"}, [](V&, L& l, T&, M&) { l.outerConeAngle = 1.6f; }},
+      {{"light 0: outerConeAngle", "hasPosition"},
+       [](V&, L& l, T&, M&) { l.outerConeAngle = 0.5f; }},
+      {{"light 0: innerConeAngle", "0.5"}, [](V&, L& l, T&, M&) { l.innerConeAngle = 0.5f; }},
+      {{"light 0: innerConeAngle", "nan"}, [](V&, L& l, T&, M&) { l.innerConeAngle = kNan; }},
+      {{"light 0: direction", "nan"},
+       [](V&, L& l, T&, M&) {
+         l.hasPosition = true;
+         l.outerConeAngle = 0.5f;
+         l.direction.x = kNan;
+       }},
       {{"'hair': material.model", "9"}, [](V&, L&, T&, M& m) { m.model = ShadingModel{9}; }},
       {{"'hair': material.rootColor", "nan"}, [](V&, L&, T&, M& m) { m.rootColor.x = kNan; }},
       {{"'hair': material.fiberRadius", "inf"}, [](V&, L&, T&, M& m) { m.fiberRadius = kInf; }},
@@ -478,6 +555,19 @@ std::vector<WrongDraw> wrongDraws() {
     deep(name, "inf", [field](L& l) { l.*field = kInf; });
     deep(name, "-1", [field](L& l) { l.*field = -1; });
   }
+  const auto opaque = [&](const char* name, const char* value, auto set) {
+    all.push_back({{name, value}, [set](V&, L& l, T&, M&) {
+                     l.opaque = {.depth = BufferId{1}, .width = 1, .height = 1};
+                     set(l.opaque);
+                   }});
+  };
+  opaque("light 0: opaque.width", "0 x 1", [](OpaqueShadow& o) { o.width = 0; });
+  opaque("opaque.height", "1 x 8193", [](OpaqueShadow& o) { o.height = 8193; });
+  opaque("opaque.worldToClip", "not finite",
+         [](OpaqueShadow& o) { o.worldToClip.rows[2].z = kInf; });
+  opaque("opaque.bias", "-1", [](OpaqueShadow& o) { o.bias = -1; });
+  opaque("opaque.bias", "nan", [](OpaqueShadow& o) { o.bias = kNan; });
+  opaque("opaque.depth", "has 0 bytes", [](OpaqueShadow& o) { o.depth = BufferId{9999}; });
   for (int row = 0; row < 4; ++row) {
     for (const float bad : {kNan, kInf, -kInf}) {
       all.push_back({{"worldToClip", "not finite"},

@@ -33,7 +33,12 @@ struct StrandLight {
   // linear rgb: radiance of a white Lambert surface that faces the light, at 1 m where it has a
   // position; w 0
   float4 color;
-  uint4 shadow;  // x index of its shadow, or kNoStrandShadow; yzw 0
+  // x index of its shadow, or kNoStrandShadow; y 1 + index of the opaque geometry's shadow, 0 for
+  // none; zw 0
+  uint4 shadow;
+  // Of a spot light: the share of its light that goes from it along -d is saturate(xyz . d + w)^2.
+  // All 0: it shines in all directions.
+  float4 cone;
 };
 
 #endif

@@ -6,29 +6,38 @@
 //          is not negative; kNoHair where there is none
 //   1...   optical depth up to the end of layer 1, 2, ... [quanta]
 // Layer i of n ends layerRange (i / n)^2 behind the nearest hair; the last one has no end.
+//
+// The map of a light that hair surrounds is a cube: six such maps, of the directions +x, -x, +y, -y,
+// +z and -z from the light, one behind the other.
 #ifndef PELAGE_SHADING_LAYOUTS_STRAND_SHADOW_VIEW_HLSLI
 #define PELAGE_SHADING_LAYOUTS_STRAND_SHADOW_VIEW_HLSLI
 
 struct StrandShadowView {
   // From a world position p to the map: with w = mapW . (p, 1), texel = mapXY . (p, 1) / w, the
   // middle of the first one at 0.5, and mapZ . (p, 1) is the distance behind the near plane, along
-  // the map's axis [m]. mapW is (0, 0, 0, 1) for light that is parallel.
+  // the map's axis [m]. mapW is (0, 0, 0, 1) for light that is parallel. A map with another mapW
+  // looks along its middle: mapXY / w is half the size there. Of a cube, mapX, mapY and mapW are the
+  // offset from the light [m], shadow_faces.hlsli has the rest.
   float4 mapX;
   float4 mapY;
   float4 mapZ;
   float4 mapW;
-  uint width;        // [texel]
+  uint width;        // of a face [texel]
   uint height;
   uint firstWord;    // of the map in the buffer
   uint layerCount;   // 0: the map has depths only
   float layerRange;  // [m] > 0
-  float bias;        // [m] >= 0; hair this close behind the nearest is lit
+  float bias;        // [m] >= 0, times w; hair this close behind the nearest is lit
   float extinction;  // without layers: optical depth per meter of hair [1/m]
   float texelSize;   // edge of a texel where w = 1 [m]
   float tauScale;    // quanta of an optical depth of 1
   float tauQuantum;  // 1 / tauScale
   float maxRadius;   // maximum radius of a fiber [texel]; wider ones count as this
   float nearW;       // w below this is not in the map; > 0
+  uint faceCount;    // 1, or 6: a cube
+  uint pad0;
+  uint pad1;
+  uint pad2;
 };
 
 // Texels an axis; words are counted with 32 bits.

@@ -3,6 +3,7 @@
 #ifndef PELAGE_SHADING_LAYOUTS_STRAND_VIEW_HLSLI
 #define PELAGE_SHADING_LAYOUTS_STRAND_VIEW_HLSLI
 
+#include "opaque_shadow_view.hlsli"
 #include "shading.hlsli"
 #include "strand_shadow_view.hlsli"
 
@@ -26,6 +27,13 @@ cbuffer StrandViewConstants : STRAND_VIEW_REGISTER {
   uint4 g_shadowSizes[4];
   float4 g_shadowDepths[4];
   float4 g_shadowScales[4];
+  uint4 g_shadowFaces[4];  // x faceCount
+  float4 g_lightCones[8];  // StrandLight.cone, [light]
+  // Members of OpaqueShadowView, [shadow]: clipX to clipW; width, height, firstWord, reversedDepth;
+  // bias.
+  float4 g_opaqueRows[16];
+  uint4 g_opaqueSizes[4];
+  float4 g_opaqueBiases[4];
 };
 
 StrandLight lightAt(uint index) {
@@ -33,6 +41,7 @@ StrandLight lightAt(uint index) {
   light.direction = g_lightDirections[index];
   light.color = g_lightColors[index];
   light.shadow = g_lightShadows[index];
+  light.cone = g_lightCones[index];
   return light;
 }
 
@@ -54,6 +63,27 @@ StrandShadowView shadowAt(uint index) {
   map.tauQuantum = g_shadowScales[index].y;
   map.maxRadius = g_shadowScales[index].z;
   map.nearW = g_shadowScales[index].w;
+  map.faceCount = g_shadowFaces[index].x;
+  map.pad0 = 0u;
+  map.pad1 = 0u;
+  map.pad2 = 0u;
+  return map;
+}
+
+OpaqueShadowView opaqueShadowAt(uint index) {
+  OpaqueShadowView map;
+  map.clipX = g_opaqueRows[4u * index];
+  map.clipY = g_opaqueRows[4u * index + 1u];
+  map.clipZ = g_opaqueRows[4u * index + 2u];
+  map.clipW = g_opaqueRows[4u * index + 3u];
+  map.width = g_opaqueSizes[index].x;
+  map.height = g_opaqueSizes[index].y;
+  map.firstWord = g_opaqueSizes[index].z;
+  map.reversedDepth = g_opaqueSizes[index].w;
+  map.bias = g_opaqueBiases[index].x;
+  map.pad0 = 0u;
+  map.pad1 = 0u;
+  map.pad2 = 0u;
   return map;
 }
 

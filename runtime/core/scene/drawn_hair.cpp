@@ -132,6 +132,15 @@ void setShadow(StrandViewConstants& constants, uint32_t index, const StrandShado
   constants.shadowSizes[index] = {map.width, map.height, map.firstWord, map.layerCount};
   constants.shadowDepths[index] = {map.layerRange, map.bias, map.extinction, map.texelSize};
   constants.shadowScales[index] = {map.tauScale, map.tauQuantum, map.maxRadius, map.nearW};
+  constants.shadowFaces[index].x = map.faceCount;
+}
+
+void setOpaqueShadow(StrandViewConstants& constants, uint32_t index, const OpaqueShadow& map,
+                     uint32_t firstWord) {
+  std::copy(std::begin(map.worldToClip.rows), std::end(map.worldToClip.rows),
+            constants.opaqueRows + size_t{4} * index);
+  constants.opaqueSizes[index] = {map.width, map.height, firstWord, map.reversedDepth ? 1u : 0u};
+  constants.opaqueBiases[index].x = map.bias;
 }
 
 }  // namespace detail

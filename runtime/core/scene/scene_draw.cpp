@@ -23,6 +23,25 @@ Eigen::Matrix4d toMatrix(const Matrix4& m) {
   return result;
 }
 
+// Of the map around all hair, without the ball.
+StrandShadowDef shadowDefOf(const Light& light) {
+  StrandShadowDef def;
+  def.toLight = light.direction;
+  def.hasPosition = light.hasPosition;
+  def.position = light.position;
+  def.coneAngle = light.outerConeAngle;
+  def.size = light.shadowSize;
+  def.layers = light.shadow == HairShadow::kDeep ? light.shadowLayers : 0;
+  def.biasTexels = light.shadowBias;
+  def.layerRange = light.shadowLayerRange;
+  def.volume = light.shadowVolume;
+  return def;
+}
+
+OpaqueShadowPlan opaquePlanOf(const Light& light) {
+  return {.depth = light.opaque.depth, .words = light.opaque.width * light.opaque.height};
+}
+
 PixelArea areaOf(const View& view) {
   return {static_cast<uint32_t>(view.x), static_cast<uint32_t>(view.y), view.width, view.height};
 }
@@ -100,7 +119,7 @@ Result<void> SceneImpl::draw(const View& view, const Light& light, PassList& lis
   settleFrames(false);
   Result<DrawnView> frame = beginDraw(view, {&light, 1}, &list);
   if (!frame) return frame.error();
-  Result<ShadowCast> cast = checkShadows(frame->lights);
+  Result<ShadowCast> cast = checkShadows(frame->lights, true);
   if (!cast) return cast.error();
   if (Result<void> added = addShadows(*cast, *frame, list); !added) return added;
   const TransparencySettings settings = {.method = Transparency::kStochastic};
@@ -126,7 +145,7 @@ Result<void> SceneImpl::draw(const View& view, std::span<const Light> lights,
   const Result<OitPlan> plan = OitViews::check(*frame, settings, room);
   if (!plan) return plan.error();
   if (frame->hairs.empty()) return {};
-  Result<ShadowCast> cast = checkShadows(lights);
+  Result<ShadowCast> cast = checkShadows(lights, true);
   if (!cast) return cast.error();
   if (Result<void> added = addShadows(*cast, *frame, lists[0]); !added) return added;
   Result<void> added = draws_.oit.record(*frame, settings, *plan, room, draws_.frame, lists);
@@ -158,15 +177,36 @@ Result<uint32_t> SceneImpl::castShadows(std::span<const Light> lights, PassList&
   Result<StrandViewConstants> constants = viewConstants(view, lights);
   if (!constants) return constants.error();
   DrawnView frame = {.view = view, .lights = lights, .constants = *constants};
-  Result<ShadowCast> cast = checkShadows(lights);
+  Result<ShadowCast> cast = checkShadows(lights, false);
   if (!cast) return cast.error();
   if (Result<void> added = addShadows(*cast, frame, list); !added) return added.error();
   finishShift();
   return static_cast<uint32_t>(cast->plan.maps.size());
 }
 
+// Depth maps of opaque geometry that cast shadows on hair.
+Result<void> SceneImpl::checkOpaques(std::span<const Light> lights, ShadowCast& cast) const {
+  for (size_t i = 0; i < lights.size(); ++i) {
+    const OpaqueShadow& map = lights[i].opaque;
+    if (map.depth == BufferId::kInvalid) continue;
+    if (cast.opaqueLights.size() == kMaxStrandShadows)
+      return refuse("more than " + std::to_string(kMaxStrandShadows) +
+                    " lights have a shadow of opaque geometry");
+    const uint64_t bytes = uint64_t{opaquePlanOf(lights[i]).words} * sizeof(float);
+    const BufferDesc* desc = resources_.find(map.depth);
+    const uint64_t given = desc != nullptr ? desc->size : 0;
+    if (given < bytes)
+      return refuse("light " + std::to_string(i) + ": opaque.depth has " + std::to_string(given) +
+                    " bytes, but " + std::to_string(map.width) + " x " +
+                    std::to_string(map.height) + " floats take " + std::to_string(bytes));
+    cast.opaqueLights.push_back(i);
+  }
+  return {};
+}
+
 // Maps of the lights that cast shadows, from all hair in the scene that is visible to anybody.
-Result<ShadowCast> SceneImpl::checkShadows(std::span<const Light> lights) {
+// \param draws hair is drawn, and opaque geometry casts shadows on it.
+Result<ShadowCast> SceneImpl::checkShadows(std::span<const Light> lights, bool draws) {
   ShadowCast cast;
   Ball all;
   for (const auto& held : objects_) {
@@ -181,22 +221,22 @@ Result<ShadowCast> SceneImpl::checkShadows(std::span<const Light> lights) {
   std::vector<StrandShadowDef> defs;
   for (size_t i = 0; i < lights.size() && !cast.hairs.empty(); ++i) {
     const Light& light = lights[i];
-    if (light.shadow == HairShadow::kNone || light.hasPosition) continue;
+    if (light.shadow == HairShadow::kNone) continue;
     if (defs.size() == kMaxStrandShadows)
       return refuse("more than " + std::to_string(kMaxStrandShadows) + " lights have a shadow");
-    StrandShadowDef& def = defs.emplace_back();
-    def.toLight = light.direction;
+    StrandShadowDef def = shadowDefOf(light);
     def.center = all.center;
     def.shifted = shifted();
     def.radius = steadyRadius(all.radius);
-    def.size = light.shadowSize;
-    def.layers = light.shadow == HairShadow::kDeep ? light.shadowLayers : 0;
-    def.biasTexels = light.shadowBias;
-    def.layerRange = light.shadowLayerRange;
-    def.volume = light.shadowVolume;
+    defs.push_back(def);
     cast.lights.push_back(i);
   }
-  Result<ShadowPlan> plan = draws_.shadows.check(defs, cast.hairs, room(), draws_.frame);
+  std::vector<OpaqueShadowPlan> opaques;
+  if (draws && !cast.hairs.empty()) {
+    if (Result<void> checked = checkOpaques(lights, cast); !checked) return checked.error();
+    for (const size_t light : cast.opaqueLights) opaques.push_back(opaquePlanOf(lights[light]));
+  }
+  Result<ShadowPlan> plan = draws_.shadows.check(defs, opaques, cast.hairs, room(), draws_.frame);
   if (!plan) return plan.error();
   cast.plan = std::move(*plan);
   return cast;
@@ -213,6 +253,12 @@ Result<void> SceneImpl::addShadows(ShadowCast& cast, DrawnView& frame, PassList&
     const auto index = static_cast<uint32_t>(i);
     setShadow(frame.constants, index, cast.plan.maps[i].view);
     frame.constants.lightShadows[cast.lights[i]].x = index;
+  }
+  for (size_t i = 0; i < cast.opaqueLights.size(); ++i) {
+    const auto index = static_cast<uint32_t>(i);
+    setOpaqueShadow(frame.constants, index, frame.lights[cast.opaqueLights[i]].opaque,
+                    cast.plan.opaques[i].firstWord);
+    frame.constants.lightShadows[cast.opaqueLights[i]].y = 1 + index;
   }
   frame.shadowWords = draws_.shadows.words();
   frame.shadowBytes = room.bytesOf(frame.shadowWords);

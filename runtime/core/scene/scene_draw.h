@@ -32,11 +32,14 @@ float steadyRadius(float radius);
 
 ShadowedHair shadowedHairOf(const HairObject& object, const HairInternals& hair, uint64_t frame);
 void setShadow(StrandViewConstants& constants, uint32_t index, const StrandShadowView& map);
+void setOpaqueShadow(StrandViewConstants& constants, uint32_t index, const OpaqueShadow& map,
+                     uint32_t firstWord);
 
 /// Shadow maps that a draw takes, before anything has changed.
 struct ShadowCast {
   std::vector<ShadowedHair> hairs;
-  std::vector<size_t> lights;  ///< [map] index of the light
+  std::vector<size_t> lights;        ///< [map] index of the light
+  std::vector<size_t> opaqueLights;  ///< [map of opaque geometry] likewise
   ShadowPlan plan;
 };
 

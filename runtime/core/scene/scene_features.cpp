@@ -276,9 +276,10 @@ class SmallScene {
       const View view = smallView(features_.reversedDepth);
       for (const bool shadows : {false, true}) {
         if (shadows && !features_.shadows) continue;
-        const Light light = {.shadow = shadows ? HairShadow::kDeep : HairShadow::kNone,
-                             .shadowSize = 8,
-                             .shadowLayers = 2};
+        Light light = {.shadow = shadows ? HairShadow::kDeep : HairShadow::kNone,
+                       .shadowSize = 8,
+                       .shadowLayers = 2};
+        if (features_.opaqueShadows) light.opaque = {.depth = depth_, .width = 2, .height = 2};
         // For an engine that draws hair by itself.
         if (features_.transparency.empty() && shadows) {
           const auto cast = frame->castShadows({&light, 1});

@@ -168,7 +168,8 @@ class SceneImpl {
   /// \param list  that the view is drawn into, behind what it has
   Result<DrawnView> beginDraw(const View& view, std::span<const Light> lights,
                               const PassList* list = nullptr) const;
-  Result<ShadowCast> checkShadows(std::span<const Light> lights);
+  Result<ShadowCast> checkShadows(std::span<const Light> lights, bool draws);
+  Result<void> checkOpaques(std::span<const Light> lights, ShadowCast& cast) const;
   Result<void> addShadows(ShadowCast& cast, DrawnView& frame, PassList& list);
 
   ResourceTable resources_;

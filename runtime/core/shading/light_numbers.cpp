@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "pelage/constants.h"
@@ -11,8 +13,27 @@ namespace pelage::detail {
 
 namespace {
 
+constexpr float kRightAngle = 1.570797f;  // pi / 2, rounded up
 constexpr uint32_t kMinSize = 4, kMaxSize = strand_shadow_view::kMaxShadowSize;
 constexpr uint32_t kMaxLayers = strand_shadow_view::kMaxShadowLayers;
+
+bool isFinite(const Matrix4& m) {
+  return std::all_of(std::begin(m.rows), std::end(m.rows), [](const Float4& r) {
+    return std::isfinite(r.x) && std::isfinite(r.y) && std::isfinite(r.z) && std::isfinite(r.w);
+  });
+}
+
+std::string coneFaultOf(const Light& light) {
+  if (!(light.outerConeAngle >= 0 && light.outerConeAngle <= kRightAngle))
+    return fmt::format("outerConeAngle is {}, but must be in 0..pi/2", light.outerConeAngle);
+  if (!(light.innerConeAngle >= 0 && light.innerConeAngle <= light.outerConeAngle))
+    return fmt::format("innerConeAngle is {}, but must be in 0..outerConeAngle ({})",
+                       light.innerConeAngle, light.outerConeAngle);
+  if (light.outerConeAngle > 0 && !light.hasPosition)
+    return fmt::format("outerConeAngle is {}, but only a light with hasPosition has a cone",
+                       light.outerConeAngle);
+  return {};
+}
 
 std::string shadowFaultOf(const Light& light) {
   if (light.shadowSize < kMinSize || light.shadowSize > kMaxSize)
@@ -30,10 +51,33 @@ std::string shadowFaultOf(const Light& light) {
   return {};
 }
 
+std::string opaqueFaultOf(const OpaqueShadow& map) {
+  if (map.width - 1 >= kMaxSize || map.height - 1 >= kMaxSize)
+    return fmt::format("opaque.width and opaque.height are {} x {}, but must be in 1..{}",
+                       map.width, map.height, kMaxSize);
+  if (!isFinite(map.worldToClip)) return "opaque.worldToClip has values that are not finite";
+  if (!(map.bias >= 0) || !std::isfinite(map.bias))
+    return fmt::format("opaque.bias is {}, but must be finite and >= 0", map.bias);
+  return {};
+}
+
 }  // namespace
 
 std::string numberFaultOf(const Light& light) {
-  return light.shadow != HairShadow::kNone ? shadowFaultOf(light) : std::string();
+  if (std::string fault = coneFaultOf(light); !fault.empty()) return fault;
+  if (light.shadow != HairShadow::kNone)
+    if (std::string fault = shadowFaultOf(light); !fault.empty()) return fault;
+  return light.opaque.depth != BufferId::kInvalid ? opaqueFaultOf(light.opaque) : std::string();
+}
+
+// That of the light: a smooth step in the cosine, as in glTF's KHR_lights_punctual.
+Float4 coneOf(const Light& light, Float3 axis) {
+  if (!light.hasPosition || !(light.outerConeAngle > 0)) return {};
+  constexpr float kSteepest = 1000;
+  const float outer = std::cos(light.outerConeAngle);
+  const float range = std::cos(light.innerConeAngle) - outer;
+  const float scale = 1 / std::max(range, 1 / kSteepest);
+  return {axis.x * scale, axis.y * scale, axis.z * scale, -outer * scale};
 }
 
 }  // namespace pelage::detail

@@ -1,13 +1,16 @@
-// The numbers of a light: which are wrong.
+// The numbers of a light: which are wrong, and what kernels take of them.
 #pragma once
 
 #include <string>
 
+#include "pelage/types.h"
 #include "pelage/view.h"
 
 namespace pelage::detail {
 
-/// What of a light's shadow is out of range, by the field's name; empty: nothing.
+/// What of a light's cone and shadows is out of range, by the field's name; empty: nothing.
 std::string numberFaultOf(const Light& light);
+/// StrandLight.cone. \param axis unit vector towards the light.
+Float4 coneOf(const Light& light, Float3 axis);
 
 }  // namespace pelage::detail

@@ -71,7 +71,7 @@ std::string faultOf(const Light& light) {
            ", which is no HairShadow; take one of its values";
   }
   if (std::string fault = numberFaultOf(light); !fault.empty()) return fault;
-  if (light.hasPosition) return {};
+  if (light.hasPosition && !(light.outerConeAngle > 0)) return {};
   if (!isFinite(light.direction) || light.direction == Float3{}) {
     return "direction is " + toText(light.direction) +
            "; give a finite vector towards the light, of any length > 0";
@@ -165,6 +165,8 @@ Result<StrandViewConstants> viewConstants(const View& view, std::span<const Ligh
         light.hasPosition ? withW(light.position, 1) : withW(normalized(light.direction), 0);
     constants.lightColors[i] = withW(light.color, 0);
     constants.lightShadows[i].x = ~0u;
+    if (light.outerConeAngle > 0)
+      constants.lightCones[i] = coneOf(light, normalized(light.direction));
     constants.ambientColor.x += light.ambient.x;
     constants.ambientColor.y += light.ambient.y;
     constants.ambientColor.z += light.ambient.z;

@@ -40,6 +40,7 @@ void need(const std::shared_ptr<ListTicket>& reader, const std::shared_ptr<ListT
 }  // namespace
 
 Result<ShadowPlan> ShadowMaps::check(std::span<const StrandShadowDef> defs,
+                                     std::span<const OpaqueShadowPlan> opaques,
                                      std::span<const ShadowedHair> hairs, const RoomBuffers& room,
                                      uint64_t frame) const {
   ShadowPlan plan;
@@ -50,6 +51,10 @@ Result<ShadowPlan> ShadowMaps::check(std::span<const StrandShadowDef> defs,
     plan.words += map->words;
     plan.maps.push_back(*map);
   }
+  for (const OpaqueShadowPlan& opaque : opaques) {
+    plan.words += opaque.words;
+    plan.opaques.push_back(opaque);
+  }
   if (const Result<Choice> choice = choose(plan, hairs, room, frame); !choice)
     return choice.error();
   return plan;
@@ -59,7 +64,7 @@ Result<ShadowPlan> ShadowMaps::check(std::span<const StrandShadowDef> defs,
 const ShadowMaps::Map* ShadowMaps::findMap(const Bank& bank, const StrandShadowPlan& plan,
                                            std::span<const ShadowedHair> hairs, uint64_t frame) {
   for (const Map& map : bank.maps) {
-    if (!isOfFrame(map.maker, frame)) continue;
+    if (map.opaque != BufferId::kInvalid || !isOfFrame(map.maker, frame)) continue;
     StrandShadowView view = plan.view;
     view.firstWord = map.view.firstWord;
     if (isEqual(view, map.view) &&
@@ -69,18 +74,29 @@ const ShadowMaps::Map* ShadowMaps::findMap(const Bank& bank, const StrandShadowP
   return nullptr;
 }
 
+// One of this frame: an engine fills its map before the first view that reads it.
+const ShadowMaps::Map* ShadowMaps::findOpaque(const Bank& bank, const OpaqueShadowPlan& plan,
+                                              uint64_t frame) {
+  for (const Map& map : bank.maps)
+    if (map.opaque == plan.depth && map.words == plan.words && isOfFrame(map.maker, frame))
+      return &map;
+  return nullptr;
+}
+
 uint64_t ShadowMaps::missingWords(const Bank& bank, const ShadowPlan& plan,
                                   std::span<const ShadowedHair> hairs, uint64_t frame) {
   uint64_t words = 0;
   for (const StrandShadowPlan& map : plan.maps)
     if (findMap(bank, map, hairs, frame) == nullptr) words += map.words;
+  for (const OpaqueShadowPlan& opaque : plan.opaques)
+    if (findOpaque(bank, opaque, frame) == nullptr) words += opaque.words;
   return words;
 }
 
 Result<ShadowMaps::Choice> ShadowMaps::choose(const ShadowPlan& plan,
                                               std::span<const ShadowedHair> hairs,
                                               const RoomBuffers& room, uint64_t frame) const {
-  if (plan.maps.empty()) {
+  if (plan.words == 0) {
     if (banks_.empty()) return Choice{.bank = 0, .empties = true, .words = kLeastWords};
     return Choice{};
   }
@@ -182,7 +198,7 @@ Result<void> ShadowMaps::record(ShadowPlan& plan, std::span<const ShadowedHair> 
                                 const RoomBuffers& room, uint64_t frame, PassList& list) {
   const Result<Choice> choice = choose(plan, hairs, room, frame);
   if (!choice) return choice.error();
-  if (frame != frame_ && !plan.maps.empty()) {
+  if (frame != frame_ && plan.words > 0) {
     wanted_ = 0;
     frame_ = frame;
   }
@@ -206,7 +222,8 @@ Result<void> ShadowMaps::record(ShadowPlan& plan, std::span<const ShadowedHair> 
     } else {
       map.view.firstWord = static_cast<uint32_t>(bank_->used);
       bank_->used += map.words;
-      bank_->maps.push_back({map.view, map.words, {hairs.begin(), hairs.end()}, ticket});
+      bank_->maps.push_back(
+          {map.view, BufferId::kInvalid, map.words, {hairs.begin(), hairs.end()}, ticket});
     }
     content.push_back(map.view);
   }
@@ -231,7 +248,29 @@ Result<void> ShadowMaps::record(ShadowPlan& plan, std::span<const ShadowedHair> 
       return added;
     }
   }
+  if (Result<void> copied = recordOpaques(plan, room, frame, list); !copied) return copied;
   share({&list, 1}, frame);
+  return {};
+}
+
+// Copies the maps of opaque geometry that are not in the bank.
+Result<void> ShadowMaps::recordOpaques(ShadowPlan& plan, const RoomBuffers& room, uint64_t frame,
+                                       PassList& list) {
+  for (OpaqueShadowPlan& opaque : plan.opaques) {
+    const std::shared_ptr<ListTicket> ticket = ticketOf(list, frame);
+    if (const Map* known = findOpaque(*bank_, opaque, frame); known != nullptr) {
+      opaque.firstWord = known->view.firstWord;
+      need(ticket, known->maker);
+      continue;
+    }
+    opaque.firstWord = static_cast<uint32_t>(bank_->used);
+    bank_->used += opaque.words;
+    StrandShadowView view = {};
+    view.firstWord = opaque.firstWord;
+    bank_->maps.push_back({view, opaque.depth, opaque.words, {}, ticket});
+    if (Result<void> added = addOpaqueShadow(list, opaque, words_, wordsOf(room, words_)); !added)
+      return added;
+  }
   return {};
 }
 

@@ -12,6 +12,7 @@
 #include "pelage/gpu_structs.h"
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
+#include "shadow/opaque_shadow.h"
 #include "shadow/strand_shadow.h"
 
 namespace pelage::detail {
@@ -19,7 +20,8 @@ namespace pelage::detail {
 /// What the lights of a view take, found out before anything changes.
 struct ShadowPlan {
   std::vector<StrandShadowPlan> maps;  ///< in the order of the lights; firstWord is not known yet
-  uint64_t words = 0;                  ///< of all of them
+  std::vector<OpaqueShadowPlan> opaques;  ///< likewise
+  uint64_t words = 0;                     ///< of all of them
 };
 
 class ShadowMaps {
@@ -27,9 +29,10 @@ class ShadowMaps {
   /// Bytes that the maps of a frame may take.
   uint64_t maxBytes = uint64_t{1} << 30;
 
-  /// \param defs of the lights of a view that have a map. Errors: those of planStrandShadow(); maps
-  /// that leave no room under maxBytes.
+  /// \param defs of the lights of a view that have a map, \param opaques of those that have one of
+  /// opaque geometry. Errors: those of planStrandShadow(); maps that leave no room under maxBytes.
   Result<ShadowPlan> check(std::span<const StrandShadowDef> defs,
+                           std::span<const OpaqueShadowPlan> opaques,
                            std::span<const ShadowedHair> hairs, const RoomBuffers& room,
                            uint64_t frame) const;
   /// Adds the passes of the maps that no list of this frame makes, and the upload of what shaders
@@ -51,7 +54,8 @@ class ShadowMaps {
 
  private:
   struct Map {
-    StrandShadowView view;  ///< with its place
+    StrandShadowView view;  ///< with its place; of a depth map of opaque geometry it has no more
+    BufferId opaque = BufferId::kInvalid;  ///< what that is a copy of
     uint32_t words = 0;
     std::vector<ShadowedHair> hairs;
     std::shared_ptr<ListTicket> maker;
@@ -78,12 +82,15 @@ class ShadowMaps {
   };
   static const Map* findMap(const Bank& bank, const StrandShadowPlan& plan,
                             std::span<const ShadowedHair> hairs, uint64_t frame);
+  static const Map* findOpaque(const Bank& bank, const OpaqueShadowPlan& plan, uint64_t frame);
   static uint64_t missingWords(const Bank& bank, const ShadowPlan& plan,
                                std::span<const ShadowedHair> hairs, uint64_t frame);
   Result<Choice> choose(const ShadowPlan& plan, std::span<const ShadowedHair> hairs,
                         const RoomBuffers& room, uint64_t frame) const;
   Result<uint64_t> limit(uint64_t words, size_t bank, const RoomBuffers& room,
                          uint64_t frame) const;
+  Result<void> recordOpaques(ShadowPlan& plan, const RoomBuffers& room, uint64_t frame,
+                             PassList& list);
   Bank& prepare(const Choice& choice, const RoomBuffers& room, uint64_t frame);
   Table& prepareTable(const std::vector<StrandShadowView>& content, bool complete,
                       const RoomBuffers& room, uint64_t frame);

@@ -27,6 +27,18 @@ constexpr uint64_t kRow = dispatch::kRowThreads;
 constexpr double kLayerDepths = 8;
 // Finer quanta than this add nothing to what a float reads.
 constexpr double kFinestQuantum = 0x1p20;
+// Sine of the largest half angle under which one map looks at the ball, and that of a spot light's
+// cone [rad]: wider ones would have small texels at the edge and large ones in the middle.
+constexpr double kWidestBall = 0.7, kWidestCone = 1.05;
+// Fibers nearer than this to a light at a point are not in its map [m], and as a share of the
+// ball's radius. strand_lighting.hlsli takes a light for no smaller than this.
+constexpr double kNearest = 0.01, kNearestShare = 1.0 / 32;
+constexpr uint32_t kCubeFaces = 6;
+// Half a texel on both sides of what a map looks at for the interpolation, half of one for
+// snapping.
+constexpr double kEdgeTexels = 3;
+// The radius up to which a fiber near a light is as wide as it is [texel]: sums keep small quanta.
+constexpr double kWidestFiber = 4;
 
 double toDouble(float x) { return static_cast<double>(x); }
 Vector toVector(Float3 v) { return {toDouble(v.x), toDouble(v.y), toDouble(v.z)}; }
@@ -54,8 +66,12 @@ uint32_t storedOf(const ShadowedHair& hair) {
   return hair.storesFollows ? hair.strandCount : std::min(hair.strandCount, hair.guideCount);
 }
 
+uint64_t texelsOf(const StrandShadowView& view) {
+  return uint64_t{view.width} * view.height * view.faceCount;
+}
+
 // What is wrong with a map, or nothing.
-std::string faultOf(const StrandShadowDef& def, uint64_t words) {
+std::string faultOf(const StrandShadowDef& def) {
   if (def.size < kMinSize || def.size > kMaxSize)
     return fmt::format("a map of {} texels; it has to be {} to {}", def.size, kMinSize, kMaxSize);
   if (def.layers > kMaxLayers)
@@ -63,21 +79,35 @@ std::string faultOf(const StrandShadowDef& def, uint64_t words) {
   if (!(def.radius > 0) || !std::isfinite(def.radius) || !isFinite(def.center))
     return fmt::format("a ball of radius {} m around ({}, {}, {})", def.radius, def.center.x,
                        def.center.y, def.center.z);
+  if (!isFinite(def.position) || !(def.coneAngle >= 0))
+    return fmt::format("a light at ({}, {}, {}) with a cone of {} rad", def.position.x,
+                       def.position.y, def.position.z, def.coneAngle);
   if (!(def.biasTexels >= 0) || !(def.layerRange >= 0) || !(def.volume >= 0))
     return fmt::format("a bias of {} texels, a range of {} m or a volume of {} m3 is below 0",
                        def.biasTexels, def.layerRange, def.volume);
-  if (words + def.firstWord > std::numeric_limits<uint32_t>::max())
-    return fmt::format("{} words from word {} on do not fit into 2^32; use fewer layers", words,
-                       def.firstWord);
   return {};
 }
 
-// The map's projection, and what of it a definition says.
-StrandShadowView viewOf(const StrandShadowDef& def, double texel) {
+// A map's projection, what of it a definition says, and how large a fiber is in it.
+struct Projection {
+  StrandShadowView view = {};
+  double smallestTexel = 0;  // edge of a texel where hair is nearest to the light [m]
+};
+
+// Unit vectors at right angles to an axis and to each other.
+struct Axes {
+  Vector x, y;
+};
+Axes axesAround(const Vector& axis) {
+  const Vector up = std::abs(axis.y) < 0.9 ? Vector{0, 1, 0} : Vector{1, 0, 0};
+  const Vector x = normalizeOr(cross(up, axis), {1, 0, 0});
+  return {x, cross(axis, x)};
+}
+
+Projection parallelTo(const StrandShadowDef& def) {
+  const double texel = 2 * toDouble(def.radius) / (def.size - kEdgeTexels);
   const Vector light = normalizeOr(toVector(def.toLight), {0, 1, 0});
-  const Vector axis = std::abs(light.y) < 0.9 ? Vector{0, 1, 0} : Vector{1, 0, 0};
-  const Vector x = normalizeOr(cross(axis, light), {1, 0, 0});
-  const Vector y = cross(light, x);
+  const auto [x, y] = axesAround(light);
   const Vector center = toVector(def.center);
   const auto lowest = [&](const Vector& along) {
     const double shift = dot(along, def.shifted) / texel;
@@ -92,11 +122,79 @@ StrandShadowView viewOf(const StrandShadowDef& def, double texel) {
   view.mapW = {0, 0, 0, 1};
   view.nearW = 0.5f;
   view.width = view.height = def.size;
+  view.faceCount = 1;
+  view.texelSize = static_cast<float>(texel);
+  return {view, texel};
+}
+
+// What a map of a light at a point looks at.
+struct Sight {
+  bool around = false;  // a cube
+  Vector axis = {0, 0, 1};
+  double halfAngle = std::numbers::pi / 4;
+};
+
+// Texels keep their place around the light while the ball moves a little: its direction is one of a
+// grid, and its size a power of 1.25.
+Sight sightOf(const StrandShadowDef& def) {
+  const Vector toBall = toVector(def.center) - toVector(def.position);
+  const double distance = length(toBall);
+  Sight ball = {.around = true};
+  const double sine = toDouble(def.radius) / distance;
+  if (const double steps = std::ceil(std::log(sine) / std::log(1.25) - 1e-6);
+      std::pow(1.25, steps) <= kWidestBall) {
+    const double steady = std::pow(1.25, steps);
+    const double step = std::exp2(std::floor(std::log2(steady / 4)));
+    const Vector unit = toBall * (1 / distance);
+    const Vector snapped = {std::round(unit.x / step), std::round(unit.y / step),
+                            std::round(unit.z / step)};
+    ball = {.axis = normalizeOr(snapped, {0, 0, 1}),
+            .halfAngle = std::asin(steady) + std::asin(std::sqrt(0.75) * step)};
+  }
+  const double cone = toDouble(def.coneAngle);
+  if (cone > 0 && cone <= kWidestCone && (ball.around || cone < ball.halfAngle))
+    return {.axis = -normalizeOr(toVector(def.toLight), {0, 1, 0}), .halfAngle = cone};
+  return ball;
+}
+
+Projection fromPoint(const StrandShadowDef& def) {
+  const Sight sight = sightOf(def);
+  const Vector position = toVector(def.position);
+  const double radius = toDouble(def.radius);
+  StrandShadowView view = {};
+  view.faceCount = sight.around ? kCubeFaces : 1;
+  view.width = view.height = sight.around ? std::max(def.size / 2, kMinSize) : def.size;
+  const double texel = 2 * std::tan(sight.halfAngle) / (view.width - kEdgeTexels);
+  double nearest = std::min(kNearest, radius * kNearestShare);
+  if (sight.around) {
+    view.mapX = toRow({1, 0, 0}, -position.x);
+    view.mapY = toRow({0, 1, 0}, -position.y);
+    view.mapW = toRow({0, 0, 1}, -position.z);
+  } else {
+    const auto [x, y] = axesAround(sight.axis);
+    const auto rowOf = [&](const Vector& along) {
+      const Vector row = along * (1 / texel) + sight.axis * (0.5 * view.width);
+      return toRow(row, -dot(row, position));
+    };
+    const double toBall = dot(sight.axis, toVector(def.center) - position);
+    nearest = std::max(nearest, 0.99 * (toBall - radius));
+    view.mapX = rowOf(x);
+    view.mapY = rowOf(y);
+    view.mapW = toRow(sight.axis, -dot(sight.axis, position));
+    view.mapZ = toRow(sight.axis, -dot(sight.axis, position) - nearest);
+  }
+  view.nearW = static_cast<float>(nearest);
+  view.texelSize = static_cast<float>(texel);
+  // A fiber's image is wider off the middle: by 1 / cos in a corner.
+  const double corner = 0.5 * texel * view.width;
+  return {view, texel * nearest / std::sqrt(1 + 2 * corner * corner)};
+}
+
+// What a map's texels hold, beside the projection.
+void setContent(StrandShadowView& view, const StrandShadowDef& def) {
   view.firstWord = def.firstWord;
   view.layerCount = def.layers;
-  view.texelSize = static_cast<float>(texel);
-  view.bias = static_cast<float>(texel * toDouble(def.biasTexels));
-  return view;
+  view.bias = static_cast<float>(toDouble(view.texelSize) * toDouble(def.biasTexels));
 }
 
 struct HairSums {
@@ -167,22 +265,25 @@ Result<StrandShadowPlan> planStrandShadow(const StrandShadowDef& def,
   const auto error = [](std::string message) {
     return Error{ErrorCode::kInvalidArgument, "strand shadow: " + std::move(message)};
   };
-  const uint64_t words = uint64_t{def.size} * def.size * (1 + def.layers);
-  if (std::string fault = faultOf(def, words); !fault.empty()) return error(std::move(fault));
+  if (std::string fault = faultOf(def); !fault.empty()) return error(std::move(fault));
   for (const ShadowedHair& hair : hairs) {
     if (!std::isfinite(areaOf(hair) * toDouble(hair.opacity) * toDouble(hair.maxThickness)))
       return error(
           fmt::format("hair with fibers of radius {} m, thickness {}, length {} m and opacity {}",
                       hair.fiberRadius, hair.maxThickness, hair.strandLength, hair.opacity));
   }
-  // The ball, half a texel on both sides for the interpolation and half of one for the snapping.
-  const double radius = toDouble(def.radius);
-  const double texel = 2 * radius / (def.size - 3);
-  const HairSums sums = sumsOf(hairs, texel);
+  const Projection projection = def.hasPosition ? fromPoint(def) : parallelTo(def);
   StrandShadowPlan plan;
-  plan.words = static_cast<uint32_t>(words);
-  plan.view = viewOf(def, texel);
+  plan.view = projection.view;
   StrandShadowView& view = plan.view;
+  setContent(view, def);
+  const uint64_t words = texelsOf(view) * (1 + def.layers);
+  if (words + def.firstWord > std::numeric_limits<uint32_t>::max())
+    return error(fmt::format("{} words from word {} on do not fit into 2^32; use fewer layers",
+                             words, def.firstWord));
+  plan.words = static_cast<uint32_t>(words);
+  const double radius = toDouble(def.radius);
+  const HairSums sums = sumsOf(hairs, projection.smallestTexel);
   const double ball = 4.0 / 3 * std::numbers::pi * radius * radius * radius;
   double volume = sums.allKnown && !hairs.empty() ? sums.known : ball;
   if (def.volume > 0) volume = toDouble(def.volume);
@@ -195,7 +296,8 @@ Result<StrandShadowPlan> planStrandShadow(const StrandShadowDef& def,
   view.layerRange =
       def.layerRange > 0 ? def.layerRange : static_cast<float>(std::min(2 * radius, depths));
   // Room for the rounding of the ratio, which the kernel does in floats.
-  view.maxRadius = static_cast<float>(1.001 * sums.widest);
+  view.maxRadius = static_cast<float>(def.hasPosition ? std::min(1.001 * sums.widest, kWidestFiber)
+                                                      : 1.001 * sums.widest);
   // splat_strand_opacity says what a segment adds to a texel at most. The other half of 2^32 is for
   // rounding: 4 quanta a segment.
   const double most = 2 * toDouble(view.maxRadius) * sums.segments;
@@ -281,8 +383,7 @@ Result<void> addStrandShadow(PassList& list, const StrandShadowPlan& plan,
   if (!added || plan.view.layerCount == 0) return added;
   added = eachHair(splatStrandOpacityVariant());
   if (!added) return added;
-  return dispatch(accumulateStrandShadowVariant({}), uint64_t{plan.view.width} * plan.view.height,
-                  2 * plan.bytes(), {});
+  return dispatch(accumulateStrandShadowVariant({}), texelsOf(plan.view), 2 * plan.bytes(), {});
 }
 
 }  // namespace pelage::detail

@@ -37,6 +37,9 @@ struct ShadowedHair {
 
 struct StrandShadowDef {
   Float3 toLight = {0, 1, 0};  ///< towards a light whose rays are parallel; normalised on use
+  bool hasPosition = false;    ///< a light at a point; toLight is against the axis of its cone
+  Float3 position = {};        ///< of it [m]
+  float coneAngle = 0;         ///< half angle of its cone [rad]; 0: it shines in all directions
   Float3 center = {};          ///< of a ball around all hair, in world space [m]
   /// Of the scene's origin [m]: texels stay where they are in the world before it.
   Vector3<double> shifted;
@@ -63,9 +66,11 @@ struct StrandShadowPlan {
 double hairVolume(std::span<const Float4> positions, uint32_t vertexCount);
 
 /// Fits a map around the ball. Its texels stay where they are in the world, for one direction and
-/// one radius: the shadow does not crawl when the ball moves. Errors: a size, number of layers or
-/// ball that is out of range; a hair object whose fibers are not finite; a map that ends beyond
-/// 2^32 words; too many segments for the sums.
+/// one radius: the shadow does not crawl when the ball moves. That of a point light is a map in
+/// perspective around the narrower of the ball and the cone; where the ball is too close for one,
+/// it is a cube with faces of half the size. Errors: a size, number of layers, ball or position
+/// that is out of range; a hair object whose fibers are not finite; a map that ends beyond 2^32
+/// words; too many segments for the sums.
 Result<StrandShadowPlan> planStrandShadow(const StrandShadowDef& def,
                                           std::span<const ShadowedHair> hairs);
 

@@ -11,6 +11,7 @@ void shade_samples(uint3 id : SV_DispatchThreadID) {
   light.direction = s.light;
   light.color = float4(1.0, 1.0, 1.0, 0.0);
   light.shadow = uint4(kNoStrandShadow, 0u, 0u, 0u);
+  light.cone = float4(0.0, 0.0, 0.0, 0.0);
   StrandIllumination arriving = strandIllumination(light, surface.position);
   float3 shaded = arriving.color * shadeStrand(material, surface, arriving.toLight);
   g_shaded[id.x] = float4(shaded, strandAmbient(material, surface).x);

@@ -1,0 +1,186 @@
+// Lights and shadows of a view in every method of transparency: opaque geometry in front of hair,
+// spot lights, and point lights with shadows.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "oit/tangle.h"
+#include "support/required_devices.h"
+
+namespace pelage::test {
+namespace {
+
+constexpr uint32_t kPixels = 48, kTexels = 128;
+constexpr std::pair<Transparency, const char*> kMethods[] = {
+    {Transparency::kAlphaTest, "alphaTest"}, {Transparency::kStochastic, "stochastic"},
+    {Transparency::kWindowed, "windowed"},   {Transparency::kHybrid8, "hybrid8"},
+    {Transparency::kShortCut, "shortCut"},   {Transparency::kTiles, "tiles"}};
+using Case = std::tuple<Api, std::pair<Transparency, const char*>>;
+
+class LightsOfAView : public testing::TestWithParam<Case> {
+ protected:
+  static std::map<Api, std::unique_ptr<TangleRun>>& runs() {
+    static std::map<Api, std::unique_ptr<TangleRun>> all;
+    return all;
+  }
+  static void TearDownTestSuite() { runs().clear(); }
+  void SetUp() override {
+    std::unique_ptr<TangleRun>& run = runs()[api()];
+    if (run == nullptr) {
+      run = std::make_unique<TangleRun>(api());
+      if (run->run.device() != nullptr) run->add({.strands = 500, .opacity = 0.5f});
+    }
+    if (run->run.device() == nullptr)
+      PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: no " << apiName(api()) << " device";
+  }
+  static Api api() { return std::get<0>(GetParam()); }
+  TangleRun& tangleRun() { return *runs()[api()]; }
+
+  RenderedImage draw(const Light& light) {
+    tangleRun().run.step(0);
+    tangleRun().lists.clear();
+    TransparencySettings settings;
+    settings.method = std::get<1>(GetParam()).first;
+    const View view = tangleView(kPixels);
+    expectOk(tangleRun().run.scene.draw(view, {&light, 1}, settings, tangleRun().lists));
+    return tangleRun().renderLists(view).value_or(RenderedImage{});
+  }
+
+  /// A map whose left part, up to this column, is in front of all hair.
+  OpaqueShadow opaque(uint32_t darkColumns) {
+    ResourceTable& resources = tangleRun().resources();
+    std::vector<float> depths(size_t{kTexels} * kTexels, 1);
+    for (size_t i = 0; i < depths.size(); ++i)
+      if (i % kTexels < darkColumns) depths[i] = 0;
+    const auto bytes = std::as_bytes(std::span(depths));
+    OpaqueShadow map;
+    map.depth = resources.add({.name = "opaque shadow",
+                               .size = bytes.size(),
+                               .stride = sizeof(float),
+                               .initial = {bytes.begin(), bytes.end()}});
+    map.width = map.height = kTexels;
+    // From the front: 0.64 m of x and y, depth 0 at z = 0.5.
+    map.worldToClip.rows[0] = {3.125f, 0, 0, 0};
+    map.worldToClip.rows[1] = {0, 3.125f, 0, 0};
+    map.worldToClip.rows[2] = {0, 0, -1, 0.5f};
+    map.worldToClip.rows[3] = {0, 0, 0, 1};
+    return map;
+  }
+  void forget(const OpaqueShadow& map) { tangleRun().resources().remove(map.depth); }
+
+  static Light fromTheFront(HairShadow shadow) {
+    Light light;
+    light.direction = {0, 0, 1};
+    light.shadow = shadow;
+    light.shadowSize = kTexels;
+    return light;
+  }
+};
+
+/// Pixels of columns first..last-1 that differ; those without hair do not count.
+size_t differing(const RenderedImage& a, const RenderedImage& b, uint32_t first, uint32_t last) {
+  size_t count = 0, covered = 0;
+  for (size_t i = 0; i < a.pixels.size(); ++i) {
+    if (i % kPixels < first || i % kPixels >= last) continue;
+    covered += a.pixels[i].w > 0 ? 1 : 0;
+    count += a.pixels[i] == b.pixels[i] ? 0 : 1;
+  }
+  EXPECT_GT(covered, 100u);
+  return count;
+}
+
+/// Mean absolute difference of the colors of covered pixels; NaN where one is.
+double meanDifference(const RenderedImage& a, const RenderedImage& b) {
+  double sum = 0, covered = 0;
+  for (size_t i = 0; i < a.pixels.size(); ++i) {
+    const Float4 &p = a.pixels[i], &q = b.pixels[i];
+    if (!(p.w > 0)) continue;
+    covered += 1;
+    sum += std::abs(static_cast<double>(p.x - q.x)) + std::abs(static_cast<double>(p.y - q.y)) +
+           std::abs(static_cast<double>(p.z - q.z));
+  }
+  return sum / (3 * covered);
+}
+
+TEST_P(LightsOfAView, OpaqueGeometryInFrontTakesTheLightOfItsSilhouetteAlone) {
+  for (const HairShadow shadow : {HairShadow::kNone, HairShadow::kDeep}) {
+    Light light = fromTheFront(shadow);
+    const RenderedImage lit = draw(light);
+    light.opaque = opaque(kTexels / 2);
+    const RenderedImage half = draw(light);
+    forget(light.opaque);
+    light.opaque = opaque(0);
+    EXPECT_EQ(differing(draw(light), lit, 0, kPixels), 0u) << "nothing in the map";
+    forget(light.opaque);
+    light.opaque = {};
+    light.color = {0, 0, 0};
+    const RenderedImage dark = draw(light);
+    EXPECT_GT(differing(dark, lit, 0, kPixels), 100u);
+    // A texel is 5 mm, a pixel 5.5 mm: the edge is in one column on both sides of the middle.
+    const uint32_t middle = kPixels / 2;
+    EXPECT_EQ(differing(half, dark, 0, middle - 1), 0u) << "in the silhouette";
+    EXPECT_EQ(differing(half, lit, middle + 1, kPixels), 0u) << "outside of it";
+  }
+}
+
+TEST_P(LightsOfAView, SpotLightThatLooksElsewhereIsDark) {
+  Light light = fromTheFront(HairShadow::kDeep);
+  light.hasPosition = true;
+  light.position = {0, 0, 1};
+  const RenderedImage point = draw(light);
+  // All of the hair is in the inner cone.
+  light.outerConeAngle = 0.7f;
+  light.innerConeAngle = 0.6f;
+  EXPECT_LT(meanDifference(draw(light), point), 0.01);
+  light.direction = {0, 1, 0};
+  const RenderedImage away = draw(light);
+  light.color = {0, 0, 0};
+  const RenderedImage dark = draw(light);
+  EXPECT_EQ(differing(away, dark, 0, kPixels), 0u);
+  EXPECT_GT(meanDifference(point, dark), 0.02);
+}
+
+TEST_P(LightsOfAView, PointLightFarAwayIsADirectionalLight) {
+  constexpr float kDistance = 20;
+  for (const HairShadow shadow : {HairShadow::kDepth, HairShadow::kDeep}) {
+    Light light = fromTheFront(shadow);
+    light.direction = {0.36f, 0.48f, 0.8f};
+    const RenderedImage directional = draw(light);
+    light.shadow = HairShadow::kNone;
+    const RenderedImage plain = draw(light);
+    light.shadow = shadow;
+    light.hasPosition = true;
+    light.position = {0.36f * kDistance, 0.48f * kDistance, 0.8f * kDistance};
+    const float scale = kDistance * kDistance;
+    light.color = {scale, scale, scale};
+    const RenderedImage far = draw(light);
+    // The texels of the two maps lie elsewhere: what a texel averages is a tenth of the shadow.
+    const double shadowed = meanDifference(directional, plain);
+    EXPECT_GT(shadowed, 0.02);
+    EXPECT_LT(meanDifference(far, directional), 0.15 * shadowed);
+    // In the hair, where it is a cube: all pixels are numbers.
+    light.position = {0.01f, 0.02f, 0.03f};
+    light.color = {0.01f, 0.01f, 0.01f};
+    const RenderedImage inside = draw(light);
+    light.shadow = HairShadow::kNone;
+    EXPECT_GT(meanDifference(inside, draw(light)), 1e-3);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, LightsOfAView,
+                         testing::Combine(testing::ValuesIn(kApis), testing::ValuesIn(kMethods)),
+                         [](const auto& one) {
+                           return std::string(apiName(std::get<0>(one.param))) + "_" +
+                                  std::get<1>(one.param).second;
+                         });
+
+}  // namespace
+}  // namespace pelage::test
