@@ -131,8 +131,10 @@ class FrameLoop {
   Result<void> prepare(bool draw) {
     lists_.resize(1);
     if (Result<void> done = demo_.advance(lists_[0]); !done) return done;
-    if (draw)
+    if (draw) {
+      if (Result<void> done = demo_.castOpaqueShadow(device_); !done) return done;
       if (Result<void> done = demo_.draw(view_, settings_, lists_); !done) return done;
+    }
     for (pelage::PassList& list : lists_) demo_.finish(list);
     return device_.update(demo_.resources());
   }

@@ -2,6 +2,8 @@
 #ifndef SAMPLE_MESH_HLSLI
 #define SAMPLE_MESH_HLSLI
 
+#include "shading/layouts/strand_shadow_view.hlsli"
+
 // Vertex inputs: many devices have no storage buffers in the vertex stage.
 struct MeshVertex {
   [[vk::location(0)]] float4 position : ATTRIBUTE0;  // xyz in bind space [m]; w = share of the
@@ -27,6 +29,11 @@ cbuffer MeshConstants : register(b0, space0) {
   uint g_meshPad2;
   float4 g_meshBones[768];  // three rows a bone: bind space to world
 };
+
+// Shadow maps of hair, the first one that of the light: Scene::shadowWords() and shadowViews().
+// Bound with the shadowed permutation alone.
+StructuredBuffer<uint> g_meshShadowWords : register(t0, space0);
+StructuredBuffer<StrandShadowView> g_meshShadowViews : register(t1, space0);
 
 struct MeshVaryings {
   float4 clip : SV_Position;

@@ -1,9 +1,13 @@
 // Shades a mesh like unglazed clay: wrapped Lambert, an ambient term that is brighter from above, a
-// broad faint highlight. Linear colour, opaque.
+// broad faint highlight. Linear colour, opaque. With SHADOWED, hair in front shadows the light.
 //
-// One thread a pixel. Reads the constants alone.
+// One thread a pixel. Reads the constants; with SHADOWED g_meshShadowWords and g_meshShadowViews.
 // Invariant: finite for every normal, and brighter where the surface faces the light.
 #include "mesh.hlsli"
+#if SHADOWED
+#define SHADOW_WORDS g_meshShadowWords
+#include "shading/strand_shadow.hlsli"
+#endif
 
 // Light that reaches past the terminator, as it does through skin: 0 is Lambert, 1 a full wrap.
 static const float kWrap = 0.35;
@@ -23,6 +27,10 @@ float4 mesh_pixel(MeshVaryings input) : SV_Target {
   float facing = (dot(normal, light) + kWrap) / (1.0 + kWrap);
   float diffuse = max(facing, 0.0);
   diffuse = diffuse * diffuse;
+  float3 arriving = g_lightColor.rgb;
+#if SHADOWED
+  arriving *= strandTransmittance(g_meshShadowViews[0], input.world);
+#endif
   float3 ambient = g_ambientColor.rgb * (0.75 + 0.25 * normal.y);
 
   float3 middle = unit(light + eye);
@@ -32,8 +40,8 @@ float4 mesh_pixel(MeshVaryings input) : SV_Target {
 
   float2 covered = saturate(input.covered);
   float3 albedo = lerp(lerp(g_skinColor.rgb, g_scalpColor.rgb, covered.x), g_coatColor.rgb, covered.y);
-  float3 color = albedo * (g_lightColor.rgb * diffuse + ambient) +
+  float3 color = albedo * (arriving * diffuse + ambient) +
                  (1.0 - covered.x) * (1.0 - covered.y) *
-                     (g_lightColor.rgb * highlight + g_ambientColor.rgb * (0.5 * fresnel));
+                     (arriving * highlight + g_ambientColor.rgb * (0.5 * fresnel));
   return float4(color, 1.0);
 }

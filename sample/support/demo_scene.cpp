@@ -204,12 +204,53 @@ Result<void> DemoScene::drawMeshes(const pelage::View& view, pelage::PassList& l
     for (const pelage::ColliderId collider : colliders_)
       if (Result<void> done = scene_->drawCollider(collider, view, light, {}, list); !done)
         return done;
+  const auto range = [&](pelage::BufferId buffer) -> pelage::BufferRange {
+    return scene_->resources().whole(buffer);
+  };
+  HairShadowMaps maps;
+  if (hairShadowsMeshes_) maps = {range(scene_->shadowWords()), range(scene_->shadowViews())};
+  for (const MeshObject& mesh : meshes_) {
+    Result<void> done = mesh.draw(view, light, list, hairShadowsMeshes_ ? &maps : nullptr);
+    if (!done) return done;
+  }
+  return {};
+}
+
+Result<void> DemoScene::castOpaqueShadow(pelage::HeadlessDevice& device) {
+  constexpr uint32_t kSize = 1024;  // texels: 0.7 mm on a head
+  light.opaque = {};
+  if (light.shadow == pelage::HairShadow::kNone || meshes_.empty()) return {};
+  if (opaqueDepth_ == pelage::BufferId::kInvalid) {
+    opaqueDepth_ = scene_->resources().add({.name = "opaque shadow",
+                                            .size = uint64_t{kSize} * kSize * sizeof(float),
+                                            .stride = sizeof(float)});
+  }
+  const pelage::View view = lightView(sweptPoints_, light.direction, kSize);
+  pelage::PassList list;
   for (const MeshObject& mesh : meshes_)
     if (Result<void> done = mesh.draw(view, light, list); !done) return done;
+  finish(list);
+  if (Result<void> done = device.update(resources()); !done) return done;
+  const auto image =
+      device.render(list, {.width = kSize, .height = kSize, .depthCopy = opaqueDepth_});
+  if (!image) return image.error();
+  light.opaque = {
+      .depth = opaqueDepth_, .width = kSize, .height = kSize, .worldToClip = view.worldToClip};
+  return {};
+}
+
+// Before the meshes are drawn: the draws of hair find the map done.
+Result<void> DemoScene::castHairShadow(pelage::PassList& list) {
+  hairShadowsMeshes_ = false;
+  if (light.shadow == pelage::HairShadow::kNone || meshes_.empty()) return {};
+  const Result<uint32_t> maps = scene_->castShadows({&light, 1}, list);
+  if (!maps) return maps.error();
+  hairShadowsMeshes_ = *maps > 0;
   return {};
 }
 
 Result<void> DemoScene::draw(const pelage::View& view, pelage::PassList& list) {
+  if (Result<void> done = castHairShadow(list); !done) return done;
   if (Result<void> done = drawMeshes(view, list); !done) return done;
   if (Result<void> done = scene_->draw(view, light, list); !done) return done;
   return drawContacts(view, list);
@@ -219,6 +260,7 @@ Result<void> DemoScene::draw(const pelage::View& view, const pelage::Transparenc
                              std::vector<pelage::PassList>& lists) {
   // Without the list of contacts of the last frame.
   if (lists.empty() || drawContacts_) lists.resize(1);
+  if (Result<void> done = castHairShadow(lists[0]); !done) return done;
   if (Result<void> done = drawMeshes(view, lists[0]); !done) return done;
   if (Result<void> done = scene_->draw(view, {&light, 1}, settings, lists); !done) return done;
   if (!drawContacts_) return {};

@@ -87,6 +87,10 @@ class DemoScene {
   /// Writes the passes of the next frame into a list, which is cleared first: the pose at
   /// the frame's end and one simulation step.
   pelage::Result<void> advance(pelage::PassList& list);
+  /// Runs the pass that finds what the light sees of the meshes, for their shadow on the hair of
+  /// the next draw(): Light::opaque. After advance(). It takes nothing where the light casts no
+  /// shadow or there is no mesh.
+  pelage::Result<void> castOpaqueShadow(pelage::HeadlessDevice& device);
   /// Adds the draws of mesh and hair, without sorting.
   pelage::Result<void> draw(const pelage::View& view, pelage::PassList& list);
   /// Adds them to lists that run one after another. lists[0] keeps what it has.
@@ -94,7 +98,8 @@ class DemoScene {
                             std::vector<pelage::PassList>& lists);
   /// Whether draw() shows more than hair.
   bool drawsMeshes() const { return !meshes_.empty() || (drawSdf_ && !colliders_.empty()); }
-  /// Adds the draws of what draw() shows beside hair and contacts.
+  /// Adds the draws of what draw() shows beside hair and contacts, with the shadow of the hair of
+  /// the last draw().
   pelage::Result<void> drawMeshes(const pelage::View& view, pelage::PassList& list);
   /// With DemoDef::drawSdf, after draw() has run: an error when a surface was too large to be drawn
   /// as a whole.
@@ -137,6 +142,7 @@ class DemoScene {
  private:
   explicit DemoScene(const DemoDef& def);
   pelage::Result<void> drawContacts(const pelage::View& view, pelage::PassList& list);
+  pelage::Result<void> castHairShadow(pelage::PassList& list);
   pelage::Result<void> addMesh(const pelage::CollisionMesh& mesh, MeshDef def);
   pelage::Result<void> addHead(const DemoAssets& assets, const DemoDef& def);
   pelage::Result<void> addFiles(const FileAssets& files, const std::vector<std::string>& bones,
@@ -152,6 +158,8 @@ class DemoScene {
   std::vector<pelage::HairId> hairs_;
   std::vector<MeshObject> meshes_;
   std::vector<pelage::ColliderId> colliders_;
+  pelage::BufferId opaqueDepth_ = pelage::BufferId::kInvalid;  ///< of Light::opaque
+  bool hairShadowsMeshes_ = false;                             ///< in the last draw()
   bool drawSdf_ = false, drawContacts_ = false;
   std::vector<pelage::CapsuleCollider>
       capsules_;  ///< in bind space; the first one on the neck bone

@@ -109,7 +109,7 @@ void MeshObject::setBones(std::span<const pelage::AffineTransform> bones) {
 }
 
 Result<void> MeshObject::draw(const pelage::View& view, const pelage::Light& light,
-                              pelage::PassList& list) const {
+                              pelage::PassList& list, const HairShadowMaps* shadows) const {
   MeshConstants constants = {};
   std::copy(std::begin(view.worldToClip.rows), std::end(view.worldToClip.rows),
             std::begin(constants.worldToClip));
@@ -130,11 +130,16 @@ Result<void> MeshObject::draw(const pelage::View& view, const pelage::Light& lig
       view.reversedDepth ? pelage::DepthCompare::kGreater : pelage::DepthCompare::kLess;
   const uint64_t vertexBytes = uint64_t{vertexCount_} * sizeof(MeshVertex);
   pelage::PassBuilder builder(list);
-  return builder.draw(meshVertexVariant({}), meshPixelVariant({}), state, indexCount_, 1, indices_)
+  const pelage::KernelVariant& pixel = meshPixelVariant({.shadowed = shadows != nullptr});
+  builder.draw(meshVertexVariant({}), pixel, state, indexCount_, 1, indices_)
       .vertices({vertices_, vertexBytes})
       .constants("MeshConstants", constants)
-      .bytes(vertexBytes + uint64_t{indexCount_} * sizeof(uint32_t))
-      .finish();
+      .bytes(vertexBytes + uint64_t{indexCount_} * sizeof(uint32_t));
+  if (shadows != nullptr) {
+    builder.bind("g_meshShadowWords", shadows->words.buffer, shadows->words.size)
+        .bind("g_meshShadowViews", shadows->views.buffer, shadows->views.size);
+  }
+  return builder.finish();
 }
 
 }  // namespace sample

@@ -33,6 +33,11 @@ struct MeshMaterial {
   pelage::Float3 coat = {0.110f, 0.075f, 0.048f};
 };
 
+/// Shadow maps of hair: Scene::shadowWords() and shadowViews(), the first map that of the light.
+struct HairShadowMaps {
+  pelage::BufferRange words, views;
+};
+
 class MeshObject {
  public:
   /// Adds the mesh's buffers to a table. Errors: a mesh without triangles, arrays that do not fit
@@ -43,9 +48,9 @@ class MeshObject {
   /// The bones (bind space to world) of the next draw; identities at first. Asserts on another
   /// count.
   void setBones(std::span<const pelage::AffineTransform> bones);
-  /// Adds the draw to a list.
+  /// Adds the draw to a list. \param shadows of hair on the mesh; nullptr for none.
   pelage::Result<void> draw(const pelage::View& view, const pelage::Light& light,
-                            pelage::PassList& list) const;
+                            pelage::PassList& list, const HairShadowMaps* shadows = nullptr) const;
 
   MeshMaterial material;
 

@@ -66,4 +66,48 @@ pelage::Light studioLight(const Float3& camera) {
   return light;
 }
 
+namespace {
+
+float dot(const Float3& a, const Float3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+Float3 unit(const Float3& v) {
+  const float scale = 1 / std::sqrt(dot(v, v));
+  return {v.x * scale, v.y * scale, v.z * scale};
+}
+Float3 cross(const Float3& a, const Float3& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+}  // namespace
+
+pelage::View lightView(std::span<const Float3> points, const Float3& toLight, uint32_t size) {
+  const Float3 light = unit(toLight);
+  const Float3 right =
+      unit(cross(std::abs(light.y) < 0.9f ? Float3{0, 1, 0} : Float3{1, 0, 0}, light));
+  const Float3 up = cross(light, right);
+  Float3 low = points[0], high = points[0];
+  for (const Float3& p : points) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  const Float3 middle = {(low.x + high.x) / 2, (low.y + high.y) / 2, (low.z + high.z) / 2};
+  float radius = 0;
+  for (const Float3& p : points)
+    radius = std::max(radius, std::hypot(p.x - middle.x, p.y - middle.y, p.z - middle.z));
+
+  // From 4 radii in front of the middle to one behind it.
+  constexpr float kFront = 4, kRange = kFront + 1;
+  const auto row = [&](const Float3& along, float scale, float offset) -> Float4 {
+    return {along.x * scale, along.y * scale, along.z * scale, offset - dot(along, middle) * scale};
+  };
+  pelage::View view;
+  view.width = view.height = size;
+  view.eye = {middle.x + kFront * radius * light.x, middle.y + kFront * radius * light.y,
+              middle.z + kFront * radius * light.z};
+  view.worldToClip.rows[0] = row(right, 1 / radius, 0);
+  view.worldToClip.rows[1] = row(up, 1 / radius, 0);
+  view.worldToClip.rows[2] = row(light, -1 / (kRange * radius), kFront / kRange);
+  view.worldToClip.rows[3] = {0, 0, 0, 1};
+  return view;
+}
+
 }  // namespace sample

@@ -122,6 +122,7 @@ pelage::Result<ByteImage> draw(pelage::HeadlessDevice& device, sample::DemoScene
   target.samples = sorted ? 1 : kSamples;
   const pelage::View view = sample::makeView(demo.camera(1), kSize, kSize, target.samples);
   std::vector<pelage::PassList> lists;
+  if (auto done = demo.castOpaqueShadow(device); !done) return done.error();
   if (auto done = demo.draw(view, settings, lists); !done) return done.error();
   std::vector<const pelage::PassList*> pointers;
   for (pelage::PassList& list : lists) {
