@@ -11,6 +11,7 @@
 #include "pelage/list_check.h"
 #include "pelage/scene.h"
 #include "pelage/scene_features.h"
+#include "pelage/skin_table.h"
 #include "support/plain_asset.h"
 
 namespace pelage::test {
@@ -177,6 +178,7 @@ class Game {
       for (const HairId id : hairs_) scene_.hair(id).setForces(forces);
     }
     frames(2);
+    switchEngineInputsOn();
     if (features_.skinnedHair) {
       for (const HairId id : hairs_) scene_.hair(id).simulated = false;
       frames(2);
@@ -192,6 +194,48 @@ class Game {
     }
     for (const HairId id : hairs_) scene_.hair(id).reset();
     frames(1);
+  }
+
+  // What an engine has on the GPU.
+  void switchEngineInputsOn() {
+    const BufferId buffer =
+        scene_.resources().add({.name = "engine's", .size = 4096, .stride = sizeof(Float4)});
+    if (features_.forceField) {
+      for (const HairId id : hairs_)
+        scene_.hair(id).setForceField({.values = buffer, .cellSize = 1, .nodes = {3, 3, 3}});
+      frames(2);
+    }
+    if (features_.denseSdfs) {
+      const auto collider = scene_.addCollider(
+          DenseSdf{.distances = buffer, .grid = {.cellSize = 0.1f, .nodes = {8, 8, 8}}}, {});
+      ASSERT_TRUE(collider) << collider.error().message;
+      frames(2);
+    }
+    if (features_.boneBuffers) {
+      const auto skeleton = scene_.addSkeleton({.source = BoneSource::kBuffer});
+      ASSERT_TRUE(skeleton) << skeleton.error().message;
+      scene_.skeleton(*skeleton).setBones({.buffer = buffer}, {});
+      add({.name = "boned", .settings = features_.settings.front(), .skeleton = *skeleton});
+      frames(2);
+    }
+    if (features_.boneSurfaces) {
+      SurfaceRoot root;
+      root.corners[1] = 1;
+      root.corners[2] = 2;
+      root.barycentric = {1, 0, 0};
+      root.bind[1].x = root.bind[2].y = 1;
+      SkinTable table;
+      table.parts.resize(1);
+      table.parts[0].vertexCount = 3;
+      table.parts[0].triangleCount = 1;
+      table.roots = {root};
+      const auto skeleton = scene_.addSkeleton({.source = BoneSource::kSurface, .surface = &table});
+      ASSERT_TRUE(skeleton) << skeleton.error().message;
+      const VertexBuffer vertices = {.buffer = buffer};
+      scene_.skeleton(*skeleton).setVertices({&vertices, 1}, {});
+      add({.name = "skinned", .settings = features_.settings.front(), .skeleton = *skeleton});
+      frames(2);
+    }
   }
 
   std::set<std::string> needed_;
@@ -233,6 +277,10 @@ TEST(ListToPrepare, HasEveryPipelineThatIsSwitchedOnLater) {
       {.settings = {settingsOf(Solver::kClassic)}, .meshColliders = false, .forces = true},
       {.settings = {settingsOf(Solver::kExact, true), settingsOf(Solver::kClassic, true)},
        .forces = true,
+       .denseSdfs = true,
+       .forceField = true,
+       .boneBuffers = true,
+       .boneSurfaces = true,
        .collidingFollowHairs = true,
        .skinnedHair = true,
        .originShifts = true,
