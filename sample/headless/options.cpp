@@ -277,7 +277,8 @@ void addPictureOptions(CLI::App& app, Options& options, Given& given) {
   const std::map<std::string, pelage::HairShadow> shadows = {{"none", pelage::HairShadow::kNone},
                                                              {"depth", pelage::HairShadow::kDepth},
                                                              {"deep", pelage::HairShadow::kDeep}};
-  app.add_option("--shadow", options.shadow, "of hair, and of meshes on it: none, depth or deep (deep)")
+  app.add_option("--shadow", options.shadow,
+                 "of hair, and of meshes on it: none, depth or deep (deep)")
       ->transform(oneOf(shadows))
       ->type_name("KIND");
   given.samplesOption =
