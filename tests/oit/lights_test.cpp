@@ -148,6 +148,44 @@ TEST_P(LightsOfAView, SpotLightThatLooksElsewhereIsDark) {
   EXPECT_GT(meanDifference(point, dark), 0.02);
 }
 
+// Its map looks along the cone: narrower than the ball of all hair.
+TEST_P(LightsOfAView, SpotLightLightsItsDiscAsAPointLightDoes) {
+  Light light = fromTheFront(HairShadow::kDeep);
+  light.hasPosition = true;
+  light.position = {0, 0, 1};
+  const RenderedImage point = draw(light);
+  light.color = {0, 0, 0};
+  const RenderedImage dark = draw(light);
+  light.color = {1, 1, 1};
+  light.outerConeAngle = 0.09f;
+  light.innerConeAngle = 0.085f;
+  const RenderedImage spot = draw(light);
+  // Hair from 0.9 to 1.1 m in front of the light: the disc has a radius of 0.077 to 0.099 m, seen
+  // from 0.4 to 0.6 m.
+  double inside = 0, ofLight = 0;
+  size_t lit = 0, outside = 0;
+  for (size_t i = 0; i < spot.pixels.size(); ++i) {
+    if (!(point.pixels[i].w > 0)) continue;
+    const auto at = [](size_t pixel) { return (static_cast<double>(pixel) + 0.5) / kPixels - 0.5; };
+    const double slope = 2 * std::tan(0.25) * std::hypot(at(i % kPixels), at(i / kPixels));
+    const auto red = [i](const RenderedImage& image) {
+      return static_cast<double>(image.pixels[i].x);
+    };
+    if (slope < 0.11) {
+      inside += std::abs(red(spot) - red(point));
+      ofLight += red(point) - red(dark);
+      ++lit;
+    } else if (slope > 0.26) {
+      EXPECT_EQ(spot.pixels[i], dark.pixels[i]) << i;
+      ++outside;
+    }
+  }
+  EXPECT_GT(lit, 100u);
+  EXPECT_GT(outside, 20u);
+  // Its texels are a third of those of the map around the ball, and resolve single strands.
+  EXPECT_LT(inside, 0.2 * ofLight);
+}
+
 TEST_P(LightsOfAView, PointLightFarAwayIsADirectionalLight) {
   constexpr float kDistance = 20;
   for (const HairShadow shadow : {HairShadow::kDepth, HairShadow::kDeep}) {

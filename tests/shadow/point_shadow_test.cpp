@@ -110,6 +110,22 @@ TEST_P(PointShadow, SlabTransmitsAsMuchFromAnyDistance) {
     EXPECT_LT(worstError(gpu(), slab, slabDef(light), pointsBehind(0.05, -0.05)), kSlabTolerance);
 }
 
+TEST_P(PointShadow, SpotLightHasTheShadowOfAPointLight) {
+  StrandShadowDef def = slabDef({0.02, 0.03, 0.5});
+  def.toLight = {0, 0, 1};
+  // Texels of 3 mm and more: smaller ones resolve the fibers where their layers line up.
+  def.size = 64;
+  for (const float cone : {0.2f, 0.35f, 0.9f}) {
+    def.coneAngle = cone;
+    EXPECT_EQ(planFor(def, {}).view.faceCount, 1u);
+    // 0.6 m in front of it.
+    const double range = 0.6 * std::tan(static_cast<double>(cone)) / 1.5 - 0.03;
+    EXPECT_LT(worstError(gpu(), Slab(), def, pointsBehind(std::min(range, 0.2), -0.1)),
+              kSlabTolerance)
+        << cone;
+  }
+}
+
 TEST_P(PointShadow, CubeHasNoSeamsAroundALightInTheHair) {
   // On each side, with rays that pass from one face into its neighbors.
   const Vector3d light(0.01, -0.02, 0.015);
