@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "pelage/scene.h"
@@ -43,7 +44,9 @@ class DeliveryScene {
  public:
   static constexpr int kFrames = 10;
 
-  DeliveryScene(Scene& scene, Solver solver) : scene_(scene), started_(scene.time()) {
+  /// \param engineInputs  also hair that follows what an engine has on the GPU
+  DeliveryScene(Scene& scene, Solver solver, bool engineInputs = false)
+      : scene_(scene), started_(scene.time()) {
     SimulationSettings settings;
     settings.solver = solver;
     settings.wind.velocity = {0, 0, 0.5f};
@@ -79,6 +82,7 @@ class DeliveryScene {
     EXPECT_TRUE(own && worn && mesh);
     hairs_ = {*own, *worn};
     collider_ = *mesh;
+    if (engineInputs) addEngineInputs(settings);
   }
   /// All that its frames use.
   static SceneFeatures features(Solver solver) {
@@ -104,6 +108,10 @@ class DeliveryScene {
     for (const HairId id : hairs_) EXPECT_TRUE(scene_.removeHair(id));
     EXPECT_TRUE(scene_.removeCollider(collider_));
     EXPECT_TRUE(scene_.removeSkeleton(skeleton_));
+    if (palette_ == BufferId::kInvalid) return;
+    EXPECT_TRUE(scene_.removeCollider(ground_));
+    EXPECT_TRUE(scene_.removeSkeleton(walker_));
+    for (const BufferId buffer : {palette_, field_, distances_}) scene_.resources().remove(buffer);
   }
 
   /// Sets what an application sets before simulate(). Every frame has something else that makes
@@ -149,6 +157,7 @@ class DeliveryScene {
         rigidTransform({0, 0, 0, 1}, {shift + 0.02f * moved, 0.004f * moved, 0})};
     scene_.skeleton(skeleton_).setBones(pose);
     scene_.collider(collider_).margin = frame == 6 ? 0.002f : 0.001f;
+    if (palette_ != BufferId::kInvalid) setEngineInputs(frame);
   }
   static float seconds(int frame) { return frame % 4 == 3 ? 1.0f / 40 : 1.0f / 60; }
   Result<void> simulate(int frame, PassList& list) {
@@ -188,11 +197,63 @@ class DeliveryScene {
   SdfCollider& collider() { return scene_.collider(collider_); }
 
  private:
+  void addEngineInputs(const SimulationSettings& settings) {
+    const auto add = [this](const char* name, const std::vector<float>& floats) {
+      const auto bytes = std::as_bytes(std::span(floats));
+      return scene_.resources().add({.name = name,
+                                     .size = bytes.size(),
+                                     .stride = sizeof(float),
+                                     .initial = {bytes.begin(), bytes.end()}});
+    };
+    // A ring of two poses of two bones.
+    std::vector<float> bones;
+    for (const float x : {0.0f, 0.01f, 0.03f, 0.02f})
+      bones.insert(bones.end(), {1, 0, 0, x, 0, 1, 0, -x, 0, 0, 1, 2 * x});
+    palette_ = add("palette", bones);
+    std::vector<float> field;
+    for (int node = 0; node < 8; ++node)
+      field.insert(field.end(), {0.5f * static_cast<float>(node), 1, -0.25f, 0.5f});
+    field_ = add("field", field);
+    // Of a plane at 3 cm above node 0.
+    distances_ = add("distances", {-0.03f, -0.03f, 0.17f, 0.17f, -0.03f, -0.03f, 0.17f, 0.17f});
+    const auto walker = scene_.addSkeleton(
+        {.name = "palette", .boneCount = 2, .source = BoneSource::kBuffer, .deviation = 2});
+    EXPECT_TRUE(walker);
+    walker_ = *walker;
+    const auto hair = scene_.addHair(
+        makeAsset(12), {.name = "engine's", .settings = settings, .skeleton = walker_});
+    const auto ground = scene_.addCollider(
+        DenseSdf{.distances = distances_, .grid = {{-0.1f, -0.1f, -0.1f}, 0.2f, {2, 2, 2}}},
+        {.name = "ground"});
+    EXPECT_TRUE(hair && ground);
+    hairs_.push_back(*hair);
+    ground_ = *ground;
+  }
+  void setEngineInputs(int frame) {
+    // The placement moves the origin, and the bones are as they were relative to the world.
+    AffineTransform placement;
+    placement.rows[0].w = frame >= 4 ? 1.8f : 0.0f;
+    scene_.skeleton(walker_).setBones({.buffer = palette_, .offset = frame % 3 == 1 ? 24u : 0u},
+                                      placement);
+    scene_.hair(hairs_[2]).setForceField({.values = frame >= 5 ? field_ : BufferId::kInvalid,
+                                          .origin = {-1, -1, -1},
+                                          .cellSize = 2,
+                                          .nodes = {2, 2, 2}});
+    const float height = frame >= 6 ? -0.11f : -0.1f;
+    scene_.collider(ground_).setDistances(
+        {.distances = distances_, .grid = {{-0.1f, height, -0.1f}, 0.2f, {2, 2, 2}}});
+  }
+
   Scene& scene_;
   double started_;
   SkeletonId skeleton_ = SkeletonId::kInvalid;
   std::vector<HairId> hairs_;
   ColliderId collider_ = ColliderId::kInvalid;
+  // Of an engine; kInvalid without.
+  BufferId palette_ = BufferId::kInvalid, field_ = BufferId::kInvalid;
+  BufferId distances_ = BufferId::kInvalid;
+  SkeletonId walker_ = SkeletonId::kInvalid;
+  ColliderId ground_ = ColliderId::kInvalid;
 };
 
 }  // namespace pelage::test
