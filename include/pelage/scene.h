@@ -122,7 +122,9 @@ class PELAGE_API Scene {
   SdfCollider& collider(ColliderId id);
   const SdfCollider& collider(ColliderId id) const;
   /// Adds bones that hair objects and colliders can follow together: HairDef::skeleton,
-  /// SdfColliderDef::skeleton. They are identities until SkeletonPose::setBones(). Error: no bones.
+  /// SdfColliderDef::skeleton. They are identities until SkeletonPose::setBones(). Errors: no
+  /// bones; a source or a deviation out of range; a skin table without BoneSource::kSurface, or
+  /// that validate() refuses, or with another number of roots.
   Result<SkeletonId> addSkeleton(const SkeletonDef& def);
   /// Errors: the id names no skeleton of this scene; something follows it, which stays as it is.
   Result<void> removeSkeleton(SkeletonId id);
