@@ -30,8 +30,9 @@ float opaqueTransmittance(OpaqueShadowView map, float3 position, float3 toLight)
   float3 clip = float3(dot(map.clipX, p), dot(map.clipY, p), dot(map.clipZ, p)) / w;
   float2 size = float2(float(map.width), float(map.height));
   float2 texel = float2(0.5 + 0.5 * clip.x, 0.5 - 0.5 * clip.y) * size - 0.5;
-  // NaN fails these tests, too.
-  if (!(min(texel.x, texel.y) > -1.0) || !(texel.x < size.x) || !(texel.y < size.y)) return 1.0;
+  // On the bits, because a driver may assume that no float is a NaN: below 1e30.
+  if (asuint(abs(texel.x) + abs(texel.y) + abs(clip.z)) >= 0x7149f2cau) return 1.0;
+  if (min(texel.x, texel.y) <= -1.0 || texel.x >= size.x || texel.y >= size.y) return 1.0;
 
   float2 lowest = floor(texel);
   float2 share = texel - lowest;

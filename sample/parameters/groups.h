@@ -46,6 +46,7 @@ std::string text(pelage::HairDepthColor value);
 std::string text(pelage::HairStyle value);
 std::string text(pelage::BufferId value);
 std::string text(pelage::SkeletonId value);
+std::string text(const pelage::EngineLights* value);
 template <class T>
 std::string text(std::span<const T> value) {
   return value.empty() ? "empty" : std::to_string(value.size()) + " elements";

@@ -405,6 +405,11 @@ std::vector<Parameter> transparencyRows() {
        "one float per pixel",
        "Tiles: depth of opaque objects; without it nothing occludes hair.",
        {}},
+      {PELAGE_FIELD(TransparencySettings, engineLights),
+       "",
+       "a table of kernels, and what they read",
+       "An engine's own lights in place of those of the draw.",
+       {}},
   };
 }
 

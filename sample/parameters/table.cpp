@@ -140,6 +140,9 @@ std::string text(pelage::BufferId value) {
 std::string text(pelage::SkeletonId value) {
   return value == pelage::SkeletonId::kInvalid ? "none" : "a skeleton";
 }
+std::string text(const pelage::EngineLights* value) {
+  return value == nullptr ? "none" : "lights of an engine";
+}
 
 const std::vector<ParameterGroup>& parameterTable() {
   static const std::vector<ParameterGroup> table = [] {

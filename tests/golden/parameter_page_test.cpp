@@ -20,13 +20,24 @@ const std::filesystem::path kSource = PELAGE_SOURCE_DIR;
 
 // Structs of these headers that a program does not set: results, buffers and assets; options of
 // loaders are in docs/assets.md.
-const std::set<std::string> kNoParameters = {
-    "TransparencyPlan", "TransparencyCounters", "TransparencyWork",
-    "TransparencyCost", "SimulationCounters",   "HairBuffers",
-    "SdfGrid",          "SdfCounters",          "SdfColliderBuffers",
-    "TfxFileLayout",    "FollowHair",           "HairAsset",
-    "TfxLoadOptions",   "TfxLoadReport",        "Groom",
-    "ContactCounters",  "FollowContactCounters"};
+const std::set<std::string> kNoParameters = {"TransparencyPlan",
+                                             "TransparencyCounters",
+                                             "TransparencyWork",
+                                             "TransparencyCost",
+                                             "SimulationCounters",
+                                             "HairBuffers",
+                                             "SdfGrid",
+                                             "SdfCounters",
+                                             "SdfColliderBuffers",
+                                             "TfxFileLayout",
+                                             "FollowHair",
+                                             "HairAsset",
+                                             "TfxLoadOptions",
+                                             "TfxLoadReport",
+                                             "Groom",
+                                             "ContactCounters",
+                                             "FollowContactCounters",
+                                             "DenseSdf"};
 
 std::string contents(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);

@@ -141,8 +141,9 @@ TEST_P(ForceFieldTest, OneValueEverywhereIsGravity) {
     keepLargest(off, largestDistance(run_.positions(expected), run_.positions(hair)));
   }
   keepLargest(moved, largestDistance(run_.positions(hair), asset_.positions));
-  // Measured: 5.2e-5 m, and 3.3e-7 m with the classic solver.
-  EXPECT_LT(off, exact() ? 1.5e-4 : 2e-6);
+  // Measured: 5.2e-5 m on llvmpipe and 3.3e-4 m on an H200, where second Newton passes come at
+  // other times; 3.3e-7 m with the classic solver.
+  EXPECT_LT(off, exact() ? 1e-3 : 2e-6);
   EXPECT_GT(moved, 0.02);
 }
 

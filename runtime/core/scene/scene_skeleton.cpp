@@ -1,39 +1,13 @@
 // Skeletons of a scene, and what is given back.
 #include <algorithm>
-#include <cmath>
 #include <string>
 
 #include "base/ids.h"
-#include "pelage/skin_table.h"
 #include "scene/scene_impl.h"
 #include "sdf/sdf_collider.h"
 #include "skinning/skeleton_pose.h"
 
 namespace pelage::detail {
-
-namespace {
-
-// What is wrong, or nothing.
-std::string faultOf(const SkeletonDef& def) {
-  if (def.boneCount == 0) return "boneCount must be at least 1";
-  if (def.source > BoneSource::kSurface)
-    return "SkeletonDef::source is " + std::to_string(static_cast<uint32_t>(def.source)) +
-           ", which is no BoneSource; take one of its values";
-  if (!(def.deviation >= 0 && std::isfinite(def.deviation)))
-    return "deviation is " + std::to_string(def.deviation) +
-           " m, but must be finite and at least 0";
-  if ((def.source == BoneSource::kSurface) != (def.surface != nullptr))
-    return "SkeletonDef::surface is for BoneSource::kSurface, which needs it";
-  if (def.surface == nullptr) return {};
-  if (Result<void> valid = validate(*def.surface); !valid) return valid.error().message;
-  const size_t roots = def.surface->roots.size();
-  if (def.boneCount != 1 && def.boneCount != roots)
-    return "boneCount is " + std::to_string(def.boneCount) + ", but the skin table has " +
-           std::to_string(roots) + " roots";
-  return {};
-}
-
-}  // namespace
 
 Result<SkeletonId> SceneImpl::addSkeleton(const SkeletonDef& def) {
   const auto refuse = [&](const std::string& what) {
@@ -48,10 +22,7 @@ Result<SkeletonId> SceneImpl::addSkeleton(const SkeletonDef& def) {
   internals.source = def.source;
   internals.boneCount = def.boneCount;
   if (internals.isOnGpu()) internals.deviation = def.deviation;
-  if (def.surface != nullptr) {
-    internals.boneCount = static_cast<uint32_t>(def.surface->roots.size());
-    addSurface(internals, *def.surface, room());
-  }
+  if (def.surface != nullptr) addSurface(internals, *def.surface, room());
   internals.bones.resize(internals.isOnGpu() ? 1 : internals.boneCount);
   internals.origin.shifted = shifted();
   return skeletons_.add(std::move(skeleton));

@@ -1,6 +1,7 @@
 #include "skinning/gpu_bones.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "pelage/constants.h"
 #include "pelage/gpu_structs.h"
 #include "pelage/kernels.h"
+#include "pelage/skin_table.h"
 
 namespace pelage::detail {
 namespace {
@@ -172,7 +174,27 @@ Result<void> addSurfacePasses(SkeletonInternals& skeleton, SkinningMethod method
 
 }  // namespace
 
+std::string faultOf(const SkeletonDef& def) {
+  if (def.boneCount == 0) return "boneCount must be at least 1";
+  if (def.source > BoneSource::kSurface)
+    return "SkeletonDef::source is " + std::to_string(static_cast<uint32_t>(def.source)) +
+           ", which is no BoneSource; take one of its values";
+  if (!(def.deviation >= 0 && std::isfinite(def.deviation)))
+    return "deviation is " + std::to_string(def.deviation) +
+           " m, but must be finite and at least 0";
+  if ((def.source == BoneSource::kSurface) != (def.surface != nullptr))
+    return "SkeletonDef::surface is for BoneSource::kSurface, which needs it";
+  if (def.surface == nullptr) return {};
+  if (Result<void> valid = validate(*def.surface); !valid) return valid.error().message;
+  const size_t roots = def.surface->roots.size();
+  if (def.boneCount != 1 && def.boneCount != roots)
+    return "boneCount is " + std::to_string(def.boneCount) + ", but the skin table has " +
+           std::to_string(roots) + " roots";
+  return {};
+}
+
 void addSurface(SkeletonInternals& skeleton, const SkinTable& table, const RoomBuffers& room) {
+  skeleton.boneCount = static_cast<uint32_t>(table.roots.size());
   skeleton.parts.assign(table.parts.size(), {});
   for (const SurfaceRoot& root : table.roots) {
     SurfacePart& part = skeleton.parts[root.part];

@@ -13,7 +13,6 @@
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
 #include "pelage/skeleton_pose.h"
-#include "pelage/skin_table.h"
 
 namespace pelage::detail {
 
@@ -59,6 +58,8 @@ struct SkeletonInternals {
 };
 
 bool isFiniteBone(const AffineTransform& bone);
+/// What is wrong with a definition, or nothing.
+std::string faultOf(const SkeletonDef& def);
 /// Makes the table of a skeleton that follows a surface.
 void addSurface(SkeletonInternals& skeleton, const SkinTable& table, const RoomBuffers& room);
 /// What is wrong with the buffers that the bones come from, or nothing.
