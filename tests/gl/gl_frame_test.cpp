@@ -137,6 +137,7 @@ class Player {
   Frame makeFrame(int frame) {
     Result<Frame> made = scene_.simulate(DeliveryScene::seconds(frame));
     EXPECT_TRUE(made) << made.error().message;
+    EXPECT_TRUE(made->interpolate(DeliveryScene::kShare));
     const Light light = {.shadow = HairShadow::kDeep, .shadowSize = 64};
     EXPECT_TRUE(made->castShadows({&light, 1}));
     return *std::move(made);

@@ -144,8 +144,8 @@ TEST_P(StrandShadow, TransmittanceIsThatOfABeamThroughTheHair) {
 }
 
 // The texels around each point, in double precision from the hair alone: nearest hair, optical
-// depth of each layer, bilinear weights. What remains is rounding, of quanta and of positions on the
-// map (2^-16 texels). Ten times what lavapipe and llvmpipe have.
+// depth of each layer, bilinear weights. What remains is rounding, of quanta and of positions on
+// the map (2^-16 texels). Ten times what lavapipe and llvmpipe have.
 TEST_P(StrandShadow, TransmittanceIsThatOfTheTexelsInDoublePrecision) {
   static const Hair hair = headOfHair(4000, 12);
   const StrandShadowView view = planFor(headDef(256, 0), {}).view;

@@ -43,6 +43,7 @@ inline CollisionMesh twoBoxes() {
 class DeliveryScene {
  public:
   static constexpr int kFrames = 10;
+  static constexpr float kShare = 0.3f;  // of interpolate()
 
   /// \param engineInputs  also hair that follows what an engine has on the GPU
   DeliveryScene(Scene& scene, Solver solver, bool engineInputs = false)
@@ -162,7 +163,7 @@ class DeliveryScene {
   static float seconds(int frame) { return frame % 4 == 3 ? 1.0f / 40 : 1.0f / 60; }
   Result<void> simulate(int frame, PassList& list) {
     if (Result<void> done = scene_.simulate(seconds(frame), list); !done) return done;
-    if (Result<void> placed = scene_.interpolate(0.3f, list); !placed) return placed;
+    if (Result<void> placed = scene_.interpolate(kShare, list); !placed) return placed;
     Light light;
     light.shadow = HairShadow::kDeep;
     light.shadowSize = 64;

@@ -107,6 +107,7 @@ class VulkanDelivery : public testing::TestWithParam<Solver> {
   void record(const DeliveryScene& scene, int frame, const Engine::Frame& slot) {
     Result<Frame> made = scene_.simulate(DeliveryScene::seconds(frame));
     ASSERT_TRUE(made) << made.error().message;
+    EXPECT_TRUE(made->interpolate(DeliveryScene::kShare));
     const Light light = {.shadow = HairShadow::kDeep, .shadowSize = 64};
     EXPECT_TRUE(made->castShadows({&light, 1}));
     const Result<void> recorded = runtime_->record(*made, slot.commands);
