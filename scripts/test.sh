@@ -43,10 +43,13 @@ cmake --build --preset asan --parallel "$(nproc)"
 step "sanitizer tests"
 # The drivers keep caches until the process ends, so leaks are looked for in the tests without them.
 ASAN_OPTIONS=detect_leaks=1 ctest --preset asan -L unit --parallel "$(nproc)"
-# What the sanitizers look at is host code. GLES has that of GL, so of tests with an API as their
-# parameter they run those of Vulkan and GL; and long runs and their pictures are no other code.
-GTEST_FILTER='-*/gles*' ASAN_OPTIONS=detect_leaks=0 ctest --preset asan -LE "unit|oracle" \
-  -E "^(stress_(determinism|long_run|sdf)|golden)_test" --parallel "$(nproc)"
+# What the sanitizers look at is host code. GLES has that of GL, and tests of kernels, samples and
+# tools have the same on every API: of their parameters they take Vulkan, the others GL as well. Long
+# runs and their pictures are no other code.
+ASAN_OPTIONS=detect_leaks=0 GTEST_FILTER='-*/gl*' ctest --preset asan -L "kernel|golden" \
+  -LE "unit|oracle|stress" -E "^golden_test" --parallel "$(nproc)"
+ASAN_OPTIONS=detect_leaks=0 GTEST_FILTER='-*/gles*' ctest --preset asan \
+  -LE "unit|oracle|kernel|golden" -E "^stress_(determinism|long_run|sdf)_test" --parallel "$(nproc)"
 
 step "fuzzers"
 bash scripts/fuzz.sh
