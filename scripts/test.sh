@@ -55,7 +55,7 @@ step "fuzzers"
 bash scripts/fuzz.sh
 
 step "static analysis"
-bash scripts/tidy.sh
+python3 scripts/tidy.py
 
 step "done"
 times

@@ -6,7 +6,7 @@ namespace pelage::vulkan {
 namespace {
 
 constexpr uint32_t kQueriesPerPool = 256;
-constexpr size_t kFramesKept = 8;
+constexpr size_t kResultsKept = 8;
 
 }  // namespace
 
@@ -93,7 +93,7 @@ void Timers::collect(uint64_t completedFrame) {
     Frame& frame = frames_.front();
     finished_.push_back({frame.number, {}});
     read(frame, finished_.back());
-    if (finished_.size() > kFramesKept) finished_.pop_front();
+    if (finished_.size() > kResultsKept) finished_.pop_front();
     free_.insert(free_.end(), frame.pools.begin(), frame.pools.end());
     frames_.pop_front();
   }

@@ -16,7 +16,7 @@ namespace pelage {
 namespace {
 
 constexpr float kMaxCoordinate = 1e6f;
-constexpr size_t kMaxBoneNameLength = 4096;
+constexpr size_t kMaxMeshNameLength = 4096;
 
 bool isBlank(char c) { return c == ' ' || c == '\t'; }
 
@@ -143,7 +143,7 @@ Result<void> readBones(LineReader& lines, CollisionMesh& mesh) {
     auto index = readIndex(lines, "the bone index", seen);
     if (!index) return index.error();
     const std::string_view name = lines.remainder();
-    if (name.empty() || name.size() >= kMaxBoneNameLength ||
+    if (name.empty() || name.size() >= kMaxMeshNameLength ||
         name.find_first_of(std::string_view("\0\r", 2)) != std::string_view::npos)
       return lines.fail(
           "a bone needs a name of at most 4095 characters, without NUL or carriage return");
@@ -237,7 +237,7 @@ Result<void> checkMesh(const CollisionMesh& mesh) {
                                vertexCount, mesh.normals.size(), mesh.influences.size()));
   if (mesh.indices.size() % 3 != 0)
     return invalid(fmt::format("{} indices are no triangles", mesh.indices.size()));
-  if (auto r = detail::checkBoneNames(mesh.bones, kMaxBoneNameLength); !r) return r;
+  if (auto r = detail::checkBoneNames(mesh.bones, kMaxMeshNameLength); !r) return r;
   for (const BoneName& bone : mesh.bones) {
     const bool trimmed = !bone.name.empty() && !isBlank(bone.name.front()) &&
                          !isBlank(bone.name.back()) &&

@@ -17,7 +17,7 @@ constexpr float kRightAngle = 1.570797f;  // pi / 2, rounded up
 constexpr uint32_t kMinSize = 4, kMaxSize = strand_shadow_view::kMaxShadowSize;
 constexpr uint32_t kMaxLayers = strand_shadow_view::kMaxShadowLayers;
 
-bool isFinite(const Matrix4& m) {
+bool allFinite(const Matrix4& m) {
   return std::all_of(std::begin(m.rows), std::end(m.rows), [](const Float4& r) {
     return std::isfinite(r.x) && std::isfinite(r.y) && std::isfinite(r.z) && std::isfinite(r.w);
   });
@@ -55,7 +55,7 @@ std::string opaqueFaultOf(const OpaqueShadow& map) {
   if (map.width - 1 >= kMaxSize || map.height - 1 >= kMaxSize)
     return fmt::format("opaque.width and opaque.height are {} x {}, but must be in 1..{}",
                        map.width, map.height, kMaxSize);
-  if (!isFinite(map.worldToClip)) return "opaque.worldToClip has values that are not finite";
+  if (!allFinite(map.worldToClip)) return "opaque.worldToClip has values that are not finite";
   if (!(map.bias >= 0) || !std::isfinite(map.bias))
     return fmt::format("opaque.bias is {}, but must be finite and >= 0", map.bias);
   return {};

@@ -11,7 +11,7 @@ namespace pelage::detail {
 
 namespace {
 
-constexpr uint64_t kVector = sizeof(Float4);
+constexpr uint64_t kForceSize = sizeof(Float4);
 
 }  // namespace
 
@@ -33,7 +33,7 @@ std::string faultOf(const ForceField& field, const ResourceTable& resources) {
   if (std::min({x, y, z}) < 2) return fault("has " + size + ", but takes 2 or more along an axis");
   // Without an overflow.
   const double nodes = static_cast<double>(x) * y * z + field.first;
-  if (nodes * kVector <= static_cast<double>(values->size)) return {};
+  if (nodes * kForceSize <= static_cast<double>(values->size)) return {};
   return fault("has " + size + " from element " + std::to_string(field.first) +
                " on, but its buffer only " + std::to_string(values->size) + " bytes");
 }
@@ -42,7 +42,7 @@ void FieldForces::prepare(const FieldHair& hair, const RoomBuffers& room) {
   if (hair.field.values == BufferId::kInvalid) {
     remove(room);
   } else if (forces_ == BufferId::kInvalid) {
-    forces_ = room.add(hair.name + "/fieldForces", hair.vertices, kVector);
+    forces_ = room.add(hair.name + "/fieldForces", hair.vertices, kForceSize);
   }
 }
 
@@ -59,18 +59,18 @@ Result<void> FieldForces::record(const FieldHair& hair, bool known, const Resour
   constants.fieldKnown = known ? 1 : 0;
   constants.fieldOrigin = {field.origin.x, field.origin.y, field.origin.z, field.cellSize};
   constants.fieldNodes = {field.nodes[0], field.nodes[1], field.nodes[2], 0};
-  const BufferRange positions = {hair.positions, count * kVector};
+  const BufferRange positions = {hair.positions, count * kForceSize};
   constexpr uint32_t kRow = dispatch::kRowThreads;
   PassBuilder builder(list);
   builder.dispatch(sampleForceFieldVariant(), std::min(count, kRow), (count + kRow - 1) / kRow)
-      .bytes(count * (others ? 3 : 2) * kVector);
+      .bytes(count * (others ? 3 : 2) * kForceSize);
   // Positions stand in, and are not read, without forces of others.
   return builder.finish(ForceFieldBindings{
       .forceFieldConstants = constants,
       .fieldPositions = positions,
       .fieldValues = resources.whole(field.values),
-      .fieldOthers = others ? BufferRange{hair.otherForces, count * kVector} : positions,
-      .fieldForces = {forces_, count * kVector},
+      .fieldOthers = others ? BufferRange{hair.otherForces, count * kForceSize} : positions,
+      .fieldForces = {forces_, count * kForceSize},
   });
 }
 
