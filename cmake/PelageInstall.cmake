@@ -1,7 +1,7 @@
 # install() rules and the package that find_package(pelage) reads.
 include(CMakePackageConfigHelpers)
 
-set(pelage_targets pelage_headers pelage_passes pelage_core pelage_demo pelage_kernels
+set(pelage_targets pelage_headers pelage_passes pelage_core pelage_demo pelage_settings pelage_kernels
   pelage_kernels_spirv pelage_kernels_glsl pelage_kernels_essl pelage_kernels_code pelage-codegen)
 if(PELAGE_VULKAN)
   list(APPEND pelage_targets pelage_vulkan)

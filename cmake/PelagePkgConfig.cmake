@@ -48,6 +48,8 @@ pelage_pkgconfig(pelage-essl "Hair and fur kernels as ESSL 3.20"
   LIBRARIES pelage_kernels_essl REQUIRES pelage-kernels)
 pelage_pkgconfig(pelage "Scenes of hair and fur as lists of GPU passes, and generated hair"
   LIBRARIES pelage_demo pelage_core REQUIRES pelage-kernels)
+pelage_pkgconfig(pelage-settings "Parameters, settings files and presets for pelage"
+  LIBRARIES pelage_settings REQUIRES pelage)
 if(PELAGE_VULKAN)
   # The runtime opens the loader when it runs.
   pelage_pkgconfig(pelage-vulkan "Vulkan runtime of pelage"

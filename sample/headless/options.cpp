@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "messages.h"
@@ -112,6 +113,7 @@ struct Given {
   CLI::Option *solverOption = nullptr, *subStepsOption = nullptr, *windOption = nullptr;
   CLI::Option *followFileOption = nullptr, *collidersOption = nullptr;
   CLI::Option *sceneOption = nullptr, *motionOption = nullptr, *presetOption = nullptr;
+  CLI::Option *skinningOption = nullptr, *transparencyOption = nullptr, *shadowOption = nullptr;
   CLI::Option *scaleOption = nullptr, *guidesOption = nullptr, *followOption = nullptr,
               *samplesOption = nullptr;
 };
@@ -227,11 +229,13 @@ void addSimulationOptions(CLI::App& app, Options& options, Given& given) {
           ->transform(oneOf(colliders))
           ->type_name("KIND");
   app.add_option("--settings", given.settings,
-                 "JSON with names of SimulationSettings, for all hair: {\"bendLength\": 0.1}")
+                 "JSON of settings for all hair and lights: {\"simulation\": {\"bendLength\": "
+                 "0.1}}; see docs/settings.md")
       ->type_name("FILE.json");
-  app.add_option("--skinning", options.skinning, "matrices or dual-quaternions (matrices)")
-      ->transform(oneOf(methods))
-      ->type_name("METHOD");
+  given.skinningOption =
+      app.add_option("--skinning", options.skinning, "matrices or dual-quaternions (matrices)")
+          ->transform(oneOf(methods))
+          ->type_name("METHOD");
   const std::map<std::string, pelage::Solver> solvers = {{"exact", pelage::Solver::kExact},
                                                          {"classic", pelage::Solver::kClassic}};
   given.solverOption = app.add_option("--solver", given.solver, "exact or classic (exact)")
@@ -269,18 +273,20 @@ void addPictureOptions(CLI::App& app, Options& options, Given& given) {
       {"hybrid16", pelage::Transparency::kHybrid16},
       {"shortcut", pelage::Transparency::kShortCut},
       {"tiles", pelage::Transparency::kTiles}};
-  app.add_option("--transparency", options.transparency,
-                 "alpha-test, stochastic, windowed, hybrid4, hybrid8, hybrid16, shortcut or tiles "
-                 "(windowed)")
-      ->transform(oneOf(transparencies))
-      ->type_name("METHOD");
+  given.transparencyOption =
+      app.add_option(
+             "--transparency", options.transparency,
+             "alpha-test, stochastic, windowed, hybrid4, hybrid8, hybrid16, shortcut or tiles "
+             "(windowed)")
+          ->transform(oneOf(transparencies))
+          ->type_name("METHOD");
   const std::map<std::string, pelage::HairShadow> shadows = {{"none", pelage::HairShadow::kNone},
                                                              {"depth", pelage::HairShadow::kDepth},
                                                              {"deep", pelage::HairShadow::kDeep}};
-  app.add_option("--shadow", options.shadow,
-                 "of hair, and of meshes on it: none, depth or deep (deep)")
-      ->transform(oneOf(shadows))
-      ->type_name("KIND");
+  given.shadowOption = app.add_option("--shadow", options.shadow,
+                                      "of hair, and of meshes on it: none, depth or deep (deep)")
+                           ->transform(oneOf(shadows))
+                           ->type_name("KIND");
   given.samplesOption =
       app.add_option(
              "--samples", given.samples,
@@ -321,6 +327,29 @@ void checkScene(const Given& given, const Options& options) {
     throw CLI::ValidationError("--scene", "is for what is generated, not for files");
 }
 
+// What the file of settings says of what there are options for, too; options that are given go
+// first. Errors: CLI::ValidationError for the file.
+void takeSettings(const Given& given, Options& options) {
+  if (given.settings.empty()) return;
+  auto settings = pelage::SettingsFile::load(given.settings);
+  if (!settings) throw CLI::ValidationError("--settings", settings.error().message);
+  pelage::SceneSettings scene;
+  settings->apply(scene);
+  if (scene.view.reversedDepth)
+    throw CLI::ValidationError(
+        "--settings",
+        "'view.reversedDepth' is not for this program: it has depth 0 at the "
+        "near plane");
+  if (settings->sets("view.samples") && !*given.samplesOption) options.samples = scene.view.samples;
+  if (settings->sets("creation.skinning") && !*given.skinningOption)
+    options.skinning = scene.creation.skinning;
+  if (settings->sets("transparency.method") && !*given.transparencyOption)
+    options.transparency = scene.transparency.method;
+  if (settings->sets("lights[0].shadow") && !*given.shadowOption)
+    options.shadow = scene.lights[0].shadow;
+  options.settings = *std::move(settings);
+}
+
 // Errors: CLI::ValidationError for options that do not go together.
 void take(const Given& given, Options& options) {
   if (*given.guidesOption) options.guides = given.guides;
@@ -341,11 +370,8 @@ void take(const Given& given, Options& options) {
   if (*given.windOption) options.wind = {given.wind[0], given.wind[1], given.wind[2]};
   options.images = !given.noImages;
   options.files.repair = true;
+  takeSettings(given, options);
   checkTogether(options, given.wind);
-  if (given.settings.empty()) return;
-  auto settings = pelage::program::SettingsFile::load(given.settings);
-  if (!settings) throw CLI::ValidationError("--settings", settings.error().message);
-  options.settings = *std::move(settings);
 }
 
 }  // namespace

@@ -13,9 +13,9 @@
 #include "pelage/demo/character.h"
 #include "pelage/hair_object.h"
 #include "pelage/headless.h"
+#include "pelage/settings/settings_file.h"
 #include "pelage/transparency.h"
 #include "pelage/view.h"
-#include "settings_file.h"
 
 namespace sample {
 
@@ -46,7 +46,7 @@ struct Options {
   std::optional<pelage::Solver> solver;
   std::optional<uint32_t> subSteps;
   std::optional<pelage::Float3> wind;
-  std::optional<pelage::program::SettingsFile> settings;
+  std::optional<pelage::SettingsFile> settings;
 
   uint32_t frames = 240;
   uint32_t every = 10;

@@ -82,9 +82,10 @@ class FrameLoop {
     target_.width = width;
     target_.height = height;
     target_.samples = samplesOf(options);
-    settings_.method = options.transparency;
     settings_.maxBytes = uint64_t{4} << 30;
     settings_.maxBufferBytes = device.info().maxBufferBytes;
+    if (options.settings) takeSettings(*options.settings);
+    settings_.method = options.transparency;
     if (options.transparency == pelage::Transparency::kTiles) {
       settings_.opaqueDepth = demo.addDepthBuffer(width, height);
       target_.depthCopy = settings_.opaqueDepth;
@@ -128,6 +129,15 @@ class FrameLoop {
   const Figures& figures() const { return figures_; }
 
  private:
+  // Transparency and view of a file.
+  void takeSettings(const pelage::SettingsFile& file) {
+    pelage::SceneSettings scene;
+    scene.transparency = settings_;
+    file.apply(scene);
+    settings_ = scene.transparency;
+    view_.seed = scene.view.seed;
+  }
+
   Result<void> prepare(bool draw) {
     lists_.resize(1);
     if (Result<void> done = demo_.advance(lists_[0]); !done) return done;
@@ -293,9 +303,10 @@ DemoDef demoDef(const Options& options) {
   def.followPerGuide = options.follow;
   def.seed = options.seed;
   def.skinning = options.skinning;
-  pelage::SimulationSettings settings;
+  pelage::SceneSettings settings;
   if (options.settings) options.settings->apply(settings);
-  def.solver = options.solver.value_or(settings.solver);
+  def.solver = options.solver.value_or(settings.simulation.solver);
+  def.collidingHair = settings.creation.collidingHair;
   def.settings = options.settings;
   def.subSteps = options.subSteps;
   def.wind = options.wind;

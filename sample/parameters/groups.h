@@ -3,8 +3,10 @@
 
 #include <concepts>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -60,6 +62,10 @@ requires std::same_as<T, pelage::WindSettings> || std::same_as<T, pelage::Parame
         std::string text(const T&) {
   return "its own";
 }
+
+/// The row of a parameter that pelage::settings knows: its texts are those of the table there.
+Parameter tuned(std::string_view owner, std::string_view field,
+                std::optional<Picture> picture = {});
 
 /// An object as it is made.
 template <class T>

@@ -77,66 +77,35 @@ std::vector<Parameter> objectRows() {
        "Settings of the simulation; Scene::simulate() checks them.",
        {}},
       {PELAGE_FIELD(HairObject, material), "", "see StrandMaterial", "Look of the hair.", {}},
-      {PELAGE_FIELD(HairObject, simulatedShare), "share of the guides", "0..1",
-       "With HairDef::levelOfDetail: fraction of the guides that is simulated; at least one is. "
-       "Each other guide takes the shape of a simulated one near it.",
-       show(
-           swinging(), std::vector{0.004f, 0.05f, 1.0f},
-           [](Setup& s, float v) { s.simulatedShare = v; },
-           "0.5 s into a fast rotation: 8, 100 and all 2,000 guides."),
-       "exact"},
-      {PELAGE_FIELD(HairObject, simulated),
-       "",
-       "",
-       "If false, the hair is moved rigidly with its bones, without a solver and contacts.",
-       {}},
-      {PELAGE_FIELD(HairObject, blendTime),
-       "s",
-       ">= 0",
-       "Time in which gravity, wind and forces rise to their full strength after `simulated` has "
-       "become true again.",
-       {}},
-      {PELAGE_FIELD(HairObject, usesMeshColliders), "", "",
-       "If true, the hair collides with mesh colliders of the scene: with those of "
-       "setMeshColliders(), or all.",
-       show(
-           fieldSetup(), std::vector{false, true},
-           [](Setup& s, bool v) { s.usesMeshColliders = v; },
-           "The lock falls through the mesh, or lies on it.")},
-      {PELAGE_FIELD(HairObject, visible),
-       "",
-       "",
-       "A hidden object is simulated, but not drawn.",
-       {}},
-      {"HairObject", "drawnStrands", "all", "strands", "0..strandCount()",
-       "Number of strands that are drawn, from the first. Decreasing it removes follow hairs "
-       "first.",
-       [] {
-         Picture picture = show(
-             headSetup(), std::vector{0.03f, 0.2f, 1.0f},
-             [](Setup& s, float v) { s.drawnStrands = v; },
-             "Fewer strands of the same width: hair gets thin.");
-         picture.values = {"420", "2800", "all (14000)"};
-         return picture;
-       }()},
-      {PELAGE_FIELD(HairObject, drawnShare), "share of drawnStrands", "0..1",
-       "Level of detail: the remaining strands are wider, so that the hair covers the same area. "
-       "See Scene::shareForView().",
-       show(
-           headSetup(), std::vector{0.03f, 0.2f, 1.0f}, [](Setup& s, float v) { s.drawnShare = v; },
-           "The same numbers of strands as above, but wider: from afar nothing changes.")},
-      {PELAGE_FIELD(HairObject, tracksMotion),
-       "",
-       "",
-       "Keeps the positions of the last frame for motion vectors; costs a pass and a buffer. "
-       "[shading_depth.md](shading_depth.md)",
-       {}},
-      {PELAGE_FIELD(HairObject, interpolates),
-       "",
-       "",
-       "Keeps the state before each simulation, so that Frame::interpolate() can draw between "
-       "fixed steps; costs a pass and three buffers. [scene.md](scene.md#fixed-steps)",
-       {}},
+      tuned("HairObject", "simulatedShare",
+            show(
+                swinging(), std::vector{0.004f, 0.05f, 1.0f},
+                [](Setup& s, float v) { s.simulatedShare = v; },
+                "0.5 s into a fast rotation: 8, 100 and all 2,000 guides.")),
+      tuned("HairObject", "simulated"),
+      tuned("HairObject", "blendTime"),
+      tuned("HairObject", "usesMeshColliders",
+            show(
+                fieldSetup(), std::vector{false, true},
+                [](Setup& s, bool v) { s.usesMeshColliders = v; },
+                "The lock falls through the mesh, or lies on it.")),
+      tuned("HairObject", "visible"),
+      tuned("HairObject", "drawnStrands",
+            [] {
+              Picture picture = show(
+                  headSetup(), std::vector{0.03f, 0.2f, 1.0f},
+                  [](Setup& s, float v) { s.drawnStrands = v; },
+                  "Fewer strands of the same width: hair gets thin.");
+              picture.values = {"420", "2800", "all (14000)"};
+              return picture;
+            }()),
+      tuned("HairObject", "drawnShare",
+            show(
+                headSetup(), std::vector{0.03f, 0.2f, 1.0f},
+                [](Setup& s, float v) { s.drawnShare = v; },
+                "The same numbers of strands as above, but wider: from afar nothing changes.")),
+      tuned("HairObject", "tracksMotion"),
+      tuned("HairObject", "interpolates"),
   };
 }
 
@@ -149,14 +118,15 @@ std::vector<Parameter> defRows() {
        {}},
       {PELAGE_FIELD(HairDef, settings), "", "see SimulationSettings", "The first settings.", {}},
       {PELAGE_FIELD(HairDef, material), "", "see StrandMaterial", "The first material.", {}},
-      {PELAGE_FIELD(HairDef, skinning), "", "kMatrices, kDualQuaternions",
-       "Blending of the bones of a root; dual quaternions are for bones without scale.",
-       show(
-           sleeveSetup(),
-           std::vector{pelage::SkinningMethod::kMatrices, pelage::SkinningMethod::kDualQuaternions},
-           [](Setup& s, pelage::SkinningMethod v) { s.hair.skinning = v; },
-           "Fur on a tube whose right half is rotated by 170 degrees: blended matrices collapse in "
-           "between.")},
+      tuned("HairDef", "skinning",
+            show(
+                sleeveSetup(),
+                std::vector{pelage::SkinningMethod::kMatrices,
+                            pelage::SkinningMethod::kDualQuaternions},
+                [](Setup& s, pelage::SkinningMethod v) { s.hair.skinning = v; },
+                "Fur on a tube whose right half is rotated by 170 degrees: blended matrices "
+                "collapse in "
+                "between.")),
       {PELAGE_FIELD(HairDef, influences),
        "",
        "one per guide",
@@ -177,12 +147,7 @@ std::vector<Parameter> defRows() {
        "one per guide; see StrandFactors",
        "Factors of every guide; if empty, all are 1.",
        {}},
-      {PELAGE_FIELD(HairDef, levelOfDetail),
-       "",
-       "",
-       "Allows HairObject::simulatedShare below 1; costs one uint32 per guide.",
-       {},
-       "exact"},
+      tuned("HairDef", "levelOfDetail"),
       {PELAGE_FIELD(HairDef, followHairs),
        "",
        "existing guides; see FollowDef",
@@ -193,26 +158,22 @@ std::vector<Parameter> defRows() {
        "see ColorTexture",
        "Texture of the base color, sampled at HairAsset::strandUv of the roots.",
        {}},
-      {PELAGE_FIELD(HairDef, storeFollowHairs),
-       "",
-       "",
-       "Set this if your own pass reads the follow hairs from HairBuffers.",
-       {}},
-      {PELAGE_FIELD(HairDef, collidingHair), "", "kGuides, kGuidesAndFollows",
-       "Strands that collide. Follow hairs cost four passes and 96 bytes per vertex.",
-       show(
-           with(fieldSetup(),
-                [](Setup& s) {
-                  s.lock.guides = 6;
-                  s.follow = {.countPerGuide = 40, .maxRadius = 0.02f};
-                  s.hair.material.fiberRadius = 120e-6f;
-                  s.center = {0.085f, -0.03f, 0};
-                  s.extent = 0.14f;
-                }),
-           std::vector{pelage::CollidingHair::kGuides, pelage::CollidingHair::kGuidesAndFollows},
-           [](Setup& s, pelage::CollidingHair v) { s.hair.collidingHair = v; },
-           "Six guides with wide bundles: follow hairs go through the mesh, or are moved "
-           "out.")},
+      tuned("HairDef", "storeFollowHairs"),
+      tuned(
+          "HairDef", "collidingHair",
+          show(
+              with(fieldSetup(),
+                   [](Setup& s) {
+                     s.lock.guides = 6;
+                     s.follow = {.countPerGuide = 40, .maxRadius = 0.02f};
+                     s.hair.material.fiberRadius = 120e-6f;
+                     s.center = {0.085f, -0.03f, 0};
+                     s.extent = 0.14f;
+                   }),
+              std::vector{pelage::CollidingHair::kGuides, pelage::CollidingHair::kGuidesAndFollows},
+              [](Setup& s, pelage::CollidingHair v) { s.hair.collidingHair = v; },
+              "Six guides with wide bundles: follow hairs go through the mesh, or are moved "
+              "out.")),
   };
 }
 
@@ -265,36 +226,31 @@ std::vector<Parameter> followRows() {
   });
   const auto separation = [](Setup& s, float v) { s.follow.tipSeparation = v; };
   return {
-      {PELAGE_FIELD(FollowDef, countPerGuide), "hairs per guide", "0..64",
-       "Number of follow hairs per guide.",
-       show(
-           few, std::vector{0u, 8u, 40u}, [](Setup& s, uint32_t v) { s.follow.countPerGuide = v; },
-           "Six guides.")},
-      {PELAGE_FIELD(FollowDef, guidesPerHair), "guides", "1..3",
-       "Number of guides that shape each hair: its own, and those with the nearest roots.",
-       show(
-           with(headSetup(),
-                [](Setup& s) {
-                  s.groom.strandCount = 70;
-                  s.groom.length = 0.24f;
-                  s.groom.clumpCount = 0;
-                  s.groom.noise = 0.012f;
-                  s.follow = {.countPerGuide = 64, .maxRadius = 0.02f};
-                }),
-           std::vector{1u, 2u, 3u}, [](Setup& s, uint32_t v) { s.follow.guidesPerHair = v; },
-           "70 guides with 64 wide follow hairs each: bundles dissolve.")},
-      {PELAGE_FIELD(FollowDef, maxRadius), "m", "0..1",
-       "Radius of the disc around the guide's root.",
-       show(
-           few, std::vector{0.0015f, 0.004f, 0.02f},
-           [](Setup& s, float v) { s.follow.maxRadius = v; },
-           "Six guides with 24 follow hairs each.")},
-      {PELAGE_FIELD(FollowDef, tipSeparation), "factor", "0..100",
-       "Distance from the guide at the tip relative to that at the root; 1 keeps the hair "
-       "parallel.",
-       show(few, std::vector{0.0f, 1.0f, 4.0f}, separation,
-            "The same guides: gathered at the tip, parallel, spread.")},
-      {PELAGE_FIELD(FollowDef, seed), "", "", "Another seed gives other hairs.", {}},
+      tuned("FollowDef", "countPerGuide",
+            show(
+                few, std::vector{0u, 8u, 40u},
+                [](Setup& s, uint32_t v) { s.follow.countPerGuide = v; }, "Six guides.")),
+      tuned("FollowDef", "guidesPerHair",
+            show(
+                with(headSetup(),
+                     [](Setup& s) {
+                       s.groom.strandCount = 70;
+                       s.groom.length = 0.24f;
+                       s.groom.clumpCount = 0;
+                       s.groom.noise = 0.012f;
+                       s.follow = {.countPerGuide = 64, .maxRadius = 0.02f};
+                     }),
+                std::vector{1u, 2u, 3u}, [](Setup& s, uint32_t v) { s.follow.guidesPerHair = v; },
+                "70 guides with 64 wide follow hairs each: bundles dissolve.")),
+      tuned("FollowDef", "maxRadius",
+            show(
+                few, std::vector{0.0015f, 0.004f, 0.02f},
+                [](Setup& s, float v) { s.follow.maxRadius = v; },
+                "Six guides with 24 follow hairs each.")),
+      tuned("FollowDef", "tipSeparation",
+            show(few, std::vector{0.0f, 1.0f, 4.0f}, separation,
+                 "The same guides: gathered at the tip, parallel, spread.")),
+      tuned("FollowDef", "seed"),
   };
 }
 
@@ -382,56 +338,48 @@ std::vector<Parameter> fieldRows() {
 
 std::vector<Parameter> colliderRows() {
   return {
-      {PELAGE_FIELD(SdfCollider, margin), "m", ">= 0, at most about a band",
-       "Distance that hair keeps from the surface.",
-       show(
-           fieldSetup(), std::vector{0.001f, 0.006f, 0.015f},
-           [](Setup& s, float v) { s.margin = v; }, "At rest on a mesh: the gap grows.")},
-      {PELAGE_FIELD(SdfCollider, friction), "", ">= 0", "Coulomb coefficient.",
-       show(
-           sliding(fieldSetup(), 150), std::vector{0.0f, 0.3f, 1.5f},
-           [](Setup& s, float v) { s.friction = v; },
-           "The root is drawn back to the left: friction holds the lock.")},
-      {PELAGE_FIELD(SdfCollider, enabled),
-       "",
-       "",
-       "A disabled collider is neither built nor applied.",
-       {}},
+      tuned("SdfCollider", "margin",
+            show(
+                fieldSetup(), std::vector{0.001f, 0.006f, 0.015f},
+                [](Setup& s, float v) { s.margin = v; }, "At rest on a mesh: the gap grows.")),
+      tuned("SdfCollider", "friction",
+            show(
+                sliding(fieldSetup(), 150), std::vector{0.0f, 0.3f, 1.5f},
+                [](Setup& s, float v) { s.friction = v; },
+                "The root is drawn back to the left: friction holds the lock.")),
+      tuned("SdfCollider", "enabled"),
   };
 }
 
 std::vector<Parameter> lookRows() {
   return {
-      {PELAGE_FIELD(ColliderLook, isoLevel), "cells", "-band..band",
-       "Distance of the drawn surface from the mesh.",
-       show(
-           drawnField(), std::vector{-4.0f, 0.0f, 4.0f},
-           [](Setup& s, float v) { s.colliderLook.isoLevel = v; },
-           "Inside, on, and outside of the head, with cells of 6 mm and a band of 5; the hair "
-           "stays where it is.")},
-      {PELAGE_FIELD(ColliderLook, color), "linear RGB", "0..1", "Color of the drawn surface.",
-       show(
-           drawnField(),
-           std::vector<Float3>{{0.10f, 0.20f, 0.32f}, {0.35f, 0.08f, 0.05f}, {0.5f, 0.5f, 0.5f}},
-           [](Setup& s, const Float3& v) { s.colliderLook.color = v; }, "Three colors.")},
-      {PELAGE_FIELD(ColliderLook, opacity), "", "0..1", "Below 1, hair behind it is visible.",
-       show(
-           with(drawnField(), [](Setup& s) { s.colliderLook.isoLevel = 4; }),
-           std::vector{0.2f, 0.6f, 1.0f}, [](Setup& s, float v) { s.colliderLook.opacity = v; },
-           "A surface 4 cells outside of the head, with hair behind it; its inside is drawn in "
-           "red.")},
+      tuned("ColliderLook", "isoLevel",
+            show(
+                drawnField(), std::vector{-4.0f, 0.0f, 4.0f},
+                [](Setup& s, float v) { s.colliderLook.isoLevel = v; },
+                "Inside, on, and outside of the head, with cells of 6 mm and a band of 5; the hair "
+                "stays where it is.")),
+      tuned(
+          "ColliderLook", "color",
+          show(
+              drawnField(),
+              std::vector<Float3>{{0.10f, 0.20f, 0.32f}, {0.35f, 0.08f, 0.05f}, {0.5f, 0.5f, 0.5f}},
+              [](Setup& s, const Float3& v) { s.colliderLook.color = v; }, "Three colors.")),
+      tuned(
+          "ColliderLook", "opacity",
+          show(
+              with(drawnField(), [](Setup& s) { s.colliderLook.isoLevel = 4; }),
+              std::vector{0.2f, 0.6f, 1.0f}, [](Setup& s, float v) { s.colliderLook.opacity = v; },
+              "A surface 4 cells outside of the head, with hair behind it; its inside is drawn in "
+              "red.")),
   };
 }
 
 std::vector<Parameter> contactRows() {
   return {
-      {PELAGE_FIELD(ContactLook, length),
-       "m",
-       "> 0",
-       "Length of the needle of a sticking contact; sliding ones have half.",
-       {}},
-      {PELAGE_FIELD(ContactLook, width), "pixels", "> 0", "Width of a needle at the vertex.", {}},
-      {PELAGE_FIELD(ContactLook, deepestDepth), "m", "> 0", "A vertex this deep is red.", {}},
+      tuned("ContactLook", "length"),
+      tuned("ContactLook", "width"),
+      tuned("ContactLook", "deepestDepth"),
   };
 }
 

@@ -75,217 +75,187 @@ Setup spot() {
 std::vector<Parameter> colorRows() {
   const std::string color = "linear RGB";
   return {
-      {PELAGE_FIELD(StrandMaterial, rootColor), color, "0..1", "Color at the root.",
-       show(lockSetup(),
-            std::vector<Float3>{
-                {0.02f, 0.01f, 0.008f}, {0.10f, 0.045f, 0.02f}, {0.5f, 0.05f, 0.03f}},
-            material(&StrandMaterial::rootColor), "The tip keeps its color.")},
-      {PELAGE_FIELD(StrandMaterial, tipColor), color, "0..1", "Color at the tip.",
-       show(lockSetup(),
-            std::vector<Float3>{{0.04f, 0.02f, 0.01f}, {0.25f, 0.12f, 0.05f}, {0.05f, 0.25f, 0.6f}},
-            material(&StrandMaterial::tipColor), "The root keeps its color.")},
-      {PELAGE_FIELD(StrandMaterial, tipShare),
-       "share of the strand",
-       "0..1",
-       "Part of the strand, from the tip, over which the color goes from that of the root to that "
-       "of the tip; 0: the root's all along.",
-       {}},
-      {PELAGE_FIELD(StrandMaterial, colorVariation), "share", "0..1",
-       "Variation of the color between strands.",
-       show(swatchSetup(), std::vector{0.0f, 0.15f, 0.8f},
-            material(&StrandMaterial::colorVariation),
-            "All strands equal, and increasingly different.")},
-      {PELAGE_FIELD(StrandMaterial, opacity), "", "0..1", "Opacity of a fiber wider than a pixel.",
-       show(with(closeSetup(), [](Setup& s) { s.hair.material.fiberRadius = 250e-6f; }),
-            std::vector{0.15f, 0.5f, 1.0f}, material(&StrandMaterial::opacity),
-            "Thick fibers, close up.")},
-      {PELAGE_FIELD(StrandMaterial, fiberRadius), "m", "> 0", "Radius at the root.",
-       show(with(closeSetup(), [](Setup& s) { s.swatchGuides = 400; }),
-            std::vector{20e-6f, 60e-6f, 200e-6f}, material(&StrandMaterial::fiberRadius),
-            "22 mm of the edge of a swatch.")},
-      {PELAGE_FIELD(StrandMaterial, tipRadiusRatio), "share", "0..1",
-       "Radius at the tip over that at the root.",
-       show(with(closeSetup(),
-                 [](Setup& s) {
-                   s.center = {0.045f, -0.033f, 0.052f};
-                   s.extent = 0.035f;
-                   s.hair.material.fiberRadius = 250e-6f;
-                 }),
-            std::vector{0.0f, 0.3f, 1.0f}, material(&StrandMaterial::tipRadiusRatio),
-            "The tips: hair ends in points, or as if it were cut.")},
+      tuned("StrandMaterial", "rootColor",
+            show(lockSetup(),
+                 std::vector<Float3>{
+                     {0.02f, 0.01f, 0.008f}, {0.10f, 0.045f, 0.02f}, {0.5f, 0.05f, 0.03f}},
+                 material(&StrandMaterial::rootColor), "The tip keeps its color.")),
+      tuned("StrandMaterial", "tipColor",
+            show(lockSetup(),
+                 std::vector<Float3>{
+                     {0.04f, 0.02f, 0.01f}, {0.25f, 0.12f, 0.05f}, {0.05f, 0.25f, 0.6f}},
+                 material(&StrandMaterial::tipColor), "The root keeps its color.")),
+      tuned("StrandMaterial", "tipShare"),
+      tuned("StrandMaterial", "colorVariation",
+            show(swatchSetup(), std::vector{0.0f, 0.15f, 0.8f},
+                 material(&StrandMaterial::colorVariation),
+                 "All strands equal, and increasingly different.")),
+      tuned("StrandMaterial", "opacity",
+            show(with(closeSetup(), [](Setup& s) { s.hair.material.fiberRadius = 250e-6f; }),
+                 std::vector{0.15f, 0.5f, 1.0f}, material(&StrandMaterial::opacity),
+                 "Thick fibers, close up.")),
+      tuned("StrandMaterial", "fiberRadius",
+            show(with(closeSetup(), [](Setup& s) { s.swatchGuides = 400; }),
+                 std::vector{20e-6f, 60e-6f, 200e-6f}, material(&StrandMaterial::fiberRadius),
+                 "22 mm of the edge of a swatch.")),
+      tuned("StrandMaterial", "tipRadiusRatio",
+            show(with(closeSetup(),
+                      [](Setup& s) {
+                        s.center = {0.045f, -0.033f, 0.052f};
+                        s.extent = 0.035f;
+                        s.hair.material.fiberRadius = 250e-6f;
+                      }),
+                 std::vector{0.0f, 0.3f, 1.0f}, material(&StrandMaterial::tipRadiusRatio),
+                 "The tips: hair ends in points, or as if it were cut.")),
   };
 }
 
 std::vector<Parameter> kajiyaRows() {
   const std::string kajiya = "Kajiya-Kay: ";
   return {
-      {PELAGE_FIELD(StrandMaterial, model), "", "kKajiyaKay, kFiber",
-       "Diffuse light and two shifted highlights, or R, TT and TRT lobes that conserve energy.",
-       show(
-           swatchSetup(), std::vector{ShadingModel::kKajiyaKay, ShadingModel::kFiber},
-           [](Setup& s, ShadingModel v) {
-             s.hair.material.model = v;
-             s.hair.material.rootColor = s.hair.material.tipColor = {0.35f, 0.18f, 0.08f};
-           },
-           "The same color and light.")},
-      {PELAGE_FIELD(StrandMaterial, ambientStrength), "", "0..64",
-       "Factor on the lights' ambient term.",
-       show(swatchSetup(), std::vector{0.0f, 1.0f, 8.0f},
-            material(&StrandMaterial::ambientStrength),
-            "Look at the hair below, out of the light.")},
-      {PELAGE_FIELD(StrandMaterial, diffuseStrength), "", "0..64",
-       kajiya + "light in the hair's color; 1 / pi conserves energy.",
-       show(swatchSetup(), std::vector{0.0f, 0.5f, 1.0f},
-            material(&StrandMaterial::diffuseStrength), "Without it, only the highlights remain.")},
-      {PELAGE_FIELD(StrandMaterial, primaryStrength), "", "0..64",
-       kajiya + "highlight in the light's color.",
-       show(swatchSetup(), std::vector{0.0f, 0.35f, 1.5f},
-            material(&StrandMaterial::primaryStrength), "The white band.")},
-      {PELAGE_FIELD(StrandMaterial, primaryExponent), "", "1..10,000",
-       kajiya + "sharpness of the primary highlight.",
-       show(swatchSetup(), std::vector{10.0f, 80.0f, 800.0f},
-            material(&StrandMaterial::primaryExponent), "A wide band, and narrow ones.")},
-      {PELAGE_FIELD(StrandMaterial, primaryShift), "slope", "-1..1",
-       kajiya + "shift of the primary highlight along the strand; negative is towards the root.",
-       show(swatchSetup(), std::vector{-0.4f, -0.06f, 0.3f},
-            material(&StrandMaterial::primaryShift), "The white band moves along the hair.")},
-      {PELAGE_FIELD(StrandMaterial, secondaryStrength), "", "0..64",
-       kajiya + "highlight in the hair's color.",
-       show(swatchSetup(), std::vector{0.0f, 0.45f, 3.0f},
-            material(&StrandMaterial::secondaryStrength), "The wide colored band.")},
-      {PELAGE_FIELD(StrandMaterial, secondaryExponent), "", "1..10,000",
-       kajiya + "sharpness of the secondary highlight.",
-       show(with(swatchSetup(),
-                 [](Setup& s) {
-                   s.hair.material.secondaryStrength = 2.5f;
-                   s.hair.material.primaryStrength = 0;
-                 }),
-            std::vector{4.0f, 16.0f, 200.0f}, material(&StrandMaterial::secondaryExponent),
-            "With a strength of 2.5 and no primary highlight.")},
-      {PELAGE_FIELD(StrandMaterial, secondaryShift), "slope", "-1..1",
-       kajiya + "shift of the secondary highlight along the strand.",
-       show(with(swatchSetup(),
-                 [](Setup& s) {
-                   s.hair.material.secondaryStrength = 2.5f;
-                   s.hair.material.secondaryExponent = 40;
-                   s.hair.material.primaryStrength = 0;
-                 }),
-            std::vector{-0.3f, 0.12f, 0.5f}, material(&StrandMaterial::secondaryShift),
-            "With a strength of 2.5, an exponent of 40 and no primary highlight.")},
-      {PELAGE_FIELD(StrandMaterial, secondaryTint), "share", "0..1",
-       kajiya + "share of the hair's color in the secondary highlight.",
-       show(with(swatchSetup(),
-                 [](Setup& s) {
-                   s.hair.material.secondaryStrength = 0.45f;
-                   s.hair.material.primaryStrength = 0;
-                   s.hair.material.rootColor = s.hair.material.tipColor = {0.30f, 0.05f, 0.03f};
-                 }),
-            std::vector{0.0f, 0.5f, 1.0f}, material(&StrandMaterial::secondaryTint),
-            "On red hair without a primary highlight: in the light's color, and in its own.")},
+      tuned("StrandMaterial", "model",
+            show(
+                swatchSetup(), std::vector{ShadingModel::kKajiyaKay, ShadingModel::kFiber},
+                [](Setup& s, ShadingModel v) {
+                  s.hair.material.model = v;
+                  s.hair.material.rootColor = s.hair.material.tipColor = {0.35f, 0.18f, 0.08f};
+                },
+                "The same color and light.")),
+      tuned("StrandMaterial", "ambientStrength",
+            show(swatchSetup(), std::vector{0.0f, 1.0f, 8.0f},
+                 material(&StrandMaterial::ambientStrength),
+                 "Look at the hair below, out of the light.")),
+      tuned("StrandMaterial", "diffuseStrength",
+            show(swatchSetup(), std::vector{0.0f, 0.5f, 1.0f},
+                 material(&StrandMaterial::diffuseStrength),
+                 "Without it, only the highlights remain.")),
+      tuned("StrandMaterial", "primaryStrength",
+            show(swatchSetup(), std::vector{0.0f, 0.35f, 1.5f},
+                 material(&StrandMaterial::primaryStrength), "The white band.")),
+      tuned("StrandMaterial", "primaryExponent",
+            show(swatchSetup(), std::vector{10.0f, 80.0f, 800.0f},
+                 material(&StrandMaterial::primaryExponent), "A wide band, and narrow ones.")),
+      tuned("StrandMaterial", "primaryShift",
+            show(swatchSetup(), std::vector{-0.4f, -0.06f, 0.3f},
+                 material(&StrandMaterial::primaryShift), "The white band moves along the hair.")),
+      tuned("StrandMaterial", "secondaryStrength",
+            show(swatchSetup(), std::vector{0.0f, 0.45f, 3.0f},
+                 material(&StrandMaterial::secondaryStrength), "The wide colored band.")),
+      tuned("StrandMaterial", "secondaryExponent",
+            show(with(swatchSetup(),
+                      [](Setup& s) {
+                        s.hair.material.secondaryStrength = 2.5f;
+                        s.hair.material.primaryStrength = 0;
+                      }),
+                 std::vector{4.0f, 16.0f, 200.0f}, material(&StrandMaterial::secondaryExponent),
+                 "With a strength of 2.5 and no primary highlight.")),
+      tuned("StrandMaterial", "secondaryShift",
+            show(with(swatchSetup(),
+                      [](Setup& s) {
+                        s.hair.material.secondaryStrength = 2.5f;
+                        s.hair.material.secondaryExponent = 40;
+                        s.hair.material.primaryStrength = 0;
+                      }),
+                 std::vector{-0.3f, 0.12f, 0.5f}, material(&StrandMaterial::secondaryShift),
+                 "With a strength of 2.5, an exponent of 40 and no primary highlight.")),
+      tuned(
+          "StrandMaterial", "secondaryTint",
+          show(with(swatchSetup(),
+                    [](Setup& s) {
+                      s.hair.material.secondaryStrength = 0.45f;
+                      s.hair.material.primaryStrength = 0;
+                      s.hair.material.rootColor = s.hair.material.tipColor = {0.30f, 0.05f, 0.03f};
+                    }),
+               std::vector{0.0f, 0.5f, 1.0f}, material(&StrandMaterial::secondaryTint),
+               "On red hair without a primary highlight: in the light's color, and in its own.")),
   };
 }
 
 std::vector<Parameter> fiberRows() {
   const std::string fiber = "Fiber model: ";
   return {
-      {PELAGE_FIELD(StrandMaterial, longitudinalRoughness), "", "0..1 (at least 0.05 is used)",
-       fiber + "roughness along the fiber.",
-       show(fiberSwatch(), std::vector{0.1f, 0.25f, 0.7f},
-            material(&StrandMaterial::longitudinalRoughness), "The highlights get longer.")},
-      {PELAGE_FIELD(StrandMaterial, azimuthalRoughness), "", "0..1 (at least 0.05 is used)",
-       fiber + "roughness around the fiber.",
-       show(backLit(), std::vector{0.1f, 0.3f, 0.9f}, material(&StrandMaterial::azimuthalRoughness),
-            "Light that comes through from behind: smooth fibers send more of it to the eye, rough "
-            "ones spread and color it.")},
-      {PELAGE_FIELD(StrandMaterial, cuticleTilt), "rad", "-0.5..0.5",
-       fiber + "tilt of the scales, towards the root; 0.03..0.07 for hair, 0 without scales.",
-       show(with(fiberSwatch(), [](Setup& s) { s.hair.material.longitudinalRoughness = 0.12f; }),
-            std::vector{-0.15f, 0.035f, 0.2f}, material(&StrandMaterial::cuticleTilt),
-            "With a longitudinal roughness of 0.12: the white and the colored band separate.")},
-      {PELAGE_FIELD(StrandMaterial, refractiveIndex), "", "1..3",
-       fiber + "index of refraction of the fiber.",
-       show(fiberSwatch(), std::vector{1.1f, 1.55f, 2.5f},
-            material(&StrandMaterial::refractiveIndex),
-            "The higher, the more light is reflected by the surface.")},
-      {PELAGE_FIELD(StrandMaterial, scatteredShare), "share", "0..1",
-       fiber + "share of the light that is scattered in all directions.",
-       show(fiberSwatch(), std::vector{0.0f, 0.4f, 1.0f}, material(&StrandMaterial::scatteredShare),
-            "An approximation of light that passes from fiber to fiber: softer and fuller.")},
+      tuned("StrandMaterial", "longitudinalRoughness",
+            show(fiberSwatch(), std::vector{0.1f, 0.25f, 0.7f},
+                 material(&StrandMaterial::longitudinalRoughness), "The highlights get longer.")),
+      tuned("StrandMaterial", "azimuthalRoughness",
+            show(backLit(), std::vector{0.1f, 0.3f, 0.9f},
+                 material(&StrandMaterial::azimuthalRoughness),
+                 "Light that comes through from behind: smooth fibers send more of it to the eye, "
+                 "rough "
+                 "ones spread and color it.")),
+      tuned(
+          "StrandMaterial", "cuticleTilt",
+          show(with(fiberSwatch(), [](Setup& s) { s.hair.material.longitudinalRoughness = 0.12f; }),
+               std::vector{-0.15f, 0.035f, 0.2f}, material(&StrandMaterial::cuticleTilt),
+               "With a longitudinal roughness of 0.12: the white and the colored band separate.")),
+      tuned("StrandMaterial", "refractiveIndex",
+            show(fiberSwatch(), std::vector{1.1f, 1.55f, 2.5f},
+                 material(&StrandMaterial::refractiveIndex),
+                 "The higher, the more light is reflected by the surface.")),
+      tuned("StrandMaterial", "scatteredShare",
+            show(fiberSwatch(), std::vector{0.0f, 0.4f, 1.0f},
+                 material(&StrandMaterial::scatteredShare),
+                 "An approximation of light that passes from fiber to fiber: softer and fuller.")),
   };
 }
 
 std::vector<Parameter> lightRows() {
   return {
-      {PELAGE_FIELD(Light, direction), "", "any length > 0", "Direction towards the light.",
-       show(shadowed(),
-            std::vector<Float3>{{-0.75f, 0.6f, 0.35f}, {0.35f, 0.75f, 0.55f}, {0.6f, 0.5f, -0.8f}},
-            light(&Light::direction), "From the left, from the right above, from behind.")},
-      {PELAGE_FIELD(Light, color), "linear RGB", ">= 0",
-       "A white surface that faces a light of 1 is as bright as 1.",
-       show(shadowed(), std::vector<Float3>{{0.5f, 0.5f, 0.5f}, {1, 1, 1}, {2.4f, 1.3f, 0.6f}},
-            light(&Light::color), "Half as bright, white, and a low sun.")},
-      {PELAGE_FIELD(Light, ambient), "linear RGB", ">= 0",
-       "Light from all sides; the ambient terms of all lights add up.",
-       show(shadowed(), std::vector<Float3>{{0, 0, 0}, {0.12f, 0.13f, 0.15f}, {0.6f, 0.65f, 0.75f}},
-            light(&Light::ambient), "Look at the side away from the light.")},
-      {PELAGE_FIELD(Light, hasPosition),
-       "",
-       "",
-       "Makes it a point light, or with outerConeAngle a spot light.",
-       {}},
-      {PELAGE_FIELD(Light, position), "m", "",
-       "Position of a point light; the color is that at a distance of 1 m.",
-       show(with(shadowed(),
-                 [](Setup& s) {
-                   s.lights[0].hasPosition = true;
-                   s.lights[0].color = {0.06f, 0.056f, 0.05f};
-                 }),
-            std::vector<Float3>{{-0.25f, 0.3f, 0.1f}, {0, 0.45f, 0.1f}, {0.2f, 0.1f, 0.15f}},
-            light(&Light::position),
-            "A point light of 0.06 on the left, above, and on the right below.")},
-      {PELAGE_FIELD(Light, outerConeAngle), "rad", "0..pi/2",
-       "Half angle of a spot light's cone around `-direction`; 0 shines in all directions. Needs "
-       "hasPosition.",
-       show(spot(), std::vector{0.0f, 0.2f, 0.35f}, light(&Light::outerConeAngle),
-            "All around, a narrow cone and a wider one.")},
-      {PELAGE_FIELD(Light, innerConeAngle), "rad", "0..outerConeAngle",
-       "Half angle inside of which a spot light has all its color.",
-       show(with(spot(), [](Setup& s) { s.lights[0].outerConeAngle = 0.3f; }),
-            std::vector{0.0f, 0.2f, 0.3f}, light(&Light::innerConeAngle),
-            "An outer angle of 0.3: a soft edge, a narrow one, and none.")},
-      {PELAGE_FIELD(Light, shadow), "", "kNone, kDepth, kDeep",
-       "Shadow by hair: none, by the distance behind the nearest strand, or by the hair in "
-       "between.",
-       show(shadowed(), std::vector{HairShadow::kNone, HairShadow::kDepth, HairShadow::kDeep},
-            light(&Light::shadow), "The light is on the left.")},
-      {PELAGE_FIELD(Light, shadowSize), "texels", "4..8192", "Width and height of the shadow map.",
-       show(shadowed(), std::vector{16u, 64u, 1024u}, light(&Light::shadowSize),
-            "Deep shadows: large texels blur them.")},
-      {PELAGE_FIELD(Light, shadowLayers), "", "1..16", "Number of layers of deep shadows.",
-       show(with(shadowed(),
-                 [](Setup& s) {
-                   s.groom.strandCount = 700;
-                   s.follow.countPerGuide = 3;
-                   s.lights[0].direction = {-0.2f, 0.3f, -0.9f};
-                   s.lights[0].color = {4, 3.8f, 3.4f};
-                 }),
-            std::vector{1u, 2u, 8u}, light(&Light::shadowLayers),
-            "Sparse hair with the light behind it: with few layers light penetrates too far.")},
-      {PELAGE_FIELD(Light, shadowBias), "texels", ">= 0",
-       "Hair up to so far behind the nearest hair is lit; it keeps a strand from shadowing itself.",
-       show(with(shadowed(), [](Setup& s) { s.lights[0].shadowSize = 64; }),
-            std::vector{0.0f, 0.5f, 4.0f}, light(&Light::shadowBias),
-            "Texels of 13 mm: the shadow begins deeper in the hair.")},
-      {PELAGE_FIELD(Light, shadowLayerRange),
-       "m",
-       ">= 0",
-       "kDeep: distance behind the nearest hair that the layers take up; 0 finds it from the hair.",
-       {}},
-      {PELAGE_FIELD(Light, shadowVolume), "m³", ">= 0",
-       "Volume of all hair, for its mean density: kDepth, and shadowLayerRange 0. 0 measures it.",
-       show(with(shadowed(), [](Setup& s) { s.lights[0].shadow = HairShadow::kDepth; }),
-            std::vector{0.0f, 0.001f, 0.1f}, light(&Light::shadowVolume),
-            "kDepth: the less volume the hair has, the denser it is.")},
+      tuned("Light", "direction",
+            show(shadowed(),
+                 std::vector<Float3>{
+                     {-0.75f, 0.6f, 0.35f}, {0.35f, 0.75f, 0.55f}, {0.6f, 0.5f, -0.8f}},
+                 light(&Light::direction), "From the left, from the right above, from behind.")),
+      tuned("Light", "color",
+            show(shadowed(), std::vector<Float3>{{0.5f, 0.5f, 0.5f}, {1, 1, 1}, {2.4f, 1.3f, 0.6f}},
+                 light(&Light::color), "Half as bright, white, and a low sun.")),
+      tuned("Light", "ambient",
+            show(shadowed(),
+                 std::vector<Float3>{{0, 0, 0}, {0.12f, 0.13f, 0.15f}, {0.6f, 0.65f, 0.75f}},
+                 light(&Light::ambient), "Look at the side away from the light.")),
+      tuned("Light", "hasPosition"),
+      tuned("Light", "position",
+            show(with(shadowed(),
+                      [](Setup& s) {
+                        s.lights[0].hasPosition = true;
+                        s.lights[0].color = {0.06f, 0.056f, 0.05f};
+                      }),
+                 std::vector<Float3>{{-0.25f, 0.3f, 0.1f}, {0, 0.45f, 0.1f}, {0.2f, 0.1f, 0.15f}},
+                 light(&Light::position),
+                 "A point light of 0.06 on the left, above, and on the right below.")),
+      tuned("Light", "outerConeAngle",
+            show(spot(), std::vector{0.0f, 0.2f, 0.35f}, light(&Light::outerConeAngle),
+                 "All around, a narrow cone and a wider one.")),
+      tuned("Light", "innerConeAngle",
+            show(with(spot(), [](Setup& s) { s.lights[0].outerConeAngle = 0.3f; }),
+                 std::vector{0.0f, 0.2f, 0.3f}, light(&Light::innerConeAngle),
+                 "An outer angle of 0.3: a soft edge, a narrow one, and none.")),
+      tuned("Light", "shadow",
+            show(shadowed(), std::vector{HairShadow::kNone, HairShadow::kDepth, HairShadow::kDeep},
+                 light(&Light::shadow), "The light is on the left.")),
+      tuned("Light", "shadowSize",
+            show(shadowed(), std::vector{16u, 64u, 1024u}, light(&Light::shadowSize),
+                 "Deep shadows: large texels blur them.")),
+      tuned(
+          "Light", "shadowLayers",
+          show(with(shadowed(),
+                    [](Setup& s) {
+                      s.groom.strandCount = 700;
+                      s.follow.countPerGuide = 3;
+                      s.lights[0].direction = {-0.2f, 0.3f, -0.9f};
+                      s.lights[0].color = {4, 3.8f, 3.4f};
+                    }),
+               std::vector{1u, 2u, 8u}, light(&Light::shadowLayers),
+               "Sparse hair with the light behind it: with few layers light penetrates too far.")),
+      tuned("Light", "shadowBias",
+            show(with(shadowed(), [](Setup& s) { s.lights[0].shadowSize = 64; }),
+                 std::vector{0.0f, 0.5f, 4.0f}, light(&Light::shadowBias),
+                 "Texels of 13 mm: the shadow begins deeper in the hair.")),
+      tuned("Light", "shadowLayerRange"),
+      tuned("Light", "shadowVolume",
+            show(with(shadowed(), [](Setup& s) { s.lights[0].shadow = HairShadow::kDepth; }),
+                 std::vector{0.0f, 0.001f, 0.1f}, light(&Light::shadowVolume),
+                 "kDepth: the less volume the hair has, the denser it is.")),
       {PELAGE_FIELD(Light, opaque),
        "",
        "",
@@ -313,11 +283,7 @@ std::vector<Parameter> opaqueShadowRows() {
        "",
        "Depth 1 at the near plane, 0 at infinity.",
        {}},
-      {PELAGE_FIELD(OpaqueShadow, bias),
-       "m",
-       ">= 0",
-       "Opaque geometry this close in front of hair does not shadow it: roots lie on the skin.",
-       {}},
+      tuned("OpaqueShadow", "bias"),
   };
 }
 
@@ -329,21 +295,17 @@ std::vector<Parameter> viewRows() {
       {PELAGE_FIELD(View, y), "pixels", "0..65535, whole", "Top edge of the viewport.", {}},
       {PELAGE_FIELD(View, width), "pixels", "> 0", "Width of the viewport.", {}},
       {PELAGE_FIELD(View, height), "pixels", "> 0", "Height of the viewport.", {}},
-      {PELAGE_FIELD(View, samples), "", "1, 2, 4 or 8", "Samples per pixel of the target.",
-       show(
-           with(closeSetup(),
-                [](Setup& s) {
-                  s.transparency.method = Transparency::kStochastic;
-                  s.supersample = 1;
-                }),
-           std::vector{1u, 4u}, [](Setup& s, uint32_t v) { s.samples = v; },
-           "Transparency::kStochastic, unfiltered pixels: the more samples, the less noise.")},
-      {PELAGE_FIELD(View, reversedDepth), "", "", "Depth 1 at the near plane, 0 at infinity.", {}},
-      {PELAGE_FIELD(View, seed),
-       "",
-       "",
-       "Seed of the coverage dither; if it is constant, a still image does not flicker.",
-       {}},
+      tuned("View", "samples",
+            show(
+                with(closeSetup(),
+                     [](Setup& s) {
+                       s.transparency.method = Transparency::kStochastic;
+                       s.supersample = 1;
+                     }),
+                std::vector{1u, 4u}, [](Setup& s, uint32_t v) { s.samples = v; },
+                "Transparency::kStochastic, unfiltered pixels: the more samples, the less noise.")),
+      tuned("View", "reversedDepth"),
+      tuned("View", "seed"),
   };
 }
 
@@ -359,47 +321,35 @@ std::vector<Parameter> transparencyRows() {
     s.supersample = 1;
   });
   return {
-      {PELAGE_FIELD(TransparencySettings, method), "",
-       "kAlphaTest, kStochastic, kWindowed, kHybrid4/8/16, kShortCut, kTiles",
-       "Method that draws hair over what is behind it. [oit.md](oit.md) compares "
-       "the methods.",
-       show(
-           thin,
-           std::vector{Transparency::kAlphaTest, Transparency::kStochastic, Transparency::kWindowed,
-                       Transparency::kHybrid4, Transparency::kShortCut},
-           [](Setup& s, Transparency v) {
-             s.transparency.method = v;
-             const bool sampled = v == Transparency::kAlphaTest || v == Transparency::kStochastic;
-             s.samples = sampled ? 4 : 1;
-           },
-           "Fibers with an opacity of 0.4, close up. The first two have four samples per pixel. "
-           "The other methods look like kWindowed here.")},
-      {PELAGE_FIELD(TransparencySettings, maxBytes),
-       "bytes",
-       "",
-       "Maximum memory of a method's buffers; lists get fewer nodes if it is too small.",
-       {}},
-      {PELAGE_FIELD(TransparencySettings, maxBufferBytes),
-       "bytes",
-       "what the device takes",
-       "Maximum size of a buffer that a kernel can bind.",
-       {}},
-      {PELAGE_FIELD(TransparencySettings, nodeCount), "fragments", "0..67,108,863",
-       "Lists: capacity for fragments; 0 means 8 per pixel of the view. Tiles: capacity for "
-       "segments in tiles; 0 means 6 per vertex.",
-       show(with(deep, [](Setup& s) { s.transparency.spillTail = false; }),
-            std::vector{60000u, 0u, 3000000u}, transparency(&TransparencySettings::nodeCount),
-            "160 x 160 pixels without spillTail, transparent fibers in many layers: fragments "
-            "without a node are missing; the last has nodes for all.")},
-      {PELAGE_FIELD(TransparencySettings, spillTail), "", "",
-       "Lists: averages fragments without a node behind the others; costs 16 bytes per pixel.",
-       show(with(deep, [](Setup& s) { s.transparency.nodeCount = 60000; }),
-            std::vector{false, true}, transparency(&TransparencySettings::spillTail),
-            "Lists that are too short.")},
-      {PELAGE_FIELD(TransparencySettings, epsilon), "share", "0..1",
-       "Lists and tiles: if less light than this comes through, fragments behind are ignored.",
-       show(deep, std::vector{0.5f / 255, 0.3f, 0.8f}, transparency(&TransparencySettings::epsilon),
-            "A large value leaves out fragments behind: pixels keep some of the background.")},
+      tuned(
+          "TransparencySettings", "method",
+          show(
+              thin,
+              std::vector{Transparency::kAlphaTest, Transparency::kStochastic,
+                          Transparency::kWindowed, Transparency::kHybrid4, Transparency::kShortCut},
+              [](Setup& s, Transparency v) {
+                s.transparency.method = v;
+                const bool sampled =
+                    v == Transparency::kAlphaTest || v == Transparency::kStochastic;
+                s.samples = sampled ? 4 : 1;
+              },
+              "Fibers with an opacity of 0.4, close up. The first two have four samples per pixel. "
+              "The other methods look like kWindowed here.")),
+      tuned("TransparencySettings", "maxBytes"),
+      tuned("TransparencySettings", "maxBufferBytes"),
+      tuned("TransparencySettings", "nodeCount",
+            show(with(deep, [](Setup& s) { s.transparency.spillTail = false; }),
+                 std::vector{60000u, 0u, 3000000u}, transparency(&TransparencySettings::nodeCount),
+                 "160 x 160 pixels without spillTail, transparent fibers in many layers: fragments "
+                 "without a node are missing; the last has nodes for all.")),
+      tuned("TransparencySettings", "spillTail",
+            show(with(deep, [](Setup& s) { s.transparency.nodeCount = 60000; }),
+                 std::vector{false, true}, transparency(&TransparencySettings::spillTail),
+                 "Lists that are too short.")),
+      tuned("TransparencySettings", "epsilon",
+            show(deep, std::vector{0.5f / 255, 0.3f, 0.8f},
+                 transparency(&TransparencySettings::epsilon),
+                 "A large value leaves out fragments behind: pixels keep some of the background.")),
       {PELAGE_FIELD(TransparencySettings, opaqueDepth),
        "",
        "one float per pixel",

@@ -99,106 +99,81 @@ ParameterCurve ramp(float root, float tip) {
 std::vector<Parameter> mainRows() {
   const auto damped = [](Setup& s) { settings(s).damping = 0; };
   return {
-      {PELAGE_FIELD(SimulationSettings, solver), "", "kExact, kClassic",
-       "An inextensible elastic rod, or the cheaper position-based solver. A change puts the hair "
-       "back into its bind shape.",
-       show(lockSetup(), std::vector{Solver::kExact, Solver::kClassic},
-            setting(&SimulationSettings::solver),
-            "The same lock at rest: the rod is bent by its weight; the classic solver's local "
-            "shape alone does not support it.")},
-      {PELAGE_FIELD(SimulationSettings, gravity), "m/s²", "", "Acceleration in world space.",
-       show(lockSetup(), std::vector<Float3>{{0, -1, 0}, {0, -9.81f, 0}, {0, 4, 0}},
-            setting(&SimulationSettings::gravity), "At rest: weak, as on earth, and upwards.")},
-      {PELAGE_FIELD(SimulationSettings, damping), "fraction per 1/60 s", "0..1",
-       "Fraction of the velocity that is lost in 1/60 s.",
-       show(falling(22), std::vector{0.0f, 0.06f, 0.5f}, setting(&SimulationSettings::damping),
-            "0.37 s after the lock was released: the more damping, the later it falls.")},
-      {PELAGE_FIELD(SimulationSettings, bendLength), "m", "0..10",
-       "Length at which a strand that is held at one end starts to hang. Bending stiffness over "
-       "mass per length is 9.81 bendLength³.",
-       show(lockSetup(), std::vector{0.01f, 0.05f, 0.12f}, setting(&SimulationSettings::bendLength),
-            "At rest: soft, like human hair, and stiff."),
-       "exact"},
-      {PELAGE_FIELD(SimulationSettings, twistRatio), "", "0.05..10",
-       "Twist stiffness over bending stiffness.",
-       show(with(curly(), [](Setup& s) { settings(s).bendLength = 0.03f; }),
-            std::vector{0.05f, 0.75f, 10.0f}, setting(&SimulationSettings::twistRatio),
-            "Curls at rest: a strand that twists easily is pulled straight by its weight."),
-       "exact"},
-      {PELAGE_FIELD(SimulationSettings, relaxationTime), "s", "0..1",
-       "Inner damping of bending and twist; 0 turns it off.",
-       show(with(falling(34), damped), std::vector{0.0f, 0.05f, 0.5f},
-            setting(&SimulationSettings::relaxationTime),
-            "0.57 s after the lock was released, without other damping: inner damping slows the "
-            "bending and keeps the lock in one curve."),
-       "exact"},
-      {PELAGE_FIELD(SimulationSettings, subSteps), "", "1..32",
-       "Number of sub-steps per step of at most 1/60 s; the error falls with the power of 1.5 to "
-       "1.9 of it, up to 8.",
-       show(with(falling(40), damped), std::vector{1u, 4u, 16u},
-            setting(&SimulationSettings::subSteps),
-            "0.67 s after the lock was released, undamped: one step damps the swing by itself, and "
-            "more keep its speed."),
-       "exact"},
-      {PELAGE_FIELD(SimulationSettings, localStiffness), "", "0..1",
-       "How strongly each segment keeps its bind angle to the previous one; 0 turns local shape "
-       "off.",
-       show(classic(curly()), std::vector{0.0f, 0.9f, 1.0f},
-            setting(&SimulationSettings::localStiffness),
-            "Curls at rest: without local shape they hang straight."),
-       "classic"},
-      {PELAGE_FIELD(SimulationSettings, localIterations), "", "1..16",
-       "Sweeps of the local shape; more make the strand stiffer.",
-       show(classic(curly()), std::vector{1u, 2u, 12u},
-            setting(&SimulationSettings::localIterations),
-            "Curls at rest: more sweeps keep more of them."),
-       "classic"},
-      {PELAGE_FIELD(SimulationSettings, globalStiffness), "fraction per 1/60 s", "0..1",
-       "Fraction of its displacement from the bind pose that a vertex loses in 1/60 s; 0 turns "
-       "global shape off.",
-       show(with(lockSetup(), [](Setup& s) { settings(s).globalRange = 1; }),
-            std::vector{0.0f, 0.01f, 0.1f}, setting(&SimulationSettings::globalStiffness),
-            "At rest, with a globalRange of 1: the bind pose stands out to the right.")},
-      {PELAGE_FIELD(SimulationSettings, globalRange), "share of the strand", "0..1",
-       "Fraction of the strand, from the root, on which global stiffness acts.",
-       show(with(lockSetup(), [](Setup& s) { settings(s).globalStiffness = 0.2f; }),
-            std::vector{0.3f, 0.6f, 1.0f}, setting(&SimulationSettings::globalRange),
-            "At rest, with a globalStiffness of 0.2: beyond the range only the bending stiffness "
-            "acts.")},
-      {PELAGE_FIELD(SimulationSettings, vspCoefficient), "share", "0..1",
-       "Velocity shock propagation: fraction of the root's rigid motion that the whole strand "
-       "follows. From 0.75 on gravity, wind and forces fade; at 1 they do not act.",
-       show(pulled(12), std::vector{0.0f, 0.75f, 1.0f},
-            setting(&SimulationSettings::vspCoefficient),
-            "The ball is pulled to the right at 12 m/s²: hair stays behind, or follows.")},
-      {PELAGE_FIELD(SimulationSettings, vspThreshold), "m/s²", "> 0",
-       "Acceleration of the root from which on the strand follows more of its motion; at twice the "
-       "value it follows all of it.",
-       show(with(pulled(12), [](Setup& s) { settings(s).vspCoefficient = 0; }),
-            std::vector{5.0f, 9.0f, 200.0f}, setting(&SimulationSettings::vspThreshold),
-            "The same pull at 12 m/s² with a coefficient of 0: more than twice the threshold, "
-            "between, and below it.")},
+      tuned("SimulationSettings", "solver",
+            show(lockSetup(), std::vector{Solver::kExact, Solver::kClassic},
+                 setting(&SimulationSettings::solver),
+                 "The same lock at rest: the rod is bent by its weight; the classic solver's local "
+                 "shape alone does not support it.")),
+      tuned(
+          "SimulationSettings", "gravity",
+          show(lockSetup(), std::vector<Float3>{{0, -1, 0}, {0, -9.81f, 0}, {0, 4, 0}},
+               setting(&SimulationSettings::gravity), "At rest: weak, as on earth, and upwards.")),
+      tuned("SimulationSettings", "damping",
+            show(falling(22), std::vector{0.0f, 0.06f, 0.5f}, setting(&SimulationSettings::damping),
+                 "0.37 s after the lock was released: the more damping, the later it falls.")),
+      tuned("SimulationSettings", "bendLength",
+            show(lockSetup(), std::vector{0.01f, 0.05f, 0.12f},
+                 setting(&SimulationSettings::bendLength),
+                 "At rest: soft, like human hair, and stiff.")),
+      tuned("SimulationSettings", "twistRatio",
+            show(with(curly(), [](Setup& s) { settings(s).bendLength = 0.03f; }),
+                 std::vector{0.05f, 0.75f, 10.0f}, setting(&SimulationSettings::twistRatio),
+                 "Curls at rest: a strand that twists easily is pulled straight by its weight.")),
+      tuned(
+          "SimulationSettings", "relaxationTime",
+          show(with(falling(34), damped), std::vector{0.0f, 0.05f, 0.5f},
+               setting(&SimulationSettings::relaxationTime),
+               "0.57 s after the lock was released, without other damping: inner damping slows the "
+               "bending and keeps the lock in one curve.")),
+      tuned("SimulationSettings", "subSteps",
+            show(with(falling(40), damped), std::vector{1u, 4u, 16u},
+                 setting(&SimulationSettings::subSteps),
+                 "0.67 s after the lock was released, undamped: one step damps the swing by "
+                 "itself, and "
+                 "more keep its speed.")),
+      tuned("SimulationSettings", "localStiffness",
+            show(classic(curly()), std::vector{0.0f, 0.9f, 1.0f},
+                 setting(&SimulationSettings::localStiffness),
+                 "Curls at rest: without local shape they hang straight.")),
+      tuned("SimulationSettings", "localIterations",
+            show(classic(curly()), std::vector{1u, 2u, 12u},
+                 setting(&SimulationSettings::localIterations),
+                 "Curls at rest: more sweeps keep more of them.")),
+      tuned("SimulationSettings", "globalStiffness",
+            show(with(lockSetup(), [](Setup& s) { settings(s).globalRange = 1; }),
+                 std::vector{0.0f, 0.01f, 0.1f}, setting(&SimulationSettings::globalStiffness),
+                 "At rest, with a globalRange of 1: the bind pose stands out to the right.")),
+      tuned(
+          "SimulationSettings", "globalRange",
+          show(
+              with(lockSetup(), [](Setup& s) { settings(s).globalStiffness = 0.2f; }),
+              std::vector{0.3f, 0.6f, 1.0f}, setting(&SimulationSettings::globalRange),
+              "At rest, with a globalStiffness of 0.2: beyond the range only the bending stiffness "
+              "acts.")),
+      tuned("SimulationSettings", "vspCoefficient",
+            show(pulled(12), std::vector{0.0f, 0.75f, 1.0f},
+                 setting(&SimulationSettings::vspCoefficient),
+                 "The ball is pulled to the right at 12 m/s²: hair stays behind, or follows.")),
+      tuned("SimulationSettings", "vspThreshold",
+            show(with(pulled(12), [](Setup& s) { settings(s).vspCoefficient = 0; }),
+                 std::vector{5.0f, 9.0f, 200.0f}, setting(&SimulationSettings::vspThreshold),
+                 "The same pull at 12 m/s² with a coefficient of 0: more than twice the threshold, "
+                 "between, and below it.")),
       {PELAGE_FIELD(SimulationSettings, wind), "", "see WindSettings", "A wind with gusts.", {}},
-      {PELAGE_FIELD(SimulationSettings, airDrag), "1/s", ">= 0",
-       "Rate at which the air drags a segment along, across the segment.",
-       show(classic(windy(3)), std::vector{0.2f, 2.0f, 10.0f},
-            setting(&SimulationSettings::airDrag), "In a wind of 3 m/s from the left."),
-       "classic"},
-      {PELAGE_FIELD(SimulationSettings, lengthIterations), "", "1..16",
-       "Solves of the lengths: the tensions, then Newton steps. Lengths are exact in any case.",
-       show(with(classic(pulled(60)),
-                 [](Setup& s) {
-                   settings(s).vspCoefficient = 0;
-                   settings(s).localStiffness = 0;
-                 }),
-            std::vector{1u, 4u, 16u}, setting(&SimulationSettings::lengthIterations),
-            "The ball is pulled to the right at 60 m/s²."),
-       "classic"},
-      {PELAGE_FIELD(SimulationSettings, maxSpeed), "m/s", "> 0",
-       "Speed limit of a vertex relative to its root.",
-       show(classic(falling(20)), std::vector{0.2f, 0.6f, 50.0f},
-            setting(&SimulationSettings::maxSpeed), "0.33 s after the lock was released."),
-       "classic"},
+      tuned("SimulationSettings", "airDrag",
+            show(classic(windy(3)), std::vector{0.2f, 2.0f, 10.0f},
+                 setting(&SimulationSettings::airDrag), "In a wind of 3 m/s from the left.")),
+      tuned("SimulationSettings", "lengthIterations",
+            show(with(classic(pulled(60)),
+                      [](Setup& s) {
+                        settings(s).vspCoefficient = 0;
+                        settings(s).localStiffness = 0;
+                      }),
+                 std::vector{1u, 4u, 16u}, setting(&SimulationSettings::lengthIterations),
+                 "The ball is pulled to the right at 60 m/s².")),
+      tuned("SimulationSettings", "maxSpeed",
+            show(classic(falling(20)), std::vector{0.2f, 0.6f, 50.0f},
+                 setting(&SimulationSettings::maxSpeed), "0.33 s after the lock was released.")),
       {PELAGE_FIELD(SimulationSettings, curves),
        "",
        "see ParameterCurves",
@@ -216,150 +191,127 @@ std::vector<Parameter> mainRows() {
        "Hair-hair contact.",
        {},
        "exact"},
-      {PELAGE_FIELD(SimulationSettings, tipSeparation), "factor", ">= 0",
-       "Factor on the offset of follow hairs at their tip: 1 keeps them parallel to their guide.",
-       show(with(lockSetup(),
-                 [](Setup& s) {
-                   s.lock.guides = 5;
-                   s.follow = {.countPerGuide = 40, .maxRadius = 0.008f};
-                   settings(s).bendLength = 0.1f;
-                   s.extent = 0.2f;
-                   s.center = {0.085f, -0.03f, 0};
-                 }),
-            std::vector{0.0f, 1.0f, 3.0f}, setting(&SimulationSettings::tipSeparation),
-            "Five guides with 40 follow hairs each: gathered, parallel, spread.")},
+      tuned("SimulationSettings", "tipSeparation",
+            show(with(lockSetup(),
+                      [](Setup& s) {
+                        s.lock.guides = 5;
+                        s.follow = {.countPerGuide = 40, .maxRadius = 0.008f};
+                        settings(s).bendLength = 0.1f;
+                        s.extent = 0.2f;
+                        s.center = {0.085f, -0.03f, 0};
+                      }),
+                 std::vector{0.0f, 1.0f, 3.0f}, setting(&SimulationSettings::tipSeparation),
+                 "Five guides with 40 follow hairs each: gathered, parallel, spread.")),
   };
 }
 
 std::vector<Parameter> windRows() {
   return {
-      {PELAGE_FIELD(WindSettings, velocity), "m/s", "",
-       "Mean velocity of the air in world space; 0 turns the wind off.",
-       show(
-           windy(0), std::vector<Float3>{{0, 0, 0}, {1.5f, 0, 0}, {5, 0, 0}},
-           [](Setup& s, const Float3& v) { settings(s).wind.velocity = v; },
-           "A steady wind from the left.")},
-      {PELAGE_FIELD(WindSettings, gustStrength), "share", "0..1",
-       "The speed varies by this fraction around the mean.",
-       show(
-           windy(2.5f), std::vector{0.0f, 0.5f, 1.0f},
-           [](Setup& s, float v) { settings(s).wind.gustStrength = v; },
-           "The same moment of a wind of 2.5 m/s: steady, and in gusts.")},
-      {PELAGE_FIELD(WindSettings, gustPeriod),
-       "s",
-       "> 0 (1e-3 or more)",
-       "Mean time from one gust to the next.",
-       {}},
-      {PELAGE_FIELD(WindSettings, strandVariation), "share", "0..1",
-       "How much the gusts differ from strand to strand; at 0 all strands feel the same gusts.",
-       show(
-           with(windy(2.5f), [](Setup& s) { settings(s).wind.gustStrength = 1; }),
-           std::vector{0.0f, 0.5f, 1.0f},
-           [](Setup& s, float v) { settings(s).wind.strandVariation = v; },
-           "The same moment of gusts: the same for all, and different for each strand.")},
+      tuned("WindSettings", "velocity",
+            show(
+                windy(0), std::vector<Float3>{{0, 0, 0}, {1.5f, 0, 0}, {5, 0, 0}},
+                [](Setup& s, const Float3& v) { settings(s).wind.velocity = v; },
+                "A steady wind from the left.")),
+      tuned("WindSettings", "gustStrength",
+            show(
+                windy(2.5f), std::vector{0.0f, 0.5f, 1.0f},
+                [](Setup& s, float v) { settings(s).wind.gustStrength = v; },
+                "The same moment of a wind of 2.5 m/s: steady, and in gusts.")),
+      tuned("WindSettings", "gustPeriod"),
+      tuned("WindSettings", "strandVariation",
+            show(
+                with(windy(2.5f), [](Setup& s) { settings(s).wind.gustStrength = 1; }),
+                std::vector{0.0f, 0.5f, 1.0f},
+                [](Setup& s, float v) { settings(s).wind.strandVariation = v; },
+                "The same moment of gusts: the same for all, and different for each strand.")),
   };
 }
 
 std::vector<Parameter> curveRows() {
   const std::vector<ParameterCurve> curves = {ramp(4, 0), ramp(1, 1), ramp(0, 4)};
   return {
-      {PELAGE_FIELD(ParameterCurves, stiffness), "factor", ">= 0",
-       "Factor on bending, twist and local shape.",
-       show(
-           lockSetup(), curves,
-           [](Setup& s, const ParameterCurve& v) { settings(s).curves.stiffness = v; },
-           "At rest: stiff at the root and soft at the tip, even, and vice versa.")},
-      {PELAGE_FIELD(ParameterCurves, globalStiffness), "factor", ">= 0",
-       "Factor on the spring to the bind pose.",
-       show(
-           with(lockSetup(),
-                [](Setup& s) {
-                  settings(s).globalStiffness = 0.03f;
-                  settings(s).globalRange = 1;
-                  settings(s).bendLength = 0.02f;
-                }),
-           curves,
-           [](Setup& s, const ParameterCurve& v) { settings(s).curves.globalStiffness = v; },
-           "At rest, with a globalStiffness of 0.03 on the whole strand.")},
-      {PELAGE_FIELD(ParameterCurves, damping), "factor", ">= 0", "Factor on the air drag.",
-       show(
-           with(falling(26),
-                [](Setup& s) {
-                  settings(s).damping = 0.2f;
-                  settings(s).bendLength = 0.02f;
-                }),
-           curves, [](Setup& s, const ParameterCurve& v) { settings(s).curves.damping = v; },
-           "0.43 s after the lock was released: where the drag is, hair stays behind.")},
+      tuned("ParameterCurves", "stiffness",
+            show(
+                lockSetup(), curves,
+                [](Setup& s, const ParameterCurve& v) { settings(s).curves.stiffness = v; },
+                "At rest: stiff at the root and soft at the tip, even, and vice versa.")),
+      tuned("ParameterCurves", "globalStiffness",
+            show(
+                with(lockSetup(),
+                     [](Setup& s) {
+                       settings(s).globalStiffness = 0.03f;
+                       settings(s).globalRange = 1;
+                       settings(s).bendLength = 0.02f;
+                     }),
+                curves,
+                [](Setup& s, const ParameterCurve& v) { settings(s).curves.globalStiffness = v; },
+                "At rest, with a globalStiffness of 0.03 on the whole strand.")),
+      tuned("ParameterCurves", "damping",
+            show(
+                with(falling(26),
+                     [](Setup& s) {
+                       settings(s).damping = 0.2f;
+                       settings(s).bendLength = 0.02f;
+                     }),
+                curves, [](Setup& s, const ParameterCurve& v) { settings(s).curves.damping = v; },
+                "0.43 s after the lock was released: where the drag is, hair stays behind.")),
   };
 }
 
 std::vector<Parameter> sleepRows() {
   return {
-      {PELAGE_FIELD(SleepSettings, enabled), "", "", "Lets hair sleep.", {}, "exact"},
-      {PELAGE_FIELD(SleepSettings, speed), "m/s", ">= 0",
-       "A strand is at rest while all of its vertices are slower than this.",
-       show(
-           with(falling(150),
-                [](Setup& s) {
-                  settings(s).damping = 0.4f;
-                  settings(s).sleep.time = 0.1f;
-                }),
-           std::vector{5e-4f, 0.25f, 1.0f}, [](Setup& s, float v) { settings(s).sleep.speed = v; },
-           "2.5 s after the lock was released, with a time of 0.1 s: with too high a speed it "
-           "falls asleep while it moves."),
-       "exact"},
-      {PELAGE_FIELD(SleepSettings, time), "s", ">= 0",
-       "Strands fall asleep when they and their neighbors have been at rest for this long.",
-       show(
-           with(falling(150),
-                [](Setup& s) {
-                  settings(s).damping = 0.4f;
-                  settings(s).sleep.speed = 1;
-                }),
-           std::vector{0.1f, 0.25f, 0.5f}, [](Setup& s, float v) { settings(s).sleep.time = v; },
-           "The same with a speed of 1 m/s, much too high: the longer the time, the further the "
-           "hair moves."),
-       "exact"},
-      {PELAGE_FIELD(SleepSettings, wakeDistance),
-       "m",
-       ">= 0",
-       "Hair wakes when the motion of its root would move the tip by this distance.",
-       {},
-       "exact"},
+      tuned("SleepSettings", "enabled"),
+      tuned("SleepSettings", "speed",
+            show(
+                with(falling(150),
+                     [](Setup& s) {
+                       settings(s).damping = 0.4f;
+                       settings(s).sleep.time = 0.1f;
+                     }),
+                std::vector{5e-4f, 0.25f, 1.0f},
+                [](Setup& s, float v) { settings(s).sleep.speed = v; },
+                "2.5 s after the lock was released, with a time of 0.1 s: with too high a speed it "
+                "falls asleep while it moves.")),
+      tuned(
+          "SleepSettings", "time",
+          show(
+              with(falling(150),
+                   [](Setup& s) {
+                     settings(s).damping = 0.4f;
+                     settings(s).sleep.speed = 1;
+                   }),
+              std::vector{0.1f, 0.25f, 0.5f}, [](Setup& s, float v) { settings(s).sleep.time = v; },
+              "The same with a speed of 1 m/s, much too high: the longer the time, the further the "
+              "hair moves.")),
+      tuned("SleepSettings", "wakeDistance"),
   };
 }
 
 std::vector<Parameter> contactRows() {
   return {
-      {PELAGE_FIELD(HairContactSettings, stiffness), "", "0..1",
-       "How strongly hair spreads where it is denser than in the bind pose; 0 turns this off.",
-       show(
-           bushy(), std::vector{0.0f, 0.002f, 1.0f},
-           [](Setup& s, float v) { settings(s).contact.stiffness = v; },
-           "Hair that is a wide brush in its bind pose, at rest: contact keeps its volume."),
-       "exact"},
-      {PELAGE_FIELD(HairContactSettings, friction), "fraction per 1/60 s", "0..1",
-       "Fraction of its velocity relative to the surrounding hair that hair loses in 1/60 s.",
-       show(
-           with(bushy(),
-                [](Setup& s) {
-                  settings(s).damping = 0.01f;
-                  s.lock.variation = 0.6f;
-                  s.frames = 48;
-                }),
-           std::vector{0.0f, 0.1f, 0.8f},
-           [](Setup& s, float v) { settings(s).contact.friction = v; },
-           "0.8 s after hair of different lengths was released: with friction it moves as one."),
-       "exact"},
-      {PELAGE_FIELD(HairContactSettings, cellSize), "m", "1e-3..1",
-       "Cell size of the grid: a few times the distance between guides. The grid has at most 64 "
-       "nodes per axis.",
-       show(
-           with(bushy(), [](Setup& s) { settings(s).contact.stiffness = 1; }),
-           std::vector{0.005f, 0.015f, 0.06f},
-           [](Setup& s, float v) { settings(s).contact.cellSize = v; },
-           "At rest with a stiffness of 1: a coarse grid evens the hair out over its cells."),
-       "exact"},
+      tuned("HairContactSettings", "stiffness",
+            show(
+                bushy(), std::vector{0.0f, 0.002f, 1.0f},
+                [](Setup& s, float v) { settings(s).contact.stiffness = v; },
+                "Hair that is a wide brush in its bind pose, at rest: contact keeps its volume.")),
+      tuned("HairContactSettings", "friction",
+            show(
+                with(bushy(),
+                     [](Setup& s) {
+                       settings(s).damping = 0.01f;
+                       s.lock.variation = 0.6f;
+                       s.frames = 48;
+                     }),
+                std::vector{0.0f, 0.1f, 0.8f},
+                [](Setup& s, float v) { settings(s).contact.friction = v; },
+                "0.8 s after hair of different lengths was released: with friction it moves as "
+                "one.")),
+      tuned("HairContactSettings", "cellSize",
+            show(
+                with(bushy(), [](Setup& s) { settings(s).contact.stiffness = 1; }),
+                std::vector{0.005f, 0.015f, 0.06f},
+                [](Setup& s, float v) { settings(s).contact.cellSize = v; },
+                "At rest with a stiffness of 1: a coarse grid evens the hair out over its cells.")),
   };
 }
 

@@ -6,10 +6,12 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <variant>
 
 #include "groups.h"
 #include "pelage/assert.h"
 #include "pelage/scene.h"
+#include "pelage/settings/scene_settings.h"
 
 namespace sample {
 
@@ -142,6 +144,32 @@ std::string text(pelage::SkeletonId value) {
 }
 std::string text(const pelage::EngineLights* value) {
   return value == nullptr ? "none" : "lights of an engine";
+}
+
+namespace {
+
+// As `text` of the member's own type.
+std::string defaultText(const pelage::Parameter& parameter) {
+  const pelage::ParameterValue& value = parameter.defaultValue;
+  if (parameter.type == pelage::ParameterType::kChoice)
+    return std::string(parameter.choices[std::get<uint64_t>(value)]);
+  if (parameter.field == "drawnStrands") return "all";
+  return std::visit([](const auto& of) { return text(of); }, value);
+}
+
+}  // namespace
+
+Parameter tuned(std::string_view owner, std::string_view field, std::optional<Picture> picture) {
+  for (const pelage::SettingsSection& section : pelage::settingsSections())
+    for (const pelage::Parameter& p : section.parameters) {
+      if (p.owner != owner || p.field != field) continue;
+      PELAGE_ASSERT(p.hasPicture == picture.has_value(), "the table says something else");
+      return {std::string(owner),  std::string(field),   defaultText(p),
+              std::string(p.unit), std::string(p.range), std::string(p.meaning),
+              std::move(picture),  std::string(p.solver)};
+    }
+  PELAGE_ASSERT(false, "no parameter of pelage::settings");
+  return {};
 }
 
 const std::vector<ParameterGroup>& parameterTable() {

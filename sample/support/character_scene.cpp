@@ -46,9 +46,7 @@ Result<DemoScene> DemoScene::create(const Character& character, const DemoDef& d
   };
   demo.cameraDef_.direction = kCameraDirection;
   demo.cameraDef_.margin = 0.02f;
-  demo.light = studioLight(kCameraDirection);
-  demo.drawSdf_ = def.drawSdf;
-  demo.drawContacts_ = def.drawContacts;
+  demo.takeLook(studioLight(kCameraDirection), def);
 
   for (const CharacterGroom& groom : character.grooms) {
     pelage::HairAsset hair = groom.hair;
@@ -63,7 +61,7 @@ Result<DemoScene> DemoScene::create(const Character& character, const DemoDef& d
   }
   for (const pelage::CharacterCollider& collider : character.colliders) {
     Result<void> added =
-        demo.addCollider(collider.mesh, {.name = collider.name, .cellSize = kSdfCell});
+        demo.addCollider(collider.mesh, {.name = collider.name, .cellSize = kSdfCell}, def);
     if (!added) return added.error();
   }
   if (!def.drawSdf)

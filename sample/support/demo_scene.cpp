@@ -83,6 +83,27 @@ DemoScene::~DemoScene() {
   for (const pelage::ColliderId collider : colliders_) (void)scene_->removeCollider(collider);
 }
 
+// How what is drawn looks.
+void DemoScene::takeLook(const pelage::Light& from, const DemoDef& def) {
+  drawSdf_ = def.drawSdf;
+  drawContacts_ = def.drawContacts;
+  pelage::SceneSettings scene;
+  scene.lights = {from};
+  if (def.settings) def.settings->apply(scene);
+  // A scene without lights is dark.
+  if (scene.lights.empty()) scene.lights = {{.color = {0, 0, 0}, .ambient = {0, 0, 0}}};
+  light = scene.lights[0];
+  moreLights.assign(scene.lights.begin() + 1, scene.lights.end());
+  colliderLook_ = scene.colliderLook;
+  contactLook_ = scene.contactLook;
+}
+
+std::vector<pelage::Light> DemoScene::allLights() const {
+  std::vector<pelage::Light> lights = {light};
+  lights.insert(lights.end(), moreLights.begin(), moreLights.end());
+  return lights;
+}
+
 Result<DemoScene> DemoScene::create(const DemoAssets& assets, const DemoDef& def) {
   DemoScene demo(def);
   demo.boneCount_ = assets.boneCount();
@@ -91,9 +112,7 @@ Result<DemoScene> DemoScene::create(const DemoAssets& assets, const DemoDef& def
   };
   const Look look = generatedLook(def.preset, def.solver);
   demo.cameraDef_ = look.camera;
-  demo.light = studioLight(look.camera.direction);
-  demo.drawSdf_ = def.drawSdf;
-  demo.drawContacts_ = def.drawContacts;
+  demo.takeLook(studioLight(look.camera.direction), def);
 
   pelage::HairDef hairDef;
   hairDef.name = assets.name;
@@ -123,7 +142,7 @@ Result<void> DemoScene::addHead(const DemoAssets& assets, const DemoDef& def) {
                          "the hair collides with no signed distance field that could be drawn"};
   if (!collides) capsules_ = headCapsules();
   if (collides)
-    if (Result<void> done = addCollider(*assets.mesh, {.name = assets.name + "/field"}); !done)
+    if (Result<void> done = addCollider(*assets.mesh, {.name = assets.name + "/field"}, def); !done)
       return done;
   if (def.drawSdf || !assets.mesh) return {};
   std::vector<float> scalp;
@@ -137,6 +156,15 @@ Result<void> DemoScene::addHead(const DemoAssets& assets, const DemoDef& def) {
 Result<void> DemoScene::addHair(const HairAsset& hair, const pelage::HairDef& look,
                                 pelage::FollowDef followDef, const DemoDef& def) {
   pelage::HairDef hairDef = look;
+  pelage::SceneSettings scene;
+  scene.simulation = hairDef.settings;
+  scene.material = hairDef.material;
+  scene.follow = followDef;
+  if (def.settings) def.settings->apply(scene);
+  hairDef.settings = scene.simulation;
+  hairDef.material = scene.material;
+  followDef = scene.follow;
+  apply(scene.creation, hairDef);
   std::vector<pelage::FollowHair> follow;
   if (hairDef.followHairs.empty()) {
     followDef.countPerGuide = def.followPerGuide.value_or(followDef.countPerGuide);
@@ -145,7 +173,6 @@ Result<void> DemoScene::addHair(const HairAsset& hair, const pelage::HairDef& lo
     follow = *std::move(generated);
     hairDef.followHairs = follow;
   }
-  if (def.settings) def.settings->apply(hairDef.settings);
   hairDef.settings.solver = def.solver;
   if (def.subSteps) hairDef.settings.subSteps = *def.subSteps;
   if (def.wind) hairDef.settings.wind.velocity = *def.wind;
@@ -155,6 +182,7 @@ Result<void> DemoScene::addHair(const HairAsset& hair, const pelage::HairDef& lo
   const auto added = scene_->addHair(hair, hairDef);
   if (!added) return added.error();
   hairs_.push_back(*added);
+  apply(scene.object, scene_->hair(*added));
   return {};
 }
 
@@ -167,12 +195,15 @@ Result<void> DemoScene::addMesh(const pelage::CollisionMesh& mesh, MeshDef def) 
 }
 
 Result<void> DemoScene::addCollider(const pelage::CollisionMesh& mesh,
-                                    const pelage::SdfColliderDef& from) {
+                                    const pelage::SdfColliderDef& from, const DemoDef& demo) {
   pelage::SdfColliderDef def = from;
   def.boneCount = boneCount_;
   const auto added = scene_->addCollider(mesh, def);
   if (!added) return added.error();
   colliders_.push_back(*added);
+  pelage::SceneSettings scene;
+  if (demo.settings) demo.settings->apply(scene);
+  apply(scene.collider, scene_->collider(*added));
   return {};
 }
 
@@ -202,7 +233,8 @@ std::vector<pelage::CapsuleCollider> DemoScene::capsules() const {
 Result<void> DemoScene::drawMeshes(const pelage::View& view, pelage::PassList& list) {
   if (drawSdf_)
     for (const pelage::ColliderId collider : colliders_)
-      if (Result<void> done = scene_->drawCollider(collider, view, light, {}, list); !done)
+      if (Result<void> done = scene_->drawCollider(collider, view, light, colliderLook_, list);
+          !done)
         return done;
   const auto range = [&](pelage::BufferId buffer) -> pelage::BufferRange {
     return scene_->resources().whole(buffer);
@@ -218,7 +250,8 @@ Result<void> DemoScene::drawMeshes(const pelage::View& view, pelage::PassList& l
 
 Result<void> DemoScene::castOpaqueShadow(pelage::HeadlessDevice& device) {
   constexpr uint32_t kSize = 1024;  // texels: 0.7 mm on a head
-  light.opaque = {};
+  const float bias = light.opaque.bias;
+  light.opaque = {.bias = bias};
   if (light.shadow == pelage::HairShadow::kNone || meshes_.empty()) return {};
   if (opaqueDepth_ == pelage::BufferId::kInvalid) {
     opaqueDepth_ = scene_->resources().add({.name = "opaque shadow",
@@ -234,8 +267,11 @@ Result<void> DemoScene::castOpaqueShadow(pelage::HeadlessDevice& device) {
   const auto image =
       device.render(list, {.width = kSize, .height = kSize, .depthCopy = opaqueDepth_});
   if (!image) return image.error();
-  light.opaque = {
-      .depth = opaqueDepth_, .width = kSize, .height = kSize, .worldToClip = view.worldToClip};
+  light.opaque = {.depth = opaqueDepth_,
+                  .width = kSize,
+                  .height = kSize,
+                  .worldToClip = view.worldToClip,
+                  .bias = bias};
   return {};
 }
 
@@ -243,7 +279,7 @@ Result<void> DemoScene::castOpaqueShadow(pelage::HeadlessDevice& device) {
 Result<void> DemoScene::castHairShadow(pelage::PassList& list) {
   hairShadowsMeshes_ = false;
   if (light.shadow == pelage::HairShadow::kNone || meshes_.empty()) return {};
-  const Result<uint32_t> maps = scene_->castShadows({&light, 1}, list);
+  const Result<uint32_t> maps = scene_->castShadows(allLights(), list);
   if (!maps) return maps.error();
   hairShadowsMeshes_ = *maps > 0;
   return {};
@@ -262,7 +298,7 @@ Result<void> DemoScene::draw(const pelage::View& view, const pelage::Transparenc
   if (lists.empty() || drawContacts_) lists.resize(1);
   if (Result<void> done = castHairShadow(lists[0]); !done) return done;
   if (Result<void> done = drawMeshes(view, lists[0]); !done) return done;
-  if (Result<void> done = scene_->draw(view, {&light, 1}, settings, lists); !done) return done;
+  if (Result<void> done = scene_->draw(view, allLights(), settings, lists); !done) return done;
   if (!drawContacts_) return {};
   // After the last list of any method, over what is blended there.
   return drawContacts(view, lists.emplace_back());
@@ -271,7 +307,8 @@ Result<void> DemoScene::draw(const pelage::View& view, const pelage::Transparenc
 Result<void> DemoScene::drawContacts(const pelage::View& view, pelage::PassList& list) {
   if (!drawContacts_) return {};
   for (const pelage::HairId hair : hairs_)
-    if (Result<void> done = scene_->drawContacts(hair, view, {}, list); !done) return done;
+    if (Result<void> done = scene_->drawContacts(hair, view, contactLook_, list); !done)
+      return done;
   return {};
 }
 

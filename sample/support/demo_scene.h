@@ -17,7 +17,7 @@
 #include "pelage/demo/character.h"
 #include "pelage/headless.h"
 #include "pelage/scene.h"
-#include "settings_file.h"
+#include "pelage/settings/settings_file.h"
 
 namespace sample {
 
@@ -48,8 +48,10 @@ struct DemoDef {
   uint64_t seed = 1;                       ///< of the follow hairs
   pelage::SkinningMethod skinning = pelage::SkinningMethod::kMatrices;
   pelage::Solver solver = pelage::Solver::kExact;
-  /// Settings of all hair, in place of the scene's own. Of its solver, `solver` is used.
-  std::optional<pelage::program::SettingsFile> settings;
+  /// Settings of all hair, colliders and lights, in place of the scene's own. Of its solver,
+  /// skinning and collision of follow hairs, those here are used; the first light also lights the
+  /// meshes. Transparency and view are the caller's.
+  std::optional<pelage::SettingsFile> settings;
   std::optional<uint32_t> subSteps;           ///< of the exact solver; before `settings`
   std::optional<pelage::Float3> wind;         ///< [m/s]; before `settings`
   GroomPreset preset = GroomPreset::kParted;  ///< the look of a generated groom
@@ -137,7 +139,8 @@ class DemoScene {
   /// Frames advanced so far.
   uint32_t frame() const { return frame_; }
 
-  pelage::Light light;
+  pelage::Light light;                    ///< of hair and meshes
+  std::vector<pelage::Light> moreLights;  ///< of hair alone
 
  private:
   explicit DemoScene(const DemoDef& def);
@@ -150,8 +153,10 @@ class DemoScene {
   pelage::Result<void> addHair(const pelage::HairAsset& hair, const pelage::HairDef& hairDef,
                                pelage::FollowDef follow, const DemoDef& def);
   pelage::Result<void> addCollider(const pelage::CollisionMesh& mesh,
-                                   const pelage::SdfColliderDef& def);
+                                   const pelage::SdfColliderDef& from, const DemoDef& demo);
   pelage::Result<void> addBody(const pelage::Character& character);
+  void takeLook(const pelage::Light& from, const DemoDef& def);
+  std::vector<pelage::Light> allLights() const;
 
   std::unique_ptr<pelage::Scene> ownScene_;  ///< nullptr: it is somebody else's
   pelage::Scene* scene_;
@@ -161,6 +166,8 @@ class DemoScene {
   pelage::BufferId opaqueDepth_ = pelage::BufferId::kInvalid;  ///< of Light::opaque
   bool hairShadowsMeshes_ = false;                             ///< in the last draw()
   bool drawSdf_ = false, drawContacts_ = false;
+  pelage::ColliderLook colliderLook_;
+  pelage::ContactLook contactLook_;
   std::vector<pelage::CapsuleCollider>
       capsules_;  ///< in bind space; the first one on the neck bone
   std::function<std::vector<pelage::AffineTransform>(double seconds)> pose_;  ///< skinning

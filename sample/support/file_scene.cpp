@@ -148,9 +148,7 @@ Result<DemoScene> DemoScene::create(const FileAssets& files, const DemoDef& def)
   demo.pose_ = *std::move(pose);
   demo.boneCount_ = static_cast<uint32_t>(std::max<size_t>(names.size(), 1));
   demo.cameraDef_.direction = kCameraDirection;
-  demo.light = studioLight(kCameraDirection);
-  demo.drawSdf_ = def.drawSdf;
-  demo.drawContacts_ = def.drawContacts;
+  demo.takeLook(studioLight(kCameraDirection), def);
   if (def.drawSdf && files.assets.meshes.empty())
     return Error{ErrorCode::kInvalidArgument, "there is no mesh whose field could be drawn"};
   if (Result<void> added = demo.addFiles(files, names, def); !added) return added.error();
@@ -190,7 +188,7 @@ Result<void> DemoScene::addFiles(const FileAssets& files, const std::vector<std:
     CollisionMesh mesh = cached.mesh;
     mesh.influences = *std::move(influences);
     Result<void> added =
-        addCollider(mesh, {.name = cached.name + "/field", .cellSize = cellSizeOf(mesh)});
+        addCollider(mesh, {.name = cached.name + "/field", .cellSize = cellSizeOf(mesh)}, def);
     if (added && !def.drawSdf)
       added = addMesh(mesh, {.name = cached.name + "/mesh", .influences = mesh.influences});
     if (!added) return added;

@@ -57,6 +57,8 @@ endif()
 
 build(kernels_only pelage-spirv ${SOURCE_DIR}/project/kernels_only.cpp)
 run(${WORK_DIR}/kernels_only)
+build(settings pelage-settings ${SOURCE_DIR}/pkgconfig/settings.cpp)
+run(${WORK_DIR}/settings)
 if("pelage-vulkan" IN_LIST PACKAGES)
   build(scene pelage-vulkan ${SOURCE_DIR}/pkgconfig/scene.cpp)
   run(${WORK_DIR}/scene)

@@ -22,7 +22,7 @@ struct Target {
 constexpr Target kTargets[] = {
     {"tfx", tfx},         {"tfxbone", tfxbone},     {"tfxmesh", tfxmesh},
     {"tfxskin", tfxskin}, {"tfxfollow", tfxfollow}, {"psdf", psdf},
-    {"cache", cache},
+    {"cache", cache},     {"settings", settings},
 #if PELAGE_FUZZ_CURVES
     {"hair", hair},       {"hairtxt", hairtxt},     {"obj", obj},
     {"gltf", gltf},       {"tfxcurves", tfxcurves},

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "pelage/settings/settings_file.h"
 #include "pelage/simulation_settings.h"
-#include "settings_file.h"
 #include "table.h"
 
 namespace {
@@ -109,7 +109,7 @@ TEST(ParameterTable, HasEveryFieldOfItsStructsAndNoOther) {
 
 // What the message of a file of settings lists where a name is none.
 std::set<std::string> settingsOfFiles(const std::string& text) {
-  const auto file = pelage::program::SettingsFile::parse(text, "a.json");
+  const auto file = pelage::SettingsFile::parse(text, "a.json");
   std::set<std::string> names;
   if (file) return names;
   const std::string& message = file.error().message;
@@ -119,11 +119,40 @@ std::set<std::string> settingsOfFiles(const std::string& text) {
 
 TEST(ParameterTable, HasTheSettingsThatAFileOfThemCanHave) {
   const auto fields = fieldsOfTable();
-  EXPECT_EQ(settingsOfFiles(R"({"zzz": 0})"), fields.at("SimulationSettings"));
+  EXPECT_EQ(settingsOfFiles(R"({"simulation": {"zzz": 0}})"), fields.at("SimulationSettings"));
   EXPECT_EQ(settingsOfFiles(R"({"wind": {"zzz": 0}})"), fields.at("WindSettings"));
   EXPECT_EQ(settingsOfFiles(R"({"curves": {"zzz": 0}})"), fields.at("ParameterCurves"));
   EXPECT_EQ(settingsOfFiles(R"({"sleep": {"zzz": 0}})"), fields.at("SleepSettings"));
   EXPECT_EQ(settingsOfFiles(R"({"contact": {"zzz": 0}})"), fields.at("HairContactSettings"));
+}
+
+// Members that no file of settings and no editor sets, of structs that they do set: structs whose
+// own members are parameters; what belongs to a groom, a camera or a window; handles.
+const std::map<std::string, std::set<std::string>> kNotTuned = {
+    {"SimulationSettings", {"wind", "curves", "sleep", "contact"}},
+    {"HairObject", {"settings", "material"}},
+    {"HairDef",
+     {"name", "settings", "material", "influences", "boneCount", "skeleton", "strandFactors",
+      "followHairs", "baseTexture"}},
+    {"Light", {"opaque"}},
+    {"OpaqueShadow", {"depth", "width", "height", "worldToClip", "reversedDepth"}},
+    {"View", {"worldToClip", "eye", "x", "y", "width", "height"}},
+    {"TransparencySettings", {"opaqueDepth", "engineLights"}}};
+// The same of whole structs: of a groom, a collider or a frame.
+const std::set<std::string> kNotTunedStructs = {
+    "StrandFactors",  "ColorTexture",      "ProcessDef", "CapsuleCollider",
+    "SdfColliderDef", "HairDepthSettings", "GroomDef"};
+
+TEST(ParameterTable, HasEveryOtherParameterInFilesAndEditors) {
+  std::map<std::string, std::set<std::string>> wanted = fieldsOfTable(), tuned;
+  for (const std::string& owner : kNotTunedStructs) EXPECT_EQ(wanted.erase(owner), 1u) << owner;
+  for (const auto& [owner, fields] : kNotTuned)
+    for (const std::string& field : fields)
+      EXPECT_EQ(wanted[owner].erase(field), 1u) << owner << "::" << field;
+  for (const pelage::SettingsSection& section : pelage::settingsSections())
+    for (const pelage::Parameter& p : section.parameters)
+      EXPECT_TRUE(tuned[std::string(p.owner)].insert(std::string(p.field)).second) << p.field;
+  EXPECT_EQ(tuned, wanted);
 }
 
 TEST(ParameterTable, HasEveryStructOfItsHeadersThatIsSet) {

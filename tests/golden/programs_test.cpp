@@ -182,7 +182,12 @@ TEST_P(Programs, HeadlessDrawsAHeadByEachSolverAndItsField) {
 
 TEST_P(Programs, HeadlessShowsFilesWithSeveralMeshesAnAnimationAndSettings) {
   writeCharacter();
-  std::ofstream(file("soft.json")) << R"({"bendLength": 0.03, "wind": {"velocity": [1, 0, 0]}})";
+  std::ofstream(file("soft.json")) << R"({
+      "simulation": {"bendLength": 0.03, "wind": {"velocity": [1, 0, 0]}},
+      "material": {"model": "fiber"}, "object": {"drawnShare": 0.9},
+      "collider": {"margin": 0.002}, "follow": {"maxRadius": 0.003},
+      "lights": [{"shadow": "depth"}, {"color": [0.2, 0.2, 0.3], "shadow": "deep"}],
+      "transparency": {"method": "hybrid8"}})";
   const Output output = headless(
       "--asset assets/long.tfx --bones assets/long.tfxbone --asset assets/mohawk.tfx "
       "--bones assets/mohawk.tfxbone --mesh assets/body.tfxmesh --mesh assets/leftArm.tfxmesh "

@@ -24,8 +24,8 @@
 #include "pelage/follow_file.h"
 #include "pelage/hair_size.h"
 #include "pelage/sdf_data.h"
+#include "pelage/settings/settings_file.h"
 #include "pelage/skin_table.h"
-#include "settings_file.h"
 
 namespace pelage::convert {
 namespace {
@@ -320,9 +320,9 @@ Result<void> meshInfo(const InfoOptions& options, Session& session) {
 }
 
 Result<void> settingsInfo(const InfoOptions& options, Session& session) {
-  auto settings = program::SettingsFile::load(options.file);
+  auto settings = SettingsFile::load(options.file);
   if (!settings) return settings.error();
-  reportFile(options.file, "simulation settings", "JSON", session);
+  reportFile(options.file, "settings", "JSON", session);
   std::string names;
   for (const std::string& name : settings->names()) names += (names.empty() ? "" : ", ") + name;
   session.add("settings", settings->names(), "settings", names.empty() ? "none" : names);
