@@ -24,7 +24,7 @@ if [ -z "${PELAGE_FUZZ_BINARIES:-}" ]; then
   fi
   cmake -S "$root" -B "$root/build/fuzz" -G Ninja -DCMAKE_CXX_COMPILER=clang++-14 "${launcher[@]}" \
     -DPELAGE_BUILD_FUZZERS=ON -DPELAGE_BUILD_TESTS=OFF -DPELAGE_BUILD_SAMPLES=OFF \
-    -DPELAGE_BUILD_BENCHMARKS=OFF -DPELAGE_VULKAN=OFF -DPELAGE_GL=OFF \
+    -DPELAGE_BUILD_BENCHMARKS=OFF -DPELAGE_BUILD_VIEWER=OFF -DPELAGE_VULKAN=OFF -DPELAGE_GL=OFF \
     -DPELAGE_CODEGEN_CACHE="$root/build/codegen_cache" "${codegen[@]}" > /dev/null
   cmake --build "$root/build/fuzz" --target fuzzers --parallel "$jobs"
   PELAGE_FUZZ_BINARIES=$root/build/fuzz/tests/fuzz

@@ -11,6 +11,7 @@ fi
 cmake -S . -B build/package -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX=/usr \
   -DCMAKE_INSTALL_DOCDIR=share/doc/libpelage-dev -DPELAGE_CODEGEN_CACHE="$PWD/build/codegen_cache" \
   -DPELAGE_BUILD_TESTS=OFF -DPELAGE_BUILD_SAMPLES=OFF -DPELAGE_BUILD_BENCHMARKS=OFF \
+  -DPELAGE_BUILD_VIEWER=OFF \
   -DPELAGE_SHARED=OFF "$@"
 cmake --build build/package --parallel "$(nproc)"
 rm -f build/package/*.deb

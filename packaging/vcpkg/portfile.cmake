@@ -24,6 +24,7 @@ vcpkg_cmake_configure(
     -DPELAGE_BUILD_TESTS=OFF
     -DPELAGE_BUILD_SAMPLES=OFF
     -DPELAGE_BUILD_BENCHMARKS=OFF
+    -DPELAGE_BUILD_VIEWER=OFF
     # Both configurations, and later builds, share the compiled kernels.
     "-DPELAGE_CODEGEN_CACHE=${CURRENT_BUILDTREES_DIR}/codegen_cache"
 )

@@ -6,13 +6,16 @@
 #include <fstream>
 #include <limits>
 #include <sstream>
+#include <utility>
 
 #include "asset_files.h"
 #include "camera.h"
 #include "figures.h"
+#include "groom_presets.h"
 #include "head_motion.h"
 #include "image.h"
 #include "pelage/follow_file.h"
+#include "pelage/settings/settings_presets.h"
 #include "png_file.h"
 #include "support/extremes.h"
 
@@ -32,6 +35,27 @@ RenderedImage filled(uint32_t width, uint32_t height, Float4 value) {
 
 std::filesystem::path temporary(const char* name) {
   return std::filesystem::path(testing::TempDir()) / name;
+}
+
+// What files of settings call long is straight here.
+TEST(GroomPresets, AreThePresetsOfSettings) {
+  const std::pair<const char*, sample::GroomPreset> presets[] = {
+      {"long", sample::GroomPreset::kStraight},
+      {"curly", sample::GroomPreset::kCurly},
+      {"fur", sample::GroomPreset::kFur},
+      {"mohawk", sample::GroomPreset::kMohawk}};
+  for (const auto& [name, preset] : presets) {
+    const auto settings = pelage::presetSettings(name);
+    ASSERT_TRUE(settings) << settings.error().message;
+    const sample::PresetLook look = sample::presetLook(preset);
+    pelage::SceneSettings expected = *settings;
+    expected.material = look.material;
+    expected.simulation.bendLength = look.bendLength;
+    expected.simulation.globalStiffness = look.globalStiffness;
+    expected.follow.countPerGuide = look.followPerGuide;
+    expected.follow.maxRadius = look.followRadius;
+    EXPECT_EQ(settingsText(*settings), settingsText(expected)) << name;
+  }
 }
 
 TEST(HeadMotion, StartsAndEndsAtRestInTheBindPose) {

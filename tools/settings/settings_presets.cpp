@@ -18,11 +18,13 @@ constexpr SettingsPreset kPresets[] = {
   "simulation": {"damping": 0.04, "bendLength": 0.08, "globalStiffness": 0.1, "globalRange": 0.4,
                  "vspCoefficient": 0.2},
   "material": {"rootColor": [0.2, 0.055, 0.02], "tipColor": [0.46, 0.17, 0.055],
-               "fiberRadius": 115e-6, "model": "fiber", "scatteredShare": 0.35},
+               "fiberRadius": 115e-6, "model": "fiber", "primaryStrength": 0.09,
+               "primaryExponent": 50, "secondaryStrength": 0.9, "secondaryExponent": 14,
+               "scatteredShare": 0.35},
   "follow": {"countPerGuide": 10, "maxRadius": 0.003}
 })"},
     {"fur", "Short dense fur that stands up again.", R"({
-  "simulation": {"damping": 0.1, "bendLength": 0.08, "globalStiffness": 0.3, "globalRange": 1,
+  "simulation": {"damping": 0.04, "bendLength": 0.08, "globalStiffness": 0.3, "globalRange": 0.4,
                  "vspCoefficient": 0.2},
   "material": {"rootColor": [0.1, 0.07, 0.045], "tipColor": [0.62, 0.52, 0.38],
                "fiberRadius": 70e-6, "primaryStrength": 0.09, "primaryExponent": 50,

@@ -53,7 +53,7 @@ struct PanelChange {
 };
 
 /// Draws the panel into the current window: presets, a search field, and a group for each section.
-/// Values that the user sets stay in range. Widths adapt to the window.
+/// Settings that are in range (pelage::validate()) stay so. Widths adapt to the window.
 PanelChange drawParameters(ParameterPanel& panel, pelage::SceneSettings& settings);
 
 }  // namespace viewer

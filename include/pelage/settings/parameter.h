@@ -65,7 +65,7 @@ struct Parameter {
   /// Reads the member of a struct: of the type in whose parametersOf() this is.
   ParameterValue (*get)(const void* object) = nullptr;
   /// Writes it, whether or not it is within its range. Asserts that the value has the parameter's
-  /// type, and that a choice is one of them.
+  /// type, and that the member can hold it.
   void (*set)(void* object, const ParameterValue& value) = nullptr;
 };
 
