@@ -215,6 +215,11 @@ TEST_P(HairGrid, VerticesThatAreNotFiniteOrOutsideAddNothingAndFeelNothing) {
   add({0.2f, 0.2f, 0.2f, 0}, {0.2f, 0.2f, 0.2f, 0});  // without mass
   add({-0.01f, 0.2f, 0.2f, 0}, {-0.01f, 0.2f, 0.2f, 0.01f});
   add({0.2f, 0.2f, 1e15f, 0}, {0.2f, 0.2f, 1e15f, 0.01f});
+  // Less than a cell behind the last node of each axis.
+  const float behind = (static_cast<float>(kSize) - 0.6f) * kCell;
+  add({behind, 0.2f, 0.2f, 0}, {behind, 0.2f, 0.2f, 0.01f});
+  add({0.2f, behind, 0.2f, 0}, {0.2f, behind, 0.2f, 0.01f});
+  add({0.2f, 0.2f, behind, 0}, {0.2f, 0.2f, behind, 0.01f});
   GridRun good(gpu(), cloud), run(gpu(), bad);
   run.constants.massScale = good.constants.massScale;
   run.constants.momentumScale = good.constants.momentumScale;

@@ -596,6 +596,22 @@ TEST(ResourceTable, UsesPlacesAgain) {
   EXPECT_EQ(table.find(BufferId::kInvalid), nullptr);
 }
 
+// Runtimes that have the buffer keep it; one that makes it from now on fills it with these.
+TEST(ResourceTable, HasTheInitialDataThatWereSetLast) {
+  ResourceTable table;
+  const auto bytesOf = [](int value) { return std::vector<std::byte>(16, std::byte(value)); };
+  const BufferId other = table.add({.name = "other", .size = 16, .initial = bytesOf(3)});
+  const BufferId id = table.add({.name = "state", .size = 16});
+  const uint64_t version = table.version();
+  for (const int value : {1, 2}) {
+    table.setInitial(id, bytesOf(value));
+    EXPECT_EQ(table.find(id)->initial, bytesOf(value));
+  }
+  EXPECT_EQ(table.find(id)->name, "state");
+  EXPECT_EQ(table.find(other)->initial, bytesOf(3));
+  EXPECT_EQ(table.version(), version) << "no buffer came or went";
+}
+
 TEST(ResourceTable, NeverReusesAnId) {
   ResourceTable table;
   const BufferId first = table.add({.name = "first", .size = 16});

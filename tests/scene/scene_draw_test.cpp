@@ -351,6 +351,61 @@ TEST_F(SceneDraw, ShadowsAreAsDenseAsTheHairWhereverElseThereIsSome) {
   EXPECT_NEAR(extinction(), alone, 0.01f * alone);
 }
 
+TEST_F(SceneDraw, LightsSayHowTheirShadowsAreRead) {
+  add();
+  Light light;
+  light.shadow = HairShadow::kDeep;
+  const auto constants = [&] {
+    draw(viewFrom(0.5f), {.method = Transparency::kAlphaTest}, light);
+    return blockOfDraw<StrandViewConstants>("StrandViewConstants");
+  };
+  const StrandViewConstants first = constants();
+  // In texels.
+  const float texel = first.shadowDepths[0].w;
+  EXPECT_GT(texel, 0);
+  EXPECT_FLOAT_EQ(first.shadowDepths[0].y, 0.5f * texel);
+  light.shadowBias = 3;
+  EXPECT_FLOAT_EQ(constants().shadowDepths[0].y, 3 * texel);
+  // In meters.
+  EXPECT_GT(first.shadowDepths[0].x, 0);
+  light.shadowLayerRange = 0.0123f;
+  EXPECT_EQ(constants().shadowDepths[0].x, 0.0123f);
+  // Half the volume is hair twice as dense.
+  light.shadow = HairShadow::kDepth;
+  light.shadowVolume = 2e-3f;
+  const float extinction = constants().shadowDepths[0].z;
+  EXPECT_GT(extinction, 0);
+  light.shadowVolume = 1e-3f;
+  EXPECT_NEAR(constants().shadowDepths[0].z, 2 * extinction, 0.01f * extinction);
+}
+
+TEST_F(SceneDraw, OpaqueGeometryIsReadAsItsLightSays) {
+  add();
+  std::vector<Light> lights(3);
+  for (const size_t i : {size_t{1}, size_t{2}}) {
+    OpaqueShadow& map = lights[i].opaque;
+    map.width = 8 * static_cast<uint32_t>(i);
+    map.height = 16;
+    map.depth = scene_.resources().add(
+        {.name = "depth", .size = uint64_t{4} * map.width * map.height, .stride = sizeof(float)});
+    map.worldToClip.rows[2] = {0, 0, -0.25f * static_cast<float>(i), 0.5f};
+  }
+  lights[2].opaque.bias = 0.03f;
+  lights[2].opaque.reversedDepth = true;
+  lists_.clear();
+  ASSERT_TRUE(scene_.draw(viewFrom(0.5f), lights, {.method = Transparency::kAlphaTest}, lists_));
+  const auto constants = blockOfDraw<StrandViewConstants>("StrandViewConstants");
+  const uint32_t expected[] = {0, 1, 2};
+  for (size_t i = 0; i < 3; ++i) EXPECT_EQ(constants.lightShadows[i].y, expected[i]);
+  EXPECT_EQ(constants.opaqueSizes[0], (Uint4{8, 16, 0, 0}));
+  EXPECT_EQ(constants.opaqueSizes[1], (Uint4{16, 16, 8 * 16, 1}));
+  EXPECT_EQ(constants.opaqueBiases[0].x, OpaqueShadow{}.bias);
+  EXPECT_EQ(constants.opaqueBiases[1].x, 0.03f);
+  for (const size_t i : {size_t{1}, size_t{2}})
+    for (size_t row = 0; row < 4; ++row)
+      EXPECT_EQ(constants.opaqueRows[4 * (i - 1) + row], lights[i].opaque.worldToClip.rows[row]);
+}
+
 TEST_F(SceneDraw, BatchesAreOf64Materials) {
   const auto count = [&](const char* name) {
     size_t found = 0;

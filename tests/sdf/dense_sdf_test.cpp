@@ -36,12 +36,17 @@ class SphereGrid {
     const double half = 0.5 * kCell * (kNodes - 1) + 0.003;
     sdf.grid.origin = {static_cast<float>(center.x() - half), static_cast<float>(center.y() - half),
                        static_cast<float>(center.z() - half)};
+    write([](const Vector3d&, float distance) { return distance; });
+  }
+  /// \param valueAt of a position and its distance
+  template <class Value>
+  void write(const Value& valueAt) {
     std::vector<float> floats(sdf.first, kNan);
     for (uint32_t i = 0; i < kNodes * kNodes * kNodes; ++i) {
       const Vector3d at(sdf.grid.origin.x + kCell * static_cast<float>(i % kNodes),
                         sdf.grid.origin.y + kCell * static_cast<float>(i / kNodes % kNodes),
                         sdf.grid.origin.z + kCell * static_cast<float>(i / kNodes / kNodes));
-      floats.push_back(static_cast<float>((at - center_).norm() - kRadius));
+      floats.push_back(valueAt(at, static_cast<float>((at - center_).norm() - kRadius)));
     }
     buffer_.write(floats);
   }
@@ -193,6 +198,80 @@ TEST_P(DenseSdfTest, ShiftsOfTheWorldMoveIt) {
   for (int frame = 0; frame < 20; ++frame) run_.step();
   EXPECT_LT(depths(run_.positions(hair), {-8, 0, 4}).first, 1e-3);
   expectOk(run_.scene.shiftOrigin({-8, 0, 4}));
+}
+
+TEST_P(DenseSdfTest, DistancesThatAreNoNumberAreFarOutside) {
+  SphereGrid grid(run_, {0, 0, 0});
+  HairObject& hair = run_.add(asset_, {.name = "hair", .settings = settings_});
+  SdfCollider& collider = add(grid.sdf);
+  // Nothing is known of more than the sphere's lower half.
+  const auto endsWith = [&](float unknown) {
+    grid.write(
+        [&](const Vector3d& at, float distance) { return at.y() < 0.02 ? unknown : distance; });
+    collider.setDistances(grid.sdf);
+    hair.reset();
+    for (int frame = 0; frame < 20; ++frame) run_.step();
+    return run_.positions(hair);
+  };
+  // Four cells, which are as far as distances are told apart finely.
+  const std::vector<Float4> outside = endsWith(4 * kCell);
+  ASSERT_TRUE(allFinite(outside));
+  const double deepest = depths(outside, {0, 0, 0}).first;
+  EXPECT_GT(deepest, 0.02) << "hair falls in";
+  for (const float unknown : {kNan, std::numeric_limits<float>::infinity(),
+                              -std::numeric_limits<float>::infinity(), -1e30f}) {
+    const std::vector<Float4> ended = endsWith(unknown);
+    ASSERT_EQ(ended.size(), outside.size());
+    double off = 0;
+    for (size_t i = 0; i < ended.size(); ++i) keepLargest(off, distance(ended[i], outside[i]));
+    EXPECT_LT(off, 1e-5) << unknown;
+  }
+}
+
+// Scene::drawCollider(): the disc of the sphere, wherever the grid and the world's origin are.
+TEST_P(DenseSdfTest, IsDrawnWhereItIs) {
+  if (std::get<1>(GetParam()) != Solver::kExact) GTEST_SKIP() << "solvers draw nothing";
+  SphereGrid grid(run_, {0, 0, 0}, 3);
+  SdfCollider& collider = add(grid.sdf);
+  run_.add(asset_, {.name = "hair", .settings = settings_});
+  // How many pixels are covered, and where their mean is [pixels].
+  const auto drawn = [&](const Vector3d& eye) {
+    run_.step();
+    View view;
+    view.eye = {static_cast<float>(eye.x()), static_cast<float>(eye.y()),
+                static_cast<float>(eye.z())};
+    view.worldToClip = lookAt(view.eye, {view.eye.x, view.eye.y, view.eye.z - 1}, {0, 1, 0}, 0.785f,
+                              1, 0.1f, 10.0f);
+    view.width = view.height = 100;
+    PassList list;
+    expectOk(run_.scene.drawCollider(colliders_[0], view, {}, {}, list));
+    run_.scene.finish(list);
+    expectOk(run_.device()->update(run_.scene.resources()));
+    const auto image = run_.device()->render(list, {.width = 100, .height = 100});
+    EXPECT_TRUE(image) << image.error().message;
+    Vector3d sum(0, 0, 0);
+    for (size_t i = 0; image && i < image->pixels.size(); ++i)
+      if (image->pixels[i].w > 0.5f)
+        sum += Vector3d(static_cast<double>(i % 100), static_cast<double>(i / 100), 1);
+    const auto counts = run_.device()->read(collider.buffers().isoCounts);
+    EXPECT_TRUE(counts);
+    if (counts) expectOk(run_.scene.checkColliderDraw(colliders_[0], *counts));
+    return Vector3d(sum.x() / sum.z(), sum.y() / sum.z(), sum.z());
+  };
+  // Seen from 0.5 m, 1 / sqrt(24) of the distance is its radius, and 100 pixels are 0.828 of it.
+  const double pixels = 3.14159265 * std::pow(100 / 0.828 / std::sqrt(24.0), 2);
+  const auto expectDisc = [&](const Vector3d& seen, double x, double y, const char* when) {
+    EXPECT_NEAR(seen.z(), pixels, 0.04 * pixels) << when;
+    EXPECT_NEAR(seen.x(), x, 1) << when;
+    EXPECT_NEAR(seen.y(), y, 1) << when;
+  };
+  expectDisc(drawn({0, 0, 0.5}), 49.5, 49.5, "in the middle");
+  grid.moveTo({0.05, 0.025, 0});
+  collider.setDistances(grid.sdf);
+  expectDisc(drawn({0, 0, 0.5}), 49.5 + 12.1, 49.5 - 6.0, "moved");
+  expectOk(run_.scene.shiftOrigin({-8, 0, 4.5f}));
+  expectDisc(drawn({8.05, 0.025, -4}), 49.5, 49.5, "in a world whose origin is elsewhere");
+  expectOk(run_.scene.shiftOrigin({8, 0, -4.5f}));
 }
 
 INSTANTIATE_TEST_SUITE_P(Apis, DenseSdfTest, testing::ValuesIn(solversOnApis()),

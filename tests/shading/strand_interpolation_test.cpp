@@ -73,7 +73,10 @@ class StrandInterpolation : public testing::TestWithParam<std::tuple<Api, Solver
   }
 
   HairObject& add(bool storesFollows) {
-    const HairAsset asset = wavyAsset(12, 9);
+    HairAsset asset = wavyAsset(12, 9);
+    // One strand is shorter: its last vertices are where it ends.
+    for (size_t v = 6; v < 9; ++v) asset.positions[9 + v] = asset.positions[9 + 5];
+    expectOk(asset.process());
     const auto follows = asset.generateFollowHairs({.countPerGuide = 2, .maxRadius = 0.01f});
     EXPECT_TRUE(follows);
     HairDef def = {.followHairs = *follows, .storeFollowHairs = storesFollows};
@@ -354,6 +357,47 @@ TEST(StrandInterpolationOff, CostsNoPassAndNoBuffer) {
   EXPECT_GT(scene.bytesOf(*hair).own, 0u);
   EXPECT_TRUE(scene.removeHair(*hair));
   EXPECT_EQ(scene.resources().count(), 0u);
+}
+
+// Between the states, hair is where neither of them is.
+TEST(StrandInterpolationViews, SeeHairWhereItWasAndWhereItIs) {
+  Scene scene;
+  const auto hair = scene.addHair(makeAsset(), {});
+  ASSERT_TRUE(hair);
+  HairObject& object = scene.hair(*hair);
+  object.interpolates = true;
+  for (const float x : {0.0f, 0.0f, 10.0f}) {
+    const AffineTransform now = bone(0, {x, 0, 0});
+    object.setBones({&now, 1});
+    PassList list;
+    ASSERT_TRUE(scene.simulate(1.0f / 60, list));
+    scene.finish(list);
+    setDelivered(list.run);
+  }
+  const auto isSeen = [&](float x, bool placed) {
+    auto frame = scene.simulate(0);
+    EXPECT_TRUE(frame);
+    if (placed) {
+      EXPECT_TRUE(frame->interpolate(0.5f));
+    }
+    View view;
+    view.eye = {x, 0, 1};
+    view.worldToClip = lookAt(view.eye, {x, 0, 0}, {0, 1, 0}, 0.4f, 1, 0.1f, 10);
+    view.width = view.height = 16;
+    const Light light;
+    EXPECT_TRUE(frame->draw(view, {&light, 1}));
+    EXPECT_TRUE(frame->finish());
+    return std::ranges::any_of(frame->steps(), [](const FrameStep& step) {
+      return std::ranges::any_of(step.list->passes,
+                                 [](const Pass& pass) { return isDraw(pass.kind); });
+    });
+  };
+  for (const float x : {0.0f, 5.0f, 10.0f}) {
+    EXPECT_TRUE(isSeen(x, true)) << x;
+    EXPECT_EQ(isSeen(x, false), x == 10) << x;
+  }
+  EXPECT_FALSE(isSeen(-5, true));
+  EXPECT_FALSE(isSeen(15, true));
 }
 
 TEST(StrandInterpolationErrors, NameWhatIsWrong) {

@@ -149,6 +149,16 @@ TEST_P(OpaqueShadowMap, IsLitOutsideAndWhereNothingIsKnown) {
                                        {1e30f, 0, 0, 0}, {0, 0.7f, 0, 0},   {0, 3, 0, 0},
                                        {0, kNan, 0, 0},  {-0.4f, -9, 0, 0}, {0, 0, 1e20f, 0}};
   for (const float t : light(covered, viewFromAbove(false), outside)) EXPECT_EQ(t, 1);
+  // Its last texels fade into what is outside: the middle of a point on its border is lit.
+  const float border = 0.5f * kTexel * static_cast<float>(kSize);
+  for (const float along : {-0.213f, 0.0f, 0.1f}) {
+    const std::vector<float> half = light(covered, viewFromAbove(false),
+                                          {{border, 0, along, 0},
+                                           {-border, 0, along, 0},
+                                           {along, 0, border, 0},
+                                           {along, 0, -border, 0}});
+    for (const float t : half) EXPECT_NEAR(t, 0.5f, 1e-3f) << along;
+  }
   // Behind the far plane there is shadow as well, but not of the empty background.
   EXPECT_EQ(light(covered, viewFromAbove(false), {{0, -5, 0, 0}})[0], 0);
   const std::vector<float> empty(size_t{kSize} * kSize, 1);

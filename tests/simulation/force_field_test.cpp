@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <string>
 #include <tuple>
@@ -104,22 +105,25 @@ TEST_P(ForceFieldTest, OneValueEverywhereIsABufferOfForcesToTheBit) {
         << "frame " << frame;
   }
   // Both together are the sum.
-  const auto halves = floats;
+  EngineBuffer halfForces(run_, "halfForces", floats.size());
   std::vector<float> half;
-  for (const float f : halves) half.push_back(0.5f * f);
-  forces.write(half);
+  for (const float f : floats) half.push_back(0.5f * f);
+  halfForces.write(half);
   field.write([&](const Vector3d&) {
     return Float4{0.5f * value.x, 0.5f * value.y, 0.5f * value.z, 0.5f * value.w};
   });
-  hair.reset();
+  expected.setForces(BufferId::kInvalid);
+  expected.reset();
   both.reset();
   run_.step();
-  both.setForces(forces.id());
+  expected.setForces(forces.id());
+  both.setForces(halfForces.id());
   both.setForceField(field.field);
-  hair.setForceField({});
-  run_.step();
-  EXPECT_GT(largestDistance(run_.positions(both), run_.positions(hair)), 1e-4);
-  EXPECT_TRUE(allFinite(run_.positions(both)));
+  for (int frame = 0; frame < 5; ++frame) {
+    run_.step();
+    EXPECT_EQ(largestDistance(run_.positions(expected), run_.positions(both)), 0)
+        << "frame " << frame;
+  }
 }
 
 TEST_P(ForceFieldTest, OneValueEverywhereIsGravity) {
@@ -151,30 +155,40 @@ TEST_P(ForceFieldTest, ValuesAreInterpolatedAndEndWithTheGrid) {
   settings_.gravity = {};
   settings_.bendLength = 0;
   settings_.localStiffness = 0;
-  // Straight strands of two edges; the last vertex swings, from rest: h^2 a, or 4/9 of it.
+  // Straight strands of two edges; the last vertex swings, from rest: h^2 a, or 4/9 of it. Where
+  // that one is: in all parts of the grid, and beyond each of its sides.
+  const Vector3d low(-0.2, 0.15, -0.3), high = low + 0.35 * Vector3d(2, 3, 4);
+  const Vector3d ends[] = {{0, 0.4, 0},      {0.3, 0.7, 0.45},  {-0.15, 1.15, 1.05},
+                           {0.45, 0.2, 0.9}, {0.4, 1.1, -0.25}, {-0.3, 0.5, 0},
+                           {0.6, 0.5, 0},    {0, 0.1, 0},       {0, 1.25, 0},
+                           {0, 0.5, -0.4},   {0, 0.5, 1.2}};
   HairAsset asset;
-  asset.strandCount = 6;
   asset.verticesPerStrand = 3;
-  for (uint32_t s = 0; s < asset.strandCount; ++s)
-    for (uint32_t v = 0; v < 3; ++v)
-      asset.positions.push_back(
-          {0.01f * static_cast<float>(v), 0.3f * static_cast<float>(s), 0, v < 2 ? 0.0f : 1.0f});
+  for (const Vector3d& end : ends) {
+    ++asset.strandCount;
+    for (int v = 0; v < 3; ++v)
+      asset.positions.push_back(toFloat4(end + Vector3d(0.01 * (v - 2), 0, 0), v < 2 ? 0 : 1));
+  }
   expectOk(asset.process());
-  const HairObject& hair = run_.add(asset, {.name = "hair", .settings = settings_});
+  HairObject& hair = run_.add(asset, {.name = "hair", .settings = settings_});
   run_.step();
-  // Of y in 0.15 .. 1.15: strands 1 to 3 are in it.
-  Field field(run_, {2, 3, 2}, {-0.5f, 0.15f, -0.5f}, 0.5f);
-  field.field.cellSize = 0.5f;
-  field.field.origin = {-0.2f, 0.15f, -0.2f};
-  field.write([](const Vector3d& at) { return Float4{0, 0, static_cast<float>(4 * at.y()), 0}; });
-  const_cast<HairObject&>(hair).setForceField(field.field);
+  const auto before = run_.positions(hair);
+  Field field(run_, {3, 4, 5}, {-0.2f, 0.15f, -0.3f}, 0.35f, 2);
+  const auto valueAt = [](const Vector3d& at) {
+    return 0.5 + 0.75 * at.x() + at.y() - 0.4 * at.z();
+  };
+  field.write([&](const Vector3d& at) { return Float4{0, 0, static_cast<float>(valueAt(at)), 0}; });
+  hair.setForceField(field.field);
   run_.step();
   const auto p = run_.positions(hair);
   const double share = exact() ? 2.0 / 3 : 1;
-  for (uint32_t s = 0; s < asset.strandCount; ++s) {
-    const double y = 0.3 * s, inside = y > 0.15 && y < 1.15 ? 1 : 0;
-    const double expected = inside * 4 * y / 3600 * share * share;
-    EXPECT_NEAR(p[3 * s + 2].z, expected, 0.02 * expected + 1e-7) << "strand " << s;
+  for (size_t s = 0; s < std::size(ends); ++s) {
+    const bool inside = (ends[s] - low).minCoeff() > 0 && (high - ends[s]).minCoeff() > 0;
+    EXPECT_EQ(inside, s < 5);
+    const double expected = inside ? valueAt(ends[s]) / 3600 * share * share : 0;
+    EXPECT_NEAR(double{p[3 * s + 2].z} - double{before[3 * s + 2].z}, expected,
+                0.02 * expected + 2e-7)
+        << "strand " << s;
   }
 }
 
@@ -192,6 +206,10 @@ TEST_P(ForceFieldTest, WhatIsNoNumberActsOnNothing) {
   hair.setForceField(field.field);
   for (int frame = 0; frame < 5; ++frame) run_.step();
   EXPECT_TRUE(allFinite(run_.positions(hair)));
+  EXPECT_LT(largestDistance(run_.positions(expected), run_.positions(hair)), exact() ? 1e-3 : 1e-5);
+  // A drag that would speed hair up is none either, whatever else its nodes have.
+  field.write([&](const Vector3d&) { return Float4{20, 0, 0, -1}; });
+  for (int frame = 0; frame < 5; ++frame) run_.step();
   EXPECT_LT(largestDistance(run_.positions(expected), run_.positions(hair)), exact() ? 1e-3 : 1e-5);
 }
 
@@ -230,6 +248,29 @@ TEST(ForceFieldList, CostsNothingUnused) {
   EXPECT_EQ(countPasses(list, "sample_force_field"), 0u);
   EXPECT_EQ(scene.resources().count(), buffers + 1) << "the engine's";
   ASSERT_TRUE(scene.removeHair(*id));
+}
+
+TEST(ForceFieldList, KeepsHairAwake) {
+  Scene scene;
+  HairDef def;
+  def.settings.sleep.enabled = true;
+  def.settings.wind = {};
+  const Result<HairId> id = scene.addHair(makeAsset(), def);
+  ASSERT_TRUE(id);
+  PassList list;
+  const auto mayBeAsleep = [&] {
+    EXPECT_TRUE(scene.simulate(1.0f / 60, list));
+    scene.finish(list);
+    setDelivered(list.run);
+    return countPasses(list, "select_awake_tiles") > 0;
+  };
+  mayBeAsleep();
+  EXPECT_TRUE(mayBeAsleep());
+  const BufferId values = scene.resources().add({.name = "field", .size = 128, .stride = 16});
+  scene.hair(*id).setForceField({.values = values, .cellSize = 1, .nodes = {2, 2, 2}});
+  EXPECT_FALSE(mayBeAsleep());
+  scene.hair(*id).setForceField({});
+  EXPECT_TRUE(mayBeAsleep());
 }
 
 TEST(ForceFieldList, WhatIsWrongIsNamed) {

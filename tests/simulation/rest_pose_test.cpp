@@ -251,6 +251,33 @@ TEST_P(RestPose, WakesHairThatSleeps) {
 
 INSTANTIATE_TEST_SUITE_P(All, RestPose, testing::ValuesIn(solversOnApis()), stressTestName);
 
+TEST(RestPoseViews, SeeHairWhereItsNewPoseIs) {
+  Scene scene;
+  const HairAsset asset = wavyAsset(3, 5);
+  const auto added = scene.addHair(asset, {});
+  ASSERT_TRUE(added);
+  const auto isSeen = [&](float x) {
+    PassList list;
+    EXPECT_TRUE(scene.simulate(1.0f / 60, list));
+    scene.finish(list);
+    setDelivered(list.run);
+    View view;
+    view.eye = {x, 0, 2};
+    view.worldToClip = lookAt(view.eye, {x, 0, 0}, {0, 1, 0}, 0.4f, 1, 0.1f, 10);
+    view.width = view.height = 16;
+    PassList drawn;
+    EXPECT_TRUE(scene.draw(view, {}, drawn));
+    return !drawn.passes.empty();
+  };
+  EXPECT_TRUE(isSeen(0));
+  EXPECT_FALSE(isSeen(8));
+  std::vector<Float4> moved = asset.positions;
+  for (Float4& p : moved) p.x += 8;
+  expectOk(scene.hair(*added).setRestPose(moved));
+  EXPECT_TRUE(isSeen(8));
+  EXPECT_FALSE(isSeen(0));
+}
+
 TEST(RestPoseErrors, NameWhatIsWrongAndChangeNothing) {
   Scene scene;
   const HairAsset asset = wavyAsset(3, 5);

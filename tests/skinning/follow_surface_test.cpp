@@ -241,6 +241,35 @@ TEST_P(FollowSurface, RootsOnBrokenTrianglesStay) {
   }
 }
 
+// Twice the area of a triangle below 1e-6 of its longest edge's square is none.
+TEST_P(FollowSurface, TrianglesThatAreTooThinMoveNoRoot) {
+  EngineBuffer first(run_, "first", floatsOf(bind_[0], {}).size());
+  EngineBuffer second(run_, "second", floatsOf(bind_[1], {}).size());
+  addHair("host", {.name = "host", .boneCount = asset_.strandCount}, SkinningMethod::kMatrices);
+  const HairObject& hair =
+      addHair("hair", {.name = "skin", .source = BoneSource::kSurface, .surface = &table_},
+              SkinningMethod::kMatrices);
+  const VertexBuffer buffers[3] = {{.buffer = first.id()}, {.buffer = second.id()}, {}};
+  setHost(bind_);
+  std::vector<Float4> before;
+  // The first part as thin as this, flat and turned.
+  for (const float thin : {1.0f, 2e-8f, 4e-7f, 1e-4f}) {
+    std::vector<Float3> part = bind_[0];
+    for (Float3& p : part) p = thin < 1 ? Float3{-p.z, 0, thin * p.x} : p;
+    first.write(floatsOf(part, {}));
+    second.write(floatsOf(bind_[1], {}));
+    run_.scene.skeleton(skeletons_[1]).setVertices(buffers, {});
+    run_.step();
+    const auto now = run_.positions(hair);
+    ASSERT_TRUE(allFinite(now));
+    for (size_t s = 0; thin < 1 && s < table_.roots.size(); ++s) {
+      const bool stays = table_.roots[s].part == 1 || thin < 1e-6f;
+      EXPECT_EQ(now[4 * s] == before[4 * s], stays) << "root " << s << ", " << thin;
+    }
+    before = now;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Apis, FollowSurface, testing::ValuesIn(kApis), apiTestName);
 
 // ---- without a device

@@ -291,6 +291,32 @@ TEST_P(GpuBones, ShiftsOfTheWorldAreNotNoticed) {
   expectOk(run_.scene.shiftOrigin({-shift.x, -shift.y, -shift.z}));
 }
 
+// Where the origin of bones is no float: 3 km away, what floats leave of it is up to 0.06 mm.
+TEST_P(GpuBones, OriginsThatAreNoFloatsAreExact) {
+  // The sums are no floats.
+  const Float3 shifts[] = {{-3000.3f, 0.7f, 1234.1f}, {0.1f, 0.01f, -0.03f}};
+  const Float3 shift = {shifts[0].x + shifts[1].x, shifts[0].y + shifts[1].y,
+                        shifts[0].z + shifts[1].z};
+  BonePalette palette(run_, BoneLayout::kRows);
+  const SkeletonId host = hostSkeleton(), gpu = gpuSkeleton();
+  const HairObject& expected = addHair("expected", host, SkinningMethod::kMatrices);
+  const HairObject& hair = addHair("hair", gpu, SkinningMethod::kMatrices);
+  for (const Float3& by : shifts) expectOk(run_.scene.shiftOrigin(by));
+  const Pose pose = moved(walk(3, 0), {-shift.x, -shift.y, -shift.z});
+  run_.scene.skeleton(host).setBones(pose);
+  palette.write(pose);
+  run_.scene.skeleton(gpu).setBones(palette.given(), placementOf(pose));
+  run_.step();
+  const auto a = run_.read(expected.buffers().boneTransforms);
+  const auto b = run_.read(hair.buffers().boneTransforms);
+  ASSERT_EQ(a.size(), b.size());
+  double off = 0;
+  for (size_t i = 0; i < a.size(); ++i)
+    keepLargest(off, std::abs(static_cast<double>(a[i].w) - static_cast<double>(b[i].w)));
+  EXPECT_LT(off, 1e-6);
+  for (const Float3& by : shifts) expectOk(run_.scene.shiftOrigin({-by.x, -by.y, -by.z}));
+}
+
 TEST_P(GpuBones, TeleportsTakeHairAlong) {
   BonePalette palette(run_, BoneLayout::kRows);
   const SkeletonId host = hostSkeleton(), gpu = gpuSkeleton();
@@ -444,6 +470,28 @@ TEST_F(GpuBonesList, OfAFrameThatDoesNotRunAreReadAgain) {
   simulate();
   EXPECT_EQ(countPasses(list_, "convert_bones"), 1u);
   EXPECT_EQ(countPasses(list_, "skin_roots"), 1u);
+}
+
+TEST_F(GpuBonesList, ViewsSeeHairAsFarFromThePlacementAsItMayBe) {
+  for (const float deviation : {0.5f, 4.0f}) {
+    SkeletonPose& skeleton =
+        addSkeleton({.name = "gpu", .source = BoneSource::kBuffer, .deviation = deviation});
+    const auto hair = scene_.addHair(makeAsset(), {.skeleton = id_});
+    ASSERT_TRUE(hair);
+    const AffineTransform placement = rigidTransform({0, 0, 0, 1}, {6, 0, 0});
+    skeleton.setBones({.buffer = addBuffer(12)}, placement);
+    simulate();
+    for (const float x : {0.0f, 3.0f, 6.0f, 9.0f}) {
+      View view;
+      view.eye = {x, 0, 1};
+      view.worldToClip = lookAt(view.eye, {x, 0, 0}, {0, 1, 0}, 0.4f, 1, 0.1f, 10);
+      view.width = view.height = 16;
+      PassList drawn;
+      ASSERT_TRUE(scene_.draw(view, {}, drawn));
+      EXPECT_EQ(!drawn.passes.empty(), std::abs(x - 6) < deviation) << x << ", " << deviation;
+    }
+    ASSERT_TRUE(scene_.removeHair(*hair));
+  }
 }
 
 TEST_F(GpuBonesList, WhatIsWrongIsNamed) {
