@@ -5,67 +5,39 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
-#include <map>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "constant_lights/code.h"
 #include "constant_lights/gpu_structs.h"
 #include "constant_lights/kernels.h"
-#include "oit/tangle.h"
+#include "oit/shared_tangle.h"
 #include "pelage/engine_lights.h"
-#include "support/required_devices.h"
 #include "view_lights/kernels.h"
 
 namespace pelage::test {
 namespace {
 
-struct Method {
-  const char* name;
-  Transparency transparency;
-  uint32_t samples = 1;
-};
-constexpr Method kMethods[] = {
-    {"alpha test", Transparency::kAlphaTest}, {"stochastic", Transparency::kStochastic, 4},
-    {"windowed", Transparency::kWindowed},    {"hybrid 4", Transparency::kHybrid4},
-    {"hybrid 8", Transparency::kHybrid8},     {"hybrid 16", Transparency::kHybrid16},
-    {"ShortCut", Transparency::kShortCut},    {"tiles", Transparency::kTiles}};
 constexpr uint32_t kPixels = 48;
 constexpr Float3 kColor = {0.75f, 0.25f, 0.5f};
 
-class EngineLightsTest : public testing::TestWithParam<Api> {
+class EngineLightsTest : public SharedTangleTest<> {
  protected:
-  static std::map<Api, std::unique_ptr<TangleRun>>& runs() {
-    static std::map<Api, std::unique_ptr<TangleRun>> all;
-    return all;
+  void fill(TangleRun& run) override {
+    run.run.device()->addCode(constant_lights::allCode());
+    run.add({.strands = 300, .opacity = 0.6f});
   }
-  static void TearDownTestSuite() { runs().clear(); }
   void SetUp() override {
-    std::unique_ptr<TangleRun>& run = runs()[GetParam()];
-    if (run == nullptr) {
-      run = std::make_unique<TangleRun>(GetParam());
-      if (run->run.device() != nullptr) {
-        run->run.device()->addCode(constant_lights::allCode());
-        run->add({.strands = 300, .opacity = 0.6f});
-      }
-    }
-    if (run->run.device() == nullptr)
-      PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: no " << apiName(GetParam()) << " device";
+    SharedTangleTest::SetUp();
+    if (!hasDevice()) return;
     messages_ = device().messageCount();
     tangleRun().run.scene.setTier(device().info().tier);
   }
   void TearDown() override {
-    if (runs()[GetParam()]->run.device() != nullptr) {
+    if (hasDevice()) {
       EXPECT_EQ(device().messageCount(), messages_) << "the driver or a layer complained";
     }
   }
-  TangleRun& tangleRun() { return *runs()[GetParam()]; }
-  HeadlessDevice& device() { return *tangleRun().run.device(); }
-  bool hasTarget(const Method& method) {
-    return (device().info().sampleCounts & method.samples) != 0;
-  }
-
   static TransparencySettings settingsOf(const Method& method, const EngineLights* lights) {
     return {.method = method.transparency, .nodeCount = 1 << 15, .engineLights = lights};
   }

@@ -4,62 +4,46 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <memory>
 #include <span>
 #include <string>
 #include <tuple>
 #include <utility>
 #include <vector>
 
-#include "oit/tangle.h"
-#include "support/required_devices.h"
+#include "oit/shared_tangle.h"
+#include "support/extremes.h"
 
 namespace pelage::test {
 namespace {
 
 constexpr uint32_t kPixels = 48, kTexels = 128;
-constexpr std::pair<Transparency, const char*> kMethods[] = {
+constexpr std::pair<Transparency, const char*> kLitMethods[] = {
     {Transparency::kAlphaTest, "alphaTest"}, {Transparency::kStochastic, "stochastic"},
     {Transparency::kWindowed, "windowed"},   {Transparency::kHybrid8, "hybrid8"},
     {Transparency::kShortCut, "shortCut"},   {Transparency::kTiles, "tiles"}};
 using Case = std::tuple<Api, std::pair<Transparency, const char*>>;
 
-class LightsOfAView : public testing::TestWithParam<Case> {
+class LightsOfAView : public SharedTangleTest<Case> {
  protected:
-  static std::map<Api, std::unique_ptr<TangleRun>>& runs() {
-    static std::map<Api, std::unique_ptr<TangleRun>> all;
-    return all;
-  }
-  static void TearDownTestSuite() { runs().clear(); }
-  void SetUp() override {
-    std::unique_ptr<TangleRun>& run = runs()[api()];
-    if (run == nullptr) {
-      run = std::make_unique<TangleRun>(api());
-      if (run->run.device() != nullptr) run->add({.strands = 500, .opacity = 0.5f});
-    }
-    if (run->run.device() == nullptr)
-      PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: no " << apiName(api()) << " device";
-  }
-  static Api api() { return std::get<0>(GetParam()); }
-  TangleRun& tangleRun() { return *runs()[api()]; }
+  void fill(TangleRun& run) override { run.add({.strands = 500, .opacity = 0.5f}); }
 
-  RenderedImage draw(const Light& light) {
+  RenderedImage draw(const Light& light) { return draw(std::span(&light, 1)); }
+  RenderedImage draw(std::span<const Light> lights) {
     tangleRun().run.step(0);
     tangleRun().lists.clear();
     TransparencySettings settings;
     settings.method = std::get<1>(GetParam()).first;
     const View view = tangleView(kPixels);
-    expectOk(tangleRun().run.scene.draw(view, {&light, 1}, settings, tangleRun().lists));
+    expectOk(tangleRun().run.scene.draw(view, lights, settings, tangleRun().lists));
     return tangleRun().renderLists(view).value_or(RenderedImage{});
   }
 
-  /// A map whose left part, up to this column, is in front of all hair.
-  OpaqueShadow opaque(uint32_t darkColumns) {
+  /// A map whose left part, up to this column, is in front of all hair; or all but that part.
+  OpaqueShadow opaque(uint32_t darkColumns, bool others = false) {
     ResourceTable& resources = tangleRun().resources();
     std::vector<float> depths(size_t{kTexels} * kTexels, 1);
     for (size_t i = 0; i < depths.size(); ++i)
-      if (i % kTexels < darkColumns) depths[i] = 0;
+      if ((i % kTexels < darkColumns) != others) depths[i] = 0;
     const auto bytes = std::as_bytes(std::span(depths));
     OpaqueShadow map;
     map.depth = resources.add({.name = "opaque shadow",
@@ -97,6 +81,19 @@ size_t differing(const RenderedImage& a, const RenderedImage& b, uint32_t first,
   return count;
 }
 
+/// Of pixels of columns first..last-1; infinite where one is NaN.
+double largestDifference(const RenderedImage& a, const RenderedImage& b, uint32_t first,
+                         uint32_t last) {
+  double largest = 0;
+  for (size_t i = 0; i < a.pixels.size(); ++i) {
+    if (i % kPixels < first || i % kPixels >= last) continue;
+    const Float4 &p = a.pixels[i], &q = b.pixels[i];
+    for (const float d : {p.x - q.x, p.y - q.y, p.z - q.z, p.w - q.w})
+      keepLargest(largest, std::abs(static_cast<double>(d)));
+  }
+  return std::isnan(largest) ? 1e9 : largest;
+}
+
 /// Mean absolute difference of the colors of covered pixels; NaN where one is.
 double meanDifference(const RenderedImage& a, const RenderedImage& b) {
   double sum = 0, covered = 0;
@@ -129,6 +126,29 @@ TEST_P(LightsOfAView, OpaqueGeometryInFrontTakesTheLightOfItsSilhouetteAlone) {
     EXPECT_EQ(differing(half, dark, 0, middle - 1), 0u) << "in the silhouette";
     EXPECT_EQ(differing(half, lit, middle + 1, kPixels), 0u) << "outside of it";
   }
+}
+
+// One of them lights the right half, and one the left half: each has a map of its own.
+TEST_P(LightsOfAView, EachHasItsOwnOpaqueGeometry) {
+  Light right = fromTheFront(HairShadow::kDeep);
+  right.color = {0.8f, 0.1f, 0.3f};
+  Light left = fromTheFront(HairShadow::kNone);
+  left.color = {0.1f, 0.7f, 0.2f};
+  // The same ambient light in all pictures.
+  Light none = left;
+  none.color = none.ambient = {0, 0, 0};
+  const RenderedImage leftAlone = draw(std::vector<Light>{left, none});
+  left.ambient = {0, 0, 0};
+  const RenderedImage rightAlone = draw(std::vector<Light>{right, none});
+  right.opaque = opaque(kTexels / 2);
+  left.opaque = opaque(kTexels / 2, true);
+  const RenderedImage both = draw(std::vector<Light>{right, left});
+  forget(right.opaque);
+  forget(left.opaque);
+  const uint32_t middle = kPixels / 2;
+  EXPECT_LT(largestDifference(both, leftAlone, 0, middle - 1), 2e-3);
+  EXPECT_LT(largestDifference(both, rightAlone, middle + 1, kPixels), 2e-3);
+  EXPECT_GT(largestDifference(leftAlone, rightAlone, 0, middle - 1), 0.05);
 }
 
 TEST_P(LightsOfAView, SpotLightThatLooksElsewhereIsDark) {
@@ -214,7 +234,7 @@ TEST_P(LightsOfAView, PointLightFarAwayIsADirectionalLight) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, LightsOfAView,
-                         testing::Combine(testing::ValuesIn(kApis), testing::ValuesIn(kMethods)),
+                         testing::Combine(testing::ValuesIn(kApis), testing::ValuesIn(kLitMethods)),
                          [](const auto& one) {
                            return std::string(apiName(std::get<0>(one.param))) + "_" +
                                   std::get<1>(one.param).second;

@@ -5,25 +5,11 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <map>
-#include <memory>
 
-#include "oit/tangle.h"
-#include "support/required_devices.h"
+#include "oit/shared_tangle.h"
 
 namespace pelage::test {
 namespace {
-
-struct Method {
-  const char* name;
-  Transparency transparency;
-  uint32_t samples = 1;
-};
-constexpr Method kMethods[] = {
-    {"alpha test", Transparency::kAlphaTest}, {"stochastic", Transparency::kStochastic, 4},
-    {"windowed", Transparency::kWindowed},    {"hybrid 4", Transparency::kHybrid4},
-    {"hybrid 8", Transparency::kHybrid8},     {"hybrid 16", Transparency::kHybrid16},
-    {"ShortCut", Transparency::kShortCut},    {"tiles", Transparency::kTiles}};
 
 TransparencySettings settingsOf(const Method& method) {
   TransparencySettings settings;
@@ -32,27 +18,12 @@ TransparencySettings settingsOf(const Method& method) {
   return settings;
 }
 
-class TransparencyTargets : public testing::TestWithParam<Api> {
+class TransparencyTargets : public SharedTangleTest<> {
  protected:
-  // One device an API for all tests: most of their time is that of making pipelines.
-  static std::map<Api, std::unique_ptr<TangleRun>>& runs() {
-    static std::map<Api, std::unique_ptr<TangleRun>> all;
-    return all;
-  }
-  static void TearDownTestSuite() { runs().clear(); }
+  void fill(TangleRun& run) override { run.add({.strands = 500}); }
   void SetUp() override {
-    std::unique_ptr<TangleRun>& run = runs()[GetParam()];
-    if (run == nullptr) {
-      run = std::make_unique<TangleRun>(GetParam());
-      if (run->run.device() != nullptr) run->add({.strands = 500});
-    }
-    if (run->run.device() == nullptr)
-      PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: no " << apiName(GetParam()) << " device";
-    run->hair().visible = true;
-  }
-  TangleRun& tangleRun() { return *runs()[GetParam()]; }
-  bool hasTarget(const Method& method) {
-    return (tangleRun().run.device()->info().sampleCounts & method.samples) != 0;
+    SharedTangleTest::SetUp();
+    if (hasDevice()) tangleRun().hair().visible = true;
   }
   RenderedImage render(TangleRun& scene, const Method& method, View view,
                        RenderTargetDef target = {}) {

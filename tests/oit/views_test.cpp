@@ -4,13 +4,10 @@
 
 #include <algorithm>
 #include <cstring>
-#include <map>
-#include <memory>
 #include <string>
 #include <vector>
 
-#include "oit/tangle.h"
-#include "support/required_devices.h"
+#include "oit/shared_tangle.h"
 
 namespace pelage::test {
 namespace {
@@ -21,25 +18,15 @@ struct WrittenView {
   std::vector<PassList> lists;
 };
 
-class ViewsOfAFrame : public testing::TestWithParam<Api> {
+class ViewsOfAFrame : public SharedTangleTest<> {
  protected:
-  static std::map<Api, std::unique_ptr<TangleRun>>& runs() {
-    static std::map<Api, std::unique_ptr<TangleRun>> all;
-    return all;
-  }
-  static void TearDownTestSuite() { runs().clear(); }
+  void fill(TangleRun& run) override { run.add({.strands = 300, .opacity = 0.5f}); }
   void SetUp() override {
-    std::unique_ptr<TangleRun>& run = runs()[GetParam()];
-    if (run == nullptr) {
-      run = std::make_unique<TangleRun>(GetParam());
-      if (run->run.device() != nullptr) run->add({.strands = 300, .opacity = 0.5f});
-    }
-    if (run->run.device() == nullptr)
-      PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: no " << apiName(GetParam()) << " device";
+    SharedTangleTest::SetUp();
+    if (!hasDevice()) return;
     scene().trim();
     nextFrame();
   }
-  TangleRun& tangleRun() { return *runs()[GetParam()]; }
   Scene& scene() { return tangleRun().run.scene; }
   // Without moving the hair.
   void nextFrame() { tangleRun().run.step(0); }
