@@ -225,6 +225,26 @@ TEST_P(ViewsOfAFrame, AreRefusedWhereAnotherDrawHasTheirBuffers) {
   EXPECT_NE(gone.error().message.find("Scene::trim()"), std::string::npos) << gone.error().message;
 }
 
+TEST_P(ViewsOfAFrame, WithoutShadowsNeedNoListThatMadeMaps) {
+  const TransparencySettings settings = settingsOf(Transparency::kAlphaTest);
+  const Light plain;
+  for (const bool finished : {false, true}) {
+    for (const bool sameFrame : {false, true}) {
+      nextFrame();
+      WrittenView lost = write(viewOf(40, 40), settings);
+      if (finished) {
+        finish(lost);
+        for (PassList& list : lost.lists) abandon(list.run);
+      }
+      if (!sameFrame) nextFrame();
+      WrittenView written = write(viewOf(40, 40), settings, {plain});
+      finish(written);
+      const Result<void> runs = checkRun(written.lists[0]);
+      EXPECT_TRUE(runs) << runs.error().message;
+    }
+  }
+}
+
 TEST_P(ViewsOfAFrame, AreRefusedWhereTheListWithTheirMapsDoesNotRun) {
   const TransparencySettings settings = settingsOf(Transparency::kAlphaTest);
   nextFrame();

@@ -232,7 +232,8 @@ Result<void> ShadowMaps::record(ShadowPlan& plan, std::span<const ShadowedHair> 
   words_ = bank_->words;
   views_ = table_->views;
   const bool known = complete && table_->maker != nullptr;
-  if (known) need(ticket, table_->maker);
+  // Without maps nothing is read of the table, whoever has filled it last.
+  if (known && !content.empty()) need(ticket, table_->maker);
   for (size_t i = 0; i < plan.maps.size() && !known; ++i) {
     table_->maker = ticket;
     StrandShadowBuffers buffers;
