@@ -142,6 +142,39 @@ TEST_P(Recovery, ThePictureIsTheOneBeforeAndHairGoesOn) {
   EXPECT_EQ(scene_.time(), time);
 }
 
+// The world's origin is elsewhere than it was in the snapshot.
+TEST_P(Recovery, AShiftOfTheOriginSinceReachesTheSnapshot) {
+  for (int frame = 0; frame < 6; ++frame) step(frame);
+  const auto snapshot = scene_.takeSnapshot(reader());
+  ASSERT_TRUE(snapshot) << snapshot.error().message;
+  const std::vector<Float4> before = positions();
+  expectOk(scene_.shiftOrigin({3, -2, 5}));
+  loseDevice();
+  const auto kept = scene_.recover(*snapshot);
+  ASSERT_TRUE(kept) << kept.error().message;
+  EXPECT_EQ(*kept, 1u);
+  auto frame = scene_.simulate(0);
+  ASSERT_TRUE(frame);
+  View view;
+  view.eye = {-2.9f, 2.04f, -4.5f};
+  view.worldToClip = lookAt(view.eye, {-2.9f, 2.04f, -5}, {0, 1, 0}, 0.8f, 1, 0.05f, 5);
+  view.width = view.height = kPixels;
+  const Light light;
+  ASSERT_TRUE(frame->draw(view, {&light, 1}));
+  const RenderTargetDef target = {.width = kPixels, .height = kPixels};
+  const auto images = device_->render(*frame, {&target, 1});
+  ASSERT_TRUE(images) << images.error().message;
+  const std::vector<Float4>& pixels = (*images)[0].pixels;
+  EXPECT_GT(std::ranges::count_if(pixels, [](const Float4& p) { return p.w > 0; }), 50);
+  const std::vector<Float4> after = positions();
+  ASSERT_EQ(after.size(), before.size());
+  for (size_t i = 0; i < after.size(); ++i) {
+    ASSERT_NEAR(after[i].x, before[i].x - 3, 2e-6) << i;
+    ASSERT_NEAR(after[i].y, before[i].y + 2, 2e-6) << i;
+    ASSERT_NEAR(after[i].z, before[i].z - 5, 2e-6) << i;
+  }
+}
+
 TEST_P(Recovery, WithoutASnapshotHairBeginsAnew) {
   // One that jumps would push the hair.
   collides_ = false;
@@ -193,6 +226,12 @@ TEST_P(Recovery, SaysWhatIsWrong) {
     return Error{ErrorCode::kDeviceLost, "gone"};
   }),
               "gone");
+  expectError(scene_.takeSnapshot([&](BufferId buffer) -> Result<std::vector<std::byte>> {
+    Result<std::vector<std::byte>> bytes = device_->read(buffer);
+    if (bytes) bytes->pop_back();
+    return bytes;
+  }),
+              "the reader gave");
   const auto snapshot = scene_.takeSnapshot(reader());
   ASSERT_TRUE(snapshot);
   Scene other;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -69,6 +70,13 @@ Result<std::shared_ptr<const SnapshotData>> SceneImpl::takeSnapshot(const Buffer
     for (const BufferId buffer : ownBuffers(*object)) {
       Result<std::vector<std::byte>> bytes = read(buffer);
       if (!bytes) return bytes.error();
+      const BufferDesc& desc = *resources_.find(buffer);
+      if (bytes->size() != desc.size) {
+        return Error{ErrorCode::kInvalidArgument, "takeSnapshot(): the reader gave " +
+                                                      std::to_string(bytes->size()) +
+                                                      " bytes of buffer '" + desc.name +
+                                                      "', which has " + std::to_string(desc.size)};
+      }
       hair.contents.push_back({buffer, std::move(*bytes)});
     }
   }
@@ -92,7 +100,9 @@ void SceneImpl::restoreHair(HairInternals& hair, const HairFrameState& state,
                             const Vector3<double>& shifted) {
   static_cast<HairFrameState&>(hair) = state;
   const Vector3<double> since = this->shifted() - shifted;
-  if (since.x != 0 || since.y != 0 || since.z != 0) shiftWorld(hair, since, this->shifted());
+  // Bones, colliders and fields of the engine are where they are now.
+  const bool moved = since.x != 0 || since.y != 0 || since.z != 0;
+  if (moved) shiftWorld(static_cast<HairFrameState&>(hair), since, this->shifted());
   sendAgain(hair);
 }
 
