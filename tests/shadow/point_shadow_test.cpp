@@ -333,28 +333,12 @@ TEST(PointShadowPlan, SpotLightLooksAtTheNarrowerOfItsConeAndTheHair) {
   EXPECT_FALSE(detail::planStrandShadow(def, {}));
 }
 
-// glTF's KHR_lights_punctual, and the inverse square of the distance.
-TEST_P(PointShadow, SpotLightEndsAtItsCone) {
-  Light light;
-  light.hasPosition = true;
-  light.direction = {0, 0, 1};
-  const double inner = 0.3, outer = 0.5;
-  std::vector<Float4> points;
-  std::vector<double> expected;
-  light.innerConeAngle = static_cast<float>(inner);
-  light.outerConeAngle = static_cast<float>(outer);
-  for (int i = 0; i <= 160; ++i) {
-    const double angle = 0.02 * i, distance = 0.5 + 0.01 * i;
-    points.push_back(toFloat4(
-        Vector3d(std::sin(angle) * 0.6, std::sin(angle) * 0.8, -std::cos(angle)) * distance));
-    const double share = std::clamp(
-        (std::cos(angle) - std::cos(outer)) / (std::cos(inner) - std::cos(outer)), 0.0, 1.0);
-    expected.push_back(share * share / (distance * distance));
-  }
-  const GuardedBuffer<Float4> pointBuffer(gpu(), "litPoints", points);
-  const GuardedBuffer<Float4> results(gpu(), "litResults",
+// What arrives of a light of 1 at points.
+std::vector<Float4> illumination(Gpu& gpu, const Light& light, const std::vector<Float4>& points) {
+  const GuardedBuffer<Float4> pointBuffer(gpu, "litPoints", points);
+  const GuardedBuffer<Float4> results(gpu, "litResults",
                                       std::vector<Float4>(points.size(), {-1, -1, -1, -1}));
-  expectOk(gpu().device()->update(gpu().resources));
+  expectOk(gpu.device()->update(gpu.resources));
   shadow_test::ReadIlluminationConstants constants = {};
   constants.litDirection = {0, 0, 0, 1};
   constants.litColor = {1, 1, 1, 0};
@@ -367,15 +351,54 @@ TEST_P(PointShadow, SpotLightEndsAtItsCone) {
   results.bindTo(builder, "g_litResults");
   builder.constants("ReadIlluminationConstants", constants);
   expectOk(builder.finish());
-  gpu().hazards.resolve(list);
-  expectOk(gpu().device()->execute(list));
-  const std::vector<Float4> seen = results.read();
-  for (size_t i = 0; i < seen.size(); ++i) {
-    EXPECT_NEAR(static_cast<double>(seen[i].x), expected[i], 1e-4) << 0.02 * static_cast<double>(i);
-    if (0.02 * static_cast<double>(i) > outer + 1e-3) {
-      EXPECT_EQ(seen[i].x, 0);
+  gpu.hazards.resolve(list);
+  expectOk(gpu.device()->execute(list));
+  return results.read();
+}
+
+// glTF's KHR_lights_punctual, and the inverse square of the distance.
+TEST_P(PointShadow, SpotLightEndsAtItsCone) {
+  struct Cone {
+    double inner, outer;
+  };
+  for (const auto& [inner, outer] :
+       {Cone{0.3, 0.5}, Cone{0, 1.5}, Cone{0.085, 0.09}, Cone{0.01, 0.02}, Cone{0, 0.01}}) {
+    Light light;
+    light.hasPosition = true;
+    light.direction = {0, 0, 1};
+    std::vector<Float4> points;
+    std::vector<double> expected, angles;
+    light.innerConeAngle = static_cast<float>(inner);
+    light.outerConeAngle = static_cast<float>(outer);
+    const double range = std::cos(inner) - std::cos(outer);
+    for (int i = 0; i <= 160; ++i) {
+      const double angle = std::min(0.04 * outer * i, std::numbers::pi), distance = 0.5 + 0.01 * i;
+      points.push_back(toFloat4(
+          Vector3d(std::sin(angle) * 0.6, std::sin(angle) * 0.8, -std::cos(angle)) * distance));
+      const double share = std::clamp((std::cos(angle) - std::cos(outer)) / range, 0.0, 1.0);
+      expected.push_back(share * share / (distance * distance));
+      angles.push_back(angle);
+    }
+    const std::vector<Float4> seen = illumination(gpu(), light, points);
+    // A cosine of nearly 1 is rounded by 6e-8, and the difference of two of them is divided.
+    const double rounding = 4e-7 / range;
+    for (size_t i = 0; i < seen.size(); ++i) {
+      EXPECT_NEAR(static_cast<double>(seen[i].x), expected[i], 1e-4 + 8 * rounding)
+          << angles[i] << " of " << outer;
+      if (angles[i] > 1.01 * outer) {
+        EXPECT_EQ(seen[i].x, 0) << angles[i] << " of " << outer;
+      }
     }
   }
+  // One without an edge between light and dark.
+  Light light;
+  light.hasPosition = true;
+  light.direction = {0, 0, 1};
+  light.innerConeAngle = light.outerConeAngle = 0.2f;
+  const std::vector<Float4> seen =
+      illumination(gpu(), light, {{0.19f, 0, -1, 0}, {0.21f, 0, -1, 0}});
+  EXPECT_NEAR(seen[0].x, 1 / (1 + 0.19f * 0.19f), 1e-4f);
+  EXPECT_EQ(seen[1].x, 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(, PointShadow, testing::ValuesIn(kApis), apiTestName);
