@@ -208,7 +208,7 @@ TEST_P(SdfPoints, PlaceAndScaleInTheWorldDoNotMatter) {
     colliderOf(point).margin = scale * 0.001f;
     points.push_back(point);
   }
-  double deepest = 0, worst = 0;
+  double deepest = 0;
   for (int frame = 0; frame < 40; ++frame) {
     const Float3 displacement = displacementAt(frame);
     for (size_t i = 0; i < all.size(); ++i) {
@@ -233,9 +233,11 @@ TEST_P(SdfPoints, PlaceAndScaleInTheWorldDoNotMatter) {
     if (HasFatalFailure()) return;
   }
   const std::vector<Float4> first = run_.positions(hairOf(points[0]));
+  double near = 0, far = 0, small = 0;
   for (size_t i = 1; i < all.size(); ++i) {
     const std::vector<Float4> positions = run_.positions(hairOf(points[i]));
-    double off = 0;
+    double& off = i < 10 ? near : i == 10 ? far : small;
+    if (all[i].scale > 1) continue;
     for (size_t v = 0; v < positions.size(); ++v) {
       const auto at = [&](size_t k) {
         return toVector({all[k].at.x, all[k].at.y, all[k].at.z, 0});
@@ -245,10 +247,19 @@ TEST_P(SdfPoints, PlaceAndScaleInTheWorldDoNotMatter) {
                                .norm() /
                            double{kCell});
     }
-    if (all[i].scale <= 1) keepLargest(worst, off);
   }
-  EXPECT_LT(worst, 0.6);
-  printFigure("places and scales, " + label() + ": hair differs by [cell]", worst);
+  // The exact solver's contacts go other ways after rounding: measured 0.057, and at most 0.062 at
+  // 54 random places between the nodes; classic 1e-4.
+  EXPECT_LT(near, exact() ? 0.1 : 1e-3);
+  // Positions are rounded by half a millimetre, 0.05 cells, an axis.
+  EXPECT_LT(far, 0.15);
+  // Contacts of the exact solver know lengths of their own, which do not shrink with the world:
+  // what is at rest on a surface within 0.02 mm is so within 2 cells here, and gaps of 0.1 mm,
+  // which ask for a further pass, are 10. Measured 0.331, the same bits on every API.
+  EXPECT_LT(small, exact() ? 0.4 : 1e-3);
+  printFigure("places, " + label() + ": hair differs by [cell]", near);
+  printFigure("  10 km away [cell]", far);
+  printFigure("  in a world of a thousandth of the size [cell]", small);
   printFigure("  deepest [cell]", deepest);
 }
 
