@@ -27,6 +27,7 @@
 #include "pelage/headless.h"
 #include "support/required_devices.h"
 #include "support/test_code.h"
+#include "support/texture_list.h"
 
 namespace pelage {
 namespace {
@@ -1588,6 +1589,25 @@ TEST_P(GlRuntimeTest, GuardsTheStateOfTheEngine) {
     EXPECT_NE(snapshot(GetParam()), before);  // otherwise this test would show nothing
   }
   EXPECT_EQ(snapshot(GetParam()), before);
+}
+
+TEST_P(GlRuntimeTest, KnowsTexturesUntilTheyAreForgotten) {
+  gl::Runtime runtime = makeRuntime();
+  const TextureId texture = newTextureId();
+  const auto saysUnknown = [&] {
+    PassList list = test::listWithTexture(texture);
+    const Result<void> recorded = runtime.record(list);
+    if (recorded) return false;
+    return recorded.error().message.find("'g_picture': the runtime does not know the texture") !=
+           std::string::npos;
+  };
+  EXPECT_TRUE(saysUnknown());
+  runtime.registerTexture(texture, {.target = GL_TEXTURE_2D_ARRAY, .name = 1});
+  EXPECT_FALSE(saysUnknown());
+  runtime.registerTexture(newTextureId(), {});
+  EXPECT_FALSE(saysUnknown());
+  runtime.registerTexture(texture, {.target = GL_TEXTURE_2D_ARRAY});
+  EXPECT_TRUE(saysUnknown());
 }
 
 // What lists with textures change, which is what units have of the targets that are registered.

@@ -13,6 +13,7 @@
 #include "runtime_test/layouts.h"
 #include "runtime_test/spirv.h"
 #include "support/required_devices.h"
+#include "support/texture_list.h"
 #include "vulkan_engine.h"
 
 namespace {
@@ -153,6 +154,34 @@ class VulkanEngine : public testing::Test {
   HazardTracker tracker_;
   uint64_t frame_ = 0;
 };
+
+TEST_F(VulkanEngine, KnowsTexturesUntilTheyAreForgotten) {
+  createRuntime(engine_->runtimeDef());
+  const TextureId texture = newTextureId();
+  // Of no object: no list gets as far as to use them.
+  int view = 0, sampler = 0;
+  const auto viewHandle = reinterpret_cast<VkImageView>(&view);
+  const auto samplerHandle = reinterpret_cast<VkSampler>(&sampler);
+  const auto messageOf = [&] {
+    const Engine::Frame& frame = beginFrame();
+    PassList list = test::listWithTexture(texture);
+    const Result<void> recorded = runtime_->record(list, frame.commands);
+    submit(frame);
+    return recorded ? std::string() : recorded.error().message;
+  };
+  constexpr const char* kUnknown = "'g_picture': the runtime does not know the texture";
+  constexpr const char* kNoSampler = "'g_pictureSampler': the texture was registered without";
+  EXPECT_NE(messageOf().find(kUnknown), std::string::npos);
+  runtime_->registerTexture(texture, {.view = viewHandle});
+  EXPECT_NE(messageOf().find(kNoSampler), std::string::npos);
+  runtime_->registerTexture(texture, {.view = viewHandle, .sampler = samplerHandle});
+  const std::string other = messageOf();
+  EXPECT_FALSE(other.empty()) << "the kernel has no code";
+  EXPECT_EQ(other.find("texture"), std::string::npos) << other;
+  runtime_->registerTexture(texture, {});
+  EXPECT_NE(messageOf().find(kUnknown), std::string::npos);
+  finishFrames();
+}
 
 TEST_F(VulkanEngine, UploadsAndConstantsOfThreeFramesInFlightStayApart) {
   createRuntime(engine_->runtimeDef());
