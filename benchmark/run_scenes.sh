@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The scenes that users run, on Vulkan, GL and GLES: replaces OUT_DIR/scenes_<device>.csv,
-# scenes_<device>_passes.csv and scenes_<device>_first_frame.csv.
+# The scenes that users run, on Vulkan, GL and GLES: replaces OUT_DIR/scenes_<device>.csv and,
+# beside it, _passes.csv, _first_frame.csv, _drawing.csv and _drawing_passes.csv.
 #   benchmark/run_scenes.sh TOOL OUT_DIR DEVICE [more options of the tool...]
 # TOOL is pelage-scene-benchmark; DEVICE names the files: h200, lavapipe, llvmpipe. All rows of an
 # API run in one process. Then, in a process each and without any shader cache, the first frames.
@@ -30,7 +30,7 @@ esac
 case $csv in *lavapipe.csv | *llvmpipe.csv) size=(--small) frames=(--frames 8 --warm-up 16) ;; esac
 
 mkdir -p "$(dirname "$csv")"
-rm -f "$csv" "${csv%.csv}_passes.csv" "${csv%.csv}_first_frame.csv"
+rm -f "$csv" "${csv%.csv}"_{passes,first_frame,drawing,drawing_passes}.csv
 tool=("$tool" --csv "$csv" --commit "$commit" "${size[@]}")
 failed=0
 
@@ -53,7 +53,7 @@ export __GL_SHADER_DISK_CACHE=0 MESA_SHADER_CACHE_DISABLE=true
 printf '\n%-40s%16s\n' 'first frame, no shader cache' 'ms'
 for api in $cold_apis; do
   # shellcheck disable=SC2086  # one filter a word
-  for row in $("${tool[@]}" --list --filter $cold); do
+  for row in $("${tool[@]}" --cold --list --filter $cold); do
     if [ "$SECONDS" -ge "$seconds" ]; then
       echo "$api $row: skipped, the time is over"
       continue

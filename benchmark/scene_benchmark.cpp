@@ -1,21 +1,26 @@
-// The scenes that users run: GPU time of every pass, error beside time, first frame; as tables and
-// CSV.
+// The scenes that users run: GPU time of every pass, error beside time, first frame, and what
+// drawing costs; as tables and CSV.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "device.h"
+#include "scenes/drawing_measure.h"
+#include "scenes/drawing_report.h"
 #include "scenes/scene_measure.h"
 #include "scenes/scene_report.h"
 #include "simulation/bench_device.h"
 
 namespace {
 
+using bench::DrawingResult;
+using bench::DrawingRow;
 using bench::SceneResult;
 using bench::SceneRow;
 using pelage::Error;
@@ -29,6 +34,7 @@ struct Options {
   std::vector<std::string> filters;  // empty: all rows
   int device = -1;
   bench::MeasureDef measure;
+  std::string method;  // of the rows that draw; empty: as the library has it
   double seconds = 0;
   bool quick = false, small = false, cold = false, list = false;
   std::string csv, commit;
@@ -43,15 +49,30 @@ bench::SceneSize sizeOf(const Options& options) {
   return options.small ? bench::SceneSize::kSmall : bench::SceneSize::kFull;
 }
 
-std::vector<SceneRow> chosenRows(const Options& options) {
-  std::vector<SceneRow> rows;
-  for (SceneRow& row : bench::sceneRows(sizeOf(options))) {
+// Those of some rows that a filter fits.
+template <class Row>
+std::vector<Row> chosenOf(std::vector<Row> all, const Options& options) {
+  std::vector<Row> rows;
+  for (Row& row : all) {
     bool chosen = options.filters.empty();
     for (const std::string& filter : options.filters)
       chosen = chosen || row.name().find(filter) != std::string::npos;
     if (chosen) rows.push_back(std::move(row));
   }
   return rows;
+}
+std::vector<SceneRow> chosenRows(const Options& options) {
+  return chosenOf(bench::sceneRows(sizeOf(options)), options);
+}
+std::vector<DrawingRow> chosenDrawings(const Options& options) {
+  return chosenOf(bench::drawingRows(sizeOf(options)), options);
+}
+
+bench::DrawingDef drawingDefOf(const Options& options) {
+  bench::DrawingDef def;
+  if (options.method == "windowed") def.method = pelage::Transparency::kWindowed;
+  if (options.method == "tiles") def.method = pelage::Transparency::kTiles;
+  return def;
 }
 
 Result<std::unique_ptr<HeadlessDevice>> makeDevice(const std::string& api, const Options& options) {
@@ -74,26 +95,34 @@ class ApiRun {
         reference_(device, workbench_.scene, measure_.clocks) {}
 
   /// Returns how many rows could not be measured.
-  Result<int> run() {
+  int run() {
     int failures = 0;
-    for (const SceneRow& row : chosenRows(options_)) {
-      const std::chrono::duration<double> spent = Clock::now() - start_;
-      if (options_.seconds > 0 && spent.count() > options_.seconds) {
-        fmt::print(stderr, "{}: skipped, the time is over\n", row.name());
-        continue;
-      }
-      fmt::print(stderr, "{}\n", row.name());
-      if (Result<void> done = runRow(row); !done) {
-        fmt::print(stderr, "error: {}: {}\n", row.name(), done.error().message);
-        ++failures;
-      }
-    }
-    fmt::print("{}\n", bench::sceneTable(results_));
+    for (const SceneRow& row : chosenRows(options_))
+      failures += runInTime(row.name(), [&] { return runRow(row); });
+    if (!results_.empty()) fmt::print("{}\n", bench::sceneTable(results_));
+    for (const DrawingRow& row : chosenDrawings(options_))
+      failures += runInTime(row.name(), [&] { return runDrawing(row); });
+    if (!drawings_.empty()) fmt::print("{}\n", bench::drawingTable(drawings_));
     std::fflush(stdout);
     return failures;
   }
 
  private:
+  /// Returns 1 where a row could not be measured. One for which there is no time is left out.
+  template <class RunRow>
+  int runInTime(const std::string& name, const RunRow& runRow) {
+    const std::chrono::duration<double> spent = Clock::now() - start_;
+    if (options_.seconds > 0 && spent.count() > options_.seconds) {
+      fmt::print(stderr, "{}: skipped, the time is over\n", name);
+      return 0;
+    }
+    fmt::print(stderr, "{}\n", name);
+    const Result<void> done = runRow();
+    if (done) return 0;
+    fmt::print(stderr, "error: {}: {}\n", name, done.error().message);
+    return 1;
+  }
+
   Result<void> runRow(const SceneRow& row) {
     auto result = bench::measureRow(workbench_, reference_, assets_, row, measure_);
     if (!result) return result.error();
@@ -107,6 +136,34 @@ class ApiRun {
         return done;
     }
     return options_.quick ? bench::checkResult(results_.back()) : Result<void>();
+  }
+
+  Result<void> runDrawing(const DrawingRow& row) {
+    if (!rig_) {
+      auto rig = bench::makeLightRig(workbench_.device, assets_, row);
+      if (!rig) return rig.error();
+      rig_ = *std::move(rig);
+    }
+    auto result = bench::measureDrawing(workbench_, reference_, assets_, row, *rig_,
+                                        drawingDefOf(options_), measure_);
+    if (!result) return result.error();
+    if (!drawings_.empty() && drawings_[0].row.extra == bench::DrawingExtra::kNone) {
+      const bench::Spread alone = bench::drawingTime(drawings_[0].figures);
+      const bench::Spread all = bench::drawingTime(result->figures);
+      result->added = {all.median - alone.median, all.mean - alone.mean};
+      result->hasAdded = drawings_[0].figures.isTimed();
+    }
+    drawings_.push_back(*std::move(result));
+    if (!options_.csv.empty()) {
+      const auto& info = workbench_.device.info();
+      if (Result<void> done =
+              bench::appendDrawingCsv(options_.csv, drawings_.back(), info, options_.commit);
+          !done)
+        return done;
+    }
+    if (!options_.quick) return {};
+    if (Result<void> done = bench::checkDrawing(drawings_.back()); !done) return done;
+    return bench::comparePictures(drawings_);
   }
 
   void compare(SceneResult& result) {
@@ -126,6 +183,8 @@ class ApiRun {
   bench::MeasureDef measure_;
   bench::CopyReference reference_;
   std::vector<SceneResult> results_;
+  std::vector<DrawingResult> drawings_;
+  std::optional<engine_lights::LightRig> rig_;      // made by the first row that draws
   std::map<std::string, bench::Spread> baselines_;  // by scene
 };
 
@@ -142,9 +201,7 @@ Result<int> runAll(const Options& options) {
     }
     const auto& info = (*device)->info();
     fmt::print("{}: {} ({})\n", api, info.name, info.driver);
-    const auto failed = ApiRun(**device, options, assets, start).run();
-    if (!failed) return failed;
-    failures += *failed;
+    failures += ApiRun(**device, options, assets, start).run();
   }
   return failures;
 }
@@ -174,6 +231,8 @@ Result<int> runCold(const Options& options) {
 
 int listRows(const Options& options) {
   for (const SceneRow& row : chosenRows(options)) fmt::print("{}\n", row.name());
+  if (options.cold) return 0;
+  for (const DrawingRow& row : chosenDrawings(options)) fmt::print("{}\n", row.name());
   return 0;
 }
 
@@ -198,14 +257,19 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--seconds", options.seconds, "after which no more rows are begun; 0 for all")
       ->capture_default_str();
+  app.add_option("--method", options.method,
+                 "of the rows that draw; chosen by the size of the hair when not given")
+      ->check(CLI::IsMember(std::set<std::string>{"windowed", "tiles"}));
   app.add_option("--csv", options.csv,
                  "file to append the rows to; passes go to NAME_passes.csv, first frames to "
-                 "NAME_first_frame.csv");
+                 "NAME_first_frame.csv, rows that draw to NAME_drawing.csv and "
+                 "NAME_drawing_passes.csv");
   app.add_option("--commit", options.commit, "of the source, for the rows");
   app.add_flag("--quick", options.quick, "smoke test: few strands and frames, results are checked");
   app.add_flag("--small", options.small, "fewer strands, for software drivers");
   app.add_flag("--cold", options.cold, "print the wall time of a row's first frame [ms]");
-  app.add_flag("--list", options.list, "print the names of the rows");
+  app.add_flag("--list", options.list,
+               "print the names of the rows; with --cold of those that have first frames");
   CLI11_PARSE(app, argc, argv);
   if (options.list) return listRows(options);
   const auto failures = options.cold ? runCold(options) : runAll(options);

@@ -2,10 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <set>
 #include <string>
 
 #include "scenes/collider_depths.h"
+#include "scenes/drawing_measure.h"
+#include "scenes/drawing_rows.h"
 #include "scenes/frame_figures.h"
 #include "scenes/scene_rows.h"
 #include "simulation/copy_reference.h"
@@ -38,9 +41,9 @@ TEST(FrameFigures, CountPassesOfOneNameTogetherAndAFrameWithoutThemAsZero) {
   FrameFigures figures;
   for (int frame = 0; frame < 4; ++frame) {
     figures.beginFrame();
-    figures.add("solve", false, 0.010);
-    figures.add("solve", false, 0.020);
-    if (frame == 3) figures.add("build", true, 0.400);
+    figures.add("solve", PassGroup::kSimulation, 0.010);
+    figures.add("solve", PassGroup::kSimulation, 0.020);
+    if (frame == 3) figures.add("build", PassGroup::kSdf, 0.400);
   }
   ASSERT_EQ(figures.passes().size(), 2u);
   const PassFigure& solve = figures.passes()[0];
@@ -50,11 +53,88 @@ TEST(FrameFigures, CountPassesOfOneNameTogetherAndAFrameWithoutThemAsZero) {
   EXPECT_EQ(build.passes, 1u);
   ASSERT_EQ(build.us.size(), 4u);
   EXPECT_NEAR(spreadOf(build.us).mean, 100, 1e-9);
-  EXPECT_NEAR(figures.simulation().mean, 30, 1e-9);
-  EXPECT_NEAR(figures.sdf().median, 0, 1e-9);
-  EXPECT_NEAR(figures.sdf().mean, 100, 1e-9);
+  EXPECT_NEAR(figures.of(PassGroup::kSimulation).mean, 30, 1e-9);
+  EXPECT_NEAR(figures.of(PassGroup::kSdf).median, 0, 1e-9);
+  EXPECT_NEAR(figures.of(PassGroup::kSdf).mean, 100, 1e-9);
   EXPECT_NEAR(figures.frame().mean, 130, 1e-9);
   EXPECT_TRUE(figures.isTimed());
+}
+
+TEST(FrameFigures, SumTheDrawingGroupsFrameByFrameAndLeaveTheMeshOut) {
+  FrameFigures figures;
+  for (int frame = 0; frame < 3; ++frame) {
+    figures.beginFrame();
+    figures.add("solve", PassGroup::kSimulation, 0.100);
+    figures.add("mesh_pixel", PassGroup::kOpaque, 0.500);
+    figures.add("splat", PassGroup::kShadow, 0.200);
+    // The medians of the two add up to 20, that of the sums is 21.
+    figures.add("depth", PassGroup::kDepth, frame == 0 ? 0.011 : 0.010);
+    figures.add("build", PassGroup::kPicture, frame == 1 ? 0.011 : 0.010);
+    if (frame == 2) figures.add("keep", PassGroup::kKept, 0.001);
+  }
+  EXPECT_NEAR(drawingTime(figures).median, 21, 1e-9);
+  EXPECT_NEAR(drawingTime(figures).mean, 21, 1e-9);
+  EXPECT_NEAR(figures.frame().median, 321, 1e-9);
+  EXPECT_NEAR(figures.of(PassGroup::kOpaque).median, 500, 1e-9);
+  EXPECT_TRUE(figures.has(PassGroup::kKept));
+  EXPECT_FALSE(figures.has(PassGroup::kInterpolation));
+}
+
+TEST(DrawingRows, HaveNamesOfTheirOwnAndBeginWithThePictureAlone) {
+  for (const SceneSize size : {SceneSize::kFull, SceneSize::kSmall, SceneSize::kQuick}) {
+    std::set<std::string> names;
+    for (const SceneRow& row : sceneRows(size)) names.insert(row.name());
+    const std::vector<DrawingRow> rows = drawingRows(size);
+    for (const DrawingRow& row : rows) EXPECT_TRUE(names.insert(row.name()).second) << row.name();
+    ASSERT_EQ(rows.size(), 5u);
+    EXPECT_EQ(rows[0].extra, DrawingExtra::kNone);
+  }
+}
+
+/// One that draws nothing else, as a smoke test wants it.
+DrawingResult drawnAlone() {
+  DrawingResult result;
+  result.figures.beginFrame();
+  for (const PassGroup group : {PassGroup::kSimulation, PassGroup::kSdf, PassGroup::kShadow,
+                                PassGroup::kPicture, PassGroup::kOpaque})
+    result.figures.add(passGroupName(group), group, 0.001);
+  result.fragments = 1;
+  result.meanLight = 0.5;
+  return result;
+}
+
+TEST(CheckDrawing, RefusesMissingAndSuperfluousPassesAndPicturesWithoutHairOrNumbers) {
+  EXPECT_TRUE(checkDrawing(drawnAlone()));
+  DrawingResult depth = drawnAlone();
+  depth.row.extra = DrawingExtra::kDepth;
+  EXPECT_FALSE(checkDrawing(depth)) << "no depth";
+  depth.figures.add("depth", PassGroup::kDepth, 0.001);
+  EXPECT_TRUE(checkDrawing(depth));
+  depth.row.extra = DrawingExtra::kNone;
+  EXPECT_FALSE(checkDrawing(depth)) << "depth that nobody wants";
+  DrawingResult bald = drawnAlone();
+  bald.fragments = 0;
+  EXPECT_FALSE(checkDrawing(bald));
+  for (const double light : {0.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    DrawingResult broken = drawnAlone();
+    broken.meanLight = light;
+    EXPECT_FALSE(checkDrawing(broken)) << light;
+  }
+}
+
+TEST(CheckDrawing, WantsThePictureOfTheRowAloneBesideDepthAndAnotherOneInOtherLights) {
+  std::vector<DrawingResult> results(2, drawnAlone());
+  for (const bool same : {false, true}) {
+    results[1].meanLight = same ? 0.5 : 0.6;
+    for (const DrawingExtra extra : {DrawingExtra::kDepth, DrawingExtra::kMotion}) {
+      results[1].row.extra = extra;
+      EXPECT_EQ(comparePictures(results).ok(), same);
+    }
+    results[1].row.extra = DrawingExtra::kEngineLights;
+    EXPECT_EQ(comparePictures(results).ok(), !same);
+    results[1].row.extra = DrawingExtra::kInterpolation;
+    EXPECT_TRUE(comparePictures(results));
+  }
 }
 
 struct DriftingRow {
@@ -101,7 +181,7 @@ TEST(CopyTimes, WithoutTimestampsARowRunsOnce) {
 TEST(FrameFigures, AreNotTimedWhereAPassHasNoTimestamp) {
   FrameFigures figures;
   figures.beginFrame();
-  figures.add("solve", false, -1);
+  figures.add("solve", PassGroup::kSimulation, -1);
   EXPECT_EQ(figures.passes().size(), 1u);
   EXPECT_FALSE(figures.isTimed());
 }

@@ -29,7 +29,9 @@ Result<void> runFrame(Workbench& workbench, SceneRun& run, std::vector<PassList>
     for (size_t i = 0; i < list.passes.size(); ++i) {
       const pelage::Pass& pass = list.passes[i];
       const double time = i < timings->size() ? (*timings)[i].milliseconds : -1;
-      figures->add(pass.name, buildsSdf(workbench, run, list, pass), time);
+      const bool buildsSdf = writesTo(workbench.scene.resources(), list, pass,
+                                      [&](std::string_view name) { return run.isSdfBuffer(name); });
+      figures->add(pass.name, buildsSdf ? PassGroup::kSdf : PassGroup::kSimulation, time);
     }
   }
   return {};

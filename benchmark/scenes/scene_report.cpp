@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include "simulation/csv_file.h"
 
@@ -66,18 +65,12 @@ std::string csvRow(const SceneResult& r) {
   return fmt::format(
       "{},{},{},{},{},{},{},{},{},{},{:.6g},{},{},{},{},{},\"{}\",{},{},{}", r.guides,
       r.followHairs, r.verticesPerStrand, r.vertices, r.figures.frames(), spread(r.figures.frame()),
-      spread(r.figures.simulation()), spread(r.figures.sdf()),
+      spread(r.figures.of(PassGroup::kSimulation)), spread(r.figures.of(PassGroup::kSdf)),
       number(r.ratioOfMedian, r.ratioOfMedian > 0), number(r.ratioOfMean, r.ratioOfMean > 0),
       100 * e.stretchMax, number(1000 * e.penetrationMax, collides),
       number(1000 * e.penetrationTop, collides), e.judgedVertices, e.strandsRootedInside,
       e.brokenStrands, countersText(r.counters), number(r.copies.before, r.copies.before > 0),
       number(r.copies.after, r.copies.after > 0), r.copies.runs);
-}
-
-std::string besidePath(const std::string& path, const char* suffix) {
-  std::filesystem::path file(path);
-  file.replace_filename(file.stem().string() + suffix + file.extension().string());
-  return file.string();
 }
 
 std::string shown(double value, bool known, int digits) {
@@ -87,8 +80,8 @@ std::string shown(double value, bool known, int digits) {
 std::string tableRow(const SceneResult& r) {
   const SceneErrors& e = r.errors;
   const bool timed = r.figures.isTimed(), collides = e.judgedVertices > 0;
-  const Spread frame = r.figures.frame(), simulation = r.figures.simulation();
-  const Spread sdf = r.figures.sdf();
+  const Spread frame = r.figures.frame(), simulation = r.figures.of(PassGroup::kSimulation);
+  const Spread sdf = r.figures.of(PassGroup::kSdf);
   const auto us = [&](double value) { return shown(value, timed, 1); };
   return fmt::format(
       "{:<32}{:>8}{:>9}{:>11}{:>11}{:>11}{:>11}{:>11}{:>11}{:>7}{:>9.3f}{:>9}{:>9}{:>6}{:>9}{:>9}"
@@ -118,7 +111,8 @@ std::string sceneTable(const std::vector<SceneResult>& results) {
     for (const PassFigure& pass : r.figures.passes()) {
       const Spread us = spreadOf(pass.us);
       text += fmt::format("{:<32}{:<28}{:>5}{:>12}{:>12}{:>10.2f}\n", r.row.name(), pass.name,
-                          pass.buildsSdf ? "yes" : "", shown(us.median, r.figures.isTimed(), 2),
+                          pass.group == PassGroup::kSdf ? "yes" : "",
+                          shown(us.median, r.figures.isTimed(), 2),
                           shown(us.mean, r.figures.isTimed(), 2), passesAFrame(r, pass));
     }
   return text;
@@ -133,9 +127,9 @@ Result<void> appendSceneCsv(const std::string& path, const SceneResult& result,
   for (const PassFigure& pass : result.figures.passes()) {
     const Spread us = spreadOf(pass.us);
     const bool timed = result.figures.isTimed();
-    passes.push_back(fmt::format("{},{},{:d},{},{},{:.6g},{}", start, pass.name, pass.buildsSdf,
-                                 number(us.median, timed), number(us.mean, timed),
-                                 passesAFrame(result, pass), end));
+    passes.push_back(fmt::format("{},{},{:d},{},{},{:.6g},{}", start, pass.name,
+                                 pass.group == PassGroup::kSdf, number(us.median, timed),
+                                 number(us.mean, timed), passesAFrame(result, pass), end));
   }
   return appendLines(besidePath(path, "_passes"), kPassCsvHeader, passes);
 }
@@ -154,15 +148,14 @@ Result<void> checkResult(const SceneResult& result) {
   const FrameFigures& figures = result.figures;
   const SceneErrors& errors = result.errors;
   if (figures.frames() == 0 || figures.passes().empty()) return fault("no pass ran");
-  if (figures.isTimed() && !(figures.simulation().mean > 0)) return fault("no pass took time");
+  if (figures.isTimed() && !(figures.of(PassGroup::kSimulation).mean > 0))
+    return fault("no pass took time");
   if (errors.brokenStrands > 0) return fault("strands have coordinates that are not finite");
   if (!std::isfinite(errors.stretchMax)) return fault("the stretch is not finite");
   if (!std::isfinite(errors.penetrationMax)) return fault("the penetration is not finite");
   const bool hasSdf =
       result.row.kind == SceneKind::kHeadSdf || result.row.kind == SceneKind::kCharacter;
-  const auto& passes = figures.passes();
-  if (hasSdf != std::any_of(passes.begin(), passes.end(),
-                            [](const PassFigure& pass) { return pass.buildsSdf; }))
+  if (hasSdf != figures.has(PassGroup::kSdf))
     return fault(hasSdf ? "no SDF was built" : "an SDF was built");
   const bool collides = result.row.kind != SceneKind::kFree;
   if (collides != (errors.judgedVertices > 0)) return fault("the wrong vertices were judged");

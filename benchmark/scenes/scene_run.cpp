@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "demo_scene.h"
 #include "head_motion.h"
 #include "pelage/skeleton.h"
 #include "scene_setup.h"
@@ -74,12 +73,9 @@ class FreeRun : public SceneRun {
 /// A scene of the sample.
 class DemoRun : public SceneRun {
  public:
-  DemoRun(pelage::Scene& scene, DemoScene demo, std::vector<const pelage::HairAsset*> assets,
+  DemoRun(DemoScene demo, std::vector<const pelage::HairAsset*> assets,
           std::vector<const pelage::CollisionMesh*> meshes)
-      : scene_(scene),
-        demo_(std::move(demo)),
-        assets_(std::move(assets)),
-        meshes_(std::move(meshes)) {}
+      : demo_(std::move(demo)), assets_(std::move(assets)), meshes_(std::move(meshes)) {}
 
   Result<void> advance(std::vector<PassList>& lists) override {
     lists.resize(1);
@@ -102,17 +98,9 @@ class DemoRun : public SceneRun {
       pose.meshes.push_back(posed(*mesh, demo_.bones()));
     return pose;
   }
-  // Those that colliders share are named "sdf/...", those of one collider after it.
-  bool isSdfBuffer(std::string_view name) const override {
-    if (name.starts_with("sdf/")) return true;
-    const auto& colliders = demo_.colliders();
-    return std::any_of(colliders.begin(), colliders.end(), [&](pelage::ColliderId id) {
-      return name.starts_with(scene_.collider(id).name() + "/");
-    });
-  }
+  bool isSdfBuffer(std::string_view name) const override { return bench::isSdfBuffer(demo_, name); }
 
  private:
-  const pelage::Scene& scene_;
   DemoScene demo_;
   std::vector<const pelage::HairAsset*> assets_;
   std::vector<const pelage::CollisionMesh*> meshes_;
@@ -139,8 +127,8 @@ Result<std::unique_ptr<SceneRun>> makeHeadRun(Workbench& workbench, const SceneR
   if (!demo) return demo.error();
   std::vector<const pelage::CollisionMesh*> meshes;
   if (used.mesh) meshes.push_back(&*(*head)->mesh);
-  return std::unique_ptr<SceneRun>(std::make_unique<DemoRun>(
-      workbench.scene, *std::move(demo), std::vector{&(*head)->hair}, std::move(meshes)));
+  return std::unique_ptr<SceneRun>(
+      std::make_unique<DemoRun>(*std::move(demo), std::vector{&(*head)->hair}, std::move(meshes)));
 }
 
 Result<std::unique_ptr<SceneRun>> makeCharacterRun(Workbench& workbench, const SceneRow& row,
@@ -154,8 +142,8 @@ Result<std::unique_ptr<SceneRun>> makeCharacterRun(Workbench& workbench, const S
   std::vector<const pelage::CollisionMesh*> meshes;
   for (const pelage::CharacterCollider& collider : (*character)->colliders)
     meshes.push_back(&collider.mesh);
-  return std::unique_ptr<SceneRun>(std::make_unique<DemoRun>(workbench.scene, *std::move(demo),
-                                                             std::move(hair), std::move(meshes)));
+  return std::unique_ptr<SceneRun>(
+      std::make_unique<DemoRun>(*std::move(demo), std::move(hair), std::move(meshes)));
 }
 
 /// The head by the classic baseline: its strands, then its SDF and the collision with it. Its mesh
@@ -235,14 +223,23 @@ Result<std::unique_ptr<SceneRun>> makeSceneRun(Workbench& workbench, const Scene
   return BaselineHeadRun::create(workbench, **head);
 }
 
-bool buildsSdf(const Workbench& workbench, const SceneRun& run, const PassList& list,
-               const pelage::Pass& pass) {
+bool writesTo(const pelage::ResourceTable& resources, const PassList& list,
+              const pelage::Pass& pass, const std::function<bool(std::string_view)>& isWanted) {
   for (const pelage::PassBinding& binding : list.bindingsOf(pass)) {
     if (!pelage::writes(binding.access)) continue;
-    const pelage::BufferDesc* desc = workbench.scene.resources().find(binding.buffer);
-    if (desc != nullptr && run.isSdfBuffer(desc->name)) return true;
+    const pelage::BufferDesc* desc = resources.find(binding.buffer);
+    if (desc != nullptr && isWanted(desc->name)) return true;
   }
   return false;
+}
+
+// Those that colliders share are named "sdf/...", those of one collider after it.
+bool isSdfBuffer(const DemoScene& demo, std::string_view name) {
+  if (name.starts_with("sdf/")) return true;
+  const auto& colliders = demo.colliders();
+  return std::any_of(colliders.begin(), colliders.end(), [&](pelage::ColliderId id) {
+    return name.starts_with(demo.scene().collider(id).name() + "/");
+  });
 }
 
 }  // namespace bench

@@ -1,10 +1,12 @@
 // The scene of one row on a device, whatever it is made of, behind one interface.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string_view>
 #include <vector>
 
+#include "demo_scene.h"
 #include "pelage/collider.h"
 #include "pelage/hair_asset.h"
 #include "pelage/hair_object.h"
@@ -53,8 +55,10 @@ class SceneRun {
 pelage::Result<std::unique_ptr<SceneRun>> makeSceneRun(Workbench& workbench, const SceneRow& row,
                                                        SceneAssets& assets);
 
-/// Whether a pass builds an SDF: it writes to a buffer of one. So no pass has to be known by name.
-bool buildsSdf(const Workbench& workbench, const SceneRun& run, const pelage::PassList& list,
-               const pelage::Pass& pass);
+/// Whether a pass writes to a buffer whose name is wanted. So no pass has to be known by name.
+bool writesTo(const pelage::ResourceTable& resources, const pelage::PassList& list,
+              const pelage::Pass& pass, const std::function<bool(std::string_view)>& isWanted);
+/// SceneRun::isSdfBuffer() of a scene of the sample.
+bool isSdfBuffer(const sample::DemoScene& demo, std::string_view name);
 
 }  // namespace bench

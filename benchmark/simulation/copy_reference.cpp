@@ -56,6 +56,13 @@ Result<void> CopyReference::warmUp() {
   return {};
 }
 
+Result<void> CopyReference::afterPause() {
+  if (!(def_.warmUpMilliseconds > 0)) return {};
+  const auto timings = copy_.run(copies_);
+  if (!timings) return timings.error();
+  return {};
+}
+
 Result<double> CopyReference::measure() {
   const auto timings = copy_.run(copies_);
   if (!timings) return timings.error();

@@ -41,6 +41,9 @@ class CopyReference {
   /// Raises the clocks, and times a copy right before and right after what `timed` runs.
   template <class Timed>
   pelage::Result<CopyTimes> around(const Timed& timed);
+  /// Keeps the clocks up in a row whose frames have pauses between them, in which the host works:
+  /// copies for some milliseconds. Nothing where nothing is warmed up.
+  pelage::Result<void> afterPause();
 
  private:
   pelage::Result<void> warmUp();

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 
 namespace bench {
 
@@ -23,6 +24,12 @@ pelage::Result<void> appendLines(const std::string& path, const char* header,
   good = std::fclose(file) == 0 && good;
   if (!good) return error("written");
   return {};
+}
+
+std::string besidePath(const std::string& path, const char* suffix) {
+  std::filesystem::path file(path);
+  file.replace_filename(file.stem().string() + suffix + file.extension().string());
+  return file.string();
 }
 
 }  // namespace bench

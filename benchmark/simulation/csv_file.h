@@ -13,4 +13,7 @@ namespace bench {
 pelage::Result<void> appendLines(const std::string& path, const char* header,
                                  const std::vector<std::string>& lines);
 
+/// The path of a file beside another one: "a/NAME.csv" and "_passes" give "a/NAME_passes.csv".
+std::string besidePath(const std::string& path, const char* suffix);
+
 }  // namespace bench

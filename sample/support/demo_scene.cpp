@@ -77,8 +77,9 @@ DemoScene::DemoScene(const DemoDef& def)
     : ownScene_(def.scene == nullptr ? std::make_unique<pelage::Scene>() : nullptr),
       scene_(def.scene == nullptr ? ownScene_.get() : def.scene) {}
 
-// One that was moved from has neither hair nor colliders.
+// One that was moved from has none of these.
 DemoScene::~DemoScene() {
+  for (MeshObject& mesh : meshes_) mesh.remove(scene_->resources());
   for (const pelage::HairId hair : hairs_) (void)scene_->removeHair(hair);
   for (const pelage::ColliderId collider : colliders_) (void)scene_->removeCollider(collider);
 }

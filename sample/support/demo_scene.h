@@ -63,8 +63,8 @@ struct DemoDef {
   /// draw() shows the contact records of all hair on top of it.
   bool drawContacts = false;
   pelage::CollidingHair collidingHair = pelage::CollidingHair::kGuides;
-  /// Receives hair, colliders and mesh, and must outlive the DemoScene, which removes the hair and
-  /// the colliders in the end. nullptr: the DemoScene has a scene of its own.
+  /// Receives hair, colliders and meshes, and must outlive the DemoScene, which removes them in the
+  /// end. nullptr: the DemoScene has a scene of its own.
   pelage::Scene* scene = nullptr;
 };
 

@@ -103,6 +103,13 @@ Result<MeshObject> MeshObject::create(pelage::ResourceTable& resources, const Co
   return object;
 }
 
+void MeshObject::remove(pelage::ResourceTable& resources) {
+  for (BufferId* buffer : {&vertices_, &indices_}) {
+    if (*buffer != BufferId::kInvalid) resources.remove(*buffer);
+    *buffer = BufferId::kInvalid;
+  }
+}
+
 void MeshObject::setBones(std::span<const pelage::AffineTransform> bones) {
   PELAGE_ASSERT(bones.size() == bones_.size(), "MeshObject::setBones() takes boneCount transforms");
   std::copy(bones.begin(), bones.end(), bones_.begin());

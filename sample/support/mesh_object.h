@@ -45,6 +45,9 @@ class MeshObject {
   static pelage::Result<MeshObject> create(pelage::ResourceTable& resources,
                                            const pelage::CollisionMesh& mesh, const MeshDef& def);
 
+  /// Removes the buffers from their table.
+  void remove(pelage::ResourceTable& resources);
+
   /// The bones (bind space to world) of the next draw; identities at first. Asserts on another
   /// count.
   void setBones(std::span<const pelage::AffineTransform> bones);

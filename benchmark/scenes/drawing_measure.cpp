@@ -1,0 +1,125 @@
+#include "scenes/drawing_measure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace bench {
+
+using pelage::Error;
+using pelage::ErrorCode;
+using pelage::Result;
+
+namespace {
+
+// Of the frames of a row that draws nothing: each is followed by a picture that is read back.
+constexpr int kFrameShare = 3;
+
+double meanLightOf(const pelage::RenderedImage& picture) {
+  double sum = 0;
+  for (const pelage::Float4& p : picture.pixels)
+    sum += static_cast<double>(p.x) + static_cast<double>(p.y) + static_cast<double>(p.z);
+  return sum / (3 * static_cast<double>(picture.pixels.size()));
+}
+
+// Counts what the measured frames held. The device reads each picture back, which is a pause.
+Result<void> measureFrames(DrawingRun& run, CopyReference& reference, int frames,
+                           DrawingResult& result) {
+  for (int frame = 0; frame < frames; ++frame) {
+    if (Result<void> done = reference.afterPause(); !done) return done;
+    if (Result<void> done = run.runFrame(&result.figures); !done) return done;
+    const auto held = run.counters();
+    if (!held) return held.error();
+    result.fragments = std::max(result.fragments, held->fragments);
+    result.spilled = std::max(result.spilled, held->spilled);
+  }
+  return {};
+}
+
+Result<DrawingResult> measureOnce(Workbench& workbench, CopyReference& reference,
+                                  SceneAssets& assets, const DrawingRow& row,
+                                  const engine_lights::LightRig& rig, const DrawingDef& drawing,
+                                  const MeasureDef& def) {
+  auto run = DrawingRun::create(workbench, assets, row, drawing, rig);
+  if (!run) return run.error();
+  DrawingResult result;
+  result.row = row;
+  for (const pelage::HairId id : (*run)->demo().hairs()) {
+    const pelage::HairObject& hair = workbench.scene.hair(id);
+    result.guides += hair.guideCount();
+    result.followHairs += hair.followCount();
+  }
+  for (int frame = 0; frame < def.warmUpFrames / kFrameShare; ++frame) {
+    if (Result<void> done = (*run)->runFrame(nullptr); !done) return done.error();
+    if (Result<void> done = (*run)->grow(); !done) return done.error();
+  }
+  const auto copies = reference.around([&] {
+    return measureFrames(**run, reference, std::max(def.frames / kFrameShare, 1), result);
+  });
+  if (!copies) return copies.error();
+  result.copies = *copies;
+  result.method = (*run)->method();
+  result.meanLight = meanLightOf((*run)->picture());
+  return result;
+}
+
+bool hasGroup(DrawingExtra extra, PassGroup group) {
+  switch (group) {
+    case PassGroup::kKept:
+      return extra == DrawingExtra::kMotion || extra == DrawingExtra::kInterpolation;
+    case PassGroup::kInterpolation:
+      return extra == DrawingExtra::kInterpolation;
+    case PassGroup::kDepth:
+      return extra == DrawingExtra::kDepth || extra == DrawingExtra::kMotion;
+    default:
+      return true;
+  }
+}
+
+}  // namespace
+
+Spread drawingTime(const FrameFigures& figures) { return figures.of(kDrawingGroups); }
+
+Result<DrawingResult> measureDrawing(Workbench& workbench, CopyReference& reference,
+                                     SceneAssets& assets, const DrawingRow& row,
+                                     const engine_lights::LightRig& rig, const DrawingDef& drawing,
+                                     const MeasureDef& def) {
+  return steadiest(reference.clocks(), [&] {
+    return measureOnce(workbench, reference, assets, row, rig, drawing, def);
+  });
+}
+
+Result<void> checkDrawing(const DrawingResult& result) {
+  const auto fault = [&](const std::string& what) -> Result<void> {
+    return Error{ErrorCode::kDevice, result.row.name() + ": " + what};
+  };
+  for (size_t i = 0; i < kPassGroups; ++i) {
+    const auto group = static_cast<PassGroup>(i);
+    const bool wanted = hasGroup(result.row.extra, group);
+    if (result.figures.has(group) != wanted)
+      return fault((wanted ? "no pass of the group " : "a pass of the group ") +
+                   std::string(passGroupName(group)));
+  }
+  if (result.figures.isTimed() && !(drawingTime(result.figures).mean > 0))
+    return fault("no pass that draws took time");
+  if (result.fragments == 0) return fault("no hair is in the picture");
+  if (!(result.meanLight > 0) || !std::isfinite(result.meanLight))
+    return fault("the picture is black, or not finite");
+  return {};
+}
+
+Result<void> comparePictures(std::span<const DrawingResult> results) {
+  if (results.empty() || results[0].row.extra != DrawingExtra::kNone) return {};
+  for (const DrawingResult& result : results.subspan(1)) {
+    const DrawingExtra extra = result.row.extra;
+    const bool same = result.meanLight == results[0].meanLight;
+    const bool mustBe = extra == DrawingExtra::kDepth || extra == DrawingExtra::kMotion;
+    const bool mustNot = extra == DrawingExtra::kEngineLights;
+    if ((mustBe && !same) || (mustNot && same))
+      return Error{ErrorCode::kDevice, result.row.name() + ": its picture is " +
+                                           (same ? "that" : "not that") + " of the row alone"};
+  }
+  return {};
+}
+
+}  // namespace bench

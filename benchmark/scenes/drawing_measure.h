@@ -1,0 +1,45 @@
+// Runs a row that draws: what drawing cost, and whether it drew.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "pelage/result.h"
+#include "scenes/drawing_run.h"
+#include "scenes/scene_measure.h"
+
+namespace bench {
+
+/// One row of the results that draw.
+struct DrawingResult {
+  DrawingRow row;
+  pelage::Transparency method = pelage::Transparency::kWindowed;
+  uint32_t guides = 0, followHairs = 0;
+  FrameFigures figures;
+  /// The most of a measured frame: fragments of lists, segments in tiles of tiles; of these without
+  /// room.
+  uint32_t fragments = 0, spilled = 0;
+  double meanLight = 0;  ///< of the last picture, over all pixels; NaN where one is not finite
+  CopyTimes copies;      ///< beside the frames
+  /// By how much the drawing groups take longer than in the row that draws nothing else [us].
+  Spread added;
+  bool hasAdded = false;  ///< false without that row
+};
+
+/// The passes of the drawing groups together.
+Spread drawingTime(const FrameFigures& figures);
+
+/// Runs a row from its first frame, several times where the reference drifts. Lists and tiles grow
+/// in the frames that warm up.
+pelage::Result<DrawingResult> measureDrawing(Workbench& workbench, CopyReference& reference,
+                                             SceneAssets& assets, const DrawingRow& row,
+                                             const engine_lights::LightRig& rig,
+                                             const DrawingDef& drawing, const MeasureDef& def);
+
+/// What a row of a smoke test must have; the error names what it has not.
+pelage::Result<void> checkDrawing(const DrawingResult& result);
+/// What rows of a smoke test must have together: depth and motion leave the picture alone, lights
+/// of an engine do not. \param results  in the order of drawingRows(), some of them
+pelage::Result<void> comparePictures(std::span<const DrawingResult> results);
+
+}  // namespace bench

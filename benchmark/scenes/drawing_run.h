@@ -1,0 +1,80 @@
+// The character of a row on a device, simulated with its colliders and drawn.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "demo_scene.h"
+#include "light_rig.h"
+#include "pelage/engine_lights.h"
+#include "pelage/headless.h"
+#include "scenes/drawing_rows.h"
+#include "scenes/frame_figures.h"
+#include "scenes/scene_assets.h"
+#include "simulation/workbench.h"
+
+namespace bench {
+
+/// How rows are drawn.
+struct DrawingDef {
+  /// kWindowed or kTiles; nothing: as chooseTransparency() has it in the first frame.
+  std::optional<pelage::Transparency> method;
+};
+
+/// The lights of sample/engine_lights on a device, with the shadow maps of the character of a row
+/// in its bind pose. Make them once a device, which keeps their textures.
+pelage::Result<engine_lights::LightRig> makeLightRig(pelage::HeadlessDevice& device,
+                                                     SceneAssets& assets, const DrawingRow& row);
+
+/// Its objects and buffers are removed from the workbench's scene with it.
+class DrawingRun {
+ public:
+  /// \param rig  lives as long. Errors: those of the scene; a method without its kernels.
+  static pelage::Result<std::unique_ptr<DrawingRun>> create(Workbench& workbench,
+                                                            SceneAssets& assets,
+                                                            const DrawingRow& row,
+                                                            const DrawingDef& def,
+                                                            const engine_lights::LightRig& rig);
+  ~DrawingRun();
+  DrawingRun(const DrawingRun&) = delete;
+  DrawingRun& operator=(const DrawingRun&) = delete;
+
+  /// Runs the next frame of 1/60 s. \param figures  nullptr: it is not timed
+  pelage::Result<void> runFrame(FrameFigures* figures);
+  /// What lists or tiles held in the last frame.
+  pelage::Result<pelage::TransparencyCounters> counters();
+  /// Gives lists or tiles the room that the last frame wanted. They keep it in the next ones.
+  pelage::Result<void> grow();
+
+  const sample::DemoScene& demo() const { return demo_; }
+  pelage::Transparency method() const { return settings_.method; }
+  /// Of the last frame.
+  const pelage::RenderedImage& picture() const { return picture_; }
+
+ private:
+  DrawingRun(Workbench& workbench, sample::DemoScene demo, const DrawingRow& row);
+  void choose();
+  bool drawsDepth() const;
+  pelage::Result<void> write();
+  pelage::Result<void> drawDepth();
+  pelage::Result<void> simulate(FrameFigures* figures);
+  pelage::Result<void> show(FrameFigures* figures);
+  PassGroup groupInSimulation(const pelage::PassList& list, const pelage::Pass& pass) const;
+  PassGroup groupInPicture(const pelage::PassList& list, const pelage::Pass& pass) const;
+
+  Workbench& workbench_;
+  sample::DemoScene demo_;
+  DrawingRow row_;
+  DrawingDef def_;
+  std::optional<pelage::EngineLights> lights_;
+  bool chosen_ = false;
+  pelage::View view_;
+  pelage::RenderTargetDef target_;
+  pelage::TransparencySettings settings_;
+  pelage::PassList simulation_, between_, depth_;
+  std::vector<pelage::PassList> lists_;  ///< of the picture
+  pelage::RenderedImage picture_;
+};
+
+}  // namespace bench
