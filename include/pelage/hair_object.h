@@ -17,6 +17,7 @@
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
 #include "pelage/simulation_settings.h"
+#include "pelage/strand_texture.h"
 #include "pelage/types.h"
 #include "pelage/view.h"
 
@@ -76,6 +77,9 @@ struct HairDef {
   /// Texture of the base color, sampled at HairAsset::strandUv of the roots; without texels there
   /// is none.
   ColorTexture baseTexture = {};
+  /// Puts HairAsset::strandUv on the GPU (HairBuffers::strandUvs): for HairObject::strandTexture,
+  /// for the lights of an engine, and for shaders of your own. Costs 16 bytes a guide.
+  bool strandUvs = false;
   /// Set this if anything besides drawing, such as your own pass, reads the follow hairs from
   /// HairBuffers::positions and tangents. Otherwise they are not stored, and the vertex kernel
   /// computes them.
@@ -165,6 +169,9 @@ struct HairBuffers {
                            ///< With HairObject::interpolates: `drawnPositions` of the frame of
                            ///< interpolate() before the last one
   BufferId baseTexture = BufferId::kInvalid;  ///< [y][x] as vertexColors, then [guide] Float2: UV
+  BufferId strandUvs = BufferId::kInvalid;  ///< HairDef::strandUvs: [guide] Float4, xy = UV of the
+                                            ///< root, z = distance between neighboring roots [m],
+                                            ///< w = change of the UV along the surface [1/m]
   BufferId drawnPositions = BufferId::kInvalid;  ///< HairObject::interpolates: `positions` as
                                                  ///< Frame::interpolate() has placed them last
   BufferId drawnTangents = BufferId::kInvalid;   ///< likewise
@@ -192,6 +199,12 @@ class PELAGE_API HairObject {
   SimulationSettings settings;
   /// May be changed at any time.
   StrandMaterial material;
+  /// A texture of your engine that colors the strands, in place of HairDef::baseTexture. It needs
+  /// HairDef::strandUvs. May be changed at any time; draws check it. Each guide takes one color a
+  /// view, and follow hairs that of their first guide: docs/shading.md says from which mip level.
+  /// Cost: a pass of one thread a guide in each view that the object is in, and 16 bytes a guide;
+  /// without a texture there is neither.
+  StrandTexture strandTexture;
   /// Exact, with HairDef::levelOfDetail: fraction of the guides that is simulated, 0..1; at least
   /// one is. Each other guide takes the shape of a simulated one near it. Changes take effect over
   /// a quarter of a second; guides fade from one shape to the other.

@@ -3,6 +3,7 @@
 // records with pelage/vulkan.h or pelage/gl.h on a device of its own.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -86,17 +87,22 @@ struct RenderTargetDef {
 enum class TextureShape : uint8_t {
   kArray,  ///< layers of two dimensions: Texture2DArray
   kCube,   ///< six square layers: +x, -x, +y, -y, +z, -z, as in every API: TextureCube
+  kPlane,  ///< one layer of two dimensions: Texture2D
 };
 
-/// A texture that is written once, without mip levels.
+/// A texture that is written once.
 struct TextureDef {
   TextureShape shape = TextureShape::kArray;
   uint32_t width = 0, height = 0;  ///< texels, 1..2048
-  uint32_t layers = 1;             ///< 1..256; 6 of a cube
+  uint32_t layers = 1;             ///< 1..256; 6 of a cube, 1 of a plane
+  /// 1 or more of a plane, each half as wide and high as the one before, rounded down, and at least
+  /// 1; with 4 channels the sampler interpolates between them. 1 of others.
+  uint32_t mipLevels = 1;
   /// 1: 32-bit floats, of which the sampler takes the nearest, at the edge beyond 0..1; for depth.
-  /// 4: 16-bit floats, which it interpolates linearly; for light.
+  /// 4: 16-bit floats, which it interpolates linearly; for light. Planes repeat beyond 0..1.
   uint32_t channels = 4;
-  std::span<const float> texels = {};  ///< [layer][row][column][channel]; row 0 is at v = 0
+  /// [mip level][layer][row][column][channel]; row 0 is at v = 0
+  std::span<const float> texels = {};
 };
 
 /// What render() gives back; row 0 is the top row on every API.
@@ -165,6 +171,8 @@ class PELAGE_API HeadlessDevice {
   static Result<PixelArea> drawArea(const RenderTargetDef& target);
   /// The texels as the device takes them. Error: one of createTexture()'s.
   static Result<std::vector<std::byte>> textureBytes(const TextureDef& texture);
+  /// Width or height of a mip level [texels].
+  static uint32_t sizeOfLevel(uint32_t size, uint32_t level) { return std::max(size >> level, 1u); }
   /// Whether RenderTargetDef::depthCopy can be done; `bytes` of the buffer, 0 when there is none.
   static Result<void> checkDepthCopy(const RenderTargetDef& target, size_t lists, uint64_t bytes);
 };

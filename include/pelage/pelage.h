@@ -46,6 +46,7 @@
 #include "pelage/skeleton.h"
 #include "pelage/skeleton_pose.h"
 #include "pelage/skin_table.h"
+#include "pelage/strand_texture.h"
 #include "pelage/stream.h"
 #include "pelage/tier.h"
 #include "pelage/transparency.h"

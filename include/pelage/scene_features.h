@@ -31,7 +31,9 @@ struct SceneFeatures {
   bool storedFollowHairs = false;     ///< HairDef::storeFollowHairs
   bool collidingFollowHairs = false;  ///< CollidingHair::kGuidesAndFollows
   bool levelOfDetail = false;         ///< HairDef::levelOfDetail
-  bool attributes = false;     ///< HairAsset::strandThickness, vertexColor, HairDef::baseTexture
+  bool attributes = false;  ///< HairAsset::strandThickness, vertexColor, HairDef::baseTexture
+  /// HairObject::strandTexture; HairDef::strandUvs with engineLights that read them.
+  bool strandTextures = false;
   bool skinnedHair = false;    ///< HairObject::simulated = false
   bool originShifts = false;   ///< Scene::shiftOrigin()
   bool teleports = false;      ///< Scene::teleport()
@@ -50,8 +52,9 @@ struct SceneFeatures {
 
 /// What of hair objects a view draws, for listToDraw().
 struct DrawnFeatures {
-  bool followHairs = false;  ///< HairDef::followHairs, not stored
-  bool attributes = false;   ///< as SceneFeatures::attributes
+  bool followHairs = false;     ///< HairDef::followHairs, not stored
+  bool attributes = false;      ///< as SceneFeatures::attributes
+  bool strandTextures = false;  ///< as SceneFeatures::strandTextures
 };
 
 /// Returns a list with a pass for each pipeline that a scene with these features needs, now or once

@@ -1,6 +1,6 @@
 // Position, radius and color of a drawn strand at a vertex. The including file has the layouts of
-// group render, and the permutation ATTRIBUTES: factors on the radius, colors of vertices and a
-// texture; g_strandAttributes has the ones that exist.
+// group render, and the permutation ATTRIBUTES: factors on the radius, colors of vertices, a
+// texture or its colors, and UV; g_strandAttributes has the ones that exist.
 #ifndef PELAGE_SHADING_DRAWN_FIBER_HLSLI
 #define PELAGE_SHADING_DRAWN_FIBER_HLSLI
 
@@ -50,6 +50,17 @@ float4 textureAt(float2 uv) {
 }
 #endif
 
+// The UV of a strand's root, within 0..1; 0 without kHasStrandUvs.
+float2 rootUv(uint guide) {
+  float2 uv = float2(0.0, 0.0);
+#if ATTRIBUTES
+  uint at = hasAttribute(kHasBaseTexture) ? g_textureSize.x * g_textureSize.y + guide : 2u * guide;
+  if (hasAttribute(kHasStrandUvs)) uv = asfloat(g_baseTexture[at]);
+  uv -= floor(uv);
+#endif
+  return uv;
+}
+
 float4 strandColor(uint strand, uint guide, uint vertex, float along) {
   float random = unitFloat(hashUint(strand)) * 2.0 - 1.0;
   float share = g_tipColor.a;
@@ -62,6 +73,7 @@ float4 strandColor(uint strand, uint guide, uint vertex, float along) {
     color *= unpackColor(g_vertexColors[guide * g_renderVertexCount + vertex]);
   if (hasAttribute(kHasBaseTexture))
     color *= textureAt(asfloat(g_baseTexture[g_textureSize.x * g_textureSize.y + guide]));
+  if (hasAttribute(kHasStrandColors)) color *= unpackColor(g_baseTexture[2u * guide + 1u]);
 #endif
   return color;
 }
@@ -84,6 +96,7 @@ struct DrawnFiber {
   float3 position;  // world [m]
   float3 tangent;   // unit
   float4 color;     // linear rgb, opacity
+  float2 uv;        // of the root, 0..1; 0 without kHasStrandUvs
   float radius;     // [m]
   bool known;       // false: the strand is not drawn
 };
@@ -94,6 +107,7 @@ DrawnFiber drawnFiber(uint strand, uint vertex) {
   fiber.position = float3(0.0, 0.0, 0.0);
   fiber.tangent = float3(0.0, 1.0, 0.0);
   fiber.color = float4(0.0, 0.0, 0.0, 0.0);
+  fiber.uv = float2(0.0, 0.0);
   fiber.radius = 0.0;
   DrawnVertex at = finiteVertex(strand, vertex);
   // A vertex that is not finite takes the position of the nearest finite one.
@@ -112,10 +126,13 @@ DrawnFiber drawnFiber(uint strand, uint vertex) {
   uint guide = strand;
 #if ATTRIBUTES
   if (hasAttribute(kHasThickness)) fiber.radius *= g_strandThickness[strand];
-  if (hasAttribute(kHasVertexColors | kHasBaseTexture) && strand >= g_renderGuideCount)
+  if (hasAttribute(kHasVertexColors | kHasBaseTexture | kHasStrandColors | kHasStrandUvs) &&
+      strand >= g_renderGuideCount)
     guide = g_renderFollowHairRecords[strand - g_renderGuideCount].guides.x;
 #endif
-  fiber.color = strandColor(strand, min(guide, g_renderGuideCount - 1u), vertex, along);
+  guide = min(guide, g_renderGuideCount - 1u);
+  fiber.color = strandColor(strand, guide, vertex, along);
+  fiber.uv = rootUv(guide);
   return fiber;
 }
 

@@ -458,8 +458,8 @@ Result<TextureId> HeadlessGl::createTexture(const TextureDef& def) {
   if (!texels) return texels.error();
   const ScopedCurrent current(egl_);
   if (Result<void> ok = current.check(); !ok) return ok.error();
-  const bool cube = def.shape == TextureShape::kCube;
-  const GLenum target = cube ? GL_TEXTURE_CUBE_MAP : GL_TEXTURE_2D_ARRAY;
+  const bool cube = def.shape == TextureShape::kCube, plane = def.shape == TextureShape::kPlane;
+  const GLenum target = cube ? GL_TEXTURE_CUBE_MAP : plane ? GL_TEXTURE_2D : GL_TEXTURE_2D_ARRAY;
   const bool single = def.channels == 1;
   const GLenum stored = single ? GL_R32F : GL_RGBA16F;
   const GLenum given = single ? GL_RED : GL_RGBA, type = single ? GL_FLOAT : GL_HALF_FLOAT;
@@ -476,16 +476,27 @@ Result<TextureId> HeadlessGl::createTexture(const TextureDef& def) {
     for (GLenum i = 0; i < 6; ++i)
       gl_.glTexSubImage2D(GL_TEXTURE_CUBE_MAP_POSITIVE_X + i, 0, 0, 0, width, height, given, type,
                           texels->data() + i * face);
+  } else if (plane) {
+    const auto levels = static_cast<GLsizei>(def.mipLevels);
+    gl_.glTexStorage2D(target, levels, stored, width, height);
+    const std::byte* next = texels->data();
+    for (uint32_t i = 0; i < def.mipLevels; ++i) {
+      const uint32_t columns = sizeOfLevel(def.width, i), rows = sizeOfLevel(def.height, i);
+      gl_.glTexSubImage2D(target, static_cast<GLint>(i), 0, 0, static_cast<GLsizei>(columns),
+                          static_cast<GLsizei>(rows), given, type, next);
+      next += size_t{columns} * rows * (single ? sizeof(float) : 4 * sizeof(uint16_t));
+    }
   } else {
     const auto layers = static_cast<GLsizei>(def.layers);
     gl_.glTexStorage3D(target, 1, stored, width, height, layers);
     gl_.glTexSubImage3D(target, 0, 0, 0, 0, width, height, layers, given, type, texels->data());
   }
   const GLint filter = single ? GL_NEAREST : GL_LINEAR;
-  for (const GLenum parameter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-    gl_.glTexParameteri(target, parameter, filter);
+  const GLint between = single ? GL_NEAREST_MIPMAP_NEAREST : GL_LINEAR_MIPMAP_LINEAR;
+  gl_.glTexParameteri(target, GL_TEXTURE_MIN_FILTER, def.mipLevels > 1 ? between : filter);
+  gl_.glTexParameteri(target, GL_TEXTURE_MAG_FILTER, filter);
   for (const GLenum parameter : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
-    gl_.glTexParameteri(target, parameter, GL_CLAMP_TO_EDGE);
+    gl_.glTexParameteri(target, parameter, plane ? GL_REPEAT : GL_CLAMP_TO_EDGE);
   gl_.glBindTexture(target, 0);
   if (const GLenum error = gl_.glGetError(); error != GL_NO_ERROR) {
     return Error{error == GL_OUT_OF_MEMORY ? ErrorCode::kOutOfMemory : ErrorCode::kUnsupported,

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace pelage::vulkan {
 namespace {
 
@@ -20,6 +22,8 @@ Result<void> Texture::make(const Device& device, const TextureDef& def) {
   width_ = def.width;
   height_ = def.height;
   layers_ = def.layers;
+  levels_ = def.mipLevels;
+  texelBytes_ = def.channels == 1 ? sizeof(float) : 4 * sizeof(uint16_t);
   Result<void> made = makeImage(device, def);
   if (made) made = makeViewAndSampler(device, def);
   if (!made) destroy(device);
@@ -33,7 +37,7 @@ Result<void> Texture::makeImage(const Device& device, const TextureDef& def) {
   info.imageType = VK_IMAGE_TYPE_2D;
   info.format = formatOf(def);
   info.extent = {def.width, def.height, 1};
-  info.mipLevels = 1;
+  info.mipLevels = def.mipLevels;
   info.arrayLayers = def.layers;
   info.samples = VK_SAMPLE_COUNT_1_BIT;
   info.tiling = VK_IMAGE_TILING_OPTIMAL;
@@ -58,18 +62,23 @@ Result<void> Texture::makeViewAndSampler(const Device& device, const TextureDef&
   const Functions& vk = device.vk;
   auto view = tagged<VkImageViewCreateInfo>(VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO);
   view.image = image_;
-  view.viewType =
-      def.shape == TextureShape::kCube ? VK_IMAGE_VIEW_TYPE_CUBE : VK_IMAGE_VIEW_TYPE_2D_ARRAY;
+  const bool plane = def.shape == TextureShape::kPlane;
+  view.viewType = def.shape == TextureShape::kCube ? VK_IMAGE_VIEW_TYPE_CUBE
+                  : plane                          ? VK_IMAGE_VIEW_TYPE_2D
+                                                   : VK_IMAGE_VIEW_TYPE_2D_ARRAY;
   view.format = formatOf(def);
-  view.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, layers_};
+  view.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, levels_, 0, layers_};
   VkResult result = vk.CreateImageView(device.handle, &view, nullptr, &view_);
   if (result != VK_SUCCESS) return failed(result, def);
 
   auto sampler = tagged<VkSamplerCreateInfo>(VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO);
   sampler.magFilter = def.channels == 1 ? VK_FILTER_NEAREST : VK_FILTER_LINEAR;
   sampler.minFilter = sampler.magFilter;
-  sampler.mipmapMode = VK_SAMPLER_MIPMAP_MODE_NEAREST;
-  sampler.addressModeU = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+  sampler.mipmapMode =
+      def.channels == 4 ? VK_SAMPLER_MIPMAP_MODE_LINEAR : VK_SAMPLER_MIPMAP_MODE_NEAREST;
+  sampler.maxLod = static_cast<float>(levels_ - 1);
+  sampler.addressModeU =
+      plane ? VK_SAMPLER_ADDRESS_MODE_REPEAT : VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
   sampler.addressModeV = sampler.addressModeU;
   sampler.addressModeW = sampler.addressModeU;
   result = vk.CreateSampler(device.handle, &sampler, nullptr, &sampler_);
@@ -86,13 +95,18 @@ void Texture::fill(const Device& device, VkCommandBuffer commands, VkBuffer texe
   barrier.srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
   barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
   barrier.image = image_;
-  barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, layers_};
+  barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, levels_, 0, layers_};
   vk.CmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT,
                         0, 0, nullptr, 0, nullptr, 1, &barrier);
   VkBufferImageCopy copy = {};
-  copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, layers_};
-  copy.imageExtent = {width_, height_, 1};
-  vk.CmdCopyBufferToImage(commands, texels, image_, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
+  for (uint32_t level = 0; level < levels_; ++level) {
+    copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, level, 0, layers_};
+    copy.imageExtent = {std::max(width_ >> level, 1u), std::max(height_ >> level, 1u), 1};
+    vk.CmdCopyBufferToImage(commands, texels, image_, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
+                            &copy);
+    copy.bufferOffset +=
+        texelBytes_ * copy.imageExtent.width * copy.imageExtent.height * VkDeviceSize{layers_};
+  }
   barrier.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
   barrier.dstAccessMask = VK_ACCESS_SHADER_READ_BIT;
   barrier.oldLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;

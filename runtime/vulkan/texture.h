@@ -21,7 +21,8 @@ class Texture {
   Result<void> makeImage(const Device& device, const TextureDef& def);
   Result<void> makeViewAndSampler(const Device& device, const TextureDef& def);
 
-  uint32_t width_ = 0, height_ = 0, layers_ = 0;
+  uint32_t width_ = 0, height_ = 0, layers_ = 0, levels_ = 0;
+  VkDeviceSize texelBytes_ = 0;
   VkImage image_ = VK_NULL_HANDLE;
   VkDeviceMemory memory_ = VK_NULL_HANDLE;
   VkImageView view_ = VK_NULL_HANDLE;

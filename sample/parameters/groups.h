@@ -48,6 +48,7 @@ std::string text(pelage::HairDepthColor value);
 std::string text(pelage::HairStyle value);
 std::string text(pelage::BufferId value);
 std::string text(pelage::SkeletonId value);
+std::string text(pelage::TextureId value);
 std::string text(const pelage::EngineLights* value);
 template <class T>
 std::string text(std::span<const T> value) {
@@ -58,7 +59,8 @@ template <class T>
 requires std::same_as<T, pelage::WindSettings> || std::same_as<T, pelage::ParameterCurves> ||
     std::same_as<T, pelage::SleepSettings> || std::same_as<T, pelage::HairContactSettings> ||
     std::same_as<T, pelage::SimulationSettings> || std::same_as<T, pelage::StrandMaterial> ||
-    std::same_as<T, pelage::ColorTexture> || std::same_as<T, pelage::OpaqueShadow>
+    std::same_as<T, pelage::ColorTexture> || std::same_as<T, pelage::StrandTexture> ||
+    std::same_as<T, pelage::OpaqueShadow>
         std::string text(const T&) {
   return "its own";
 }

@@ -77,6 +77,13 @@ std::vector<Parameter> objectRows() {
        "Settings of the simulation; Scene::simulate() checks them.",
        {}},
       {PELAGE_FIELD(HairObject, material), "", "see StrandMaterial", "Look of the hair.", {}},
+      {PELAGE_FIELD(HairObject, strandTexture),
+       "",
+       "see StrandTexture",
+       "A texture of your engine that colors the strands, in place of HairDef::baseTexture; costs "
+       "a "
+       "pass in each view. Needs HairDef::strandUvs.",
+       {}},
       tuned("HairObject", "simulatedShare",
             show(
                 swinging(), std::vector{0.004f, 0.05f, 1.0f},
@@ -158,6 +165,12 @@ std::vector<Parameter> defRows() {
        "see ColorTexture",
        "Texture of the base color, sampled at HairAsset::strandUv of the roots.",
        {}},
+      {PELAGE_FIELD(HairDef, strandUvs),
+       "",
+       "needs HairAsset::strandUv",
+       "Puts the UV of the roots on the GPU, for HairObject::strandTexture, engine lights and your "
+       "own shaders; costs 16 bytes per guide.",
+       {}},
       tuned("HairDef", "storeFollowHairs"),
       tuned(
           "HairDef", "collidingHair",
@@ -212,6 +225,28 @@ std::vector<Parameter> textureRows() {
        "linear RGBA",
        "0..1",
        "Rows from y = 0 on; A multiplies the opacity. The texture repeats beyond 0..1.",
+       {}},
+  };
+}
+
+std::vector<Parameter> strandTextureRows() {
+  return {
+      {PELAGE_FIELD(StrandTexture, texture),
+       "",
+       "of newTextureId()",
+       "The texture, registered with the runtime with its sampler; none colors nothing.",
+       {}},
+      {PELAGE_FIELD(StrandTexture, width), "texels", "1..65536", "Width of mip level 0.", {}},
+      {PELAGE_FIELD(StrandTexture, height), "texels", "1..65536", "Height of mip level 0.", {}},
+      {PELAGE_FIELD(StrandTexture, mipLevels),
+       "levels",
+       "1..17",
+       "Levels that are chosen from, by distances between roots and pixels of the view.",
+       {}},
+      {PELAGE_FIELD(StrandTexture, lodBias),
+       "levels",
+       "-16..16",
+       "Added to the level; -1 takes one of twice the texels an edge.",
        {}},
   };
 }
@@ -393,6 +428,9 @@ std::vector<ParameterGroup> hairGroups() {
       {"HairDef", object, "Argument of Scene::addHair(); cannot change later.", defRows()},
       {"StrandFactors", object, "HairDef::strandFactors", factorRows()},
       {"ColorTexture", object, "HairDef::baseTexture", textureRows()},
+      {"StrandTexture", "pelage/strand_texture.h",
+       "HairObject::strandTexture. [shading.md](shading.md#an-engines-texture-on-strands)",
+       strandTextureRows()},
       {"FollowDef", asset, "HairAsset::generateFollowHairs()", followRows()},
       {"ProcessDef",
        asset,

@@ -142,6 +142,9 @@ std::string text(pelage::BufferId value) {
 std::string text(pelage::SkeletonId value) {
   return value == pelage::SkeletonId::kInvalid ? "none" : "a skeleton";
 }
+std::string text(pelage::TextureId value) {
+  return value == pelage::TextureId::kInvalid ? "none" : "a texture";
+}
 std::string text(const pelage::EngineLights* value) {
   return value == nullptr ? "none" : "lights of an engine";
 }

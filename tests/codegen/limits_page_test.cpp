@@ -50,6 +50,7 @@ const std::vector<Feature>& features() {
       {"Roots on a mesh that an engine deforms", {"follow_surface"}},
       {"Field of forces of an engine", {"sample_force_field"}},
       {"SDF of an engine", {"import_sdf"}},
+      {"Texture of an engine on strands", {"sample_strand_colors"}},
       {"Shadow",
        {"clear_strand_shadow", "splat_strand_depths", "splat_strand_opacity",
         "accumulate_strand_shadow"}},

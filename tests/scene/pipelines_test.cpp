@@ -236,13 +236,21 @@ class Game {
       add({.name = "skinned", .settings = features_.settings.front(), .skeleton = *skeleton});
       frames(2);
     }
+    if (features_.strandTextures) {
+      HairAsset asset = makeAsset(50, 12);
+      asset.strandUv.assign(50, {0.5f, 0.5f});
+      add({.name = "textured", .settings = features_.settings.front(), .strandUvs = true}, asset);
+      scene_.hair(hairs_.back()).strandTexture = {newTextureId(), 64, 64, 7};
+      frames(2);
+    }
   }
 
   std::set<std::string> needed_;
 
  private:
-  void add(const HairDef& def) {
-    const auto added = scene_.addHair(makeAsset(50, 12), def);
+  void add(const HairDef& def) { add(def, makeAsset(50, 12)); }
+  void add(const HairDef& def, const HairAsset& asset) {
+    const auto added = scene_.addHair(asset, def);
     ASSERT_TRUE(added) << added.error().message;
     hairs_.push_back(*added);
     scene_.hair(*added).tracksMotion = features_.motion;
@@ -282,6 +290,7 @@ TEST(ListToPrepare, HasEveryPipelineThatIsSwitchedOnLater) {
        .boneBuffers = true,
        .boneSurfaces = true,
        .collidingFollowHairs = true,
+       .strandTextures = true,
        .skinnedHair = true,
        .originShifts = true,
        .teleports = true,

@@ -19,6 +19,8 @@ StructuredBuffer<float4> g_renderTangents : register(t1, space0);
 static const uint kHasThickness = 1u;
 static const uint kHasVertexColors = 2u;
 static const uint kHasBaseTexture = 4u;
+static const uint kHasStrandColors = 8u;  // of an engine's texture, in place of kHasBaseTexture
+static const uint kHasStrandUvs = 16u;    // strands are drawn with the UV of their roots
 
 cbuffer RenderConstants : register(b1, space1) {
   float4 g_shadingBody;         // members of StrandShading
@@ -55,8 +57,10 @@ StructuredBuffer<RootTransform> g_renderRoots : register(t2, space1);
 // [guide][vertex]: linear rgba as four halves; an attribute. A follow hair has the colors of its
 // first guide.
 StructuredBuffer<uint2> g_vertexColors : register(t3, space1);
-// [y][x]: linear rgba as two words of two 16-bit unorms; then [guide]: UV on it, 0..1 and repeated
-// beyond, as the bits of two floats. An attribute.
+// What strands have at their roots; an attribute. UV are the bits of two floats, 0..1 and repeated
+// beyond; colors are linear rgba as two words of two 16-bit unorms.
+// With kHasBaseTexture: [y][x] colors; then [guide]: UV.
+// Else: [guide][2]: UV, then with kHasStrandColors a color.
 StructuredBuffer<uint2> g_baseTexture : register(t4, space1);
 // Words of all shadow maps.
 StructuredBuffer<uint> g_shadowWords : register(t5, space1);

@@ -49,6 +49,7 @@ DrawnHair drawnHairOf(const HairObject& object, const HairInternals& hair, uint6
   drawn.storesFollows = hair.storesFollowHairs;
   drawn.tipSeparation = object.settings.tipSeparation;
   drawn.textureSize = {hair.textureWidth, hair.textureHeight};
+  if (object.strandTexture.texture != TextureId::kInvalid) drawn.texture = &object.strandTexture;
   const StrandsBetween between = hair.interpolation.drawn(frame);
   const bool placed = between.positions != BufferId::kInvalid;
   drawn.positions = placed ? between.positions : object.buffers().positions;

@@ -1,5 +1,6 @@
 #include "pelage/headless.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -61,19 +62,28 @@ Result<std::vector<std::byte>> HeadlessDevice::textureBytes(const TextureDef& te
   const bool cube = texture.shape == TextureShape::kCube;
   const auto isSize = [](uint32_t size) { return size >= 1 && size <= kMaxTextureSize; };
   const bool square = texture.width == texture.height && texture.layers == 6;
-  const bool shaped = cube ? square : texture.layers >= 1 && texture.layers <= kMaxTextureLayers;
-  const uint64_t values =
-      uint64_t{texture.width} * texture.height * texture.layers * texture.channels;
+  const bool plane = texture.shape == TextureShape::kPlane;
+  const uint32_t mostLayers = plane ? 1 : kMaxTextureLayers;
+  const auto mostLevels =
+      static_cast<uint32_t>(plane ? std::bit_width(std::max(texture.width, texture.height)) : 1);
+  const bool shaped = (cube ? square : texture.layers >= 1 && texture.layers <= mostLayers) &&
+                      texture.mipLevels >= 1 && texture.mipLevels <= mostLevels;
+  uint64_t values = 0;
+  for (uint32_t level = 0; level < std::min(texture.mipLevels, mostLevels); ++level)
+    values += uint64_t{sizeOfLevel(texture.width, level)} * sizeOfLevel(texture.height, level) *
+              texture.layers * texture.channels;
   if (!isSize(texture.width) || !isSize(texture.height) || !shaped ||
       (texture.channels != 1 && texture.channels != 4) || texture.texels.size() != values) {
     return Error{ErrorCode::kInvalidArgument,
                  "TextureDef: " + std::to_string(texture.width) + " x " +
                      std::to_string(texture.height) + " texels in " +
-                     std::to_string(texture.layers) + " layers with " +
+                     std::to_string(texture.layers) + " layers and " +
+                     std::to_string(texture.mipLevels) + " mip levels with " +
                      std::to_string(texture.channels) + " channels and " +
                      std::to_string(texture.texels.size()) +
-                     " values; a size is 1 to 2048, layers are 1 to 256 or 6 squares of a cube, "
-                     "channels 1 or 4, and there is a value for each"};
+                     " values; a size is 1 to 2048, layers are 1 to 256, 6 squares of a cube or 1 "
+                     "of a plane, which may have mip levels down to 1 texel, channels 1 or 4, and "
+                     "there is a value for each"};
   }
   const size_t size = texture.channels == 1 ? sizeof(float) : sizeof(uint16_t);
   std::vector<std::byte> bytes(texture.texels.size() * size);

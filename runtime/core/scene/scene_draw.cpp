@@ -70,7 +70,8 @@ void SceneImpl::setShadowMemory(uint64_t maxBytes) { draws_.shadows.maxBytes = m
 
 // Numbers that the object's draws and shadows would take.
 Result<void> SceneImpl::checkLook(const HairObject& object) {
-  const std::string fault = faultOf(object.material);
+  std::string fault = faultOf(object.material);
+  if (fault.empty()) fault = faultOf(object.strandTexture, object.buffers());
   if (fault.empty()) return {};
   return Error{ErrorCode::kInvalidArgument, "hair '" + object.name() + "': " + fault};
 }
@@ -127,7 +128,8 @@ Result<void> SceneImpl::draw(const View& view, const Light& light, PassList& lis
   if (!plan) return plan.error();
   std::vector<PassList> lists;
   lists.push_back(std::move(list));
-  Result<void> added = draws_.oit.record(*frame, settings, *plan, room(), draws_.frame, lists);
+  Result<void> added = draws_.colors.record(*frame, room(), draws_.frame, lists[0]);
+  if (added) added = draws_.oit.record(*frame, settings, *plan, room(), draws_.frame, lists);
   list = std::move(lists.front());
   if (added) finishShift();
   setArea({&list, 1}, view);
@@ -148,7 +150,9 @@ Result<void> SceneImpl::draw(const View& view, std::span<const Light> lights,
   Result<ShadowCast> cast = checkShadows(lights, true);
   if (!cast) return cast.error();
   if (Result<void> added = addShadows(*cast, *frame, lists[0]); !added) return added;
-  Result<void> added = draws_.oit.record(*frame, settings, *plan, room, draws_.frame, lists);
+  Result<void> added = draws_.colors.record(*frame, room, draws_.frame, lists[0]);
+  if (added) added = draws_.oit.record(*frame, settings, *plan, room, draws_.frame, lists);
+  draws_.colors.share(*frame, lists, draws_.frame);
   draws_.shadows.share(lists, draws_.frame);
   if (added) finishShift();
   setArea(lists, view);
@@ -165,7 +169,8 @@ Result<void> SceneImpl::drawDepth(const View& view, const HairDepthSettings& set
   if (Result<void> fits = StrandDepths::check(*frame, settings); !fits) return fits;
   if (frame->hairs.empty()) return {};
   if (Result<void> moved = addPendingShifts(list); !moved) return moved;
-  Result<void> added = draws_.depths.record(*frame, settings, room(), draws_.frame, list);
+  Result<void> added = draws_.colors.record(*frame, room(), draws_.frame, list);
+  if (added) added = draws_.depths.record(*frame, settings, room(), draws_.frame, list);
   if (added) finishShift();
   return added;
 }

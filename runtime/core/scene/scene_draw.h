@@ -10,6 +10,7 @@
 #include "pelage/scene.h"
 #include "pelage/tier.h"
 #include "scene/hair_internals.h"
+#include "shading/strand_colors.h"
 #include "shading/strand_depth.h"
 #include "shading/strand_draws.h"
 #include "shadow/shadow_maps.h"
@@ -49,12 +50,14 @@ struct DrawRooms {
   Tier tier = Tier::kWide;
   OitViews oit;
   ShadowMaps shadows;
+  StrandColors colors;
   StrandDepths depths;
   std::vector<std::unique_ptr<PassList>> spareLists;  ///< of frames, for their memory
 
   void trim(const RoomBuffers& room, const char* reason) {
     oit.trim(room, reason);
     shadows.trim(room, reason);
+    colors.trim(room, reason);
     depths.trim(room, reason);
   }
 };

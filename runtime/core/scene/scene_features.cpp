@@ -146,11 +146,12 @@ class SmallScene {
     const std::vector<Float4> texel = {{1, 1, 1, 1}};
     for (const SimulationSettings& settings : features_.settings) {
       for (const bool attributes : {false, true}) {
-        if (attributes && !features_.attributes) continue;
+        if (attributes && !features_.attributes && !features_.strandTextures) continue;
         const Result<HairAsset> asset = smallGroom(attributes);
         if (!asset) return asset.error();
         HairDef def = {.name = "prepared", .settings = settings};
         if (attributes) def.baseTexture = {1, 1, texel};
+        def.strandUvs = attributes && features_.strandTextures;
         if (Result<void> added = addKinds(*asset, def, follows); !added) return added;
       }
     }
@@ -181,6 +182,7 @@ class SmallScene {
     hairs_.push_back(*added);
     scene_.hair(*added).tracksMotion = features_.motion;
     scene_.hair(*added).interpolates = features_.interpolation;
+    if (def.strandUvs) scene_.hair(*added).strandTexture = {newTextureId(), 1, 1};
     return {};
   }
 
@@ -345,6 +347,7 @@ Result<PassList> listToDraw(const TransparencySettings& settings, const DrawnFea
                                   .meshColliders = false,
                                   .followHairs = hair.followHairs,
                                   .attributes = hair.attributes,
+                                  .strandTextures = hair.strandTextures,
                                   .shadows = false,
                                   .transparency = {settings},
                                   .tier = tier};

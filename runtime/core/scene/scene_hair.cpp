@@ -13,6 +13,7 @@
 #include "pelage/constants.h"
 #include "pelage/kernels.h"
 #include "scene/scene_impl.h"
+#include "shading/root_uvs.h"
 #include "simulation/hair_passes.h"
 
 namespace pelage::detail {
@@ -116,6 +117,11 @@ std::string faultOfTexture(const HairAsset& asset, const ColorTexture& texture) 
   }
   if (texels > 0 && asset.strandUv.empty()) return "has a texture, but the asset has no strandUv";
   return {};
+}
+
+std::string faultOfUvs(const HairAsset& asset, const HairDef& def) {
+  if (!def.strandUvs || !asset.strandUv.empty()) return {};
+  return "HairDef::strandUvs is set, but the asset has no strandUv";
 }
 
 Groom groomOf(std::shared_ptr<const HairAsset> shared, const HairDef& def) {
@@ -238,7 +244,7 @@ Result<HairId> SceneImpl::addHair(std::shared_ptr<const HairAsset> shared, const
   if (const std::string fault = faultOfCounts(asset, def); !fault.empty()) return refuse(fault);
   for (const std::string& fault :
        {faultOfEnums(def), faultOfGuides(def, boneCount), faultOfFollows(def, asset.strandCount),
-        faultOfTexture(asset, def.baseTexture)})
+        faultOfTexture(asset, def.baseTexture), faultOfUvs(asset, def)})
     if (!fault.empty()) return refuse(fault);
 
   auto object = std::unique_ptr<HairObject>(new HairObject);
@@ -302,6 +308,7 @@ void SceneImpl::addHairBuffers(HairObject& object, const HairAsset& asset, const
     buffers.vertexColors = table("vertexColors", packColors(asset.vertexColor));
   if (!def.baseTexture.texels.empty())
     buffers.baseTexture = table("baseTexture", textureOf(asset, def.baseTexture));
+  if (def.strandUvs) buffers.strandUvs = table("strandUvs", rootUvsOf(asset));
   buffers.indices = room().share(def.name, "indices", sizeof(uint32_t),
                                  bytesOf(ribbonIndices(object.vertexCount_)), BufferUsage::kIndex);
 }
@@ -321,7 +328,7 @@ void SceneImpl::removeHairBuffers(HairBuffers& buffers, HairFrameState& state, b
        {&buffers.positions, &buffers.tangents, &buffers.bindRoots, &buffers.rootBindings,
         &buffers.boneTransforms, &buffers.followHairRecords, &buffers.strandThickness,
         &buffers.indices, &buffers.colliders, &buffers.sdfs, &buffers.vertexColors,
-        &buffers.baseTexture})
+        &buffers.baseTexture, &buffers.strandUvs})
     room.remove(*buffer);
 }
 

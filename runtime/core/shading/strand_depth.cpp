@@ -112,7 +112,7 @@ Result<void> addDraw(const DrawnView& view, const DrawnHair& hair,
         .vertices(recordsOf(view, hair))
         .bytes(records * kRecordBytes);
   } else {
-    const bool attributes = strandAttributes(*hair.buffers) != 0;
+    const bool attributes = strandAttributes(view, hair) != 0;
     const KernelVariant& vertex =
         motion ? strandMotionVertexVariant({.attributes = attributes})
                : strandVertexVariant({.smooth = false, .attributes = attributes});

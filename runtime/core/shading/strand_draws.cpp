@@ -90,6 +90,18 @@ Eigen::Matrix4d toMatrix(const Matrix4& m) {
   return result;
 }
 
+// What draws read at the roots: colors of an engine's texture, pelage's own texture, or UV alone.
+BufferRange rootRange(const DrawnHair& hair) {
+  const uint64_t guides = hair.guideCount;
+  const uint64_t texels = uint64_t{hair.textureSize.x} * hair.textureSize.y;
+  if (hair.colors.isBound()) return hair.colors;
+  if (hair.buffers->baseTexture != BufferId::kInvalid)
+    return {hair.buffers->baseTexture, (texels + guides) * sizeof(Uint2)};
+  if (hair.buffers->strandUvs != BufferId::kInvalid)
+    return {hair.buffers->strandUvs, guides * sizeof(Float4)};
+  return {};
+}
+
 // Draws in a state that kinds of ribbons share.
 Result<void> addDraw(const DrawnView& view, const DrawnHair& hair, size_t material, bool smooth,
                      const KernelVariant& pixel, DrawState state,
@@ -108,7 +120,7 @@ Result<void> addDraw(const DrawnView& view, const DrawnHair& hair, size_t materi
         .vertices({view.records.buffer, records * kRecordBytes, hair.firstRecord * kRecordBytes})
         .bytes(records * kRecordBytes);
   } else {
-    const StrandVertexKey key{.smooth = smooth, .attributes = strandAttributes(*hair.buffers) != 0};
+    const StrandVertexKey key{.smooth = smooth, .attributes = strandAttributes(view, hair) != 0};
     builder
         .draw(litVariant(lights, strandVertexVariant(key)), pixel, state,
               (hair.vertexCount - 1) * 6, hair.strands.count, hair.buffers->indices)
@@ -232,13 +244,16 @@ void setMaterials(std::span<const StrandMaterial* const> materials, std::span<Ui
   }
 }
 
-uint32_t strandAttributes(const HairBuffers& buffers) {
+uint32_t strandAttributes(const DrawnView& view, const DrawnHair& hair) {
+  const HairBuffers& buffers = *hair.buffers;
   const auto bit = [](BufferId buffer, uint32_t attribute) {
     return buffer != BufferId::kInvalid ? attribute : 0;
   };
+  const bool colors = hair.colors.isBound();
   return bit(buffers.strandThickness, render::kHasThickness) |
          bit(buffers.vertexColors, render::kHasVertexColors) |
-         bit(buffers.baseTexture, render::kHasBaseTexture);
+         (view.readsUv ? bit(buffers.strandUvs, render::kHasStrandUvs) : 0) |
+         (colors ? render::kHasStrandColors : bit(buffers.baseTexture, render::kHasBaseTexture));
 }
 
 StrandBindings strandBindings(const DrawnView& view, const DrawnHair& hair, size_t material) {
@@ -267,7 +282,7 @@ StrandBindings strandBindings(const DrawnView& view, const DrawnHair& hair, size
   constants.strandWidening = strands.widening;
   constants.textureSize = hair.textureSize;
   const HairBuffers& buffers = *hair.buffers;
-  constants.strandAttributes = strandAttributes(buffers);
+  constants.strandAttributes = strandAttributes(view, hair);
   constants.evaluatesFollows = hair.evaluatedStrands() > 0 ? 1 : 0;
 
   const uint64_t guides = hair.guideCount;
@@ -278,28 +293,25 @@ StrandBindings strandBindings(const DrawnView& view, const DrawnHair& hair, size
   const BufferRange& roots = hair.roots;
   // Positions stand in for attributes that the object lacks, and roots for follow strands: they are
   // bound beside the others, but not read.
-  const auto orPositions = [&](BufferId buffer, uint64_t size) {
-    return buffer != BufferId::kInvalid ? BufferRange{buffer, size} : positions;
+  const auto orPositions = [&](const BufferRange& range) {
+    return range.isBound() ? range : positions;
   };
   const BufferRange follows = {buffers.followHairRecords,
                                uint64_t{hair.followCount} * sizeof(FollowHairRecord)};
-  return {
-      .posTan = {.renderPositions = positions, .renderTangents = {hair.tangents, bytes}},
-      .render = {.strandViewConstants = view.constants,
-                 .renderConstants = constants,
-                 .strandThickness = orPositions(buffers.strandThickness,
-                                                uint64_t{hair.strandCount()} * sizeof(float)),
-                 .renderFollowHairRecords = hair.followCount > 0 ? follows : roots,
-                 .renderRoots = roots,
-                 .vertexColors =
-                     orPositions(buffers.vertexColors, guides * hair.vertexCount * sizeof(Uint2)),
-                 .baseTexture = orPositions(
-                     buffers.baseTexture,
-                     (uint64_t{hair.textureSize.x} * hair.textureSize.y + guides) * sizeof(Uint2)),
-                 .shadowWords = {view.shadowWords, view.shadowBytes}},
-      .bytes = 2 * (strands.count - evaluated) * strandBytes +
-               evaluated * sizeof(FollowHairRecord) +
-               (evaluated > 0 ? guides * sizeof(RootTransform) : 0)};
+  return {.posTan = {.renderPositions = positions, .renderTangents = {hair.tangents, bytes}},
+          .render = {.strandViewConstants = view.constants,
+                     .renderConstants = constants,
+                     .strandThickness = orPositions(
+                         {buffers.strandThickness, uint64_t{hair.strandCount()} * sizeof(float)}),
+                     .renderFollowHairRecords = hair.followCount > 0 ? follows : roots,
+                     .renderRoots = roots,
+                     .vertexColors = orPositions(
+                         {buffers.vertexColors, guides * hair.vertexCount * sizeof(Uint2)}),
+                     .baseTexture = orPositions(rootRange(hair)),
+                     .shadowWords = {view.shadowWords, view.shadowBytes}},
+          .bytes = 2 * (strands.count - evaluated) * strandBytes +
+                   evaluated * sizeof(FollowHairRecord) +
+                   (evaluated > 0 ? guides * sizeof(RootTransform) : 0)};
 }
 
 RecordThreads recordThreads(uint64_t records) {
@@ -315,7 +327,7 @@ Result<void> addTransform(const DrawnView& view, const DrawnHair& hair, size_t m
   place.firstRecord = static_cast<uint32_t>(first);
   place.objectRecords = static_cast<uint32_t>(hair.drawnVertices());
   const TransformStrandsKey key = completeKey(TransformStrandsKey{
-      .follows = hair.evaluatedStrands() > 0, .attributes = strandAttributes(*hair.buffers) != 0});
+      .follows = hair.evaluatedStrands() > 0, .attributes = strandAttributes(view, hair) != 0});
   const RecordThreads threads = recordThreads(hair.drawnVertices());
   const StrandBindings bound = strandBindings(view, hair, material);
   PassBuilder builder(list);

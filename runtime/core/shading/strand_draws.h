@@ -39,7 +39,9 @@ struct DrawnHair {
   uint32_t followCount = 0;
   bool storesFollows = false;  ///< positions has the follow strands, too
   float tipSeparation = 1;
-  Uint2 textureSize = {};                   ///< texels
+  Uint2 textureSize = {};                   ///< texels of HairDef::baseTexture
+  const StrandTexture* texture = nullptr;   ///< of an engine; nullptr: none
+  BufferRange colors = {};                  ///< [guide][2]: what it gives in this view
   BufferId positions = BufferId::kInvalid;  ///< of `buffers`, or between two states
   BufferId tangents = BufferId::kInvalid;   ///< likewise
   BufferRange roots;                        ///< [2][guide] RootTransform
@@ -66,6 +68,7 @@ struct DrawnView {
   bool transformsFirst = false;  ///< the vertex stage has no storage buffers: draws take records
   BufferRange records = {};      ///< of all hairs, where they are transformed first
   const EngineLights* engineLights = nullptr;  ///< TransparencySettings::engineLights
+  bool readsUv = false;                        ///< these read the UV of roots
 };
 
 /// Bytes of a vertex that transform_strands has placed on the screen.
@@ -101,7 +104,7 @@ void setMaterials(std::span<const StrandMaterial* const> materials, std::span<Ui
                   std::span<Float4> secondaries, std::span<Float4> fibers);
 
 /// Bits of RenderConstants::strandAttributes: render::kHasThickness and others.
-uint32_t strandAttributes(const HairBuffers& buffers);
+uint32_t strandAttributes(const DrawnView& view, const DrawnHair& hair);
 
 /// What draws and dispatches over an object's strands read.
 struct StrandBindings {

@@ -1,0 +1,43 @@
+// Colors of strands from textures of engines: a pass for each object of a view that has one. Each
+// view has a buffer for them, of this room's own.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "passes/list_ticket.h"
+#include "passes/room_buffers.h"
+#include "pelage/hair_object.h"
+#include "pelage/pass_list.h"
+#include "pelage/result.h"
+#include "shading/strand_draws.h"
+
+namespace pelage::detail {
+
+/// What of an object's texture is out of range or missing; empty: nothing.
+std::string faultOf(const StrandTexture& texture, const HairBuffers& buffers);
+
+class StrandColors {
+ public:
+  /// Adds the passes of a view, and notes in its objects where their colors are. Adds nothing where
+  /// none has a texture.
+  Result<void> record(DrawnView& view, const RoomBuffers& room, uint64_t frame, PassList& list);
+  /// Notes the lists of a view that read what record() was called for last, behind it.
+  void share(const DrawnView& view, std::span<PassList> lists, uint64_t frame);
+  /// Frees all buffers. \param reason why lists that have not run cannot any more.
+  void trim(const RoomBuffers& room, const char* reason);
+
+ private:
+  struct Slot {
+    BufferId colors = BufferId::kInvalid;
+    TicketSet tickets;
+  };
+  Slot& freeSlot(uint64_t frame);
+  std::vector<std::unique_ptr<Slot>> slots_;
+  Slot* last_ = nullptr;
+};
+
+}  // namespace pelage::detail
