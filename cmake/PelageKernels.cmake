@@ -149,18 +149,20 @@ function(pelage_add_kernels target)
   endforeach()
 endfunction()
 
-# pelage_add_engine_lights(TARGET FILE file NAMESPACE name [TIER es|base|wide] [INCLUDE dirs...])
+# pelage_add_engine_lights(TARGET FILE file NAMESPACE name [TIER es|base|wide] [ROOT_UV]
+#   [INCLUDE dirs...])
 #
 # Makes the libraries of pelage_add_kernels() from pelage's own kernels that draw strands, with the
 # lights of an engine: the HLSL file defines engineLight(), which lights strands in place of pelage's
 # lights in every transparency method (docs/shading.md). Its resources are in ENGINE_LIGHTS_SPACE.
 # <namespace>::allKernels() goes to pelage::EngineLights::kernels. TIER is that of the devices that are
-# to run them, base by default; with es, composite_strand_tiles is of base all the same.
+# to run them, base by default; with es, composite_strand_tiles is of base all the same. ROOT_UV: engineLight()
+# reads StrandSurface.uv, which is 0 without it; lists then take 4 bytes more a node.
 function(pelage_add_engine_lights target)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "FILE;NAMESPACE;TIER" "INCLUDE")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "ROOT_UV" "FILE;NAMESPACE;TIER" "INCLUDE")
   if(NOT arg_FILE OR NOT arg_NAMESPACE OR arg_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "usage: pelage_add_engine_lights(TARGET FILE file NAMESPACE name "
-      "[TIER es|base|wide] [INCLUDE dirs...])")
+      "[TIER es|base|wide] [ROOT_UV] [INCLUDE dirs...])")
   endif()
   if(NOT arg_TIER)
     set(arg_TIER base)
@@ -181,9 +183,15 @@ function(pelage_add_engine_lights target)
   set(folder "${CMAKE_CURRENT_BINARY_DIR}/${target}_source")
   set(manifest "{\"groups\": {}, \"kernels\": []}")
   string(JSON manifest SET "${manifest}" namespace "\"${arg_NAMESPACE}\"")
+  set(defines)
+  set(uv_kernels)
+  if(arg_ROOT_UV)
+    set(defines "#define STRAND_UV 1\n")
+    set(uv_kernels ppll_build:)
+  endif()
   foreach(entry strand_vertex: strand_record_vertex: oit_tile_vertex: strand_pixel:StrandPixel
       ppll_read:PpllRead hybrid_colors:HybridColors short_cut_fill_colors:ShortCutFillColors
-      composite_strand_tiles:CompositeStrandTiles)
+      composite_strand_tiles:CompositeStrandTiles ${uv_kernels})
     string(REGEX MATCH "^([^:]*):(.*)$" matched "${entry}")
     set(name "${CMAKE_MATCH_1}")
     set(lit "${CMAKE_MATCH_2}")
@@ -191,7 +199,7 @@ function(pelage_add_engine_lights target)
     string(JSON file GET "${kernel}" file)
     string(JSON group GET "${kernel}" group)
     string(JSON layouts GET "${own}" groups "${group}")
-    set(text "// Made by pelage_add_engine_lights() for ${target}. Edits are lost.\n")
+    set(text "// Made by pelage_add_engine_lights() for ${target}. Edits are lost.\n${defines}")
     if(lit)
       set(group "lit${lit}")
       string(JSON space LENGTH "${layouts}")

@@ -18,16 +18,18 @@ Composite emptyComposite() {
 }
 
 // \param at center of the pixel in the viewport, row 0 the top row [pixels]
-StrandSurface surfaceOfFragment(float2 at, uint key, uint shape, uint color) {
+StrandSurface surfaceOfFragment(float2 at, uint key, uint shape, uint color, float2 uv) {
   float3 position = fragmentPosition(at, depthOfKey(key, g_reversedDepth != 0u));
-  return strandSurface(position, tangentOfShape(shape), colorOf(color));
+  StrandSurface surface = strandSurface(position, tangentOfShape(shape), colorOf(color));
+  surface.uv = uv;
+  return surface;
 }
 
-// Words as in fragment_packing.hlsli.
+// Words as in fragment_packing.hlsli. \param uv of the root, 0 where it is not kept
 void addFragment(inout Composite sum, StrandShading material, float2 at, uint key, uint shape,
-                 uint color) {
+                 uint color, float2 uv) {
   float alpha = alphaOfShape(shape);
-  float3 light = lightStrand(material, surfaceOfFragment(at, key, shape, color));
+  float3 light = lightStrand(material, surfaceOfFragment(at, key, shape, color, uv));
   sum.light += light * (sum.transmittance * alpha);
   sum.transmittance *= 1.0 - alpha;
 }

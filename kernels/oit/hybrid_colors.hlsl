@@ -15,6 +15,7 @@
 #include "insert_layer.hlsli"
 #define SHADOW_WORDS g_shadowWords
 #include "../shading/light_strand.hlsli"
+#include "../shading/pixel_surface.hlsli"
 
 [earlydepthstencil]
 void hybrid_colors(StrandPixel strand) {
@@ -23,9 +24,8 @@ void hybrid_colors(StrandPixel strand) {
   uint pixel = layerPixel(strand.clip.xy, g_viewport.xy, g_colorsWidth, g_colorsHeight);
   if (pixel == kNoPixel) return;
   uint key = layerKey(strand.clip.z, g_reversedDepth != 0u);
-  float3 light = lightStrand(
-      renderShading(), strandSurface(fragmentPosition(strand.clip.xy - g_viewport.xy, strand.clip.z),
-                                     strand.tangent, saturate(strand.color.rgb)));
+  float3 light =
+      lightStrand(renderShading(), pixelSurface(strand, saturate(strand.color.rgb)));
   uint layer = packLayer(light, alpha);
 
   // The first key that is not nearer; their number is a power of two.

@@ -7,11 +7,15 @@
 // tail; the counter of nodes counts these fragments, too. A node is linked only after its index is
 // known to be in bounds (K35).
 //
+// With STRAND_UV, which pelage_add_engine_lights() defines for lights that read it, the UV of
+// the root is behind the nodes, four in an element.
+//
 // Invariant (tests/oit): every fragment of alpha > 0 is in exactly one list or tail, whatever
 // the capacity.
 #include "layouts/ppll_build.hlsli"
 #include "../shading/layouts/render.hlsli"
 #include "../shading/strand_alpha.hlsli"
+#include "../shading/uv_packing.hlsli"
 #include "fragment_packing.hlsli"
 #include "pixel_tiles.hlsli"
 #include "ppll_counters.hlsli"
@@ -47,6 +51,9 @@ void ppll_build(StrandPixel strand) {
     g_listNodes[node] =
         uint4(packLink(next, g_materialIndex), depthKey(strand.clip.z, g_reversedDepth != 0u),
               shape, packColor(strand.color.rgb));
+#if STRAND_UV
+    g_listNodes[g_nodeCapacity + (node >> 2)][node & 3u] = packUv(strand.uv);
+#endif
     return;
   }
 #if TAIL

@@ -21,6 +21,7 @@
 #include "spill_tail.hlsli"
 #define SHADOW_WORDS g_readShadowWords
 #include "../shading/light_strand.hlsli"
+#include "../shading/uv_packing.hlsli"
 #include "composite_fragment.hlsli"
 
 // A node of the window: its sort keys and its index. A free slot has kNoSlot and is the farthest.
@@ -44,11 +45,23 @@ WindowSlot freeSlot() {
   return slot;
 }
 
+// The word of a node's UV; 0 without STRAND_UV.
+uint uvWordOf(uint position) {
+  uint word = 0u;
+#if STRAND_UV
+  word = g_readNodes[g_readNodeCapacity + (position >> 2)][position & 3u];
+#endif
+  return word;
+}
+
 // Nodes of one depth whose hashes are equal are equal themselves, but for one pair in 2^32.
 WindowSlot slotOf(uint4 node, uint position) {
   WindowSlot slot;
   slot.key = node.y;
   slot.tie = hashUint(node.z ^ hashUint(node.w ^ materialOf(node.x)));
+#if STRAND_UV
+  slot.tie = hashUint(slot.tie ^ uvWordOf(position));
+#endif
   slot.position = position;
   return slot;
 }
@@ -60,7 +73,8 @@ bool isBefore(WindowSlot a, WindowSlot b) {
 
 void addNode(inout Composite sum, uint position, float2 pixel) {
   uint4 node = g_readNodes[position];
-  addFragment(sum, readShading(materialOf(node.x)), pixel - g_viewport.xy, node.y, node.z, node.w);
+  addFragment(sum, readShading(materialOf(node.x)), pixel - g_viewport.xy, node.y, node.z, node.w,
+              unpackUv(uvWordOf(position)));
 }
 
 // Base colors of all that lies behind a node, as in spill_tail.hlsli.
@@ -147,8 +161,9 @@ ResolvedPixel ppll_read(OitTilePixel tile) {
                                depthOfKey(node.y, g_reversedDepth != 0u));
     }
     float3 color = float3(rest.xyz) / float(rest.w);
-    float3 light = lightStrand(readShading(materialOf(node.x)),
-                               strandSurface(position, tangentOfShape(node.z), color));
+    StrandSurface surface = strandSurface(position, tangentOfShape(node.z), color);
+    if (last.position != kNoSlot) surface.uv = unpackUv(uvWordOf(last.position));
+    float3 light = lightStrand(readShading(materialOf(node.x)), surface);
     float transmittance = transmittanceOf(rest.w);
     sum.light += light * ((1.0 - transmittance) * sum.transmittance);
     sum.transmittance *= transmittance;

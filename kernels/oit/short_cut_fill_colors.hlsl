@@ -12,6 +12,7 @@
 #include "insert_layer.hlsli"
 #define SHADOW_WORDS g_shadowWords
 #include "../shading/light_strand.hlsli"
+#include "../shading/pixel_surface.hlsli"
 
 [earlydepthstencil]
 void short_cut_fill_colors(StrandPixel strand) {
@@ -26,9 +27,8 @@ void short_cut_fill_colors(StrandPixel strand) {
   // iterations, llvmpipe of Mesa 22.3 found the wrong index.
   uint index = (keys.x < key ? 1u : 0u) + (keys.y < key ? 1u : 0u) + (keys.z < key ? 1u : 0u);
   if (keys.x != key && keys.y != key && keys.z != key) return;
-  float3 light = lightStrand(
-      renderShading(), strandSurface(fragmentPosition(strand.clip.xy - g_viewport.xy, strand.clip.z),
-                                     strand.tangent, saturate(strand.color.rgb)));
+  float3 light =
+      lightStrand(renderShading(), pixelSurface(strand, saturate(strand.color.rgb)));
   // Fragments of one depth beyond the slots only count by their transmittance.
   insertLayer(4u * pixel, 3u * pixel, index, 3u, key, packLayer(light, alpha));
 }

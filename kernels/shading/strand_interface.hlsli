@@ -1,5 +1,6 @@
 // Outputs of strand_vertex for the pixel kernels, and for an engine's own pixel shader. To use its
-// smooth permutation, define SMOOTH as 1 before, as the kernel does.
+// smooth permutation, define SMOOTH as 1 before, as the kernel does; to have the UV of roots, define
+// STRAND_UV as 1 in both stages.
 #ifndef PELAGE_SHADING_STRAND_INTERFACE_HLSLI
 #define PELAGE_SHADING_STRAND_INTERFACE_HLSLI
 
@@ -13,6 +14,9 @@ struct StrandPixel {
   float3 ribbon : TEXCOORD2;
 #if !SMOOTH
   nointerpolation uint strand : TEXCOORD3;
+#endif
+#if STRAND_UV
+  nointerpolation float2 uv : TEXCOORD4;  // of the root, 0..1; 0 without kHasStrandUvs
 #endif
 };
 

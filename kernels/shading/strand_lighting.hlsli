@@ -17,6 +17,7 @@ struct StrandSurface {
   float3 tangent;    // unit, from root to tip
   float3 toEye;      // unit
   float3 baseColor;  // linear rgb, 0..1
+  float2 uv;         // of the root, 0..1; 0 where it is not known
   float offset;      // from the center line over the radius, -1..1, > 0 towards tangent x toEye
 };
 
@@ -33,6 +34,7 @@ StrandSurface makeStrandSurface(float3 position, float3 tangent, float3 eye, flo
   surface.tangent = unitOr(tangent, float3(0.0, 1.0, 0.0));
   surface.toEye = unitOr(eye - position, float3(0.0, 0.0, 1.0));
   surface.baseColor = baseColor;
+  surface.uv = float2(0.0, 0.0);
   surface.offset = 0.0;
   return surface;
 }

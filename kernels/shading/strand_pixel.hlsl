@@ -18,6 +18,7 @@
 #include "strand_interface.hlsli"
 #define SHADOW_WORDS g_shadowWords
 #include "light_strand.hlsli"
+#include "pixel_surface.hlsli"
 
 struct StrandSample {
   float4 color : SV_Target0;
@@ -36,8 +37,7 @@ StrandSample strand_pixel(StrandPixel strand) {
 #else
   if (!(alpha > unitFloat(hashUint(strand.strand)))) discard;
 #endif
-  StrandSurface surface = strandSurface(fragmentPosition(pixel, strand.clip.z), strand.tangent,
-                                        strand.color.rgb);
+  StrandSurface surface = pixelSurface(strand, strand.color.rgb);
   result.color = float4(lightStrand(renderShading(), surface), 1.0);
   return result;
 }

@@ -2,11 +2,13 @@
 //   0  both corners of the ribbon: x, y, x, y [pixels], row 0 the top row; of a vertex that is not
 //      in front of the eye once x and y times w, and w = clip w
 //   1  clip z, clip w, half the fiber's width [pixels], flags
-//   2  tangent as packDirection() has it, red and green, blue and opacity as halves, 0
+//   2  tangent as packDirection() has it, red and green, blue and opacity as halves, UV of the root
+//      as packUv() has it
 #ifndef PELAGE_SHADING_STRAND_RECORD_HLSLI
 #define PELAGE_SHADING_STRAND_RECORD_HLSLI
 
 #include "../base/octahedral.hlsli"
+#include "uv_packing.hlsli"
 
 static const uint kRecordWords = 3u;
 // Threads of a dispatch over vertices in a row.

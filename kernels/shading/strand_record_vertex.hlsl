@@ -23,6 +23,9 @@ StrandPixel strand_record_vertex(StrandRecordInput record, uint corner : SV_Vert
 #if !SMOOTH
   result.strand = index / max(g_renderVertexCount, 1u);
 #endif
+#if STRAND_UV
+  result.uv = unpackUv(record.look.w);
+#endif
   if (!isSegment(record)) return result;
 
   RecordCorner at = recordCorner(record, corner);

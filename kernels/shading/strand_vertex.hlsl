@@ -31,6 +31,9 @@ StrandPixel strand_vertex(uint corner : SV_VertexID, uint strand : SV_InstanceID
 #if !SMOOTH
   result.strand = strand;
 #endif
+#if STRAND_UV
+  result.uv = float2(0.0, 0.0);
+#endif
   uint vertex = corner >> 1;
   if (vertex >= g_renderVertexCount || strand >= g_renderStrandCount) return result;
 
@@ -38,6 +41,9 @@ StrandPixel strand_vertex(uint corner : SV_VertexID, uint strand : SV_InstanceID
   if (!fiber.known) return result;
   result.tangent = fiber.tangent;
   result.color = fiber.color;
+#if STRAND_UV
+  result.uv = fiber.uv;
+#endif
 
   StrandView view = renderView();
   float side = (corner & 1u) != 0u ? 1.0 : -1.0;

@@ -47,7 +47,7 @@ void transform_strands(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
     corners = uint4(asuint(pointOfClip(low.clip)), asuint(pointOfClip(high.clip)));
     shape = uint4(asuint(low.clip.z), asuint(w), asuint(low.halfWidth), flags);
     look = uint4(packDirection(fiber.tangent), packHalves(fiber.color.rg),
-                 packHalves(float2(fiber.color.b, saturate(fiber.color.a))), 0u);
+                 packHalves(float2(fiber.color.b, saturate(fiber.color.a))), packUv(fiber.uv));
   }
   g_strandRecords[kRecordWords * at] = corners;
   g_strandRecords[kRecordWords * at + 1u] = shape;

@@ -49,6 +49,15 @@ uint materialOfStrand(uint index) {
   return g_tileRecords[kRecordWords * (index >> 1) + 1u].w & kRecordMaterial;
 }
 
+// Of the root; 0 without STRAND_UV.
+float2 uvOfStrand(uint index) {
+  float2 uv = float2(0.0, 0.0);
+#if STRAND_UV
+  uv = unpackUv(g_tileRecords[kRecordWords * (index >> 1) + 2u].w);
+#endif
+  return uv;
+}
+
 bool tiesBefore(TileSlot a, TileSlot b) {
   if (a.shape != b.shape) return a.shape < b.shape;
   if (a.color != b.color) return a.color < b.color;
@@ -170,7 +179,7 @@ void composite_strand_tiles(uint3 group : SV_GroupID, uint lane : SV_GroupIndex)
     [unroll] for (uint k = 0u; k < uint(WINDOW); ++k) {
       if (window[k].index != kNoSlot && sum.transmittance > g_tileEpsilon) {
         addFragment(sum, tileShading(materialOfStrand(window[k].index)), at, window[k].key,
-                    window[k].shape, window[k].color);
+                    window[k].shape, window[k].color, uvOfStrand(window[k].index));
         last = window[k];
         started = true;
       }

@@ -12,7 +12,7 @@ Result<void> addListPasses(OitDraw& draw, const MaterialBatch& batch, PassList& 
   OitBuffers::Lists& lists = draw.buffers.lists;
   const bool tail = settings.spillTail;
   const ListSizes sizes = listSizes(view.width, view.height, tail);
-  const uint64_t nodeBytes = draw.plan.sizes.nodeCount * kNodeBytes;
+  const uint64_t nodeBytes = draw.plan.sizes.nodeCount * detail::nodeBytes(settings);
   constexpr uint32_t kWord = sizeof(uint32_t);
   draw.makeRoom(lists.heads, "transparency/heads", sizes.headBytes, kWord);
   draw.makeRoom(lists.nodes, "transparency/nodes", nodeBytes, sizeof(Uint4));
@@ -52,9 +52,9 @@ Result<void> addListPasses(OitDraw& draw, const MaterialBatch& batch, PassList& 
       .listTail = {lists.tail, sizes.tailBytes},
   };
   for (size_t i = 0; i < batch.hairs.size(); ++i) {
-    Result<void> added =
-        addStrandDraw(draw.view, draw.view.hairs[batch.hairs[i]], batch.materialOf[i],
-                      ppllBuildVariant({.tail = tail}), fill, buildList);
+    Result<void> added = addStrandDraw(
+        draw.view, draw.view.hairs[batch.hairs[i]], batch.materialOf[i],
+        litVariant(draw.view.engineLights, ppllBuildVariant({.tail = tail})), fill, buildList);
     if (!added) return added;
   }
 

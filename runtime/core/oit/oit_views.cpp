@@ -102,6 +102,7 @@ Result<OitPlan> OitViews::check(DrawnView& view, const TransparencySettings& set
   if (Result<void> complete = checkLights(settings.engineLights); !complete)
     return complete.error();
   view.engineLights = settings.engineLights;
+  view.readsUv = readsRootUv(settings.engineLights);
   TransparencySettings left = settings;
   if (view.transformsFirst && settings.method != Transparency::kTiles) {
     plan.recordBytes = placeRecords(view);

@@ -7,6 +7,7 @@
 
 #include "oit/transparency.h"
 #include "pelage/assert.h"
+#include "shading/lit_kernels.h"
 
 namespace pelage {
 
@@ -44,24 +45,27 @@ Result<TransparencyPlan> planTransparency(uint32_t width, uint32_t height,
 
   const detail::ListSizes sizes = detail::listSizes(width, height, settings.spillTail);
   const uint64_t fixed = sizes.bytesWithoutNodes();
-  const uint64_t largest = std::max({sizes.headBytes, sizes.tailBytes, detail::kNodeBytes});
+  const uint64_t nodeBytes = detail::nodeBytes(settings);
+  // UV of nodes come in fours.
+  const uint64_t step = nodeBytes > detail::kNodeBytes ? 4 : 1;
+  const uint64_t largest = std::max({sizes.headBytes, sizes.tailBytes, step * nodeBytes});
   if (settings.maxBufferBytes < largest) {
     return refuse("lists for " + std::to_string(width) + " x " + std::to_string(height) +
                   " pixels have a buffer of " + std::to_string(largest) +
                   " bytes, but maxBufferBytes is " + std::to_string(settings.maxBufferBytes) +
                   (settings.spillTail ? "; without spillTail it is a quarter" : ""));
   }
-  if (settings.maxBytes < fixed + detail::kNodeBytes) {
+  if (settings.maxBytes < fixed + step * nodeBytes) {
     return refuse("lists for " + std::to_string(width) + " x " + std::to_string(height) +
                   " pixels take " + std::to_string(fixed) +
                   " bytes and their nodes, but maxBytes is " + std::to_string(settings.maxBytes));
   }
   uint64_t nodes = settings.nodeCount != 0 ? settings.nodeCount : pixels * kNodesAPixel;
-  nodes =
-      std::min({nodes, uint64_t{kMaxListNodes}, (settings.maxBytes - fixed) / detail::kNodeBytes,
-                settings.maxBufferBytes / detail::kNodeBytes});
+  nodes = std::min({nodes, uint64_t{kMaxListNodes}, (settings.maxBytes - fixed) / nodeBytes,
+                    settings.maxBufferBytes / nodeBytes});
+  nodes = std::max(nodes / step, uint64_t{1}) * step;
   plan.nodeCount = static_cast<uint32_t>(nodes);
-  plan.bytes = fixed + nodes * detail::kNodeBytes;
+  plan.bytes = fixed + nodes * nodeBytes;
   return plan;
 }
 
@@ -88,6 +92,10 @@ uint32_t growNodes(const TransparencyCounters& counters, uint32_t nodeCount) {
 }
 
 namespace detail {
+
+uint64_t nodeBytes(const TransparencySettings& settings) {
+  return kNodeBytes + (readsRootUv(settings.engineLights) ? kNodeUvBytes : 0);
+}
 
 ListSizes listSizes(uint32_t width, uint32_t height, bool tail) {
   ListSizes sizes;

@@ -10,8 +10,9 @@
 namespace pelage::detail {
 
 inline constexpr uint32_t kTileEdge = pixel_tiles::kTileEdge;  ///< [pixels]
-/// Bytes of a list's node, and of the counters.
+/// Bytes of a list's node, of its UV for lights that read it, and of the counters.
 inline constexpr uint64_t kNodeBytes = fragment_packing::kNodeWords * sizeof(uint32_t);
+inline constexpr uint64_t kNodeUvBytes = sizeof(uint32_t);
 inline constexpr uint64_t kCounterBytes = ppll_counters::kCounterWords * sizeof(uint32_t);
 
 struct ListSizes {
@@ -21,6 +22,8 @@ struct ListSizes {
   uint64_t bytesWithoutNodes() const { return headBytes + tileBytes + tailBytes + kCounterBytes; }
 };
 
+/// Of each node, by TransparencySettings::engineLights.
+uint64_t nodeBytes(const TransparencySettings& settings);
 ListSizes listSizes(uint32_t width, uint32_t height, bool tail);
 
 /// Fragments that a pixel keeps, of methods with a fixed number of them; else 0.

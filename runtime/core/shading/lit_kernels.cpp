@@ -47,6 +47,10 @@ const KernelVariant& litVariant(const EngineLights* lights, const KernelVariant&
   return variant != nullptr ? *variant : own;
 }
 
+bool readsRootUv(const EngineLights* lights) {
+  return lights != nullptr && find(*lights, ppllBuildVariant({.tail = false})) != nullptr;
+}
+
 const EngineLights* lightsOf(const EngineLights* lights, const KernelVariant& variant) {
   if (lights == nullptr) return nullptr;
   const auto& kernels = lights->kernels;

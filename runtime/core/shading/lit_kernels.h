@@ -13,6 +13,8 @@ Result<void> checkLights(const EngineLights* lights);
 /// The engine's variant of one of pelage's, or `own` where there is none. \param lights that
 /// checkLights() took, or nullptr.
 const KernelVariant& litVariant(const EngineLights* lights, const KernelVariant& own);
+/// Whether they read the UV of roots: pelage_add_engine_lights() with ROOT_UV.
+bool readsRootUv(const EngineLights* lights);
 /// `lights` for a draw or dispatch with their variant of a kernel; nullptr with one of pelage's.
 const EngineLights* lightsOf(const EngineLights* lights, const KernelVariant& variant);
 

@@ -30,6 +30,7 @@ StrandShading materialOf(ShadeSample s) {
 // As it is given, be it of length 1 or not.
 StrandSurface surfaceOf(ShadeSample s) {
   StrandSurface surface;
+  surface.uv = float2(0.0, 0.0);
   surface.position = float3(0.0, 0.0, 0.0);
   surface.tangent = s.tangent.xyz;
   surface.toEye = s.toEye.xyz;
