@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <cctype>
 #include <cmath>
-#include <cstring>
 #include <optional>
 
 #include "pelage/assert.h"
@@ -91,7 +91,7 @@ bool sameBits(const Float3& a, const Float3& b) {
   return sameBits(a.x, b.x) && sameBits(a.y, b.y) && sameBits(a.z, b.z);
 }
 bool sameBits(const ParameterCurve& a, const ParameterCurve& b) {
-  return std::memcmp(a.data(), b.data(), sizeof a) == 0;
+  return std::equal(a.begin(), a.end(), b.begin(), [](float x, float y) { return sameBits(x, y); });
 }
 
 }  // namespace
