@@ -14,6 +14,7 @@
 
 #include "pelage/binding.h"
 #include "pelage/export.h"
+#include "pelage/host_allocator.h"
 #include "pelage/kernel.h"
 #include "pelage/result.h"
 
@@ -45,13 +46,22 @@ constexpr bool contains(BufferUsage set, BufferUsage bit) {
   return (static_cast<uint8_t>(set) & static_cast<uint8_t>(bit)) != 0;
 }
 
+/// Contents of a buffer. Takes those of a std::vector, too, with a copy.
+struct BufferContents : HostArray<std::byte> {
+  using HostArray<std::byte>::HostArray;
+  BufferContents() = default;
+  BufferContents(HostArray<std::byte> bytes) : HostArray<std::byte>(std::move(bytes)) {}
+  BufferContents(const std::vector<std::byte>& bytes)
+      : HostArray<std::byte>(bytes.begin(), bytes.end()) {}
+};
+
 /// A buffer that a runtime is to create.
 struct BufferDesc {
   std::string name;     ///< for debuggers and error messages: "mohawk/positions"
   uint64_t size = 0;    ///< bytes, > 0, a multiple of 4
   uint32_t stride = 0;  ///< bytes an element
   BufferUsage usage = BufferUsage::kStorage;
-  std::vector<std::byte> initial = {};  ///< empty: zero-filled; else exactly `size` bytes
+  BufferContents initial = {};  ///< empty: zero-filled; else exactly `size` bytes
 };
 
 /// The buffers of a scene. An id is given once, so that a runtime notices what is new and what is
@@ -67,7 +77,7 @@ class PELAGE_API ResourceTable {
   BufferId add(BufferDesc desc);
   /// Replaces the initial data of a buffer, for runtimes that make it from now on. Asserts on bytes
   /// of another size, and on an id of none.
-  void setInitial(BufferId id, std::vector<std::byte> bytes);
+  void setInitial(BufferId id, std::span<const std::byte> bytes);
   /// Forgets a buffer; its id stays invalid from now on.
   void remove(BufferId id);
   /// nullptr when the id was removed or never existed.
@@ -111,8 +121,8 @@ class PELAGE_API ResourceTable {
     ~Id() = default;
     uint64_t value;
   };
-  std::vector<Slot> buffers_;
-  std::vector<uint32_t> free_;  ///< slots
+  HostArray<Slot> buffers_;
+  HostArray<uint32_t> free_;  ///< slots
   uint64_t version_ = 0;
   Id id_;
 };
@@ -246,15 +256,15 @@ struct PixelArea {
 /// Threads: as a standard container. What has become of it (PassList::run) may be asked and said on
 /// any thread.
 struct PELAGE_API PassList {
-  std::vector<Pass> passes;  ///< dispatches first, then draws
-  std::vector<PassBinding> bindings;
-  std::vector<SpecValue> specValues;
-  std::vector<Barrier> barriers;
-  std::vector<Barrier> uploadBarriers;  ///< before the uploads
-  std::vector<Barrier> drawBarriers;    ///< after the last dispatch, before the first draw
-  std::vector<Upload> uploads;
-  std::vector<std::byte> uploadData;
-  std::vector<std::byte> constants;  ///< blocks at multiples of kConstantAlignment
+  HostArray<Pass> passes;  ///< dispatches first, then draws
+  HostArray<PassBinding> bindings;
+  HostArray<SpecValue> specValues;
+  HostArray<Barrier> barriers;
+  HostArray<Barrier> uploadBarriers;  ///< before the uploads
+  HostArray<Barrier> drawBarriers;    ///< after the last dispatch, before the first draw
+  HostArray<Upload> uploads;
+  HostArray<std::byte> uploadData;
+  HostArray<std::byte> constants;  ///< blocks at multiples of kConstantAlignment
 
   uint64_t frame = 0;  ///< Scene::simulate() that wrote it; 0: none
   uint64_t table = 0;  ///< ResourceTable::id() of its buffers; 0: not known
@@ -422,14 +432,14 @@ class PELAGE_API HazardTracker {
   /// A list that may still be abandoned.
   struct Open {
     std::shared_ptr<detail::RunRecord> record;
-    std::vector<State> before;  ///< states before it
+    HostArray<State> before;  ///< states before it
   };
   State& state(BufferId buffer);
   void settle();
-  void mergeWith(const std::vector<State>& before);
-  std::vector<State> states_;
+  void mergeWith(const HostArray<State>& before);
+  HostArray<State> states_;
   std::shared_ptr<detail::RunOrder> order_;
-  std::vector<Open> open_;  ///< in the order in which they run
+  HostArray<Open> open_;  ///< in the order in which they run
 };
 
 }  // namespace pelage

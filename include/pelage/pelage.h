@@ -27,6 +27,7 @@
 #include "pelage/hair_depth.h"
 #include "pelage/hair_object.h"
 #include "pelage/hair_size.h"
+#include "pelage/host_allocator.h"
 #include "pelage/ids.h"
 #include "pelage/kernel.h"
 #include "pelage/kernel_code.h"

@@ -10,6 +10,7 @@
 #include "pelage/bone_weights.h"
 #include "pelage/hair_asset.h"
 #include "pelage/hair_object.h"
+#include "pelage/host_allocator.h"
 
 namespace pelage::detail {
 
@@ -47,8 +48,8 @@ uint32_t vertexCountOf(const HairAsset& asset, uint32_t strand);
 bool hasHeldVertices(const HairAsset& asset);
 
 /// Contents of a buffer.
-template <class T>
-std::vector<std::byte> bytesOf(const std::vector<T>& values) {
+template <class T, class Memory>
+HostArray<std::byte> bytesOf(const std::vector<T, Memory>& values) {
   const auto bytes = std::as_bytes(std::span(values));
   return {bytes.begin(), bytes.end()};
 }

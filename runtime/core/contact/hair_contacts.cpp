@@ -95,7 +95,7 @@ void HairContacts::prepare(ResourceTable& resources, const std::string& name,
   for (const ContactStrand& strand : strands) targets->push_back(strand.target);
   targets_ = std::move(targets);
   const auto add = [&](const char* what, uint64_t bytes, uint32_t stride, BufferUsage usage,
-                       std::vector<std::byte> initial = {}) {
+                       HostArray<std::byte> initial = {}) {
     return resources.add({.name = name + "/" + what,
                           .size = bytes,
                           .stride = stride,
@@ -104,7 +104,7 @@ void HairContacts::prepare(ResourceTable& resources, const std::string& name,
   };
   records_ = add("contacts", bufferBytes(), sizeof(ContactRecord),
                  BufferUsage::kStorage | BufferUsage::kReadback);
-  std::vector<std::byte> initial(wordBytes());
+  HostArray<std::byte> initial(wordBytes());
   std::memcpy(initial.data() + this->strands() * sizeof(uint32_t), strands.data(), strandBytes());
   words_ = add("contactWords", wordBytes(), sizeof(uint32_t),
                BufferUsage::kStorage | BufferUsage::kIndirect | BufferUsage::kUpload |

@@ -65,12 +65,12 @@ BufferId ResourceTable::add(BufferDesc desc) {
   return idOf(tableIndex, slot.generation);
 }
 
-void ResourceTable::setInitial(BufferId id, std::vector<std::byte> bytes) {
+void ResourceTable::setInitial(BufferId id, std::span<const std::byte> bytes) {
   PELAGE_ASSERT(find(id) != nullptr, "initial data of a buffer that is not there");
   if (find(id) == nullptr) return;
   BufferDesc& desc = buffers_[indexOf(id)].desc;
   PELAGE_ASSERT(bytes.size() == desc.size, "initial data has the buffer's size");
-  desc.initial = std::move(bytes);
+  desc.initial.assign(bytes.begin(), bytes.end());
 }
 
 void ResourceTable::remove(BufferId id) {
@@ -313,7 +313,7 @@ Result<BoundResource> PassBuilder::find(const KernelVariant& variant, const Vari
 uint64_t PassBuilder::addBlock(std::span<const std::byte> block) {
   constexpr uint64_t kAlignment = PassList::kConstantAlignment;
   const uint64_t padded = (block.size() + kAlignment - 1) / kAlignment * kAlignment;
-  std::vector<std::byte>& all = list_.constants;
+  HostArray<std::byte>& all = list_.constants;
   const bool same = all.size() >= padded &&
                     std::memcmp(all.data() + all.size() - padded, block.data(), block.size()) == 0;
   if (!same) {
@@ -429,7 +429,7 @@ void HazardTracker::forget(BufferId buffer) {
 
 // Merges the states with and without later events: the union of the accesses, and visible only if
 // visible in both.
-void HazardTracker::mergeWith(const std::vector<State>& before) {
+void HazardTracker::mergeWith(const HostArray<State>& before) {
   for (size_t tableIndex = 0; tableIndex < before.size(); ++tableIndex) {
     const State& old = before[tableIndex];
     State& now = states_[tableIndex];
@@ -482,7 +482,7 @@ struct Use {
   bool indirect = false;
 };
 
-void collect(const PassList& list, const Pass& pass, std::vector<Use>& uses) {
+void collect(const PassList& list, const Pass& pass, HostArray<Use>& uses) {
   const auto useOf = [&](BufferId buffer) -> Use& {
     for (Use& use : uses)
       if (use.buffer == buffer) return use;
@@ -527,7 +527,7 @@ Barrier barrierBehind(const State& state) {
 }
 
 template <class State>
-void applyWrite(State& now, const Use& use, std::vector<Barrier>& out) {
+void applyWrite(State& now, const Use& use, HostArray<Barrier>& out) {
   if (isTouched(now)) {
     Barrier barrier = barrierBehind(now);
     barrier.after = use.readStages != 0 ? Access::kReadWrite : Access::kWrite;
@@ -542,7 +542,7 @@ void applyWrite(State& now, const Use& use, std::vector<Barrier>& out) {
 }
 
 template <class State>
-void applyRead(State& now, const Use& use, std::vector<Barrier>& out) {
+void applyRead(State& now, const Use& use, HostArray<Barrier>& out) {
   const auto missing = static_cast<StageMask>(use.readStages & ~now.visibleStages);
   const bool missingIndex = use.index && !now.visibleIndex;
   const bool missingVertex = use.vertex && !now.visibleVertex;
@@ -570,7 +570,7 @@ void applyRead(State& now, const Use& use, std::vector<Barrier>& out) {
 }
 
 template <class State>
-void apply(State& now, const Use& use, std::vector<Barrier>& out) {
+void apply(State& now, const Use& use, HostArray<Barrier>& out) {
   if (use.writeStages != 0)
     applyWrite(now, use, out);
   else
@@ -583,12 +583,12 @@ void HazardTracker::resolve(PassList& list) {
   // A list that was resolved before, and has not run.
   list.run.reset();
   settle();
-  std::vector<State> statesBefore = states_;
+  HostArray<State> statesBefore = states_;
   list.barriers.clear();
   list.uploadBarriers.clear();
   list.drawBarriers.clear();
 
-  std::vector<BufferId> uploaded;
+  HostArray<BufferId> uploaded;
   for (const Upload& upload : list.uploads) {
     if (std::find(uploaded.begin(), uploaded.end(), upload.buffer) != uploaded.end()) continue;
     uploaded.push_back(upload.buffer);
@@ -603,7 +603,7 @@ void HazardTracker::resolve(PassList& list) {
     now.uploadWrite = true;
   }
 
-  std::vector<Use> uses;
+  HostArray<Use> uses;
   for (Pass& pass : list.passes) {
     if (isDraw(pass.kind)) continue;
     uses.clear();

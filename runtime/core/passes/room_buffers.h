@@ -30,10 +30,10 @@ struct RemovedBuffer {
 struct RoomBuffers {
   ResourceTable& resources;
   HazardTracker& hazards;
-  std::vector<RemovedBuffer>* removed = nullptr;  ///< of the frame that is recorded; nullptr: what
-                                                  ///< is removed goes at once
-  const void* owner = nullptr;                    ///< of what is removed
-  SharedTables* shared = nullptr;                 ///< nullptr: nothing is shared
+  HostArray<RemovedBuffer>* removed = nullptr;  ///< of the frame that is recorded; nullptr: what
+                                                ///< is removed goes at once
+  const void* owner = nullptr;                  ///< of what is removed
+  SharedTables* shared = nullptr;               ///< nullptr: nothing is shared
 
   uint64_t bytesOf(BufferId buffer) const {
     const BufferDesc* desc = resources.find(buffer);
@@ -52,8 +52,7 @@ struct RoomBuffers {
     buffer = BufferId::kInvalid;
   }
   BufferId add(std::string name, uint64_t elements, uint32_t stride,
-               std::vector<std::byte> initial = {},
-               BufferUsage usage = BufferUsage::kStorage) const {
+               HostArray<std::byte> initial = {}, BufferUsage usage = BufferUsage::kStorage) const {
     return resources.add({.name = std::move(name),
                           .size = elements * stride,
                           .stride = stride,
@@ -63,7 +62,7 @@ struct RoomBuffers {
   /// Adds a table that never changes, or finds the one that another object has.
   /// \param what  its kind; the name is "<object>/<what>"
   BufferId share(const std::string& object, const std::string& what, uint32_t stride,
-                 std::vector<std::byte> contents, BufferUsage usage = BufferUsage::kStorage) const {
+                 HostArray<std::byte> contents, BufferUsage usage = BufferUsage::kStorage) const {
     BufferDesc desc = {
         .name = object + "/" + what, .size = contents.size(), .stride = stride, .usage = usage};
     desc.initial = std::move(contents);

@@ -37,11 +37,11 @@ struct PendingTeleport {
 /// What a frame changes of an object: Scene puts it back where the frame does not run. What the
 /// application sets is not part of it.
 struct HairFrameState {
-  std::vector<AffineTransform> bonesBefore;      ///< of the last frame; empty: to be uploaded
-  std::vector<CapsuleCollider> collidersBefore;  ///< likewise
-  std::vector<std::byte> sdfsBefore;             ///< contents of the buffer of fields
-  uint32_t colliderCapacity = 0;                 ///< elements of the buffer
-  uint32_t sdfCapacity = 0;                      ///< likewise, of that of fields
+  HostArray<AffineTransform> bonesBefore;      ///< of the last frame; empty: to be uploaded
+  HostArray<CapsuleCollider> collidersBefore;  ///< likewise
+  HostArray<std::byte> sdfsBefore;             ///< contents of the buffer of fields
+  uint32_t colliderCapacity = 0;               ///< elements of the buffer
+  uint32_t sdfCapacity = 0;                    ///< likewise, of that of fields
 
   /// Of state, roots and colliders.
   LocalOrigin origin;
@@ -72,16 +72,16 @@ struct HairFrameState {
 struct HairInternals : HairFrameState, Groom {
   SkinningMethod skinning = SkinningMethod::kMatrices;
 
-  std::vector<AffineTransform> bones;
+  HostArray<AffineTransform> bones;
   bool bonesChanged = true;
   SkeletonInternals* skeleton = nullptr;  ///< that it follows
   uint64_t skeletonVersion = 0;           ///< of `bones`, where it does
-  std::vector<BoneBounds> bounds;
+  HostArray<BoneBounds> bounds;
   float deviation = 0;  ///< of roots from where `bones` put `bounds` [m]
 
   /// Mesh colliders that it meets, ascending; nothing: all.
-  std::optional<std::vector<ColliderId>> meshColliders;
-  std::vector<CapsuleCollider> colliders;
+  std::optional<HostArray<ColliderId>> meshColliders;
+  HostArray<CapsuleCollider> colliders;
   ForceField field;
   ShiftedFloats shiftedInputs;  ///< of bones, capsules and the field
 };

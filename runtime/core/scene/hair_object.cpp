@@ -45,7 +45,7 @@ void HairObject::setColliders(std::span<const CapsuleCollider> colliders) {
 }
 
 void HairObject::setMeshColliders(std::span<const ColliderId> colliders) {
-  std::vector<ColliderId> set(colliders.begin(), colliders.end());
+  HostArray<ColliderId> set(colliders.begin(), colliders.end());
   std::sort(set.begin(), set.end());
   internals_->meshColliders = std::move(set);
 }
@@ -152,8 +152,7 @@ Float3 moveOrigin(HairInternals& hair) {
 
 namespace {
 
-void shift(ShiftedFloats& floats, std::vector<CapsuleCollider>& capsules,
-           const Vector3<double>& by) {
+void shift(ShiftedFloats& floats, HostArray<CapsuleCollider>& capsules, const Vector3<double>& by) {
   for (CapsuleCollider& capsule : capsules) {
     floats.shift(capsule.head, by);
     floats.shift(capsule.tail, by);

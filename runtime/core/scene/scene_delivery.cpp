@@ -51,7 +51,7 @@ void SceneImpl::finish(PassList& list) {
   const bool open = std::any_of(frames_.open.begin(), frames_.open.end(), written);
   // Its frame is over, or one that it was written on top of does not run.
   bool lost = !open;
-  for (auto frame = open ? frames_.open.begin() : std::vector<FrameCheckpoint>::iterator();
+  for (auto frame = open ? frames_.open.begin() : HostArray<FrameCheckpoint>::iterator();
        open && !lost; ++frame) {
     if (written(*frame)) {
       frame->run = list.run->record;
@@ -81,7 +81,7 @@ void SceneImpl::settleFrames(bool boundary) {
     ++draws_.frame;
   }
   if (boundary) commitFrames();
-  std::vector<FrameCheckpoint>& open = frames_.open;
+  HostArray<FrameCheckpoint>& open = frames_.open;
   const auto lost = std::find_if(open.begin(), open.end(), [&](const FrameCheckpoint& frame) {
     return isLost(frame, boundary);
   });
@@ -189,7 +189,7 @@ void SceneImpl::restoreFrame() {
 
 // Lets go of the frames that have run.
 void SceneImpl::commitFrames() {
-  std::vector<FrameCheckpoint>& open = frames_.open;
+  HostArray<FrameCheckpoint>& open = frames_.open;
   const auto first = std::find_if_not(open.begin(), open.end(), isDelivered);
   for (auto frame = open.begin(); frame != first; ++frame) {
     for (RemovedBuffer& removed : frame->removed)

@@ -41,23 +41,23 @@ struct FrameCheckpoint {
   uint64_t number = 0;  ///< PassList::frame
   double time = 0;
   BufferId sdfKeys = BufferId::kInvalid, sdfSurface = BufferId::kInvalid;
-  std::vector<HairCheckpoint> hairs;
-  std::vector<ColliderCheckpoint> colliders;
-  std::vector<SkeletonCheckpoint> skeletons;
+  HostArray<HairCheckpoint> hairs;
+  HostArray<ColliderCheckpoint> colliders;
+  HostArray<SkeletonCheckpoint> skeletons;
 
   /// Of the table, before the frame and after it: buffers that were added in between are its own.
   uint64_t firstVersion = 0, lastVersion = 0;
   /// Buffers that it has no use for any more. They go once it has run.
-  std::vector<RemovedBuffer> removed;
+  HostArray<RemovedBuffer> removed;
 
   std::shared_ptr<RunRecord> run;  ///< of its list; nullptr before Scene::finish()
   bool abandoned = false;
 };
 
 struct SceneFrames {
-  std::vector<FrameCheckpoint> open;   ///< from the oldest one on; each was written on top of it
-  std::vector<FrameCheckpoint> spare;  ///< for their memory
-  bool recording = false;              ///< simulate() is at work on the last one
+  HostArray<FrameCheckpoint> open;   ///< from the oldest one on; each was written on top of it
+  HostArray<FrameCheckpoint> spare;  ///< for their memory
+  bool recording = false;            ///< simulate() is at work on the last one
 };
 
 /// Lets the next frame upload what an object has on the GPU beside its strands' state.

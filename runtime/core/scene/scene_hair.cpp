@@ -337,7 +337,7 @@ ObjectBytes SceneImpl::objectBytes(HairId id) {
   const HairObject& object = hair(id);
   HairBuffers buffers = object.buffers_;
   HairFrameState state = *object.internals_;
-  std::vector<RemovedBuffer> removed;
+  HostArray<RemovedBuffer> removed;
   const RoomBuffers room = {resources_, hazards_, &removed};
   removeHairBuffers(buffers, state, object.internals_->skeleton != nullptr, room);
   ObjectBytes bytes;

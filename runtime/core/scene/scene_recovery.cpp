@@ -35,7 +35,7 @@ struct SnapshotData {
 std::vector<BufferId> SceneImpl::ownBuffers(const HairObject& object) {
   HairBuffers buffers = object.buffers_;
   HairFrameState state = *object.internals_;
-  std::vector<RemovedBuffer> removed;
+  HostArray<RemovedBuffer> removed;
   removeHairBuffers(buffers, state, object.internals_->skeleton != nullptr,
                     {resources_, hazards_, &removed});
   std::vector<BufferId> own;

@@ -281,7 +281,7 @@ void SceneImpl::sendSdfs(HairObject& object, HairFrame& frame) {
   SdfRoom::InReach found;
   if (const std::optional<HairReach> reach = reachOf(object))
     found = sdfs_.inReach(*reach, hair.origin);
-  const std::vector<std::byte> bytes = bytesOf(found.sdfs);
+  const HostArray<std::byte> bytes = bytesOf(found.sdfs);
   const auto count = static_cast<uint32_t>(found.sdfs.size());
   if (found.rebuilt || bytes != hair.sdfsBefore) frame.collidersReplaced = true;
   // Capsules come behind the fields.

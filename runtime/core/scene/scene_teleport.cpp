@@ -78,7 +78,7 @@ void moveBone(AffineTransform& bone, const RigidMove& move) {
   set(&Float4::w, move(column(&Float4::w)));
 }
 
-void moveCapsules(std::vector<CapsuleCollider>& capsules, const RigidMove& move) {
+void moveCapsules(HostArray<CapsuleCollider>& capsules, const RigidMove& move) {
   for (CapsuleCollider& capsule : capsules) {
     capsule.head = toFloat3(move(toDouble3(capsule.head)));
     capsule.tail = toFloat3(move(toDouble3(capsule.tail)));

@@ -118,8 +118,8 @@ void shiftWorld(SdfFrameState& state, const Vector3<double>& shift,
   if (state.plan.cellSize > 0) state.grid.origin = state.origin.toWorld(state.plan.origin);
 }
 
-std::vector<BoneBox> boneBoxesOf(const CollisionMesh& mesh) {
-  std::vector<BoneBox> boxes;
+HostArray<BoneBox> boneBoxesOf(const CollisionMesh& mesh) {
+  HostArray<BoneBox> boxes;
   const auto add = [&](uint32_t bone, const Float3& p) {
     if (bone >= boxes.size()) boxes.resize(size_t{bone} + 1);
     boxes[bone].bone = bone;
@@ -141,7 +141,7 @@ std::vector<BoneBox> boneBoxesOf(const CollisionMesh& mesh) {
   return boxes;
 }
 
-std::vector<BoneBox> boxOfAll(const CollisionMesh& mesh) {
+HostArray<BoneBox> boxOfAll(const CollisionMesh& mesh) {
   BoneBox all;
   for (const Float3& p : mesh.positions) {
     if (!isFinite(p)) continue;

@@ -27,8 +27,8 @@ struct BoneBox {
 
 /// The state of a collider that a frame changes, as HairFrameState.
 struct SdfFrameState {
-  std::vector<AffineTransform> builtBones;  ///< of the field; empty before the first build
-  uint64_t builtVersion = 0;                ///< likewise, of a skeleton on the GPU or of `dense`
+  HostArray<AffineTransform> builtBones;  ///< of the field; empty before the first build
+  uint64_t builtVersion = 0;              ///< likewise, of a skeleton on the GPU or of `dense`
   bool verticesChanged = true;
   bool mirrored = false;     ///< the tables have flipped triangles
   bool resetPending = true;  ///< there is no motion from the last frame
@@ -60,9 +60,9 @@ struct SdfColliderInternals : SdfFrameState {
   uint64_t denseVersion = 1;
   bool hasMesh() const { return !data && !dense; }
   uint32_t vertexCount = 0;
-  std::vector<BoneBox> boneBoxes;
+  HostArray<BoneBox> boneBoxes;
 
-  std::vector<AffineTransform> bones;
+  HostArray<AffineTransform> bones;
   SkeletonInternals* skeleton = nullptr;  ///< that it follows
   Box vertexBounds;                       ///< of the engine's vertex buffer, in world space
 
@@ -74,9 +74,9 @@ struct SdfColliderInternals : SdfFrameState {
 Result<void> checkSdfColliderDef(const SdfColliderDef& def);
 
 /// The boxes of all bones that move a vertex.
-std::vector<BoneBox> boneBoxesOf(const CollisionMesh& mesh);
+HostArray<BoneBox> boneBoxesOf(const CollisionMesh& mesh);
 /// The box of all vertices as that of bone 0, for bones that the host does not know.
-std::vector<BoneBox> boxOfAll(const CollisionMesh& mesh);
+HostArray<BoneBox> boxOfAll(const CollisionMesh& mesh);
 /// Number of bones that move the vertices.
 uint32_t boneCountOf(const SdfColliderInternals& collider);
 /// Box around all vertices in world space, from the bones alone. Blends of matrices stay in the

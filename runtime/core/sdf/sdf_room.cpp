@@ -310,9 +310,9 @@ void SdfRoom::layOut(const RoomBuffers& room) {
     elements += surfaceElements(c);
   }
   if (keyTotal == 0) return;
-  std::vector<std::byte> keyBytes(keyTotal * sizeof(uint32_t));
+  HostArray<std::byte> keyBytes(keyTotal * sizeof(uint32_t));
   const uint64_t records = std::max<uint64_t>(elements, 1) * kRecordBytes;
-  std::vector<std::byte> recordBytes(records);
+  HostArray<std::byte> recordBytes(records);
   for (const auto& held : colliders) {
     if (held == nullptr || !held->internals_->data) continue;
     const SdfColliderInternals& c = *held->internals_;

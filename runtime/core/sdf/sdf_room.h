@@ -25,7 +25,7 @@ namespace pelage::detail {
 /// Where hair can be in a frame, and which colliders it meets there.
 struct HairReach {
   Ball ball;
-  const std::vector<ColliderId>* only = nullptr;  ///< ascending; nullptr: all
+  const HostArray<ColliderId>* only = nullptr;  ///< ascending; nullptr: all
 };
 
 /// Bones that a collider follows, of its own or of a skeleton.

@@ -15,7 +15,7 @@ float distance(Float3 a, Float3 b) {
 
 }  // namespace
 
-std::vector<BoneBounds> boundsOfRoots(const HairAsset& asset,
+HostArray<BoneBounds> boundsOfRoots(const HairAsset& asset,
                                       std::span<const BoneInfluences> influences) {
   const size_t stride = asset.verticesPerStrand;
   const auto root = [&](uint32_t strand) {
@@ -36,7 +36,7 @@ std::vector<BoneBounds> boundsOfRoots(const HairAsset& asset,
     }
     if (!bound) add(s < influences.size() ? influences[s].bones[0] : 0, root(s));
   }
-  std::vector<BoneBounds> bounds;
+  HostArray<BoneBounds> bounds;
   for (uint32_t bone = 0; bone < boxes.size(); ++bone) {
     const Box& box = boxes[bone];
     if (box.isEmpty()) continue;

@@ -7,6 +7,7 @@
 
 #include "pelage/bone_weights.h"
 #include "pelage/hair_asset.h"
+#include "pelage/host_allocator.h"
 #include "pelage/types.h"
 
 namespace pelage::detail {
@@ -19,8 +20,8 @@ struct BoneBounds {
 };
 
 /// Balls around the roots of every bone; without influences all roots belong to bone 0.
-std::vector<BoneBounds> boundsOfRoots(const HairAsset& asset,
-                                      std::span<const BoneInfluences> influences);
+HostArray<BoneBounds> boundsOfRoots(const HairAsset& asset,
+                                    std::span<const BoneInfluences> influences);
 /// Mean of the balls' centers where bones put them. \param bones  empty: the bind pose
 Float3 middleOf(std::span<const BoneBounds> bounds, std::span<const AffineTransform> bones);
 

@@ -27,7 +27,7 @@ void SkeletonPose::setBones(std::span<const AffineTransform> bones) {
   PELAGE_ASSERT(internals_->source == BoneSource::kHost,
                 "the skeleton's bones are on the GPU: SkeletonDef::source");
   if (internals_->isOnGpu()) return;
-  std::vector<AffineTransform>& own = internals_->bones;
+  HostArray<AffineTransform>& own = internals_->bones;
   PELAGE_ASSERT(bones.size() == own.size(),
                 "SkeletonPose::setBones() takes boneCount() transforms");
   bool changed = false;

@@ -27,14 +27,14 @@ struct SkeletonInternals {
   uint32_t boneCount = 1;
   BoneSource source = BoneSource::kHost;
   /// Finite. Of bones on the GPU one, the placement.
-  std::vector<AffineTransform> bones;
+  HostArray<AffineTransform> bones;
   float deviation = 0;   ///< of what follows from where `bones` put it [m]
   uint64_t version = 1;  ///< of the bones
   // Bones on the GPU.
   BoneBuffer boneBuffer;
   BufferId surfaceBones = BufferId::kInvalid;  ///< SurfaceBone, by parts
-  std::vector<SurfacePart> parts;
-  std::vector<VertexBuffer> vertices;  ///< [part]
+  HostArray<SurfacePart> parts;
+  HostArray<VertexBuffer> vertices;  ///< [part]
   bool isOnGpu() const { return source != BoneSource::kHost; }
   LocalOrigin origin;  ///< of all that follows
   bool originKnown = false;
