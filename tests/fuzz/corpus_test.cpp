@@ -25,7 +25,7 @@ constexpr Target kTargets[] = {
     {"cache", cache},     {"settings", settings},
 #if PELAGE_FUZZ_CURVES
     {"hair", hair},       {"hairtxt", hairtxt},     {"obj", obj},
-    {"gltf", gltf},       {"tfxcurves", tfxcurves},
+    {"gltf", gltf},       {"tfxcurves", tfxcurves}, {"animation", animation},
 #endif
 };
 

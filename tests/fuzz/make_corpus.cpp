@@ -79,6 +79,26 @@ HairCurves makeCurves() {
   return curves;
 }
 
+// A bone that is translated (linear), one below it that is rotated (steps) and scaled (cubic). The
+// buffer has the times 0 and 1, then two translations; the others share its zeros and ones.
+std::string animationText() {
+  return R"({"asset":{"version":"2.0"},"nodes":[{"name":"a","children":[1],"scale":[1,2,1]},)"
+         R"({"rotation":[0,0,0,1]}],"animations":[{"name":"turn","channels":[)"
+         R"({"sampler":0,"target":{"node":0,"path":"translation"}},)"
+         R"({"sampler":1,"target":{"node":1,"path":"rotation"}},)"
+         R"({"sampler":2,"target":{"node":1,"path":"scale"}}],"samplers":[)"
+         R"({"input":0,"output":1},{"input":0,"output":2,"interpolation":"STEP"},)"
+         R"({"input":0,"output":3,"interpolation":"CUBICSPLINE"}]}],"accessors":[)"
+         R"({"bufferView":0,"componentType":5126,"count":2,"type":"SCALAR"},)"
+         R"({"bufferView":0,"componentType":5126,"count":2,"type":"VEC3"},)"
+         R"({"bufferView":0,"componentType":5126,"count":2,"type":"VEC4"},)"
+         R"({"bufferView":0,"componentType":5126,"count":6,"type":"VEC3"}],)"
+         R"("bufferViews":[{"buffer":0,"byteLength":72}],"buffers":[{"byteLength":72,)"
+         R"("uri":"data:application/octet-stream;base64,)"
+         R"(AAAAAAAAgD8AAAAAAACAPwAAAAAAAIA/AAAAAAAAgD8AAAAAAACAPwAAAAAAAIA/)"
+         R"(AAAAAAAAgD8AAAAAAACAPwAAAAAAAIA/"}]})";
+}
+
 int makeCorpus(const std::filesystem::path& root) {
   write(folderOf(root, "tfx") / "valid_plain.tfx", *saveTfx(makeAsset(false)));
   auto full = *saveTfx(makeAsset(true));
@@ -147,6 +167,7 @@ int makeCorpus(const std::filesystem::path& root) {
         R"([{"byteLength":24,"uri":"data:application/octet-stream;base64,)"
         R"(AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAA"}]})");
   write(folderOf(root, "tfxcurves") / "valid_4.tfx", *saveTfx(makeAsset(true)));
+  write(folderOf(root, "animation") / "valid.gltf", animationText());
   return 0;
 }
 

@@ -34,6 +34,8 @@ Outcome obj(std::span<const std::byte> bytes);
 Outcome gltf(std::span<const std::byte> bytes);
 /// .tfx of any version.
 Outcome tfxcurves(std::span<const std::byte> bytes);
+/// Clips of .gltf and .glb files (tools/authoring).
+Outcome animation(std::span<const std::byte> bytes);
 
 /// The name that loaders get; errors must start with it.
 inline constexpr const char* kName = "fuzz";
