@@ -263,6 +263,13 @@ TEST_P(Programs, EngineShaderDrawsAHead) {
   expectPicture("head.png", 0.1, 0.95);
 }
 
+TEST_P(Programs, EngineLightsDrawsTheCharacterInItsLights) {
+  const Output output = run(PELAGE_ENGINE_LIGHTS, "character.png " + api());
+  EXPECT_EQ(output.code, 0) << output.errors;
+  EXPECT_EQ(output.errors, "");
+  expectPicture("character.png", 0.15, 0.95);
+}
+
 TEST_P(Programs, ParametersRendersAStrip) {
   const Output output =
       run(PELAGE_PARAMETERS, "--pictures strips --only StrandMaterial.fiberRadius --api " + api());
