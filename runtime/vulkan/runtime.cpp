@@ -409,7 +409,8 @@ void Runtime::Impl::fill(std::vector<New>& added, VkCommandBuffer commands) {
     barrier.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
     barrier.dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT |
                             VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT |
-                            VK_ACCESS_INDEX_READ_BIT | VK_ACCESS_INDIRECT_COMMAND_READ_BIT;
+                            VK_ACCESS_INDEX_READ_BIT | VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT |
+                            VK_ACCESS_INDIRECT_COMMAND_READ_BIT;
     barrier.srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
     barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
     barrier.buffer = slot.buffer;
@@ -426,7 +427,8 @@ void Runtime::Impl::fill(std::vector<New>& added, VkCommandBuffer commands) {
         VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
     if (!graphics) {
       for (VkBufferMemoryBarrier& barrier : barriers)
-        barrier.dstAccessMask &= ~VkAccessFlags{VK_ACCESS_INDEX_READ_BIT};
+        barrier.dstAccessMask &=
+            ~VkAccessFlags{VK_ACCESS_INDEX_READ_BIT | VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT};
     }
     device.vk.CmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, next, 0, 0, nullptr,
                                  static_cast<uint32_t>(barriers.size()), barriers.data(), 0,
