@@ -41,9 +41,8 @@ std::vector<float> larger(std::vector<float> a, const std::vector<float>& b) {
 Result<DemoScene> DemoScene::create(const Character& character, const DemoDef& def) {
   DemoScene demo(def);
   demo.boneCount_ = static_cast<uint32_t>(character.skeleton.bones.size());
-  demo.pose_ = [skeleton = character.skeleton, motion = def.motion](double seconds) {
-    return pelage::skinningTransforms(skeleton, pelage::poseCharacter(motion, seconds));
-  };
+  demo.isCharacter_ = true;
+  demo.setMotion(def.motion);
   demo.cameraDef_.direction = kCameraDirection;
   demo.cameraDef_.margin = 0.02f;
   demo.takeLook(studioLight(kCameraDirection), def);
@@ -67,7 +66,7 @@ Result<DemoScene> DemoScene::create(const Character& character, const DemoDef& d
   if (!def.drawSdf)
     if (Result<void> added = demo.addBody(character); !added) return added.error();
 
-  const double seconds = pelage::characterCycle(def.motion).end;
+  const double seconds = demo.cycle_.end;
   std::vector<Float3> points;
   for (int i = 0; i * kSweptStep <= seconds; ++i) {
     const std::vector<AffineTransform> bones = demo.pose_(i * kSweptStep);

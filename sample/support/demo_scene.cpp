@@ -80,6 +80,8 @@ DemoScene::DemoScene(const DemoDef& def)
 // One that was moved from has none of these.
 DemoScene::~DemoScene() {
   for (MeshObject& mesh : meshes_) mesh.remove(scene_->resources());
+  if (!hairs_.empty() && opaqueDepth_ != pelage::BufferId::kInvalid)
+    scene_->resources().remove(opaqueDepth_);
   for (const pelage::HairId hair : hairs_) (void)scene_->removeHair(hair);
   for (const pelage::ColliderId collider : colliders_) (void)scene_->removeCollider(collider);
 }
@@ -111,6 +113,7 @@ Result<DemoScene> DemoScene::create(const DemoAssets& assets, const DemoDef& def
   demo.pose_ = [skeleton = assets.skeleton](double seconds) {
     return poseSkeleton(skeleton, headPose(seconds));
   };
+  demo.cycle_ = {0, kHeadMotionSeconds};
   const Look look = generatedLook(def.preset, def.solver);
   demo.cameraDef_ = look.camera;
   demo.takeLook(studioLight(look.camera.direction), def);
@@ -211,17 +214,43 @@ Result<void> DemoScene::addCollider(const pelage::CollisionMesh& mesh,
 Result<void> DemoScene::advance(pelage::PassList& list) {
   ++frame_;
   const std::vector<AffineTransform> posed = bones();
-  for (const pelage::HairId hair : hairs_) scene_->hair(hair).setBones(posed);
-  scene_->hair(hairs_[0]).setColliders(capsules());
-  for (const pelage::ColliderId collider : colliders_) scene_->collider(collider).setBones(posed);
+  poseHair(posed);
   if (Result<void> done = scene_->simulate(static_cast<float>(kFrameSeconds), list); !done)
     return done;
   for (MeshObject& mesh : meshes_) mesh.setBones(posed);
   return {};
 }
 
-std::vector<pelage::CapsuleCollider> DemoScene::capsules() const {
-  const std::vector<AffineTransform> posed = bones();
+void DemoScene::poseHair(const std::vector<AffineTransform>& posed) {
+  for (const pelage::HairId hair : hairs_) scene_->hair(hair).setBones(posed);
+  scene_->hair(hairs_[0]).setColliders(capsulesIn(posed));
+  for (const pelage::ColliderId collider : colliders_) scene_->collider(collider).setBones(posed);
+}
+
+void DemoScene::pose(double seconds, std::span<const pelage::CapsuleCollider> others) {
+  const std::vector<AffineTransform> posed = pose_(seconds);
+  poseHair(posed);
+  for (size_t i = 0; i < hairs_.size(); ++i) {
+    std::vector<pelage::CapsuleCollider> colliders;
+    if (i == 0) colliders = capsulesIn(posed);
+    colliders.insert(colliders.end(), others.begin(), others.end());
+    scene_->hair(hairs_[i]).setColliders(colliders);
+  }
+  for (MeshObject& mesh : meshes_) mesh.setBones(posed);
+}
+
+void DemoScene::setMotion(pelage::CharacterMotion motion) {
+  if (!isCharacter_) return;
+  pose_ = [skeleton = pelage::characterSkeleton(), motion](double seconds) {
+    return pelage::skinningTransforms(skeleton, pelage::poseCharacter(motion, seconds));
+  };
+  cycle_ = pelage::characterCycle(motion);
+}
+
+std::vector<pelage::CapsuleCollider> DemoScene::capsules() const { return capsulesIn(bones()); }
+
+std::vector<pelage::CapsuleCollider> DemoScene::capsulesIn(
+    const std::vector<AffineTransform>& posed) const {
   std::vector<pelage::CapsuleCollider> capsules = capsules_;
   for (size_t i = 0; i < capsules.size(); ++i) {
     const AffineTransform& bone = posed[i == 0 ? 0 : 1];
@@ -286,9 +315,13 @@ Result<void> DemoScene::castHairShadow(pelage::PassList& list) {
   return {};
 }
 
-Result<void> DemoScene::draw(const pelage::View& view, pelage::PassList& list) {
+Result<void> DemoScene::drawOpaque(const pelage::View& view, pelage::PassList& list) {
   if (Result<void> done = castHairShadow(list); !done) return done;
-  if (Result<void> done = drawMeshes(view, list); !done) return done;
+  return drawMeshes(view, list);
+}
+
+Result<void> DemoScene::draw(const pelage::View& view, pelage::PassList& list) {
+  if (Result<void> done = drawOpaque(view, list); !done) return done;
   if (Result<void> done = scene_->draw(view, light, list); !done) return done;
   return drawContacts(view, list);
 }
@@ -297,8 +330,7 @@ Result<void> DemoScene::draw(const pelage::View& view, const pelage::Transparenc
                              std::vector<pelage::PassList>& lists) {
   // Without the list of contacts of the last frame.
   if (lists.empty() || drawContacts_) lists.resize(1);
-  if (Result<void> done = castHairShadow(lists[0]); !done) return done;
-  if (Result<void> done = drawMeshes(view, lists[0]); !done) return done;
+  if (Result<void> done = drawOpaque(view, lists[0]); !done) return done;
   if (Result<void> done = scene_->draw(view, allLights(), settings, lists); !done) return done;
   if (!drawContacts_) return {};
   // After the last list of any method, over what is blended there.
@@ -355,5 +387,11 @@ uint64_t DemoScene::vertexCount() const {
 }
 
 Camera DemoScene::camera(float aspect) const { return frameAll(sweptPoints_, cameraDef_, aspect); }
+
+Camera DemoScene::cameraFrom(const Float3& direction, float aspect) const {
+  CameraDef def = cameraDef_;
+  def.direction = direction;
+  return frameAll(sweptPoints_, def, aspect);
+}
 
 }  // namespace sample

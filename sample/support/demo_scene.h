@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -89,6 +90,14 @@ class DemoScene {
   /// Writes the passes of the next frame into a list, which is cleared first: the pose at
   /// the frame's end and one simulation step.
   pelage::Result<void> advance(pelage::PassList& list);
+  /// Sets the pose at a time: bones, colliders and meshes, for programs that call
+  /// Scene::simulate() themselves. \param seconds >= 0. \param others colliders of all hair beside
+  /// its own; keep each at its index from pose to pose.
+  void pose(double seconds, std::span<const pelage::CapsuleCollider> others = {});
+  /// Gives a character another motion, from the next pose on. Nothing happens to a head or files.
+  void setMotion(pelage::CharacterMotion motion);
+  /// How long its motion is, after which it starts over [s].
+  pelage::CharacterCycle cycle() const { return cycle_; }
   /// Runs the pass that finds what the light sees of the meshes, for their shadow on the hair of
   /// the next draw(): Light::opaque. After advance(). It takes nothing where the light casts no
   /// shadow or there is no mesh.
@@ -100,6 +109,9 @@ class DemoScene {
                             std::vector<pelage::PassList>& lists);
   /// Whether draw() shows more than hair.
   bool drawsMeshes() const { return !meshes_.empty() || (drawSdf_ && !colliders_.empty()); }
+  /// Adds what comes before the hair in a view: the shadow maps of hair, and the draws of
+  /// drawMeshes() with the shadow in them.
+  pelage::Result<void> drawOpaque(const pelage::View& view, pelage::PassList& list);
   /// Adds the draws of what draw() shows beside hair and contacts, with the shadow of the hair of
   /// the last draw().
   pelage::Result<void> drawMeshes(const pelage::View& view, pelage::PassList& list);
@@ -111,6 +123,9 @@ class DemoScene {
 
   /// A camera that sees the bind shape in every pose of the motion.
   Camera camera(float aspect) const;
+  /// The same from another side. \param direction from the scene towards the camera; any length >
+  /// 0.
+  Camera cameraFrom(const pelage::Float3& direction, float aspect) const;
 
   /// A buffer for the depth of the mesh, for TransparencySettings::opaqueDepth.
   pelage::BufferId addDepthBuffer(uint32_t width, uint32_t height);
@@ -144,6 +159,9 @@ class DemoScene {
 
  private:
   explicit DemoScene(const DemoDef& def);
+  void poseHair(const std::vector<pelage::AffineTransform>& posed);
+  std::vector<pelage::CapsuleCollider> capsulesIn(
+      const std::vector<pelage::AffineTransform>& posed) const;
   pelage::Result<void> drawContacts(const pelage::View& view, pelage::PassList& list);
   pelage::Result<void> castHairShadow(pelage::PassList& list);
   pelage::Result<void> addMesh(const pelage::CollisionMesh& mesh, MeshDef def);
@@ -172,6 +190,8 @@ class DemoScene {
       capsules_;  ///< in bind space; the first one on the neck bone
   std::function<std::vector<pelage::AffineTransform>(double seconds)> pose_;  ///< skinning
   uint32_t boneCount_ = 1;
+  pelage::CharacterCycle cycle_;
+  bool isCharacter_ = false;
   CameraDef cameraDef_;
   std::vector<pelage::Float3> sweptPoints_;
   uint32_t frame_ = 0;

@@ -146,6 +146,7 @@ Result<DemoScene> DemoScene::create(const FileAssets& files, const DemoDef& def)
   auto pose = poseOf(files, names);
   if (!pose) return pose.error();
   demo.pose_ = *std::move(pose);
+  demo.cycle_ = {0, files.motion ? files.motion->seconds : kHeadMotionSeconds};
   demo.boneCount_ = static_cast<uint32_t>(std::max<size_t>(names.size(), 1));
   demo.cameraDef_.direction = kCameraDirection;
   demo.takeLook(studioLight(kCameraDirection), def);
