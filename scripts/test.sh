@@ -22,7 +22,8 @@ times() {
 export PELAGE_REQUIRE_DEVICES=1
 
 step "packages"
-bash scripts/install_packages.sh scripts/packages.txt scripts/packages_tests.txt
+bash scripts/install_packages.sh scripts/packages.txt scripts/packages_viewer.txt \
+  scripts/packages_tests.txt
 
 step "format"
 git ls-files '*.h' '*.cpp' 2>/dev/null | xargs -r clang-format-14 --dry-run --Werror

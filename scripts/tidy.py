@@ -16,7 +16,7 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 
 SOURCES_PER_GROUP = 8
-FOLDERS = ("include", "runtime", "codegen", "sample")
+FOLDERS = ("include", "runtime", "codegen", "sample", "viewer")
 
 
 def commands_of(build):
@@ -92,6 +92,8 @@ def main():
     sources = ([os.path.abspath(source) for source in options.sources] or
                [f"{root}/{source}" for source in listed])
     commands = commands_of(f"{root}/build/release")
+    if not any(source.startswith(f"{root}/viewer/") for source in commands):
+        sources = [source for source in sources if not source.startswith(f"{root}/viewer/")]
     groups = groups_of(sources, commands, 1 if options.each else SOURCES_PER_GROUP)
     checks = "" if options.analyze else "-clang-analyzer-*"
     tidy = Tidy(root, f"{root}/build/tidy", commands, checks)

@@ -1,0 +1,28 @@
+#!/usr/bin/env bash
+# Renders the pictures of docs/viewer.md on a display of its own (xvfb-run):
+# scripts/viewer_pictures.sh [PELAGE_VIEWER [arguments]].
+set -euo pipefail
+cd "$(dirname "$0")/.."
+tool=$(realpath "${1:-build/release/viewer/pelage-viewer}")
+shift || true
+out=$(mktemp -d)
+trap 'rm -rf "$out"' EXIT
+picture() {  # NAME FRAMES [arguments]: what is on stdin, then a picture at a frame
+  local name=$1 frame=$2
+  shift 2
+  { cat; echo "$frame screenshot $out/$name.png"; } > "$out/$name.txt"
+  xvfb-run -a -s "-screen 0 1280x1024x24" timeout 200 "$tool" --size 960x640 --strands 1 --shadow deep \
+    --transparency windowed --script "$out/$name.txt" "$@"
+  mv "$out/$name.png" "docs/images/$name.png"
+}
+picture viewer 3 "$@" <<< "0 key ="
+# A ball is dragged through long hair.
+picture viewer_ball 7 --groom straight "$@" <<'SCRIPT'
+0 key tab
+0 keydown control
+0 move 410 300
+0 press left
+2 move 420 305
+3 move 430 310
+4 move 440 312
+SCRIPT

@@ -1,0 +1,103 @@
+// Files that the viewer opens: what belongs together, the unit, what is broken.
+#include "stage/files.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "pelage/demo/groom.h"
+#include "stage/stage.h"
+
+namespace {
+
+using Path = std::filesystem::path;
+
+class ViewerFiles : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() /
+              ("pelage_viewer_files_" + std::to_string(getpid()));
+    std::filesystem::create_directories(folder_);
+    pelage::GroomDef def;
+    def.strandCount = 40;
+    def.verticesPerStrand = 8;
+    auto groom = pelage::generateGroom(def);
+    ASSERT_TRUE(groom) << groom.error().message;
+    groom_ = *std::move(groom);
+    const auto written = pelage::writeGroom(groom_, folder_, "hair");
+    ASSERT_TRUE(written) << written.error().message;
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  Path file(const std::string& name) const { return folder_ / name; }
+  Path folder_;
+  pelage::Groom groom_;
+};
+
+TEST_F(ViewerFiles, BonesBesideTheHairAreFound) {
+  const auto loaded = viewer::loadFiles(std::vector<Path>{file("hair.tfx")}, 0);
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  ASSERT_EQ(loaded->assets.hairs.size(), 1u);
+  EXPECT_TRUE(loaded->assets.hairs[0].bones.has_value());
+  EXPECT_EQ(loaded->scale, 1);
+  EXPECT_TRUE(loaded->guesses.empty());
+  EXPECT_TRUE(loaded->meanLength > 0.05 && loaded->meanLength < 0.5) << loaded->meanLength;
+}
+
+TEST_F(ViewerFiles, HairInCentimetersIsScaledUnlessTheScaleIsGiven) {
+  pelage::HairAsset hair = groom_.hair;
+  ASSERT_TRUE(pelage::scaleHair(hair, 100));
+  ASSERT_TRUE(pelage::saveTfx(hair, file("big.tfx")));
+  const std::vector<Path> files = {file("big.tfx")};
+  const auto found = viewer::loadFiles(files, 0);
+  ASSERT_TRUE(found) << found.error().message;
+  ASSERT_FALSE(found->guesses.empty());
+  EXPECT_NEAR(found->scale, 0.01f, 1e-6f);
+  EXPECT_TRUE(found->meanLength > 0.05 && found->meanLength < 0.5) << found->meanLength;
+  EXPECT_FALSE(found->remarks.empty());
+  const auto given = viewer::loadFiles(files, 1);
+  ASSERT_TRUE(given) << given.error().message;
+  EXPECT_EQ(given->scale, 1);
+  EXPECT_EQ(given->guesses.size(), found->guesses.size());
+}
+
+TEST_F(ViewerFiles, WhatIsNoHairIsRefusedByName) {
+  std::ofstream(file("broken.tfx")) << "no hair at all";
+  std::ofstream(file("words.txt")) << "words";
+  for (const char* name : {"broken.tfx", "words.txt", "missing.tfx"}) {
+    const auto loaded = viewer::loadFiles(std::vector<Path>{file(name)}, 0);
+    ASSERT_FALSE(loaded) << name;
+    EXPECT_NE(loaded.error().message.find(name), std::string::npos) << loaded.error().message;
+  }
+  const auto mesh = viewer::loadFiles(std::vector<Path>{file("hair.tfxmesh")}, 0);
+  ASSERT_FALSE(mesh);
+  EXPECT_NE(mesh.error().message.find("no hair"), std::string::npos) << mesh.error().message;
+}
+
+// Buffers of what is not shown any more go, and those of what is shown stay.
+TEST_F(ViewerFiles, TheStageStaysWhenFilesAreBroken) {
+  viewer::Stage stage;
+  viewer::StageSource source;
+  source.kind = viewer::StageKind::kFiles;
+  source.files = {file("hair.tfx"), file("hair.tfxmesh")};
+  ASSERT_TRUE(stage.show(source));
+  const uint64_t bytes = stage.scene().resources().totalBytes();
+  const pelage::HairId hair = stage.hairs()[0];
+  std::ofstream(file("broken.tfx")) << "no hair at all";
+  viewer::StageSource broken = source;
+  broken.files = {file("broken.tfx")};
+  EXPECT_FALSE(stage.show(broken));
+  ASSERT_EQ(stage.hairs().size(), 1u);
+  EXPECT_EQ(stage.hairs()[0], hair);
+  EXPECT_EQ(stage.source().files, source.files);
+  EXPECT_EQ(stage.scene().resources().totalBytes(), bytes);
+  ASSERT_TRUE(stage.show(source));
+  EXPECT_EQ(stage.scene().resources().totalBytes(), bytes);
+  EXPECT_EQ(stage.scene().hairCount(), 1u);
+}
+
+}  // namespace

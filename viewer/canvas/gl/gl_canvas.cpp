@@ -1,0 +1,277 @@
+// OpenGL 4.5 core, in the window's context. Row 0 of the scene's target is the top one; the picture
+// flips it for the window.
+#define GL_GLEXT_PROTOTYPES
+#include <GL/glcorearb.h>
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstdio>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "canvas/canvas.h"
+#include "canvas/picture.h"
+#include "pelage/gl.h"
+#include "pelage/list_check.h"
+#include "sample/code.h"
+#include "viewer_kernels/code.h"
+#include "window/window.h"
+
+namespace viewer {
+
+using pelage::Error;
+using pelage::ErrorCode;
+using pelage::Result;
+
+namespace {
+
+constexpr const char* kCacheFolder = "viewer_gl";
+constexpr size_t kTimers = 3;  // times are read two frames late
+
+void APIENTRY onMessage(GLenum, GLenum type, GLuint, GLenum severity, GLsizei,
+                        const GLchar* message, const void* user) {
+  const bool error = type == GL_DEBUG_TYPE_ERROR || type == GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR;
+  if (!error && severity != GL_DEBUG_SEVERITY_HIGH) return;
+  ++*const_cast<uint32_t*>(static_cast<const uint32_t*>(user));
+  std::fprintf(stderr, "pelage-viewer: OpenGL: %s\n", message);
+}
+
+std::string text(GLenum name) {
+  const auto* string = reinterpret_cast<const char*>(glGetString(name));
+  return string != nullptr ? string : "";
+}
+
+class GlCanvas final : public Canvas {
+ public:
+  GlCanvas(CanvasDef def, Window& window) : def_(std::move(def)), window_(window) {}
+  ~GlCanvas() override;
+  Result<void> open();
+
+  const pelage::DeviceInfo& info() const override { return info_; }
+  Result<void> supports(const pelage::TransparencySettings& settings) const override {
+    return runtime_->supports(settings, {.followHairs = true});
+  }
+  Result<void> resize(uint32_t width, uint32_t height) override;
+  Result<void> begin() override;
+  Result<void> show(const CanvasFrame& frame) override;
+  const sample::ByteImage& captured() const override { return captured_; }
+  Result<std::vector<std::byte>> read(pelage::BufferId buffer) override {
+    return runtime_->read(buffer);
+  }
+  const std::vector<pelage::PassTiming>& timings() const override { return timings_; }
+  CanvasMemory memory() const override { return {runtime_->statistics().bufferBytes, 0}; }
+  uint32_t messageCount() const override { return messages_; }
+  void saveCache() override {}  // programs are stored when they have been linked
+
+ private:
+  void listen();
+  void describe();
+  void releaseTarget();
+  void bindScene(bool clears) const;
+  void copyDepth(pelage::BufferId to) const;
+  Result<void> draw(const pelage::FrameStep& step, const CanvasFrame& frame, uint32_t views);
+  void takePicture();
+
+  CanvasDef def_;
+  Window& window_;
+  std::optional<pelage::gl::Runtime> runtime_;
+  std::array<std::optional<pelage::gl::PassTimer>, kTimers> timers_;
+  pelage::DeviceInfo info_;
+  pelage::TextureId scene_ = pelage::newTextureId();
+  GLuint color_ = 0, depth_ = 0, framebuffer_ = 0;
+  bool hasInterface_ = false;
+  uint64_t frame_ = 0;
+  uint32_t width_ = 0, height_ = 0, messages_ = 0;
+  sample::ByteImage captured_;
+  std::vector<pelage::PassTiming> timings_;
+};
+
+GlCanvas::~GlCanvas() {
+  if (hasInterface_) ImGui_ImplOpenGL3_Shutdown();
+  releaseTarget();
+  for (auto& timer : timers_) timer.reset();
+  runtime_.reset();
+  if (def_.validation) glDebugMessageCallback(nullptr, nullptr);
+}
+
+Result<void> GlCanvas::open() {
+  pelage::gl::RuntimeDef def;
+  def.getProcAddress = [](const char* name) {
+    return reinterpret_cast<void*>(glfwGetProcAddress(name));
+  };
+  if (!def_.cache.empty())
+    def.programCache = pelage::gl::directoryProgramCache((def_.cache / kCacheFolder).string());
+  def.debug = def_.validation;
+  Result<pelage::gl::Runtime> runtime = pelage::gl::Runtime::create(std::move(def));
+  if (!runtime) return runtime.error();
+  runtime_.emplace(*std::move(runtime));
+  runtime_->addCode(sample::allCode());
+  runtime_->addCode(viewer_kernels::allCode());
+  for (auto& timer : timers_) timer.emplace(*runtime_);
+  if (def_.validation) listen();
+  describe();
+  hasInterface_ = ImGui_ImplOpenGL3_Init("#version 450");
+  if (!hasInterface_)
+    return Error{ErrorCode::kDevice, "the user interface cannot be drawn with OpenGL"};
+  return {};
+}
+
+void GlCanvas::listen() {
+  glEnable(GL_DEBUG_OUTPUT);
+  glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
+  glDebugMessageControl(GL_DONT_CARE, GL_DONT_CARE, GL_DONT_CARE, 0, nullptr, GL_TRUE);
+  glDebugMessageCallback(&onMessage, &messages_);
+}
+
+void GlCanvas::describe() {
+  info_.api = pelage::Api::kGl;
+  info_.name = text(GL_RENDERER);
+  info_.driver = text(GL_VENDOR);
+  info_.version = text(GL_VERSION);
+  std::string lower = info_.name;
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (const char* software : {"llvmpipe", "softpipe", "swrast", "swiftshader"})
+    info_.software |= lower.find(software) != std::string::npos;
+  info_.maxBufferBytes = runtime_->limits().storageBlockBytes;
+  info_.tier = runtime_->tier();
+}
+
+void GlCanvas::releaseTarget() {
+  glDeleteFramebuffers(1, &framebuffer_);
+  glDeleteTextures(1, &color_);
+  glDeleteTextures(1, &depth_);
+  framebuffer_ = color_ = depth_ = 0;
+  width_ = height_ = 0;
+}
+
+Result<void> GlCanvas::resize(uint32_t width, uint32_t height) {
+  if (width == width_ && height == height_) return {};
+  releaseTarget();
+  const auto columns = static_cast<GLsizei>(width), rows = static_cast<GLsizei>(height);
+  glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &color_);
+  glTextureStorage3D(color_, 1, GL_RGBA16F, columns, rows, 1);
+  glTextureParameteri(color_, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  glTextureParameteri(color_, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  glCreateTextures(GL_TEXTURE_2D, 1, &depth_);
+  glTextureStorage2D(depth_, 1, GL_DEPTH_COMPONENT32F, columns, rows);
+  glCreateFramebuffers(1, &framebuffer_);
+  glNamedFramebufferTextureLayer(framebuffer_, GL_COLOR_ATTACHMENT0, color_, 0, 0);
+  glNamedFramebufferTexture(framebuffer_, GL_DEPTH_ATTACHMENT, depth_, 0);
+  const GLenum status = glCheckNamedFramebufferStatus(framebuffer_, GL_FRAMEBUFFER);
+  if (status != GL_FRAMEBUFFER_COMPLETE) {
+    releaseTarget();
+    return Error{
+        ErrorCode::kOutOfMemory,
+        fmt::format("a target of {} x {} pixels: framebuffer status {:#x}", width, height, status)};
+  }
+  runtime_->registerTexture(scene_, {.target = GL_TEXTURE_2D_ARRAY, .name = color_});
+  width_ = width;
+  height_ = height;
+  return {};
+}
+
+Result<void> GlCanvas::begin() {
+  ++frame_;
+  // The timer that this frame takes was used three frames ago.
+  std::vector<pelage::PassTiming> read = timers_[frame_ % kTimers]->read();
+  if (!read.empty()) timings_ = std::move(read);
+  ImGui_ImplOpenGL3_NewFrame();
+  return {};
+}
+
+void GlCanvas::bindScene(bool clears) const {
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
+  if (!clears) return;
+  // Clears obey these, and earlier draws have set them.
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  glDepthMask(GL_TRUE);
+  glDisable(GL_SCISSOR_TEST);
+  const GLfloat color[4] = {}, depth = 1;
+  glClearBufferfv(GL_COLOR, 0, color);
+  glClearBufferfv(GL_DEPTH, 0, &depth);
+}
+
+// Row 0 of the framebuffer is the top row, as in the buffer.
+void GlCanvas::copyDepth(pelage::BufferId to) const {
+  glMemoryBarrier(GL_ALL_BARRIER_BITS);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_);
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, runtime_->bufferName(to));
+  glPixelStorei(GL_PACK_ALIGNMENT, 4);
+  glReadPixels(0, 0, static_cast<GLsizei>(width_), static_cast<GLsizei>(height_),
+               GL_DEPTH_COMPONENT, GL_FLOAT, nullptr);
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+  glMemoryBarrier(GL_ALL_BARRIER_BITS);
+}
+
+Result<void> GlCanvas::draw(const pelage::FrameStep& step, const CanvasFrame& frame,
+                            uint32_t views) {
+  const bool isPicture = step.view == views;
+  if (isPicture)
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  else
+    bindScene(step.view == 0 && step.listOfView == 0);
+  const pelage::gl::DrawTarget target = {0, 0, width_, height_};
+  if (Result<void> done = runtime_->recordDraws(*step.list, target, &*timers_[frame_ % kTimers]);
+      !done)
+    return done;
+  if (step.view == 0 && step.listOfView == 0 && frame.depthCopy != pelage::BufferId::kInvalid)
+    copyDepth(frame.depthCopy);
+  return {};
+}
+
+Result<void> GlCanvas::show(const CanvasFrame& frame) {
+  const uint32_t views = frame.frame->viewCount();
+  Result<pelage::PassList> picture = pictureList(scene_, width_, height_, true);
+  if (!picture) return picture.error();
+  if (const auto added = frame.frame->addView(*std::move(picture)); !added) return added.error();
+  pelage::FrameExecutor executor;
+  executor.update = [&](const pelage::ResourceTable& table) { return runtime_->update(table); };
+  executor.record = [&](const pelage::FrameStep& step) {
+    return runtime_->record(*step.list, &*timers_[frame_ % kTimers]);
+  };
+  executor.draw = [&](const pelage::FrameStep& step) { return draw(step, frame, views); };
+  if (Result<void> done = frame.frame->run(executor); !done) return done;
+
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  // The kernels' depth range and origin are not those of ImGui.
+  glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  if (frame.interface != nullptr) ImGui_ImplOpenGL3_RenderDrawData(frame.interface);
+  if (frame.captures) takePicture();
+  window_.swapBuffers();
+  return {};
+}
+
+void GlCanvas::takePicture() {
+  captured_.width = width_;
+  captured_.height = height_;
+  captured_.rgb.resize(size_t{3} * width_ * height_);
+  std::vector<uint8_t> rows(captured_.rgb.size());
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadBuffer(GL_BACK);
+  glReadPixels(0, 0, static_cast<GLsizei>(width_), static_cast<GLsizei>(height_), GL_RGB,
+               GL_UNSIGNED_BYTE, rows.data());
+  const size_t row = size_t{3} * width_;
+  for (size_t y = 0; y < height_; ++y)
+    std::copy_n(rows.begin() + static_cast<ptrdiff_t>((height_ - 1 - y) * row), row,
+                captured_.rgb.begin() + static_cast<ptrdiff_t>(y * row));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Canvas>> createGlCanvas(const CanvasDef& def, Window& window) {
+  auto canvas = std::make_unique<GlCanvas>(def, window);
+  if (Result<void> opened = canvas->open(); !opened) return opened.error();
+  return std::unique_ptr<Canvas>(std::move(canvas));
+}
+
+}  // namespace viewer

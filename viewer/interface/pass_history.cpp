@@ -1,0 +1,56 @@
+#include "interface/pass_history.h"
+
+#include <algorithm>
+
+namespace viewer {
+
+namespace {
+
+constexpr double kWeight = 0.1;      // of the last frame in the averages
+constexpr double kForgotten = 1e-4;  // [ms] below which a pass that has gone is not listed
+
+}  // namespace
+
+void PassHistory::add(std::span<const pelage::PassTiming> timings) {
+  std::vector<PassTime> frame;
+  double total = 0;
+  for (const pelage::PassTiming& timing : timings) {
+    if (!(timing.milliseconds >= 0)) continue;  // without timestamps
+    auto known = std::find_if(frame.begin(), frame.end(),
+                              [&](const PassTime& pass) { return pass.name == timing.name; });
+    if (known == frame.end()) known = frame.insert(frame.end(), {timing.name, 0, 0});
+    known->milliseconds += timing.milliseconds;
+    ++known->passes;
+    total += timing.milliseconds;
+  }
+  if (frame.empty()) return;
+  if (totals_.size() == kFrames) totals_.erase(totals_.begin());
+  totals_.push_back(static_cast<float>(total));
+  for (PassTime& pass : passes_) pass.milliseconds *= 1 - kWeight;
+  for (const PassTime& now : frame) {
+    const auto known = std::find_if(passes_.begin(), passes_.end(),
+                                    [&](const PassTime& pass) { return pass.name == now.name; });
+    if (known == passes_.end()) {
+      passes_.push_back(now);
+    } else {
+      known->milliseconds += kWeight * now.milliseconds;
+      known->passes = now.passes;
+    }
+  }
+  std::erase_if(passes_, [](const PassTime& pass) { return pass.milliseconds < kForgotten; });
+}
+
+std::vector<PassHistory::PassTime> PassHistory::passes() const {
+  std::vector<PassTime> sorted = passes_;
+  std::stable_sort(sorted.begin(), sorted.end(), [](const PassTime& a, const PassTime& b) {
+    return a.milliseconds > b.milliseconds;
+  });
+  return sorted;
+}
+
+void PassHistory::clear() {
+  totals_.clear();
+  passes_.clear();
+}
+
+}  // namespace viewer

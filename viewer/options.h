@@ -1,0 +1,40 @@
+// The command line of pelage-viewer.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "pelage/headless.h"
+#include "stage/stage.h"
+
+namespace viewer {
+
+inline constexpr const char* kProgram = "pelage-viewer";
+
+struct Options {
+  std::optional<pelage::Api> api;  ///< nothing: Vulkan, or OpenGL where there is none
+  int device = -1;
+  bool validation = false;
+  uint32_t width = 1280, height = 800;  ///< window coordinates
+  bool fixedClock = false;
+  bool vsync = true;
+  bool printsStart = false;
+  std::filesystem::path script, record;
+  std::filesystem::path cache;  ///< folder; empty: none
+  StageSource source;
+  /// Nothing: what suits the device.
+  std::optional<pelage::Transparency> transparency;
+  std::optional<pelage::HairShadow> shadow;
+  std::optional<float> strandShare;
+  pelage::CharacterMotion motion = pelage::CharacterMotion::kAll;
+};
+
+/// The options, or the exit status of a program that is to end: 0 behind --help, 2 for options
+/// that are wrong, which stderr has in one line.
+std::variant<Options, int> parseOptions(int argc, const char* const* argv);
+
+}  // namespace viewer

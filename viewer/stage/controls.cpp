@@ -1,0 +1,120 @@
+#include "stage/controls.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "input/keys.h"
+
+namespace viewer {
+
+namespace {
+
+constexpr double kZoomStep = 1.1;      // factor of a step of the wheel
+constexpr float kBallStep = 0.25f;     // radii that a step of the wheel moves the ball
+constexpr double kSlowest = 1.0 / 16;  // PlayClock::speed
+constexpr double kFastest = 4;
+
+float aspectOf(const WindowSize& size) {
+  return static_cast<float>(size.width) / static_cast<float>(std::max(size.height, 1u));
+}
+
+}  // namespace
+
+void StageControls::take(const Event& event, const WindowSize& size, Stage& stage) {
+  if (const auto* moved = std::get_if<MouseMoved>(&event)) move(*moved, size, stage);
+  if (const auto* pressed = std::get_if<MousePressed>(&event)) press(*pressed, size, stage);
+  if (const auto* scrolled = std::get_if<Scrolled>(&event)) scroll(*scrolled, stage);
+  if (const auto* pressed = std::get_if<KeyPressed>(&event)) key(*pressed, size, stage);
+}
+
+void StageControls::press(const MousePressed& event, const WindowSize& size, Stage& stage) {
+  if (!event.down) {
+    if (event.button == button_) drag_ = Drag::kNone;
+    return;
+  }
+  if (drag_ != Drag::kNone) return;
+  button_ = event.button;
+  if (event.button != MouseButton::kLeft || shift_) {
+    drag_ = Drag::kPan;
+  } else if (control_) {
+    drag_ = Drag::kBall;
+    moveBall(size, stage);
+  } else {
+    drag_ = Drag::kOrbit;
+  }
+}
+
+void StageControls::move(const MouseMoved& event, const WindowSize& size, Stage& stage) {
+  const double height = std::max(size.height, 1u);
+  const auto right = static_cast<float>((event.x - mouse_.x) / height);
+  const auto down = static_cast<float>((event.y - mouse_.y) / height);
+  mouse_ = event;
+  constexpr float kHalfTurn = std::numbers::pi_v<float>;
+  if (drag_ == Drag::kOrbit) stage.camera.orbit(right * kHalfTurn, down * kHalfTurn);
+  if (drag_ == Drag::kPan) stage.camera.pan(-right, down);
+  if (drag_ == Drag::kBall) moveBall(size, stage);
+}
+
+// The wheel moves what is dragged.
+void StageControls::scroll(const Scrolled& event, Stage& stage) const {
+  if (drag_ != Drag::kBall) {
+    stage.camera.zoom(static_cast<float>(std::pow(kZoomStep, event.steps)));
+    return;
+  }
+  const pelage::Float3 back = stage.camera.direction();
+  const float away = -kBallStep * stage.ball.radius * static_cast<float>(event.steps);
+  pelage::Float3& center = stage.ball.center;
+  center = {center.x + away * back.x, center.y + away * back.y, center.z + away * back.z};
+}
+
+// At the depth where it is, at first that of what the camera looks at.
+void StageControls::moveBall(const WindowSize& size, Stage& stage) const {
+  const auto share = [](double at, uint32_t of) {
+    return static_cast<float>(at / std::max(of, 1u));
+  };
+  const pelage::Float3 plane = stage.ball.present ? stage.ball.center : stage.camera.target();
+  stage.ball.center = stage.camera.pointAt(share(mouse_.x, size.width),
+                                           share(mouse_.y, size.height), aspectOf(size), plane);
+  stage.ball.present = true;
+}
+
+void StageControls::key(const KeyPressed& event, const WindowSize& size, Stage& stage) {
+  if (event.key == kKeyLeftShift || event.key == kKeyRightShift) shift_ = event.down;
+  if (event.key == kKeyLeftControl || event.key == kKeyRightControl) control_ = event.down;
+  if (!event.down || control_) return;
+  PlayClock& clock = stage.clock;
+  switch (event.key) {
+    case 'F':
+      stage.frameAll(aspectOf(size));
+      break;
+    case kKeySpace:
+      clock.playing = !clock.playing;
+      break;
+    case '.':
+      clock.steps = true;
+      break;
+    case 'R':
+      stage.reset();
+      break;
+    case 'L':
+      clock.loops = !clock.loops;
+      break;
+    case '-':
+      clock.speed = std::max(clock.speed / 2, kSlowest);
+      break;
+    case '=':
+      clock.speed = std::min(clock.speed * 2, kFastest);
+      break;
+    case 'B':
+      stage.ball.present = false;
+      break;
+    case 'C':
+      stage.look.showsContacts = !stage.look.showsContacts;
+      break;
+    default:
+      break;
+  }
+}
+
+}  // namespace viewer

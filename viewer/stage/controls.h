@@ -1,0 +1,28 @@
+// What mouse and keys do on the stage.
+#pragma once
+
+#include "input/event.h"
+#include "stage/stage.h"
+#include "window/window.h"
+
+namespace viewer {
+
+class StageControls {
+ public:
+  /// Applies an event that the interface has not taken.
+  void take(const Event& event, const WindowSize& size, Stage& stage);
+
+ private:
+  enum class Drag : uint8_t { kNone, kOrbit, kPan, kBall };
+  void press(const MousePressed& event, const WindowSize& size, Stage& stage);
+  void move(const MouseMoved& event, const WindowSize& size, Stage& stage);
+  void scroll(const Scrolled& event, Stage& stage) const;
+  void key(const KeyPressed& event, const WindowSize& size, Stage& stage);
+  void moveBall(const WindowSize& size, Stage& stage) const;
+  MouseMoved mouse_;
+  Drag drag_ = Drag::kNone;
+  MouseButton button_ = MouseButton::kLeft;  // that began the drag
+  bool shift_ = false, control_ = false;
+};
+
+}  // namespace viewer

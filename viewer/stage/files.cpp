@@ -1,0 +1,127 @@
+#include "stage/files.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <system_error>
+#include <utility>
+
+#include "asset_files.h"
+#include "stage/curve_files.h"
+
+namespace viewer {
+
+using pelage::Error;
+using pelage::ErrorCode;
+using pelage::Result;
+using Path = std::filesystem::path;
+
+namespace {
+
+std::string extensionOf(const Path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+// Of the files that were named, or beside the hair: the one with its name and this extension.
+Path companionOf(const Path& hair, const char* extension, std::span<const Path> files) {
+  for (const Path& file : files)
+    if (extensionOf(file) == extension && file.stem() == hair.stem()) return file;
+  Path beside = hair;
+  beside.replace_extension(extension);
+  std::error_code error;
+  return std::filesystem::is_regular_file(beside, error) ? beside : Path("-");
+}
+
+struct Sorted {
+  pelage::program::AssetFiles own;  // pelage's own formats
+  std::vector<Path> curves;         // of the authoring library
+};
+
+Result<Sorted> sortFiles(std::span<const Path> files) {
+  Sorted sorted;
+  sorted.own.repair = true;
+  for (const Path& file : files) {
+    const std::string extension = extensionOf(file);
+    if (extension == ".tfx") {
+      sorted.own.hairs.push_back(file);
+      sorted.own.bones.push_back(companionOf(file, ".tfxbone", files));
+      sorted.own.followHairs.push_back(companionOf(file, ".tfxfollow", files));
+    } else if (extension == ".tfxmesh") {
+      sorted.own.meshes.push_back(file);
+    } else if (extension == ".pelage") {
+      if (!sorted.own.cache.empty())
+        return Error{ErrorCode::kInvalidArgument,
+                     file.string() + ": a second .pelage file; one holds a whole scene"};
+      sorted.own.cache = file;
+    } else if (isCurveFile(extension)) {
+      sorted.curves.push_back(file);
+    } else if (extension != ".tfxbone" && extension != ".tfxfollow") {
+      return Error{ErrorCode::kUnsupported,
+                   fmt::format("{}: the viewer opens .tfx, .tfxbone, .tfxfollow, .tfxmesh, "
+                               ".pelage{}",
+                               file.string(), curveExtensions())};
+    }
+  }
+  return sorted;
+}
+
+Result<pelage::AssetCache> loadSorted(Sorted sorted, float scale,
+                                      std::vector<std::string>& remarks) {
+  sorted.own.scale = scale;
+  auto assets = pelage::program::loadAssetFiles(sorted.own, remarks);
+  if (!assets) return assets.error();
+  for (const Path& file : sorted.curves) {
+    auto hair = loadCurveFile(file, scale, remarks);
+    if (!hair) return hair.error();
+    assets->hairs.push_back(*std::move(hair));
+  }
+  if (assets->hairs.empty())
+    return Error{ErrorCode::kInvalidArgument,
+                 "there is no hair in the files: name a groom, too (.tfx or .pelage)"};
+  return assets;
+}
+
+// The mean length of all strands.
+Result<double> meanLengthOf(const pelage::AssetCache& assets) {
+  double sum = 0, count = 0;
+  for (const pelage::CachedHair& hair : assets.hairs) {
+    const auto size = pelage::measureHair(hair.asset);
+    if (!size) return size.error();
+    sum += size->meanLength * hair.asset.strandCount;
+    count += hair.asset.strandCount;
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+}  // namespace
+
+Result<LoadedFiles> loadFiles(std::span<const Path> files, float scale) {
+  const Result<Sorted> sorted = sortFiles(files);
+  if (!sorted) return sorted.error();
+  LoadedFiles loaded;
+  loaded.scale = scale > 0 ? scale : 1;
+  auto assets = loadSorted(*sorted, loaded.scale, loaded.remarks);
+  if (!assets) return assets.error();
+  Result<double> length = meanLengthOf(*assets);
+  if (!length) return length.error();
+  loaded.guesses = pelage::guessUnits(*length / loaded.scale);
+  if (scale <= 0 && !loaded.guesses.empty()) {
+    loaded.scale = loaded.guesses.front().scale;
+    loaded.remarks.clear();
+    assets = loadSorted(*sorted, loaded.scale, loaded.remarks);
+    if (!assets) return assets.error();
+    length = meanLengthOf(*assets);
+    if (!length) return length.error();
+    loaded.remarks.push_back(fmt::format("taken for {}: strands are {:.3g} m long on average",
+                                         loaded.guesses.front().unit, *length));
+  }
+  loaded.assets = *std::move(assets);
+  loaded.meanLength = *length;
+  return loaded;
+}
+
+}  // namespace viewer

@@ -1,0 +1,291 @@
+#include "viewer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <functional>
+#include <utility>
+
+#include "capture/screenshot.h"
+#include "input/keys.h"
+#include "program_messages.h"
+
+namespace viewer {
+
+using pelage::Error;
+using pelage::ErrorCode;
+using pelage::Result;
+
+namespace {
+
+double secondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+constexpr float kSoftwareShare = 0.25f;  // of the strands
+constexpr uint32_t kMaxLosses = 3;       // of the device, before the program gives up
+
+}  // namespace
+
+Result<void> Viewer::open() {
+  if (!options_.script.empty()) {
+    auto events = loadScript(options_.script);
+    if (!events) return events.error();
+    player_.emplace(*std::move(events));
+  }
+  if (!options_.record.empty()) {
+    auto recorder = Recorder::open(options_.record);
+    if (!recorder) return recorder.error();
+    recorder_.emplace(*std::move(recorder));
+    recorder_->add({0, Resized{options_.width, options_.height}});
+  }
+  if (Result<void> done = openAnyApi(); !done) return done;
+  stage_.look.motion = options_.motion;
+  // A driver on the CPU takes seconds for all strands of a head, sorted and with shadows.
+  const bool software = canvas_->info().software;
+  stage_.look.transparency = options_.transparency.value_or(
+      software ? pelage::Transparency::kShortCut : pelage::Transparency::kWindowed);
+  stage_.look.strandShare = options_.strandShare.value_or(software ? kSoftwareShare : 1.0f);
+  stage_.look.shadow =
+      options_.shadow.value_or(software ? pelage::HairShadow::kNone : pelage::HairShadow::kDeep);
+  stage_.clock.fixed = options_.fixedClock || recorder_.has_value();
+  adopt();
+  opened_ = secondsSince(start_);
+  showFirst();
+  shown_ = secondsSince(start_);
+  const WindowSize size = window_->size();
+  stage_.frameAll(static_cast<float>(std::max(size.width, 1u)) /
+                  static_cast<float>(std::max(size.height, 1u)));
+  last_ = std::chrono::steady_clock::now();
+  return {};
+}
+
+Result<void> Viewer::openApi(pelage::Api api) {
+  canvas_.reset();
+  interface_.reset();
+  window_.reset();
+  WindowDef def;
+  def.width = options_.width;
+  def.height = options_.height;
+  def.api = api;
+  def.debug = options_.validation;
+  def.vsync = options_.vsync && !player_;
+  auto window = Window::create(def);
+  if (!window) return window.error();
+  window_ = *std::move(window);
+  interface_ = std::make_unique<UserInterface>(window_->size().interfaceScale);
+  CanvasDef canvasDef;
+  canvasDef.api = api;
+  canvasDef.validation = options_.validation;
+  canvasDef.deviceIndex = options_.device;
+  canvasDef.cache = options_.cache;
+  canvasDef.vsync = def.vsync;
+  auto canvas = createCanvas(canvasDef, *window_);
+  if (!canvas) return canvas.error();
+  canvas_ = *std::move(canvas);
+  return {};
+}
+
+// OpenGL stands in for a Vulkan that is not there, unless the user chose.
+Result<void> Viewer::openAnyApi() {
+  if (options_.api) return openApi(*options_.api);
+  const Result<void> vulkan = openApi(pelage::Api::kVulkan);
+  if (vulkan) {
+    options_.api = pelage::Api::kVulkan;
+    return {};
+  }
+  if (const Result<void> gl = openApi(pelage::Api::kGl); !gl)
+    return Error{vulkan.error().code,
+                 vulkan.error().message + "; nor can OpenGL be used: " + gl.error().message};
+  options_.api = pelage::Api::kGl;
+  interface_->say("Drawing with OpenGL", "Vulkan cannot be used: " + vulkan.error().message);
+  return {};
+}
+
+// The stage learns what the device can do.
+void Viewer::adopt() {
+  const pelage::DeviceInfo& info = canvas_->info();
+  stage_.setDevice({info.tier, info.maxBufferBytes});
+  if (const Result<void> can = canvas_->supports({.method = stage_.look.transparency}); !can) {
+    interface_->say("Another transparency method", can.error().message);
+    stage_.look.transparency = pelage::Transparency::kStochastic;
+  }
+  window_->setTitle(fmt::format("pelage - {}, {}", info.name, pelage::apiName(info.api)));
+}
+
+// Where the files cannot be shown, the character is.
+void Viewer::showFirst() {
+  const Result<void> shown = stage_.show(options_.source);
+  if (shown) return;
+  interface_->say("The files cannot be shown", shown.error().message);
+  const Result<void> character = stage_.show({.solver = options_.source.solver});
+  if (!character) interface_->say("There is nothing to show", character.error().message);
+}
+
+void Viewer::show(const StageSource& source) {
+  const Result<void> shown = stage_.show(source);
+  if (!shown) {
+    interface_->say("The files cannot be shown", shown.error().message);
+    return;
+  }
+  const WindowSize size = window_->size();
+  stage_.frameAll(static_cast<float>(std::max(size.width, 1u)) /
+                  static_cast<float>(std::max(size.height, 1u)));
+}
+
+// Bones and meshes belong to the hair that is there; hair replaces it.
+void Viewer::drop(const std::vector<std::filesystem::path>& files) {
+  StageSource source = stage_.source();
+  const bool hair = std::any_of(files.begin(), files.end(), [](const std::filesystem::path& file) {
+    const auto extension = file.extension();
+    return extension != ".tfxbone" && extension != ".tfxfollow" && extension != ".tfxmesh";
+  });
+  if (hair || source.kind != StageKind::kFiles) {
+    source.files.clear();
+    source.scale = 0;
+  }
+  source.kind = StageKind::kFiles;
+  source.files.insert(source.files.end(), files.begin(), files.end());
+  show(source);
+}
+
+void Viewer::collect() {
+  events_.clear();
+  if (!player_) {
+    window_->poll(events_, window_->size().hidden);
+    return;
+  }
+  // A script has the window to itself; a person can only close it.
+  window_->poll(events_, false);
+  std::erase_if(events_, [](const Event& event) { return !std::holds_alternative<Quit>(event); });
+  player_->eventsOf(frame_, events_);
+}
+
+Result<void> Viewer::take(const Event& event) {
+  if (recorder_ && !std::holds_alternative<Quit>(event)) recorder_->add({frame_, event});
+  if (std::holds_alternative<Quit>(event)) {
+    quits_ = true;
+    return {};
+  }
+  if (const auto* wanted = std::get_if<ScreenshotWanted>(&event)) {
+    screenshot_ = wanted->file;
+    return {};
+  }
+  if (const auto* dropped = std::get_if<FilesDropped>(&event)) {
+    drop(dropped->files);
+    return {};
+  }
+  if (const auto* resized = std::get_if<Resized>(&event)) {
+    if (player_) return window_->resize(resized->width, resized->height);
+    return {};
+  }
+  if (interface_->take(event)) return {};
+  if (const auto* key = std::get_if<KeyPressed>(&event); key != nullptr && key->down) {
+    if (key->key == kKeyTab) showsPanel_ = !showsPanel_;
+    if (key->key == kKeyF12) screenshot_ = nextScreenshot();
+    if (key->key == kKeyF9) return loseDevice();
+  }
+  controls_.take(event, window_->size(), stage_);
+  return {};
+}
+
+Result<void> Viewer::drawFrame(const WindowSize& size) {
+  const auto now = std::chrono::steady_clock::now();
+  const double seconds = std::chrono::duration<double>(now - last_).count();
+  last_ = now;
+  if (Result<void> done = canvas_->resize(size.pixelWidth, size.pixelHeight); !done) return done;
+  if (Result<void> done = canvas_->begin(); !done) return done;
+  history_.add(canvas_->timings());
+  PanelWishes wishes;
+  std::function<void()> panels;
+  if (showsPanel_) panels = [&] { wishes = buildStagePanel(stage_, *canvas_, history_, size); };
+  interface_->build(size, stage_.clock.fixed ? PlayClock::kStep : seconds, panels);
+  auto frame = stage_.makeFrame(seconds, size.pixelWidth, size.pixelHeight);
+  if (!frame) return frame.error();
+  CanvasFrame shown;
+  shown.frame = &*frame;
+  shown.depthCopy = stage_.depthCopy();
+  shown.interface = interface_->drawData();
+  if (std::exchange(wantsScreenshot_, false) && screenshot_.empty()) screenshot_ = nextScreenshot();
+  shown.captures = !screenshot_.empty();
+  if (Result<void> done = canvas_->show(shown); !done) return done;
+  Result<void> measured =
+      stage_.measure([&](pelage::BufferId buffer) { return canvas_->read(buffer); });
+  if (!measured) return measured;
+  return grant(wishes);
+}
+
+Result<void> Viewer::grant(const PanelWishes& wishes) {
+  if (wishes.source) show(*wishes.source);
+  const WindowSize size = window_->size();
+  if (wishes.framesAll)
+    stage_.frameAll(static_cast<float>(std::max(size.width, 1u)) /
+                    static_cast<float>(std::max(size.height, 1u)));
+  if (wishes.resets) stage_.reset();
+  if (wishes.takesScreenshot) wantsScreenshot_ = true;
+  return wishes.losesDevice ? loseDevice() : Result<void>();
+}
+
+// As if the driver had lost it, with a state to go on from.
+Result<void> Viewer::loseDevice() {
+  Result<void> taken =
+      stage_.takeSnapshot([&](pelage::BufferId buffer) { return canvas_->read(buffer); });
+  if (!taken) return taken;
+  return recoverDevice({ErrorCode::kDeviceLost, "A test of the device's loss"});
+}
+
+Result<void> Viewer::saveScreenshot() {
+  const std::filesystem::path path = std::exchange(screenshot_, {});
+  Result<void> written = writeScreenshot(canvas_->captured(), path);
+  if (written) {
+    fmt::print("{}\n", path.string());
+    return written;
+  }
+  if (player_) return written;
+  interface_->say("No screenshot", written.error().message);
+  return {};
+}
+
+Result<void> Viewer::recoverDevice(const Error& lost) {
+  if (++losses_ > kMaxLosses) return lost;
+  const Result<uint32_t> kept = stage_.recover();
+  if (!kept) return kept.error();
+  history_.clear();
+  if (Result<void> done = openApi(*options_.api); !done) return done;
+  adopt();
+  interface_->say("The device was lost", lost.message + ". " +
+                                             (*kept > 0 ? "Hair goes on from its last state."
+                                                        : "Hair begins in its bind pose again."));
+  return {};
+}
+
+Result<void> Viewer::run() {
+  for (; !quits_; ++frame_) {
+    collect();
+    for (const Event& event : events_)
+      if (Result<void> done = take(event); !done) return done;
+    const WindowSize size = window_->size();
+    if (size.hidden) continue;
+    Result<void> drawn = drawFrame(size);
+    if (!drawn && drawn.error().code == ErrorCode::kDeviceLost) {
+      if (Result<void> done = recoverDevice(drawn.error()); !done) return done;
+      continue;
+    }
+    if (!drawn) return drawn;
+    losses_ = 0;
+    if (firstPicture_ == 0) firstPicture_ = secondsSince(start_);
+    if (!screenshot_.empty() && canvas_->captured().width > 0)
+      if (Result<void> done = saveScreenshot(); !done) return done;
+  }
+  canvas_->saveCache();
+  if (options_.printsStart)
+    fmt::print(stderr, "{}: window and device {:.2f} s, hair {:.2f} s, first picture {:.2f} s\n",
+               kProgram, opened_, shown_, firstPicture_);
+  if (options_.validation && canvas_->messageCount() > 0)
+    return Error{ErrorCode::kDevice, fmt::format("validation reported {} messages (printed above)",
+                                                 canvas_->messageCount())};
+  return {};
+}
+
+}  // namespace viewer

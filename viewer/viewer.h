@@ -1,0 +1,67 @@
+// The program: joins window, canvas, interface, stage and script.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "canvas/canvas.h"
+#include "interface/pass_history.h"
+#include "interface/stage_panel.h"
+#include "interface/user_interface.h"
+#include "options.h"
+#include "pelage/result.h"
+#include "script/script.h"
+#include "stage/controls.h"
+#include "stage/stage.h"
+#include "window/window.h"
+
+namespace viewer {
+
+class Viewer {
+ public:
+  explicit Viewer(Options options) : options_(std::move(options)) {}
+  /// Opens the window and shows what the options name. Errors: no display, no device; a script
+  /// that cannot be read. Files that cannot be shown are a message in the window.
+  pelage::Result<void> open();
+  /// Until the user quits. Errors: the device fails and does not come back; a screenshot that
+  /// cannot be written, in a script; messages of the validation.
+  pelage::Result<void> run();
+
+ private:
+  pelage::Result<void> openApi(pelage::Api api);
+  pelage::Result<void> openAnyApi();
+  void showFirst();
+  void show(const StageSource& source);
+  void drop(const std::vector<std::filesystem::path>& files);
+  void collect();
+  pelage::Result<void> take(const Event& event);
+  pelage::Result<void> drawFrame(const WindowSize& size);
+  pelage::Result<void> grant(const PanelWishes& wishes);
+  pelage::Result<void> loseDevice();
+  pelage::Result<void> saveScreenshot();
+  pelage::Result<void> recoverDevice(const pelage::Error& lost);
+  void adopt();
+
+  Options options_;
+  // The order in which they come; they go in the opposite one.
+  std::unique_ptr<Window> window_;
+  std::unique_ptr<UserInterface> interface_;
+  std::unique_ptr<Canvas> canvas_;
+  Stage stage_;
+  StageControls controls_;
+  std::optional<Player> player_;
+  std::optional<Recorder> recorder_;
+  std::vector<Event> events_;
+  PassHistory history_;
+  std::filesystem::path screenshot_;  // of this frame
+  std::chrono::steady_clock::time_point last_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  double opened_ = 0, shown_ = 0, firstPicture_ = 0;  // [s] since start_
+  uint64_t frame_ = 0;
+  uint32_t losses_ = 0;  // of the device, in a row
+  bool quits_ = false, showsPanel_ = true, wantsScreenshot_ = false;
+};
+
+}  // namespace viewer

@@ -1,0 +1,61 @@
+// The window: its size, and what a person does to it.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "input/event.h"
+#include "pelage/headless.h"
+#include "pelage/result.h"
+
+struct GLFWwindow;
+
+namespace viewer {
+
+struct WindowDef {
+  std::string title = "pelage";
+  uint32_t width = 1280, height = 800;     ///< window coordinates, 1..16384
+  pelage::Api api = pelage::Api::kVulkan;  ///< kGl: with a context, which is current
+  bool debug = false;                      ///< GL: a debug context
+  bool vsync = true;                       ///< GL: swaps wait for the screen
+};
+
+struct WindowSize {
+  uint32_t width = 0, height = 0;  ///< window coordinates
+  uint32_t pixelWidth = 0, pixelHeight = 0;
+  /// Size of text and controls: 2 on a screen with twice the usual pixels per inch.
+  float interfaceScale = 1;
+  /// Nothing of it can be seen, or it has no pixels.
+  bool hidden = false;
+};
+
+/// Threads: the main one.
+class Window {
+ public:
+  /// Errors: no display; kUnsupported: no OpenGL 4.5 of the display.
+  static pelage::Result<std::unique_ptr<Window>> create(const WindowDef& def);
+  ~Window();
+  Window(const Window&) = delete;
+  Window& operator=(const Window&) = delete;
+
+  /// Adds what has happened since the last call. \param wait sleeps until something happens, but no
+  /// longer than a tenth of a second.
+  void poll(std::vector<Event>& events, bool wait);
+  WindowSize size() const;
+  /// Resizes the window, and waits until it has that size. Error: the display refuses it.
+  pelage::Result<void> resize(uint32_t width, uint32_t height);
+  void setTitle(const std::string& title);
+  /// Shows the picture that was drawn with OpenGL.
+  void swapBuffers();
+  GLFWwindow* handle() const { return window_; }
+
+ private:
+  Window() = default;
+  void listen();
+  GLFWwindow* window_ = nullptr;
+  std::vector<Event> events_;
+};
+
+}  // namespace viewer
