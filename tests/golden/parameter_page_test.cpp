@@ -130,18 +130,18 @@ TEST(ParameterTable, HasTheSettingsThatAFileOfThemCanHave) {
 // own members are parameters; what belongs to a groom, a camera or a window; handles.
 const std::map<std::string, std::set<std::string>> kNotTuned = {
     {"SimulationSettings", {"wind", "curves", "sleep", "contact"}},
-    {"HairObject", {"settings", "material"}},
+    {"HairObject", {"settings", "material", "strandTexture"}},
     {"HairDef",
      {"name", "settings", "material", "influences", "boneCount", "skeleton", "strandFactors",
-      "followHairs", "baseTexture"}},
+      "followHairs", "baseTexture", "strandUvs"}},
     {"Light", {"opaque"}},
     {"OpaqueShadow", {"depth", "width", "height", "worldToClip", "reversedDepth"}},
     {"View", {"worldToClip", "eye", "x", "y", "width", "height"}},
     {"TransparencySettings", {"opaqueDepth", "engineLights"}}};
 // The same of whole structs: of a groom, a collider or a frame.
 const std::set<std::string> kNotTunedStructs = {
-    "StrandFactors",  "ColorTexture",      "ProcessDef", "CapsuleCollider",
-    "SdfColliderDef", "HairDepthSettings", "GroomDef"};
+    "StrandFactors",   "ColorTexture",   "StrandTexture",     "ProcessDef",
+    "CapsuleCollider", "SdfColliderDef", "HairDepthSettings", "GroomDef"};
 
 TEST(ParameterTable, HasEveryOtherParameterInFilesAndEditors) {
   std::map<std::string, std::set<std::string>> wanted = fieldsOfTable(), tuned;

@@ -605,10 +605,10 @@ TEST(ResourceTable, HasTheInitialDataThatWereSetLast) {
   const uint64_t version = table.version();
   for (const int value : {1, 2}) {
     table.setInitial(id, bytesOf(value));
-    EXPECT_EQ(table.find(id)->initial, bytesOf(value));
+    EXPECT_EQ(table.find(id)->initial, pelage::BufferContents(bytesOf(value)));
   }
   EXPECT_EQ(table.find(id)->name, "state");
-  EXPECT_EQ(table.find(other)->initial, bytesOf(3));
+  EXPECT_EQ(table.find(other)->initial, pelage::BufferContents(bytesOf(3)));
   EXPECT_EQ(table.version(), version) << "no buffer came or went";
 }
 

@@ -176,16 +176,21 @@ void composite_strand_tiles(uint3 group : SV_GroupID, uint lane : SV_GroupIndex)
         }
       }
     }
-    [unroll] for (uint k = 0u; k < uint(WINDOW); ++k) {
-      if (window[k].index != kNoSlot && sum.transmittance > g_tileEpsilon) {
-        addFragment(sum, tileShading(materialOfStrand(window[k].index)), at, window[k].key,
-                    window[k].shape, window[k].color, uvOfStrand(window[k].index));
-        last = window[k];
-        started = true;
-      }
-    }
     // Only a full window may have left something out.
-    looking = looking && window[WINDOW - 1].index != kNoSlot && sum.transmittance > g_tileEpsilon;
+    looking = looking && window[WINDOW - 1].index != kNoSlot;
+    // The nearest one leaves the window each time, so that the lighting is in the code once, and
+    // the window is in registers: an engine's lights took 411 ms instead of 20 on OpenGL (H200).
+    for (uint k = 0u; k < uint(WINDOW); ++k) {
+      TileSlot nearest = window[0];
+      [unroll] for (uint m = 0u; m + 1u < uint(WINDOW); ++m) window[m] = window[m + 1u];
+      window[WINDOW - 1] = freeSlot();
+      if (nearest.index == kNoSlot || !(sum.transmittance > g_tileEpsilon)) break;
+      addFragment(sum, tileShading(materialOfStrand(nearest.index)), at, nearest.key,
+                  nearest.shape, nearest.color, uvOfStrand(nearest.index));
+      last = nearest;
+      started = true;
+    }
+    looking = looking && sum.transmittance > g_tileEpsilon;
   }
   if (inside)
     g_tilePicture[pixel.y * g_tileWidth + pixel.x] =
