@@ -16,6 +16,7 @@ picture() {  # NAME FRAMES [arguments]: what is on stdin, then a picture at a fr
   mv "$out/$name.png" "docs/images/$name.png"
 }
 picture viewer 3 "$@" <<< "0 key ="
+picture viewer_settings 3 "$@" <<< "0 key s"
 # A ball is dragged through long hair.
 picture viewer_ball 7 --groom straight "$@" <<'SCRIPT'
 0 key tab

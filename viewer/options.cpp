@@ -96,6 +96,9 @@ void addOptions(CLI::App& app, Options& options, Given& given) {
                      "share of the strands that are drawn, 0.02..1 (1; 0.25 on the CPU)")
           ->check(CLI::Range(0.02f, 1.0f).description(""))
           ->type_name("X");
+  app.add_option("--settings", options.settings, "of the hair, its look and the lights, as JSON")
+      ->check(CLI::ExistingFile.description(""))
+      ->type_name("FILE");
   app.add_flag("--fixed-clock", options.fixedClock,
                "every frame takes 1/60 s of the scene's time, however long it really takes");
   app.add_flag("!--no-vsync", options.vsync, "draw as many frames as the device can");

@@ -24,7 +24,8 @@ struct Options {
   bool vsync = true;
   bool printsStart = false;
   std::filesystem::path script, record;
-  std::filesystem::path cache;  ///< folder; empty: none
+  std::filesystem::path settings;  ///< JSON of pelage::SettingsFile; empty: none
+  std::filesystem::path cache;     ///< folder; empty: none
   StageSource source;
   /// Nothing: what suits the device.
   std::optional<pelage::Transparency> transparency;

@@ -53,6 +53,7 @@ Result<void> Viewer::open() {
   adopt();
   opened_ = secondsSince(start_);
   showFirst();
+  if (!options_.settings.empty() && stage_.shown() > 0) loadSettings(options_.settings);
   shown_ = secondsSince(start_);
   const WindowSize size = window_->size();
   stage_.frameAll(static_cast<float>(std::max(size.width, 1u)) /
@@ -135,7 +136,11 @@ void Viewer::show(const StageSource& source) {
 }
 
 // Bones and meshes belong to the hair that is there; hair replaces it.
-void Viewer::drop(const std::vector<std::filesystem::path>& files) {
+void Viewer::drop(std::vector<std::filesystem::path> files) {
+  for (const std::filesystem::path& file : files)
+    if (file.extension() == ".json") loadSettings(file);
+  std::erase_if(files, [](const auto& file) { return file.extension() == ".json"; });
+  if (files.empty()) return;
   StageSource source = stage_.source();
   const bool hair = std::any_of(files.begin(), files.end(), [](const std::filesystem::path& file) {
     const auto extension = file.extension();
@@ -148,6 +153,22 @@ void Viewer::drop(const std::vector<std::filesystem::path>& files) {
   source.kind = StageKind::kFiles;
   source.files.insert(source.files.end(), files.begin(), files.end());
   show(source);
+}
+
+void Viewer::loadSettings(const std::filesystem::path& file) {
+  const Result<void> loaded = settings_.load(file, stage_);
+  if (!loaded) interface_->say("The settings cannot be loaded", loaded.error().message);
+}
+
+// Shortcuts of the interface, also where a text field has the keys. \return whether it is one.
+bool Viewer::takeShortcut(const KeyPressed& key) {
+  if (key.key == kKeyLeftControl || key.key == kKeyRightControl) control_ = key.down;
+  if (!control_ || !key.down || (key.key != 'Z' && key.key != 'Y')) return false;
+  if (key.key == 'Z')
+    settings_.undo(stage_);
+  else
+    settings_.redo(stage_);
+  return true;
 }
 
 void Viewer::collect() {
@@ -180,9 +201,12 @@ Result<void> Viewer::take(const Event& event) {
     if (player_) return window_->resize(resized->width, resized->height);
     return {};
   }
+  if (const auto* key = std::get_if<KeyPressed>(&event); key != nullptr && takeShortcut(*key))
+    return {};
   if (interface_->take(event)) return {};
   if (const auto* key = std::get_if<KeyPressed>(&event); key != nullptr && key->down) {
     if (key->key == kKeyTab) showsPanel_ = !showsPanel_;
+    if (key->key == 'S') showsSettings_ = !showsSettings_;
     if (key->key == kKeyF12) screenshot_ = nextScreenshot();
     if (key->key == kKeyF9) return loseDevice();
   }
@@ -199,8 +223,15 @@ Result<void> Viewer::drawFrame(const WindowSize& size) {
   history_.add(canvas_->timings());
   PanelWishes wishes;
   std::function<void()> panels;
-  if (showsPanel_) panels = [&] { wishes = buildStagePanel(stage_, *canvas_, history_, size); };
+  std::vector<SettingsMessage> messages;
+  if (showsPanel_)
+    panels = [&] {
+      wishes = buildStagePanel(stage_, *canvas_, history_, size);
+      if (showsSettings_) messages = settings_.build(stage_, size);
+    };
   interface_->build(size, stage_.clock.fixed ? PlayClock::kStep : seconds, panels);
+  for (SettingsMessage& message : messages)
+    interface_->say(std::move(message.title), std::move(message.text));
   auto frame = stage_.makeFrame(seconds, size.pixelWidth, size.pixelHeight);
   if (!frame) return frame.error();
   CanvasFrame shown;
@@ -219,6 +250,7 @@ Result<void> Viewer::drawFrame(const WindowSize& size) {
 Result<void> Viewer::grant(const PanelWishes& wishes) {
   if (wishes.source) show(*wishes.source);
   const WindowSize size = window_->size();
+  if (wishes.togglesSettings) showsSettings_ = !showsSettings_;
   if (wishes.framesAll)
     stage_.frameAll(static_cast<float>(std::max(size.width, 1u)) /
                     static_cast<float>(std::max(size.height, 1u)));

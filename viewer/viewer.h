@@ -8,6 +8,7 @@
 
 #include "canvas/canvas.h"
 #include "interface/pass_history.h"
+#include "interface/settings_panel.h"
 #include "interface/stage_panel.h"
 #include "interface/user_interface.h"
 #include "options.h"
@@ -34,7 +35,9 @@ class Viewer {
   pelage::Result<void> openAnyApi();
   void showFirst();
   void show(const StageSource& source);
-  void drop(const std::vector<std::filesystem::path>& files);
+  void drop(std::vector<std::filesystem::path> files);
+  void loadSettings(const std::filesystem::path& file);
+  bool takeShortcut(const KeyPressed& key);
   void collect();
   pelage::Result<void> take(const Event& event);
   pelage::Result<void> drawFrame(const WindowSize& size);
@@ -51,6 +54,7 @@ class Viewer {
   std::unique_ptr<Canvas> canvas_;
   Stage stage_;
   StageControls controls_;
+  SettingsPanel settings_;
   std::optional<Player> player_;
   std::optional<Recorder> recorder_;
   std::vector<Event> events_;
@@ -61,7 +65,8 @@ class Viewer {
   double opened_ = 0, shown_ = 0, firstPicture_ = 0;  // [s] since start_
   uint64_t frame_ = 0;
   uint32_t losses_ = 0;  // of the device, in a row
-  bool quits_ = false, showsPanel_ = true, wantsScreenshot_ = false;
+  bool quits_ = false, showsPanel_ = true, showsSettings_ = false, wantsScreenshot_ = false;
+  bool control_ = false;  // its key is down
 };
 
 }  // namespace viewer

@@ -52,6 +52,7 @@ void buildPlay(Stage& stage, PanelWishes& wishes) {
   if (ImGui::SliderFloat("Speed", &speed, 0.05f, 4, "%.2f x", ImGuiSliderFlags_Logarithmic))
     clock.speed = std::clamp(speed, 0.05f, 4.0f);
   if (stage.hasMotions()) choose("Motion", motions(), stage.look.motion);
+  wishes.togglesSettings = ImGui::Button("All settings");
 }
 
 // The generated hair, or another.

@@ -14,6 +14,7 @@ namespace viewer {
 struct PanelWishes {
   std::optional<StageSource> source;
   bool framesAll = false, resets = false, takesScreenshot = false, losesDevice = false;
+  bool togglesSettings = false;
 };
 
 /// Builds the panel, which changes the stage. Call it between NewFrame() and Render() of ImGui.

@@ -34,6 +34,7 @@ struct ParameterPanel {
   char search[64] = {};      ///< shows parameters with this in name, unit or sentence
   bool onlyChanged = false;  ///< shows those that differ from their default
   bool openAll = false;      ///< opens all groups in the next draw
+  uint32_t sections = ~0u;   ///< bit i: the i-th of pelage::settingsSections() is drawn
   bool unfinished = false;   ///< the user holds a slider that has moved
   /// Index in pelage::settingsPresets() of the one that was chosen last; ~0: none.
   size_t newestPreset = ~size_t{0};

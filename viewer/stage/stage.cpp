@@ -52,6 +52,7 @@ Result<void> Stage::show(const StageSource& source) {
   loaded.assets = {};
   loaded_ = std::move(loaded);
   source_ = source;
+  ++shown_;
   applied_.reset();
   clock.time = 0;
   return {};
@@ -107,7 +108,7 @@ Result<pelage::Frame> Stage::makeFrame(double realSeconds, uint32_t width, uint3
         ballMesh_.draw(ball.center, ball.radius, view, demo_->light, scene_.resources(), before);
     if (!done) return done.error();
   }
-  const auto drawn = frame->draw(view, {&demo_->light, 1}, transparency_, std::move(before));
+  const auto drawn = frame->draw(view, lights(), transparency_, std::move(before));
   if (!drawn) return drawn.error();
   if (Result<void> done = drawContacts(view, *frame); !done) return done.error();
   return frame;
@@ -117,7 +118,7 @@ Result<void> Stage::drawContacts(const pelage::View& view, pelage::Frame& frame)
   if (!look.showsContacts) return {};
   pelage::PassList list;
   for (const pelage::HairId hair : hairs())
-    if (Result<void> done = scene_.drawContacts(hair, view, {}, list); !done) return done;
+    if (Result<void> done = scene_.drawContacts(hair, view, contactLook, list); !done) return done;
   const auto added = frame.addView(std::move(list));
   if (!added) return added.error();
   return {};
@@ -136,6 +137,25 @@ Result<void> Stage::measure(const pelage::BufferReader& read) {
   transparency_.nodeCount =
       pelage::growNodes(pelage::readTransparencyCounters(*words, plan->nodeCount), plan->nodeCount);
   return {};
+}
+
+std::vector<pelage::Light> Stage::lights() const {
+  std::vector<pelage::Light> lights = {demo_->light};
+  lights.insert(lights.end(), demo_->moreLights.begin(), demo_->moreLights.end());
+  return lights;
+}
+
+void Stage::setLights(const std::vector<pelage::Light>& lights) {
+  demo_->light = {.color = {}, .ambient = {}};
+  if (!lights.empty()) demo_->light = lights[0];
+  demo_->moreLights.assign(lights.begin() + (lights.empty() ? 0 : 1), lights.end());
+}
+
+void Stage::setTransparency(const pelage::TransparencySettings& settings) {
+  transparency_ = settings;
+  transparency_.opaqueDepth = depthBuffer_;
+  look.transparency = settings.method;
+  frame_ = 0;
 }
 
 void Stage::frameAll(float aspect) {

@@ -97,9 +97,21 @@ class Stage {
   PlayClock clock;
   StageLook look;
   StageBall ball;
+  pelage::ContactLook contactLook;  ///< with StageLook::showsContacts
   pelage::Scene& scene() { return scene_; }
   const pelage::Scene& scene() const { return scene_; }
   const std::vector<pelage::HairId>& hairs() const { return demo_->hairs(); }
+  const std::vector<pelage::ColliderId>& colliders() const { return demo_->colliders(); }
+  /// How often show() has changed what is shown; 0: there is nothing yet.
+  uint64_t shown() const { return shown_; }
+
+  /// The lights of the hair, one at least: none are a black one. The first one also lights the
+  /// meshes.
+  std::vector<pelage::Light> lights() const;
+  void setLights(const std::vector<pelage::Light>& lights);
+  const pelage::TransparencySettings& transparency() const { return transparency_; }
+  /// The method is Stage::look's afterwards, too.
+  void setTransparency(const pelage::TransparencySettings& settings);
   bool hasMotions() const { return source_.kind == StageKind::kCharacter; }
 
  private:
@@ -109,6 +121,7 @@ class Stage {
 
   pelage::Scene scene_;
   std::optional<sample::DemoScene> demo_;  // in scene_
+  uint64_t shown_ = 0;
   StageSource source_;
   LoadedFiles loaded_;
   BallMesh ballMesh_;

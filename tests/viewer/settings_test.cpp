@@ -1,0 +1,133 @@
+// Settings of a stage: what is edited reaches the scene, and comes back.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+#include "interface/settings_panel.h"
+#include "pelage/settings/settings_file.h"
+#include "stage/stage_settings.h"
+
+namespace {
+
+using pelage::SceneSettings;
+using viewer::Stage;
+
+class StageSettings : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto shown = stage_.show({.kind = viewer::StageKind::kHead});
+    ASSERT_TRUE(shown) << shown.error().message;
+    ASSERT_EQ(stage_.shown(), 1u);
+    ASSERT_FALSE(stage_.hairs().empty());
+  }
+  /// A value within the range, other than the one that is there.
+  static pelage::ParameterValue otherThan(const pelage::Parameter& parameter,
+                                          const pelage::ParameterValue& value) {
+    const auto within = [&](double x) {
+      const auto between = static_cast<float>((parameter.sliderLow + 3 * parameter.sliderHigh) / 4);
+      return static_cast<double>(between) == x
+                 ? static_cast<float>((parameter.sliderLow + parameter.sliderHigh) / 2)
+                 : between;
+    };
+    if (const bool* b = std::get_if<bool>(&value)) return !*b;
+    if (const uint64_t* n = std::get_if<uint64_t>(&value)) {
+      if (parameter.type == pelage::ParameterType::kChoice)
+        return (*n + 1) % parameter.choices.size();
+      if (parameter.isPowerOfTwo) return *n == 64 ? uint64_t{128} : uint64_t{64};
+      return *n == static_cast<uint64_t>(parameter.low) ? *n + 1 : *n - 1;
+    }
+    if (const float* x = std::get_if<float>(&value)) return within(*x);
+    if (const auto* v = std::get_if<pelage::Float3>(&value)) {
+      const float x = within(v->x);
+      return pelage::Float3{x, v->y, v->z};
+    }
+    auto curve = std::get<pelage::ParameterCurve>(value);
+    curve[3] = curve[3] == 0.5f ? 0.25f : 0.5f;
+    return curve;
+  }
+
+  Stage stage_;
+};
+
+TEST_F(StageSettings, AreWhatWasGiven) {
+  const uint32_t taken = viewer::stageSections();
+  EXPECT_NE(taken, 0u);
+  size_t moved = 0;
+  const auto sections = pelage::settingsSections();
+  for (size_t s = 0; s < sections.size(); ++s) {
+    if ((taken >> s & 1u) == 0) continue;
+    for (const pelage::Parameter& parameter : sections[s].parameters) {
+      SceneSettings settings = settingsOf(stage_, 0);
+      // An object draws no more strands than it has.
+      if (parameter.path == "drawnStrands") continue;
+      if (sections[s].key == "collider" && stage_.colliders().empty()) continue;
+      const auto value = otherThan(parameter, sections[s].get(settings, parameter));
+      ASSERT_TRUE(check(parameter, value)) << parameter.path;
+      sections[s].set(settings, parameter, value);
+      if (parameter.path == "innerConeAngle") settings.lights[0].outerConeAngle = 1.5f;
+      if (!validate(settings)) continue;  // two values that do not go together
+      const auto done = apply(settings, 0, stage_);
+      ASSERT_TRUE(done) << done.error().message;
+      const SceneSettings now = settingsOf(stage_, 0);
+      EXPECT_TRUE(haveSameBits(sections[s].get(now, parameter), value))
+          << sections[s].key << '.' << parameter.path;
+      ++moved;
+    }
+  }
+  EXPECT_GT(moved, 60u);
+}
+
+TEST_F(StageSettings, ThatAreOutOfRangeChangeNothing) {
+  SceneSettings settings = settingsOf(stage_, 0);
+  settings.simulation.damping = std::nanf("");
+  settings.material.fiberRadius = 1e-3f;
+  const SceneSettings before = settingsOf(stage_, 0);
+  const auto done = apply(settings, 0, stage_);
+  ASSERT_FALSE(done);
+  EXPECT_NE(done.error().message.find("damping"), std::string::npos) << done.error().message;
+  EXPECT_TRUE(haveSameSettings(settingsOf(stage_, 0), before));
+}
+
+TEST_F(StageSettings, GoBackAndForward) {
+  viewer::SettingsPanel panel;
+  const std::filesystem::path file =
+      std::filesystem::path(testing::TempDir()) / "pelage_stage_settings.json";
+  SceneSettings wanted = settingsOf(stage_, 0);
+  const SceneSettings first = wanted;
+  wanted.simulation.damping = 0.25f;
+  wanted.material.fiberRadius = 70e-6f;
+  wanted.lights.resize(2);
+  wanted.lights[1].direction = {0, 1, 0};
+  const auto saved = saveSettings(file, wanted);
+  ASSERT_TRUE(saved) << saved.error().message;
+  const auto loaded = panel.load(file, stage_);
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  EXPECT_TRUE(haveSameSettings(settingsOf(stage_, 0), wanted));
+  panel.undo(stage_);
+  EXPECT_TRUE(haveSameSettings(settingsOf(stage_, 0), first));
+  panel.undo(stage_);
+  EXPECT_TRUE(haveSameSettings(settingsOf(stage_, 0), first));
+  panel.redo(stage_);
+  EXPECT_TRUE(haveSameSettings(settingsOf(stage_, 0), wanted));
+  EXPECT_EQ(stage_.lights().size(), 2u);
+
+  const auto missing = panel.load("no_such_file.json", stage_);
+  ASSERT_FALSE(missing);
+  EXPECT_NE(missing.error().message.find("no_such_file.json"), std::string::npos);
+  EXPECT_TRUE(haveSameSettings(settingsOf(stage_, 0), wanted));
+  std::remove(file.c_str());
+}
+
+TEST_F(StageSettings, OfAnotherSceneHaveEditsOfTheirOwn) {
+  viewer::SettingsPanel panel;
+  panel.undo(stage_);
+  ASSERT_TRUE(
+      stage_.show({.kind = viewer::StageKind::kHead, .preset = sample::GroomPreset::kCurly}));
+  const SceneSettings second = settingsOf(stage_, 0);
+  panel.undo(stage_);
+  EXPECT_TRUE(haveSameSettings(settingsOf(stage_, 0), second));
+}
+
+}  // namespace
