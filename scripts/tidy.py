@@ -58,6 +58,13 @@ class Tidy:
              "--extra-arg=-Wno-unknown-warning-option", file],
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
 
+    @staticmethod
+    def compiles(entry):
+        flags = entry["command"].partition(" ")[2]
+        return subprocess.run(f"clang++-14 {flags} -fsyntax-only -w", shell=True,
+                              cwd=entry["directory"], stdout=subprocess.DEVNULL,
+                              stderr=subprocess.DEVNULL, check=False).returncode == 0
+
     def check(self, sources, name):
         """What clang-tidy says of these sources; empty when there is nothing to say."""
         if len(sources) == 1:
@@ -69,7 +76,8 @@ class Tidy:
         entry = self.commands[sources[0]]
         entry = dict(entry, command=entry["command"].split(" -o ")[0] + f" -c {joined}")
         checks = self.checks + ",-bugprone-suspicious-include"
-        if self.run(name, joined, entry, checks).returncode == 0:
+        # Compiling says in a fifth of the time that they do not go together.
+        if self.compiles(entry) and self.run(name, joined, entry, checks).returncode == 0:
             return ""
         half = len(sources) // 2
         return self.check(sources[:half], name + "a") + self.check(sources[half:], name + "b")
