@@ -51,8 +51,8 @@ FileAssets headFiles() {
 DemoDef softDef() {
   DemoDef def;
   def.followPerGuide = 1;
-  auto settings = pelage::SettingsFile::parse(
-      R"({"globalStiffness": 0, "bendLength": 0.02})", "soft.json");
+  auto settings =
+      pelage::SettingsFile::parse(R"({"globalStiffness": 0, "bendLength": 0.02})", "soft.json");
   EXPECT_TRUE(settings);
   def.settings = *settings;
   return def;

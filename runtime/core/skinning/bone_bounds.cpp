@@ -16,7 +16,7 @@ float distance(Float3 a, Float3 b) {
 }  // namespace
 
 HostArray<BoneBounds> boundsOfRoots(const HairAsset& asset,
-                                      std::span<const BoneInfluences> influences) {
+                                    std::span<const BoneInfluences> influences) {
   const size_t stride = asset.verticesPerStrand;
   const auto root = [&](uint32_t strand) {
     const Float4& p = asset.positions[strand * stride];
