@@ -126,11 +126,11 @@ struct DriverMember {
   uint32_t topLevelArrayStride = 0;  ///< [bytes] an element of the buffer
 };
 
-/// A uniform block or shader storage block as the driver lays it out.
+/// A uniform block, a shader storage block or a texture as the driver sees it.
 struct DriverBlock {
   std::string name;
-  ResourceKind kind = ResourceKind::kUniformBuffer;  ///< or kStorageBuffer
-  uint32_t binding = 0;
+  ResourceKind kind = ResourceKind::kUniformBuffer;  ///< or kStorageBuffer, kSampledTexture
+  uint32_t binding = 0;                              ///< of a texture: its unit
   uint32_t dataSize = 0;  ///< [bytes]; with one element of an array of the block's length
   std::vector<DriverMember> members;  ///< ascending by offset
 };
@@ -248,8 +248,8 @@ class PELAGE_GL_API Runtime {
   /// Waits for the GPU and reads a buffer; size 0 reads from the offset to the end.
   Result<std::vector<std::byte>> read(BufferId id, uint64_t offset = 0, uint64_t size = 0);
 
-  /// The blocks of a variant as the driver lays them out (glGetProgramResourceiv), ascending by
-  /// kind and binding.
+  /// The blocks of a variant as the driver lays them out (glGetProgramResourceiv), and its
+  /// textures, ascending by kind and binding. Storage images are left out.
   Result<std::vector<DriverBlock>> reflectProgram(const KernelVariant& variant);
 
  private:

@@ -90,6 +90,7 @@
   X(PFNGLGETSHADERIVPROC, glGetShaderiv)                                       \
   X(PFNGLGETSTRINGPROC, glGetString)                                           \
   X(PFNGLGETSTRINGIPROC, glGetStringi)                                         \
+  X(PFNGLGETUNIFORMIVPROC, glGetUniformiv)                                     \
   X(PFNGLISBUFFERPROC, glIsBuffer)                                             \
   X(PFNGLISENABLEDPROC, glIsEnabled)                                           \
   X(PFNGLISENABLEDIPROC, glIsEnabledi)                                         \

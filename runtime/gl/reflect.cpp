@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <span>
 
 #include "runtime_impl.h"
 
@@ -47,6 +48,11 @@ DriverMember readMember(const Functions& gl, GLuint program, GLenum interface, G
   return member;
 }
 
+void sortByBinding(std::span<DriverBlock> blocks) {
+  std::sort(blocks.begin(), blocks.end(),
+            [](const DriverBlock& a, const DriverBlock& b) { return a.binding < b.binding; });
+}
+
 void readBlocks(const Functions& gl, GLuint program, ResourceKind kind,
                 std::vector<DriverBlock>& blocks) {
   const bool uniform = kind == ResourceKind::kUniformBuffer;
@@ -76,8 +82,34 @@ void readBlocks(const Functions& gl, GLuint program, ResourceKind kind,
               [](const DriverMember& a, const DriverMember& b) { return a.offset < b.offset; });
     blocks.push_back(std::move(block));
   }
-  std::sort(blocks.begin() + static_cast<std::ptrdiff_t>(first), blocks.end(),
-            [](const DriverBlock& a, const DriverBlock& b) { return a.binding < b.binding; });
+  sortByBinding(std::span(blocks).subspan(first));
+}
+
+bool isSampler(GLenum type) {
+  constexpr GLenum kSamplers[] = {GL_SAMPLER_2D,       GL_SAMPLER_3D,     GL_SAMPLER_CUBE,
+                                  GL_SAMPLER_2D_ARRAY, GL_SAMPLER_BUFFER, GL_INT_SAMPLER_2D,
+                                  GL_UNSIGNED_INT_SAMPLER_2D};
+  return std::find(std::begin(kSamplers), std::end(kSamplers), type) != std::end(kSamplers);
+}
+
+// A texture is a uniform outside of all blocks, whose value is the unit.
+void readTextures(const Functions& gl, GLuint program, std::vector<DriverBlock>& blocks) {
+  const size_t first = blocks.size();
+  GLint count = 0;
+  gl.glGetProgramInterfaceiv(program, GL_UNIFORM, GL_ACTIVE_RESOURCES, &count);
+  for (GLuint index = 0; index < static_cast<GLuint>(count); ++index) {
+    constexpr GLenum kNames[] = {GL_TYPE, GL_LOCATION};
+    const auto values = properties(gl, program, GL_UNIFORM, index, kNames);
+    if (!isSampler(values[0])) continue;
+    GLint unit = 0;
+    gl.glGetUniformiv(program, static_cast<GLint>(values[1]), &unit);
+    DriverBlock texture;
+    texture.name = resourceName(gl, program, GL_UNIFORM, index);
+    texture.kind = ResourceKind::kSampledTexture;
+    texture.binding = static_cast<uint32_t>(unit);
+    blocks.push_back(std::move(texture));
+  }
+  sortByBinding(std::span(blocks).subspan(first));
 }
 
 }  // namespace
@@ -90,6 +122,7 @@ Result<std::vector<DriverBlock>> Runtime::reflectProgram(const KernelVariant& va
   std::vector<DriverBlock> blocks;
   readBlocks(gl, *program, ResourceKind::kUniformBuffer, blocks);
   readBlocks(gl, *program, ResourceKind::kStorageBuffer, blocks);
+  readTextures(gl, *program, blocks);
   gl.glDeleteProgram(*program);
   if (const GLenum error = gl.glGetError(); error != GL_NO_ERROR) {
     clearErrors(gl);
