@@ -24,6 +24,7 @@
 #include "pelage/frame.h"
 #include "pelage/gpu_structs.h"
 #include "pelage/hair_asset.h"
+#include "pelage/hair_cache.h"
 #include "pelage/hair_depth.h"
 #include "pelage/hair_object.h"
 #include "pelage/hair_size.h"
