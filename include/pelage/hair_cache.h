@@ -26,14 +26,14 @@ inline constexpr uint32_t kMaxHairCacheVertices = 1u << 28;
 
 /// What is the same in all frames of a cache.
 struct HairCacheDef {
-  std::string name;          ///< of the hair; at most 4095 bytes
+  std::string name = {};     ///< of the hair; at most 4095 bytes
   uint32_t strandCount = 0;  ///< at least 1
   /// Vertices of every strand, 1..256; not read if vertexCounts is set.
   uint32_t verticesPerStrand = 0;
-  std::vector<uint32_t> vertexCounts;  ///< [strand] 1..256; empty: verticesPerStrand for all
-  std::vector<uint64_t> strandIds;     ///< [strand] for other tools; empty: none
-  double framesPerSecond = 24;         ///< 1e-3..1e6
-  int64_t firstFrame = 0;              ///< number of the first frame, within +-2^40
+  std::vector<uint32_t> vertexCounts = {};  ///< [strand] 1..256; empty: verticesPerStrand for all
+  std::vector<uint64_t> strandIds = {};     ///< [strand] for other tools; empty: none
+  double framesPerSecond = 24;              ///< 1e-3..1e6
+  int64_t firstFrame = 0;                   ///< number of the first frame, within +-2^40
   /// Maximum distance of a vertex from its position that was given [m], 1e-9..1; 0: the same bits.
   float errorBound = 1e-4f;
   /// A frame whose number is a multiple of it is a key frame, which is decoded without those before

@@ -15,6 +15,7 @@
 #include "pelage/asset_cache.h"
 #include "pelage/binding.h"
 #include "pelage/bone_weights.h"
+#include "pelage/cache_player.h"
 #include "pelage/collider.h"
 #include "pelage/collision_mesh.h"
 #include "pelage/engine_lights.h"

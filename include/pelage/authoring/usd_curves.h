@@ -17,13 +17,13 @@ namespace pelage {
 /// What is the same in all frames of a file.
 struct UsdCurvesDef {
   std::string name = "hair";  ///< of the prim: letters, digits and _, not a digit first; 1..255
-  std::vector<uint32_t> vertexCounts;  ///< [strand] at least 2; at least 1 strand
+  std::vector<uint32_t> vertexCounts = {};  ///< [strand] at least 2; at least 1 strand
   /// Widths (diameters) of fibers [m], finite, >= 0: one for all, [strand] or [vertex]; empty:
   /// none.
-  std::vector<float> widths;
-  std::vector<uint64_t> strandIds;  ///< [strand] below 2^63, as primvars:id; empty: none
-  double framesPerSecond = 24;      ///< also the time codes per second; 1e-3..1e6
-  int64_t firstFrame = 0;           ///< time code of the first frame, within +-2^40
+  std::vector<float> widths = {};
+  std::vector<uint64_t> strandIds = {};  ///< [strand] below 2^63, as primvars:id; empty: none
+  double framesPerSecond = 24;           ///< also the time codes per second; 1e-3..1e6
+  int64_t firstFrame = 0;                ///< time code of the first frame, within +-2^40
   /// Writes velocities [m/s]: central differences, and one-sided ones in the first and last frame.
   bool velocities = true;
 };

@@ -56,6 +56,46 @@ void HairObject::useAllMeshColliders() { internals_->meshColliders.reset(); }
 
 void HairObject::reset() { internals_->resetPending = true; }
 
+Result<void> HairObject::setPositions(std::span<const Float3> positions) {
+  detail::GivenShape& given = internals_->given;
+  const uint64_t wanted = uint64_t{guideCount_} * vertexCount_;
+  const auto refuse = [&](const std::string& what) {
+    return Error{ErrorCode::kInvalidArgument, "hair '" + name_ + "': setPositions(): " + what};
+  };
+  if (positions.empty()) {
+    if (given.isOn()) reset();
+    given.positions.clear();
+    return {};
+  }
+  if (positions.size() != wanted) {
+    return refuse("got " + std::to_string(positions.size()) + " positions, but " +
+                  std::to_string(guideCount_) + " guides of " + std::to_string(vertexCount_) +
+                  " vertices have " + std::to_string(wanted));
+  }
+  const auto isUsable = [](float x) { return std::abs(x) <= kMaxCoordinate; };  // false for NaN
+  detail::Box box;
+  for (size_t i = 0; i < positions.size(); ++i) {
+    const Float3& p = positions[i];
+    if (!isUsable(p.x) || !isUsable(p.y) || !isUsable(p.z)) {
+      return refuse("vertex " + std::to_string(i % vertexCount_) + " of guide " +
+                    std::to_string(i / vertexCount_) + " is not finite or beyond 1e6 m");
+    }
+    box = detail::include(box, p);
+  }
+  given.positions.resize(positions.size());
+  for (size_t i = 0; i < positions.size(); ++i) {
+    const Float3& p = positions[i];
+    // As the solvers write it: whether the vertex is free.
+    const bool held = i % vertexCount_ < 2 || !(internals_->asset->positions[i].w > 0);
+    given.positions[i] = {p.x, p.y, p.z, held ? 0.0f : 1.0f};
+  }
+  const float across =
+      std::hypot(box.high.x - box.low.x, box.high.y - box.low.y, box.high.z - box.low.z);
+  given.ball = {detail::middleOf(box), 0.5001f * across};
+  ++given.version;
+  return {};
+}
+
 namespace detail {
 namespace {
 
@@ -91,6 +131,7 @@ float scaleOf(const AffineTransform& m) {
 }  // namespace
 
 Ball ballOfStrands(const HairInternals& hair) {
+  if (hair.given.isOn()) return hair.given.ball;
   std::vector<Ball> balls;
   for (const BoneBounds& bounds : hair.bounds) {
     const AffineTransform& bone = hair.bones[bounds.bone];
@@ -167,6 +208,7 @@ void shiftWorld(HairInternals& hair, const Vector3<double>& shift, const Vector3
   detail::shift(hair.shiftedInputs, hair.colliders, -shift);
   hair.shiftedInputs.shift(hair.field.origin, -shift);
   hair.shiftedInputs.end();
+  moveGiven(hair.given, {.rotation = {}, .shift = -shift});
   shiftWorld(static_cast<HairFrameState&>(hair), shift, shifted);
 }
 
@@ -183,6 +225,16 @@ void shiftWorld(HairFrameState& state, const Vector3<double>& shift,
   // Of outputs that are not there nothing is to be moved.
   if (state.solver.lastFrame() > 0) state.pendingShift += shift;
   state.roundedShift += std::max({std::abs(shift.x), std::abs(shift.y), std::abs(shift.z)});
+}
+
+void moveGiven(GivenShape& given, const RigidMove& move) {
+  if (!given.isOn()) return;
+  for (Float4& p : given.positions) {
+    const Float3 moved = toFloat3(move(toDouble3({p.x, p.y, p.z})));
+    p = {moved.x, moved.y, moved.z, p.w};
+  }
+  given.ball.center = toFloat3(move(toDouble3(given.ball.center)));
+  ++given.version;
 }
 
 void forgetRounding(HairInternals& hair) {
