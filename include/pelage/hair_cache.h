@@ -48,7 +48,7 @@ PELAGE_API Result<void> validate(const HairCacheDef& def);
 PELAGE_API uint32_t vertexCountOf(const HairCacheDef& def);
 
 /// Writes a cache frame by frame. The same def and positions give the same bytes (with the same
-/// version of zstd). It holds two frames in memory.
+/// version of zstd). It holds three frames in memory.
 ///
 /// The file appears under its name in close(). Until then it is `<path>.partial`, which is removed
 /// with a writer that was not closed, and written anew by the next one.

@@ -11,8 +11,10 @@
 namespace pelage::detail::hair_cache {
 namespace {
 
-// Higher levels find next to no matches in residuals, and level 1 codes their bytes as well.
-constexpr int kLevel = 1;
+// Residuals have their sizes in common, and little else: short matches cost more time to decode
+// than they save, and higher levels find none.
+constexpr int kLevel = 1, kMinMatch = 7;
+constexpr uint32_t kSampleVertices = 1024;
 
 uint32_t zigzag(uint32_t value) {
   return (value << 1) ^ static_cast<uint32_t>(static_cast<int32_t>(value) >> 31);
@@ -103,6 +105,14 @@ uint64_t costOf(std::span<const uint32_t> residuals) {
   return bits;
 }
 
+// The first strands of a chunk, on which predictions are tried: neighbors of theirs are among them.
+Chunk sampleOf(const HairCacheDef& def, const Chunk& chunk) {
+  Chunk sample = {.firstStrand = chunk.firstStrand, .firstVertex = chunk.firstVertex};
+  while (sample.strandCount < chunk.strandCount && sample.vertexCount < kSampleVertices)
+    sample.vertexCount += verticesOf(def, sample.firstStrand + sample.strandCount++);
+  return sample;
+}
+
 template <int kPlanes>
 void joinPlanes(const uint8_t* planes, size_t count, uint32_t* out) {
   for (size_t i = 0; i < count; ++i) {
@@ -119,6 +129,8 @@ void joinPlanes(const uint8_t* planes, size_t count, uint32_t* out) {
 struct Encoder::Context {
   Context() : zstd(ZSTD_createCCtx()) {
     if (!zstd) throw std::bad_alloc();
+    ZSTD_CCtx_setParameter(zstd, ZSTD_c_compressionLevel, kLevel);
+    ZSTD_CCtx_setParameter(zstd, ZSTD_c_minMatch, kMinMatch);
   }
   ~Context() { ZSTD_freeCCtx(zstd); }
   Context(const Context&) = delete;
@@ -129,52 +141,63 @@ struct Encoder::Context {
 Encoder::Encoder() : context_(std::make_unique<Context>()) {}
 Encoder::~Encoder() = default;
 
-void Encoder::residuals(const HairCacheDef& def, const Chunk& chunk, uint8_t spaceOrder) {
-  if (spaceOrder == kNoSpace) {
+void Encoder::predict(const HairCacheDef& def, const Chunk& chunk, const uint32_t* values,
+                      History history, Prediction prediction) {
+  const size_t count = size_t{3} * chunk.vertexCount;
+  temporal_.resize(count);
+  subtractHistory(values, history, prediction.timeOrder, count, temporal_.data());
+  if (prediction.spaceOrder == kNoSpace) {
     residuals_ = temporal_;
     return;
   }
-  residuals_.resize(temporal_.size());
+  residuals_.resize(count);
   forEachStrand(def, chunk, temporal_.data(),
-                [&](uint32_t* values, uint32_t vertices, Neighbor neighbor) {
-                  subtractPrediction(values, residuals_.data() + (values - temporal_.data()),
-                                     vertices, neighbor, spaceOrder);
+                [&](uint32_t* strand, uint32_t vertices, Neighbor neighbor) {
+                  subtractPrediction(strand, residuals_.data() + (strand - temporal_.data()),
+                                     vertices, neighbor, prediction.spaceOrder);
                 });
+}
+
+Encoder::Prediction Encoder::choose(const HairCacheDef& def, const Chunk& chunk,
+                                    const uint32_t* values, History history, uint8_t maxTimeOrder) {
+  Prediction best;
+  uint64_t bestCost = UINT64_MAX;
+  const Chunk sample = sampleOf(def, chunk);
+  // Behind a key frame, a frame is always coded by the one before it.
+  for (uint8_t time = maxTimeOrder > 0 ? 1 : 0; time <= maxTimeOrder; ++time) {
+    for (uint8_t space = 0; space < kSpaceOrderCount; ++space) {
+      predict(def, sample, values, history, {time, space});
+      const uint64_t cost = costOf(residuals_);
+      if (cost >= bestCost) continue;
+      bestCost = cost;
+      best = {time, space};
+    }
+  }
+  return best;
 }
 
 ChunkHeader Encoder::encode(const HairCacheDef& def, const Chunk& chunk, const uint32_t* values,
                             History history, uint8_t maxTimeOrder, std::vector<std::byte>& out) {
-  const size_t count = size_t{3} * chunk.vertexCount;
-  temporal_.resize(count);
+  const Prediction prediction = choose(def, chunk, values, history, maxTimeOrder);
+  predict(def, chunk, values, history, prediction);
   ChunkHeader header;
-  uint64_t bestCost = UINT64_MAX;
-  // Behind a key frame, a frame is always coded by the one before it.
-  for (uint8_t time = maxTimeOrder > 0 ? 1 : 0; time <= maxTimeOrder; ++time) {
-    subtractHistory(values, history, time, count, temporal_.data());
-    for (uint8_t space = 0; space < kSpaceOrderCount; ++space) {
-      residuals(def, chunk, space);
-      const uint64_t cost = costOf(residuals_);
-      if (cost >= bestCost) continue;
-      bestCost = cost;
-      header.timeOrder = time;
-      header.spaceOrder = space;
-      best_.swap(residuals_);
-    }
-  }
+  header.timeOrder = prediction.timeOrder;
+  header.spaceOrder = prediction.spaceOrder;
   uint32_t all = 0;
-  for (uint32_t& r : best_) {
+  for (uint32_t& r : residuals_) {
     r = zigzag(r);
     all |= r;
   }
   header.planeCount = static_cast<uint8_t>((std::bit_width(all) + 7) / 8);
+  const size_t count = residuals_.size();
   plane_.resize(count);
   for (uint8_t p = 0; p < header.planeCount; ++p) {
-    for (size_t i = 0; i < count; ++i) plane_[i] = static_cast<uint8_t>(best_[i] >> (8 * p));
+    for (size_t i = 0; i < count; ++i) plane_[i] = static_cast<uint8_t>(residuals_[i] >> (8 * p));
     // A plane has its own frame of zstd: its bytes are distributed in another way.
     const size_t at = out.size();
     out.resize(at + ZSTD_compressBound(count));
-    const size_t size = ZSTD_compressCCtx(context_->zstd, out.data() + at, out.size() - at,
-                                          plane_.data(), count, kLevel);
+    const size_t size =
+        ZSTD_compress2(context_->zstd, out.data() + at, out.size() - at, plane_.data(), count);
     if (ZSTD_isError(size)) throw std::bad_alloc();  // the only reason that is left
     out.resize(at + size);
     header.byteCount += static_cast<uint32_t>(size);

@@ -35,17 +35,25 @@ class Encoder {
   Encoder(const Encoder&) = delete;
   Encoder& operator=(const Encoder&) = delete;
 
-  /// Appends the contents of a chunk to `out` with the prediction that costs least.
+  /// Appends the contents of a chunk to `out`.
   /// \param values [3 * vertex] of the chunk
   /// \param maxTimeOrder 0..2, as `history` has frames
   ChunkHeader encode(const HairCacheDef& def, const Chunk& chunk, const uint32_t* values,
                      History history, uint8_t maxTimeOrder, std::vector<std::byte>& out);
 
  private:
-  void residuals(const HairCacheDef& def, const Chunk& chunk, uint8_t spaceOrder);
+  struct Prediction {
+    uint8_t timeOrder = 0, spaceOrder = 0;
+  };
+  /// The prediction that costs a part of the chunk least.
+  Prediction choose(const HairCacheDef& def, const Chunk& chunk, const uint32_t* values,
+                    History history, uint8_t maxTimeOrder);
+  /// Fills residuals_.
+  void predict(const HairCacheDef& def, const Chunk& chunk, const uint32_t* values, History history,
+               Prediction prediction);
   struct Context;
   std::unique_ptr<Context> context_;
-  std::vector<uint32_t> temporal_, residuals_, best_;
+  std::vector<uint32_t> temporal_, residuals_;
   std::vector<uint8_t> plane_;
 };
 

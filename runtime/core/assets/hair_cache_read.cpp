@@ -174,20 +174,19 @@ namespace {
 
 // Returns whether all are finite.
 bool toPositions(const uint32_t* values, float step, std::span<Float3> out) {
+  static_assert(sizeof(Float3) == 3 * sizeof(float));
+  float* const floats = out.empty() ? nullptr : &out[0].x;
+  const size_t count = 3 * out.size();
   if (step > 0) {
     // Integers times a step that the reader has limited are finite.
-    for (size_t i = 0; i < out.size(); ++i)
-      out[i] = {static_cast<float>(static_cast<int32_t>(values[3 * i])) * step,
-                static_cast<float>(static_cast<int32_t>(values[3 * i + 1])) * step,
-                static_cast<float>(static_cast<int32_t>(values[3 * i + 2])) * step};
+    for (size_t i = 0; i < count; ++i)
+      floats[i] = static_cast<float>(static_cast<int32_t>(values[i])) * step;
     return true;
   }
   bool finite = true;
-  for (size_t i = 0; i < out.size(); ++i) {
-    out[i] = {fromOrderedBits(values[3 * i]), fromOrderedBits(values[3 * i + 1]),
-              fromOrderedBits(values[3 * i + 2])};
-    finite =
-        finite && std::isfinite(out[i].x) && std::isfinite(out[i].y) && std::isfinite(out[i].z);
+  for (size_t i = 0; i < count; ++i) {
+    floats[i] = fromOrderedBits(values[i]);
+    finite = finite && std::isfinite(floats[i]);
   }
   return finite;
 }
