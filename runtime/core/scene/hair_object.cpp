@@ -63,7 +63,6 @@ Result<void> HairObject::setPositions(std::span<const Float3> positions) {
     return Error{ErrorCode::kInvalidArgument, "hair '" + name_ + "': setPositions(): " + what};
   };
   if (positions.empty()) {
-    if (given.isOn()) reset();
     given.positions.clear();
     return {};
   }

@@ -201,6 +201,7 @@ Result<void> SceneImpl::simulateObject(HairObject& object, float length, uint32_
   HairInternals& hair = *object.internals_;
   HairFrame frame = frameOf(object, object.settings, length, steps, list);
   if (hair.solver.prepare(frame)) hair.resetPending = true;
+  if (hair.givenPositions.prepare(frame, hair.given)) hair.resetPending = true;
   if (hair.solver.restChanged()) {
     hair.bonesChanged = true;  // the roots are elsewhere
     hair.grid.remove(frame.room);
@@ -210,7 +211,6 @@ Result<void> SceneImpl::simulateObject(HairObject& object, float length, uint32_
   if (!frame.reset) {
     if (Result<void> moved = addTeleport(frame, hair); !moved) return moved;
   }
-  hair.givenPositions.prepare(frame, hair.given);
   if (!isSimulated(object)) return skinObject(object, frame);
   frame.loadShare *= blendOf(object, length);
   frame.air = airAt(frame.settings.wind, time_, frame.loadShare);

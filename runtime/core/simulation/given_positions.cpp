@@ -6,14 +6,16 @@
 
 namespace pelage::detail {
 
-void GivenPositions::prepare(const HairFrame& frame, const GivenShape& shape) {
+bool GivenPositions::prepare(const HairFrame& frame, const GivenShape& shape) {
+  const bool wasOn = buffer_ != BufferId::kInvalid;
   if (!shape.isOn()) {
     remove(frame.room);
-  } else if (buffer_ == BufferId::kInvalid) {
+  } else if (!wasOn) {
     buffer_ = frame.room.add(frame.name + "/givenPositions", frame.guideVertices(), kVector, {},
                              BufferUsage::kStorage | BufferUsage::kUpload);
     forget();
   }
+  return wasOn && !shape.isOn();
 }
 
 Result<void> GivenPositions::place(const HairFrame& frame, const GivenShape& shape) {

@@ -23,7 +23,8 @@ struct GivenShape {
 class GivenPositions {
  public:
   /// Makes the buffer, or removes it where nothing is given.
-  void prepare(const HairFrame& frame, const GivenShape& shape);
+  /// \return whether the frame before was given, and this one is not: the hair starts anew.
+  bool prepare(const HairFrame& frame, const GivenShape& shape);
   /// Adds the pass that writes positions and tangents of the guides, and sends what has changed.
   Result<void> place(const HairFrame& frame, const GivenShape& shape);
   /// Whether the last pass had these positions.
