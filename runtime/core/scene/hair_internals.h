@@ -85,7 +85,7 @@ struct HairInternals : HairFrameState, Groom {
   std::optional<HostArray<ColliderId>> meshColliders;
   HostArray<CapsuleCollider> colliders;
   ForceField field;
-  GivenShape given;  ///< in place of the solver's
+  GivenShape given;             ///< in place of the solver's
   ShiftedFloats shiftedInputs;  ///< of bones, capsules and the field
 };
 
