@@ -1,9 +1,12 @@
 // Hair whose positions are given: by an application, and by a CachePlayer from a file.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "pelage/cache_player.h"
@@ -225,12 +228,29 @@ TEST_P(GivenHair, WhatDoesNotFitIsRefused) {
   HairObject& other = run_.add(wavyAsset(kStrands, kVertices + 1));
   EXPECT_FALSE(cache.show(0, other));
   EXPECT_FALSE(CachePlayer::open(path_, {.framesAhead = 0}));
-  // A frame that is broken is an error when it is shown, and not before.
-  auto reader = HairCacheReader::open(path_);
-  ASSERT_TRUE(reader);
-  EXPECT_TRUE(cache.show(1, hair));
-  run_.step();
-  EXPECT_LE(drawnFrom(hair, shape(1)), kBound);
+}
+
+TEST_P(GivenHair, AFrameThatIsBrokenIsAnErrorWhenItIsShown) {
+  { const CachePlayer writes = player(); }
+  {
+    // The end of the last frame, before an index of 24 bytes a frame and a footer of 32.
+    std::fstream file(path_, std::ios::binary | std::ios::in | std::ios::out);
+    file.seekp(-static_cast<std::streamoff>(kFrames * 24 + 32 + 8), std::ios::end);
+    file.write("damaged!", 8);
+  }
+  auto cache = CachePlayer::open(path_);
+  ASSERT_TRUE(cache) << cache.error().message;
+  HairObject& hair = run_.add(asset_);
+  const int last = static_cast<int>(kFrames) - 1;
+  for (int round = 0; round < 2; ++round) {
+    const auto shown = cache->show(last, hair);
+    ASSERT_FALSE(shown);
+    EXPECT_NE(shown.error().message.find("checksum"), std::string::npos) << shown.error().message;
+    show(*cache, last - 1, hair);
+    EXPECT_LE(drawnFrom(hair, shape(last - 1)), kBound);
+    show(*cache, 1, hair);
+    EXPECT_LE(drawnFrom(hair, shape(1)), kBound);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(All, GivenHair, testing::ValuesIn(kApis),

@@ -56,6 +56,26 @@ void HairObject::useAllMeshColliders() { internals_->meshColliders.reset(); }
 
 void HairObject::reset() { internals_->resetPending = true; }
 
+namespace {
+
+bool isInRange(const Float3& p) {  // false for NaN
+  return std::abs(p.x) <= kMaxCoordinate && std::abs(p.y) <= kMaxCoordinate &&
+         std::abs(p.z) <= kMaxCoordinate;
+}
+
+// Around points, of which there is one or more.
+detail::Ball ballAround(std::span<const Float3> points) {
+  Float3 low = points[0], high = low;
+  for (const Float3& p : points) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  const float across = std::hypot(high.x - low.x, high.y - low.y, high.z - low.z);
+  return {detail::middleOf({low, high}), 0.5001f * across};
+}
+
+}  // namespace
+
 Result<void> HairObject::setPositions(std::span<const Float3> positions) {
   detail::GivenShape& given = internals_->given;
   const uint64_t wanted = uint64_t{guideCount_} * vertexCount_;
@@ -71,26 +91,25 @@ Result<void> HairObject::setPositions(std::span<const Float3> positions) {
                   std::to_string(guideCount_) + " guides of " + std::to_string(vertexCount_) +
                   " vertices have " + std::to_string(wanted));
   }
-  const auto isUsable = [](float x) { return std::abs(x) <= kMaxCoordinate; };  // false for NaN
-  detail::Box box;
-  for (size_t i = 0; i < positions.size(); ++i) {
-    const Float3& p = positions[i];
-    if (!isUsable(p.x) || !isUsable(p.y) || !isUsable(p.z)) {
-      return refuse("vertex " + std::to_string(i % vertexCount_) + " of guide " +
-                    std::to_string(i / vertexCount_) + " is not finite or beyond 1e6 m");
+  const auto broken = std::find_if_not(positions.begin(), positions.end(), isInRange);
+  if (broken != positions.end()) {
+    const auto i = static_cast<uint64_t>(broken - positions.begin());
+    return refuse("vertex " + std::to_string(i % vertexCount_) + " of guide " +
+                  std::to_string(i / vertexCount_) + " is not finite or beyond 1e6 m");
+  }
+  if (!given.isOn()) {
+    // As the solvers write it: whether a vertex is free.
+    given.positions.resize(positions.size());
+    for (size_t i = 0; i < positions.size(); ++i) {
+      const bool held = i % vertexCount_ < 2 || !(internals_->asset->positions[i].w > 0);
+      given.positions[i].w = held ? 0.0f : 1.0f;
     }
-    box = detail::include(box, p);
   }
-  given.positions.resize(positions.size());
   for (size_t i = 0; i < positions.size(); ++i) {
     const Float3& p = positions[i];
-    // As the solvers write it: whether the vertex is free.
-    const bool held = i % vertexCount_ < 2 || !(internals_->asset->positions[i].w > 0);
-    given.positions[i] = {p.x, p.y, p.z, held ? 0.0f : 1.0f};
+    given.positions[i] = {p.x, p.y, p.z, given.positions[i].w};
   }
-  const float across =
-      std::hypot(box.high.x - box.low.x, box.high.y - box.low.y, box.high.z - box.low.z);
-  given.ball = {detail::middleOf(box), 0.5001f * across};
+  given.ball = ballAround(positions);
   ++given.version;
   return {};
 }
