@@ -1,13 +1,18 @@
 // Loading assets: from the files of artists, and from a cache of the same assets. The assets are
 // made here: 2,000 strands of 32 vertices with their bones, and a sphere of 20,000 triangles.
+//
+// Hair caches: the same strands as they swing, 48 frames at 24 frames per second to 0.1 mm; or a
+// file of your own that PELAGE_HAIR_CACHE names. Bytes per second are those of the decoded floats.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <numbers>
 #include <optional>
 
 #include "pelage/asset_cache.h"
+#include "pelage/hair_cache.h"
 
 namespace {
 
@@ -135,11 +140,119 @@ void parseAndPrepareAll(benchmark::State& state) {
 void allFromCache(benchmark::State& state) {
   measure(state, [] { return loadAssetCache(files().cache).ok(); });
 }
+
+// Frames of a hair cache, and the file of them.
+class HairFrames {
+ public:
+  HairFrames()
+      : path(std::filesystem::temp_directory_path() / "pelage_cache_benchmark.pelagecache") {
+    const char* own = std::getenv("PELAGE_HAIR_CACHE");
+    if (own == nullptr) makeSwing();
+    auto reader = HairCacheReader::open(own != nullptr ? own : path);
+    if (!reader) return;
+    def = reader->def();
+    frames.resize(reader->frameCount());
+    for (size_t f = 0; f < frames.size(); ++f) {
+      frames[f].resize(reader->vertexCount());
+      if (!reader->read(f, frames[f])) return;
+    }
+    good = !frames.empty() && write() > 0;
+  }
+  ~HairFrames() {
+    std::error_code ignored;
+    std::filesystem::remove(path, ignored);
+  }
+  // Returns the size of the file; 0 where it could not be written.
+  uint64_t write() const {
+    auto writer = HairCacheWriter::create(path, def);
+    if (!writer) return 0;
+    for (const auto& frame : frames)
+      if (!writer->append(frame)) return 0;
+    const uint64_t bytes = writer->byteCount();
+    return writer->close() ? bytes : 0;
+  }
+  double vertices() const { return static_cast<double>(frames.size() * frames[0].size()); }
+
+  std::filesystem::path path;
+  HairCacheDef def;
+  std::vector<std::vector<Float3>> frames;
+  bool good = false;
+
+ private:
+  void makeSwing() {
+    const HairAsset curls = makeCurls();
+    def = {.name = "curls", .strandCount = kStrands, .verticesPerStrand = kVertices};
+    for (int f = 0; f < 48; ++f) {
+      const float time = static_cast<float>(f) / 24;
+      auto& frame = frames.emplace_back();
+      for (size_t i = 0; i < curls.positions.size(); ++i) {
+        const Float4& p = curls.positions[i];
+        const float strand = static_cast<float>(i / kVertices);
+        const float swing = std::sin(4 * time + 0.1f * strand - 8 * p.y);
+        frame.push_back({p.x - 0.3f * p.y * swing, p.y, p.z + 0.1f * time - p.y * swing * swing});
+      }
+    }
+    (void)write();
+    frames.clear();
+  }
+};
+
+const HairFrames& hairFrames() {
+  static const HairFrames made;
+  return made;
+}
+
+void countHair(benchmark::State& state, double framesEach) {
+  const HairFrames& hair = hairFrames();
+  const double vertices = framesEach * static_cast<double>(hair.frames[0].size());
+  state.SetBytesProcessed(
+      static_cast<int64_t>(static_cast<double>(state.iterations()) * vertices * sizeof(Float3)));
+  state.counters["bytes_per_vertex"] =
+      static_cast<double>(std::filesystem::file_size(hair.path)) / hair.vertices();
+}
+
+void writeHairCache(benchmark::State& state) {
+  const HairFrames& hair = hairFrames();
+  if (!hair.good) return state.SkipWithError("there is no hair cache");
+  for (auto _ : state)
+    if (hair.write() == 0) state.SkipWithError("writing failed");
+  countHair(state, static_cast<double>(hair.frames.size()));
+}
+
+// All frames in order, or one in the middle between two key frames.
+void readFrames(benchmark::State& state, bool all) {
+  const HairFrames& hair = hairFrames();
+  if (!hair.good) return state.SkipWithError("there is no hair cache");
+  auto reader = HairCacheReader::open(hair.path);
+  if (!reader) return state.SkipWithError("the hair cache cannot be opened");
+  std::vector<Float3> out(reader->vertexCount());
+  const uint64_t count = hair.frames.size();
+  const uint64_t middle = std::min<uint64_t>(hair.def.keyInterval / 2, count - 1);
+  uint64_t frame = all ? 0 : middle;
+  for (auto _ : state) {
+    if (!reader->read(frame, out)) state.SkipWithError("reading failed");
+    benchmark::DoNotOptimize(out.data());
+    if (all) {
+      frame = (frame + 1) % count;
+    } else {
+      // A frame elsewhere, so that the next one is sought.
+      frame = frame == middle && count > 2 * hair.def.keyInterval ? middle + hair.def.keyInterval
+                                                                  : middle;
+    }
+  }
+  countHair(state, 1);
+}
+void playHairCache(benchmark::State& state) { readFrames(state, true); }
+void seekHairCache(benchmark::State& state) { readFrames(state, false); }
+
 BENCHMARK(parseHair)->Unit(benchmark::kMillisecond);
 BENCHMARK(hairFromCache)->Unit(benchmark::kMillisecond);
 BENCHMARK(parseMesh)->Unit(benchmark::kMillisecond);
 BENCHMARK(parseAll)->Unit(benchmark::kMillisecond);
 BENCHMARK(parseAndPrepareAll)->Unit(benchmark::kMillisecond);
 BENCHMARK(allFromCache)->Unit(benchmark::kMillisecond);
+BENCHMARK(writeHairCache)->Unit(benchmark::kMillisecond);
+BENCHMARK(playHairCache)->Unit(benchmark::kMicrosecond);
+BENCHMARK(seekHairCache)->Unit(benchmark::kMicrosecond);
 
 }  // namespace

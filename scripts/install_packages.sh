@@ -9,6 +9,8 @@ packages=$(cat -- "$@")
 missing=()
 while read -r package; do
   case "$package" in ''|'#'*) continue ;; esac
+  # Other builds of Node.js bring npm along, and refuse Debian's.
+  if [ "$package" = npm ] && command -v npm > /dev/null; then continue; fi
   dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' ||
     missing+=("$package")
 done <<< "$packages"

@@ -280,6 +280,17 @@ class PELAGE_API HairObject {
   /// Cost: rest data are derived on the host, and a table of 16 to 48 bytes a vertex is sent; none
   /// where the positions are those that the object has.
   Result<void> setRestPose(std::span<const Float4> positions);
+  /// Sets where the guides are from the next frame on, in place of a solver: for simulated hair
+  /// from a file (CachePlayer) or another program. While positions are set, the hair is as with
+  /// `simulated` = false; bones place the roots of follow hairs, and nothing else. Motion is that
+  /// from the positions of the frame before: call reset() at cuts. Scene::shiftOrigin() and
+  /// teleport() move the positions, too. Bounds for drawing and shadows are those of the positions.
+  /// \param positions [guide][vertex] in world space [m], guideCount() * verticesPerStrand() of
+  ///   them; empty: the object is simulated again, after a reset.
+  /// Errors: another number of positions; one that is not finite or beyond kMaxCoordinate, with its
+  /// guide and vertex. Nothing has changed then.
+  /// Cost: a copy on the host, 16 bytes a vertex that are sent, and a pass of one thread a vertex.
+  Result<void> setPositions(std::span<const Float3> positions);
   /// Puts the hair into its bind shape at the next frame and clears all velocities. Call it at
   /// cuts and changes of animation, and at teleports without Scene::teleport(). It uploads bones,
   /// colliders and SDF records again.

@@ -35,6 +35,7 @@ struct SceneFeatures {
   /// HairObject::strandTexture; HairDef::strandUvs with engineLights that read them.
   bool strandTextures = false;
   bool skinnedHair = false;    ///< HairObject::simulated = false
+  bool givenHair = false;      ///< HairObject::setPositions(), CachePlayer
   bool originShifts = false;   ///< Scene::shiftOrigin()
   bool teleports = false;      ///< Scene::teleport()
   bool motion = false;         ///< HairObject::tracksMotion

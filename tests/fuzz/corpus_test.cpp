@@ -22,7 +22,7 @@ struct Target {
 constexpr Target kTargets[] = {
     {"tfx", tfx},         {"tfxbone", tfxbone},     {"tfxmesh", tfxmesh},
     {"tfxskin", tfxskin}, {"tfxfollow", tfxfollow}, {"psdf", psdf},
-    {"cache", cache},     {"settings", settings},
+    {"cache", cache},     {"settings", settings},   {"haircache", haircache},
 #if PELAGE_FUZZ_CURVES
     {"hair", hair},       {"hairtxt", hairtxt},     {"obj", obj},
     {"gltf", gltf},       {"tfxcurves", tfxcurves}, {"animation", animation},

@@ -8,6 +8,7 @@
 #include "pelage/asset_cache.h"
 #include "pelage/authoring/hair_files.h"
 #include "pelage/follow_file.h"
+#include "pelage/hair_cache.h"
 #include "pelage/sdf_data.h"
 #include "pelage/skin_table.h"
 
@@ -99,6 +100,19 @@ std::string animationText() {
          R"(AAAAAAAAgD8AAAAAAACAPwAAAAAAAIA/"}]})";
 }
 
+// Three frames of two strands: a key frame and those that it predicts.
+bool writeHairCache(const std::filesystem::path& path, HairCacheDef def) {
+  auto writer = HairCacheWriter::create(path, std::move(def));
+  if (!writer) return false;
+  for (int f = 0; f < 3; ++f) {
+    const float t = 0.1f * static_cast<float>(f);
+    const std::vector<Float3> frame = {
+        {0, t, 0}, {0, t, 0.1f}, {0.01f, t, 0.2f}, {1, t, 0}, {1, t, t}};
+    if (!writer->append(frame)) return false;
+  }
+  return writer->close().ok();
+}
+
 int makeCorpus(const std::filesystem::path& root) {
   write(folderOf(root, "tfx") / "valid_plain.tfx", *saveTfx(makeAsset(false)));
   auto full = *saveTfx(makeAsset(true));
@@ -145,6 +159,13 @@ int makeCorpus(const std::filesystem::path& root) {
   if (!plain.process()) return 1;
   cache.hairs = {{"", plain, std::nullopt, {}}};
   write(folderOf(root, "cache") / "valid_plain.pelage", *saveAssetCache(cache));
+
+  HairCacheDef shot = {.name = "shot", .strandCount = 2, .vertexCounts = {3, 2}};
+  if (!writeHairCache(folderOf(root, "haircache") / "valid.pelagecache", shot)) return 1;
+  shot.errorBound = 0;
+  shot.keyInterval = 2;
+  shot.strandIds = {7, 9};
+  if (!writeHairCache(folderOf(root, "haircache") / "valid_exact.pelagecache", shot)) return 1;
 
   write(folderOf(root, "hair") / "valid.hair", *saveYukselHair(makeCurves()));
   HairCurves bare;

@@ -25,6 +25,8 @@ Outcome tfxfollow(std::span<const std::byte> bytes);
 Outcome psdf(std::span<const std::byte> bytes);
 /// .pelage; also with all checksums made right.
 Outcome cache(std::span<const std::byte> bytes);
+/// .pelagecache; also with all checksums made right.
+Outcome haircache(std::span<const std::byte> bytes);
 /// JSON of settings (tools/settings).
 Outcome settings(std::span<const std::byte> bytes);
 // Hair curves (tools/authoring).

@@ -185,6 +185,16 @@ class Game {
       for (const HairId id : hairs_) scene_.hair(id).simulated = true;
       frames(2);
     }
+    if (features_.givenHair) {
+      for (const HairId id : hairs_) {
+        HairObject& hair = scene_.hair(id);
+        const std::vector<Float3> given(size_t{hair.guideCount()} * hair.verticesPerStrand());
+        ASSERT_TRUE(hair.setPositions(given));
+      }
+      frames(2);
+      for (const HairId id : hairs_) ASSERT_TRUE(scene_.hair(id).setPositions({}));
+      frames(2);
+    }
     if (features_.teleports) {
       for (const HairId id : hairs_) ASSERT_TRUE(scene_.teleport(id, {}));
       frames(1);
@@ -292,6 +302,7 @@ TEST(ListToPrepare, HasEveryPipelineThatIsSwitchedOnLater) {
        .collidingFollowHairs = true,
        .strandTextures = true,
        .skinnedHair = true,
+       .givenHair = true,
        .originShifts = true,
        .teleports = true,
        .motion = true,
@@ -345,6 +356,7 @@ TEST(ListToPrepare, LeavesOutWhatIsNotWanted) {
   EXPECT_EQ(count({.motion = true}, "keep_positions"), 1u);
   EXPECT_EQ(count({}, "interpolate_strands"), 0u);
   EXPECT_EQ(count({.interpolation = true}, "interpolate_strands"), 1u);
+  EXPECT_EQ(count({.givenHair = true}, "interpolate_strands"), 1u);
   EXPECT_EQ(count({.interpolation = true}, "interpolate_roots"), 1u);
 }
 

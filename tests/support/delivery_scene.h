@@ -100,7 +100,7 @@ class DeliveryScene {
       if (solver == Solver::kExact) features.settings.push_back(settings);
     }
     features.collidingFollowHairs = features.levelOfDetail = true;
-    features.skinnedHair = features.originShifts = true;
+    features.skinnedHair = features.givenHair = features.originShifts = true;
     features.motion = features.interpolation = true;
     features.transparency = {};
     return features;
@@ -146,6 +146,10 @@ class DeliveryScene {
     }
     if (frame == 7) own.reset();
     own.simulated = frame != 1 && frame != 2;
+    // Simulated, given, and what it was before.
+    std::vector<Float3> given(frame == 9 ? size_t{own.guideCount()} * own.verticesPerStrand() : 0);
+    for (size_t i = 0; i < given.size(); ++i) given[i] = {1.7f, 0.001f * static_cast<float>(i), 0};
+    EXPECT_TRUE(own.setPositions(given));
     own.tracksMotion = frame != 2;
     scene_.hair(hairs_[1]).tracksMotion = frame >= 1;
     own.interpolates = frame >= 3 && frame < 9;

@@ -11,5 +11,6 @@ void addCacheCommand(CLI::App& app, Session& session);
 void addCollisionCommand(CLI::App& app, Session& session);
 void addGroomCommand(CLI::App& app, Session& session);
 void addInfoCommand(CLI::App& app, Session& session);
+void addUsdCommand(CLI::App& app, Session& session);
 
 }  // namespace pelage::convert

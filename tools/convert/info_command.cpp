@@ -22,6 +22,7 @@
 #include "pelage/bone_weights.h"
 #include "pelage/collision_mesh.h"
 #include "pelage/follow_file.h"
+#include "pelage/hair_cache.h"
 #include "pelage/hair_size.h"
 #include "pelage/sdf_data.h"
 #include "pelage/settings/settings_file.h"
@@ -272,6 +273,41 @@ Result<void> cacheInfo(const InfoOptions& options, Session& session) {
   return {};
 }
 
+// Reads all frames, so that a file that is reported is good.
+Result<void> hairCacheInfo(const InfoOptions& options, Session& session) {
+  const std::filesystem::path& path = options.file;
+  auto reader = HairCacheReader::open(path);
+  if (!reader) return reader.error();
+  const HairCacheDef& def = reader->def();
+  const uint64_t frames = reader->frameCount();
+  std::vector<Float3> positions(reader->vertexCount());
+  for (uint64_t frame = 0; frame < frames; ++frame) {
+    session.progress("frames", frame, frames);
+    if (auto r = reader->read(frame, positions); !r) return r;
+  }
+  session.progress("frames", frames, frames);
+  reportFile(path, "simulated hair", fmt::format(".pelagecache version {}", kHairCacheVersion),
+             session);
+  session.add("name", def.name, "name", def.name);
+  session.add("strands", def.strandCount, "strands",
+              fmt::format("{} with {} vertices", def.strandCount, positions.size()));
+  session.add("vertices", positions.size(), "", "");
+  session.add("first_frame", def.firstFrame, "", "");
+  session.add("frames_per_second", def.framesPerSecond, "", "");
+  session.add(
+      "frames", frames, "frames",
+      fmt::format("{} from {}, {:.6g} a second", frames, def.firstFrame, def.framesPerSecond));
+  session.add("error_bound", def.errorBound, "error",
+              def.errorBound > 0 ? fmt::format("at most {:.4g} m", def.errorBound) : "none");
+  std::error_code ignored;
+  const auto size = static_cast<double>(std::filesystem::file_size(path, ignored));
+  const double each = size / (static_cast<double>(positions.size()) *
+                              static_cast<double>(std::max<uint64_t>(frames, 1)));
+  session.add("bytes_per_vertex", each, "density",
+              fmt::format("{:.3g} bytes a vertex and frame", each));
+  return {};
+}
+
 Result<void> sdfInfo(const InfoOptions& options, Session& session) {
   const std::filesystem::path& path = options.file;
   auto field = loadSdf(path);
@@ -349,7 +385,7 @@ struct Kind {
 constexpr std::array kKinds = {Kind{".tfxbone", tfxBoneInfo}, Kind{".tfxmesh", tfxMeshInfo},
                                Kind{".tfxskin", tfxSkinInfo}, Kind{".tfxfollow", tfxFollowInfo},
                                Kind{".pelage", cacheInfo},    Kind{".psdf", sdfInfo},
-                               Kind{".json", settingsInfo}};
+                               Kind{".json", settingsInfo},   Kind{".pelagecache", hairCacheInfo}};
 
 Result<void> fileInfo(const InfoOptions& options, Session& session) {
   std::string extension = options.file.extension().string();

@@ -23,6 +23,7 @@ int runProgram(int argc, char** argv) {
   pelage::convert::addCollisionCommand(app, session);
   pelage::convert::addGroomCommand(app, session);
   pelage::convert::addInfoCommand(app, session);
+  pelage::convert::addUsdCommand(app, session);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked) {  // help, version

@@ -22,6 +22,7 @@
 #include "shading/strand_interpolation.h"
 #include "shading/strand_motion.h"
 #include "simulation/field_forces.h"
+#include "simulation/given_positions.h"
 #include "simulation/strand_solver.h"
 #include "skinning/bone_bounds.h"
 #include "skinning/skeleton_pose.h"
@@ -65,6 +66,7 @@ struct HairFrameState {
   FieldForces fieldForces;
   HairGrid grid;
   StrandSolver solver;
+  GivenPositions givenPositions;
   StrandMotion motion;
   StrandInterpolation interpolation;
 };
@@ -83,6 +85,7 @@ struct HairInternals : HairFrameState, Groom {
   std::optional<HostArray<ColliderId>> meshColliders;
   HostArray<CapsuleCollider> colliders;
   ForceField field;
+  GivenShape given;             ///< in place of the solver's
   ShiftedFloats shiftedInputs;  ///< of bones, capsules and the field
 };
 
@@ -102,6 +105,8 @@ void shiftWorld(HairFrameState& state, const Vector3<double>& shift,
 RigidMove teleportInWorld(const HairFrameState& state);
 /// The same. \param origin  that the object had before the frame moved it
 RigidMove teleportInWorld(const HairFrameState& state, const LocalOrigin& origin);
+/// Moves what is given in place of a solver's shape.
+void moveGiven(GivenShape& given, const RigidMove& move);
 /// After a shift: capsules that moved by no more than an engine's rounding have not moved.
 void forgetRounding(HairInternals& hair);
 /// Around all strands in world space; a radius of infinity when a bone is not finite.

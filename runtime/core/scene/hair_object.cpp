@@ -56,6 +56,64 @@ void HairObject::useAllMeshColliders() { internals_->meshColliders.reset(); }
 
 void HairObject::reset() { internals_->resetPending = true; }
 
+namespace {
+
+bool isInRange(const Float3& p) {  // false for NaN
+  return std::abs(p.x) <= kMaxCoordinate && std::abs(p.y) <= kMaxCoordinate &&
+         std::abs(p.z) <= kMaxCoordinate;
+}
+
+// Around points, of which there is one or more.
+detail::Ball ballAround(std::span<const Float3> points) {
+  Float3 low = points[0], high = low;
+  for (const Float3& p : points) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  const float across = std::hypot(high.x - low.x, high.y - low.y, high.z - low.z);
+  return {detail::middleOf({low, high}), 0.5001f * across};
+}
+
+}  // namespace
+
+Result<void> HairObject::setPositions(std::span<const Float3> positions) {
+  detail::GivenShape& given = internals_->given;
+  const uint64_t wanted = uint64_t{guideCount_} * vertexCount_;
+  const auto refuse = [&](const std::string& what) {
+    return Error{ErrorCode::kInvalidArgument, "hair '" + name_ + "': setPositions(): " + what};
+  };
+  if (positions.empty()) {
+    given.positions.clear();
+    return {};
+  }
+  if (positions.size() != wanted) {
+    return refuse("got " + std::to_string(positions.size()) + " positions, but " +
+                  std::to_string(guideCount_) + " guides of " + std::to_string(vertexCount_) +
+                  " vertices have " + std::to_string(wanted));
+  }
+  const auto broken = std::find_if_not(positions.begin(), positions.end(), isInRange);
+  if (broken != positions.end()) {
+    const auto i = static_cast<uint64_t>(broken - positions.begin());
+    return refuse("vertex " + std::to_string(i % vertexCount_) + " of guide " +
+                  std::to_string(i / vertexCount_) + " is not finite or beyond 1e6 m");
+  }
+  if (!given.isOn()) {
+    // As the solvers write it: whether a vertex is free.
+    given.positions.resize(positions.size());
+    for (size_t i = 0; i < positions.size(); ++i) {
+      const bool held = i % vertexCount_ < 2 || !(internals_->asset->positions[i].w > 0);
+      given.positions[i].w = held ? 0.0f : 1.0f;
+    }
+  }
+  for (size_t i = 0; i < positions.size(); ++i) {
+    const Float3& p = positions[i];
+    given.positions[i] = {p.x, p.y, p.z, given.positions[i].w};
+  }
+  given.ball = ballAround(positions);
+  ++given.version;
+  return {};
+}
+
 namespace detail {
 namespace {
 
@@ -91,6 +149,7 @@ float scaleOf(const AffineTransform& m) {
 }  // namespace
 
 Ball ballOfStrands(const HairInternals& hair) {
+  if (hair.given.isOn()) return hair.given.ball;
   std::vector<Ball> balls;
   for (const BoneBounds& bounds : hair.bounds) {
     const AffineTransform& bone = hair.bones[bounds.bone];
@@ -167,6 +226,7 @@ void shiftWorld(HairInternals& hair, const Vector3<double>& shift, const Vector3
   detail::shift(hair.shiftedInputs, hair.colliders, -shift);
   hair.shiftedInputs.shift(hair.field.origin, -shift);
   hair.shiftedInputs.end();
+  moveGiven(hair.given, {.rotation = {}, .shift = -shift});
   shiftWorld(static_cast<HairFrameState&>(hair), shift, shifted);
 }
 
@@ -183,6 +243,16 @@ void shiftWorld(HairFrameState& state, const Vector3<double>& shift,
   // Of outputs that are not there nothing is to be moved.
   if (state.solver.lastFrame() > 0) state.pendingShift += shift;
   state.roundedShift += std::max({std::abs(shift.x), std::abs(shift.y), std::abs(shift.z)});
+}
+
+void moveGiven(GivenShape& given, const RigidMove& move) {
+  if (!given.isOn()) return;
+  for (Float4& p : given.positions) {
+    const Float3 moved = toFloat3(move(toDouble3({p.x, p.y, p.z})));
+    p = {moved.x, moved.y, moved.z, p.w};
+  }
+  given.ball.center = toFloat3(move(toDouble3(given.ball.center)));
+  ++given.version;
 }
 
 void forgetRounding(HairInternals& hair) {

@@ -32,6 +32,7 @@ bool isLost(const FrameCheckpoint& frame, bool boundary) {
 void sendAgain(HairInternals& hair) {
   hair.bonesChanged = true;
   hair.sdfsBefore.clear();
+  hair.givenPositions.forget();
   if (hair.skeleton != nullptr) hair.skeleton->copyFor(hair.skinning).version = 0;
 }
 

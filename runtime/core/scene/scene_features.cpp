@@ -126,6 +126,14 @@ class SmallScene {
         if (Result<void> ran = frames(); !ran) return ran.error();
       }
     }
+    if (features_.givenHair) {
+      for (const bool given : {true, false}) {
+        const std::vector<Float3> positions(given ? size_t{kStrands} * kVertices : 0);
+        for (const HairId id : hairs_)
+          if (Result<void> set = scene_.hair(id).setPositions(positions); !set) return set.error();
+        if (Result<void> ran = frames(); !ran) return ran.error();
+      }
+    }
     if (features_.originShifts) {
       if (Result<void> moved = scene_.shiftOrigin({1, 0, 0}); !moved) return moved.error();
       if (Result<void> ran = frames(); !ran) return ran.error();

@@ -323,6 +323,7 @@ void SceneImpl::removeHairBuffers(HairBuffers& buffers, HairFrameState& state, b
   state.followContacts.remove(room);
   state.motion.remove(room);
   state.interpolation.remove(room);
+  state.givenPositions.remove(room);
   if (hasSkeleton) buffers.boneTransforms = BufferId::kInvalid;
   for (BufferId* buffer :
        {&buffers.positions, &buffers.tangents, &buffers.bindRoots, &buffers.rootBindings,

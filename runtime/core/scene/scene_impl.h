@@ -119,6 +119,8 @@ class SceneImpl {
 
   // Simulation.
   Result<void> checkObject(const HairObject& object) const;
+  /// Whether a solver moves it.
+  static bool isSimulated(const HairObject& object);
   std::optional<HairReach> reachOf(const HairObject& object) const;
   Result<void> simulateFrame(float length, uint32_t steps, PassList& list);
   HairFrame frameOf(HairObject& object, const SimulationSettings& settings, float length,

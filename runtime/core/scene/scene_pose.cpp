@@ -60,6 +60,7 @@ Result<void> SceneImpl::poseObject(HairObject& object, PassList& list) {
   const SimulationSettings settings = withoutForces(object.settings);
   HairFrame frame = frameOf(object, settings, kPoseStep, 1, list);
   hair.solver.prepare(frame);
+  hair.givenPositions.prepare(frame, hair.given);
   const HairFrameState before = hair;
   hair.grid.pause();
   sendAgain(hair);
@@ -69,16 +70,21 @@ Result<void> SceneImpl::poseObject(HairObject& object, PassList& list) {
   Result<void> added = sendBones(object, list);
   if (added) added = addRootPass(frame, hair.skinning);
   if (added) {
-    added = object.simulated ? hair.solver.record(frame, hair.grid, gridHairOf(frame, hair))
-                             : hair.solver.skin(frame);
+    added = isSimulated(object) ? hair.solver.record(frame, hair.grid, gridHairOf(frame, hair))
+                                : hair.solver.skin(frame);
   }
+  if (added) added = hair.givenPositions.place(frame, hair.given);
   if (added) added = addFollowPass(frame);
   static_cast<HairFrameState&>(hair) = before;
   hair.resetPending = hair.bonesChanged = true;
   return added;
 }
 
-// HairObject::simulated is false: nothing but the bones moves the hair.
+bool SceneImpl::isSimulated(const HairObject& object) {
+  return object.simulated && !object.internals_->given.isOn();
+}
+
+// HairObject::simulated is false: nothing but the bones, or what is given, moves the hair.
 Result<void> SceneImpl::skinObject(HairObject& object, HairFrame& frame) {
   HairInternals& hair = *object.internals_;
   hair.grid.prepare(gridHairOf(frame, hair), false, frame.room);
@@ -98,7 +104,11 @@ Result<void> SceneImpl::skinObject(HairObject& object, HairFrame& frame) {
   const bool posed = std::exchange(hair.skinned, true) && hair.stillFrames >= 2 && !shifts;
   Result<void> added;
   if (hair.stillFrames < 2) added = addRootPass(frame, hair.skinning);
-  if (added && !posed) added = hair.solver.skin(frame);
+  // What is given takes a state once, for what else moves with it.
+  const bool given = hair.given.isOn();
+  if (added && !posed && (!given || frame.reset)) added = hair.solver.skin(frame);
+  if (added && given && (frame.reset || !hair.givenPositions.has(hair.given)))
+    added = hair.givenPositions.place(frame, hair.given);
   hair.resetPending = false;
   if (added) added = addFollowPass(frame);
   return added ? keepBehind(object, frame, motion) : added;

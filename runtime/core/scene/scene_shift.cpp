@@ -81,6 +81,7 @@ Result<void> SceneImpl::addPendingShifts(PassList& list) {
     const HairFrame frame = frameOf(*object, object->settings, hair.solver.lastFrame(), 1, list);
     if (Result<void> added = addTeleport(frame, hair); !added) return added;
     if (Result<void> added = addShiftPasses(frame, hair); !added) return added;
+    if (Result<void> added = hair.givenPositions.place(frame, hair.given); !added) return added;
     if (Result<void> added = addFollowShift(frame, hair); !added) return added;
     if (Result<void> added = addMotionShift(frame, hair); !added) return added;
     if (Result<void> added = addInterpolationShift(frame, hair); !added) return added;

@@ -55,7 +55,7 @@ Result<void> SceneImpl::simulate(float dt, PassList& list) {
 
 // Where hair can collide with the meshes of the scene.
 std::optional<HairReach> SceneImpl::reachOf(const HairObject& object) const {
-  if (!object.usesMeshColliders || !object.simulated) return std::nullopt;
+  if (!object.usesMeshColliders || !isSimulated(object)) return std::nullopt;
   const HairInternals& hair = *object.internals_;
   return HairReach{ballOfCollisions(hair, object.settings.tipSeparation),
                    hair.meshColliders ? &*hair.meshColliders : nullptr};
@@ -201,6 +201,7 @@ Result<void> SceneImpl::simulateObject(HairObject& object, float length, uint32_
   HairInternals& hair = *object.internals_;
   HairFrame frame = frameOf(object, object.settings, length, steps, list);
   if (hair.solver.prepare(frame)) hair.resetPending = true;
+  if (hair.givenPositions.prepare(frame, hair.given)) hair.resetPending = true;
   if (hair.solver.restChanged()) {
     hair.bonesChanged = true;  // the roots are elsewhere
     hair.grid.remove(frame.room);
@@ -210,7 +211,7 @@ Result<void> SceneImpl::simulateObject(HairObject& object, float length, uint32_
   if (!frame.reset) {
     if (Result<void> moved = addTeleport(frame, hair); !moved) return moved;
   }
-  if (!object.simulated) return skinObject(object, frame);
+  if (!isSimulated(object)) return skinObject(object, frame);
   frame.loadShare *= blendOf(object, length);
   frame.air = airAt(frame.settings.wind, time_, frame.loadShare);
   const FieldHair fieldHair = fieldHairOf(frame, hair);

@@ -122,6 +122,7 @@ Result<void> SceneImpl::teleport(HairId id, const AffineTransform& motion) {
   if (hair.skeleton == nullptr)
     for (AffineTransform& bone : hair.bones) moveBone(bone, *move);
   moveCapsules(hair.colliders, *move);
+  moveGiven(hair.given, *move);
   hair.bonesChanged = true;
   moveState(hair, *move);
   // What open frames are taken back to.

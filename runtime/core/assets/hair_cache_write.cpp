@@ -1,0 +1,183 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <numbers>
+#include <system_error>
+#include <utility>
+
+#include "assets/hair_cache_codec.h"
+#include "assets/hair_cache_file.h"
+#include "assets/hair_cache_format.h"
+#include "base/file_io.h"
+#include "base/guard.h"
+#include "base/hash.h"
+#include "pelage/hair_asset.h"
+#include "pelage/hair_cache.h"
+
+namespace pelage {
+
+using namespace detail::hair_cache;
+using detail::append;
+
+namespace {
+
+using Bytes = std::vector<std::byte>;
+
+Error invalid(const HairCacheDef& def, std::string_view what) {
+  return Error{ErrorCode::kInvalidArgument, fmt::format("hair cache '{}': {}", def.name, what)};
+}
+
+// The step with which each vertex of a frame stays within the bound; 0 where only exact floats do.
+//
+// A coordinate x becomes n = round(x / step), and n * step in floats. The distance of a vertex is
+// at most sqrt(3) times the error of a coordinate, which is step / 2 and the rounding of the
+// product, at most an ulp of the largest coordinate. A step that is a power of two has no rounding:
+// n is below 2^24, or x is a multiple of the step. It is taken where an ulp is too much of the
+// bound.
+float stepFor(double maxCoordinate, double errorBound) {
+  if (errorBound == 0) return 0;
+  const double perAxis = errorBound / std::numbers::sqrt3;
+  const double powerOfTwo = std::exp2(std::floor(std::log2(2 * perAxis)));
+  const double ulp = std::exp2(std::ilogb(std::max(maxCoordinate, 1e-30)) - 23);
+  // The floor keeps one step for all frames of usual hair.
+  const double finest = 2 * (perAxis - std::max(ulp, errorBound / 32)) * (1 - 1e-6);
+  const double step = std::max(finest, powerOfTwo);
+  return maxCoordinate <= step * 0x1p30 ? static_cast<float>(step) : 0.0f;
+}
+
+}  // namespace
+
+Result<void> validate(const HairCacheDef& def) {
+  if (def.name.size() > kMaxNameLength)
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("hair cache: the name has {} bytes; at most {}", def.name.size(),
+                             kMaxNameLength)};
+  if (const char* fault = faultOf(def)) return invalid(def, fault);
+  return {};
+}
+
+uint32_t vertexCountOf(const HairCacheDef& def) {
+  return static_cast<uint32_t>(countVertices(def));
+}
+
+struct HairCacheWriter::Impl {
+  HairCacheDef def;
+  std::vector<Chunk> chunks;
+  OutputFile file;
+  std::vector<IndexEntry> index;
+  Encoder encoder;
+  std::vector<uint32_t> values, last, beforeLast;
+  float step = 0;
+  Bytes record, contents;
+  bool closed = false;
+
+  Impl(HairCacheDef d, OutputFile f)
+      : def(std::move(d)), chunks(chunksOf(def)), file(std::move(f)) {}
+
+  void quantize(std::span<const Float3> positions);
+  void encodeFrame(uint32_t fromKey);
+  Result<void> append(std::span<const Float3> positions);
+  Result<void> close();
+};
+
+// Fills `values`.
+void HairCacheWriter::Impl::quantize(std::span<const Float3> positions) {
+  values.resize(3 * positions.size());
+  const double inverse = step > 0 ? 1 / static_cast<double>(step) : 0;
+  const auto integer = [&](float x) {
+    return step > 0 ? static_cast<uint32_t>(std::llrint(x * inverse)) : orderedBits(x);
+  };
+  for (size_t i = 0; i < positions.size(); ++i) {
+    values[3 * i] = integer(positions[i].x);
+    values[3 * i + 1] = integer(positions[i].y);
+    values[3 * i + 2] = integer(positions[i].z);
+  }
+}
+
+// Makes `record` of `values`.
+void HairCacheWriter::Impl::encodeFrame(uint32_t fromKey) {
+  record.clear();
+  contents.clear();
+  detail::append(record, FrameHeader{.isKey = fromKey == 0 ? 1u : 0u,
+                                     .step = step,
+                                     .chunkCount = static_cast<uint32_t>(chunks.size())});
+  const auto maxTimeOrder = static_cast<uint8_t>(std::min(fromKey, 2u));
+  for (const Chunk& chunk : chunks) {
+    const size_t at = size_t{3} * chunk.firstVertex;
+    const History history = {fromKey > 0 ? last.data() + at : nullptr,
+                             fromKey > 1 ? beforeLast.data() + at : nullptr};
+    detail::append(record,
+                   encoder.encode(def, chunk, values.data() + at, history, maxTimeOrder, contents));
+  }
+  record.insert(record.end(), contents.begin(), contents.end());
+}
+
+Result<void> HairCacheWriter::Impl::append(std::span<const Float3> positions) {
+  if (closed) return invalid(def, "the writer is closed");
+  if (positions.size() != countVertices(def))
+    return invalid(
+        def, fmt::format("{} positions for {} vertices", positions.size(), countVertices(def)));
+  float maxCoordinate = 0;
+  for (size_t i = 0; i < positions.size(); ++i) {
+    const Float3& p = positions[i];
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+      return invalid(def, fmt::format("frame {}: vertex {} is not finite",
+                                      def.firstFrame + static_cast<int64_t>(index.size()), i));
+    maxCoordinate = std::max({maxCoordinate, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  }
+  const float newStep = stepFor(maxCoordinate, def.errorBound);
+  const int64_t number = def.firstFrame + static_cast<int64_t>(index.size());
+  const bool isKey = index.empty() || number % def.keyInterval == 0 || newStep != step;
+  step = newStep;
+  quantize(positions);
+  IndexEntry entry;
+  entry.fromKey = isKey ? 0 : index.back().fromKey + 1;
+  encodeFrame(entry.fromKey);
+  entry.offset = file.size();
+  entry.byteCount = static_cast<uint32_t>(record.size());
+  entry.checksum = detail::hash64(record);
+  if (auto r = file.write(record); !r) return r;
+  index.push_back(entry);
+  // values -> last -> beforeLast
+  beforeLast.swap(last);
+  last.swap(values);
+  return {};
+}
+
+Result<void> HairCacheWriter::Impl::close() {
+  if (closed) return invalid(def, "the writer is closed");
+  closed = true;
+  if (auto r = file.write(packIndex(index, file.size())); !r) return r;
+  return file.close();
+}
+
+HairCacheWriter::HairCacheWriter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+HairCacheWriter::HairCacheWriter(HairCacheWriter&&) noexcept = default;
+HairCacheWriter& HairCacheWriter::operator=(HairCacheWriter&&) noexcept = default;
+HairCacheWriter::~HairCacheWriter() = default;
+
+Result<HairCacheWriter> HairCacheWriter::create(const std::filesystem::path& path,
+                                                HairCacheDef def) {
+  return detail::guarded([&]() -> Result<HairCacheWriter> {
+    if (auto r = validate(def); !r) return r.error();
+    auto file = OutputFile::create(path);
+    if (!file) return file.error();
+    auto impl = std::make_unique<Impl>(std::move(def), std::move(*file));
+    if (auto r = impl->file.write(packHeader(impl->def)); !r) return r.error();
+    return HairCacheWriter(std::move(impl));
+  });
+}
+
+Result<void> HairCacheWriter::append(std::span<const Float3> positions) {
+  return detail::guarded([&] { return impl_->append(positions); });
+}
+Result<void> HairCacheWriter::close() {
+  return detail::guarded([&] { return impl_->close(); });
+}
+uint64_t HairCacheWriter::frameCount() const { return impl_->index.size(); }
+uint64_t HairCacheWriter::byteCount() const { return impl_->file.size(); }
+
+}  // namespace pelage

@@ -1,0 +1,43 @@
+#include "simulation/given_positions.h"
+
+#include "pelage/bindings.h"
+#include "pelage/kernels.h"
+#include "simulation/hair_passes.h"
+
+namespace pelage::detail {
+
+bool GivenPositions::prepare(const HairFrame& frame, const GivenShape& shape) {
+  const bool wasOn = buffer_ != BufferId::kInvalid;
+  if (!shape.isOn()) {
+    remove(frame.room);
+  } else if (!wasOn) {
+    buffer_ = frame.room.add(frame.name + "/givenPositions", frame.guideVertices(), kVector, {},
+                             BufferUsage::kStorage | BufferUsage::kUpload);
+    forget();
+  }
+  return wasOn && !shape.isOn();
+}
+
+Result<void> GivenPositions::place(const HairFrame& frame, const GivenShape& shape) {
+  if (buffer_ == BufferId::kInvalid) return {};
+  if (version_ != shape.version)
+    addUpload(frame.list, buffer_, std::as_bytes(std::span(shape.positions)));
+  version_ = shape.version;
+  const uint64_t bytes = frame.guideVertices() * kVector;
+  // All of the way from the positions to themselves: what is left are the tangents.
+  InterpolateStrandsConstants constants = {};
+  constants.interpolatedCount = static_cast<uint32_t>(frame.guideVertices());
+  constants.interpolatedVertices = frame.vertexCount;
+  constants.interpolatedShare = 1;
+  PassBuilder builder(frame.list);
+  dispatchRows(builder, interpolateStrandsVariant({}), frame.guideVertices());
+  return builder.bytes(3 * bytes).finish(InterpolateStrandsBindings{
+      .interpolateStrandsConstants = constants,
+      .positionsBefore = {buffer_, bytes},
+      .positionsNow = {buffer_, bytes},
+      .drawnPositions = {frame.buffers.positions, bytes},
+      .drawnTangents = {frame.buffers.tangents, bytes},
+  });
+}
+
+}  // namespace pelage::detail

@@ -1,0 +1,418 @@
+#include "pelage/authoring/usd_curves.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <optional>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "base/bounds.h"
+#include "base/file_io.h"
+#include "base/guard.h"
+
+namespace pelage {
+namespace {
+
+constexpr int64_t kMaxFrameNumber = int64_t{1} << 40;
+constexpr size_t kMaxName = 255;
+// Room for the last time code, which is known in the end: digits, sign and spaces.
+constexpr int kTimeDigits = 16;
+
+Error invalid(std::string_view what) {
+  return Error{ErrorCode::kInvalidArgument, fmt::format("USD curves: {}", what)};
+}
+
+bool isIdentifier(std::string_view name) {
+  const auto isLetter = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
+  };
+  return !name.empty() && name.size() <= kMaxName && isLetter(name[0]) &&
+         std::all_of(name.begin(), name.end(),
+                     [&](char c) { return isLetter(c) || (c >= '0' && c <= '9'); });
+}
+
+uint64_t verticesOf(const UsdCurvesDef& def) {
+  uint64_t count = 0;
+  for (const uint32_t vertices : def.vertexCounts) count += vertices;
+  return count;
+}
+
+detail::Box boundsOf(std::span<const Float3> positions) {
+  detail::Box box;
+  for (const Float3& p : positions) box = detail::include(box, p);
+  return box;
+}
+
+// Text of a file, in parts.
+using Text = fmt::memory_buffer;
+
+template <class... Args>
+void add(Text& text, fmt::format_string<Args...> format, Args&&... args) {
+  fmt::format_to(std::back_inserter(text), format, std::forward<Args>(args)...);
+}
+
+void addVector(Text& text, const Float3& v) { add(text, "({}, {}, {})", v.x, v.y, v.z); }
+
+void addVectors(Text& text, std::span<const Float3> vectors) {
+  text.push_back('[');
+  for (size_t i = 0; i < vectors.size(); ++i) {
+    if (i > 0) text.append(std::string_view(", "));
+    addVector(text, vectors[i]);
+  }
+  text.push_back(']');
+}
+
+template <class T>
+void addNumbers(Text& text, std::span<const T> numbers) {
+  text.push_back('[');
+  for (size_t i = 0; i < numbers.size(); ++i) add(text, "{}{}", i > 0 ? ", " : "", numbers[i]);
+  text.push_back(']');
+}
+
+// The metadata of a layer. \param endTime as it is to be printed
+void addLayer(Text& text, const UsdCurvesDef& def, int64_t startTime, std::string_view endTime) {
+  add(text,
+      "#usda 1.0\n(\n    defaultPrim = \"{}\"\n    endTimeCode = {}\n    framesPerSecond = {}\n"
+      "    metersPerUnit = 1\n    startTimeCode = {}\n    timeCodesPerSecond = {}\n"
+      "    upAxis = \"Y\"\n)\n\n",
+      def.name, endTime, def.framesPerSecond, startTime, def.framesPerSecond);
+}
+
+const char* interpolationOf(const UsdCurvesDef& def) {
+  if (def.widths.size() == 1) return "constant";
+  return def.widths.size() == def.vertexCounts.size() ? "uniform" : "vertex";
+}
+
+// What no frame changes.
+void addConstants(Text& text, const UsdCurvesDef& def) {
+  text.append(std::string_view("    int[] curveVertexCounts = "));
+  addNumbers(text, std::span(def.vertexCounts));
+  text.append(std::string_view(
+      "\n    uniform token type = \"linear\"\n    uniform token wrap = \"nonperiodic\"\n"));
+  if (!def.widths.empty()) {
+    text.append(std::string_view("    float[] widths = "));
+    addNumbers(text, std::span(def.widths));
+    add(text, " (\n        interpolation = \"{}\"\n    )\n", interpolationOf(def));
+  }
+  if (!def.strandIds.empty()) {
+    text.append(std::string_view("    int64[] primvars:id = "));
+    addNumbers(text, std::span(def.strandIds));
+    text.append(std::string_view(" (\n        interpolation = \"uniform\"\n    )\n"));
+  }
+}
+
+// A file that is removed unless it is kept.
+class PartialFile {
+ public:
+  explicit PartialFile(std::filesystem::path path) : path_(std::move(path)) {
+    file_.open(path_, std::ios::binary | std::ios::in | std::ios::out | std::ios::trunc);
+  }
+  PartialFile(const PartialFile&) = delete;
+  PartialFile& operator=(const PartialFile&) = delete;
+  ~PartialFile() {
+    if (path_.empty()) return;
+    file_.close();
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+  }
+
+  std::fstream& stream() { return file_; }
+  Result<void> check(const char* what) const {
+    if (file_) return {};
+    return Error{ErrorCode::kFileNotFound, fmt::format("{}: {}", path_.string(), what)};
+  }
+  Result<void> write(Text& text) {
+    file_.write(text.data(), static_cast<std::streamsize>(text.size()));
+    text.clear();
+    return check("cannot be written; is the disk full?");
+  }
+  Result<void> rename(const std::filesystem::path& to) {
+    file_.close();
+    if (auto r = check("cannot be written; is the disk full?"); !r) return r;
+    std::error_code error;
+    std::filesystem::rename(path_, to, error);
+    if (error)
+      return Error{ErrorCode::kFileNotFound,
+                   fmt::format("{}: {}", path_.string(), error.message())};
+    path_.clear();
+    return {};
+  }
+
+ private:
+  std::filesystem::path path_;
+  std::fstream file_;
+};
+
+std::filesystem::path withSuffix(std::filesystem::path path, const char* suffix) {
+  path += suffix;
+  return path;
+}
+
+}  // namespace
+
+Result<void> validate(const UsdCurvesDef& def) {
+  if (!isIdentifier(def.name))
+    return invalid(fmt::format("'{}' is no name of a prim: letters, digits and _, no digit first",
+                               def.name.substr(0, kMaxName)));
+  if (def.vertexCounts.empty()) return invalid("there are no strands");
+  for (size_t s = 0; s < def.vertexCounts.size(); ++s)
+    if (def.vertexCounts[s] < 2)
+      return invalid(fmt::format("strand {} has {} vertices; linear curves have at least 2", s,
+                                 def.vertexCounts[s]));
+  const uint64_t vertices = verticesOf(def);
+  if (vertices > std::numeric_limits<int32_t>::max()) return invalid("more than 2^31 - 1 vertices");
+  if (!def.widths.empty() && def.widths.size() != 1 &&
+      def.widths.size() != def.vertexCounts.size() && def.widths.size() != vertices)
+    return invalid(fmt::format(
+        "{} widths, which is neither 1 nor the number of strands or vertices", def.widths.size()));
+  for (const float width : def.widths)
+    if (!(width >= 0 && std::isfinite(width))) return invalid("a width is negative or not finite");
+  if (!def.strandIds.empty() && def.strandIds.size() != def.vertexCounts.size())
+    return invalid("strandIds has not one id a strand");
+  for (const uint64_t id : def.strandIds)
+    if (id > std::numeric_limits<int64_t>::max()) return invalid("an id is 2^63 or more");
+  if (!(def.framesPerSecond >= 1e-3 && def.framesPerSecond <= 1e6))
+    return invalid("framesPerSecond is not within 1e-3..1e6");
+  if (def.firstFrame < -kMaxFrameNumber || def.firstFrame > kMaxFrameNumber)
+    return invalid("firstFrame is not within +-2^40");
+  return {};
+}
+
+struct UsdCurvesWriter::Impl {
+  Impl(std::filesystem::path p, UsdCurvesDef d)
+      : path(std::move(p)),
+        def(std::move(d)),
+        vertexCount(verticesOf(def)),
+        file(withSuffix(path, ".partial")) {
+    if (def.velocities) velocities.emplace(withSuffix(path, ".velocities.partial"));
+  }
+
+  std::filesystem::path path;
+  UsdCurvesDef def;
+  uint64_t vertexCount;
+  PartialFile file;
+  std::optional<PartialFile> velocities;
+  std::streamoff endTimeAt = 0;  ///< where the last time code is to be
+  int64_t frameCount = 0;
+  bool closed = false;
+  std::vector<Float3> beforeLast, last, velocity;
+  std::vector<detail::Box> extents;  ///< [frame] without widths
+  Text text;
+
+  Result<void> begin();
+  Result<void> append(std::span<const Float3> positions);
+  Result<void> addVelocities(int64_t frame, std::span<const Float3> from,
+                             std::span<const Float3> to, int frames);
+  void addExtents();
+  Result<void> addVelocitySamples();
+  Result<void> close();
+};
+
+Result<void> UsdCurvesWriter::Impl::begin() {
+  if (auto r = file.check("cannot be created; check the folder and its permissions"); !r) return r;
+  if (velocities)
+    if (auto r = velocities->check("cannot be created"); !r) return r;
+  const std::string room(kTimeDigits, ' ');
+  addLayer(text, def, def.firstFrame, room);
+  endTimeAt =
+      static_cast<std::streamoff>(std::string_view(text.data(), text.size()).find("= " + room)) + 2;
+  add(text, "def BasisCurves \"{}\"\n{{\n", def.name);
+  addConstants(text, def);
+  text.append(std::string_view("    point3f[] points.timeSamples = {\n"));
+  return file.write(text);
+}
+
+// The sample of a frame, from the change over some frames around it.
+Result<void> UsdCurvesWriter::Impl::addVelocities(int64_t frame, std::span<const Float3> from,
+                                                  std::span<const Float3> to, int frames) {
+  const double perSecond = frames > 0 ? def.framesPerSecond / frames : 0;
+  const auto speed = [&](float a, float b) {
+    return static_cast<float>((static_cast<double>(b) - static_cast<double>(a)) * perSecond);
+  };
+  velocity.resize(from.size());
+  for (size_t i = 0; i < from.size(); ++i) {
+    velocity[i] = {speed(from[i].x, to[i].x), speed(from[i].y, to[i].y), speed(from[i].z, to[i].z)};
+    if (!detail::isFinite(velocity[i]))
+      return invalid(fmt::format("frame {}: the velocity of vertex {} is not finite",
+                                 def.firstFrame + frame, i));
+  }
+  add(text, "        {}: ", def.firstFrame + frame);
+  addVectors(text, velocity);
+  text.append(std::string_view(",\n"));
+  return velocities->write(text);
+}
+
+Result<void> UsdCurvesWriter::Impl::append(std::span<const Float3> positions) {
+  if (closed) return invalid("the writer is closed");
+  if (positions.size() != vertexCount)
+    return invalid(fmt::format("{} positions for {} vertices", positions.size(), vertexCount));
+  const auto broken = std::find_if_not(positions.begin(), positions.end(),
+                                       [](const Float3& p) { return detail::isFinite(p); });
+  if (broken != positions.end())
+    return invalid(fmt::format("frame {}: vertex {} is not finite", def.firstFrame + frameCount,
+                               broken - positions.begin()));
+  if (velocities && frameCount > 0) {
+    const bool central = frameCount > 1;
+    if (auto r =
+            addVelocities(frameCount - 1, central ? beforeLast : last, positions, central ? 2 : 1);
+        !r)
+      return r;
+  }
+  add(text, "        {}: ", def.firstFrame + frameCount);
+  addVectors(text, positions);
+  text.append(std::string_view(",\n"));
+  extents.push_back(boundsOf(positions));
+  ++frameCount;
+  beforeLast.swap(last);
+  last.assign(positions.begin(), positions.end());
+  return file.write(text);
+}
+
+void UsdCurvesWriter::Impl::addExtents() {
+  const float radius =
+      def.widths.empty() ? 0 : *std::max_element(def.widths.begin(), def.widths.end()) / 2;
+  text.append(std::string_view("    float3[] extent.timeSamples = {\n"));
+  for (size_t f = 0; f < extents.size(); ++f) {
+    const auto& [low, high] = extents[f];
+    add(text, "        {}: [", def.firstFrame + static_cast<int64_t>(f));
+    addVector(text, {low.x - radius, low.y - radius, low.z - radius});
+    text.append(std::string_view(", "));
+    addVector(text, {high.x + radius, high.y + radius, high.z + radius});
+    text.append(std::string_view("],\n"));
+  }
+  text.append(std::string_view("    }\n"));
+}
+
+// Copies the samples behind the points.
+Result<void> UsdCurvesWriter::Impl::addVelocitySamples() {
+  const bool several = frameCount > 1;
+  if (auto r = addVelocities(frameCount - 1, several ? beforeLast : last, last, several ? 1 : 0);
+      !r)
+    return r;
+  text.append(std::string_view("    vector3f[] velocities.timeSamples = {\n"));
+  if (auto r = file.write(text); !r) return r;
+  std::fstream& from = velocities->stream();
+  from.seekg(0);
+  file.stream() << from.rdbuf();
+  text.append(std::string_view("    }\n"));
+  return file.check("cannot be written; is the disk full?");
+}
+
+Result<void> UsdCurvesWriter::Impl::close() {
+  if (closed) return invalid("the writer is closed");
+  if (frameCount == 0) return invalid("no frame was added");
+  closed = true;
+  text.append(std::string_view("    }\n"));
+  if (auto r = file.write(text); !r) return r;
+  if (velocities)
+    if (auto r = addVelocitySamples(); !r) return r;
+  addExtents();
+  text.append(std::string_view("}\n"));
+  if (auto r = file.write(text); !r) return r;
+  file.stream().seekp(endTimeAt);
+  add(text, "{}", def.firstFrame + frameCount - 1);
+  if (auto r = file.write(text); !r) return r;
+  return file.rename(path);
+}
+
+UsdCurvesWriter::UsdCurvesWriter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+UsdCurvesWriter::UsdCurvesWriter(UsdCurvesWriter&&) noexcept = default;
+UsdCurvesWriter& UsdCurvesWriter::operator=(UsdCurvesWriter&&) noexcept = default;
+UsdCurvesWriter::~UsdCurvesWriter() = default;
+
+Result<UsdCurvesWriter> UsdCurvesWriter::create(const std::filesystem::path& path,
+                                                UsdCurvesDef def) {
+  return detail::guarded([&]() -> Result<UsdCurvesWriter> {
+    if (auto r = validate(def); !r) return r.error();
+    auto impl = std::make_unique<Impl>(path, std::move(def));
+    if (auto r = impl->begin(); !r) return r.error();
+    return UsdCurvesWriter(std::move(impl));
+  });
+}
+
+Result<void> UsdCurvesWriter::append(std::span<const Float3> positions) {
+  return detail::guarded([&] { return impl_->append(positions); });
+}
+Result<void> UsdCurvesWriter::close() {
+  return detail::guarded([&] { return impl_->close(); });
+}
+
+namespace {
+
+Result<void> checkClips(std::span<const UsdClip> clips) {
+  if (clips.empty()) return invalid("there are no clips");
+  for (size_t i = 0; i < clips.size(); ++i) {
+    const UsdClip& clip = clips[i];
+    const auto isBad = [](unsigned char c) { return c == '@' || c < 0x20 || c == 0x7f; };
+    if (clip.file.empty() || std::any_of(clip.file.begin(), clip.file.end(), isBad))
+      return invalid(fmt::format("clip {} has no file that USD can name", i));
+    if (clip.frameCount < 1 || clip.frameCount > kMaxFrameNumber ||
+        clip.firstFrame < -kMaxFrameNumber || clip.firstFrame > kMaxFrameNumber)
+      return invalid(fmt::format("clip {} has no frames, or too many", i));
+    if (i > 0 &&
+        clip.firstFrame != clips[i - 1].firstFrame + static_cast<int64_t>(clips[i - 1].frameCount))
+      return invalid(fmt::format("clip {} does not begin where the one before it ends", i));
+  }
+  return {};
+}
+
+// The names that are in the clips.
+void addManifest(Text& text, const UsdCurvesDef& def) {
+  add(text, "#usda 1.0\n(\n    defaultPrim = \"{}\"\n)\n\n", def.name);
+  add(text, "over \"{}\"\n{{\n    float3[] extent\n    point3f[] points\n", def.name);
+  if (def.velocities) text.append(std::string_view("    vector3f[] velocities\n"));
+  text.append(std::string_view("}\n"));
+}
+
+void addRoot(Text& text, const UsdCurvesDef& def, std::span<const UsdClip> clips,
+             std::string_view manifest) {
+  const int64_t first = clips.front().firstFrame;
+  const int64_t last = clips.back().firstFrame + static_cast<int64_t>(clips.back().frameCount) - 1;
+  addLayer(text, def, first, std::to_string(last));
+  add(text,
+      "def BasisCurves \"{}\" (\n    clips = {{\n        dictionary default = {{\n"
+      "            double2[] active = [",
+      def.name);
+  for (size_t i = 0; i < clips.size(); ++i)
+    add(text, "{}({}, {})", i > 0 ? ", " : "", clips[i].firstFrame, i);
+  text.append(std::string_view("]\n            asset[] assetPaths = ["));
+  for (size_t i = 0; i < clips.size(); ++i) add(text, "{}@{}@", i > 0 ? ", " : "", clips[i].file);
+  // The time of a clip is that of the shot.
+  add(text,
+      "]\n            asset manifestAssetPath = @./{}@\n            string primPath = \"/{}\"\n"
+      "            double2[] times = [({}, {})",
+      manifest, def.name, first, first);
+  if (last > first) add(text, ", ({}, {})", last, last);
+  text.append(std::string_view("]\n        }\n    }\n)\n{\n"));
+  addConstants(text, def);
+  text.append(std::string_view("}\n"));
+}
+
+Result<void> saveClips(const std::filesystem::path& path, const UsdCurvesDef& def,
+                       std::span<const UsdClip> clips) {
+  if (auto r = validate(def); !r) return r;
+  if (auto r = checkClips(clips); !r) return r;
+  const std::string manifest = path.stem().string() + ".manifest.usda";
+  Text text;
+  addManifest(text, def);
+  const auto bytes = [&] { return std::as_bytes(std::span(text.data(), text.size())); };
+  if (auto r = detail::writeFile(path.parent_path() / manifest, bytes()); !r) return r;
+  text.clear();
+  addRoot(text, def, clips, manifest);
+  return detail::writeFile(path, bytes());
+}
+
+}  // namespace
+
+Result<void> saveUsdClips(const std::filesystem::path& path, const UsdCurvesDef& def,
+                          std::span<const UsdClip> clips) {
+  return detail::guarded([&] { return saveClips(path, def, clips); });
+}
+
+}  // namespace pelage
