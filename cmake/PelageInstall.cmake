@@ -14,7 +14,8 @@ if(PELAGE_MESH_IMPORT)
 endif()
 
 if(PELAGE_AUTHORING)
-  list(APPEND pelage_targets pelage_authoring pelage_convert)
+  list(APPEND pelage_targets pelage_authoring pelage_convert
+    pelage_bake_program)
 endif()
 
 set(pelage_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/pelage)
@@ -38,6 +39,7 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs DESTINATION ${CMAKE_INSTALL_DOCDIR}
 install(FILES ${PROJECT_SOURCE_DIR}/docs/man/pelage-codegen.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 if(PELAGE_AUTHORING)
   install(FILES ${PROJECT_SOURCE_DIR}/docs/man/pelage-convert.1
+    ${PROJECT_SOURCE_DIR}/docs/man/pelage-bake.1
     DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 endif()
 

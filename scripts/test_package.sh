@@ -49,6 +49,7 @@ rm -rf "$root/consumer"
 cp -r tests/consumer "$root/consumer"
 in_root sh -ec 'cd /consumer
 pelage-convert --version
+pelage-bake --version
 pelage-codegen --help >/dev/null
 # With only what the package depends on: all components are found.
 cmake -S components -B build/components -G Ninja && cmake --build build/components

@@ -40,6 +40,10 @@ struct HeadlessDef {
   /// Which device when there are several, in the driver's order; -1 takes a discrete GPU, else an
   /// integrated one, else a software driver.
   int deviceIndex = -1;
+  /// Vulkan: the device with this UUID, in place of an index: 32 hexadecimal digits, as
+  /// DeviceInfo::uuid has them or with '-' between them; "GPU-" before them, as nvidia-smi writes
+  /// it, is left out. Empty: by the index. An error with OpenGL, whose devices have none.
+  std::string deviceUuid = {};
   /// The device counts as one of at most this tier; see RuntimeDef::maxTier.
   Tier maxTier = Tier::kWide;
 };
@@ -49,6 +53,7 @@ struct DeviceInfo {
   std::string name;         ///< of the GPU
   std::string driver;       ///< with its version
   std::string version;      ///< of the API: "1.3.230", "4.5 (Core Profile)"
+  std::string uuid;         ///< Vulkan: 32 hexadecimal digits; else empty
   bool software = false;    ///< runs on the CPU (lavapipe, llvmpipe)
   uint32_t maxSamples = 1;  ///< of a 16-bit float colour target with a depth target
   /// The sample counts that such a target can have, as a sum of 1, 2, 4 and 8.

@@ -698,6 +698,8 @@ Result<RenderedImage> HeadlessGl::render(std::span<const PassList* const> lists,
 
 Result<std::unique_ptr<HeadlessDevice>> createHeadlessGl(const HeadlessDef& def) {
   PELAGE_ASSERT(def.api != Api::kVulkan, "createHeadlessGl() makes OpenGL and OpenGL ES devices");
+  if (!def.deviceUuid.empty())
+    return unsupported("devices of OpenGL have no UUID: choose one by HeadlessDef::deviceIndex");
   Result<std::vector<Candidate>> candidates = findCandidates(def.deviceIndex);
   if (!candidates) return candidates.error();
   std::string reasons;

@@ -10,8 +10,10 @@
 #include <array>
 #include <atomic>
 #include <bit>
+#include <cctype>
 #include <cstdio>
 #include <cstring>
+#include <string_view>
 
 #include "buffer_memory.h"
 #include "device.h"
@@ -62,6 +64,25 @@ bool hasExtension(const std::vector<Properties>& extensions, const char* name) {
   });
 }
 
+// 32 hexadecimal digits. The device has Vulkan 1.1.
+std::string uuidOf(const Functions& vk, VkPhysicalDevice device) {
+  auto ids = tagged<VkPhysicalDeviceIDProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES);
+  auto properties =
+      tagged<VkPhysicalDeviceProperties2>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2);
+  properties.pNext = &ids;
+  vk.GetPhysicalDeviceProperties2(device, &properties);
+  return fmt::format("{:02x}", fmt::join(ids.deviceUUID, ""));
+}
+
+// The digits alone, in lower case.
+std::string plainUuid(std::string_view text) {
+  if (text.starts_with("GPU-")) text.remove_prefix(4);
+  std::string digits;
+  for (const char c : text)
+    if (c != '-') digits += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return digits;
+}
+
 class HeadlessVulkan final : public HeadlessDevice {
  public:
   HeadlessVulkan() = default;
@@ -86,7 +107,7 @@ class HeadlessVulkan final : public HeadlessDevice {
 
  private:
   Result<void> createInstance(const HeadlessDef& def);
-  Result<void> choosePhysicalDevice(int index);
+  Result<void> choosePhysicalDevice(const HeadlessDef& def);
   Result<void> createDevice();
   Result<void> describe();
   uint32_t sampleCounts(VkFormat color) const;
@@ -152,7 +173,7 @@ Result<void> HeadlessVulkan::open(const HeadlessDef& def) {
   maxTier_ = def.maxTier;
   if (Result<void> done = device_.vk.loadGlobal(nullptr); !done) return done;
   if (Result<void> done = createInstance(def); !done) return done;
-  if (Result<void> done = choosePhysicalDevice(def.deviceIndex); !done) return done;
+  if (Result<void> done = choosePhysicalDevice(def); !done) return done;
   if (Result<void> done = createDevice(); !done) return done;
   return describe();
 }
@@ -266,7 +287,8 @@ Result<void> HeadlessVulkan::createInstance(const HeadlessDef& def) {
   return {};
 }
 
-Result<void> HeadlessVulkan::choosePhysicalDevice(int index) {
+Result<void> HeadlessVulkan::choosePhysicalDevice(const HeadlessDef& def) {
+  int index = def.deviceIndex;
   const Functions& vk = device_.vk;
   uint32_t count = 0;
   VkResult result = vk.EnumeratePhysicalDevices(device_.instance, &count, nullptr);
@@ -295,22 +317,30 @@ Result<void> HeadlessVulkan::choosePhysicalDevice(int index) {
         return 4;
     }
   };
+  if (!def.deviceUuid.empty()) index = -1;
   std::string names;
   int best = -1;
   int bestRank = 0;
   for (size_t i = 0; i < devices.size(); ++i) {
     VkPhysicalDeviceProperties properties = {};
     vk.GetPhysicalDeviceProperties(devices[i], &properties);
-    names += fmt::format("{}{}: {}", i == 0 ? "" : ", ", i, properties.deviceName);
+    const std::string uuid =
+        properties.apiVersion >= VK_API_VERSION_1_1 ? uuidOf(vk, devices[i]) : std::string();
+    names += fmt::format("{}{}: {} ({})", i == 0 ? "" : ", ", i, properties.deviceName, uuid);
+    if (!def.deviceUuid.empty() && uuid == plainUuid(def.deviceUuid)) index = static_cast<int>(i);
     const int here = rank(properties.deviceType);
     if (properties.apiVersion >= VK_API_VERSION_1_1 && (best < 0 || here < bestRank)) {
       best = static_cast<int>(i);
       bestRank = here;
     }
   }
-  if (index < -1 || index >= static_cast<int>(devices.size())) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("there is no Vulkan device {}; the devices are: {}", index, names)};
+  const bool found =
+      def.deviceUuid.empty() ? index >= -1 && index < static_cast<int>(devices.size()) : index >= 0;
+  if (!found) {
+    return Error{
+        ErrorCode::kInvalidArgument,
+        fmt::format("there is no Vulkan device {}; the devices are: {}",
+                    def.deviceUuid.empty() ? std::to_string(index) : def.deviceUuid, names)};
   }
   if (index >= 0) best = index;
   if (best < 0) {
@@ -437,6 +467,7 @@ Result<void> HeadlessVulkan::describe() {
                      ? fmt::format("{} {}", driver.driverName, driver.driverInfo)
                      : fmt::format("driver version {:#x}", device_.properties.driverVersion);
   info_.version = versionText(device_.properties.apiVersion);
+  info_.uuid = uuidOf(vk, device_.physical);
   info_.software = device_.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
   info_.sampleCounts = sampleCounts(RenderTarget::kColorFormat);
   info_.maxSamples = std::bit_floor(info_.sampleCounts);

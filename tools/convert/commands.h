@@ -4,7 +4,13 @@
 
 #include "session.h"
 
+namespace CLI {
+class App;
+}
+
 namespace pelage::convert {
+
+using program::Session;
 
 void addBindCommand(CLI::App& app, Session& session);
 void addCacheCommand(CLI::App& app, Session& session);

@@ -1,18 +1,22 @@
 // pelage-convert: from the files of modeling programs to hair, bones and collision meshes.
 #include <CLI/CLI.hpp>
 #include <exception>
+#include <string_view>
 
 #include "commands.h"
-#include "session.h"
+#include "program_messages.h"
 
 namespace {
 
+constexpr const char* kProgram = "pelage-convert";
 constexpr int kFailure = 1, kBadArguments = 2;
 
+void printError(std::string_view text) { pelage::program::printError(kProgram, text); }
+
 int runProgram(int argc, char** argv) {
-  pelage::convert::Session session;
+  pelage::convert::Session session(kProgram);
   CLI::App app{"Prepares hair, bone weights and collision meshes for pelage."};
-  app.name("pelage-convert");
+  app.name(kProgram);
   app.set_version_flag("--version", PELAGE_CONVERT_VERSION);
   app.require_subcommand(1);
   app.fallthrough();
@@ -29,11 +33,11 @@ int runProgram(int argc, char** argv) {
   } catch (const CLI::Success& asked) {  // help, version
     return app.exit(asked);
   } catch (const CLI::ParseError& error) {
-    pelage::convert::printError(error.what());
+    printError(error.what());
     return kBadArguments;
   }
   if (const auto done = session.command(); !done) {
-    pelage::convert::printError(done.error().message);
+    printError(done.error().message);
     return kFailure;
   }
   session.print();
@@ -47,7 +51,7 @@ int main(int argc, char** argv) {
   try {
     return runProgram(argc, argv);
   } catch (const std::exception& error) {
-    pelage::convert::printError(error.what());
+    printError(error.what());
     return kFailure;
   }
 }

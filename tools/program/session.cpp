@@ -9,10 +9,9 @@
 
 #include "program_messages.h"
 
-namespace pelage::convert {
+namespace pelage::program {
 namespace {
 
-constexpr const char* kProgram = "pelage-convert";
 constexpr int kBarWidth = 32;
 
 }  // namespace
@@ -31,7 +30,7 @@ void Session::beginFile() {
 }
 
 void Session::warn(std::string text) {
-  if (!quiet) program::printWarning(kProgram, text);
+  if (!quiet) printWarning(program_, text);
   warnings_.push_back(std::move(text));
 }
 
@@ -70,6 +69,4 @@ void Session::progress(std::string_view what, uint64_t done, uint64_t total) {
   std::fflush(stderr);
 }
 
-void printError(std::string_view text) { program::printError(kProgram, text); }
-
-}  // namespace pelage::convert
+}  // namespace pelage::program

@@ -1,4 +1,4 @@
-// What the commands of pelage-convert share: the report, for people or as JSON, and progress.
+// What the commands of a program share: the report, for people or as JSON, and progress.
 #pragma once
 
 #include <cstdint>
@@ -6,19 +6,20 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "pelage/result.h"
 
-namespace CLI {
-class App;
-}
-
-namespace pelage::convert {
+namespace pelage::program {
 
 /// One run of the program. A command adds facts to the report in the order in which they are to be
 /// read; the session prints them at the end, as lines "label: text" or as one JSON object.
 class Session {
  public:
+  /// \param program  its name, for warnings
+  explicit Session(std::string program) : program_(std::move(program)) {}
+
   bool json = false;   ///< --json
   bool quiet = false;  ///< --quiet
 
@@ -43,6 +44,7 @@ class Session {
   struct Line {
     std::string label, text;
   };
+  std::string program_;
   nlohmann::ordered_json report_;
   std::vector<nlohmann::ordered_json> earlier_;  // reports of the files before
   std::vector<Line> lines_;
@@ -50,7 +52,4 @@ class Session {
   uint64_t drawnPermille_ = ~uint64_t{0};
 };
 
-/// Prints `pelage-convert: error: ...` on stderr, in one line.
-void printError(std::string_view text);
-
-}  // namespace pelage::convert
+}  // namespace pelage::program

@@ -1,0 +1,316 @@
+// Runs of shots: whatever ends them, the next one goes on, and the files are those of an
+// undisturbed run.
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <map>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "bake/bake_folder.h"
+#include "checkpoint.h"
+#include "pelage/hair_cache.h"
+#include "plan.h"
+#include "shot_run.h"
+#include "shot_store.h"
+#include "support/plain_asset.h"
+#include "support/required_devices.h"
+
+namespace pelage::bake {
+namespace {
+
+using test::BakeFolder;
+using test::contentsOf;
+
+// A box of 6 cm below the strands, of which one half follows another bone.
+CollisionMesh box() {
+  CollisionMesh mesh;
+  mesh.bones = {{0, "head"}, {1, "neck"}};
+  for (int corner = 0; corner < 8; ++corner) {
+    mesh.positions.push_back({(corner & 1) != 0 ? 0.10f : 0.04f, (corner & 2) != 0 ? 0.0f : -0.06f,
+                              (corner & 4) != 0 ? 0.03f : -0.03f});
+    mesh.normals.push_back({0, 1, 0});
+    BoneInfluences bone;
+    bone.bones[0] = (corner & 1) != 0 ? 1 : 0;
+    bone.weights[0] = 1;
+    mesh.influences.push_back(bone);
+  }
+  mesh.indices = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
+                  2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
+  return mesh;
+}
+
+class Bake : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto device = openDevice(Api::kVulkan, "");
+    if (!device) PELAGE_SKIP_WITHOUT_DEVICE() << device.error().message;
+    uuid_ = (*device)->info().uuid;
+    const HairAsset asset = test::makeAsset(12, 8);
+    ASSERT_TRUE(saveTfx(asset, folder_ / "hair.tfx"));
+    BoneWeights weights;
+    weights.bones = {{0, "head"}};
+    BoneInfluences head;
+    head.weights[0] = 1;
+    weights.strands.assign(12, head);
+    ASSERT_TRUE(saveTfxBone(weights, folder_ / "hair.tfxbone"));
+    ASSERT_TRUE(saveTfxMesh(box(), folder_ / "box.tfxmesh"));
+    (void)folder_.write("soft.json",
+                        R"({"simulation": {"bendLength": 0.05, "wind": {"velocity": [1, 0, 0.5]},
+                            "contact": {"stiffness": 0.3}}})");
+  }
+
+  Project load(const std::string& output, const std::string& more = "") {
+    const auto path = folder_.write(output + ".json", R"({"version": 1, "output": ")" + output +
+                                                          R"(", "chunkFrames": 4,
+      "checkpointChunks": 1, "shots": [{"name": "s", "frames": [1, 18], "preRoll": 2,
+      "assets": {"hairs": [{"file": "hair.tfx", "bones": "hair.tfxbone"}],
+                 "colliders": ["box.tfxmesh"]},
+      "animation": {"motion": "shake", "start": 0.4}, "settings": "soft.json")" +
+                                                          more + "}]}");
+    auto project = loadProject(path);
+    EXPECT_TRUE(project) << project.error().message;
+    return *std::move(project);
+  }
+  RunReport runAll(const Project& project, RunOptions options = {}) {
+    auto done = runShot(project, project.shots[0], options);
+    EXPECT_TRUE(done) << done.error().message;
+    return done ? *done : RunReport();
+  }
+  /// The cache of a run that nothing disturbs.
+  const std::string& expected() {
+    static std::string bytes;
+    if (bytes.empty()) {
+      const Project project = load("expected");
+      (void)runAll(project);
+      bytes = cacheOf(project);
+      EXPECT_FALSE(bytes.empty());
+    }
+    return bytes;
+  }
+  static std::string cacheOf(const Project& project) {
+    return contentsOf(project.output / "s" / "hair.pelagecache");
+  }
+  /// Starts the program. \param fileBytes  largest size of a file; 0: any
+  static pid_t start(const Project& project, rlim_t fileBytes = 0) {
+    const std::string path = project.file.string();
+    const pid_t child = ::fork();
+    if (child != 0) return child;
+    if (fileBytes > 0) {
+      const rlimit limit = {fileBytes, fileBytes};
+      ::setrlimit(RLIMIT_FSIZE, &limit);
+    }
+    ::execl(PELAGE_BAKE, PELAGE_BAKE, "run", path.c_str(), "--shot", "s", "--quiet", nullptr);
+    ::_exit(127);
+  }
+  static int wait(pid_t child) {
+    int status = -1;
+    ::waitpid(child, &status, 0);
+    return status;
+  }
+  uint32_t startsOf(const Project& project) {
+    const auto status = statusOf(project, project.shots[0]);
+    EXPECT_TRUE(status);
+    return status ? status->starts : 0;
+  }
+
+  BakeFolder folder_;
+  std::string uuid_;
+};
+
+// What every buffer of a scene holds, by name.
+std::map<std::string, std::vector<std::byte>> stateOf(ShotScene& scene, HeadlessDevice& device) {
+  std::map<std::string, std::vector<std::byte>> state;
+  const ResourceTable& table = scene.scene().resources();
+  for (uint32_t slot = 0; slot < table.end(); ++slot) {
+    if (table.at(slot) == BufferId::kInvalid) continue;
+    auto bytes = device.read(table.at(slot));
+    EXPECT_TRUE(bytes) << bytes.error().message;
+    const std::string name = std::to_string(slot) + " " + table.find(table.at(slot))->name;
+    if (bytes) state[name] = *std::move(bytes);
+  }
+  return state;
+}
+
+TEST_F(Bake, ACheckpointHasAllOfTheState) {
+  const Project project = load("state");
+  const Shot& shot = project.shots[0];
+  const auto inputs = loadShot(shot);
+  ASSERT_TRUE(inputs) << inputs.error().message;
+  auto device = openDevice(Api::kVulkan, "");
+  ASSERT_TRUE(device);
+  auto scene = ShotScene::create(*inputs, shot, project.framesPerSecond);
+  ASSERT_TRUE(scene);
+  const uint64_t last = scene->stepCount();
+  constexpr uint64_t kBetween = 8;
+  std::vector<std::map<std::string, std::vector<std::byte>>> expected;
+  for (uint64_t step = 0; step < last; ++step) {
+    ASSERT_TRUE(scene->run(step, **device));
+    expected.push_back(stateOf(*scene, **device));
+    if (step % kBetween == 0) {
+      const auto path = folder_ / std::to_string(step + 1);
+      ASSERT_TRUE(saveCheckpoint(path, "t", {1, step + 1, "gpu"}, *scene, **device));
+    }
+  }
+  for (uint64_t from = 1; from < last; from += kBetween) {
+    device = openDevice(Api::kVulkan, "");
+    ASSERT_TRUE(device);
+    auto again = ShotScene::create(*inputs, shot, project.framesPerSecond);
+    ASSERT_TRUE(again);
+    const auto path = folder_ / std::to_string(from);
+    ASSERT_TRUE(loadCheckpoint(path, {1, from, "gpu"}, *again));
+    for (uint64_t step = from; step < std::min(from + 3, last); ++step) {
+      ASSERT_TRUE(again->run(step, **device));
+      const auto state = stateOf(*again, **device);
+      ASSERT_EQ(state.size(), expected[step].size());
+      for (const auto& [name, bytes] : expected[step]) {
+        // Lists that threads fill in any order.
+        if (name.ends_with("box/work")) continue;
+        EXPECT_TRUE(state.at(name) == bytes)
+            << name << " behind step " << step << ", from " << from;
+      }
+    }
+    EXPECT_FALSE(loadCheckpoint(path, {2, from, "gpu"}, *again));
+    EXPECT_FALSE(loadCheckpoint(path, {1, from, "another"}, *again));
+  }
+}
+
+// A checkpoint has all of the state: skin, SDF, contacts, hair against hair, wind.
+TEST_F(Bake, GoesOnBehindAnInterruptionAtAnyFrame) {
+  const Project whole = load("whole");
+  const RunReport undisturbed = runAll(whole);
+  EXPECT_EQ(undisturbed.outcome, RunOutcome::kComplete);
+  EXPECT_EQ(undisturbed.stepsRun, 20u);
+  EXPECT_EQ(undisturbed.framesWritten, 18u);
+  EXPECT_TRUE(cacheOf(whole) == expected()) << "another run has other bits";
+  EXPECT_FALSE(std::filesystem::exists(whole.output / "s" / "work"));
+  const auto reader = HairCacheReader::open(whole.output / "s" / "hair.pelagecache");
+  ASSERT_TRUE(reader) << reader.error().message;
+  EXPECT_EQ(reader->frameCount(), 18u);
+  EXPECT_EQ(reader->def().firstFrame, 1);
+
+  const Project project = load("parts");
+  uint64_t steps = 0;
+  RunReport report;
+  int runs = 0;
+  do {
+    ASSERT_LT(++runs, 20);
+    uint64_t left = 6;
+    RunOptions options;
+    options.interrupted = [&] { return left == 0; };
+    options.progress = [&](uint64_t, uint64_t) { --left; };
+    report = runAll(project, options);
+    steps += report.stepsRun;
+    EXPECT_TRUE(runs == 1 || report.resumedSteps > 0);
+  } while (report.outcome == RunOutcome::kInterrupted);
+  EXPECT_GE(runs, 4);
+  EXPECT_LT(steps, 20u + 4u * static_cast<uint64_t>(runs));
+  EXPECT_TRUE(cacheOf(project) == expected());
+  EXPECT_EQ(contentsOf(project.output / "s" / "done.json"),
+            contentsOf(whole.output / "s" / "done.json"));
+
+  // A complete shot is left alone; a change of its inputs is noticed.
+  report = runAll(project);
+  EXPECT_TRUE(report.wasComplete);
+  EXPECT_EQ(report.stepsRun, 0u);
+  const auto check = verifyShot(project, project.shots[0], true);
+  ASSERT_TRUE(check);
+  EXPECT_TRUE(check->complete);
+  EXPECT_EQ(check->fault, "");
+  const Project changed = load("parts", ", \"subSteps\": 2");
+  const auto refused = runShot(changed, changed.shots[0], {});
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("--restart"), std::string::npos);
+  EXPECT_EQ(statusOf(changed, changed.shots[0])->state, ShotState::kStale);
+}
+
+// In any order, also where frames before are not there; a damaged checkpoint is not gone on from.
+TEST_F(Bake, RangesGiveTheFilesOfTheWhole) {
+  const Project project = load("ranges");
+  RunOptions options;
+  options.device = uuid_;
+  options.range = FrameRange{4, 11};
+  EXPECT_EQ(runAll(project, options).outcome, RunOutcome::kRangeDone);
+  const ShotStore store(project, project.shots[0]);
+  ASSERT_EQ(store.checkpoints().size(), 1u);
+  std::filesystem::resize_file(store.checkpointFile(store.checkpoints()[0]), 2000);
+  options.range = FrameRange{12, 18};
+  std::string warning;
+  options.warn = [&](const std::string& text) { warning = text; };
+  const RunReport late = runAll(project, options);
+  EXPECT_EQ(late.resumedSteps, 0u);
+  EXPECT_NE(warning.find("ends too early"), std::string::npos) << warning;
+  options.range = FrameRange{1, 3};
+  EXPECT_EQ(runAll(project, options).outcome, RunOutcome::kComplete);
+  EXPECT_TRUE(cacheOf(project) == expected());
+  options.range = FrameRange{5, 11};
+  const auto refused = runShot(project, project.shots[0], options);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("whole chunks"), std::string::npos);
+}
+
+TEST_F(Bake, KilledAnywhereAndWithAFullDiskItGivesTheSameBytes) {
+  const Project whole = load("whole");
+  const auto begin = std::chrono::steady_clock::now();
+  ASSERT_EQ(wait(start(whole)), 0);
+  const auto time = std::chrono::steady_clock::now() - begin;
+  const Project project = load("killed");
+  // The disk is full in a chunk, then behind chunks in a checkpoint.
+  EXPECT_NE(wait(start(project, 300)), 0);
+  EXPECT_NE(wait(start(project, 4000)), 0);
+  for (int i = 1; i <= 5; ++i) {
+    const pid_t child = start(project);
+    std::this_thread::sleep_for(time * (3 + i) / 10);
+    ::kill(child, SIGKILL);
+    (void)wait(child);
+  }
+  // Two at once: one waits for the other.
+  const pid_t first = start(project), second = start(project);
+  EXPECT_EQ(wait(first), 0);
+  EXPECT_EQ(wait(second), 0);
+  const uint32_t starts = startsOf(project);
+  EXPECT_TRUE(cacheOf(project) == cacheOf(whole));
+  // As if it had been killed between done.json and the removal of its work.
+  std::filesystem::create_directory(project.output / "s" / "work");
+  EXPECT_EQ(wait(start(project)), 0);
+  EXPECT_EQ(startsOf(project), starts);
+  size_t files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(project.output / "s"))
+    files += entry.path().filename().string().rfind("lock", 0) == 0 ? 0 : 1;
+  EXPECT_EQ(files, 3u) << "more than cache, done.json and log.jsonl";
+}
+
+TEST_F(Bake, AnErrorBoundChoosesTheSubSteps) {
+  const auto errorWith = [&](const char* bound) {
+    const Project project =
+        load(std::string("bound") + bound, std::string(", \"errorBound\": \"") + bound + "\"");
+    RunOptions options;
+    options.interrupted = [] { return true; };
+    return runShot(project, project.shots[0], options);
+  };
+  const auto loose = errorWith("20mm");
+  ASSERT_TRUE(loose) << loose.error().message;
+  ASSERT_TRUE(loose->choice);
+  EXPECT_EQ(loose->subSteps, 1u);
+  const SubStepError& one = loose->choice->tried.back();
+  EXPECT_GT(one.error, 0);
+  EXPECT_LE(one.error, one.largest);
+  const std::string tighter = std::to_string(one.error * 0.6e6) + "um";
+  const auto tight = errorWith(tighter.c_str());
+  ASSERT_TRUE(tight) << tight.error().message;
+  EXPECT_GT(tight->subSteps, 1u);
+  EXPECT_LE(tight->choice->tried.back().error, one.error * 0.6);
+  EXPECT_EQ(tight->choice->tried.back().subSteps, tight->subSteps);
+  EXPECT_EQ(tight->choice->tried.front().error, one.error) << "the same samples";
+}
+
+}  // namespace
+}  // namespace pelage::bake

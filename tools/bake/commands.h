@@ -1,0 +1,27 @@
+// The commands of pelage-bake, a function each, which adds a subcommand with its options to the
+// command line; when it is chosen, it sets Session::command.
+#pragma once
+
+#include <cstdint>
+
+#include "session.h"
+
+namespace CLI {
+class App;
+}
+
+namespace pelage::bake {
+
+using program::Session;
+
+inline constexpr const char* kProgram = "pelage-bake";
+/// Exit codes. 75 is EX_TEMPFAIL of sysexits.h: run the command again.
+inline constexpr int kFailure = 1, kBadArguments = 2, kRunAgain = 75;
+
+/// \param exitCode  receives the exit code of a run that has no error
+void addPlanCommand(CLI::App& app, Session& session);
+void addRunCommand(CLI::App& app, Session& session, int& exitCode);
+void addStatusCommand(CLI::App& app, Session& session);
+void addVerifyCommand(CLI::App& app, Session& session, int& exitCode);
+
+}  // namespace pelage::bake

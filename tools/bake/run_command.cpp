@@ -1,0 +1,151 @@
+// run: simulates a shot, or goes on with it.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "commands.h"
+#include "json_members.h"
+#include "plan.h"
+#include "shot_run.h"
+
+namespace pelage::bake {
+namespace {
+
+struct RunArguments {
+  std::string project, shot, frames, device, errorBound;
+  bool noWait = false, restart = false;
+};
+
+volatile std::sig_atomic_t g_interrupted = 0;
+
+// Schedulers send SIGTERM some time before SIGKILL.
+void watchSignals() {
+  const auto note = [](int) { g_interrupted = 1; };
+  std::signal(SIGINT, note);
+  std::signal(SIGTERM, note);
+  // A file that grows over a limit is an error of the write.
+  std::signal(SIGXFSZ, SIG_IGN);
+}
+
+const char* toString(RunOutcome outcome) {
+  switch (outcome) {
+    case RunOutcome::kComplete:
+      return "complete";
+    case RunOutcome::kRangeDone:
+      return "range done";
+    case RunOutcome::kInterrupted:
+      return "interrupted";
+    case RunOutcome::kBusy:
+      return "busy";
+  }
+  return "unknown";
+}
+
+void report(const RunReport& run, const Shot& shot, Session& session) {
+  session.add("shot", shot.name, "shot", shot.name);
+  session.add("outcome", toString(run.outcome), "outcome",
+              run.wasComplete ? "complete already" : toString(run.outcome));
+  session.add("was_complete", run.wasComplete, "", "");
+  session.add("frames_written", run.framesWritten, "frames written",
+              fmt::format("{}", run.framesWritten));
+  session.add("steps_run", run.stepsRun, "frames simulated", fmt::format("{}", run.stepsRun));
+  session.add("resumed_from", run.resumedSteps, run.resumedSteps > 0 ? "went on from" : "",
+              fmt::format("a checkpoint behind {} frames", run.resumedSteps));
+  if (!run.device.empty()) session.add("device", run.device, "device", run.device);
+  if (run.subSteps > 0)
+    session.add("sub_steps", run.subSteps, "sub-steps", fmt::format("{}", run.subSteps));
+  if (run.choice) {
+    const SubStepError& chosen = run.choice->tried.back();
+    const SubStepError& first = run.choice->tried.front();
+    session.add("error_bound", toJson(*run.choice), "error",
+                fmt::format("{:.3g} mm for 99 % of the vertices, {:.3g} mm at most; {:.3g} mm is "
+                            "asked for",
+                            1e3 * chosen.error, 1e3 * chosen.largest, 1e3 * run.choice->bound));
+    session.add("", {}, "cost",
+                fmt::format("{:.3g} ms a frame, {:.3g} times that of {} sub-step",
+                            1e3 * chosen.secondsPerFrame,
+                            chosen.secondsPerFrame / first.secondsPerFrame, first.subSteps));
+  }
+  if (run.stepsRun == 0) return;
+  const double rate = static_cast<double>(run.stepsRun) / run.seconds;
+  session.add("strands", run.strands, "strands",
+              fmt::format("{} with {} vertices", run.strands, run.vertices));
+  session.add("seconds", run.seconds, "time",
+              fmt::format("{:.2f} s, {:.4g} frames/s, {:.4g} strands x frames/s", run.seconds, rate,
+                          rate * static_cast<double>(run.strands)));
+}
+
+Result<void> run(const RunArguments& arguments, Session& session, int& exitCode) {
+  auto project = loadProject(arguments.project);
+  if (!project) return project.error();
+  const Shot* found = project->find(arguments.shot);
+  if (found == nullptr)
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("{}: has no shot '{}'", arguments.project, arguments.shot)};
+  Shot shot = *found;
+  if (!arguments.errorBound.empty()) {
+    const auto bound = parseMeters(arguments.errorBound);
+    if (!bound || !(*bound >= 1e-7 && *bound <= 1))
+      return Error{ErrorCode::kInvalidArgument,
+                   fmt::format("--error-bound: '{}' is no length from 1e-7 to 1 m: 0.5mm",
+                               arguments.errorBound)};
+    shot.errorBound = bound;
+    shot.subSteps.reset();
+  }
+  RunOptions options;
+  if (!arguments.frames.empty()) {
+    options.range = parseFrames(arguments.frames);
+    if (!options.range)
+      return Error{ErrorCode::kInvalidArgument,
+                   fmt::format("--frames: '{}' is no range: 1-48", arguments.frames)};
+  }
+  options.device = arguments.device;
+  options.wait = !arguments.noWait;
+  options.restart = arguments.restart;
+  options.progress = [&](uint64_t done, uint64_t total) {
+    session.progress(fmt::format("{} {}/{}", shot.name, done, total), done, total);
+  };
+  options.warn = [&](const std::string& text) { session.warn(text); };
+  options.interrupted = [] { return g_interrupted != 0; };
+  watchSignals();
+  const auto done = runShot(*project, shot, options);
+  if (!done) return done.error();
+  report(*done, shot, session);
+  if (done->outcome == RunOutcome::kInterrupted || done->outcome == RunOutcome::kBusy)
+    exitCode = kRunAgain;
+  return {};
+}
+
+}  // namespace
+
+void addRunCommand(CLI::App& app, Session& session, int& exitCode) {
+  auto arguments = std::make_shared<RunArguments>();
+  CLI::App* command = app.add_subcommand(
+      "run", "Simulates the frames of a shot that are not there yet, and writes its files");
+  command->add_option("PROJECT", arguments->project, "Project, .json")->required();
+  command->add_option("--shot", arguments->shot, "Name of the shot")->required();
+  command->add_option("--frames", arguments->frames,
+                      "Frames A-B alone, whole chunks; those before are simulated, too, or come "
+                      "from a checkpoint");
+  command
+      ->add_option("--device", arguments->device,
+                   "Index of the device, or its UUID; before that of the project")
+      ->envname("PELAGE_BAKE_DEVICE");
+  command->add_option("--error-bound", arguments->errorBound,
+                      "Length such as 0.5mm: chooses the sub-steps, in place of those of the "
+                      "project");
+  command->add_flag("--no-wait", arguments->noWait,
+                    "Exit with 75 if another process has these frames, in place of waiting for it");
+  command->add_flag("--restart", arguments->restart, "Remove what the shot has, and begin anew");
+  command->callback([arguments, &session, &exitCode] {
+    session.command = [arguments, &session, &exitCode] {
+      return run(*arguments, session, exitCode);
+    };
+  });
+}
+
+}  // namespace pelage::bake

@@ -1,0 +1,303 @@
+#include "shot_scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+#include "pelage/authoring/animation.h"
+#include "pelage/demo/groom.h"
+
+namespace pelage::bake {
+namespace {
+
+constexpr float kCharacterField = 0.010f;  // m
+
+std::optional<uint32_t> indexOf(const std::vector<std::string>& names, std::string_view name) {
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end()) return std::nullopt;
+  return static_cast<uint32_t>(found - names.begin());
+}
+
+Result<void> makeCharacter(const GeneratedAssets& from, ShotInputs& inputs) {
+  CharacterDef def;
+  def.seed = from.seed;
+  if (from.guides) {
+    const double share = static_cast<double>(*from.guides) / def.longHair.strandCount;
+    for (uint32_t* count :
+         {&def.longHair.strandCount, &def.fur.strandCount, &def.mohawk.strandCount})
+      *count = static_cast<uint32_t>(std::clamp(std::round(share * *count), 1.0, 1e6));
+  }
+  auto character = generateCharacter(def);
+  if (!character) return character.error();
+  for (CharacterGroom& groom : character->grooms) {
+    const bool wanted = from.grooms.empty() || indexOf(from.grooms, groom.name).has_value();
+    if (!wanted) continue;
+    if (auto done = groom.hair.process(); !done) return done;
+    inputs.hairs.push_back({{groom.name, std::move(groom.hair), std::move(groom.bones), {}},
+                            groom.settings,
+                            groom.follow});
+  }
+  for (CharacterCollider& collider : character->colliders) {
+    inputs.meshes.push_back({collider.name, std::move(collider.mesh)});
+    inputs.cellSizes.push_back(kCharacterField);
+  }
+  return {};
+}
+
+Result<void> makeHead(const GeneratedAssets& from, ShotInputs& inputs) {
+  GroomDef def;
+  def.seed = from.seed;
+  if (from.guides) def.strandCount = *from.guides;
+  auto groom = generateGroom(def);
+  if (!groom) return groom.error();
+  if (auto done = groom->hair.process(); !done) return done;
+  inputs.hairs.push_back({{"head", std::move(groom->hair), std::move(groom->bones), {}}, {}, {}});
+  inputs.meshes.push_back({"head", std::move(groom->head)});
+  inputs.cellSizes.push_back(kCharacterField);
+  return {};
+}
+
+Result<void> loadFiles(const Shot& shot, ShotInputs& inputs) {
+  auto assets = program::loadAssetFiles(shot.files, inputs.warnings);
+  if (!assets) return assets.error();
+  for (std::string& warning : program::unitWarnings(*assets, shot.files.scale))
+    inputs.warnings.push_back(std::move(warning));
+  if (assets->hairs.empty())
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("shot '{}': there is no hair in the files", shot.name)};
+  for (CachedHair& hair : assets->hairs) inputs.hairs.push_back({std::move(hair), {}, {}});
+  inputs.meshes = std::move(assets->meshes);
+  inputs.cellSizes.assign(inputs.meshes.size(), 0);
+  return {};
+}
+
+// A name that a file can have on every system.
+std::string fileNameOf(std::string name) {
+  for (char& c : name)
+    if (!(std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '-')) c = '_';
+  if (name.empty() || name.front() == '.') name.insert(0, "_");
+  return name;
+}
+
+// What moves the bones, and their names.
+Result<void> loadMotion(const Shot& shot, ShotInputs& inputs) {
+  if (!shot.animation.empty()) {
+    auto loaded = loadAnimation(shot.animation, shot.clip);
+    if (!loaded) return loaded.error();
+    const auto animation = std::make_shared<const SkeletonAnimation>(*std::move(loaded));
+    Skeleton skeleton = skeletonOf(*animation);
+    for (const Bone& bone : skeleton.bones) inputs.bones.push_back(bone.name);
+    inputs.pose = [animation, skeleton = std::move(skeleton)](double seconds) {
+      return skinningTransforms(skeleton, poseAt(*animation, seconds));
+    };
+  } else if (shot.motion) {
+    Skeleton skeleton = characterSkeleton();
+    for (const Bone& bone : skeleton.bones) inputs.bones.push_back(bone.name);
+    inputs.pose = [motion = *shot.motion, skeleton = std::move(skeleton)](double seconds) {
+      return skinningTransforms(skeleton, poseCharacter(motion, seconds));
+    };
+  } else {
+    inputs.pose = [](double) { return std::vector<AffineTransform>(1); };
+  }
+  if (!shot.animation.empty() || shot.motion)
+    for (const ShotHair& hair : inputs.hairs)
+      if (!hair.hair.bones)
+        return Error{ErrorCode::kInvalidArgument,
+                     fmt::format("shot '{}': the hair '{}' has no bones that the animation could "
+                                 "move; give it \"bones\", a .tfxbone file",
+                                 shot.name, hair.hair.name)};
+  return {};
+}
+
+}  // namespace
+
+Result<ShotInputs> loadShot(const Shot& shot) {
+  ShotInputs inputs;
+  Result<void> done;
+  if (!shot.generated)
+    done = loadFiles(shot, inputs);
+  else if (shot.generated->kind == GeneratedKind::kCharacter)
+    done = makeCharacter(*shot.generated, inputs);
+  else
+    done = makeHead(*shot.generated, inputs);
+  if (!done) return done.error();
+  for (ShotHair& hair : inputs.hairs) hair.hair.name = fileNameOf(hair.hair.name);
+  for (size_t i = 0; i < inputs.hairs.size(); ++i)
+    for (size_t j = 0; j < i; ++j)
+      if (inputs.hairs[i].hair.name == inputs.hairs[j].hair.name)
+        return Error{ErrorCode::kInvalidArgument,
+                     fmt::format("shot '{}': two hairs are '{}'; the files of a bake have their "
+                                 "names",
+                                 shot.name, inputs.hairs[i].hair.name)};
+  if (!shot.collides) {
+    inputs.meshes.clear();
+    inputs.cellSizes.clear();
+  }
+  if (!shot.settings.empty()) {
+    auto settings = SettingsFile::load(shot.settings);
+    if (!settings) return settings.error();
+    inputs.settings = *std::move(settings);
+  }
+  if (done = loadMotion(shot, inputs); !done) return done.error();
+  return inputs;
+}
+
+Result<ShotScene> ShotScene::create(const ShotInputs& inputs, const Shot& shot,
+                                    double framesPerSecond, std::optional<uint32_t> subSteps) {
+  ShotScene made;
+  made.inputs_ = &inputs;
+  made.shot_ = &shot;
+  made.framesPerSecond_ = framesPerSecond;
+  made.preRoll_ = shot.preRoll;
+  const auto skeleton = made.scene_->addSkeleton(
+      {.name = "bones",
+       .boneCount = static_cast<uint32_t>(std::max<size_t>(inputs.bones.size(), 1))});
+  if (!skeleton) return skeleton.error();
+  made.skeleton_ = *skeleton;
+  for (const ShotHair& hair : inputs.hairs)
+    if (auto done = made.addHair(hair, subSteps ? subSteps : shot.subSteps); !done)
+      return done.error();
+  if (auto done = made.addColliders(); !done) return done.error();
+  return made;
+}
+
+// Without an animation all bones are the one that stands still.
+Result<std::vector<BoneInfluences>> ShotScene::mapped(
+    const std::vector<BoneName>& bones, const std::vector<BoneInfluences>& influences) const {
+  const std::vector<std::string>& names = inputs_->bones;
+  if (names.empty()) return std::vector<BoneInfluences>();
+  return mapBones(bones, influences, [&](std::string_view name) { return indexOf(names, name); });
+}
+
+Result<void> ShotScene::addHair(const ShotHair& from, std::optional<uint32_t> subSteps) {
+  SceneSettings settings;
+  settings.simulation = from.settings;
+  settings.follow = from.follow;
+  if (inputs_->settings) inputs_->settings->apply(settings);
+  if (shot_->solver) settings.simulation.solver = *shot_->solver;
+  if (subSteps) settings.simulation.subSteps = *subSteps;
+  HairDef def;
+  apply(settings.creation, def);
+  def.name = from.hair.name;
+  def.settings = settings.simulation;
+  def.skeleton = skeleton_;
+  def.storeFollowHairs = shot_->followHairs;
+  std::vector<BoneInfluences> influences;
+  if (from.hair.bones) {
+    auto found = mapped(from.hair.bones->bones, from.hair.bones->strands);
+    if (!found) return found.error();
+    influences = *std::move(found);
+  }
+  def.influences = influences;
+  std::vector<FollowHair> follow =
+      shot_->followHairs ? from.hair.followHairs : std::vector<FollowHair>();
+  if (shot_->followHairs && follow.empty() && settings.follow.countPerGuide > 0) {
+    auto generated = from.hair.asset.generateFollowHairs(settings.follow);
+    if (!generated) return generated.error();
+    follow = *std::move(generated);
+  }
+  def.followHairs = follow;
+  const auto id = scene_->addHair(from.hair.asset, def);
+  if (!id) return id.error();
+  apply(settings.object, scene_->hair(*id));
+
+  BakedHair baked = {from.hair.name, *id, from.hair.asset.verticesPerStrand, {}, 0};
+  const std::vector<uint32_t>& counts = from.hair.asset.vertexCounts;
+  const auto countOf = [&](uint32_t guide) {
+    return counts.empty() ? baked.stride : counts[guide];
+  };
+  for (uint32_t i = 0; i < from.hair.asset.strandCount; ++i)
+    baked.vertexCounts.push_back(countOf(i));
+  for (const FollowHair& hair : follow) baked.vertexCounts.push_back(countOf(hair.guide));
+  for (const uint32_t count : baked.vertexCounts) baked.vertexCount += count;
+  hairs_.push_back(std::move(baked));
+  return {};
+}
+
+Result<void> ShotScene::addColliders() {
+  SceneSettings settings;
+  if (inputs_->settings) inputs_->settings->apply(settings);
+  for (size_t i = 0; i < inputs_->meshes.size(); ++i) {
+    const CachedMesh& cached = inputs_->meshes[i];
+    CollisionMesh mesh = cached.mesh;
+    auto influences = mapped(mesh.bones, mesh.influences);
+    if (!influences) return influences.error();
+    mesh.influences = *std::move(influences);
+    const auto id = scene_->addCollider(
+        mesh, {.name = cached.name, .cellSize = inputs_->cellSizes[i], .skeleton = skeleton_});
+    if (!id) return id.error();
+    apply(settings.collider, scene_->collider(*id));
+    colliders_.push_back(*id);
+  }
+  return {};
+}
+
+void ShotScene::pose(uint64_t step) {
+  const uint64_t frame = step > preRoll_ ? step - preRoll_ : 0;
+  const double seconds = shot_->animationStart + static_cast<double>(frame) / framesPerSecond_;
+  scene_->skeleton(skeleton_).setBones(inputs_->pose(seconds));
+}
+
+Result<Frame> ShotScene::simulate(uint64_t step) {
+  pose(step);
+  return scene_->simulate(static_cast<float>(1 / framesPerSecond_));
+}
+
+Result<void> ShotScene::run(uint64_t step, HeadlessDevice& device) {
+  auto frame = simulate(step);
+  if (!frame) return frame.error();
+  return device.run(*frame);
+}
+
+Result<void> ShotScene::note(uint64_t step) {
+  auto frame = simulate(step);
+  if (!frame) return frame.error();
+  FrameExecutor executor;
+  executor.update = [](const ResourceTable&) { return Result<void>(); };
+  executor.record = [](const FrameStep& list) {
+    setDelivered(list.list->run);
+    return Result<void>();
+  };
+  executor.draw = [](const FrameStep&) { return Result<void>(); };
+  return frame->run(executor);
+}
+
+void ShotScene::reset() {
+  for (const BakedHair& hair : hairs_) scene_->hair(hair.id).reset();
+  for (const ColliderId collider : colliders_) scene_->collider(collider).reset();
+}
+
+Result<std::vector<Float3>> ShotScene::read(const BakedHair& hair, HeadlessDevice& device) const {
+  const uint64_t elements = uint64_t{hair.stride} * hair.vertexCounts.size();
+  const BufferId buffer = scene_->hair(hair.id).buffers().positions;
+  const auto bytes = device.read(buffer, 0, elements * sizeof(Float4));
+  if (!bytes) return bytes.error();
+  std::vector<Float3> positions;
+  positions.reserve(hair.vertexCount);
+  for (size_t strand = 0; strand < hair.vertexCounts.size(); ++strand)
+    for (uint32_t vertex = 0; vertex < hair.vertexCounts[strand]; ++vertex) {
+      Float4 p;
+      std::memcpy(&p, bytes->data() + (strand * hair.stride + vertex) * sizeof(Float4), sizeof(p));
+      positions.push_back({p.x, p.y, p.z});
+    }
+  return positions;
+}
+
+uint32_t ShotScene::subSteps() const {
+  uint32_t most = 1;
+  for (const BakedHair& hair : hairs_)
+    most = std::max(most, scene_->hair(hair.id).settings.subSteps);
+  return most;
+}
+
+bool ShotScene::isExact() const {
+  return std::all_of(hairs_.begin(), hairs_.end(), [&](const BakedHair& hair) {
+    return scene_->hair(hair.id).settings.solver == Solver::kExact;
+  });
+}
+
+}  // namespace pelage::bake

@@ -1,0 +1,96 @@
+// The scene of a shot: its hair, what that collides with, and the bones of each simulation step.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pelage/asset_cache.h"
+#include "pelage/headless.h"
+#include "pelage/scene.h"
+#include "pelage/settings/settings_file.h"
+#include "project.h"
+
+namespace pelage::bake {
+
+/// A groom with what it has of its own.
+struct ShotHair {
+  CachedHair hair;
+  SimulationSettings settings;
+  FollowDef follow;
+};
+
+/// Everything that a shot is made of, loaded.
+struct ShotInputs {
+  std::vector<ShotHair> hairs;
+  std::vector<CachedMesh> meshes;
+  std::vector<float> cellSizes;  ///< [mesh] of its field [m]; 0: the default
+  std::optional<SettingsFile> settings;
+  std::vector<std::string> bones;
+  /// [bone] bind space to world at a time [s].
+  std::function<std::vector<AffineTransform>(double seconds)> pose;
+  std::vector<std::string> warnings;
+};
+
+/// Errors: those of the loaders; hair without bones for an animation, bones that it does not have,
+/// two grooms of one name.
+Result<ShotInputs> loadShot(const Shot& shot);
+
+/// What is baked of a groom.
+struct BakedHair {
+  std::string name;
+  HairId id = {};
+  uint32_t stride = 0;                 ///< vertices of a strand in the buffer of positions
+  std::vector<uint32_t> vertexCounts;  ///< [strand], of those that are written
+  uint64_t vertexCount = 0;            ///< sum of these
+};
+
+class ShotScene {
+ public:
+  /// \param subSteps  in place of those of shot and settings. Errors: those of Scene.
+  static Result<ShotScene> create(const ShotInputs& inputs, const Shot& shot,
+                                  double framesPerSecond, std::optional<uint32_t> subSteps = {});
+
+  /// Steps of the whole shot: the pre-roll and the frames.
+  uint64_t stepCount() const { return preRoll_ + shot_->frames.count(); }
+  /// The step whose result is a frame.
+  uint64_t stepOf(int64_t frame) const {
+    return preRoll_ + static_cast<uint64_t>(frame - shot_->frames.first);
+  }
+  /// Runs a step: the pose at its end, and the simulation. Run all steps in order, from 0 on.
+  Result<void> run(uint64_t step, HeadlessDevice& device);
+  /// Notes a step without running it: the host's state is then that of a scene that has run it.
+  Result<void> note(uint64_t step);
+  /// Lets the next step begin in the bind shape, under its bones.
+  void reset();
+  /// Reads where the hair is [m], strand by strand.
+  Result<std::vector<Float3>> read(const BakedHair& hair, HeadlessDevice& device) const;
+
+  const std::vector<BakedHair>& hairs() const { return hairs_; }
+  uint32_t subSteps() const;  ///< of the exact solver; the most of all hair
+  bool isExact() const;       ///< all hair has the exact solver
+  Scene& scene() { return *scene_; }
+
+ private:
+  ShotScene() = default;
+  Result<void> addHair(const ShotHair& from, std::optional<uint32_t> subSteps);
+  Result<void> addColliders();
+  Result<std::vector<BoneInfluences>> mapped(const std::vector<BoneName>& bones,
+                                             const std::vector<BoneInfluences>& influences) const;
+  void pose(uint64_t step);
+  Result<Frame> simulate(uint64_t step);
+
+  std::unique_ptr<Scene> scene_ = std::make_unique<Scene>();
+  const ShotInputs* inputs_ = nullptr;
+  const Shot* shot_ = nullptr;
+  double framesPerSecond_ = 24;
+  uint64_t preRoll_ = 0;
+  SkeletonId skeleton_ = SkeletonId::kInvalid;
+  std::vector<BakedHair> hairs_;
+  std::vector<ColliderId> colliders_;
+};
+
+}  // namespace pelage::bake
