@@ -233,6 +233,8 @@ Result<void> Viewer::drawFrame(const WindowSize& size) {
   for (SettingsMessage& message : messages)
     interface_->say(std::move(message.title), std::move(message.text));
   auto frame = stage_.makeFrame(seconds, size.pixelWidth, size.pixelHeight);
+  if (!frame && goesBack(frame.error()))
+    frame = stage_.makeFrame(0, size.pixelWidth, size.pixelHeight);
   if (!frame) return frame.error();
   CanvasFrame shown;
   shown.frame = &*frame;
@@ -240,11 +242,20 @@ Result<void> Viewer::drawFrame(const WindowSize& size) {
   shown.interface = interface_->drawData();
   if (std::exchange(wantsScreenshot_, false) && screenshot_.empty()) screenshot_ = nextScreenshot();
   shown.captures = !screenshot_.empty();
-  if (Result<void> done = canvas_->show(shown); !done) return done;
+  if (Result<void> done = canvas_->show(shown); !done)
+    return goesBack(done.error()) ? Result<void>() : done;
+  good_.keep(stage_);
   Result<void> measured =
       stage_.measure([&](pelage::BufferId buffer) { return canvas_->read(buffer); });
   if (!measured) return measured;
   return grant(wishes);
+}
+
+// Settings that the library or the device refuses are a message, and the last ones are back.
+bool Viewer::goesBack(const Error& refused) {
+  if (refused.code == ErrorCode::kDeviceLost || !good_.restore(stage_)) return false;
+  interface_->say("The settings cannot be used", refused.message);
+  return true;
 }
 
 Result<void> Viewer::grant(const PanelWishes& wishes) {

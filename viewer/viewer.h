@@ -15,6 +15,7 @@
 #include "pelage/result.h"
 #include "script/script.h"
 #include "stage/controls.h"
+#include "stage/good_settings.h"
 #include "stage/stage.h"
 #include "window/window.h"
 
@@ -41,6 +42,7 @@ class Viewer {
   void collect();
   pelage::Result<void> take(const Event& event);
   pelage::Result<void> drawFrame(const WindowSize& size);
+  bool goesBack(const pelage::Error& refused);
   pelage::Result<void> grant(const PanelWishes& wishes);
   pelage::Result<void> loseDevice();
   pelage::Result<void> saveScreenshot();
@@ -53,6 +55,7 @@ class Viewer {
   std::unique_ptr<UserInterface> interface_;
   std::unique_ptr<Canvas> canvas_;
   Stage stage_;
+  GoodSettings good_;
   StageControls controls_;
   SettingsPanel settings_;
   std::optional<Player> player_;

@@ -112,6 +112,11 @@ class Stage {
   const pelage::TransparencySettings& transparency() const { return transparency_; }
   /// The method is Stage::look's afterwards, too.
   void setTransparency(const pelage::TransparencySettings& settings);
+  /// How hair was made, and making it in another way: those of sample::DemoScene.
+  sample::DemoScene::HairMaking making(size_t hair) const { return demo_->making(hair); }
+  pelage::Result<void> makeHairAgain(size_t hair, const sample::DemoScene::HairMaking& making) {
+    return demo_->makeHairAgain(hair, making);
+  }
   bool hasMotions() const { return source_.kind == StageKind::kCharacter; }
 
  private:
