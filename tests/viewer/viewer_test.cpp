@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -16,12 +18,16 @@
 #include <memory>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "image.h"
 #include "pelage/demo/groom.h"
+#include "pelage/settings/settings_file.h"
 #include "png_file.h"
+#include "stage/stage_settings.h"
 #include "support/required_devices.h"
+#include "viewer/script_makers.h"
 
 namespace {
 
@@ -118,6 +124,15 @@ struct Output {
 
 using Path = std::filesystem::path;
 
+/// Settings of few strands that cover much of the picture.
+pelage::SceneSettings wideHair() {
+  pelage::SceneSettings settings;
+  settings.material.fiberRadius = 0.0015f;
+  settings.follow.countPerGuide = 0;
+  settings.transparency.method = pelage::Transparency::kShortCut;
+  return settings;
+}
+
 /// A folder for one session, with hair that is simulated and drawn in no time.
 class Folder {
  public:
@@ -140,8 +155,8 @@ class Folder {
     ASSERT_TRUE(groom) << groom.error().message;
     const auto written = pelage::writeGroom(*groom, path_, "hair");
     ASSERT_TRUE(written) << written.error().message;
-    std::ofstream(file("wide.json"))
-        << R"({"material": {"fiberRadius": 0.0015}, "follow": {"countPerGuide": 0}})";
+    const auto saved = pelage::saveSettings(file("wide.json"), wideHair());
+    ASSERT_TRUE(saved) << saved.error().message;
   }
 
   /// Runs a script in a window of 160 x 120. \param display ":7"
@@ -230,7 +245,24 @@ constexpr const char* kManyThings = R"(
 19 keyup control
 20 key b
 20 screenshot pushed
+21 key r
+21 keydown g
+21 move 130 60
+21 press left
+22 move 160 50
+23 screenshot pulled
+24 release left
+24 keyup g
 )";
+
+// A script that begins some frames later.
+std::string shifted(const std::string& script, uint64_t frames) {
+  std::istringstream lines(script);
+  std::string result, event;
+  for (uint64_t frame = 0; lines >> frame && std::getline(lines, event);)
+    result += std::to_string(frame + frames) + event + "\n";
+  return result;
+}
 
 /// kManyThings and a replay of what was recorded, once an API.
 struct Sessions {
@@ -305,6 +337,107 @@ TEST_P(Viewer, AResetBeginsAgainAndABallMovesHair) {
   expectHair(session.picture("free"), "free");
   EXPECT_EQ(session.picture("free").rgb, session.picture("free_again").rgb);
   EXPECT_NE(session.picture("free").rgb, session.picture("pushed").rgb);
+}
+
+TEST_P(Viewer, TheMousePullsALockAndNoOtherHair) {
+  const Session& session = sessions().first;
+  const ByteImage free = session.picture("free"), pulled = session.picture("pulled");
+  ASSERT_EQ(free.rgb.size(), pulled.rgb.size());
+  const uint32_t half = free.width / 2;
+  size_t left = 0, right = 0;
+  for (size_t i = 0; i < free.rgb.size(); ++i)
+    if (free.rgb[i] != pulled.rgb[i]) ++(i / 3 % free.width < half ? left : right);
+  EXPECT_EQ(left, 0u);
+  EXPECT_GT(right, 30u);
+}
+
+// Mean difference of two pictures' channels, 0..255.
+double meanDifference(const ByteImage& a, const ByteImage& b) {
+  EXPECT_EQ(a.rgb.size(), b.rgb.size());
+  double sum = 0;
+  for (size_t i = 0; i < std::min(a.rgb.size(), b.rgb.size()); ++i)
+    sum += std::abs(a.rgb[i] - b.rgb[i]);
+  return sum / static_cast<double>(a.rgb.size());
+}
+
+// Every method draws the same hair, each in its own way.
+TEST_P(Viewer, DrawsWithEveryMethodAndTakesEverySetting) {
+  const Folder folder(std::string("settings_") + GetParam());
+  folder.writeHair();
+  std::vector<std::string> methods;
+  const std::string script =
+      "0 key tab\n0 key space\n" + pelage::test::everyMethod(wideHair(), folder.file(""), methods) +
+      shifted(pelage::test::everySetting(wideHair(), viewer::stageSections(), folder.file("")), 20);
+  const Session session =
+      sessionOf(GetParam(), folder, script, "hair.tfx --strands 1 --settings wide.json");
+  ASSERT_EQ(session.output.code, 0) << session.output.errors;
+  EXPECT_EQ(session.output.errors, "");
+  const ByteImage first = session.picture("method_" + methods.at(0));
+  expectHair(first, methods[0]);
+  for (const std::string& method : methods) {
+    const double difference = meanDifference(session.picture("method_" + method), first);
+    EXPECT_LT(difference, 5) << method;
+    std::printf("%s differs from %s by %.2f\n", method.c_str(), methods[0].c_str(), difference);
+  }
+  expectHair(session.picture("shadow"), "with shadows");
+}
+
+// Whatever comes in, nothing fails and validation is clean.
+TEST_P(Viewer, SurvivesRandomInput) {
+  const Folder folder(std::string("random_") + GetParam());
+  folder.writeHair();
+  std::ofstream(folder.file("broken.tfx")) << "no hair at all";
+  const char* const stress = std::getenv("PELAGE_STRESS");
+  const bool full = stress != nullptr && std::string_view(stress) == "full";
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(full ? 300 : 0);
+  uint32_t seed = 1;
+  do {
+    std::vector<std::string> files = {"hair.tfx", "broken.tfx", "wide.json"};
+    for (uint32_t i = 0; i < 5; ++i)
+      files.push_back(
+          pelage::test::randomSettingsFile(wideHair(), 100 * seed + i, folder.file("")));
+    const Output output =
+        folder.run(GetParam(), pelage::test::randomInput(seed, full ? 400 : 60, files),
+                   "hair.tfx --settings wide.json");
+    EXPECT_EQ(output.code, 0) << "seed " << seed << ": " << output.errors;
+    EXPECT_EQ(output.errors, "") << "seed " << seed;
+    ++seed;
+  } while (std::chrono::steady_clock::now() < end && !HasFailure());
+}
+
+// Kernels of a folder, in which one of them is another: its code is what draws. A mistake is a
+// message with file and line, and the program's own kernel stays.
+TEST_P(Viewer, CompilesKernelsOfAFolder) {
+  const Folder folder(std::string("kernels_") + GetParam());
+  folder.writeHair();
+  std::filesystem::copy(Path(PELAGE_SOURCE_DIR) / "kernels", folder.file("kernels"),
+                        std::filesystem::copy_options::recursive);
+  const Path kernel = folder.file("kernels") / "shading" / "strand_pixel.hlsl";
+  const std::string source = contents(kernel);
+  const std::string line = "lightStrand(renderShading(), surface)";
+  ASSERT_NE(source.find(line), std::string::npos);
+  const auto pictureWith = [&](const std::string& text, const char* script) {
+    std::ofstream(kernel) << std::string(source).replace(source.find(line), line.size(), text);
+    const Session session =
+        sessionOf(GetParam(), folder, script,
+                  "hair.tfx --strands 1 --settings wide.json --transparency alpha-test --kernels "
+                  "kernels");
+    EXPECT_EQ(session.output.code, 0) << session.output.errors;
+    return session.picture("picture");
+  };
+  const auto greenShare = [](const ByteImage& image) {
+    size_t green = 0;
+    for (size_t i = 0; i + 2 < image.rgb.size(); i += 3)
+      green += image.rgb[i + 1] > 200 && image.rgb[i] < 30 && image.rgb[i + 2] < 30 ? 1 : 0;
+    return static_cast<double>(green) / static_cast<double>(image.rgb.size() / 3);
+  };
+  const char* const script = "0 key tab\n0 key space\n1 screenshot picture.png\n";
+  const ByteImage green = pictureWith("float3(0.0, 1.0, 0.0)", script);
+  EXPECT_GT(greenShare(green), 0.1);
+  const ByteImage broken =
+      pictureWith("nothing(", "0 key tab\n0 key space\n1 key enter\n3 screenshot picture.png\n");
+  EXPECT_EQ(greenShare(broken), 0);
+  expectHair(broken, "with the old kernel");
 }
 
 // What is shown without arguments; the device is lost meanwhile.

@@ -13,6 +13,7 @@
 #include "pelage/scene.h"
 #include "stage/ball_mesh.h"
 #include "stage/files.h"
+#include "stage/hair_pull.h"
 #include "stage/orbit_camera.h"
 #include "stage/play_clock.h"
 
@@ -80,8 +81,8 @@ class Stage {
   pelage::Result<pelage::Frame> makeFrame(double realSeconds, uint32_t width, uint32_t height);
   /// A buffer for the depth of opaque things, where the method needs it; of the last makeFrame().
   pelage::BufferId depthCopy() const { return depthBuffer_; }
-  /// Takes what the last frame counted, so that the next one's lists have room. \param read reads
-  /// a buffer back. Cheap where nothing is to be read.
+  /// Takes what the last frame counted, so that the next one's lists have room, and the hair that
+  /// the mouse pulls. \param read reads a buffer back. Cheap where nothing is to be read.
   pelage::Result<void> measure(const pelage::BufferReader& read);
 
   /// All is in the picture, seen from where the camera is.
@@ -97,6 +98,7 @@ class Stage {
   PlayClock clock;
   StageLook look;
   StageBall ball;
+  HairPull pull;
   pelage::ContactLook contactLook;  ///< with StageLook::showsContacts
   pelage::Scene& scene() { return scene_; }
   const pelage::Scene& scene() const { return scene_; }
@@ -115,6 +117,7 @@ class Stage {
   /// How hair was made, and making it in another way: those of sample::DemoScene.
   sample::DemoScene::HairMaking making(size_t hair) const { return demo_->making(hair); }
   pelage::Result<void> makeHairAgain(size_t hair, const sample::DemoScene::HairMaking& making) {
+    pull.release(scene_);
     return demo_->makeHairAgain(hair, making);
   }
   bool hasMotions() const { return source_.kind == StageKind::kCharacter; }
