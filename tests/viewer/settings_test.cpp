@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <set>
+#include <string_view>
 
 #include "interface/settings_panel.h"
 #include "pelage/settings/settings_file.h"
@@ -80,6 +82,15 @@ TEST_F(StageSettings, AreWhatWasGiven) {
     }
   }
   EXPECT_GT(moved, 60u);
+}
+
+// What is not on the stage is what the window decides: what it draws beside hair, its target.
+TEST_F(StageSettings, HaveEverySectionButThoseOfTheWindow) {
+  const std::set<std::string_view> ofTheWindow = {"colliderLook", "view"};
+  const auto sections = pelage::settingsSections();
+  for (size_t s = 0; s < sections.size(); ++s)
+    EXPECT_TRUE((viewer::stageSections() >> s & 1u) != 0 || ofTheWindow.count(sections[s].key) > 0)
+        << sections[s].key;
 }
 
 TEST_F(StageSettings, OfMakingMakeTheHairAgainWithItsLook) {
