@@ -274,7 +274,9 @@ Result<void> Viewer::drawFrame(const WindowSize& size) {
 // Settings that the library or the device refuses are a message, and the last ones are back.
 bool Viewer::goesBack(const Error& refused) {
   if (keepsOldKernels(refused)) return true;
-  if (refused.code == ErrorCode::kDeviceLost || !good_.restore(stage_)) return false;
+  if (refused.code == ErrorCode::kDeviceLost) return false;
+  // The same settings may be refused in a larger window: for their memory.
+  if (!good_.restore(stage_) && !stage_.resetMemory()) return false;
   interface_->say("The settings cannot be used", refused.message);
   return true;
 }

@@ -131,6 +131,20 @@ TEST_F(StageSettings, ThatTheSceneRefusesGoBackToTheLastGoodOnes) {
   EXPECT_TRUE(frame) << frame.error().message;
 }
 
+// A cap that was enough is none in a window that has grown.
+TEST_F(StageSettings, OfMemoryAreThoseOfTheDeviceAgainWhereTheyAreTooSmall) {
+  stage_.setDevice({});
+  EXPECT_FALSE(stage_.resetMemory());
+  SceneSettings settings = settingsOf(stage_, 0);
+  settings.transparency.method = pelage::Transparency::kShortCut;
+  settings.transparency.maxBytes = 200 << 10;
+  ASSERT_TRUE(apply(settings, 0, stage_));
+  ASSERT_TRUE(stage_.makeFrame(0.01, 64, 64));
+  ASSERT_FALSE(stage_.makeFrame(0.01, 640, 480));
+  EXPECT_TRUE(stage_.resetMemory());
+  EXPECT_TRUE(stage_.makeFrame(0.01, 640, 480));
+}
+
 TEST_F(StageSettings, ThatAreOutOfRangeChangeNothing) {
   SceneSettings settings = settingsOf(stage_, 0);
   settings.simulation.damping = std::nanf("");

@@ -60,9 +60,17 @@ Result<void> Stage::show(const StageSource& source) {
 }
 
 void Stage::setDevice(const StageDevice& device) {
+  device_ = device;
   scene_.setTier(device.tier);
+  resetMemory();
+}
+
+bool Stage::resetMemory() {
+  const bool had = transparency_.maxBytes >= kMaxTransparencyBytes &&
+                   transparency_.maxBufferBytes >= device_.maxBufferBytes;
   transparency_.maxBytes = kMaxTransparencyBytes;
-  transparency_.maxBufferBytes = device.maxBufferBytes;
+  transparency_.maxBufferBytes = device_.maxBufferBytes;
+  return !had;
 }
 
 // What changed since the last frame.

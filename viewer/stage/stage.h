@@ -76,6 +76,9 @@ class Stage {
   double meanLength() const { return loaded_.meanLength; }
 
   void setDevice(const StageDevice& device);
+  /// Lets transparency take what the device has: for a window that has grown over a smaller cap.
+  /// \return whether it had less.
+  bool resetMemory();
   /// Makes the next frame: moves the hair and draws it. \param realSeconds since the last one.
   /// \param width, height of the target [pixels]. The stage has something to show.
   pelage::Result<pelage::Frame> makeFrame(double realSeconds, uint32_t width, uint32_t height);
@@ -130,6 +133,7 @@ class Stage {
   pelage::Scene scene_;
   std::optional<sample::DemoScene> demo_;  // in scene_
   uint64_t shown_ = 0;
+  StageDevice device_;
   StageSource source_;
   LoadedFiles loaded_;
   BallMesh ballMesh_;
