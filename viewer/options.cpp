@@ -52,6 +52,17 @@ struct Given {
   CLI::Option* presetOption = nullptr;
 };
 
+void addCaptureOptions(CLI::App& app, Options& options) {
+  CLI::Option* frames = app.add_option("--frames", options.frames,
+                                       "write a picture of each frame: DIR/00001.png and so on")
+                            ->type_name("DIR");
+  app.add_option("--video", options.video, "make a video of all frames by ffmpeg, such as a.mp4")
+      ->excludes(frames)
+      ->type_name("FILE");
+  app.add_option("--times", options.times, "write the GPU times of all passes as CSV")
+      ->type_name("FILE");
+}
+
 void addOptions(CLI::App& app, Options& options, Given& given) {
   app.add_option("FILES", options.source.files,
                  "hair to show: .tfx with .tfxbone, .tfxfollow and .tfxmesh, .pelage, .hair, .obj, "
@@ -102,12 +113,18 @@ void addOptions(CLI::App& app, Options& options, Given& given) {
   app.add_flag("--fixed-clock", options.fixedClock,
                "every frame takes 1/60 s of the scene's time, however long it really takes");
   app.add_flag("!--no-vsync", options.vsync, "draw as many frames as the device can");
-  app.add_flag("--print-start", options.printsStart, "print how long the start took, to stderr");
+  app.add_flag("--print-start", options.printsStart,
+               "print how long the start took, and what the interface takes, to stderr");
   app.add_option("--script", options.script,
                  "replay recorded input on a fixed clock, and quit at its end")
       ->check(CLI::ExistingFile.description(""))
       ->type_name("FILE");
   app.add_option("--record", options.record, "write what is done to a script")->type_name("FILE");
+  app.add_option("--kernels", options.kernels,
+                 "compile kernels of this folder, again when they change (what the build has)")
+      ->check(CLI::ExistingDirectory.description(""))
+      ->type_name("DIR");
+  addCaptureOptions(app, options);
   app.add_option("--cache", given.cache,
                  "folder of compiled pipelines, or 'none' (that of the user)")
       ->type_name("DIR");
@@ -124,7 +141,8 @@ void take(const Given& given, Options& options) {
     throw CLI::ValidationError("--groom", "is for the generated head, not for files");
   if (*given.presetOption) options.source.kind = StageKind::kHead;
   if (!options.source.files.empty()) options.source.kind = StageKind::kFiles;
-  if (!options.script.empty()) options.fixedClock = true;
+  if (!options.script.empty() || !options.frames.empty() || !options.video.empty())
+    options.fixedClock = true;
   if (given.cache == "user")
     options.cache = cacheFolder();
   else if (given.cache != "none")

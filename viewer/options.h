@@ -24,6 +24,10 @@ struct Options {
   bool vsync = true;
   bool printsStart = false;
   std::filesystem::path script, record;
+  std::filesystem::path kernels;   ///< folder of their source, compiled at the start; empty: none
+  std::filesystem::path frames;    ///< folder for the pictures of all frames; empty: none
+  std::filesystem::path video;     ///< file for a video of all frames; empty: none
+  std::filesystem::path times;     ///< CSV for the times of all passes; empty: none
   std::filesystem::path settings;  ///< JSON of pelage::SettingsFile; empty: none
   std::filesystem::path cache;     ///< folder; empty: none
   StageSource source;

@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <ctime>
 #include <functional>
 #include <utility>
 
 #include "capture/screenshot.h"
 #include "input/keys.h"
+#include "interface/gizmos.h"
 #include "program_messages.h"
 
 namespace viewer {
@@ -21,6 +23,13 @@ namespace {
 
 double secondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// CPU time of this thread.
+double cpuSeconds() {
+  timespec time = {};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
 constexpr float kSoftwareShare = 0.25f;  // of the strands
@@ -40,6 +49,7 @@ Result<void> Viewer::open() {
     recorder_.emplace(*std::move(recorder));
     recorder_->add({0, Resized{options_.width, options_.height}});
   }
+  if (Result<void> done = openCaptures(); !done) return done;
   if (Result<void> done = openAnyApi(); !done) return done;
   stage_.look.motion = options_.motion;
   // A driver on the CPU takes seconds for all strands of a head, sorted and with shadows.
@@ -54,6 +64,7 @@ Result<void> Viewer::open() {
   opened_ = secondsSince(start_);
   showFirst();
   if (!options_.settings.empty() && stage_.shown() > 0) loadSettings(options_.settings);
+  if (Result<void> done = openReload(); !done) return done;
   shown_ = secondsSince(start_);
   const WindowSize size = window_->size();
   stage_.frameAll(static_cast<float>(std::max(size.width, 1u)) /
@@ -205,9 +216,11 @@ Result<void> Viewer::take(const Event& event) {
     return {};
   if (interface_->take(event)) return {};
   if (const auto* key = std::get_if<KeyPressed>(&event); key != nullptr && key->down) {
-    if (key->key == kKeyTab) showsPanel_ = !showsPanel_;
+    if (key->key == kKeyTab) controls_.hasArrow = showsPanel_ = !showsPanel_;
     if (key->key == 'S') showsSettings_ = !showsSettings_;
-    if (key->key == kKeyF12) screenshot_ = nextScreenshot();
+    if (key->key == kKeyF12) screenshot_ = nextFile(".png");
+    if (key->key == kKeyF10) toggleRecording();
+    if (key->key == kKeyF8) toggleTimes();
     if (key->key == kKeyF9) return loseDevice();
   }
   controls_.take(event, window_->size(), stage_);
@@ -218,9 +231,11 @@ Result<void> Viewer::drawFrame(const WindowSize& size) {
   const auto now = std::chrono::steady_clock::now();
   const double seconds = std::chrono::duration<double>(now - last_).count();
   last_ = now;
+  if (Result<void> done = reloadKernels(); !done) return done;
   if (Result<void> done = canvas_->resize(size.pixelWidth, size.pixelHeight); !done) return done;
   if (Result<void> done = canvas_->begin(); !done) return done;
   history_.add(canvas_->timings());
+  if (times_) times_->add(frame_, canvas_->timings());
   PanelWishes wishes;
   std::function<void()> panels;
   std::vector<SettingsMessage> messages;
@@ -228,23 +243,42 @@ Result<void> Viewer::drawFrame(const WindowSize& size) {
     panels = [&] {
       wishes = buildStagePanel(stage_, *canvas_, history_, size);
       if (showsSettings_) messages = settings_.build(stage_, size);
+      drawGizmos(stage_, size);
     };
+  const double before = cpuSeconds();
   interface_->build(size, stage_.clock.fixed ? PlayClock::kStep : seconds, panels);
+  interfaceSeconds_ += cpuSeconds() - before;
+  ++builtFrames_;
   for (SettingsMessage& message : messages)
     interface_->say(std::move(message.title), std::move(message.text));
   auto frame = stage_.makeFrame(seconds, size.pixelWidth, size.pixelHeight);
+  if (!frame && goesBack(frame.error()))
+    frame = stage_.makeFrame(0, size.pixelWidth, size.pixelHeight);
   if (!frame) return frame.error();
   CanvasFrame shown;
   shown.frame = &*frame;
   shown.depthCopy = stage_.depthCopy();
   shown.interface = interface_->drawData();
-  if (std::exchange(wantsScreenshot_, false) && screenshot_.empty()) screenshot_ = nextScreenshot();
-  shown.captures = !screenshot_.empty();
-  if (Result<void> done = canvas_->show(shown); !done) return done;
+  if (std::exchange(wantsScreenshot_, false) && screenshot_.empty()) screenshot_ = nextFile(".png");
+  shown.captures = !screenshot_.empty() || recording_;
+  if (Result<void> done = canvas_->show(shown); !done)
+    return goesBack(done.error()) ? Result<void>() : done;
+  good_.keep(stage_);
+  provenCode_ = code_;
   Result<void> measured =
       stage_.measure([&](pelage::BufferId buffer) { return canvas_->read(buffer); });
   if (!measured) return measured;
   return grant(wishes);
+}
+
+// Settings that the library or the device refuses are a message, and the last ones are back.
+bool Viewer::goesBack(const Error& refused) {
+  if (keepsOldKernels(refused)) return true;
+  if (refused.code == ErrorCode::kDeviceLost) return false;
+  // The same settings may be refused in a larger window: for their memory.
+  if (!good_.restore(stage_) && !stage_.resetMemory()) return false;
+  interface_->say("The settings cannot be used", refused.message);
+  return true;
 }
 
 Result<void> Viewer::grant(const PanelWishes& wishes) {
@@ -285,6 +319,9 @@ Result<void> Viewer::recoverDevice(const Error& lost) {
   if (!kept) return kept.error();
   history_.clear();
   if (Result<void> done = openApi(*options_.api); !done) return done;
+  code_ = provenCode_;
+  if (code_)
+    if (Result<void> done = canvas_->setCode(code_->list()); !done) return done;
   adopt();
   interface_->say("The device was lost", lost.message + ". " +
                                              (*kept > 0 ? "Hair goes on from its last state."
@@ -306,14 +343,20 @@ Result<void> Viewer::run() {
     }
     if (!drawn) return drawn;
     losses_ = 0;
+    if (Result<void> done = record(); !done) return done;
     if (firstPicture_ == 0) firstPicture_ = secondsSince(start_);
     if (!screenshot_.empty() && canvas_->captured().width > 0)
       if (Result<void> done = saveScreenshot(); !done) return done;
   }
+  endRecording();
   canvas_->saveCache();
   if (options_.printsStart)
-    fmt::print(stderr, "{}: window and device {:.2f} s, hair {:.2f} s, first picture {:.2f} s\n",
-               kProgram, opened_, shown_, firstPicture_);
+    fmt::print(
+        stderr,
+        "{}: window and device {:.2f} s, hair {:.2f} s, first picture {:.2f} s; the interface "
+        "takes {:.3f} ms of CPU a frame\n",
+        kProgram, opened_, shown_, firstPicture_,
+        1e3 * interfaceSeconds_ / static_cast<double>(std::max<uint64_t>(builtFrames_, 1)));
   if (options_.validation && canvas_->messageCount() > 0)
     return Error{ErrorCode::kDevice, fmt::format("validation reported {} messages (printed above)",
                                                  canvas_->messageCount())};

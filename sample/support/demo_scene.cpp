@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 #include "head_motion.h"
 #include "scene_setup.h"
@@ -69,6 +71,14 @@ Look generatedLook(GroomPreset preset, pelage::Solver solver) {
     look.settings.globalRange = 1;
   }
   return look;
+}
+
+bool areSame(const pelage::FollowDef& a, const pelage::FollowDef& b) {
+  const auto membersOf = [](const pelage::FollowDef& def) {
+    const auto& [count, guides, radius, tip, seed] = def;
+    return std::tie(count, guides, radius, tip, seed);
+  };
+  return membersOf(a) == membersOf(b);
 }
 
 }  // namespace
@@ -159,34 +169,73 @@ Result<void> DemoScene::addHead(const DemoAssets& assets, const DemoDef& def) {
 
 Result<void> DemoScene::addHair(const HairAsset& hair, const pelage::HairDef& look,
                                 pelage::FollowDef followDef, const DemoDef& def) {
-  pelage::HairDef hairDef = look;
   pelage::SceneSettings scene;
-  scene.simulation = hairDef.settings;
-  scene.material = hairDef.material;
+  scene.simulation = look.settings;
+  scene.material = look.material;
   scene.follow = followDef;
   if (def.settings) def.settings->apply(scene);
-  hairDef.settings = scene.simulation;
-  hairDef.material = scene.material;
-  followDef = scene.follow;
-  apply(scene.creation, hairDef);
-  std::vector<pelage::FollowHair> follow;
-  if (hairDef.followHairs.empty()) {
-    followDef.countPerGuide = def.followPerGuide.value_or(followDef.countPerGuide);
-    auto generated = hair.generateFollowHairs(followDef);
+  HairSource source;
+  source.def.name = look.name;
+  source.def.settings = scene.simulation;
+  source.def.material = scene.material;
+  source.follow = scene.follow;
+  source.influences.assign(look.influences.begin(), look.influences.end());
+  source.followHairs.assign(look.followHairs.begin(), look.followHairs.end());
+  apply(scene.creation, source.def);
+  if (source.followHairs.empty()) {
+    source.follow.countPerGuide = def.followPerGuide.value_or(source.follow.countPerGuide);
+    auto generated = hair.generateFollowHairs(source.follow);
     if (!generated) return generated.error();
-    follow = *std::move(generated);
-    hairDef.followHairs = follow;
+    source.followHairs = *std::move(generated);
   }
-  hairDef.settings.solver = def.solver;
-  if (def.subSteps) hairDef.settings.subSteps = *def.subSteps;
-  if (def.wind) hairDef.settings.wind.velocity = *def.wind;
-  hairDef.skinning = def.skinning;
-  hairDef.boneCount = boneCount_;
-  hairDef.collidingHair = def.collidingHair;
-  const auto added = scene_->addHair(hair, hairDef);
+  source.def.settings.solver = def.solver;
+  if (def.subSteps) source.def.settings.subSteps = *def.subSteps;
+  if (def.wind) source.def.settings.wind.velocity = *def.wind;
+  source.def.skinning = def.skinning;
+  source.def.collidingHair = def.collidingHair;
+  source.asset = std::make_shared<const HairAsset>(hair);
+  const auto added = addToScene(source);
   if (!added) return added.error();
   hairs_.push_back(*added);
+  sources_.push_back(std::move(source));
   apply(scene.object, scene_->hair(*added));
+  return {};
+}
+
+Result<pelage::HairId> DemoScene::addToScene(const HairSource& source) {
+  pelage::HairDef def = source.def;
+  def.influences = source.influences;
+  def.followHairs = source.followHairs;
+  def.boneCount = boneCount_;
+  return scene_->addHair(source.asset, def);
+}
+
+DemoScene::HairMaking DemoScene::making(size_t hair) const {
+  const HairSource& source = sources_[hair];
+  const pelage::HairDef& def = source.def;
+  return {{def.skinning, def.levelOfDetail, def.storeFollowHairs, def.collidingHair},
+          source.follow};
+}
+
+Result<void> DemoScene::makeHairAgain(size_t hair, const HairMaking& making) {
+  HairSource source = sources_[hair];
+  const pelage::HairObject& old = scene_->hair(hairs_[hair]);
+  const pelage::HairObjectSettings object = settingsOf(old);
+  source.def.settings = old.settings;
+  source.def.material = old.material;
+  apply(making.creation, source.def);
+  if (!areSame(making.follow, source.follow)) {
+    auto generated = source.asset->generateFollowHairs(making.follow);
+    if (!generated) return generated.error();
+    source.followHairs = *std::move(generated);
+    source.follow = making.follow;
+  }
+  const auto added = addToScene(source);
+  if (!added) return added.error();
+  (void)scene_->removeHair(hairs_[hair]);
+  hairs_[hair] = *added;
+  sources_[hair] = std::move(source);
+  apply(object, scene_->hair(*added));
   return {};
 }
 

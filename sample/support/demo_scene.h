@@ -90,6 +90,17 @@ class DemoScene {
   /// Writes the passes of the next frame into a list, which is cleared first: the pose at
   /// the frame's end and one simulation step.
   pelage::Result<void> advance(pelage::PassList& list);
+  /// How a hair object was made, for makeHairAgain().
+  struct HairMaking {
+    pelage::HairCreation creation;
+    pelage::FollowDef follow;  ///< without effect on follow hairs from a file, until it changes
+  };
+  /// \param hair index in hairs().
+  HairMaking making(size_t hair) const;
+  /// Makes a hair object in another way: a new one, in its bind shape, with the settings and the
+  /// look of the old one, whose id ends. Errors: those of generateFollowHairs() and
+  /// Scene::addHair(); nothing has changed then.
+  pelage::Result<void> makeHairAgain(size_t hair, const HairMaking& making);
   /// Sets the pose at a time: bones, colliders and meshes, for programs that call
   /// Scene::simulate() themselves. \param seconds >= 0. \param others colliders of all hair beside
   /// its own; keep each at its index from pose to pose.
@@ -159,6 +170,15 @@ class DemoScene {
 
  private:
   explicit DemoScene(const DemoDef& def);
+  /// What a hair object is made of.
+  struct HairSource {
+    std::shared_ptr<const pelage::HairAsset> asset;
+    pelage::HairDef def;  ///< without its spans, which are those below
+    std::vector<pelage::BoneInfluences> influences;
+    std::vector<pelage::FollowHair> followHairs;
+    pelage::FollowDef follow;
+  };
+  pelage::Result<pelage::HairId> addToScene(const HairSource& source);
   void poseHair(const std::vector<pelage::AffineTransform>& posed);
   std::vector<pelage::CapsuleCollider> capsulesIn(
       const std::vector<pelage::AffineTransform>& posed) const;
@@ -179,6 +199,7 @@ class DemoScene {
   std::unique_ptr<pelage::Scene> ownScene_;  ///< nullptr: it is somebody else's
   pelage::Scene* scene_;
   std::vector<pelage::HairId> hairs_;
+  std::vector<HairSource> sources_;  ///< [hair]
   std::vector<MeshObject> meshes_;
   std::vector<pelage::ColliderId> colliders_;
   pelage::BufferId opaqueDepth_ = pelage::BufferId::kInvalid;  ///< of Light::opaque

@@ -4,9 +4,12 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <set>
+#include <string_view>
 
 #include "interface/settings_panel.h"
 #include "pelage/settings/settings_file.h"
+#include "stage/good_settings.h"
 #include "stage/stage_settings.h"
 
 namespace {
@@ -63,6 +66,8 @@ TEST_F(StageSettings, AreWhatWasGiven) {
       // An object draws no more strands than it has.
       if (parameter.path == "drawnStrands") continue;
       if (sections[s].key == "collider" && stage_.colliders().empty()) continue;
+      // A share of the guides needs it.
+      if (parameter.path == "levelOfDetail") settings.object.simulatedShare = 1;
       const auto value = otherThan(parameter, sections[s].get(settings, parameter));
       ASSERT_TRUE(check(parameter, value)) << parameter.path;
       sections[s].set(settings, parameter, value);
@@ -77,6 +82,67 @@ TEST_F(StageSettings, AreWhatWasGiven) {
     }
   }
   EXPECT_GT(moved, 60u);
+}
+
+// What is not on the stage is what the window decides: what it draws beside hair, its target.
+TEST_F(StageSettings, HaveEverySectionButThoseOfTheWindow) {
+  const std::set<std::string_view> ofTheWindow = {"colliderLook", "view"};
+  const auto sections = pelage::settingsSections();
+  for (size_t s = 0; s < sections.size(); ++s)
+    EXPECT_TRUE((viewer::stageSections() >> s & 1u) != 0 || ofTheWindow.count(sections[s].key) > 0)
+        << sections[s].key;
+}
+
+TEST_F(StageSettings, OfMakingMakeTheHairAgainWithItsLook) {
+  SceneSettings settings = settingsOf(stage_, 0);
+  const pelage::HairId before = stage_.hairs()[0];
+  settings.material.fiberRadius = 90e-6f;
+  ASSERT_TRUE(apply(settings, 0, stage_));
+  EXPECT_EQ(stage_.hairs()[0], before);
+  settings.follow.countPerGuide = 3;
+  ASSERT_TRUE(apply(settings, 0, stage_));
+  EXPECT_NE(stage_.hairs()[0], before);
+  EXPECT_FALSE(stage_.scene().isValid(before));
+  const pelage::HairObject& hair = stage_.scene().hair(stage_.hairs()[0]);
+  EXPECT_EQ(hair.followCount(), 3 * hair.guideCount());
+  EXPECT_TRUE(haveSameSettings(settingsOf(stage_, 0), settings));
+
+  settings.object.simulatedShare = 0.5f;
+  ASSERT_TRUE(apply(settings, 0, stage_));
+  EXPECT_TRUE(settingsOf(stage_, 0).creation.levelOfDetail);
+  const auto frame = stage_.makeFrame(0.01, 64, 64);
+  EXPECT_TRUE(frame) << frame.error().message;
+}
+
+TEST_F(StageSettings, ThatTheSceneRefusesGoBackToTheLastGoodOnes) {
+  viewer::GoodSettings good;
+  EXPECT_FALSE(good.restore(stage_));
+  good.keep(stage_);
+  EXPECT_FALSE(good.restore(stage_));
+  const SceneSettings first = settingsOf(stage_, 0);
+  SceneSettings refused = first;
+  refused.transparency.method = pelage::Transparency::kWindowed;
+  refused.transparency.maxBytes = 1;
+  ASSERT_TRUE(apply(refused, 0, stage_));
+  EXPECT_FALSE(stage_.makeFrame(0.01, 64, 64));
+  EXPECT_TRUE(good.restore(stage_));
+  EXPECT_TRUE(haveSameSettings(settingsOf(stage_, 0), first));
+  const auto frame = stage_.makeFrame(0.01, 64, 64);
+  EXPECT_TRUE(frame) << frame.error().message;
+}
+
+// A cap that was enough is none in a window that has grown.
+TEST_F(StageSettings, OfMemoryAreThoseOfTheDeviceAgainWhereTheyAreTooSmall) {
+  stage_.setDevice({});
+  EXPECT_FALSE(stage_.resetMemory());
+  SceneSettings settings = settingsOf(stage_, 0);
+  settings.transparency.method = pelage::Transparency::kShortCut;
+  settings.transparency.maxBytes = 200 << 10;
+  ASSERT_TRUE(apply(settings, 0, stage_));
+  ASSERT_TRUE(stage_.makeFrame(0.01, 64, 64));
+  ASSERT_FALSE(stage_.makeFrame(0.01, 640, 480));
+  EXPECT_TRUE(stage_.resetMemory());
+  EXPECT_TRUE(stage_.makeFrame(0.01, 640, 480));
 }
 
 TEST_F(StageSettings, ThatAreOutOfRangeChangeNothing) {

@@ -1,10 +1,13 @@
-// Camera and clock of the viewer.
+// Camera and clock of the viewer, and what the mouse finds.
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
+#include "stage/hair_pull.h"
 #include "stage/orbit_camera.h"
 #include "stage/play_clock.h"
+#include "stage/wind_arrow.h"
 
 namespace {
 
@@ -79,6 +82,54 @@ TEST(OrbitCamera, PointsUnderAPixelProjectOntoIt) {
       EXPECT_NEAR(clip[1] / clip[3], 1 - 2 * y, 1e-4f);
     }
   }
+}
+
+TEST(WindArrow, ItsTipSetsTheWindInThePicture) {
+  const viewer::OrbitCamera camera = someCamera();
+  viewer::WindowSize size;
+  size.width = 640;
+  size.height = 480;
+  const Float3 before = {3, -1, 2};
+  const viewer::WindArrow arrow = viewer::windArrowOf(camera, before, size);
+  EXPECT_TRUE(arrow.isOnTip(arrow.tip.x, arrow.tip.y));
+  EXPECT_FALSE(arrow.isOnTip(arrow.tip.x + 40, arrow.tip.y));
+  const auto expectNear = [](const Float3& a, const Float3& b) {
+    EXPECT_NEAR(a.x, b.x, 1e-4f);
+    EXPECT_NEAR(a.y, b.y, 1e-4f);
+    EXPECT_NEAR(a.z, b.z, 1e-4f);
+  };
+  // Where the tip is already, nothing changes.
+  expectNear(viewer::windOfTip(camera, before, size, arrow.tip.x, arrow.tip.y), before);
+  // At the base there is none in the picture.
+  const Float3 calm = viewer::windOfTip(camera, {}, size, arrow.base.x + 0.5, arrow.base.y);
+  expectNear(calm, {});
+  // Far away it is the strongest.
+  const Float3 storm = viewer::windOfTip(camera, {}, size, arrow.base.x + 1e4, arrow.base.y);
+  expectNear(storm,
+             {viewer::kMaxArrowWind * camera.right().x, viewer::kMaxArrowWind * camera.right().y,
+              viewer::kMaxArrowWind * camera.right().z});
+}
+
+// A strand of four vertices in front of the camera, and one behind it.
+TEST(HairPull, TakesTheVertexUnderTheMouseThatIsInFront) {
+  const viewer::OrbitCamera camera = someCamera();
+  const pelage::View view = camera.view(640, 480);
+  const Float3 target = camera.target(), back = camera.direction();
+  std::vector<pelage::Float4> positions;
+  for (const float away : {0.0f, -0.1f}) {
+    for (int vertex = 0; vertex < 4; ++vertex)
+      positions.push_back(
+          {target.x + away * back.x, target.y + away * back.y, target.z + away * back.z, 0});
+  }
+  const auto near = viewer::pickVertex(positions, 4, view, 322, 239);
+  ASSERT_TRUE(near);
+  EXPECT_EQ(near->vertex, 2u);  // the first two are held by bones
+  EXPECT_NEAR(near->depth, camera.distance(), 1e-4f);
+  EXPECT_FALSE(viewer::pickVertex(positions, 4, view, 400, 239));
+  positions[2].x = positions[3].x = std::nanf("");
+  const auto rear = viewer::pickVertex(positions, 4, view, 322, 239);
+  ASSERT_TRUE(rear);
+  EXPECT_EQ(rear->vertex, 6u);
 }
 
 TEST(PlayClock, FixedFramesTakeASixtiethWhateverTheyTook) {

@@ -9,6 +9,7 @@
 #include "image.h"
 #include "pelage/frame.h"
 #include "pelage/headless.h"
+#include "pelage/kernel_code.h"
 #include "pelage/result.h"
 #include "pelage/scene.h"
 
@@ -56,6 +57,10 @@ class Canvas {
   virtual const pelage::DeviceInfo& info() const = 0;
   /// Whether views can be drawn by a method.
   virtual pelage::Result<void> supports(const pelage::TransparencySettings& settings) const = 0;
+  /// Makes the runtime again, with code of kernels that goes before the program's own; empty: with
+  /// the latter alone. The scene's buffers are lost: Scene::recover() comes next. The code lives as
+  /// long as it is used. Errors: those of making a runtime.
+  virtual pelage::Result<void> setCode(pelage::KernelCodeList code) = 0;
   /// Makes the targets for a window of this size [pixels]; nothing where they have it.
   virtual pelage::Result<void> resize(uint32_t width, uint32_t height) = 0;
   /// Begins a frame: waits for an earlier one to finish. It comes before Scene::simulate(), and

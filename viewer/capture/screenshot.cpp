@@ -1,7 +1,5 @@
 #include "capture/screenshot.h"
 
-#include <fmt/format.h>
-
 #include <system_error>
 
 #include "png_file.h"
@@ -13,15 +11,6 @@ pelage::Result<void> writeScreenshot(const sample::ByteImage& picture,
   std::error_code error;
   if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), error);
   return sample::writePng(path.string(), picture);
-}
-
-std::filesystem::path nextScreenshot() {
-  constexpr int kMost = 9999;
-  for (int number = 1;; ++number) {
-    const std::filesystem::path path = fmt::format("pelage-{:04}.png", number);
-    std::error_code error;
-    if (number == kMost || !std::filesystem::exists(path, error)) return path;
-  }
 }
 
 }  // namespace viewer

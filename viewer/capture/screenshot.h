@@ -12,7 +12,5 @@ namespace viewer {
 /// written.
 pelage::Result<void> writeScreenshot(const sample::ByteImage& picture,
                                      const std::filesystem::path& path);
-/// The first "pelage-NNNN.png" in the current folder that is not there yet.
-std::filesystem::path nextScreenshot();
 
 }  // namespace viewer

@@ -138,7 +138,9 @@ void UserInterface::build(const WindowSize& size, double seconds,
 ImDrawData* UserInterface::drawData() const { return ImGui::GetDrawData(); }
 
 void UserInterface::say(std::string title, std::string text) {
-  messages_.push_back({std::move(title), std::move(text)});
+  const bool said =
+      !messages_.empty() && messages_.back().title == title && messages_.back().text == text;
+  if (!said) messages_.push_back({std::move(title), std::move(text)});
 }
 
 void UserInterface::buildMessage(const WindowSize& size) {

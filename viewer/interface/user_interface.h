@@ -30,7 +30,8 @@ class UserInterface {
   /// Of the last build().
   ImDrawData* drawData() const;
 
-  /// Shows a message until the user closes it, after those that are there already.
+  /// Shows a message until the user closes it, after those that are there already. One that is the
+  /// last of them is not shown twice.
   void say(std::string title, std::string text);
   bool hasMessage() const { return !messages_.empty(); }
 

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "input/keys.h"
+#include "stage/wind_arrow.h"
 
 namespace viewer {
 
@@ -12,6 +13,7 @@ namespace {
 
 constexpr double kZoomStep = 1.1;      // factor of a step of the wheel
 constexpr float kBallStep = 0.25f;     // radii that a step of the wheel moves the ball
+constexpr float kLockRadius = 0.15f;   // of half the picture's height: hair that is pulled
 constexpr double kSlowest = 1.0 / 16;  // PlayClock::speed
 constexpr double kFastest = 4;
 
@@ -30,13 +32,21 @@ void StageControls::take(const Event& event, const WindowSize& size, Stage& stag
 
 void StageControls::press(const MousePressed& event, const WindowSize& size, Stage& stage) {
   if (!event.down) {
-    if (event.button == button_) drag_ = Drag::kNone;
+    if (event.button != button_) return;
+    if (drag_ == Drag::kPull) stage.pull.release(stage.scene());
+    drag_ = Drag::kNone;
     return;
   }
   if (drag_ != Drag::kNone) return;
   button_ = event.button;
   if (event.button != MouseButton::kLeft || shift_) {
     drag_ = Drag::kPan;
+  } else if (hasArrow &&
+             windArrowOf(stage.camera, stage.look.wind, size).isOnTip(mouse_.x, mouse_.y)) {
+    drag_ = Drag::kWind;
+  } else if (pulls_) {
+    drag_ = Drag::kPull;
+    askForHair(size, stage);
   } else if (control_) {
     drag_ = Drag::kBall;
     moveBall(size, stage);
@@ -54,6 +64,10 @@ void StageControls::move(const MouseMoved& event, const WindowSize& size, Stage&
   if (drag_ == Drag::kOrbit) stage.camera.orbit(right * kHalfTurn, down * kHalfTurn);
   if (drag_ == Drag::kPan) stage.camera.pan(-right, down);
   if (drag_ == Drag::kBall) moveBall(size, stage);
+  if (drag_ == Drag::kPull && stage.pull.holds())
+    stage.pull.dragTo(pointOn(stage.pull.point(), size, stage));
+  if (drag_ == Drag::kWind)
+    stage.look.wind = windOfTip(stage.camera, stage.look.wind, size, event.x, event.y);
 }
 
 // The wheel moves what is dragged.
@@ -68,20 +82,38 @@ void StageControls::scroll(const Scrolled& event, Stage& stage) const {
   center = {center.x + away * back.x, center.y + away * back.y, center.z + away * back.z};
 }
 
-// At the depth where it is, at first that of what the camera looks at.
-void StageControls::moveBall(const WindowSize& size, Stage& stage) const {
+// Under the mouse, in a plane that faces the camera.
+pelage::Float3 StageControls::pointOn(const pelage::Float3& plane, const WindowSize& size,
+                                      const Stage& stage) const {
   const auto share = [](double at, uint32_t of) {
     return static_cast<float>(at / std::max(of, 1u));
   };
-  const pelage::Float3 plane = stage.ball.present ? stage.ball.center : stage.camera.target();
-  stage.ball.center = stage.camera.pointAt(share(mouse_.x, size.width),
-                                           share(mouse_.y, size.height), aspectOf(size), plane);
+  return stage.camera.pointAt(share(mouse_.x, size.width), share(mouse_.y, size.height),
+                              aspectOf(size), plane);
+}
+
+// At the depth where it is, at first that of what the camera looks at.
+void StageControls::moveBall(const WindowSize& size, Stage& stage) const {
+  stage.ball.center =
+      pointOn(stage.ball.present ? stage.ball.center : stage.camera.target(), size, stage);
   stage.ball.present = true;
+}
+
+void StageControls::askForHair(const WindowSize& size, Stage& stage) const {
+  const pelage::Float3 top = stage.camera.pointAt(0.5f, 0, 1, stage.camera.target());
+  const pelage::Float3 middle = stage.camera.target();
+  const float half =
+      std::sqrt((top.x - middle.x) * (top.x - middle.x) + (top.y - middle.y) * (top.y - middle.y) +
+                (top.z - middle.z) * (top.z - middle.z));
+  stage.pull.ask(stage.camera.view(size.width, size.height), static_cast<float>(mouse_.x),
+                 static_cast<float>(mouse_.y), kLockRadius * half);
 }
 
 void StageControls::key(const KeyPressed& event, const WindowSize& size, Stage& stage) {
   if (event.key == kKeyLeftShift || event.key == kKeyRightShift) shift_ = event.down;
   if (event.key == kKeyLeftControl || event.key == kKeyRightControl) control_ = event.down;
+  if (event.key == kKeyLeftAlt || event.key == kKeyRightAlt || event.key == 'G')
+    pulls_ = event.down;
   if (!event.down || control_) return;
   PlayClock& clock = stage.clock;
   switch (event.key) {

@@ -24,6 +24,9 @@ class OrbitCamera {
   pelage::Float3 direction() const;
   pelage::Float3 eye() const;
   pelage::Float3 target() const { return target_; }
+  /// Unit vectors to the right and up in the picture.
+  pelage::Float3 right() const;
+  pelage::Float3 up() const;
   float distance() const { return distance_; }
   pelage::View view(uint32_t width, uint32_t height) const;
   /// Where a pixel's ray meets the plane through a point that faces the camera. \param x, y shares
@@ -31,8 +34,6 @@ class OrbitCamera {
   pelage::Float3 pointAt(float x, float y, float aspect, const pelage::Float3& plane) const;
 
  private:
-  pelage::Float3 right() const;
-  pelage::Float3 up() const;
   pelage::Float3 target_;
   float yaw_ = 0;       // [radians] about +y, 0 looks from +z
   float pitch_ = 0;     // [radians] above the horizon

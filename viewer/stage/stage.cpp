@@ -47,6 +47,7 @@ Result<void> Stage::show(const StageSource& source) {
   LoadedFiles loaded;
   auto demo = make(source, loaded);
   if (!demo) return demo.error();
+  pull.release(scene_);
   demo_.reset();  // removes what it has in the scene
   demo_.emplace(*std::move(demo));
   loaded.assets = {};
@@ -59,9 +60,17 @@ Result<void> Stage::show(const StageSource& source) {
 }
 
 void Stage::setDevice(const StageDevice& device) {
+  device_ = device;
   scene_.setTier(device.tier);
+  resetMemory();
+}
+
+bool Stage::resetMemory() {
+  const bool had = transparency_.maxBytes >= kMaxTransparencyBytes &&
+                   transparency_.maxBufferBytes >= device_.maxBufferBytes;
   transparency_.maxBytes = kMaxTransparencyBytes;
-  transparency_.maxBufferBytes = device.maxBufferBytes;
+  transparency_.maxBufferBytes = device_.maxBufferBytes;
+  return !had;
 }
 
 // What changed since the last frame.
@@ -99,6 +108,8 @@ Result<pelage::Frame> Stage::makeFrame(double realSeconds, uint32_t width, uint3
   demo_->pose(clock.time, {&sphere, ball.present ? size_t{1} : size_t{0}});
   auto frame = scene_.simulate(static_cast<float>(seconds));
   if (!frame) return frame;
+  if (pull.holds())
+    if (Result<void> done = pull.record(scene_, frame->addListBefore()); !done) return done.error();
   ++frame_;
   const pelage::View view = camera.view(width, height);
   pelage::PassList before;
@@ -124,8 +135,10 @@ Result<void> Stage::drawContacts(const pelage::View& view, pelage::Frame& frame)
   return {};
 }
 
-// The lists and tiles of the next frame have room for what this one wanted.
 Result<void> Stage::measure(const pelage::BufferReader& read) {
+  if (pull.isAsked())
+    if (Result<void> done = pull.take(scene_, hairs(), read); !done) return done;
+  // The lists and tiles of the next frame have room for what this one wanted.
   const bool grows = transparency_.method == pelage::Transparency::kWindowed ||
                      transparency_.method == pelage::Transparency::kTiles;
   const BufferId counters = scene_.transparencyCounters();

@@ -13,6 +13,7 @@
 #include "pelage/scene.h"
 #include "stage/ball_mesh.h"
 #include "stage/files.h"
+#include "stage/hair_pull.h"
 #include "stage/orbit_camera.h"
 #include "stage/play_clock.h"
 
@@ -75,13 +76,16 @@ class Stage {
   double meanLength() const { return loaded_.meanLength; }
 
   void setDevice(const StageDevice& device);
+  /// Lets transparency take what the device has: for a window that has grown over a smaller cap.
+  /// \return whether it had less.
+  bool resetMemory();
   /// Makes the next frame: moves the hair and draws it. \param realSeconds since the last one.
   /// \param width, height of the target [pixels]. The stage has something to show.
   pelage::Result<pelage::Frame> makeFrame(double realSeconds, uint32_t width, uint32_t height);
   /// A buffer for the depth of opaque things, where the method needs it; of the last makeFrame().
   pelage::BufferId depthCopy() const { return depthBuffer_; }
-  /// Takes what the last frame counted, so that the next one's lists have room. \param read reads
-  /// a buffer back. Cheap where nothing is to be read.
+  /// Takes what the last frame counted, so that the next one's lists have room, and the hair that
+  /// the mouse pulls. \param read reads a buffer back. Cheap where nothing is to be read.
   pelage::Result<void> measure(const pelage::BufferReader& read);
 
   /// All is in the picture, seen from where the camera is.
@@ -97,6 +101,7 @@ class Stage {
   PlayClock clock;
   StageLook look;
   StageBall ball;
+  HairPull pull;
   pelage::ContactLook contactLook;  ///< with StageLook::showsContacts
   pelage::Scene& scene() { return scene_; }
   const pelage::Scene& scene() const { return scene_; }
@@ -112,6 +117,12 @@ class Stage {
   const pelage::TransparencySettings& transparency() const { return transparency_; }
   /// The method is Stage::look's afterwards, too.
   void setTransparency(const pelage::TransparencySettings& settings);
+  /// How hair was made, and making it in another way: those of sample::DemoScene.
+  sample::DemoScene::HairMaking making(size_t hair) const { return demo_->making(hair); }
+  pelage::Result<void> makeHairAgain(size_t hair, const sample::DemoScene::HairMaking& making) {
+    pull.release(scene_);
+    return demo_->makeHairAgain(hair, making);
+  }
   bool hasMotions() const { return source_.kind == StageKind::kCharacter; }
 
  private:
@@ -122,6 +133,7 @@ class Stage {
   pelage::Scene scene_;
   std::optional<sample::DemoScene> demo_;  // in scene_
   uint64_t shown_ = 0;
+  StageDevice device_;
   StageSource source_;
   LoadedFiles loaded_;
   BallMesh ballMesh_;

@@ -12,8 +12,21 @@ using pelage::SceneSettings;
 
 namespace {
 
-constexpr std::string_view kSections[] = {"simulation",  "material", "object",      "collider",
+constexpr std::string_view kSections[] = {"simulation",  "material", "object",
+                                          "creation",    "follow",   "collider",
                                           "contactLook", "lights",   "transparency"};
+
+// What was made with other values is made again.
+pelage::Result<void> applyMaking(const SceneSettings& settings, size_t hair, Stage& stage) {
+  const SceneSettings now = settingsOf(stage, hair);
+  SceneSettings wanted = now;
+  wanted.creation = settings.creation;
+  wanted.follow = settings.follow;
+  // A share of the simulated guides needs it.
+  if (settings.object.simulatedShare < 1) wanted.creation.levelOfDetail = true;
+  if (haveSameSettings(now, wanted)) return {};
+  return stage.makeHairAgain(hair, {wanted.creation, wanted.follow});
+}
 
 }  // namespace
 
@@ -33,6 +46,8 @@ SceneSettings settingsOf(const Stage& stage, size_t hair) {
   settings.simulation = object.settings;
   settings.material = object.material;
   settings.object = settingsOf(object);
+  settings.creation = stage.making(hair).creation;
+  settings.follow = stage.making(hair).follow;
   if (!stage.colliders().empty())
     settings.collider = settingsOf(stage.scene().collider(stage.colliders()[0]));
   settings.contactLook = stage.contactLook;
@@ -49,6 +64,7 @@ SceneSettings settingsOf(const Stage& stage, size_t hair) {
 pelage::Result<void> apply(const SceneSettings& settings, size_t hair, Stage& stage) {
   PELAGE_ASSERT(hair < stage.hairs().size(), "apply(): the stage has no such hair");
   if (pelage::Result<void> valid = validate(settings); !valid) return valid;
+  if (pelage::Result<void> made = applyMaking(settings, hair, stage); !made) return made;
   pelage::HairObject& object = stage.scene().hair(stage.hairs()[hair]);
   object.settings = settings.simulation;
   object.material = settings.material;

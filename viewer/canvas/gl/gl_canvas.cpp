@@ -59,6 +59,7 @@ class GlCanvas final : public Canvas {
   Result<void> supports(const pelage::TransparencySettings& settings) const override {
     return runtime_->supports(settings, {.followHairs = true});
   }
+  Result<void> setCode(pelage::KernelCodeList code) override;
   Result<void> resize(uint32_t width, uint32_t height) override;
   Result<void> begin() override;
   Result<void> show(const CanvasFrame& frame) override;
@@ -72,6 +73,7 @@ class GlCanvas final : public Canvas {
   void saveCache() override {}  // programs are stored when they have been linked
 
  private:
+  Result<void> makeRuntime(pelage::KernelCodeList code);
   void listen();
   void describe();
   void releaseTarget();
@@ -102,8 +104,10 @@ GlCanvas::~GlCanvas() {
   if (def_.validation) glDebugMessageCallback(nullptr, nullptr);
 }
 
-Result<void> GlCanvas::open() {
+Result<void> GlCanvas::makeRuntime(pelage::KernelCodeList code) {
   pelage::gl::RuntimeDef def;
+  // The first table that has a permutation counts.
+  if (!code.empty()) def.code.insert(def.code.begin(), code);
   def.getProcAddress = [](const char* name) {
     return reinterpret_cast<void*>(glfwGetProcAddress(name));
   };
@@ -116,6 +120,21 @@ Result<void> GlCanvas::open() {
   runtime_->addCode(sample::allCode());
   runtime_->addCode(viewer_kernels::allCode());
   for (auto& timer : timers_) timer.emplace(*runtime_);
+  return {};
+}
+
+Result<void> GlCanvas::setCode(pelage::KernelCodeList code) {
+  for (auto& timer : timers_) timer.reset();
+  runtime_.reset();
+  timings_.clear();
+  Result<void> made = makeRuntime(code);
+  if (made && width_ > 0)
+    runtime_->registerTexture(scene_, {.target = GL_TEXTURE_2D_ARRAY, .name = color_});
+  return made;
+}
+
+Result<void> GlCanvas::open() {
+  if (Result<void> done = makeRuntime({}); !done) return done;
   if (def_.validation) listen();
   describe();
   hasInterface_ = ImGui_ImplOpenGL3_Init("#version 450");

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <limits>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "canvas/cache_file.h"
@@ -53,6 +54,7 @@ class VulkanCanvas final : public Canvas {
   Result<void> supports(const pelage::TransparencySettings& settings) const override {
     return runtime_->supports(settings, {.followHairs = true});
   }
+  Result<void> setCode(pelage::KernelCodeList code) override;
   Result<void> resize(uint32_t width, uint32_t height) override;
   Result<void> begin() override;
   Result<void> show(const CanvasFrame& frame) override;
@@ -68,7 +70,7 @@ class VulkanCanvas final : public Canvas {
 
  private:
   Result<void> makeSlots();
-  Result<void> makeRuntime();
+  Result<void> makeRuntime(std::span<const std::byte> cache, pelage::KernelCodeList code);
   Result<void> makeInterface();
   Result<void> uploadFonts();
   Result<void> beginCommands(Slot& slot) const;
@@ -115,7 +117,9 @@ Result<void> VulkanCanvas::open(Window& window) {
   if (Result<void> done = swapchain_.chooseFormat(); !done) return done;
   if (Result<void> done = targets_.makePasses(swapchain_.format()); !done) return done;
   if (Result<void> done = makeSlots(); !done) return done;
-  if (Result<void> done = makeRuntime(); !done) return done;
+  const std::vector<std::byte> cache =
+      def_.cache.empty() ? std::vector<std::byte>() : readCache(def_.cache / kCacheName);
+  if (Result<void> done = makeRuntime(cache, {}); !done) return done;
   return makeInterface();
 }
 
@@ -141,10 +145,11 @@ Result<void> VulkanCanvas::makeSlots() {
   return {};
 }
 
-Result<void> VulkanCanvas::makeRuntime() {
-  const std::vector<std::byte> cache =
-      def_.cache.empty() ? std::vector<std::byte>() : readCache(def_.cache / kCacheName);
+Result<void> VulkanCanvas::makeRuntime(std::span<const std::byte> cache,
+                                       pelage::KernelCodeList code) {
   pelage::vulkan::RuntimeDef def;
+  // The first table that has a permutation counts.
+  if (!code.empty()) def.code.insert(def.code.begin(), code);
   def.instance = device_.instance;
   def.physicalDevice = device_.physical;
   def.device = device_.device;
@@ -161,6 +166,20 @@ Result<void> VulkanCanvas::makeRuntime() {
   runtime_->setTimestamps(true);
   device_.info.tier = runtime_->tier();
   return {};
+}
+
+Result<void> VulkanCanvas::setCode(pelage::KernelCodeList code) {
+  for (Slot& slot : slots_)
+    if (Result<void> done = wait(slot); !done) return done;
+  const VkResult idle = vkDeviceWaitIdle(device_.device);
+  if (idle != VK_SUCCESS) return vulkanError(idle, "vkDeviceWaitIdle");
+  // What has not changed need not be compiled again.
+  const Result<std::vector<std::byte>> cache = runtime_->pipelineCacheData();
+  runtime_.reset();
+  timings_.clear();
+  Result<void> made = makeRuntime(cache ? *cache : std::vector<std::byte>(), code);
+  if (made && width_ > 0) runtime_->registerTexture(scene_, {.view = targets_.sceneView()});
+  return made;
 }
 
 Result<void> VulkanCanvas::makeInterface() {

@@ -1,0 +1,25 @@
+// The settings that the last frame was made with, for when a device or the library refuses others.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pelage/settings/scene_settings.h"
+#include "stage/stage.h"
+
+namespace viewer {
+
+class GoodSettings {
+ public:
+  /// Keeps the settings of a stage whose frame has run.
+  void keep(const Stage& stage);
+  /// Gives them back. \return whether the stage had others; false also where none were kept of what
+  /// it shows.
+  bool restore(Stage& stage) const;
+
+ private:
+  uint64_t shown_ = 0;                        // Stage::shown() that they belong to
+  std::vector<pelage::SceneSettings> hairs_;  // [hair]
+};
+
+}  // namespace viewer
