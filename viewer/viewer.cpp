@@ -9,6 +9,7 @@
 
 #include "capture/screenshot.h"
 #include "input/keys.h"
+#include "interface/inspection_panel.h"
 #include "program_messages.h"
 
 namespace viewer {
@@ -54,6 +55,7 @@ Result<void> Viewer::open() {
   opened_ = secondsSince(start_);
   showFirst();
   if (!options_.settings.empty() && stage_.shown() > 0) loadSettings(options_.settings);
+  if (options_.compared && stage_.shown() > 0) compare(options_.compared);
   shown_ = secondsSince(start_);
   const WindowSize size = window_->size();
   stage_.frameAll(static_cast<float>(std::max(size.width, 1u)) /
@@ -155,8 +157,20 @@ void Viewer::drop(std::vector<std::filesystem::path> files) {
   show(source);
 }
 
+void Viewer::compare(std::optional<pelage::Solver> right) {
+  const Result<void> compared = stage_.compare(right);
+  if (!compared) interface_->say("There is nothing to compare", compared.error().message);
+}
+
+// The other solver beside the one that is there, or that one alone again.
+void Viewer::compareSolvers() {
+  if (stage_.sides() == 2) return compare(std::nullopt);
+  using pelage::Solver;
+  compare(stage_.solverOf(0) == Solver::kExact ? Solver::kClassic : Solver::kExact);
+}
+
 void Viewer::loadSettings(const std::filesystem::path& file) {
-  const Result<void> loaded = settings_.load(file, stage_);
+  const Result<void> loaded = settings().load(file, stage_);
   if (!loaded) interface_->say("The settings cannot be loaded", loaded.error().message);
 }
 
@@ -165,9 +179,9 @@ bool Viewer::takeShortcut(const KeyPressed& key) {
   if (key.key == kKeyLeftControl || key.key == kKeyRightControl) control_ = key.down;
   if (!control_ || !key.down || (key.key != 'Z' && key.key != 'Y')) return false;
   if (key.key == 'Z')
-    settings_.undo(stage_);
+    settings().undo(stage_);
   else
-    settings_.redo(stage_);
+    settings().redo(stage_);
   return true;
 }
 
@@ -207,6 +221,8 @@ Result<void> Viewer::take(const Event& event) {
   if (const auto* key = std::get_if<KeyPressed>(&event); key != nullptr && key->down) {
     if (key->key == kKeyTab) showsPanel_ = !showsPanel_;
     if (key->key == 'S') showsSettings_ = !showsSettings_;
+    if (key->key == 'I') showsStatistics_ = !showsStatistics_;
+    if (key->key == 'D') compareSolvers();
     if (key->key == kKeyF12) screenshot_ = nextScreenshot();
     if (key->key == kKeyF9) return loseDevice();
   }
@@ -222,13 +238,14 @@ Result<void> Viewer::drawFrame(const WindowSize& size) {
   if (Result<void> done = canvas_->begin(); !done) return done;
   history_.add(canvas_->timings());
   PanelWishes wishes;
-  std::function<void()> panels;
   std::vector<SettingsMessage> messages;
-  if (showsPanel_)
-    panels = [&] {
-      wishes = buildStagePanel(stage_, *canvas_, history_, size);
-      if (showsSettings_) messages = settings_.build(stage_, size);
-    };
+  const auto panels = [&] {
+    buildInspectionKey(stage_, size);
+    if (!showsPanel_) return;
+    wishes = buildStagePanel(stage_, *canvas_, history_, size);
+    if (showsSettings_) messages = settings().build(stage_, size);
+    if (showsStatistics_) statistics_.build(stage_, *canvas_, history_, size);
+  };
   interface_->build(size, stage_.clock.fixed ? PlayClock::kStep : seconds, panels);
   for (SettingsMessage& message : messages)
     interface_->say(std::move(message.title), std::move(message.text));
@@ -236,14 +253,15 @@ Result<void> Viewer::drawFrame(const WindowSize& size) {
   if (!frame) return frame.error();
   CanvasFrame shown;
   shown.frame = &*frame;
-  shown.depthCopy = stage_.depthCopy();
+  shown.views = stage_.views();
   shown.interface = interface_->drawData();
   if (std::exchange(wantsScreenshot_, false) && screenshot_.empty()) screenshot_ = nextScreenshot();
   shown.captures = !screenshot_.empty();
   if (Result<void> done = canvas_->show(shown); !done) return done;
-  Result<void> measured =
-      stage_.measure([&](pelage::BufferId buffer) { return canvas_->read(buffer); });
-  if (!measured) return measured;
+  const auto read = [&](pelage::BufferId buffer) { return canvas_->read(buffer); };
+  if (Result<void> measured = stage_.measure(read); !measured) return measured;
+  if (showsStatistics_ && showsPanel_)
+    if (Result<void> done = statistics_.read(stage_, read); !done) return done;
   return grant(wishes);
 }
 
@@ -251,6 +269,8 @@ Result<void> Viewer::grant(const PanelWishes& wishes) {
   if (wishes.source) show(*wishes.source);
   const WindowSize size = window_->size();
   if (wishes.togglesSettings) showsSettings_ = !showsSettings_;
+  if (wishes.togglesStatistics) showsStatistics_ = !showsStatistics_;
+  if (wishes.compares) compare(wishes.right);
   if (wishes.framesAll)
     stage_.frameAll(static_cast<float>(std::max(size.width, 1u)) /
                     static_cast<float>(std::max(size.height, 1u)));

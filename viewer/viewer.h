@@ -1,6 +1,7 @@
 // The program: joins window, canvas, interface, stage and script.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -10,6 +11,7 @@
 #include "interface/pass_history.h"
 #include "interface/settings_panel.h"
 #include "interface/stage_panel.h"
+#include "interface/statistics_panel.h"
 #include "interface/user_interface.h"
 #include "options.h"
 #include "pelage/result.h"
@@ -36,6 +38,9 @@ class Viewer {
   void showFirst();
   void show(const StageSource& source);
   void drop(std::vector<std::filesystem::path> files);
+  void compare(std::optional<pelage::Solver> right);
+  void compareSolvers();
+  SettingsPanel& settings() { return settings_[stage_.side()]; }
   void loadSettings(const std::filesystem::path& file);
   bool takeShortcut(const KeyPressed& key);
   void collect();
@@ -54,7 +59,8 @@ class Viewer {
   std::unique_ptr<Canvas> canvas_;
   Stage stage_;
   StageControls controls_;
-  SettingsPanel settings_;
+  std::array<SettingsPanel, 2> settings_;  // [side]
+  StatisticsPanel statistics_;
   std::optional<Player> player_;
   std::optional<Recorder> recorder_;
   std::vector<Event> events_;
@@ -65,7 +71,7 @@ class Viewer {
   double opened_ = 0, shown_ = 0, firstPicture_ = 0;  // [s] since start_
   uint64_t frame_ = 0;
   uint32_t losses_ = 0;  // of the device, in a row
-  bool quits_ = false, showsPanel_ = true, showsSettings_ = false, wantsScreenshot_ = false;
+  bool quits_ = false, showsPanel_ = true, showsSettings_ = false, showsStatistics_ = false, wantsScreenshot_ = false;
   bool control_ = false;  // its key is down
 };
 

@@ -186,6 +186,7 @@ Result<void> DemoScene::addHair(const HairAsset& hair, const pelage::HairDef& lo
   const auto added = scene_->addHair(hair, hairDef);
   if (!added) return added.error();
   hairs_.push_back(*added);
+  restLengths_.push_back(hair.restLengths);
   apply(scene.object, scene_->hair(*added));
   return {};
 }
@@ -248,6 +249,10 @@ void DemoScene::setMotion(pelage::CharacterMotion motion) {
 }
 
 std::vector<pelage::CapsuleCollider> DemoScene::capsules() const { return capsulesIn(bones()); }
+
+std::vector<pelage::CapsuleCollider> DemoScene::capsules(double seconds) const {
+  return capsulesIn(pose_(seconds));
+}
 
 std::vector<pelage::CapsuleCollider> DemoScene::capsulesIn(
     const std::vector<AffineTransform>& posed) const {

@@ -15,8 +15,10 @@ constexpr float kBallStep = 0.25f;     // radii that a step of the wheel moves t
 constexpr double kSlowest = 1.0 / 16;  // PlayClock::speed
 constexpr double kFastest = 4;
 
-float aspectOf(const WindowSize& size) {
-  return static_cast<float>(size.width) / static_cast<float>(std::max(size.height, 1u));
+// Of a side.
+float aspectOf(const WindowSize& size, const Stage& stage) {
+  return static_cast<float>(size.width) /
+         static_cast<float>(std::max(size.height, 1u) * stage.sides());
 }
 
 }  // namespace
@@ -74,8 +76,12 @@ void StageControls::moveBall(const WindowSize& size, Stage& stage) const {
     return static_cast<float>(at / std::max(of, 1u));
   };
   const pelage::Float3 plane = stage.ball.present ? stage.ball.center : stage.camera.target();
-  stage.ball.center = stage.camera.pointAt(share(mouse_.x, size.width),
-                                           share(mouse_.y, size.height), aspectOf(size), plane);
+  // Across the side that the mouse is over.
+  const double across = static_cast<double>(share(mouse_.x, size.width)) * stage.sides();
+  const double x = std::clamp(std::floor(across), 0.0, stage.sides() - 1.0);
+  stage.ball.center =
+      stage.camera.pointAt(static_cast<float>(across - x), share(mouse_.y, size.height),
+                           aspectOf(size, stage), plane);
   stage.ball.present = true;
 }
 
@@ -86,7 +92,7 @@ void StageControls::key(const KeyPressed& event, const WindowSize& size, Stage& 
   PlayClock& clock = stage.clock;
   switch (event.key) {
     case 'F':
-      stage.frameAll(aspectOf(size));
+      stage.frameAll(aspectOf(size, stage));
       break;
     case kKeySpace:
       clock.playing = !clock.playing;
@@ -108,6 +114,12 @@ void StageControls::key(const KeyPressed& event, const WindowSize& size, Stage& 
       break;
     case 'B':
       stage.ball.present = false;
+      break;
+    case 'V':
+      stage.inspection.show(shift_);
+      break;
+    case 'E':
+      stage.chooseSide(1 - std::min(stage.side(), 1u));
       break;
     case 'C':
       stage.look.showsContacts = !stage.look.showsContacts;
