@@ -17,6 +17,30 @@ picture() {  # NAME FRAMES [arguments]: what is on stdin, then a picture at a fr
 }
 picture viewer 3 "$@" <<< "0 key ="
 picture viewer_settings 3 "$@" <<< "0 key s"
+picture viewer_stretch 6 "$@" <<'SCRIPT'
+0 key tab
+0 key v
+SCRIPT
+picture viewer_penetration 12 --groom curly --head-collider mesh --solver classic "$@" <<'SCRIPT'
+0 key tab
+6 key v
+6 key v
+SCRIPT
+picture viewer_overdraw 5 "$@" <<'SCRIPT'
+0 key tab
+0 key v
+0 key v
+0 key v
+SCRIPT
+picture viewer_slice 5 "$@" <<'SCRIPT'
+0 key tab
+0 keydown shift
+0 key v
+0 key v
+0 keyup shift
+SCRIPT
+picture viewer_statistics 6 "$@" <<< "0 key i"
+picture viewer_sides 20 --groom curly --compare classic "$@" <<< "0 key tab"
 # A ball is dragged through long hair.
 picture viewer_ball 7 --groom straight "$@" <<'SCRIPT'
 0 key tab

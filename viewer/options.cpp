@@ -74,6 +74,8 @@ void addOptions(CLI::App& app, Options& options, Given& given) {
                  "meters per unit of the files (found from the hair's size)")
       ->check(CLI::Range(1e-9f, 1e9f).description(""))
       ->type_name("X");
+  app.add_option("--clip", options.source.clip, "animation of a .gltf or .glb file (the first one)")
+      ->type_name("NAME");
   given.presetOption = app.add_option("--groom", options.source.preset,
                                       "a generated head with this hair: " + namesOf(grooms()))
                            ->transform(oneOf(grooms()))
@@ -84,10 +86,10 @@ void addOptions(CLI::App& app, Options& options, Given& given) {
   app.add_option("--solver", options.source.solver, namesOf(solvers()))
       ->transform(oneOf(solvers()))
       ->type_name("NAME");
-  given.comparedOption = app.add_option("--compare", given.compared,
-                                        "show it once more at the right, with a solver")
-                             ->transform(oneOf(solvers()))
-                             ->type_name("SOLVER");
+  given.comparedOption =
+      app.add_option("--compare", given.compared, "show it once more at the right, with a solver")
+          ->transform(oneOf(solvers()))
+          ->type_name("SOLVER");
   app.add_option("--head-collider", options.source.headCollider,
                  "what the hair of --groom collides with: " + namesOf(headColliders()))
       ->transform(oneOf(headColliders()))

@@ -138,7 +138,7 @@ void Viewer::show(const StageSource& source) {
 }
 
 // Bones and meshes belong to the hair that is there; hair replaces it.
-void Viewer::drop(std::vector<std::filesystem::path> files) {
+void Viewer::drop(std::vector<std::filesystem::path> files, bool adds) {
   for (const std::filesystem::path& file : files)
     if (file.extension() == ".json") loadSettings(file);
   std::erase_if(files, [](const auto& file) { return file.extension() == ".json"; });
@@ -148,7 +148,7 @@ void Viewer::drop(std::vector<std::filesystem::path> files) {
     const auto extension = file.extension();
     return extension != ".tfxbone" && extension != ".tfxfollow" && extension != ".tfxmesh";
   });
-  if (hair || source.kind != StageKind::kFiles) {
+  if ((hair && !adds) || source.kind != StageKind::kFiles) {
     source.files.clear();
     source.scale = 0;
   }
@@ -221,6 +221,7 @@ Result<void> Viewer::take(const Event& event) {
   if (const auto* key = std::get_if<KeyPressed>(&event); key != nullptr && key->down) {
     if (key->key == kKeyTab) showsPanel_ = !showsPanel_;
     if (key->key == 'S') showsSettings_ = !showsSettings_;
+    if (key->key == 'O') dialog_.toggle();
     if (key->key == 'I') showsStatistics_ = !showsStatistics_;
     if (key->key == 'D') compareSolvers();
     if (key->key == kKeyF12) screenshot_ = nextScreenshot();
@@ -239,8 +240,10 @@ Result<void> Viewer::drawFrame(const WindowSize& size) {
   history_.add(canvas_->timings());
   PanelWishes wishes;
   std::vector<SettingsMessage> messages;
+  std::optional<FileChoice> chosen;
   const auto panels = [&] {
     buildInspectionKey(stage_, size);
+    chosen = dialog_.build(size);
     if (!showsPanel_) return;
     wishes = buildStagePanel(stage_, *canvas_, history_, size);
     if (showsSettings_) messages = settings().build(stage_, size);
@@ -262,6 +265,7 @@ Result<void> Viewer::drawFrame(const WindowSize& size) {
   if (Result<void> measured = stage_.measure(read); !measured) return measured;
   if (showsStatistics_ && showsPanel_)
     if (Result<void> done = statistics_.read(stage_, read); !done) return done;
+  if (chosen) drop(std::move(chosen->files), chosen->adds);
   return grant(wishes);
 }
 
@@ -269,6 +273,7 @@ Result<void> Viewer::grant(const PanelWishes& wishes) {
   if (wishes.source) show(*wishes.source);
   const WindowSize size = window_->size();
   if (wishes.togglesSettings) showsSettings_ = !showsSettings_;
+  if (wishes.opensFiles) dialog_.toggle();
   if (wishes.togglesStatistics) showsStatistics_ = !showsStatistics_;
   if (wishes.compares) compare(wishes.right);
   if (wishes.framesAll)

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "canvas/canvas.h"
+#include "interface/file_dialog.h"
 #include "interface/pass_history.h"
 #include "interface/settings_panel.h"
 #include "interface/stage_panel.h"
@@ -37,7 +38,8 @@ class Viewer {
   pelage::Result<void> openAnyApi();
   void showFirst();
   void show(const StageSource& source);
-  void drop(std::vector<std::filesystem::path> files);
+  /// \param adds hair beside the hair that is there, not in place of it.
+  void drop(std::vector<std::filesystem::path> files, bool adds = false);
   void compare(std::optional<pelage::Solver> right);
   void compareSolvers();
   SettingsPanel& settings() { return settings_[stage_.side()]; }
@@ -61,6 +63,7 @@ class Viewer {
   StageControls controls_;
   std::array<SettingsPanel, 2> settings_;  // [side]
   StatisticsPanel statistics_;
+  FileDialog dialog_;
   std::optional<Player> player_;
   std::optional<Recorder> recorder_;
   std::vector<Event> events_;
@@ -71,7 +74,8 @@ class Viewer {
   double opened_ = 0, shown_ = 0, firstPicture_ = 0;  // [s] since start_
   uint64_t frame_ = 0;
   uint32_t losses_ = 0;  // of the device, in a row
-  bool quits_ = false, showsPanel_ = true, showsSettings_ = false, showsStatistics_ = false, wantsScreenshot_ = false;
+  bool quits_ = false, showsPanel_ = true, showsSettings_ = false, showsStatistics_ = false,
+       wantsScreenshot_ = false;
   bool control_ = false;  // its key is down
 };
 

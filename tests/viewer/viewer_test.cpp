@@ -77,7 +77,7 @@ struct Statistics {
   double detailShare = 0;  ///< of these pixels: those unlike their right neighbor, as strands are
 };
 
-Statistics statisticsOf(const ByteImage& image) {
+Statistics statisticsOf(const ByteImage& image, uint32_t first, uint32_t end) {
   pelage::RenderedImage empty;
   empty.width = image.width;
   empty.height = image.height;
@@ -92,6 +92,8 @@ Statistics statisticsOf(const ByteImage& image) {
   size_t drawn = 0, detailed = 0;
   double sum = 0;
   for (size_t i = 0; i + 3 < image.rgb.size(); i += 3) {
+    const size_t column = i / 3 % image.width;
+    if (column < first || column >= end) continue;
     const uint8_t* pixel = &image.rgb[i];
     if (difference(pixel, &backdrop.rgb[i]) <= 4) continue;
     ++drawn;
@@ -99,7 +101,8 @@ Statistics statisticsOf(const ByteImage& image) {
     detailed += difference(pixel, pixel + 3) > 12 ? 1 : 0;
   }
   Statistics result;
-  result.drawnShare = static_cast<double>(drawn) / static_cast<double>(empty.pixels.size());
+  result.drawnShare = static_cast<double>(drawn) /
+                      (static_cast<double>(end - first) * static_cast<double>(image.height));
   if (drawn > 0) {
     result.mean = sum / static_cast<double>(drawn);
     result.detailShare = static_cast<double>(detailed) / static_cast<double>(drawn);
@@ -144,8 +147,10 @@ class Viewer : public testing::TestWithParam<const char*> {
     return image ? *image : ByteImage{};
   }
 
-  void expectHair(const ByteImage& image, const char* name) const {
-    const Statistics s = statisticsOf(image);
+  /// \param first, end the columns that it is in.
+  void expectHair(const ByteImage& image, const char* name, uint32_t first = 0,
+                  uint32_t end = 0) const {
+    const Statistics s = statisticsOf(image, first, end > 0 ? end : image.width);
     EXPECT_TRUE(s.drawnShare > 0.15 && s.drawnShare < 0.95) << name << ": " << s.drawnShare;
     EXPECT_TRUE(s.mean > 20 && s.mean < 230) << name << ": " << s.mean;
     EXPECT_TRUE(s.detailShare > 0.1) << name << ": " << s.detailShare;
@@ -250,6 +255,51 @@ TEST_P(Viewer, ABrokenFileIsAMessageAndTheSceneStays) {
   expectHair(before, "before.png");
   EXPECT_NE(before.rgb, picture("message.png").rgb);
   EXPECT_EQ(before.rgb, picture("after.png").rgb);
+}
+
+// Each view differs from the one before; behind the last one, the hair is as it was. Then a file is
+// opened in the dialog by its name.
+TEST_P(Viewer, LooksInsideAndOpensFiles) {
+  std::ofstream(file("broken.tfx")) << "no hair at all";
+  std::string script = "0 key tab\n1 key space\n1 screenshot 0.png\n";
+  for (int view = 1; view <= 7; ++view)
+    script += std::to_string(2 * view) + " key v\n" + std::to_string(2 * view + 1) +
+              " screenshot " + std::to_string(view) + ".png\n";
+  script += "16 key c\n16 screenshot contacts.png\n17 key c\n17 key o\n20 screenshot dialog.png\n";
+  for (const char letter : std::string("broken.tfx"))
+    script += "20 text " + std::to_string(static_cast<int>(letter)) + "\n";
+  script += "22 key enter\n25 screenshot message.png\n26 key escape\n28 screenshot after.png\n";
+  const Output output = run(script, "--groom straight --head-collider mesh");
+  ASSERT_EQ(output.code, 0) << output.errors;
+  EXPECT_EQ(output.errors, "");
+  const ByteImage hair = picture("0.png");
+  expectHair(hair, "hair");
+  for (int view = 1; view <= 7; ++view)
+    EXPECT_NE(picture(std::to_string(view) + ".png").rgb,
+              picture(std::to_string(view - 1) + ".png").rgb)
+        << view;
+  EXPECT_EQ(picture("7.png").rgb, hair.rgb);
+  EXPECT_NE(picture("contacts.png").rgb, hair.rgb);
+  EXPECT_NE(picture("dialog.png").rgb, hair.rgb);
+  EXPECT_NE(picture("message.png").rgb, picture("dialog.png").rgb);
+  EXPECT_EQ(picture("after.png").rgb, hair.rgb);
+}
+
+// Two solvers side by side; the statistics are those of the side that is chosen.
+TEST_P(Viewer, ShowsTwoSidesAndOneAgain) {
+  const Output output =
+      run("0 key i\n0 key e\n1 screenshot panels.png\n2 key tab\n3 screenshot two.png\n"
+          "4 resize 400 200\n4 screenshot resized.png\n5 key d\n5 screenshot one.png\n",
+          "--groom straight --compare classic --transparency tiles");
+  ASSERT_EQ(output.code, 0) << output.errors;
+  EXPECT_EQ(output.errors, "");
+  EXPECT_NE(picture("panels.png").rgb, picture("two.png").rgb);
+  for (const char* name : {"two.png", "resized.png"}) {
+    const ByteImage two = picture(name);
+    expectHair(two, "left", 0, two.width / 2);
+    expectHair(two, "right", two.width / 2, two.width);
+  }
+  expectHair(picture("one.png"), "one");
 }
 
 TEST_P(Viewer, WithoutADisplayItSaysSo) {

@@ -10,7 +10,7 @@ namespace viewer {
 
 namespace {
 
-constexpr float kKeyWidth = 220;  // at scale 1
+constexpr float kKeyWidth = 250;  // at scale 1
 constexpr int kSteps = 32;        // of the bar of colors
 
 // As the picture shows a linear color.
@@ -28,12 +28,10 @@ void buildRange(InspectionLook& look) {
     ImGui::SliderFloat(label, &value, low, high, format, ImGuiSliderFlags_Logarithmic);
     value = std::clamp(value, low, high);
   };
-  if (look.value == InspectedValue::kStretch)
-    slide("Range", look.stretchRange, 1e-6f, 1, "%.2g");
+  if (look.value == InspectedValue::kStretch) slide("Range", look.stretchRange, 1e-6f, 1, "%.2g");
   if (look.value == InspectedValue::kPenetration)
     slide("Range [m]", look.penetrationRange, 1e-6f, 0.1f, "%.2g");
-  if (look.value == InspectedValue::kOverdraw)
-    slide("Range", look.overdrawRange, 1, 1024, "%.0f");
+  if (look.value == InspectedValue::kOverdraw) slide("Range", look.overdrawRange, 1, 1024, "%.0f");
   if (look.value != InspectedValue::kSdfSlice) return;
   slide("Range [m]", look.sliceRange, 1e-4f, 1, "%.2g");
   int axis = static_cast<int>(look.sliceAxis);
@@ -77,12 +75,12 @@ void buildInspection(Stage& stage) {
 }
 
 void buildInspectionKey(const Stage& stage, const WindowSize& size) {
-  const InspectionKey key = keyOf(stage.inspection, stage.inspected());
+  const InspectionKey key = inspectionKey(stage.inspection, stage.inspected());
   if (key.ramp == nullptr) return;
   const float scale = size.interfaceScale, margin = 8 * scale;
-  ImGui::SetNextWindowPos({static_cast<float>(size.width) - margin,
-                           static_cast<float>(size.height) - margin},
-                          ImGuiCond_Always, {1, 1});
+  ImGui::SetNextWindowPos(
+      {static_cast<float>(size.width) - margin, static_cast<float>(size.height) - margin},
+      ImGuiCond_Always, {1, 1});
   ImGui::SetNextWindowSize({kKeyWidth * scale, 0});
   ImGui::Begin("Key", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs |

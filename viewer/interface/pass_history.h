@@ -16,8 +16,8 @@ class PassHistory {
 
   struct PassTime {
     std::string name;
-    double milliseconds = 0;  ///< of a frame, averaged over the last frames
-    int passes = 0;           ///< of its name in the last frame that had it
+    double milliseconds = 0;         ///< of a frame, averaged over the last frames
+    int passes = 0;                  ///< of its name in the last frame that had it
     std::vector<float> frames = {};  ///< [ms] of the last frames, the oldest first; 0 without it
   };
 

@@ -67,6 +67,7 @@ void buildSource(const Stage& stage, PanelWishes& wishes) {
     for (const Choice<sample::GroomPreset>& groom : grooms())
       if (groom.value == source.preset) current = groom.name;
   bool changed = false;
+  wishes.opensFiles = ImGui::Button("Open files");
   if (ImGui::BeginCombo("Hair", current)) {
     if (ImGui::Selectable("character", source.kind == StageKind::kCharacter)) {
       source.kind = StageKind::kCharacter;
@@ -115,7 +116,6 @@ void buildLook(Stage& stage, const Canvas& canvas) {
   float percent = 100 * stage.look.strandShare;
   if (ImGui::SliderFloat("Strands", &percent, 2, 100, "%.0f %%"))
     stage.look.strandShare = std::clamp(percent, 2.0f, 100.0f) / 100;
-  ImGui::Checkbox("Contacts of guides", &stage.look.showsContacts);
 }
 
 // The wind as a direction in the plan and a speed, and the ball.

@@ -14,7 +14,7 @@ namespace viewer {
 struct PanelWishes {
   std::optional<StageSource> source;
   bool framesAll = false, resets = false, takesScreenshot = false, losesDevice = false;
-  bool togglesSettings = false, togglesStatistics = false;
+  bool togglesSettings = false, togglesStatistics = false, opensFiles = false;
   /// Side by side, or not any more.
   bool compares = false;
   std::optional<pelage::Solver> right;  ///< with `compares`

@@ -52,12 +52,12 @@ void StatisticsPanel::buildPasses(const PassHistory& history) {
                                    [&](const auto& pass) { return pass.name == pass_; });
   const std::vector<float>& values = chosen == passes.end() ? history.totals() : chosen->frames;
   const float most = *std::max_element(values.begin(), values.end());
-  ImGui::PlotLines("##history", values.data(), static_cast<int>(values.size()), 0,
-                   fmt::format("{}: {:.3f} ms", chosen == passes.end() ? "all" : chosen->name,
-                               values.back())
-                       .c_str(),
-                   0, std::max(1.2f * most, 1e-3f),
-                   {ImGui::GetContentRegionAvail().x, 4 * ImGui::GetFontSize()});
+  ImGui::PlotLines(
+      "##history", values.data(), static_cast<int>(values.size()), 0,
+      fmt::format("{}: {:.3f} ms", chosen == passes.end() ? "all" : chosen->name, values.back())
+          .c_str(),
+      0, std::max(1.2f * most, 1e-3f),
+      {ImGui::GetContentRegionAvail().x, 4 * ImGui::GetFontSize()});
   if (ImGui::Selectable("all passes", chosen == passes.end())) pass_.clear();
   for (const PassHistory::PassTime& pass : passes) {
     const std::string line =

@@ -42,12 +42,22 @@ bool findField(float4 gridOrigin, uint4 gridNodes, out Sdf sdf) {
   return false;
 }
 
-// Signed distance of a point of world space [m], < 0 inside; 1e18 outside of the grid.
+// Signed distance of a point of world space [m], < 0 inside; 1e18 outside of the grid. Outside, no
+// distance is larger than the band; deeper inside than the band it is that of the coarse nodes, which
+// alone know more.
 float fieldDistance(Sdf sdf, float3 world) {
-  SdfLocation location = sdfLocationOf(sdf, (world - sdf.origin.xyz) / sdf.origin.w, 0u);
+  float3 p = (world - sdf.origin.xyz) / sdf.origin.w;
+  SdfLocation location = sdfLocationOf(sdf, p, 0u);
   if (!location.inside) return 1e18;
   SdfCell cell = sdfCellOf(sdf, location, SDF_KEYS[location.node]);
-  return sdfTrilinear(cell.corners, location).distance * sdf.origin.w;
+  float distance = sdfTrilinear(cell.corners, location).distance;
+  float4 least = min(cell.corners.low, cell.corners.high);
+  if (min(min(least.x, least.y), min(least.z, least.w)) > -0.999 * sdf.band)
+    return distance * sdf.origin.w;
+  location = sdfLocationOf(sdf, p, sdfCoarseShift(sdf.band));
+  cell = sdfCellOf(sdf, location, SDF_KEYS[location.node]);
+  float coarse = sdfTrilinear(cell.corners, location).distance;
+  return min(max(distance, -sdf.band), coarse) * sdf.origin.w;
 }
 
 #endif

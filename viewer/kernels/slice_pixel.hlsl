@@ -22,11 +22,13 @@ float4 slice_pixel(SliceVaryings slice) : SV_Target0 {
   Sdf sdf;
   if (!findField(g_sliceOrigin, g_sliceNodes, sdf)) discard;
   float distance = fieldDistance(sdf, slice.world);
-  float pixel = fwidth(distance);
+  // Distances change by no more than the way: their own differences would see the grid's end.
+  float3 step = fwidth(slice.world);
+  float pixel = length(step) * 0.7;
   if (distance > 1e17) discard;
   float3 color = colorOfDistance(distance);
   float contour = abs(distance / g_sliceLine - floor(distance / g_sliceLine + 0.5)) * g_sliceLine;
-  if (contour < 0.7 * pixel && abs(distance) < g_sliceHigh) color *= 0.75;
-  if (abs(distance) < 1.2 * pixel) color = float3(0.0, 0.0, 0.0);
+  if (contour < 0.5 * pixel && abs(distance) < g_sliceHigh) color *= 0.75;
+  if (abs(distance) < 0.8 * pixel) color = float3(0.0, 0.0, 0.0);
   return float4(color, 1.0);
 }

@@ -6,18 +6,26 @@ namespace viewer {
 
 using pelage::Float3;
 
-const ColorRamp kSignedRamp = {
-    {{{0.01f, 0.06f, 0.60f}, {0.06f, 0.25f, 0.50f}, {0.35f, 0.35f, 0.35f}, {0.60f, 0.22f, 0.03f},
-      {0.60f, 0.02f, 0.01f}}}};
-const ColorRamp kDepthRamp = {
-    {{{0.12f, 0.13f, 0.14f}, {0.45f, 0.35f, 0.04f}, {0.60f, 0.26f, 0.01f}, {0.60f, 0.08f, 0.01f},
-      {0.60f, 0.005f, 0.02f}}}};
-const ColorRamp kCountRamp = {
-    {{{0.01f, 0.01f, 0.10f}, {0.01f, 0.10f, 0.45f}, {0.02f, 0.45f, 0.15f}, {0.60f, 0.50f, 0.02f},
-      {0.60f, 0.02f, 0.01f}}}};
-const ColorRamp kKindRamp = {
-    {{{0.05f, 0.09f, 0.16f}, {0.05f, 0.09f, 0.16f}, {0.05f, 0.09f, 0.16f}, {0.60f, 0.25f, 0.02f},
-      {0.60f, 0.25f, 0.02f}}}};
+const ColorRamp kSignedRamp = {{{{0.01f, 0.06f, 0.60f},
+                                 {0.06f, 0.25f, 0.50f},
+                                 {0.35f, 0.35f, 0.35f},
+                                 {0.60f, 0.22f, 0.03f},
+                                 {0.60f, 0.02f, 0.01f}}}};
+const ColorRamp kDepthRamp = {{{{0.12f, 0.13f, 0.14f},
+                                {0.45f, 0.35f, 0.04f},
+                                {0.60f, 0.26f, 0.01f},
+                                {0.60f, 0.08f, 0.01f},
+                                {0.60f, 0.005f, 0.02f}}}};
+const ColorRamp kCountRamp = {{{{0.01f, 0.01f, 0.10f},
+                                {0.01f, 0.10f, 0.45f},
+                                {0.02f, 0.45f, 0.15f},
+                                {0.60f, 0.50f, 0.02f},
+                                {0.60f, 0.02f, 0.01f}}}};
+const ColorRamp kKindRamp = {{{{0.05f, 0.09f, 0.16f},
+                               {0.05f, 0.09f, 0.16f},
+                               {0.05f, 0.09f, 0.16f},
+                               {0.60f, 0.25f, 0.02f},
+                               {0.60f, 0.25f, 0.02f}}}};
 
 Float3 colorAt(const ColorRamp& ramp, float low, float high, float value) {
   const float share = (value - low) / (high - low);

@@ -79,9 +79,8 @@ void StageControls::moveBall(const WindowSize& size, Stage& stage) const {
   // Across the side that the mouse is over.
   const double across = static_cast<double>(share(mouse_.x, size.width)) * stage.sides();
   const double x = std::clamp(std::floor(across), 0.0, stage.sides() - 1.0);
-  stage.ball.center =
-      stage.camera.pointAt(static_cast<float>(across - x), share(mouse_.y, size.height),
-                           aspectOf(size, stage), plane);
+  stage.ball.center = stage.camera.pointAt(
+      static_cast<float>(across - x), share(mouse_.y, size.height), aspectOf(size, stage), plane);
   stage.ball.present = true;
 }
 

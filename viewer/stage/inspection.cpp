@@ -28,9 +28,9 @@ using pelage::View;
 
 namespace {
 
-constexpr float kStrandPixels = 1.5f;   // width of strands with a value
-constexpr float kGuidePixels = 1.2f;    // of guides and follow hairs, which are many
-constexpr float kCountedPixels = 1;     // least width of what the transparency methods draw
+constexpr float kStrandPixels = 1.5f;  // width of strands with a value
+constexpr float kGuidePixels = 1.2f;   // of guides and follow hairs, which are many
+constexpr float kCountedPixels = 1;    // least width of what the transparency methods draw
 constexpr uint32_t kCornersOfStrip = 4;
 constexpr uint64_t kSummaryBytes = strand_value::kSummaryWords * sizeof(uint32_t);
 constexpr uint64_t kSumBytes = overdraw::kOverdrawWords * sizeof(uint32_t);
@@ -50,9 +50,9 @@ uint32_t shownStrands(const HairObject& object) {
 template <class Variant>
 void dispatchOver(PassBuilder& pass, const Variant& variant, uint64_t threads) {
   const uint64_t row = std::min<uint64_t>(threads, strand_value::kInspectRow);
-  pass.dispatch(variant, static_cast<uint32_t>(row),
-                static_cast<uint32_t>((threads + strand_value::kInspectRow - 1) /
-                                      strand_value::kInspectRow));
+  pass.dispatch(
+      variant, static_cast<uint32_t>(row),
+      static_cast<uint32_t>((threads + strand_value::kInspectRow - 1) / strand_value::kInspectRow));
 }
 
 BufferRange wholeOr(const ResourceTable& table, BufferId buffer, const BufferRange& standIn) {
@@ -61,7 +61,7 @@ BufferRange wholeOr(const ResourceTable& table, BufferId buffer, const BufferRan
 }
 
 DrawValuesConstants valuesOf(const InspectionLook& look, const View& view, uint32_t vertices) {
-  const InspectionKey key = keyOf(look, {});
+  const InspectionKey key = inspectionKey(look, {});
   DrawValuesConstants constants = {};
   std::copy(std::begin(view.worldToClip.rows), std::end(view.worldToClip.rows),
             std::begin(constants.valuesToClip));
@@ -140,11 +140,11 @@ Inspection::Hair& Inspection::hairOf(const Inspected& what, size_t index) {
        .size = uint64_t{object.strandCount()} * object.verticesPerStrand() * sizeof(Float4),
        .stride = sizeof(Float4),
        .usage = BufferUsage::kStorage | BufferUsage::kVertex});
-  hair.summary = table.add(
-      {.name = object.name() + "/summary",
-       .size = kSummaryBytes,
-       .stride = sizeof(uint32_t),
-       .usage = BufferUsage::kStorage | BufferUsage::kUpload | BufferUsage::kReadback});
+  hair.summary =
+      table.add({.name = object.name() + "/summary",
+                 .size = kSummaryBytes,
+                 .stride = sizeof(uint32_t),
+                 .usage = BufferUsage::kStorage | BufferUsage::kUpload | BufferUsage::kReadback});
   const auto lengths = std::as_bytes(std::span(what.demo->restLengths(index)));
   hair.restLengths = table.add({.name = object.name() + "/restLengths",
                                 .size = lengths.size(),
@@ -160,8 +160,7 @@ Result<void> Inspection::pose(const InspectionLook& look, const Inspected& what,
   const ResourceTable& table = what.scene->resources();
   const uint32_t vertices = object.verticesPerStrand();
   const BufferRange positions = table.whole(object.buffers().positions);
-  hair.posed =
-      look.value == InspectedValue::kStretch ? object.guideCount() : shownStrands(object);
+  hair.posed = look.value == InspectedValue::kStretch ? object.guideCount() : shownStrands(object);
   const bool stored = positions.size >= uint64_t{object.strandCount()} * vertices * sizeof(Float4);
   StrandPoseConstants constants = {};
   constants.poseVertexCount = vertices;
@@ -190,7 +189,8 @@ Result<void> Inspection::measureStretch(const InspectionLook& look, const Inspec
   const bool kinds = look.value == InspectedValue::kGuides;
   StrandStretchConstants constants = {};
   constants.stretchVertexCount = object.verticesPerStrand();
-  constants.stretchVertices = std::min(object.guideCount(), hair.posed) * object.verticesPerStrand();
+  constants.stretchVertices =
+      std::min(object.guideCount(), hair.posed) * object.verticesPerStrand();
   constants.stretchLimit = look.stretchRange;
   constants.stretchPosed = hair.posed * object.verticesPerStrand();
   PassBuilder pass(list);
@@ -234,13 +234,13 @@ Result<void> Inspection::measurePenetration(const InspectionLook& look, const In
   dispatchOver(pass, measurePenetrationVariant({}), constants.depthVertices);
   const BufferRange summary = table.whole(hair.summary);
   const BufferRange standIn = table.whole(hair.restLengths);
-  return pass.finish(StrandPenetrationBindings{
-      .strandPenetrationConstants = constants,
-      .depthColliders = table.whole(hair.colliders),
-      .depthSlots = slots.isBound() ? slots : standIn,
-      .depthKeys = wholeOr(table, what.scene->sdfKeys(), standIn),
-      .depthRecords = records,
-      .depthSummary = summary});
+  return pass.finish(
+      StrandPenetrationBindings{.strandPenetrationConstants = constants,
+                                .depthColliders = table.whole(hair.colliders),
+                                .depthSlots = slots.isBound() ? slots : standIn,
+                                .depthKeys = wholeOr(table, what.scene->sdfKeys(), standIn),
+                                .depthRecords = records,
+                                .depthSummary = summary});
 }
 
 // Dispatches come before draws.
@@ -303,7 +303,8 @@ Result<void> Inspection::drawOverdraw(const InspectionLook& look, const Inspecte
                                      .overdrawSummary = table.whole(sums_)};
   PassList counting, showing;
   PassBuilder clear(counting);
-  dispatchOver(clear, clearOverdrawVariant({}), std::max<uint64_t>(pixels, overdraw::kOverdrawWords));
+  dispatchOver(clear, clearOverdrawVariant({}),
+               std::max<uint64_t>(pixels, overdraw::kOverdrawWords));
   if (Result<void> done = clear.finish(drawn, counters); !done) return done;
   if (Result<void> done = drawStrands(look, what, view, counting); !done) return done;
   counting.area = showing.area = areaOf(view);
@@ -370,8 +371,7 @@ Result<void> Inspection::drawSlice(const InspectionLook& look, const Inspected& 
 
 Result<void> Inspection::drawSurfaces(const Inspected& what, const View& view, PassList& list) {
   for (const pelage::ColliderId collider : what.demo->colliders()) {
-    Result<void> done =
-        what.scene->drawCollider(collider, view, what.demo->light, {}, list);
+    Result<void> done = what.scene->drawCollider(collider, view, what.demo->light, {}, list);
     if (!done) return done;
   }
   return {};
@@ -382,9 +382,8 @@ Result<void> Inspection::draw(const InspectionLook& look, const Inspected& what,
   if (drawsHair(look.value)) return {};
   if (look.value == InspectedValue::kOverdraw) return drawOverdraw(look, what, view, frame);
   PassList list;
-  Result<void> done = look.value == InspectedValue::kSdfSlice
-                          ? drawSlice(look, what, view, list)
-                          : drawStrands(look, what, view, list);
+  Result<void> done = look.value == InspectedValue::kSdfSlice ? drawSlice(look, what, view, list)
+                                                              : drawStrands(look, what, view, list);
   if (!done) return done;
   list.area = areaOf(view);
   const auto added = frame.addView(std::move(list));

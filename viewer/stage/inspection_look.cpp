@@ -18,9 +18,8 @@ bool drawsMeshes(InspectedValue value) {
 }
 
 const char* nameOf(InspectedValue value) {
-  constexpr const char* kNames[kInspectedValues] = {"hair",        "stretch",   "penetration",
-                                                    "overdraw",    "SDF surface", "SDF slice",
-                                                    "guides"};
+  constexpr const char* kNames[kInspectedValues] = {
+      "hair", "stretch", "penetration", "overdraw", "SDF surface", "SDF slice", "guides"};
   return kNames[static_cast<size_t>(value)];
 }
 
@@ -56,11 +55,15 @@ void addVertices(const InspectionFigures& figures, const std::string& range, Ins
 
 InspectionKey stretchKey(const InspectionLook& look, const InspectionFigures& figures) {
   const float percent = 100 * look.stretchRange;
-  InspectionKey key = {"Stretch of guides", &kSignedRamp, fmt::format("-{:.3g} %", percent), "0",
-                       fmt::format("+{:.3g} %", percent), {}};
+  InspectionKey key = {"Stretch of guides",
+                       &kSignedRamp,
+                       fmt::format("-{:.3g} %", percent),
+                       "0",
+                       fmt::format("+{:.3g} %", percent),
+                       {}};
   if (!figures.known) return key;
   key.lines.push_back(fmt::format("largest {:.3g} %", 100 * figures.largest));
-  addVertices(figures, key.high, key);
+  addVertices(figures, fmt::format("{:.3g} %", percent), key);
   return key;
 }
 
@@ -96,7 +99,7 @@ InspectionKey overdrawKey(const InspectionLook& look, const InspectionFigures& f
 
 }  // namespace
 
-InspectionKey keyOf(const InspectionLook& look, const InspectionFigures& figures) {
+InspectionKey inspectionKey(const InspectionLook& look, const InspectionFigures& figures) {
   const float millimeters = 1000 * look.sliceRange;
   switch (look.value) {
     case InspectedValue::kStretch:

@@ -64,6 +64,6 @@ const char* nameOf(InspectedValue value);
 float lowOf(const InspectionLook& look);
 float highOf(const InspectionLook& look);
 /// Its `ramp` is nullptr where there are no colors: kNone, kSdfSurface.
-InspectionKey keyOf(const InspectionLook& look, const InspectionFigures& figures);
+InspectionKey inspectionKey(const InspectionLook& look, const InspectionFigures& figures);
 
 }  // namespace viewer

@@ -40,10 +40,10 @@ Result<sample::DemoScene> Stage::make(const StageSource& source, LoadedFiles& lo
     if (!assets) return assets.error();
     return sample::DemoScene::create(*assets, def);
   }
-  auto files = loadFiles(source.files, source.scale);
+  auto files = loadFiles(source.files, source.scale, source.clip);
   if (!files) return files.error();
   loaded = *std::move(files);
-  return sample::DemoScene::create(sample::FileAssets{loaded.assets, {}}, def);
+  return sample::DemoScene::create(sample::FileAssets{loaded.assets, loaded.motion}, def);
 }
 
 Result<void> Stage::show(const StageSource& source) {
@@ -109,8 +109,11 @@ void Stage::makeDepthBuffers(uint32_t width, uint32_t height) {
 
 Result<pelage::Frame> Stage::makeFrame(double realSeconds, uint32_t width, uint32_t height) {
   applyLook(width, height);
-  if (!(inspectionBefore_ == inspection))
-    for (Inspection& of : inspections_) of.forget();
+  if (!(inspectionBefore_ == inspection)) {
+    for (Inspection& of : inspections_)
+      drawsHair(inspection.value) ? of.clear(scene_) : of.forget();
+    inspectedFrames_ = 0;
+  }
   inspectionBefore_ = inspection;
   const double seconds = clock.advance(realSeconds, demo_->cycle());
   pelage::CapsuleCollider sphere;
@@ -235,8 +238,7 @@ Result<void> Stage::takeSettings(const std::vector<pelage::SceneSettings>& left)
   Result<void> done;
   for (size_t i = 0; i < left.size() && done; ++i) {
     pelage::SceneSettings settings = left[i];
-    if (rightSolver_ != source_.solver)
-      settings.simulation = scene_.hair(hairs()[i]).settings;
+    if (rightSolver_ != source_.solver) settings.simulation = scene_.hair(hairs()[i]).settings;
     settings.simulation.wind = left[i].simulation.wind;
     done = apply(settings, i, *this);
   }
@@ -276,7 +278,7 @@ Result<pelage::TransparencyPlan> Stage::planView() const {
 Result<void> Stage::measure(const pelage::BufferReader& read) {
   const bool grows = transparency_.method == pelage::Transparency::kWindowed ||
                      transparency_.method == pelage::Transparency::kTiles;
-  if (frame_ % kInspectEvery == 1)
+  if (inspectedFrames_++ % kInspectEvery == 0)
     for (uint32_t side = 0; side < sides(); ++side)
       if (Result<void> done = inspections_[side].measure(inspection, read); !done) return done;
   const BufferId counters = scene_.transparencyCounters();

@@ -36,6 +36,7 @@ struct StageSource {
   StageKind kind = StageKind::kCharacter;
   sample::GroomPreset preset = sample::GroomPreset::kParted;  ///< kHead
   std::vector<std::filesystem::path> files = {};              ///< kFiles
+  std::string clip = {};  ///< kFiles: name of the clip that moves bones; empty: the first one
   /// kFiles: meters per unit; 0: 1, or what the hair's size makes likely.
   float scale = 0;
   pelage::Solver solver = pelage::Solver::kExact;
@@ -170,6 +171,7 @@ class Stage {
   pelage::TransparencySettings transparency_;
   std::optional<StageLook> applied_;  // of the last frame
   InspectionLook inspectionBefore_;
+  uint64_t inspectedFrames_ = 0;  // with it
   std::array<pelage::BufferId, 2> depthBuffers_ = {pelage::BufferId::kInvalid,
                                                    pelage::BufferId::kInvalid};
   std::vector<CanvasView> views_;

@@ -71,8 +71,8 @@ std::vector<ColliderStatistics> colliderStatistics(const pelage::Scene& scene,
 std::vector<std::string> linesOf(const HairStatistics& hair) {
   std::vector<std::string> lines = {
       fmt::format("{} guides, {} follow hairs", hair.guides, hair.followHairs),
-      fmt::format("{:.1f} MiB, {:.1f} MiB of them shared", mebibytes(hair.bytes.own + hair.bytes.shared),
-                  mebibytes(hair.bytes.shared))};
+      fmt::format("{:.1f} MiB, {:.1f} MiB of them shared",
+                  mebibytes(hair.bytes.own + hair.bytes.shared), mebibytes(hair.bytes.shared))};
   if (hair.simulation)
     lines.push_back(fmt::format("{} guides awake, {} second passes", hair.simulation->awakeStrands,
                                 hair.simulation->secondPasses));
@@ -97,9 +97,9 @@ std::string lineOf(const ColliderStatistics& collider) {
 std::vector<std::string> linesOf(const pelage::TransparencyCounters& counters,
                                  pelage::Transparency method) {
   if (method == pelage::Transparency::kTiles)
-    return {fmt::format("{} segments in tiles, {} without room", counters.fragments,
-                        counters.spilled),
-            fmt::format("{} tiles with hair", counters.tiles)};
+    return {
+        fmt::format("{} segments in tiles, {} without room", counters.fragments, counters.spilled),
+        fmt::format("{} tiles with hair", counters.tiles)};
   return {fmt::format("{} fragments, {} spilled", counters.fragments, counters.spilled),
           fmt::format("{} tiles with hair", counters.tiles)};
 }
