@@ -40,7 +40,11 @@ picture viewer_slice 5 "$@" <<'SCRIPT'
 0 keyup shift
 SCRIPT
 picture viewer_statistics 6 "$@" <<< "0 key i"
-picture viewer_sides 20 --groom curly --compare classic "$@" <<< "0 key tab"
+picture viewer_sides 6 --groom curly --compare classic "$@" <<'SCRIPT'
+0 key tab
+0 key =
+0 key =
+SCRIPT
 # A ball is dragged through long hair.
 picture viewer_ball 7 --groom straight "$@" <<'SCRIPT'
 0 key tab

@@ -44,9 +44,7 @@ class Inspection : public testing::TestWithParam<pelage::Api> {
     stage_.clock.playing = false;
     ASSERT_NO_FATAL_FAILURE(draw());
   }
-  void TearDown() override {
-    EXPECT_EQ(device_ ? device_->messageCount() : 0u, 0u);
-  }
+  void TearDown() override { EXPECT_EQ(device_ ? device_->messageCount() : 0u, 0u); }
 
   void draw() {
     auto frame = stage_.makeFrame(1.0 / 60, kPixels, kPixels);
