@@ -21,10 +21,17 @@ picture viewer_stretch 6 "$@" <<'SCRIPT'
 0 key tab
 0 key v
 SCRIPT
-picture viewer_penetration 12 --groom curly --head-collider mesh --solver classic "$@" <<'SCRIPT'
+# Time stands still, so that hair does not leave the ball.
+picture viewer_penetration 5 --groom straight "$@" <<'SCRIPT'
 0 key tab
-6 key v
-6 key v
+0 key v
+0 key v
+1 key space
+1 keydown control
+1 move 570 330
+1 press left
+1 release left
+1 keyup control
 SCRIPT
 picture viewer_overdraw 5 "$@" <<'SCRIPT'
 0 key tab

@@ -145,9 +145,13 @@ TEST_P(Inspection, FragmentsAreCountedTheSameInEveryFrame) {
   EXPECT_EQ(again.fragments, first.fragments);
   EXPECT_EQ(again.pixels, first.pixels);
   EXPECT_EQ(again.largest, first.largest);
-  stage_.look.strandShare = 0.1f;
+  // Follow hairs are ten times as many as guides.
+  stage_.look.strandShare = 0.09f;
   (void)figuresOf(InspectedValue::kNone);
-  EXPECT_GT(figuresOf(InspectedValue::kOverdraw).fragments, first.fragments);
+  const uint64_t guides = figuresOf(InspectedValue::kOverdraw).fragments;
+  stage_.look.strandShare = 1;
+  (void)figuresOf(InspectedValue::kNone);
+  EXPECT_GT(figuresOf(InspectedValue::kOverdraw).fragments, 4 * guides);
 }
 
 // Buffers of a view that is not shown any more go.

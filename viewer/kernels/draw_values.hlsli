@@ -12,7 +12,7 @@ cbuffer DrawValuesConstants : register(b0, space0) {
   float g_valueLow;
   float g_valueHigh;          // > g_valueLow
   uint g_valueVertexCount;    // vertices a strand
-  uint g_valuePad0;
+  float g_valueAbove;         // only values above it are drawn
   float g_valueWidth;         // least width of a strand [pixels]
   float g_valueRadius;        // at the root [m]; 0: strands have the least width
   float g_valueTipRatio;      // radius at the tip over that at the root

@@ -1,4 +1,4 @@
-// Colors a strand by its value, without light.
+// Colors a strand by its value, without light; only where it is above g_valueAbove.
 //
 // Reads:   ValueVaryings, DrawValuesConstants
 // Writes:  SV_Target0 linear color, opaque
@@ -7,5 +7,6 @@
 #include "draw_values.hlsli"
 
 float4 value_pixel(ValueVaryings strand) : SV_Target0 {
+  if (strand.value <= g_valueAbove) discard;
   return float4(colorOfValue(strand.value), 1.0);
 }

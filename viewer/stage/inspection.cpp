@@ -74,6 +74,7 @@ DrawValuesConstants valuesOf(const InspectionLook& look, const View& view, uint3
   constants.valueLow = lowOf(look);
   constants.valueHigh = highOf(look);
   constants.valueVertexCount = vertices;
+  constants.valueAbove = -strand_value::kMostValue;
   constants.valueWidth = look.value == InspectedValue::kGuides ? kGuidePixels : kStrandPixels;
   const Float4& up = view.worldToClip.rows[1];
   constants.valueFocal = std::hypot(up.x, up.y, up.z) * height / 2;
@@ -181,12 +182,12 @@ Result<void> Inspection::pose(const InspectionLook& look, const Inspected& what,
       .poseRecords = table.whole(hair.records)});
 }
 
-// Stretch, or the kind of a strand.
+// Stretch of guides; for other views the kind of each strand.
 Result<void> Inspection::measureStretch(const InspectionLook& look, const Inspected& what,
                                         size_t index, const Hair& hair, PassList& list) {
   const HairObject& object = objectOf(what, index);
   const ResourceTable& table = what.scene->resources();
-  const bool kinds = look.value == InspectedValue::kGuides;
+  const bool kinds = look.value != InspectedValue::kStretch;
   StrandStretchConstants constants = {};
   constants.stretchVertexCount = object.verticesPerStrand();
   constants.stretchVertices =
@@ -246,7 +247,6 @@ Result<void> Inspection::measurePenetration(const InspectionLook& look, const In
 // Dispatches come before draws.
 Result<void> Inspection::drawStrands(const InspectionLook& look, const Inspected& what,
                                      const View& view, PassList& list) {
-  const bool counts = look.value == InspectedValue::kOverdraw;
   for (size_t i = 0; i < what.demo->hairs().size(); ++i) {
     Hair& hair = hairOf(what, i);
     Result<void> done = pose(look, what, i, hair, list);
@@ -258,29 +258,51 @@ Result<void> Inspection::drawStrands(const InspectionLook& look, const Inspected
   }
   for (size_t i = 0; i < what.demo->hairs().size(); ++i) {
     const HairObject& object = objectOf(what, i);
-    const Hair& hair = hairOf(what, i);
-    const ResourceTable& table = what.scene->resources();
     DrawValuesConstants constants = valuesOf(look, view, object.verticesPerStrand());
-    pelage::DrawState state = solid(view);
-    if (counts) {
-      constants.valueWidth = kCountedPixels;
-      constants.valueRadius = object.material.fiberRadius / std::max(object.drawnShare, 1e-3f);
-      constants.valueTipRatio = object.material.tipRadiusRatio;
-      state.depthWrite = state.colorWrite = false;
+    Result<void> done = look.value == InspectedValue::kOverdraw
+                            ? countStrands(what, object, hairOf(what, i), constants, view, list)
+                            : drawStrands(object, hairOf(what, i), constants, solid(view), list);
+    if (done && look.value == InspectedValue::kPenetration) {
+      // What is inside of a collider is behind its surface.
+      pelage::DrawState always = solid(view);
+      always.depthCompare = pelage::DepthCompare::kAlways;
+      constants.valueAbove = 0;
+      done = drawStrands(object, hairOf(what, i), constants, always, list);
     }
-    const uint64_t records = uint64_t{hair.posed} * object.verticesPerStrand();
-    PassBuilder pass(list);
-    pass.draw(valueVertexVariant({}), counts ? countPixelVariant({}) : valuePixelVariant({}), state,
-              kCornersOfStrip, static_cast<uint32_t>(records - 1))
-        .vertices({hair.records, records * sizeof(Float4)});
-    const DrawValuesBindings drawn = {.drawValuesConstants = constants};
-    const Result<void> done =
-        counts ? pass.finish(drawn, OverdrawBindings{.overdraw = table.whole(counts_),
-                                                     .overdrawSummary = table.whole(sums_)})
-               : pass.finish(drawn);
     if (!done) return done;
   }
   return {};
+}
+
+Result<void> Inspection::drawStrands(const HairObject& object, const Hair& hair,
+                                     const DrawValuesConstants& constants,
+                                     const pelage::DrawState& state, PassList& list) {
+  const uint64_t records = uint64_t{hair.posed} * object.verticesPerStrand();
+  PassBuilder pass(list);
+  pass.draw(valueVertexVariant({}), valuePixelVariant({}), state, kCornersOfStrip,
+            static_cast<uint32_t>(records - 1))
+      .vertices({hair.records, records * sizeof(Float4)});
+  return pass.finish(DrawValuesBindings{.drawValuesConstants = constants});
+}
+
+// Strands as wide as the transparency methods draw them.
+Result<void> Inspection::countStrands(const Inspected& what, const HairObject& object,
+                                      const Hair& hair, DrawValuesConstants constants,
+                                      const View& view, PassList& list) const {
+  constants.valueWidth = kCountedPixels;
+  constants.valueRadius = object.material.fiberRadius / std::max(object.drawnShare, 1e-3f);
+  constants.valueTipRatio = object.material.tipRadiusRatio;
+  pelage::DrawState state = solid(view);
+  state.depthWrite = state.colorWrite = false;
+  const ResourceTable& table = what.scene->resources();
+  const uint64_t records = uint64_t{hair.posed} * object.verticesPerStrand();
+  PassBuilder pass(list);
+  pass.draw(valueVertexVariant({}), countPixelVariant({}), state, kCornersOfStrip,
+            static_cast<uint32_t>(records - 1))
+      .vertices({hair.records, records * sizeof(Float4)});
+  return pass.finish(
+      DrawValuesBindings{.drawValuesConstants = constants},
+      OverdrawBindings{.overdraw = table.whole(counts_), .overdrawSummary = table.whole(sums_)});
 }
 
 // Fragments are counted by draws, and the picture is made of the counts behind them.

@@ -11,6 +11,10 @@
 #include "pelage/scene.h"
 #include "stage/inspection_look.h"
 
+namespace viewer_kernels {
+struct DrawValuesConstants;
+}
+
 namespace viewer {
 
 /// What is inspected.
@@ -49,6 +53,12 @@ class Inspection {
   Hair& hairOf(const Inspected& what, size_t index);
   pelage::Result<void> drawStrands(const InspectionLook& look, const Inspected& what,
                                    const pelage::View& view, pelage::PassList& list);
+  static pelage::Result<void> drawStrands(const pelage::HairObject& object, const Hair& hair,
+                                          const viewer_kernels::DrawValuesConstants& constants,
+                                          const pelage::DrawState& state, pelage::PassList& list);
+  pelage::Result<void> countStrands(const Inspected& what, const pelage::HairObject& object,
+                                    const Hair& hair, viewer_kernels::DrawValuesConstants constants,
+                                    const pelage::View& view, pelage::PassList& list) const;
   pelage::Result<void> drawOverdraw(const InspectionLook& look, const Inspected& what,
                                     const pelage::View& view, pelage::Frame& frame);
   pelage::Result<void> measureOverdraw(const pelage::BufferReader& read);
