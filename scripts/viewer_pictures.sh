@@ -7,12 +7,13 @@ tool=$(realpath "${1:-build/release/viewer/pelage-viewer}")
 shift || true
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
+look=(--strands 1 --shadow deep --transparency windowed)
 picture() {  # NAME FRAMES [arguments]: what is on stdin, then a picture at a frame
   local name=$1 frame=$2
   shift 2
   { cat; echo "$frame screenshot $out/$name.png"; } > "$out/$name.txt"
-  xvfb-run -a -s "-screen 0 1280x1024x24" timeout 200 "$tool" --size 960x640 --strands 1 --shadow deep \
-    --transparency windowed --script "$out/$name.txt" "$@"
+  xvfb-run -a -s "-screen 0 1280x1024x24" timeout 200 "$tool" --size 960x640 "${look[@]}" \
+    --script "$out/$name.txt" "$@"
   mv "$out/$name.png" "docs/images/$name.png"
 }
 picture viewer 3 "$@" <<< "0 key ="
@@ -21,8 +22,8 @@ picture viewer_stretch 6 "$@" <<'SCRIPT'
 0 key tab
 0 key v
 SCRIPT
-# Time stands still, so that hair does not leave the ball.
-picture viewer_penetration 5 --groom straight "$@" <<'SCRIPT'
+# Time stands still, so that hair does not leave the ball; figures come every 15 frames.
+picture viewer_penetration 18 --groom straight "$@" <<'SCRIPT'
 0 key tab
 0 key v
 0 key v
@@ -47,11 +48,6 @@ picture viewer_slice 5 "$@" <<'SCRIPT'
 0 keyup shift
 SCRIPT
 picture viewer_statistics 6 "$@" <<< "0 key i"
-picture viewer_sides 6 --groom curly --compare classic "$@" <<'SCRIPT'
-0 key tab
-0 key =
-0 key =
-SCRIPT
 # A ball is dragged through long hair.
 picture viewer_ball 7 --groom straight "$@" <<'SCRIPT'
 0 key tab
@@ -61,4 +57,11 @@ picture viewer_ball 7 --groom straight "$@" <<'SCRIPT'
 2 move 420 305
 3 move 430 310
 4 move 440 312
+SCRIPT
+# Without shadows and lists: it is drawn twice.
+look=(--strands 0.5 --shadow none --transparency shortcut)
+picture viewer_sides 6 --groom straight --compare classic "$@" <<'SCRIPT'
+0 key tab
+0 key =
+0 key =
 SCRIPT
