@@ -22,18 +22,6 @@ picture viewer_stretch 6 "$@" <<'SCRIPT'
 0 key tab
 0 key v
 SCRIPT
-# Time stands still, so that hair does not leave the ball; figures come every 15 frames.
-picture viewer_penetration 18 --groom straight "$@" <<'SCRIPT'
-0 key tab
-0 key v
-0 key v
-1 key space
-1 keydown control
-1 move 570 330
-1 press left
-1 release left
-1 keyup control
-SCRIPT
 picture viewer_overdraw 5 "$@" <<'SCRIPT'
 0 key tab
 0 key v
@@ -58,8 +46,20 @@ picture viewer_ball 7 --groom straight "$@" <<'SCRIPT'
 3 move 430 310
 4 move 440 312
 SCRIPT
-# Without shadows and lists: it is drawn twice.
+# Without shadows and lists: some frames of long hair, and hair that is drawn twice.
 look=(--strands 0.5 --shadow none --transparency shortcut)
+# Time stands still, so that hair does not leave the ball; figures come every 15 frames.
+picture viewer_penetration 18 --groom straight "$@" <<'SCRIPT'
+0 key tab
+0 key v
+0 key v
+1 key space
+1 keydown control
+1 move 570 330
+1 press left
+1 release left
+1 keyup control
+SCRIPT
 picture viewer_sides 6 --groom straight --compare classic "$@" <<'SCRIPT'
 0 key tab
 0 key =
