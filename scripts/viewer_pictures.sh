@@ -60,7 +60,7 @@ picture viewer_penetration 18 --groom straight "$@" <<'SCRIPT'
 1 release left
 1 keyup control
 SCRIPT
-picture viewer_sides 6 --groom straight --compare classic "$@" <<'SCRIPT'
+picture viewer_sides 6 --groom mohawk --compare classic "$@" <<'SCRIPT'
 0 key tab
 0 key =
 0 key =
