@@ -10,7 +10,7 @@ namespace viewer {
 
 namespace {
 
-constexpr float kKeyWidth = 250;  // at scale 1
+constexpr float kKeyWidth = 290;  // at scale 1
 constexpr int kSteps = 32;        // of the bar of colors
 
 // As the picture shows a linear color.

@@ -97,10 +97,11 @@ bool isCharacterFile(std::string_view extension) {
 Result<void> addCharacterFile(const std::filesystem::path& path, const std::string& clip,
                               LoadedFiles& files) {
   auto hair = loadCurveFile(path, files.scale, files.remarks);
-  if (hair) files.assets.hairs.push_back(*std::move(hair));
   auto mesh = pelage::loadSkinnedMesh(path);
-  if (!mesh) return hair ? Result<void>() : Result<void>(hair.error());
+  if (!hair && !mesh) return hair.error();
   if (!hair) files.remarks.push_back("no hair: " + hair.error().message);
+  if (hair) files.assets.hairs.push_back(*std::move(hair));
+  if (!mesh) return {};
   if (Result<void> done = prepareMesh(*mesh, {.scale = files.scale}); !done)
     return Error{done.error().code, path.string() + ": " + done.error().message};
   if (Result<void> done = addColliders(path, *mesh, files); !done) return done;
