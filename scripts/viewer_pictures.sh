@@ -7,16 +7,35 @@ tool=$(realpath "${1:-build/release/viewer/pelage-viewer}")
 shift || true
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
+look=(--strands 1 --shadow deep --transparency windowed)
 picture() {  # NAME FRAMES [arguments]: what is on stdin, then a picture at a frame
   local name=$1 frame=$2
   shift 2
   { cat; echo "$frame screenshot $out/$name.png"; } > "$out/$name.txt"
-  xvfb-run -a -s "-screen 0 1280x1024x24" timeout 200 "$tool" --size 960x640 --strands 1 --shadow deep \
-    --transparency windowed --script "$out/$name.txt" "$@"
+  xvfb-run -a -s "-screen 0 1280x1024x24" timeout 200 "$tool" --size 960x640 "${look[@]}" \
+    --script "$out/$name.txt" "$@"
   mv "$out/$name.png" "docs/images/$name.png"
 }
 picture viewer 3 "$@" <<< "0 key ="
 picture viewer_settings 3 "$@" <<< "0 key s"
+picture viewer_stretch 6 "$@" <<'SCRIPT'
+0 key tab
+0 key v
+SCRIPT
+picture viewer_overdraw 5 "$@" <<'SCRIPT'
+0 key tab
+0 key v
+0 key v
+0 key v
+SCRIPT
+picture viewer_slice 5 "$@" <<'SCRIPT'
+0 key tab
+0 keydown shift
+0 key v
+0 key v
+0 keyup shift
+SCRIPT
+picture viewer_statistics 6 "$@" <<< "0 key i"
 # A ball is dragged through long hair.
 picture viewer_ball 7 --groom straight "$@" <<'SCRIPT'
 0 key tab
@@ -26,4 +45,23 @@ picture viewer_ball 7 --groom straight "$@" <<'SCRIPT'
 2 move 420 305
 3 move 430 310
 4 move 440 312
+SCRIPT
+# Without shadows and lists: some frames of long hair, and hair that is drawn twice.
+look=(--strands 0.5 --shadow none --transparency shortcut)
+# Time stands still, so that hair does not leave the ball; figures come every 15 frames.
+picture viewer_penetration 18 --groom straight "$@" <<'SCRIPT'
+0 key tab
+0 key v
+0 key v
+1 key space
+1 keydown control
+1 move 570 330
+1 press left
+1 release left
+1 keyup control
+SCRIPT
+picture viewer_sides 6 --groom mohawk --compare classic "$@" <<'SCRIPT'
+0 key tab
+0 key =
+0 key =
 SCRIPT

@@ -37,6 +37,13 @@ const std::vector<Choice<pelage::Transparency>>& transparencies() {
   return kChoices;
 }
 
+const std::vector<Choice<sample::HeadCollider>>& headColliders() {
+  using sample::HeadCollider;
+  static const std::vector<Choice<HeadCollider>> kChoices = {{"capsules", HeadCollider::kCapsules},
+                                                             {"mesh", HeadCollider::kMesh}};
+  return kChoices;
+}
+
 const std::vector<Choice<pelage::HairShadow>>& shadows() {
   using pelage::HairShadow;
   static const std::vector<Choice<HairShadow>> kChoices = {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "demo_scene.h"
 #include "groom_presets.h"
 #include "pelage/demo/character.h"
 #include "pelage/simulation_settings.h"
@@ -23,6 +24,7 @@ const std::vector<Choice<pelage::CharacterMotion>>& motions();
 const std::vector<Choice<pelage::Solver>>& solvers();
 const std::vector<Choice<pelage::Transparency>>& transparencies();
 const std::vector<Choice<pelage::HairShadow>>& shadows();
+const std::vector<Choice<sample::HeadCollider>>& headColliders();
 
 /// "a, b or c".
 template <class T>

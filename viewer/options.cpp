@@ -45,6 +45,8 @@ struct Given {
   pelage::Transparency transparency = pelage::Transparency::kWindowed;
   pelage::HairShadow shadow = pelage::HairShadow::kDeep;
   float strandShare = 1;
+  pelage::Solver compared = pelage::Solver::kExact;
+  CLI::Option* comparedOption = nullptr;
   CLI::Option* apiOption = nullptr;
   CLI::Option* strandsOption = nullptr;
   CLI::Option* transparencyOption = nullptr;
@@ -83,6 +85,8 @@ void addOptions(CLI::App& app, Options& options, Given& given) {
                  "meters per unit of the files (found from the hair's size)")
       ->check(CLI::Range(1e-9f, 1e9f).description(""))
       ->type_name("X");
+  app.add_option("--clip", options.source.clip, "animation of a .gltf or .glb file (the first one)")
+      ->type_name("NAME");
   given.presetOption = app.add_option("--groom", options.source.preset,
                                       "a generated head with this hair: " + namesOf(grooms()))
                            ->transform(oneOf(grooms()))
@@ -93,6 +97,14 @@ void addOptions(CLI::App& app, Options& options, Given& given) {
   app.add_option("--solver", options.source.solver, namesOf(solvers()))
       ->transform(oneOf(solvers()))
       ->type_name("NAME");
+  given.comparedOption =
+      app.add_option("--compare", given.compared, "show it once more at the right, with a solver")
+          ->transform(oneOf(solvers()))
+          ->type_name("SOLVER");
+  app.add_option("--head-collider", options.source.headCollider,
+                 "what the hair of --groom collides with: " + namesOf(headColliders()))
+      ->transform(oneOf(headColliders()))
+      ->type_name("KIND");
   given.transparencyOption =
       app.add_option("--transparency", given.transparency,
                      namesOf(transparencies()) + " (windowed; shortcut on the CPU)")
@@ -134,6 +146,7 @@ void addOptions(CLI::App& app, Options& options, Given& given) {
 void take(const Given& given, Options& options) {
   if (!given.size.empty()) parseSize(given.size, options);
   if (*given.apiOption) options.api = given.api;
+  if (*given.comparedOption) options.compared = given.compared;
   if (*given.transparencyOption) options.transparency = given.transparency;
   if (*given.strandsOption) options.strandShare = given.strandShare;
   if (*given.shadowOption) options.shadow = given.shadow;

@@ -35,6 +35,7 @@ struct Options {
   std::optional<pelage::Transparency> transparency;
   std::optional<pelage::HairShadow> shadow;
   std::optional<float> strandShare;
+  std::optional<pelage::Solver> compared;  ///< shown at the right; nothing: one side
   pelage::CharacterMotion motion = pelage::CharacterMotion::kAll;
 };
 

@@ -11,6 +11,7 @@
 #include "capture/screenshot.h"
 #include "input/keys.h"
 #include "interface/gizmos.h"
+#include "interface/inspection_panel.h"
 #include "program_messages.h"
 
 namespace viewer {
@@ -65,6 +66,7 @@ Result<void> Viewer::open() {
   showFirst();
   if (!options_.settings.empty() && stage_.shown() > 0) loadSettings(options_.settings);
   if (Result<void> done = openReload(); !done) return done;
+  if (options_.compared && stage_.shown() > 0) compare(options_.compared);
   shown_ = secondsSince(start_);
   const WindowSize size = window_->size();
   stage_.frameAll(static_cast<float>(std::max(size.width, 1u)) /
@@ -147,7 +149,7 @@ void Viewer::show(const StageSource& source) {
 }
 
 // Bones and meshes belong to the hair that is there; hair replaces it.
-void Viewer::drop(std::vector<std::filesystem::path> files) {
+void Viewer::drop(std::vector<std::filesystem::path> files, bool adds) {
   for (const std::filesystem::path& file : files)
     if (file.extension() == ".json") loadSettings(file);
   std::erase_if(files, [](const auto& file) { return file.extension() == ".json"; });
@@ -157,7 +159,7 @@ void Viewer::drop(std::vector<std::filesystem::path> files) {
     const auto extension = file.extension();
     return extension != ".tfxbone" && extension != ".tfxfollow" && extension != ".tfxmesh";
   });
-  if (hair || source.kind != StageKind::kFiles) {
+  if ((hair && !adds) || source.kind != StageKind::kFiles) {
     source.files.clear();
     source.scale = 0;
   }
@@ -166,8 +168,20 @@ void Viewer::drop(std::vector<std::filesystem::path> files) {
   show(source);
 }
 
+void Viewer::compare(std::optional<pelage::Solver> right) {
+  const Result<void> compared = stage_.compare(right);
+  if (!compared) interface_->say("There is nothing to compare", compared.error().message);
+}
+
+// The other solver beside the one that is there, or that one alone again.
+void Viewer::compareSolvers() {
+  if (stage_.sides() == 2) return compare(std::nullopt);
+  using pelage::Solver;
+  compare(stage_.solverOf(0) == Solver::kExact ? Solver::kClassic : Solver::kExact);
+}
+
 void Viewer::loadSettings(const std::filesystem::path& file) {
-  const Result<void> loaded = settings_.load(file, stage_);
+  const Result<void> loaded = settings().load(file, stage_);
   if (!loaded) interface_->say("The settings cannot be loaded", loaded.error().message);
 }
 
@@ -176,9 +190,9 @@ bool Viewer::takeShortcut(const KeyPressed& key) {
   if (key.key == kKeyLeftControl || key.key == kKeyRightControl) control_ = key.down;
   if (!control_ || !key.down || (key.key != 'Z' && key.key != 'Y')) return false;
   if (key.key == 'Z')
-    settings_.undo(stage_);
+    settings().undo(stage_);
   else
-    settings_.redo(stage_);
+    settings().redo(stage_);
   return true;
 }
 
@@ -218,6 +232,9 @@ Result<void> Viewer::take(const Event& event) {
   if (const auto* key = std::get_if<KeyPressed>(&event); key != nullptr && key->down) {
     if (key->key == kKeyTab) controls_.hasArrow = showsPanel_ = !showsPanel_;
     if (key->key == 'S') showsSettings_ = !showsSettings_;
+    if (key->key == 'O') dialog_.toggle();
+    if (key->key == 'I') showsStatistics_ = !showsStatistics_;
+    if (key->key == 'D') compareSolvers();
     if (key->key == kKeyF12) screenshot_ = nextFile(".png");
     if (key->key == kKeyF10) toggleRecording();
     if (key->key == kKeyF8) toggleTimes();
@@ -237,14 +254,17 @@ Result<void> Viewer::drawFrame(const WindowSize& size) {
   history_.add(canvas_->timings());
   if (times_) times_->add(frame_, canvas_->timings());
   PanelWishes wishes;
-  std::function<void()> panels;
   std::vector<SettingsMessage> messages;
-  if (showsPanel_)
-    panels = [&] {
-      wishes = buildStagePanel(stage_, *canvas_, history_, size);
-      if (showsSettings_) messages = settings_.build(stage_, size);
-      drawGizmos(stage_, size);
-    };
+  std::optional<FileChoice> chosen;
+  const auto panels = [&] {
+    buildInspectionKey(stage_, size);
+    chosen = dialog_.build(size);
+    if (!showsPanel_) return;
+    wishes = buildStagePanel(stage_, *canvas_, history_, size);
+    if (showsSettings_) messages = settings().build(stage_, size);
+    if (showsStatistics_) statistics_.build(stage_, *canvas_, history_, size);
+    drawGizmos(stage_, size);
+  };
   const double before = cpuSeconds();
   interface_->build(size, stage_.clock.fixed ? PlayClock::kStep : seconds, panels);
   interfaceSeconds_ += cpuSeconds() - before;
@@ -257,7 +277,7 @@ Result<void> Viewer::drawFrame(const WindowSize& size) {
   if (!frame) return frame.error();
   CanvasFrame shown;
   shown.frame = &*frame;
-  shown.depthCopy = stage_.depthCopy();
+  shown.views = stage_.views();
   shown.interface = interface_->drawData();
   if (std::exchange(wantsScreenshot_, false) && screenshot_.empty()) screenshot_ = nextFile(".png");
   shown.captures = !screenshot_.empty() || recording_;
@@ -265,9 +285,11 @@ Result<void> Viewer::drawFrame(const WindowSize& size) {
     return goesBack(done.error()) ? Result<void>() : done;
   good_.keep(stage_);
   provenCode_ = code_;
-  Result<void> measured =
-      stage_.measure([&](pelage::BufferId buffer) { return canvas_->read(buffer); });
-  if (!measured) return measured;
+  const auto read = [&](pelage::BufferId buffer) { return canvas_->read(buffer); };
+  if (Result<void> measured = stage_.measure(read); !measured) return measured;
+  if (showsStatistics_ && showsPanel_)
+    if (Result<void> done = statistics_.read(stage_, read); !done) return done;
+  if (chosen) drop(std::move(chosen->files), chosen->adds);
   return grant(wishes);
 }
 
@@ -285,6 +307,9 @@ Result<void> Viewer::grant(const PanelWishes& wishes) {
   if (wishes.source) show(*wishes.source);
   const WindowSize size = window_->size();
   if (wishes.togglesSettings) showsSettings_ = !showsSettings_;
+  if (wishes.opensFiles) dialog_.toggle();
+  if (wishes.togglesStatistics) showsStatistics_ = !showsStatistics_;
+  if (wishes.compares) compare(wishes.right);
   if (wishes.framesAll)
     stage_.frameAll(static_cast<float>(std::max(size.width, 1u)) /
                     static_cast<float>(std::max(size.height, 1u)));

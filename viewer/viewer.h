@@ -1,6 +1,7 @@
 // The program: joins window, canvas, interface, stage and script.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -9,9 +10,11 @@
 #include "canvas/canvas.h"
 #include "capture/recording.h"
 #include "capture/times_file.h"
+#include "interface/file_dialog.h"
 #include "interface/pass_history.h"
 #include "interface/settings_panel.h"
 #include "interface/stage_panel.h"
+#include "interface/statistics_panel.h"
 #include "interface/user_interface.h"
 #include "options.h"
 #include "pelage/result.h"
@@ -39,7 +42,11 @@ class Viewer {
   pelage::Result<void> openAnyApi();
   void showFirst();
   void show(const StageSource& source);
-  void drop(std::vector<std::filesystem::path> files);
+  /// \param adds hair beside the hair that is there, not in place of it.
+  void drop(std::vector<std::filesystem::path> files, bool adds = false);
+  void compare(std::optional<pelage::Solver> right);
+  void compareSolvers();
+  SettingsPanel& settings() { return settings_[stage_.side()]; }
   void loadSettings(const std::filesystem::path& file);
   bool takeShortcut(const KeyPressed& key);
   void collect();
@@ -73,7 +80,9 @@ class Viewer {
   Stage stage_;
   GoodSettings good_;
   StageControls controls_;
-  SettingsPanel settings_;
+  std::array<SettingsPanel, 2> settings_;  // [side]
+  StatisticsPanel statistics_;
+  FileDialog dialog_;
   std::optional<Player> player_;
   std::optional<Recorder> recorder_;
   std::vector<Event> events_;
@@ -87,7 +96,8 @@ class Viewer {
   double interfaceSeconds_ = 0;                       // of the CPU, in builtFrames_ frames
   uint64_t frame_ = 0, builtFrames_ = 0;
   uint32_t losses_ = 0;  // of the device, in a row
-  bool quits_ = false, showsPanel_ = true, showsSettings_ = false, wantsScreenshot_ = false;
+  bool quits_ = false, showsPanel_ = true, showsSettings_ = false, showsStatistics_ = false,
+       wantsScreenshot_ = false;
   bool control_ = false;  // its key is down
 };
 

@@ -86,9 +86,9 @@ void readBlocks(const Functions& gl, GLuint program, ResourceKind kind,
 }
 
 bool isSampler(GLenum type) {
-  constexpr GLenum kSamplers[] = {GL_SAMPLER_2D,       GL_SAMPLER_3D,     GL_SAMPLER_CUBE,
-                                  GL_SAMPLER_2D_ARRAY, GL_SAMPLER_BUFFER, GL_INT_SAMPLER_2D,
-                                  GL_UNSIGNED_INT_SAMPLER_2D};
+  constexpr GLenum kSamplers[] = {
+      GL_SAMPLER_2D,     GL_SAMPLER_3D,     GL_SAMPLER_CUBE,           GL_SAMPLER_2D_ARRAY,
+      GL_SAMPLER_BUFFER, GL_INT_SAMPLER_2D, GL_UNSIGNED_INT_SAMPLER_2D};
   return std::find(std::begin(kSamplers), std::end(kSamplers), type) != std::end(kSamplers);
 }
 

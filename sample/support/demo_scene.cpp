@@ -198,6 +198,7 @@ Result<void> DemoScene::addHair(const HairAsset& hair, const pelage::HairDef& lo
   if (!added) return added.error();
   hairs_.push_back(*added);
   sources_.push_back(std::move(source));
+  restLengths_.push_back(hair.restLengths);
   apply(scene.object, scene_->hair(*added));
   return {};
 }
@@ -297,6 +298,10 @@ void DemoScene::setMotion(pelage::CharacterMotion motion) {
 }
 
 std::vector<pelage::CapsuleCollider> DemoScene::capsules() const { return capsulesIn(bones()); }
+
+std::vector<pelage::CapsuleCollider> DemoScene::capsules(double seconds) const {
+  return capsulesIn(pose_(seconds));
+}
 
 std::vector<pelage::CapsuleCollider> DemoScene::capsulesIn(
     const std::vector<AffineTransform>& posed) const {

@@ -149,6 +149,10 @@ class DemoScene {
   std::vector<pelage::AffineTransform> bones() const { return pose_(frame_ * kFrameSeconds); }
   /// What a head's hair collides with by HeadCollider::kCapsules, where it is in the last frame.
   std::vector<pelage::CapsuleCollider> capsules() const;
+  /// The same at a time of pose() [s].
+  std::vector<pelage::CapsuleCollider> capsules(double seconds) const;
+  /// HairAsset::restLengths of a hair object. \param hair index in hairs().
+  const std::vector<float>& restLengths(size_t hair) const { return restLengths_[hair]; }
   const pelage::Scene& scene() const { return *scene_; }
   /// Of the device that runs it: Scene::setTier().
   void setTier(pelage::Tier tier) { scene_->setTier(tier); }
@@ -200,6 +204,7 @@ class DemoScene {
   pelage::Scene* scene_;
   std::vector<pelage::HairId> hairs_;
   std::vector<HairSource> sources_;  ///< [hair]
+  std::vector<std::vector<float>> restLengths_;  ///< [hair]
   std::vector<MeshObject> meshes_;
   std::vector<pelage::ColliderId> colliders_;
   pelage::BufferId opaqueDepth_ = pelage::BufferId::kInvalid;  ///< of Light::opaque

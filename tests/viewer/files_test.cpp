@@ -4,11 +4,14 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
 
+#include "gltf_file.h"
+#include "pelage/demo/character.h"
 #include "pelage/demo/groom.h"
 #include "stage/stage.h"
 
@@ -77,6 +80,43 @@ TEST_F(ViewerFiles, WhatIsNoHairIsRefusedByName) {
   ASSERT_FALSE(mesh);
   EXPECT_NE(mesh.error().message.find("no hair"), std::string::npos) << mesh.error().message;
 }
+
+#ifdef PELAGE_TEST_AUTHORING
+// A character is what hair collides with and follows, and its clip moves it: in the file's unit.
+TEST_F(ViewerFiles, ACharacterMovesHairThatHasNoBones) {
+  const auto character = pelage::generateCharacter();
+  ASSERT_TRUE(character) << character.error().message;
+  ASSERT_TRUE(sample::writeGltf(*character, file("character.gltf")));
+  ASSERT_TRUE(pelage::saveTfx(character->grooms[2].hair, file("mohawk.tfx")));
+  const std::vector<Path> files = {file("character.gltf"), file("mohawk.tfx")};
+  const auto loaded = viewer::loadFiles(files, 1, "jump");
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  ASSERT_EQ(loaded->assets.hairs.size(), 1u);
+  ASSERT_TRUE(loaded->assets.hairs[0].bones.has_value());
+  EXPECT_FALSE(loaded->assets.meshes.empty());
+  ASSERT_TRUE(loaded->motion.has_value());
+  EXPECT_GT(loaded->motion->seconds, 0.5);
+
+  const auto wrong = viewer::loadFiles(files, 1, "swim");
+  ASSERT_FALSE(wrong);
+  EXPECT_NE(wrong.error().message.find("jump"), std::string::npos) << wrong.error().message;
+
+  const auto half = viewer::loadFiles(files, 0.5f, "jump");
+  ASSERT_TRUE(half) << half.error().message;
+  const double time = loaded->motion->seconds / 2;
+  const auto bones = loaded->motion->pose(time), halfBones = half->motion->pose(time);
+  ASSERT_EQ(bones.size(), halfBones.size());
+  double moved = 0;
+  for (size_t i = 0; i < bones.size(); ++i) {
+    EXPECT_NEAR(halfBones[i].rows[1].w, bones[i].rows[1].w / 2, 1e-6f);
+    moved += std::abs(static_cast<double>(bones[i].rows[1].w));
+  }
+  EXPECT_GT(moved, 0.01);
+  viewer::Stage stage;
+  ASSERT_TRUE(stage.show({.kind = viewer::StageKind::kFiles, .files = files, .clip = "walk"}));
+  EXPECT_FALSE(stage.colliders().empty());
+}
+#endif
 
 // Buffers of what is not shown any more go, and those of what is shown stay.
 TEST_F(ViewerFiles, TheStageStaysWhenFilesAreBroken) {

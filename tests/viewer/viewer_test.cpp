@@ -86,7 +86,9 @@ struct Statistics {
   double detailShare = 0;  ///< of these pixels: those unlike their right neighbor, as strands are
 };
 
-Statistics statisticsOf(const ByteImage& image) {
+/// \param first, end the columns that it looks at; 0, 0: all.
+Statistics statisticsOf(const ByteImage& image, uint32_t first = 0, uint32_t end = 0) {
+  if (end == 0) end = image.width;
   pelage::RenderedImage empty;
   empty.width = image.width;
   empty.height = image.height;
@@ -101,6 +103,8 @@ Statistics statisticsOf(const ByteImage& image) {
   size_t drawn = 0, detailed = 0;
   double sum = 0;
   for (size_t i = 0; i + 3 < image.rgb.size(); i += 3) {
+    const size_t column = i / 3 % image.width;
+    if (column < first || column >= end) continue;
     const uint8_t* pixel = &image.rgb[i];
     if (difference(pixel, &backdrop.rgb[i]) <= 4) continue;
     ++drawn;
@@ -108,7 +112,8 @@ Statistics statisticsOf(const ByteImage& image) {
     detailed += difference(pixel, pixel + 3) > 12 ? 1 : 0;
   }
   Statistics result;
-  result.drawnShare = static_cast<double>(drawn) / static_cast<double>(empty.pixels.size());
+  result.drawnShare = static_cast<double>(drawn) /
+                      (static_cast<double>(end - first) * static_cast<double>(image.height));
   if (drawn > 0) {
     result.mean = sum / static_cast<double>(drawn);
     result.detailShare = static_cast<double>(detailed) / static_cast<double>(drawn);
@@ -291,8 +296,10 @@ class Viewer : public testing::TestWithParam<const char*> {
     if (!known) known = std::make_unique<Sessions>(GetParam());
     return *known;
   }
-  static void expectHair(const ByteImage& image, const std::string& name) {
-    const Statistics s = statisticsOf(image);
+  /// \param first, end the columns that it is in; 0, 0: all.
+  static void expectHair(const ByteImage& image, const std::string& name, uint32_t first = 0,
+                         uint32_t end = 0) {
+    const Statistics s = statisticsOf(image, first, end);
     EXPECT_TRUE(s.drawnShare > 0.1 && s.drawnShare < 0.95) << name << ": " << s.drawnShare;
     EXPECT_TRUE(s.mean > 20 && s.mean < 230) << name << ": " << s.mean;
     EXPECT_TRUE(s.detailShare > 0.1) << name << ": " << s.detailShare;
@@ -450,6 +457,56 @@ TEST_P(Viewer, ShowsTheCharacterAndALostDeviceComesBack) {
   EXPECT_EQ(session.output.errors, "");
   expectHair(session.picture("start"), "at the start");
   expectHair(session.picture("later"), "behind the loss");
+}
+
+// Each view differs from the one before; behind the last one, the hair is as it was. Then a file is
+// opened in the dialog by its name.
+TEST_P(Viewer, LooksInsideAndOpensFiles) {
+  const Folder folder(std::string("inside_") + GetParam());
+  std::ofstream(folder.file("broken.tfx")) << "no hair at all";
+  std::string script = "0 key tab\n1 key space\n1 screenshot 0.png\n";
+  for (int view = 1; view <= 7; ++view)
+    script += std::to_string(2 * view) + " key v\n" + std::to_string(2 * view + 1) +
+              " screenshot " + std::to_string(view) + ".png\n";
+  script += "16 key c\n16 screenshot contacts.png\n17 key c\n17 key o\n20 screenshot dialog.png\n";
+  for (const char letter : std::string("broken.tfx"))
+    script += "20 text " + std::to_string(static_cast<int>(letter)) + "\n";
+  script += "22 key enter\n25 screenshot message.png\n26 key escape\n28 screenshot after.png\n";
+  const Session session =
+      sessionOf(GetParam(), folder, script, "--groom straight --head-collider mesh");
+  ASSERT_EQ(session.output.code, 0) << session.output.errors;
+  EXPECT_EQ(session.output.errors, "");
+  const ByteImage hair = session.picture("0");
+  expectHair(hair, "hair");
+  for (int view = 1; view <= 7; ++view)
+    EXPECT_NE(session.picture(std::to_string(view)).rgb,
+              session.picture(std::to_string(view - 1)).rgb)
+        << view;
+  EXPECT_EQ(session.picture("7").rgb, hair.rgb);
+  EXPECT_NE(session.picture("contacts").rgb, hair.rgb);
+  EXPECT_NE(session.picture("dialog").rgb, hair.rgb);
+  EXPECT_NE(session.picture("message").rgb, session.picture("dialog").rgb);
+  EXPECT_EQ(session.picture("after").rgb, hair.rgb);
+}
+
+// Two solvers side by side, settings of one side, hair that is pulled in the other; then one again.
+TEST_P(Viewer, ShowsTwoSidesAndOneAgain) {
+  const Folder folder(std::string("sides_") + GetParam());
+  const Session session = sessionOf(
+      GetParam(), folder,
+      "0 key i\n0 key e\n1 screenshot panels.png\n2 key tab\n3 screenshot two.png\n"
+      "4 keydown g\n4 move 110 60\n4 press left\n5 move 130 50\n6 release left\n6 keyup g\n"
+      "7 resize 240 120\n7 screenshot resized.png\n8 key d\n8 screenshot one.png\n",
+      "--groom straight --compare classic");
+  ASSERT_EQ(session.output.code, 0) << session.output.errors;
+  EXPECT_EQ(session.output.errors, "");
+  EXPECT_NE(session.picture("panels").rgb, session.picture("two").rgb);
+  for (const char* name : {"two", "resized"}) {
+    const ByteImage two = session.picture(name);
+    expectHair(two, "left", 0, two.width / 2);
+    expectHair(two, "right", two.width / 2, two.width);
+  }
+  expectHair(session.picture("one"), "one");
 }
 
 TEST_P(Viewer, WithoutADisplayItSaysSo) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "image.h"
@@ -34,12 +35,18 @@ struct CanvasMemory {
   uint64_t frames = 0;   ///< of constants and uploads, where the API says so
 };
 
-/// A frame and what it needs from a canvas. All of its views have the canvas's size.
+/// A view of a frame on the canvas.
+struct CanvasView {
+  pelage::PixelArea area;  ///< within the canvas
+  /// Receives the depth of opaque things after the first list of the view:
+  /// TransparencySettings::opaqueDepth; kInvalid: nothing does.
+  pelage::BufferId depthCopy = pelage::BufferId::kInvalid;
+};
+
+/// A frame and what it needs from a canvas.
 struct CanvasFrame {
   pelage::Frame* frame = nullptr;
-  /// Receives the depth of opaque things after the first list of the first view:
-  /// TransparencySettings::opaqueDepth.
-  pelage::BufferId depthCopy = pelage::BufferId::kInvalid;
+  std::span<const CanvasView> views;  ///< all views of the frame
   ImDrawData* interface = nullptr;
   bool captures = false;  ///< captured() has the picture
 };

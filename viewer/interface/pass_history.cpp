@@ -18,26 +18,34 @@ void PassHistory::add(std::span<const pelage::PassTiming> timings) {
     if (!(timing.milliseconds >= 0)) continue;  // without timestamps
     auto known = std::find_if(frame.begin(), frame.end(),
                               [&](const PassTime& pass) { return pass.name == timing.name; });
-    if (known == frame.end()) known = frame.insert(frame.end(), {timing.name, 0, 0});
+    if (known == frame.end()) known = frame.insert(frame.end(), {timing.name, 0, 0, {}});
     known->milliseconds += timing.milliseconds;
     ++known->passes;
     total += timing.milliseconds;
   }
   if (frame.empty()) return;
-  if (totals_.size() == kFrames) totals_.erase(totals_.begin());
-  totals_.push_back(static_cast<float>(total));
+  push(totals_, total);
   for (PassTime& pass : passes_) pass.milliseconds *= 1 - kWeight;
+  for (PassTime& pass : passes_) push(pass.frames, 0);
   for (const PassTime& now : frame) {
     const auto known = std::find_if(passes_.begin(), passes_.end(),
                                     [&](const PassTime& pass) { return pass.name == now.name; });
     if (known == passes_.end()) {
       passes_.push_back(now);
+      passes_.back().frames.assign(totals_.size(), 0);
+      passes_.back().frames.back() = static_cast<float>(now.milliseconds);
     } else {
       known->milliseconds += kWeight * now.milliseconds;
       known->passes = now.passes;
+      known->frames.back() = static_cast<float>(now.milliseconds);
     }
   }
   std::erase_if(passes_, [](const PassTime& pass) { return pass.milliseconds < kForgotten; });
+}
+
+void PassHistory::push(std::vector<float>& frames, double milliseconds) {
+  if (frames.size() == kFrames) frames.erase(frames.begin());
+  frames.push_back(static_cast<float>(milliseconds));
 }
 
 std::vector<PassHistory::PassTime> PassHistory::passes() const {

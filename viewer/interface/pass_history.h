@@ -16,8 +16,9 @@ class PassHistory {
 
   struct PassTime {
     std::string name;
-    double milliseconds = 0;  ///< of a frame, averaged over the last frames
-    int passes = 0;           ///< of its name in the last frame that had it
+    double milliseconds = 0;         ///< of a frame, averaged over the last frames
+    int passes = 0;                  ///< of its name in the last frame that had it
+    std::vector<float> frames = {};  ///< [ms] of the last frames, the oldest first; 0 without it
   };
 
   /// Adds a frame; nothing where it has no times.
@@ -29,6 +30,7 @@ class PassHistory {
   void clear();
 
  private:
+  static void push(std::vector<float>& frames, double milliseconds);
   std::vector<float> totals_;
   std::vector<PassTime> passes_;  // in the order in which they came first
 };

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "choices.h"
+#include "interface/inspection_panel.h"
 
 namespace viewer {
 
@@ -53,6 +54,8 @@ void buildPlay(Stage& stage, PanelWishes& wishes) {
     clock.speed = std::clamp(speed, 0.05f, 4.0f);
   if (stage.hasMotions()) choose("Motion", motions(), stage.look.motion);
   wishes.togglesSettings = ImGui::Button("All settings");
+  ImGui::SameLine();
+  wishes.togglesStatistics = ImGui::Button("Statistics");
 }
 
 // The generated hair, or another.
@@ -64,6 +67,7 @@ void buildSource(const Stage& stage, PanelWishes& wishes) {
     for (const Choice<sample::GroomPreset>& groom : grooms())
       if (groom.value == source.preset) current = groom.name;
   bool changed = false;
+  wishes.opensFiles = ImGui::Button("Open files");
   if (ImGui::BeginCombo("Hair", current)) {
     if (ImGui::Selectable("character", source.kind == StageKind::kCharacter)) {
       source.kind = StageKind::kCharacter;
@@ -112,7 +116,6 @@ void buildLook(Stage& stage, const Canvas& canvas) {
   float percent = 100 * stage.look.strandShare;
   if (ImGui::SliderFloat("Strands", &percent, 2, 100, "%.0f %%"))
     stage.look.strandShare = std::clamp(percent, 2.0f, 100.0f) / 100;
-  ImGui::Checkbox("Contacts of guides", &stage.look.showsContacts);
 }
 
 // The wind as a direction in the plan and a speed, and the ball.
@@ -132,6 +135,22 @@ void buildForces(Stage& stage) {
   float radius = 100 * stage.ball.radius;
   if (ImGui::SliderFloat("radius", &radius, 1, 20, "%.0f cm"))
     stage.ball.radius = std::clamp(radius, 1.0f, 20.0f) / 100;
+}
+
+// Two sides, of which the other windows show the chosen one.
+void buildComparison(Stage& stage, PanelWishes& wishes) {
+  bool two = stage.sides() == 2;
+  pelage::Solver right = stage.solverOf(two ? 1 : 0);
+  const bool toggled = ImGui::Checkbox("Side by side", &two);
+  if (two && !toggled && choose("Right", solvers(), right)) wishes.compares = true;
+  wishes.compares |= toggled;
+  if (two) wishes.right = right;
+  if (stage.sides() < 2) return;
+  int side = static_cast<int>(stage.side());
+  ImGui::RadioButton("Edit left", &side, 0);
+  ImGui::SameLine();
+  ImGui::RadioButton("right", &side, 1);
+  stage.chooseSide(static_cast<uint32_t>(side));
 }
 
 void buildFigures(const Stage& stage, const Canvas& canvas) {
@@ -193,6 +212,10 @@ PanelWishes buildStagePanel(Stage& stage, const Canvas& canvas, const PassHistor
   }
   if (ImGui::CollapsingHeader("Drawing", ImGuiTreeNodeFlags_DefaultOpen)) buildLook(stage, canvas);
   if (ImGui::CollapsingHeader("Forces", ImGuiTreeNodeFlags_DefaultOpen)) buildForces(stage);
+  if (ImGui::CollapsingHeader("Look inside")) {
+    buildInspection(stage);
+    buildComparison(stage, wishes);
+  }
   if (ImGui::CollapsingHeader("GPU times")) buildTimes(history);
   if (ImGui::CollapsingHeader("Device")) {
     ImGui::TextWrapped("%s", canvas.info().name.c_str());

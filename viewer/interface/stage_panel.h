@@ -14,7 +14,10 @@ namespace viewer {
 struct PanelWishes {
   std::optional<StageSource> source;
   bool framesAll = false, resets = false, takesScreenshot = false, losesDevice = false;
-  bool togglesSettings = false;
+  bool togglesSettings = false, togglesStatistics = false, opensFiles = false;
+  /// Side by side, or not any more.
+  bool compares = false;
+  std::optional<pelage::Solver> right;  ///< with `compares`
 };
 
 /// Builds the panel, which changes the stage. Call it between NewFrame() and Render() of ImGui.

@@ -17,8 +17,10 @@ constexpr float kLockRadius = 0.15f;   // of half the picture's height: hair tha
 constexpr double kSlowest = 1.0 / 16;  // PlayClock::speed
 constexpr double kFastest = 4;
 
-float aspectOf(const WindowSize& size) {
-  return static_cast<float>(size.width) / static_cast<float>(std::max(size.height, 1u));
+// Of a side.
+float aspectOf(const WindowSize& size, const Stage& stage) {
+  return static_cast<float>(size.width) /
+         static_cast<float>(std::max(size.height, 1u) * stage.sides());
 }
 
 }  // namespace
@@ -82,14 +84,22 @@ void StageControls::scroll(const Scrolled& event, Stage& stage) const {
   center = {center.x + away * back.x, center.y + away * back.y, center.z + away * back.z};
 }
 
+// Pixels of the mouse in the side that it is over.
+MouseMoved StageControls::mouseInSide(const WindowSize& size, const Stage& stage) const {
+  const double width = static_cast<double>(std::max(size.width, 1u)) / stage.sides();
+  const double side = std::clamp(std::floor(mouse_.x / width), 0.0, stage.sides() - 1.0);
+  return {mouse_.x - side * width, mouse_.y};
+}
+
 // Under the mouse, in a plane that faces the camera.
 pelage::Float3 StageControls::pointOn(const pelage::Float3& plane, const WindowSize& size,
                                       const Stage& stage) const {
-  const auto share = [](double at, uint32_t of) {
-    return static_cast<float>(at / std::max(of, 1u));
+  const auto share = [](double at, double of) {
+    return static_cast<float>(at / std::max(of, 1.0));
   };
-  return stage.camera.pointAt(share(mouse_.x, size.width), share(mouse_.y, size.height),
-                              aspectOf(size), plane);
+  const MouseMoved mouse = mouseInSide(size, stage);
+  return stage.camera.pointAt(share(mouse.x * stage.sides(), size.width),
+                              share(mouse.y, size.height), aspectOf(size, stage), plane);
 }
 
 // At the depth where it is, at first that of what the camera looks at.
@@ -105,8 +115,9 @@ void StageControls::askForHair(const WindowSize& size, Stage& stage) const {
   const float half =
       std::sqrt((top.x - middle.x) * (top.x - middle.x) + (top.y - middle.y) * (top.y - middle.y) +
                 (top.z - middle.z) * (top.z - middle.z));
-  stage.pull.ask(stage.camera.view(size.width, size.height), static_cast<float>(mouse_.x),
-                 static_cast<float>(mouse_.y), kLockRadius * half);
+  const MouseMoved mouse = mouseInSide(size, stage);
+  stage.pull.ask(stage.camera.view(std::max(size.width / stage.sides(), 1u), size.height),
+                 static_cast<float>(mouse.x), static_cast<float>(mouse.y), kLockRadius * half);
 }
 
 void StageControls::key(const KeyPressed& event, const WindowSize& size, Stage& stage) {
@@ -118,7 +129,7 @@ void StageControls::key(const KeyPressed& event, const WindowSize& size, Stage& 
   PlayClock& clock = stage.clock;
   switch (event.key) {
     case 'F':
-      stage.frameAll(aspectOf(size));
+      stage.frameAll(aspectOf(size, stage));
       break;
     case kKeySpace:
       clock.playing = !clock.playing;
@@ -140,6 +151,12 @@ void StageControls::key(const KeyPressed& event, const WindowSize& size, Stage& 
       break;
     case 'B':
       stage.ball.present = false;
+      break;
+    case 'V':
+      stage.inspection.show(shift_);
+      break;
+    case 'E':
+      stage.chooseSide(1 - std::min(stage.side(), 1u));
       break;
     case 'C':
       stage.look.showsContacts = !stage.look.showsContacts;

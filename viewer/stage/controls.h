@@ -19,6 +19,7 @@ class StageControls {
   void move(const MouseMoved& event, const WindowSize& size, Stage& stage);
   void scroll(const Scrolled& event, Stage& stage) const;
   void key(const KeyPressed& event, const WindowSize& size, Stage& stage);
+  MouseMoved mouseInSide(const WindowSize& size, const Stage& stage) const;
   pelage::Float3 pointOn(const pelage::Float3& plane, const WindowSize& size,
                          const Stage& stage) const;
   void moveBall(const WindowSize& size, Stage& stage) const;

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cctype>
+#include <iterator>
 #include <system_error>
 #include <utility>
 
 #include "asset_files.h"
+#include "stage/character_files.h"
 #include "stage/curve_files.h"
 
 namespace viewer {
@@ -39,6 +41,7 @@ Path companionOf(const Path& hair, const char* extension, std::span<const Path> 
 struct Sorted {
   pelage::program::AssetFiles own;  // pelage's own formats
   std::vector<Path> curves;         // of the authoring library
+  std::vector<Path> characters;     // likewise; with curves or without
 };
 
 Result<Sorted> sortFiles(std::span<const Path> files) {
@@ -57,6 +60,8 @@ Result<Sorted> sortFiles(std::span<const Path> files) {
         return Error{ErrorCode::kInvalidArgument,
                      file.string() + ": a second .pelage file; one holds a whole scene"};
       sorted.own.cache = file;
+    } else if (isCharacterFile(extension)) {
+      sorted.characters.push_back(file);
     } else if (isCurveFile(extension)) {
       sorted.curves.push_back(file);
     } else if (extension != ".tfxbone" && extension != ".tfxfollow") {
@@ -69,20 +74,25 @@ Result<Sorted> sortFiles(std::span<const Path> files) {
   return sorted;
 }
 
-Result<pelage::AssetCache> loadSorted(Sorted sorted, float scale,
-                                      std::vector<std::string>& remarks) {
-  sorted.own.scale = scale;
-  auto assets = pelage::program::loadAssetFiles(sorted.own, remarks);
+// All but scale and guesses. Hair comes first: what follows a character binds to it.
+Result<void> loadSorted(Sorted sorted, const std::string& clip, LoadedFiles& loaded) {
+  loaded.remarks.clear();
+  loaded.motion.reset();
+  sorted.own.scale = loaded.scale;
+  auto assets = pelage::program::loadAssetFiles(sorted.own, loaded.remarks);
   if (!assets) return assets.error();
+  loaded.assets = *std::move(assets);
   for (const Path& file : sorted.curves) {
-    auto hair = loadCurveFile(file, scale, remarks);
+    auto hair = loadCurveFile(file, loaded.scale, loaded.remarks);
     if (!hair) return hair.error();
-    assets->hairs.push_back(*std::move(hair));
+    loaded.assets.hairs.push_back(*std::move(hair));
   }
-  if (assets->hairs.empty())
+  for (const Path& file : sorted.characters)
+    if (Result<void> done = addCharacterFile(file, clip, loaded); !done) return done;
+  if (loaded.assets.hairs.empty())
     return Error{ErrorCode::kInvalidArgument,
                  "there is no hair in the files: name a groom, too (.tfx or .pelage)"};
-  return assets;
+  return {};
 }
 
 // The mean length of all strands.
@@ -99,29 +109,32 @@ Result<double> meanLengthOf(const pelage::AssetCache& assets) {
 
 }  // namespace
 
-Result<LoadedFiles> loadFiles(std::span<const Path> files, float scale) {
+Result<LoadedFiles> loadFiles(std::span<const Path> files, float scale, const std::string& clip) {
   const Result<Sorted> sorted = sortFiles(files);
   if (!sorted) return sorted.error();
   LoadedFiles loaded;
   loaded.scale = scale > 0 ? scale : 1;
-  auto assets = loadSorted(*sorted, loaded.scale, loaded.remarks);
-  if (!assets) return assets.error();
-  Result<double> length = meanLengthOf(*assets);
+  if (Result<void> done = loadSorted(*sorted, clip, loaded); !done) return done.error();
+  Result<double> length = meanLengthOf(loaded.assets);
   if (!length) return length.error();
   loaded.guesses = pelage::guessUnits(*length / loaded.scale);
   if (scale <= 0 && !loaded.guesses.empty()) {
     loaded.scale = loaded.guesses.front().scale;
-    loaded.remarks.clear();
-    assets = loadSorted(*sorted, loaded.scale, loaded.remarks);
-    if (!assets) return assets.error();
-    length = meanLengthOf(*assets);
+    if (Result<void> done = loadSorted(*sorted, clip, loaded); !done) return done.error();
+    length = meanLengthOf(loaded.assets);
     if (!length) return length.error();
     loaded.remarks.push_back(fmt::format("taken for {}: strands are {:.3g} m long on average",
                                          loaded.guesses.front().unit, *length));
   }
-  loaded.assets = *std::move(assets);
   loaded.meanLength = *length;
   return loaded;
+}
+
+bool isKnownFile(const Path& path) {
+  const std::string extension = extensionOf(path);
+  constexpr const char* kOwn[] = {".tfx", ".tfxbone", ".tfxfollow", ".tfxmesh", ".pelage", ".json"};
+  return std::find(std::begin(kOwn), std::end(kOwn), extension) != std::end(kOwn) ||
+         isCurveFile(extension) || isCharacterFile(extension);
 }
 
 }  // namespace viewer

@@ -4,20 +4,27 @@
 
 namespace viewer {
 
-void GoodSettings::keep(const Stage& stage) {
-  shown_ = stage.shown();
-  hairs_.clear();
-  for (size_t i = 0; i < stage.hairs().size(); ++i) hairs_.push_back(settingsOf(stage, i));
+void GoodSettings::keep(Stage& stage) {
+  const uint32_t chosen = stage.side();
+  for (uint32_t side = 0; side < stage.sides(); ++side) {
+    stage.chooseSide(side);
+    Side& kept = sides_[side];
+    kept.shown = stage.shown();
+    kept.hairs.clear();
+    for (size_t i = 0; i < stage.hairs().size(); ++i) kept.hairs.push_back(settingsOf(stage, i));
+  }
+  stage.chooseSide(chosen);
 }
 
 bool GoodSettings::restore(Stage& stage) const {
-  if (shown_ != stage.shown()) return false;
+  const Side& kept = sides_[stage.side()];
+  if (kept.shown != stage.shown()) return false;
   bool differs = false;
-  for (size_t i = 0; i < hairs_.size(); ++i) {
-    if (haveSameSettings(settingsOf(stage, i), hairs_[i])) continue;
+  for (size_t i = 0; i < kept.hairs.size(); ++i) {
+    if (haveSameSettings(settingsOf(stage, i), kept.hairs[i])) continue;
     differs = true;
     // They were in range once.
-    (void)apply(hairs_[i], i, stage);
+    (void)apply(kept.hairs[i], i, stage);
   }
   return differs;
 }

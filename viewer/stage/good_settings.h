@@ -1,6 +1,7 @@
 // The settings that the last frame was made with, for when a device or the library refuses others.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -12,14 +13,17 @@ namespace viewer {
 class GoodSettings {
  public:
   /// Keeps the settings of a stage whose frame has run.
-  void keep(const Stage& stage);
+  void keep(Stage& stage);
   /// Gives them back. \return whether the stage had others; false also where none were kept of what
   /// it shows.
   bool restore(Stage& stage) const;
 
  private:
-  uint64_t shown_ = 0;                        // Stage::shown() that they belong to
-  std::vector<pelage::SceneSettings> hairs_;  // [hair]
+  struct Side {
+    uint64_t shown = 0;                        // Stage::shown() that they belong to
+    std::vector<pelage::SceneSettings> hairs;  // [hair]
+  };
+  std::array<Side, 2> sides_;
 };
 
 }  // namespace viewer

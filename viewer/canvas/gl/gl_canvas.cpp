@@ -78,7 +78,7 @@ class GlCanvas final : public Canvas {
   void describe();
   void releaseTarget();
   void bindScene(bool clears) const;
-  void copyDepth(pelage::BufferId to) const;
+  void copyDepth(const CanvasView& view) const;
   Result<void> draw(const pelage::FrameStep& step, const CanvasFrame& frame, uint32_t views);
   void takePicture();
 
@@ -220,12 +220,13 @@ void GlCanvas::bindScene(bool clears) const {
 }
 
 // Row 0 of the framebuffer is the top row, as in the buffer.
-void GlCanvas::copyDepth(pelage::BufferId to) const {
+void GlCanvas::copyDepth(const CanvasView& view) const {
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_);
-  glBindBuffer(GL_PIXEL_PACK_BUFFER, runtime_->bufferName(to));
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, runtime_->bufferName(view.depthCopy));
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
-  glReadPixels(0, 0, static_cast<GLsizei>(width_), static_cast<GLsizei>(height_),
+  glReadPixels(static_cast<GLint>(view.area.x), static_cast<GLint>(view.area.y),
+               static_cast<GLsizei>(view.area.width), static_cast<GLsizei>(view.area.height),
                GL_DEPTH_COMPONENT, GL_FLOAT, nullptr);
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
@@ -238,12 +239,13 @@ Result<void> GlCanvas::draw(const pelage::FrameStep& step, const CanvasFrame& fr
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
   else
     bindScene(step.view == 0 && step.listOfView == 0);
-  const pelage::gl::DrawTarget target = {0, 0, width_, height_};
+  const CanvasView whole = {{0, 0, width_, height_}};
+  const CanvasView& on = isPicture ? whole : frame.views[step.view];
+  const pelage::gl::DrawTarget target = {on.area.x, on.area.y, on.area.width, on.area.height};
   if (Result<void> done = runtime_->recordDraws(*step.list, target, &*timers_[frame_ % kTimers]);
       !done)
     return done;
-  if (step.view == 0 && step.listOfView == 0 && frame.depthCopy != pelage::BufferId::kInvalid)
-    copyDepth(frame.depthCopy);
+  if (step.listOfView == 0 && on.depthCopy != pelage::BufferId::kInvalid) copyDepth(on);
   return {};
 }
 

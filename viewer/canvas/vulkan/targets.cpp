@@ -268,7 +268,7 @@ void VulkanTargets::beginPicture(VkCommandBuffer commands) const {
   vkCmdBeginRenderPass(commands, &begin, VK_SUBPASS_CONTENTS_INLINE);
 }
 
-void VulkanTargets::copyDepth(VkCommandBuffer commands,
+void VulkanTargets::copyDepth(VkCommandBuffer commands, const VkRect2D& area,
                               const pelage::vulkan::BufferRange& to) const {
   // The lists' hazards do not know of this copy: it waits for every use of the buffer before it,
   // and every use after it waits here.
@@ -289,7 +289,8 @@ void VulkanTargets::copyDepth(VkCommandBuffer commands,
   VkBufferImageCopy copy = {};
   copy.bufferOffset = to.offset;
   copy.imageSubresource = {VK_IMAGE_ASPECT_DEPTH_BIT, 0, 0, 1};
-  copy.imageExtent = {width_, height_, 1};
+  copy.imageOffset = {area.offset.x, area.offset.y, 0};
+  copy.imageExtent = {area.extent.width, area.extent.height, 1};
   vkCmdCopyImageToBuffer(commands, depth_.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to.buffer, 1,
                          &copy);
   memory.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;

@@ -45,8 +45,9 @@ class VulkanTargets {
   /// Begins the render pass of the scene. \param clears the first one of a frame.
   void beginScene(VkCommandBuffer commands, bool clears) const;
   void beginPicture(VkCommandBuffer commands) const;
-  /// Copies the scene's depth into a buffer, between two of its render passes.
-  void copyDepth(VkCommandBuffer commands, const pelage::vulkan::BufferRange& to) const;
+  /// Copies the scene's depth of an area into a buffer, between two of its render passes.
+  void copyDepth(VkCommandBuffer commands, const VkRect2D& area,
+                 const pelage::vulkan::BufferRange& to) const;
   pelage::vulkan::TargetFormats sceneFormats() const;
   pelage::vulkan::TargetFormats pictureFormats() const;
   VkRect2D area() const { return {{0, 0}, {width_, height_}}; }

@@ -279,14 +279,18 @@ Result<void> VulkanCanvas::record(const CanvasFrame& frame, Slot& slot) {
   std::vector<pelage::vulkan::ViewTarget> targets(views + 1);
   for (uint32_t view = 0; view < views; ++view) {
     targets[view].formats = targets_.sceneFormats();
-    targets[view].area = targets_.area();
+    const CanvasView& on = frame.views[view];
+    const VkRect2D area = {{static_cast<int32_t>(on.area.x), static_cast<int32_t>(on.area.y)},
+                           {on.area.width, on.area.height}};
+    targets[view].area = area;
     targets[view].begin = [this, &slot, view](const pelage::FrameStep& step) {
       targets_.beginScene(slot.commands, view == 0 && step.listOfView == 0);
     };
-    targets[view].end = [this, &slot, &frame, view](const pelage::FrameStep& step) {
+    targets[view].end = [this, &slot, area,
+                         depthCopy = on.depthCopy](const pelage::FrameStep& step) {
       vkCmdEndRenderPass(slot.commands);
-      if (view == 0 && step.listOfView == 0 && frame.depthCopy != pelage::BufferId::kInvalid)
-        targets_.copyDepth(slot.commands, runtime_->buffer(frame.depthCopy));
+      if (step.listOfView == 0 && depthCopy != pelage::BufferId::kInvalid)
+        targets_.copyDepth(slot.commands, area, runtime_->buffer(depthCopy));
     };
   }
   targets[views].formats = targets_.pictureFormats();

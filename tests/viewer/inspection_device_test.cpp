@@ -1,0 +1,175 @@
+// What the viewer measures on the GPU is what the positions say.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <vector>
+
+#include "device.h"
+#include "sample/code.h"
+#include "stage/stage.h"
+#include "support/required_devices.h"
+#include "viewer_kernels/code.h"
+
+namespace {
+
+using pelage::Float3;
+using pelage::Float4;
+using viewer::InspectedValue;
+using viewer::InspectionFigures;
+
+constexpr uint32_t kPixels = 64;
+
+class Inspection : public testing::TestWithParam<pelage::Api> {
+ protected:
+  void SetUp() override {
+    auto device = sample::createDevice({.api = GetParam(), .validation = true});
+    if (!device) device = sample::createDevice({.api = GetParam()});
+    if (!device) PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: " << device.error().message;
+    device_ = *std::move(device);
+    device_->addCode(sample::allCode());
+    device_->addCode(viewer_kernels::allCode());
+    stage_.setDevice({device_->info().tier, device_->info().maxBufferBytes});
+    stage_.look.shadow = pelage::HairShadow::kNone;
+    stage_.look.transparency = pelage::Transparency::kAlphaTest;
+    stage_.look.strandShare = 0.02f;
+    stage_.clock.fixed = true;
+    const auto shown =
+        stage_.show({.kind = viewer::StageKind::kHead, .preset = sample::GroomPreset::kMohawk});
+    ASSERT_TRUE(shown) << shown.error().message;
+    stage_.frameAll(1);
+    // The bind pose.
+    stage_.clock.playing = false;
+    ASSERT_NO_FATAL_FAILURE(draw());
+  }
+  void TearDown() override { EXPECT_EQ(device_ ? device_->messageCount() : 0u, 0u); }
+
+  void draw() {
+    auto frame = stage_.makeFrame(1.0 / 60, kPixels, kPixels);
+    ASSERT_TRUE(frame) << frame.error().message;
+    const std::vector<pelage::RenderTargetDef> targets(stage_.views().size(),
+                                                       {.width = kPixels, .height = kPixels});
+    const auto images = device_->render(*frame, targets);
+    ASSERT_TRUE(images) << images.error().message;
+    const auto measured =
+        stage_.measure([&](pelage::BufferId buffer) { return device_->read(buffer); });
+    ASSERT_TRUE(measured) << measured.error().message;
+  }
+  const pelage::HairObject& hair() { return stage_.scene().hair(stage_.hairs()[0]); }
+  std::vector<Float4> positions() {
+    const auto bytes = device_->read(hair().buffers().positions);
+    EXPECT_TRUE(bytes);
+    std::vector<Float4> values(uint64_t{hair().guideCount()} * hair().verticesPerStrand());
+    std::memcpy(values.data(), bytes->data(), values.size() * sizeof(Float4));
+    return values;
+  }
+  InspectionFigures figuresOf(InspectedValue value) {
+    stage_.inspection.value = value;
+    draw();
+    return stage_.inspected();
+  }
+
+  std::unique_ptr<pelage::HeadlessDevice> device_;
+  viewer::Stage stage_;
+};
+
+// The lengths of a new rest pose are a tenth more than those that the viewer knows.
+TEST_P(Inspection, StretchIsThatOfTheEdges) {
+  const uint64_t vertices = uint64_t{hair().guideCount()} * hair().verticesPerStrand();
+  const InspectionFigures rest = figuresOf(InspectedValue::kStretch);
+  ASSERT_TRUE(rest.known);
+  EXPECT_TRUE(rest.largest < 1e-4f) << rest.largest;
+  EXPECT_EQ(rest.measured, vertices);
+  EXPECT_EQ(rest.beyond, 0u);
+  EXPECT_EQ(rest.notFinite, 0u);
+
+  std::vector<Float4> longer = positions();
+  for (size_t i = 0; i < longer.size(); ++i) {
+    const Float4& root = longer[i - i % hair().verticesPerStrand()];
+    Float4& p = longer[i];
+    p = {root.x + 1.1f * (p.x - root.x), root.y + 1.1f * (p.y - root.y),
+         root.z + 1.1f * (p.z - root.z), p.w};
+  }
+  pelage::HairObject& object = stage_.scene().hair(stage_.hairs()[0]);
+  const auto set = object.setRestPose(longer);
+  ASSERT_TRUE(set) << set.error().message;
+  stage_.clock.playing = true;
+  stage_.inspection.value = InspectedValue::kNone;
+  draw();
+  const InspectionFigures stretched = figuresOf(InspectedValue::kStretch);
+  EXPECT_NEAR(stretched.largest, 0.1f, 2e-3f);
+  EXPECT_TRUE(stretched.beyond > vertices / 2) << stretched.beyond;
+}
+
+// A ball around a vertex that has not moved yet.
+TEST_P(Inspection, PenetrationIsTheDepthInTheBall) {
+  const uint32_t count = hair().verticesPerStrand();
+  const std::vector<Float4> at = positions();
+  const Float4& middle = at[count / 2];
+  stage_.ball = {true, {middle.x, middle.y + 0.01f, middle.z}, 0.04f};
+  stage_.inspection.penetrationRange = 0.02f;
+  const InspectionFigures figures = figuresOf(InspectedValue::kPenetration);
+  ASSERT_TRUE(figures.known);
+  const auto strands = static_cast<uint32_t>(
+      std::ceil(static_cast<double>(hair().strandCount()) * static_cast<double>(0.02f)));
+  ASSERT_LE(strands, hair().guideCount());
+  EXPECT_EQ(figures.measured, uint64_t{strands} * count);
+  double deepest = 0;
+  int64_t beyond = 0;
+  for (size_t i = 0; i < size_t{strands} * count; ++i) {
+    if (i % count < 2) continue;
+    const Float3& c = stage_.ball.center;
+    const double distance = std::hypot(static_cast<double>(at[i].x) - static_cast<double>(c.x),
+                                       static_cast<double>(at[i].y) - static_cast<double>(c.y),
+                                       static_cast<double>(at[i].z) - static_cast<double>(c.z));
+    deepest = std::max(deepest, 0.04 - distance);
+    beyond += 0.04 - distance > 0.02 ? 1 : 0;
+  }
+  EXPECT_GE(deepest, 0.03);
+  EXPECT_NEAR(static_cast<double>(figures.largest), deepest, 1e-5);
+  EXPECT_LE(std::abs(static_cast<int64_t>(figures.beyond) - beyond), 2);
+}
+
+TEST_P(Inspection, FragmentsAreCountedTheSameInEveryFrame) {
+  const InspectionFigures first = figuresOf(InspectedValue::kOverdraw);
+  ASSERT_TRUE(first.known);
+  EXPECT_GT(first.pixels, 10u);
+  EXPECT_LE(first.pixels, uint64_t{kPixels} * kPixels);
+  EXPECT_GE(first.fragments, first.pixels);
+  EXPECT_GE(static_cast<double>(first.largest) * static_cast<double>(first.pixels),
+            static_cast<double>(first.fragments));
+  (void)figuresOf(InspectedValue::kNone);
+  const InspectionFigures again = figuresOf(InspectedValue::kOverdraw);
+  EXPECT_EQ(again.fragments, first.fragments);
+  EXPECT_EQ(again.pixels, first.pixels);
+  EXPECT_EQ(again.largest, first.largest);
+  // Follow hairs are ten times as many as guides.
+  stage_.look.strandShare = 0.09f;
+  (void)figuresOf(InspectedValue::kNone);
+  const uint64_t guides = figuresOf(InspectedValue::kOverdraw).fragments;
+  stage_.look.strandShare = 1;
+  (void)figuresOf(InspectedValue::kNone);
+  EXPECT_GT(figuresOf(InspectedValue::kOverdraw).fragments, 4 * guides);
+}
+
+// Buffers of a view that is not shown any more go.
+TEST_P(Inspection, LeavesNoBuffersBehind) {
+  const uint64_t bytes = stage_.scene().resources().totalBytes();
+  for (const auto value : {InspectedValue::kStretch, InspectedValue::kOverdraw,
+                           InspectedValue::kGuides, InspectedValue::kSdfSlice}) {
+    (void)figuresOf(value);
+    (void)figuresOf(InspectedValue::kNone);
+    EXPECT_EQ(stage_.scene().resources().totalBytes(), bytes) << nameOf(value);
+  }
+}
+
+#ifdef PELAGE_TEST_VULKAN
+INSTANTIATE_TEST_SUITE_P(Vulkan, Inspection, testing::Values(pelage::Api::kVulkan));
+#endif
+#ifdef PELAGE_TEST_GL
+INSTANTIATE_TEST_SUITE_P(Gl, Inspection, testing::Values(pelage::Api::kGl));
+#endif
+
+}  // namespace

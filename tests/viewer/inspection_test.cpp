@@ -1,0 +1,172 @@
+// What the viewer looks inside with: keys of colors, statistics, history of passes, folders.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+
+#include "interface/pass_history.h"
+#include "stage/folder_listing.h"
+#include "stage/inspection_look.h"
+#include "stage/stage.h"
+#include "stage/statistics.h"
+
+namespace {
+
+using viewer::InspectedValue;
+using viewer::InspectionFigures;
+using viewer::InspectionLook;
+
+bool isEqual(const pelage::Float3& a, const pelage::Float3& b) {
+  constexpr float kRounding = 1e-6f;
+  return std::abs(a.x - b.x) < kRounding && std::abs(a.y - b.y) < kRounding &&
+         std::abs(a.z - b.z) < kRounding;
+}
+
+TEST(ColorRamp, HasItsColorsAtEvenStepsAndTheEndsBeyond) {
+  const viewer::ColorRamp& ramp = viewer::kSignedRamp;
+  EXPECT_TRUE(isEqual(colorAt(ramp, -2, 2, -2), ramp.colors[0]));
+  EXPECT_TRUE(isEqual(colorAt(ramp, -2, 2, 0), ramp.colors[2]));
+  EXPECT_TRUE(isEqual(colorAt(ramp, -2, 2, 2), ramp.colors[4]));
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  EXPECT_TRUE(isEqual(colorAt(ramp, -2, 2, -kInfinity), ramp.colors[0]));
+  EXPECT_TRUE(isEqual(colorAt(ramp, -2, 2, kInfinity), ramp.colors[4]));
+  EXPECT_TRUE(isEqual(colorAt(ramp, -2, 2, std::nanf("")), ramp.colors[0]));
+  // The picture shows colors up to 0.6 as they are, and the key with them.
+  for (const viewer::ColorRamp* each :
+       {&viewer::kSignedRamp, &viewer::kDepthRamp, &viewer::kCountRamp, &viewer::kKindRamp})
+    for (const pelage::Float3& c : each->colors)
+      EXPECT_TRUE(c.x <= 0.6f && c.y <= 0.6f && c.z <= 0.6f);
+}
+
+TEST(InspectionLook, GoesThroughAllValuesAndBack) {
+  InspectionLook look;
+  for (int i = 0; i < viewer::kInspectedValues; ++i) look.show(false);
+  EXPECT_EQ(look.value, InspectedValue::kNone);
+  look.show(true);
+  EXPECT_EQ(look.value, InspectedValue::kGuides);
+  look.show(false);
+  EXPECT_EQ(look.value, InspectedValue::kNone);
+}
+
+// A key names its ends with the unit, and has figures where they are known.
+TEST(InspectionLook, HasAKeyWithUnitsWhereThereAreColors) {
+  InspectionLook look;
+  for (int i = 0; i < viewer::kInspectedValues; ++i, look.show(false)) {
+    const viewer::InspectionKey key = inspectionKey(look, {});
+    const bool plain =
+        look.value == InspectedValue::kNone || look.value == InspectedValue::kSdfSurface;
+    EXPECT_EQ(key.ramp == nullptr, plain) << nameOf(look.value);
+    EXPECT_EQ(key.high.empty(), plain) << nameOf(look.value);
+    EXPECT_LT(lowOf(look), highOf(look)) << nameOf(look.value);
+  }
+  InspectionFigures figures;
+  figures.known = true;
+  figures.largest = 0.0034f;
+  figures.beyond = 5;
+  figures.measured = 70;
+  look.value = InspectedValue::kPenetration;
+  const viewer::InspectionKey key = inspectionKey(look, figures);
+  EXPECT_EQ(key.high, "2 mm");
+  ASSERT_EQ(key.lines.size(), 2u);
+  EXPECT_EQ(key.lines[0], "deepest 3.4 mm");
+  EXPECT_EQ(key.lines[1], "5 of 70 vertices beyond 2 mm");
+  look.value = InspectedValue::kStretch;
+  EXPECT_EQ(inspectionKey(look, figures).lines[0], "largest 0.34 %");
+}
+
+TEST(Statistics, SayWhatTheCountersSayAndLeaveOutTheRest) {
+  viewer::HairStatistics hair;
+  hair.guides = 10;
+  hair.bytes = {3u << 20, 1u << 20};
+  EXPECT_EQ(linesOf(hair).size(), 2u);
+  EXPECT_EQ(linesOf(hair)[1], "4.0 MiB, 1.0 MiB of them shared");
+  hair.simulation = {7, 2};
+  hair.contacts = {5, 3, 1};
+  const std::vector<std::string> lines = linesOf(hair);
+  ASSERT_EQ(lines.size(), 4u);
+  EXPECT_EQ(lines[2], "7 guides awake, 2 second passes");
+  EXPECT_EQ(lines[3], "5 contacts, 3 passes more, 1 tiles again");
+}
+
+// Without a device there are no counters to read, and the sizes are there.
+TEST(Statistics, OfAStageListItsHairAndColliders) {
+  viewer::Stage stage;
+  ASSERT_TRUE(stage.show({.kind = viewer::StageKind::kHead,
+                          .preset = sample::GroomPreset::kMohawk,
+                          .headCollider = sample::HeadCollider::kMesh}));
+  size_t reads = 0;
+  const auto statistics =
+      stage.statistics([&](pelage::BufferId) -> pelage::Result<std::vector<std::byte>> {
+        ++reads;
+        return std::vector<std::byte>(256);
+      });
+  ASSERT_TRUE(statistics) << statistics.error().message;
+  ASSERT_EQ(statistics->hairs.size(), 1u);
+  EXPECT_GT(statistics->hairs[0].bytes.own, 0u);
+  EXPECT_EQ(statistics->colliders.size(), 1u);
+  EXPECT_FALSE(statistics->transparency);
+  EXPECT_LE(reads, 3u);
+}
+
+TEST(PassHistory, KeepsTheTimesOfEachPassAsLongAsThoseOfAll) {
+  viewer::PassHistory history;
+  for (int frame = 0; frame < 130; ++frame) {
+    std::vector<pelage::PassTiming> timings = {{"a", 1.0}, {"a", 2.0}};
+    if (frame % 2 == 1) timings.push_back({"b", 4.0});
+    history.add(timings);
+  }
+  ASSERT_EQ(history.totals().size(), viewer::PassHistory::kFrames);
+  for (const auto& pass : history.passes()) {
+    ASSERT_EQ(pass.frames.size(), viewer::PassHistory::kFrames) << pass.name;
+    EXPECT_EQ(pass.frames.back(), pass.name == "a" ? 3.0f : 4.0f);
+    EXPECT_EQ(pass.frames[pass.frames.size() - 2], pass.name == "a" ? 3.0f : 0.0f);
+  }
+}
+
+TEST(Folder, ListsFoldersThenFilesThatCanBeOpened) {
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("pelage_folder_" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder / "z");
+  for (const char* name : {"b.tfx", "a.TFX", "words.txt", ".hidden.tfx", "s.json"})
+    std::ofstream(folder / name) << "x";
+  const auto entries = viewer::listFolder(folder);
+  std::filesystem::remove_all(folder);
+  ASSERT_TRUE(entries) << entries.error().message;
+  EXPECT_EQ(*entries, (std::vector<viewer::FolderEntry>{
+                          {"z", true}, {"a.TFX", false}, {"b.tfx", false}, {"s.json", false}}));
+  const auto missing = viewer::listFolder(folder);
+  ASSERT_FALSE(missing);
+  EXPECT_NE(missing.error().message.find(folder.filename().string()), std::string::npos);
+}
+
+// Two sides are two solvers with settings of their own, and one again leaves nothing behind.
+TEST(Comparison, ShowsTheSameHairTwiceAndGoes) {
+  viewer::Stage stage;
+  ASSERT_TRUE(
+      stage.show({.kind = viewer::StageKind::kHead, .preset = sample::GroomPreset::kMohawk}));
+  const uint64_t bytes = stage.scene().resources().totalBytes();
+  const pelage::HairId left = stage.hairs()[0];
+  stage.scene().hair(left).material.fiberRadius = 90e-6f;
+  ASSERT_TRUE(stage.compare(pelage::Solver::kClassic));
+  ASSERT_EQ(stage.sides(), 2u);
+  EXPECT_EQ(stage.scene().hairCount(), 2u);
+  EXPECT_EQ(stage.side(), 0u);
+  EXPECT_EQ(stage.hairs()[0], left);
+  EXPECT_EQ(stage.solverOf(0), pelage::Solver::kExact);
+  stage.chooseSide(1);
+  EXPECT_EQ(stage.solverOf(1), pelage::Solver::kClassic);
+  const pelage::HairObject& right = stage.scene().hair(stage.hairs()[0]);
+  EXPECT_EQ(right.settings.solver, pelage::Solver::kClassic);
+  EXPECT_EQ(right.material.fiberRadius, 90e-6f);
+  ASSERT_TRUE(stage.compare(std::nullopt));
+  EXPECT_EQ(stage.sides(), 1u);
+  EXPECT_EQ(stage.side(), 0u);
+  EXPECT_EQ(stage.hairs()[0], left);
+  EXPECT_EQ(stage.scene().hairCount(), 1u);
+  EXPECT_EQ(stage.scene().resources().totalBytes(), bytes);
+}
+
+}  // namespace

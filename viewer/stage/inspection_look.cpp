@@ -1,0 +1,125 @@
+#include "stage/inspection_look.h"
+
+#include <fmt/format.h>
+
+namespace viewer {
+
+void InspectionLook::show(bool back) {
+  const int step = back ? kInspectedValues - 1 : 1;
+  value = static_cast<InspectedValue>((static_cast<int>(value) + step) % kInspectedValues);
+}
+
+bool drawsHair(InspectedValue value) {
+  return value == InspectedValue::kNone || value == InspectedValue::kSdfSurface;
+}
+
+bool drawsMeshes(InspectedValue value) {
+  return value != InspectedValue::kSdfSurface && value != InspectedValue::kSdfSlice;
+}
+
+const char* nameOf(InspectedValue value) {
+  constexpr const char* kNames[kInspectedValues] = {
+      "hair", "stretch", "penetration", "overdraw", "SDF surface", "SDF slice", "guides"};
+  return kNames[static_cast<size_t>(value)];
+}
+
+float highOf(const InspectionLook& look) {
+  switch (look.value) {
+    case InspectedValue::kStretch:
+      return look.stretchRange;
+    case InspectedValue::kPenetration:
+      return look.penetrationRange;
+    case InspectedValue::kOverdraw:
+      return look.overdrawRange;
+    case InspectedValue::kSdfSlice:
+      return look.sliceRange;
+    default:
+      return 1;
+  }
+}
+
+float lowOf(const InspectionLook& look) {
+  const bool isSigned =
+      look.value == InspectedValue::kStretch || look.value == InspectedValue::kSdfSlice;
+  return isSigned ? -highOf(look) : 0;
+}
+
+namespace {
+
+void addVertices(const InspectionFigures& figures, const std::string& range, InspectionKey& key) {
+  key.lines.push_back(
+      fmt::format("{} of {} vertices beyond {}", figures.beyond, figures.measured, range));
+  if (figures.notFinite > 0)
+    key.lines.push_back(fmt::format("{} vertices are not finite", figures.notFinite));
+}
+
+InspectionKey stretchKey(const InspectionLook& look, const InspectionFigures& figures) {
+  const float percent = 100 * look.stretchRange;
+  InspectionKey key = {"Stretch of guides",
+                       &kSignedRamp,
+                       fmt::format("-{:.3g} %", percent),
+                       "0",
+                       fmt::format("+{:.3g} %", percent),
+                       {}};
+  if (!figures.known) return key;
+  key.lines.push_back(fmt::format("largest {:.3g} %", 100 * figures.largest));
+  addVertices(figures, fmt::format("{:.3g} %", percent), key);
+  return key;
+}
+
+InspectionKey penetrationKey(const InspectionLook& look, const InspectionFigures& figures) {
+  const float millimeters = 1000 * look.penetrationRange;
+  InspectionKey key = {"Depth in colliders",
+                       &kDepthRamp,
+                       "0",
+                       fmt::format("{:.3g}", millimeters / 2),
+                       fmt::format("{:.3g} mm", millimeters),
+                       {}};
+  if (!figures.known) return key;
+  key.lines.push_back(fmt::format("deepest {:.3g} mm", 1000 * figures.largest));
+  addVertices(figures, key.high, key);
+  return key;
+}
+
+InspectionKey overdrawKey(const InspectionLook& look, const InspectionFigures& figures) {
+  InspectionKey key = {"Fragments a pixel",
+                       &kCountRamp,
+                       "0",
+                       fmt::format("{:.3g}", look.overdrawRange / 2),
+                       fmt::format("{:.3g}", look.overdrawRange),
+                       {}};
+  if (!figures.known) return key;
+  const double mean = figures.pixels > 0 ? static_cast<double>(figures.fragments) /
+                                               static_cast<double>(figures.pixels)
+                                         : 0;
+  key.lines.push_back(fmt::format("most {:.0f}, mean {:.3g}", figures.largest, mean));
+  key.lines.push_back(fmt::format("{} fragments, {} pixels", figures.fragments, figures.pixels));
+  return key;
+}
+
+}  // namespace
+
+InspectionKey inspectionKey(const InspectionLook& look, const InspectionFigures& figures) {
+  const float millimeters = 1000 * look.sliceRange;
+  switch (look.value) {
+    case InspectedValue::kStretch:
+      return stretchKey(look, figures);
+    case InspectedValue::kPenetration:
+      return penetrationKey(look, figures);
+    case InspectedValue::kOverdraw:
+      return overdrawKey(look, figures);
+    case InspectedValue::kSdfSlice:
+      return {"Distance from colliders",
+              &kSignedRamp,
+              fmt::format("-{:.3g} mm", millimeters),
+              "0",
+              fmt::format("+{:.3g} mm", millimeters),
+              {fmt::format("a line every {:.3g} mm; < 0 inside", millimeters / 4)}};
+    case InspectedValue::kGuides:
+      return {"Kind of strand", &kKindRamp, "follow hair", "", "guide", {}};
+    default:
+      return {};
+  }
+}
+
+}  // namespace viewer

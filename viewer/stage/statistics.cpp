@@ -1,0 +1,107 @@
+#include "stage/statistics.h"
+
+#include <fmt/format.h>
+
+#include <cstddef>
+
+namespace viewer {
+
+using pelage::BufferId;
+using pelage::Result;
+
+namespace {
+
+constexpr double kMebibyte = 1024 * 1024;
+
+double mebibytes(uint64_t bytes) { return static_cast<double>(bytes) / kMebibyte; }
+
+// Counters of a buffer that is there.
+template <class Counters>
+Result<std::optional<Counters>> counted(BufferId buffer, const pelage::BufferReader& read,
+                                        Counters (*parse)(std::span<const std::byte>)) {
+  if (buffer == BufferId::kInvalid) return std::optional<Counters>();
+  const auto bytes = read(buffer);
+  if (!bytes) return bytes.error();
+  return std::optional<Counters>(parse(*bytes));
+}
+
+}  // namespace
+
+Result<std::vector<HairStatistics>> hairStatistics(const pelage::Scene& scene,
+                                                   std::span<const pelage::HairId> hairs,
+                                                   const pelage::BufferReader& read) {
+  std::vector<HairStatistics> all;
+  for (const pelage::HairId id : hairs) {
+    const pelage::HairObject& hair = scene.hair(id);
+    const pelage::HairBuffers& buffers = hair.buffers();
+    HairStatistics of;
+    of.name = hair.name();
+    of.guides = hair.guideCount();
+    of.followHairs = hair.followCount();
+    of.bytes = scene.bytesOf(id);
+    const auto simulation = counted(buffers.sleep, read, &pelage::readCounters);
+    if (!simulation) return simulation.error();
+    const auto contacts = counted(buffers.contactWords, read, &pelage::readContactCounters);
+    if (!contacts) return contacts.error();
+    const auto follow =
+        counted(buffers.followContactWords, read, &pelage::readFollowContactCounters);
+    if (!follow) return follow.error();
+    of.simulation = *simulation;
+    of.contacts = *contacts;
+    of.followContacts = *follow;
+    all.push_back(std::move(of));
+  }
+  return all;
+}
+
+std::vector<ColliderStatistics> colliderStatistics(const pelage::Scene& scene,
+                                                   std::span<const pelage::ColliderId> colliders) {
+  std::vector<ColliderStatistics> all;
+  for (const pelage::ColliderId id : colliders) {
+    const pelage::SdfCollider& collider = scene.collider(id);
+    const pelage::SdfGrid& grid = collider.grid();
+    all.push_back({collider.name(),
+                   {grid.nodes[0], grid.nodes[1], grid.nodes[2]},
+                   grid.cellSize,
+                   scene.bytesOf(id)});
+  }
+  return all;
+}
+
+std::vector<std::string> linesOf(const HairStatistics& hair) {
+  std::vector<std::string> lines = {
+      fmt::format("{} guides, {} follow hairs", hair.guides, hair.followHairs),
+      fmt::format("{:.1f} MiB, {:.1f} MiB of them shared",
+                  mebibytes(hair.bytes.own + hair.bytes.shared), mebibytes(hair.bytes.shared))};
+  if (hair.simulation)
+    lines.push_back(fmt::format("{} guides awake, {} second passes", hair.simulation->awakeStrands,
+                                hair.simulation->secondPasses));
+  if (hair.contacts)
+    lines.push_back(fmt::format("{} contacts, {} passes more, {} tiles again",
+                                hair.contacts->records, hair.contacts->furtherPasses,
+                                hair.contacts->tilesSolvedAgain));
+  if (hair.followContacts)
+    lines.push_back(fmt::format("{} contacts of follow hairs, {} strands again",
+                                hair.followContacts->records,
+                                hair.followContacts->strandsWalkedAgain));
+  return lines;
+}
+
+std::string lineOf(const ColliderStatistics& collider) {
+  return fmt::format("{}: {} x {} x {} nodes of {:.2g} mm, {:.1f} MiB", collider.name,
+                     collider.nodes[0], collider.nodes[1], collider.nodes[2],
+                     1000 * collider.cellSize,
+                     mebibytes(collider.bytes.own + collider.bytes.shared));
+}
+
+std::vector<std::string> linesOf(const pelage::TransparencyCounters& counters,
+                                 pelage::Transparency method) {
+  if (method == pelage::Transparency::kTiles)
+    return {
+        fmt::format("{} segments in tiles, {} without room", counters.fragments, counters.spilled),
+        fmt::format("{} tiles with hair", counters.tiles)};
+  return {fmt::format("{} fragments, {} spilled", counters.fragments, counters.spilled),
+          fmt::format("{} tiles with hair", counters.tiles)};
+}
+
+}  // namespace viewer

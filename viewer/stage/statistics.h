@@ -1,0 +1,55 @@
+// What a frame did, as the library counts it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "pelage/hair_object.h"
+#include "pelage/result.h"
+#include "pelage/scene.h"
+#include "pelage/transparency.h"
+
+namespace viewer {
+
+/// Of one hair object; a counter that its settings do not keep is nothing.
+struct HairStatistics {
+  std::string name;
+  uint32_t guides = 0, followHairs = 0;
+  pelage::ObjectBytes bytes;
+  std::optional<pelage::SimulationCounters> simulation;
+  std::optional<pelage::ContactCounters> contacts;
+  std::optional<pelage::FollowContactCounters> followContacts;
+};
+
+/// Of one mesh collider.
+struct ColliderStatistics {
+  std::string name;
+  uint32_t nodes[3] = {};
+  float cellSize = 0;  ///< [m]
+  pelage::ObjectBytes bytes;
+};
+
+struct StageStatistics {
+  std::vector<HairStatistics> hairs;
+  std::vector<ColliderStatistics> colliders;
+  /// Linked lists and tiles.
+  std::optional<pelage::TransparencyCounters> transparency;
+};
+
+/// Reads the counters of hair objects of a scene. Errors: those of `read`.
+pelage::Result<std::vector<HairStatistics>> hairStatistics(const pelage::Scene& scene,
+                                                           std::span<const pelage::HairId> hairs,
+                                                           const pelage::BufferReader& read);
+std::vector<ColliderStatistics> colliderStatistics(const pelage::Scene& scene,
+                                                   std::span<const pelage::ColliderId> colliders);
+
+/// The statistics as lines of text.
+std::vector<std::string> linesOf(const HairStatistics& hair);
+std::string lineOf(const ColliderStatistics& collider);
+std::vector<std::string> linesOf(const pelage::TransparencyCounters& counters,
+                                 pelage::Transparency method);
+
+}  // namespace viewer
