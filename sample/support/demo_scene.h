@@ -203,7 +203,7 @@ class DemoScene {
   std::unique_ptr<pelage::Scene> ownScene_;  ///< nullptr: it is somebody else's
   pelage::Scene* scene_;
   std::vector<pelage::HairId> hairs_;
-  std::vector<HairSource> sources_;  ///< [hair]
+  std::vector<HairSource> sources_;              ///< [hair]
   std::vector<std::vector<float>> restLengths_;  ///< [hair]
   std::vector<MeshObject> meshes_;
   std::vector<pelage::ColliderId> colliders_;
