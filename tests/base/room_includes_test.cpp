@@ -20,9 +20,9 @@ constexpr std::array<std::string_view, 11> kRooms = {"base",   "assets",  "passe
                                                      "shadow", "oit",     "scene"};
 
 // Folders of tests that are not of one room.
-constexpr std::array<std::string_view, 15> kOtherTests = {
-    "authoring", "blender",  "codegen", "consumer", "demo", "fuzz",   "gl",    "golden",
-    "reference", "settings", "stress",  "support",  "usd",  "viewer", "vulkan"};
+constexpr std::array<std::string_view, 16> kOtherTests = {
+    "authoring", "bake",      "blender",  "codegen", "consumer", "demo", "fuzz",   "gl",
+    "golden",    "reference", "settings", "stress",  "support",  "usd",  "viewer", "vulkan"};
 
 size_t heightOf(std::string_view room) {
   return static_cast<size_t>(std::find(kRooms.begin(), kRooms.end(), room) - kRooms.begin());

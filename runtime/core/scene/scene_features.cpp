@@ -120,35 +120,46 @@ class SmallScene {
       if (Result<void> ran = playColliders(); !ran) return ran.error();
       for (const HairId id : hairs_) scene_.hair(id).setForceField({});
     }
-    if (features_.skinnedHair) {
-      for (const bool simulated : {false, true}) {
-        for (const HairId id : hairs_) scene_.hair(id).simulated = simulated;
-        if (Result<void> ran = frames(); !ran) return ran.error();
-      }
-    }
-    if (features_.givenHair) {
-      for (const bool given : {true, false}) {
-        const std::vector<Float3> positions(given ? size_t{kStrands} * kVertices : 0);
-        for (const HairId id : hairs_)
-          if (Result<void> set = scene_.hair(id).setPositions(positions); !set) return set.error();
-        if (Result<void> ran = frames(); !ran) return ran.error();
-      }
-    }
-    if (features_.originShifts) {
-      if (Result<void> moved = scene_.shiftOrigin({1, 0, 0}); !moved) return moved.error();
-      if (Result<void> ran = frames(); !ran) return ran.error();
-    }
-    if (features_.teleports) {
-      for (const HairId id : hairs_)
-        if (Result<void> moved = scene_.teleport(id, {}); !moved) return moved.error();
-      if (Result<void> ran = frames(); !ran) return ran.error();
-    }
+    if (Result<void> ran = playWithoutSolver(); !ran) return ran.error();
+    if (Result<void> ran = playMoves(); !ran) return ran.error();
     std::stable_partition(all_.passes.begin(), all_.passes.end(),
                           [](const Pass& pass) { return !isDraw(pass.kind); });
     return std::move(all_);
   }
 
  private:
+  // Hair that bones or given positions place.
+  Result<void> playWithoutSolver() {
+    if (features_.skinnedHair) {
+      for (const bool simulated : {false, true}) {
+        for (const HairId id : hairs_) scene_.hair(id).simulated = simulated;
+        if (Result<void> ran = frames(); !ran) return ran;
+      }
+    }
+    if (features_.givenHair) {
+      for (const bool given : {true, false}) {
+        const std::vector<Float3> positions(given ? size_t{kStrands} * kVertices : 0);
+        for (const HairId id : hairs_)
+          if (Result<void> set = scene_.hair(id).setPositions(positions); !set) return set;
+        if (Result<void> ran = frames(); !ran) return ran;
+      }
+    }
+    return {};
+  }
+
+  Result<void> playMoves() {
+    if (features_.originShifts) {
+      if (Result<void> moved = scene_.shiftOrigin({1, 0, 0}); !moved) return moved;
+      if (Result<void> ran = frames(); !ran) return ran;
+    }
+    if (features_.teleports) {
+      for (const HairId id : hairs_)
+        if (Result<void> moved = scene_.teleport(id, {}); !moved) return moved;
+      if (Result<void> ran = frames(); !ran) return ran;
+    }
+    return {};
+  }
+
   Result<void> addHair() {
     const std::vector<FollowHair> follows = {{.guide = 0, .offset = {0.001f, 0, 0, 1}}};
     const std::vector<Float4> texel = {{1, 1, 1, 1}};
