@@ -298,7 +298,7 @@ bool Viewer::goesBack(const Error& refused) {
   if (keepsOldKernels(refused)) return true;
   if (refused.code == ErrorCode::kDeviceLost) return false;
   // The same settings may be refused in a larger window: for their memory.
-  if (!good_.restore(stage_) && !stage_.resetMemory()) return false;
+  if (!good_.restore(stage_) && !stage_.resetMemory() && !applyDefaultLook(stage_)) return false;
   interface_->say("The settings cannot be used", refused.message);
   return true;
 }

@@ -131,6 +131,22 @@ TEST_F(StageSettings, ThatTheSceneRefusesGoBackToTheLastGoodOnes) {
   EXPECT_TRUE(frame) << frame.error().message;
 }
 
+// Files and settings that come in one frame: there is nothing to go back to.
+TEST_F(StageSettings, ThatNoFrameRanWithGiveWayToTheDefaults) {
+  viewer::GoodSettings good;
+  good.keep(stage_);
+  ASSERT_TRUE(stage_.show(stage_.source()));
+  SceneSettings refused = settingsOf(stage_, 0);
+  refused.lights[0].outerConeAngle = 0.5f;  // without a position
+  ASSERT_TRUE(apply(refused, 0, stage_));
+  ASSERT_FALSE(stage_.makeFrame(0.01, 64, 64));
+  EXPECT_FALSE(good.restore(stage_));
+  EXPECT_TRUE(viewer::applyDefaultLook(stage_));
+  const auto frame = stage_.makeFrame(0.01, 64, 64);
+  EXPECT_TRUE(frame) << frame.error().message;
+  EXPECT_FALSE(viewer::applyDefaultLook(stage_));
+}
+
 // A cap that was enough is none in a window that has grown.
 TEST_F(StageSettings, OfMemoryAreThoseOfTheDeviceAgainWhereTheyAreTooSmall) {
   stage_.setDevice({});

@@ -29,4 +29,19 @@ bool GoodSettings::restore(Stage& stage) const {
   return differs;
 }
 
+bool applyDefaultLook(Stage& stage) {
+  bool differs = false;
+  for (size_t i = 0; i < stage.hairs().size(); ++i) {
+    const pelage::SceneSettings now = settingsOf(stage, i);
+    pelage::SceneSettings wanted = now;
+    wanted.material = {};
+    wanted.lights = {pelage::Light{}};
+    wanted.lights[0].shadow = stage.look.shadow;
+    if (haveSameSettings(now, wanted)) continue;
+    differs = true;
+    (void)apply(wanted, i, stage);
+  }
+  return differs;
+}
+
 }  // namespace viewer

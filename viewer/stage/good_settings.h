@@ -26,4 +26,9 @@ class GoodSettings {
   std::array<Side, 2> sides_;
 };
 
+/// Gives all hair of the chosen side the default material and one default light: where refused
+/// settings came together with the hair, so that there are none to go back to. \return whether it
+/// had others.
+bool applyDefaultLook(Stage& stage);
+
 }  // namespace viewer
