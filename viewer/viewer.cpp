@@ -34,6 +34,7 @@ double cpuSeconds() {
 }
 
 constexpr float kSoftwareShare = 0.25f;  // of the strands
+constexpr int kMaxWaysBack = 4;          // kernels, settings, memory, the default look
 constexpr uint32_t kMaxLosses = 3;       // of the device, before the program gives up
 
 }  // namespace
@@ -272,7 +273,8 @@ Result<void> Viewer::drawFrame(const WindowSize& size) {
   for (SettingsMessage& message : messages)
     interface_->say(std::move(message.title), std::move(message.text));
   auto frame = stage_.makeFrame(seconds, size.pixelWidth, size.pixelHeight);
-  if (!frame && goesBack(frame.error()))
+  // There is more than one way back.
+  for (int i = 0; i < kMaxWaysBack && !frame && goesBack(frame.error()); ++i)
     frame = stage_.makeFrame(0, size.pixelWidth, size.pixelHeight);
   if (!frame) return frame.error();
   CanvasFrame shown;

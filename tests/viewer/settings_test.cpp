@@ -147,6 +147,22 @@ TEST_F(StageSettings, ThatNoFrameRanWithGiveWayToTheDefaults) {
   EXPECT_FALSE(viewer::applyDefaultLook(stage_));
 }
 
+// The side that has come takes the settings of the other one before a frame has run with them.
+TEST_F(StageSettings, ThatBothSidesHaveGoBackOnBoth) {
+  viewer::GoodSettings good;
+  good.keep(stage_);
+  SceneSettings refused = settingsOf(stage_, 0);
+  refused.lights[0].outerConeAngle = 0.5f;  // without a position
+  ASSERT_TRUE(apply(refused, 0, stage_));
+  ASSERT_TRUE(stage_.compare(pelage::Solver::kExact));
+  EXPECT_TRUE(good.restore(stage_));
+  ASSERT_FALSE(stage_.makeFrame(0.01, 64, 64));
+  EXPECT_FALSE(good.restore(stage_));
+  EXPECT_TRUE(viewer::applyDefaultLook(stage_));
+  const auto frame = stage_.makeFrame(0.01, 64, 64);
+  EXPECT_TRUE(frame) << frame.error().message;
+}
+
 // A cap that was enough is none in a window that has grown.
 TEST_F(StageSettings, OfMemoryAreThoseOfTheDeviceAgainWhereTheyAreTooSmall) {
   stage_.setDevice({});

@@ -14,7 +14,7 @@ class GoodSettings {
  public:
   /// Keeps the settings of a stage whose frame has run.
   void keep(Stage& stage);
-  /// Gives them back. \return whether the stage had others; false also where none were kept of what
+  /// Gives them back to all sides. \return whether one had others; not where none were kept of what
   /// it shows.
   bool restore(Stage& stage) const;
 
@@ -26,7 +26,7 @@ class GoodSettings {
   std::array<Side, 2> sides_;
 };
 
-/// Gives all hair of the chosen side the default material and one default light: where refused
+/// Gives all hair of all sides the default material and one default light: where refused
 /// settings came together with the hair, so that there are none to go back to. \return whether it
 /// had others.
 bool applyDefaultLook(Stage& stage);
