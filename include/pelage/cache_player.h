@@ -48,8 +48,7 @@ class PELAGE_API CachePlayer {
   /// where frames come in order and slower than that. Where the frame is not within kMaxStep frames
   /// of the one shown before, and where playback loops, the hair is reset, so that it has no
   /// motion. \param frame from the first one, 0; beyond the last one it stays or loops. Between the
-  /// last
-  ///   frame and the first one of a loop, the last one stays.
+  ///   last frame and the first one of a loop, the last one stays.
   /// Errors: a frame that is not finite; a cache whose strands are not those of the object; those
   /// of HairCacheReader::read() and setPositions().
   Result<void> show(double frame, HairObject& hair);

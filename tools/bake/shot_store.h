@@ -4,7 +4,7 @@
 //   OUTPUT/SHOT/GROOM.pelagecache     all frames, and GROOM.usda
 //   OUTPUT/SHOT/log.jsonl             what has run, a line an event
 //   OUTPUT/SHOT/lock, lock-A-B        locks of the folder, and of ranges of frames
-//   OUTPUT/SHOT/work/                 until it is complete: key.json, chunk-N.json with its files,
+//   OUTPUT/SHOT/work                  until it is complete: key.json, chunk-N.json with its files,
 //                                     state-N (checkpoints), sub_steps.json
 //
 // Each file appears when it is complete (AtomicFile). A chunk is there when its .json is.
