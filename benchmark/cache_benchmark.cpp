@@ -163,8 +163,8 @@ class HairFrames {
     std::filesystem::remove(path, ignored);
   }
   // Returns the size of the file; 0 where it could not be written.
-  uint64_t write() const {
-    auto writer = HairCacheWriter::create(path, def);
+  uint64_t write(uint32_t threads = 1) const {
+    auto writer = HairCacheWriter::create(path, def, threads);
     if (!writer) return 0;
     for (const auto& frame : frames)
       if (!writer->append(frame)) return 0;
@@ -215,7 +215,12 @@ void writeHairCache(benchmark::State& state) {
   const HairFrames& hair = hairFrames();
   if (!hair.good) return state.SkipWithError("there is no hair cache");
   for (auto _ : state)
-    if (hair.write() == 0) state.SkipWithError("writing failed");
+    if (hair.write(static_cast<uint32_t>(state.range(0))) == 0)
+      state.SkipWithError("writing failed");
+  const double strandFrames =
+      static_cast<double>(hair.def.strandCount) * static_cast<double>(hair.frames.size());
+  state.counters["strands x frames"] =
+      benchmark::Counter(strandFrames, benchmark::Counter::kIsIterationInvariantRate);
   countHair(state, static_cast<double>(hair.frames.size()));
 }
 
@@ -251,7 +256,12 @@ BENCHMARK(parseMesh)->Unit(benchmark::kMillisecond);
 BENCHMARK(parseAll)->Unit(benchmark::kMillisecond);
 BENCHMARK(parseAndPrepareAll)->Unit(benchmark::kMillisecond);
 BENCHMARK(allFromCache)->Unit(benchmark::kMillisecond);
-BENCHMARK(writeHairCache)->Unit(benchmark::kMillisecond);
+BENCHMARK(writeHairCache)
+    ->ArgName("threads")
+    ->Arg(1)
+    ->Arg(2)
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK(playHairCache)->Unit(benchmark::kMicrosecond);
 BENCHMARK(seekHairCache)->Unit(benchmark::kMicrosecond);
 

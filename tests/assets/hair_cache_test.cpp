@@ -214,6 +214,23 @@ TEST_F(HairCache, PartsJoinToTheBytesOfOneFile) {
   EXPECT_LE(largest, def.errorBound);
 }
 
+TEST_F(HairCache, SeveralThreadsWriteTheBytesOfOne) {
+  HairCacheDef def = defOf(true);
+  const Frames frames = swing(def, 7, 1);
+  for (const float bound : {1e-4f, 0.0f}) {
+    def.errorBound = bound;
+    const Bytes expected = bytesOf(write(def, frames));
+    for (const uint32_t threads : {0u, 2u, 64u}) {
+      const auto path = folder_ / "threads.pelagecache";
+      auto writer = HairCacheWriter::create(path, def, threads);
+      ASSERT_TRUE(writer) << writer.error().message;
+      for (const auto& frame : frames) ASSERT_TRUE(writer->append(frame));
+      ASSERT_TRUE(writer->close());
+      EXPECT_TRUE(bytesOf(path) == expected) << threads << " threads";
+    }
+  }
+}
+
 TEST_F(HairCache, PartsThatDoNotFitAreRefusedAndLeaveNoFile) {
   HairCacheDef def = defOf(false);
   const Frames frames = swing(def, 4, 0);

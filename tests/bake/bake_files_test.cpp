@@ -11,6 +11,7 @@
 
 #include "atomic_file.h"
 #include "bake/bake_folder.h"
+#include "chunk_writer.h"
 #include "error_bound.h"
 #include "shot_store.h"
 
@@ -198,6 +199,60 @@ TEST_F(Store, EventsAndCheckpointsAreFoundAgain) {
     ASSERT_TRUE(writeAtomic(store.checkpointFile(steps), "t", "x"));
   ASSERT_TRUE(writeAtomic(store.work() / "state-x", "t", "x"));
   EXPECT_EQ(store.checkpoints(), (std::vector<uint64_t>{8, 64, 1234567890}));
+}
+
+// Two strands of 2 and 3 vertices, in chunks of 4 frames.
+class Writer : public Store {
+ protected:
+  Writer() {
+    project_.chunkFrames = 4;
+    shot_.frames = {0, 9};
+    hairs_ = {{"a", {}, 3, {2, 3}, 5}};
+    EXPECT_TRUE(ShotStore(project_, shot_).begin(7, "gpu", "t"));
+  }
+  std::vector<std::vector<std::byte>> positions(float x) const {
+    std::vector<Float4> vertices(6, Float4{x, 0, 0, 0});
+    vertices[2].x = std::numeric_limits<float>::quiet_NaN();  // no strand has it
+    const auto bytes = std::as_bytes(std::span(vertices));
+    return {{bytes.begin(), bytes.end()}};
+  }
+  std::vector<BakedHair> hairs_;
+};
+
+TEST_F(Writer, ChunksAreThereWhenItIsClosedAndAnIncompleteOneLeavesNothing) {
+  const ShotStore store(project_, shot_);
+  ChunkWriter writer(project_, shot_, hairs_, "t", 2);
+  for (int64_t frame = 0; frame < 6; ++frame)
+    ASSERT_TRUE(writer.add(static_cast<uint64_t>(frame / 4), frame,
+                           positions(0.5f * static_cast<float>(frame))));
+  ASSERT_TRUE(writer.close());
+  EXPECT_EQ(writer.report().frames, 4u);
+  EXPECT_EQ(store.chunk(0, true).size(), 1u);
+  EXPECT_TRUE(store.chunk(1, false).empty());
+  size_t files = 0;
+  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(store.work()))
+    ++files;
+  EXPECT_EQ(files, 3u) << "more than key.json, the chunk and its .json";
+  auto reader = HairCacheReader::open(store.chunkFile("a", 0));
+  ASSERT_TRUE(reader) << reader.error().message;
+  std::vector<Float3> out(5);
+  ASSERT_TRUE(reader->read(3, out));
+  for (const Float3& p : out) EXPECT_NEAR(p.x, 1.5f, 1e-4f);
+}
+
+TEST_F(Writer, AnErrorReachesTheNextCallsAndChunksBeforeItStay) {
+  const ShotStore store(project_, shot_);
+  ChunkWriter writer(project_, shot_, hairs_, "t", 1);
+  for (int64_t frame = 0; frame < 4; ++frame) ASSERT_TRUE(writer.add(0, frame, positions(1)));
+  ASSERT_TRUE(writer.flush());
+  (void)writer.add(1, 4, positions(std::numeric_limits<float>::infinity()));
+  const auto flushed = writer.flush();
+  ASSERT_FALSE(flushed);
+  EXPECT_NE(flushed.error().message.find("shot 's', frame 4"), std::string::npos)
+      << flushed.error().message;
+  EXPECT_FALSE(writer.add(1, 5, positions(1)));
+  EXPECT_FALSE(writer.close());
+  EXPECT_EQ(store.chunk(0, true).size(), 1u);
 }
 
 TEST(SubSteps, TheErrorIsThatOfNinetyNinePercent) {

@@ -17,6 +17,7 @@ namespace {
 
 struct RunArguments {
   std::string project, shot, frames, device, errorBound;
+  uint32_t threads = 0;
   bool noWait = false, restart = false;
 };
 
@@ -77,6 +78,12 @@ void report(const RunReport& run, const Shot& shot, Session& session) {
   session.add("seconds", run.seconds, "time",
               fmt::format("{:.2f} s, {:.4g} frames/s, {:.4g} strands x frames/s", run.seconds, rate,
                           rate * static_cast<double>(run.strands)));
+  const double frames = static_cast<double>(run.stepsRun);
+  session.add("encoding_seconds", run.encodingSeconds, "encoding",
+              fmt::format("{:.3g} ms a frame, for which the simulation waited {:.3g} ms",
+                          1e3 * run.encodingSeconds / frames, 1e3 * run.waitingSeconds / frames));
+  session.add("waiting_seconds", run.waitingSeconds, "", "");
+  session.add("reading_seconds", run.readingSeconds, "", "");
 }
 
 Result<void> run(const RunArguments& arguments, Session& session, int& exitCode) {
@@ -106,6 +113,7 @@ Result<void> run(const RunArguments& arguments, Session& session, int& exitCode)
   options.device = arguments.device;
   options.wait = !arguments.noWait;
   options.restart = arguments.restart;
+  options.threads = arguments.threads;
   options.progress = [&](uint64_t done, uint64_t total) {
     session.progress(fmt::format("{} {}/{}", shot.name, done, total), done, total);
   };
@@ -138,6 +146,11 @@ void addRunCommand(CLI::App& app, Session& session, int& exitCode) {
   command->add_option("--error-bound", arguments->errorBound,
                       "Length such as 0.5mm: chooses the sub-steps, in place of those of the "
                       "project");
+  command
+      ->add_option("--threads", arguments->threads,
+                   "Threads that encode frames while the next ones are simulated; as many as the "
+                   "machine has cores if it is not given")
+      ->check(CLI::Range(1, 1024).description(""));
   command->add_flag("--no-wait", arguments->noWait,
                     "Exit with 75 if another process has these frames, in place of waiting for it");
   command->add_flag("--restart", arguments->restart, "Remove what the shot has, and begin anew");

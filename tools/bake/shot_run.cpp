@@ -3,12 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <charconv>
 #include <chrono>
+#include <thread>
 #include <utility>
 
 #include "atomic_file.h"
 #include "checkpoint.h"
+#include "chunk_writer.h"
+#include "guarded.h"
 #include "json_members.h"
 #include "pelage/hair_cache.h"
 #include "pelage/settings/settings_file.h"
@@ -21,28 +25,8 @@ namespace {
 using nlohmann::json;
 using Path = std::filesystem::path;
 
-constexpr uint32_t kMaxKeyInterval = 16;
-
-// Chunks begin at key frames, so that joining them gives what one writer would have written.
-uint32_t keyIntervalOf(const Project& project) {
-  uint32_t interval = std::min(project.chunkFrames, kMaxKeyInterval);
-  while (project.chunkFrames % interval != 0) --interval;
-  return interval;
-}
-
-HairCacheDef cacheDefOf(const Project& project, const BakedHair& hair, int64_t firstFrame) {
-  HairCacheDef def;
-  def.name = hair.name;
-  def.strandCount = static_cast<uint32_t>(hair.vertexCounts.size());
-  def.verticesPerStrand = hair.stride;
-  if (std::any_of(hair.vertexCounts.begin(), hair.vertexCounts.end(),
-                  [&](uint32_t count) { return count != hair.stride; }))
-    def.vertexCounts = hair.vertexCounts;
-  def.framesPerSecond = project.framesPerSecond;
-  def.firstFrame = firstFrame;
-  def.errorBound = project.cacheError;
-  def.keyInterval = keyIntervalOf(project);
-  return def;
+uint32_t threadsOf(const RunOptions& options) {
+  return options.threads != 0 ? options.threads : std::max(std::thread::hardware_concurrency(), 1u);
 }
 
 // Chunks that a range consists of. Errors: it begins or ends within one, or beyond the shot.
@@ -84,12 +68,13 @@ class ShotRun {
   Result<void> prepare();
   Result<void> resume(uint64_t firstMissing);
   Result<void> simulate(const std::vector<uint64_t>& missing);
-  Result<void> writeChunk(uint64_t chunk);
+  Result<void> runChunk(uint64_t chunk);
   Result<void> runStep();
   Result<void> checkpoint(uint64_t chunk);
   Result<void> finish();
   Result<void> keep(const Path& path, std::vector<StoredFile>& files) const;
-  Result<std::vector<StoredFile>> joinChunks(const std::vector<std::string>& hairs);
+  Result<std::vector<StoredFile>> joinChunks(const std::vector<std::string>& hairs) const;
+  Result<std::vector<StoredFile>> joinHair(const std::string& hair, float width) const;
   Result<void> commit(std::vector<StoredFile> files);
   bool stopped() const { return options_.interrupted && options_.interrupted(); }
   void warn(const std::string& text) const {
@@ -110,6 +95,7 @@ class ShotRun {
   std::optional<ShotInputs> inputs_;
   std::optional<ShotScene> scene_;
   std::unique_ptr<HeadlessDevice> device_;
+  std::optional<ChunkWriter> writer_;
   uint64_t steps_ = 0;                     ///< that the scene has run
   uint64_t firstStep_ = 0, lastStep_ = 0;  ///< of this run, for progress
 };
@@ -276,54 +262,43 @@ Result<void> ShotRun::simulate(const std::vector<uint64_t>& missing) {
   const auto start = std::chrono::steady_clock::now();
   firstStep_ = steps_;
   lastStep_ = scene_->stepOf(chunkOf(project_, shot_, missing.back()).last) + 1;
+  writer_.emplace(project_, shot_, scene_->hairs(), tag_, threadsOf(options_));
   Result<void> done;
   for (const uint64_t chunk : missing) {
     const uint64_t first = scene_->stepOf(chunkOf(project_, shot_, chunk).first);
     while (done && !stopped() && steps_ < first) done = runStep();
     if (!done || stopped()) break;
-    done = writeChunk(chunk);
+    done = runChunk(chunk);
     if (!done || stopped()) break;
     if (done = checkpoint(chunk); !done) break;
   }
   if (done && stopped() && steps_ < lastStep_) report_.outcome = RunOutcome::kInterrupted;
+  // What is complete is written, whatever ended the run.
+  const Result<void> written = writer_->close();
+  report_.framesWritten = writer_->report().frames;
+  report_.encodingSeconds = writer_->report().seconds;
+  report_.waitingSeconds = writer_->report().waitedFor;
   report_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return done;
+  return done ? written : done;
 }
 
-// Simulates and writes the frames of a chunk. It appears as a whole.
-Result<void> ShotRun::writeChunk(uint64_t chunk) {
+// Simulates the frames of a chunk, and hands them to the writer.
+Result<void> ShotRun::runChunk(uint64_t chunk) {
   const FrameRange frames = chunkOf(project_, shot_, chunk);
-  std::vector<HairCacheWriter> writers;
-  std::vector<Path> temporaries;
-  for (const BakedHair& hair : scene_->hairs()) {
-    temporaries.push_back(temporaryName(store_.chunkFile(hair.name, chunk), tag_));
-    auto writer =
-        HairCacheWriter::create(temporaries.back(), cacheDefOf(project_, hair, frames.first));
-    if (!writer) return writer.error();
-    writers.push_back(*std::move(writer));
-  }
   for (int64_t frame = frames.first; frame <= frames.last; ++frame) {
     if (stopped()) return {};
     if (auto done = runStep(); !done) return done;
-    for (size_t i = 0; i < writers.size(); ++i) {
-      const auto positions = scene_->read(scene_->hairs()[i], *device_);
-      if (!positions) return positions.error();
-      if (auto done = writers[i].append(*positions); !done)
-        return Error{done.error().code, fmt::format("shot '{}', frame {}: {}", shot_.name, frame,
-                                                    done.error().message)};
+    const auto start = std::chrono::steady_clock::now();
+    std::vector<std::vector<std::byte>> positions;
+    for (const BakedHair& hair : scene_->hairs()) {
+      auto bytes = scene_->readBytes(hair, *device_);
+      if (!bytes) return bytes.error();
+      positions.push_back(*std::move(bytes));
     }
+    report_.readingSeconds +=
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (auto done = writer_->add(chunk, frame, std::move(positions)); !done) return done;
   }
-  std::vector<StoredFile> files;
-  for (size_t i = 0; i < writers.size(); ++i) {
-    if (auto done = writers[i].close(); !done) return done;
-    const Path path = store_.chunkFile(scene_->hairs()[i].name, chunk);
-    auto file = storedFile(temporaries[i], path.filename().string());
-    if (!file) return file.error();
-    if (auto done = commitFile(temporaries[i], path); !done) return done;
-    files.push_back(*std::move(file));
-  }
-  if (auto done = store_.addChunk(chunk, files, tag_); !done) return done;
-  report_.framesWritten += frames.count();
   return {};
 }
 
@@ -335,7 +310,8 @@ Result<void> ShotRun::checkpoint(uint64_t chunk) {
   const auto saved =
       saveCheckpoint(store_.checkpointFile(steps_), tag_, key(steps_), *scene_, *device_);
   if (!saved) return saved.error();
-  // Earlier ones of this range are of no more use.
+  // Earlier ones of this range are of no more use once the chunks between are on the disk.
+  if (auto written = writer_->flush(); !written) return written;
   std::error_code ignored;
   for (const uint64_t steps : store_.checkpoints())
     if (steps > scene_->stepOf(range_.first) && steps < steps_)
@@ -380,28 +356,47 @@ Result<void> ShotRun::keep(const Path& path, std::vector<StoredFile>& files) con
   return {};
 }
 
-Result<std::vector<StoredFile>> ShotRun::joinChunks(const std::vector<std::string>& hairs) {
+Result<std::vector<StoredFile>> ShotRun::joinChunks(const std::vector<std::string>& hairs) const {
   SceneSettings settings;
   if (!shot_.settings.empty()) {
     const auto loaded = SettingsFile::load(shot_.settings);
     if (!loaded) return loaded.error();
     loaded->apply(settings);
   }
-  std::vector<StoredFile> files;
-  for (const std::string& hair : hairs) {
-    std::vector<Path> parts;
-    for (uint64_t i = 0; i < chunkCount(project_, shot_); ++i)
-      parts.push_back(store_.chunkFile(hair, i));
-    const Path cache = store_.folder() / (hair + ".pelagecache");
-    if (auto done = joinHairCaches(parts, temporaryName(cache, tag_)); !done) return done.error();
-    if (auto done = keep(cache, files); !done) return done.error();
-    if (!project_.usd) continue;
-    const Path usd = store_.folder() / (hair + ".usda");
-    if (auto done = writeUsd(cache, 2 * settings.material.fiberRadius, temporaryName(usd, tag_));
-        !done)
-      return done.error();
-    if (auto done = keep(usd, files); !done) return done.error();
+  const float width = 2 * settings.material.fiberRadius;
+  std::vector<Result<std::vector<StoredFile>>> joined(hairs.size(), std::vector<StoredFile>());
+  std::atomic<size_t> next = 0;
+  const auto join = [&] {
+    for (size_t i = next++; i < hairs.size(); i = next++)
+      joined[i] = guarded([&] { return joinHair(hairs[i], width); });
+  };
+  {
+    std::vector<std::jthread> others;
+    const size_t threads = std::min<size_t>(threadsOf(options_), hairs.size());
+    while (others.size() + 1 < threads) others.emplace_back(join);
+    join();
   }
+  std::vector<StoredFile> files;
+  for (auto& one : joined) {
+    if (!one) return one.error();
+    files.insert(files.end(), one->begin(), one->end());
+  }
+  return files;
+}
+
+// The files of a groom.
+Result<std::vector<StoredFile>> ShotRun::joinHair(const std::string& hair, float width) const {
+  std::vector<StoredFile> files;
+  std::vector<Path> parts;
+  for (uint64_t i = 0; i < chunkCount(project_, shot_); ++i)
+    parts.push_back(store_.chunkFile(hair, i));
+  const Path cache = store_.folder() / (hair + ".pelagecache");
+  if (auto done = joinHairCaches(parts, temporaryName(cache, tag_)); !done) return done.error();
+  if (auto done = keep(cache, files); !done) return done.error();
+  if (!project_.usd) return files;
+  const Path usd = store_.folder() / (hair + ".usda");
+  if (auto done = writeUsd(cache, width, temporaryName(usd, tag_)); !done) return done.error();
+  if (auto done = keep(usd, files); !done) return done.error();
   return files;
 }
 

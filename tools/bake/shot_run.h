@@ -20,6 +20,7 @@ struct RunOptions {
   std::string device;               ///< index or UUID, before that of the project
   bool wait = true;                 ///< for another process that has the same frames
   bool restart = false;             ///< removes what is there first
+  uint32_t threads = 0;             ///< that encode; 0: as many as the machine has cores
   /// Frames that have run and frames to run, the pre-roll included.
   std::function<void(uint64_t done, uint64_t total)> progress;
   /// Ends the run behind the frame at hand when it returns true.
@@ -44,6 +45,9 @@ struct RunReport {
   std::optional<SubStepChoice> choice;  ///< with an error bound
   std::string device;
   double seconds = 0;                  ///< of simulating and writing
+  double readingSeconds = 0;           ///< of these, reading positions from the device
+  double waitingSeconds = 0;           ///< of these, waiting for the thread that writes
+  double encodingSeconds = 0;          ///< that this thread has worked, at the same time
   uint64_t vertices = 0, strands = 0;  ///< written a frame
 };
 

@@ -146,6 +146,17 @@ Result<ShotInputs> loadShot(const Shot& shot) {
   return inputs;
 }
 
+std::vector<Float3> positionsOf(const BakedHair& hair, std::span<const std::byte> bytes) {
+  std::vector<Float3> positions(hair.vertexCount);
+  size_t to = 0;
+  for (size_t strand = 0; strand < hair.vertexCounts.size(); ++strand) {
+    const std::byte* from = bytes.data() + strand * hair.stride * sizeof(Float4);
+    for (uint32_t i = 0; i < hair.vertexCounts[strand]; ++i, from += sizeof(Float4))
+      std::memcpy(&positions[to++], from, sizeof(Float3));
+  }
+  return positions;
+}
+
 Result<ShotScene> ShotScene::create(const ShotInputs& inputs, const Shot& shot,
                                     double framesPerSecond, std::optional<uint32_t> subSteps) {
   ShotScene made;
@@ -271,20 +282,15 @@ void ShotScene::reset() {
   for (const ColliderId collider : colliders_) scene_->collider(collider).reset();
 }
 
+Result<std::vector<std::byte>> ShotScene::readBytes(const BakedHair& hair,
+                                                    HeadlessDevice& device) const {
+  return device.read(scene_->hair(hair.id).buffers().positions, 0, hair.bytes());
+}
+
 Result<std::vector<Float3>> ShotScene::read(const BakedHair& hair, HeadlessDevice& device) const {
-  const uint64_t elements = uint64_t{hair.stride} * hair.vertexCounts.size();
-  const BufferId buffer = scene_->hair(hair.id).buffers().positions;
-  const auto bytes = device.read(buffer, 0, elements * sizeof(Float4));
+  const auto bytes = readBytes(hair, device);
   if (!bytes) return bytes.error();
-  std::vector<Float3> positions;
-  positions.reserve(hair.vertexCount);
-  for (size_t strand = 0; strand < hair.vertexCounts.size(); ++strand)
-    for (uint32_t vertex = 0; vertex < hair.vertexCounts[strand]; ++vertex) {
-      Float4 p;
-      std::memcpy(&p, bytes->data() + (strand * hair.stride + vertex) * sizeof(Float4), sizeof(p));
-      positions.push_back({p.x, p.y, p.z});
-    }
-  return positions;
+  return positionsOf(hair, *bytes);
 }
 
 uint32_t ShotScene::subSteps() const {

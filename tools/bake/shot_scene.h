@@ -1,10 +1,12 @@
 // The scene of a shot: its hair, what that collides with, and the bones of each simulation step.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -46,7 +48,11 @@ struct BakedHair {
   uint32_t stride = 0;                 ///< vertices of a strand in the buffer of positions
   std::vector<uint32_t> vertexCounts;  ///< [strand], of those that are written
   uint64_t vertexCount = 0;            ///< sum of these
+  uint64_t bytes() const { return uint64_t{stride} * vertexCounts.size() * sizeof(Float4); }
 };
+
+/// Positions [m] of ShotScene::readBytes(), strand by strand.
+std::vector<Float3> positionsOf(const BakedHair& hair, std::span<const std::byte> bytes);
 
 class ShotScene {
  public:
@@ -68,6 +74,8 @@ class ShotScene {
   void reset();
   /// Reads where the hair is [m], strand by strand.
   Result<std::vector<Float3>> read(const BakedHair& hair, HeadlessDevice& device) const;
+  /// The same as the device has it, for positionsOf().
+  Result<std::vector<std::byte>> readBytes(const BakedHair& hair, HeadlessDevice& device) const;
 
   const std::vector<BakedHair>& hairs() const { return hairs_; }
   uint32_t subSteps() const;  ///< of the exact solver; the most of all hair

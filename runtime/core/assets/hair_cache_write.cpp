@@ -14,6 +14,7 @@
 #include "base/file_io.h"
 #include "base/guard.h"
 #include "base/hash.h"
+#include "base/workers.h"
 #include "pelage/hair_asset.h"
 #include "pelage/hair_cache.h"
 
@@ -64,55 +65,111 @@ uint32_t vertexCountOf(const HairCacheDef& def) {
 }
 
 struct HairCacheWriter::Impl {
+  /// What a thread needs of its own.
+  struct Worker {
+    Encoder encoder;
+    Bytes contents;  ///< of the chunks that it has encoded of the frame
+  };
+  /// What a chunk of the frame has become.
+  struct Encoded {
+    ChunkHeader header;
+    uint32_t worker = 0;
+    size_t offset = 0;  ///< in its contents
+  };
+  /// What is to be known of the positions of a chunk.
+  struct Extent {
+    float maxCoordinate = 0;
+    size_t notFinite = SIZE_MAX;  ///< the first vertex that is not; SIZE_MAX: all are
+  };
+
   HairCacheDef def;
   std::vector<Chunk> chunks;
   OutputFile file;
   std::vector<IndexEntry> index;
-  Encoder encoder;
+  detail::Workers threads;
+  std::vector<Worker> workers;  ///< [thread]
+  std::vector<Encoded> encoded;
+  std::vector<Extent> extents;
   std::vector<uint32_t> values, last, beforeLast;
   float step = 0;
-  Bytes record, contents;
+  Bytes record;
   bool closed = false;
 
-  Impl(HairCacheDef d, OutputFile f)
-      : def(std::move(d)), chunks(chunksOf(def)), file(std::move(f)) {}
+  Impl(HairCacheDef d, OutputFile f, uint32_t threadCount)
+      : def(std::move(d)),
+        chunks(chunksOf(def)),
+        file(std::move(f)),
+        threads(std::clamp(threadCount, 1u, static_cast<uint32_t>(chunks.size()))),
+        workers(threads.count()),
+        encoded(chunks.size()),
+        extents(chunks.size()) {}
 
-  void quantize(std::span<const Float3> positions);
-  void encodeFrame(uint32_t fromKey);
+  Extent extentOf(std::span<const Float3> positions);
+  void quantize(const Chunk& chunk, std::span<const Float3> positions);
+  void encodeFrame(uint32_t fromKey, std::span<const Float3> positions);
   Result<void> append(std::span<const Float3> positions);
   Result<void> close();
 };
 
-// Fills `values`.
-void HairCacheWriter::Impl::quantize(std::span<const Float3> positions) {
-  values.resize(3 * positions.size());
+HairCacheWriter::Impl::Extent HairCacheWriter::Impl::extentOf(std::span<const Float3> positions) {
+  threads.run(chunks.size(), [&](size_t i, uint32_t) {
+    Extent extent;
+    for (size_t v = 0; v < chunks[i].vertexCount; ++v) {
+      const Float3& p = positions[chunks[i].firstVertex + v];
+      if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
+        extent.notFinite = chunks[i].firstVertex + v;
+        break;
+      }
+      extent.maxCoordinate =
+          std::max({extent.maxCoordinate, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+    }
+    extents[i] = extent;
+  });
+  Extent all;
+  for (const Extent& extent : extents) {
+    all.maxCoordinate = std::max(all.maxCoordinate, extent.maxCoordinate);
+    all.notFinite = std::min(all.notFinite, extent.notFinite);
+  }
+  return all;
+}
+
+// Fills `values` of a chunk.
+void HairCacheWriter::Impl::quantize(const Chunk& chunk, std::span<const Float3> positions) {
   const double inverse = step > 0 ? 1 / static_cast<double>(step) : 0;
   const auto integer = [&](float x) {
     return step > 0 ? static_cast<uint32_t>(std::llrint(x * inverse)) : orderedBits(x);
   };
-  for (size_t i = 0; i < positions.size(); ++i) {
+  for (size_t i = chunk.firstVertex; i < size_t{chunk.firstVertex} + chunk.vertexCount; ++i) {
     values[3 * i] = integer(positions[i].x);
     values[3 * i + 1] = integer(positions[i].y);
     values[3 * i + 2] = integer(positions[i].z);
   }
 }
 
-// Makes `record` of `values`.
-void HairCacheWriter::Impl::encodeFrame(uint32_t fromKey) {
+// Fills `values`, and makes `record` of them. Which thread encodes a chunk changes no byte.
+void HairCacheWriter::Impl::encodeFrame(uint32_t fromKey, std::span<const Float3> positions) {
+  const auto maxTimeOrder = static_cast<uint8_t>(std::min(fromKey, 2u));
+  values.resize(3 * positions.size());
+  for (Worker& worker : workers) worker.contents.clear();
+  threads.run(chunks.size(), [&](size_t i, uint32_t thread) {
+    quantize(chunks[i], positions);
+    const size_t at = size_t{3} * chunks[i].firstVertex;
+    const History history = {fromKey > 0 ? last.data() + at : nullptr,
+                             fromKey > 1 ? beforeLast.data() + at : nullptr};
+    Worker& worker = workers[thread];
+    encoded[i] = {{}, thread, worker.contents.size()};
+    encoded[i].header = worker.encoder.encode(def, chunks[i], values.data() + at, history,
+                                              maxTimeOrder, worker.contents);
+  });
   record.clear();
-  contents.clear();
   detail::append(record, FrameHeader{.isKey = fromKey == 0 ? 1u : 0u,
                                      .step = step,
                                      .chunkCount = static_cast<uint32_t>(chunks.size())});
-  const auto maxTimeOrder = static_cast<uint8_t>(std::min(fromKey, 2u));
-  for (const Chunk& chunk : chunks) {
-    const size_t at = size_t{3} * chunk.firstVertex;
-    const History history = {fromKey > 0 ? last.data() + at : nullptr,
-                             fromKey > 1 ? beforeLast.data() + at : nullptr};
-    detail::append(record,
-                   encoder.encode(def, chunk, values.data() + at, history, maxTimeOrder, contents));
+  for (const Encoded& chunk : encoded) detail::append(record, chunk.header);
+  for (const Encoded& chunk : encoded) {
+    const auto from = workers[chunk.worker].contents.begin() + static_cast<ptrdiff_t>(chunk.offset);
+    record.insert(record.end(), from, from + chunk.header.byteCount);
   }
-  record.insert(record.end(), contents.begin(), contents.end());
 }
 
 Result<void> HairCacheWriter::Impl::append(std::span<const Float3> positions) {
@@ -120,22 +177,16 @@ Result<void> HairCacheWriter::Impl::append(std::span<const Float3> positions) {
   if (positions.size() != countVertices(def))
     return invalid(
         def, fmt::format("{} positions for {} vertices", positions.size(), countVertices(def)));
-  float maxCoordinate = 0;
-  for (size_t i = 0; i < positions.size(); ++i) {
-    const Float3& p = positions[i];
-    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
-      return invalid(def, fmt::format("frame {}: vertex {} is not finite",
-                                      def.firstFrame + static_cast<int64_t>(index.size()), i));
-    maxCoordinate = std::max({maxCoordinate, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-  }
-  const float newStep = stepFor(maxCoordinate, def.errorBound);
   const int64_t number = def.firstFrame + static_cast<int64_t>(index.size());
+  const Extent extent = extentOf(positions);
+  if (extent.notFinite != SIZE_MAX)
+    return invalid(def, fmt::format("frame {}: vertex {} is not finite", number, extent.notFinite));
+  const float newStep = stepFor(extent.maxCoordinate, def.errorBound);
   const bool isKey = index.empty() || number % def.keyInterval == 0 || newStep != step;
   step = newStep;
-  quantize(positions);
   IndexEntry entry;
   entry.fromKey = isKey ? 0 : index.back().fromKey + 1;
-  encodeFrame(entry.fromKey);
+  encodeFrame(entry.fromKey, positions);
   entry.offset = file.size();
   entry.byteCount = static_cast<uint32_t>(record.size());
   entry.checksum = detail::hash64(record);
@@ -159,13 +210,13 @@ HairCacheWriter::HairCacheWriter(HairCacheWriter&&) noexcept = default;
 HairCacheWriter& HairCacheWriter::operator=(HairCacheWriter&&) noexcept = default;
 HairCacheWriter::~HairCacheWriter() = default;
 
-Result<HairCacheWriter> HairCacheWriter::create(const std::filesystem::path& path,
-                                                HairCacheDef def) {
+Result<HairCacheWriter> HairCacheWriter::create(const std::filesystem::path& path, HairCacheDef def,
+                                                uint32_t threads) {
   return detail::guarded([&]() -> Result<HairCacheWriter> {
     if (auto r = validate(def); !r) return r.error();
     auto file = OutputFile::create(path);
     if (!file) return file.error();
-    auto impl = std::make_unique<Impl>(std::move(def), std::move(*file));
+    auto impl = std::make_unique<Impl>(std::move(def), std::move(*file), threads);
     if (auto r = impl->file.write(packHeader(impl->def)); !r) return r.error();
     return HairCacheWriter(std::move(impl));
   });

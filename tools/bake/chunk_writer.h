@@ -1,0 +1,91 @@
+// Encodes the frames of a shot and writes its chunks on a thread of its own, while the next frames
+// are simulated.
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "pelage/hair_cache.h"
+#include "pelage/result.h"
+#include "project.h"
+#include "shot_scene.h"
+#include "shot_store.h"
+
+namespace pelage::bake {
+
+/// What a writer has done so far.
+struct ChunkWriterReport {
+  uint64_t frames = 0;   ///< of chunks that are complete on the disk
+  double seconds = 0;    ///< of encoding and writing
+  double waitedFor = 0;  ///< that add() and flush() have waited [s]
+};
+
+/// Threads: one at a time, beside its own.
+class ChunkWriter {
+ public:
+  /// Frames that wait are those of two chunks at most, and 1 GiB, or two frames where these are
+  /// larger.
+  static constexpr uint64_t kMaxBytes = uint64_t{1} << 30;
+
+  /// \param hairs  what is written; it must outlive the writer, as `project` and `shot` must.
+  /// \param tag  of its temporary files. \param threads  that encode a frame together, >= 1
+  ChunkWriter(const Project& project, const Shot& shot, const std::vector<BakedHair>& hairs,
+              std::string tag, uint32_t threads);
+  ~ChunkWriter();  ///< close()
+  ChunkWriter(const ChunkWriter&) = delete;
+  ChunkWriter& operator=(const ChunkWriter&) = delete;
+
+  /// Adds the next frame of a chunk, or the first one of another; waits while the queue is full.
+  /// \param positions  [hair] ShotScene::readBytes(). Errors: of this frame or of any before: those
+  /// of the disk; a position that is not finite. Nothing is written behind an error.
+  Result<void> add(uint64_t chunk, int64_t frame, std::vector<std::vector<std::byte>> positions);
+  /// Waits until all frames that were added are written. Chunks whose last frame was added are then
+  /// complete, on the disk. Errors: as add().
+  Result<void> flush();
+  /// Forgets a chunk that lacks frames, does what flush() does, and ends the thread.
+  Result<void> close();
+  ChunkWriterReport report() const;
+
+ private:
+  struct FrameJob {
+    uint64_t chunk = 0;
+    int64_t frame = 0;
+    std::vector<std::vector<std::byte>> positions;  ///< [hair]
+  };
+  struct OpenFile {
+    std::filesystem::path temporary;
+    HairCacheWriter writer;
+  };
+
+  bool isLast(uint64_t chunk, int64_t frame) const;
+  void work();
+  Result<void> write(const FrameJob& job);
+  Result<void> begin(const FrameJob& job);
+  Result<void> complete(uint64_t chunk);
+
+  const Project& project_;
+  const Shot& shot_;
+  const std::vector<BakedHair>& hairs_;
+  ShotStore store_;
+  std::string tag_;
+  uint32_t threads_ = 1;
+  size_t maxFrames_ = 2;         ///< in the queue
+  std::vector<OpenFile> files_;  ///< [hair] of the chunk at hand; of the thread alone
+
+  mutable std::mutex mutex_;
+  std::condition_variable added_, taken_;
+  std::deque<FrameJob> queue_;
+  bool busy_ = false, stops_ = false;
+  std::optional<Error> error_;
+  ChunkWriterReport report_;
+  std::thread thread_;  ///< last: it begins with all of the above
+};
+
+}  // namespace pelage::bake
