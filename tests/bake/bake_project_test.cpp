@@ -79,6 +79,11 @@ TEST(Project, WhatIsWrongIsNamedByItsPointer) {
            {"\"strands\": \"all\"", "\"strands\": true", "/shots/1/strands: must be one of"},
            {"\"motion\": \"walk\"", "\"motion\": \"fly\"", "/defaults/animation/motion: must be"},
            {"\"motion\": \"walk\"", "\"clip\": \"x\"", "/defaults/animation/file: give"},
+           {"\"motion\": \"walk\"", "\"motion\": \"walk\", \"transforms\": \"x\"",
+            "/defaults/animation/file: give"},
+           {"\"motion\": \"walk\"", "\"points\": \"x.pc2\"", "/defaults/animation/mesh: is the"},
+           {"\"motion\": \"walk\"", "\"motion\": \"walk\", \"fps\": 24",
+            "/defaults/animation/fps: is that"},
            {"\"kind\": \"head\"", "\"kid\": \"head\"", "/defaults/assets/generated/kid: there is"},
            {"\"defaults\": {", "\"defaults\": {\"x\": 1, ", "/defaults/x: there is no such"},
            {"\"file\": \"x.tfx\"", "\"fill\": \"x.tfx\"",
@@ -123,6 +128,11 @@ TEST(Project, ChunksBeginAtMultiplesAndCoverTheShot) {
   }
 }
 
+Result<uint64_t> keyOf(const Project& project, const Shot& shot) {
+  FileHashes hashes;
+  return fingerprintOf(project, shot, hashes);
+}
+
 TEST(Project, TheFingerprintFollowsTheFilesAndTheSettings) {
   const BakeFolder folder;
   (void)folder.write("x.tfx", "a");
@@ -130,24 +140,56 @@ TEST(Project, TheFingerprintFollowsTheFilesAndTheSettings) {
   const auto project = loadProject(folder.write("p.json", kFine));
   ASSERT_TRUE(project);
   Shot shot = project->shots[1];
-  const auto first = fingerprintOf(*project, shot);
+  const auto first = keyOf(*project, shot);
   ASSERT_TRUE(first) << first.error().message;
-  EXPECT_EQ(*fingerprintOf(*project, shot), *first);
+  EXPECT_EQ(*keyOf(*project, shot), *first);
   shot.subSteps = 5;
-  EXPECT_NE(*fingerprintOf(*project, shot), *first);
+  EXPECT_NE(*keyOf(*project, shot), *first);
   shot.subSteps = 4;
   (void)folder.write("x.tfx", "c");
-  EXPECT_NE(*fingerprintOf(*project, shot), *first);
+  EXPECT_NE(*keyOf(*project, shot), *first);
   // A buffer beside an animation counts, too.
   (void)folder.write("x.tfx", "a");
   shot.motion.reset();
   shot.animation = folder.write("w.gltf", R"({"buffers": [{"uri": "w.bin"}]})");
-  EXPECT_FALSE(fingerprintOf(*project, shot));
+  EXPECT_FALSE(keyOf(*project, shot));
   (void)folder.write("w.bin", "1");
-  const auto animated = fingerprintOf(*project, shot);
+  const auto animated = keyOf(*project, shot);
   ASSERT_TRUE(animated);
   (void)folder.write("w.bin", "2");
-  EXPECT_NE(*fingerprintOf(*project, shot), *animated);
+  EXPECT_NE(*keyOf(*project, shot), *animated);
+  // So do the floats of a bone stream, and a point cache with its mesh.
+  shot.animation.clear();
+  shot.transforms =
+      folder.write("b.json", R"({"version": 1, "fps": 24, "bones": ["a"], "data": "b.bin"})");
+  EXPECT_FALSE(keyOf(*project, shot));
+  (void)folder.write("b.bin", "1");
+  const auto streamed = keyOf(*project, shot);
+  ASSERT_TRUE(streamed);
+  shot.points = folder.write("c.pc2", "1");
+  shot.pointMesh = folder.write("c.obj", "1");
+  const auto moved = keyOf(*project, shot);
+  ASSERT_TRUE(moved);
+  EXPECT_NE(*moved, *streamed);
+  (void)folder.write("b.bin", "2");
+  const auto changed = keyOf(*project, shot);
+  EXPECT_NE(*changed, *moved);
+  (void)folder.write("c.pc2", "2");
+  EXPECT_NE(*keyOf(*project, shot), *changed);
+}
+
+TEST(Project, AFileOfManyShotsIsHashedOnceUntilItChanges) {
+  const BakeFolder folder;
+  const auto file = folder.write("x", "one");
+  FileHashes hashes;
+  const auto first = hashes.of(file);
+  ASSERT_TRUE(first);
+  EXPECT_EQ(hashes.of(file)->hash, first->hash);
+  EXPECT_EQ(hashes.filesRead(), 1u);
+  (void)folder.write("x", "other");
+  EXPECT_NE(hashes.of(file)->hash, first->hash);
+  EXPECT_EQ(hashes.filesRead(), 2u);
+  EXPECT_FALSE(hashes.of(folder / "none"));
 }
 
 TEST(Plan, RangesAreWholeChunksAndCoverTheShots) {
@@ -177,7 +219,8 @@ TEST(Plan, AShotWithoutAFolderIsMissing) {
   const BakeFolder folder;
   const auto project = loadProject(folder.write("p.json", kFine));
   ASSERT_TRUE(project);
-  const auto status = statusOf(*project, project->shots[0]);
+  FileHashes hashes;
+  const auto status = statusOf(*project, project->shots[0], hashes);
   ASSERT_TRUE(status) << status.error().message;
   EXPECT_EQ(status->state, ShotState::kMissing);
   EXPECT_EQ(status->chunks, 3u);

@@ -7,20 +7,25 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <map>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "bake/bake_folder.h"
+#include "bake/point_file.h"
 #include "checkpoint.h"
 #include "pelage/hair_cache.h"
+#include "pelage/skeleton.h"
 #include "plan.h"
 #include "shot_run.h"
 #include "shot_store.h"
+#include "support/extremes.h"
 #include "support/plain_asset.h"
 #include "support/required_devices.h"
 
@@ -117,7 +122,8 @@ class Bake : public testing::Test {
     return status;
   }
   uint32_t startsOf(const Project& project) {
-    const auto status = statusOf(project, project.shots[0]);
+    FileHashes hashes;
+    const auto status = statusOf(project, project.shots[0], hashes);
     EXPECT_TRUE(status);
     return status ? status->starts : 0;
   }
@@ -229,7 +235,8 @@ TEST_F(Bake, GoesOnBehindAnInterruptionAtAnyFrame) {
   const auto refused = runShot(changed, changed.shots[0], {});
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message.find("--restart"), std::string::npos);
-  EXPECT_EQ(statusOf(changed, changed.shots[0])->state, ShotState::kStale);
+  FileHashes hashes;
+  EXPECT_EQ(statusOf(changed, changed.shots[0], hashes)->state, ShotState::kStale);
 }
 
 // In any order, also where frames before are not there; a damaged checkpoint is not gone on from.
@@ -286,6 +293,100 @@ TEST_F(Bake, KilledAnywhereAndWithAFullDiskItGivesTheSameBytes) {
   for (const auto& entry : std::filesystem::directory_iterator(project.output / "s"))
     files += entry.path().filename().string().rfind("lock", 0) == 0 ? 0 : 1;
   EXPECT_EQ(files, 3u) << "more than cache, done.json and log.jsonl";
+}
+
+// The motion of a frame: a rotation about z and a displacement, both growing.
+AffineTransform motionAt(int frame) {
+  const float angle = 0.06f * static_cast<float>(frame);
+  return rigidTransform({0, 0, std::sin(angle / 2), std::cos(angle / 2)},
+                        {0.01f * static_cast<float>(frame), 0, 0});
+}
+
+// The same motion by bones, and by the vertices of a mesh with the roots on it: the same hair but
+// for rounding. Both collide with that mesh. An interrupted run has the same bits.
+TEST_F(Bake, HairFollowsAPointCacheAsItFollowsBones) {
+  constexpr int kFrames = 10;
+  std::vector<float> transforms;
+  std::vector<std::vector<Float3>> samples;
+  CollisionMesh mesh = box();  // beside the strands, which lean on it
+  for (Float3& p : mesh.positions) p = {p.x > 0.05f ? 0.2f : 0.115f, p.y + 0.06f, 2 * p.z};
+  std::ostringstream obj;
+  for (const Float3& p : mesh.positions) obj << "v " << p.x << " " << p.y << " " << p.z << "\n";
+  for (size_t i = 0; i < mesh.indices.size(); ++i)
+    obj << (i % 3 == 0 ? "\nf " : " ") << mesh.indices[i] + 1;
+  for (int frame = 0; frame < kFrames; ++frame) {
+    const AffineTransform motion = motionAt(frame);
+    for (const Float4& row : motion.rows)
+      transforms.insert(transforms.end(), {row.x, row.y, row.z, row.w});
+    samples.emplace_back();
+    for (const Float3& p : mesh.positions) samples.back().push_back(transformPoint(motion, p));
+  }
+  (void)folder_.write("skin.obj", obj.str());
+  (void)folder_.write("skin.pc2", test::pointFile(8, 1, samples));
+  (void)folder_.write("bones.bin", test::bytesOfFloats(transforms));
+  (void)folder_.write("bones.json",
+                      R"({"version": 1, "fps": 24, "bones": ["all"], "data": "bones.bin"})");
+  BoneWeights weights;
+  weights.bones = {{0, "all"}};
+  BoneInfluences all;
+  all.weights[0] = 1;
+  weights.strands.assign(12, all);
+  ASSERT_TRUE(saveTfxBone(weights, folder_ / "all.tfxbone"));
+  CollisionMesh moved = mesh;
+  moved.bones = {{0, "all"}};
+  moved.influences.assign(8, all);
+  ASSERT_TRUE(saveTfxMesh(moved, folder_ / "skin.tfxmesh"));
+  const auto load = [&](const std::string& name, const char* hair, const char* animation) {
+    const auto project = loadProject(folder_.write(
+        name + ".json", R"({"version": 1, "chunkFrames": 4, "checkpointChunks": 1, "output": ")" +
+                            name + R"(", "shots": [{"name": "s", "frames": [1, 10], "settings":
+                            "soft.json", "assets": {"hairs": [{"file": "hair.tfx")" +
+                            hair + R"(, "animation": {)" + animation + "}}]}"));
+    EXPECT_TRUE(project) << project.error().message;
+    return *project;
+  };
+  const Project bones =
+      load("bones_", R"(, "bones": "all.tfxbone"}], "colliders": ["skin.tfxmesh"]})",
+           R"("transforms": "bones.json")");
+  const char* const kPoints = R"("points": "skin.pc2", "mesh": "skin.obj")";
+  const Project points = load("points", "}]}", kPoints);
+  (void)runAll(bones);
+  (void)runAll(points);
+  auto byBones = HairCacheReader::open(bones.output / "s" / "hair.pelagecache");
+  auto byPoints = HairCacheReader::open(points.output / "s" / "hair.pelagecache");
+  ASSERT_TRUE(byBones && byPoints);
+  std::vector<Float3> expected(12 * 8), found(12 * 8);
+  double difference = 0;
+  for (int frame = 0; frame < kFrames; ++frame) {
+    ASSERT_TRUE(byBones->read(static_cast<uint64_t>(frame), expected));
+    ASSERT_TRUE(byPoints->read(static_cast<uint64_t>(frame), found));
+    const Float3 root = transformPoint(motionAt(frame), {0.03f, 0, 0});
+    EXPECT_NEAR(found[size_t{3} * 8].x, root.x, 2e-4f) << frame;
+    EXPECT_NEAR(found[size_t{3} * 8].y, root.y, 2e-4f) << frame;
+    for (size_t i = 0; i < found.size(); ++i)
+      test::keepLargest(difference,
+                        std::hypot(found[i].x - expected[i].x, found[i].y - expected[i].y,
+                                   found[i].z - expected[i].z));
+  }
+  EXPECT_LT(difference, 0.01) << "contact amplifies rounding; without it they are 39 mm apart";
+
+  const Project parts = load("points_parts", "}]}", kPoints);
+  int left = 6;
+  RunOptions options;
+  options.interrupted = [&] { return left == 0; };
+  options.progress = [&](uint64_t, uint64_t) { --left; };
+  EXPECT_EQ(runAll(parts, options).outcome, RunOutcome::kInterrupted);
+  EXPECT_GT(runAll(parts).resumedSteps, 0u);
+  EXPECT_TRUE(cacheOf(parts) == cacheOf(points));
+
+  // A cache of another mesh, and hair that nothing moves.
+  samples.assign(2, std::vector<Float3>(7));
+  (void)folder_.write("skin.pc2", test::pointFile(7, 1, samples));
+  const auto other = loadShot(points.shots[0]);
+  ASSERT_FALSE(other);
+  EXPECT_NE(other.error().message.find("byte 16: has 7 points"), std::string::npos)
+      << other.error().message;
+  EXPECT_FALSE(loadShot(load("none", "}]}", R"("transforms": "bones.json")").shots[0]));
 }
 
 TEST_F(Bake, AnErrorBoundChoosesTheSubSteps) {

@@ -127,11 +127,11 @@ const char* toString(ShotState state) {
   return "unknown";
 }
 
-Result<ShotStatus> statusOf(const Project& project, const Shot& shot) {
+Result<ShotStatus> statusOf(const Project& project, const Shot& shot, FileHashes& hashes) {
   const ShotStore store(project, shot);
   ShotStatus status;
   status.chunks = chunkCount(project, shot);
-  const auto fingerprint = fingerprintOf(project, shot);
+  const auto fingerprint = fingerprintOf(project, shot, hashes);
   if (!fingerprint) return fingerprint.error();
   addEvents(store.events(), status);
   const auto known = store.fingerprint();

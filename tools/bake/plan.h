@@ -38,7 +38,7 @@ struct ShotStatus {
   std::string lastError;
 };
 /// Errors: inputs that cannot be read, files of the shot that are damaged.
-Result<ShotStatus> statusOf(const Project& project, const Shot& shot);
+Result<ShotStatus> statusOf(const Project& project, const Shot& shot, FileHashes& hashes);
 
 struct ShotCheck {
   bool complete = false;

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "bone_stream.h"
 #include "json_members.h"
 #include "pelage/asset_cache.h"
 #include "pelage/hair_cache.h"
@@ -77,14 +78,24 @@ void readAssets(JsonMembers& assets, const Path& folder, JsonFaults& faults, Sho
   assets.finish();
 }
 
-void readAnimation(JsonMembers& animation, const Path& folder, Shot& shot) {
+void readAnimation(JsonMembers& animation, const Path& folder, double framesPerSecond, Shot& shot) {
   shot.animation = in(folder, animation.text("file", ""));
   shot.clip = animation.text("clip", "");
   if (animation.has("motion"))
     shot.motion = static_cast<CharacterMotion>(animation.choice("motion", kMotions, 0));
+  shot.transforms = in(folder, animation.text("transforms", ""));
+  shot.points = in(folder, animation.text("points", ""));
+  shot.pointMesh = in(folder, animation.text("mesh", ""));
+  shot.pointsPerSecond = animation.number("fps", 1e-3, 1e6, framesPerSecond);
   shot.animationStart = animation.number("start", -1e6, 1e6, 0);
-  if (shot.motion.has_value() != shot.animation.empty())
-    animation.fault("file", "give \"file\" or \"motion\"");
+  const int sources =
+      (shot.animation.empty() ? 0 : 1) + (shot.motion ? 1 : 0) + (shot.transforms.empty() ? 0 : 1);
+  if (sources > 1 || (sources == 0 && shot.points.empty()))
+    animation.fault("file", "give \"file\", \"transforms\" or \"motion\", or \"points\"");
+  if (shot.points.empty() != shot.pointMesh.empty())
+    animation.fault("mesh", "is the mesh that \"points\" moves: give both or none");
+  if (shot.points.empty() && animation.has("fps"))
+    animation.fault("fps", "is that of \"points\", which are not there");
   animation.finish();
 }
 
@@ -101,7 +112,8 @@ void readAccuracy(JsonMembers& members, Shot& shot) {
     members.fault("errorBound", "is for the exact solver, whose steps can be halved");
 }
 
-Shot readShot(JsonMembers& members, const Path& folder, JsonFaults& faults) {
+Shot readShot(JsonMembers& members, const Path& folder, double framesPerSecond,
+              JsonFaults& faults) {
   Shot shot;
   shot.name = members.text("name");
   if (!shot.name.empty() && !isName(shot.name))
@@ -119,7 +131,7 @@ Shot readShot(JsonMembers& members, const Path& folder, JsonFaults& faults) {
   }
   if (const json* animation = members.object("animation"); animation != nullptr) {
     JsonMembers object(*animation, members.pointerOf("animation"), faults);
-    readAnimation(object, folder, shot);
+    readAnimation(object, folder, framesPerSecond, shot);
   }
   shot.settings = in(folder, members.text("settings", ""));
   shot.collides = members.flag("collides", true);
@@ -170,6 +182,7 @@ json inputsOf(const Project& project, const Shot& shot) {
     inputs["generated"] = {static_cast<int>(shot.generated->kind), shot.generated->seed,
                            shot.generated->guides.value_or(0), shot.generated->grooms};
   if (shot.motion) inputs["motion"] = static_cast<int>(*shot.motion);
+  if (!shot.points.empty()) inputs["pointsPerSecond"] = shot.pointsPerSecond;
   if (shot.solver) inputs["solver"] = static_cast<int>(*shot.solver);
   if (shot.subSteps) inputs["subSteps"] = *shot.subSteps;
   if (shot.errorBound) inputs["errorBound"] = *shot.errorBound;
@@ -177,7 +190,7 @@ json inputsOf(const Project& project, const Shot& shot) {
 }
 
 // A glTF file and the buffers beside it.
-Result<std::vector<Path>> animationFiles(const Path& file) {
+Result<std::vector<Path>> gltfFiles(const Path& file) {
   std::vector<Path> files = {file};
   if (file.extension() != ".gltf") return files;
   const auto parsed = loadJson(file.string());
@@ -190,6 +203,23 @@ Result<std::vector<Path>> animationFiles(const Path& file) {
             : "";
     if (!uri.empty() && uri.rfind("data:", 0) != 0) files.push_back(file.parent_path() / uri);
   }
+  return files;
+}
+
+// Files that move bones and vertices.
+Result<std::vector<Path>> animationFiles(const Shot& shot) {
+  std::vector<Path> files;
+  if (!shot.animation.empty()) {
+    auto gltf = gltfFiles(shot.animation);
+    if (!gltf) return gltf.error();
+    files = *std::move(gltf);
+  }
+  if (!shot.transforms.empty()) {
+    auto data = dataOfBoneStream(shot.transforms);
+    if (!data) return data.error();
+    files.insert(files.end(), {shot.transforms, *std::move(data)});
+  }
+  if (!shot.points.empty()) files.insert(files.end(), {shot.points, shot.pointMesh});
   return files;
 }
 
@@ -226,7 +256,7 @@ Result<Project> loadProject(const Path& path) {
   for (size_t i = 0; shots != nullptr && i < shots->size(); ++i) {
     const std::string pointer = fmt::format("/shots/{}", i);
     JsonMembers members((*shots)[i], pointer, faults, &defaults);
-    Shot shot = readShot(members, folder, faults);
+    Shot shot = readShot(members, folder, project.framesPerSecond, faults);
     members.finish();
     if (!shot.name.empty() && !names.insert(shot.name).second)
       members.fault("name", fmt::format("another shot is '{}'", shot.name));
@@ -253,24 +283,37 @@ uint64_t chunkCount(const Project& project, const Shot& shot) {
                  project.chunkFrames;
 }
 
-Result<uint64_t> fingerprintOf(const Project& project, const Shot& shot) {
+Result<SourceKey> FileHashes::of(const Path& path) {
+  std::error_code code;
+  const uint64_t size = std::filesystem::file_size(path, code);
+  const auto time =
+      code ? std::filesystem::file_time_type() : std::filesystem::last_write_time(path, code);
+  const auto found = known_.find(path);
+  if (!code && found != known_.end() && found->second.size == size && found->second.time == time)
+    return found->second.key;
+  auto key = sourceKeyOf(path);
+  if (!key) return key;
+  ++filesRead_;
+  if (!code) known_[path] = {size, time, *key};
+  return key;
+}
+
+Result<uint64_t> fingerprintOf(const Project& project, const Shot& shot, FileHashes& hashes) {
   std::vector<Path> files = shot.files.hairs;
   for (const auto* more : {&shot.files.bones, &shot.files.followHairs, &shot.files.meshes})
     files.insert(files.end(), more->begin(), more->end());
   for (const Path& one : {shot.files.cache, shot.settings})
     files.push_back(one.empty() ? Path("-") : one);
-  if (!shot.animation.empty()) {
-    auto animation = animationFiles(shot.animation);
-    if (!animation) return animation.error();
-    files.insert(files.end(), animation->begin(), animation->end());
-  }
+  auto moving = animationFiles(shot);
+  if (!moving) return moving.error();
+  files.insert(files.end(), moving->begin(), moving->end());
   json inputs = inputsOf(project, shot);
   for (const Path& file : files) {
     if (file == "-") {
       inputs["files"].push_back(nullptr);
       continue;
     }
-    const auto key = sourceKeyOf(file);
+    const auto key = hashes.of(file);
     if (!key) return key.error();
     inputs["files"].push_back({file.filename().string(), key->size, key->hash});
   }

@@ -4,12 +4,14 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "asset_files.h"
+#include "pelage/asset_cache.h"
 #include "pelage/demo/character.h"
 #include "pelage/headless.h"
 #include "pelage/result.h"
@@ -43,9 +45,16 @@ struct Shot {
   std::optional<GeneratedAssets> generated;  ///< in place of `files`
   bool collides = true;                      ///< with meshes
 
+  /// Whether something moves bones.
+  bool hasBones() const { return !animation.empty() || motion || !transforms.empty(); }
+
   std::filesystem::path animation;        ///< glTF; empty: none
   std::string clip;                       ///< empty: the first one
   std::optional<CharacterMotion> motion;  ///< in place of `animation`
+  std::filesystem::path transforms;       ///< loadBoneStream(), in place of `animation`
+  std::filesystem::path points;           ///< PointCache, beside all of these; empty: none
+  std::filesystem::path pointMesh;        ///< that it moves: loadSkinMesh()
+  double pointsPerSecond = 24;            ///< frames of the point cache [1/s]
   double animationStart = 0;              ///< time of the first frame [s]
 
   std::filesystem::path settings;  ///< empty: none
@@ -79,8 +88,26 @@ Result<Project> loadProject(const std::filesystem::path& path);
 FrameRange chunkOf(const Project& project, const Shot& shot, uint64_t chunk);
 uint64_t chunkCount(const Project& project, const Shot& shot);
 
+/// Hashes of files, each read once while its size and time stay. Threads: one at a time.
+class FileHashes {
+ public:
+  /// Errors: a file that cannot be read.
+  Result<SourceKey> of(const std::filesystem::path& path);
+  uint64_t filesRead() const { return filesRead_; }
+
+ private:
+  struct Known {
+    uint64_t size = 0;
+    std::filesystem::file_time_type time;
+    SourceKey key;
+  };
+  std::map<std::filesystem::path, Known> known_;
+  uint64_t filesRead_ = 0;
+};
+
 /// A key of all that the frames of a shot depend on: the project's and the shot's settings, and the
-/// bytes of all files. Errors: a file that cannot be read.
-Result<uint64_t> fingerprintOf(const Project& project, const Shot& shot);
+/// bytes of all files. \param hashes  of the files that shots share. Errors: a file that cannot be
+/// read.
+Result<uint64_t> fingerprintOf(const Project& project, const Shot& shot, FileHashes& hashes);
 
 }  // namespace pelage::bake

@@ -29,10 +29,11 @@ Result<void> plan(const PlanArguments& arguments, Session& session) {
   const auto project = loadProject(arguments.project);
   if (!project) return project.error();
   uint64_t frames = 0;
+  FileHashes hashes;
   for (const Shot& shot : project->shots) {
     frames += shot.frames.count();
     // Files that are not there are noticed now, and not on the farm.
-    if (const auto fingerprint = fingerprintOf(*project, shot); !fingerprint)
+    if (const auto fingerprint = fingerprintOf(*project, shot, hashes); !fingerprint)
       return Error{fingerprint.error().code,
                    fmt::format("shot '{}': {}", shot.name, fingerprint.error().message)};
   }
@@ -54,8 +55,9 @@ Result<void> status(const std::string& path, Session& session) {
   if (!project) return project.error();
   nlohmann::json shots = nlohmann::json::array();
   uint64_t complete = 0;
+  FileHashes hashes;
   for (const Shot& shot : project->shots) {
-    const auto status = statusOf(*project, shot);
+    const auto status = statusOf(*project, shot, hashes);
     if (!status) return status.error();
     complete += status->state == ShotState::kComplete ? 1 : 0;
     shots.push_back({{"name", shot.name},

@@ -123,7 +123,8 @@ Result<RunReport> ShotRun::run() {
   auto chunks = chunksOf(project_, shot_, range_);
   if (!chunks) return chunks.error();
   chunks_ = *std::move(chunks);
-  const auto fingerprint = fingerprintOf(project_, shot_);
+  FileHashes hashes;
+  const auto fingerprint = fingerprintOf(project_, shot_, hashes);
   if (!fingerprint) return fingerprint.error();
   fingerprint_ = *fingerprint;
   if (auto made = makeFolder(store_.folder()); !made) return made.error();

@@ -8,8 +8,11 @@
 #include <cstring>
 #include <utility>
 
+#include "bone_stream.h"
 #include "pelage/authoring/animation.h"
 #include "pelage/demo/groom.h"
+#include "point_cache.h"
+#include "skin_mesh.h"
 
 namespace pelage::bake {
 namespace {
@@ -83,33 +86,84 @@ std::string fileNameOf(std::string name) {
   return name;
 }
 
+void poseBy(Skeleton skeleton, std::function<std::vector<AffineTransform>(double)> world,
+            ShotInputs& inputs) {
+  for (const Bone& bone : skeleton.bones) inputs.bones.push_back(bone.name);
+  inputs.pose = [skeleton = std::move(skeleton), world = std::move(world)](double seconds) {
+    return skinningTransforms(skeleton, world(seconds));
+  };
+}
+
 // What moves the bones, and their names.
 Result<void> loadMotion(const Shot& shot, ShotInputs& inputs) {
+  inputs.pose = [](double) { return std::vector<AffineTransform>(1); };
   if (!shot.animation.empty()) {
     auto loaded = loadAnimation(shot.animation, shot.clip);
     if (!loaded) return loaded.error();
     const auto animation = std::make_shared<const SkeletonAnimation>(*std::move(loaded));
-    Skeleton skeleton = skeletonOf(*animation);
-    for (const Bone& bone : skeleton.bones) inputs.bones.push_back(bone.name);
-    inputs.pose = [animation, skeleton = std::move(skeleton)](double seconds) {
-      return skinningTransforms(skeleton, poseAt(*animation, seconds));
-    };
+    poseBy(
+        skeletonOf(*animation), [animation](double seconds) { return poseAt(*animation, seconds); },
+        inputs);
   } else if (shot.motion) {
-    Skeleton skeleton = characterSkeleton();
-    for (const Bone& bone : skeleton.bones) inputs.bones.push_back(bone.name);
-    inputs.pose = [motion = *shot.motion, skeleton = std::move(skeleton)](double seconds) {
-      return skinningTransforms(skeleton, poseCharacter(motion, seconds));
-    };
-  } else {
-    inputs.pose = [](double) { return std::vector<AffineTransform>(1); };
+    poseBy(
+        characterSkeleton(),
+        [motion = *shot.motion](double seconds) { return poseCharacter(motion, seconds); }, inputs);
+  } else if (!shot.transforms.empty()) {
+    auto loaded = loadBoneStream(shot.transforms);
+    if (!loaded) return loaded.error();
+    inputs.bones = loaded->bones;
+    inputs.pose = [stream = std::make_shared<const BoneStream>(*std::move(loaded))](
+                      double seconds) { return transformsAt(*stream, seconds); };
   }
-  if (!shot.animation.empty() || shot.motion)
-    for (const ShotHair& hair : inputs.hairs)
-      if (!hair.hair.bones)
-        return Error{ErrorCode::kInvalidArgument,
-                     fmt::format("shot '{}': the hair '{}' has no bones that the animation could "
-                                 "move; give it \"bones\", a .tfxbone file",
-                                 shot.name, hair.hair.name)};
+  return {};
+}
+
+Result<void> loadSkin(const Shot& shot, ShotInputs& inputs) {
+  auto mesh = loadSkinMesh(shot.pointMesh, shot.files.scale);
+  if (!mesh) return mesh.error();
+  auto opened = PointCache::open(shot.points);
+  if (!opened) return opened.error();
+  if (opened->pointCount() != mesh->positions.size())
+    return Error{
+        ErrorCode::kInvalidFile,
+        fmt::format("{}: byte 16: has {} points, and {} has {} vertices", shot.points.string(),
+                    opened->pointCount(), shot.pointMesh.string(), mesh->positions.size())};
+  const auto cache = std::make_shared<PointCache>(*std::move(opened));
+  inputs.skin = {*std::move(mesh),
+                 [cache, scale = shot.files.scale,
+                  rate = shot.pointsPerSecond](double seconds) -> Result<std::vector<Float3>> {
+                   auto positions = cache->positionsAt(seconds * rate);
+                   if (!positions) return positions;
+                   for (Float3& p : *positions) p = {scale * p.x, scale * p.y, scale * p.z};
+                   return positions;
+                 }};
+  return {};
+}
+
+// Each hair follows its bones, or the skin.
+Result<void> attach(const Shot& shot, ShotInputs& inputs) {
+  if (!shot.hasBones() && shot.points.empty()) return {};
+  for (ShotHair& hair : inputs.hairs) {
+    const auto refuse = [&](const char* text) {
+      return Error{ErrorCode::kInvalidArgument,
+                   fmt::format("shot '{}': the hair '{}' {}", shot.name, hair.hair.name, text)};
+    };
+    if (hair.hair.bones) {
+      if (shot.hasBones()) continue;
+      return refuse(
+          "has bones, and the animation moves none; leave out \"bones\", so that it "
+          "follows the skin");
+    }
+    if (!inputs.skin)
+      return refuse(
+          "has no bones that the animation could move; give it \"bones\", a .tfxbone "
+          "file, or let it follow the skin by \"points\" and \"mesh\"");
+    std::string warning;
+    auto table = bindToSkin(hair.hair.asset, inputs.skin->mesh, warning);
+    if (!table) return refuse(table.error().message.c_str());
+    hair.skin = *std::move(table);
+    if (!warning.empty()) inputs.warnings.push_back(hair.hair.name + ": " + warning);
+  }
   return {};
 }
 
@@ -142,7 +196,10 @@ Result<ShotInputs> loadShot(const Shot& shot) {
     if (!settings) return settings.error();
     inputs.settings = *std::move(settings);
   }
-  if (done = loadMotion(shot, inputs); !done) return done.error();
+  done = loadMotion(shot, inputs);
+  if (done && !shot.points.empty()) done = loadSkin(shot, inputs);
+  if (done) done = attach(shot, inputs);
+  if (!done) return done.error();
   return inputs;
 }
 
@@ -198,7 +255,11 @@ Result<void> ShotScene::addHair(const ShotHair& from, std::optional<uint32_t> su
   def.skeleton = skeleton_;
   def.storeFollowHairs = shot_->followHairs;
   std::vector<BoneInfluences> influences;
-  if (from.hair.bones) {
+  if (from.skin) {
+    def.skeleton = SkeletonId::kInvalid;
+    def.boneCount = from.hair.asset.strandCount;
+    influences = oneBoneAStrand(def.boneCount);
+  } else if (from.hair.bones) {
     auto found = mapped(from.hair.bones->bones, from.hair.bones->strands);
     if (!found) return found.error();
     influences = *std::move(found);
@@ -215,6 +276,7 @@ Result<void> ShotScene::addHair(const ShotHair& from, std::optional<uint32_t> su
   const auto id = scene_->addHair(from.hair.asset, def);
   if (!id) return id.error();
   apply(settings.object, scene_->hair(*id));
+  if (from.skin) onSkin_.push_back({*id, &*from.skin, std::vector<AffineTransform>(def.boneCount)});
 
   BakedHair baked = {from.hair.name, *id, from.hair.asset.verticesPerStrand, {}, 0};
   const std::vector<uint32_t>& counts = from.hair.asset.vertexCounts;
@@ -244,17 +306,53 @@ Result<void> ShotScene::addColliders() {
     apply(settings.collider, scene_->collider(*id));
     colliders_.push_back(*id);
   }
+  return inputs_->skin && shot_->collides ? addSkinCollider() : Result<void>();
+}
+
+// A bone for each vertex moves it from the rest shape.
+Result<void> ShotScene::addSkinCollider() {
+  SceneSettings settings;
+  if (inputs_->settings) inputs_->settings->apply(settings);
+  const CollisionMesh& mesh = inputs_->skin->mesh;
+  const auto id = scene_->addCollider(
+      mesh, {.name = "skin", .boneCount = static_cast<uint32_t>(mesh.positions.size())});
+  if (!id) return id.error();
+  apply(settings.collider, scene_->collider(*id));
+  colliders_.push_back(*id);
+  skin_ = *id;
   return {};
 }
 
-void ShotScene::pose(uint64_t step) {
+Result<void> ShotScene::poseSkin(double seconds) {
+  const auto positions = inputs_->skin->positions(seconds);
+  if (!positions) return positions.error();
+  const std::span<const Float3> part = *positions;
+  for (SkinnedHair& hair : onSkin_) {
+    if (auto done = rootTransforms(*hair.table, std::span(&part, 1), hair.roots); !done)
+      return done;
+    scene_->hair(hair.id).setBones(hair.roots);
+  }
+  if (!skin_) return {};
+  std::vector<AffineTransform> bones(part.size());
+  for (size_t i = 0; i < bones.size(); ++i) {
+    const Float3& rest = inputs_->skin->mesh.positions[i];
+    bones[i].rows[0].w = part[i].x - rest.x;
+    bones[i].rows[1].w = part[i].y - rest.y;
+    bones[i].rows[2].w = part[i].z - rest.z;
+  }
+  scene_->collider(*skin_).setBones(bones);
+  return {};
+}
+
+Result<void> ShotScene::pose(uint64_t step) {
   const uint64_t frame = step > preRoll_ ? step - preRoll_ : 0;
   const double seconds = shot_->animationStart + static_cast<double>(frame) / framesPerSecond_;
   scene_->skeleton(skeleton_).setBones(inputs_->pose(seconds));
+  return inputs_->skin ? poseSkin(seconds) : Result<void>();
 }
 
 Result<Frame> ShotScene::simulate(uint64_t step) {
-  pose(step);
+  if (auto posed = pose(step); !posed) return posed.error();
   return scene_->simulate(static_cast<float>(1 / framesPerSecond_));
 }
 

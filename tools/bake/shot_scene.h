@@ -14,6 +14,7 @@
 #include "pelage/headless.h"
 #include "pelage/scene.h"
 #include "pelage/settings/settings_file.h"
+#include "pelage/skin_table.h"
 #include "project.h"
 
 namespace pelage::bake {
@@ -23,6 +24,14 @@ struct ShotHair {
   CachedHair hair;
   SimulationSettings settings;
   FollowDef follow;
+  std::optional<SkinTable> skin = {};  ///< roots on ShotInputs::skin, in place of bones
+};
+
+/// A mesh that a point cache moves: hair without bones follows it, and all hair collides with it.
+struct ShotSkin {
+  CollisionMesh mesh;
+  /// Its vertices at a time [s] from the cache's first sample [m]. Errors: those of the cache.
+  std::function<Result<std::vector<Float3>>(double seconds)> positions;
 };
 
 /// Everything that a shot is made of, loaded.
@@ -34,11 +43,12 @@ struct ShotInputs {
   std::vector<std::string> bones;
   /// [bone] bind space to world at a time [s].
   std::function<std::vector<AffineTransform>(double seconds)> pose;
+  std::optional<ShotSkin> skin;
   std::vector<std::string> warnings;
 };
 
-/// Errors: those of the loaders; hair without bones for an animation, bones that it does not have,
-/// two grooms of one name.
+/// Errors: those of the loaders; hair that nothing moves, or that bones move which the animation
+/// does not have; a point cache of another mesh; two grooms of one name.
 Result<ShotInputs> loadShot(const Shot& shot);
 
 /// What is baked of a groom.
@@ -88,7 +98,9 @@ class ShotScene {
   Result<void> addColliders();
   Result<std::vector<BoneInfluences>> mapped(const std::vector<BoneName>& bones,
                                              const std::vector<BoneInfluences>& influences) const;
-  void pose(uint64_t step);
+  Result<void> addSkinCollider();
+  Result<void> pose(uint64_t step);
+  Result<void> poseSkin(double seconds);
   Result<Frame> simulate(uint64_t step);
 
   std::unique_ptr<Scene> scene_ = std::make_unique<Scene>();
@@ -99,6 +111,14 @@ class ShotScene {
   SkeletonId skeleton_ = SkeletonId::kInvalid;
   std::vector<BakedHair> hairs_;
   std::vector<ColliderId> colliders_;
+  /// Hair on the skin, and the motion of its roots so far.
+  struct SkinnedHair {
+    HairId id = {};
+    const SkinTable* table = nullptr;
+    std::vector<AffineTransform> roots;
+  };
+  std::vector<SkinnedHair> onSkin_;
+  std::optional<ColliderId> skin_;
 };
 
 }  // namespace pelage::bake
