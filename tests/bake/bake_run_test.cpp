@@ -223,6 +223,24 @@ TEST_F(Bake, GoesOnBehindAnInterruptionAtAnyFrame) {
   EXPECT_EQ(contentsOf(project.output / "s" / "done.json"),
             contentsOf(whole.output / "s" / "done.json"));
 
+  // With time to go on to the end of a chunk, no frame is simulated twice: interrupted in the
+  // pre-roll, and in the second chunk.
+  const Project graced = load("graced");
+  steps = 0;
+  for (const uint64_t frames : {1u, 6u, 100u}) {
+    uint64_t left = frames;
+    RunOptions options;
+    options.graceSeconds = 600;
+    options.interrupted = [&] { return left == 0; };
+    options.progress = [&](uint64_t, uint64_t) { left -= left > 0 ? 1 : 0; };
+    report = runAll(graced, options);
+    EXPECT_EQ(report.resumedSteps, steps);
+    steps += report.stepsRun;
+    EXPECT_EQ(steps, frames == 1 ? 1u : frames == 6 ? 9u : 20u);
+  }
+  EXPECT_EQ(report.outcome, RunOutcome::kComplete);
+  EXPECT_TRUE(cacheOf(graced) == expected());
+
   // A complete shot is left alone; a change of its inputs is noticed.
   report = runAll(project);
   EXPECT_TRUE(report.wasComplete);

@@ -1,5 +1,6 @@
 // run: simulates a shot, or goes on with it.
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <csignal>
@@ -18,16 +19,19 @@ namespace {
 struct RunArguments {
   std::string project, shot, frames, device, errorBound;
   uint32_t threads = 0;
+  double grace = 10;
   bool noWait = false, restart = false;
 };
 
 volatile std::sig_atomic_t g_interrupted = 0;
 
-// Schedulers send SIGTERM some time before SIGKILL.
+// Schedulers send SIGTERM some time before SIGKILL. Who presses Ctrl-C once more has no time.
 void watchSignals() {
-  const auto note = [](int) { g_interrupted = 1; };
-  std::signal(SIGINT, note);
-  std::signal(SIGTERM, note);
+  std::signal(SIGTERM, [](int) { g_interrupted = 1; });
+  std::signal(SIGINT, [](int) {
+    if (g_interrupted != 0) ::_exit(kRunAgain);
+    g_interrupted = 1;
+  });
   // A file that grows over a limit is an error of the write.
   std::signal(SIGXFSZ, SIG_IGN);
 }
@@ -114,6 +118,7 @@ Result<void> run(const RunArguments& arguments, Session& session, int& exitCode)
   options.wait = !arguments.noWait;
   options.restart = arguments.restart;
   options.threads = arguments.threads;
+  options.graceSeconds = arguments.grace;
   options.progress = [&](uint64_t done, uint64_t total) {
     session.progress(fmt::format("{} {}/{}", shot.name, done, total), done, total);
   };
@@ -151,6 +156,12 @@ void addRunCommand(CLI::App& app, Session& session, int& exitCode) {
                    "Threads that encode frames while the next ones are simulated; as many as the "
                    "machine has cores if it is not given")
       ->check(CLI::Range(1, 1024).description(""));
+  command
+      ->add_option(
+          "--grace", arguments->grace,
+          "Seconds that it may go on to the end of a chunk when it is interrupted (SIGINT, "
+          "SIGTERM), so that the next run repeats nothing; 10 if it is not given")
+      ->check(CLI::Range(0.0, 3600.0).description(""));
   command->add_flag("--no-wait", arguments->noWait,
                     "Exit with 75 if another process has these frames, in place of waiting for it");
   command->add_flag("--restart", arguments->restart, "Remove what the shot has, and begin anew");

@@ -70,7 +70,9 @@ class ShotRun {
   Result<void> simulate(const std::vector<uint64_t>& missing);
   Result<void> runChunk(uint64_t chunk);
   Result<void> runStep();
-  Result<void> checkpoint(uint64_t chunk);
+  bool isInGrace(int64_t frames);
+  bool isCheckpoint(uint64_t chunk, bool stops) const;
+  Result<void> checkpoint();
   Result<void> finish();
   Result<void> keep(const Path& path, std::vector<StoredFile>& files) const;
   Result<std::vector<StoredFile>> joinChunks(const std::vector<std::string>& hairs) const;
@@ -98,6 +100,9 @@ class ShotRun {
   std::optional<ChunkWriter> writer_;
   uint64_t steps_ = 0;                     ///< that the scene has run
   uint64_t firstStep_ = 0, lastStep_ = 0;  ///< of this run, for progress
+  std::chrono::steady_clock::time_point stepEnd_;
+  double stepSeconds_ = 0;  ///< of the last step, with what is read and waited for
+  std::optional<std::chrono::steady_clock::time_point> stoppedAt_;
 };
 
 Result<bool> ShotRun::isComplete() {
@@ -255,6 +260,8 @@ Result<void> ShotRun::runStep() {
   if (auto done = scene_->run(steps_, *device_); !done) return done;
   ++steps_;
   ++report_.stepsRun;
+  const auto now = std::chrono::steady_clock::now();
+  stepSeconds_ = std::chrono::duration<double>(now - std::exchange(stepEnd_, now)).count();
   if (options_.progress) options_.progress(steps_ - firstStep_, lastStep_ - firstStep_);
   return {};
 }
@@ -265,13 +272,17 @@ Result<void> ShotRun::simulate(const std::vector<uint64_t>& missing) {
   lastStep_ = scene_->stepOf(chunkOf(project_, shot_, missing.back()).last) + 1;
   writer_.emplace(project_, shot_, scene_->hairs(), tag_, threadsOf(options_));
   Result<void> done;
+  stepEnd_ = start;
   for (const uint64_t chunk : missing) {
-    const uint64_t first = scene_->stepOf(chunkOf(project_, shot_, chunk).first);
-    while (done && !stopped() && steps_ < first) done = runStep();
-    if (!done || stopped()) break;
-    done = runChunk(chunk);
-    if (!done || stopped()) break;
-    if (done = checkpoint(chunk); !done) break;
+    const FrameRange frames = chunkOf(project_, shot_, chunk);
+    while (done && !stopped() && steps_ < scene_->stepOf(frames.first)) done = runStep();
+    if (done && !stopped()) done = runChunk(chunk);
+    if (!done) break;
+    const bool between =
+        steps_ <= scene_->stepOf(frames.first) || steps_ > scene_->stepOf(frames.last);
+    const bool stops = stopped();
+    if (between && isCheckpoint(chunk, stops)) done = checkpoint();
+    if (!done || stops) break;
   }
   if (done && stopped() && steps_ < lastStep_) report_.outcome = RunOutcome::kInterrupted;
   // What is complete is written, whatever ended the run.
@@ -287,7 +298,7 @@ Result<void> ShotRun::simulate(const std::vector<uint64_t>& missing) {
 Result<void> ShotRun::runChunk(uint64_t chunk) {
   const FrameRange frames = chunkOf(project_, shot_, chunk);
   for (int64_t frame = frames.first; frame <= frames.last; ++frame) {
-    if (stopped()) return {};
+    if (stopped() && !isInGrace(frames.last - frame + 1)) return {};
     if (auto done = runStep(); !done) return done;
     const auto start = std::chrono::steady_clock::now();
     std::vector<std::vector<std::byte>> positions;
@@ -303,11 +314,24 @@ Result<void> ShotRun::runChunk(uint64_t chunk) {
   return {};
 }
 
-// Behind every n-th chunk, and behind the range where another one goes on.
-Result<void> ShotRun::checkpoint(uint64_t chunk) {
+// Whether frames take no longer than an interrupted run may go on.
+bool ShotRun::isInGrace(int64_t frames) {
+  const auto now = std::chrono::steady_clock::now();
+  if (!stoppedAt_) stoppedAt_ = now;
+  const double since = std::chrono::duration<double>(now - *stoppedAt_).count();
+  return since + static_cast<double>(frames) * stepSeconds_ <= options_.graceSeconds;
+}
+
+// Behind every n-th chunk, behind the range where another one goes on, and where the run ends
+// early.
+bool ShotRun::isCheckpoint(uint64_t chunk, bool stops) const {
+  if (stops) return options_.graceSeconds > 0 && steps_ > report_.resumedSteps;
   const FrameRange frames = chunkOf(project_, shot_, chunk);
-  if (frames.last == shot_.frames.last) return {};
-  if ((chunk + 1) % project_.checkpointChunks != 0 && frames.last != range_.last) return {};
+  return (chunk + 1) % project_.checkpointChunks == 0 || frames.last == range_.last;
+}
+
+Result<void> ShotRun::checkpoint() {
+  if (steps_ == scene_->stepCount()) return {};
   const auto saved =
       saveCheckpoint(store_.checkpointFile(steps_), tag_, key(steps_), *scene_, *device_);
   if (!saved) return saved.error();
@@ -315,7 +339,7 @@ Result<void> ShotRun::checkpoint(uint64_t chunk) {
   if (auto written = writer_->flush(); !written) return written;
   std::error_code ignored;
   for (const uint64_t steps : store_.checkpoints())
-    if (steps > scene_->stepOf(range_.first) && steps < steps_)
+    if (steps < steps_ && (steps > scene_->stepOf(range_.first) || steps < shot_.preRoll))
       std::filesystem::remove(store_.checkpointFile(steps), ignored);
   return {};
 }

@@ -23,8 +23,11 @@ struct RunOptions {
   uint32_t threads = 0;             ///< that encode; 0: as many as the machine has cores
   /// Frames that have run and frames to run, the pre-roll included.
   std::function<void(uint64_t done, uint64_t total)> progress;
-  /// Ends the run behind the frame at hand when it returns true.
+  /// Ends the run when it returns true: with a checkpoint before the frames to write; else behind
+  /// the chunk at hand with a checkpoint, if its other frames take no more than `graceSeconds`, or
+  /// behind the frame at hand. With 0 it writes no checkpoint.
   std::function<bool()> interrupted;
+  double graceSeconds = 0;
   std::function<void(const std::string& text)> warn;
 };
 
