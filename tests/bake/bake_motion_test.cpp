@@ -13,6 +13,7 @@
 #include "bake/bake_folder.h"
 #include "bake/point_file.h"
 #include "bone_stream.h"
+#include "obj_mesh.h"
 #include "pelage/skeleton.h"
 #include "point_cache.h"
 #include "skin_mesh.h"

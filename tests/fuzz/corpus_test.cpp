@@ -26,6 +26,7 @@ constexpr Target kTargets[] = {
 #if PELAGE_FUZZ_CURVES
     {"hair", hair},       {"hairtxt", hairtxt},     {"obj", obj},
     {"gltf", gltf},       {"tfxcurves", tfxcurves}, {"animation", animation},
+    {"pc2", pc2},         {"skinobj", skinobj},
 #endif
 };
 

@@ -1,8 +1,10 @@
 // Writes the corpus: small files of each format that are valid and have all of its parts. Their
 // names start with "valid"; what the fuzzers find goes beside them under other names.
+#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <span>
 #include <string>
 
 #include "pelage/asset_cache.h"
@@ -113,6 +115,21 @@ bool writeHairCache(const std::filesystem::path& path, HairCacheDef def) {
   return writer->close().ok();
 }
 
+// Two samples of two points, two frames apart.
+std::vector<std::byte> pointCache() {
+  std::vector<std::byte> bytes;
+  const auto put = [&](const auto& value) {
+    const auto part = std::as_bytes(std::span(&value, 1));
+    bytes.insert(bytes.end(), part.begin(), part.end());
+  };
+  put(std::array<char, 12>{'P', 'O', 'I', 'N', 'T', 'C', 'A', 'C', 'H', 'E', '2', '\0'});
+  put(std::array<int32_t, 2>{1, 2});
+  put(std::array<float, 2>{1, 2});
+  put(int32_t{2});
+  put(std::array<float, 12>{0, 0, 0, 1, 0, 0, 0, 4, 0, 1, 0, -8});
+  return bytes;
+}
+
 int makeCorpus(const std::filesystem::path& root) {
   write(folderOf(root, "tfx") / "valid_plain.tfx", *saveTfx(makeAsset(false)));
   auto full = *saveTfx(makeAsset(true));
@@ -189,6 +206,10 @@ int makeCorpus(const std::filesystem::path& root) {
         R"(AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAA"}]})");
   write(folderOf(root, "tfxcurves") / "valid_4.tfx", *saveTfx(makeAsset(true)));
   write(folderOf(root, "animation") / "valid.gltf", animationText());
+  write(folderOf(root, "pc2") / "valid.pc2", pointCache());
+  write(folderOf(root, "skinobj") / "valid.obj",
+        "# quad\r\nv 0 0 0\nv 1 0 0 1\nv 1 1e0 0\nv 0 1 -0.5\nvn 0 0 1\nf 1//1 2//1 3/1/1 4\n"
+        "f -4 -3 -1\n");
   return 0;
 }
 

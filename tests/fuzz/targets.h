@@ -38,6 +38,9 @@ Outcome gltf(std::span<const std::byte> bytes);
 Outcome tfxcurves(std::span<const std::byte> bytes);
 /// Clips of .gltf and .glb files (tools/authoring).
 Outcome animation(std::span<const std::byte> bytes);
+// What moves the skin of bakes (tools/bake).
+Outcome pc2(std::span<const std::byte> bytes);
+Outcome skinobj(std::span<const std::byte> bytes);
 
 /// The name that loaders get; errors must start with it.
 inline constexpr const char* kName = "fuzz";

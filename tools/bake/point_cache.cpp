@@ -2,9 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
-#include <span>
-#include <utility>
 
 #include "sample_time.h"
 
@@ -32,7 +31,7 @@ Error PointCache::fail(uint64_t byte, std::string_view what) const {
 
 Result<void> PointCache::readAt(uint64_t offset, std::span<std::byte> out) {
   for (size_t at = 0; at < out.size();) {
-    const size_t got = file_.read(offset + at, out.subspan(at));
+    const size_t got = source_->read(offset + at, out.subspan(at));
     if (got == 0) return fail(offset + at, "cannot be read");
     at += got;
   }
@@ -42,8 +41,12 @@ Result<void> PointCache::readAt(uint64_t offset, std::span<std::byte> out) {
 Result<PointCache> PointCache::open(const std::filesystem::path& path) {
   auto file = FileSource::open(path);
   if (!file) return file.error();
-  const uint64_t size = file->size();
-  PointCache cache(*std::move(file), path.string());
+  return open(std::make_unique<FileSource>(*std::move(file)), path.string());
+}
+
+Result<PointCache> PointCache::open(std::unique_ptr<ByteSource> source, std::string name) {
+  const uint64_t size = source->size();
+  PointCache cache(std::move(source), std::move(name));
   Header header;
   if (size < sizeof(header)) return cache.fail(size, "ends within its header of 32 bytes");
   if (auto done = cache.readAt(0, std::as_writable_bytes(std::span(&header, 1))); !done)

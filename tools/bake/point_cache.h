@@ -5,7 +5,11 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "pelage/result.h"
@@ -20,6 +24,8 @@ class PointCache {
   /// Errors name the byte: no .pc2 file of version 1, a number of points or samples below 1, a
   /// sample rate that is not positive, a file that is shorter or longer than they say.
   static Result<PointCache> open(const std::filesystem::path& path);
+  /// The same from any source; `name` names it in errors.
+  static Result<PointCache> open(std::unique_ptr<ByteSource> source, std::string name);
 
   uint32_t pointCount() const { return pointCount_; }
   uint32_t sampleCount() const { return sampleCount_; }
@@ -36,12 +42,13 @@ class PointCache {
     uint64_t number = UINT64_MAX;
     std::vector<Float3> positions;
   };
-  PointCache(FileSource file, std::string name) : file_(std::move(file)), name_(std::move(name)) {}
+  PointCache(std::unique_ptr<ByteSource> source, std::string name)
+      : source_(std::move(source)), name_(std::move(name)) {}
   Error fail(uint64_t byte, std::string_view what) const;
   Result<void> readAt(uint64_t offset, std::span<std::byte> out);
   Result<const Sample*> sample(uint64_t number);
 
-  FileSource file_;
+  std::unique_ptr<ByteSource> source_;
   std::string name_;
   uint32_t pointCount_ = 0, sampleCount_ = 0;
   double framesPerSample_ = 1;
