@@ -85,7 +85,7 @@ class Bake : public testing::Test {
     EXPECT_TRUE(project) << project.error().message;
     return *std::move(project);
   }
-  RunReport runAll(const Project& project, RunOptions options = {}) {
+  RunReport runAll(const Project& project, const RunOptions& options = {}) {
     auto done = runShot(project, project.shots[0], options);
     EXPECT_TRUE(done) << done.error().message;
     return done ? *done : RunReport();
