@@ -95,22 +95,28 @@ float mix(float a, float b, double share) {
   return static_cast<float>(a + (static_cast<double>(b) - a) * share);
 }
 
-// On the shortest arc, at equal speed.
-Quaternion slerp(const Float4& a, Float4 b, double share) {
-  double cosine = double{a.x} * b.x + double{a.y} * b.y + double{a.z} * b.z + double{a.w} * b.w;
-  const double sign = cosine < 0 ? -1 : 1;
-  cosine = std::min(sign * cosine, 1.0);
-  const double angle = std::acos(cosine), sine = std::sin(angle);
-  double first = 1 - share, second = share;
-  if (sine > 1e-6) {
-    first = std::sin(first * angle) / sine;
-    second = std::sin(second * angle) / sine;
+// On the shortest arc, at equal speed: halves the arc until it is a line. This takes square roots
+// alone, which have the same bits on every machine, and the sines of the C library have not.
+Quaternion slerp(const Float4& from, const Float4& to, double share) {
+  std::array<double, 4> a = {from.x, from.y, from.z, from.w}, b = {to.x, to.y, to.z, to.w};
+  if (a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] < 0)
+    for (double& x : b) x = -x;
+  for (int halves = 0; halves < 24; ++halves) {
+    std::array<double, 4> middle = {};
+    for (size_t i = 0; i < 4; ++i) middle[i] = a[i] + b[i];
+    const double length = std::sqrt(middle[0] * middle[0] + middle[1] * middle[1] +
+                                    middle[2] * middle[2] + middle[3] * middle[3]);
+    for (double& x : middle) x /= length;
+    share *= 2;
+    if (share < 1) {
+      b = middle;
+    } else {
+      a = middle;
+      share -= 1;
+    }
   }
-  second *= sign;
-  return {static_cast<float>(first * a.x + second * b.x),
-          static_cast<float>(first * a.y + second * b.y),
-          static_cast<float>(first * a.z + second * b.z),
-          static_cast<float>(first * a.w + second * b.w)};
+  const auto mixed = [&](size_t i) { return static_cast<float>(a[i] + (b[i] - a[i]) * share); };
+  return {mixed(0), mixed(1), mixed(2), mixed(3)};
 }
 
 // M = R S of both, with the rotation R next to M.
