@@ -68,6 +68,28 @@ TEST_F(UsdCurves, NumbersReadBackToTheSameBits) {
   EXPECT_EQ(file.find("inf"), std::string::npos);
 }
 
+TEST_F(UsdCurves, SeveralThreadsWriteTheBytesOfOne) {
+  UsdCurvesDef def;
+  def.vertexCounts.assign(7000, 5);  // 9 pieces of text, more than 2 threads have at a time
+  std::string expected;
+  for (const uint32_t threads : {1u, 0u, 2u, 5u}) {
+    auto writer = UsdCurvesWriter::create(folder_ / "a.usda", def, threads);
+    ASSERT_TRUE(writer) << writer.error().message;
+    std::vector<Float3> frame(35000);
+    for (int f = 0; f < 2; ++f) {
+      for (size_t i = 0; i < frame.size(); ++i)
+        frame[i] = {0.1f * static_cast<float>(i), 1.0f / static_cast<float>(i + 3), -frame[i].x};
+      ASSERT_TRUE(writer->append(frame));
+    }
+    ASSERT_TRUE(writer->close());
+    if (threads == 1) expected = text("a.usda");
+    EXPECT_TRUE(text("a.usda") == expected) << threads << " threads";
+  }
+  size_t parentheses = 0;
+  for (const char c : expected) parentheses += c == '(' ? 1 : 0;
+  EXPECT_GE(parentheses, 4 * 35000u);
+}
+
 TEST_F(UsdCurves, AFileThatWasNotClosedIsNotThere) {
   const std::vector<Float3> frame(5);
   {

@@ -76,7 +76,8 @@ class ShotRun {
   Result<void> finish();
   Result<void> keep(const Path& path, std::vector<StoredFile>& files) const;
   Result<std::vector<StoredFile>> joinChunks(const std::vector<std::string>& hairs) const;
-  Result<std::vector<StoredFile>> joinHair(const std::string& hair, float width) const;
+  Result<std::vector<StoredFile>> joinHair(const std::string& hair, float width,
+                                           uint32_t threads) const;
   Result<void> commit(std::vector<StoredFile> files);
   bool stopped() const { return options_.interrupted && options_.interrupted(); }
   void warn(const std::string& text) const {
@@ -389,16 +390,17 @@ Result<std::vector<StoredFile>> ShotRun::joinChunks(const std::vector<std::strin
     loaded->apply(settings);
   }
   const float width = 2 * settings.material.fiberRadius;
+  const uint32_t threads = threadsOf(options_);
+  const uint32_t atOnce = std::clamp(static_cast<uint32_t>(hairs.size()), 1u, threads);
   std::vector<Result<std::vector<StoredFile>>> joined(hairs.size(), std::vector<StoredFile>());
   std::atomic<size_t> next = 0;
   const auto join = [&] {
     for (size_t i = next++; i < hairs.size(); i = next++)
-      joined[i] = guarded([&] { return joinHair(hairs[i], width); });
+      joined[i] = guarded([&] { return joinHair(hairs[i], width, threads / atOnce); });
   };
   {
     std::vector<std::jthread> others;
-    const size_t threads = std::min<size_t>(threadsOf(options_), hairs.size());
-    while (others.size() + 1 < threads) others.emplace_back(join);
+    while (others.size() + 1 < atOnce) others.emplace_back(join);
     join();
   }
   std::vector<StoredFile> files;
@@ -410,7 +412,8 @@ Result<std::vector<StoredFile>> ShotRun::joinChunks(const std::vector<std::strin
 }
 
 // The files of a groom.
-Result<std::vector<StoredFile>> ShotRun::joinHair(const std::string& hair, float width) const {
+Result<std::vector<StoredFile>> ShotRun::joinHair(const std::string& hair, float width,
+                                                  uint32_t threads) const {
   std::vector<StoredFile> files;
   std::vector<Path> parts;
   for (uint64_t i = 0; i < chunkCount(project_, shot_); ++i)
@@ -420,7 +423,8 @@ Result<std::vector<StoredFile>> ShotRun::joinHair(const std::string& hair, float
   if (auto done = keep(cache, files); !done) return done.error();
   if (!project_.usd) return files;
   const Path usd = store_.folder() / (hair + ".usda");
-  if (auto done = writeUsd(cache, width, temporaryName(usd, tag_)); !done) return done.error();
+  if (auto done = writeUsd(cache, width, temporaryName(usd, tag_), threads); !done)
+    return done.error();
   if (auto done = keep(usd, files); !done) return done.error();
   return files;
 }

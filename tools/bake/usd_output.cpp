@@ -24,7 +24,7 @@ std::string primName(std::string name) {
 }  // namespace
 
 Result<void> writeUsd(const std::filesystem::path& cache, float width,
-                      const std::filesystem::path& path) {
+                      const std::filesystem::path& path, uint32_t threads) {
   auto reader = HairCacheReader::open(cache);
   if (!reader) return reader.error();
   const HairCacheDef& from = reader->def();
@@ -37,7 +37,7 @@ Result<void> writeUsd(const std::filesystem::path& cache, float width,
   std::iota(def.strandIds.begin(), def.strandIds.end(), uint64_t{0});
   def.framesPerSecond = from.framesPerSecond;
   def.firstFrame = from.firstFrame;
-  auto writer = UsdCurvesWriter::create(path, std::move(def));
+  auto writer = UsdCurvesWriter::create(path, std::move(def), threads);
   if (!writer) return writer.error();
   std::vector<Float3> positions(reader->vertexCount());
   for (uint64_t frame = 0; frame < reader->frameCount(); ++frame) {

@@ -2,9 +2,11 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -39,7 +41,8 @@ UsdCurvesDef curvesOf(const HairCacheDef& cache, const UsdOptions& options) {
 Result<void> writeUsd(const UsdOptions& options, Session& session) {
   auto reader = HairCacheReader::open(options.cache);
   if (!reader) return reader.error();
-  auto writer = UsdCurvesWriter::create(options.output, curvesOf(reader->def(), options));
+  auto writer = UsdCurvesWriter::create(options.output, curvesOf(reader->def(), options),
+                                        std::max(std::thread::hardware_concurrency(), 1u));
   if (!writer) return writer.error();
   std::vector<Float3> positions(reader->vertexCount());
   const uint64_t frames = reader->frameCount();
