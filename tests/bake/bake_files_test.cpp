@@ -255,27 +255,39 @@ TEST_F(Writer, AnErrorReachesTheNextCallsAndChunksBeforeItStay) {
   EXPECT_EQ(store.chunk(0, true).size(), 1u);
 }
 
-TEST(SubSteps, TheErrorIsThatOfNinetyNinePercent) {
+TEST(SubSteps, TheErrorIsThatOfAShare) {
   std::vector<Float3> a(1000), b(1000);
   for (size_t i = 0; i < b.size(); ++i) b[i] = {0, i < 5 ? 1.0f : 0.001f, 0};
-  const auto error = compare(a, b);
+  const auto error = compare(a, b, {1e-2, 0.99});
   ASSERT_TRUE(error);
   EXPECT_FLOAT_EQ(static_cast<float>(error->error), 0.001f);
   EXPECT_FLOAT_EQ(static_cast<float>(error->largest), 1);
+  EXPECT_FLOAT_EQ(static_cast<float>(error->mean), (5 * 1 + 995 * 0.001f) / 1000);
+  EXPECT_DOUBLE_EQ(error->within, 0.995);
+  const auto all = compare(a, b, {1e-4, 1});
+  ASSERT_TRUE(all);
+  EXPECT_FLOAT_EQ(static_cast<float>(all->error), 1);
+  EXPECT_EQ(all->within, 0);
   b[999].z = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_FALSE(compare(a, b));
+  EXPECT_FALSE(compare(a, b, {1e-2, 0.99}));
   EXPECT_EQ(sampleSteps(5, 24), (std::vector<std::pair<uint64_t, uint64_t>>{{5, 28}}));
   EXPECT_EQ(sampleSteps(0, 100),
             (std::vector<std::pair<uint64_t, uint64_t>>{{0, 7}, {46, 53}, {92, 99}}));
 }
 
 TEST(SubSteps, TheChoiceIsReadBack) {
-  const SubStepChoice choice = {1e-3, {{1, 2e-3, 4e-3, 0.1, 0.2}, {2, 5e-4, 1e-3, 0.2, 0.4}}};
+  const SubStepChoice choice = {
+      {1e-3, 0.9},
+      {{1, 2e-3, 1e-3, 4e-3, 0.5, 0.1, 0.2}, {2, 5e-4, 2e-4, 1e-3, 0.95, 0.2, 0.4}},
+      3e-6};
   const auto read = subStepsOf(toJson(choice), "x");
   ASSERT_TRUE(read);
   ASSERT_EQ(read->tried.size(), 2u);
   EXPECT_EQ(read->tried[1].subSteps, 2u);
   EXPECT_EQ(read->tried[1].error, 5e-4);
+  EXPECT_EQ(read->tried[1].within, 0.95);
+  EXPECT_EQ(read->bound.share, 0.9);
+  EXPECT_EQ(read->sensitivity, 3e-6);
   EXPECT_FALSE(subStepsOf(nlohmann::json::parse("{\"bound\": 1, \"tried\": []}"), "x"));
   EXPECT_FALSE(subStepsOf(nlohmann::json::parse("[1]"), "x"));
 }

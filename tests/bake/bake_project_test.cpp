@@ -74,6 +74,7 @@ TEST(Project, WhatIsWrongIsNamedByItsPointer) {
            {"[1, 20]", "[1, 2000000]", "/shots/0/frames: are more than"},
            {"\"0.5mm\"", "\"0.5 furlongs\"", "/shots/0/errorBound: must be a length"},
            {"\"0.5mm\"", "\"0.5mm\", \"subSteps\": 3", "/shots/0/errorBound: chooses"},
+           {"\"0.5mm\"", "\"0.5mm\", \"errorShare\": 2", "/shots/0/errorShare"},
            {"\"0.5mm\"", "\"0.5mm\", \"solver\": \"classic\"", "/shots/0/errorBound: is for"},
            {"\"subSteps\": 4", "\"subSteps\": 33", "/shots/1/subSteps: must be a whole number"},
            {"\"strands\": \"all\"", "\"strands\": true", "/shots/1/strands: must be one of"},

@@ -431,5 +431,25 @@ TEST_F(Bake, AnErrorBoundChoosesTheSubSteps) {
   EXPECT_EQ(tight->choice->tried.front().error, one.error) << "the same samples";
 }
 
+// Strands that lie on a head that shakes: a difference of a millionth of gravity becomes one of
+// millimeters, which no number of sub-steps can be told from.
+TEST_F(Bake, ContactsThatMultiplyDifferencesAreNamed) {
+  const auto project = loadProject(folder_.write(
+      "sensitive.json",
+      R"({"version": 1, "output": "sensitive", "shots": [{"name": "s", "frames": [1, 6],
+      "assets": {"generated": {"kind": "head", "guides": 40}}, "animation": {"motion": "shake"},
+      "errorBound": "50um", "errorShare": 0.95}]})"));
+  ASSERT_TRUE(project) << project.error().message;
+  const auto done = runShot(*project, project->shots[0], {});
+  ASSERT_FALSE(done);
+  const std::string& message = done.error().message;
+  EXPECT_NE(message.find("keeps 95 % of the vertices within 0.05 mm"), std::string::npos)
+      << message;
+  EXPECT_NE(message.find("mm is what 1e-5 m/s2 more of gravity makes"), std::string::npos)
+      << message;
+  EXPECT_NE(message.find("mm with 2 sub-steps, and"), std::string::npos)
+      << "more were tried: " << message;
+}
+
 }  // namespace
 }  // namespace pelage::bake

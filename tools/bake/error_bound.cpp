@@ -14,18 +14,21 @@ namespace {
 using nlohmann::json;
 
 constexpr uint64_t kSamples = 3, kSampleFrames = 8;
-constexpr uint32_t kMaxSubSteps = 16;  // half the step is 32, the most there are
-constexpr double kShare = 0.99;
+constexpr uint32_t kMaxSubSteps = 16;    // half the step is 32, the most there are
+constexpr uint32_t kProbedSubSteps = 4;  // of the sensitivity
+constexpr float kPush = 1e-5f;           // m/s2: 20 units in the last place of gravity
 
 struct Samples {
   std::vector<Float3> positions;
   double secondsPerFrame = 0;
 };
 
+// \param push  added to the acceleration downwards [m/s2]
 Result<Samples> sample(const ShotInputs& inputs, const Shot& shot, double framesPerSecond,
-                       uint32_t subSteps, const DeviceMaker& makeDevice) {
+                       uint32_t subSteps, float push, const DeviceMaker& makeDevice) {
   auto scene = ShotScene::create(inputs, shot, framesPerSecond, subSteps);
   if (!scene) return scene.error();
+  scene->accelerate({0, -push, 0});
   if (!scene->isExact())
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("shot '{}': an error bound is for the exact solver, whose steps can "
@@ -69,8 +72,10 @@ std::vector<std::pair<uint64_t, uint64_t>> sampleSteps(uint64_t preRoll, uint64_
 }
 
 Result<SubStepError> compare(const std::vector<Float3>& positions,
-                             const std::vector<Float3>& halved) {
+                             const std::vector<Float3>& halved, const ErrorBound& bound) {
   std::vector<double> errors(positions.size());
+  double sum = 0;
+  size_t within = 0;
   for (size_t i = 0; i < errors.size(); ++i) {
     const Float3 &a = positions[i], &b = halved[i];
     errors[i] = std::hypot(static_cast<double>(a.x) - static_cast<double>(b.x),
@@ -79,45 +84,88 @@ Result<SubStepError> compare(const std::vector<Float3>& positions,
     if (!std::isfinite(errors[i]))
       return Error{ErrorCode::kInvalidArgument,
                    fmt::format("vertex {} of the sample frames is not finite", i)};
+    sum += errors[i];
+    within += errors[i] <= bound.length ? 1 : 0;
   }
   SubStepError error;
   if (errors.empty()) return error;
-  const auto rank = static_cast<size_t>(kShare * static_cast<double>(errors.size() - 1));
+  const auto count = static_cast<double>(errors.size());
+  const auto rank = static_cast<size_t>(bound.share * (count - 1));
   std::nth_element(errors.begin(), errors.begin() + static_cast<ptrdiff_t>(rank), errors.end());
   error.error = errors[rank];
+  error.mean = sum / count;
   error.largest = *std::max_element(errors.begin() + static_cast<ptrdiff_t>(rank), errors.end());
+  error.within = static_cast<double>(within) / count;
   return error;
 }
 
-Result<SubStepChoice> chooseSubSteps(const ShotInputs& inputs, const Shot& shot,
-                                     double framesPerSecond, const DeviceMaker& makeDevice) {
-  SubStepChoice choice;
-  choice.bound = *shot.errorBound;
-  auto samples = sample(inputs, shot, framesPerSecond, 1, makeDevice);
-  if (!samples) return samples.error();
-  for (uint32_t subSteps = 1; subSteps <= kMaxSubSteps; subSteps *= 2) {
-    auto halved = sample(inputs, shot, framesPerSecond, 2 * subSteps, makeDevice);
-    if (!halved) return halved.error();
-    auto error = compare(samples->positions, halved->positions);
-    if (!error)
-      return Error{error.error().code,
-                   fmt::format("shot '{}': {}", shot.name, error.error().message)};
-    error->subSteps = subSteps;
-    error->secondsPerFrame = samples->secondsPerFrame;
-    error->secondsPerFrameHalved = halved->secondsPerFrame;
-    choice.tried.push_back(*error);
-    if (error->error <= choice.bound) return choice;
-    samples = std::move(halved);
-  }
+std::string textOfShare(double share) {
+  return fmt::format("{:.4g} % of the vertices", 100 * share);
+}
+
+namespace {
+
+// The bound is not reached.
+Error unreached(const SubStepChoice& choice, const Shot& shot) {
   std::string errors;
   for (const SubStepError& one : choice.tried)
     errors += fmt::format("{}{:.3g} mm with {}", errors.empty() ? "" : ", ", 1e3 * one.error,
                           one.subSteps);
-  return Error{ErrorCode::kInvalidArgument,
-               fmt::format("shot '{}': no number of sub-steps keeps the error within {:.3g} mm: it "
-                           "is {} sub-steps; raise the bound or the frame rate, or give "
-                           "\"subSteps\"",
-                           shot.name, 1e3 * choice.bound, errors)};
+  const SubStepError& best =
+      *std::max_element(choice.tried.begin(), choice.tried.end(),
+                        [](const auto& a, const auto& b) { return a.within < b.within; });
+  std::string text =
+      fmt::format("shot '{}': no number of sub-steps keeps {} within {:.3g} mm: it is {} sub-steps",
+                  shot.name, textOfShare(choice.bound.share), 1e3 * choice.bound.length, errors);
+  if (choice.sensitivity && *choice.sensitivity > choice.bound.length)
+    text += fmt::format(
+        ", and {:.3g} mm is what 1e-5 m/s2 more of gravity makes: the hair's contacts multiply any "
+        "difference",
+        1e3 * *choice.sensitivity);
+  return {ErrorCode::kInvalidArgument,
+          fmt::format("{}. {} are within it with {}: ask for a smaller \"errorShare\" or a larger "
+                      "bound, or give \"subSteps\"",
+                      text, textOfShare(best.within), best.subSteps)};
+}
+
+}  // namespace
+
+Result<SubStepChoice> chooseSubSteps(const ShotInputs& inputs, const Shot& shot,
+                                     double framesPerSecond, const DeviceMaker& makeDevice) {
+  SubStepChoice choice;
+  choice.bound = {*shot.errorBound, shot.errorShare};
+  const auto sampled = [&](uint32_t subSteps, float push) {
+    return sample(inputs, shot, framesPerSecond, subSteps, push, makeDevice);
+  };
+  const auto compared = [&](const Samples& one, const Samples& other) -> Result<SubStepError> {
+    auto error = compare(one.positions, other.positions, choice.bound);
+    if (error) return error;
+    return Error{error.error().code,
+                 fmt::format("shot '{}': {}", shot.name, error.error().message)};
+  };
+  auto samples = sampled(1, 0);
+  if (!samples) return samples.error();
+  for (uint32_t subSteps = 1; subSteps <= kMaxSubSteps; subSteps *= 2) {
+    if (subSteps == kProbedSubSteps) {
+      const auto pushed = sampled(subSteps, kPush);
+      if (!pushed) return pushed.error();
+      const auto error = compared(*samples, *pushed);
+      if (!error) return error.error();
+      choice.sensitivity = error->error;
+      if (error->error > choice.bound.length) return unreached(choice, shot);
+    }
+    auto halved = sampled(2 * subSteps, 0);
+    if (!halved) return halved.error();
+    auto error = compared(*samples, *halved);
+    if (!error) return error.error();
+    error->subSteps = subSteps;
+    error->secondsPerFrame = samples->secondsPerFrame;
+    error->secondsPerFrameHalved = halved->secondsPerFrame;
+    choice.tried.push_back(*error);
+    if (error->error <= choice.bound.length) return choice;
+    samples = std::move(halved);
+  }
+  return unreached(choice, shot);
 }
 
 json toJson(const SubStepChoice& choice) {
@@ -125,19 +173,26 @@ json toJson(const SubStepChoice& choice) {
   for (const SubStepError& one : choice.tried)
     tried.push_back({{"subSteps", one.subSteps},
                      {"error", one.error},
+                     {"mean", one.mean},
                      {"largest", one.largest},
+                     {"within", one.within},
                      {"secondsPerFrame", one.secondsPerFrame},
                      {"secondsPerFrameHalved", one.secondsPerFrameHalved}});
-  return {{"bound", choice.bound}, {"tried", std::move(tried)}};
+  json made = {
+      {"bound", choice.bound.length}, {"share", choice.bound.share}, {"tried", std::move(tried)}};
+  if (choice.sensitivity) made["sensitivity"] = *choice.sensitivity;
+  return made;
 }
 
 Result<SubStepChoice> subStepsOf(const json& from, const std::string& name) {
   try {
     SubStepChoice choice;
-    choice.bound = from.at("bound").get<double>();
+    choice.bound = {from.at("bound").get<double>(), from.at("share").get<double>()};
+    if (from.contains("sensitivity")) choice.sensitivity = from.at("sensitivity").get<double>();
     for (const json& one : from.at("tried"))
       choice.tried.push_back({one.at("subSteps").get<uint32_t>(), one.at("error").get<double>(),
-                              one.at("largest").get<double>(),
+                              one.at("mean").get<double>(), one.at("largest").get<double>(),
+                              one.at("within").get<double>(),
                               one.at("secondsPerFrame").get<double>(),
                               one.at("secondsPerFrameHalved").get<double>()});
     if (!choice.tried.empty()) return choice;

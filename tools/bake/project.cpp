@@ -106,6 +106,7 @@ void readAccuracy(JsonMembers& members, Shot& shot) {
   if (members.has("subSteps"))
     shot.subSteps = static_cast<uint32_t>(members.integer("subSteps", 1, 32));
   if (members.has("errorBound")) shot.errorBound = members.meters("errorBound", 1e-7, 1);
+  shot.errorShare = members.number("errorShare", 0.01, 1, shot.errorShare);
   if (shot.subSteps && shot.errorBound)
     members.fault("errorBound", "chooses the sub-steps: leave out \"subSteps\"");
   if (shot.errorBound && shot.solver == Solver::kClassic)
@@ -185,7 +186,7 @@ json inputsOf(const Project& project, const Shot& shot) {
   if (!shot.points.empty()) inputs["pointsPerSecond"] = shot.pointsPerSecond;
   if (shot.solver) inputs["solver"] = static_cast<int>(*shot.solver);
   if (shot.subSteps) inputs["subSteps"] = *shot.subSteps;
-  if (shot.errorBound) inputs["errorBound"] = *shot.errorBound;
+  if (shot.errorBound) inputs["errorBound"] = {*shot.errorBound, shot.errorShare};
   return inputs;
 }
 

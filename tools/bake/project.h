@@ -61,6 +61,7 @@ struct Shot {
   std::optional<Solver> solver;    ///< these two go before `settings`
   std::optional<uint32_t> subSteps;
   std::optional<double> errorBound;  ///< [m]; chooses the sub-steps
+  double errorShare = 0.99;          ///< of the vertices that are to be within it
   bool followHairs = false;          ///< they are written behind the guides
 };
 

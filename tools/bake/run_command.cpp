@@ -19,7 +19,7 @@ namespace {
 struct RunArguments {
   std::string project, shot, frames, device, errorBound;
   uint32_t threads = 0;
-  double grace = 10;
+  double errorShare = 0, grace = 10;
   bool noWait = false, restart = false;
 };
 
@@ -66,10 +66,12 @@ void report(const RunReport& run, const Shot& shot, Session& session) {
   if (run.choice) {
     const SubStepError& chosen = run.choice->tried.back();
     const SubStepError& first = run.choice->tried.front();
-    session.add("error_bound", toJson(*run.choice), "error",
-                fmt::format("{:.3g} mm for 99 % of the vertices, {:.3g} mm at most; {:.3g} mm is "
-                            "asked for",
-                            1e3 * chosen.error, 1e3 * chosen.largest, 1e3 * run.choice->bound));
+    session.add(
+        "error_bound", toJson(*run.choice), "error",
+        fmt::format("{:.3g} mm for {}, {:.3g} mm in the mean, {:.3g} mm at most; {:.3g} mm "
+                    "is asked for",
+                    1e3 * chosen.error, textOfShare(run.choice->bound.share), 1e3 * chosen.mean,
+                    1e3 * chosen.largest, 1e3 * run.choice->bound.length));
     session.add("", {}, "cost",
                 fmt::format("{:.3g} ms a frame, {:.3g} times that of {} sub-step",
                             1e3 * chosen.secondsPerFrame,
@@ -107,6 +109,7 @@ Result<void> run(const RunArguments& arguments, Session& session, int& exitCode)
     shot.errorBound = bound;
     shot.subSteps.reset();
   }
+  if (arguments.errorShare > 0) shot.errorShare = arguments.errorShare;
   RunOptions options;
   if (!arguments.frames.empty()) {
     options.range = parseFrames(arguments.frames);
@@ -151,6 +154,11 @@ void addRunCommand(CLI::App& app, Session& session, int& exitCode) {
   command->add_option("--error-bound", arguments->errorBound,
                       "Length such as 0.5mm: chooses the sub-steps, in place of those of the "
                       "project");
+  command
+      ->add_option("--error-share", arguments->errorShare,
+                   "Share of the vertices that are to be within --error-bound, 0.01..1; that of "
+                   "the project, or 0.99")
+      ->check(CLI::Range(0.01, 1.0).description(""));
   command
       ->add_option("--threads", arguments->threads,
                    "Threads that encode frames while the next ones are simulated; as many as the "

@@ -445,7 +445,8 @@ Result<void> ShotRun::commit(std::vector<StoredFile> files) {
     const SubStepError& chosen = choice->tried.back();
     done["subSteps"] = chosen.subSteps;
     done["error"] = chosen.error;
-    done["errorBound"] = choice->bound;
+    done["errorBound"] = choice->bound.length;
+    done["errorShare"] = choice->bound.share;
   }
   if (auto written = writeAtomic(store_.folder() / "done.json", tag_, done.dump(1) + "\n");
       !written)

@@ -375,6 +375,13 @@ Result<void> ShotScene::note(uint64_t step) {
   return frame->run(executor);
 }
 
+void ShotScene::accelerate(const Float3& acceleration) {
+  for (const BakedHair& hair : hairs_) {
+    Float3& gravity = scene_->hair(hair.id).settings.gravity;
+    gravity = {gravity.x + acceleration.x, gravity.y + acceleration.y, gravity.z + acceleration.z};
+  }
+}
+
 void ShotScene::reset() {
   for (const BakedHair& hair : hairs_) scene_->hair(hair.id).reset();
   for (const ColliderId collider : colliders_) scene_->collider(collider).reset();

@@ -80,6 +80,8 @@ class ShotScene {
   Result<void> run(uint64_t step, HeadlessDevice& device);
   /// Notes a step without running it: the host's state is then that of a scene that has run it.
   Result<void> note(uint64_t step);
+  /// Adds an acceleration to the gravity of all hair [m/s2].
+  void accelerate(const Float3& acceleration);
   /// Lets the next step begin in the bind shape, under its bones.
   void reset();
   /// Reads where the hair is [m], strand by strand.
