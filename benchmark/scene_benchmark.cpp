@@ -147,11 +147,11 @@ class ApiRun {
     auto result = bench::measureDrawing(workbench_, reference_, assets_, row, *rig_,
                                         drawingDefOf(options_), measure_);
     if (!result) return result.error();
-    if (!drawings_.empty() && drawings_[0].row.extra == bench::DrawingExtra::kNone) {
-      const bench::Spread alone = bench::drawingTime(drawings_[0].figures);
+    if (const DrawingResult* alone = aloneBeside(row); alone != nullptr) {
+      const bench::Spread without = bench::drawingTime(alone->figures);
       const bench::Spread all = bench::drawingTime(result->figures);
-      result->added = {all.median - alone.median, all.mean - alone.mean};
-      result->hasAdded = drawings_[0].figures.isTimed();
+      result->added = {all.median - without.median, all.mean - without.mean};
+      result->hasAdded = alone->figures.isTimed();
     }
     drawings_.push_back(*std::move(result));
     if (!options_.csv.empty()) {
@@ -164,6 +164,14 @@ class ApiRun {
     if (!options_.quick) return {};
     if (Result<void> done = bench::checkDrawing(drawings_.back()); !done) return done;
     return bench::comparePictures(drawings_);
+  }
+
+  // The row of as much hair that draws nothing else; nullptr: it has not run.
+  const DrawingResult* aloneBeside(const DrawingRow& row) const {
+    for (const DrawingResult& one : drawings_)
+      if (one.row.extra == bench::DrawingExtra::kNone && one.row.tenfold == row.tenfold)
+        return &one;
+    return nullptr;
   }
 
   void compare(SceneResult& result) {

@@ -86,8 +86,10 @@ TEST(DrawingRows, HaveNamesOfTheirOwnAndBeginWithThePictureAlone) {
     for (const SceneRow& row : sceneRows(size)) names.insert(row.name());
     const std::vector<DrawingRow> rows = drawingRows(size);
     for (const DrawingRow& row : rows) EXPECT_TRUE(names.insert(row.name()).second) << row.name();
-    ASSERT_EQ(rows.size(), 5u);
+    ASSERT_EQ(rows.size(), 7u);
     EXPECT_EQ(rows[0].extra, DrawingExtra::kNone);
+    EXPECT_EQ(rows[5].extra, DrawingExtra::kNone);
+    EXPECT_EQ(rows[5].guides, 10 * rows[0].guides);
   }
 }
 

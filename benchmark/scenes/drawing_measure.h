@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "pelage/result.h"
 #include "scenes/drawing_run.h"
@@ -24,6 +25,9 @@ struct DrawingResult {
   /// By how much the drawing groups take longer than in the row that draws nothing else [us].
   Spread added;
   bool hasAdded = false;  ///< false without that row
+  /// Of rows that play: how long the host takes to set the positions of a frame, waits for the
+  /// decoder included [frame] [us].
+  std::vector<double> showUs = {};
 };
 
 /// The passes of the drawing groups together.

@@ -17,7 +17,9 @@ std::string csvHeader() {
       "drawing_us_median,drawing_us_mean,added_us_median,added_us_mean";
   for (size_t i = 0; i < kPassGroups; ++i)
     header += fmt::format(",{0}_us_median,{0}_us_mean", passGroupName(static_cast<PassGroup>(i)));
-  return header + ",fragments,spilled,reference_us_before,reference_us_after,runs,device,driver\n";
+  return header +
+         ",show_us_median,show_us_mean,fragments,spilled,reference_us_before,reference_us_after,"
+         "runs,device,driver\n";
 }
 
 constexpr const char* kPassCsvHeader =
@@ -41,6 +43,7 @@ std::string csvRow(const DrawingResult& r) {
                   spread(drawingTime(r.figures), timed), spread(r.added, timed && r.hasAdded));
   for (size_t i = 0; i < kPassGroups; ++i)
     row += "," + spread(r.figures.of(static_cast<PassGroup>(i)), timed);
+  row += "," + spread(spreadOf(r.showUs), !r.showUs.empty());
   return row + fmt::format(",{},{},{},{},{}", r.fragments, r.spilled,
                            number(r.copies.before, r.copies.before > 0),
                            number(r.copies.after, r.copies.after > 0), r.copies.runs);
@@ -65,8 +68,8 @@ std::string drawingTable(const std::vector<DrawingResult>& results) {
       first.height, drawingMethodName(results[0].method), "row", "frame", "drawing", "added");
   for (size_t i = 0; i < kPassGroups; ++i)
     text += fmt::format("{:>15}", passGroupName(static_cast<PassGroup>(i)));
-  text += fmt::format("{:>11}{:>9}{:>9}{:>9}{:>5}\n", "fragments", "spilled", "before", "after",
-                      "runs");
+  text += fmt::format("{:>9}{:>11}{:>9}{:>9}{:>9}{:>5}\n", "show", "fragments", "spilled", "before",
+                      "after", "runs");
   for (const DrawingResult& r : results) {
     const bool timed = r.figures.isTimed();
     text += fmt::format(
@@ -74,7 +77,8 @@ std::string drawingTable(const std::vector<DrawingResult>& results) {
         shown(drawingTime(r.figures).median, timed), shown(r.added.median, timed && r.hasAdded));
     for (size_t i = 0; i < kPassGroups; ++i)
       text += fmt::format("{:>15}", shown(r.figures.of(static_cast<PassGroup>(i)).median, timed));
-    text += fmt::format("{:>11}{:>9}{:>9}{:>9}{:>5}\n", r.fragments, r.spilled,
+    text += fmt::format("{:>9}{:>11}{:>9}{:>9}{:>9}{:>5}\n",
+                        shown(spreadOf(r.showUs).median, !r.showUs.empty()), r.fragments, r.spilled,
                         shown(r.copies.before, r.copies.before > 0),
                         shown(r.copies.after, r.copies.after > 0), r.copies.runs);
   }

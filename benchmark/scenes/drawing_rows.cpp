@@ -2,20 +2,30 @@
 
 namespace bench {
 
-std::string DrawingRow::name() const {
+namespace {
+
+const char* extraName(DrawingExtra extra) {
   switch (extra) {
     case DrawingExtra::kNone:
-      return "draw/alone";
+      return "alone";
     case DrawingExtra::kDepth:
-      return "draw/depth";
+      return "depth";
     case DrawingExtra::kMotion:
-      return "draw/motion";
+      return "motion";
     case DrawingExtra::kInterpolation:
-      return "draw/interpolation";
+      return "interpolation";
     case DrawingExtra::kEngineLights:
-      return "draw/engine_lights";
+      return "engine_lights";
+    case DrawingExtra::kPlayback:
+      return "playback";
   }
   return "unknown";
+}
+
+}  // namespace
+
+std::string DrawingRow::name() const {
+  return std::string(tenfold ? "draw_10x/" : "draw/") + extraName(extra);
 }
 
 std::vector<DrawingRow> drawingRows(SceneSize size) {
@@ -26,6 +36,12 @@ std::vector<DrawingRow> drawingRows(SceneSize size) {
   std::vector<DrawingRow> rows;
   for (const DrawingExtra extra : {DrawingExtra::kNone, DrawingExtra::kDepth, DrawingExtra::kMotion,
                                    DrawingExtra::kInterpolation, DrawingExtra::kEngineLights}) {
+    row.extra = extra;
+    rows.push_back(row);
+  }
+  row.tenfold = true;
+  row.guides *= 10;
+  for (const DrawingExtra extra : {DrawingExtra::kNone, DrawingExtra::kPlayback}) {
     row.extra = extra;
     rows.push_back(row);
   }

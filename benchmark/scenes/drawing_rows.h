@@ -16,19 +16,21 @@ enum class DrawingExtra : uint8_t {
   kMotion,         ///< a view of depth and motion vectors
   kInterpolation,  ///< hair is drawn between two states of the simulation
   kEngineLights,   ///< the lights of sample/engine_lights in place of pelage's
+  kPlayback,       ///< guides from caches, decoded meanwhile, in place of a simulation
 };
 
 struct DrawingRow {
   DrawingExtra extra = DrawingExtra::kNone;
+  bool tenfold = false;            ///< ten times the hair of the other rows
   uint32_t guides = 0;             ///< of the character's long hair
   uint32_t width = 0, height = 0;  ///< of the picture [pixels]
   uint32_t shadowSize = 0;         ///< of the shadow map [texels]
 
-  /// "draw/alone", "draw/depth", ...
+  /// "draw/alone", "draw/depth", ..., "draw_10x/alone", "draw_10x/playback"
   std::string name() const;
 };
 
-/// All rows; the one without anything extra, which the others are compared with, is the first.
+/// All rows; those with anything extra are compared with the one without before them.
 std::vector<DrawingRow> drawingRows(SceneSize size);
 
 }  // namespace bench

@@ -122,6 +122,11 @@ Result<void> DrawingRun::drawDepth() {
 // All lists of the next frame, complete.
 Result<void> DrawingRun::write() {
   pelage::Scene& scene = workbench_.scene;
+  if (playback_.plays()) {
+    const auto us = playback_.show(scene, demo_);
+    if (!us) return us.error();
+    showUs_ = *us;
+  }
   if (Result<void> done = demo_.advance(simulation_); !done) return done;
   choose();
   between_.clear();
@@ -197,6 +202,14 @@ Result<void> DrawingRun::show(FrameFigures* figures) {
       return pass.name == kMeshPass ? PassGroup::kOpaque : PassGroup::kDepth;
     });
   return {};
+}
+
+Result<void> DrawingRun::recordFrames(int frames) {
+  for (int frame = 0; frame < frames; ++frame) {
+    if (Result<void> done = runFrame(nullptr); !done) return done;
+    if (Result<void> done = playback_.record(workbench_, demo_); !done) return done;
+  }
+  return playback_.begin();
 }
 
 Result<void> DrawingRun::runFrame(FrameFigures* figures) {

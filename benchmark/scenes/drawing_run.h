@@ -11,6 +11,7 @@
 #include "pelage/headless.h"
 #include "scenes/drawing_rows.h"
 #include "scenes/frame_figures.h"
+#include "scenes/playback.h"
 #include "scenes/scene_assets.h"
 #include "simulation/workbench.h"
 
@@ -40,6 +41,9 @@ class DrawingRun {
   DrawingRun(const DrawingRun&) = delete;
   DrawingRun& operator=(const DrawingRun&) = delete;
 
+  /// Runs frames of 1/60 s, and keeps the hair of each in caches, which the next frames play.
+  /// \param frames  1 or more
+  pelage::Result<void> recordFrames(int frames);
   /// Runs the next frame of 1/60 s. \param figures  nullptr: it is not timed
   pelage::Result<void> runFrame(FrameFigures* figures);
   /// What lists or tiles held in the last frame.
@@ -48,6 +52,8 @@ class DrawingRun {
   pelage::Result<void> grow();
 
   const sample::DemoScene& demo() const { return demo_; }
+  /// How long the host took to set the positions of the last frame that was played [us].
+  double showUs() const { return showUs_; }
   pelage::Transparency method() const { return settings_.method; }
   /// Of the last frame.
   const pelage::RenderedImage& picture() const { return picture_; }
@@ -75,6 +81,8 @@ class DrawingRun {
   pelage::PassList simulation_, between_, depth_;
   std::vector<pelage::PassList> lists_;  ///< of the picture
   pelage::RenderedImage picture_;
+  Playback playback_;
+  double showUs_ = 0;
 };
 
 }  // namespace bench

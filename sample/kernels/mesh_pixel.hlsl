@@ -1,5 +1,6 @@
 // Shades a mesh like unglazed clay: wrapped Lambert, an ambient term that is brighter from above, a
-// broad faint highlight. Linear colour, opaque. With SHADOWED, hair in front shadows the light.
+// broad faint highlight. Linear colour, opaque. With SHADOWED, hair in front shadows the light, and
+// the ambient term in part.
 //
 // One thread a pixel. Reads the constants; with SHADOWED g_meshShadowWords and g_meshShadowViews.
 // Invariant: finite for every normal, and brighter where the surface faces the light.
@@ -28,10 +29,15 @@ float4 mesh_pixel(MeshVaryings input) : SV_Target {
   float diffuse = max(facing, 0.0);
   diffuse = diffuse * diffuse;
   float3 arriving = g_lightColor.rgb;
-#if SHADOWED
-  arriving *= strandTransmittance(g_meshShadowViews[0], input.world);
-#endif
   float3 ambient = g_ambientColor.rgb * (0.75 + 0.25 * normal.y);
+  float3 reflected = g_ambientColor.rgb * 0.5;
+#if SHADOWED
+  // Hair that keeps the light away covers the skin from about half of all directions.
+  float open = strandTransmittance(g_meshShadowViews[0], input.world);
+  arriving *= open;
+  ambient *= 0.5 + 0.5 * open;
+  reflected *= open;
+#endif
 
   float3 middle = unit(light + eye);
   float grazing = 1.0 - saturate(dot(eye, normal));
@@ -42,6 +48,6 @@ float4 mesh_pixel(MeshVaryings input) : SV_Target {
   float3 albedo = lerp(lerp(g_skinColor.rgb, g_scalpColor.rgb, covered.x), g_coatColor.rgb, covered.y);
   float3 color = albedo * (arriving * diffuse + ambient) +
                  (1.0 - covered.x) * (1.0 - covered.y) *
-                     (arriving * highlight + g_ambientColor.rgb * (0.5 * fresnel));
+                     (arriving * highlight + reflected * fresnel);
   return float4(color, 1.0);
 }
