@@ -23,7 +23,8 @@ constexpr const char* kFine = R"({
   "shots": [
     {"name": "a", "frames": [1, 20], "errorBound": "0.5mm"},
     {"name": "b", "frames": [-3, 40], "subSteps": 4, "strands": "all", "preRoll": 5,
-     "assets": {"hairs": [{"file": "x.tfx", "bones": "x.tfxbone"}], "scale": 0.01}}]})";
+     "assets": {"hairs": [{"file": "x.tfx", "bones": "x.tfxbone"}], "scale": 0.01,
+                "cellSize": "4mm"}}]})";
 
 TEST(Project, IsReadWithItsDefaults) {
   const BakeFolder folder;
@@ -46,6 +47,8 @@ TEST(Project, IsReadWithItsDefaults) {
   EXPECT_EQ(b.files.bones[0], folder / "x.tfxbone");
   EXPECT_EQ(b.files.followHairs[0], "-");
   EXPECT_TRUE(b.followHairs);
+  EXPECT_EQ(a.cellSize, 0) << "the default";
+  EXPECT_DOUBLE_EQ(b.cellSize, 0.004);
   EXPECT_EQ(b.frames, (FrameRange{-3, 40}));
   EXPECT_EQ(project->find("b"), &b);
   EXPECT_EQ(project->find("c"), nullptr);

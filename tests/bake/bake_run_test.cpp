@@ -440,6 +440,11 @@ TEST_F(Bake, ContactsThatMultiplyDifferencesAreNamed) {
       "assets": {"generated": {"kind": "head", "guides": 40}}, "animation": {"motion": "shake"},
       "errorBound": "50um", "errorShare": 0.95}]})"));
   ASSERT_TRUE(project) << project.error().message;
+  Shot finer = project->shots[0];
+  finer.cellSize = 0.004;
+  const auto inputs = loadShot(finer);
+  ASSERT_TRUE(inputs) << inputs.error().message;
+  EXPECT_EQ(inputs->cellSizes, std::vector<float>{0.004f});
   const auto done = runShot(*project, project->shots[0], {});
   ASSERT_FALSE(done);
   const std::string& message = done.error().message;

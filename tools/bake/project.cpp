@@ -72,6 +72,7 @@ void readAssets(JsonMembers& assets, const Path& folder, JsonFaults& faults, Sho
     shot.files.meshes.push_back(in(folder, mesh));
   shot.files.cache = in(folder, assets.text("cache", ""));
   shot.files.scale = static_cast<float>(assets.number("scale", 1e-9, 1e9, 1));
+  if (assets.has("cellSize")) shot.cellSize = assets.meters("cellSize", 1e-4, 1);
   const bool files = !shot.files.hairs.empty() || !shot.files.cache.empty();
   if (shot.generated.has_value() == files)
     assets.fault("hairs", "give \"hairs\" or \"cache\", or \"generated\" in their place");
@@ -184,6 +185,7 @@ json inputsOf(const Project& project, const Shot& shot) {
                            shot.generated->guides.value_or(0), shot.generated->grooms};
   if (shot.motion) inputs["motion"] = static_cast<int>(*shot.motion);
   if (!shot.points.empty()) inputs["pointsPerSecond"] = shot.pointsPerSecond;
+  if (shot.cellSize > 0) inputs["cellSize"] = shot.cellSize;
   if (shot.solver) inputs["solver"] = static_cast<int>(*shot.solver);
   if (shot.subSteps) inputs["subSteps"] = *shot.subSteps;
   if (shot.errorBound) inputs["errorBound"] = {*shot.errorBound, shot.errorShare};

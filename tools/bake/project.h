@@ -44,6 +44,7 @@ struct Shot {
   program::AssetFiles files;
   std::optional<GeneratedAssets> generated;  ///< in place of `files`
   bool collides = true;                      ///< with meshes
+  double cellSize = 0;                       ///< of the meshes' SDFs [m]; 0: the default
 
   /// Whether something moves bones.
   bool hasBones() const { return !animation.empty() || motion || !transforms.empty(); }

@@ -187,6 +187,8 @@ Result<ShotInputs> loadShot(const Shot& shot) {
                      fmt::format("shot '{}': two hairs are '{}'; the files of a bake have their "
                                  "names",
                                  shot.name, inputs.hairs[i].hair.name)};
+  if (shot.cellSize > 0)
+    inputs.cellSizes.assign(inputs.meshes.size(), static_cast<float>(shot.cellSize));
   if (!shot.collides) {
     inputs.meshes.clear();
     inputs.cellSizes.clear();
@@ -314,8 +316,10 @@ Result<void> ShotScene::addSkinCollider() {
   SceneSettings settings;
   if (inputs_->settings) inputs_->settings->apply(settings);
   const CollisionMesh& mesh = inputs_->skin->mesh;
-  const auto id = scene_->addCollider(
-      mesh, {.name = "skin", .boneCount = static_cast<uint32_t>(mesh.positions.size())});
+  const auto id =
+      scene_->addCollider(mesh, {.name = "skin",
+                                 .cellSize = static_cast<float>(shot_->cellSize),
+                                 .boneCount = static_cast<uint32_t>(mesh.positions.size())});
   if (!id) return id.error();
   apply(settings.collider, scene_->collider(*id));
   colliders_.push_back(*id);
