@@ -33,6 +33,15 @@ picture viewer_slice 5 "$@" <<'SCRIPT'
 0 keydown shift
 0 key v
 0 key v
+0 key v
+0 keyup shift
+SCRIPT
+# Half of the guides are simulated, a fifth of the strands is drawn.
+echo '{"object": {"simulatedShare": 0.5, "drawnShare": 0.2}}' > "$out/detail.json"
+picture viewer_detail 6 --groom straight --settings "$out/detail.json" "$@" <<'SCRIPT'
+0 key tab
+0 keydown shift
+0 key v
 0 keyup shift
 SCRIPT
 picture viewer_statistics 6 "$@" <<< "0 key i"
@@ -45,6 +54,14 @@ picture viewer_ball 7 --groom straight "$@" <<'SCRIPT'
 2 move 420 305
 3 move 430 310
 4 move 440 312
+SCRIPT
+look=(--strands 0.5 --shadow none --transparency tiles)
+picture viewer_tiles 2 "$@" <<'SCRIPT'
+0 key tab
+0 key v
+0 key v
+0 key v
+0 key v
 SCRIPT
 # Without shadows and lists: some frames of long hair, and hair that is drawn twice.
 look=(--strands 0.5 --shadow none --transparency shortcut)

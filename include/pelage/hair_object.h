@@ -306,4 +306,14 @@ class PELAGE_API HairObject {
   std::unique_ptr<detail::HairInternals> internals_;
 };
 
+/// What HairObject::drawnStrands and drawnShare make of an object's strands: its level of detail in
+/// draws.
+struct DrawnStrands {
+  uint32_t count = 0;  ///< strands that draws take, from the first
+  float shown = 0;     ///< likewise, before it was rounded up
+  float fading = 0;    ///< of them, the last ones: their width falls linearly to 0
+  float widening = 1;  ///< factor on the widths of all, so that their sum stays the same
+};
+PELAGE_API DrawnStrands drawnStrandsOf(const HairObject& hair);
+
 }  // namespace pelage

@@ -250,6 +250,10 @@ class PELAGE_API Scene {
   /// Words for readTransparencyCounters(), of the view that was drawn last; kInvalid before the
   /// first draw with linked lists or tiles.
   BufferId transparencyCounters() const;
+  /// Tiles of the view that was drawn last, to read in a view of your own behind it. Buffers are
+  /// kInvalid before the first draw, after trim(), without hair in view, and for methods other than
+  /// kWindowed and kTiles.
+  TransparencyTiles transparencyTiles() const;
   /// Adds the passes and the draw that show a collider as its field has it, for debugging: the
   /// surface where the distance is the look's level. Draws nothing before the first simulation.
   /// Errors: a grid that is too large for it; a view or light as draw() refuses it.

@@ -87,6 +87,22 @@ struct TransparencyCounters {
   uint32_t tiles = 0;      ///< of 8 x 8 pixels that had hair
 };
 
+/// Where the GPU keeps which tiles of 8 x 8 pixels the hair of a view is in, and what is in each:
+/// for pictures of the load. Valid in lists behind those of the view. With more than 64 materials
+/// that shade differently it is what the last batch has: docs/oit.md.
+struct TransparencyTiles {
+  Transparency method = Transparency::kWindowed;  ///< kWindowed or kTiles
+  uint32_t columns = 0, rows = 0;                 ///< of tiles
+  uint32_t nodeCount = 0;                         ///< TransparencyPlan::nodeCount of the view
+  /// kTiles: [tile] number of segments, 0 where they had no room; [tile] end of its references;
+  /// then the tiles that have hair. kWindowed: [tile] whether it has hair; then the tiles that have
+  /// hair. Layouts: kernels/oit/layouts/strand_tiles.hlsli and ppll_build.hlsli.
+  BufferId tiles = BufferId::kInvalid;
+  BufferId counters = BufferId::kInvalid;  ///< Scene::transparencyCounters()
+  BufferId heads = BufferId::kInvalid;     ///< kWindowed: [y][x] first node of a pixel's list, + 1
+  BufferId nodes = BufferId::kInvalid;     ///< kWindowed: the nodes
+};
+
 /// Reads the counters from what Scene::transparencyCounters() holds, read back: those of the last
 /// frame that the GPU has finished. Copy them when your engine reads back, and use them a frame
 /// late. Asserts on fewer than 32 bytes.

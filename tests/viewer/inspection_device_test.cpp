@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <memory>
@@ -10,6 +11,7 @@
 #include "device.h"
 #include "sample/code.h"
 #include "stage/stage.h"
+#include "stage/stage_settings.h"
 #include "support/required_devices.h"
 #include "viewer_kernels/code.h"
 
@@ -53,6 +55,7 @@ class Inspection : public testing::TestWithParam<pelage::Api> {
                                                        {.width = kPixels, .height = kPixels});
     const auto images = device_->render(*frame, targets);
     ASSERT_TRUE(images) << images.error().message;
+    picture_ = images->back();
     const auto measured =
         stage_.measure([&](pelage::BufferId buffer) { return device_->read(buffer); });
     ASSERT_TRUE(measured) << measured.error().message;
@@ -71,6 +74,26 @@ class Inspection : public testing::TestWithParam<pelage::Api> {
     return stage_.inspected();
   }
 
+  /// What the method itself has counted.
+  pelage::TransparencyCounters counters() {
+    const auto read = [&](pelage::BufferId buffer) { return device_->read(buffer); };
+    const auto statistics = stage_.statistics(read);
+    EXPECT_TRUE(statistics && statistics->transparency);
+    return statistics && statistics->transparency ? *statistics->transparency
+                                                  : pelage::TransparencyCounters{};
+  }
+  /// Pixels of the last view that are more like one of three colors than like the others: of its
+  /// strongest channel.
+  std::array<size_t, 3> pixelsByChannel() const {
+    std::array<size_t, 3> pixels = {};
+    for (const Float4& p : picture_.pixels) {
+      if (!(p.w > 0)) continue;
+      ++pixels[p.x > p.y && p.x > p.z ? 0 : p.y > p.z ? 1 : 2];
+    }
+    return pixels;
+  }
+
+  pelage::RenderedImage picture_;  // of the last view
   std::unique_ptr<pelage::HeadlessDevice> device_;
   viewer::Stage stage_;
 };
@@ -154,11 +177,61 @@ TEST_P(Inspection, FragmentsAreCountedTheSameInEveryFrame) {
   EXPECT_GT(figuresOf(InspectedValue::kOverdraw).fragments, 4 * guides);
 }
 
+TEST_P(Inspection, TilesHaveWhatTheMethodCounts) {
+  using pelage::Transparency;
+  EXPECT_FALSE(figuresOf(InspectedValue::kTiles).known);  // of a method without tiles
+  for (const Transparency method : {Transparency::kWindowed, Transparency::kTiles}) {
+    stage_.look.transparency = method;
+    (void)figuresOf(InspectedValue::kNone);
+    const InspectionFigures figures = figuresOf(InspectedValue::kTiles);
+    ASSERT_TRUE(figures.known);
+    const pelage::TransparencyCounters counted = counters();
+    EXPECT_GT(counted.fragments, 100u);
+    EXPECT_EQ(figures.fragments, counted.fragments);
+    EXPECT_EQ(figures.tiles, counted.tiles);
+    EXPECT_EQ(figures.tilesWithoutRoom, 0u);
+    EXPECT_GE(static_cast<double>(figures.largest) * static_cast<double>(figures.tiles),
+              static_cast<double>(figures.fragments));
+    const std::array<size_t, 3> pixels = pixelsByChannel();
+    EXPECT_EQ(pixels[0] + pixels[1] + pixels[2], 64 * figures.tiles);
+  }
+  (void)figuresOf(InspectedValue::kNone);
+  pelage::TransparencySettings scarce = stage_.transparency();
+  scarce.nodeCount = counters().fragments / 2;
+  stage_.setTransparency(scarce);
+  const InspectionFigures figures = figuresOf(InspectedValue::kTiles);
+  EXPECT_GT(figures.tilesWithoutRoom, 0u);
+  EXPECT_GT(figures.tiles, figures.tilesWithoutRoom);
+}
+
+// Blue where strands are left out, green where they are drawn, red where their guide is not
+// simulated.
+TEST_P(Inspection, LevelOfDetailHasAColorForEachKind) {
+  stage_.look.strandShare = 1;
+  (void)figuresOf(InspectedValue::kDetail);
+  std::array<size_t, 3> pixels = pixelsByChannel();
+  EXPECT_EQ(pixels[0] + pixels[2], 0u);
+  EXPECT_GT(pixels[1], 100u);
+  pelage::SceneSettings settings = settingsOf(stage_, 0);
+  settings.object.simulatedShare = 0.5f;
+  settings.object.drawnShare =
+      static_cast<float>(hair().guideCount()) / static_cast<float>(hair().strandCount());
+  const auto applied = apply(settings, 0, stage_);
+  ASSERT_TRUE(applied) << applied.error().message;
+  const InspectionFigures figures = figuresOf(InspectedValue::kDetail);
+  EXPECT_EQ(figures.simulated, (hair().guideCount() + 1) / 2);
+  pixels = pixelsByChannel();
+  EXPECT_GT(pixels[0], 20u);
+  EXPECT_GT(pixels[1], 20u);
+  EXPECT_GT(pixels[2], 20u);
+}
+
 // Buffers of a view that is not shown any more go.
 TEST_P(Inspection, LeavesNoBuffersBehind) {
   const uint64_t bytes = stage_.scene().resources().totalBytes();
-  for (const auto value : {InspectedValue::kStretch, InspectedValue::kOverdraw,
-                           InspectedValue::kGuides, InspectedValue::kSdfSlice}) {
+  for (const auto value :
+       {InspectedValue::kStretch, InspectedValue::kOverdraw, InspectedValue::kGuides,
+        InspectedValue::kSdfSlice, InspectedValue::kDetail}) {
     (void)figuresOf(value);
     (void)figuresOf(InspectedValue::kNone);
     EXPECT_EQ(stage_.scene().resources().totalBytes(), bytes) << nameOf(value);

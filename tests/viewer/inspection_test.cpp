@@ -11,13 +11,17 @@
 #include "stage/folder_listing.h"
 #include "stage/inspection_look.h"
 #include "stage/stage.h"
+#include "stage/stage_settings.h"
 #include "stage/statistics.h"
+#include "stage/strand_detail.h"
 
 namespace {
 
 using viewer::InspectedValue;
 using viewer::InspectionFigures;
 using viewer::InspectionLook;
+
+constexpr pelage::Transparency kWindowed = pelage::Transparency::kWindowed;
 
 bool isEqual(const pelage::Float3& a, const pelage::Float3& b) {
   constexpr float kRounding = 1e-6f;
@@ -46,7 +50,7 @@ TEST(InspectionLook, GoesThroughAllValuesAndBack) {
   for (int i = 0; i < viewer::kInspectedValues; ++i) look.show(false);
   EXPECT_EQ(look.value, InspectedValue::kNone);
   look.show(true);
-  EXPECT_EQ(look.value, InspectedValue::kGuides);
+  EXPECT_EQ(look.value, InspectedValue::kDetail);
   look.show(false);
   EXPECT_EQ(look.value, InspectedValue::kNone);
 }
@@ -55,10 +59,11 @@ TEST(InspectionLook, GoesThroughAllValuesAndBack) {
 TEST(InspectionLook, HasAKeyWithUnitsWhereThereAreColors) {
   InspectionLook look;
   for (int i = 0; i < viewer::kInspectedValues; ++i, look.show(false)) {
-    const viewer::InspectionKey key = inspectionKey(look, {});
+    const viewer::InspectionKey key = inspectionKey(look, {}, kWindowed);
     const bool plain =
         look.value == InspectedValue::kNone || look.value == InspectedValue::kSdfSurface;
     EXPECT_EQ(key.ramp == nullptr, plain) << nameOf(look.value);
+    EXPECT_EQ(key.title.empty(), plain) << nameOf(look.value);
     EXPECT_EQ(key.high.empty(), plain) << nameOf(look.value);
     EXPECT_LT(lowOf(look), highOf(look)) << nameOf(look.value);
   }
@@ -68,13 +73,35 @@ TEST(InspectionLook, HasAKeyWithUnitsWhereThereAreColors) {
   figures.beyond = 5;
   figures.measured = 70;
   look.value = InspectedValue::kPenetration;
-  const viewer::InspectionKey key = inspectionKey(look, figures);
+  const viewer::InspectionKey key = inspectionKey(look, figures, kWindowed);
   EXPECT_EQ(key.high, "2 mm");
   ASSERT_EQ(key.lines.size(), 2u);
   EXPECT_EQ(key.lines[0], "deepest 3.4 mm");
   EXPECT_EQ(key.lines[1], "5 of 70 vertices beyond 2 mm");
   look.value = InspectedValue::kStretch;
-  EXPECT_EQ(inspectionKey(look, figures).lines[0], "largest 0.34 %");
+  EXPECT_EQ(inspectionKey(look, figures, kWindowed).lines[0], "largest 0.34 %");
+}
+
+// A method without tiles has no colors, and the key says so.
+TEST(InspectionLook, SaysWhatTheMethodHasInItsTiles) {
+  InspectionLook look;
+  look.value = InspectedValue::kTiles;
+  InspectionFigures figures;
+  figures.known = true;
+  figures.largest = 900;
+  figures.fragments = 1000;
+  figures.tiles = 12;
+  figures.tilesWithoutRoom = 2;
+  const viewer::InspectionKey tiles = inspectionKey(look, figures, pelage::Transparency::kTiles);
+  EXPECT_EQ(tiles.title, "Segments a tile of 8 x 8 pixels");
+  ASSERT_EQ(tiles.lines.size(), 3u);
+  EXPECT_EQ(tiles.lines[0], "fullest tile 900, mean 100");
+  EXPECT_EQ(tiles.lines[2], "2 of them empty for lack of room (striped)");
+  EXPECT_EQ(inspectionKey(look, figures, kWindowed).title, "Fragments a tile of 8 x 8 pixels");
+  const viewer::InspectionKey none = inspectionKey(look, {}, pelage::Transparency::kHybrid8);
+  EXPECT_EQ(none.ramp, nullptr);
+  ASSERT_EQ(none.lines.size(), 1u);
+  EXPECT_NE(none.lines[0].find("choose windowed or tiles"), std::string::npos);
 }
 
 TEST(Statistics, SayWhatTheCountersSayAndLeaveOutTheRest) {
@@ -109,6 +136,34 @@ TEST(Statistics, OfAStageListItsHairAndColliders) {
   EXPECT_EQ(statistics->colliders.size(), 1u);
   EXPECT_FALSE(statistics->transparency);
   EXPECT_LE(reads, 3u);
+}
+
+// Level of detail of an object, as its settings have it.
+TEST(StrandDetail, CountsWhatIsDrawnAndSimulated) {
+  viewer::Stage stage;
+  ASSERT_TRUE(
+      stage.show({.kind = viewer::StageKind::kHead, .preset = sample::GroomPreset::kMohawk}));
+  pelage::SceneSettings settings = settingsOf(stage, 0);
+  settings.object.simulatedShare = 0.25f;
+  ASSERT_TRUE(apply(settings, 0, stage));
+  pelage::HairObject& hair = stage.scene().hair(stage.hairs()[0]);
+  hair.drawnShare = 0.5f;
+  InspectionFigures figures;
+  addDetail(hair, figures);
+  EXPECT_TRUE(figures.known);
+  EXPECT_EQ(figures.strands, hair.strandCount());
+  EXPECT_EQ(figures.drawn, (hair.strandCount() + 1) / 2);
+  EXPECT_EQ(figures.simulated, (hair.guideCount() + 3) / 4);
+  // The last eighth fades, and its widths add up to half.
+  EXPECT_NEAR(static_cast<double>(figures.fading), hair.strandCount() / 16.0, 1);
+  EXPECT_NEAR(figures.widening, 2 / (1 - 1.0f / 16), 1e-3f);
+  InspectionLook look;
+  look.value = InspectedValue::kDetail;
+  const viewer::InspectionKey key = inspectionKey(look, figures, kWindowed);
+  ASSERT_EQ(key.lines.size(), 3u);
+  EXPECT_EQ(key.lines[1], "2.13 times as wide as without");
+  hair.simulated = false;
+  EXPECT_EQ(viewer::simulatedGuides(hair), 0u);
 }
 
 TEST(PassHistory, KeepsTheTimesOfEachPassAsLongAsThoseOfAll) {

@@ -465,24 +465,24 @@ TEST_P(Viewer, LooksInsideAndOpensFiles) {
   const Folder folder(std::string("inside_") + GetParam());
   std::ofstream(folder.file("broken.tfx")) << "no hair at all";
   std::string script = "0 key tab\n1 key space\n1 screenshot 0.png\n";
-  for (int view = 1; view <= 7; ++view)
+  for (int view = 1; view <= 9; ++view)
     script += std::to_string(2 * view) + " key v\n" + std::to_string(2 * view + 1) +
               " screenshot " + std::to_string(view) + ".png\n";
-  script += "16 key c\n16 screenshot contacts.png\n17 key c\n17 key o\n20 screenshot dialog.png\n";
+  script += "20 key c\n20 screenshot contacts.png\n21 key c\n21 key o\n24 screenshot dialog.png\n";
   for (const char letter : std::string("broken.tfx"))
-    script += "20 text " + std::to_string(static_cast<int>(letter)) + "\n";
-  script += "22 key enter\n25 screenshot message.png\n26 key escape\n28 screenshot after.png\n";
+    script += "24 text " + std::to_string(static_cast<int>(letter)) + "\n";
+  script += "26 key enter\n29 screenshot message.png\n30 key escape\n32 screenshot after.png\n";
   const Session session =
       sessionOf(GetParam(), folder, script, "--groom straight --head-collider mesh");
   ASSERT_EQ(session.output.code, 0) << session.output.errors;
   EXPECT_EQ(session.output.errors, "");
   const ByteImage hair = session.picture("0");
   expectHair(hair, "hair");
-  for (int view = 1; view <= 7; ++view)
+  for (int view = 1; view <= 9; ++view)
     EXPECT_NE(session.picture(std::to_string(view)).rgb,
               session.picture(std::to_string(view - 1)).rgb)
         << view;
-  EXPECT_EQ(session.picture("7").rgb, hair.rgb);
+  EXPECT_EQ(session.picture("9").rgb, hair.rgb);
   EXPECT_NE(session.picture("contacts").rgb, hair.rgb);
   EXPECT_NE(session.picture("dialog").rgb, hair.rgb);
   EXPECT_NE(session.picture("message").rgb, session.picture("dialog").rgb);

@@ -32,6 +32,7 @@ void buildRange(InspectionLook& look) {
   if (look.value == InspectedValue::kPenetration)
     slide("Range [m]", look.penetrationRange, 1e-6f, 0.1f, "%.2g");
   if (look.value == InspectedValue::kOverdraw) slide("Range", look.overdrawRange, 1, 1024, "%.0f");
+  if (look.value == InspectedValue::kTiles) slide("Range", look.tileRange, 1, 65536, "%.0f");
   if (look.value != InspectedValue::kSdfSlice) return;
   slide("Range [m]", look.sliceRange, 1e-4f, 1, "%.2g");
   int axis = static_cast<int>(look.sliceAxis);
@@ -75,8 +76,9 @@ void buildInspection(Stage& stage) {
 }
 
 void buildInspectionKey(const Stage& stage, const WindowSize& size) {
-  const InspectionKey key = inspectionKey(stage.inspection, stage.inspected());
-  if (key.ramp == nullptr) return;
+  const InspectionKey key =
+      inspectionKey(stage.inspection, stage.inspected(), stage.look.transparency);
+  if (key.title.empty()) return;
   const float scale = size.interfaceScale, margin = 8 * scale;
   ImGui::SetNextWindowPos(
       {static_cast<float>(size.width) - margin, static_cast<float>(size.height) - margin},
@@ -86,8 +88,8 @@ void buildInspectionKey(const Stage& stage, const WindowSize& size) {
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs |
                    ImGuiWindowFlags_NoFocusOnAppearing);
   ImGui::TextUnformatted(key.title.c_str());
-  buildBar(key);
-  for (const std::string& line : key.lines) ImGui::TextUnformatted(line.c_str());
+  if (key.ramp != nullptr) buildBar(key);
+  for (const std::string& line : key.lines) ImGui::TextWrapped("%s", line.c_str());
   ImGui::End();
 }
 

@@ -85,6 +85,10 @@ void StatisticsPanel::build(const Stage& stage, const Canvas& canvas, const Pass
       for (const std::string& line :
            linesOf(*statistics_.transparency, stage.transparency().method))
         text(line);
+    if (stage.inspection.value == InspectedValue::kTiles)
+      for (const std::string& line :
+           inspectionKey(stage.inspection, stage.inspected(), stage.look.transparency).lines)
+        ImGui::TextWrapped("%s", line.c_str());
     ImGui::Separator();
     buildMemory(stage, canvas);
     ImGui::Separator();

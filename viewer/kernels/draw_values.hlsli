@@ -1,5 +1,5 @@
 // Resources of drawing strands by a value, and of counting their fragments: groups "drawValues" and,
-// with space1, "overdraw".
+// with space1, "overdraw" and "tileCounts".
 #ifndef VIEWER_DRAW_VALUES_HLSLI
 #define VIEWER_DRAW_VALUES_HLSLI
 
@@ -22,6 +22,10 @@ cbuffer DrawValuesConstants : register(b0, space0) {
 struct ValueVaryings {
   float4 clip : SV_Position;
   float value : TEXCOORD0;
+};
+
+struct CoveringVaryings {
+  float4 clip : SV_Position;
 };
 
 // The color of a value; beyond the ends it is that of the end.

@@ -7,10 +7,6 @@
 RWStructuredBuffer<uint> g_overdraw : register(u0, space1);         // [y][x] of the viewport
 RWStructuredBuffer<uint> g_overdrawSummary : register(u1, space1);  // kOverdrawWords
 
-struct OverdrawVaryings {
-  float4 clip : SV_Position;
-};
-
 static const uint kOverdrawMost = 0;    // fragments of the fullest pixel
 static const uint kOverdrawPixels = 1;  // pixels with hair
 static const uint kOverdrawTotal = 2;   // fragments

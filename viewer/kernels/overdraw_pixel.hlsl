@@ -6,7 +6,7 @@
 // Invariant (viewer_test): a pixel without fragments keeps its color.
 #include "overdraw.hlsli"
 
-float4 overdraw_pixel(OverdrawVaryings picture) : SV_Target0 {
+float4 overdraw_pixel(CoveringVaryings picture) : SV_Target0 {
   int2 at = int2(picture.clip.xy) - int2(g_valueArea.xy);
   if (at.x < 0 || at.y < 0 || at.x >= int(g_valueArea.z) || at.y >= int(g_valueArea.w))
     return float4(0.0, 0.0, 0.0, 0.0);

@@ -26,6 +26,11 @@ const ColorRamp kKindRamp = {{{{0.05f, 0.09f, 0.16f},
                                {0.05f, 0.09f, 0.16f},
                                {0.60f, 0.25f, 0.02f},
                                {0.60f, 0.25f, 0.02f}}}};
+const ColorRamp kDetailRamp = {{{{0.03f, 0.06f, 0.22f},
+                                 {0.05f, 0.24f, 0.30f},
+                                 {0.10f, 0.50f, 0.14f},
+                                 {0.50f, 0.36f, 0.03f},
+                                 {0.60f, 0.10f, 0.01f}}}};
 
 Float3 colorAt(const ColorRamp& ramp, float low, float high, float value) {
   const float share = (value - low) / (high - low);

@@ -20,6 +20,8 @@ extern const ColorRamp kDepthRamp;
 extern const ColorRamp kCountRamp;
 /// Two colors.
 extern const ColorRamp kKindRamp;
+/// Three colors, the first of which fades into the second.
+extern const ColorRamp kDetailRamp;
 
 /// The color of a value, that of an end beyond it; of NaN that of the low end. \param high > low.
 /// As colorOfValue() of viewer/kernels/draw_values.hlsli.

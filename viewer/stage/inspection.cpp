@@ -6,8 +6,8 @@
 #include <cstring>
 #include <iterator>
 
-#include "viewer_kernels/bindings.h"
-#include "viewer_kernels/constants.h"
+#include "stage/inspection_passes.h"
+#include "stage/strand_detail.h"
 #include "viewer_kernels/kernels.h"
 
 namespace viewer {
@@ -40,49 +40,16 @@ const HairObject& objectOf(const Inspected& what, size_t index) {
   return what.scene->hair(what.demo->hairs()[index]);
 }
 
-// As many strands as draws of the hair show.
-uint32_t shownStrands(const HairObject& object) {
-  const double shown =
-      std::ceil(static_cast<double>(object.drawnStrands) * static_cast<double>(object.drawnShare));
-  return static_cast<uint32_t>(std::clamp(shown, 1.0, static_cast<double>(object.strandCount())));
-}
-
-template <class Variant>
-void dispatchOver(PassBuilder& pass, const Variant& variant, uint64_t threads) {
-  const uint64_t row = std::min<uint64_t>(threads, strand_value::kInspectRow);
-  pass.dispatch(
-      variant, static_cast<uint32_t>(row),
-      static_cast<uint32_t>((threads + strand_value::kInspectRow - 1) / strand_value::kInspectRow));
+// As many strands as draws of the hair show; guides alone have edges that a solver keeps.
+uint32_t posedStrands(const InspectionLook& look, const HairObject& object) {
+  if (look.value == InspectedValue::kDetail) return object.strandCount();
+  if (look.value == InspectedValue::kStretch) return object.guideCount();
+  return std::max(drawnStrandsOf(object).count, 1u);
 }
 
 BufferRange wholeOr(const ResourceTable& table, BufferId buffer, const BufferRange& standIn) {
   const BufferRange range = table.whole(buffer);
   return range.isBound() ? range : standIn;
-}
-
-DrawValuesConstants valuesOf(const InspectionLook& look, const View& view, uint32_t vertices) {
-  const InspectionKey key = inspectionKey(look, {});
-  DrawValuesConstants constants = {};
-  std::copy(std::begin(view.worldToClip.rows), std::end(view.worldToClip.rows),
-            std::begin(constants.valuesToClip));
-  for (size_t i = 0; i < key.ramp->colors.size(); ++i) {
-    const Float3& color = key.ramp->colors[i];
-    constants.valueRamp[i] = {color.x, color.y, color.z, 1};
-  }
-  const auto width = static_cast<float>(view.width), height = static_cast<float>(view.height);
-  constants.valueArea = {view.x, view.y, width, height};
-  constants.valueLow = lowOf(look);
-  constants.valueHigh = highOf(look);
-  constants.valueVertexCount = vertices;
-  constants.valueAbove = -strand_value::kMostValue;
-  constants.valueWidth = look.value == InspectedValue::kGuides ? kGuidePixels : kStrandPixels;
-  const Float4& up = view.worldToClip.rows[1];
-  constants.valueFocal = std::hypot(up.x, up.y, up.z) * height / 2;
-  return constants;
-}
-
-pelage::PixelArea areaOf(const View& view) {
-  return {static_cast<uint32_t>(view.x), static_cast<uint32_t>(view.y), view.width, view.height};
 }
 
 pelage::DrawState solid(const View& view) {
@@ -130,6 +97,28 @@ std::vector<uint32_t> wordsOf(const std::vector<std::byte>& bytes) {
 
 }  // namespace
 
+DrawValuesConstants valuesOf(const InspectionLook& look, const View& view, uint32_t vertices) {
+  const InspectionKey key = inspectionKey(look, {}, pelage::Transparency::kTiles);
+  DrawValuesConstants constants = {};
+  std::copy(std::begin(view.worldToClip.rows), std::end(view.worldToClip.rows),
+            std::begin(constants.valuesToClip));
+  for (size_t i = 0; i < key.ramp->colors.size(); ++i) {
+    const Float3& color = key.ramp->colors[i];
+    constants.valueRamp[i] = {color.x, color.y, color.z, 1};
+  }
+  const auto width = static_cast<float>(view.width), height = static_cast<float>(view.height);
+  constants.valueArea = {view.x, view.y, width, height};
+  constants.valueLow = lowOf(look);
+  constants.valueHigh = highOf(look);
+  constants.valueVertexCount = vertices;
+  constants.valueAbove = -strand_value::kMostValue;
+  const bool many = look.value == InspectedValue::kGuides || look.value == InspectedValue::kDetail;
+  constants.valueWidth = many ? kGuidePixels : kStrandPixels;
+  const Float4& up = view.worldToClip.rows[1];
+  constants.valueFocal = std::hypot(up.x, up.y, up.z) * height / 2;
+  return constants;
+}
+
 Inspection::Hair& Inspection::hairOf(const Inspected& what, size_t index) {
   const auto [at, isNew] = hairs_.try_emplace(what.demo->hairs()[index]);
   if (!isNew) return at->second;
@@ -154,14 +143,13 @@ Inspection::Hair& Inspection::hairOf(const Inspected& what, size_t index) {
   return at->second = hair;
 }
 
-// Only guides have edges that a solver keeps.
 Result<void> Inspection::pose(const InspectionLook& look, const Inspected& what, size_t index,
                               Hair& hair, PassList& list) {
   const HairObject& object = objectOf(what, index);
   const ResourceTable& table = what.scene->resources();
   const uint32_t vertices = object.verticesPerStrand();
   const BufferRange positions = table.whole(object.buffers().positions);
-  hair.posed = look.value == InspectedValue::kStretch ? object.guideCount() : shownStrands(object);
+  hair.posed = posedStrands(look, object);
   const bool stored = positions.size >= uint64_t{object.strandCount()} * vertices * sizeof(Float4);
   StrandPoseConstants constants = {};
   constants.poseVertexCount = vertices;
@@ -252,25 +240,39 @@ Result<void> Inspection::drawStrands(const InspectionLook& look, const Inspected
     Result<void> done = pose(look, what, i, hair, list);
     if (done && look.value == InspectedValue::kPenetration)
       done = measurePenetration(look, what, i, hair, list);
+    else if (done && look.value == InspectedValue::kDetail)
+      done = markDetail(objectOf(what, i), what.scene->resources(), hair.records, list);
     else if (done)
       done = measureStretch(look, what, i, hair, list);
     if (!done) return done;
   }
   for (size_t i = 0; i < what.demo->hairs().size(); ++i) {
     const HairObject& object = objectOf(what, i);
-    DrawValuesConstants constants = valuesOf(look, view, object.verticesPerStrand());
-    Result<void> done = look.value == InspectedValue::kOverdraw
-                            ? countStrands(what, object, hairOf(what, i), constants, view, list)
-                            : drawStrands(object, hairOf(what, i), constants, solid(view), list);
-    if (done && look.value == InspectedValue::kPenetration) {
-      // What is inside of a collider is behind its surface.
-      pelage::DrawState always = solid(view);
-      always.depthCompare = pelage::DepthCompare::kAlways;
-      constants.valueAbove = 0;
-      done = drawStrands(object, hairOf(what, i), constants, always, list);
-    }
+    const DrawValuesConstants constants = valuesOf(look, view, object.verticesPerStrand());
+    const Result<void> done =
+        look.value == InspectedValue::kOverdraw
+            ? countStrands(what, object, hairOf(what, i), constants, view, list)
+            : drawValues(look, object, hairOf(what, i), constants, view, list);
     if (!done) return done;
   }
+  return {};
+}
+
+Result<void> Inspection::drawValues(const InspectionLook& look, const HairObject& object,
+                                    const Hair& hair, DrawValuesConstants constants,
+                                    const View& view, PassList& list) {
+  pelage::DrawState state = solid(view);
+  // Strands that are left out hide none that are drawn.
+  state.depthWrite = look.value != InspectedValue::kDetail;
+  if (Result<void> done = drawStrands(object, hair, constants, state, list); !done) return done;
+  constants.valueAbove = 0;
+  state.depthWrite = true;
+  if (look.value == InspectedValue::kDetail)
+    return drawStrands(object, hair, constants, state, list);
+  // What is inside of a collider is behind its surface.
+  state.depthCompare = pelage::DepthCompare::kAlways;
+  if (look.value == InspectedValue::kPenetration)
+    return drawStrands(object, hair, constants, state, list);
   return {};
 }
 
@@ -335,12 +337,8 @@ Result<void> Inspection::drawOverdraw(const InspectionLook& look, const Inspecte
   PassBuilder sum(showing);
   dispatchOver(sum, sumOverdrawVariant({}), pixels);
   if (Result<void> done = sum.finish(drawn, counters); !done) return done;
-  pelage::DrawState state;
-  state.depthCompare = pelage::DepthCompare::kAlways;
-  state.depthWrite = false;
-  state.blend = pelage::BlendMode::kPremultipliedAlpha;
   PassBuilder show(showing);
-  show.draw(overdrawVertexVariant({}), overdrawPixelVariant({}), state, 3, 1);
+  show.draw(coveringVertexVariant({}), overdrawPixelVariant({}), overEverything(), 3, 1);
   if (Result<void> done = show.finish(drawn, counters); !done) return done;
   if (const auto added = frame.addView(std::move(showing)); !added) return added.error();
   return {};
@@ -401,7 +399,12 @@ Result<void> Inspection::drawSurfaces(const Inspected& what, const View& view, P
 
 Result<void> Inspection::draw(const InspectionLook& look, const Inspected& what, const View& view,
                               pelage::Frame& frame) {
-  if (drawsHair(look.value)) return {};
+  if (!hasPasses(look.value)) return {};
+  if (look.value == InspectedValue::kTiles) return tiles_.draw(look, *what.scene, view, frame);
+  if (look.value == InspectedValue::kDetail) {
+    figures_ = {};
+    for (size_t i = 0; i < what.demo->hairs().size(); ++i) addDetail(objectOf(what, i), figures_);
+  }
   if (look.value == InspectedValue::kOverdraw) return drawOverdraw(look, what, view, frame);
   PassList list;
   Result<void> done = look.value == InspectedValue::kSdfSlice ? drawSlice(look, what, view, list)
@@ -428,6 +431,11 @@ Result<void> Inspection::measureOverdraw(const pelage::BufferReader& read) {
 
 Result<void> Inspection::measure(const InspectionLook& look, const pelage::BufferReader& read) {
   if (look.value == InspectedValue::kOverdraw) return measureOverdraw(read);
+  if (look.value == InspectedValue::kTiles) {
+    const Result<InspectionFigures> counted = tiles_.measure(read);
+    if (!counted) return counted.error();
+    figures_ = *counted;
+  }
   if (look.value != InspectedValue::kStretch && look.value != InspectedValue::kPenetration)
     return {};
   InspectionFigures sum;
@@ -455,6 +463,7 @@ void Inspection::clear(pelage::Scene& scene) {
     if (*buffer != BufferId::kInvalid) table.remove(*buffer);
     *buffer = BufferId::kInvalid;
   }
+  tiles_.clear(scene);
   figures_ = {};
 }
 

@@ -10,6 +10,7 @@
 #include "pelage/frame.h"
 #include "pelage/scene.h"
 #include "stage/inspection_look.h"
+#include "stage/tile_inspection.h"
 
 namespace viewer_kernels {
 struct DrawValuesConstants;
@@ -53,6 +54,10 @@ class Inspection {
   Hair& hairOf(const Inspected& what, size_t index);
   pelage::Result<void> drawStrands(const InspectionLook& look, const Inspected& what,
                                    const pelage::View& view, pelage::PassList& list);
+  static pelage::Result<void> drawValues(const InspectionLook& look,
+                                         const pelage::HairObject& object, const Hair& hair,
+                                         viewer_kernels::DrawValuesConstants constants,
+                                         const pelage::View& view, pelage::PassList& list);
   static pelage::Result<void> drawStrands(const pelage::HairObject& object, const Hair& hair,
                                           const viewer_kernels::DrawValuesConstants& constants,
                                           const pelage::DrawState& state, pelage::PassList& list);
@@ -74,6 +79,7 @@ class Inspection {
 
   std::map<pelage::HairId, Hair> hairs_;
   pelage::BufferId counts_ = pelage::BufferId::kInvalid, sums_ = pelage::BufferId::kInvalid;
+  TileInspection tiles_;
   InspectionFigures figures_;
 };
 

@@ -10,7 +10,11 @@ void InspectionLook::show(bool back) {
 }
 
 bool drawsHair(InspectedValue value) {
-  return value == InspectedValue::kNone || value == InspectedValue::kSdfSurface;
+  return !hasPasses(value) || value == InspectedValue::kTiles;
+}
+
+bool hasPasses(InspectedValue value) {
+  return value != InspectedValue::kNone && value != InspectedValue::kSdfSurface;
 }
 
 bool drawsMeshes(InspectedValue value) {
@@ -18,8 +22,9 @@ bool drawsMeshes(InspectedValue value) {
 }
 
 const char* nameOf(InspectedValue value) {
-  constexpr const char* kNames[kInspectedValues] = {
-      "hair", "stretch", "penetration", "overdraw", "SDF surface", "SDF slice", "guides"};
+  constexpr const char* kNames[kInspectedValues] = {"hair",      "stretch", "penetration",
+                                                    "overdraw",  "tiles",   "SDF surface",
+                                                    "SDF slice", "guides",  "level of detail"};
   return kNames[static_cast<size_t>(value)];
 }
 
@@ -31,8 +36,12 @@ float highOf(const InspectionLook& look) {
       return look.penetrationRange;
     case InspectedValue::kOverdraw:
       return look.overdrawRange;
+    case InspectedValue::kTiles:
+      return look.tileRange;
     case InspectedValue::kSdfSlice:
       return look.sliceRange;
+    case InspectedValue::kDetail:
+      return 2;  // strand_detail::kDetailInterpolated
     default:
       return 1;
   }
@@ -97,9 +106,50 @@ InspectionKey overdrawKey(const InspectionLook& look, const InspectionFigures& f
   return key;
 }
 
+InspectionKey tilesKey(const InspectionLook& look, const InspectionFigures& figures,
+                       pelage::Transparency method) {
+  const bool segments = method == pelage::Transparency::kTiles;
+  if (!segments && method != pelage::Transparency::kWindowed)
+    return {"Tiles",
+            nullptr,
+            {},
+            {},
+            {},
+            {"This method sorts nothing into tiles: choose windowed or tiles to see how full they "
+             "are."}};
+  InspectionKey key = {
+      fmt::format("{} a tile of 8 x 8 pixels", segments ? "Segments" : "Fragments"),
+      &kCountRamp,
+      "0",
+      fmt::format("{:.3g}", look.tileRange / 2),
+      fmt::format("{:.5g}", look.tileRange),
+      {}};
+  if (!figures.known) return key;
+  const uint64_t filled = figures.tiles - figures.tilesWithoutRoom;
+  const double mean =
+      filled > 0 ? static_cast<double>(figures.fragments) / static_cast<double>(filled) : 0;
+  key.lines.push_back(fmt::format("fullest tile {:.0f}, mean {:.3g}", figures.largest, mean));
+  key.lines.push_back(fmt::format("{} tiles with hair", figures.tiles));
+  if (figures.tilesWithoutRoom > 0)
+    key.lines.push_back(
+        fmt::format("{} of them empty for lack of room (striped)", figures.tilesWithoutRoom));
+  return key;
+}
+
+InspectionKey detailKey(const InspectionFigures& figures) {
+  InspectionKey key = {"Level of detail", &kDetailRamp, "left out", "drawn", "not simulated", {}};
+  if (!figures.known) return key;
+  key.lines.push_back(fmt::format("{} of {} strands drawn, {} fade", figures.drawn, figures.strands,
+                                  figures.fading));
+  key.lines.push_back(fmt::format("{:.3g} times as wide as without", figures.widening));
+  key.lines.push_back(fmt::format("{} of {} guides simulated", figures.simulated, figures.guides));
+  return key;
+}
+
 }  // namespace
 
-InspectionKey inspectionKey(const InspectionLook& look, const InspectionFigures& figures) {
+InspectionKey inspectionKey(const InspectionLook& look, const InspectionFigures& figures,
+                            pelage::Transparency method) {
   const float millimeters = 1000 * look.sliceRange;
   switch (look.value) {
     case InspectedValue::kStretch:
@@ -108,6 +158,8 @@ InspectionKey inspectionKey(const InspectionLook& look, const InspectionFigures&
       return penetrationKey(look, figures);
     case InspectedValue::kOverdraw:
       return overdrawKey(look, figures);
+    case InspectedValue::kTiles:
+      return tilesKey(look, figures, method);
     case InspectedValue::kSdfSlice:
       return {"Distance from colliders",
               &kSignedRamp,
@@ -117,6 +169,8 @@ InspectionKey inspectionKey(const InspectionLook& look, const InspectionFigures&
               {fmt::format("a line every {:.3g} mm; < 0 inside", millimeters / 4)}};
     case InspectedValue::kGuides:
       return {"Kind of strand", &kKindRamp, "follow hair", "", "guide", {}};
+    case InspectedValue::kDetail:
+      return detailKey(figures);
     default:
       return {};
   }

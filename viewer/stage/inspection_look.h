@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "pelage/transparency.h"
 #include "stage/color_ramp.h"
 
 namespace viewer {
@@ -14,11 +15,13 @@ enum class InspectedValue : uint8_t {
   kStretch,      ///< of the guides' edges: length over rest length, less 1
   kPenetration,  ///< depth of vertices in colliders
   kOverdraw,     ///< fragments a pixel
+  kTiles,        ///< segments or fragments in the tiles of the transparency method, over the hair
   kSdfSurface,   ///< colliders as their SDFs have them, with the hair
   kSdfSlice,     ///< distances of the SDFs in a plane
   kGuides,       ///< guides and follow hairs in two colors
+  kDetail,       ///< strands that level of detail leaves out, and guides that are not simulated
 };
-inline constexpr int kInspectedValues = 7;
+inline constexpr int kInspectedValues = 9;
 
 enum class SliceAxis : uint8_t { kX, kY, kZ };
 
@@ -27,6 +30,7 @@ struct InspectionLook {
   float stretchRange = 0.01f;       ///< that has the color of an end, 1e-6..1
   float penetrationRange = 0.002f;  ///< likewise [m], 1e-6..0.1
   float overdrawRange = 32;         ///< fragments with the color of the end, 1..1024
+  float tileRange = 1024;           ///< entries of a tile with the color of the end, 1..65536
   float sliceRange = 0.02f;         ///< distance with the color of an end [m], 1e-4..1
   SliceAxis sliceAxis = SliceAxis::kX;
   float slicePosition = 0.5f;  ///< share of the SDF's extent along the axis, 0..1
@@ -35,27 +39,33 @@ struct InspectionLook {
   bool operator==(const InspectionLook&) const = default;
 };
 
-/// Whether hair is drawn as it is, and whether meshes are.
+/// Whether hair is drawn as it is, whether meshes are, and whether there are passes beside them.
 bool drawsHair(InspectedValue value);
 bool drawsMeshes(InspectedValue value);
+bool hasPasses(InspectedValue value);
 
 /// What was measured over all hair of a view, some frames ago.
 struct InspectionFigures {
   bool known = false;
-  float largest = 0;       ///< magnitude, in the unit of the value; fragments of the fullest pixel
+  float largest = 0;       ///< magnitude, in the unit of the value; of the fullest pixel or tile
   uint64_t beyond = 0;     ///< vertices beyond the range
   uint64_t notFinite = 0;  ///< vertices
   uint64_t measured = 0;   ///< vertices
   uint64_t pixels = 0;     ///< with hair
-  uint64_t fragments = 0;
+  uint64_t fragments = 0;  ///< or segments, of all pixels or tiles
+  uint64_t tiles = 0;      ///< with hair
+  uint64_t tilesWithoutRoom = 0;
+  /// Level of detail.
+  uint64_t strands = 0, drawn = 0, fading = 0, guides = 0, simulated = 0;
+  float widening = 1;  ///< factor on the widths of strands, of the hair that has the largest
 };
 
 /// The key of the colors.
 struct InspectionKey {
   std::string title;
-  const ColorRamp* ramp = nullptr;
-  std::string low, middle, high;   ///< values of the ends and the middle, with units
-  std::vector<std::string> lines;  ///< figures
+  const ColorRamp* ramp = nullptr;  ///< nullptr: there are no colors
+  std::string low, middle, high;    ///< values of the ends and the middle, with units
+  std::vector<std::string> lines;   ///< figures
 };
 
 /// "Stretch", ...: names for lists, in the order of InspectedValue.
@@ -63,7 +73,8 @@ const char* nameOf(InspectedValue value);
 /// Ends of the colors in SI units.
 float lowOf(const InspectionLook& look);
 float highOf(const InspectionLook& look);
-/// Its `ramp` is nullptr where there are no colors: kNone, kSdfSurface.
-InspectionKey inspectionKey(const InspectionLook& look, const InspectionFigures& figures);
+/// Without a title there is nothing to say: kNone, kSdfSurface. \param method  of the view.
+InspectionKey inspectionKey(const InspectionLook& look, const InspectionFigures& figures,
+                            pelage::Transparency method);
 
 }  // namespace viewer

@@ -120,7 +120,7 @@ Result<pelage::Frame> Stage::makeFrame(double realSeconds, uint32_t width, uint3
   applyLook(width, height);
   if (!(inspectionBefore_ == inspection)) {
     for (Inspection& of : inspections_)
-      drawsHair(inspection.value) ? of.clear(scene_) : of.forget();
+      hasPasses(inspection.value) ? of.forget() : of.clear(scene_);
     inspectedFrames_ = 0;
   }
   inspectionBefore_ = inspection;

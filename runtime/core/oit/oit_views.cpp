@@ -78,6 +78,23 @@ Result<void> addMethod(OitDraw& draw, std::vector<PassList>& lists) {
   return {};
 }
 
+TransparencyTiles tilesOf(const OitDraw& draw) {
+  TransparencyTiles tiles;
+  tiles.method = draw.settings.method;
+  const View& view = draw.view.view;
+  const ListSizes sizes = listSizes(view.width, view.height, false);
+  tiles.columns = sizes.columns;
+  tiles.rows = static_cast<uint32_t>(sizes.tiles / sizes.columns);
+  tiles.nodeCount = draw.plan.sizes.nodeCount;
+  const bool lists = tiles.method == Transparency::kWindowed;
+  tiles.counters = draw.buffers.lists.counters;
+  tiles.tiles = lists ? draw.buffers.lists.tiles : draw.buffers.strands.tiles;
+  if (!lists) return tiles;
+  tiles.heads = draw.buffers.lists.heads;
+  tiles.nodes = draw.buffers.lists.nodes;
+  return tiles;
+}
+
 }  // namespace
 
 DrawState overTarget() {
@@ -136,6 +153,7 @@ Result<OitPlan> OitViews::check(DrawnView& view, const TransparencySettings& set
 Result<void> OitViews::record(DrawnView& view, const TransparencySettings& settings,
                               const OitPlan& plan, const RoomBuffers& room, uint64_t frame,
                               std::vector<PassList>& lists) {
+  tiles_ = {};
   const size_t count = listsOf(settings.method, plan.batches.size());
   if (lists.size() < count) lists.resize(count);
   if (isOpaque(settings.method) && plan.recordBytes == 0)
@@ -160,6 +178,7 @@ Result<void> OitViews::record(DrawnView& view, const TransparencySettings& setti
     added = addTransforms(view, lists[0]);
   }
   if (added) added = addMethod(draw, lists);
+  if (added && !plan.batches.empty()) tiles_ = tilesOf(draw);
   if (draw.remade) slot.tickets.forgetRuns();
   std::shared_ptr<ListTicket> before;
   for (size_t i = 0; i < count; ++i) {
@@ -203,6 +222,7 @@ void OitViews::trim(const RoomBuffers& room, const char* reason) {
   }
   slots_.clear();
   last_ = 0;
+  tiles_ = {};
 }
 
 }  // namespace pelage::detail

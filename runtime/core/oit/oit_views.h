@@ -91,6 +91,8 @@ class OitViews {
                       const RoomBuffers& room, uint64_t frame, std::vector<PassList>& lists);
   /// Of lists or tiles of the view that was drawn last; kInvalid before the first one.
   BufferId counters() const;
+  /// Of the view that was drawn last; buffers are kInvalid where it has none.
+  const TransparencyTiles& tiles() const { return tiles_; }
   /// [view] bytes of its buffers, for all methods it has had.
   std::vector<uint64_t> bytes(const ResourceTable& resources) const;
   /// Frees all buffers. \param reason why lists that have not run cannot any more.
@@ -104,6 +106,7 @@ class OitViews {
   size_t freeSlot(uint64_t frame);
   std::vector<std::unique_ptr<Slot>> slots_;
   size_t last_ = 0;
+  TransparencyTiles tiles_;  // of the last view
 };
 
 }  // namespace pelage::detail

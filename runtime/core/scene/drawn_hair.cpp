@@ -8,20 +8,7 @@
 
 namespace pelage {
 
-namespace detail {
-
-namespace {
-
-// The roots that draws compute follow hairs from.
-BufferRange drawnRoots(const HairObject& object, const StrandsBetween& between) {
-  BufferRange roots = object.rootTransforms();
-  if (between.roots != BufferId::kInvalid) roots = {between.roots, roots.size};
-  return roots;
-}
-
-}  // namespace
-
-DrawnStrands drawnStrands(const HairObject& object) {
+DrawnStrands drawnStrandsOf(const HairObject& object) {
   const uint32_t all = std::min(object.drawnStrands, object.strandCount());
   // What is not a number counts as 1.
   const double share =
@@ -38,11 +25,24 @@ DrawnStrands drawnStrands(const HairObject& object) {
   return drawn;
 }
 
+namespace detail {
+
+namespace {
+
+// The roots that draws compute follow hairs from.
+BufferRange drawnRoots(const HairObject& object, const StrandsBetween& between) {
+  BufferRange roots = object.rootTransforms();
+  if (between.roots != BufferId::kInvalid) roots = {between.roots, roots.size};
+  return roots;
+}
+
+}  // namespace
+
 DrawnHair drawnHairOf(const HairObject& object, const HairInternals& hair, uint64_t frame) {
   DrawnHair drawn;
   drawn.material = &object.material;
   drawn.buffers = &object.buffers();
-  drawn.strands = drawnStrands(object);
+  drawn.strands = drawnStrandsOf(object);
   drawn.vertexCount = object.verticesPerStrand();
   drawn.guideCount = object.guideCount();
   drawn.followCount = object.strandCount() - object.guideCount();
@@ -75,7 +75,7 @@ Ball ballOfHair(const HairInternals& hair, float tipSeparation) {
 }
 
 ShadowedHair shadowedHairOf(const HairObject& object, const HairInternals& hair, uint64_t frame) {
-  const DrawnStrands drawn = drawnStrands(object);
+  const DrawnStrands drawn = drawnStrandsOf(object);
   const HairBuffers& buffers = object.buffers();
   const StrandMaterial& m = object.material;
   ShadowedHair shadowed;

@@ -82,6 +82,7 @@ void Scene::setShadowMemory(uint64_t maxBytes) { impl_->setShadowMemory(maxBytes
 BufferId Scene::shadowWords() const { return impl_->shadowWords(); }
 BufferId Scene::shadowViews() const { return impl_->shadowViews(); }
 BufferId Scene::transparencyCounters() const { return impl_->transparencyCounters(); }
+TransparencyTiles Scene::transparencyTiles() const { return impl_->transparencyTiles(); }
 Result<void> Scene::drawCollider(ColliderId id, const View& view, const Light& light,
                                  const ColliderLook& look, PassList& list) {
   return impl_->drawCollider(id, view, light, look, list);

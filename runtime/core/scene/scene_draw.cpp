@@ -60,6 +60,8 @@ BufferId SceneImpl::shadowViews() const { return draws_.shadows.views(); }
 
 BufferId SceneImpl::transparencyCounters() const { return draws_.oit.counters(); }
 
+TransparencyTiles SceneImpl::transparencyTiles() const { return draws_.oit.tiles(); }
+
 DrawBytes SceneImpl::drawBytes() const {
   return {draws_.oit.bytes(resources_), draws_.shadows.bytes(resources_)};
 }
@@ -215,7 +217,7 @@ Result<ShadowCast> SceneImpl::checkShadows(std::span<const Light> lights, bool d
   ShadowCast cast;
   Ball all;
   for (const auto& held : objects_) {
-    if (held == nullptr || !held->visible || drawnCount(*held) == 0) continue;
+    if (held == nullptr || !held->visible || drawnStrandsOf(*held).count == 0) continue;
     if (Result<void> checked = checkLook(*held); !checked) return checked.error();
     const Ball ball = ballOfDrawn(*held, *held->internals_, draws_.frame);
     // One that is anywhere has no map that it fits into.

@@ -17,8 +17,6 @@
 
 namespace pelage::detail {
 
-DrawnStrands drawnStrands(const HairObject& object);
-inline uint32_t drawnCount(const HairObject& object) { return drawnStrands(object).count; }
 /// \param frame DrawRooms::frame
 DrawnHair drawnHairOf(const HairObject& object, const HairInternals& hair, uint64_t frame);
 /// Around the hair where a frame draws it.

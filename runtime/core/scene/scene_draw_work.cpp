@@ -99,7 +99,7 @@ TransparencyWork SceneImpl::predictWork(const View& view) const {
   for (const auto& object : objects_) {
     if (object == nullptr || !isDrawn(*frame, *object)) continue;
     const HairInternals& hair = *object->internals_;
-    const DrawnStrands strands = drawnStrands(*object);
+    const DrawnStrands strands = drawnStrandsOf(*object);
     const StrandMaterial& m = object->material;
     const float fiber =
         m.fiberRadius * (1 + m.tipRadiusRatio) * hair.meanThickness * strands.widening;

@@ -65,6 +65,7 @@ class SceneImpl {
   BufferId shadowWords() const;
   BufferId shadowViews() const;
   BufferId transparencyCounters() const;
+  TransparencyTiles transparencyTiles() const;
   Result<void> drawCollider(ColliderId id, const View& view, const Light& light,
                             const ColliderLook& look, PassList& list);
   Result<void> checkColliderDraw(ColliderId id, std::span<const std::byte> counts) const;

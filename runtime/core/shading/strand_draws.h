@@ -21,14 +21,6 @@
 
 namespace pelage::detail {
 
-/// Strands that are drawn, with HairObject::drawnShare.
-struct DrawnStrands {
-  uint32_t count = 0;  ///< instances of the draw
-  float shown = 0;     ///< strands, as a real number
-  float fading = 0;    ///< of them, the last ones, whose width falls to 0
-  float widening = 1;  ///< of all, so that the sum of widths stays what it is without
-};
-
 /// A hair object as draws take it.
 struct DrawnHair {
   const StrandMaterial* material = nullptr;
