@@ -34,7 +34,7 @@ double cpuSeconds() {
 }
 
 constexpr float kSoftwareShare = 0.25f;  // of the strands
-constexpr int kMaxWaysBack = 4;          // kernels, settings, memory, the default look
+constexpr int kMaxWaysBack = 5;          // kernels, settings, target, memory, the default look
 constexpr uint32_t kMaxLosses = 3;       // of the device, before the program gives up
 
 }  // namespace
@@ -245,12 +245,17 @@ Result<void> Viewer::take(const Event& event) {
   return {};
 }
 
+// The target of the views as their settings want it now.
+Result<void> Viewer::setTarget(const WindowSize& size) {
+  return canvas_->setTarget({size.pixelWidth, size.pixelHeight, stage_.viewSettings.samples,
+                             stage_.viewSettings.reversedDepth});
+}
+
 Result<void> Viewer::drawFrame(const WindowSize& size) {
   const auto now = std::chrono::steady_clock::now();
   const double seconds = std::chrono::duration<double>(now - last_).count();
   last_ = now;
   if (Result<void> done = reloadKernels(); !done) return done;
-  if (Result<void> done = canvas_->resize(size.pixelWidth, size.pixelHeight); !done) return done;
   if (Result<void> done = canvas_->begin(); !done) return done;
   history_.add(canvas_->timings());
   if (times_) times_->add(frame_, canvas_->timings());
@@ -272,10 +277,15 @@ Result<void> Viewer::drawFrame(const WindowSize& size) {
   ++builtFrames_;
   for (SettingsMessage& message : messages)
     interface_->say(std::move(message.title), std::move(message.text));
+  if (Result<void> done = setTarget(size); !done)
+    return goesBack(done.error()) ? Result<void>() : done;
   auto frame = stage_.makeFrame(seconds, size.pixelWidth, size.pixelHeight);
   // There is more than one way back.
-  for (int i = 0; i < kMaxWaysBack && !frame && goesBack(frame.error()); ++i)
+  for (int i = 0; i < kMaxWaysBack && !frame && goesBack(frame.error()); ++i) {
+    // What is back may want another target.
+    if (Result<void> done = setTarget(size); !done) return done;
     frame = stage_.makeFrame(0, size.pixelWidth, size.pixelHeight);
+  }
   if (!frame) return frame.error();
   CanvasFrame shown;
   shown.frame = &*frame;
@@ -300,7 +310,9 @@ bool Viewer::goesBack(const Error& refused) {
   if (keepsOldKernels(refused)) return true;
   if (refused.code == ErrorCode::kDeviceLost) return false;
   // The same settings may be refused in a larger window: for their memory.
-  if (!good_.restore(stage_) && !stage_.resetMemory() && !applyDefaultLook(stage_)) return false;
+  if (!good_.restore(stage_) && !stage_.resetTarget() && !stage_.resetMemory() &&
+      !applyDefaultLook(stage_))
+    return false;
   interface_->say("The settings cannot be used", refused.message);
   return true;
 }

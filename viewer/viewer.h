@@ -51,6 +51,7 @@ class Viewer {
   bool takeShortcut(const KeyPressed& key);
   void collect();
   pelage::Result<void> take(const Event& event);
+  pelage::Result<void> setTarget(const WindowSize& size);
   pelage::Result<void> drawFrame(const WindowSize& size);
   bool goesBack(const pelage::Error& refused);
   pelage::Result<void> grant(const PanelWishes& wishes);

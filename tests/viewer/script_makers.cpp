@@ -105,7 +105,11 @@ std::string everyMethod(const SceneSettings& base, const std::filesystem::path& 
     save(settings, folder / fmt::format("shadow_{}.json", static_cast<int>(shadow)));
     script += fmt::format("{} drop shadow_{}.json\n", frame++, static_cast<int>(shadow));
   }
-  return script + fmt::format("{} screenshot shadow.png\n", frame);
+  script += fmt::format("{} screenshot shadow.png\n", frame++);
+  SceneSettings settings = base;
+  settings.view = {.samples = 4, .reversedDepth = true};
+  save(settings, folder / "view.json");
+  return script + fmt::format("{} drop view.json\n{} screenshot view.png\n", frame, frame + 1);
 }
 
 std::string randomInput(uint32_t seed, uint32_t frames, const std::vector<std::string>& files) {

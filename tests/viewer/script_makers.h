@@ -19,7 +19,8 @@ std::string everySetting(const SceneSettings& base, uint32_t sections,
                          const std::filesystem::path& folder);
 
 /// The same for all methods of transparency and kinds of shadow. Of each method there is a
-/// screenshot "method_NAME.png". \param names  gets the NAMEs.
+/// screenshot "method_NAME.png", and "view.png" of a target with 4 samples and reversed depth.
+/// \param names  gets the NAMEs.
 std::string everyMethod(const SceneSettings& base, const std::filesystem::path& folder,
                         std::vector<std::string>& names);
 

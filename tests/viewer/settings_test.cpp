@@ -38,7 +38,8 @@ class StageSettings : public testing::Test {
     if (const uint64_t* n = std::get_if<uint64_t>(&value)) {
       if (parameter.type == pelage::ParameterType::kChoice)
         return (*n + 1) % parameter.choices.size();
-      if (parameter.isPowerOfTwo) return *n == 64 ? uint64_t{128} : uint64_t{64};
+      if (parameter.isPowerOfTwo)
+        return static_cast<double>(*n * 2) > parameter.high ? *n / 2 : *n * 2;
       return *n == static_cast<uint64_t>(parameter.low) ? *n + 1 : *n - 1;
     }
     if (const float* x = std::get_if<float>(&value)) return within(*x);
@@ -84,9 +85,9 @@ TEST_F(StageSettings, AreWhatWasGiven) {
   EXPECT_GT(moved, 60u);
 }
 
-// What is not on the stage is what the window decides: what it draws beside hair, its target.
+// What is not on the stage is what the window decides: what it draws beside hair.
 TEST_F(StageSettings, HaveEverySectionButThoseOfTheWindow) {
-  const std::set<std::string_view> ofTheWindow = {"colliderLook", "view"};
+  const std::set<std::string_view> ofTheWindow = {"colliderLook"};
   const auto sections = pelage::settingsSections();
   for (size_t s = 0; s < sections.size(); ++s)
     EXPECT_TRUE((viewer::stageSections() >> s & 1u) != 0 || ofTheWindow.count(sections[s].key) > 0)
@@ -129,6 +130,31 @@ TEST_F(StageSettings, ThatTheSceneRefusesGoBackToTheLastGoodOnes) {
   EXPECT_TRUE(haveSameSettings(settingsOf(stage_, 0), first));
   const auto frame = stage_.makeFrame(0.01, 64, 64);
   EXPECT_TRUE(frame) << frame.error().message;
+}
+
+// A number of samples that a device or a method does not have.
+TEST_F(StageSettings, OfTheTargetAreRefusedWithASentenceAndGoBack) {
+  pelage::DeviceInfo device;
+  device.name = "a device";
+  device.sampleCounts = 1 | 4;
+  EXPECT_TRUE(viewer::checkSamples(device, 4));
+  const auto refused = viewer::checkSamples(device, 8);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().message,
+            "view.samples is 8, but a device has targets of 1, 4 samples a pixel");
+  SceneSettings settings = settingsOf(stage_, 0);
+  settings.view = {.samples = 4, .reversedDepth = true, .seed = 7};
+  ASSERT_TRUE(apply(settings, 0, stage_));
+  auto frame = stage_.makeFrame(0.01, 64, 64);
+  EXPECT_TRUE(frame) << frame.error().message;
+  settings.transparency.method = pelage::Transparency::kTiles;
+  ASSERT_TRUE(apply(settings, 0, stage_));
+  frame = stage_.makeFrame(0.01, 64, 64);
+  ASSERT_FALSE(frame);
+  EXPECT_NE(frame.error().message.find("view.samples is 4"), std::string::npos);
+  EXPECT_TRUE(stage_.resetTarget());
+  EXPECT_FALSE(stage_.resetTarget());
+  EXPECT_TRUE(stage_.makeFrame(0.01, 64, 64));
 }
 
 // Files and settings that come in one frame: there is nothing to go back to.

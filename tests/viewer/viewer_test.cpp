@@ -373,7 +373,7 @@ TEST_P(Viewer, DrawsWithEveryMethodAndTakesEverySetting) {
   std::vector<std::string> methods;
   const std::string script =
       "0 key tab\n0 key space\n" + pelage::test::everyMethod(wideHair(), folder.file(""), methods) +
-      shifted(pelage::test::everySetting(wideHair(), viewer::stageSections(), folder.file("")), 20);
+      shifted(pelage::test::everySetting(wideHair(), viewer::stageSections(), folder.file("")), 30);
   const Session session =
       sessionOf(GetParam(), folder, script, "hair.tfx --strands 1 --settings wide.json");
   ASSERT_EQ(session.output.code, 0) << session.output.errors;
@@ -386,6 +386,9 @@ TEST_P(Viewer, DrawsWithEveryMethodAndTakesEverySetting) {
         << method;
   }
   expectHair(session.picture("shadow"), "with shadows");
+  const ByteImage view = session.picture("view");
+  EXPECT_LT(meanDifference(view, session.picture("method_shortCut")), 2);
+  EXPECT_NE(view.rgb, session.picture("method_shortCut").rgb);
 }
 
 // Whatever comes in, nothing fails and validation is clean.

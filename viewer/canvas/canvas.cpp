@@ -1,9 +1,25 @@
 #include "canvas/canvas.h"
 
+#include <fmt/format.h>
+
+#include <bit>
+#include <string>
+
 namespace viewer {
 
 using pelage::Error;
 using pelage::ErrorCode;
+
+pelage::Result<void> checkSamples(const pelage::DeviceInfo& info, uint32_t samples) {
+  if (std::has_single_bit(samples) && (info.sampleCounts & samples) != 0) return {};
+  std::string counts;
+  for (uint32_t count = 1; count <= info.sampleCounts; count *= 2)
+    if ((info.sampleCounts & count) != 0)
+      counts += (counts.empty() ? "" : ", ") + std::to_string(count);
+  return Error{ErrorCode::kUnsupported,
+               fmt::format("view.samples is {}, but {} has targets of {} samples a pixel", samples,
+                           info.name, counts)};
+}
 
 pelage::Result<std::unique_ptr<Canvas>> createCanvas(const CanvasDef& def, Window& window) {
   if (def.api == pelage::Api::kVulkan) {

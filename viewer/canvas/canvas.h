@@ -35,11 +35,19 @@ struct CanvasMemory {
   uint64_t frames = 0;   ///< of constants and uploads, where the API says so
 };
 
+/// What the scene is drawn into.
+struct CanvasTarget {
+  uint32_t width = 0, height = 0;  ///< of the window [pixels], > 0
+  uint32_t samples = 1;            ///< a pixel: one of DeviceInfo::sampleCounts
+  bool reversedDepth = false;      ///< depth begins at 0
+  bool operator==(const CanvasTarget&) const = default;
+};
+
 /// A view of a frame on the canvas.
 struct CanvasView {
   pelage::PixelArea area;  ///< within the canvas
   /// Receives the depth of opaque things after the first list of the view:
-  /// TransparencySettings::opaqueDepth; kInvalid: nothing does.
+  /// TransparencySettings::opaqueDepth; kInvalid: nothing does. Targets have one sample then.
   pelage::BufferId depthCopy = pelage::BufferId::kInvalid;
 };
 
@@ -68,8 +76,9 @@ class Canvas {
   /// the latter alone. The scene's buffers are lost: Scene::recover() comes next. The code lives as
   /// long as it is used. Errors: those of making a runtime.
   virtual pelage::Result<void> setCode(pelage::KernelCodeList code) = 0;
-  /// Makes the targets for a window of this size [pixels]; nothing where they have it.
-  virtual pelage::Result<void> resize(uint32_t width, uint32_t height) = 0;
+  /// Makes the targets of the next frames; nothing where they are there. Errors: kUnsupported, with
+  /// what the device has, for a number of samples that it has not; the last targets stay then.
+  virtual pelage::Result<void> setTarget(const CanvasTarget& target) = 0;
   /// Begins a frame: waits for an earlier one to finish. It comes before Scene::simulate(), and
   /// before the interface is built.
   virtual pelage::Result<void> begin() = 0;
@@ -90,6 +99,9 @@ class Canvas {
  protected:
   Canvas() = default;
 };
+
+/// Whether a device has targets with so many samples. Error: kUnsupported, with those that it has.
+pelage::Result<void> checkSamples(const pelage::DeviceInfo& info, uint32_t samples);
 
 /// A canvas on a window that was made for its API. The ImGui context exists already. Errors: no
 /// device, or one without what it takes; each named.

@@ -55,14 +55,20 @@ Float3 OrbitCamera::up() const {
 
 Float3 OrbitCamera::eye() const { return along(target_, direction(), distance_); }
 
-pelage::View OrbitCamera::view(uint32_t width, uint32_t height) const {
+pelage::View OrbitCamera::view(uint32_t width, uint32_t height, bool reversedDepth) const {
   sample::Camera camera;
   camera.eye = eye();
   camera.target = target_;
   camera.verticalFov = verticalFov_;
   camera.near = distance_ * 0.02f;
   camera.far = distance_ + range_;
-  return sample::makeView(camera, width, height, 1);
+  pelage::View view = sample::makeView(camera, width, height, 1);
+  if (!reversedDepth) return view;
+  view.reversedDepth = true;
+  view.worldToClip = pelage::lookAt(camera.eye, camera.target, {0, 1, 0}, camera.verticalFov,
+                                    static_cast<float>(width) / static_cast<float>(height),
+                                    camera.near, camera.far, true);
+  return view;
 }
 
 Float3 OrbitCamera::pointAt(float x, float y, float aspect, const Float3& plane) const {

@@ -28,7 +28,7 @@ class OrbitCamera {
   pelage::Float3 right() const;
   pelage::Float3 up() const;
   float distance() const { return distance_; }
-  pelage::View view(uint32_t width, uint32_t height) const;
+  pelage::View view(uint32_t width, uint32_t height, bool reversedDepth = false) const;
   /// Where a pixel's ray meets the plane through a point that faces the camera. \param x, y shares
   /// of the picture from the top left, 0..1.
   pelage::Float3 pointAt(float x, float y, float aspect, const pelage::Float3& plane) const;

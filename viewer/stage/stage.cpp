@@ -78,6 +78,12 @@ bool Stage::resetMemory() {
   return !had;
 }
 
+bool Stage::resetTarget() {
+  const pelage::ViewSettings before = std::exchange(viewSettings, {});
+  return before.samples != viewSettings.samples ||
+         before.reversedDepth != viewSettings.reversedDepth;
+}
+
 // What changed since the last frame.
 void Stage::applyLook(uint32_t width, uint32_t height) {
   const bool resized = width != width_ || height != height_;
@@ -117,6 +123,11 @@ void Stage::makeDepthBuffers(uint32_t width, uint32_t height) {
 }
 
 Result<pelage::Frame> Stage::makeFrame(double realSeconds, uint32_t width, uint32_t height) {
+  if (look.transparency == pelage::Transparency::kTiles && viewSettings.samples > 1)
+    return Error{ErrorCode::kUnsupported,
+                 "view.samples is " + std::to_string(viewSettings.samples) +
+                     ", but the method tiles reads the depth of meshes, which the viewer copies "
+                     "from targets of 1 sample a pixel"};
   applyLook(width, height);
   if (!(inspectionBefore_ == inspection)) {
     for (Inspection& of : inspections_)
@@ -165,7 +176,8 @@ Result<void> Stage::drawSide(uint32_t side, const pelage::CapsuleCollider* ballS
                              pelage::Frame& frame) {
   sample::DemoScene& demo = demoOf(side);
   const uint32_t width = std::max(width_ / sides(), 1u);
-  pelage::View view = camera.view(width, height_);
+  pelage::View view = camera.view(width, height_, viewSettings.reversedDepth);
+  apply(viewSettings, view);
   view.x = static_cast<float>(side * width);
   const Inspected what = {
       &scene_, &demo, clock.time, {ballShape, ballShape != nullptr ? size_t{1} : size_t{0}}};

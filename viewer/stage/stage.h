@@ -89,6 +89,8 @@ class Stage {
   /// Lets transparency take what the device has: for a window that has grown over a smaller cap.
   /// \return whether it had less.
   bool resetMemory();
+  /// Gives views the default target, which every device has. \return whether it was another one.
+  bool resetTarget();
   /// Makes the next frame: moves the hair and draws it. \param realSeconds since the last one.
   /// \param width, height of the target [pixels]. The stage has something to show.
   pelage::Result<pelage::Frame> makeFrame(double realSeconds, uint32_t width, uint32_t height);
@@ -129,7 +131,8 @@ class Stage {
   InspectionLook inspection;
   /// Figures of the chosen side, with the look of the last frames.
   const InspectionFigures& inspected() const { return inspections_[side_].figures(); }
-  pelage::ContactLook contactLook;  ///< with StageLook::showsContacts
+  pelage::ContactLook contactLook;    ///< with StageLook::showsContacts
+  pelage::ViewSettings viewSettings;  ///< of all views: the canvas has the same target
   pelage::Scene& scene() { return scene_; }
   const pelage::Scene& scene() const { return scene_; }
   const std::vector<pelage::HairId>& hairs() const { return chosen().hairs(); }

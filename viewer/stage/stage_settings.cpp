@@ -12,9 +12,9 @@ using pelage::SceneSettings;
 
 namespace {
 
-constexpr std::string_view kSections[] = {"simulation",  "material", "object",
-                                          "creation",    "follow",   "collider",
-                                          "contactLook", "lights",   "transparency"};
+constexpr std::string_view kSections[] = {"simulation",   "material", "object",      "creation",
+                                          "follow",       "collider", "contactLook", "lights",
+                                          "transparency", "view"};
 
 // What was made with other values is made again.
 pelage::Result<void> applyMaking(const SceneSettings& settings, size_t hair, Stage& stage) {
@@ -53,6 +53,7 @@ SceneSettings settingsOf(const Stage& stage, size_t hair) {
   settings.contactLook = stage.contactLook;
   settings.lights = stage.lights();
   settings.transparency = stage.transparency();
+  settings.view = stage.viewSettings;
   // What the next frame gives to all hair.
   settings.simulation.wind.velocity = stage.look.wind;
   settings.object.drawnShare = stage.look.strandShare;
@@ -74,6 +75,7 @@ pelage::Result<void> apply(const SceneSettings& settings, size_t hair, Stage& st
   stage.contactLook = settings.contactLook;
   stage.setLights(settings.lights);
   stage.setTransparency(settings.transparency);
+  stage.viewSettings = settings.view;
   stage.look.wind = settings.simulation.wind.velocity;
   stage.look.strandShare = settings.object.drawnShare;
   stage.look.shadow = stage.lights()[0].shadow;

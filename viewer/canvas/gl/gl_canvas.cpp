@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cctype>
 #include <cstdio>
 #include <optional>
@@ -49,6 +50,19 @@ std::string text(GLenum name) {
   return string != nullptr ? string : "";
 }
 
+// Sum of those of 1, 2, 4 and 8 that textures of a format have.
+uint32_t sampleCountsOf(GLenum format) {
+  GLint count = 0;
+  glGetInternalformativ(GL_TEXTURE_2D_MULTISAMPLE, format, GL_NUM_SAMPLE_COUNTS, 1, &count);
+  std::vector<GLint> samples(static_cast<size_t>(std::max(count, 0)));
+  if (count > 0)
+    glGetInternalformativ(GL_TEXTURE_2D_MULTISAMPLE, format, GL_SAMPLES, count, samples.data());
+  uint32_t sum = 1;
+  for (const GLint n : samples)
+    if (n == 2 || n == 4 || n == 8) sum |= static_cast<uint32_t>(n);
+  return sum;
+}
+
 class GlCanvas final : public Canvas {
  public:
   GlCanvas(CanvasDef def, Window& window) : def_(std::move(def)), window_(window) {}
@@ -60,7 +74,7 @@ class GlCanvas final : public Canvas {
     return runtime_->supports(settings, {.followHairs = true});
   }
   Result<void> setCode(pelage::KernelCodeList code) override;
-  Result<void> resize(uint32_t width, uint32_t height) override;
+  Result<void> setTarget(const CanvasTarget& target) override;
   Result<void> begin() override;
   Result<void> show(const CanvasFrame& frame) override;
   const sample::ByteImage& captured() const override { return captured_; }
@@ -76,7 +90,9 @@ class GlCanvas final : public Canvas {
   Result<void> makeRuntime(pelage::KernelCodeList code);
   void listen();
   void describe();
+  Result<void> makeTarget(const CanvasTarget& target);
   void releaseTarget();
+  void resolve() const;
   void bindScene(bool clears) const;
   void copyDepth(const CanvasView& view) const;
   Result<void> draw(const pelage::FrameStep& step, const CanvasFrame& frame, uint32_t views);
@@ -89,9 +105,11 @@ class GlCanvas final : public Canvas {
   pelage::DeviceInfo info_;
   pelage::TextureId scene_ = pelage::newTextureId();
   GLuint color_ = 0, depth_ = 0, framebuffer_ = 0;
+  GLuint samples_ = 0, resolved_ = 0;  // with several samples: their color; color_ as a target
   bool hasInterface_ = false;
   uint64_t frame_ = 0;
-  uint32_t width_ = 0, height_ = 0, messages_ = 0;
+  CanvasTarget target_;  // without a size: there is none
+  uint32_t messages_ = 0;
   sample::ByteImage captured_;
   std::vector<pelage::PassTiming> timings_;
 };
@@ -128,7 +146,7 @@ Result<void> GlCanvas::setCode(pelage::KernelCodeList code) {
   runtime_.reset();
   timings_.clear();
   Result<void> made = makeRuntime(code);
-  if (made && width_ > 0)
+  if (made && target_.width > 0)
     runtime_->registerTexture(scene_, {.target = GL_TEXTURE_2D_ARRAY, .name = color_});
   return made;
 }
@@ -160,41 +178,70 @@ void GlCanvas::describe() {
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   for (const char* software : {"llvmpipe", "softpipe", "swrast", "swiftshader"})
     info_.software |= lower.find(software) != std::string::npos;
+  info_.sampleCounts = sampleCountsOf(GL_RGBA16F) & sampleCountsOf(GL_DEPTH_COMPONENT32F);
+  info_.maxSamples = std::bit_floor(info_.sampleCounts);
   info_.maxBufferBytes = runtime_->limits().storageBlockBytes;
   info_.tier = runtime_->tier();
 }
 
 void GlCanvas::releaseTarget() {
-  glDeleteFramebuffers(1, &framebuffer_);
-  glDeleteTextures(1, &color_);
-  glDeleteTextures(1, &depth_);
-  framebuffer_ = color_ = depth_ = 0;
-  width_ = height_ = 0;
+  for (GLuint* framebuffer : {&framebuffer_, &resolved_}) {
+    glDeleteFramebuffers(1, framebuffer);
+    *framebuffer = 0;
+  }
+  for (GLuint* texture : {&color_, &samples_, &depth_}) {
+    glDeleteTextures(1, texture);
+    *texture = 0;
+  }
+  target_ = {};
 }
 
-Result<void> GlCanvas::resize(uint32_t width, uint32_t height) {
-  if (width == width_ && height == height_) return {};
-  releaseTarget();
-  const auto columns = static_cast<GLsizei>(width), rows = static_cast<GLsizei>(height);
+Result<void> GlCanvas::makeTarget(const CanvasTarget& target) {
+  const auto columns = static_cast<GLsizei>(target.width);
+  const auto rows = static_cast<GLsizei>(target.height);
+  const auto samples = static_cast<GLsizei>(target.samples);
+  const bool resolves = samples > 1;
+  const auto check = [&](GLuint framebuffer) -> Result<void> {
+    const GLenum status = glCheckNamedFramebufferStatus(framebuffer, GL_FRAMEBUFFER);
+    if (status == GL_FRAMEBUFFER_COMPLETE) return {};
+    return Error{ErrorCode::kOutOfMemory,
+                 fmt::format("a target of {} x {} pixels with {} samples each: framebuffer status "
+                             "{:#x}",
+                             target.width, target.height, target.samples, status)};
+  };
   glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &color_);
   glTextureStorage3D(color_, 1, GL_RGBA16F, columns, rows, 1);
   glTextureParameteri(color_, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   glTextureParameteri(color_, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-  glCreateTextures(GL_TEXTURE_2D, 1, &depth_);
-  glTextureStorage2D(depth_, 1, GL_DEPTH_COMPONENT32F, columns, rows);
   glCreateFramebuffers(1, &framebuffer_);
-  glNamedFramebufferTextureLayer(framebuffer_, GL_COLOR_ATTACHMENT0, color_, 0, 0);
+  if (resolves) {
+    glCreateTextures(GL_TEXTURE_2D_MULTISAMPLE, 1, &samples_);
+    glTextureStorage2DMultisample(samples_, samples, GL_RGBA16F, columns, rows, GL_TRUE);
+    glCreateTextures(GL_TEXTURE_2D_MULTISAMPLE, 1, &depth_);
+    glTextureStorage2DMultisample(depth_, samples, GL_DEPTH_COMPONENT32F, columns, rows, GL_TRUE);
+    glNamedFramebufferTexture(framebuffer_, GL_COLOR_ATTACHMENT0, samples_, 0);
+    glCreateFramebuffers(1, &resolved_);
+    glNamedFramebufferTextureLayer(resolved_, GL_COLOR_ATTACHMENT0, color_, 0, 0);
+    if (Result<void> complete = check(resolved_); !complete) return complete;
+  } else {
+    glCreateTextures(GL_TEXTURE_2D, 1, &depth_);
+    glTextureStorage2D(depth_, 1, GL_DEPTH_COMPONENT32F, columns, rows);
+    glNamedFramebufferTextureLayer(framebuffer_, GL_COLOR_ATTACHMENT0, color_, 0, 0);
+  }
   glNamedFramebufferTexture(framebuffer_, GL_DEPTH_ATTACHMENT, depth_, 0);
-  const GLenum status = glCheckNamedFramebufferStatus(framebuffer_, GL_FRAMEBUFFER);
-  if (status != GL_FRAMEBUFFER_COMPLETE) {
+  return check(framebuffer_);
+}
+
+Result<void> GlCanvas::setTarget(const CanvasTarget& target) {
+  if (target == target_) return {};
+  if (Result<void> can = checkSamples(info_, target.samples); !can) return can;
+  releaseTarget();
+  if (Result<void> made = makeTarget(target); !made) {
     releaseTarget();
-    return Error{
-        ErrorCode::kOutOfMemory,
-        fmt::format("a target of {} x {} pixels: framebuffer status {:#x}", width, height, status)};
+    return made;
   }
   runtime_->registerTexture(scene_, {.target = GL_TEXTURE_2D_ARRAY, .name = color_});
-  width_ = width;
-  height_ = height;
+  target_ = target;
   return {};
 }
 
@@ -214,9 +261,18 @@ void GlCanvas::bindScene(bool clears) const {
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glDepthMask(GL_TRUE);
   glDisable(GL_SCISSOR_TEST);
-  const GLfloat color[4] = {}, depth = 1;
+  const GLfloat color[4] = {}, depth = target_.reversedDepth ? 0.0f : 1.0f;
   glClearBufferfv(GL_COLOR, 0, color);
   glClearBufferfv(GL_DEPTH, 0, &depth);
+}
+
+// A pixel is the mean of its samples.
+void GlCanvas::resolve() const {
+  if (resolved_ == 0) return;
+  const auto width = static_cast<GLint>(target_.width), height = static_cast<GLint>(target_.height);
+  glDisable(GL_SCISSOR_TEST);
+  glBlitNamedFramebuffer(framebuffer_, resolved_, 0, 0, width, height, 0, 0, width, height,
+                         GL_COLOR_BUFFER_BIT, GL_NEAREST);
 }
 
 // Row 0 of the framebuffer is the top row, as in the buffer.
@@ -235,11 +291,12 @@ void GlCanvas::copyDepth(const CanvasView& view) const {
 Result<void> GlCanvas::draw(const pelage::FrameStep& step, const CanvasFrame& frame,
                             uint32_t views) {
   const bool isPicture = step.view == views;
-  if (isPicture)
+  if (isPicture) {
+    resolve();
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
-  else
+  } else
     bindScene(step.view == 0 && step.listOfView == 0);
-  const CanvasView whole = {{0, 0, width_, height_}};
+  const CanvasView whole = {{0, 0, target_.width, target_.height}};
   const CanvasView& on = isPicture ? whole : frame.views[step.view];
   const pelage::gl::DrawTarget target = {on.area.x, on.area.y, on.area.width, on.area.height};
   if (Result<void> done = runtime_->recordDraws(*step.list, target, &*timers_[frame_ % kTimers]);
@@ -251,7 +308,7 @@ Result<void> GlCanvas::draw(const pelage::FrameStep& step, const CanvasFrame& fr
 
 Result<void> GlCanvas::show(const CanvasFrame& frame) {
   const uint32_t views = frame.frame->viewCount();
-  Result<pelage::PassList> picture = pictureList(scene_, width_, height_, true);
+  Result<pelage::PassList> picture = pictureList(scene_, target_.width, target_.height, true);
   if (!picture) return picture.error();
   if (const auto added = frame.frame->addView(*std::move(picture)); !added) return added.error();
   pelage::FrameExecutor executor;
@@ -273,17 +330,17 @@ Result<void> GlCanvas::show(const CanvasFrame& frame) {
 }
 
 void GlCanvas::takePicture() {
-  captured_.width = width_;
-  captured_.height = height_;
-  captured_.rgb.resize(size_t{3} * width_ * height_);
+  captured_.width = target_.width;
+  captured_.height = target_.height;
+  captured_.rgb.resize(size_t{3} * target_.width * target_.height);
   std::vector<uint8_t> rows(captured_.rgb.size());
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glReadBuffer(GL_BACK);
-  glReadPixels(0, 0, static_cast<GLsizei>(width_), static_cast<GLsizei>(height_), GL_RGB,
-               GL_UNSIGNED_BYTE, rows.data());
-  const size_t row = size_t{3} * width_;
-  for (size_t y = 0; y < height_; ++y)
-    std::copy_n(rows.begin() + static_cast<ptrdiff_t>((height_ - 1 - y) * row), row,
+  glReadPixels(0, 0, static_cast<GLsizei>(target_.width), static_cast<GLsizei>(target_.height),
+               GL_RGB, GL_UNSIGNED_BYTE, rows.data());
+  const size_t row = size_t{3} * target_.width;
+  for (size_t y = 0; y < target_.height; ++y)
+    std::copy_n(rows.begin() + static_cast<ptrdiff_t>((target_.height - 1 - y) * row), row,
                 captured_.rgb.begin() + static_cast<ptrdiff_t>(y * row));
 }
 

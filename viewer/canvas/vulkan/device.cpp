@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstdio>
 #include <cstring>
 #include <optional>
@@ -21,6 +22,7 @@ using pelage::Result;
 namespace {
 
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
+constexpr uint32_t kSampleCounts = 1 | 2 | 4 | 8;  // that View::samples may be
 
 VKAPI_ATTR VkBool32 VKAPI_CALL onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT,
                                          VkDebugUtilsMessageTypeFlagsEXT,
@@ -233,6 +235,10 @@ void VulkanDevice::describe() {
   info.version = versionText(properties.apiVersion);
   info.software = properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
   info.maxBufferBytes = properties.limits.maxStorageBufferRange;
+  const VkPhysicalDeviceLimits& limits = properties.limits;
+  info.sampleCounts =
+      limits.framebufferColorSampleCounts & limits.framebufferDepthSampleCounts & kSampleCounts;
+  info.maxSamples = std::bit_floor(info.sampleCounts);
 }
 
 uint32_t VulkanDevice::memoryType(uint32_t typeBits, VkMemoryPropertyFlags wanted) const {

@@ -19,11 +19,11 @@ constexpr VkAccessFlags kAttachmentAccess =
     VK_ACCESS_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT |
     VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
 
-VkAttachmentDescription attachment(VkFormat format, VkAttachmentLoadOp load, VkImageLayout from,
-                                   VkImageLayout to) {
+VkAttachmentDescription attachment(VkFormat format, uint32_t samples, VkAttachmentLoadOp load,
+                                   VkImageLayout from, VkImageLayout to) {
   VkAttachmentDescription description = {};
   description.format = format;
-  description.samples = VK_SAMPLE_COUNT_1_BIT;
+  description.samples = static_cast<VkSampleCountFlagBits>(samples);
   description.loadOp = load;
   description.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
   description.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
@@ -73,26 +73,35 @@ void destroyReadback(const VulkanDevice& device, VulkanReadback& buffer) {
 
 VulkanTargets::~VulkanTargets() {
   destroyImages();
-  for (const VkRenderPass pass : {clearPass_, loadPass_, picturePass_})
-    vkDestroyRenderPass(device_.device, pass, nullptr);
+  for (const auto& [samples, passes] : scenePasses_)
+    for (const VkRenderPass pass : {passes.clear, passes.load})
+      vkDestroyRenderPass(device_.device, pass, nullptr);
+  vkDestroyRenderPass(device_.device, picturePass_, nullptr);
 }
 
-// Between its render passes the color can be sampled, and the depth stays where it is.
-Result<VkRenderPass> VulkanTargets::scenePass(bool clears) const {
+// Between its render passes the color can be sampled, and the depth stays where it is; so do the
+// samples, of which the color is the mean.
+Result<VkRenderPass> VulkanTargets::scenePass(uint32_t samples, bool clears) const {
   const VkAttachmentLoadOp load = clears ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_LOAD;
   const auto before = [&](VkImageLayout layout) {
     return clears ? VK_IMAGE_LAYOUT_UNDEFINED : layout;
   };
   constexpr VkImageLayout kRead = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
   constexpr VkImageLayout kDepth = VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
+  constexpr VkImageLayout kColor = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
+  const VkImageLayout drawn = samples > 1 ? kColor : kRead;
   const VkAttachmentDescription attachments[] = {
-      attachment(kSceneFormat, load, before(kRead), kRead),
-      attachment(kDepthFormat, load, before(kDepth), kDepth)};
-  const VkAttachmentReference color = {0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
+      attachment(kSceneFormat, samples, load, before(drawn), drawn),
+      attachment(kDepthFormat, samples, load, before(kDepth), kDepth),
+      attachment(kSceneFormat, 1, VK_ATTACHMENT_LOAD_OP_DONT_CARE, VK_IMAGE_LAYOUT_UNDEFINED,
+                 kRead)};
+  const VkAttachmentReference color = {0, kColor};
   const VkAttachmentReference depth = {1, kDepth};
+  const VkAttachmentReference resolved = {2, kColor};
   VkSubpassDescription subpass = {};
   subpass.colorAttachmentCount = 1;
   subpass.pColorAttachments = &color;
+  subpass.pResolveAttachments = samples > 1 ? &resolved : nullptr;
   subpass.pDepthStencilAttachment = &depth;
   VkSubpassDependency dependencies[2] = {};
   dependencies[0].srcSubpass = VK_SUBPASS_EXTERNAL;
@@ -106,7 +115,7 @@ Result<VkRenderPass> VulkanTargets::scenePass(bool clears) const {
   dependencies[1].srcAccessMask = kAttachmentAccess;
   dependencies[1].dstAccessMask = kAttachmentAccess | VK_ACCESS_SHADER_READ_BIT;
   auto info = tagged<VkRenderPassCreateInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO);
-  info.attachmentCount = static_cast<uint32_t>(std::size(attachments));
+  info.attachmentCount = samples > 1 ? 3 : 2;
   info.pAttachments = attachments;
   info.subpassCount = 1;
   info.pSubpasses = &subpass;
@@ -118,16 +127,22 @@ Result<VkRenderPass> VulkanTargets::scenePass(bool clears) const {
   return pass;
 }
 
+Result<void> VulkanTargets::makeScenePasses(uint32_t samples) {
+  ScenePasses& passes = scenePasses_[samples];
+  for (VkRenderPass* pass : {&passes.clear, &passes.load}) {
+    if (*pass != VK_NULL_HANDLE) continue;
+    Result<VkRenderPass> made = scenePass(samples, pass == &passes.clear);
+    if (!made) return made.error();
+    *pass = *made;
+  }
+  return {};
+}
+
 Result<void> VulkanTargets::makePasses(VkFormat picture) {
   pictureFormat_ = picture;
-  for (const bool clears : {true, false}) {
-    Result<VkRenderPass> pass = scenePass(clears);
-    if (!pass) return pass.error();
-    (clears ? clearPass_ : loadPass_) = *pass;
-  }
   // All of it is drawn over, and then copied.
   const VkAttachmentDescription color =
-      attachment(picture, VK_ATTACHMENT_LOAD_OP_DONT_CARE, VK_IMAGE_LAYOUT_UNDEFINED,
+      attachment(picture, 1, VK_ATTACHMENT_LOAD_OP_DONT_CARE, VK_IMAGE_LAYOUT_UNDEFINED,
                  VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
   const VkAttachmentReference reference = {0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
   VkSubpassDescription subpass = {};
@@ -159,17 +174,19 @@ Result<void> VulkanTargets::makePasses(VkFormat picture) {
 }
 
 Result<void> VulkanTargets::makeImage(VulkanImage& image, VkFormat format, VkImageUsageFlags usage,
-                                      VkImageAspectFlags aspect, VkImageViewType type) const {
+                                      VkImageAspectFlags aspect, VkImageViewType type,
+                                      uint32_t samples) const {
   const auto fail = [&](VkResult result) {
-    return vulkanError(result, fmt::format("a target of {} x {} pixels", width_, height_));
+    return vulkanError(result, fmt::format("a target of {} x {} pixels with {} samples each",
+                                           target_.width, target_.height, samples));
   };
   auto info = tagged<VkImageCreateInfo>(VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO);
   info.imageType = VK_IMAGE_TYPE_2D;
   info.format = format;
-  info.extent = {width_, height_, 1};
+  info.extent = {target_.width, target_.height, 1};
   info.mipLevels = 1;
   info.arrayLayers = 1;
-  info.samples = VK_SAMPLE_COUNT_1_BIT;
+  info.samples = static_cast<VkSampleCountFlagBits>(samples);
   info.usage = usage;
   VkResult result = vkCreateImage(device_.device, &info, nullptr, &image.image);
   if (result != VK_SUCCESS) return fail(result);
@@ -199,8 +216,8 @@ Result<VkFramebuffer> VulkanTargets::makeFramebuffer(VkRenderPass pass, const Vk
   info.renderPass = pass;
   info.attachmentCount = count;
   info.pAttachments = views;
-  info.width = width_;
-  info.height = height_;
+  info.width = target_.width;
+  info.height = target_.height;
   info.layers = 1;
   VkFramebuffer frame = VK_NULL_HANDLE;
   const VkResult made = vkCreateFramebuffer(device_.device, &info, nullptr, &frame);
@@ -208,25 +225,30 @@ Result<VkFramebuffer> VulkanTargets::makeFramebuffer(VkRenderPass pass, const Vk
   return frame;
 }
 
-Result<void> VulkanTargets::make(uint32_t width, uint32_t height) {
+Result<void> VulkanTargets::make(const CanvasTarget& target) {
   destroyImages();
-  width_ = width;
-  height_ = height;
+  target_ = target;
+  Result<void> made = makeScenePasses(target.samples);
   // The view that kernels sample is an array; so is what is drawn to.
-  Result<void> made = makeImage(scene_, kSceneFormat,
-                                VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT,
-                                VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_VIEW_TYPE_2D_ARRAY);
+  if (made)
+    made = makeImage(scene_, kSceneFormat,
+                     VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT,
+                     VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_VIEW_TYPE_2D_ARRAY, 1);
+  if (made && target.samples > 1)
+    made = makeImage(samples_, kSceneFormat, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT,
+                     VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_VIEW_TYPE_2D_ARRAY, target.samples);
   if (made)
     made = makeImage(depth_, kDepthFormat,
                      VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
-                     VK_IMAGE_ASPECT_DEPTH_BIT, VK_IMAGE_VIEW_TYPE_2D_ARRAY);
+                     VK_IMAGE_ASPECT_DEPTH_BIT, VK_IMAGE_VIEW_TYPE_2D_ARRAY, target.samples);
   if (made)
     made = makeImage(picture_, pictureFormat_,
                      VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
-                     VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_VIEW_TYPE_2D);
+                     VK_IMAGE_ASPECT_COLOR_BIT, VK_IMAGE_VIEW_TYPE_2D, 1);
   if (!made) return made;
-  const VkImageView views[] = {scene_.view, depth_.view};
-  Result<VkFramebuffer> scene = makeFramebuffer(clearPass_, views, 2);
+  const bool resolves = target.samples > 1;
+  const VkImageView views[] = {resolves ? samples_.view : scene_.view, depth_.view, scene_.view};
+  Result<VkFramebuffer> scene = makeFramebuffer(scenePasses().clear, views, resolves ? 3 : 2);
   if (!scene) return scene.error();
   sceneFrame_ = *scene;
   Result<VkFramebuffer> picture = makeFramebuffer(picturePass_, &picture_.view, 1);
@@ -240,7 +262,7 @@ void VulkanTargets::destroyImages() {
     vkDestroyFramebuffer(device_.device, *frame, nullptr);
     *frame = VK_NULL_HANDLE;
   }
-  for (VulkanImage* image : {&scene_, &depth_, &picture_}) {
+  for (VulkanImage* image : {&scene_, &samples_, &depth_, &picture_}) {
     vkDestroyImageView(device_.device, image->view, nullptr);
     vkDestroyImage(device_.device, image->image, nullptr);
     vkFreeMemory(device_.device, image->memory, nullptr);
@@ -250,9 +272,9 @@ void VulkanTargets::destroyImages() {
 
 void VulkanTargets::beginScene(VkCommandBuffer commands, bool clears) const {
   std::array<VkClearValue, 2> values = {};
-  values[1].depthStencil.depth = 1;
+  values[1].depthStencil.depth = target_.reversedDepth ? 0.0f : 1.0f;
   auto begin = tagged<VkRenderPassBeginInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO);
-  begin.renderPass = clears ? clearPass_ : loadPass_;
+  begin.renderPass = clears ? scenePasses().clear : scenePasses().load;
   begin.framebuffer = sceneFrame_;
   begin.renderArea = area();
   begin.clearValueCount = static_cast<uint32_t>(values.size());
@@ -307,7 +329,8 @@ pelage::vulkan::TargetFormats VulkanTargets::sceneFormats() const {
   pelage::vulkan::TargetFormats formats;
   formats.color = kSceneFormat;
   formats.depth = kDepthFormat;
-  formats.renderPass = clearPass_;  // its pipelines serve the compatible one as well
+  formats.samples = static_cast<VkSampleCountFlagBits>(target_.samples);
+  formats.renderPass = scenePasses().clear;  // its pipelines serve the compatible one as well
   return formats;
 }
 

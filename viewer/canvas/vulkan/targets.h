@@ -5,7 +5,9 @@
 #include <vulkan/vulkan.h>
 
 #include <cstdint>
+#include <map>
 
+#include "canvas/canvas.h"
 #include "canvas/vulkan/device.h"
 #include "pelage/vulkan.h"
 
@@ -28,7 +30,8 @@ pelage::Result<VulkanReadback> makeReadback(const VulkanDevice& device, VkDevice
 void destroyReadback(const VulkanDevice& device, VulkanReadback& buffer);
 
 /// The render passes live as long as this does, the images and framebuffers from make() to the
-/// next one.
+/// next one. With several samples a pixel, each render pass of the scene resolves its color at its
+/// end.
 class VulkanTargets {
  public:
   static constexpr VkFormat kSceneFormat = VK_FORMAT_R16G16B16A16_SFLOAT;
@@ -41,7 +44,7 @@ class VulkanTargets {
 
   /// \param picture format of the picture: that of the swapchain.
   pelage::Result<void> makePasses(VkFormat picture);
-  pelage::Result<void> make(uint32_t width, uint32_t height);
+  pelage::Result<void> make(const CanvasTarget& target);
   /// Begins the render pass of the scene. \param clears the first one of a frame.
   void beginScene(VkCommandBuffer commands, bool clears) const;
   void beginPicture(VkCommandBuffer commands) const;
@@ -50,25 +53,32 @@ class VulkanTargets {
                  const pelage::vulkan::BufferRange& to) const;
   pelage::vulkan::TargetFormats sceneFormats() const;
   pelage::vulkan::TargetFormats pictureFormats() const;
-  VkRect2D area() const { return {{0, 0}, {width_, height_}}; }
+  VkRect2D area() const { return {{0, 0}, {target_.width, target_.height}}; }
   VkRenderPass picturePass() const { return picturePass_; }
   VkImage picture() const { return picture_.image; }
   VkImageView sceneView() const { return scene_.view; }
 
  private:
-  pelage::Result<VkRenderPass> scenePass(bool clears) const;
+  /// Of the scene: for the first list of a frame, and for those behind it.
+  struct ScenePasses {
+    VkRenderPass clear = VK_NULL_HANDLE, load = VK_NULL_HANDLE;
+  };
+  pelage::Result<VkRenderPass> scenePass(uint32_t samples, bool clears) const;
+  pelage::Result<void> makeScenePasses(uint32_t samples);
+  const ScenePasses& scenePasses() const { return scenePasses_.at(target_.samples); }
   pelage::Result<void> makeImage(VulkanImage& image, VkFormat format, VkImageUsageFlags usage,
-                                 VkImageAspectFlags aspect, VkImageViewType type) const;
+                                 VkImageAspectFlags aspect, VkImageViewType type,
+                                 uint32_t samples) const;
   pelage::Result<VkFramebuffer> makeFramebuffer(VkRenderPass pass, const VkImageView* views,
                                                 uint32_t count) const;
   void destroyImages();
 
   const VulkanDevice& device_;
-  uint32_t width_ = 0, height_ = 0;
+  CanvasTarget target_;
   VkFormat pictureFormat_ = VK_FORMAT_UNDEFINED;
-  VkRenderPass clearPass_ = VK_NULL_HANDLE, loadPass_ = VK_NULL_HANDLE,
-               picturePass_ = VK_NULL_HANDLE;
-  VulkanImage scene_, depth_, picture_;
+  std::map<uint32_t, ScenePasses> scenePasses_;  // [samples], as far as they were wanted
+  VkRenderPass picturePass_ = VK_NULL_HANDLE;
+  VulkanImage scene_, samples_, depth_, picture_;  // samples_: only with several of them
   VkFramebuffer sceneFrame_ = VK_NULL_HANDLE, pictureFrame_ = VK_NULL_HANDLE;
 };
 

@@ -55,7 +55,7 @@ class VulkanCanvas final : public Canvas {
     return runtime_->supports(settings, {.followHairs = true});
   }
   Result<void> setCode(pelage::KernelCodeList code) override;
-  Result<void> resize(uint32_t width, uint32_t height) override;
+  Result<void> setTarget(const CanvasTarget& target) override;
   Result<void> begin() override;
   Result<void> show(const CanvasFrame& frame) override;
   const sample::ByteImage& captured() const override { return captured_; }
@@ -91,8 +91,8 @@ class VulkanCanvas final : public Canvas {
   VkDescriptorPool interfacePool_ = VK_NULL_HANDLE;
   bool hasInterface_ = false;
   uint64_t frame_ = 0, completed_ = 0;
-  uint32_t width_ = 0, height_ = 0;
-  bool stale_ = false;  // the swapchain does not fit the window any more
+  CanvasTarget target_;  // without a size: there is none
+  bool stale_ = false;   // the swapchain does not fit the window any more
   VulkanReadback readback_;
   sample::ByteImage captured_;
   std::vector<pelage::PassTiming> timings_;
@@ -178,7 +178,7 @@ Result<void> VulkanCanvas::setCode(pelage::KernelCodeList code) {
   runtime_.reset();
   timings_.clear();
   Result<void> made = makeRuntime(cache ? *cache : std::vector<std::byte>(), code);
-  if (made && width_ > 0) runtime_->registerTexture(scene_, {.view = targets_.sceneView()});
+  if (made && target_.width > 0) runtime_->registerTexture(scene_, {.view = targets_.sceneView()});
   return made;
 }
 
@@ -222,19 +222,22 @@ Result<void> VulkanCanvas::uploadFonts() {
   return {};
 }
 
-Result<void> VulkanCanvas::resize(uint32_t width, uint32_t height) {
-  if (width == width_ && height == height_ && !stale_) return {};
+Result<void> VulkanCanvas::setTarget(const CanvasTarget& target) {
+  if (target == target_ && !stale_) return {};
+  if (Result<void> can = checkSamples(device_.info, target.samples); !can) return can;
   VkResult result = vkDeviceWaitIdle(device_.device);
   if (result != VK_SUCCESS) return vulkanError(result, "vkDeviceWaitIdle");
-  if (width != width_ || height != height_) {
-    width_ = height_ = 0;
-    if (Result<void> done = targets_.make(width, height); !done) return done;
+  const bool resized = target.width != target_.width || target.height != target_.height;
+  if (!(target == target_)) {
+    target_ = {};
+    if (Result<void> done = targets_.make(target); !done) return done;
     runtime_->registerTexture(scene_, {.view = targets_.sceneView()});
     destroyReadback(device_, readback_);
   }
-  if (Result<void> done = swapchain_.make(width, height, def_.vsync); !done) return done;
-  width_ = width;
-  height_ = height;
+  if (resized || stale_)
+    if (Result<void> done = swapchain_.make(target.width, target.height, def_.vsync); !done)
+      return done;
+  target_ = target;
   stale_ = false;
   return {};
 }
@@ -272,7 +275,7 @@ Result<void> VulkanCanvas::begin() {
 // The scene's views, then the picture with the interface on it.
 Result<void> VulkanCanvas::record(const CanvasFrame& frame, Slot& slot) {
   const uint32_t views = frame.frame->viewCount();
-  Result<pelage::PassList> picture = pictureList(scene_, width_, height_, false);
+  Result<pelage::PassList> picture = pictureList(scene_, target_.width, target_.height, false);
   if (!picture) return picture.error();
   if (const auto added = frame.frame->addView(*std::move(picture)); !added) return added.error();
   if (Result<void> done = beginCommands(slot); !done) return done;
@@ -330,8 +333,8 @@ void VulkanCanvas::copyToWindow(VkCommandBuffer commands, uint32_t image) const 
                        0, nullptr, 0, nullptr, 1, &barrier);
   VkImageCopy copy = {};
   copy.srcSubresource = copy.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-  copy.extent = {std::min(width_, swapchain_.extent().width),
-                 std::min(height_, swapchain_.extent().height), 1};
+  copy.extent = {std::min(target_.width, swapchain_.extent().width),
+                 std::min(target_.height, swapchain_.extent().height), 1};
   vkCmdCopyImage(commands, targets_.picture(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, barrier.image,
                  VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
   barrier.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
@@ -381,7 +384,8 @@ Result<void> VulkanCanvas::submit(Slot& slot, std::optional<uint32_t> image) {
 Result<void> VulkanCanvas::show(const CanvasFrame& frame) {
   Slot& slot = slots_[frame_ % kFramesInFlight];
   if (frame.captures && readback_.buffer == VK_NULL_HANDLE) {
-    Result<VulkanReadback> made = makeReadback(device_, VkDeviceSize{4} * width_ * height_);
+    Result<VulkanReadback> made =
+        makeReadback(device_, VkDeviceSize{4} * target_.width * target_.height);
     if (!made) return made.error();
     readback_ = *made;
   }
@@ -393,7 +397,7 @@ Result<void> VulkanCanvas::show(const CanvasFrame& frame) {
   if (frame.captures) {
     VkBufferImageCopy copy = {};
     copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-    copy.imageExtent = {width_, height_, 1};
+    copy.imageExtent = {target_.width, target_.height, 1};
     vkCmdCopyImageToBuffer(slot.commands, targets_.picture(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
                            readback_.buffer, 1, &copy);
     auto barrier = tagged<VkMemoryBarrier>(VK_STRUCTURE_TYPE_MEMORY_BARRIER);
@@ -415,12 +419,12 @@ Result<void> VulkanCanvas::show(const CanvasFrame& frame) {
 }
 
 void VulkanCanvas::takePicture() {
-  captured_.width = width_;
-  captured_.height = height_;
-  captured_.rgb.resize(size_t{3} * width_ * height_);
+  captured_.width = target_.width;
+  captured_.height = target_.height;
+  captured_.rgb.resize(size_t{3} * target_.width * target_.height);
   const auto* from = static_cast<const uint8_t*>(readback_.mapped);
   const bool bgr = swapchain_.format() == VK_FORMAT_B8G8R8A8_UNORM;
-  for (size_t i = 0; i < size_t{width_} * height_; ++i)
+  for (size_t i = 0; i < size_t{target_.width} * target_.height; ++i)
     for (size_t channel = 0; channel < 3; ++channel)
       captured_.rgb[3 * i + channel] = from[4 * i + (bgr ? 2 - channel : channel)];
 }
