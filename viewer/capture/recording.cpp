@@ -9,6 +9,8 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <iterator>
+#include <sstream>
 #include <string_view>
 #include <system_error>
 #include <vector>
@@ -63,6 +65,22 @@ class Video final : public Recording {
   pid_t process_ = -1;
 };
 
+// The command that makes a video of pictures on its input. Most players want even sizes: an odd
+// picture's last row and column are there twice.
+std::vector<std::string> wordsOf(const Path& file, uint32_t width, uint32_t height) {
+  const uint32_t right = width % 2, bottom = height % 2;
+  std::istringstream command(
+      fmt::format("{} -y -loglevel error -f rawvideo -pix_fmt rgb24 -s {}x{} -r 60 -i - -vf "
+                  "pad={}:{},fillborders=right={}:bottom={}:mode=smear -pix_fmt yuv420p",
+                  kFfmpeg, width, height, width + right, height + bottom, right, bottom));
+  std::vector<std::string> words(std::istream_iterator<std::string>(command), {});
+  // A name that begins with a dash or has a colon is one of a file, too.
+  std::error_code error;
+  const Path absolute = std::filesystem::absolute(file, error);
+  words.push_back(error ? file.string() : absolute.string());
+  return words;
+}
+
 Result<void> Video::start(const sample::ByteImage& first) {
   width_ = first.width;
   height_ = first.height;
@@ -71,14 +89,7 @@ Result<void> Video::start(const sample::ByteImage& first) {
   std::array<int, 2> ends = {-1, -1};
   if (pipe(ends.data()) != 0)
     return Error{ErrorCode::kDevice, fmt::format("no pipe to ffmpeg: {}", std::strerror(errno))};
-  const std::string size = fmt::format("{}x{}", width_, height_);
-  // Most players want even sizes.
-  std::vector<std::string> words = {
-      kFfmpeg,    "-y",       "-loglevel",   "error",
-      "-f",       "rawvideo", "-pix_fmt",    "rgb24",
-      "-s",       size,       "-r",          "60",
-      "-i",       "-",        "-vf",         "pad=ceil(iw/2)*2:ceil(ih/2)*2",
-      "-pix_fmt", "yuv420p",  path_.string()};
+  std::vector<std::string> words = wordsOf(path_, width_, height_);
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
