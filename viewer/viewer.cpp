@@ -204,7 +204,7 @@ void Viewer::collect() {
     return;
   }
   // A script has the window to itself; a person can only close it.
-  window_->poll(events_, false);
+  window_->poll(events_, window_->size().hidden);
   std::erase_if(events_, [](const Event& event) { return !std::holds_alternative<Quit>(event); });
   player_->eventsOf(frame_, events_);
 }
@@ -225,6 +225,10 @@ Result<void> Viewer::take(const Event& event) {
   }
   if (const auto* resized = std::get_if<Resized>(&event)) {
     if (player_) return window_->resize(resized->width, resized->height);
+    return {};
+  }
+  if (const auto* minimized = std::get_if<Minimized>(&event)) {
+    if (player_) return window_->minimize(minimized->minimized);
     return {};
   }
   if (const auto* key = std::get_if<KeyPressed>(&event); key != nullptr && takeShortcut(*key))

@@ -24,6 +24,8 @@ std::vector<ScriptedEvent> everyEvent() {
           {3, viewer::KeyPressed{'F', false}},
           {3, viewer::KeyPressed{348, true}},
           {3, viewer::TextTyped{0x20ac}},
+          {4, viewer::Minimized{true}},
+          {4, viewer::Minimized{false}},
           {5, viewer::FilesDropped{{"a file.tfx", "b.tfxmesh"}}},
           {5, viewer::ScreenshotWanted{"picture of it.png"}},
           {900, viewer::Quit{}}};

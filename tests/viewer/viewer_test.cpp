@@ -3,12 +3,10 @@
 // longer than many frames of little hair, so that one session does many things and several tests
 // look at it.
 #include <gtest/gtest.h>
-#include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -27,48 +25,16 @@
 #include "stage/stage_settings.h"
 #include "support/required_devices.h"
 #include "viewer/script_makers.h"
+#include "viewer/x_display.h"
+#include "window/window.h"
 
 namespace {
 
 using sample::ByteImage;
 
-/// A display of its own, from the first test to the end of the program.
-class Display {
- public:
-  Display() {
-    std::array<int, 2> ends = {-1, -1};
-    if (pipe(ends.data()) != 0) return;
-    process_ = fork();
-    if (process_ == 0) {
-      const std::string number = std::to_string(ends[1]);
-      close(ends[0]);
-      execlp("Xvfb", "Xvfb", "-displayfd", number.c_str(), "-screen", "0", "1280x1024x24",
-             "-nolisten", "tcp", "-noreset", static_cast<char*>(nullptr));
-      _exit(127);
-    }
-    close(ends[1]);
-    char digit = 0;
-    std::string number;
-    while (read(ends[0], &digit, 1) == 1 && digit != '\n') number += digit;
-    close(ends[0]);
-    if (!number.empty()) name_ = ":" + number;
-  }
-  ~Display() {
-    if (process_ <= 0) return;
-    kill(process_, SIGTERM);
-    waitpid(process_, nullptr, 0);
-  }
-  Display(const Display&) = delete;
-  Display& operator=(const Display&) = delete;
-  const std::string& name() const { return name_; }
-
- private:
-  pid_t process_ = -1;
-  std::string name_;  // empty: there is none
-};
-
+// From the first test to the end of the program.
 const std::string& display() {
-  static const Display kDisplay;
+  static const pelage::test::XDisplay kDisplay;
   return kDisplay.name();
 }
 
@@ -163,12 +129,15 @@ class Folder {
     ASSERT_TRUE(saved) << saved.error().message;
   }
 
-  /// Runs a script in a window of 160 x 120. \param display ":7"
-  Output run(const char* api, const std::string& script, const std::string& arguments = "",
-             const std::string& displayName = display()) const {
+  /// Runs a script in a window of 160 x 120. \param api empty: the viewer chooses.
+  /// \param environment "NAME=value NAME=value"
+  Output run(const std::string& api, const std::string& script, const std::string& arguments = "",
+             const std::string& displayName = display(),
+             const std::string& environment = "") const {
     std::ofstream(file("script.txt")) << script;
-    const std::string command = "cd '" + path_.string() + "' && DISPLAY=" + displayName + " '" +
-                                PELAGE_VIEWER + "' --api " + api +
+    const std::string command = "cd '" + path_.string() + "' && DISPLAY=" + displayName + " " +
+                                environment + " '" + PELAGE_VIEWER + "'" +
+                                (api.empty() ? "" : " --api " + api) +
                                 " --validation --size 160x120 --cache none --script script.txt " +
                                 arguments + " > stdout.txt 2> stderr.txt";
     const int status = std::system(command.c_str());
@@ -193,9 +162,9 @@ struct Session {
 };
 
 Session sessionOf(const char* api, const Folder& folder, const std::string& script,
-                  const std::string& arguments) {
+                  const std::string& arguments, const std::string& displayName = display()) {
   Session session;
-  session.output = folder.run(api, script, arguments);
+  session.output = folder.run(api, script, arguments, displayName);
   for (const auto& entry : std::filesystem::directory_iterator(folder.file(""))) {
     if (entry.path().extension() != ".png") continue;
     const auto image = sample::readPng(entry.path().string());
@@ -257,6 +226,10 @@ constexpr const char* kManyThings = R"(
 23 screenshot pulled
 24 release left
 24 keyup g
+25 minimize
+26 move 70 60
+28 restore
+29 screenshot restored
 )";
 
 // A script that begins some frames later.
@@ -355,6 +328,61 @@ TEST_P(Viewer, TheMousePullsALockAndNoOtherHair) {
     if (free.rgb[i] != pulled.rgb[i]) ++(i / 3 % free.width < half ? left : right);
   EXPECT_EQ(left, 0u);
   EXPECT_GT(right, 30u);
+}
+
+TEST_P(Viewer, GoesOnBehindTheTaskBar) {
+  const Session& session = sessions().first;
+  expectHair(session.picture("restored"), "restored");
+  EXPECT_NE(session.picture("restored").rgb, session.picture("pulled").rgb);
+  EXPECT_NE(session.recorded.find("25 minimize"), std::string::npos);
+}
+
+// Nothing happens to a minimized window: its program sleeps.
+TEST(Window, IsHiddenWhileItIsMinimizedAndWaits) {
+  if (display().empty()) PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: Xvfb does not start";
+  setenv("DISPLAY", display().c_str(), 1);
+  const auto window = viewer::Window::create({.width = 160, .height = 120});
+  ASSERT_TRUE(window) << window.error().message;
+  EXPECT_FALSE((*window)->size().hidden);
+  const auto minimized = (*window)->minimize(true);
+  ASSERT_TRUE(minimized) << minimized.error().message;
+  EXPECT_TRUE((*window)->size().hidden);
+  std::vector<viewer::Event> events;
+  (*window)->poll(events, false);
+  const auto before = std::chrono::steady_clock::now();
+  for (int i = 0; i < 5; ++i) (*window)->poll(events, true);
+  EXPECT_GT(std::chrono::steady_clock::now() - before, std::chrono::milliseconds(200));
+  ASSERT_TRUE((*window)->minimize(false));
+  EXPECT_FALSE((*window)->size().hidden);
+  EXPECT_EQ((*window)->size().width, 160u);
+  EXPECT_EQ((*window)->size().interfaceScale, 1.0f);
+}
+
+// Mean of the channels of some columns, 0..255.
+double meanOfColumns(const ByteImage& image, uint32_t first, uint32_t end) {
+  double sum = 0;
+  for (size_t i = 0; i < image.rgb.size(); ++i)
+    if (i / 3 % image.width >= first && i / 3 % image.width < end) sum += image.rgb[i];
+  return sum / (3.0 * (end - first) * image.height);
+}
+
+// On twice the usual dots per inch the panel is twice as wide, and its first button, which pauses,
+// is where it is drawn.
+TEST_P(Viewer, GrowsWithTheDotsOfTheDisplay) {
+  static const pelage::test::XDisplay kFine(192);
+  const Folder folder(std::string("dots_") + GetParam());
+  folder.writeHair();
+  const Session session = sessionOf(GetParam(), folder,
+                                    "0 resize 600 160\n1 move 74 88\n3 press left\n"
+                                    "4 release left\n5 move 590 150\n6 screenshot panel.png\n"
+                                    "7 key tab\n8 screenshot paused.png\n9 screenshot later.png\n",
+                                    "hair.tfx --strands 1 --settings wide.json", kFine.name());
+  ASSERT_EQ(session.output.code, 0) << session.output.errors;
+  EXPECT_EQ(session.output.errors, "");
+  const ByteImage panel = session.picture("panel"), paused = session.picture("paused");
+  EXPECT_LT(meanOfColumns(panel, 300, 480), 0.7 * meanOfColumns(paused, 300, 480));
+  EXPECT_EQ(meanOfColumns(panel, 540, 600), meanOfColumns(paused, 540, 600));
+  EXPECT_TRUE(paused.rgb == session.picture("later").rgb);
 }
 
 // Mean difference of two pictures' channels, 0..255.
@@ -518,6 +546,24 @@ TEST_P(Viewer, WithoutADisplayItSaysSo) {
   EXPECT_EQ(output.code, 1);
   EXPECT_NE(output.errors.find("display"), std::string::npos) << output.errors;
   EXPECT_EQ(std::count(output.errors.begin(), output.errors.end(), '\n'), 1) << output.errors;
+}
+
+// The loaders of Vulkan and OpenGL find nothing.
+TEST_P(Viewer, WithoutADriverItSaysWhatToInstall) {
+  constexpr const char* kNoDrivers =
+      "VK_ICD_FILENAMES=/none VK_DRIVER_FILES=/none LIBGL_DRIVERS_PATH=/none "
+      "__GLX_VENDOR_LIBRARY_NAME=none __EGL_VENDOR_LIBRARY_FILENAMES=/none";
+  const std::string api = GetParam();
+  const Folder folder("drivers_" + api);
+  for (const std::string& chosen : {api, std::string()}) {
+    const Output output = folder.run(chosen, "0 quit\n", "", display(), kNoDrivers);
+    EXPECT_EQ(output.code, 1) << output.errors;
+    const bool vulkan = chosen != "gl", gl = chosen != "vulkan";
+    EXPECT_EQ(output.errors.find("install mesa-vulkan-drivers") != std::string::npos, vulkan)
+        << output.errors;
+    EXPECT_EQ(output.errors.find("install libgl1-mesa-dri") != std::string::npos, gl)
+        << output.errors;
+  }
 }
 
 TEST_P(Viewer, AScriptThatIsWrongIsRefusedWithItsLine) {

@@ -40,6 +40,11 @@ struct Resized {
   uint32_t width = 0, height = 0;  ///< window coordinates
   bool operator==(const Resized&) const = default;
 };
+/// The window goes to the task bar, or comes back.
+struct Minimized {
+  bool minimized = true;
+  bool operator==(const Minimized&) const = default;
+};
 struct FilesDropped {
   std::vector<std::filesystem::path> files;
   bool operator==(const FilesDropped&) const = default;
@@ -54,6 +59,6 @@ struct Quit {
 };
 
 using Event = std::variant<MouseMoved, MousePressed, Scrolled, KeyPressed, TextTyped, Resized,
-                           FilesDropped, ScreenshotWanted, Quit>;
+                           Minimized, FilesDropped, ScreenshotWanted, Quit>;
 
 }  // namespace viewer

@@ -113,6 +113,7 @@ Result<Events> parseEvent(std::string_view name, Words& words) {
   if (name == "key" || name == "keydown" || name == "keyup" || name == "text")
     return parseKey(name, words);
   if (name == "quit") return Events{Quit{}};
+  if (name == "minimize" || name == "restore") return Events{Minimized{name == "minimize"}};
   if (name == "resize") {
     const auto width = number(words.next(), 1, kMaxSize),
                height = number(words.next(), 1, kMaxSize);
@@ -128,7 +129,7 @@ Result<Events> parseEvent(std::string_view name, Words& words) {
   }
   return fail(fmt::format(
       "there is no event '{}': it is move, press, release, scroll, key, keydown, keyup, text, "
-      "resize, drop, screenshot or quit",
+      "resize, minimize, restore, drop, screenshot or quit",
       name));
 }
 
@@ -199,6 +200,7 @@ std::string scriptLines(const ScriptedEvent& scripted) {
           },
           [&](const TextTyped& e) { return line(fmt::format("text {}", e.character)); },
           [&](const Resized& e) { return line(fmt::format("resize {} {}", e.width, e.height)); },
+          [&](const Minimized& e) { return line(e.minimized ? "minimize" : "restore"); },
           [&](const FilesDropped& e) {
             std::string lines;
             for (const std::filesystem::path& path : e.files)

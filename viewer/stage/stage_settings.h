@@ -17,9 +17,10 @@ uint32_t stageSections();
 pelage::SceneSettings settingsOf(const Stage& stage, size_t hair);
 
 /// Gives them to the stage. The simulation, the material and the object are those of this hair;
-/// wind, shadow and share of the strands, which Stage::look has, and the view count for all hair. Hair begins in
-/// its bind shape again where `creation` or `follow` differ; a simulatedShare below 1 switches
-/// levelOfDetail on. Errors: validate()'s, and those of making the hair again; nothing is set then.
+/// wind, shadow and share of the strands, which Stage::look has, and the view count for all hair.
+/// Hair begins in its bind shape again where `creation` or `follow` differ; a simulatedShare below
+/// 1 switches levelOfDetail on. Errors: validate()'s, and those of making the hair again; nothing
+/// is set then.
 pelage::Result<void> apply(const pelage::SceneSettings& settings, size_t hair, Stage& stage);
 
 }  // namespace viewer

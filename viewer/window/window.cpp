@@ -20,8 +20,8 @@ using pelage::Result;
 
 namespace {
 
-constexpr double kWait = 0.1;                           // s; of poll()
-constexpr std::chrono::milliseconds kResizeTime{2000};  // that a display may take
+constexpr double kWait = 0.1;                            // s; of poll()
+constexpr std::chrono::milliseconds kDisplayTime{2000};  // that a display may take
 
 // The last error of GLFW.
 std::string problem() {
@@ -63,9 +63,12 @@ Result<std::unique_ptr<Window>> Window::create(const WindowDef& def) {
   window->window_ = glfwCreateWindow(static_cast<int>(def.width), static_cast<int>(def.height),
                                      def.title.c_str(), nullptr, nullptr);
   if (window->window_ == nullptr) {
-    return Error{ErrorCode::kUnsupported, std::string("the display opens no window") +
-                                              (gl ? " with OpenGL 4.5" : "") + " (" + problem() +
-                                              ")"};
+    const std::string why = problem();
+    if (!gl) return Error{ErrorCode::kUnsupported, "the display opens no window (" + why + ")"};
+    return Error{ErrorCode::kUnsupported,
+                 "the display opens no window with OpenGL 4.5 (" + why +
+                     "). On Debian: apt-get install libgl1-mesa-dri, or the driver of the GPU; or "
+                     "use --api vulkan"};
   }
   if (gl) {
     glfwMakeContextCurrent(window->window_);
@@ -103,6 +106,9 @@ void Window::listen() {
     if (width > 0 && height > 0)
       eventsOf(window).emplace_back(
           Resized{static_cast<uint32_t>(width), static_cast<uint32_t>(height)});
+  });
+  glfwSetWindowIconifyCallback(window_, [](GLFWwindow* window, int minimized) {
+    eventsOf(window).emplace_back(Minimized{minimized == GLFW_TRUE});
   });
   glfwSetDropCallback(window_, [](GLFWwindow* window, int count, const char** paths) {
     eventsOf(window).emplace_back(FilesDropped{{paths, paths + count}});
@@ -143,7 +149,7 @@ WindowSize Window::size() const {
 
 Result<void> Window::resize(uint32_t width, uint32_t height) {
   glfwSetWindowSize(window_, static_cast<int>(width), static_cast<int>(height));
-  const auto end = std::chrono::steady_clock::now() + kResizeTime;
+  const auto end = std::chrono::steady_clock::now() + kDisplayTime;
   for (;;) {
     const WindowSize now = size();
     if (now.width == width && now.height == height) break;
@@ -151,6 +157,18 @@ Result<void> Window::resize(uint32_t width, uint32_t height) {
       return Error{ErrorCode::kDevice,
                    fmt::format("the window is {} x {}, and the display does not make it {} x {}",
                                now.width, now.height, width, height)};
+    glfwWaitEventsTimeout(0.01);
+  }
+  return {};
+}
+
+Result<void> Window::minimize(bool minimized) {
+  minimized ? glfwIconifyWindow(window_) : glfwRestoreWindow(window_);
+  const auto end = std::chrono::steady_clock::now() + kDisplayTime;
+  while ((glfwGetWindowAttrib(window_, GLFW_ICONIFIED) == GLFW_TRUE) != minimized) {
+    if (std::chrono::steady_clock::now() > end)
+      return Error{ErrorCode::kDevice, fmt::format("the display does not {} the window",
+                                                   minimized ? "minimize" : "restore")};
     glfwWaitEventsTimeout(0.01);
   }
   return {};

@@ -46,6 +46,9 @@ class Window {
   WindowSize size() const;
   /// Resizes the window, and waits until it has that size. Error: the display refuses it.
   pelage::Result<void> resize(uint32_t width, uint32_t height);
+  /// Puts the window into the task bar, or takes it out, and waits until it is so. Error: the
+  /// display has nothing that does so.
+  pelage::Result<void> minimize(bool minimized);
   void setTitle(const std::string& title);
   /// Shows the picture that was drawn with OpenGL.
   void swapBuffers();

@@ -72,6 +72,8 @@ void destroyReadback(const VulkanDevice& device, VulkanReadback& buffer) {
 }
 
 VulkanTargets::~VulkanTargets() {
+  // The loader ends the program where it gets no device.
+  if (device_.device == VK_NULL_HANDLE) return;
   destroyImages();
   for (const auto& [samples, passes] : scenePasses_)
     for (const VkRenderPass pass : {passes.clear, passes.load})
