@@ -504,7 +504,7 @@ TEST_P(Viewer, LooksInsideAndOpensFiles) {
     script += "24 text " + std::to_string(static_cast<int>(letter)) + "\n";
   script += "26 key enter\n29 screenshot message.png\n30 key escape\n32 screenshot after.png\n";
   const Session session =
-      sessionOf(GetParam(), folder, script, "--groom straight --head-collider mesh");
+      sessionOf(GetParam(), folder, script, "--groom straight --head-collider mesh --strands 0.05");
   ASSERT_EQ(session.output.code, 0) << session.output.errors;
   EXPECT_EQ(session.output.errors, "");
   const ByteImage hair = session.picture("0");
