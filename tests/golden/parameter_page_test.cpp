@@ -21,6 +21,8 @@ const std::filesystem::path kSource = PELAGE_SOURCE_DIR;
 // Structs of these headers that a program does not set: results, buffers and assets; options of
 // loaders are in docs/assets.md.
 const std::set<std::string> kNoParameters = {"TransparencyPlan",
+                                             "TransparencyTiles",
+                                             "DrawnStrands",
                                              "TransparencyCounters",
                                              "TransparencyWork",
                                              "TransparencyCost",
