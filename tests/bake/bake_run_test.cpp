@@ -409,8 +409,9 @@ TEST_F(Bake, HairFollowsAPointCacheAsItFollowsBones) {
 
 TEST_F(Bake, AnErrorBoundChoosesTheSubSteps) {
   const auto errorWith = [&](const char* bound) {
-    const Project project =
+    Project project =
         load(std::string("bound") + bound, std::string(", \"errorBound\": \"") + bound + "\"");
+    project.shots[0].frames.last = 8;
     RunOptions options;
     options.interrupted = [] { return true; };
     return runShot(project, project.shots[0], options);

@@ -348,7 +348,7 @@ TEST_P(SdfCollision, VerticesBesideAThinPlateStayOnTheirSide) {
 double wrongSide(Gpu& gpu, const Body& body, double length, uint64_t seed) {
   Vertices vertices;
   Random random(seed);
-  while (vertices.size() < 400) {
+  while (vertices.size() < 200) {
     const auto t = body.randomTriangle(random);
     const Vector3d x = body.randomPoint(t, random);
     const Vector3d normal = (body.corner(t, 1) - body.corner(t, 0))
