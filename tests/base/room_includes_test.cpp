@@ -134,8 +134,9 @@ TEST(RoomIncludes, TestsHaveTheRoomsOfTheCore) {
 
 // What is built on the core takes its public headers, and of its rooms the lowest alone.
 TEST(RoomIncludes, OfOtherLibrariesAreOfPublicHeadersAndTheBase) {
-  for (const std::string_view folder : {"runtime/demo", "runtime/vulkan", "runtime/gl",
-                                        "tools/mesh_import", "tools/authoring", "tools/settings"}) {
+  for (const std::string_view folder :
+       {"runtime/demo", "runtime/vulkan", "runtime/gl", "tools/mesh_import", "tools/authoring",
+        "tools/settings", "tools/bake"}) {
     const std::vector<fs::path> sources = sourcesIn(fs::path(PELAGE_SOURCE_DIR) / folder);
     ASSERT_FALSE(sources.empty()) << folder;
     for (const fs::path& source : sources)

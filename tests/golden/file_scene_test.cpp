@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <iostream>
 #include <map>
 #include <memory>
 #include <string>
@@ -90,8 +91,13 @@ class FileScene : public testing::TestWithParam<Api> {
     return result;
   }
 
-  /// Advances, and draws in each frame if there is a view.
-  static void run(DemoScene& demo, bool draws) {
+  /// Advances, and draws in each frame if there is a view. Returns the last picture.
+  static pelage::RenderedImage runAndDraw(DemoScene& demo) {
+    pelage::RenderedImage last;
+    run(demo, true, &last);
+    return last;
+  }
+  static void run(DemoScene& demo, bool draws, pelage::RenderedImage* last = nullptr) {
     pelage::HeadlessDevice& on = device();
     demo.setTier(on.info().tier);
     const pelage::View view = sample::makeView(demo.camera(1), 64, 64, 1);
@@ -111,8 +117,9 @@ class FileScene : public testing::TestWithParam<Api> {
       }
       ASSERT_TRUE(on.update(demo.resources()));
       if (draws) {
-        const auto image = on.render(pointers, {.width = 64, .height = 64});
+        auto image = on.render(pointers, {.width = 64, .height = 64});
         ASSERT_TRUE(image) << image.error().message;
+        if (last != nullptr) *last = *std::move(image);
       } else {
         ASSERT_TRUE(on.execute(lists[0]));
       }
@@ -159,6 +166,33 @@ TEST_P(FileScene, HasTheSameHairWhateverIsDrawn) {
       EXPECT_EQ(std::memcmp(results[i].data(), results[first].data(), results[i].size() * 16), 0)
           << i;
     }
+}
+
+// The light is black, so that its shadow takes nothing from it: what is darker under the hair is
+// the ambient term of the mesh.
+TEST_P(FileScene, HairTakesAmbientLightFromTheMeshUnderIt) {
+  const auto drawnWith = [](pelage::HairShadow shadow) {
+    auto demo = DemoScene::create(head(), def());
+    EXPECT_TRUE(demo) << demo.error().message;
+    demo->light.color = {0, 0, 0};
+    demo->light.shadow = shadow;
+    demo->light.shadowSize = 256;
+    return runAndDraw(*demo);
+  };
+  const pelage::RenderedImage open = drawnWith(pelage::HairShadow::kNone),
+                              shadowed = drawnWith(pelage::HairShadow::kDeep);
+  ASSERT_FALSE(HasFailure());
+  ASSERT_EQ(open.pixels.size(), shadowed.pixels.size());
+  size_t darker = 0, brighter = 0;
+  for (size_t i = 0; i < open.pixels.size(); ++i) {
+    const float without = open.pixels[i].y, with = shadowed.pixels[i].y;
+    ASSERT_TRUE(std::isfinite(with) && std::isfinite(without));
+    darker += with < 0.95f * without ? 1 : 0;
+    brighter += with > 1.01f * without + 1e-3f ? 1 : 0;
+  }
+  std::cout << darker << " pixels are darker\n";
+  EXPECT_GT(darker, 10u);
+  EXPECT_EQ(brighter, 0u);
 }
 
 TEST_P(FileScene, HairCollidesWithEachMesh) {

@@ -114,18 +114,18 @@ Error unreached(const SubStepChoice& choice, const Shot& shot) {
   const SubStepError& best =
       *std::max_element(choice.tried.begin(), choice.tried.end(),
                         [](const auto& a, const auto& b) { return a.within < b.within; });
-  std::string text =
-      fmt::format("shot '{}': no number of sub-steps keeps {} within {:.3g} mm: it is {} sub-steps",
-                  shot.name, textOfShare(choice.bound.share), 1e3 * choice.bound.length, errors);
+  std::string why;
   if (choice.sensitivity && *choice.sensitivity > choice.bound.length)
-    text += fmt::format(
-        ", and {:.3g} mm is what 1e-5 m/s2 more of gravity makes: the hair's contacts multiply any "
-        "difference",
+    why = fmt::format(
+        " More were not tried: 1e-5 m/s2 more of gravity alone moves as many by {:.3g} mm, since "
+        "the hair's contacts multiply any difference.",
         1e3 * *choice.sensitivity);
   return {ErrorCode::kInvalidArgument,
-          fmt::format("{}. {} are within it with {}: ask for a smaller \"errorShare\" or a larger "
-                      "bound, or give \"subSteps\"",
-                      text, textOfShare(best.within), best.subSteps)};
+          fmt::format("shot '{}': {} are not kept within {:.3g} mm: it is {} sub-steps.{} {} are "
+                      "within it with {}: ask for a smaller \"errorShare\" or a larger bound, or "
+                      "give \"subSteps\"",
+                      shot.name, textOfShare(choice.bound.share), 1e3 * choice.bound.length, errors,
+                      why, textOfShare(best.within), best.subSteps)};
 }
 
 }  // namespace
