@@ -144,7 +144,8 @@ function(pelage_add_kernels target)
   foreach(library ${target} ${target}_spirv ${target}_glsl ${target}_essl ${target}_code)
     add_dependencies(${library} ${target}_headers)
     target_compile_features(${library} PUBLIC cxx_std_20)
-    set_target_properties(${library} PROPERTIES POSITION_INDEPENDENT_CODE ON
+    # One object a kernel, so that a program links the code of those that it names.
+    set_target_properties(${library} PROPERTIES POSITION_INDEPENDENT_CODE ON UNITY_BUILD OFF
       PELAGE_GENERATED_INCLUDE "${output}/include")
   endforeach()
 endfunction()

@@ -31,6 +31,14 @@ function(pelage_target target)
   endif()
 endfunction()
 
+# pelage_thin_target(TARGET): one whose own code takes no time that counts: command lines, windows, files of
+# text. The compiler spends less on it.
+function(pelage_thin_target target)
+  pelage_target(${target})
+  target_compile_options(${target} PRIVATE
+    $<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-O1>)
+endfunction()
+
 # pelage_library(TARGET): one of the libraries that PELAGE_SHARED makes shared. They export what
 # pelage/export.h marks, and find each other in the folder where they are installed.
 set(pelage_library_type STATIC)

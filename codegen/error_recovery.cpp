@@ -23,22 +23,22 @@ std::string_view quotedName(std::string_view message) {
   return end == std::string_view::npos ? std::string_view{} : message.substr(1, end - 1);
 }
 
-struct Location {
+struct FoundToken {
   size_t token = 0;
   const checks::Function* function = nullptr;
 };
 
 // The token in a function body that the message is about.
-std::optional<Location> findLocation(const TokenStream& stream, const checks::SourceModel& model,
-                                     const FrontEndMessage& message) {
-  std::optional<Location> first;
+std::optional<FoundToken> findLocation(const TokenStream& stream, const checks::SourceModel& model,
+                                       const FrontEndMessage& message) {
+  std::optional<FoundToken> first;
   const std::string_view name = quotedName(message.text);
   for (const checks::Function& function : model.functions) {
     for (size_t i = function.body.begin; i < function.body.end; ++i) {
       const Token& token = stream.at(i);
       if (token.line != message.line || stream.fileOf(token) != message.file) continue;
-      if (token.is(name)) return Location{i, &function};
-      if (!first) first = Location{i, &function};
+      if (token.is(name)) return FoundToken{i, &function};
+      if (!first) first = FoundToken{i, &function};
     }
   }
   return first;
@@ -82,7 +82,7 @@ TokenRange findClause(const TokenStream& stream, TokenRange head, size_t token) 
   return clause;
 }
 
-Edit planEdit(const TokenStream& stream, const Location& location) {
+Edit planEdit(const TokenStream& stream, const FoundToken& location) {
   TokenRange range = findStatement(stream, location.function->body, location.token);
   // Heads of compound statements stay: "if (x) wrong;" loses "wrong", "if (wrong) y;" gets another
   // condition.
@@ -141,7 +141,7 @@ std::vector<FrontEndMessage> findAllErrors(FrontEndInput input, std::string prep
 
     const TokenStream stream = checks::tokenize(preprocessed, input.file);
     const checks::SourceModel model = checks::parseSource(stream);
-    const std::optional<Location> location = findLocation(stream, model, *error);
+    const std::optional<FoundToken> location = findLocation(stream, model, *error);
     if (!location) break;
     const Edit edit = planEdit(stream, *location);
     if (edit.range.empty()) break;

@@ -1,11 +1,8 @@
-// For SpvHasResultAndType.
-#define SPV_ENABLE_UTILITY_CODE
 #include "codegen/spirv_reader.h"
 
 namespace pelage::codegen {
 namespace {
 
-constexpr size_t kHeaderWords = 5;
 const std::string kEmpty;
 
 // A SPIR-V literal string: bytes in words, lowest first, zero-terminated.

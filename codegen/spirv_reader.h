@@ -1,6 +1,7 @@
 // A SPIR-V module as a list of instructions with the tables that reflection needs.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -12,6 +13,8 @@
 #include <spirv/unified1/spirv.h>
 
 namespace pelage::codegen {
+
+inline constexpr size_t kHeaderWords = 5;  ///< in front of the instructions of a module
 
 /// One instruction: a view into the words of the module.
 struct SpirvInstruction {

@@ -14,7 +14,7 @@ namespace viewer {
 namespace {
 
 constexpr int kBadArguments = 2;
-constexpr uint32_t kMaxSize = 16384;
+constexpr uint32_t kMaxPictureSize = 16384;
 
 // Names of values, which an error lists.
 template <class T>
@@ -33,10 +33,10 @@ void parseSize(const std::string& text, Options& options) {
     const auto [stop, second] = std::from_chars(cross + 1, end, options.height);
     ok = second == std::errc() && stop == end;
   }
-  const auto fits = [](uint32_t size) { return size >= 16 && size <= kMaxSize; };
+  const auto fits = [](uint32_t size) { return size >= 16 && size <= kMaxPictureSize; };
   if (!ok || !fits(options.width) || !fits(options.height))
     throw CLI::ValidationError(
-        "--size", fmt::format("is WIDTHxHEIGHT, each 16..{}, such as 1280x800", kMaxSize));
+        "--size", fmt::format("is WIDTHxHEIGHT, each 16..{}, such as 1280x800", kMaxPictureSize));
 }
 
 struct Given {

@@ -12,13 +12,13 @@ using pelage::Float3;
 
 namespace {
 
-Vector3d toVector(const Float3& p) { return {p.x, p.y, p.z}; }
+Vector3d toEigen(const Float3& p) { return {p.x, p.y, p.z}; }
 
 }  // namespace
 
 double capsuleDistance(const pelage::CapsuleCollider& capsule, const Float3& site) {
-  const Vector3d point = toVector(site), head = toVector(capsule.head);
-  const Vector3d axis = toVector(capsule.tail) - head;
+  const Vector3d point = toEigen(site), head = toEigen(capsule.head);
+  const Vector3d axis = toEigen(capsule.tail) - head;
   const double radius = static_cast<double>(capsule.headRadius);
   const double growth = static_cast<double>(capsule.tailRadius) - radius;
   const double length = axis.norm();
@@ -38,7 +38,7 @@ std::vector<double> depthsInMesh(const pelage::reference::TriangleMesh& mesh,
                                  std::span<const Float3> points) {
   std::vector<Vector3d> sites;
   sites.reserve(points.size());
-  for (const Float3& p : points) sites.push_back(toVector(p));
+  for (const Float3& p : points) sites.push_back(toEigen(p));
   const pelage::reference::DistanceOracle oracle(mesh);
   std::vector<double> depths = oracle.signedDistances(sites, kDeepest);
   for (double& depth : depths) depth = std::max(-depth, 0.0);

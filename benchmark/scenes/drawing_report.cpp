@@ -22,20 +22,15 @@ std::string csvHeader() {
          "runs,device,driver\n";
 }
 
-constexpr const char* kPassCsvHeader =
+constexpr const char* kDrawingPassCsvHeader =
     "commit,api,row,method,pass,group,us_median,us_mean,passes_a_frame,device,driver\n";
 
-std::string number(double value, bool known) { return known ? fmt::format("{:.6g}", value) : ""; }
 std::string shown(double value, bool known) { return known ? fmt::format("{:.1f}", value) : "-"; }
-
-double passesAFrame(const DrawingResult& r, const PassFigure& pass) {
-  return static_cast<double>(pass.passes) / r.figures.frames();
-}
 
 std::string csvRow(const DrawingResult& r) {
   const bool timed = r.figures.isTimed();
   const auto spread = [&](const Spread& s, bool known) {
-    return number(s.median, known) + "," + number(s.mean, known);
+    return csvNumber(s.median, known) + "," + csvNumber(s.mean, known);
   };
   std::string row =
       fmt::format("{},{},{},{},{},{},{},{}", r.row.width, r.row.height, r.guides, r.followHairs,
@@ -45,13 +40,8 @@ std::string csvRow(const DrawingResult& r) {
     row += "," + spread(r.figures.of(static_cast<PassGroup>(i)), timed);
   row += "," + spread(spreadOf(r.showUs), !r.showUs.empty());
   return row + fmt::format(",{},{},{},{},{}", r.fragments, r.spilled,
-                           number(r.copies.before, r.copies.before > 0),
-                           number(r.copies.after, r.copies.after > 0), r.copies.runs);
-}
-
-// Names of devices hold commas, so they come last and are quoted.
-std::string csvEnd(const DeviceInfo& device) {
-  return fmt::format("\"{}\",\"{}\"\n", device.name, device.driver);
+                           csvNumber(r.copies.before, r.copies.before > 0),
+                           csvNumber(r.copies.after, r.copies.after > 0), r.copies.runs);
 }
 
 }  // namespace
@@ -89,7 +79,7 @@ std::string drawingTable(const std::vector<DrawingResult>& results) {
       const Spread us = spreadOf(pass.us);
       text += fmt::format("{:<20}{:<28}{:<15}{:>12}{:>12}{:>10.2f}\n", r.row.name(), pass.name,
                           passGroupName(pass.group), shown(us.median, r.figures.isTimed()),
-                          shown(us.mean, r.figures.isTimed()), passesAFrame(r, pass));
+                          shown(us.mean, r.figures.isTimed()), r.figures.perFrame(pass));
     }
   return text;
 }
@@ -108,10 +98,10 @@ Result<void> appendDrawingCsv(const std::string& path, const DrawingResult& resu
     const Spread us = spreadOf(pass.us);
     const bool timed = result.figures.isTimed();
     passes.push_back(fmt::format("{},{},{},{},{},{:.6g},{}", start, pass.name,
-                                 passGroupName(pass.group), number(us.median, timed),
-                                 number(us.mean, timed), passesAFrame(result, pass), end));
+                                 passGroupName(pass.group), csvNumber(us.median, timed),
+                                 csvNumber(us.mean, timed), result.figures.perFrame(pass), end));
   }
-  return appendLines(besidePath(path, "_drawing_passes"), kPassCsvHeader, passes);
+  return appendLines(besidePath(path, "_drawing_passes"), kDrawingPassCsvHeader, passes);
 }
 
 }  // namespace bench

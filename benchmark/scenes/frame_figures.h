@@ -51,6 +51,9 @@ class FrameFigures {
   /// Of all frames that have begun, and their passes.
   uint32_t frames() const { return frames_; }
   const std::vector<PassFigure>& passes() const { return passes_; }
+  double perFrame(const PassFigure& pass) const {
+    return static_cast<double>(pass.passes) / frames_;
+  }
   /// Whether a pass of the group ran.
   bool has(PassGroup group) const;
   /// False where a pass had no timestamp; the times are nothing then.

@@ -25,7 +25,7 @@ constexpr size_t kHeadBone = 1;
 // The sample's.
 constexpr double kVelocityShockPropagation = 0.2;
 
-pelage::reference::RootPose toRootPose(const AffineTransform& bone) {
+pelage::rod::RootPose toRootPose(const AffineTransform& bone) {
   Eigen::Matrix3d rotation;
   const auto d = [](float x) { return static_cast<double>(x); };
   for (int i = 0; i < 3; ++i)

@@ -13,7 +13,6 @@ using pelage::CapsuleCollider;
 using pelage::Float3;
 using pelage::Float4;
 using pelage::Result;
-using pelage::reference::Vector3d;
 
 namespace {
 
@@ -25,8 +24,6 @@ constexpr double kTopShare = 0.999;
 bool isFinite(const Float4& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
-
-Vector3d toVector(const Float4& p) { return Vector3d(p.x, p.y, p.z); }
 
 // Adds the edges of all strands; strands that are no numbers are counted instead.
 void judgeStretch(const pelage::HairAsset& asset, const std::vector<Float4>& positions,

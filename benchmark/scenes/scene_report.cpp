@@ -23,7 +23,7 @@ constexpr const char* kCsvHeader =
     "penetration_max_mm,penetration_p999_mm,judged_vertices,strands_rooted_inside,broken_strands,"
     "counters,"
     "reference_us_before,reference_us_after,runs,device,driver\n";
-constexpr const char* kPassCsvHeader =
+constexpr const char* kScenePassCsvHeader =
     "commit,api,scene,solver,colliding_hair,pass,builds_sdf,us_median,us_mean,passes_a_frame,"
     "device,driver\n";
 constexpr const char* kFirstFrameCsvHeader =
@@ -33,16 +33,10 @@ const char* collidingHair(const SceneRow& row) {
   return row.followsCollide ? "guides and follow hairs" : "guides";
 }
 
-// Commit, API and row; names of devices hold commas, so they come last and are quoted.
 std::string csvStart(const SceneRow& row, const DeviceInfo& device, const std::string& commit) {
   return fmt::format("{},{},{},{},{}", commit, pelage::apiName(device.api), row.scene,
                      rowSolverName(row.solver), collidingHair(row));
 }
-std::string csvEnd(const DeviceInfo& device) {
-  return fmt::format("\"{}\",\"{}\"\n", device.name, device.driver);
-}
-
-std::string number(double value, bool known) { return known ? fmt::format("{:.6g}", value) : ""; }
 
 // "name value; name value"
 std::string countersText(const std::vector<Counter>& counters) {
@@ -52,25 +46,21 @@ std::string countersText(const std::vector<Counter>& counters) {
   return text;
 }
 
-double passesAFrame(const SceneResult& r, const PassFigure& pass) {
-  return static_cast<double>(pass.passes) / r.figures.frames();
-}
-
 std::string csvRow(const SceneResult& r) {
   const SceneErrors& e = r.errors;
   const bool timed = r.figures.isTimed(), collides = e.judgedVertices > 0;
   const auto spread = [&](const Spread& s) {
-    return number(s.median, timed) + "," + number(s.mean, timed);
+    return csvNumber(s.median, timed) + "," + csvNumber(s.mean, timed);
   };
   return fmt::format(
       "{},{},{},{},{},{},{},{},{},{},{:.6g},{},{},{},{},{},\"{}\",{},{},{}", r.guides,
       r.followHairs, r.verticesPerStrand, r.vertices, r.figures.frames(), spread(r.figures.frame()),
       spread(r.figures.of(PassGroup::kSimulation)), spread(r.figures.of(PassGroup::kSdf)),
-      number(r.ratioOfMedian, r.ratioOfMedian > 0), number(r.ratioOfMean, r.ratioOfMean > 0),
-      100 * e.stretchMax, number(1000 * e.penetrationMax, collides),
-      number(1000 * e.penetrationTop, collides), e.judgedVertices, e.strandsRootedInside,
-      e.brokenStrands, countersText(r.counters), number(r.copies.before, r.copies.before > 0),
-      number(r.copies.after, r.copies.after > 0), r.copies.runs);
+      csvNumber(r.ratioOfMedian, r.ratioOfMedian > 0), csvNumber(r.ratioOfMean, r.ratioOfMean > 0),
+      100 * e.stretchMax, csvNumber(1000 * e.penetrationMax, collides),
+      csvNumber(1000 * e.penetrationTop, collides), e.judgedVertices, e.strandsRootedInside,
+      e.brokenStrands, countersText(r.counters), csvNumber(r.copies.before, r.copies.before > 0),
+      csvNumber(r.copies.after, r.copies.after > 0), r.copies.runs);
 }
 
 std::string shown(double value, bool known, int digits) {
@@ -113,7 +103,7 @@ std::string sceneTable(const std::vector<SceneResult>& results) {
       text += fmt::format("{:<32}{:<28}{:>5}{:>12}{:>12}{:>10.2f}\n", r.row.name(), pass.name,
                           pass.group == PassGroup::kSdf ? "yes" : "",
                           shown(us.median, r.figures.isTimed(), 2),
-                          shown(us.mean, r.figures.isTimed(), 2), passesAFrame(r, pass));
+                          shown(us.mean, r.figures.isTimed(), 2), r.figures.perFrame(pass));
     }
   return text;
 }
@@ -128,10 +118,10 @@ Result<void> appendSceneCsv(const std::string& path, const SceneResult& result,
     const Spread us = spreadOf(pass.us);
     const bool timed = result.figures.isTimed();
     passes.push_back(fmt::format("{},{},{:d},{},{},{:.6g},{}", start, pass.name,
-                                 pass.group == PassGroup::kSdf, number(us.median, timed),
-                                 number(us.mean, timed), passesAFrame(result, pass), end));
+                                 pass.group == PassGroup::kSdf, csvNumber(us.median, timed),
+                                 csvNumber(us.mean, timed), result.figures.perFrame(pass), end));
   }
-  return appendLines(besidePath(path, "_passes"), kPassCsvHeader, passes);
+  return appendLines(besidePath(path, "_passes"), kScenePassCsvHeader, passes);
 }
 
 Result<void> appendFirstFrameCsv(const std::string& path, const SceneRow& row, double milliseconds,

@@ -25,7 +25,7 @@ namespace {
 constexpr float kPadding = 0.8f;
 constexpr uint32_t kRow = 1 << 20;  // threads, as in field_layout.hlsli
 
-std::vector<Float4> cornersOf(std::span<const Float3> positions) {
+std::vector<Float4> paddedOf(std::span<const Float3> positions) {
   std::vector<Float4> corners;
   for (const Float3& p : positions) corners.push_back({p.x, p.y, p.z, 1});
   return corners;
@@ -40,7 +40,7 @@ class ClassicSdf : public SdfBuild {
     constants_.fieldNodes = {grid_.nodes[0], grid_.nodes[1], grid_.nodes[2],
                              static_cast<uint32_t>(grid_.count())};
     constants_.triangleCount = shape.mesh.triangleCount();
-    corners_ = add("corners", cornersOf(shape.mesh.positions),
+    corners_ = add("corners", paddedOf(shape.mesh.positions),
                    pelage::BufferUsage::kStorage | pelage::BufferUsage::kUpload);
     triangles_ = add("triangles", shape.mesh.indices);
     keys_ = add("contactSdfKeys", std::vector<uint32_t>(grid_.count()));
@@ -50,7 +50,7 @@ class ClassicSdf : public SdfBuild {
   }
 
   Result<void> moveMesh(PassList& list, std::span<const Float3> positions) override {
-    const std::vector<Float4> corners = cornersOf(positions);
+    const std::vector<Float4> corners = paddedOf(positions);
     pelage::addUpload(list, corners_, std::as_bytes(std::span(corners)));
     return {};
   }

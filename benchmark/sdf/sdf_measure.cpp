@@ -188,8 +188,6 @@ Result<void> measureCollisions(Workbench& workbench, CopyReference& copies, SdfB
   return {};
 }
 
-std::string number(double value, bool known) { return known ? fmt::format("{:.6g}", value) : ""; }
-
 constexpr const char* kCsvHeader =
     "commit,api,shape,triangles,cells,cell_m,what,method,response,us_median,us_min,surface_us,"
     "interior_us,"
@@ -199,7 +197,7 @@ constexpr const char* kCsvHeader =
 
 std::string csvRow(const SdfRow& r, const pelage::DeviceInfo& device, const std::string& commit) {
   const SdfErrors& e = r.errors;
-  const auto error = [&](double value) { return number(value, r.hasErrors); };
+  const auto error = [&](double value) { return csvNumber(value, r.hasErrors); };
   // Names of devices hold commas; they come last and are quoted.
   return fmt::format(
       "{},{},{},{},{},{:.6g},{},\"{}\",\"{}\",{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}"
@@ -207,13 +205,14 @@ std::string csvRow(const SdfRow& r, const pelage::DeviceInfo& device, const std:
       "\",\"{}\","
       "\"{}\"\n",
       commit, pelage::apiName(device.api), r.shape, r.triangles, r.cells, r.cellSize, r.what,
-      r.method, r.response, number(r.median, r.median > 0), number(r.least, r.median > 0),
-      number(r.surface, r.surface >= 0), number(r.interior, r.interior >= 0),
+      r.method, r.response, csvNumber(r.median, r.median > 0), csvNumber(r.least, r.median > 0),
+      csvNumber(r.surface, r.surface >= 0), csvNumber(r.interior, r.interior >= 0),
       r.hasErrors ? std::to_string(e.wrongSigns) : "", error(e.nearMax), error(e.nearRms),
       error(100 * e.unsetInterior), error(e.farMax), error(e.farRms), r.vertices,
-      number(100 * r.resolved, r.resolved >= 0), r.nodes, r.sdfBytes, r.bytes,
-      number(r.ratioToClassic, r.ratioToClassic > 0), number(r.copies.before, r.copies.before > 0),
-      number(r.copies.after, r.copies.after > 0), r.copies.runs, r.passes, device.name,
+      csvNumber(100 * r.resolved, r.resolved >= 0), r.nodes, r.sdfBytes, r.bytes,
+      csvNumber(r.ratioToClassic, r.ratioToClassic > 0),
+      csvNumber(r.copies.before, r.copies.before > 0),
+      csvNumber(r.copies.after, r.copies.after > 0), r.copies.runs, r.passes, device.name,
       device.driver);
 }
 

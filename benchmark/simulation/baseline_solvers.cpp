@@ -17,24 +17,20 @@ using pelage::HairAsset;
 using pelage::PassBuilder;
 using pelage::PassList;
 using pelage::Result;
-using pelage::reference::RootPose;
+using pelage::rod::RootPose;
 
 namespace {
 
 constexpr uint64_t kVector = sizeof(Float4);
 
-Float4 toFloat4(const pelage::reference::Quaterniond& q) {
+Float4 toFloat4(const pelage::rod::Quaterniond& q) {
   return {static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z),
           static_cast<float>(q.w)};
 }
-Float4 toFloat4(const pelage::reference::Vector3d& v, float w = 0) {
+Float4 toFloat4(const pelage::rod::Vector3d& v, float w = 0) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z), w};
 }
 Float4 toFloat4(const pelage::Quaternion& q) { return {q.x, q.y, q.z, q.w}; }
-
-pelage::reference::Vector3d toVector(const Float4& v) {
-  return pelage::reference::Vector3d(pelage::reference::Vector3<float>(v.x, v.y, v.z));
-}
 
 /// What both baselines have: buffers that are removed in the end, and the roots' last poses.
 class BaselineSolver : public StrandSolver {
@@ -188,10 +184,10 @@ class CosseratSolver : public BaselineSolver {
   void pack(const HairAsset& asset) {
     std::vector<Float4> rods(4 * total()), rest(2 * total());
     for (uint32_t s = 0; s < strands_; ++s) {
-      std::vector<pelage::reference::Vector3d> points;
+      std::vector<pelage::rod::Vector3d> points;
       for (uint32_t v = 0; v < vertices_; ++v)
         points.push_back(toVector(asset.positions[uint64_t{s} * vertices_ + v]));
-      const pelage::reference::RestStrand strand(std::move(points));
+      const pelage::rod::RestStrand strand(std::move(points));
       for (uint32_t v = 0; v < vertices_; ++v) {
         const uint64_t at = uint64_t{v} * strands_ + s;
         const bool tip = v + 1 == vertices_;

@@ -13,22 +13,21 @@ namespace bench {
 
 using pelage::HairAsset;
 using pelage::Result;
-using pelage::reference::axisAngle;
-using pelage::reference::axisX;
-using pelage::reference::cross;
-using pelage::reference::dot;
-using pelage::reference::ExactRod;
-using pelage::reference::helixPoints;
-using pelage::reference::PlanarChain;
-using pelage::reference::pointAt;
-using pelage::reference::Quaterniond;
-using pelage::reference::RestStrand;
-using pelage::reference::RodSettings;
-using pelage::reference::RootPose;
-using pelage::reference::rotationBetween;
-using pelage::reference::StaticRod;
-using pelage::reference::straightPoints;
-using pelage::reference::Vector3d;
+using pelage::rod::axisAngle;
+using pelage::rod::cross;
+using pelage::rod::dot;
+using pelage::rod::ExactRod;
+using pelage::rod::helixPoints;
+using pelage::rod::PlanarChain;
+using pelage::rod::pointAt;
+using pelage::rod::Quaterniond;
+using pelage::rod::RestStrand;
+using pelage::rod::RodSettings;
+using pelage::rod::RootPose;
+using pelage::rod::rotationBetween;
+using pelage::rod::StaticRod;
+using pelage::rod::straightPoints;
+using pelage::rod::Vector3d;
 using std::numbers::pi;
 
 namespace {

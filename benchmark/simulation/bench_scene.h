@@ -14,9 +14,11 @@
 
 namespace bench {
 
-using Points = std::vector<pelage::reference::Vector3d>;
+using Points = std::vector<pelage::rod::Vector3d>;
 /// Pose of all roots at a time [s]; the hair is bound to one rigid head.
-using Motion = std::function<pelage::reference::RootPose(double)>;
+using Motion = std::function<pelage::rod::RootPose(double)>;
+
+inline pelage::rod::Vector3d toVector(const pelage::Float4& v) { return {v.x, v.y, v.z}; }
 
 inline constexpr double kFrameSeconds = 1 / 60.0;
 

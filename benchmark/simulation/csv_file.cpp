@@ -26,6 +26,14 @@ pelage::Result<void> appendLines(const std::string& path, const char* header,
   return {};
 }
 
+std::string csvNumber(double value, bool known) {
+  return known ? fmt::format("{:.6g}", value) : "";
+}
+
+std::string csvEnd(const pelage::DeviceInfo& device) {
+  return fmt::format("\"{}\",\"{}\"\n", device.name, device.driver);
+}
+
 std::string besidePath(const std::string& path, const char* suffix) {
   std::filesystem::path file(path);
   file.replace_filename(file.stem().string() + suffix + file.extension().string());

@@ -16,7 +16,7 @@ using pelage::Float4;
 using pelage::PassList;
 using pelage::PassTiming;
 using pelage::Result;
-using pelage::reference::Vector3d;
+using pelage::rod::Vector3d;
 
 namespace {
 
@@ -27,10 +27,6 @@ constexpr int kWarmUpFrames = 5;
 
 double least(const std::vector<double>& values) {
   return values.empty() ? 0 : *std::min_element(values.begin(), values.end());
-}
-
-Vector3d toVector(const Float4& v) {
-  return Vector3d(pelage::reference::Vector3<float>(v.x, v.y, v.z));
 }
 
 /// GPU times of frames.
@@ -152,8 +148,6 @@ Result<void> sample(Workbench& workbench, const BenchScene& scene, const SceneRe
   return {};
 }
 
-std::string number(double value, bool known) { return known ? fmt::format("{:.6g}", value) : ""; }
-
 constexpr const char* kCsvHeader =
     "commit,api,scene,solver,effort,setting,strands,vertices_per_strand,frames,error_rms_percent,"
     "stretch_max_percent,stretch_rms_percent,broken_strands,frame_us_median,frame_us_min,"
@@ -169,12 +163,13 @@ std::string csvRow(const Measurement& m, const pelage::DeviceInfo& device,
       "{},{},{},{},{},{},{},{},{},{},{:.6g},{:.6g},{},{},{},{},{},{},{},{},{},{},{},{},\"{}\",\"{}"
       "\"\n",
       commit, pelage::apiName(device.api), m.scene, m.solver, m.effort, m.setting, m.strands,
-      m.vertices, m.frames, number(m.error, m.error >= 0), m.maxStretch, m.rmsStretch,
-      m.brokenStrands, number(m.medianFrame, timed), number(m.leastFrame, timed),
-      number(m.medianSolve, timed), number(m.leastSolve, timed), m.bytes, number(rate, rate > 0),
-      number(m.floor, m.floor > 0), number(m.ratioToBaseline, m.ratioToBaseline > 0),
-      number(m.copies.before, m.copies.before > 0), number(m.copies.after, m.copies.after > 0),
-      m.copies.runs, device.name, device.driver);
+      m.vertices, m.frames, csvNumber(m.error, m.error >= 0), m.maxStretch, m.rmsStretch,
+      m.brokenStrands, csvNumber(m.medianFrame, timed), csvNumber(m.leastFrame, timed),
+      csvNumber(m.medianSolve, timed), csvNumber(m.leastSolve, timed), m.bytes,
+      csvNumber(rate, rate > 0), csvNumber(m.floor, m.floor > 0),
+      csvNumber(m.ratioToBaseline, m.ratioToBaseline > 0),
+      csvNumber(m.copies.before, m.copies.before > 0),
+      csvNumber(m.copies.after, m.copies.after > 0), m.copies.runs, device.name, device.driver);
 }
 
 /// One run of a scene, from its first frame.

@@ -10,11 +10,10 @@
 namespace bench {
 
 using pelage::BufferId;
-using pelage::PassBuilder;
 using pelage::PassList;
 using pelage::PassTiming;
 using pelage::Result;
-using pelage::reference::RootPose;
+using pelage::rod::RootPose;
 
 namespace {
 

@@ -24,7 +24,7 @@ class StrandSolver {
 
   /// Writes the passes of the next frame of 1/60 s, at whose end the roots have this pose. The
   /// first frame takes the bind pose, at rest. Pass::bytes says what a pass moves at least.
-  virtual pelage::Result<void> advance(const pelage::reference::RootPose& pose,
+  virtual pelage::Result<void> advance(const pelage::rod::RootPose& pose,
                                        pelage::PassList& list) = 0;
   /// [strand][vertex] Float4.
   virtual pelage::BufferId positions() const = 0;

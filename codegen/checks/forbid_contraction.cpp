@@ -3,6 +3,7 @@
 
 #include "codegen/checks/checks.h"
 #include "codegen/checks/line_module.h"
+#include "codegen/spirv_reader.h"
 
 namespace pelage::codegen {
 
@@ -10,7 +11,6 @@ using namespace checks;
 
 namespace {
 
-constexpr size_t kHeaderWords = 5;
 constexpr size_t kBoundWord = 3;
 
 // Instructions that may stand before the decorations or among them (SPIR-V specification, 2.4).

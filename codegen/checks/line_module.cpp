@@ -4,13 +4,13 @@
 #include <cstring>
 #include <limits>
 
-#define SPV_ENABLE_UTILITY_CODE
 #include <spirv/unified1/spirv.hpp>
+
+#include "codegen/spirv_reader.h"
 
 namespace pelage::codegen::checks {
 namespace {
 
-constexpr size_t kHeaderWords = 5;
 // Types and constants nest; a module that nests deeper than this is malformed.
 constexpr uint32_t kMaximumDepth = 64;
 // The universal limit on ids of the SPIR-V specification (2.17).

@@ -21,8 +21,6 @@ constexpr size_t kMostMisses = 1000;
 // Streams of the generator: one for the roots, then one a strand.
 constexpr uint64_t kFirstStrandStream = 1;
 
-Vector toVector(const Float3& p) { return {p.x, p.y, p.z}; }
-
 // Points on the ground, no two closer than spacing(): dart throwing (Cook 1986, "Stochastic
 // Sampling in Computer Graphics") on an area-weighted choice of triangles. When darts no longer
 // find a gap the spacing shrinks, so that the wanted number is always reached.

@@ -36,8 +36,4 @@ struct SurfaceMesh {
 /// too. Each edge joins two triangles. Memory goes with the number of cells in the box.
 SurfaceMesh meshSolid(const Solid& solid, const SolidBox& box, double cellSize);
 
-inline Float3 toFloat3(const Vector& v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
-
 }  // namespace pelage::detail

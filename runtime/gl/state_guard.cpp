@@ -5,7 +5,6 @@
 #include "runtime_impl.h"
 
 namespace pelage::gl {
-namespace {
 
 struct IndexedBinding {
   GLuint name = 0;
@@ -18,6 +17,8 @@ struct DrawBuffer {
   GLint equationRgb = 0, equationAlpha = 0;
   GLint sourceRgb = 0, sourceAlpha = 0, destinationRgb = 0, destinationAlpha = 0;
 };
+
+namespace {
 
 struct IndexedTarget {
   GLenum target, binding, start, size;

@@ -38,6 +38,8 @@ constexpr VkPipelineStageFlags kShaderStages = VK_PIPELINE_STAGE_COMPUTE_SHADER_
                                                VK_PIPELINE_STAGE_VERTEX_SHADER_BIT |
                                                VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT;
 
+}  // namespace
+
 // A buffer of the table on the device.
 struct BufferSlot {
   bool live = false;
@@ -84,6 +86,8 @@ struct ResolvedPass {
   std::array<Set, kMaxSets> sets;
   uint32_t setCount = 0;
 };
+
+namespace {
 
 // One labelled region of a command buffer, where labels are on.
 class Label {

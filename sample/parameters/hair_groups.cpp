@@ -410,7 +410,7 @@ std::vector<Parameter> lookRows() {
   };
 }
 
-std::vector<Parameter> contactRows() {
+std::vector<Parameter> contactLookRows() {
   return {
       tuned("ContactLook", "length"),
       tuned("ContactLook", "width"),
@@ -454,7 +454,7 @@ std::vector<ParameterGroup> colliderGroups() {
       {"SdfCollider", sdf, "Scene::collider(); may change at any time.", colliderRows()},
       {"ColliderLook", sdf, "Scene::drawCollider(), for debugging.", lookRows()},
       {"ContactLook", "pelage/hair_object.h",
-       "Scene::drawContacts(), for debugging. [contact.md](contact.md)", contactRows()},
+       "Scene::drawContacts(), for debugging. [contact.md](contact.md)", contactLookRows()},
   };
 }
 

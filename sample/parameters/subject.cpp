@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "demo_assets.h"
+#include "float3_math.h"
 #include "pelage/random.h"
 #include "scene_setup.h"
 
@@ -14,7 +15,6 @@ namespace sample {
 using pelage::BoneInfluences;
 using pelage::CollisionMesh;
 using pelage::Float3;
-using pelage::Float4;
 using pelage::HairAsset;
 using pelage::Random;
 using pelage::Result;
@@ -24,16 +24,6 @@ namespace {
 constexpr float kPi = std::numbers::pi_v<float>;
 constexpr float kGoldenAngle = 2.39996323f;  // rad
 constexpr uint32_t kBallRings = 33, kBallSectors = 64;
-
-Float3 add(const Float3& a, const Float3& b, float factor = 1) {
-  return {a.x + factor * b.x, a.y + factor * b.y, a.z + factor * b.z};
-}
-Float3 cross(const Float3& a, const Float3& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-Float3 unit(const Float3& a) {
-  return add({}, a, 1 / std::sqrt(a.x * a.x + a.y * a.y + a.z * a.z));
-}
 
 HairAsset emptyHair(uint32_t strands, uint32_t vertices) {
   HairAsset hair;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "float3_math.h"
 #include "pelage/assert.h"
 
 namespace sample {
@@ -11,15 +12,6 @@ namespace sample {
 using pelage::Float3;
 
 namespace {
-
-Float3 add(const Float3& a, const Float3& b, float factor = 1) {
-  return {a.x + factor * b.x, a.y + factor * b.y, a.z + factor * b.z};
-}
-float dot(const Float3& a, const Float3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-Float3 cross(const Float3& a, const Float3& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-Float3 normalize(const Float3& a) { return add({}, a, 1 / std::sqrt(dot(a, a))); }
 
 // The eye's place along one axis of the picture, and how far back it must be, so that the two
 // tightest rays of that axis touch the points. With t the tangent of the half angle, a point at s
@@ -43,8 +35,8 @@ AxisFit fitAxis(std::span<const Float3> points, const Float3& axis, const Float3
 
 Camera frameAll(std::span<const Float3> points, const CameraDef& def, float aspect) {
   PELAGE_ASSERT(!points.empty() && aspect > 0, "frameAll: no points, or no picture");
-  const Float3 back = normalize(def.direction);
-  const Float3 right = normalize(cross({0, 1, 0}, back));
+  const Float3 back = unit(def.direction);
+  const Float3 right = unit(cross({0, 1, 0}, back));
   const Float3 up = cross(back, right);
   const float tangent = std::tan(def.verticalFov / 2) * (1 - 2 * def.margin);
   const AxisFit x = fitAxis(points, right, back, tangent * aspect);

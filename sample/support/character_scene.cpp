@@ -15,7 +15,7 @@ using pelage::Result;
 
 namespace {
 
-constexpr Float3 kCameraDirection = {0.42f, 0.14f, 1};
+constexpr Float3 kCharacterCameraDirection = {0.42f, 0.14f, 1};
 constexpr float kFrameBottom = -0.06f;  // m; the picture ends at the chest
 constexpr float kFrameSide = 0.22f;     // m; and beside the shoulders
 constexpr float kSdfCell = 0.010f;      // m
@@ -43,9 +43,9 @@ Result<DemoScene> DemoScene::create(const Character& character, const DemoDef& d
   demo.boneCount_ = static_cast<uint32_t>(character.skeleton.bones.size());
   demo.isCharacter_ = true;
   demo.setMotion(def.motion);
-  demo.cameraDef_.direction = kCameraDirection;
+  demo.cameraDef_.direction = kCharacterCameraDirection;
   demo.cameraDef_.margin = 0.02f;
-  demo.takeLook(studioLight(kCameraDirection), def);
+  demo.takeLook(studioLight(kCharacterCameraDirection), def);
 
   for (const CharacterGroom& groom : character.grooms) {
     pelage::HairAsset hair = groom.hair;

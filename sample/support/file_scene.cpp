@@ -23,7 +23,7 @@ using pelage::Result;
 
 namespace {
 
-constexpr Float3 kCameraDirection = {1, 0.25f, -0.3f};
+constexpr Float3 kFileCameraDirection = {1, 0.25f, -0.3f};
 constexpr uint32_t kFollowPerGuide = 8;
 constexpr float kFollowRadius = 0.006f;  // m
 constexpr float kCellsPerSide = 100;     // of a mesh's longest side
@@ -148,8 +148,8 @@ Result<DemoScene> DemoScene::create(const FileAssets& files, const DemoDef& def)
   demo.pose_ = *std::move(pose);
   demo.cycle_ = {0, files.motion ? files.motion->seconds : kHeadMotionSeconds};
   demo.boneCount_ = static_cast<uint32_t>(std::max<size_t>(names.size(), 1));
-  demo.cameraDef_.direction = kCameraDirection;
-  demo.takeLook(studioLight(kCameraDirection), def);
+  demo.cameraDef_.direction = kFileCameraDirection;
+  demo.takeLook(studioLight(kFileCameraDirection), def);
   if (def.drawSdf && files.assets.meshes.empty())
     return Error{ErrorCode::kInvalidArgument, "there is no mesh whose field could be drawn"};
   if (Result<void> added = demo.addFiles(files, names, def); !added) return added.error();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "float3_math.h"
 #include "pelage/skeleton.h"
 
 namespace sample {
@@ -65,19 +66,6 @@ pelage::Light studioLight(const Float3& camera) {
   light.ambient = {0.19f, 0.22f, 0.27f};
   return light;
 }
-
-namespace {
-
-float dot(const Float3& a, const Float3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-Float3 unit(const Float3& v) {
-  const float scale = 1 / std::sqrt(dot(v, v));
-  return {v.x * scale, v.y * scale, v.z * scale};
-}
-Float3 cross(const Float3& a, const Float3& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-}  // namespace
 
 pelage::View lightView(std::span<const Float3> points, const Float3& toLight, uint32_t size) {
   const Float3 light = unit(toLight);

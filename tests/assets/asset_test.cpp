@@ -6,8 +6,6 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <limits>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -17,15 +15,21 @@
 #include "pelage/hair_asset.h"
 #include "pelage/random.h"
 #include "pelage/skeleton.h"
+#include "support/errors.h"
 #include "support/extremes.h"
+#include "support/not_numbers.h"
+#include "support/test_folder.h"
 
 namespace pelage {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
 using Bytes = std::vector<std::byte>;
+using test::bytesOf;
+using test::expectError;
+using test::kInf;
+using test::kNan;
+using test::mentions;
+using test::required;
 
 template <class T>
 void put(Bytes& bytes, size_t offset, const T& value) {
@@ -39,20 +43,8 @@ void push(Bytes& bytes, const T& value) {
   bytes.insert(bytes.end(), data, data + sizeof(T));
 }
 
-Bytes readAll(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  Bytes bytes(text.size());
-  std::memcpy(bytes.data(), text.data(), text.size());
-  return bytes;
-}
-
 std::filesystem::path realAsset(const char* file) {
   return std::filesystem::path(PELAGE_TEST_DATA_DIR) / "ratboy" / file;
-}
-
-bool mentions(const Error& error, std::string_view text) {
-  return error.message.find(text) != std::string::npos;
 }
 
 // `message` starts with "name: byte N: ".
@@ -97,7 +89,7 @@ std::vector<Float4> packed(const HairAsset& asset) {
 }
 
 // All arrays there.
-HairAsset fullAsset() {
+HairAsset assetOfAllArrays() {
   HairAsset asset = bentStrands(3, 5, 0.3);
   for (uint32_t s = 0; s < 3; ++s) {
     asset.strandUv.push_back({0.25f * static_cast<float>(s), 0.5f});
@@ -110,7 +102,7 @@ HairAsset fullAsset() {
   return asset;
 }
 
-Bytes fullFile() { return *saveTfx(fullAsset()); }
+Bytes fullFile() { return *saveTfx(assetOfAllArrays()); }
 
 BoneWeights someWeights(uint32_t strandCount) {
   BoneWeights weights;
@@ -160,10 +152,9 @@ TEST(Random, IsUniformAndStaysInsideItsRange) {
 // ---- .tfx
 
 TEST(HairAsset, SavesAndLoadsAllArraysUnchanged) {
-  const HairAsset asset = fullAsset();
+  const HairAsset asset = assetOfAllArrays();
   const Bytes bytes = fullFile();
-  const auto loaded = loadTfx(bytes, "memory");
-  ASSERT_TRUE(loaded) << loaded.error().message;
+  const auto loaded = required(loadTfx(bytes, "memory"));
   EXPECT_EQ(loaded->strandCount, 3u);
   EXPECT_EQ(loaded->verticesPerStrand, 5u);
   EXPECT_EQ(loaded->positions, asset.positions);
@@ -182,8 +173,7 @@ TEST(HairAsset, RoundTripKeepsReservedWordsGapsAndTheOrderOfArrays) {
   for (const auto& [at, value] :
        {std::pair<size_t, uint32_t>{4, 2}, {8, 2}, {12, 196}, {16, 168}, {20, 0}, {24, 0}, {28, 0}})
     put(bytes, at, value);
-  auto loaded = loadTfx(bytes, "memory");
-  ASSERT_TRUE(loaded) << loaded.error().message;
+  auto loaded = required(loadTfx(bytes, "memory"));
   EXPECT_EQ(*saveTfx(*loaded), bytes);
 
   // When the asset no longer fits the layout it came in, it gets a plain one.
@@ -197,12 +187,11 @@ TEST(HairAsset, RoundTripKeepsReservedWordsGapsAndTheOrderOfArrays) {
 TEST(HairAsset, RealMohawkRoundTripsByteForByte) {
   const std::filesystem::path path = realAsset("Ratboy_mohawk.tfx");
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
-  auto asset = loadTfx(path);
-  ASSERT_TRUE(asset) << asset.error().message;
+  auto asset = required(loadTfx(path));
   EXPECT_EQ(asset->strandCount, 2228u);
   EXPECT_EQ(asset->verticesPerStrand, 32u);
   EXPECT_EQ(asset->strandUv.size(), 2228u);
-  EXPECT_EQ(*saveTfx(*asset), readAll(path));
+  EXPECT_EQ(*saveTfx(*asset), bytesOf(path));
   ASSERT_TRUE(asset->process());
   for (const Float4& v : packed(*asset)) ASSERT_TRUE(finite(v));
 }
@@ -254,7 +243,7 @@ TEST(HairAsset, RefusesImpossibleHeadersWithTheByteOffset) {  // K23
 TEST(HairAsset, RefusesValuesThatAreNotFiniteWithTheByteOffset) {
   const HairAsset good = *loadTfx(fullFile(), "memory");
   const auto& offsets = good.fileLayout.offsets;
-  for (const float value : {kNaN, kInfinity, -kInfinity, 2e6f}) {
+  for (const float value : {kNan, kInf, -kInf, 2e6f}) {
     Bytes bytes = fullFile();
     const size_t at = offsets[0] + (1 * 5 + 3) * 16 + 8;  // z of strand 1, vertex 3
     put(bytes, at, value);
@@ -267,13 +256,13 @@ TEST(HairAsset, RefusesValuesThatAreNotFiniteWithTheByteOffset) {
     size_t at;
     float value;
   };
-  for (const Case& c : {Case{offsets[0] + 12, kNaN},
+  for (const Case& c : {Case{offsets[0] + 12, kNan},
                         {offsets[0] + 12, -1},
-                        {offsets[1] + 8, kNaN},
-                        {offsets[2] + 4, kInfinity},
+                        {offsets[1] + 8, kNan},
+                        {offsets[2] + 4, kInf},
                         {offsets[3] + 4, -0.5f},
-                        {offsets[3] + 4, kNaN},
-                        {offsets[4] + 16, kNaN}}) {
+                        {offsets[3] + 4, kNan},
+                        {offsets[4] + 16, kNan}}) {
     Bytes bytes = fullFile();
     put(bytes, c.at, c.value);
     const auto loaded = loadTfx(bytes, "bad.tfx");
@@ -287,12 +276,11 @@ TEST(HairAsset, RepairsValuesOnRequestAndCountsThem) {
   const uint32_t positions = loadTfx(bytes, "memory")->fileLayout.offsets[0];
   const size_t rootAt = positions;                  // strand 0, vertex 0: takes vertex 1
   const size_t innerAt = positions + (5 + 3) * 16;  // strand 1, vertex 3: takes vertex 2
-  put(bytes, rootAt, kNaN);
-  put(bytes, innerAt + 4, kInfinity);
-  put(bytes, positions + 2 * 16 + 12, kNaN);  // inverse mass
+  put(bytes, rootAt, kNan);
+  put(bytes, innerAt + 4, kInf);
+  put(bytes, positions + 2 * 16 + 12, kNan);  // inverse mass
   TfxLoadReport report;
-  auto loaded = loadTfx(bytes, "bad.tfx", {.repair = true}, &report);
-  ASSERT_TRUE(loaded) << loaded.error().message;
+  auto loaded = required(loadTfx(bytes, "bad.tfx", {.repair = true}, &report));
   EXPECT_EQ(report.repairedCount, 3u);
   EXPECT_EQ(report.firstRepairOffset, rootAt);
   const auto& p = loaded->positions;
@@ -301,74 +289,42 @@ TEST(HairAsset, RepairsValuesOnRequestAndCountsThem) {
   EXPECT_EQ(p[2].w, 1.0f);
   EXPECT_TRUE(loaded->process());
 
-  for (uint32_t i = 0; i < 5; ++i) put(bytes, positions + (10 + i) * 16, kNaN);
-  const auto hopeless = loadTfx(bytes, "bad.tfx", {.repair = true});
-  ASSERT_FALSE(hopeless);
-  EXPECT_TRUE(mentions(hopeless.error(), "strand 2")) << hopeless.error().message;
-}
-
-TEST(HairAsset, SurvivesTenThousandRandomByteFlips) {
-  const Bytes good = fullFile();
-  Random random(11);
-  int loadedCount = 0;
-  for (int round = 0; round < 10000; ++round) {
-    Bytes bytes = good;
-    const uint32_t flips = 1 + random.below(4);
-    // Half of the flips hit the header, where they do more.
-    for (uint32_t k = 0; k < flips; ++k) {
-      const auto size = static_cast<uint32_t>(bytes.size());
-      bytes[random.below(random.below(2) == 0 ? 32 : size)] ^=
-          static_cast<std::byte>(1u << random.below(8));
-    }
-    auto loaded = loadTfx(bytes, "flipped", {.repair = round % 2 == 0});
-    if (!loaded) {
-      ASSERT_FALSE(loaded.error().message.empty());
-      continue;
-    }
-    ++loadedCount;
-    ASSERT_TRUE(loaded->process());
-    for (const Float4& v : packed(*loaded)) ASSERT_TRUE(finite(v));
-  }
-  EXPECT_GT(loadedCount, 1000);
+  for (uint32_t i = 0; i < 5; ++i) put(bytes, positions + (10 + i) * 16, kNan);
+  expectError(loadTfx(bytes, "bad.tfx", {.repair = true}), "strand 2");
 }
 
 TEST(HairAsset, MissingFilesAndFoldersAreErrorsThatNameThem) {
-  const auto missing = loadTfx("/nonexistent/hair.tfx");
-  ASSERT_FALSE(missing);
-  EXPECT_EQ(missing.error().code, ErrorCode::kFileNotFound);
-  EXPECT_TRUE(mentions(missing.error(), "/nonexistent/hair.tfx"));
+  expectError(loadTfx("/nonexistent/hair.tfx"), ErrorCode::kFileNotFound, "/nonexistent/hair.tfx");
   const auto folder = loadTfx(std::filesystem::temp_directory_path());
   ASSERT_FALSE(folder);
   EXPECT_EQ(folder.error().code, ErrorCode::kFileNotFound);
-  const auto unwritable = saveTfx(fullAsset(), "/nonexistent/hair.tfx");
-  ASSERT_FALSE(unwritable);
-  EXPECT_TRUE(mentions(unwritable.error(), "/nonexistent/hair.tfx"));
+  expectError(saveTfx(assetOfAllArrays(), "/nonexistent/hair.tfx"), "/nonexistent/hair.tfx");
 }
 
 // ---- rest data
 
 TEST(HairAsset, RefusesArraysThatDoNotFitTogether) {
-  HairAsset asset = fullAsset();
+  HairAsset asset = assetOfAllArrays();
   asset.vertexUv.pop_back();
   EXPECT_TRUE(mentions(asset.process().error(), "vertexUv has 14"));
-  asset = fullAsset();
+  asset = assetOfAllArrays();
   asset.verticesPerStrand = 257;
   EXPECT_TRUE(mentions(asset.process().error(), "2 to 256"));
-  asset = fullAsset();
-  asset.positions[7].y = kNaN;
+  asset = assetOfAllArrays();
+  asset.positions[7].y = kNan;
   EXPECT_TRUE(mentions(asset.process().error(), "strand 1, vertex 2"));
   EXPECT_TRUE(mentions(HairAsset().process().error(), "no strands"));
-  EXPECT_TRUE(mentions(fullAsset().process({.tipThickness = -1}).error(), "tipThickness"));
+  EXPECT_TRUE(mentions(assetOfAllArrays().process({.tipThickness = -1}).error(), "tipThickness"));
   EXPECT_FALSE(saveTfx(asset));
-  EXPECT_FALSE(packRest(fullAsset()));
+  EXPECT_FALSE(packRest(assetOfAllArrays()));
 }
 
 TEST(HairAsset, HasNoRestDataAfterAProcessThatFailed) {
-  HairAsset asset = fullAsset();
+  HairAsset asset = assetOfAllArrays();
   ASSERT_TRUE(asset.process());
   ASSERT_TRUE(packRest(asset));
   const HairAsset good = asset;
-  asset.positions[7].y = kNaN;
+  asset.positions[7].y = kNan;
   EXPECT_FALSE(asset.process());
   EXPECT_TRUE(asset.restLengths.empty() && asset.restFrames.empty() && asset.restVectors.empty() &&
               asset.tangents.empty() && asset.inverseMasses.empty() &&
@@ -702,10 +658,10 @@ TEST(FollowHairs, RefuseValuesOutOfRangeByName) {
     EXPECT_TRUE(
         mentions(asset.generateFollowHairs({.guidesPerHair = guides}).error(), "guidesPerHair"));
   }
-  EXPECT_TRUE(mentions(asset.generateFollowHairs({.maxRadius = kNaN}).error(), "maxRadius"));
+  EXPECT_TRUE(mentions(asset.generateFollowHairs({.maxRadius = kNan}).error(), "maxRadius"));
   EXPECT_TRUE(mentions(asset.generateFollowHairs({.maxRadius = -1}).error(), "maxRadius"));
   EXPECT_TRUE(
-      mentions(asset.generateFollowHairs({.tipSeparation = kInfinity}).error(), "tipSeparation"));
+      mentions(asset.generateFollowHairs({.tipSeparation = kInf}).error(), "tipSeparation"));
   EXPECT_FALSE(HairAsset().generateFollowHairs({}));
 }
 
@@ -723,8 +679,7 @@ TEST(FollowHairs, OfAGuideWithoutLengthAreFinite) {  // K17
 
 TEST(BoneWeights, RoundTripByteForByte) {
   const Bytes bytes = *saveTfxBone(someWeights(3));
-  const auto loaded = loadTfxBone(bytes, "memory", 3);
-  ASSERT_TRUE(loaded) << loaded.error().message;
+  const auto loaded = required(loadTfxBone(bytes, "memory", 3));
   EXPECT_EQ(loaded->bones, someWeights(3).bones);
   EXPECT_EQ(loaded->strands, someWeights(3).strands);
   EXPECT_EQ(loaded->repairedStrandCount, 0u);
@@ -734,10 +689,9 @@ TEST(BoneWeights, RoundTripByteForByte) {
 TEST(BoneWeights, RealMohawkRoundTripsByteForByte) {
   const std::filesystem::path path = realAsset("Ratboy_mohawk.tfxbone");
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
-  const auto weights = loadTfxBone(path, 2228);
-  ASSERT_TRUE(weights) << weights.error().message;
+  const auto weights = required(loadTfxBone(path, 2228));
   EXPECT_EQ(weights->bones.size(), 105u);
-  EXPECT_EQ(*saveTfxBone(*weights), readAll(path));
+  EXPECT_EQ(*saveTfxBone(*weights), bytesOf(path));
 }
 
 TEST(BoneWeights, RefusesATruncatedFileWithTheByteOffset) {  // K23
@@ -786,8 +740,8 @@ TEST(BoneWeights, RefusesEveryImpossibleFieldWithTheByteOffset) {  // K23
         {55, 3, 55, "0 to 2"},
         {55, -1, 55, "0 to 2"},
         {59, bits(-0.5f), 59, "0 to 1e6"},
-        {59, bits(kNaN), 59, "0 to 1e6"},
-        {59, bits(kInfinity), 59, "0 to 1e6"}}) {
+        {59, bits(kNan), 59, "0 to 1e6"},
+        {59, bits(kInf), 59, "0 to 1e6"}}) {
     Bytes bytes = *saveTfxBone(someWeights(2));
     ASSERT_EQ(bytes.size(), 123u);
     put(bytes, c.at, c.value);
@@ -805,8 +759,7 @@ TEST(BoneWeights, StrandRecordsMayComeInAnyOrder) {
   weights.strands[1].weights[0] = 0.125f;
   Bytes bytes = *saveTfxBone(weights);
   std::swap_ranges(bytes.begin() + 51, bytes.begin() + 87, bytes.begin() + 87);
-  const auto loaded = loadTfxBone(bytes, "memory");
-  ASSERT_TRUE(loaded) << loaded.error().message;
+  const auto loaded = required(loadTfxBone(bytes, "memory"));
   EXPECT_EQ(loaded->strands, weights.strands);
 }
 
@@ -814,36 +767,9 @@ TEST(BoneWeights, StrandsWithoutWeightFollowOneBoneAndAreReported) {  // K10
   Bytes bytes = *saveTfxBone(someWeights(2));
   for (size_t k = 0; k < 4; ++k) put(bytes, 59 + 8 * k, 0.0f);
   put(bytes, 59 + 8 * 2, 1e-20f);  // the third bone, 2, is the heaviest
-  const auto loaded = loadTfxBone(bytes, "memory");
-  ASSERT_TRUE(loaded) << loaded.error().message;
+  const auto loaded = required(loadTfxBone(bytes, "memory"));
   EXPECT_EQ(loaded->repairedStrandCount, 1u);
   EXPECT_EQ(loaded->strands[0], (BoneInfluences{{2, 2, 2, 2}, {1, 0, 0, 0}}));
-}
-
-TEST(BoneWeights, SurviveTenThousandRandomByteFlips) {
-  const Bytes good = *saveTfxBone(someWeights(4));
-  Random random(12);
-  for (int round = 0; round < 10000; ++round) {
-    Bytes bytes = good;
-    for (uint32_t k = 0; k <= random.below(3); ++k)
-      bytes[random.below(static_cast<uint32_t>(bytes.size()))] ^=
-          static_cast<std::byte>(1u << random.below(8));
-    const auto loaded = loadTfxBone(bytes, "flipped");
-    if (!loaded) {
-      ASSERT_TRUE(mentions(loaded.error(), "flipped: byte ")) << loaded.error().message;
-      continue;
-    }
-    for (const BoneInfluences& s : loaded->strands) {
-      float sum = 0;
-      for (int k = 0; k < 4; ++k) {
-        ASSERT_LT(s.bones[k], loaded->bones.size());
-        ASSERT_GE(s.weights[k], 0.0f);
-        sum += s.weights[k];
-      }
-      ASSERT_GT(sum, 0.0f);
-      ASSERT_TRUE(std::isfinite(sum));
-    }
-  }
 }
 
 TEST(BoneWeights, NamesAreMappedThroughTheCallersFunction) {
@@ -853,20 +779,18 @@ TEST(BoneWeights, NamesAreMappedThroughTheCallersFunction) {
     if (name == "head") return 41;
     return std::nullopt;
   };
-  const auto refused = mapBones(weights.bones, weights.strands, lookup);
-  ASSERT_FALSE(refused);
-  EXPECT_TRUE(mentions(refused.error(), "'left ear'")) << refused.error().message;
+  expectError(mapBones(weights.bones, weights.strands, lookup), "'left ear'");
 
   const auto mapped = mapBones(weights.bones, weights.strands, lookup, 7);
   ASSERT_TRUE(mapped);
   // The bone of weight 0 takes the index of the heaviest one.
   EXPECT_EQ((*mapped)[0], (BoneInfluences{{41, 40, 7, 41}, {0.5f, 0.25f, 0.25f, 0}}));
 
-  const auto thrown = mapBones(
-      weights.bones, weights.strands,
-      [](std::string_view) -> std::optional<uint32_t> { throw std::runtime_error("no skeleton"); });
-  ASSERT_FALSE(thrown);
-  EXPECT_TRUE(mentions(thrown.error(), "no skeleton"));
+  expectError(mapBones(weights.bones, weights.strands,
+                       [](std::string_view) -> std::optional<uint32_t> {
+                         throw std::runtime_error("no skeleton");
+                       }),
+              "no skeleton");
   EXPECT_FALSE(mapBones(weights.bones, weights.strands,
                         [](std::string_view) -> std::optional<uint32_t> { throw 1; }));
   EXPECT_FALSE(mapBones(weights.bones, weights.strands, BoneLookup()));
@@ -876,8 +800,7 @@ TEST(BoneWeights, NamesAreMappedThroughTheCallersFunction) {
 
 TEST(CollisionMesh, RoundTripsByteForByte) {
   const std::string text = *saveTfxMesh(tetrahedron());
-  const auto loaded = loadTfxMesh(text, "memory");
-  ASSERT_TRUE(loaded) << loaded.error().message;
+  const auto loaded = required(loadTfxMesh(text, "memory"));
   EXPECT_EQ(loaded->bones, tetrahedron().bones);
   EXPECT_EQ(loaded->positions, tetrahedron().positions);
   EXPECT_EQ(loaded->normals, tetrahedron().normals);
@@ -891,12 +814,10 @@ TEST(CollisionMesh, LoadsTheRealMeshesAndKeepsTheirNumbers) {
                                                   {"Ratboy_left_hand.tfxmesh", 1247u, 2490u}}) {
     const std::filesystem::path path = realAsset(file);
     if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
-    const auto mesh = loadTfxMesh(path);
-    ASSERT_TRUE(mesh) << mesh.error().message;
+    const auto mesh = required(loadTfxMesh(path));
     EXPECT_EQ(mesh->positions.size(), vertices);
     EXPECT_EQ(mesh->indices.size(), 3 * triangles);
-    const auto again = loadTfxMesh(*saveTfxMesh(*mesh), "again");
-    ASSERT_TRUE(again) << again.error().message;
+    const auto again = required(loadTfxMesh(*saveTfxMesh(*mesh), "again"));
     EXPECT_EQ(again->positions, mesh->positions);
     EXPECT_EQ(again->normals, mesh->normals);
     EXPECT_EQ(again->indices, mesh->indices);
@@ -904,12 +825,11 @@ TEST(CollisionMesh, LoadsTheRealMeshesAndKeepsTheirNumbers) {
 }
 
 TEST(CollisionMesh, ReadsCarriageReturnsCommentsAndRecordsInAnyOrder) {
-  const auto mesh = loadTfxMesh(
-      "# a comment\r\nnumOfBones 1\r\n\r\n0 root bone\r\nnumOfVertices 3\r\n"
-      "2 0 0 1 0 0 1 0 0 0 0 1 0 0 0\r\n0 +0 1e-50 0 0 0 1 0 0 0 0 1 0 0 0\r\n"
-      "1\t1 0 0 0 0 1 0 0 0 0 0 0 0 0\r\n# triangles\r\nnumOfTriangles 1\r\n0 0 1 2",
-      "memory");
-  ASSERT_TRUE(mesh) << mesh.error().message;
+  const auto mesh = required(
+      loadTfxMesh("# a comment\r\nnumOfBones 1\r\n\r\n0 root bone\r\nnumOfVertices 3\r\n"
+                  "2 0 0 1 0 0 1 0 0 0 0 1 0 0 0\r\n0 +0 1e-50 0 0 0 1 0 0 0 0 1 0 0 0\r\n"
+                  "1\t1 0 0 0 0 1 0 0 0 0 0 0 0 0\r\n# triangles\r\nnumOfTriangles 1\r\n0 0 1 2",
+                  "memory"));
   EXPECT_EQ(mesh->bones[0].name, "root bone");
   EXPECT_EQ(mesh->positions[2], (Float3{0, 0, 1}));
   EXPECT_EQ(mesh->positions[0], (Float3{0, 0, 0}));
@@ -956,16 +876,13 @@ TEST(CollisionMesh, ErrorsNameFileAndLine) {
       changed += '\n';
       at = end + 1;
     }
-    const auto loaded = loadTfxMesh(changed, "bad.tfxmesh");
-    ASSERT_FALSE(loaded) << c.replacement;
-    EXPECT_TRUE(mentions(loaded.error(), "bad.tfxmesh:" + std::to_string(c.line) + ": "))
-        << loaded.error().message;
-    EXPECT_TRUE(mentions(loaded.error(), c.text)) << loaded.error().message;
+    expectError(loadTfxMesh(changed, "bad.tfxmesh"),
+                {"bad.tfxmesh:" + std::to_string(c.line) + ": ", c.text});
   }
   EXPECT_FALSE(loadTfxMesh(*saveTfxMesh(tetrahedron()) + "5 1 2 3\n", "long"));
 }
 
-TEST(CollisionMesh, RefusesEveryTruncationAndSurvivesByteFlips) {
+TEST(CollisionMesh, RefusesEveryTruncation) {
   const std::string good = *saveTfxMesh(tetrahedron());
   // Without its last line end, and without the last digit's neighbours, the text is still complete.
   for (size_t size = 0; size + 2 < good.size(); ++size) {
@@ -973,18 +890,6 @@ TEST(CollisionMesh, RefusesEveryTruncationAndSurvivesByteFlips) {
     const auto loaded = loadTfxMesh(part, "cut.tfxmesh");
     ASSERT_FALSE(loaded) << size;
     ASSERT_TRUE(mentions(loaded.error(), "cut.tfxmesh:")) << loaded.error().message;
-  }
-  Random random(13);
-  for (int round = 0; round < 10000; ++round) {
-    std::string text = good;
-    for (uint32_t k = 0; k <= random.below(3); ++k) {
-      char& c = text[random.below(static_cast<uint32_t>(text.size()))];
-      c = static_cast<char>(c ^ 1 << random.below(8));
-    }
-    const auto loaded = loadTfxMesh(text, "flipped");
-    if (!loaded) continue;
-    for (const uint32_t index : loaded->indices) ASSERT_LT(index, loaded->positions.size());
-    for (const Float3& p : loaded->positions) ASSERT_TRUE(std::isfinite(p.x + p.y + p.z));
   }
 }
 
@@ -1010,7 +915,7 @@ TEST(Skeleton, DualQuaternionsHaveNoScaleShearOrMirror) {  // K10
   AffineTransform mirrored;
   mirrored.rows[0].x = -1;
   AffineTransform broken;
-  broken.rows[1].y = kNaN;
+  broken.rows[1].y = kNan;
   AffineTransform flat = {{{0, 0, 0, 1}, {0, 0, 0, 2}, {0, 0, 0, 3}}};
   for (const AffineTransform& transform : {mirrored, broken, flat}) {
     const Float4 q = toDualQuaternion(transform).real;

@@ -11,12 +11,15 @@
 #include <vector>
 
 #include "reference/sdf/mesh_shapes.h"
+#include "support/errors.h"
 
 namespace pelage {
 namespace {
 
 using detail::ColliderTopology;
 using reference::TriangleMesh;
+using test::expectError;
+using test::required;
 
 ColliderTopology topologyOf(const TriangleMesh& mesh) {
   auto topology = detail::makeColliderTopology(
@@ -214,9 +217,7 @@ TEST(ColliderTopology, AnEmptyMeshIsNotClosed) {
 
 TEST(ColliderTopology, RefusesIndicesThatAreWrong) {
   const std::array<uint32_t, 3> beyond = {0, 1, 3};
-  auto result = detail::makeColliderTopology(beyond, 3, {});
-  ASSERT_FALSE(result);
-  EXPECT_NE(result.error().message.find("triangle 0 refers to vertex 3 of 3"), std::string::npos);
+  expectError(detail::makeColliderTopology(beyond, 3, {}), "triangle 0 refers to vertex 3 of 3");
   EXPECT_FALSE(detail::makeColliderTopology(std::span(beyond).first(2), 4, {}));
   const std::array<Float3, 2> few = {};
   EXPECT_FALSE(detail::makeColliderTopology(beyond, 4, few));
@@ -243,8 +244,7 @@ TEST(MeshReport, TheRealMeshesAreClosed) {
   for (const auto& [file, triangles] :
        {std::pair{"Ratboy_body.tfxmesh", 25814u}, {"Ratboy_left_hand.tfxmesh", 2490u}}) {
     if (!std::filesystem::exists(folder / file)) GTEST_SKIP() << "skipped: " << folder / file;
-    auto mesh = loadTfxMesh(folder / file);
-    ASSERT_TRUE(mesh) << mesh.error().message;
+    auto mesh = required(loadTfxMesh(folder / file));
     auto report = inspectMesh(*mesh);
     ASSERT_TRUE(report);
     EXPECT_EQ(report->triangleCount, triangles);

@@ -5,17 +5,23 @@
 
 #include <cstring>
 #include <filesystem>
-#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "pelage/random.h"
+#include "support/errors.h"
+#include "support/not_numbers.h"
+#include "support/test_folder.h"
 
 namespace pelage {
 namespace {
 
 using Bytes = std::vector<std::byte>;
+using test::expectError;
+using test::kNan;
+using test::required;
+using test::TestFolder;
 
 constexpr size_t kHeaderSize = 24, kHairSize = 36;
 
@@ -61,8 +67,7 @@ TEST(FollowFile, GivesTheSameHairsAndTheSameBytes) {
     const Bytes bytes = save(hairs);
     EXPECT_EQ(bytes.size(), kHeaderSize + count * kHairSize);
     for (const uint32_t guideCount : {0u, 7u}) {
-      const auto loaded = loadFollowHairs(bytes, "wig", guideCount);
-      ASSERT_TRUE(loaded) << loaded.error().message;
+      const auto loaded = required(loadFollowHairs(bytes, "wig", guideCount));
       EXPECT_EQ(*loaded, hairs);
       EXPECT_EQ(save(*loaded), bytes);
     }
@@ -109,7 +114,6 @@ TEST(FollowFile, RefusesEveryTruncation) {
 TEST(FollowFile, RefusesWhatNoSceneTakes) {
   const Bytes good = save(makeHairs());
   const size_t second = kHeaderSize + kHairSize;
-  const float nan = std::numeric_limits<float>::quiet_NaN();
   EXPECT_TRUE(refuses(with(good, 0, 'p'), 0, "no .tfxfollow file"));
   EXPECT_TRUE(refuses(with(good, 8, 2u), 8, "version is 2"));
   EXPECT_TRUE(refuses(with(good, 12, 0u), 12, "0 guides"));
@@ -118,11 +122,11 @@ TEST(FollowFile, RefusesWhatNoSceneTakes) {
   EXPECT_TRUE(refuses(with(good, 16, 0xffffffffu), good.size(), "file ends here"));
   EXPECT_TRUE(refuses(with(good, 20, 1u), 20, "reserved"));
   EXPECT_TRUE(refuses(with(good, second, 7u), second, "hair 1: it follows guide 7 of 7"));
-  EXPECT_TRUE(refuses(with(good, second + 12, nan), second + 12, "number 2 of its offset is nan"));
+  EXPECT_TRUE(refuses(with(good, second + 12, kNan), second + 12, "number 2 of its offset is nan"));
   EXPECT_TRUE(refuses(with(good, second + 16, -2e6f), second + 16, "within +-1e6"));
   EXPECT_TRUE(refuses(with(good, second + 24, 9u), second + 24, "guide 9 of 7"));
   EXPECT_TRUE(refuses(with(good, second + 28, -0.5f), second + 28, "a weight is -0.5"));
-  EXPECT_TRUE(refuses(with(good, second + 32, nan), second + 32, "a weight is nan"));
+  EXPECT_TRUE(refuses(with(good, second + 32, kNan), second + 32, "a weight is nan"));
   EXPECT_TRUE(refuses(with(with(good, second + 28, 0.75f), second + 32, 0.5f), second + 28,
                       "more than 1 together"));
 }
@@ -132,24 +136,18 @@ TEST(FollowFile, DoesNotWriteWhatItWouldNotRead) {
   EXPECT_FALSE(saveFollowHairs(hairs, 0));
   EXPECT_FALSE(saveFollowHairs(hairs, 1));
   hairs[3].otherWeights[0] = 1.5f;
-  const auto refused = saveFollowHairs(hairs, 7);
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
-  EXPECT_NE(refused.error().message.find("follow hair 3"), std::string::npos);
+  expectError(saveFollowHairs(hairs, 7), ErrorCode::kInvalidArgument, "follow hair 3");
 }
 
 TEST(FollowFile, GoesThroughADisk) {
-  const std::filesystem::path path =
-      std::filesystem::path(testing::TempDir()) / "follow_file_test.tfxfollow";
+  const TestFolder folder;
+  const auto path = folder / "hairs";
   const std::vector<FollowHair> hairs = makeHairs();
   ASSERT_TRUE(saveFollowHairs(hairs, 7, path));
   const auto loaded = loadFollowHairs(path, 7);
-  std::filesystem::remove(path);
   ASSERT_TRUE(loaded);
   EXPECT_EQ(*loaded, hairs);
-  const auto missing = loadFollowHairs(path, 7);
-  ASSERT_FALSE(missing);
-  EXPECT_EQ(missing.error().code, ErrorCode::kFileNotFound);
+  expectError(loadFollowHairs(folder / "none", 7), ErrorCode::kFileNotFound, "none");
   EXPECT_FALSE(saveFollowHairs(hairs, 7, path / "no_folder" / "x.tfxfollow"));
 }
 

@@ -7,34 +7,27 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "pelage/random.h"
+#include "support/errors.h"
 #include "support/extremes.h"
+#include "support/test_folder.h"
 
 namespace pelage {
 namespace {
 
 using Bytes = std::vector<std::byte>;
 using Frames = std::vector<std::vector<Float3>>;
+using test::bytesOf;
+using test::required;
+using test::TestFolder;
 
-// A folder of the test's own, removed with it.
 class HairCache : public testing::Test {
  protected:
-  HairCache()
-      : folder_(std::filesystem::temp_directory_path() /
-                (std::string("pelage_hair_cache_") +
-                 testing::UnitTest::GetInstance()->current_test_info()->name())) {
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
-  }
-  ~HairCache() override { std::filesystem::remove_all(folder_); }
-
   // Writes a cache and returns its path.
   std::filesystem::path write(const HairCacheDef& def, std::span<const std::vector<Float3>> frames,
                               const char* name = "a.pelagecache") {
@@ -50,15 +43,8 @@ class HairCache : public testing::Test {
     return path;
   }
 
-  std::filesystem::path folder_;
+  const TestFolder folder_;
 };
-
-Bytes bytesOf(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  const auto bytes = std::as_bytes(std::span(text));
-  return {bytes.begin(), bytes.end()};
-}
 
 // Strands of many lengths, more than a chunk of them if `many`.
 HairCacheDef defOf(bool many) {
@@ -109,8 +95,7 @@ TEST_F(HairCache, EveryVertexStaysWithinTheBoundFromTheOriginToHugeCoordinates) 
     for (const float offset : {0.0f, 9.0f, 300.0f, 4000.0f, 1e6f, 1e9f, 1e30f, 3e38f}) {
       def.errorBound = bound;
       const Frames frames = swing(def, 6, offset);
-      auto reader = HairCacheReader::open(write(def, frames));
-      ASSERT_TRUE(reader) << reader.error().message;
+      auto reader = required(HairCacheReader::open(write(def, frames)));
       ASSERT_EQ(reader->frameCount(), frames.size());
       double largest = 0;
       for (size_t f = 0; f < frames.size(); ++f) {
@@ -129,8 +114,7 @@ TEST_F(HairCache, HairThatLeavesTheOriginStaysWithinTheBound) {
   Frames frames;
   float offset = 0.01f;
   for (int f = 0; f < 60; ++f, offset *= 2) frames.push_back(swing(def, 1, offset, f)[0]);
-  auto reader = HairCacheReader::open(write(def, frames));
-  ASSERT_TRUE(reader) << reader.error().message;
+  auto reader = required(HairCacheReader::open(write(def, frames)));
   double largest = 0;
   for (size_t f = 0; f < frames.size(); ++f) {
     const auto positions = read(*reader, f);
@@ -147,8 +131,7 @@ TEST_F(HairCache, KeepsBitsWithoutABound) {
   frames[1][0] = {-0.0f, std::numeric_limits<float>::max(),
                   std::numeric_limits<float>::denorm_min()};
   frames[2][1] = {std::numeric_limits<float>::lowest(), 0.0f, -1e-40f};
-  auto reader = HairCacheReader::open(write(def, frames));
-  ASSERT_TRUE(reader) << reader.error().message;
+  auto reader = required(HairCacheReader::open(write(def, frames)));
   EXPECT_EQ(reader->def(), def);
   for (size_t f = 0; f < 3; ++f)
     EXPECT_EQ(
@@ -159,8 +142,7 @@ TEST_F(HairCache, KeepsBitsWithoutABound) {
 TEST_F(HairCache, FramesAreTheSameInAnyOrder) {
   HairCacheDef def = defOf(true);
   def.firstFrame = -3;
-  auto reader = HairCacheReader::open(write(def, swing(def, 14, 1)));
-  ASSERT_TRUE(reader) << reader.error().message;
+  auto reader = required(HairCacheReader::open(write(def, swing(def, 14, 1))));
   Frames forwards;
   for (uint64_t f = 0; f < 14; ++f) forwards.push_back(read(*reader, f));
   for (const uint64_t f : {13, 13, 0, 5, 4, 6, 12, 1, 2, 3, 10, 9})
@@ -193,8 +175,7 @@ TEST_F(HairCache, PartsJoinToTheBytesOfOneFile) {
   def.firstFrame = 112;
   parts.push_back(write(def, all.subspan(11, 0), "empty"));
   parts.push_back(write(def, all.subspan(11), "3"));
-  const auto joined = joinHairCaches(parts, folder_ / "joined");
-  ASSERT_TRUE(joined) << joined.error().message;
+  required(joinHairCaches(parts, folder_ / "joined"));
   EXPECT_EQ(bytesOf(folder_ / "joined"), bytesOf(whole));
 
   // Parts that begin elsewhere have more key frames, and the same positions within the bound.
@@ -222,8 +203,7 @@ TEST_F(HairCache, SeveralThreadsWriteTheBytesOfOne) {
     const Bytes expected = bytesOf(write(def, frames));
     for (const uint32_t threads : {0u, 2u, 64u}) {
       const auto path = folder_ / "threads.pelagecache";
-      auto writer = HairCacheWriter::create(path, def, threads);
-      ASSERT_TRUE(writer) << writer.error().message;
+      auto writer = required(HairCacheWriter::create(path, def, threads));
       for (const auto& frame : frames) ASSERT_TRUE(writer->append(frame));
       ASSERT_TRUE(writer->close());
       EXPECT_TRUE(bytesOf(path) == expected) << threads << " threads";
@@ -260,10 +240,9 @@ TEST_F(HairCache, AFileThatWasNotClosedIsNotThere) {
     ASSERT_TRUE(writer->append(frames[0]));
     EXPECT_FALSE(std::filesystem::exists(path));
   }
-  EXPECT_TRUE(std::filesystem::is_empty(folder_));
+  EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
   write(def, {}, "empty");
-  auto reader = HairCacheReader::open(folder_ / "empty");
-  ASSERT_TRUE(reader) << reader.error().message;
+  auto reader = required(HairCacheReader::open(folder_ / "empty"));
   EXPECT_EQ(reader->frameCount(), 0u);
 }
 
@@ -294,7 +273,7 @@ TEST_F(HairCache, TheWriterRefusesWhatItCannotWrite) {
   EXPECT_TRUE(refused([](auto& d) { d.firstFrame = int64_t{1} << 41; }));
   EXPECT_TRUE(refused([](auto& d) { d.keyInterval = 0; }));
   EXPECT_TRUE(refused([](auto& d) { d.name.assign(4096, 'x'); }));
-  EXPECT_TRUE(std::filesystem::is_empty(folder_));
+  EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
   EXPECT_FALSE(HairCacheWriter::create(folder_ / "missing" / "a", good));
 
   auto writer = HairCacheWriter::create(folder_ / "a", good);

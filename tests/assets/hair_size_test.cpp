@@ -4,13 +4,17 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <string>
+
+#include "support/errors.h"
+#include "support/not_numbers.h"
 
 namespace pelage {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+using test::expectError;
+using test::kNan;
+using test::required;
 
 /// Straight strands of three vertices along x, of these lengths.
 HairAsset groomOf(std::initializer_list<float> lengths) {
@@ -27,8 +31,7 @@ HairAsset groomOf(std::initializer_list<float> lengths) {
 }
 
 TEST(HairSize, IsTheMeanAndTheMaximumOfTheLengthsAndTheBoundsOfTheVertices) {
-  const auto size = measureHair(groomOf({0.1f, 0.3f, 0.2f}));
-  ASSERT_TRUE(size) << size.error().message;
+  const auto size = required(measureHair(groomOf({0.1f, 0.3f, 0.2f})));
   EXPECT_NEAR(size->meanLength, 0.2, 1e-7);
   EXPECT_NEAR(size->maxLength, 0.3, 1e-7);
   EXPECT_EQ(size->low, (Float3{0, 2, -1}));
@@ -38,8 +41,7 @@ TEST(HairSize, IsTheMeanAndTheMaximumOfTheLengthsAndTheBoundsOfTheVertices) {
 TEST(HairSize, LeavesOutTheVerticesThatAStrandDoesNotHave) {
   HairAsset asset = groomOf({1, 1});
   asset.vertexCounts = {2, 3};
-  const auto size = measureHair(asset);
-  ASSERT_TRUE(size) << size.error().message;
+  const auto size = required(measureHair(asset));
   EXPECT_NEAR(size->meanLength, 0.625, 1e-7);
   EXPECT_NEAR(size->maxLength, 1, 1e-7);
 }
@@ -48,9 +50,7 @@ TEST(HairSize, RefusesWhatIsNoGroom) {
   EXPECT_FALSE(measureHair({}));
   HairAsset asset = groomOf({1});
   asset.positions[1].y = kNan;
-  const auto size = measureHair(asset);
-  ASSERT_FALSE(size);
-  EXPECT_NE(size.error().message.find("vertex 1"), std::string::npos) << size.error().message;
+  expectError(measureHair(asset), "vertex 1");
 }
 
 TEST(UnitGuess, NamesNoUnitForHairInMeters) {

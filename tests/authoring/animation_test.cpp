@@ -6,17 +6,20 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "pelage/random.h"
+#include "support/errors.h"
+#include "support/not_numbers.h"
 
 namespace pelage {
 namespace {
 
 using nlohmann::json;
+using test::expectError;
+using test::kNan;
+using test::required;
 
 std::string base64(const std::vector<uint8_t>& bytes) {
   constexpr const char* kDigits =
@@ -95,8 +98,7 @@ TEST(Animation, IsLinearBetweenKeysAndStaysOutsideOfThem) {
   File file;
   file.root["nodes"] = {{{"name", "hip"}, {"translation", {9, 9, 9}}}};
   file.animate(0, "translation", {0.5f, 1.5f, 2}, {0, 0, 0, 2, 0, 0, 2, 4, 0});
-  const auto animation = file.load();
-  ASSERT_TRUE(animation) << animation.error().message;
+  const auto animation = required(file.load());
   EXPECT_EQ(animation->name, "walk");
   EXPECT_EQ(animation->nodes[0].name, "hip");
   EXPECT_NEAR(animation->seconds, 2, 1e-9);
@@ -118,8 +120,7 @@ TEST(Animation, HoldsStepsAndFollowsSplines) {
     for (const float value : {3 * t * t, t * t * t, 3 * t * t})
       spline.insert(spline.end(), {value, 0, -value});
   file.animate(1, "translation", {0, 0.5f, 2}, spline, "CUBICSPLINE");
-  const auto animation = file.load();
-  ASSERT_TRUE(animation) << animation.error().message;
+  const auto animation = required(file.load());
   expectNear(positionOf(*animation, 0.99), {1, 0, 0});
   expectNear(positionOf(*animation, 1), {2, 0, 0});
   for (const float t : {0.0f, 0.1f, 0.5f, 0.9f, 1.7f, 2.0f})
@@ -131,8 +132,7 @@ TEST(Animation, TurnsOnTheShortestArc) {
   file.root["nodes"] = {{{"name", "neck"}}};
   const float s = std::sin(0.4f), c = std::cos(0.4f);  // 0.8 about z, with the other sign
   file.animate(0, "rotation", {0, 1}, {0, 0, 0, 1, 0, 0, -s, -c});
-  const auto animation = file.load();
-  ASSERT_TRUE(animation) << animation.error().message;
+  const auto animation = required(file.load());
   const Float3 half = transformPoint(poseAt(*animation, 0.5)[0], {1, 0, 0});
   expectNear(half, {std::cos(0.4f), std::sin(0.4f), 0});
 }
@@ -144,8 +144,7 @@ TEST(Animation, PutsParentsFirstAndChildrenOntoThem) {
       {{"name", "hand"}, {"translation", {0, 1, 0}}},
       {{"name", "arm"}, {"children", {0}}, {"scale", {2, 2, 2}}, {"translation", {1, 0, 0}}}};
   file.animate(1, "translation", {0, 1}, {1, 0, 0, 5, 0, 0});
-  const auto animation = file.load();
-  ASSERT_TRUE(animation) << animation.error().message;
+  const auto animation = required(file.load());
   ASSERT_EQ(animation->nodes[0].name, "arm");
   EXPECT_EQ(animation->nodes[1].parent, 0);
   expectNear(positionOf(*animation, 1, 1), {5, 2, 0});
@@ -166,11 +165,7 @@ TEST(Animation, FindsClipsByNameAndListsThemOtherwise) {
   file.root["animations"][1]["name"] = "jump";
   ASSERT_TRUE(file.load("jump"));
   EXPECT_EQ(file.load("jump")->name, "jump");
-  const auto missing = file.load("fly");
-  ASSERT_FALSE(missing);
-  EXPECT_NE(missing.error().message.find("there is no 'fly'; there are: walk, jump"),
-            std::string::npos)
-      << missing.error().message;
+  expectError(file.load("fly"), "there is no 'fly'; there are: walk, jump");
 }
 
 TEST(Animation, RefusesWhatDoesNotFitTogether) {
@@ -178,7 +173,6 @@ TEST(Animation, RefusesWhatDoesNotFitTogether) {
     const char* expected;
     std::function<void(File&)> damage;
   };
-  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   const Case cases[] = {
       {"animations: there are none", [](File& f) { f.root.erase("animations"); }},
       {"moves no node", [](File& f) { f.root["animations"][0]["channels"] = json::array(); }},
@@ -234,10 +228,7 @@ TEST(Animation, RefusesWhatDoesNotFitTogether) {
     file.animate(0, "translation", {0, 1}, {0, 0, 0, 1, 0, 0});
     ASSERT_TRUE(file.load());
     c.damage(file);
-    const auto loaded = file.load();
-    ASSERT_FALSE(loaded) << c.expected;
-    EXPECT_NE(loaded.error().message.find("test.gltf: "), std::string::npos);
-    EXPECT_NE(loaded.error().message.find(c.expected), std::string::npos) << loaded.error().message;
+    expectError(file.load(), {"test.gltf: ", c.expected});
   }
 }
 
@@ -253,43 +244,11 @@ TEST(Animation, TakesNoMoreMemoryThanAFileOfItsSizeMayWant) {
     channels.push_back(channels[0]);
     channels.back()["target"]["node"] = i;
   }
-  const auto loaded = file.load();
-  ASSERT_FALSE(loaded);
-  EXPECT_NE(loaded.error().message.find("too many channels share"), std::string::npos)
-      << loaded.error().message;
-}
-
-TEST(Animation, WithAnyByteDamagedIsRefusedOrCanBePosed) {
-  File file;
-  file.root["nodes"] = {{{"name", "a"}, {"children", {1, 2}}}, {{"name", "b"}}, {{"name", "c"}}};
-  file.animate(0, "translation", {0, 1}, {0, 0, 0, 1, 0, 0});
-  file.animate(1, "rotation", {0, 2}, {0, 0, 0, 1, 0, 0.6f, 0, 0.8f});
-  file.animate(2, "scale", {0, 1}, {1, 1, 1, 1, 1, 1, 2, 2, 2, 0, 0, 0, 3, 3, 3, 0, 0, 0},
-               "CUBICSPLINE");
-  const std::string whole = file.text();
-  ASSERT_TRUE(loadAnimation(std::as_bytes(std::span(whole)), "whole"));
-  Random random(3);
-  uint32_t loadedCount = 0;
-  for (uint32_t i = 0; i < 5000; ++i) {
-    std::string text = whole;
-    for (uint32_t k = 0; k <= random.below(3); ++k)
-      text[random.below(static_cast<uint32_t>(text.size()))] =
-          static_cast<char>(random.below(2) == 0 ? random.below(256) : '0' + random.below(10));
-    const auto loaded = loadAnimation(std::as_bytes(std::span(text)), "damaged");
-    if (!loaded) continue;
-    ++loadedCount;
-    const Skeleton skeleton = skeletonOf(*loaded);
-    for (const double seconds : {-1.0, 0.0, 0.7, 1e9})
-      EXPECT_EQ(skinningTransforms(skeleton, poseAt(*loaded, seconds)).size(),
-                skeleton.bones.size());
-  }
-  EXPECT_GT(loadedCount, 50u);
+  expectError(file.load(), "too many channels share");
 }
 
 TEST(Animation, NamesAFileThatIsNotThere) {
-  const auto loaded = loadAnimation(std::filesystem::path("no_such.gltf"));
-  ASSERT_FALSE(loaded);
-  EXPECT_NE(loaded.error().message.find("no_such.gltf"), std::string::npos);
+  expectError(loadAnimation(std::filesystem::path("no_such.gltf")), "no_such.gltf");
 }
 
 }  // namespace

@@ -1,43 +1,34 @@
 // Collision meshes from the files of modelling programs. The files are written here.
 #include <assimp/scene.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <array>
 #include <assimp/Exporter.hpp>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "pelage/mesh_import.h"
+#include "support/errors.h"
+#include "support/test_folder.h"
 
 namespace pelage {
 namespace {
 
+using test::expectError;
+using test::required;
+using test::TestFolder;
+
 class MeshImport : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ =
-        std::filesystem::temp_directory_path() / ("pelage_mesh_import_" + std::to_string(getpid()));
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   std::filesystem::path write(const std::string& file, std::string_view text) const {
-    std::ofstream(folder_ / file, std::ios::binary) << text;
-    return folder_ / file;
+    return folder_.write(file, text);
   }
-
-  std::filesystem::path folder_;
+  const TestFolder folder_;
 };
-
-bool mentions(const Error& error, std::string_view text) {
-  return error.message.find(text) != std::string::npos;
-}
 
 std::string boneOf(const CollisionMesh& mesh, size_t vertex, size_t influence = 0) {
   return mesh.bones.at(mesh.influences.at(vertex).bones[influence]).name;
@@ -65,8 +56,7 @@ constexpr std::string_view kCube =
     "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
 
 TEST_F(MeshImport, AnObjCubeOfQuadsIsAClosedMeshOfTwelveTriangles) {
-  auto mesh = loadMesh(write("cube.obj", kCube));
-  ASSERT_TRUE(mesh) << mesh.error().message;
+  auto mesh = required(loadMesh(write("cube.obj", kCube)));
   EXPECT_EQ(mesh->indices.size(), 36u);
   EXPECT_EQ(mesh->positions.size(), 8u);
   EXPECT_EQ(boneOf(*mesh, 0), "crate");
@@ -80,18 +70,15 @@ TEST_F(MeshImport, AnObjCubeOfQuadsIsAClosedMeshOfTwelveTriangles) {
 TEST_F(MeshImport, WhatIsImportedCanBeSaved) {
   auto mesh = loadMesh(write("cube.obj", kCube));
   ASSERT_TRUE(mesh);
-  auto text = saveTfxMesh(*mesh);
-  ASSERT_TRUE(text) << text.error().message;
-  auto again = loadMesh(write("cube.tfxmesh", *text));
-  ASSERT_TRUE(again) << again.error().message;
+  auto text = required(saveTfxMesh(*mesh));
+  auto again = required(loadMesh(write("cube.tfxmesh", *text)));
   EXPECT_EQ(again->positions, mesh->positions);
   EXPECT_EQ(again->indices, mesh->indices);
 }
 
 TEST_F(MeshImport, TakesAllMeshesOfAFile) {
   const std::string second = "o lid\nv 0 0 2\nv 1 0 2\nv 0 1 2\nf -3 -2 -1\nl 9 10\n";
-  auto mesh = loadMesh(write("two.obj", std::string(kCube) + second));
-  ASSERT_TRUE(mesh) << mesh.error().message;
+  auto mesh = required(loadMesh(write("two.obj", std::string(kCube) + second)));
   EXPECT_EQ(mesh->indices.size(), 39u);
   EXPECT_EQ(boneOf(*mesh, vertexAt(*mesh, {0, 1, 2})), "lid");
   EXPECT_EQ(boneOf(*mesh, vertexAt(*mesh, {0, 1, 1})), "crate");
@@ -146,8 +133,7 @@ std::string gltfBuffer(float chestBind) {
 
 TEST_F(MeshImport, ASkinnedGltfIsWhereItsBonesAre) {
   write("skin.bin", gltfBuffer(3));
-  auto mesh = loadMesh(write("skin.gltf", kGltf));
-  ASSERT_TRUE(mesh) << mesh.error().message;
+  auto mesh = required(loadMesh(write("skin.gltf", kGltf)));
   EXPECT_EQ(mesh->indices.size(), 12u);
   EXPECT_EQ(mesh->repairedVertexCount, 0u);
   const size_t hip = vertexAt(*mesh, {0, 0, 0}), both = vertexAt(*mesh, {1, 0, 0});
@@ -164,8 +150,7 @@ TEST_F(MeshImport, ASkinnedGltfIsWhereItsBonesAre) {
 
 TEST_F(MeshImport, ASkinnedGltfInAnotherPoseIsSkinned) {
   write("skin.bin", gltfBuffer(2.5f));  // the chest stands half a unit higher than it was bound
-  auto mesh = loadMesh(write("skin.gltf", kGltf));
-  ASSERT_TRUE(mesh) << mesh.error().message;
+  auto mesh = required(loadMesh(write("skin.gltf", kGltf)));
   vertexAt(*mesh, {0, 0, 0});
   vertexAt(*mesh, {1, 0.125f, 0});
   vertexAt(*mesh, {1, 4.5f, 0});
@@ -173,8 +158,7 @@ TEST_F(MeshImport, ASkinnedGltfInAnotherPoseIsSkinned) {
 
 TEST_F(MeshImport, AMeshWithoutSkinHangsOnItsNode) {
   write("skin.bin", gltfBuffer(3));
-  auto mesh = loadMesh(write("skin.gltf", kGltf));
-  ASSERT_TRUE(mesh) << mesh.error().message;
+  auto mesh = required(loadMesh(write("skin.gltf", kGltf)));
   const size_t a = vertexAt(*mesh, {5, 3, 0}), b = vertexAt(*mesh, {3, 3, 0});
   const size_t c = vertexAt(*mesh, {3, 11, 0});
   EXPECT_EQ(boneOf(*mesh, a), "cap");
@@ -231,8 +215,7 @@ TEST_F(MeshImport, KeepsTheFourStrongestBones) {
   const std::filesystem::path path = folder_ / "many.assbin";
   ASSERT_EQ(exporter.Export(manyBones().get(), "assbin", path.string()), AI_SUCCESS)
       << exporter.GetErrorString();
-  auto mesh = loadMesh(path);
-  ASSERT_TRUE(mesh) << mesh.error().message;
+  auto mesh = required(loadMesh(path));
   // Weights 0.1 0.35 0.3 0.25 0.2 0.15: bones 1 to 4, together 1.1.
   const size_t v = vertexAt(*mesh, {0, 0, 0});
   for (size_t k = 0; k < 4; ++k) {
@@ -252,38 +235,27 @@ TEST_F(MeshImport, ReadsFbx) {
   const std::filesystem::path path = folder_ / "many.fbx";
   ASSERT_EQ(exporter.Export(manyBones().get(), "fbxa", path.string()), AI_SUCCESS)
       << exporter.GetErrorString();
-  auto mesh = loadMesh(path);
-  ASSERT_TRUE(mesh) << mesh.error().message;
+  auto mesh = required(loadMesh(path));
   EXPECT_EQ(mesh->indices.size(), 3u);
   EXPECT_EQ(boneOf(*mesh, vertexAt(*mesh, {1, 0, 0})), "bone3");
 }
 
 TEST_F(MeshImport, ErrorsNameTheFileAndWhatIsWrong) {
-  auto missing = loadMesh(folder_ / "none.obj");
-  ASSERT_FALSE(missing);
-  EXPECT_EQ(missing.error().code, ErrorCode::kFileNotFound);
-  EXPECT_TRUE(mentions(missing.error(), "none.obj"));
+  expectError(loadMesh(folder_ / "none.obj"), ErrorCode::kFileNotFound, "none.obj");
 
-  auto text = loadMesh(write("notes.txt", "no mesh"));
-  ASSERT_FALSE(text);
-  EXPECT_EQ(text.error().code, ErrorCode::kInvalidFile);
-  EXPECT_TRUE(mentions(text.error(), "notes.txt: cannot be read: "));
+  expectError(loadMesh(write("notes.txt", "no mesh")), ErrorCode::kInvalidFile,
+              "notes.txt: cannot be read: ");
 
-  auto broken = loadMesh(write("broken.gltf", kGltf.substr(0, 300)));
-  ASSERT_FALSE(broken);
-  EXPECT_TRUE(mentions(broken.error(), "broken.gltf"));
+  expectError(loadMesh(write("broken.gltf", kGltf.substr(0, 300))), "broken.gltf");
 
   std::filesystem::remove(folder_ / "skin.bin");
   EXPECT_FALSE(loadMesh(write("skin.gltf", kGltf)));
 
-  auto line = loadMesh(write("line.obj", "v 0 0 0\nv 1 0 0\nl 1 2\n"));
-  ASSERT_FALSE(line);
-  EXPECT_TRUE(mentions(line.error(), "line.obj")) << line.error().message;
-  EXPECT_TRUE(mentions(line.error(), "no triangles")) << line.error().message;
+  expectError(loadMesh(write("line.obj", "v 0 0 0\nv 1 0 0\nl 1 2\n")),
+              {"line.obj", "no triangles"});
 
-  auto far = loadMesh(write("far.obj", "o far\nv 0 0 0\nv 3e6 0 0\nv 0 1 0\nf 1 2 3\n"));
-  ASSERT_FALSE(far);
-  EXPECT_TRUE(mentions(far.error(), "far.obj: mesh 'far': vertex 1")) << far.error().message;
+  expectError(loadMesh(write("far.obj", "o far\nv 0 0 0\nv 3e6 0 0\nv 0 1 0\nf 1 2 3\n")),
+              "far.obj: mesh 'far': vertex 1");
 }
 
 }  // namespace

@@ -1,11 +1,9 @@
 // Collision meshes cut out of skinned meshes, and simplified within a bound that is measured.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <numeric>
 #include <string>
@@ -17,7 +15,9 @@
 #include "pelage/authoring/collision_from_mesh.h"
 #include "pelage/demo/groom.h"
 #include "pelage/random.h"
+#include "support/errors.h"
 #include "support/extremes.h"
+#include "support/test_folder.h"
 #include "surface_distance.h"
 
 namespace pelage {
@@ -25,6 +25,9 @@ namespace {
 
 using detail::TriangleTree;
 using Vector = detail::Vector3<double>;
+using test::expectError;
+using test::required;
+using test::TestFolder;
 
 SkinnedMesh skinnedHead(float cellSize) {
   auto head = generateHead(cellSize);
@@ -68,14 +71,9 @@ double sampledDistance(const std::vector<Float3>& positions, const std::vector<u
 class CutFromATube : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ =
-        std::filesystem::temp_directory_path() / ("pelage_collision_" + std::to_string(getpid()));
-    std::filesystem::create_directories(folder_);
-    auto mesh = loadSkinnedMesh(test::writeTube(folder_));
-    ASSERT_TRUE(mesh) << mesh.error().message;
+    auto mesh = required(loadSkinnedMesh(test::writeTube(folder_.path())));
     mesh_ = *mesh;
   }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
 
   std::vector<NamedCollisionMesh> cut(CollisionSplit by, std::vector<std::string> only = {},
                                       bool capHoles = true) const {
@@ -88,7 +86,7 @@ class CutFromATube : public testing::Test {
     return meshes ? *meshes : std::vector<NamedCollisionMesh>();
   }
 
-  std::filesystem::path folder_;
+  const TestFolder folder_;
   SkinnedMesh mesh_;
 };
 
@@ -170,8 +168,7 @@ TEST_F(CutFromATube, SeamsBetweenMaterialsDoNotOpenWhenSimplified) {
   def.by = CollisionSplit::kPart;
   def.only = {"body"};
   def.errorBound = 1e-4f;
-  auto meshes = collisionMeshes(mesh_, def);
-  ASSERT_TRUE(meshes) << meshes.error().message;
+  auto meshes = required(collisionMeshes(mesh_, def));
   const NamedCollisionMesh& body = meshes->at(0);
   EXPECT_TRUE(body.report.closed && body.report.consistentlyOriented) << describe(body.report);
   EXPECT_NEAR(body.report.volume, 16, 1e-3);
@@ -190,9 +187,7 @@ TEST_F(CutFromATube, AMeshOfAnotherUnitAndAxesStaysClosedAndItsOutsideOut) {
     EXPECT_TRUE(std::abs(p.x) == 0.5f && std::abs(p.y) == 0.5f && p.z >= 0 && p.z <= 2)
         << p.x << " " << p.y << " " << p.z;
   }
-  const auto refused = prepareMesh(mesh_, {.scale = 1e7f});
-  ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().message.find("within +-1e6"), std::string::npos);
+  expectError(prepareMesh(mesh_, {.scale = 1e7f}), "within +-1e6");
   EXPECT_FALSE(prepareMesh(mesh_, {.scale = -1}));
 }
 
@@ -243,10 +238,7 @@ TEST_F(CutFromATube, BadInputIsAnErrorThatSaysWhich) {
   CollisionMeshDef def;
   def.by = CollisionSplit::kMaterial;
   def.only = {"cloth", "fur"};
-  auto meshes = collisionMeshes(mesh_, def);
-  ASSERT_FALSE(meshes);
-  EXPECT_NE(meshes.error().message.find("'fur'; there are 'cloth', 'skin'"), std::string::npos)
-      << meshes.error().message;
+  expectError(collisionMeshes(mesh_, def), "'fur'; there are 'cloth', 'skin'");
   for (const float bound :
        {-1.0f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
     def = {};
@@ -287,8 +279,7 @@ TEST(SimplifiedHead, StaysWithinItsBoundAndClosed) {
   for (const float bound : {0.0005f, 0.004f}) {
     CollisionMeshDef def;
     def.errorBound = bound;
-    auto meshes = collisionMeshes(mesh, def);
-    ASSERT_TRUE(meshes) << meshes.error().message;
+    auto meshes = required(collisionMeshes(mesh, def));
     const NamedCollisionMesh& head = meshes->at(0);
     EXPECT_TRUE(head.report.closed && head.report.consistentlyOriented) << describe(head.report);
     EXPECT_GT(head.report.volume, 0);
@@ -313,8 +304,7 @@ TEST(SimplifiedHead, PiecesOfItAreClosedToo) {
   CollisionMeshDef def;
   def.by = CollisionSplit::kBone;
   def.errorBound = 0.001f;
-  auto meshes = collisionMeshes(skinnedHead(0.007f), def);
-  ASSERT_TRUE(meshes) << meshes.error().message;
+  auto meshes = required(collisionMeshes(skinnedHead(0.007f), def));
   ASSERT_EQ(meshes->size(), 2u);
   for (const NamedCollisionMesh& piece : *meshes) {
     EXPECT_TRUE(piece.report.closed && piece.report.consistentlyOriented)

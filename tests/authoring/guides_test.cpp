@@ -45,7 +45,7 @@ GuideSelection select(const HairAsset& groom, const GuideDef& def) {
   return result ? *std::move(result) : GuideSelection{};
 }
 
-bool isRefused(const HairAsset& groom, const GuideDef& def, std::string_view text) {
+bool isSelectionRefused(const HairAsset& groom, const GuideDef& def, std::string_view text) {
   const Result<GuideSelection> result = selectGuides(groom, def);
   if (result) return false;
   EXPECT_NE(result.error().message.find(text), std::string_view::npos) << result.error().message;
@@ -445,22 +445,25 @@ TEST(Guides, CopiesTheAttributesOfTheGuides) {
 
 TEST(Guides, RefusesWhatItCannotSelectFrom) {
   const HairAsset groom = makeGroom();
-  EXPECT_TRUE(isRefused(groom, {}, "either"));
-  EXPECT_TRUE(isRefused(groom, {.guideCount = 3, .guideErrorBound = 1}, "either"));
-  EXPECT_TRUE(isRefused(groom, {.guideErrorBound = -1}, "guideErrorBound is -1"));
-  EXPECT_TRUE(isRefused(groom, {.guideErrorBound = std::nanf("")}, "guideErrorBound is nan"));
-  EXPECT_TRUE(isRefused(groom, {.guideCount = 3, .guidesPerHair = 0}, "guidesPerHair is 0"));
-  EXPECT_TRUE(isRefused(groom, {.guideCount = 3, .guidesPerHair = 4}, "guidesPerHair is 4"));
-  EXPECT_TRUE(isRefused(groom, {.guideCount = 3, .rootWeight = -1}, "rootWeight is -1"));
-  EXPECT_TRUE(isRefused({}, {.guideCount = 3}, "no strands"));
+  EXPECT_TRUE(isSelectionRefused(groom, {}, "either"));
+  EXPECT_TRUE(isSelectionRefused(groom, {.guideCount = 3, .guideErrorBound = 1}, "either"));
+  EXPECT_TRUE(isSelectionRefused(groom, {.guideErrorBound = -1}, "guideErrorBound is -1"));
+  EXPECT_TRUE(
+      isSelectionRefused(groom, {.guideErrorBound = std::nanf("")}, "guideErrorBound is nan"));
+  EXPECT_TRUE(
+      isSelectionRefused(groom, {.guideCount = 3, .guidesPerHair = 0}, "guidesPerHair is 0"));
+  EXPECT_TRUE(
+      isSelectionRefused(groom, {.guideCount = 3, .guidesPerHair = 4}, "guidesPerHair is 4"));
+  EXPECT_TRUE(isSelectionRefused(groom, {.guideCount = 3, .rootWeight = -1}, "rootWeight is -1"));
+  EXPECT_TRUE(isSelectionRefused({}, {.guideCount = 3}, "no strands"));
   HairAsset bad = groom;
   bad.positions[5].x = std::nanf("");
-  EXPECT_TRUE(isRefused(bad, {.guideCount = 3}, "strand 0, vertex 5"));
+  EXPECT_TRUE(isSelectionRefused(bad, {.guideCount = 3}, "strand 0, vertex 5"));
   bad = groom;
   bad.vertexCounts.assign(groom.strandCount, groom.verticesPerStrand);
-  EXPECT_FALSE(isRefused(bad, {.guideCount = 3}, ""));
+  EXPECT_FALSE(isSelectionRefused(bad, {.guideCount = 3}, ""));
   bad.vertexCounts[9] = 4;
-  EXPECT_TRUE(isRefused(bad, {.guideCount = 3}, "strand 9 has 4 vertices"));
+  EXPECT_TRUE(isSelectionRefused(bad, {.guideCount = 3}, "strand 9 has 4 vertices"));
   std::vector<FollowHair> hairs(1);
   EXPECT_TRUE(evaluateFollowHairs(groom, hairs));
   hairs[0].guide = 400;

@@ -14,13 +14,14 @@
 #include "pelage/random.h"
 #include "polyline.h"
 #include "support/extremes.h"
+#include "support/not_numbers.h"
 
 namespace pelage {
 namespace {
 
 using detail::Vector;
+using test::kNan;
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr VertexPlacement kBoth[] = {VertexPlacement::kEven, VertexPlacement::kFitted};
 
 void addCurve(HairCurves& curves, const std::vector<Float3>& points) {
@@ -93,7 +94,7 @@ ResampleResult resample(const HairCurves& curves, const ResampleDef& def) {
   return result ? *std::move(result) : ResampleResult{};
 }
 
-bool isRefused(const HairCurves& curves, const ResampleDef& def, std::string_view text) {
+bool isResamplingRefused(const HairCurves& curves, const ResampleDef& def, std::string_view text) {
   const Result<ResampleResult> result = resampleCurves(curves, def);
   if (result) return false;
   EXPECT_NE(result.error().message.find(text), std::string::npos) << result.error().message;
@@ -239,8 +240,9 @@ TEST(Resample, ABoundOutOfReachSaysWhatIsReached) {
     teeth.push_back({i % 2 == 0 ? 0.0f : 0.01f, 0.001f * static_cast<float>(i), 0});
   addCurve(curves, {{0, 0, 0}, {0, 1, 0}});
   addCurve(curves, teeth);
-  EXPECT_TRUE(isRefused(curves, {.errorBound = 1e-4f}, "256, the most there can be, reach 0.00"));
-  EXPECT_TRUE(isRefused(curves, {.errorBound = 1e-4f}, "curve 1"));
+  EXPECT_TRUE(
+      isResamplingRefused(curves, {.errorBound = 1e-4f}, "256, the most there can be, reach 0.00"));
+  EXPECT_TRUE(isResamplingRefused(curves, {.errorBound = 1e-4f}, "curve 1"));
 }
 
 TEST(Resample, CarriesAttributesAlongTheCurve) {
@@ -301,24 +303,24 @@ TEST(Resample, KeepsCurvesWithoutLengthAndCountsThem) {
 
 TEST(Resample, RefusesWhatCannotBeAStrand) {
   const HairCurves good = wavyCurves(3);
-  EXPECT_TRUE(isRefused({}, {}, "no curves"));
-  EXPECT_TRUE(isRefused(good, {.verticesPerStrand = 1}, "verticesPerStrand is 1"));
-  EXPECT_TRUE(isRefused(good, {.verticesPerStrand = 257}, "verticesPerStrand is 257"));
-  EXPECT_TRUE(isRefused(good, {.errorBound = -1}, "errorBound is -1"));
-  EXPECT_TRUE(isRefused(good, {.errorBound = kNaN}, "errorBound is nan"));
+  EXPECT_TRUE(isResamplingRefused({}, {}, "no curves"));
+  EXPECT_TRUE(isResamplingRefused(good, {.verticesPerStrand = 1}, "verticesPerStrand is 1"));
+  EXPECT_TRUE(isResamplingRefused(good, {.verticesPerStrand = 257}, "verticesPerStrand is 257"));
+  EXPECT_TRUE(isResamplingRefused(good, {.errorBound = -1}, "errorBound is -1"));
+  EXPECT_TRUE(isResamplingRefused(good, {.errorBound = kNan}, "errorBound is nan"));
   HairCurves bad = good;
-  bad.positions[4].y = kNaN;
-  EXPECT_TRUE(isRefused(bad, {}, "curve 0"));
+  bad.positions[4].y = kNan;
+  EXPECT_TRUE(isResamplingRefused(bad, {}, "curve 0"));
   bad = good;
   addCurve(bad, {{0, 0, 0}});
-  EXPECT_TRUE(isRefused(bad, {}, "curve 3 has 1 vertices"));
+  EXPECT_TRUE(isResamplingRefused(bad, {}, "curve 3 has 1 vertices"));
   bad = good;
   bad.radii.assign(bad.positions.size(), 1e-4f);
   bad.radii[1] = -1;
-  EXPECT_TRUE(isRefused(bad, {}, "radius at vertex 1 of curve 0"));
+  EXPECT_TRUE(isResamplingRefused(bad, {}, "radius at vertex 1 of curve 0"));
   bad = good;
   bad.inverseMasses.assign(bad.positions.size(), -1.0f);
-  EXPECT_TRUE(isRefused(bad, {}, "inverse mass of vertex 0"));
+  EXPECT_TRUE(isResamplingRefused(bad, {}, "inverse mass of vertex 0"));
 }
 
 TEST(Resample, TellsItsProgressToTheEnd) {

@@ -1,6 +1,5 @@
 // Roots bound to skinned meshes: the closest point, the weights there, and what is reported.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -16,6 +15,9 @@
 #include "pelage/authoring/skin_binding.h"
 #include "pelage/mesh_import.h"
 #include "pelage/random.h"
+#include "support/errors.h"
+#include "support/not_numbers.h"
+#include "support/test_folder.h"
 #include "triangle_tree.h"
 
 namespace pelage {
@@ -24,8 +26,10 @@ namespace {
 using detail::SurfacePoint;
 using detail::TriangleTree;
 using Vector = detail::Vector3<double>;
-
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+using test::expectError;
+using test::kNan;
+using test::required;
+using test::TestFolder;
 
 Float3 randomPoint(Random& random, float size) {
   const float x = random.uniform(), y = random.uniform(), z = random.uniform();
@@ -146,15 +150,11 @@ TEST(ClosestPoint, AmongTrianglesThatShareIt_TheLowestIsTaken) {
 class BoundToATube : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() / ("pelage_bind_" + std::to_string(getpid()));
-    std::filesystem::create_directories(folder_);
-    auto mesh = loadSkinnedMesh(test::writeTube(folder_));
-    ASSERT_TRUE(mesh) << mesh.error().message;
+    auto mesh = required(loadSkinnedMesh(test::writeTube(folder_.path())));
     mesh_ = *mesh;
   }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
 
-  std::filesystem::path folder_;
+  const TestFolder folder_;
   SkinnedMesh mesh_;
 };
 
@@ -184,8 +184,7 @@ TEST_F(BoundToATube, WeightsAreThoseOfTheSurfaceAndSumToOne) {
   std::vector<Float3> roots;
   for (int i = 0; i < 500; ++i)
     roots.push_back({1.001f, 4 * random.uniform(), 2 * random.uniform() - 1});
-  auto binding = bindRoots(roots, mesh_);
-  ASSERT_TRUE(binding) << binding.error().message;
+  auto binding = required(bindRoots(roots, mesh_));
   for (size_t i = 0; i < roots.size(); ++i) {
     auto weights = weightsOf(binding->weights, i);
     EXPECT_NEAR(weights["hip"], 1 - roots[i].y / 4, 1e-6);
@@ -201,8 +200,8 @@ TEST_F(BoundToATube, WeightsAreThoseOfTheSurfaceAndSumToOne) {
 }
 
 TEST_F(BoundToATube, ARootKnowsItsTriangleInTheFile) {
-  auto binding = bindRoots(std::vector<Float3>{{0.5f, 2.25f, 1.5f}, {0.25f, 5.5f, 0.25f}}, mesh_);
-  ASSERT_TRUE(binding) << binding.error().message;
+  auto binding =
+      required(bindRoots(std::vector<Float3>{{0.5f, 2.25f, 1.5f}, {0.25f, 5.5f, 0.25f}}, mesh_));
   // Front of the lowest ring of the upper half: the triangles 0 1 5 and 0 5 4 of its primitive.
   const SurfaceRoot& front = binding->table.roots[0];
   EXPECT_EQ(front.part, 1u);
@@ -222,8 +221,8 @@ TEST_F(BoundToATube, ARootKnowsItsTriangleInTheFile) {
 }
 
 TEST_F(BoundToATube, OnlyBonesThatARootFollowsAreKept) {
-  auto binding = bindRoots(std::vector<Float3>{{0.2f, 5.01f, 0.2f}, {0, -0.001f, 0}}, mesh_);
-  ASSERT_TRUE(binding) << binding.error().message;
+  auto binding =
+      required(bindRoots(std::vector<Float3>{{0.2f, 5.01f, 0.2f}, {0, -0.001f, 0}}, mesh_));
   ASSERT_EQ(binding->weights.bones.size(), 2u);
   EXPECT_EQ(binding->weights.bones[0], (BoneName{0, "hip"}));
   EXPECT_EQ(binding->weights.bones[1], (BoneName{1, "hat"}));
@@ -235,9 +234,8 @@ TEST_F(BoundToATube, OnlyBonesThatARootFollowsAreKept) {
 TEST_F(BoundToATube, StrandsThatDoNotTouchTheMeshAreReported) {
   BindDef def;
   def.maxDistance = 0.01f;
-  auto binding = bindRoots(std::vector<Float3>{{1, 1, 0}, {1.5f, 1, 0}, {1.009f, 1, 0}, {0, 1, 3}},
-                           mesh_, def);
-  ASSERT_TRUE(binding) << binding.error().message;
+  auto binding = required(bindRoots(
+      std::vector<Float3>{{1, 1, 0}, {1.5f, 1, 0}, {1.009f, 1, 0}, {0, 1, 3}}, mesh_, def));
   const std::vector<FarStrand>& far = binding->report.farStrands;
   ASSERT_EQ(far.size(), 2u);
   EXPECT_EQ(far[0], (FarStrand{1, 0.5f}));
@@ -254,8 +252,7 @@ TEST(BindRoots, KeepsTheHeaviestBonesAndSaysWhatIsLost) {
     mesh.influences[v] = {{4 * v, 4 * v + 1, 4 * v + 2, 4 * v + 3}, {0.4f, 0.3f, 0.2f, 0.1f}};
   // At 1/2 1/4 1/4: 0.2 0.15 0.1 0.05 and twice 0.1 0.075 0.05 0.025.
   const std::vector<Float3> roots = {{0.25f, 0.25f, 0}};
-  auto binding = bindRoots(roots, mesh);
-  ASSERT_TRUE(binding) << binding.error().message;
+  auto binding = required(bindRoots(roots, mesh));
   auto weights = weightsOf(binding->weights, 0);
   EXPECT_EQ(weights.size(), 4u);
   EXPECT_NEAR(weights["bone0"], 0.2 / 0.55, 1e-6);
@@ -277,25 +274,19 @@ TEST(BindRoots, NoRootIsBoundToATriangleWithoutArea) {
                              {0, -1, 0},
                              {1, -1, 0},
                              {0, -1, 1}});
-  auto binding = bindRoots(std::vector<Float3>{{0.25f, 0, 0.25f}}, mesh);
-  ASSERT_TRUE(binding) << binding.error().message;
+  auto binding = required(bindRoots(std::vector<Float3>{{0.25f, 0, 0.25f}}, mesh));
   EXPECT_EQ(binding->table.roots[0].triangle, 1u);
   EXPECT_EQ(binding->report.degenerateTriangles, 1u);
   mesh = meshOf({{0, 0, 0}, {1, 0, 0}, {0.5f, 0, 0}});
   binding = bindRoots(std::vector<Float3>{{0, 0, 0}}, mesh);
-  ASSERT_FALSE(binding);
-  EXPECT_NE(binding.error().message.find("area"), std::string::npos);
+  expectError(binding, "area");
 }
 
 TEST(BindRoots, BadInputIsAnErrorThatSaysWhich) {
   const SkinnedMesh good = meshOf({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
   const std::vector<Float3> roots = {{0, 0, 0}, {0, 0, 0}};
   const auto fails = [&](std::span<const Float3> at, const SkinnedMesh& mesh, const BindDef& def,
-                         std::string_view text) {
-    auto binding = bindRoots(at, mesh, def);
-    ASSERT_FALSE(binding) << text;
-    EXPECT_NE(binding.error().message.find(text), std::string::npos) << binding.error().message;
-  };
+                         std::string_view text) { expectError(bindRoots(at, mesh, def), {text}); };
   EXPECT_TRUE(bindRoots(roots, good));
   fails({}, good, {}, "no roots");
   fails(std::vector<Float3>{{0, 0, 0}, {0, kNan, 0}}, good, {}, "strand 1");
@@ -328,8 +319,7 @@ TEST(CompareWeights, IsTheSumOfDifferencesByName) {
   b.bones = {{1, "x"}, {0, "y"}, {2, "z"}};
   a.strands = {{{0, 1, 0, 0}, {0.75f, 0.25f, 0, 0}}, {{0, 0, 0, 0}, {1, 0, 0, 0}}};
   b.strands = {{{1, 0, 0, 0}, {1.5f, 0.5f, 0, 0}}, {{2, 2, 1, 2}, {0.5f, 0.25f, 0.25f, 0}}};
-  auto comparison = compareWeights(a, b);
-  ASSERT_TRUE(comparison) << comparison.error().message;
+  auto comparison = required(compareWeights(a, b));
   EXPECT_EQ(comparison->difference, (std::vector<float>{0, 1.5f}));
   EXPECT_FLOAT_EQ(comparison->mean, 0.75f);
   EXPECT_FLOAT_EQ(comparison->max, 1.5f);
@@ -345,14 +335,12 @@ TEST(RatboysMohawk, BoundToItsBodyHasTheWeightsThatItCameWith) {
   auto mesh = loadSkinnedMesh(folder / "Ratboy_body.tfxmesh");
   auto own = loadTfxBone(folder / "Ratboy_mohawk.tfxbone");
   ASSERT_TRUE(hair && mesh && own);
-  auto binding = bindRoots(rootsOf(*hair), *mesh);
-  ASSERT_TRUE(binding) << binding.error().message;
+  auto binding = required(bindRoots(rootsOf(*hair), *mesh));
   // It grows on the mesh: same space, same unit.
   EXPECT_LT(binding->report.maxDistance, 0.001);
   EXPECT_LT(binding->report.meanDistance, 0.0001);
   EXPECT_TRUE(binding->report.farStrands.empty());
-  auto comparison = compareWeights(binding->weights, *own);
-  ASSERT_TRUE(comparison) << comparison.error().message;
+  auto comparison = required(compareWeights(binding->weights, *own));
   EXPECT_LT(comparison->mean, 0.0005);
   EXPECT_LT(comparison->max, 0.01);
   EXPECT_EQ(comparison->shareAboveTenth, 0);

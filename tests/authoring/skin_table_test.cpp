@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -12,12 +11,16 @@
 #include "pelage/demo/groom.h"
 #include "pelage/random.h"
 #include "pelage/skeleton.h"
+#include "support/errors.h"
 #include "support/extremes.h"
+#include "support/not_numbers.h"
 
 namespace pelage {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+using test::expectError;
+using test::kNan;
+using test::required;
 
 // Distance between two points.
 double apart(const Float3& a, const Float3& b) {
@@ -211,10 +214,7 @@ TEST(RootTransforms, WrongArraysAreErrors) {
   EXPECT_FALSE(rootTransforms(c.table, std::span(parts).first(1), transforms));
   EXPECT_FALSE(rootTransforms(c.table, parts, std::span(transforms).first(3)));
   parts[1] = parts[1].first(2);
-  auto result = rootTransforms(c.table, parts, transforms);
-  ASSERT_FALSE(result);
-  EXPECT_NE(result.error().message.find("part 1 ('tail')"), std::string::npos)
-      << result.error().message;
+  expectError(rootTransforms(c.table, parts, transforms), "part 1 ('tail')");
 }
 
 TEST(RootTransforms, OneBoneAStrandIsOne) {
@@ -245,11 +245,9 @@ SkinTable smallTable() {
 
 TEST(TfxSkin, GivesBackWhatWasSaved) {
   const SkinTable table = smallTable();
-  auto bytes = saveTfxSkin(table);
-  ASSERT_TRUE(bytes) << bytes.error().message;
+  auto bytes = required(saveTfxSkin(table));
   EXPECT_EQ(bytes->size(), 24u + (20 + 12) + (20 + 3) + 2 * 80);
-  auto again = loadTfxSkin(*bytes, "memory", 2);
-  ASSERT_TRUE(again) << again.error().message;
+  auto again = required(loadTfxSkin(*bytes, "memory", 2));
   EXPECT_EQ(*again, table);
   EXPECT_EQ(*saveTfxSkin(*again), *bytes);
   EXPECT_FALSE(loadTfxSkin(*bytes, "memory", 3));

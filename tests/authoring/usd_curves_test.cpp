@@ -8,30 +8,24 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <string>
 #include <vector>
 
+#include "support/errors.h"
+#include "support/test_folder.h"
+
 namespace pelage {
 namespace {
 
+using test::required;
+using test::TestFolder;
+using test::textOf;
+
 class UsdCurves : public testing::Test {
  protected:
-  UsdCurves()
-      : folder_(std::filesystem::temp_directory_path() /
-                (std::string("pelage_usd_") +
-                 testing::UnitTest::GetInstance()->current_test_info()->name())) {
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
-  }
-  ~UsdCurves() override { std::filesystem::remove_all(folder_); }
-  std::string text(const char* name) const {
-    std::ifstream file(folder_ / name, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  }
-  std::filesystem::path folder_;
+  std::string text(const char* name) const { return textOf(folder_ / name); }
+  const TestFolder folder_;
 };
 
 UsdCurvesDef twoStrands() {
@@ -48,8 +42,7 @@ TEST_F(UsdCurves, NumbersReadBackToTheSameBits) {
                                      {1e10f, -1e-10f, 0}};
   UsdCurvesDef def = twoStrands();
   def.velocities = false;
-  auto writer = UsdCurvesWriter::create(folder_ / "a.usda", def);
-  ASSERT_TRUE(writer) << writer.error().message;
+  auto writer = required(UsdCurvesWriter::create(folder_ / "a.usda", def));
   ASSERT_TRUE(writer->append(frame));
   ASSERT_TRUE(writer->close());
   const std::string file = text("a.usda");
@@ -73,8 +66,7 @@ TEST_F(UsdCurves, SeveralThreadsWriteTheBytesOfOne) {
   def.vertexCounts.assign(7000, 5);  // 9 pieces of text, more than 2 threads have at a time
   std::string expected;
   for (const uint32_t threads : {1u, 0u, 2u, 5u}) {
-    auto writer = UsdCurvesWriter::create(folder_ / "a.usda", def, threads);
-    ASSERT_TRUE(writer) << writer.error().message;
+    auto writer = required(UsdCurvesWriter::create(folder_ / "a.usda", def, threads));
     std::vector<Float3> frame(35000);
     for (int f = 0; f < 2; ++f) {
       for (size_t i = 0; i < frame.size(); ++i)
@@ -98,7 +90,7 @@ TEST_F(UsdCurves, AFileThatWasNotClosedIsNotThere) {
     ASSERT_TRUE(writer->append(frame));
     EXPECT_FALSE(std::filesystem::exists(folder_ / "a.usda"));
   }
-  EXPECT_TRUE(std::filesystem::is_empty(folder_));
+  EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
   for (const char* name : {"a.usda", "b.usda"}) {
     auto writer = UsdCurvesWriter::create(folder_ / name, twoStrands());
     ASSERT_TRUE(writer);

@@ -10,22 +10,25 @@
 #include <vector>
 
 #include "atomic_file.h"
-#include "bake/bake_folder.h"
 #include "chunk_writer.h"
 #include "error_bound.h"
 #include "shot_store.h"
+#include "support/errors.h"
+#include "support/test_folder.h"
 
 namespace pelage::bake {
 namespace {
 
-using test::BakeFolder;
-using test::contentsOf;
+using test::expectError;
+using test::required;
+using test::TestFolder;
+using test::textOf;
 
 std::span<const std::byte> bytesOf(const std::string& text) {
   return std::as_bytes(std::span(text));
 }
 
-size_t fileCount(const BakeFolder& folder) {
+size_t fileCount(const TestFolder& folder) {
   size_t count = 0;
   for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder.path()))
     ++count;
@@ -33,21 +36,20 @@ size_t fileCount(const BakeFolder& folder) {
 }
 
 TEST(AtomicFile, AppearsWithAllOfItsBytes) {
-  const BakeFolder folder;
+  const TestFolder folder;
   {
-    auto file = AtomicFile::create(folder / "a", "1-2");
-    ASSERT_TRUE(file) << file.error().message;
+    auto file = required(AtomicFile::create(folder / "a", "1-2"));
     ASSERT_TRUE(file->write(bytesOf("one ")));
     EXPECT_FALSE(std::filesystem::exists(folder / "a"));
     ASSERT_TRUE(file->write(bytesOf("two")));
     ASSERT_TRUE(file->commit());
-    EXPECT_EQ(contentsOf(folder / "a"), "one two");
+    EXPECT_EQ(textOf(folder / "a"), "one two");
   }
   EXPECT_EQ(fileCount(folder), 1u);
 }
 
 TEST(AtomicFile, LeavesTheOldFileWithoutCommit) {
-  const BakeFolder folder;
+  const TestFolder folder;
   ASSERT_TRUE(writeAtomic(folder / "a", "1-2", "old"));
   {
     auto file = AtomicFile::create(folder / "a", "1-2");
@@ -55,13 +57,13 @@ TEST(AtomicFile, LeavesTheOldFileWithoutCommit) {
     ASSERT_TRUE(file->write(bytesOf("new")));
     EXPECT_EQ(fileCount(folder), 2u);
   }
-  EXPECT_EQ(contentsOf(folder / "a"), "old");
+  EXPECT_EQ(textOf(folder / "a"), "old");
   EXPECT_EQ(fileCount(folder), 1u);
 }
 
 // As with a full disk: the system writes a part, and refuses the rest.
 TEST(AtomicFile, AFullDiskIsAnError) {
-  const BakeFolder folder;
+  const TestFolder folder;
   const pid_t child = ::fork();
   ASSERT_GE(child, 0);
   if (child == 0) {
@@ -79,7 +81,7 @@ TEST(AtomicFile, AFullDiskIsAnError) {
 }
 
 TEST(AtomicFile, WhatAKilledProcessHasLeftIsRemovedByItsSuccessorAlone) {
-  const BakeFolder folder;
+  const TestFolder folder;
   const pid_t child = ::fork();
   ASSERT_GE(child, 0);
   if (child == 0) {
@@ -98,7 +100,7 @@ TEST(AtomicFile, WhatAKilledProcessHasLeftIsRemovedByItsSuccessorAlone) {
 }
 
 TEST(FileLock, IsExclusiveAndGoesWithItsProcess) {
-  const BakeFolder folder;
+  const TestFolder folder;
   int ready[2];
   ASSERT_EQ(::pipe(ready), 0);
   const pid_t child = ::fork();
@@ -138,7 +140,7 @@ class Store : public testing::Test {
     EXPECT_TRUE(store.addChunk(chunk, {*file}, "t"));
     return {*file};
   }
-  BakeFolder folder_;
+  TestFolder folder_;
   Project project_;
   Shot shot_;
 };
@@ -160,12 +162,8 @@ TEST_F(Store, WorkOfOtherInputsOrAnotherDeviceIsRefused) {
   const ShotStore store(project_, shot_);
   ASSERT_TRUE(store.begin(7, "gpu", "t"));
   ASSERT_TRUE(store.begin(7, "gpu", "t"));
-  const auto other = store.begin(8, "gpu", "t");
-  ASSERT_FALSE(other);
-  EXPECT_NE(other.error().message.find("other settings"), std::string::npos);
-  const auto device = store.begin(7, "another", "t");
-  ASSERT_FALSE(device);
-  EXPECT_NE(device.error().message.find("was begun on 'gpu'"), std::string::npos);
+  expectError(store.begin(8, "gpu", "t"), "other settings");
+  expectError(store.begin(7, "another", "t"), "was begun on 'gpu'");
   ASSERT_TRUE(store.clear());
   EXPECT_TRUE(store.begin(8, "gpu", "t"));
 }
@@ -233,8 +231,7 @@ TEST_F(Writer, ChunksAreThereWhenItIsClosedAndAnIncompleteOneLeavesNothing) {
   for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(store.work()))
     ++files;
   EXPECT_EQ(files, 3u) << "more than key.json, the chunk and its .json";
-  auto reader = HairCacheReader::open(store.chunkFile("a", 0));
-  ASSERT_TRUE(reader) << reader.error().message;
+  auto reader = required(HairCacheReader::open(store.chunkFile("a", 0)));
   std::vector<Float3> out(5);
   ASSERT_TRUE(reader->read(3, out));
   for (const Float3& p : out) EXPECT_NEAR(p.x, 1.5f, 1e-4f);
@@ -246,10 +243,7 @@ TEST_F(Writer, AnErrorReachesTheNextCallsAndChunksBeforeItStay) {
   for (int64_t frame = 0; frame < 4; ++frame) ASSERT_TRUE(writer.add(0, frame, positions(1)));
   ASSERT_TRUE(writer.flush());
   (void)writer.add(1, 4, positions(std::numeric_limits<float>::infinity()));
-  const auto flushed = writer.flush();
-  ASSERT_FALSE(flushed);
-  EXPECT_NE(flushed.error().message.find("shot 's', frame 4"), std::string::npos)
-      << flushed.error().message;
+  expectError(writer.flush(), "shot 's', frame 4");
   EXPECT_FALSE(writer.add(1, 5, positions(1)));
   EXPECT_FALSE(writer.close());
   EXPECT_EQ(store.chunk(0, true).size(), 1u);

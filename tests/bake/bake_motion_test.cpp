@@ -5,28 +5,30 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <numbers>
 #include <string>
 #include <vector>
 
-#include "bake/bake_folder.h"
 #include "bake/point_file.h"
 #include "bone_stream.h"
 #include "obj_mesh.h"
 #include "pelage/skeleton.h"
 #include "point_cache.h"
 #include "skin_mesh.h"
+#include "support/errors.h"
+#include "support/not_numbers.h"
 #include "support/plain_asset.h"
+#include "support/test_folder.h"
 
 namespace pelage::bake {
 namespace {
 
-using test::BakeFolder;
 using test::bytesOfFloats;
+using test::expectError;
+using test::kNan;
 using test::pointFile;
-
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+using test::required;
+using test::TestFolder;
 
 // 90 degrees about z, then to x = 2.
 constexpr std::array<float, 12> kTurned = {0, -1, 0, 2, 1, 0, 0, 0, 0, 0, 1, 0};
@@ -42,7 +44,7 @@ class Stream : public testing::Test {
     const auto stream = load(header, floats);
     return stream ? "accepted" : stream.error().message;
   }
-  BakeFolder folder_;
+  TestFolder folder_;
 };
 
 constexpr const char* kHeader =
@@ -55,8 +57,7 @@ std::vector<float> joined(std::initializer_list<std::array<float, 12>> transform
 }
 
 TEST_F(Stream, HasItsTransformsAtItsFramesAndTurnsOnTheShortestArcBetween) {
-  const auto stream = load(kHeader, joined({kUnmoved, kUnmoved, kTurned, kUnmoved}));
-  ASSERT_TRUE(stream) << stream.error().message;
+  const auto stream = required(load(kHeader, joined({kUnmoved, kUnmoved, kTurned, kUnmoved})));
   EXPECT_EQ(stream->bones, (std::vector<std::string>{"a", "b"}));
   ASSERT_EQ(stream->frameCount(), 2u);
   for (const double early : {-1.0, 0.0})
@@ -75,9 +76,8 @@ TEST_F(Stream, HasItsTransformsAtItsFramesAndTurnsOnTheShortestArcBetween) {
 TEST_F(Stream, ScaleStaysOnTheLineBetweenItsValues) {
   std::array<float, 12> scaled = kTurned;
   for (const size_t i : {1u, 4u}) scaled[i] *= 3;
-  const auto stream = load(R"({"version": 1, "fps": 10, "bones": ["a"], "data": "b.bin"})",
-                           joined({kUnmoved, scaled}));
-  ASSERT_TRUE(stream) << stream.error().message;
+  const auto stream = required(load(R"({"version": 1, "fps": 10, "bones": ["a"], "data": "b.bin"})",
+                                    joined({kUnmoved, scaled})));
   const AffineTransform half = transformsAt(*stream, 0.05)[0];
   const Float3 p = transformPoint(half, {1, 0, 0});
   EXPECT_NEAR(std::hypot(p.x - 1, p.y), 2, 1e-6f);
@@ -85,11 +85,10 @@ TEST_F(Stream, ScaleStaysOnTheLineBetweenItsValues) {
 }
 
 TEST_F(Stream, BindTransformsAreTakenOff) {
-  const auto stream = load(
+  const auto stream = required(load(
       R"({"version": 1, "fps": 10, "bones": ["a"], "bind": [[1,0,0,0, 0,1,0,5, 0,0,1,0]],
           "data": "b.bin"})",
-      joined({{1, 0, 0, 0, 0, 1, 0, 7, 0, 0, 1, 0}}));
-  ASSERT_TRUE(stream) << stream.error().message;
+      joined({{1, 0, 0, 0, 0, 1, 0, 7, 0, 0, 1, 0}})));
   EXPECT_EQ(transformPoint(stream->transforms[0], {0, 5, 0}), (Float3{0, 7, 0}));
 }
 
@@ -128,11 +127,10 @@ TEST_F(Stream, WhatIsWrongIsNamedByFileAndPlace) {
 }
 
 TEST(Points, AreThoseOfTheSamplesAndOnTheLineBetween) {
-  const BakeFolder folder;
+  const TestFolder folder;
   const auto path =
       folder.write("a.pc2", pointFile(2, 2.0f, {{{0, 0, 0}, {1, 0, 0}}, {{0, 4, 0}, {1, 0, 8}}}));
-  auto cache = PointCache::open(path);
-  ASSERT_TRUE(cache) << cache.error().message;
+  auto cache = required(PointCache::open(path));
   EXPECT_EQ(cache->pointCount(), 2u);
   EXPECT_EQ(cache->sampleCount(), 2u);
   EXPECT_EQ(*cache->positionsAt(-3), (std::vector<Float3>{{0, 0, 0}, {1, 0, 0}}));
@@ -142,7 +140,7 @@ TEST(Points, AreThoseOfTheSamplesAndOnTheLineBetween) {
 }
 
 TEST(Points, WhatIsWrongIsNamedByItsByte) {
-  const BakeFolder folder;
+  const TestFolder folder;
   const std::string fine = pointFile(2, 1.0f, {{{0, 0, 0}, {1, 0, 0}}, {{0, 4, 0}, {1, 0, 8}}});
   struct Case {
     size_t offset;
@@ -164,10 +162,8 @@ TEST(Points, WhatIsWrongIsNamedByItsByte) {
     std::string bytes = fine;
     std::memcpy(bytes.data() + c.offset, &c.word, sizeof(c.word));
     auto cache = PointCache::open(folder.write("a.pc2", bytes));
-    const auto read = cache ? cache->positionsAt(0.5) : cache.error();
-    ASSERT_FALSE(read) << c.message;
-    EXPECT_NE(read.error().message.find(std::string("a.pc2: ") + c.message), std::string::npos)
-        << read.error().message << "\nwanted: " << c.message;
+    expectError(cache ? cache->positionsAt(0.5) : cache.error(),
+                {std::string("a.pc2: ") + c.message});
   }
   for (const size_t size : {0u, 31u, 32u, 79u})
     EXPECT_FALSE(PointCache::open(folder.write("a.pc2", fine.substr(0, size)))) << size;
@@ -175,11 +171,10 @@ TEST(Points, WhatIsWrongIsNamedByItsByte) {
 }
 
 TEST(SkinMesh, OfAnObjFileKeepsItsVerticesInOrder) {
-  const auto mesh = readObjMesh(
-      "# quad\r\no skin\nv 0 0 0\nv 1 0 0 1\nvn 0 0 1\n\tv 1 1 0\nv 0 1e0 0\n"
-      "f 1//1 2//1 3//1 4//1\nv 9 9 9\nf -5/1/1 -4/2 5",
-      "a.obj");
-  ASSERT_TRUE(mesh) << mesh.error().message;
+  const auto mesh =
+      required(readObjMesh("# quad\r\no skin\nv 0 0 0\nv 1 0 0 1\nvn 0 0 1\n\tv 1 1 0\nv 0 1e0 0\n"
+                           "f 1//1 2//1 3//1 4//1\nv 9 9 9\nf -5/1/1 -4/2 5",
+                           "a.obj"));
   EXPECT_EQ(mesh->positions.size(), 5u);
   EXPECT_EQ(mesh->indices, (std::vector<uint32_t>{0, 1, 2, 0, 2, 3, 0, 1, 4}));
   struct Case {
@@ -197,15 +192,12 @@ TEST(SkinMesh, OfAnObjFileKeepsItsVerticesInOrder) {
                          {"v 0 0 0\nf 1 1 -2", "a.obj:2: a corner is none"},
                          {"v 0 0 0\nf 1 1 /1", "a.obj:2: a corner is none"},
                          {"v 0 0 0\nf 1 1 99999999999999999999", "a.obj:2: a corner is none"}}) {
-    const auto refused = readObjMesh(c.text, "a.obj");
-    ASSERT_FALSE(refused) << c.text;
-    EXPECT_NE(refused.error().message.find(c.message), std::string::npos)
-        << refused.error().message << "\nwanted: " << c.message;
+    expectError(readObjMesh(c.text, "a.obj"), {c.message});
   }
 }
 
 TEST(SkinMesh, RootsThatAreFarFromItAreReported) {
-  const BakeFolder folder;
+  const TestFolder folder;
   const HairAsset hair = test::makeAsset(3, 4);
   std::string warning;
   for (const auto& [height, near] : {std::pair("0", true), std::pair("-0.02", false)}) {
@@ -214,14 +206,12 @@ TEST(SkinMesh, RootsThatAreFarFromItAreReported) {
       text += std::string("v ") + corner + "\n";
       text.replace(text.find('H'), 1, near ? "0" : "-2");
     }
-    const auto mesh = loadSkinMesh(folder.write("a.obj", text + "f 1 2 3 4\n"), 0.01f);
-    ASSERT_TRUE(mesh) << mesh.error().message;
+    const auto mesh = required(loadSkinMesh(folder.write("a.obj", text + "f 1 2 3 4\n"), 0.01f));
     ASSERT_EQ(mesh->influences.size(), 4u);
     EXPECT_EQ(mesh->influences[3].bones[0], 3u);
     EXPECT_EQ(mesh->positions[2], (Float3{1, near ? 0.0f : -0.02f, 1}));
     warning.clear();
-    const auto table = bindToSkin(hair, *mesh, warning);
-    ASSERT_TRUE(table) << table.error().message;
+    const auto table = required(bindToSkin(hair, *mesh, warning));
     EXPECT_EQ(table->roots.size(), 3u);
     EXPECT_EQ(warning.empty(), near) << warning << " at " << height;
   }

@@ -5,15 +5,17 @@
 #include <utility>
 #include <vector>
 
-#include "bake/bake_folder.h"
 #include "json_members.h"
 #include "plan.h"
 #include "project.h"
+#include "support/errors.h"
+#include "support/test_folder.h"
 
 namespace pelage::bake {
 namespace {
 
-using test::BakeFolder;
+using test::required;
+using test::TestFolder;
 
 constexpr const char* kFine = R"({
   "version": 1, "output": "out", "fps": 30, "chunkFrames": 8, "formats": ["pelagecache"],
@@ -27,9 +29,8 @@ constexpr const char* kFine = R"({
                 "cellSize": "4mm"}}]})";
 
 TEST(Project, IsReadWithItsDefaults) {
-  const BakeFolder folder;
-  const auto project = loadProject(folder.write("p.json", kFine));
-  ASSERT_TRUE(project) << project.error().message;
+  const TestFolder folder;
+  const auto project = required(loadProject(folder.write("p.json", kFine)));
   EXPECT_EQ(project->output, folder / "out");
   EXPECT_EQ(project->api, Api::kGl);
   EXPECT_EQ(project->device, "1");
@@ -59,7 +60,7 @@ TEST(Project, WhatIsWrongIsNamedByItsPointer) {
   struct Case {
     const char *from, *to, *message;
   };
-  const BakeFolder folder;
+  const TestFolder folder;
   for (const Case& c : std::vector<Case>{
            {"\"version\": 1,", "", "/version: is missing"},
            {"\"version\": 1,", "\"version\": 2,", "/version: must be a whole number from 1 to 1"},
@@ -138,14 +139,13 @@ Result<uint64_t> keyOf(const Project& project, const Shot& shot) {
 }
 
 TEST(Project, TheFingerprintFollowsTheFilesAndTheSettings) {
-  const BakeFolder folder;
+  const TestFolder folder;
   (void)folder.write("x.tfx", "a");
   (void)folder.write("x.tfxbone", "b");
   const auto project = loadProject(folder.write("p.json", kFine));
   ASSERT_TRUE(project);
   Shot shot = project->shots[1];
-  const auto first = keyOf(*project, shot);
-  ASSERT_TRUE(first) << first.error().message;
+  const auto first = required(keyOf(*project, shot));
   EXPECT_EQ(*keyOf(*project, shot), *first);
   shot.subSteps = 5;
   EXPECT_NE(*keyOf(*project, shot), *first);
@@ -183,7 +183,7 @@ TEST(Project, TheFingerprintFollowsTheFilesAndTheSettings) {
 }
 
 TEST(Project, AFileOfManyShotsIsHashedOnceUntilItChanges) {
-  const BakeFolder folder;
+  const TestFolder folder;
   const auto file = folder.write("x", "one");
   FileHashes hashes;
   const auto first = hashes.of(file);
@@ -197,7 +197,7 @@ TEST(Project, AFileOfManyShotsIsHashedOnceUntilItChanges) {
 }
 
 TEST(Plan, RangesAreWholeChunksAndCoverTheShots) {
-  const BakeFolder folder;
+  const TestFolder folder;
   const auto project = loadProject(folder.write("p q.json", kFine));
   ASSERT_TRUE(project);
   const std::string path = (folder / "p q.json").string();
@@ -220,12 +220,11 @@ TEST(Plan, RangesAreWholeChunksAndCoverTheShots) {
 }
 
 TEST(Plan, AShotWithoutAFolderIsMissing) {
-  const BakeFolder folder;
+  const TestFolder folder;
   const auto project = loadProject(folder.write("p.json", kFine));
   ASSERT_TRUE(project);
   FileHashes hashes;
-  const auto status = statusOf(*project, project->shots[0], hashes);
-  ASSERT_TRUE(status) << status.error().message;
+  const auto status = required(statusOf(*project, project->shots[0], hashes));
   EXPECT_EQ(status->state, ShotState::kMissing);
   EXPECT_EQ(status->chunks, 3u);
   const auto check = verifyShot(*project, project->shots[0], false);

@@ -17,7 +17,6 @@
 #include <thread>
 #include <vector>
 
-#include "bake/bake_folder.h"
 #include "bake/point_file.h"
 #include "checkpoint.h"
 #include "pelage/hair_cache.h"
@@ -25,15 +24,19 @@
 #include "plan.h"
 #include "shot_run.h"
 #include "shot_store.h"
+#include "support/errors.h"
 #include "support/extremes.h"
 #include "support/plain_asset.h"
 #include "support/required_devices.h"
+#include "support/test_folder.h"
 
 namespace pelage::bake {
 namespace {
 
-using test::BakeFolder;
-using test::contentsOf;
+using test::expectError;
+using test::required;
+using test::TestFolder;
+using test::textOf;
 
 // A box of 6 cm below the strands, of which one half follows another bone.
 CollisionMesh box() {
@@ -104,7 +107,7 @@ class Bake : public testing::Test {
     return bytes;
   }
   static std::string cacheOf(const Project& project) {
-    return contentsOf(project.output / "s" / "hair.pelagecache");
+    return textOf(project.output / "s" / "hair.pelagecache");
   }
   /// Starts the program. \param fileBytes  largest size of a file; 0: any
   static pid_t start(const Project& project, rlim_t fileBytes = 0) {
@@ -130,7 +133,7 @@ class Bake : public testing::Test {
     return status ? status->starts : 0;
   }
 
-  BakeFolder folder_;
+  TestFolder folder_;
   std::string uuid_;
 };
 
@@ -151,8 +154,7 @@ std::map<std::string, std::vector<std::byte>> stateOf(ShotScene& scene, Headless
 TEST_F(Bake, ACheckpointHasAllOfTheState) {
   const Project project = load("state");
   const Shot& shot = project.shots[0];
-  const auto inputs = loadShot(shot);
-  ASSERT_TRUE(inputs) << inputs.error().message;
+  const auto inputs = required(loadShot(shot));
   auto device = openDevice(Api::kVulkan, "");
   ASSERT_TRUE(device);
   auto scene = ShotScene::create(*inputs, shot, project.framesPerSecond);
@@ -200,8 +202,7 @@ TEST_F(Bake, GoesOnBehindAnInterruptionAtAnyFrame) {
   EXPECT_EQ(undisturbed.framesWritten, 18u);
   EXPECT_TRUE(cacheOf(whole) == expected()) << "another run has other bits";
   EXPECT_FALSE(std::filesystem::exists(whole.output / "s" / "work"));
-  const auto reader = HairCacheReader::open(whole.output / "s" / "hair.pelagecache");
-  ASSERT_TRUE(reader) << reader.error().message;
+  const auto reader = required(HairCacheReader::open(whole.output / "s" / "hair.pelagecache"));
   EXPECT_EQ(reader->frameCount(), 18u);
   EXPECT_EQ(reader->def().firstFrame, 1);
 
@@ -222,8 +223,7 @@ TEST_F(Bake, GoesOnBehindAnInterruptionAtAnyFrame) {
   EXPECT_GE(runs, 4);
   EXPECT_LT(steps, 20u + 4u * static_cast<uint64_t>(runs));
   EXPECT_TRUE(cacheOf(project) == expected());
-  EXPECT_EQ(contentsOf(project.output / "s" / "done.json"),
-            contentsOf(whole.output / "s" / "done.json"));
+  EXPECT_EQ(textOf(project.output / "s" / "done.json"), textOf(whole.output / "s" / "done.json"));
 
   // With time to go on to the end of a chunk, no frame is simulated twice: interrupted in the
   // pre-roll, and in the second chunk.
@@ -252,9 +252,7 @@ TEST_F(Bake, GoesOnBehindAnInterruptionAtAnyFrame) {
   EXPECT_TRUE(check->complete);
   EXPECT_EQ(check->fault, "");
   const Project changed = load("parts", ", \"subSteps\": 2");
-  const auto refused = runShot(changed, changed.shots[0], {});
-  ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().message.find("--restart"), std::string::npos);
+  expectError(runShot(changed, changed.shots[0], {}), "--restart");
   FileHashes hashes;
   EXPECT_EQ(statusOf(changed, changed.shots[0], hashes)->state, ShotState::kStale);
 }
@@ -279,9 +277,7 @@ TEST_F(Bake, RangesGiveTheFilesOfTheWhole) {
   EXPECT_EQ(runAll(project, options).outcome, RunOutcome::kComplete);
   EXPECT_TRUE(cacheOf(project) == expected());
   options.range = FrameRange{5, 11};
-  const auto refused = runShot(project, project.shots[0], options);
-  ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().message.find("whole chunks"), std::string::npos);
+  expectError(runShot(project, project.shots[0], options), "whole chunks");
 }
 
 TEST_F(Bake, KilledAnywhereAndWithAFullDiskItGivesTheSameBytes) {
@@ -397,10 +393,7 @@ TEST_F(Bake, HairFollowsAPointCacheAsItFollowsBones) {
   // A cache of another mesh, and hair that nothing moves.
   samples.assign(2, std::vector<Float3>(7));
   (void)folder_.write("skin.pc2", test::pointFile(7, 1, samples));
-  const auto other = loadShot(points.shots[0]);
-  ASSERT_FALSE(other);
-  EXPECT_NE(other.error().message.find("byte 16: has 7 points"), std::string::npos)
-      << other.error().message;
+  expectError(loadShot(points.shots[0]), "byte 16: has 7 points");
   EXPECT_FALSE(loadShot(load("none", "}]}", R"("transforms": "bones.json")").shots[0]));
 }
 
@@ -413,16 +406,14 @@ TEST_F(Bake, AnErrorBoundChoosesTheSubSteps) {
     options.interrupted = [] { return true; };
     return runShot(project, project.shots[0], options);
   };
-  const auto loose = errorWith("20mm");
-  ASSERT_TRUE(loose) << loose.error().message;
+  const auto loose = required(errorWith("20mm"));
   ASSERT_TRUE(loose->choice);
   EXPECT_EQ(loose->subSteps, 1u);
   const SubStepError& one = loose->choice->tried.back();
   EXPECT_GT(one.error, 0);
   EXPECT_LE(one.error, one.largest);
   const std::string tighter = std::to_string(one.error * 0.6e6) + "um";
-  const auto tight = errorWith(tighter.c_str());
-  ASSERT_TRUE(tight) << tight.error().message;
+  const auto tight = required(errorWith(tighter.c_str()));
   EXPECT_GT(tight->subSteps, 1u);
   EXPECT_LE(tight->choice->tried.back().error, one.error * 0.6);
   EXPECT_EQ(tight->choice->tried.back().subSteps, tight->subSteps);
@@ -432,16 +423,14 @@ TEST_F(Bake, AnErrorBoundChoosesTheSubSteps) {
 // Strands that lie on a head that shakes: a difference of a millionth of gravity becomes one of
 // millimeters, which no number of sub-steps can be told from.
 TEST_F(Bake, ContactsThatMultiplyDifferencesAreNamed) {
-  const auto project = loadProject(folder_.write(
+  const auto project = required(loadProject(folder_.write(
       "sensitive.json",
       R"({"version": 1, "output": "sensitive", "shots": [{"name": "s", "frames": [1, 6],
       "assets": {"generated": {"kind": "head", "guides": 40}}, "animation": {"motion": "shake"},
-      "errorBound": "50um", "errorShare": 0.95}]})"));
-  ASSERT_TRUE(project) << project.error().message;
+      "errorBound": "50um", "errorShare": 0.95}]})")));
   Shot finer = project->shots[0];
   finer.cellSize = 0.004;
-  const auto inputs = loadShot(finer);
-  ASSERT_TRUE(inputs) << inputs.error().message;
+  const auto inputs = required(loadShot(finer));
   EXPECT_EQ(inputs->cellSizes, std::vector<float>{0.004f});
   const auto done = runShot(*project, project->shots[0], {});
   ASSERT_FALSE(done);

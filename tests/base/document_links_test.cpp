@@ -6,7 +6,6 @@
 #include <cctype>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <regex>
 #include <set>
@@ -15,16 +14,14 @@
 #include <string_view>
 #include <vector>
 
+#include "support/test_folder.h"
+
 namespace {
 
 namespace fs = std::filesystem;
+using pelage::test::textOf;
 
 const fs::path kRoot = PELAGE_SOURCE_DIR;
-
-std::string textOf(const fs::path& path) {
-  std::ifstream in(path);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 // Folders at the root that hold sources; others are made by builds.
 constexpr std::array<std::string_view, 13> kFolders = {

@@ -2,21 +2,17 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <regex>
 #include <set>
 #include <string>
 
+#include "support/test_folder.h"
+
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string textOf(const fs::path& path) {
-  std::ifstream in(path);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
+using pelage::test::textOf;
 
 // The tags in a text, by where they are.
 std::set<std::string> tagsIn(const std::string& text) {

@@ -3,21 +3,20 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <set>
 #include <string>
 
 #include "pelage/pelage.h"
+#include "support/test_folder.h"
 
 namespace {
 
 namespace fs = std::filesystem;
+using pelage::test::textOf;
 
 TEST(PublicHeaders, AreAllInTheOneThatHasTheCore) {
   const fs::path folder = fs::path(PELAGE_SOURCE_DIR) / "include/pelage";
-  std::ifstream in(folder / "pelage.h");
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  const std::string text = textOf(folder / "pelage.h");
   const std::set<std::string> apart = {"pelage.h", "vulkan.h", "gl.h", "headless.h",
                                        "mesh_import.h"};
   size_t count = 0;

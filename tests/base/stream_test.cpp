@@ -7,7 +7,6 @@
 #include <array>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <limits>
 #include <stdexcept>
@@ -20,11 +19,17 @@
 #include "pelage/hair_asset.h"
 #include "pelage/sdf_data.h"
 #include "pelage/skin_table.h"
+#include "support/errors.h"
+#include "support/test_folder.h"
 
 namespace pelage {
 namespace {
 
 using Bytes = std::vector<std::byte>;
+using test::bytesOf;
+using test::expectError;
+using test::required;
+using test::TestFolder;
 
 // Memory that counts how often each byte is read, gives at most `atMost` bytes a read, fails from
 // `failFrom` on, and may say another size than it has.
@@ -57,10 +62,6 @@ class TestSource final : public ByteSource {
  private:
   Bytes bytes_;
 };
-
-bool mentions(const Error& error, std::string_view text) {
-  return error.message.find(text) != std::string::npos;
-}
 
 constexpr uint32_t kStrands = 6, kVertices = 4;
 
@@ -101,16 +102,6 @@ Bytes meshFile() {
   return {bytes.begin(), bytes.end()};
 }
 
-std::filesystem::path scratchFile(const char* name) {
-  return std::filesystem::path(testing::TempDir()) / name;
-}
-
-void writeScratch(const std::filesystem::path& path, const Bytes& bytes) {
-  std::ofstream file(path, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(bytes.data()),
-             static_cast<std::streamsize>(bytes.size()));
-}
-
 Bytes followFile() {
   const std::vector<FollowHair> hairs = {{.guide = 1, .offset = {0, 0, 0.01f, 1}}};
   return *saveFollowHairs(hairs, 2);
@@ -131,13 +122,9 @@ Bytes sdfFile() {
   field.grid = {.origin = {0, 0, 0}, .cellSize = 0.1f, .nodes = {4, 1, 1}};
   field.triangleBits = 1;
   field.keys.assign(4, 0x7fffffffu);
-  const auto path = scratchFile("pelage_stream_test.psdf");
-  EXPECT_TRUE(saveSdf(field, path));
-  auto file = FileSource::open(path);
-  EXPECT_TRUE(file);
-  Bytes bytes = *readAll(*file, "field");
-  std::filesystem::remove(path);
-  return bytes;
+  const TestFolder folder;
+  EXPECT_TRUE(saveSdf(field, folder / "field"));
+  return bytesOf(folder / "field");
 }
 
 // A loader as a function of a stream that gives an error's text, or nothing.
@@ -165,10 +152,9 @@ std::vector<Format> formats() {
 
 TEST(Stream, FilesMemoryAndCallbacksGiveTheSameBytes) {
   const Bytes bytes = tfxFile();
-  const auto path = scratchFile("pelage_stream_test.tfx");
-  writeScratch(path, bytes);
-  auto file = FileSource::open(path);
-  ASSERT_TRUE(file) << file.error().message;
+  const TestFolder folder;
+  ASSERT_TRUE(saveTfx(fullAsset(), folder / "hair"));
+  auto file = required(FileSource::open(folder / "hair"));
   MemorySource memory(bytes);
   uint64_t at = 0;
   CallbackSource callbacks(
@@ -195,14 +181,11 @@ TEST(Stream, FilesMemoryAndCallbacksGiveTheSameBytes) {
     ASSERT_EQ(source->read(4, word), word.size());
     EXPECT_TRUE(std::equal(word.begin(), word.end(), bytes.begin() + 4));
   }
-  std::filesystem::remove(path);
 }
 
 TEST(Stream, MissingFilesAndFoldersAreErrorsThatNameThem) {
-  const auto missing = FileSource::open("/nonexistent/hair.tfx");
-  ASSERT_FALSE(missing);
-  EXPECT_EQ(missing.error().code, ErrorCode::kFileNotFound);
-  EXPECT_TRUE(mentions(missing.error(), "/nonexistent/hair.tfx"));
+  expectError(FileSource::open("/nonexistent/hair.tfx"), ErrorCode::kFileNotFound,
+              "/nonexistent/hair.tfx");
   EXPECT_FALSE(FileSource::open(std::filesystem::temp_directory_path()));
 }
 
@@ -251,9 +234,7 @@ TEST(Stream, SizesThatLieAreErrorsAndTakeNoMemory) {
   for (size_t at = 16; at < 32; ++at) huge[at] = std::byte{0};
   TestSource source(huge);
   source.claimedSize = uint64_t{1} << 50;
-  const auto loaded = loadTfx(source, "stream");
-  ASSERT_FALSE(loaded);
-  EXPECT_TRUE(mentions(loaded.error(), "reading failed")) << loaded.error().message;
+  expectError(loadTfx(source, "stream"), "reading failed");
 }
 
 TEST(Stream, ASourceThatSaysItReadMoreThanAskedIsAnError) {
@@ -262,9 +243,7 @@ TEST(Stream, ASourceThatSaysItReadMoreThanAskedIsAnError) {
     uint64_t size() override { return 1000; }
     size_t read(uint64_t, std::span<std::byte> out) override { return out.size() + 1; }
   } liar;
-  const auto bytes = readAll(liar, "liar");
-  ASSERT_FALSE(bytes);
-  EXPECT_TRUE(mentions(bytes.error(), "liar: byte 0: ")) << bytes.error().message;
+  expectError(readAll(liar, "liar"), "liar: byte 0: ");
 }
 
 TEST(Stream, CallbacksThatThrowOrCannotSeekAreErrors) {
@@ -279,9 +258,7 @@ TEST(Stream, CallbacksThatThrowOrCannotSeekAreErrors) {
   CallbackSource fixed({.size = [] { return uint64_t{1000}; },
                         .seek = [](uint64_t) { return false; },
                         .read = [](std::span<std::byte> out) { return out.size(); }});
-  const auto bytes = readAll(fixed, "fixed");
-  ASSERT_FALSE(bytes);
-  EXPECT_TRUE(mentions(bytes.error(), "fixed: byte 0: reading failed")) << bytes.error().message;
+  expectError(readAll(fixed, "fixed"), "fixed: byte 0: reading failed");
 }
 
 // ---- parts of a .tfx file
@@ -290,8 +267,7 @@ TEST(TfxParts, TheFirstStrandsAreThoseOfTheWholeFileAndOnlyTheirBytesAreRead) {
   const HairAsset whole = fullAsset();
   for (uint32_t count = 1; count <= kStrands; ++count) {
     TestSource source(tfxFile());
-    const auto part = loadTfx(source, "part", {.maxStrands = count});
-    ASSERT_TRUE(part) << part.error().message;
+    const auto part = required(loadTfx(source, "part", {.maxStrands = count}));
     EXPECT_EQ(part->strandCount, count);
     const auto isStart = [](const auto& a, const auto& b, size_t size) {
       return a.size() == size && std::equal(a.begin(), a.end(), b.begin());
@@ -309,10 +285,9 @@ TEST(TfxParts, TheFirstStrandsAreThoseOfTheWholeFileAndOnlyTheirBytesAreRead) {
 
 TEST(TfxParts, ArraysThatAreNotWantedAreNotRead) {
   TestSource source(tfxFile());
-  const auto part = loadTfx(
+  const auto part = required(loadTfx(
       source, "part",
-      {.strandUv = false, .vertexUv = false, .strandThickness = false, .vertexColor = false});
-  ASSERT_TRUE(part) << part.error().message;
+      {.strandUv = false, .vertexUv = false, .strandThickness = false, .vertexColor = false}));
   EXPECT_EQ(part->positions, fullAsset().positions);
   EXPECT_TRUE(part->strandUv.empty() && part->vertexUv.empty() && part->strandThickness.empty() &&
               part->vertexColor.empty());
@@ -327,11 +302,9 @@ TEST(TfxParts, ArraysThatAreNotWantedAreNotRead) {
 TEST(TfxParts, APartIsSavedAsAFileOfItsOwn) {
   auto part = loadTfx(tfxFile(), "part", {.maxStrands = 2, .vertexColor = false});
   ASSERT_TRUE(part);
-  const auto bytes = saveTfx(*part);
-  ASSERT_TRUE(bytes) << bytes.error().message;
+  const auto bytes = required(saveTfx(*part));
   EXPECT_EQ(bytes->size(), 160u + 2 * (kVertices * 24 + 12));
-  const auto again = loadTfx(*bytes, "again");
-  ASSERT_TRUE(again) << again.error().message;
+  const auto again = required(loadTfx(*bytes, "again"));
   EXPECT_EQ(again->positions, part->positions);
   EXPECT_TRUE(part->process());
 }
@@ -344,12 +317,8 @@ TEST(TfxParts, WhatIsNotReadIsNotJudgedButArraysThatLeaveTheFileAre) {
   EXPECT_FALSE(loadTfx(bytes, "whole"));
   EXPECT_TRUE(loadTfx(bytes, "part", {.maxStrands = kStrands - 1}));
   bytes.pop_back();
-  const auto cut = loadTfx(bytes, "cut", {.maxStrands = 1});
-  ASSERT_FALSE(cut);
-  EXPECT_TRUE(mentions(cut.error(), "file ends")) << cut.error().message;
-  const auto none = loadTfx(tfxFile(), "none", {.maxStrands = 0});
-  ASSERT_FALSE(none);
-  EXPECT_TRUE(mentions(none.error(), "maxStrands")) << none.error().message;
+  expectError(loadTfx(bytes, "cut", {.maxStrands = 1}), "file ends");
+  expectError(loadTfx(tfxFile(), "none", {.maxStrands = 0}), "maxStrands");
 }
 
 }  // namespace

@@ -21,11 +21,13 @@
 #include "codegen/checks/source_model.h"
 #include "codegen/checks/token_stream.h"
 #include "codegen/front_end.h"
+#include "support/test_folder.h"
 
 namespace pelage::codegen {
 namespace {
 
 namespace fs = std::filesystem;
+using pelage::test::textOf;
 
 const fs::path kRoot = fs::path(PELAGE_SOURCE_DIR) / "tests" / "codegen";
 
@@ -158,8 +160,7 @@ TEST(SourceChecks, HaveAFixtureForEveryNumberTheyCanSay) {
   // These are made by a wrong tool and not by HLSL: the tests below construct them.
   covered.insert({"PK200", "PK205", "PK209", "PK212", "PK213", "PK219", "PK221", "PK222"});
   for (const char* file : {"source_checks.cpp", "module_checks.cpp"}) {
-    std::ifstream stream(fs::path(PELAGE_SOURCE_DIR) / "codegen" / "checks" / file);
-    const std::string text((std::istreambuf_iterator<char>(stream)), {});
+    const std::string text = textOf(fs::path(PELAGE_SOURCE_DIR) / "codegen" / "checks" / file);
     ASSERT_FALSE(text.empty());
     for (size_t at = text.find("\"PK"); at != std::string::npos; at = text.find("\"PK", at + 1)) {
       EXPECT_EQ(covered.count(text.substr(at + 1, 5)), 1u) << text.substr(at + 1, 5);
@@ -178,8 +179,7 @@ TEST(SourceChecks, StopASpecializationConstantInNumthreadsBeforeItCrashesTheFron
 }
 
 TEST(SourceChecks, SurviveAnyPrefixOfAKernel) {
-  std::ifstream stream(kRoot / "fixtures" / "good_compute.hlsl");
-  const std::string text((std::istreambuf_iterator<char>(stream)), {});
+  const std::string text = textOf(kRoot / "fixtures" / "good_compute.hlsl");
   const size_t body = text.find('{', text.find("void main"));
   ASSERT_NE(body, std::string::npos);
   for (size_t length = 0; length < text.size(); length += 29) {

@@ -2,13 +2,13 @@
 #include "codegen/driver.h"
 
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 
+#include "support/test_folder.h"
 #include "test_project.h"
 
 namespace pelage::codegen::test {
@@ -59,21 +59,8 @@ const Built& built() {
   return once;
 }
 
-struct ToolRun {
-  int status = -1;
-  std::string out, err;
-};
-
-ToolRun runTool(const TestProject& project, const std::string& arguments) {
-  const fs::path out = project.folder() / "stdout", err = project.folder() / "stderr";
-  const std::string command = std::string(PELAGE_CODEGEN_TOOL) + " " + arguments + " >" +
-                              out.string() + " 2>" + err.string();
-  ToolRun run;
-  const int status = std::system(command.c_str());
-  if (WIFEXITED(status)) run.status = WEXITSTATUS(status);
-  run.out = fileText(out);
-  run.err = fileText(err);
-  return run;
+pelage::test::ProgramOutput runTool(const TestProject& project, const std::string& arguments) {
+  return pelage::test::runIn(project.folder(), std::string(PELAGE_CODEGEN_TOOL) + " " + arguments);
 }
 
 TEST(CodegenDriver, WritesTheSameBytesFromAnotherFolderAndAnEmptyCache) {
@@ -722,11 +709,11 @@ TEST(CodegenTool, PrintsASummaryAndThenTakesEverythingFromItsCache) {
   const TestProject project;
   project.copy(kFixture);
   const std::string arguments = project.manifest().string() + " -o " + project.output().string();
-  const ToolRun first = runTool(project, arguments);
-  EXPECT_EQ(first.status, 0) << first.err;
+  const auto first = runTool(project, arguments);
+  EXPECT_EQ(first.code, 0) << first.errors;
   EXPECT_EQ(first.out, "pelage-codegen: 13 permutations, 13 compiled, 0 from cache, 12 distinct\n");
-  const ToolRun second = runTool(project, arguments);
-  EXPECT_EQ(second.status, 0) << second.err;
+  const auto second = runTool(project, arguments);
+  EXPECT_EQ(second.code, 0) << second.errors;
   EXPECT_EQ(second.out,
             "pelage-codegen: 13 permutations, 0 compiled, 13 from cache, 12 distinct\n");
 }
@@ -735,20 +722,21 @@ TEST(CodegenTool, ExitsWithOneAndTheErrorsInGccFormat) {
   const TestProject project;
   project.write("manifest.json", manifestWith(computeKernel("good")));
   project.write("good.hlsl", "void good() {}\n");
-  const ToolRun run =
+  const auto run =
       runTool(project, project.manifest().string() + " -o " + project.output().string());
-  EXPECT_EQ(run.status, 1);
+  EXPECT_EQ(run.code, 1);
   EXPECT_TRUE(run.out.empty()) << run.out;
-  EXPECT_TRUE(run.err.starts_with((project.folder() / "src/good.hlsl").string() + ":1: error: [PK"))
-      << run.err;
+  EXPECT_TRUE(
+      run.errors.starts_with((project.folder() / "src/good.hlsl").string() + ":1: error: [PK"))
+      << run.errors;
 }
 
 TEST(CodegenTool, ExplainsItselfWhenArgumentsAreMissing) {
   const TestProject project;
-  const ToolRun run = runTool(project, "");
-  EXPECT_EQ(run.status, 2);
-  EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
-  EXPECT_NE(runTool(project, "/does/not/exist.json -o x").status, 0);
+  const auto run = runTool(project, "");
+  EXPECT_EQ(run.code, 2);
+  EXPECT_EQ(std::count(run.errors.begin(), run.errors.end(), '\n'), 1) << run.errors;
+  EXPECT_NE(runTool(project, "/does/not/exist.json -o x").code, 0);
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 // Parts of the generator by themselves.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <bit>
 #include <cstdlib>
@@ -21,11 +20,13 @@
 #include "codegen/names.h"
 #include "codegen/reflect.h"
 #include "codegen/spirv_reader.h"
+#include "support/test_folder.h"
 
 namespace pelage::codegen {
 namespace {
 
 namespace fs = std::filesystem;
+using pelage::test::TestFolder;
 
 TEST(Hash, GivesTheExamplesOfTheStandard) {
   // FIPS 180-2, appendix B.
@@ -78,17 +79,10 @@ TEST(Constants, AreReadBackAsTheSameBits) {
 
 class ManifestTest : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("pelage-manifest-test-" + std::to_string(getpid()));
-    fs::create_directories(folder_);
-    std::ofstream(folder_ / "k.hlsl") << "\n";
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
+  void SetUp() override { (void)folder_.write("k.hlsl", "\n"); }
   Manifest read(const std::string& text) {
-    std::ofstream(folder_ / "manifest.json", std::ios::binary) << text;
     diagnostics_ = {};
-    return readManifest(folder_ / "manifest.json", diagnostics_);
+    return readManifest(folder_.write("manifest.json", text), diagnostics_);
   }
   // The text of the only error: "line code".
   std::string error(const std::string& text) {
@@ -107,7 +101,7 @@ class ManifestTest : public testing::Test {
            "}\n]}\n";
   }
 
-  fs::path folder_;
+  const TestFolder folder_;
   Diagnostics diagnostics_;
 };
 
@@ -349,21 +343,15 @@ TEST(HostStruct, RefusesWhatCppOrTheOtherSideCannotExpress) {
 
 class FrontEndTest : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("pelage-front-end-test-" + std::to_string(getpid()));
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
   FrontEndOutput compile(const std::string& text) {
-    std::ofstream(folder_ / "k.hlsl", std::ios::binary) << text;
+    (void)folder_.write("k.hlsl", text);
     FrontEndInput input;
-    input.baseDir = folder_;
+    input.baseDir = folder_.path();
     input.file = "k.hlsl";
     input.entry = "k";
     return compileHlsl(input);
   }
-  fs::path folder_;
+  const TestFolder folder_;
 };
 
 TEST_F(FrontEndTest, NamesFileAndLineOfAnErrorInAnInclude) {
@@ -380,7 +368,7 @@ TEST_F(FrontEndTest, NamesFileAndLineOfAnErrorInAnInclude) {
 TEST_F(FrontEndTest, EndsAnIncludeThatIncludesItself) {
   std::ofstream(folder_ / "loop.hlsli") << "#include \"loop.hlsli\"\n";
   EXPECT_FALSE(compile("#include \"loop.hlsli\"\n[numthreads(1, 1, 1)] void k() {}\n").ok);
-  IncludeScanner scanner(folder_, {});
+  IncludeScanner scanner(folder_.path(), {});
   EXPECT_EQ(scanner.closure("k.hlsl"), (std::vector<std::string>{"k.hlsl", "loop.hlsli"}));
 }
 

@@ -1,6 +1,5 @@
 // Child processes that take one job after the other: whom they blame when they die.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -10,12 +9,14 @@
 #include <vector>
 
 #include "codegen/process.h"
+#include "support/test_folder.h"
 
 namespace pelage::codegen {
 namespace {
 
 namespace fs = std::filesystem;
 using End = ProcessResult::End;
+using pelage::test::TestFolder;
 
 // Speaks the protocol of serveJobs(). What it does depends on the job's name and on how many jobs
 // this child has had.
@@ -39,15 +40,7 @@ exit 0
 
 class CodegenWorker : public testing::Test {
  protected:
-  CodegenWorker() {
-    fs::create_directories(folder_);
-    std::ofstream(program()) << kChild;
-    fs::permissions(program(), fs::perms::owner_all);
-  }
-  ~CodegenWorker() override {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-  }
+  CodegenWorker() { fs::permissions(folder_.write("child", kChild), fs::perms::owner_all); }
 
   fs::path program() const { return folder_ / "child"; }
   ProcessResult run(const std::string& job, std::chrono::seconds timeout = kLong) {
@@ -62,8 +55,7 @@ class CodegenWorker : public testing::Test {
   }
 
   static constexpr std::chrono::seconds kLong{300};
-  const fs::path folder_ =
-      fs::temp_directory_path() / ("pelage-worker-" + std::to_string(getpid()));
+  const TestFolder folder_;
   Worker worker_{program()};
 };
 

@@ -6,13 +6,13 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
-#include <iterator>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "pelage/kernels.h"
 #include "pelage/tier.h"
+#include "support/test_folder.h"
 
 namespace pelage::test {
 namespace {
@@ -239,10 +239,7 @@ TEST(LimitsPage, IsInSyncWithTheKernels) {
     std::ofstream(file, std::ios::binary) << wanted;
     GTEST_SKIP() << "wrote " << file;
   }
-  std::ifstream stream(file, std::ios::binary);
-  const std::string found((std::istreambuf_iterator<char>(stream)),
-                          std::istreambuf_iterator<char>());
-  EXPECT_EQ(found, wanted) << "build the target limits_page";
+  EXPECT_EQ(textOf(file), wanted) << "build the target limits_page";
 }
 
 }  // namespace

@@ -1,29 +1,17 @@
 #include "test_project.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <fstream>
-#include <iterator>
 
 namespace pelage::codegen::test {
 
 namespace fs = std::filesystem;
 
-TestProject::TestProject() {
-  static int counter = 0;
-  folder_ = fs::temp_directory_path() /
-            ("pelage-codegen-test-" + std::to_string(getpid()) + "-" + std::to_string(counter++));
-  fs::create_directories(folder_ / "src");
-}
-
-TestProject::~TestProject() {
-  std::error_code ignored;
-  fs::remove_all(folder_, ignored);
-}
+TestProject::TestProject() { fs::create_directories(folder_ / "src"); }
 
 void TestProject::write(const std::string& name, std::string_view text) const {
-  const fs::path path = folder_ / "src" / name;
+  const fs::path path = folder() / "src" / name;
   fs::create_directories(path.parent_path());
   std::ofstream stream(path, std::ios::binary);
   stream << text;
@@ -67,9 +55,8 @@ std::string computeKernel(std::string_view name, std::string_view more) {
 }
 
 std::string fileText(const fs::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  EXPECT_TRUE(stream.good()) << path;
-  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  EXPECT_TRUE(fs::is_regular_file(path)) << path;
+  return pelage::test::textOf(path);
 }
 
 }  // namespace pelage::codegen::test

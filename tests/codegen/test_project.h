@@ -7,17 +7,15 @@
 #include <string_view>
 
 #include "codegen/driver.h"
+#include "support/test_folder.h"
 
 namespace pelage::codegen::test {
 
 class TestProject {
  public:
   TestProject();
-  ~TestProject();
-  TestProject(const TestProject&) = delete;
-  TestProject& operator=(const TestProject&) = delete;
 
-  const std::filesystem::path& folder() const { return folder_; }
+  const std::filesystem::path& folder() const { return folder_.path(); }
   std::filesystem::path manifest() const { return folder_ / "src" / "manifest.json"; }
   std::filesystem::path output() const { return folder_ / "out"; }
 
@@ -31,7 +29,7 @@ class TestProject {
   std::map<std::string, std::string> outputs() const;
 
  private:
-  std::filesystem::path folder_;
+  pelage::test::TestFolder folder_;
 };
 
 /// A manifest with one group "g" of the layouts "First" and "Second", and these kernels.

@@ -7,25 +7,19 @@
 #include "contact/contact_run.h"
 #include "pelage/constants.h"
 #include "pelage/gpu_structs.h"
-#include "support/extremes.h"
-#include "support/required_devices.h"
+#include "support/not_numbers.h"
+#include "support/scene_test.h"
 
 namespace pelage::test {
 namespace {
 
-constexpr double kRadius = 0.05;
+constexpr double kCylinderRadius = 0.05;
 constexpr uint32_t kPixels = 256;
 constexpr float kEyeDistance = 0.25f;
 using contact_records::kContactMore, contact_records::kContactSlides;
 
 /// Of the plane z = 0, from a camera on the z axis.
-View viewOf() {
-  View view;
-  view.eye = {0, 0, kEyeDistance};
-  view.worldToClip = lookAt(view.eye, {0, 0, 0}, {0, 1, 0}, 0.785f, 1, 0.1f, 10.0f);
-  view.width = view.height = kPixels;
-  return view;
-}
+View viewOfPlane() { return SceneRun::viewFrom({0, 0, kEyeDistance}, kPixels); }
 
 /// Where a point of that plane is in the picture [pixels].
 Point pixelOf(const Point& p) {
@@ -56,22 +50,13 @@ double distanceToSegment(const Point& p, const Needle& needle) {
   return distance(p, {needle.foot.x + along.x * t, needle.foot.y + along.y * t, 0});
 }
 
-class ContactDraw : public testing::TestWithParam<Api> {
+class ContactDraw : public SceneTest {
  protected:
-  ContactDraw() : run_(sharedSceneRun(GetParam())) {}
-  void SetUp() override {
-    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
-  }
-  void TearDown() override { run_.clear(); }
-
   /// 0.3 m of hair that falls onto the cylinder along z.
   HairObject& addHair(float friction, int vertices = 32, double root = -0.07) {
-    const Result<HairId> added = run_.scene.addHair(
-        strandAsset(straight(vertices, {root, 0.06, 0}, {root + 0.3, 0.06, 0})), {});
-    EXPECT_TRUE(added);
-    id_ = *added;
-    const CapsuleCollider capsule = cylinder(static_cast<float>(kRadius), friction);
-    hair().setColliders({&capsule, 1});
+    run_.add(strandAsset(straight(vertices, {root, 0.06, 0}, {root + 0.3, 0.06, 0})));
+    id_ = run_.lastHair();
+    setCollider(hair(), cylinder(static_cast<float>(kCylinderRadius), friction));
     return hair();
   }
   HairObject& hair() { return run_.scene.hair(id_); }
@@ -106,14 +91,8 @@ class ContactDraw : public testing::TestWithParam<Api> {
   }
   /// A picture of the contacts alone.
   std::vector<Float4> picture(PassList& list) {
-    expectOk(run_.scene.drawContacts(id_, viewOf(), look_, list));
-    run_.scene.finish(list);
-    expectOk(run_.device()->update(run_.scene.resources()));
-    RenderTargetDef target;
-    target.width = target.height = kPixels;
-    const Result<RenderedImage> image = run_.device()->render(list, target);
-    EXPECT_TRUE(image) << image.error().message;
-    return image ? image->pixels : std::vector<Float4>();
+    expectOk(run_.scene.drawContacts(id_, viewOfPlane(), look_, list));
+    return run_.render(list, kPixels).pixels;
   }
   static size_t covered(const std::vector<Float4>& pixels) {
     return static_cast<size_t>(std::ranges::count_if(
@@ -135,7 +114,6 @@ class ContactDraw : public testing::TestWithParam<Api> {
     }
   }
 
-  SceneRun& run_;
   HairId id_ = HairId::kInvalid;
   ContactLook look_ = {.length = 0.02f};
 };
@@ -165,7 +143,7 @@ TEST_P(ContactDraw, PixelsAreWhereContactsAreAndNowhereElse) {
       ASSERT_LT(nearest, 3) << p.x << ", " << p.y;
     }
     for (const Needle& n : expected) ++(n.slides ? sliding : others);
-    EXPECT_TRUE(run_.scene.removeHair(id_));
+    run_.remove(id_);
   }
   EXPECT_GT(sliding, 0u);
   EXPECT_GT(others, 0u);
@@ -184,11 +162,10 @@ TEST_P(ContactDraw, NothingIsDrawnWhereNothingTouches) {
     EXPECT_EQ(list.passes.size(), 1u);
   }
   // Within the ball around all strands, but near none of them.
-  const CapsuleCollider apart = {.head = {-0.07f, 0.25f, 0},
-                                 .headRadius = 0.02f,
-                                 .tail = {-0.07f, 0.25f, 0},
-                                 .tailRadius = 0.02f};
-  hair().setColliders({&apart, 1});
+  setCollider(hair(), {.head = {-0.07f, 0.25f, 0},
+                       .headRadius = 0.02f,
+                       .tail = {-0.07f, 0.25f, 0},
+                       .tailRadius = 0.02f});
   for (int frame = 0; frame < 5; ++frame) run_.step();
   {
     PassList list;
@@ -196,8 +173,7 @@ TEST_P(ContactDraw, NothingIsDrawnWhereNothingTouches) {
     EXPECT_EQ(list.passes.size(), 1u) << "contacts were looked for";
   }
   // No collider at all: what was found last time is over.
-  const CapsuleCollider capsule = cylinder(static_cast<float>(kRadius), 0.3f);
-  hair().setColliders({&capsule, 1});
+  setCollider(hair(), cylinder(static_cast<float>(kCylinderRadius), 0.3f));
   hair().reset();
   for (int frame = 0; frame < 20; ++frame) run_.step();
   const auto counters = [&] {
@@ -212,7 +188,6 @@ TEST_P(ContactDraw, NothingIsDrawnWhereNothingTouches) {
   EXPECT_TRUE(list.passes.empty());
   EXPECT_EQ(counters().records, 0u);
   EXPECT_EQ(counters().furtherPasses, 0u);
-  EXPECT_TRUE(run_.scene.removeHair(id_));
 }
 
 TEST_P(ContactDraw, TheDeepestVertexIsThatOfThePositions) {
@@ -228,17 +203,13 @@ TEST_P(ContactDraw, TheDeepestVertexIsThatOfThePositions) {
     EXPECT_TRUE(found) << found.error().message;
     return double{*found};
   };
-  EXPECT_NEAR(deepest(), std::max(depthInCylinder(positions, 32, kRadius), 0.0), 2e-5);
+  EXPECT_NEAR(deepest(), std::max(depthInCylinder(positions, 32, kCylinderRadius), 0.0), 2e-5);
   for (Float4& p : positions) p.y -= 0.002f;
   // Planes are not the cylinder, from which they curve away.
-  EXPECT_NEAR(deepest(), depthInCylinder(positions, 32, kRadius), 1e-4);
-  for (Float4& p : positions) p.y = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_NEAR(deepest(), depthInCylinder(positions, 32, kCylinderRadius), 1e-4);
+  for (Float4& p : positions) p.y = kNan;
   EXPECT_TRUE(std::isinf(deepest()));
-  const Result<float> refused =
-      run_.scene.deepestContact(id_, *records, std::span(*words).first(16), {});
-  ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().message.find("16"), std::string::npos) << refused.error().message;
-  EXPECT_TRUE(run_.scene.removeHair(id_));
+  expectError(run_.scene.deepestContact(id_, *records, std::span(*words).first(16), {}), "16");
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ContactDraw, testing::ValuesIn(kApis), apiTestName);
@@ -253,18 +224,18 @@ TEST(ContactDrawErrors, NameTheMemberThatIsOutOfRange) {
     EXPECT_TRUE(list.passes.empty());
     return drawn ? std::string() : drawn.error().message;
   };
-  EXPECT_EQ(message(viewOf(), {}), "");
-  for (const float bad : {0.0f, -1.0f, std::numeric_limits<float>::infinity(),
-                          std::numeric_limits<float>::quiet_NaN()}) {
-    EXPECT_NE(message(viewOf(), {.length = bad}).find("length"), std::string::npos) << bad;
-    EXPECT_NE(message(viewOf(), {.width = bad}).find("width"), std::string::npos) << bad;
-    EXPECT_NE(message(viewOf(), {.deepestDepth = bad}).find("deepestDepth"), std::string::npos);
+  EXPECT_EQ(message(viewOfPlane(), {}), "");
+  for (const float bad : {0.0f, -1.0f, kInf, kNan}) {
+    EXPECT_NE(message(viewOfPlane(), {.length = bad}).find("length"), std::string::npos) << bad;
+    EXPECT_NE(message(viewOfPlane(), {.width = bad}).find("width"), std::string::npos) << bad;
+    EXPECT_NE(message(viewOfPlane(), {.deepestDepth = bad}).find("deepestDepth"),
+              std::string::npos);
   }
-  View empty = viewOf();
+  View empty = viewOfPlane();
   empty.width = 0;
   EXPECT_NE(message(empty, {}).find("pixels"), std::string::npos);
-  View broken = viewOf();
-  broken.worldToClip.rows[0].x = std::numeric_limits<float>::quiet_NaN();
+  View broken = viewOfPlane();
+  broken.worldToClip.rows[0].x = kNan;
   EXPECT_NE(message(broken, {}).find("worldToClip"), std::string::npos);
 }
 

@@ -1,14 +1,12 @@
 // Strands against capsules and meshes in a scene, and what is measured of them.
 #pragma once
 
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 #include <vector>
 
+#include "support/collision_shapes.h"
 #include "support/plain_asset.h"
-#include "support/scene_run.h"
+#include "support/strand_measures.h"
 
 namespace pelage::test {
 
@@ -24,14 +22,25 @@ inline double distance(const Point& a, const Point& b) {
 
 /// One strand.
 inline HairAsset strandAsset(const std::vector<Point>& points) {
-  HairAsset asset;
-  asset.strandCount = 1;
-  asset.verticesPerStrand = static_cast<uint32_t>(points.size());
-  for (const Point& p : points)
-    asset.positions.push_back(
-        {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z), 1});
-  expectOk(asset.process());
-  return asset;
+  return strandsAt(1, static_cast<uint32_t>(points.size()), [&](uint32_t, uint32_t v) {
+    const Point& p = points[v];
+    return Float3{static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+  });
+}
+
+/// Strands of 0.3 m along a direction, beside each other along z.
+inline HairAsset combAsset(uint32_t strands, uint32_t vertices,
+                           const Vector3d& direction = {1, 0, 0}) {
+  return strandsAt(strands, vertices, [&](uint32_t s, uint32_t v) {
+    return toFloat3(Vector3d(0, 0, 0.01 * s) + direction * (0.3 * v / (vertices - 1)));
+  });
+}
+
+/// A vertex at the origin that hangs 500 m to the side: its strand holds it there and nowhere else.
+inline HairAsset vertexOnALongStrand() {
+  return strandsAt(1, 3, [](uint32_t, uint32_t v) {
+    return Float3{0, 0, 1000 - 500 * static_cast<float>(v)};
+  });
 }
 
 inline std::vector<Point> straight(int count, const Point& from, const Point& to) {
@@ -78,15 +87,7 @@ inline CollisionMesh cylinderMesh(double radius, double half, int sides) {
 
 /// A closed box around the origin, its top in the plane y = 0.
 inline CollisionMesh slabMesh(float halfWidth, float depth) {
-  CollisionMesh mesh;
-  for (int i = 0; i < 8; ++i) {
-    mesh.positions.push_back({(i & 1) != 0 ? halfWidth : -halfWidth, (i & 2) != 0 ? 0 : -depth,
-                              (i & 4) != 0 ? halfWidth : -halfWidth});
-    mesh.normals.push_back({0, 1, 0});
-  }
-  mesh.indices = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
-                  2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
-  return mesh;
+  return toMesh(reference::box({-halfWidth, -depth, -halfWidth}, {halfWidth, 0, halfWidth}));
 }
 
 /// What a vertex did in the last frames. A NaN makes every figure a NaN or infinite.

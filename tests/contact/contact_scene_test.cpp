@@ -4,33 +4,27 @@
 #include <numbers>
 
 #include "contact/contact_run.h"
-#include "support/extremes.h"
-#include "support/required_devices.h"
+#include "support/not_numbers.h"
+#include "support/scene_test.h"
 
 namespace pelage::test {
 namespace {
 
-constexpr float kFrame = 1.0f / 60;
+enum class ColliderShape : uint8_t { kCapsule, kMesh };
 
-enum class Shape : uint8_t { kCapsule, kMesh };
+SimulationSettings settingsOf(float bendLength, float damping = 0.06f) {
+  SimulationSettings s;
+  s.bendLength = bendLength;
+  s.damping = damping;
+  s.vspCoefficient = 0;
+  s.vspThreshold = kInf;
+  return s;
+}
 
-class ContactScene : public testing::TestWithParam<std::tuple<Api, Shape>> {
+class ContactScene : public SceneTestOn<std::tuple<Api, ColliderShape>> {
  protected:
-  ContactScene() : run_(sharedSceneRun(std::get<0>(GetParam()))) {}
-  void SetUp() override {
-    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
-  }
-  void TearDown() override { run_.clear(); }
-  bool mesh() const { return std::get<1>(GetParam()) == Shape::kMesh; }
+  bool mesh() const { return std::get<1>(GetParam()) == ColliderShape::kMesh; }
 
-  static SimulationSettings settings(float bendLength, float damping = 0.06f) {
-    SimulationSettings s;
-    s.bendLength = bendLength;
-    s.damping = damping;
-    s.vspCoefficient = 0;
-    s.vspThreshold = std::numeric_limits<float>::infinity();
-    return s;
-  }
   HairObject& addStrand(const std::vector<Point>& points, const SimulationSettings& s) {
     hair_ = &run_.add(strandAsset(points), {.settings = s});
     return *hair_;
@@ -38,23 +32,19 @@ class ContactScene : public testing::TestWithParam<std::tuple<Api, Shape>> {
   /// A cylinder along z of 5 cm.
   void addCylinder(float friction) {
     if (!mesh()) {
-      const CapsuleCollider capsule = cylinder(0.05f, friction);
-      hair_->setColliders({&capsule, 1});
+      setCollider(*hair_, cylinder(0.05f, friction));
       return;
     }
-    SdfColliderDef def;
-    def.cellSize = 0.004f;
-    const ColliderId id = run_.add(cylinderMesh(0.05, 0.06, 256), def);
+    const ColliderId id = run_.add(cylinderMesh(0.05, 0.06, 256), {.cellSize = 0.004f});
     run_.scene.collider(id).friction = friction;
     run_.scene.collider(id).margin = 0;
   }
   void step() {
-    run_.step(kFrame);
-    watch_.take(run_.positions(*hair_), static_cast<double>(kFrame));
+    run_.step();
+    watch_.take(run_.positions(*hair_), 1.0 / 60);
   }
   double depth() const { return depthInCylinder(watch_.now, hair_->verticesPerStrand(), 0.05); }
 
-  SceneRun& run_;
   HairObject* hair_ = nullptr;
   Watch watch_;
 };
@@ -65,7 +55,7 @@ std::vector<Point> overShoulder(int count) {
 }
 
 TEST_P(ContactScene, HairOverAShoulderComesToRestAndSleeps) {
-  addStrand(overShoulder(48), settings(0.0467f));
+  addStrand(overShoulder(48), settingsOf(0.0467f));
   addCylinder(0.3f);
   double deepest = -1;
   int resting = 0;
@@ -78,12 +68,11 @@ TEST_P(ContactScene, HairOverAShoulderComesToRestAndSleeps) {
   EXPECT_LT(deepest, 1e-4);
   EXPECT_GT(deepest, -1e-3) << "nothing touched";
   EXPECT_LT(depth(), 5e-5);
-  const auto words = run_.read<uint32_t>(hair_->buffers().sleep);
-  EXPECT_EQ(readCounters(std::as_bytes(std::span(words))).awakeStrands, 0u);
+  EXPECT_EQ(run_.awake(*hair_), 0u);
 }
 
 TEST_P(ContactScene, ALimpRopeOverAFrictionlessCylinderOnlyFalls) {
-  addStrand(straight(64, {-0.07, 0.055, 0}, {0.43, 0.055, 0}), settings(0, 0));
+  addStrand(straight(64, {-0.07, 0.055, 0}, {0.43, 0.055, 0}), settingsOf(0, 0));
   addCylinder(0);
   double lowest = HUGE_VAL, rise = 0, deepest = -1;
   for (int frame = 0; frame < 15; ++frame) {
@@ -105,28 +94,22 @@ double slide(SceneRun& run, double friction, double degreesAbove, double seconds
              uint32_t subSteps = 1) {
   const double angle = std::atan(friction) + degreesAbove * std::numbers::pi / 180;
   // The slope is level, and gravity is inclined.
-  SimulationSettings s;
-  s.bendLength = 0;
-  s.damping = 0;
-  s.vspCoefficient = 0;
-  s.vspThreshold = std::numeric_limits<float>::infinity();
+  SimulationSettings s = settingsOf(0, 0);
   s.gravity = {static_cast<float>(kGravity * std::sin(angle)),
                static_cast<float>(-kGravity * std::cos(angle)), 0};
   s.subSteps = subSteps;
   HairObject& hair =
       run.add(strandAsset(straight(32, {0, 0, -0.25}, {0, 0, 0.25})), {.settings = s});
-  SdfColliderDef def;
-  def.cellSize = 0.02f;
-  const ColliderId id = run.add(slabMesh(0.4f, 0.1f), def);
+  const ColliderId id = run.add(slabMesh(0.4f, 0.1f), {.cellSize = 0.02f});
   run.scene.collider(id).friction = static_cast<float>(friction);
   run.scene.collider(id).margin = 0;
   // The first frame puts the strand there.
-  run.step(kFrame);
+  run.step();
   if (friction > 0)
-    for (int frame = 0; degreesAbove < 0 && frame < 10; ++frame) run.step(kFrame);
+    for (int frame = 0; degreesAbove < 0 && frame < 10; ++frame) run.step();
   const double from = double{run.positions(hair).back().x};
   const int frames = static_cast<int>(std::lround(seconds * 60));
-  for (int frame = 0; frame < frames; ++frame) run.step(kFrame);
+  for (int frame = 0; frame < frames; ++frame) run.step();
   const double slip = double{run.positions(hair).back().x} - from;
   run.clear();
   return slip;
@@ -151,23 +134,23 @@ TEST_P(ContactScene, HairSlidesAboveTheAngleOfFrictionAsCoulombSays) {
 }
 
 TEST_P(ContactScene, ATautLimpStrandStaysOverTheCylinder) {
-  constexpr double kRadius = 0.05;
+  constexpr double kCylinder = 0.05;
   std::vector<Point> points;
-  const double first = std::sqrt(0.1 * 0.1 - kRadius * kRadius);
-  const double at = std::atan2(0.06, -0.08) - std::acos(0.5), second = kRadius * at;
-  const double tx = kRadius * std::cos(at), ty = kRadius * std::sin(at);
+  const double first = std::sqrt(0.1 * 0.1 - kCylinder * kCylinder);
+  const double at = std::atan2(0.06, -0.08) - std::acos(0.5), second = kCylinder * at;
+  const double tx = kCylinder * std::cos(at), ty = kCylinder * std::sin(at);
   for (int i = 0; i < 64; ++i) {
     const double s = (first + second + 0.3) * i / 63;
     if (s < first) {
       points.push_back({-0.08 + (tx + 0.08) * s / first, 0.06 + (ty - 0.06) * s / first, 0});
     } else if (s < first + second) {
-      const double angle = at - (s - first) / kRadius;
-      points.push_back({kRadius * std::cos(angle), kRadius * std::sin(angle), 0});
+      const double angle = at - (s - first) / kCylinder;
+      points.push_back({kCylinder * std::cos(angle), kCylinder * std::sin(angle), 0});
     } else {
-      points.push_back({kRadius, -(s - first - second), 0});
+      points.push_back({kCylinder, -(s - first - second), 0});
     }
   }
-  SimulationSettings s = settings(0);
+  SimulationSettings s = settingsOf(0);
   s.sleep.enabled = false;
   addStrand(points, s);
   addCylinder(0.3f);
@@ -192,11 +175,11 @@ TEST_P(ContactScene, ATurningDrumTakesHairAlong) {
     const double x = i < 2 ? 0 : 0.008 * std::sin(i * 1.2);
     points.push_back({x, std::sqrt(0.0501 * 0.0501 - x * x), -0.06 + 0.003 * i});
   }
-  addStrand(points, settings(0));
+  addStrand(points, settingsOf(0));
   if (mesh()) GTEST_SKIP() << "see scene_sdf_test";
   CapsuleCollider drum = cylinder(0.05f, 1.0f);
   drum.angularVelocity = {0, 0, static_cast<float>(-speed)};
-  hair_->setColliders({&drum, 1});
+  setCollider(*hair_, drum);
   const auto angleOfTip = [&] {
     const Float4& tip = watch_.now.back();
     return std::atan2(double{tip.x}, double{tip.y});
@@ -211,14 +194,16 @@ TEST_P(ContactScene, ATurningDrumTakesHairAlong) {
 
 TEST_P(ContactScene, HairThatIsThrownAtStopsAtTheSurface) {
   if (mesh()) GTEST_SKIP() << "of capsules";
-  addStrand(straight(32, {0, 0, 0}, {0, -0.3, 0}), settings(0.0467f));
+  addStrand(straight(32, {0, 0, 0}, {0, -0.3, 0}), settingsOf(0.0467f));
   double deepest = -1;
   for (int frame = 0; frame < 30; ++frame) {
     const float x = -0.3f + 5.0f / 60 * static_cast<float>(frame);
     const Float3 center = {x, -0.2f, 0.01f};
-    const CapsuleCollider sphere = {
-        .head = center, .headRadius = 0.05f, .tail = center, .tailRadius = 0.05f, .friction = 0.3f};
-    hair_->setColliders({&sphere, 1});
+    setCollider(*hair_, {.head = center,
+                         .headRadius = 0.05f,
+                         .tail = center,
+                         .tailRadius = 0.05f,
+                         .friction = 0.3f});
     step();
     for (size_t i = 2; i < watch_.now.size(); ++i)
       keepLargest(deepest, 0.05 - distance(toPoint(watch_.now[i]), {x, -0.2, 0.01}));
@@ -227,15 +212,16 @@ TEST_P(ContactScene, HairThatIsThrownAtStopsAtTheSurface) {
   EXPECT_GT(deepest, -3e-3) << "nothing touched";
 }
 
-std::string name(const testing::TestParamInfo<std::tuple<Api, Shape>>& info) {
+std::string shapeTestName(const testing::TestParamInfo<std::tuple<Api, ColliderShape>>& info) {
   return std::string(apiName(std::get<0>(info.param))) +
-         (std::get<1>(info.param) == Shape::kMesh ? "Mesh" : "Capsule");
+         (std::get<1>(info.param) == ColliderShape::kMesh ? "Mesh" : "Capsule");
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ContactScene,
                          testing::Combine(testing::ValuesIn(kApis),
-                                          testing::Values(Shape::kCapsule, Shape::kMesh)),
-                         name);
+                                          testing::Values(ColliderShape::kCapsule,
+                                                          ColliderShape::kMesh)),
+                         shapeTestName);
 
 }  // namespace
 }  // namespace pelage::test

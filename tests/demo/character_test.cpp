@@ -10,8 +10,15 @@
 #include <string>
 #include <vector>
 
+#include "support/errors.h"
+#include "support/not_numbers.h"
+
 namespace pelage {
 namespace {
+
+using test::expectError;
+using test::kNan;
+using test::required;
 
 CharacterDef smallCharacter() {
   CharacterDef def;
@@ -387,8 +394,7 @@ TEST(Character, HasAsMuchHairAsWasAskedForAndTakesTheEdgesOfItsRanges) {
     CharacterDef def = smallCharacter();
     def.fur.strandCount = 20;
     change(def);
-    auto character = generateCharacter(def);
-    ASSERT_TRUE(character) << character.error().message;
+    auto character = required(generateCharacter(def));
     const CharacterHairDef sizes[] = {def.longHair, def.fur, def.mohawk};
     for (size_t i = 0; i < 3; ++i) {
       HairAsset& hair = character->grooms[i].hair;
@@ -406,14 +412,10 @@ TEST(Character, RefusesValuesOutOfRangeByName) {
   const auto refused = [](auto change, const char* field) {
     CharacterDef def = smallCharacter();
     change(def);
-    const auto character = generateCharacter(def);
-    ASSERT_FALSE(character) << field;
-    EXPECT_NE(character.error().message.find(field), std::string::npos)
-        << character.error().message;
+    expectError(generateCharacter(def), {field});
   };
-  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
   refused([](CharacterDef& d) { d.cellSize = 0.001f; }, "cellSize");
-  refused([](CharacterDef& d) { d.cellSize = kNaN; }, "cellSize");
+  refused([](CharacterDef& d) { d.cellSize = kNan; }, "cellSize");
   refused([](CharacterDef& d) { d.colliderCellSize = 0.02f; }, "colliderCellSize");
   refused([](CharacterDef& d) { d.longHair.strandCount = 0; }, "longHair.strandCount");
   refused([](CharacterDef& d) { d.fur.verticesPerStrand = 1; }, "fur.verticesPerStrand");

@@ -8,13 +8,21 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
-#include <limits>
 #include <map>
 #include <string>
 #include <vector>
 
+#include "support/errors.h"
+#include "support/not_numbers.h"
+#include "support/test_folder.h"
+
 namespace pelage {
 namespace {
+
+using test::expectError;
+using test::kNan;
+using test::required;
+using test::TestFolder;
 
 GroomDef smallGroom() {
   GroomDef def;
@@ -106,8 +114,7 @@ TEST(HeadMesh, LooksOutwardAndHasTheSizeOfAHead) {
 TEST(Groom, RootsAreAPoissonDiscSampleOfTheScalp) {
   GroomDef def = smallGroom();
   def.strandCount = 1000;
-  const auto groom = generateGroom(def);
-  ASSERT_TRUE(groom) << groom.error().message;
+  const auto groom = required(generateGroom(def));
   const HairAsset& hair = groom->hair;
   EXPECT_GT(groom->rootSpacing, 0.003f);
   double farthestNeighbour = 0;
@@ -191,10 +198,8 @@ TEST(Groom, EqualDefinitionsGiveEqualBytesOnEveryMachine) {  // K24
 TEST(Groom, WritesTheFilesThatTheLoadersRead) {
   const auto groom = generateGroom(smallGroom());
   ASSERT_TRUE(groom);
-  const std::filesystem::path folder = std::filesystem::temp_directory_path() / "pelage_groom_test";
-  std::filesystem::create_directories(folder);
-  const auto written = writeGroom(*groom, folder, "hair");
-  ASSERT_TRUE(written) << written.error().message;
+  const TestFolder folder;
+  required(writeGroom(*groom, folder.path(), "hair"));
   auto hair = loadTfx(folder / "hair.tfx");
   const auto bones = loadTfxBone(folder / "hair.tfxbone", hair->strandCount);
   const auto head = loadTfxMesh(folder / "hair.tfxmesh");
@@ -213,7 +218,6 @@ TEST(Groom, WritesTheFilesThatTheLoadersRead) {
     ASSERT_TRUE(index);
     EXPECT_EQ(*index, bone.index);
   }
-  std::filesystem::remove_all(folder);
   EXPECT_FALSE(writeGroom(*groom, folder / "missing", "hair"));
 }
 
@@ -232,8 +236,7 @@ TEST(Groom, WorksAtTheEdgesOfItsRanges) {
            [](GroomDef& d) { d.thicknessVariation = 0; }}) {
     GroomDef def = smallGroom();
     change(def);
-    auto groom = generateGroom(def);
-    ASSERT_TRUE(groom) << groom.error().message;
+    auto groom = required(generateGroom(def));
     ASSERT_TRUE(groom->hair.process());
     ASSERT_EQ(groom->hair.positions.size(), size_t{def.strandCount} * def.verticesPerStrand);
     ASSERT_EQ(groom->hair.strandThickness.empty(), def.thicknessVariation == 0);
@@ -245,17 +248,14 @@ TEST(Groom, RefusesValuesOutOfRangeByName) {
   const auto refused = [](auto change, const char* field) {
     GroomDef def = smallGroom();
     change(def);
-    const auto groom = generateGroom(def);
-    ASSERT_FALSE(groom) << field;
-    EXPECT_NE(groom.error().message.find(field), std::string::npos);
+    expectError(generateGroom(def), {field});
   };
-  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
   refused([](GroomDef& d) { d.strandCount = 0; }, "strandCount");
   refused([](GroomDef& d) { d.verticesPerStrand = 1; }, "verticesPerStrand");
   refused([](GroomDef& d) { d.verticesPerStrand = 257; }, "verticesPerStrand");
   refused([](GroomDef& d) { d.clumpCount = 4097; }, "clumpCount");
   refused([](GroomDef& d) { d.length = 0; }, "length");
-  refused([](GroomDef& d) { d.length = kNaN; }, "length");
+  refused([](GroomDef& d) { d.length = kNan; }, "length");
   refused([](GroomDef& d) { d.lift = 4; }, "lift");
   refused([](GroomDef& d) { d.noise = -1; }, "noise");
   refused([](GroomDef& d) { d.style = static_cast<HairStyle>(9); }, "style");

@@ -4,16 +4,18 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "pelage/random.h"
+#include "support/test_folder.h"
 #include "targets.h"
 
 namespace pelage::fuzz {
 namespace {
+
+using test::bytesOf;
 
 struct Target {
   const char* name;
@@ -30,13 +32,6 @@ constexpr Target kTargets[] = {
 #endif
 };
 
-std::vector<std::byte> readAll(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  const auto bytes = std::as_bytes(std::span(text));
-  return {bytes.begin(), bytes.end()};
-}
-
 class Corpus : public testing::TestWithParam<Target> {
  protected:
   static std::vector<std::filesystem::path> files() {
@@ -52,7 +47,7 @@ class Corpus : public testing::TestWithParam<Target> {
 TEST_P(Corpus, KeepsEveryPromiseAndTakesWhatIsValid) {
   int valid = 0;
   for (const auto& path : files()) {
-    const Outcome outcome = GetParam().run(readAll(path));
+    const Outcome outcome = GetParam().run(bytesOf(path));
     EXPECT_EQ(outcome.fault, "") << path;
     if (path.filename().string().rfind("valid", 0) != 0) continue;
     EXPECT_TRUE(outcome.loaded) << path;
@@ -63,13 +58,33 @@ TEST_P(Corpus, KeepsEveryPromiseAndTakesWhatIsValid) {
 
 TEST_P(Corpus, EveryTruncationKeepsEveryPromise) {
   for (const auto& path : files()) {
-    const std::vector<std::byte> whole = readAll(path);
+    const std::vector<std::byte> whole = bytesOf(path);
     for (size_t size = 0; size < whole.size(); ++size) {
       // A copy of its own, so that a sanitizer sees a read past the end.
       const std::vector<std::byte> part(whole.begin(),
                                         whole.begin() + static_cast<std::ptrdiff_t>(size));
       ASSERT_EQ(GetParam().run(part).fault, "") << path << " cut to " << size;
     }
+  }
+}
+
+// Bits that flip and characters of numbers, most of them at the start, where they do more.
+TEST_P(Corpus, RandomDamageKeepsEveryPromise) {
+  std::vector<std::vector<std::byte>> whole;
+  for (const auto& path : files()) whole.push_back(bytesOf(path));
+  Random random(11);
+  for (size_t round = 0; round < 10000; ++round) {
+    std::vector<std::byte> bytes = whole[round % whole.size()];
+    const auto size = static_cast<uint32_t>(bytes.size());
+    for (uint32_t k = 1 + random.below(4); k > 0 && size > 0; --k) {
+      std::byte& byte = bytes[random.below(random.below(2) == 0 ? std::min(size, 64u) : size)];
+      constexpr std::string_view kCharacters = "0123456789-+.eE ";
+      if (random.below(2) == 0)
+        byte ^= static_cast<std::byte>(1u << random.below(8));
+      else
+        byte = static_cast<std::byte>(kCharacters[random.below(kCharacters.size())]);
+    }
+    ASSERT_EQ(GetParam().run(bytes).fault, "") << "file " << round % whole.size() << ", " << round;
   }
 }
 

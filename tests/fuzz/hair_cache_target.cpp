@@ -10,7 +10,7 @@
 namespace pelage::fuzz {
 namespace {
 
-using namespace detail::hair_cache;
+namespace format = detail::hair_cache;
 using Bytes = std::vector<std::byte>;
 
 template <class T>
@@ -20,39 +20,38 @@ T get(const Bytes& bytes, size_t offset) {
   return value;
 }
 
-// Makes the checksums right as far as the file has what they are of, so that what is behind them is
-// fuzzed, too.
-Bytes sealed(std::span<const std::byte> in) {
+// Makes the checksums right as far as the file has what they are of.
+Bytes sealedHairCache(std::span<const std::byte> in) {
   Bytes bytes(in.begin(), in.end());
-  if (bytes.size() < sizeof(Header) + sizeof(Footer)) return bytes;
+  if (bytes.size() < sizeof(format::Header) + sizeof(format::Footer)) return bytes;
   const std::span<const std::byte> all(bytes);
-  auto header = get<Header>(bytes, 0);
+  auto header = get<format::Header>(bytes, 0);
   const uint64_t tables = uint64_t{header.strandCount} * (header.hasIds ? 8 : 0) +
                           uint64_t{header.strandCount} * (header.verticesPerStrand ? 0 : 4) +
                           header.nameLength;
-  if (tables <= bytes.size() - sizeof(Header))
-    header.tablesChecksum = detail::hash64(all.subspan(sizeof(Header), tables));
+  if (tables <= bytes.size() - sizeof(format::Header))
+    header.tablesChecksum = detail::hash64(all.subspan(sizeof(format::Header), tables));
   std::memcpy(bytes.data(), &header, sizeof(header));
-  header.checksum = detail::hash64(all.first(offsetof(Header, checksum)));
+  header.checksum = detail::hash64(all.first(offsetof(format::Header, checksum)));
   std::memcpy(bytes.data(), &header, sizeof(header));
 
-  const size_t footerAt = bytes.size() - sizeof(Footer);
-  auto footer = get<Footer>(bytes, footerAt);
+  const size_t footerAt = bytes.size() - sizeof(format::Footer);
+  auto footer = get<format::Footer>(bytes, footerAt);
   if (footer.indexOffset > footerAt) return bytes;
-  for (size_t at = footer.indexOffset; at + sizeof(IndexEntry) <= footerAt;
-       at += sizeof(IndexEntry)) {
-    auto entry = get<IndexEntry>(bytes, at);
+  for (size_t at = footer.indexOffset; at + sizeof(format::IndexEntry) <= footerAt;
+       at += sizeof(format::IndexEntry)) {
+    auto entry = get<format::IndexEntry>(bytes, at);
     if (entry.offset > footerAt || entry.byteCount > footerAt - entry.offset) continue;
     entry.checksum = detail::hash64(all.subspan(entry.offset, entry.byteCount));
     std::memcpy(bytes.data() + at, &entry, sizeof(entry));
   }
-  footer.checksum = detail::hash64(
-      all.subspan(footer.indexOffset, footerAt + offsetof(Footer, checksum) - footer.indexOffset));
+  footer.checksum = detail::hash64(all.subspan(
+      footer.indexOffset, footerAt + offsetof(format::Footer, checksum) - footer.indexOffset));
   std::memcpy(bytes.data() + footerAt, &footer, sizeof(footer));
   return bytes;
 }
 
-Outcome check(std::span<const std::byte> bytes) {
+Outcome checkHairCache(std::span<const std::byte> bytes) {
   auto reader = HairCacheReader::open(std::make_unique<MemorySource>(bytes), kName);
   if (!reader) return refused(reader.error());
   if (!validate(reader->def())) return broken("a def is not valid");
@@ -71,11 +70,7 @@ Outcome check(std::span<const std::byte> bytes) {
 }  // namespace
 
 Outcome haircache(std::span<const std::byte> bytes) {
-  const Outcome plain = check(bytes);
-  if (plain.loaded || !plain.fault.empty()) return plain;
-  Outcome outcome = check(sealed(bytes));
-  outcome.loaded = false;
-  return outcome;
+  return checkAlsoSealed(bytes, checkHairCache, sealedHairCache);
 }
 
 }  // namespace pelage::fuzz

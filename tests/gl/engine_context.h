@@ -3,10 +3,17 @@
 
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
+#include <GL/glcorearb.h>
+#include <gtest/gtest.h>
 
 #include <array>
+#include <memory>
+#include <utility>
 
+#include "pelage/gl.h"
 #include "pelage/headless.h"
+#include "runtime_test/code.h"
+#include "support/required_devices.h"
 
 namespace pelage::test {
 
@@ -63,6 +70,34 @@ class EngineContext {
   EGLDisplay display_ = EGL_NO_DISPLAY;
   EGLContext context_ = EGL_NO_CONTEXT;
   bool current_ = false;
+};
+
+/// Runtimes on the context of an "engine", which is the test.
+class GlContextTest : public testing::TestWithParam<Api> {
+ protected:
+  void SetUp() override {
+    context_ = std::make_unique<EngineContext>(GetParam());
+    if (!context_->current()) PELAGE_SKIP_WITHOUT_DEVICE() << "no OpenGL context through EGL";
+  }
+  void TearDown() override {
+    if (!context_->current()) return;
+    EXPECT_EQ(glGetError_(), GLenum{GL_NO_ERROR});
+  }
+
+  gl::Runtime makeRuntime(gl::ProgramCache cache = {}) {
+    gl::RuntimeDef def;
+    def.getProcAddress = address_;
+    def.programCache = std::move(cache);
+    def.debug = true;
+    Result<gl::Runtime> runtime = gl::Runtime::create(std::move(def));
+    EXPECT_TRUE(runtime) << runtime.error().message;
+    runtime->addCode(runtime_test::allCode());
+    return std::move(*runtime);
+  }
+
+  std::unique_ptr<EngineContext> context_;
+  void* (*address_)(const char*) = eglAddress;
+  PFNGLGETERRORPROC glGetError_ = glFunction<PFNGLGETERRORPROC>("glGetError");
 };
 
 }  // namespace pelage::test

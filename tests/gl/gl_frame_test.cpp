@@ -1,19 +1,16 @@
 // Frames on the OpenGL runtime of an engine: gl::Runtime::record() of a Frame does what record()
 // and recordDraws() of its lists do, and two runtimes on one context do not know of each other.
-#include <GL/glcorearb.h>
 #include <gtest/gtest.h>
 
-#include <memory>
 #include <optional>
-#include <string>
 #include <utility>
 #include <vector>
 
 #include "gl/engine_context.h"
-#include "pelage/gl.h"
 #include "support/delivery_scene.h"
+#include "support/errors.h"
 #include "support/gpu_fixture.h"
-#include "support/required_devices.h"
+#include "support/views.h"
 
 namespace pelage::test {
 namespace {
@@ -120,7 +117,14 @@ class Target {
   GLuint buffers_[4] = {};
 };
 
-using Results = std::vector<std::vector<std::byte>>;
+/// Sum of the alphas.
+float coverageOf(const std::vector<float>& rgba) {
+  float sum = 0;
+  for (size_t i = 3; i < rgba.size(); i += 4) sum += rgba[i];
+  return sum;
+}
+
+using Results = DeliveryScene::Results;
 
 // A scene with a runtime of its own on the context of the test.
 class Player {
@@ -134,14 +138,7 @@ class Player {
     runtime_.emplace(*std::move(made));
   }
 
-  Frame makeFrame(int frame) {
-    Result<Frame> made = scene_.simulate(DeliveryScene::seconds(frame));
-    EXPECT_TRUE(made) << made.error().message;
-    EXPECT_TRUE(made->interpolate(DeliveryScene::kShare));
-    const Light light = {.shadow = HairShadow::kDeep, .shadowSize = 64};
-    EXPECT_TRUE(made->castShadows({&light, 1}));
-    return *std::move(made);
-  }
+  Frame makeFrame(int frame) { return inputs_.makeFrame(frame); }
   void runLists(int frame) {
     inputs_.setInputs(frame);
     expectOk(inputs_.simulate(frame, list_));
@@ -155,13 +152,7 @@ class Player {
     expectOk(runtime_->record(made));
   }
   Results read() {
-    Results all;
-    for (const BufferId buffer : inputs_.results()) {
-      Result<std::vector<std::byte>> bytes = runtime_->read(buffer);
-      EXPECT_TRUE(bytes) << bytes.error().message;
-      all.push_back(bytes ? *std::move(bytes) : std::vector<std::byte>());
-    }
-    return all;
+    return inputs_.readResults([this](BufferId buffer) { return valueOf(runtime_->read(buffer)); });
   }
   Scene& scene() { return scene_; }
   DeliveryScene& inputs() { return inputs_; }
@@ -174,17 +165,16 @@ class Player {
   PassList list_;
 };
 
-class GlFrame : public testing::TestWithParam<Api> {
+View viewOf(uint32_t width, uint32_t height) {
+  return cameraView({.eye = {0.2f, 0.04f, 0.6f},
+                     .target = {0.2f, 0.04f, 0},
+                     .fov = 0.8f,
+                     .width = width,
+                     .height = height});
+}
+
+class GlFrame : public GlContextTest {
  protected:
-  void SetUp() override {
-    context_ = std::make_unique<EngineContext>(GetParam());
-    if (!context_->current()) PELAGE_SKIP_WITHOUT_DEVICE() << "no OpenGL context through EGL";
-  }
-  void TearDown() override {
-    if (context_->current()) {
-      EXPECT_EQ(glFunction<PFNGLGETERRORPROC>("glGetError")(), GLenum{GL_NO_ERROR});
-    }
-  }
   static std::vector<Results> playLists(Solver solver) {
     Player player(solver);
     std::vector<Results> frames;
@@ -195,11 +185,8 @@ class GlFrame : public testing::TestWithParam<Api> {
     EXPECT_NE(frames[2][0], frames[9][0]) << "it moved at all";
     return frames;
   }
-
- private:
-  std::unique_ptr<EngineContext> context_;
 };
-INSTANTIATE_TEST_SUITE_P(, GlFrame, testing::Values(Api::kGl, Api::kGles), apiTestName);
+INSTANTIATE_TEST_SUITE_P(All, GlFrame, testing::Values(Api::kGl, Api::kGles), apiTestName);
 
 TEST_P(GlFrame, MovesHairAsItsListsDo) {
   const std::vector<Results> lists = playLists(Solver::kExact);
@@ -213,8 +200,7 @@ TEST_P(GlFrame, MovesHairAsItsListsDo) {
 TEST_P(GlFrame, MakesNoProgramThatWasNotPrepared) {
   for (const Solver solver : {Solver::kExact, Solver::kClassic}) {
     Player player(solver);
-    const Result<PassList> list = listToPrepare(DeliveryScene::features(solver));
-    ASSERT_TRUE(list) << list.error().message;
+    const Result<PassList> list = required(listToPrepare(DeliveryScene::features(solver)));
     expectOk(player.runtime().prepare(*list));
     const size_t prepared = player.runtime().pipelineTimes().size();
     EXPECT_EQ(prepared, list->passes.size());
@@ -234,11 +220,8 @@ TEST_P(GlFrame, ThatIsDroppedOrRefusedIsAsIfItHadNeverBeen) {
     {
       Frame lost = player.makeFrame(frame);
       if (frame % 2 == 0) {
-        const Result<void> refused = player.runtime().record(lost, std::vector<gl::ViewTarget>(3));
-        ASSERT_FALSE(refused);
-        EXPECT_NE(refused.error().message.find("0 views, but there are 3 targets"),
-                  std::string::npos)
-            << refused.error().message;
+        expectError(player.runtime().record(lost, std::vector<gl::ViewTarget>(3)),
+                    "0 views, but there are 3 targets");
       }
     }
     player.runFrame(frame);
@@ -258,12 +241,7 @@ TEST_P(GlFrame, DrawsEachViewIntoItsTargetAsItsListsDo) {
   std::vector<float> expected[2];
   for (size_t i = 0; i < 2; ++i) {
     const gl::DrawTarget area = targets[i].area();
-    views[i].eye = {0.2f, 0.04f, 0.6f};
-    views[i].worldToClip =
-        lookAt(views[i].eye, {0.2f, 0.04f, 0}, {0, 1, 0}, 0.8f,
-               static_cast<float>(area.width) / static_cast<float>(area.height), 0.05f, 5);
-    views[i].width = area.width;
-    views[i].height = area.height;
+    views[i] = viewOf(area.width, area.height);
     std::vector<PassList> lists;
     expectOk(scene.draw(views[i], {&light, 1}, {.method = methods[i]}, lists));
     for (PassList& list : lists) scene.finish(list);
@@ -274,28 +252,24 @@ TEST_P(GlFrame, DrawsEachViewIntoItsTargetAsItsListsDo) {
       expectOk(player.runtime().recordDraws(lists[k], area));
     }
     expected[i] = targets[i].pixels();
-    float covered = 0;
-    for (size_t k = 3; k < expected[i].size(); k += 4) covered += expected[i][k];
-    ASSERT_GT(covered, 10.0f) << i;
+    ASSERT_GT(coverageOf(expected[i]), 10.0f) << i;
     targets[i].begin(true);
   }
 
-  Result<Frame> frame = scene.simulate(0);
-  ASSERT_TRUE(frame) << frame.error().message;
+  Result<Frame> frame = required(scene.simulate(0));
   std::vector<gl::ViewTarget> viewTargets;
   std::vector<FrameStep> begun;
   for (size_t i = 0; i < 2; ++i) {
-    const Result<uint32_t> view = frame->draw(views[i], {&light, 1}, {.method = methods[i]});
-    ASSERT_TRUE(view) << view.error().message;
+    const Result<uint32_t> view =
+        required(frame->draw(views[i], {&light, 1}, {.method = methods[i]}));
     viewTargets.push_back({targets[i].area(), [&begun, &targets, i](const FrameStep& step) {
                              EXPECT_EQ(step.view, i);
                              begun.push_back(step);
                              targets[i].begin(step.listOfView == 0);
                            }});
   }
-  const Result<void> few = player.runtime().record(*frame, std::span(viewTargets).first(1));
-  ASSERT_FALSE(few);
-  EXPECT_NE(few.error().message.find("2 views, but there are 1 targets"), std::string::npos);
+  expectError(player.runtime().record(*frame, std::span(viewTargets).first(1)),
+              "2 views, but there are 1 targets");
   EXPECT_TRUE(begun.empty());
   expectOk(player.runtime().record(*frame, viewTargets));
   // The first list of each view clears its target, once.
@@ -311,18 +285,14 @@ TEST_P(GlFrame, WritesTheFirstColorAndTheDepthOfAFramebufferAlone) {
   player.inputs().hair(0).material.fiberRadius = 0.001f;
   player.runFrame(0);
   constexpr uint32_t kSize = 48;
-  View view;
-  view.eye = {0.2f, 0.04f, 0.6f};
-  view.worldToClip = lookAt(view.eye, {0.2f, 0.04f, 0}, {0, 1, 0}, 0.8f, 1, 0.05f, 5);
-  view.width = view.height = kSize;
+  const View view = viewOf(kSize, kSize);
   const Light light;
   for (const Transparency method :
        {Transparency::kStochastic, Transparency::kWindowed, Transparency::kShortCut}) {
     std::vector<float> pictures[2];
     for (const bool rich : {false, true}) {
       const Target target(kSize, kSize, rich);
-      Result<Frame> frame = player.scene().simulate(0);
-      ASSERT_TRUE(frame) << frame.error().message;
+      Result<Frame> frame = required(player.scene().simulate(0));
       ASSERT_TRUE(frame->draw(view, {&light, 1}, {.method = method}));
       gl::ViewTarget to = {target.area(), [&](const FrameStep& step) {
                              target.begin(step.listOfView == 0);
@@ -331,10 +301,7 @@ TEST_P(GlFrame, WritesTheFirstColorAndTheDepthOfAFramebufferAlone) {
       // An area of another size is refused before anything is drawn.
       gl::ViewTarget wrong = {{0, 0, kSize, kSize - 1},
                               [](const FrameStep&) { ADD_FAILURE() << "drawing has begun"; }};
-      const Result<void> refused = player.runtime().record(*frame, {&wrong, 1});
-      ASSERT_FALSE(refused);
-      EXPECT_NE(refused.error().message.find("48 x 47"), std::string::npos)
-          << refused.error().message;
+      expectError(player.runtime().record(*frame, {&wrong, 1}), "48 x 47");
       {
         const gl::StateGuard guard(player.runtime());
         expectOk(player.runtime().record(*frame, {&to, 1}));
@@ -342,9 +309,7 @@ TEST_P(GlFrame, WritesTheFirstColorAndTheDepthOfAFramebufferAlone) {
       pictures[rich ? 1 : 0] = target.pixels();
       if (rich) target.expectOthersUntouched(GetParam() == Api::kGles);
     }
-    float covered = 0;
-    for (size_t k = 3; k < pictures[0].size(); k += 4) covered += pictures[0][k];
-    EXPECT_GT(covered, 10.0f);
+    EXPECT_GT(coverageOf(pictures[0]), 10.0f);
     EXPECT_EQ(pictures[0], pictures[1]) << static_cast<int>(method);
   }
 }
@@ -359,9 +324,7 @@ TEST_P(GlFrame, OfTwoScenesOnOneContextHasTheBitsOfEachAlone) {
       ASSERT_EQ(players[i].read(), alone[i][static_cast<size_t>(frame)]) << i << ", " << frame;
   }
   // The runtime of one refuses the other's buffers and frames.
-  const Result<void> updated = players[0].runtime().update(players[1].scene().resources());
-  ASSERT_FALSE(updated);
-  EXPECT_NE(updated.error().message.find("another ResourceTable"), std::string::npos);
+  expectError(players[0].runtime().update(players[1].scene().resources()), "another ResourceTable");
   Frame frame = players[1].makeFrame(0);
   EXPECT_FALSE(players[0].runtime().record(frame));
 }

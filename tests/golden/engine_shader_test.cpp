@@ -11,21 +11,22 @@
 #include "engine_picture.h"
 #include "image.h"
 #include "image_difference.h"
-#include "support/required_devices.h"
+#include "support/gpu_fixture.h"
 
 namespace {
 
 using pelage::Api;
 using pelage::RenderedImage;
+using pelage::test::brightness;
 
-constexpr Api kApis[] = {Api::kVulkan, Api::kGl, Api::kGles};
-constexpr uint32_t kSize = 120;  // pixels
+constexpr uint32_t kHeadSize = 120;  // pixels
 constexpr uint32_t kGuides = 400;
 
 RenderedImage draw(pelage::HeadlessDevice& device, const engine_shader::PictureDef& def) {
   auto image = engine_shader::drawPicture(device, def);
   EXPECT_TRUE(image.ok()) << image.error().message;
-  return image ? *std::move(image) : RenderedImage{kSize, kSize, {kSize * kSize, {0, 0, 0, 0}}};
+  return image ? *std::move(image)
+               : RenderedImage{kHeadSize, kHeadSize, {kHeadSize * kHeadSize, {0, 0, 0, 0}}};
 }
 
 // A device knows buffers by the ids of one scene, so each picture has one of its own.
@@ -43,25 +44,23 @@ std::optional<RenderedImage> drawOn(Api api, const engine_shader::PictureDef& de
 const std::optional<RenderedImage>& pictureOn(Api api) {
   static std::map<Api, std::optional<RenderedImage>> cache;
   const auto [found, made] = cache.try_emplace(api);
-  if (made) found->second = drawOn(api, {.size = kSize, .guides = kGuides});
+  if (made) found->second = drawOn(api, {.size = kHeadSize, .guides = kGuides});
   return found->second;
 }
 
 // What the picture shows is looked at on the first API that there is: it is the same on all of
 // them.
 std::optional<Api> firstApi() {
-  for (const Api api : kApis)
+  for (const Api api : pelage::test::kApis)
     if (pictureOn(api)) return api;
   return std::nullopt;
 }
-
-float brightness(const pelage::Float4& p) { return p.x + p.y + p.z; }
 
 TEST(EngineShader, DrawsHairOnTheHead) {
   const std::optional<Api> api = firstApi();
   if (!api) PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: no device";
   const RenderedImage& hair = *pictureOn(*api);
-  const auto bald = drawOn(*api, {.size = kSize, .guides = kGuides, .hair = false});
+  const auto bald = drawOn(*api, {.size = kHeadSize, .guides = kGuides, .hair = false});
   uint32_t changed = 0, beside = 0;
   for (size_t i = 0; i < hair.pixels.size(); ++i) {
     const pelage::Float4 &with = hair.pixels[i], &without = bald->pixels[i];
@@ -71,16 +70,16 @@ TEST(EngineShader, DrawsHairOnTheHead) {
   }
   std::cout << changed << " pixels are other than those of the bald head, " << beside
             << " are beside it\n";
-  EXPECT_GT(changed, kSize * kSize / 8);
-  EXPECT_GT(beside, kSize * kSize / 50);
+  EXPECT_GT(changed, kHeadSize * kHeadSize / 8);
+  EXPECT_GT(beside, kHeadSize * kHeadSize / 50);
 }
 
 TEST(EngineShader, CastsTheShadowOfTheHairOnHairAndHead) {
   const std::optional<Api> api = firstApi();
   if (!api) PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: no device";
   const RenderedImage& shadowed = *pictureOn(*api);
-  const auto bald = drawOn(*api, {.size = kSize, .guides = kGuides, .hair = false});
-  const auto lit = drawOn(*api, {.size = kSize, .guides = kGuides, .keyShadow = false});
+  const auto bald = drawOn(*api, {.size = kHeadSize, .guides = kGuides, .hair = false});
+  const auto lit = drawOn(*api, {.size = kHeadSize, .guides = kGuides, .keyShadow = false});
   uint32_t darkHair = 0, darkSkin = 0;
   for (size_t i = 0; i < shadowed.pixels.size(); ++i) {
     const float with = brightness(shadowed.pixels[i]), without = brightness(lit->pixels[i]);
@@ -90,15 +89,15 @@ TEST(EngineShader, CastsTheShadowOfTheHairOnHairAndHead) {
     (lit->pixels[i] == bald->pixels[i] ? darkSkin : darkHair) += 1;
   }
   std::cout << darkHair << " pixels with hair and " << darkSkin << " of skin are in the shadow\n";
-  EXPECT_GT(darkHair, kSize * kSize / 50);
-  EXPECT_GT(darkSkin, kSize * kSize / 400);
+  EXPECT_GT(darkHair, kHeadSize * kHeadSize / 50);
+  EXPECT_GT(darkSkin, kHeadSize * kHeadSize / 400);
 }
 
 TEST(EngineShader, DrawsTheSamePictureOnEveryApi) {
   const std::optional<Api> first = firstApi();
   if (!first) PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: no device";
   const sample::ByteImage expected = sample::encodeSrgb(*pictureOn(*first));
-  for (const Api api : kApis) {
+  for (const Api api : pelage::test::kApis) {
     if (api == *first || !pictureOn(api)) continue;
     const pelage::test::ImageDifference d =
         pelage::test::difference(sample::encodeSrgb(*pictureOn(api)), expected, 24);

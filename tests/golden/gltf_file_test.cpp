@@ -4,51 +4,52 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <assimp/Importer.hpp>
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <string>
 #include <tuple>
 
 #include "demo_assets.h"
 #include "pelage/authoring/animation.h"
 #include "pelage/mesh_import.h"
+#include "support/errors.h"
+#include "support/test_folder.h"
 
 namespace {
 
 using pelage::Character;
 using pelage::CollisionMesh;
+using pelage::test::expectError;
+using pelage::test::required;
+using pelage::test::TestFolder;
 
 class GltfFile : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder_ =
-        std::filesystem::temp_directory_path() / ("pelage_gltf_file_" + std::to_string(getpid()));
+    folder_ = std::make_unique<TestFolder>();
     pelage::CharacterDef def;
     def.cellSize = 0.006f;
     def.colliderCellSize = 0.012f;
     def.longHair = {20, 8, 0.3f};
     def.fur = {30, 6, 0.03f};
     def.mohawk = {10, 8, 0.1f};
-    auto made = pelage::generateCharacter(def);
-    ASSERT_TRUE(made) << made.error().message;
+    auto made = required(pelage::generateCharacter(def));
     character_ = std::move(*made);
-    const auto written = sample::writeAssets(character_, folder_);
-    ASSERT_TRUE(written) << written.error().message;
+    required(sample::writeAssets(character_, folder_->path()));
   }
-  static void TearDownTestSuite() { std::filesystem::remove_all(folder_); }
+  static void TearDownTestSuite() { folder_.reset(); }
 
-  static inline std::filesystem::path folder_;
+  static inline std::unique_ptr<TestFolder> folder_;
   static inline Character character_;
 };
 
 TEST_F(GltfFile, HasTheVerticesTheTrianglesAndTheBoneWeightsOfTheMesh) {
-  const auto read = pelage::loadMesh(folder_ / "character.gltf");
-  ASSERT_TRUE(read) << read.error().message;
+  const auto read = required(pelage::loadMesh(*folder_ / "character.gltf"));
   const CollisionMesh& mesh = character_.mesh;
   EXPECT_EQ(read->positions.size(), mesh.positions.size());
   EXPECT_EQ(read->indices.size(), mesh.indices.size());
@@ -86,7 +87,7 @@ TEST_F(GltfFile, HasTheVerticesTheTrianglesAndTheBoneWeightsOfTheMesh) {
 
 TEST_F(GltfFile, HasTheBonesTheMaterialsAndTheAnimations) {
   Assimp::Importer importer;
-  const aiScene* scene = importer.ReadFile((folder_ / "character.gltf").string(), 0);
+  const aiScene* scene = importer.ReadFile((*folder_ / "character.gltf").string(), 0);
   ASSERT_NE(scene, nullptr) << importer.GetErrorString();
   for (const pelage::Bone& bone : character_.skeleton.bones)
     EXPECT_NE(scene->mRootNode->FindNode(bone.name.c_str()), nullptr) << bone.name;
@@ -122,8 +123,7 @@ TEST_F(GltfFile, MovesTheBonesAsTheCharacterDoes) {
   const std::pair<const char*, pelage::CharacterMotion> clips[] = {
       {"walk", pelage::CharacterMotion::kWalk}, {"jump", pelage::CharacterMotion::kJump}};
   for (const auto& [clip, motion] : clips) {
-    const auto animation = pelage::loadAnimation(folder_ / "character.gltf", clip);
-    ASSERT_TRUE(animation) << animation.error().message;
+    const auto animation = required(pelage::loadAnimation(*folder_ / "character.gltf", clip));
     const pelage::CharacterCycle cycle = pelage::characterCycle(motion);
     EXPECT_NEAR(animation->seconds, cycle.end - cycle.start, 1.0 / 30);
     const pelage::Skeleton skeleton = pelage::skeletonOf(*animation);
@@ -148,25 +148,22 @@ TEST_F(GltfFile, MovesTheBonesAsTheCharacterDoes) {
 
 TEST_F(GltfFile, StandsBesideTheFilesOfTheGroomsAndColliders) {
   for (const pelage::CharacterGroom& groom : character_.grooms) {
-    const auto hair = pelage::loadTfx(folder_ / (groom.name + ".tfx"));
-    ASSERT_TRUE(hair) << hair.error().message;
+    const auto hair = required(pelage::loadTfx(*folder_ / (groom.name + ".tfx")));
     EXPECT_EQ(hair->positions, groom.hair.positions);
-    const auto bones = pelage::loadTfxBone(folder_ / (groom.name + ".tfxbone"), hair->strandCount);
-    ASSERT_TRUE(bones) << bones.error().message;
+    const auto bones =
+        required(pelage::loadTfxBone(*folder_ / (groom.name + ".tfxbone"), hair->strandCount));
     EXPECT_EQ(bones->strands, groom.bones.strands);
   }
   for (const pelage::CharacterCollider& collider : character_.colliders) {
-    const auto mesh = pelage::loadTfxMesh(folder_ / (collider.name + ".tfxmesh"));
-    ASSERT_TRUE(mesh) << mesh.error().message;
+    const auto mesh = required(pelage::loadTfxMesh(*folder_ / (collider.name + ".tfxmesh")));
     EXPECT_EQ(mesh->positions, collider.mesh.positions);
     EXPECT_EQ(mesh->influences, collider.mesh.influences);
   }
 }
 
 TEST_F(GltfFile, SaysWhichFileCannotBeWritten) {
-  const auto written = sample::writeGltf(character_, folder_ / "missing" / "character.gltf");
-  ASSERT_FALSE(written);
-  EXPECT_NE(written.error().message.find("character.gltf"), std::string::npos);
+  expectError(sample::writeGltf(character_, *folder_ / "missing" / "character.gltf"),
+              "character.gltf");
 }
 
 }  // namespace

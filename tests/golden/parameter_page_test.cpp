@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <regex>
 #include <set>
@@ -12,9 +11,12 @@
 
 #include "pelage/settings/settings_file.h"
 #include "pelage/simulation_settings.h"
+#include "support/test_folder.h"
 #include "table.h"
 
 namespace {
+
+using pelage::test::textOf;
 
 const std::filesystem::path kSource = PELAGE_SOURCE_DIR;
 
@@ -40,13 +42,6 @@ const std::set<std::string> kNoParameters = {"TransparencyPlan",
                                              "ContactCounters",
                                              "FollowContactCounters",
                                              "DenseSdf"};
-
-std::string contents(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
 
 // The names that one declaration without initialisers declares.
 void addNames(const std::string& declaration, std::set<std::string>& names) {
@@ -105,7 +100,7 @@ TEST(ParameterTable, HasEveryFieldOfItsStructsAndNoOther) {
   std::map<std::string, std::set<std::string>> headers;
   for (const sample::ParameterGroup& group : sample::parameterTable())
     if (headers.count(group.owner) == 0)
-      headers.merge(fieldsOf(contents(kSource / "include" / group.header)));
+      headers.merge(fieldsOf(textOf(kSource / "include" / group.header)));
   for (const auto& [owner, fields] : fieldsOfTable()) EXPECT_EQ(headers[owner], fields) << owner;
 }
 
@@ -162,7 +157,7 @@ TEST(ParameterTable, HasEveryStructOfItsHeadersThatIsSet) {
   std::set<std::string> headers;
   for (const sample::ParameterGroup& group : sample::parameterTable()) headers.insert(group.header);
   for (const std::string& header : headers)
-    for (const auto& [owner, fields] : fieldsOf(contents(kSource / "include" / header)))
+    for (const auto& [owner, fields] : fieldsOf(textOf(kSource / "include" / header)))
       EXPECT_TRUE(table.count(owner) + kNoParameters.count(owner) == 1)
           << owner << " of " << header << " is not in the table of sample/parameters";
 }
@@ -182,7 +177,7 @@ TEST(ParameterTable, PicturesShowValuesThatAreTaken) {
 }
 
 TEST(ParameterPage, IsWhatTheProgramWrites) {
-  EXPECT_EQ(contents(kSource / "docs/parameters.md"), sample::parameterPage())
+  EXPECT_EQ(textOf(kSource / "docs/parameters.md"), sample::parameterPage())
       << "write it again: pelage-parameters --doc docs/parameters.md";
 }
 

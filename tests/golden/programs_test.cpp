@@ -1,10 +1,7 @@
 // Each sample runs on each API, and its picture is judged: it is not empty, not black, has no one
 // color, and hair covers a share of it that can be.
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -12,93 +9,46 @@
 #include <fstream>
 #include <regex>
 #include <set>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "asset_files.h"
 #include "device.h"
-#include "image.h"
 #include "pelage/asset_cache.h"
 #include "pelage/follow_file.h"
 #include "pelage/hair_asset.h"
 #include "png_file.h"
+#include "support/errors.h"
+#include "support/gpu_fixture.h"
+#include "support/picture_statistics.h"
+#include "support/test_folder.h"
 
 namespace {
 
 using pelage::Api;
+using pelage::test::ProgramOutput;
+using pelage::test::required;
+using pelage::test::runIn;
+using pelage::test::TestFolder;
 
-struct Output {
-  int code = -1;
-  std::string out, errors;
-};
-
-std::string contents(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
-/// What a picture shows beside the sample's backdrop.
-struct Statistics {
-  double drawnShare = 0;  ///< of the pixels
-  double mean = 0;        ///< of these pixels' channels, 0..255
-  size_t colors = 0;      ///< different ones of them
-};
-
-Statistics statisticsOf(const sample::ByteImage& image) {
-  pelage::RenderedImage empty;
-  empty.width = image.width;
-  empty.height = image.height;
-  empty.pixels.resize(size_t{image.width} * image.height);
-  sample::compositeOver(empty, {});
-  const sample::ByteImage backdrop = sample::encodeSrgb(empty);
-  Statistics result;
-  std::set<std::array<uint8_t, 3>> colors;
-  size_t drawn = 0;
-  double sum = 0;
-  for (size_t i = 0; i < image.rgb.size(); i += 3) {
-    int change = 0;
-    for (size_t c = 0; c < 3; ++c)
-      change = std::max(change, std::abs(image.rgb[i + c] - backdrop.rgb[i + c]));
-    if (change <= 4) continue;
-    ++drawn;
-    sum += (image.rgb[i] + image.rgb[i + 1] + image.rgb[i + 2]) / 3.0;
-    colors.insert({image.rgb[i], image.rgb[i + 1], image.rgb[i + 2]});
-  }
-  result.drawnShare = static_cast<double>(drawn) / static_cast<double>(empty.pixels.size());
-  if (drawn > 0) result.mean = sum / static_cast<double>(drawn);
-  result.colors = colors.size();
-  return result;
-}
-
-class Programs : public testing::TestWithParam<Api> {
+/// Host code runs on the first API; Programs below, on every one, draws the same pictures there.
+class ProgramsOnce : public testing::Test {
  protected:
+  explicit ProgramsOnce(Api api = pelage::test::kFirstApi) : api_(api) {}
   void SetUp() override {
-    if (auto device = sample::createDevice({.api = GetParam()}); !device)
+    if (auto device = sample::createDevice({.api = api_}); !device)
       GTEST_SKIP() << "skipped: " << device.error().message;
-    folder_ = std::filesystem::temp_directory_path() /
-              ("pelage_programs_" + std::to_string(getpid()) + "_" + api());
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override {
-    if (!folder_.empty()) std::filesystem::remove_all(folder_);
   }
 
-  static std::string api() { return pelage::apiName(GetParam()); }
+  std::string api() const { return pelage::apiName(api_); }
   std::filesystem::path file(const std::string& name) const { return folder_ / name; }
 
-  Output run(const std::string& program, const std::string& arguments) const {
-    const std::string command = "cd '" + folder_.string() + "' && '" + program + "' " + arguments +
-                                " > stdout.txt 2> stderr.txt";
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents(file("stdout.txt")),
-            contents(file("stderr.txt"))};
+  ProgramOutput run(const std::string& program, const std::string& arguments) const {
+    return runIn(folder_.path(), "'" + program + "' " + arguments);
   }
 
   /// Small pictures of a few frames.
-  Output headless(const std::string& arguments) const {
+  ProgramOutput headless(const std::string& arguments) const {
     return run(PELAGE_HEADLESS, "--api " + api() +
                                     " --width 96 --height 96 --supersample 1 --frames 6 --every 3 "
                                     "--out out " +
@@ -106,9 +56,8 @@ class Programs : public testing::TestWithParam<Api> {
   }
 
   void expectPicture(const std::string& name, double leastShare, double mostShare) const {
-    const auto image = sample::readPng(file(name).string());
-    ASSERT_TRUE(image) << image.error().message;
-    const Statistics s = statisticsOf(*image);
+    const auto image = required(sample::readPng(file(name).string()));
+    const auto s = pelage::test::statisticsOf(*image);
     EXPECT_GE(s.drawnShare, leastShare) << name;
     EXPECT_LE(s.drawnShare, mostShare) << name;
     EXPECT_GE(s.mean, 8) << name << " is black";
@@ -117,7 +66,7 @@ class Programs : public testing::TestWithParam<Api> {
   }
 
   /// The share of hair that the program states for its first and its last picture.
-  static std::vector<double> hairShares(const Output& output) {
+  static std::vector<double> hairShares(const ProgramOutput& output) {
     std::vector<double> shares;
     const std::regex line(R"(hair: +([0-9.]+) % of the pixels of frame [0-9]+)");
     for (std::sregex_iterator it(output.out.begin(), output.out.end(), line), end; it != end; ++it)
@@ -125,7 +74,7 @@ class Programs : public testing::TestWithParam<Api> {
     return shares;
   }
 
-  static void expectHair(const Output& output, double least, double most) {
+  static void expectHair(const ProgramOutput& output, double least, double most) {
     ASSERT_EQ(output.code, 0) << output.errors;
     EXPECT_EQ(output.errors, "");
     const std::vector<double> shares = hairShares(output);
@@ -138,7 +87,7 @@ class Programs : public testing::TestWithParam<Api> {
 
   /// The grooms, the colliders and the animations of a small character: "assets".
   void writeCharacter() const {
-    const Output output =
+    const ProgramOutput output =
         run(PELAGE_HEADLESS, "--api " + api() +
                                  " --guides 60 --follow 0 --motion bind --frames 1 --no-images "
                                  "--write-asset assets --quiet");
@@ -159,28 +108,39 @@ class Programs : public testing::TestWithParam<Api> {
     ASSERT_TRUE(pelage::saveTfx(hair, file("cm.tfx")));
   }
 
-  std::filesystem::path folder_;
+  const Api api_;
+  const TestFolder folder_;
+};
+
+class Programs : public ProgramsOnce, public testing::WithParamInterface<Api> {
+ protected:
+  Programs() : ProgramsOnce(GetParam()) {}
 };
 
 TEST_P(Programs, HeadlessDrawsTheCharacter) {
-  const Output output = headless("--guides 80 --follow 3 --motion shake");
+  const ProgramOutput output = headless("--guides 80 --follow 3 --motion shake");
   expectHair(output, 0.02, 0.6);
   for (const char* picture : {"out/frame_0003.png", "out/frame_0006.png"})
     expectPicture(picture, 0.15, 0.95);
   EXPECT_TRUE(std::filesystem::exists(file("out/contact_sheet.png")));
 }
 
-TEST_P(Programs, HeadlessDrawsAHeadByEachSolverAndItsField) {
-  for (const char* arguments :
-       {"--scene head --guides 100", "--scene head --guides 100 --solver classic",
-        "--scene head --guides 100 --colliders sdf --draw-sdf --draw-contacts"}) {
-    const Output output = headless(arguments + std::string(" --follow 3"));
-    expectHair(output, 0.02, 0.7);
+TEST_P(Programs, HeadlessDrawsAHeadAndItsField) {
+  const ProgramOutput output =
+      headless("--scene head --guides 100 --colliders sdf --draw-sdf --draw-contacts --follow 3");
+  expectHair(output, 0.02, 0.7);
+  expectPicture("out/frame_0006.png", 0.1, 0.95);
+}
+
+TEST_F(ProgramsOnce, HeadlessDrawsAHeadByEachSolver) {
+  for (const char* solver : {"exact", "classic"}) {
+    expectHair(headless(std::string("--scene head --guides 100 --follow 3 --solver ") + solver),
+               0.02, 0.7);
     expectPicture("out/frame_0006.png", 0.1, 0.95);
   }
 }
 
-TEST_P(Programs, HeadlessShowsFilesWithSeveralMeshesAnAnimationAndSettings) {
+TEST_F(ProgramsOnce, HeadlessShowsFilesWithSeveralMeshesAnAnimationAndSettings) {
   writeCharacter();
   std::ofstream(file("soft.json")) << R"({
       "simulation": {"bendLength": 0.03, "wind": {"velocity": [1, 0, 0]}},
@@ -188,7 +148,7 @@ TEST_P(Programs, HeadlessShowsFilesWithSeveralMeshesAnAnimationAndSettings) {
       "collider": {"margin": 0.002}, "follow": {"maxRadius": 0.003},
       "lights": [{"shadow": "depth"}, {"color": [0.2, 0.2, 0.3], "shadow": "deep"}],
       "transparency": {"method": "hybrid8"}})";
-  const Output output = headless(
+  const ProgramOutput output = headless(
       "--asset assets/long.tfx --bones assets/long.tfxbone --asset assets/mohawk.tfx "
       "--bones assets/mohawk.tfxbone --mesh assets/body.tfxmesh --mesh assets/leftArm.tfxmesh "
 #ifdef PELAGE_ANIMATIONS
@@ -200,12 +160,11 @@ TEST_P(Programs, HeadlessShowsFilesWithSeveralMeshesAnAnimationAndSettings) {
   expectPicture("out/frame_0006.png", 0.05, 0.95);
 }
 
-TEST_P(Programs, HeadlessShowsFollowHairsOfAFileCachesAndFields) {
+TEST_F(ProgramsOnce, HeadlessShowsFollowHairsOfAFileCachesAndFields) {
   writeCharacter();
   std::vector<std::string> warnings;
-  auto assets = pelage::program::loadAssetFiles(
-      {.hairs = {file("assets/long.tfx")}, .bones = {file("assets/long.tfxbone")}}, warnings);
-  ASSERT_TRUE(assets) << assets.error().message;
+  auto assets = required(pelage::program::loadAssetFiles(
+      {.hairs = {file("assets/long.tfx")}, .bones = {file("assets/long.tfxbone")}}, warnings));
   pelage::CachedHair& hair = assets->hairs[0];
   const auto follow = hair.asset.generateFollowHairs({.countPerGuide = 4, .maxRadius = 0.005f});
   ASSERT_TRUE(follow);
@@ -217,20 +176,20 @@ TEST_P(Programs, HeadlessShowsFollowHairsOfAFileCachesAndFields) {
   for (const std::string& arguments :
        {"--asset assets/long.tfx --bones assets/long.tfxbone --follow-file long.tfxfollow" + mesh,
         "--pelage long.pelage --draw-sdf" + mesh}) {
-    const Output output = headless(arguments);
+    const ProgramOutput output = headless(arguments);
     expectHair(output, 0.02, 0.7);
     EXPECT_NE(output.out.find(count), std::string::npos) << output.out;
   }
-  const Output one = headless("--pelage long.pelage --follow 1 --no-images");
+  const ProgramOutput one = headless("--pelage long.pelage --follow 1 --no-images");
   EXPECT_EQ(one.code, 0) << one.errors;
   EXPECT_NE(one.out.find(", " + std::to_string(hair.asset.strandCount) + " follow hairs"),
             std::string::npos)
       << one.out;
 }
 
-TEST_P(Programs, HeadlessWarnsOfHairInCentimetersAndTakesAScale) {
+TEST_F(ProgramsOnce, HeadlessWarnsOfHairInCentimetersAndTakesAScale) {
   writeCentimeters();
-  const Output wrong = headless("--asset cm.tfx");
+  const ProgramOutput wrong = headless("--asset cm.tfx");
   EXPECT_EQ(wrong.code, 0) << wrong.errors;
   EXPECT_NE(wrong.errors.find("pelage-headless: warning: cm: the strands have a mean length of 28 "
                               "m; hair is shorter than that. Is it in centimeters (a scale of "
@@ -238,40 +197,40 @@ TEST_P(Programs, HeadlessWarnsOfHairInCentimetersAndTakesAScale) {
             std::string::npos)
       << wrong.errors;
   EXPECT_NE(wrong.errors.find("--scale"), std::string::npos);
-  const Output right = headless("--asset cm.tfx --scale 0.01");
+  const ProgramOutput right = headless("--asset cm.tfx --scale 0.01");
   expectHair(right, 0.01, 0.7);
   expectPicture("out/frame_0006.png", 0.01, 0.7);
 }
 
-TEST_P(Programs, HeadlessSaysWhereAPictureShowsNoHair) {
+TEST_F(ProgramsOnce, HeadlessSaysWhereAPictureShowsNoHair) {
   writeCentimeters();
   // Hair of kilometers is less than a hundredth of a percent of a pixel wide.
-  const Output output = headless("--asset cm.tfx --scale 1000 --quiet");
+  const ProgramOutput output = headless("--asset cm.tfx --scale 1000 --quiet");
   EXPECT_EQ(output.code, 0) << output.errors;
   EXPECT_NE(output.errors.find("warning: no hair can be seen in frames 3, 6: "), std::string::npos)
       << output.errors;
-  const Output none =
+  const ProgramOutput none =
       run(PELAGE_HEADLESS, "--api " + api() + " --asset cm.tfx --scale 0.01 --quiet --frames 2");
   EXPECT_EQ(none.code, 0) << none.errors;
   EXPECT_NE(none.errors.find("warning: there is no picture"), std::string::npos) << none.errors;
 }
 
-TEST_P(Programs, EngineShaderDrawsAHead) {
-  const Output output = run(PELAGE_ENGINE_SHADER, "head.png " + api());
+TEST_F(ProgramsOnce, EngineShaderDrawsAHead) {
+  const ProgramOutput output = run(PELAGE_ENGINE_SHADER, "head.png " + api());
   EXPECT_EQ(output.code, 0) << output.errors;
   EXPECT_EQ(output.errors, "");
   expectPicture("head.png", 0.1, 0.95);
 }
 
-TEST_P(Programs, EngineLightsDrawsTheCharacterInItsLights) {
-  const Output output = run(PELAGE_ENGINE_LIGHTS, "character.png " + api());
+TEST_F(ProgramsOnce, EngineLightsDrawsTheCharacterInItsLights) {
+  const ProgramOutput output = run(PELAGE_ENGINE_LIGHTS, "character.png " + api());
   EXPECT_EQ(output.code, 0) << output.errors;
   EXPECT_EQ(output.errors, "");
   expectPicture("character.png", 0.15, 0.95);
 }
 
-TEST_P(Programs, ParametersRendersAStrip) {
-  const Output output =
+TEST_F(ProgramsOnce, ParametersRendersAStrip) {
+  const ProgramOutput output =
       run(PELAGE_PARAMETERS, "--pictures strips --only StrandMaterial.fiberRadius --api " + api());
   EXPECT_EQ(output.code, 0) << output.errors;
   EXPECT_EQ(output.errors, "");
@@ -279,8 +238,7 @@ TEST_P(Programs, ParametersRendersAStrip) {
   for (const auto& entry : std::filesystem::directory_iterator(file("strips")))
     strips.push_back(entry.path());
   ASSERT_EQ(strips.size(), 1u);
-  const auto strip = sample::readPng(strips[0].string());
-  ASSERT_TRUE(strip) << strip.error().message;
+  const auto strip = required(sample::readPng(strips[0].string()));
   // On paper of one color, hair and head are darker.
   const uint32_t paper = strip->rgb[0];
   EXPECT_GT(paper, 128u);
@@ -296,12 +254,9 @@ TEST_P(Programs, ParametersRendersAStrip) {
   EXPECT_GT(levels.size(), 20u);
 }
 
-TEST_P(Programs, HelloSaysWhereATipWent) {
-#ifndef PELAGE_HELLO
-  GTEST_SKIP() << "skipped: built without Vulkan";
-#else
-  if (GetParam() != Api::kVulkan) GTEST_SKIP() << "skipped: hello runs on Vulkan alone";
-  const Output output = run(PELAGE_HELLO, "");
+#ifdef PELAGE_HELLO  // Vulkan
+TEST_F(ProgramsOnce, HelloSaysWhereATipWent) {
+  const ProgramOutput output = run(PELAGE_HELLO, "");
   ASSERT_EQ(output.code, 0) << output.errors;
   float from[3], to[3];
   ASSERT_EQ(std::sscanf(output.out.c_str(), "tip of strand 0: from (%f, %f, %f) to (%f, %f, %f) m",
@@ -311,10 +266,10 @@ TEST_P(Programs, HelloSaysWhereATipWent) {
   const float way = std::hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
   EXPECT_GT(way, 0.001f);
   EXPECT_LT(way, 0.5f);
-#endif
 }
+#endif
 
-INSTANTIATE_TEST_SUITE_P(Apis, Programs, testing::Values(Api::kVulkan, Api::kGl, Api::kGles),
-                         [](const auto& api) { return pelage::apiName(api.param); });
+INSTANTIATE_TEST_SUITE_P(Apis, Programs, testing::ValuesIn(pelage::test::kApis),
+                         pelage::test::apiTestName);
 
 }  // namespace

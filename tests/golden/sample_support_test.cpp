@@ -17,6 +17,7 @@
 #include "pelage/follow_file.h"
 #include "pelage/settings/settings_presets.h"
 #include "png_file.h"
+#include "support/errors.h"
 #include "support/extremes.h"
 
 namespace {
@@ -24,6 +25,7 @@ namespace {
 using pelage::Float3;
 using pelage::Float4;
 using pelage::RenderedImage;
+using pelage::test::required;
 
 RenderedImage filled(uint32_t width, uint32_t height, Float4 value) {
   RenderedImage image;
@@ -45,8 +47,7 @@ TEST(GroomPresets, AreThePresetsOfSettings) {
       {"fur", sample::GroomPreset::kFur},
       {"mohawk", sample::GroomPreset::kMohawk}};
   for (const auto& [name, preset] : presets) {
-    const auto settings = pelage::presetSettings(name);
-    ASSERT_TRUE(settings) << settings.error().message;
+    const auto settings = required(pelage::presetSettings(name));
     const sample::PresetLook look = sample::presetLook(preset);
     pelage::SceneSettings expected = *settings;
     expected.material = look.material;
@@ -227,8 +228,7 @@ TEST(PngFile, GivesBackWhatWasWritten) {
   const std::string path = temporary("round_trip.png").string();
   ASSERT_TRUE(sample::writePng(path, image).ok());
   EXPECT_FALSE(std::filesystem::exists(path + ".part"));
-  const auto read = sample::readPng(path);
-  ASSERT_TRUE(read.ok()) << read.error().message;
+  const auto read = required(sample::readPng(path));
   EXPECT_EQ(read->width, 5u);
   EXPECT_EQ(read->rgb, image.rgb);
 }
@@ -323,8 +323,7 @@ class AssetFilesTest : public testing::Test {
 };
 
 TEST_F(AssetFilesTest, WarnOfAGroomInCentimetersAndNameTheScale) {
-  const auto assets = pelage::program::loadAssetFiles(files_, warnings_);
-  ASSERT_TRUE(assets) << assets.error().message;
+  const auto assets = required(pelage::program::loadAssetFiles(files_, warnings_));
   EXPECT_TRUE(warnings_.empty());
   const auto units = pelage::program::unitWarnings(*assets, 1);
   ASSERT_EQ(units.size(), 1u);
@@ -337,8 +336,7 @@ TEST_F(AssetFilesTest, WarnOfAGroomInCentimetersAndNameTheScale) {
 
 TEST_F(AssetFilesTest, ScaleHairFollowHairsAndMeshesAlike) {
   files_.scale = 0.01f;
-  const auto assets = pelage::program::loadAssetFiles(files_, warnings_);
-  ASSERT_TRUE(assets) << assets.error().message;
+  const auto assets = required(pelage::program::loadAssetFiles(files_, warnings_));
   EXPECT_TRUE(pelage::program::unitWarnings(*assets, 0.01f).empty());
   const pelage::CachedHair& hair = assets->hairs.at(0);
   EXPECT_EQ(hair.name, "long");
@@ -352,14 +350,12 @@ TEST_F(AssetFilesTest, ScaleHairFollowHairsAndMeshesAlike) {
 
 TEST_F(AssetFilesTest, TakeACacheWithAScaleOfItsOwn) {
   files_.process.tipThickness = 0.8f;
-  const auto made = pelage::program::loadAssetFiles(files_, warnings_);
-  ASSERT_TRUE(made) << made.error().message;
+  const auto made = required(pelage::program::loadAssetFiles(files_, warnings_));
   pelage::program::AssetFiles cached;
   cached.cache = temporary("long.pelage");
   ASSERT_TRUE(pelage::saveAssetCache(*made, cached.cache));
   cached.scale = 0.01f;
-  const auto assets = pelage::program::loadAssetFiles(cached, warnings_);
-  ASSERT_TRUE(assets) << assets.error().message;
+  const auto assets = required(pelage::program::loadAssetFiles(cached, warnings_));
   ASSERT_EQ(assets->hairs.size(), 1u);
   EXPECT_NEAR(assets->hairs[0].asset.positions.back().y, 0.35f, 1e-6f);
   EXPECT_EQ(assets->hairs[0].asset.vertexThickness, made->hairs[0].asset.vertexThickness);

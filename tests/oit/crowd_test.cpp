@@ -1,34 +1,27 @@
 // More hair objects in a view than fragments can tell apart.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <map>
-#include <memory>
 #include <vector>
 
 #include "pelage/random.h"
-#include "support/required_devices.h"
+#include "support/pictures.h"
 #include "support/scene_run.h"
+#include "support/views.h"
 
 namespace pelage::test {
 namespace {
 
-constexpr uint32_t kColumns = 13, kRows = 10;  // of 130 objects
-constexpr float kCell = 0.02f;                 // [m]
+constexpr uint32_t kCrowdColumns = 13, kCrowdRows = 10;  // of 130 objects
+constexpr float kCrowdCell = 0.02f;                      // [m]
 
-class Crowd : public testing::TestWithParam<Api> {
+class Crowd : public SceneRunTest<> {
  protected:
-  void SetUp() override {
-    run_ = std::make_unique<SceneRun>(GetParam());
-    if (run_->device() == nullptr)
-      PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: no " << apiName(GetParam());
-  }
-
   // Short strands in a cell of their own.
   static void addStrands(HairAsset& asset, uint32_t cell, float spread) {
-    Random random(cell + 1);
-    const float x = (static_cast<float>(cell % kColumns) - 6) * kCell;
-    const float y = (static_cast<float>(cell / kColumns) - 4.5f) * kCell;
+    asset.verticesPerStrand = 4;
+    pelage::Random random(cell + 1);
+    const float x = (static_cast<float>(cell % kCrowdColumns) - 6) * kCrowdCell;
+    const float y = (static_cast<float>(cell / kCrowdColumns) - 4.5f) * kCrowdCell;
     for (int strand = 0; strand < 3; ++strand) {
       const Float3 root = {x + spread * (random.uniform() - 0.5f),
                            y + spread * (random.uniform() - 0.5f), spread * random.uniform()};
@@ -42,11 +35,6 @@ class Crowd : public testing::TestWithParam<Api> {
       ++asset.strandCount;
     }
   }
-  static HairAsset emptyAsset() {
-    HairAsset asset;
-    asset.verticesPerStrand = 4;
-    return asset;
-  }
   static HairDef definition(uint32_t cell, bool alike) {
     HairDef def;
     def.settings.gravity = {0, 0, 0};
@@ -59,49 +47,30 @@ class Crowd : public testing::TestWithParam<Api> {
   }
   std::vector<HairObject*> addCells(float spread, bool alike) {
     std::vector<HairObject*> objects;
-    for (uint32_t cell = 0; cell < kColumns * kRows; ++cell) {
-      HairAsset asset = emptyAsset();
+    for (uint32_t cell = 0; cell < kCrowdColumns * kCrowdRows; ++cell) {
+      HairAsset asset;
       addStrands(asset, cell, spread);
       expectOk(asset.process());
-      objects.push_back(&run_->add(asset, definition(cell, alike)));
+      objects.push_back(&run_.add(asset, definition(cell, alike)));
     }
     return objects;
   }
   RenderedImage render(Transparency method) {
-    View view;
-    view.eye = {0, 0, 1};
-    view.worldToClip = lookAt(view.eye, {}, {0, 1, 0}, 0.25f, 1.3f, 0.1f, 5.0f);
-    view.width = 130;
-    view.height = 100;
-    TransparencySettings settings;
-    settings.method = method;
+    // 1.3 times as wide as high.
+    const View view = cameraView(
+        {.eye = {0, 0, 1}, .fov = 0.25f, .width = 130, .height = 100, .nearPlane = 0.1f});
     std::vector<PassList> lists;
     const Light light;
-    expectOk(run_->scene.draw(view, {&light, 1}, settings, lists));
-    std::vector<const PassList*> pointers;
-    for (PassList& list : lists) {
-      run_->scene.finish(list);
-      pointers.push_back(&list);
-    }
-    expectOk(run_->device()->update(run_->scene.resources()));
-    Result<RenderedImage> image =
-        run_->device()->render(pointers, {.width = view.width, .height = view.height});
-    EXPECT_TRUE(image) << image.error().message;
-    return image ? std::move(*image) : RenderedImage{};
+    expectOk(run_.scene.draw(view, {&light, 1}, {.method = method}, lists));
+    const RenderTargetDef target = {.width = view.width, .height = view.height};
+    return imageOf(run_.renderLists(lists, target), target);
   }
-
-  std::unique_ptr<SceneRun> run_;
 };
-
-size_t coveredIn(const RenderedImage& image) {
-  return static_cast<size_t>(std::count_if(image.pixels.begin(), image.pixels.end(),
-                                           [](const Float4& p) { return p.w > 0; }));
-}
 
 // Objects that shade differently, and do not overlap: all of them at once are the parts.
 TEST_P(Crowd, IsThePictureOfItsParts) {
-  const std::vector<HairObject*> objects = addCells(0.4f * kCell, false);
-  run_->step();
+  const std::vector<HairObject*> objects = addCells(0.4f * kCrowdCell, false);
+  run_.step();
   for (const Transparency method :
        {Transparency::kWindowed, Transparency::kTiles, Transparency::kHybrid8}) {
     for (HairObject* object : objects) object->visible = true;
@@ -132,12 +101,13 @@ TEST_P(Crowd, IsThePictureOfItsParts) {
 
 // Objects that shade alike, one over the other: they are exact among each other, as one object is.
 TEST_P(Crowd, ThatShadesAlikeIsThePictureOfOneObject) {
-  const std::vector<HairObject*> objects = addCells(6 * kCell, true);
-  HairAsset asset = emptyAsset();
-  for (uint32_t cell = 0; cell < kColumns * kRows; ++cell) addStrands(asset, cell, 6 * kCell);
+  const std::vector<HairObject*> objects = addCells(6 * kCrowdCell, true);
+  HairAsset asset;
+  for (uint32_t cell = 0; cell < kCrowdColumns * kCrowdRows; ++cell)
+    addStrands(asset, cell, 6 * kCrowdCell);
   expectOk(asset.process());
-  HairObject& one = run_->add(asset, definition(0, true));
-  run_->step();
+  HairObject& one = run_.add(asset, definition(0, true));
+  run_.step();
   for (const Transparency method : {Transparency::kWindowed, Transparency::kTiles}) {
     one.visible = false;
     for (HairObject* object : objects) object->visible = true;
@@ -145,7 +115,7 @@ TEST_P(Crowd, ThatShadesAlikeIsThePictureOfOneObject) {
     one.visible = true;
     for (HairObject* object : objects) object->visible = false;
     const RenderedImage expected = render(method);
-    EXPECT_GT(coveredIn(expected), 5000u);
+    EXPECT_GT(coveredPixels(expected), 5000u);
     size_t wrong = 0;
     for (size_t i = 0; i < crowd.pixels.size(); ++i)
       wrong += crowd.pixels[i] == expected.pixels[i] ? 0 : 1;
@@ -153,8 +123,7 @@ TEST_P(Crowd, ThatShadesAlikeIsThePictureOfOneObject) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Crowd, testing::ValuesIn(kApis),
-                         [](const auto& api) { return std::string(apiName(api.param)); });
+INSTANTIATE_TEST_SUITE_P(All, Crowd, testing::ValuesIn(kApis), apiTestName);
 
 }  // namespace
 }  // namespace pelage::test

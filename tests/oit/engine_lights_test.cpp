@@ -8,25 +8,22 @@
 #include <string>
 #include <vector>
 
-#include "constant_lights/code.h"
 #include "constant_lights/gpu_structs.h"
 #include "constant_lights/kernels.h"
 #include "oit/shared_tangle.h"
 #include "pelage/engine_lights.h"
+#include "support/errors.h"
 #include "view_lights/kernels.h"
 
 namespace pelage::test {
 namespace {
 
-constexpr uint32_t kPixels = 48;
-constexpr Float3 kColor = {0.75f, 0.25f, 0.5f};
+constexpr uint32_t kEnginePixels = 48;
+constexpr Float3 kConstantColor = {0.75f, 0.25f, 0.5f};
 
 class EngineLightsTest : public SharedTangleTest<> {
  protected:
-  void fill(TangleRun& run) override {
-    run.run.device()->addCode(constant_lights::allCode());
-    run.add({.strands = 300, .opacity = 0.6f});
-  }
+  void fill(TangleRun& run) override { run.add({.strands = 300, .opacity = 0.6f}); }
   void SetUp() override {
     SharedTangleTest::SetUp();
     if (!hasDevice()) return;
@@ -42,14 +39,14 @@ class EngineLightsTest : public SharedTangleTest<> {
     return {.method = method.transparency, .nodeCount = 1 << 15, .engineLights = lights};
   }
   RenderedImage render(const Method& method, const EngineLights* lights) {
-    View view = tangleView(kPixels);
+    View view = tangleView(kEnginePixels);
     view.samples = method.samples;
     return tangleRun().render(view, settingsOf(method, lights), {.samples = method.samples});
   }
   // The lists of a view, which are not to run.
   std::vector<PassList> write(const Method& method, const EngineLights* lights) {
     std::vector<PassList> lists;
-    expectOk(tangleRun().run.scene.draw(tangleView(kPixels), tangleLights(),
+    expectOk(tangleRun().run.scene.draw(tangleView(kEnginePixels), tangleLights(),
                                         settingsOf(method, lights), lists));
     return lists;
   }
@@ -57,7 +54,7 @@ class EngineLightsTest : public SharedTangleTest<> {
   // Lights of one color, whose parts come from a block, a buffer and two textures.
   EngineLights constantLights() {
     constant_lights::ConstantLight block = {};
-    block.constantLight = {kColor.x, kColor.y, kColor.z, 0};
+    block.constantLight = {kConstantColor.x, kConstantColor.y, kConstantColor.z, 0};
     const float scales[] = {0, 1, 0};
     if (scale_ == BufferId::kInvalid) {
       const auto bytes = std::as_bytes(std::span(scales));
@@ -92,21 +89,6 @@ class EngineLightsTest : public SharedTangleTest<> {
 };
 INSTANTIATE_TEST_SUITE_P(All, EngineLightsTest, testing::ValuesIn(kApis), apiTestName);
 
-float maxDifference(const RenderedImage& a, const RenderedImage& b) {
-  float largest = a.pixels.size() == b.pixels.size() ? 0.0f : 1e9f;
-  for (size_t i = 0; i < std::min(a.pixels.size(), b.pixels.size()); ++i) {
-    const Float4 &p = a.pixels[i], &q = b.pixels[i];
-    for (const float d : {p.x - q.x, p.y - q.y, p.z - q.z, p.w - q.w})
-      largest = std::abs(d) <= largest ? largest : std::abs(d);
-  }
-  return largest;
-}
-
-uint32_t coveredPixels(const RenderedImage& image) {
-  return static_cast<uint32_t>(std::count_if(image.pixels.begin(), image.pixels.end(),
-                                             [](const Float4& p) { return p.w > 0; }));
-}
-
 TEST_P(EngineLightsTest, ThatReturnPelagesLightGiveItsPicture) {
   const EngineLights lights{.kernels = view_lights::allKernels()};
   for (const Tier tier : {device().info().tier, Tier::kEs}) {
@@ -115,7 +97,7 @@ TEST_P(EngineLightsTest, ThatReturnPelagesLightGiveItsPicture) {
       if (!hasTarget(method)) continue;
       const RenderedImage own = render(method, nullptr);
       const RenderedImage theirs = render(method, &lights);
-      EXPECT_GT(coveredPixels(own), kPixels * kPixels / 4) << method.name;
+      EXPECT_GT(coveredPixels(own), kEnginePixels * kEnginePixels / 4) << method.name;
       EXPECT_LE(maxDifference(own, theirs), 1.0f / 1024) << method.name;
     }
   }
@@ -126,10 +108,11 @@ TEST_P(EngineLightsTest, ThatAreAConstantGiveThatColor) {
   for (const Method& method : kMethods) {
     if (!hasTarget(method)) continue;
     const RenderedImage image = render(method, &lights);
-    EXPECT_GT(coveredPixels(image), kPixels * kPixels / 4) << method.name;
+    EXPECT_GT(coveredPixels(image), kEnginePixels * kEnginePixels / 4) << method.name;
     float worst = 0;
     for (const Float4& p : image.pixels) {
-      for (const float d : {p.x - kColor.x * p.w, p.y - kColor.y * p.w, p.z - kColor.z * p.w})
+      for (const float d : {p.x - kConstantColor.x * p.w, p.y - kConstantColor.y * p.w,
+                            p.z - kConstantColor.z * p.w})
         worst = std::abs(d) <= worst ? worst : std::abs(d);
     }
     std::cout << method.name << ": off by " << worst << "\n";
@@ -161,8 +144,7 @@ TEST_P(EngineLightsTest, AreInWhatIsPreparedAndSupported) {
     if (!hasTarget(method)) continue;
     expectOk(device().supports(settingsOf(method, &lights)));
     SceneFeatures features = {.transparency = {settingsOf(method, &lights)}};
-    const Result<PassList> list = listToPrepare(features);
-    ASSERT_TRUE(list) << list.error().message;
+    const Result<PassList> list = required(listToPrepare(features));
     uint32_t lit = 0;
     for (const Pass& pass : list->passes) {
       const Kernel* kernel = pass.pixel != nullptr ? pass.pixel->kernel : pass.kernel->kernel;
@@ -175,10 +157,9 @@ TEST_P(EngineLightsTest, AreInWhatIsPreparedAndSupported) {
 TEST_P(EngineLightsTest, NameWhatIsMissing) {
   const auto refused = [&](const Method& method, const EngineLights& lights, const char* word) {
     std::vector<PassList> lists;
-    const Result<void> drawn = tangleRun().run.scene.draw(tangleView(kPixels), tangleLights(),
-                                                          settingsOf(method, &lights), lists);
-    ASSERT_FALSE(drawn) << method.name << " without " << word;
-    EXPECT_NE(drawn.error().message.find(word), std::string::npos) << drawn.error().message;
+    expectError(tangleRun().run.scene.draw(tangleView(kEnginePixels), tangleLights(),
+                                           settingsOf(method, &lights), lists),
+                {word});
   };
   const EngineLights whole = constantLights();
   for (const Method& method : kMethods) {
@@ -198,17 +179,9 @@ TEST_P(EngineLightsTest, AreRefusedWithATextureThatTheRuntimeDoesNotKnow) {
   for (const Method& method : kMethods) {
     if (method.samples > 1) continue;
     std::vector<PassList> lists = write(method, &lights);
-    std::vector<const PassList*> pointers;
-    for (PassList& list : lists) {
-      tangleRun().run.scene.finish(list);
-      pointers.push_back(&list);
-    }
-    expectOk(device().update(tangleRun().run.scene.resources()));
-    const Result<RenderedImage> image =
-        device().render(pointers, {.width = kPixels, .height = kPixels});
-    ASSERT_FALSE(image) << method.name;
-    EXPECT_NE(image.error().message.find("g_constantTexels"), std::string::npos)
-        << image.error().message;
+    expectError(
+        tangleRun().run.renderLists(lists, {.width = kEnginePixels, .height = kEnginePixels}),
+        "g_constantTexels");
   }
 }
 

@@ -11,21 +11,15 @@
 namespace pelage::test {
 namespace {
 
-constexpr uint32_t kPixels = 32, kStrands = 540;
-constexpr Transparency kLayered[] = {Transparency::kShortCut, Transparency::kHybrid4,
-                                     Transparency::kHybrid8, Transparency::kHybrid16};
+constexpr uint32_t kLayerPixels = 32, kStrands = 540;
+constexpr Transparency kLayerMethods[] = {Transparency::kShortCut, Transparency::kHybrid4,
+                                          Transparency::kHybrid8, Transparency::kHybrid16};
 
 uint32_t layersOf(Transparency method) {
-  switch (method) {
-    case Transparency::kHybrid4:
-      return 4;
-    case Transparency::kHybrid8:
-      return 8;
-    case Transparency::kHybrid16:
-      return 16;
-    default:
-      return 3;
-  }
+  return method == Transparency::kHybrid4    ? 4
+         : method == Transparency::kHybrid8  ? 8
+         : method == Transparency::kHybrid16 ? 16
+                                             : 3;
 }
 
 // The error over the pixels of at most so many fragments.
@@ -56,15 +50,10 @@ class LayeredTransparency : public TangleTest {
       if (!colors.empty()) stack.vertexColor.insert(stack.vertexColor.end(), 2, colors[s]);
     }
     expectOk(stack.process());
-    HairDef def;
-    def.material = tangleMaterial({.opacity = opacity});
+    HairDef def = tangleHair({.radius = 0.02f, .opacity = opacity});
     if (!colors.empty()) def.material.rootColor = def.material.tipColor = {1, 1, 1};
-    def.material.fiberRadius = 0.02f;
     def.material.tipRadiusRatio = 1;
-    def.settings.gravity = {0, 0, 0};
-    const Result<HairId> added = scene.addHair(stack, def);
-    EXPECT_TRUE(added) << added.error().message;
-    return *added;
+    return valueOf(scene.addHair(stack, def));
   }
 
   /// Clip z is the world's, w is 1.
@@ -89,19 +78,19 @@ TEST_P(LayeredTransparency, IsExactWhereTheLayersSufficeAndTheBetterTheMoreThere
   for (const bool reversedDepth : {false, true}) {
     const float opacity = reversedDepth ? 1.0f : 0.33f;
     scene.hair().material.opacity = opacity;
-    const View view = tangleView(kPixels, reversedDepth);
+    const View view = tangleView(kLayerPixels, reversedDepth);
     const std::vector<ExactPixel> exact = exactOf(scene, view);
     double last = 0;
-    for (size_t i = 0; i < std::size(kLayered); ++i) {
-      const RenderedImage image = scene.render(view, {.method = kLayered[i]});
-      const uint32_t layers = layersOf(kLayered[i]);
+    for (size_t i = 0; i < std::size(kLayerMethods); ++i) {
+      const RenderedImage image = scene.render(view, {.method = kLayerMethods[i]});
+      const uint32_t layers = layersOf(kLayerMethods[i]);
       const CompositeError error = compositeError(image, exact);
       const CompositeError within = errorWithin(image, exact, layers);
       std::cout << apiName(GetParam()) << " opacity " << opacity
                 << (reversedDepth ? " reversed, " : ", ") << layers << " layers: PSNR "
                 << error.psnr << " dB; where they suffice " << within.psnr << " dB, worst "
                 << 255 * within.worst << "/255\n";
-      ASSERT_GT(error.pixels, kPixels * kPixels / 2);
+      ASSERT_GT(error.pixels, kLayerPixels * kLayerPixels / 2);
       EXPECT_GT(error.psnr, last) << layers << " layers";
       EXPECT_GE(error.psnr, kWanted[i]) << layers << " layers";
       last = error.psnr;
@@ -118,16 +107,9 @@ TEST_P(LayeredTransparency, IsExactWhereTheLayersSufficeAndTheBetterTheMoreThere
 }
 
 TEST_P(LayeredTransparency, DoesNotDependOnTheOrderOfArrival) {  // K36
-  const View view = tangleView(kPixels);
-  tangleRun().add({.strands = kStrands});
-  TangleRun other(GetParam());
-  other.add({.strands = kStrands, .reversed = true});
-  for (const Transparency method : kLayered) {
-    const RenderedImage image = tangleRun().render(view, {.method = method});
-    EXPECT_TRUE(sameBits(image, other.render(view, {.method = method}))) << layersOf(method);
-    // The next frame finds layers that were used before.
-    EXPECT_TRUE(sameBits(image, tangleRun().render(view, {.method = method}))) << layersOf(method);
-  }
+  std::vector<TransparencySettings> methods;
+  for (const Transparency method : kLayerMethods) methods.push_back({.method = method});
+  expectNoOrderOfStrands({.strands = kStrands}, tangleView(kLayerPixels), methods);
 }
 
 TEST_P(LayeredTransparency, TellsApartWhatIsAtOneDepth) {  // K38
@@ -146,7 +128,7 @@ TEST_P(LayeredTransparency, TellsApartWhatIsAtOneDepth) {  // K38
     if (reversed) std::reverse(z.begin(), z.end()), std::reverse(c.begin(), c.end());
     addStack(scene.run.scene, z, 1, c);
     scene.run.step();
-    for (const Transparency method : kLayered)
+    for (const Transparency method : kLayerMethods)
       images[reversed].push_back(scene.render(view, {.method = method}));
     double left = 1;
     for (const Float4& color : colors) left *= 1 - static_cast<double>(color.w);
@@ -154,8 +136,8 @@ TEST_P(LayeredTransparency, TellsApartWhatIsAtOneDepth) {  // K38
     for (const RenderedImage& image : images[reversed])
       EXPECT_NEAR(static_cast<double>(image.pixels[6 * 12 + 6].w), 1 - left, 0.01);
   }
-  for (size_t i = 0; i < std::size(kLayered); ++i)
-    EXPECT_TRUE(sameBits(images[0][i], images[1][i])) << layersOf(kLayered[i]);
+  for (size_t i = 0; i < std::size(kLayerMethods); ++i)
+    EXPECT_TRUE(sameBits(images[0][i], images[1][i])) << layersOf(kLayerMethods[i]);
 }
 
 TEST_P(LayeredTransparency, DrawsOverWhatIsOpaqueAndNotBehindIt) {
@@ -165,7 +147,7 @@ TEST_P(LayeredTransparency, DrawsOverWhatIsOpaqueAndNotBehindIt) {
   scene.run.step();
   HairObject& wall = scene.run.scene.hair(quad);
   for (const bool reversedDepth : {false, true}) {
-    const View view = tangleView(kPixels, reversedDepth);
+    const View view = tangleView(kLayerPixels, reversedDepth);
     const auto show = [&](bool opaque) {
       wall.visible = opaque;
       scene.hair().visible = !opaque;
@@ -193,7 +175,7 @@ TEST_P(LayeredTransparency, DrawsOverWhatIsOpaqueAndNotBehindIt) {
     const std::vector<ExactPixel> exact =
         FragmentCapture::composite(capture.read(*scene.run.device()), view);
 
-    for (const Transparency method : kLayered) {
+    for (const Transparency method : kLayerMethods) {
       drawWall();
       std::vector<PassList> lists(1);
       expectOk(scene.run.scene.draw(view, tangleLights(), {.method = method}, lists));
@@ -220,8 +202,8 @@ TEST_P(LayeredTransparency, DrawsOverWhatIsOpaqueAndNotBehindIt) {
 
 TEST_P(LayeredTransparency, StandsAlphasOfZeroAndOneAndThousandsOfLayers) {
   tangleRun().add({.strands = 200, .opacity = 0});
-  const View view = tangleView(kPixels);
-  for (const Transparency method : kLayered) {
+  const View view = tangleView(kLayerPixels);
+  for (const Transparency method : kLayerMethods) {
     for (const Float4& p : tangleRun().render(view, {.method = method}).pixels)
       ASSERT_EQ(p, Float4{}) << layersOf(method);
   }
@@ -236,7 +218,7 @@ TEST_P(LayeredTransparency, StandsAlphasOfZeroAndOneAndThousandsOfLayers) {
     const View narrow = flatView(4, false);
     const ExactPixel exact = exactOf(scene, narrow)[2 * 4 + 2];
     EXPECT_GE(exact.fragments, 2000u);
-    for (const Transparency method : kLayered) {
+    for (const Transparency method : kLayerMethods) {
       const Float4 seen = scene.render(narrow, {.method = method}).pixels[2 * 4 + 2];
       // The rounding of so many small alphas.
       EXPECT_NEAR(static_cast<double>(seen.w), 1 - exact.transmittance, 0.02) << layersOf(method);
@@ -247,21 +229,15 @@ TEST_P(LayeredTransparency, StandsAlphasOfZeroAndOneAndThousandsOfLayers) {
 
 TEST_P(LayeredTransparency, KeepsThinCoverage) {  // K39
   // A hundredth of a pixel, over which ShortCut's classic drops it.
-  TangleDef def;
-  def.radius = 0.000013f;
-  def.strands = 120;
-  tangleRun().add(def);
+  tangleRun().add({.strands = 120, .radius = 0.000013f});
   const View view = tangleView(48);
   const std::vector<ExactPixel> exact = exactOf(tangleRun(), view);
-  for (const Transparency method : kLayered) {
+  for (const Transparency method : kLayerMethods) {
     const RenderedImage image = tangleRun().render(view, {.method = method});
-    double seen = 0, expected = 0;
-    for (size_t i = 0; i < exact.size(); ++i) {
-      seen += static_cast<double>(image.pixels[i].w);
-      expected += 1 - exact[i].transmittance;
-    }
+    double expected = 0;
+    for (const ExactPixel& pixel : exact) expected += 1 - pixel.transmittance;
     EXPECT_GT(expected, 1);
-    EXPECT_NEAR(seen / expected, 1, 0.05) << layersOf(method);
+    EXPECT_NEAR(coverage(image) / expected, 1, 0.05) << layersOf(method);
   }
 }
 
@@ -281,7 +257,7 @@ TEST_P(LayeredTransparency, OrdersDepthsFromTheNearestToTheFarthestThereIs) {
     for (const uint32_t size : {12u, 1u}) {
       const View view = flatView(size, reversedDepth);
       const std::vector<ExactPixel> exact = exactOf(scene, view);
-      for (const Transparency method : kLayered) {
+      for (const Transparency method : kLayerMethods) {
         const RenderedImage image = scene.render(view, {.method = method});
         EXPECT_TRUE(allFinite(image));
         const size_t middle = (size / 2) * size + size / 2;
@@ -299,14 +275,10 @@ TEST_P(LayeredTransparency, OrdersDepthsFromTheNearestToTheFarthestThereIs) {
 
 TEST_P(LayeredTransparency, StandsStrandsAtAndBehindTheEye) {
   tangleRun().add({.strands = 300});
-  View view = tangleView(kPixels);
-  view.eye = {0, 0, 0};
   for (const bool reversedDepth : {false, true}) {
-    view.worldToClip =
-        lookAt(view.eye, {0, 0, -1}, {0, 1, 0}, 1.5f, 1, 0.001f, 1.0f, reversedDepth);
-    view.reversedDepth = reversedDepth;
+    const View view = viewFromInside(kLayerPixels, reversedDepth);
     const std::vector<ExactPixel> exact = exactOf(tangleRun(), view);
-    for (const Transparency method : kLayered) {
+    for (const Transparency method : kLayerMethods) {
       const RenderedImage image = tangleRun().render(view, {.method = method});
       EXPECT_TRUE(allFinite(image));
       EXPECT_GE(compositeError(image, exact).psnr, 24) << layersOf(method);
@@ -314,8 +286,7 @@ TEST_P(LayeredTransparency, StandsStrandsAtAndBehindTheEye) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, LayeredTransparency, testing::ValuesIn(kApis),
-                         [](const auto& api) { return std::string(apiName(api.param)); });
+INSTANTIATE_TEST_SUITE_P(All, LayeredTransparency, testing::ValuesIn(kApis), apiTestName);
 
 }  // namespace
 }  // namespace pelage::test

@@ -1,20 +1,20 @@
 // The pass lists and the memory of the methods with a fixed number of layers, without a GPU.
 #include <gtest/gtest.h>
 
-#include <cstring>
-#include <limits>
 #include <string>
 #include <vector>
 
 #include "pelage/gpu_structs.h"
 #include "pelage/kernels.h"
 #include "pelage/scene.h"
+#include "support/errors.h"
 #include "support/plain_asset.h"
+#include "support/views.h"
 
-namespace pelage {
+namespace pelage::test {
 namespace {
 
-struct Method {
+struct LayeredMethod {
   Transparency transparency;
   uint32_t layers;
   uint32_t bytesAPixel;
@@ -25,8 +25,8 @@ std::vector<std::vector<std::string>> hybridPasses() {
   return {{"clear_hybrid", "hybrid_depths"}, {"hybrid_colors"}, {"hybrid_read"}};
 }
 
-const std::vector<Method>& methods() {
-  static const std::vector<Method> all = {
+const std::vector<LayeredMethod>& layeredMethods() {
+  static const std::vector<LayeredMethod> all = {
       {Transparency::kHybrid4, 4, 48, hybridPasses()},
       {Transparency::kHybrid8, 8, 80, hybridPasses()},
       {Transparency::kHybrid16, 16, 144, hybridPasses()},
@@ -44,12 +44,8 @@ const std::vector<Method>& methods() {
 class LayeredTransparencyTest : public testing::Test {
  protected:
   LayeredTransparencyTest() {
-    const Result<HairId> added = scene_.addHair(test::makeAsset(), {});
-    EXPECT_TRUE(added) << added.error().message;
-    view_.worldToClip = lookAt({0, 0, 3}, {0, 0, 0}, {0, 1, 0}, 1, 1, 0.1f, 10);
-    view_.eye = {0, 0, 3};
-    view_.width = 200;
-    view_.height = 100;
+    EXPECT_TRUE(scene_.addHair(makeAsset(), {}));
+    view_ = cameraView({.eye = {0, 0, 3}, .fov = 1, .width = 200, .height = 100});
   }
   Result<void> draw(const TransparencySettings& settings) {
     lists_.clear();
@@ -71,9 +67,8 @@ class LayeredTransparencyTest : public testing::Test {
 };
 
 TEST_F(LayeredTransparencyTest, EachPassIsInTheListInWhichWhatItReadsIsThere) {
-  for (const Method& method : methods()) {
-    const Result<void> drawn = draw({.method = method.transparency});
-    ASSERT_TRUE(drawn) << drawn.error().message;
+  for (const LayeredMethod& method : layeredMethods()) {
+    expectOk(draw({.method = method.transparency}));
     ASSERT_EQ(lists_.size(), method.passes.size());
     for (size_t i = 0; i < lists_.size(); ++i) {
       std::vector<std::string> names;
@@ -91,7 +86,7 @@ TEST_F(LayeredTransparencyTest, EachPassIsInTheListInWhichWhatItReadsIsThere) {
 }
 
 TEST_F(LayeredTransparencyTest, BothDrawsOfTheStrandsAreTheSameButForThePixelKernel) {
-  for (const Method& method : methods()) {
+  for (const LayeredMethod& method : layeredMethods()) {
     ASSERT_TRUE(draw({.method = method.transparency}));
     std::vector<const Pass*> draws;
     for (const PassList& list : lists_)
@@ -107,16 +102,15 @@ TEST_F(LayeredTransparencyTest, BothDrawsOfTheStrandsAreTheSameButForThePixelKer
 TEST_F(LayeredTransparencyTest, OnlyTheMethodThatDrawsHasBuffersAndTheyAreWhatThePlanSays) {
   ASSERT_TRUE(draw({.method = Transparency::kStochastic}));
   EXPECT_TRUE(buffersOf("transparency/").empty());
-  for (const Method& method : methods()) {
+  for (const LayeredMethod& method : layeredMethods()) {
     Scene scene;
-    ASSERT_TRUE(scene.addHair(test::makeAsset(), {}));
+    ASSERT_TRUE(scene.addHair(makeAsset(), {}));
     std::vector<PassList> lists;
     ASSERT_TRUE(scene.draw(view_, lights_, {.method = Transparency::kStochastic}, lists));
     const uint64_t before = scene.resources().totalBytes();
     ASSERT_TRUE(scene.draw(view_, lights_, {.method = method.transparency}, lists));
     const uint64_t bytes = scene.resources().totalBytes() - before;
-    const auto plan = planTransparency(200, 100, {.method = method.transparency});
-    ASSERT_TRUE(plan);
+    const auto plan = required(planTransparency(200, 100, {.method = method.transparency}));
     EXPECT_EQ(bytes, plan->bytes);
     EXPECT_EQ(plan->nodeCount, 0u);
     EXPECT_EQ(bytes / (200 * 100), method.bytesAPixel);
@@ -142,7 +136,7 @@ TEST_F(LayeredTransparencyTest, OnlyTheMethodThatDrawsHasBuffersAndTheyAreWhatTh
 
 TEST_F(LayeredTransparencyTest, WithoutHairInViewTheListsAreEmpty) {
   view_.worldToClip = lookAt({0, 0, 3}, {0, 0, 9}, {0, 1, 0}, 1, 1, 0.1f, 10);
-  for (const Method& method : methods()) {
+  for (const LayeredMethod& method : layeredMethods()) {
     ASSERT_TRUE(draw({.method = method.transparency}));
     for (const PassList& list : lists_) EXPECT_TRUE(list.passes.empty());
   }
@@ -150,28 +144,22 @@ TEST_F(LayeredTransparencyTest, WithoutHairInViewTheListsAreEmpty) {
 }
 
 TEST_F(LayeredTransparencyTest, ACapThatIsTooSmallIsRefusedWithTheWayOut) {
-  for (const Method& method : methods()) {
+  for (const LayeredMethod& method : layeredMethods()) {
     TransparencySettings settings = {.method = method.transparency};
-    const auto plan = planTransparency(200, 100, settings);
-    ASSERT_TRUE(plan);
+    const auto plan = required(planTransparency(200, 100, settings));
     settings.maxBytes = plan->bytes;
     EXPECT_TRUE(draw(settings));
     settings.maxBytes = plan->bytes - 1;
     Result<void> drawn = draw(settings);
-    ASSERT_FALSE(drawn);
-    EXPECT_NE(drawn.error().message.find("take " + std::to_string(plan->bytes) + " bytes"),
-              std::string::npos)
-        << drawn.error().message;
-    EXPECT_NE(drawn.error().message.find("fewer layers"), std::string::npos);
+    expectError(drawn, {"take " + std::to_string(plan->bytes) + " bytes", "fewer layers"});
     settings.maxBytes = plan->bytes;
     settings.maxBufferBytes = uint64_t{200} * 100 * 4 * std::max(method.layers, 4u);
     EXPECT_TRUE(draw(settings));
     --settings.maxBufferBytes;
     drawn = draw(settings);
-    ASSERT_FALSE(drawn);
-    EXPECT_NE(drawn.error().message.find("maxBufferBytes is"), std::string::npos);
+    expectError(drawn, "maxBufferBytes is");
   }
 }
 
 }  // namespace
-}  // namespace pelage
+}  // namespace pelage::test

@@ -29,19 +29,14 @@ class Packing : public GpuTest {
     const GuardedBuffer<PackingSample> given(gpu(), "samples", samples);
     const GuardedBuffer<PackingResult> results(gpu(), "results",
                                                std::vector<PackingResult>(samples.size()));
-    expectOk(gpu().device()->update(gpu().resources));
     PackingConstants constants = {};
     constants.packingCount = static_cast<uint32_t>(samples.size());
     constants.packingReversed = reversed ? 1 : 0;
-    PassList list;
-    PassBuilder builder(list);
-    builder.dispatch(oit_test::packSamplesVariant(), constants.packingCount);
-    given.bindTo(builder, "g_packingSamples");
-    results.bindTo(builder, "g_packingResults");
-    builder.constants("PackingConstants", constants);
-    expectOk(builder.finish());
-    gpu().hazards.resolve(list);
-    expectOk(gpu().device()->execute(list));
+    dispatch(gpu(), oit_test::packSamplesVariant(), samples.size(), [&](PassBuilder& pass) {
+      given.bindTo(pass, "g_packingSamples");
+      results.bindTo(pass, "g_packingResults");
+      pass.constants("PackingConstants", constants);
+    });
     return results.read();
   }
 
@@ -60,7 +55,7 @@ class Packing : public GpuTest {
     return samples;
   }
 };
-INSTANTIATE_TEST_SUITE_P(, Packing, testing::ValuesIn(kApis), apiTestName);
+INSTANTIATE_TEST_SUITE_P(All, Packing, testing::ValuesIn(kApis), apiTestName);
 
 double rootError(float stored, float given) {
   return std::abs(std::sqrt(double{stored}) - std::sqrt(double{given}));

@@ -3,53 +3,41 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <string>
 #include <vector>
 
+#include "oit/tangle.h"
 #include "pelage/engine_lights.h"
 #include "support/extremes.h"
-#include "support/required_devices.h"
-#include "support/scene_run.h"
 #include "uv_lights/kernels.h"
 #include "view_lights/kernels.h"
 
 namespace pelage::test {
 namespace {
 
-constexpr uint32_t kPixels = 48, kVertices = 4, kBars = 5;
-constexpr Transparency kMethods[] = {Transparency::kAlphaTest, Transparency::kStochastic,
-                                     Transparency::kWindowed,  Transparency::kHybrid4,
-                                     Transparency::kHybrid8,   Transparency::kHybrid16,
-                                     Transparency::kShortCut,  Transparency::kTiles};
+constexpr uint32_t kBarPixels = 48, kBarVertices = 4, kBars = 5;
 // The last two repeat.
-const std::vector<Float2> kUvs = {
+const std::vector<Float2> kBarUvs = {
     {0.125f, 0.75f}, {0.9f, 0.1f}, {0, 0.5f}, {1.25f, -0.25f}, {-3.5f, 7.625f}};
 
 // Bars across the picture; the last one is a follow hair of the one below it.
 HairAsset bars() {
   HairAsset asset;
   asset.strandCount = kBars;
-  asset.verticesPerStrand = kVertices;
-  asset.strandUv = kUvs;
+  asset.verticesPerStrand = kBarVertices;
+  asset.strandUv = kBarUvs;
   for (uint32_t s = 0; s < kBars; ++s)
-    for (uint32_t v = 0; v < kVertices; ++v)
-      asset.positions.push_back({-0.1f + 0.2f * static_cast<float>(v) / (kVertices - 1),
+    for (uint32_t v = 0; v < kBarVertices; ++v)
+      asset.positions.push_back({-0.1f + 0.2f * static_cast<float>(v) / (kBarVertices - 1),
                                  0.02f * (static_cast<float>(s) - 2.5f), 0, v < 2 ? 0.0f : 1.0f});
   expectOk(asset.process());
   return asset;
 }
 
-class RootUvTest : public testing::TestWithParam<Api> {
+class RootUvTest : public SceneRunTest<> {
  protected:
-  RootUvTest() : run_(sharedSceneRun(GetParam())) {}
-  void SetUp() override {
-    if (run_.device() == nullptr)
-      PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: no " << apiName(GetParam()) << " device";
-  }
   void TearDown() override {
-    if (run_.device() == nullptr) return;
-    run_.clear();
-    run_.scene.setTier(run_.device()->info().tier);
+    SceneRunTest::TearDown();
+    if (run_.device() != nullptr) run_.scene.setTier(run_.device()->info().tier);
   }
   HairObject& add(HairDef def) {
     const FollowHair follow = {.guide = kBars - 1, .offset = {0, 0.02f, 0, 1}};
@@ -62,11 +50,11 @@ class RootUvTest : public testing::TestWithParam<Api> {
     return hair;
   }
   static View view() {
-    View view;
-    view.eye = {0, 0, 0.6f};
-    view.worldToClip = lookAt(view.eye, {}, {0, 1, 0}, 0.4f, 1, 0.01f, 100);
-    view.width = view.height = kPixels;
-    return view;
+    return cameraView({.eye = {0, 0, 0.6f},
+                       .fov = 0.4f,
+                       .width = kBarPixels,
+                       .nearPlane = 0.01f,
+                       .farPlane = 100});
   }
   static TransparencySettings settingsOf(Transparency method, const EngineLights& lights) {
     return {.method = method, .nodeCount = 1 << 14, .engineLights = &lights};
@@ -75,19 +63,13 @@ class RootUvTest : public testing::TestWithParam<Api> {
   std::vector<Float4> colorsOf(const TransparencySettings& settings) {
     std::vector<PassList> lists;
     expectOk(run_.scene.draw(view(), {}, settings, lists));
-    std::vector<const PassList*> pointers;
-    for (PassList& list : lists) {
-      run_.scene.finish(list);
-      pointers.push_back(&list);
-    }
-    expectOk(run_.device()->update(run_.scene.resources()));
-    const auto image = run_.device()->render(pointers, {.width = kPixels, .height = kPixels});
+    const auto image = run_.renderLists(lists, {.width = kBarPixels, .height = kBarPixels});
     EXPECT_TRUE(image) << image.error().message;
     std::vector<Float4> colors;
     for (uint32_t bar = 0; bar <= kBars && image; ++bar) {
       const double y = 0.02 * (bar - 2.5) / (0.6 * std::tan(0.2));
-      const auto row = static_cast<uint32_t>((0.5 - 0.5 * y) * kPixels);
-      colors.push_back(image->pixels[size_t{row} * kPixels + kPixels / 2]);
+      const auto row = static_cast<uint32_t>((0.5 - 0.5 * y) * kBarPixels);
+      colors.push_back(image->pixels[size_t{row} * kBarPixels + kBarPixels / 2]);
     }
     return colors;
   }
@@ -95,12 +77,12 @@ class RootUvTest : public testing::TestWithParam<Api> {
     const EngineLights lights{.kernels = uv_lights::allKernels()};
     for (const Tier tier : {run_.device()->info().tier, Tier::kEs}) {
       run_.scene.setTier(tier);
-      for (const Transparency method : kMethods) {
+      for (const Transparency method : kEachTransparency) {
         const std::vector<Float4> colors = colorsOf(settingsOf(method, lights));
         ASSERT_EQ(colors.size(), kBars + 1);
         double worst = 0;
         for (size_t i = 0; i < colors.size(); ++i) {
-          const Float2 uv = kUvs[i < kBars ? i : kBars - 1];
+          const Float2 uv = kBarUvs[i < kBars ? i : kBars - 1];
           const float wanted[] = {uv.x - std::floor(uv.x), uv.y - std::floor(uv.y), 0.5f};
           const float found[] = {colors[i].x, colors[i].y, colors[i].z};
           for (int c = 0; c < 3; ++c)
@@ -112,8 +94,6 @@ class RootUvTest : public testing::TestWithParam<Api> {
       }
     }
   }
-
-  SceneRun& run_;
 };
 INSTANTIATE_TEST_SUITE_P(All, RootUvTest, testing::ValuesIn(kApis), apiTestName);
 
@@ -126,9 +106,8 @@ TEST_P(RootUvTest, IsInLightsWithAndWithoutATexture) {
   expectUvs("pelage's texture");
   run_.clear();
   const std::vector<float> values(24, 1.0f);
-  const Result<TextureId> texture = run_.device()->createTexture(
-      {.shape = TextureShape::kPlane, .width = 3, .height = 2, .texels = values});
-  ASSERT_TRUE(texture) << texture.error().message;
+  const Result<TextureId> texture = required(run_.device()->createTexture(
+      {.shape = TextureShape::kPlane, .width = 3, .height = 2, .texels = values}));
   add({.strandUvs = true}).strandTexture = {*texture, 3, 2};
   expectUvs("an engine's texture");
 }
@@ -138,7 +117,7 @@ TEST_P(RootUvTest, IsZeroWhereTheObjectHasNone) {
   const EngineLights lights{.kernels = uv_lights::allKernels()};
   for (const Tier tier : {run_.device()->info().tier, Tier::kEs}) {
     run_.scene.setTier(tier);
-    for (const Transparency method : kMethods)
+    for (const Transparency method : kEachTransparency)
       for (const Float4& color : colorsOf(settingsOf(method, lights))) {
         EXPECT_LE(std::abs(color.x) + std::abs(color.y), 0) << static_cast<int>(method);
         EXPECT_GT(color.z, 0.48f) << static_cast<int>(method);

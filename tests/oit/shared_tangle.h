@@ -4,7 +4,6 @@
 
 #include <map>
 #include <memory>
-#include <tuple>
 
 #include "oit/tangle.h"
 #include "support/required_devices.h"
@@ -22,12 +21,6 @@ inline constexpr Method kMethods[] = {
     {"windowed", Transparency::kWindowed},    {"hybrid 4", Transparency::kHybrid4},
     {"hybrid 8", Transparency::kHybrid8},     {"hybrid 16", Transparency::kHybrid16},
     {"ShortCut", Transparency::kShortCut},    {"tiles", Transparency::kTiles}};
-
-inline Api apiOf(Api api) { return api; }
-template <class... Others>
-Api apiOf(const std::tuple<Api, Others...>& parameter) {
-  return std::get<0>(parameter);
-}
 
 /// Makes one TangleRun for each API of the parameters, or skips.
 template <class Parameter = Api>

@@ -3,15 +3,17 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <numeric>
+#include <limits>
 #include <vector>
 
 #include "oit/fragment_capture.h"
 #include "pelage/random.h"
 #include "pelage/scene.h"
 #include "support/gpu_fixture.h"
+#include "support/pictures.h"
 #include "support/required_devices.h"
 #include "support/scene_run.h"
+#include "support/views.h"
 
 namespace pelage::test {
 
@@ -27,7 +29,7 @@ struct TangleDef {
 
 /// Bent strands of 5 to 20 cm around the origin.
 inline HairAsset tangle(const TangleDef& def) {
-  Random random(def.seed);
+  pelage::Random random(def.seed);
   const auto between = [&](float low, float high) { return low + (high - low) * random.uniform(); };
   std::vector<std::vector<Float4>> strands(def.strands);
   for (std::vector<Float4>& strand : strands) {
@@ -77,23 +79,37 @@ inline StrandMaterial tangleMaterial(const TangleDef& def) {
   return material;
 }
 
-inline View tangleView(uint32_t pixels, bool reversedDepth = false) {
-  View view;
-  view.eye = {0, 0, 0.5f};
-  view.worldToClip = lookAt(view.eye, {0, 0, 0}, {0, 1, 0}, 0.5f, 1, 0.1f, 5.0f, reversedDepth);
-  view.width = view.height = pixels;
-  view.reversedDepth = reversedDepth;
-  return view;
+/// It hangs nowhere.
+inline HairDef tangleHair(const TangleDef& def) {
+  HairDef hair = {.name = "tangle", .material = tangleMaterial(def)};
+  hair.settings.gravity = {0, 0, 0};
+  return hair;
 }
 
+inline View tangleView(uint32_t pixels, bool reversedDepth = false) {
+  return cameraView(
+      {.eye = {0, 0, 0.5f}, .width = pixels, .nearPlane = 0.1f, .reversedDepth = reversedDepth});
+}
+
+/// In the middle of the hair: strands behind the eye, through the near plane and across it.
+inline View viewFromInside(uint32_t pixels, bool reversedDepth, float nearPlane = 0.001f) {
+  return cameraView({.eye = {0, 0, 0},
+                     .target = {0, 0, -1},
+                     .fov = 1.5f,
+                     .width = pixels,
+                     .nearPlane = nearPlane,
+                     .farPlane = 1,
+                     .reversedDepth = reversedDepth});
+}
+
+inline constexpr Transparency kEachTransparency[] = {
+    Transparency::kAlphaTest, Transparency::kStochastic, Transparency::kWindowed,
+    Transparency::kHybrid4,   Transparency::kHybrid8,    Transparency::kHybrid16,
+    Transparency::kShortCut,  Transparency::kTiles};
+
 inline std::vector<Light> tangleLights() {
-  Light key;
-  key.direction = {0.5f, 0.7f, 0.5f};
-  key.shadow = HairShadow::kDeep;
-  key.shadowSize = 128;
-  Light side;
-  side.hasPosition = true;
-  side.position = {-0.4f, 0.1f, 0.2f};
+  Light key = {.direction = {0.5f, 0.7f, 0.5f}, .shadow = HairShadow::kDeep, .shadowSize = 128};
+  Light side = {.hasPosition = true, .position = {-0.4f, 0.1f, 0.2f}};
   side.color = {0.05f, 0.06f, 0.1f};
   side.ambient = {0, 0, 0};
   return {key, side};
@@ -106,16 +122,29 @@ class TangleRun {
 
   void add(const TangleDef& def) { add(def, tangle(def)); }
   void add(const TangleDef& def, const HairAsset& asset) {
-    HairDef hairDef;
-    hairDef.name = "tangle";
-    hairDef.material = tangleMaterial(def);
-    hairDef.settings.gravity = {0, 0, 0};
-    const Result<HairId> added = run.scene.addHair(asset, hairDef);
-    ASSERT_TRUE(added) << added.error().message;
-    hair_ = *added;
+    run.add(asset, tangleHair(def));
+    hair_ = run.lastHair();
     run.step();
   }
   HairObject& hair() { return run.scene.hair(hair_); }
+  /// Draws the hair with every fifth vertex, a whole strand and all tangents not finite.
+  /// \param far  every fourth vertex is so far away that its products have no floats, too
+  RenderedImage renderSpoiled(const View& view, const TransparencySettings& settings,
+                              bool far = false) {
+    constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+    constexpr float kInf = std::numeric_limits<float>::infinity();
+    std::vector<Float4> positions = run.positions(hair());
+    const std::vector<Float4> tangents(positions.size(), {kNan, 0, kInf, 0});
+    for (size_t i = 0; i < positions.size(); i += 5) positions[i] = {kNan, kInf, -kInf, kNan};
+    for (size_t i = 0; i < 6; ++i) positions[i] = {kNan, kNan, kNan, kNan};
+    for (size_t i = 6; far && i < positions.size(); i += 4)
+      positions[i] = {1e17f, -3e17f, 2e17f, 0};
+    lists.assign(1, {});
+    addUpload(lists[0], hair().buffers().positions, std::as_bytes(std::span(positions)));
+    addUpload(lists[0], hair().buffers().tangents, std::as_bytes(std::span(tangents)));
+    expectOk(run.scene.draw(view, tangleLights(), settings, lists));
+    return renderLists(view).value_or(RenderedImage{});
+  }
 
   /// Draws with these settings into an empty target.
   RenderedImage render(const View& view, const TransparencySettings& settings,
@@ -132,16 +161,10 @@ class TangleRun {
 
   /// \param target the size of the view where it has none.
   std::optional<RenderedImage> renderLists(const View& view, RenderTargetDef target = {}) {
-    std::vector<const PassList*> pointers;
-    for (PassList& list : lists) {
-      run.scene.finish(list);
-      pointers.push_back(&list);
-    }
-    expectOk(run.device()->update(run.scene.resources()));
     if (target.width == 0) target.width = view.width;
     if (target.height == 0) target.height = view.height;
     target.clearDepth = view.reversedDepth ? 0.0f : 1.0f;
-    Result<RenderedImage> image = run.device()->render(pointers, target, nullptr);
+    Result<RenderedImage> image = run.renderLists(lists, target);
     EXPECT_TRUE(image) << image.error().message;
     if (!image) return std::nullopt;
     return std::move(*image);
@@ -173,6 +196,27 @@ class TangleRun {
   HairId hair_ = HairId::kInvalid;
 };
 
+/// The strands have the same picture to the bit in either order, and in the next frame, which finds
+/// buffers that were used before.
+/// \param asset  makes the strands, in the reverse order if so
+/// \return the picture
+template <class Asset>
+RenderedImage expectNoOrder(TangleRun& scene, TangleRun& other, const TangleDef& def,
+                            const Asset& asset, const View& view,
+                            const std::vector<TransparencySettings>& methods) {
+  scene.add(def, asset(false));
+  other.add(def, asset(true));
+  RenderedImage image;
+  for (const TransparencySettings& settings : methods) {
+    image = scene.render(view, settings);
+    EXPECT_TRUE(sameBits(image, other.render(view, settings)))
+        << "method " << static_cast<int>(settings.method);
+    EXPECT_TRUE(sameBits(image, scene.render(view, settings)))
+        << "method " << static_cast<int>(settings.method);
+  }
+  return image;
+}
+
 /// Makes a TangleRun of the parameter's API, or skips.
 class TangleTest : public testing::TestWithParam<Api> {
  protected:
@@ -182,20 +226,26 @@ class TangleTest : public testing::TestWithParam<Api> {
       PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: no " << apiName(GetParam()) << " device";
   }
   TangleRun& tangleRun() { return *tangleRun_; }
+  RenderedImage expectNoOrderOfStrands(const TangleDef& def, const View& view,
+                                       const std::vector<TransparencySettings>& methods) {
+    TangleDef reversed = def;
+    reversed.reversed = true;
+    TangleRun other(GetParam());
+    return expectNoOrder(
+        tangleRun(), other, def, [&](bool turned) { return tangle(turned ? reversed : def); }, view,
+        methods);
+  }
+  /// Of strands that are there twice.
+  RenderedImage expectNoOrderOfTwins(const TangleDef& def, const View& view,
+                                     const std::vector<TransparencySettings>& methods) {
+    TangleRun other(GetParam());
+    return expectNoOrder(
+        tangleRun(), other, def, [&](bool turned) { return twins(tangle(def), turned); }, view,
+        methods);
+  }
 
  private:
   std::unique_ptr<TangleRun> tangleRun_;
 };
-
-inline bool sameBits(const RenderedImage& a, const RenderedImage& b) {
-  return a.pixels.size() == b.pixels.size() &&
-         std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof(Float4)) == 0;
-}
-
-inline bool allFinite(const RenderedImage& image) {
-  return std::all_of(image.pixels.begin(), image.pixels.end(), [](const Float4& p) {
-    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z) && std::isfinite(p.w);
-  });
-}
 
 }  // namespace pelage::test

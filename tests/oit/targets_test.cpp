@@ -3,20 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <iterator>
-#include <limits>
 
 #include "oit/shared_tangle.h"
 
 namespace pelage::test {
 namespace {
-
-TransparencySettings settingsOf(const Method& method) {
-  TransparencySettings settings;
-  settings.method = method.transparency;
-  settings.nodeCount = 1 << 16;
-  return settings;
-}
 
 class TransparencyTargets : public SharedTangleTest<> {
  protected:
@@ -28,16 +19,9 @@ class TransparencyTargets : public SharedTangleTest<> {
   RenderedImage render(TangleRun& scene, const Method& method, View view,
                        RenderTargetDef target = {}) {
     view.samples = target.samples = method.samples;
-    return scene.render(view, settingsOf(method), target);
+    return scene.render(view, {.method = method.transparency, .nodeCount = 1 << 16}, target);
   }
 };
-
-float maxDifference(const Float4& a, const Float4& b) {
-  float largest = 0;
-  for (const float d : {a.x - b.x, a.y - b.y, a.z - b.z, a.w - b.w})
-    largest = std::abs(d) <= largest ? largest : std::abs(d);
-  return largest;
-}
 
 TEST_P(TransparencyTargets, HaveThePictureWhereTheViewportIs) {  // K41
   View view = tangleView(1);
@@ -71,26 +55,12 @@ TEST_P(TransparencyTargets, HaveThePictureWhereTheViewportIs) {  // K41
   }
 }
 
-TEST_P(TransparencyTargets, AreRefusedWhereTheViewportIsNoWholeNumberOfPixels) {
-  const float bad[] = {0.5f, -1, 65536, std::numeric_limits<float>::quiet_NaN()};
-  for (const float point : bad) {
-    for (const bool down : {false, true}) {
-      View view = tangleView(8);
-      (down ? view.y : view.x) = point;
-      std::vector<PassList> lists;
-      const Result<void> drawn = tangleRun().run.scene.draw(view, tangleLights(), {}, lists);
-      ASSERT_FALSE(drawn) << point;
-      EXPECT_NE(drawn.error().message.find("whole numbers"), std::string::npos);
-    }
-  }
-}
-
 TEST_P(TransparencyTargets, HaveThePictureInTheLastOf8192Columns) {
   // 64 pixels a metre.
   constexpr uint32_t kWide = 8192, kHigh = 16, kPart = 64;
   HairAsset asset;
   asset.verticesPerStrand = 4;
-  Random random(3);
+  pelage::Random random(3);
   const auto add = [&](float x, float y, float toX, float toY) {
     for (int v = 0; v < 4; ++v) {
       const float share = static_cast<float>(v) / 3;
@@ -108,11 +78,8 @@ TEST_P(TransparencyTargets, HaveThePictureInTheLastOf8192Columns) {
     add(across(), down(), across(), down());
   }
   expectOk(asset.process());
-  HairDef def;
-  def.material = tangleMaterial({.radius = 0.02f, .opacity = 0.5f});
-  def.settings.gravity = {0, 0, 0};
   tangleRun().hair().visible = false;
-  HairObject& strands = tangleRun().run.add(asset, def);
+  HairObject& strands = tangleRun().run.add(asset, tangleHair({.radius = 0.02f, .opacity = 0.5f}));
   tangleRun().run.step();
 
   View wide;
@@ -177,9 +144,7 @@ TEST_P(TransparencyTargets, CostAboutTheWorkThatIsPredicted) {
   const View view = tangleView(96);
   const TransparencyWork predicted = tangleRun().run.scene.predictWork(view);
   for (const Transparency method : {Transparency::kWindowed, Transparency::kTiles}) {
-    TransparencySettings settings;
-    settings.method = method;
-    settings.nodeCount = 1 << 17;
+    TransparencySettings settings = {.method = method, .nodeCount = 1 << 17};
     tangleRun().render(view, settings);
     const TransparencyCounters counted = tangleRun().counters(settings.nodeCount);
     const double ratio =
@@ -195,25 +160,18 @@ TEST_P(TransparencyTargets, CostAboutTheWorkThatIsPredicted) {
 }
 
 TEST_P(TransparencyTargets, HaveNoNumberlessPixelsWithTheEyeAmongOpaqueStrands) {
-  View view = tangleView(24);
-  view.eye = {0, 0, 0};
   for (const bool reversedDepth : {false, true}) {
-    view.worldToClip =
-        lookAt(view.eye, {0, 0, -1}, {0, 1, 0}, 1.5f, 1, 0.001f, 1.0f, reversedDepth);
-    view.reversedDepth = reversedDepth;
+    const View view = viewFromInside(24, reversedDepth);
     for (const Method& method : {kMethods[0], kMethods[1]}) {
       if (!hasTarget(method)) continue;
       const RenderedImage image = render(tangleRun(), method, view);
       EXPECT_TRUE(allFinite(image)) << method.name;
-      double covered = 0;
-      for (const Float4& p : image.pixels) covered += static_cast<double>(p.w);
-      EXPECT_GT(covered, 2) << method.name;
+      EXPECT_GT(coverage(image), 2) << method.name;
     }
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, TransparencyTargets, testing::ValuesIn(kApis),
-                         [](const auto& api) { return std::string(apiName(api.param)); });
+INSTANTIATE_TEST_SUITE_P(All, TransparencyTargets, testing::ValuesIn(kApis), apiTestName);
 
 }  // namespace
 }  // namespace pelage::test

@@ -5,21 +5,22 @@
 #include <cmath>
 
 #include "oit/tangle.h"
+#include "support/errors.h"
 
 namespace pelage::test {
 namespace {
 
-constexpr uint32_t kPixels = 64;
+constexpr uint32_t kRecordPixels = 64;
 
-constexpr Transparency kMethods[] = {Transparency::kAlphaTest, Transparency::kStochastic,
-                                     Transparency::kWindowed,  Transparency::kHybrid8,
-                                     Transparency::kShortCut,  Transparency::kTiles};
+constexpr Transparency kRecordMethods[] = {Transparency::kAlphaTest, Transparency::kStochastic,
+                                           Transparency::kWindowed,  Transparency::kHybrid8,
+                                           Transparency::kShortCut,  Transparency::kTiles};
 
 // An object with all that draws read: factors, colors, a texture, and follow hairs that are
 // computed from their guides.
 HairDef fullDef(HairAsset& asset, const std::vector<Float4>& texels,
                 const std::vector<FollowHair>& follows) {
-  Random random(3);
+  pelage::Random random(3);
   for (uint32_t s = 0; s < asset.strandCount; ++s) {
     asset.strandThickness.push_back(0.5f + random.uniform());
     asset.strandUv.push_back({4 * random.uniform() - 2, random.uniform()});
@@ -27,9 +28,7 @@ HairDef fullDef(HairAsset& asset, const std::vector<Float4>& texels,
   for (size_t i = 0; i < asset.positions.size(); ++i)
     asset.vertexColor.push_back({random.uniform(), random.uniform(), random.uniform(), 1});
   expectOk(asset.process());
-  HairDef def;
-  def.settings.gravity = {0, 0, 0};
-  def.material = tangleMaterial({});
+  HairDef def = tangleHair({});
   def.baseTexture = {4, 2, texels};
   def.followHairs = follows;
   return def;
@@ -84,48 +83,39 @@ TEST_P(TransformedStrands, DrawThePictureOfStrandsFromStorageBuffers) {
   HairObject& hair = scene.run.add(asset, def);
   scene.add({.strands = 200, .vertices = 3});
   scene.run.step();
-  for (const Transparency method : kMethods) {
-    TransparencySettings settings;
-    settings.method = method;
-    settings.nodeCount = 1 << 17;
+  for (const Transparency method : kRecordMethods) {
+    TransparencySettings settings = {.method = method, .nodeCount = 1 << 17};
     const std::string name = "method " + std::to_string(static_cast<int>(method));
-    expectSame(scene, tangleView(kPixels), settings, name);
-    expectSame(scene, tangleView(kPixels, true), settings, name + " reversed");
+    expectSame(scene, tangleView(kRecordPixels), settings, name);
+    expectSame(scene, tangleView(kRecordPixels, true), settings, name + " reversed");
   }
   // Some strands fade, the rest is wider; few of the follow hairs are left.
   hair.drawnShare = 0.4f;
   hair.material.fiberRadius = 0.006f;
-  expectSame(scene, tangleView(kPixels), {}, "share");
+  expectSame(scene, tangleView(kRecordPixels), {}, "share");
 }
 
 TEST_P(TransformedStrands, DrawWhatIsAtAndBehindTheEye) {
   tangleRun().add({.strands = 300});
-  View view = tangleView(kPixels);
-  view.eye = {0, 0, 0};
-  view.worldToClip = lookAt(view.eye, {0, 0, -1}, {0, 1, 0}, 1.5f, 1, 0.001f, 1.0f);
-  expectSame(tangleRun(), view, {}, "eye");
+  expectSame(tangleRun(), viewFromInside(kRecordPixels, false), {}, "eye");
 }
 
 TEST_P(TransformedStrands, CountAgainstTheMemoryOfTheView) {
   tangleRun().add({.strands = 300, .vertices = 6});
   Scene& scene = tangleRun().run.scene;
   std::vector<PassList> lists;
-  TransparencySettings settings;
-  settings.method = Transparency::kStochastic;
-  settings.maxBytes = 300 * 6 * 48 - 1;
-  EXPECT_TRUE(scene.draw(tangleView(kPixels), tangleLights(), settings, lists));
+  TransparencySettings settings = {.method = Transparency::kStochastic,
+                                   .maxBytes = 300 * 6 * 48 - 1};
+  EXPECT_TRUE(scene.draw(tangleView(kRecordPixels), tangleLights(), settings, lists));
   scene.setTier(Tier::kEs);
   lists.clear();
-  const Result<void> drawn = scene.draw(tangleView(kPixels), tangleLights(), settings, lists);
-  ASSERT_FALSE(drawn);
-  EXPECT_NE(drawn.error().message.find("maxBytes is 86399"), std::string::npos)
-      << drawn.error().message;
+  expectError(scene.draw(tangleView(kRecordPixels), tangleLights(), settings, lists),
+              "maxBytes is 86399");
   settings.maxBytes += 1 + 16 * 48;  // to a multiple of 16 vertices
-  EXPECT_TRUE(scene.draw(tangleView(kPixels), tangleLights(), settings, lists));
+  EXPECT_TRUE(scene.draw(tangleView(kRecordPixels), tangleLights(), settings, lists));
 }
 
-INSTANTIATE_TEST_SUITE_P(Apis, TransformedStrands, testing::ValuesIn(kApis),
-                         [](const auto& api) { return std::string(apiName(api.param)); });
+INSTANTIATE_TEST_SUITE_P(Apis, TransformedStrands, testing::ValuesIn(kApis), apiTestName);
 
 }  // namespace
 }  // namespace pelage::test

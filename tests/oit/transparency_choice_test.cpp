@@ -12,9 +12,11 @@
 #include <vector>
 
 #include "pelage/scene.h"
+#include "support/errors.h"
 #include "support/plain_asset.h"
+#include "support/views.h"
 
-namespace pelage {
+namespace pelage::test {
 namespace {
 
 struct Row {
@@ -165,21 +167,21 @@ TEST(TransparencyChoice, IsKnownForEveryWork) {
 
 class PredictedWork : public testing::Test {
  protected:
-  static View viewFrom(float distance) {
-    View view;
+  static View viewFrom(float distance, float targetZ = 0) {
     // The strands stand from 0 to 0.4 m along x.
-    view.eye = {0.2f, 0.04f, distance};
-    view.worldToClip = lookAt(view.eye, {0.2f, 0.04f, 0}, {0, 1, 0}, 0.6f, 1, 0.001f, 100);
-    view.width = view.height = 400;
-    return view;
+    return cameraView({.eye = {0.2f, 0.04f, distance},
+                       .target = {0.2f, 0.04f, targetZ},
+                       .fov = 0.6f,
+                       .width = 400,
+                       .nearPlane = 0.001f,
+                       .farPlane = 100});
   }
 };
 
 TEST_F(PredictedWork, GrowsWithTheHairOnTheScreenAndIsNothingOutsideOfIt) {
   Scene scene;
   EXPECT_EQ(scene.predictWork(viewFrom(2)).fragments, 0);
-  const Result<HairId> added = scene.addHair(test::makeAsset(40), {});
-  ASSERT_TRUE(added) << added.error().message;
+  const Result<HairId> added = required(scene.addHair(makeAsset(40), {}));
   HairObject& hair = scene.hair(*added);
   const TransparencyWork far = scene.predictWork(viewFrom(8));
   const TransparencyWork near = scene.predictWork(viewFrom(2));
@@ -204,8 +206,7 @@ TEST_F(PredictedWork, GrowsWithTheHairOnTheScreenAndIsNothingOutsideOfIt) {
   hair.visible = false;
   EXPECT_EQ(scene.predictWork(viewFrom(2)).fragments, 0);
   hair.visible = true;
-  View away = viewFrom(2);
-  away.worldToClip = lookAt(away.eye, {0.2f, 0.04f, 9}, {0, 1, 0}, 0.6f, 1, 0.001f, 100);
+  View away = viewFrom(2, 9);
   EXPECT_EQ(scene.predictWork(away).fragments, 0);
   away.width = 0;
   EXPECT_EQ(scene.predictWork(away).fragments, 0);
@@ -233,9 +234,12 @@ TEST_F(PredictedWork, SeesAllOfAStrandWhateverTheNumberOfItsVertices) {
     constexpr float kAngle = 0.05f;
     const float half = 2 * std::tan(kAngle / 2);  // of what is in view [m]
     for (const float x : {0.06f, 0.2f, 0.32f}) {
-      view.eye.x = x;
-      view.worldToClip = lookAt(view.eye, {x, 0.04f, 0}, {0, 1, 0}, kAngle, 1, 0.001f, 100);
-      view.width = view.height = 324;  // as many pixels a metre
+      view = cameraView({.eye = {x, 0.04f, 2},
+                         .target = {x, 0.04f, 0},
+                         .fov = kAngle,
+                         .width = 324,  // as many pixels a metre
+                         .nearPlane = 0.001f,
+                         .farPlane = 100});
       uint32_t seen = 0;
       for (uint32_t v = 0; v < vertices; ++v)
         if (std::abs(asset.positions[v].x - x) < half) ++seen;
@@ -247,4 +251,4 @@ TEST_F(PredictedWork, SeesAllOfAStrandWhateverTheNumberOfItsVertices) {
 }
 
 }  // namespace
-}  // namespace pelage
+}  // namespace pelage::test

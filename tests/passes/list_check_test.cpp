@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/errors.h"
 #include "support/wrong_lists.h"
 
 namespace pelage::test {
@@ -13,13 +14,8 @@ namespace {
 class ListCheck : public testing::Test {
  protected:
   void expectRefused(const PassList& list, const DeviceLimits& limits, ErrorCode code,
-                     std::initializer_list<const char*> words) {
-    const Result<void> checked = checkList(list, resources_, limits);
-    ASSERT_FALSE(checked);
-    EXPECT_EQ(checked.error().code, code);
-    for (const char* word : words)
-      EXPECT_NE(checked.error().message.find(word), std::string::npos)
-          << "'" << word << "' is not in: " << checked.error().message;
+                     std::initializer_list<std::string_view> words) {
+    expectError(checkList(list, resources_, limits), code, words);
   }
 
   ResourceTable resources_;
@@ -30,8 +26,7 @@ TEST_F(ListCheck, TakesAListInWhichNothingIsWrong) {
   const PassList list = rightList(buffers_);
   EXPECT_TRUE(checkPasses(list));
   for (const ListPart part : {ListPart::kAll, ListPart::kDispatches, ListPart::kDraws}) {
-    const Result<void> checked = checkList(list, resources_, {}, part);
-    EXPECT_TRUE(checked) << checked.error().message;
+    expectOk(checkList(list, resources_, {}, part));
   }
   EXPECT_TRUE(checkList(PassList(), resources_));
 }
@@ -103,9 +98,7 @@ TEST_F(ListCheck, RefusesAListOfAnotherTable) {
   list.table = resources_.id();
   EXPECT_TRUE(checkList(list, resources_));
   const ResourceTable other = resources_;
-  const Result<void> checked = checkList(list, other);
-  ASSERT_FALSE(checked);
-  EXPECT_NE(checked.error().message.find("another scene"), std::string::npos);
+  expectError(checkList(list, other), "another scene");
 }
 
 TEST_F(ListCheck, RefusesAnImageAndATextureWithoutOne) {

@@ -2,62 +2,33 @@
 // buffers after one that did not.
 #include <gtest/gtest.h>
 
-#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "pelage/pass_list.h"
+#include "passes/copy_kernels.h"
+#include "support/errors.h"
 
-namespace pelage {
+namespace pelage::test {
 namespace {
-
-constexpr LayoutEntry kEntries[] = {
-    {"g_source", "float4", ResourceKind::kStorageBuffer, Access::kRead, 7, 16, 1, 0},
-    {"g_target", "float4", ResourceKind::kStorageBuffer, Access::kReadWrite, 7, 16, 2, 1},
-};
-constexpr LayoutTable kTable = {"Test", "test", 0, kEntries};
-constexpr const LayoutTable* kTables[] = {&kTable};
-constexpr VariantBinding kCopyBindings[] = {{0, 0, Access::kRead}, {0, 1, Access::kWrite}};
-constexpr VariantBinding kDrawBindings[] = {{0, 0, Access::kRead}};
-constexpr Kernel kCopyKernel = {"copy", Stage::kCompute, kTables, {}, {}};
-constexpr Kernel kVertexKernel = {"vertex", Stage::kVertex, kTables, {}, {}};
-constexpr Kernel kPixelKernel = {"pixel", Stage::kPixel, kTables, {}, {}};
-constexpr KernelVariant kCopy = {&kCopyKernel, "", kCopyBindings, {64, 1, 1}, 1};
-constexpr KernelVariant kVertex = {&kVertexKernel, "", kDrawBindings, {0, 0, 0}, 2};
-constexpr KernelVariant kPixel = {&kPixelKernel, "", kDrawBindings, {0, 0, 0}, 3};
-constexpr auto kA = BufferId{1};
-constexpr auto kB = BufferId{2};
-
-void addCopy(PassList& list, BufferId source, BufferId target) {
-  PassBuilder builder(list);
-  builder.dispatch(kCopy, 100).bind("g_source", source, 64).bind("g_target", target, 64);
-  ASSERT_TRUE(builder.finish());
-}
-
-void addDraw(PassList& list, BufferId source) {
-  PassBuilder builder(list);
-  builder.draw(kVertex, kPixel, {}, 3, 1).bind("g_source", source, 64);
-  ASSERT_TRUE(builder.finish());
-}
 
 class ListRunTest : public testing::Test {
  protected:
   PassList list(BufferId source = kA, BufferId target = kB) {
+    return copyList(tracker_, source, target);
+  }
+  PassList draws() {
     PassList made;
-    addCopy(made, source, target);
+    addDraw(made, kB);
     tracker_.resolve(made);
     return made;
   }
   static void run(const PassList& list) {
-    const Result<void> ready = checkRun(list);
-    ASSERT_TRUE(ready) << ready.error().message;
+    ASSERT_TRUE(checkRun(list));
     setDelivered(list.run);
   }
   static void expectRefused(const PassList& list, const std::string& words) {
-    const Result<void> ready = checkRun(list);
-    ASSERT_FALSE(ready) << "expected: " << words;
-    EXPECT_NE(ready.error().message.find(words), std::string::npos) << ready.error().message;
+    expectError(checkRun(list), {words});
   }
 
   HazardTracker tracker_;
@@ -122,17 +93,12 @@ TEST_F(ListRunTest, WhatIsAddedBehindTheBarriersIsRefused) {
   tracker_.resolve(late);
   run(late);
   addDraw(late, kB);
-  ASSERT_FALSE(checkDraws(late));
-  EXPECT_NE(checkDraws(late).error().message.find("after its barriers"), std::string::npos);
+  expectError(checkDraws(late), "after its barriers");
 }
 
 TEST_F(ListRunTest, DrawsComeBehindTheDispatchesOfTheirList) {
-  PassList drawn;
-  addDraw(drawn, kB);
-  tracker_.resolve(drawn);
-  const Result<void> early = checkDraws(drawn);
-  ASSERT_FALSE(early);
-  EXPECT_NE(early.error().message.find("record() the list first"), std::string::npos);
+  PassList drawn = draws();
+  expectError(checkDraws(drawn), "record() the list first");
   run(drawn);
   EXPECT_TRUE(checkDraws(drawn));
 }
@@ -186,9 +152,7 @@ TEST_F(ListRunTest, BarriersAreRightWhetherAnAbandonedListRanOrNot) {
   addUpload(upload, kB, bytes);
   tracker_.resolve(upload);
   abandon(upload.run);
-  PassList drawn;
-  addDraw(drawn, kB);
-  tracker_.resolve(drawn);
+  PassList drawn = draws();
   const Barrier* barrier = readBarrier(drawn, kB);
   ASSERT_NE(barrier, nullptr);
   EXPECT_TRUE(barrier->beforeUpload);
@@ -198,19 +162,13 @@ TEST_F(ListRunTest, BarriersAreRightWhetherAnAbandonedListRanOrNot) {
 
 TEST_F(ListRunTest, WhatAnAbandonedListWasToMakeVisibleIsNotVisible) {
   run(list(kA, kB));
-  PassList drawn;
-  addDraw(drawn, kB);
-  tracker_.resolve(drawn);
+  PassList drawn = draws();
   ASSERT_NE(readBarrier(drawn, kB), nullptr);
   drawn = {};  // it never runs
-  PassList again;
-  addDraw(again, kB);
-  tracker_.resolve(again);
+  PassList again = draws();
   ASSERT_NE(readBarrier(again, kB), nullptr) << "nobody has waited for the copy yet";
   run(again);
-  PassList third;
-  addDraw(third, kB);
-  tracker_.resolve(third);
+  PassList third = draws();
   EXPECT_EQ(readBarrier(third, kB), nullptr);
 }
 
@@ -239,4 +197,4 @@ TEST(ResourceTableTest, KnowsWhenABufferWasAdded) {
 }
 
 }  // namespace
-}  // namespace pelage
+}  // namespace pelage::test

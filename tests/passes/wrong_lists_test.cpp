@@ -13,11 +13,9 @@ class WrongLists : public GpuTest {
     GpuTest::SetUp();
     if (IsSkipped()) return;
     // A device of its own: it knows one table.
-    Result<std::unique_ptr<HeadlessDevice>> made = createDevice({.api = GetParam()});
-    ASSERT_TRUE(made) << made.error().message;
+    Result<std::unique_ptr<HeadlessDevice>> made = required(createDevice({.api = GetParam()}));
     device_ = *std::move(made);
-    const Result<void> updated = device_->update(resources_);
-    ASSERT_TRUE(updated) << updated.error().message;
+    expectOk(device_->update(resources_));
   }
 
   Result<void> run(const PassList& list, ListPart part) {
@@ -35,7 +33,7 @@ class WrongLists : public GpuTest {
   ResourceTable resources_;
   WrongListBuffers buffers_{resources_};
 };
-INSTANTIATE_TEST_SUITE_P(, WrongLists, testing::ValuesIn(kApis), apiTestName);
+INSTANTIATE_TEST_SUITE_P(All, WrongLists, testing::ValuesIn(kApis), apiTestName);
 
 TEST_P(WrongLists, AreRefusedWithTheWordsOfTheCheck) {
   const std::vector<std::byte> before = target();
@@ -56,8 +54,7 @@ TEST_P(WrongLists, AreRefusedWithTheWordsOfTheCheck) {
   }
   PassList list = rightList(buffers_);
   hazards.resolve(list);
-  const Result<void> done = run(list, ListPart::kDraws);
-  ASSERT_TRUE(done) << done.error().message;
+  expectOk(run(list, ListPart::kDraws));
   EXPECT_NE(target(), before);
 }
 

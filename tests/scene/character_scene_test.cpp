@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -55,8 +54,7 @@ class CharacterScene : public testing::TestWithParam<Api> {
       def.name = collider.name;
       def.cellSize = kSdfCell;
       def.boneCount = bones;
-      const Result<ColliderId> added = run_.scene.addCollider(collider.mesh, def);
-      ASSERT_TRUE(added) << added.error().message;
+      const Result<ColliderId> added = required(run_.scene.addCollider(collider.mesh, def));
       colliders_.push_back(*added);
     }
   }

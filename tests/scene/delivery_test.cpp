@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "support/delivery_scene.h"
-#include "support/required_devices.h"
+#include "support/errors.h"
 #include "support/scene_run.h"
 
 namespace pelage::test {
@@ -31,36 +31,15 @@ constexpr std::array kLosses = {Loss::kNotFinished, Loss::kNotExecuted, Loss::kU
                                 Loss::kTwice,       Loss::kAbandoned};
 
 const char* lossName(Loss loss) {
-  switch (loss) {
-    case Loss::kNone:
-      return "None";
-    case Loss::kNotFinished:
-      return "NotFinished";
-    case Loss::kNotExecuted:
-      return "NotExecuted";
-    case Loss::kUpdatedAlone:
-      return "UpdatedAlone";
-    case Loss::kNotUpdated:
-      return "NotUpdated";
-    case Loss::kOtherList:
-      return "OtherList";
-    case Loss::kRefused:
-      return "Refused";
-    case Loss::kTwice:
-      return "Twice";
-    case Loss::kAbandoned:
-      return "Abandoned";
-  }
-  return "";
+  constexpr const char* kNames[] = {"None",         "NotFinished", "NotExecuted",
+                                    "UpdatedAlone", "NotUpdated",  "OtherList",
+                                    "Refused",      "Twice",       "Abandoned"};
+  return kNames[static_cast<size_t>(loss)];
 }
 
-class Delivery : public testing::TestWithParam<std::tuple<Api, Solver>> {
+class Delivery : public SceneRunTest<std::tuple<Api, Solver>> {
  protected:
-  using Results = std::vector<std::vector<std::byte>>;
-  Delivery() : run_(sharedSceneRun(std::get<0>(GetParam()))) {}
-  void SetUp() override {
-    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
-  }
+  using Results = DeliveryScene::Results;
 
   /// Loses a frame with what has been set. \return false: it ran after all.
   bool lose(DeliveryScene& scene, int frame, Loss loss) {
@@ -85,14 +64,10 @@ class Delivery : public testing::TestWithParam<std::tuple<Api, Solver>> {
   }
   void execute(DeliveryScene& scene, int frame) {
     expectOk(scene.simulate(frame, list_));
-    run_.scene.finish(list_);
-    expectOk(run_.device()->update(run_.scene.resources()));
-    expectOk(run_.device()->execute(list_));
+    run_.execute(list_);
   }
   Results read(const DeliveryScene& scene) {
-    Results all;
-    for (const BufferId buffer : scene.results()) all.push_back(run_.read<std::byte>(buffer));
-    return all;
+    return scene.readResults([this](BufferId buffer) { return run_.read<std::byte>(buffer); });
   }
   /// \param foreign  the lost frames have the inputs of another frame
   /// \return what is there after each frame
@@ -130,7 +105,6 @@ class Delivery : public testing::TestWithParam<std::tuple<Api, Solver>> {
     }
   }
 
-  SceneRun& run_;
   PassList list_, other_;
   std::vector<double> times_;
 };
@@ -240,21 +214,13 @@ TEST_P(Delivery, ARuntimeHasTheBuffersOfOneScene) {
   DeliveryScene twin(other, std::get<1>(GetParam()));
   expectOk(twin.simulate(0, other_));
   other.finish(other_);
-  const Result<void> updated = run_.device()->update(other.resources());
-  ASSERT_FALSE(updated);
-  EXPECT_NE(updated.error().message.find("another ResourceTable"), std::string::npos);
-  const Result<void> executed = run_.device()->execute(other_);
-  ASSERT_FALSE(executed);
-  EXPECT_NE(executed.error().message.find("another scene"), std::string::npos)
-      << executed.error().message;
+  expectError(run_.device()->update(other.resources()), "another ResourceTable");
+  expectError(run_.device()->execute(other_), "another scene");
   execute(scene, 1);
   scene.remove();
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Delivery, testing::ValuesIn(solversOnApis()), [](const auto& tested) {
-  return std::string(apiName(std::get<0>(tested.param))) +
-         (std::get<1>(tested.param) == Solver::kExact ? "Exact" : "Classic");
-});
+INSTANTIATE_TEST_SUITE_P(All, Delivery, testing::ValuesIn(solversOnApis()), solverTestName);
 
 }  // namespace
 }  // namespace pelage::test

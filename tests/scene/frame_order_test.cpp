@@ -3,24 +3,21 @@
 
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "pelage/frame.h"
 #include "pelage/scene.h"
+#include "support/errors.h"
 #include "support/plain_asset.h"
+#include "support/views.h"
 
-namespace pelage {
+namespace pelage::test {
 namespace {
 
 class FrameOrder : public testing::Test {
  protected:
-  void SetUp() override { ASSERT_TRUE(scene_.addHair(test::makeAsset(), {})); }
+  void SetUp() override { ASSERT_TRUE(scene_.addHair(makeAsset(), {})); }
   static View view() {
-    View view;
-    view.eye = {0, 0.04f, 0.5f};
-    view.worldToClip = lookAt(view.eye, {0, 0.04f, 0}, {0, 1, 0}, 0.6f, 1, 0.01f, 100);
-    view.width = view.height = 100;
-    return view;
+    return cameraView({.eye = {0, 0.04f, 0.5f}, .target = {0, 0.04f, 0}, .width = 100});
   }
   Frame begin() {
     Result<Frame> frame = scene_.simulate(1.0f / 60);
@@ -64,8 +61,7 @@ TEST_F(FrameOrder, IsThatOfTheCalls) {
   frame.addListBefore();
   EXPECT_EQ(frame.viewCount(), 3u);
   EXPECT_TRUE(frame.steps().empty());
-  const Result<void> done = frame.run(executor());
-  EXPECT_TRUE(done) << done.error().message;
+  expectOk(frame.run(executor()));
   EXPECT_EQ(calls_,
             "u - skin_roots clear_strand_shadow "
             "- d0.0 transform_strands d0.1 - "
@@ -96,4 +92,4 @@ TEST_F(FrameOrder, EndsWhereTheExecutorFails) {
 }
 
 }  // namespace
-}  // namespace pelage
+}  // namespace pelage::test

@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <optional>
-#include <string>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -14,43 +13,29 @@
 #include "pelage/kernels.h"
 #include "pelage/skeleton.h"
 #include "support/delivery_scene.h"
+#include "support/errors.h"
+#include "support/pictures.h"
 #include "support/plain_asset.h"
-#include "support/required_devices.h"
 #include "support/scene_run.h"
+#include "support/views.h"
 
 namespace pelage::test {
 namespace {
 
-using Bytes = std::vector<std::vector<std::byte>>;
+using Bytes = DeliveryScene::Results;
 
 View viewOf(uint32_t width, uint32_t height) {
-  View view;
-  view.eye = {0.1f, 0.04f, 0.6f};
-  view.worldToClip = lookAt(view.eye, {0.1f, 0.04f, 0}, {0, 1, 0}, 0.5f,
-                            static_cast<float>(width) / static_cast<float>(height), 0.05f, 5);
-  view.width = width;
-  view.height = height;
-  return view;
+  return cameraView(
+      {.eye = {0.1f, 0.04f, 0.6f}, .target = {0.1f, 0.04f, 0}, .width = width, .height = height});
 }
 
 RenderTargetDef targetOf(const View& view) {
-  RenderTargetDef target;
-  target.width = view.width;
-  target.height = view.height;
+  RenderTargetDef target = {.width = view.width, .height = view.height};
   return target;
 }
 
-void expectRefused(const Error& error, const char* part) {
-  EXPECT_NE(error.message.find(part), std::string::npos) << error.message;
-}
-
-class FrameTest : public testing::TestWithParam<std::tuple<Api, Solver>> {
+class FrameTest : public SceneRunTest<std::tuple<Api, Solver>> {
  protected:
-  FrameTest() : run_(sharedSceneRun(std::get<0>(GetParam()))) {}
-  void SetUp() override {
-    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
-  }
-  void TearDown() override { run_.clear(); }
   Scene& scene() { return run_.scene; }
   HeadlessDevice& device() { return *run_.device(); }
   HairDef definition() const {
@@ -60,53 +45,35 @@ class FrameTest : public testing::TestWithParam<std::tuple<Api, Solver>> {
     return def;
   }
   Bytes read(const DeliveryScene& scene) {
-    Bytes all;
-    for (const BufferId buffer : scene.results()) all.push_back(run_.read<std::byte>(buffer));
-    return all;
+    return scene.readResults([this](BufferId buffer) { return run_.read<std::byte>(buffer); });
   }
-
-  SceneRun& run_;
 };
 
 TEST_P(FrameTest, HasThePicturesOfItsLists) {
   run_.add(makeAsset(20), definition());
   const View views[] = {viewOf(40, 30), viewOf(64, 64)};
   const Transparency methods[] = {Transparency::kWindowed, Transparency::kTiles};
-  Light light;
-  light.shadow = HairShadow::kDeep;
-  light.shadowSize = 64;
+  Light light = {.shadow = HairShadow::kDeep, .shadowSize = 64};
   run_.step();
   std::vector<RenderedImage> expected;
   for (size_t i = 0; i < 2; ++i) {
     std::vector<PassList> lists;
     expectOk(scene().draw(views[i], {&light, 1}, {.method = methods[i]}, lists));
-    std::vector<const PassList*> pointers;
-    for (PassList& list : lists) {
-      scene().finish(list);
-      pointers.push_back(&list);
-    }
-    expectOk(device().update(scene().resources()));
-    Result<RenderedImage> image = device().render(pointers, targetOf(views[i]));
-    ASSERT_TRUE(image) << image.error().message;
-    expected.push_back(std::move(*image));
+    expected.push_back(imageOf(run_.renderLists(lists, targetOf(views[i])), targetOf(views[i])));
   }
-  Result<Frame> frame = scene().simulate(0);
-  ASSERT_TRUE(frame) << frame.error().message;
+  Result<Frame> frame = required(scene().simulate(0));
   std::vector<RenderTargetDef> targets;
   for (uint32_t i = 0; i < 2; ++i) {
-    const Result<uint32_t> view = frame->draw(views[i], {&light, 1}, {.method = methods[i]});
-    ASSERT_TRUE(view) << view.error().message;
+    const Result<uint32_t> view =
+        required(frame->draw(views[i], {&light, 1}, {.method = methods[i]}));
     EXPECT_EQ(*view, i);
     targets.push_back(targetOf(views[i]));
   }
-  const Result<std::vector<RenderedImage>> images = device().render(*frame, targets);
-  ASSERT_TRUE(images) << images.error().message;
+  const Result<std::vector<RenderedImage>> images = required(device().render(*frame, targets));
   ASSERT_EQ(images->size(), 2u);
   for (size_t i = 0; i < 2; ++i) {
     EXPECT_EQ((*images)[i].pixels, expected[i].pixels) << i;
-    float covered = 0;
-    for (const Float4& pixel : expected[i].pixels) covered += pixel.w;
-    EXPECT_GT(covered, 10.0f) << i;
+    EXPECT_GT(coverage(expected[i]), 10) << i;
   }
 }
 
@@ -130,8 +97,7 @@ TEST_P(FrameTest, RunsListsOfAnEngineWhereTheyWereAdded) {
     expectOk(builder.finish());
   };
   const std::vector<Float4> start = run_.positions(hair);
-  Result<Frame> frame = scene().simulate(0);
-  ASSERT_TRUE(frame);
+  Result<Frame> frame = required(scene().simulate(0));
   addShift(frame->addListBefore(), copy, 1);
   addShift(frame->addList(), copy, 2);
   addShift(frame->addList(), hair.buffers().positions, 4);
@@ -148,61 +114,39 @@ TEST_P(FrameTest, RefusesOtherOrdersAndSaysTheRightOne) {
   run_.add(makeAsset(5), definition());
   const View view = viewOf(32, 32);
   const Light light;
-  Result<Frame> first = scene().simulate(1.0f / 60);
-  ASSERT_TRUE(first);
-  Result<Frame> second = scene().simulate(1.0f / 60);
-  ASSERT_TRUE(second);
+  Result<Frame> first = required(scene().simulate(1.0f / 60));
+  Result<Frame> second = required(scene().simulate(1.0f / 60));
 
   // Views of two frames.
-  const Result<uint32_t> late = first->draw(view, {&light, 1});
-  ASSERT_FALSE(late);
-  expectRefused(late.error(), "before the next simulate()");
-  const Result<void> over = device().run(*first);
-  ASSERT_FALSE(over);
-  expectRefused(over.error(), "before the next simulate()");
+  expectError(first->draw(view, {&light, 1}), "before the next simulate()");
+  expectError(device().run(*first), "before the next simulate()");
 
-  const Result<uint32_t> shadows = second->castShadows({&light, 1});
-  ASSERT_TRUE(shadows);
+  ASSERT_TRUE(second->castShadows({&light, 1}));
   ASSERT_TRUE(second->draw(view, {&light, 1}));
-  const Result<void> views = device().run(*second);
-  ASSERT_FALSE(views);
-  expectRefused(views.error(), "render() it, with a target for each");
+  expectError(device().run(*second), "render() it, with a target for each");
   const RenderTargetDef targets[] = {targetOf(view), targetOf(view)};
-  const Result<std::vector<RenderedImage>> many = device().render(*second, targets);
-  ASSERT_FALSE(many);
-  expectRefused(many.error(), "1 views, but there are 2 targets");
+  expectError(device().render(*second, targets), "1 views, but there are 2 targets");
   ASSERT_TRUE(device().render(*second, {targets, 1}));
   // It has run.
-  const Result<uint32_t> behind = second->draw(view, {&light, 1});
-  ASSERT_FALSE(behind);
-  expectRefused(behind.error(), "draw all views before finish()");
-  const Result<std::vector<RenderedImage>> again = device().render(*second, {targets, 1});
-  ASSERT_FALSE(again);
-  expectRefused(again.error(), "has run before");
+  expectError(second->draw(view, {&light, 1}), "draw all views before finish()");
+  expectError(device().render(*second, {targets, 1}), "has run before");
 
   // A draw in a list that belongs to no view.
-  Result<Frame> third = scene().simulate(0);
-  ASSERT_TRUE(third);
+  Result<Frame> third = required(scene().simulate(0));
   expectOk(scene().draw(view, light, third->addList()));
-  const Result<void> loose = device().run(*third);
-  ASSERT_FALSE(loose);
-  expectRefused(loose.error(), "draws belong to a view");
+  expectError(device().run(*third), "draws belong to a view");
 
   // A scene that is gone, and one that the device does not know.
   auto other = std::make_unique<Scene>();
   ASSERT_TRUE(other->addHair(makeAsset(5), definition()));
-  Result<Frame> foreign = other->simulate(1.0f / 60);
-  ASSERT_TRUE(foreign);
+  Result<Frame> foreign = required(other->simulate(1.0f / 60));
   EXPECT_FALSE(device().run(*foreign));
   other.reset();
-  const Result<void> gone = foreign->finish();
-  ASSERT_FALSE(gone);
-  expectRefused(gone.error(), "the scene of the frame is gone");
+  expectError(foreign->finish(), "the scene of the frame is gone");
 
   // A frame that was refused has not begun, and the scene goes on.
   EXPECT_FALSE(scene().simulate(-1));
-  Result<Frame> last = scene().simulate(1.0f / 60);
-  ASSERT_TRUE(last);
+  Result<Frame> last = required(scene().simulate(1.0f / 60));
   expectOk(device().run(*last));
 }
 
@@ -216,38 +160,27 @@ TEST_P(FrameTest, RefusesATargetOfAnotherAreaBeforeAnythingRuns) {
   target.width = 40;
   target.area = {4, 0, 32, 24};
   const Light light;
-  Result<Frame> frame = scene().simulate(1.0f / 60);
-  ASSERT_TRUE(frame);
+  Result<Frame> frame = required(scene().simulate(1.0f / 60));
   ASSERT_TRUE(frame->draw(view, {&light, 1}));
   for (const PixelArea& wrong :
        {PixelArea{}, PixelArea{0, 0, 32, 24}, PixelArea{4, 0, 33, 24}, PixelArea{4, 0, 32, 12}}) {
     RenderTargetDef other = target;
     other.area = wrong;
-    const Result<std::vector<RenderedImage>> refused = device().render(*frame, {&other, 1});
-    ASSERT_FALSE(refused);
-    expectRefused(refused.error(), "view 0: ");
-    expectRefused(refused.error(), "32 x 24 at (4, 0)");
+    expectError(device().render(*frame, {&other, 1}), {"view 0: ", "32 x 24 at (4, 0)"});
     EXPECT_EQ(run_.positions(hair), before);
   }
   // It has not run, and still can.
-  const Result<std::vector<RenderedImage>> drawn = device().render(*frame, {&target, 1});
-  ASSERT_TRUE(drawn) << drawn.error().message;
+  ASSERT_TRUE(device().render(*frame, {&target, 1}));
   EXPECT_NE(run_.positions(hair), before);
   // The same of lists.
   std::vector<PassList> lists;
   expectOk(scene().draw(view, {&light, 1}, {}, lists));
-  std::vector<const PassList*> pointers;
-  for (PassList& list : lists) {
-    scene().finish(list);
-    pointers.push_back(&list);
-  }
-  expectOk(device().update(scene().resources()));
   RenderTargetDef all = target;
   all.area = {};
-  const Result<RenderedImage> refused = device().render(pointers, all);
-  ASSERT_FALSE(refused);
-  expectRefused(refused.error(), "32 x 24 at (4, 0)");
-  EXPECT_TRUE(device().render(pointers, target));
+  expectError(run_.renderLists(lists, all), "32 x 24 at (4, 0)");
+  lists.clear();
+  expectOk(scene().draw(view, {&light, 1}, {}, lists));
+  EXPECT_TRUE(run_.renderLists(lists, target));
 }
 
 /// How a frame gets lost.
@@ -300,8 +233,7 @@ TEST_P(FrameTest, OfZeroSecondsShowsNewHairInItsBindPose) {
     return rigidTransform({0, 0, std::sin(angle), std::cos(angle)}, {3.2f, -0.5f, 1});
   };
   const auto run = [&](float seconds) {
-    Result<Frame> frame = scene().simulate(seconds);
-    ASSERT_TRUE(frame) << frame.error().message;
+    Result<Frame> frame = required(scene().simulate(seconds));
     expectOk(device().run(*frame));
   };
   const auto expectPosed = [&](const HairObject& hair, const AffineTransform& bone) {
@@ -349,12 +281,7 @@ TEST_P(FrameTest, OfZeroSecondsShowsNewHairInItsBindPose) {
   EXPECT_EQ(run_.positions(other), waited);
 }
 
-std::string testName(const testing::TestParamInfo<std::tuple<Api, Solver>>& test) {
-  return std::string(apiName(std::get<0>(test.param))) +
-         (std::get<1>(test.param) == Solver::kExact ? "Exact" : "Classic");
-}
-
-INSTANTIATE_TEST_SUITE_P(All, FrameTest, testing::ValuesIn(solversOnApis()), testName);
+INSTANTIATE_TEST_SUITE_P(All, FrameTest, testing::ValuesIn(solversOnApis()), solverTestName);
 
 }  // namespace
 }  // namespace pelage::test

@@ -8,13 +8,13 @@
 #include <cstdlib>
 #include <map>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "pelage/assert.h"
-#include "pelage/scene.h"
+#include "scene/scene_lists.h"
 #include "support/delivery_scene.h"
+#include "support/views.h"
 
 namespace {
 
@@ -174,12 +174,8 @@ TEST(SetHostAllocator, RefusesHalfAnAllocatorAndOneThatComesLate) {
   EXPECT_EQ(tracker.count(), 0u) << "the one that was refused is not used";
 }
 
-View viewOf() {
-  View view;
-  view.eye = {0.2f, 0.04f, 0.6f};
-  view.worldToClip = lookAt(view.eye, {0.2f, 0.04f, 0}, {0, 1, 0}, 0.8f, 1, 0.05f, 5);
-  view.width = view.height = 64;
-  return view;
+View smallView() {
+  return cameraView({.eye = {0.2f, 0.04f, 0.6f}, .target = {0.2f, 0.04f, 0}, .fov = 0.8f});
 }
 
 /// What a frame took.
@@ -195,22 +191,15 @@ Taken runFrame(Scene& scene, const Tracker& tracker, std::vector<PassList>* list
   if (lists == nullptr) {
     Result<Frame> frame = scene.simulate(1.0f / 60);
     EXPECT_TRUE(frame);
-    EXPECT_TRUE(frame->draw(viewOf(), {&light, 1}));
-    FrameExecutor executor;
-    executor.update = [](const ResourceTable&) { return Result<void>(); };
-    executor.record = [](const FrameStep& step) {
-      setDelivered(step.list->run);
-      return Result<void>();
-    };
-    executor.draw = [](const FrameStep&) { return Result<void>(); };
-    EXPECT_TRUE(frame->run(executor));
+    EXPECT_TRUE(frame->draw(smallView(), {&light, 1}));
+    EXPECT_TRUE(frame->run(executorOf([](const PassList&) {})));
   } else {
     lists->resize(std::max<size_t>(lists->size(), 2));
     std::vector<PassList> views(std::make_move_iterator(lists->begin() + 1),
                                 std::make_move_iterator(lists->end()));
     views[0].clear();
     EXPECT_TRUE(scene.simulate(1.0f / 60, (*lists)[0]));
-    EXPECT_TRUE(scene.draw(viewOf(), {&light, 1}, {}, views));
+    EXPECT_TRUE(scene.draw(smallView(), {&light, 1}, {}, views));
     lists->resize(1);
     for (PassList& view : views) lists->push_back(std::move(view));
     for (PassList& list : *lists) {

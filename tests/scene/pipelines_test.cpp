@@ -12,7 +12,9 @@
 #include "pelage/scene.h"
 #include "pelage/scene_features.h"
 #include "pelage/skin_table.h"
-#include "support/plain_asset.h"
+#include "scene/scene_lists.h"
+#include "support/errors.h"
+#include "support/views.h"
 
 namespace pelage::test {
 namespace {
@@ -54,10 +56,7 @@ std::set<std::string> pipelinesOf(const Features& features, uint32_t strands, ui
                                    .tail = {0.03f, 0.02f, 0},
                                    .tailRadius = 0.01f};
   if (features.capsule) scene.hair(*hair).setColliders({&capsule, 1});
-  View view;
-  view.width = view.height = 64;
-  view.eye = {0.1f, 0.04f, 0.6f};
-  view.worldToClip = lookAt(view.eye, {0.1f, 0.04f, 0}, {0, 1, 0}, 0.5f, 1, 0.05f, 5);
+  const View view = cameraView({.eye = {0.1f, 0.04f, 0.6f}, .target = {0.1f, 0.04f, 0}});
   const Light light = {.shadow = features.shadow ? HairShadow::kDeep : HairShadow::kNone,
                        .shadowSize = 64};
   std::set<std::string> pipelines;
@@ -67,17 +66,10 @@ std::set<std::string> pipelinesOf(const Features& features, uint32_t strands, ui
     if (!frame) return {};
     const auto drawn = frame->draw(view, {&light, 1}, {.method = features.method});
     EXPECT_TRUE(drawn) << drawn.error().message;
-    const FrameExecutor executor = {.update = [](const ResourceTable&) { return Result<void>(); },
-                                    .record =
-                                        [&](const FrameStep& step) {
-                                          for (const Pass& pass : step.list->passes)
-                                            pipelines.insert(pipelineOf(*step.list, pass));
-                                          setDelivered(step.list->run);
-                                          return Result<void>();
-                                        },
-                                    .draw = [](const FrameStep&) { return Result<void>(); }};
-    const Result<void> ran = frame->run(executor);
-    EXPECT_TRUE(ran) << ran.error().message;
+    const FrameExecutor executor = executorOf([&](const PassList& list) {
+      for (const Pass& pass : list.passes) pipelines.insert(pipelineOf(list, pass));
+    });
+    expectOk(frame->run(executor));
   }
   return pipelines;
 }
@@ -119,34 +111,23 @@ class Game {
 
   void frames(int count) {
     for (int i = 0; i < count; ++i) {
-      auto frame = scene_.simulate(1.0f / 45);
-      ASSERT_TRUE(frame) << frame.error().message;
-      View view;
-      view.width = view.height = 50;
-      view.eye = {0.2f, 0.04f, 0.9f};
-      view.worldToClip =
-          lookAt(view.eye, {0.2f, 0.04f, 0}, {0, 1, 0}, 0.6f, 1, 0.05f, 5, features_.reversedDepth);
-      view.reversedDepth = features_.reversedDepth;
+      auto frame = required(scene_.simulate(1.0f / 45));
+      const View view = cameraView({.eye = {0.2f, 0.04f, 0.9f},
+                                    .target = {0.2f, 0.04f, 0},
+                                    .fov = 0.6f,
+                                    .width = 50,
+                                    .reversedDepth = features_.reversedDepth});
       const Light light = {.shadow = features_.shadows ? HairShadow::kDepth : HairShadow::kNone,
                            .shadowSize = 64};
       for (const TransparencySettings& settings : features_.transparency) {
-        const auto drawn = frame->draw(view, {&light, 1}, settings);
-        ASSERT_TRUE(drawn) << drawn.error().message;
+        const auto drawn = required(frame->draw(view, {&light, 1}, settings));
       }
       for (const HairDepthSettings& settings : features_.depth) {
-        const auto drawn = frame->drawDepth(view, settings);
-        ASSERT_TRUE(drawn) << drawn.error().message;
+        ASSERT_TRUE(frame->drawDepth(view, settings));
       }
-      const FrameExecutor executor = {.update = [](const ResourceTable&) { return Result<void>(); },
-                                      .record =
-                                          [this](const FrameStep& step) {
-                                            needed_.merge(pipelinesOf(*step.list));
-                                            setDelivered(step.list->run);
-                                            return Result<void>();
-                                          },
-                                      .draw = [](const FrameStep&) { return Result<void>(); }};
-      const Result<void> ran = frame->run(executor);
-      ASSERT_TRUE(ran) << ran.error().message;
+      const FrameExecutor executor =
+          executorOf([this](const PassList& list) { needed_.merge(pipelinesOf(list)); });
+      expectOk(frame->run(executor));
     }
   }
 
@@ -162,8 +143,7 @@ class Game {
       mesh.positions = {
           {0, 0.03f, -0.02f}, {0.3f, 0.03f, -0.02f}, {0.1f, 0.03f, 0.1f}, {0.1f, 0.2f, 0}};
       mesh.indices = {0, 1, 2, 0, 3, 1, 1, 3, 2, 2, 3, 0};
-      const auto collider = scene_.addCollider(mesh, {});
-      ASSERT_TRUE(collider) << collider.error().message;
+      const auto collider = required(scene_.addCollider(mesh, {}));
       frames(2);
       AffineTransform bone;
       bone.rows[1].w = 0.003f;
@@ -216,14 +196,12 @@ class Game {
       frames(2);
     }
     if (features_.denseSdfs) {
-      const auto collider = scene_.addCollider(
-          DenseSdf{.distances = buffer, .grid = {.cellSize = 0.1f, .nodes = {8, 8, 8}}}, {});
-      ASSERT_TRUE(collider) << collider.error().message;
+      ASSERT_TRUE(scene_.addCollider(
+          DenseSdf{.distances = buffer, .grid = {.cellSize = 0.1f, .nodes = {8, 8, 8}}}, {}));
       frames(2);
     }
     if (features_.boneBuffers) {
-      const auto skeleton = scene_.addSkeleton({.source = BoneSource::kBuffer});
-      ASSERT_TRUE(skeleton) << skeleton.error().message;
+      const auto skeleton = required(scene_.addSkeleton({.source = BoneSource::kBuffer}));
       scene_.skeleton(*skeleton).setBones({.buffer = buffer}, {});
       add({.name = "boned", .settings = features_.settings.front(), .skeleton = *skeleton});
       frames(2);
@@ -239,8 +217,8 @@ class Game {
       table.parts[0].vertexCount = 3;
       table.parts[0].triangleCount = 1;
       table.roots = {root};
-      const auto skeleton = scene_.addSkeleton({.source = BoneSource::kSurface, .surface = &table});
-      ASSERT_TRUE(skeleton) << skeleton.error().message;
+      const auto skeleton =
+          required(scene_.addSkeleton({.source = BoneSource::kSurface, .surface = &table}));
       const VertexBuffer vertices = {.buffer = buffer};
       scene_.skeleton(*skeleton).setVertices({&vertices, 1}, {});
       add({.name = "skinned", .settings = features_.settings.front(), .skeleton = *skeleton});
@@ -260,8 +238,7 @@ class Game {
  private:
   void add(const HairDef& def) { add(def, makeAsset(50, 12)); }
   void add(const HairDef& def, const HairAsset& asset) {
-    const auto added = scene_.addHair(asset, def);
-    ASSERT_TRUE(added) << added.error().message;
+    const auto added = required(scene_.addHair(asset, def));
     hairs_.push_back(*added);
     scene_.hair(*added).tracksMotion = features_.motion;
   }
@@ -318,8 +295,7 @@ TEST(ListToPrepare, HasEveryPipelineThatIsSwitchedOnLater) {
        .tier = Tier::kBase},
   };
   for (size_t i = 0; i < games.size(); ++i) {
-    const Result<PassList> list = listToPrepare(games[i]);
-    ASSERT_TRUE(list) << list.error().message;
+    const Result<PassList> list = required(listToPrepare(games[i]));
     EXPECT_TRUE(checkPasses(*list));
     const std::set<std::string> prepared = pipelinesOf(*list);
     EXPECT_EQ(prepared.size(), list->passes.size()) << "a pipeline is there twice";
@@ -363,14 +339,7 @@ TEST(ListToPrepare, LeavesOutWhatIsNotWanted) {
 TEST(ListToPrepare, RefusesSettingsThatAreOutOfRange) {
   SimulationSettings settings;
   settings.subSteps = 0;
-  const Result<PassList> list = listToPrepare({.settings = {settings}});
-  ASSERT_FALSE(list);
-  EXPECT_NE(list.error().message.find("subSteps"), std::string::npos);
-}
-
-TEST(PipelinesOfAScene, GrowWithItsFeatures) {
-  const size_t plain = pipelinesOf({}, 2, 4, 3).size();
-  EXPECT_GT(pipelinesOf({.capsule = true, .shadow = true}, 2, 4, 3).size(), plain);
+  expectError(listToPrepare({.settings = {settings}}), "subSteps");
 }
 
 }  // namespace

@@ -6,7 +6,9 @@
 
 #include "pelage/scene.h"
 #include "support/delivery_scene.h"
+#include "support/errors.h"
 #include "support/plain_asset.h"
+#include "support/views.h"
 
 namespace pelage::test {
 namespace {
@@ -24,11 +26,12 @@ void deliver(Scene& scene, PassList& list) {
 }
 
 View viewOf(uint32_t pixels) {
-  View view;
-  view.eye = {0, 0.04f, 0.5f};
-  view.worldToClip = lookAt(view.eye, {0, 0.04f, 0}, {0, 1, 0}, 0.6f, 1, 0.01f, 100);
-  view.width = view.height = pixels;
-  return view;
+  return cameraView({.eye = {0, 0.04f, 0.5f},
+                     .target = {0, 0.04f, 0},
+                     .fov = 0.6f,
+                     .width = pixels,
+                     .nearPlane = 0.01f,
+                     .farPlane = 100});
 }
 
 HairDef defOf(Solver solver) {
@@ -78,12 +81,10 @@ TEST(SceneBytes, OfAnObjectAreWhatItsRemovalGivesBack) {
 TEST(SceneBytes, TablesOfEqualObjectsAreSharedAndCountedInEach) {
   Scene scene;
   const auto asset = std::make_shared<const HairAsset>(makeAsset(20));
-  const Result<HairId> first = scene.addHair(asset, {});
-  ASSERT_TRUE(first);
+  const Result<HairId> first = required(scene.addHair(asset, {}));
   const ObjectBytes one = scene.bytesOf(*first);
   EXPECT_EQ(one.own + one.shared, total(scene));
-  const Result<HairId> second = scene.addHair(asset, {});
-  ASSERT_TRUE(second);
+  const Result<HairId> second = required(scene.addHair(asset, {}));
   EXPECT_EQ(scene.bytesOf(*second).shared, one.shared);
   EXPECT_EQ(2 * one.own + one.shared, total(scene));
 }
@@ -124,8 +125,7 @@ TEST(SceneBytes, OfViewsAreTheirPlansAndWhatTrimGivesBack) {
   const uint64_t before = total(scene);
   const Light light = {.shadow = HairShadow::kDeep, .shadowSize = 64};
   {
-    Result<Frame> frame = scene.simulate(0);
-    ASSERT_TRUE(frame);
+    Result<Frame> frame = required(scene.simulate(0));
     for (const uint32_t pixels : {100u, 50u}) {
       ASSERT_TRUE(frame->draw(viewOf(pixels), {&light, 1}));
     }

@@ -1,74 +1,28 @@
 // What a scene knows of frames that do not run, and what comes and goes in between, without a GPU.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cstring>
-#include <string>
-#include <string_view>
-
 #include "pelage/gpu_structs.h"
-#include "pelage/scene.h"
 #include "pelage/skeleton.h"
+#include "scene/scene_lists.h"
 #include "support/delivery_scene.h"
-#include "support/plain_asset.h"
 
-namespace pelage {
+namespace pelage::test {
 namespace {
 
-using test::DeliveryScene;
-using test::makeAsset;
-
-constexpr float kFrame = 1.0f / 60;
-
-class SceneDeliveryTest : public testing::Test {
+class SceneDeliveryTest : public SceneListTest {
  protected:
-  HairId addHair(const HairDef& def = {}) {
-    const Result<HairId> added = scene_.addHair(makeAsset(), def);
-    EXPECT_TRUE(added) << added.error().message;
-    return *added;
-  }
   ColliderId addCollider(const SdfColliderDef& def = {.cellSize = 0.012f, .boneCount = 2}) {
-    const Result<ColliderId> added = scene_.addCollider(test::twoBoxes(), def);
-    EXPECT_TRUE(added) << added.error().message;
-    return *added;
+    return SceneListTest::addCollider(twoBoxes(), def);
   }
-  void write(PassList& list) {
-    const Result<void> done = scene_.simulate(kFrame, list);
-    ASSERT_TRUE(done) << done.error().message;
-    scene_.finish(list);
-  }
-  void run() {
-    write(list_);
-    const Result<void> ready = checkRun(list_);
-    ASSERT_TRUE(ready) << ready.error().message;
-    setDelivered(list_.run);
-  }
-  uint32_t count(std::string_view name) const {
-    return static_cast<uint32_t>(
-        std::count_if(list_.passes.begin(), list_.passes.end(),
-                      [&](const Pass& pass) { return name == pass.name; }));
-  }
-  bool uploads(BufferId buffer) const {
-    return std::any_of(list_.uploads.begin(), list_.uploads.end(),
-                       [&](const Upload& upload) { return upload.buffer == buffer; });
-  }
+  bool uploads(BufferId buffer) const { return uploadsTo(list_, buffer) > 0; }
   /// Those of the first solver pass of the list.
-  uint32_t flags() const {
-    for (const Pass& pass : list_.passes) {
-      if (std::string_view(pass.name) != "simulate_exact") continue;
-      for (const PassBinding& binding : list_.bindingsOf(pass)) {
-        if (binding.buffer != BufferId::kInvalid) continue;
-        ExactConstants constants;
-        std::memcpy(&constants, list_.constants.data() + binding.offset, sizeof(constants));
-        return constants.flags;
-      }
-    }
-    return 0;
+  uint32_t flags(const char* kernel = "simulate_exact") const {
+    const Pass* pass = findPass(list_, kernel);
+    return pass != nullptr ? constantsOf<ExactConstants>(list_, *pass, "ExactConstants").flags : 0;
   }
   bool resets() const { return (flags() & 1u) != 0; }
 
-  Scene scene_;
-  PassList list_, other_;
+  PassList other_;
 };
 
 TEST_F(SceneDeliveryTest, WhatALostFrameSentIsSentAgainAndNothingTwice) {
@@ -83,7 +37,7 @@ TEST_F(SceneDeliveryTest, WhatALostFrameSentIsSentAgainAndNothingTwice) {
   run();
   EXPECT_TRUE(uploads(hair.buffers().boneTransforms));
   EXPECT_TRUE(resets());
-  EXPECT_EQ(scene_.time(), static_cast<double>(kFrame));
+  EXPECT_EQ(scene_.time(), static_cast<double>(kFrameSeconds));
   run();
   EXPECT_FALSE(uploads(hair.buffers().boneTransforms));
   EXPECT_FALSE(resets());
@@ -93,9 +47,7 @@ TEST_F(SceneDeliveryTest, TheListOfAnEarlierFrameIsRefused) {
   addHair();
   write(other_);
   write(list_);
-  const Result<void> late = checkRun(other_);
-  ASSERT_FALSE(late);
-  EXPECT_NE(late.error().message.find("was abandoned"), std::string::npos) << late.error().message;
+  expectError(checkRun(other_), "was abandoned");
   EXPECT_TRUE(checkRun(list_));
   setDelivered(list_.run);
   // Not even with new barriers.
@@ -108,12 +60,12 @@ TEST_F(SceneDeliveryTest, AFrameOnTopOfOneThatDoesNotRunDoesNotEither) {
   run();
   write(list_);
   setRecorded(list_.run);
-  ASSERT_TRUE(scene_.simulate(kFrame, other_)) << "in the same command buffer";
+  ASSERT_TRUE(scene_.simulate(kFrameSeconds, other_)) << "in the same command buffer";
   abandon(list_.run);
   scene_.finish(other_);
   EXPECT_FALSE(checkRun(other_));
   run();
-  EXPECT_EQ(scene_.time(), 2 * static_cast<double>(kFrame));
+  EXPECT_EQ(scene_.time(), 2 * static_cast<double>(kFrameSeconds));
 }
 
 TEST_F(SceneDeliveryTest, BuffersThatALostFrameReplacedAreThereAgain) {
@@ -138,16 +90,8 @@ TEST_F(SceneDeliveryTest, SettingsOfALostFrameAreNoChange) {
   HairObject& hair = scene_.hair(addHair());
   for (int frame = 0; frame < 3; ++frame) run();
   const auto wakes = [&] {
-    for (const Pass& pass : list_.passes) {
-      if (std::string_view(pass.name) != "select_awake_tiles") continue;
-      for (const PassBinding& binding : list_.bindingsOf(pass)) {
-        if (binding.buffer != BufferId::kInvalid) continue;
-        ExactConstants constants;
-        std::memcpy(&constants, list_.constants.data() + binding.offset, sizeof(constants));
-        return (constants.flags & 16u) != 0;
-      }
-    }
-    return true;
+    return findPass(list_, "select_awake_tiles") == nullptr ||
+           (flags("select_awake_tiles") & 16u) != 0;
   };
   EXPECT_FALSE(wakes());
   hair.settings.damping = 0.9f;
@@ -163,14 +107,13 @@ TEST_F(SceneDeliveryTest, ThingsMayComeAndGoWhileAFrameIsOpen) {
     SCOPED_TRACE(runs);
     Scene scene;
     const auto step = [&](PassList& list) {
-      const Result<void> done = scene.simulate(kFrame, list);
-      ASSERT_TRUE(done) << done.error().message;
+      expectOk(scene.simulate(kFrameSeconds, list));
       scene.finish(list);
     };
     const auto skeleton = scene.addSkeleton({.name = "walker", .boneCount = 2});
     const auto gone = scene.addHair(makeAsset(), {.name = "gone", .skeleton = *skeleton});
     const auto kept = scene.addHair(makeAsset(), {.name = "kept"});
-    const auto mesh = scene.addCollider(test::twoBoxes(), {.cellSize = 0.012f, .boneCount = 2});
+    const auto mesh = scene.addCollider(twoBoxes(), {.cellSize = 0.012f, .boneCount = 2});
     ASSERT_TRUE(gone && kept && mesh);
     step(list_);
     setDelivered(list_.run);
@@ -182,7 +125,7 @@ TEST_F(SceneDeliveryTest, ThingsMayComeAndGoWhileAFrameIsOpen) {
     step(list_);
     EXPECT_TRUE(scene.removeHair(*gone));
     const auto late = scene.addHair(makeAsset(), {.name = "late"});
-    const auto other = scene.addCollider(test::twoBoxes(), {.cellSize = 0.012f, .boneCount = 2});
+    const auto other = scene.addCollider(twoBoxes(), {.cellSize = 0.012f, .boneCount = 2});
     ASSERT_TRUE(late && other);
     ASSERT_TRUE(scene.removeSkeleton(*skeleton));
     if (runs) setDelivered(list_.run);
@@ -233,7 +176,7 @@ TEST_F(SceneDeliveryTest, AFrameThatWasDeliveredCanBeTakenBackUntilTheNextOne) {
   run();
   EXPECT_TRUE(uploads(hair.buffers().boneTransforms));
   scene_.abandon(list_);
-  EXPECT_EQ(scene_.time(), static_cast<double>(kFrame));
+  EXPECT_EQ(scene_.time(), static_cast<double>(kFrameSeconds));
   run();
   EXPECT_TRUE(uploads(hair.buffers().boneTransforms));
   EXPECT_FALSE(resets());
@@ -287,7 +230,7 @@ TEST_F(SceneDeliveryTest, AFrameThatIsRefusedLateChangesNothing) {
   hair.setBones({&bone, 1});
   hair.settings.solver = Solver::kClassic;
   hair.settings.damping = -1;
-  EXPECT_FALSE(scene_.simulate(kFrame, list_));
+  EXPECT_FALSE(scene_.simulate(kFrameSeconds, list_));
   EXPECT_EQ(hair.buffers().state, before.state);
   hair.settings.solver = Solver::kExact;
   hair.settings.damping = 0.1f;
@@ -297,4 +240,4 @@ TEST_F(SceneDeliveryTest, AFrameThatIsRefusedLateChangesNothing) {
 }
 
 }  // namespace
-}  // namespace pelage
+}  // namespace pelage::test

@@ -13,40 +13,36 @@
 
 #include "pelage/gpu_structs.h"
 #include "pelage/list_check.h"
-#include "pelage/scene.h"
-#include "support/plain_asset.h"
+#include "scene/scene_lists.h"
+#include "support/views.h"
 
-namespace pelage {
+namespace pelage::test {
 namespace {
 
-using test::makeAsset;
-
-class SceneDraw : public testing::Test {
+class SceneDraw : public SceneListTest {
  protected:
-  HairObject& add(HairDef def = {}) {
-    const Result<HairId> added = scene_.addHair(makeAsset(40), def);
-    EXPECT_TRUE(added) << added.error().message;
-    id_ = *added;
+  HairObject& add(const HairDef& def = {}) {
+    id_ = addHair(makeAsset(40), def);
     return scene_.hair(id_);
   }
 
   static View viewFrom(float distance) {
-    View view;
-    view.eye = {0, 0.04f, distance};
-    view.worldToClip = lookAt(view.eye, {0, 0.04f, 0}, {0, 1, 0}, 0.6f, 1, 0.01f, 100);
-    view.width = view.height = 200;
-    return view;
+    return cameraView({.eye = {0, 0.04f, distance},
+                       .target = {0, 0.04f, 0},
+                       .fov = 0.6f,
+                       .width = 200,
+                       .nearPlane = 0.01f,
+                       .farPlane = 100});
   }
 
   /// Names of the passes of all lists; "|" between lists.
   std::string draw(const View& view, const TransparencySettings& settings = {}, Light light = {}) {
     lists_.clear();
-    const Result<void> drawn = scene_.draw(view, {&light, 1}, settings, lists_);
-    EXPECT_TRUE(drawn) << drawn.error().message;
+    expectOk(scene_.draw(view, {&light, 1}, settings, lists_));
     std::string names;
     for (size_t i = 0; i < lists_.size(); ++i) {
       if (i > 0) names += "| ";
-      for (const Pass& pass : lists_[i].passes) names += std::string(pass.name) + " ";
+      names += passNames(lists_[i]);
     }
     return names;
   }
@@ -58,18 +54,11 @@ class SceneDraw : public testing::Test {
   template <class T>
   T blockOfDraw(std::string_view name) const {
     T constants = {};
-    for (const Pass& pass : lists_[0].passes) {
-      if (pass.kind != PassKind::kDraw) continue;
-      for (const PassBinding& binding : lists_[0].bindingsOf(pass)) {
-        const LayoutEntry& entry = pass.layouts()[binding.set]->entries[binding.entry];
-        if (entry.name == name)
-          std::memcpy(&constants, lists_[0].constants.data() + binding.offset, sizeof(constants));
-      }
-    }
+    for (const Pass& pass : lists_[0].passes)
+      if (pass.kind == PassKind::kDraw) constants = constantsOf<T>(lists_[0], pass, name);
     return constants;
   }
 
-  Scene scene_;
   HairId id_ = HairId::kInvalid;
   std::vector<PassList> lists_;
 };
@@ -80,8 +69,7 @@ TEST_F(SceneDraw, ListsHaveThePassesOfTheirMethod) {
   EXPECT_EQ(draw(view), "clear_ppll ppll_build | ppll_read ");
   EXPECT_EQ(draw(view, {.method = Transparency::kStochastic}), "strand_pixel ");
   EXPECT_EQ(draw(view, {.method = Transparency::kAlphaTest}), "strand_pixel ");
-  Light shadowed;
-  shadowed.shadow = HairShadow::kDepth;
+  Light shadowed = {.shadow = HairShadow::kDepth};
   EXPECT_EQ(draw(view, {.method = Transparency::kAlphaTest}, shadowed),
             "clear_strand_shadow splat_strand_depths strand_pixel ");
   shadowed.shadow = HairShadow::kDeep;
@@ -92,9 +80,7 @@ TEST_F(SceneDraw, ListsHaveThePassesOfTheirMethod) {
 
 TEST_F(SceneDraw, PointAndSpotLightsHaveOneMapEach) {
   add();
-  Light light;
-  light.hasPosition = true;
-  light.position = {0, 1, 0};
+  Light light = {.hasPosition = true, .position = {0, 1, 0}};
   EXPECT_EQ(draw(viewFrom(0.5f), {.method = Transparency::kAlphaTest}, light), "strand_pixel ");
   light.shadow = HairShadow::kDeep;
   const std::string passes =
@@ -160,11 +146,8 @@ TEST_F(SceneDraw, DepthMapsOfOpaqueGeometryAreCopiedWhereHairIsDrawn) {
   hair.visible = true;
   light.opaque.height = 33;
   lists_.assign(1, {});
-  const Result<void> drawn = scene_.draw(viewFrom(0.5f), {&light, 1}, {}, lists_);
-  ASSERT_FALSE(drawn);
-  EXPECT_NE(drawn.error().message.find("light 0: opaque.depth has 8192 bytes, but 64 x 33"),
-            std::string::npos)
-      << drawn.error().message;
+  expectError(scene_.draw(viewFrom(0.5f), {&light, 1}, {}, lists_),
+              "light 0: opaque.depth has 8192 bytes, but 64 x 33");
 }
 
 TEST_F(SceneDraw, ShadowsAreCastWithoutDrawsForShadersOfAnEngine) {
@@ -176,12 +159,9 @@ TEST_F(SceneDraw, ShadowsAreCastWithoutDrawsForShadersOfAnEngine) {
   point.hasPosition = true;
   PassList list;
   const Light lights[] = {plain, deep, point, depths};
-  const Result<uint32_t> cast = scene_.castShadows(lights, list);
-  ASSERT_TRUE(cast) << cast.error().message;
+  const Result<uint32_t> cast = required(scene_.castShadows(lights, list));
   EXPECT_EQ(*cast, 3u);
-  std::string names;
-  for (const Pass& pass : list.passes) names += std::string(pass.name) + " ";
-  EXPECT_EQ(names,
+  EXPECT_EQ(passNames(list),
             "clear_strand_shadow splat_strand_depths splat_strand_opacity accumulate_strand_shadow "
             "clear_strand_shadow splat_strand_depths splat_strand_opacity accumulate_strand_shadow "
             "clear_strand_shadow splat_strand_depths ");
@@ -200,8 +180,7 @@ TEST_F(SceneDraw, ShadowsAreCastWithoutDrawsForShadersOfAnEngine) {
   Scene empty;
   for (Scene* scene : {&scene_, &empty}) {
     list.clear();
-    const Result<uint32_t> none = scene->castShadows(lights, list);
-    ASSERT_TRUE(none);
+    const Result<uint32_t> none = required(scene->castShadows(lights, list));
     EXPECT_EQ(*none, 0u);
     EXPECT_TRUE(list.passes.empty());
     EXPECT_NE(scene->resources().find(scene->shadowWords()), nullptr);
@@ -246,11 +225,9 @@ TEST_F(SceneDraw, BuffersAreThoseOfTheMethodsThatAreUsed) {
   draw(view, {.method = Transparency::kStochastic});
   EXPECT_EQ(scene_.transparencyCounters(), BufferId::kInvalid);
   const uint64_t before = scene_.resources().totalBytes();
-  TransparencySettings settings;
-  settings.nodeCount = 1000;
+  TransparencySettings settings = {.nodeCount = 1000};
   draw(view, settings);
-  const auto plan = planTransparency(view.width, view.height, settings);
-  ASSERT_TRUE(plan);
+  const auto plan = required(planTransparency(view.width, view.height, settings));
   EXPECT_EQ(plan->nodeCount, 1000u);
   EXPECT_EQ(scene_.resources().totalBytes() - before, plan->bytes);
   settings.spillTail = false;
@@ -261,20 +238,15 @@ TEST_F(SceneDraw, BuffersAreThoseOfTheMethodsThatAreUsed) {
 
 TEST_F(SceneDraw, ListsFitIntoTheMemoryThatTheyAreGiven) {
   for (const uint64_t cap : {uint64_t{60} << 20, uint64_t{200} << 20, uint64_t{4} << 30}) {
-    TransparencySettings settings;
-    settings.maxBytes = cap;
-    const auto plan = planTransparency(1920, 1080, settings);
-    ASSERT_TRUE(plan) << plan.error().message;
+    TransparencySettings settings = {.maxBytes = cap};
+    const auto plan = required(planTransparency(1920, 1080, settings));
     EXPECT_LE(plan->bytes, cap);
     EXPECT_LE(uint64_t{plan->nodeCount} * 16, settings.maxBufferBytes);
     EXPECT_GT(plan->nodeCount, 0u);
   }
   // A buffer a device cannot bind is refused, and what helps is named.
-  TransparencySettings settings;
-  settings.maxBytes = uint64_t{4} << 30;
-  const auto large = planTransparency(7680, 4320, settings);
-  ASSERT_FALSE(large);
-  EXPECT_NE(large.error().message.find("maxBufferBytes"), std::string::npos);
+  TransparencySettings settings = {.maxBytes = uint64_t{4} << 30};
+  expectError(planTransparency(7680, 4320, settings), "maxBufferBytes");
   settings.spillTail = false;
   settings.maxBufferBytes = uint64_t{1} << 30;
   EXPECT_TRUE(planTransparency(7680, 4320, settings));
@@ -336,8 +308,7 @@ TEST_F(SceneDraw, TheShareForAViewFallsWithTheDistance) {
 }
 
 TEST_F(SceneDraw, ShadowsAreAsDenseAsTheHairWhereverElseThereIsSome) {
-  Light light;
-  light.shadow = HairShadow::kDepth;
+  Light light = {.shadow = HairShadow::kDepth};
   const auto extinction = [&] {
     draw(viewFrom(0.5f), {.method = Transparency::kAlphaTest}, light);
     return blockOfDraw<StrandViewConstants>("StrandViewConstants").shadowDepths[0].z;
@@ -353,8 +324,7 @@ TEST_F(SceneDraw, ShadowsAreAsDenseAsTheHairWhereverElseThereIsSome) {
 
 TEST_F(SceneDraw, LightsSayHowTheirShadowsAreRead) {
   add();
-  Light light;
-  light.shadow = HairShadow::kDeep;
+  Light light = {.shadow = HairShadow::kDeep};
   const auto constants = [&] {
     draw(viewFrom(0.5f), {.method = Transparency::kAlphaTest}, light);
     return blockOfDraw<StrandViewConstants>("StrandViewConstants");
@@ -409,8 +379,7 @@ TEST_F(SceneDraw, OpaqueGeometryIsReadAsItsLightSays) {
 TEST_F(SceneDraw, BatchesAreOf64Materials) {
   const auto count = [&](const char* name) {
     size_t found = 0;
-    for (const PassList& list : lists_)
-      for (const Pass& pass : list.passes) found += std::string_view(pass.name) == name ? 1 : 0;
+    for (const PassList& list : lists_) found += countPasses(list, name);
     return found;
   };
   std::vector<HairObject*> objects;
@@ -448,10 +417,7 @@ TEST_F(SceneDraw, ShadowMapsOverTheirCapAreRefusedOnce) {
   };
   scene_.setShadowMemory(20 << 20);
   const uint64_t before = scene_.resources().totalBytes();
-  const Result<void> refused = cast();
-  ASSERT_FALSE(refused);
-  EXPECT_NE(refused.error().message.find("setShadowMemory() allows 20971520"), std::string::npos)
-      << refused.error().message;
+  expectError(cast(), "setShadowMemory() allows 20971520");
   EXPECT_EQ(scene_.resources().totalBytes(), before);
   EXPECT_TRUE(lists_[0].passes.empty());
   light.shadowSize = 512;
@@ -483,23 +449,15 @@ TEST_F(SceneDraw, TellsTheKernelWhichAttributesAnObjectHas) {
         def.baseTexture = {2, 2, texels};
       }
       ASSERT_TRUE(asset.process());
-      const Result<HairId> added = scene_.addHair(asset, def);
-      ASSERT_TRUE(added) << added.error().message;
+      const Result<HairId> added = required(scene_.addHair(asset, def));
       draw(viewFrom(0.5f), {.method = tiles ? Transparency::kTiles : Transparency::kStochastic});
       const PassList& list = lists_[tiles ? 1 : 0];
       const Pass& pass = list.passes.front();
       EXPECT_STREQ(pass.kernel->kernel->name, tiles ? "transform_strands" : "strand_vertex");
+      EXPECT_EQ(constantsOf<RenderConstants>(list, pass, "RenderConstants").strandAttributes,
+                attributes);
       std::vector<BufferId> bound;
-      for (const PassBinding& binding : list.bindingsOf(pass)) {
-        const LayoutEntry& entry = pass.layouts()[binding.set]->entries[binding.entry];
-        if (std::string_view(entry.name) == "RenderConstants") {
-          RenderConstants constants = {};
-          std::memcpy(&constants, list.constants.data() + binding.offset, sizeof(constants));
-          EXPECT_EQ(constants.strandAttributes, attributes);
-        } else {
-          bound.push_back(binding.buffer);
-        }
-      }
+      for (const PassBinding& binding : list.bindingsOf(pass)) bound.push_back(binding.buffer);
       const HairBuffers& buffers = scene_.hair(*added).buffers();
       for (const BufferId buffer :
            {buffers.strandThickness, buffers.vertexColors, buffers.baseTexture}) {
@@ -515,13 +473,11 @@ TEST_F(SceneDraw, RefusesLightsAndTexturesThatDoNotFit) {
   add();
   std::vector<Light> lights(kMaxStrandLights + 1);
   Result<void> drawn = scene_.draw(viewFrom(0.5f), lights, {}, lists_);
-  ASSERT_FALSE(drawn);
-  EXPECT_NE(drawn.error().message.find("9 lights"), std::string::npos);
+  expectError(drawn, "9 lights");
   lights.resize(kMaxStrandShadows + 1);
   for (Light& light : lights) light.shadow = HairShadow::kDepth;
   drawn = scene_.draw(viewFrom(0.5f), lights, {}, lists_);
-  ASSERT_FALSE(drawn);
-  EXPECT_NE(drawn.error().message.find("shadow"), std::string::npos);
+  expectError(drawn, "shadow");
   lights.resize(1);
   lights[0].color.x = std::numeric_limits<float>::infinity();
   EXPECT_FALSE(scene_.draw(viewFrom(0.5f), lights, {}, lists_));
@@ -531,12 +487,10 @@ TEST_F(SceneDraw, RefusesLightsAndTexturesThatDoNotFit) {
   HairDef def;
   def.baseTexture = {2, 2, texels};
   Result<HairId> added = scene_.addHair(asset, def);
-  ASSERT_FALSE(added);
-  EXPECT_NE(added.error().message.find("6 texels for 2 x 2"), std::string::npos);
+  expectError(added, "6 texels for 2 x 2");
   def.baseTexture = {3, 2, texels};
   added = scene_.addHair(asset, def);
-  ASSERT_FALSE(added);
-  EXPECT_NE(added.error().message.find("strandUv"), std::string::npos);
+  expectError(added, "strandUv");
   asset.strandUv.assign(3, {0.5f, 0.5f});
   ASSERT_TRUE(asset.process());
   EXPECT_TRUE(scene_.addHair(asset, def));
@@ -566,6 +520,8 @@ std::vector<WrongDraw> wrongDraws() {
       {{"view: eye", "nan"}, [](V& v, L&, T&, M&) { v.eye.y = kNan; }},
       {{"view: begins at", "0.5"}, [](V& v, L&, T&, M&) { v.x = 0.5f; }},
       {{"view: begins at", "nan"}, [](V& v, L&, T&, M&) { v.y = kNan; }},
+      {{"whole numbers", "-1"}, [](V& v, L&, T&, M&) { v.x = -1; }},
+      {{"whole numbers", "65536"}, [](V& v, L&, T&, M&) { v.y = 65536; }},
       {{"worldToClip", "no inverse"}, [](V& v, L&, T&, M&) { v.worldToClip.rows[3] = {}; }},
       {{"light 0: direction", "nan"}, [](V&, L& l, T&, M&) { l.direction.z = kNan; }},
       {{"light 0: direction", "inf"}, [](V&, L& l, T&, M&) { l.direction.x = kInf; }},
@@ -653,8 +609,7 @@ TEST_F(SceneDraw, RefusesByNameWhatIsNoNumberAndNoValueOfItsEnum) {
     EXPECT_TRUE(lists[0].passes.empty());
     EXPECT_EQ(scene_.resources().totalBytes(), bytes) << wrong.words[0];
     // A frame says the same, and takes a good view afterwards.
-    Result<Frame> frame = scene_.simulate(0);
-    ASSERT_TRUE(frame);
+    Result<Frame> frame = required(scene_.simulate(0));
     const Result<uint32_t> refused = frame->draw(view, {&light, 1}, settings);
     ASSERT_FALSE(refused) << wrong.words[0];
     EXPECT_EQ(refused.error().message, drawn.error().message);
@@ -667,8 +622,7 @@ TEST_F(SceneDraw, RefusesByNameWhatIsNoNumberAndNoValueOfItsEnum) {
 TEST_F(SceneDraw, RefusesTheSameLightsForShadowsAndColliders) {
   add();
   PassList list;
-  Light light;
-  light.shadow = HairShadow::kDepth;
+  Light light = {.shadow = HairShadow::kDepth};
   light.direction = {};
   EXPECT_FALSE(scene_.castShadows({&light, 1}, list));
   EXPECT_TRUE(list.passes.empty());
@@ -700,10 +654,7 @@ TEST_F(SceneDraw, AListIsDrawnIntoTheViewportOfItsView) {
     EXPECT_TRUE(checkArea(list, area));
     for (const PixelArea& wrong :
          {PixelArea{8, 0, 300, 200}, PixelArea{8, 0, 200, 199}, PixelArea{0, 0, 200, 200}}) {
-      const Result<void> checked = checkArea(list, wrong);
-      ASSERT_FALSE(checked);
-      EXPECT_NE(checked.error().message.find("200 x 200 at (8, 0)"), std::string::npos)
-          << checked.error().message;
+      expectError(checkArea(list, wrong), "200 x 200 at (8, 0)");
     }
   }
   // Another viewport in the same list.
@@ -712,13 +663,11 @@ TEST_F(SceneDraw, AListIsDrawnIntoTheViewportOfItsView) {
   ASSERT_TRUE(scene_.draw(view, light, list));
   const size_t passes = list.passes.size();
   view.width = 100;
-  const Result<void> other = scene_.draw(view, light, list);
-  ASSERT_FALSE(other);
-  EXPECT_NE(other.error().message.find("100 x 200"), std::string::npos) << other.error().message;
+  expectError(scene_.draw(view, light, list), "100 x 200");
   EXPECT_EQ(list.passes.size(), passes);
   list.clear();
   EXPECT_TRUE(scene_.draw(view, light, list));
 }
 
 }  // namespace
-}  // namespace pelage
+}  // namespace pelage::test

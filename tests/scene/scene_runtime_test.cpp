@@ -8,20 +8,15 @@
 #include <limits>
 #include <set>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "pelage/gpu_structs.h"
-#include "pelage/scene.h"
 #include "pelage/skeleton.h"
-#include "support/plain_asset.h"
+#include "scene/scene_lists.h"
+#include "support/views.h"
 
-namespace pelage {
+namespace pelage::test {
 namespace {
-
-using test::makeAsset;
-
-constexpr float kFrame = 1.0f / 60;
 
 CollisionMesh boxMesh(float half = 0.1f) {
   CollisionMesh mesh;
@@ -37,39 +32,15 @@ CollisionMesh boxMesh(float half = 0.1f) {
 
 AffineTransform shifted(float x) { return rigidTransform({0, 0, 0, 1}, {x, 0, 0}); }
 
-class SceneRuntimeTest : public testing::Test {
+class SceneRuntimeTest : public SceneListTest {
  protected:
-  HairId addHair(const HairDef& def = {}) {
-    const Result<HairId> added = scene_.addHair(makeAsset(), def);
-    EXPECT_TRUE(added) << added.error().message;
-    return *added;
-  }
   ColliderId addCollider(const SdfColliderDef& def = {}) {
-    const Result<ColliderId> added = scene_.addCollider(boxMesh(), def);
-    EXPECT_TRUE(added) << added.error().message;
-    return *added;
+    return SceneListTest::addCollider(boxMesh(), def);
   }
   SkeletonId addSkeleton(uint32_t bones) {
-    const Result<SkeletonId> added = scene_.addSkeleton({.name = "walker", .boneCount = bones});
-    EXPECT_TRUE(added) << added.error().message;
-    return *added;
+    return valueOf(scene_.addSkeleton({.name = "walker", .boneCount = bones}));
   }
-  void simulate() {
-    const Result<void> done = scene_.simulate(kFrame, list_);
-    ASSERT_TRUE(done) << done.error().message;
-    scene_.finish(list_);
-    setDelivered(list_.run);  // in place of a runtime
-  }
-  uint32_t count(std::string_view name) const {
-    return static_cast<uint32_t>(
-        std::count_if(list_.passes.begin(), list_.passes.end(),
-                      [&](const Pass& pass) { return name == pass.name; }));
-  }
-  uint32_t uploadsTo(BufferId buffer) const {
-    return static_cast<uint32_t>(
-        std::count_if(list_.uploads.begin(), list_.uploads.end(),
-                      [&](const Upload& upload) { return upload.buffer == buffer; }));
-  }
+  size_t uploadsTo(BufferId buffer) const { return test::uploadsTo(list_, buffer); }
   template <class T>
   std::vector<T> uploaded(BufferId buffer) const {
     for (const Upload& upload : list_.uploads) {
@@ -83,9 +54,6 @@ class SceneRuntimeTest : public testing::Test {
   size_t contactSdfCount(HairId hair) const {
     return uploaded<Sdf>(scene_.hair(hair).buffers().sdfs).size();
   }
-
-  Scene scene_;
-  PassList list_;
 };
 
 // ---- sets of colliders
@@ -149,11 +117,8 @@ TEST_F(SceneRuntimeTest, AFrameThatLacksAnEnginesVerticesLosesNothing) {
       scene_.resources().add({.name = "engine", .size = 8 * 12, .stride = 12});
   const ColliderId engine = addCollider({.name = "engine", .vertices = vertices});
   scene_.resources().remove(vertices);
-  const Result<void> done = scene_.simulate(kFrame, list_);
-  ASSERT_FALSE(done);
-  EXPECT_NE(done.error().message.find("collider 'engine': its vertex buffer does not exist"),
-            std::string::npos)
-      << done.error().message;
+  expectError(scene_.simulate(kFrameSeconds, list_),
+              "collider 'engine': its vertex buffer does not exist");
   scene_.collider(engine).enabled = false;
   simulate();
   EXPECT_EQ(count("scatter_triangles"), 1u) << "the other one is yet to be built";
@@ -168,9 +133,8 @@ TEST_F(SceneRuntimeTest, FollowHairsWithoutAPlaceAreRefused) {
          {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
       FollowHair follow;
       follow.offset.*member = value;
-      const Result<HairId> added = scene_.addHair(makeAsset(), {.followHairs = {&follow, 1}});
-      ASSERT_FALSE(added);
-      EXPECT_NE(added.error().message.find("offset of follow hair 0"), std::string::npos);
+      expectError(scene_.addHair(makeAsset(), {.followHairs = {&follow, 1}}),
+                  "offset of follow hair 0");
     }
   }
 }
@@ -180,9 +144,7 @@ TEST_F(SceneRuntimeTest, MoreFollowHairsThanADispatchTakesAreStoredByNoObject) {
   const std::vector<FollowHair> follows(2'097'121);
   const HairAsset asset = makeAsset(1, 2);
   const auto expectRefused = [&](const HairDef& def) {
-    const Result<HairId> added = scene_.addHair(asset, def);
-    ASSERT_FALSE(added);
-    EXPECT_NE(added.error().message.find("2097121 follow hairs"), std::string::npos);
+    expectError(scene_.addHair(asset, def), "2097121 follow hairs");
   };
   expectRefused({.followHairs = follows, .storeFollowHairs = true});
   expectRefused({.followHairs = follows, .collidingHair = CollidingHair::kGuidesAndFollows});
@@ -244,16 +206,11 @@ TEST_F(SceneRuntimeTest, WhereFollowHairsWereIsKnownFromFrameToFrameAlone) {
   SdfCollider& box = scene_.collider(addCollider());
   const auto history = [&] {
     simulate();
-    for (const Pass& pass : list_.passes) {
-      if (std::string_view(pass.name) != "collide_follow_hairs") continue;
-      for (const PassBinding& binding : list_.bindingsOf(pass)) {
-        if (binding.buffer != BufferId::kInvalid) continue;
-        FollowCollisionConstants constants;
-        std::memcpy(&constants, list_.constants.data() + binding.offset, sizeof(constants));
-        return static_cast<int>(constants.followHistory);
-      }
-    }
-    return -1;
+    const Pass* pass = findPass(list_, "collide_follow_hairs");
+    if (pass == nullptr) return -1;
+    return static_cast<int>(
+        constantsOf<FollowCollisionConstants>(list_, *pass, "FollowCollisionConstants")
+            .followHistory);
   };
   EXPECT_EQ(history(), 0) << "there is no frame before";
   EXPECT_EQ(history(), 1);
@@ -372,40 +329,34 @@ TEST_F(SceneRuntimeTest, SkeletonsWakeHairAndBrokenBonesStayWhereTheyWere) {
 }
 
 TEST_F(SceneRuntimeTest, WhatIsWrongWithASkeletonIsNamed) {
-  const Result<SkeletonId> empty = scene_.addSkeleton({.name = "nobody", .boneCount = 0});
-  ASSERT_FALSE(empty);
-  EXPECT_NE(empty.error().message.find("'nobody'"), std::string::npos);
+  expectError(scene_.addSkeleton({.name = "nobody", .boneCount = 0}), "'nobody'");
   const SkeletonId id = addSkeleton(3);
-  const auto expectRefused = [&](const auto& added, const char* what) {
-    ASSERT_FALSE(added) << what;
-    EXPECT_NE(added.error().message.find(what), std::string::npos) << added.error().message;
-  };
   const uint32_t buffers = scene_.resources().count();
-  expectRefused(scene_.addHair(makeAsset(), {.boneCount = 2, .skeleton = id}),
-                "boneCount is 2, but skeleton 'walker' has 3 bones");
+  expectError(scene_.addHair(makeAsset(), {.boneCount = 2, .skeleton = id}),
+              "boneCount is 2, but skeleton 'walker' has 3 bones");
   std::vector<BoneInfluences> influences(5);
   influences[4].bones[1] = 3;
-  expectRefused(scene_.addHair(makeAsset(), {.influences = influences, .skeleton = id}),
-                "guide 4 refers to bone 3");
-  expectRefused(scene_.addCollider(boxMesh(), {.boneCount = 4, .skeleton = id}), "boneCount is 4");
+  expectError(scene_.addHair(makeAsset(), {.influences = influences, .skeleton = id}),
+              "guide 4 refers to bone 3");
+  expectError(scene_.addCollider(boxMesh(), {.boneCount = 4, .skeleton = id}), "boneCount is 4");
   const BufferId vertices =
       scene_.resources().add({.name = "engine", .size = 8 * 32, .stride = 32});
-  expectRefused(scene_.addCollider(boxMesh(), {.skeleton = id, .vertices = vertices}),
-                "vertex buffer");
+  expectError(scene_.addCollider(boxMesh(), {.skeleton = id, .vertices = vertices}),
+              "vertex buffer");
   scene_.resources().remove(vertices);
   SdfData data;
-  expectRefused(scene_.addCollider(data, {.skeleton = id}), "never moves");
+  expectError(scene_.addCollider(data, {.skeleton = id}), "never moves");
   EXPECT_EQ(scene_.resources().count(), buffers) << "what is refused leaves nothing";
   // In use it is kept.
   const HairId hair = addHair({.skeleton = id});
   const ColliderId collider = addCollider({.skeleton = id});
-  expectRefused(scene_.removeSkeleton(id), "hair 'hair' follows it");
+  expectError(scene_.removeSkeleton(id), "hair 'hair' follows it");
   EXPECT_TRUE(scene_.removeHair(hair));
-  expectRefused(scene_.removeSkeleton(id), "collider 'collider' follows it");
+  expectError(scene_.removeSkeleton(id), "collider 'collider' follows it");
   EXPECT_TRUE(scene_.removeCollider(collider));
   EXPECT_TRUE(scene_.removeSkeleton(id));
-  expectRefused(scene_.addHair(makeAsset(), {.skeleton = id}),
-                "the id of its skeleton belongs to a removed object");
+  expectError(scene_.addHair(makeAsset(), {.skeleton = id}),
+              "the id of its skeleton belongs to a removed object");
   EXPECT_NE(addSkeleton(3), id);
   EXPECT_EQ(scene_.resources().count(), buffers);
 }
@@ -454,27 +405,20 @@ class SceneLifetimeTest : public SceneRuntimeTest {
     skeleton_ = skeleton;
   }
   void drawAll(ColliderId collider) {
-    View view;
-    view.worldToClip = lookAt({0, 0, 1}, {0, 0, 0}, {0, 1, 0}, 1, 1, 0.1f, 10);
-    view.eye = {0, 0, 1};
-    view.width = 64;
+    View view = cameraView({.eye = {0, 0, 1}, .fov = 1, .nearPlane = 0.1f, .farPlane = 10});
     view.height = 48;
-    Light light;
-    light.shadow = HairShadow::kDeep;
+    const Light light = {.shadow = HairShadow::kDeep};
     std::vector<PassList> lists;
     for (const Transparency method : kAllMethods) {
-      const Result<void> drawn = scene_.draw(view, {&light, 1}, {.method = method}, lists);
-      ASSERT_TRUE(drawn) << drawn.error().message;
+      expectOk(scene_.draw(view, {&light, 1}, {.method = method}, lists));
     }
     PassList list;
-    const Result<void> drawn = scene_.drawCollider(collider, view, light, {}, list);
-    ASSERT_TRUE(drawn) << drawn.error().message;
+    expectOk(scene_.drawCollider(collider, view, light, {}, list));
   }
   void empty() {
     for (const HairId id : hairs_) EXPECT_TRUE(scene_.removeHair(id));
     for (const ColliderId id : colliders_) EXPECT_TRUE(scene_.removeCollider(id));
-    const Result<void> removed = scene_.removeSkeleton(skeleton_);
-    EXPECT_TRUE(removed) << removed.error().message;
+    expectOk(scene_.removeSkeleton(skeleton_));
   }
 
   std::vector<HairId> hairs_;
@@ -536,12 +480,6 @@ TEST_F(SceneLifetimeTest, TrimGivesBackWhatDrawsHaveMadeAndTheNextDrawMakesItAga
   EXPECT_EQ(scene_.shadowWords(), BufferId::kInvalid);
 }
 
-template <class T>
-void expectMessage(const Result<T>& result, std::string_view part) {
-  ASSERT_FALSE(result);
-  EXPECT_NE(result.error().message.find(part), std::string::npos) << result.error().message;
-}
-
 TEST_F(SceneLifetimeTest, RefusesIdsThatNameNothing) {
   fill(Solver::kExact);
   EXPECT_EQ(HairId{}, HairId::kInvalid);
@@ -553,33 +491,31 @@ TEST_F(SceneLifetimeTest, RefusesIdsThatNameNothing) {
 
   EXPECT_TRUE(scene_.isValid(hairs_[0]));
   EXPECT_TRUE(scene_.isValid(colliders_[0]));
-  expectMessage(scene_.removeHair(HairId{}), "removeHair(): the id is zero");
-  expectMessage(scene_.removeCollider(ColliderId{}), "removeCollider(): the id is zero");
-  expectMessage(scene_.removeSkeleton(SkeletonId{}), "removeSkeleton(): the id is zero");
+  expectError(scene_.removeHair(HairId{}), "removeHair(): the id is zero");
+  expectError(scene_.removeCollider(ColliderId{}), "removeCollider(): the id is zero");
+  expectError(scene_.removeSkeleton(SkeletonId{}), "removeSkeleton(): the id is zero");
 
   // The other scene gave out ids before, and in the same slots.
   Scene other;
-  const Result<HairId> foreign = other.addHair(makeAsset(), {.name = "foreign"});
-  ASSERT_TRUE(foreign) << foreign.error().message;
+  const Result<HairId> foreign = required(other.addHair(makeAsset(), {.name = "foreign"}));
   EXPECT_FALSE(scene_.isValid(*foreign));
   EXPECT_FALSE(other.isValid(hairs_[0]));
-  expectMessage(scene_.removeHair(*foreign), "belongs to another scene");
-  expectMessage(other.removeHair(hairs_[0]), "belongs to another scene");
+  expectError(scene_.removeHair(*foreign), "belongs to another scene");
+  expectError(other.removeHair(hairs_[0]), "belongs to another scene");
   EXPECT_EQ(other.hairCount(), 1u);
   EXPECT_EQ(scene_.hairCount(), hairs_.size());
 
   // A scene that moves takes its ids along.
   Scene moved = std::move(other);
   EXPECT_TRUE(moved.isValid(*foreign));
-  const Result<HairId> later = other.addHair(makeAsset(), {.name = "later"});
-  ASSERT_TRUE(later);
+  const Result<HairId> later = required(other.addHair(makeAsset(), {.name = "later"}));
   EXPECT_FALSE(moved.isValid(*later));
 
   const HairId gone = hairs_[1];
   ASSERT_TRUE(scene_.removeHair(gone));
   hairs_.pop_back();
   EXPECT_FALSE(scene_.isValid(gone));
-  expectMessage(scene_.removeHair(gone), "belongs to a removed object");
+  expectError(scene_.removeHair(gone), "belongs to a removed object");
 }
 
 TEST_F(SceneLifetimeTest, EndsWhereAnIdNamesNothingAndTheHandlerReturns) {
@@ -594,4 +530,4 @@ TEST_F(SceneLifetimeTest, EndsWhereAnIdNamesNothingAndTheHandlerReturns) {
 }
 
 }  // namespace
-}  // namespace pelage
+}  // namespace pelage::test

@@ -1,44 +1,21 @@
 // Objects with the same tables have one buffer for them, as long as one of them or a frame that may
 // turn out not to run wants it.
-#include <gtest/gtest.h>
-
 #include <memory>
 
-#include "pelage/scene.h"
-#include "support/plain_asset.h"
+#include "scene/scene_lists.h"
 
-namespace pelage {
+namespace pelage::test {
 namespace {
 
-using test::makeAsset;
-
-constexpr float kFrame = 1.0f / 60;
-
-class SharedTablesTest : public testing::Test {
+class SharedTablesTest : public SceneListTest {
  protected:
   HairId add(const char* name, const HairDef& from = {}) {
     HairDef def = from;
     def.name = name;
-    const Result<HairId> added = scene_.addHair(asset_, def);
-    EXPECT_TRUE(added) << added.error().message;
-    return *added;
+    return valueOf(scene_.addHair(asset_, def));
   }
   const HairBuffers& buffers(HairId id) const { return scene_.hair(id).buffers(); }
-  void write() {
-    const Result<void> done = scene_.simulate(kFrame, list_);
-    ASSERT_TRUE(done) << done.error().message;
-    scene_.finish(list_);
-  }
-  void run() {
-    write();
-    const Result<void> ready = checkRun(list_);
-    ASSERT_TRUE(ready) << ready.error().message;
-    setDelivered(list_.run);
-  }
-
   std::shared_ptr<const HairAsset> asset_ = std::make_shared<const HairAsset>(makeAsset(64));
-  Scene scene_;
-  PassList list_;
 };
 
 TEST_F(SharedTablesTest, AreOneForObjectsOfOneAsset) {
@@ -84,7 +61,7 @@ TEST_F(SharedTablesTest, StayForFramesThatMayNotRun) {
   run();
   const BufferId before = buffers(one).rest;
   scene_.hair(one).settings.globalStiffness = 0.5f;
-  write();
+  write(list_);
   const BufferId after = buffers(one).rest;
   ASSERT_NE(after, before);
   EXPECT_NE(scene_.resources().find(before), nullptr) << "the frame may be taken back";
@@ -117,4 +94,4 @@ TEST_F(SharedTablesTest, RefusesANullAsset) {
 }
 
 }  // namespace
-}  // namespace pelage
+}  // namespace pelage::test

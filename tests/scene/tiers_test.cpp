@@ -9,8 +9,10 @@
 #include "pelage/kernels.h"
 #include "pelage/list_check.h"
 #include "support/delivery_scene.h"
+#include "support/errors.h"
 #include "support/required_devices.h"
 #include "support/scene_run.h"
+#include "support/views.h"
 
 namespace pelage::test {
 namespace {
@@ -37,37 +39,32 @@ class Tiers : public testing::TestWithParam<Api> {
   }
   std::unique_ptr<HeadlessDevice> wide_;
 };
-INSTANTIATE_TEST_SUITE_P(, Tiers, testing::ValuesIn(kApis), apiTestName);
+INSTANTIATE_TEST_SUITE_P(All, Tiers, testing::ValuesIn(kApis), apiTestName);
 
 struct Run {
-  std::vector<std::vector<std::byte>> buffers;
+  DeliveryScene::Results buffers;
   std::vector<RenderedImage> images;
 };
 
+void execute(Scene& scene, HeadlessDevice& device, PassList& list) {
+  scene.finish(list);
+  expectOk(device.update(scene.resources()));
+  expectOk(device.execute(list));
+}
+
 View viewOf(uint32_t pixels) {
-  View view;
-  view.eye = {0.05f, 0.04f, 0.4f};
-  view.worldToClip = lookAt(view.eye, {0.05f, 0.04f, 0}, {0, 1, 0}, 0.6f, 1, 0.05f, 5);
-  view.width = view.height = pixels;
-  return view;
+  return cameraView(
+      {.eye = {0.05f, 0.04f, 0.4f}, .target = {0.05f, 0.04f, 0}, .fov = 0.6f, .width = pixels});
 }
 
 // Draws the scene with each of the methods.
 void drawAll(Scene& scene, HeadlessDevice& device, const std::vector<TransparencySettings>& methods,
              const Light& light, Run& run) {
-  constexpr uint32_t kPixels = 48;
+  constexpr RenderTargetDef kTarget = {.width = 48, .height = 48};
   for (const TransparencySettings& settings : methods) {
     std::vector<PassList> lists;
-    expectOk(scene.draw(viewOf(kPixels), {&light, 1}, settings, lists));
-    std::vector<const PassList*> pointers;
-    for (PassList& list : lists) {
-      scene.finish(list);
-      pointers.push_back(&list);
-    }
-    expectOk(device.update(scene.resources()));
-    Result<RenderedImage> image = device.render(pointers, {.width = kPixels, .height = kPixels});
-    ASSERT_TRUE(image) << image.error().message;
-    run.images.push_back(*std::move(image));
+    expectOk(scene.draw(viewOf(kTarget.width), {&light, 1}, settings, lists));
+    run.images.push_back(imageOf(renderLists(scene, device, lists, kTarget), kTarget));
   }
 }
 
@@ -110,16 +107,10 @@ Run playClassic(HeadlessDevice& device) {
     const AffineTransform bone = rigidTransform({}, {0.002f * static_cast<float>(frame), 0, 0});
     scene.hair(*hair).setBones({&bone, 1});
     expectOk(scene.simulate(1.0f / 60, list));
-    scene.finish(list);
-    expectOk(device.update(scene.resources()));
-    expectOk(device.execute(list));
+    execute(scene, device, list);
   }
-  for (const BufferId buffer :
-       {scene.hair(*hair).buffers().positions, scene.hair(*hair).buffers().tangents}) {
-    Result<std::vector<std::byte>> bytes = device.read(buffer);
-    EXPECT_TRUE(bytes) << bytes.error().message;
-    run.buffers.push_back(bytes ? *std::move(bytes) : std::vector<std::byte>());
-  }
+  const HairBuffers& buffers = scene.hair(*hair).buffers();
+  run.buffers = {valueOf(device.read(buffers.positions)), valueOf(device.read(buffers.tangents))};
   drawAll(scene, device,
           {{.method = Transparency::kWindowed, .spillTail = false},
            {.method = Transparency::kShortCut},
@@ -139,15 +130,9 @@ Run playAll(HeadlessDevice& device, Solver solver) {
   for (int frame = 0; frame < 3; ++frame) {
     inputs.setInputs(frame);
     expectOk(inputs.simulate(frame, list));
-    scene.finish(list);
-    expectOk(device.update(scene.resources()));
-    expectOk(device.execute(list));
+    execute(scene, device, list);
   }
-  for (const BufferId buffer : inputs.results()) {
-    Result<std::vector<std::byte>> bytes = device.read(buffer);
-    EXPECT_TRUE(bytes) << bytes.error().message;
-    run.buffers.push_back(bytes ? *std::move(bytes) : std::vector<std::byte>());
-  }
+  run.buffers = inputs.readResults([&](BufferId buffer) { return valueOf(device.read(buffer)); });
   drawAll(scene, device,
           {{.method = Transparency::kWindowed},
            {.method = Transparency::kHybrid8},
@@ -186,16 +171,11 @@ TEST_P(Tiers, RefuseWhatTheyLackByName) {
   expectOk(scene.simulate(1.0f / 60, list));
   scene.finish(list);
   expectOk(device->update(scene.resources()));
-  const Result<void> ran = device->execute(list);
-  ASSERT_FALSE(ran);
-  EXPECT_EQ(ran.error().code, ErrorCode::kUnsupported);
-  for (const char* word : {"kernel ", "storage buffers", "allows 4"})
-    EXPECT_NE(ran.error().message.find(word), std::string::npos) << ran.error().message;
+  expectError(device->execute(list), ErrorCode::kUnsupported,
+              {"kernel ", "storage buffers", "allows 4"});
   // Nothing of the list has run: the scene writes the frame again for a device that can.
   expectOk(scene.simulate(1.0f / 60, list));
-  scene.finish(list);
-  expectOk(wide_->update(scene.resources()));
-  expectOk(wide_->execute(list));
+  execute(scene, *wide_, list);
 }
 
 /// Hair without follow hairs, with them, and with colors: what DrawnFeatures tells apart.
@@ -237,9 +217,7 @@ TEST_P(Tiers, SayBeforeAFrameWhatItsDrawsThenDo) {
       const HairId hair = addDrawn(scene, kind);
       PassList list;
       expectOk(scene.simulate(1.0f / 60, list));
-      scene.finish(list);
-      expectOk(device->update(scene.resources()));
-      expectOk(device->execute(list));
+      execute(scene, *device, list);
       for (const TransparencySettings& settings : allMethods()) {
         SCOPED_TRACE(std::string(tierName(tier)) + ", method " +
                      std::to_string(static_cast<int>(settings.method)) +
@@ -247,8 +225,7 @@ TEST_P(Tiers, SayBeforeAFrameWhatItsDrawsThenDo) {
                       : kind.attributes ? ", attributes"
                                         : ""));
         const Result<void> said = device->supports(settings, kind);
-        Result<Frame> frame = scene.simulate(0);
-        ASSERT_TRUE(frame);
+        Result<Frame> frame = required(scene.simulate(0));
         const Light light;
         ASSERT_TRUE(frame->draw(viewOf(24), {&light, 1}, settings));
         const RenderTargetDef target = {.width = 24, .height = 24};
@@ -273,10 +250,8 @@ TEST_P(Tiers, SayBeforeAFrameWhatItsDrawsThenDo) {
 }
 
 TEST_P(Tiers, RefuseMethodsThatAreNone) {
-  const Result<void> none = wide_->supports({.method = static_cast<Transparency>(99)});
-  ASSERT_FALSE(none);
-  EXPECT_EQ(none.error().code, ErrorCode::kInvalidArgument);
-  EXPECT_NE(none.error().message.find("99"), std::string::npos) << none.error().message;
+  expectError(wide_->supports({.method = static_cast<Transparency>(99)}),
+              ErrorCode::kInvalidArgument, "99");
 }
 
 TEST_P(Tiers, SayWhetherAWholeSceneRuns) {
@@ -289,8 +264,7 @@ TEST_P(Tiers, SayWhetherAWholeSceneRuns) {
       features.capsules = features.meshColliders = features.followHairs = features.shadows = false;
       features.transparency = {{.method = Transparency::kStochastic}};
       features.tier = tier;
-      const Result<PassList> list = listToPrepare(features);
-      ASSERT_TRUE(list);
+      const Result<PassList> list = required(listToPrepare(features));
       EXPECT_EQ(device->supports(*list).ok(), tier == Tier::kBase || solver == Solver::kClassic)
           << tierName(tier);
     }
@@ -300,18 +274,14 @@ TEST_P(Tiers, SayWhetherAWholeSceneRuns) {
 TEST(TierLimits, AreCheckedForEachStageAndForBoth) {
   const KernelVariant& exact = *simulateExactVariant({});
   EXPECT_TRUE(checkLimits(exact, nullptr, limitsOf(Tier::kBase), "a phone"));
-  const Result<void> es = checkLimits(exact, nullptr, limitsOf(Tier::kEs), "a phone");
-  ASSERT_FALSE(es);
-  EXPECT_NE(es.error().message.find("a phone allows 4"), std::string::npos) << es.error().message;
+  expectError(checkLimits(exact, nullptr, limitsOf(Tier::kEs), "a phone"), "a phone allows 4");
   const KernelVariant& vertex = strandVertexVariant({.smooth = true});
   const KernelVariant& pixel = ppllBuildVariant({});
   EXPECT_TRUE(checkLimits(vertex, &pixel, limitsOf(Tier::kWide), "a PC"));
   EXPECT_FALSE(checkLimits(vertex, &pixel, limitsOf(Tier::kBase), "a phone"));
   TierLimits few = limitsOf(Tier::kWide);
   few.drawStorageBuffers = 7;
-  const Result<void> both = checkLimits(vertex, &pixel, few, "a phone");
-  ASSERT_FALSE(both);
-  EXPECT_NE(both.error().message.find("together"), std::string::npos) << both.error().message;
+  expectError(checkLimits(vertex, &pixel, few, "a phone"), "together");
   EXPECT_TRUE(checkLimits(strandRecordVertexVariant({.smooth = true}), &pixel, limitsOf(Tier::kEs),
                           "a phone"));
   TierLimits threads = limitsOf(Tier::kWide);

@@ -40,9 +40,7 @@ class VertexBuffers {
                    const detail::SdfCollisionDef& def) {
     expectOk(detail::addSdfCollision(list_, gpu_.resources,
                                      {positions_.id(), before_.id(), sdfs, keys, surface}, def));
-    gpu_.hazards.resolve(list_);
-    expectOk(gpu_.device()->execute(list_));
-    list_.clear();
+    gpu_.execute(list_);
     return {positions_.read(), before_.read()};
   }
 

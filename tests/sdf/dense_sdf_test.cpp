@@ -3,22 +3,19 @@
 
 #include <cmath>
 #include <limits>
-#include <string>
 #include <tuple>
 #include <vector>
 
 #include "stress/stress_run.h"
 #include "support/engine_buffer.h"
-#include "support/extremes.h"
+#include "support/not_numbers.h"
 #include "support/plain_asset.h"
-#include "support/required_devices.h"
 
 namespace pelage::test {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr double kRadius = 0.1;
-constexpr float kCell = 0.01f;
+constexpr double kGridBallRadius = 0.1;
+constexpr float kGridCell = 0.01f;
 
 /// The distance from a sphere on the nodes of a grid.
 class SphereGrid {
@@ -27,15 +24,14 @@ class SphereGrid {
       : buffer_(run, "distances", first + kNodes * kNodes * kNodes), center_(center) {
     sdf.distances = buffer_.id();
     sdf.first = first;
-    sdf.grid.cellSize = kCell;
+    sdf.grid.cellSize = kGridCell;
     sdf.grid.nodes = {kNodes, kNodes, kNodes};
     moveTo(center);
   }
   void moveTo(const Vector3d& center) {
     center_ = center;
-    const double half = 0.5 * kCell * (kNodes - 1) + 0.003;
-    sdf.grid.origin = {static_cast<float>(center.x() - half), static_cast<float>(center.y() - half),
-                       static_cast<float>(center.z() - half)};
+    const double half = 0.5 * kGridCell * (kNodes - 1) + 0.003;
+    sdf.grid.origin = toFloat3(center - Vector3d(half, half, half));
     write([](const Vector3d&, float distance) { return distance; });
   }
   /// \param valueAt of a position and its distance
@@ -43,10 +39,10 @@ class SphereGrid {
   void write(const Value& valueAt) {
     std::vector<float> floats(sdf.first, kNan);
     for (uint32_t i = 0; i < kNodes * kNodes * kNodes; ++i) {
-      const Vector3d at(sdf.grid.origin.x + kCell * static_cast<float>(i % kNodes),
-                        sdf.grid.origin.y + kCell * static_cast<float>(i / kNodes % kNodes),
-                        sdf.grid.origin.z + kCell * static_cast<float>(i / kNodes / kNodes));
-      floats.push_back(valueAt(at, static_cast<float>((at - center_).norm() - kRadius)));
+      const Vector3d at(sdf.grid.origin.x + kGridCell * static_cast<float>(i % kNodes),
+                        sdf.grid.origin.y + kGridCell * static_cast<float>(i / kNodes % kNodes),
+                        sdf.grid.origin.z + kGridCell * static_cast<float>(i / kNodes / kNodes));
+      floats.push_back(valueAt(at, static_cast<float>((at - center_).norm() - kGridBallRadius)));
     }
     buffer_.write(floats);
   }
@@ -60,53 +56,35 @@ class SphereGrid {
 
 /// Strands that hang over a sphere around the origin.
 HairAsset strandsAbove() {
-  HairAsset asset;
-  asset.strandCount = 48;
-  asset.verticesPerStrand = 16;
   Random random(3);
-  for (uint32_t s = 0; s < asset.strandCount; ++s) {
-    const double x = random.between(-0.07, 0.07), z = random.between(-0.07, 0.07);
-    for (uint32_t v = 0; v < 16; ++v)
-      asset.positions.push_back(toFloat4({x + 0.016 * v, 0.115, z}, v < 2 ? 0 : 1));
-  }
-  expectOk(asset.process());
-  return asset;
+  double x = 0, z = 0;
+  return strandsAt(48, 16, [&](uint32_t, uint32_t v) {
+    if (v == 0) x = random.between(-0.07, 0.07), z = random.between(-0.07, 0.07);
+    return toFloat3({x + 0.016 * v, 0.115, z});
+  });
 }
 
-class DenseSdfTest : public testing::TestWithParam<std::tuple<Api, Solver>> {
+class DenseSdfTest : public SolverTest {
  protected:
-  DenseSdfTest() : run_(sharedSceneRun(std::get<0>(GetParam()))), asset_(strandsAbove()) {
-    settings_.solver = std::get<1>(GetParam());
-  }
-  void SetUp() override {
-    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
-  }
-  void TearDown() override {
-    run_.clear();
-    for (const ColliderId id : colliders_) EXPECT_TRUE(run_.scene.removeCollider(id));
-  }
+  DenseSdfTest() : asset_(strandsAbove()) {}
   SdfCollider& add(const DenseSdf& sdf) {
-    const Result<ColliderId> added = run_.scene.addCollider(sdf, {.name = "engine's"});
-    EXPECT_TRUE(added) << added.error().message;
-    colliders_.push_back(*added);
-    return run_.scene.collider(*added);
+    id_ = run_.add(sdf, {.name = "engine's"});
+    return run_.scene.collider(id_);
   }
   /// How deep the deepest vertex is in a sphere, and how near the surface the nearest one is.
   static std::pair<double, double> depths(const std::vector<Float4>& positions,
                                           const Vector3d& center) {
     double deepest = -std::numeric_limits<double>::infinity(), nearest = 1e9;
     for (const Float4& p : positions) {
-      const double distance = (toVector(p) - center).norm() - kRadius;
+      const double distance = (toVector(p) - center).norm() - kGridBallRadius;
       keepLargest(deepest, -distance);
       keepSmallest(nearest, std::abs(distance));
     }
     return {deepest, nearest};
   }
 
-  SceneRun& run_;
   HairAsset asset_;
-  SimulationSettings settings_;
-  std::vector<ColliderId> colliders_;
+  ColliderId id_ = ColliderId::kInvalid;
 };
 
 TEST_P(DenseSdfTest, ASphereHoldsHairAsTheColliderOfItsShapeDoes) {
@@ -117,9 +95,9 @@ TEST_P(DenseSdfTest, ASphereHoldsHairAsTheColliderOfItsShapeDoes) {
   HairObject& other = run_.add(asset_, {.name = "other", .settings = settings_});
   HairObject& free = run_.add(asset_, {.name = "free", .settings = settings_});
   other.usesMeshColliders = free.usesMeshColliders = false;
-  const auto radius = static_cast<float>(kRadius) + collider.margin;
+  const auto radius = static_cast<float>(kGridBallRadius) + collider.margin;
   const CapsuleCollider sphere = {.headRadius = radius, .tailRadius = radius};
-  other.setColliders({&sphere, 1});
+  setCollider(other, sphere);
   for (int frame = 0; frame < 90; ++frame) run_.step();
   const auto [deepest, nearest] = depths(run_.positions(hair), {0, 0, 0});
   const auto [deepestOfSphere, nearestOfSphere] = depths(run_.positions(other), {0, 0, 0});
@@ -149,7 +127,7 @@ TEST_P(DenseSdfTest, HairInsideComesOut) {
   ASSERT_TRUE(allFinite(p));
   for (size_t i = 0; i < p.size(); ++i) {
     if (i % 16 < 3) continue;  // held, and next to them
-    keepLargest(deepest, kRadius - (toVector(p[i]) - center).norm());
+    keepLargest(deepest, kGridBallRadius - (toVector(p[i]) - center).norm());
   }
   EXPECT_LT(deepest, 2e-3);
 }
@@ -173,13 +151,13 @@ TEST_P(DenseSdfTest, HairFollowsAGridThatMoves) {
 }
 
 TEST_P(DenseSdfTest, FollowHairsAreHeldToo) {
-  const auto follows = asset_.generateFollowHairs({.countPerGuide = 2, .maxRadius = 0.01f});
-  ASSERT_TRUE(follows);
+  const std::vector<FollowHair> follows =
+      valueOf(asset_.generateFollowHairs({.countPerGuide = 2, .maxRadius = 0.01f}));
   SphereGrid grid(run_, {0, 0, 0});
   add(grid.sdf);
   HairObject& hair = run_.add(asset_, {.name = "hair",
                                        .settings = settings_,
-                                       .followHairs = *follows,
+                                       .followHairs = follows,
                                        .collidingHair = CollidingHair::kGuidesAndFollows});
   for (int frame = 0; frame < 60; ++frame) run_.step();
   const auto p = run_.positions(hair);
@@ -214,16 +192,14 @@ TEST_P(DenseSdfTest, DistancesThatAreNoNumberAreFarOutside) {
     return run_.positions(hair);
   };
   // Four cells, which are as far as distances are told apart finely.
-  const std::vector<Float4> outside = endsWith(4 * kCell);
+  const std::vector<Float4> outside = endsWith(4 * kGridCell);
   ASSERT_TRUE(allFinite(outside));
   const double deepest = depths(outside, {0, 0, 0}).first;
   EXPECT_GT(deepest, 0.02) << "hair falls in";
-  for (const float unknown : {kNan, std::numeric_limits<float>::infinity(),
-                              -std::numeric_limits<float>::infinity(), -1e30f}) {
+  for (const float unknown : {kNan, kInf, -kInf, -1e30f}) {
     const std::vector<Float4> ended = endsWith(unknown);
     ASSERT_EQ(ended.size(), outside.size());
-    double off = 0;
-    for (size_t i = 0; i < ended.size(); ++i) keepLargest(off, distance(ended[i], outside[i]));
+    const double off = maxDistance(ended, outside);
     EXPECT_LT(off, 1e-5) << unknown;
   }
 }
@@ -237,25 +213,16 @@ TEST_P(DenseSdfTest, IsDrawnWhereItIs) {
   // How many pixels are covered, and where their mean is [pixels].
   const auto drawn = [&](const Vector3d& eye) {
     run_.step();
-    View view;
-    view.eye = {static_cast<float>(eye.x()), static_cast<float>(eye.y()),
-                static_cast<float>(eye.z())};
-    view.worldToClip = lookAt(view.eye, {view.eye.x, view.eye.y, view.eye.z - 1}, {0, 1, 0}, 0.785f,
-                              1, 0.1f, 10.0f);
-    view.width = view.height = 100;
     PassList list;
-    expectOk(run_.scene.drawCollider(colliders_[0], view, {}, {}, list));
-    run_.scene.finish(list);
-    expectOk(run_.device()->update(run_.scene.resources()));
-    const auto image = run_.device()->render(list, {.width = 100, .height = 100});
-    EXPECT_TRUE(image) << image.error().message;
+    expectOk(run_.scene.drawCollider(id_, SceneRun::viewFrom(toFloat3(eye), 100), {}, {}, list));
+    const RenderedImage image = run_.render(list, 100);
     Vector3d sum(0, 0, 0);
-    for (size_t i = 0; image && i < image->pixels.size(); ++i)
-      if (image->pixels[i].w > 0.5f)
+    for (size_t i = 0; i < image.pixels.size(); ++i)
+      if (image.pixels[i].w > 0.5f)
         sum += Vector3d(static_cast<double>(i % 100), static_cast<double>(i / 100), 1);
     const auto counts = run_.device()->read(collider.buffers().isoCounts);
     EXPECT_TRUE(counts);
-    if (counts) expectOk(run_.scene.checkColliderDraw(colliders_[0], *counts));
+    if (counts) expectOk(run_.scene.checkColliderDraw(id_, *counts));
     return Vector3d(sum.x() / sum.z(), sum.y() / sum.z(), sum.z());
   };
   // Seen from 0.5 m, 1 / sqrt(24) of the distance is its radius, and 100 pixels are 0.828 of it.
@@ -274,11 +241,7 @@ TEST_P(DenseSdfTest, IsDrawnWhereItIs) {
   expectOk(run_.scene.shiftOrigin({8, 0, -4.5f}));
 }
 
-INSTANTIATE_TEST_SUITE_P(Apis, DenseSdfTest, testing::ValuesIn(solversOnApis()),
-                         [](const auto& test) {
-                           return std::string(apiName(std::get<0>(test.param))) +
-                                  (std::get<1>(test.param) == Solver::kExact ? "Exact" : "Classic");
-                         });
+INSTANTIATE_TEST_SUITE_P(Apis, DenseSdfTest, testing::ValuesIn(solversOnApis()), solverTestName);
 
 // ---- without a device
 
@@ -287,10 +250,7 @@ TEST(DenseSdfList, WhatIsWrongIsNamed) {
   const BufferId buffer = scene.resources().add({.name = "distances", .size = 32, .stride = 4});
   const DenseSdf good = {.distances = buffer, .grid = {.cellSize = 0.1f, .nodes = {2, 2, 2}}};
   const auto expectRefused = [&](const DenseSdf& sdf, const char* what) {
-    const Result<ColliderId> added = scene.addCollider(sdf, {.name = "ground"});
-    ASSERT_FALSE(added) << what;
-    EXPECT_NE(added.error().message.find("collider 'ground': "), std::string::npos);
-    EXPECT_NE(added.error().message.find(what), std::string::npos) << added.error().message;
+    expectError(scene.addCollider(sdf, {.name = "ground"}), {"collider 'ground': ", what});
   };
   DenseSdf bad = good;
   bad.grid.origin.z = kNan;
@@ -319,9 +279,7 @@ TEST(DenseSdfList, WhatIsWrongIsNamed) {
   bad = good;
   bad.grid.nodes = {2, 4, 1};
   scene.collider(*id).setDistances(bad);
-  const Result<void> done = scene.simulate(1.0f / 60, list);
-  ASSERT_FALSE(done);
-  EXPECT_NE(done.error().message.find("collider 'ground'"), std::string::npos);
+  expectError(scene.simulate(1.0f / 60, list), "collider 'ground'");
   scene.collider(*id).setDistances(good);
   EXPECT_TRUE(scene.simulate(1.0f / 60, list));
   EXPECT_FALSE(scene.copySdf(*id, {}, {}));

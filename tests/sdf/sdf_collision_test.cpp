@@ -6,10 +6,8 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <limits>
 #include <memory>
 #include <numbers>
-#include <string>
 #include <vector>
 
 #include "pelage/collision_mesh.h"
@@ -18,10 +16,7 @@
 #include "reference/sdf/sdf_builder.h"
 #include "sdf/collision_run.h"
 #include "sdf/sdf_run.h"
-#include "support/extremes.h"
-#include "support/gpu_fixture.h"
-#include "support/required_devices.h"
-#include "support/strand_run.h"
+#include "support/not_numbers.h"
 
 namespace pelage::test {
 namespace {
@@ -175,6 +170,20 @@ Vertices verticesNear(const Body& body, size_t count, double range, uint64_t see
   return vertices;
 }
 
+/// How many vertices were deeper than a limit, and how many of these are out afterwards [cell].
+struct Resolved {
+  size_t deep = 0, out = 0;
+  Resolved(const Body& body, const Vertices& before, const Vertices& after, double deeper,
+           double left) {
+    for (size_t i = 0; i < before.size(); ++i) {
+      if (body.distance(before.now[i]) >= -deeper) continue;
+      ++deep;
+      if (body.distance(after.now[i]) > -left) ++out;
+    }
+  }
+  double share() const { return static_cast<double>(out) / static_cast<double>(deep); }
+};
+
 class SdfCollision : public GpuTest {};
 
 TEST_P(SdfCollision, PutsVerticesOutsideInOneStep) {
@@ -189,19 +198,14 @@ TEST_P(SdfCollision, PutsVerticesOutsideInOneStep) {
     }
     CollisionRun run(gpu(), body->buffers, vertices);
     const Vertices after = run.collide();
-    size_t deep = 0, resolved = 0;
-    for (size_t i = 0; i < vertices.size(); ++i) {
-      const double before = body->distance(vertices.now[i]);
-      if (before >= 0.01) {
-        EXPECT_EQ(after.now[i], vertices.now[i]) << before;
+    for (size_t i = 0; i < vertices.size(); ++i)
+      if (body->distance(vertices.now[i]) >= 0.01) {
+        EXPECT_EQ(after.now[i], vertices.now[i]);
       }
-      if (before >= -0.05) continue;
-      ++deep;
-      if (body->distance(after.now[i]) > -0.02) ++resolved;
-    }
-    EXPECT_GT(deep, 3000u);
-    EXPECT_GE(static_cast<double>(resolved), 0.999 * static_cast<double>(deep));
-    std::printf("[ FIGURE ] resolved %zu of %zu\n", resolved, deep);
+    const Resolved resolved(*body, vertices, after, 0.05, 0.02);
+    EXPECT_GT(resolved.deep, 3000u);
+    EXPECT_GE(resolved.share(), 0.999);
+    std::printf("[ FIGURE ] resolved %zu of %zu\n", resolved.out, resolved.deep);
   }
 }
 
@@ -210,16 +214,7 @@ TEST_P(SdfCollision, PutsVerticesOutsideInOneStep) {
 SdfBuffers builtSdf(Gpu& gpu, const Body& body, bool threeAxes) {
   SdfRun run(gpu, body.mesh, {.cellSize = static_cast<float>(body.cell), .threeAxes = threeAxes});
   run.build();
-  const detail::SdfGridPlan& plan = run.def.plan;
-  Sdf sdf = {};
-  sdf.origin = {plan.origin.x, plan.origin.y, plan.origin.z, plan.cellSize};
-  sdf.nodes = {plan.nodes[0], plan.nodes[1], plan.nodes[2], 0};
-  sdf.triangleCount = run.def.triangleCount;
-  sdf.triangleBits = plan.triangleBits;
-  sdf.surfaceStride = 4;
-  sdf.band = plan.band;
-  sdf.farRange = plan.farRange;
-  return {{sdf}, run.keys->read(), run.surface->read()};
+  return {{run.sdf()}, run.keys->read(), run.surface->read()};
 }
 
 // Nodes deep inside know no triangle but for the coarse ones: the way out that a vertex finds from
@@ -307,14 +302,9 @@ TEST_P(SdfCollision, TheTrilinearMethodIsNearTheSurfaceAfterThreeSteps) {
   CollisionRun run(gpu(), body.buffers, vertices);
   Vertices after;
   for (int step = 0; step < 3; ++step) after = run.collide(false);
-  size_t deep = 0, resolved = 0;
-  for (size_t i = 0; i < vertices.size(); ++i) {
-    if (body.distance(vertices.now[i]) >= -0.1) continue;
-    ++deep;
-    if (body.distance(after.now[i]) > -0.1) ++resolved;
-  }
-  EXPECT_GT(deep, 1000u);
-  EXPECT_GE(static_cast<double>(resolved), 0.95 * static_cast<double>(deep));
+  const Resolved resolved(body, vertices, after, 0.1, 0.1);
+  EXPECT_GT(resolved.deep, 1000u);
+  EXPECT_GE(resolved.share(), 0.95);
 }
 
 // The two sides of a plate are in the keys of the same nodes.
@@ -389,9 +379,6 @@ TEST_P(SdfCollision, FastVerticesStayOnTheirSide) {  // K30
   }
 }
 
-constexpr double kStep = 1.0 / 60;
-constexpr double kGravity = 9.81;
-
 /// Lets a vertex slide from rest on a slab that is inclined by `degrees` [m].
 double slideOnSlope(Gpu& gpu, double degrees, float friction, int steps) {
   const double angle = degrees * std::numbers::pi / 180;
@@ -407,8 +394,7 @@ double slideOnSlope(Gpu& gpu, double degrees, float friction, int steps) {
   CollisionRun run(gpu, body.buffers, vertices);
   for (int step = 0; step < steps; ++step) {
     const Vector3d now = toVector(vertices.now[0]);
-    const Vector3d next =
-        2 * now - toVector(vertices.before[0]) + Vector3d(0, -kGravity * kStep * kStep, 0);
+    const Vector3d next = 2 * now - toVector(vertices.before[0]) + Vector3d(0, -9.81 / 3600, 0);
     vertices = {};
     vertices.add(now, next);
     run.set(vertices);
@@ -427,9 +413,9 @@ TEST_P(SdfCollision, SlidesDownASteeperSlopeAsCoulombSays) {
   for (const float friction : {0.0f, 0.3f}) {
     const double angle = 25 * std::numbers::pi / 180;
     const double acceleration =
-        kGravity * (std::sin(angle) - static_cast<double>(friction) * std::cos(angle));
+        9.81 * (std::sin(angle) - static_cast<double>(friction) * std::cos(angle));
     const int steps = 40;
-    const double expected = acceleration * kStep * kStep * steps * (steps + 1) / 2;
+    const double expected = acceleration / 3600 * steps * (steps + 1) / 2;
     EXPECT_NEAR(slideOnSlope(gpu(), 25, friction, steps), expected, 2e-3 * expected) << friction;
   }
 }
@@ -440,12 +426,7 @@ TEST_P(SdfCollision, IsTakenAlongByASurfaceThatMoves) {
   const double cell = 0.02;
   const TriangleMesh slab = reference::box({-0.3f, -0.1f, -0.3f}, {0.3f, 0, 0.3f});
   for (const Vector3d& displacement : {Vector3d(0.03, 0, 0), Vector3d(0.01, 0.03, 0.02)}) {
-    std::vector<Float3> before = slab.positions;
-    for (Float3& p : before) {
-      p.x -= static_cast<float>(displacement.x());
-      p.y -= static_cast<float>(displacement.y());
-      p.z -= static_cast<float>(displacement.z());
-    }
+    const std::vector<Float3> before = reference::moved(slab, toFloat3(-displacement)).positions;
     const Body body(slab, {.cell = cell, .friction = 1e6f, .before = &before});
     for (const double end : {0.25, 0.5, 1.0}) {
       const double begin = end - 0.25;
@@ -474,8 +455,7 @@ TEST_P(SdfCollision, AStepIsLongOrShortAgainstTheSurfaceAndNotAgainstTheWorld) {
   const TriangleMesh slab =
       reference::box({-0.3f, static_cast<float>(-0.8 * cell), -0.3f}, {0.3f, 0, 0.3f});
   const Vector3d displacement(0, 6 * cell, 0);
-  std::vector<Float3> before = slab.positions;
-  for (Float3& p : before) p.y -= static_cast<float>(displacement.y());
+  const std::vector<Float3> before = reference::moved(slab, toFloat3(-displacement)).positions;
   const Body body(slab, {.cell = cell, .before = &before});
   Vertices vertices;
   const Vector3d above(0.01, 0.3 * cell, 0.02);
@@ -490,21 +470,19 @@ TEST_P(SdfCollision, AStepIsLongOrShortAgainstTheSurfaceAndNotAgainstTheWorld) {
 
 TEST_P(SdfCollision, VerticesThatAreHeldOrNotFiniteKeepTheirBits) {
   const Body& body = blobBody();
-  const float nan = std::numeric_limits<float>::quiet_NaN();
-  const float inf = std::numeric_limits<float>::infinity();
   Vertices vertices;
   vertices.add(Vector3d(0.01, 0.02, 0.03), Vector3d(0.01, 0.02, 0.03), 0);  // a root
   vertices.add(Vector3d(0.01, 0.02, 0.03), Vector3d(0.01, 0.02, 0.03), -1);
-  for (const float bad : {nan, inf, 1e30f}) {
+  for (const float bad : {kNan, kInf, 1e30f}) {
     vertices.add(Vector3d(0.01, 0.02, 0.03), Vector3d(0.01, 0.02, 0.03));
     vertices.now.back().y = bad;
     vertices.add(Vector3d(0.01, 0.02, 0.03), Vector3d(0.01, 0.02, 0.03));
-    vertices.now.back().w = bad == inf ? nan : bad;
+    vertices.now.back().w = bad == kInf ? kNan : bad;
   }
   vertices.add(Vector3d(50, 0, 0), Vector3d(50, 1, 0));  // beyond the grid
   // The end of this one is sound.
   vertices.add(Vector3d(0.1, 0, 0), Vector3d(0.1, 0, 0));
-  vertices.before.back().x = nan;
+  vertices.before.back().x = kNan;
   CollisionRun run(gpu(), body.buffers, vertices);
   const Vertices after = run.collide();
   const auto bits = [](const Float4& v) {
@@ -529,7 +507,7 @@ TEST_P(SdfCollision, AFieldOfNothingTouchesNothing) {
   SdfBuffers flat = body.buffers;
   flat.sdfs[0].nodes.y = 1;
   SdfBuffers nowhere = body.buffers;
-  nowhere.sdfs[0].origin.x = std::numeric_limits<float>::quiet_NaN();
+  nowhere.sdfs[0].origin.x = kNan;
   // Keys name triangles that the field does not have.
   SdfBuffers strange = body.buffers;
   strange.sdfs[0].triangleCount = 0;
@@ -579,16 +557,11 @@ TEST_P(SdfCollision, OpenAndOverlappingMeshesPutOutWhatIsInside) {
       Vertices after;
       for (int step = 0; step < 3; ++step) {
         after = run.collide();
-        size_t deep = 0, resolved = 0;
-        for (size_t i = 0; i < vertices.size(); ++i) {
-          EXPECT_TRUE(isFinite(after.now[i]));
-          if (c.body.distance(vertices.now[i]) >= -0.05) continue;
-          ++deep;
-          if (c.body.distance(after.now[i]) > -0.02) ++resolved;
-        }
-        const double share = static_cast<double>(resolved) / static_cast<double>(deep);
+        EXPECT_TRUE(allFinite(after.now));
+        const Resolved resolved(c.body, vertices, after, 0.05, 0.02);
+        const double share = resolved.share();
         std::printf("[ FIGURE ] %s field, step %d: resolved %.2f %% of %zu\n",
-                    built ? "built" : "host's", step + 1, 100 * share, deep);
+                    built ? "built" : "host's", step + 1, 100 * share, resolved.deep);
         if (step == 2) {
           EXPECT_GE(share, built ? c.least : c.leastOfHost);
         }
@@ -612,17 +585,15 @@ TEST(SdfCollisionBits, AreTheSameOnEveryApi) {
   }
   for (const bool closestFeature : {false, true}) {
     Vertices first;
-    for (const Api api : kApis) {
-      Gpu& gpu = Gpu::of(api);
-      if (gpu.device() == nullptr) continue;
-      CollisionRun run(gpu, sdf, vertices);
+    for (Gpu* gpu : startedGpus()) {
+      CollisionRun run(*gpu, sdf, vertices);
       const Vertices after = run.collide(closestFeature);
       if (first.size() == 0) {
         first = after;
         EXPECT_NE(after.now, vertices.now);
       }
-      EXPECT_TRUE(after.now == first.now) << apiName(api);
-      EXPECT_TRUE(after.before == first.before) << apiName(api);
+      EXPECT_TRUE(after.now == first.now) << apiName(gpu->api());
+      EXPECT_TRUE(after.before == first.before) << apiName(gpu->api());
     }
     if (first.size() == 0) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
   }

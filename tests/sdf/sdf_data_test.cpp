@@ -1,13 +1,13 @@
 // Fields in files.
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <limits>
 #include <vector>
 
 #include "pelage/sdf_data.h"
+#include "support/errors.h"
 
 namespace pelage {
 namespace {
@@ -50,29 +50,21 @@ class SdfDataTest : public testing::Test {
   template <class T>
   static void expectRefused(std::vector<std::byte> bytes, size_t at, T value, const char* what) {
     std::memcpy(bytes.data() + at, &value, sizeof(value));
-    const Result<SdfData> loaded = loadSdf(bytes, "bad.psdf");
-    ASSERT_FALSE(loaded) << what;
-    EXPECT_EQ(loaded.error().code, ErrorCode::kInvalidFile);
-    EXPECT_NE(loaded.error().message.find("bad.psdf"), std::string::npos);
-    EXPECT_NE(loaded.error().message.find(what), std::string::npos) << loaded.error().message;
+    test::expectError(loadSdf(bytes, "bad.psdf"), ErrorCode::kInvalidFile, {"bad.psdf", what});
   }
 
   std::filesystem::path path_;
 };
 
 TEST_F(SdfDataTest, WhatIsSavedIsWhatIsLoaded) {
-  const Result<SdfData> loaded = loadSdf(path_);
-  ASSERT_TRUE(loaded) << loaded.error().message;
-  EXPECT_EQ(*loaded, sampleData());
+  EXPECT_EQ(test::valueOf(loadSdf(path_)), sampleData());
 }
 
 TEST_F(SdfDataTest, NodesInsideMayHaveNoTriangle) {
   SdfData data = sampleData();
   data.keys[1] = 0x80000000u | (5u << 2) | 3u;
   ASSERT_TRUE(saveSdf(data, path_));
-  const Result<SdfData> loaded = loadSdf(path_);
-  ASSERT_TRUE(loaded) << loaded.error().message;
-  EXPECT_EQ(*loaded, data);
+  EXPECT_EQ(test::valueOf(loadSdf(path_)), data);
 }
 
 TEST_F(SdfDataTest, EveryFaultOfAFileIsNamedWithItsPlace) {

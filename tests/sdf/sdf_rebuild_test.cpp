@@ -2,17 +2,21 @@
 #include <gtest/gtest.h>
 
 #include <bit>
-#include <limits>
 #include <string>
 
 #include "sdf/sdf_run.h"
-#include "support/extremes.h"
+#include "support/not_numbers.h"
 
 namespace pelage::test {
 namespace {
 
 using detail::SdfBuildMode;
-using namespace reference;
+using reference::blob;
+using reference::cube;
+using reference::joined;
+using reference::moved;
+using reference::plate;
+using reference::sphereWithHoles;
 
 constexpr SdfOptions kOptions = {.cellSize = 0.06f};
 
@@ -43,10 +47,9 @@ void expectSameSdf(SdfRun& run, SdfRun& expected, const std::string& what) {
   EXPECT_TRUE(run.surface->read() == expected.surface->read()) << what;
 }
 
-/// Builds a field from scratch on the grid of another one.
-void buildLike(SdfRun& fresh, const std::vector<Float3>& positions) {
-  fresh.move(positions);
-  fresh.build();
+void rebuild(SdfRun& run, const std::vector<Float3>& positions) {
+  run.move(positions);
+  run.build(SdfBuildMode::kIncremental);
 }
 
 bool startedNothing(const SdfRun& run) {
@@ -56,7 +59,20 @@ bool startedNothing(const SdfRun& run) {
   return true;
 }
 
-class SdfRebuild : public GpuTest {};
+class SdfRebuild : public GpuTest {
+ protected:
+  /// Against a field that is built from scratch on the same grid, whose counters it returns.
+  detail::SdfBuildCounters expectAsFromScratch(SdfRun& run, const TriangleMesh& mesh,
+                                               const SdfOptions& options,
+                                               const std::vector<Float3>& positions,
+                                               const std::string& what) {
+    SdfRun fresh(gpu(), mesh, options);
+    fresh.move(positions);
+    fresh.build();
+    expectSameSdf(run, fresh, what);
+    return fresh.counters();
+  }
+};
 
 TEST_P(SdfRebuild, GivesTheBitsOfAFullBuild) {
   const TriangleMesh mesh = head();
@@ -70,14 +86,11 @@ TEST_P(SdfRebuild, GivesTheBitsOfAFullBuild) {
                                            {-3.0f, 0.05f}, {0.5f, -0.2f}, {5.0f, 0.0f}};
   for (const auto& [plane, amount] : steps) {
     const std::vector<Float3> positions = bent(mesh, plane, amount);
-    run.move(positions);
-    run.build(SdfBuildMode::kIncremental);
-    const detail::SdfBuildCounters counters = run.counters();
-    EXPECT_GT(counters.movedTriangles, 0u);
-    SdfRun fresh(gpu(), mesh, options);
-    buildLike(fresh, positions);
-    expectSameSdf(run, fresh, "plane " + std::to_string(plane));
-    EXPECT_EQ(counters.interiorNodes, fresh.counters().interiorNodes);
+    rebuild(run, positions);
+    EXPECT_GT(run.counters().movedTriangles, 0u);
+    const auto fresh =
+        expectAsFromScratch(run, mesh, options, positions, "plane " + std::to_string(plane));
+    EXPECT_EQ(run.counters().interiorNodes, fresh.interiorNodes);
   }
 }
 
@@ -86,8 +99,7 @@ TEST_P(SdfRebuild, TouchesWhatMovedAndNoMore) {
   SdfRun run(gpu(), mesh, kOptions);
   run.build();
   const std::vector<Float3> positions = bent(mesh, 0.6f, 0.1f);
-  run.move(positions);
-  run.build(SdfBuildMode::kIncremental);
+  rebuild(run, positions);
   uint32_t points = 0, triangles = 0;
   const auto moved = [&](uint32_t v) { return !(positions[v] == mesh.positions[v]); };
   for (uint32_t v = 0; v < positions.size(); ++v) points += moved(v) ? 1 : 0;
@@ -119,20 +131,16 @@ TEST_P(SdfRebuild, StartsNothingWhenNothingMoved) {
     for (const float shift : {0.04f, -0.04f}) {
       std::vector<Float3> positions = mesh.positions;
       for (Float3& p : positions) p.y += shift * options.cellSize;
-      run.move(positions);
-      run.build(SdfBuildMode::kIncremental);
+      rebuild(run, positions);
       EXPECT_TRUE(startedNothing(run)) << shift;
       EXPECT_EQ(run.counters().movedPoints, 0u);
     }
     EXPECT_TRUE(run.keys->read() == keys);
     std::vector<Float3> positions = mesh.positions;
     for (Float3& p : positions) p.y += 0.08f * options.cellSize;
-    run.move(positions);
-    run.build(SdfBuildMode::kIncremental);
+    rebuild(run, positions);
     EXPECT_FALSE(startedNothing(run));
-    SdfRun fresh(gpu(), mesh, options);
-    buildLike(fresh, positions);
-    expectSameSdf(run, fresh, "beyond the tolerance");
+    expectAsFromScratch(run, mesh, options, positions, "beyond the tolerance");
   }
 }
 
@@ -156,11 +164,8 @@ TEST_P(SdfRebuild, KnowsOpenMeshesBigTrianglesAndGridsThatAreTooSmall) {
     run.build();
     for (const auto& [plane, amount] : {std::pair(0.4f, 0.2f), {-0.1f, -0.15f}, {0.4f, 0.0f}}) {
       const std::vector<Float3> positions = bent(c.mesh, plane, amount);
-      run.move(positions);
-      run.build(SdfBuildMode::kIncremental);
-      SdfRun fresh(gpu(), c.mesh, options);
-      buildLike(fresh, positions);
-      expectSameSdf(run, fresh, c.name);
+      rebuild(run, positions);
+      expectAsFromScratch(run, c.mesh, options, positions, c.name);
     }
   }
 }
@@ -170,15 +175,12 @@ TEST_P(SdfRebuild, SurvivesVerticesThatComeAndGo) {
   SdfRun run(gpu(), mesh, kOptions);
   run.build();
   std::vector<Float3> broken = mesh.positions;
-  broken[100].x = std::numeric_limits<float>::quiet_NaN();
-  broken[400].z = std::numeric_limits<float>::infinity();
+  broken[100].x = kNan;
+  broken[400].z = kInf;
   broken[500] = {1e6f, -1e6f, 0};
   for (const std::vector<Float3>& positions : {broken, mesh.positions, broken}) {
-    run.move(positions);
-    run.build(SdfBuildMode::kIncremental);
-    SdfRun fresh(gpu(), mesh, kOptions);
-    buildLike(fresh, positions);
-    expectSameSdf(run, fresh, "broken");
+    rebuild(run, positions);
+    expectAsFromScratch(run, mesh, kOptions, positions, "broken");
   }
 }
 
@@ -202,8 +204,7 @@ TEST_P(SdfRebuild, RecordsHaveTheMotionSinceTheLastBuild) {
       }
     EXPECT_LT(worst, 1e-4) << what << " [cell]";
   };
-  run.move(bent(mesh, 0.6f, 0.2f));
-  run.build(SdfBuildMode::kIncremental);
+  rebuild(run, bent(mesh, 0.6f, 0.2f));
   check(0.2f, "moves");
   run.build(SdfBuildMode::kIncremental);
   check(0, "rests");
@@ -228,8 +229,7 @@ TEST_P(SdfRebuild, IsAFullBuildWhenTheGridGoesOn) {
   run.def.plan.origin.x -= step;
   std::vector<Float3> positions = mesh.positions;
   for (Float3& p : positions) p.x -= 0.2f * options.cellSize;
-  run.move(positions);
-  run.build(SdfBuildMode::kIncremental);
+  rebuild(run, positions);
   TriangleMesh now = mesh;
   now.positions = positions;
   const SdfErrors errors = errorsOf(run, trueDistances(run, now));

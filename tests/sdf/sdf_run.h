@@ -11,8 +11,7 @@
 #include "reference/sdf/distance_oracle.h"
 #include "reference/sdf/mesh_shapes.h"
 #include "sdf/sdf_build.h"
-#include "support/extremes.h"
-#include "support/gpu_fixture.h"
+#include "support/strand_measures.h"
 
 namespace pelage::test {
 
@@ -137,6 +136,18 @@ class SdfRun {
   const std::vector<uint32_t>& allKeys() {
     if (allKeys_.empty()) allKeys_ = keys->read();
     return allKeys_;
+  }
+  /// As collisions take it.
+  Sdf sdf() const {
+    Sdf sdf = {};
+    sdf.origin = {def.plan.origin.x, def.plan.origin.y, def.plan.origin.z, def.plan.cellSize};
+    sdf.nodes = {def.plan.nodes[0], def.plan.nodes[1], def.plan.nodes[2], 0};
+    sdf.triangleCount = def.triangleCount;
+    sdf.triangleBits = def.plan.triangleBits;
+    sdf.surfaceStride = def.motion ? 7 : 4;
+    sdf.band = def.plan.band;
+    sdf.farRange = def.plan.farRange;
+    return sdf;
   }
   uint64_t nodeCount() const { return def.plan.nodeCount(); }
   uint32_t key(uint64_t node) { return allKeys()[def.firstKey + node]; }

@@ -1,78 +1,46 @@
 // Mesh colliders of a scene: what is in the pass lists, without a GPU.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "pelage/gpu_structs.h"
 #include "pelage/scene.h"
 #include "pelage/skeleton.h"
-#include "support/plain_asset.h"
+#include "support/collision_shapes.h"
+#include "support/not_numbers.h"
+#include "support/scene_list_test.h"
+#include "support/scene_run.h"
 
 namespace pelage {
 namespace {
 
+using test::expectError;
+using test::kNan;
 using test::makeAsset;
+using test::setBone;
 
 constexpr float kFrame = 1.0f / 60;
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-// A closed box of 12 triangles around the origin.
+/// Around the origin.
 CollisionMesh boxMesh(float half = 0.1f) {
-  CollisionMesh mesh;
-  for (int i = 0; i < 8; ++i) {
-    mesh.positions.push_back(
-        {(i & 1) != 0 ? half : -half, (i & 2) != 0 ? half : -half, (i & 4) != 0 ? half : -half});
-    mesh.normals.push_back({0, 1, 0});
-  }
-  mesh.indices = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
-                  2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
-  return mesh;
+  return test::toMesh(reference::box({-half, -half, -half}, {half, half, half}));
 }
 
 AffineTransform shifted(float x) { return rigidTransform({0, 0, 0, 1}, {x, 0, 0}); }
 
-class SdfSceneTest : public testing::Test {
+class SdfSceneTest : public test::SceneListTest {
  protected:
-  HairObject& addHair(const HairDef& def = {}) {
-    const Result<HairId> added = scene_.addHair(makeAsset(), def);
-    EXPECT_TRUE(added) << added.error().message;
-    return scene_.hair(*added);
-  }
   SdfCollider& addCollider(const CollisionMesh& mesh = boxMesh(), const SdfColliderDef& def = {}) {
     const Result<ColliderId> added = scene_.addCollider(mesh, def);
     EXPECT_TRUE(added) << added.error().message;
     return scene_.collider(*added);
   }
-  void simulate() {
-    const Result<void> done = scene_.simulate(kFrame, list_);
-    ASSERT_TRUE(done) << done.error().message;
-    scene_.finish(list_);
-    setDelivered(list_.run);  // in place of a runtime
-  }
-  uint32_t count(std::string_view name) const {
-    return static_cast<uint32_t>(
-        std::count_if(list_.passes.begin(), list_.passes.end(),
-                      [&](const Pass& pass) { return name == pass.name; }));
-  }
   // The fields that were uploaded for a hair object in this list.
   std::vector<Sdf> uploadedSdfs(const HairObject& hair) const {
-    for (const Upload& upload : list_.uploads) {
-      if (upload.buffer != hair.buffers().sdfs) continue;
-      std::vector<Sdf> sdfs(upload.size / sizeof(Sdf));
-      std::memcpy(sdfs.data(), list_.uploadData.data() + upload.dataOffset, upload.size);
-      return sdfs;
-    }
-    return {};
+    return uploaded<Sdf>(hair.buffers().sdfs);
   }
-
-  Scene scene_;
-  PassList list_;
 };
 
 TEST_F(SdfSceneTest, AColliderIsBuiltOnceWhileItStays) {
@@ -96,8 +64,7 @@ TEST_F(SdfSceneTest, MotionBelowTheToleranceBuildsNothingUntilItAddsUp) {
   EXPECT_NEAR(cell, 0.2f / 50, 1e-6);
   simulate();
   const auto moveTo = [&](float cells) {
-    const AffineTransform bone = shifted(cells * cell);
-    collider.setBones({&bone, 1});
+    setBone(collider, shifted(cells * cell));
     simulate();
     return count("scatter_triangles");
   };
@@ -138,12 +105,12 @@ TEST_F(SdfSceneTest, WhatNoHairReachesIsNeitherBuiltNorApplied) {  // K34
   HairObject& hair = addHair();
   SdfCollider& collider = addCollider();
   AffineTransform bone = shifted(5);
-  collider.setBones({&bone, 1});
+  setBone(collider, bone);
   simulate();
   EXPECT_EQ(count("scatter_triangles"), 0u);
   EXPECT_EQ(hair.buffers().sdfs, BufferId::kInvalid);
   bone = shifted(0);
-  collider.setBones({&bone, 1});
+  setBone(collider, bone);
   simulate();
   EXPECT_EQ(count("scatter_triangles"), 1u);
   EXPECT_EQ(uploadedSdfs(hair).size(), 1u);
@@ -153,7 +120,7 @@ TEST_F(SdfSceneTest, WhatNoHairReachesIsNeitherBuiltNorApplied) {  // K34
   collider.enabled = true;
   hair.usesMeshColliders = false;
   bone = shifted(0.05f);
-  collider.setBones({&bone, 1});
+  setBone(collider, bone);
   simulate();
   EXPECT_EQ(count("scatter_triangles"), 0u);
 }
@@ -162,8 +129,8 @@ TEST_F(SdfSceneTest, FieldsAreRelativeToTheOriginOfTheHair) {  // K32
   HairObject& hair = addHair();
   SdfCollider& collider = addCollider();
   const AffineTransform bone = shifted(1024.25f);
-  hair.setBones({&bone, 1});
-  collider.setBones({&bone, 1});
+  setBone(hair, bone);
+  setBone(collider, bone);
   collider.margin = 0.002f;
   collider.friction = 0.7f;
   simulate();
@@ -183,8 +150,7 @@ TEST_F(SdfSceneTest, MotionIsThatOfConsecutiveFrames) {
   SdfCollider& collider = addCollider();
   simulate();
   const auto moveTo = [&](float x) {
-    const AffineTransform bone = shifted(x);
-    collider.setBones({&bone, 1});
+    setBone(collider, shifted(x));
     simulate();
     const std::vector<Sdf> sdfs = uploadedSdfs(hair);
     return sdfs.empty() ? -1.0f : sdfs[0].motionScale;
@@ -202,22 +168,13 @@ TEST_F(SdfSceneTest, ColliderThatMovesKeepsHairAwake) {
   SdfCollider& collider = addCollider();
   simulate();
   const auto wakes = [&] {
-    for (const Pass& pass : list_.passes) {
-      if (std::string_view(pass.name) != "select_awake_tiles") continue;
-      for (const PassBinding& binding : list_.bindingsOf(pass)) {
-        if (binding.buffer != BufferId::kInvalid) continue;
-        ExactConstants constants;
-        std::memcpy(&constants, list_.constants.data() + binding.offset, sizeof(constants));
-        return (constants.flags & 16u) != 0;
-      }
-    }
-    return false;
+    const auto all = constantsOf<ExactConstants>("select_awake_tiles");
+    return !all.empty() && (all[0].flags & 16u) != 0;
   };
   simulate();
   simulate();
   EXPECT_FALSE(wakes());
-  const AffineTransform bone = shifted(0.01f);
-  collider.setBones({&bone, 1});
+  setBone(collider, shifted(0.01f));
   simulate();
   EXPECT_TRUE(wakes());
   simulate();
@@ -235,8 +192,8 @@ TEST_F(SdfSceneTest, TheGridFollowsAMeshThatWalksAndGrows) {  // K31
   const SdfGrid first = collider.grid();
   for (int frame = 1; frame <= 40; ++frame) {
     const AffineTransform bone = shifted(0.25f * static_cast<float>(frame));
-    hair.setBones({&bone, 1});
-    collider.setBones({&bone, 1});
+    setBone(hair, bone);
+    setBone(collider, bone);
     simulate();
     const SdfGrid& grid = collider.grid();
     const float low = bone.rows[0].w - 0.1f, high = bone.rows[0].w + 0.1f;
@@ -249,7 +206,7 @@ TEST_F(SdfSceneTest, TheGridFollowsAMeshThatWalksAndGrows) {  // K31
   }
   AffineTransform large = shifted(10);
   for (int i = 0; i < 3; ++i) (&large.rows[i].x)[i] = 3;
-  collider.setBones({&large, 1});
+  setBone(collider, large);
   simulate();
   EXPECT_GT(collider.grid().nodes[0], 2 * first.nodes[0]);
   EXPECT_EQ(count("scatter_triangles"), 1u);
@@ -266,29 +223,21 @@ TEST_F(SdfSceneTest, AFieldOverTheCapIsRefusedAndNothingIsLost) {
   const SdfGrid grid = collider.grid();
   AffineTransform large;
   for (int i = 0; i < 3; ++i) (&large.rows[i].x)[i] = 10;
-  collider.setBones({&large, 1});
-  const Result<void> done = scene_.simulate(kFrame, list_);
-  ASSERT_FALSE(done);
-  EXPECT_NE(done.error().message.find("collider 'collider'"), std::string::npos);
-  EXPECT_NE(done.error().message.find("a cell size of"), std::string::npos) << done.error().message;
+  setBone(collider, large);
+  expectError(scene_.simulate(kFrame, list_), {"collider 'collider'", "a cell size of"});
   EXPECT_EQ(collider.grid(), grid);
-  const AffineTransform back = shifted(0);
-  collider.setBones({&back, 1});
+  setBone(collider, shifted(0));
   simulate();
   EXPECT_EQ(count("scatter_triangles"), 0u);
   // At once, when it is added.
-  const Result<ColliderId> added = scene_.addCollider(boxMesh(), {.memoryCap = 10000});
-  ASSERT_FALSE(added);
-  EXPECT_NE(added.error().message.find("a cell size of"), std::string::npos);
+  expectError(scene_.addCollider(boxMesh(), {.memoryCap = 10000}), "a cell size of");
 }
 
 TEST_F(SdfSceneTest, WhatIsWrongWithAColliderIsNamed) {
   const auto expectRefused = [&](const CollisionMesh& mesh, const SdfColliderDef& def,
                                  const char* what) {
     const uint32_t buffers = scene_.resources().count();
-    const Result<ColliderId> added = scene_.addCollider(mesh, def);
-    ASSERT_FALSE(added) << what;
-    EXPECT_NE(added.error().message.find(what), std::string::npos) << added.error().message;
+    expectError(scene_.addCollider(mesh, def), what);
     EXPECT_EQ(scene_.resources().count(), buffers) << "what is refused leaves nothing";
   };
   expectRefused(boxMesh(), {.cellSize = kNan}, "cellSize is nan");

@@ -9,12 +9,13 @@
 #include <limits>
 #include <numbers>
 #include <random>
-#include <sstream>
 #include <string>
 #include <utility>
 
 #include "pelage/settings/settings_presets.h"
 #include "random_settings.h"
+#include "support/errors.h"
+#include "support/test_folder.h"
 
 namespace {
 
@@ -26,21 +27,17 @@ using pelage::SettingsFile;
 using pelage::settingsSnippet;
 using pelage::settingsText;
 using pelage::SimulationSettings;
-
-std::string contents(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
+using pelage::test::expectError;
+using pelage::test::required;
+using pelage::test::TestFolder;
+using pelage::test::textOf;
 
 TEST(SettingsFile, SetsWhatItHasAndNothingElse) {
-  const auto file = SettingsFile::parse(
+  const auto file = required(SettingsFile::parse(
       R"({"solver": "classic", "gravity": [0, -1.6, 0.5], "damping": 0.25, "subSteps": 4,
           "wind": {"velocity": [1, 2, 3]}, "sleep": {"enabled": false},
           "curves": {"damping": [1, 2, 3, 4, 5, 6, 7, 8]}, "contact": {"friction": 0.5}})",
-      "a.json");
-  ASSERT_TRUE(file) << file.error().message;
+      "a.json"));
   SimulationSettings settings;
   settings.bendLength = 0.123f;
   settings.wind.gustPeriod = 7;
@@ -61,13 +58,12 @@ TEST(SettingsFile, SetsWhatItHasAndNothingElse) {
 }
 
 TEST(SettingsFile, HasTheSectionsOfAScene) {
-  const auto file = SettingsFile::parse(
+  const auto file = required(SettingsFile::parse(
       R"({"simulation": {"wind": {"gustPeriod": 3}}, "damping": 0.5, "material": {"model": "fiber"},
           "object": {"drawnShare": 0.5}, "creation": {"skinning": "dualQuaternions"},
           "lights": [{"color": [2, 2, 2]}, {"opaque": {"bias": 0.01}, "shadow": "deep"}],
           "transparency": {"method": "hybrid8", "maxBytes": 5000000000}})",
-      "a.json");
-  ASSERT_TRUE(file) << file.error().message;
+      "a.json"));
   SceneSettings settings;
   settings.lights[0].shadowSize = 77;
   settings.lights.resize(5);
@@ -93,8 +89,7 @@ TEST(SettingsFile, HasTheSectionsOfAScene) {
 }
 
 TEST(SettingsFile, OfAnEmptyObjectSetsNothing) {
-  const auto file = SettingsFile::parse("{}", "a.json");
-  ASSERT_TRUE(file) << file.error().message;
+  const auto file = required(SettingsFile::parse("{}", "a.json"));
   SceneSettings settings;
   settings.lights.clear();
   SceneSettings expected = settings;
@@ -154,9 +149,7 @@ TEST(SettingsFile, RefusesByNameWhatIsNoSettingOrOutOfRange) {
 }
 
 TEST(SettingsFile, NamesAFileThatIsNotThere) {
-  const auto file = SettingsFile::load("no_such.json");
-  ASSERT_FALSE(file);
-  EXPECT_NE(file.error().message.find("no_such.json"), std::string::npos);
+  expectError(SettingsFile::load("no_such.json"), "no_such.json");
 }
 
 TEST(SettingsText, IsReadAsTheSameBits) {
@@ -179,8 +172,7 @@ TEST(SettingsText, KeepsSpecialNumbers) {
   settings.simulation.gravity = {-0.0f, std::numeric_limits<float>::max(),
                                  std::numeric_limits<float>::denorm_min()};
   settings.follow.seed = ~uint64_t{0};
-  const auto read = parseSettings(settingsText(settings), "text");
-  ASSERT_TRUE(read) << read.error().message;
+  const auto read = required(parseSettings(settingsText(settings), "text"));
   EXPECT_TRUE(haveSameSettings(*read, settings));
 }
 
@@ -195,13 +187,11 @@ TEST(SettingsText, HasWhatDiffersAlone) {
       section.set(settings, p, value);
       if (p.path == "innerConeAngle")
         settings.lights[0].outerConeAngle = std::numbers::pi_v<float> / 2;
-      const auto file = SettingsFile::parse(settingsText(settings), "text");
-      ASSERT_TRUE(file) << file.error().message;
+      const auto file = required(SettingsFile::parse(settingsText(settings), "text"));
       const size_t more = p.path == "innerConeAngle" ? 2 : section.isList ? 1 : 0;
       EXPECT_EQ(file->names().size(), 1 + more) << settingsText(settings);
     }
-  const auto all = SettingsFile::parse(settingsText({}, SettingsExtent::kAll), "text");
-  ASSERT_TRUE(all) << all.error().message;
+  const auto all = required(SettingsFile::parse(settingsText({}, SettingsExtent::kAll), "text"));
   size_t count = 1;  // "lights"
   for (const pelage::SettingsSection& section : pelage::settingsSections())
     count += section.parameters.size();
@@ -236,43 +226,32 @@ TEST(SettingsText, ReadsLikeThis) {
 }
 
 TEST(SettingsSave, WritesAFileOrLeavesTheOldOne) {
-  const auto folder = std::filesystem::temp_directory_path() / "pelage_settings_file_test";
-  std::filesystem::create_directories(folder);
+  const TestFolder folder;
   const auto path = folder / "a.json";
   SceneSettings settings;
   settings.material.opacity = 0.3f;
-  auto saved = saveSettings(path, settings);
-  ASSERT_TRUE(saved) << saved.error().message;
-  const auto loaded = pelage::loadSettings(path);
-  ASSERT_TRUE(loaded) << loaded.error().message;
+  required(saveSettings(path, settings));
+  const auto loaded = required(pelage::loadSettings(path));
   EXPECT_TRUE(haveSameSettings(*loaded, settings));
-  const std::string before = contents(path);
+  const std::string before = textOf(path);
   settings.material.opacity = 3;
-  saved = saveSettings(path, settings);
-  ASSERT_FALSE(saved);
-  EXPECT_NE(saved.error().message.find("'material.opacity' is 3"), std::string::npos);
-  EXPECT_EQ(contents(path), before);
-  saved = saveSettings(folder / "no" / "folder.json", {});
-  ASSERT_FALSE(saved);
-  EXPECT_NE(saved.error().message.find("folder.json"), std::string::npos);
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
-  std::filesystem::remove_all(folder);
+  expectError(saveSettings(path, settings), "'material.opacity' is 3");
+  EXPECT_EQ(textOf(path), before);
+  expectError(saveSettings(folder / "no" / "folder.json", {}), "folder.json");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
 }
 
 TEST(SettingsPresets, AreValidAndDiffer) {
   const auto presets = pelage::settingsPresets();
   ASSERT_EQ(presets.size(), 6u);
   for (const pelage::SettingsPreset& preset : presets) {
-    const auto settings = pelage::presetSettings(preset.name);
-    ASSERT_TRUE(settings) << settings.error().message;
+    const auto settings = required(pelage::presetSettings(preset.name));
     EXPECT_FALSE(preset.meaning.empty());
     for (const pelage::SettingsPreset& other : presets)
       EXPECT_EQ(haveSameSettings(*settings, *pelage::presetSettings(other.name)),
                 other.name == preset.name);
   }
-  const auto none = pelage::presetSettings("bald");
-  ASSERT_FALSE(none);
-  EXPECT_NE(none.error().message.find("long, curly, fur, mohawk, afro, beard"), std::string::npos);
+  expectError(pelage::presetSettings("bald"), "long, curly, fur, mohawk, afro, beard");
 }
 
 // Something of every section and type.
@@ -302,7 +281,7 @@ TEST(SettingsSnippet, IsTheCodeOfTheFileThatIsCompiledBelow) {
       std::filesystem::path(PELAGE_SOURCE_DIR) / "tests/settings/snippet_golden.inc";
   const std::string code = settingsSnippet(snippetSettings());
   if (std::getenv("PELAGE_UPDATE_GOLDEN") != nullptr) std::ofstream(golden) << code;
-  EXPECT_EQ(code, contents(golden)) << "PELAGE_UPDATE_GOLDEN=1 writes it again";
+  EXPECT_EQ(code, textOf(golden)) << "PELAGE_UPDATE_GOLDEN=1 writes it again";
   EXPECT_EQ(settingsSnippet({}), "");
 }
 

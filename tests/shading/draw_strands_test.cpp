@@ -2,29 +2,23 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "pelage/view.h"
 #include "reference/strand_reference.h"
+#include "support/matrices.h"
+#include "support/pictures.h"
+#include "support/scene_run.h"
 #include "support/strand_run.h"
 
 namespace pelage::test {
 namespace {
 
-constexpr uint32_t kWidth = 320, kHeight = 200;
-constexpr float kFov = 0.7f;
+constexpr uint32_t kTargetWidth = 320, kTargetHeight = 200;
+constexpr float kStrandFov = 0.7f;
 
 struct Strand {
   Vector3d root, tip;
 };
-
-Eigen::Matrix4d toMatrix(const Matrix4& m) {
-  Eigen::Matrix4d result;
-  for (int row = 0; row < 4; ++row)
-    result.row(row) << double{m.rows[row].x}, double{m.rows[row].y}, double{m.rows[row].z},
-        double{m.rows[row].w};
-  return result;
-}
 
 /// Straight strands in front of a camera at z = 1 that looks at the origin.
 class DrawStrands : public GpuTest {
@@ -33,8 +27,8 @@ class DrawStrands : public GpuTest {
 
   void SetUp() override {
     GpuTest::SetUp();
-    const Matrix4 clip = lookAt({0, 0, 1}, {0, 0, 0}, {0, 1, 0}, kFov,
-                                static_cast<float>(kWidth) / kHeight, 0.1f, 10.0f);
+    const Matrix4 clip = lookAt({0, 0, 1}, {0, 0, 0}, {0, 1, 0}, kStrandFov,
+                                static_cast<float>(kTargetWidth) / kTargetHeight, 0.1f, 10.0f);
     worldToClip_ = toMatrix(clip);
     std::copy(std::begin(clip.rows), std::end(clip.rows), std::begin(view_.worldToClip));
     const Eigen::Matrix4d inverse = worldToClip_.inverse();
@@ -43,7 +37,7 @@ class DrawStrands : public GpuTest {
       view_.clipToWorld[row] = {r.x(), r.y(), r.z(), r.w()};
     }
     view_.eye = {0, 0, 1, 1};
-    view_.viewport = {0, 0, kWidth, kHeight};
+    view_.viewport = {0, 0, kTargetWidth, kTargetHeight};
     view_.ambientColor = {1, 1, 1, 0};
     view_.seed = 5;
     constants_.shadingBody = {0, 1, 0, 0};
@@ -85,14 +79,12 @@ class DrawStrands : public GpuTest {
     const GuardedBuffer<Float4> tangentBuffer(gpu(), "tangents", tangents);
     const GuardedBuffer<float> thicknessBuffer(gpu(), "thickness", thickness);
     const GuardedBuffer<uint32_t> shadowBuffer(gpu(), "shadows", {0, 0, 0, 0});
-    BufferDesc desc;
-    desc.name = "indices";
-    desc.size = indices.size() * sizeof(uint32_t);
-    desc.stride = sizeof(uint32_t);
-    desc.usage = BufferUsage::kIndex;
-    desc.initial.resize(desc.size);
-    std::memcpy(desc.initial.data(), indices.data(), desc.size);
-    const BufferId indexBuffer = gpu().resources.add(std::move(desc));
+    const auto bytes = std::as_bytes(std::span(indices));
+    const BufferId indexBuffer = gpu().resources.add({.name = "indices",
+                                                      .size = bytes.size(),
+                                                      .stride = sizeof(uint32_t),
+                                                      .usage = BufferUsage::kIndex,
+                                                      .initial = {bytes.begin(), bytes.end()}});
     expectOk(gpu().device()->update(gpu().resources));
 
     PassList list;
@@ -110,22 +102,18 @@ class DrawStrands : public GpuTest {
     builder.constants("StrandViewConstants", view_);
     expectOk(builder.finish());
     gpu().hazards.resolve(list);
-    RenderTargetDef target;
-    target.width = kWidth;
-    target.height = kHeight;
-    target.samples = samples;
+    const RenderTargetDef target = {
+        .width = kTargetWidth, .height = kTargetHeight, .samples = samples};
     Result<RenderedImage> image = gpu().device()->render(list, target);
     gpu().hazards.forget(indexBuffer);
     gpu().resources.remove(indexBuffer);
-    if (image) return std::move(*image);
-    ADD_FAILURE() << image.error().message;
-    return {kWidth, kHeight, std::vector<Float4>(size_t{kWidth} * kHeight)};
+    return imageOf(std::move(image), target);
   }
 
   Eigen::Vector2d pixelOf(const Vector3d& p) const {
     const Eigen::Vector4d clip = worldToClip_ * p.homogeneous();
-    return {(clip.x() / clip.w() * 0.5 + 0.5) * kWidth,
-            (0.5 - clip.y() / clip.w() * 0.5) * kHeight};
+    return {(clip.x() / clip.w() * 0.5 + 0.5) * kTargetWidth,
+            (0.5 - clip.y() / clip.w() * 0.5) * kTargetHeight};
   }
 
   /// Area in pixels that a fiber of this radius covers.
@@ -140,16 +128,10 @@ class DrawStrands : public GpuTest {
       const double middle = (i + 0.5) / kSteps;
       const double length =
           (pixelOf(at((i + 1.0) / kSteps)) - pixelOf(at(double{1} * i / kSteps))).norm();
-      sum +=
-          length * reference::projectedWidth(worldToClip_, {kWidth, kHeight}, {0, 0, 1}, at(middle),
-                                             tangent, radius * (1 + (tipRatio - 1) * middle));
+      sum += length * reference::projectedWidth(worldToClip_, {kTargetWidth, kTargetHeight},
+                                                {0, 0, 1}, at(middle), tangent,
+                                                radius * (1 + (tipRatio - 1) * middle));
     }
-    return sum;
-  }
-
-  static double coverage(const RenderedImage& image) {
-    double sum = 0;
-    for (const Float4& p : image.pixels) sum += static_cast<double>(p.w);
     return sum;
   }
 
@@ -172,7 +154,9 @@ class DrawStrands : public GpuTest {
   }
 
   /// World radius of a fiber that is so many pixels wide at distance 1.
-  static double radiusOf(double pixels) { return pixels * std::tan(kFov / 2) / kHeight; }
+  static double radiusOf(double pixels) {
+    return pixels * std::tan(kStrandFov / 2) / kTargetHeight;
+  }
 
   /// Bits of RenderConstants::strandAttributes.
   static constexpr uint32_t kThickness = 1, kVertexColors = 2, kBaseTexture = 4;
@@ -236,17 +220,14 @@ TEST_P(DrawStrands, ReadNoAttributeThatTheObjectLacks) {
   constants_.textureSize = {1, 1};
   view_.ambientColor = {1, 1, 1, 0};
   constants_.shadingBody = {1, 1, 0, 0};
-  const auto sameAs = [](const RenderedImage& a, const RenderedImage& b) {
-    return std::memcmp(a.pixels.data(), b.pixels.data(), a.pixels.size() * sizeof(Float4)) == 0;
-  };
   const RenderedImage plain = draw(strands, 1);
   EXPECT_GT(coverage(plain), 100);
-  EXPECT_TRUE(sameAs(draw(strands, 1, std::vector<float>(strands.size(), 1)), plain));
+  EXPECT_TRUE(sameBits(draw(strands, 1, std::vector<float>(strands.size(), 1)), plain));
   bindsAttributes_ = true;
-  EXPECT_TRUE(sameAs(draw(strands, 1), plain));
+  EXPECT_TRUE(sameBits(draw(strands, 1), plain));
   for (const uint32_t attribute : {kThickness, kVertexColors, kBaseTexture}) {
     constants_.strandAttributes = attribute;
-    EXPECT_FALSE(sameAs(draw(strands, 1), plain)) << attribute;
+    EXPECT_FALSE(sameBits(draw(strands, 1), plain)) << attribute;
   }
 }
 
@@ -315,8 +296,8 @@ TEST_P(DrawStrands, AreLitAsTheReference) {
                                  .normalized();
     const RenderedImage image = draw({{-0.2 * tangent, 0.2 * tangent}}, 1);
     // The pixel whose centre is half a pixel beside that of the image.
-    const Float4& pixel = image.pixels[kHeight / 2 * kWidth + kWidth / 2];
-    const double pixelSize = 2 * std::tan(double{kFov} / 2) / kHeight;
+    const Float4& pixel = image.pixels[kTargetHeight / 2 * kTargetWidth + kTargetWidth / 2];
+    const double pixelSize = 2 * std::tan(double{kStrandFov} / 2) / kTargetHeight;
     const Eigen::Vector2d beside(0.5 * pixelSize, -0.5 * pixelSize);
     // As deep as the strand is there.
     const double along = beside.dot(tangent.head<2>()) / tangent.head<2>().squaredNorm();
@@ -351,7 +332,7 @@ TEST_P(DrawStrands, StandTangentsAlongTheSightAndVerticesBehindTheEye) {
     const RenderedImage image = drawVertices(positions, tangents, samples);
     for (const Float4& p : image.pixels) ASSERT_TRUE(isFinite(p));
     // Thin lines, no triangle across the screen.
-    EXPECT_LT(coverage(image), 0.05 * kWidth * kHeight);
+    EXPECT_LT(coverage(image), 0.05 * kTargetWidth * kTargetHeight);
   }
 }
 

@@ -82,22 +82,17 @@ class FiberShading : public GpuTest {
     const GuardedBuffer<StrandShading> materialBuffer(gpu(), "materials", materials);
     const GuardedBuffer<Float4> results(gpu(), "results",
                                         std::vector<Float4>(samples.size() * thetas));
-    expectOk(gpu().device()->update(gpu().resources));
-    PassList list;
-    PassBuilder builder(list);
-    builder.dispatch(kernel, count * thetas);
-    sampleBuffer.bindTo(builder, "g_shadeSamples");
-    materialBuffer.bindTo(builder, "g_shadeMaterials");
-    results.bindTo(builder, "g_shaded");
-    builder.constants("ShadeConstants",
-                      ShadeConstants{count, static_cast<uint32_t>(materials.size()), thetas, phis});
-    expectOk(builder.finish());
-    gpu().hazards.resolve(list);
-    expectOk(gpu().device()->execute(list));
+    dispatch(gpu(), kernel, samples.size() * thetas, [&](PassBuilder& pass) {
+      sampleBuffer.bindTo(pass, "g_shadeSamples");
+      materialBuffer.bindTo(pass, "g_shadeMaterials");
+      results.bindTo(pass, "g_shaded");
+      pass.constants("ShadeConstants",
+                     ShadeConstants{count, static_cast<uint32_t>(materials.size()), thetas, phis});
+    });
     return results.read();
   }
 };
-INSTANTIATE_TEST_SUITE_P(, FiberShading, ::testing::ValuesIn(kApis), apiTestName);
+INSTANTIATE_TEST_SUITE_P(All, FiberShading, ::testing::ValuesIn(kApis), apiTestName);
 
 TEST_P(FiberShading, SendsOnAllLightThatItDoesNotAbsorb) {
   std::vector<StrandShading> materials;

@@ -4,29 +4,29 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string>
 #include <vector>
 
+#include "support/errors.h"
 #include "support/extremes.h"
-#include "support/required_devices.h"
 #include "support/scene_run.h"
+#include "support/views.h"
 
 namespace pelage::test {
 namespace {
 
-constexpr uint32_t kPixels = 128, kVertices = 33;
+constexpr uint32_t kRowPixels = 128, kRowVertices = 33;
 
-class StrandColor : public testing::TestWithParam<Api> {
+class StrandColor : public SceneRunTest<> {
  protected:
-  StrandColor() : run_(sharedSceneRun(GetParam())) {}
   void SetUp() override {
-    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
+    SceneRunTest::SetUp();
+    if (run_.device() == nullptr) return;
     HairAsset asset;
     asset.strandCount = 1;
-    asset.verticesPerStrand = kVertices;
-    for (uint32_t v = 0; v < kVertices; ++v)
+    asset.verticesPerStrand = kRowVertices;
+    for (uint32_t v = 0; v < kRowVertices; ++v)
       asset.positions.push_back(
-          {-0.2f + 0.4f * static_cast<float>(v) / (kVertices - 1), 0, 0, v < 2 ? 0.0f : 1.0f});
+          {-0.2f + 0.4f * static_cast<float>(v) / (kRowVertices - 1), 0, 0, v < 2 ? 0.0f : 1.0f});
     expectOk(asset.process());
     HairObject& hair = run_.add(asset);
     hair.simulated = false;
@@ -38,28 +38,19 @@ class StrandColor : public testing::TestWithParam<Api> {
     m.tipRadiusRatio = 1;
     run_.step();
   }
-  void TearDown() override {
-    if (run_.device() != nullptr) run_.clear();
-  }
   /// Of the row across the middle of the strand, which goes from one side to the other.
   std::vector<Float4> row() {
-    View view;
-    view.eye = {0, 0, 1};
-    view.worldToClip = lookAt(view.eye, {}, {0, 1, 0}, 2 * std::atan(0.2f), 1, 0.1f, 10);
-    view.width = view.height = kPixels;
+    const View view =
+        cameraView({.eye = {0, 0, 1}, .fov = 2 * std::atan(0.2f), .width = kRowPixels});
     const Light light = {.color = {0, 0, 0}, .ambient = {1, 1, 1}};
     PassList list;
     expectOk(run_.scene.draw(view, light, list));
-    run_.scene.finish(list);
-    expectOk(run_.device()->update(run_.scene.resources()));
-    const auto image = run_.device()->render(list, {.width = kPixels, .height = kPixels});
+    const auto image = run_.renderLists({&list, 1}, {.width = kRowPixels, .height = kRowPixels});
     EXPECT_TRUE(image) << image.error().message;
     if (!image) return {};
-    const auto first = image->pixels.begin() + ptrdiff_t{kPixels} * (kPixels / 2);
-    return {first, first + kPixels};
+    const auto first = image->pixels.begin() + ptrdiff_t{kRowPixels} * (kRowPixels / 2);
+    return {first, first + kRowPixels};
   }
-
-  SceneRun& run_;
 };
 
 TEST_P(StrandColor, TheTipsColorFadesInOverItsShare) {
@@ -67,10 +58,10 @@ TEST_P(StrandColor, TheTipsColorFadesInOverItsShare) {
   for (const float share : {1.0f, 0.5f, 0.25f, 0.0f}) {
     m.tipShare = share;
     const std::vector<Float4> pixels = row();
-    ASSERT_EQ(pixels.size(), kPixels);
+    ASSERT_EQ(pixels.size(), kRowPixels);
     double worst = 0;
-    for (uint32_t x = 2; x + 2 < kPixels; ++x) {
-      const double along = (x + 0.5) / kPixels, s = double{share};
+    for (uint32_t x = 2; x + 2 < kRowPixels; ++x) {
+      const double along = (x + 0.5) / kRowPixels, s = double{share};
       const double tip = s > 0 ? std::clamp((along - (1 - s)) / s, 0.0, 1.0) : 0;
       ASSERT_GT(pixels[x].w, 0.99f) << x;
       keepLargest(worst, std::abs(double{pixels[x].x} - (0.2 + 0.6 * tip)));
@@ -91,17 +82,11 @@ TEST(StrandColorErrors, NameAShareThatIsNoNumber) {
   asset.verticesPerStrand = 2;
   asset.positions = {{0, 0, 0, 0}, {0, 0.1f, 0, 0}};
   expectOk(asset.process());
-  const auto hair = scene.addHair(asset, {});
-  ASSERT_TRUE(hair);
+  const auto hair = required(scene.addHair(asset, {}));
   scene.hair(*hair).material.tipShare = std::numeric_limits<float>::quiet_NaN();
-  View view;
-  view.eye = {0, 0, 1};
-  view.worldToClip = lookAt(view.eye, {}, {0, 1, 0}, 0.8f, 1, 0.1f, 10);
-  view.width = view.height = 8;
+  const View view = cameraView({.eye = {0, 0, 1}, .fov = 0.8f, .width = 8});
   PassList list;
-  const Result<void> drawn = scene.draw(view, {}, list);
-  ASSERT_FALSE(drawn);
-  EXPECT_NE(drawn.error().message.find("tipShare"), std::string::npos) << drawn.error().message;
+  expectError(scene.draw(view, {}, list), "tipShare");
 }
 
 }  // namespace

@@ -3,30 +3,30 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <numbers>
-#include <string>
-#include <string_view>
 #include <tuple>
 #include <vector>
 
 #include "pelage/gpu_structs.h"
 #include "pelage/skeleton.h"
+#include "support/errors.h"
 #include "support/extremes.h"
+#include "support/lists.h"
+#include "support/pictures.h"
 #include "support/plain_asset.h"
-#include "support/required_devices.h"
 #include "support/scene_run.h"
 #include "support/strand_run.h"
+#include "support/views.h"
 
 namespace pelage::test {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-AffineTransform bone(double degrees, Float3 move) {
+AffineTransform rolled(double degrees, Float3 move) {
   const double half = degrees * std::numbers::pi / 360;
   return rigidTransform(
       {0, 0, static_cast<float>(std::sin(half)), static_cast<float>(std::cos(half))}, move);
@@ -44,11 +44,6 @@ double maxDistance(const std::vector<Float4>& a, const std::vector<Float4>& b) {
   return largest;
 }
 
-bool sameBits(const std::vector<Float4>& a, const std::vector<Float4>& b) {
-  return !a.empty() && a.size() == b.size() &&
-         std::memcmp(a.data(), b.data(), a.size() * sizeof(Float4)) == 0;
-}
-
 std::vector<Float4> moved(const std::vector<Float4>& points, const AffineTransform& by) {
   std::vector<Float4> result;
   for (const Float4& p : points) {
@@ -62,16 +57,8 @@ std::vector<Float4> moved(const std::vector<Float4>& points, const AffineTransfo
   return result;
 }
 
-class StrandInterpolation : public testing::TestWithParam<std::tuple<Api, Solver>> {
+class StrandInterpolation : public SceneRunTest<std::tuple<Api, Solver>> {
  protected:
-  StrandInterpolation() : run_(sharedSceneRun(std::get<0>(GetParam()))) {}
-  void SetUp() override {
-    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
-  }
-  void TearDown() override {
-    if (run_.device() != nullptr) run_.clear();
-  }
-
   HairObject& add(bool storesFollows) {
     HairAsset asset = wavyAsset(12, 9);
     // One strand is shorter: its last vertices are where it ends.
@@ -87,7 +74,7 @@ class StrandInterpolation : public testing::TestWithParam<std::tuple<Api, Solver
   }
   HairObject& hair() { return run_.scene.hair(run_.lastHair()); }
   void pose(int frame) {
-    const AffineTransform now = bone(6 * frame, {0.02f * static_cast<float>(frame), 0, 0});
+    const AffineTransform now = rolled(6 * frame, {0.02f * static_cast<float>(frame), 0, 0});
     hair().setBones({&now, 1});
   }
   void move(int frames) {
@@ -101,9 +88,7 @@ class StrandInterpolation : public testing::TestWithParam<std::tuple<Api, Solver
     PassList list;
     expectOk(run_.scene.simulate(0, list));
     expectOk(run_.scene.interpolate(share, list));
-    run_.scene.finish(list);
-    expectOk(run_.device()->update(run_.scene.resources()));
-    expectOk(run_.device()->execute(list));
+    run_.execute(list);
   }
   std::vector<Float4> drawn(float share) {
     place(share);
@@ -119,7 +104,6 @@ class StrandInterpolation : public testing::TestWithParam<std::tuple<Api, Solver
     return {first, first + static_cast<ptrdiff_t>(range.size / sizeof(Float4))};
   }
 
-  SceneRun& run_;
   int frame_ = 0;
 };
 
@@ -207,14 +191,14 @@ TEST_P(StrandInterpolation, ATeleportTakesBothStatesAlong) {
     move(4);
     const std::vector<Float4> before = positions();
     move(1);
-    const AffineTransform motion = bone(130, {7, -3, 12});
+    const AffineTransform motion = rolled(130, {7, -3, 12});
     expectOk(run_.scene.teleport(run_.lastHair(), motion));
     // In a pause.
     EXPECT_LT(maxDistance(drawn(0), moved(before, motion)), 1e-5);
     EXPECT_TRUE(sameBits(drawn(1), positions()));
     // And in a frame that moves.
     const std::vector<Float4> there = positions();
-    const AffineTransform back = bone(-40, {-2, 5, 1});
+    const AffineTransform back = rolled(-40, {-2, 5, 1});
     expectOk(run_.scene.teleport(run_.lastHair(), back));
     run_.step();
     EXPECT_LT(maxDistance(drawn(0), moved(there, back)), 1e-5);
@@ -234,10 +218,10 @@ TEST_P(StrandInterpolation, GoesAlongWithTheOriginOfTheWorld) {
     const std::vector<Float4> second = positions();
     drawn(0.5f);
     expectOk(run_.scene.shiftOrigin({3, -2, 5}));
-    const AffineTransform shift = bone(0, {-3, 2, -5});
+    const AffineTransform shift = rolled(0, {-3, 2, -5});
     if (simulates) {
       const AffineTransform now =
-          bone(6 * (frame_ - 1), {0.02f * static_cast<float>(frame_ - 1) - 3, 2, -5});
+          rolled(6 * (frame_ - 1), {0.02f * static_cast<float>(frame_ - 1) - 3, 2, -5});
       hair().setBones({&now, 1});
       run_.step();
     }
@@ -303,21 +287,12 @@ TEST_P(StrandInterpolation, PicturesAreThoseOfTheStates) {
   }
 }
 
-std::string nameOf(const testing::TestParamInfo<std::tuple<Api, Solver>>& test) {
-  return std::string(apiName(std::get<0>(test.param))) +
-         (std::get<1>(test.param) == Solver::kExact ? "Exact" : "Classic");
-}
-INSTANTIATE_TEST_SUITE_P(All, StrandInterpolation, testing::ValuesIn(solversOnApis()), nameOf);
-
-size_t count(const PassList& list, std::string_view name) {
-  return static_cast<size_t>(
-      std::ranges::count_if(list.passes, [&](const Pass& pass) { return name == pass.name; }));
-}
+INSTANTIATE_TEST_SUITE_P(All, StrandInterpolation, testing::ValuesIn(solversOnApis()),
+                         solverTestName);
 
 TEST(StrandInterpolationOff, CostsNoPassAndNoBuffer) {
   Scene scene;
-  const auto hair = scene.addHair(makeAsset(), {});
-  ASSERT_TRUE(hair);
+  const auto hair = required(scene.addHair(makeAsset(), {}));
   PassList list;
   const auto step = [&](float dt) {
     EXPECT_TRUE(scene.simulate(dt, list));
@@ -328,8 +303,8 @@ TEST(StrandInterpolationOff, CostsNoPassAndNoBuffer) {
   for (int i = 0; i < 3; ++i) step(1.0f / 60);
   const size_t passes = list.passes.size();
   const uint32_t buffers = scene.resources().count();
-  EXPECT_EQ(count(list, "interpolate_strands"), 0u);
-  EXPECT_EQ(count(list, "keep_positions"), 0u);
+  EXPECT_EQ(countPasses(list, "interpolate_strands"), 0u);
+  EXPECT_EQ(countPasses(list, "keep_positions"), 0u);
   step(0);
   EXPECT_TRUE(list.passes.empty());
 
@@ -337,10 +312,10 @@ TEST(StrandInterpolationOff, CostsNoPassAndNoBuffer) {
   object.interpolates = true;
   step(1.0f / 60);
   EXPECT_EQ(list.passes.size(), passes + 2);
-  EXPECT_EQ(count(list, "interpolate_strands"), 1u);
-  EXPECT_EQ(count(list, "keep_positions"), 1u);
+  EXPECT_EQ(countPasses(list, "interpolate_strands"), 1u);
+  EXPECT_EQ(countPasses(list, "keep_positions"), 1u);
   // Without follow hairs nothing reads roots.
-  EXPECT_EQ(count(list, "interpolate_roots"), 0u);
+  EXPECT_EQ(countPasses(list, "interpolate_roots"), 0u);
   EXPECT_EQ(scene.resources().count(), buffers + 3);
   EXPECT_NE(object.buffers().drawnPositions, BufferId::kInvalid);
   EXPECT_EQ(object.buffers().drawnRoots, BufferId::kInvalid);
@@ -362,12 +337,11 @@ TEST(StrandInterpolationOff, CostsNoPassAndNoBuffer) {
 // Between the states, hair is where neither of them is.
 TEST(StrandInterpolationViews, SeeHairWhereItWasAndWhereItIs) {
   Scene scene;
-  const auto hair = scene.addHair(makeAsset(), {});
-  ASSERT_TRUE(hair);
+  const auto hair = required(scene.addHair(makeAsset(), {}));
   HairObject& object = scene.hair(*hair);
   object.interpolates = true;
   for (const float x : {0.0f, 0.0f, 10.0f}) {
-    const AffineTransform now = bone(0, {x, 0, 0});
+    const AffineTransform now = rolled(0, {x, 0, 0});
     object.setBones({&now, 1});
     PassList list;
     ASSERT_TRUE(scene.simulate(1.0f / 60, list));
@@ -380,10 +354,12 @@ TEST(StrandInterpolationViews, SeeHairWhereItWasAndWhereItIs) {
     if (placed) {
       EXPECT_TRUE(frame->interpolate(0.5f));
     }
-    View view;
-    view.eye = {x, 0, 1};
-    view.worldToClip = lookAt(view.eye, {x, 0, 0}, {0, 1, 0}, 0.4f, 1, 0.1f, 10);
-    view.width = view.height = 16;
+    const View view = cameraView({.eye = {x, 0, 1},
+                                  .target = {x, 0, 0},
+                                  .fov = 0.4f,
+                                  .width = 16,
+                                  .nearPlane = 0.1f,
+                                  .farPlane = 10});
     const Light light;
     EXPECT_TRUE(frame->draw(view, {&light, 1}));
     EXPECT_TRUE(frame->finish());
@@ -402,25 +378,16 @@ TEST(StrandInterpolationViews, SeeHairWhereItWasAndWhereItIs) {
 
 TEST(StrandInterpolationErrors, NameWhatIsWrong) {
   Scene scene;
-  const auto hair = scene.addHair(makeAsset(), {});
-  ASSERT_TRUE(hair);
+  const auto hair = required(scene.addHair(makeAsset(), {}));
   scene.hair(*hair).interpolates = true;
-  const auto expectError = [](const Result<void>& result, const char* text) {
-    ASSERT_FALSE(result);
-    EXPECT_NE(result.error().message.find(text), std::string::npos) << result.error().message;
-  };
-  auto frame = scene.simulate(1.0f / 60);
-  ASSERT_TRUE(frame);
+  auto frame = required(scene.simulate(1.0f / 60));
   for (const float share : {-0.01f, 1.01f, std::numeric_limits<float>::quiet_NaN()})
     expectError(frame->interpolate(share), "0..1");
   EXPECT_TRUE(frame->interpolate(0.5f));
   expectError(frame->interpolate(0.5f), "interpolated already");
   frame = scene.simulate(1.0f / 60);
   ASSERT_TRUE(frame);
-  View view;
-  view.eye = {0, 0, 1};
-  view.worldToClip = lookAt(view.eye, {}, {0, 1, 0}, 0.8f, 1, 0.1f, 10);
-  view.width = view.height = 16;
+  const View view = cameraView({.eye = {0, 0, 1}, .fov = 0.8f, .width = 16});
   const Light light;
   EXPECT_TRUE(frame->draw(view, {&light, 1}));
   expectError(frame->interpolate(0.5f), "drawn already");

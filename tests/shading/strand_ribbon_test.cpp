@@ -12,6 +12,7 @@
 #include "reference/strand_reference.h"
 #include "shading_test/gpu_structs.h"
 #include "shading_test/kernels.h"
+#include "support/matrices.h"
 #include "support/strand_run.h"
 
 namespace pelage::test {
@@ -21,20 +22,18 @@ using shading_test::RibbonConstants;
 using shading_test::RibbonResult;
 using shading_test::RibbonSample;
 
-constexpr float kWidth = 640, kHeight = 360;
+constexpr float kViewWidth = 640, kViewHeight = 360;
 
 class StrandRibbon : public GpuTest {
  protected:
   void SetUp() override {
     GpuTest::SetUp();
     const Matrix4 clip =
-        lookAt({0.1f, 0.2f, 1}, {0, 0, 0}, {0, 1, 0}, 0.9f, kWidth / kHeight, 0.1f, 10.0f);
+        lookAt({0.1f, 0.2f, 1}, {0, 0, 0}, {0, 1, 0}, 0.9f, kViewWidth / kViewHeight, 0.1f, 10.0f);
     std::copy(std::begin(clip.rows), std::end(clip.rows), std::begin(constants_.ribbonClip));
     constants_.ribbonEye = {0.1f, 0.2f, 1, 1};
-    constants_.ribbonViewport = {0, 0, kWidth, kHeight};
-    for (int row = 0; row < 4; ++row)
-      worldToClip_.row(row) << double{clip.rows[row].x}, double{clip.rows[row].y},
-          double{clip.rows[row].z}, double{clip.rows[row].w};
+    constants_.ribbonViewport = {0, 0, kViewWidth, kViewHeight};
+    worldToClip_ = toMatrix(clip);
   }
 
   std::vector<RibbonResult> measure(const std::vector<RibbonSample>& samples) {
@@ -60,13 +59,13 @@ class StrandRibbon : public GpuTest {
 
   static Eigen::Vector2d pixelOf(const Float4& clip) {
     const auto w = static_cast<double>(clip.w);
-    return {(static_cast<double>(clip.x) / w * 0.5 + 0.5) * double{kWidth},
-            (static_cast<double>(clip.y) / w * 0.5 + 0.5) * double{kHeight}};
+    return {(static_cast<double>(clip.x) / w * 0.5 + 0.5) * double{kViewWidth},
+            (static_cast<double>(clip.y) / w * 0.5 + 0.5) * double{kViewHeight}};
   }
   Eigen::Vector2d pixelOf(const Vector3d& p) const {
     const Eigen::Vector4d clip = worldToClip_ * p.homogeneous();
-    return {(clip.x() / clip.w() * 0.5 + 0.5) * double{kWidth},
-            (clip.y() / clip.w() * 0.5 + 0.5) * double{kHeight}};
+    return {(clip.x() / clip.w() * 0.5 + 0.5) * double{kViewWidth},
+            (clip.y() / clip.w() * 0.5 + 0.5) * double{kViewHeight}};
   }
 
   Eigen::Matrix4d worldToClip_;
@@ -74,21 +73,16 @@ class StrandRibbon : public GpuTest {
  private:
   template <class Bind>
   void run(const KernelVariant& kernel, size_t count, const Bind& bind) {
-    expectOk(gpu().device()->update(gpu().resources));
     constants_.ribbonCount = static_cast<uint32_t>(count);
-    PassList list;
-    PassBuilder builder(list);
-    builder.dispatch(kernel, static_cast<uint32_t>(count));
-    bind(builder);
-    builder.constants("RibbonConstants", constants_);
-    expectOk(builder.finish());
-    gpu().hazards.resolve(list);
-    expectOk(gpu().device()->execute(list));
+    dispatch(gpu(), kernel, count, [&](PassBuilder& pass) {
+      bind(pass);
+      pass.constants("RibbonConstants", constants_);
+    });
   }
 
   RibbonConstants constants_ = {};
 };
-INSTANTIATE_TEST_SUITE_P(, StrandRibbon, ::testing::ValuesIn(kApis), apiTestName);
+INSTANTIATE_TEST_SUITE_P(All, StrandRibbon, ::testing::ValuesIn(kApis), apiTestName);
 
 TEST_P(StrandRibbon, CoversItsWidthWhereverItLiesInThePixels) {
   const std::vector<double> widths = {0.01, 0.03, 0.1, 0.3, 0.7, 0.99, 1, 1.5, 3.2, 7.77, 20};
@@ -132,8 +126,8 @@ TEST_P(StrandRibbon, ReachesHalfAPixelPastTheFiberOnBothSides) {
     const RibbonResult &low = results[i], &high = results[i + 1];
     const Vector3d position = toVector(samples[i].position), tangent = toVector(samples[i].tangent);
     const double width =
-        reference::projectedWidth(worldToClip_, {double{kWidth}, double{kHeight}}, eye, position,
-                                  tangent, static_cast<double>(samples[i].position.w));
+        reference::projectedWidth(worldToClip_, {double{kViewWidth}, double{kViewHeight}}, eye,
+                                  position, tangent, static_cast<double>(samples[i].position.w));
     EXPECT_NEAR(2 * static_cast<double>(low.values.y), width, 1e-3 * width);
     EXPECT_EQ(low.values.y, high.values.y);
     EXPECT_FLOAT_EQ(high.values.x, high.values.y + 0.5f);

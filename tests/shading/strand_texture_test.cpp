@@ -14,14 +14,16 @@
 #include <vector>
 
 #include "pelage/random.h"
+#include "support/errors.h"
 #include "support/extremes.h"
-#include "support/required_devices.h"
+#include "support/lists.h"
 #include "support/scene_run.h"
+#include "support/views.h"
 
 namespace pelage::test {
 namespace {
 
-constexpr uint32_t kPixels = 64, kVertices = 4;
+constexpr uint32_t kTexturePixels = 64, kTextureVertices = 4;
 constexpr const char* kPass = "sample_strand_colors";
 
 double toDouble(float x) { return static_cast<double>(x); }
@@ -35,12 +37,12 @@ struct Root {
 HairAsset groomOf(const std::vector<Root>& roots) {
   HairAsset asset;
   asset.strandCount = static_cast<uint32_t>(roots.size());
-  asset.verticesPerStrand = kVertices;
+  asset.verticesPerStrand = kTextureVertices;
   for (const Root& root : roots) {
     const Float3 p = root.position;
     asset.strandUv.push_back(root.uv);
-    for (uint32_t v = 0; v < kVertices; ++v) {
-      const float along = 0.02f * static_cast<float>(v) / (kVertices - 1);
+    for (uint32_t v = 0; v < kTextureVertices; ++v) {
+      const float along = 0.02f * static_cast<float>(v) / (kTextureVertices - 1);
       asset.positions.push_back({p.x, p.y, p.z + along, v < 2 ? 0.0f : 1.0f});
     }
   }
@@ -52,29 +54,26 @@ HairAsset groomOf(const std::vector<Root>& roots) {
 HairAsset barsOf(const std::vector<Float2>& uvs) {
   HairAsset asset;
   asset.strandCount = static_cast<uint32_t>(uvs.size());
-  asset.verticesPerStrand = kVertices;
+  asset.verticesPerStrand = kTextureVertices;
   asset.strandUv = uvs;
   for (uint32_t s = 0; s < asset.strandCount; ++s) {
     const float y = 0.02f * (static_cast<float>(s) - 0.5f * static_cast<float>(uvs.size() - 1));
-    for (uint32_t v = 0; v < kVertices; ++v)
-      asset.positions.push_back(
-          {-0.1f + 0.2f * static_cast<float>(v) / (kVertices - 1), y, 0, v < 2 ? 0.0f : 1.0f});
+    for (uint32_t v = 0; v < kTextureVertices; ++v)
+      asset.positions.push_back({-0.1f + 0.2f * static_cast<float>(v) / (kTextureVertices - 1), y,
+                                 0, v < 2 ? 0.0f : 1.0f});
   }
   expectOk(asset.process());
   return asset;
 }
 
-View viewFrom(float distance, uint32_t pixels = kPixels) {
-  View view;
-  view.eye = {0, 0, distance};
-  view.worldToClip = lookAt(view.eye, {}, {0, 1, 0}, 0.4f, 1, 0.01f, 100);
-  view.width = view.height = pixels;
-  return view;
+View viewFrom(float distance, uint32_t pixels = kTexturePixels) {
+  return cameraView(
+      {.eye = {0, 0, distance}, .fov = 0.4f, .width = pixels, .nearPlane = 0.01f, .farPlane = 100});
 }
 
 /// 1 m of the surface has 1 of the UV; random roots in a square of 20 cm.
 std::vector<Root> scattered(uint32_t count) {
-  Random random(11);
+  pelage::Random random(11);
   std::vector<Root> roots(count);
   for (Root& root : roots) {
     root.position = {0.2f * random.uniform() - 0.1f, 0.2f * random.uniform() - 0.1f, 0};
@@ -83,19 +82,17 @@ std::vector<Root> scattered(uint32_t count) {
   return roots;
 }
 
-class StrandTextureTest : public testing::TestWithParam<Api> {
+class StrandTextureTest : public SceneRunTest<> {
  protected:
-  StrandTextureTest() : run_(sharedSceneRun(GetParam())) {}
   void SetUp() override {
-    if (run_.device() == nullptr)
-      PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: no " << apiName(GetParam()) << " device";
-    messages_ = run_.device()->messageCount();
+    SceneRunTest::SetUp();
+    if (run_.device() != nullptr) messages_ = device().messageCount();
   }
   void TearDown() override {
+    SceneRunTest::TearDown();
     if (run_.device() == nullptr) return;
-    run_.clear();
-    run_.scene.setTier(run_.device()->info().tier);
-    EXPECT_EQ(run_.device()->messageCount(), messages_) << "the driver or a layer complained";
+    run_.scene.setTier(device().info().tier);
+    EXPECT_EQ(device().messageCount(), messages_) << "the driver or a layer complained";
   }
   HeadlessDevice& device() { return *run_.device(); }
 
@@ -140,25 +137,15 @@ class StrandTextureTest : public testing::TestWithParam<Api> {
     return lists;
   }
   Result<RenderedImage> render(std::vector<PassList>& lists, const View& view) {
-    std::vector<const PassList*> pointers;
-    for (PassList& list : lists) {
-      run_.scene.finish(list);
-      pointers.push_back(&list);
-    }
-    expectOk(device().update(run_.scene.resources()));
-    return device().render(pointers, {.width = view.width, .height = view.height});
+    return run_.renderLists(lists, {.width = view.width, .height = view.height});
   }
   RenderedImage picture(const View& view, const TransparencySettings& settings = {}) {
     std::vector<PassList> lists = write(view, settings);
-    Result<RenderedImage> image = render(lists, view);
-    EXPECT_TRUE(image) << image.error().message;
-    return image ? std::move(*image)
-                 : RenderedImage{view.width, view.height, std::vector<Float4>(1 << 14)};
+    return imageOf(render(lists, view), {.width = view.width, .height = view.height});
   }
-  static uint32_t passesOf(const std::vector<PassList>& lists) {
-    uint32_t count = 0;
-    for (const PassList& list : lists)
-      for (const Pass& pass : list.passes) count += std::string(pass.name) == kPass ? 1 : 0;
+  static size_t passesOf(const std::vector<PassList>& lists) {
+    size_t count = 0;
+    for (const PassList& list : lists) count += countPasses(list, kPass);
     return count;
   }
   /// [guide] red that the first pass of a list that has run found.
@@ -180,8 +167,6 @@ class StrandTextureTest : public testing::TestWithParam<Api> {
     ADD_FAILURE() << "no pass samples the texture";
     return {};
   }
-
-  SceneRun& run_;
 
  private:
   uint32_t messages_ = 0;
@@ -272,7 +257,7 @@ TEST_P(StrandTextureTest, TakesTheLevelOfRootsOrPixels) {
         const std::vector<double> found = reds(lists[0]);
         ASSERT_EQ(found.size(), roots.size());
         // The eye looks along -z at roots in the plane z = 0.
-        const double pixel = toDouble(distance) * 2 * std::tan(0.2) / kPixels;
+        const double pixel = toDouble(distance) * 2 * std::tan(0.2) / kTexturePixels;
         const double spread = std::sqrt(1 / toDouble(share));
         for (size_t i = 0; i < roots.size(); ++i) {
           const double level = levelOf(surfaces[i], hair.strandTexture, spread, pixel);
@@ -296,8 +281,8 @@ std::vector<Float4> barsIn(const RenderedImage& image, uint32_t count) {
   const double half = 0.6 * std::tan(0.2);
   for (uint32_t i = 0; i < count; ++i) {
     const double y = 0.02 * (i - 0.5 * (count - 1));
-    const auto row = static_cast<uint32_t>((0.5 - 0.5 * y / half) * kPixels);
-    colors.push_back(image.pixels[size_t{row} * kPixels + kPixels / 2]);
+    const auto row = static_cast<uint32_t>((0.5 - 0.5 * y / half) * kTexturePixels);
+    colors.push_back(image.pixels[size_t{row} * kTexturePixels + kTexturePixels / 2]);
   }
   return colors;
 }
@@ -358,8 +343,9 @@ TEST_P(StrandTextureTest, AlphaMultipliesOpacityAndFollowHairsTakeTheirGuides) {
     run_.scene.setTier(tier);
     const RenderedImage image = picture(view, {.nodeCount = 1 << 15});
     const auto at = [&](double y) {
-      const auto row = static_cast<uint32_t>((0.5 - 0.5 * y / (0.6 * std::tan(0.2))) * kPixels);
-      return image.pixels[size_t{row} * kPixels + kPixels / 2];
+      const auto row =
+          static_cast<uint32_t>((0.5 - 0.5 * y / (0.6 * std::tan(0.2))) * kTexturePixels);
+      return image.pixels[size_t{row} * kTexturePixels + kTexturePixels / 2];
     };
     for (const auto& [y, wanted] :
          {std::pair(-0.01, Float4{1, 0, 0, 1}), std::pair(0.01, Float4{0, 0.25f, 0, 0.25f}),
@@ -375,12 +361,11 @@ TEST_P(StrandTextureTest, AlphaMultipliesOpacityAndFollowHairsTakeTheirGuides) {
     std::vector<PassList> lists;
     lists.push_back(std::move(list));
     EXPECT_EQ(passesOf(lists), 1u);
-    const Result<RenderedImage> depth = render(lists, view);
-    ASSERT_TRUE(depth) << depth.error().message;
+    const Result<RenderedImage> depth = required(render(lists, view));
     uint32_t low = 0, high = 0;
-    for (uint32_t y = 0; y < kPixels; ++y)
-      (y < kPixels / 2 ? high : low) +=
-          depth->pixels[size_t{y} * kPixels + kPixels / 2] != Float4{} ? 1 : 0;
+    for (uint32_t y = 0; y < kTexturePixels; ++y)
+      (y < kTexturePixels / 2 ? high : low) +=
+          depth->pixels[size_t{y} * kTexturePixels + kTexturePixels / 2] != Float4{} ? 1 : 0;
     EXPECT_GT(low, 0u);
     EXPECT_EQ(high, 0u);
   }
@@ -432,10 +417,7 @@ TEST_P(StrandTextureTest, OfWhichTheRuntimeDoesNotKnowIsRefused) {
   hair.strandTexture = {newTextureId(), 4, 4};
   const View view = viewFrom(0.6f);
   std::vector<PassList> lists = write(view);
-  const Result<RenderedImage> image = render(lists, view);
-  ASSERT_FALSE(image);
-  EXPECT_NE(image.error().message.find("g_strandTexture"), std::string::npos)
-      << image.error().message;
+  expectError(render(lists, view), "g_strandTexture");
 }
 
 TEST(StrandTextureErrors, NameWhatIsWrong) {
@@ -453,8 +435,7 @@ TEST(StrandTextureErrors, NameWhatIsWrong) {
     const Result<void> depth = scene.drawDepth(viewFrom(0.6f), {}, list);
     scene.hair(object).strandTexture = {};
     for (const Result<void>& result : {drawn, depth}) {
-      ASSERT_FALSE(result) << word;
-      EXPECT_NE(result.error().message.find(word), std::string::npos) << result.error().message;
+      expectError(result, {word});
     }
     EXPECT_TRUE(list.passes.empty());
   };
@@ -468,9 +449,7 @@ TEST(StrandTextureErrors, NameWhatIsWrong) {
   PassList list;
   expectOk(scene.draw(viewFrom(0.6f), {}, list));
   asset.strandUv.clear();
-  const auto added = scene.addHair(asset, {.name = "plain", .strandUvs = true});
-  ASSERT_FALSE(added);
-  EXPECT_NE(added.error().message.find("strandUv"), std::string::npos) << added.error().message;
+  expectError(scene.addHair(asset, {.name = "plain", .strandUvs = true}), "strandUv");
 }
 
 }  // namespace

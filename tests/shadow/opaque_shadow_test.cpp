@@ -1,8 +1,7 @@
 // Depth maps of opaque geometry: how they are copied, and what hair sees of them.
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <cstring>
+#include <bit>
 #include <limits>
 #include <vector>
 
@@ -19,12 +18,6 @@ using shadow_test::OpaqueShadowView;
 
 constexpr uint32_t kSize = 64;
 constexpr float kTexel = 0.01f;  // m
-
-uint32_t bitsOf(float value) {
-  uint32_t bits = 0;
-  std::memcpy(&bits, &value, sizeof(bits));
-  return bits;
-}
 
 /// A light above, parallel, with depth 0 at y = 1 and 1 at y = -1. The map is 0.64 m wide; texel
 /// (0, 0) is at x = -0.32, z = -0.32.
@@ -45,27 +38,23 @@ class OpaqueShadowMap : public GpuTest {
   std::vector<float> light(const std::vector<float>& depths, OpaqueShadowView view,
                            const std::vector<Float4>& points, Float4 toLight = {0, 1, 0, 0}) {
     std::vector<uint32_t> words(kAround, kPattern);
-    for (const float depth : depths) words.push_back(bitsOf(depth));
+    for (const float depth : depths) words.push_back(std::bit_cast<uint32_t>(depth));
     view.firstWord = kAround;
     const GuardedBuffer<Float4> pointBuffer(gpu(), "points", points);
     const GuardedBuffer<uint32_t> wordBuffer(gpu(), "words", words);
     const GuardedBuffer<OpaqueShadowView> views(gpu(), "views", {view});
     const GuardedBuffer<float> results(gpu(), "results", std::vector<float>(points.size(), -1));
-    expectOk(gpu().device()->update(gpu().resources));
     shadow_test::ReadOpaqueConstants constants = {};
     constants.opaqueToLight = toLight;
     constants.opaquePointCount = static_cast<uint32_t>(points.size());
-    PassList list;
-    PassBuilder builder(list);
-    builder.dispatch(shadow_test::readOpaqueShadowVariant({}), constants.opaquePointCount);
-    pointBuffer.bindTo(builder, "g_opaquePoints");
-    wordBuffer.bindTo(builder, "g_opaqueMapWords");
-    views.bindTo(builder, "g_opaqueViews");
-    results.bindTo(builder, "g_opaqueResults");
-    builder.constants("ReadOpaqueConstants", constants);
-    expectOk(builder.finish());
-    gpu().hazards.resolve(list);
-    expectOk(gpu().device()->execute(list));
+    dispatch(gpu(), shadow_test::readOpaqueShadowVariant({}), points.size(),
+             [&](PassBuilder& pass) {
+               pointBuffer.bindTo(pass, "g_opaquePoints");
+               wordBuffer.bindTo(pass, "g_opaqueMapWords");
+               views.bindTo(pass, "g_opaqueViews");
+               results.bindTo(pass, "g_opaqueResults");
+               pass.constants("ReadOpaqueConstants", constants);
+             });
     return results.read();
   }
   static constexpr uint32_t kAround = 32, kPattern = 0x5a17c0deu;
@@ -182,22 +171,20 @@ TEST_P(OpaqueShadowMap, CopyHasTheBitsOfTheMapAndChangesNothingElse) {
     const GuardedBuffer<float> from(gpu(), "depths", depths);
     const GuardedBuffer<uint32_t> to(gpu(), "words",
                                      std::vector<uint32_t>(texels + 2 * kAround, kPattern));
-    expectOk(gpu().device()->update(gpu().resources));
     PassList list;
     expectOk(detail::addOpaqueShadow(list,
                                      {.depth = from.id(), .words = texels, .firstWord = kAround},
                                      to.id(), texels + 2 * kAround));
-    gpu().hazards.resolve(list);
-    expectOk(gpu().device()->execute(list));
+    gpu().execute(list);
     const std::vector<uint32_t> words = to.read();
     for (uint32_t i = 0; i < words.size(); ++i) {
       const bool own = i >= kAround && i < kAround + texels;
-      EXPECT_EQ(words[i], own ? bitsOf(depths[i - kAround]) : kPattern) << i;
+      EXPECT_EQ(words[i], own ? std::bit_cast<uint32_t>(depths[i - kAround]) : kPattern) << i;
     }
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(, OpaqueShadowMap, testing::ValuesIn(kApis), apiTestName);
+INSTANTIATE_TEST_SUITE_P(All, OpaqueShadowMap, testing::ValuesIn(kApis), apiTestName);
 
 }  // namespace
 }  // namespace pelage::test

@@ -52,8 +52,7 @@ struct Slab {
 StrandShadowDef slabDef(const Vector3d& light) {
   StrandShadowDef def;
   def.hasPosition = true;
-  def.position = {static_cast<float>(light.x()), static_cast<float>(light.y()),
-                  static_cast<float>(light.z())};
+  def.position = floatsOf(light);
   def.radius = 0.45f;
   def.size = 256;
   def.layerRange = 0.04f;
@@ -68,10 +67,7 @@ double worstError(Gpu& gpu, const Slab& slab, const StrandShadowDef& def,
   MapRun run(gpu, planFor(def, {hair.shadowed()}));
   run.draw(hair);
   const std::vector<float> seen = run.transmittance(points);
-  const Vector3d light(static_cast<double>(def.position.x), static_cast<double>(def.position.y),
-                       static_cast<double>(def.position.z));
-  const Vector3d toLight(static_cast<double>(def.toLight.x), static_cast<double>(def.toLight.y),
-                         static_cast<double>(def.toLight.z));
+  const Vector3d light = vectorOf(def.position), toLight = vectorOf(def.toLight);
   double worst = 0;
   for (size_t i = 0; i < seen.size(); ++i) {
     const Vector3d ray = def.hasPosition ? Vector3d(light - toVector(points[i])) : toLight;
@@ -156,16 +152,12 @@ reference::ShadowProjection faceOf(const StrandShadowView& view, const Vector3d&
   p.height = view.height;
   p.texelSize = static_cast<double>(view.texelSize);
   p.light = light;
-  const auto row = [](const Float4& r) {
-    return Eigen::Vector4d(static_cast<double>(r.x), static_cast<double>(r.y),
-                           static_cast<double>(r.z), static_cast<double>(r.w));
-  };
-  p.x = row(view.mapX);
-  p.y = row(view.mapY);
-  p.z = row(view.mapZ);
-  p.w = row(view.mapW);
+  p.x = rowOf(view.mapX);
+  p.y = rowOf(view.mapY);
+  p.z = rowOf(view.mapZ);
+  p.w = rowOf(view.mapW);
   if (view.faceCount == 6) {
-    const Eigen::Vector4d offsets[3] = {row(view.mapX), row(view.mapY), row(view.mapW)};
+    const Eigen::Vector4d offsets[3] = {p.x, p.y, p.w};
     const uint32_t axis = face / 2;
     p.w = offsets[axis] * (face % 2 == 0 ? 1 : -1);
     p.x = offsets[(axis + 1) % 3] / p.texelSize + 0.5 * view.width * p.w;
@@ -184,12 +176,10 @@ TEST_P(PointShadow, CurledHairIsInTheMapAsInTheReference) {
     for (const uint32_t layers : {0u, 8u}) {
       StrandShadowDef def = headDef(128, layers);
       def.hasPosition = true;
-      def.position = {static_cast<float>(light.x()), static_cast<float>(light.y()),
-                      static_cast<float>(light.z())};
+      def.position = floatsOf(light);
       const StrandShadowPlan plan = planFor(def, {hair.shadowed()});
       const StrandShadowView& view = plan.view;
-      const Vector3d at(static_cast<double>(def.position.x), static_cast<double>(def.position.y),
-                        static_cast<double>(def.position.z));
+      const Vector3d at = vectorOf(def.position);
       std::vector<reference::ShadowMapReference> faces;
       for (uint32_t face = 0; face < view.faceCount; ++face)
         faces.emplace_back(faceOf(view, at, face), fibers);
@@ -338,21 +328,16 @@ std::vector<Float4> illumination(Gpu& gpu, const Light& light, const std::vector
   const GuardedBuffer<Float4> pointBuffer(gpu, "litPoints", points);
   const GuardedBuffer<Float4> results(gpu, "litResults",
                                       std::vector<Float4>(points.size(), {-1, -1, -1, -1}));
-  expectOk(gpu.device()->update(gpu.resources));
   shadow_test::ReadIlluminationConstants constants = {};
   constants.litDirection = {0, 0, 0, 1};
   constants.litColor = {1, 1, 1, 0};
   constants.litCone = detail::coneOf(light, light.direction);
   constants.litCount = static_cast<uint32_t>(points.size());
-  PassList list;
-  PassBuilder builder(list);
-  builder.dispatch(shadow_test::readIlluminationVariant({}), constants.litCount);
-  pointBuffer.bindTo(builder, "g_litPoints");
-  results.bindTo(builder, "g_litResults");
-  builder.constants("ReadIlluminationConstants", constants);
-  expectOk(builder.finish());
-  gpu.hazards.resolve(list);
-  expectOk(gpu.device()->execute(list));
+  dispatch(gpu, shadow_test::readIlluminationVariant({}), points.size(), [&](PassBuilder& pass) {
+    pointBuffer.bindTo(pass, "g_litPoints");
+    results.bindTo(pass, "g_litResults");
+    pass.constants("ReadIlluminationConstants", constants);
+  });
   return results.read();
 }
 
@@ -363,8 +348,7 @@ TEST_P(PointShadow, SpotLightEndsAtItsCone) {
   };
   for (const auto& [inner, outer] :
        {Cone{0.3, 0.5}, Cone{0, 1.5}, Cone{0.085, 0.09}, Cone{0.01, 0.02}, Cone{0, 0.01}}) {
-    Light light;
-    light.hasPosition = true;
+    Light light = {.hasPosition = true};
     light.direction = {0, 0, 1};
     std::vector<Float4> points;
     std::vector<double> expected, angles;
@@ -391,8 +375,7 @@ TEST_P(PointShadow, SpotLightEndsAtItsCone) {
     }
   }
   // One without an edge between light and dark.
-  Light light;
-  light.hasPosition = true;
+  Light light = {.hasPosition = true};
   light.direction = {0, 0, 1};
   light.innerConeAngle = light.outerConeAngle = 0.2f;
   const std::vector<Float4> seen =
@@ -401,7 +384,7 @@ TEST_P(PointShadow, SpotLightEndsAtItsCone) {
   EXPECT_EQ(seen[1].x, 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(, PointShadow, testing::ValuesIn(kApis), apiTestName);
+INSTANTIATE_TEST_SUITE_P(All, PointShadow, testing::ValuesIn(kApis), apiTestName);
 
 }  // namespace
 }  // namespace pelage::test

@@ -88,6 +88,16 @@ inline Hair headOfHair(uint32_t strands, uint32_t vertices, double size = 1) {
   return hair;
 }
 
+inline Vector3d vectorOf(const Float3& v) { return toVector(Float4{v.x, v.y, v.z, 0}); }
+inline Float3 floatsOf(const Vector3d& v) {
+  const Float4 f = toFloat4(v);
+  return {f.x, f.y, f.z};
+}
+inline Eigen::Vector4d rowOf(const Float4& r) {
+  return {static_cast<double>(r.x), static_cast<double>(r.y), static_cast<double>(r.z),
+          static_cast<double>(r.w)};
+}
+
 inline StrandShadowDef headDef(uint32_t size, uint32_t layers, double scale = 1) {
   StrandShadowDef def;
   def.toLight = {0.35f, 0.75f, 0.55f};
@@ -112,6 +122,23 @@ inline LightAxes axesOf(const StrandShadowView& view) {
   return {unit(view.mapX), unit(view.mapY), -unit(view.mapZ)};
 }
 
+/// A map seen along z, around the origin; positions in it are in texels.
+struct FlatMap {
+  FlatMap(uint32_t size, uint32_t layers) : def(headDef(size, layers)), middle(size / 2.0) {
+    def.toLight = {0, 0, 1};
+    def.center = {0, 0, 0};
+    const StrandShadowView view = planFor(def, {}).view;
+    texel = static_cast<double>(view.texelSize);
+    axes = axesOf(view);
+  }
+  Float4 at(double x, double y) const {
+    return toFloat4((axes.x * (x - middle) + axes.y * (y - middle)) * texel);
+  }
+  StrandShadowDef def;
+  double middle, texel;
+  LightAxes axes;
+};
+
 /// A map on a device, with words of another one on both sides.
 class MapRun {
  public:
@@ -129,11 +156,9 @@ class MapRun {
   }
 
   void draw(const std::vector<ShadowedHair>& hairs) {
-    expectOk(gpu_.device()->update(gpu_.resources));
     PassList list;
     expectOk(detail::addStrandShadow(list, plan_, buffers_, hairs));
-    gpu_.hazards.resolve(list);
-    expectOk(gpu_.device()->execute(list));
+    gpu_.execute(list);
   }
   void draw(const Hair& hair) {
     const GuardedBuffer<Float4> positions(gpu_, "shadowPositions", hair.positions);
@@ -165,21 +190,16 @@ class MapRun {
   std::vector<float> transmittance(const std::vector<Float4>& points) {
     const GuardedBuffer<Float4> pointBuffer(gpu_, "readPoints", points);
     const GuardedBuffer<float> results(gpu_, "readResults", std::vector<float>(points.size(), -1));
-    expectOk(gpu_.device()->update(gpu_.resources));
     shadow_test::ReadShadowConstants constants = {};
     constants.readCount = static_cast<uint32_t>(points.size());
     constants.readView = 1;
-    PassList list;
-    PassBuilder builder(list);
-    builder.dispatch(shadow_test::readStrandShadowVariant({}), constants.readCount);
-    pointBuffer.bindTo(builder, "g_readPoints");
-    words_.bindTo(builder, "g_readWords");
-    views_.bindTo(builder, "g_readViews");
-    results.bindTo(builder, "g_readResults");
-    builder.constants("ReadShadowConstants", constants);
-    expectOk(builder.finish());
-    gpu_.hazards.resolve(list);
-    expectOk(gpu_.device()->execute(list));
+    dispatch(gpu_, shadow_test::readStrandShadowVariant({}), points.size(), [&](PassBuilder& pass) {
+      pointBuffer.bindTo(pass, "g_readPoints");
+      words_.bindTo(pass, "g_readWords");
+      views_.bindTo(pass, "g_readViews");
+      results.bindTo(pass, "g_readResults");
+      pass.constants("ReadShadowConstants", constants);
+    });
     return results.read();
   }
 

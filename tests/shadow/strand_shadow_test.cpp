@@ -38,20 +38,11 @@ TEST_P(StrandShadow, MapHoldsTheAreaThatFibersCover) {
 
 TEST_P(StrandShadow, FiberCoversATexelByTheBilinearWeightsOfItsPoints) {
   // Across the texels of a row a quarter of a texel above their middles, 0.2 texels wide.
-  StrandShadowDef def = headDef(16, 1);
-  def.toLight = {0, 0, 1};
-  def.center = {0, 0, 0};
-  StrandShadowPlan plan = planFor(def, {});
-  const double texel = static_cast<double>(plan.view.texelSize);
-  const LightAxes axes = axesOf(plan.view);
+  const FlatMap flat(16, 1);
   Hair hair;
-  hair.radius = static_cast<float>(0.1 * texel);
-  const auto at = [&](double x, double y) {
-    const double fromMiddleX = (x - 8) * texel, fromMiddleY = (y - 8) * texel;
-    return toFloat4(axes.x * fromMiddleX + axes.y * fromMiddleY);
-  };
-  hair.positions = {at(3.5, 6.75), at(10.0, 6.75)};
-  plan = planFor(def, {hair.shadowed()});
+  hair.radius = static_cast<float>(0.1 * flat.texel);
+  hair.positions = {flat.at(3.5, 6.75), flat.at(10.0, 6.75)};
+  const StrandShadowPlan plan = planFor(flat.def, {hair.shadowed()});
   MapRun run(gpu(), plan);
   run.draw(hair);
   const std::vector<uint32_t> words = run.words();
@@ -69,19 +60,11 @@ TEST_P(StrandShadow, FiberCoversATexelByTheBilinearWeightsOfItsPoints) {
 }
 
 TEST_P(StrandShadow, StrandsFromOutsideMarkOnlyTheTexelsThatTheyPass) {
-  StrandShadowDef def = headDef(16, 1);
-  def.toLight = {0, 0, 1};
-  def.center = {0, 0, 0};
-  const StrandShadowPlan empty = planFor(def, {});
-  const double texel = static_cast<double>(empty.view.texelSize);
-  const LightAxes axes = axesOf(empty.view);
-  const auto at = [&](double x, double y) {
-    return toFloat4((axes.x * (x - 8) + axes.y * (y - 8)) * texel);
-  };
+  const FlatMap flat(16, 1);
   // Both along x + y = 10.6, from and to far outside.
   Hair hair;
-  hair.positions = {at(-30, 40.6), at(8, 2.6), at(5, 5.6), at(60, -49.4)};
-  const StrandShadowPlan plan = planFor(def, {hair.shadowed()});
+  hair.positions = {flat.at(-30, 40.6), flat.at(8, 2.6), flat.at(5, 5.6), flat.at(60, -49.4)};
+  const StrandShadowPlan plan = planFor(flat.def, {hair.shadowed()});
   MapRun run(gpu(), plan);
   run.draw(hair);
   const std::vector<uint32_t> words = run.words();
@@ -149,13 +132,9 @@ TEST_P(StrandShadow, TransmittanceIsThatOfABeamThroughTheHair) {
 TEST_P(StrandShadow, TransmittanceIsThatOfTheTexelsInDoublePrecision) {
   static const Hair hair = headOfHair(4000, 12);
   const StrandShadowView view = planFor(headDef(256, 0), {}).view;
-  const auto row = [](const Float4& r) {
-    return Eigen::Vector4d(static_cast<double>(r.x), static_cast<double>(r.y),
-                           static_cast<double>(r.z), static_cast<double>(r.w));
-  };
   static const reference::ShadowMapReference map(
-      {row(view.mapX), row(view.mapY), row(view.mapZ), row(view.mapW), view.width, view.height,
-       static_cast<double>(view.texelSize), std::nullopt},
+      {rowOf(view.mapX), rowOf(view.mapY), rowOf(view.mapZ), rowOf(view.mapW), view.width,
+       view.height, static_cast<double>(view.texelSize), std::nullopt},
       hair.fibers());
   static const Receivers receivers(hair, axesOf(view), 500,
                                    2 * static_cast<double>(view.texelSize));
@@ -183,12 +162,9 @@ TEST_P(StrandShadow, TransmittanceIsThatOfTheTexelsInDoublePrecision) {
 // A strand alone that goes through the map at a slope of 1: the nearest of its hair in the texels
 // around a point is up to two texels nearer to the light than the point.
 TEST_P(StrandShadow, BiasKeepsAStrandFromShadowingItself) {
-  StrandShadowDef def = headDef(64, 8);
-  def.toLight = {0, 0, 1};
-  def.center = {0, 0, 0};
-  const StrandShadowPlan empty = planFor(def, {});
-  const double texel = static_cast<double>(empty.view.texelSize);
-  const LightAxes axes = axesOf(empty.view);
+  FlatMap flat(64, 8);
+  const double texel = flat.texel;
+  const LightAxes& axes = flat.axes;
   Hair hair;
   hair.radius = static_cast<float>(0.09 * texel);
   const Vector3d from = (axes.x * -9.3 + axes.y * 4.1 + axes.toLight * 9.3) * texel;
@@ -197,10 +173,10 @@ TEST_P(StrandShadow, BiasKeepsAStrandFromShadowingItself) {
   std::vector<Float4> points;
   for (int i = 1; i < 400; ++i) points.push_back(toFloat4(from + (to - from) * (i / 400.0)));
   // The first layer ends a texel behind the nearest hair: all that a strand adds is soon there.
-  def.layerRange = static_cast<float>(64 * texel);
+  flat.def.layerRange = static_cast<float>(64 * texel);
   const auto lost = [&](float bias) {
-    def.biasTexels = bias;
-    MapRun run(gpu(), planFor(def, {hair.shadowed()}));
+    flat.def.biasTexels = bias;
+    MapRun run(gpu(), planFor(flat.def, {hair.shadowed()}));
     run.draw(hair);
     double worst = 0;
     for (const float light : run.transmittance(points))
@@ -576,7 +552,7 @@ TEST(StrandShadowPlan, SpacingIsTheFreePathOfARay) {
   EXPECT_NEAR(static_cast<double>(planFor(def, {hair}).spacing) * area, 0.125, 1e-5);
 }
 
-INSTANTIATE_TEST_SUITE_P(, StrandShadow, testing::ValuesIn(kApis), apiTestName);
+INSTANTIATE_TEST_SUITE_P(All, StrandShadow, testing::ValuesIn(kApis), apiTestName);
 
 }  // namespace
 }  // namespace pelage::test

@@ -13,9 +13,9 @@
 namespace pelage {
 namespace {
 
-using reference::RestStrand;
-using reference::RodTuning;
-using reference::Vector3d;
+using rod::RestStrand;
+using rod::RodTuning;
+using rod::Vector3d;
 
 HairAsset strandOf(const std::vector<Vector3d>& points) {
   HairAsset asset;
@@ -31,9 +31,9 @@ HairAsset strandOf(const std::vector<Vector3d>& points) {
 
 TEST(ExactRest, HasTheRegionsOfTheReference) {
   std::vector<std::vector<Vector3d>> strands = {
-      reference::straightPoints(8, 0.2, Vector3d(1, 0, 0)),
-      reference::straightPoints(3, 0.2, Vector3d(0, -1, 0)),
-      reference::helixPoints(32, 0.008, 0.06, 4),
+      rod::straightPoints(8, 0.2, Vector3d(1, 0, 0)),
+      rod::straightPoints(3, 0.2, Vector3d(0, -1, 0)),
+      rod::helixPoints(32, 0.008, 0.06, 4),
       // All but over after edge 0, where the length of the root's joint has its bound.
       {Vector3d(0, 0, 0), Vector3d(0.1, 0, 0), Vector3d(0.101, 0, 0)}};
   std::vector<Vector3d> uneven;

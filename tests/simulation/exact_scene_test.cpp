@@ -15,55 +15,35 @@
 #include "pelage/scene.h"
 #include "pelage/skeleton.h"
 #include "simulation/exact_solver.h"
-#include "support/plain_asset.h"
+#include "support/not_numbers.h"
+#include "support/scene_list_test.h"
+#include "support/scene_run.h"
 
 namespace pelage {
 namespace {
 
+using test::expectError;
+using test::kNan;
 using test::makeAsset;
+using test::setBone;
+using test::setCollider;
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kFrame = 1.0f / 60;
 
-class ExactSceneTest : public testing::Test {
+class ExactSceneTest : public test::SceneListTest {
  protected:
-  HairObject& add(const HairDef& def = {}) {
-    const Result<HairId> added = scene_.addHair(asset_, def);
-    EXPECT_TRUE(added) << added.error().message;
-    return scene_.hair(*added);
-  }
-  void simulate(float dt = kFrame) {
-    const Result<void> done = scene_.simulate(dt, list_);
-    ASSERT_TRUE(done) << done.error().message;
-    scene_.finish(list_);
-    setDelivered(list_.run);  // in place of a runtime
-  }
+  HairObject& add(const HairDef& def = {}) { return addHair(def, asset_); }
   /// What the last frame has no use for goes once it has run.
   void expectGone(std::initializer_list<BufferId> buffers) {
     for (const BufferId buffer : buffers) EXPECT_NE(scene_.resources().find(buffer), nullptr);
     scene_.trim();
     for (const BufferId buffer : buffers) EXPECT_EQ(scene_.resources().find(buffer), nullptr);
   }
-  std::vector<const Pass*> passes(std::string_view name) const {
-    std::vector<const Pass*> found;
-    for (const Pass& pass : list_.passes)
-      if (pass.name == name) found.push_back(&pass);
-    return found;
-  }
-  template <class T = ExactConstants>
-  std::vector<T> constants(std::string_view name = "simulate_exact") const {
-    std::vector<T> found;
-    for (const Pass* pass : passes(name)) {
-      for (const PassBinding& binding : list_.bindingsOf(*pass)) {
-        if (binding.buffer != BufferId::kInvalid) continue;
-        found.emplace_back();
-        std::memcpy(&found.back(), list_.constants.data() + binding.offset, sizeof(T));
-      }
-    }
-    return found;
+  std::vector<ExactConstants> constants(std::string_view name = "simulate_exact") const {
+    return constantsOf<ExactConstants>(name);
   }
   std::vector<ContactConstants> contactConstants() const {
-    return constants<ContactConstants>("find_contacts");
+    return constantsOf<ContactConstants>("find_contacts");
   }
   SimulateExactKey plainKey() const { return {.velocityShockPropagation = true}; }
   /// With colliders within reach.
@@ -72,18 +52,10 @@ class ExactSceneTest : public testing::Test {
   }
   const KernelVariant* variant() const { return passes("simulate_exact").at(0)->kernel; }
   std::vector<Collider> uploadedColliders(const HairObject& hair) const {
-    for (const Upload& upload : list_.uploads) {
-      if (upload.buffer != hair.buffers().colliders) continue;
-      std::vector<Collider> colliders(upload.size / sizeof(Collider));
-      std::memcpy(colliders.data(), list_.uploadData.data() + upload.dataOffset, upload.size);
-      return colliders;
-    }
-    return {};
+    return uploaded<Collider>(hair.buffers().colliders);
   }
 
   HairAsset asset_ = makeAsset();
-  Scene scene_;
-  PassList list_;
 };
 
 TEST_F(ExactSceneTest, IsTheDefaultAndNeedsTwoPassesAndOneThatSeeksWhatIsAwake) {
@@ -222,7 +194,7 @@ TEST_F(ExactSceneTest, TheOriginFollowsTheHairInWholeMetres) {
   for (int frame = 1; frame <= 40; ++frame) {
     const float x = 0.3f * static_cast<float>(frame);
     bone.rows[0].w = x;
-    hair.setBones({&bone, 1});
+    setBone(hair, bone);
     simulate();
     const ExactConstants c = constants().at(0);
     EXPECT_LE(std::abs(c.origin.x - x), 1.7f);
@@ -269,7 +241,7 @@ TEST_F(ExactSceneTest, CollidersThatNoStrandReachesAreLeftOut) {  // K34
   EXPECT_EQ(constants().at(0).colliderCount, 1u);
   EXPECT_EQ(contactConstants().at(0).capsuleCount, 1u);
 
-  hair.setColliders({&far, 1});
+  setCollider(hair, far);
   simulate();
   EXPECT_EQ(variant(), simulateExactVariant(plainKey()));
   EXPECT_TRUE(passes("find_contacts").empty());
@@ -281,7 +253,7 @@ TEST_F(ExactSceneTest, ContactsAreFoundBeforeAStepAndAgainAfterIt) {
   constexpr uint32_t kListed = 1, kAgain = 2, kNoHistory = 4;
   HairObject& hair = add();
   const CapsuleCollider ball = {.headRadius = 0.1f, .tailRadius = 0.1f};
-  hair.setColliders({&ball, 1});
+  setCollider(hair, ball);
   const auto names = [&] {
     std::vector<std::string> all;
     for (const Pass& pass : list_.passes) all.emplace_back(pass.name);
@@ -334,7 +306,7 @@ TEST_F(ExactSceneTest, ContactsAreFoundBeforeAStepAndAgainAfterIt) {
   hair.setColliders({});
   simulate();
   EXPECT_TRUE(passes("find_contacts").empty());
-  hair.setColliders({&ball, 1});
+  setCollider(hair, ball);
   simulate();
   EXPECT_EQ(contactConstants().at(0).contactFlags & kNoHistory, kNoHistory);
 }
@@ -342,18 +314,12 @@ TEST_F(ExactSceneTest, ContactsAreFoundBeforeAStepAndAgainAfterIt) {
 // Arguments of find_contacts over the tiles that are awake.
 TEST_F(ExactSceneTest, TheHeadOfSleepHasWhatIndirectPassesTake) {
   HairObject& hair = add();
-  const CapsuleCollider ball = {.headRadius = 0.1f, .tailRadius = 0.1f};
-  hair.setColliders({&ball, 1});
+  setCollider(hair, {.headRadius = 0.1f, .tailRadius = 0.1f});
   simulate();
   // Twelve words, a tile with its offset, five strands.
   EXPECT_EQ(scene_.resources().find(hair.buffers().sleep)->size, (12u + 2 + 5) * 4);
-  const auto upload =
-      std::find_if(list_.uploads.begin(), list_.uploads.end(),
-                   [&](const Upload& u) { return u.buffer == hair.buffers().sleep; });
-  ASSERT_NE(upload, list_.uploads.end());
-  std::vector<uint32_t> head(12);
-  ASSERT_EQ(upload->size, head.size() * sizeof(uint32_t));
-  std::memcpy(head.data(), list_.uploadData.data() + upload->dataOffset, upload->size);
+  const std::vector<uint32_t> head = uploaded<uint32_t>(hair.buffers().sleep);
+  ASSERT_EQ(head.size(), 12u);
   // Eight groups of four strands for each 32 vertices.
   EXPECT_EQ(head, (std::vector<uint32_t>{0, 1, 1, 0, 0, head[5], 1, 0, 0, 8, 1, 0}));
 }
@@ -361,10 +327,10 @@ TEST_F(ExactSceneTest, TheHeadOfSleepHasWhatIndirectPassesTake) {
 TEST_F(ExactSceneTest, CollidersMoveFromWhereTheyWere) {
   HairObject& hair = add();
   CapsuleCollider ball = {.headRadius = 0.1f, .tailRadius = 0.1f};
-  hair.setColliders({&ball, 1});
+  setCollider(hair, ball);
   simulate();
   ball.head.x = ball.tail.x = 0.0625f;
-  hair.setColliders({&ball, 1});
+  setCollider(hair, ball);
   simulate();
   const std::vector<Collider> colliders = uploadedColliders(hair);
   ASSERT_EQ(colliders.size(), 1u);
@@ -382,7 +348,7 @@ TEST_F(ExactSceneTest, RootsThatStandStillAreSkinnedTwice) {
   }
   AffineTransform bone;
   bone.rows[1].w = 0.01f;
-  hair.setBones({&bone, 1});
+  setBone(hair, bone);
   for (const size_t expected : {1, 1, 0}) {
     simulate();
     EXPECT_EQ(passes("skin_roots").size(), expected);
@@ -410,20 +376,20 @@ TEST_F(ExactSceneTest, WhatMovesAllHairWakesAllOfIt) {
   EXPECT_TRUE(wakes());
   EXPECT_FALSE(wakes());
   CapsuleCollider ball = {.headRadius = 0.05f, .tailRadius = 0.05f};
-  hair.setColliders({&ball, 1});
+  setCollider(hair, ball);
   EXPECT_TRUE(wakes());
   ball.head.x = ball.tail.x = 0.01f;
-  hair.setColliders({&ball, 1});
+  setCollider(hair, ball);
   EXPECT_FALSE(wakes()) << "the kernel sees which strands a motion reaches";
   ball.headRadius = 0.04f;
-  hair.setColliders({&ball, 1});
+  setCollider(hair, ball);
   EXPECT_TRUE(wakes());
   EXPECT_FALSE(wakes());
   ball.head.x = kNan;
-  hair.setColliders({&ball, 1});
+  setCollider(hair, ball);
   EXPECT_TRUE(wakes()) << "what it rested on is gone";
   ball.head.x = 0;
-  hair.setColliders({&ball, 1});
+  setCollider(hair, ball);
   EXPECT_TRUE(wakes());
   hair.setColliders({});
   EXPECT_TRUE(wakes());
@@ -441,9 +407,7 @@ TEST_F(ExactSceneTest, TakesForcesOnlyFromABufferThatIsLargeEnough) {
   HairObject& hair = add();
   const BufferId small = scene_.resources().add({.name = "small", .size = 16, .stride = 16});
   hair.setForces(small);
-  const Result<void> done = scene_.simulate(kFrame, list_);
-  ASSERT_FALSE(done);
-  EXPECT_NE(done.error().message.find("has 16 bytes; it takes 640"), std::string::npos);
+  expectRefused({"has 16 bytes; it takes 640"});
   hair.setForces(scene_.resources().add({.name = "forces", .size = 640, .stride = 16}));
   simulate();
   EXPECT_EQ(variant(), simulateExactVariant({.velocityShockPropagation = true, .forces = true}));
@@ -457,8 +421,7 @@ TEST_F(ExactSceneTest, AFrameThatIsRefusedLosesNothing) {
   HairObject& first = add();
   HairObject& second = add({.name = "second"});
   simulate();
-  const AffineTransform moved = rigidTransform({0, 0, 0, 1}, {0, 0.25f, 0});
-  first.setBones({&moved, 1});
+  setBone(first, rigidTransform({0, 0, 0, 1}, {0, 0.25f, 0}));
   first.reset();
   const double time = scene_.time();
   const auto refused = [&] {
@@ -477,10 +440,7 @@ TEST_F(ExactSceneTest, AFrameThatIsRefusedLosesNothing) {
   refused();
   second.setForces(BufferId::kInvalid);
   simulate();
-  const bool uploaded = std::any_of(
-      list_.uploads.begin(), list_.uploads.end(),
-      [&](const Upload& upload) { return upload.buffer == first.buffers().boneTransforms; });
-  EXPECT_TRUE(uploaded);
+  EXPECT_FALSE(uploaded<Float4>(first.buffers().boneTransforms).empty());
   EXPECT_EQ(constants().at(0).flags & 1u, 1u) << "the reset";
 }
 
@@ -503,9 +463,7 @@ TEST_F(ExactSceneTest, LevelOfDetailCostsWhatIsSimulated) {  // K44
   HairObject& plain = add({.name = "plain"});
   hair.simulatedShare = 1;
   plain.simulatedShare = 0.5f;
-  const Result<void> done = scene_.simulate(kFrame, list_);
-  ASSERT_FALSE(done);
-  EXPECT_NE(done.error().message.find("HairDef::levelOfDetail"), std::string::npos);
+  expectRefused({"HairDef::levelOfDetail"});
   EXPECT_EQ(plain.buffers().lodParents, BufferId::kInvalid);
 }
 
@@ -518,9 +476,7 @@ TEST_F(ExactSceneTest, CurvesAndStrandFactorsAreOneMoreSetOfTheRestShape) {
   simulate();
   EXPECT_EQ(constants().at(0).parameterSet, 2u);
   hair.settings.curves.stiffness[0] = -1;
-  const Result<void> done = scene_.simulate(kFrame, list_);
-  ASSERT_FALSE(done);
-  EXPECT_NE(done.error().message.find("'curves.stiffness' is -1"), std::string::npos);
+  expectRefused({"'curves.stiffness' is -1"});
 
   const std::vector<StrandFactors> factors(4);
   EXPECT_FALSE(scene_.addHair(asset_, {.strandFactors = factors}));
@@ -558,8 +514,7 @@ TEST_F(ExactSceneTest, SwitchingTheSolverReplacesItsBuffersOnly) {
 // The strands of the two solvers are in another order.
 TEST_F(ExactSceneTest, SwitchingTheSolverReplacesTheContacts) {
   HairObject& hair = add();
-  const CapsuleCollider ball = {.headRadius = 1, .tailRadius = 1};
-  hair.setColliders({&ball, 1});
+  setCollider(hair, {.headRadius = 1, .tailRadius = 1});
   simulate();
   const HairBuffers exact = hair.buffers();
   const uint64_t bytes = scene_.resources().totalBytes();
@@ -581,8 +536,7 @@ TEST_F(ExactSceneTest, SwitchingTheSolverReplacesTheContacts) {
 TEST_F(ExactSceneTest, RemovingAnObjectFreesItsBuffers) {
   const Result<HairId> id = scene_.addHair(asset_, {});
   ASSERT_TRUE(id);
-  const CapsuleCollider ball = {.headRadius = 1, .tailRadius = 1};
-  scene_.hair(*id).setColliders({&ball, 1});
+  setCollider(scene_.hair(*id), {.headRadius = 1, .tailRadius = 1});
   simulate();
   const HairBuffers buffers = scene_.hair(*id).buffers();
   EXPECT_NE(scene_.resources().find(buffers.contacts), nullptr);

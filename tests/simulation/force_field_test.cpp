@@ -1,30 +1,17 @@
 // Fields of forces that an engine has on the GPU.
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <iterator>
 #include <limits>
-#include <string>
-#include <tuple>
 #include <vector>
 
 #include "stress/stress_run.h"
 #include "support/engine_buffer.h"
-#include "support/extremes.h"
-#include "support/plain_asset.h"
-#include "support/required_devices.h"
+#include "support/not_numbers.h"
+#include "support/scene_list_test.h"
 
 namespace pelage::test {
 namespace {
-
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-
-double largestDistance(const std::vector<Float4>& a, const std::vector<Float4>& b) {
-  if (a.size() != b.size()) return std::numeric_limits<double>::infinity();
-  double largest = 0;
-  for (size_t i = 0; i < a.size(); ++i) keepLargest(largest, distance(a[i], b[i]));
-  return largest;
-}
 
 /// A field and its buffer.
 class Field {
@@ -57,28 +44,20 @@ class Field {
   EngineBuffer buffer_;
 };
 
-class ForceFieldTest : public testing::TestWithParam<std::tuple<Api, Solver>> {
+class ForceFieldTest : public SolverTest {
  protected:
-  ForceFieldTest() : run_(sharedSceneRun(std::get<0>(GetParam()))), asset_(wavyAsset(30, 10)) {
-    settings_.solver = std::get<1>(GetParam());
+  ForceFieldTest() : asset_(wavyAsset(30, 10)) {
     // The solvers do different things with a drag of the settings and with one of forces.
     settings_.damping = 0;
     settings_.airDrag = 0;
     settings_.wind = {};
     settings_.sleep.enabled = false;
   }
-  void SetUp() override {
-    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
-  }
-  void TearDown() override { run_.clear(); }
-  bool exact() const { return settings_.solver == Solver::kExact; }
   HairObject& add(const char* name, const SimulationSettings& settings) {
     return run_.add(asset_, {.name = name, .settings = settings});
   }
 
-  SceneRun& run_;
   HairAsset asset_;
-  SimulationSettings settings_;
 };
 
 TEST_P(ForceFieldTest, OneValueEverywhereIsABufferOfForcesToTheBit) {
@@ -101,8 +80,7 @@ TEST_P(ForceFieldTest, OneValueEverywhereIsABufferOfForcesToTheBit) {
   for (int frame = 0; frame < 20; ++frame) {
     run_.step();
     EXPECT_EQ(countPasses(run_.list(), "sample_force_field"), 1u);
-    EXPECT_EQ(largestDistance(run_.positions(expected), run_.positions(hair)), 0)
-        << "frame " << frame;
+    EXPECT_EQ(maxDistance(run_.positions(expected), run_.positions(hair)), 0) << "frame " << frame;
   }
   // Both together are the sum.
   EngineBuffer halfForces(run_, "halfForces", floats.size());
@@ -121,34 +99,8 @@ TEST_P(ForceFieldTest, OneValueEverywhereIsABufferOfForcesToTheBit) {
   both.setForceField(field.field);
   for (int frame = 0; frame < 5; ++frame) {
     run_.step();
-    EXPECT_EQ(largestDistance(run_.positions(expected), run_.positions(both)), 0)
-        << "frame " << frame;
+    EXPECT_EQ(maxDistance(run_.positions(expected), run_.positions(both)), 0) << "frame " << frame;
   }
-}
-
-TEST_P(ForceFieldTest, OneValueEverywhereIsGravity) {
-  settings_.damping = SimulationSettings{}.damping;
-  SimulationSettings none = settings_;
-  none.gravity = {};
-  Field field(run_, {2, 2, 2}, {-2, -2, -2}, 4);
-  field.write([&](const Vector3d&) {
-    return Float4{settings_.gravity.x, settings_.gravity.y, settings_.gravity.z, 0};
-  });
-  HairObject& expected = add("expected", none);
-  HairObject& hair = add("hair", none);
-  run_.step();
-  expected.settings.gravity = settings_.gravity;
-  hair.setForceField(field.field);
-  double moved = 0, off = 0;
-  for (int frame = 0; frame < 30; ++frame) {
-    run_.step();
-    keepLargest(off, largestDistance(run_.positions(expected), run_.positions(hair)));
-  }
-  keepLargest(moved, largestDistance(run_.positions(hair), asset_.positions));
-  // Measured: 5.2e-5 m on llvmpipe and 3.3e-4 m on an H200, where second Newton passes come at
-  // other times; 3.3e-7 m with the classic solver.
-  EXPECT_LT(off, exact() ? 1e-3 : 2e-6);
-  EXPECT_GT(moved, 0.02);
 }
 
 TEST_P(ForceFieldTest, ValuesAreInterpolatedAndEndWithTheGrid) {
@@ -162,14 +114,10 @@ TEST_P(ForceFieldTest, ValuesAreInterpolatedAndEndWithTheGrid) {
                            {0.45, 0.2, 0.9}, {0.4, 1.1, -0.25}, {-0.3, 0.5, 0},
                            {0.6, 0.5, 0},    {0, 0.1, 0},       {0, 1.25, 0},
                            {0, 0.5, -0.4},   {0, 0.5, 1.2}};
-  HairAsset asset;
-  asset.verticesPerStrand = 3;
-  for (const Vector3d& end : ends) {
-    ++asset.strandCount;
-    for (int v = 0; v < 3; ++v)
-      asset.positions.push_back(toFloat4(end + Vector3d(0.01 * (v - 2), 0, 0), v < 2 ? 0 : 1));
-  }
-  expectOk(asset.process());
+  const HairAsset asset =
+      strandsAt(static_cast<uint32_t>(std::size(ends)), 3, [&](uint32_t s, uint32_t v) {
+        return toFloat3(ends[s] + Vector3d(0.01 * (int(v) - 2), 0, 0));
+      });
   HairObject& hair = run_.add(asset, {.name = "hair", .settings = settings_});
   run_.step();
   const auto before = run_.positions(hair);
@@ -206,107 +154,85 @@ TEST_P(ForceFieldTest, WhatIsNoNumberActsOnNothing) {
   hair.setForceField(field.field);
   for (int frame = 0; frame < 5; ++frame) run_.step();
   EXPECT_TRUE(allFinite(run_.positions(hair)));
-  EXPECT_LT(largestDistance(run_.positions(expected), run_.positions(hair)), exact() ? 1e-3 : 1e-5);
+  EXPECT_LT(maxDistance(run_.positions(expected), run_.positions(hair)), exact() ? 1e-3 : 1e-5);
   // A drag that would speed hair up is none either, whatever else its nodes have.
   field.write([&](const Vector3d&) { return Float4{20, 0, 0, -1}; });
   for (int frame = 0; frame < 5; ++frame) run_.step();
-  EXPECT_LT(largestDistance(run_.positions(expected), run_.positions(hair)), exact() ? 1e-3 : 1e-5);
+  EXPECT_LT(maxDistance(run_.positions(expected), run_.positions(hair)), exact() ? 1e-3 : 1e-5);
 }
 
-INSTANTIATE_TEST_SUITE_P(Apis, ForceFieldTest, testing::ValuesIn(solversOnApis()),
-                         [](const auto& test) {
-                           return std::string(apiName(std::get<0>(test.param))) +
-                                  (std::get<1>(test.param) == Solver::kExact ? "Exact" : "Classic");
-                         });
+INSTANTIATE_TEST_SUITE_P(Apis, ForceFieldTest, testing::ValuesIn(solversOnApis()), solverTestName);
 
 // ---- without a device
 
-TEST(ForceFieldList, CostsNothingUnused) {
-  Scene scene;
-  const Result<HairId> id = scene.addHair(makeAsset(), {});
-  ASSERT_TRUE(id);
-  HairObject& hair = scene.hair(*id);
-  PassList list;
-  const auto simulate = [&] {
-    const Result<void> done = scene.simulate(1.0f / 60, list);
-    ASSERT_TRUE(done) << done.error().message;
-    scene.finish(list);
-    setDelivered(list.run);
-  };
+class ForceFieldList : public SceneListTest {
+ protected:
+  BufferId addField(uint64_t bytes = 128) {
+    return scene_.resources().add({.name = "field", .size = bytes, .stride = 16});
+  }
+};
+
+TEST_F(ForceFieldList, CostsNothingUnused) {
+  HairObject& hair = addHair();
   simulate();
   simulate();
-  const uint32_t buffers = scene.resources().count();
-  EXPECT_EQ(countPasses(list, "sample_force_field"), 0u);
-  const BufferId values = scene.resources().add({.name = "field", .size = 128, .stride = 16});
-  hair.setForceField({.values = values, .cellSize = 1, .nodes = {2, 2, 2}});
+  const uint32_t buffers = scene_.resources().count();
+  EXPECT_EQ(count("sample_force_field"), 0u);
+  hair.setForceField({.values = addField(), .cellSize = 1, .nodes = {2, 2, 2}});
   simulate();
-  EXPECT_EQ(countPasses(list, "sample_force_field"), 1u);
-  EXPECT_EQ(scene.resources().count(), buffers + 2);
+  EXPECT_EQ(count("sample_force_field"), 1u);
+  EXPECT_EQ(scene_.resources().count(), buffers + 2);
   hair.setForceField({});
   simulate();
   simulate();
-  EXPECT_EQ(countPasses(list, "sample_force_field"), 0u);
-  EXPECT_EQ(scene.resources().count(), buffers + 1) << "the engine's";
-  ASSERT_TRUE(scene.removeHair(*id));
+  EXPECT_EQ(count("sample_force_field"), 0u);
+  EXPECT_EQ(scene_.resources().count(), buffers + 1) << "the engine's";
 }
 
-TEST(ForceFieldList, KeepsHairAwake) {
-  Scene scene;
+TEST_F(ForceFieldList, KeepsHairAwake) {
   HairDef def;
   def.settings.sleep.enabled = true;
   def.settings.wind = {};
-  const Result<HairId> id = scene.addHair(makeAsset(), def);
-  ASSERT_TRUE(id);
-  PassList list;
+  HairObject& hair = addHair(def);
   const auto mayBeAsleep = [&] {
-    EXPECT_TRUE(scene.simulate(1.0f / 60, list));
-    scene.finish(list);
-    setDelivered(list.run);
-    return countPasses(list, "select_awake_tiles") > 0;
+    simulate();
+    return count("select_awake_tiles") > 0;
   };
   mayBeAsleep();
   EXPECT_TRUE(mayBeAsleep());
-  const BufferId values = scene.resources().add({.name = "field", .size = 128, .stride = 16});
-  scene.hair(*id).setForceField({.values = values, .cellSize = 1, .nodes = {2, 2, 2}});
+  hair.setForceField({.values = addField(), .cellSize = 1, .nodes = {2, 2, 2}});
   EXPECT_FALSE(mayBeAsleep());
-  scene.hair(*id).setForceField({});
+  hair.setForceField({});
   EXPECT_TRUE(mayBeAsleep());
 }
 
-TEST(ForceFieldList, WhatIsWrongIsNamed) {
-  Scene scene;
-  const Result<HairId> id = scene.addHair(makeAsset(), {.name = "mane"});
-  ASSERT_TRUE(id);
-  const BufferId values = scene.resources().add({.name = "field", .size = 127 * 4, .stride = 16});
-  PassList list;
-  const auto expectRefused = [&](const ForceField& field, const char* what) {
-    scene.hair(*id).setForceField(field);
-    const Result<void> done = scene.simulate(1.0f / 60, list);
-    ASSERT_FALSE(done) << what;
-    EXPECT_NE(done.error().message.find("hair 'mane': its force field"), std::string::npos);
-    EXPECT_NE(done.error().message.find(what), std::string::npos) << done.error().message;
+TEST_F(ForceFieldList, WhatIsWrongIsNamed) {
+  HairObject& hair = addHair({.name = "mane"});
+  const ForceField good = {.values = addField(127 * 4), .cellSize = 1, .nodes = {2, 2, 2}};
+  const auto expectWrong = [&](const ForceField& field, const char* what) {
+    hair.setForceField(field);
+    expectRefused({"hair 'mane': its force field", what});
   };
-  const ForceField good = {.values = values, .cellSize = 1, .nodes = {2, 2, 2}};
   ForceField bad = good;
   bad.cellSize = kNan;
-  expectRefused(bad, "cells of nan m");
+  expectWrong(bad, "cells of nan m");
   bad = good;
   bad.origin.y = kNan;
-  expectRefused(bad, "origin that is not finite");
+  expectWrong(bad, "origin that is not finite");
   bad = good;
   bad.nodes = {2, 1, 2};
-  expectRefused(bad, "2 x 1 x 2 nodes");
+  expectWrong(bad, "2 x 1 x 2 nodes");
   bad = good;
   bad.nodes = {4, 4, 2};
-  expectRefused(bad, "only 508 bytes");
+  expectWrong(bad, "only 508 bytes");
   bad = good;
   bad.first = 24;
-  expectRefused(bad, "from element 24 on");
+  expectWrong(bad, "from element 24 on");
   bad = good;
   bad.values = BufferId{12345};
-  expectRefused(bad, "does not exist");
-  scene.hair(*id).setForceField(good);
-  EXPECT_TRUE(scene.simulate(1.0f / 60, list));
+  expectWrong(bad, "does not exist");
+  hair.setForceField(good);
+  simulate();
 }
 
 }  // namespace

@@ -11,39 +11,28 @@
 
 #include "pelage/cache_player.h"
 #include "stress/stress_run.h"
-#include "support/extremes.h"
-#include "support/required_devices.h"
 
 namespace pelage::test {
 namespace {
 
-constexpr uint32_t kStrands = 37, kVertices = 12, kFrames = 12;
-
-double distance(const Float4& a, const Float3& b) {
-  return std::hypot(double{a.x} - b.x, double{a.y} - b.y, double{a.z} - b.z);
-}
+constexpr uint32_t kGivenStrands = 37, kGivenVertices = 12, kGivenFrames = 12;
 
 // Of the vertices of the guides, which come first; infinite where there are too few.
-double maxDistance(const std::vector<Float4>& drawn, const std::vector<Float3>& expected) {
-  if (drawn.size() < expected.size()) return std::numeric_limits<double>::infinity();
-  double largest = 0;
-  for (size_t i = 0; i < expected.size(); ++i)
-    keepLargest(largest, distance(drawn[i], expected[i]));
+double distanceFromGiven(const std::vector<Float4>& drawn, const std::vector<Float3>& expected) {
+  double largest = drawn.size() < expected.size() ? HUGE_VAL : 0;
+  for (size_t i = 0; i < std::min(drawn.size(), expected.size()); ++i)
+    keepLargest(largest, distance(drawn[i], {expected[i].x, expected[i].y, expected[i].z, 0}));
   return largest;
 }
 
-class GivenHair : public testing::TestWithParam<Api> {
+class GivenHair : public SceneTest {
  protected:
   GivenHair()
-      : run_(sharedSceneRun(GetParam())),
-        asset_(wavyAsset(kStrands, kVertices)),
+      : asset_(wavyAsset(kGivenStrands, kGivenVertices)),
         path_(std::filesystem::temp_directory_path() /
               ("pelage_given_hair_" + std::to_string(static_cast<int>(GetParam())))) {}
-  void SetUp() override {
-    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
-  }
   void TearDown() override {
-    run_.clear();
+    SceneTest::TearDown();
     std::filesystem::remove(path_);
   }
 
@@ -59,11 +48,11 @@ class GivenHair : public testing::TestWithParam<Api> {
   }
   CachePlayer player(CachePlayerDef def = {}) const {
     auto writer = HairCacheWriter::create(path_, {.name = "shot",
-                                                  .strandCount = kStrands,
-                                                  .verticesPerStrand = kVertices,
+                                                  .strandCount = kGivenStrands,
+                                                  .verticesPerStrand = kGivenVertices,
                                                   .keyInterval = 4});
     EXPECT_TRUE(writer);
-    for (int f = 0; f < static_cast<int>(kFrames); ++f) EXPECT_TRUE(writer->append(shape(f)));
+    for (int f = 0; f < static_cast<int>(kGivenFrames); ++f) EXPECT_TRUE(writer->append(shape(f)));
     EXPECT_TRUE(writer->close());
     auto opened = CachePlayer::open(path_, def);
     EXPECT_TRUE(opened) << opened.error().message;
@@ -75,33 +64,32 @@ class GivenHair : public testing::TestWithParam<Api> {
     run_.step();
   }
   double drawnFrom(const HairObject& hair, const std::vector<Float3>& expected) const {
-    return maxDistance(run_.positions(hair), expected);
+    return distanceFromGiven(run_.positions(hair), expected);
   }
   // The motion that draws get: from where the vertices were before.
   double movedFrom(const HairObject& hair, const std::vector<Float3>& expected) const {
-    return maxDistance(run_.read(hair.buffers().previousPositions), expected);
+    return distanceFromGiven(run_.read(hair.buffers().previousPositions), expected);
   }
 
-  SceneRun& run_;
   HairAsset asset_;
   std::filesystem::path path_;
 };
 
-constexpr double kBound = 1.001e-4;  // of the cache, and a little rounding of doubles
+constexpr double kCacheBound = 1.001e-4;  // of the cache, and a little rounding of doubles
 
 TEST_P(GivenHair, ACacheIsDrawnToItsBoundInAnyOrderAndMovesFromTheFrameBefore) {
   CachePlayer cache = player();
-  EXPECT_EQ(cache.frameCount(), kFrames);
+  EXPECT_EQ(cache.frameCount(), kGivenFrames);
   HairObject& hair = run_.add(asset_);
   hair.tracksMotion = true;
   int before = -100;
   for (const int frame : {0, 1, 2, 3, 3, 5, 4, 11, 10, 99, 2, 1, 7, -3}) {
     SCOPED_TRACE(frame);
     show(cache, frame, hair);
-    const int now = std::clamp(frame, 0, static_cast<int>(kFrames) - 1);
-    EXPECT_LE(drawnFrom(hair, shape(now)), kBound);
+    const int now = std::clamp(frame, 0, static_cast<int>(kGivenFrames) - 1);
+    EXPECT_LE(drawnFrom(hair, shape(now)), kCacheBound);
     const bool jumps = std::abs(now - before) > static_cast<int>(CachePlayer::kMaxStep);
-    EXPECT_LE(movedFrom(hair, shape(jumps ? now : before)), kBound);
+    EXPECT_LE(movedFrom(hair, shape(jumps ? now : before)), kCacheBound);
     before = now;
   }
   show(cache, 6.5, hair);
@@ -110,30 +98,30 @@ TEST_P(GivenHair, ACacheIsDrawnToItsBoundInAnyOrderAndMovesFromTheFrameBefore) {
     const Float3 a = middle[i], b = shape(7)[i];
     middle[i] = {(a.x + b.x) / 2, (a.y + b.y) / 2, (a.z + b.z) / 2};
   }
-  EXPECT_LE(drawnFrom(hair, middle), kBound);
+  EXPECT_LE(drawnFrom(hair, middle), kCacheBound);
 }
 
 TEST_P(GivenHair, ALoopBeginsAgainWithoutMotion) {
   CachePlayer cache = player({.loops = true, .framesAhead = 2});
   HairObject& hair = run_.add(asset_);
   hair.tracksMotion = true;
-  const int last = static_cast<int>(kFrames) - 1;
-  for (int frame = last - 1; frame < 2 * static_cast<int>(kFrames) + 2; ++frame) {
+  const int last = static_cast<int>(kGivenFrames) - 1;
+  for (int frame = last - 1; frame < 2 * static_cast<int>(kGivenFrames) + 2; ++frame) {
     SCOPED_TRACE(frame);
-    const int now = frame % static_cast<int>(kFrames);
+    const int now = frame % static_cast<int>(kGivenFrames);
     show(cache, frame, hair);
-    EXPECT_LE(drawnFrom(hair, shape(now)), kBound);
+    EXPECT_LE(drawnFrom(hair, shape(now)), kCacheBound);
     const bool begins = now == 0 || frame == last - 1;
-    EXPECT_LE(movedFrom(hair, shape(begins ? now : now - 1)), kBound);
+    EXPECT_LE(movedFrom(hair, shape(begins ? now : now - 1)), kCacheBound);
   }
   show(cache, -1, hair);
-  EXPECT_LE(drawnFrom(hair, shape(last)), kBound);
+  EXPECT_LE(drawnFrom(hair, shape(last)), kCacheBound);
 }
 
 TEST_P(GivenHair, FollowHairsAndTangentsFollow) {
-  const auto follows = asset_.generateFollowHairs({.countPerGuide = 1, .maxRadius = 0.01f});
-  ASSERT_TRUE(follows);
-  HairObject& hair = run_.add(asset_, {.followHairs = *follows, .storeFollowHairs = true});
+  const std::vector<FollowHair> follows =
+      valueOf(asset_.generateFollowHairs({.countPerGuide = 1, .maxRadius = 0.01f}));
+  HairObject& hair = run_.add(asset_, {.followHairs = follows, .storeFollowHairs = true});
   const auto offsets = [&] {
     const std::vector<Float4> all = run_.positions(hair);
     std::vector<Float3> from;
@@ -157,8 +145,8 @@ TEST_P(GivenHair, FollowHairsAndTangentsFollow) {
   for (size_t i = 0; i < later.size(); ++i) {
     const Float3 &a = atFirst[i], &b = later[i];
     keepLargest(moved, std::hypot(double{a.x} - b.x, double{a.y} - b.y, double{a.z} - b.z));
-    const size_t v = i % kVertices;
-    const Float3 &from = bent[v > 0 ? i - 1 : i], &to = bent[v + 1 < kVertices ? i + 1 : i];
+    const size_t v = i % kGivenVertices;
+    const Float3 &from = bent[v > 0 ? i - 1 : i], &to = bent[v + 1 < kGivenVertices ? i + 1 : i];
     const double x = double{to.x} - from.x, y = double{to.y} - from.y, z = double{to.z} - from.z;
     const double length = std::hypot(x, y, z);
     const Float4& t = tangents[i];
@@ -209,7 +197,7 @@ TEST_P(GivenHair, GoesWithTheOriginAndTeleportsAndSurvivesLostFrames) {
   EXPECT_LT(drawnFrom(hair, shape(2, {0, 4, 0})), 1e-6);
   expectOk(hair.setPositions({}));
   up.rows[1].w = 0;
-  hair.setBones({&up, 1});
+  setBone(hair, up);
   run_.step();
   EXPECT_LT(drawnFrom(hair, shape(0)), 0.02) << "simulated again, from the bind pose";
   EXPECT_GT(drawnFrom(hair, shape(0)), 0);
@@ -225,7 +213,7 @@ TEST_P(GivenHair, WhatDoesNotFitIsRefused) {
   EXPECT_FALSE(hair.setPositions(positions));
   CachePlayer cache = player();
   EXPECT_FALSE(cache.show(std::numeric_limits<double>::infinity(), hair));
-  HairObject& other = run_.add(wavyAsset(kStrands, kVertices + 1));
+  HairObject& other = run_.add(wavyAsset(kGivenStrands, kGivenVertices + 1));
   EXPECT_FALSE(cache.show(0, other));
   EXPECT_FALSE(CachePlayer::open(path_, {.framesAhead = 0}));
 }
@@ -235,26 +223,23 @@ TEST_P(GivenHair, AFrameThatIsBrokenIsAnErrorWhenItIsShown) {
   {
     // The end of the last frame, before an index of 24 bytes a frame and a footer of 32.
     std::fstream file(path_, std::ios::binary | std::ios::in | std::ios::out);
-    file.seekp(-static_cast<std::streamoff>(kFrames * 24 + 32 + 8), std::ios::end);
+    file.seekp(-static_cast<std::streamoff>(kGivenFrames * 24 + 32 + 8), std::ios::end);
     file.write("damaged!", 8);
   }
   auto cache = CachePlayer::open(path_);
   ASSERT_TRUE(cache) << cache.error().message;
   HairObject& hair = run_.add(asset_);
-  const int last = static_cast<int>(kFrames) - 1;
+  const int last = static_cast<int>(kGivenFrames) - 1;
   for (int round = 0; round < 2; ++round) {
-    const auto shown = cache->show(last, hair);
-    ASSERT_FALSE(shown);
-    EXPECT_NE(shown.error().message.find("checksum"), std::string::npos) << shown.error().message;
+    expectError(cache->show(last, hair), "checksum");
     show(*cache, last - 1, hair);
-    EXPECT_LE(drawnFrom(hair, shape(last - 1)), kBound);
+    EXPECT_LE(drawnFrom(hair, shape(last - 1)), kCacheBound);
     show(*cache, 1, hair);
-    EXPECT_LE(drawnFrom(hair, shape(1)), kBound);
+    EXPECT_LE(drawnFrom(hair, shape(1)), kCacheBound);
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, GivenHair, testing::ValuesIn(kApis),
-                         [](const auto& test) { return std::string(apiName(test.param)); });
+INSTANTIATE_TEST_SUITE_P(All, GivenHair, testing::ValuesIn(kApis), apiTestName);
 
 }  // namespace
 }  // namespace pelage::test

@@ -9,7 +9,7 @@
 #include "../reference/rod/exact_rod.h"
 #include "../reference/rod/planar_chain.h"
 
-namespace pelage::reference {
+namespace pelage::rod {
 namespace {
 
 /// A vibration per step: u_k = Re(A factor^k).
@@ -37,9 +37,8 @@ Factor factorOf(const std::vector<double>& u) {
 /// steps of h seconds after the load is gone. Higher modes are left to die out first.
 std::vector<double> vibration(double bend, double h, int steps) {
   const RestStrand rest(straightPoints(16, 0.3, Vector3d(1, 0, 0)));
-  RodSettings settings;
-  settings.material = {.bend = bend, .twist = bend, .airDrag = 50};
-  settings.gravity = Vector3d(0, -1e-4, 0);
+  RodSettings settings = {.material = {.bend = bend, .twist = bend, .airDrag = 50},
+                          .gravity = Vector3d(0, -1e-4, 0)};
   ExactRod<double> rod(rest, {});
   for (int k = 0; k < 2000; ++k) rod.step(1e-3, {}, settings);
   settings.gravity = Vector3d();
@@ -113,9 +112,7 @@ TEST(RodDamping, OfSwingsFromTheHorizontal) {
       truth.push_back(chain.positions());
     }
     for (int k = 0; k < 4; ++k) {
-      RodSettings settings;
-      settings.material = {.bend = bend, .twist = 0.75 * bend};
-      settings.subSteps = 1 << k;
+      RodSettings settings = {.material = {.bend = bend, .twist = 0.75 * bend}, .subSteps = 1 << k};
       ExactRod<float> rod(rest, {});
       const double before = rod.energy(settings);
       double sum = 0;
@@ -137,4 +134,4 @@ TEST(RodDamping, OfSwingsFromTheHorizontal) {
 }
 
 }  // namespace
-}  // namespace pelage::reference
+}  // namespace pelage::rod

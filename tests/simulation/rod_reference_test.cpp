@@ -15,8 +15,9 @@
 #include "../reference/rod/rod_fuzz.h"
 #include "../reference/rod/static_rod.h"
 #include "support/extremes.h"
+#include "support/full_stress.h"
 
-namespace pelage::reference {
+namespace pelage::rod {
 namespace {
 
 using std::numbers::pi;
@@ -32,15 +33,19 @@ constexpr int kEnergyFrames = 2000, kFuzzStrands = 3000;
 constexpr int kEnergyFrames = 100, kFuzzStrands = 150;
 #endif
 
-/// PELAGE_STRESS=full: every strand, as in the stress suite.
-bool fullStress() {
-  const char* wanted = std::getenv("PELAGE_STRESS");
-  return wanted != nullptr && std::string_view(wanted) == "full";
+using test::fullStress;
+
+void expectAtMost(const std::string& what, double measured, double limit) {
+  std::printf("[ FIGURE ] %s: %.4g (at most %.4g)\n", what.c_str(), measured, limit);
+  EXPECT_LE(measured, limit) << what;
 }
 
-void expectAtMost(const char* what, double measured, double limit) {
-  std::printf("[ FIGURE ] %s: %.4g (at most %.4g)\n", what, measured, limit);
-  EXPECT_LE(measured, limit) << what;
+/// As std::printf() would print it.
+template <class... Values>
+std::string text(const char* format, Values... values) {
+  char result[160];
+  std::snprintf(result, sizeof result, format, values...);
+  return result;
 }
 
 RootPose still(double) { return {}; }
@@ -117,6 +122,20 @@ RodSettings converged() {
   return settings;
 }
 
+/// Hair with the sub-steps and the tolerance of the second pass that the runtime has for it.
+/// \param bendLength [m]
+/// \param damping    of the air in 1/60 s
+RodSettings hair(double bendLength, double damping, int subSteps = 1, double twistRatio = 0.75) {
+  RodSettings settings;
+  const double bend = 9.81 * bendLength * bendLength * bendLength;
+  settings.material = {
+      .bend = bend, .twist = twistRatio * bend, .airDrag = -60 * std::log(1 - damping)};
+  settings.subSteps = subSteps;
+  settings.passTolerance =
+      RodTuning<float>::passTolerance(kFrame / subSteps, settings.material.airDrag, twistRatio);
+  return settings;
+}
+
 // ---- the references themselves
 
 TEST(PlanarChain, KeepsItsEnergyWithoutDrag) {
@@ -147,9 +166,7 @@ TEST(ExactRod, StaysInItsRestShapeWithoutGravity) {
   for (const auto& points : {straightPoints(32, 0.3, Vector3d(0.6, -0.8, 0)),
                              helixPoints(32, 0.008, 0.06, 4), helixPoints(128, 0.004, 0.02, 8)}) {
     const RestStrand rest(points);
-    RodSettings settings;
-    settings.gravity = Vector3d();
-    settings.material.airDrag = 1;
+    RodSettings settings = {.material = {.airDrag = 1}, .gravity = Vector3d()};
     ExactRod<float> rod(rest, {});
     for (int f = 0; f < 600; ++f) rod.step(kFrame, {}, settings);
     double drift = 0;
@@ -211,8 +228,7 @@ double clampedTipError(const ClampedStrand& strand, int n) {
   }
   RestStrand rest(points);
   for (int i = 0; i < n; ++i) rest.stiffness[i] = stiffness(arcs[i] * scale);
-  RodSettings settings;
-  settings.material = {.bend = rod.bend, .twist = rod.twist, .airDrag = 5};
+  RodSettings settings = {.material = {.bend = rod.bend, .twist = rod.twist, .airDrag = 5}};
   ExactRod<float> exact(rest, {});
   for (int f = 0; f < 1200; ++f) exact.step(kFrame, {}, settings);
   return 100 * length(Vector3d(exact.position(n - 1)) - curve->back()) / size;
@@ -224,11 +240,10 @@ TEST(ExactRod, IsClampedAtItsRoot) {
       const ClampedStrand strand = {.angle = degrees * pi / 180, .tipFactor = tipFactor};
       const double few = clampedTipError(strand, 8), some = clampedTipError(strand, 16),
                    many = clampedTipError(strand, 32);
-      char what[120];
-      const auto figure = [&](const char* text, double value, double limit) {
-        std::snprintf(what, sizeof what, "clamped at %.0f degrees, tip factor %.2f: %s", degrees,
-                      tipFactor, text);
-        expectAtMost(what, value, limit);
+      const auto figure = [&](const char* which, double value, double limit) {
+        expectAtMost(
+            text("clamped at %.0f degrees, tip factor %.2f: %s", degrees, tipFactor, which), value,
+            limit);
       };
       figure("n = 8, % of L", few, 4);
       figure("n = 32, % of L", many, 0.25);
@@ -245,15 +260,13 @@ TEST(ExactRod, IsClampedAtItsRootWithUnevenEdgesAndCurls) {
         const ClampedStrand strand = {
             .angle = degrees * pi / 180, .curled = curled, .grading = grading};
         const double some = clampedTipError(strand, 32), many = clampedTipError(strand, 64);
-        char what[120];
-        std::snprintf(what, sizeof what, "%s at %.0f degrees, last edge %g of the first",
-                      curled ? "curl" : "straight", degrees, grading);
+        const std::string what = text("%s at %.0f degrees, last edge %g of the first",
+                                      curled ? "curl" : "straight", degrees, grading);
         // Long edges at the root have most of the error; curls, that chords are shorter than arcs.
         const double limit = grading < 1 ? 2.5 : 0.4;
-        std::printf("[ FIGURE ] %s: %.3f %% of L at n = 32\n", what, some);
-        expectAtMost((std::string(what) + ", n = 64, % of L").c_str(), many, limit);
-        expectAtMost((std::string(what) + ", 4 / (error at n = 32 over 64)").c_str(),
-                     4 * many / some, 1.4);
+        std::printf("[ FIGURE ] %s: %.3f %% of L at n = 32\n", what.c_str(), some);
+        expectAtMost(what + ", n = 64, % of L", many, limit);
+        expectAtMost(what + ", 4 / (error at n = 32 over 64)", 4 * many / some, 1.4);
       }
     }
   }
@@ -279,8 +292,7 @@ double helixSagError(int n) {
   const auto curve = continuous.solve();
   EXPECT_TRUE(curve.has_value());
   if (!curve) return 1e9;
-  RodSettings settings;
-  settings.material = {.bend = bend, .twist = twist, .airDrag = 8};
+  RodSettings settings = {.material = {.bend = bend, .twist = twist, .airDrag = 8}};
   ExactRod<float> rod(RestStrand(helixPoints(n, radius, pitch, rotations)), {});
   for (int f = 0; f < 1200; ++f) rod.step(kFrame, {}, settings);
   double sum = 0;
@@ -304,8 +316,7 @@ TEST(ExactRod, SettlesInOneShapeAtEveryFrameRate) {
                              straightPoints(32, 0.25, Vector3d(0.5, 0.866, 0)),
                              helixPoints(32, 0.008, 0.06, 4), helixPoints(48, 0.02, 0.05, 2)}) {
     const RestStrand rest(points);
-    RodSettings settings;
-    settings.material.airDrag = 5;
+    RodSettings settings = {.material = {.airDrag = 5}};
     const auto settled = [&](double rate) {
       ExactRod<float> rod(rest, {});
       for (int f = 0; f < 12 * rate; ++f) rod.step(1 / rate, {}, settings);
@@ -335,9 +346,7 @@ TEST(ExactRod, HangsInACatenaryWhenItsTipIsHeld) {
     points.emplace_back(span * s, -sag * (1 - std::abs(2 * s - 1)), 0);
   }
   const RestStrand rest(points);
-  RodSettings settings;
-  settings.material = {.bend = 1e-8, .twist = 1e-8, .airDrag = 4};
-  settings.holdTip = true;
+  RodSettings settings = {.material = {.bend = 1e-8, .twist = 1e-8, .airDrag = 4}, .holdTip = true};
   ExactRod<float> rod(rest, {});
   for (int f = 0; f < 1800; ++f) rod.step(kFrame, {}, settings);
   const Points x = rod.positions();
@@ -363,9 +372,8 @@ TEST(ExactRod, HangsInACatenaryWhenItsTipIsHeld) {
 
 TEST(ExactRod, SettlesAtTheSameGlobalShapeAtEveryFrameRate) {
   const RestStrand rest(straightPoints(32, 0.2, Vector3d(1, 0, 0)));
-  RodSettings settings;
-  settings.material = {.bend = 1e-8, .twist = 1e-8, .airDrag = 5};
-  settings.globalStiffness = 0.05;
+  RodSettings settings = {.material = {.bend = 1e-8, .twist = 1e-8, .airDrag = 5},
+                          .globalStiffness = 0.05};
   const auto tip = [&](double rate) {
     ExactRod<float> rod(rest, {});
     for (int f = 0; f < 10 * rate; ++f) rod.step(1 / rate, {}, settings);
@@ -400,10 +408,9 @@ TEST(ExactRod, SwingsAsARungeKuttaChainDoes) {
     }
     for (int k = 0; k < 3; ++k) {
       const auto moved = trajectory<float>(rest, settings, still, 0, 60, 1 << k);
-      char what[80];
-      std::snprintf(what, sizeof what, "%s swing of 1 s, %d sub-steps, rms error, %% of L",
-                    stiff ? "stiff" : "limp", 1 << k);
-      expectAtMost(what, errorPercent(moved, reference, 0.3), limits[stiff][k]);
+      expectAtMost(text("%s swing of 1 s, %d sub-steps, rms error, %% of L",
+                        stiff ? "stiff" : "limp", 1 << k),
+                   errorPercent(moved, reference, 0.3), limits[stiff][k]);
     }
   }
 }
@@ -418,10 +425,8 @@ TEST(ExactRod, FollowsAHeadWithACurlAsItselfInDoubleDoesAtManySubSteps) {
   for (int k = 0; k < 4; ++k) {
     settings.subSteps = 1 << k;
     const auto moved = trajectory<float>(rest, settings, shakenHead, 400, 120, 1);
-    char what[80];
-    std::snprintf(what, sizeof what, "curl with head motion, %d sub-steps, rms error, %% of L",
-                  1 << k);
-    expectAtMost(what, errorPercent(moved, reference, rest.length()), limits[k]);
+    expectAtMost(text("curl with head motion, %d sub-steps, rms error, %% of L", 1 << k),
+                 errorPercent(moved, reference, rest.length()), limits[k]);
   }
 }
 
@@ -460,10 +465,8 @@ TEST(ExactRod, SpinsAsItselfInDoubleDoesAtManySubSteps) {
   const double limits[3] = {12, 4, 1.5};
   for (int k = 0; k < 3; ++k) {
     const auto moved = trajectory<float>(rest, settings, spun, 0, 90, 1 << k);
-    char what[80];
-    std::snprintf(what, sizeof what, "spin of 720 degrees/s, %d sub-steps, rms error, %% of L",
-                  1 << k);
-    expectAtMost(what, errorPercent(moved, reference, 0.3), limits[k]);
+    expectAtMost(text("spin of 720 degrees/s, %d sub-steps, rms error, %% of L", 1 << k),
+                 errorPercent(moved, reference, 0.3), limits[k]);
   }
 }
 
@@ -504,8 +507,8 @@ TEST(ExactRod, SwingsWithThePeriodOfARungeKuttaChain) {
 
 TEST(ExactRod, LosesItsSwingAtTheSameRateAtEveryFrameRate) {
   const RestStrand rest(straightPoints(32, 0.3, Vector3d(1, 0, 0)));
-  RodSettings settings;
-  settings.material = {.bend = 1e-6, .twist = 1e-6, .airDrag = -60 * std::log(0.92)};
+  RodSettings settings = {
+      .material = {.bend = 1e-6, .twist = 1e-6, .airDrag = -60 * std::log(0.92)}};
   // Largest angle from the vertical after 1 s, between two turning points.
   const auto amplitude = [&](double rate) {
     ExactRod<float> rod(rest, {});
@@ -519,10 +522,8 @@ TEST(ExactRod, LosesItsSwingAtTheSameRateAtEveryFrameRate) {
   };
   const double usual = amplitude(60);
   for (const double rate : {30.0, 120.0, 240.0}) {
-    char what[80];
-    std::snprintf(what, sizeof what, "swing after 1 s at %.0f Hz against %.2f degrees at 60 Hz, %%",
-                  rate, usual);
-    expectAtMost(what, 100 * std::abs(amplitude(rate) / usual - 1), 10);
+    expectAtMost(text("swing after 1 s at %.0f Hz against %.2f degrees at 60 Hz, %%", rate, usual),
+                 100 * std::abs(amplitude(rate) / usual - 1), 10);
   }
 }
 
@@ -530,9 +531,9 @@ TEST(ExactRod, DampsBendingAsAKelvinVoigtRodDoes) {
   const double size = 0.1, bend = 1e-2, rate = 960;
   const RestStrand rest(straightPoints(32, size, Vector3d(1, 0, 0)));
   for (const double tau : {0.002, 0.005}) {
-    RodSettings settings;
-    settings.material = {.bend = bend, .twist = 0.75 * bend, .airDrag = 50, .relaxation = tau};
-    settings.gravity = Vector3d(0, -1, 0);
+    RodSettings settings = {
+        .material = {.bend = bend, .twist = 0.75 * bend, .airDrag = 50, .relaxation = tau},
+        .gravity = Vector3d(0, -1, 0)};
     ExactRod<double> rod(rest, {});
     for (int f = 0; f < 2 * rate; ++f) rod.step(1 / rate, {}, settings);
     settings.gravity = Vector3d();
@@ -557,10 +558,9 @@ TEST(ExactRod, DampsBendingAsAKelvinVoigtRodDoes) {
 TEST(ExactRod, MovesWithItsRootWhenTheRootIsTeleported) {
   const RestStrand rest(straightPoints(32, 0.3, Vector3d(0.3, -0.9539, 0)));
   const auto fastestAfter = [&](double threshold, int subSteps) {
-    RodSettings settings;
-    settings.material = {.bend = 1e-3, .twist = 0.75e-3, .airDrag = 2};
-    settings.transportThreshold = threshold;
-    settings.subSteps = subSteps;
+    RodSettings settings = {.material = {.bend = 1e-3, .twist = 0.75e-3, .airDrag = 2},
+                            .transportThreshold = threshold,
+                            .subSteps = subSteps};
     ExactRod<float> rod(rest, {});
     double fastest = 0;
     for (int f = 1; f <= 200; ++f) {
@@ -625,8 +625,7 @@ TEST(ExactRod, KeepsEverySegmentsLength) {
   for (const int n : {3, 4, 8, 16, 32, 64, 128}) {
     for (const auto& points :
          {straightPoints(n, 0.3, Vector3d(0.3, -0.9539, 0)), helixPoints(n, 0.008, 0.06, 4)}) {
-      RodSettings settings;
-      settings.material.airDrag = 2;
+      RodSettings settings = {.material = {.airDrag = 2}};
       ExactRod<float> rod(RestStrand(points), shakenHead(0));
       for (int f = 1; f <= 300; ++f) {
         rod.step(kFrame, shakenHead(f * kFrame), settings);
@@ -652,8 +651,7 @@ TEST(ExactRod, NeverGainsEnergyWithoutDamping) {
       for (const double bend : {0., 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1.}) {
         for (const double rate : rates) {
           ++count;
-          RodSettings settings;
-          settings.material = {.bend = bend, .twist = 0.75 * bend};
+          RodSettings settings = {.material = {.bend = bend, .twist = 0.75 * bend}};
           if (curl > 0) settings.gravity = Vector3d(9.81, 0, 0);
           ExactRod<float> rod(rest, {});
           const double before = rod.energy(settings), scale = 9.81 * rest.length() * rest.length();
@@ -670,9 +668,7 @@ TEST(ExactRod, NeverGainsEnergyWithoutDamping) {
       }
     }
   }
-  const std::string what =
-      "growth of energy, " + std::to_string(count) + " undamped strands, % of mgL";
-  expectAtMost(what.c_str(), worst, 1);
+  expectAtMost(text("growth of energy, %ld undamped strands, %% of mgL", count), worst, 1);
   // The start of a whip takes more passes than its course: a short run has a limit of its own.
   const double mostPasses = kEnergyFrames < 2000 ? 1.7 : 1.3;
   expectAtMost("mean Newton passes", static_cast<double>(passes) / static_cast<double>(steps),
@@ -710,13 +706,7 @@ TEST(ExactRod, ComesToRestAfterAShakeHoweverEasilyItTwists) {
       for (const double twistRatio : {0.05, 0.1, 0.25, 0.4, 0.75, 10.0}) {
         for (const double damping : {0.06, 0.2}) {
           for (const int subSteps : {1, 4}) {
-            RodSettings settings;
-            const double bend = 9.81 * bendLength * bendLength * bendLength;
-            const double drag = -60 * std::log(1 - damping);
-            settings.material = {.bend = bend, .twist = twistRatio * bend, .airDrag = drag};
-            settings.subSteps = subSteps;
-            settings.passTolerance =
-                RodTuning<float>::passTolerance(kFrame / subSteps, drag, twistRatio);
+            const RodSettings settings = hair(bendLength, damping, subSteps, twistRatio);
             test::keepLargest(worst, speedAfterAShake(rest, settings));
           }
         }
@@ -735,9 +725,9 @@ TEST(ExactRod, NeverGainsEnergyWithDragAndTheToleranceThatGoesWithIt) {
            {straightPoints(24, 0.25, Vector3d(1, 0, 0)),
             straightPoints(64, 0.25, Vector3d(0.3, 0.9539, 0)), helixPoints(32, 0.008, 0.05, 4)}) {
         const RestStrand rest(points);
-        RodSettings settings;
-        settings.material = {.bend = bend, .twist = 0.75 * bend, .airDrag = drag};
-        settings.passTolerance = RodTuning<float>::passTolerance(kFrame, drag, 0.75);
+        RodSettings settings = {
+            .material = {.bend = bend, .twist = 0.75 * bend, .airDrag = drag},
+            .passTolerance = RodTuning<float>::passTolerance(kFrame, drag, 0.75)};
         ExactRod<float> rod(rest, {});
         const double before = rod.energy(settings), scale = 9.81 * rest.length() * rest.length();
         for (int f = 0; f < kEnergyFrames / 4; ++f) {
@@ -821,9 +811,8 @@ TEST(ExactRod, SurvivesEverythingThatAFileOrAnAnimationCanHold) {
 // ---- contact
 
 double deepestPenetration(const RodCollider& shape, double bend) {
-  RodSettings settings;
-  settings.material = {.bend = bend, .twist = 0.75 * bend, .airDrag = 2};
-  settings.colliders = {&shape, 1};
+  RodSettings settings = {.material = {.bend = bend, .twist = 0.75 * bend, .airDrag = 2},
+                          .colliders = {&shape, 1}};
   ExactRod<float> rod(RestStrand(straightPoints(32, 0.3, Vector3d(0.3, -0.9539, 0))), swayed(0));
   const ContactShape<double> surface(shape, 0, 1);
   double deepest = 0;
@@ -865,19 +854,6 @@ TEST(RodContact, FindsTheDistanceToATaperedCapsule) {
     }
     EXPECT_NEAR(-findContact(shape, p).penetration, nearest, 1e-8) << k;
   }
-}
-
-/// Hair with the sub-steps and the tolerance of the second pass that the runtime has for it.
-/// \param bendLength [m]
-/// \param damping    of the air in 1/60 s
-RodSettings hair(double bendLength, double damping, int subSteps = 1) {
-  RodSettings settings;
-  const double bend = 9.81 * bendLength * bendLength * bendLength;
-  settings.material = {.bend = bend, .twist = 0.75 * bend, .airDrag = -60 * std::log(1 - damping)};
-  settings.subSteps = subSteps;
-  settings.passTolerance =
-      RodTuning<float>::passTolerance(kFrame / subSteps, settings.material.airDrag, 0.75);
-  return settings;
 }
 
 Points linePoints(int n, const Vector3d& from, const Vector3d& to) {
@@ -960,15 +936,14 @@ TEST(ExactRod, ComesToRestOverACylinder) {
       // With 4 sub-steps some strands tremble on in single precision.
       const bool trembles = subSteps == 4 && (c.friction == 0 || c.bendLength == 0);
       const double limit = subSteps == 1 ? 6 : 9;
-      if (!trembles)
-        expectAtMost((what + "slower than 0.5 mm/s from [s]").c_str(), rest.time, limit);
-      expectAtMost((what + "speed after 10 s [mm/s]").c_str(), 1e3 * rest.late, trembles ? 6 : 0.5);
+      if (!trembles) expectAtMost(what + "slower than 0.5 mm/s from [s]", rest.time, limit);
+      expectAtMost(what + "speed after 10 s [mm/s]", 1e3 * rest.late, trembles ? 6 : 0.5);
       // Most runs stay below 0.001. One in ten, wherever the strand starts, has a moment in which a
       // contact opens or closes and the energy of BDF2's velocities goes up by 0.1 to 0.8.
-      expectAtMost((what + "energy up in a second, % of mgL").c_str(), 100 * rest.rise, 1);
-      expectAtMost((what + "penetration at rest [mm]").c_str(), 1e3 * rest.penetration, 0.05);
-      expectAtMost((what + "at worst [mm]").c_str(), 1e3 * rest.deepest, 0.05);
-      expectAtMost((what + "passes").c_str(), rest.passes, 1.7);
+      expectAtMost(what + "energy up in a second, % of mgL", 100 * rest.rise, 1);
+      expectAtMost(what + "penetration at rest [mm]", 1e3 * rest.penetration, 0.05);
+      expectAtMost(what + "at worst [mm]", 1e3 * rest.deepest, 0.05);
+      expectAtMost(what + "passes", rest.passes, 1.7);
     }
   }
 }
@@ -980,14 +955,14 @@ TEST(ExactRod, GainsNoEnergyFromACylinderWithoutFriction) {
       const Rest rest = comeToRest(points, hair(0, damping, subSteps), cylinderAlongZ(0.05, 0), 10);
       const std::string what = "limp rope, damping " + std::to_string(damping).substr(0, 4) + ", " +
                                std::to_string(subSteps) + " sub-steps, ";
-      expectAtMost((what + "energy above the start's, % of mgL").c_str(), 100 * rest.growth,
+      expectAtMost(what + "energy above the start's, % of mgL", 100 * rest.growth,
                    damping > 0 ? 0 : 1);
       // As for free strands. Without drag it whips on for ever, and the energy of BDF2's velocities
       // goes up and down.
-      expectAtMost((what + "energy up in a second, % of mgL").c_str(), 100 * rest.rise,
+      expectAtMost(what + "energy up in a second, % of mgL", 100 * rest.rise,
                    damping > 0 ? 0.1 : 3);
-      expectAtMost((what + "at worst [mm]").c_str(), 1e3 * rest.deepest, 0.05);
-      expectAtMost((what + "passes").c_str(), rest.passes, 1.7);
+      expectAtMost(what + "at worst [mm]", 1e3 * rest.deepest, 0.05);
+      expectAtMost(what + "passes", rest.passes, 1.7);
     }
   }
 }
@@ -1019,9 +994,8 @@ TEST(ExactRod, SlipsDownASlopeAsCoulombSays) {
     const double angle = std::atan(mu) + 2 * pi / 180;
     const double coulomb = 0.5 * 9.81 * (std::sin(angle) - mu * std::cos(angle)) * 0.3 * 0.3;
     for (const int subSteps : {1, 4}) {
-      char what[100];
-      std::snprintf(what, sizeof what, "2 degrees too steep for mu %.1f, %d sub-steps, %% off", mu,
-                    subSteps);
+      const std::string what =
+          text("2 degrees too steep for mu %.1f, %d sub-steps, %% off", mu, subSteps);
       const double error = slipDownSlope(mu, 2, subSteps, 0.3) / coulomb - 1;
       expectAtMost(what, 100 * std::abs(error), subSteps == 1 ? 3 : 1.1);
     }
@@ -1031,10 +1005,8 @@ TEST(ExactRod, SlipsDownASlopeAsCoulombSays) {
 TEST(ExactRod, HoldsOnASlopeThatFrictionHolds) {
   for (const double mu : {0.1, 0.3, 0.6, 1.0}) {
     for (const int subSteps : {1, 4}) {
-      char what[100];
-      std::snprintf(what, sizeof what, "0.5 degrees short of mu %.1f, %d sub-steps, 10 s [mm]", mu,
-                    subSteps);
-      expectAtMost(what, 1e3 * slipDownSlope(mu, -0.5, subSteps, 10), 0.01);
+      expectAtMost(text("0.5 degrees short of mu %.1f, %d sub-steps, 10 s [mm]", mu, subSteps),
+                   1e3 * slipDownSlope(mu, -0.5, subSteps, 10), 0.01);
     }
   }
 }
@@ -1051,10 +1023,8 @@ TEST(ExactRod, IsDraggedAlongByAFloorAsCoulombSays) {
       rod.step(kFrame, {}, settings);
       if (f % 6 != 0) continue;
       const double time = f * kFrame, coulomb = 0.5 * mu * 9.81 * time * time;
-      char what[100];
-      std::snprintf(what, sizeof what, "dragged by a floor for %.1f s, %d sub-steps, %% off", time,
-                    subSteps);
-      expectAtMost(what, 100 * std::abs(rod.position(31).x / coulomb - 1), 5);
+      expectAtMost(text("dragged by a floor for %.1f s, %d sub-steps, %% off", time, subSteps),
+                   100 * std::abs(rod.position(31).x / coulomb - 1), 5);
     }
   }
 }
@@ -1098,8 +1068,8 @@ TEST(ExactRod, StaysWhereItIsWhenItHangsTautOverACylinder) {
     // The first steps do not know the forces: each lets the strand slip by what it falls in a
     // frame.
     const std::string what = "taut over a cylinder, " + std::to_string(subSteps) + " sub-steps, ";
-    expectAtMost((what + "slip in the first second [mm]").c_str(), 1e3 * early, 3);
-    expectAtMost((what + "in the next 59 s [mm]").c_str(), 1e3 * late, 0.5);
+    expectAtMost(what + "slip in the first second [mm]", 1e3 * early, 3);
+    expectAtMost(what + "in the next 59 s [mm]", 1e3 * late, 0.5);
   }
 }
 
@@ -1117,9 +1087,7 @@ TEST(ExactRod, StaysOutOfASphereThatIsThrownAtIt) {
       for (int i = 0; i < 32; ++i)
         test::keepLargest(farthest, static_cast<double>(rod.position(i).x));
     }
-    char what[80];
-    std::snprintf(what, sizeof what, "sphere thrown at %.0f m/s, at worst [mm]", speed);
-    expectAtMost(what, 1e3 * deepest, 0.05);
+    expectAtMost(text("sphere thrown at %.0f m/s, at worst [mm]", speed), 1e3 * deepest, 0.05);
     EXPECT_GT(farthest, 0.05) << "the sphere has met it";
   }
 }
@@ -1153,12 +1121,10 @@ TEST(ExactRod, StaysOnAHeadThatIsShaken) {
       EXPECT_TRUE(
           std::none_of(depths.begin(), depths.end(), [](double d) { return std::isnan(d); }));
       std::sort(depths.begin(), depths.end());
-      char what[100];
-      std::snprintf(what, sizeof what, "shaken head, bend length %.4f m, %d sub-steps, ",
-                    bendLength, subSteps);
-      expectAtMost((what + std::string("99.9 % [mm]")).c_str(),
-                   1e3 * depths[depths.size() * 999 / 1000], 0.5);
-      expectAtMost((what + std::string("at worst [mm]")).c_str(), 1e3 * depths.back(), 2);
+      const std::string what =
+          text("shaken head, bend length %.4f m, %d sub-steps, ", bendLength, subSteps);
+      expectAtMost(what + "99.9 % [mm]", 1e3 * depths[depths.size() * 999 / 1000], 0.5);
+      expectAtMost(what + "at worst [mm]", 1e3 * depths.back(), 2);
     }
   }
 }
@@ -1237,8 +1203,7 @@ TEST(ExactRod, SlipsOverACylinderAtTheRatioOfTensionsOfACapstan) {
       tension += (end - begin) / steps *
                  (SlackStrand::kRadius * (std::cos(a) + mu * std::sin(a)) + mu * tension);
     }
-    char what[100];
-    std::snprintf(what, sizeof what, "capstan, mu %.1f, ratio of tensions, %% off", mu);
+    const std::string what = text("capstan, mu %.1f, ratio of tensions, %% off", mu);
     // One vertex is 3 to 6 % of the hanging length.
     expectAtMost(what, 100 * std::abs(hanging / tension - 1), 8);
   }
@@ -1265,4 +1230,4 @@ TEST(ExactRod, GoesWithASpinningCylinder) {
 }
 
 }  // namespace
-}  // namespace pelage::reference
+}  // namespace pelage::rod

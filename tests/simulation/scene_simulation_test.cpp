@@ -7,50 +7,23 @@
 #include <functional>
 #include <numbers>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include "pelage/demo/groom.h"
-#include "support/extremes.h"
-#include "support/required_devices.h"
-#include "support/scene_run.h"
-#include "support/strand_run.h"
+#include "support/errors.h"
+#include "support/plain_asset.h"
+#include "support/scene_test.h"
+#include "support/strand_measures.h"
 
 namespace pelage::test {
 namespace {
 
-class SceneSimulation : public testing::TestWithParam<std::tuple<Api, Solver>> {
- protected:
-  SceneSimulation() : run_(sharedSceneRun(std::get<0>(GetParam()))) {
-    settings_.solver = std::get<1>(GetParam());
-  }
-  void SetUp() override {
-    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
-  }
-  void TearDown() override { run_.clear(); }
-  bool exact() const { return settings_.solver == Solver::kExact; }
-
-  SceneRun& run_;
-  SimulationSettings settings_;
-};
-
-double distance(const Float4& a, const Float4& b) { return (toVector(a) - toVector(b)).norm(); }
+class SceneSimulation : public SolverTest {};
 
 AffineTransform shifted(double x) {
   AffineTransform bone;
   bone.rows[0].w = static_cast<float>(x);
   return bone;
-}
-
-/// Largest deviation of an edge from its rest length over that length.
-double maxStretch(const HairAsset& asset, const std::vector<Float4>& positions) {
-  double largest = 0;
-  for (size_t i = 0; i + 1 < asset.positions.size(); ++i) {
-    const double rest = static_cast<double>(asset.restLengths[i]);
-    if (rest > 0)
-      keepLargest(largest, std::abs(distance(positions[i], positions[i + 1]) / rest - 1));
-  }
-  return largest;
 }
 
 SimulationSettings calmSettings() {
@@ -68,13 +41,8 @@ TEST_P(SceneSimulation, TheBindPoseWithoutGravityStays) {  // K4
   const std::vector<Float4> first = run_.positions(hair);
   for (int frame = 0; frame < 60; ++frame) run_.step();
   const std::vector<Float4> positions = run_.positions(hair);
-  double fromBind = 0, drift = 0;
-  for (size_t i = 0; i < positions.size(); ++i) {
-    keepLargest(fromBind, distance(positions[i], asset.positions[i]));
-    keepLargest(drift, distance(positions[i], first[i]));
-  }
-  EXPECT_LT(fromBind, 1e-5) << "of strands of 0.3 m";
-  EXPECT_LT(drift, 1e-5);
+  EXPECT_LT(maxDistance(positions, asset.positions), 1e-5) << "of strands of 0.3 m";
+  EXPECT_LT(maxDistance(positions, first), 1e-5);
 }
 
 TEST_P(SceneSimulation, AWalkOfHundredMetresIsTheMotionThatTheGroundDoesNotSee) {
@@ -82,26 +50,19 @@ TEST_P(SceneSimulation, AWalkOfHundredMetresIsTheMotionThatTheGroundDoesNotSee) 
   const HairAsset asset = wavyAsset(33, 16);
   const HairObject& hair = run_.add(asset, {.settings = settings_});
   const HairObject& away = run_.add(asset, {.name = "away", .settings = settings_});
-  double largestStretchAway = 0;
   for (int frame = 0; frame < 120; ++frame) {
     // 16 m/s in steps that a float holds exactly.
     const double x = 0.25 * frame;
     for (const auto& [object, start] :
          {std::pair<const HairObject*, double>{&hair, 0}, {&away, 1024}}) {
-      const AffineTransform bone = shifted(start + x);
-      const_cast<HairObject*>(object)->setBones({&bone, 1});
+      setBone(*const_cast<HairObject*>(object), shifted(start + x));
     }
     run_.step();
   }
   const std::vector<Float4> here = run_.positions(hair), there = run_.positions(away);
-  double largest = 0;
-  for (size_t i = 0; i < here.size(); ++i) {
-    const Float4 back = {there[i].x - 1024, there[i].y, there[i].z, 0};
-    keepLargest(largest, distance(here[i], back));
-  }
-  largestStretchAway = maxStretch(asset, here);
-  EXPECT_LT(largest, 1e-4) << "the output's rounding at 1 km is 6e-5 m";
-  EXPECT_LT(largestStretchAway, 1e-3);
+  EXPECT_LT(maxDistance(here, there, {.shift = {-1024, 0, 0}}), 1e-4)
+      << "the output's rounding at 1 km is 6e-5 m";
+  EXPECT_LT(maxStretch(asset, here), 1e-3);
 }
 
 TEST_P(SceneSimulation, HairInContactDoesNotFeelTheOriginFollowIt) {
@@ -116,11 +77,9 @@ TEST_P(SceneSimulation, HairInContactDoesNotFeelTheOriginFollowIt) {
   double earlier = 0, later = 0;  // largest motion in a frame
   for (int frame = 0; frame < 150; ++frame) {
     const float x = 0.0625f * static_cast<float>(frame);
-    const AffineTransform bone = shifted(static_cast<double>(x));
-    hair.setBones({&bone, 1});
+    setBone(hair, shifted(static_cast<double>(x)));
     const Float3 at = {x, -0.25f, 0};
-    const CapsuleCollider ball = {.head = at, .headRadius = 0.1f, .tail = at, .tailRadius = 0.1f};
-    hair.setColliders({&ball, 1});
+    setCollider(hair, {.head = at, .headRadius = 0.1f, .tail = at, .tailRadius = 0.1f});
     run_.step();
     if (frame < 80) continue;
     std::vector<Float4> now = run_.positions(hair);
@@ -182,48 +141,30 @@ TEST_P(SceneSimulation, ForcesOfABufferActLikeGravityAndWind) {
   const float drag = -60 * std::log(0.9f);
   const std::vector<Float4> force(
       120, exact() ? Float4{2 * drag, -9.81f, drag, drag} : Float4{2, -9.81f, 1, 0});
-  const auto bytes = std::as_bytes(std::span(force));
-  forced.setForces(run_.scene.resources().add({.name = "forces",
-                                               .size = bytes.size(),
-                                               .stride = sizeof(Float4),
-                                               .initial = {bytes.begin(), bytes.end()}}));
+  forced.setForces(run_.add("forces", force));
   // Until both hang in the wind: on the way there the two take second Newton passes at different
   // times, which go by the drag of the settings.
   for (int frame = 0; frame < (exact() ? 300 : 30); ++frame) run_.step();
   const std::vector<Float4> a = run_.positions(expected), b = run_.positions(forced);
-  double largest = 0, moved = 0;
-  for (size_t i = 0; i < a.size(); ++i) {
-    keepLargest(largest, distance(a[i], b[i]));
-    keepLargest(moved, distance(a[i], asset.positions[i]));
-  }
-  EXPECT_LT(largest, 1e-4);
-  EXPECT_GT(moved, 0.02);
+  EXPECT_LT(maxDistance(a, b), 1e-4);
+  EXPECT_GT(maxDistance(a, asset.positions), 0.02);
 }
 
 TEST_P(SceneSimulation, DragOfABufferSlowsTheFall) {
   // A step from rest: he^2 a / (1 + k he), he = h for the classic solver and 2 h / 3 for the exact
   // one. The first frame puts the hair into its place.
-  HairAsset asset;
-  asset.strandCount = 2;
-  asset.verticesPerStrand = 3;
-  for (uint32_t s = 0; s < 2; ++s)
-    for (uint32_t v = 0; v < 3; ++v)
-      asset.positions.push_back({0.1f * static_cast<float>(v), 0, 0.1f * static_cast<float>(s), 1});
-  expectOk(asset.process());
+  const HairAsset asset = strandsAt(2, 3, [](uint32_t s, uint32_t v) {
+    return Float3{0.1f * static_cast<float>(v), 0, 0.1f * static_cast<float>(s)};
+  });
   settings_.gravity = {};
   settings_.damping = 0;
   settings_.bendLength = 0;
   settings_.localStiffness = 0;
-  const HairObject& hair = run_.add(asset, {.settings = settings_});
+  HairObject& hair = run_.add(asset, {.settings = settings_});
   run_.step();
   std::vector<Float4> force(6, {0, -4, 0, 0});
   for (size_t v = 3; v < 6; ++v) force[v].w = 60;
-  const auto bytes = std::as_bytes(std::span(force));
-  const_cast<HairObject&>(hair).setForces(
-      run_.scene.resources().add({.name = "drag",
-                                  .size = bytes.size(),
-                                  .stride = sizeof(Float4),
-                                  .initial = {bytes.begin(), bytes.end()}}));
+  hair.setForces(run_.add("drag", force));
   run_.step();
   const std::vector<Float4> p = run_.positions(hair);
   const double share = exact() ? 2.0 / 3 : 1, fall = 4.0 / 3600 * share * share;
@@ -233,14 +174,9 @@ TEST_P(SceneSimulation, DragOfABufferSlowsTheFall) {
 
 TEST_P(SceneSimulation, StiffnessCurvesAndStrandFactorsAct) {
   // Straight horizontal strands that sag.
-  HairAsset asset;
-  asset.strandCount = 3;
-  asset.verticesPerStrand = 16;
-  for (uint32_t s = 0; s < 3; ++s)
-    for (uint32_t v = 0; v < 16; ++v)
-      asset.positions.push_back(
-          {0.01f * static_cast<float>(v), 0, 0.05f * static_cast<float>(s), v < 2 ? 0.0f : 1.0f});
-  expectOk(asset.process());
+  const HairAsset asset = strandsAt(3, 16, [](uint32_t s, uint32_t v) {
+    return Float3{0.01f * static_cast<float>(v), 0, 0.05f * static_cast<float>(s)};
+  });
   SimulationSettings settings = settings_;
   settings.bendLength = 0.05f;
   // The springs of the classic solver: s / (1 - s) is 1, and 4 times that with 0.8.
@@ -280,10 +216,7 @@ TEST_P(SceneSimulation, GlobalStiffnessAndDampingHaveCurvesToo) {
   // On the first way down, and when all have settled.
   for (int frame = 0; frame < 7; ++frame) run_.step();
   const auto furthest = [&](const HairObject& hair) {
-    const std::vector<Float4> p = run_.positions(hair);
-    double largest = 0;
-    for (size_t i = 0; i < p.size(); ++i) keepLargest(largest, distance(p[i], asset.positions[i]));
-    return largest;
+    return maxDistance(run_.positions(hair), asset.positions);
   };
   EXPECT_LT(furthest(damped), 0.8 * furthest(plain));
   for (int frame = 0; frame < 200; ++frame) run_.step();
@@ -292,14 +225,9 @@ TEST_P(SceneSimulation, GlobalStiffnessAndDampingHaveCurvesToo) {
 
 TEST_P(SceneSimulation, GustsDifferFromStrandToStrandAsMuchAsAskedFor) {
   // The same strand 20 times at different places.
-  HairAsset asset;
-  asset.strandCount = 20;
-  asset.verticesPerStrand = 10;
-  for (uint32_t s = 0; s < 20; ++s)
-    for (uint32_t v = 0; v < 10; ++v)
-      asset.positions.push_back(
-          {0.05f * static_cast<float>(s), -0.02f * static_cast<float>(v), 0, v < 2 ? 0.0f : 1.0f});
-  expectOk(asset.process());
+  const HairAsset asset = strandsAt(20, 10, [](uint32_t s, uint32_t v) {
+    return Float3{0.05f * static_cast<float>(s), -0.02f * static_cast<float>(v), 0};
+  });
   double spread[2] = {};
   for (int k = 0; k < 2; ++k) {
     SimulationSettings settings = settings_;
@@ -323,17 +251,9 @@ TEST_P(SceneSimulation, GustsDifferFromStrandToStrandAsMuchAsAskedFor) {
 
 // ---- what only the exact solver has
 
-class ExactScene : public testing::TestWithParam<Api> {
+class ExactScene : public SceneTest {
  protected:
-  ExactScene() : run_(sharedSceneRun(GetParam())) {}
-  void SetUp() override {
-    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
-  }
-  void TearDown() override { run_.clear(); }
-  uint32_t awake(const HairObject& hair) const {
-    const std::vector<uint32_t> words = run_.read<uint32_t>(hair.buffers().sleep);
-    return readCounters(std::as_bytes(std::span(words))).awakeStrands;
-  }
+  uint32_t awake(const HairObject& hair) const { return run_.awake(hair); }
   /// Steps until everything sleeps; the number of frames that took.
   int fallAsleep(const HairObject& hair) {
     for (int frame = 1; frame <= 900; ++frame) {
@@ -343,8 +263,6 @@ class ExactScene : public testing::TestWithParam<Api> {
     ADD_FAILURE() << awake(hair) << " strands did not come to rest";
     return 0;
   }
-
-  SceneRun& run_;
 };
 
 TEST_P(ExactScene, HairAtRestSleepsWhereItIs) {
@@ -371,11 +289,11 @@ TEST_P(ExactScene, SleepDoesNotChangeTheMotionAfterIt) {
   double largest = 0;
   for (int frame = 1; frame <= 30; ++frame) {
     const AffineTransform bone = shifted(0.05 * (1 - std::cos(0.1 * frame)));
-    sleeper.setBones({&bone, 1});
-    other.setBones({&bone, 1});
+    setBone(sleeper, bone);
+    setBone(other, bone);
     run_.step();
     const std::vector<Float4> a = run_.positions(sleeper), b = run_.positions(other);
-    for (size_t i = 0; i < a.size(); ++i) keepLargest(largest, distance(a[i], b[i]));
+    keepLargest(largest, maxDistance(a, b));
   }
   EXPECT_EQ(awake(sleeper), 70u);
   // Half a second at less than half a millimetre a second, and what was left to go.
@@ -419,10 +337,10 @@ TEST_P(ExactScene, OnlyTheTilesThatAColliderStirsWake) {
   HairObject& hair = run_.add(asset, {.settings = calmSettings()});
   CapsuleCollider ball = {
       .head = {2, 1, 0}, .headRadius = 0.05f, .tail = {2, 1, 0}, .tailRadius = 0.05f};
-  hair.setColliders({&ball, 1});
+  setCollider(hair, ball);
   fallAsleep(hair);
   ball.head.y = ball.tail.y = 0.3f;
-  hair.setColliders({&ball, 1});
+  setCollider(hair, ball);
   run_.step();
   EXPECT_EQ(awake(hair), 32u);
   const std::vector<uint32_t> sleep = run_.read<uint32_t>(hair.buffers().sleep);
@@ -433,16 +351,14 @@ TEST_P(ExactScene, OnlyTheTilesThatAColliderStirsWake) {
 
 TEST_P(ExactScene, FollowHairsSleepWithTheirGuides) {
   const HairAsset asset = wavyAsset(20, 8);
-  const auto follow = asset.generateFollowHairs({.countPerGuide = 3});
-  ASSERT_TRUE(follow);
+  const std::vector<FollowHair> follow = valueOf(asset.generateFollowHairs({.countPerGuide = 3}));
   HairObject& hair = run_.add(
-      asset, {.settings = calmSettings(), .followHairs = *follow, .storeFollowHairs = true});
+      asset, {.settings = calmSettings(), .followHairs = follow, .storeFollowHairs = true});
   fallAsleep(hair);
   const std::vector<Float4> before = run_.positions(hair);
   for (int frame = 0; frame < 3; ++frame) run_.step();
   EXPECT_EQ(run_.positions(hair), before);
-  const AffineTransform bone = shifted(0.1);
-  hair.setBones({&bone, 1});
+  setBone(hair, shifted(0.1));
   run_.step();
   const std::vector<Float4> moved = run_.positions(hair);
   for (size_t s = 0; s < 80; ++s) EXPECT_NEAR(moved[s * 8].x - before[s * 8].x, 0.1f, 1e-5);
@@ -453,10 +369,9 @@ TEST_P(ExactScene, FollowHairsLookTheSameWhetherTheyAreStoredOrNot) {
   asset.strandThickness.resize(30);
   for (uint32_t s = 0; s < 30; ++s) asset.strandThickness[s] = 0.5f + 0.05f * static_cast<float>(s);
   expectOk(asset.process());
-  const auto follow = asset.generateFollowHairs(
-      {.countPerGuide = 6, .guidesPerHair = 3, .maxRadius = 0.02f, .tipSeparation = 2});
-  ASSERT_TRUE(follow);
-  HairDef def = {.material = {.fiberRadius = 1e-3f}, .followHairs = *follow};
+  const std::vector<FollowHair> follow = valueOf(asset.generateFollowHairs(
+      {.countPerGuide = 6, .guidesPerHair = 3, .maxRadius = 0.02f, .tipSeparation = 2}));
+  HairDef def = {.material = {.fiberRadius = 1e-3f}, .followHairs = follow};
   def.settings.tipSeparation = 0.7f;
   HairObject& evaluated = run_.add(asset, def);
   def.storeFollowHairs = true;
@@ -467,8 +382,8 @@ TEST_P(ExactScene, FollowHairsLookTheSameWhetherTheyAreStoredOrNot) {
     AffineTransform bone;
     for (int i = 0; i < 3; ++i)
       bone.rows[i] = toFloat4(rotation.row(i).transpose(), i == 0 ? 0.1 : 0);
-    evaluated.setBones({&bone, 1});
-    stored.setBones({&bone, 1});
+    setBone(evaluated, bone);
+    setBone(stored, bone);
     run_.step();
   }
   std::vector<Float4> guides = run_.positions(stored);
@@ -503,21 +418,17 @@ TEST_P(ExactScene, LevelOfDetailSimulatesFewerGuidesAndKeepsTheirLengths) {  // 
   HairObject& hair = run_.add(asset, {.settings = {}, .levelOfDetail = true});
   HairObject& full = run_.add(asset, {.name = "full", .settings = {}});
   hair.simulatedShare = 0.25f;
-  const auto simulatedThreads = [&](const HairObject& object) {
-    const std::vector<uint32_t> words = run_.read<uint32_t>(object.buffers().sleep);
-    return readCounters(std::as_bytes(std::span(words))).awakeStrands;
-  };
   double apart = 0;
   const auto placeAt = [](int frame) { return static_cast<float>(0.03 * std::sin(0.1 * frame)); };
   const auto swing = [&](int frame) {
     const AffineTransform bone = shifted(static_cast<double>(placeAt(frame)));
-    hair.setBones({&bone, 1});
-    full.setBones({&bone, 1});
+    setBone(hair, bone);
+    setBone(full, bone);
     run_.step();
   };
   for (int frame = 0; frame < 40; ++frame) swing(frame);
-  EXPECT_EQ(simulatedThreads(hair), 50u);
-  EXPECT_EQ(simulatedThreads(full), 200u);
+  EXPECT_EQ(awake(hair), 50u);
+  EXPECT_EQ(awake(full), 200u);
   std::vector<Float4> a = run_.positions(hair), b = run_.positions(full);
   double away = 0, moved = 0;
   EXPECT_LT(maxStretch(asset, a), 1e-4);
@@ -540,33 +451,26 @@ TEST_P(ExactScene, LevelOfDetailSimulatesFewerGuidesAndKeepsTheirLengths) {  // 
   for (int frame = 40; frame < 60; ++frame) {
     swing(frame);
     const std::vector<Float4> now = run_.positions(hair);
-    for (size_t i = 0; i < a.size(); ++i) keepLargest(jump, distance(now[i], a[i]));
+    keepLargest(jump, maxDistance(now, a));
     a = now;
   }
-  EXPECT_EQ(simulatedThreads(hair), 200u);
+  EXPECT_EQ(awake(hair), 200u);
   EXPECT_LT(maxStretch(asset, a), 1e-4);
   EXPECT_LT(jump, 0.04) << "in a frame";
   for (int frame = 60; frame < 240; ++frame) swing(frame);
   a = run_.positions(hair);
   b = run_.positions(full);
   apart = 0;
-  for (size_t i = 0; i < a.size(); ++i) keepLargest(apart, distance(a[i], b[i]));
+  keepLargest(apart, maxDistance(a, b));
   EXPECT_LT(apart, 5e-3);
 }
 
 TEST_P(ExactScene, AStrandWithTheShapeOfItsParentHasItsMotion) {
   // 40 equal strands: every one that is not simulated moves as if it were.
-  HairAsset asset;
-  asset.strandCount = 40;
-  asset.verticesPerStrand = 10;
-  for (uint32_t s = 0; s < 40; ++s) {
-    for (uint32_t v = 0; v < 10; ++v) {
-      const float t = 0.02f * static_cast<float>(v);
-      asset.positions.push_back(
-          {0.01f * static_cast<float>(s) + t, -t * t, t * t, v < 2 ? 0.0f : 1.0f});
-    }
-  }
-  expectOk(asset.process());
+  const HairAsset asset = strandsAt(40, 10, [](uint32_t s, uint32_t v) {
+    const float t = 0.02f * static_cast<float>(v);
+    return Float3{0.01f * static_cast<float>(s) + t, -t * t, t * t};
+  });
   HairObject& hair = run_.add(asset, {.settings = {}, .levelOfDetail = true});
   hair.simulatedShare = 0.1f;
   for (int frame = 0; frame < 30; ++frame) run_.step();
@@ -581,15 +485,7 @@ TEST_P(ExactScene, AStrandWithTheShapeOfItsParentHasItsMotion) {
 
 INSTANTIATE_TEST_SUITE_P(All, ExactScene, testing::ValuesIn(kApis), apiTestName);
 
-class ClassicScene : public testing::TestWithParam<Api> {
- protected:
-  ClassicScene() : run_(sharedSceneRun(GetParam())) {}
-  void SetUp() override {
-    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
-  }
-  void TearDown() override { run_.clear(); }
-  SceneRun& run_;
-};
+class ClassicScene : public SceneTest {};
 
 struct Style {
   const char* name;
@@ -687,12 +583,7 @@ TEST_P(ClassicScene, SettlesInOneShapeAtEveryFrameRate) {
 
 INSTANTIATE_TEST_SUITE_P(All, ClassicScene, testing::ValuesIn(kApis), apiTestName);
 
-std::string testName(const testing::TestParamInfo<std::tuple<Api, Solver>>& info) {
-  return std::string(apiName(std::get<0>(info.param))) +
-         (std::get<1>(info.param) == Solver::kExact ? "Exact" : "Classic");
-}
-
-INSTANTIATE_TEST_SUITE_P(All, SceneSimulation, testing::ValuesIn(solversOnApis()), testName);
+INSTANTIATE_TEST_SUITE_P(All, SceneSimulation, testing::ValuesIn(solversOnApis()), solverTestName);
 
 }  // namespace
 }  // namespace pelage::test

@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <numbers>
 
-#include "support/extremes.h"
-#include "support/strand_run.h"
+#include "support/plain_asset.h"
+#include "support/strand_measures.h"
 
 namespace pelage::test {
 namespace {
@@ -21,12 +21,6 @@ constexpr double kFloatStep = 1.0f / 60;
 
 Pose moved(const Pose& pose, const Vector3d& shift, const Eigen::AngleAxisd& relativeRotation) {
   return {Eigen::Quaterniond(relativeRotation) * pose.rotation, pose.position + shift};
-}
-
-std::vector<Pose> bindPoses(const HairAsset& asset) {
-  std::vector<Pose> poses;
-  for (uint32_t s = 0; s < asset.strandCount; ++s) poses.push_back(bindPose(asset, s));
-  return poses;
 }
 
 /// Largest distance between what the device has of a strand and the reference [m].
@@ -78,6 +72,14 @@ std::vector<Pose> headPoses(const HairAsset& asset, int step, double violence = 
   return poses;
 }
 
+/// The vertices of the bind pose after the motion of the root.
+std::vector<Vector3d> targetsOf(const HairAsset& asset, uint32_t strand, const Pose& root) {
+  const ClassicReference rest(bindOf(asset, strand));
+  std::vector<Vector3d> targets;
+  for (int v = 0; v < rest.count(); ++v) targets.push_back(rest.target(root, v));
+  return targets;
+}
+
 /// Constants that make every term count.
 void setLively(SimulationConstants& c) {
   c.gravity = {0.5f, -9.81f, 0.3f, 0};
@@ -90,7 +92,26 @@ void setLively(SimulationConstants& c) {
   c.vspThreshold = 30;
 }
 
-class SimulateClassic : public GpuTest {};
+/// Hair in its bind pose on which every term acts.
+struct LivelyRun : StrandRun {
+  LivelyRun(Gpu& gpu, const HairAsset& asset) : StrandRun(gpu, asset) {
+    reset(bindPoses(asset));
+    setLively(constants);
+  }
+};
+
+class SimulateClassic : public GpuTest {
+ protected:
+  /// Steps 1 to `last` of the head.
+  static void shake(StrandRun& run, const HairAsset& asset, const StrandTerms& terms, int last,
+                    double violence = 1) {
+    for (int step = 1; step <= last; ++step) {
+      run.setRoots(headPoses(asset, step, violence), headPoses(asset, step - 1, violence));
+      run.simulate(terms);
+      run.run();
+    }
+  }
+};
 
 TEST_P(SimulateClassic, MatchesTheReferenceWithAnyOfItsTerms) {
   const HairAsset asset = wavyAsset(5, 12);
@@ -99,9 +120,7 @@ TEST_P(SimulateClassic, MatchesTheReferenceWithAnyOfItsTerms) {
   for (uint32_t mask = 0; mask < 16; ++mask) {
     const StrandTerms terms = StrandRun::terms(mask & 1, mask & 2, mask & 4, mask & 8);
     SCOPED_TRACE(mask);
-    StrandRun run(gpu(), asset);
-    run.reset(bindPoses(asset));
-    setLively(run.constants);
+    LivelyRun run(gpu(), asset);
     std::vector<ClassicReference> references;
     for (uint32_t s = 0; s < asset.strandCount; ++s) references.emplace_back(bindOf(asset, s));
     for (int step = 1; step <= steps; ++step) {
@@ -152,15 +171,9 @@ TEST_P(SimulateClassic, TakesAnyNumberOfStrandsAndVertices) {
     SCOPED_TRACE(size.strands);
     SCOPED_TRACE(size.vertices);
     const HairAsset asset = wavyAsset(size.strands, size.vertices, 3);
-    StrandRun run(gpu(), asset);
-    run.reset(bindPoses(asset));
-    setLively(run.constants);
+    LivelyRun run(gpu(), asset);
     const StrandTerms terms = StrandRun::terms(true, true, true, true);
-    for (int step = 1; step <= 2; ++step) {
-      run.setRoots(headPoses(asset, step), headPoses(asset, step - 1));
-      run.simulate(terms);
-      run.run();
-    }
+    shake(run, asset, terms, 2);
     const std::vector<Float4> positions = run.positions();
     for (uint32_t s = 0; s < size.strands; s += std::max(1u, size.strands / 61)) {
       ClassicReference expected(bindOf(asset, s));
@@ -182,16 +195,10 @@ TEST_P(SimulateClassic, TakesAnyNumberOfStrandsAndVertices) {
 TEST_P(SimulateClassic, GivesAStrandTheSameBitsAloneAndAmongOthers) {
   const HairAsset all = wavyAsset(131, 19, 3);
   const auto simulated = [&](const HairAsset& asset) {
-    StrandRun run(gpu(), asset);
-    run.reset(bindPoses(asset));
-    setLively(run.constants);
+    LivelyRun run(gpu(), asset);
     run.setColliders(
         {{{0, -0.1f, 0, 0.1f}, {0, -0.1f, 0, 0.1f}, {0, -0.1f, 0, 0.3f}, {0, -0.1f, 0, 0}, {}}});
-    for (int step = 1; step <= 5; ++step) {
-      run.setRoots(headPoses(asset, step), headPoses(asset, step - 1));
-      run.simulate(StrandRun::terms(true, true, true, true, true));
-      run.run();
-    }
+    shake(run, asset, StrandRun::terms(true, true, true, true, true), 5);
     return run.positions();
   };
   const std::vector<Float4> among = simulated(all);
@@ -229,9 +236,7 @@ TEST_P(SimulateClassic, KeepsItsShapeWhileTheRootTurnsRoundAndRound) {
     if (step < 200 || step % 24 != 0) continue;
     const std::vector<Float4> positions = run.positions();
     for (uint32_t s = 0; s < asset.strandCount; ++s) {
-      const ClassicReference rest(bindOf(asset, s));
-      std::vector<Vector3d> targets;
-      for (int v = 0; v < rest.count(); ++v) targets.push_back(rest.target(now[s], v));
+      const std::vector<Vector3d> targets = targetsOf(asset, s, now[s]);
       keepLargest(worst, worstDistance(positions, s, targets));
     }
   }
@@ -241,19 +246,12 @@ TEST_P(SimulateClassic, KeepsItsShapeWhileTheRootTurnsRoundAndRound) {
 
 TEST_P(SimulateClassic, MovesStrandsOfTwoVerticesWithTheRootAlone) {
   const HairAsset asset = wavyAsset(3, 2);
-  StrandRun run(gpu(), asset);
-  run.reset(bindPoses(asset));
-  setLively(run.constants);
-  for (int step = 1; step <= 5; ++step) {
-    run.setRoots(headPoses(asset, step), headPoses(asset, step - 1));
-    run.simulate(StrandRun::terms(true, true, true, true));
-    run.run();
-  }
+  LivelyRun run(gpu(), asset);
+  shake(run, asset, StrandRun::terms(true, true, true, true), 5);
   const std::vector<Float4> positions = run.positions();
   for (uint32_t s = 0; s < 3; ++s) {
-    const ClassicReference rest(bindOf(asset, s));
     const Pose pose = headPose(bindPose(asset, s), 5);
-    EXPECT_LT(worstDistance(positions, s, {rest.target(pose, 0), rest.target(pose, 1)}), 3e-7);
+    EXPECT_LT(worstDistance(positions, s, targetsOf(asset, s, pose)), 3e-7);
   }
 }
 
@@ -275,9 +273,7 @@ TEST_P(SimulateClassic, KeepsTheRestPoseWithoutGravity) {
     run.run();
     const std::vector<Float4> positions = run.positions();
     for (uint32_t s = 0; s < asset.strandCount; ++s) {
-      const ClassicReference rest(bindOf(asset, s));
-      std::vector<Vector3d> targets;
-      for (int v = 0; v < rest.count(); ++v) targets.push_back(rest.target(poses[s], v));
+      const std::vector<Vector3d> targets = targetsOf(asset, s, poses[s]);
       // The rounding of the goal's own coordinates; what wanders does not stay within it.
       EXPECT_LT(worstDistance(positions, s, targets), 2e-7)
           << "strand " << s << ", local shape " << localShape;
@@ -288,9 +284,7 @@ TEST_P(SimulateClassic, KeepsTheRestPoseWithoutGravity) {
 // K5
 TEST_P(SimulateClassic, KeepsLengthsUnderAViolentRootMotion) {
   const HairAsset asset = wavyAsset(65, 32, 5);
-  StrandRun run(gpu(), asset);
-  run.reset(bindPoses(asset));
-  setLively(run.constants);
+  LivelyRun run(gpu(), asset);
   std::vector<Pose> last = bindPoses(asset);
   Random random(9);
   for (int step = 0; step < 30; ++step) {
@@ -309,14 +303,8 @@ TEST_P(SimulateClassic, KeepsLengthsUnderAViolentRootMotion) {
 
 TEST_P(SimulateClassic, HoldsAVertexInTheMiddleAndAtTheTip) {
   const HairAsset asset = wavyAsset(20, 24, 4, {12, 23});
-  StrandRun run(gpu(), asset);
-  run.reset(bindPoses(asset));
-  setLively(run.constants);
-  for (int step = 1; step <= 60; ++step) {
-    run.setRoots(headPoses(asset, step), headPoses(asset, step - 1));
-    run.simulate(StrandRun::terms(true, false, true, true));
-    run.run();
-  }
+  LivelyRun run(gpu(), asset);
+  shake(run, asset, StrandRun::terms(true, false, true, true), 60);
   const std::vector<Float4> positions = run.positions();
   for (uint32_t s = 0; s < asset.strandCount; ++s) {
     const ClassicReference rest(bindOf(asset, s), {12, 23});
@@ -355,22 +343,14 @@ TEST_P(SimulateClassic, StretchesASpanEvenlyThatIsTooShortForItsEnds) {
 // K18
 TEST_P(SimulateClassic, ResetTakesTheGoalAndForgetsVelocities) {
   const HairAsset asset = wavyAsset(7, 16);
-  StrandRun run(gpu(), asset);
-  run.reset(bindPoses(asset));
-  setLively(run.constants);
-  for (int step = 1; step <= 20; ++step) {
-    run.setRoots(headPoses(asset, step), headPoses(asset, step - 1));
-    run.simulate(StrandRun::terms(true, true, true, true));
-    run.run();
-  }
+  LivelyRun run(gpu(), asset);
+  shake(run, asset, StrandRun::terms(true, true, true, true), 20);
   const std::vector<Pose> poses = headPoses(asset, 50, 3);
   run.reset(poses);
   const auto check = [&](double tolerance) {
     const std::vector<Float4> positions = run.positions(), tangents = run.tangents();
     for (uint32_t s = 0; s < asset.strandCount; ++s) {
-      const ClassicReference rest(bindOf(asset, s));
-      std::vector<Vector3d> targets;
-      for (int v = 0; v < rest.count(); ++v) targets.push_back(rest.target(poses[s], v));
+      const std::vector<Vector3d> targets = targetsOf(asset, s, poses[s]);
       EXPECT_LT(worstDistance(positions, s, targets), tolerance);
       const Vector3d tip = (targets[15] - targets[14]).normalized();
       EXPECT_LT((toVector(tangents[s * 16 + 15]) - tip).norm(), 1e-4);
@@ -531,24 +511,16 @@ TEST_P(SimulateClassic, KeepsTheMohawkAtRestAndItsLengthsInMotion) {
   EXPECT_LT(drift, 2e-6 * size);
 
   run.constants.gravity = gravity;
-  for (int step = 1; step <= 60; ++step) {
-    run.setRoots(headPoses(*asset, step, 2), headPoses(*asset, step - 1, 2));
-    run.simulate(terms);
-    run.run();
-  }
+  shake(run, *asset, terms, 60, 2);
   EXPECT_LT(worstStretch(*asset, run.positions()), 1e-3);
   run.checkGuards();
 }
 
 /// One strand along `direction`, root at the origin.
 HairAsset straightAsset(uint32_t vertices, double length, const Vector3d& direction) {
-  HairAsset asset;
-  asset.strandCount = 1;
-  asset.verticesPerStrand = vertices;
-  for (uint32_t v = 0; v < vertices; ++v)
-    asset.positions.push_back(toFloat4(direction * (length * v / (vertices - 1)), v < 2 ? 0 : 1));
-  expectOk(asset.process());
-  return asset;
+  return strandsAt(1, vertices, [&](uint32_t, uint32_t v) {
+    return toFloat3(direction * (length * v / (vertices - 1)));
+  });
 }
 
 // K15
@@ -615,14 +587,8 @@ TEST_P(SimulateClassic, ReachesTheSpeedOfTheAirWhateverTheDrag) {
 // K3
 TEST_P(SimulateClassic, GivesTheTipTheTangentOfItsSegment) {
   const HairAsset asset = wavyAsset(65, 9, 2);
-  StrandRun run(gpu(), asset);
-  run.reset(bindPoses(asset));
-  setLively(run.constants);
-  for (int step = 1; step <= 5; ++step) {
-    run.setRoots(headPoses(asset, step), headPoses(asset, step - 1));
-    run.simulate(StrandRun::terms(true, true, true, true));
-    run.run();
-  }
+  LivelyRun run(gpu(), asset);
+  shake(run, asset, StrandRun::terms(true, true, true, true), 5);
   const std::vector<Float4> positions = run.positions(), tangents = run.tangents();
   for (uint32_t s = 0; s < 65; ++s) {
     const auto p = [&](uint32_t v) { return toVector(positions[s * 9 + v]); };
@@ -666,9 +632,7 @@ TEST_P(SimulateClassic, CarriesTheWholeShapeThroughAHalfRotation) {
   run.run();
   const std::vector<Float4> positions = run.positions();
   for (uint32_t s = 0; s < asset.strandCount; ++s) {
-    const ClassicReference rest(bindOf(asset, s));
-    std::vector<Vector3d> targets;
-    for (int v = 0; v < rest.count(); ++v) targets.push_back(rest.target(now[s], v));
+    const std::vector<Vector3d> targets = targetsOf(asset, s, now[s]);
     EXPECT_LT(worstDistance(positions, s, targets), 3e-6) << "strand " << s;
   }
 }

@@ -1,106 +1,64 @@
 // Hair that is not simulated: it moves rigidly with its bones, and goes on from there.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
-#include <string_view>
-#include <tuple>
 #include <vector>
 
 #include "pelage/skeleton.h"
 #include "stress/stress_run.h"
-#include "support/extremes.h"
-#include "support/required_devices.h"
+#include "support/plain_asset.h"
 
 namespace pelage::test {
 namespace {
 
-struct Motion {
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  Vector3d shift = {0, 0, 0};
-  Vector3d operator()(const Float4& p) const { return rotation * toVector(p) + shift; }
-};
-
 /// A head that turns, and goes through more than one origin of the object.
-Motion walk(int frame) {
-  return {Eigen::AngleAxisd(0.7 * std::sin(0.2 * frame), Vector3d(1, 2, -0.5).normalized())
-              .toRotationMatrix(),
-          {0, 0.01 * frame, 0.12 * frame}};
+RigidMotion walkOfHead(int frame) {
+  return RigidMotion::about(0.7 * std::sin(0.2 * frame), {1, 2, -0.5},
+                            {0, 0.01 * frame, 0.12 * frame});
 }
 
-/// Infinite where something is not a number.
-double maxDistance(const std::vector<Float4>& a, const std::vector<Vector3d>& b) {
-  if (a.size() != b.size()) return std::numeric_limits<double>::infinity();
-  double largest = 0;
-  for (size_t i = 0; i < a.size(); ++i) {
-    const double distance = (toVector(a[i]) - b[i]).norm();
-    if (!(distance <= largest)) largest = distance;
-    if (std::isnan(distance)) return std::numeric_limits<double>::infinity();
-  }
-  return largest;
-}
-
-std::vector<Vector3d> moved(const std::vector<Float4>& points, const Motion& motion) {
-  std::vector<Vector3d> all;
-  for (const Float4& p : points) all.push_back(motion(p));
-  return all;
-}
-
-class SkinnedHair : public testing::TestWithParam<std::tuple<Api, Solver>> {
+class SkinnedHair : public SolverTest {
  protected:
-  SkinnedHair() : run_(sharedSceneRun(std::get<0>(GetParam()))), asset_(wavyAsset(37, 12)) {
-    settings_.solver = std::get<1>(GetParam());
+  SkinnedHair() : asset_(wavyAsset(37, 12)) {
     // See StressTest.
     settings_.wind = {.velocity = {0, 0, 1e-4f}, .gustStrength = 0, .strandVariation = 0};
   }
-  void SetUp() override {
-    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
-  }
-  void TearDown() override { run_.clear(); }
-
-  bool exact() const { return settings_.solver == Solver::kExact; }
-  static void setBone(HairObject& hair, const Motion& motion) {
-    const AffineTransform bone = toTransform(motion.rotation, motion.shift);
-    hair.setBones({&bone, 1});
-  }
-  void step(HairObject& hair, const Motion& motion, float dt = 1.0f / 60) {
-    setBone(hair, motion);
+  void step(HairObject& hair, const RigidMotion& motion, float dt = 1.0f / 60) {
+    setBone(hair, motion.transform());
     run_.step(dt);
   }
 
-  SceneRun& run_;
   HairAsset asset_;
-  SimulationSettings settings_;
   double along_ = 0;  ///< that the roots have gone [m]
 };
 
 TEST_P(SkinnedHair, MovesRigidlyWithItsBones) {
-  const auto follows = asset_.generateFollowHairs({.countPerGuide = 2, .maxRadius = 0.02f});
-  ASSERT_TRUE(follows);
+  const std::vector<FollowHair> follows =
+      valueOf(asset_.generateFollowHairs({.countPerGuide = 2, .maxRadius = 0.02f}));
   HairObject& hair = run_.add(asset_, {.settings = settings_,
-                                       .followHairs = *follows,
+                                       .followHairs = follows,
                                        .storeFollowHairs = true,
                                        .collidingHair = CollidingHair::kGuidesAndFollows});
   hair.simulated = false;
-  const CapsuleCollider ball = {.head = {0, 0, 0.5f}, .headRadius = 0.2f, .tailRadius = 0.1f};
-  hair.setColliders({&ball, 1});
+  setCollider(hair, {.head = {0, 0, 0.5f}, .headRadius = 0.2f, .tailRadius = 0.1f});
   step(hair, {});
   // Of all strands, in the bind pose.
   const std::vector<Float4> bind = run_.positions(hair);
   const std::vector<Float4> bindTangents = run_.read(hair.buffers().tangents);
   ASSERT_EQ(bind.size(), 3 * asset_.positions.size());
-  EXPECT_LT(maxDistance({bind.begin(), bind.begin() + 37 * 12}, moved(asset_.positions, {})), 1e-6);
+  EXPECT_LT(
+      maxDistance(std::vector<Float4>(bind.begin(), bind.begin() + 37 * 12), asset_.positions),
+      1e-6);
   for (int frame = 1; frame < 30; ++frame) {
     // Half way through it is simulated for some frames.
     hair.simulated = frame >= 12 && frame < 20;
-    step(hair, walk(frame), frame % 3 == 0 ? 1.0f / 40 : 1.0f / 60);
-    const double off = maxDistance(run_.positions(hair), moved(bind, walk(frame)));
+    step(hair, walkOfHead(frame), frame % 3 == 0 ? 1.0f / 40 : 1.0f / 60);
+    const double off = maxDistance(run_.positions(hair), bind, walkOfHead(frame));
     if (hair.simulated) continue;
     EXPECT_LT(off, 3e-6) << "frame " << frame << ", up to 3.5 m from the origin";
-    Motion rotation = walk(frame);
-    rotation.shift = {0, 0, 0};
-    EXPECT_LT(maxDistance(run_.read(hair.buffers().tangents), moved(bindTangents, rotation)), 1e-5)
+    EXPECT_LT(maxDistance(run_.read(hair.buffers().tangents), bindTangents,
+                          walkOfHead(frame).withoutShift()),
+              1e-5)
         << "frame " << frame;
   }
 }
@@ -120,10 +78,9 @@ TEST_P(SkinnedHair, ContinuesWithTheVelocityOfItsRoots) {
       hair.simulated = simulated;
       for (int frame = 0; frame < 8; ++frame) {
         along_ += speed / 60;
-        const Motion motion = {Eigen::Matrix3d::Identity(), {0, 0.5 * along_, along_}};
+        const RigidMotion motion = {.shift = {0, 0.5 * along_, along_}};
         step(hair, motion);
-        const double off = maxDistance(run_.positions(hair), moved(asset_.positions, motion));
-        if (!(off <= worst)) worst = off;
+        keepLargest(worst, maxDistance(run_.positions(hair), asset_.positions, motion));
       }
       return worst;
     };
@@ -140,8 +97,7 @@ TEST_P(SkinnedHair, DoesNotJumpWhenItIsSimulatedAgain) {
   hair.simulated = false;
   std::vector<std::vector<Float4>> story;
   const auto turn = [](int frame) {
-    return Motion{Eigen::AngleAxisd(0.03 * frame, Vector3d(0, 1, 0)).toRotationMatrix(),
-                  {0, 0, 0.02 * frame}};
+    return RigidMotion::about(0.03 * frame, {0, 1, 0}, {0, 0, 0.02 * frame});
   };
   double before = 0, after = 0;
   for (int frame = 0; frame < 24; ++frame) {
@@ -155,11 +111,11 @@ TEST_P(SkinnedHair, DoesNotJumpWhenItIsSimulatedAgain) {
       const size_t n = story.size();
       const Vector3d change =
           toVector(story[n - 1][i]) - 2 * toVector(story[n - 2][i]) + toVector(story[n - 3][i]);
-      if (!(change.norm() <= jerk)) jerk = change.norm();
+      keepLargest(jerk, change.norm());
     }
     keepLargest(frame < 12 ? before : after, jerk);
     if (frame == 12) {
-      EXPECT_LT(maxDistance(story.back(), moved(asset_.positions, turn(frame))), 1e-3)
+      EXPECT_LT(maxDistance(story.back(), asset_.positions, turn(frame)), 1e-3)
           << "the first frame";
     }
   }
@@ -174,13 +130,9 @@ TEST_P(SkinnedHair, GravityRisesOverTheBlendTime) {
   settings_.bendLength = 0;
   settings_.localStiffness = 0;
   settings_.wind = {};
-  HairAsset flat;
-  flat.strandCount = 2;
-  flat.verticesPerStrand = 3;
-  for (uint32_t s = 0; s < 2; ++s)
-    for (uint32_t v = 0; v < 3; ++v)
-      flat.positions.push_back({0, 0.1f * static_cast<float>(s), 0.1f * static_cast<float>(v), 1});
-  expectOk(flat.process());
+  const HairAsset flat = strandsAt(2, 3, [](uint32_t s, uint32_t v) {
+    return Float3{0, 0.1f * static_cast<float>(s), 0.1f * static_cast<float>(v)};
+  });
   const auto fall = [&](float blendTime, int frames) {
     HairObject& hair = run_.add(flat, {.settings = settings_});
     hair.simulated = false;
@@ -203,7 +155,7 @@ TEST_P(SkinnedHair, GravityRisesOverTheBlendTime) {
   EXPECT_LT(fall(0.5f, 6), fall(0.25f, 6));
 }
 
-INSTANTIATE_TEST_SUITE_P(All, SkinnedHair, testing::ValuesIn(solversOnApis()), stressTestName);
+INSTANTIATE_TEST_SUITE_P(All, SkinnedHair, testing::ValuesIn(solversOnApis()), solverTestName);
 
 }  // namespace
 }  // namespace pelage::test

@@ -35,20 +35,18 @@ std::vector<Pose> rotatedPoses(const HairAsset& asset) {
 
 // K11
 TEST_P(UpdateFollowHairs, TurnOffsetsWithTheRootForEveryCount) {
-  struct Size {
+  struct Counts {
     uint32_t guides, follows, vertices;
   };
-  for (const Size size : {Size{1, 1, 2}, Size{3, 17, 5}, Size{5, 63, 32}, Size{5, 65, 31},
-                          Size{2, 9, 256}, Size{4, 65537, 2}}) {
+  for (const Counts size : {Counts{1, 1, 2}, Counts{3, 17, 5}, Counts{5, 63, 32}, Counts{5, 65, 31},
+                            Counts{2, 9, 256}, Counts{4, 65537, 2}}) {
     SCOPED_TRACE(size.follows);
     const HairAsset asset = wavyAsset(size.guides, size.vertices);
     const std::vector<FollowHairRecord> follows = followHairRecords(size.guides, size.follows);
     StrandRun run(gpu(), asset, follows);
     const std::vector<Pose> poses = rotatedPoses(asset);
-    run.reset(poses);
     run.constants.tipSeparation = 1.5f;
-    run.updateFollowHairs();
-    run.run();
+    run.resetWithFollowHairs(poses);
     run.checkGuards();
     const std::vector<Float4> positions = run.positions(), tangents = run.tangents();
     const auto strand = [&](const std::vector<Float4>& from, uint32_t s) {
@@ -86,9 +84,7 @@ TEST_P(UpdateFollowHairs, KeepTheirPlaceOnAScalpThatTurns) {
   const std::vector<FollowHairRecord> follows = followHairRecords(6, 24);
   StrandRun run(gpu(), asset, follows);
   const auto offsetsInRootSpace = [&](const std::vector<Pose>& poses) {
-    run.reset(poses);
-    run.updateFollowHairs();
-    run.run();
+    run.resetWithFollowHairs(poses);
     const std::vector<Float4> positions = run.positions();
     std::vector<Vector3d> result;
     for (uint32_t f = 0; f < 24; ++f)
@@ -97,9 +93,7 @@ TEST_P(UpdateFollowHairs, KeepTheirPlaceOnAScalpThatTurns) {
           (toVector(positions[(6 + f) * 8]) - toVector(positions[follows[f].guides.x * 8])));
     return result;
   };
-  std::vector<Pose> bind;
-  for (uint32_t s = 0; s < 6; ++s) bind.push_back(bindPose(asset, s));
-  const std::vector<Vector3d> before = offsetsInRootSpace(bind);
+  const std::vector<Vector3d> before = offsetsInRootSpace(bindPoses(asset));
   const std::vector<Vector3d> after = offsetsInRootSpace(rotatedPoses(asset));
   for (uint32_t f = 0; f < 24; ++f) {
     EXPECT_LT((before[f] - toVector(follows[f].offset)).norm(), 1e-7) << "strand " << f;
@@ -124,15 +118,12 @@ TEST_P(UpdateFollowHairs, MixSeveralGuidesByWeightAndStayOnTheScalp) {
   const Eigen::Quaterniond relativeRotation(
       Eigen::AngleAxisd(1.1, Vector3d(1, 2, -1).normalized()));
   const Vector3d shift(0.3, -0.2, 0.1);
-  std::vector<Pose> bind, moved;
-  for (uint32_t s = 0; s < 5; ++s) {
-    bind.push_back(bindPose(asset, s));
-    moved.push_back({relativeRotation, relativeRotation * bind[s].position + shift});
-  }
+  const std::vector<Pose> bind = bindPoses(asset);
+  std::vector<Pose> moved;
+  for (const Pose& pose : bind)
+    moved.push_back({relativeRotation, relativeRotation * pose.position + shift});
   const auto positionsAt = [&](const std::vector<Pose>& poses) {
-    run.reset(poses);
-    run.updateFollowHairs();
-    run.run();
+    run.resetWithFollowHairs(poses);
     run.checkGuards();
     return run.positions();
   };
@@ -170,9 +161,7 @@ TEST_P(UpdateFollowHairs, AreTheSameBitsWithOneGuideWhateverItsWeight) {
     follows[f].weights.y = 0.3f;
   }
   StrandRun run(gpu(), asset, follows);
-  run.reset(rotatedPoses(asset));
-  run.updateFollowHairs();
-  run.run();
+  run.resetWithFollowHairs(rotatedPoses(asset));
   const std::vector<Float4> positions = run.positions(), tangents = run.tangents();
   for (size_t i = 3 * 7; i < 9 * 7; ++i) {
     EXPECT_EQ(positions[i], positions[i + 6 * 7]);
@@ -186,9 +175,7 @@ TEST_P(UpdateFollowHairs, LeaveStrandsWithoutAGuideAlone) {
   follows[0].guides.x = 2;
   follows[2].weights.x = 0;
   StrandRun run(gpu(), asset, follows);
-  run.reset(rotatedPoses(asset));
-  run.updateFollowHairs();
-  run.run();
+  run.resetWithFollowHairs(rotatedPoses(asset));
   run.checkGuards();
   const std::vector<Float4> positions = run.positions();
   for (uint32_t v = 0; v < 4; ++v) {
@@ -207,9 +194,7 @@ TEST_P(UpdateFollowHairs, TakeTheGuidesTangentWhereTheirOwnVerticesCoincide) {
   follow.offset = toFloat4(span, 0);
   follow.weights.x = 1;
   StrandRun run(gpu(), asset, {follow});
-  run.reset({bindPose(asset, 0)});
-  run.updateFollowHairs();
-  run.run();
+  run.resetWithFollowHairs({bindPose(asset, 0)});
   for (const Float4& t : run.tangents()) EXPECT_NEAR(toVector(t).norm(), 1, 1e-5);
 }
 

@@ -3,23 +3,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <string>
-#include <tuple>
 #include <vector>
 
 #include "pelage/skeleton.h"
 #include "pelage/skin_table.h"
 #include "stress/stress_run.h"
 #include "support/engine_buffer.h"
-#include "support/extremes.h"
+#include "support/not_numbers.h"
 #include "support/plain_asset.h"
-#include "support/required_devices.h"
 
 namespace pelage::test {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr uint32_t kSide = 9;  // vertices along an edge of a part
 
 /// A part of a skin: a square with bumps.
@@ -76,57 +71,36 @@ std::vector<Float3> deformed(const std::vector<Float3>& bind, int frame, const V
     Vector3d q(p.x, p.y, p.z);
     q.y() += 0.03 * std::sin(9 * q.x() + frame);
     q = map * q + shift;
-    vertices.push_back(
-        {static_cast<float>(q.x()), static_cast<float>(q.y()), static_cast<float>(q.z())});
+    vertices.push_back(toFloat3(q));
   }
   return vertices;
 }
 
 /// Strands that stand on the roots.
-HairAsset strandsOf(const SkinTable& table) {
-  HairAsset asset;
-  asset.strandCount = static_cast<uint32_t>(table.roots.size());
-  asset.verticesPerStrand = 4;
-  for (const SurfaceRoot& root : table.roots) {
-    const Float3 p = bindPosition(root);
-    for (uint32_t v = 0; v < 4; ++v)
-      asset.positions.push_back(
-          {p.x, p.y + 0.02f * static_cast<float>(v), p.z, v < 2 ? 0.0f : 1.0f});
-  }
-  expectOk(asset.process());
-  return asset;
+HairAsset strandsOn(const SkinTable& table) {
+  return strandsAt(static_cast<uint32_t>(table.roots.size()), 4, [&](uint32_t s, uint32_t v) {
+    const Float3 p = bindPosition(table.roots[s]);
+    return Float3{p.x, p.y + 0.02f * static_cast<float>(v), p.z};
+  });
 }
 
-struct Location {
-  uint32_t stride = 3, offset = 0;
-};
-
-class FollowSurface : public testing::TestWithParam<Api> {
+class FollowSurface : public SceneTest {
  protected:
   FollowSurface()
-      : run_(sharedSceneRun(GetParam())),
-        bind_{partAt(0, 0.01), partAt(0.3f, 0.02)},
+      : bind_{partAt(0, 0.01), partAt(0.3f, 0.02)},
         table_(tableOf(bind_, 150)),
-        asset_(strandsOf(table_)),
+        asset_(strandsOn(table_)),
         influences_(oneBoneAStrand(asset_.strandCount)),
         transforms_(asset_.strandCount) {}
-  void SetUp() override {
-    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
-  }
-  void TearDown() override {
-    run_.clear();
-    for (const SkeletonId id : skeletons_) EXPECT_TRUE(run_.scene.removeSkeleton(id));
-    skeletons_.clear();
-  }
 
   const HairObject& addHair(const char* name, const SkeletonDef& def, SkinningMethod method) {
-    const Result<SkeletonId> added = run_.scene.addSkeleton(def);
-    EXPECT_TRUE(added) << added.error().message;
-    skeletons_.push_back(*added);
-    return run_.add(
-        asset_, {.name = name, .skinning = method, .influences = influences_, .skeleton = *added});
+    skeletons_.push_back(run_.add(def));
+    return run_.add(asset_, {.name = name,
+                             .skinning = method,
+                             .influences = influences_,
+                             .skeleton = skeletons_.back()});
   }
-  static std::vector<float> floatsOf(const std::vector<Float3>& vertices, const Location& at) {
+  static std::vector<float> floatsOf(const std::vector<Float3>& vertices, const VertexBuffer& at) {
     std::vector<float> floats(at.offset + at.stride * vertices.size(), kNan);
     for (size_t i = 0; i < vertices.size(); ++i) {
       const size_t first = at.offset + at.stride * i;
@@ -143,7 +117,6 @@ class FollowSurface : public testing::TestWithParam<Api> {
     run_.scene.skeleton(skeletons_[0]).setBones(transforms_);
   }
 
-  SceneRun& run_;
   std::vector<std::vector<Float3>> bind_;
   SkinTable table_;
   HairAsset asset_;
@@ -155,7 +128,7 @@ class FollowSurface : public testing::TestWithParam<Api> {
 TEST_P(FollowSurface, RootsMoveAsOnTheHost) {
   for (const SkinningMethod method :
        {SkinningMethod::kMatrices, SkinningMethod::kDualQuaternions}) {
-    const Location places[2] = {{3, 0}, {7, 2}};
+    const VertexBuffer places[2] = {{}, {.stride = 7, .offset = 2}};
     EngineBuffer first(run_, "first", floatsOf(bind_[0], places[0]).size());
     EngineBuffer second(run_, "second", floatsOf(bind_[1], places[1]).size());
     const HairObject& expected =
@@ -192,13 +165,14 @@ TEST_P(FollowSurface, RootsMoveAsOnTheHost) {
     }
     run_.step();
     EXPECT_EQ(countPasses(run_.list(), "follow_surface"), 0u) << "nothing has changed";
-    TearDown();
+    run_.clear();
+    skeletons_.clear();
   }
 }
 
 TEST_P(FollowSurface, RootsOnBrokenTrianglesStay) {
-  EngineBuffer first(run_, "first", floatsOf(bind_[0], {}).size());
-  EngineBuffer second(run_, "second", floatsOf(bind_[1], {}).size());
+  EngineBuffer first(run_, "first", 3 * bind_[0].size()),
+      second(run_, "second", 3 * bind_[1].size());
   const HairObject& expected = addHair(
       "expected", {.name = "host", .boneCount = asset_.strandCount}, SkinningMethod::kMatrices);
   const HairObject& hair =
@@ -215,7 +189,7 @@ TEST_P(FollowSurface, RootsOnBrokenTrianglesStay) {
       for (uint32_t i = 3 * kSide; i < 5 * kSide; ++i)
         parts[0][i] = {0.25f * static_cast<float>(i), 0, 0};
       parts[0][6 * kSide + 4].y = kNan;
-      parts[0][7 * kSide + 2].x = std::numeric_limits<float>::infinity();
+      parts[0][7 * kSide + 2].x = kInf;
     }
     setHost(parts);
     first.write(floatsOf(parts[0], {}));
@@ -243,8 +217,8 @@ TEST_P(FollowSurface, RootsOnBrokenTrianglesStay) {
 
 // Twice the area of a triangle below 1e-6 of its longest edge's square is none.
 TEST_P(FollowSurface, TrianglesThatAreTooThinMoveNoRoot) {
-  EngineBuffer first(run_, "first", floatsOf(bind_[0], {}).size());
-  EngineBuffer second(run_, "second", floatsOf(bind_[1], {}).size());
+  EngineBuffer first(run_, "first", 3 * bind_[0].size()),
+      second(run_, "second", 3 * bind_[1].size());
   addHair("host", {.name = "host", .boneCount = asset_.strandCount}, SkinningMethod::kMatrices);
   const HairObject& hair =
       addHair("hair", {.name = "skin", .source = BoneSource::kSurface, .surface = &table_},
@@ -279,9 +253,7 @@ TEST(FollowSurfaceList, WhatIsWrongIsNamed) {
   const SkinTable table = tableOf(bind, 20);
   Scene scene;
   const auto expectNoSkeleton = [&](const SkeletonDef& def, const char* what) {
-    const Result<SkeletonId> added = scene.addSkeleton(def);
-    ASSERT_FALSE(added) << what;
-    EXPECT_NE(added.error().message.find(what), std::string::npos) << added.error().message;
+    expectError(scene.addSkeleton(def), what);
   };
   expectNoSkeleton({.surface = &table}, "SkeletonDef::surface is for BoneSource::kSurface");
   expectNoSkeleton({.boneCount = 19, .source = BoneSource::kSurface, .surface = &table},
@@ -296,10 +268,7 @@ TEST(FollowSurfaceList, WhatIsWrongIsNamed) {
   ASSERT_TRUE(scene.addHair(makeAsset(), {.skeleton = *id}));
   PassList list;
   const auto expectRefused = [&](const char* what) {
-    const Result<void> done = scene.simulate(1.0f / 60, list);
-    ASSERT_FALSE(done) << what;
-    EXPECT_NE(done.error().message.find("skeleton 'skin'"), std::string::npos);
-    EXPECT_NE(done.error().message.find(what), std::string::npos) << done.error().message;
+    expectError(scene.simulate(1.0f / 60, list), {"skeleton 'skin'", what});
   };
   expectRefused("has no vertices yet");
   const BufferId buffer =

@@ -2,15 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
-#include <cmath>
 #include <cstring>
-#include <limits>
-#include <numbers>
 
 #include "reference/skinning_reference.h"
-#include "support/extremes.h"
-#include "support/required_devices.h"
-#include "support/strand_run.h"
+#include "support/not_numbers.h"
+#include "support/skinning_bones.h"
+#include "support/strand_measures.h"
 
 namespace pelage::test {
 namespace {
@@ -18,40 +15,12 @@ namespace {
 using reference::Matrix34d;
 using reference::WeightedBone;
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kBetween = 4711;  // what lies between the positions of a buffer
 
 /// Where the positions of a buffer lie, in floats.
 struct Location {
   uint32_t stride = 3, offset = 0;
 };
-
-Matrix34d rigid(const Eigen::Quaterniond& rotation, const Vector3d& translation) {
-  Matrix34d m;
-  m << rotation.toRotationMatrix(), translation;
-  return m;
-}
-
-/// The values that the device gets, so that reference and kernel see the same input.
-Matrix34d rounded(const Matrix34d& m) { return m.cast<float>().cast<double>(); }
-Vector3d rounded(const Vector3d& v) { return v.cast<float>().cast<double>(); }
-
-std::vector<Float4> toBones(const std::vector<Matrix34d>& bones, bool dual) {
-  std::vector<Float4> rows;
-  for (size_t i = 0; i < bones.size(); ++i) {
-    if (dual) {
-      const auto q = reference::dualQuaternion(bones[i]);
-      const double side = i % 2 == 1 ? -1 : 1;  // either sign is the same motion
-      rows.push_back(toFloat4(side * q.real.head<3>(), side * q.real.w()));
-      rows.push_back(toFloat4(side * q.dual.head<3>(), side * q.dual.w()));
-    } else {
-      for (int row = 0; row < 3; ++row)
-        rows.push_back(toFloat4(bones[i].row(row).head<3>().transpose(), bones[i](row, 3)));
-    }
-  }
-  return rows;
-}
 
 std::vector<float> scatter(const std::vector<Vector3d>& positions, const Location& location) {
   std::vector<float> floats(location.offset + location.stride * positions.size(), kBetween);
@@ -106,9 +75,7 @@ class SkinRun {
     before_.bindTo(builder, "g_skinnedBefore");
     builder.constants("BoneSkinningConstants", constants);
     expectOk(builder.finish());
-    gpu_.hazards.resolve(list_);
-    expectOk(gpu_.device()->execute(list_));
-    list_.clear();
+    gpu_.execute(list_);
     constants.skinningReset = 0;
   }
 
@@ -165,7 +132,7 @@ struct Crowd {
     for (int b = 0; b < 24; ++b) {
       const Eigen::AngleAxisd relativeRotation(random.between(0, 0.7),
                                                random.vector(1).normalized());
-      Matrix34d m = rigid(Eigen::Quaterniond(relativeRotation) * base, random.vector(2));
+      Matrix34d m = rigidMatrix(Eigen::Quaterniond(relativeRotation) * base, random.vector(2));
       if (!rigidBones)
         m.leftCols<3>() *=
             Eigen::DiagonalMatrix<double, 3>(random.between(0.3, 3), 1, random.between(-2, 2));
@@ -246,7 +213,7 @@ TEST_P(SkinVertices, StayWhereTheyWereForBonesThatAreNotNumbers) {
   bindings[5] = bindTo({{2, 1.0f}});  // the only one without the bone that breaks
   for (const bool dual : {false, true}) {
     const std::vector<Float4> good = toBones(crowd.bones, dual);
-    for (const float broken : {kNan, kInfinity, -kInfinity, 3e38f}) {
+    for (const float broken : {kNan, kInf, -kInf, 3e38f}) {
       SkinRun run(gpu(), crowd.bind, bindings, good, dual);
       run.run();
       const std::vector<Vector3d> first = run.now();
@@ -340,14 +307,12 @@ TEST(SkinVerticesBits, AreTheSameOnEveryApi) {
   for (const bool dual : {false, true}) {
     const Crowd crowd(2000, dual, 31);
     std::vector<float> floats;
-    for (const Api api : kApis) {
-      Gpu& gpu = Gpu::of(api);
-      if (gpu.device() == nullptr) continue;
-      SkinRun run(gpu, crowd.bind, crowd.bindings, toBones(crowd.bones, dual), dual);
+    for (Gpu* gpu : startedGpus()) {
+      SkinRun run(*gpu, crowd.bind, crowd.bindings, toBones(crowd.bones, dual), dual);
       run.run();
       if (floats.empty()) floats = run.floats();
       EXPECT_EQ(std::memcmp(run.floats().data(), floats.data(), floats.size() * sizeof(float)), 0)
-          << apiName(api);
+          << apiName(gpu->api());
     }
     if (floats.empty()) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
   }

@@ -7,44 +7,43 @@
 #include <sstream>
 
 #include "stress/stress_run.h"
-#include "support/required_devices.h"
 
 namespace pelage::test {
 namespace {
 
-constexpr uint32_t kStrands = 65, kVertices = 17, kFollows = 2, kBones = 4;
+constexpr uint32_t kMixedStrands = 65, kMixedVertices = 17, kMixedFollows = 2, kMixedBones = 4;
 
 /// Strands of 2 to 17 vertices in an order, with their bones and their follow hairs.
-struct Groom {
+struct MixedGroom {
   HairAsset asset;
   std::vector<BoneInfluences> influences;
   std::vector<FollowHair> follows;
 };
 
-Groom makeGroom(const std::vector<uint32_t>& order) {
-  const HairAsset source = wavyAsset(kStrands, kVertices, 13);
+MixedGroom makeMixedGroom(const std::vector<uint32_t>& order) {
+  const HairAsset source = wavyAsset(kMixedStrands, kMixedVertices, 13);
   Random random(4);
-  std::vector<BoneInfluences> influences(kStrands);
-  std::vector<FollowHair> follows(kStrands * kFollows);
-  for (uint32_t s = 0; s < kStrands; ++s) {
+  std::vector<BoneInfluences> influences(kMixedStrands);
+  std::vector<FollowHair> follows(kMixedStrands * kMixedFollows);
+  for (uint32_t s = 0; s < kMixedStrands; ++s) {
     for (uint32_t k = 0; k < 3; ++k) {
-      influences[s].bones[k] = (s + k) % kBones;
+      influences[s].bones[k] = (s + k) % kMixedBones;
       influences[s].weights[k] = static_cast<float>(random.between(0.1, 1));
     }
-    for (uint32_t k = 0; k < kFollows; ++k)
-      follows[s * kFollows + k].offset = toFloat4(random.vector(0.004), random.between(0, 2));
+    for (uint32_t k = 0; k < kMixedFollows; ++k)
+      follows[s * kMixedFollows + k].offset = toFloat4(random.vector(0.004), random.between(0, 2));
   }
-  Groom groom;
-  groom.asset.strandCount = kStrands;
-  groom.asset.verticesPerStrand = kVertices;
-  for (uint32_t slot = 0; slot < kStrands; ++slot) {
+  MixedGroom groom;
+  groom.asset.strandCount = kMixedStrands;
+  groom.asset.verticesPerStrand = kMixedVertices;
+  for (uint32_t slot = 0; slot < kMixedStrands; ++slot) {
     const uint32_t s = order[slot];
-    const auto first = source.positions.begin() + static_cast<ptrdiff_t>(s * kVertices);
-    groom.asset.positions.insert(groom.asset.positions.end(), first, first + kVertices);
-    groom.asset.vertexCounts.push_back(2 + (s * 7) % (kVertices - 1));
+    const auto first = source.positions.begin() + static_cast<ptrdiff_t>(s * kMixedVertices);
+    groom.asset.positions.insert(groom.asset.positions.end(), first, first + kMixedVertices);
+    groom.asset.vertexCounts.push_back(2 + (s * 7) % (kMixedVertices - 1));
     groom.influences.push_back(influences[s]);
-    for (uint32_t k = 0; k < kFollows; ++k) {
-      groom.follows.push_back(follows[s * kFollows + k]);
+    for (uint32_t k = 0; k < kMixedFollows; ++k) {
+      groom.follows.push_back(follows[s * kMixedFollows + k]);
       groom.follows.back().guide = slot;
     }
   }
@@ -67,29 +66,29 @@ class Hash {
 };
 
 /// What is simulated with.
-struct Case {
+struct HashedCase {
   const char* name;
   Solver solver;
   bool hairContact;
   int frames;
 };
 
-constexpr Case kCases[] = {{"Exact", Solver::kExact, false, 1000},
-                           {"ExactContact", Solver::kExact, true, 100},
-                           {"Classic", Solver::kClassic, false, 1000}};
+constexpr HashedCase kCases[] = {{"Exact", Solver::kExact, false, 1000},
+                                 {"ExactContact", Solver::kExact, true, 100},
+                                 {"Classic", Solver::kClassic, false, 1000}};
 
-void PrintTo(const Case& variant, std::ostream* out) { *out << variant.name; }
+void PrintTo(const HashedCase& variant, std::ostream* out) { *out << variant.name; }
 
-struct Outcome {
+struct HashedRun {
   uint64_t hash = 0;                        ///< of positions and tangents, every 10 frames
   std::vector<Float4> positions, tangents;  ///< at the end
 };
 
 /// A head with four bones that shakes, turns and walks, among colliders that move, in steps of
 /// several lengths.
-Outcome simulate(Api api, const Case& variant, const std::vector<uint32_t>& order) {
+HashedRun hashedRun(Api api, const HashedCase& variant, const std::vector<uint32_t>& order) {
   SceneRun run(api);
-  const Groom groom = makeGroom(order);
+  const MixedGroom groom = makeMixedGroom(order);
   SimulationSettings settings;
   settings.solver = variant.solver;
   if (variant.hairContact) settings.contact = {.stiffness = 0.5f, .friction = 0.1f};
@@ -102,15 +101,15 @@ Outcome simulate(Api api, const Case& variant, const std::vector<uint32_t>& orde
   settings.tipSeparation = 1.5f;
   HairObject& hair = run.add(groom.asset, {.settings = settings,
                                            .influences = groom.influences,
-                                           .boneCount = kBones,
+                                           .boneCount = kMixedBones,
                                            .followHairs = groom.follows,
                                            .storeFollowHairs = true});
   constexpr std::array<float, 5> kSteps = {1.0f / 60, 1.0f / 60, 1.0f / 144, 1.0f / 30, 1.0f / 90};
-  Outcome outcome;
+  HashedRun outcome;
   Hash hash;
   for (int frame = 0; frame < variant.frames; ++frame) {
     std::vector<AffineTransform> bones;
-    for (uint32_t b = 0; b < kBones; ++b) {
+    for (uint32_t b = 0; b < kMixedBones; ++b) {
       const Eigen::Quaterniond turn(
           Eigen::AngleAxisd(0.7 * std::sin(0.1 * frame + b), Vector3d(b, 1, 0.5).normalized()));
       const Vector3d shift(0.1 * std::sin(0.13 * frame) + 0.004 * frame, 0.02 * b, 0);
@@ -119,10 +118,7 @@ Outcome simulate(Api api, const Case& variant, const std::vector<uint32_t>& orde
     hair.setBones(bones);
     const auto x = static_cast<float>(0.004 * frame);
     const auto sway = static_cast<float>(0.1 * std::sin(0.21 * frame));
-    const CapsuleCollider shapes[] = {{.head = {x, -0.1f, sway},
-                                       .headRadius = 0.08f,
-                                       .tail = {x, -0.1f, sway},
-                                       .tailRadius = 0.08f},
+    const CapsuleCollider shapes[] = {sphereCollider({x, -0.1f, sway}, 0.08f),
                                       {.head = {x + 0.1f, 0.1f, 0.1f},
                                        .headRadius = 0.04f,
                                        .tail = {x + 0.2f, sway, 0},
@@ -142,7 +138,7 @@ Outcome simulate(Api api, const Case& variant, const std::vector<uint32_t>& orde
 }
 
 std::vector<uint32_t> asMade() {
-  std::vector<uint32_t> order(kStrands);
+  std::vector<uint32_t> order(kMixedStrands);
   std::iota(order.begin(), order.end(), 0u);
   return order;
 }
@@ -153,10 +149,9 @@ std::string hex(uint64_t value) {
   return text;
 }
 
-/// The driver behind a device, as one word: lavapipe and llvmpipe are one.
-std::string family(const DeviceInfo& info) {
-  if (info.software) return "software";
-  std::string name = info.name.substr(0, info.name.find('/'));
+/// The driver behind a device as one word.
+std::string familyWord(const DeviceInfo& info) {
+  std::string name = driverFamily(info);
   std::replace(name.begin(), name.end(), ' ', '_');
   return name;
 }
@@ -194,11 +189,11 @@ class KnownHashes {
   std::map<std::string, std::string> hashes_;
 };
 
-class Determinism : public testing::TestWithParam<Case> {};
+class Determinism : public testing::TestWithParam<HashedCase> {};
 
 TEST_P(Determinism, TheBitsAreThoseOfEveryApiAndRunAndOfTheTable) {
   std::string first;
-  Outcome expected;
+  HashedRun expected;
   for (const Api api : {Api::kGl, Api::kGl, Api::kGles, Api::kVulkan}) {
     const Gpu& gpu = Gpu::of(api);
     if (gpu.device() == nullptr) {
@@ -206,9 +201,9 @@ TEST_P(Determinism, TheBitsAreThoseOfEveryApiAndRunAndOfTheTable) {
       continue;
     }
     const DeviceInfo& info = gpu.device()->info();
-    if (first.empty()) first = family(info);
-    if (family(info) != first) continue;
-    const Outcome outcome = simulate(api, GetParam(), asMade());
+    if (first.empty()) first = familyWord(info);
+    if (familyWord(info) != first) continue;
+    const HashedRun outcome = hashedRun(api, GetParam(), asMade());
     std::printf("[ FIGURE ] %s %s %s  (%d frames on %s, %s, %s)\n", first.c_str(), GetParam().name,
                 hex(outcome.hash).c_str(), GetParam().frames, apiName(api), info.name.c_str(),
                 info.driver.c_str());
@@ -236,27 +231,29 @@ TEST_P(Determinism, AStrandDoesNotDependOnItsPlaceAmongTheOthers) {
   Random random(99);
   for (size_t i = order.size() - 1; i > 0; --i)
     std::swap(order[i], order[static_cast<size_t>(random.between(0, static_cast<double>(i + 1)))]);
-  const Outcome plain = simulate(api, GetParam(), asMade());
-  const Outcome mixed = simulate(api, GetParam(), order);
+  const HashedRun plain = hashedRun(api, GetParam(), asMade());
+  const HashedRun mixed = hashedRun(api, GetParam(), order);
   uint32_t different = 0;
   const auto compare = [&](size_t a, size_t b) {
-    for (size_t v = 0; v < kVertices; ++v) {
-      const size_t i = a * kVertices + v, j = b * kVertices + v;
-      const bool same =
-          std::memcmp(&plain.positions[i], &mixed.positions[j], sizeof(Float4)) == 0 &&
-          std::memcmp(&plain.tangents[i], &mixed.tangents[j], sizeof(Float4)) == 0;
+    for (size_t v = 0; v < kMixedVertices; ++v) {
+      const size_t i = a * kMixedVertices + v, j = b * kMixedVertices + v;
+      const bool same = sameBits(plain.positions[i], mixed.positions[j]) &&
+                        sameBits(plain.tangents[i], mixed.tangents[j]);
       different += same ? 0 : 1;
     }
   };
-  for (size_t slot = 0; slot < kStrands; ++slot) {
+  for (size_t slot = 0; slot < kMixedStrands; ++slot) {
     compare(order[slot], slot);
-    for (size_t k = 0; k < kFollows; ++k)
-      compare(kStrands + order[slot] * kFollows + k, kStrands + slot * kFollows + k);
+    for (size_t k = 0; k < kMixedFollows; ++k)
+      compare(kMixedStrands + order[slot] * kMixedFollows + k,
+              kMixedStrands + slot * kMixedFollows + k);
   }
   EXPECT_EQ(different, 0u) << "vertices of " << plain.positions.size();
 }
 
-std::string caseTestName(const testing::TestParamInfo<Case>& variant) { return variant.param.name; }
+std::string caseTestName(const testing::TestParamInfo<HashedCase>& variant) {
+  return variant.param.name;
+}
 
 INSTANTIATE_TEST_SUITE_P(All, Determinism, testing::ValuesIn(kCases), caseTestName);
 

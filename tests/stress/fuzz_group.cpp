@@ -5,15 +5,15 @@
 
 #include "pelage/random.h"
 #include "reference/rod/rod_fuzz.h"
+#include "support/strand_run.h"
 
 namespace pelage::test {
 namespace {
 
-using reference::FuzzCase;
-using reference::Vector3d;
+using rod::FuzzCase;
 
 float narrow(double value) { return static_cast<float>(value); }
-Float3 toFloat3(const Vector3d& v) { return {narrow(v.x), narrow(v.y), narrow(v.z)}; }
+Float3 narrowed(const rod::Vector3d& v) { return {narrow(v.x), narrow(v.y), narrow(v.z)}; }
 
 HairAsset toAsset(const std::vector<FuzzCase>& cases) {
   HairAsset asset;
@@ -25,7 +25,7 @@ HairAsset toAsset(const std::vector<FuzzCase>& cases) {
   for (const FuzzCase& c : cases) {
     const size_t tip = c.points.size() - 1;
     for (size_t v = 0; v < asset.verticesPerStrand; ++v) {
-      const Float3 p = toFloat3(c.points[std::min(v, tip)]);
+      const Float3 p = narrowed(c.points[std::min(v, tip)]);
       const bool held = v < 2 || (v >= tip && cases[0].settings.holdTip);
       asset.positions.push_back({p.x, p.y, p.z, held ? 0.0f : 1.0f});
     }
@@ -33,15 +33,15 @@ HairAsset toAsset(const std::vector<FuzzCase>& cases) {
   return asset;
 }
 
-SimulationSettings toSettings(const reference::RodSettings& from, Solver solver, uint32_t seed) {
-  const reference::RodMaterial& material = from.material;
+SimulationSettings toSettings(const rod::RodSettings& from, Solver solver, uint32_t seed) {
+  const rod::RodMaterial& material = from.material;
   pelage::Random random(seed, 0);
   const auto between = [&](double low, double high) {
     return low + (high - low) * random.uniformDouble();
   };
   SimulationSettings s;
   s.solver = solver;
-  s.gravity = toFloat3(from.gravity);
+  s.gravity = narrowed(from.gravity);
   s.damping = narrow(1 - std::exp(-material.airDrag / 60));
   s.bendLength = narrow(std::cbrt(material.bend / 9.81));
   s.twistRatio = narrow(material.bend > 0 ? material.twist / material.bend : 0.75);
@@ -50,7 +50,7 @@ SimulationSettings toSettings(const reference::RodSettings& from, Solver solver,
   s.globalRange = narrow(from.globalRange);
   s.vspCoefficient = narrow(from.transport);
   s.vspThreshold = narrow(from.transportThreshold);
-  s.wind.velocity = toFloat3(from.wind);
+  s.wind.velocity = narrowed(from.wind);
   // What only the classic solver has.
   s.localStiffness = narrow(between(0, 1) < 0.3 ? 0 : between(0, 1));
   s.localIterations = 1 + static_cast<uint32_t>(between(0, 16));
@@ -60,9 +60,10 @@ SimulationSettings toSettings(const reference::RodSettings& from, Solver solver,
   return s;
 }
 
-AffineTransform toTransform(const reference::Quaterniond& rotation, const Vector3d& shift) {
-  const Vector3d x = rotate(rotation, Vector3d(1, 0, 0)), y = rotate(rotation, Vector3d(0, 1, 0)),
-                 z = rotate(rotation, Vector3d(0, 0, 1));
+AffineTransform boneOf(const rod::Quaterniond& rotation, const rod::Vector3d& shift) {
+  const rod::Vector3d x = rotate(rotation, rod::Vector3d(1, 0, 0)),
+                      y = rotate(rotation, rod::Vector3d(0, 1, 0)),
+                      z = rotate(rotation, rod::Vector3d(0, 0, 1));
   AffineTransform bone;
   bone.rows[0] = {narrow(x.x), narrow(y.x), narrow(z.x), narrow(shift.x)};
   bone.rows[1] = {narrow(x.y), narrow(y.y), narrow(z.y), narrow(shift.y)};
@@ -74,7 +75,7 @@ AffineTransform toTransform(const reference::Quaterniond& rotation, const Vector
 
 FuzzGroup makeFuzzGroup(uint32_t seed, uint32_t strands, int frames, Solver solver, bool cached) {
   std::vector<FuzzCase> cases;
-  for (uint32_t s = 0; s < strands; ++s) cases.push_back(reference::makeFuzzCase(seed + s, frames));
+  for (uint32_t s = 0; s < strands; ++s) cases.push_back(rod::makeFuzzCase(seed + s, frames));
   const FuzzCase& first = cases[0];
   FuzzGroup group;
   group.asset = toAsset(cases);
@@ -90,15 +91,15 @@ FuzzGroup makeFuzzGroup(uint32_t seed, uint32_t strands, int frames, Solver solv
   // have gone far from the start meet some, too.
   const bool transported = (seed / strands) % 2 == 1;
   for (size_t frame = 0; frame < first.poses.size(); ++frame) {
-    const Vector3d& shift = first.poses[frame].translation;
+    const rod::Vector3d& shift = first.poses[frame].translation;
     std::vector<AffineTransform>& bones = group.bones.emplace_back();
-    for (const FuzzCase& c : cases) bones.push_back(toTransform(c.poses[frame].rotation, shift));
+    for (const FuzzCase& c : cases) bones.push_back(boneOf(c.poses[frame].rotation, shift));
     std::vector<CapsuleCollider>& colliders = group.colliders.emplace_back();
-    for (const reference::RodCollider& c : first.colliders) {
-      const Vector3d displacement = transported ? shift : Vector3d();
-      colliders.push_back({.head = toFloat3(c.head + displacement),
+    for (const rod::RodCollider& c : first.colliders) {
+      const rod::Vector3d displacement = transported ? shift : rod::Vector3d();
+      colliders.push_back({.head = narrowed(c.head + displacement),
                            .headRadius = narrow(c.headRadius),
-                           .tail = toFloat3(c.tail + displacement),
+                           .tail = narrowed(c.tail + displacement),
                            .tailRadius = narrow(c.tailRadius),
                            .friction = narrow(c.friction)});
     }

@@ -2,12 +2,11 @@
 // and no strand longer or shorter than it was made. The strands are those of the reference's fuzz.
 #include "stress/fuzz_group.h"
 #include "stress/stress_run.h"
-#include "support/extremes.h"
 
 namespace pelage::test {
 namespace {
 
-constexpr int kFrames = 90;
+constexpr int kFuzzedFrames = 90;
 constexpr uint32_t kObjects = 12;  ///< of a scene; they share the time steps
 
 /// How much is tried. On lavapipe few objects, because of what StressTest says.
@@ -36,7 +35,8 @@ class Fuzz : public StressTest {
 
   Trial addTrial(uint32_t number, const Extent& e) {
     Trial trial;
-    trial.group = makeFuzzGroup(number * e.group, e.group, kFrames, settings_.solver, e.cached);
+    trial.group =
+        makeFuzzGroup(number * e.group, e.group, kFuzzedFrames, settings_.solver, e.cached);
     trial.stretch.resize(e.group);
     trial.finite.assign(e.group, true);
     expectOk(trial.group.asset.process());
@@ -80,7 +80,7 @@ TEST_P(Fuzz, EveryStrandStaysFiniteAndKeepsItsLength) {
     std::vector<Trial> trials;
     for (uint32_t number = from; number < std::min(from + kObjects, objects); ++number)
       trials.push_back(addTrial(number, e));
-    for (size_t frame = 0; frame < kFrames; ++frame) {
+    for (size_t frame = 0; frame < kFuzzedFrames; ++frame) {
       for (const Trial& trial : trials) {
         run_.scene.hair(trial.id).setBones(trial.group.bones[frame + 1]);
         run_.scene.hair(trial.id).setColliders(trial.group.colliders[frame + 1]);
@@ -114,14 +114,11 @@ TEST_P(Fuzz, EveryStrandStaysFiniteAndKeepsItsLength) {
   std::printf(
       "[ FIGURE ] fuzz, %s: %u strands x %d frames, %u with a NaN, %u stretched by over 1 %%, at "
       "worst by %.3g %% (strand %u); classic, held at both ends: %.3g %%\n",
-      label().c_str(), objects * e.group, kFrames, broken, stretched, 100 * worst, worstStrand,
-      100 * worstHeld);
+      label().c_str(), objects * e.group, kFuzzedFrames, broken, stretched, 100 * worst,
+      worstStrand, 100 * worstHeld);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Fuzz,
-                         testing::Combine(testing::ValuesIn(kApis),
-                                          testing::Values(Solver::kExact, Solver::kClassic)),
-                         stressTestName);
+INSTANTIATE_TEST_SUITE_P(All, Fuzz, allSolversOnApis(), solverTestName);
 
 }  // namespace
 }  // namespace pelage::test

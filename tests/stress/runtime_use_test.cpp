@@ -1,16 +1,16 @@
 // A scene in use: every parameter changes in every frame, objects come and go.
-#include <algorithm>
-#include <limits>
 
 #include "pelage/random.h"
 #include "pelage/skeleton.h"
 #include "reference/sdf/mesh_shapes.h"
 #include "stress/stress_run.h"
+#include "support/collision_shapes.h"
+#include "support/not_numbers.h"
 
 namespace pelage::test {
 namespace {
 
-constexpr int kFrames = 120;
+constexpr int kUsedFrames = 120;
 
 /// Draws numbers within the ranges that the headers name.
 struct Dice {
@@ -43,8 +43,7 @@ void change(SimulationSettings& s, Dice& dice, bool structure) {
   s.globalStiffness = structure ? dice.share() : dice.between(0.01f, 1);
   s.globalRange = structure ? dice.share() : dice.between(0.01f, 1);
   s.vspCoefficient = dice.share();
-  s.vspThreshold =
-      structure && dice.coin() ? std::numeric_limits<float>::infinity() : dice.between(0.1f, 300);
+  s.vspThreshold = structure && dice.coin() ? kInf : dice.between(0.1f, 300);
   s.wind.velocity = structure && dice.coin() ? Float3{} : dice.vector(10);
   if (!structure) s.wind.velocity.x = 0;
   s.wind.gustStrength = dice.share();
@@ -167,49 +166,45 @@ void expectValid(const PassList& list, const ResourceTable& resources, const std
   }
 }
 
-struct Crowd {
+struct UsedObjects {
   std::vector<HairId> hairs;
   ColliderId collider = ColliderId::kInvalid;
   SkeletonId skeleton = SkeletonId::kInvalid;
 };
 
 /// One object on a skeleton with a collider, one with a bone of its own.
-Crowd addCrowd(Scene& scene, uint32_t strands, const SimulationSettings& settings = {}) {
-  Crowd crowd;
+UsedObjects addObjects(Scene& scene, uint32_t strands, const SimulationSettings& settings = {}) {
+  UsedObjects crowd;
   crowd.skeleton = *scene.addSkeleton({.boneCount = 1});
   const HairAsset asset = wavyAsset(strands, 9);
-  const auto follows = asset.generateFollowHairs({.countPerGuide = 3, .maxRadius = 0.02f});
-  EXPECT_TRUE(follows);
+  const std::vector<FollowHair> follows =
+      valueOf(asset.generateFollowHairs({.countPerGuide = 3, .maxRadius = 0.02f}));
   HairDef def = {.settings = settings,
                  .skeleton = crowd.skeleton,
                  .levelOfDetail = true,
-                 .followHairs = *follows,
+                 .followHairs = follows,
                  .collidingHair = CollidingHair::kGuidesAndFollows};
   crowd.hairs.push_back(*scene.addHair(asset, def));
   def.skeleton = SkeletonId::kInvalid;
   def.skinning = SkinningMethod::kDualQuaternions;
   crowd.hairs.push_back(*scene.addHair(asset, def));
-  const reference::TriangleMesh shape = reference::sphere(0.08f, 8, 10, {0, -0.12f, 0});
-  CollisionMesh mesh;
-  mesh.positions = shape.positions;
-  mesh.normals.resize(shape.positions.size());
-  mesh.indices = shape.indices;
+  const CollisionMesh mesh = toMesh(reference::sphere(0.08f, 8, 10, {0, -0.12f, 0}));
   crowd.collider = *scene.addCollider(mesh, {.cellSize = 0.02f, .skeleton = crowd.skeleton});
   return crowd;
 }
 
-void removeCrowd(Scene& scene, const Crowd& crowd) {
+void removeObjects(Scene& scene, const UsedObjects& crowd) {
   for (const HairId id : crowd.hairs) EXPECT_TRUE(scene.removeHair(id));
   EXPECT_TRUE(scene.removeCollider(crowd.collider));
   expectOk(scene.removeSkeleton(crowd.skeleton));
 }
 
-void changeAll(Scene& scene, const Crowd& crowd, Dice& dice, bool structure) {
+void changeAll(Scene& scene, const UsedObjects& crowd, Dice& dice, bool structure) {
   for (const HairId id : crowd.hairs) change(scene.hair(id), dice, structure);
   change(scene.collider(crowd.collider), dice, structure);
   const AffineTransform pose = randomPose(dice);
-  scene.skeleton(crowd.skeleton).setBones({&pose, 1});
-  scene.hair(crowd.hairs[1]).setBones({&pose, 1});
+  setBone(scene.skeleton(crowd.skeleton), pose);
+  setBone(scene.hair(crowd.hairs[1]), pose);
   if (!structure) return;
   if (dice.coin())
     scene.hair(crowd.hairs[0]).useAllMeshColliders();
@@ -220,7 +215,7 @@ void changeAll(Scene& scene, const Crowd& crowd, Dice& dice, bool structure) {
 TEST(RuntimeUse, EveryParameterMayChangeInEveryFrame) {
   Scene scene;
   Dice dice{pelage::Random(5)};
-  const Crowd crowd = addCrowd(scene, 7);
+  const UsedObjects crowd = addObjects(scene, 7);
   View view;
   view.worldToClip = lookAt({0, 0, 1}, {0, 0, 0}, {0, 1, 0}, 1, 1, 0.1f, 10);
   view.eye = {0, 0, 1};
@@ -230,7 +225,7 @@ TEST(RuntimeUse, EveryParameterMayChangeInEveryFrame) {
                                   Transparency::kHybrid8,   Transparency::kHybrid16,
                                   Transparency::kShortCut,  Transparency::kTiles};
   std::vector<PassList> lists(1);
-  for (int frame = 0; frame < kFrames; ++frame) {
+  for (int frame = 0; frame < kUsedFrames; ++frame) {
     const std::string where = "frame " + std::to_string(frame);
     changeAll(scene, crowd, dice, true);
     PassList list;
@@ -255,7 +250,7 @@ TEST(RuntimeUse, EveryParameterMayChangeInEveryFrame) {
     ASSERT_TRUE(written) << where << ": " << written.error().message;
     expectValid(depth, scene.resources(), where + ", depth");
   }
-  removeCrowd(scene, crowd);
+  removeObjects(scene, crowd);
   EXPECT_EQ(scene.resources().count(), 0u);
 }
 
@@ -266,8 +261,8 @@ TEST_P(RuntimeUseOnGpu, StaysFiniteAndGivesItsMemoryBack) {
   const uint64_t before = run_.device()->bufferBytes();
   Dice dice{pelage::Random(7)};
   for (int round = 0; round < rounds; ++round) {
-    const Crowd crowd = addCrowd(run_.scene, 5, settings_);
-    for (int frame = 0; frame < kFrames / rounds; ++frame) {
+    const UsedObjects crowd = addObjects(run_.scene, 5, settings_);
+    for (int frame = 0; frame < kUsedFrames / rounds; ++frame) {
       changeAll(run_.scene, crowd, dice, fullStress());
       run_.step(dice.between(0.001f, fullStress() ? 0.05f : 1.0f / 60));
       for (const HairId id : crowd.hairs) {
@@ -279,17 +274,14 @@ TEST_P(RuntimeUseOnGpu, StaysFiniteAndGivesItsMemoryBack) {
     const RenderedImage image = run_.render({0, 0, 1}, 32);
     EXPECT_TRUE(allFinite(image.pixels));
     EXPECT_GE(run_.device()->bufferBytes(), before + run_.scene.resources().totalBytes());
-    removeCrowd(run_.scene, crowd);
+    removeObjects(run_.scene, crowd);
     ASSERT_EQ(run_.scene.resources().count(), 0u);
     expectOk(run_.device()->update(run_.scene.resources()));
     EXPECT_EQ(run_.device()->bufferBytes(), before) << "round " << round;
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, RuntimeUseOnGpu,
-                         testing::Combine(testing::ValuesIn(kApis),
-                                          testing::Values(Solver::kExact, Solver::kClassic)),
-                         stressTestName);
+INSTANTIATE_TEST_SUITE_P(All, RuntimeUseOnGpu, allSolversOnApis(), solverTestName);
 
 }  // namespace
 }  // namespace pelage::test

@@ -3,14 +3,14 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <limits>
 
 #include "pelage/sdf_data.h"
 #include "pelage/skeleton.h"
 #include "reference/sdf/distance_oracle.h"
 #include "reference/sdf/mesh_shapes.h"
 #include "stress/stress_run.h"
-#include "support/extremes.h"
+#include "support/collision_shapes.h"
+#include "support/plain_asset.h"
 #include "support/sdf_error.h"
 
 namespace pelage::test {
@@ -18,8 +18,6 @@ namespace pelage::test {
 using reference::DistanceOracle;
 using reference::TriangleMesh;
 
-inline constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-inline constexpr float kInf = std::numeric_limits<float>::infinity();
 inline constexpr int kGoodFrames = 9, kBadFrames = 5, kRecoveryFrames = 60;
 inline constexpr float kCell = 0.01f;  // [m]
 // From one collider with its hair to the next: whole metres, so that all have the same bits.
@@ -28,18 +26,10 @@ inline constexpr float kSpacing = 3;
 /// Horizontal strands that lie across the top of a block at the origin, held beside it. Where they
 /// are drawn to is 3 mm deep in it, so that there is one place alone where they come to rest.
 inline HairAsset comb(float scale = 1) {
-  HairAsset asset;
-  asset.strandCount = 4;
-  asset.verticesPerStrand = 16;
-  for (uint32_t s = 0; s < asset.strandCount; ++s) {
-    for (uint32_t v = 0; v < asset.verticesPerStrand; ++v) {
-      asset.positions.push_back({scale * (-0.12f + 0.018f * static_cast<float>(v)), scale * 0.08f,
-                                 scale * 0.016f * (static_cast<float>(s) - 1.5f),
-                                 v < 2 ? 0.0f : 1.0f});
-    }
-  }
-  expectOk(asset.process());
-  return asset;
+  return strandsAt(4, 16, [&](uint32_t s, uint32_t v) {
+    return Float3{scale * (-0.12f + 0.018f * static_cast<float>(v)), scale * 0.08f,
+                  scale * 0.016f * (static_cast<float>(s) - 1.5f)};
+  });
 }
 
 inline TriangleMesh block() {
@@ -64,14 +54,6 @@ inline Float3 displacementAt(int frame) {
   return {0, exact(-1.4f * kCell * std::sin(t)), exact(0.8f * kCell * std::sin(2 * t))};
 }
 
-inline CollisionMesh toMesh(const TriangleMesh& shape) {
-  CollisionMesh mesh;
-  mesh.positions = shape.positions;
-  mesh.normals.resize(shape.positions.size());
-  mesh.indices = shape.indices;
-  return mesh;
-}
-
 inline TriangleMesh posed(TriangleMesh mesh, const AffineTransform& bone) {
   for (Float3& p : mesh.positions) p = transformPoint(bone, p);
   return mesh;
@@ -89,47 +71,22 @@ struct Location {
 class SdfStress : public StressTest {
  protected:
   SdfStress() { makeHairReturnSoon(); }
-  void TearDown() override {
-    while (!colliders_.empty()) remove(colliders_.back());
-    StressTest::TearDown();
-    for (const BufferId buffer : buffers_) run_.scene.resources().remove(buffer);
-  }
+  using StressTest::add;
   using StressTest::remove;
   ColliderId add(const TriangleMesh& mesh, const SdfColliderDef& def) {
-    const Result<ColliderId> added = run_.scene.addCollider(toMesh(mesh), def);
-    if (!added) {
-      ADD_FAILURE() << added.error().message;
-      return ColliderId::kInvalid;
-    }
-    colliders_.push_back(*added);
-    return *added;
+    return run_.add(toMesh(mesh), def);
   }
-  void remove(ColliderId id) {
-    EXPECT_TRUE(run_.scene.removeCollider(id));
-    std::erase(colliders_, id);
-  }
-  using StressTest::add;
-  /// A vertex buffer of an engine's, until the test's end.
-  BufferId addVertices(const TriangleMesh& mesh) {
-    const auto bytes = std::as_bytes(std::span(mesh.positions));
-    buffers_.push_back(run_.scene.resources().add({.name = "engine",
-                                                   .size = bytes.size(),
-                                                   .stride = sizeof(float),
-                                                   .initial = {bytes.begin(), bytes.end()}}));
-    return buffers_.back();
-  }
+  void remove(ColliderId id) { run_.remove(id); }
   HairObject& hairOf(const Location& point) { return run_.scene.hair(point.hair); }
   SdfCollider& colliderOf(const Location& point) { return run_.scene.collider(point.collider); }
   void setBones(const Location& point, const Float3& displacement,
                 const Float3& scale = {1, 1, 1}) {
-    const AffineTransform bone = boneAt(plus(point.at, displacement), scale);
-    colliderOf(point).setBones({&bone, 1});
+    setBone(colliderOf(point), boneAt(plus(point.at, displacement), scale));
   }
   /// Hair with a comb's shape, at the place.
   void addHair(Location& point, const HairAsset& asset, const SimulationSettings& settings) {
     point.hair = add(asset, {.name = point.name, .settings = settings});
-    const AffineTransform bone = boneAt(point.at);
-    hairOf(point).setBones({&bone, 1});
+    setBone(hairOf(point), boneAt(point.at));
   }
 
   /// Finite, with its lengths but for the rounding of world space, and counters that can be.
@@ -171,23 +128,12 @@ class SdfStress : public StressTest {
     return deepest;
   }
   std::vector<SdfData> copySdfs(const std::vector<Location>& points) {
-    const auto keys = run_.device()->read(run_.scene.sdfKeys());
-    const auto surface = run_.device()->read(run_.scene.sdfSurface());
-    EXPECT_TRUE(keys && surface);
     std::vector<SdfData> all;
-    for (const Location& point : points) {
-      Result<SdfData> data = run_.scene.copySdf(point.collider, *keys, *surface);
-      EXPECT_TRUE(data) << point.name << ": " << data.error().message;
-      all.push_back(data ? std::move(*data) : SdfData());
-    }
+    for (const Location& point : points) all.push_back(run_.copySdf(point.collider));
     return all;
   }
 
   double worstStretch_ = 0;
-
- private:
-  std::vector<ColliderId> colliders_;
-  std::vector<BufferId> buffers_;
 };
 
 }  // namespace pelage::test

@@ -3,7 +3,7 @@
 #include <functional>
 
 #include "stress/sdf_stress.h"
-#include "support/extremes.h"
+#include "support/not_numbers.h"
 
 namespace pelage::test {
 namespace {
@@ -28,7 +28,7 @@ class SdfTrouble : public SdfStress {
               Float4& entry = bone.rows[row];
               float* entries[] = {&entry.x, &entry.y, &entry.z, &entry.w};
               *entries[column] = value;
-              colliderOf(point).setBones({&bone, 1});
+              setBone(colliderOf(point), bone);
             }};
   }
   Trouble scale(const std::string& name, const Float3& by, bool forgotten = true,
@@ -64,8 +64,7 @@ class SdfTrouble : public SdfStress {
                      const float x = frame == kGoodFrames + kBadFrames - 1 ? 0.0f
                                      : frame % 2 == 0                      ? -50.0f
                                                                            : 40.0f;
-                     const AffineTransform at = boneAt(plus(point.at, {x, 0, 0}));
-                     hairOf(point).setBones({&at, 1});
+                     setBone(hairOf(point), boneAt(plus(point.at, {x, 0, 0})));
                      setBones(point, plus(displacementAt(frame), {x, 0, 0}));
                      hairOf(point).reset();
                      colliderOf(point).reset();
@@ -333,8 +332,8 @@ TEST_P(SdfPoints, FastHairAndThinPlates) {
   EXPECT_LE(shares[0], exact() ? 0.015 : 0.04);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, SdfTrouble, testing::ValuesIn(solversOnApis()), stressTestName);
-INSTANTIATE_TEST_SUITE_P(All, SdfPoints, testing::ValuesIn(solversOnApis()), stressTestName);
+INSTANTIATE_TEST_SUITE_P(All, SdfTrouble, testing::ValuesIn(solversOnApis()), solverTestName);
+INSTANTIATE_TEST_SUITE_P(All, SdfPoints, testing::ValuesIn(solversOnApis()), solverTestName);
 
 }  // namespace
 }  // namespace pelage::test

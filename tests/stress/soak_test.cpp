@@ -1,25 +1,14 @@
 // A scene that runs for long while objects come and go, views of every method too: nothing of them
 // stays, in the table, on the device or in the process.
 #include <chrono>
-#include <fstream>
-#include <string>
 
 #include "stress/stress_run.h"
 #include "support/delivery_scene.h"
-#include "support/required_devices.h"
 
 namespace pelage::test {
 namespace {
 
-/// Resident memory of this process [bytes]; 0 where the system does not say.
-uint64_t residentMemory() {
-  std::ifstream status("/proc/self/status");
-  for (std::string line; std::getline(status, line);)
-    if (line.rfind("VmRSS:", 0) == 0) return std::stoull(line.substr(6)) * 1024;
-  return 0;
-}
-
-View viewOf(uint32_t pixels) {
+View viewOfSoak(uint32_t pixels) {
   View view;
   view.eye = {0.2f, 0.04f, 0.6f};
   view.worldToClip = lookAt(view.eye, {0.2f, 0.04f, 0}, {0, 1, 0}, 0.8f, 1, 0.05f, 5);
@@ -46,7 +35,7 @@ class Soak : public testing::TestWithParam<Api> {
       const auto method =
           static_cast<Transparency>((3 * number + static_cast<uint32_t>(frame)) % 8);
       const uint32_t pixels = 16 + 8 * (number % 2);
-      ASSERT_TRUE(made->draw(viewOf(pixels), {&light, 1}, {.method = method}));
+      ASSERT_TRUE(made->draw(viewOfSoak(pixels), {&light, 1}, {.method = method}));
       const RenderTargetDef target = {.width = pixels, .height = pixels};
       const auto images = run_.device()->render(*made, {&target, 1});
       ASSERT_TRUE(images) << images.error().message;

@@ -5,8 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "pelage/scene.h"
@@ -175,6 +177,24 @@ class DeliveryScene {
     return maps ? Result<void>() : maps.error();
   }
 
+  /// The same as an object.
+  Frame makeFrame(int frame) {
+    Result<Frame> made = scene_.simulate(seconds(frame));
+    EXPECT_TRUE(made) << made.error().message;
+    EXPECT_TRUE(made->interpolate(kShare));
+    const Light light = {.shadow = HairShadow::kDeep, .shadowSize = 64};
+    EXPECT_TRUE(made->castShadows({&light, 1}));
+    return *std::move(made);
+  }
+
+  using Results = std::vector<std::vector<std::byte>>;
+  /// \param read  the bytes of a BufferId
+  template <class Read>
+  Results readResults(const Read& read) const {
+    Results all;
+    for (const BufferId buffer : results()) all.push_back(read(buffer));
+    return all;
+  }
   /// What a frame leaves: read these back. First those of hair(0).
   std::vector<BufferId> results() const {
     std::vector<BufferId> all;

@@ -1,12 +1,12 @@
 // A buffer that stands for one of an engine, beside a scene's.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "support/lists.h"
 #include "support/scene_run.h"
 
 namespace pelage::test {
@@ -29,9 +29,7 @@ class EngineBuffer {
     ASSERT_EQ(values.size(), floats_);
     PassList list;
     addUpload(list, id_, std::as_bytes(std::span(values)));
-    run_.scene.finish(list);
-    expectOk(run_.device()->update(run_.scene.resources()));
-    expectOk(run_.device()->execute(list));
+    run_.execute(list);
   }
 
  private:
@@ -39,11 +37,5 @@ class EngineBuffer {
   uint64_t floats_;
   BufferId id_;
 };
-
-/// How often a list runs a kernel.
-inline size_t countPasses(const PassList& list, std::string_view name) {
-  return static_cast<size_t>(std::count_if(list.passes.begin(), list.passes.end(),
-                                           [&](const Pass& pass) { return name == pass.name; }));
-}
 
 }  // namespace pelage::test

@@ -15,12 +15,11 @@
 
 #include "pelage/headless.h"
 #include "pelage/pass_list.h"
+#include "support/errors.h"
 #include "support/required_devices.h"
 #include "support/test_tier.h"
 
-#ifdef PELAGE_TEST_CODE
-#include PELAGE_TEST_CODE_HEADER
-#endif
+#include "test_kernels.h"
 
 namespace pelage::test {
 
@@ -31,6 +30,13 @@ inline constexpr bool kSanitized = false;
 #endif
 
 inline constexpr std::array<Api, 3> kApis = {Api::kVulkan, Api::kGl, Api::kGles};
+
+/// On which tests of the host's code run, when the kernels that run are tested on every API.
+#if PELAGE_TEST_VULKAN
+inline constexpr Api kFirstApi = Api::kVulkan;
+#else
+inline constexpr Api kFirstApi = Api::kGl;
+#endif
 
 inline Result<std::unique_ptr<HeadlessDevice>> createDeviceOfPelage(HeadlessDef def) {
   def.maxTier = std::min(def.maxTier, tierOfTests());
@@ -46,12 +52,12 @@ inline Result<std::unique_ptr<HeadlessDevice>> createDeviceOfPelage(HeadlessDef 
   return Error{ErrorCode::kUnsupported, "this build has no runtime for it"};
 }
 
-/// A device that knows the kernels of the test, too (KERNELS in pelage_add_gpu_test()).
+/// A device that knows the kernels of the test, too (KERNELS of pelage_tests()).
 inline Result<std::unique_ptr<HeadlessDevice>> createDevice(const HeadlessDef& def) {
   Result<std::unique_ptr<HeadlessDevice>> device = createDeviceOfPelage(def);
-#ifdef PELAGE_TEST_CODE
-  if (device) (*device)->addCode(PELAGE_TEST_CODE::allCode());
-#endif
+  if (device) {
+    PELAGE_TEST_ADD_CODE(**device);
+  }
   return device;
 }
 
@@ -79,12 +85,20 @@ class Gpu {
   /// nullptr when there is none; error() says why.
   HeadlessDevice* device() const { return device_.get(); }
   const Error& error() const { return error_; }
+  /// Makes the buffers that are new, runs what a list has, and clears it.
+  void execute(PassList& list) {
+    expectOk(device_->update(resources));
+    hazards.resolve(list);
+    expectOk(device_->execute(list));
+    list.clear();
+  }
+  Api api() const { return api_; }
 
   ResourceTable resources;
   HazardTracker hazards;
 
  private:
-  explicit Gpu(Api api) {
+  explicit Gpu(Api api) : api_(api) {
     HeadlessDef def;
     def.api = api;
     def.validation = true;
@@ -101,9 +115,49 @@ class Gpu {
       error_ = made.error();
   }
 
+  Api api_;
   std::unique_ptr<HeadlessDevice> device_;
   Error error_;
 };
+
+/// The driver behind a device, as far as its name shows: lavapipe and llvmpipe are one.
+inline std::string driverFamily(const DeviceInfo& info) {
+  return info.software ? "software" : info.name.substr(0, info.name.find('/'));
+}
+
+/// The devices of all APIs that have the driver of the first one; no API may fail to start.
+inline std::vector<Gpu*> gpusOfOneDriver() {
+  std::vector<Gpu*> gpus;
+  for (const Api api : kApis) {
+    Gpu& gpu = Gpu::of(api);
+    if (gpu.device() == nullptr) {
+      EXPECT_EQ(gpu.error().code, ErrorCode::kUnsupported) << gpu.error().message;
+      continue;
+    }
+    const std::string family = driverFamily(gpu.device()->info());
+    if (gpus.empty() || family == driverFamily(gpus[0]->device()->info())) gpus.push_back(&gpu);
+  }
+  return gpus;
+}
+
+/// The devices of all APIs that start.
+inline std::vector<Gpu*> startedGpus() {
+  std::vector<Gpu*> gpus;
+  for (const Api api : kApis)
+    if (Gpu::of(api).device() != nullptr) gpus.push_back(&Gpu::of(api));
+  return gpus;
+}
+
+/// Runs a kernel on so many threads. \param offer  binds what it reads and writes
+template <class Offer>
+void dispatch(Gpu& gpu, const KernelVariant& kernel, size_t threads, const Offer& offer) {
+  PassList list;
+  PassBuilder builder(list);
+  builder.dispatch(kernel, static_cast<uint32_t>(threads));
+  offer(builder);
+  expectOk(builder.finish());
+  gpu.execute(list);
+}
 
 /// Base of tests that run on every API: TEST_P with the Api as parameter.
 class GpuTest : public testing::TestWithParam<Api> {
@@ -189,10 +243,5 @@ class GuardedBuffer {
   size_t count_;
   BufferId id_;
 };
-
-/// Fails the test with the message of an error.
-inline void expectOk(const Result<void>& result) {
-  EXPECT_TRUE(result.ok()) << (result.ok() ? "" : result.error().message);
-}
 
 }  // namespace pelage::test

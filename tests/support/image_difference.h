@@ -42,6 +42,9 @@ inline ImageDifference difference(const sample::ByteImage& a, const sample::Byte
   return result;
 }
 
+/// Sum of its colors.
+inline float brightness(const Float4& pixel) { return pixel.x + pixel.y + pixel.z; }
+
 /// Where they differ: the absolute difference, eight times as bright.
 inline sample::ByteImage differenceImage(const sample::ByteImage& a, const sample::ByteImage& b) {
   sample::ByteImage image = a;

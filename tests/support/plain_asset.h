@@ -26,4 +26,22 @@ inline HairAsset makeAsset(uint32_t strands = 5, uint32_t vertices = 8) {
   return asset;
 }
 
+/// Strands whose vertices are where a function has them; the first two of each are held.
+/// \param positionAt  (strand, vertex) to a Float3
+template <class Position>
+HairAsset strandsAt(uint32_t strands, uint32_t vertices, const Position& positionAt) {
+  HairAsset asset;
+  asset.strandCount = strands;
+  asset.verticesPerStrand = vertices;
+  for (uint32_t s = 0; s < strands; ++s) {
+    for (uint32_t v = 0; v < vertices; ++v) {
+      const Float3 p = positionAt(s, v);
+      asset.positions.push_back({p.x, p.y, p.z, v < 2 ? 0.0f : 1.0f});
+    }
+  }
+  const Result<void> processed = asset.process();
+  EXPECT_TRUE(processed) << processed.error().message;
+  return asset;
+}
+
 }  // namespace pelage::test

@@ -6,12 +6,15 @@
 #include <array>
 #include <cstring>
 #include <memory>
+#include <span>
+#include <string>
 #include <tuple>
 #include <utility>
 #include <vector>
 
 #include "pelage/scene.h"
 #include "support/gpu_fixture.h"
+#include "support/required_devices.h"
 
 namespace pelage::test {
 
@@ -25,6 +28,31 @@ inline std::vector<std::tuple<Api, Solver>> solversOnApis() {
   for (const Api api : kApis)
     for (const Solver solver : {Solver::kExact, Solver::kClassic}) all.emplace_back(api, solver);
   return all;
+}
+
+/// Names of tests by the parameters above.
+inline std::string solverTestName(const testing::TestParamInfo<std::tuple<Api, Solver>>& test) {
+  return std::string(apiName(std::get<0>(test.param))) +
+         (std::get<1>(test.param) == Solver::kExact ? "Exact" : "Classic");
+}
+
+/// Finishes the lists of a view, updates the device and draws them one behind the other.
+inline Result<RenderedImage> renderLists(Scene& scene, HeadlessDevice& device,
+                                         std::span<PassList> lists, const RenderTargetDef& target) {
+  std::vector<const PassList*> pointers;
+  for (PassList& list : lists) {
+    scene.finish(list);
+    pointers.push_back(&list);
+  }
+  expectOk(device.update(scene.resources()));
+  return device.render(pointers, target);
+}
+
+/// The picture; an empty one of the target's size after a failure.
+inline RenderedImage imageOf(Result<RenderedImage> image, const RenderTargetDef& target) {
+  if (image) return std::move(*image);
+  ADD_FAILURE() << image.error().message;
+  return {target.width, target.height, std::vector<Float4>(size_t{target.width} * target.height)};
 }
 
 class SceneRun {
@@ -56,43 +84,76 @@ class SceneRun {
     hairs_.push_back(*added);
     return scene.hair(*added);
   }
-  ColliderId add(const CollisionMesh& mesh, const SdfColliderDef& def) {
-    const Result<ColliderId> added = scene.addCollider(mesh, def);
+  /// \param shape  a CollisionMesh, SdfData or DenseSdf
+  template <class Shape>
+  ColliderId add(const Shape& shape, const SdfColliderDef& def) {
+    const Result<ColliderId> added = scene.addCollider(shape, def);
     EXPECT_TRUE(added) << added.error().message;
     colliders_.push_back(*added);
     return *added;
   }
-  ColliderId add(const SdfData& data, const SdfColliderDef& def) {
-    const Result<ColliderId> added = scene.addCollider(data, def);
+  SkeletonId add(const SkeletonDef& def) {
+    const Result<SkeletonId> added = scene.addSkeleton(def);
     EXPECT_TRUE(added) << added.error().message;
-    colliders_.push_back(*added);
+    skeletons_.push_back(*added);
     return *added;
+  }
+  /// A buffer that stands for one of an engine.
+  template <class T>
+  BufferId add(std::string name, const std::vector<T>& values) {
+    const auto bytes = std::as_bytes(std::span(values));
+    buffers_.push_back(scene.resources().add({.name = std::move(name),
+                                              .size = bytes.size(),
+                                              .stride = sizeof(T),
+                                              .usage = BufferUsage::kStorage | BufferUsage::kUpload,
+                                              .initial = {bytes.begin(), bytes.end()}}));
+    return buffers_.back();
   }
   void remove(ColliderId id) {
     EXPECT_TRUE(scene.removeCollider(id));
     std::erase(colliders_, id);
   }
+  void remove(HairId id) {
+    EXPECT_TRUE(scene.removeHair(id));
+    std::erase(hairs_, id);
+  }
   /// Removes all that add() has added.
   void clear() {
     for (const HairId id : hairs_) EXPECT_TRUE(scene.removeHair(id));
     for (const ColliderId id : colliders_) EXPECT_TRUE(scene.removeCollider(id));
+    for (const SkeletonId id : skeletons_) EXPECT_TRUE(scene.removeSkeleton(id));
+    for (const BufferId id : buffers_) scene.resources().remove(id);
     hairs_.clear();
     colliders_.clear();
+    skeletons_.clear();
+    buffers_.clear();
   }
   void step(float dt = 1.0f / 60) {
     expectOk(scene.simulate(dt, list_));
-    scene.finish(list_);
-    expectOk(device_->update(scene.resources()));
-    expectOk(device_->execute(list_));
+    execute(list_);
   }
-  /// What a camera at `eye` that looks along -z sees, square and with 45 degrees.
-  RenderedImage render(Float3 eye, uint32_t pixels) {
+  /// Finishes a list of the scene and runs it.
+  void execute(PassList& list) {
+    scene.finish(list);
+    expectOk(device_->update(scene.resources()));
+    expectOk(device_->execute(list));
+  }
+  /// A camera at `eye` that looks along -z, square and with 45 degrees.
+  static View viewFrom(Float3 eye, uint32_t pixels) {
     View view;
     view.worldToClip = lookAt(eye, {eye.x, eye.y, eye.z - 1}, {0, 1, 0}, 0.785f, 1, 0.1f, 10.0f);
     view.eye = eye;
     view.width = view.height = pixels;
+    return view;
+  }
+  /// What that camera sees.
+  RenderedImage render(Float3 eye, uint32_t pixels) {
     PassList list;
-    expectOk(scene.draw(view, {}, list));
+    expectOk(scene.draw(viewFrom(eye, pixels), {}, list));
+    return render(list, pixels);
+  }
+  /// The picture of a list's draws, square; black where there is none.
+  RenderedImage render(PassList& list, uint32_t pixels) {
     scene.finish(list);
     expectOk(device_->update(scene.resources()));
     RenderTargetDef target;
@@ -102,6 +163,9 @@ class SceneRun {
     ADD_FAILURE() << image.error().message;
     return {pixels, pixels, std::vector<Float4>(size_t{pixels} * pixels)};
   }
+  Result<RenderedImage> renderLists(std::span<PassList> lists, const RenderTargetDef& target) {
+    return test::renderLists(scene, *device_, lists, target);
+  }
   template <class T = Float4>
   std::vector<T> read(BufferId buffer) const {
     const auto raw = device_->read(buffer);
@@ -109,6 +173,19 @@ class SceneRun {
     std::vector<T> values(raw ? raw->size() / sizeof(T) : 0);
     if (raw) std::memcpy(values.data(), raw->data(), values.size() * sizeof(T));
     return values;
+  }
+  /// How many strands are awake.
+  uint32_t awake(const HairObject& hair) const {
+    const std::vector<uint32_t> words = read<uint32_t>(hair.buffers().sleep);
+    return readCounters(std::as_bytes(std::span(words))).awakeStrands;
+  }
+  /// The SDF of a collider as it is on the device.
+  SdfData copySdf(ColliderId id) const {
+    const auto keys = device_->read(scene.sdfKeys()), surface = device_->read(scene.sdfSurface());
+    EXPECT_TRUE(keys && surface);
+    Result<SdfData> data = scene.copySdf(id, *keys, *surface);
+    EXPECT_TRUE(data) << data.error().message;
+    return data ? std::move(*data) : SdfData();
   }
   /// Of the object that was added last.
   HairId lastHair() const { return hairs_.back(); }
@@ -126,7 +203,28 @@ class SceneRun {
   PassList list_;
   std::vector<HairId> hairs_;
   std::vector<ColliderId> colliders_;
+  std::vector<SkeletonId> skeletons_;
+  std::vector<BufferId> buffers_;
 };
+
+/// The bone of an object or collider that has one.
+template <class Object>
+void setBone(Object& object, const AffineTransform& bone) {
+  object.setBones({&bone, 1});
+}
+
+/// The only capsule that hair collides with.
+inline void setCollider(HairObject& hair, const CapsuleCollider& capsule) {
+  hair.setColliders({&capsule, 1});
+}
+
+inline CapsuleCollider sphereCollider(const Float3& center, float radius, float friction = 0.3f) {
+  return {.head = center,
+          .headRadius = radius,
+          .tail = center,
+          .tailRadius = radius,
+          .friction = friction};
+}
 
 /// One for all tests of a program, because drivers compile kernels for each device: clear() it.
 inline SceneRun& sharedSceneRun(Api api) {
@@ -140,5 +238,27 @@ inline SceneRun& sharedSceneRun(Api api) {
   if (!run) run = std::make_unique<SceneRun>(api);
   return *run;
 }
+
+inline Api apiOf(Api api) { return api; }
+template <class... Others>
+Api apiOf(const std::tuple<Api, Others...>& parameter) {
+  return std::get<0>(parameter);
+}
+
+/// Tests on the shared run of the parameter's API, which is left empty; skipped without a device.
+template <class Parameter = Api>
+class SceneRunTest : public testing::TestWithParam<Parameter> {
+ protected:
+  SceneRunTest() : run_(sharedSceneRun(apiOf(this->GetParam()))) {}
+  void SetUp() override {
+    if (run_.device() == nullptr)
+      PELAGE_SKIP_WITHOUT_DEVICE() << "no " << apiName(apiOf(this->GetParam())) << " device";
+  }
+  void TearDown() override {
+    if (run_.device() != nullptr) run_.clear();
+  }
+
+  SceneRun& run_;
+};
 
 }  // namespace pelage::test

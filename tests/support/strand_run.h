@@ -97,6 +97,12 @@ inline reference::Pose bindPose(const HairAsset& asset, uint32_t strand) {
           toVector(asset.positions[size_t{strand} * asset.verticesPerStrand])};
 }
 
+inline std::vector<reference::Pose> bindPoses(const HairAsset& asset) {
+  std::vector<reference::Pose> poses;
+  for (uint32_t s = 0; s < asset.strandCount; ++s) poses.push_back(bindPose(asset, s));
+  return poses;
+}
+
 /// Which terms a step has; the constants of the others do not matter.
 struct StrandTerms {
   bool wind = false;
@@ -219,12 +225,14 @@ class StrandRun {
     constants.flags = 0;
     run();
   }
-  /// Runs what has been recorded.
-  void run() {
-    gpu_.hazards.resolve(list_);
-    expectOk(gpu_.device()->execute(list_));
-    list_.clear();
+  /// A reset with the follow hairs.
+  void resetWithFollowHairs(const std::vector<reference::Pose>& now) {
+    reset(now);
+    updateFollowHairs();
+    run();
   }
+  /// Runs what has been recorded.
+  void run() { gpu_.execute(list_); }
 
   std::vector<Float4> positions() const { return positions_.read(); }
   std::vector<Float4> tangents() const { return tangents_.read(); }
@@ -281,7 +289,7 @@ class StrandRun {
                     .roots = rootRange(),
                     .rootCount = guides_,
                     .strands = guides_,
-                    .origin = {.metres = detail::toDouble3({origin.x, origin.y, origin.z})}},
+                    .origin = {.metres = {double{origin.x}, double{origin.y}, double{origin.z}}}},
                    {.begin = constants.rootBegin,
                     .end = constants.rootEnd,
                     .length = constants.timeStep,

@@ -209,6 +209,9 @@ inline std::vector<WrongList> wrongDraws(const WrongListBuffers& b) {
       {"a draw without pixel kernel",
        [](PassList& list) { list.passes[1].pixel = nullptr; },
        {"fill_vertex", "pixel stage"}},
+      {"a draw of a compute kernel",
+       [](PassList& list) { list.passes[1].kernel = list.passes[0].kernel; },
+       {"fill_pixel", "vertex stage"}},
       {"kernels of other layouts",
        [](PassList& list) {
          static const LayoutTable* const layouts[] = {&runtime_test::kRuntimeComputeLayout};

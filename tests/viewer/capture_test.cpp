@@ -1,28 +1,25 @@
 // Recordings: pictures in a folder, a video through the program ffmpeg, times as CSV.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "capture/recording.h"
 #include "capture/times_file.h"
 #include "png_file.h"
+#include "support/errors.h"
+#include "support/test_folder.h"
 
 namespace {
 
 using Path = std::filesystem::path;
-
-std::string contents(const Path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
+using pelage::test::expectError;
+using pelage::test::required;
+using pelage::test::TestFolder;
+using pelage::test::textOf;
 
 sample::ByteImage picture(uint32_t width, uint32_t height, uint8_t value) {
   sample::ByteImage image;
@@ -35,16 +32,11 @@ sample::ByteImage picture(uint32_t width, uint32_t height, uint8_t value) {
 class Capture : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ =
-        std::filesystem::temp_directory_path() / ("pelage_capture_" + std::to_string(getpid()));
     std::filesystem::create_directories(folder_ / "bin");
     const char* const path = std::getenv("PATH");
     path_ = path != nullptr ? path : "";
   }
-  void TearDown() override {
-    setenv("PATH", path_.c_str(), 1);
-    std::filesystem::remove_all(folder_);
-  }
+  void TearDown() override { setenv("PATH", path_.c_str(), 1); }
   /// A program of this name that is the only one there, but for those that it needs.
   void fakeFfmpeg(const std::string& script) const {
     const Path program = folder_ / "bin" / "ffmpeg";
@@ -52,20 +44,18 @@ class Capture : public testing::Test {
     std::filesystem::permissions(program, std::filesystem::perms::owner_all);
     setenv("PATH", (folder_ / "bin").c_str(), 1);
   }
-  Path folder_;
+  const TestFolder folder_;
   std::string path_;
 };
 
 TEST_F(Capture, PicturesAreNumberedInTheirFolder) {
-  auto recording = viewer::recordPictures(folder_ / "a" / "b");
-  ASSERT_TRUE(recording) << recording.error().message;
+  auto recording = required(viewer::recordPictures(folder_ / "a" / "b"));
   for (uint8_t i = 1; i <= 3; ++i) ASSERT_TRUE((*recording)->add(picture(4 + i, 5, i)));
   EXPECT_TRUE((*recording)->finish());
   EXPECT_EQ((*recording)->pictures(), 3u);
   for (uint8_t i = 1; i <= 3; ++i) {
-    const auto image =
-        sample::readPng((folder_ / "a" / "b" / ("0000" + std::to_string(i) + ".png")).string());
-    ASSERT_TRUE(image) << image.error().message;
+    const auto image = required(
+        sample::readPng((folder_ / "a" / "b" / ("0000" + std::to_string(i) + ".png")).string()));
     EXPECT_EQ(image->rgb, picture(4 + i, 5, i).rgb);
   }
   std::ofstream(folder_ / "file") << "x";
@@ -77,16 +67,13 @@ TEST_F(Capture, AVideoIsWhatFfmpegMakesOfThePictures) {
   fakeFfmpeg("for last; do :; done\necho \"$@\" > \"$last\"\ncat >> \"$last\"\n");
   ASSERT_TRUE(viewer::hasFfmpeg());
   const Path file = folder_ / "a video.mp4";
-  auto recording = viewer::recordVideo(file);
-  ASSERT_TRUE(recording) << recording.error().message;
+  auto recording = required(viewer::recordVideo(file));
   ASSERT_TRUE((*recording)->add(picture(64, 32, 65)));
   ASSERT_TRUE((*recording)->add(picture(64, 32, 66)));
-  const auto other = (*recording)->add(picture(65, 32, 66));
-  ASSERT_FALSE(other);
-  EXPECT_NE(other.error().message.find("65 x 32"), std::string::npos) << other.error().message;
+  expectError((*recording)->add(picture(65, 32, 66)), "65 x 32");
   const auto finished = (*recording)->finish();
   EXPECT_TRUE(finished) << finished.error().message;
-  const std::string text = contents(file);
+  const std::string text = textOf(file);
   EXPECT_NE(text.find("-s 64x32 -r 60"), std::string::npos) << text.substr(0, 200);
   const std::string pixels = std::string(64 * 32 * 3, 'A') + std::string(64 * 32 * 3, 'B');
   ASSERT_GT(text.size(), pixels.size());
@@ -96,13 +83,10 @@ TEST_F(Capture, AVideoIsWhatFfmpegMakesOfThePictures) {
 TEST_F(Capture, AVideoWithoutFfmpegOrWithABrokenOneSaysSo) {
   setenv("PATH", (folder_ / "nowhere").c_str(), 1);
   EXPECT_FALSE(viewer::hasFfmpeg());
-  const auto missing = viewer::recordVideo(folder_ / "a.mp4");
-  ASSERT_FALSE(missing);
-  EXPECT_NE(missing.error().message.find("no ffmpeg on the PATH"), std::string::npos);
+  expectError(viewer::recordVideo(folder_ / "a.mp4"), "no ffmpeg on the PATH");
 
   fakeFfmpeg("exit 3\n");
-  auto broken = viewer::recordVideo(folder_ / "a.mp4");
-  ASSERT_TRUE(broken) << broken.error().message;
+  auto broken = required(viewer::recordVideo(folder_ / "a.mp4"));
   // More than a pipe takes.
   bool added = true;
   for (int i = 0; i < 8 && added; ++i)
@@ -112,8 +96,7 @@ TEST_F(Capture, AVideoWithoutFfmpegOrWithABrokenOneSaysSo) {
 }
 
 TEST_F(Capture, TimesAreALineForEachPass) {
-  auto times = viewer::TimesFile::open(folder_ / "times.csv");
-  ASSERT_TRUE(times) << times.error().message;
+  auto times = required(viewer::TimesFile::open(folder_ / "times.csv"));
   std::vector<pelage::PassTiming> timings(4);
   timings[0].name = timings[2].name = "solve";
   timings[1].name = "draw";
@@ -123,7 +106,7 @@ TEST_F(Capture, TimesAreALineForEachPass) {
   timings[2].milliseconds = 0.5;
   timings[3].milliseconds = -1;
   times->add(7, timings);
-  EXPECT_EQ(contents(folder_ / "times.csv"),
+  EXPECT_EQ(textOf(folder_ / "times.csv"),
             "frame,pass,passes,milliseconds\n7,draw,1,2.000000\n7,solve,2,0.750000\n");
   EXPECT_FALSE(viewer::TimesFile::open(folder_ / "no" / "times.csv"));
 }

@@ -12,13 +12,16 @@
 #include "sample/code.h"
 #include "stage/stage.h"
 #include "stage/stage_settings.h"
-#include "support/required_devices.h"
+#include "support/errors.h"
+#include "support/gpu_fixture.h"
+#include "viewer/window_apis.h"
 #include "viewer_kernels/code.h"
 
 namespace {
 
 using pelage::Float3;
 using pelage::Float4;
+using pelage::test::required;
 using viewer::InspectedValue;
 using viewer::InspectionFigures;
 
@@ -38,9 +41,8 @@ class Inspection : public testing::TestWithParam<pelage::Api> {
     stage_.look.transparency = pelage::Transparency::kAlphaTest;
     stage_.look.strandShare = 0.02f;
     stage_.clock.fixed = true;
-    const auto shown =
-        stage_.show({.kind = viewer::StageKind::kHead, .preset = sample::GroomPreset::kMohawk});
-    ASSERT_TRUE(shown) << shown.error().message;
+    required(
+        stage_.show({.kind = viewer::StageKind::kHead, .preset = sample::GroomPreset::kMohawk}));
     stage_.frameAll(1);
     // The bind pose.
     stage_.clock.playing = false;
@@ -49,16 +51,12 @@ class Inspection : public testing::TestWithParam<pelage::Api> {
   void TearDown() override { EXPECT_EQ(device_ ? device_->messageCount() : 0u, 0u); }
 
   void draw() {
-    auto frame = stage_.makeFrame(1.0 / 60, kPixels, kPixels);
-    ASSERT_TRUE(frame) << frame.error().message;
+    auto frame = required(stage_.makeFrame(1.0 / 60, kPixels, kPixels));
     const std::vector<pelage::RenderTargetDef> targets(stage_.views().size(),
                                                        {.width = kPixels, .height = kPixels});
-    const auto images = device_->render(*frame, targets);
-    ASSERT_TRUE(images) << images.error().message;
+    const auto images = required(device_->render(*frame, targets));
     picture_ = images->back();
-    const auto measured =
-        stage_.measure([&](pelage::BufferId buffer) { return device_->read(buffer); });
-    ASSERT_TRUE(measured) << measured.error().message;
+    required(stage_.measure([&](pelage::BufferId buffer) { return device_->read(buffer); }));
   }
   const pelage::HairObject& hair() { return stage_.scene().hair(stage_.hairs()[0]); }
   std::vector<Float4> positions() {
@@ -116,8 +114,7 @@ TEST_P(Inspection, StretchIsThatOfTheEdges) {
          root.z + 1.1f * (p.z - root.z), p.w};
   }
   pelage::HairObject& object = stage_.scene().hair(stage_.hairs()[0]);
-  const auto set = object.setRestPose(longer);
-  ASSERT_TRUE(set) << set.error().message;
+  required(object.setRestPose(longer));
   stage_.clock.playing = true;
   stage_.inspection.value = InspectedValue::kNone;
   draw();
@@ -216,8 +213,7 @@ TEST_P(Inspection, LevelOfDetailHasAColorForEachKind) {
   settings.object.simulatedShare = 0.5f;
   settings.object.drawnShare =
       static_cast<float>(hair().guideCount()) / static_cast<float>(hair().strandCount());
-  const auto applied = apply(settings, 0, stage_);
-  ASSERT_TRUE(applied) << applied.error().message;
+  required(apply(settings, 0, stage_));
   const InspectionFigures figures = figuresOf(InspectedValue::kDetail);
   EXPECT_EQ(figures.simulated, (hair().guideCount() + 1) / 2);
   pixels = pixelsByChannel();
@@ -238,11 +234,7 @@ TEST_P(Inspection, LeavesNoBuffersBehind) {
   }
 }
 
-#ifdef PELAGE_TEST_VULKAN
-INSTANTIATE_TEST_SUITE_P(Vulkan, Inspection, testing::Values(pelage::Api::kVulkan));
-#endif
-#ifdef PELAGE_TEST_GL
-INSTANTIATE_TEST_SUITE_P(Gl, Inspection, testing::Values(pelage::Api::kGl));
-#endif
+INSTANTIATE_TEST_SUITE_P(Apis, Inspection, testing::ValuesIn(pelage::test::kWindowApis),
+                         pelage::test::apiTestName);
 
 }  // namespace

@@ -1,6 +1,5 @@
 // What the viewer looks inside with: keys of colors, statistics, history of passes, folders.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -14,9 +13,14 @@
 #include "stage/stage_settings.h"
 #include "stage/statistics.h"
 #include "stage/strand_detail.h"
+#include "support/errors.h"
+#include "support/test_folder.h"
 
 namespace {
 
+using pelage::test::expectError;
+using pelage::test::required;
+using pelage::test::TestFolder;
 using viewer::InspectedValue;
 using viewer::InspectionFigures;
 using viewer::InspectionLook;
@@ -126,11 +130,10 @@ TEST(Statistics, OfAStageListItsHairAndColliders) {
                           .headCollider = sample::HeadCollider::kMesh}));
   size_t reads = 0;
   const auto statistics =
-      stage.statistics([&](pelage::BufferId) -> pelage::Result<std::vector<std::byte>> {
+      required(stage.statistics([&](pelage::BufferId) -> pelage::Result<std::vector<std::byte>> {
         ++reads;
         return std::vector<std::byte>(256);
-      });
-  ASSERT_TRUE(statistics) << statistics.error().message;
+      }));
   ASSERT_EQ(statistics->hairs.size(), 1u);
   EXPECT_GT(statistics->hairs[0].bytes.own, 0u);
   EXPECT_EQ(statistics->colliders.size(), 1u);
@@ -182,19 +185,14 @@ TEST(PassHistory, KeepsTheTimesOfEachPassAsLongAsThoseOfAll) {
 }
 
 TEST(Folder, ListsFoldersThenFilesThatCanBeOpened) {
-  const std::filesystem::path folder =
-      std::filesystem::temp_directory_path() / ("pelage_folder_" + std::to_string(getpid()));
-  std::filesystem::create_directories(folder / "z");
+  const TestFolder folder;
+  std::filesystem::create_directory(folder / "z");
   for (const char* name : {"b.tfx", "a.TFX", "words.txt", ".hidden.tfx", "s.json"})
     std::ofstream(folder / name) << "x";
-  const auto entries = viewer::listFolder(folder);
-  std::filesystem::remove_all(folder);
-  ASSERT_TRUE(entries) << entries.error().message;
+  const auto entries = required(viewer::listFolder(folder.path()));
   EXPECT_EQ(*entries, (std::vector<viewer::FolderEntry>{
                           {"z", true}, {"a.TFX", false}, {"b.tfx", false}, {"s.json", false}}));
-  const auto missing = viewer::listFolder(folder);
-  ASSERT_FALSE(missing);
-  EXPECT_NE(missing.error().message.find(folder.filename().string()), std::string::npos);
+  expectError(viewer::listFolder(folder / "none"), "none");
 }
 
 // Two sides are two solvers with settings of their own, and one again leaves nothing behind.

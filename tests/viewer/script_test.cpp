@@ -7,9 +7,12 @@
 #include <vector>
 
 #include "input/keys.h"
+#include "support/errors.h"
 
 namespace {
 
+using pelage::test::expectError;
+using pelage::test::required;
 using viewer::Event;
 using viewer::parseScript;
 using viewer::ScriptedEvent;
@@ -35,8 +38,7 @@ TEST(Script, WhatIsWrittenIsRead) {
   const std::vector<ScriptedEvent> events = everyEvent();
   std::string text;
   for (const ScriptedEvent& event : events) text += scriptLines(event);
-  const auto read = parseScript(text, "script");
-  ASSERT_TRUE(read) << read.error().message;
+  const auto read = required(parseScript(text, "script"));
   ASSERT_EQ(read->size(), events.size());
   for (size_t i = 0; i < events.size(); ++i) EXPECT_EQ((*read)[i], events[i]) << i;
 }
@@ -47,8 +49,7 @@ TEST(Script, EveryKeyHasAName) {
 }
 
 TEST(Script, CommentsAndEmptyLinesAreNothing) {
-  const auto read = parseScript("# words\r\n\r\n  \t\n 7 key space\r\n", "script");
-  ASSERT_TRUE(read) << read.error().message;
+  const auto read = required(parseScript("# words\r\n\r\n  \t\n 7 key space\r\n", "script"));
   const std::vector<ScriptedEvent> expected = {{7, viewer::KeyPressed{viewer::kKeySpace, true}},
                                                {7, viewer::KeyPressed{viewer::kKeySpace, false}}};
   EXPECT_EQ(*read, expected);
@@ -79,9 +80,7 @@ TEST(Script, WhatIsWrongIsNamedWithItsLine) {
       {"0 quit now", "'now' is too much"},
   };
   for (const auto& [text, message] : kCases) {
-    const auto read = parseScript(text, "s");
-    ASSERT_FALSE(read) << text;
-    EXPECT_NE(read.error().message.find(message), std::string::npos) << read.error().message;
+    expectError(parseScript(text, "s"), {message});
   }
 }
 

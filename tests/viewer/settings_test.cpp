@@ -11,17 +11,21 @@
 #include "pelage/settings/settings_file.h"
 #include "stage/good_settings.h"
 #include "stage/stage_settings.h"
+#include "support/errors.h"
+#include "support/test_folder.h"
 
 namespace {
 
 using pelage::SceneSettings;
+using pelage::test::expectError;
+using pelage::test::required;
+using pelage::test::TestFolder;
 using viewer::Stage;
 
 class StageSettings : public testing::Test {
  protected:
   void SetUp() override {
-    const auto shown = stage_.show({.kind = viewer::StageKind::kHead});
-    ASSERT_TRUE(shown) << shown.error().message;
+    required(stage_.show({.kind = viewer::StageKind::kHead}));
     ASSERT_EQ(stage_.shown(), 1u);
     ASSERT_FALSE(stage_.hairs().empty());
   }
@@ -74,8 +78,7 @@ TEST_F(StageSettings, AreWhatWasGiven) {
       sections[s].set(settings, parameter, value);
       if (parameter.path == "innerConeAngle") settings.lights[0].outerConeAngle = 1.5f;
       if (!validate(settings)) continue;  // two values that do not go together
-      const auto done = apply(settings, 0, stage_);
-      ASSERT_TRUE(done) << done.error().message;
+      required(apply(settings, 0, stage_));
       const SceneSettings now = settingsOf(stage_, 0);
       EXPECT_TRUE(haveSameBits(sections[s].get(now, parameter), value))
           << sections[s].key << '.' << parameter.path;
@@ -150,8 +153,7 @@ TEST_F(StageSettings, OfTheTargetAreRefusedWithASentenceAndGoBack) {
   settings.transparency.method = pelage::Transparency::kTiles;
   ASSERT_TRUE(apply(settings, 0, stage_));
   frame = stage_.makeFrame(0.01, 64, 64);
-  ASSERT_FALSE(frame);
-  EXPECT_NE(frame.error().message.find("view.samples is 4"), std::string::npos);
+  expectError(frame, "view.samples is 4");
   EXPECT_TRUE(stage_.resetTarget());
   EXPECT_FALSE(stage_.resetTarget());
   EXPECT_TRUE(stage_.makeFrame(0.01, 64, 64));
@@ -208,26 +210,22 @@ TEST_F(StageSettings, ThatAreOutOfRangeChangeNothing) {
   settings.simulation.damping = std::nanf("");
   settings.material.fiberRadius = 1e-3f;
   const SceneSettings before = settingsOf(stage_, 0);
-  const auto done = apply(settings, 0, stage_);
-  ASSERT_FALSE(done);
-  EXPECT_NE(done.error().message.find("damping"), std::string::npos) << done.error().message;
+  expectError(apply(settings, 0, stage_), "damping");
   EXPECT_TRUE(haveSameSettings(settingsOf(stage_, 0), before));
 }
 
 TEST_F(StageSettings, GoBackAndForward) {
   viewer::SettingsPanel panel;
-  const std::filesystem::path file =
-      std::filesystem::path(testing::TempDir()) / "pelage_stage_settings.json";
+  const TestFolder folder;
+  const std::filesystem::path file = folder / "settings.json";
   SceneSettings wanted = settingsOf(stage_, 0);
   const SceneSettings first = wanted;
   wanted.simulation.damping = 0.25f;
   wanted.material.fiberRadius = 70e-6f;
   wanted.lights.resize(2);
   wanted.lights[1].direction = {0, 1, 0};
-  const auto saved = saveSettings(file, wanted);
-  ASSERT_TRUE(saved) << saved.error().message;
-  const auto loaded = panel.load(file, stage_);
-  ASSERT_TRUE(loaded) << loaded.error().message;
+  required(saveSettings(file, wanted));
+  required(panel.load(file, stage_));
   EXPECT_TRUE(haveSameSettings(settingsOf(stage_, 0), wanted));
   panel.undo(stage_);
   EXPECT_TRUE(haveSameSettings(settingsOf(stage_, 0), first));
@@ -237,11 +235,8 @@ TEST_F(StageSettings, GoBackAndForward) {
   EXPECT_TRUE(haveSameSettings(settingsOf(stage_, 0), wanted));
   EXPECT_EQ(stage_.lights().size(), 2u);
 
-  const auto missing = panel.load("no_such_file.json", stage_);
-  ASSERT_FALSE(missing);
-  EXPECT_NE(missing.error().message.find("no_such_file.json"), std::string::npos);
+  expectError(panel.load("no_such_file.json", stage_), "no_such_file.json");
   EXPECT_TRUE(haveSameSettings(settingsOf(stage_, 0), wanted));
-  std::remove(file.c_str());
 }
 
 TEST_F(StageSettings, OfAnotherSceneHaveEditsOfTheirOwn) {

@@ -1,24 +1,19 @@
 // Frames of a Vulkan engine that are not submitted: as if they had never been written.
 #include <gtest/gtest.h>
 
-#include <array>
-#include <cstring>
-#include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "support/delivery_scene.h"
+#include "support/errors.h"
 #include "support/gpu_fixture.h"
-#include "support/required_devices.h"
 #include "vulkan/vulkan_engine.h"
 
 namespace pelage::test {
 namespace {
 
 using runtime_test::Engine;
-using runtime_test::EngineBuffer;
-using vulkan::Runtime;
+using runtime_test::EngineRun;
 
 enum class Loss {
   kNone,
@@ -32,45 +27,22 @@ enum class Loss {
   kFrame,        ///< a Frame is recorded
 };
 
-class VulkanDelivery : public testing::TestWithParam<Solver> {
+class VulkanDelivery : public testing::TestWithParam<Solver>, protected EngineRun {
  protected:
-  using Results = std::vector<std::vector<std::byte>>;
+  using Results = DeliveryScene::Results;
 
   void SetUp() override {
-    std::string reason;
-    engine_ = Engine::create(reason);
-    if (engine_ == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << reason;
-    for (Engine::Frame& slot : slots_) slot = engine_->createFrame();
-    copies_ = engine_->createFrame();
-    Result<Runtime> made = Runtime::create(engine_->runtimeDef());
-    ASSERT_TRUE(made) << made.error().message;
-    runtime_.emplace(*std::move(made));
+    open();
+    if (engine_ != nullptr) createRuntime(engine_->runtimeDef());
   }
-  void TearDown() override {
-    if (engine_ == nullptr) return;
-    for (const Engine::Frame& slot : slots_) engine_->destroyFrame(slot);
-    engine_->destroyFrame(copies_);
-    runtime_.reset();
-    EXPECT_EQ(engine_->messageCount(), 0u);
-  }
-  const Engine::Frame& begin() {
-    ++frame_;
-    const Engine::Frame& slot = slots_[frame_ % slots_.size()];
-    engine_->begin(slot);
-    runtime_->beginFrame(frame_, frame_ > slots_.size() ? frame_ - slots_.size() : 0);
-    return slot;
-  }
+  void TearDown() override { close(); }
   void write(DeliveryScene& scene, int frame, PassList& list) {
     expectOk(scene.simulate(frame, list));
     scene_.finish(list);
   }
-  void submit(const Engine::Frame& slot) {
-    engine_->submit(slot);
-    runtime_->submitted();
-  }
 
   void lose(DeliveryScene& scene, int frame, Loss loss) {
-    const Engine::Frame& slot = begin();
+    const Engine::Frame& slot = beginFrame();
     if (loss == Loss::kFrame) {
       record(scene, frame, slot);
       engine_->discard(slot);
@@ -98,59 +70,29 @@ class VulkanDelivery : public testing::TestWithParam<Solver> {
     if (loss != Loss::kAheadOfTime) return;
     // On top of what will not run: refused, and lost as well.
     write(scene, frame, other_);
-    const Engine::Frame& next = begin();
+    const Engine::Frame& next = beginFrame();
     expectOk(runtime_->update(scene_.resources(), next.commands));
     EXPECT_FALSE(runtime_->record(other_, next.commands));
     submit(next);
   }
   // As an object, in one call.
-  void record(const DeliveryScene& scene, int frame, const Engine::Frame& slot) {
-    Result<Frame> made = scene_.simulate(DeliveryScene::seconds(frame));
-    ASSERT_TRUE(made) << made.error().message;
-    EXPECT_TRUE(made->interpolate(DeliveryScene::kShare));
-    const Light light = {.shadow = HairShadow::kDeep, .shadowSize = 64};
-    EXPECT_TRUE(made->castShadows({&light, 1}));
-    const Result<void> recorded = runtime_->record(*made, slot.commands);
-    EXPECT_TRUE(recorded) << recorded.error().message;
+  void record(DeliveryScene& scene, int frame, const Engine::Frame& slot) {
+    Frame made = scene.makeFrame(frame);
+    expectOk(runtime_->record(made, slot.commands));
     EXPECT_EQ(scene.results().back(), scene_.shadowWords());
   }
   void execute(DeliveryScene& scene, int frame) {
-    const Engine::Frame& slot = begin();
+    const Engine::Frame& slot = beginFrame();
     if (frames_) {
       record(scene, frame, slot);
       return submit(slot);
     }
     write(scene, frame, list_);
     expectOk(runtime_->update(scene_.resources(), slot.commands));
-    const Result<void> recorded = runtime_->record(list_, slot.commands);
-    ASSERT_TRUE(recorded) << recorded.error().message;
+    expectOk(runtime_->record(list_, slot.commands));
     // Written again before it is submitted: the runtime knows it all the same.
     list_.clear();
     submit(slot);
-  }
-  std::vector<std::byte> read(BufferId id) {
-    const vulkan::BufferRange range = runtime_->buffer(id);
-    const EngineBuffer out =
-        engine_->createBuffer(range.size, VK_BUFFER_USAGE_TRANSFER_DST_BIT, true);
-    engine_->begin(copies_);
-    VkMemoryBarrier barrier = {};
-    barrier.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER;
-    barrier.srcAccessMask = VK_ACCESS_MEMORY_WRITE_BIT;
-    barrier.dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT;
-    vkCmdPipelineBarrier(copies_.commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
-                         VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 1, &barrier, 0, nullptr, 0, nullptr);
-    const VkBufferCopy copy = {range.offset, 0, range.size};
-    vkCmdCopyBuffer(copies_.commands, range.buffer, out.buffer, 1, &copy);
-    barrier.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
-    barrier.dstAccessMask = VK_ACCESS_HOST_READ_BIT;
-    vkCmdPipelineBarrier(copies_.commands, VK_PIPELINE_STAGE_TRANSFER_BIT,
-                         VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &barrier, 0, nullptr, 0, nullptr);
-    engine_->submit(copies_);
-    engine_->wait(copies_);
-    std::vector<std::byte> bytes(range.size);
-    std::memcpy(bytes.data(), out.mapped, bytes.size());
-    engine_->destroyBuffer(out);
-    return bytes;
   }
   std::vector<Results> play(Loss loss) {
     DeliveryScene scene(scene_, GetParam());
@@ -159,28 +101,20 @@ class VulkanDelivery : public testing::TestWithParam<Solver> {
       scene.setInputs(frame);
       if (loss != Loss::kNone) lose(scene, frame, loss);
       execute(scene, frame);
-      for (const Engine::Frame& slot : slots_) engine_->wait(slot);
-      Results results;
-      for (const BufferId buffer : scene.results()) results.push_back(read(buffer));
-      frames.push_back(std::move(results));
+      waitForFrames();
+      frames.push_back(scene.readResults([this](BufferId buffer) { return read(buffer); }));
     }
     scene.remove();
     return frames;
   }
 
-  std::unique_ptr<Engine> engine_;
-  std::array<Engine::Frame, 3> slots_;
-  Engine::Frame copies_;
-  std::optional<Runtime> runtime_;
   Scene scene_;
   PassList list_, other_;
-  uint64_t frame_ = 0;
   bool frames_ = false;  // objects in place of lists
 };
 
 TEST_P(VulkanDelivery, MakesNoPipelineThatWasNotPrepared) {
-  const Result<PassList> list = listToPrepare(DeliveryScene::features(GetParam()));
-  ASSERT_TRUE(list) << list.error().message;
+  const Result<PassList> list = required(listToPrepare(DeliveryScene::features(GetParam())));
   expectOk(runtime_->prepare(*list));
   const size_t prepared = runtime_->pipelineTimes().size();
   EXPECT_EQ(prepared, list->passes.size());
@@ -189,7 +123,7 @@ TEST_P(VulkanDelivery, MakesNoPipelineThatWasNotPrepared) {
   for (int frame = 0; frame < DeliveryScene::kFrames; ++frame) {
     scene.setInputs(frame);
     execute(scene, frame);
-    for (const Engine::Frame& slot : slots_) engine_->wait(slot);
+    waitForFrames();
     const std::vector<PipelineTime> times = runtime_->pipelineTimes();
     ASSERT_EQ(times.size(), prepared) << frame << ": " << times.back().name;
   }
@@ -218,7 +152,7 @@ TEST_P(VulkanDelivery, WithoutSubmittedHairStaysInItsBindShape) {
   std::vector<std::byte> first;
   for (int frame = 0; frame < 3; ++frame) {
     scene.setInputs(0);
-    const Engine::Frame& slot = begin();
+    const Engine::Frame& slot = beginFrame();
     write(scene, 0, list_);
     expectOk(runtime_->update(scene_.resources(), slot.commands));
     expectOk(runtime_->record(list_, slot.commands));
@@ -234,22 +168,17 @@ TEST_P(VulkanDelivery, WithoutSubmittedHairStaysInItsBindShape) {
 
 TEST_P(VulkanDelivery, AFrameHasATargetForEachView) {
   DeliveryScene scene(scene_, GetParam());
-  Result<Frame> frame = scene_.simulate(1.0f / 60);
-  ASSERT_TRUE(frame);
+  Result<Frame> frame = required(scene_.simulate(1.0f / 60));
   ASSERT_TRUE(frame->addView({}));
-  const Engine::Frame& slot = begin();
-  const Result<void> recorded = runtime_->record(*frame, slot.commands);
-  ASSERT_FALSE(recorded);
-  EXPECT_NE(recorded.error().message.find("1 views, but there are 0 targets"), std::string::npos)
-      << recorded.error().message;
+  const Engine::Frame& slot = beginFrame();
+  expectError(runtime_->record(*frame, slot.commands), "1 views, but there are 0 targets");
   // The render pass of the view is begun and ended, also where it has nothing to draw.
   std::string calls;
   vulkan::ViewTarget target;
   target.begin = [&](const FrameStep& step) { calls += "begin" + std::to_string(step.listOfView); };
   target.end = [&](const FrameStep&) { calls += " end"; };
   target.area.extent = {8, 8};
-  const Result<void> done = runtime_->record(*frame, slot.commands, {&target, 1});
-  EXPECT_TRUE(done) << done.error().message;
+  expectOk(runtime_->record(*frame, slot.commands, {&target, 1}));
   EXPECT_EQ(calls, "begin0 end");
   submit(slot);
 }
@@ -259,7 +188,7 @@ TEST_P(VulkanDelivery, SeveralFramesMayBeInOneSubmission) {
   const std::vector<Results> apart = play(Loss::kNone);
   DeliveryScene scene(scene_, GetParam());
   for (int frame = 0; frame < DeliveryScene::kFrames; frame += 2) {
-    const Engine::Frame& slot = begin();
+    const Engine::Frame& slot = beginFrame();
     for (const int part : {frame, frame + 1}) {
       scene.setInputs(part);
       write(scene, part, list_);

@@ -9,13 +9,6 @@
 namespace runtime_test {
 namespace {
 
-template <class T>
-T tagged(VkStructureType type) {
-  T structure = {};
-  structure.sType = type;
-  return structure;
-}
-
 void check(VkResult result, const char* what) {
   if (result != VK_SUCCESS) ADD_FAILURE() << what << ": VkResult " << result;
 }
@@ -187,6 +180,63 @@ EngineBuffer Engine::createBuffer(VkDeviceSize size, VkBufferUsageFlags usage,
 void Engine::destroyBuffer(const EngineBuffer& buffer) const {
   vkDestroyBuffer(device_, buffer.buffer, nullptr);
   vkFreeMemory(device_, buffer.memory, nullptr);
+}
+
+EngineImage Engine::createImage(VkFormat format, VkImageAspectFlags aspects, uint32_t size) const {
+  EngineImage made = {.format = format, .aspects = aspects};
+  auto info = tagged<VkImageCreateInfo>(VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO);
+  info.imageType = VK_IMAGE_TYPE_2D;
+  info.format = format;
+  info.extent = {size, size, 1};
+  info.mipLevels = info.arrayLayers = 1;
+  info.samples = VK_SAMPLE_COUNT_1_BIT;
+  info.usage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
+  info.usage |= aspects == VK_IMAGE_ASPECT_COLOR_BIT ? VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT
+                                                     : VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
+  check(vkCreateImage(device_, &info, nullptr, &made.image), "vkCreateImage");
+  VkMemoryRequirements needs;
+  vkGetImageMemoryRequirements(device_, made.image, &needs);
+  auto allocate = tagged<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
+  allocate.allocationSize = needs.size;
+  while ((needs.memoryTypeBits >> allocate.memoryTypeIndex & 1u) == 0) ++allocate.memoryTypeIndex;
+  check(vkAllocateMemory(device_, &allocate, nullptr, &made.memory), "vkAllocateMemory");
+  check(vkBindImageMemory(device_, made.image, made.memory, 0), "vkBindImageMemory");
+  auto view = tagged<VkImageViewCreateInfo>(VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO);
+  view.image = made.image;
+  view.viewType = VK_IMAGE_VIEW_TYPE_2D;
+  view.format = format;
+  view.subresourceRange = {aspects, 0, 1, 0, 1};
+  check(vkCreateImageView(device_, &view, nullptr, &made.view), "vkCreateImageView");
+  return made;
+}
+
+void Engine::destroyImage(const EngineImage& image) const {
+  vkDestroyImageView(device_, image.view, nullptr);
+  vkDestroyImage(device_, image.image, nullptr);
+  vkFreeMemory(device_, image.memory, nullptr);
+}
+
+std::vector<std::byte> Engine::read(const pelage::vulkan::BufferRange& range,
+                                    const Frame& frame) const {
+  const EngineBuffer out = createBuffer(range.size, VK_BUFFER_USAGE_TRANSFER_DST_BIT, true);
+  begin(frame);
+  auto barrier = tagged<VkMemoryBarrier>(VK_STRUCTURE_TYPE_MEMORY_BARRIER);
+  barrier.srcAccessMask = VK_ACCESS_MEMORY_WRITE_BIT;
+  barrier.dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT;
+  vkCmdPipelineBarrier(frame.commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
+                       VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 1, &barrier, 0, nullptr, 0, nullptr);
+  const VkBufferCopy copy = {range.offset, 0, range.size};
+  vkCmdCopyBuffer(frame.commands, range.buffer, out.buffer, 1, &copy);
+  barrier.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
+  barrier.dstAccessMask = VK_ACCESS_HOST_READ_BIT;
+  vkCmdPipelineBarrier(frame.commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT,
+                       0, 1, &barrier, 0, nullptr, 0, nullptr);
+  submit(frame);
+  wait(frame);
+  std::vector<std::byte> bytes(range.size);
+  std::memcpy(bytes.data(), out.mapped, bytes.size());
+  destroyBuffer(out);
+  return bytes;
 }
 
 Engine::Frame Engine::createFrame() const {

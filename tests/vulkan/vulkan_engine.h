@@ -2,22 +2,44 @@
 // frames, with the validation layer and synchronisation validation on.
 #pragma once
 
+#include <gtest/gtest.h>
 #include <vulkan/vulkan.h>
 
+#include <array>
 #include <atomic>
+#include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pelage/vulkan.h"
+#include "support/required_devices.h"
 
 namespace runtime_test {
+
+template <class T>
+T tagged(VkStructureType type) {
+  T structure = {};
+  structure.sType = type;
+  return structure;
+}
 
 /// A buffer with memory of its own.
 struct EngineBuffer {
   VkBuffer buffer = VK_NULL_HANDLE;
   VkDeviceMemory memory = VK_NULL_HANDLE;
   void* mapped = nullptr;  ///< where the host sees it
+};
+
+/// A square image with memory of its own, to draw into and to copy from.
+struct EngineImage {
+  VkImage image = VK_NULL_HANDLE;
+  VkDeviceMemory memory = VK_NULL_HANDLE;
+  VkImageView view = VK_NULL_HANDLE;
+  VkFormat format = VK_FORMAT_UNDEFINED;
+  VkImageAspectFlags aspects = 0;
 };
 
 class Engine {
@@ -35,6 +57,8 @@ class Engine {
 
   EngineBuffer createBuffer(VkDeviceSize size, VkBufferUsageFlags usage, bool hostVisible) const;
   void destroyBuffer(const EngineBuffer& buffer) const;
+  EngineImage createImage(VkFormat format, VkImageAspectFlags aspects, uint32_t size) const;
+  void destroyImage(const EngineImage& image) const;
 
   /// A command buffer with a fence; frames use them in turn.
   struct Frame {
@@ -50,6 +74,8 @@ class Engine {
   /// In place of submit(): none of it runs.
   void discard(const Frame& frame) const;
   void wait(const Frame& frame) const;
+  /// Copies a range to the host and waits. \param frame  of the copy
+  std::vector<std::byte> read(const pelage::vulkan::BufferRange& range, const Frame& frame) const;
 
   VkDevice device() const { return device_; }
   VkPhysicalDevice physical() const { return physical_; }
@@ -72,6 +98,58 @@ class Engine {
   uint32_t family_ = 0;
   VkQueue queue_ = VK_NULL_HANDLE;
   bool dynamicRendering_ = false;
+};
+
+/// What tests with an engine have: its frames in flight, and a runtime on its device.
+class EngineRun {
+ protected:
+  static constexpr size_t kFramesInFlight = 3;
+
+  /// In SetUp(): skips the test without a device.
+  void open(const VkPhysicalDeviceFeatures& features = {}) {
+    std::string reason;
+    engine_ = Engine::create(reason, features);
+    if (engine_ == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << reason;
+    for (Engine::Frame& frame : frames_) frame = engine_->createFrame();
+    copies_ = engine_->createFrame();
+  }
+  void createRuntime(const pelage::vulkan::RuntimeDef& def) {
+    pelage::Result<pelage::vulkan::Runtime> made = pelage::vulkan::Runtime::create(def);
+    ASSERT_TRUE(made) << made.error().message;
+    runtime_.emplace(*std::move(made));
+  }
+  /// In TearDown().
+  void close() {
+    if (engine_ == nullptr) return;
+    for (const Engine::Frame& frame : frames_) engine_->destroyFrame(frame);
+    engine_->destroyFrame(copies_);
+    runtime_.reset();
+    EXPECT_EQ(engine_->messageCount(), 0u) << "a validation message";
+  }
+  /// Begins the next frame on the slot that was used kFramesInFlight frames ago.
+  const Engine::Frame& beginFrame() {
+    ++frame_;
+    const Engine::Frame& slot = frames_[frame_ % kFramesInFlight];
+    engine_->begin(slot);
+    runtime_->beginFrame(frame_, frame_ > kFramesInFlight ? frame_ - kFramesInFlight : 0);
+    return slot;
+  }
+  void submit(const Engine::Frame& frame) {
+    engine_->submit(frame);
+    runtime_->submitted();
+  }
+  void waitForFrames() const {
+    for (const Engine::Frame& frame : frames_) engine_->wait(frame);
+  }
+  std::vector<std::byte> read(pelage::BufferId id) const {
+    return engine_->read(runtime_->buffer(id), copies_);
+  }
+
+  std::unique_ptr<Engine> engine_;
+  std::array<Engine::Frame, kFramesInFlight> frames_;
+  Engine::Frame copies_;
+  std::optional<pelage::vulkan::Runtime> runtime_;
+  uint64_t frame_ = 0;
 };
 
 }  // namespace runtime_test

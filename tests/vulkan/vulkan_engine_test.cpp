@@ -5,40 +5,33 @@
 
 #include <array>
 #include <cstring>
-#include <deque>
-#include <numeric>
+#include <span>
+#include <string>
+#include <vector>
 
-#include "runtime_test/gpu_structs.h"
-#include "runtime_test/kernels.h"
 #include "runtime_test/layouts.h"
 #include "runtime_test/spirv.h"
-#include "support/required_devices.h"
+#include "support/errors.h"
+#include "support/own_device.h"
 #include "support/texture_list.h"
 #include "vulkan_engine.h"
 
+namespace pelage::test {
 namespace {
 
-using namespace pelage;
-using runtime_test::AccumulateConstants;
 using runtime_test::Engine;
 using runtime_test::EngineBuffer;
+using runtime_test::EngineImage;
+using runtime_test::EngineRun;
+using runtime_test::tagged;
 using vulkan::Runtime;
 using vulkan::RuntimeDef;
 
-constexpr uint32_t kCount = 5000;
-constexpr uint64_t kBytes = kCount * sizeof(uint32_t);
-constexpr size_t kFramesInFlight = 3;
-
-std::vector<uint32_t> ramp(uint32_t first) {
-  std::vector<uint32_t> values(kCount);
-  std::iota(values.begin(), values.end(), first);
-  return values;
-}
-
-std::vector<std::byte> bytesOf(const std::vector<uint32_t>& values) {
-  const auto bytes = std::as_bytes(std::span(values));
-  return {bytes.begin(), bytes.end()};
-}
+constexpr uint32_t kElements = 5000;
+constexpr uint64_t kElementBytes = kElements * sizeof(uint32_t);
+constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
+                                      VK_BUFFER_USAGE_TRANSFER_DST_BIT |
+                                      VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
 
 // An engine's allocator that remembers what lives.
 struct CountingAllocator {
@@ -72,62 +65,35 @@ struct CountingAllocator {
   }
 };
 
-class VulkanEngine : public testing::Test {
+class VulkanEngine : public testing::Test, protected EngineRun {
  protected:
-  void SetUp() override {
-    std::string reason;
-    engine_ = Engine::create(reason);
-    if (engine_ == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << reason;
-    for (Engine::Frame& frame : frames_) frame = engine_->createFrame();
-  }
-  void TearDown() override {
-    if (engine_ == nullptr) return;
-    for (const Engine::Frame& frame : frames_) engine_->destroyFrame(frame);
-    runtime_.reset();
-    EXPECT_EQ(engine_->messageCount(), 0u);
-  }
+  void SetUp() override { open(); }
+  void TearDown() override { close(); }
   void createRuntime(RuntimeDef def) {
     def.code.push_back(runtime_test::allSpirv());
-    Result<Runtime> made = Runtime::create(def);
-    ASSERT_TRUE(made) << made.error().message;
-    runtime_.emplace(*std::move(made));
+    EngineRun::createRuntime(def);
   }
-  // Begins the next frame on the slot that was used kFramesInFlight frames ago.
-  const Engine::Frame& beginFrame() {
-    ++frame_;
-    const Engine::Frame& slot = frames_[frame_ % kFramesInFlight];
-    engine_->begin(slot);
-    runtime_->beginFrame(frame_, frame_ > kFramesInFlight ? frame_ - kFramesInFlight : 0);
-    return slot;
-  }
-  void submit(const Engine::Frame& frame) {
-    engine_->submit(frame);
-    runtime_->submitted();
+  void createRuntime(CountingAllocator& allocator) {
+    allocator.engine = engine_.get();
+    RuntimeDef def = engine_->runtimeDef();
+    def.allocator = allocator.hooks();
+    createRuntime(def);
   }
   void finishFrames() {
-    for (const Engine::Frame& frame : frames_) engine_->wait(frame);
+    waitForFrames();
     runtime_->collect(frame_);
   }
-  BufferId add(const char* name, const std::vector<uint32_t>& values) {
-    return table_.add({name, values.size() * 4, 4, BufferUsage::kStorage | BufferUsage::kUpload,
-                       bytesOf(values)});
+  BufferId add(const char* name, uint32_t first) {
+    return addBuffer(table_, name, ramp(first, kElements));
   }
-  void addAccumulate(PassList& list, BufferId source, BufferId target, uint32_t factor,
-                     uint32_t bias) {
-    const Result<void> added =
-        PassBuilder(list)
-            .dispatch(runtime_test::accumulateVariant(), kCount)
-            .bind("g_source", source, kBytes)
-            .bind("g_target", target, kBytes)
-            .constants("AccumulateConstants", AccumulateConstants{kCount, factor, bias, 0})
-            .finish();
-    ASSERT_TRUE(added) << added.error().message;
+  void accumulate(PassList& list, BufferId source, BufferId target, uint32_t factor,
+                  uint32_t bias) {
+    addAccumulate(list, source, target, kElements, factor, bias);
   }
   // Copies a buffer of the table to memory that the host reads when the frame is done.
   void copyOut(VkCommandBuffer commands, BufferId id, const EngineBuffer& out) const {
     const vulkan::BufferRange range = runtime_->buffer(id);
-    VkMemoryBarrier barrier = {};
-    barrier.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER;
+    auto barrier = tagged<VkMemoryBarrier>(VK_STRUCTURE_TYPE_MEMORY_BARRIER);
     barrier.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
     barrier.dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT;
     vkCmdPipelineBarrier(commands,
@@ -141,18 +107,12 @@ class VulkanEngine : public testing::Test {
                          VK_PIPELINE_STAGE_HOST_BIT | VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, 0, 1,
                          &barrier, 0, nullptr, 0, nullptr);
   }
-  static std::vector<uint32_t> valuesOf(const EngineBuffer& buffer) {
-    std::vector<uint32_t> values(kCount);
-    std::memcpy(values.data(), buffer.mapped, kBytes);
-    return values;
+  static std::vector<uint32_t> wordsOf(const EngineBuffer& buffer) {
+    return valuesOf<uint32_t>({static_cast<const std::byte*>(buffer.mapped), kElementBytes});
   }
 
-  std::unique_ptr<Engine> engine_;
-  std::array<Engine::Frame, kFramesInFlight> frames_;
-  std::optional<Runtime> runtime_;
   ResourceTable table_;
   HazardTracker tracker_;
-  uint64_t frame_ = 0;
 };
 
 TEST_F(VulkanEngine, KnowsTexturesUntilTheyAreForgotten) {
@@ -164,7 +124,7 @@ TEST_F(VulkanEngine, KnowsTexturesUntilTheyAreForgotten) {
   const auto samplerHandle = reinterpret_cast<VkSampler>(&sampler);
   const auto messageOf = [&] {
     const Engine::Frame& frame = beginFrame();
-    PassList list = test::listWithTexture(texture);
+    PassList list = listWithTexture(texture);
     const Result<void> recorded = runtime_->record(list, frame.commands);
     submit(frame);
     return recorded ? std::string() : recorded.error().message;
@@ -185,48 +145,45 @@ TEST_F(VulkanEngine, KnowsTexturesUntilTheyAreForgotten) {
 
 TEST_F(VulkanEngine, UploadsAndConstantsOfThreeFramesInFlightStayApart) {
   createRuntime(engine_->runtimeDef());
-  const BufferId source = add("source", ramp(0));
-  const BufferId target = add("target", ramp(0));
+  const BufferId source = add("source", 0);
+  const BufferId target = add("target", 0);
   constexpr uint32_t kFrames = 30;
   std::vector<EngineBuffer> outs;
   std::vector<std::vector<uint32_t>> expected;
-  std::vector<uint32_t> state = ramp(0);
+  std::vector<uint32_t> state = ramp(0, kElements);
   for (uint32_t i = 0; i < kFrames; ++i) {
-    outs.push_back(engine_->createBuffer(kBytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, true));
+    outs.push_back(engine_->createBuffer(kElementBytes, VK_BUFFER_USAGE_TRANSFER_DST_BIT, true));
     const Engine::Frame& frame = beginFrame();
     ASSERT_TRUE(runtime_->update(table_, frame.commands));
     PassList list;
-    const std::vector<uint32_t> fresh = ramp(i * 1000);
+    const std::vector<uint32_t> fresh = ramp(i * 1000, kElements);
     addUpload(list, source, std::as_bytes(std::span(fresh)));
-    addAccumulate(list, source, target, i + 1, 3 * i);
+    accumulate(list, source, target, i + 1, 3 * i);
     tracker_.resolve(list);
-    const Result<void> recorded = runtime_->record(list, frame.commands);
-    ASSERT_TRUE(recorded) << recorded.error().message;
+    expectOk(runtime_->record(list, frame.commands));
     copyOut(frame.commands, target, outs.back());
     submit(frame);
-    for (uint32_t j = 0; j < kCount; ++j) state[j] = 3 * state[j] + (i + 1) * fresh[j] + 3 * i;
+    for (uint32_t j = 0; j < kElements; ++j) state[j] = 3 * state[j] + (i + 1) * fresh[j] + 3 * i;
     expected.push_back(state);
   }
   finishFrames();
   for (uint32_t i = 0; i < kFrames; ++i) {
-    EXPECT_EQ(valuesOf(outs[i]), expected[i]) << "frame " << i;
+    EXPECT_EQ(wordsOf(outs[i]), expected[i]) << "frame " << i;
     engine_->destroyBuffer(outs[i]);
   }
 }
 
 TEST_F(VulkanEngine, DestroysARemovedBufferOnlyAfterTheFrameThatUsedItHasCompleted) {
-  CountingAllocator allocator{engine_.get(), {}, 0, false, VK_ERROR_OUT_OF_DEVICE_MEMORY};
-  RuntimeDef def = engine_->runtimeDef();
-  def.allocator = allocator.hooks();
-  createRuntime(def);
-  const BufferId source = add("source", ramp(0));
-  const BufferId target = add("target", ramp(0));
+  CountingAllocator allocator;
+  createRuntime(allocator);
+  const BufferId source = add("source", 0);
+  const BufferId target = add("target", 0);
 
   const Engine::Frame& first = beginFrame();
   ASSERT_TRUE(runtime_->update(table_, first.commands));
   const VkBuffer handle = runtime_->buffer(target).buffer;
   PassList list;
-  addAccumulate(list, source, target, 1, 1);
+  accumulate(list, source, target, 1, 1);
   tracker_.resolve(list);
   ASSERT_TRUE(runtime_->record(list, first.commands));
   submit(first);
@@ -256,21 +213,15 @@ TEST_F(VulkanEngine, DestroysARemovedBufferOnlyAfterTheFrameThatUsedItHasComplet
 }
 
 TEST_F(VulkanEngine, AFailedUpdateChangesNothingAndCanBeRepeated) {
-  CountingAllocator allocator{engine_.get(), {}, 0, false, VK_ERROR_OUT_OF_DEVICE_MEMORY};
-  RuntimeDef def = engine_->runtimeDef();
-  def.allocator = allocator.hooks();
-  createRuntime(def);
-  const BufferId source = add("source", ramp(0));
+  CountingAllocator allocator;
+  createRuntime(allocator);
+  const BufferId source = add("source", 0);
   const Engine::Frame& frame = beginFrame();
   allocator.fails = true;
-  const Result<void> failed = runtime_->update(table_, frame.commands);
-  ASSERT_FALSE(failed);
-  EXPECT_EQ(failed.error().code, ErrorCode::kOutOfMemory);
-  EXPECT_NE(failed.error().message.find("'source'"), std::string::npos) << failed.error().message;
+  expectError(runtime_->update(table_, frame.commands), ErrorCode::kOutOfMemory, "'source'");
   EXPECT_EQ(runtime_->buffer(source).buffer, VkBuffer{VK_NULL_HANDLE});
   allocator.fails = false;
-  const Result<void> repeated = runtime_->update(table_, frame.commands);
-  EXPECT_TRUE(repeated);
+  expectOk(runtime_->update(table_, frame.commands));
   EXPECT_NE(runtime_->buffer(source).buffer, VkBuffer{VK_NULL_HANDLE});
   submit(frame);
   finishFrames();
@@ -278,19 +229,14 @@ TEST_F(VulkanEngine, AFailedUpdateChangesNothingAndCanBeRepeated) {
 }
 
 TEST_F(VulkanEngine, SaysThatTheDeviceIsLost) {
-  CountingAllocator allocator{engine_.get(), {}, 0, false, VK_ERROR_OUT_OF_DEVICE_MEMORY};
-  RuntimeDef def = engine_->runtimeDef();
-  def.allocator = allocator.hooks();
-  createRuntime(def);
-  add("source", ramp(0));
+  CountingAllocator allocator;
+  createRuntime(allocator);
+  add("source", 0);
   const Engine::Frame& frame = beginFrame();
   allocator.fails = true;
   allocator.failure = VK_ERROR_DEVICE_LOST;
-  const Result<void> failed = runtime_->update(table_, frame.commands);
-  ASSERT_FALSE(failed);
-  EXPECT_EQ(failed.error().code, ErrorCode::kDeviceLost);
-  for (const char* word : {"'source'", "VK_ERROR_DEVICE_LOST", "Scene::recover()"})
-    EXPECT_NE(failed.error().message.find(word), std::string::npos) << failed.error().message;
+  expectError(runtime_->update(table_, frame.commands), ErrorCode::kDeviceLost,
+              {"'source'", "VK_ERROR_DEVICE_LOST", "Scene::recover()"});
   submit(frame);
   finishFrames();
   runtime_.reset();
@@ -298,17 +244,14 @@ TEST_F(VulkanEngine, SaysThatTheDeviceIsLost) {
 
 TEST_F(VulkanEngine, RunsOnABufferOfTheEngineAtAnOffset) {
   createRuntime(engine_->runtimeDef());
-  const BufferId source = add("source", ramp(1));
-  const BufferId target = add("target", ramp(2));
-  const BufferId kept = add("kept", ramp(3));
+  const BufferId source = add("source", 1);
+  const BufferId target = add("target", 2);
+  const BufferId kept = add("kept", 3);
   constexpr VkDeviceSize kOffset = 512;  // a multiple of every device's alignment
-  constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
-                                        VK_BUFFER_USAGE_TRANSFER_DST_BIT |
-                                        VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
-  const EngineBuffer own = engine_->createBuffer(kOffset + kBytes, kUsage, true);
-  std::memset(own.mapped, 0xab, kOffset + kBytes);
-  const EngineBuffer contents = engine_->createBuffer(kBytes, kUsage, true);
-  std::memset(contents.mapped, 0, kBytes);
+  const EngineBuffer own = engine_->createBuffer(kOffset + kElementBytes, kUsage, true);
+  std::memset(own.mapped, 0xab, kOffset + kElementBytes);
+  const EngineBuffer contents = engine_->createBuffer(kElementBytes, kUsage, true);
+  std::memset(contents.mapped, 0, kElementBytes);
   runtime_->useExternalBuffer(target, {own.buffer, kOffset, false});
   runtime_->useExternalBuffer(kept, {contents.buffer, 0, true});
   const Engine::Frame& frame = beginFrame();
@@ -316,12 +259,11 @@ TEST_F(VulkanEngine, RunsOnABufferOfTheEngineAtAnOffset) {
   EXPECT_EQ(runtime_->buffer(target).buffer, own.buffer);
   EXPECT_EQ(runtime_->buffer(target).offset, kOffset);
   PassList list;
-  addAccumulate(list, source, target, 10, 0);
-  addAccumulate(list, source, kept, 10, 0);
+  accumulate(list, source, target, 10, 0);
+  accumulate(list, source, kept, 10, 0);
   tracker_.resolve(list);
   ASSERT_TRUE(runtime_->record(list, frame.commands));
-  VkMemoryBarrier barrier = {};
-  barrier.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER;
+  auto barrier = tagged<VkMemoryBarrier>(VK_STRUCTURE_TYPE_MEMORY_BARRIER);
   barrier.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT;
   barrier.dstAccessMask = VK_ACCESS_HOST_READ_BIT;
   vkCmdPipelineBarrier(frame.commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
@@ -330,8 +272,8 @@ TEST_F(VulkanEngine, RunsOnABufferOfTheEngineAtAnOffset) {
   finishFrames();
   const auto* bytes = static_cast<const std::byte*>(own.mapped);
   for (VkDeviceSize i = 0; i < kOffset; ++i) ASSERT_EQ(bytes[i], std::byte{0xab}) << i;
-  const std::vector<uint32_t> inherited = valuesOf(contents);
-  for (uint32_t i = 0; i < kCount; ++i) {
+  const std::vector<uint32_t> inherited = wordsOf(contents);
+  for (uint32_t i = 0; i < kElements; ++i) {
     uint32_t value;
     std::memcpy(&value, bytes + kOffset + i * sizeof(value), sizeof(value));
     ASSERT_EQ(value, 3 * (i + 2) + 10 * (i + 1)) << i;
@@ -344,37 +286,31 @@ TEST_F(VulkanEngine, RunsOnABufferOfTheEngineAtAnOffset) {
 
 TEST_F(VulkanEngine, RefusesABufferOfTheEngineThatIsTooSmallByName) {
   createRuntime(engine_->runtimeDef());
-  const BufferId target = add("target", ramp(2));
-  constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
-                                        VK_BUFFER_USAGE_TRANSFER_DST_BIT |
-                                        VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
+  const BufferId target = add("target", 2);
   const EngineBuffer tiny = engine_->createBuffer(64, kUsage, false);
-  const EngineBuffer large = engine_->createBuffer(kBytes + 512, kUsage, false);
+  const EngineBuffer large = engine_->createBuffer(kElementBytes + 512, kUsage, false);
   const Engine::Frame& frame = beginFrame();
   const vulkan::ExternalBuffer wrongs[] = {
       {.buffer = tiny.buffer},
       {.buffer = tiny.buffer, .keepContents = true},
-      {.buffer = tiny.buffer, .size = kBytes},  // it has not what it says
-      {.buffer = large.buffer, .size = kBytes - 4},
+      {.buffer = tiny.buffer, .size = kElementBytes},  // it has not what it says
+      {.buffer = large.buffer, .size = kElementBytes - 4},
       {.buffer = large.buffer, .offset = 4096},
       {.buffer = large.buffer, .offset = VkDeviceSize{1} << 40},
       {.buffer = large.buffer, .offset = 512, .size = 0},
   };
   for (const vulkan::ExternalBuffer& wrong : wrongs) {
     runtime_->useExternalBuffer(target, wrong);
-    const Result<void> refused = runtime_->update(table_, frame.commands);
-    ASSERT_FALSE(refused);
-    EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
-    for (const char* word : {"'target'", "it needs 20000"})
-      EXPECT_NE(refused.error().message.find(word), std::string::npos) << refused.error().message;
+    expectError(runtime_->update(table_, frame.commands), ErrorCode::kInvalidArgument,
+                {"'target'", "it needs 20000"});
     EXPECT_EQ(runtime_->buffer(target).buffer, VkBuffer{VK_NULL_HANDLE});
   }
   // The last one counts.
-  runtime_->useExternalBuffer(target, {.buffer = large.buffer, .offset = 512, .size = kBytes});
-  const Result<void> updated = runtime_->update(table_, frame.commands);
-  EXPECT_TRUE(updated) << updated.error().message;
+  runtime_->useExternalBuffer(target,
+                              {.buffer = large.buffer, .offset = 512, .size = kElementBytes});
+  expectOk(runtime_->update(table_, frame.commands));
   EXPECT_EQ(runtime_->buffer(target).buffer, large.buffer);
-  EXPECT_EQ(runtime_->buffer(target).size, kBytes);
+  EXPECT_EQ(runtime_->buffer(target).size, kElementBytes);
   submit(frame);
   finishFrames();
   runtime_.reset();
@@ -383,8 +319,8 @@ TEST_F(VulkanEngine, RefusesABufferOfTheEngineThatIsTooSmallByName) {
 }
 
 TEST_F(VulkanEngine, MakesThePipelinesOfAListOnSeveralThreadsAndEachOnce) {
-  const BufferId source = add("source", ramp(0));
-  const BufferId target = add("target", ramp(0));
+  const BufferId source = add("source", 0);
+  const BufferId target = add("target", 0);
   for (const uint32_t threads : {1u, 4u, 0u}) {
     RuntimeDef def = engine_->runtimeDef();
     def.pipelineThreads = threads;
@@ -392,12 +328,7 @@ TEST_F(VulkanEngine, MakesThePipelinesOfAListOnSeveralThreadsAndEachOnce) {
     PassList list;
     for (int round = 0; round < 2; ++round) {
       for (const bool doubled : {false, true}) {
-        ASSERT_TRUE(PassBuilder(list)
-                        .dispatch(runtime_test::accumulateVariant({.doubled = doubled}), kCount)
-                        .bind("g_source", source, kBytes)
-                        .bind("g_target", target, kBytes)
-                        .constants("AccumulateConstants", AccumulateConstants{kCount, 1, 0, 0})
-                        .finish());
+        addAccumulate(list, source, target, kElements, 1, 0, doubled);
       }
     }
     ASSERT_TRUE(runtime_->prepare(list));
@@ -414,17 +345,15 @@ TEST_F(VulkanEngine, MakesThePipelinesOfAListOnSeveralThreadsAndEachOnce) {
 
 TEST_F(VulkanEngine, KeepsTheOtherPipelinesOfAListWithABrokenKernel) {
   createRuntime(engine_->runtimeDef());
-  const BufferId source = add("source", ramp(0));
-  const BufferId target = add("target", ramp(0));
+  const BufferId source = add("source", 0);
+  const BufferId target = add("target", 0);
   KernelVariant unknown = runtime_test::accumulateVariant({.doubled = true});
   unknown.hash = 0;
   PassList list;
-  addAccumulate(list, source, target, 1, 0);
-  addAccumulate(list, source, target, 1, 0);
+  accumulate(list, source, target, 1, 0);
+  accumulate(list, source, target, 1, 0);
   list.passes[0].kernel = &unknown;
-  const Result<void> failed = runtime_->prepare(list);
-  ASSERT_FALSE(failed);
-  EXPECT_NE(failed.error().message.find("doubled=1"), std::string::npos) << failed.error().message;
+  expectError(runtime_->prepare(list), "doubled=1");
   EXPECT_EQ(runtime_->pipelineTimes().size(), 1u);
   list.passes[0].kernel = &runtime_test::accumulateVariant();
   EXPECT_TRUE(runtime_->prepare(list));
@@ -445,13 +374,12 @@ TEST_F(VulkanEngine, MakesEachLayoutOnceThroughItsTemplate) {
 
 TEST_F(VulkanEngine, TakesBackThePipelineCacheOfAnEarlierRunAndIgnoresAForeignOne) {
   createRuntime(engine_->runtimeDef());
-  const BufferId source = add("source", ramp(0));
-  const BufferId target = add("target", ramp(0));
+  const BufferId source = add("source", 0);
+  const BufferId target = add("target", 0);
   PassList list;
-  addAccumulate(list, source, target, 1, 1);
+  accumulate(list, source, target, 1, 1);
   ASSERT_TRUE(runtime_->prepare(list));
-  const Result<std::vector<std::byte>> data = runtime_->pipelineCacheData();
-  ASSERT_TRUE(data) << data.error().message;
+  const Result<std::vector<std::byte>> data = required(runtime_->pipelineCacheData());
   ASSERT_GE(data->size(), sizeof(VkPipelineCacheHeaderVersionOne));
 
   std::vector<std::byte> foreign = *data;
@@ -470,8 +398,8 @@ TEST_F(VulkanEngine, RefusesFramesWhenNoneIsEverSaidToHaveCompleted) {
   EXPECT_EQ(def.maxFramesInFlight, 64u);
   def.maxFramesInFlight = 8;
   createRuntime(def);
-  const BufferId source = add("source", ramp(0));
-  const BufferId target = add("target", ramp(0));
+  const BufferId source = add("source", 0);
+  const BufferId target = add("target", 0);
   const auto record = [&](uint64_t completed) {
     ++frame_;
     const Engine::Frame& slot = frames_[frame_ % kFramesInFlight];
@@ -479,9 +407,9 @@ TEST_F(VulkanEngine, RefusesFramesWhenNoneIsEverSaidToHaveCompleted) {
     runtime_->beginFrame(frame_, completed);
     Result<void> done = runtime_->update(table_, slot.commands);
     PassList list;
-    const std::vector<uint32_t> fresh = ramp(1);
+    const std::vector<uint32_t> fresh = ramp(1, kElements);
     addUpload(list, source, std::as_bytes(std::span(fresh)));
-    addAccumulate(list, source, target, 1, 1);
+    accumulate(list, source, target, 1, 1);
     tracker_.resolve(list);
     if (done) done = runtime_->record(list, slot.commands);
     submit(slot);
@@ -494,17 +422,14 @@ TEST_F(VulkanEngine, RefusesFramesWhenNoneIsEverSaidToHaveCompleted) {
     const vulkan::MemoryUse use = runtime_->memoryUse();
     EXPECT_EQ(use.framesInFlight, i);
     EXPECT_EQ(use.bufferBytes, runtime_->bufferBytes());
-    EXPECT_EQ(use.bufferBytes, 2 * kBytes);
+    EXPECT_EQ(use.bufferBytes, 2 * kElementBytes);
     EXPECT_GT(use.frameBytes, bytes) << "what a frame has taken is not used again";
     bytes = use.frameBytes;
   }
   // Without end, if it were for the engine.
   for (int i = 0; i < 100; ++i) {
-    const Result<void> refused = record(0);
-    ASSERT_FALSE(refused);
-    EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
-    for (const char* word : {"8 frames, from frame 1 on", "fence", "maxFramesInFlight"})
-      EXPECT_NE(refused.error().message.find(word), std::string::npos) << refused.error().message;
+    expectError(record(0), ErrorCode::kInvalidArgument,
+                {"8 frames, from frame 1 on", "fence", "maxFramesInFlight"});
     EXPECT_EQ(runtime_->memoryUse().frameBytes, bytes);
     EXPECT_EQ(runtime_->memoryUse().framesInFlight, 8u);
   }
@@ -528,14 +453,14 @@ TEST_F(VulkanEngine, RefusesFramesWhenNoneIsEverSaidToHaveCompleted) {
 
 TEST_F(VulkanEngine, MeasuresPassesOfCompletedFrames) {
   createRuntime(engine_->runtimeDef());
-  const BufferId source = add("source", ramp(0));
-  const BufferId target = add("target", ramp(0));
+  const BufferId source = add("source", 0);
+  const BufferId target = add("target", 0);
   runtime_->setTimestamps(true);
   for (uint32_t i = 0; i < 8; ++i) {
     const Engine::Frame& frame = beginFrame();
     ASSERT_TRUE(runtime_->update(table_, frame.commands));
     PassList list;
-    for (uint32_t j = 0; j <= i; ++j) addAccumulate(list, source, target, 1, 1);
+    for (uint32_t j = 0; j <= i; ++j) accumulate(list, source, target, 1, 1);
     tracker_.resolve(list);
     ASSERT_TRUE(runtime_->record(list, frame.commands));
     submit(frame);
@@ -553,49 +478,14 @@ TEST_F(VulkanEngine, DrawsInsideDynamicRendering) {
   if (!engine_->dynamicRendering()) GTEST_SKIP() << "the device is older than Vulkan 1.3";
   createRuntime(engine_->runtimeDef());
   constexpr uint32_t kSize = 16;
-  const std::vector<float> corners = {-1, -1, 0.5f, 1, 3, -1, 0.5f, 1, -1, 3, 0.5f, 1};
-  std::vector<uint32_t> bits(corners.size());
-  std::memcpy(bits.data(), corners.data(), corners.size() * 4);
-  const BufferId triangle = add("triangle", bits);
-
-  VkImageCreateInfo info = {};
-  info.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO;
-  info.imageType = VK_IMAGE_TYPE_2D;
-  info.format = VK_FORMAT_R8G8B8A8_UNORM;
-  info.extent = {kSize, kSize, 1};
-  info.mipLevels = 1;
-  info.arrayLayers = 1;
-  info.samples = VK_SAMPLE_COUNT_1_BIT;
-  info.usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
-  VkImage image = VK_NULL_HANDLE;
-  ASSERT_EQ(vkCreateImage(engine_->device(), &info, nullptr, &image), VK_SUCCESS);
-  VkMemoryRequirements needs;
-  vkGetImageMemoryRequirements(engine_->device(), image, &needs);
-  VkMemoryAllocateInfo allocate = {};
-  allocate.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
-  allocate.allocationSize = needs.size;
-  while ((needs.memoryTypeBits >> allocate.memoryTypeIndex & 1u) == 0) ++allocate.memoryTypeIndex;
-  VkDeviceMemory memory = VK_NULL_HANDLE;
-  ASSERT_EQ(vkAllocateMemory(engine_->device(), &allocate, nullptr, &memory), VK_SUCCESS);
-  ASSERT_EQ(vkBindImageMemory(engine_->device(), image, memory, 0), VK_SUCCESS);
-  VkImageViewCreateInfo viewInfo = {};
-  viewInfo.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO;
-  viewInfo.image = image;
-  viewInfo.viewType = VK_IMAGE_VIEW_TYPE_2D;
-  viewInfo.format = info.format;
-  viewInfo.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-  VkImageView view = VK_NULL_HANDLE;
-  ASSERT_EQ(vkCreateImageView(engine_->device(), &viewInfo, nullptr, &view), VK_SUCCESS);
+  const BufferId triangle = addBuffer(table_, "triangle", kEverything);
+  const EngineImage image =
+      engine_->createImage(VK_FORMAT_R8G8B8A8_UNORM, VK_IMAGE_ASPECT_COLOR_BIT, kSize);
   const EngineBuffer out = engine_->createBuffer(VkDeviceSize{kSize} * kSize * 4,
                                                  VK_BUFFER_USAGE_TRANSFER_DST_BIT, true);
 
   PassList list;
-  ASSERT_TRUE(PassBuilder(list)
-                  .draw(runtime_test::fillVertexVariant(), runtime_test::fillPixelVariant(),
-                        DrawState{}, 3, 1)
-                  .bind("g_corners", triangle, corners.size() * 4)
-                  .constants("FillConstants", runtime_test::FillConstants{{1, 0, 1, 1}, {}})
-                  .finish());
+  addFill(list, {}, triangle, 3, {{1, 0, 1, 1}, {}});
   tracker_.resolve(list);
   const Engine::Frame& frame = beginFrame();
   ASSERT_TRUE(runtime_->update(table_, frame.commands));
@@ -603,50 +493,46 @@ TEST_F(VulkanEngine, DrawsInsideDynamicRendering) {
   const auto transition = [&](VkImageLayout from, VkImageLayout to, VkPipelineStageFlags before,
                               VkAccessFlags written, VkPipelineStageFlags after,
                               VkAccessFlags next) {
-    VkImageMemoryBarrier barrier = {};
-    barrier.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER;
+    auto barrier = tagged<VkImageMemoryBarrier>(VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER);
     barrier.srcAccessMask = written;
     barrier.dstAccessMask = next;
     barrier.oldLayout = from;
     barrier.newLayout = to;
     barrier.srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
     barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
-    barrier.image = image;
-    barrier.subresourceRange = viewInfo.subresourceRange;
+    barrier.image = image.image;
+    barrier.subresourceRange = {image.aspects, 0, 1, 0, 1};
     vkCmdPipelineBarrier(frame.commands, before, after, 0, 0, nullptr, 0, nullptr, 1, &barrier);
   };
   transition(VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
              VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, 0, VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
              VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT);
-  VkRenderingAttachmentInfo attachment = {};
-  attachment.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO;
-  attachment.imageView = view;
+  auto attachment = tagged<VkRenderingAttachmentInfo>(VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO);
+  attachment.imageView = image.view;
   attachment.imageLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
   attachment.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
   attachment.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-  VkRenderingInfo rendering = {};
-  rendering.sType = VK_STRUCTURE_TYPE_RENDERING_INFO;
+  auto rendering = tagged<VkRenderingInfo>(VK_STRUCTURE_TYPE_RENDERING_INFO);
   rendering.renderArea.extent = {kSize, kSize};
   rendering.layerCount = 1;
   rendering.colorAttachmentCount = 1;
   rendering.pColorAttachments = &attachment;
   vkCmdBeginRendering(frame.commands, &rendering);
   vulkan::TargetFormats target;
-  target.color = info.format;
+  target.color = image.format;
   target.depth = VK_FORMAT_UNDEFINED;
   // A part of the image: its right half.
   const VkRect2D area = {{kSize / 2, 0}, {kSize / 2, kSize}};
-  const Result<void> drawn = runtime_->recordDraws(list, frame.commands, target, area);
-  EXPECT_TRUE(drawn) << drawn.error().message;
+  expectOk(runtime_->recordDraws(list, frame.commands, target, area));
   vkCmdEndRendering(frame.commands);
   transition(VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
              VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT, VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT,
              VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_READ_BIT);
   VkBufferImageCopy copy = {};
   copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-  copy.imageExtent = info.extent;
-  vkCmdCopyImageToBuffer(frame.commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, out.buffer, 1,
-                         &copy);
+  copy.imageExtent = {kSize, kSize, 1};
+  vkCmdCopyImageToBuffer(frame.commands, image.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                         out.buffer, 1, &copy);
   submit(frame);
   finishFrames();
   std::array<uint32_t, size_t{kSize} * kSize> pixels;
@@ -655,9 +541,7 @@ TEST_F(VulkanEngine, DrawsInsideDynamicRendering) {
     ASSERT_EQ(pixels[i], i % kSize >= kSize / 2 ? 0xffff00ffu : 0u) << i;
   runtime_.reset();
   engine_->destroyBuffer(out);
-  vkDestroyImageView(engine_->device(), view, nullptr);
-  vkDestroyImage(engine_->device(), image, nullptr);
-  vkFreeMemory(engine_->device(), memory, nullptr);
+  engine_->destroyImage(image);
 }
 
 TEST_F(VulkanEngine, NamesTheFeatureThatAVertexKernelThatWritesNeeds) {
@@ -666,22 +550,13 @@ TEST_F(VulkanEngine, NamesTheFeatureThatAVertexKernelThatWritesNeeds) {
   std::vector<VariantBinding> bindings(writing.bindings.begin(), writing.bindings.end());
   bindings.back().access = Access::kReadWrite;
   writing.bindings = bindings;
-  const BufferId triangle = add("triangle", ramp(0));
+  const BufferId triangle = add("triangle", 0);
   PassList list;
-  ASSERT_TRUE(PassBuilder(list)
-                  .draw(runtime_test::fillVertexVariant(), runtime_test::fillPixelVariant(),
-                        DrawState{}, 3, 1)
-                  .bind("g_corners", triangle, 48)
-                  .constants("FillConstants", runtime_test::FillConstants{})
-                  .finish());
+  addFill(list, {}, triangle, 3);
   list.passes[0].kernel = &writing;
   const vulkan::TargetFormats target;
-  const Result<void> prepared = runtime_->prepare(list, &target);
-  ASSERT_FALSE(prepared);
-  EXPECT_EQ(prepared.error().code, ErrorCode::kUnsupported);
-  EXPECT_NE(prepared.error().message.find("vertexPipelineStoresAndAtomics"), std::string::npos)
-      << prepared.error().message;
-  EXPECT_NE(prepared.error().message.find("fill_vertex"), std::string::npos);
+  expectError(runtime_->prepare(list, &target), ErrorCode::kUnsupported,
+              {"vertexPipelineStoresAndAtomics", "fill_vertex"});
 }
 
 TEST_F(VulkanEngine, NamesWhatIsMissingFromTheDefinition) {
@@ -702,3 +577,4 @@ TEST_F(VulkanEngine, NamesWhatIsMissingFromTheDefinition) {
 }
 
 }  // namespace
+}  // namespace pelage::test

@@ -5,15 +5,14 @@
 #include <algorithm>
 #include <cstring>
 #include <functional>
-#include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "pelage/scene.h"
+#include "support/errors.h"
 #include "support/gpu_fixture.h"
 #include "support/plain_asset.h"
-#include "support/required_devices.h"
+#include "support/views.h"
 #include "vulkan/vulkan_engine.h"
 
 namespace pelage::test {
@@ -21,6 +20,9 @@ namespace {
 
 using runtime_test::Engine;
 using runtime_test::EngineBuffer;
+using runtime_test::EngineRun;
+using runtime_test::tagged;
+using Image = runtime_test::EngineImage;
 using vulkan::Runtime;
 
 constexpr uint32_t kSize = 48;
@@ -35,14 +37,6 @@ struct TargetKind {
   VkFormat depth = VK_FORMAT_D32_SFLOAT;  ///< of the image
   bool attachesDepth = true, attachesStencil = false;
   std::vector<VkFormat> others = {};  ///< VK_FORMAT_UNDEFINED: a hole
-};
-
-struct Image {
-  VkImage image = VK_NULL_HANDLE;
-  VkDeviceMemory memory = VK_NULL_HANDLE;
-  VkImageView view = VK_NULL_HANDLE;
-  VkFormat format = VK_FORMAT_UNDEFINED;
-  VkImageAspectFlags aspects = 0;
 };
 
 VkImageAspectFlags aspectsOf(VkFormat format) {
@@ -76,8 +70,7 @@ class Target {
     for (const bool load : {false, true}) passes_[load ? 1 : 0] = makePass(load);
     std::vector<VkImageView> views;
     for (const Image* image : attachments()) views.push_back(image->view);
-    VkFramebufferCreateInfo info = {};
-    info.sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO;
+    auto info = tagged<VkFramebufferCreateInfo>(VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO);
     info.renderPass = passes_[0];
     info.attachmentCount = static_cast<uint32_t>(views.size());
     info.pAttachments = views.data();
@@ -88,11 +81,7 @@ class Target {
   ~Target() {
     vkDestroyFramebuffer(engine_.device(), framebuffer_, nullptr);
     for (const VkRenderPass pass : passes_) vkDestroyRenderPass(engine_.device(), pass, nullptr);
-    for (const Image* image : attachments()) {
-      vkDestroyImageView(engine_.device(), image->view, nullptr);
-      vkDestroyImage(engine_.device(), image->image, nullptr);
-      vkFreeMemory(engine_.device(), image->memory, nullptr);
-    }
+    for (const Image* image : attachments()) engine_.destroyImage(*image);
   }
   Target(const Target&) = delete;
   Target& operator=(const Target&) = delete;
@@ -117,8 +106,7 @@ class Target {
     }
   }
   void begin(VkCommandBuffer commands, bool clears) const {
-    VkMemoryBarrier barrier = {};
-    barrier.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER;
+    auto barrier = tagged<VkMemoryBarrier>(VK_STRUCTURE_TYPE_MEMORY_BARRIER);
     barrier.srcAccessMask = VK_ACCESS_MEMORY_WRITE_BIT;
     barrier.dstAccessMask = VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT;
     vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
@@ -172,8 +160,7 @@ class Target {
   }
   static void transition(VkCommandBuffer commands, const Image& image, VkImageLayout from,
                          VkImageLayout to) {
-    VkImageMemoryBarrier barrier = {};
-    barrier.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER;
+    auto barrier = tagged<VkImageMemoryBarrier>(VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER);
     barrier.srcAccessMask = VK_ACCESS_MEMORY_WRITE_BIT;
     barrier.dstAccessMask = VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT;
     barrier.oldLayout = from;
@@ -187,37 +174,7 @@ class Target {
   }
 
   Image make(VkFormat format) const {
-    Image made;
-    made.format = format;
-    made.aspects = aspectsOf(format);
-    VkImageCreateInfo info = {};
-    info.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO;
-    info.imageType = VK_IMAGE_TYPE_2D;
-    info.format = format;
-    info.extent = {kSize, kSize, 1};
-    info.mipLevels = info.arrayLayers = 1;
-    info.samples = VK_SAMPLE_COUNT_1_BIT;
-    info.usage = VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
-    info.usage |= made.aspects == VK_IMAGE_ASPECT_COLOR_BIT
-                      ? VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT
-                      : VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
-    EXPECT_EQ(vkCreateImage(engine_.device(), &info, nullptr, &made.image), VK_SUCCESS);
-    VkMemoryRequirements needs;
-    vkGetImageMemoryRequirements(engine_.device(), made.image, &needs);
-    VkMemoryAllocateInfo allocate = {};
-    allocate.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
-    allocate.allocationSize = needs.size;
-    while ((needs.memoryTypeBits >> allocate.memoryTypeIndex & 1u) == 0) ++allocate.memoryTypeIndex;
-    EXPECT_EQ(vkAllocateMemory(engine_.device(), &allocate, nullptr, &made.memory), VK_SUCCESS);
-    EXPECT_EQ(vkBindImageMemory(engine_.device(), made.image, made.memory, 0), VK_SUCCESS);
-    VkImageViewCreateInfo view = {};
-    view.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO;
-    view.image = made.image;
-    view.viewType = VK_IMAGE_VIEW_TYPE_2D;
-    view.format = format;
-    view.subresourceRange = {made.aspects, 0, 1, 0, 1};
-    EXPECT_EQ(vkCreateImageView(engine_.device(), &view, nullptr, &made.view), VK_SUCCESS);
-    return made;
+    return engine_.createImage(format, aspectsOf(format), kSize);
   }
 
   VkRenderPass makePass(bool load) const {
@@ -246,8 +203,7 @@ class Target {
     subpass.colorAttachmentCount = static_cast<uint32_t>(colors.size());
     subpass.pColorAttachments = colors.data();
     subpass.pDepthStencilAttachment = &depth;
-    VkRenderPassCreateInfo info = {};
-    info.sType = VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO;
+    auto info = tagged<VkRenderPassCreateInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO);
     info.attachmentCount = static_cast<uint32_t>(descriptions.size());
     info.pAttachments = descriptions.data();
     info.subpassCount = 1;
@@ -261,8 +217,7 @@ class Target {
     std::vector<VkClearValue> values;
     for (const Image* image : attachments())
       values.push_back(image == &color_ ? VkClearValue{} : clearOf(image->format));
-    VkRenderPassBeginInfo info = {};
-    info.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO;
+    auto info = tagged<VkRenderPassBeginInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO);
     info.renderPass = passes_[clears ? 0 : 1];
     info.framebuffer = framebuffer_;
     info.renderArea.extent = {kSize, kSize};
@@ -273,8 +228,7 @@ class Target {
 
   void beginRendering(VkCommandBuffer commands, bool clears) const {
     const auto attach = [&](const Image& image) {
-      VkRenderingAttachmentInfo info = {};
-      info.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO;
+      auto info = tagged<VkRenderingAttachmentInfo>(VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO);
       info.imageView = image.view;
       if (image.view == VK_NULL_HANDLE) return info;
       info.imageLayout = attachmentLayout(image);
@@ -286,8 +240,7 @@ class Target {
     std::vector<VkRenderingAttachmentInfo> colors = {attach(color_)};
     for (const Image& other : others_) colors.push_back(attach(other));
     const VkRenderingAttachmentInfo depth = attach(depth_);
-    VkRenderingInfo info = {};
-    info.sType = VK_STRUCTURE_TYPE_RENDERING_INFO;
+    auto info = tagged<VkRenderingInfo>(VK_STRUCTURE_TYPE_RENDERING_INFO);
     info.renderArea.extent = {kSize, kSize};
     info.layerCount = 1;
     info.colorAttachmentCount = static_cast<uint32_t>(colors.size());
@@ -307,40 +260,27 @@ class Target {
 
 using Pixels = std::vector<uint32_t>;
 
-class VulkanTargets : public testing::Test {
+class VulkanTargets : public testing::Test, protected EngineRun {
  protected:
   void SetUp() override {
-    std::string reason;
     VkPhysicalDeviceFeatures features = {};
     features.independentBlend = features.fragmentStoresAndAtomics = VK_TRUE;
-    engine_ = Engine::create(reason, features);
-    if (engine_ == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << reason;
+    open(features);
+    if (engine_ == nullptr) return;
     if (engine_->features().independentBlend == VK_FALSE ||
         engine_->features().fragmentStoresAndAtomics == VK_FALSE)
       GTEST_SKIP() << "the device lacks a feature";
-    frame_ = engine_->createFrame();
-    Result<Runtime> made = Runtime::create(engine_->runtimeDef());
-    ASSERT_TRUE(made) << made.error().message;
-    runtime_.emplace(*std::move(made));
+    createRuntime(engine_->runtimeDef());
     scene_.setTier(runtime_->tier());
     HairDef def;
     def.settings.solver = Solver::kClassic;
     def.material.fiberRadius = 0.001f;
     ASSERT_TRUE(scene_.addHair(makeAsset(20), def));
   }
-  void TearDown() override {
-    if (engine_ == nullptr) return;
-    if (frame_.pool != VK_NULL_HANDLE) engine_->destroyFrame(frame_);
-    runtime_.reset();
-    EXPECT_EQ(engine_->messageCount(), 0u) << "a validation message";
-  }
+  void TearDown() override { close(); }
 
   static View view() {
-    View view;
-    view.eye = {0.1f, 0.04f, 0.4f};
-    view.worldToClip = lookAt(view.eye, {0.1f, 0.04f, 0}, {0, 1, 0}, 0.5f, 1, 0.05f, 5);
-    view.width = view.height = kSize;
-    return view;
+    return cameraView({.eye = {0.1f, 0.04f, 0.4f}, .target = {0.1f, 0.04f, 0}, .width = kSize});
   }
 
   /// The colour; fails where something else was written.
@@ -348,9 +288,10 @@ class VulkanTargets : public testing::Test {
     SCOPED_TRACE(std::string(kind.name) + ", method " +
                  std::to_string(static_cast<uint32_t>(method)));
     const Target target(*engine_, kind);
-    engine_->begin(frame_);
-    ++number_;
-    runtime_->beginFrame(number_, number_ - 1);
+    const Engine::Frame& slot = frames_[0];
+    engine_->begin(slot);
+    ++frame_;
+    runtime_->beginFrame(frame_, frame_ - 1);
     Result<Frame> made = scene_.simulate(0);
     EXPECT_TRUE(made);
     const Light light;
@@ -359,15 +300,14 @@ class VulkanTargets : public testing::Test {
     vulkan::ViewTarget to;
     to.formats = target.formats();
     to.area = {{0, 0}, {kSize, kSize}};
-    to.begin = [&](const FrameStep& step) { target.begin(frame_.commands, step.listOfView == 0); };
-    to.end = [&](const FrameStep&) { target.end(frame_.commands); };
-    target.prepare(frame_.commands);
-    expectOk(runtime_->record(*made, frame_.commands, {&to, 1}));
-    const std::vector<EngineBuffer> outs = target.copyOut(frame_.commands);
-    engine_->submit(frame_);
-    runtime_->submitted();
-    engine_->wait(frame_);
-    runtime_->collect(number_);
+    to.begin = [&](const FrameStep& step) { target.begin(slot.commands, step.listOfView == 0); };
+    to.end = [&](const FrameStep&) { target.end(slot.commands); };
+    target.prepare(slot.commands);
+    expectOk(runtime_->record(*made, slot.commands, {&to, 1}));
+    const std::vector<EngineBuffer> outs = target.copyOut(slot.commands);
+    submit(slot);
+    engine_->wait(slot);
+    runtime_->collect(frame_);
     runtime_->forget(target.renderPass());
 
     Pixels pixels(size_t{kSize} * kSize);
@@ -395,11 +335,7 @@ class VulkanTargets : public testing::Test {
       ASSERT_EQ(stencil[i], kClearedStencil) << "stencil of pixel " << i;
   }
 
-  std::unique_ptr<Engine> engine_;
-  Engine::Frame frame_;
-  std::optional<Runtime> runtime_;
   Scene scene_;
-  uint64_t number_ = 0;
 };
 
 std::vector<TargetKind> targetKinds() {
@@ -479,40 +415,28 @@ TEST_F(VulkanTargets, FormatsThatFitNothingAreRefusedByName) {
   for (const Wrong& wrong : wrongs) {
     vulkan::TargetFormats formats;
     wrong.make(formats);
-    const Result<void> prepared = runtime_->prepare(list, &formats);
-    ASSERT_FALSE(prepared) << wrong.word;
-    EXPECT_NE(prepared.error().message.find(wrong.word), std::string::npos)
-        << prepared.error().message;
-    EXPECT_NE(prepared.error().message.find("strand_pixel"), std::string::npos)
-        << prepared.error().message;
+    expectError(runtime_->prepare(list, &formats), {wrong.word, "strand_pixel"});
   }
   // A device without independentBlend.
   vulkan::RuntimeDef def = engine_->runtimeDef();
   def.enabledFeatures.independentBlend = VK_FALSE;
-  Result<Runtime> small = Runtime::create(def);
-  ASSERT_TRUE(small);
+  Result<Runtime> small = required(Runtime::create(def));
   vulkan::TargetFormats two;
   two.otherColorCount = 1;
   two.otherColors = {kColor};
-  const Result<void> refused = small->prepare(list, &two);
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, ErrorCode::kUnsupported);
-  EXPECT_NE(refused.error().message.find("independentBlend"), std::string::npos)
-      << refused.error().message;
+  expectError(small->prepare(list, &two), ErrorCode::kUnsupported, "independentBlend");
 }
 
 TEST_F(VulkanTargets, AMethodWithoutItsFeatureIsKnownBeforeAFrame) {
   vulkan::RuntimeDef def = engine_->runtimeDef();
   def.enabledFeatures.fragmentStoresAndAtomics = VK_FALSE;
-  Result<Runtime> made = Runtime::create(def);
-  ASSERT_TRUE(made);
+  Result<Runtime> made = required(Runtime::create(def));
   const vulkan::TargetFormats formats;
   for (uint8_t i = 0; i <= static_cast<uint8_t>(Transparency::kTiles); ++i) {
     const TransparencySettings settings = {.method = static_cast<Transparency>(i)};
     EXPECT_TRUE(runtime_->supports(settings)) << int{i};
     const Result<void> said = made->supports(settings);
-    const Result<PassList> list = listToDraw(settings, {}, made->tier());
-    ASSERT_TRUE(list);
+    const Result<PassList> list = required(listToDraw(settings, {}, made->tier()));
     const Result<void> prepared = made->prepare(*list, &formats);
     ASSERT_EQ(said.ok(), prepared.ok()) << int{i};
     const bool stores = settings.method != Transparency::kAlphaTest &&
@@ -529,20 +453,17 @@ TEST_F(VulkanTargets, AMethodWithoutItsFeatureIsKnownBeforeAFrame) {
 
 // The one that runs: nothing was recorded before it is refused.
 TEST_F(VulkanTargets, AnAreaThatIsNotTheViewsIsRefusedBeforeARenderPassBegins) {
-  engine_->begin(frame_);
+  engine_->begin(frames_[0]);
   runtime_->beginFrame(1, 0);
-  Result<Frame> made = scene_.simulate(1.0f / 60);
-  ASSERT_TRUE(made);
+  Result<Frame> made = required(scene_.simulate(1.0f / 60));
   const Light light;
   ASSERT_TRUE(made->draw(view(), {&light, 1}));
   vulkan::ViewTarget to;
   to.area = {{0, 0}, {kSize + 1, kSize}};
   to.begin = [](const FrameStep&) { ADD_FAILURE() << "a render pass has begun"; };
-  const Result<void> refused = runtime_->record(*made, frame_.commands, {&to, 1});
-  ASSERT_FALSE(refused);
-  for (const char* word : {"view 0", "49 x 48", "48 x 48"})
-    EXPECT_NE(refused.error().message.find(word), std::string::npos) << refused.error().message;
-  engine_->discard(frame_);
+  expectError(runtime_->record(*made, frames_[0].commands, {&to, 1}),
+              {"view 0", "49 x 48", "48 x 48"});
+  engine_->discard(frames_[0]);
 }
 
 }  // namespace

@@ -7,30 +7,25 @@
 #include <cmath>
 #include <utility>
 
+#include "base/errors.h"
 #include "base/guard.h"
-#include "base/vector3.h"
 #include "cut_caps.h"
 #include "influence_blend.h"
 #include "mesh_simplify.h"
 #include "mesh_weld.h"
-#include "pelage/hair_asset.h"
+#include "points.h"
 
 namespace pelage {
 namespace {
 
+using detail::invalid;
+using detail::toFloat3;
+using detail::toVector;
+using detail::Vector;
 using detail::WeldBy;
-using Vector = detail::Vector3<double>;
 
 // Names in a message about a name that is not there.
-constexpr size_t kNamesListed = 20;
-
-Error refuse(std::string text) { return Error{ErrorCode::kInvalidArgument, std::move(text)}; }
-
-Vector toVector(const Float3& v) { return {v.x, v.y, v.z}; }
-
-Float3 toFloat3(const Vector& v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
+constexpr size_t kPiecesListed = 20;
 
 // Triangles of the mesh that become one collision mesh.
 struct Piece {
@@ -114,10 +109,10 @@ class Cutter {
       if (std::none_of(pieces.begin(), pieces.end(),
                        [&](const Piece& piece) { return piece.name == name; })) {
         std::string names;
-        for (size_t i = 0; i < std::min(pieces.size(), kNamesListed); ++i)
+        for (size_t i = 0; i < std::min(pieces.size(), kPiecesListed); ++i)
           names += fmt::format("{}'{}'", i == 0 ? "" : ", ", pieces[i].name);
-        return refuse(fmt::format("nothing of the mesh is named '{}'; there are {}{}", name, names,
-                                  pieces.size() > kNamesListed ? ", ..." : ""));
+        return invalid(fmt::format("nothing of the mesh is named '{}'; there are {}{}", name, names,
+                                   pieces.size() > kPiecesListed ? ", ..." : ""));
       }
     if (!def_.only.empty())
       std::erase_if(pieces, [&](const Piece& piece) {
@@ -259,7 +254,7 @@ Result<std::vector<NamedCollisionMesh>> collisionMeshes(const SkinnedMesh& mesh,
                                                         const CollisionMeshDef& def) {
   return detail::guarded([&]() -> Result<std::vector<NamedCollisionMesh>> {
     if (!(def.errorBound >= 0) || !std::isfinite(def.errorBound))
-      return refuse(fmt::format("errorBound is {}; it must be 0 or more", def.errorBound));
+      return invalid(fmt::format("errorBound is {}; it must be 0 or more", def.errorBound));
     if (auto r = validate(mesh); !r) return r.error();
     return Cutter(mesh, def).cut();
   });

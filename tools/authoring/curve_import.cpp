@@ -11,22 +11,23 @@
 #include <vector>
 
 #include "axes.h"
+#include "base/errors.h"
 #include "base/guard.h"
 #include "pelage/hair_asset.h"
 #include "pelage/random.h"
+#include "points.h"
 
 namespace pelage {
 namespace {
 
-Error refuse(std::string what) {
-  return Error{ErrorCode::kInvalidArgument, "curves: " + std::move(what)};
-}
+Error invalidCurves(std::string what) { return detail::invalid("curves: " + std::move(what)); }
 
 Result<void> checkDef(const CurveImportDef& def) {
   if (!detail::isScale(def.scale))
-    return refuse(fmt::format("the scale is {}; it must be 1e-9 to 1e9", def.scale));
+    return invalidCurves(fmt::format("the scale is {}; it must be 1e-9 to 1e9", def.scale));
   if (!(def.minCurveLength >= 0 && def.minCurveLength <= kMaxCoordinate))
-    return refuse(fmt::format("minCurveLength is {} m; it must be 0 to 1e6", def.minCurveLength));
+    return invalidCurves(
+        fmt::format("minCurveLength is {} m; it must be 0 to 1e6", def.minCurveLength));
   return {};
 }
 
@@ -35,14 +36,14 @@ Result<void> checkSizes(const HairCurves& curves) {
   uint64_t vertexCount = 0;
   for (const uint32_t count : curves.vertexCounts) vertexCount += count;
   if (curves.positions.size() != vertexCount)
-    return refuse(
+    return invalidCurves(
         fmt::format("{} positions for {} vertices", curves.positions.size(), vertexCount));
   const auto fits = [](size_t size, uint64_t count) { return size == 0 || size == count; };
   if (!fits(curves.inverseMasses.size(), vertexCount) || !fits(curves.radii.size(), vertexCount) ||
       !fits(curves.colors.size(), vertexCount) || !fits(curves.vertexUv.size(), vertexCount) ||
       !fits(curves.strandUv.size(), curves.vertexCounts.size()))
-    return refuse(fmt::format("arrays that do not fit {} curves with {} vertices",
-                              curves.vertexCounts.size(), vertexCount));
+    return invalidCurves(fmt::format("arrays that do not fit {} curves with {} vertices",
+                                     curves.vertexCounts.size(), vertexCount));
   return {};
 }
 
@@ -58,7 +59,7 @@ class Preparation {
     repairValues();
     dropCurves();
     if (curves_.vertexCounts.empty())
-      return refuse(
+      return invalidCurves(
           fmt::format("none of {} is left: {} with a single vertex, {} without usable "
                       "coordinates, {} without length, {} shorter than {} m (check the "
                       "scale)",
@@ -99,11 +100,6 @@ class Preparation {
       }
   }
 
-  static bool usable(const Float3& p) {  // false for NaN
-    return std::abs(p.x) <= kMaxCoordinate && std::abs(p.y) <= kMaxCoordinate &&
-           std::abs(p.z) <= kMaxCoordinate;
-  }
-
   static double distance(const Float3& a, const Float3& b) {
     const double x = double{b.x} - a.x, y = double{b.y} - a.y, z = double{b.z} - a.z;
     return std::sqrt(x * x + y * y + z * z);
@@ -117,7 +113,7 @@ class Preparation {
       const uint32_t count = curves_.vertexCounts[curve];
       const size_t begin = to;
       for (const size_t end = from + count; from < end; ++from) {
-        if (!usable(curves_.positions[from])) {
+        if (!detail::isCoordinate(curves_.positions[from])) {
           ++report_.removedVertices;
           continue;
         }
@@ -217,7 +213,7 @@ Result<void> prepareCurves(HairCurves& curves, const CurveImportDef& def,
     if (auto r = checkDef(def); !r) return r;
     if (auto r = checkSizes(curves); !r) return r;
     if (curves.vertexCounts.size() > std::numeric_limits<uint32_t>::max())
-      return refuse("more than 2^32 - 1; split the groom");
+      return invalidCurves("more than 2^32 - 1; split the groom");
     auto done = Preparation(curves, def, found).run();
     if (report != nullptr) *report = found;
     return done;

@@ -11,6 +11,7 @@
 #include <string>
 #include <utility>
 
+#include "base/errors.h"
 #include "base/guard.h"
 #include "follow_fit.h"
 #include "hair_clusters.h"
@@ -22,6 +23,7 @@ namespace {
 using detail::Candidate;
 using detail::FeatureTree;
 using detail::HairFeatures;
+using detail::invalid;
 using detail::Neighbor;
 using detail::toVector;
 
@@ -30,8 +32,6 @@ constexpr uint32_t kHairsPerPromotion = 8;
 constexpr uint32_t kGrowth = 4;  // of the number of clusters, until it no longer gets better
 constexpr uint32_t kBisections = 3;
 constexpr uint64_t kMaxTrials = 16;  // numbers of clusters tried at most, for the progress
-
-Error refuse(std::string text) { return Error{ErrorCode::kInvalidArgument, std::move(text)}; }
 
 // Distances of the vertices of a placed hair from where they should be.
 struct Deviation {
@@ -261,22 +261,22 @@ class Selector {
   std::vector<Follow> follows_;    // [hair]; those of guides are not used
 };
 
-Result<void> check(const HairAsset& groom, const GuideDef& def) {
+Result<void> checkGroom(const HairAsset& groom, const GuideDef& def) {
   const bool bounded = def.guideErrorBound != 0;
   if ((def.guideCount > 0) == bounded)
-    return refuse("GuideDef: set either guideCount or guideErrorBound");
+    return invalid("GuideDef: set either guideCount or guideErrorBound");
   if (bounded && !(def.guideErrorBound > 0 && std::isfinite(def.guideErrorBound)))
-    return refuse(
+    return invalid(
         fmt::format("GuideDef::guideErrorBound is {} m; it must be above 0", def.guideErrorBound));
   if (def.guidesPerHair < 1 || def.guidesPerHair > 3)
-    return refuse(
+    return invalid(
         fmt::format("GuideDef::guidesPerHair is {}; it must be 1 to 3", def.guidesPerHair));
   if (!(def.rootWeight >= 0 && def.rootWeight <= 100))
-    return refuse(fmt::format("GuideDef::rootWeight is {}; it must be 0 to 100", def.rootWeight));
+    return invalid(fmt::format("GuideDef::rootWeight is {}; it must be 0 to 100", def.rootWeight));
   if (auto r = validate(groom); !r) return r;
   for (size_t i = 0; i < groom.vertexCounts.size(); ++i)
     if (groom.vertexCounts[i] != groom.verticesPerStrand)
-      return refuse(
+      return invalid(
           fmt::format("strand {} has {} vertices of {}; resample the hair to one number "
                       "before guides are selected",
                       i, groom.vertexCounts[i], groom.verticesPerStrand));
@@ -291,11 +291,11 @@ Result<std::vector<Float4>> point(const HairAsset& guides, std::span<const Follo
     const FollowHair& hair = hairs[i];
     for (const uint32_t guide : {hair.guide, hair.otherGuides[0], hair.otherGuides[1]})
       if (guide >= guides.strandCount)
-        return refuse(
+        return invalid(
             fmt::format("follow hair {} follows guide {} of {}", i, guide, guides.strandCount));
     if (!(hair.otherWeights[0] >= 0 && hair.otherWeights[1] >= 0 &&
           hair.otherWeights[0] + hair.otherWeights[1] <= 1))
-      return refuse(fmt::format("the weights of follow hair {} are not 0 to 1", i));
+      return invalid(fmt::format("the weights of follow hair {} are not 0 to 1", i));
     detail::evaluateFollowHair(
         hair, guides.verticesPerStrand,
         [&](uint32_t guide) { return guides.positions.data() + guide * count; },
@@ -309,7 +309,7 @@ Result<std::vector<Float4>> point(const HairAsset& guides, std::span<const Follo
 Result<GuideSelection> selectGuides(const HairAsset& groom, const GuideDef& def,
                                     const AuthoringProgress& progress) {
   return detail::guarded([&]() -> Result<GuideSelection> {
-    if (auto r = check(groom, def); !r) return r.error();
+    if (auto r = checkGroom(groom, def); !r) return r.error();
     return Selector(groom, def, progress).run();
   });
 }

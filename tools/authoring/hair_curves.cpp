@@ -6,31 +6,29 @@
 #include <cstddef>
 #include <string_view>
 
+#include "base/errors.h"
+#include "base/finite.h"
 #include "pelage/hair_asset.h"
+#include "points.h"
 
 namespace pelage {
 namespace {
 
-Error refuse(std::string text) { return Error{ErrorCode::kInvalidArgument, std::move(text)}; }
+using detail::invalid;
+using detail::isCoordinate;
+using detail::isFinite;
 
 bool isFinite(float value) { return std::isfinite(value); }
 bool isFinite(const Float2& v) { return std::isfinite(v.x) && std::isfinite(v.y); }
-bool isFinite(const Float4& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z) && std::isfinite(v.w);
-}
-bool isCoordinate(const Float3& p) {  // false for NaN
-  return std::abs(p.x) <= kMaxCoordinate && std::abs(p.y) <= kMaxCoordinate &&
-         std::abs(p.z) <= kMaxCoordinate;
-}
 
 template <class T>
 Result<void> checkArray(const std::vector<T>& values, size_t count, std::string_view what) {
   if (values.empty()) return {};
   if (values.size() != count)
-    return refuse(fmt::format("curves: {} {} for {} elements", values.size(), what, count));
+    return invalid(fmt::format("curves: {} {} for {} elements", values.size(), what, count));
   for (size_t i = 0; i < count; ++i)
     if (!isFinite(values[i]))
-      return refuse(fmt::format("curves: number {} of the {} is not finite", i, what));
+      return invalid(fmt::format("curves: number {} of the {} is not finite", i, what));
   return {};
 }
 
@@ -41,19 +39,19 @@ Result<void> validate(const HairCurves& curves) {
   for (size_t curve = 0; curve < curves.vertexCounts.size(); ++curve) {
     const uint32_t count = curves.vertexCounts[curve];
     if (count < kMinVerticesPerStrand)
-      return refuse(fmt::format("curve {} has {} vertices; it needs 2 or more", curve, count));
+      return invalid(fmt::format("curve {} has {} vertices; it needs 2 or more", curve, count));
     if (count > curves.positions.size() - vertex)
-      return refuse(fmt::format("curve {} has vertices {} to {}, but there are {} positions", curve,
-                                vertex, vertex + count, curves.positions.size()));
+      return invalid(fmt::format("curve {} has vertices {} to {}, but there are {} positions",
+                                 curve, vertex, vertex + count, curves.positions.size()));
     for (const size_t end = vertex + count; vertex < end; ++vertex)
       if (const Float3& p = curves.positions[vertex]; !isCoordinate(p))
-        return refuse(
+        return invalid(
             fmt::format("vertex {} of curve {} is at {} {} {}; coordinates must be within "
                         "+-1e6",
                         count - (end - vertex), curve, p.x, p.y, p.z));
   }
   if (vertex != curves.positions.size())
-    return refuse(fmt::format("{} positions for {} vertices", curves.positions.size(), vertex));
+    return invalid(fmt::format("{} positions for {} vertices", curves.positions.size(), vertex));
   if (auto r = checkArray(curves.inverseMasses, vertex, "inverse masses"); !r) return r;
   if (auto r = checkArray(curves.radii, vertex, "radii"); !r) return r;
   if (auto r = checkArray(curves.colors, vertex, "colors"); !r) return r;

@@ -149,7 +149,7 @@ class HairTextReader {
   HairCurves curves_;
 };
 
-Result<std::string> save(const HairCurves& curves) {
+Result<std::string> writeText(const HairCurves& curves) {
   if (auto r = validate(curves); !r) return r.error();
   if (curves.vertexCounts.empty())
     return Error{ErrorCode::kInvalidArgument, "a .hairtxt file: there are no curves"};
@@ -196,12 +196,12 @@ Result<HairCurves> loadHairText(std::span<const std::byte> bytes, std::string_vi
 }
 
 Result<std::string> saveHairText(const HairCurves& curves) {
-  return detail::guarded([&] { return save(curves); });
+  return detail::guarded([&] { return writeText(curves); });
 }
 
 Result<void> saveHairText(const HairCurves& curves, const std::filesystem::path& path) {
   return detail::guarded([&]() -> Result<void> {
-    auto text = save(curves);
+    auto text = writeText(curves);
     if (!text) return text.error();
     return detail::writeFile(path, std::as_bytes(std::span(*text)));
   });

@@ -163,7 +163,7 @@ void appendAll(std::vector<std::byte>& bytes, const std::vector<T>& values) {
   bytes.insert(bytes.end(), data.begin(), data.end());
 }
 
-Result<std::vector<std::byte>> save(const HairCurves& curves) {
+Result<std::vector<std::byte>> writeYuksel(const HairCurves& curves) {
   if (auto r = validate(curves); !r) return r.error();
   const auto refuse = [](std::string what) {
     return Error{ErrorCode::kInvalidArgument, "a .hair file: " + std::move(what)};
@@ -224,12 +224,12 @@ Result<HairCurves> loadYukselHair(std::span<const std::byte> bytes, std::string_
 }
 
 Result<std::vector<std::byte>> saveYukselHair(const HairCurves& curves) {
-  return detail::guarded([&] { return save(curves); });
+  return detail::guarded([&] { return writeYuksel(curves); });
 }
 
 Result<void> saveYukselHair(const HairCurves& curves, const std::filesystem::path& path) {
   return detail::guarded([&]() -> Result<void> {
-    auto bytes = save(curves);
+    auto bytes = writeYuksel(curves);
     if (!bytes) return bytes.error();
     return detail::writeFile(path, *bytes);
   });

@@ -7,15 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "base/vector3.h"
-#include "pelage/types.h"
+#include "points.h"
 
 namespace pelage::detail {
-
-using Vector = Vector3<double>;
-
-inline Vector toVector(const Float3& p) { return {double{p.x}, double{p.y}, double{p.z}}; }
-inline Vector toVector(const Float4& p) { return {double{p.x}, double{p.y}, double{p.z}}; }
 
 /// Squared distance of a point from the segment a b, which may have no length.
 double squaredDistance(const Vector& p, const Vector& a, const Vector& b);

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/errors.h"
 #include "base/guard.h"
 #include "polyline.h"
 #include "vertex_placement.h"
@@ -18,14 +19,13 @@ namespace pelage {
 namespace {
 
 using detail::Curve;
+using detail::invalid;
 using detail::PolylinePoint;
 using detail::toVector;
 using detail::Vector;
 
 constexpr uint64_t kMaxVertices = 0x7fffffff;
 constexpr uint64_t kProgressStride = 256;
-
-Error refuse(std::string text) { return Error{ErrorCode::kInvalidArgument, std::move(text)}; }
 
 float lerp(float a, float b, double t) {
   return static_cast<float>(double{a} + (double{b} - double{a}) * t);
@@ -56,7 +56,7 @@ class Resampler {
       count = *found;
     }
     if (uint64_t{curves_.curveCount()} * count > kMaxVertices)
-      return refuse(
+      return invalid(
           fmt::format("{} curves with {} vertices each are more than 2^31 vertices; take "
                       "fewer vertices or split the groom",
                       curves_.curveCount(), count));
@@ -143,7 +143,7 @@ class Resampler {
       if (deviation > reached) worst = i;
       reached = std::max(reached, deviation);
     }
-    return refuse(
+    return invalid(
         fmt::format("no number of vertices holds the error bound of {} m: {}, the most "
                     "there can be, reach {:.4g} m (curve {})",
                     def_.errorBound, kMaxVerticesPerStrand, reached, worst));
@@ -234,26 +234,27 @@ class Resampler {
   std::vector<size_t> firsts_;  // [curve] index of the first vertex
 };
 
-Result<void> check(const HairCurves& curves, const ResampleDef& def) {
+Result<void> checkCurves(const HairCurves& curves, const ResampleDef& def) {
   if (def.verticesPerStrand < kMinVerticesPerStrand ||
       def.verticesPerStrand > kMaxVerticesPerStrand)
-    return refuse(fmt::format("ResampleDef::verticesPerStrand is {}; it must be {} to {}",
-                              def.verticesPerStrand, kMinVerticesPerStrand, kMaxVerticesPerStrand));
+    return invalid(fmt::format("ResampleDef::verticesPerStrand is {}; it must be {} to {}",
+                               def.verticesPerStrand, kMinVerticesPerStrand,
+                               kMaxVerticesPerStrand));
   if (!(def.errorBound >= 0) || !std::isfinite(def.errorBound))
-    return refuse(fmt::format("ResampleDef::errorBound is {} m; it must be 0 (none) or more",
-                              def.errorBound));
+    return invalid(fmt::format("ResampleDef::errorBound is {} m; it must be 0 (none) or more",
+                               def.errorBound));
   if (auto r = validate(curves); !r) return r;
-  if (curves.vertexCounts.empty()) return refuse("there are no curves to resample");
+  if (curves.vertexCounts.empty()) return invalid("there are no curves to resample");
   size_t vertex = 0;
   for (uint32_t curve = 0; curve < curves.curveCount(); ++curve)
     for (uint32_t i = 0; i < curves.vertexCounts[curve]; ++i, ++vertex) {
       if (!curves.radii.empty() && curves.radii[vertex] < 0)
-        return refuse(
+        return invalid(
             fmt::format("the radius at vertex {} of curve {} is {}; it must not be "
                         "negative",
                         i, curve, curves.radii[vertex]));
       if (!curves.inverseMasses.empty() && curves.inverseMasses[vertex] < 0)
-        return refuse(
+        return invalid(
             fmt::format("the inverse mass of vertex {} of curve {} is {}; it must not be "
                         "negative",
                         i, curve, curves.inverseMasses[vertex]));
@@ -266,7 +267,7 @@ Result<void> check(const HairCurves& curves, const ResampleDef& def) {
 Result<ResampleResult> resampleCurves(const HairCurves& curves, const ResampleDef& def,
                                       const AuthoringProgress& progress) {
   return detail::guarded([&]() -> Result<ResampleResult> {
-    if (auto r = check(curves, def); !r) return r.error();
+    if (auto r = checkCurves(curves, def); !r) return r.error();
     return Resampler(curves, def, progress).run();
   });
 }

@@ -10,40 +10,36 @@
 #include <string>
 #include <utility>
 
+#include "base/errors.h"
 #include "base/guard.h"
 #include "base/triangle_frame.h"
 #include "influence_blend.h"
+#include "points.h"
 #include "triangle_tree.h"
 
 namespace pelage {
 namespace {
 
+using detail::invalid;
 using detail::SurfacePoint;
+using detail::toFloat3;
 using detail::toVector;
 using detail::TriangleTree;
-using Vector = detail::Vector3<double>;
+using detail::Vector;
 
-Error refuse(std::string text) { return Error{ErrorCode::kInvalidArgument, std::move(text)}; }
-
-Result<void> check(std::span<const Float3> roots, const BindDef& def) {
+Result<void> checkRoots(std::span<const Float3> roots, const BindDef& def) {
   if (!(def.maxDistance >= 0) || !std::isfinite(def.maxDistance))
-    return refuse(fmt::format("maxDistance is {}; it must be 0 or more", def.maxDistance));
+    return invalid(fmt::format("maxDistance is {}; it must be 0 or more", def.maxDistance));
   if (def.maxBones < 1 || def.maxBones > 4)
-    return refuse(fmt::format("maxBones is {}; it must be 1 to 4", def.maxBones));
-  if (roots.empty()) return refuse("there are no roots to bind");
+    return invalid(fmt::format("maxBones is {}; it must be 1 to 4", def.maxBones));
+  if (roots.empty()) return invalid("there are no roots to bind");
   if (roots.size() > std::numeric_limits<uint32_t>::max())
-    return refuse(fmt::format("{} roots; the maximum is 2^32-1", roots.size()));
+    return invalid(fmt::format("{} roots; the maximum is 2^32-1", roots.size()));
   for (size_t i = 0; i < roots.size(); ++i)
-    if (const Float3& p = roots[i]; !(std::abs(p.x) <= kMaxCoordinate) ||
-                                    !(std::abs(p.y) <= kMaxCoordinate) ||
-                                    !(std::abs(p.z) <= kMaxCoordinate))
-      return refuse(fmt::format("the root of strand {} is at {} {} {}; it must be within +-1e6", i,
-                                p.x, p.y, p.z));
+    if (const Float3& p = roots[i]; !detail::isCoordinate(p))
+      return invalid(fmt::format("the root of strand {} is at {} {} {}; it must be within +-1e6", i,
+                                 p.x, p.y, p.z));
   return {};
-}
-
-Float3 toFloat3(const Vector& v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
 }
 
 class Binder {
@@ -58,7 +54,7 @@ class Binder {
       };
       if (detail::triangleFrame(corner(0), corner(1), corner(2))) used.push_back(t);
     }
-    if (used.empty()) return refuse("mesh: none of its triangles has an area");
+    if (used.empty()) return invalid("mesh: none of its triangles has an area");
     out_.report.degenerateTriangles = mesh_.triangleCount() - static_cast<uint32_t>(used.size());
     const TriangleTree tree(mesh_.positions, mesh_.indices, used);
     uint32_t hint = used.front();
@@ -151,11 +147,11 @@ Result<std::map<std::string_view, double>> byName(const BoneWeights& weights,
   double sum = 0;
   for (const float weight : influences.weights) sum += weight;
   if (!(sum > 0) || !std::isfinite(sum))
-    return refuse(fmt::format("strand {} has no bone weights", strand));
+    return invalid(fmt::format("strand {} has no bone weights", strand));
   for (size_t k = 0; k < 4; ++k) {
     if (influences.bones[k] >= names.size())
-      return refuse(fmt::format("strand {} follows bone {} of {}", strand, influences.bones[k],
-                                names.size()));
+      return invalid(fmt::format("strand {} follows bone {} of {}", strand, influences.bones[k],
+                                 names.size()));
     result[names[influences.bones[k]]] += influences.weights[k] / sum;
   }
   return result;
@@ -170,8 +166,8 @@ std::vector<std::string_view> namesOf(const BoneWeights& weights) {
 
 Result<WeightComparison> compare(const BoneWeights& a, const BoneWeights& b) {
   if (a.strands.size() != b.strands.size() || a.strands.empty())
-    return refuse(fmt::format("weights of {} strands cannot be compared with those of {}",
-                              a.strands.size(), b.strands.size()));
+    return invalid(fmt::format("weights of {} strands cannot be compared with those of {}",
+                               a.strands.size(), b.strands.size()));
   const std::vector<std::string_view> namesA = namesOf(a), namesB = namesOf(b);
   WeightComparison result;
   double sum = 0;
@@ -200,7 +196,7 @@ Result<WeightComparison> compare(const BoneWeights& a, const BoneWeights& b) {
 Result<SkinBinding> bindRoots(std::span<const Float3> roots, const SkinnedMesh& mesh,
                               const BindDef& def) {
   return detail::guarded([&]() -> Result<SkinBinding> {
-    if (auto r = check(roots, def); !r) return r.error();
+    if (auto r = checkRoots(roots, def); !r) return r.error();
     if (auto r = validate(mesh); !r) return r.error();
     return Binder(mesh, def).bind(roots);
   });

@@ -6,10 +6,10 @@
 #include <limits>
 #include <vector>
 
+#include "points.h"
+
 namespace pelage::detail {
 namespace {
-
-using Vector = Vector3<double>;
 
 constexpr uint64_t kMaxSearches = 10'000'000;
 

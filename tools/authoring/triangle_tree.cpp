@@ -6,20 +6,17 @@
 #include <utility>
 
 #include "pelage/assert.h"
+#include "points.h"
 
 namespace pelage::detail {
 namespace {
 
-using Vector = Vector3<double>;
-
-constexpr uint32_t kLeafSize = 4;
+constexpr uint32_t kTrianglesPerLeaf = 4;
 // More than the depth of a balanced tree over 2^32 triangles.
 constexpr size_t kStackSize = 80;
 // The distance to a box and that to a point in it are rounded differently; a box is left out only
 // when it is farther by more than that.
 constexpr double kSlack = 1 + 1e-12;
-
-Vector toVector(const Float3& p) { return {p.x, p.y, p.z}; }
 
 bool isBefore(const Vector& a, const Vector& b) {
   return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
@@ -115,7 +112,7 @@ void TriangleTree::build(uint32_t first, uint32_t count, const std::vector<Vecto
     extend(low, high, centers[*t]);
   }
   nodes_.push_back(node);
-  if (count <= kLeafSize) {
+  if (count <= kTrianglesPerLeaf) {
     nodes_[at].first = first;
     nodes_[at].count = count;
     return;

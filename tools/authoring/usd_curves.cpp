@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "base/bounds.h"
+#include "base/errors.h"
 #include "base/file_io.h"
 #include "base/guard.h"
 #include "base/workers.h"
@@ -25,8 +26,8 @@ constexpr size_t kMaxName = 255;
 // Room for the last time code, which is known in the end: digits, sign and spaces.
 constexpr int kTimeDigits = 16;
 
-Error invalid(std::string_view what) {
-  return Error{ErrorCode::kInvalidArgument, fmt::format("USD curves: {}", what)};
+Error invalidUsd(std::string_view what) {
+  return detail::invalid(fmt::format("USD curves: {}", what));
 }
 
 bool isIdentifier(std::string_view name) {
@@ -59,41 +60,6 @@ void add(Text& text, fmt::format_string<Args...> format, Args&&... args) {
 }
 
 void addVector(Text& text, const Float3& v) { add(text, "({}, {}, {})", v.x, v.y, v.z); }
-
-// Writes the text of vectors by several threads, which changes no byte.
-class VectorText {
- public:
-  explicit VectorText(uint32_t threads)
-      : threads_(std::max(threads, 1u)), pieces_(size_t{kPiecesEach} * threads_.count()) {}
-
-  /// Threads that have something to do for so many vectors.
-  static size_t pieceCount(size_t vectors) { return (vectors + kPiece - 1) / kPiece; }
-
-  void add(Text& text, std::span<const Float3> vectors) {
-    text.push_back('[');
-    for (size_t first = 0; first < vectors.size(); first += pieces_.size() * kPiece) {
-      const size_t count = std::min(pieces_.size(), pieceCount(vectors.size() - first));
-      threads_.run(count, [&](size_t piece, uint32_t) {
-        const size_t begin = first + piece * kPiece;
-        const size_t end = std::min(begin + kPiece, vectors.size());
-        pieces_[piece].clear();
-        for (size_t i = begin; i < end; ++i) {
-          if (i > 0) pieces_[piece].append(std::string_view(", "));
-          addVector(pieces_[piece], vectors[i]);
-        }
-      });
-      for (size_t i = 0; i < count; ++i) text.append(pieces_[i].begin(), pieces_[i].end());
-    }
-    text.push_back(']');
-  }
-
- private:
-  static constexpr size_t kPiece = 4096;  ///< vectors that a thread writes at a time
-  static constexpr uint32_t kPiecesEach = 4;
-
-  detail::Workers threads_;
-  std::vector<Text> pieces_;
-};
 
 template <class T>
 void addNumbers(Text& text, std::span<const T> numbers) {
@@ -133,6 +99,50 @@ void addConstants(Text& text, const UsdCurvesDef& def) {
     text.append(std::string_view(" (\n        interpolation = \"uniform\"\n    )\n"));
   }
 }
+
+std::filesystem::path withSuffix(std::filesystem::path path, const char* suffix) {
+  path += suffix;
+  return path;
+}
+
+}  // namespace
+
+namespace detail {
+
+// Writes the text of vectors by several threads, which changes no byte.
+class VectorText {
+ public:
+  explicit VectorText(uint32_t threads)
+      : threads_(std::max(threads, 1u)), pieces_(size_t{kPiecesEach} * threads_.count()) {}
+
+  /// Threads that have something to do for so many vectors.
+  static size_t pieceCount(size_t vectors) { return (vectors + kPiece - 1) / kPiece; }
+
+  void add(Text& text, std::span<const Float3> vectors) {
+    text.push_back('[');
+    for (size_t first = 0; first < vectors.size(); first += pieces_.size() * kPiece) {
+      const size_t count = std::min(pieces_.size(), pieceCount(vectors.size() - first));
+      threads_.run(count, [&](size_t piece, uint32_t) {
+        const size_t begin = first + piece * kPiece;
+        const size_t end = std::min(begin + kPiece, vectors.size());
+        pieces_[piece].clear();
+        for (size_t i = begin; i < end; ++i) {
+          if (i > 0) pieces_[piece].append(std::string_view(", "));
+          addVector(pieces_[piece], vectors[i]);
+        }
+      });
+      for (size_t i = 0; i < count; ++i) text.append(pieces_[i].begin(), pieces_[i].end());
+    }
+    text.push_back(']');
+  }
+
+ private:
+  static constexpr size_t kPiece = 4096;  ///< vectors that a thread writes at a time
+  static constexpr uint32_t kPiecesEach = 4;
+
+  Workers threads_;
+  std::vector<Text> pieces_;
+};
 
 // A file that is removed unless it is kept.
 class PartialFile {
@@ -176,38 +186,36 @@ class PartialFile {
   std::fstream file_;
 };
 
-std::filesystem::path withSuffix(std::filesystem::path path, const char* suffix) {
-  path += suffix;
-  return path;
-}
-
-}  // namespace
+}  // namespace detail
 
 Result<void> validate(const UsdCurvesDef& def) {
   if (!isIdentifier(def.name))
-    return invalid(fmt::format("'{}' is no name of a prim: letters, digits and _, no digit first",
-                               def.name.substr(0, kMaxName)));
-  if (def.vertexCounts.empty()) return invalid("there are no strands");
+    return invalidUsd(
+        fmt::format("'{}' is no name of a prim: letters, digits and _, no digit first",
+                    def.name.substr(0, kMaxName)));
+  if (def.vertexCounts.empty()) return invalidUsd("there are no strands");
   for (size_t s = 0; s < def.vertexCounts.size(); ++s)
     if (def.vertexCounts[s] < 2)
-      return invalid(fmt::format("strand {} has {} vertices; linear curves have at least 2", s,
-                                 def.vertexCounts[s]));
+      return invalidUsd(fmt::format("strand {} has {} vertices; linear curves have at least 2", s,
+                                    def.vertexCounts[s]));
   const uint64_t vertices = verticesOf(def);
-  if (vertices > std::numeric_limits<int32_t>::max()) return invalid("more than 2^31 - 1 vertices");
+  if (vertices > std::numeric_limits<int32_t>::max())
+    return invalidUsd("more than 2^31 - 1 vertices");
   if (!def.widths.empty() && def.widths.size() != 1 &&
       def.widths.size() != def.vertexCounts.size() && def.widths.size() != vertices)
-    return invalid(fmt::format(
+    return invalidUsd(fmt::format(
         "{} widths, which is neither 1 nor the number of strands or vertices", def.widths.size()));
   for (const float width : def.widths)
-    if (!(width >= 0 && std::isfinite(width))) return invalid("a width is negative or not finite");
+    if (!(width >= 0 && std::isfinite(width)))
+      return invalidUsd("a width is negative or not finite");
   if (!def.strandIds.empty() && def.strandIds.size() != def.vertexCounts.size())
-    return invalid("strandIds has not one id a strand");
+    return invalidUsd("strandIds has not one id a strand");
   for (const uint64_t id : def.strandIds)
-    if (id > std::numeric_limits<int64_t>::max()) return invalid("an id is 2^63 or more");
+    if (id > std::numeric_limits<int64_t>::max()) return invalidUsd("an id is 2^63 or more");
   if (!(def.framesPerSecond >= 1e-3 && def.framesPerSecond <= 1e6))
-    return invalid("framesPerSecond is not within 1e-3..1e6");
+    return invalidUsd("framesPerSecond is not within 1e-3..1e6");
   if (def.firstFrame < -kMaxFrameNumber || def.firstFrame > kMaxFrameNumber)
-    return invalid("firstFrame is not within +-2^40");
+    return invalidUsd("firstFrame is not within +-2^40");
   return {};
 }
 
@@ -217,7 +225,7 @@ struct UsdCurvesWriter::Impl {
         def(std::move(d)),
         vertexCount(verticesOf(def)),
         vectors(static_cast<uint32_t>(
-            std::min<uint64_t>(threads, VectorText::pieceCount(vertexCount)))),
+            std::min<uint64_t>(threads, detail::VectorText::pieceCount(vertexCount)))),
         file(withSuffix(path, ".partial")) {
     if (def.velocities) velocities.emplace(withSuffix(path, ".velocities.partial"));
   }
@@ -225,9 +233,9 @@ struct UsdCurvesWriter::Impl {
   std::filesystem::path path;
   UsdCurvesDef def;
   uint64_t vertexCount;
-  VectorText vectors;
-  PartialFile file;
-  std::optional<PartialFile> velocities;
+  detail::VectorText vectors;
+  detail::PartialFile file;
+  std::optional<detail::PartialFile> velocities;
   std::streamoff endTimeAt = 0;  ///< where the last time code is to be
   int64_t frameCount = 0;
   bool closed = false;
@@ -269,8 +277,8 @@ Result<void> UsdCurvesWriter::Impl::addVelocities(int64_t frame, std::span<const
   for (size_t i = 0; i < from.size(); ++i) {
     velocity[i] = {speed(from[i].x, to[i].x), speed(from[i].y, to[i].y), speed(from[i].z, to[i].z)};
     if (!detail::isFinite(velocity[i]))
-      return invalid(fmt::format("frame {}: the velocity of vertex {} is not finite",
-                                 def.firstFrame + frame, i));
+      return invalidUsd(fmt::format("frame {}: the velocity of vertex {} is not finite",
+                                    def.firstFrame + frame, i));
   }
   add(text, "        {}: ", def.firstFrame + frame);
   vectors.add(text, velocity);
@@ -279,14 +287,14 @@ Result<void> UsdCurvesWriter::Impl::addVelocities(int64_t frame, std::span<const
 }
 
 Result<void> UsdCurvesWriter::Impl::append(std::span<const Float3> positions) {
-  if (closed) return invalid("the writer is closed");
+  if (closed) return invalidUsd("the writer is closed");
   if (positions.size() != vertexCount)
-    return invalid(fmt::format("{} positions for {} vertices", positions.size(), vertexCount));
+    return invalidUsd(fmt::format("{} positions for {} vertices", positions.size(), vertexCount));
   const auto broken = std::find_if_not(positions.begin(), positions.end(),
                                        [](const Float3& p) { return detail::isFinite(p); });
   if (broken != positions.end())
-    return invalid(fmt::format("frame {}: vertex {} is not finite", def.firstFrame + frameCount,
-                               broken - positions.begin()));
+    return invalidUsd(fmt::format("frame {}: vertex {} is not finite", def.firstFrame + frameCount,
+                                  broken - positions.begin()));
   if (velocities && frameCount > 0) {
     const bool central = frameCount > 1;
     if (auto r =
@@ -335,8 +343,8 @@ Result<void> UsdCurvesWriter::Impl::addVelocitySamples() {
 }
 
 Result<void> UsdCurvesWriter::Impl::close() {
-  if (closed) return invalid("the writer is closed");
-  if (frameCount == 0) return invalid("no frame was added");
+  if (closed) return invalidUsd("the writer is closed");
+  if (frameCount == 0) return invalidUsd("no frame was added");
   closed = true;
   text.append(std::string_view("    }\n"));
   if (auto r = file.write(text); !r) return r;
@@ -376,18 +384,18 @@ Result<void> UsdCurvesWriter::close() {
 namespace {
 
 Result<void> checkClips(std::span<const UsdClip> clips) {
-  if (clips.empty()) return invalid("there are no clips");
+  if (clips.empty()) return invalidUsd("there are no clips");
   for (size_t i = 0; i < clips.size(); ++i) {
     const UsdClip& clip = clips[i];
     const auto isBad = [](unsigned char c) { return c == '@' || c < 0x20 || c == 0x7f; };
     if (clip.file.empty() || std::any_of(clip.file.begin(), clip.file.end(), isBad))
-      return invalid(fmt::format("clip {} has no file that USD can name", i));
+      return invalidUsd(fmt::format("clip {} has no file that USD can name", i));
     if (clip.frameCount < 1 || clip.frameCount > kMaxFrameNumber ||
         clip.firstFrame < -kMaxFrameNumber || clip.firstFrame > kMaxFrameNumber)
-      return invalid(fmt::format("clip {} has no frames, or too many", i));
+      return invalidUsd(fmt::format("clip {} has no frames, or too many", i));
     if (i > 0 &&
         clip.firstFrame != clips[i - 1].firstFrame + static_cast<int64_t>(clips[i - 1].frameCount))
-      return invalid(fmt::format("clip {} does not begin where the one before it ends", i));
+      return invalidUsd(fmt::format("clip {} does not begin where the one before it ends", i));
   }
   return {};
 }

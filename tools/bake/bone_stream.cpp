@@ -10,6 +10,7 @@
 #include <span>
 #include <utility>
 
+#include "base/finite.h"
 #include "json_members.h"
 #include "pelage/skeleton.h"
 #include "pelage/stream.h"
@@ -23,13 +24,6 @@ using Path = std::filesystem::path;
 
 constexpr size_t kMaxBones = 1u << 16;
 
-bool isFinite(const AffineTransform& transform) {
-  return std::all_of(std::begin(transform.rows), std::end(transform.rows), [](const Float4& row) {
-    return std::isfinite(row.x) && std::isfinite(row.y) && std::isfinite(row.z) &&
-           std::isfinite(row.w);
-  });
-}
-
 // 12 numbers, row by row.
 std::optional<AffineTransform> transformOf(const json& from) {
   if (!from.is_array() || from.size() != 12) return std::nullopt;
@@ -39,18 +33,18 @@ std::optional<AffineTransform> transformOf(const json& from) {
     numbers[i] = from[i].get<float>();
   }
   const auto transform = std::bit_cast<AffineTransform>(numbers);
-  if (!isFinite(transform)) return std::nullopt;
+  if (!detail::isFinite(transform)) return std::nullopt;
   return transform;
 }
 
-struct Header {
+struct StreamHeader {
   double framesPerSecond = 24;
   std::vector<std::string> bones;
   std::vector<AffineTransform> bindInverses;  ///< [bone], or empty
   Path data;
 };
 
-void readBones(JsonMembers& root, JsonFaults& faults, Header& header) {
+void readBones(JsonMembers& root, JsonFaults& faults, StreamHeader& header) {
   header.bones = root.texts("bones");
   if (header.bones.empty() || header.bones.size() > kMaxBones)
     root.fault("bones", fmt::format("must be 1 to {} names", kMaxBones));
@@ -71,12 +65,12 @@ void readBones(JsonMembers& root, JsonFaults& faults, Header& header) {
   }
 }
 
-Result<Header> loadHeader(const Path& path) {
+Result<StreamHeader> loadHeader(const Path& path) {
   const auto loaded = loadJson(path.string());
   if (!loaded) return loaded.error();
   JsonFaults faults = {path.string(), {}};
   JsonMembers root(*loaded, "", faults);
-  Header header;
+  StreamHeader header;
   (void)root.integer("version", 1, 1);
   header.framesPerSecond = root.number("fps", 1e-3, 1e6);
   readBones(root, faults, header);
@@ -178,7 +172,7 @@ Result<BoneStream> loadBoneStream(const Path& path) {
     return done.error();
   for (size_t i = 0; i < stream.transforms.size(); ++i) {
     const size_t bone = i % stream.bones.size();
-    if (!isFinite(stream.transforms[i]))
+    if (!detail::isFinite(stream.transforms[i]))
       return Error{
           ErrorCode::kInvalidFile,
           fmt::format("{}: byte {}: frame {}: the transform of '{}' is not finite", name,

@@ -35,13 +35,19 @@ Result<void> JsonFaults::result() const {
   return Error{ErrorCode::kInvalidFile, text};
 }
 
-Result<json> loadJson(const std::string& path) {
+Result<std::string> loadText(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::ostringstream text;
   if (!file || !(text << file.rdbuf()))
     return Error{ErrorCode::kFileNotFound, path + ": cannot be read"};
+  return text.str();
+}
+
+Result<json> loadJson(const std::string& path) {
+  const auto text = loadText(path);
+  if (!text) return text.error();
   try {
-    return json::parse(text.str());
+    return json::parse(*text);
   } catch (const json::exception& error) {
     return Error{ErrorCode::kInvalidFile, fmt::format("{}: no JSON: {}", path, error.what())};
   }

@@ -23,6 +23,9 @@ struct JsonFaults {
   Result<void> result() const;
 };
 
+/// The text of a file. Errors: it cannot be read.
+Result<std::string> loadText(const std::string& path);
+
 /// Parses a file. Errors: those of reading it; what is no JSON, with line and column.
 Result<nlohmann::json> loadJson(const std::string& path);
 

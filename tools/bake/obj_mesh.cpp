@@ -10,10 +10,10 @@
 #include <optional>
 #include <vector>
 
+#include "pelage/hair_asset.h"
+
 namespace pelage::bake {
 namespace {
-
-constexpr float kMaxCoordinate = 1e6f;
 
 // Words of a line, between blanks.
 class Words {

@@ -43,7 +43,7 @@ bool isRunning(const ShotStore& store) {
   return false;
 }
 
-uint64_t bytesOf(const std::vector<StoredFile>& files) {
+uint64_t totalBytes(const std::vector<StoredFile>& files) {
   uint64_t sum = 0;
   for (const StoredFile& file : files) sum += file.bytes;
   return sum;
@@ -142,12 +142,12 @@ Result<ShotStatus> statusOf(const Project& project, const Shot& shot, FileHashes
     const auto files = filesOf(**done, "done.json");
     status.state = ShotState::kComplete;
     status.chunksWritten = status.chunks;
-    if (files) status.bytes = bytesOf(*files);
+    if (files) status.bytes = totalBytes(*files);
   } else {
     for (uint64_t i = 0; i < status.chunks; ++i) {
       const std::vector<StoredFile> files = store.chunk(i, false);
       status.chunksWritten += files.empty() ? 0 : 1;
-      status.bytes += bytesOf(files);
+      status.bytes += totalBytes(files);
     }
     const std::vector<uint64_t> checkpoints = store.checkpoints();
     if (!checkpoints.empty()) status.checkpointSteps = checkpoints.back();
@@ -167,7 +167,7 @@ Result<ShotCheck> verifyShot(const Project& project, const Shot& shot, bool deco
     for (uint64_t i = 0; i < chunkCount(project, shot); ++i) {
       const std::vector<StoredFile> files = store.chunk(i, true);
       check.files += files.size();
-      check.bytes += bytesOf(files);
+      check.bytes += totalBytes(files);
       if (files.empty() && check.fault.empty()) check.fault = fmt::format("chunk {} is missing", i);
     }
     return check;
@@ -176,7 +176,7 @@ Result<ShotCheck> verifyShot(const Project& project, const Shot& shot, bool deco
   const auto files = filesOf(**done, "done.json");
   if (!files) return files.error();
   check.files = files->size();
-  check.bytes = bytesOf(*files);
+  check.bytes = totalBytes(*files);
   check.fault = faultOf(*files, store.folder(), true);
   for (const StoredFile& file : *files)
     if (check.fault.empty() && Path(file.name).extension() == ".pelagecache")

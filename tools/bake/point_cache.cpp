@@ -5,23 +5,23 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pelage/hair_asset.h"
 #include "sample_time.h"
 
 namespace pelage::bake {
 namespace {
 
-struct Header {
+struct CacheHeader {
   std::array<char, 12> magic = {};
   int32_t version = 0, points = 0;
   float startFrame = 0, framesPerSample = 0;
   int32_t samples = 0;
 };
-static_assert(sizeof(Header) == 32);
+static_assert(sizeof(CacheHeader) == 32);
 static_assert(sizeof(Float3) == 12);
 
 constexpr std::array<char, 12> kMagic = {'P', 'O', 'I', 'N', 'T', 'C',
                                          'A', 'C', 'H', 'E', '2', '\0'};
-constexpr float kMaxCoordinate = 1e6f;
 
 }  // namespace
 
@@ -47,7 +47,7 @@ Result<PointCache> PointCache::open(const std::filesystem::path& path) {
 Result<PointCache> PointCache::open(std::unique_ptr<ByteSource> source, std::string name) {
   const uint64_t size = source->size();
   PointCache cache(std::move(source), std::move(name));
-  Header header;
+  CacheHeader header;
   if (size < sizeof(header)) return cache.fail(size, "ends within its header of 32 bytes");
   if (auto done = cache.readAt(0, std::as_writable_bytes(std::span(&header, 1))); !done)
     return done.error();
@@ -76,7 +76,7 @@ Result<const PointCache::Sample*> PointCache::sample(uint64_t number) {
   if (sample.number == number) return &sample;
   sample.number = UINT64_MAX;
   sample.positions.resize(pointCount_);
-  const uint64_t offset = sizeof(Header) + number * pointCount_ * sizeof(Float3);
+  const uint64_t offset = sizeof(CacheHeader) + number * pointCount_ * sizeof(Float3);
   if (auto done = readAt(offset, std::as_writable_bytes(std::span(sample.positions))); !done)
     return done.error();
   for (size_t i = 0; i < sample.positions.size(); ++i) {

@@ -2,10 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
-#include <sstream>
 #include <utility>
 
+#include "json_members.h"
 #include "obj_mesh.h"
 #include "pelage/authoring/skin_binding.h"
 
@@ -14,11 +13,9 @@ namespace {
 
 Result<CollisionMesh> loadFile(const std::filesystem::path& path) {
   if (path.extension() != ".obj") return loadTfxMesh(path);
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf()))
-    return Error{ErrorCode::kFileNotFound, path.string() + ": cannot be read"};
-  return readObjMesh(text.str(), path.string());
+  const auto text = loadText(path.string());
+  if (!text) return text.error();
+  return readObjMesh(*text, path.string());
 }
 
 }  // namespace

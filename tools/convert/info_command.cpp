@@ -4,7 +4,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -388,9 +387,7 @@ constexpr std::array kKinds = {Kind{".tfxbone", tfxBoneInfo}, Kind{".tfxmesh", t
                                Kind{".json", settingsInfo},   Kind{".pelagecache", hairCacheInfo}};
 
 Result<void> fileInfo(const InfoOptions& options, Session& session) {
-  std::string extension = options.file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = program::lowerExtension(options.file);
   for (const Kind& kind : kKinds)
     if (extension == kind.extension) return kind.info(options, session);
   return curvesOrMeshInfo(options, extension, session);

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -104,6 +106,13 @@ Result<AssetCache> loadAssetFiles(const AssetFiles& files, std::vector<std::stri
   }
   if (auto r = scaleAll(assets, files); !r) return r.error();
   return assets;
+}
+
+std::string lowerExtension(const Path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
 }
 
 std::vector<std::string> unitWarnings(const AssetCache& assets, float scale) {

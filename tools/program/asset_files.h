@@ -28,6 +28,9 @@ struct AssetFiles {
 /// more `bones` or `followHairs` than `hairs`.
 Result<AssetCache> loadAssetFiles(const AssetFiles& files, std::vector<std::string>& warnings);
 
+/// Returns the extension with its dot, in lower case.
+std::string lowerExtension(const std::filesystem::path& path);
+
 /// Returns a line for each groom that is too long or too short for meters. \param scale that was
 /// given for all files.
 std::vector<std::string> unitWarnings(const AssetCache& assets, float scale);

@@ -52,9 +52,9 @@ std::string text(const Parameter& parameter, const ParameterValue& value) {
 // A member of an object and its JSON.
 using Member = std::pair<std::string, std::string>;
 
-std::string indented(const std::string& json) {
+std::string indented(const std::string& lines) {
   std::string result;
-  for (const char c : json) result += c == '\n' ? "\n  " : std::string(1, c);
+  for (const char c : lines) result += c == '\n' ? "\n  " : std::string(1, c);
   return result;
 }
 

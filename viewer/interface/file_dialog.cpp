@@ -10,8 +10,8 @@ namespace viewer {
 
 namespace {
 
-constexpr float kWidth = 420;  // at scale 1
-constexpr float kHeight = 360;
+constexpr float kDialogWidth = 420;  // at scale 1
+constexpr float kDialogHeight = 360;
 
 }  // namespace
 
@@ -70,8 +70,9 @@ std::optional<FileChoice> FileDialog::build(const WindowSize& size) {
   const float scale = size.interfaceScale;
   const auto width = static_cast<float>(size.width), height = static_cast<float>(size.height);
   ImGui::SetNextWindowPos({width / 2, height / 2}, ImGuiCond_Appearing, {0.5f, 0.5f});
-  ImGui::SetNextWindowSize({std::min(kWidth * scale, width), std::min(kHeight * scale, height)},
-                           ImGuiCond_Appearing);
+  ImGui::SetNextWindowSize(
+      {std::min(kDialogWidth * scale, width), std::min(kDialogHeight * scale, height)},
+      ImGuiCond_Appearing);
   std::optional<FileChoice> choice;
   if (ImGui::Begin("Open files", &isOpen_, ImGuiWindowFlags_NoCollapse)) {
     if (std::exchange(wantsFocus_, false)) ImGui::SetKeyboardFocusHere();

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "image.h"
+#include "interface/text.h"
 
 namespace viewer {
 
@@ -53,11 +54,11 @@ void buildBar(const InspectionKey& key) {
   }
   ImGui::Dummy(size);
   const float left = ImGui::GetCursorPosX();
-  ImGui::TextUnformatted(key.low.c_str());
+  text(key.low);
   ImGui::SameLine(left + (size.x - ImGui::CalcTextSize(key.middle.c_str()).x) / 2);
-  ImGui::TextUnformatted(key.middle.c_str());
+  text(key.middle);
   ImGui::SameLine(left + size.x - ImGui::CalcTextSize(key.high.c_str()).x);
-  ImGui::TextUnformatted(key.high.c_str());
+  text(key.high);
 }
 
 }  // namespace
@@ -87,7 +88,7 @@ void buildInspectionKey(const Stage& stage, const WindowSize& size) {
   ImGui::Begin("Key", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs |
                    ImGuiWindowFlags_NoFocusOnAppearing);
-  ImGui::TextUnformatted(key.title.c_str());
+  text(key.title);
   if (key.ramp != nullptr) buildBar(key);
   for (const std::string& line : key.lines) ImGui::TextWrapped("%s", line.c_str());
   ImGui::End();

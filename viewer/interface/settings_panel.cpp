@@ -15,8 +15,8 @@ using pelage::SceneSettings;
 
 namespace {
 
-constexpr float kWidth = 380;   // at scale 1
-constexpr float kHeight = 520;  // likewise, where the window has it
+constexpr float kSettingsWidth = 380;   // at scale 1
+constexpr float kSettingsHeight = 520;  // likewise, where the window has it
 
 }  // namespace
 
@@ -91,10 +91,12 @@ std::vector<SettingsMessage> SettingsPanel::build(Stage& stage, const WindowSize
   follow(stage);
   if (histories_.empty()) return messages;
   const float scale = size.interfaceScale, margin = 8 * scale;
-  const float height = std::min(kHeight * scale, static_cast<float>(size.height) - 2 * margin);
-  ImGui::SetNextWindowPos({static_cast<float>(size.width) - kWidth * scale - margin, margin},
-                          ImGuiCond_Appearing);
-  ImGui::SetNextWindowSize({kWidth * scale, std::max(height, 80.0f)}, ImGuiCond_Appearing);
+  const float height =
+      std::min(kSettingsHeight * scale, static_cast<float>(size.height) - 2 * margin);
+  ImGui::SetNextWindowPos(
+      {static_cast<float>(size.width) - kSettingsWidth * scale - margin, margin},
+      ImGuiCond_Appearing);
+  ImGui::SetNextWindowSize({kSettingsWidth * scale, std::max(height, 80.0f)}, ImGuiCond_Appearing);
   if (ImGui::Begin("Settings")) {
     buildHair(stage);
     buildFile(stage, messages);

@@ -10,14 +10,14 @@
 
 #include "choices.h"
 #include "interface/inspection_panel.h"
+#include "interface/text.h"
 
 namespace viewer {
 
 namespace {
 
-constexpr float kWidth = 250;  // at scale 1
-constexpr double kMebibyte = 1024 * 1024;
-constexpr float kMostWind = 20;  // m/s
+constexpr float kStageWidth = 250;  // at scale 1
+constexpr float kMostWind = 20;     // m/s
 constexpr size_t kListedPasses = 14;
 
 template <class T>
@@ -34,8 +34,6 @@ bool choose(const char* label, const std::vector<Choice<T>>& choices, T& value) 
   ImGui::EndCombo();
   return changed;
 }
-
-void text(const std::string& line) { ImGui::TextUnformatted(line.c_str()); }
 
 void buildPlay(Stage& stage, PanelWishes& wishes) {
   PlayClock& clock = stage.clock;
@@ -168,7 +166,7 @@ void buildFigures(const Stage& stage, const Canvas& canvas) {
   uint64_t views = 0;
   for (const uint64_t bytes : drawn.views) views += bytes;
   const auto line = [](uint64_t bytes, const char* what) {
-    text(fmt::format("{:6.1f} MiB {}", static_cast<double>(bytes) / kMebibyte, what));
+    text(fmt::format("{:6.1f} MiB {}", mebibytes(bytes), what));
   };
   line(memory.buffers, "in buffers");
   line(views, "of them for the view");
@@ -198,8 +196,8 @@ PanelWishes buildStagePanel(Stage& stage, const Canvas& canvas, const PassHistor
   const float scale = size.interfaceScale, margin = 8 * scale;
   ImGui::SetNextWindowPos({margin, margin}, ImGuiCond_Always);
   ImGui::SetNextWindowSizeConstraints(
-      {kWidth * scale, 0},
-      {kWidth * scale, std::max(static_cast<float>(size.height) - 2 * margin, 40.0f)});
+      {kStageWidth * scale, 0},
+      {kStageWidth * scale, std::max(static_cast<float>(size.height) - 2 * margin, 40.0f)});
   ImGui::Begin(
       "pelage", nullptr,
       ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize);

@@ -5,20 +5,19 @@
 
 #include <algorithm>
 
+#include "interface/text.h"
+
 namespace viewer {
 
 using pelage::Result;
 
 namespace {
 
-constexpr float kWidth = 400;  // at scale 1
-constexpr float kHeight = 460;
-constexpr double kMebibyte = 1024 * 1024;
-
-void text(const std::string& line) { ImGui::TextUnformatted(line.c_str()); }
+constexpr float kStatisticsWidth = 400;  // at scale 1
+constexpr float kStatisticsHeight = 460;
 
 void memoryLine(uint64_t bytes, const char* what) {
-  text(fmt::format("{:8.1f} MiB {}", static_cast<double>(bytes) / kMebibyte, what));
+  text(fmt::format("{:8.1f} MiB {}", mebibytes(bytes), what));
 }
 
 void buildMemory(const Stage& stage, const Canvas& canvas) {
@@ -69,11 +68,13 @@ void StatisticsPanel::buildPasses(const PassHistory& history) {
 void StatisticsPanel::build(const Stage& stage, const Canvas& canvas, const PassHistory& history,
                             const WindowSize& size) {
   const float scale = size.interfaceScale, margin = 8 * scale;
-  ImGui::SetNextWindowPos({static_cast<float>(size.width) - kWidth * scale - margin, margin},
-                          ImGuiCond_Appearing);
+  ImGui::SetNextWindowPos(
+      {static_cast<float>(size.width) - kStatisticsWidth * scale - margin, margin},
+      ImGuiCond_Appearing);
   ImGui::SetNextWindowSize(
-      {kWidth * scale,
-       std::max(std::min(kHeight * scale, static_cast<float>(size.height) - 2 * margin), 80.0f)},
+      {kStatisticsWidth * scale,
+       std::max(std::min(kStatisticsHeight * scale, static_cast<float>(size.height) - 2 * margin),
+                80.0f)},
       ImGuiCond_Appearing);
   if (ImGui::Begin("Statistics")) {
     for (const HairStatistics& hair : statistics_.hairs) {

@@ -6,14 +6,13 @@
 #include <algorithm>
 #include <cstring>
 #include <exception>
-#include <fstream>
 #include <map>
-#include <sstream>
 #include <string_view>
 #include <system_error>
 #include <utility>
 
 #include "codegen/driver.h"
+#include "codegen/file_io.h"
 #include "codegen/pack.h"
 #include "pelage/code.h"
 
@@ -23,6 +22,7 @@ namespace fs = std::filesystem;
 using pelage::CodeFormat;
 using pelage::codegen::KernelOutput;
 using pelage::codegen::Program;
+using pelage::codegen::readWholeFile;
 using pelage::codegen::VariantOutput;
 
 namespace {
@@ -30,13 +30,6 @@ namespace {
 // Headers with what host and kernels share. kernels.h has their names and keys.
 constexpr const char* kShared[] = {"bindings.h", "constants.h", "gpu_structs.h", "kernels.h",
                                    "layouts.h"};
-
-std::string contents(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
 
 // A folder for the outputs, which only their comparison needs.
 class Scratch {
@@ -120,7 +113,7 @@ KernelBuild failed(const std::string& what) {
 
 KernelBuild compare(const Program& program, const fs::path& made, const fs::path& own) {
   for (const char* header : kShared)
-    if (contents(made / header) != contents(own / header))
+    if (readWholeFile(made / header) != readWholeFile(own / header))
       return failed(
           fmt::format("what the kernels share with the program has changed ({})", header));
   std::map<std::string_view, const KernelOutput*> kernels;

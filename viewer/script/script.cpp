@@ -20,8 +20,8 @@ using pelage::Result;
 namespace {
 
 constexpr const char* kButtons[] = {"left", "right", "middle"};
-constexpr double kMaxSize = 16384;  // of a window
-constexpr double kMaxPlace = 1e6;   // of the mouse, which may leave the window
+constexpr double kMaxWindowSize = 16384;  // of a window
+constexpr double kMaxPlace = 1e6;         // of the mouse, which may leave the window
 constexpr double kMaxFrames = 1e12;
 
 template <class... Ts>
@@ -115,10 +115,10 @@ Result<Events> parseEvent(std::string_view name, Words& words) {
   if (name == "quit") return Events{Quit{}};
   if (name == "minimize" || name == "restore") return Events{Minimized{name == "minimize"}};
   if (name == "resize") {
-    const auto width = number(words.next(), 1, kMaxSize),
-               height = number(words.next(), 1, kMaxSize);
+    const auto width = number(words.next(), 1, kMaxWindowSize),
+               height = number(words.next(), 1, kMaxWindowSize);
     if (!width || !height)
-      return fail(fmt::format("'resize' needs a width and a height, 1..{}", kMaxSize));
+      return fail(fmt::format("'resize' needs a width and a height, 1..{}", kMaxWindowSize));
     return Events{Resized{static_cast<uint32_t>(*width), static_cast<uint32_t>(*height)}};
   }
   if (name == "drop" || name == "screenshot") {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <iterator>
 #include <system_error>
 #include <utility>
@@ -17,21 +16,15 @@ namespace viewer {
 using pelage::Error;
 using pelage::ErrorCode;
 using pelage::Result;
+using pelage::program::lowerExtension;
 using Path = std::filesystem::path;
 
 namespace {
 
-std::string extensionOf(const Path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
-
 // Of the files that were named, or beside the hair: the one with its name and this extension.
 Path companionOf(const Path& hair, const char* extension, std::span<const Path> files) {
   for (const Path& file : files)
-    if (extensionOf(file) == extension && file.stem() == hair.stem()) return file;
+    if (lowerExtension(file) == extension && file.stem() == hair.stem()) return file;
   Path beside = hair;
   beside.replace_extension(extension);
   std::error_code error;
@@ -48,7 +41,7 @@ Result<Sorted> sortFiles(std::span<const Path> files) {
   Sorted sorted;
   sorted.own.repair = true;
   for (const Path& file : files) {
-    const std::string extension = extensionOf(file);
+    const std::string extension = lowerExtension(file);
     if (extension == ".tfx") {
       sorted.own.hairs.push_back(file);
       sorted.own.bones.push_back(companionOf(file, ".tfxbone", files));
@@ -131,7 +124,7 @@ Result<LoadedFiles> loadFiles(std::span<const Path> files, float scale, const st
 }
 
 bool isKnownFile(const Path& path) {
-  const std::string extension = extensionOf(path);
+  const std::string extension = lowerExtension(path);
   constexpr const char* kOwn[] = {".tfx", ".tfxbone", ".tfxfollow", ".tfxmesh", ".pelage", ".json"};
   return std::find(std::begin(kOwn), std::end(kOwn), extension) != std::end(kOwn) ||
          isCurveFile(extension) || isCharacterFile(extension);

@@ -3,24 +3,23 @@
 #include <algorithm>
 #include <cmath>
 
+#include "float3_math.h"
+
 namespace viewer {
 
 using pelage::Float3;
+using sample::add;
+using sample::dot;
 
 namespace {
 
 constexpr float kMaxPitch = 1.5f;                            // [radians]
 constexpr float kMinDistance = 0.005f, kMaxDistance = 1e5f;  // [m]
 
-float dot(const Float3& a, const Float3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-Float3 along(const Float3& a, const Float3& b, float factor) {
-  return {a.x + factor * b.x, a.y + factor * b.y, a.z + factor * b.z};
-}
-
 }  // namespace
 
 void OrbitCamera::frame(const sample::Camera& camera) {
-  const Float3 back = along(camera.eye, camera.target, -1);
+  const Float3 back = add(camera.eye, camera.target, -1);
   distance_ = std::max(std::sqrt(dot(back, back)), kMinDistance);
   yaw_ = std::atan2(back.x, back.z);
   pitch_ = std::asin(std::clamp(back.y / distance_, -1.0f, 1.0f));
@@ -36,7 +35,7 @@ void OrbitCamera::orbit(float right, float up) {
 
 void OrbitCamera::pan(float right, float up) {
   const float height = 2 * distance_ * std::tan(verticalFov_ / 2);
-  target_ = along(along(target_, this->right(), right * height), this->up(), up * height);
+  target_ = add(add(target_, this->right(), right * height), this->up(), up * height);
 }
 
 void OrbitCamera::zoom(float factor) {
@@ -53,7 +52,7 @@ Float3 OrbitCamera::up() const {
   return {-std::sin(yaw_) * std::sin(pitch_), std::cos(pitch_), -std::cos(yaw_) * std::sin(pitch_)};
 }
 
-Float3 OrbitCamera::eye() const { return along(target_, direction(), distance_); }
+Float3 OrbitCamera::eye() const { return add(target_, direction(), distance_); }
 
 pelage::View OrbitCamera::view(uint32_t width, uint32_t height, bool reversedDepth) const {
   sample::Camera camera;
@@ -73,10 +72,10 @@ pelage::View OrbitCamera::view(uint32_t width, uint32_t height, bool reversedDep
 
 Float3 OrbitCamera::pointAt(float x, float y, float aspect, const Float3& plane) const {
   const float tangent = std::tan(verticalFov_ / 2);
-  const float depth = distance_ - dot(along(plane, target_, -1), direction());
-  const Float3 middle = along(eye(), direction(), -depth);
-  return along(along(middle, right(), (2 * x - 1) * tangent * aspect * depth), up(),
-               (1 - 2 * y) * tangent * depth);
+  const float depth = distance_ - dot(add(plane, target_, -1), direction());
+  const Float3 middle = add(eye(), direction(), -depth);
+  return add(add(middle, right(), (2 * x - 1) * tangent * aspect * depth), up(),
+             (1 - 2 * y) * tangent * depth);
 }
 
 }  // namespace viewer

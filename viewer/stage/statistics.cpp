@@ -11,10 +11,6 @@ using pelage::Result;
 
 namespace {
 
-constexpr double kMebibyte = 1024 * 1024;
-
-double mebibytes(uint64_t bytes) { return static_cast<double>(bytes) / kMebibyte; }
-
 // Counters of a buffer that is there.
 template <class Counters>
 Result<std::optional<Counters>> counted(BufferId buffer, const pelage::BufferReader& read,

@@ -46,6 +46,8 @@ pelage::Result<std::vector<HairStatistics>> hairStatistics(const pelage::Scene& 
 std::vector<ColliderStatistics> colliderStatistics(const pelage::Scene& scene,
                                                    std::span<const pelage::ColliderId> colliders);
 
+inline double mebibytes(uint64_t bytes) { return static_cast<double>(bytes) / (1024 * 1024); }
+
 /// The statistics as lines of text.
 std::vector<std::string> linesOf(const HairStatistics& hair);
 std::string lineOf(const ColliderStatistics& collider);

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "float3_math.h"
+
 namespace viewer {
 
 using pelage::Float3;
+using sample::dot;
 
 namespace {
 
@@ -13,8 +16,6 @@ constexpr float kScale = 4;      // at interface scale 1: window coordinates per
 constexpr float kCorner = 100;   // likewise: of the base from the bottom right corner
 constexpr float kTipRadius = 9;  // likewise
 constexpr float kCalm = 0.5f;    // [m/s]: less is none
-
-float dot(const Float3& a, const Float3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
 }  // namespace
 

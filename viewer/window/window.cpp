@@ -1,7 +1,5 @@
 #include "window/window.h"
 
-#define GLFW_INCLUDE_NONE
-#include <GLFW/glfw3.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 #include <utility>
 
 #include "input/keys.h"
+#include "window/glfw.h"
 
 namespace viewer {
 

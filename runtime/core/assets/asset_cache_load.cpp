@@ -15,12 +15,8 @@
 #include "base/stream_reader.h"
 
 namespace pelage {
+namespace detail::cache {
 namespace {
-
-using namespace detail::cache;
-using detail::fileError;
-using detail::readAt;
-using detail::StreamReader;
 
 using Bytes = std::vector<std::byte>;
 
@@ -156,7 +152,7 @@ class Loader {
                    fmt::format("it has {} bytes instead of {} elements of {}", section.size, count,
                                sizeof(T)));
     if (auto r = stream_.readArray(section.offset, count, out); !r) return r;
-    if (detail::hash64(std::as_bytes(std::span(out))) != section.checksum)
+    if (hash64(std::as_bytes(std::span(out))) != section.checksum)
       return fault(section, 0, "its checksum does not match; the file is damaged");
     return {};
   }
@@ -408,7 +404,7 @@ class Loader {
     const TfxFileLayout& layout = hair.asset.fileLayout;
     if (layout.extras.size() != info.layoutExtraCount) return missing(Kind::kHairExtras);
     // saveTfx() allocates the size in the layout.
-    if (layout.fileSize != 0 && !detail::tfxLayoutFits(hair.asset))
+    if (layout.fileSize != 0 && !tfxLayoutFits(hair.asset))
       return fileError(stream_.name(), sizeof(Header),
                        fmt::format("hair {} has the layout of another .tfx file", item));
     const auto found = faultOf(hair);
@@ -428,7 +424,7 @@ class Loader {
     if (mesh.bones.empty()) return missing(Kind::kMeshBones);
     if (const auto found = faultOf(mesh)) return faultIn(*found, item, sections);
     if (item >= topologies_.size() || !topologies_[item]) return {};
-    detail::PreparedCollider& prepared = *topologies_[item];
+    PreparedCollider& prepared = *topologies_[item];
     const MeshInfo& info = meshes_[item];
     const TopologyInfo& topologyInfo = topologyInfos_[item];
     Result<void> complete;
@@ -444,7 +440,7 @@ class Loader {
     prepared.positionsHash = sectionOf(Kind::kMeshPositions, item, sections).checksum;
     prepared.indicesHash = sectionOf(Kind::kMeshIndices, item, sections).checksum;
     cache_.meshes[item].mesh.prepared =
-        std::make_shared<const detail::PreparedCollider>(std::move(prepared));
+        std::make_shared<const PreparedCollider>(std::move(prepared));
     return {};
   }
 
@@ -467,16 +463,17 @@ class Loader {
   std::vector<HairInfo> hairs_;
   std::vector<MeshInfo> meshes_;
   // [mesh] as far as they are there.
-  std::vector<std::optional<detail::PreparedCollider>> topologies_;
+  std::vector<std::optional<PreparedCollider>> topologies_;
   std::vector<TopologyInfo> topologyInfos_;
 };
 
 }  // namespace
+}  // namespace detail::cache
 
 Result<AssetCache> loadAssetCache(ByteSource& source, std::string_view name) {
   return detail::guarded([&] {
-    StreamReader stream(source, name);
-    return Loader(stream).load();
+    detail::StreamReader stream(source, name);
+    return detail::cache::Loader(stream).load();
   });
 }
 
@@ -495,8 +492,8 @@ Result<AssetCache> loadAssetCache(const std::filesystem::path& path) {
 
 Result<std::vector<SourceKey>> loadAssetCacheSources(ByteSource& source, std::string_view name) {
   return detail::guarded([&] {
-    StreamReader stream(source, name);
-    return Loader(stream).loadSources();
+    detail::StreamReader stream(source, name);
+    return detail::cache::Loader(stream).loadSources();
   });
 }
 

@@ -7,15 +7,14 @@
 #include "assets/asset_cache_format.h"
 #include "assets/prepared_collider.h"
 #include "assets/tfx_layout.h"
+#include "base/errors.h"
 #include "base/file_io.h"
 #include "base/guard.h"
 #include "base/hash.h"
 
 namespace pelage {
+namespace detail::cache {
 namespace {
-
-using namespace detail::cache;
-using detail::append;
 
 using Bytes = std::vector<std::byte>;
 
@@ -56,7 +55,7 @@ class Sections {
     section.item = static_cast<uint32_t>(item);
     section.size = bytes.size();
     section.alignment = alignmentOf(kind);
-    section.checksum = detail::hash64(bytes);
+    section.checksum = hash64(bytes);
     parts_.push_back({section, bytes});
   }
   void addOwn(Kind kind, size_t item, Bytes bytes) {
@@ -95,8 +94,6 @@ class Sections {
   std::deque<Bytes> owned_;
 };
 
-Error invalid(const std::string& what) { return Error{ErrorCode::kInvalidArgument, what}; }
-
 Result<void> addHair(const CachedHair& hair, size_t item, Sections& sections) {
   const auto refuse = [&](std::string_view what) {
     return invalid(fmt::format("hair {} ('{}'): {}", item, hair.name, what));
@@ -133,7 +130,7 @@ Result<void> addHair(const CachedHair& hair, size_t item, Sections& sections) {
   std::copy(std::begin(layout.reserved), std::end(layout.reserved), info.layoutReserved);
   // If the asset no longer matches its file, only the reserved words of the layout are of use.
   Bytes extras;
-  if (detail::tfxLayoutFits(asset)) {
+  if (tfxLayoutFits(asset)) {
     info.layoutStrandCount = layout.strandCount;
     info.layoutVerticesPerStrand = layout.verticesPerStrand;
     info.layoutFileSize = layout.fileSize;
@@ -174,7 +171,7 @@ Result<void> addMesh(const CachedMesh& cached, size_t item, Sections& sections) 
   if (mesh.repairedVertexCount > vertices) return refuse("repairedVertexCount is too large");
   if (const auto fault = faultOf(mesh))
     return refuse(fmt::format("{}: {}", nameOf(fault->kind), fault->what));
-  auto topology = detail::topologyOf(mesh);
+  auto topology = topologyOf(mesh);
   if (!topology) return refuse(topology.error().message);
   const TopologyInfo topologyInfo = infoOf(*topology);
   const auto topologyBytes = std::as_bytes(std::span(&topologyInfo, 1));
@@ -217,14 +214,15 @@ Result<Bytes> save(const AssetCache& cache) {
 }
 
 }  // namespace
+}  // namespace detail::cache
 
 Result<std::vector<std::byte>> saveAssetCache(const AssetCache& cache) {
-  return detail::guarded([&] { return save(cache); });
+  return detail::guarded([&] { return detail::cache::save(cache); });
 }
 
 Result<void> saveAssetCache(const AssetCache& cache, const std::filesystem::path& path) {
   return detail::guarded([&]() -> Result<void> {
-    const auto bytes = save(cache);
+    const auto bytes = detail::cache::save(cache);
     if (!bytes) return bytes.error();
     return detail::writeFile(path, *bytes);
   });

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "assets/bone_influences.h"
+#include "base/errors.h"
 #include "base/file_io.h"
 #include "base/guard.h"
 
@@ -15,81 +16,53 @@ namespace pelage {
 namespace {
 
 using detail::append;
+using detail::ByteReader;
 using detail::fileError;
-using detail::readAt;
 
 constexpr uint64_t kBoneRecordMin = 2 * sizeof(int32_t) + 1;  // a name is at least its NUL
 constexpr uint64_t kStrandRecord = sizeof(int32_t) + 4 * (sizeof(int32_t) + sizeof(float));
 constexpr uint32_t kMaxBoneNameLength = 4096;
 
-// A cursor that never reads past the end.
-class Reader {
- public:
-  Reader(std::span<const std::byte> bytes, std::string_view name) : bytes_(bytes), name_(name) {}
+// Reads a count of records of at least `recordSize` bytes each: an error if the file cannot hold
+// them.
+Result<uint32_t> readCount(ByteReader& reader, std::string_view what, uint64_t recordSize) {
+  const uint64_t at = reader.offset();
+  auto value = reader.value<int32_t>(fmt::format("the number of {}", what));
+  if (!value) return value.error();
+  if (*value <= 0)
+    return fileError(reader.name(), at,
+                     fmt::format("the number of {} is {}; it must be at least 1", what, *value));
+  if (static_cast<uint64_t>(*value) > reader.left() / recordSize)
+    return fileError(
+        reader.name(), at,
+        fmt::format("{} {} need at least {} bytes, but the file ends at byte {}", *value, what,
+                    static_cast<uint64_t>(*value) * recordSize, reader.size()));
+  return static_cast<uint32_t>(*value);
+}
 
-  uint64_t offset() const { return offset_; }
-  uint64_t left() const { return bytes_.size() - offset_; }
+// Reads a text that ends in NUL, and has no other one.
+Result<std::string> readText(ByteReader& reader, uint32_t length, std::string_view what) {
+  const uint64_t at = reader.offset();
+  auto text = reader.text(length, what);
+  if (!text) return text;
+  const size_t nul = std::min<size_t>(text->find('\0'), length);
+  if (nul + 1 != length)
+    return fileError(reader.name(), at + nul,
+                     nul == length ? fmt::format("{} does not end in NUL", what)
+                                   : fmt::format("{} has a NUL before its end", what));
+  text->pop_back();
+  return text;
+}
 
-  Result<int32_t> integer(std::string_view what) {
-    if (left() < sizeof(int32_t)) return truncated(what);
-    offset_ += sizeof(int32_t);
-    return readAt<int32_t>(bytes_, offset_ - sizeof(int32_t));
-  }
-
-  Result<float> number(std::string_view what) {
-    if (left() < sizeof(float)) return truncated(what);
-    offset_ += sizeof(float);
-    return readAt<float>(bytes_, offset_ - sizeof(float));
-  }
-
-  // Reads a count of records of at least `recordSize` bytes each: an error if the file cannot hold
-  // them.
-  Result<uint32_t> count(std::string_view what, uint64_t recordSize) {
-    const uint64_t at = offset_;
-    auto value = integer(fmt::format("the number of {}", what));
-    if (!value) return value.error();
-    if (*value <= 0)
-      return fileError(name_, at,
-                       fmt::format("the number of {} is {}; it must be at least 1", what, *value));
-    if (static_cast<uint64_t>(*value) > left() / recordSize)
-      return fileError(
-          name_, at,
-          fmt::format("{} {} need at least {} bytes, but the file ends at byte {}", *value, what,
-                      static_cast<uint64_t>(*value) * recordSize, bytes_.size()));
-    return static_cast<uint32_t>(*value);
-  }
-
-  Result<std::string> text(uint32_t length, std::string_view what) {
-    if (left() < length) return truncated(what);
-    const char* begin = reinterpret_cast<const char*>(bytes_.data() + offset_);
-    const char* nul = std::find(begin, begin + length, '\0');
-    if (nul != begin + length - 1)
-      return fileError(name_, offset_ + static_cast<uint64_t>(nul - begin),
-                       nul == begin + length ? fmt::format("{} does not end in NUL", what)
-                                             : fmt::format("{} has a NUL before its end", what));
-    offset_ += length;
-    return std::string(begin, nul);
-  }
-
- private:
-  Error truncated(std::string_view what) const {
-    return fileError(name_, bytes_.size(), fmt::format("the file ends inside {}", what));
-  }
-
-  std::span<const std::byte> bytes_;
-  std::string_view name_;
-  uint64_t offset_ = 0;
-};
-
-Result<std::vector<BoneName>> readBones(Reader& reader, std::string_view name) {
-  auto count = reader.count("bones", kBoneRecordMin);
+Result<std::vector<BoneName>> readBones(ByteReader& reader, std::string_view name) {
+  auto count = readCount(reader, "bones", kBoneRecordMin);
   if (!count) return count.error();
   std::vector<BoneName> bones;
   bones.reserve(*count);
   std::vector<bool> seen(*count);
   for (uint32_t i = 0; i < *count; ++i) {
     const uint64_t at = reader.offset();
-    auto index = reader.integer(fmt::format("bone record {}", i));
+    auto index = reader.value<int32_t>(fmt::format("bone record {}", i));
     if (!index) return index.error();
     if (*index < 0 || static_cast<uint32_t>(*index) >= *count)
       return fileError(name, at,
@@ -97,30 +70,30 @@ Result<std::vector<BoneName>> readBones(Reader& reader, std::string_view name) {
     if (seen[static_cast<uint32_t>(*index)])
       return fileError(name, at, fmt::format("bone index {} is there twice", *index));
     seen[static_cast<uint32_t>(*index)] = true;
-    auto length = reader.integer(fmt::format("bone record {}", i));
+    auto length = reader.value<int32_t>(fmt::format("bone record {}", i));
     if (!length) return length.error();
     if (*length < 1 || static_cast<uint32_t>(*length) > kMaxBoneNameLength)
       return fileError(name, at + sizeof(int32_t),
                        fmt::format("the name of bone {} has {} bytes; it must be 1 to {}, its NUL "
                                    "included",
                                    *index, *length, kMaxBoneNameLength));
-    auto text =
-        reader.text(static_cast<uint32_t>(*length), fmt::format("the name of bone {}", *index));
+    auto text = readText(reader, static_cast<uint32_t>(*length),
+                         fmt::format("the name of bone {}", *index));
     if (!text) return text.error();
     bones.push_back({static_cast<uint32_t>(*index), std::move(*text)});
   }
   return bones;
 }
 
-Result<BoneWeights> load(std::span<const std::byte> bytes, std::string_view name,
-                         uint32_t strandCount) {
-  Reader reader(bytes, name);
+Result<BoneWeights> loadWeights(std::span<const std::byte> bytes, std::string_view name,
+                                uint32_t strandCount) {
+  ByteReader reader(bytes, name);
   BoneWeights result;
   auto bones = readBones(reader, name);
   if (!bones) return bones.error();
   result.bones = std::move(*bones);
   const uint64_t countAt = reader.offset();
-  auto count = reader.count("strands", kStrandRecord);
+  auto count = readCount(reader, "strands", kStrandRecord);
   if (!count) return count.error();
   if (strandCount != 0 && *count != strandCount)
     return fileError(
@@ -131,7 +104,7 @@ Result<BoneWeights> load(std::span<const std::byte> bytes, std::string_view name
   std::vector<bool> seen(*count);
   for (uint32_t i = 0; i < *count; ++i) {
     const uint64_t at = reader.offset();
-    auto strand = reader.integer(fmt::format("strand record {}", i));
+    auto strand = reader.value<int32_t>(fmt::format("strand record {}", i));
     if (!strand) return strand.error();
     if (*strand < 0 || static_cast<uint32_t>(*strand) >= *count)
       return fileError(name, at,
@@ -142,13 +115,13 @@ Result<BoneWeights> load(std::span<const std::byte> bytes, std::string_view name
     BoneInfluences& influences = result.strands[index];
     for (int k = 0; k < 4; ++k) {
       const uint64_t boneAt = reader.offset();
-      auto bone = reader.integer(fmt::format("strand record {}", i));
+      auto bone = reader.value<int32_t>(fmt::format("strand record {}", i));
       if (!bone) return bone.error();
       if (*bone < 0 || static_cast<uint32_t>(*bone) >= result.bones.size())
         return fileError(name, boneAt,
                          fmt::format("bone {} of strand {}; it must be 0 to {}", *bone, index,
                                      result.bones.size() - 1));
-      auto weight = reader.number(fmt::format("strand record {}", i));
+      auto weight = reader.value<float>(fmt::format("strand record {}", i));
       if (!weight) return weight.error();
       if (!detail::isWeight(*weight))
         return fileError(
@@ -165,14 +138,13 @@ Result<BoneWeights> load(std::span<const std::byte> bytes, std::string_view name
   return result;
 }
 
-Result<std::vector<std::byte>> save(const BoneWeights& weights) {
+Result<std::vector<std::byte>> saveWeights(const BoneWeights& weights) {
   constexpr auto kMaxCount = static_cast<size_t>(std::numeric_limits<int32_t>::max());
   if (weights.bones.empty() || weights.bones.size() > kMaxCount)
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{} bones cannot be saved", weights.bones.size())};
+    return detail::invalid(fmt::format("{} bones cannot be saved", weights.bones.size()));
   if (weights.strands.empty() || weights.strands.size() > kMaxCount)
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("weights of {} strands cannot be saved", weights.strands.size())};
+    return detail::invalid(
+        fmt::format("weights of {} strands cannot be saved", weights.strands.size()));
   if (auto r = detail::checkBoneNames(weights.bones, kMaxBoneNameLength); !r) return r.error();
   std::vector<std::byte> bytes;
   append(bytes, static_cast<int32_t>(weights.bones.size()));
@@ -219,8 +191,8 @@ Result<std::vector<BoneInfluences>> map(std::span<const BoneName> bones,
       if (!known[fileIndex]) {
         const BoneName* bone = byIndex[fileIndex];
         if (bone == nullptr)
-          return Error{ErrorCode::kInvalidArgument,
-                       fmt::format("entry {} follows bone {}, which has no name", i, fileIndex)};
+          return detail::invalid(
+              fmt::format("entry {} follows bone {}, which has no name", i, fileIndex));
         known[fileIndex] = lookup ? lookup(bone->name) : std::nullopt;
         if (!known[fileIndex]) known[fileIndex] = fallback;
         if (!known[fileIndex])
@@ -261,8 +233,8 @@ Result<void> checkInfluences(const BoneInfluences& influences, size_t boneCount,
   float sum = 0;
   for (int k = 0; k < 4; ++k) {
     if (influences.bones[k] >= boneCount)
-      return Error{ErrorCode::kInvalidArgument, fmt::format("{} {} follows bone {} of {}", what,
-                                                            index, influences.bones[k], boneCount)};
+      return detail::invalid(
+          fmt::format("{} {} follows bone {} of {}", what, index, influences.bones[k], boneCount));
     if (!isWeight(influences.weights[k]))
       return Error{ErrorCode::kInvalidArgument,
                    fmt::format("{} {} has the bone weight {}; it must be 0 to 1e6", what, index,
@@ -270,8 +242,7 @@ Result<void> checkInfluences(const BoneInfluences& influences, size_t boneCount,
     sum += influences.weights[k];
   }
   if (!(sum > 0))
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("the bone weights of {} {} are all zero", what, index)};
+    return detail::invalid(fmt::format("the bone weights of {} {} are all zero", what, index));
   return {};
 }
 
@@ -284,8 +255,8 @@ Result<void> checkBoneNames(std::span<const BoneName> bones, size_t maxLength) {
                                bone.name, bone.index, bones.size() - 1)};
     seen[bone.index] = true;
     if (bone.name.size() >= maxLength || bone.name.find('\0') != std::string::npos)
-      return Error{ErrorCode::kInvalidArgument,
-                   fmt::format("the name of bone {} is too long or has a NUL inside", bone.index)};
+      return detail::invalid(
+          fmt::format("the name of bone {} is too long or has a NUL inside", bone.index));
   }
   return {};
 }
@@ -294,7 +265,7 @@ Result<void> checkBoneNames(std::span<const BoneName> bones, size_t maxLength) {
 
 Result<BoneWeights> loadTfxBone(std::span<const std::byte> bytes, std::string_view name,
                                 uint32_t strandCount) {
-  return detail::guarded([&] { return load(bytes, name, strandCount); });
+  return detail::guarded([&] { return loadWeights(bytes, name, strandCount); });
 }
 
 Result<BoneWeights> loadTfxBone(ByteSource& source, std::string_view name, uint32_t strandCount) {
@@ -307,17 +278,17 @@ Result<BoneWeights> loadTfxBone(const std::filesystem::path& path, uint32_t stra
   return detail::guarded([&]() -> Result<BoneWeights> {
     auto bytes = detail::readFile(path);
     if (!bytes) return bytes.error();
-    return load(*bytes, path.string(), strandCount);
+    return loadWeights(*bytes, path.string(), strandCount);
   });
 }
 
 Result<std::vector<std::byte>> saveTfxBone(const BoneWeights& weights) {
-  return detail::guarded([&] { return save(weights); });
+  return detail::guarded([&] { return saveWeights(weights); });
 }
 
 Result<void> saveTfxBone(const BoneWeights& weights, const std::filesystem::path& path) {
   return detail::guarded([&]() -> Result<void> {
-    auto bytes = save(weights);
+    auto bytes = saveWeights(weights);
     if (!bytes) return bytes.error();
     return detail::writeFile(path, *bytes);
   });

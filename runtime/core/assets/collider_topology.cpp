@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/bounds.h"
+#include "base/errors.h"
 #include "base/guard.h"
 #include "base/vector3.h"
 
@@ -23,8 +24,6 @@ using Vector = Vector3<double>;
 // A triangle below this value of twice the area over the square of the longest edge has no area: it
 // is the rounding of three collinear points in float.
 constexpr double kNoArea = 1e-9;
-
-Vector toVector(const Float3& p) { return {p.x, p.y, p.z}; }
 
 class Builder {
  public:
@@ -216,10 +215,6 @@ class Builder {
   std::span<const Float3> positions_;
   ColliderTopology out_;
 };
-
-Error invalid(std::string message) {
-  return Error{ErrorCode::kInvalidArgument, std::move(message)};
-}
 
 }  // namespace
 

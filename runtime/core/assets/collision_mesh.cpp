@@ -9,13 +9,16 @@
 #include <optional>
 
 #include "assets/bone_influences.h"
+#include "base/errors.h"
 #include "base/file_io.h"
 #include "base/guard.h"
+#include "pelage/hair_asset.h"
 
 namespace pelage {
 namespace {
 
-constexpr float kMaxCoordinate = 1e6f;
+using detail::invalid;
+
 constexpr size_t kMaxMeshNameLength = 4096;
 
 bool isBlank(char c) { return c == ' ' || c == '\t'; }
@@ -226,9 +229,6 @@ Result<CollisionMesh> load(std::string_view text, std::string_view name) {
 }
 
 Result<void> checkMesh(const CollisionMesh& mesh) {
-  const auto invalid = [](std::string message) {
-    return Error{ErrorCode::kInvalidArgument, std::move(message)};
-  };
   const size_t vertexCount = mesh.positions.size();
   if (mesh.bones.empty() || vertexCount == 0 || mesh.indices.empty())
     return invalid("a collision mesh needs bones, vertices and triangles");

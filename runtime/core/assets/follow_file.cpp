@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "base/errors.h"
 #include "base/file_io.h"
 #include "base/guard.h"
 
@@ -18,12 +19,13 @@ namespace {
 
 using detail::append;
 using detail::fileError;
+using detail::invalid;
 using detail::readAt;
 
-constexpr std::array<char, 8> kMagic = {'P', 'L', 'G', 'F', 'O', 'L', 'L', 'W'};
-constexpr uint32_t kVersion = 1;
+constexpr std::array<char, 8> kFollowMagic = {'P', 'L', 'G', 'F', 'O', 'L', 'L', 'W'};
+constexpr uint32_t kFollowVersion = 1;
 constexpr uint64_t kVersionAt = 8, kGuideCountAt = 12, kHairCountAt = 16, kReservedAt = 20;
-constexpr uint64_t kHeaderSize = 24;
+constexpr uint64_t kFollowHeaderSize = 24;
 constexpr uint64_t kOffsetAt = 4, kOthersAt = 20, kWeightsAt = 28, kHairSize = 36;
 
 // Returns the error of a hair, and the byte in its record; an empty text if there is none.
@@ -55,23 +57,20 @@ Fault findFault(const FollowHair& hair, uint32_t guideCount) {
   return {};
 }
 
-Result<std::vector<std::byte>> save(std::span<const FollowHair> hairs, uint32_t guideCount) {
-  const auto refuse = [](std::string text) {
-    return Error{ErrorCode::kInvalidArgument, std::move(text)};
-  };
-  if (guideCount == 0) return refuse("saveFollowHairs() needs the number of guides, 1 or more");
+Result<std::vector<std::byte>> saveHairs(std::span<const FollowHair> hairs, uint32_t guideCount) {
+  if (guideCount == 0) return invalid("saveFollowHairs() needs the number of guides, 1 or more");
   if (hairs.size() > std::numeric_limits<uint32_t>::max())
-    return refuse(
+    return invalid(
         fmt::format("{} follow hairs are more than a .tfxfollow file can have, which is "
                     "2^32 - 1",
                     hairs.size()));
   for (size_t i = 0; i < hairs.size(); ++i)
     if (const Fault fault = findFault(hairs[i], guideCount); !fault.text.empty())
-      return refuse(fmt::format("follow hair {}: {}", i, fault.text));
+      return invalid(fmt::format("follow hair {}: {}", i, fault.text));
   std::vector<std::byte> bytes;
-  bytes.reserve(kHeaderSize + hairs.size() * kHairSize);
-  append(bytes, kMagic);
-  append(bytes, kVersion);
+  bytes.reserve(kFollowHeaderSize + hairs.size() * kHairSize);
+  append(bytes, kFollowMagic);
+  append(bytes, kFollowVersion);
   append(bytes, guideCount);
   append(bytes, static_cast<uint32_t>(hairs.size()));
   append(bytes, uint32_t{0});
@@ -84,15 +83,16 @@ Result<std::vector<std::byte>> save(std::span<const FollowHair> hairs, uint32_t 
   return bytes;
 }
 
-Result<std::vector<FollowHair>> load(std::span<const std::byte> bytes, std::string_view name,
-                                     uint32_t guideCount) {
-  if (bytes.size() < kHeaderSize)
+Result<std::vector<FollowHair>> loadHairs(std::span<const std::byte> bytes, std::string_view name,
+                                          uint32_t guideCount) {
+  if (bytes.size() < kFollowHeaderSize)
     return fileError(name, bytes.size(), "the file ends inside the 24-byte header");
-  if (readAt<std::array<char, 8>>(bytes, 0) != kMagic)
+  if (readAt<std::array<char, 8>>(bytes, 0) != kFollowMagic)
     return fileError(name, 0, "this is no .tfxfollow file (it does not begin with PLGFOLLW)");
-  if (const auto version = readAt<uint32_t>(bytes, kVersionAt); version != kVersion)
-    return fileError(name, kVersionAt,
-                     fmt::format("the version is {}; only {} can be read", version, kVersion));
+  if (const auto version = readAt<uint32_t>(bytes, kVersionAt); version != kFollowVersion)
+    return fileError(
+        name, kVersionAt,
+        fmt::format("the version is {}; only {} can be read", version, kFollowVersion));
   const auto guides = readAt<uint32_t>(bytes, kGuideCountAt);
   if (guides == 0) return fileError(name, kGuideCountAt, "the file is for 0 guides");
   if (guideCount != 0 && guides != guideCount)
@@ -103,7 +103,7 @@ Result<std::vector<FollowHair>> load(std::span<const std::byte> bytes, std::stri
   const uint64_t count = readAt<uint32_t>(bytes, kHairCountAt);
   if (const auto reserved = readAt<uint32_t>(bytes, kReservedAt); reserved != 0)
     return fileError(name, kReservedAt, fmt::format("a reserved word is {} and not 0", reserved));
-  const uint64_t end = kHeaderSize + count * kHairSize;
+  const uint64_t end = kFollowHeaderSize + count * kHairSize;
   if (bytes.size() < end)
     return fileError(
         name, bytes.size(),
@@ -114,7 +114,7 @@ Result<std::vector<FollowHair>> load(std::span<const std::byte> bytes, std::stri
                                  bytes.size() - end, count));
   std::vector<FollowHair> hairs(count);
   for (uint64_t i = 0; i < count; ++i) {
-    const uint64_t at = kHeaderSize + i * kHairSize;
+    const uint64_t at = kFollowHeaderSize + i * kHairSize;
     FollowHair& hair = hairs[i];
     hair.guide = readAt<uint32_t>(bytes, at);
     hair.offset = readAt<Float4>(bytes, at + kOffsetAt);
@@ -132,13 +132,13 @@ Result<std::vector<FollowHair>> load(std::span<const std::byte> bytes, std::stri
 
 Result<std::vector<std::byte>> saveFollowHairs(std::span<const FollowHair> hairs,
                                                uint32_t guideCount) {
-  return detail::guarded([&] { return save(hairs, guideCount); });
+  return detail::guarded([&] { return saveHairs(hairs, guideCount); });
 }
 
 Result<void> saveFollowHairs(std::span<const FollowHair> hairs, uint32_t guideCount,
                              const std::filesystem::path& path) {
   return detail::guarded([&]() -> Result<void> {
-    const auto bytes = save(hairs, guideCount);
+    const auto bytes = saveHairs(hairs, guideCount);
     if (!bytes) return bytes.error();
     return detail::writeFile(path, *bytes);
   });
@@ -146,7 +146,7 @@ Result<void> saveFollowHairs(std::span<const FollowHair> hairs, uint32_t guideCo
 
 Result<std::vector<FollowHair>> loadFollowHairs(std::span<const std::byte> bytes,
                                                 std::string_view name, uint32_t guideCount) {
-  return detail::guarded([&] { return load(bytes, name, guideCount); });
+  return detail::guarded([&] { return loadHairs(bytes, name, guideCount); });
 }
 
 Result<std::vector<FollowHair>> loadFollowHairs(ByteSource& source, std::string_view name,
@@ -161,7 +161,7 @@ Result<std::vector<FollowHair>> loadFollowHairs(const std::filesystem::path& pat
   return detail::guarded([&]() -> Result<std::vector<FollowHair>> {
     const auto bytes = detail::readFile(path);
     if (!bytes) return bytes.error();
-    return load(*bytes, path.string(), guideCount);
+    return loadHairs(*bytes, path.string(), guideCount);
   });
 }
 

@@ -1,6 +1,7 @@
 // What never changes of the hair of an object, for all rooms.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -35,6 +36,8 @@ struct Groom {
   uint32_t textureWidth = 0, textureHeight = 0;  ///< texels of the base color's texture
 };
 
+/// Returns false for NaN.
+inline bool isCoordinate(float value) { return std::abs(value) <= kMaxCoordinate; }
 /// Whether the asset is as process() left it. Errors: arrays of another size than the strands have,
 /// rest data of no numbers; the message names the array and the strand.
 Result<void> checkRestData(const HairAsset& asset);

@@ -10,6 +10,8 @@
 #include <optional>
 #include <utility>
 
+#include "assets/groom.h"
+#include "base/errors.h"
 #include "base/guard.h"
 #include "base/portable_math.h"
 #include "base/vector3.h"
@@ -18,23 +20,20 @@
 namespace pelage {
 namespace {
 
-using Vector = detail::Vector3<float>;
-using Frame = detail::UnitQuaternion<float>;
+using detail::invalid;
+using detail::isCoordinate;
+using FloatVector = detail::Vector3<float>;
+using RestFrame = detail::UnitQuaternion<float>;
 
 constexpr uint32_t kMaxFollowHairsPerGuide = 64;
 
-Vector xyz(const Float4& p) { return {p.x, p.y, p.z}; }
-
-bool isCoordinate(float value) { return std::abs(value) <= kMaxCoordinate; }  // false for NaN
-
-Error invalid(std::string message) {
-  return Error{ErrorCode::kInvalidArgument, std::move(message)};
-}
+FloatVector xyz(const Float4& p) { return {p.x, p.y, p.z}; }
 
 // Direction of the first segment that has one: the kernel starts from it, too.
-Vector rootTangent(const Float4* strand, uint32_t count) {
+FloatVector rootTangent(const Float4* strand, uint32_t count) {
   for (uint32_t i = 0; i + 1 < count; ++i) {
-    const Vector direction = detail::normalizeOr(xyz(strand[i + 1]) - xyz(strand[i]), Vector{});
+    const FloatVector direction =
+        detail::normalizeOr(xyz(strand[i + 1]) - xyz(strand[i]), FloatVector{});
     if (dot(direction, direction) > 0) return direction;
   }
   return {1, 0, 0};
@@ -124,28 +123,28 @@ void processStrand(HairAsset& asset, uint64_t first, float thickness, float tipT
 
   // Parallel transport (Bergou et al. 2008, "Discrete Elastic Rods", section 4.2.2): each frame is
   // the previous one, rotated by the shortest arc between the two directions.
-  const Vector rootDirection = rootTangent(positions, count);
-  Vector direction = rootDirection;
-  Frame frame = detail::shortestArc(Vector{1, 0, 0}, direction);
+  const FloatVector rootDirection = rootTangent(positions, count);
+  FloatVector direction = rootDirection;
+  RestFrame frame = detail::shortestArc(FloatVector{1, 0, 0}, direction);
   for (uint32_t i = 0; i < count; ++i) {
     // The frame is still that of the edge that ends here (vertex 0: of edge 0).
     asset.restFrames[first + i] = {frame.x, frame.y, frame.z, frame.w};
     if (i + 1 == count) break;
-    const Vector edge = xyz(positions[i + 1]) - xyz(positions[i]);
-    const Vector rest = detail::rotateInverse(frame, edge);
+    const FloatVector edge = xyz(positions[i + 1]) - xyz(positions[i]);
+    const FloatVector rest = detail::rotateInverse(frame, edge);
     asset.restVectors[first + i] = {rest.x, rest.y, rest.z};
-    const Vector next = detail::normalizeOr(edge, direction);
+    const FloatVector next = detail::normalizeOr(edge, direction);
     if (i > 0) frame = detail::normalized(detail::shortestArc(direction, next) * frame);
     direction = next;
   }
 
   direction = rootDirection;
   for (uint32_t i = 0; i < count; ++i) {
-    const Vector before = xyz(positions[i > 0 ? i - 1 : 0]);
-    const Vector here = xyz(positions[i]);
-    const Vector after = xyz(positions[i + 1 < count ? i + 1 : i]);
+    const FloatVector before = xyz(positions[i > 0 ? i - 1 : 0]);
+    const FloatVector here = xyz(positions[i]);
+    const FloatVector after = xyz(positions[i + 1 < count ? i + 1 : i]);
     direction = detail::normalizeOr(after - here, direction);
-    const Vector tangent = detail::normalizeOr(after - before, direction);
+    const FloatVector tangent = detail::normalizeOr(after - before, direction);
     asset.tangents[first + i] = {tangent.x, tangent.y, tangent.z};
   }
 
@@ -303,17 +302,17 @@ Result<std::vector<FollowHair>> makeFollowHairs(const HairAsset& asset, const Fo
   hairs.reserve(total);
   for (uint32_t guide = 0; guide < asset.strandCount; ++guide) {
     Random random(def.seed, guide);
-    const Frame frame = detail::shortestArc(
-        Vector{1, 0, 0},
+    const RestFrame frame = detail::shortestArc(
+        FloatVector{1, 0, 0},
         rootTangent(asset.positions.data() + uint64_t{guide} * asset.verticesPerStrand,
                     asset.verticesPerStrand));
     for (uint32_t k = 0; k < def.countPerGuide; ++k) {
       // The square root makes the density uniform over the disc's area.
       const double radius = def.maxRadius * std::sqrt(random.uniformDouble());
       const detail::SinCos angle = detail::sinCos(detail::kTwoPi * random.uniformDouble());
-      const Vector offset =
-          detail::rotate(frame, Vector{0, static_cast<float>(radius * angle.cosine),
-                                       static_cast<float>(radius * angle.sine)});
+      const FloatVector offset =
+          detail::rotate(frame, FloatVector{0, static_cast<float>(radius * angle.cosine),
+                                            static_cast<float>(radius * angle.sine)});
       FollowHair hair = {.guide = guide,
                          .offset = {offset.x, offset.y, offset.z, def.tipSeparation}};
       if (roots) addGuides(hair, asset, *roots, def);

@@ -9,9 +9,7 @@
 #include "pelage/hair_cache.h"
 
 namespace pelage {
-
-using namespace detail::hair_cache;
-
+namespace detail::hair_cache {
 namespace {
 
 class Joiner {
@@ -25,8 +23,7 @@ class Joiner {
     return file_->write(packHeader(def));
   }
 
-  Result<void> add(const std::filesystem::path& path, detail::StreamReader& stream,
-                   const Contents& part) {
+  Result<void> add(const std::filesystem::path& path, StreamReader& stream, const Contents& part) {
     const auto refuse = [&](std::string_view what) {
       return Error{ErrorCode::kInvalidArgument, fmt::format("{}: {}", path.string(), what)};
     };
@@ -68,7 +65,7 @@ Result<void> join(std::span<const std::filesystem::path> parts, const std::files
     auto source = FileSource::open(parts[i]);
     if (!source) return source.error();
     const std::string name = parts[i].string();
-    detail::StreamReader stream(*source, name);
+    StreamReader stream(*source, name);
     auto contents = readContents(stream);
     if (!contents) return contents.error();
     if (i == 0)
@@ -79,10 +76,11 @@ Result<void> join(std::span<const std::filesystem::path> parts, const std::files
 }
 
 }  // namespace
+}  // namespace detail::hair_cache
 
 Result<void> joinHairCaches(std::span<const std::filesystem::path> parts,
                             const std::filesystem::path& path) {
-  return detail::guarded([&] { return join(parts, path); });
+  return detail::guarded([&] { return detail::hair_cache::join(parts, path); });
 }
 
 }  // namespace pelage

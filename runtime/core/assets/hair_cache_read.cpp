@@ -140,17 +140,13 @@ Result<void> readRecord(StreamReader& stream, const IndexEntry& entry,
   return {};
 }
 
-}  // namespace detail::hair_cache
-
-using namespace detail::hair_cache;
-
-struct HairCacheReader::Impl {
-  Impl(std::unique_ptr<ByteSource> s, std::string_view n)
+struct FrameReader {
+  FrameReader(std::unique_ptr<ByteSource> s, std::string_view n)
       : source(std::move(s)), name(n), stream(*source, name) {}
 
   std::unique_ptr<ByteSource> source;
   std::string name;
-  detail::StreamReader stream;
+  StreamReader stream;
   Contents contents;
   uint32_t vertexCount = 0;
 
@@ -166,7 +162,7 @@ struct HairCacheReader::Impl {
   Result<void> decodeChunk(const IndexEntry& entry, size_t chunk, uint64_t at,
                            const ChunkHeader& header, std::span<Float3> out);
   Error refuse(const IndexEntry& entry, uint64_t at, std::string_view what) const {
-    return detail::fileError(name, entry.offset + at, what);
+    return fileError(name, entry.offset + at, what);
   }
 };
 
@@ -193,8 +189,8 @@ bool toPositions(const uint32_t* values, float step, std::span<Float3> out) {
 
 }  // namespace
 
-Result<FrameHeader> HairCacheReader::Impl::readFrameHeader(const IndexEntry& entry) const {
-  const auto header = detail::readAt<FrameHeader>(record, 0);
+Result<FrameHeader> FrameReader::readFrameHeader(const IndexEntry& entry) const {
+  const auto header = readAt<FrameHeader>(record, 0);
   if (header.isKey != (entry.fromKey == 0 ? 1u : 0u) || header.reserved != 0)
     return refuse(entry, 0, "the frame is not as the index says");
   if (header.chunkCount != contents.chunks.size())
@@ -205,8 +201,8 @@ Result<FrameHeader> HairCacheReader::Impl::readFrameHeader(const IndexEntry& ent
   return header;
 }
 
-Result<void> HairCacheReader::Impl::decodeChunk(const IndexEntry& entry, size_t index, uint64_t at,
-                                                const ChunkHeader& header, std::span<Float3> out) {
+Result<void> FrameReader::decodeChunk(const IndexEntry& entry, size_t index, uint64_t at,
+                                      const ChunkHeader& header, std::span<Float3> out) {
   const Chunk& chunk = contents.chunks[index];
   const uint64_t headerAt = sizeof(FrameHeader) + index * sizeof(ChunkHeader);
   if (header.byteCount > record.size() - at) return refuse(entry, headerAt, "a chunk is too long");
@@ -231,7 +227,7 @@ Result<void> HairCacheReader::Impl::decodeChunk(const IndexEntry& entry, size_t 
 }
 
 // Decodes the frame behind `decoded`, or a key frame. \param out empty: for those behind it only
-Result<void> HairCacheReader::Impl::decodeFrame(uint64_t frame, std::span<Float3> out) {
+Result<void> FrameReader::decodeFrame(uint64_t frame, std::span<Float3> out) {
   decoded = -1;
   const IndexEntry& entry = contents.index[frame];
   if (auto r = readRecord(stream, entry, record); !r) return r;
@@ -241,8 +237,7 @@ Result<void> HairCacheReader::Impl::decodeFrame(uint64_t frame, std::span<Float3
   last.swap(values);
   uint64_t at = sizeof(FrameHeader) + contents.chunks.size() * sizeof(ChunkHeader);
   for (size_t c = 0; c < contents.chunks.size(); ++c) {
-    const auto chunk =
-        detail::readAt<ChunkHeader>(record, sizeof(FrameHeader) + c * sizeof(ChunkHeader));
+    const auto chunk = readAt<ChunkHeader>(record, sizeof(FrameHeader) + c * sizeof(ChunkHeader));
     if (auto r = decodeChunk(entry, c, at, chunk, out); !r) return r;
     at += chunk.byteCount;
   }
@@ -251,7 +246,7 @@ Result<void> HairCacheReader::Impl::decodeFrame(uint64_t frame, std::span<Float3
   return {};
 }
 
-Result<void> HairCacheReader::Impl::read(uint64_t frame, std::span<Float3> out) {
+Result<void> FrameReader::read(uint64_t frame, std::span<Float3> out) {
   const auto refuseArgument = [&](std::string_view what) {
     return Error{ErrorCode::kInvalidArgument, fmt::format("{}: {}", name, what)};
   };
@@ -269,6 +264,12 @@ Result<void> HairCacheReader::Impl::read(uint64_t frame, std::span<Float3> out) 
   return decodeFrame(frame, out);
 }
 
+}  // namespace detail::hair_cache
+
+struct HairCacheReader::Impl : detail::hair_cache::FrameReader {
+  using FrameReader::FrameReader;
+};
+
 HairCacheReader::HairCacheReader(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 HairCacheReader::HairCacheReader(HairCacheReader&&) noexcept = default;
 HairCacheReader& HairCacheReader::operator=(HairCacheReader&&) noexcept = default;
@@ -278,7 +279,7 @@ Result<HairCacheReader> HairCacheReader::open(std::unique_ptr<ByteSource> source
                                               std::string_view name) {
   return detail::guarded([&]() -> Result<HairCacheReader> {
     auto impl = std::make_unique<Impl>(std::move(source), name);
-    auto contents = readContents(impl->stream);
+    auto contents = detail::hair_cache::readContents(impl->stream);
     if (!contents) return contents.error();
     impl->contents = std::move(*contents);
     impl->vertexCount = vertexCountOf(impl->contents.def);

@@ -12,6 +12,7 @@
 #include "assets/hair_cache_file.h"
 #include "assets/hair_cache_format.h"
 #include "base/file_io.h"
+#include "base/finite.h"
 #include "base/guard.h"
 #include "base/hash.h"
 #include "base/workers.h"
@@ -19,10 +20,7 @@
 #include "pelage/hair_cache.h"
 
 namespace pelage {
-
-using namespace detail::hair_cache;
-using detail::append;
-
+namespace detail::hair_cache {
 namespace {
 
 using Bytes = std::vector<std::byte>;
@@ -51,20 +49,7 @@ float stepFor(double maxCoordinate, double errorBound) {
 
 }  // namespace
 
-Result<void> validate(const HairCacheDef& def) {
-  if (def.name.size() > kMaxNameLength)
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("hair cache: the name has {} bytes; at most {}", def.name.size(),
-                             kMaxNameLength)};
-  if (const char* fault = faultOf(def)) return invalid(def, fault);
-  return {};
-}
-
-uint32_t vertexCountOf(const HairCacheDef& def) {
-  return static_cast<uint32_t>(countVertices(def));
-}
-
-struct HairCacheWriter::Impl {
+struct FrameWriter {
   /// What a thread needs of its own.
   struct Worker {
     Encoder encoder;
@@ -86,7 +71,7 @@ struct HairCacheWriter::Impl {
   std::vector<Chunk> chunks;
   OutputFile file;
   std::vector<IndexEntry> index;
-  detail::Workers threads;
+  Workers threads;
   std::vector<Worker> workers;  ///< [thread]
   std::vector<Encoded> encoded;
   std::vector<Extent> extents;
@@ -95,7 +80,7 @@ struct HairCacheWriter::Impl {
   Bytes record;
   bool closed = false;
 
-  Impl(HairCacheDef d, OutputFile f, uint32_t threadCount)
+  FrameWriter(HairCacheDef d, OutputFile f, uint32_t threadCount)
       : def(std::move(d)),
         chunks(chunksOf(def)),
         file(std::move(f)),
@@ -111,12 +96,12 @@ struct HairCacheWriter::Impl {
   Result<void> close();
 };
 
-HairCacheWriter::Impl::Extent HairCacheWriter::Impl::extentOf(std::span<const Float3> positions) {
+FrameWriter::Extent FrameWriter::extentOf(std::span<const Float3> positions) {
   threads.run(chunks.size(), [&](size_t i, uint32_t) {
     Extent extent;
     for (size_t v = 0; v < chunks[i].vertexCount; ++v) {
       const Float3& p = positions[chunks[i].firstVertex + v];
-      if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
+      if (!isFinite(p)) {
         extent.notFinite = chunks[i].firstVertex + v;
         break;
       }
@@ -134,7 +119,7 @@ HairCacheWriter::Impl::Extent HairCacheWriter::Impl::extentOf(std::span<const Fl
 }
 
 // Fills `values` of a chunk.
-void HairCacheWriter::Impl::quantize(const Chunk& chunk, std::span<const Float3> positions) {
+void FrameWriter::quantize(const Chunk& chunk, std::span<const Float3> positions) {
   const double inverse = step > 0 ? 1 / static_cast<double>(step) : 0;
   const auto integer = [&](float x) {
     return step > 0 ? static_cast<uint32_t>(std::llrint(x * inverse)) : orderedBits(x);
@@ -147,7 +132,7 @@ void HairCacheWriter::Impl::quantize(const Chunk& chunk, std::span<const Float3>
 }
 
 // Fills `values`, and makes `record` of them. Which thread encodes a chunk changes no byte.
-void HairCacheWriter::Impl::encodeFrame(uint32_t fromKey, std::span<const Float3> positions) {
+void FrameWriter::encodeFrame(uint32_t fromKey, std::span<const Float3> positions) {
   const auto maxTimeOrder = static_cast<uint8_t>(std::min(fromKey, 2u));
   values.resize(3 * positions.size());
   for (Worker& worker : workers) worker.contents.clear();
@@ -172,7 +157,7 @@ void HairCacheWriter::Impl::encodeFrame(uint32_t fromKey, std::span<const Float3
   }
 }
 
-Result<void> HairCacheWriter::Impl::append(std::span<const Float3> positions) {
+Result<void> FrameWriter::append(std::span<const Float3> positions) {
   if (closed) return invalid(def, "the writer is closed");
   if (positions.size() != countVertices(def))
     return invalid(
@@ -189,7 +174,7 @@ Result<void> HairCacheWriter::Impl::append(std::span<const Float3> positions) {
   encodeFrame(entry.fromKey, positions);
   entry.offset = file.size();
   entry.byteCount = static_cast<uint32_t>(record.size());
-  entry.checksum = detail::hash64(record);
+  entry.checksum = hash64(record);
   if (auto r = file.write(record); !r) return r;
   index.push_back(entry);
   // values -> last -> beforeLast
@@ -198,12 +183,32 @@ Result<void> HairCacheWriter::Impl::append(std::span<const Float3> positions) {
   return {};
 }
 
-Result<void> HairCacheWriter::Impl::close() {
+Result<void> FrameWriter::close() {
   if (closed) return invalid(def, "the writer is closed");
   closed = true;
   if (auto r = file.write(packIndex(index, file.size())); !r) return r;
   return file.close();
 }
+
+}  // namespace detail::hair_cache
+
+Result<void> validate(const HairCacheDef& def) {
+  using namespace detail::hair_cache;
+  if (def.name.size() > kMaxNameLength)
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("hair cache: the name has {} bytes; at most {}", def.name.size(),
+                             kMaxNameLength)};
+  if (const char* fault = faultOf(def)) return invalid(def, fault);
+  return {};
+}
+
+uint32_t vertexCountOf(const HairCacheDef& def) {
+  return static_cast<uint32_t>(detail::hair_cache::countVertices(def));
+}
+
+struct HairCacheWriter::Impl : detail::hair_cache::FrameWriter {
+  using FrameWriter::FrameWriter;
+};
 
 HairCacheWriter::HairCacheWriter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 HairCacheWriter::HairCacheWriter(HairCacheWriter&&) noexcept = default;
@@ -214,10 +219,10 @@ Result<HairCacheWriter> HairCacheWriter::create(const std::filesystem::path& pat
                                                 uint32_t threads) {
   return detail::guarded([&]() -> Result<HairCacheWriter> {
     if (auto r = validate(def); !r) return r.error();
-    auto file = OutputFile::create(path);
+    auto file = detail::hair_cache::OutputFile::create(path);
     if (!file) return file.error();
     auto impl = std::make_unique<Impl>(std::move(def), std::move(*file), threads);
-    if (auto r = impl->file.write(packHeader(impl->def)); !r) return r.error();
+    if (auto r = impl->file.write(detail::hair_cache::packHeader(impl->def)); !r) return r.error();
     return HairCacheWriter(std::move(impl));
   });
 }

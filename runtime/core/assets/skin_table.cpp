@@ -9,6 +9,7 @@
 #include <limits>
 #include <optional>
 
+#include "base/errors.h"
 #include "base/file_io.h"
 #include "base/guard.h"
 #include "base/triangle_frame.h"
@@ -18,16 +19,17 @@ namespace pelage {
 namespace {
 
 using detail::append;
+using detail::ByteReader;
 using detail::fileError;
-using detail::readAt;
+using detail::invalid;
 using detail::toVector;
 using detail::TriangleFrame;
 using Vector = detail::Vector3<double>;
 
-constexpr std::array<char, 8> kMagic = {'T', 'F', 'X', 'S', 'K', 'I', 'N', '\0'};
-constexpr uint32_t kVersion = 1;
-constexpr uint32_t kMaxNameLength = 4095;
-constexpr uint64_t kHeaderSize = 24;
+constexpr std::array<char, 8> kSkinMagic = {'T', 'F', 'X', 'S', 'K', 'I', 'N', '\0'};
+constexpr uint32_t kSkinVersion = 1;
+constexpr uint32_t kMaxSkinName = 4095;
+constexpr uint64_t kSkinHeaderSize = 24;
 constexpr uint64_t kPartRecordMin = 5 * sizeof(uint32_t);
 constexpr uint64_t kRootRecord = 80;
 // About the diagonal of all coordinates.
@@ -75,49 +77,25 @@ std::string problemOf(const SurfaceRoot& root, std::span<const SkinPart> parts) 
 }
 
 bool isName(std::string_view text) {
-  return text.size() <= kMaxNameLength && text.find('\0') == std::string_view::npos;
+  return text.size() <= kMaxSkinName && text.find('\0') == std::string_view::npos;
 }
 
-// A cursor that never reads past the end.
-class Reader {
- public:
-  Reader(std::span<const std::byte> bytes, std::string_view name) : bytes_(bytes), name_(name) {}
+Result<std::string> readName(ByteReader& reader, std::string_view what) {
+  const uint64_t at = reader.offset();
+  auto size = reader.value<uint32_t>(what);
+  if (!size) return size.error();
+  if (*size > kMaxSkinName)
+    return fileError(
+        reader.name(), at,
+        fmt::format("{} has a name of {} bytes; the maximum is {}", what, *size, kMaxSkinName));
+  auto name = reader.text(*size, what);
+  if (name && !isName(*name))
+    return fileError(reader.name(), at + sizeof(uint32_t),
+                     fmt::format("{} has a name with a NUL", what));
+  return name;
+}
 
-  uint64_t offset() const { return offset_; }
-  uint64_t left() const { return bytes_.size() - offset_; }
-
-  template <class T>
-  Result<T> value(std::string_view what) {
-    if (left() < sizeof(T))
-      return fileError(name_, bytes_.size(), fmt::format("the file ends inside {}", what));
-    offset_ += sizeof(T);
-    return readAt<T>(bytes_, offset_ - sizeof(T));
-  }
-
-  Result<std::string> text(std::string_view what) {
-    const uint64_t at = offset_;
-    auto size = value<uint32_t>(what);
-    if (!size) return size.error();
-    if (*size > kMaxNameLength)
-      return fileError(
-          name_, at,
-          fmt::format("{} has a name of {} bytes; the maximum is {}", what, *size, kMaxNameLength));
-    if (left() < *size)
-      return fileError(name_, bytes_.size(), fmt::format("the file ends inside {}", what));
-    std::string result(reinterpret_cast<const char*>(bytes_.data() + offset_), *size);
-    if (!isName(result))
-      return fileError(name_, offset_, fmt::format("{} has a name with a NUL", what));
-    offset_ += *size;
-    return result;
-  }
-
- private:
-  std::span<const std::byte> bytes_;
-  std::string_view name_;
-  uint64_t offset_ = 0;
-};
-
-Result<SkinPart> readPart(Reader& reader, uint32_t index) {
+Result<SkinPart> readPart(ByteReader& reader, uint32_t index) {
   const std::string what = fmt::format("part {}", index);
   SkinPart part;
   for (uint32_t* count : {&part.vertexCount, &part.triangleCount}) {
@@ -126,19 +104,19 @@ Result<SkinPart> readPart(Reader& reader, uint32_t index) {
     *count = *value;
   }
   for (std::string* text : {&part.name, &part.mesh, &part.material}) {
-    auto value = reader.text(what);
+    auto value = readName(reader, what);
     if (!value) return value.error();
     *text = std::move(*value);
   }
   return part;
 }
 
-Result<SkinTable> load(std::span<const std::byte> bytes, std::string_view name,
-                       uint32_t strandCount) {
-  Reader reader(bytes, name);
+Result<SkinTable> loadTable(std::span<const std::byte> bytes, std::string_view name,
+                            uint32_t strandCount) {
+  ByteReader reader(bytes, name);
   auto magic = reader.value<std::array<char, 8>>("the header");
   if (!magic) return magic.error();
-  if (*magic != kMagic) return fileError(name, 0, "this is no .tfxskin file");
+  if (*magic != kSkinMagic) return fileError(name, 0, "this is no .tfxskin file");
   uint32_t words[4] = {};  // version, parts, roots, reserved
   for (uint32_t& word : words) {
     auto value = reader.value<uint32_t>("the header");
@@ -146,9 +124,9 @@ Result<SkinTable> load(std::span<const std::byte> bytes, std::string_view name,
     word = *value;
   }
   const auto [version, partCount, rootCount, reserved] = words;
-  if (version != kVersion)
-    return fileError(name, 8,
-                     fmt::format("version {}; this library reads version {}", version, kVersion));
+  if (version != kSkinVersion)
+    return fileError(
+        name, 8, fmt::format("version {}; this library reads version {}", version, kSkinVersion));
   if (partCount == 0 || partCount > reader.left() / kPartRecordMin)
     return fileError(name, 12,
                      fmt::format("{} parts; the file has room for 1 to {}", partCount,
@@ -186,9 +164,6 @@ Result<SkinTable> load(std::span<const std::byte> bytes, std::string_view name,
 }
 
 Result<void> check(const SkinTable& table) {
-  const auto invalid = [](std::string text) {
-    return Error{ErrorCode::kInvalidArgument, std::move(text)};
-  };
   constexpr size_t kMaxCount = std::numeric_limits<uint32_t>::max();
   if (table.parts.empty() || table.parts.size() > kMaxCount || table.roots.empty() ||
       table.roots.size() > kMaxCount)
@@ -199,19 +174,19 @@ Result<void> check(const SkinTable& table) {
          {&table.parts[i].name, &table.parts[i].mesh, &table.parts[i].material})
       if (!isName(*text))
         return invalid(fmt::format("part {} has a name that is longer than {} bytes or has a NUL",
-                                   i, kMaxNameLength));
+                                   i, kMaxSkinName));
   for (size_t i = 0; i < table.roots.size(); ++i)
     if (const std::string problem = problemOf(table.roots[i], table.parts); !problem.empty())
       return invalid(fmt::format("root {} has {}", i, problem));
   return {};
 }
 
-Result<std::vector<std::byte>> save(const SkinTable& table) {
+Result<std::vector<std::byte>> saveTable(const SkinTable& table) {
   if (auto r = check(table); !r) return r.error();
   std::vector<std::byte> bytes;
-  bytes.reserve(kHeaderSize + table.roots.size() * kRootRecord);
-  append(bytes, kMagic);
-  append(bytes, kVersion);
+  bytes.reserve(kSkinHeaderSize + table.roots.size() * kRootRecord);
+  append(bytes, kSkinMagic);
+  append(bytes, kSkinVersion);
   append(bytes, static_cast<uint32_t>(table.parts.size()));
   append(bytes, static_cast<uint32_t>(table.roots.size()));
   append(bytes, uint32_t{0});
@@ -271,9 +246,6 @@ bool isFinite(const AffineTransform& transform) {
 
 Result<void> follow(const SkinTable& table, std::span<const std::span<const Float3>> vertices,
                     std::span<AffineTransform> transforms) {
-  const auto invalid = [](std::string text) {
-    return Error{ErrorCode::kInvalidArgument, std::move(text)};
-  };
   if (vertices.size() != table.parts.size())
     return invalid(
         fmt::format("root transforms: vertices of {} parts, but the skin table has {}; give an "
@@ -312,7 +284,7 @@ Result<void> validate(const SkinTable& table) {
 
 Result<SkinTable> loadTfxSkin(std::span<const std::byte> bytes, std::string_view name,
                               uint32_t strandCount) {
-  return detail::guarded([&] { return load(bytes, name, strandCount); });
+  return detail::guarded([&] { return loadTable(bytes, name, strandCount); });
 }
 
 Result<SkinTable> loadTfxSkin(ByteSource& source, std::string_view name, uint32_t strandCount) {
@@ -325,17 +297,17 @@ Result<SkinTable> loadTfxSkin(const std::filesystem::path& path, uint32_t strand
   return detail::guarded([&]() -> Result<SkinTable> {
     auto bytes = detail::readFile(path);
     if (!bytes) return bytes.error();
-    return load(*bytes, path.string(), strandCount);
+    return loadTable(*bytes, path.string(), strandCount);
   });
 }
 
 Result<std::vector<std::byte>> saveTfxSkin(const SkinTable& table) {
-  return detail::guarded([&] { return save(table); });
+  return detail::guarded([&] { return saveTable(table); });
 }
 
 Result<void> saveTfxSkin(const SkinTable& table, const std::filesystem::path& path) {
   return detail::guarded([&]() -> Result<void> {
-    auto bytes = save(table);
+    auto bytes = saveTable(table);
     if (!bytes) return bytes.error();
     return detail::writeFile(path, *bytes);
   });

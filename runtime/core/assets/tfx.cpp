@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "assets/groom.h"
 #include "assets/tfx_layout.h"
 #include "base/file_io.h"
 #include "base/guard.h"
@@ -17,12 +18,13 @@ namespace pelage {
 namespace {
 
 using detail::fileError;
+using detail::isCoordinate;
 using detail::readAt;
 using detail::StreamReader;
 
-constexpr float kVersion = 4.0f;
-constexpr uint64_t kHeaderSize = 160;
-constexpr uint64_t kStrandCountAt = 4, kVertexCountAt = 8, kOffsetsAt = 12, kReservedAt = 32;
+constexpr float kTfxVersion = 4.0f;
+constexpr uint64_t kTfxHeaderSize = 160;
+constexpr uint64_t kStrandCountAt = 4, kVertexCountAt = 8, kOffsetsAt = 12, kTfxReservedAt = 32;
 
 enum Array { kPositions, kStrandUv, kVertexUv, kStrandThickness, kVertexColor, kArrayCount };
 
@@ -31,7 +33,7 @@ struct ArrayFormat {
   uint64_t elementSize;
   bool perVertex;
 };
-constexpr std::array<ArrayFormat, kArrayCount> kFormats = {{
+constexpr std::array<ArrayFormat, kArrayCount> kArrayFormats = {{
     {"positions", sizeof(Float4), true},
     {"strand UV", sizeof(Float2), false},
     {"vertex UV", sizeof(Float2), true},
@@ -41,7 +43,7 @@ constexpr std::array<ArrayFormat, kArrayCount> kFormats = {{
 
 // Counts are at most 2^32 and 2^8, elements 16 bytes: 64 bits do not overflow.
 uint64_t arraySize(int array, uint64_t strandCount, uint64_t verticesPerStrand) {
-  const ArrayFormat& format = kFormats[static_cast<size_t>(array)];
+  const ArrayFormat& format = kArrayFormats[static_cast<size_t>(array)];
   return strandCount * (format.perVertex ? verticesPerStrand : 1) * format.elementSize;
 }
 
@@ -53,7 +55,7 @@ struct Section {
 // The header and the arrays in the file, ascending.
 std::vector<Section> sectionsOf(const uint32_t (&offsets)[kArrayCount], uint64_t strandCount,
                                 uint64_t verticesPerStrand) {
-  std::vector<Section> sections = {{0, kHeaderSize, -1}};
+  std::vector<Section> sections = {{0, kTfxHeaderSize, -1}};
   for (int i = 0; i < kArrayCount; ++i)
     if (offsets[i] != 0)
       sections.push_back(
@@ -64,7 +66,6 @@ std::vector<Section> sectionsOf(const uint32_t (&offsets)[kArrayCount], uint64_t
   return sections;
 }
 
-bool isCoordinate(float value) { return std::abs(value) <= kMaxCoordinate; }  // false for NaN
 bool isPosition(const Float4& p) {
   return isCoordinate(p.x) && isCoordinate(p.y) && isCoordinate(p.z);
 }
@@ -124,7 +125,7 @@ class ValueReader {
     if (offset == 0) return {};
     if (auto r = fetch(array, out); !r) return r;
     constexpr uint64_t kComponents = sizeof(T) / sizeof(float);
-    const ArrayFormat& format = kFormats[array];
+    const ArrayFormat& format = kArrayFormats[array];
     const uint64_t perStrand = format.perVertex ? asset_.verticesPerStrand : 1;
     for (uint64_t i = 0; i < out.size(); ++i) {
       std::array<float, kComponents> values;
@@ -177,15 +178,15 @@ class ValueReader {
 // The header, checked against the size of the file; no arrays yet.
 Result<HairAsset> readHeader(StreamReader& stream) {
   const std::string_view name = stream.name();
-  if (stream.size() < kHeaderSize)
+  if (stream.size() < kTfxHeaderSize)
     return fileError(
         name, stream.size(),
         "the file ends inside the 160-byte header; pelage-convert groom converts older "
         "versions, and other files with hair");
-  std::array<std::byte, kHeaderSize> bytes;
+  std::array<std::byte, kTfxHeaderSize> bytes;
   if (auto r = stream.read(0, bytes); !r) return r.error();
   const float version = readAt<float>(bytes, 0);
-  if (version != kVersion)
+  if (version != kTfxVersion)
     return fileError(
         name, 0,
         fmt::format("the version is {}; only 4.0 can be read; pelage-convert groom converts "
@@ -205,7 +206,7 @@ Result<HairAsset> readHeader(StreamReader& stream) {
   layout.strandCount = asset.strandCount;
   layout.verticesPerStrand = asset.verticesPerStrand;
   layout.fileSize = stream.size();
-  std::memcpy(layout.reserved, bytes.data() + kReservedAt, sizeof(layout.reserved));
+  std::memcpy(layout.reserved, bytes.data() + kTfxReservedAt, sizeof(layout.reserved));
   std::memcpy(layout.offsets, bytes.data() + kOffsetsAt, sizeof(layout.offsets));
   if (layout.offsets[kPositions] == 0)
     return fileError(name, kOffsetsAt, "the file has no positions (their offset is 0)");
@@ -217,7 +218,7 @@ Result<HairAsset> readHeader(StreamReader& stream) {
     return fileError(name, kOffsetsAt + i * sizeof(uint32_t),
                      fmt::format("the {} of {} strands x {} vertices need bytes {} to {}, but the "
                                  "file ends at byte {}",
-                                 kFormats[i].name, asset.strandCount, asset.verticesPerStrand,
+                                 kArrayFormats[i].name, asset.strandCount, asset.verticesPerStrand,
                                  begin, begin + size, stream.size()));
   }
   return asset;
@@ -235,9 +236,9 @@ Result<void> readExtras(StreamReader& stream, bool wanted, HairAsset& asset) {
       const int earlier = sections[i].array;
       return fileError(
           stream.name(), kOffsetsAt + later * sizeof(uint32_t),
-          fmt::format("the {} at byte {} overlap the {}", kFormats[later].name,
+          fmt::format("the {} at byte {} overlap the {}", kArrayFormats[later].name,
                       layout.offsets[later],
-                      earlier < 0 ? "header" : kFormats[static_cast<size_t>(earlier)].name));
+                      earlier < 0 ? "header" : kArrayFormats[static_cast<size_t>(earlier)].name));
     }
     if (next == sections[i].end || !wanted) continue;
     TfxFileLayout::Extra extra{.offset = sections[i].end, .bytes = {}};
@@ -304,7 +305,7 @@ Result<std::vector<std::byte>> save(const HairAsset& asset) {
   TfxFileLayout fresh;
   const bool keep = detail::tfxLayoutFits(asset);
   if (!keep) {
-    fresh.fileSize = kHeaderSize;
+    fresh.fileSize = kTfxHeaderSize;
     for (size_t i = 0; i < kArrayCount; ++i) {
       if (arrays[i].size == 0) continue;
       if (fresh.fileSize > std::numeric_limits<uint32_t>::max())
@@ -312,7 +313,7 @@ Result<std::vector<std::byte>> save(const HairAsset& asset) {
             ErrorCode::kInvalidArgument,
             fmt::format("the {} would start beyond 4 GB, which a .tfx file cannot express; "
                         "split the groom",
-                        kFormats[i].name)};
+                        kArrayFormats[i].name)};
       fresh.offsets[i] = static_cast<uint32_t>(fresh.fileSize);
       fresh.fileSize += arrays[i].size;
     }
@@ -321,11 +322,11 @@ Result<std::vector<std::byte>> save(const HairAsset& asset) {
   }
   const TfxFileLayout& layout = keep ? asset.fileLayout : fresh;
   std::vector<std::byte> bytes(layout.fileSize);
-  std::memcpy(bytes.data(), &kVersion, sizeof(kVersion));
+  std::memcpy(bytes.data(), &kTfxVersion, sizeof(kTfxVersion));
   std::memcpy(bytes.data() + kStrandCountAt, &asset.strandCount, sizeof(uint32_t));
   std::memcpy(bytes.data() + kVertexCountAt, &asset.verticesPerStrand, sizeof(uint32_t));
   std::memcpy(bytes.data() + kOffsetsAt, layout.offsets, sizeof(layout.offsets));
-  std::memcpy(bytes.data() + kReservedAt, layout.reserved, sizeof(layout.reserved));
+  std::memcpy(bytes.data() + kTfxReservedAt, layout.reserved, sizeof(layout.reserved));
   for (const TfxFileLayout::Extra& extra : layout.extras)
     std::copy(extra.bytes.begin(), extra.bytes.end(),
               bytes.begin() + static_cast<std::ptrdiff_t>(extra.offset));
@@ -339,11 +340,11 @@ Result<std::vector<std::byte>> save(const HairAsset& asset) {
 
 bool detail::tfxLayoutFits(const HairAsset& asset) {
   const TfxFileLayout& layout = asset.fileLayout;
-  if (layout.fileSize < kHeaderSize || layout.strandCount != asset.strandCount ||
+  if (layout.fileSize < kTfxHeaderSize || layout.strandCount != asset.strandCount ||
       layout.verticesPerStrand != asset.verticesPerStrand)
     return false;
   const auto arrays = arraysOf(asset);
-  uint64_t covered = kHeaderSize;
+  uint64_t covered = kTfxHeaderSize;
   for (size_t i = 0; i < kArrayCount; ++i) {
     if ((layout.offsets[i] != 0) != (arrays[i].size != 0)) return false;
     if (layout.offsets[i] + arrays[i].size > layout.fileSize) return false;

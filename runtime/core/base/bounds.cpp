@@ -20,8 +20,9 @@ Box include(const Box& a, const Box& b) {
   return b.isEmpty() ? a : include(include(a, b.low), b.high);
 }
 
-bool isFinite(const Float3& point) {
-  return std::isfinite(point.x) && std::isfinite(point.y) && std::isfinite(point.z);
+float distance(const Float3& a, const Float3& b) {
+  const Float3 d = {a.x - b.x, a.y - b.y, a.z - b.z};
+  return std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
 }
 
 bool isFinite(const Box& box) { return isFinite(box.low) && isFinite(box.high); }

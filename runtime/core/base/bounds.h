@@ -1,11 +1,13 @@
 // Boxes and balls for tests of proximity.
 #pragma once
 
+#include "base/finite.h"
 #include "pelage/types.h"
 
 namespace pelage::detail {
 
-bool isFinite(const Float3& point);
+/// The distance of two points.
+float distance(const Float3& a, const Float3& b);
 
 struct Ball {
   Float3 center = {};

@@ -38,4 +38,14 @@ Error fileError(std::string_view name, uint64_t offset, std::string_view what) {
   return Error{ErrorCode::kInvalidFile, fmt::format("{}: byte {}: {}", name, offset, what)};
 }
 
+Result<std::string> ByteReader::text(uint32_t length, std::string_view what) {
+  if (left() < length) return truncated(what);
+  offset_ += length;
+  return std::string(reinterpret_cast<const char*>(bytes_.data() + offset_ - length), length);
+}
+
+Error ByteReader::truncated(std::string_view what) const {
+  return fileError(name_, bytes_.size(), fmt::format("the file ends inside {}", what));
+}
+
 }  // namespace pelage::detail

@@ -36,6 +36,34 @@ T readAt(std::span<const std::byte> bytes, uint64_t offset) {
   return value;
 }
 
+/// A cursor that never reads past the end. Bytes and name must outlive it.
+class ByteReader {
+ public:
+  ByteReader(std::span<const std::byte> bytes, std::string_view name)
+      : bytes_(bytes), name_(name) {}
+
+  std::string_view name() const { return name_; }
+  uint64_t offset() const { return offset_; }
+  uint64_t size() const { return bytes_.size(); }
+  uint64_t left() const { return bytes_.size() - offset_; }
+
+  /// \param what  names the value in the error: the file ends inside it
+  template <class T>
+  Result<T> value(std::string_view what) {
+    if (left() < sizeof(T)) return truncated(what);
+    offset_ += sizeof(T);
+    return readAt<T>(bytes_, offset_ - sizeof(T));
+  }
+  Result<std::string> text(uint32_t length, std::string_view what);
+
+ private:
+  Error truncated(std::string_view what) const;
+
+  std::span<const std::byte> bytes_;
+  std::string_view name_;
+  uint64_t offset_ = 0;
+};
+
 template <class T>
 void append(std::vector<std::byte>& bytes, const T& value) {
   static_assert(std::is_trivially_copyable_v<T>);

@@ -10,12 +10,9 @@
 
 namespace pelage::detail {
 
-inline Vector3<double> toDouble3(const Float3& v) {
-  return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
-}
-inline Float3 toFloat3(const Vector3<double>& v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-}
+/// The origin follows if its object is farther from it than this [m]: the rounding of a state grows
+/// with the distance, and a new origin costs a pass over the state.
+inline constexpr float kOriginRange = 1.5f;
 
 /// The origin of an object's coordinates. It is stored relative to the first world, before any
 /// Scene::shiftOrigin(), in doubles, so that a shift changes neither the difference of two origins
@@ -28,11 +25,11 @@ struct LocalOrigin {
   /// Returns the origin in the current world [m].
   Float3 world() const { return toFloat3(metres - shifted); }
   /// Returns a position of the current world relative to the origin.
-  Float3 relative(const Float3& p) const { return toFloat3(toDouble3(p) - (metres - shifted)); }
+  Float3 relative(const Float3& p) const { return toFloat3(toVector(p) - (metres - shifted)); }
   /// Returns a position relative to the origin in the current world.
-  Float3 toWorld(const Float3& p) const { return toFloat3(toDouble3(p) + (metres - shifted)); }
+  Float3 toWorld(const Float3& p) const { return toFloat3(toVector(p) + (metres - shifted)); }
   /// Returns the origin at the whole meters next to a position of the current world.
-  LocalOrigin near(const Float3& p) const { return nearDouble(toDouble3(p)); }
+  LocalOrigin near(const Float3& p) const { return nearDouble(toVector(p)); }
   LocalOrigin nearDouble(const Vector3<double>& p) const {
     const Vector3<double> at = p + shifted;
     return {{std::round(at.x), std::round(at.y), std::round(at.z)}, shifted};

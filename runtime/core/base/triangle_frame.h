@@ -21,8 +21,6 @@ struct TriangleFrame {
   }
 };
 
-inline Vector3<double> toVector(const Float3& v) { return {v.x, v.y, v.z}; }
-
 /// Returns nothing if the triangle is not finite or has no area (twice the area over the square of
 /// its longest edge is below the rounding of three collinear points in float).
 inline std::optional<TriangleFrame> triangleFrame(const Vector3<double>& a,

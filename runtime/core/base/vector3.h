@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pelage/types.h"
+
 namespace pelage::detail {
 
 template <class T>
@@ -18,6 +20,14 @@ struct Vector3 {
   constexpr Vector3& operator+=(const Vector3& o) { return *this = *this + o; }
   constexpr Vector3& operator-=(const Vector3& o) { return *this = *this - o; }
 };
+
+constexpr double toDouble(float x) { return static_cast<double>(x); }
+constexpr Vector3<double> toVector(const Float3& v) {
+  return {toDouble(v.x), toDouble(v.y), toDouble(v.z)};
+}
+constexpr Float3 toFloat3(const Vector3<double>& v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
 
 template <class T>
 constexpr T dot(const Vector3<T>& a, const Vector3<T>& b) {

@@ -8,14 +8,7 @@
 namespace pelage::detail {
 namespace {
 
-Float3 subtract(Float3 a, Float3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-
-float distance(Float3 a, Float3 b) {
-  const Float3 d = subtract(a, b);
-  return std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
-}
-
-bool isUsable(const CapsuleCollider& c) {
+bool isValid(const CapsuleCollider& c) {
   return isFinite(c.head) && isFinite(c.tail) && std::isfinite(c.headRadius) &&
          std::isfinite(c.tailRadius) && std::isfinite(c.friction) && c.headRadius >= 0 &&
          c.tailRadius >= 0 && c.friction >= 0 && isFinite(c.angularVelocity);
@@ -24,7 +17,7 @@ bool isUsable(const CapsuleCollider& c) {
 // Rotation vector of a frame: of a capsule only what is about its axis.
 Float4 spinOf(const CapsuleCollider& c, float seconds) {
   const Float3 w = c.angularVelocity;
-  const Float3 axis = subtract(c.tail, c.head);
+  const Float3 axis = {c.tail.x - c.head.x, c.tail.y - c.head.y, c.tail.z - c.head.z};
   const float squared = axis.x * axis.x + axis.y * axis.y + axis.z * axis.z;
   if (!(squared > 0)) return {w.x * seconds, w.y * seconds, w.z * seconds, 0};
   const float share = (w.x * axis.x + w.y * axis.y + w.z * axis.z) / squared * seconds;
@@ -43,7 +36,7 @@ bool reaches(const CapsuleCollider& c, const Ball& ball) {
 bool areReplaced(std::span<const CapsuleCollider> before, std::span<const CapsuleCollider> now) {
   return !std::equal(before.begin(), before.end(), now.begin(), now.end(),
                      [](const CapsuleCollider& a, const CapsuleCollider& b) {
-                       return isUsable(a) == isUsable(b) && a.headRadius == b.headRadius &&
+                       return isValid(a) == isValid(b) && a.headRadius == b.headRadius &&
                               a.tailRadius == b.tailRadius && a.friction == b.friction;
                      });
 }
@@ -54,8 +47,8 @@ std::vector<Collider> packCapsules(std::span<const CapsuleCollider> capsules,
   std::vector<Collider> packed;
   for (size_t i = 0; i < capsules.size(); ++i) {
     const CapsuleCollider& now = capsules[i];
-    if (!isUsable(now)) continue;
-    const bool known = i < capsulesBefore.size() && isUsable(capsulesBefore[i]);
+    if (!isValid(now)) continue;
+    const bool known = i < capsulesBefore.size() && isValid(capsulesBefore[i]);
     const CapsuleCollider& before = known ? capsulesBefore[i] : now;
     if (!reaches(now, ball) && !reaches(before, ball)) continue;
     const auto relative = [&](Float3 p, float w) {
@@ -78,7 +71,7 @@ void settleCapsules(std::span<CapsuleCollider> before, std::span<const CapsuleCo
     const double largest =
         static_cast<double>(std::max({std::abs(to.x), std::abs(to.y), std::abs(to.z)}));
     const double limit = kRounding * (roundedShift + 2 * largest);
-    const Vector3<double> moved = toDouble3(to) - toDouble3(from);
+    const Vector3<double> moved = toVector(to) - toVector(from);
     if (std::max({std::abs(moved.x), std::abs(moved.y), std::abs(moved.z)}) <= limit) from = to;
   };
   for (size_t i = 0; i < std::min(now.size(), before.size()); ++i) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/finite.h"
+#include "passes/dispatch_rows.h"
 #include "pelage/bindings.h"
 #include "pelage/constants.h"
 #include "pelage/kernels.h"
@@ -10,11 +12,9 @@
 namespace pelage::detail {
 namespace {
 
-constexpr uint64_t kVector = sizeof(Float4);
 // Nodes beyond the strands' ball: the one after the last cell, one for a ball that begins
 // anywhere in a cell, and one for where the bind pose is measured.
 constexpr uint32_t kGridBorder = 3;
-constexpr uint32_t kRow = dispatch::kRowThreads;
 // The bind pose is measured in this many directions and, in each, with the grid in this many
 // places.
 constexpr uint32_t kDirections = 4;
@@ -148,10 +148,7 @@ Result<void> HairGrid::addSplatPasses(const HairGridConstants& constants, Buffer
       !added)
     return added;
   PassBuilder splat(list);
-  splat
-      .dispatch(splatHairGridVariant({}), static_cast<uint32_t>(std::min<uint64_t>(lanes, kRow)),
-                static_cast<uint32_t>((lanes + kRow - 1) / kRow))
-      .bytes(2 * count * kVector + nodeBytes);
+  dispatchRows(splat, splatHairGridVariant({}), lanes).bytes(2 * count * kVector + nodeBytes);
   return splat.finish(HairGridBindings{
       .hairGridConstants = constants,
       .gridPositions = {positions, count * kVector, offset},
@@ -176,10 +173,7 @@ Result<void> HairGrid::addMeasurePasses(const GridHair& hair, PassList& list) co
       const BufferId poses = bindPoses_;
       if (Result<void> added = addSplatPasses(constants, poses, offset, list); !added) return added;
       PassBuilder builder(list);
-      const auto threads = static_cast<uint32_t>(count);
-      builder
-          .dispatch(measureHairGridVariant({}), std::min(threads, kRow),
-                    (threads + kRow - 1) / kRow)
+      dispatchRows(builder, measureHairGridVariant({}), count)
           .bytes(count * (2 * kVector + 2 * sizeof(float)) + nodes * sizeof(uint32_t));
       if (Result<void> added = builder.finish(HairGridBindings{
               .hairGridConstants = constants,
@@ -252,7 +246,7 @@ Result<void> HairGrid::record(const GridHair& hair, double h, bool reset, PassLi
     measured_ = true;
   }
   const Float3 middle = middleOf(hair.bounds, hair.bones);
-  const bool finite = std::isfinite(middle.x) && std::isfinite(middle.y) && std::isfinite(middle.z);
+  const bool finite = isFinite(middle);
   HairGridConstants constants = constantsOf(hair, finite ? middle : middle_, hair.shifted);
   if (reset) history_ = 0;
   // There are positions from the second step on, and velocities from the third one on.
@@ -280,9 +274,8 @@ Result<void> HairGrid::record(const GridHair& hair, double h, bool reset, PassLi
   const uint64_t nodeBytes = nodes * (friction_ ? 4 : 1) * sizeof(uint32_t);
   const bool others = hair.otherForces != BufferId::kInvalid;
   constants.addsForces = others ? 1 : 0;
-  const auto threads = static_cast<uint32_t>(count);
   PassBuilder builder(list);
-  builder.dispatch(applyHairGridVariant({}), std::min(threads, kRow), (threads + kRow - 1) / kRow)
+  dispatchRows(builder, applyHairGridVariant({}), count)
       .bytes(count * (4 * kVector + (pressure_ ? sizeof(float) : 0) + (others ? kVector : 0)) +
              nodeBytes);
   history_ = std::min(history_ + 1, 2u);
@@ -309,8 +302,7 @@ void HairGrid::finish(const GridHair& hair, double seconds) {
     return std::isfinite(v) ? static_cast<float>(v) : 0.0f;
   };
   velocity_ = {speed(middle.x, middle_.x), speed(middle.y, middle_.y), speed(middle.z, middle_.z)};
-  if (std::isfinite(middle.x) && std::isfinite(middle.y) && std::isfinite(middle.z))
-    middle_ = middle;
+  if (isFinite(middle)) middle_ = middle;
 }
 
 }  // namespace pelage::detail

@@ -54,8 +54,8 @@ class HairGrid {
   void shift(ShiftedFloats& floats, const Vector3<double>& by) { floats.shift(middle_, by); }
   /// Moves what it knows of the object by a rigid motion in the world.
   void move(const RigidMove& move) {
-    middle_ = toFloat3(move(toDouble3(middle_)));
-    velocity_ = toFloat3(rotate(move.rotation, toDouble3(velocity_)));
+    middle_ = toFloat3(move(toVector(middle_)));
+    velocity_ = toFloat3(rotate(move.rotation, toVector(velocity_)));
   }
   /// What a rigid motion of the object moves on the GPU.
   std::vector<MovedElements> moved(uint64_t vertices) const {

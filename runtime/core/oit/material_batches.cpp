@@ -4,11 +4,11 @@
 #include <numeric>
 #include <optional>
 
+#include "base/vector3.h"
+
 namespace pelage::detail {
 
 namespace {
-
-double toDouble(float x) { return static_cast<double>(x); }
 
 double distanceOf(const DrawnView& view, const DrawnHair& hair) {
   const Float3& p = hair.ball.center;

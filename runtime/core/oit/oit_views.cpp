@@ -9,8 +9,7 @@ namespace pelage::detail {
 
 namespace {
 
-constexpr uint64_t kMaxRecords = uint64_t{1} << 30;  // of a draw
-constexpr const char* kRemade = "its buffers were remade by a later draw(); write it again";
+constexpr const char* kViewRemade = "its buffers were remade by a later draw(); write it again";
 
 size_t listsOf(Transparency method, size_t batches) {
   switch (method) {
@@ -162,7 +161,7 @@ Result<void> OitViews::record(DrawnView& view, const TransparencySettings& setti
   last_ = freeSlot(frame);
   Slot& slot = *slots_[last_];
   const bool created = slot.tickets.hasRun();
-  slot.tickets.lose(kRemade);
+  slot.tickets.lose(kViewRemade);
   OitDraw draw = {.view = view,
                   .settings = settings,
                   .plan = plan,

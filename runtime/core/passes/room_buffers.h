@@ -8,8 +8,11 @@
 
 #include "passes/shared_tables.h"
 #include "pelage/pass_list.h"
+#include "pelage/types.h"
 
 namespace pelage::detail {
+
+inline constexpr uint64_t kVector = sizeof(Float4);
 
 /// What a room wants of one of its buffers.
 struct BufferNeed {

@@ -23,20 +23,19 @@ Float3 between(const Float3& a, const Float3& b, float share) {
   return {a.x + (b.x - a.x) * share, a.y + (b.y - a.y) * share, a.z + (b.z - a.z) * share};
 }
 
-// Where a moment is in the file.
-struct Place {
-  double frame = 0;  ///< 0..frameCount - 1
-  double round = 0;  ///< of a loop
-};
-
-struct DecodedFrame {
-  std::optional<uint64_t> frame;  ///< nothing: free, or being decoded
-  std::vector<Float3> positions;
-};
-
 }  // namespace
 
 struct CachePlayer::Impl {
+  // Where a moment is in the file.
+  struct Place {
+    double frame = 0;  ///< 0..frameCount - 1
+    double round = 0;  ///< of a loop
+  };
+  struct DecodedFrame {
+    std::optional<uint64_t> frame;  ///< nothing: free, or being decoded
+    std::vector<Float3> positions;
+  };
+
   Impl(HairCacheReader r, CachePlayerDef d)
       : reader(std::move(r)),
         def(d),
@@ -99,7 +98,7 @@ std::optional<uint64_t> CachePlayer::Impl::nextToDecode() const {
   return std::nullopt;
 }
 
-DecodedFrame* CachePlayer::Impl::find(uint64_t frame) {
+auto CachePlayer::Impl::find(uint64_t frame) -> DecodedFrame* {
   const auto found =
       std::find_if(frames.begin(), frames.end(), [&](const auto& f) { return f.frame == frame; });
   return found != frames.end() ? &*found : nullptr;
@@ -132,7 +131,7 @@ void CachePlayer::Impl::decode() {
   }
 }
 
-Result<Place> CachePlayer::Impl::placeOf(double frame) const {
+auto CachePlayer::Impl::placeOf(double frame) const -> Result<Place> {
   if (!std::isfinite(frame))
     return Error{ErrorCode::kInvalidArgument, "CachePlayer::show(): the frame is not finite"};
   const auto count = static_cast<double>(frameCount);

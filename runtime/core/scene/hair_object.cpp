@@ -1,7 +1,6 @@
 #include "pelage/hair_object.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <utility>
@@ -117,23 +116,6 @@ Result<void> HairObject::setPositions(std::span<const Float3> positions) {
 namespace detail {
 namespace {
 
-// A root farther than this from the origin [m] moves it: the rounding of the state grows with the
-// distance, and a new origin costs a pass over the state.
-constexpr float kOriginRange = 1.5f;
-// Larger coordinates are broken [m].
-constexpr float kUsable = std::bit_cast<float>(quaternion::kUsableBits);
-
-bool isUsable(Float3 v) {
-  return std::abs(v.x) < kUsable && std::abs(v.y) < kUsable && std::abs(v.z) < kUsable;
-}
-
-Float3 subtract(Float3 a, Float3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-
-float distance(Float3 a, Float3 b) {
-  const Float3 d = subtract(a, b);
-  return std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
-}
-
 Float3 apply(const AffineTransform& m, Float3 p) {
   const auto row = [&](const Float4& r) { return r.x * p.x + r.y * p.y + r.z * p.z + r.w; };
   return {row(m.rows[0]), row(m.rows[1]), row(m.rows[2])};
@@ -248,10 +230,10 @@ void shiftWorld(HairFrameState& state, const Vector3<double>& shift,
 void moveGiven(GivenShape& given, const RigidMove& move) {
   if (!given.isOn()) return;
   for (Float4& p : given.positions) {
-    const Float3 moved = toFloat3(move(toDouble3({p.x, p.y, p.z})));
+    const Float3 moved = toFloat3(move(toVector({p.x, p.y, p.z})));
     p = {moved.x, moved.y, moved.z, p.w};
   }
-  given.ball.center = toFloat3(move(toDouble3(given.ball.center)));
+  given.ball.center = toFloat3(move(toVector(given.ball.center)));
   ++given.version;
 }
 

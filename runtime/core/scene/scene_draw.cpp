@@ -1,4 +1,5 @@
 // Drawing of hair: which hair a view has, its shadows, and its kind of transparency.
+#include "base/eigen_matrix.h"
 #include "pelage/list_check.h"
 #include "scene/scene_impl.h"
 
@@ -11,17 +12,6 @@
 namespace pelage::detail {
 
 namespace {
-
-Error refuse(const std::string& what) { return {ErrorCode::kInvalidArgument, "view: " + what}; }
-
-Eigen::Matrix4d toMatrix(const Matrix4& m) {
-  Eigen::Matrix4d result;
-  for (int row = 0; row < 4; ++row) {
-    const Float4& r = m.rows[row];
-    result.row(row) << double{r.x}, double{r.y}, double{r.z}, double{r.w};
-  }
-  return result;
-}
 
 // Of the map around all hair, without the ball.
 StrandShadowDef shadowDefOf(const Light& light) {
@@ -81,8 +71,8 @@ Result<void> SceneImpl::checkLook(const HairObject& object) {
 Result<DrawnView> SceneImpl::beginDraw(const View& view, std::span<const Light> lights,
                                        const PassList* list) const {
   if (view.width == 0 || view.height == 0)
-    return refuse("is " + std::to_string(view.width) + " x " + std::to_string(view.height) +
-                  " pixels; View::width and height are those of the viewport, and above 0");
+    return refuseView("is " + std::to_string(view.width) + " x " + std::to_string(view.height) +
+                      " pixels; View::width and height are those of the viewport, and above 0");
   Result<StrandViewConstants> constants = viewConstants(view, lights);
   if (!constants) return constants.error();
   if (list != nullptr) {
@@ -197,15 +187,15 @@ Result<void> SceneImpl::checkOpaques(std::span<const Light> lights, ShadowCast& 
     const OpaqueShadow& map = lights[i].opaque;
     if (map.depth == BufferId::kInvalid) continue;
     if (cast.opaqueLights.size() == kMaxStrandShadows)
-      return refuse("more than " + std::to_string(kMaxStrandShadows) +
-                    " lights have a shadow of opaque geometry");
+      return refuseView("more than " + std::to_string(kMaxStrandShadows) +
+                        " lights have a shadow of opaque geometry");
     const uint64_t bytes = uint64_t{opaquePlanOf(lights[i]).words} * sizeof(float);
     const BufferDesc* desc = resources_.find(map.depth);
     const uint64_t given = desc != nullptr ? desc->size : 0;
     if (given < bytes)
-      return refuse("light " + std::to_string(i) + ": opaque.depth has " + std::to_string(given) +
-                    " bytes, but " + std::to_string(map.width) + " x " +
-                    std::to_string(map.height) + " floats take " + std::to_string(bytes));
+      return refuseView("light " + std::to_string(i) + ": opaque.depth has " +
+                        std::to_string(given) + " bytes, but " + std::to_string(map.width) + " x " +
+                        std::to_string(map.height) + " floats take " + std::to_string(bytes));
     cast.opaqueLights.push_back(i);
   }
   return {};
@@ -230,7 +220,7 @@ Result<ShadowCast> SceneImpl::checkShadows(std::span<const Light> lights, bool d
     const Light& light = lights[i];
     if (light.shadow == HairShadow::kNone) continue;
     if (defs.size() == kMaxStrandShadows)
-      return refuse("more than " + std::to_string(kMaxStrandShadows) + " lights have a shadow");
+      return refuseView("more than " + std::to_string(kMaxStrandShadows) + " lights have a shadow");
     StrandShadowDef def = shadowDefOf(light);
     def.center = all.center;
     def.shifted = shifted();

@@ -4,6 +4,7 @@
 #include <numbers>
 #include <vector>
 
+#include "base/vector3.h"
 #include "pelage/skeleton.h"
 #include "scene/scene_impl.h"
 
@@ -17,8 +18,6 @@ constexpr double kEdge = pixel_tiles::kTileEdge;
 constexpr double kMeanImage = std::numbers::pi / 4;
 constexpr double kMeanSpan = 1;
 constexpr size_t kSamples = 256;  // vertices of the bind shape that stand for all
-
-double toDouble(float x) { return static_cast<double>(x); }
 
 double dot(const Float4& row, const Float3& p) {
   return toDouble(row.x) * toDouble(p.x) + toDouble(row.y) * toDouble(p.y) +

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/finite.h"
 #include "base/ids.h"
 #include "pelage/constants.h"
 #include "pelage/kernels.h"
@@ -21,10 +22,6 @@ namespace pelage::detail {
 namespace {
 
 constexpr uint32_t kMaxTextureSize = 16384;  // [texels]
-
-bool isFinite(const Float4& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z) && std::isfinite(v.w);
-}
 
 // The follow hairs take part in passes of their own.
 bool storesFollowHairs(const HairDef& def) {

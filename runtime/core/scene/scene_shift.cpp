@@ -35,7 +35,7 @@ Result<void> SceneImpl::shiftOrigin(Float3 shift) {
                                                   std::to_string(value) +
                                                   " m, but must be in -16777216..16777216"};
   }
-  const Vector3<double> by = toDouble3(shift);
+  const Vector3<double> by = toVector(shift);
   shifted_ = {shifted_[0] + by.x, shifted_[1] + by.y, shifted_[2] + by.z};
   for (const auto& skeleton : skeletons_)
     if (skeleton != nullptr) shiftWorld(*skeleton->internals_, by, shifted());

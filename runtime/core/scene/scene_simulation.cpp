@@ -11,13 +11,6 @@
 
 namespace pelage::detail {
 
-namespace {
-
-// Steps are at most this long [s].
-constexpr double kReferenceStep = 1.0 / 60.0;
-
-}  // namespace
-
 Result<void> SceneImpl::simulate(float dt, PassList& list) {
   list.clear();
   settleFrames(true);

@@ -46,7 +46,7 @@ Result<RigidMove> rigidMoveOf(const AffineTransform& motion) {
   std::array<double, 3> shift = {};
   for (size_t row = 0; row < 3; ++row) {
     const Float4& r = motion.rows[row];
-    rows[row] = toDouble3({r.x, r.y, r.z});
+    rows[row] = toVector({r.x, r.y, r.z});
     shift[row] = static_cast<double>(r.w);
     // Also for NaN.
     if (!(std::abs(shift[row]) <= kMaxDistance)) return refuse("goes farther than 16777216 m");
@@ -80,9 +80,9 @@ void moveBone(AffineTransform& bone, const RigidMove& move) {
 
 void moveCapsules(HostArray<CapsuleCollider>& capsules, const RigidMove& move) {
   for (CapsuleCollider& capsule : capsules) {
-    capsule.head = toFloat3(move(toDouble3(capsule.head)));
-    capsule.tail = toFloat3(move(toDouble3(capsule.tail)));
-    capsule.angularVelocity = toFloat3(rotate(move.rotation, toDouble3(capsule.angularVelocity)));
+    capsule.head = toFloat3(move(toVector(capsule.head)));
+    capsule.tail = toFloat3(move(toVector(capsule.tail)));
+    capsule.angularVelocity = toFloat3(rotate(move.rotation, toVector(capsule.angularVelocity)));
   }
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "passes/dispatch_rows.h"
 #include "pelage/bindings.h"
 #include "pelage/constants.h"
 #include "pelage/kernels.h"
@@ -13,7 +14,7 @@ namespace {
 
 // Nodes within this distance have the distances that are finest [cells].
 constexpr float kBand = 4;
-constexpr uint64_t kMaxNodes = uint64_t{1} << 28;
+constexpr uint64_t kMaxDenseNodes = uint64_t{1} << 28;
 
 // No distance in a grid is larger [cells].
 float farRangeOf(const SdfGrid& grid) {
@@ -39,8 +40,8 @@ std::string faultOf(const DenseSdf& sdf, const ResourceTable& resources) {
       std::to_string(x) + " x " + std::to_string(y) + " x " + std::to_string(z) + " nodes";
   if (std::min({x, y, z}) < 2)
     return "its grid has " + size + ", but takes 2 or more along an axis";
-  if (std::max({x, y, z}) > kMaxNodes || uint64_t{x} * y > kMaxNodes ||
-      nodeCountOf(grid) > kMaxNodes)
+  if (std::max({x, y, z}) > kMaxDenseNodes || uint64_t{x} * y > kMaxDenseNodes ||
+      nodeCountOf(grid) > kMaxDenseNodes)
     return "its grid has " + size + ", but takes 2^28 in all";
   const BufferDesc* buffer = resources.find(sdf.distances);
   const uint64_t bytes = (sdf.first + nodeCountOf(grid)) * sizeof(float);
@@ -82,10 +83,8 @@ Result<void> addImport(const DenseSdf& dense, uint32_t firstKey, BufferId keys,
   constants.importCellsAMeter = 1 / dense.grid.cellSize;
   constants.importBand = kBand;
   constants.importFarRange = farRangeOf(dense.grid);
-  constexpr uint32_t kRow = dispatch::kRowThreads;
   PassBuilder builder(list);
-  builder.dispatch(importSdfVariant(), std::min(count, kRow), (count + kRow - 1) / kRow)
-      .bytes(uint64_t{2} * count * sizeof(float));
+  dispatchRows(builder, importSdfVariant(), count).bytes(uint64_t{2} * count * sizeof(float));
   return builder.finish(ImportSDFBindings{
       .importSdfConstants = constants,
       .importDistances = resources.whole(dense.distances),

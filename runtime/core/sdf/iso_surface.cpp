@@ -7,6 +7,7 @@
 #include <cstring>
 #include <iterator>
 
+#include "passes/dispatch_rows.h"
 #include "pelage/bindings.h"
 #include "pelage/constants.h"
 #include "pelage/kernels.h"
@@ -131,9 +132,7 @@ Result<void> IsoSurface::addPasses(const Sdf& sdf, BufferId keys, uint32_t keyCo
     pass.dispatch(marchingCubesEmitVariant({}), nodes[0], nodes[1], nodes[2]);
     if (Result<void> added = finish(pass, 2 * count * sizeof(uint32_t)); !added) return added;
   }
-  constexpr uint32_t kRow = dispatch::kRowThreads;
-  pass.dispatch(marchingCubesPadVariant({}), std::min(capacity_.triangles, kRow),
-                (capacity_.triangles + kRow - 1) / kRow);
+  dispatchRows(pass, marchingCubesPadVariant({}), capacity_.triangles);
   return finish(pass, indexBytes);
 }
 

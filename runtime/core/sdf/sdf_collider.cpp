@@ -6,6 +6,7 @@
 #include <limits>
 #include <string>
 
+#include "base/finite.h"
 #include "base/vector3.h"
 #include "pelage/assert.h"
 #include "pelage/constants.h"
@@ -25,8 +26,6 @@ Float3 corner(const Box& box, uint32_t index) {
 constexpr float kRoomCells = 2;
 // A grid is too large if it has more nodes than this factor times those of a new one.
 constexpr double kMostWaste = 3;
-// The origin follows if the mesh is farther from it than this [m].
-constexpr float kOriginRange = 1.5f;
 
 Box relativeTo(const LocalOrigin& origin, const Box& box) {
   return {origin.relative(box.low), origin.relative(box.high)};
@@ -287,7 +286,7 @@ Sdf sdfOf(const SdfColliderInternals& collider, const LocalOrigin& origin) {
   if (collider.dense) return sdfOf(*collider.dense, collider.keyOffset, origin);
   Sdf sdf = {};
   const Vector3<double> apart = collider.origin.metres - origin.metres;
-  const Vector3<double> first = collider.data ? collider.dataNode : toDouble3(collider.plan.origin);
+  const Vector3<double> first = collider.data ? collider.dataNode : toVector(collider.plan.origin);
   const Float3 node = toFloat3(first + apart);
   if (collider.data) {
     const SdfData& data = *collider.data;
@@ -361,7 +360,7 @@ void SdfCollider::setBones(std::span<const AffineTransform> bones) {
                 "SdfCollider::setBones() takes boneCount transforms");
   // Invalid bones keep all data of the bone, bounds too.
   for (size_t i = 0; i < bones.size(); ++i)
-    if (detail::isFiniteBone(bones[i])) internals_->bones[i] = bones[i];
+    if (detail::isFinite(bones[i])) internals_->bones[i] = bones[i];
 }
 
 void SdfCollider::setVertexBounds(const Float3& low, const Float3& high) {

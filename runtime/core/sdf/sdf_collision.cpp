@@ -1,7 +1,6 @@
 #include "sdf/sdf_collision.h"
 
-#include <algorithm>
-
+#include "passes/dispatch_rows.h"
 #include "pelage/bindings.h"
 #include "pelage/constants.h"
 #include "pelage/kernels.h"
@@ -17,9 +16,8 @@ Result<void> addSdfCollision(PassList& list, const ResourceTable& resources,
   constants.sdfBegin = def.begin;
   constants.sdfEnd = def.end;
   const KernelVariant& collide = collideVerticesVariant({.closestFeature = def.closestFeature});
-  constexpr uint32_t kRow = dispatch::kRowThreads;
-  return PassBuilder(list)
-      .dispatch(collide, std::min(def.vertexCount, kRow), (def.vertexCount + kRow - 1) / kRow)
+  PassBuilder builder(list);
+  return dispatchRows(builder, collide, def.vertexCount)
       .finish(ApplySDFBindings{
           .applySdfConstants = constants,
           .sdfs = resources.whole(buffers.sdfs),

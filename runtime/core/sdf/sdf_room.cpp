@@ -8,6 +8,7 @@
 
 #include "assets/groom.h"
 #include "assets/prepared_collider.h"
+#include "passes/dispatch_rows.h"
 #include "pelage/assert.h"
 #include "pelage/bindings.h"
 #include "pelage/constants.h"
@@ -19,9 +20,7 @@ namespace pelage::detail {
 
 namespace {
 
-constexpr uint64_t kVector = sizeof(Float4);
-constexpr uint64_t kRecordBytes = sizeof(Uint4);
-constexpr uint32_t kSkinningRow = dispatch::kRowThreads;
+constexpr uint64_t kSurfaceBytes = sizeof(Uint4);
 // A build of what moved costs about twice a whole one for what it touches.
 constexpr float kMostMovedShare = 0.5f;
 
@@ -111,9 +110,7 @@ Result<void> addSkinningPass(SdfColliderInternals& c, const SdfColliderBuffers& 
   constants.bindStride = constants.skinnedStride = constants.beforeStride = 3;
   const uint64_t bytes = uint64_t{3} * c.vertexCount * sizeof(float);
   PassBuilder builder(list);
-  builder
-      .dispatch(skinVerticesVariant(), std::min(c.vertexCount, kSkinningRow),
-                (c.vertexCount + kSkinningRow - 1) / kSkinningRow)
+  dispatchRows(builder, skinVerticesVariant(), c.vertexCount)
       .bytes(4 * bytes + c.vertexCount * sizeof(VertexBinding));
   return builder.finish(BoneSkinningBindings{
       .boneSkinningConstants = constants,
@@ -225,7 +222,7 @@ Result<ColliderId> SdfRoom::add(const SdfData& data, const SdfColliderDef& def,
   c.data = data;
   c.grid = data.grid;
   c.origin = LocalOrigin{{}, shifted}.near({});
-  c.dataNode = toDouble3(data.grid.origin) - (c.origin.metres - c.origin.shifted);
+  c.dataNode = toVector(data.grid.origin) - (c.origin.metres - c.origin.shifted);
   const auto end = [&](float origin, uint32_t nodes) {
     return origin + static_cast<float>(nodes - 1) * data.grid.cellSize;
   };
@@ -276,7 +273,7 @@ SdfRoom::Bytes SdfRoom::bytesOf(ColliderId id, const RoomBuffers& room) {
     for (const BufferId buffer : c.isoSurface->buffers()) bytes.own += room.bytesOf(buffer);
   }
   if (keys != BufferId::kInvalid)
-    bytes.shared = c.keyCapacity * sizeof(uint32_t) + surfaceElements(c) * kRecordBytes;
+    bytes.shared = c.keyCapacity * sizeof(uint32_t) + surfaceElements(c) * kSurfaceBytes;
   return bytes;
 }
 
@@ -311,7 +308,7 @@ void SdfRoom::layOut(const RoomBuffers& room) {
   }
   if (keyTotal == 0) return;
   HostArray<std::byte> keyBytes(keyTotal * sizeof(uint32_t));
-  const uint64_t records = std::max<uint64_t>(elements, 1) * kRecordBytes;
+  const uint64_t records = std::max<uint64_t>(elements, 1) * kSurfaceBytes;
   HostArray<std::byte> recordBytes(records);
   for (const auto& held : colliders) {
     if (held == nullptr || !held->internals_->data) continue;
@@ -324,8 +321,8 @@ void SdfRoom::layOut(const RoomBuffers& room) {
   }
   constexpr BufferUsage kUsage = BufferUsage::kStorage | BufferUsage::kReadback;
   keys = room.add("sdf/keys", keyTotal, sizeof(uint32_t), std::move(keyBytes), kUsage);
-  surface =
-      room.add("sdf/surface", records / kRecordBytes, kRecordBytes, std::move(recordBytes), kUsage);
+  surface = room.add("sdf/surface", records / kSurfaceBytes, kSurfaceBytes, std::move(recordBytes),
+                     kUsage);
 }
 
 // Takes a new grid, and makes the buffers that are too small for it anew.
@@ -549,19 +546,19 @@ Result<SdfData> SdfRoom::copy(ColliderId id, std::span<const std::byte> keyBytes
   data.triangleCount = c.topology.triangleCount();
   const uint64_t firstKey = uint64_t{c.keyOffset} * sizeof(uint32_t);
   const uint64_t keyBytes = keyCount(c) * sizeof(uint32_t);
-  const uint64_t firstRecord = c.surfaceOffset * kRecordBytes;
-  const uint64_t recordBytes = surfaceElements(c) * kRecordBytes;
+  const uint64_t firstRecord = c.surfaceOffset * kSurfaceBytes;
+  const uint64_t recordBytes = surfaceElements(c) * kSurfaceBytes;
   if (keyBytesRead.size() < firstKey + keyBytes || surfaceBytes.size() < firstRecord + recordBytes)
     return refuse("the bytes are fewer than sdfKeys() and sdfSurface() have");
   data.keys.resize(keyCount(c));
   std::copy_n(keyBytesRead.begin() + static_cast<int64_t>(firstKey), keyBytes,
               std::as_writable_bytes(std::span(data.keys)).begin());
   const std::span<const std::byte> records = surfaceBytes.subspan(firstRecord, recordBytes);
-  const uint64_t kept = sdf::kSdfStillRecord * kRecordBytes;
+  const uint64_t kept = sdf::kSdfStillRecord * kSurfaceBytes;
   data.surface.resize(uint64_t{data.triangleCount} * kept / sizeof(uint32_t));
   const auto to = std::as_writable_bytes(std::span(data.surface));
   for (uint64_t t = 0; t < data.triangleCount; ++t) {
-    std::copy_n(records.begin() + static_cast<int64_t>(t * sdf::kSdfMovingRecord * kRecordBytes),
+    std::copy_n(records.begin() + static_cast<int64_t>(t * sdf::kSdfMovingRecord * kSurfaceBytes),
                 kept, to.begin() + static_cast<int64_t>(t * kept));
   }
   return data;

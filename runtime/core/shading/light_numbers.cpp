@@ -4,24 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <utility>
 
-#include "pelage/constants.h"
+#include "base/finite.h"
 
 namespace pelage::detail {
 
 namespace {
 
 constexpr float kRightAngle = 1.570797f;  // pi / 2, rounded up
-constexpr uint32_t kMinSize = 4, kMaxSize = strand_shadow_view::kMaxShadowSize;
-constexpr uint32_t kMaxLayers = strand_shadow_view::kMaxShadowLayers;
-
-bool allFinite(const Matrix4& m) {
-  return std::all_of(std::begin(m.rows), std::end(m.rows), [](const Float4& r) {
-    return std::isfinite(r.x) && std::isfinite(r.y) && std::isfinite(r.z) && std::isfinite(r.w);
-  });
-}
 
 std::string coneFaultOf(const Light& light) {
   if (!(light.outerConeAngle >= 0 && light.outerConeAngle <= kRightAngle))
@@ -36,12 +27,13 @@ std::string coneFaultOf(const Light& light) {
 }
 
 std::string shadowFaultOf(const Light& light) {
-  if (light.shadowSize < kMinSize || light.shadowSize > kMaxSize)
-    return fmt::format("shadowSize is {}, but must be in {}..{}", light.shadowSize, kMinSize,
-                       kMaxSize);
+  if (light.shadowSize < kMinShadowSize || light.shadowSize > kMaxShadowSize)
+    return fmt::format("shadowSize is {}, but must be in {}..{}", light.shadowSize, kMinShadowSize,
+                       kMaxShadowSize);
   if (light.shadow == HairShadow::kDeep &&
-      (light.shadowLayers == 0 || light.shadowLayers > kMaxLayers))
-    return fmt::format("shadowLayers is {}, but must be in 1..{}", light.shadowLayers, kMaxLayers);
+      (light.shadowLayers == 0 || light.shadowLayers > kMaxShadowLayers))
+    return fmt::format("shadowLayers is {}, but must be in 1..{}", light.shadowLayers,
+                       kMaxShadowLayers);
   const std::pair<const char*, float> numbers[] = {{"shadowBias", light.shadowBias},
                                                    {"shadowLayerRange", light.shadowLayerRange},
                                                    {"shadowVolume", light.shadowVolume}};
@@ -52,10 +44,10 @@ std::string shadowFaultOf(const Light& light) {
 }
 
 std::string opaqueFaultOf(const OpaqueShadow& map) {
-  if (map.width - 1 >= kMaxSize || map.height - 1 >= kMaxSize)
+  if (map.width - 1 >= kMaxShadowSize || map.height - 1 >= kMaxShadowSize)
     return fmt::format("opaque.width and opaque.height are {} x {}, but must be in 1..{}",
-                       map.width, map.height, kMaxSize);
-  if (!allFinite(map.worldToClip)) return "opaque.worldToClip has values that are not finite";
+                       map.width, map.height, kMaxShadowSize);
+  if (!isFinite(map.worldToClip)) return "opaque.worldToClip has values that are not finite";
   if (!(map.bias >= 0) || !std::isfinite(map.bias))
     return fmt::format("opaque.bias is {}, but must be finite and >= 0", map.bias);
   return {};

@@ -1,12 +1,18 @@
 // The numbers of a light: which are wrong, and what kernels take of them.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
+#include "pelage/constants.h"
 #include "pelage/types.h"
 #include "pelage/view.h"
 
 namespace pelage::detail {
+
+inline constexpr uint32_t kMinShadowSize = 4;  ///< of a map [texels]
+inline constexpr uint32_t kMaxShadowSize = strand_shadow_view::kMaxShadowSize;
+inline constexpr uint32_t kMaxShadowLayers = strand_shadow_view::kMaxShadowLayers;
 
 /// What of a light's cone and shadows is out of range, by the field's name; empty: nothing.
 std::string numberFaultOf(const Light& light);

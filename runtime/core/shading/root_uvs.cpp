@@ -100,8 +100,6 @@ class PointTree {
   std::vector<uint8_t> axes_;  // [middle of a range]
 };
 
-double toDouble(float x) { return static_cast<double>(x); }
-
 }  // namespace
 
 std::vector<Float4> rootUvsOf(const HairAsset& asset) {

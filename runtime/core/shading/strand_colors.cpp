@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "passes/dispatch_rows.h"
 #include "pelage/bindings.h"
 #include "pelage/constants.h"
 #include "pelage/kernels.h"
@@ -11,10 +12,10 @@ namespace pelage::detail {
 
 namespace {
 
-constexpr uint32_t kMaxSize = 65536, kMaxLevels = 17;
+constexpr uint32_t kMaxColorTexture = 65536, kMaxLevels = 17;
 constexpr float kMaxLodBias = 16;
 constexpr uint64_t kGuideBytes = 2 * sizeof(Uint2);
-constexpr const char* kRemade = "its buffers were remade by a later draw; write it again";
+constexpr const char* kColorsRemade = "its buffers were remade by a later draw; write it again";
 
 // Objects bind their own part, and devices want offsets that are multiples of up to 256 bytes.
 uint64_t bytesOf(const DrawnHair& hair) {
@@ -45,11 +46,8 @@ Result<void> addPass(const DrawnView& view, const DrawnHair& hair, PassList& lis
   constants.colorsPixelSize = pixelSize(view.view);
   constants.colorsClipW = view.view.worldToClip.rows[3];
   const uint64_t positions = uint64_t{hair.guideCount} * hair.vertexCount * sizeof(Float4);
-  constexpr uint32_t kRow = dispatch::kRowThreads;
   PassBuilder builder(list);
-  builder
-      .dispatch(sampleStrandColorsVariant(), std::min(hair.guideCount, kRow),
-                (hair.guideCount + kRow - 1) / kRow)
+  dispatchRows(builder, sampleStrandColorsVariant(), hair.guideCount)
       .bind("g_strandTexture", texture.texture)
       .bind("g_strandSampler", texture.texture)
       .bytes(hair.guideCount * (2 * sizeof(Float4) + kGuideBytes));
@@ -67,7 +65,7 @@ std::string faultOf(const StrandTexture& texture, const HairBuffers& buffers) {
   if (texture.texture == TextureId::kInvalid) return {};
   if (buffers.strandUvs == BufferId::kInvalid)
     return "strandTexture needs the UV of the roots: add the object with HairDef::strandUvs";
-  const auto isSize = [](uint32_t size) { return size >= 1 && size <= kMaxSize; };
+  const auto isSize = [](uint32_t size) { return size >= 1 && size <= kMaxColorTexture; };
   if (!isSize(texture.width) || !isSize(texture.height)) {
     return "strandTexture has " + std::to_string(texture.width) + " x " +
            std::to_string(texture.height) +
@@ -90,7 +88,7 @@ Result<void> StrandColors::record(DrawnView& view, const RoomBuffers& room, uint
   Slot& slot = freeSlot(frame);
   last_ = &slot;
   const bool created = slot.tickets.hasRun();
-  slot.tickets.lose(kRemade);
+  slot.tickets.lose(kColorsRemade);
   if (room.makeRoom({slot.colors, "strand colors", bytes, sizeof(Uint2)}, !created))
     slot.tickets.forgetRuns();
   uint64_t offset = 0;

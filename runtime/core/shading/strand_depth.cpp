@@ -5,6 +5,7 @@
 #include <iterator>
 #include <string>
 
+#include "base/finite.h"
 #include "pelage/bindings.h"
 #include "pelage/kernels.h"
 
@@ -17,10 +18,8 @@ Result<void> validate(const HairDepthSettings& settings) {
   if (!(settings.opacity >= 0 && settings.opacity <= 1))
     return refuse("opacity is " + std::to_string(settings.opacity) + ", but must be in 0..1");
   if (settings.color != HairDepthColor::kMotion) return {};
-  for (const Float4& row : settings.previousWorldToClip.rows) {
-    for (const float value : {row.x, row.y, row.z, row.w})
-      if (!std::isfinite(value)) return refuse("previousWorldToClip is not finite");
-  }
+  if (!detail::isFinite(settings.previousWorldToClip))
+    return refuse("previousWorldToClip is not finite");
   for (const float value : {settings.jitter.x, settings.jitter.y})
     if (!std::isfinite(value)) return refuse("jitter is not finite");
   for (const float value : {settings.previousJitter.x, settings.previousJitter.y})
@@ -32,8 +31,8 @@ namespace detail {
 
 namespace {
 
-constexpr uint64_t kMaxRecords = uint64_t{1} << 30;  // of a view
-constexpr const char* kRemade = "its buffers were remade by a later drawDepth(); write it again";
+constexpr const char* kDepthRemade =
+    "its buffers were remade by a later drawDepth(); write it again";
 
 Float4 change(const Float4& to, const Float4& from) {
   const auto difference = [](float a, float b) {
@@ -150,7 +149,7 @@ Result<void> StrandDepths::record(DrawnView& view, const HairDepthSettings& sett
   if (view.transformsFirst && !view.hairs.empty()) {
     Slot& slot = freeSlot(frame);
     const bool created = slot.tickets.hasRun();
-    slot.tickets.lose(kRemade);
+    slot.tickets.lose(kDepthRemade);
     const DrawnHair& last = view.hairs.back();
     const uint64_t bytes = (last.firstRecord + last.drawnVertices()) * kRecordBytes;
     if (room.makeRoom({slot.records, "depth/strands", bytes, sizeof(Uint4),

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "base/eigen_matrix.h"
 #include "pelage/kernels.h"
 #include "shading/light_numbers.h"
 #include "shading/lit_kernels.h"
@@ -17,8 +18,6 @@ static_assert(kMaxStrandLights == shading::kMaxStrandLights);
 static_assert(kMaxStrandShadows == shading::kMaxStrandShadows);
 
 namespace {
-
-Error refuse(const std::string& what) { return {ErrorCode::kInvalidArgument, "view: " + what}; }
 
 // Of a viewport. Kernels take it as an integer.
 bool isOffset(float x) { return x >= 0 && x < 65536 && x == std::floor(x); }
@@ -42,8 +41,7 @@ std::string toText(Float3 v) {
 // What is wrong with the numbers of a view, or nothing.
 std::string faultOf(const View& view) {
   for (int row = 0; row < 4; ++row) {
-    const Float4& r = view.worldToClip.rows[row];
-    if (!isFinite(Float3{r.x, r.y, r.z}) || !std::isfinite(r.w)) {
+    if (!isFinite(view.worldToClip.rows[row])) {
       return "worldToClip has values that are not finite in row " + std::to_string(row) +
              ": pass the matrix of the camera";
     }
@@ -80,15 +78,6 @@ std::string faultOf(const Light& light) {
 }
 
 Float4 withW(Float3 v, float w) { return {v.x, v.y, v.z, w}; }
-
-Eigen::Matrix4d toMatrix(const Matrix4& m) {
-  Eigen::Matrix4d result;
-  for (int row = 0; row < 4; ++row) {
-    const Float4& r = m.rows[row];
-    result.row(row) << double{r.x}, double{r.y}, double{r.z}, double{r.w};
-  }
-  return result;
-}
 
 // What draws read at the roots: colors of an engine's texture, pelage's own texture, or UV alone.
 BufferRange rootRange(const DrawnHair& hair) {
@@ -133,6 +122,8 @@ Result<void> addDraw(const DrawnView& view, const DrawnHair& hair, size_t materi
 
 }  // namespace
 
+Error refuseView(const std::string& what) { return {ErrorCode::kInvalidArgument, "view: " + what}; }
+
 bool isInFrustum(const View& view, const Ball& ball) {
   const Eigen::Matrix4d clip = toMatrix(view.worldToClip);
   const Eigen::Vector4d center(double{ball.center.x}, double{ball.center.y}, double{ball.center.z},
@@ -148,14 +139,14 @@ bool isInFrustum(const View& view, const Ball& ball) {
 }
 
 Result<StrandViewConstants> viewConstants(const View& view, std::span<const Light> lights) {
-  if (const std::string fault = faultOf(view); !fault.empty()) return refuse(fault);
+  if (const std::string fault = faultOf(view); !fault.empty()) return refuseView(fault);
   StrandViewConstants constants = {};
   std::copy(std::begin(view.worldToClip.rows), std::end(view.worldToClip.rows),
             std::begin(constants.worldToClip));
   const Eigen::Matrix4d inverse = toMatrix(view.worldToClip).inverse();
   for (int row = 0; row < 4; ++row) {
     const Eigen::Vector4f r = inverse.row(row).cast<float>();
-    if (!r.allFinite()) return refuse("worldToClip has no inverse");
+    if (!r.allFinite()) return refuseView("worldToClip has no inverse");
     constants.clipToWorld[row] = {r.x(), r.y(), r.z(), r.w()};
   }
   constants.eye = withW(view.eye, 1);
@@ -165,14 +156,14 @@ Result<StrandViewConstants> viewConstants(const View& view, std::span<const Ligh
   constants.sampleCount = view.samples;
   constants.seed = view.seed;
   if (lights.size() > kMaxStrandLights) {
-    return refuse("has " + std::to_string(lights.size()) + " lights, but at most " +
-                  std::to_string(kMaxStrandLights) + " are taken");
+    return refuseView("has " + std::to_string(lights.size()) + " lights, but at most " +
+                      std::to_string(kMaxStrandLights) + " are taken");
   }
   constants.lightCount = static_cast<uint32_t>(lights.size());
   for (size_t i = 0; i < lights.size(); ++i) {
     const Light& light = lights[i];
     if (const std::string fault = faultOf(light); !fault.empty())
-      return refuse("light " + std::to_string(i) + ": " + fault);
+      return refuseView("light " + std::to_string(i) + ": " + fault);
     constants.lightDirections[i] =
         light.hasPosition ? withW(light.position, 1) : withW(normalized(light.direction), 0);
     constants.lightColors[i] = withW(light.color, 0);

@@ -65,6 +65,7 @@ struct DrawnView {
 
 /// Bytes of a vertex that transform_strands has placed on the screen.
 inline constexpr uint64_t kRecordBytes = strand_record::kRecordWords * sizeof(Uint4);
+inline constexpr uint64_t kMaxRecords = uint64_t{1} << 30;  ///< of an object
 
 /// Threads of a dispatch with one for each record.
 struct RecordThreads {
@@ -76,6 +77,8 @@ RecordThreads recordThreads(uint64_t records);
 /// a viewport of no whole numbers, samples that no target has; too many lights, a light that is not
 /// finite, or of no direction or shadow.
 Result<StrandViewConstants> viewConstants(const View& view, std::span<const Light> lights);
+/// The error of a view that cannot be drawn.
+Error refuseView(const std::string& what);
 /// The ball is in front of all planes of the frustum, or cuts them.
 bool isInFrustum(const View& view, const Ball& ball);
 

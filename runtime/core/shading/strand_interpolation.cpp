@@ -1,25 +1,13 @@
 #include "shading/strand_interpolation.h"
 
-#include <algorithm>
-
 #include "base/local_origin.h"
+#include "passes/dispatch_rows.h"
 #include "pelage/bindings.h"
 #include "pelage/constants.h"
 #include "pelage/gpu_structs.h"
 #include "pelage/kernels.h"
 
 namespace pelage::detail {
-
-namespace {
-
-constexpr uint64_t kRow = dispatch::kRowThreads;
-
-void dispatchThreads(PassBuilder& builder, const KernelVariant& kernel, uint64_t threads) {
-  builder.dispatch(kernel, static_cast<uint32_t>(std::min(threads, kRow)),
-                   static_cast<uint32_t>((threads + kRow - 1) / kRow));
-}
-
-}  // namespace
 
 void StrandInterpolation::prepare(const InterpolatedHair& hair, bool wanted,
                                   const RoomBuffers& room) {
@@ -62,7 +50,7 @@ Result<void> StrandInterpolation::record(const InterpolatedHair& hair, float sha
   strands.interpolatedVertices = hair.vertices;
   strands.interpolatedShare = known ? share : 1;
   PassBuilder builder(list);
-  dispatchThreads(builder, interpolateStrandsVariant({}), hair.positions.elements);
+  dispatchRows(builder, interpolateStrandsVariant({}), hair.positions.elements);
   Result<void> added = builder.bytes(4 * bytes).finish(InterpolateStrandsBindings{
       .interpolateStrandsConstants = strands,
       .positionsBefore = {known ? before_ : hair.positions.positions, bytes},
@@ -75,7 +63,7 @@ Result<void> StrandInterpolation::record(const InterpolatedHair& hair, float sha
   roots.interpolatedRoots = hair.guides;
   roots.interpolatedRootShare = strands.interpolatedShare;
   roots.rootsRestart = restarts ? 1 : 0;
-  dispatchThreads(builder, interpolateRootsVariant({}), hair.guides);
+  dispatchRows(builder, interpolateRootsVariant({}), hair.guides);
   return builder.bytes(2 * rootBytes)
       .finish(InterpolateRootsBindings{.interpolateRootsConstants = roots,
                                        .stateRoots = hair.roots,
@@ -84,7 +72,7 @@ Result<void> StrandInterpolation::record(const InterpolatedHair& hair, float sha
 
 void StrandInterpolation::move(const RigidMove& move) {
   for (Ball* ball : {&ballBefore_, &ballNow_})
-    ball->center = toFloat3(move(toDouble3(ball->center)));
+    ball->center = toFloat3(move(toVector(ball->center)));
 }
 
 }  // namespace pelage::detail

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "passes/dispatch_rows.h"
 #include "pelage/bindings.h"
 #include "pelage/constants.h"
 #include "pelage/kernels.h"
@@ -10,16 +11,13 @@
 namespace pelage::detail {
 
 Result<void> addKeepPass(const MotionHair& hair, BufferId to, PassList& list) {
-  constexpr uint64_t kRow = dispatch::kRowThreads;
   const uint64_t bytes = hair.elements * sizeof(Float4);
   KeepPositionsConstants constants = {};
   constants.keptCount = static_cast<uint32_t>(hair.elements);
   constants.keptMovedFrom = static_cast<uint32_t>(std::min(hair.movedFrom, hair.elements));
   constants.keptMove = {hair.move.x, hair.move.y, hair.move.z, 0};
   PassBuilder builder(list);
-  return builder
-      .dispatch(keepPositionsVariant({}), static_cast<uint32_t>(std::min(hair.elements, kRow)),
-                static_cast<uint32_t>((hair.elements + kRow - 1) / kRow))
+  return dispatchRows(builder, keepPositionsVariant({}), hair.elements)
       .bytes(2 * bytes)
       .finish(KeepPositionsBindings{.keepPositionsConstants = constants,
                                     .positionsToKeep = {hair.positions, bytes},

@@ -1,7 +1,6 @@
 #include "shadow/opaque_shadow.h"
 
-#include <algorithm>
-
+#include "passes/dispatch_rows.h"
 #include "pelage/assert.h"
 #include "pelage/bindings.h"
 #include "pelage/constants.h"
@@ -13,16 +12,12 @@ Result<void> addOpaqueShadow(PassList& list, const OpaqueShadowPlan& plan, Buffe
                              uint64_t wordCount) {
   PELAGE_ASSERT(wordCount >= uint64_t{plan.firstWord} + plan.words,
                 "the buffer of the maps ends before the map does");
-  constexpr uint32_t kRow = dispatch::kRowThreads;
   const uint64_t bytes = uint64_t{plan.words} * sizeof(uint32_t);
   OpaqueShadowConstants constants = {};
   constants.opaqueTexelCount = plan.words;
   constants.opaqueFirstWord = plan.firstWord;
   PassBuilder builder(list);
-  builder
-      .dispatch(copyOpaqueShadowVariant({}), std::min(plan.words, kRow),
-                (plan.words + kRow - 1) / kRow)
-      .bytes(2 * bytes);
+  dispatchRows(builder, copyOpaqueShadowVariant({}), plan.words).bytes(2 * bytes);
   return builder.finish(OpaqueShadowBindings{
       .opaqueShadowConstants = constants,
       .opaqueDepth = {plan.depth, bytes},

@@ -12,7 +12,8 @@ namespace pelage::detail {
 
 namespace {
 
-constexpr const char* kRemade = "its shadow maps were remade by a later draw(); write it again";
+constexpr const char* kShadowsRemade =
+    "its shadow maps were remade by a later draw(); write it again";
 constexpr uint64_t kLeastWords = 4;  // kernels have the buffer bound where no light has a shadow
 constexpr uint64_t kMostWords = std::numeric_limits<uint32_t>::max();
 
@@ -153,14 +154,14 @@ ShadowMaps::Bank& ShadowMaps::prepare(const Choice& choice, const RoomBuffers& r
     return bank;
   }
   const bool created = bank.tickets.hasRun();
-  bank.tickets.lose(kRemade);
+  bank.tickets.lose(kShadowsRemade);
   bank.maps.clear();
   bank.used = 0;
   // Where it holds what several did, the others are of no use any more.
   if (choice.words > wordsOf(room, bank.words)) {
     std::erase_if(banks_, [&](const std::unique_ptr<Bank>& other) {
       if (other.get() == &bank || !other->tickets.isFree(frame)) return false;
-      other->tickets.lose(kRemade);
+      other->tickets.lose(kShadowsRemade);
       room.remove(other->words);
       return true;
     });
@@ -188,7 +189,7 @@ ShadowMaps::Table& ShadowMaps::prepareTable(const std::vector<StrandShadowView>&
     room.makeRoom({free->views, "shadows/views", kMaxStrandShadows * sizeof(StrandShadowView),
                    sizeof(StrandShadowView), BufferUsage::kStorage | BufferUsage::kUpload});
   }
-  free->tickets.lose(kRemade);
+  free->tickets.lose(kShadowsRemade);
   free->content = content;
   free->maker = nullptr;
   return *free;

@@ -8,11 +8,14 @@
 #include <numbers>
 #include <vector>
 
+#include "base/finite.h"
 #include "base/vector3.h"
+#include "passes/dispatch_rows.h"
 #include "pelage/assert.h"
 #include "pelage/bindings.h"
 #include "pelage/constants.h"
 #include "pelage/kernels.h"
+#include "shading/light_numbers.h"
 
 namespace pelage::detail {
 namespace {
@@ -20,9 +23,6 @@ namespace {
 using Vector = Vector3<double>;
 
 constexpr uint32_t kVolumeCells = 16;
-constexpr uint32_t kMinSize = 4, kMaxSize = strand_shadow_view::kMaxShadowSize;
-constexpr uint32_t kMaxLayers = strand_shadow_view::kMaxShadowLayers;
-constexpr uint64_t kRow = dispatch::kRowThreads;
 // The layers end where light would be down to e^-8 in hair of mean density.
 constexpr double kLayerDepths = 8;
 // Finer quanta than this add nothing to what a float reads.
@@ -39,11 +39,6 @@ constexpr uint32_t kCubeFaces = 6;
 constexpr double kEdgeTexels = 3;
 // The radius up to which a fiber near a light is as wide as it is [texel]: sums keep small quanta.
 constexpr double kWidestFiber = 4;
-
-double toDouble(float x) { return static_cast<double>(x); }
-Vector toVector(Float3 v) { return {toDouble(v.x), toDouble(v.y), toDouble(v.z)}; }
-
-bool isFinite(Float3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 Float4 toRow(const Vector& v, double w) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z),
@@ -72,10 +67,11 @@ uint64_t texelsOf(const StrandShadowView& view) {
 
 // What is wrong with a map, or nothing.
 std::string faultOf(const StrandShadowDef& def) {
-  if (def.size < kMinSize || def.size > kMaxSize)
-    return fmt::format("a map of {} texels; it has to be {} to {}", def.size, kMinSize, kMaxSize);
-  if (def.layers > kMaxLayers)
-    return fmt::format("{} layers, at most {} are possible", def.layers, kMaxLayers);
+  if (def.size < kMinShadowSize || def.size > kMaxShadowSize)
+    return fmt::format("a map of {} texels; it has to be {} to {}", def.size, kMinShadowSize,
+                       kMaxShadowSize);
+  if (def.layers > kMaxShadowLayers)
+    return fmt::format("{} layers, at most {} are possible", def.layers, kMaxShadowLayers);
   if (!(def.radius > 0) || !std::isfinite(def.radius) || !isFinite(def.center))
     return fmt::format("a ball of radius {} m around ({}, {}, {})", def.radius, def.center.x,
                        def.center.y, def.center.z);
@@ -95,10 +91,10 @@ struct Projection {
 };
 
 // Unit vectors at right angles to an axis and to each other.
-struct Axes {
+struct MapAxes {
   Vector x, y;
 };
-Axes axesAround(const Vector& axis) {
+MapAxes axesAround(const Vector& axis) {
   const Vector up = std::abs(axis.y) < 0.9 ? Vector{0, 1, 0} : Vector{1, 0, 0};
   const Vector x = normalizeOr(cross(up, axis), {1, 0, 0});
   return {x, cross(axis, x)};
@@ -163,7 +159,7 @@ Projection fromPoint(const StrandShadowDef& def) {
   const double radius = toDouble(def.radius);
   StrandShadowView view = {};
   view.faceCount = sight.around ? kCubeFaces : 1;
-  view.width = view.height = sight.around ? std::max(def.size / 2, kMinSize) : def.size;
+  view.width = view.height = sight.around ? std::max(def.size / 2, kMinShadowSize) : def.size;
   const double texel = 2 * std::tan(sight.halfAngle) / (view.width - kEdgeTexels);
   double nearest = std::min(kNearest, radius * kNearestShare);
   if (sight.around) {
@@ -225,7 +221,7 @@ HairSums sumsOf(std::span<const ShadowedHair> hairs, double texel) {
 double hairVolume(std::span<const Float4> positions, uint32_t vertexCount) {
   PELAGE_ASSERT(vertexCount > 0, "strands without vertices");
   const auto toPoint = [](const Float4& p) { return toVector({p.x, p.y, p.z}); };
-  const auto isKnown = [](const Float4& p) { return isFinite({p.x, p.y, p.z}); };
+  const auto isKnown = [](const Float4& p) { return isFinite(Float3{p.x, p.y, p.z}); };
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Vector low = {kInfinity, kInfinity, kInfinity}, high = -low;
   for (const Float4& position : positions) {
@@ -328,10 +324,7 @@ Result<void> addStrandShadow(PassList& list, const StrandShadowPlan& plan,
     const uint64_t guides = hair.guideCount, follows = hair.strandCount - storedOf(hair);
     const uint64_t stored = uint64_t{storedOf(hair)} * hair.vertexCount * sizeof(Float4);
     PassBuilder builder(list);
-    builder
-        .dispatch(variant, static_cast<uint32_t>(std::min(threads, kRow)),
-                  static_cast<uint32_t>((threads + kRow - 1) / kRow))
-        .bytes(bytes);
+    dispatchRows(builder, variant, threads).bytes(bytes);
     // Stand-ins that are not read, where no strand is placed and all have one thickness.
     const BufferRange positions = {hair.positions,
                                    uint64_t{hair.vertexCount} * sizeof(Float4) *

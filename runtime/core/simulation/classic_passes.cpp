@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "passes/dispatch_rows.h"
 #include "pelage/bindings.h"
 #include "pelage/constants.h"
 #include "pelage/kernels.h"
@@ -11,8 +12,6 @@
 namespace pelage::detail {
 namespace {
 
-// The step that the artist's 0..1 values are defined at [s].
-constexpr double kReferenceStep = 1.0 / 60.0;
 // Stiffness 1 would be an infinite spring.
 constexpr double kMaxGlobalStiffness = 0.9999;
 // Beyond this the local shape's sweeps overshoot; found by sweeping it on curled strands.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/finite.h"
+#include "passes/dispatch_rows.h"
 #include "pelage/bindings.h"
 #include "pelage/constants.h"
 #include "pelage/kernels.h"
@@ -20,9 +22,7 @@ std::string faultOf(const ForceField& field, const ResourceTable& resources) {
   const auto fault = [](const std::string& what) { return "its force field " + what; };
   const BufferDesc* values = resources.find(field.values);
   if (values == nullptr) return fault("is in a buffer that does not exist");
-  const Float3 o = field.origin;
-  if (!std::isfinite(o.x) || !std::isfinite(o.y) || !std::isfinite(o.z))
-    return fault("has an origin that is not finite");
+  if (!isFinite(field.origin)) return fault("has an origin that is not finite");
   if (!(field.cellSize > 0) || !std::isfinite(field.cellSize)) {
     return fault("has cells of " + std::to_string(field.cellSize) +
                  " m, but their size must be finite and above 0");
@@ -60,9 +60,8 @@ Result<void> FieldForces::record(const FieldHair& hair, bool known, const Resour
   constants.fieldOrigin = {field.origin.x, field.origin.y, field.origin.z, field.cellSize};
   constants.fieldNodes = {field.nodes[0], field.nodes[1], field.nodes[2], 0};
   const BufferRange positions = {hair.positions, count * kForceSize};
-  constexpr uint32_t kRow = dispatch::kRowThreads;
   PassBuilder builder(list);
-  builder.dispatch(sampleForceFieldVariant(), std::min(count, kRow), (count + kRow - 1) / kRow)
+  dispatchRows(builder, sampleForceFieldVariant(), count)
       .bytes(count * (others ? 3 : 2) * kForceSize);
   // Positions stand in, and are not read, without forces of others.
   return builder.finish(ForceFieldBindings{

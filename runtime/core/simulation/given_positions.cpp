@@ -1,5 +1,6 @@
 #include "simulation/given_positions.h"
 
+#include "passes/dispatch_rows.h"
 #include "pelage/bindings.h"
 #include "pelage/kernels.h"
 #include "simulation/hair_passes.h"

@@ -15,7 +15,8 @@
 
 namespace pelage::detail {
 
-inline constexpr uint64_t kVector = sizeof(Float4);
+/// The step that the artist's 0..1 values are defined at, and the longest one [s].
+inline constexpr double kReferenceStep = 1.0 / 60.0;
 /// Root frames a guide in g_rootTransforms.
 inline constexpr uint64_t kRootTransformSets = simulation::kRootSets;
 

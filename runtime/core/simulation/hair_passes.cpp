@@ -1,7 +1,6 @@
 #include "simulation/hair_passes.h"
 
-#include <algorithm>
-
+#include "passes/dispatch_rows.h"
 #include "pelage/bindings.h"
 #include "pelage/constants.h"
 #include "pelage/kernels.h"
@@ -38,12 +37,6 @@ uint32_t followThreads(uint32_t strands) {
 
 uint64_t maxStoredFollows() {
   return kMaxGroups * updateFollowHairsVariant({}).groupSize[0] * kFollowsAThread;
-}
-
-void dispatchRows(PassBuilder& builder, const KernelVariant& variant, uint64_t threads) {
-  constexpr uint64_t kRow = dispatch::kRowThreads;
-  builder.dispatch(variant, static_cast<uint32_t>(std::min(threads, kRow)),
-                   static_cast<uint32_t>((threads + kRow - 1) / kRow));
 }
 
 Result<void> addRootPass(const HairFrame& frame, SkinningMethod skinning) {

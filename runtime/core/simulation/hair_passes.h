@@ -21,8 +21,6 @@ uint64_t maxStoredFollows();
 /// Where g_sleep has the groups of the follow strands [bytes].
 inline constexpr uint64_t kFollowArguments = exact::kSleepFollowArguments * sizeof(uint32_t);
 
-/// Threads in x and y of a dispatch in rows.
-void dispatchRows(PassBuilder& builder, const KernelVariant& variant, uint64_t threads);
 /// Puts the roots where the bones are.
 Result<void> addRootPass(const HairFrame& frame, SkinningMethod skinning);
 /// Places stored follow hairs beside their guides.

@@ -1,19 +1,8 @@
 #include "skinning/bone_bounds.h"
 
-#include <cmath>
-
 #include "base/bounds.h"
 
 namespace pelage::detail {
-
-namespace {
-
-float distance(Float3 a, Float3 b) {
-  const Float3 d = {a.x - b.x, a.y - b.y, a.z - b.z};
-  return std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
-}
-
-}  // namespace
 
 HostArray<BoneBounds> boundsOfRoots(const HairAsset& asset,
                                     std::span<const BoneInfluences> influences) {

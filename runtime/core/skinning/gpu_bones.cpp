@@ -8,6 +8,7 @@
 
 #include "assets/groom.h"
 #include "base/triangle_frame.h"
+#include "passes/dispatch_rows.h"
 #include "pelage/assert.h"
 #include "pelage/bindings.h"
 #include "pelage/constants.h"
@@ -108,13 +109,7 @@ struct SplitOrigin {
 SplitOrigin split(const LocalOrigin& origin) {
   const Vector3<double> at = origin.metres - origin.shifted;
   const Float3 whole = toFloat3(at);
-  return {toFloat4(at, 0), toFloat4(at - toDouble3(whole), 0)};
-}
-
-// A dispatch of one thread an item.
-void dispatchItems(PassBuilder& builder, const KernelVariant& variant, uint32_t count) {
-  constexpr uint32_t kRow = dispatch::kRowThreads;
-  builder.dispatch(variant, std::min(count, kRow), (count + kRow - 1) / kRow);
+  return {toFloat4(at, 0), toFloat4(at - toVector(whole), 0)};
 }
 
 Result<void> addConversion(SkeletonInternals& skeleton, SkinningMethod method,
@@ -134,7 +129,7 @@ Result<void> addConversion(SkeletonInternals& skeleton, SkinningMethod method,
   constants.convertToDual = method == SkinningMethod::kDualQuaternions ? 1 : 0;
   const uint64_t written = rowsOf(method) * skeleton.boneCount * sizeof(Float4);
   PassBuilder builder(list);
-  dispatchItems(builder, convertBonesVariant(), skeleton.boneCount);
+  dispatchRows(builder, convertBonesVariant(), skeleton.boneCount);
   builder.bytes(written + uint64_t{skeleton.boneCount} * floatsOf(bones.layout) * sizeof(float));
   return builder.finish(BoneConversionBindings{
       .boneConversionConstants = constants,
@@ -159,7 +154,7 @@ Result<void> addSurfacePasses(SkeletonInternals& skeleton, SkinningMethod method
     constants.surfaceStride = skeleton.vertices[i].stride;
     constants.surfaceOffset = skeleton.vertices[i].offset;
     PassBuilder builder(list);
-    dispatchItems(builder, followSurfaceVariant(), part.count);
+    dispatchRows(builder, followSurfaceVariant(), part.count);
     builder.bytes(part.count * (sizeof(SurfaceBone) + 9 * sizeof(float) + boneBytes));
     const Result<void> added = builder.finish(SurfaceBonesBindings{
         .surfaceBonesConstants = constants,

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <span>
 
+#include "base/finite.h"
 #include "pelage/assert.h"
 #include "pelage/constants.h"
 #include "pelage/skeleton.h"
@@ -32,7 +33,7 @@ void SkeletonPose::setBones(std::span<const AffineTransform> bones) {
                 "SkeletonPose::setBones() takes boneCount() transforms");
   bool changed = false;
   for (size_t i = 0; i < std::min(bones.size(), own.size()); ++i) {
-    if (bones[i] == own[i] || !detail::isFiniteBone(bones[i])) continue;
+    if (bones[i] == own[i] || !detail::isFinite(bones[i])) continue;
     own[i] = bones[i];
     changed = true;
   }
@@ -44,7 +45,7 @@ void SkeletonPose::setBones(const BoneBuffer& bones, const AffineTransform& plac
                 "a buffer of bones is for SkeletonDef::source = BoneSource::kBuffer");
   if (internals_->source != BoneSource::kBuffer) return;
   internals_->boneBuffer = bones;
-  if (detail::isFiniteBone(placement)) internals_->bones = {placement};
+  if (detail::isFinite(placement)) internals_->bones = {placement};
   ++internals_->version;
 }
 
@@ -56,24 +57,15 @@ void SkeletonPose::setVertices(std::span<const VertexBuffer> parts,
                 "setVertices() takes a buffer for each part of the skin table");
   if (parts.size() != internals_->parts.size()) return;
   internals_->vertices.assign(parts.begin(), parts.end());
-  if (detail::isFiniteBone(placement)) internals_->bones = {placement};
+  if (detail::isFinite(placement)) internals_->bones = {placement};
   ++internals_->version;
 }
 
 namespace detail {
-namespace {
 
-// The origin follows if the anchor is farther from it than this [m].
-constexpr float kOriginRange = 1.5f;
-// Larger coordinates are broken [m].
-constexpr float kUsable = std::bit_cast<float>(quaternion::kUsableBits);
-
-}  // namespace
-
-bool isFiniteBone(const AffineTransform& bone) {
-  return std::all_of(std::begin(bone.rows), std::end(bone.rows), [](const Float4& r) {
-    return std::isfinite(r.x) && std::isfinite(r.y) && std::isfinite(r.z) && std::isfinite(r.w);
-  });
+bool isUsable(const Float3& v) {
+  constexpr float kUsable = std::bit_cast<float>(quaternion::kUsableBits);
+  return std::abs(v.x) < kUsable && std::abs(v.y) < kUsable && std::abs(v.z) < kUsable;
 }
 
 void moveOrigin(SkeletonInternals& skeleton, const SkeletonInternals::Anchor& anchor) {
@@ -88,8 +80,7 @@ void moveOrigin(SkeletonInternals& skeleton) {
   const auto stays = [&](float distance) {
     return skeleton.originKnown && std::abs(distance) <= kOriginRange;
   };
-  const auto isUsable = [](float at) { return std::abs(at) < kUsable; };
-  if (!isUsable(p.x) || !isUsable(p.y) || !isUsable(p.z)) return;
+  if (!isUsable(p)) return;
   if (stays(away.x) && stays(away.y) && stays(away.z)) return;
   skeleton.origin = skeleton.origin.near(p);
   skeleton.originKnown = true;

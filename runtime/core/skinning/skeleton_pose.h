@@ -57,7 +57,8 @@ struct SkeletonInternals {
   Copy& copyFor(SkinningMethod method) { return copies[static_cast<size_t>(method)]; }
 };
 
-bool isFiniteBone(const AffineTransform& bone);
+/// Returns false for coordinates that are not finite or so large that they are broken.
+bool isUsable(const Float3& position);
 /// What is wrong with a definition, or nothing.
 std::string faultOf(const SkeletonDef& def);
 /// Makes the table of a skeleton that follows a surface.

@@ -3,7 +3,7 @@
 #include <Eigen/Cholesky>
 #include <numbers>
 
-namespace pelage::reference {
+namespace pelage::rod {
 
 PlanarChain::PlanarChain(const RestStrand& rest, double bend, double drag, double gravity)
     : edges_(rest.size() - 1),
@@ -104,4 +104,4 @@ double PlanarChain::energy() const {
   return sum;
 }
 
-}  // namespace pelage::reference
+}  // namespace pelage::rod

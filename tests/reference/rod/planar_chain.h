@@ -7,7 +7,7 @@
 
 #include "rest_strand.h"
 
-namespace pelage::reference {
+namespace pelage::rod {
 
 /// Chain in the x-y plane under gravity along -y. Vertex 0 and edge 0 are fixed; vertex i has the
 /// mass of its region (unit linear density).
@@ -37,4 +37,4 @@ class PlanarChain {
   std::vector<double> angles_, rates_;
 };
 
-}  // namespace pelage::reference
+}  // namespace pelage::rod

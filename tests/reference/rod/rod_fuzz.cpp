@@ -3,7 +3,7 @@
 #include <numbers>
 #include <random>
 
-namespace pelage::reference {
+namespace pelage::rod {
 namespace {
 
 // The distributions of the standard library differ from one implementation to the next.
@@ -94,4 +94,4 @@ FuzzCase makeFuzzCase(uint32_t seed, int frames) {
   return result;
 }
 
-}  // namespace pelage::reference
+}  // namespace pelage::rod

@@ -6,7 +6,7 @@
 
 #include "rod_settings.h"
 
-namespace pelage::reference {
+namespace pelage::rod {
 
 /// One strand with everything that happens to it. Segments of 1e-6 m to 3 m, some of zero length,
 /// folded or all coincident; B from 0 to 100; gravity to 1e4 m/s2; wind to 1e3 m/s; steps of 1/240
@@ -22,4 +22,4 @@ struct FuzzCase {
 /// The case of a seed: the same on every platform.
 FuzzCase makeFuzzCase(uint32_t seed, int frames);
 
-}  // namespace pelage::reference
+}  // namespace pelage::rod

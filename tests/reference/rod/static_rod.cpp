@@ -2,7 +2,7 @@
 
 #include <Eigen/LU>
 
-namespace pelage::reference {
+namespace pelage::rod {
 namespace {
 
 struct State {
@@ -52,13 +52,13 @@ StaticRod::Shot StaticRod::shoot(const Vector3d& clampMoment, double load) const
 }
 
 std::optional<std::vector<Vector3d>> StaticRod::solve(int loadSteps) const {
-  const double scale = reference::length(gravity) * length * length;
+  const double scale = rod::length(gravity) * length * length;
   Vector3d moment;
   for (int step = 1; step <= loadSteps; ++step) {
     const double load = static_cast<double>(step) / loadSteps;
     for (int iteration = 0; iteration < 50; ++iteration) {
       const Vector3d end = shoot(moment, load).endMoment;
-      if (reference::length(end) < 1e-12 * scale) break;
+      if (rod::length(end) < 1e-12 * scale) break;
       const double delta = 1e-6 * scale;
       Eigen::Matrix3d jacobian;
       for (int k = 0; k < 3; ++k) {
@@ -73,7 +73,7 @@ std::optional<std::vector<Vector3d>> StaticRod::solve(int loadSteps) const {
     }
   }
   Shot shot = shoot(moment, 1);
-  if (!(reference::length(shot.endMoment) < 1e-8 * scale)) return std::nullopt;
+  if (!(rod::length(shot.endMoment) < 1e-8 * scale)) return std::nullopt;
   return std::move(shot.points);
 }
 
@@ -84,4 +84,4 @@ Vector3d pointAt(const std::vector<Vector3d>& curve, double share) {
   return curve[i] * (1 - rest) + curve[i + 1] * rest;
 }
 
-}  // namespace pelage::reference
+}  // namespace pelage::rod

@@ -8,7 +8,7 @@
 
 #include "rest_strand.h"
 
-namespace pelage::reference {
+namespace pelage::rod {
 
 /// A rod of unit linear density, clamped at s = 0 and free at s = length.
 struct StaticRod {
@@ -36,4 +36,4 @@ struct StaticRod {
 /// Point of a curve of equal arc lengths at a share of its length.
 Vector3d pointAt(const std::vector<Vector3d>& curve, double share);
 
-}  // namespace pelage::reference
+}  // namespace pelage::rod

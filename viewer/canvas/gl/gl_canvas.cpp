@@ -3,8 +3,6 @@
 #define GL_GLEXT_PROTOTYPES
 #include <GL/glcorearb.h>
 
-#define GLFW_INCLUDE_NONE
-#include <GLFW/glfw3.h>
 #include <backends/imgui_impl_opengl3.h>
 #include <fmt/format.h>
 #include <imgui.h>
@@ -24,6 +22,7 @@
 #include "pelage/list_check.h"
 #include "sample/code.h"
 #include "viewer_kernels/code.h"
+#include "window/glfw.h"
 #include "window/window.h"
 
 namespace viewer {
@@ -45,7 +44,7 @@ void APIENTRY onMessage(GLenum, GLenum type, GLuint, GLenum severity, GLsizei,
   std::fprintf(stderr, "pelage-viewer: OpenGL: %s\n", message);
 }
 
-std::string text(GLenum name) {
+std::string stringOf(GLenum name) {
   const auto* string = reinterpret_cast<const char*>(glGetString(name));
   return string != nullptr ? string : "";
 }
@@ -170,9 +169,9 @@ void GlCanvas::listen() {
 
 void GlCanvas::describe() {
   info_.api = pelage::Api::kGl;
-  info_.name = text(GL_RENDERER);
-  info_.driver = text(GL_VENDOR);
-  info_.version = text(GL_VERSION);
+  info_.name = stringOf(GL_RENDERER);
+  info_.driver = stringOf(GL_VENDOR);
+  info_.version = stringOf(GL_VERSION);
   std::string lower = info_.name;
   std::transform(lower.begin(), lower.end(), lower.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });

@@ -1,7 +1,5 @@
 #include "canvas/vulkan/device.h"
 
-#define GLFW_INCLUDE_NONE
-#include <GLFW/glfw3.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "window/glfw.h"
 #include "window/window.h"
 
 namespace viewer {

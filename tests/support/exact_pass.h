@@ -1,0 +1,123 @@
+// The passes of simulate_exact, on buffers of a test's own.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "pelage/gpu_structs.h"
+#include "pelage/kernels.h"
+#include "support/contact_pass.h"
+#include "support/gpu_fixture.h"
+
+namespace pelage::test {
+
+/// What strands start with.
+struct ExactData {
+  std::vector<ExactStrand> strands;  ///< in tiles of 32
+  std::vector<Float4> state, rest, roots;
+  uint32_t stride = 0, strandRecords = 0, outputs = 0;
+};
+
+class ExactPass {
+ public:
+  static constexpr uint32_t kReset = 1, kAgain = 128, kPose = 256;  // of ExactConstants::flags
+
+  /// \param subSteps  at most, of a frame
+  ExactPass(Gpu& gpu, const SimulateExactKey& key, const ExactData& data, uint32_t subSteps = 1)
+      : positions(gpu, "positions", std::vector<Float4>(data.outputs)),
+        tangents(gpu, "tangents", std::vector<Float4>(data.outputs)),
+        state(gpu, "state", data.state),
+        rest(gpu, "rest", data.rest),
+        roots(gpu, "rootFrames", data.roots),
+        gpu_(gpu),
+        key_(key),
+        sleep_(gpu, "sleep",
+               std::vector<uint32_t>(12 + 2 * ((data.strands.size() + 31) / 32) +
+                                     data.strands.size())) {
+    constants.strandCount = static_cast<uint32_t>(data.strands.size());
+    constants.simulatedCount = constants.fadeStart = constants.rootCount = constants.strandCount;
+    constants.stateStride = data.stride;
+    constants.strandRecords = data.strandRecords;
+    constants.outputCount = data.outputs;
+    if (key.contacts) addContacts(data, subSteps);
+    expectOk(gpu.device()->update(gpu.resources));
+  }
+
+  ExactConstants constants = {};
+  GuardedBuffer<Float4> positions, tangents, state, rest, roots;
+  std::optional<ContactPass> contacts;
+
+  /// Once before the first sub-step of a frame.
+  void begin(PassList& list) {
+    if (contacts) contacts->begin(list);
+  }
+  /// The passes of a sub-step, as scenes have them: the pose of a reset, contacts, the step, and
+  /// again where a vertex has ended far from where its contact was found.
+  void solve(PassList& list, detail::ContactStep step) {
+    if (!contacts) {
+      dispatch(list, constants, step.index);
+      return;
+    }
+    constants.contactHead = contacts->contacts().head(step.index);
+    const detail::ContactHair hair = {.positions = positions.id(),
+                                      .roots = gpu_.resources.whole(roots.id()),
+                                      .rootCount = constants.rootCount,
+                                      .strands = constants.simulatedCount,
+                                      .origin = {}};
+    ExactConstants values = constants;
+    values.flags |= kPose;
+    if ((constants.flags & kReset) != 0) dispatch(list, values, step.index);
+    contacts->find(list, hair, step);
+    dispatch(list, constants, step.index);
+    step.again = true;
+    contacts->find(list, hair, step);
+    values.flags = (constants.flags & ~kReset) | kAgain;
+    dispatch(list, values, step.index);
+  }
+  /// Fails when a pattern behind a buffer was written to.
+  void checkGuards() const {
+    for (const auto* buffer : {&positions, &tangents, &state, &rest, &roots}) (void)buffer->read();
+    if (contacts) contacts->checkGuards();
+    (void)sleep_.read();
+  }
+
+ private:
+  void addContacts(const ExactData& data, uint32_t subSteps) {
+    std::vector<ContactStrand> strands;
+    uint32_t most = 0;
+    for (const ExactStrand& s : data.strands) {
+      strands.push_back({.target = s.target, .count = s.count, .root = s.root, .pad0 = 0});
+      most = std::max(most, s.count);
+    }
+    contacts.emplace(gpu_, strands, most, uint64_t{data.outputs}, subSteps);
+    const detail::HairContacts& found = contacts->contacts();
+    constants.contactList = found.list();
+    constants.contactMasks = found.masks();
+    constants.contactMaskWords = found.maskWords();
+  }
+  void dispatch(PassList& list, const ExactConstants& values, uint32_t step) {
+    PassBuilder builder(list);
+    const KernelVariant& variant = *simulateExactVariant(key_);
+    if ((values.flags & kAgain) != 0)
+      builder.dispatchIndirect(variant, contacts->contacts().words(),
+                               contacts->contacts().solveArguments(step));
+    else
+      builder.dispatch(variant, constants.strandCount);
+    positions.bindTo(builder, "g_positions");
+    tangents.bindTo(builder, "g_tangents");
+    state.bindTo(builder, "g_state");
+    rest.bindTo(builder, "g_rest");
+    sleep_.bindTo(builder, "g_sleep");
+    if (contacts) contacts->bindTo(builder);
+    builder.constants("ExactConstants", values);
+    expectOk(builder.finish());
+  }
+
+  Gpu& gpu_;
+  SimulateExactKey key_;
+  GuardedBuffer<uint32_t> sleep_;
+};
+
+}  // namespace pelage::test
