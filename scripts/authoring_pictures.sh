@@ -10,6 +10,7 @@ trap 'rm -rf "$out"' EXIT
 blender -b --factory-startup -noaudio --python-exit-code 1 \
   --python scripts/authoring_pictures.py -- "$out"
 "$tool" --asset "$out/bust.tfx" --bones "$out/bust.tfxbone" --mesh "$out/bust.tfxmesh" \
-  --frames 40 --every 40 --width 320 --height 320 --out "$out" --quiet "$@"
+  --frames 40 --every 40 --quality full --width 320 --height 320 \
+  --out "$out" --quiet "$@"
 mv "$out/blender.png" docs/images/authoring_blender.png
 mv "$out/frame_0040.png" docs/images/authoring_sample.png

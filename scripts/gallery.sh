@@ -7,6 +7,7 @@ shift || true
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 for groom in parted straight curly fur mohawk; do
-  "$tool" --groom "$groom" --frames 30 --every 30 --width 512 --height 512 --out "$out" --quiet "$@"
+  "$tool" --groom "$groom" --frames 30 --every 30 --quality full --width 512 --height 512 \
+    --out "$out" --quiet "$@"
   mv "$out/frame_0030.png" "docs/images/gallery_$groom.png"
 done

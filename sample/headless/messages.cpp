@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <csignal>
 #include <cstdio>
 
@@ -12,8 +11,7 @@
 namespace sample {
 namespace {
 
-constexpr int kBarWidth = 32;
-constexpr std::chrono::milliseconds kRedraw{100};
+constexpr std::chrono::milliseconds kRedraw{100}, kNextLine{5000};
 
 volatile std::sig_atomic_t g_interrupted = 0;
 
@@ -27,24 +25,26 @@ void onSignal(int signal) {
 void printError(std::string_view text) { pelage::program::printError(kProgram, text); }
 void printWarning(std::string_view text) { pelage::program::printWarning(kProgram, text); }
 
-Progress::Progress(uint32_t total, bool quiet)
-    : total_(total), shown_(!quiet && isatty(STDOUT_FILENO) != 0), start_(Clock::now()) {}
+Progress::Progress(bool quiet)
+    : quiet_(quiet), terminal_(isatty(STDOUT_FILENO) != 0), start_(Clock::now()) {}
 
-Progress::~Progress() {
-  if (shown_) fmt::print("\r\x1b[K");
+void Progress::begin(std::string_view text) {
+  if (quiet_) return;
+  last_ = Clock::now();
+  const double seconds = std::chrono::duration<double>(last_ - start_).count();
+  if (terminal_)
+    fmt::print("\r{}, {:.0f} s\x1b[K", text, seconds);
+  else
+    fmt::print("{:4.0f} s  {}\n", seconds, text);
   std::fflush(stdout);
 }
 
-void Progress::update(uint32_t done) {
-  if (!shown_) return;
-  const Clock::time_point now = Clock::now();
-  if (now - last_ < kRedraw && done < total_) return;
-  last_ = now;
-  const double seconds = std::chrono::duration<double>(now - start_).count();
-  const double left = done > 0 ? seconds / done * (total_ - done) : 0;
-  const int filled = static_cast<int>(uint64_t{done} * kBarWidth / std::max(total_, 1u));
-  fmt::print("\r[{:#<{}}{:.<{}}] {}/{} frames, {:.0f} s left\x1b[K", "", filled, "",
-             kBarWidth - filled, done, total_, left);
+void Progress::update(std::string_view text) {
+  if (Clock::now() - last_ >= (terminal_ ? kRedraw : kNextLine)) begin(text);
+}
+
+void Progress::clear() {
+  if (terminal_ && !quiet_) fmt::print("\r\x1b[K");
   std::fflush(stdout);
 }
 

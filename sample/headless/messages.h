@@ -1,8 +1,7 @@
-// What pelage-headless says: errors in one line, and its progress on a terminal.
+// What pelage-headless says: errors in one line, and its progress.
 #pragma once
 
 #include <chrono>
-#include <cstdint>
 #include <string_view>
 
 namespace sample {
@@ -17,20 +16,24 @@ void printError(std::string_view text);
 /// Prints `pelage-headless: warning: ...` likewise, with --quiet, too.
 void printWarning(std::string_view text);
 
-/// A bar with the time that is left, drawn on stdout while it is a terminal, and not at all
-/// otherwise.
+/// Shows on stdout what the program does, with the seconds since its start: one line that changes
+/// on a terminal, else lines at least 5 s apart.
 class Progress {
  public:
-  Progress(uint32_t total, bool quiet);
-  ~Progress();
+  explicit Progress(bool quiet);
+  ~Progress() { clear(); }
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
-  void update(uint32_t done);
+  /// Says what begins. It is shown at once.
+  void begin(std::string_view text);
+  /// Says how far it is. It may be skipped.
+  void update(std::string_view text);
+  /// Removes the line of a terminal, for other output.
+  void clear();
 
  private:
   using Clock = std::chrono::steady_clock;
-  uint32_t total_;
-  bool shown_;
+  bool quiet_, terminal_;
   Clock::time_point start_, last_;
 };
 

@@ -1,6 +1,7 @@
 #include "options.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -29,6 +30,13 @@ bool showsCharacter(const Options& options) {
 
 uint32_t samplesOf(const Options& options) {
   return options.samples.value_or(isSorted(options.transparency) ? 1 : 4);
+}
+
+void chooseQuality(Options& options, bool software) {
+  if (!options.quality) options.quality = software ? Quality::kFast : Quality::kFull;
+  const bool fast = options.quality == Quality::kFast;
+  if (!options.every) options.every = fast ? std::max(options.frames / 6, 10u) : 10;
+  if (!options.supersample) options.supersample = fast ? 1 : 2;
 }
 
 namespace {
@@ -77,8 +85,10 @@ void checkTogether(const Options& options, const std::vector<float>& wind) {
         "--samples", "is 1 but with --transparency alpha-test and --transparency stochastic");
   if (options.repeat != 1 && showsCharacter(options))
     throw CLI::ValidationError("--repeat", "is for --scene head and --asset");
+  Options largest = options;
+  chooseQuality(largest, false);
   for (const uint32_t size : {options.width, options.height})
-    if (size * options.supersample > 16384)
+    if (size * *largest.supersample > 16384)
       throw CLI::ValidationError("--supersample",
                                  "makes the picture larger than 16384 pixels on a side");
 }
@@ -255,7 +265,14 @@ void addPictureOptions(CLI::App& app, Options& options, Given& given) {
   app.add_option("--frames", options.frames, "frames of 1/60 s to simulate (240)")
       ->check(CLI::Range(1u, 1u << 20).description(""))
       ->type_name("N");
-  app.add_option("--every", options.every, "render every Nth frame (10)")
+  const std::map<std::string, Quality> qualities = {{"full", Quality::kFull},
+                                                    {"fast", Quality::kFast}};
+  app.add_option("--quality", options.quality,
+                 "full: --every 10 --supersample 2; fast: 6 pictures, --supersample 1, and half of "
+                 "the fur's guides with more follow hairs (fast on software drivers, else full)")
+      ->transform(oneOf(qualities))
+      ->type_name("QUALITY");
+  app.add_option("--every", options.every, "render every Nth frame")
       ->check(CLI::Range(1u, 1u << 20).description(""))
       ->type_name("N");
   app.add_option("--width", options.width, "of the pictures [pixels] (640)")
@@ -295,7 +312,7 @@ void addPictureOptions(CLI::App& app, Options& options, Given& given) {
           ->check(CLI::IsMember({1u, 2u, 4u, 8u}).description(""))
           ->type_name("N");
   app.add_option("--supersample", options.supersample,
-                 "render N times larger and average in linear light, 1..4 (2)")
+                 "render N times larger and average in linear light, 1..4")
       ->check(CLI::Range(1u, 4u).description(""))
       ->type_name("N");
   app.add_flag("--draw-sdf", options.drawSdf,

@@ -22,6 +22,12 @@ namespace sample {
 /// What is generated, unless files are given.
 enum class GeneratedScene : uint8_t { kCharacter, kHead };
 
+/// How much is simulated and drawn where options do not say it.
+enum class Quality : uint8_t {
+  kFull,
+  kFast,  ///< for software drivers: 6 pictures, no supersampling, half of the fur's guides
+};
+
 struct Options {
   pelage::Api api = pelage::Api::kVulkan;
   int device = -1;
@@ -49,12 +55,12 @@ struct Options {
   std::optional<pelage::SettingsFile> settings;
 
   uint32_t frames = 240;
-  uint32_t every = 10;
   uint32_t width = 640, height = 640;
+  std::optional<Quality> quality;              ///< that of the device when not given
+  std::optional<uint32_t> every, supersample;  ///< those of the quality when not given
   std::optional<uint32_t> samples;  ///< what the kind of transparency wants when not given
   pelage::Transparency transparency = pelage::Transparency::kWindowed;
   pelage::HairShadow shadow = pelage::HairShadow::kDeep;
-  uint32_t supersample = 2;
   bool images = true;
   bool drawSdf = false, drawContacts = false;
   std::filesystem::path out = "out";
@@ -72,6 +78,10 @@ bool showsCharacter(const Options& options);
 
 /// Samples a pixel of the target.
 uint32_t samplesOf(const Options& options);
+
+/// Gives quality, `every` and `supersample` their values where they are not given.
+/// \param software the device is a software driver (DeviceInfo::software).
+void chooseQuality(Options& options, bool software);
 
 /// The options, or the exit code of a program that has said what there was to say: help, the
 /// version, or one line on stderr about what is wrong.

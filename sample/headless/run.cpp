@@ -74,8 +74,8 @@ class FrameLoop {
  public:
   FrameLoop(const Options& options, DemoScene& demo, HeadlessDevice& device)
       : demo_(demo), device_(device) {
-    const uint32_t width = options.width * options.supersample;
-    const uint32_t height = options.height * options.supersample;
+    const uint32_t width = options.width * *options.supersample;
+    const uint32_t height = options.height * *options.supersample;
     const Camera camera =
         demo.camera(static_cast<float>(options.width) / static_cast<float>(options.height));
     view_ = makeView(camera, width, height, samplesOf(options));
@@ -186,20 +186,25 @@ struct RunResult {
 };
 
 // Runs the frames.
-Result<RunResult> runFrames(const Options& options, FrameLoop& loop) {
+Result<RunResult> runFrames(const Options& options, FrameLoop& loop, Progress& progress) {
   std::optional<PictureWriter> pictures;
-  if (options.images && options.frames >= options.every) {
-    auto writer = PictureWriter::create(options.out, options.frames / options.every, options.width,
-                                        options.height, options.supersample);
+  const uint32_t pictureCount = options.frames / *options.every;
+  if (options.images && pictureCount > 0) {
+    auto writer = PictureWriter::create(options.out, pictureCount, options.width, options.height,
+                                        *options.supersample);
     if (!writer) return writer.error();
     pictures = std::move(*writer);
   }
-  Progress progress(options.frames, options.quiet);
+  progress.begin("compiling kernels and simulating the first frame");
   RunResult result;
   uint32_t& frame = result.frames;
   while (frame < options.frames && !interrupted()) {
     ++frame;
-    if (pictures && frame % options.every == 0) {
+    if (pictures && frame % *options.every == 0) {
+      const uint32_t number = frame / *options.every;
+      progress.begin(fmt::format("{}drawing picture {} of {}, frame {} of {}",
+                                 number == 1 ? "compiling kernels and " : "", number, pictureCount,
+                                 frame, options.frames));
       const auto image = loop.render();
       if (!image) return image.error();
       if (Result<void> done = pictures->add(frame, *image); !done) return done.error();
@@ -209,8 +214,9 @@ Result<RunResult> runFrames(const Options& options, FrameLoop& loop) {
     } else if (Result<void> done = loop.simulate(); !done) {
       return done.error();
     }
-    progress.update(frame);
+    progress.update(fmt::format("simulated frame {} of {}", frame, options.frames));
   }
+  progress.clear();
   if (pictures)
     if (Result<void> done = pictures->finish(); !done) return done.error();
   return result;
@@ -226,9 +232,9 @@ std::string frameList(const std::vector<uint32_t>& frames) {
 
 // A picture without hair, or no picture at all, is never left without a word.
 void reportPictures(const Options& options, const std::vector<CheckedPicture>& pictures) {
-  if (options.images && options.frames < options.every)
+  if (options.images && options.frames < *options.every)
     printWarning(fmt::format("there is no picture: --frames {} is less than --every {}",
-                             options.frames, options.every));
+                             options.frames, *options.every));
   std::vector<uint32_t> empty, invalid;
   for (const auto& [frame, hair] : pictures) {
     const bool isEnd = frame == pictures.front().frame || frame == pictures.back().frame;
@@ -254,9 +260,10 @@ void printGrooms(const Options& options, const DemoScene& demo) {
                hair.guideCount(), hair.verticesPerStrand(), hair.followCount(), hair.boneCount());
   }
   if (options.images)
-    fmt::print("images: {}, every {} of {} frames, {} x {}, {} samples\n", options.out.string(),
-               options.every, options.frames, options.width, options.height,
-               samplesOf(options) * options.supersample * options.supersample);
+    fmt::print("images: {}, every {} of {} frames, {} x {}, {} samples, {} quality\n",
+               options.out.string(), *options.every, options.frames, options.width, options.height,
+               samplesOf(options) * *options.supersample * *options.supersample,
+               options.quality == Quality::kFast ? "fast" : "full");
 }
 
 // What contacts of follow hairs took in the last frame.
@@ -328,8 +335,17 @@ Result<DemoScene> makeCharacterScene(const Options& options) {
          {&def.longHair.strandCount, &def.fur.strandCount, &def.mohawk.strandCount})
       *count = static_cast<uint32_t>(std::clamp(std::round(share * *count), 1.0, 1e6));
   }
-  const auto character = pelage::generateCharacter(def);
+  // The contacts of the fur's guides take longest. Half of them with more follow hairs look alike.
+  const bool halvesFur = options.quality == Quality::kFast && !options.guides && !options.follow &&
+                         options.writeAsset.empty();
+  if (halvesFur) def.fur.strandCount /= 2;
+  auto character = pelage::generateCharacter(def);
   if (!character) return character.error();
+  if (halvesFur) {
+    pelage::FollowDef& follow = character->grooms[1].follow;
+    follow.countPerGuide = 2 * follow.countPerGuide + 1;
+    follow.maxRadius *= std::sqrt(2.0f);
+  }
   if (!options.writeAsset.empty())
     if (Result<void> done = writeAssets(*character, options.writeAsset); !done) return done.error();
   return DemoScene::create(*character, demoDef(options));
@@ -346,10 +362,11 @@ Result<DemoScene> makeHeadScene(const Options& options) {
   return DemoScene::create(*assets, demoDef(options));
 }
 
-Result<DemoScene> makeFileScene(const Options& options) {
+Result<DemoScene> makeFileScene(const Options& options, Progress& progress) {
   std::vector<std::string> warnings;
   auto loaded = pelage::program::loadAssetFiles(options.files, warnings);
   if (!loaded) return loaded.error();
+  progress.clear();
   for (const std::string& warning : warnings) printWarning(warning);
   for (const std::string& warning : pelage::program::unitWarnings(*loaded, options.files.scale))
     printWarning(warning);
@@ -371,8 +388,9 @@ Result<DemoScene> makeFileScene(const Options& options) {
   return DemoScene::create(files, demoDef(options));
 }
 
-Result<DemoScene> makeScene(const Options& options) {
-  if (showsFiles(options)) return makeFileScene(options);
+Result<DemoScene> makeScene(const Options& options, Progress& progress) {
+  progress.begin(showsFiles(options) ? "loading files" : "generating hair and meshes");
+  if (showsFiles(options)) return makeFileScene(options, progress);
   return showsCharacter(options) ? makeCharacterScene(options) : makeHeadScene(options);
 }
 
@@ -385,15 +403,17 @@ Result<void> checkMessages(const Options& options, const HeadlessDevice& device)
 
 }  // namespace
 
-Result<void> run(const Options& options) {
+Result<void> run(Options options) {
   if (options.listDevices) return printDevices(options.api);
 
-  auto demo = makeScene(options);
-  if (!demo) return demo.error();
-
+  Progress progress(options.quiet);
   const auto device = makeDevice(options);
+  if (device) chooseQuality(options, (*device)->info().software);
+  auto demo = makeScene(options, progress);
+  if (!demo) return demo.error();
   if (!device) return device.error();
   demo->setTier((*device)->info().tier);
+  progress.clear();
   if (!options.quiet) {
     fmt::print("device: {}\n", describe((*device)->info()));
     printGrooms(options, *demo);
@@ -401,7 +421,7 @@ Result<void> run(const Options& options) {
 
   const auto start = std::chrono::steady_clock::now();
   FrameLoop loop(options, *demo, **device);
-  const auto result = runFrames(options, loop);
+  const auto result = runFrames(options, loop, progress);
   if (!result) return result.error();
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
 

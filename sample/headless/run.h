@@ -8,6 +8,6 @@ namespace sample {
 
 /// Does what the options ask for and prints the figures. Ends early, after the frame at hand, when
 /// interrupted() becomes true.
-pelage::Result<void> run(const Options& options);
+pelage::Result<void> run(Options options);
 
 }  // namespace sample
