@@ -18,10 +18,10 @@ using pelage::Api;
 using pelage::Float4;
 using pelage::HeadlessDevice;
 using pelage::PassList;
-using pelage::reference::axisAngle;
-using pelage::reference::RootPose;
-using pelage::reference::straightPoints;
-using pelage::reference::Vector3d;
+using pelage::rod::axisAngle;
+using pelage::rod::RootPose;
+using pelage::rod::straightPoints;
+using pelage::rod::Vector3d;
 
 class Baseline : public testing::TestWithParam<Api> {
  protected:

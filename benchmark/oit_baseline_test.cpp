@@ -5,9 +5,7 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <fstream>
 #include <iostream>
-#include <iterator>
 #include <memory>
 #include <string>
 
@@ -15,6 +13,7 @@
 #include "oit/oit_measure.h"
 #include "simulation/bench_device.h"
 #include "support/required_devices.h"
+#include "support/test_folder.h"
 
 namespace bench {
 namespace {
@@ -22,6 +21,8 @@ namespace {
 using pelage::Api;
 using pelage::HeadlessDevice;
 using pelage::Result;
+using pelage::test::TestFolder;
+using pelage::test::textOf;
 
 constexpr uint32_t kPixels = 72;
 
@@ -130,9 +131,8 @@ TEST_P(OitBaseline, ClassicIsNearTheExactCompositeAndWindowedIsNearer) {
 TEST_P(OitBaseline, HasFiguresOfMethodsWithoutListsAndWritesTheHeaderOnce) {
   expectRowsLikeAll();
   const ExactPicture picture = exact();
-  const std::string path =
-      testing::TempDir() + "pelage_oit_" + pelage::apiName(GetParam()) + ".csv";
-  std::remove(path.c_str());
+  const TestFolder folder;
+  const std::string path = (folder / "figures.csv").string();
   for (const char* name : {"hybrid4", "stochastic"}) {
     OitRow row = measured(name, picture);
     EXPECT_GT(row.error.psnr, 10) << name;
@@ -144,8 +144,7 @@ TEST_P(OitBaseline, HasFiguresOfMethodsWithoutListsAndWritesTheHeaderOnce) {
     const Result<void> done = appendOitCsv(path, row, device_->info(), "test");
     ASSERT_TRUE(done.ok()) << done.error().message;
   }
-  std::ifstream file(path);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const std::string text = textOf(path);
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 3);
   EXPECT_EQ(text.find("commit,api,"), 0u);
   EXPECT_EQ(text.find("commit,api,", 1), std::string::npos);
@@ -155,7 +154,6 @@ TEST_P(OitBaseline, HasFiguresOfMethodsWithoutListsAndWritesTheHeaderOnce) {
                       text.begin() + static_cast<ptrdiff_t>(end), ',');
   };
   EXPECT_EQ(commasTo(0, text.find(",device")), commasTo(text.find('\n'), text.find(",\"")));
-  std::remove(path.c_str());
 }
 
 INSTANTIATE_TEST_SUITE_P(Api, OitBaseline, testing::Values(Api::kVulkan, Api::kGl),

@@ -15,12 +15,12 @@ mohawk=$data/ratboy/Ratboy_mohawk
 if [ -f "$mohawk.tfx" ]; then asset=(--asset "$mohawk.tfx" --bones "$mohawk.tfxbone"); fi
 for api in vulkan gl gles; do
   for repeat in 1 15; do
-    "$tool" --api "$api" "${asset[@]}" --repeat "$repeat" --follow 4 --frames 240 --quiet \
+    "$tool" --quality full --api "$api" "${asset[@]}" --repeat "$repeat" --follow 4 --frames 240 --quiet \
       --no-images --csv "$csv" --commit "$commit"
-    "$tool" --api "$api" "${asset[@]}" --repeat "$repeat" --follow 4 --frames 60 --every 6 --quiet \
+    "$tool" --quality full --api "$api" "${asset[@]}" --repeat "$repeat" --follow 4 --frames 60 --every 6 --quiet \
       --width 1920 --height 1080 --supersample 1 --out "$(mktemp -d)" --csv "$csv" --commit "$commit"
   done
-  "$tool" --api "$api" --frames 240 --quiet --no-images --csv "$csv" --commit "$commit"
-  "$tool" --api "$api" --frames 60 --every 6 --quiet --width 1920 --height 1080 --supersample 1 \
+  "$tool" --quality full --api "$api" --frames 240 --quiet --no-images --csv "$csv" --commit "$commit"
+  "$tool" --quality full --api "$api" --frames 60 --every 6 --quiet --width 1920 --height 1080 --supersample 1 \
     --out "$(mktemp -d)" --csv "$csv" --commit "$commit"
 done

@@ -29,12 +29,28 @@ def commands_of(build):
         }
 
 
+def configured(root):
+    """A build tree with a command for each source and the generated headers; its path."""
+    build = f"{root}/build/each"
+    options = [f"-DPELAGE_CODEGEN_CACHE={root}/build/codegen_cache"]
+    codegen = f"{root}/build/release/codegen/pelage-codegen"
+    if os.path.exists(codegen):
+        options.append(f"-DPELAGE_CODEGEN_EXECUTABLE={codegen}")
+    subprocess.run(["cmake", "--preset", "each", *options], cwd=root, check=True,
+                   stdout=subprocess.DEVNULL)
+    targets = subprocess.run(["ninja", "-C", build, "-t", "targets", "all"], check=True,
+                             stdout=subprocess.PIPE, text=True).stdout
+    headers = sorted(set(re.findall(r"^(\w+_headers): phony", targets, re.M)))
+    subprocess.run(["ninja", "-C", build, *headers], check=True, stdout=subprocess.DEVNULL)
+    return build
+
+
 def groups_of(sources, commands, most):
     """Lists of at most `most` sources of one folder with the same flags, the longest first."""
     folders = collections.defaultdict(list)
     for source in sources:
         if source not in commands:
-            sys.exit(f"tidy: {source} is not compiled by the release build")
+            sys.exit(f"tidy: {source} is not compiled by the build")
         flags = commands[source]["command"].split(" -o ")[0]
         folders[os.path.dirname(source), flags].append(source)
     groups = [files[first:first + most]
@@ -99,7 +115,7 @@ def main():
                             cwd=root, stdout=subprocess.PIPE, text=True, check=True).stdout.split()
     sources = ([os.path.abspath(source) for source in options.sources] or
                [f"{root}/{source}" for source in listed])
-    commands = commands_of(f"{root}/build/release")
+    commands = commands_of(configured(root))
     if not any(source.startswith(f"{root}/viewer/") for source in commands):
         sources = [source for source in sources if not source.startswith(f"{root}/viewer/")]
     groups = groups_of(sources, commands, 1 if options.each else SOURCES_PER_GROUP)

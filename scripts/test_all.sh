@@ -1,0 +1,111 @@
+#!/usr/bin/env bash
+# What a release needs: scripts/test.sh, and all that takes longer. Without arguments every step runs; else
+# those that are named:
+#   scripts/test_all.sh sanitizers fuzz
+# test             scripts/test.sh
+# sources          every source compiled by itself, without the unity build
+# sanitizers       host code under the address and undefined-behavior sanitizers, with leaks: label unit
+# sanitizers_gpu   runtimes, kernels' host code and pictures under them, on software drivers
+# fuzz             the fuzzers of loaders, 20,000 inputs each
+# analysis         clang-tidy
+# stress           long runs, soak, random parameters, determinism; PELAGE_STRESS=full makes it hours
+# oracle           references and comparisons with them, at full length
+# tiers            the core of the suite on devices of tier base
+# viewer           the window under random input, 5 minutes an API
+# blender usd      the add-on in Blender, and the USD files by another reader
+# package          programs of others against installed libraries; the Debian package in an empty Debian (as root)
+# shared           shared libraries
+# Not among them: `mutants` (scripts/mutants.py, hours).
+set -euo pipefail
+cd "$(dirname "$0")/.."
+[ $# -gt 0 ] || set -- test sources sanitizers sanitizers_gpu fuzz analysis stress oracle tiers viewer \
+  blender usd package shared
+
+for name in "$@"; do
+  case "$name" in
+    test | sources | sanitizers | sanitizers_gpu | fuzz | analysis | stress | oracle | tiers | viewer | \
+      blender | usd | package | shared | mutants) ;;
+    *)
+      echo "pelage: no step '$name'; scripts/test_all.sh lists them in its first lines" >&2
+      exit 2
+      ;;
+  esac
+done
+source scripts/steps.sh
+
+# The release build of scripts/test.sh, made here where that step does not run.
+build_release() {
+  bash scripts/install_packages.sh scripts/packages.txt scripts/packages_viewer.txt \
+    scripts/packages_tests.txt
+  cmake --preset release -DPELAGE_BUILD_TESTS=ON -DPELAGE_BUILD_BENCHMARKS=ON \
+    -DPELAGE_CODEGEN_CACHE="$codegen_cache" "$@" > /dev/null
+  cmake --build --preset release --parallel "$jobs"
+}
+# The slow tests of a label.
+slow_tests() {
+  build_release
+  ctest --preset release --parallel "$jobs" -L slow -L "$1" -E consumer_shared
+}
+# build_sanitized [OPTION...]: kernels come from the release build, whose generator made them; the
+# generator itself runs under the sanitizers in its own tests.
+build_sanitized() {
+  build_release
+  cmake --preset asan -DPELAGE_CODEGEN_CACHE="$codegen_cache" \
+    -DPELAGE_CODEGEN_EXECUTABLE="$PWD/build/release/codegen/pelage-codegen" "$@" > /dev/null
+  cmake --build --preset asan --parallel "$jobs"
+}
+
+for name in "$@"; do
+  step "$name"
+  case "$name" in
+    test) bash scripts/test.sh ;;
+    sources)
+      build_release
+      cmake --preset each -DPELAGE_BUILD_TESTS=ON -DPELAGE_BUILD_BENCHMARKS=ON \
+        -DPELAGE_CODEGEN_CACHE="$codegen_cache" \
+        -DPELAGE_CODEGEN_EXECUTABLE="$PWD/build/release/codegen/pelage-codegen" > /dev/null
+      cmake --build --preset each --parallel "$jobs"
+      ;;
+    sanitizers)
+      # The drivers keep caches until the process ends, so leaks are looked for in the tests without them.
+      build_sanitized -DPELAGE_UNIT_TESTS_ONLY=ON
+      ASAN_OPTIONS=detect_leaks=1 ctest --preset asan -L unit -LE slow --parallel "$jobs"
+      ;;
+    sanitizers_gpu)
+      # GLES has the host code of GL; tests of kernels, samples and tools have the same on every API.
+      # Long runs and their pictures are no other code.
+      build_sanitized -DPELAGE_UNIT_TESTS_ONLY=OFF
+      ASAN_OPTIONS=detect_leaks=0 ctest --preset asan -L gpu -LE "unit|slow|gles|golden|oracle" \
+        --parallel "$jobs"
+      ;;
+    fuzz)
+      build_release
+      bash scripts/fuzz.sh
+      ;;
+    analysis)
+      build_release
+      python3 scripts/tidy.py
+      ;;
+    stress | tiers | blender | usd) slow_tests "$name" ;;
+    oracle)
+      build_release
+      PELAGE_STRESS=full ctest --preset release --parallel "$jobs" -L oracle
+      ;;
+    viewer)
+      build_release
+      PELAGE_STRESS=full build/release/tests/viewer/viewer_tests --gtest_filter='*SurvivesRandomInput*'
+      ;;
+    package)
+      slow_tests package
+      bash scripts/test_package.sh
+      ;;
+    shared)
+      build_release -DPELAGE_TEST_SHARED=ON
+      ctest --preset release -R consumer_shared
+      ;;
+    mutants)
+      build_release
+      python3 scripts/mutants.py
+      ;;
+  esac
+done
