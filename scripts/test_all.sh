@@ -46,13 +46,15 @@ slow_tests() {
   build_release
   ctest --preset release --parallel "$jobs" -L slow -L "$1" -E consumer_shared
 }
-# build_sanitized [OPTION...]: kernels come from the release build, whose generator made them; the
+# build_sanitized TARGET [OPTION...]: kernels come from the release build, whose generator made them; the
 # generator itself runs under the sanitizers in its own tests.
 build_sanitized() {
+  local target=$1
+  shift
   build_release
   cmake --preset asan -DPELAGE_CODEGEN_CACHE="$codegen_cache" \
     -DPELAGE_CODEGEN_EXECUTABLE="$PWD/build/release/codegen/pelage-codegen" "$@" > /dev/null
-  cmake --build --preset asan --parallel "$jobs"
+  cmake --build --preset asan --parallel "$jobs" --target "$target"
 }
 
 for name in "$@"; do
@@ -68,13 +70,13 @@ for name in "$@"; do
       ;;
     sanitizers)
       # The drivers keep caches until the process ends, so leaks are looked for in the tests without them.
-      build_sanitized -DPELAGE_UNIT_TESTS_ONLY=ON
+      build_sanitized pelage_unit_tests -DPELAGE_UNIT_TESTS_ONLY=ON
       ASAN_OPTIONS=detect_leaks=1 ctest --preset asan -L unit -LE slow --parallel "$jobs"
       ;;
     sanitizers_gpu)
       # GLES has the host code of GL; tests of kernels, samples and tools have the same on every API.
       # Long runs and their pictures are no other code.
-      build_sanitized -DPELAGE_UNIT_TESTS_ONLY=OFF
+      build_sanitized all -DPELAGE_UNIT_TESTS_ONLY=OFF
       ASAN_OPTIONS=detect_leaks=0 ctest --preset asan -L gpu -LE "unit|slow|gles|golden|oracle" \
         --parallel "$jobs"
       ;;

@@ -185,6 +185,8 @@ struct Resolved {
 };
 
 class SdfCollision : public GpuTest {};
+/// On the first API: SdfCollisionBits compares the others with it, and these take seconds.
+class SdfCollisionOnce : public GpuTest {};
 
 TEST_P(SdfCollision, PutsVerticesOutsideInOneStep) {
   for (const Body* body : smoothBodies()) {
@@ -219,7 +221,7 @@ SdfBuffers builtSdf(Gpu& gpu, const Body& body, bool threeAxes) {
 
 // Nodes deep inside know no triangle but for the coarse ones: the way out that a vertex finds from
 // these leads to the surface, and is hardly longer than the shortest one.
-TEST_P(SdfCollision, DeepVerticesGoOutByNearlyTheShortestWay) {
+TEST_P(SdfCollisionOnce, DeepVerticesGoOutByNearlyTheShortestWay) {
   for (const Body* body : smoothBodies()) {
     const Sdf& grid = body->buffers.sdfs[0];
     Vertices vertices;
@@ -364,7 +366,7 @@ double wrongSide(Gpu& gpu, const Body& body, double length, uint64_t seed) {
   return static_cast<double>(wrong) / static_cast<double>(vertices.size());
 }
 
-TEST_P(SdfCollision, FastVerticesStayOnTheirSide) {  // K30
+TEST_P(SdfCollisionOnce, FastVerticesStayOnTheirSide) {  // K30
   std::vector<const Body*> bodies = smoothBodies();
   const double cell = 1.0 / 60;
   const Body thick(reference::plate(1, static_cast<float>(1.2 * cell), 6, 0.35f), {.cell = cell});
@@ -571,6 +573,7 @@ TEST_P(SdfCollision, OpenAndOverlappingMeshesPutOutWhatIsInside) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Apis, SdfCollision, testing::ValuesIn(kApis), apiTestName);
+INSTANTIATE_TEST_SUITE_P(Apis, SdfCollisionOnce, testing::Values(kFirstApi), apiTestName);
 
 TEST(SdfCollisionBits, AreTheSameOnEveryApi) {
   const Body& body = blobBody();
