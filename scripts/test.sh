@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# What to run before a commit: installs missing packages, checks the format, builds once, and runs every
+# Run this before a commit. It installs missing packages, checks the format, builds once, and runs every
 # unit test, every kernel on every API, golden pictures, samples and tools. scripts/test_all.sh has the
 # rest: sanitizers, fuzzers, static analysis, stress and other programs. Arguments go to ctest:
 #   scripts/test.sh -R contact

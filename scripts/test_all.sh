@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# What a release needs: scripts/test.sh, and all that takes longer. Without arguments every step runs; else
+# Run this before a release: scripts/test.sh, and all that takes longer. Without arguments every step runs; else
 # those that are named:
 #   scripts/test_all.sh sanitizers fuzz
 # test             scripts/test.sh
@@ -41,6 +41,7 @@ build_release() {
     -DPELAGE_CODEGEN_CACHE="$codegen_cache" "$@" > /dev/null
   cmake --build --preset release --parallel "$jobs"
 }
+install_more() { bash scripts/install_packages.sh scripts/packages_all.txt; }
 # The slow tests of a label.
 slow_tests() {
   build_release
@@ -81,14 +82,20 @@ for name in "$@"; do
         --parallel "$jobs"
       ;;
     fuzz)
+      install_more
       build_release
       bash scripts/fuzz.sh
       ;;
     analysis)
+      install_more
       build_release
       python3 scripts/tidy.py
       ;;
-    stress | tiers | blender | usd) slow_tests "$name" ;;
+    stress | tiers) slow_tests "$name" ;;
+    blender | usd)
+      install_more
+      slow_tests "$name"
+      ;;
     oracle)
       build_release
       PELAGE_STRESS=full ctest --preset release --parallel "$jobs" -L oracle

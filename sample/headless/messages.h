@@ -1,4 +1,4 @@
-// What pelage-headless says: errors in one line, and its progress.
+// Messages of pelage-headless: errors in one line, and its progress.
 #pragma once
 
 #include <chrono>

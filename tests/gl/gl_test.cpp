@@ -1,6 +1,6 @@
-// What the OpenGL and OpenGL ES runtime, on core 4.5 and on ES 3.2, has beside those of the other
-// APIs (tests/passes). Where codegen's kernels will not do, they are written here, in the common
-// subset of both languages.
+// The OpenGL and OpenGL ES runtime, on core 4.5 and on ES 3.2, where it differs from that of the
+// other API (tests/passes). Where codegen's kernels will not do, they are written here, in the
+// common subset of both languages.
 #include <algorithm>
 #include <bit>
 #include <cmath>

@@ -1,15 +1,14 @@
-// Golden images: the sample's scene at a small size, on every API, against pictures in images/ and
-// against each other. A failing test writes what it saw, the difference and the golden into the
-// build folder. After a change that is meant, run the test with PELAGE_UPDATE_GOLDEN=1 and look at
-// the new pictures.
+// Golden images: the sample's scene at a small size, on every API, against pictures in images/. A
+// failing test writes what it saw, the difference and the golden into the build folder. After a
+// change that is meant, run the test with PELAGE_UPDATE_GOLDEN=1 and look at the new pictures.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
-#include <iterator>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -149,29 +148,6 @@ pelage::Result<Pictures> render(pelage::HeadlessDevice& device, const GoldenRun&
   return pictures;
 }
 
-/// By API; those without a device are left out.
-std::map<Api, Pictures> renderOnAll(const GoldenRun& run) {
-  std::map<Api, Pictures> all;
-  for (const Api api : pelage::test::kApis) {
-    auto device = sample::createDevice({.api = api, .maxTier = pelage::test::tierOfTests()});
-    if (!device) {
-      EXPECT_EQ(device.error().code, pelage::ErrorCode::kUnsupported) << device.error().message;
-      pelage::test::missingDevice(device.error().message);
-      continue;
-    }
-    auto pictures = render(**device, run);
-    EXPECT_TRUE(pictures.ok()) << pictures.error().message;
-    if (pictures) all[api] = std::move(*pictures);
-  }
-  return all;
-}
-
-const std::map<Api, Pictures>& groom() {
-  static const auto kPictures = renderOnAll(
-      {groomScene, {{"groom_10", 10, false}, {"groom_45", 45, false}, {"sorted_45", 45, true}}});
-  return kPictures;
-}
-
 std::filesystem::path goldenPath(const std::string& name) {
   return std::filesystem::path(PELAGE_SOURCE_DIR) / "tests/golden/images" / (name + ".png");
 }
@@ -205,43 +181,50 @@ void compareWithGolden(const std::string& name, const std::string& api, const By
     keepForInspection(name + "_" + api, actual, *golden);
 }
 
-void expectGoldenOnEveryApi(const std::map<Api, Pictures>& all) {
-  if (all.empty()) PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: no device";
-  for (auto a = all.begin(); a != all.end(); ++a)
-    for (const auto& [name, picture] : a->second) {
-      compareWithGolden(name, pelage::apiName(a->first), picture);
-      for (auto b = std::next(a); b != all.end(); ++b) {
-        const ImageDifference d = difference(picture, b->second.at(name), kThreshold);
-        std::cout << name << ", " << pelage::apiName(a->first) << " and "
-                  << pelage::apiName(b->first) << ": " << d << "\n";
-        EXPECT_LE(d.mean, kMeanTolerance);
-        EXPECT_LE(d.shareOff, kShareTolerance);
-      }
+class Golden : public testing::TestWithParam<Api> {
+ protected:
+  void SetUp() override {
+    auto device = sample::createDevice({.api = GetParam(), .maxTier = pelage::test::tierOfTests()});
+    if (!device) {
+      ASSERT_EQ(device.error().code, pelage::ErrorCode::kUnsupported) << device.error().message;
+      PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: " << device.error().message;
     }
-}
+    device_ = std::move(*device);
+  }
+
+  /// Renders a run and compares its pictures with the golden ones: so APIs are compared, too.
+  Pictures expectGolden(const GoldenRun& run) {
+    Pictures pictures = *required(render(*device_, run));
+    for (const auto& [name, picture] : pictures)
+      compareWithGolden(name, pelage::apiName(GetParam()), picture);
+    return pictures;
+  }
+
+  std::unique_ptr<pelage::HeadlessDevice> device_;
+};
+INSTANTIATE_TEST_SUITE_P(All, Golden, testing::ValuesIn(pelage::test::kApis),
+                         pelage::test::apiTestName);
 
 // At rest, and in the swing to one side.
-TEST(Golden, TheGroomLooksAsItDidOnEveryApi) { expectGoldenOnEveryApi(groom()); }
-
-// While it shakes its head; long hair flies.
-TEST(Golden, TheCharacterLooksAsItDidOnEveryApi) {
-  expectGoldenOnEveryApi(renderOnAll({characterScene, {{"character_20", 20, true}}}));
-}
-
-TEST(Golden, TheMohawkLooksAsItDidOnEveryApi) {
-  if (!std::filesystem::exists(ratboy("Ratboy_mohawk.tfx")))
-    GTEST_SKIP() << "skipped: there is no " << ratboy("Ratboy_mohawk.tfx");
-  expectGoldenOnEveryApi(renderOnAll({mohawkScene, {{"mohawk_45", 45, false}}}));
-}
-
-// The tolerance would hide nothing: another time of the same motion is far outside of it.
-TEST(Golden, TheToleranceTellsTwoFramesApart) {
-  if (groom().empty()) PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: no device";
-  const Pictures& pictures = groom().begin()->second;
+TEST_P(Golden, TheGroomLooksAsItDid) {
+  const Pictures pictures = expectGolden(
+      {groomScene, {{"groom_10", 10, false}, {"groom_45", 45, false}, {"sorted_45", 45, true}}});
+  // The tolerance hides nothing: another time of the same motion is far outside of it.
   const ImageDifference d =
       difference(pictures.at("groom_10"), pictures.at("groom_45"), kThreshold);
   EXPECT_GT(d.mean, 2 * kMeanTolerance);
   EXPECT_GT(d.shareOff, 2 * kShareTolerance);
+}
+
+// While it shakes its head; long hair flies.
+TEST_P(Golden, TheCharacterLooksAsItDid) {
+  expectGolden({characterScene, {{"character_20", 20, true}}});
+}
+
+TEST_P(Golden, TheMohawkLooksAsItDid) {
+  if (!std::filesystem::exists(ratboy("Ratboy_mohawk.tfx")))
+    GTEST_SKIP() << "skipped: there is no " << ratboy("Ratboy_mohawk.tfx");
+  expectGolden({mohawkScene, {{"mohawk_45", 45, false}}});
 }
 
 }  // namespace

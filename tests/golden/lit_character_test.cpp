@@ -122,7 +122,7 @@ TEST_P(LitCharacterTest, IsNeitherBlackNorEmptyInAnyMethod) {
   }
 }
 
-// Whose light it is is looked at on one API: the picture is the same on all of them.
+// Light is judged on one API: the picture is the same on all of them.
 TEST_P(LitCharacterTest, HasTheHairInTheShadowOfTheCascades) {
   if (GetParam() != pelage::test::kFirstApi) GTEST_SKIP() << "skipped: not the first API";
   // One of each way to light fragments: of a list, of a layer, in compute.

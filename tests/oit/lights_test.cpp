@@ -76,7 +76,7 @@ size_t differing(const RenderedImage& a, const RenderedImage& b, uint32_t first,
   return count;
 }
 
-/// Of pixels of columns first..last-1.
+/// Compares columns first..last-1.
 double largestDifference(const RenderedImage& a, const RenderedImage& b, uint32_t first,
                          uint32_t last) {
   double largest = 0;

@@ -235,7 +235,7 @@ class TangleTest : public testing::TestWithParam<Api> {
         tangleRun(), other, def, [&](bool turned) { return tangle(turned ? reversed : def); }, view,
         methods);
   }
-  /// Of strands that are there twice.
+  /// With each strand there twice.
   RenderedImage expectNoOrderOfTwins(const TangleDef& def, const View& view,
                                      const std::vector<TransparencySettings>& methods) {
     TangleRun other(GetParam());

@@ -42,7 +42,7 @@ inline void addCopy(PassList& list, BufferId source, BufferId target, uint32_t t
                .finish());
 }
 
-/// Of a copy, with its barriers.
+/// A list with a copy and its barriers.
 inline PassList copyList(HazardTracker& tracker, BufferId source = kA, BufferId target = kB) {
   PassList list;
   addCopy(list, source, target);

@@ -32,7 +32,7 @@ const Shifts kWholeMetres = {{0, {{3, 0, -2}}},
                              {10, {{1, 0, 0}}},
                              {16, {{-2, -9, 30}}}};
 
-/// What hair is after a frame, its positions in the first world.
+/// The state of hair after a frame; positions are in the first world.
 struct Snapshot {
   std::vector<Vector3d> positions;
   std::vector<Float4> tangents;

@@ -1,4 +1,4 @@
-// What the stress tests share: what they print, and what they check.
+// Shared by the stress tests: figures that they print, and checks.
 #pragma once
 
 #include <cstdio>

@@ -1,4 +1,4 @@
-// What tests expect of results: success, or an error with its code and the words of its message.
+// Expectations on results: success, or an error with its code and the words of its message.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -13,7 +13,7 @@
 
 namespace pelage::test {
 
-/// What strands start with.
+/// The state that strands start with.
 struct ExactData {
   std::vector<ExactStrand> strands;  ///< in tiles of 32
   std::vector<Float4> state, rest, roots;

@@ -1,4 +1,4 @@
-// What is in pass lists.
+// Finds and counts passes of lists.
 #pragma once
 
 #include <algorithm>

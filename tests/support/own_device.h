@@ -47,7 +47,7 @@ BufferId addBuffer(ResourceTable& table, const char* name, const std::vector<T>&
                     .usage = usage,
                     .initial = std::vector<std::byte>(bytes.begin(), bytes.end())});
 }
-/// Of 32-bit words.
+/// A buffer of 32-bit words.
 inline BufferId addZeros(ResourceTable& table, const char* name, uint64_t count,
                          BufferUsage usage = BufferUsage::kStorage | BufferUsage::kUpload) {
   return table.add({.name = name, .size = count * 4, .stride = 4, .usage = usage});

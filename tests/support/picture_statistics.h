@@ -1,4 +1,4 @@
-// What pictures of the samples and of the viewer show beside their backdrop.
+// Statistics of pictures of the samples and the viewer, without their backdrop.
 #pragma once
 
 #include <algorithm>

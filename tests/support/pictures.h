@@ -25,7 +25,7 @@ inline double coverage(const std::vector<Float4>& pixels) {
 }
 inline double coverage(const RenderedImage& image) { return coverage(image.pixels); }
 
-/// Of a channel; NaN where one is.
+/// The largest difference of a channel; NaN where one is.
 inline double maxDifference(const Float4& a, const Float4& b) {
   double largest = 0;
   for (const float d : {a.x - b.x, a.y - b.y, a.z - b.z, a.w - b.w})

@@ -50,7 +50,7 @@ class SceneListTest : public testing::Test {
     }
     return found;
   }
-  /// What the first upload to a buffer has; nothing without one.
+  /// The bytes of the first upload to a buffer; empty without one.
   template <class T>
   std::vector<T> uploaded(BufferId buffer) const {
     for (const Upload& upload : list_.uploads) {

@@ -153,7 +153,7 @@ class SceneRun {
     view.width = view.height = pixels;
     return view;
   }
-  /// What that camera sees.
+  /// The view of that camera.
   RenderedImage render(Float3 eye, uint32_t pixels) {
     PassList list;
     expectOk(scene.draw(viewFrom(eye, pixels), {}, list));

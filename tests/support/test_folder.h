@@ -53,7 +53,7 @@ class TestFolder {
   std::filesystem::path path_;
 };
 
-/// What a program left; -1 if it did not exit by itself.
+/// The outcome of a program; the code is -1 if it did not exit by itself.
 struct ProgramOutput {
   int code = -1;
   std::string out, errors;

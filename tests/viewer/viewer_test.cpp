@@ -195,7 +195,7 @@ struct Sessions {
       script.insert(script.find('\n', at), ".png");
     first = sessionOf(api, folder, script, arguments + "--record recorded.txt");
   }
-  /// Of what was recorded.
+  /// Replays the recording of `first`.
   Session replay(const std::string& api) const {
     return sessionOf(api, folder, first.recorded, arguments);
   }

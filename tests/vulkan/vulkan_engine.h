@@ -100,7 +100,7 @@ class Engine {
   bool dynamicRendering_ = false;
 };
 
-/// What tests with an engine have: its frames in flight, and a runtime on its device.
+/// Base of tests with an engine: its frames in flight, and a runtime on its device.
 class EngineRun {
  protected:
   static constexpr size_t kFramesInFlight = 3;

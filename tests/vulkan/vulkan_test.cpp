@@ -1,4 +1,4 @@
-// What the Vulkan runtime has beside those of the other APIs (tests/passes): on the headless
+// The Vulkan runtime where it differs from those of the other APIs (tests/passes): on the headless
 // device, under validation with synchronisation validation.
 
 #include <gtest/gtest.h>

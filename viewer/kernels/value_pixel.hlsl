@@ -3,7 +3,7 @@
 // Reads:   ValueVaryings, DrawValuesConstants
 // Writes:  SV_Target0 linear color, opaque
 //
-// Invariant (viewer_rooms_test): the color is that of the key in the window.
+// Invariant (tests/viewer/inspection_test): the color is that of the key in the window.
 #include "draw_values.hlsli"
 
 float4 value_pixel(ValueVaryings strand) : SV_Target0 {
