@@ -43,13 +43,7 @@ class SceneRuntimeTest : public SceneListTest {
   size_t uploadsTo(BufferId buffer) const { return test::uploadsTo(list_, buffer); }
   template <class T>
   std::vector<T> uploaded(BufferId buffer) const {
-    for (const Upload& upload : list_.uploads) {
-      if (upload.buffer != buffer) continue;
-      std::vector<T> values(upload.size / sizeof(T));
-      std::memcpy(values.data(), list_.uploadData.data() + upload.dataOffset, upload.size);
-      return values;
-    }
-    return {};
+    return test::uploaded<T>(list_, buffer);
   }
   size_t contactSdfCount(HairId hair) const {
     return uploaded<Sdf>(scene_.hair(hair).buffers().sdfs).size();

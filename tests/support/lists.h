@@ -6,6 +6,7 @@
 #include <cstring>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "pelage/pass_list.h"
 
@@ -45,6 +46,18 @@ T constantsOf(const PassList& list, const Pass& pass, std::string_view block) {
     if (pass.layouts()[binding.set]->entries[binding.entry].name == block)
       std::memcpy(&constants, list.constants.data() + binding.offset, sizeof(constants));
   return constants;
+}
+
+/// The values of the first upload to a buffer; empty without one.
+template <class T>
+std::vector<T> uploaded(const PassList& list, BufferId buffer) {
+  for (const Upload& upload : list.uploads) {
+    if (upload.buffer != buffer) continue;
+    std::vector<T> values(upload.size / sizeof(T));
+    std::memcpy(values.data(), list.uploadData.data() + upload.dataOffset, upload.size);
+    return values;
+  }
+  return {};
 }
 
 }  // namespace pelage::test

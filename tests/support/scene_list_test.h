@@ -10,6 +10,7 @@
 
 #include "pelage/scene.h"
 #include "support/errors.h"
+#include "support/lists.h"
 #include "support/plain_asset.h"
 
 namespace pelage::test {
@@ -53,13 +54,7 @@ class SceneListTest : public testing::Test {
   /// The bytes of the first upload to a buffer; empty without one.
   template <class T>
   std::vector<T> uploaded(BufferId buffer) const {
-    for (const Upload& upload : list_.uploads) {
-      if (upload.buffer != buffer) continue;
-      std::vector<T> values(upload.size / sizeof(T));
-      std::memcpy(values.data(), list_.uploadData.data() + upload.dataOffset, upload.size);
-      return values;
-    }
-    return {};
+    return test::uploaded<T>(list_, buffer);
   }
 
   Scene scene_;
