@@ -8,12 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "constant_lights/gpu_structs.h"
-#include "constant_lights/kernels.h"
 #include "oit/shared_tangle.h"
 #include "pelage/engine_lights.h"
 #include "support/errors.h"
-#include "view_lights/kernels.h"
+#include "test_lights/gpu_structs.h"
+#include "test_lights/kernels.h"
 
 namespace pelage::test {
 namespace {
@@ -53,8 +52,15 @@ class EngineLightsTest : public SharedTangleTest<> {
 
   // Lights of one color, whose parts come from a block, a buffer and two textures.
   EngineLights constantLights() {
-    constant_lights::ConstantLight block = {};
-    block.constantLight = {kConstantColor.x, kConstantColor.y, kConstantColor.z, 0};
+    return testLights({kConstantColor.x, kConstantColor.y, kConstantColor.z, 1});
+  }
+  // Lights that return what pelage's return.
+  EngineLights viewLights() { return testLights({}); }
+
+ private:
+  EngineLights testLights(const Float4& color) {
+    test_lights::ConstantLight block = {};
+    block.constantLight = color;
     const float scales[] = {0, 1, 0};
     if (scale_ == BufferId::kInvalid) {
       const auto bytes = std::as_bytes(std::span(scales));
@@ -73,7 +79,7 @@ class EngineLightsTest : public SharedTangleTest<> {
         {.shape = TextureShape::kCube, .width = 2, .height = 2, .layers = 6, .texels = cube});
     EXPECT_TRUE(one) << one.error().message;
     EXPECT_TRUE(faces) << faces.error().message;
-    EngineLights lights{.kernels = constant_lights::allKernels()};
+    EngineLights lights{.kernels = test_lights::allKernels()};
     if (!one || !faces) return lights;
     lights.resources = {NamedResource::constants("ConstantLight", block),
                         {.name = "g_constantScale", .buffer = {scale_, sizeof(scales)}},
@@ -83,14 +89,13 @@ class EngineLightsTest : public SharedTangleTest<> {
     return lights;
   }
 
- private:
   uint32_t messages_ = 0;
   BufferId scale_ = BufferId::kInvalid;
 };
 INSTANTIATE_TEST_SUITE_P(All, EngineLightsTest, testing::ValuesIn(kApis), apiTestName);
 
 TEST_P(EngineLightsTest, ThatReturnPelagesLightGiveItsPicture) {
-  const EngineLights lights{.kernels = view_lights::allKernels()};
+  const EngineLights lights = viewLights();
   for (const Tier tier : {device().info().tier, Tier::kEs}) {
     tangleRun().run.scene.setTier(tier);
     for (const Method& method : kMethods) {
@@ -122,7 +127,7 @@ TEST_P(EngineLightsTest, ThatAreAConstantGiveThatColor) {
 }
 
 TEST_P(EngineLightsTest, AddNeitherPassesNorBuffers) {
-  const EngineLights lights{.kernels = view_lights::allKernels()};
+  const EngineLights lights = viewLights();
   for (const Method& method : kMethods) {
     if (!hasTarget(method)) continue;
     const auto namesOf = [&](const EngineLights* theirs) {
@@ -139,7 +144,7 @@ TEST_P(EngineLightsTest, AddNeitherPassesNorBuffers) {
 }
 
 TEST_P(EngineLightsTest, AreInWhatIsPreparedAndSupported) {
-  const EngineLights lights{.kernels = view_lights::allKernels()};
+  const EngineLights lights = viewLights();
   for (const Method& method : kMethods) {
     if (!hasTarget(method)) continue;
     expectOk(device().supports(settingsOf(method, &lights)));

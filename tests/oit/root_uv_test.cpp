@@ -8,8 +8,8 @@
 #include "oit/tangle.h"
 #include "pelage/engine_lights.h"
 #include "support/extremes.h"
+#include "test_lights/kernels.h"
 #include "uv_lights/kernels.h"
-#include "view_lights/kernels.h"
 
 namespace pelage::test {
 namespace {
@@ -128,7 +128,7 @@ TEST_P(RootUvTest, IsZeroWhereTheObjectHasNone) {
 // Lights that do not read it have the lists, nodes and kernels that they had.
 TEST(RootUvCost, IsFourBytesANodeOfLightsThatReadIt) {
   const EngineLights with{.kernels = uv_lights::allKernels()};
-  const EngineLights without{.kernels = view_lights::allKernels()};
+  const EngineLights without{.kernels = test_lights::allKernels()};
   TransparencySettings settings = {.method = Transparency::kWindowed, .nodeCount = 1000};
   const auto planOf = [&](const EngineLights* lights) {
     settings.engineLights = lights;
@@ -145,7 +145,7 @@ TEST(RootUvCost, IsFourBytesANodeOfLightsThatReadIt) {
   EXPECT_EQ(planOf(&with).nodeCount, 4u);
   size_t read = 0, drawn = 0;
   for (const Kernel* kernel : uv_lights::allKernels()) read += kernel->variants.size();
-  for (const Kernel* kernel : view_lights::allKernels()) drawn += kernel->variants.size();
+  for (const Kernel* kernel : test_lights::allKernels()) drawn += kernel->variants.size();
   EXPECT_EQ(drawn, 15u);
   EXPECT_EQ(read, 17u);
 }
