@@ -34,7 +34,7 @@ TEST(SceneRows, HaveTheBaselineBeforeWhatIsComparedWithIt) {
     EXPECT_TRUE(row.solver != RowSolver::kBaseline || !begun.contains(row.scene)) << row.scene;
     begun.insert(row.scene);
   }
-  EXPECT_EQ(begun.size(), 6u);
+  EXPECT_EQ(begun.size(), 8u);
 }
 
 TEST(FrameFigures, CountPassesOfOneNameTogetherAndAFrameWithoutThemAsZero) {

@@ -117,11 +117,10 @@ Json kernelJson(const KernelOutput& output, const Program& program) {
     json["hash"] = fmt::format("{:016x}", variant.hash);
     variants.push_back(std::move(json));
   }
-  Json json = {{"name", kernel.name},
-               {"file", kernel.file},
-               {"stage", word(kernel.stage)},
-               {"layouts", program.manifest.groups[kernel.group].layouts},
-               {"precise", kernel.precise}};
+  Json json = {
+      {"name", kernel.name},         {"file", kernel.file},
+      {"stage", word(kernel.stage)}, {"layouts", program.manifest.groups[kernel.group].layouts},
+      {"precise", kernel.precise},   {"commutes", kernel.commutes}};
   if (kernel.vertexInput) json["vertexInput"] = vertexInputJson(output);
   json["specConstants"] = std::move(constants);
   json["completion"] = completionJson(kernel);

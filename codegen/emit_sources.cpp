@@ -418,10 +418,10 @@ class Writer {
     out += "}  // namespace\n\n";
     out += fmt::format(
         "constinit const {0}Kernel k{1}Kernel{{\"{2}\", {0}Stage::{3}, k{1}Layouts,\n    {4}, "
-        "k{1}Distinct, {5}}};\n\n",
+        "k{1}Distinct, {5}, {6}}};\n\n",
         prefix_, name, kernel.name, enumerator(kernel.stage),
         output.specConstants.empty() ? "{}" : "k" + name + "SpecConstants",
-        kernel.vertexInput ? "&k" + name + "VertexInput" : "nullptr");
+        kernel.vertexInput ? "&k" + name + "VertexInput" : "nullptr", kernel.commutes);
 
     const bool optional = !kernel.excludes.empty();
     out += fmt::format("const {}KernelVariant{} {}(const {}Key&{}) {{\n", prefix_,

@@ -328,7 +328,7 @@ class Reader {
     const std::string where = "kernel \"" + kernel.name + "\"";
     allowKeys(node,
               {"name", "file", "stage", "group", "axes", "exclude", "conflicts", "tier", "tiers",
-               "precise", "vertexInput"},
+               "precise", "commutes", "vertexInput"},
               where);
     if (!isIdentifier(kernel.name) ||
         std::any_of(kernel.name.begin(), kernel.name.end(),
@@ -376,6 +376,9 @@ class Reader {
     if (const Node* rules = node.find("tiers")) readTierRules(*rules, kernel, where);
     if (const Node* precise = node.find("precise")) {
       if (expect(*precise, Node::Type::kBool, "\"precise\"")) kernel.precise = precise->boolean;
+    }
+    if (const Node* commutes = node.find("commutes")) {
+      if (expect(*commutes, Node::Type::kBool, "\"commutes\"")) kernel.commutes = commutes->boolean;
     }
     if (const Node* input = node.find("vertexInput")) readVertexInput(*input, kernel, where);
     if (countPermutations(kernel) > kMaximumPermutations) {

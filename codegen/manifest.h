@@ -56,6 +56,7 @@ struct ManifestKernel {
   Tier tier = Tier::kBase;  ///< of the permutations without a rule
   std::vector<TierRule> tierRules;
   bool precise = false;
+  bool commutes = false;
   uint32_t line = 0;  ///< in the manifest
 
   bool isExcluded(const Permutation& permutation) const;

@@ -63,6 +63,8 @@ struct DeviceInfo {
 };
 
 /// GPU time of one pass.
+/// The passes of a level run at the same time, and each has an equal part of the level's time
+/// (HazardTracker::setLevels(false) gives each pass a level).
 struct PassTiming {
   const char* name = "";
   double milliseconds = 0;

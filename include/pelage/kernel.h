@@ -106,6 +106,9 @@ struct Kernel {
   std::span<const SpecConstant> specConstants;
   std::span<const KernelVariant* const> variants;  ///< distinct ones
   const VertexInput* vertexInput = nullptr;        ///< nullptr: none
+  /// Dispatches of it may run at the same time although they write the same range of a buffer:
+  /// writes are atomic sums, minima or maxima, or each dispatch has elements of its own.
+  bool commutes = false;
 };
 
 /// What making a pipeline (Vulkan) or a program (OpenGL) took.

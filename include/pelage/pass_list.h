@@ -23,6 +23,7 @@ namespace pelage {
 namespace detail {
 struct ListHold;
 struct ListRun;
+struct ListSchedule;
 struct RunOrder;
 struct RunRecord;
 }  // namespace detail
@@ -217,7 +218,8 @@ struct Pass {
   uint32_t firstBinding = 0, bindingCount = 0;
   uint32_t firstSpecValue = 0, specValueCount = 0;  ///< for both stages
   uint32_t firstBarrier = 0, barrierCount = 0;      ///< dispatches only; see drawBarriers
-  uint32_t groups[3] = {0, 0, 0};                   ///< kDispatch: each in 1..65535
+  uint32_t level = 0;              ///< dispatches only; see HazardTracker::resolve()
+  uint32_t groups[3] = {0, 0, 0};  ///< kDispatch: each in 1..65535
   /// kDispatchIndirect: three uint32 at indirectOffset. kDrawIndirect: four, the vertices of an
   /// instance, the instances, 0 and 0; without indices, and with elementCount and instanceCount 0.
   BufferId indirect = BufferId::kInvalid;
@@ -290,6 +292,9 @@ struct PELAGE_API PassList {
     return {barriers.data() + pass.firstBarrier, pass.barrierCount};
   }
 };
+
+/// Whether the dispatch at an index is the last one of its level.
+PELAGE_API bool isLastOfLevel(const PassList& list, size_t dispatch);
 
 /// Adds passes to a PassList: picks from what is bound those resources that the permutation really
 /// uses, so that a caller may bind everything it has. Passes of kernels that are known at build
@@ -405,10 +410,18 @@ class PELAGE_API HazardTracker {
   HazardTracker(const HazardTracker&) = delete;
   HazardTracker& operator=(const HazardTracker&) = delete;
 
-  /// Fills barriers, uploadBarriers and drawBarriers of the list. A read after a write, a write
-  /// after a read and a write after a write get one; a read after a read gets none. After lists
-  /// that were abandoned, barriers are right whether these ran or not.
+  /// Sorts the dispatches of the list into levels, and fills barriers, uploadBarriers and
+  /// drawBarriers. A dispatch is one level behind the last earlier one that it conflicts with: that
+  /// writes a range of a buffer that it reads or writes, or reads one that it writes
+  /// (Kernel::commutes are exceptions). Dispatches of a level keep their order and may run at the
+  /// same time: the first of them has the barriers of all. A read after a write, a write after a
+  /// read and a write after a write get a barrier; a read after a read gets none. After lists that
+  /// were abandoned, barriers are right whether these ran or not. Takes time in proportion to the
+  /// number of dispatches.
   void resolve(PassList& list);
+  /// Whether resolve() sorts dispatches into levels (default). Off, they stay in the order in which
+  /// they were added, each a level of its own: for debugging.
+  void setLevels(bool on) { levels_ = on; }
   /// Forgets a buffer that was removed.
   void forget(BufferId buffer);
   /// Abandons all lists that were resolved and not recorded yet.
@@ -440,6 +453,8 @@ class PELAGE_API HazardTracker {
   HostArray<State> states_;
   std::shared_ptr<detail::RunOrder> order_;
   HostArray<Open> open_;  ///< in the order in which they run
+  std::shared_ptr<detail::ListSchedule> schedule_;
+  bool levels_ = true;
 };
 
 }  // namespace pelage

@@ -241,6 +241,10 @@ class PELAGE_API Scene {
   /// vertices first, which takes 48 bytes a vertex of the hair in view. Tier::kWide until it is
   /// called; counts from the next draw on.
   void setTier(Tier tier);
+  /// Whether dispatches of lists are sorted into levels, so that objects do not wait for each other
+  /// (HazardTracker::setLevels()); true until it is called. Off is for debugging, and for the times
+  /// of single passes: bits are the same. Counts from the next finish() on.
+  void setLevels(bool on);
   /// Words of the shadow maps of the last draw or castShadows(), for pixel kernels of your own
   /// (SHADOW_WORDS of kernels/shading/strand_shadow.hlsli); kInvalid before the first one.
   BufferId shadowWords() const;

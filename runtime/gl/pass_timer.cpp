@@ -25,9 +25,9 @@ size_t PassTimer::Impl::mark() {
   return used++;
 }
 
-size_t PassTimer::Impl::close(const char* name, size_t begin) {
+size_t PassTimer::Impl::close(std::span<const Pass> passes, size_t begin) {
   const size_t end = mark();
-  entries.push_back({name, begin, end});
+  for (const Pass& pass : passes) entries.push_back({pass.name, begin, end, passes.size()});
   return end;
 }
 
@@ -59,7 +59,8 @@ std::vector<PassTiming> PassTimer::read() {
     double milliseconds = -1;
     if (impl_->context->limits.timestamps && jumped == 0 &&
         nanoseconds[entry.end] >= nanoseconds[entry.begin])
-      milliseconds = static_cast<double>(nanoseconds[entry.end] - nanoseconds[entry.begin]) * 1e-6;
+      milliseconds = static_cast<double>(nanoseconds[entry.end] - nanoseconds[entry.begin]) * 1e-6 /
+                     static_cast<double>(entry.passes);
     timings.push_back({entry.name, milliseconds});
   }
   impl_->entries.clear();

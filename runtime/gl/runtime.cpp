@@ -739,7 +739,7 @@ Result<void> Runtime::record(const PassList& list, PassTimer* timer) {
   if (!any) return impl_->finish("record()");
   impl_->uploadConstants(list);
 
-  size_t index = 0;
+  size_t index = 0, level = 0;  // the next pass, and the first one of its level
   size_t mark = timer != nullptr ? timer->impl_->mark() : 0;
   for (const Pass& pass : list.passes) {
     if (isDraw(pass.kind)) continue;
@@ -754,7 +754,9 @@ Result<void> Runtime::record(const PassList& list, PassTimer* timer) {
       gl.glDispatchComputeIndirect(static_cast<GLintptr>(pass.indirectOffset));
     }
     if (impl_->context->debug) gl.glPopDebugGroup();
-    if (timer != nullptr) mark = timer->impl_->close(pass.name, mark);
+    if (timer == nullptr || !isLastOfLevel(list, index - 1)) continue;
+    mark = timer->impl_->close(std::span(list.passes).subspan(level, index - level), mark);
+    level = index;
   }
   return impl_->finish("record()");
 }
@@ -865,7 +867,7 @@ Result<void> Runtime::recordDraws(const PassList& list, const DrawTarget& target
       gl.glDrawArraysInstanced(mode, 0, elements, instances);
     }
     if (impl_->context->debug) gl.glPopDebugGroup();
-    if (timer != nullptr) mark = timer->impl_->close(pass.name, mark);
+    if (timer != nullptr) mark = timer->impl_->close({&pass, 1}, mark);
   }
   return impl_->finish("recordDraws()");
 }

@@ -90,6 +90,7 @@ struct PassTimer::Impl {
   struct Entry {
     const char* name;
     size_t begin, end;  // indices into queries
+    size_t passes;      // that run between them, this one among them
   };
   std::shared_ptr<const Context> context;
   std::vector<GLuint> queries;
@@ -100,8 +101,8 @@ struct PassTimer::Impl {
   ~Impl();
   /// Notes the GPU's time when it gets here; returns the query's index.
   size_t mark();
-  /// Ends a pass that began at a mark; returns the mark where the next one begins.
-  size_t close(const char* name, size_t begin);
+  /// Ends passes that began at a mark; returns the mark where the next ones begin.
+  size_t close(std::span<const Pass> passes, size_t begin);
 };
 
 }  // namespace pelage::gl

@@ -754,17 +754,19 @@ Result<void> Runtime::Impl::record(const PassList& list, VkCommandBuffer command
   size_t span = 0;
   timedList = nullptr;
   if (timestamps && !list.passes.empty()) {
-    std::vector<const char*> dispatchNames;
-    std::vector<const char*> drawNames;
-    for (const Pass& pass : list.passes)
-      (isDraw(pass.kind) ? drawNames : dispatchNames).push_back(pass.name);
-    timedDrawCount = drawNames.size();
-    const bool hasDraws = !drawNames.empty();
-    Result<size_t> reserved = timers.reserve(frame, std::move(dispatchNames));
+    std::vector<Timers::TimedPass> dispatches, draws;
+    for (const Pass& pass : list.passes) {
+      if (isDraw(pass.kind))
+        draws.push_back({pass.name, static_cast<uint32_t>(draws.size())});
+      else
+        dispatches.push_back({pass.name, pass.level});
+    }
+    timedDrawCount = draws.size();
+    Result<size_t> reserved = timers.reserve(frame, std::move(dispatches));
     if (!reserved) return reserved.error();
     span = *reserved;
-    if (hasDraws) {
-      Result<size_t> drawSpan = timers.reserve(frame, std::move(drawNames));
+    if (timedDrawCount > 0) {
+      Result<size_t> drawSpan = timers.reserve(frame, std::move(draws));
       if (!drawSpan) return drawSpan.error();
       timedDraws = *drawSpan;
       timedList = &list;
@@ -793,7 +795,7 @@ Result<void> Runtime::Impl::record(const PassList& list, VkCommandBuffer command
     } else {
       device.vk.CmdDispatch(commands, pass.groups[0], pass.groups[1], pass.groups[2]);
     }
-    if (timed) timers.write(span, index, commands);
+    if (timed && isLastOfLevel(list, index - 1)) timers.write(span, pass.level + 1, commands);
   }
   recordBarriers(list.drawBarriers, commands);
   setRecorded(list.run);

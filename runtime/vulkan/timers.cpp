@@ -18,12 +18,13 @@ Timers::~Timers() {
     device_.vk.DestroyQueryPool(device_.handle, pool.handle, device_.callbacks);
 }
 
-Result<size_t> Timers::reserve(uint64_t frame, std::vector<const char*> names) {
+Result<size_t> Timers::reserve(uint64_t frame, std::vector<TimedPass> passes) {
   if (frames_.empty() || frames_.back().number != frame) frames_.push_back({frame, {}, {}});
   Frame& now = frames_.back();
   Span span;
+  span.passes = std::move(passes);
   if (device_.queue.timestampValidBits > 0) {
-    const auto queries = static_cast<uint32_t>(names.size()) + 1;
+    const uint32_t queries = span.stamps();
     if (now.pools.empty() || now.pools.back().size - now.pools.back().used < queries) {
       now.pools.reserve(now.pools.size() + 1);
       const auto fit = std::find_if(free_.begin(), free_.end(),
@@ -47,7 +48,6 @@ Result<size_t> Timers::reserve(uint64_t frame, std::vector<const char*> names) {
     span.first = now.pools.back().used;
     now.pools.back().used += queries;
   }
-  span.names = std::move(names);
   now.spans.push_back(std::move(span));
   return now.spans.size() - 1;
 }
@@ -55,15 +55,14 @@ Result<size_t> Timers::reserve(uint64_t frame, std::vector<const char*> names) {
 void Timers::resetSpan(size_t index, VkCommandBuffer commands) {
   const Span& span = frames_.back().spans[index];
   if (span.pool == VK_NULL_HANDLE) return;
-  device_.vk.CmdResetQueryPool(commands, span.pool, span.first,
-                               static_cast<uint32_t>(span.names.size()) + 1);
+  device_.vk.CmdResetQueryPool(commands, span.pool, span.first, span.stamps());
 }
 
 void Timers::write(size_t index, uint32_t timestamp, VkCommandBuffer commands) {
   Span& span = frames_.back().spans[index];
   span.written = true;
   if (span.pool == VK_NULL_HANDLE) return;
-  // One timestamp between two passes: the times of passes that overlap still add up to the whole.
+  // One timestamp between two levels: passes of a level run at the same time.
   device_.vk.CmdWriteTimestamp(commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, span.pool,
                                span.first + timestamp);
 }
@@ -74,16 +73,20 @@ void Timers::read(const Frame& frame, Finished& out) const {
   std::vector<uint64_t> stamps;
   for (const Span& span : frame.spans) {
     if (!span.written) continue;
-    stamps.assign(span.names.size() + 1, 0);
+    stamps.assign(span.stamps(), 0);
     const bool known = span.pool != VK_NULL_HANDLE &&
                        device_.vk.GetQueryPoolResults(
                            device_.handle, span.pool, span.first,
                            static_cast<uint32_t>(stamps.size()), stamps.size() * sizeof(uint64_t),
                            stamps.data(), sizeof(uint64_t), VK_QUERY_RESULT_64_BIT) == VK_SUCCESS;
-    for (size_t i = 0; i < span.names.size(); ++i) {
-      const auto ticks = static_cast<double>((stamps[i + 1] - stamps[i]) & mask);
-      const double nanoseconds = ticks * static_cast<double>(device_.limits().timestampPeriod);
-      out.timings.push_back({span.names[i], known ? nanoseconds * 1e-6 : -1});
+    for (auto pass = span.passes.begin(); pass != span.passes.end();) {
+      const uint32_t level = pass->level;
+      const auto end = std::find_if(pass, span.passes.end(),
+                                    [&](const TimedPass& other) { return other.level != level; });
+      const auto ticks = static_cast<double>((stamps[level + 1] - stamps[level]) & mask);
+      const double share = ticks * static_cast<double>(device_.limits().timestampPeriod) * 1e-6 /
+                           static_cast<double>(end - pass);
+      for (; pass != end; ++pass) out.timings.push_back({pass->name, known ? share : -1});
     }
   }
 }

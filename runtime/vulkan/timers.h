@@ -16,19 +16,24 @@ class Timers {
   Timers(const Timers&) = delete;
   Timers& operator=(const Timers&) = delete;
 
-  /// Timestamps around `names.size()` passes that follow one another.
+  struct TimedPass {
+    const char* name;
+    uint32_t level;  ///< ascending from 0, with no gap
+  };
+  /// Timestamps around levels of passes that follow one another.
   struct Span {
     VkQueryPool pool = VK_NULL_HANDLE;  ///< null when the device has no timestamps
     uint32_t first = 0;
-    std::vector<const char*> names;
+    std::vector<TimedPass> passes;
     bool written = false;
+    uint32_t stamps() const { return passes.empty() ? 1 : passes.back().level + 2; }
   };
 
   /// Makes room for a span; its queries must be reset (resetSpan) outside a render pass. The index
   /// is valid until the next frame. Changes nothing on an error.
-  Result<size_t> reserve(uint64_t frame, std::vector<const char*> names);
+  Result<size_t> reserve(uint64_t frame, std::vector<TimedPass> passes);
   void resetSpan(size_t span, VkCommandBuffer commands);
-  /// Timestamp number `index` of a span: 0 is before its first pass, i after pass i - 1.
+  /// Timestamp number `index` of a span: 0 is before its first level, i after level i - 1.
   void write(size_t span, uint32_t index, VkCommandBuffer commands);
 
   /// Reads the results of completed frames.

@@ -73,6 +73,7 @@ TEST(CodegenReflection, HasEveryKernelOfTheManifestWithItsPermutations) {
     EXPECT_EQ(kernels[i].at("file"), kernel.file);
     EXPECT_EQ(kernels[i].at("stage"), word(kernel.stage)) << kernel.name;
     EXPECT_EQ(kernels[i].at("precise"), kernel.precise) << kernel.name;
+    EXPECT_EQ(kernels[i].at("commutes"), kernel.commutes) << kernel.name;
     EXPECT_EQ(kernels[i].at("layouts"), Json(kernelsManifest().groups[kernel.group].layouts))
         << kernel.name;
     std::map<std::string, std::string> tiers, expected;
@@ -184,6 +185,7 @@ TEST(CodegenReflection, SaysOfKernelsWhatTheGeneratedTablesSayWithinTheirTier) {
   for (const Kernel* kernel : allKernels()) {
     const Json& variants = named("kernels", kernel->name).at("variants");
     ASSERT_EQ(variants.size(), kernel->variants.size()) << kernel->name;
+    EXPECT_EQ(named("kernels", kernel->name).at("commutes"), kernel->commutes) << kernel->name;
     for (size_t i = 0; i < variants.size(); ++i) {
       const KernelVariant& variant = *kernel->variants[i];
       const Json& json = variants[i];

@@ -237,6 +237,7 @@ TEST_F(ManifestTest, RefusesWhatIsWrongWithTheLine) {
       << "all permutations have it";
   EXPECT_EQ(error(kernel(axis + R"({"when": {}, "tier": "wide"}])")), "6 PK319");
   EXPECT_EQ(error(kernel(",\n\"precise\": 1")), "6 PK302");
+  EXPECT_EQ(error(kernel(",\n\"commutes\": 1")), "6 PK302");
   const auto input = [&](const std::string& stage, const std::string& fields) {
     std::string text = kernel(",\n\"vertexInput\": {" + fields + "}");
     const size_t at = text.find("compute");

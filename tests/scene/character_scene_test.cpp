@@ -34,50 +34,57 @@ const Character& character() {
   return made;
 }
 
-class CharacterScene : public testing::TestWithParam<Api> {
- protected:
-  CharacterScene() : run_(GetParam()) {}
+// Turns the head faster than hair can follow.
+std::vector<AffineTransform> poseAt(int frame) {
+  return skinningTransforms(character().skeleton,
+                            poseCharacter(CharacterMotion::kHeadShake, kFrameSeconds * frame));
+}
 
-  void SetUp() override {
-    if (run_.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
+struct CharacterRun {
+  explicit CharacterRun(Api api) : run(api) {
+    if (run.device() == nullptr) return;
     const auto bones = static_cast<uint32_t>(character().skeleton.bones.size());
     for (const CharacterGroom& groom : character().grooms) {
-      assets_.push_back(groom.hair);
-      expectOk(assets_.back().process());
-      hairs_.push_back(&run_.add(assets_.back(), {.name = groom.name,
-                                                  .settings = groom.settings,
-                                                  .influences = groom.bones.strands,
-                                                  .boneCount = bones}));
+      assets.push_back(groom.hair);
+      expectOk(assets.back().process());
+      hairs.push_back(&run.add(assets.back(), {.name = groom.name,
+                                               .settings = groom.settings,
+                                               .influences = groom.bones.strands,
+                                               .boneCount = bones}));
     }
     for (const CharacterCollider& collider : character().colliders) {
       SdfColliderDef def;
       def.name = collider.name;
       def.cellSize = kSdfCell;
       def.boneCount = bones;
-      const Result<ColliderId> added = required(run_.scene.addCollider(collider.mesh, def));
-      colliders_.push_back(*added);
+      const Result<ColliderId> added = required(run.scene.addCollider(collider.mesh, def));
+      colliders.push_back(*added);
     }
   }
 
-  // Turns the head faster than hair can follow.
-  std::vector<AffineTransform> pose(int frame) const {
-    return skinningTransforms(character().skeleton,
-                              poseCharacter(CharacterMotion::kHeadShake, kFrameSeconds * frame));
-  }
-
-  void simulate() {
-    for (int frame = 1; frame <= kFrames; ++frame) {
-      const std::vector<AffineTransform> bones = pose(frame);
-      for (HairObject* hair : hairs_) hair->setBones(bones);
-      for (const ColliderId id : colliders_) run_.scene.collider(id).setBones(bones);
-      run_.step();
+  void simulate(int frames) {
+    for (int frame = 1; frame <= frames; ++frame) {
+      const std::vector<AffineTransform> bones = poseAt(frame);
+      for (HairObject* hair : hairs) hair->setBones(bones);
+      for (const ColliderId id : colliders) run.scene.collider(id).setBones(bones);
+      run.step();
     }
   }
 
-  SceneRun run_;
-  std::vector<HairAsset> assets_;
-  std::vector<HairObject*> hairs_;
-  std::vector<ColliderId> colliders_;
+  SceneRun run;
+  std::vector<HairAsset> assets;
+  std::vector<HairObject*> hairs;
+  std::vector<ColliderId> colliders;
+};
+
+class CharacterScene : public testing::TestWithParam<Api> {
+ protected:
+  CharacterScene() : now_(GetParam()) {}
+  void SetUp() override {
+    if (now_.run.device() == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << "no device";
+  }
+
+  CharacterRun now_;
 };
 
 // Positions of a collider's vertices at the last frame.
@@ -97,12 +104,12 @@ std::vector<Float3> skinned(const CollisionMesh& mesh, const std::vector<AffineT
 }
 
 TEST_P(CharacterScene, KeepsLengthsAndStaysOutOfTheBody) {
-  simulate();
-  const std::vector<AffineTransform> bones = pose(kFrames);
-  std::vector<std::vector<Eigen::Vector3d>> free(hairs_.size());
-  for (size_t g = 0; g < hairs_.size(); ++g) {
-    const HairAsset& asset = assets_[g];
-    const std::vector<Float4> positions = run_.positions(*hairs_[g]);
+  now_.simulate(kFrames);
+  const std::vector<AffineTransform> bones = poseAt(kFrames);
+  std::vector<std::vector<Eigen::Vector3d>> free(now_.hairs.size());
+  for (size_t g = 0; g < now_.hairs.size(); ++g) {
+    const HairAsset& asset = now_.assets[g];
+    const std::vector<Float4> positions = now_.run.positions(*now_.hairs[g]);
     ASSERT_EQ(positions.size(), asset.positions.size());
     double worst = 0, moved = 0;
     for (size_t i = 0; i < positions.size(); ++i) {
@@ -120,8 +127,8 @@ TEST_P(CharacterScene, KeepsLengthsAndStaysOutOfTheBody) {
           worst,
           std::abs(std::hypot(double{p.x} - q.x, double{p.y} - q.y, double{p.z} - q.z) / rest - 1));
     }
-    EXPECT_LT(worst, 1e-3) << hairs_[g]->name();
-    EXPECT_GT(moved, 1e-3) << hairs_[g]->name();
+    EXPECT_LT(worst, 1e-3) << now_.hairs[g]->name();
+    EXPECT_GT(moved, 1e-3) << now_.hairs[g]->name();
   }
   // Fields have an error of about cell^2 over 8 times the radius of what is round, a finger's.
   constexpr double kDepth = 0.004;
@@ -130,9 +137,19 @@ TEST_P(CharacterScene, KeepsLengthsAndStaysOutOfTheBody) {
     for (size_t g = 0; g < free.size(); ++g) {
       double deepest = 0;
       for (const double d : oracle.signedDistances(free[g], 0.02)) keepSmallest(deepest, d);
-      EXPECT_GT(deepest, -kDepth) << hairs_[g]->name() << " in " << collider.name;
+      EXPECT_GT(deepest, -kDepth) << now_.hairs[g]->name() << " in " << collider.name;
     }
   }
+}
+
+TEST_P(CharacterScene, HasTheSameBitsWithoutLevels) {
+  CharacterRun serial(GetParam());
+  serial.run.scene.setLevels(false);
+  constexpr int kFew = 4;
+  serial.simulate(kFew);
+  now_.simulate(kFew);
+  for (size_t g = 0; g < now_.hairs.size(); ++g)
+    EXPECT_EQ(now_.run.positions(*now_.hairs[g]), serial.run.positions(*serial.hairs[g])) << g;
 }
 
 INSTANTIATE_TEST_SUITE_P(All, CharacterScene, testing::ValuesIn(kApis), apiTestName);

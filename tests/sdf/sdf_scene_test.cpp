@@ -279,8 +279,10 @@ TEST_F(SdfSceneTest, CollidersShareTwoBuffersAndLeaveNothingBehind) {
   const std::vector<Sdf> sdfs = uploadedSdfs(hair);
   ASSERT_EQ(sdfs.size(), 2u);
   EXPECT_EQ(sdfs[0].nodes.w, 0u);
-  EXPECT_EQ(sdfs[1].nodes.w, sdfs[0].nodes.x * sdfs[0].nodes.y * sdfs[0].nodes.z);
-  EXPECT_EQ(sdfs[1].surface, 12u * 7);
+  // The second one begins at the next 256 bytes, so that a build can bind its range alone.
+  const uint32_t nodes = sdfs[0].nodes.x * sdfs[0].nodes.y * sdfs[0].nodes.z;
+  EXPECT_EQ(sdfs[1].nodes.w, (nodes + 63) / 64 * 64);
+  EXPECT_EQ(sdfs[1].surface, (12u * 7 + 15) / 16 * 16);
   EXPECT_TRUE(scene_.removeCollider(*a));
   simulate();
   EXPECT_EQ(uploadedSdfs(hair).at(0).nodes.w, 0u);

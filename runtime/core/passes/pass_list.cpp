@@ -6,6 +6,7 @@
 #include <string>
 
 #include "passes/list_run.h"
+#include "passes/pass_levels.h"
 #include "pelage/list_check.h"
 
 namespace pelage {
@@ -414,6 +415,12 @@ Result<void> PassBuilder::finish(std::span<const LayoutBindings> bindings) {
   return {};
 }
 
+bool isLastOfLevel(const PassList& list, size_t dispatch) {
+  const size_t next = dispatch + 1;
+  return next == list.passes.size() || isDraw(list.passes[next].kind) ||
+         list.passes[next].level != list.passes[dispatch].level;
+}
+
 HazardTracker::State& HazardTracker::state(BufferId buffer) {
   const uint32_t tableIndex = ResourceTable::indexOf(buffer);
   if (tableIndex >= states_.size()) states_.resize(size_t{tableIndex} + 1);
@@ -470,10 +477,10 @@ void HazardTracker::abandonOpen() {
   settle();
 }
 
-namespace {
+namespace detail {
 
-// The accesses of a pass, or of all draws, to one buffer, over all bindings.
-struct Use {
+// The accesses of the passes of a level to one buffer, over all bindings.
+struct BufferUse {
   BufferId buffer;
   StageMask readStages = 0;
   StageMask writeStages = 0;
@@ -482,22 +489,52 @@ struct Use {
   bool indirect = false;
 };
 
-void collect(const PassList& list, const Pass& pass, HostArray<Use>& uses) {
-  const auto useOf = [&](BufferId buffer) -> Use& {
-    for (Use& use : uses)
-      if (use.buffer == buffer) return use;
-    return uses.emplace_back(Use{.buffer = buffer});
-  };
-  for (const PassBinding& binding : list.bindingsOf(pass)) {
-    if (binding.buffer == BufferId::kInvalid) continue;
-    Use& use = useOf(binding.buffer);
-    if (reads(binding.access)) use.readStages |= binding.stages;
-    if (writes(binding.access)) use.writeStages |= binding.stages;
+// What resolve() keeps from list to list, for its memory.
+struct ListSchedule {
+  PassLevels levels;
+
+  // Adds the accesses of a pass to those of its level.
+  void add(const PassList& list, const Pass& pass) {
+    for (const PassBinding& binding : list.bindingsOf(pass)) {
+      if (binding.buffer == BufferId::kInvalid) continue;
+      BufferUse& use = useOf(binding.buffer);
+      if (reads(binding.access)) use.readStages |= binding.stages;
+      if (writes(binding.access)) use.writeStages |= binding.stages;
+    }
+    if (pass.indices != BufferId::kInvalid) useOf(pass.indices).index = true;
+    if (pass.vertices.buffer != BufferId::kInvalid) useOf(pass.vertices.buffer).vertex = true;
+    if (pass.indirect != BufferId::kInvalid) useOf(pass.indirect).indirect = true;
   }
-  if (pass.indices != BufferId::kInvalid) useOf(pass.indices).index = true;
-  if (pass.vertices.buffer != BufferId::kInvalid) useOf(pass.vertices.buffer).vertex = true;
-  if (pass.indirect != BufferId::kInvalid) useOf(pass.indirect).indirect = true;
-}
+  // The accesses of a level, in the order of its passes. The next level begins; they stay until it
+  // does.
+  std::span<const BufferUse> take() {
+    ++level_;
+    taken_.swap(uses_);
+    uses_.clear();
+    return taken_;
+  }
+
+ private:
+  struct Place {
+    uint64_t level = 0;  // that `use` is of
+    size_t use = 0;      // index into uses_
+  };
+  BufferUse& useOf(BufferId buffer) {
+    const uint32_t index = ResourceTable::indexOf(buffer);
+    if (index >= places_.size()) places_.resize(size_t{index} + 1);
+    Place& place = places_[index];
+    if (place.level == level_) return uses_[place.use];
+    place = {level_, uses_.size()};
+    return uses_.emplace_back(BufferUse{.buffer = buffer});
+  }
+  uint64_t level_ = 1;
+  HostArray<Place> places_;  // [table index]
+  HostArray<BufferUse> uses_, taken_;
+};
+
+}  // namespace detail
+
+namespace {
 
 // State is HazardTracker's, which is private.
 
@@ -527,7 +564,7 @@ Barrier barrierBehind(const State& state) {
 }
 
 template <class State>
-void applyWrite(State& now, const Use& use, HostArray<Barrier>& out) {
+void applyWrite(State& now, const detail::BufferUse& use, HostArray<Barrier>& out) {
   if (isTouched(now)) {
     Barrier barrier = barrierBehind(now);
     barrier.after = use.readStages != 0 ? Access::kReadWrite : Access::kWrite;
@@ -542,7 +579,7 @@ void applyWrite(State& now, const Use& use, HostArray<Barrier>& out) {
 }
 
 template <class State>
-void applyRead(State& now, const Use& use, HostArray<Barrier>& out) {
+void applyRead(State& now, const detail::BufferUse& use, HostArray<Barrier>& out) {
   const auto missing = static_cast<StageMask>(use.readStages & ~now.visibleStages);
   const bool missingIndex = use.index && !now.visibleIndex;
   const bool missingVertex = use.vertex && !now.visibleVertex;
@@ -570,7 +607,7 @@ void applyRead(State& now, const Use& use, HostArray<Barrier>& out) {
 }
 
 template <class State>
-void apply(State& now, const Use& use, HostArray<Barrier>& out) {
+void apply(State& now, const detail::BufferUse& use, HostArray<Barrier>& out) {
   if (use.writeStages != 0)
     applyWrite(now, use, out);
   else
@@ -603,22 +640,33 @@ void HazardTracker::resolve(PassList& list) {
     now.uploadWrite = true;
   }
 
-  HostArray<Use> uses;
-  for (Pass& pass : list.passes) {
-    if (isDraw(pass.kind)) continue;
-    uses.clear();
-    collect(list, pass, uses);
-    pass.firstBarrier = static_cast<uint32_t>(list.barriers.size());
-    for (const Use& use : uses) apply(state(use.buffer), use, list.barriers);
-    pass.barrierCount = static_cast<uint32_t>(list.barriers.size()) - pass.firstBarrier;
+  // Passes of a level are as one, whose barriers come before the first of them.
+  if (schedule_ == nullptr) schedule_ = std::make_shared<detail::ListSchedule>();
+  std::span<const uint32_t> ends;
+  if (levels_) ends = schedule_->levels.sort(list);
+  size_t next = 0;
+  const auto isDispatch = [&] {
+    return next < list.passes.size() && !isDraw(list.passes[next].kind);
+  };
+  for (size_t level = 0; isDispatch(); ++level) {
+    Pass& first = list.passes[next];
+    const size_t end = levels_ ? ends[level] : next + 1;
+    const auto firstBarrier = static_cast<uint32_t>(list.barriers.size());
+    for (; next < end; ++next) {
+      schedule_->add(list, list.passes[next]);
+      list.passes[next].level = static_cast<uint32_t>(level);
+      list.passes[next].firstBarrier = firstBarrier;
+      list.passes[next].barrierCount = 0;
+    }
+    for (const detail::BufferUse& use : schedule_->take())
+      apply(state(use.buffer), use, list.barriers);
+    first.barrierCount = static_cast<uint32_t>(list.barriers.size()) - firstBarrier;
   }
 
-  // All draws run inside one render pass, which allows no barriers: their barriers come before it,
-  // as if they were a single pass.
-  uses.clear();
-  for (const Pass& pass : list.passes)
-    if (isDraw(pass.kind)) collect(list, pass, uses);
-  for (const Use& use : uses) apply(state(use.buffer), use, list.drawBarriers);
+  // All draws run inside one render pass, which allows no barriers: they are a level, too.
+  for (; next < list.passes.size(); ++next) schedule_->add(list, list.passes[next]);
+  for (const detail::BufferUse& use : schedule_->take())
+    apply(state(use.buffer), use, list.drawBarriers);
 
   if (order_ == nullptr) order_ = std::make_shared<detail::RunOrder>();
   list.run = detail::openRun(order_, open_.empty() ? nullptr : open_.back().record.get(), list);

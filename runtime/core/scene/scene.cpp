@@ -78,6 +78,7 @@ Result<uint32_t> Scene::castShadows(std::span<const Light> lights, PassList& lis
   return impl_->castShadows(lights, list);
 }
 void Scene::setTier(Tier tier) { impl_->setTier(tier); }
+void Scene::setLevels(bool on) { impl_->setLevels(on); }
 void Scene::setShadowMemory(uint64_t maxBytes) { impl_->setShadowMemory(maxBytes); }
 BufferId Scene::shadowWords() const { return impl_->shadowWords(); }
 BufferId Scene::shadowViews() const { return impl_->shadowViews(); }

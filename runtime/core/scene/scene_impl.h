@@ -62,6 +62,7 @@ class SceneImpl {
   Result<uint32_t> castShadows(std::span<const Light> lights, PassList& list);
   void setShadowMemory(uint64_t maxBytes);
   void setTier(Tier tier);
+  void setLevels(bool on) { hazards_.setLevels(on); }
   BufferId shadowWords() const;
   BufferId shadowViews() const;
   BufferId transparencyCounters() const;

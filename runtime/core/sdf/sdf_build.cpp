@@ -55,8 +55,14 @@ struct AllGroups {
 class SdfPasses {
  public:
   SdfPasses(PassList& list, const ResourceTable& resources, const SdfBuildBuffers& buffers,
-            const GenerateSdfConstants& block)
-      : list_(list), resources_(resources), buffers_(buffers), constants_(block) {}
+            const GenerateSdfConstants& block, const SdfBufferSizes& sizes)
+      : list_(list),
+        resources_(resources),
+        buffers_(buffers),
+        constants_(block),
+        keys_(takeRange(buffers.keys, sizes.keys, sizeof(uint32_t), constants_.sdfNodes.w)),
+        surface_(takeRange(buffers.surface, sizes.surface, sizeof(Uint4),
+                           constants_.contactSdfSurface)) {}
 
   void add(const KernelVariant& variant, Groups groups) {
     if (!result.ok()) return;
@@ -82,6 +88,15 @@ class SdfPasses {
   Result<void> result;
 
  private:
+  // The part of a buffer that all SDFs share which this build needs, so that it does not wait for
+  // those of others. \param first  element of the buffer; then of the range
+  BufferRange takeRange(BufferId buffer, uint64_t bytes, uint32_t stride, uint32_t& first) const {
+    if (bytes == 0) return resources_.whole(buffer);
+    const auto before = static_cast<uint32_t>(first % (kSdfRangeAlignment / stride));
+    const uint64_t offset = uint64_t{first - before} * stride;
+    first = before;
+    return {buffer, uint64_t{before} * stride + bytes, offset};
+  }
   void finish(PassBuilder& builder) {
     result = builder.finish(GenerateSDFBindings{
         .generateSdfConstants = constants_,
@@ -92,9 +107,9 @@ class SdfPasses {
         .sdfFanStarts = resources_.whole(buffers_.fanStarts),
         .sdfFans = resources_.whole(buffers_.fans),
         .sdfPoints = resources_.whole(buffers_.points),
-        .sdfKeys = resources_.whole(buffers_.keys),
+        .sdfKeys = keys_,
         .sdfCounts = resources_.whole(buffers_.counts),
-        .sdfSurface = resources_.whole(buffers_.surface),
+        .sdfSurface = surface_,
         .sdfWork = resources_.whole(buffers_.work),
         .sdfMarks = resources_.whole(buffers_.marks),
         .sdfVotes = resources_.whole(buffers_.votes),
@@ -105,6 +120,7 @@ class SdfPasses {
   const ResourceTable& resources_;
   const SdfBuildBuffers& buffers_;
   GenerateSdfConstants constants_;
+  BufferRange keys_, surface_;
 };
 
 GenerateSdfConstants constantsOf(const SdfBuildDef& def, const AllGroups& groups,
@@ -228,7 +244,7 @@ Result<void> addSdfBuild(PassList& list, const ResourceTable& resources,
   GenerateSdfConstants constants = constantsOf(def, groups, state, hasHistory);
   constants.buildFlags =
       (incremental ? generate_sdf::kSdfIncremental : 0) | (three ? generate_sdf::kSdfThreeAxes : 0);
-  SdfPasses passes(list, resources, buffers, constants);
+  SdfPasses passes(list, resources, buffers, constants, sdfBufferSizes(def));
   ++state.builds;
   state.origin = plan.origin;
   state.cellSize = plan.cellSize;

@@ -39,6 +39,9 @@ struct SdfBuildDef {
   float motionTolerance = 0;  ///< [cell], see g_motionTolerance
 };
 
+/// Offsets of ranges of storage buffers may be any multiple of it, on every device [byte].
+constexpr uint64_t kSdfRangeAlignment = 256;
+
 /// Sizes [bytes] of the buffers that an SDF needs for itself; keys and surface may be shared.
 struct SdfBufferSizes {
   uint64_t keys = 0, surface = 0;

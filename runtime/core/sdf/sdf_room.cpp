@@ -21,6 +21,12 @@ namespace pelage::detail {
 namespace {
 
 constexpr uint64_t kSurfaceBytes = sizeof(Uint4);
+
+// The first element at or behind `element` where the range of a build may begin.
+uint64_t nextRange(uint64_t element, uint64_t stride) {
+  const uint64_t elements = kSdfRangeAlignment / stride;
+  return (element + elements - 1) / elements * elements;
+}
 // A build of what moved costs about twice a whole one for what it touches.
 constexpr float kMostMovedShare = 0.5f;
 
@@ -273,7 +279,8 @@ SdfRoom::Bytes SdfRoom::bytesOf(ColliderId id, const RoomBuffers& room) {
     for (const BufferId buffer : c.isoSurface->buffers()) bytes.own += room.bytesOf(buffer);
   }
   if (keys != BufferId::kInvalid)
-    bytes.shared = c.keyCapacity * sizeof(uint32_t) + surfaceElements(c) * kSurfaceBytes;
+    bytes.shared = nextRange(c.keyCapacity, sizeof(uint32_t)) * sizeof(uint32_t) +
+                   nextRange(surfaceElements(c), kSurfaceBytes) * kSurfaceBytes;
   return bytes;
 }
 
@@ -303,8 +310,9 @@ void SdfRoom::layOut(const RoomBuffers& room) {
     c.surfaceOffset = static_cast<uint32_t>(elements);
     c.keyCapacity = static_cast<uint32_t>(std::max<uint64_t>(c.keyCapacity, keyCount(c)));
     c.buildPending = true;
-    keyTotal += c.keyCapacity;
-    elements += surfaceElements(c);
+    // The ranges of two builds do not overlap.
+    keyTotal = nextRange(keyTotal + c.keyCapacity, sizeof(uint32_t));
+    elements = nextRange(elements + surfaceElements(c), kSurfaceBytes);
   }
   if (keyTotal == 0) return;
   HostArray<std::byte> keyBytes(keyTotal * sizeof(uint32_t));
