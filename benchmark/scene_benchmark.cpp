@@ -36,7 +36,7 @@ struct Options {
   bench::MeasureDef measure;
   std::string method;  // of the rows that draw; empty: as the library has it
   double seconds = 0;
-  bool quick = false, small = false, cold = false, list = false;
+  bool quick = false, small = false, cold = false, list = false, serial = false;
   std::string csv, commit;
 };
 
@@ -92,7 +92,9 @@ class ApiRun {
         start_(start),
         workbench_{device, {}},
         measure_(options.quick ? kQuickMeasure : options.measure),
-        reference_(device, workbench_.scene, measure_.clocks) {}
+        reference_(device, workbench_.scene, measure_.clocks) {
+    workbench_.scene.setLevels(!options.serial);
+  }
 
   /// Returns how many rows could not be measured.
   int run() {
@@ -276,6 +278,8 @@ int main(int argc, char** argv) {
   app.add_flag("--quick", options.quick, "smoke test: few strands and frames, results are checked");
   app.add_flag("--small", options.small, "fewer strands, for software drivers");
   app.add_flag("--cold", options.cold, "print the wall time of a row's first frame [ms]");
+  app.add_flag("--serial", options.serial,
+               "lists without levels: for the times of single passes (Scene::setLevels())");
   app.add_flag("--list", options.list,
                "print the names of the rows; with --cold of those that have first frames");
   CLI11_PARSE(app, argc, argv);

@@ -27,6 +27,7 @@ struct SceneRow {
   uint32_t guides = 0;  ///< of a character: those of its long hair
   RowSolver solver = RowSolver::kExact;
   bool followsCollide = false;
+  uint32_t characters = 1;
 
   /// Scene, solver, and which hair collides: "head_sdf/exact/guides", "head_sdf/exact/follow".
   std::string name() const;
