@@ -1,5 +1,7 @@
 #include "codegen/back_end.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <exception>
 #include <optional>
@@ -7,7 +9,9 @@
 #include <spirv-tools/optimizer.hpp>
 #include <spirv_cross/spirv_glsl.hpp>
 #include <spirv_cross/spirv_parser.hpp>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "codegen/checks/checks.h"
 #include "codegen/front_end.h"
@@ -218,6 +222,37 @@ ParsedModule parseModule(const std::vector<uint32_t>& words) {
   return module;
 }
 
+// Text that means the same, and that NVIDIA's compiler of GLSL is done with in a fraction of the
+// time: loops are not unrolled, and what SPIRV-Cross writes as `do { ... } while(false)`, a block
+// that is left by `break`, is a switch, which is no loop.
+std::string forGlCompilers(const std::string& text) {
+  constexpr std::string_view kBegin = "do", kEnd = "} while(false);";
+  constexpr std::string_view kLoopEnd = "} while", kVersion = "#version";
+  std::vector<std::string> lines;
+  std::vector<size_t> open;  // lines with a `do` whose end has not come
+  for (size_t from = 0; from < text.size();) {
+    const size_t end = std::min(text.find('\n', from), text.size());
+    std::string line = text.substr(from, end - from);
+    from = end + 1;
+    const size_t indent = std::min(line.find_first_not_of(' '), line.size());
+    const std::string_view code = std::string_view(line).substr(indent);
+    const bool isVersion = code.starts_with(kVersion);
+    if (code == kBegin) {
+      open.push_back(lines.size());
+    } else if (code.starts_with(kLoopEnd) && !open.empty()) {
+      if (code == kEnd) {
+        lines[open.back()].replace(indent, kBegin.size(), "switch (0u)");
+        lines[open.back() + 1] += " default: {";
+        line.replace(indent, kEnd.size(), "} }");
+      }
+      open.pop_back();
+    }
+    lines.push_back(std::move(line));
+    if (isVersion) lines.emplace_back("#pragma optionNV(unroll none)");
+  }
+  return fmt::format("{}\n", fmt::join(lines, "\n"));
+}
+
 std::string crossCompile(const ParsedModule& module, const std::vector<uint32_t>& words,
                          const BackEndInput& input, bool es, std::vector<BackEndError>& errors) {
   const auto fail = [&](std::string reason) {
@@ -249,7 +284,7 @@ std::string crossCompile(const ParsedModule& module, const std::vector<uint32_t>
     bindCombinedSamplers(compiler, input, errors);
     bindForGl(compiler, input);
     bindStorageBuffers(compiler, input, words);
-    return compiler.compile();
+    return forGlCompilers(compiler.compile());
   } catch (const std::exception& e) {
     return fail(e.what());
   }
