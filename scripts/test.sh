@@ -13,6 +13,7 @@ bash scripts/install_packages.sh scripts/packages.txt scripts/packages_viewer.tx
 
 step "format"
 git ls-files '*.h' '*.cpp' 2>/dev/null | xargs -r clang-format-14 --dry-run --Werror
+bash scripts/format_kernels.sh --check
 
 step "build"
 cmake --preset release -DPELAGE_BUILD_TESTS=ON -DPELAGE_BUILD_BENCHMARKS=ON \

@@ -7,8 +7,8 @@
 //   classic_list_read   one walk that keeps the nearest; what falls out is blended as it comes
 // It keeps what makes it what it is: 8 bits are cut, not rounded; a fragment without room empties
 // the list of its pixel; past the nearest 8 the order of arrival decides; 8 slots are lit whatever
-// is in them; 512 fragments of a pixel are seen. Left out is what would be undefined: nodes beyond the
-// pool are not written.
+// is in them; 512 fragments of a pixel are seen. Left out is what would be undefined: nodes beyond
+// the pool are not written.
 #ifndef BASELINE_CLASSIC_LIST_LAYOUT_HLSLI
 #define BASELINE_CLASSIC_LIST_LAYOUT_HLSLI
 

@@ -27,8 +27,8 @@ void blendOver(inout ClassicSum sum, ClassicFragment fragment, float2 pixel) {
   float3 position = fragmentPosition(pixel - g_viewport.xy, asfloat(fragment.depth));
   StrandShading material = shadingFrom(g_classicModel, g_classicBody, g_classicPrimary,
                                        g_classicSecondary, g_classicFiber);
-  float3 light = lightStrand(material, strandSurface(position, tangent.xyz * 2.0 - 1.0,
-                                                     unpackBytes(fragment.color).rgb));
+  float3 light = lightStrand(
+      material, strandSurface(position, tangent.xyz * 2.0 - 1.0, unpackBytes(fragment.color).rgb));
   sum.light = sum.light * (1.0 - tangent.w) + light * tangent.w;
   sum.transmittance *= 1.0 - tangent.w;
 }
@@ -41,8 +41,8 @@ ClassicTarget classic_list_read(ClassicListPixel given) {
   ClassicTarget result;
   result.color = float4(0.0, 0.0, 0.0, 0.0);
   int2 at = int2(given.clip.xy) - int2(g_viewport.xy);
-  bool inside = at.x >= 0 && at.y >= 0 && uint(at.x) < g_classicReadWidth &&
-                uint(at.y) < g_classicReadHeight;
+  bool inside =
+      at.x >= 0 && at.y >= 0 && uint(at.x) < g_classicReadWidth && uint(at.y) < g_classicReadHeight;
   uint next = inside ? g_classicReadHeads[uint(at.y) * g_classicReadWidth + uint(at.x)] : 0u;
   if (next == 0u) discard;
 

@@ -1,5 +1,5 @@
-// Resources that the lists of classic_list_layout.hlsli are resolved from, of one hair object. Group
-// "classicListRead", all in space0.
+// Resources that the lists of classic_list_layout.hlsli are resolved from, of one hair object.
+// Group "classicListRead", all in space0.
 #ifndef BASELINE_CLASSIC_LIST_READ_LAYOUT_HLSLI
 #define BASELINE_CLASSIC_LIST_READ_LAYOUT_HLSLI
 

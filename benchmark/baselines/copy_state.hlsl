@@ -8,7 +8,7 @@ cbuffer CopyConstants : register(b0, space0) {
   uint g_copyPad1;
 };
 
-RWStructuredBuffer<float4> g_copyTo : register(u0, space0);     // [set][element]
+RWStructuredBuffer<float4> g_copyTo : register(u0, space0);  // [set][element]
 StructuredBuffer<float4> g_copyFrom : register(t0, space0);  // [set][element]
 
 [numthreads(64, 1, 1)]

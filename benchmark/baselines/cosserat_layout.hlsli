@@ -14,12 +14,12 @@ cbuffer CosseratConstants : register(b0, space0) {
   uint g_strandCount;
   uint g_vertexCount;  // a strand
   uint g_subSteps;
-  uint g_restart;      // not 0: take the bind pose, at rest
-  float g_subStep;     // h [s]
-  float g_drag;        // c of the air [1/s]
-  float g_bend;        // B = E I / (rho A) [m4/s2]; 0 leaves bending and twist out
-  float g_twist;       // G J / (rho A) [m4/s2]
-  float g_inertia;     // of an edge over its length cubed
+  uint g_restart;   // not 0: take the bind pose, at rest
+  float g_subStep;  // h [s]
+  float g_drag;     // c of the air [1/s]
+  float g_bend;     // B = E I / (rho A) [m4/s2]; 0 leaves bending and twist out
+  float g_twist;    // G J / (rho A) [m4/s2]
+  float g_inertia;  // of an edge over its length cubed
   float g_cosseratPad0;
   float g_cosseratPad1;
   float g_cosseratPad2;

@@ -34,7 +34,8 @@ void push_points(uint3 thread : SV_DispatchThreadID) {
   float ahead = 0.1 * g_fieldOrigin.w;
   float3 gradient = float3(sampleDistance(place.xyz + float3(ahead, 0.0, 0.0)),
                            sampleDistance(place.xyz + float3(0.0, ahead, 0.0)),
-                           sampleDistance(place.xyz + float3(0.0, 0.0, ahead))) - here;
+                           sampleDistance(place.xyz + float3(0.0, 0.0, ahead))) -
+                    here;
   float steep = length(gradient);
   if (!(steep > 0.0)) return;
   place.xyz += gradient * ((g_margin - here) / steep);

@@ -7,17 +7,17 @@
 // solved for all three components at once, in rotation vectors instead of quaternion components.
 //
 // Every constraint of a sub-step is visited once, from root to tip, so one walk along the strand
-// does all of it: vertex i + 1 and edge i are predicted when they are first needed, and vertex i and
-// edge i - 1 have their velocities when edge i is done.
+// does all of it: vertex i + 1 and edge i are predicted when they are first needed, and vertex i
+// and edge i - 1 have their velocities when edge i is done.
 //
 // Threads: one a strand. Reads g_rodRest, g_rods; writes g_rods, g_places, g_directions.
 #include "rotations.hlsli"
 #include "cosserat_layout.hlsli"
 
 struct Vertex {
-  float3 x;        // predicted and corrected [m]
-  float3 before;   // at the sub-step's begin [m]
-  float region;    // length that it stands for [m]
+  float3 x;       // predicted and corrected [m]
+  float3 before;  // at the sub-step's begin [m]
+  float region;   // length that it stands for [m]
   float inverseMass;
 };
 
@@ -52,8 +52,8 @@ Edge predictEdge(uint i, uint strand, float size) {
 
 void storeVertex(uint i, uint strand, Vertex vertex) {
   g_rods[rodIndex(0, i, strand)] = float4(vertex.x, vertex.region);
-  float3 velocity = vertex.inverseMass > 0.0 ? (vertex.x - vertex.before) / g_subStep
-                                             : float3(0.0, 0.0, 0.0);
+  float3 velocity =
+      vertex.inverseMass > 0.0 ? (vertex.x - vertex.before) / g_subStep : float3(0.0, 0.0, 0.0);
   g_rods[rodIndex(1, i, strand)] = float4(velocity, 0.0);
 }
 
@@ -160,6 +160,5 @@ void simulate_cosserat(uint3 thread : SV_DispatchThreadID) {
     return;
   }
   uint count = min(g_subSteps, 1000);
-  for (uint k = 0; k < count; ++k)
-    subStep(strand, float(k + 1) / float(count), k + 1 == count);
+  for (uint k = 0; k < count; ++k) subStep(strand, float(k + 1) / float(count), k + 1 == count);
 }

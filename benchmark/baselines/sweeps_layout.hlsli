@@ -4,11 +4,11 @@
 //   carry_strands   velocity shock propagation, a thread a vertex
 //   sweep_shape     local shape, a thread a strand
 //   sweep_lengths   red/black Gauss-Seidel on the lengths in group-shared memory, a thread a vertex
-// It keeps what makes it what it is: parameters are for a frame and not for a second, lengths do not
-// converge, velocity shock propagation loses the twist and blends positions, strands of 64 vertices
-// get one sweep of local shape, and only 4, 8, 16, 32 and 64 vertices work. Left out is what would
-// be undefined (reads past the end, missing barriers, padding strands), and wind and collision,
-// which no benchmark scene has; so its times are lower bounds.
+// It keeps what makes it what it is: parameters are for a frame and not for a second, lengths do
+// not converge, velocity shock propagation loses the twist and blends positions, strands of 64
+// vertices get one sweep of local shape, and only 4, 8, 16, 32 and 64 vertices work. Left out is
+// what would be undefined (reads past the end, missing barriers, padding strands), and wind and
+// collision, which no benchmark scene has; so its times are lower bounds.
 #ifndef BASELINE_SWEEPS_LAYOUT_HLSLI
 #define BASELINE_SWEEPS_LAYOUT_HLSLI
 
@@ -40,7 +40,7 @@ cbuffer SweepConstants : register(b0, space0) {
 RWStructuredBuffer<float4> g_places : register(u0, space0);        // now [m]
 RWStructuredBuffer<float4> g_placesBefore : register(u1, space0);  // a frame ago [m]
 RWStructuredBuffer<float4> g_directions : register(u2, space0);    // unit tangents
-StructuredBuffer<float4> g_bind : register(t0, space0);  // xyz [m], w inverse mass
+StructuredBuffer<float4> g_bind : register(t0, space0);            // xyz [m], w inverse mass
 // xyz edge from vertex i to i + 1 in the frame of the edge before [m], w its length [m]; at the
 // last vertex the frame of edge 0 in bind space, as a quaternion.
 StructuredBuffer<float4> g_edges : register(t1, space0);

@@ -1,4 +1,4 @@
-// How dispatches that are too long for one axis are laid out in rows.
+// Rows of dispatches that are too long for one axis.
 #ifndef PELAGE_BASE_DISPATCH_HLSLI
 #define PELAGE_BASE_DISPATCH_HLSLI
 

@@ -26,8 +26,8 @@ float3 cross3(float3 a, float3 b) {
 // The bits of 1e18.
 static const uint kUsableBits = 0x5d5e0b6bu;
 
-// True when every component is a number of magnitude below 1e18: its square and the squares of
-// distances are finite then. On the bits, because a driver may assume that no float is a NaN.
+// Returns true if every component is a number of magnitude below 1e18: its square and the squares
+// of distances are finite then. On the bits, because a driver may assume that no float is a NaN.
 bool isUsable(float3 v) {
   uint3 bits = asuint(v) & 0x7fffffffu;
   return max(bits.x, max(bits.y, bits.z)) < kUsableBits;

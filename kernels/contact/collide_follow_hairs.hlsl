@@ -20,10 +20,10 @@
 // (its posed position, in front of its planes): contacts are found once more, where the walk has
 // put the vertices, and the strand walks again from its posed vertices.
 //
-// There is no velocity: a strand is posed anew in every frame. Friction is applied after the
-// length, so that it holds vertices in its range at their last position and a strand at rest stays;
-// before the length, the length would let them slide again. A sweep that stopped behind an obstacle
-// cannot hold a strand there, because the length pulls it along.
+// Follow hairs have no velocity: a strand is posed anew in every frame. Friction is applied after
+// the length, so that it holds vertices in its range at their last position and a strand at rest
+// stays; before the length, the length would let them slide again. A sweep that stopped behind an
+// obstacle cannot hold a strand there, because the length pulls it along.
 //
 // Invariant (tests/contact): vertices without inverse mass and strands without contact keep their
 // bits; vertices that were inside are outside by the margin afterwards (99.9 %).
@@ -159,7 +159,7 @@ void walk(uint follow, uint lane, uint tile) {
   if (!again) g_followBefore[own] = g_followBefore[evaluatedFrom];
   if (begin >= count) return;
   float3 evaluatedLast = float3(0.0, 0.0, 0.0);  // posed position of the previous vertex
-  float3 last = float3(0.0, 0.0, 0.0);        // the same, and of the one before that, now
+  float3 last = float3(0.0, 0.0, 0.0);           // the same, and of the one before that, now
   float3 beforeLast = float3(0.0, 0.0, 0.0);
   bool usableLast = false;
   if (begin > 0u) {

@@ -2,7 +2,7 @@
 #ifndef PELAGE_CONTACT_COLLIDERS_HLSLI
 #define PELAGE_CONTACT_COLLIDERS_HLSLI
 
-#include "layouts/collider.hlsli"
+#include "layouts/contact_records.hlsli"
 #include "../base/quaternion.hlsli"
 
 struct Contact {
@@ -54,7 +54,8 @@ Contact findContact(Collider shape, float3 p, float begin, float end) {
   precise float3 normal = outward * (1.0 / distance);
   precise float penetration = shape.head.w - taper * t - distance;
   precise float3 before = headFrom + (tailFrom - headFrom) * t;
-  precise float3 spinMotion = cross3(shape.spin.xyz, normal * (shape.head.w - taper * t)) * (end - begin);
+  precise float3 spinMotion =
+      cross3(shape.spin.xyz, normal * (shape.head.w - taper * t)) * (end - begin);
   precise float3 surfaceMotion = center - before + spinMotion;
   contact.normal = normal;
   contact.penetration = penetration;
@@ -68,18 +69,19 @@ static const float kSweepFrom = 0.25;
 static const float kSweepContact = 1e-5;  // [m]
 static const uint kSweepSteps = 16;
 
-// As findContact(), for a point that moves from `from` to `p`. If its path meets the surface, the
-// contact has the plane at that point.
+// Does the same as findContact() for a point that moves from `from` to `p`. If its path crosses the
+// surface, the contact has the plane at the crossing.
 //
-// \param rests  a point that lies on the surface at `from` is held there where that faces away from the
-//               surface nearest to p; otherwise such a point is not swept
+// \param rests  true: a point that lies on the surface at `from` is held there if the surface faces
+//               away from the surface nearest to p; false: such a point is not swept
 Contact sweepCapsule(Collider shape, float3 from, float3 p, float begin, float end, bool rests) {
   Contact last = findContact(shape, p, begin, end);
   // Relative to the surface, which is where it is in the end.
   precise float3 start = from + last.surfaceMotion;
   precise float3 displacement = p - start;
   float size = squareRoot(dot3(displacement, displacement));
-  if (!(size > kSweepFrom * min(shape.head.w, shape.tail.w)) || last.penetration < -1e17) return last;
+  if (!(size > kSweepFrom * min(shape.head.w, shape.tail.w)) || last.penetration < -1e17)
+    return last;
   Contact contact = findContact(shape, start, begin, end);
   float deepest = 0.0;
   if (rests && contact.penetration > -kSweepContact)

@@ -1,8 +1,8 @@
 // Draws contact records as needles, for debugging: triangles from the vertex along the contact's
 // normal, a few pixels wide at the vertex.
 //
-// Vertices: one instance a strand, 3 a record, kMaxContacts records a vertex of the strand; no index
-//           buffer.
+// Vertices: one instance a strand, 3 a record, kMaxContacts records a vertex of the strand; no
+//           index buffer.
 // Reads:    g_drawnPositions, g_drawnContacts, g_drawnWords, g_drawnStrands, DrawContactsConstants
 // Writes:   ContactVaryings
 //

@@ -2,7 +2,8 @@
 //
 // The including file defines CONTACT_CAPSULE(c), CONTACT_CAPSULE_COUNT, CONTACT_SDF(f) and
 // CONTACT_SDF_COUNT; CONTACT_LOOKS, 2 if a fast vertex may go further than predicted, else 1;
-// CONTACT_RESTS, as in sweepCapsule(); and with SDF what sdf_strand_contact.hlsli needs.
+// CONTACT_RESTS, as in sweepCapsule(); and with SDF also
+// SDF_KEYS and SDF_SURFACE.
 #ifndef PELAGE_CONTACT_DEEPEST_CONTACTS_HLSLI
 #define PELAGE_CONTACT_DEEPEST_CONTACTS_HLSLI
 
@@ -11,7 +12,28 @@
 #if SDF
 #define SDF_FACING 1
 #define SDF_DENSE DENSE_SDF
-#include "sdf_strand_contact.hlsli"
+#include "../sdf/sdf_collision.hlsli"
+
+// Returns the contact of a vertex with an SDF, in the form of the other colliders.
+//
+// A swept vertex gets the plane at which its path meets the surface. A solver that lets it continue
+// along the plane queries again from its previous position.
+//
+// \param before      position of the vertex at the start of the sub-step
+// \param begin, end  the part of the frame that is in the sub-step, 0..1
+// \param range       a vertex within this distance of the surface has a contact [m]
+Contact findSdfContact(Sdf sdf, float3 before, float3 p, float begin, float end, float range) {
+  SdfContact found = sdfContact(sdf, before, p, begin, end, range);
+  precise float cell = sdf.origin.w;
+  precise float penetration = found.penetration * cell;
+  precise float3 surfaceMotion = found.motion * ((end - begin) * cell);
+  Contact contact;
+  contact.normal = found.normal;
+  contact.penetration = found.found ? penetration : -1e18;
+  contact.surfaceMotion = surfaceMotion;
+  contact.friction = sdf.friction;
+  return contact;
+}
 #endif
 
 // Displacements longer than this may cross a thin part [m].
@@ -29,7 +51,7 @@ struct SweptVertex {
   float3 relative;  // displacement against the strand's root
   float begin;      // of the part, 0..1
   float end;
-  float range;      // a vertex within this distance of a surface has a contact [m]
+  float range;  // a vertex within this distance of a surface has a contact [m]
 };
 
 Found nothingFound() {
@@ -45,15 +67,14 @@ Found nothingFound() {
 // Returns true if a collider may be in range.
 bool mayCollide(SweptVertex vertex) {
   for (uint c = 0; c < CONTACT_CAPSULE_COUNT; ++c) {
-    Contact contact =
-        sweepCapsule(CONTACT_CAPSULE(c), vertex.from, vertex.to, vertex.begin, vertex.end,
-                     CONTACT_RESTS);
+    Contact contact = sweepCapsule(CONTACT_CAPSULE(c), vertex.from, vertex.to, vertex.begin,
+                                   vertex.end, CONTACT_RESTS);
     if (contact.penetration > -vertex.range) return true;
   }
 #if SDF
   for (uint f = 0; f < CONTACT_SDF_COUNT; ++f) {
     if (sdfMayBeInRange(CONTACT_SDF(f), vertex.from, vertex.to, vertex.relative, vertex.end,
-                    vertex.range))
+                        vertex.range))
       return true;
   }
 #endif
@@ -71,15 +92,14 @@ void keepDeepest(Found found, float range, inout Found first, inout Found second
   }
 }
 
-// \param first, second  deepest first; none if the penetration is not > -reach
+// \param first, second  deepest first; none if the penetration is not > -range
 void findDeepest(SweptVertex vertex, out Found first, out Found second) {
   first = nothingFound();
   second = nothingFound();
   for (uint c = 0; c < CONTACT_CAPSULE_COUNT; ++c) {
     Found found;
-    found.contact =
-        sweepCapsule(CONTACT_CAPSULE(c), vertex.from, vertex.to, vertex.begin, vertex.end,
-                     CONTACT_RESTS);
+    found.contact = sweepCapsule(CONTACT_CAPSULE(c), vertex.from, vertex.to, vertex.begin,
+                                 vertex.end, CONTACT_RESTS);
     found.collider = min(c, kContactSdf - 1u);
     keepDeepest(found, vertex.range, first, second);
   }
@@ -91,8 +111,8 @@ void findDeepest(SweptVertex vertex, out Found first, out Found second) {
     precise float3 displacement = vertex.to - vertex.from;
     precise float3 further = float3(0.0, 0.0, 0.0);
     [loop] for (uint look = 0; look < CONTACT_LOOKS; ++look) {
-      found.contact = findSdfContact(CONTACT_SDF(f), vertex.from, vertex.to + further,
-                                       vertex.begin, vertex.end, vertex.range);
+      found.contact = findSdfContact(CONTACT_SDF(f), vertex.from, vertex.to + further, vertex.begin,
+                                     vertex.end, vertex.range);
       precise float depth = found.contact.penetration + dot3(further, found.contact.normal);
       found.contact.penetration = depth;
       if (found.contact.penetration > -vertex.range ||

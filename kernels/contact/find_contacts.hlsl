@@ -19,7 +19,7 @@
 // capsule each, and then distributes the queries over its threads.
 //
 // Invariant (tests/contact): the same records for any order of strands; a vertex without a record
-// is farther from every collider than the reach; a mask has a bit for each vertex with a record.
+// is farther from every collider than the range; a mask has a bit for each vertex with a record.
 // SDF: with SDFs; without it there are capsules alone. DENSE_SDF: also with SDFs of an engine.
 #include "../base/dispatch.hlsli"
 #include "layouts/contact.hlsli"
@@ -27,30 +27,9 @@
 #if SDF
 #define SDF_KEYS g_contactSdfKeys
 #define SDF_SURFACE g_contactSdfSurface
+#define SDF_ELEMENTS g_contactColliders
+#include "../sdf/load_sdf.hlsli"
 #define CONTACT_CAPSULE(c) capsuleAt(c)
-
-Sdf sdfAt(uint f) {
-  uint element = kColliderElements * f;
-  uint4 counts = g_contactColliders[element + 2u];
-  float4 ranges = asfloat(g_contactColliders[element + 3u]);
-  uint4 motion = g_contactColliders[element + 4u];
-  Sdf sdf;
-  sdf.origin = asfloat(g_contactColliders[element]);
-  sdf.nodes = g_contactColliders[element + 1u];
-  sdf.triangleCount = counts.x;
-  sdf.triangleBits = counts.y;
-  sdf.surface = counts.z;
-  sdf.surfaceStride = counts.w;
-  sdf.band = ranges.x;
-  sdf.farRange = ranges.y;
-  sdf.margin = ranges.z;
-  sdf.friction = ranges.w;
-  sdf.motionScale = asfloat(motion.x);
-  sdf.pad0 = 0u;
-  sdf.pad1 = 0u;
-  sdf.pad2 = 0u;
-  return sdf;
-}
 
 Collider capsuleAt(uint c) {
   uint element = kColliderElements * (g_contactSdfCount + c);
@@ -66,7 +45,7 @@ Collider capsuleAt(uint c) {
 #define CONTACT_CAPSULE(c) g_capsules[c]
 #endif
 #define CONTACT_CAPSULE_COUNT g_capsuleCount
-#define CONTACT_SDF(f) sdfAt(f)
+#define CONTACT_SDF(f) loadSdf(f)
 #define CONTACT_SDF_COUNT g_contactSdfCount
 #define CONTACT_LOOKS 2
 #define CONTACT_RESTS false
@@ -124,8 +103,8 @@ void storeRecord(uint index, ContactRecord record) {
   g_contacts[element] = asuint(record.plane);
   g_contacts[element + 1u] = asuint(record.surface);
   g_contacts[element + 2u] = asuint(record.force);
-  g_contacts[element + 3u] = uint4(asuint(record.foundX), asuint(record.foundY),
-                                   asuint(record.foundZ), record.bits);
+  g_contacts[element + 3u] =
+      uint4(asuint(record.foundX), asuint(record.foundY), asuint(record.foundZ), record.bits);
 }
 
 ContactStrand strandAt(uint slot) {
@@ -188,8 +167,7 @@ RootSteps rootSteps(ContactStrand strand, uint slot) {
   if (isUsable(now) && dot3(now, now) < kLongestStep * kLongestStep) steps.now = now;
   steps.last = steps.now;
   if ((g_contactFlags & (kNoHistoryFlag | kAgainFlag)) != 0u) return steps;
-  precise float3 last =
-      asfloat(g_contacts[rootStepIndex(slot, true)].xyz) * g_contactRatio;
+  precise float3 last = asfloat(g_contacts[rootStepIndex(slot, true)].xyz) * g_contactRatio;
   steps.last = last;
   return steps;
 }

@@ -120,8 +120,7 @@ void goOn(uint follow, uint vertex) {
 
 FollowContact contactOf(Found found, SweptVertex swept) {
   FollowContact contact;
-  precise float offset =
-      dot3(found.contact.normal, swept.to) + found.contact.penetration;
+  precise float offset = dot3(found.contact.normal, swept.to) + found.contact.penetration;
   contact.plane = float4(found.contact.normal, offset);
   precise float3 hold = swept.from + found.contact.surfaceMotion;
   contact.hold = float4(hold, swept.begin < 1.0 ? found.contact.friction : 0.0);

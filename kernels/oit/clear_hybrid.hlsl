@@ -5,8 +5,6 @@
 //          g_hybridCounters
 #include "layouts/hybrid_depths.hlsli"
 #include "nearest_depths.hlsli"
-#include "pixel_tiles.hlsli"
-#include "ppll_counters.hlsli"
 
 [numthreads(128, 1, 1)]
 void clear_hybrid(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {

@@ -4,8 +4,6 @@
 // Writes:  g_shortCutDepths, g_shortCutClearedColors, g_shortCutTiles, g_shortCutCounters
 #include "layouts/short_cut_depths_alpha.hlsli"
 #include "nearest_depths.hlsli"
-#include "pixel_tiles.hlsli"
-#include "ppll_counters.hlsli"
 
 [numthreads(128, 1, 1)]
 void clear_short_cut(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {

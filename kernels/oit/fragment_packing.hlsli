@@ -68,7 +68,9 @@ float3 colorOf(uint color) {
 }
 
 // \param next index of a node + 1, at most kMaxNodes, or 0
-uint packLink(uint next, uint material) { return next | (min(material, kMaterialLimit - 1u) << 26); }
+uint packLink(uint next, uint material) {
+  return next | (min(material, kMaterialLimit - 1u) << 26);
+}
 uint nextOf(uint link) { return link & 0x3ffffffu; }
 uint materialOf(uint link) { return link >> 26; }
 

@@ -11,9 +11,8 @@
 #include "layer_packing.hlsli"
 #define TILE_FLAGS g_hybridTiles
 #define TILE_COUNTERS g_hybridCounters
-#include "mark_tile.hlsli"
 #define LAYER_DEPTHS g_hybridDepths
-#include "insert_depth.hlsli"
+#include "nearest_depths.hlsli"
 
 [earlydepthstencil]
 void hybrid_depths(StrandPixel strand) {
@@ -24,7 +23,7 @@ void hybrid_depths(StrandPixel strand) {
   if (pixel == kNoPixel) return;
   uint key = layerKey(strand.clip.z, g_reversedDepth != 0u);
   uint first = g_hybridLayers * pixel;
-  // As many keys are nearer or equal.
+  // All slots have nearer or equal keys.
   if (g_hybridDepths[first + g_hybridLayers - 1u] <= key) return;
   markTile(uint2(pixel % g_hybridWidth, pixel / g_hybridWidth), g_hybridTileColumns,
            g_hybridHeight);

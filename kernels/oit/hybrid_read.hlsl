@@ -5,10 +5,22 @@
 //
 // Invariant (tests/oit): the composite of all fragments in order if a pixel has no more of them
 // than layers; otherwise its transmittance, with the mean color of those behind the layers.
-#include "layouts/hybrid_read.hlsli"
 #include "layouts/oit_tiles.hlsli"
 #include "layer_composite.hlsli"
-#include "oit_tile_interface.hlsli"
+
+cbuffer HybridReadConstants : register(b0, space1) {
+  float2 g_layersOrigin;  // offset of the viewport [pixels]
+  uint g_layersWidth;     // [pixels]
+  uint g_layersHeight;    // [pixels]
+  uint g_layersQuads;     // a quarter of the fragments that a pixel keeps
+  uint g_layersPad0;
+  uint g_layersPad1;
+  uint g_layersPad2;
+};
+
+// g_hybridColors and g_hybridTail of hybrid_colors, four words in one.
+StructuredBuffer<uint4> g_layerColors : register(t0, space1);
+StructuredBuffer<uint4> g_layerTail : register(t1, space1);
 
 ResolvedPixel hybrid_read(OitTilePixel tile) {
   ResolvedPixel result;

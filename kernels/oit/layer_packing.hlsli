@@ -14,9 +14,7 @@
 static const float kDimmestLayer = 0.125;
 static const float kBrightestLayer = 16.0;
 
-uint layerAlphaOf(float alpha) {
-  return alpha > 0.0 ? max(roundedRoot(alpha, 255u), 1u) : 0u;
-}
+uint layerAlphaOf(float alpha) { return alpha > 0.0 ? max(roundedRoot(alpha, 255u), 1u) : 0u; }
 
 float layerScale(uint exponent) { return asfloat((exponent + 124u) << 23); }
 

@@ -3,7 +3,6 @@
 // Vertices: 6, one instance per tile of the list; drawn indirectly.
 // Reads:    the tile as a vertex input, OitTileConstants
 #include "layouts/oit_tiles.hlsli"
-#include "oit_tile_interface.hlsli"
 #include "pixel_tiles.hlsli"
 
 OitTilePixel oit_tile_vertex([[vk::location(0)]] uint tile : ATTRIBUTE0,

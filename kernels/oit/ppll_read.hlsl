@@ -17,7 +17,6 @@
 #include "layouts/oit_tiles.hlsli"
 #include "layouts/ppll_read.hlsli"
 #include "fragment_packing.hlsli"
-#include "oit_tile_interface.hlsli"
 #include "spill_tail.hlsli"
 #define SHADOW_WORDS g_readShadowWords
 #include "../shading/light_strand.hlsli"
@@ -86,8 +85,7 @@ uint4 averagedBehind(WindowSlot last, uint head) {
     uint4 node = g_readNodes[next - 1u];
     WindowSlot slot = slotOf(node, next - 1u);
     next = nextOf(node.x);
-    if (isBefore(last, slot))
-      sum += tailOf(colorOf(node.w), alphaOfShape(node.z));
+    if (isBefore(last, slot)) sum += tailOf(colorOf(node.w), alphaOfShape(node.z));
   }
   return sum;
 }
@@ -157,8 +155,8 @@ ResolvedPixel ppll_read(OitTilePixel tile) {
     float3 position = g_eye.xyz;
     if (last.position != kNoSlot) {
       node = g_readNodes[last.position];
-      position = fragmentPosition(tile.clip.xy - g_viewport.xy,
-                               depthOfKey(node.y, g_reversedDepth != 0u));
+      position =
+          fragmentPosition(tile.clip.xy - g_viewport.xy, depthOfKey(node.y, g_reversedDepth != 0u));
     }
     float3 color = float3(rest.xyz) / float(rest.w);
     StrandSurface surface = strandSurface(position, tangentOfShape(node.z), color);

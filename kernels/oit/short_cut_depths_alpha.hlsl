@@ -12,9 +12,8 @@
 #include "spill_tail.hlsli"
 #define TILE_FLAGS g_shortCutTiles
 #define TILE_COUNTERS g_shortCutCounters
-#include "mark_tile.hlsli"
 #define LAYER_DEPTHS g_shortCutDepths
-#include "insert_depth.hlsli"
+#include "nearest_depths.hlsli"
 
 [earlydepthstencil]
 void short_cut_depths_alpha(StrandPixel strand) {

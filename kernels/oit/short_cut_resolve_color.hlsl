@@ -8,9 +8,18 @@
 // transmittance everywhere. A pixel without fragments does not change: nothing is divided by 0
 // (K39).
 #include "layouts/oit_tiles.hlsli"
-#include "layouts/short_cut_resolve_color.hlsli"
 #include "layer_composite.hlsli"
-#include "oit_tile_interface.hlsli"
+
+cbuffer ShortCutResolveColorConstants : register(b0, space1) {
+  float2 g_frontOrigin;  // offset of the viewport [pixels]
+  uint g_frontWidth;     // [pixels]
+  uint g_frontHeight;    // [pixels]
+};
+
+// As g_shortCutDepths, four words in one.
+StructuredBuffer<uint4> g_frontDepths : register(t0, space1);
+// As g_shortCutColors.
+StructuredBuffer<uint> g_frontColors : register(t1, space1);
 
 ResolvedPixel short_cut_resolve_color(OitTilePixel tile) {
   ResolvedPixel result;

@@ -4,9 +4,20 @@
 // Reads:   ShortCutResolveDepthConstants, g_thirdDepths
 // Writes:  SV_Depth
 #include "layouts/oit_tiles.hlsli"
-#include "layouts/short_cut_resolve_depth.hlsli"
 #include "layer_composite.hlsli"
-#include "oit_tile_interface.hlsli"
+
+cbuffer ShortCutResolveDepthConstants : register(b0, space1) {
+  float2 g_thirdOrigin;  // offset of the viewport [pixels]
+  uint g_thirdWidth;     // [pixels]
+  uint g_thirdHeight;    // [pixels]
+  uint g_thirdReversed;  // 1 with reversed depth
+  uint g_thirdPad0;
+  uint g_thirdPad1;
+  uint g_thirdPad2;
+};
+
+// As g_shortCutDepths, four words in one.
+StructuredBuffer<uint4> g_thirdDepths : register(t0, space1);
 
 // The depth is written this far behind the fragment, so that it passes the test in targets of 16
 // bits, and if the test rounds the depth differently from the kernel. Fragments in between are lit

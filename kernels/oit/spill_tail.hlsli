@@ -13,7 +13,6 @@
 
 static const float kTailScale = 8192.0;
 static const float kTailMaxAlpha = 0.996;
-// 8,000 fragments of both maxima fit into a word.
 static const float kTailMaxColor = 8.0;
 
 // Contribution of one fragment to word 3. An alpha above 0 is never rounded to 0.

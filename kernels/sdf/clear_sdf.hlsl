@@ -13,8 +13,7 @@ void clear_sdf(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
   uint words = g_sdfNodes.x * g_sdfNodes.y * g_sdfNodes.z / 4u;
   if (word >= words) return;
   // Neighboring threads write neighboring words.
-  for (uint part = 0; part < 4; ++part)
-    g_sdfKeys[g_sdfNodes.w + part * words + word] = kSdfUnset;
+  for (uint part = 0; part < 4; ++part) g_sdfKeys[g_sdfNodes.w + part * words + word] = kSdfUnset;
   g_sdfCounts[word] = 0u;
   if (!hasThreeAxes()) return;
   g_sdfCounts[words + word] = 0u;

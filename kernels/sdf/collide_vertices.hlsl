@@ -23,13 +23,89 @@
 // without contact keep their bits; vertices that were inside are outside afterwards (99.9 %); the
 // result of a vertex does not depend on the others; friction on a slope holds and slips as Coulomb
 // says; no vertex passes through what is thicker than 1.2 cells in a step of 16 cells.
+#include "../base/dispatch.hlsli"
+#include "layouts/sdf.hlsli"
+
+cbuffer ApplySdfConstants : register(b0, space0) {
+  uint g_sdfVertexCount;
+  uint g_sdfCount;
+  float g_sdfBegin;  // fraction of the frame of the previous positions, 0..1
+  float g_sdfEnd;    // fraction of the frame of the current positions
+};
+
+// [vertex]: xyz in the space of the SDFs' origins [m]; w = inverse mass, > 0 for a free one.
+RWStructuredBuffer<float4> g_sdfPositions : register(u0, space0);
+// [vertex]: xyz position one step earlier [m]; the difference is the velocity. w unused.
+RWStructuredBuffer<float4> g_sdfPositionsBefore : register(u1, space0);
+// [g_sdfCount]
+StructuredBuffer<Sdf> g_sdfs : register(t0, space0);
+StructuredBuffer<uint> g_sdfKeys : register(t1, space0);
+StructuredBuffer<uint4> g_sdfSurface : register(t2, space0);
+
 #define SDF_KEYS g_sdfKeys
 #define SDF_SURFACE g_sdfSurface
 #define SDF_CLOSEST_FEATURE CLOSEST_FEATURE
+#include "sdf_collision.hlsli"
 
-#include "../base/dispatch.hlsli"
-#include "layouts/apply_sdf.hlsli"
-#include "sdf_vertex.hlsli"
+static const uint kSdfRounds = 4;
+
+struct SdfVertex {
+  float3 now;
+  float3 before;
+  bool moved;
+};
+
+// \param frameBegin, frameEnd  shares of the frame at which it is where it was before, and now
+void collideWithSdf(inout SdfVertex vertex, Sdf sdf, float frameBegin, float frameEnd) {
+  float3 from = vertex.before;
+  float3 to = vertex.now;
+  float begin = frameBegin;
+  float end = frameEnd;
+  precise float3 shift = float3(0.0, 0.0, 0.0);  // to where the surface stands still
+  precise float3 transported = float3(0.0, 0.0, 0.0);
+  precise float3 pointIndex = vertex.now;
+  float3 normal = float3(0.0, 0.0, 0.0);
+  bool touched = false;
+  [loop] for (uint round = 0; round < kSdfRounds; ++round) {
+    SdfContact contact = sdfContact(sdf, from, to, begin, end, 0.0);
+    if (!contact.found) break;
+    precise float cell = sdf.origin.w;
+    if (round == 0) {
+      shift = contact.motion * (cell * (1.0 - frameEnd));
+      transported = contact.motion * (cell * (frameEnd - frameBegin));
+      pointIndex = pointIndex + shift;
+      begin = 1.0;
+      end = 1.0;
+    }
+    touched = true;
+    normal = contact.normal;
+    precise float push = max(contact.penetration, 0.0);
+    precise float3 outward = normal * push;
+    precise float3 start = contact.swept ? contact.stop : contact.from;
+    precise float3 displacement = contact.to + outward - start;
+    precise float off = dot3(displacement, normal);
+    precise float3 slip = displacement - normal * off;
+    precise float size = squareRoot(dot3(slip, slip));
+    precise float most = sdf.friction * push;
+    precise float share = size > most ? most / size : 1.0;
+    outward = outward - slip * share;
+    precise float3 pushed = pointIndex + outward * cell;
+    precise float3 stop = sdf.origin.xyz + contact.stop * cell;
+    bool stays = contact.swept && round + 1u == kSdfRounds;
+    pointIndex = stays ? stop : pushed;
+    if (!contact.swept) break;
+    from = stop;
+    to = pointIndex;
+  }
+  if (!touched || !isUsable(pointIndex)) return;
+  precise float3 now = pointIndex - shift;
+  precise float3 velocity = now - vertex.before - transported;
+  precise float rising = dot3(velocity, normal);
+  precise float3 before = vertex.before + normal * rising;
+  vertex.now = now;
+  vertex.before = before;
+  vertex.moved = true;
+}
 
 static const uint kThreads = 64;
 static const uint kVerticesAGroup = 64;
@@ -56,8 +132,7 @@ void collideVertex(uint index) {
   vertex.now = now.xyz;
   vertex.before = isUsable(before.xyz) ? before.xyz : now.xyz;
   vertex.moved = false;
-  for (uint f = 0; f < g_sdfCount; ++f)
-    collideWithSdf(vertex, g_sdfs[f], g_sdfBegin, g_sdfEnd);
+  for (uint f = 0; f < g_sdfCount; ++f) collideWithSdf(vertex, g_sdfs[f], g_sdfBegin, g_sdfEnd);
   if (!vertex.moved) return;
   g_sdfPositions[index] = float4(vertex.now, now.w);
   g_sdfPositionsBefore[index] = float4(vertex.before, before.w);

@@ -32,7 +32,8 @@ float4 pointOf(uint pointIndex) {
 void compute_points(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
   uint pointIndex = indexOfGroup(group) * 64u + lane;
   if (!isIncremental()) {
-    if (pointIndex < g_pointCount) g_sdfPoints[slotNow() * g_pointCount + pointIndex] = pointOf(pointIndex);
+    if (pointIndex < g_pointCount)
+      g_sdfPoints[slotNow() * g_pointCount + pointIndex] = pointOf(pointIndex);
     return;
   }
   if (lane == 0) s_moved = 0u;

@@ -31,9 +31,7 @@ uint nearKeyAt(int3 node) {
   return (key & kSdfFar) != 0u ? kSdfUnset | (key & kSdfInside) : key;
 }
 
-bool hasTriangle(uint key) {
-  return sdfTriangle(key, g_sdfTriangleBits) < g_sdfTriangleCount;
-}
+bool hasTriangle(uint key) { return sdfTriangle(key, g_sdfTriangleBits) < g_sdfTriangleCount; }
 
 // The 64 points of { -3, -1, 1, 3 }^3, of which the inner eight would lead where the outer corners
 // do: six of them are the axes.
@@ -53,8 +51,7 @@ void offer(inout SdfClosest best, float3 p, uint key) {
   uint index = sdfTriangle(key, g_sdfTriangleBits);
   if (index >= g_sdfTriangleCount || index == best.index) return;
   SdfClosest found = closestOf(p, index);
-  if (found.squared < best.squared ||
-      (found.squared == best.squared && found.index < best.index))
+  if (found.squared < best.squared || (found.squared == best.squared && found.index < best.index))
     best = found;
 }
 
@@ -125,6 +122,6 @@ void fill_interior(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
   // A nearer one was deeper inside another part: its key is correct.
   if (sdfIsSet(key) && distance < g_sdfBand) return;
   InterlockedAdd(g_sdfWork[kWorkInteriorCount], 1u);
-  g_sdfKeys[element] = kSdfInside | sdfFarKey(distance, s_index, g_sdfBand, g_sdfFarRange,
-                                              g_sdfTriangleBits);
+  g_sdfKeys[element] =
+      kSdfInside | sdfFarKey(distance, s_index, g_sdfBand, g_sdfFarRange, g_sdfTriangleBits);
 }

@@ -1,7 +1,7 @@
 // Sums the crossings along rows and marks the nodes that are inside.
 //
-// Threads: one a word of 4 nodes, in rows of kRowGroups groups of 64; a group has as many rows of
-//          the grid as fit it, or one, which it goes along.
+// Threads: one a word of 4 nodes, in rows of kRowGroups groups of 64; a group takes as many rows
+//          of the grid as fit, or walks along one.
 // Reads:   g_sdfCounts; with THREE_AXES g_sdfVotes, g_sdfSurface
 // Writes:  g_sdfKeys
 //

@@ -69,8 +69,9 @@ bool differ(float3 a, float3 b) {
   return (bits.x | bits.y | bits.z) != 0u;
 }
 
-// Of the triangle, when it moved.
-void takeOutAndPutIn(uint index, uint lane) {
+// Moves the crossings of a triangle if it has moved, and marks the bricks and points that it
+// changes.
+void moveTriangle(uint index, uint lane) {
   if (index >= g_sdfTriangleCount) return;
   PointTriangle before = loadTriangle(index, slotBefore());
   PointTriangle now = loadTriangle(index, slotNow());
@@ -92,7 +93,8 @@ void takeOutAndPutIn(uint index, uint lane) {
 void find_moved_triangles(uint3 group : SV_GroupID, uint thread : SV_GroupIndex) {
   if (thread == 0u) s_listed = 0u;
   GroupMemoryBarrierWithGroupSync();
-  takeOutAndPutIn(indexOfGroup(group) * kScatteredTriangles + thread / kScatterLanes, thread % kScatterLanes);
+  moveTriangle(indexOfGroup(group) * kScatteredTriangles + thread / kScatterLanes,
+               thread % kScatterLanes);
   GroupMemoryBarrierWithGroupSync();
   clearListed(thread);
   if (thread == 0u && s_listed > 0u) InterlockedAdd(g_sdfWork[kWorkBricks], s_listed);

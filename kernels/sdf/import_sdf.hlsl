@@ -5,11 +5,11 @@
 // Writes:  g_importKeys
 // Run it in frames in which the engine has written distances and hair is in range.
 //
-// A key has a distance and no triangle: queries interpolate distances between the eight nodes around
-// a point (sdf_query.hlsli).
+// A key has a distance and no triangle: queries interpolate distances between the eight nodes
+// around a point (sdf_query.hlsli).
 //
-// Invariant (tests/sdf): within the band the distance of a key is that of the engine within 2^-24 of
-// the band; one that is not usable counts as outside, at least the band away.
+// Invariant (tests/sdf): within the band the distance of a key is that of the engine, up to 2^-24
+// of the band; a distance that is not usable counts as outside, at least the band away.
 #include "layouts/import_sdf.hlsli"
 #include "sdf_key.hlsli"
 #include "../base/dispatch.hlsli"

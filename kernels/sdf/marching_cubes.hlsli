@@ -18,7 +18,7 @@
 static const uint kMaxMarchingRow = 5460;
 // Nodes along the other axes, which are thread groups.
 static const uint kMaxMarchingAxis = 0xffffu;
-// Nodes of a field, so that 15 indices a cell fit a uint.
+// Nodes of an SDF, so that 15 indices a cell fit a uint.
 static const uint kMaxMarchingNodes = 0x10000000u;
 
 static const uint kTooManyVertices = 1u;
@@ -34,7 +34,8 @@ Sdf marchingSdf() {
 
 bool fitsMarching(Sdf sdf) {
   uint3 nodes = sdf.nodes.xyz;
-  if (nodes.x > kMaxMarchingRow || nodes.y > kMaxMarchingAxis || nodes.z > kMaxMarchingAxis) return false;
+  if (nodes.x > kMaxMarchingRow || nodes.y > kMaxMarchingAxis || nodes.z > kMaxMarchingAxis)
+    return false;
   uint rows = nodes.y * nodes.z;
   if (rows > g_rowCapacity || rows > kMaxMarchingNodes / max(nodes.x, 1u)) return false;
   uint count = nodes.x * rows;
@@ -53,9 +54,7 @@ uint rowOf(Sdf sdf, uint3 node) { return node.z * sdf.nodes.y + node.y; }
 // Index of a node among the nodes of its SDF.
 uint indexOf(Sdf sdf, uint3 node) { return rowOf(sdf, node) * sdf.nodes.x + node.x; }
 
-uint keyOf(Sdf sdf, uint3 node) {
-  return g_marchingKeys[sdf.nodes.w + indexOf(sdf, node)];
-}
+uint keyOf(Sdf sdf, uint3 node) { return g_marchingKeys[sdf.nodes.w + indexOf(sdf, node)]; }
 
 // Distance over the iso level [cell]. Nodes that the build did not reach are the band away, on
 // their side, so that the edge of the band is no surface.

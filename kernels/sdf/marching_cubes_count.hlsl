@@ -73,6 +73,5 @@ void marching_cubes_count(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
     row += s_sums[kLanes - 1];
     GroupMemoryBarrierWithGroupSync();
   }
-  if (lane == 0u)
-    g_isoRows[group.z * nodes.y + group.y] = uint2(row & 0xffffu, row >> 16);
+  if (lane == 0u) g_isoRows[group.z * nodes.y + group.y] = uint2(row & 0xffffu, row >> 16);
 }

@@ -38,8 +38,7 @@ float slopeAlong(Sdf sdf, uint3 node, uint axis) {
 }
 
 float3 slopeAt(Sdf sdf, uint3 node) {
-  return float3(slopeAlong(sdf, node, 0u), slopeAlong(sdf, node, 1u),
-                slopeAlong(sdf, node, 2u));
+  return float3(slopeAlong(sdf, node, 0u), slopeAlong(sdf, node, 1u), slopeAlong(sdf, node, 2u));
 }
 
 IsoVertex vertexOn(Sdf sdf, uint3 node, uint axis) {

@@ -13,7 +13,8 @@
 // processed the crossings.
 //
 // Invariant (tests/sdf): keys are within half a code of the distance to the nearest triangle,
-// and the same bits in any order of threads; a build of bricks gives the same bits as from an empty grid.
+// and the same bits in any order of threads; a build of bricks gives the same bits as from an empty
+// grid.
 #include "sdf_bricks.hlsli"
 #include "sdf_crossings.hlsli"
 

@@ -45,9 +45,7 @@ SdfClosest noTriangle() {
   return closest;
 }
 
-uint sdfRecord(Sdf sdf, uint index) {
-  return sdf.surface + index * sdf.surfaceStride;
-}
+uint sdfRecord(Sdf sdf, uint index) { return sdf.surface + index * sdf.surfaceStride; }
 
 SdfCorner3 loadSdfCorners(Sdf sdf, uint index) {
   uint row = sdfRecord(sdf, index);
@@ -59,9 +57,7 @@ SdfCorner3 loadSdfCorners(Sdf sdf, uint index) {
 }
 
 // Triangles across its edges; kSdfNone if there is none.
-uint3 sdfNeighbours(Sdf sdf, uint index) {
-  return SDF_SURFACE[sdfRecord(sdf, index) + 3].xyz;
-}
+uint3 sdfNeighbors(Sdf sdf, uint index) { return SDF_SURFACE[sdfRecord(sdf, index) + 3].xyz; }
 
 float3 sdfFaceNormal(SdfCorner3 corners) {
   precise float3 n = cross3(corners.b - corners.a, corners.c - corners.a);
@@ -147,9 +143,9 @@ struct SdfSide {
 // The sign is that of the offset along the pseudonormal of the feature (Baerentzen, Aanaes: "Signed
 // distance computation using the angle weighted pseudonormal", IEEE TVCG 11(3), 2005): a face's
 // normal, the sum of those beside an edge, the angle-weighted one of a vertex. The border of an
-// open mesh has no sides: there the field's own sign decides.
+// open mesh has no sides: there the SDF's own sign decides.
 //
-// \param sdfInside  the sign that the field has there
+// \param sdfInside  the sign of the SDF there
 SdfSide sdfSideOf(Sdf sdf, SdfClosest closest, bool sdfInside) {
   SdfCorner3 corners = loadSdfCorners(sdf, closest.index);
   float3 none = float3(0.0, 0.0, 0.0);
@@ -161,13 +157,12 @@ SdfSide sdfSideOf(Sdf sdf, SdfClosest closest, bool sdfInside) {
     uint row = sdfRecord(sdf, closest.index) + sdfPart(closest.feature);
     pseudonormal = unpackDirection(SDF_SURFACE[row].w);
   } else if (closest.feature != kSdfFace) {
-    uint3 beside = sdfNeighbours(sdf, closest.index);
+    uint3 beside = sdfNeighbors(sdf, closest.index);
     uint k = sdfPart(closest.feature);
     uint other = k == 0u ? beside.x : (k == 1u ? beside.y : beside.z);
     border = other >= sdf.triangleCount;
     if (!border)
-      pseudonormal =
-          pseudonormal + directionOr(sdfFaceNormal(loadSdfCorners(sdf, other)), none);
+      pseudonormal = pseudonormal + directionOr(sdfFaceNormal(loadSdfCorners(sdf, other)), none);
   }
   bool inside = dot3(closest.offset, pseudonormal) < 0.0;
   if (border) inside = sdfInside;

@@ -29,13 +29,13 @@ static const uint kSdfMostQueries = 64;
 
 // In cells from node 0, relative to the surface.
 struct SdfContact {
-  bool found;           // nearer than the margin and the range; else the rest is 0
-  bool swept;          // the path ends at `stop`, before its end
-  float3 normal;       // unit, outwards
-  float penetration;   // depth of the path's end below the margin
-  float3 motion;       // of the surface in the whole frame
-  float3 from;         // start of the path
-  float3 to;           // its end
+  bool found;         // nearer than the margin and the range; else the rest is 0
+  bool swept;         // the path ends at `stop`, before its end
+  float3 normal;      // unit, outwards
+  float penetration;  // depth of the path's end below the margin
+  float3 motion;      // of the surface in the whole frame
+  float3 from;        // start of the path
+  float3 to;          // its end
   float3 stop;
 };
 
@@ -79,7 +79,7 @@ bool sdfMayCollide(Sdf sdf, float3 before, float3 after, float end) {
 // Returns false if sdfContact() with this range [m] finds nothing, for a point that moves by
 // `relative` relative to the surface.
 bool sdfMayBeInRange(Sdf sdf, float3 before, float3 after, float3 relative, float end,
-                 float furthest) {
+                     float furthest) {
   precise float inverseCell = 1.0 / sdf.origin.w;
   precise float3 a = (before - sdf.origin.xyz) * inverseCell;
   precise float3 b = (after - sdf.origin.xyz) * inverseCell;
@@ -101,9 +101,10 @@ bool sdfMayBeInRange(Sdf sdf, float3 before, float3 after, float3 relative, floa
   return away > 0.0 && range >= sdf.band && away <= range * range;
 }
 
-// \param before, after  the point at the start and the end of its path, in the space of field.origin [m]
+// \param before, after  the point at the start and the end of its path, in the space of
+//                       sdf.origin [m]
 // \param begin, end     shares of the frame at which it is there, 0..1
-// \param reach          a point within this distance outside the margin has a contact [m]
+// \param furthest       a point within this distance outside the margin has a contact [m]
 SdfContact sdfContact(Sdf sdf, float3 before, float3 after, float begin, float end,
                       float furthest) {
   precise float inverseCell = 1.0 / sdf.origin.w;

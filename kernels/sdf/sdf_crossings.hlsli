@@ -72,14 +72,16 @@ bool isInside(Side side, int2 edge) {
   return side.sign > 0 || (side.sign == 0 && (edge.y < 0 || (edge.y == 0 && edge.x > 0)));
 }
 
-// Adds `weight` for each crossing of the triangle a, b, c with the lines along x, whatever axis of
-// the grid x is. Lanes share the lines.
-//
-// \param nodes    along x, y, z, where x is the line's axis
-// \param strides  of g_sdfKeys, likewise
-// \param words    first element of the axis in g_sdfCounts
-void addCrossingsAlong(float3 a, float3 b, float3 c, int3 nodes, uint3 strides, uint words,
-                       int weight, uint lane, uint lanes) {
+// The lines along x, whatever axis of the grid x is.
+struct GridLines {
+  int3 nodes;     // along x, y, z
+  uint3 strides;  // of g_sdfKeys, likewise
+  uint words;     // first element of the axis in g_sdfCounts
+};
+
+// Adds `weight` for each crossing of the triangle a, b, c with the lines. Lanes share the lines.
+void addCrossingsAlong(GridLines grid, float3 a, float3 b, float3 c, int weight, uint lane,
+                       uint lanes) {
   precise float2 fa = floor(a.yz * kSnap + 0.5);
   precise float2 fb = floor(b.yz * kSnap + 0.5);
   precise float2 fc = floor(c.yz * kSnap + 0.5);
@@ -87,7 +89,7 @@ void addCrossingsAlong(float3 a, float3 b, float3 c, int3 nodes, uint3 strides, 
   int2 lowest = min(sa, min(sb, sc));
   int2 highest = max(sa, max(sb, sc));
   int2 low = max((lowest + ((1 << kSnapBits) - 1)) >> kSnapBits, int2(0, 0));
-  int2 high = min(highest >> kSnapBits, nodes.yz - 1);
+  int2 high = min(highest >> kSnapBits, grid.nodes.yz - 1);
   if (low.x > high.x || low.y > high.y) return;
 
   int2 extent = highest - lowest;
@@ -117,21 +119,30 @@ void addCrossingsAlong(float3 a, float3 b, float3 c, int3 nodes, uint3 strides, 
     precise float area = f0.weight + f1.weight + f2.weight;
     precise float x = a.x + (f2.weight * x1 + f0.weight * x2) / area;
     int at = max(int(ceil(x)), 0);
-    if (at >= nodes.x) continue;
+    if (at >= grid.nodes.x) continue;
+    uint3 strides = grid.strides;
     uint index = uint(at) * strides.x + uint(node.x) * strides.y + uint(node.y) * strides.z;
-    InterlockedAdd(g_sdfCounts[words + index / 4], amount << (8u * (index % 4u)));
+    InterlockedAdd(g_sdfCounts[grid.words + index / 4], amount << (8u * (index % 4u)));
   }
 }
 
 void addCrossings(PointTriangle t, int weight, uint lane, uint lanes) {
-  int3 nodes = int3(g_sdfNodes.xyz);
-  uint3 strides = uint3(1u, g_sdfNodes.x, g_sdfNodes.x * g_sdfNodes.y);
-  addCrossingsAlong(t.a, t.b, t.c, nodes, strides, 0u, weight, lane, lanes);
+  GridLines x;
+  x.nodes = int3(g_sdfNodes.xyz);
+  x.strides = uint3(1u, g_sdfNodes.x, g_sdfNodes.x * g_sdfNodes.y);
+  x.words = 0u;
+  addCrossingsAlong(x, t.a, t.b, t.c, weight, lane, lanes);
   if (!hasThreeAxes()) return;
-  uint words = strides.z * g_sdfNodes.z / 4;
-  addCrossingsAlong(t.a.yzx, t.b.yzx, t.c.yzx, nodes.yzx, strides.yzx, words, weight, lane, lanes);
-  addCrossingsAlong(t.a.zxy, t.b.zxy, t.c.zxy, nodes.zxy, strides.zxy, 2u * words, weight, lane,
-                    lanes);
+  GridLines y;
+  y.nodes = x.nodes.yzx;
+  y.strides = x.strides.yzx;
+  y.words = x.strides.z * g_sdfNodes.z / 4;
+  addCrossingsAlong(y, t.a.yzx, t.b.yzx, t.c.yzx, weight, lane, lanes);
+  GridLines z;
+  z.nodes = x.nodes.zxy;
+  z.strides = x.strides.zxy;
+  z.words = 2u * y.words;
+  addCrossingsAlong(z, t.a.zxy, t.b.zxy, t.c.zxy, weight, lane, lanes);
 }
 
 #endif

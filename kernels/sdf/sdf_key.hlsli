@@ -22,9 +22,9 @@ static const uint kSdfUnset = 0x7fffffffu;
 static const uint kSdfInside = 0x80000000u;
 static const uint kSdfFar = 0x40000000u;
 
-// Deep inside, only nodes whose coordinates are all multiples of this know their triangle. For every
-// point that is deeper than the band the eight such nodes around it include one that does: the
-// nearest one is within sqrt(3) / 2 strides, and outside by no more than that without the band.
+// Deep inside, only nodes whose coordinates are all multiples of this know their triangle. For
+// every point that is deeper than the band the eight such nodes around it include one that does:
+// the nearest one is within sqrt(3) / 2 strides, and outside by no more than that without the band.
 static const float kSdfWideBand = 2.0;
 static const uint kSdfWideShift = 2u;
 static const uint kSdfNarrowShift = 1u;

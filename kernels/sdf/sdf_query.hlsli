@@ -3,8 +3,8 @@
 // The including file defines SDF_KEYS and SDF_SURFACE, the buffers (uint and uint4) of all SDFs,
 // and SDF_CLOSEST_FEATURE, 0 to use the trilinear distance and its gradient for near points, too:
 // cheaper, and 4 degrees off. With SDF_DENSE there are SDFs without triangles, too, which an engine
-// has filled: their distance is the trilinear one. Units are cells from node 0, in the space and at the time of the SDF:
-// the end of a frame.
+// has filled: their distance is the trilinear one. Units are cells from node 0, in the space of the
+// SDF at the end of a frame.
 #ifndef PELAGE_SDF_SDF_QUERY_HLSLI
 #define PELAGE_SDF_SDF_QUERY_HLSLI
 
@@ -37,10 +37,10 @@ static const float kSdfLooked = 1e30;
 static const float kSdfKeyError = 5e-3;
 
 struct SdfHit {
-  bool found;       // nearer than the query's range; else the distance is a lower bound and the rest 0
-  float distance;   // [cell], negative inside
-  float3 normal;    // unit, outwards
-  float3 motion;    // of the surface in the frame [cell]
+  bool found;  // nearer than the query's range; else the distance is a lower bound and the rest 0
+  float distance;  // [cell], negative inside
+  float3 normal;   // unit, outwards
+  float3 motion;   // of the surface in the frame [cell]
 };
 
 // The eight nodes around a point, seen from the nearest one: corner k is one node further along x,
@@ -73,16 +73,16 @@ SdfLocation sdfLocationOf(Sdf sdf, float3 p, uint shift) {
   precise float3 off = q - float3(nearest);
   bool3 back = bool3(off.x < 0.0 || nearest.x == most.x, off.y < 0.0 || nearest.y == most.y,
                      off.z < 0.0 || nearest.z == most.z);
-  uint3 strides = uint3(most.x > 0u ? 1u : 0u, most.y > 0u ? nodes.x : 0u,
-                        most.z > 0u ? nodes.x * nodes.y : 0u)
-                  << shift;
+  uint3 strides =
+      uint3(most.x > 0u ? 1u : 0u, most.y > 0u ? nodes.x : 0u, most.z > 0u ? nodes.x * nodes.y : 0u)
+      << shift;
   location.inside = true;
   location.node =
       sdf.nodes.w + ((nearest.x + nodes.x * (nearest.y + nodes.y * nearest.z)) << shift);
   location.onward = uint3(back.x ? 0u - strides.x : strides.x, back.y ? 0u - strides.y : strides.y,
-                       back.z ? 0u - strides.z : strides.z);
+                          back.z ? 0u - strides.z : strides.z);
   location.share = float3(back.x ? max(-off.x, 0.0) : off.x, back.y ? max(-off.y, 0.0) : off.y,
-                       back.z ? max(-off.z, 0.0) : off.z);
+                          back.z ? max(-off.z, 0.0) : off.z);
   location.side = float3(back.x ? -1.0 : 1.0, back.y ? -1.0 : 1.0, back.z ? -1.0 : 1.0);
   return location;
 }
@@ -147,7 +147,7 @@ SdfSlope sdfTrilinear(SdfCorners corners, SdfLocation location) {
   return slope;
 }
 
-// Triangles of keys; kSdfNone of one that is not set, or of another field.
+// Triangles of keys; kSdfNone of one that is not set, or of another SDF.
 uint4 sdfTriangles(Sdf sdf, uint4 keys) {
   uint mask = (1u << sdf.triangleBits) - 1u;
   uint4 t = keys & mask;
@@ -173,7 +173,8 @@ SdfCell sdfCellOf(Sdf sdf, SdfLocation location, uint key) {
   precise float3 scale = float3(sdf.band, sdf.band / most, sdf.farRange / most);
   precise float3 away = location.share * location.share;
   precise float3 back = (1.0 - location.share) * (1.0 - location.share);
-  uint4 onward = uint4(0u, location.onward.x, location.onward.y, location.onward.x + location.onward.y);
+  uint4 onward =
+      uint4(0u, location.onward.x, location.onward.y, location.onward.x + location.onward.y);
   uint4 lowNodes = onward + location.node;
   uint4 highNodes = lowNodes + location.onward.z;
   SdfCell cell;
@@ -183,8 +184,7 @@ SdfCell sdfCellOf(Sdf sdf, SdfLocation location, uint key) {
                     SDF_KEYS[highNodes.w]);
   cell.corners.low = sdfDistances(cell.low, sdf.triangleBits, scale);
   cell.corners.high = sdfDistances(cell.high, sdf.triangleBits, scale);
-  precise float4 flat =
-      float4(away.x + away.y, back.x + away.y, away.x + back.y, back.x + back.y);
+  precise float4 flat = float4(away.x + away.y, back.x + away.y, away.x + back.y, back.x + back.y);
   precise float4 lowOffset = flat + away.z;
   precise float4 highOffset = flat + back.z;
   cell.lowOffset = lowOffset;
@@ -202,7 +202,7 @@ float4 sdfWhere(uint4 indices, uint index, float4 there, float4 else4) {
 // Neighbors of a triangle that may be nearer: across the edge that the closest point is on, across
 // the two edges at the vertex, or across the edge that is nearest to it on the face.
 uint3 sdfBeside(Sdf sdf, SdfClosest closest) {
-  uint3 beside = sdfNeighbours(sdf, closest.index);
+  uint3 beside = sdfNeighbors(sdf, closest.index);
   precise float rest = 1.0 - closest.weights.x - closest.weights.y;
   float least = min(rest, min(closest.weights.x, closest.weights.y));
   // For the edges 01, 12, 20, opposite the vertices 2, 0, 1.
@@ -232,14 +232,14 @@ uint sdfTriangleAtFoot(Sdf sdf, float3 p, SdfClosest closest) {
 // on the side that they say, the others are skipped. Deep inside, where corners are far apart, it
 // looks up the triangle at the point's foot. Last, it crosses edges to nearer triangles. (Where a
 // surface is concave, a triangle beside a face may be nearer.)
-SdfClosest sdfClosestFeature(Sdf sdf, float3 p, SdfCell cell, uint4 low, uint4 high,
-                             SdfSlope slope, bool deep) {
+SdfClosest sdfClosestFeature(Sdf sdf, float3 p, SdfCell cell, uint4 low, uint4 high, SdfSlope slope,
+                             bool deep) {
   float3 level = float3(0.0, 0.0, 0.0);
   precise float3 along = directionOr(slope.gradient, level) * cell.location.side;
   precise float3 behind = -(along * cell.location.share);
   precise float3 ahead = behind + along;
-  precise float4 flat = float4(behind.x + behind.y, ahead.x + behind.y, behind.x + ahead.y,
-                               ahead.x + ahead.y);
+  precise float4 flat =
+      float4(behind.x + behind.y, ahead.x + behind.y, behind.x + ahead.y, ahead.x + ahead.y);
   precise float4 lowAlong = flat + behind.z;
   precise float4 highAlong = flat + ahead.z;
   precise float4 lowOff = cell.lowOffset - lowAlong * lowAlong;
@@ -289,9 +289,9 @@ SdfClosest sdfClosestFeature(Sdf sdf, float3 p, SdfCell cell, uint4 low, uint4 h
         start = best.index;
         ++walked;
         beside = sdfBeside(sdf, best);
-        beside = uint3(beside.x == came ? kSdfNone : beside.x,
-                       beside.y == came ? kSdfNone : beside.y,
-                       beside.z == came ? kSdfNone : beside.z);
+        beside =
+            uint3(beside.x == came ? kSdfNone : beside.x, beside.y == came ? kSdfNone : beside.y,
+                  beside.z == came ? kSdfNone : beside.z);
         nearest = min(beside.x, min(beside.y, beside.z));
       }
       index = nearest;
@@ -307,8 +307,7 @@ SdfClosest sdfClosestFeature(Sdf sdf, float3 p, SdfCell cell, uint4 low, uint4 h
       if (!nearer && !corner) feet = 0u;
       // The far side of a thin plate may be as far as that by chance, but shows its back.
       bool sameSide = (dot3(found.offset, sdfFaceNormal(corners)) < 0.0) == (slope.distance < 0.0);
-      if (corner && nearer && sameSide &&
-          abs(squareRoot(found.squared) - expected) < kSdfAgrees) {
+      if (corner && nearer && sameSide && abs(squareRoot(found.squared) - expected) < kSdfAgrees) {
         lowOff = looked;
         highOff = looked;
       }
@@ -318,14 +317,14 @@ SdfClosest sdfClosestFeature(Sdf sdf, float3 p, SdfCell cell, uint4 low, uint4 h
 }
 #endif
 
-// What the keys around a point imply for its distance.
+// Bounds of a point's distance from the keys around it.
 struct SdfNear {
   bool may;        // it may be within the range; else only the distance counts
   float distance;  // a lower bound [cell]
   SdfCell cell;
 };
 
-// \param reach  [cell] points further from the surface, or outside the grid, are ignored
+// \param range  [cell] points further from the surface, or outside the grid, are ignored
 SdfNear sdfNearOf(Sdf sdf, float3 p, float range) {
   SdfNear near = (SdfNear)0;
   near.distance = sdf.band;
@@ -359,7 +358,7 @@ bool sdfIsWithin(SdfCell cell) {
   return sdfGreatest(lowWithin, highWithin) > 0.0;
 }
 
-// \param reach  as above
+// \param range  as above
 SdfHit sdfQuery(Sdf sdf, float3 p, float range) {
   SdfNear near = sdfNearOf(sdf, p, range);
   SdfHit hit;

@@ -31,7 +31,7 @@ static const uint kWorkLastMotion = 40;
 // Triangles that scatter_triangles leaves to scatter_big_triangles.
 static const uint kWorkBigList = 44;
 
-// What a group takes: of scatter_triangles and find_moved_triangles, of update_surface, of
+// Elements of a group: of scatter_triangles and find_moved_triangles, of update_surface, and of
 // count_sdf_columns.
 static const uint kScatterLanes = 16;
 static const uint kScatteredTriangles = 64 / kScatterLanes;

@@ -75,8 +75,8 @@ void update_surface(uint3 group : SV_GroupID, uint thread : SV_GroupIndex) {
   uint row = thread % 4u;
   if (index >= g_sdfTriangleCount) return;
   uint element = g_contactSdfSurface + index * g_sdfSurfaceStride;
-  uint3 points = uint3(g_sdfIndices[3u * index], g_sdfIndices[3u * index + 1u],
-                       g_sdfIndices[3u * index + 2u]);
+  uint3 points =
+      uint3(g_sdfIndices[3u * index], g_sdfIndices[3u * index + 1u], g_sdfIndices[3u * index + 2u]);
   PointTriangle t = loadTriangle(index, slotNow());
   uint pointIndex = row == 0u ? points.x : (row == 1u ? points.y : points.z);
   if (g_sdfSurfaceStride > 4u && row < 3u) {

@@ -65,9 +65,9 @@ float4 strandColor(uint strand, uint guide, uint vertex, float along) {
   float random = unitFloat(hashUint(strand)) * 2.0 - 1.0;
   float share = g_tipColor.a;
   float tip = share > 0.0 ? saturate((along - (1.0 - share)) / share) : 0.0;
-  float4 color = float4(lerp(g_rootColor.rgb, g_tipColor.rgb, tip) *
-                            (1.0 + g_strandVariation * random),
-                        g_rootColor.a);
+  float4 color =
+      float4(lerp(g_rootColor.rgb, g_tipColor.rgb, tip) * (1.0 + g_strandVariation * random),
+             g_rootColor.a);
 #if ATTRIBUTES
   if (hasAttribute(kHasVertexColors))
     color *= unpackColor(g_vertexColors[guide * g_renderVertexCount + vertex]);
@@ -81,8 +81,8 @@ float4 strandColor(uint strand, uint guide, uint vertex, float along) {
 // Returns the factor on the strand's width.
 float strandWidth(uint strand) {
   float left = g_drawnStrands - float(strand);
-  return g_strandWidening * (g_fadingStrands > 0.0 ? saturate(left / g_fadingStrands)
-                                                   : (left > 0.0 ? 1.0 : 0.0));
+  return g_strandWidening *
+         (g_fadingStrands > 0.0 ? saturate(left / g_fadingStrands) : (left > 0.0 ? 1.0 : 0.0));
 }
 
 // Returns the vertex; known = false also if it is not finite.
@@ -101,7 +101,7 @@ struct DrawnFiber {
   bool known;       // false: the strand is not drawn
 };
 
-// \param strand, \param vertex of those that there are.
+// \param strand, \param vertex indices in range.
 DrawnFiber drawnFiber(uint strand, uint vertex) {
   DrawnFiber fiber;
   fiber.position = float3(0.0, 0.0, 0.0);

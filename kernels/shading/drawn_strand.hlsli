@@ -3,8 +3,8 @@
 // defines:
 //   STRAND_POSITIONS, STRAND_VERTEX_COUNT
 //   STRAND_FOLLOW_HAIRS, STRAND_ROOTS, STRAND_GUIDE_COUNT, STRAND_TIP_SEPARATION
-//   STRAND_EVALUATES_FOLLOWS  true if the buffer of positions has only the guides, and follow hairs are
-//                          computed here
+//   STRAND_EVALUATES_FOLLOWS  true if the buffer of positions has only the guides, and follow hairs
+//                             are computed here
 // and, where tangents are needed, STRAND_TANGENTS.
 #ifndef PELAGE_SHADING_DRAWN_STRAND_HLSLI
 #define PELAGE_SHADING_DRAWN_STRAND_HLSLI

@@ -70,8 +70,8 @@ FiberModel makeFiberModel(float4 fiber, float3 base) {
 
   // Chiang et al. 2016, equation 9.
   float3 albedo = max(base, float3(kMinAlbedo, kMinAlbedo, kMinAlbedo));
-  float3 root = log(albedo) / (5.969 - 0.215 * n + 2.532 * n2 - 10.73 * n2 * n + 5.574 * n4 +
-                               0.245 * n5);
+  float3 root =
+      log(albedo) / (5.969 - 0.215 * n + 2.532 * n2 - 10.73 * n2 * n + 5.574 * n4 + 0.245 * n5);
   model.absorption = root * root;
 
   // A cone of slope a mirrors light 2 a towards the root. Through two such walls, or three, small
@@ -89,7 +89,7 @@ FiberAngles fiberAngles(float3 tangent, float3 toEye, float3 toLight) {
   angles.sinEye = clamp(dot(tangent, toEye), -1.0, 1.0);
   angles.cosLight = otherLeg(angles.sinLight);
   angles.cosEye = otherLeg(angles.sinEye);
-  // Both without their parts along the fiber, and with lengths that do not matter.
+  // Both vectors without their components along the fiber; atan2() needs no unit lengths.
   float x = dot(toEye, toLight) - angles.sinEye * angles.sinLight;
   float y = dot(cross(tangent, toEye), toLight);
   angles.azimuth = 0.0;
@@ -104,26 +104,31 @@ float scaledBesselI0(float x) {
   if (x < 3.75) {
     float t = x / 3.75;
     t *= t;
-    float i0 = 1.0 + t * (3.5156229 + t * (3.0899424 + t * (1.2067492 + t * (0.2659732 +
-               t * (0.0360768 + t * 0.0045813)))));
+    float i0 =
+        1.0 +
+        t * (3.5156229 +
+             t * (3.0899424 + t * (1.2067492 + t * (0.2659732 + t * (0.0360768 + t * 0.0045813)))));
     return i0 * exp(-x);
   }
   float u = 3.75 / x;
-  float sum = 0.39894228 + u * (0.01328592 + u * (0.00225319 + u * (-0.00157565 +
-              u * (0.00916281 + u * (-0.02057706 + u * (0.02635537 + u * (-0.01647633 +
-              u * 0.00392377)))))));
+  float sum = 0.39894228 +
+              u * (0.01328592 +
+                   u * (0.00225319 +
+                        u * (-0.00157565 +
+                             u * (0.00916281 +
+                                  u * (-0.02057706 +
+                                       u * (0.02635537 + u * (-0.01647633 + u * 0.00392377)))))));
   return sum / sqrt(x);
 }
 
 // d'Eon et al. 2011, equation 7, with the large exponentials of I0 and sinh taken together, which
-// holds where they overflow: what d'Eon's note on small variances does by logarithms.
+// holds where they overflow: d'Eon's note on small variances uses logarithms for that.
 float longitudinalScattering(float variance, float sinLight, float cosLight, float sinEye,
                              float cosEye) {
   float inverse = 1.0 / variance;
   float product = cosLight * cosEye;
   float exponent = min((product - sinLight * sinEye - 1.0) * inverse, 0.0);
-  return scaledBesselI0(product * inverse) * exp(exponent) * inverse /
-         (1.0 - exp(-2.0 * inverse));
+  return scaledBesselI0(product * inverse) * exp(exponent) * inverse / (1.0 - exp(-2.0 * inverse));
 }
 
 // M of R, TT, TRT and the rest: the scales rotate the direction of the eye.
@@ -138,7 +143,7 @@ float4 longitudinalLobes(FiberModel model, FiberAngles a) {
       longitudinalScattering(model.variance.w, a.sinLight, a.cosLight, a.sinEye, a.cosEye));
 }
 
-// Reflectance of a smooth dielectric for unpolarised light (Fresnel), under 1.
+// Reflectance of a smooth dielectric for unpolarized light (Fresnel), under 1.
 float fresnelReflectance(float cosine, float ior) {
   float inside = otherLeg(otherLeg(cosine) / ior);
   float across = (cosine - ior * inside) / max(cosine + ior * inside, 1e-6);
@@ -188,7 +193,7 @@ float azimuthalDensity(float x, float s) {
   return e / (s * (1.0 + e) * (1.0 + e)) * (1.0 + cut) / (1.0 - cut);
 }
 
-// Its mean from x to y.
+// Returns its mean from x to y.
 float meanAzimuthalDensity(float x, float y, float s) {
   if (abs(y - x) < 1e-3) return azimuthalDensity(0.5 * (x + y), s);
   float turnsX = azimuthTurns(x);

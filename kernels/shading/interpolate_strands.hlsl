@@ -5,15 +5,28 @@
 // Writes:  g_drawnPositions, g_drawnTangents
 //
 // A vertex is on the line between its two positions; edges that rotate by an angle a between the
-// states are shorter by cos(a / 2) at most. A tangent is the direction from the previous to the next
-// vertex, as the solvers have it; where these coincide (vertices past the end of a short strand) it
-// is that of the nearest edge before.
+// states are shorter by cos(a / 2) at most. A tangent is the direction from the previous to the
+// next vertex, as the solvers compute it; where these coincide (vertices past the end of a short
+// strand) it is that of the nearest edge before.
 //
-// Invariant (tests/shading/strand_interpolation_test.cpp): a share of 0 and of 1 keep the bits of the
-// two states.
+// Invariant (tests/shading/strand_interpolation_test.cpp): a share of 0 and of 1 keep the bits of
+// the two states.
 #include "../base/dispatch.hlsli"
 #include "../base/quaternion.hlsli"
-#include "layouts/interpolate_strands.hlsli"
+
+cbuffer InterpolateStrandsConstants : register(b0, space0) {
+  uint g_interpolatedCount;     // elements
+  uint g_interpolatedVertices;  // of a strand, >= 2
+  float g_interpolatedShare;    // 0: the state before, 1: the state now
+  uint g_interpolatedPad0;
+};
+
+// [strand][vertex]: xyz world position [m] in the two states; w inverse mass.
+StructuredBuffer<float4> g_positionsBefore : register(t0, space0);
+StructuredBuffer<float4> g_positionsNow : register(t1, space0);
+// [strand][vertex]: positions and tangents for drawing; the tangents are unit vectors, w = 0.
+RWStructuredBuffer<float4> g_drawnPositions : register(u0, space0);
+RWStructuredBuffer<float4> g_drawnTangents : register(u1, space0);
 
 float4 positionAt(uint element) {
   float4 before = g_positionsBefore[element];

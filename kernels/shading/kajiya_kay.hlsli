@@ -44,8 +44,7 @@ float3 kajiyaKayHighlight(float4 lobe, float3 tangent, float3 normal, float3 toL
 float3 kajiyaKay(StrandShading m, float3 tangent, float3 toEye, float3 toLight, float3 base) {
   float3 normal = shadingNormal(tangent, toEye);
   float diffuse = bounded(m.body.x, 0.0, kMostStrength) * fiberDiffuse(tangent, toLight);
-  return base * diffuse +
-         kajiyaKayHighlight(m.primary, tangent, normal, toLight, toEye, base) +
+  return base * diffuse + kajiyaKayHighlight(m.primary, tangent, normal, toLight, toEye, base) +
          kajiyaKayHighlight(m.secondary, tangent, normal, toLight, toEye, base);
 }
 

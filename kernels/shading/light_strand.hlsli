@@ -47,7 +47,7 @@ float3 viewLight(StrandShading material, StrandSurface surface) {
 }
 
 #ifdef ENGINE_LIGHTS_SPACE
-// In the engine's file.
+// Defined in the engine's file.
 float3 engineLight(StrandShading material, StrandSurface surface);
 
 float3 lightStrand(StrandShading material, StrandSurface surface) {

@@ -1,5 +1,5 @@
-// Light that opaque geometry lets through to hair, from a depth map of an engine's; no resources. The
-// including file first defines
+// Light that opaque geometry lets through to hair, from a depth map of an engine's; no resources.
+// The including file first defines
 //   SHADOW_WORDS   the buffer of the maps' words, a StructuredBuffer<uint>
 //
 // The four texels around a point are compared and the results are interpolated (percentage closer
@@ -16,8 +16,8 @@
 float opaqueLightAt(OpaqueShadowView map, int x, int y, float depth) {
   if (min(x, y) < 0 || x >= int(map.width) || y >= int(map.height)) return 1.0;
   float nearest = asfloat(SHADOW_WORDS[map.firstWord + uint(y) * map.width + uint(x)]);
-  bool covered = map.reversedDepth != 0u ? nearest > 0.0 && depth < nearest
-                                         : nearest < 1.0 && depth > nearest;
+  bool covered =
+      map.reversedDepth != 0u ? nearest > 0.0 && depth < nearest : nearest < 1.0 && depth > nearest;
   return covered ? 0.0 : 1.0;
 }
 

@@ -4,9 +4,8 @@
 #define PELAGE_SHADING_PIXEL_SURFACE_HLSLI
 
 StrandSurface pixelSurface(StrandPixel strand, float3 baseColor) {
-  StrandSurface surface =
-      strandSurface(fragmentPosition(strand.clip.xy - g_viewport.xy, strand.clip.z),
-                    strand.tangent, baseColor);
+  StrandSurface surface = strandSurface(
+      fragmentPosition(strand.clip.xy - g_viewport.xy, strand.clip.z), strand.tangent, baseColor);
 #if STRAND_UV
   surface.uv = strand.uv;
 #endif

@@ -4,16 +4,38 @@
 // Reads:   g_colorsPositions, g_strandUvs, g_strandTexture through g_strandSampler
 // Writes:  g_strandColors
 //
-// A strand takes one color, so that nothing along it says how much of the texture the color stands
-// for. The mip level is that of the larger of two footprints on the surface: the distance to the
-// neighboring roots, between which no strand shows the texture, and a pixel of the view at the
-// root, within which strands are averaged.
+// A strand takes one color, for which its length has no footprint in the texture. The mip level is
+// that of the larger of two footprints on the surface: the distance to the neighboring roots,
+// between which no strand shows the texture, and a pixel of the view at the root, within which
+// strands are averaged.
 //
-// Invariant (tests/shading): log2 of that footprint in texels, plus the bias, within the levels
-// that there are; NaN takes level 0.
-#include "layouts/strand_colors.hlsli"
+// Invariant (tests/shading): the level is log2 of that footprint in texels, plus the bias, clamped
+// to the texture's levels; NaN takes level 0.
 #include "../base/dispatch.hlsli"
 #include "color_packing.hlsli"
+
+cbuffer StrandColorsConstants : register(b0, space0) {
+  uint g_colorsGuideCount;   // elements of g_strandUvs; first: decision 0008
+  uint g_colorsVertexCount;  // vertices per strand
+  float g_colorsTexels;      // of mip level 0, along the longer side
+  float g_colorsLastLevel;   // of the mip levels
+  float g_colorsLodBias;     // levels
+  float g_colorsSpread;      // factor on the distance between roots: guides that are not drawn
+  float g_colorsPixelSize;   // size of a pixel where clip w is 1 [m]
+  float g_colorsUnused;
+  float4 g_colorsClipW;  // row of the matrix that gives clip w
+};
+
+// [guide][vertex]: world position [m].
+StructuredBuffer<float4> g_colorsPositions : register(t0, space0);
+// [guide]: x and y UV of the root, z distance between neighboring roots [m], w change of the UV
+// along the surface [1/m].
+StructuredBuffer<float4> g_strandUvs : register(t1, space0);
+// The engine's, with its mip levels; alpha multiplies the opacity.
+Texture2D<float4> g_strandTexture : register(t2, space0);
+SamplerState g_strandSampler : register(s0, space0);
+// [guide][2]: the UV as the bits of two floats, then linear rgba as two words of two 16-bit unorms.
+RWStructuredBuffer<uint2> g_strandColors : register(u0, space0);
 
 // Size of a pixel at a position [m]; 0 behind the eye.
 float pixelAt(float3 position) {
@@ -36,8 +58,7 @@ void sample_strand_colors(uint3 thread : SV_DispatchThreadID) {
   float4 root = g_strandUvs[guide];
   float3 position = g_colorsPositions[guide * g_colorsVertexCount].xyz;
   float footprint = max(root.z * g_colorsSpread, pixelAt(position));
-  float4 color =
-      g_strandTexture.SampleLevel(g_strandSampler, root.xy, mipLevel(footprint, root.w));
+  float4 color = g_strandTexture.SampleLevel(g_strandSampler, root.xy, mipLevel(footprint, root.w));
   g_strandColors[2u * guide] = asuint(root.xy);
   g_strandColors[2u * guide + 1u] = packUnorms(color);
 }

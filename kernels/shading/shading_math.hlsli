@@ -15,8 +15,7 @@ float bounded(float value, float low, float high) {
 
 // Clamps an albedo to 0..1; NaN becomes a valid value.
 float3 boundedColor(float3 color) {
-  return float3(bounded(color.x, 0.0, 1.0), bounded(color.y, 0.0, 1.0),
-                bounded(color.z, 0.0, 1.0));
+  return float3(bounded(color.x, 0.0, 1.0), bounded(color.y, 0.0, 1.0), bounded(color.z, 0.0, 1.0));
 }
 
 // Returns the unit vector along v, or `other` if v has no direction.

@@ -1,5 +1,5 @@
-// The faces of a shadow map, for the kernels that write maps and those that read them; no resources.
-// A map of one face is not changed by any of these functions.
+// The faces of a shadow map, for the kernels that write maps and those that read them; no
+// resources. A map of one face is not changed by any of these functions.
 #ifndef PELAGE_SHADING_SHADOW_FACES_HLSLI
 #define PELAGE_SHADING_SHADOW_FACES_HLSLI
 

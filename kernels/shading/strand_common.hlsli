@@ -3,7 +3,7 @@
 #define PELAGE_SHADING_STRAND_COMMON_HLSLI
 
 struct StrandView {
-  float4 clipX;         // rows of the map from world to clip space, depth 0..1, y up
+  float4 clipX;  // rows of the map from world to clip space, depth 0..1, y up
   float4 clipY;
   float4 clipZ;
   float4 clipW;
@@ -39,8 +39,8 @@ struct StrandImage {
 StrandImage projectStrand(StrandView view, float3 position, float3 tangent, float radius) {
   StrandImage image;
   float4 p = float4(position, 1.0);
-  image.clip = float4(dot(view.clipX, p), dot(view.clipY, p), dot(view.clipZ, p),
-                      dot(view.clipW, p));
+  image.clip =
+      float4(dot(view.clipX, p), dot(view.clipY, p), dot(view.clipZ, p), dot(view.clipW, p));
   image.normal = float2(0.0, 0.0);
   image.halfWidth = 0.0;
   image.visible = false;
@@ -51,8 +51,8 @@ StrandImage projectStrand(StrandView view, float3 position, float3 tangent, floa
   float3 across = cross(tangent, toEye);
   float squared = dot(across, across);
   if (!(squared > 1e-10 * dot(toEye, toEye))) {
-    float3 axis = abs(toEye.y) < abs(toEye.x) + abs(toEye.z) ? float3(0.0, 1.0, 0.0)
-                                                             : float3(1.0, 0.0, 0.0);
+    float3 axis =
+        abs(toEye.y) < abs(toEye.x) + abs(toEye.z) ? float3(0.0, 1.0, 0.0) : float3(1.0, 0.0, 0.0);
     across = cross(axis, toEye);
     squared = dot(across, across);
   }

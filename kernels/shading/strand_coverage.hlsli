@@ -1,8 +1,8 @@
 // Samples of a pixel that a fragment covers, for the project's kernels and for an engine's own: no
 // resources.
 //
-// Of S samples per pixel, floor(alpha S + d) are written, with d in [0, 1) from a hash of strand
-// and pixel, so that the mean is alpha S (Enderton, Sintorn, Shirley and Luebke, "Stochastic
+// A fragment writes floor(alpha S + d) of S samples per pixel, with d in [0, 1) from a hash of
+// strand and pixel, so that the mean is alpha S (Enderton, Sintorn, Shirley and Luebke, "Stochastic
 // transparency", I3D 2010, section 3). A second hash selects them, so that strands behind each
 // other do not always hide the same samples. The triangles of one strand in a pixel share the
 // samples. Alpha is constant across the ribbon: the rasterizer samples its edges, and an additional

@@ -24,9 +24,9 @@ float4 clipOfPoint(float2 coordinate, float z, float w) {
 }
 
 struct RecordCorner {
-  float2 own;       // [pixels], as in the record
-  float2 other;     // the other corner of the same vertex
-  float z;          // clip z and w
+  float2 own;    // [pixels], as in the record
+  float2 other;  // the other corner of the same vertex
+  float z;       // clip z and w
   float w;
   float halfWidth;  // of the fiber [pixels]
   float side;       // -1 or 1: which edge

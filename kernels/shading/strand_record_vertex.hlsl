@@ -10,19 +10,12 @@
 // Invariant (tests/shading): the same picture as with strand_vertex, but for the rounding of
 // records: positions to some 1e-4 pixels, colors to halves.
 #include "layouts/render.hlsli"
-#include "strand_interface.hlsli"
 #include "strand_record_corner.hlsli"
+#include "strand_interface.hlsli"
 
 StrandPixel strand_record_vertex(StrandRecordInput record, uint corner : SV_VertexID,
                                  uint index : SV_InstanceID) {
-  StrandPixel result;
-  result.clip = float4(2.0, 2.0, 2.0, 1.0);
-  result.tangent = float3(0.0, 1.0, 0.0);
-  result.color = float4(0.0, 0.0, 0.0, 0.0);
-  result.ribbon = float3(0.0, 0.0, 1.0);
-#if !SMOOTH
-  result.strand = index / max(g_renderVertexCount, 1u);
-#endif
+  StrandPixel result = hiddenStrandPixel(index / max(g_renderVertexCount, 1u));
 #if STRAND_UV
   result.uv = unpackUv(record.look.w);
 #endif
@@ -33,8 +26,7 @@ StrandPixel strand_record_vertex(StrandRecordInput record, uint corner : SV_Vert
   result.color = float4(unpackHalves(at.look.y), unpackHalves(at.look.z));
 #if SMOOTH
   result.clip = clipOfPoint(at.own, at.z, at.w);
-  result.ribbon =
-      float3(at.wide ? at.side * (at.halfWidth + 0.5) : 0.0, at.halfWidth, 1.0) * at.w;
+  result.ribbon = float3(at.wide ? at.side * (at.halfWidth + 0.5) : 0.0, at.halfWidth, 1.0) * at.w;
 #else
   NarrowCorner narrow = narrowCorner(at);
   result.clip = narrow.clip;

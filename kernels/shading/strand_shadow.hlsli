@@ -52,7 +52,7 @@ float strandTransmittance(StrandShadowView map, float3 position) {
   if (!(depth > 0.0) || !(depth < 1e30)) return 1.0;
   map.bias *= at.w;
   if (isProjective(map)) {
-    // Along a ray the way is longer than along the axis.
+    // The distance along a ray is longer than that along the axis.
     float2 slope = (texel + 0.5 - 0.5 * size) * map.texelSize;
     map.extinction *= sqrt(1.0 + dot(slope, slope));
   }

@@ -3,9 +3,9 @@
 // Vertices: one instance per strand, index 2 v + side with side 0 or 1 for the edges at vertex v;
 //           an index buffer of 6 (V - 1) indices makes two triangles per segment.
 // Reads:    g_renderPositions, g_renderTangents, RenderConstants, StrandViewConstants; with
-//           g_evaluatesFollows g_renderFollowHairRecords and g_renderRoots; with ATTRIBUTES those of
-//           g_strandThickness, g_vertexColors and g_baseTexture that the object has,
-//           and g_renderFollowHairRecords for the colors of follow hairs
+//           g_evaluatesFollows g_renderFollowHairRecords and g_renderRoots; with ATTRIBUTES those
+//           of g_strandThickness, g_vertexColors and g_baseTexture that the object has, and
+//           g_renderFollowHairRecords for the colors of follow hairs
 // Writes:   the outputs of StrandPixel.
 //
 // With g_evaluatesFollows it computes the follow hairs from their guides, as update_follow_hairs
@@ -23,17 +23,7 @@
 #include "strand_interface.hlsli"
 
 StrandPixel strand_vertex(uint corner : SV_VertexID, uint strand : SV_InstanceID) {
-  StrandPixel result;
-  result.clip = float4(2.0, 2.0, 2.0, 1.0);
-  result.tangent = float3(0.0, 1.0, 0.0);
-  result.color = float4(0.0, 0.0, 0.0, 0.0);
-  result.ribbon = float3(0.0, 0.0, 1.0);
-#if !SMOOTH
-  result.strand = strand;
-#endif
-#if STRAND_UV
-  result.uv = float2(0.0, 0.0);
-#endif
+  StrandPixel result = hiddenStrandPixel(strand);
   uint vertex = corner >> 1;
   if (vertex >= g_renderVertexCount || strand >= g_renderStrandCount) return result;
 
@@ -48,8 +38,7 @@ StrandPixel strand_vertex(uint corner : SV_VertexID, uint strand : SV_InstanceID
   StrandView view = renderView();
   float side = (corner & 1u) != 0u ? 1.0 : -1.0;
 #if SMOOTH
-  StrandRibbon ribbon =
-      expandStrandRibbon(view, fiber.position, fiber.tangent, fiber.radius, side);
+  StrandRibbon ribbon = expandStrandRibbon(view, fiber.position, fiber.tangent, fiber.radius, side);
   result.clip = ribbon.clip;
   result.ribbon = float3(ribbon.distance, ribbon.halfWidth, 1.0) * ribbon.clip.w;
 #else

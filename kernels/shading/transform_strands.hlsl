@@ -1,15 +1,24 @@
 // Transforms the vertices of an object's strands to the screen, as strand_vertex does with SMOOTH:
-// for methods without the rasteriser, and for devices whose vertex stage reads no storage buffers
+// for methods without the rasterizer, and for devices whose vertex stage reads no storage buffers
 // (strand_record_vertex).
 //
 // Threads: one per vertex, in rows of kRecordDispatchRow.
-// Reads:   as strand_vertex; g_renderFollowHairRecords and g_renderRoots only with FOLLOWS, which
-//          objects need that have follow hairs which are not stored
+// Reads:   as strand_vertex; with FOLLOWS, for objects whose follow hairs are not stored, also
+//          g_renderFollowHairRecords and g_renderRoots
 // Writes:  g_strandRecords from g_firstRecord on
 #include "layouts/render.hlsli"
-#include "layouts/strand_records.hlsli"
 #include "drawn_fiber.hlsli"
 #include "strand_record.hlsli"
+
+cbuffer StrandRecordsConstants : register(b0, space2) {
+  uint g_recordCapacity;  // of g_strandRecords, in records
+  uint g_firstRecord;     // of this object
+  uint g_objectRecords;   // of this object
+  uint g_recordPad0;
+};
+
+// [vertex][3], see shading/strand_record.hlsli.
+RWStructuredBuffer<uint4> g_strandRecords : register(u0, space2);
 
 // x and y [pixels], times w for a vertex that is not in front of the eye. The steps are those of a
 // rasterizer, so that both round to the same position.
@@ -36,10 +45,8 @@ void transform_strands(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
   DrawnFiber fiber = drawnFiber(strand, vertex);
   if (fiber.known) {
     StrandView view = renderView();
-    StrandRibbon low =
-        expandStrandRibbon(view, fiber.position, fiber.tangent, fiber.radius, -1.0);
-    StrandRibbon high =
-        expandStrandRibbon(view, fiber.position, fiber.tangent, fiber.radius, 1.0);
+    StrandRibbon low = expandStrandRibbon(view, fiber.position, fiber.tangent, fiber.radius, -1.0);
+    StrandRibbon high = expandStrandRibbon(view, fiber.position, fiber.tangent, fiber.radius, 1.0);
     float w = low.clip.w;
     uint flags = kRecordDrawn | min(g_materialIndex, kRecordMaterial);
     if (vertex + 1u < g_renderVertexCount) flags |= kRecordStartsSegment;

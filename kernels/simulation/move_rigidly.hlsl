@@ -1,13 +1,13 @@
-// Moves what a hair object has from frame to frame rigidly: states, roots, contact records and
-// positions of the last frame, for a teleport.
+// Moves the data that a hair object keeps between frames, for a teleport: states, roots, contact
+// records and positions of the last frame.
 //
 // Threads: one an element, in rows of 2^20.
 // Reads:   g_movedElements
 // Writes:  g_movedElements
 //
 // Invariant (tests/simulation): points, directions and quaternions are those of the moved object to
-// rounding; w of points and directions, and what is before g_movedFirst or behind the last element,
-// keep their bits.
+// rounding; w of points and directions, and the elements before g_movedFirst and behind the last
+// one, keep their bits.
 #include "../base/dispatch.hlsli"
 #include "../base/quaternion.hlsli"
 #include "layouts/move_rigidly.hlsli"
@@ -23,7 +23,7 @@ void move_rigidly(uint3 thread : SV_DispatchThreadID) {
   uint4 moved;
   if (kind == kMovesFrame) {
     precise float4 product = multiplyQuaternions(g_moveRotation, value);
-    // One step of Newton towards the length of 1; what was never written stays 0.
+    // One step of Newton towards the length of 1; an element that was never written stays 0.
     precise float squared = dot4(product, product);
     bool unit = squared > 0.9 && squared < 1.1;
     precise float4 polished = product * (1.5 - 0.5 * squared);

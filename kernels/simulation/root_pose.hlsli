@@ -1,5 +1,5 @@
-// The pose of a guide's root between two frames, from g_rootTransforms; with ROOTS_IN_STATE from the
-// end of g_state, which a kernel has bound in any case.
+// The pose of a guide's root between two frames, from g_rootTransforms; with ROOTS_IN_STATE from
+// the end of g_state, which a kernel has bound in any case.
 #ifndef PELAGE_SIMULATION_ROOT_POSE_HLSLI
 #define PELAGE_SIMULATION_ROOT_POSE_HLSLI
 

@@ -6,11 +6,28 @@
 // Run it once a simulated frame, before the solver.
 //
 // Invariant (tests/simulation): a field with the same value at all nodes gives this value, to the
-// bit, in all of the grid; outside of it, and where a node or a position is not usable, the field
-// gives nothing.
-#include "layouts/force_field.hlsli"
+// bit, in the whole grid; outside of the grid, and where a node or a position is not usable, the
+// field adds nothing.
 #include "../base/dispatch.hlsli"
 #include "../base/quaternion.hlsli"
+
+cbuffer ForceFieldConstants : register(b0, space0) {
+  uint g_fieldVertexCount;  // elements of g_fieldPositions and g_fieldForces; first: decision 0008
+  uint g_fieldAddsForces;   // 0 or 1: g_fieldOthers are added
+  uint g_fieldFirst;        // element of node 0 in g_fieldValues
+  uint g_fieldKnown;        // 0: there are no positions yet, and the field gives nothing
+  float4 g_fieldOrigin;     // xyz of node 0 in world space [m]; w = cell size [m]
+  uint4 g_fieldNodes;       // xyz along the axes, each >= 2; w unused
+};
+
+// [strand][vertex] of the guides: world position [m]; w unused.
+StructuredBuffer<float4> g_fieldPositions : register(t0, space0);
+// [z][y][x]: xyz acceleration [m/s2], w drag [1/s].
+StructuredBuffer<float4> g_fieldValues : register(t1, space0);
+// [strand][vertex]: forces of setForces(); only read with g_fieldAddsForces.
+StructuredBuffer<float4> g_fieldOthers : register(t2, space0);
+// [strand][vertex]: the sum.
+RWStructuredBuffer<float4> g_fieldForces : register(u0, space0);
 
 float4 between(float4 a, float4 b, float share) {
   precise float4 r = a + (b - a) * share;
@@ -18,8 +35,7 @@ float4 between(float4 a, float4 b, float share) {
 }
 
 float4 valueOfNode(uint3 node) {
-  return g_fieldValues[g_fieldFirst +
-                       node.x + g_fieldNodes.x * (node.y + g_fieldNodes.y * node.z)];
+  return g_fieldValues[g_fieldFirst + node.x + g_fieldNodes.x * (node.y + g_fieldNodes.y * node.z)];
 }
 
 // Nodes of a cell along x.
@@ -41,8 +57,8 @@ float4 fieldAt(float3 position) {
   if (!inside) return none;
   uint3 node = min(uint3(p), g_fieldNodes.xyz - 2u);
   precise float3 share = p - float3(node);
-  float4 value = between(valueOfFace(node, share),
-                         valueOfFace(node + uint3(0u, 0u, 1u), share), share.z);
+  float4 value =
+      between(valueOfFace(node, share), valueOfFace(node + uint3(0u, 0u, 1u), share), share.z);
   return isUsable(value) && value.w >= 0.0 ? value : none;
 }
 

@@ -1,14 +1,24 @@
-// Moves positions to a new origin of the world, where no state stores them more precisely: those of
-// the last frame, and those of follow hairs that collide.
+// Moves positions to a new origin of the world: those of the last frame and those of follow hairs
+// that collide, which no state stores more precisely.
 //
 // Threads: one an element, in rows of 2^20.
 // Reads:   g_shiftedPositions
 // Writes:  g_shiftedPositions
 //
-// Invariant (tests/simulation): a position is the float sum of what it was and g_shift; w, and what
-// is before g_shiftedFirst or behind the last element, keep their bits.
+// Invariant (tests/simulation): a position is the float sum of its old value and g_shift; w, and
+// the elements before g_shiftedFirst and behind the last one, keep their bits.
 #include "../base/dispatch.hlsli"
-#include "../skinning/layouts/shift_positions.hlsli"
+
+cbuffer ShiftPositionsConstants : register(b0, space0) {
+  uint g_shiftedFirst;  // element; first: decision 0008
+  uint g_shiftedCount;
+  uint g_shiftedPad0;
+  uint g_shiftedPad1;
+  float4 g_shift;  // xyz what to add [m]; w unused
+};
+
+// xyz world position [m]; w is kept.
+RWStructuredBuffer<float4> g_shiftedPositions : register(u0, space0);
 
 [numthreads(64, 1, 1)]
 void shift_positions(uint3 thread : SV_DispatchThreadID) {

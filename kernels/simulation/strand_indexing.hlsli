@@ -1,4 +1,4 @@
-// Indices into the buffers of simulation/layouts/simulation.hlsli, and the mapping of threads to them.
+// Indices into the buffers of simulation/layouts/simulation.hlsli.
 #ifndef PELAGE_SIMULATION_STRAND_INDEXING_HLSLI
 #define PELAGE_SIMULATION_STRAND_INDEXING_HLSLI
 
@@ -8,12 +8,12 @@
 static const uint kMinVertices = 2;
 static const uint kMaxVertices = 256;
 
-// Set 0 or 1 of g_state or g_rest.
+// Returns the element of a vertex in a set of g_state or g_rest.
 uint guideIndex(uint set, uint vertex, uint guide) {
   return (set * g_vertexCount + vertex) * g_guideCount + guide;
 }
 
-// Of g_positions and g_tangents.
+// Returns the element of a vertex in g_positions and g_tangents.
 uint vertexIndex(uint strand, uint vertex) { return strand * g_vertexCount + vertex; }
 
 #endif

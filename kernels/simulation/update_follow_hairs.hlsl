@@ -3,8 +3,8 @@
 // Threads: x = 4 follow hairs, y = vertex; dispatch ceil(g_followCount / 4) x g_vertexCount, at
 //          most 2,097,120 strands. A thread shares what its strands have in common: everything
 //          about the guide if they have the same one.
-// Reads:   g_followHairRecords, g_rootTransforms, g_rest (vertex 0), g_positions and g_tangents of the
-//          guides
+// Reads:   g_followHairRecords, g_rootTransforms, g_rest (vertex 0), g_positions and g_tangents of
+//          the guides
 // Writes:  g_positions and g_tangents of the follow hairs; strand g_guideCount + f
 //
 // simulation/follow_vertex.hlsli has the formula; the root is that at g_rootEnd.
@@ -26,8 +26,8 @@ float4 guideRotation(uint guide) {
 #include "follow_vertex.hlsli"
 
 [numthreads(8, 16, 1)] void update_follow_hairs(uint3 group
-                                                  : SV_GroupID, uint slot
-                                                  : SV_GroupIndex) {
+                                                : SV_GroupID, uint slot
+                                                : SV_GroupIndex) {
   if (g_vertexCount < kMinVertices || g_vertexCount > kMaxVertices) return;
   // Neighboring threads have neighboring vertices.
   uint vertex = group.y * 16 + slot % 16;

@@ -36,8 +36,8 @@ struct MatrixBlend {
   BoneMatrix strongest;  // the bone of the largest weight, the first one of equals
   float strongestWeight;
   float weightSum;
-  float volume;          // weighted sum of |det M|
-  bool usable;           // false once a bone had a NaN, an infinity or a number above 1e18
+  float volume;  // weighted sum of |det M|
+  bool usable;   // false once a bone had a NaN, an infinity or a number above 1e18
 };
 
 MatrixBlend emptyMatrixBlend() {

@@ -7,13 +7,12 @@
 //
 // Matrices become dual quaternions by the rotation nearest to them, and dual quaternions matrices.
 //
-// Invariant (tests/skinning): where the form stays and the origin is whole meters, matrices have the
-// bits that the host would upload, and with the origin at 0 dual quaternions have their own. A bone
-// with a NaN, an infinity, a number above 1e18 or, as a dual quaternion, no rotation becomes one that
-// skinning does not use: roots and vertices that it moves stay where they were.
+// Invariant (tests/skinning): where the form stays and the origin is whole meters, matrices have
+// the bits that the host would upload, and with the origin at 0 dual quaternions have their own. A
+// bone with a NaN, an infinity, a number above 1e18 or, as a dual quaternion, no rotation becomes
+// one that skinning does not use: roots and vertices that it moves stay where they were.
 #include "layouts/bone_conversion.hlsli"
 #include "polar_rotation.hlsli"
-#include "unusable_bone.hlsli"
 #include "../base/dispatch.hlsli"
 
 struct Bone {

@@ -1,11 +1,11 @@
-// Computes the bones of roots on a mesh that an engine deforms: blend shapes and whatever else moves
-// a skin beside bones.
+// Computes the bones of roots on a mesh that an engine deforms: blend shapes and whatever else
+// moves a skin beside bones.
 //
 // Threads: one per element of g_surfaceBones in a part of the mesh, in rows of 2^20.
 // Reads:   g_surfaceBones, g_surfaceVertices
 // Writes:  g_surfaceTransforms: the bone of each element
-// Run it once for each skeleton, part of its mesh and form, in frames in which the engine has written
-// vertices.
+// Run it once for each skeleton, part of its mesh and form, in frames in which the engine has
+// written vertices.
 //
 // The rigid motion that takes a triangle's bind frame to its current one, as rootTransforms() of
 // pelage/skin_table.h computes it on the host. In the plane of the triangle the map is
@@ -16,10 +16,39 @@
 // Invariant (tests/skinning): the bones of rootTransforms() within rounding. A triangle that is not
 // finite or has no area (twice it is below 1e-6 of its longest edge's square) becomes a bone that
 // skinning does not use: the root stays where it was.
-#include "layouts/surface_bones.hlsli"
 #include "polar_rotation.hlsli"
-#include "unusable_bone.hlsli"
 #include "../base/dispatch.hlsli"
+
+// A root on a triangle, as the mesh was when the hair was bound to it. The triangle's frame has x
+// along the edge from corner 0 to 1, z along the normal and y = z cross x. Corner 1 is at (edge, 0)
+// and corner 2 at (shear, height) in its plane.
+struct SurfaceBone {
+  uint4 corners;   // x, y, z: vertices of the triangle; w: bone that is written
+  float4 frameX;   // xyz of the bind frame's x axis; w = edge [m], > 0
+  float4 frameY;   // xyz of its y axis; w = height [m], > 0
+  float4 root;     // xyz bind position of the root [m]; w = shear [m]
+  float4 offset;   // xyz of the root from its surface point, in the frame [m]; w = 0
+  float4 weights;  // x, y: barycentric weights of corners 1 and 2; zw = 0
+};
+
+cbuffer SurfaceBonesConstants : register(b0, space0) {
+  uint g_surfaceFirst;         // first element of g_surfaceBones; first: decision 0008
+  uint g_surfaceCount;         // elements
+  uint g_surfaceStride;        // floats from vertex to vertex in g_surfaceVertices, >= 3
+  uint g_surfaceOffset;        // floats before the first position
+  float4 g_surfaceOrigin;      // xyz of the origin that bones are relative to, in world space [m]
+  float4 g_surfaceOriginRest;  // xyz what rounding has left of it; 0 for whole meters
+  uint g_surfaceToDual;        // 1: g_surfaceTransforms has dual quaternions; 0: matrices
+  uint g_surfacePad0;
+  uint g_surfacePad1;
+  uint g_surfacePad2;
+};
+
+StructuredBuffer<SurfaceBone> g_surfaceBones : register(t0, space0);
+// Positions in world space [m], written by the engine.
+StructuredBuffer<float> g_surfaceVertices : register(t1, space0);
+// Bind space to the origin's: 3 rows of [M | t] a bone, or 2 quaternions (skinning/bones.hlsli).
+RWStructuredBuffer<float4> g_surfaceTransforms : register(u0, space0);
 
 // Twice the area over the square of the longest edge, below which a triangle has none: what floats
 // leave of the normal of a thinner one is rounding. (The host, in doubles, goes on to 1e-9.)
@@ -31,7 +60,8 @@ static const uint kReciprocalExponents = 0x7f000000u;
 
 float3 surfaceVertex(uint vertex) {
   uint first = g_surfaceOffset + g_surfaceStride * vertex;
-  return float3(g_surfaceVertices[first], g_surfaceVertices[first + 1], g_surfaceVertices[first + 2]);
+  return float3(g_surfaceVertices[first], g_surfaceVertices[first + 1],
+                g_surfaceVertices[first + 2]);
 }
 
 // The corners, the first one relative to the origin and the others relative to the first one.
@@ -76,7 +106,8 @@ SurfaceMotion motionOf(SurfaceBone bone) {
   float largest = max(sizes.x, max(sizes.y, sizes.z));
   motion.usable = isUsable(t.a) && isUsable(t.u) && isUsable(t.v) && largest > kShortestEdge;
   if (!motion.usable) return motion;
-  // Of about unit size, so that no product is too small or too large. Powers of two round nothing.
+  // The edges are scaled to about unit size, so that no product overflows or vanishes. Powers of
+  // two round nothing.
   uint exponent = asuint(largest) & kExponentBits;
   float size = asfloat(exponent);
   float inverseSize = asfloat(kReciprocalExponents - exponent);
@@ -112,8 +143,7 @@ SurfaceMotion motionOf(SurfaceBone bone) {
   motion.rowX = rowX;
   motion.rowY = rowY;
   motion.rowZ = rowZ;
-  precise float3 offset =
-      turnedX * bone.offset.x + turnedY * bone.offset.y + z * bone.offset.z;
+  precise float3 offset = turnedX * bone.offset.x + turnedY * bone.offset.y + z * bone.offset.z;
   precise float3 to = t.a + t.u * bone.weights.x + t.v * bone.weights.y + offset;
   motion.to = to;
   return motion;
@@ -127,8 +157,8 @@ void follow_surface(uint3 thread : SV_DispatchThreadID) {
   SurfaceBone bone = g_surfaceBones[g_surfaceFirst + index];
   SurfaceMotion motion = motionOf(bone);
   float3 root = bone.root.xyz;
-  precise float3 shift = motion.to - float3(dot3(motion.rowX, root), dot3(motion.rowY, root),
-                                            dot3(motion.rowZ, root));
+  precise float3 shift =
+      motion.to - float3(dot3(motion.rowX, root), dot3(motion.rowY, root), dot3(motion.rowZ, root));
   bool usable = motion.usable && isUsable(shift);
   uint target = bone.corners.w;
   if (g_surfaceToDual != 0u) {

@@ -1,4 +1,5 @@
-// The rotation in a matrix. Matrices are given by their rows.
+// The rotation in a matrix, and the bone that stands for a matrix without one. Matrices are given
+// by their rows.
 #ifndef PELAGE_SKINNING_POLAR_ROTATION_HLSLI
 #define PELAGE_SKINNING_POLAR_ROTATION_HLSLI
 
@@ -72,5 +73,11 @@ float4 rotationOfMatrix(float3 a, float3 b, float3 c, float4 fallback) {
   }
   return quaternionOfRotation(ra, rb, rc);
 }
+
+// Marks a bone that skinning does not use: numbers above 1e18 count as not usable
+// (base/quaternion.hlsli), and roots and vertices of the bone stay where they were. Drivers may
+// assume that there is no NaN.
+static const float kUnusable = 1e30;
+float4 unusableRow() { return float4(kUnusable, kUnusable, kUnusable, kUnusable); }
 
 #endif

@@ -39,7 +39,7 @@ struct MeshVaryings {
   float4 clip : SV_Position;
   float3 world : TEXCOORD0;
   float3 normal : TEXCOORD1;
-  float2 covered : TEXCOORD2;  // shares of the scalp's and the coat's colour
+  float2 covered : TEXCOORD2;  // shares of the scalp's and the coat's color
 };
 
 #endif

@@ -1,5 +1,5 @@
 // Shades a mesh like unglazed clay: wrapped Lambert, an ambient term that is brighter from above, a
-// broad faint highlight. Linear colour, opaque. With SHADOWED, hair in front shadows the light, and
+// broad faint highlight. Linear color, opaque. With SHADOWED, hair in front shadows the light, and
 // the ambient term in part.
 //
 // One thread a pixel. Reads the constants; with SHADOWED g_meshShadowWords and g_meshShadowViews.
@@ -14,8 +14,8 @@
 static const float kWrap = 0.35;
 static const float kHighlight = 0.10;
 static const float kHighlightExponent = 14.0;
-// Fresnel term of Schlick, "An Inexpensive BRDF Model for Physically-based Rendering" (1994), eq. 15,
-// for a refractive index of 1.4.
+// Fresnel term of Schlick, "An Inexpensive BRDF Model for Physically-based Rendering" (1994), eq.
+// 15, for a refractive index of 1.4.
 static const float kReflectance = 0.028;
 
 float3 unit(float3 v) { return v * rsqrt(max(dot(v, v), 1e-20)); }
@@ -41,13 +41,15 @@ float4 mesh_pixel(MeshVaryings input) : SV_Target {
 
   float3 middle = unit(light + eye);
   float grazing = 1.0 - saturate(dot(eye, normal));
-  float fresnel = kReflectance + (1.0 - kReflectance) * grazing * grazing * grazing * grazing * grazing;
+  float fresnel =
+      kReflectance + (1.0 - kReflectance) * grazing * grazing * grazing * grazing * grazing;
   float highlight = kHighlight * pow(max(dot(normal, middle), 1e-4), kHighlightExponent) * diffuse;
 
   float2 covered = saturate(input.covered);
-  float3 albedo = lerp(lerp(g_skinColor.rgb, g_scalpColor.rgb, covered.x), g_coatColor.rgb, covered.y);
-  float3 color = albedo * (arriving * diffuse + ambient) +
-                 (1.0 - covered.x) * (1.0 - covered.y) *
-                     (arriving * highlight + reflected * fresnel);
+  float3 albedo =
+      lerp(lerp(g_skinColor.rgb, g_scalpColor.rgb, covered.x), g_coatColor.rgb, covered.y);
+  float3 color =
+      albedo * (arriving * diffuse + ambient) +
+      (1.0 - covered.x) * (1.0 - covered.y) * (arriving * highlight + reflected * fresnel);
   return float4(color, 1.0);
 }

@@ -27,8 +27,8 @@ MeshVaryings mesh_vertex(MeshVertex v) {
   result.clip = float4(dot(g_worldToClip[0], world), dot(g_worldToClip[1], world),
                        dot(g_worldToClip[2], world), dot(g_worldToClip[3], world));
   result.world = world.xyz;
-  result.normal = float3(dot(row0.xyz, v.normal.xyz), dot(row1.xyz, v.normal.xyz),
-                         dot(row2.xyz, v.normal.xyz));
+  result.normal =
+      float3(dot(row0.xyz, v.normal.xyz), dot(row1.xyz, v.normal.xyz), dot(row2.xyz, v.normal.xyz));
   result.covered = float2(v.position.w, v.normal.w);
   return result;
 }

@@ -16,7 +16,7 @@ void count_tile_nodes(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
   if (index >= uint(g_valueArea.z) * uint(g_valueArea.w)) return;
   uint count = 0u;
   uint node = g_tileHeads[index];
-  // A list has no more nodes than there are.
+  // Bounds the walk: a list is at most as long as the buffer of nodes.
   while (node > 0u && node <= g_tileNodes && count < g_tileNodes) {
     ++count;
     node = nextOf(g_tileListNodes[node - 1u].x);

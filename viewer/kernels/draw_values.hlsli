@@ -1,22 +1,22 @@
-// Resources of drawing strands by a value, and of counting their fragments: groups "drawValues" and,
-// with space1, "overdraw" and "tileCounts".
+// Resources of drawing strands by a value, and of counting their fragments: groups "drawValues"
+// and, with space1, "overdraw" and "tileCounts".
 #ifndef VIEWER_DRAW_VALUES_HLSLI
 #define VIEWER_DRAW_VALUES_HLSLI
 
 static const uint kRampColors = 5;
 
 cbuffer DrawValuesConstants : register(b0, space0) {
-  float4 g_valuesToClip[4];   // rows; clip = rows * (p, 1), p in world space, depth 0..1, y up
-  float4 g_valueRamp[5];      // linear rgb of values from g_valueLow to g_valueHigh, evenly
-  float4 g_valueArea;         // xy first pixel of the viewport, zw its size [pixels]
+  float4 g_valuesToClip[4];  // rows; clip = rows * (p, 1), p in world space, depth 0..1, y up
+  float4 g_valueRamp[5];     // linear rgb of values from g_valueLow to g_valueHigh, evenly
+  float4 g_valueArea;        // xy first pixel of the viewport, zw its size [pixels]
   float g_valueLow;
-  float g_valueHigh;          // > g_valueLow
-  uint g_valueVertexCount;    // vertices a strand
-  float g_valueAbove;         // only values above it are drawn
-  float g_valueWidth;         // least width of a strand [pixels]
-  float g_valueRadius;        // at the root [m]; 0: strands have the least width
-  float g_valueTipRatio;      // radius at the tip over that at the root
-  float g_valueFocal;         // pixels of a meter at a distance of 1 m
+  float g_valueHigh;        // > g_valueLow
+  uint g_valueVertexCount;  // vertices a strand
+  float g_valueAbove;       // only values above it are drawn
+  float g_valueWidth;       // least width of a strand [pixels]
+  float g_valueRadius;      // at the root [m]; 0: strands have the least width
+  float g_valueTipRatio;    // radius at the tip over that at the root
+  float g_valueFocal;       // pixels of a meter at a distance of 1 m
 };
 
 struct ValueVaryings {

@@ -7,8 +7,27 @@
 //
 // The first two vertices of a strand, which the bones hold, are not measured: their value is 0.
 // Invariant (viewer_test): hair inside of a ball that it does not collide with is seen.
-#include "strand_penetration.hlsli"
 #include "strand_value.hlsli"
+
+cbuffer StrandPenetrationConstants : register(b0, space0) {
+  uint g_depthVertexCount;  // vertices a strand
+  uint g_depthVertices;     // of all strands that are posed
+  uint g_depthCapsuleCount;
+  uint g_depthGridCount;
+  uint g_depthSlotCount;  // of g_depthSlots
+  float g_depthLimit;     // [m] beyond which a vertex is counted
+  uint g_depthPad0;
+  uint g_depthPad1;
+};
+
+// [capsule][2]: xyz of an end in world space, w its radius [m]; then [grid][2]: xyz of node 0 in
+// world space, w the cell size [m], and the counts of nodes (bits of uints).
+StructuredBuffer<float4> g_depthColliders : register(t0, space0);
+StructuredBuffer<uint4> g_depthSlots : register(t1, space0);       // HairBuffers::sdfs
+StructuredBuffer<uint> g_depthKeys : register(t2, space0);         // Scene::sdfKeys()
+RWStructuredBuffer<float4> g_depthRecords : register(u0, space0);  // as pose_strands writes them
+RWStructuredBuffer<uint> g_depthSummary : register(u1, space0);    // kSummaryWords
+
 #define FIELD_SLOTS g_depthSlots
 #define FIELD_KEYS g_depthKeys
 #define FIELD_SLOT_COUNT g_depthSlotCount
@@ -27,7 +46,8 @@ float depthInCapsule(uint capsule, float3 position) {
 float depthInGrid(uint grid, float3 position) {
   uint element = 2u * (g_depthCapsuleCount + grid);
   Sdf sdf;
-  if (!findField(g_depthColliders[element], asuint(g_depthColliders[element + 1u]), sdf)) return 0.0;
+  if (!findField(g_depthColliders[element], asuint(g_depthColliders[element + 1u]), sdf))
+    return 0.0;
   return -fieldDistance(sdf, position);
 }
 

@@ -27,7 +27,8 @@ void measure_stretch(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
   uint vertex = index % g_stretchVertexCount;
   uint before;
   InterlockedAdd(g_stretchSummary[kSummaryMeasured], 1u, before);
-  if (!isUsable(float4(g_stretchRecords[index].xyz, 0.0)) || g_stretchRecords[index].x > kMostValue) {
+  if (!isUsable(float4(g_stretchRecords[index].xyz, 0.0)) ||
+      g_stretchRecords[index].x > kMostValue) {
     InterlockedAdd(g_stretchSummary[kSummaryNotFinite], 1u, before);
     return;
   }

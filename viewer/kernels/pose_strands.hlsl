@@ -1,13 +1,34 @@
-// Writes where the vertices of the drawn strands are, follow hairs included, for views of values.
+// Writes the positions of the drawn strands' vertices, follow hairs included, for views of values.
 //
 // Threads: one per vertex, in rows of kInspectRow.
 // Reads:   g_posePositions; with g_poseEvaluatesFollows g_poseFollowHairs and g_poseRoots
 // Writes:  g_poseRecords
 //
-// Invariant (viewer_test): a guide's vertex is where HairBuffers::positions has it; a vertex that is
-// not finite, or of a follow hair without a guide, has no value and is far away.
-#include "strand_pose.hlsli"
+// Invariant (viewer_test): a guide's vertex is where HairBuffers::positions has it; a vertex that
+// is not finite, or of a follow hair without a guide, has no value and is far away.
+#include "simulation/layouts/follow.hlsli"
 #include "strand_value.hlsli"
+
+cbuffer StrandPoseConstants : register(b0, space0) {
+  uint g_poseVertexCount;       // vertices a strand
+  uint g_poseGuideCount;        // the strands from here on are follow hairs
+  uint g_poseStrandCount;       // strands that are posed, from the first
+  uint g_poseEvaluatesFollows;  // 1: follow hairs are not in g_posePositions
+  float g_poseTipSeparation;    // SimulationSettings::tipSeparation
+  uint g_posePad0;
+  uint g_posePad1;
+  uint g_posePad2;
+};
+
+// HairBuffers::positions, followHairRecords, rootTransforms(). The last two are read where follow
+// hairs are evaluated.
+StructuredBuffer<float4> g_posePositions : register(t0, space0);
+StructuredBuffer<FollowHairRecord> g_poseFollowHairs : register(t1, space0);
+StructuredBuffer<RootTransform> g_poseRoots : register(t2, space0);
+
+// [strand][vertex] xyz world position [m], w value: kNoValue until it is measured.
+RWStructuredBuffer<float4> g_poseRecords : register(u0, space0);
+
 #define STRAND_POSITIONS g_posePositions
 #define STRAND_VERTEX_COUNT g_poseVertexCount
 #define STRAND_FOLLOW_HAIRS g_poseFollowHairs

@@ -1,5 +1,5 @@
-// Colors a point of a slice by its distance from the surface: of an SDF that hair can reach. Lines
-// have equal distances; the surface is black.
+// Colors a point of a slice by its distance from the surface of an SDF that hair can reach. Contour
+// lines have equal spacing in distance; the surface is black.
 //
 // Reads:   g_sliceSlots, g_sliceKeys, SliceConstants
 // Writes:  SV_Target0 linear color, opaque
@@ -22,7 +22,7 @@ float4 slice_pixel(SliceVaryings slice) : SV_Target0 {
   Sdf sdf;
   if (!findField(g_sliceOrigin, g_sliceNodes, sdf)) discard;
   float distance = fieldDistance(sdf, slice.world);
-  // Distances change by no more than the way: their own differences would see the grid's end.
+  // A distance changes by at most the displacement; fwidth(distance) would jump at the grid's end.
   float3 step = fwidth(slice.world);
   float pixel = length(step) * 0.7;
   if (distance > 1e17) discard;

@@ -9,7 +9,7 @@ SliceVaryings slice_vertex(uint corner : SV_VertexID) {
   result.world = g_sliceCorner.xyz + g_sliceAcross.xyz * float(corner & 1u) +
                  g_sliceUp.xyz * float(corner >> 1);
   float4 p = float4(result.world, 1.0);
-  result.clip = float4(dot(g_sliceToClip[0], p), dot(g_sliceToClip[1], p),
-                       dot(g_sliceToClip[2], p), dot(g_sliceToClip[3], p));
+  result.clip = float4(dot(g_sliceToClip[0], p), dot(g_sliceToClip[1], p), dot(g_sliceToClip[2], p),
+                       dot(g_sliceToClip[3], p));
   return result;
 }

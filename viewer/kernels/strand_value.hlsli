@@ -1,4 +1,4 @@
-// Values of strands' vertices: what is shared by those who measure and those who draw; no resources.
+// Constants of the kernels that measure or draw values of strands' vertices; no resources.
 #ifndef VIEWER_STRAND_VALUE_HLSLI
 #define VIEWER_STRAND_VALUE_HLSLI
 

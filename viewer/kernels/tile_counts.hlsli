@@ -13,7 +13,7 @@ cbuffer TileCountsConstants : register(b0, space1) {
   uint g_tileNodes;    // nodes of lists
 };
 
-// TransparencyTiles: tiles, counters, heads, nodes. What a method does not have is a stand-in.
+// TransparencyTiles: tiles, counters, heads, nodes. A buffer that a method lacks is a stand-in.
 StructuredBuffer<uint> g_tileWords : register(t0, space1);
 StructuredBuffer<uint> g_tileCounters : register(t1, space1);
 StructuredBuffer<uint> g_tileHeads : register(t2, space1);
@@ -22,12 +22,12 @@ StructuredBuffer<uint4> g_tileListNodes : register(t3, space1);
 RWStructuredBuffer<uint> g_tileCounts : register(u0, space1);   // [tile], or kTileWithoutRoom
 RWStructuredBuffer<uint> g_tileSummary : register(u1, space1);  // kTileWords
 
-// A tile that has hair, for which there was no room.
+// A tile whose hair exceeded the capacity.
 static const uint kTileWithoutRoom = 0xffffffffu;
 
-static const uint kTileMost = 0;      // of the fullest tile
+static const uint kTileMost = 0;  // of the fullest tile
 static const uint kTilesWithHair = 1;
-static const uint kTileTotal = 2;     // of all tiles
+static const uint kTileTotal = 2;  // of all tiles
 static const uint kTilesWithoutRoom = 3;
 static const uint kTileWords = 4;
 

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <iterator>
 
+#include "pelage/constants.h"
 #include "stage/inspection_passes.h"
 #include "stage/strand_detail.h"
 #include "viewer_kernels/kernels.h"
@@ -83,9 +84,9 @@ std::vector<Float4> packGrids(const Inspected& what) {
   return packed;
 }
 
-// Of the SDFs that a hair object can reach.
+// Number of SDFs and capsules that a hair object can reach.
 uint32_t slotsOf(const ResourceTable& table, BufferId sdfs) {
-  constexpr uint64_t kSlotBytes = 80;
+  constexpr uint64_t kSlotBytes = pelage::sdf::kSdfElements * sizeof(pelage::Uint4);
   return static_cast<uint32_t>(table.whole(sdfs).size / kSlotBytes);
 }
 

@@ -2,16 +2,15 @@
 #ifndef PELAGE_CONTACT_LAYOUTS_CONTACT_HLSLI
 #define PELAGE_CONTACT_LAYOUTS_CONTACT_HLSLI
 
-#include "collider.hlsli"
 #include "contact_records.hlsli"
 #include "../../sdf/layouts/sdf.hlsli"
 
 cbuffer ContactConstants : register(b0, space0) {
-  uint g_contactPad0;  // first: decision 0008
-  uint g_contactBefore;   // element of g_contacts, see there
-  uint g_contactStrands;  // word of g_contactWords
+  uint g_contactPad0;         // first: decision 0008
+  uint g_contactBefore;       // element of g_contacts, see there
+  uint g_contactStrands;      // word of g_contactWords
   uint g_contactStrandTotal;  // simulated or not
-  float4 g_contactOrigin;  // xyz [m]: records, capsules and SDFs are relative to it; w unused
+  float4 g_contactOrigin;     // xyz [m]: records, capsules and SDFs are relative to it; w unused
   uint g_contactStrandCount;
   uint g_contactVertexCount;  // elements of g_contactPositions
   uint g_contactMaskWords;    // words of a strand's mask
@@ -28,15 +27,16 @@ cbuffer ContactConstants : register(b0, space0) {
   float g_contactEnd;
   float g_contactRatio;  // length of this sub-step over that of the last one
   float g_contactRange;  // a vertex within this distance of a surface has a record [m]
-  float4 g_contactFall;  // xyz additional displacement of falling vertices in the sub-step, if it is
-                         // far enough to skip a thin part [m]; w unused
+  // xyz additional displacement of falling vertices in the sub-step, if it is far enough to skip a
+  // thin part [m]; w unused
+  float4 g_contactFall;
 };
 
 // Bits of g_contactFlags.
 static const uint kListedFlag = 1;     // only the tiles listed in g_awakeTiles
 static const uint kAgainFlag = 2;      // again, for the tiles of the list
 static const uint kNoHistoryFlag = 4;  // nothing is known of the displacement before
-static const uint kOddFlag = 8;        // which of the two steps of roots is that of the last sub-step
+static const uint kOddFlag = 8;  // which of the two steps of roots is that of the last sub-step
 
 // Strands a tile and a group.
 static const uint kTileStrands = 32;
@@ -59,6 +59,6 @@ StructuredBuffer<Collider> g_capsules : register(t3, space0);
 StructuredBuffer<uint4> g_contactColliders : register(t4, space0);
 StructuredBuffer<uint> g_contactSdfKeys : register(t5, space0);
 StructuredBuffer<uint4> g_contactSdfSurface : register(t6, space0);
-static const uint kColliderElements = 5;
+static const uint kColliderElements = kSdfElements;
 
 #endif

@@ -1,4 +1,4 @@
-// Contacts of hair with colliders, as find_contacts writes them and solvers read them.
+// Capsules, and contacts of hair with colliders as find_contacts writes them and solvers read them.
 //
 // Each object has two buffers. g_contacts has kMaxContacts records per vertex, in the order of
 // g_positions, and behind them what find_contacts alone reads and writes; a record is
@@ -13,11 +13,20 @@
 #ifndef PELAGE_CONTACT_LAYOUTS_CONTACT_RECORDS_HLSLI
 #define PELAGE_CONTACT_LAYOUTS_CONTACT_RECORDS_HLSLI
 
-// A record as its elements have it: 0 plane, 1 surface, 2 force, 3 foundAt and bits; floats as their
-// bits.
-//
-// A plane that a vertex stays in front of, and the force of the contact. All in the space of the
-// solver's origin; forces are for unit linear density.
+// A sphere or a tapered capsule in motion: the union of the spheres between two ends, all [m] and
+// relative to the origin of the hair's state. One that is not finite has no contacts.
+struct Collider {
+  float4 head;        // xyz at the frame's end, w radius
+  float4 tail;        // xyz at the frame's end, w radius; equal to the head for a sphere
+  float4 headBefore;  // xyz at the frame's start, w Coulomb friction
+  float4 tailBefore;  // xyz at the frame's start; w unused
+  float4 spin;  // xyz rotation vector of the frame about the axis, or a sphere's center [rad]; w
+                // unused
+};
+
+// A plane that a vertex stays in front of, and the force of the contact, in the space of the
+// solver's origin. Forces are for unit linear density. The elements of a record have, with floats
+// as their bits: 0 plane, 1 surface, 2 force, 3 foundAt and bits.
 struct ContactRecord {
   float4 plane;    // xyz unit normal out of the collider; w signed distance of `foundAt` from the
                    // plane [m]
@@ -27,7 +36,7 @@ struct ContactRecord {
   float foundX;    // xyz foundAt: the predicted position [m]
   float foundY;
   float foundZ;
-  uint bits;       // kContactCollider and the flags below
+  uint bits;  // kContactCollider and the flags below
 };
 
 // A strand whose vertices may collide.
@@ -53,9 +62,10 @@ static const uint kContactActive = 0x40000u;
 static const uint kContactMore = 0x80000u;
 
 // Totals, at the beginning.
-static const uint kContactCount = 0;   // records written
-static const uint kContactPasses = 1;  // solver passes beyond the first one of strands with a record
-static const uint kContactTiles = 2;   // tiles found and solved again
+static const uint kContactCount = 0;  // records written
+// Solver passes beyond the first one of strands with a record.
+static const uint kContactPasses = 1;
+static const uint kContactTiles = 2;  // tiles found and solved again
 static const uint kContactTotalWords = 4;
 // Words of a head.
 static const uint kContactHeadWords = 8;

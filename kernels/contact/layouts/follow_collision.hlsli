@@ -5,17 +5,17 @@
 #ifndef PELAGE_CONTACT_LAYOUTS_FOLLOW_COLLISION_HLSLI
 #define PELAGE_CONTACT_LAYOUTS_FOLLOW_COLLISION_HLSLI
 
-#include "collider.hlsli"
+#include "contact_records.hlsli"
 #include "../../sdf/layouts/sdf.hlsli"
 
 cbuffer FollowCollisionConstants : register(b0, space0) {
   uint g_followTileCount;  // T; first: decision 0008
   uint g_followColliderCount;
-  uint g_followHistory;    // 1: g_followBefore has positions of the last frame; 0: it has none
-  uint g_followAgain;      // 1: for the strands that are marked
+  uint g_followHistory;      // 1: g_followBefore has positions of the last frame; 0: it has none
+  uint g_followAgain;        // 1: for the strands that are marked
   float4 g_followOrigin;     // xyz origin of SDFs and colliders, in world space [m]
   uint g_firstFollow;        // strand
-  uint g_followHairCount;  // F
+  uint g_followHairCount;    // F
   uint g_followVertexCount;  // V, 2..256
   uint g_followSdfCount;
 };
@@ -39,8 +39,8 @@ static const float kFollowError = 1e-3;
 RWStructuredBuffer<float4> g_followPositions : register(u0, space0);
 // [strand][vertex], S * V: unit tangent; w = 0.
 RWStructuredBuffer<float4> g_followTangents : register(u1, space0);
-// [2][follow][vertex], 2 * F * V: world position at the end of the last frame [m], w unused; then that
-// at which update_follow_hairs has posed it in this one, with its w.
+// [2][follow][vertex], 2 * F * V: world position at the end of the last frame [m], w unused; then
+// that at which update_follow_hairs has posed it in this one, with its w.
 RWStructuredBuffer<float4> g_followBefore : register(u2, space0);
 // [2][vertex][follow], 2 * V * F: contacts of the vertices whose bits are set, deepest first.
 RWStructuredBuffer<FollowContact> g_followContacts : register(u3, space0);
@@ -57,9 +57,9 @@ StructuredBuffer<uint4> g_followSurface : register(t2, space0);
 StructuredBuffer<Collider> g_followColliders : register(t3, space0);
 
 // Words of the head: totals of the frame, then the groups of a dispatch over the list.
-static const uint kFollowRecords = 0;      // contacts written
-static const uint kFollowMarked = 1;       // strands marked
-static const uint kFollowArguments = 4;    // 3 words: tiles in the list, R, 1
+static const uint kFollowRecords = 0;    // contacts written
+static const uint kFollowMarked = 1;     // strands marked
+static const uint kFollowArguments = 4;  // 3 words: tiles in the list, R, 1
 static const uint kFollowHeadWords = 8;
 
 uint followList() { return kFollowHeadWords; }

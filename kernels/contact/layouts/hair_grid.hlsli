@@ -1,7 +1,7 @@
 // Resources of the grid for hair-hair contact. Group "hairGrid", all in space0.
 //
-// The grid has g_gridSize^3 nodes, x fastest, a cell size apart. A node has 1 word, its mass, or with
-// g_gridFriction 4: the three components of momentum, too, in two's complement fixed point.
+// The grid has g_gridSize^3 nodes, x fastest, a cell size apart. A node has 1 word, its mass, or
+// with g_gridFriction 4: the three components of momentum, too, in two's complement fixed point.
 #ifndef PELAGE_CONTACT_LAYOUTS_HAIR_GRID_HLSLI
 #define PELAGE_CONTACT_LAYOUTS_HAIR_GRID_HLSLI
 
@@ -15,7 +15,7 @@ static const uint kMaxGridSize = 64;
 // as powers of two. No sum overflows, whatever the strands do: N vertices add at most 4 N by
 // rounding, for which there is room up to N = 2^28.
 cbuffer HairGridConstants : register(b0, space0) {
-  uint g_gridPad0;         // first: decision 0008
+  uint g_gridPad0;  // first: decision 0008
   uint g_gridPad1;
   uint g_gridFriction;     // 0 or 1: nodes have a momentum
   uint g_addsForces;       // 0 or 1: g_otherForces are added

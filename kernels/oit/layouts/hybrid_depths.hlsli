@@ -16,7 +16,7 @@ RWStructuredBuffer<uint> g_hybridDepths : register(u0, space2);
 RWStructuredBuffer<uint> g_hybridCounters : register(u1, space2);
 // [tile]: 1 if it has hair; after them a list of these tiles, in any order.
 RWStructuredBuffer<uint> g_hybridTiles : register(u2, space2);
-// As in hybrid_colors.hlsli, to be cleared.
+// g_hybridColors and g_hybridTail of hybrid_colors, to be cleared.
 RWStructuredBuffer<uint> g_hybridClearedColors : register(u3, space2);
 RWStructuredBuffer<uint> g_hybridClearedTail : register(u4, space2);
 

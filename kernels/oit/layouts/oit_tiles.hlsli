@@ -10,4 +10,14 @@ cbuffer OitTileConstants : register(b0, space0) {
   uint g_tilePad0;
 };
 
+// Outputs of oit_tile_vertex.
+struct OitTilePixel {
+  float4 clip : SV_Position;
+};
+
+// Outputs of the kernels that resolve transparency.
+struct ResolvedPixel {
+  float4 color : SV_Target0;  // premultiplied; alpha = 1 - transmittance
+};
+
 #endif

@@ -12,8 +12,8 @@ cbuffer PPLLBuildConstants : register(b0, space2) {
 
 // [y][x]: index of the pixel's first node + 1, or 0.
 RWStructuredBuffer<uint> g_listHeads : register(u0, space2);
-// {link, depth key, shape, color}, see oit/fragment_packing.hlsli; with STRAND_UV then [node] the UV
-// of roots, see shading/uv_packing.hlsli.
+// {link, depth key, shape, color}, see oit/fragment_packing.hlsli; with STRAND_UV then [node] the
+// UV of roots, see shading/uv_packing.hlsli.
 RWStructuredBuffer<uint4> g_listNodes : register(u1, space2);
 // See oit/ppll_counters.hlsli.
 RWStructuredBuffer<uint> g_listCounters : register(u2, space2);

@@ -28,7 +28,9 @@ StructuredBuffer<uint> g_readShadowWords : register(t3, space1);
 StrandShading readShading(uint material) {
   uint4 models = g_readModels[material >> 2];
   uint position = material & 3u;
-  uint model = position == 0u ? models.x : (position == 1u ? models.y : (position == 2u ? models.z : models.w));
+  uint model = position == 0u
+                   ? models.x
+                   : (position == 1u ? models.y : (position == 2u ? models.z : models.w));
   return shadingFrom(model, g_readBodies[material], g_readPrimaries[material],
                      g_readSecondaries[material], g_readFibers[material]);
 }

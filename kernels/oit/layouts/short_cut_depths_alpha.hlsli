@@ -17,7 +17,7 @@ RWStructuredBuffer<uint> g_shortCutDepths : register(u0, space2);
 RWStructuredBuffer<uint> g_shortCutCounters : register(u1, space2);
 // [tile]: 1 if it has hair; after them a list of these tiles, in any order.
 RWStructuredBuffer<uint> g_shortCutTiles : register(u2, space2);
-// As in short_cut_fill_colors.hlsli, to be cleared.
+// g_shortCutColors of short_cut_fill_colors, to be cleared.
 RWStructuredBuffer<uint> g_shortCutClearedColors : register(u3, space2);
 
 #endif

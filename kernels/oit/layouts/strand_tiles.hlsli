@@ -3,12 +3,12 @@
 #define PELAGE_OIT_LAYOUTS_STRAND_TILES_HLSLI
 
 cbuffer StrandTilesConstants : register(b0, space0) {
-  uint g_binWidth;          // [pixels]
-  uint g_binHeight;         // [pixels]
-  uint g_binTileColumns;    // tiles of 8 x 8 pixels in a row
+  uint g_binWidth;        // [pixels]
+  uint g_binHeight;       // [pixels]
+  uint g_binTileColumns;  // tiles of 8 x 8 pixels in a row
   uint g_binTileCount;
-  uint g_binRecordCount;    // of all objects
-  uint g_binCapacity;       // capacity for references
+  uint g_binRecordCount;  // of all objects
+  uint g_binCapacity;     // capacity for references
   uint g_binPad0;
   uint g_binPad1;
 };

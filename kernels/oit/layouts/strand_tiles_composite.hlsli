@@ -12,10 +12,10 @@ cbuffer StrandTilesCompositeConstants : register(b1, space0) {
   float4 g_tilePrimaries[64];
   float4 g_tileSecondaries[64];
   float4 g_tileFibers[64];
-  uint g_tileWidth;   // [pixels]
-  uint g_tileHeight;  // [pixels]
-  uint g_tileRowSize;  // tiles in a row
-  uint g_tileTotal;    // tiles of the view
+  uint g_tileWidth;     // [pixels]
+  uint g_tileHeight;    // [pixels]
+  uint g_tileRowSize;   // tiles in a row
+  uint g_tileTotal;     // tiles of the view
   float g_tileEpsilon;  // transmittance that counts as none, 0..1
   uint g_tilePad0;
   uint g_tilePad1;

@@ -121,16 +121,18 @@ void bin_strands(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
   corners[4] = pointOnEdge(a.high, a.w, b.low, b.w, shares.y);
   corners[5] = pointOnEdge(a.high, a.w, b.high, b.w, shares.y);
   float2 rows = corners[0].yy;
-  [unroll] for (uint i = 1u; i < 6u; ++i)
+  [unroll] for (uint i = 1u; i < 6u; ++i) {
     rows = float2(min(rows.x, corners[i].y), max(rows.y, corners[i].y));
+  }
 
   int2 tileRows = tilesBetween(rows.x, rows.y, g_binHeight);
   for (int row = tileRows.x; row <= tileRows.y; ++row) {
     // From the first to the last center of the row's pixels, and a little more.
     float2 slab = float2(float(row) * 8.0 + 0.49, float(row) * 8.0 + 7.51);
     float2 span = float2(kFarPixel, -kFarPixel);
-    [unroll] for (uint edge = 0u; edge < 3u; ++edge)
+    [unroll] for (uint edge = 0u; edge < 3u; ++edge) {
       span = spanWithEdge(span, corners[edge], corners[edge + 3u], slab);
+    }
     [unroll] for (uint end = 0u; end < 6u; end += 3u) {
       span = spanWithEdge(span, corners[end], corners[end + 1u], slab);
       span = spanWithEdge(span, corners[end + 1u], corners[end + 2u], slab);

@@ -31,8 +31,8 @@ struct TileSlot {
 
 static const uint kNoSlot = 0xffffffffu;
 
-groupshared uint s_looking;   // pixels that need more
-groupshared uint s_nearest;   // range of depth keys that they need
+groupshared uint s_looking;  // pixels that need more
+groupshared uint s_nearest;  // range of depth keys that they need
 groupshared uint s_farthest;
 groupshared uint s_staged;
 
@@ -49,7 +49,7 @@ uint materialOfStrand(uint index) {
   return g_tileRecords[kRecordWords * (index >> 1) + 1u].w & kRecordMaterial;
 }
 
-// Of the root; 0 without STRAND_UV.
+// Returns the UV of the root; 0 without STRAND_UV.
 float2 uvOfStrand(uint index) {
   float2 uv = float2(0.0, 0.0);
 #if STRAND_UV
@@ -185,8 +185,8 @@ void composite_strand_tiles(uint3 group : SV_GroupID, uint lane : SV_GroupIndex)
       [unroll] for (uint m = 0u; m + 1u < uint(WINDOW); ++m) window[m] = window[m + 1u];
       window[WINDOW - 1] = freeSlot();
       if (nearest.index == kNoSlot || !(sum.transmittance > g_tileEpsilon)) break;
-      addFragment(sum, tileShading(materialOfStrand(nearest.index)), at, nearest.key,
-                  nearest.shape, nearest.color, uvOfStrand(nearest.index));
+      addFragment(sum, tileShading(materialOfStrand(nearest.index)), at, nearest.key, nearest.shape,
+                  nearest.color, uvOfStrand(nearest.index));
       last = nearest;
       started = true;
     }

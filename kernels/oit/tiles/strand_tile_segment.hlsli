@@ -79,9 +79,7 @@ TileSegment loadSegment(uint record, float2 tile) {
   return segment;
 }
 
-float extentOf(uint4 shape) {
-  return (shape.w & kRecordWide) != 0u ? asfloat(shape.z) + 0.5 : 0.0;
-}
+float extentOf(uint4 shape) { return (shape.w & kRecordWide) != 0u ? asfloat(shape.z) + 0.5 : 0.0; }
 
 void stageSegment(uint slot, TileSegment segment) {
   SegmentEnd a = segmentEnd(segment.corners0, segment.shape0);
@@ -97,7 +95,7 @@ void stageSegment(uint slot, TileSegment segment) {
   s_keys[slot] = uint4(segment.keys, look0.x, look1.x);
   s_looks[slot] = uint4(look0.yz, look1.yz);
   s_segments[slot] = uint4(asuint(extentOf(segment.shape0)), asuint(extentOf(segment.shape1)),
-                         segment.record, segment.lines);
+                           segment.record, segment.lines);
 }
 
 // Twice the area of the triangle of a, b and the origin.
@@ -162,7 +160,7 @@ bool isCovered(SegmentView seen, uint side, float2 w) {
               isInside(seen.area13, one, seen.high.zw, turn) &&
               isInside(seen.area32, seen.high.zw, two, turn);
   }
-  // Neither a triangle without area, nor one that is not finite.
+  // Rejects triangles without area and those that are not finite.
   return covered && abs(whole) > 0.0 && abs(whole) < 1e37;
 }
 
@@ -214,8 +212,7 @@ FragmentWords wordsAt(uint slot, SegmentPoint found) {
   float3 root = float3(unpackHalves(look.x), first.x);
   float3 tip = float3(unpackHalves(look.z), second.x);
   FragmentWords words;
-  words.shape =
-      packShape(low + (high - low) * found.share, saturate(opacity * found.coverage));
+  words.shape = packShape(low + (high - low) * found.share, saturate(opacity * found.coverage));
   words.color = packColor(root + (tip - root) * found.share);
   return words;
 }

@@ -19,7 +19,7 @@ uint2 sumOfTile(uint tile) {
   return sum;
 }
 
-// Of the lanes up to this one; all 128 take part.
+// Returns the sum over the lanes up to this one. All 128 lanes call it.
 uint2 sumUpTo(uint lane, uint2 own) {
   s_sums[lane] = own;
   GroupMemoryBarrierWithGroupSync();

@@ -24,15 +24,15 @@ cbuffer GenerateSdfConstants : register(b0, space0) {
   uint g_sdfSurfaceStride;
   float g_sdfBand;
   float g_sdfFarRange;
-  uint g_vertexStride;      // of g_sdfVertices, in floats
-  uint g_vertexOffset;      // of the first one's x, in floats
+  uint g_vertexStride;  // of g_sdfVertices, in floats
+  uint g_vertexOffset;  // of the first one's x, in floats
   uint g_vertexCount;
   uint g_pointCount;
-  uint g_pointSlot;         // 0 or 1: the half of g_sdfPoints that is written; the other one is
-                            // what the last build wrote
-  uint g_buildStamp;        // another number > 0 in every build
-  float4 g_historyShift;    // xyz: what to add to the points of the last build; w = 1 when there
-                            // are any, else 0
+  uint g_pointSlot;       // 0 or 1: the half of g_sdfPoints that is written; the other one is
+                          // what the last build wrote
+  uint g_buildStamp;      // another number > 0 in every build
+  float4 g_historyShift;  // xyz: what to add to the points of the last build; w = 1 when there
+                          // are any, else 0
 };
 
 // Builds only what moved; a mesh of three axes is built as a whole if anything moved.
@@ -40,7 +40,7 @@ static const uint kSdfIncremental = 1;
 // Signs by the vote of three axes: the mesh is open, or its parts overlap.
 static const uint kSdfThreeAxes = 2;
 
-// An engine's vertex buffer, positions in the field's space [m].
+// An engine's vertex buffer, positions in the space of the SDF [m].
 StructuredBuffer<float> g_sdfVertices : register(t0, space0);
 // [point] one of its vertices.
 StructuredBuffer<uint> g_sdfPointVertices : register(t1, space0);
@@ -50,7 +50,7 @@ StructuredBuffer<uint> g_sdfIndices : register(t2, space0);
 StructuredBuffer<uint> g_sdfNeighbors : register(t3, space0);
 // [point] first of its elements of g_sdfFans, and one more at the end.
 StructuredBuffer<uint> g_sdfFanStarts : register(t4, space0);
-// Of each corner at the point, the points of the next and of the previous corner of its triangle.
+// For each corner at the point: the points of the next and the previous corner of its triangle.
 StructuredBuffer<uint2> g_sdfFans : register(t5, space0);
 
 // [2][point]: xyz; w = 1, or 0 where the vertex is not finite.
@@ -65,7 +65,7 @@ RWStructuredBuffer<uint> g_sdfWork : register(u4, space0);
 // [brick of 4^3 nodes, x fastest] the last build that cleared it; then [point] the last build in
 // which it or a neighbor moved.
 RWStructuredBuffer<uint> g_sdfMarks : register(u5, space0);
-// [axis y, z][node / 4]: one byte per node, the axis' vote on it: voteOf() of sdf_counts.hlsli.
+// [axis y, z][node / 4]: one byte per node, the axis' vote on it: voteOf() in sdf_counts.hlsli.
 RWStructuredBuffer<uint> g_sdfVotes : register(u6, space0);
 
 #endif

@@ -6,12 +6,12 @@
 static const uint kImportTriangleBits = 6;
 
 cbuffer ImportSdfConstants : register(b0, space0) {
-  uint g_importNodeCount;   // first: decision 0008
-  uint g_importFirst;       // element of node 0 in g_importDistances
-  uint g_importFirstKey;    // and in g_importKeys
+  uint g_importNodeCount;     // first: decision 0008
+  uint g_importFirst;         // element of node 0 in g_importDistances
+  uint g_importFirstKey;      // and in g_importKeys
   float g_importCellsAMeter;  // 1 / cell size [1/m]
-  float g_importBand;       // of the keys [cell]
-  float g_importFarRange;   // likewise
+  float g_importBand;         // of the keys [cell]
+  float g_importFarRange;     // likewise
   uint g_importPad0;
   uint g_importPad1;
 };

@@ -4,18 +4,22 @@
 #ifndef PELAGE_SDF_LAYOUTS_SDF_MARCHING_CUBES_HLSLI
 #define PELAGE_SDF_LAYOUTS_SDF_MARCHING_CUBES_HLSLI
 
-#include "iso_vertex.hlsli"
 #include "sdf.hlsli"
 
 cbuffer MarchingCubesConstants : register(b0, space0) {
-  uint g_marchingSdf;     // index into g_marchingSdfs
-  float g_isoLevel;         // [cell], of magnitude below the field's band
+  uint g_marchingSdf;       // index into g_marchingSdfs
+  float g_isoLevel;         // [cell], of magnitude below the SDF's band
   uint g_vertexCapacity;    // of g_isoVertices
   uint g_triangleCapacity;  // of g_isoIndices / 3
   uint g_rowCapacity;       // of g_isoRows
   uint g_nodeCapacity;      // of g_isoNodes
-  uint g_sdfCapacity;     // of g_marchingSdfs
+  uint g_sdfCapacity;       // of g_marchingSdfs
   uint g_keyCapacity;       // of g_marchingKeys
+};
+
+struct IsoVertex {
+  float4 position;  // xyz in the space of the SDF [m]; w = 1
+  float4 normal;    // xyz unit vector to where the distance grows; w = 0
 };
 
 // The result, for the host.
@@ -28,7 +32,7 @@ struct MarchingCounts {
   uint pad0;
 };
 
-// All fields of a scene.
+// All SDFs of a scene.
 StructuredBuffer<Sdf> g_marchingSdfs : register(t0, space0);
 // Their keys.
 StructuredBuffer<uint> g_marchingKeys : register(t1, space0);

@@ -9,7 +9,18 @@
 //
 // Invariant (tests/shading): all other elements keep their bits.
 #include "../../base/dispatch.hlsli"
-#include "../layouts/keep_positions.hlsli"
+
+cbuffer KeepPositionsConstants : register(b0, space0) {
+  uint g_keptCount;      // elements
+  uint g_keptMovedFrom;  // elements from here on are moved by g_keptMove
+  uint g_keptPad0;
+  uint g_keptPad1;
+  float4 g_keptMove;  // xyz [m]; w unused
+};
+
+// [strand][vertex]: xyz world position [m]; w inverse mass.
+StructuredBuffer<float4> g_positionsToKeep : register(t0, space0);
+RWStructuredBuffer<float4> g_keptPositions : register(u0, space0);
 
 [numthreads(64, 1, 1)]
 void keep_positions(uint3 thread : SV_DispatchThreadID) {

@@ -8,8 +8,8 @@
 // A fragment whose opacity times coverage is below g_depthOpacity is left out. A point that was
 // behind the eye gets a motion that leads outside of the last picture.
 //
-// Invariant (tests/shading): depth is that of the fiber within 1e-4; the motion of a rigid strand is
-// the analytic one, and exactly 0 where nothing has moved.
+// Invariant (tests/shading): depth is that of the fiber within 1e-4; the motion of a rigid strand
+// is the analytic one, and exactly 0 where nothing has moved.
 #include "../layouts/render.hlsli"
 #include "../layouts/strand_depth.hlsli"
 #include "motion_interface.hlsli"

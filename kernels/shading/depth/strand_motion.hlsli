@@ -37,8 +37,8 @@ float4 previousRotation(uint guide) {
   return rotation;
 }
 
-// Returns where a follow hair that is not stored was: the steps are those of followVertex(), so that
-// hair that has not moved has the same bits. There is a guide.
+// Returns where a follow hair that is not stored was: the steps are those of followVertex(), so
+// that hair that has not moved has the same bits. There is a guide.
 float3 previousFollow(uint strand, uint vertex) {
   FollowHairRecord follow = g_renderFollowHairRecords[strand - g_renderGuideCount];
   float3 weights = float3(followWeight(follow.guides.x, g_renderGuideCount, follow.weights.x),

@@ -24,8 +24,7 @@ MotionPixel strand_motion_vertex(uint corner : SV_VertexID, uint strand : SV_Ins
       expandStrandVertex(renderView(), fiber.position, fiber.tangent, fiber.radius, side);
   result.clip = expanded.clip;
   result.alpha = float2(fiber.color.a, expanded.coverage);
-  float3 change =
-      clipMotion(fiber.position, previousPosition(strand, vertex, fiber.position));
+  float3 change = clipMotion(fiber.position, previousPosition(strand, vertex, fiber.position));
   result.motion = float4(change, expanded.clip.w - change.z);
   return result;
 }

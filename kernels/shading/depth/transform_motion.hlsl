@@ -4,8 +4,8 @@
 // Threads: one per vertex, in rows of kRecordDispatchRow.
 // Reads:   g_renderPositions, g_previousPositions, g_motionRecords; with FOLLOWS
 //          g_renderFollowHairRecords and g_renderRoots
-// Writes:  of each record in g_motionRecords the third word: the change of clip x and y as floats, z
-//          as it was, and the change of clip w. Tangent and color make room for it, of which only
+// Writes:  of each record in g_motionRecords the third word: the change of clip x and y as floats,
+//          z as it was, and the change of clip w. Tangent and color make room for it, of which only
 //          the opacity is still needed.
 //
 // Invariant (tests/shading): the same motion as from strand_motion_vertex.

@@ -1,4 +1,5 @@
-// Depth of opaque geometry as a light sees it, in the buffer of the shadow maps' words; no resources.
+// Depth of opaque geometry as a light sees it, in the buffer of the shadow maps' words; no
+// resources.
 //
 // A map is width x height words, row by row from the top: the bits of a float 0..1, depth in the
 // light's clip space.
@@ -15,7 +16,7 @@ struct OpaqueShadowView {
   uint height;
   uint firstWord;      // of the map in the buffer
   uint reversedDepth;  // 0 or 1: depth 1 at the near plane
-  float bias;          // [m] >= 0; opaque geometry this close in front of a point does not shadow it
+  float bias;  // [m] >= 0; opaque geometry this close in front of a point does not shadow it
   uint pad0;
   uint pad1;
   uint pad2;

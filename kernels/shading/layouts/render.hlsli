@@ -9,10 +9,10 @@
 #define STRAND_VIEW_REGISTER register(b0, space1)
 #include "strand_view.hlsli"
 
-// [strand][vertex]: world position [m]; w = inverse mass. With g_evaluatesFollows only the
-// g_renderGuideCount guides are there.
+// [strand][vertex]: world position [m]; w = inverse mass. With g_evaluatesFollows it has
+// only the g_renderGuideCount guides.
 StructuredBuffer<float4> g_renderPositions : register(t0, space0);
-// [strand][vertex], as many: unit tangent.
+// [strand][vertex], of the same size: unit tangent.
 StructuredBuffer<float4> g_renderTangents : register(t1, space0);
 
 // Bits of g_strandAttributes: the attributes that the object has.
@@ -23,13 +23,13 @@ static const uint kHasStrandColors = 8u;  // of an engine's texture, in place of
 static const uint kHasStrandUvs = 16u;    // strands are drawn with the UV of their roots
 
 cbuffer RenderConstants : register(b1, space1) {
-  float4 g_shadingBody;         // members of StrandShading
+  float4 g_shadingBody;  // members of StrandShading
   float4 g_shadingPrimary;
   float4 g_shadingSecondary;
   float4 g_shadingFiber;
-  float4 g_rootColor;           // linear rgb; a = opacity 0..1
-  float4 g_tipColor;            // linear rgb; a = share of the strand that it fades in over, 0..1
-  uint g_renderVertexCount;     // vertices per strand
+  float4 g_rootColor;        // linear rgb; a = opacity 0..1
+  float4 g_tipColor;         // linear rgb; a = share of the strand that it fades in over, 0..1
+  uint g_renderVertexCount;  // vertices per strand
   uint g_renderStrandCount;
   uint g_renderGuideCount;      // the strands from here on are follow hairs
   float g_renderTipSeparation;  // factor on the follow offsets at the tip
@@ -43,7 +43,7 @@ cbuffer RenderConstants : register(b1, space1) {
   uint g_shadingModel;          // StrandShading.model.x
   uint2 g_textureSize;          // texels; 0: no texture
   uint g_strandAttributes;      // bits: what to read with the attributes permutation
-  uint g_evaluatesFollows;         // 0 or 1: follow hairs are computed from their guides
+  uint g_evaluatesFollows;      // 0 or 1: follow hairs are computed from their guides
 };
 
 // The buffers of attributes are bound only with the attributes permutation; of these, only those in
@@ -57,8 +57,8 @@ StructuredBuffer<RootTransform> g_renderRoots : register(t2, space1);
 // [guide][vertex]: linear rgba as four halves; an attribute. A follow hair has the colors of its
 // first guide.
 StructuredBuffer<uint2> g_vertexColors : register(t3, space1);
-// What strands have at their roots; an attribute. UV are the bits of two floats, 0..1 and repeated
-// beyond; colors are linear rgba as two words of two 16-bit unorms.
+// Color and UV at the roots of strands; an attribute. UV are the bits of two floats, 0..1 and
+// repeated beyond; colors are linear rgba as two words of two 16-bit unorms.
 // With kHasBaseTexture: [y][x] colors; then [guide]: UV.
 // Else: [guide][2]: UV, then with kHasStrandColors a color.
 StructuredBuffer<uint2> g_baseTexture : register(t4, space1);

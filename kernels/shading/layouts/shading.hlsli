@@ -36,7 +36,7 @@ struct StrandLight {
   // x index of its shadow, or kNoStrandShadow; y 1 + index of the opaque geometry's shadow, 0 for
   // none; zw 0
   uint4 shadow;
-  // Of a spot light: the share of its light that goes from it along -d is saturate(xyz . d + w)^2.
+  // A spot light sends saturate(xyz . d + w)^2 of its light along -d.
   // All 0: it shines in all directions.
   float4 cone;
 };

@@ -9,8 +9,8 @@ cbuffer StrandDepthConstants : register(b0, space2) {
   float2 g_jitterChange;          // of the camera's jitter since the last frame [pixels], y down
   // Rows x, y and w of the map from world to clip space, minus those of the last frame.
   float4 g_clipChange[3];
-  uint g_previousRoots;           // element of g_renderRoots where the poses of the last frame begin
-  uint g_motionRecordCount;       // records of this object in g_motionRecords
+  uint g_previousRoots;      // element of g_renderRoots where the poses of the last frame begin
+  uint g_motionRecordCount;  // records of this object in g_motionRecords
   uint g_depthPad0;
   uint g_depthPad1;
 };

@@ -7,8 +7,8 @@
 //   1...   optical depth up to the end of layer 1, 2, ... [quanta]
 // Layer i of n ends layerRange (i / n)^2 behind the nearest hair; the last one has no end.
 //
-// The map of a light that hair surrounds is a cube: six such maps, of the directions +x, -x, +y, -y,
-// +z and -z from the light, one behind the other.
+// The map of a light that hair surrounds is a cube: six such maps, of the directions +x, -x, +y,
+// -y, +z and -z from the light, one behind the other.
 #ifndef PELAGE_SHADING_LAYOUTS_STRAND_SHADOW_VIEW_HLSLI
 #define PELAGE_SHADING_LAYOUTS_STRAND_SHADOW_VIEW_HLSLI
 
@@ -16,13 +16,13 @@ struct StrandShadowView {
   // From a world position p to the map: with w = mapW . (p, 1), texel = mapXY . (p, 1) / w, the
   // middle of the first one at 0.5, and mapZ . (p, 1) is the distance behind the near plane, along
   // the map's axis [m]. mapW is (0, 0, 0, 1) for light that is parallel. A map with another mapW
-  // looks along its middle: mapXY / w is half the size there. Of a cube, mapX, mapY and mapW are the
-  // offset from the light [m], shadow_faces.hlsli has the rest.
+  // looks along its middle: mapXY / w is half the size there. Of a cube, mapX, mapY and mapW are
+  // the offset from the light [m], shadow_faces.hlsli has the rest.
   float4 mapX;
   float4 mapY;
   float4 mapZ;
   float4 mapW;
-  uint width;        // of a face [texel]
+  uint width;  // of a face [texel]
   uint height;
   uint firstWord;    // of the map in the buffer
   uint layerCount;   // 0: the map has depths only

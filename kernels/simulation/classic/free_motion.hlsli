@@ -20,7 +20,7 @@ struct StoredVertex {
 
 struct Particle {
   float rest;       // as stored
-  float3 target;      // bind position in the end pose
+  float3 target;    // bind position in the end pose
   float3 stored;    // position at the start of the sub-step
   float3 current;   // the same, transported by the root's motion
   float3 previous;  // one sub-step earlier, transported likewise

@@ -18,15 +18,16 @@ static const float kMostDensity = 1e9;
 // d_j = X_j+1 - X_j, and q_j the force density of segment j, tension over length, times h^2 (Schek,
 // "The force density method for form finding and computation of general networks", Comput. Methods
 // Appl. Mech. Eng. 3(1), 1974). First, the tensions that keep the lengths to first order, along the
-// segments as they are at X: J W J^T (q |d|) = J (Y - X). Then, with the segments' directions at the
-// end, implicitly: x_i + q_i-1 (x_i - x_i-1) + q_i (x_i - x_i+1) = Y_i where vertex i is free. In
-// displacements u = x - X, with q of compressed segments on the right side alone, because they
+// segments as they are at X: J W J^T (q |d|) = J (Y - X). Then, with the segments' directions at
+// the end, implicitly: x_i + q_i-1 (x_i - x_i-1) + q_i (x_i - x_i+1) = Y_i where vertex i is free.
+// In displacements u = x - X, with q of compressed segments on the right side alone, because they
 // would make the matrix indefinite:
 //   u_i + q+_i-1 (u_i - u_i-1) + q+_i (u_i - u_i+1) = Y_i - X_i - q_i-1 d_i-1 + q_i d_i
 // Both systems are tridiagonal and diagonally dominant. Where the forces of the free motion are
 // balanced by tensions along the segments, the right side is 0: a strand at rest stays, whatever
 // the size of the step. Tensions along directions that are not implicit let taut strands tremble,
-// and so do a few Newton steps alone: the weight of 64 vertices moves them by 57 segments in 1/60 s.
+// and so do a few Newton steps alone: in 1/60 s the weight of 64 vertices moves them by 57
+// segments.
 //
 // 2. Newton steps on C_j = |d_j| - l_j = 0 for all segments j >= 1 at once, d_j = x_j+1 - x_j: with
 // n_j = d_j / |d_j| and w_i the inverse masses, (J W J^T) lambda = -C has w_j + w_j+1 on its
@@ -34,7 +35,8 @@ static const float kMostDensity = 1e9;
 // Cloth", ACM Trans. Graph. 26(3), 2007, equation 12, on a chain). Thomas' elimination: of segment
 // j, after the one before it,
 //   coupling c_j = -w n.n_j,  pivot p_j = diagonal - c_j^2 / p,  side s_j = -C_j - c_j s / p.
-// The back-substitution only needs mu_j = lambda_j / |d_j|, because the vertices move by w d_j mu_j:
+// Because the vertices move by w d_j mu_j, the back-substitution only needs
+// mu_j = lambda_j / |d_j|:
 //   mu_j = s_j / (p_j |d_j|) + w (d_j . d) mu / (p_j |d_j|^2)
 // with d and mu of the segment that came after j in the elimination. So the elimination leaves two
 // numbers per segment, and the back-substitution has no roots. The matrix is symmetric: it can be
@@ -47,21 +49,23 @@ struct LengthElimination {
   float inverse;  // 1 / |d|
   float pivotInverse;
   float side;
+  float3 root;  // of the strand, for the rounding of lengths
 };
 
-LengthElimination emptyElimination() {
+LengthElimination emptyElimination(float3 root) {
   LengthElimination e;
   e.d = float3(0.0, 0.0, 0.0);
   e.inverse = 0.0;
   e.pivotInverse = 0.0;
   e.side = 0.0;
+  e.root = root;
   return e;
 }
 
 // Passes the segment from vertex a to b, whose length is `more` short in addition to what the two
 // positions give. Returns s / (p |d|) and 1 / (p |d|^2).
 float2 eliminateSegment(inout LengthElimination e, float3 a, float massA, float3 b, float massB,
-                        float3 more, float rest, float3 root) {
+                        float3 more, float rest) {
   precise float3 d = b - a;
   precise float squared = dot3(d, d);
   // Positive floats order like their bits: 1e-24 < squared < 1e38; a NaN is above.
@@ -70,7 +74,7 @@ float2 eliminateSegment(inout LengthElimination e, float3 a, float massA, float3
   float root1 = inverseRoot(squared);
   precise float inverse = hasDirection ? root1 : 0.0;
   precise float excess = squared * inverse - rest;
-  precise float error = abs(excess) > lengthRounding(b, root) ? excess : 0.0;
+  precise float error = abs(excess) > lengthRounding(b, e.root) ? excess : 0.0;
   error = error + dot3(more, d) * inverse;
   precise float diagonal = massA + massB;
   precise float coupling = -massA * (dot3(e.d, d) * e.inverse * inverse);
@@ -107,7 +111,7 @@ void sweepLengths(Strand s, bool toTip, bool solve, bool eliminate) {
   // The vertex and the segment that the elimination comes from.
   float3 last = float3(0.0, 0.0, 0.0);
   float2 lengthLast = lengthA;
-  LengthElimination e = emptyElimination();
+  LengthElimination e = emptyElimination(s.root);
   float restBefore = 0.0;
   float3 none = float3(0.0, 0.0, 0.0);
   for (uint k = 1; k < tip; ++k) {
@@ -133,7 +137,7 @@ void sweepLengths(Strand s, bool toTip, bool solve, bool eliminate) {
     float3 from = k > 1 ? last : x;
     float2 left = float2(0.0, 0.0);
     if (eliminate)
-      left = eliminateSegment(e, from, inverseMass(lengthLast), x, massA, none, restBefore, s.root);
+      left = eliminateSegment(e, from, inverseMass(lengthLast), x, massA, none, restBefore);
     float3 kept = toTip ? from : x;
     float held = toTip ? lengthLast.y : lengthA.y;
     uint slot = toTip ? max(a, 2) - 1 : a;
@@ -153,7 +157,7 @@ void sweepLengths(Strand s, bool toTip, bool solve, bool eliminate) {
   precise float3 end = pointA.xyz + push * massEnd;
   float2 left = float2(0.0, 0.0);
   if (eliminate)
-    left = eliminateSegment(e, last, inverseMass(lengthLast), end, massEnd, none, restBefore, s.root);
+    left = eliminateSegment(e, last, inverseMass(lengthLast), end, massEnd, none, restBefore);
   if (toTip) {
     storePoint(s, tip - 1, float4(last, left.x));
     storeLength(s, tip - 1, float2(left.y, lengthLast.y));
@@ -171,14 +175,14 @@ void eliminateTensions(Strand s) {
   float4 pointA = loadPoint(s, 1);
   float3 beginA = beginning(s, 1);
   float2 lengthA = loadLength(s, 1);
-  LengthElimination e = emptyElimination();
+  LengthElimination e = emptyElimination(s.root);
   for (uint a = 1; a < tip; ++a) {
     float4 pointB = loadPoint(s, a + 1);
     float3 beginB = beginning(s, a + 1);
     float2 lengthB = loadLength(s, a + 1);
     precise float3 more = (pointB.xyz - beginB) - (pointA.xyz - beginA);
     float2 left = eliminateSegment(e, beginA, inverseMass(lengthA), beginB, inverseMass(lengthB),
-                                   more, restLength(lengthA), s.root);
+                                   more, restLength(lengthA));
     storePoint(s, a, float4(pointA.xyz, left.x));
     storeLength(s, a, float2(left.y, lengthA.y));
     pointA = pointB;
@@ -194,7 +198,7 @@ void eliminateDisplacements(Strand s) {
   float4 pointB = loadPoint(s, tip);
   float3 beginB = beginning(s, tip);
   float massB = inverseMass(loadLength(s, tip));
-  // Of the segment and the vertex towards the tip.
+  // Values of the segment and the vertex towards the tip.
   float3 dAhead = float3(0.0, 0.0, 0.0);
   precise float mu = 0.0;
   precise float3 pullAhead = float3(0.0, 0.0, 0.0);
@@ -254,7 +258,7 @@ void solveLengths(Strand s) {
   sweepLengths(s, (rounds & 1u) == 0u, true, false);
 }
 
-// Fits the vertices between two held ones, a and b, that are `reach` meters of rest length apart.
+// Fits the vertices between two held ones, a and b, that are `range` meters of rest length apart.
 // If they are too far apart: a straight line, all segments stretched equally. Otherwise follow the
 // leader from b and from a in turn (Aristidou and Lasenby, "FABRIK", Graphical Models 73(5), 2011);
 // the length that the last segment then lacks is distributed over all of them.

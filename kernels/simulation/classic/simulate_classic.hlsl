@@ -8,8 +8,8 @@
 // The steps, in this order (h is the sub-step, H = max(h, 1/60 s) the step of 3. to 7.;
 // simulation/layouts/simulation.hlsli has the maps of the constants):
 //   1. The root's pose at the start and the end of the sub-step. Held vertices (0, 1, and those of
-//      inverse mass 0) go to their bind position in the end pose. A new origin of the object moves the
-//      state first.
+//      inverse mass 0) go to their bind position in the end pose. A new origin of the object moves
+//      the state first.
 //   2. With g_vspCoefficient or a finite g_vspThreshold: current and previous positions are
 //      transported by a fraction of the root's rigid motion.
 //   3. Free motion: u = (x - x_-1) (H / h_-1) keep + gravityStep g.
@@ -21,7 +21,8 @@
 //   6. With g_globalStiffness: a fraction of the displacement to the bind-pose target, the bind
 //      position in the end pose.
 //   7. g_localIterations times: from root to tip, each segment moves towards its rest vector in the
-//      frame that is transported along the strand without twist; each end moves half of the distance.
+//      frame that is transported along the strand without twist; each end moves half of the
+//      distance.
 //   8. The fraction for h of the change of displacement by 3. to 7.:
 //      x <- x + v h + forceShare (z - x - v H), v H = (x - x_-1) (H / h_-1). See takeForceShare().
 //   9. Length: the tensions of all segments at once (tridiagonal, and implicit in the segments'

@@ -1,13 +1,13 @@
-// Poses the guides of the classic solver without simulating them: the bind shape, moved rigidly with
-// each root. The state becomes one that simulate_classic continues from, with the velocity of the
-// motion since the last frame.
+// Poses the guides of the classic solver without simulating them: the bind shape, moved rigidly
+// with each root. The state becomes one that simulate_classic continues from, with the velocity of
+// the motion since the last frame.
 //
 // Threads: one per vertex of the guides, strand fastest, in rows of 2^20.
 // Reads:   g_rest, g_state (the roots)
 // Writes:  g_state (current and previous), g_positions and g_tangents of the guides
 //
-// The frame counts as one step. As after a step of simulate_classic, the previous position has what
-// velocity shock propagation would have transported, by g_vspCoefficient alone.
+// The frame counts as one step. As after a step of simulate_classic, the previous position includes
+// the motion that velocity shock propagation transports, here with g_vspCoefficient alone.
 //
 // Invariant (tests/simulation): positions are those of the bind pose, moved by the root, to
 // rounding; a simulation that continues without gravity moves vertices on with their velocity.
@@ -18,7 +18,8 @@
 
 float3 bindPosition(uint vertex, uint guide) { return g_rest[guideIndex(0, vertex, guide)].xyz; }
 
-// From the vertex before to the one after; where they coincide, the last direction before them.
+// Returns the direction from the previous to the next vertex; where they coincide, the last
+// direction before them.
 float3 bindDirection(uint vertex, uint guide) {
   uint to = min(vertex + 1, g_vertexCount - 1);
   float3 none = float3(0.0, 0.0, 0.0);
@@ -47,11 +48,9 @@ void skin_classic_strands(uint3 thread : SV_DispatchThreadID) {
 
   // From where the bind shape is now to where it was transported.
   float share = saturate(g_vspCoefficient);
-  float4 motion =
-      normalizeQuaternion(multiplyQuaternions(end.rotation, conjugate(begin.rotation)));
+  float4 motion = normalizeQuaternion(multiplyQuaternions(end.rotation, conjugate(begin.rotation)));
   float4 transported = interpolateQuaternions(float4(0.0, 0.0, 0.0, 1.0), motion, share);
-  float4 back =
-      normalizeQuaternion(multiplyQuaternions(transported, conjugate(motion)));
+  float4 back = normalizeQuaternion(multiplyQuaternions(transported, conjugate(motion)));
   precise float3 shift = (end.position - begin.position) * (1.0 - share);
   precise float3 before = x - (shift - rotationDelta(back, x - end.position));
   // The root's own history has its whole motion.

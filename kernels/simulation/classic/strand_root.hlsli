@@ -43,7 +43,7 @@ float3 transported(Motion motion, float3 p) {
   return r;
 }
 
-// Returns the point that carried() transported to here, up to rounding.
+// Returns the point that transported() moves to here, up to rounding.
 float3 untransported(Motion motion, float3 p) {
   precise float3 arm = p - motion.pivot - motion.shift;
   precise float3 r = motion.pivot + rotate(conjugate(motion.rotation), arm);
@@ -72,7 +72,8 @@ Motion rootMotion(uint guide, RootPose begin, RootPose end) {
     share = share + (1.0 - share) * ramp;
   }
   share = saturate(share);
-  float4 relativeRotation = normalizeQuaternion(multiplyQuaternions(end.rotation, conjugate(begin.rotation)));
+  float4 relativeRotation =
+      normalizeQuaternion(multiplyQuaternions(end.rotation, conjugate(begin.rotation)));
   motion.rotation = interpolateQuaternions(float4(0.0, 0.0, 0.0, 1.0), relativeRotation, share);
   precise float3 shift = (end.position - begin.position) * share;
   motion.shift = shift;

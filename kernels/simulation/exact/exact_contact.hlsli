@@ -3,8 +3,8 @@
 //
 // The normal force f_n and the friction f_t are the multipliers of an augmented Lagrangian (Nocedal
 // and Wright, Numerical Optimization, section 17.4), with the penalty k = 30 weight L: 30 times the
-// inertia of the whole strand, so that a pass leaves a thirtieth of a gap at most. At 10 strands over
-// an edge take 15 s to come to rest, at 100 some gain energy. A pass adds
+// inertia of the whole strand, so that a pass leaves a thirtieth of a gap at most. At 10 strands
+// over an edge take 15 s to come to rest, at 100 some gain energy. A pass adds
 //   normal      f_n - k g at the gap g, where that is above 0
 //   friction    sticks: f_t - k s at the slip s; slides: mu f_n against the slip
 // to the gradient, and the corresponding derivative to the matrix; then the forces become those
@@ -132,12 +132,13 @@ bool touchesAnything(uint index, uint count) {
   return any != 0u;
 }
 
-// Returns the displacement in the world of a vertex at x that the iterate moves by `way` from where
-// it was transported to.
+// Returns the displacement in world space of a vertex at x that the iterate moves by `displacement`
+// from its transported position.
 float3 worldDisplacement(Transport transport, float3 x, float3 displacement) {
 #if VELOCITY_SHOCK_PROPAGATION
   precise float3 transported = x - displacement;
-  precise float3 before = rotate(conjugate(transport.now.rotation), transported - transport.now.shift);
+  precise float3 before =
+      rotate(conjugate(transport.now.rotation), transported - transport.now.shift);
   precise float3 moved = x - before;
   return moved;
 #else

@@ -40,14 +40,16 @@ Value emptyValue() {
 
 // A free vertex in this step.
 struct RodVertex {
-  float3 target;  // the displacement that it would have alone
-  float weight;   // am
-  float voronoiLength;     // [m]
+  float3 displacement;  // since the start of the step, in the iterate [m]
+  float3 x;             // position in the iterate [m]
+  float3 target;        // the displacement that it would have alone
+  float weight;         // am
+  float voronoiLength;  // [m]
 };
 
 // An edge and the joint at its root's end.
 struct RodEdge {
-  float4 frame;     // before the step, transported
+  float4 frame;         // before the step, transported
   float3 halfRotation;  // half of the rotation from there to the guess, in the frame's axes
   float4 guess;
   float4 iterate;
@@ -130,18 +132,18 @@ Value addFriction(Value value, inout RodContact contact, float k) {
   return value;
 }
 
-// The contacts of a vertex that the iterate moves by `way` to x.
+// Adds the contacts of a vertex.
 //
 // \param first  the first record
 Value addContacts(Value value, ExactStrand strand, uint index, StoredContact first,
-                  RodVertex vertex, float3 displacement, float3 x, Transport transport) {
+                  RodVertex vertex, Transport transport) {
   uint record = recordOf(strand, index);
   float k = contactStiffness(strand);
-  float3 moved = worldDisplacement(transport, x, displacement);
-  precise float3 free = vertex.target - displacement;
+  float3 moved = worldDisplacement(transport, vertex.x, vertex.displacement);
+  precise float3 free = vertex.target - vertex.displacement;
   [loop] for (uint c = 0; c < kMaxContacts; ++c) {
     if (c > 0u) first = loadContact(record + c);
-    RodContact contact = contactAt(first, x, moved);
+    RodContact contact = contactAt(first, vertex.x, moved);
     uint stored = contact.bits;
     // Where the vertex would go alone.
     precise float alone = contact.gap + dot3(contact.normal, free);
@@ -185,10 +187,10 @@ Value addContacts(Value value, ExactStrand strand, uint index, StoredContact fir
 }
 #endif
 
-// Adds am/2 |x - y|^2 of a vertex that the iterate moves by `way`.
-Value addVertex(Value value, RodVertex vertex, float3 displacement) {
+// Adds am/2 |x - y|^2 of a vertex, y being where it would be alone.
+Value addVertex(Value value, RodVertex vertex) {
   value.m = addDiagonal(value.m, vertex.weight);
-  precise float3 force = (displacement - vertex.target) * vertex.weight;
+  precise float3 force = (vertex.displacement - vertex.target) * vertex.weight;
   precise float3 px = value.px + force;
   value.px = px;
 #if CONTACTS
@@ -204,7 +206,7 @@ struct Elimination {
 };
 
 // \param endWeight am of vertex i + 1, whose rotary inertia about the tangent is a share of am l^2
-// \param turned    rotation vector from the edge's guess to the iterate
+// \param rotated   rotation vector from the edge's guess to the iterate
 Elimination eliminateEdge(Value v, RodEdge edge, Bending bending, float twistStiffness,
                           float endWeight, float3 rotated) {
   float3 t = axisX(edge.iterate);
@@ -284,8 +286,7 @@ Elimination eliminateEdge(Value v, RodEdge edge, Bending bending, float twistSti
   precise float dyz = (a1.z + a2.y) * 0.5;
   precise float3 lessPx = v.px - float3(dot3(x0, gain.k), dot3(x1, gain.k), dot3(x2, gain.k));
   float3 back = multiplySymmetric(a, multiplySymmetric(w, g));
-  precise float3 nextPf =
-      float3(dot3(gain.kw0, q0), dot3(gain.kw1, q0), dot3(gain.kw2, q0)) - back;
+  precise float3 nextPf = float3(dot3(gain.kw0, q0), dot3(gain.kw1, q0), dot3(gain.kw2, q0)) - back;
   Value next;
   next.m = makeSymmetric(mxx, mxy, mxz, myy, myz, mzz);
   next.d = makeSymmetric(a0.x, dxy, dxz, a1.y, dyz, a2.z);

@@ -51,7 +51,8 @@ void storeGain(uint vertex, ExactStrand strand, Gain g) {
   g_state[element + 2u * g_stateStride] = float4(g.kx1.z, g.kx2);
   g_state[element + 3u * g_stateStride] = float4(g.kw0, g.kw1.x);
   g_state[element + 4u * g_stateStride] = float4(g.kw1.yz, g.kw2.xy);
-  g_state[element + 5u * g_stateStride] = float4(g.kw2.z, g.edgeLength, packRotation(g.halfRotation));
+  g_state[element + 5u * g_stateStride] =
+      float4(g.kw2.z, g.edgeLength, packRotation(g.halfRotation));
 }
 
 PackedGain loadGain(uint vertex, ExactStrand strand) {

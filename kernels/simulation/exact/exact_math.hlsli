@@ -42,9 +42,9 @@ Symmetric3 makeSymmetric(float xx, float xy, float xz, float yy, float yz, float
 Symmetric3 zeroSymmetric() { return makeSymmetric(0.0, 0.0, 0.0, 0.0, 0.0, 0.0); }
 
 float3 multiplySymmetric(Symmetric3 a, float3 v) {
-  precise float3 r = float3(a.xx * v.x + a.xy * v.y + a.xz * v.z,
-                            a.xy * v.x + a.yy * v.y + a.yz * v.z,
-                            a.xz * v.x + a.yz * v.y + a.zz * v.z);
+  precise float3 r =
+      float3(a.xx * v.x + a.xy * v.y + a.xz * v.z, a.xy * v.x + a.yy * v.y + a.yz * v.z,
+             a.xz * v.x + a.yz * v.y + a.zz * v.z);
   return r;
 }
 
@@ -190,7 +190,8 @@ float3 limitedHalfRotation(float3 v) {
 // axes, packed. The edge has rotated from `before` to `frame`, and `guessed` was the guess. Its
 // bending is predicted by this rotation and `trend` times the error of the guess, its twist by the
 // rotation, or less for edges slower than `slowRotation` [rad per step].
-float nextHalfRotation(float4 frame, float4 before, float3 guessed, float trend, float slowRotation) {
+float nextHalfRotation(float4 frame, float4 before, float3 guessed, float trend,
+                       float slowRotation) {
   float4 d = multiplyQuaternions(conjugate(before), frame);
   precise float3 rotation = d.xyz * (d.w < 0.0 ? -1.0 : 1.0);
   precise float slow = 0.25 * slowRotation * slowRotation;
@@ -200,8 +201,8 @@ float nextHalfRotation(float4 frame, float4 before, float3 guessed, float trend,
   precise float y = rotation.y + (rotation.y - guessed.y) * trend;
   precise float z = rotation.z + (rotation.z - guessed.z) * trend;
   float3 limited = limitedHalfRotation(float3(x, y, z));
-  // Three numbers of 9 bits with one exponent of 4, which is neither 0 nor 15: so the bits are those
-  // of no NaN and of no denormal.
+  // Three numbers of 9 bits with one exponent of 4, which is neither 0 nor 15: so the bits are
+  // those of no NaN and of no denormal.
   float largest = max(max(abs(limited.x), abs(limited.y)), abs(limited.z));
   uint binade = asuint(largest) >> 23;
   uint exponent = min(max(binade, 112u) - 111u, 14u);
@@ -239,10 +240,9 @@ float3 restRotation(float2 stored) {
 
 // a conj(rest).
 float4 withoutRest(float4 a, float3 rest) {
-  precise float4 r = float4(a.x * rest.z - a.y * rest.y + a.z * rest.x,
-                            a.y * rest.z - a.w * rest.x + a.x * rest.y,
-                            a.z * rest.z - a.w * rest.y - a.x * rest.x,
-                            a.w * rest.z + a.y * rest.x + a.z * rest.y);
+  precise float4 r = float4(
+      a.x * rest.z - a.y * rest.y + a.z * rest.x, a.y * rest.z - a.w * rest.x + a.x * rest.y,
+      a.z * rest.z - a.w * rest.y - a.x * rest.x, a.w * rest.z + a.y * rest.x + a.z * rest.y);
   return r;
 }
 

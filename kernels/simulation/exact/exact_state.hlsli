@@ -132,16 +132,17 @@ ScaledRotation scaledRotationOf(float4 q, float factor) {
 }
 
 float3 rotateDisplacement(ScaledRotation scaled, float3 displacement) {
-  precise float3 r = float3(dot3(scaled.x, displacement), dot3(scaled.y, displacement), dot3(scaled.z, displacement));
+  precise float3 r = float3(dot3(scaled.x, displacement), dot3(scaled.y, displacement),
+                            dot3(scaled.z, displacement));
   return r;
 }
 
-// The change of the states from which a sub-step starts. Without velocity shock propagation there
-// is none, and no code. What is stored does not change.
+// The rigid motion of the states from which a sub-step starts. Without velocity shock propagation
+// there is none, and no code. The stored states do not change.
 struct Transport {
 #if VELOCITY_SHOCK_PROPAGATION
-  RigidMotion now;       // by this sub-step
-  ScaledRotation displacement;           // of the displacements of the last three steps, with their weights
+  RigidMotion now;              // by this sub-step
+  ScaledRotation displacement;  // of the displacements of the last three steps, with their weights
   ScaledRotation displacementBefore;
   ScaledRotation displacementEarlier;
 #else
@@ -178,28 +179,36 @@ float3 transportDisplacement(Transport transport, float3 displacement) {
 #endif
 }
 // Returns the position to which the last three displacements lead.
-float3 transportedDisplacements(Transport transport, float3 displacement, float3 before, float3 earlier) {
+float3 transportedDisplacements(Transport transport, float3 displacement, float3 before,
+                                float3 earlier) {
 #if VELOCITY_SHOCK_PROPAGATION
-  precise float3 r = rotateDisplacement(transport.displacement, displacement) + rotateDisplacement(transport.displacementBefore, before) +
+  precise float3 r = rotateDisplacement(transport.displacement, displacement) +
+                     rotateDisplacement(transport.displacementBefore, before) +
                      rotateDisplacement(transport.displacementEarlier, earlier);
 #else
-  precise float3 r =
-      displacement * g_displacementShare + before * g_displacementShareBefore + earlier * g_displacementShareEarlier;
+  precise float3 r = displacement * g_displacementShare + before * g_displacementShareBefore +
+                     earlier * g_displacementShareEarlier;
 #endif
   return r;
 }
 #if CONTACTS
-// As transportedDisplacements(), without the effect of an impact. BDF2 extrapolates the last change of the
-// displacement: after an impact that would be a rebound with two thirds of the speed. Here a change
-// is extrapolated only as far as it agrees with the previous one (a minmod limiter, as LeVeque,
-// Finite Volume Methods for Hyperbolic Problems, section 6.9). Smooth motion does not change.
-float3 limitedDisplacements(Transport transport, float3 displacement, float3 before, float3 earlier) {
-  if (g_displacementShare == 0.0 || g_displacementShareBefore == 0.0 || g_displacementShareEarlier == 0.0)
+// As transportedDisplacements(), without the effect of an impact. BDF2 extrapolates the last change
+// of the displacement: after an impact that would be a rebound with two thirds of the speed. Here a
+// change is extrapolated only as far as it agrees with the previous one (a minmod limiter, as
+// LeVeque, Finite Volume Methods for Hyperbolic Problems, section 6.9). Smooth motion does not
+// change.
+float3 limitedDisplacements(Transport transport, float3 displacement, float3 before,
+                            float3 earlier) {
+  if (g_displacementShare == 0.0 || g_displacementShareBefore == 0.0 ||
+      g_displacementShareEarlier == 0.0)
     return transportedDisplacements(transport, displacement, before, earlier);
 #if VELOCITY_SHOCK_PROPAGATION
-  precise float3 w0 = rotateDisplacement(transport.displacement, displacement) / g_displacementShare;
-  precise float3 w1 = rotateDisplacement(transport.displacementBefore, before) / g_displacementShareBefore;
-  precise float3 w2 = rotateDisplacement(transport.displacementEarlier, earlier) / g_displacementShareEarlier;
+  precise float3 w0 =
+      rotateDisplacement(transport.displacement, displacement) / g_displacementShare;
+  precise float3 w1 =
+      rotateDisplacement(transport.displacementBefore, before) / g_displacementShareBefore;
+  precise float3 w2 =
+      rotateDisplacement(transport.displacementEarlier, earlier) / g_displacementShareEarlier;
 #else
   precise float3 w0 = displacement;
   precise float3 w1 = before;
@@ -207,7 +216,8 @@ float3 limitedDisplacements(Transport transport, float3 displacement, float3 bef
 #endif
   precise float3 change = w0 - w1;
   precise float3 changeBefore = w1 - w2;
-  precise float3 steady = w0 * (g_displacementShare + g_displacementShareBefore + g_displacementShareEarlier);
+  precise float3 steady =
+      w0 * (g_displacementShare + g_displacementShareBefore + g_displacementShareEarlier);
   if (!(dot3(change, changeBefore) > 0.0)) return steady;
   precise float size = dot3(change, change);
   precise float sizeBefore = dot3(changeBefore, changeBefore);

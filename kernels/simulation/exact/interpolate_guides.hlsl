@@ -18,7 +18,6 @@
 // at rest; with a parent of the same rest shape it has the parent's shape.
 #include "exact_state.hlsli"
 
-
 // Returns the frame of the edge after `before` at rest, in bind space.
 float4 restFrameAfter(float4 before, uint edge, ExactStrand strand) {
   float4 stored = g_rest[stateIndex(0, edge, strand)];

@@ -40,7 +40,8 @@ float rootMotion(ExactStrand strand, Slots slots, uint index) {
   precise float4 near = old * (along < 0.0 ? -1.0 : 1.0);
   precise float4 relativeRotation = frame - near;
   precise float r =
-      squareRoot(dot3(displacement, displacement)) + 2.0 * squareRoot(dot4(relativeRotation, relativeRotation)) * strand.strandLength;
+      squareRoot(dot3(displacement, displacement)) +
+      2.0 * squareRoot(dot4(relativeRotation, relativeRotation)) * strand.strandLength;
   return r;
 }
 
@@ -51,8 +52,9 @@ bool isStirred(ExactStrand strand) {
     Collider shape = g_exactColliders[c];
     precise float3 headDisplacement = shape.head.xyz - shape.headBefore.xyz;
     precise float3 tailDisplacement = shape.tail.xyz - shape.tailBefore.xyz;
-    precise float moved =
-        dot3(headDisplacement, headDisplacement) + dot3(tailDisplacement, tailDisplacement) + dot3(shape.spin.xyz, shape.spin.xyz);
+    precise float moved = dot3(headDisplacement, headDisplacement) +
+                          dot3(tailDisplacement, tailDisplacement) +
+                          dot3(shape.spin.xyz, shape.spin.xyz);
     if (moved <= 0.0) continue;
     // Motion of the sphere that moves with the larger end, an upper bound.
     precise float range = strand.strandLength + squareRoot(moved) + g_wakeDistance;

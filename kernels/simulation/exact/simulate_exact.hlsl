@@ -1,30 +1,32 @@
 // Advances the guide strands by one sub-step: the exact solver, an inextensible Kirchhoff rod that
 // is implicit in time, solved directly along each strand.
 //
-// Threads: one per strand in the order of the state; dispatch min(count, 2^20) x ceil(count / 2^20).
-//          No barriers and no shared memory; a strand of any count from 2 to 256 is a loop.
+// Threads: one per strand in the order of the state; dispatch min(count, 2^20) x
+//          ceil(count / 2^20). No barriers and no shared memory; a strand of any count from 2 to
+//          256 is a loop.
 // Reads:   g_rest, g_state (now, before, earlier), g_contacts,
 //          g_contactWords, g_forces, g_sleep
 // Writes:  g_state (next; at a reset the states that it reads; gains), g_positions, g_tangents,
 //          g_sleep, g_contacts (forces and bits), g_contactWords (counters, the list of tiles)
 //
 // The steps, in this order (simulation/layouts/exact.hlsli has the numbers of a step):
-//   1. Vertices 0, 1 and edge 0 take the pose of the root at the end of the sub-step. A new origin of
-//      the object moves the state first.
+//   1. Vertices 0, 1 and edge 0 take the pose of the root at the end of the sub-step. A new origin
+//      of the object moves the state first.
 //   2. VELOCITY_SHOCK_PROPAGATION: displacements and frames are transported by a fraction of the
 //      root's rigid motion.
-//   3. Every vertex's target, to which the last three displacements and the drift lead: BDF2 or
-//      backward Euler of a free vertex with air drag; GLOBAL_SHAPE: pulled to its bind-pose target.
-//      Every edge's guess: it keeps rotating, as the last step has stored it in the w of the
-//      displacement of the vertex at its end.
-//   4. Tip to root, the elimination (rod_elimination.hlsli). CONTACTS: with the planes and friction
-//      of the records of find_contacts (rod_contact.hlsli).
+//   3. Every vertex gets a target, to which the last three displacements and the drift lead: BDF2
+//      or backward Euler of a free vertex with air drag; GLOBAL_SHAPE: pulled to its bind-pose
+//      target. Every edge gets a guess: it keeps rotating as the last step has stored in the w of
+//      the displacement of the vertex at its end.
+//   4. Tip to root, the elimination (exact_elimination.hlsli). CONTACTS: with the planes and
+//      friction of the records of find_contacts (exact_contact.hlsli).
 //   5. Root to tip, the roll-out: rotations of the edges, positions by summing the edges, out of
 //      the planes; the displacements of this step; positions and tangents for drawing.
-//   6. 4 and 5 once more, about the result, if an edge rotated by more than g_passTolerance. Without
-//      it, whipping strands gain energy. Up to twice more if a contact has changed. A strand with a
-//      vertex that ended far from where its contact was found is marked, and its tile listed: the
-//      host has its contacts found again, and the pass continues from the result (flag bit 7).
+//   6. 4 and 5 once more, about the result, if an edge rotated by more than g_passTolerance.
+//      Without it, whipping strands gain energy. Up to twice more if a contact has changed. A
+//      strand with a vertex that ended far from where its contact was found is marked, and its tile
+//      listed: the host has its contacts found again, and the pass continues from the result (flag
+//      bit 7).
 // With g_damping: Kelvin-Voigt damping of the bending and the twist.
 // FORCES: accelerations and drags of a buffer, in step 3.
 // With the sleep flag the threads are those of the tiles that select_awake_tiles has found awake.
@@ -39,9 +41,9 @@
 // 1e4/s2 make into a steady force.
 //
 // Invariant (tests/simulation): edges have their rest lengths to rounding; the rest pose without
-// gravity is a fixed point to rounding; nothing finite gives a NaN; a NaN in what moves of the
-// state (not in lengths, regions and the rest shape) is gone after a few steps; a strand whose
-// record does not fit its buffers is left out; the result of a strand depends on no other one, and
+// gravity is a fixed point to rounding; finite input gives no NaN; a NaN in the state (not in
+// lengths, Voronoi lengths and the rest shape) is gone after a few steps; a strand whose record
+// does not fit its buffers is skipped; the result of a strand depends on no other strand, and
 // agrees with tests/reference/rod bit by bit where the device's square root and division are exact.
 #include "../../base/dispatch.hlsli"
 #include "../../base/random_hash.hlsli"
@@ -49,7 +51,7 @@
 
 // Spring to the bind-pose target of a held vertex [1/s2]; with 1e8 two passes do not converge.
 static const float kHoldStiffness = 1e6;
-// Passes of a strand with contacts; without one there are two at most.
+// Maximum passes of a strand with contacts; other strands take two at most.
 static const uint kContactPassLimit = 3;
 
 // Data of a vertex in memory.
@@ -71,7 +73,8 @@ StoredVertex loadVertex(uint vertex, ExactStrand strand, Slots slots) {
   StoredVertex stored;
   stored.displacement = g_state[stateIndex(kDisplacementSets + slots.now, vertex, strand)];
   stored.displacementBefore = g_state[stateIndex(kDisplacementSets + slots.before, vertex, strand)];
-  stored.displacementEarlier = g_state[stateIndex(kDisplacementSets + slots.earlier, vertex, strand)];
+  stored.displacementEarlier =
+      g_state[stateIndex(kDisplacementSets + slots.earlier, vertex, strand)];
   stored.rest = g_rest[stateIndex(0, vertex, strand)];
 #if GLOBAL_SHAPE
   stored.bindTarget = g_rest[stateIndex(1, vertex, strand)];
@@ -97,9 +100,10 @@ StoredEdge loadEdge(uint edge, ExactStrand strand, Slots slots, uint pass) {
   return stored;
 }
 
-// A free edge in a pass.
-// \param turn predicted rotation: w of the displacement of the vertex at its end
-RodEdge freeEdge(StoredEdge stored, float relativeRotation, Transport transport, float edgeLength, uint pass) {
+// Returns a free edge in a pass.
+// \param relativeRotation predicted rotation: w of the displacement of the vertex at its end
+RodEdge freeEdge(StoredEdge stored, float relativeRotation, Transport transport, float edgeLength,
+                 uint pass) {
   RodEdge edge;
   edge.frame = transportFrame(transport, stored.now);
   edge.halfRotation = halfRotationOn(relativeRotation, g_rotationRatio);
@@ -110,7 +114,7 @@ RodEdge freeEdge(StoredEdge stored, float relativeRotation, Transport transport,
   return edge;
 }
 
-// Edge 0.
+// Returns edge 0.
 RodEdge rootEdge(StoredEdge stored, Transport transport, float4 frame) {
   RodEdge edge;
   edge.frame = transportFrame(transport, stored.now);
@@ -162,14 +166,17 @@ float3 strandDrift(ExactStrand strand) {
   return drift;
 }
 
-// \param x position in the iterate, displaced by `way` since the start of the step
+// \param x position in the iterate, \param displacement since the start of the step
 RodVertex freeVertex(StoredVertex stored, Transport transport, RodRoot root, float3 drift, float3 x,
                      float3 displacement, bool overlaps) {
   precise float3 displacements =
-      transportedDisplacements(transport, stored.displacement.xyz, stored.displacementBefore.xyz, stored.displacementEarlier.xyz);
+      transportedDisplacements(transport, stored.displacement.xyz, stored.displacementBefore.xyz,
+                               stored.displacementEarlier.xyz);
 #if CONTACTS
   if (overlaps)
-    displacements = limitedDisplacements(transport, stored.displacement.xyz, stored.displacementBefore.xyz, stored.displacementEarlier.xyz);
+    displacements =
+        limitedDisplacements(transport, stored.displacement.xyz, stored.displacementBefore.xyz,
+                             stored.displacementEarlier.xyz);
 #endif
   precise float3 target = displacements + drift;
   precise float weight = g_weight;
@@ -183,7 +190,8 @@ RodVertex freeVertex(StoredVertex stored, Transport transport, RodRoot root, flo
     precise float heavier = weight + extra.drag * g_inverseStep;
     precise float share = weight / heavier;
     // xb - x of BDF2, without drag.
-    precise float3 back = transportDisplacement(transport, stored.displacement.xyz) * -g_historyShare;
+    precise float3 back =
+        transportDisplacement(transport, stored.displacement.xyz) * -g_historyShare;
     precise float3 pushed = back + (target - back) * share + extra.acceleration / heavier;
     target = pushed;
     weight = heavier;
@@ -204,6 +212,8 @@ RodVertex freeVertex(StoredVertex stored, Transport transport, RodRoot root, flo
   }
 #endif
   RodVertex vertex;
+  vertex.displacement = displacement;
+  vertex.x = x;
   vertex.target = target;
   vertex.voronoiLength = stored.rest.w;
   precise float am = stored.rest.w * weight;
@@ -230,8 +240,7 @@ void resetStrand(ExactStrand strand, Slots slots, RodRoot root, uint index) {
     } else if (i > 0) {
       float4 stored = g_rest[stateIndex(0, i, strand)];
       float3 rest = restRotation(stored.xy);
-      frame = normalizeProduct(
-          multiplyQuaternions(frame, float4(0.0, rest.x, rest.y, rest.z)));
+      frame = normalizeProduct(multiplyQuaternions(frame, float4(0.0, rest.x, rest.y, rest.z)));
       x = x + axisX(frame) * stored.z;
     }
     g_state[stateIndex(kDisplacementSets + slots.now, i, strand)] = zero;
@@ -285,11 +294,27 @@ float4 limitedRotation(float3 u) {
   return float4(relativeRotation, squared);
 }
 
+// A strand in this sub-step.
+struct RodStep {
+  ExactStrand strand;
+  uint index;  // of the strand
+  Slots slots;
+  Transport transport;
+  RodRoot root;                 // at the end of the sub-step
+  float4 rootFrame;             // of edge 0
+  float3 edge0;                 // vector of edge 0 [m]
+  float3 rootStepDisplacement;  // of vertex 1 [m]
+  float3 drift;
+  bool overlaps;  // a vertex has a contact
+};
+
 // Tip to root.
 // \param tipDisplacement displacement of the last vertex in the iterate
 // \param tipX   its position
-void eliminate(ExactStrand strand, Slots slots, Transport transport, RodRoot root, float4 rootFrame,
-               float3 drift, uint pass, float3 tipDisplacement, float3 tipX, uint index, bool overlaps) {
+void eliminate(RodStep rod, uint pass, float3 tipDisplacement, float3 tipX) {
+  ExactStrand strand = rod.strand;
+  Slots slots = rod.slots;
+  Transport transport = rod.transport;
   uint last = strand.count - 2;  // edge
   StoredVertex storedEnd = loadVertex(last + 1, strand, slots);
   StoredVertex stored = loadVertex(last, strand, slots);
@@ -297,15 +322,16 @@ void eliminate(ExactStrand strand, Slots slots, Transport transport, RodRoot roo
   StoredEdge storedParent = loadEdge(last - 1, strand, slots, pass);
   precise float3 displacement = tipDisplacement;
   precise float3 x = tipX;
-  RodVertex vertex = freeVertex(storedEnd, transport, root, drift, x, displacement, overlaps);
-  Value value = addVertex(emptyValue(), vertex, displacement);
+  RodVertex vertex =
+      freeVertex(storedEnd, transport, rod.root, rod.drift, x, displacement, rod.overlaps);
+  Value value = addVertex(emptyValue(), vertex);
 #if CONTACTS
   uint mask = 0u;
-  if (overlaps) mask = contactMask(index, last + 1);
-  if (!overlaps) value.load = 1e30;
+  if (rod.overlaps) mask = contactMask(rod.index, last + 1);
+  if (!rod.overlaps) value.load = 1e30;
   if (hasContact(mask, last + 1))
     value = addContacts(value, strand, last + 1, loadContact(recordOf(strand, last + 1)), vertex,
-                        displacement, x, transport);
+                        transport);
 #endif
   RodEdge edge = freeEdge(storedEdge, storedEnd.displacement.w, transport, stored.rest.z, pass);
   [loop] for (uint i = last; i >= 1; --i) {
@@ -313,14 +339,15 @@ void eliminate(ExactStrand strand, Slots slots, Transport transport, RodRoot roo
     StoredVertex storedNext = loadVertex(i - 1, strand, slots);
     StoredEdge storedGrandparent = loadEdge(i > 1 ? i - 2 : 0, strand, slots, pass);
 #if CONTACTS
-    if (overlaps && (i & 31u) == 31u) mask = contactMask(index, i);
+    if (rod.overlaps && (i & 31u) == 31u) mask = contactMask(rod.index, i);
     bool inContact = i > 1 && hasContact(mask, i);
     StoredContact storedContact = noContact();
     if (inContact) storedContact = loadContact(recordOf(strand, i));
 #endif
 
-    RodEdge parent = rootEdge(storedParent, transport, rootFrame);
-    if (i > 1) parent = freeEdge(storedParent, stored.displacement.w, transport, storedNext.rest.z, pass);
+    RodEdge parent = rootEdge(storedParent, transport, rod.rootFrame);
+    if (i > 1)
+      parent = freeEdge(storedParent, stored.displacement.w, transport, storedNext.rest.z, pass);
     float3 rotated = float3(0.0, 0.0, 0.0);
     if (pass > 0) rotated = rotationBetween(edge.iterate, edge.guess);
     float3 tangent = axisX(edge.iterate);
@@ -330,16 +357,14 @@ void eliminate(ExactStrand strand, Slots slots, Transport transport, RodRoot roo
     precise float inverseVoronoiLength = max(stored.factors.x, 1e-6) / stored.rest.w;
     Bending bending = bendingOf(edge, parent, restRotation(stored.rest.xy), inverseVoronoiLength);
     precise float twistStiffness = g_twistStiffness * inverseVoronoiLength;
-    Elimination step =
-        eliminateEdge(value, edge, bending, twistStiffness, vertex.weight, rotated);
+    Elimination step = eliminateEdge(value, edge, bending, twistStiffness, vertex.weight, rotated);
     storeGain(i, strand, step.gain);
     value = step.value;
-    vertex = freeVertex(stored, transport, root, drift, x, displacement, overlaps);
+    vertex = freeVertex(stored, transport, rod.root, rod.drift, x, displacement, rod.overlaps);
     if (i > 1) {
-      value = addVertex(value, vertex, displacement);
+      value = addVertex(value, vertex);
 #if CONTACTS
-      if (inContact)
-        value = addContacts(value, strand, i, storedContact, vertex, displacement, x, transport);
+      if (inContact) value = addContacts(value, strand, i, storedContact, vertex, transport);
 #endif
     }
 
@@ -350,73 +375,60 @@ void eliminate(ExactStrand strand, Slots slots, Transport transport, RodRoot roo
 }
 
 struct RollOut {
-  float largest;      // square of the largest rotation [rad^2]
-  float farthest;     // square of the largest displacement [m2]
+  float largest;               // square of the largest rotation [rad^2]
+  float farthest;              // square of the largest displacement [m2]
   float3 displacement;         // of the tip relative to vertex 1, in the new iterate
   float3 guessedDisplacement;  // the same in the next step's guess, against the new positions
-  float3 tip;         // new position
+  float3 tip;                  // new position
 #if CONTACTS
   bool changed;  // the contacts need another pass
   bool far;      // they are far from where they were found
 #endif
 };
 
-struct StoredFrame {
-  float4 now;
-  float4 next;  // after the first pass
-};
-
-StoredFrame loadFrame(uint edge, ExactStrand strand, Slots slots, uint pass) {
-  StoredFrame stored;
-  stored.now = g_state[stateIndex(kFrameSets + slots.now, edge, strand)];
-  stored.next = stored.now;
-  if (pass > 0) stored.next = g_state[stateIndex(kFrameSets + slots.next, edge, strand)];
-  return stored;
-}
-
 // Root to tip.
-// \param edge0   vector of edge 0
-// \param rootStepDisplacement displacement of vertex 1
-RollOut rollOut(ExactStrand strand, Slots slots, Transport transport, float3 x0, float3 edge0,
-                float4 rootFrame, float3 rootStepDisplacement, uint pass, uint index, bool overlaps) {
+RollOut rollOut(RodStep rod, uint pass) {
+  ExactStrand strand = rod.strand;
+  Slots slots = rod.slots;
+  Transport transport = rod.transport;
   uint last = strand.count - 2;  // edge
   RollOut result;
   result.largest = 0.0;
   result.farthest = 0.0;
   precise float3 displacement = float3(0.0, 0.0, 0.0);
   precise float3 guessedDisplacement = float3(0.0, 0.0, 0.0);
-  precise float3 x = x0 + edge0;
+  precise float3 x = rod.root.position + rod.edge0;
   precise float3 dx = float3(0.0, 0.0, 0.0);
   precise float3 u = float3(0.0, 0.0, 0.0);
-  float4 frameBefore = rootFrame;
-  precise float3 tangent = axisX(rootFrame);
-  precise float3 edgeBefore = edge0;
-  writeOutput(0, strand, x0, edge0, tangent);
+  float4 frameBefore = rod.rootFrame;
+  precise float3 tangent = axisX(rod.rootFrame);
+  precise float3 edgeBefore = rod.edge0;
+  writeOutput(0, strand, rod.root.position, rod.edge0, tangent);
 #if CONTACTS
   result.changed = false;
   result.far = false;
   precise float3 offset = float3(0.0, 0.0, 0.0);  // from the solution
   uint mask = 0u;
-  if (overlaps) mask = contactMask(index, 0);
+  if (rod.overlaps) mask = contactMask(rod.index, 0);
 #endif
 
-  StoredFrame stored = loadFrame(1, strand, slots, pass);
+  StoredEdge stored = loadEdge(1, strand, slots, pass);
   PackedGain packed = loadGain(1, strand);
   [loop] for (uint i = 1; i <= last; ++i) {
     // Loads of the next iteration, before the arithmetic of this one.
     uint after = min(i + 1, last);
-    StoredFrame storedNext = loadFrame(after, strand, slots, pass);
+    StoredEdge storedNext = loadEdge(after, strand, slots, pass);
     PackedGain packedNext = loadGain(after, strand);
 #if CONTACTS
-    if (overlaps && ((i + 1) & 31u) == 0u) mask = contactMask(index, i + 1);
+    if (rod.overlaps && ((i + 1) & 31u) == 0u) mask = contactMask(rod.index, i + 1);
     bool inContact = hasContact(mask, i + 1);
     StoredContact storedContact = noContact();
     if (inContact) storedContact = loadContact(recordOf(strand, i + 1));
 #endif
 
     Gain g = unpackGain(packed);
-    precise float3 law = g.kw0 * u.x + g.kw1 * u.y + g.kw2 * u.z - g.k - g.kx0 * dx.x -
-                         g.kx1 * dx.y - g.kx2 * dx.z;
+    precise float3 law =
+        g.kw0 * u.x + g.kw1 * u.y + g.kw2 * u.z - g.k - g.kx0 * dx.x - g.kx1 * dx.y - g.kx2 * dx.z;
     float4 limited = limitedRotation(law);
     u = limited.xyz;
     result.largest = max(result.largest, limited.w);
@@ -425,7 +437,7 @@ RollOut rollOut(ExactStrand strand, Slots slots, Transport transport, float3 x0,
     if (pass == 0) iterate = guessFrame(old, g.halfRotation);
     float4 frame = rotatedBy(u, iterate);
 #if CONTACTS
-    if (overlaps) {
+    if (rod.overlaps) {
       if (dot3(offset, offset) > 1e-18) frame = leadBack(frame, g.edgeLength, offset);
       if (inContact)
         frame = keepOut(recordOf(strand, i + 1), storedContact, x, frame, g.edgeLength, offset);
@@ -442,13 +454,13 @@ RollOut rollOut(ExactStrand strand, Slots slots, Transport transport, float3 x0,
     edgeBefore = edgeVector;
     x = x + edgeVector;
 #if CONTACTS
-    if (overlaps) dx = dx + rotatedEdge(u, axisX(iterate) * g.edgeLength);
-    if (!overlaps) dx = dx + (tangent - axisX(iterate)) * g.edgeLength;
+    if (rod.overlaps) dx = dx + rotatedEdge(u, axisX(iterate) * g.edgeLength);
+    if (!rod.overlaps) dx = dx + (tangent - axisX(iterate)) * g.edgeLength;
 #else
     dx = dx + (tangent - axisX(iterate)) * g.edgeLength;
 #endif
     displacement = displacement + (tangent - axisX(old)) * g.edgeLength;
-    precise float3 wholeDisplacement = rootStepDisplacement + displacement;
+    precise float3 wholeDisplacement = rod.rootStepDisplacement + displacement;
     result.farthest = max(result.farthest, dot3(wholeDisplacement, wholeDisplacement));
     float nextRotation = nextHalfRotation(frame, old, g.halfRotation, g_guessTrend, g_slowRotation);
 #if CONTACTS
@@ -462,7 +474,8 @@ RollOut rollOut(ExactStrand strand, Slots slots, Transport transport, float3 x0,
     }
     wholeDisplacement = wholeDisplacement - offset;
 #endif
-    g_state[stateIndex(kDisplacementSets + slots.next, i + 1, strand)] = float4(wholeDisplacement, nextRotation);
+    g_state[stateIndex(kDisplacementSets + slots.next, i + 1, strand)] =
+        float4(wholeDisplacement, nextRotation);
     float4 goingOn = guessFrame(frame, halfRotationOn(nextRotation, 1.0));
     guessedDisplacement = guessedDisplacement + (axisX(goingOn) - tangent) * g.edgeLength;
     stored = storedNext;
@@ -481,7 +494,8 @@ float3 guessedTipDisplacement(ExactStrand strand, Slots slots, Transport transpo
   [loop] for (uint i = 1; i + 1 < strand.count; ++i) {
     StoredEdge stored = loadEdge(i, strand, slots, pass);
     float relativeRotation = g_state[stateIndex(kDisplacementSets + slots.now, i + 1, strand)].w;
-    RodEdge edge = freeEdge(stored, relativeRotation, transport, g_rest[stateIndex(0, i, strand)].z, pass);
+    RodEdge edge =
+        freeEdge(stored, relativeRotation, transport, g_rest[stateIndex(0, i, strand)].z, pass);
     displacement = displacement + (axisX(edge.iterate) - axisX(edge.frame)) * edge.edgeLength;
   }
   return displacement;
@@ -564,7 +578,7 @@ void simulate_exact(uint3 thread : SV_DispatchThreadID) {
     transported = transportedMotion(begin, root, share);
   }
   transport = transportOf(transported, g_state[strandIndex(kTransportRotation, slots.now, index)],
-                  g_state[strandIndex(kTransportRotation, slots.before, index)]);
+                          g_state[strandIndex(kTransportRotation, slots.before, index)]);
 #else
   transport.unused = 0;
 #endif
@@ -585,10 +599,11 @@ void simulate_exact(uint3 thread : SV_DispatchThreadID) {
   if (strand.count > 2) {
     float3 oldX1 =
         transportPoint(transport, g_state[strandIndex(kFirstPosition, slots.now, index)].xyz);
-    float3 oldTip = transportPoint(transport, g_state[strandIndex(kTipPosition, slots.now, index)].xyz);
+    float3 oldTip =
+        transportPoint(transport, g_state[strandIndex(kTipPosition, slots.now, index)].xyz);
     precise float3 rootStepDisplacement = x1 - oldX1;
-    precise float3 displacement =
-        transportDisplacement(transport, g_state[strandIndex(kGuessedDisplacement, slots.now, index)].xyz);
+    precise float3 displacement = transportDisplacement(
+        transport, g_state[strandIndex(kGuessedDisplacement, slots.now, index)].xyz);
     if ((g_flags & kChangedFlag) != 0u || reset || firstPass > 0u)
       displacement = guessedTipDisplacement(strand, slots, transport, firstPass);
     precise float3 tipX = oldTip + (displacement + rootStepDisplacement);
@@ -600,10 +615,21 @@ void simulate_exact(uint3 thread : SV_DispatchThreadID) {
     if (overlaps) passes = kContactPassLimit;
     if (again && !overlaps) return;
 #endif
+    RodStep rod;
+    rod.strand = strand;
+    rod.index = index;
+    rod.slots = slots;
+    rod.transport = transport;
+    rod.root = root;
+    rod.rootFrame = rootFrame;
+    rod.edge0 = edge0;
+    rod.rootStepDisplacement = rootStepDisplacement;
+    rod.drift = drift;
+    rod.overlaps = overlaps;
     [loop] for (uint pass = firstPass; pass < firstPass + passes; ++pass) {
       precise float3 tipDisplacement = displacement + rootStepDisplacement;
-      eliminate(strand, slots, transport, root, rootFrame, drift, pass, tipDisplacement, tipX, index, overlaps);
-      rolled = rollOut(strand, slots, transport, x0, edge0, rootFrame, rootStepDisplacement, pass, index, overlaps);
+      eliminate(rod, pass, tipDisplacement, tipX);
+      rolled = rollOut(rod, pass);
       displacement = rolled.displacement;
       tipX = rolled.tip;
       bool enough = rolled.largest <= tolerance2 || (pass > 0u && !overlaps);
@@ -641,7 +667,8 @@ void simulate_exact(uint3 thread : SV_DispatchThreadID) {
   bool lastSubStep = (g_flags & kLastFlag) != 0u;
   if (!lastSubStep) rootVelocity = rootVelocityBefore;
   g_state[stateIndex(kFrameSets + slots.next, 0, strand)] = rootFrame;
-  g_state[strandIndex(kGuessedDisplacement, slots.next, index)] = float4(rolled.guessedDisplacement, 0.0);
+  g_state[strandIndex(kGuessedDisplacement, slots.next, index)] =
+      float4(rolled.guessedDisplacement, 0.0);
   g_state[strandIndex(kFirstPosition, slots.next, index)] = float4(x1, 0.0);
   g_state[strandIndex(kTipPosition, slots.next, index)] = float4(rolled.tip, 0.0);
   g_state[strandIndex(kRootVelocity, slots.next, index)] = float4(rootVelocity, 0.0);

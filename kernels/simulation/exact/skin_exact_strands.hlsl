@@ -6,8 +6,9 @@
 // Reads:   g_rest, g_state (the roots), g_sleep
 // Writes:  g_state (now; displacements also of the two steps before), g_positions, g_tangents
 //
-// The frame counts as the second of two steps of backward Euler with one velocity. As after a step of simulate_exact, a displacement
-// lacks what velocity shock propagation would have transported, by g_vspCoefficient alone.
+// The frame counts as the second of two steps of backward Euler with one velocity. As after a step
+// of simulate_exact, displacements leave out the motion that velocity shock propagation transports,
+// here with g_vspCoefficient alone.
 //
 // Invariant (tests/simulation): positions are those of the bind pose, moved by the root, to
 // rounding; a simulation that continues without gravity moves vertices on with their velocity.

@@ -17,7 +17,6 @@
 #ifndef PELAGE_SIMULATION_LAYOUTS_EXACT_HLSLI
 #define PELAGE_SIMULATION_LAYOUTS_EXACT_HLSLI
 
-#include "../../contact/layouts/collider.hlsli"
 #include "../../contact/layouts/contact_records.hlsli"
 
 struct ExactStrand {
@@ -41,13 +40,15 @@ RWStructuredBuffer<float4> g_tangents : register(u1, space0);
 // without history, or with w outside 0.4..2.1, backward Euler has a2 = 0, he = h. B and Bt are the
 // bending and twist stiffness over the mass a length [m4/s2], c the air drag [1/s].
 cbuffer ExactConstants : register(b0, space1) {
-  uint g_strandRecords;     // element of g_rest where the strands begin; first: decision 0008
+  uint g_strandRecords;  // element of g_rest where the strands begin; first: decision 0008
   uint g_contactMasks;
   uint g_contactMaskWords;  // of a strand
   float g_twistInertia;     // 0.005 min(1, 60 h): rotary inertia about the tangent over am l^2
-  float4 g_drift;   // xyz (g + c wind) / weight [m], weight = 1 / he^2 + c / he; w = fraction by which
-                    // the accelerations of g_forces are reduced, 0..1
-  float4 g_gust0;   // xyz addition of the gusts to g_drift now [m]; w = variation between strands, 0..1
+  // xyz (g + c wind) / weight [m], weight = 1 / he^2 + c / he; w = fraction by which the
+  // accelerations of g_forces are reduced, 0..1
+  float4 g_drift;
+  // xyz addition of the gusts to g_drift now [m]; w = variation between strands, 0..1
+  float4 g_gust0;
   float4 g_gust1;   // xyz the same a quarter of their period later
   float4 g_air;     // xyz wind [m/s], w = c
   float4 g_origin;  // xyz of the state's origin in world space [m]
@@ -58,20 +59,20 @@ cbuffer ExactConstants : register(b0, space1) {
   float g_displacementShare;         // s (1 - a2) / he' - a2
   float g_displacementShareBefore;   // s ((1 - a2) a2' / he' + a2 / he")
   float g_displacementShareEarlier;  // s a2 a2" / he"; 0 for missing steps
-  float g_historyShare;     // a2
-  float g_inverseStep;      // 1 / he [1/s]
-  float g_weight;           // 1 / he^2 + c / he [1/s2]
-  float g_rotationRatio;        // w, 0 without history; 1 exactly while the step does not change
-  float g_slowRotation;         // 0.02 min(1, (240 h)^2) + c^2 min(1, (60 h)^4) [rad]: rotation of an edge in
-                            // a step at which the guess extrapolates half of its twist; less of
-                            // slower edges. At 0 a loose curl never comes to rest with one pass (it
-                            // creeps on a cycle of 0.1 % of its length); from 0.1 on undamped strands
-                            // gain energy. With drag the twist, which has no mass, stays as it is
+  float g_historyShare;              // a2
+  float g_inverseStep;               // 1 / he [1/s]
+  float g_weight;                    // 1 / he^2 + c / he [1/s2]
+  float g_rotationRatio;  // w, 0 without history; 1 exactly while the step does not change
+  // 0.02 min(1, (240 h)^2) + c^2 min(1, (60 h)^4) [rad]: rotation of an edge in a step at which the
+  // guess extrapolates half of its twist; less of slower edges. At 0 a loose curl never comes to
+  // rest with one pass (it creeps on a cycle of 0.1 % of its length); from 0.1 on undamped strands
+  // gain energy. With drag the twist, which has no mass, stays as it is
+  float g_slowRotation;
   float g_bendStiffness;    // B
   float g_twistStiffness;   // Bt
   float g_damping;          // tau / h of Kelvin-Voigt damping; 0: none
-  float g_targetStiffness;    // of the global shape, s / (1 - s) * 3600 [1/s2]
-  float g_targetRange;        // fraction of the strand with full stiffness, > 0; fades to 0 at 1.25 times
+  float g_targetStiffness;  // of the global shape, s / (1 - s) * 3600 [1/s2]
+  float g_targetRange;  // fraction of the strand with full stiffness, > 0; fades to 0 at 1.25 times
   float g_passTolerance;    // largest rotation of a first pass without a second one [rad]: 0.04 +
                             // 0.2 (min(c, 3) min(1, 60 h))^2; above 4 there never is one
   float g_rootBegin;        // root pose at the sub-step's start, 0 = last frame, 1 = this frame
@@ -82,21 +83,21 @@ cbuffer ExactConstants : register(b0, space1) {
   float g_vspThreshold;     // acceleration of the root [m/s2] above which the share grows; it is 1
                             // from twice the value on; > 0, may be infinite
   uint g_strandCount;
-  uint g_stateStride;       // T
+  uint g_stateStride;  // T
   uint g_rootCount;
-  uint g_outputCount;       // elements of g_positions and g_tangents
+  uint g_outputCount;  // elements of g_positions and g_tangents
   uint g_colliderCount;
-  uint g_slot;              // 0..3: the state now; the next one goes to (g_slot + 1) % 4, which the
-                            // host passes in the next sub-step
-  uint g_flags;             // bits: the flags below
-  uint g_outputVertices;    // elements of a strand in g_positions and g_tangents; those past its
-                            // own vertices repeat its tip. 0: as many as it has vertices
-  uint g_parameterSet;      // set of g_rest with factors of every vertex; 0: there is none
-  float g_restSpeed;        // speed below which a strand is at rest [m/s]
-  float g_restTime;         // time at rest before it sleeps [s]
-  float g_wakeDistance;     // motion of a root or a collider that wakes it [m]
-  uint g_followGroups;      // groups in x of an update of the follow hairs
-  uint g_slotsBack;         // 0..3: increment of a tile's offset of g_slot per frame of sleep
+  uint g_slot;            // 0..3: the state now; the next one goes to (g_slot + 1) % 4, which the
+                          // host passes in the next sub-step
+  uint g_flags;           // bits: the flags below
+  uint g_outputVertices;  // elements of a strand in g_positions and g_tangents; those past its
+                          // own vertices repeat its tip. 0: as many as it has vertices
+  uint g_parameterSet;    // set of g_rest with factors of every vertex; 0: there is none
+  float g_restSpeed;      // speed below which a strand is at rest [m/s]
+  float g_restTime;       // time at rest before it sleeps [s]
+  float g_wakeDistance;   // motion of a root or a collider that wakes it [m]
+  uint g_followGroups;    // groups in x of an update of the follow hairs
+  uint g_slotsBack;       // 0..3: increment of a tile's offset of g_slot per frame of sleep
   // Level of detail, in indices of strands: only those before g_simulatedCount are simulated, and
   // from g_fadeStart on they fade; without it both are g_strandCount (interpolate_guides.hlsl).
   uint g_simulatedCount;
@@ -104,8 +105,8 @@ cbuffer ExactConstants : register(b0, space1) {
   uint g_restartFrom;
   uint g_contactHead;  // words of g_contactWords, with contacts
   uint g_contactList;
-  float g_guessTrend;       // 0.5 min(c, 1): fraction of the last guess's error that a guess adds to
-                            // the last rotation of an edge
+  float g_guessTrend;  // 0.5 min(c, 1): fraction of the last guess's error that a guess adds to
+                       // the last rotation of an edge
 };
 
 // Bits of g_flags.
@@ -116,12 +117,12 @@ static const uint kSleepFlag = 8;     // only the tiles that are awake
 static const uint kWakeAllFlag = 16;  // all tiles wake
 static const uint kChangedFlag = 32;  // g_rotationRatio is not 1
 static const uint kRestartFlag = 64;  // interpolate_guides makes states
-static const uint kAgainFlag = 128;   // only strands whose contacts were found again, from the result on
-static const uint kPoseFlag = 256;    // only the reset, with its positions
+// Only strands whose contacts were found again; they continue from the result.
+static const uint kAgainFlag = 128;
+static const uint kPoseFlag = 256;  // only the reset, with its positions
 
 static const uint kTileStrands = 32;
-// Sets of g_state, those of the states and those of the gains; states, and elements of a strand in
-// each of them.
+// Sets of g_state with states and with gains; number of states; elements of a strand in a state.
 static const uint kStateSets = 8;
 static const uint kGainSets = 6;
 static const uint kStateSlots = 4;
@@ -129,34 +130,38 @@ static const uint kStrandElements = 5;
 static const uint kRootAlignment = 16;
 
 // 8 sets. 0..3: of four states, the displacement of the vertex in the step that led to it, without
-// what was transported [m], 0 for vertices 0 and 1, and in w the next rotation of the edge before it
-// (nextHalfRotation in rod_math.hlsli; 0: not at all); 4..7: frames of the edges, world space, x axis =
-// tangent. Behind the sets, 5 elements a strand for each of the four states, element
+// what was transported [m], 0 for vertices 0 and 1, and in w the next rotation of the edge before
+// it (nextHalfRotation() in exact_math.hlsli; 0: none); 4..7: frames of the edges, world space, x
+// axis = tangent. Behind the sets, 5 elements a strand for each of the four states, element
 // 8 T + (5 slot + k) g_strandCount + index of the strand:
-//   0: sum over the free edges of l (t(guess of the next step) - t); of use while the step does not
+//   0: sum over the free edges of l (t(guess of the next step) - t); valid while the step does not
 //      change
 //   1: position of vertex 1 [m]   2: of the tip   3: velocity of the root in the last frame [m/s]
 //   4: rotation by which this step transported the previous state
-// Then 6 sets of scratch, the control law of every edge. Then, from a multiple of kRootAlignment on,
-// [2][root][2]: of this frame (0) and the last one (1) rotation, then position of vertex 0 relative
-// to g_origin [m]: two elements as a RootTransform, which others bind from there on. The host makes it zero, and starts with a reset.
+// Then 6 sets of scratch, the control law of every edge. Then, from a multiple of kRootAlignment
+// on, [2][root][2]: of this frame (0) and the last one (1) rotation, then position of vertex 0
+// relative to g_origin [m]: two elements as a RootTransform; other kernels bind the buffer from
+// there on. The host makes it zero, and starts with a reset.
 RWStructuredBuffer<float4> g_state : register(u0, space1);
-// Set 0, the joints. Of vertices 1..n-2: y / (1 + w) and z / (1 + w) of the rotation q from edge
-// i - 1 to edge i at rest, in the frame of edge i - 1, with w >= 0; frames are those of parallel
-// transport, so that q.x = 0. Then the length of edge i and the Voronoi length of the vertex [m]. Of vertex
-// 0: the frame of edge 0 in bind space. Of the tip: the length of edge 0, 0, 0, the tip's Voronoi length.
+// Set 0, the joints.
+//   Vertices 1..n-2: y / (1 + w) and z / (1 + w) of the rotation q from edge i - 1 to edge i at
+//   rest, in the frame of edge i - 1, with w >= 0; frames are those of parallel transport, so that
+//   q.x = 0. Then the length of edge i and the Voronoi length of the vertex [m].
+//   Vertex 0: the frame of edge 0 in bind space.
+//   The tip: the length of edge 0, 0, 0, the tip's Voronoi length.
 // With the globalShape permutation a second set: xyz bind position relative to that of vertex 0
 // [m], w arc length from the root over the strand's length, 0..1, or -1 for a vertex that is held
 // where the bind pose has it. One more set with factors: x on bending and twist, y on the global
-// shape, z on the air drag; w unused. Behind the sets [strand] an ExactStrand in two elements, as its
-// bits.
+// shape, z on the air drag; w unused. Behind the sets [strand] an ExactStrand in two elements, as
+// its bits.
 StructuredBuffer<float4> g_rest : register(t0, space1);
 StructuredBuffer<Collider> g_exactColliders : register(t1, space1);
 
 // [strand][vertex] as g_positions; with the forces permutation. xyz = acceleration a [m/s2], w =
-// drag k [1/s], >= 0: the equation of motion gets a - k v. A drag towards the velocity u is a = k u.
+// drag k [1/s], >= 0: the equation of motion gets a - k v. With a = k u it is a drag towards the
+// velocity u.
 StructuredBuffer<float4> g_forces : register(t2, space1);
-// Which tiles are awake, T of them: select_awake_tiles.hlsl.
+// The tiles that are awake, T of them, as select_awake_tiles lists them:
 //   0..2           groups of an indirect dispatch over the list: kSleepSolveArguments
 //   3              strands awake
 //   4..6           groups of an indirect dispatch over the follow hairs: 0 while all sleep

@@ -2,15 +2,16 @@
 #ifndef PELAGE_SIMULATION_LAYOUTS_MOVE_RIGIDLY_HLSLI
 #define PELAGE_SIMULATION_LAYOUTS_MOVE_RIGIDLY_HLSLI
 
-// What an element is. Elements are in blocks of one kind; kinds repeat after g_movedPeriod blocks.
-static const uint kMovesPoint = 0;      // rotated and shifted
-static const uint kMovesDirection = 1;  // rotated: displacements, velocities, forces, normals, and the
-                                        // vector parts of quaternions that rotate such
-static const uint kMovesFrame = 2;      // a quaternion, multiplied from the left
+// Kinds of elements. A block has elements of one kind; kinds repeat after g_movedPeriod blocks.
+static const uint kMovesPoint = 0;  // rotated and shifted
+// Rotated: displacements, velocities, forces, normals, and the vector parts of quaternions that
+// rotate such vectors.
+static const uint kMovesDirection = 1;
+static const uint kMovesFrame = 2;  // a quaternion, multiplied from the left
 static const uint kMovedKindBits = 2;
 
 cbuffer MoveRigidlyConstants : register(b0, space0) {
-  uint g_movedFirst;      // element; first: decision 0008
+  uint g_movedFirst;  // element; first: decision 0008
   uint g_movedCount;
   uint g_movedBlock;      // elements, > 0
   uint g_movedPeriod;     // blocks, 1..16

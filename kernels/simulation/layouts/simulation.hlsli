@@ -36,42 +36,44 @@ cbuffer SimulationConstants : register(b0, space1) {
   uint g_contactMaskWords;  // of a strand
   uint g_factorSet;         // set of g_rest with factors of every vertex, 2; 0: there is none
   float g_forceShare;       // square(h) / square(H), in 0..1
-  float4 g_gravity;   // xyz [m/s2]; w = fraction by which the accelerations of g_strandForces are
-                      // reduced, 0..1
-  float4 g_wind;      // xyz velocity of the air [m/s], gusts included; w = air drag c [1/s]; 0: none
-  float4 g_gust0;     // xyz part of the gusts in it now [m/s]; w = variation between strands, 0..1
-  float4 g_gust1;     // xyz the same a quarter of their period later
-  float4 g_origin;    // xyz of the object's origin in world space [m]; state, roots and colliders
-                      // are relative to it
-  float4 g_rebase;    // xyz [m]: what to add to a position relative to the last frame's origin; 0
-                      // while the origin stays. skin_roots moves the roots, and the sub-step with
-                      // flag bit 1 the state
+  float4 g_gravity;  // xyz [m/s2]; w = fraction by which the accelerations of g_strandForces are
+                     // reduced, 0..1
+  float4 g_wind;     // xyz velocity of the air [m/s], gusts included; w = air drag c [1/s]; 0: none
+  float4 g_gust0;    // xyz part of the gusts in it now [m/s]; w = variation between strands, 0..1
+  float4 g_gust1;    // xyz the same a quarter of their period later
+  float4 g_origin;   // xyz of the object's origin in world space [m]; state, roots and colliders
+                     // are relative to it
+  float4 g_rebase;   // xyz [m]: what to add to a position relative to the last frame's origin; 0
+                     // while the origin stays. skin_roots moves the roots, and the sub-step with
+                     // flag bit 1 the state
   uint g_guideCount;
   uint g_followCount;
   uint g_vertexCount;  // vertices per strand, 2..256
   uint g_boneCount;
-  float g_timeStep;          // h, this sub-step [s], > 0
-  float g_timeStepRatio;     // this sub-step over the last one, 1 if there was none
-  float g_rootBegin;         // root pose at the sub-step's start, 0 = last frame, 1 = this frame
-  float g_rootEnd;           // root pose at its end
-  float g_dampingKeep;       // keep(H): fraction of the velocity that remains after H
-  float g_gravityStep;       // square(H)
-  float g_localStiffness;    // map(min(s, 0.95)): fraction of the displacement to the rest vector per sweep
-  float g_globalStiffness;   // map(s): fraction of the displacement to the target in H; 0: none
-  float g_globalRange;       // fraction of the strand's vertices on which it acts, 0..1, from the root
-  float g_vspCoefficient;    // fraction of the root's motion that the strand follows, 0..1; with 0 and
-                             // an infinite threshold there is no shock propagation
-  float g_vspThreshold;      // acceleration of the root [m/s2] above which the share grows; it is
-                             // 1 from twice the value on; > 0, may be infinite
-  float g_maxSpeed;          // of the free motion, without the transport [m/s]
-  uint g_localIterations;    // sweeps of the local shape, at most 64; 0: none
-  uint g_lengthIterations;   // the solve of tensions and the Newton steps after it, at most 64
-  float g_tipSeparation;     // factor on the follow offsets at the tip, on top of FollowHairRecord's
-  uint g_flags;              // bits: the flags below
+  float g_timeStep;       // h, this sub-step [s], > 0
+  float g_timeStepRatio;  // this sub-step over the last one, 1 if there was none
+  float g_rootBegin;      // root pose at the sub-step's start, 0 = last frame, 1 = this frame
+  float g_rootEnd;        // root pose at its end
+  float g_dampingKeep;    // keep(H): fraction of the velocity that remains after H
+  float g_gravityStep;    // square(H)
+  // map(min(s, 0.95)): fraction of the displacement to the rest vector per sweep
+  float g_localStiffness;
+  float g_globalStiffness;  // map(s): fraction of the displacement to the target in H; 0: none
+  float g_globalRange;  // fraction of the strand's vertices on which it acts, 0..1, from the root
+  // fraction of the root's motion that the strand follows, 0..1; with 0 and an infinite threshold
+  // there is no shock propagation
+  float g_vspCoefficient;
+  float g_vspThreshold;     // acceleration of the root [m/s2] above which the share grows; it is
+                            // 1 from twice the value on; > 0, may be infinite
+  float g_maxSpeed;         // of the free motion, without the transport [m/s]
+  uint g_localIterations;   // sweeps of the local shape, at most 64; 0: none
+  uint g_lengthIterations;  // the solve of tensions and the Newton steps after it, at most 64
+  float g_tipSeparation;    // factor on the follow offsets at the tip, on top of FollowHairRecord's
+  uint g_flags;             // bits: the flags below
 };
 
 // Bits of g_flags.
-static const uint kResetFlag = 1;            // take the goal, forget velocities
+static const uint kResetFlag = 1;            // take the bind-pose target, forget velocities
 static const uint kRebaseFlag = 2;           // the origin has moved
 static const uint kDualQuaternionsFlag = 4;  // the bones are dual quaternions
 
@@ -105,8 +107,8 @@ StructuredBuffer<float4> g_boneTransforms : register(t1, space1);
 StructuredBuffer<RootBinding> g_rootBindings : register(t2, space1);
 // [F]; neighbors with the same guides share the work on them.
 StructuredBuffer<FollowHairRecord> g_followHairRecords : register(t3, space1);
-// [G][V] as g_positions; with the forces permutation. xyz = acceleration a [m/s2], w = drag k [1/s],
-// >= 0: the equation of motion gets a - k v. A drag towards the velocity u is a = k u.
+// [G][V] as g_positions; with the forces permutation. xyz = acceleration a [m/s2], w = drag k
+// [1/s], >= 0: the equation of motion gets a - k v. A drag towards the velocity u is a = k u.
 StructuredBuffer<float4> g_strandForces : register(t5, space1);
 // With the contacts permutation: contact_records.hlsli.
 StructuredBuffer<uint4> g_contacts : register(t4, space1);

@@ -31,7 +31,7 @@ struct OitBuffers {
              tiles = BufferId::kInvalid, tail = BufferId::kInvalid;
   } lists;
   /// Of methods with a fixed number of layers; see kernels/oit/layouts/hybrid_depths.hlsli,
-  /// hybrid_colors.hlsli and short_cut_*.hlsli.
+  /// hybrid_colors.hlsl and short_cut_*.hlsl.
   struct Layers {
     BufferId depths = BufferId::kInvalid, colors = BufferId::kInvalid, tail = BufferId::kInvalid,
              counters = BufferId::kInvalid, tiles = BufferId::kInvalid;

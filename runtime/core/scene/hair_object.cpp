@@ -13,10 +13,11 @@
 namespace pelage {
 
 SimulationCounters readCounters(std::span<const std::byte> sleepWords) {
-  uint32_t words[8] = {};
+  uint32_t words[exact::kSleepSecondPasses + 1] = {};
   PELAGE_ASSERT(sleepWords.size() >= sizeof(words), "the counters are in the first 32 bytes");
   std::memcpy(words, sleepWords.data(), std::min(sleepWords.size(), sizeof(words)));
-  return {.awakeStrands = words[3], .secondPasses = words[7]};
+  return {.awakeStrands = words[exact::kSleepAwakeStrands],
+          .secondPasses = words[exact::kSleepSecondPasses]};
 }
 
 HairObject::HairObject() : internals_(std::make_unique<detail::HairInternals>()) {}

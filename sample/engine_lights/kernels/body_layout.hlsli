@@ -12,7 +12,7 @@ cbuffer BodyLook : register(b1, space0) {
 
 struct BodyVertex {
   [[vk::location(0)]] float4 position : ATTRIBUTE0;  // xyz [m]
-  [[vk::location(1)]] float4 normal : ATTRIBUTE1;    // xyz
+  [[vk::location(1)]] float4 normal : ATTRIBUTE1;  // xyz
 };
 
 struct BodyVaryings {

@@ -7,16 +7,16 @@
 static const uint kRigCascades = 3u;
 
 cbuffer EngineRig : register(b0, RIG_SPACE) {
-  float4 g_rigSun;          // xyz unit vector towards the sun
-  float4 g_rigSunColor;     // linear rgb, in pelage's unit; so are the other colors
-  float4 g_rigCascades[9];  // [cascade][3] rows: world to u, v and depth 0..1; the smallest first
-  float4 g_rigSpot[4];      // rows: world to clip of the spot light's map
-  float4 g_rigSpotPosition; // xyz [m]; w cosine of the angle at the edge of its cone
-  float4 g_rigSpotAxis;     // xyz unit vector away from it; w cosine where it begins to fall off
-  float4 g_rigSpotColor;    // at 1 m
-  float4 g_rigSky;          // x factor on the light of the cube
-  float4 g_rigMaps;         // texels an edge: x of a cascade, y of the spot's map; bias in their
-                            // depths: z, w
+  float4 g_rigSun;           // xyz unit vector towards the sun
+  float4 g_rigSunColor;      // linear rgb, in pelage's unit; so are the other colors
+  float4 g_rigCascades[9];   // [cascade][3] rows: world to u, v and depth 0..1; the smallest first
+  float4 g_rigSpot[4];       // rows: world to clip of the spot light's map
+  float4 g_rigSpotPosition;  // xyz [m]; w cosine of the angle at the edge of its cone
+  float4 g_rigSpotAxis;      // xyz unit vector away from it; w cosine where it begins to fall off
+  float4 g_rigSpotColor;     // at 1 m
+  float4 g_rigSky;           // x factor on the light of the cube
+  float4 g_rigMaps;          // texels an edge: x of a cascade, y of the spot's map; bias in their
+                             // depths: z, w
 };
 
 // Depths 0..1 of opaque geometry, seen from the lights.
@@ -49,10 +49,14 @@ float openInCascade(uint cascade, float3 at) {
   float4 texels = comparedTexels(at.xy, g_rigMaps.x);
   float depth = at.z - g_rigMaps.z;
   float4 open;
-  open.x = isOpen(depth, g_rigCascadeMaps.Load(int4(texelAt(texels, 0, 0, cascade, g_rigMaps.x), 0)));
-  open.y = isOpen(depth, g_rigCascadeMaps.Load(int4(texelAt(texels, 1, 0, cascade, g_rigMaps.x), 0)));
-  open.z = isOpen(depth, g_rigCascadeMaps.Load(int4(texelAt(texels, 0, 1, cascade, g_rigMaps.x), 0)));
-  open.w = isOpen(depth, g_rigCascadeMaps.Load(int4(texelAt(texels, 1, 1, cascade, g_rigMaps.x), 0)));
+  open.x =
+      isOpen(depth, g_rigCascadeMaps.Load(int4(texelAt(texels, 0, 0, cascade, g_rigMaps.x), 0)));
+  open.y =
+      isOpen(depth, g_rigCascadeMaps.Load(int4(texelAt(texels, 1, 0, cascade, g_rigMaps.x), 0)));
+  open.z =
+      isOpen(depth, g_rigCascadeMaps.Load(int4(texelAt(texels, 0, 1, cascade, g_rigMaps.x), 0)));
+  open.w =
+      isOpen(depth, g_rigCascadeMaps.Load(int4(texelAt(texels, 1, 1, cascade, g_rigMaps.x), 0)));
   return mixedTexels(open, texels.zw);
 }
 
@@ -64,8 +68,9 @@ float sunVisibility(float3 world) {
   float3 position = float3(0.0, 0.0, 0.0);
   [unroll] for (uint i = 0u; i < kRigCascades; ++i) {
     uint cascade = kRigCascades - 1u - i;
-    float3 at = float3(dot(g_rigCascades[3u * cascade], p), dot(g_rigCascades[3u * cascade + 1u], p),
-                       dot(g_rigCascades[3u * cascade + 2u], p));
+    float3 at =
+        float3(dot(g_rigCascades[3u * cascade], p), dot(g_rigCascades[3u * cascade + 1u], p),
+               dot(g_rigCascades[3u * cascade + 2u], p));
     bool inside = all(at == saturate(at));
     smallest = inside ? cascade : smallest;
     position = inside ? at : position;

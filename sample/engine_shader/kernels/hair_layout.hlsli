@@ -8,9 +8,9 @@
 #include "light_rig.hlsli"
 
 cbuffer HairLook : register(b1, space0) {
-  float4 g_lookRoot;       // linear rgb; a = opacity
-  float4 g_lookTip;        // linear rgb
-  float4 g_lookBody;       // members of StrandShading
+  float4 g_lookRoot;  // linear rgb; a = opacity
+  float4 g_lookTip;   // linear rgb
+  float4 g_lookBody;  // members of StrandShading
   float4 g_lookPrimary;
   float4 g_lookSecondary;
   float g_lookRootRadius;  // [m]

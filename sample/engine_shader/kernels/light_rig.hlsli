@@ -11,8 +11,8 @@ cbuffer LightRig : LIGHT_RIG_REGISTER {
   float4 g_keyColor;       // linear rgb
   float4 g_rimDirection;
   float4 g_rimColor;
-  float4 g_skyColor;       // light from above
-  float4 g_groundColor;    // light from below
+  float4 g_skyColor;     // light from above
+  float4 g_groundColor;  // light from below
 };
 
 // Light of the sky and the ground on what faces this way.

@@ -17,9 +17,10 @@ void capture_fragments(StrandPixel strand) {
   fragment.y = uint(strand.clip.y - g_viewport.y);
   fragment.depth = strand.clip.z;
   fragment.alpha = alpha;
-  float3 light = lightStrand(renderShading(),
-                             strandSurface(fragmentPosition(strand.clip.xy - g_viewport.xy, strand.clip.z),
-                                           strand.tangent, strand.color.rgb));
+  float3 light =
+      lightStrand(renderShading(),
+                  strandSurface(fragmentPosition(strand.clip.xy - g_viewport.xy, strand.clip.z),
+                                strand.tangent, strand.color.rgb));
   fragment.color = float4(light, 1.0);
   g_captured[index] = fragment;
 }

@@ -5,6 +5,4 @@
 // Invariant: y = 1 is the top row of the image on every API.
 #include "runtime_draw.hlsli"
 
-float4 fill_vertex(uint vertex : SV_VertexID) : SV_Position {
-  return g_corners[vertex] + g_offset;
-}
+float4 fill_vertex(uint vertex : SV_VertexID) : SV_Position { return g_corners[vertex] + g_offset; }

@@ -4,7 +4,7 @@
 #define PELAGE_TESTS_RUNTIME_COMPUTE_HLSLI
 
 cbuffer AccumulateConstants : register(b0, space0) {
-  uint g_count;   // elements
+  uint g_count;  // elements
   uint g_factor;
   uint g_bias;
   uint g_computePad;

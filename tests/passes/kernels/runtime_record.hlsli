@@ -19,8 +19,6 @@ RWStructuredBuffer<uint> g_hits : register(u0, space1);
 // [pixel]: bits of a depth.
 RWStructuredBuffer<uint> g_depths : register(u1, space1);
 
-uint pixelIndex(float4 position) {
-  return uint(position.y) * g_targetWidth + uint(position.x);
-}
+uint pixelIndex(float4 position) { return uint(position.y) * g_targetWidth + uint(position.x); }
 
 #endif

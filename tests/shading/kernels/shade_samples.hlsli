@@ -8,14 +8,14 @@
 struct ShadeSample {
   float4 tangent;  // w material
   float4 toEye;
-  float4 base;     // w offset across the fiber
-  float4 light;    // as StrandLight.direction
+  float4 base;   // w offset across the fiber
+  float4 light;  // as StrandLight.direction
 };
 
 cbuffer ShadeConstants : register(b0, space0) {
-  uint g_shadeCount;     // samples
+  uint g_shadeCount;  // samples
   uint g_materialCount;
-  uint g_thetaCount;     // sum_light: directions of light a sample, along and around the fiber
+  uint g_thetaCount;  // sum_light: directions of light a sample, along and around the fiber
   uint g_phiCount;
 };
 StructuredBuffer<ShadeSample> g_shadeSamples : register(t0, space0);

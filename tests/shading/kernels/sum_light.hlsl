@@ -17,8 +17,7 @@ void sum_light(uint3 id : SV_DispatchThreadID) {
   float3 sum = float3(0.0, 0.0, 0.0);
   for (uint i = 0u; i < g_phiCount; ++i) {
     float phi = (float(i) + 0.5) * turn;
-    float3 light = surface.tangent * sin(theta) +
-                   (side * cos(phi) + other * sin(phi)) * cos(theta);
+    float3 light = surface.tangent * sin(theta) + (side * cos(phi) + other * sin(phi)) * cos(theta);
     sum += shadeStrand(material, surface, light);
   }
   g_shaded[id.x] = float4(sum * (cos(theta) * step * turn / kShadingPi), 0.0);

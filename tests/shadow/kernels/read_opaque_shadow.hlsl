@@ -19,6 +19,6 @@ RWStructuredBuffer<float> g_opaqueResults : register(u0, space0);
 [numthreads(64, 1, 1)]
 void read_opaque_shadow(uint3 thread : SV_DispatchThreadID) {
   if (thread.x >= g_opaquePointCount) return;
-  g_opaqueResults[thread.x] = opaqueTransmittance(g_opaqueViews[0], g_opaquePoints[thread.x].xyz,
-                                                  g_opaqueToLight.xyz);
+  g_opaqueResults[thread.x] =
+      opaqueTransmittance(g_opaqueViews[0], g_opaquePoints[thread.x].xyz, g_opaqueToLight.xyz);
 }
