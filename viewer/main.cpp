@@ -1,4 +1,4 @@
-// pelage-viewer: hair that moves, in a window.
+// pelage-viewer: shows moving hair in a window.
 #include <exception>
 
 #include "options.h"

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "capture/pass_times.h"
 #include "capture/recording.h"
-#include "capture/times_file.h"
 #include "png_file.h"
 #include "support/errors.h"
 #include "support/test_folder.h"
@@ -37,7 +37,7 @@ class Capture : public testing::Test {
     path_ = path != nullptr ? path : "";
   }
   void TearDown() override { setenv("PATH", path_.c_str(), 1); }
-  /// A program of this name that is the only one there, but for those that it needs.
+  /// Makes a program ffmpeg of a shell script, and makes it the only program on the PATH.
   void fakeFfmpeg(const std::string& script) const {
     const Path program = folder_ / "bin" / "ffmpeg";
     std::ofstream(program) << "#!/bin/sh\nPATH=" << path_ << "\n" << script;
@@ -62,7 +62,7 @@ TEST_F(Capture, PicturesAreNumberedInTheirFolder) {
   EXPECT_FALSE(viewer::recordPictures(folder_ / "file" / "c"));
 }
 
-// The program gets the size and all bytes, and the name as one word.
+// ffmpeg gets the size, all bytes, and the name of the file as one argument.
 TEST_F(Capture, AVideoIsWhatFfmpegMakesOfThePictures) {
   fakeFfmpeg("for last; do :; done\necho \"$@\" > \"$last\"\ncat >> \"$last\"\n");
   ASSERT_TRUE(viewer::hasFfmpeg());
@@ -87,7 +87,7 @@ TEST_F(Capture, AVideoWithoutFfmpegOrWithABrokenOneSaysSo) {
 
   fakeFfmpeg("exit 3\n");
   auto broken = required(viewer::recordVideo(folder_ / "a.mp4"));
-  // More than a pipe takes.
+  // These pictures are larger than the buffer of a pipe.
   bool added = true;
   for (int i = 0; i < 8 && added; ++i)
     added = static_cast<bool>((*broken)->add(picture(256, 256, 1)));

@@ -1,4 +1,4 @@
-// Files that the viewer opens: what belongs together, the unit, what is broken.
+// Files that the viewer opens: companions, units, broken files.
 #include "stage/files.h"
 
 #include <gtest/gtest.h>
@@ -73,7 +73,7 @@ TEST_F(ViewerFiles, WhatIsNoHairIsRefusedByName) {
 }
 
 #ifdef PELAGE_TEST_AUTHORING
-// A character is what hair collides with and follows, and its clip moves it: in the file's unit.
+// Hair collides with a character and follows it; its clip moves in the file's unit.
 TEST_F(ViewerFiles, ACharacterMovesHairThatHasNoBones) {
   const auto character = required(pelage::generateCharacter());
   ASSERT_TRUE(sample::writeGltf(*character, file("character.gltf")));
@@ -104,7 +104,7 @@ TEST_F(ViewerFiles, ACharacterMovesHairThatHasNoBones) {
 }
 #endif
 
-// Buffers of what is not shown any more go, and those of what is shown stay.
+// A new source frees the buffers of the last one; a broken file leaves the buffers as they are.
 TEST_F(ViewerFiles, TheStageStaysWhenFilesAreBroken) {
   viewer::Stage stage;
   viewer::StageSource source;

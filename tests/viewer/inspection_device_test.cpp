@@ -1,4 +1,4 @@
-// What the viewer measures on the GPU is what the positions say.
+// Figures that the viewer measures on the GPU match the positions of the hair.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -44,7 +44,7 @@ class Inspection : public testing::TestWithParam<pelage::Api> {
     required(
         stage_.show({.kind = viewer::StageKind::kHead, .preset = sample::GroomPreset::kMohawk}));
     stage_.frameAll(1);
-    // The bind pose.
+    // Hair stays in its bind pose.
     stage_.clock.playing = false;
     ASSERT_NO_FATAL_FAILURE(draw());
   }
@@ -72,7 +72,7 @@ class Inspection : public testing::TestWithParam<pelage::Api> {
     return stage_.inspected();
   }
 
-  /// What the method itself has counted.
+  /// Returns the counters of the transparency method.
   pelage::TransparencyCounters counters() {
     const auto read = [&](pelage::BufferId buffer) { return device_->read(buffer); };
     const auto statistics = stage_.statistics(read);
@@ -80,8 +80,7 @@ class Inspection : public testing::TestWithParam<pelage::Api> {
     return statistics && statistics->transparency ? *statistics->transparency
                                                   : pelage::TransparencyCounters{};
   }
-  /// Pixels of the last view that are more like one of three colors than like the others: of its
-  /// strongest channel.
+  /// Counts the pixels of the last view by their strongest channel.
   std::array<size_t, 3> pixelsByChannel() const {
     std::array<size_t, 3> pixels = {};
     for (const Float4& p : picture_.pixels) {
@@ -96,7 +95,7 @@ class Inspection : public testing::TestWithParam<pelage::Api> {
   viewer::Stage stage_;
 };
 
-// The lengths of a new rest pose are a tenth more than those that the viewer knows.
+// A new rest pose is a tenth longer than the rest lengths that the viewer knows.
 TEST_P(Inspection, StretchIsThatOfTheEdges) {
   const uint64_t vertices = uint64_t{hair().guideCount()} * hair().verticesPerStrand();
   const InspectionFigures rest = figuresOf(InspectedValue::kStretch);
@@ -123,7 +122,7 @@ TEST_P(Inspection, StretchIsThatOfTheEdges) {
   EXPECT_TRUE(stretched.beyond > vertices / 2) << stretched.beyond;
 }
 
-// A ball around a vertex that has not moved yet.
+// A ball surrounds a vertex that has not moved yet.
 TEST_P(Inspection, PenetrationIsTheDepthInTheBall) {
   const uint32_t count = hair().verticesPerStrand();
   const std::vector<Float4> at = positions();
@@ -165,7 +164,7 @@ TEST_P(Inspection, FragmentsAreCountedTheSameInEveryFrame) {
   EXPECT_EQ(again.fragments, first.fragments);
   EXPECT_EQ(again.pixels, first.pixels);
   EXPECT_EQ(again.largest, first.largest);
-  // Follow hairs are ten times as many as guides.
+  // There are ten follow hairs per guide.
   stage_.look.strandShare = 0.09f;
   (void)figuresOf(InspectedValue::kNone);
   const uint64_t guides = figuresOf(InspectedValue::kOverdraw).fragments;
@@ -176,7 +175,7 @@ TEST_P(Inspection, FragmentsAreCountedTheSameInEveryFrame) {
 
 TEST_P(Inspection, TilesHaveWhatTheMethodCounts) {
   using pelage::Transparency;
-  EXPECT_FALSE(figuresOf(InspectedValue::kTiles).known);  // of a method without tiles
+  EXPECT_FALSE(figuresOf(InspectedValue::kTiles).known);  // this method has no tiles
   for (const Transparency method : {Transparency::kWindowed, Transparency::kTiles}) {
     stage_.look.transparency = method;
     (void)figuresOf(InspectedValue::kNone);
@@ -193,15 +192,15 @@ TEST_P(Inspection, TilesHaveWhatTheMethodCounts) {
     EXPECT_EQ(pixels[0] + pixels[1] + pixels[2], 64 * figures.tiles);
   }
   (void)figuresOf(InspectedValue::kNone);
-  pelage::TransparencySettings scarce = stage_.transparency();
+  pelage::TransparencySettings scarce = stage_.transparency.settings();
   scarce.nodeCount = counters().fragments / 2;
-  stage_.setTransparency(scarce);
+  stage_.transparency.set(scarce);
   const InspectionFigures figures = figuresOf(InspectedValue::kTiles);
   EXPECT_GT(figures.tilesWithoutRoom, 0u);
   EXPECT_GT(figures.tiles, figures.tilesWithoutRoom);
 }
 
-// Blue where strands are left out, green where they are drawn, red where their guide is not
+// Strands are blue if they are left out, green if they are drawn, red if their guide is not
 // simulated.
 TEST_P(Inspection, LevelOfDetailHasAColorForEachKind) {
   stage_.look.strandShare = 1;
@@ -222,7 +221,7 @@ TEST_P(Inspection, LevelOfDetailHasAColorForEachKind) {
   EXPECT_GT(pixels[2], 20u);
 }
 
-// Buffers of a view that is not shown any more go.
+// A view that is no longer shown frees its buffers.
 TEST_P(Inspection, LeavesNoBuffersBehind) {
   const uint64_t bytes = stage_.scene().resources().totalBytes();
   for (const auto value :

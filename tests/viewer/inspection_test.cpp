@@ -1,4 +1,4 @@
-// What the viewer looks inside with: keys of colors, statistics, history of passes, folders.
+// Parts of the viewer that need no device: keys of colors, statistics, history of passes, folders.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -6,13 +6,13 @@
 #include <fstream>
 #include <limits>
 
-#include "interface/pass_history.h"
-#include "stage/folder_listing.h"
+#include "capture/pass_times.h"
+#include "stage/files.h"
 #include "stage/inspection_look.h"
 #include "stage/stage.h"
 #include "stage/stage_settings.h"
 #include "stage/statistics.h"
-#include "stage/strand_detail.h"
+#include "stage/strand_inspection.h"
 #include "support/errors.h"
 #include "support/test_folder.h"
 
@@ -42,7 +42,7 @@ TEST(ColorRamp, HasItsColorsAtEvenStepsAndTheEndsBeyond) {
   EXPECT_TRUE(isEqual(colorAt(ramp, -2, 2, -kInfinity), ramp.colors[0]));
   EXPECT_TRUE(isEqual(colorAt(ramp, -2, 2, kInfinity), ramp.colors[4]));
   EXPECT_TRUE(isEqual(colorAt(ramp, -2, 2, std::nanf("")), ramp.colors[0]));
-  // The picture shows colors up to 0.6 as they are, and the key with them.
+  // The picture does not change colors up to 0.6, so that the key has the same colors.
   for (const viewer::ColorRamp* each :
        {&viewer::kSignedRamp, &viewer::kDepthRamp, &viewer::kCountRamp, &viewer::kKindRamp})
     for (const pelage::Float3& c : each->colors)
@@ -59,7 +59,7 @@ TEST(InspectionLook, GoesThroughAllValuesAndBack) {
   EXPECT_EQ(look.value, InspectedValue::kNone);
 }
 
-// A key names its ends with the unit, and has figures where they are known.
+// A key names its ends with the unit, and has figures if they are known.
 TEST(InspectionLook, HasAKeyWithUnitsWhereThereAreColors) {
   InspectionLook look;
   for (int i = 0; i < viewer::kInspectedValues; ++i, look.show(false)) {
@@ -122,7 +122,7 @@ TEST(Statistics, SayWhatTheCountersSayAndLeaveOutTheRest) {
   EXPECT_EQ(lines[3], "5 contacts, 3 passes more, 1 tiles again");
 }
 
-// Without a device there are no counters to read, and the sizes are there.
+// Without a device there are sizes, but no counters.
 TEST(Statistics, OfAStageListItsHairAndColliders) {
   viewer::Stage stage;
   ASSERT_TRUE(stage.show({.kind = viewer::StageKind::kHead,
@@ -141,7 +141,7 @@ TEST(Statistics, OfAStageListItsHairAndColliders) {
   EXPECT_LE(reads, 3u);
 }
 
-// Level of detail of an object, as its settings have it.
+// The figures of level of detail follow from the settings of an object.
 TEST(StrandDetail, CountsWhatIsDrawnAndSimulated) {
   viewer::Stage stage;
   ASSERT_TRUE(
@@ -157,7 +157,7 @@ TEST(StrandDetail, CountsWhatIsDrawnAndSimulated) {
   EXPECT_EQ(figures.strands, hair.strandCount());
   EXPECT_EQ(figures.drawn, (hair.strandCount() + 1) / 2);
   EXPECT_EQ(figures.simulated, (hair.guideCount() + 3) / 4);
-  // The last eighth fades, and its widths add up to half.
+  // The last eighth of the drawn strands fades; its widths add up to half of it.
   EXPECT_NEAR(static_cast<double>(figures.fading), hair.strandCount() / 16.0, 1);
   EXPECT_NEAR(figures.widening, 2 / (1 - 1.0f / 16), 1e-3f);
   InspectionLook look;
@@ -195,7 +195,8 @@ TEST(Folder, ListsFoldersThenFilesThatCanBeOpened) {
   expectError(viewer::listFolder(folder / "none"), "none");
 }
 
-// Two sides are two solvers with settings of their own, and one again leaves nothing behind.
+// Two sides have two solvers, each with settings of its own. Going back to one side frees all of
+// the other.
 TEST(Comparison, ShowsTheSameHairTwiceAndGoes) {
   viewer::Stage stage;
   ASSERT_TRUE(

@@ -1,5 +1,5 @@
-// The panel of all parameters, by a mouse and without a window: each value is there, moves, is
-// marked, and goes back.
+// The panel of all parameters, with a mouse but without a window: each value can be edited, is
+// marked as changed, and can be reset.
 #include "panels/parameter_panel.h"
 
 #include <gtest/gtest.h>
@@ -14,8 +14,7 @@
 #include <string>
 #include <string_view>
 
-#include "history/edit_history.h"
-#include "panels/value_scale.h"
+#include "panels/edit_history.h"
 #include "panels/value_widget.h"
 
 namespace {
@@ -30,7 +29,7 @@ using viewer::PanelChange;
 using viewer::PanelItem;
 using viewer::ParameterPanel;
 
-/// A context of Dear ImGui without a backend, and a window as high as the panel.
+/// Makes a context of Dear ImGui without a backend, and a window as high as the panel.
 class Panel : public testing::Test {
  protected:
   static constexpr float kWidth = 700, kHeight = 6000;
@@ -63,13 +62,13 @@ class Panel : public testing::Test {
     return change;
   }
 
-  /// Draws until all groups are open and where they stay.
+  /// Draws until all groups are open and no longer move.
   void open() {
     panel.openAll = true;
     for (int i = 0; i < 4; ++i) frame();
   }
 
-  /// Presses at one point and lets go at another.
+  /// Presses the button at one point and releases it at another.
   void drag(const Float2& from, const Float2& to) {
     frame(from.x, from.y);
     frame(from.x, from.y, true);
@@ -90,7 +89,7 @@ class Panel : public testing::Test {
     return {min.x + (max.x - min.x) * x, min.y + (max.y - min.y) * y};
   }
 
-  /// Sets the value by the mouse to another one.
+  /// Changes the value with the mouse.
   void move(PanelItem item) {
     const Float2 low = inside(item.min, item.max, 0.06f, 0.5f);
     const double share =
@@ -106,7 +105,7 @@ class Panel : public testing::Test {
       case ParameterType::kChoice: {
         const bool last = std::get<uint64_t>(item.section->get(settings, *item.parameter)) > 0;
         click(low);
-        // The list is below; its first or second row.
+        // The list opens below: click its first or second row.
         const float row = ImGui::GetTextLineHeightWithSpacing();
         return click({low.x, item.max.y + (last ? 0.8f : 1.8f) * row});
       }
@@ -299,7 +298,7 @@ TEST_F(Panel, ACurveFollowsTheMouse) {
   const auto curve = std::find_if(parameters.begin(), parameters.end(),
                                   [](const Parameter& p) { return p.path == "curves.stiffness"; });
   const PanelItem item = *find(*curve);
-  // From the upper left to the lower right corner: from 4 to 0.
+  // The stroke goes from the upper left corner, 4, to the lower right one, 0.
   drag(inside(item.min, item.max, 0.001f, 0.001f), inside(item.min, item.max, 0.999f, 0.999f));
   for (size_t i = 0; i < 8; ++i)
     EXPECT_NEAR(settings.simulation.curves.stiffness[i], 4 - 4 * static_cast<float>(i) / 7, 0.1f);
@@ -311,7 +310,7 @@ TEST_F(Panel, TakesLessThanHalfAMillisecond) {
   const auto start = std::chrono::steady_clock::now();
   for (int i = 0; i < kFrames; ++i) frame();
   const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - start;
-  // Not asserted: the machine may be busy.
+  // The time is not asserted: the machine may be busy.
   std::printf("a frame with all %zu parameters open: %.3f ms\n", panel.items.size(),
               time.count() / kFrames);
   RecordProperty("milliseconds_a_frame", std::to_string(time.count() / kFrames));

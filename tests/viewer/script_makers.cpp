@@ -8,14 +8,14 @@
 #include <iterator>
 #include <random>
 
-#include "panels/value_scale.h"
+#include "panels/value_widget.h"
 #include "pelage/settings/settings_file.h"
 
 namespace pelage::test {
 
 namespace {
 
-// A value at a share of the slider.
+// Returns the value at a share of the slider; another one for kinds without a slider.
 ParameterValue valueAt(const Parameter& parameter, double share, const ParameterValue& now) {
   const double number = viewer::valueAtShare(parameter, share);
   switch (parameter.type) {

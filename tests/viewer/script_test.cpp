@@ -1,12 +1,12 @@
-// Scripts of the viewer: what is written is what is read, and what is wrong is named.
-#include "script/script.h"
+// Scripts of the viewer: scripts that were written can be read, and errors name the line.
+#include "input/script.h"
 
 #include <gtest/gtest.h>
 
 #include <string>
 #include <vector>
 
-#include "input/keys.h"
+#include "input/event.h"
 #include "support/errors.h"
 
 namespace {

@@ -1,4 +1,4 @@
-// Settings of a stage: what is edited reaches the scene, and comes back.
+// Settings of a stage: edits reach the scene, and can be read back.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,7 +9,6 @@
 
 #include "interface/settings_panel.h"
 #include "pelage/settings/settings_file.h"
-#include "stage/good_settings.h"
 #include "stage/stage_settings.h"
 #include "support/errors.h"
 #include "support/test_folder.h"
@@ -29,7 +28,7 @@ class StageSettings : public testing::Test {
     ASSERT_EQ(stage_.shown(), 1u);
     ASSERT_FALSE(stage_.hairs().empty());
   }
-  /// A value within the range, other than the one that is there.
+  /// Returns another value within the range.
   static pelage::ParameterValue otherThan(const pelage::Parameter& parameter,
                                           const pelage::ParameterValue& value) {
     const auto within = [&](double x) {
@@ -71,13 +70,13 @@ TEST_F(StageSettings, AreWhatWasGiven) {
       // An object draws no more strands than it has.
       if (parameter.path == "drawnStrands") continue;
       if (sections[s].key == "collider" && stage_.colliders().empty()) continue;
-      // A share of the guides needs it.
+      // A share of the guides needs level of detail.
       if (parameter.path == "levelOfDetail") settings.object.simulatedShare = 1;
       const auto value = otherThan(parameter, sections[s].get(settings, parameter));
       ASSERT_TRUE(check(parameter, value)) << parameter.path;
       sections[s].set(settings, parameter, value);
       if (parameter.path == "innerConeAngle") settings.lights[0].outerConeAngle = 1.5f;
-      if (!validate(settings)) continue;  // two values that do not go together
+      if (!validate(settings)) continue;  // the two values contradict each other
       required(apply(settings, 0, stage_));
       const SceneSettings now = settingsOf(stage_, 0);
       EXPECT_TRUE(haveSameBits(sections[s].get(now, parameter), value))
@@ -88,7 +87,7 @@ TEST_F(StageSettings, AreWhatWasGiven) {
   EXPECT_GT(moved, 60u);
 }
 
-// What is not on the stage is what the window decides: what it draws beside hair.
+// The window decides the other sections: the drawing of everything but hair.
 TEST_F(StageSettings, HaveEverySectionButThoseOfTheWindow) {
   const std::set<std::string_view> ofTheWindow = {"colliderLook"};
   const auto sections = pelage::settingsSections();
@@ -135,7 +134,7 @@ TEST_F(StageSettings, ThatTheSceneRefusesGoBackToTheLastGoodOnes) {
   EXPECT_TRUE(frame) << frame.error().message;
 }
 
-// A number of samples that a device or a method does not have.
+// A device or a method may not support a number of samples.
 TEST_F(StageSettings, OfTheTargetAreRefusedWithASentenceAndGoBack) {
   pelage::DeviceInfo device;
   device.name = "a device";
@@ -159,7 +158,7 @@ TEST_F(StageSettings, OfTheTargetAreRefusedWithASentenceAndGoBack) {
   EXPECT_TRUE(stage_.makeFrame(0.01, 64, 64));
 }
 
-// Files and settings that come in one frame: there is nothing to go back to.
+// Files and settings came in one frame: no good settings were kept for the new hair.
 TEST_F(StageSettings, ThatNoFrameRanWithGiveWayToTheDefaults) {
   viewer::GoodSettings good;
   good.keep(stage_);
@@ -175,7 +174,7 @@ TEST_F(StageSettings, ThatNoFrameRanWithGiveWayToTheDefaults) {
   EXPECT_FALSE(viewer::applyDefaultLook(stage_));
 }
 
-// The side that has come takes the settings of the other one before a frame has run with them.
+// The new side takes refused settings from the other one before a frame has run with them.
 TEST_F(StageSettings, ThatBothSidesHaveGoBackOnBoth) {
   viewer::GoodSettings good;
   good.keep(stage_);
@@ -191,17 +190,17 @@ TEST_F(StageSettings, ThatBothSidesHaveGoBackOnBoth) {
   EXPECT_TRUE(frame) << frame.error().message;
 }
 
-// A cap that was enough is none in a window that has grown.
+// A cap of memory that was enough may be too small for a larger window.
 TEST_F(StageSettings, OfMemoryAreThoseOfTheDeviceAgainWhereTheyAreTooSmall) {
   stage_.setDevice({});
-  EXPECT_FALSE(stage_.resetMemory());
+  EXPECT_FALSE(stage_.transparency.resetMemory());
   SceneSettings settings = settingsOf(stage_, 0);
   settings.transparency.method = pelage::Transparency::kShortCut;
   settings.transparency.maxBytes = 200 << 10;
   ASSERT_TRUE(apply(settings, 0, stage_));
   ASSERT_TRUE(stage_.makeFrame(0.01, 64, 64));
   ASSERT_FALSE(stage_.makeFrame(0.01, 640, 480));
-  EXPECT_TRUE(stage_.resetMemory());
+  EXPECT_TRUE(stage_.transparency.resetMemory());
   EXPECT_TRUE(stage_.makeFrame(0.01, 640, 480));
 }
 

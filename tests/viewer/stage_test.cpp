@@ -1,13 +1,13 @@
-// Camera and clock of the viewer, and what the mouse finds.
+// Camera and clock of the viewer, the arrow of the wind, and picking of hair.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
+#include "stage/controls.h"
 #include "stage/hair_pull.h"
 #include "stage/orbit_camera.h"
-#include "stage/play_clock.h"
-#include "stage/wind_arrow.h"
+#include "stage/stage.h"
 
 namespace {
 
@@ -100,17 +100,17 @@ TEST(WindArrow, ItsTipSetsTheWindInThePicture) {
   };
   // Where the tip is already, nothing changes.
   expectNear(viewer::windOfTip(camera, before, size, arrow.tip.x, arrow.tip.y), before);
-  // At the base there is none in the picture.
+  // At the base, the wind has no part in the picture.
   const Float3 calm = viewer::windOfTip(camera, {}, size, arrow.base.x + 0.5, arrow.base.y);
   expectNear(calm, {});
-  // Far away it is the strongest.
+  // Far away, the wind is at its maximum.
   const Float3 storm = viewer::windOfTip(camera, {}, size, arrow.base.x + 1e4, arrow.base.y);
   expectNear(storm,
              {viewer::kMaxArrowWind * camera.right().x, viewer::kMaxArrowWind * camera.right().y,
               viewer::kMaxArrowWind * camera.right().z});
 }
 
-// A strand of four vertices in front of the camera, and one behind it.
+// There are two strands of four vertices, one behind the other.
 TEST(HairPull, TakesTheVertexUnderTheMouseThatIsInFront) {
   const viewer::OrbitCamera camera = someCamera();
   const pelage::View view = camera.view(640, 480);

@@ -1,7 +1,6 @@
-// The viewer in a window: scripts that orbit, pause, resize and quit; the pictures are those of
-// hair, and the same in every run. The display is an Xvfb that the test starts. A start takes
-// longer than many frames of little hair, so that one session does many things and several tests
-// look at it.
+// The viewer in a window: scripts orbit, pause, resize and quit; the pictures show hair, and are
+// the same in every run. The display is an Xvfb that the test starts. A start takes longer than
+// many frames of little hair: one session does many things, and several tests check it.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -44,13 +43,13 @@ using pelage::test::runIn;
 using pelage::test::TestFolder;
 using pelage::test::textOf;
 
-// From the first test to the end of the program.
+// Starts the display with the first test; it lives until the end of the program.
 const std::string& display() {
   static const pelage::test::XDisplay kDisplay;
   return kDisplay.name();
 }
 
-/// Settings of few strands that cover much of the picture.
+/// Returns settings with which few strands cover much of the picture.
 pelage::SceneSettings wideHair() {
   pelage::SceneSettings settings;
   settings.material.fiberRadius = 0.0015f;
@@ -59,7 +58,7 @@ pelage::SceneSettings wideHair() {
   return settings;
 }
 
-/// A folder for one session, with hair that is simulated and drawn in no time.
+/// A folder for one session, with hair that is fast to simulate and to draw.
 class Folder {
  public:
   Path file(const std::string& name) const { return path_ / name; }
@@ -91,7 +90,7 @@ class Folder {
   pelage::test::TestFolder path_;
 };
 
-/// What a session of the viewer left: exit status, stderr, pictures by name, recorded input.
+/// The results of a session: exit status, stderr, pictures by name, recorded input.
 struct Session {
   ProgramOutput output;
   std::map<std::string, ByteImage> pictures;
@@ -175,7 +174,7 @@ constexpr const char* kManyThings = R"(
 29 screenshot restored
 )";
 
-// A script that begins some frames later.
+// Returns a script that begins some frames later.
 std::string shifted(const std::string& script, uint64_t frames) {
   std::istringstream lines(script);
   std::string result, event;
@@ -184,7 +183,7 @@ std::string shifted(const std::string& script, uint64_t frames) {
   return result;
 }
 
-/// kManyThings, once an API.
+/// The session of kManyThings, which runs once for each API.
 struct Sessions {
   explicit Sessions(const std::string& api) {
     folder.writeHair();
@@ -216,7 +215,7 @@ class Viewer : public testing::TestWithParam<Api> {
     if (!known) known = std::make_unique<Sessions>(api());
     return *known;
   }
-  /// \param first, end the columns that it is in; 0, 0: all.
+  /// Expects hair in columns of a picture. \param first, end the columns; 0, 0: all.
   static void expectHair(const ByteImage& image, const std::string& name, uint32_t first = 0,
                          uint32_t end = 0) {
     const auto s = statisticsOf(image, first, end);
@@ -285,7 +284,7 @@ TEST_P(Viewer, GoesOnBehindTheTaskBar) {
   EXPECT_NE(session.recorded.find("25 minimize"), std::string::npos);
 }
 
-// Nothing happens to a minimized window: its program sleeps.
+// The program sleeps while its window is minimized.
 TEST(Window, IsHiddenWhileItIsMinimizedAndWaits) {
   if (display().empty()) PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: Xvfb does not start";
   setenv("DISPLAY", display().c_str(), 1);
@@ -304,7 +303,7 @@ TEST(Window, IsHiddenWhileItIsMinimizedAndWaits) {
   EXPECT_EQ((*window)->size().interfaceScale, 1.0f);
 }
 
-// Mean of the channels of some columns, 0..255.
+// Returns the mean of the channels of some columns, 0..255.
 double meanOfColumns(const ByteImage& image, uint32_t first, uint32_t end) {
   double sum = 0;
   for (size_t i = 0; i < image.rgb.size(); ++i)
@@ -312,8 +311,8 @@ double meanOfColumns(const ByteImage& image, uint32_t first, uint32_t end) {
   return sum / (3.0 * (end - first) * image.height);
 }
 
-// On twice the usual dots per inch the panel is twice as wide, and its first button, which pauses,
-// is where it is drawn.
+// With twice the usual dots per inch the panel is twice as wide, and its first button, Pause, can
+// be clicked where it is drawn.
 TEST_P(Viewer, GrowsWithTheDotsOfTheDisplay) {
   if (GetParam() != kFirstApi) GTEST_SKIP() << "skipped: not the first API";
   static const pelage::test::XDisplay kFine(192);
@@ -332,7 +331,7 @@ TEST_P(Viewer, GrowsWithTheDotsOfTheDisplay) {
   EXPECT_TRUE(paused.rgb == session.picture("later").rgb);
 }
 
-// Mean difference of two pictures' channels, 0..255.
+// Returns the mean difference of two pictures' channels, 0..255.
 double meanDifference(const ByteImage& a, const ByteImage& b) {
   EXPECT_EQ(a.rgb.size(), b.rgb.size());
   double sum = 0;
@@ -341,14 +340,14 @@ double meanDifference(const ByteImage& a, const ByteImage& b) {
   return sum / static_cast<double>(a.rgb.size());
 }
 
-// Every method draws the same hair, each in its own way.
+// All methods draw the same hair.
 TEST_P(Viewer, DrawsWithEveryMethodAndTakesEverySetting) {
   const Folder folder;
   folder.writeHair();
   std::vector<std::string> methods;
   std::string script =
       "0 key tab\n0 key space\n" + pelage::test::everyMethod(wideHair(), folder.file(""), methods);
-  // The window and the scene take settings in the same way whatever draws.
+  // Settings do not depend on the API.
   if (GetParam() == kFirstApi)
     script += shifted(
         pelage::test::everySetting(wideHair(), viewer::stageSections(), folder.file("")), 30);
@@ -369,7 +368,7 @@ TEST_P(Viewer, DrawsWithEveryMethodAndTakesEverySetting) {
   EXPECT_NE(view.rgb, session.picture("method_shortCut").rgb);
 }
 
-// Whatever comes in, nothing fails and validation is clean.
+// Random input causes no errors and no messages of the validation.
 TEST_P(Viewer, SurvivesRandomInput) {
   const Folder folder;
   folder.writeHair();
@@ -390,8 +389,8 @@ TEST_P(Viewer, SurvivesRandomInput) {
   } while (std::chrono::steady_clock::now() < end && !HasFailure());
 }
 
-// Kernels of a folder, in which one of them is another: its code is what draws. A mistake is a
-// message with file and line, and the program's own kernel stays.
+// A changed kernel of a folder replaces the program's own. A mistake in it is a message with file
+// and line, and the program's own kernel stays.
 TEST_P(Viewer, CompilesKernelsOfAFolder) {
   const Folder folder;
   folder.writeHair();
@@ -420,7 +419,7 @@ TEST_P(Viewer, CompilesKernelsOfAFolder) {
   const char* const script = "0 key tab\n0 key space\n1 screenshot picture.png\n";
   const ByteImage green = pictureWith("float3(0.0, 40.0, 0.0) * " + line, script);
   EXPECT_GT(greenShare(green), 0.1);
-  // The message does not depend on what the kernel is compiled for.
+  // The message does not depend on the API.
   if (GetParam() != kFirstApi) return;
   const ByteImage broken =
       pictureWith("nothing(", "0 key tab\n0 key space\n1 key enter\n3 screenshot picture.png\n");
@@ -428,7 +427,7 @@ TEST_P(Viewer, CompilesKernelsOfAFolder) {
   EXPECT_GT(statisticsOf(broken).drawnShare, 0.05);
 }
 
-// What is shown without arguments; the device is lost meanwhile.
+// Without arguments the viewer shows the character, even after a loss of the device.
 TEST_P(Viewer, ShowsTheCharacterAndALostDeviceComesBack) {
   const Folder folder;
   const Session session = sessionOf(
@@ -440,8 +439,8 @@ TEST_P(Viewer, ShowsTheCharacterAndALostDeviceComesBack) {
   expectHair(session.picture("later"), "behind the loss");
 }
 
-// Each view differs from the one before; behind the last one, the hair is as it was. Then a file is
-// opened in the dialog by its name.
+// Each view differs from the previous one; after the last one, the hair looks as before. Then the
+// dialog opens a file by its name.
 TEST_P(Viewer, LooksInsideAndOpensFiles) {
   if (GetParam() != kFirstApi) GTEST_SKIP() << "skipped: not the first API";
   const Folder folder;
@@ -471,7 +470,8 @@ TEST_P(Viewer, LooksInsideAndOpensFiles) {
   EXPECT_EQ(session.picture("after").rgb, hair.rgb);
 }
 
-// Two solvers side by side, settings of one side, hair that is pulled in the other; then one again.
+// Two solvers are shown side by side, with settings of one side and hair that is pulled in the
+// other; then one side again.
 TEST_P(Viewer, ShowsTwoSidesAndOneAgain) {
   const Folder folder;
   const Session session = sessionOf(
@@ -500,7 +500,7 @@ TEST_P(Viewer, WithoutADisplayItSaysSo) {
   EXPECT_EQ(std::count(output.errors.begin(), output.errors.end(), '\n'), 1) << output.errors;
 }
 
-// The loaders of Vulkan and OpenGL find nothing.
+// The loaders of Vulkan and OpenGL find no driver.
 TEST_P(Viewer, WithoutADriverItSaysWhatToInstall) {
   if (GetParam() != kFirstApi) GTEST_SKIP() << "skipped: not the first API";
   constexpr const char* kNoDrivers =

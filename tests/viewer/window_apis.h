@@ -1,4 +1,4 @@
-// The APIs of the viewer: OpenGL ES draws into no window.
+// The APIs of the viewer. OpenGL ES is not among them: it has no window here.
 #pragma once
 
 #include <vector>

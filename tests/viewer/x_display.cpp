@@ -14,7 +14,7 @@ namespace pelage::test {
 
 namespace {
 
-// As a window manager tells a window's program: ICCCM 4.1.3.1.
+// Tells the program of a window its state, as ICCCM 4.1.3.1 wants.
 void setState(::Display* server, Atom property, ::Window window, long state) {
   const long words[2] = {state, None};
   XChangeProperty(server, window, property, property, 32, PropModeReplace,
@@ -43,7 +43,7 @@ XDisplay::XDisplay(int dotsPerInch) {
   name_ = ":" + number;
   server_ = XOpenDisplay(name_.c_str());
   if (server_ == nullptr) return;
-  // Where programs look for it, as xrdb leaves it.
+  // Programs read the dots per inch here, where xrdb writes them.
   const std::string resources = "Xft.dpi:\t" + std::to_string(dotsPerInch) + "\n";
   XChangeProperty(server_, DefaultRootWindow(server_), XA_RESOURCE_MANAGER, XA_STRING, 8,
                   PropModeReplace, reinterpret_cast<const unsigned char*>(resources.data()),
@@ -61,10 +61,10 @@ XDisplay::~XDisplay() {
   waitpid(process_, nullptr, 0);
 }
 
-// Minimizes windows that ask for it, and says which are there.
+// Minimizes windows that ask for it, and tells programs when their windows are mapped.
 void XDisplay::manageWindows() const {
   ::Display* const server = server_;
-  // Windows go while their events are still here.
+  // Windows may be destroyed before their events are handled.
   XSetErrorHandler([](::Display*, XErrorEvent*) { return 0; });
   const Atom state = XInternAtom(server, "WM_STATE", False);
   const Atom change = XInternAtom(server, "WM_CHANGE_STATE", False);

@@ -1,4 +1,4 @@
-// A display without a screen, for windows of tests: an Xvfb with the least of a window manager.
+// A display without a screen, for windows of tests: an Xvfb with a minimal window manager.
 #pragma once
 
 #include <sys/types.h>
@@ -13,12 +13,12 @@ namespace pelage::test {
 
 class XDisplay {
  public:
-  /// Starts it. \param dotsPerInch that its settings name; 96 is the usual.
+  /// Starts an Xvfb. \param dotsPerInch of its settings; 96 is usual.
   explicit XDisplay(int dotsPerInch = 96);
   ~XDisplay();
   XDisplay(const XDisplay&) = delete;
   XDisplay& operator=(const XDisplay&) = delete;
-  /// ":7"; empty: Xvfb does not start.
+  /// Returns its name, such as ":7"; empty: Xvfb did not start.
   const std::string& name() const { return name_; }
 
  private:

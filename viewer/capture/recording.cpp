@@ -15,7 +15,7 @@
 #include <system_error>
 #include <vector>
 
-#include "capture/screenshot.h"
+#include "png_file.h"
 
 namespace viewer {
 
@@ -24,11 +24,18 @@ using pelage::ErrorCode;
 using pelage::Result;
 using Path = std::filesystem::path;
 
+pelage::Result<void> writeScreenshot(const sample::ByteImage& picture,
+                                     const std::filesystem::path& path) {
+  std::error_code error;
+  if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), error);
+  return sample::writePng(path.string(), picture);
+}
+
 namespace {
 
 constexpr const char* kFfmpeg = "ffmpeg";
 
-// Where the PATH has a program; empty: nowhere.
+// Finds a program on the PATH; empty: there is none.
 Path findProgram(const char* name) {
   const char* paths = std::getenv("PATH");
   std::string_view rest = paths != nullptr ? paths : "";
@@ -65,8 +72,8 @@ class Video final : public Recording {
   pid_t process_ = -1;
 };
 
-// The command that makes a video of pictures on its input. Most players want even sizes: an odd
-// picture's last row and column are there twice.
+// Returns the command that makes a video of the pictures on its input. Most players need even
+// sizes: the last row and column of an odd picture are repeated.
 std::vector<std::string> wordsOf(const Path& file, uint32_t width, uint32_t height) {
   const uint32_t right = width % 2, bottom = height % 2;
   std::istringstream command(
@@ -74,7 +81,7 @@ std::vector<std::string> wordsOf(const Path& file, uint32_t width, uint32_t heig
                   "pad={}:{},fillborders=right={}:bottom={}:mode=smear -pix_fmt yuv420p",
                   kFfmpeg, width, height, width + right, height + bottom, right, bottom));
   std::vector<std::string> words(std::istream_iterator<std::string>(command), {});
-  // A name that begins with a dash or has a colon is one of a file, too.
+  // An absolute path is a file, even if the name begins with a dash or has a colon.
   std::error_code error;
   const Path absolute = std::filesystem::absolute(file, error);
   words.push_back(error ? file.string() : absolute.string());
@@ -84,7 +91,7 @@ std::vector<std::string> wordsOf(const Path& file, uint32_t width, uint32_t heig
 Result<void> Video::start(const sample::ByteImage& first) {
   width_ = first.width;
   height_ = first.height;
-  // A program that ends early is an error of write(), and does not end this one.
+  // If ffmpeg ends early, write() fails. Without this, the signal would end the viewer.
   signal(SIGPIPE, SIG_IGN);
   std::array<int, 2> ends = {-1, -1};
   if (pipe(ends.data()) != 0)

@@ -1,4 +1,4 @@
-// Pictures of all frames: numbered PNG files, or a video by ffmpeg.
+// Pictures of the window as files: screenshots, numbered pictures of all frames, videos by ffmpeg.
 #pragma once
 
 #include <cstdint>
@@ -11,15 +11,20 @@
 
 namespace viewer {
 
-/// Takes the pictures of a recording, one after the other.
+/// Writes a picture as PNG, and makes the folder of the file. Errors: a file that cannot be
+/// written.
+pelage::Result<void> writeScreenshot(const sample::ByteImage& picture,
+                                     const std::filesystem::path& path);
+
+/// Takes the pictures of a recording one by one.
 class Recording {
  public:
   virtual ~Recording() = default;
   Recording(const Recording&) = delete;
   Recording& operator=(const Recording&) = delete;
-  /// Errors: a file that cannot be written; of a video another size than the first picture's.
+  /// Errors: a file that cannot be written; for videos, another size than the first picture's.
   virtual pelage::Result<void> add(const sample::ByteImage& picture) = 0;
-  /// Ends it. Errors: a video that ffmpeg cannot write.
+  /// Ends the recording. Errors: a video that ffmpeg cannot write.
   virtual pelage::Result<void> finish() = 0;
   const std::filesystem::path& path() const { return path_; }
   uint64_t pictures() const { return pictures_; }
@@ -30,19 +35,18 @@ class Recording {
   uint64_t pictures_ = 0;
 };
 
-/// Writes FOLDER/00001.png and so on; the folder is made. Files of these names are written over.
+/// Writes FOLDER/00001.png and so on. It makes the folder, and overwrites files of these names.
 /// Errors: the folder cannot be made.
 pelage::Result<std::unique_ptr<Recording>> recordPictures(const std::filesystem::path& folder);
 
-/// Gives the pictures to ffmpeg, which makes a video of them, of any kind that it knows by the
-/// file's name: 60 pictures a second. Errors: no ffmpeg on the PATH, which the message says; it
-/// cannot be started.
+/// Makes a video of 60 pictures a second with ffmpeg, which chooses the format by the file's name.
+/// Errors: no ffmpeg on the PATH; ffmpeg cannot be started.
 pelage::Result<std::unique_ptr<Recording>> recordVideo(const std::filesystem::path& file);
 
-/// Whether recordVideo() has its ffmpeg.
+/// Whether ffmpeg is on the PATH.
 bool hasFfmpeg();
 
-/// The first "pelage-NNNN" with this ending in the current folder that is not there yet.
+/// Returns the first name "pelage-NNNN" with an ending that does not exist in the current folder.
 std::filesystem::path nextFile(const std::string& ending);
 
 }  // namespace viewer

@@ -1,4 +1,4 @@
-// What a person does to the window, as values: from the window, from a script, into a recording.
+// Input as values: events of the window or of a script, and keys.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,15 @@
 
 namespace viewer {
 
-/// Keys as GLFW numbers them, so that printable ones are their character: 'F'.
+/// GLFW's number of a key; for printable keys it is their character: 'F'.
 using Key = int;
+inline constexpr Key kKeySpace = 32, kKeyEscape = 256, kKeyEnter = 257, kKeyTab = 258,
+                     kKeyBackspace = 259, kKeyDelete = 261, kKeyRight = 262, kKeyLeft = 263,
+                     kKeyDown = 264, kKeyUp = 265, kKeyHome = 268, kKeyEnd = 269, kKeyF8 = 297,
+                     kKeyF9 = 298, kKeyF10 = 299, kKeyF12 = 301, kKeyLeftShift = 340,
+                     kKeyLeftControl = 341, kKeyLeftAlt = 342, kKeyRightShift = 344,
+                     kKeyRightControl = 345, kKeyRightAlt = 346;
+inline constexpr Key kMaxKey = 511;
 
 enum class MouseButton : uint8_t { kLeft, kRight, kMiddle };
 
@@ -40,7 +47,7 @@ struct Resized {
   uint32_t width = 0, height = 0;  ///< window coordinates
   bool operator==(const Resized&) const = default;
 };
-/// The window goes to the task bar, or comes back.
+/// The window is minimized, or restored.
 struct Minimized {
   bool minimized = true;
   bool operator==(const Minimized&) const = default;
@@ -49,7 +56,7 @@ struct FilesDropped {
   std::vector<std::filesystem::path> files;
   bool operator==(const FilesDropped&) const = default;
 };
-/// Saves the picture of this frame. Only scripts have it; the key F12 is the same for a person.
+/// Saves the picture of this frame. Only scripts have it; a person presses F12.
 struct ScreenshotWanted {
   std::filesystem::path file;
   bool operator==(const ScreenshotWanted&) const = default;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "interface/user_interface.h"
 #include "pelage/settings/settings_file.h"
 #include "stage/stage_settings.h"
 
@@ -16,11 +17,11 @@ using pelage::SceneSettings;
 namespace {
 
 constexpr float kSettingsWidth = 380;   // at scale 1
-constexpr float kSettingsHeight = 520;  // likewise, where the window has it
+constexpr float kSettingsHeight = 520;  // at scale 1, less in a lower window
 
 }  // namespace
 
-// Another scene has settings and edits of its own.
+// Begins new histories when the stage shows another scene.
 void SettingsPanel::follow(const Stage& stage) {
   if (shown_ == stage.shown()) return;
   shown_ = stage.shown();
@@ -32,7 +33,7 @@ void SettingsPanel::follow(const Stage& stage) {
 void SettingsPanel::undo(Stage& stage) {
   follow(stage);
   EditHistory& history = histories_[hair_];
-  // What the other panel changed since then is a state, too.
+  // Changes by the panel at the left become a state as well.
   history.add(settingsOf(stage, hair_));
   history.undo();
   (void)apply(history.current(), hair_, stage);
@@ -90,13 +91,7 @@ std::vector<SettingsMessage> SettingsPanel::build(Stage& stage, const WindowSize
   std::vector<SettingsMessage> messages;
   follow(stage);
   if (histories_.empty()) return messages;
-  const float scale = size.interfaceScale, margin = 8 * scale;
-  const float height =
-      std::min(kSettingsHeight * scale, static_cast<float>(size.height) - 2 * margin);
-  ImGui::SetNextWindowPos(
-      {static_cast<float>(size.width) - kSettingsWidth * scale - margin, margin},
-      ImGuiCond_Appearing);
-  ImGui::SetNextWindowSize({kSettingsWidth * scale, std::max(height, 80.0f)}, ImGuiCond_Appearing);
+  placeAtRight(size, kSettingsWidth, kSettingsHeight);
   if (ImGui::Begin("Settings")) {
     buildHair(stage);
     buildFile(stage, messages);

@@ -1,4 +1,4 @@
-// The window with all settings of what is on the stage: edited, undone, loaded and saved.
+// The window that edits, undoes, loads and saves all settings of the stage.
 #pragma once
 
 #include <cstddef>
@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "history/edit_history.h"
+#include "panels/edit_history.h"
 #include "panels/parameter_panel.h"
 #include "stage/stage.h"
 #include "window/window.h"
@@ -20,18 +20,15 @@ struct SettingsMessage {
 
 class SettingsPanel {
  public:
-  /// Draws the window, and gives the stage what changed. \return messages of files that cannot be
+  /// Draws the window, and applies edits to the stage. \return messages about files that cannot be
   /// read or written.
   std::vector<SettingsMessage> build(Stage& stage, const WindowSize& size);
 
-  /// Sets what a file has, for all hair. Errors: SettingsFile's; nothing is set then.
+  /// Sets the settings of a file for all hair. Errors: SettingsFile's; nothing is set then.
   pelage::Result<void> load(const std::filesystem::path& file, Stage& stage);
-  /// Goes to the settings before the last edit of the chosen hair, or after it. Nothing happens
-  /// where there are none.
+  /// Undoes or redoes the last edit of the chosen hair, if there is one.
   void undo(Stage& stage);
   void redo(Stage& stage);
-  /// Of the chosen hair: index in Stage::hairs().
-  size_t hair() const { return hair_; }
 
  private:
   void follow(const Stage& stage);
@@ -41,7 +38,7 @@ class SettingsPanel {
   ParameterPanel panel_;
   uint64_t shown_ = 0;                  ///< Stage::shown() that the histories belong to
   std::vector<EditHistory> histories_;  ///< [hair]
-  size_t hair_ = 0;
+  size_t hair_ = 0;                     ///< the chosen one: index in Stage::hairs()
   char file_[512] = "settings.json";
 };
 

@@ -5,14 +5,144 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <string>
 #include <vector>
 
-#include "choices.h"
-#include "interface/inspection_panel.h"
-#include "interface/text.h"
+#include "image.h"
+#include "interface/user_interface.h"
+#include "options.h"
+#include "stage/controls.h"
+#include "stage/orbit_camera.h"
 
 namespace viewer {
+
+namespace {
+
+constexpr ImU32 kColor = IM_COL32(255, 205, 90, 230);
+constexpr ImU32 kFaint = IM_COL32(255, 205, 90, 90);
+
+void drawWind(const Stage& stage, const WindowSize& size, ImDrawList& list) {
+  const pelage::Float3& wind = stage.look.wind;
+  const WindArrow arrow = windArrowOf(stage.camera, wind, size);
+  const ImVec2 base = {arrow.base.x, arrow.base.y}, tip = {arrow.tip.x, arrow.tip.y};
+  const float scale = size.interfaceScale;
+  list.AddCircleFilled(base, 3 * scale, kColor);
+  list.AddLine(base, tip, kColor, 2.5f * scale);
+  const float x = tip.x - base.x, y = tip.y - base.y, length = std::hypot(x, y);
+  if (length > 1) {
+    const float ux = x / length * 9 * scale, uy = y / length * 9 * scale;
+    list.AddTriangleFilled({tip.x + ux, tip.y + uy}, {tip.x - uy * 0.6f, tip.y + ux * 0.6f},
+                           {tip.x + uy * 0.6f, tip.y - ux * 0.6f}, kColor);
+  }
+  list.AddCircle(tip, arrow.tipRadius, kFaint);
+  const std::string text = fmt::format(
+      "wind {:.1f} m/s", std::sqrt(wind.x * wind.x + wind.y * wind.y + wind.z * wind.z));
+  list.AddText({base.x - 40 * scale, static_cast<float>(size.height) - 18 * scale}, kColor,
+               text.c_str());
+}
+
+void drawPull(const Stage& stage, const WindowSize& size, ImDrawList& list) {
+  if (!stage.pull.holds()) return;
+  const pelage::View view = stage.camera.view(size.width, size.height);
+  const auto from = project(view, stage.pull.point()), to = project(view, stage.pull.target());
+  if (!from || !to) return;
+  list.AddLine({from->x, from->y}, {to->x, to->y}, kFaint, 1.5f * size.interfaceScale);
+  list.AddCircle({to->x, to->y}, 6 * size.interfaceScale, kColor);
+}
+
+}  // namespace
+
+void drawGizmos(const Stage& stage, const WindowSize& size) {
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  drawWind(stage, size, list);
+  drawPull(stage, size, list);
+}
+
+namespace {
+
+constexpr float kKeyWidth = 290;  // at scale 1
+constexpr int kSteps = 32;        // in the bar of colors
+
+// Encodes a linear color as the picture does.
+ImU32 shownColor(const pelage::Float3& color) {
+  pelage::RenderedImage pixel;
+  pixel.width = pixel.height = 1;
+  pixel.pixels = {{color.x, color.y, color.z, 1}};
+  const sample::ByteImage encoded = sample::encodeSrgb(pixel);
+  return IM_COL32(encoded.rgb[0], encoded.rgb[1], encoded.rgb[2], 255);
+}
+
+void buildRange(InspectionLook& look) {
+  const auto slide = [](const char* label, float& value, float low, float high,
+                        const char* format) {
+    ImGui::SliderFloat(label, &value, low, high, format, ImGuiSliderFlags_Logarithmic);
+    value = std::clamp(value, low, high);
+  };
+  if (look.value == InspectedValue::kStretch) slide("Range", look.stretchRange, 1e-6f, 1, "%.2g");
+  if (look.value == InspectedValue::kPenetration)
+    slide("Range [m]", look.penetrationRange, 1e-6f, 0.1f, "%.2g");
+  if (look.value == InspectedValue::kOverdraw) slide("Range", look.overdrawRange, 1, 1024, "%.0f");
+  if (look.value == InspectedValue::kTiles) slide("Range", look.tileRange, 1, 65536, "%.0f");
+  if (look.value != InspectedValue::kSdfSlice) return;
+  slide("Range [m]", look.sliceRange, 1e-4f, 1, "%.2g");
+  int axis = static_cast<int>(look.sliceAxis);
+  if (ImGui::Combo("Across", &axis, "x\0y\0z\0")) look.sliceAxis = static_cast<SliceAxis>(axis);
+  ImGui::SliderFloat("Position", &look.slicePosition, 0, 1, "%.2f");
+  look.slicePosition = std::clamp(look.slicePosition, 0.0f, 1.0f);
+}
+
+void buildBar(const InspectionKey& key) {
+  const ImVec2 from = ImGui::GetCursorScreenPos();
+  const ImVec2 size = {ImGui::GetContentRegionAvail().x, ImGui::GetFontSize()};
+  for (int i = 0; i < kSteps; ++i) {
+    const float share = static_cast<float>(i) / (kSteps - 1);
+    const float left = from.x + size.x * static_cast<float>(i) / kSteps;
+    ImGui::GetWindowDrawList()->AddRectFilled({left, from.y},
+                                              {left + size.x / kSteps + 1, from.y + size.y},
+                                              shownColor(colorAt(*key.ramp, 0, 1, share)));
+  }
+  ImGui::Dummy(size);
+  const float left = ImGui::GetCursorPosX();
+  text(key.low);
+  ImGui::SameLine(left + (size.x - ImGui::CalcTextSize(key.middle.c_str()).x) / 2);
+  text(key.middle);
+  ImGui::SameLine(left + size.x - ImGui::CalcTextSize(key.high.c_str()).x);
+  text(key.high);
+}
+
+void buildInspection(Stage& stage) {
+  InspectionLook& look = stage.inspection;
+  if (ImGui::BeginCombo("Show", nameOf(look.value))) {
+    for (int i = 0; i < kInspectedValues; ++i) {
+      const auto value = static_cast<InspectedValue>(i);
+      if (ImGui::Selectable(nameOf(value), value == look.value)) look.value = value;
+    }
+    ImGui::EndCombo();
+  }
+  buildRange(look);
+  ImGui::Checkbox("Contact normals", &stage.look.showsContacts);
+}
+
+}  // namespace
+
+void buildInspectionKey(const Stage& stage, const WindowSize& size) {
+  const InspectionKey key =
+      inspectionKey(stage.inspection, stage.inspected(), stage.look.transparency);
+  if (key.title.empty()) return;
+  const float scale = size.interfaceScale, margin = 8 * scale;
+  ImGui::SetNextWindowPos(
+      {static_cast<float>(size.width) - margin, static_cast<float>(size.height) - margin},
+      ImGuiCond_Always, {1, 1});
+  ImGui::SetNextWindowSize({kKeyWidth * scale, 0});
+  ImGui::Begin("Key", nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs |
+                   ImGuiWindowFlags_NoFocusOnAppearing);
+  text(key.title);
+  if (key.ramp != nullptr) buildBar(key);
+  for (const std::string& line : key.lines) ImGui::TextWrapped("%s", line.c_str());
+  ImGui::End();
+}
 
 namespace {
 
@@ -20,12 +150,13 @@ constexpr float kStageWidth = 250;  // at scale 1
 constexpr float kMostWind = 20;     // m/s
 constexpr size_t kListedPasses = 14;
 
-template <class T>
-bool choose(const char* label, const std::vector<Choice<T>>& choices, T& value) {
-  const auto current = std::find_if(choices.begin(), choices.end(),
-                                    [&](const Choice<T>& choice) { return choice.value == value; });
+template <class T, size_t N>
+bool choose(const char* label, const Choice<T> (&choices)[N], T& value) {
+  const auto* const current =
+      std::find_if(std::begin(choices), std::end(choices),
+                   [&](const Choice<T>& choice) { return choice.value == value; });
   bool changed = false;
-  if (!ImGui::BeginCombo(label, current == choices.end() ? "" : current->name)) return false;
+  if (!ImGui::BeginCombo(label, current == std::end(choices) ? "" : current->name)) return false;
   for (const Choice<T>& choice : choices) {
     if (!ImGui::Selectable(choice.name, choice.value == value)) continue;
     changed = value != choice.value;
@@ -50,19 +181,19 @@ void buildPlay(Stage& stage, PanelWishes& wishes) {
   auto speed = static_cast<float>(clock.speed);
   if (ImGui::SliderFloat("Speed", &speed, 0.05f, 4, "%.2f x", ImGuiSliderFlags_Logarithmic))
     clock.speed = std::clamp(speed, 0.05f, 4.0f);
-  if (stage.hasMotions()) choose("Motion", motions(), stage.look.motion);
+  if (stage.hasMotions()) choose("Motion", kMotions, stage.look.motion);
   wishes.togglesSettings = ImGui::Button("All settings");
   ImGui::SameLine();
   wishes.togglesStatistics = ImGui::Button("Statistics");
 }
 
-// The generated hair, or another.
+// Builds the choice of generated hair and of the solver.
 void buildSource(const Stage& stage, PanelWishes& wishes) {
   StageSource source = stage.source();
   const char* current = "character";
   if (source.kind == StageKind::kFiles) current = "files";
   if (source.kind == StageKind::kHead)
-    for (const Choice<sample::GroomPreset>& groom : grooms())
+    for (const Choice<sample::GroomPreset>& groom : kGrooms)
       if (groom.value == source.preset) current = groom.name;
   bool changed = false;
   wishes.opensFiles = ImGui::Button("Open files");
@@ -71,7 +202,7 @@ void buildSource(const Stage& stage, PanelWishes& wishes) {
       source.kind = StageKind::kCharacter;
       changed = true;
     }
-    for (const Choice<sample::GroomPreset>& groom : grooms()) {
+    for (const Choice<sample::GroomPreset>& groom : kGrooms) {
       if (!ImGui::Selectable(groom.name, current == groom.name)) continue;
       source.kind = StageKind::kHead;
       source.preset = groom.value;
@@ -79,19 +210,19 @@ void buildSource(const Stage& stage, PanelWishes& wishes) {
     }
     ImGui::EndCombo();
   }
-  changed |= choose("Solver", solvers(), source.solver);
+  changed |= choose("Solver", kSolvers, source.solver);
   if (changed) wishes.source = source;
 }
 
-// The unit of the files, and one click to another.
+// Shows the unit of the files, with a button for each other unit.
 void buildFiles(const Stage& stage, PanelWishes& wishes) {
   if (stage.source().kind != StageKind::kFiles) return;
   ImGui::Separator();
   for (const auto& file : stage.source().files) text(file.filename().string());
-  text(fmt::format("scale {:g} m per unit", stage.scale()));
-  text(fmt::format("mean strand {:.3g} m", stage.meanLength()));
+  text(fmt::format("scale {:g} m per unit", stage.files().scale));
+  text(fmt::format("mean strand {:.3g} m", stage.files().meanLength));
   const auto offer = [&](const char* label, float scale) {
-    if (scale == stage.scale()) return;
+    if (scale == stage.files().scale) return;
     if (ImGui::SmallButton(label)) {
       wishes.source = stage.source();
       wishes.source->scale = scale;
@@ -103,20 +234,20 @@ void buildFiles(const Stage& stage, PanelWishes& wishes) {
   offer("mm", 0.001f);
   offer("inch", 0.0254f);
   ImGui::NewLine();
-  for (const std::string& remark : stage.remarks()) ImGui::TextWrapped("%s", remark.c_str());
+  for (const std::string& remark : stage.files().remarks) ImGui::TextWrapped("%s", remark.c_str());
 }
 
 void buildLook(Stage& stage, const Canvas& canvas) {
   pelage::Transparency method = stage.look.transparency;
-  if (choose("Method", transparencies(), method) && canvas.supports({.method = method}))
+  if (choose("Method", kTransparencies, method) && canvas.supports({.method = method}))
     stage.look.transparency = method;
-  choose("Shadow", shadows(), stage.look.shadow);
+  choose("Shadow", kShadows, stage.look.shadow);
   float percent = 100 * stage.look.strandShare;
   if (ImGui::SliderFloat("Strands", &percent, 2, 100, "%.0f %%"))
     stage.look.strandShare = std::clamp(percent, 2.0f, 100.0f) / 100;
 }
 
-// The wind as a direction in the plan and a speed, and the ball.
+// Builds the wind, as a horizontal direction and a speed, and the ball.
 void buildForces(Stage& stage) {
   pelage::Float3& wind = stage.look.wind;
   float speed = std::hypot(wind.x, wind.z);
@@ -135,12 +266,12 @@ void buildForces(Stage& stage) {
     stage.ball.radius = std::clamp(radius, 1.0f, 20.0f) / 100;
 }
 
-// Two sides, of which the other windows show the chosen one.
+// Builds the comparison of two sides; the other windows show the chosen side.
 void buildComparison(Stage& stage, PanelWishes& wishes) {
   bool two = stage.sides() == 2;
   pelage::Solver right = stage.solverOf(two ? 1 : 0);
   const bool toggled = ImGui::Checkbox("Side by side", &two);
-  if (two && !toggled && choose("Right", solvers(), right)) wishes.compares = true;
+  if (two && !toggled && choose("Right", kSolvers, right)) wishes.compares = true;
   wishes.compares |= toggled;
   if (two) wishes.right = right;
   if (stage.sides() < 2) return;

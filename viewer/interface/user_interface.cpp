@@ -7,13 +7,13 @@
 #include <iterator>
 #include <utility>
 
-#include "input/keys.h"
+#include "input/event.h"
 
 namespace viewer {
 
 namespace {
 
-constexpr float kFontSize = 13;       // of ImGui's own font, which is made of pixels
+constexpr float kFontSize = 13;       // native size of ImGui's bitmap font
 constexpr float kMessageWidth = 440;  // at scale 1
 
 struct MappedKey {
@@ -42,6 +42,17 @@ constexpr MappedKey kMappedKeys[] = {
 };
 
 }  // namespace
+
+void text(const std::string& line) { ImGui::TextUnformatted(line.c_str()); }
+
+void placeAtRight(const WindowSize& size, float width, float height) {
+  const float scale = size.interfaceScale, margin = 8 * scale;
+  const float most = static_cast<float>(size.height) - 2 * margin;
+  ImGui::SetNextWindowPos({static_cast<float>(size.width) - width * scale - margin, margin},
+                          ImGuiCond_Appearing);
+  ImGui::SetNextWindowSize({width * scale, std::max(std::min(height * scale, most), 80.0f)},
+                           ImGuiCond_Appearing);
+}
 
 UserInterface::UserInterface(float scale) {
   ImGui::CreateContext();
@@ -94,7 +105,7 @@ bool UserInterface::take(const Event& event) {
   ImGuiIO& io = ImGui::GetIO();
   if (const auto* moved = std::get_if<MouseMoved>(&event)) {
     io.MousePos = {static_cast<float>(moved->x), static_cast<float>(moved->y)};
-    return false;  // whoever has the button wants to know
+    return false;  // drags on the stage need it as well
   }
   if (const auto* button = std::get_if<MousePressed>(&event)) {
     const auto index = static_cast<size_t>(button->button);

@@ -1,5 +1,5 @@
-// The user interface of a window: Dear ImGui with the viewer's own input, so that a script does
-// what a person does.
+// The user interface of a window: Dear ImGui with events of the viewer, so that scripts work as a
+// person does.
 #pragma once
 
 #include <array>
@@ -14,6 +14,11 @@ struct ImDrawData;
 
 namespace viewer {
 
+/// Writes a line into the current window.
+void text(const std::string& line);
+/// Places the next window at the top right when it appears. \param width, height at scale 1.
+void placeAtRight(const WindowSize& size, float width, float height);
+
 class UserInterface {
  public:
   /// Makes the ImGui context. \param scale WindowSize::interfaceScale.
@@ -25,13 +30,13 @@ class UserInterface {
   /// Takes an event. \return whether it belongs to the interface alone.
   bool take(const Event& event);
   /// Builds the interface of a frame. \param seconds since the last one, > 0. \param panels builds
-  /// what is beside the messages; empty for nothing.
+  /// the panels under the messages; may be empty.
   void build(const WindowSize& size, double seconds, const std::function<void()>& panels);
-  /// Of the last build().
+  /// Draws of the last build().
   ImDrawData* drawData() const;
 
-  /// Shows a message until the user closes it, after those that are there already. One that is the
-  /// last of them is not shown twice.
+  /// Queues a message, which is shown until the user closes it. A repetition of the newest message
+  /// is ignored.
   void say(std::string title, std::string text);
   bool hasMessage() const { return !messages_.empty(); }
 
@@ -42,8 +47,8 @@ class UserInterface {
   void buildMessage(const WindowSize& size);
   std::deque<Message> messages_;
   void takeKey(const KeyPressed& event);
-  /// What went down since the last build() and up again: it ends with the next one, so that a short
-  /// click is not lost.
+  /// A key or button that went down and up between two builds: it stays down for one build(), so
+  /// that short clicks are not lost.
   struct Press {
     bool began = false, ends = false;
     void down(bool& state);

@@ -31,7 +31,41 @@ bool contains(std::string_view text, std::string_view part) {
 
 pelage::Float2 point(const ImVec2& at) { return {at.x, at.y}; }
 
-/// One draw of the panel.
+const SettingsSection& section(size_t s) { return pelage::settingsSections()[s]; }
+
+bool isChanged(const SceneSettings& settings, size_t s, size_t index, const Parameter& parameter) {
+  return !haveSameBits(section(s).get(settings, parameter, index), parameter.defaultValue);
+}
+
+// Whether a parameter passes the search and the filter of changed ones.
+bool isShown(const ParameterPanel& panel, const SceneSettings& settings, size_t s, size_t index,
+             const Parameter& parameter) {
+  if (panel.onlyChanged && !isChanged(settings, s, index, parameter)) return false;
+  const std::string_view part = panel.search;
+  return part.empty() || contains(parameter.path, part) || contains(parameter.owner, part) ||
+         contains(parameter.meaning, part) || contains(parameter.unit, part) ||
+         contains(section(s).title, part);
+}
+
+// Keeps the inner angle of a cone at most at the outer one: the angle that was not edited gives
+// way.
+void keepCone(const Parameter& parameter, pelage::Light& light) {
+  if (parameter.path == "innerConeAngle")
+    light.outerConeAngle = std::max(light.outerConeAngle, light.innerConeAngle);
+  else
+    light.innerConeAngle = std::min(light.innerConeAngle, light.outerConeAngle);
+}
+
+void drawTooltip(const Parameter& parameter) {
+  if (!ImGui::IsItemHovered()) return;
+  ImGui::BeginTooltip();
+  ImGui::PushTextWrapPos(ImGui::GetFontSize() * 30);
+  ImGui::TextUnformatted(tooltipText(parameter).c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::EndTooltip();
+}
+
+/// Draws the panel once.
 class Drawing {
  public:
   Drawing(ParameterPanel& panel, SceneSettings& settings) : panel_(panel), settings_(settings) {
@@ -50,7 +84,7 @@ class Drawing {
         drawGroup(s, 0, std::string(sections[s].title));
     }
     panel_.openAll = false;
-    // A slider that is held has not made its edit yet.
+    // An edit is finished when the user releases the slider.
     if (change_.changed()) panel_.unfinished = true;
     if (panel_.unfinished && !ImGui::IsAnyItemActive()) {
       panel_.unfinished = false;
@@ -60,21 +94,7 @@ class Drawing {
   }
 
  private:
-  const SettingsSection& section(size_t s) const { return pelage::settingsSections()[s]; }
   void note(size_t s) { change_.sections |= 1u << s; }
-
-  bool isChanged(size_t s, size_t index, const Parameter& parameter) const {
-    return !haveSameBits(section(s).get(settings_, parameter, index), parameter.defaultValue);
-  }
-
-  // Whether the search and the other filter let it through.
-  bool isShown(size_t s, size_t index, const Parameter& parameter) const {
-    if (panel_.onlyChanged && !isChanged(s, index, parameter)) return false;
-    const std::string_view part = panel_.search;
-    return part.empty() || contains(parameter.path, part) || contains(parameter.owner, part) ||
-           contains(parameter.meaning, part) || contains(parameter.unit, part) ||
-           contains(section(s).title, part);
-  }
 
   void drawTop() {
     const auto presets = pelage::settingsPresets();
@@ -95,7 +115,7 @@ class Drawing {
     ImGui::Checkbox("Changed only", &panel_.onlyChanged);
   }
 
-  // The kind of hair; lights and views stay.
+  // Takes the settings of a kind of hair; lights and views stay.
   void takePreset(size_t index) {
     panel_.newestPreset = index;
     const auto preset = pelage::presetSettings(pelage::settingsPresets()[index].name);
@@ -126,12 +146,12 @@ class Drawing {
     return pressed;
   }
 
-  // A group with its head; the head says how many of its values differ from their defaults.
+  // Draws a group; its header says how many values differ from their defaults.
   void drawGroup(size_t s, size_t index, const std::string& title) {
     size_t shown = 0, changed = 0;
     for (const Parameter& parameter : section(s).parameters) {
-      shown += isShown(s, index, parameter) ? 1 : 0;
-      changed += isChanged(s, index, parameter) ? 1 : 0;
+      shown += isShown(panel_, settings_, s, index, parameter) ? 1 : 0;
+      changed += isChanged(settings_, s, index, parameter) ? 1 : 0;
     }
     if (shown == 0) return;
     const bool filtered = panel_.search[0] != 0 || panel_.onlyChanged;
@@ -152,7 +172,7 @@ class Drawing {
   void drawValues(size_t s, size_t index) {
     std::string_view before;
     for (const Parameter& parameter : section(s).parameters) {
-      if (!isShown(s, index, parameter)) continue;
+      if (!isShown(panel_, settings_, s, index, parameter)) continue;
       const std::string_view inside =
           parameter.path.substr(0, parameter.path.size() - parameter.field.size());
       if (inside != before && !inside.empty())
@@ -168,7 +188,7 @@ class Drawing {
     PanelItem item = {.section = &section(s),
                       .parameter = &parameter,
                       .index = index,
-                      .isChanged = isChanged(s, index, parameter)};
+                      .isChanged = isChanged(settings_, s, index, parameter)};
     ParameterValue value = section(s).get(settings_, parameter, index);
     ImGui::SetNextItemWidth(ImGui::GetWindowContentRegionMax().x * kWidgetShare);
     bool edited = editValue(parameter, value);
@@ -194,27 +214,8 @@ class Drawing {
     panel_.items.push_back(item);
     if (!edited) return;
     section(s).set(settings_, parameter, value, index);
-    keepCone(s, index, parameter);
+    if (section(s).isList) keepCone(parameter, settings_.lights[index]);
     note(s);
-  }
-
-  // The inner angle of a cone is at most the outer one: the other one gives way.
-  void keepCone(size_t s, size_t index, const Parameter& parameter) {
-    if (!section(s).isList) return;
-    pelage::Light& light = settings_.lights[index];
-    if (parameter.path == "innerConeAngle")
-      light.outerConeAngle = std::max(light.outerConeAngle, light.innerConeAngle);
-    else
-      light.innerConeAngle = std::min(light.innerConeAngle, light.outerConeAngle);
-  }
-
-  static void drawTooltip(const Parameter& parameter) {
-    if (!ImGui::IsItemHovered()) return;
-    ImGui::BeginTooltip();
-    ImGui::PushTextWrapPos(ImGui::GetFontSize() * 30);
-    ImGui::TextUnformatted(tooltipText(parameter).c_str());
-    ImGui::PopTextWrapPos();
-    ImGui::EndTooltip();
   }
 
   void drawGroupButtons(size_t s, size_t index, size_t changed) {

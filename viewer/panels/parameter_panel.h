@@ -17,7 +17,7 @@ struct PanelItem {
   const pelage::Parameter* parameter = nullptr;
   size_t index = 0;                             ///< of a light
   pelage::Float2 min = {}, max = {};            ///< of the widget that sets the value
-  pelage::Float2 resetMin = {}, resetMax = {};  ///< of the button that resets it
+  pelage::Float2 resetMin = {}, resetMax = {};  ///< of the reset button
   bool isChanged = false;                       ///< it differs from its default
 };
 
@@ -29,23 +29,23 @@ struct PanelButton {
   pelage::Float2 min = {}, max = {};
 };
 
-/// What the panel remembers between frames.
+/// The state of the panel between frames.
 struct ParameterPanel {
-  char search[64] = {};      ///< shows parameters with this in name, unit or sentence
-  bool onlyChanged = false;  ///< shows those that differ from their default
+  char search[64] = {};      ///< shows parameters with this text in name, unit or meaning
+  bool onlyChanged = false;  ///< shows parameters that differ from their defaults
   bool openAll = false;      ///< opens all groups in the next draw
   uint32_t sections = ~0u;   ///< bit i: the i-th of pelage::settingsSections() is drawn
-  bool unfinished = false;   ///< the user holds a slider that has moved
-  /// Index in pelage::settingsPresets() of the one that was chosen last; ~0: none.
+  bool unfinished = false;   ///< the user still holds a slider that has moved
+  /// Index of the last chosen preset in pelage::settingsPresets(); ~0: none.
   size_t newestPreset = ~size_t{0};
   std::vector<PanelItem> items;
   std::vector<PanelButton> buttons;
 };
 
-/// What a draw did to the settings.
+/// The changes that a draw made to the settings.
 struct PanelChange {
   uint32_t sections = 0;  ///< bit i: the i-th of pelage::settingsSections() changed
-  /// The edit is done: no slider is held any more. Add the settings to the history.
+  /// The edit is done: add the settings to the history.
   bool finished = false;
 
   bool changed() const { return sections != 0; }
@@ -54,7 +54,7 @@ struct PanelChange {
 };
 
 /// Draws the panel into the current window: presets, a search field, and a group for each section.
-/// Settings that are in range (pelage::validate()) stay so. Widths adapt to the window.
+/// Settings in range (pelage::validate()) stay in range. Widths adapt to the window.
 PanelChange drawParameters(ParameterPanel& panel, pelage::SceneSettings& settings);
 
 }  // namespace viewer

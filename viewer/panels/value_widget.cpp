@@ -8,11 +8,111 @@
 #include <cmath>
 #include <cstdint>
 
-#include "curve_editor.h"
 #include "pelage/settings/scene_settings.h"
-#include "value_scale.h"
 
 namespace viewer {
+
+namespace {
+
+// Smallest value above 0 of a logarithmic slider from 0, as a share of its high end.
+constexpr double kSmallestShare = 1e-4;
+
+double logLow(const pelage::Parameter& parameter) {
+  if (parameter.sliderLow > 0) return parameter.sliderLow;
+  const double low = kSmallestShare * parameter.sliderHigh;
+  return parameter.type == pelage::ParameterType::kCount ? std::max(low, 1.0) : low;
+}
+
+double rounded(double value) {
+  if (value == 0) return 0;
+  const double unit = std::pow(10, std::floor(std::log10(std::abs(value))) - 2);
+  return unit < 1 ? std::round(value / unit) / (1 / unit) : std::round(value / unit) * unit;
+}
+
+}  // namespace
+
+double shareOf(const pelage::Parameter& parameter, double value) {
+  const double low = parameter.sliderLow, high = parameter.sliderHigh;
+  if (!(value > low)) return 0;
+  if (!(value < high)) return 1;
+  if (parameter.scale == pelage::ParameterScale::kLinear) return (value - low) / (high - low);
+  const double least = logLow(parameter);
+  return std::clamp(std::log(value / least) / std::log(high / least), 0.0, 1.0);
+}
+
+double valueAtShare(const pelage::Parameter& parameter, double share) {
+  const double low = parameter.sliderLow, high = parameter.sliderHigh;
+  if (!(share > 0)) return low;
+  if (!(share < 1)) return high;
+  double value = low + (high - low) * share;
+  if (parameter.scale == pelage::ParameterScale::kLog) {
+    const double least = logLow(parameter);
+    value = least * std::pow(high / least, share);
+  }
+  value = parameter.type == pelage::ParameterType::kCount ? std::round(value) : rounded(value);
+  return std::clamp(value, low, high);
+}
+
+namespace {
+
+constexpr float kLastPoint = std::tuple_size_v<pelage::ParameterCurve> - 1;
+
+struct Field {
+  ImVec2 min, size;
+  float low, high;
+
+  ImVec2 at(size_t point, float value) const {
+    const float share = std::clamp((value - low) / (high - low), 0.0f, 1.0f);
+    return {min.x + size.x * static_cast<float>(point) / kLastPoint, min.y + size.y * (1 - share)};
+  }
+  // Position of the mouse along the curve, in points from 0.
+  float pointAt(const ImVec2& mouse) const {
+    return std::clamp((mouse.x - min.x) / size.x, 0.0f, 1.0f) * kLastPoint;
+  }
+  float valueAt(const ImVec2& mouse) const {
+    return low + (high - low) * std::clamp(1 - (mouse.y - min.y) / size.y, 0.0f, 1.0f);
+  }
+};
+
+// Sets the points between two positions of the mouse to the line between them, and the point
+// nearest to the second position.
+void drawStroke(const Field& field, const ImVec2& from, const ImVec2& to,
+                pelage::ParameterCurve& curve) {
+  const float begin = field.pointAt(from), end = field.pointAt(to);
+  for (size_t i = 0; i < curve.size(); ++i) {
+    const auto point = static_cast<float>(i);
+    if (point < std::min(begin, end) || point > std::max(begin, end)) continue;
+    const float share = end == begin ? 1 : (point - begin) / (end - begin);
+    curve[i] = std::lerp(field.valueAt(from), field.valueAt(to), share);
+  }
+  curve[static_cast<size_t>(std::lround(end))] = field.valueAt(to);
+}
+
+}  // namespace
+
+bool editCurve(const char* id, pelage::ParameterCurve& curve, float low, float high, float width,
+               float height) {
+  const Field field = {ImGui::GetCursorScreenPos(), {width, height}, low, high};
+  ImGui::InvisibleButton(id, field.size);
+  const pelage::ParameterCurve before = curve;
+  if (ImGui::IsItemActive()) {
+    const ImGuiIO& io = ImGui::GetIO();
+    const ImVec2 last = {io.MousePos.x - io.MouseDelta.x, io.MousePos.y - io.MouseDelta.y};
+    drawStroke(field, ImGui::IsItemActivated() ? io.MousePos : last, io.MousePos, curve);
+  }
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  const ImVec2 max = {field.min.x + width, field.min.y + height};
+  list.AddRectFilled(field.min, max, ImGui::GetColorU32(ImGuiCol_FrameBg));
+  const ImVec2 one = field.at(0, 1);
+  list.AddLine(one, {max.x, one.y}, ImGui::GetColorU32(ImGuiCol_Border));
+  const ImU32 color = ImGui::GetColorU32(ImGuiCol_PlotLines);
+  for (size_t i = 0; i < curve.size(); ++i) {
+    if (i > 0) list.AddLine(field.at(i - 1, curve[i - 1]), field.at(i, curve[i]), color, 2);
+    list.AddCircleFilled(field.at(i, curve[i]), 3, color);
+  }
+  return curve != before;
+}
+
 namespace {
 
 using pelage::choiceName;
@@ -31,7 +131,7 @@ std::string escaped(const std::string& text) {
   return format;
 }
 
-// A slider over shares, so that every scale has every digit. Its text is the value.
+// Draws a slider of shares, so that each scale has all digits. Its text is the value.
 bool slide(const Parameter& parameter, double& value, const ParameterValue& shown) {
   auto share = static_cast<float>(shareOf(parameter, value));
   const std::string format = escaped(valueText(parameter, shown));
@@ -95,7 +195,7 @@ bool edit(const Parameter& parameter, ParameterCurve& value) {
                    kCurveLines * ImGui::GetFrameHeight());
 }
 
-// The nearest value in range of numbers that a user typed.
+// Clamps a number that a user typed to the range.
 float inRange(const Parameter& parameter, float value) {
   if (!std::isfinite(value)) return value;
   return std::clamp(value, std::isfinite(parameter.low) ? static_cast<float>(parameter.low) : value,

@@ -1,10 +1,10 @@
-#include "stage/ball_mesh.h"
-
+// The mesh of the ball that stage/stage.h declares.
 #include <cmath>
 #include <numbers>
 #include <utility>
 
 #include "pelage/collision_mesh.h"
+#include "stage/stage.h"
 
 namespace viewer {
 
@@ -14,7 +14,7 @@ namespace {
 
 constexpr uint32_t kColumns = 48, kRows = 24;
 
-// A sphere of radius 1, with its poles along y.
+// Returns a sphere of radius 1 with its poles along y.
 pelage::CollisionMesh unitSphere() {
   pelage::CollisionMesh mesh;
   for (uint32_t row = 0; row <= kRows; ++row) {

@@ -4,23 +4,103 @@
 #include <cmath>
 #include <numbers>
 
-#include "input/keys.h"
-#include "stage/wind_arrow.h"
+#include "float3_math.h"
+#include "input/event.h"
 
 namespace viewer {
 
+using pelage::Float3;
+using sample::dot;
+
 namespace {
 
-constexpr double kZoomStep = 1.1;      // factor of a step of the wheel
-constexpr float kBallStep = 0.25f;     // radii that a step of the wheel moves the ball
-constexpr float kLockRadius = 0.15f;   // of half the picture's height: hair that is pulled
+constexpr float kScale = 4;      // at interface scale 1: window coordinates per m/s
+constexpr float kCorner = 100;   // likewise: distance of the base from the bottom right corner
+constexpr float kTipRadius = 9;  // likewise
+constexpr float kCalm = 0.5f;    // [m/s]: a weaker wind is none
+
+}  // namespace
+
+bool WindArrow::isOnTip(double x, double y) const {
+  return std::hypot(x - double{tip.x}, y - double{tip.y}) <= double{tipRadius};
+}
+
+WindArrow windArrowOf(const OrbitCamera& camera, const Float3& wind, const WindowSize& size) {
+  WindArrow arrow;
+  const float scale = kScale * size.interfaceScale;
+  arrow.base = {static_cast<float>(size.width) - kCorner * size.interfaceScale,
+                static_cast<float>(size.height) - kCorner * size.interfaceScale};
+  arrow.tip = {arrow.base.x + scale * dot(wind, camera.right()),
+               arrow.base.y - scale * dot(wind, camera.up())};
+  arrow.tipRadius = kTipRadius * size.interfaceScale;
+  return arrow;
+}
+
+Float3 windOfTip(const OrbitCamera& camera, const Float3& before, const WindowSize& size, double x,
+                 double y) {
+  const WindArrow arrow = windArrowOf(camera, {}, size);
+  const float scale = kScale * size.interfaceScale;
+  float right = (static_cast<float>(x) - arrow.base.x) / scale;
+  float up = (arrow.base.y - static_cast<float>(y)) / scale;
+  const float speed = std::hypot(right, up);
+  const float factor = speed < kCalm ? 0 : std::min(1.0f, kMaxArrowWind / speed);
+  right *= factor;
+  up *= factor;
+  const Float3 along = camera.direction(), r = camera.right(), u = camera.up();
+  const float depth = dot(before, along);
+  return {right * r.x + up * u.x + depth * along.x, right * r.y + up * u.y + depth * along.y,
+          right * r.z + up * u.z + depth * along.z};
+}
+
+namespace {
+
+constexpr double kZoomStep = 1.1;   // factor of a step of the wheel
+constexpr float kBallStep = 0.25f;  // radii that a step of the wheel moves the ball
+constexpr float kLockRadius =
+    0.15f;  // of a lock that is pulled, as a share of half the picture's height
 constexpr double kSlowest = 1.0 / 16;  // PlayClock::speed
 constexpr double kFastest = 4;
 
-// Of a side.
+// Width over height of a side.
 float aspectOf(const WindowSize& size, const Stage& stage) {
   return static_cast<float>(size.width) /
          static_cast<float>(std::max(size.height, 1u) * stage.sides());
+}
+
+// Returns the position of the mouse within its side.
+MouseMoved inSide(const MouseMoved& mouse, const WindowSize& size, const Stage& stage) {
+  const double width = static_cast<double>(std::max(size.width, 1u)) / stage.sides();
+  const double side = std::clamp(std::floor(mouse.x / width), 0.0, stage.sides() - 1.0);
+  return {mouse.x - side * width, mouse.y};
+}
+
+// Returns the point under the mouse in a plane that faces the camera.
+pelage::Float3 pointOn(const pelage::Float3& plane, const MouseMoved& mouse, const WindowSize& size,
+                       const Stage& stage) {
+  const auto share = [](double at, double of) {
+    return static_cast<float>(at / std::max(of, 1.0));
+  };
+  const MouseMoved within = inSide(mouse, size, stage);
+  return stage.camera.pointAt(share(within.x * stage.sides(), size.width),
+                              share(within.y, size.height), aspectOf(size, stage), plane);
+}
+
+// Moves the ball under the mouse at its depth, at first at the depth of the camera's target.
+void moveBall(const MouseMoved& mouse, const WindowSize& size, Stage& stage) {
+  stage.ball.center =
+      pointOn(stage.ball.present ? stage.ball.center : stage.camera.target(), mouse, size, stage);
+  stage.ball.present = true;
+}
+
+void askForHair(const MouseMoved& mouse, const WindowSize& size, Stage& stage) {
+  const pelage::Float3 top = stage.camera.pointAt(0.5f, 0, 1, stage.camera.target());
+  const pelage::Float3 middle = stage.camera.target();
+  const float half =
+      std::sqrt((top.x - middle.x) * (top.x - middle.x) + (top.y - middle.y) * (top.y - middle.y) +
+                (top.z - middle.z) * (top.z - middle.z));
+  const MouseMoved within = inSide(mouse, size, stage);
+  stage.pull.ask(stage.camera.view(std::max(size.width / stage.sides(), 1u), size.height),
+                 static_cast<float>(within.x), static_cast<float>(within.y), kLockRadius * half);
 }
 
 }  // namespace
@@ -48,10 +128,10 @@ void StageControls::press(const MousePressed& event, const WindowSize& size, Sta
     drag_ = Drag::kWind;
   } else if (pulls_) {
     drag_ = Drag::kPull;
-    askForHair(size, stage);
+    askForHair(mouse_, size, stage);
   } else if (control_) {
     drag_ = Drag::kBall;
-    moveBall(size, stage);
+    moveBall(mouse_, size, stage);
   } else {
     drag_ = Drag::kOrbit;
   }
@@ -65,14 +145,14 @@ void StageControls::move(const MouseMoved& event, const WindowSize& size, Stage&
   constexpr float kHalfTurn = std::numbers::pi_v<float>;
   if (drag_ == Drag::kOrbit) stage.camera.orbit(right * kHalfTurn, down * kHalfTurn);
   if (drag_ == Drag::kPan) stage.camera.pan(-right, down);
-  if (drag_ == Drag::kBall) moveBall(size, stage);
+  if (drag_ == Drag::kBall) moveBall(mouse_, size, stage);
   if (drag_ == Drag::kPull && stage.pull.holds())
-    stage.pull.dragTo(pointOn(stage.pull.point(), size, stage));
+    stage.pull.dragTo(pointOn(stage.pull.point(), mouse_, size, stage));
   if (drag_ == Drag::kWind)
     stage.look.wind = windOfTip(stage.camera, stage.look.wind, size, event.x, event.y);
 }
 
-// The wheel moves what is dragged.
+// Moves the ball that is dragged, or the camera.
 void StageControls::scroll(const Scrolled& event, Stage& stage) const {
   if (drag_ != Drag::kBall) {
     stage.camera.zoom(static_cast<float>(std::pow(kZoomStep, event.steps)));
@@ -84,42 +164,6 @@ void StageControls::scroll(const Scrolled& event, Stage& stage) const {
   center = {center.x + away * back.x, center.y + away * back.y, center.z + away * back.z};
 }
 
-// Pixels of the mouse in the side that it is over.
-MouseMoved StageControls::mouseInSide(const WindowSize& size, const Stage& stage) const {
-  const double width = static_cast<double>(std::max(size.width, 1u)) / stage.sides();
-  const double side = std::clamp(std::floor(mouse_.x / width), 0.0, stage.sides() - 1.0);
-  return {mouse_.x - side * width, mouse_.y};
-}
-
-// Under the mouse, in a plane that faces the camera.
-pelage::Float3 StageControls::pointOn(const pelage::Float3& plane, const WindowSize& size,
-                                      const Stage& stage) const {
-  const auto share = [](double at, double of) {
-    return static_cast<float>(at / std::max(of, 1.0));
-  };
-  const MouseMoved mouse = mouseInSide(size, stage);
-  return stage.camera.pointAt(share(mouse.x * stage.sides(), size.width),
-                              share(mouse.y, size.height), aspectOf(size, stage), plane);
-}
-
-// At the depth where it is, at first that of what the camera looks at.
-void StageControls::moveBall(const WindowSize& size, Stage& stage) const {
-  stage.ball.center =
-      pointOn(stage.ball.present ? stage.ball.center : stage.camera.target(), size, stage);
-  stage.ball.present = true;
-}
-
-void StageControls::askForHair(const WindowSize& size, Stage& stage) const {
-  const pelage::Float3 top = stage.camera.pointAt(0.5f, 0, 1, stage.camera.target());
-  const pelage::Float3 middle = stage.camera.target();
-  const float half =
-      std::sqrt((top.x - middle.x) * (top.x - middle.x) + (top.y - middle.y) * (top.y - middle.y) +
-                (top.z - middle.z) * (top.z - middle.z));
-  const MouseMoved mouse = mouseInSide(size, stage);
-  stage.pull.ask(stage.camera.view(std::max(size.width / stage.sides(), 1u), size.height),
-                 static_cast<float>(mouse.x), static_cast<float>(mouse.y), kLockRadius * half);
-}
-
 void StageControls::key(const KeyPressed& event, const WindowSize& size, Stage& stage) {
   if (event.key == kKeyLeftShift || event.key == kKeyRightShift) shift_ = event.down;
   if (event.key == kKeyLeftControl || event.key == kKeyRightControl) control_ = event.down;
@@ -127,43 +171,17 @@ void StageControls::key(const KeyPressed& event, const WindowSize& size, Stage& 
     pulls_ = event.down;
   if (!event.down || control_) return;
   PlayClock& clock = stage.clock;
-  switch (event.key) {
-    case 'F':
-      stage.frameAll(aspectOf(size, stage));
-      break;
-    case kKeySpace:
-      clock.playing = !clock.playing;
-      break;
-    case '.':
-      clock.steps = true;
-      break;
-    case 'R':
-      stage.reset();
-      break;
-    case 'L':
-      clock.loops = !clock.loops;
-      break;
-    case '-':
-      clock.speed = std::max(clock.speed / 2, kSlowest);
-      break;
-    case '=':
-      clock.speed = std::min(clock.speed * 2, kFastest);
-      break;
-    case 'B':
-      stage.ball.present = false;
-      break;
-    case 'V':
-      stage.inspection.show(shift_);
-      break;
-    case 'E':
-      stage.chooseSide(1 - std::min(stage.side(), 1u));
-      break;
-    case 'C':
-      stage.look.showsContacts = !stage.look.showsContacts;
-      break;
-    default:
-      break;
-  }
+  if (event.key == 'F') stage.frameAll(aspectOf(size, stage));
+  if (event.key == kKeySpace) clock.playing = !clock.playing;
+  if (event.key == '.') clock.steps = true;
+  if (event.key == 'R') stage.reset();
+  if (event.key == 'L') clock.loops = !clock.loops;
+  if (event.key == '-') clock.speed = std::max(clock.speed / 2, kSlowest);
+  if (event.key == '=') clock.speed = std::min(clock.speed * 2, kFastest);
+  if (event.key == 'B') stage.ball.present = false;
+  if (event.key == 'V') stage.inspection.show(shift_);
+  if (event.key == 'E') stage.chooseSide(1 - std::min(stage.side(), 1u));
+  if (event.key == 'C') stage.look.showsContacts = !stage.look.showsContacts;
 }
 
 }  // namespace viewer

@@ -1,17 +1,38 @@
-// What mouse and keys do on the stage.
+// Mouse and keys on the stage, with the arrow that sets the wind.
 #pragma once
 
 #include "input/event.h"
+#include "pelage/types.h"
+#include "stage/orbit_camera.h"
 #include "stage/stage.h"
 #include "window/window.h"
 
 namespace viewer {
 
+/// An arrow that shows the wind as it looks in the picture: short if it blows away from the camera.
+/// In window coordinates.
+struct WindArrow {
+  pelage::Float2 base, tip;
+  float tipRadius = 0;  ///< of the circle that the mouse drags
+  bool isOnTip(double x, double y) const;
+};
+
+WindArrow windArrowOf(const OrbitCamera& camera, const pelage::Float3& wind,
+                      const WindowSize& size);
+
+/// Returns the wind whose arrow has its tip at x, y; its part along the view stays. The part in the
+/// picture is at most kMaxArrowWind, and 0 near the base.
+pelage::Float3 windOfTip(const OrbitCamera& camera, const pelage::Float3& before,
+                         const WindowSize& size, double x, double y);
+
+inline constexpr float kMaxArrowWind = 20;  ///< [m/s]
+
+/// Moves camera, ball, hair and wind by mouse and keys.
 class StageControls {
  public:
   /// Applies an event that the interface has not taken.
   void take(const Event& event, const WindowSize& size, Stage& stage);
-  bool hasArrow = true;  ///< the arrow of the wind is there to be dragged
+  bool hasArrow = true;  ///< the arrow of the wind is shown and can be dragged
 
  private:
   enum class Drag : uint8_t { kNone, kOrbit, kPan, kBall, kPull, kWind };
@@ -19,14 +40,9 @@ class StageControls {
   void move(const MouseMoved& event, const WindowSize& size, Stage& stage);
   void scroll(const Scrolled& event, Stage& stage) const;
   void key(const KeyPressed& event, const WindowSize& size, Stage& stage);
-  MouseMoved mouseInSide(const WindowSize& size, const Stage& stage) const;
-  pelage::Float3 pointOn(const pelage::Float3& plane, const WindowSize& size,
-                         const Stage& stage) const;
-  void moveBall(const WindowSize& size, Stage& stage) const;
-  void askForHair(const WindowSize& size, Stage& stage) const;
   MouseMoved mouse_;
   Drag drag_ = Drag::kNone;
-  MouseButton button_ = MouseButton::kLeft;  // that began the drag
+  MouseButton button_ = MouseButton::kLeft;  // the one that began the drag
   bool shift_ = false, control_ = false, pulls_ = false;
 };
 

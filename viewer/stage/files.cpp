@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <iterator>
 #include <system_error>
+#include <tuple>
 #include <utility>
 
 #include "asset_files.h"
-#include "stage/character_files.h"
-#include "stage/curve_files.h"
 
 namespace viewer {
 
@@ -21,7 +20,8 @@ using Path = std::filesystem::path;
 
 namespace {
 
-// Of the files that were named, or beside the hair: the one with its name and this extension.
+// Finds the file with the name of the hair and an extension: among the named files, or beside the
+// hair; "-": there is none.
 Path companionOf(const Path& hair, const char* extension, std::span<const Path> files) {
   for (const Path& file : files)
     if (lowerExtension(file) == extension && file.stem() == hair.stem()) return file;
@@ -34,7 +34,7 @@ Path companionOf(const Path& hair, const char* extension, std::span<const Path> 
 struct Sorted {
   pelage::program::AssetFiles own;  // pelage's own formats
   std::vector<Path> curves;         // of the authoring library
-  std::vector<Path> characters;     // likewise; with curves or without
+  std::vector<Path> characters;     // likewise; their curves are optional
 };
 
 Result<Sorted> sortFiles(std::span<const Path> files) {
@@ -67,7 +67,8 @@ Result<Sorted> sortFiles(std::span<const Path> files) {
   return sorted;
 }
 
-// All but scale and guesses. Hair comes first: what follows a character binds to it.
+// Loads all files; scale and guesses stay. Hair comes before characters, which bind it to their
+// meshes.
 Result<void> loadSorted(Sorted sorted, const std::string& clip, LoadedFiles& loaded) {
   loaded.remarks.clear();
   loaded.motion.reset();
@@ -88,7 +89,7 @@ Result<void> loadSorted(Sorted sorted, const std::string& clip, LoadedFiles& loa
   return {};
 }
 
-// The mean length of all strands.
+// Returns the mean length of all strands.
 Result<double> meanLengthOf(const pelage::AssetCache& assets) {
   double sum = 0, count = 0;
   for (const pelage::CachedHair& hair : assets.hairs) {
@@ -128,6 +129,26 @@ bool isKnownFile(const Path& path) {
   constexpr const char* kOwn[] = {".tfx", ".tfxbone", ".tfxfollow", ".tfxmesh", ".pelage", ".json"};
   return std::find(std::begin(kOwn), std::end(kOwn), extension) != std::end(kOwn) ||
          isCurveFile(extension) || isCharacterFile(extension);
+}
+
+pelage::Result<std::vector<FolderEntry>> listFolder(const std::filesystem::path& folder) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  std::vector<FolderEntry> entries;
+  for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    const std::string name = at->path().filename().string();
+    std::error_code ignored;  // an entry may be gone by now
+    const bool isFolder = at->is_directory(ignored);
+    if (name.starts_with('.') || (!isFolder && !isKnownFile(at->path()))) continue;
+    entries.push_back({name, isFolder});
+  }
+  if (error)
+    return Error{ErrorCode::kFileNotFound,
+                 folder.string() + " cannot be listed: " + error.message()};
+  std::sort(entries.begin(), entries.end(), [](const FolderEntry& a, const FolderEntry& b) {
+    return std::tuple(!a.isFolder, a.name) < std::tuple(!b.isFolder, b.name);
+  });
+  return entries;
 }
 
 }  // namespace viewer

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <utility>
 
-#include "stage/projection.h"
+#include "stage/orbit_camera.h"
 #include "viewer_kernels/bindings.h"
 #include "viewer_kernels/gpu_structs.h"
 #include "viewer_kernels/kernels.h"
@@ -19,9 +19,9 @@ using pelage::Result;
 
 namespace {
 
-constexpr uint32_t kHeldVertices = 2;    // of a strand, by bones
+constexpr uint32_t kHeldVertices = 2;    // of each strand, held by bones
 constexpr float kUnder = 8, kNear = 40;  // [pixels]
-// A spring that follows the mouse within some frames, and is stable at the longest step: 1/60 s.
+// The spring follows the mouse within some frames, and is stable at the longest step, 1/60 s.
 constexpr float kRate = 40;     // [1/s]
 constexpr float kLimit = 1000;  // [m/s2]
 
@@ -92,7 +92,7 @@ Result<void> HairPull::take(pelage::Scene& scene, std::span<const pelage::HairId
   return {};
 }
 
-// The vertices around the point, less the farther away they are.
+// Takes the vertices around the point; the force falls off with their distance.
 void HairPull::hold(pelage::Scene& scene, pelage::HairId hair, std::span<const Float4> positions,
                     float radius) {
   std::vector<Float4> taken(positions.begin(), positions.end());

@@ -1,4 +1,4 @@
-// The mouse takes a lock of hair and pulls it.
+// Pulls a lock of hair with the mouse.
 #pragma once
 
 #include <cstdint>
@@ -20,31 +20,32 @@ struct PickedVertex {
   float depth = 0;  ///< from the camera [m]
 };
 
-/// The vertex nearest to a pixel: of those that are nearly under it the one in front, else the
-/// nearest in the picture. The first two of a strand do not count: bones hold them. \param x, y
-/// pixels from the top left. Nothing where none is within 40 pixels.
+/// Returns the vertex nearest to a pixel; nothing without one within 40 pixels. Of vertices within
+/// 8 pixels, the one in front is taken. The first two of a strand, which bones hold, do not count.
+/// \param x, y pixels from the top left.
 std::optional<PickedVertex> pickVertex(std::span<const pelage::Float4> positions,
                                        uint32_t verticesPerStrand, const pelage::View& view,
                                        float x, float y);
 
-/// Springs between a lock of hair and the mouse, in buffers of the scene that HairObject::
-/// setForces() has. They end with release(); objects that are gone meanwhile are let go.
+/// Springs between a lock of hair and the mouse. They write forces to buffers of the scene, for
+/// HairObject::setForces(), until release(). Objects may be removed from the scene meanwhile.
 class HairPull {
  public:
-  /// Asks for the hair at a pixel: take() does it, when it can read. \param radius of the lock [m].
+  /// Asks for the hair at a pixel: take() reads it.
+  /// \param x, y pixels from the top left. \param radius of the lock [m].
   void ask(const pelage::View& view, float x, float y, float radius);
   bool isAsked() const { return asked_.has_value(); }
-  /// Takes what was asked for, or nothing where no hair is near. Errors: those of `read`.
+  /// Takes the hair that ask() wants, if there is some near the pixel. Errors: those of `read`.
   pelage::Result<void> take(pelage::Scene& scene, std::span<const pelage::HairId> hairs,
                             const pelage::BufferReader& read);
   bool holds() const { return !locks_.empty(); }
-  /// Where the hair was taken [m].
+  /// Returns the point where the hair was taken [m].
   const pelage::Float3& point() const { return point_; }
-  /// Where the mouse has dragged that point [m].
+  /// Returns the point that the mouse drags it to [m].
   const pelage::Float3& target() const { return target_; }
   void dragTo(const pelage::Float3& target) { target_ = target; }
   void release(pelage::Scene& scene);
-  /// Adds the passes that write the forces, to a list before the simulation.
+  /// Adds the passes that write the forces to a list that runs before the simulation.
   pelage::Result<void> record(pelage::Scene& scene, pelage::PassList& list);
 
  private:

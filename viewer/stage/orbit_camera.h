@@ -1,7 +1,8 @@
-// A camera that turns about a point.
+// A camera that orbits a point, and the projection of points into its picture.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "camera.h"
 #include "pelage/types.h"
@@ -11,26 +12,28 @@ namespace viewer {
 
 class OrbitCamera {
  public:
-  /// Looks from where a camera stands, at its target.
+  /// Takes position, target and field of view of a camera.
   void frame(const sample::Camera& camera);
-  /// Turns about the target [radians]: > 0 to the right and up. It never looks straight down or up.
+  /// Orbits the target by angles [radians]: > 0 to the right and up. It never looks straight down
+  /// or up.
   void orbit(float right, float up);
   /// Moves sideways, by shares of the picture's height at the target: > 0 to the right and up.
   void pan(float right, float up);
-  /// Comes nearer by a factor: > 1 nearer.
+  /// Divides the distance to the target by a factor: > 1 comes nearer.
   void zoom(float factor);
 
-  /// From the target towards the camera, a unit vector.
+  /// Returns the unit vector from the target to the camera.
   pelage::Float3 direction() const;
   pelage::Float3 eye() const;
   pelage::Float3 target() const { return target_; }
-  /// Unit vectors to the right and up in the picture.
+  /// Return unit vectors to the right and up in the picture.
   pelage::Float3 right() const;
   pelage::Float3 up() const;
   float distance() const { return distance_; }
   pelage::View view(uint32_t width, uint32_t height, bool reversedDepth = false) const;
-  /// Where a pixel's ray meets the plane through a point that faces the camera. \param x, y shares
-  /// of the picture from the top left, 0..1.
+  /// Returns the intersection of a pixel's ray with a plane that faces the camera. \param x, y
+  /// shares of the picture from the top left, 0..1. \param aspect width over height. \param plane a
+  /// point of the plane.
   pelage::Float3 pointAt(float x, float y, float aspect, const pelage::Float3& plane) const;
 
  private:
@@ -41,5 +44,25 @@ class OrbitCamera {
   float verticalFov_ = 0.42f;
   float range_ = 1;  // [m] from the target to the far plane
 };
+
+/// A point in the picture: pixels from the top left, and its distance along the view [m].
+struct PicturePoint {
+  float x = 0, y = 0;
+  float depth = 0;
+};
+
+/// Projects a point; nothing if it is not in front of the camera, or not finite.
+inline std::optional<PicturePoint> project(const pelage::View& view, const pelage::Float3& point) {
+  const auto row = [&](int i) {
+    const pelage::Float4& of = view.worldToClip.rows[i];
+    return of.x * point.x + of.y * point.y + of.z * point.z + of.w;
+  };
+  const float w = row(3);
+  if (!(w > 0)) return std::nullopt;
+  const float x = row(0) / w, y = row(1) / w;
+  if (!(x * x + y * y < 1e12f)) return std::nullopt;
+  return PicturePoint{(0.5f + 0.5f * x) * static_cast<float>(view.width),
+                      (0.5f - 0.5f * y) * static_cast<float>(view.height), w};
+}
 
 }  // namespace viewer

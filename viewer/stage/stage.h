@@ -1,4 +1,4 @@
-// What is shown: a scene with hair, its camera and its clock.
+// The stage: a scene with hair, its camera and its clock.
 #pragma once
 
 #include <algorithm>
@@ -11,17 +11,17 @@
 
 #include "canvas/canvas.h"
 #include "demo_scene.h"
+#include "mesh_object.h"
+#include "pelage/demo/character.h"
 #include "pelage/frame.h"
-#include "pelage/hair_size.h"
 #include "pelage/scene.h"
 #include "pelage/settings/scene_settings.h"
-#include "stage/ball_mesh.h"
+#include "pelage/transparency.h"
 #include "stage/files.h"
 #include "stage/hair_pull.h"
 #include "stage/inspection.h"
 #include "stage/inspection_look.h"
 #include "stage/orbit_camera.h"
-#include "stage/play_clock.h"
 #include "stage/statistics.h"
 
 namespace viewer {
@@ -32,26 +32,26 @@ enum class StageKind : uint8_t {
   kFiles,
 };
 
-/// What to show. Equal values show the same.
+/// The source of hair.
 struct StageSource {
   StageKind kind = StageKind::kCharacter;
   sample::GroomPreset preset = sample::GroomPreset::kParted;  ///< kHead
   std::vector<std::filesystem::path> files = {};              ///< kFiles
   std::string clip = {};  ///< kFiles: name of the clip that moves bones; empty: the first one
-  /// kFiles: meters per unit; 0: 1, or what the hair's size makes likely.
+  /// kFiles: meters per unit; 0: 1, or the likeliest unit for the hair's size.
   float scale = 0;
   pelage::Solver solver = pelage::Solver::kExact;
-  /// kHead: what its hair collides with.
+  /// kHead: the collider of its hair.
   sample::HeadCollider headCollider = sample::HeadCollider::kCapsules;
 };
 
-/// How it is drawn and moved; may change at any time.
+/// How hair is drawn and moved; may change at any time.
 struct StageLook {
   pelage::Transparency transparency = pelage::Transparency::kWindowed;
   pelage::HairShadow shadow = pelage::HairShadow::kDeep;
   pelage::CharacterMotion motion = pelage::CharacterMotion::kAll;
   pelage::Float3 wind = {};  ///< [m/s]
-  float strandShare = 1;     ///< of the strands that are drawn, wider where it is less: 0.02..1
+  float strandShare = 1;     ///< share of strands that are drawn, 0.02..1; fewer ones are wider
   bool showsContacts = false;
   bool operator==(const StageLook&) const = default;
 };
@@ -63,133 +63,188 @@ struct StageBall {
   float radius = 0.05f;   ///< [m], > 0
 };
 
-/// What of a device the stage has to know.
+/// The mesh of a stage's ball.
+class BallMesh {
+ public:
+  /// Adds the draw of the ball to a list; the first call adds buffers to the table. \param radius >
+  /// 0 [m].
+  pelage::Result<void> draw(const pelage::Float3& center, float radius, const pelage::View& view,
+                            const pelage::Light& light, pelage::ResourceTable& resources,
+                            pelage::PassList& list);
+
+ private:
+  std::optional<sample::MeshObject> mesh_;
+};
+
+/// Time on the stage: playing, slow motion, single steps, loops.
+struct PlayClock {
+  static constexpr double kStep = 1.0 / 60;     ///< [s] of a frame of a fixed clock
+  static constexpr double kLongest = 4.0 / 60;  ///< [s] that a frame simulates at most
+
+  bool playing = true;
+  bool fixed = false;  ///< each frame takes kStep, however long it really took
+  bool loops = true;   ///< the motion starts over at its end; otherwise it stops there
+  bool steps = false;  ///< the next frame takes kStep, then time stops
+  double speed = 1;    ///< factor on time, 0.01..4
+  double time = 0;     ///< [s] of the motion
+
+  /// Advances the time. \param realSeconds since the last frame. \return seconds to simulate:
+  /// 0..kLongest.
+  double advance(double realSeconds, const pelage::CharacterCycle& cycle);
+};
+
+/// The device that draws the stage.
 struct StageDevice {
   pelage::Tier tier = pelage::Tier::kWide;
   uint64_t maxBufferBytes = uint64_t{128} << 20;
+};
+
+/// The transparency of all views. Its lists and tiles grow by the counters of earlier frames.
+class StageTransparency {
+ public:
+  /// Counters of a frame, with the number of nodes that its lists or tiles had.
+  struct Counted {
+    pelage::TransparencyCounters counters;
+    uint32_t nodeCount = 0;
+  };
+
+  const pelage::TransparencySettings& settings() const { return settings_; }
+  /// Sets other settings. Stage::look has the method as well: set both.
+  void set(const pelage::TransparencySettings& settings);
+  /// Sets the size of the device's largest buffer, and the memory as resetMemory() does.
+  void setDevice(uint64_t maxBufferBytes);
+  /// Raises the caps of memory to the device's, for a window that has grown over smaller ones.
+  /// \return whether one was smaller.
+  bool resetMemory();
+
+  /// Takes another method, or views of another size.
+  void restart(pelage::Transparency method);
+  /// Forgets the frames that were drawn: measure() begins anew.
+  void forgetFrames() { frame_ = 0; }
+  /// Begins a frame. \param width, height of a view [pixels]. \param strandVertices of a view.
+  void beginFrame(uint32_t width, uint32_t height, uint64_t strandVertices);
+  /// Sets the depth that a view reads; kInvalid: none.
+  void setDepth(pelage::BufferId opaqueDepth) { settings_.opaqueDepth = opaqueDepth; }
+  /// Reads the counters of the last frame; nothing for methods without lists or tiles. Errors:
+  /// those of `read`.
+  pelage::Result<std::optional<Counted>> count(const pelage::Scene& scene,
+                                               const pelage::BufferReader& read) const;
+  /// Gives the lists and tiles of the next frame the size that the last one wanted, every some
+  /// frames. Errors: those of `read`.
+  pelage::Result<void> measure(const pelage::Scene& scene, const pelage::BufferReader& read);
+
+ private:
+  pelage::TransparencySettings settings_;
+  uint64_t maxBufferBytes_ = StageDevice().maxBufferBytes;
+  uint64_t frame_ = 0;  // since the last restart
+  uint32_t width_ = 0, height_ = 0;
+  uint64_t strandVertices_ = 0;
+};
+
+/// One side of a stage.
+struct StageSide {
+  std::optional<sample::DemoScene> demo;  ///< in the stage's scene; nothing: the side is not shown
+  pelage::Solver solver = pelage::Solver::kExact;
+  uint64_t shown = 0;                                   ///< Stage::shown()
+  pelage::BufferId depth = pelage::BufferId::kInvalid;  ///< TransparencySettings::opaqueDepth
+  Inspection inspection;
+};
+
+/// The look that all hair of a frame has, with the size of the window [pixels].
+struct AppliedLook {
+  StageLook look;
+  uint32_t width = 0, height = 0;
 };
 
 class Stage {
  public:
   Stage() = default;
 
-  /// Shows something else. Errors: those of the files; the stage stays as it is then.
+  /// Shows another source. Errors: those of the files; the stage stays as it is then.
   pelage::Result<void> show(const StageSource& source);
   const StageSource& source() const { return source_; }
-  /// Meters per unit of the files.
-  float scale() const { return loaded_.scale; }
-  /// Remarks on the files that show() took, one a line: repaired values, a likely unit.
-  const std::vector<std::string>& remarks() const { return loaded_.remarks; }
-  /// Units that the files may be in, the likeliest first; empty where they are in meters.
-  const std::vector<pelage::UnitGuess>& unitGuesses() const { return loaded_.guesses; }
-  /// Mean length of the strands of the files with the scale [m].
-  double meanLength() const { return loaded_.meanLength; }
+  /// Returns the files of the source with their remarks, but without assets.
+  const LoadedFiles& files() const { return loaded_; }
 
   void setDevice(const StageDevice& device);
-  /// Lets transparency take what the device has: for a window that has grown over a smaller cap.
-  /// \return whether it had less.
-  bool resetMemory();
-  /// Gives views the default target, which every device has. \return whether it was another one.
+  /// Sets the default target of views, which every device has. \return whether it was another one.
   bool resetTarget();
-  /// Makes the next frame: moves the hair and draws it. \param realSeconds since the last one.
-  /// \param width, height of the target [pixels]. The stage has something to show.
+  /// Makes the next frame: moves the hair and draws it. Call it after a successful show().
+  /// \param realSeconds since the last one. \param width, height of the target [pixels].
   pelage::Result<pelage::Frame> makeFrame(double realSeconds, uint32_t width, uint32_t height);
-  /// The views of the last makeFrame(), in the order of the frame.
+  /// Returns the views of the last makeFrame(), in the order of the frame.
   const std::vector<CanvasView>& views() const { return views_; }
-  /// Reads the counters of the chosen side. \param read reads a buffer back: it waits for the
-  /// device, so do it every some frames. Errors: those of `read`.
+  /// Reads the counters of the chosen side. \param read reads a buffer back. It waits for the
+  /// device: do not call it each frame. Errors: those of `read`.
   pelage::Result<StageStatistics> statistics(const pelage::BufferReader& read) const;
-  /// Takes what the last frame counted, so that the next one's lists have room, and the hair that
-  /// the mouse pulls. \param read reads a buffer back. Cheap where nothing is to be read.
+  /// Reads the counters of the last frame, from which the next one's lists get their size, and the
+  /// hair that the mouse pulls. \param read reads a buffer back. Most frames read nothing. Errors:
+  /// those of `read`.
   pelage::Result<void> measure(const pelage::BufferReader& read);
 
-  /// All is in the picture, seen from where the camera is.
+  /// Moves the camera so that all hair is in the picture. \param aspect width over height.
   void frameAll(float aspect);
   /// Puts the hair into its bind shape, and the motion to its beginning.
   void reset();
-  /// The state of the hair, to go on from when the device is lost.
+  /// Reads the state of the hair, for recover().
   pelage::Result<void> takeSnapshot(const pelage::BufferReader& read);
-  /// Another device takes over; setDevice() comes after. \return number of objects that go on.
+  /// Prepares for another device; call setDevice() next. \return number of objects that continue
+  /// from takeSnapshot().
   pelage::Result<uint32_t> recover();
 
-  /// Shows what is there once more, at the right, with a solver; both have the same clock, camera,
-  /// ball and look, and settings of their own, which begin as those at the left. Nothing: it goes.
-  /// Errors: those of show(); the stage stays as it is then.
+  /// Shows the source a second time at the right, with a solver; without one, the right side is
+  /// removed. Both sides share clock, camera, ball and look. The right side has settings of its
+  /// own, which begin as the left side's. Errors: those of show(); the stage stays as it is then.
   pelage::Result<void> compare(std::optional<pelage::Solver> right);
-  /// Number of sides: 1 or 2.
-  uint32_t sides() const { return right_ ? 2 : 1; }
-  /// The side whose hair, colliders and lights the functions below give: 0 is the left one.
+  /// Returns the number of sides: 1 or 2.
+  uint32_t sides() const { return sides_[1].demo ? 2 : 1; }
+  /// Returns the chosen side, 0 for left: its hair, colliders and lights are those of the functions
+  /// below.
   uint32_t side() const { return side_; }
   void chooseSide(uint32_t side) { side_ = std::min(side, sides() - 1); }
-  pelage::Solver solverOf(uint32_t side) const;
+  pelage::Solver solverOf(uint32_t side) const { return sides_[side].solver; }
 
   OrbitCamera camera;
   PlayClock clock;
   StageLook look;
   StageBall ball;
   HairPull pull;
+  StageTransparency transparency;
   InspectionLook inspection;
-  /// Figures of the chosen side, with the look of the last frames.
-  const InspectionFigures& inspected() const { return inspections_[side_].figures(); }
+  /// Returns the figures of the chosen side, measured some frames ago.
+  const InspectionFigures& inspected() const { return sides_[side_].inspection.figures(); }
   pelage::ContactLook contactLook;    ///< with StageLook::showsContacts
-  pelage::ViewSettings viewSettings;  ///< of all views: the canvas has the same target
+  pelage::ViewSettings viewSettings;  ///< of all views: CanvasTarget must match
   pelage::Scene& scene() { return scene_; }
   const pelage::Scene& scene() const { return scene_; }
   const std::vector<pelage::HairId>& hairs() const { return chosen().hairs(); }
   const std::vector<pelage::ColliderId>& colliders() const { return chosen().colliders(); }
-  /// How often show() or compare() has changed what is on this side; 0: there is nothing yet.
-  uint64_t shown() const { return shown_[side_]; }
+  /// Counts the calls of show() or compare() that changed this side; 0: it shows nothing yet.
+  uint64_t shown() const { return sides_[side_].shown; }
 
-  /// The lights of the hair, one at least: none are a black one. The first one also lights the
-  /// meshes.
-  std::vector<pelage::Light> lights() const { return lightsOf(side_); }
+  /// Lights of the hair, at least one: setLights() makes a black one of an empty list. The first
+  /// one also lights the meshes.
+  std::vector<pelage::Light> lights() const;
   void setLights(const std::vector<pelage::Light>& lights);
-  const pelage::TransparencySettings& transparency() const { return transparency_; }
-  /// The method is Stage::look's afterwards, too.
-  void setTransparency(const pelage::TransparencySettings& settings);
-  /// How hair of the chosen side was made, and making it in another way: those of
-  /// sample::DemoScene.
+  /// Functions of sample::DemoScene for the chosen side.
   sample::DemoScene::HairMaking making(size_t hair) const { return chosen().making(hair); }
   pelage::Result<void> makeHairAgain(size_t hair, const sample::DemoScene::HairMaking& making);
   bool hasMotions() const { return source_.kind == StageKind::kCharacter; }
 
  private:
-  pelage::Result<sample::DemoScene> make(const StageSource& source, LoadedFiles& loaded);
-  std::vector<pelage::Light> lightsOf(uint32_t side) const;
+  const sample::DemoScene& chosen() const { return *sides_[side_].demo; }
   void applyLook(uint32_t width, uint32_t height);
-  const sample::DemoScene& chosen() const { return side_ == 0 ? *demo_ : *right_; }
-  sample::DemoScene& demoOf(uint32_t side) { return side == 0 ? *demo_ : *right_; }
-  const sample::DemoScene& demoOf(uint32_t side) const { return side == 0 ? *demo_ : *right_; }
-  std::vector<pelage::SceneSettings> settingsOfAll() const;
-  pelage::Result<void> takeSettings(const std::vector<pelage::SceneSettings>& left);
-  void separateColliders();
-  pelage::Result<pelage::TransparencyPlan> planView() const;
-  void makeDepthBuffers(uint32_t width, uint32_t height);
-  std::vector<bool> showHair(uint32_t side);
-  void restoreHair(const std::vector<bool>& visible);
-  pelage::Result<void> drawSide(uint32_t side, const pelage::CapsuleCollider* ball,
+  pelage::Result<void> drawSide(uint32_t index, const pelage::CapsuleCollider* ballShape,
                                 pelage::Frame& frame);
-  pelage::Result<void> drawContacts(uint32_t side, const pelage::View& view, pelage::Frame& frame);
 
   pelage::Scene scene_;
-  std::optional<sample::DemoScene> demo_, right_;  // in scene_
-  pelage::Solver rightSolver_ = pelage::Solver::kExact;
-  uint32_t side_ = 0;  // that is chosen
-  std::array<uint64_t, 2> shown_ = {};
-  std::array<Inspection, 2> inspections_;
-  StageDevice device_;
   StageSource source_;
   LoadedFiles loaded_;
+  std::array<StageSide, 2> sides_;
+  uint32_t side_ = 0;  // the chosen one
   BallMesh ballMesh_;
-  pelage::TransparencySettings transparency_;
-  std::optional<StageLook> applied_;  // of the last frame
-  InspectionLook inspectionBefore_;
-  uint64_t inspectedFrames_ = 0;  // with it
-  std::array<pelage::BufferId, 2> depthBuffers_ = {pelage::BufferId::kInvalid,
-                                                   pelage::BufferId::kInvalid};
+  std::optional<AppliedLook> applied_;  // of the last frame
   std::vector<CanvasView> views_;
-  uint32_t width_ = 0, height_ = 0;  // of the last frame
-  uint64_t frame_ = 0;               // since the last change of what is drawn
   std::optional<pelage::SceneSnapshot> snapshot_;
 };
 

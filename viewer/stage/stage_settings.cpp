@@ -16,13 +16,13 @@ constexpr std::string_view kSections[] = {"simulation",   "material", "object", 
                                           "follow",       "collider", "contactLook", "lights",
                                           "transparency", "view"};
 
-// What was made with other values is made again.
+// Makes the hair again if it was made with other values.
 pelage::Result<void> applyMaking(const SceneSettings& settings, size_t hair, Stage& stage) {
   const SceneSettings now = settingsOf(stage, hair);
   SceneSettings wanted = now;
   wanted.creation = settings.creation;
   wanted.follow = settings.follow;
-  // A share of the simulated guides needs it.
+  // A share of simulated guides needs level of detail.
   if (settings.object.simulatedShare < 1) wanted.creation.levelOfDetail = true;
   if (haveSameSettings(now, wanted)) return {};
   return stage.makeHairAgain(hair, {wanted.creation, wanted.follow});
@@ -52,9 +52,9 @@ SceneSettings settingsOf(const Stage& stage, size_t hair) {
     settings.collider = settingsOf(stage.scene().collider(stage.colliders()[0]));
   settings.contactLook = stage.contactLook;
   settings.lights = stage.lights();
-  settings.transparency = stage.transparency();
+  settings.transparency = stage.transparency.settings();
   settings.view = stage.viewSettings;
-  // What the next frame gives to all hair.
+  // The next frame gives these values of the look to all hair.
   settings.simulation.wind.velocity = stage.look.wind;
   settings.object.drawnShare = stage.look.strandShare;
   settings.lights[0].shadow = stage.look.shadow;
@@ -74,12 +74,70 @@ pelage::Result<void> apply(const SceneSettings& settings, size_t hair, Stage& st
     apply(settings.collider, stage.scene().collider(collider));
   stage.contactLook = settings.contactLook;
   stage.setLights(settings.lights);
-  stage.setTransparency(settings.transparency);
+  stage.transparency.set(settings.transparency);
+  stage.look.transparency = settings.transparency.method;
   stage.viewSettings = settings.view;
   stage.look.wind = settings.simulation.wind.velocity;
   stage.look.strandShare = settings.object.drawnShare;
   stage.look.shadow = stage.lights()[0].shadow;
   return {};
+}
+
+namespace {
+
+// Chooses each side in turn, and calls function().
+template <class Function>
+void forEachSide(Stage& stage, Function&& function) {
+  const uint32_t chosen = stage.side();
+  for (uint32_t side = 0; side < stage.sides(); ++side) {
+    stage.chooseSide(side);
+    function();
+  }
+  stage.chooseSide(chosen);
+}
+
+// Gives settings to hair. \return whether it had others.
+bool give(const pelage::SceneSettings& wanted, size_t hair, Stage& stage) {
+  if (haveSameSettings(settingsOf(stage, hair), wanted)) return false;
+  // They are in range: a frame has run with them, or they are defaults.
+  (void)apply(wanted, hair, stage);
+  return true;
+}
+
+}  // namespace
+
+void GoodSettings::keep(Stage& stage) {
+  forEachSide(stage, [&] {
+    Side& kept = sides_[stage.side()];
+    kept.shown = stage.shown();
+    kept.hairs.clear();
+    for (size_t i = 0; i < stage.hairs().size(); ++i) kept.hairs.push_back(settingsOf(stage, i));
+  });
+}
+
+bool GoodSettings::restore(Stage& stage) const {
+  bool differs = false;
+  forEachSide(stage, [&] {
+    const Side& kept = sides_[stage.side()];
+    if (kept.shown != stage.shown()) return;
+    for (size_t i = 0; i < kept.hairs.size(); ++i)
+      if (give(kept.hairs[i], i, stage)) differs = true;
+  });
+  return differs;
+}
+
+bool applyDefaultLook(Stage& stage) {
+  bool differs = false;
+  forEachSide(stage, [&] {
+    for (size_t i = 0; i < stage.hairs().size(); ++i) {
+      pelage::SceneSettings wanted = settingsOf(stage, i);
+      wanted.material = {};
+      wanted.lights = {pelage::Light{}};
+      wanted.lights[0].shadow = stage.look.shadow;
+      if (give(wanted, i, stage)) differs = true;
+    }
+  });
+  return differs;
 }
 
 }  // namespace viewer

@@ -1,26 +1,50 @@
-// The settings of what is on a stage, as one value that a user edits.
+// The settings of a stage as one value that a user edits, and the last ones that worked.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "pelage/settings/scene_settings.h"
 #include "stage/stage.h"
 
 namespace viewer {
 
-/// Sections of SceneSettings that a stage takes: bit i is that of the i-th of
-/// pelage::settingsSections(). The others are the window's own.
+/// Returns the sections of SceneSettings that a stage has: bit i for the i-th of
+/// pelage::settingsSections(). The window decides the others.
 uint32_t stageSections();
 
-/// Settings of a hair object, and of what all are drawn with. \param hair index in Stage::hairs().
+/// Returns the settings of a hair object, with those that all hair shares. \param hair index in
+/// Stage::hairs().
 pelage::SceneSettings settingsOf(const Stage& stage, size_t hair);
 
-/// Gives them to the stage. The simulation, the material and the object are those of this hair;
-/// wind, shadow and share of the strands, which Stage::look has, and the view count for all hair.
-/// Hair begins in its bind shape again where `creation` or `follow` differ; a simulatedShare below
-/// 1 switches levelOfDetail on. Errors: validate()'s, and those of making the hair again; nothing
-/// is set then.
+/// Applies settings to the stage. Simulation, material and object apply to one hair object; the
+/// view, and the wind, shadow and share of strands of Stage::look, apply to all. If `creation` or
+/// `follow` differ, the hair is made again in its bind shape; a simulatedShare below 1 switches
+/// levelOfDetail on. \param hair index in Stage::hairs(). Errors: validate()'s, and those of making
+/// the hair again; nothing is set then.
 pelage::Result<void> apply(const pelage::SceneSettings& settings, size_t hair, Stage& stage);
+
+class GoodSettings {
+ public:
+  /// Keeps the settings of all sides. Call it after a frame has run with them.
+  void keep(Stage& stage);
+  /// Restores the settings of all sides that show the same hair as then. \return whether one had
+  /// others.
+  bool restore(Stage& stage) const;
+
+ private:
+  struct Side {
+    uint64_t shown = 0;                        // Stage::shown() at that time
+    std::vector<pelage::SceneSettings> hairs;  // [hair]
+  };
+  std::array<Side, 2> sides_;
+};
+
+/// Gives all hair of all sides the default material and one default light. It helps if refused
+/// settings came together with the hair: no good ones were kept then. \return whether a side had
+/// others.
+bool applyDefaultLook(Stage& stage);
 
 }  // namespace viewer

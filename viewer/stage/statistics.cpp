@@ -11,14 +11,16 @@ using pelage::Result;
 
 namespace {
 
-// Counters of a buffer that is there.
+// Reads the counters of a buffer; they get no value if it does not exist.
 template <class Counters>
-Result<std::optional<Counters>> counted(BufferId buffer, const pelage::BufferReader& read,
-                                        Counters (*parse)(std::span<const std::byte>)) {
-  if (buffer == BufferId::kInvalid) return std::optional<Counters>();
+Result<void> count(BufferId buffer, const pelage::BufferReader& read,
+                   Counters (*parse)(std::span<const std::byte>),
+                   std::optional<Counters>& counters) {
+  if (buffer == BufferId::kInvalid) return {};
   const auto bytes = read(buffer);
   if (!bytes) return bytes.error();
-  return std::optional<Counters>(parse(*bytes));
+  counters = parse(*bytes);
+  return {};
 }
 
 }  // namespace
@@ -35,16 +37,12 @@ Result<std::vector<HairStatistics>> hairStatistics(const pelage::Scene& scene,
     of.guides = hair.guideCount();
     of.followHairs = hair.followCount();
     of.bytes = scene.bytesOf(id);
-    const auto simulation = counted(buffers.sleep, read, &pelage::readCounters);
-    if (!simulation) return simulation.error();
-    const auto contacts = counted(buffers.contactWords, read, &pelage::readContactCounters);
-    if (!contacts) return contacts.error();
-    const auto follow =
-        counted(buffers.followContactWords, read, &pelage::readFollowContactCounters);
-    if (!follow) return follow.error();
-    of.simulation = *simulation;
-    of.contacts = *contacts;
-    of.followContacts = *follow;
+    Result<void> done = count(buffers.sleep, read, &pelage::readCounters, of.simulation);
+    if (done) done = count(buffers.contactWords, read, &pelage::readContactCounters, of.contacts);
+    if (done)
+      done = count(buffers.followContactWords, read, &pelage::readFollowContactCounters,
+                   of.followContacts);
+    if (!done) return done.error();
     all.push_back(std::move(of));
   }
   return all;

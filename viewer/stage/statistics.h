@@ -1,4 +1,4 @@
-// What a frame did, as the library counts it.
+// Statistics of a frame, from the counters of the library.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace viewer {
 
-/// Of one hair object; a counter that its settings do not keep is nothing.
+/// Statistics of a hair object; counters have no value if its settings do not keep them.
 struct HairStatistics {
   std::string name;
   uint32_t guides = 0, followHairs = 0;
@@ -24,7 +24,7 @@ struct HairStatistics {
   std::optional<pelage::FollowContactCounters> followContacts;
 };
 
-/// Of one mesh collider.
+/// Statistics of a mesh collider.
 struct ColliderStatistics {
   std::string name;
   uint32_t nodes[3] = {};
@@ -35,7 +35,7 @@ struct ColliderStatistics {
 struct StageStatistics {
   std::vector<HairStatistics> hairs;
   std::vector<ColliderStatistics> colliders;
-  /// Linked lists and tiles.
+  /// Counters of methods with lists or tiles.
   std::optional<pelage::TransparencyCounters> transparency;
 };
 
@@ -48,7 +48,7 @@ std::vector<ColliderStatistics> colliderStatistics(const pelage::Scene& scene,
 
 inline double mebibytes(uint64_t bytes) { return static_cast<double>(bytes) / (1024 * 1024); }
 
-/// The statistics as lines of text.
+/// Return statistics as lines of text.
 std::vector<std::string> linesOf(const HairStatistics& hair);
 std::string lineOf(const ColliderStatistics& collider);
 std::vector<std::string> linesOf(const pelage::TransparencyCounters& counters,

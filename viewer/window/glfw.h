@@ -1,4 +1,4 @@
-// GLFW, without OpenGL's header; with surfaces of Vulkan, which it declares behind Vulkan's.
+// GLFW without OpenGL's header. It declares Vulkan surfaces if Vulkan's header comes first.
 #pragma once
 
 #ifdef PELAGE_VIEWER_VULKAN

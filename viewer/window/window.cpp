@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "input/keys.h"
+#include "input/event.h"
 #include "window/glfw.h"
 
 namespace viewer {
@@ -20,9 +20,9 @@ using pelage::Result;
 namespace {
 
 constexpr double kWait = 0.1;                            // s; of poll()
-constexpr std::chrono::milliseconds kDisplayTime{2000};  // that a display may take
+constexpr std::chrono::milliseconds kDisplayTime{2000};  // maximum time of a display
 
-// The last error of GLFW.
+// Returns the last error of GLFW.
 std::string problem() {
   const char* text = nullptr;
   return glfwGetError(&text) != GLFW_NO_ERROR && text != nullptr ? text : "no reason is known";
@@ -37,6 +37,17 @@ std::optional<MouseButton> buttonOf(int button) {
   if (button == GLFW_MOUSE_BUTTON_RIGHT) return MouseButton::kRight;
   if (button == GLFW_MOUSE_BUTTON_MIDDLE) return MouseButton::kMiddle;
   return std::nullopt;
+}
+
+// Waits for the display. \return whether the condition holds in time.
+template <class Condition>
+bool waitUntil(Condition&& condition) {
+  const auto end = std::chrono::steady_clock::now() + kDisplayTime;
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    glfwWaitEventsTimeout(0.01);
+  }
+  return true;
 }
 
 }  // namespace
@@ -139,7 +150,7 @@ WindowSize Window::size() const {
                 height <= 0 || pixelWidth <= 0 || pixelHeight <= 0;
   float scaleX = 1, scaleY = 1;
   glfwGetWindowContentScale(window_, &scaleX, &scaleY);
-  // Where a window has several pixels a coordinate, the picture is scaled already.
+  // If a window has several pixels per coordinate, the picture is scaled already.
   if (!size.hidden)
     size.interfaceScale =
         std::clamp(scaleX * static_cast<float>(width) / static_cast<float>(pixelWidth), 0.5f, 4.0f);
@@ -148,29 +159,19 @@ WindowSize Window::size() const {
 
 Result<void> Window::resize(uint32_t width, uint32_t height) {
   glfwSetWindowSize(window_, static_cast<int>(width), static_cast<int>(height));
-  const auto end = std::chrono::steady_clock::now() + kDisplayTime;
-  for (;;) {
-    const WindowSize now = size();
-    if (now.width == width && now.height == height) break;
-    if (std::chrono::steady_clock::now() > end)
-      return Error{ErrorCode::kDevice,
-                   fmt::format("the window is {} x {}, and the display does not make it {} x {}",
-                               now.width, now.height, width, height)};
-    glfwWaitEventsTimeout(0.01);
-  }
-  return {};
+  if (waitUntil([&] { return size().width == width && size().height == height; })) return {};
+  return Error{ErrorCode::kDevice,
+               fmt::format("the window is {} x {}, and the display does not make it {} x {}",
+                           size().width, size().height, width, height)};
 }
 
 Result<void> Window::minimize(bool minimized) {
   minimized ? glfwIconifyWindow(window_) : glfwRestoreWindow(window_);
-  const auto end = std::chrono::steady_clock::now() + kDisplayTime;
-  while ((glfwGetWindowAttrib(window_, GLFW_ICONIFIED) == GLFW_TRUE) != minimized) {
-    if (std::chrono::steady_clock::now() > end)
-      return Error{ErrorCode::kDevice, fmt::format("the display does not {} the window",
-                                                   minimized ? "minimize" : "restore")};
-    glfwWaitEventsTimeout(0.01);
-  }
-  return {};
+  if (waitUntil(
+          [&] { return (glfwGetWindowAttrib(window_, GLFW_ICONIFIED) == GLFW_TRUE) == minimized; }))
+    return {};
+  return Error{ErrorCode::kDevice, fmt::format("the display does not {} the window",
+                                               minimized ? "minimize" : "restore")};
 }
 
 void Window::setTitle(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }

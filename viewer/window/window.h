@@ -1,6 +1,7 @@
 // The window: its size, and what a person does to it.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -27,27 +28,29 @@ struct WindowSize {
   uint32_t pixelWidth = 0, pixelHeight = 0;
   /// Size of text and controls: 2 on a screen with twice the usual pixels per inch.
   float interfaceScale = 1;
-  /// Nothing of it can be seen, or it has no pixels.
-  bool hidden = false;
+  bool hidden = false;  ///< the window is minimized, or has no pixels
+  /// Width over height.
+  float aspect() const {
+    return static_cast<float>(std::max(width, 1u)) / static_cast<float>(std::max(height, 1u));
+  }
 };
 
 /// Threads: the main one.
 class Window {
  public:
-  /// Errors: no display; kUnsupported: no OpenGL 4.5 of the display.
+  /// Errors: no display; kUnsupported: the display has no OpenGL 4.5.
   static pelage::Result<std::unique_ptr<Window>> create(const WindowDef& def);
   ~Window();
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
 
-  /// Adds what has happened since the last call. \param wait sleeps until something happens, but no
-  /// longer than a tenth of a second.
+  /// Adds the events since the last call. \param wait sleeps until there is an event, at most a
+  /// tenth of a second.
   void poll(std::vector<Event>& events, bool wait);
   WindowSize size() const;
-  /// Resizes the window, and waits until it has that size. Error: the display refuses it.
+  /// Resizes the window, and waits for it. Error: the display refuses the size.
   pelage::Result<void> resize(uint32_t width, uint32_t height);
-  /// Puts the window into the task bar, or takes it out, and waits until it is so. Error: the
-  /// display has nothing that does so.
+  /// Minimizes or restores the window, and waits for it. Error: the display does not do it.
   pelage::Result<void> minimize(bool minimized);
   void setTitle(const std::string& title);
   /// Shows the picture that was drawn with OpenGL.

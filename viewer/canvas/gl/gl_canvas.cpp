@@ -1,5 +1,5 @@
-// OpenGL 4.5 core, in the window's context. Row 0 of the scene's target is the top one; the picture
-// flips it for the window.
+// OpenGL 4.5 core, in the window's context. Row 0 of the scene's target is the top row; the picture
+// is flipped for the window.
 #define GL_GLEXT_PROTOTYPES
 #include <GL/glcorearb.h>
 
@@ -17,7 +17,6 @@
 #include <utility>
 
 #include "canvas/canvas.h"
-#include "canvas/picture.h"
 #include "pelage/gl.h"
 #include "pelage/list_check.h"
 #include "sample/code.h"
@@ -34,7 +33,7 @@ using pelage::Result;
 namespace {
 
 constexpr const char* kCacheFolder = "viewer_gl";
-constexpr size_t kTimers = 3;  // times are read two frames late
+constexpr size_t kTimers = 3;
 
 void APIENTRY onMessage(GLenum, GLenum type, GLuint, GLenum severity, GLsizei,
                         const GLchar* message, const void* user) {
@@ -49,7 +48,7 @@ std::string stringOf(GLenum name) {
   return string != nullptr ? string : "";
 }
 
-// Sum of those of 1, 2, 4 and 8 that textures of a format have.
+// Returns the sum of the sample counts among 1, 2, 4 and 8 that textures of a format have.
 uint32_t sampleCountsOf(GLenum format) {
   GLint count = 0;
   glGetInternalformativ(GL_TEXTURE_2D_MULTISAMPLE, format, GL_NUM_SAMPLE_COUNTS, 1, &count);
@@ -62,128 +61,27 @@ uint32_t sampleCountsOf(GLenum format) {
   return sum;
 }
 
-class GlCanvas final : public Canvas {
+// The target of the scene. Row 0 of its framebuffer is the top row, as in buffers.
+class GlTarget {
  public:
-  GlCanvas(CanvasDef def, Window& window) : def_(std::move(def)), window_(window) {}
-  ~GlCanvas() override;
-  Result<void> open();
-
-  const pelage::DeviceInfo& info() const override { return info_; }
-  Result<void> supports(const pelage::TransparencySettings& settings) const override {
-    return runtime_->supports(settings, {.followHairs = true});
-  }
-  Result<void> setCode(pelage::KernelCodeList code) override;
-  Result<void> setTarget(const CanvasTarget& target) override;
-  Result<void> begin() override;
-  Result<void> show(const CanvasFrame& frame) override;
-  const sample::ByteImage& captured() const override { return captured_; }
-  Result<std::vector<std::byte>> read(pelage::BufferId buffer) override {
-    return runtime_->read(buffer);
-  }
-  const std::vector<pelage::PassTiming>& timings() const override { return timings_; }
-  CanvasMemory memory() const override { return {runtime_->statistics().bufferBytes, 0}; }
-  uint32_t messageCount() const override { return messages_; }
-  void saveCache() override {}  // programs are stored when they have been linked
+  Result<void> make(const CanvasTarget& target);
+  void release();
+  /// Without a size there is no target.
+  const CanvasTarget& size() const { return size_; }
+  GLuint color() const { return color_; }
+  void bind(bool clears) const;
+  /// Takes the mean of the samples of each pixel.
+  void resolve() const;
+  void copyDepth(const pelage::PixelArea& area, GLuint buffer) const;
 
  private:
-  Result<void> makeRuntime(pelage::KernelCodeList code);
-  void listen();
-  void describe();
-  Result<void> makeTarget(const CanvasTarget& target);
-  void releaseTarget();
-  void resolve() const;
-  void bindScene(bool clears) const;
-  void copyDepth(const CanvasView& view) const;
-  Result<void> draw(const pelage::FrameStep& step, const CanvasFrame& frame, uint32_t views);
-  void takePicture();
-
-  CanvasDef def_;
-  Window& window_;
-  std::optional<pelage::gl::Runtime> runtime_;
-  std::array<std::optional<pelage::gl::PassTimer>, kTimers> timers_;
-  pelage::DeviceInfo info_;
-  pelage::TextureId scene_ = pelage::newTextureId();
   GLuint color_ = 0, depth_ = 0, framebuffer_ = 0;
-  GLuint samples_ = 0, resolved_ = 0;  // with several samples: their color; color_ as a target
-  bool hasInterface_ = false;
-  uint64_t frame_ = 0;
-  CanvasTarget target_;  // without a size: there is none
-  uint32_t messages_ = 0;
-  sample::ByteImage captured_;
-  std::vector<pelage::PassTiming> timings_;
+  GLuint samples_ = 0,
+         resolved_ = 0;  // with several samples a pixel: their color, and the framebuffer of color_
+  CanvasTarget size_;
 };
 
-GlCanvas::~GlCanvas() {
-  if (hasInterface_) ImGui_ImplOpenGL3_Shutdown();
-  releaseTarget();
-  for (auto& timer : timers_) timer.reset();
-  runtime_.reset();
-  if (def_.validation) glDebugMessageCallback(nullptr, nullptr);
-}
-
-Result<void> GlCanvas::makeRuntime(pelage::KernelCodeList code) {
-  pelage::gl::RuntimeDef def;
-  // The first table that has a permutation counts.
-  if (!code.empty()) def.code.insert(def.code.begin(), code);
-  def.getProcAddress = [](const char* name) {
-    return reinterpret_cast<void*>(glfwGetProcAddress(name));
-  };
-  if (!def_.cache.empty())
-    def.programCache = pelage::gl::directoryProgramCache((def_.cache / kCacheFolder).string());
-  def.debug = def_.validation;
-  Result<pelage::gl::Runtime> runtime = pelage::gl::Runtime::create(std::move(def));
-  if (!runtime) return runtime.error();
-  runtime_.emplace(*std::move(runtime));
-  runtime_->addCode(sample::allCode());
-  runtime_->addCode(viewer_kernels::allCode());
-  for (auto& timer : timers_) timer.emplace(*runtime_);
-  return {};
-}
-
-Result<void> GlCanvas::setCode(pelage::KernelCodeList code) {
-  for (auto& timer : timers_) timer.reset();
-  runtime_.reset();
-  timings_.clear();
-  Result<void> made = makeRuntime(code);
-  if (made && target_.width > 0)
-    runtime_->registerTexture(scene_, {.target = GL_TEXTURE_2D_ARRAY, .name = color_});
-  return made;
-}
-
-Result<void> GlCanvas::open() {
-  if (Result<void> done = makeRuntime({}); !done) return done;
-  if (def_.validation) listen();
-  describe();
-  hasInterface_ = ImGui_ImplOpenGL3_Init("#version 450");
-  if (!hasInterface_)
-    return Error{ErrorCode::kDevice, "the user interface cannot be drawn with OpenGL"};
-  return {};
-}
-
-void GlCanvas::listen() {
-  glEnable(GL_DEBUG_OUTPUT);
-  glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
-  glDebugMessageControl(GL_DONT_CARE, GL_DONT_CARE, GL_DONT_CARE, 0, nullptr, GL_TRUE);
-  glDebugMessageCallback(&onMessage, &messages_);
-}
-
-void GlCanvas::describe() {
-  info_.api = pelage::Api::kGl;
-  info_.name = stringOf(GL_RENDERER);
-  info_.driver = stringOf(GL_VENDOR);
-  info_.version = stringOf(GL_VERSION);
-  std::string lower = info_.name;
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  for (const char* software : {"llvmpipe", "softpipe", "swrast", "swiftshader"})
-    info_.software |= lower.find(software) != std::string::npos;
-  info_.sampleCounts = sampleCountsOf(GL_RGBA16F) & sampleCountsOf(GL_DEPTH_COMPONENT32F);
-  info_.maxSamples = std::bit_floor(info_.sampleCounts);
-  info_.maxBufferBytes = runtime_->limits().storageBlockBytes;
-  info_.tier = runtime_->tier();
-}
-
-void GlCanvas::releaseTarget() {
+void GlTarget::release() {
   for (GLuint* framebuffer : {&framebuffer_, &resolved_}) {
     glDeleteFramebuffers(1, framebuffer);
     *framebuffer = 0;
@@ -192,10 +90,10 @@ void GlCanvas::releaseTarget() {
     glDeleteTextures(1, texture);
     *texture = 0;
   }
-  target_ = {};
+  size_ = {};
 }
 
-Result<void> GlCanvas::makeTarget(const CanvasTarget& target) {
+Result<void> GlTarget::make(const CanvasTarget& target) {
   const auto columns = static_cast<GLsizei>(target.width);
   const auto rows = static_cast<GLsizei>(target.height);
   const auto samples = static_cast<GLsizei>(target.samples);
@@ -228,119 +126,245 @@ Result<void> GlCanvas::makeTarget(const CanvasTarget& target) {
     glNamedFramebufferTextureLayer(framebuffer_, GL_COLOR_ATTACHMENT0, color_, 0, 0);
   }
   glNamedFramebufferTexture(framebuffer_, GL_DEPTH_ATTACHMENT, depth_, 0);
-  return check(framebuffer_);
-}
-
-Result<void> GlCanvas::setTarget(const CanvasTarget& target) {
-  if (target == target_) return {};
-  if (Result<void> can = checkSamples(info_, target.samples); !can) return can;
-  releaseTarget();
-  if (Result<void> made = makeTarget(target); !made) {
-    releaseTarget();
-    return made;
-  }
-  runtime_->registerTexture(scene_, {.target = GL_TEXTURE_2D_ARRAY, .name = color_});
-  target_ = target;
+  if (Result<void> complete = check(framebuffer_); !complete) return complete;
+  size_ = target;
   return {};
 }
 
-Result<void> GlCanvas::begin() {
-  ++frame_;
-  // The timer that this frame takes was used three frames ago.
-  std::vector<pelage::PassTiming> read = timers_[frame_ % kTimers]->read();
-  if (!read.empty()) timings_ = std::move(read);
-  ImGui_ImplOpenGL3_NewFrame();
-  return {};
-}
-
-void GlCanvas::bindScene(bool clears) const {
+void GlTarget::bind(bool clears) const {
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
   if (!clears) return;
-  // Clears obey these, and earlier draws have set them.
+  // These states of earlier draws also affect clears.
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   glDepthMask(GL_TRUE);
   glDisable(GL_SCISSOR_TEST);
-  const GLfloat color[4] = {}, depth = target_.reversedDepth ? 0.0f : 1.0f;
+  const GLfloat color[4] = {}, depth = size_.reversedDepth ? 0.0f : 1.0f;
   glClearBufferfv(GL_COLOR, 0, color);
   glClearBufferfv(GL_DEPTH, 0, &depth);
 }
 
-// A pixel is the mean of its samples.
-void GlCanvas::resolve() const {
+void GlTarget::resolve() const {
   if (resolved_ == 0) return;
-  const auto width = static_cast<GLint>(target_.width), height = static_cast<GLint>(target_.height);
+  const auto width = static_cast<GLint>(size_.width), height = static_cast<GLint>(size_.height);
   glDisable(GL_SCISSOR_TEST);
   glBlitNamedFramebuffer(framebuffer_, resolved_, 0, 0, width, height, 0, 0, width, height,
                          GL_COLOR_BUFFER_BIT, GL_NEAREST);
 }
 
-// Row 0 of the framebuffer is the top row, as in the buffer.
-void GlCanvas::copyDepth(const CanvasView& view) const {
+void GlTarget::copyDepth(const pelage::PixelArea& area, GLuint buffer) const {
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_);
-  glBindBuffer(GL_PIXEL_PACK_BUFFER, runtime_->bufferName(view.depthCopy));
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, buffer);
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
-  glReadPixels(static_cast<GLint>(view.area.x), static_cast<GLint>(view.area.y),
-               static_cast<GLsizei>(view.area.width), static_cast<GLsizei>(view.area.height),
+  glReadPixels(static_cast<GLint>(area.x), static_cast<GLint>(area.y),
+               static_cast<GLsizei>(area.width), static_cast<GLsizei>(area.height),
                GL_DEPTH_COMPONENT, GL_FLOAT, nullptr);
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
   glMemoryBarrier(GL_ALL_BARRIER_BITS);
+}
+
+// GPU times of passes, which are read two frames late.
+class GlTimers {
+ public:
+  void make(pelage::gl::Runtime& runtime) {
+    for (auto& timer : timers_) timer.emplace(runtime);
+  }
+  void release() {
+    for (auto& timer : timers_) timer.reset();
+  }
+  /// Begins a frame. \return the times of the earlier frame that used its timer.
+  std::vector<pelage::PassTiming> begin() { return timers_[++frame_ % kTimers]->read(); }
+  pelage::gl::PassTimer& current() { return *timers_[frame_ % kTimers]; }
+
+ private:
+  std::array<std::optional<pelage::gl::PassTimer>, kTimers> timers_;
+  uint64_t frame_ = 0;
+};
+
+void listen(uint32_t& messages) {
+  glEnable(GL_DEBUG_OUTPUT);
+  glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
+  glDebugMessageControl(GL_DONT_CARE, GL_DONT_CARE, GL_DONT_CARE, 0, nullptr, GL_TRUE);
+  glDebugMessageCallback(&onMessage, &messages);
+}
+
+pelage::DeviceInfo infoOf(const pelage::gl::Runtime& runtime) {
+  pelage::DeviceInfo info;
+  info.api = pelage::Api::kGl;
+  info.name = stringOf(GL_RENDERER);
+  info.driver = stringOf(GL_VENDOR);
+  info.version = stringOf(GL_VERSION);
+  std::string lower = info.name;
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (const char* software : {"llvmpipe", "softpipe", "swrast", "swiftshader"})
+    info.software |= lower.find(software) != std::string::npos;
+  info.sampleCounts = sampleCountsOf(GL_RGBA16F) & sampleCountsOf(GL_DEPTH_COMPONENT32F);
+  info.maxSamples = std::bit_floor(info.sampleCounts);
+  info.maxBufferBytes = runtime.limits().storageBlockBytes;
+  info.tier = runtime.tier();
+  return info;
+}
+
+sample::ByteImage readPicture(uint32_t width, uint32_t height) {
+  sample::ByteImage picture;
+  picture.width = width;
+  picture.height = height;
+  picture.rgb.resize(size_t{3} * width * height);
+  std::vector<uint8_t> rows(picture.rgb.size());
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadBuffer(GL_BACK);
+  glReadPixels(0, 0, static_cast<GLsizei>(width), static_cast<GLsizei>(height), GL_RGB,
+               GL_UNSIGNED_BYTE, rows.data());
+  const size_t row = size_t{3} * width;
+  for (size_t y = 0; y < height; ++y)
+    std::copy_n(rows.begin() + static_cast<ptrdiff_t>((height - 1 - y) * row), row,
+                picture.rgb.begin() + static_cast<ptrdiff_t>(y * row));
+  return picture;
+}
+
+class GlCanvas final : public Canvas {
+ public:
+  GlCanvas(CanvasDef def, Window& window) : def_(std::move(def)), window_(window) {}
+  ~GlCanvas() override;
+  Result<void> open();
+
+  const pelage::DeviceInfo& info() const override { return info_; }
+  Result<void> supports(const pelage::TransparencySettings& settings) const override {
+    return runtime_->supports(settings, {.followHairs = true});
+  }
+  Result<void> setCode(pelage::KernelCodeList code) override;
+  Result<void> setTarget(const CanvasTarget& target) override;
+  Result<void> begin() override;
+  Result<void> show(const CanvasFrame& frame) override;
+  Result<std::vector<std::byte>> read(pelage::BufferId buffer) override {
+    return runtime_->read(buffer);
+  }
+  CanvasMemory memory() const override { return {runtime_->statistics().bufferBytes, 0}; }
+  uint32_t messageCount() const override { return messages_; }
+  void saveCache() override {}  // the runtime stores programs when it links them
+
+ private:
+  Result<void> makeRuntime(pelage::KernelCodeList code);
+  Result<void> draw(const pelage::FrameStep& step, const CanvasFrame& frame, uint32_t views);
+
+  CanvasDef def_;
+  Window& window_;
+  std::optional<pelage::gl::Runtime> runtime_;
+  GlTimers timers_;
+  pelage::DeviceInfo info_;
+  pelage::TextureId scene_ = pelage::newTextureId();
+  GlTarget target_;
+  bool hasInterface_ = false;
+  uint32_t messages_ = 0;
+};
+
+GlCanvas::~GlCanvas() {
+  if (hasInterface_) ImGui_ImplOpenGL3_Shutdown();
+  target_.release();
+  timers_.release();
+  runtime_.reset();
+  if (def_.validation) glDebugMessageCallback(nullptr, nullptr);
+}
+
+Result<void> GlCanvas::makeRuntime(pelage::KernelCodeList code) {
+  pelage::gl::RuntimeDef def;
+  // The first table with a permutation is used.
+  if (!code.empty()) def.code.insert(def.code.begin(), code);
+  def.getProcAddress = [](const char* name) {
+    return reinterpret_cast<void*>(glfwGetProcAddress(name));
+  };
+  if (!def_.cache.empty())
+    def.programCache = pelage::gl::directoryProgramCache((def_.cache / kCacheFolder).string());
+  def.debug = def_.validation;
+  Result<pelage::gl::Runtime> runtime = pelage::gl::Runtime::create(std::move(def));
+  if (!runtime) return runtime.error();
+  runtime_.emplace(*std::move(runtime));
+  runtime_->addCode(sample::allCode());
+  runtime_->addCode(viewer_kernels::allCode());
+  timers_.make(*runtime_);
+  return {};
+}
+
+Result<void> GlCanvas::setCode(pelage::KernelCodeList code) {
+  timers_.release();
+  runtime_.reset();
+  timings_.clear();
+  Result<void> made = makeRuntime(code);
+  if (made && target_.size().width > 0)
+    runtime_->registerTexture(scene_, {.target = GL_TEXTURE_2D_ARRAY, .name = target_.color()});
+  return made;
+}
+
+Result<void> GlCanvas::open() {
+  if (Result<void> done = makeRuntime({}); !done) return done;
+  if (def_.validation) listen(messages_);
+  info_ = infoOf(*runtime_);
+  hasInterface_ = ImGui_ImplOpenGL3_Init("#version 450");
+  if (!hasInterface_)
+    return Error{ErrorCode::kDevice, "the user interface cannot be drawn with OpenGL"};
+  return {};
+}
+
+Result<void> GlCanvas::setTarget(const CanvasTarget& target) {
+  if (target == target_.size()) return {};
+  if (Result<void> can = checkSamples(info_, target.samples); !can) return can;
+  target_.release();
+  if (Result<void> made = target_.make(target); !made) {
+    target_.release();
+    return made;
+  }
+  runtime_->registerTexture(scene_, {.target = GL_TEXTURE_2D_ARRAY, .name = target_.color()});
+  return {};
+}
+
+Result<void> GlCanvas::begin() {
+  std::vector<pelage::PassTiming> read = timers_.begin();
+  if (!read.empty()) timings_ = std::move(read);
+  ImGui_ImplOpenGL3_NewFrame();
+  return {};
 }
 
 Result<void> GlCanvas::draw(const pelage::FrameStep& step, const CanvasFrame& frame,
                             uint32_t views) {
   const bool isPicture = step.view == views;
   if (isPicture) {
-    resolve();
+    target_.resolve();
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
   } else
-    bindScene(step.view == 0 && step.listOfView == 0);
-  const CanvasView whole = {{0, 0, target_.width, target_.height}};
+    target_.bind(step.view == 0 && step.listOfView == 0);
+  const CanvasView whole = {{0, 0, target_.size().width, target_.size().height}};
   const CanvasView& on = isPicture ? whole : frame.views[step.view];
   const pelage::gl::DrawTarget target = {on.area.x, on.area.y, on.area.width, on.area.height};
-  if (Result<void> done = runtime_->recordDraws(*step.list, target, &*timers_[frame_ % kTimers]);
-      !done)
+  if (Result<void> done = runtime_->recordDraws(*step.list, target, &timers_.current()); !done)
     return done;
-  if (step.listOfView == 0 && on.depthCopy != pelage::BufferId::kInvalid) copyDepth(on);
+  if (step.listOfView == 0 && on.depthCopy != pelage::BufferId::kInvalid)
+    target_.copyDepth(on.area, runtime_->bufferName(on.depthCopy));
   return {};
 }
 
 Result<void> GlCanvas::show(const CanvasFrame& frame) {
   const uint32_t views = frame.frame->viewCount();
-  Result<pelage::PassList> picture = pictureList(scene_, target_.width, target_.height, true);
+  const CanvasTarget& size = target_.size();
+  Result<pelage::PassList> picture = pictureList(scene_, size.width, size.height, true);
   if (!picture) return picture.error();
   if (const auto added = frame.frame->addView(*std::move(picture)); !added) return added.error();
   pelage::FrameExecutor executor;
   executor.update = [&](const pelage::ResourceTable& table) { return runtime_->update(table); };
   executor.record = [&](const pelage::FrameStep& step) {
-    return runtime_->record(*step.list, &*timers_[frame_ % kTimers]);
+    return runtime_->record(*step.list, &timers_.current());
   };
   executor.draw = [&](const pelage::FrameStep& step) { return draw(step, frame, views); };
   if (Result<void> done = frame.frame->run(executor); !done) return done;
 
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
-  // The kernels' depth range and origin are not those of ImGui.
+  // ImGui needs another depth range and origin than the kernels.
   glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   if (frame.interface != nullptr) ImGui_ImplOpenGL3_RenderDrawData(frame.interface);
-  if (frame.captures) takePicture();
+  if (frame.captures) captured_ = readPicture(size.width, size.height);
   window_.swapBuffers();
   return {};
-}
-
-void GlCanvas::takePicture() {
-  captured_.width = target_.width;
-  captured_.height = target_.height;
-  captured_.rgb.resize(size_t{3} * target_.width * target_.height);
-  std::vector<uint8_t> rows(captured_.rgb.size());
-  glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  glReadBuffer(GL_BACK);
-  glReadPixels(0, 0, static_cast<GLsizei>(target_.width), static_cast<GLsizei>(target_.height),
-               GL_RGB, GL_UNSIGNED_BYTE, rows.data());
-  const size_t row = size_t{3} * target_.width;
-  for (size_t y = 0; y < target_.height; ++y)
-    std::copy_n(rows.begin() + static_cast<ptrdiff_t>((target_.height - 1 - y) * row), row,
-                captured_.rgb.begin() + static_cast<ptrdiff_t>(y * row));
 }
 
 }  // namespace

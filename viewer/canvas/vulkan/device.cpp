@@ -21,7 +21,7 @@ using pelage::Result;
 namespace {
 
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
-constexpr uint32_t kSampleCounts = 1 | 2 | 4 | 8;  // that View::samples may be
+constexpr uint32_t kSampleCounts = 1 | 2 | 4 | 8;  // values of View::samples
 
 VKAPI_ATTR VkBool32 VKAPI_CALL onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT,
                                          VkDebugUtilsMessageTypeFlagsEXT,
@@ -66,7 +66,7 @@ bool hasSwapchains(VkPhysicalDevice physical) {
   });
 }
 
-// A family that computes, draws and presents to the surface.
+// Returns a family that computes, draws and presents to the surface.
 std::optional<uint32_t> familyOf(VkPhysicalDevice physical, VkSurfaceKHR surface) {
   uint32_t count = 0;
   vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
@@ -240,17 +240,19 @@ void VulkanDevice::describe() {
   info.maxSamples = std::bit_floor(info.sampleCounts);
 }
 
-uint32_t VulkanDevice::memoryType(uint32_t typeBits, VkMemoryPropertyFlags wanted) const {
-  uint32_t any = 0;
-  for (uint32_t i = memory_.memoryTypeCount; i-- > 0;) {
-    if ((typeBits >> i & 1u) == 0) continue;
-    any = i;
-  }
-  for (uint32_t i = 0; i < memory_.memoryTypeCount; ++i) {
-    if ((typeBits >> i & 1u) != 0 && (memory_.memoryTypes[i].propertyFlags & wanted) == wanted)
-      return i;
-  }
-  return any;
+VkResult VulkanDevice::allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags wanted,
+                                VkDeviceMemory& memory) const {
+  const auto fits = [&](uint32_t type) { return (needs.memoryTypeBits >> type & 1u) != 0; };
+  const auto has = [&](uint32_t type) {
+    return (memory_.memoryTypes[type].propertyFlags & wanted) == wanted;
+  };
+  auto request = tagged<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
+  request.allocationSize = needs.size;
+  for (uint32_t type = memory_.memoryTypeCount; type-- > 0;)
+    if (fits(type)) request.memoryTypeIndex = type;
+  for (uint32_t type = memory_.memoryTypeCount; type-- > 0;)
+    if (fits(type) && has(type)) request.memoryTypeIndex = type;
+  return vkAllocateMemory(device, &request, nullptr, &memory);
 }
 
 }  // namespace viewer

@@ -14,7 +14,7 @@
 
 namespace viewer {
 
-/// A zeroed structure of Vulkan with its type set.
+/// Returns a zeroed structure of Vulkan with its type.
 template <class T>
 constexpr T tagged(VkStructureType type) {
   T structure = {};
@@ -22,7 +22,7 @@ constexpr T tagged(VkStructureType type) {
   return structure;
 }
 
-/// The error of a call that failed; kDeviceLost and kOutOfMemory where Vulkan says so.
+/// Returns the error of a call that failed; kDeviceLost and kOutOfMemory if Vulkan reports them.
 pelage::Error vulkanError(VkResult result, std::string_view what);
 
 /// Instance, surface, device and queue.
@@ -35,14 +35,15 @@ class VulkanDevice {
   /// Errors: no loader, no device that presents to the window, no validation layer.
   pelage::Result<void> open(const CanvasDef& def, Window& window);
 
-  /// Index of a memory type with all of these properties, or of any that fits.
-  uint32_t memoryType(uint32_t typeBits, VkMemoryPropertyFlags wanted) const;
+  /// Allocates memory of a type with all of these properties, or of any type that fits.
+  VkResult allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags wanted,
+                    VkDeviceMemory& memory) const;
 
   VkInstance instance = VK_NULL_HANDLE;
   VkSurfaceKHR surface = VK_NULL_HANDLE;
   VkPhysicalDevice physical = VK_NULL_HANDLE;
   VkPhysicalDeviceProperties properties = {};
-  VkPhysicalDeviceFeatures features = {};  ///< that are enabled
+  VkPhysicalDeviceFeatures features = {};  ///< the enabled ones
   uint32_t queueFamily = 0;
   VkDevice device = VK_NULL_HANDLE;
   VkQueue queue = VK_NULL_HANDLE;
