@@ -362,7 +362,8 @@ Result<DemoScene> makeHeadScene(const Options& options) {
   return DemoScene::create(*assets, demoDef(options));
 }
 
-Result<DemoScene> makeFileScene(const Options& options, Progress& progress) {
+Result<FileAssets> loadFiles(const Options& options, Progress& progress) {
+  progress.begin("loading files");
   std::vector<std::string> warnings;
   auto loaded = pelage::program::loadAssetFiles(options.files, warnings);
   if (!loaded) return loaded.error();
@@ -385,12 +386,13 @@ Result<DemoScene> makeFileScene(const Options& options, Progress& progress) {
     if (!motion) return motion.error();
     files.motion = *std::move(motion);
   }
-  return DemoScene::create(files, demoDef(options));
+  return files;
 }
 
-Result<DemoScene> makeScene(const Options& options, Progress& progress) {
-  progress.begin(showsFiles(options) ? "loading files" : "generating hair and meshes");
-  if (showsFiles(options)) return makeFileScene(options, progress);
+// \param files nullptr generates hair and meshes.
+Result<DemoScene> makeScene(const Options& options, const FileAssets* files, Progress& progress) {
+  if (files != nullptr) return DemoScene::create(*files, demoDef(options));
+  progress.begin("generating hair and meshes");
   return showsCharacter(options) ? makeCharacterScene(options) : makeHeadScene(options);
 }
 
@@ -407,11 +409,18 @@ Result<void> run(Options options) {
   if (options.listDevices) return printDevices(options.api);
 
   Progress progress(options.quiet);
+  // What is wrong with a file is said without a device.
+  std::optional<FileAssets> files;
+  if (showsFiles(options)) {
+    auto loaded = loadFiles(options, progress);
+    if (!loaded) return loaded.error();
+    files = *std::move(loaded);
+  }
   const auto device = makeDevice(options);
-  if (device) chooseQuality(options, (*device)->info().software);
-  auto demo = makeScene(options, progress);
-  if (!demo) return demo.error();
   if (!device) return device.error();
+  chooseQuality(options, (*device)->info().software);
+  auto demo = makeScene(options, files ? &*files : nullptr, progress);
+  if (!demo) return demo.error();
   demo->setTier((*device)->info().tier);
   progress.clear();
   if (!options.quiet) {
