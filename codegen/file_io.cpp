@@ -4,8 +4,9 @@
 
 #include <atomic>
 #include <fstream>
-#include <iterator>
+#include <sstream>
 #include <system_error>
+#include <utility>
 
 namespace pelage::codegen {
 
@@ -16,9 +17,10 @@ std::optional<std::string> readWholeFile(const fs::path& path) {
   if (!fs::is_regular_file(path, error)) return std::nullopt;
   std::ifstream stream(path, std::ios::binary);
   if (!stream) return std::nullopt;
-  std::string text((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+  std::ostringstream text;
+  text << stream.rdbuf();
   if (stream.bad()) return std::nullopt;
-  return text;
+  return std::move(text).str();
 }
 
 bool writeWholeFile(const fs::path& path, std::string_view text) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <fstream>
 #include <iterator>
 #include <limits>
 #include <map>
@@ -10,6 +9,7 @@
 #include <optional>
 #include <set>
 
+#include "codegen/file_io.h"
 #include "codegen/key_completion.h"
 #include "codegen/names.h"
 
@@ -693,17 +693,15 @@ std::string Manifest::namespaceFolder() const {
 Manifest readManifest(const fs::path& path, Diagnostics& diagnostics) {
   Manifest manifest;
   manifest.file = path.filename().string();
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) {
+  const std::optional<std::string> text = readWholeFile(path);
+  if (!text) {
     diagnostics.error(manifest.file, 1, "PK300", "cannot open the manifest " + path.string());
     return manifest;
   }
-  const std::string text((std::istreambuf_iterator<char>(stream)),
-                         std::istreambuf_iterator<char>());
   uint32_t line = 1;
   TreeBuilder builder(line, manifest.file, diagnostics);
-  if (nlohmann::json::sax_parse(LineIterator(text.data(), &line),
-                                LineIterator(text.data() + text.size(), &line), &builder)) {
+  if (nlohmann::json::sax_parse(LineIterator(text->data(), &line),
+                                LineIterator(text->data() + text->size(), &line), &builder)) {
     Reader(path, manifest, diagnostics).read(builder.root);
   }
   return manifest;

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Run this before a commit. It installs missing packages, checks the format, builds once, and runs every
 # unit test, every kernel on every API, golden pictures, samples and tools. scripts/test_all.sh has the
-# rest: sanitizers, fuzzers, static analysis, stress and other programs. Arguments go to ctest:
+# rest: sanitizers, fuzzers, static analysis, stress, benchmarks and other programs. Arguments go to ctest:
 #   scripts/test.sh -R contact
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -16,7 +16,7 @@ git ls-files '*.h' '*.cpp' 2>/dev/null | xargs -r clang-format-14 --dry-run --We
 bash scripts/format_kernels.sh --check
 
 step "build"
-cmake --preset release -DPELAGE_BUILD_TESTS=ON -DPELAGE_BUILD_BENCHMARKS=ON \
+cmake --preset release -DPELAGE_BUILD_TESTS=ON -DPELAGE_BUILD_BENCHMARKS=OFF \
   -DPELAGE_CODEGEN_CACHE="$codegen_cache"
 cmake --build --preset release --parallel "$jobs"
 

@@ -11,6 +11,7 @@
 # stress           long runs, soak, random parameters, determinism; PELAGE_STRESS=full makes it hours
 # oracle           references and comparisons with them, at full length
 # tiers            the core of the suite on devices of tier base
+# benchmarks       every row of the benchmarks with few strands and frames, and their baselines
 # viewer           the window under random input, 5 minutes an API
 # blender usd      the add-on in Blender, and the USD files by another reader
 # package          programs of others against installed libraries; the Debian package in an empty Debian (as root)
@@ -18,13 +19,13 @@
 # Not among them: `mutants` (scripts/mutants.py, hours).
 set -euo pipefail
 cd "$(dirname "$0")/.."
-[ $# -gt 0 ] || set -- test sources sanitizers sanitizers_gpu fuzz analysis stress oracle tiers viewer \
-  blender usd package shared
+[ $# -gt 0 ] || set -- test sources sanitizers sanitizers_gpu fuzz analysis stress oracle tiers benchmarks \
+  viewer blender usd package shared
 
 for name in "$@"; do
   case "$name" in
-    test | sources | sanitizers | sanitizers_gpu | fuzz | analysis | stress | oracle | tiers | viewer | \
-      blender | usd | package | shared | mutants) ;;
+    test | sources | sanitizers | sanitizers_gpu | fuzz | analysis | stress | oracle | tiers | \
+      benchmarks | viewer | blender | usd | package | shared | mutants) ;;
     *)
       echo "pelage: no step '$name'; scripts/test_all.sh lists them in its first lines" >&2
       exit 2
@@ -99,6 +100,10 @@ for name in "$@"; do
     oracle)
       build_release
       PELAGE_STRESS=full ctest --preset release --parallel "$jobs" -L oracle
+      ;;
+    benchmarks)
+      build_release
+      ctest --preset release --parallel "$jobs" -L benchmark
       ;;
     viewer)
       build_release
