@@ -72,9 +72,19 @@ def killer(build, tests):
             return f"{name}: over {SECONDS} s"
         if done.returncode != 0:
             return f"{name}: {first_failure(done.stdout)}"
-        if "[  SKIPPED ]" in done.stdout or "Running 0 tests" in done.stdout:
-            sys.exit(f"{test}: skipped, or no such test; mutants need all drivers")
+        if "[  SKIPPED ]" in done.stdout:
+            sys.exit(f"{test}: skipped; mutants need all drivers")
     return None
+
+
+def check_tests(build, mutant):
+    for test in mutant["tests"]:
+        name, _, chosen = test.partition(":")
+        listed = subprocess.run([program(build, name), "--gtest_list_tests",
+                                 "--gtest_filter=" + (chosen or "*")],
+                                stdout=subprocess.PIPE, text=True, check=True).stdout
+        if "\n  " not in listed:
+            sys.exit(f"{mutant['name']}: there is no test {test}")
 
 
 def run(build, mutant):
@@ -102,6 +112,7 @@ def main():
     mutants = json.loads(read(os.path.join(ROOT, "tests/mutants.json")))
     for mutant in mutants:
         mutated(mutant)
+        check_tests(options.build, mutant)
     survivors = []
     lines = []
     for mutant in mutants:
