@@ -2,10 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <atomic>
-#include <cstdlib>
 #include <memory>
-#include <new>
 #include <optional>
 #include <set>
 #include <string>
@@ -13,23 +10,8 @@
 
 #include "passes/copy_kernels.h"
 #include "pelage/ids.h"
+#include "support/counted_new.h"
 #include "support/errors.h"
-
-namespace {
-std::atomic<uint64_t> allocations = 0;
-}  // namespace
-
-// GCC warns where it inlines one of them alone, as it does under the sanitizers.
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
-#endif
-void* operator new(size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, size_t) noexcept { std::free(memory); }
 
 namespace pelage::test {
 namespace {
@@ -272,9 +254,9 @@ TEST(PassBuilder, AllocatesNothingForTypedBindings) {
   PassList list;
   ASSERT_TRUE(PassBuilder(list).dispatch(kCopy, 100).finish(kBound));
   list.clear();  // keeps its memory
-  const uint64_t before = allocations;
+  const uint64_t before = g_newCount;
   const Result<void> added = PassBuilder(list).dispatch(kCopy, 100).finish(kBound);
-  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(g_newCount, before);
   EXPECT_TRUE(added);
   EXPECT_EQ(list.bindings.size(), 3u);
   ASSERT_TRUE(PassBuilder(list)
@@ -283,7 +265,7 @@ TEST(PassBuilder, AllocatesNothingForTypedBindings) {
                   .bind("g_target", kB, 64)
                   .constants("g_block", kBlock)
                   .finish());
-  EXPECT_GT(allocations, before) << "what counts allocations works";
+  EXPECT_GT(g_newCount, before) << "what counts allocations works";
 }
 
 TEST(PassBuilder, PutsIndirectDrawsBehindTheDispatches) {

@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <cstdlib>
 #include <map>
 #include <mutex>
@@ -13,31 +12,9 @@
 
 #include "pelage/assert.h"
 #include "scene/scene_lists.h"
+#include "support/counted_new.h"
 #include "support/delivery_scene.h"
 #include "support/views.h"
-
-namespace {
-
-std::atomic<uint64_t> g_news{0};
-
-}  // namespace
-
-// GCC warns where it inlines one of them alone, as it does under the sanitizers.
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
-#endif
-void* operator new(size_t size) {
-  ++g_news;
-  if (void* memory = std::malloc(size == 0 ? 1 : size)) return memory;
-  throw std::bad_alloc();
-}
-void* operator new(size_t size, const std::nothrow_t& /*tag*/) noexcept {
-  ++g_news;
-  return std::malloc(size == 0 ? 1 : size);
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, size_t) noexcept { std::free(memory); }
-void operator delete(void* memory, const std::nothrow_t& /*tag*/) noexcept { std::free(memory); }
 
 namespace pelage::test {
 namespace {
@@ -186,7 +163,7 @@ struct Taken {
 
 // A frame is run as far as the scene knows. \param lists  nullptr: by a Frame
 Taken runFrame(Scene& scene, const Tracker& tracker, std::vector<PassList>* lists) {
-  const uint64_t arrays = tracker.count(), news = g_news;
+  const uint64_t arrays = tracker.count(), news = g_newCount;
   const Light light = {.shadow = HairShadow::kDeep, .shadowSize = 32};
   if (lists == nullptr) {
     Result<Frame> frame = scene.simulate(1.0f / 60);
@@ -207,7 +184,7 @@ Taken runFrame(Scene& scene, const Tracker& tracker, std::vector<PassList>* list
       setDelivered(list.run);
     }
   }
-  return {tracker.count() - arrays, g_news - news, tracker.bytes()};
+  return {tracker.count() - arrays, g_newCount - news, tracker.bytes()};
 }
 
 // Hair, colliders and a skeleton, with everything that has a history, in a loop that changes only
