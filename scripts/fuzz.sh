@@ -31,7 +31,7 @@ if [ -z "${PELAGE_FUZZ_BINARIES:-}" ]; then
 fi
 mkdir -p "$out"
 
-# Of a target, seed and count. What is new goes into a folder of its own, not into the corpus.
+# Fuzzes a target with a seed, `count` times. New inputs go into a folder of their own, not into the corpus.
 run_part() {
   local target=$1 seed=$2 count=$3 length=4096
   local work=$out/$target.$seed

@@ -1,4 +1,4 @@
-// What a collider's triangles have to do with each other, and what is said about a mesh on load.
+// Neighborhood of a collider's triangles, and warnings about a mesh on load.
 #include "assets/collider_topology.h"
 
 #include <gtest/gtest.h>

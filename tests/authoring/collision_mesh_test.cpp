@@ -288,7 +288,7 @@ TEST(SimplifiedHead, StaysWithinItsBoundAndClosed) {
     triangles = head.report.triangleCount;
     EXPECT_LE(head.error, bound);
     EXPECT_GT(head.error, 0);
-    // What is reported is what samples find, and no less.
+    // The report says the error that samples find, and no less.
     const double found =
         std::max(sampledDistance(head.mesh.positions, head.mesh.indices, original, 20000),
                  sampledDistance(mesh.positions, mesh.indices,

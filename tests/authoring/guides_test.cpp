@@ -480,7 +480,7 @@ TEST(Guides, TheMohawkFollowsATenthOfItself) {
   ASSERT_TRUE(mohawk);
   const GuideSelection s = select(*mohawk, {.guideCount = 223});
   expectComplete(*mohawk, s);
-  // Of hairs that are 80 mm long.
+  // The hairs are 80 mm long.
   EXPECT_LT(s.report.rmsError, 0.0035f);
   EXPECT_LT(s.report.rmsError, 0.4f * s.report.rmsErrorUnfitted);
 }

@@ -1,4 +1,4 @@
-// A small skinned character as a glTF file, for tests of what reads meshes.
+// A small skinned character as a glTF file, for tests of mesh readers.
 #pragma once
 
 #include <array>

@@ -173,7 +173,7 @@ TEST_F(BoundToATube, ThePartsOfAFileAreItsObjectsByMaterialInTheFilesOrder) {
   // The third vertex of the second ring of the upper half.
   const Float3 expectedPosition = {1, 3, -1};
   EXPECT_EQ(mesh_.positions[mesh_.parts[1].firstVertex + 6], expectedPosition);
-  // What shares its vertices is welded only for collision.
+  // The mesh has shared vertices: it is welded only for collision.
   auto welded = loadMesh(folder_ / "tube.gltf");
   ASSERT_TRUE(welded);
   EXPECT_EQ(welded->positions.size(), 20u + 3u);

@@ -136,7 +136,7 @@ TEST(RootTransforms, AMeshThatMovesAsAWholeCarriesTheRootsAlong) {
 
 TEST(RootTransforms, ABlendShapeCarriesItsPatchAndNothingElse) {
   const Character& c = character();
-  // What is above y = 0.25 m turns by a quarter and rises; exact in float on the far tail.
+  // The part above y = 0.25 m turns by a quarter and rises; exact in float on the far tail.
   const AffineTransform quarter = {{{0, 0, 1, 0.5f}, {0, 1, 0, 0.25f}, {-1, 0, 0, -0.125f}}};
   const auto moved = [](const Float3& p) { return p.y > 0.25f; };
   const auto transforms =
@@ -172,7 +172,7 @@ TEST(RootTransforms, StretchMovesTheRootsAndTurnsNone) {
     EXPECT_LT(difference(linear, {}), 1e-5);
   }
   // Stretched along an axis of its plane, not along an edge, a flat patch does not turn; sheared,
-  // it turns by half of what its edges differ by: the polar factor of [1 s; 0 1] has the tangent
+  // it turns by half of its edges' difference: the polar factor of [1 s; 0 1] has the tangent
   // s / 2.
   const auto tail = [](const Float3& p) { return p.y < -0.9f; };
   const auto stretched = follow(c, [&](const Float3& p) {

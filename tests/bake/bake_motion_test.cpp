@@ -1,5 +1,4 @@
-// What moves the hair of a bake: streams of bone transforms, point caches, and the mesh that these
-// move.
+// Motion of a bake's hair: streams of bone transforms, point caches, and the mesh that these move.
 #include <gtest/gtest.h>
 
 #include <array>

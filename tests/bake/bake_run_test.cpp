@@ -137,7 +137,7 @@ class Bake : public testing::Test {
   std::string uuid_;
 };
 
-// What every buffer of a scene holds, by name.
+// Contents of every buffer of a scene, by name.
 std::map<std::string, std::vector<std::byte>> stateOf(ShotScene& scene, HeadlessDevice& device) {
   std::map<std::string, std::vector<std::byte>> state;
   const ResourceTable& table = scene.scene().resources();

@@ -1,4 +1,4 @@
-// What tests keep of many values: NaN stays, wherever it comes.
+// Extremes of many values keep a NaN, wherever it comes.
 #include "support/extremes.h"
 
 #include <gtest/gtest.h>

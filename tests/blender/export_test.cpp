@@ -27,7 +27,7 @@ using pelage::Float3;
 using pelage::Float4;
 using pelage::HairAsset;
 
-// Of make_scene.py: counts, and where the bust stands after the turn to y up [m].
+// As make_scene.py: counts, and where the bust stands after the turn to y up [m].
 constexpr uint32_t kParticles = 300, kCurves = 240;
 constexpr double kCenterX = 0.2, kCenterZ = -0.1;
 constexpr double kOnMesh = 2e-6;  // Blender's floats, and ours

@@ -58,7 +58,7 @@ def test_import(name):
     go_to(FIRST + 2.25)
     between = 0.75 * want[2] + 0.25 * want[3]
     check(np.abs(points_of(obj) - between).max() < 1e-6, name + ": between two frames")
-    # What is drawn and rendered.
+    # The evaluated object is drawn and rendered.
     evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
     check(np.array_equal(points_of(evaluated), points_of(obj)), name + ": evaluated")
     return obj

@@ -389,7 +389,7 @@ TEST(GeneratedLayouts, NumberBindingsDenselyByClassAndRegister) {
                                              "g_log", "g_noiseSampler"}));
 }
 
-// What a variant uses of the layouts of its kernel.
+// The entry of the kernel's layout that a variant's binding refers to.
 const pelage::LayoutEntry& entryOf(const pelage::KernelVariant& variant,
                                    const pelage::VariantBinding& binding) {
   return variant.kernel->layouts[binding.set]->entries[binding.entry];

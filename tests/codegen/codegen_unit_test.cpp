@@ -115,7 +115,7 @@ TEST_F(ManifestTest, ListsThePermutationsThatAreNotExcluded) {
   EXPECT_EQ(permutationKey(manifest.kernels[0], {1, 4}), "x=1 n=4");
 }
 
-// What a key is completed to.
+// The key that completes `wanted`.
 std::string completed(const ManifestKernel& kernel, const Permutation& wanted) {
   return permutationKey(kernel, completeKeys(kernel).complete(wanted));
 }

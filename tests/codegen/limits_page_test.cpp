@@ -22,7 +22,7 @@ struct Feature {
   std::vector<std::string> kernels;
 };
 
-// What a reader knows, and the kernels that it runs. Every kernel is in at least one of them.
+// Features that readers know, and the kernels that each runs. Every kernel is in at least one.
 const std::vector<Feature>& features() {
   static const std::vector<Feature> kFeatures = {
       {"Simulation, classic solver",

@@ -18,7 +18,7 @@ constexpr uint32_t kPixels = 256;
 constexpr float kEyeDistance = 0.25f;
 using contact_records::kContactMore, contact_records::kContactSlides;
 
-/// Of the plane z = 0, from a camera on the z axis.
+/// The camera is on the z axis and sees the plane z = 0.
 View viewOfPlane() { return SceneRun::viewFrom({0, 0, kEyeDistance}, kPixels); }
 
 /// Where a point of that plane is in the picture [pixels].
@@ -34,7 +34,7 @@ struct Needle {
   size_t vertex = 0;
 };
 
-/// As docs/contact.md has it, without the whiteness of what slides.
+/// As docs/contact.md has it, without the white of vertices that slide.
 Float3 colorOf(double depth, double deepest) {
   if (depth < -5e-5) return {0.03f, 0.16f, 0.90f};
   if (depth <= 5e-5) return {0.03f, 0.65f, 0.07f};

@@ -90,7 +90,7 @@ inline CollisionMesh slabMesh(float halfWidth, float depth) {
   return toMesh(reference::box({-halfWidth, -depth, -halfWidth}, {halfWidth, 0, halfWidth}));
 }
 
-/// What a vertex did in the last frames. A NaN makes every figure a NaN or infinite.
+/// The motion of a vertex in the last frames. A NaN makes every figure a NaN or infinite.
 struct Watch {
   std::vector<Float4> now, before;
   double seconds = 0;

@@ -22,7 +22,7 @@ std::string faultOf(const AnimationKeys& keys, size_t components) {
   return {};
 }
 
-// What loadAnimation() promises of a clip.
+// The first promise of loadAnimation() that a clip breaks; empty if there is none.
 std::string faultOf(const SkeletonAnimation& animation) {
   bool moves = false;
   float last = 0;

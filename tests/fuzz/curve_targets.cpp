@@ -5,8 +5,8 @@
 namespace pelage::fuzz {
 namespace {
 
-// What every reader of curves promises: arrays that fit together, curves that can be prepared, and
-// files of both kinds that load again.
+// Every reader of curves promises arrays that fit together, curves that can be prepared, and files
+// of both kinds that load again.
 Outcome check(const Result<HairCurves>& loaded) {
   if (!loaded) return refused(loaded.error());
   HairCurves curves = *loaded;

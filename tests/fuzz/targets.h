@@ -1,5 +1,5 @@
-// What the fuzzers do with a file: load it, and check what a loader promises. The same functions
-// replay the corpus in a test of every build.
+// The fuzzers load a file and check the loader's promises. The same functions replay the corpus in
+// a test of every build.
 #pragma once
 
 #include <cstddef>
@@ -38,7 +38,7 @@ Outcome gltf(std::span<const std::byte> bytes);
 Outcome tfxcurves(std::span<const std::byte> bytes);
 /// Clips of .gltf and .glb files (tools/authoring).
 Outcome animation(std::span<const std::byte> bytes);
-// What moves the skin of bakes (tools/bake).
+/// The motion of a bake's skin (tools/bake).
 Outcome pc2(std::span<const std::byte> bytes);
 Outcome skinobj(std::span<const std::byte> bytes);
 

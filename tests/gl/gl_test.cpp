@@ -304,7 +304,7 @@ class GlRuntimeTest : public GlContextTest {
 };
 INSTANTIATE_TEST_SUITE_P(All, GlRuntimeTest, Values(Api::kGl, Api::kGles), apiTestName);
 
-// What a driver would say that has less; getProcAddress below hands these out.
+// The answers of a lesser driver; getProcAddress below hands these out.
 std::string g_fakeVersion;
 std::map<GLenum, GLint> g_fakeIntegers;
 std::string g_missingFunction;
@@ -322,7 +322,7 @@ void APIENTRY fakeGetIntegerv(GLenum name, GLint* value) {
     glFunction<PFNGLGETINTEGERVPROC>("glGetIntegerv")(name, value);
   }
 }
-// What the runtime did in this order: 'l' links a program, 'q' asks for the outcome.
+// Calls of the runtime in this order: 'l' links a program, 'q' asks for the outcome.
 std::string g_programCalls;
 void APIENTRY notedLink(GLuint program) {
   g_programCalls += 'l';
@@ -881,7 +881,7 @@ TEST_P(GlRuntimeTest, KnowsTexturesUntilTheyAreForgotten) {
   EXPECT_TRUE(saysUnknown());
 }
 
-// What lists with textures change, which is what units have of the targets that are registered.
+// Lists with textures change the units' textures of registered targets; the guard restores them.
 TEST_P(GlRuntimeTest, GuardsTexturesAndSamplersOfTheEngine) {
   gl::Runtime runtime = makeRuntime();
   const auto activate = glFunction<PFNGLACTIVETEXTUREPROC>("glActiveTexture");
@@ -954,7 +954,7 @@ TEST(GlBarriers, AskForExactlyTheBitsThatGlNeeds) {
                   .beforeStages = compute,
                   .afterUpload = true}),
             0u);
-  // What a shader wrote is seen by the rest of GL after a barrier only.
+  // The rest of GL sees a shader's writes after a barrier only.
   EXPECT_EQ(bits({.before = Access::kWrite,
                   .after = Access::kWrite,
                   .beforeStages = compute,

@@ -48,8 +48,7 @@ const std::optional<RenderedImage>& pictureOn(Api api) {
   return found->second;
 }
 
-// What the picture shows is looked at on the first API that there is: it is the same on all of
-// them.
+// All APIs draw the same picture, so tests look at the first that exists.
 std::optional<Api> firstApi() {
   for (const Api api : pelage::test::kApis)
     if (pictureOn(api)) return api;

@@ -104,7 +104,7 @@ TEST(ParameterTable, HasEveryFieldOfItsStructsAndNoOther) {
   for (const auto& [owner, fields] : fieldsOfTable()) EXPECT_EQ(headers[owner], fields) << owner;
 }
 
-// What the message of a file of settings lists where a name is none.
+// The names that the error of a settings file with an unknown name lists.
 std::set<std::string> settingsOfFiles(const std::string& text) {
   const auto file = pelage::SettingsFile::parse(text, "a.json");
   std::set<std::string> names;

@@ -39,7 +39,7 @@ std::filesystem::path temporary(const char* name) {
   return std::filesystem::path(testing::TempDir()) / name;
 }
 
-// What files of settings call long is straight here.
+// Settings files say "long" for the straight preset.
 TEST(GroomPresets, AreThePresetsOfSettings) {
   const std::pair<const char*, sample::GroomPreset> presets[] = {
       {"long", sample::GroomPreset::kStraight},

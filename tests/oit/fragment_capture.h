@@ -21,7 +21,7 @@
 
 namespace pelage::test {
 
-/// What hair adds to a pixel, premultiplied, and what it lets through.
+/// Color that hair adds to a pixel, premultiplied, and the transmittance.
 struct ExactPixel {
   double color[3] = {0, 0, 0};
   double transmittance = 1;

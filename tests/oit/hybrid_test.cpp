@@ -30,7 +30,7 @@ CompositeError errorWithin(const RenderedImage& image, std::vector<ExactPixel> e
   return compositeError(image, exact);
 }
 
-// Of what is in view: the draws of lists have all that a capture needs.
+// Composite of the hair in view: the draws of lists have all that a capture needs.
 std::vector<ExactPixel> exactOf(TangleRun& scene, const View& view) {
   scene.render(view, {.method = Transparency::kWindowed});
   return scene.exact(view);
@@ -98,7 +98,7 @@ TEST_P(LayeredTransparency, IsExactWhereTheLayersSufficeAndTheBetterTheMoreThere
       // The rounding of colours and alphas to a word.
       EXPECT_GE(within.psnr, 57) << layers << " layers";
       EXPECT_LE(within.worst, 2.5 / 255) << layers << " layers";
-      // What comes through is exact, whatever is in front.
+      // The transmittance is exact, whatever is in front.
       for (size_t p = 0; p < exact.size(); ++p) {
         ASSERT_NEAR(static_cast<double>(image.pixels[p].w), 1 - exact[p].transmittance, 0.008);
       }
@@ -162,7 +162,7 @@ TEST_P(LayeredTransparency, DrawsOverWhatIsOpaqueAndNotBehindIt) {
     };
     drawWall();
     const RenderedImage behind = scene.renderLists(view).value();
-    // The exact composite of what is not behind the wall.
+    // The exact composite of the hair that is not behind the wall.
     std::vector<PassList> hair(1);
     expectOk(scene.run.scene.draw(view, tangleLights(), {}, hair));
     const BufferId shadows = scene.run.scene.shadowWords();

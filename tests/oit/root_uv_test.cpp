@@ -59,7 +59,7 @@ class RootUvTest : public SceneRunTest<> {
   static TransparencySettings settingsOf(Transparency method, const EngineLights& lights) {
     return {.method = method, .nodeCount = 1 << 14, .engineLights = &lights};
   }
-  /// Of each bar, and of the follow hair behind them.
+  /// Colors of each bar, and of the follow hair behind them.
   std::vector<Float4> colorsOf(const TransparencySettings& settings) {
     std::vector<PassList> lists;
     expectOk(run_.scene.draw(view(), {}, settings, lists));

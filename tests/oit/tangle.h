@@ -170,7 +170,7 @@ class TangleRun {
     return std::move(*image);
   }
 
-  /// The exact composite of what the last render() drew.
+  /// The exact composite of the last render().
   std::vector<ExactPixel> exact(const View& view, uint32_t capacity = 1 << 17) {
     FragmentCapture capture(resources(), capacity);
     std::vector<PassList> drawn = std::move(lists);

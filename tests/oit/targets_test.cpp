@@ -129,7 +129,7 @@ TEST_P(TransparencyTargets, MayHaveOnePixel) {
     const float alpha = image.pixels[0].w;
     if (method.transparency == Transparency::kAlphaTest ||
         method.transparency == Transparency::kStochastic) {
-      // Those two cover whole samples of the pixel, by chance.
+      // These two methods cover whole samples of the pixel, by chance.
       const float covered = alpha * static_cast<float>(method.samples);
       EXPECT_EQ(covered, std::round(covered)) << method.name;
       EXPECT_TRUE(alpha >= 0 && alpha <= 1) << method.name << ": " << alpha;

@@ -57,7 +57,7 @@ std::vector<Row> measuredRows(const std::string& device) {
   return both;
 }
 
-// What the rows do not tell: counted with the same views at 1920 x 1080. `width` is that of the
+// Counts that the rows do not have, from the same views at 1920 x 1080. `width` is that of the
 // fibers in the middle of the hair [pixels].
 struct Counted {
   const char *scene, *view;

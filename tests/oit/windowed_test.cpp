@@ -38,7 +38,7 @@ TEST_P(WindowedTransparency, IsTheCompositeOfAllFragmentsInOrder) {
       const TransparencyCounters counters = scene.counters(kMaxListNodes);
       double fragments = 0;
       for (const ExactPixel& p : exact) fragments += p.fragments;
-      // Those whose alpha rounds to 0 are in the capture alone.
+      // Fragments whose alpha rounds to 0 are in the capture alone.
       EXPECT_NEAR(counters.fragments, fragments, 1e-3 * fragments);
     }
   }
@@ -71,7 +71,7 @@ TEST_P(WindowedTransparency, KeepsThePictureWhereTheListsAreFull) {  // K35
   EXPECT_EQ(counters.spilled, all.fragments - settings.nodeCount);
   const CompositeError error = compositeError(image, exact);
   EXPECT_GE(error.psnr, 33);
-  // What comes through is exact, so no pixel is emptied.
+  // The transmittance is exact, so no pixel is emptied.
   for (size_t i = 0; i < exact.size(); ++i)
     ASSERT_NEAR(static_cast<double>(image.pixels[i].w), 1 - exact[i].transmittance, 0.01);
   settings.nodeCount = growNodes(counters, settings.nodeCount);

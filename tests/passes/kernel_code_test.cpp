@@ -1,4 +1,4 @@
-// The code of kernels: every permutation unpacks to what it was, and damage is found.
+// The code of kernels: every permutation unpacks to its original bytes, and damage is found.
 #include "pelage/kernel_code.h"
 
 #include <gtest/gtest.h>
@@ -135,7 +135,7 @@ TEST(CarriedKernels, AreThoseOfTheListWithTheirSizes) {
   }
   for (const CodeFormat format : {CodeFormat::kSpirv, CodeFormat::kGlsl, CodeFormat::kEssl})
     EXPECT_EQ(kernels[format], allKernels().size()) << codeFormatName(format);
-  // What an engine ships; 2.3 MB at the time of writing.
+  // An engine ships this code; 2.3 MB at the time of writing.
   EXPECT_LT(packed, 6u << 20);
   EXPECT_GT(unpacked, packed);
   EXPECT_EQ(allSpirv().size() + allGlsl().size() + allEssl().size(), carried.size());

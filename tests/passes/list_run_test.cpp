@@ -137,7 +137,7 @@ TEST_F(ListRunTest, AbandonOpenLeavesWhatIsRecorded) {
   run(next);
 }
 
-/// What a list needs that reads a buffer in a vertex kernel.
+/// The list's barrier for a buffer that a vertex kernel reads.
 const Barrier* readBarrier(const PassList& list, BufferId buffer) {
   for (const Barrier& barrier : list.drawBarriers)
     if (barrier.buffer == buffer) return &barrier;

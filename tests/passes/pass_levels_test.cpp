@@ -115,7 +115,7 @@ TEST(PassLevels, KeepAllPassesAndTheirOrderInALevel) {
   }
 }
 
-// Also with what the lists before have left in memory.
+// The barriers also cover memory that earlier lists have written.
 TEST(PassLevels, HaveABarrierBetweenPassesThatConflict) {
   HazardTracker tracker;
   for (uint32_t seed = 0; seed < 200; ++seed) {

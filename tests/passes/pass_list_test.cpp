@@ -433,7 +433,7 @@ TEST(HazardTracker, OrdersVertexReadsAgainstWrites) {
   EXPECT_FALSE(list.drawBarriers[0].afterIndex);
   EXPECT_EQ(list.drawBarriers[0].before, Access::kWrite);
 
-  // What has been made visible to one draw is visible to the next.
+  // A later draw sees everything that one draw has made visible.
   PassList again;
   PassBuilder builder(again);
   ASSERT_TRUE(builder.draw(kWithInput, kPixel, {}, 3, 1)

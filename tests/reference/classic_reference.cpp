@@ -113,7 +113,7 @@ void ClassicReference::step(const ClassicStep& s, const Pose& begin, const Pose&
   current = moved;
 
   for (int round = 0; round < s.localIterations; ++round) sweepLocalShape(s.localStiffness, end);
-  // Of the change of displacement that forces make in a step of `force` the share of this one.
+  // Forces change the displacement in a step of `force`; this step takes its share of that.
   for (int i = 0; i < count(); ++i)
     if (!isHeld(i))
       current[i] = transported[i] + inertia[i] * (h / force) +

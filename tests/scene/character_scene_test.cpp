@@ -130,7 +130,7 @@ TEST_P(CharacterScene, KeepsLengthsAndStaysOutOfTheBody) {
     EXPECT_LT(worst, 1e-3) << now_.hairs[g]->name();
     EXPECT_GT(moved, 1e-3) << now_.hairs[g]->name();
   }
-  // Fields have an error of about cell^2 over 8 times the radius of what is round, a finger's.
+  // Fields have an error of about cell^2 over 8 times the radius of curvature, a finger's here.
   constexpr double kDepth = 0.004;
   for (const CharacterCollider& collider : character().colliders) {
     const reference::DistanceOracle oracle(skinned(collider.mesh, bones), collider.mesh.indices);

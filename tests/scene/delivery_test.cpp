@@ -41,7 +41,7 @@ class Delivery : public SceneRunTest<std::tuple<Api, Solver>> {
  protected:
   using Results = DeliveryScene::Results;
 
-  /// Loses a frame with what has been set. \return false: it ran after all.
+  /// Makes a frame with the current inputs and loses it. \return false: it ran after all.
   bool lose(DeliveryScene& scene, int frame, Loss loss) {
     if (loss == Loss::kOtherList) {
       expectOk(scene.simulate(frame, other_));
@@ -170,8 +170,8 @@ TEST_P(Delivery, AShiftOfTheOriginBehindALostFrameReachesWhatIsPutBack) {
   }
 }
 
-// Somebody says that a frame ran which did not. The exact solver's reset itself does not forget all
-// of what strands in contact with capsules did before: there, roots, the other hair and the field.
+// An engine reports that a frame ran which did not. The exact solver's reset itself keeps a part of
+// the history of strands in contact with capsules: there, roots, the other hair and the field.
 TEST_P(Delivery, AResetRepairsWhatWasLostInSilence) {
   constexpr int kLost = 2, kReset = 4;
   const auto play = [&](bool lost) {

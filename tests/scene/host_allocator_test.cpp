@@ -1,5 +1,5 @@
-// What goes through the HostAllocator: the arrays of pass lists, buffers and objects. A frame that
-// is like the one before takes as much of it, and gives as much back.
+// Pass lists, buffers and objects take their arrays from the HostAllocator. A frame that is like
+// the one before takes as much of it, and gives as much back.
 #include "pelage/host_allocator.h"
 
 #include <gtest/gtest.h>
@@ -155,7 +155,7 @@ View smallView() {
   return cameraView({.eye = {0.2f, 0.04f, 0.6f}, .target = {0.2f, 0.04f, 0}, .fov = 0.8f});
 }
 
-/// What a frame took.
+/// Allocations of a frame.
 struct Taken {
   uint64_t arrays = 0, others = 0, liveBytes = 0;
   bool operator==(const Taken&) const = default;

@@ -1,4 +1,4 @@
-// Which pipelines a scene needs depends on its features, not on its size: an engine has those of
+// The pipelines of a scene depend on its features, not on its size: an engine has those of
 // listToPrepare() made while it loads (docs/vulkan.md, Pipelines).
 #include <gtest/gtest.h>
 
@@ -186,7 +186,7 @@ class Game {
     frames(1);
   }
 
-  // What an engine has on the GPU.
+  // Inputs that an engine has on the GPU.
   void switchEngineInputsOn() {
     const BufferId buffer =
         scene_.resources().add({.name = "engine's", .size = 4096, .stride = sizeof(Float4)});

@@ -75,7 +75,7 @@ class Recovery : public testing::TestWithParam<std::tuple<Api, Solver>> {
     auto made = required(scene_.simulate(1.0f / 60));
     expectOk(device_->run(*made));
   }
-  /// Of a pause.
+  /// Draws a frame of 0 s.
   std::vector<Float4> picture(Float3 origin = {}) {
     auto frame = scene_.simulate(0);
     EXPECT_TRUE(frame);
@@ -109,7 +109,7 @@ TEST_P(Recovery, ThePictureIsTheOneBeforeAndHairGoesOn) {
   EXPECT_GT(snapshot->bytes(), 0u);
   const std::vector<Float4> before = picture();
   EXPECT_GT(coveredPixels(before), 50u);
-  // What comes behind the snapshot is forgotten, and what does not run as well.
+  // Going back forgets frames after the snapshot, and frames that do not run as well.
   std::vector<std::vector<Float4>> expected;
   for (int frame = 8; frame < 13; ++frame) {
     step(frame);
@@ -152,7 +152,7 @@ TEST_P(Recovery, AShiftOfTheOriginSinceReachesTheSnapshot) {
 }
 
 TEST_P(Recovery, WithoutASnapshotHairBeginsAnew) {
-  // One that jumps would push the hair.
+  // A collider that jumps would push the hair.
   collides_ = false;
   step(0);
   const std::vector<Float4> first = positions();

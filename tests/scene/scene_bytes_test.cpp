@@ -1,4 +1,4 @@
-// What the objects and views of a scene take: each figure is what goes when its owner goes.
+// Bytes of a scene's objects and views: each figure is the memory that goes with its owner.
 #include <gtest/gtest.h>
 
 #include <numeric>

@@ -1,4 +1,4 @@
-// What a scene knows of frames that do not run, and what comes and goes in between, without a GPU.
+// A scene without a GPU: frames that do not run, and objects that come and go in between.
 #include <gtest/gtest.h>
 
 #include "pelage/gpu_structs.h"
@@ -15,7 +15,7 @@ class SceneDeliveryTest : public SceneListTest {
     return SceneListTest::addCollider(twoBoxes(), def);
   }
   bool uploads(BufferId buffer) const { return uploadsTo(list_, buffer) > 0; }
-  /// Those of the first solver pass of the list.
+  /// Flags of the first solver pass of the list.
   uint32_t flags(const char* kernel = "simulate_exact") const {
     const Pass* pass = findPass(list_, kernel);
     return pass != nullptr ? constantsOf<ExactConstants>(list_, *pass, "ExactConstants").flags : 0;
@@ -196,7 +196,7 @@ TEST_F(SceneDeliveryTest, AnOlderFrameThatIsAbandonedResetsEverything) {
   EXPECT_TRUE(uploads(hair.buffers().boneTransforms));
   EXPECT_TRUE(uploads(hair.buffers().sdfs));
   EXPECT_EQ(count("scatter_triangles"), 1u);
-  // One that never ran is nothing to repair.
+  // A list that never ran leaves nothing to repair.
   write(other_);
   run();
   scene_.abandon(other_);

@@ -1,4 +1,4 @@
-// What drawing puts into pass lists, without a GPU: nothing that a view does not need.
+// Draws without a GPU: pass lists have no more than a view needs.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -20,7 +20,7 @@ SimulationConstants stepOf(const PassList& list, const Pass& pass) {
 
 class SceneTest : public SceneListTest {
  protected:
-  // What these tests look at are the classic solver's passes; exact_scene_test has the others.
+  // These tests look at the classic solver's passes; exact_scene_test has the others.
   HairObject& add(HairDef def = {}) {
     def.settings.solver = Solver::kClassic;
     id_ = addHair(asset_, def);
@@ -257,7 +257,7 @@ TEST_F(SceneTest, MapsTheArtistsValuesToTheStep) {  // K16
   constants = stepOf(list_, *findPass(list_, "simulate_classic"));
   EXPECT_NEAR(constants.timeStep, 1.0f / 120, 1e-8f);
   EXPECT_NEAR(constants.timeStepRatio, 0.5f, 1e-6f);
-  // What a step of 1/60 s does, and the share of it that loses the same velocity in the same time.
+  // The values of a step of 1/60 s, and the share that loses the same velocity in the same time.
   EXPECT_NEAR(constants.dampingKeep, 0.8f, 1e-6f);
   EXPECT_NEAR(constants.globalStiffness, 0.3f, 1e-6f);
   EXPECT_NEAR(constants.gravityStep, 1.0f / 3600, 1e-9f);

@@ -26,7 +26,7 @@ TEST_F(SharedTablesTest, AreOneForObjectsOfOneAsset) {
   EXPECT_EQ(one.bindRoots, other.bindRoots);
   EXPECT_EQ(one.rootBindings, other.rootBindings);
   EXPECT_EQ(one.indices, other.indices);
-  // What moves is each object's own.
+  // Each object has its own state.
   EXPECT_NE(one.positions, other.positions);
   EXPECT_NE(one.state, other.state);
   EXPECT_NE(one.boneTransforms, other.boneTransforms);

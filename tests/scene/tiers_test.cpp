@@ -173,7 +173,7 @@ TEST_P(Tiers, RefuseWhatTheyLackByName) {
   expectOk(device->update(scene.resources()));
   expectError(device->execute(list), ErrorCode::kUnsupported,
               {"kernel ", "storage buffers", "allows 4"});
-  // Nothing of the list has run: the scene writes the frame again for a device that can.
+  // No pass of the list has run: the scene writes the frame again for a device that can.
   expectOk(scene.simulate(1.0f / 60, list));
   execute(scene, *wide_, list);
 }

@@ -16,7 +16,7 @@
 namespace pelage::test {
 namespace {
 
-/// What each frame leaves in each buffer; or why there is none.
+/// Contents of each buffer after each frame; or the reason why there are none.
 struct Recording {
   std::vector<std::vector<std::vector<std::byte>>> frames;
   std::string error;

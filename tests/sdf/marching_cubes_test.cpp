@@ -30,7 +30,7 @@ constexpr uint32_t kKeysBefore = 96;           // of another field, in front of 
 
 using IsoShape = std::function<double(const Vector3d&)>;  // distance [cell] at a node, < 0 inside
 
-/// What is not within the band of the surface.
+/// Nodes outside the band of the surface.
 enum class Depths { kFilled, kLeftUnset };
 
 uint32_t keyFor(double distance, Depths depths) {

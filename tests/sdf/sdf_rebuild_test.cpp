@@ -33,7 +33,7 @@ std::vector<Float3> roomAround(const TriangleMesh& mesh, float room) {
   return box;
 }
 
-/// What is right of a plane goes along z, further the further it is right.
+/// Moves vertices right of a plane along z, in proportion to their distance from it.
 std::vector<Float3> bent(const TriangleMesh& mesh, float plane, float amount) {
   std::vector<Float3> positions = mesh.positions;
   for (Float3& p : positions)

@@ -114,7 +114,7 @@ TEST(DistanceOracle, WindingNumberIsWholeOnClosedMeshes) {
   EXPECT_FALSE(inverted.isInside({0.1, 0.2, 0.3}));
 }
 
-// Of a disc seen under a solid angle: w = omega / 4 pi.
+// A disc that is seen under a solid angle omega has w = omega / 4 pi.
 TEST(DistanceOracle, WindingNumberOfAnOpenMeshIsItsSolidAngle) {
   TriangleMesh disc;
   disc.positions.push_back({0, 0, 0});
@@ -146,7 +146,7 @@ TEST(DistanceOracle, FastWindingNumberIsWithinItsMargin) {
 }
 
 TEST(DistanceOracle, ManyPointsGiveWhatSinglePointsGive) {
-  // Of an open mesh the side changes in the opening, where no surface is.
+  // The side of an open mesh changes in the opening, where no surface is.
   TriangleMesh bowl = sphere(0.9f, 20, 30);
   bowl.indices.resize(bowl.indices.size() / 2);
   bowl = rotated(std::move(bowl), {0, 1, 0}, 1.2f);

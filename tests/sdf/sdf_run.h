@@ -82,7 +82,7 @@ class SdfRun {
     add(neighbors, "neighbors", tables.neighbors);
     add(fanStarts, "fanStarts", tables.fanStarts);
     add(fans, "fans", tables.fans);
-    // What nobody writes shows.
+    // Patterns show words that nobody writes.
     add(keys, "keys", std::vector<uint32_t>(options.firstKey + sizes.keys / 4, 0x12345678u));
     add(surface, "surface", std::vector<Uint4>(sizes.surface / 16, {7, 7, 7, 7}));
     add(counts, "counts", std::vector<uint32_t>(sizes.counts / 4, 0x7f7f7f7fu));
@@ -213,7 +213,7 @@ inline std::vector<double> trueDistances(const SdfRun& run, const TriangleMesh& 
   return distances;
 }
 
-/// What a field gets wrong.
+/// Errors of a field.
 struct SdfErrors {
   uint64_t wrongSigns = 0;    ///< at |d| >= 1e-4 cell
   uint64_t unsetInside = 0;   ///< coarse nodes

@@ -1,5 +1,4 @@
-// What becomes of a vertex near a surface that moves, and that it does not depend on those beside
-// it.
+// A vertex near a surface that moves does not depend on the vertices beside it.
 #include <gtest/gtest.h>
 
 #include <bit>

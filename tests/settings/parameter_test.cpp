@@ -160,7 +160,7 @@ TEST(ParameterTable, RefusesByNameWhatIsOutOfRange) {
   });
 }
 
-// Of settings that stand for members of a class.
+// Settings that stand for members of a class.
 TEST(SceneSettings, HaveTheDefaultsOfTheObjects) {
   pelage::Scene scene;
   pelage::HairAsset asset;
@@ -181,7 +181,7 @@ TEST(SceneSettings, HaveTheDefaultsOfTheObjects) {
   settings.collider = settingsOf(scene.collider(*collider));
   EXPECT_TRUE(haveSameSettings(settings, {}));
 
-  // What apply() sets is what settingsOf() takes.
+  // settingsOf() returns the settings that apply() sets.
   std::mt19937 random(5);
   for (int i = 0; i < 50; ++i) {
     settings = pelage::test::randomSettings(random, 1);

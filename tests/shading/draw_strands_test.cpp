@@ -145,7 +145,7 @@ class DrawStrands : public GpuTest {
     return strands;
   }
 
-  /// Those that the device has.
+  /// Sample counts of the device.
   std::vector<uint32_t> sampleCounts() {
     std::vector<uint32_t> counts;
     for (const uint32_t samples : {1u, 2u, 4u, 8u})

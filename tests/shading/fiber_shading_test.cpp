@@ -26,7 +26,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr uint32_t kKajiyaKay = 0, kFar = 1, kNear = 2;
 const Vector3d kTangent = Vector3d(0.3, -0.8, 0.45).normalized();
 
-/// Of samples for sumLight().
+/// sumLight() does not read the light of its samples.
 const Vector3d kNoLight(0, 0, 0);
 
 /// The direction at theta from the plane across the fiber, phi around it.
@@ -143,7 +143,7 @@ TEST_P(FiberShading, SendsOnLessTheDarkerItIs) {
   }
 }
 
-/// What a material sends to the eye by the reference.
+/// Light that a material sends to the eye, by the reference.
 struct Expected {
   StrandShading material;
   std::vector<ShadeSample> samples;

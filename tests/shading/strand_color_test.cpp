@@ -38,7 +38,7 @@ class StrandColor : public SceneRunTest<> {
     m.tipRadiusRatio = 1;
     run_.step();
   }
-  /// Of the row across the middle of the strand, which goes from one side to the other.
+  /// Colors of the row across the middle of the strand, from one side to the other.
   std::vector<Float4> row() {
     const View view =
         cameraView({.eye = {0, 0, 1}, .fov = 2 * std::atan(0.2f), .width = kRowPixels});

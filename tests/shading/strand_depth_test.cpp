@@ -83,7 +83,7 @@ HairAsset straightStrands(const std::vector<Ends>& ends, uint32_t vertices = 2) 
   return asset;
 }
 
-/// What a draw has left, [y][x].
+/// A draw's results, [y][x].
 struct Picture {
   std::vector<Float4> color;
   std::vector<float> depth;  ///< empty with several samples
@@ -293,7 +293,7 @@ TEST_P(StrandDepth, NearestFragmentWins) {
   }
 }
 
-// What hides hair hides its depth: the depth that is in the target.
+// Geometry that hides hair hides its depth: the target already has the nearer depth.
 TEST_P(StrandDepth, IsHiddenByWhatIsInFrontOfIt) {
   const View view = depthView({0, 0, 1}, {0, 0, 0});
   addStrand(5);

@@ -173,7 +173,7 @@ class StrandTextureTest : public SceneRunTest<> {
 };
 INSTANTIATE_TEST_SUITE_P(All, StrandTextureTest, testing::ValuesIn(kApis), apiTestName);
 
-// What HairBuffers::strandUvs says of a root, found by looking at all others.
+// HairBuffers::strandUvs of a root, found by looking at all others.
 Float4 surfaceAt(const std::vector<Root>& roots, size_t at) {
   const auto square = [](double x, double y, double z) { return x * x + y * y + z * z; };
   std::vector<std::pair<double, double>> others;  // squares of distances on the surface and in UV
@@ -355,7 +355,7 @@ TEST_P(StrandTextureTest, AlphaMultipliesOpacityAndFollowHairsTakeTheirGuides) {
       EXPECT_NEAR(found.y, wanted.y, 0.004f) << y;
       EXPECT_NEAR(found.w, wanted.w, 0.004f) << y;
     }
-    // Of these strands only the first is opaque enough for depth.
+    // Only the first strand is opaque enough for depth.
     PassList list;
     expectOk(run_.scene.drawDepth(view, {.opacity = 0.5f, .color = HairDepthColor::kDepth}, list));
     std::vector<PassList> lists;

@@ -40,8 +40,8 @@ struct Slab {
     }
     return result;
   }
-  /// Of a ray that passes all layers: a cylinder along x shades a strip of a plane z whose width
-  /// grows with the slope in y alone.
+  /// Transmittance of all layers along a ray: a cylinder along x shades a strip of a plane z whose
+  /// width grows with the slope in y alone.
   double transmittance(const Vector3d& ray) const {
     const Vector3d d = turn.transpose() * ray;
     const double width = 2 * kRadius * std::hypot(d.y(), d.z()) / std::abs(d.z());
@@ -167,8 +167,7 @@ reference::ShadowProjection faceOf(const StrandShadowView& view, const Vector3d&
   return p;
 }
 
-// What rounding makes of positions on the map (2^-16 texels) moves parts of fibers into a
-// neighboring layer.
+// Rounding of positions on the map (2^-16 texels) moves parts of fibers into a neighboring layer.
 TEST_P(PointShadow, CurledHairIsInTheMapAsInTheReference) {
   const Hair hair = headOfHair(1200, 12);
   const std::vector<ShadowFiber> fibers = hair.fibers();
@@ -323,7 +322,7 @@ TEST(PointShadowPlan, SpotLightLooksAtTheNarrowerOfItsConeAndTheHair) {
   EXPECT_FALSE(detail::planStrandShadow(def, {}));
 }
 
-// What arrives of a light of 1 at points.
+// A light of 1 as it arrives at points.
 std::vector<Float4> illumination(Gpu& gpu, const Light& light, const std::vector<Float4>& points) {
   const GuardedBuffer<Float4> pointBuffer(gpu, "litPoints", points);
   const GuardedBuffer<Float4> results(gpu, "litResults",

@@ -169,7 +169,7 @@ class MapRun {
     draw({shadowed});
   }
 
-  /// Of the map; checks those around it.
+  /// The map's words; checks those around it.
   std::vector<uint32_t> words() const {
     const std::vector<uint32_t> all = words_.read();
     const auto begin = all.begin() + plan_.view.firstWord, end = begin + plan_.words;

@@ -95,7 +95,7 @@ class Receivers {
   std::vector<double> expected;
 };
 
-// What splatting and reading spread a fiber over has the variance of a beam of two texels.
+// Splatting and reading spread a fiber with the variance of a beam of two texels.
 TEST_P(StrandShadow, TransmittanceIsThatOfABeamThroughTheHair) {
   static const Hair hair = headOfHair(4000, 12);
   const StrandShadowView view = planFor(headDef(256, 0), {}).view;

@@ -1,5 +1,5 @@
-// What the host packs for the exact solver is what the reference takes: the tests of the reference
-// hold the figures, and the kernels have its bits for numbers of its own.
+// The host packs the same constants for the exact solver as the reference takes: the tests of the
+// reference hold the figures, and the kernels have its bits for numbers of its own.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -33,7 +33,7 @@ constexpr float kFrame = 1.0f / 60;
 class ExactSceneTest : public test::SceneListTest {
  protected:
   HairObject& add(const HairDef& def = {}) { return addHair(def, asset_); }
-  /// What the last frame has no use for goes once it has run.
+  /// trim() frees buffers that the last frame did not use.
   void expectGone(std::initializer_list<BufferId> buffers) {
     for (const BufferId buffer : buffers) EXPECT_NE(scene_.resources().find(buffer), nullptr);
     scene_.trim();
@@ -302,7 +302,7 @@ TEST_F(ExactSceneTest, ContactsAreFoundBeforeAStepAndAgainAfterIt) {
   EXPECT_NEAR(found[0].contactRatio, 0.5, 1e-6);
   EXPECT_NEAR(found[2].contactRatio, 1, 1e-6);
 
-  // What was found long ago is not gone on from.
+  // Old contacts are not continued.
   hair.setColliders({});
   simulate();
   EXPECT_TRUE(passes("find_contacts").empty());

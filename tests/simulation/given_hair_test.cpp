@@ -17,7 +17,7 @@ namespace {
 
 constexpr uint32_t kGivenStrands = 37, kGivenVertices = 12, kGivenFrames = 12;
 
-// Of the vertices of the guides, which come first; infinite where there are too few.
+// Compares the guides' vertices, which come first; infinite where there are too few.
 double distanceFromGiven(const std::vector<Float4>& drawn, const std::vector<Float3>& expected) {
   double largest = drawn.size() < expected.size() ? HUGE_VAL : 0;
   for (size_t i = 0; i < std::min(drawn.size(), expected.size()); ++i)

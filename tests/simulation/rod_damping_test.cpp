@@ -1,4 +1,4 @@
-// What the exact solver's time steps take from a vibration: the table of docs/numerics.md.
+// Damping of a vibration by the exact solver's time steps: the table of docs/numerics.md.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,7 +15,8 @@ namespace {
 /// A vibration per step: u_k = Re(A factor^k).
 using Factor = std::complex<double>;
 
-/// Of BDF2 for u' = i omega u: the root near 1 of (3/2 - i z) f^2 - 2 f + 1/2 = 0, z = omega h.
+/// Factor of BDF2 for u' = i omega u: the root near 1 of
+/// (3/2 - i z) f^2 - 2 f + 1/2 = 0, z = omega h.
 Factor bdf2Factor(double z) {
   const std::complex<double> iz(0, z);
   return (2.0 + std::sqrt(1.0 + 2.0 * iz)) / (3.0 - 2.0 * iz);

@@ -1,4 +1,4 @@
-// What a scene's simulation does as a whole, with both solvers on every API.
+// The simulation of a whole scene, with both solvers on every API.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -128,7 +128,7 @@ class RodRun {
     coefficients_ = coefficientsBefore_ = {};
     if (pass_.contacts) pass_.contacts->forget();
   }
-  /// What the contacts permutation collides with.
+  /// Colliders of the contacts permutation.
   void setColliders(const std::vector<Collider>& colliders) {
     pass_.contacts->setCapsules(list_, colliders);
   }
@@ -525,7 +525,7 @@ TEST_P(SimulateExact, HasTheSameBitsWithContactsWhereNothingIsWithinReach) {
   }
 }
 
-/// What strands do that have records of a plane that is metres below all of them.
+/// Strands with records of a plane that is meters below all of them move as if they had none.
 TEST_P(SimulateExact, PlanesThatAreFarPushNothing) {
   const SimulateExactKey key = contactKey(false);
   const std::vector<RestStrand> rests = makeStrands(kFewSizes);

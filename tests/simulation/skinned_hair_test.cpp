@@ -42,7 +42,7 @@ TEST_P(SkinnedHair, MovesRigidlyWithItsBones) {
   hair.simulated = false;
   setCollider(hair, {.head = {0, 0, 0.5f}, .headRadius = 0.2f, .tailRadius = 0.1f});
   step(hair, {});
-  // Of all strands, in the bind pose.
+  // All strands, in the bind pose.
   const std::vector<Float4> bind = run_.positions(hair);
   const std::vector<Float4> bindTangents = run_.read(hair.buffers().tangents);
   ASSERT_EQ(bind.size(), 3 * asset_.positions.size());

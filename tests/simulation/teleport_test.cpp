@@ -76,8 +76,8 @@ class Teleport : public SolverTest {
     return story;
   }
 
-  /// Of the head; below 1 there is a ball in its way. Contacts that a fast head begins and ends in
-  /// every frame make a difference of rounding into one of millimeters.
+  /// Speed of the head; below 1 there is a ball in its way. Contacts that begin and end in every
+  /// frame of a fast head make a difference of rounding into one of millimeters.
   double pace_ = 1;
   uint32_t contactRecords_ = 0;  ///< of the last story's last frame
 };

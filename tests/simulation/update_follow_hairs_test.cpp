@@ -109,7 +109,7 @@ TEST_P(UpdateFollowHairs, MixSeveralGuidesByWeightAndStayOnTheScalp) {
     follows[f].guides = {f % 5, (f + 2) % 5, (f + 3) % 5, 0};
     follows[f].weights = {0.5f, 0.3f, 0.2f, 0};
   }
-  // What does not exist or has no weight adds nothing, and the others keep their proportions.
+  // Missing guides and zero weights add nothing, and the others keep their proportions.
   follows[3].guides.y = 5;
   follows[4].weights.z = -1;
   follows[5].weights.x = 0;

@@ -58,7 +58,7 @@ std::vector<float> floatsOf(const AffineTransform& bone, BoneLayout layout) {
   return {q.real.x, q.real.y, q.real.z, q.real.w, q.dual.x, q.dual.y, q.dual.z, q.dual.w};
 }
 
-/// What an engine has on the GPU.
+/// Bones that an engine has on the GPU.
 class BonePalette {
  public:
   BonePalette(SceneRun& run, BoneLayout layout, uint32_t stride = 0, uint32_t offset = 0)

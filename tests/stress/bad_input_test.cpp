@@ -1,5 +1,5 @@
-// What no animation, artist or asset should hand over: refused by name, or survived without a NaN
-// and forgotten within a second.
+// Input that no animation, artist or asset should hand over: refused by name, or survived without a
+// NaN and forgotten within a second.
 #include <functional>
 
 #include "stress/stress_run.h"

@@ -1,4 +1,4 @@
-// What other hair libraries get wrong, for both solvers in a scene; docs/stress.md has the list.
+// Known defects of other hair libraries, for both solvers in a scene; docs/stress.md lists them.
 #include <numbers>
 
 #include "stress/stress_run.h"
@@ -247,7 +247,7 @@ TEST_P(Defects, GravityFadesTowardsFullShockPropagation) {
   }
 }
 
-// K13: half turns of the root that nothing softens, on either side of 180 degrees.
+// K13: the root turns by 180 degrees, a little more or less, and nothing softens it.
 TEST_P(Defects, HairComesBackToItsShapeAfterHalfRotations) {
   const HairAsset asset = straightAsset({12, 12, 12, 12}, 0.1, {0, -1, 0});
   settings_.gravity = {};

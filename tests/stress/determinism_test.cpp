@@ -65,7 +65,7 @@ class Hash {
   uint64_t value_ = 0xcbf29ce484222325u;
 };
 
-/// What is simulated with.
+/// Solver and features of a hash.
 struct HashedCase {
   const char* name;
   Solver solver;

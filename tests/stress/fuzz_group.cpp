@@ -51,7 +51,7 @@ SimulationSettings toSettings(const rod::RodSettings& from, Solver solver, uint3
   s.vspCoefficient = narrow(from.transport);
   s.vspThreshold = narrow(from.transportThreshold);
   s.wind.velocity = narrowed(from.wind);
-  // What only the classic solver has.
+  // The classic solver's own settings.
   s.localStiffness = narrow(between(0, 1) < 0.3 ? 0 : between(0, 1));
   s.localIterations = 1 + static_cast<uint32_t>(between(0, 16));
   s.lengthIterations = 1 + static_cast<uint32_t>(between(0, 16));

@@ -9,7 +9,7 @@ namespace {
 constexpr int kFuzzedFrames = 90;
 constexpr uint32_t kObjects = 12;  ///< of a scene; they share the time steps
 
-/// How much is tried. On lavapipe few objects, because of what StressTest says.
+/// Size of the fuzz. Few objects on lavapipe: see StressTest.
 struct Extent {
   uint32_t strands;  ///< of all objects
   uint32_t group;    ///< strands of an object, which share the settings
@@ -92,7 +92,7 @@ TEST_P(Fuzz, EveryStrandStaysFiniteAndKeepsItsLength) {
       for (uint32_t s = 0; s < e.group; ++s) {
         const uint32_t seed = (from + static_cast<uint32_t>(t)) * e.group + s;
         const double stretch = trials[t].stretch[s];
-        // What the classic solver holds at both ends may be stretched: docs/decisions/0003.
+        // Strands that the classic solver holds at both ends may stretch: docs/decisions/0003.
         const bool span = !exact() && trials[t].group.heldTips;
         const bool fits = stretch <= (span ? 0.05 : 0.01);
         if (!trials[t].finite[s]) ++broken;

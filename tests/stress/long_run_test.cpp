@@ -47,8 +47,8 @@ class LongRun : public StressTest {
 };
 
 TEST_P(LongRun, AMillionStepsOfAnUndampedSwingGainNoEnergyAndDoNotWander) {
-  // Of the lists that a frame may have, the longest: 4 steps of 1/60 s in 32 sub-steps each. The
-  // classic solver has no sub-steps.
+  // The longest list that a frame may have: 4 steps of 1/60 s in 32 sub-steps each. The classic
+  // solver has no sub-steps.
   settings_.subSteps = exact() ? 32 : 1;
   const uint32_t stepsAList = exact() ? 128 : 4;
   const uint32_t lists = fullStress()          ? 1000000 / stepsAList

@@ -137,7 +137,7 @@ class SdfTableStress : public GpuTest {};
 TEST_P(SdfTableStress, WhatAMeshDoesIsBuiltAsFromScratch) {
   // One mesh that is closed and one that is not, in a grid for their first shape. They leave it,
   // grow ten times, go 16 cells a step, are mirrored and flattened, and come back.
-  // The sanitizers see nothing of what runs in the kernels: fewer nodes for them.
+  // The sanitizers do not see into the kernels: fewer nodes for them.
   const float cell = kSanitized ? 0.18f : 0.09f;
   for (const TriangleMesh& mesh :
        {reference::blob(14, 20), reference::sphereWithHoles(0.8f, 12, 18, 31)}) {

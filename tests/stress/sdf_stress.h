@@ -1,4 +1,4 @@
-// What the stress tests of mesh colliders share: a block, the hair that lies on it, and what is
+// Fixtures of the stress tests of mesh colliders: a block, the hair that lies on it, and what is
 // always true of both.
 #pragma once
 

@@ -131,7 +131,7 @@ TEST_P(SdfTrouble, OfAColliderIsSurvivedAndForgotten) {
       keepLargest(off, (toVector(positions[v]) - toVector(untouched[v]) -
                         Vector3d(0, 0, static_cast<double>(points[i].at.z - points[0].at.z)))
                            .norm());
-    // Classic hair may be on the other side of what was a line, or long and flat, for a while.
+    // Classic hair may pass through a shape that was a line, or long and flat, for a while.
     const bool mayPass = points[i].name == "a line" || points[i].name == "uneven";
     if (all[i].forgotten && (exact() || !mayPass)) {
       // Rods that are drawn into a collider without friction tremble a little on it.

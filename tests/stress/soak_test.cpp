@@ -68,7 +68,7 @@ TEST_P(Soak, ObjectsAndViewsThatComeAndGoLeaveNothing) {
     ASSERT_NO_FATAL_FAILURE(round(number));
     EXPECT_EQ(table.totalBytes(), 0u) << "round " << number;
     EXPECT_EQ(table.count(), 0u) << "round " << number;
-    // Of later rounds, none has more than the first ones had.
+    // Later rounds have no more than the first ones.
     if (number >= kPeriod) {
       EXPECT_LE(table.end(), slots) << "round " << number;
       EXPECT_LE(device.bufferBytes(), deviceBytes) << "round " << number;

@@ -13,7 +13,7 @@
 
 namespace pelage::test {
 
-/// What strands collide with, and the records of their contacts.
+/// Colliders of strands, and the records of their contacts.
 class ContactPass {
  public:
   static constexpr size_t kMaxCapsules = 4;
@@ -73,7 +73,7 @@ class ContactPass {
         .bind("g_contactWords", contacts_.words(), contacts_.wordBytes());
   }
   const detail::HairContacts& contacts() const { return contacts_; }
-  /// Of the last frame.
+  /// Counters of the last frame.
   ContactCounters counters() const {
     Result<std::vector<std::byte>> words = gpu_.device()->read(contacts_.words());
     if (words) return readContactCounters(*words);

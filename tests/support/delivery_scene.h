@@ -195,7 +195,7 @@ class DeliveryScene {
     for (const BufferId buffer : results()) all.push_back(read(buffer));
     return all;
   }
-  /// What a frame leaves: read these back. First those of hair(0).
+  /// Buffers with the results of a frame; those of hair(0) come first.
   std::vector<BufferId> results() const {
     std::vector<BufferId> all;
     for (size_t index = 0; index < hairs_.size(); ++index) {
@@ -239,7 +239,7 @@ class DeliveryScene {
     for (int node = 0; node < 8; ++node)
       field.insert(field.end(), {0.5f * static_cast<float>(node), 1, -0.25f, 0.5f});
     field_ = add("field", field);
-    // Of a plane at 3 cm above node 0.
+    // Distances from a plane at 3 cm above node 0.
     distances_ = add("distances", {-0.03f, -0.03f, 0.17f, 0.17f, -0.03f, -0.03f, 0.17f, 0.17f});
     const auto walker = scene_.addSkeleton(
         {.name = "palette", .boneCount = 2, .source = BoneSource::kBuffer, .deviation = 2});
@@ -274,7 +274,7 @@ class DeliveryScene {
   SkeletonId skeleton_ = SkeletonId::kInvalid;
   std::vector<HairId> hairs_;
   ColliderId collider_ = ColliderId::kInvalid;
-  // Of an engine; kInvalid without.
+  // Buffers and objects of an engine; kInvalid without.
   BufferId palette_ = BufferId::kInvalid, field_ = BufferId::kInvalid;
   BufferId distances_ = BufferId::kInvalid;
   SkeletonId walker_ = SkeletonId::kInvalid;

@@ -21,7 +21,7 @@ inline bool devicesRequired() {
   return wanted != nullptr && std::string_view(wanted) == "1";
 }
 
-/// Fails the test where devices are required: for what goes on without one. \param why what is
+/// A test that goes on without a device fails where devices are required. \param why what is
 /// missing.
 inline void missingDevice(const std::string& why) {
   if (devicesRequired()) ADD_FAILURE() << "PELAGE_REQUIRE_DEVICES is set, but: " << why;

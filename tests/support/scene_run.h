@@ -1,4 +1,4 @@
-// A scene on a device of its own, for tests of what the whole simulation does.
+// A scene on a device of its own, for tests of the whole simulation.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -194,13 +194,13 @@ class SceneRun {
     EXPECT_TRUE(data) << data.error().message;
     return data ? std::move(*data) : SdfData();
   }
-  /// Of the object that was added last.
+  /// The object that was added last.
   HairId lastHair() const { return hairs_.back(); }
   std::vector<Float4> positions(const HairObject& hair) const {
     return read(hair.buffers().positions);
   }
 
-  /// That the last step() ran.
+  /// The list of the last step().
   const PassList& list() const { return list_; }
 
   Scene scene;

@@ -103,7 +103,7 @@ inline std::vector<reference::Pose> bindPoses(const HairAsset& asset) {
   return poses;
 }
 
-/// Which terms a step has; the constants of the others do not matter.
+/// The terms of a step; the constants of the others do not matter.
 struct StrandTerms {
   bool wind = false;
   bool globalShape = false;
@@ -164,7 +164,7 @@ class StrandRun {
     expectOk(gpu.device()->update(gpu.resources));
   }
 
-  // Of g_state, which the roots are in.
+  // Roots lie in g_state, from here on.
   size_t firstRoot() const { return (size_t{4} * guides_ * vertices_ + 15) / 16 * 16; }
   BufferRange rootRange() const {
     return {state_.id(), size_t{2} * guides_ * sizeof(RootTransform), firstRoot() * sizeof(Float4)};
@@ -185,7 +185,7 @@ class StrandRun {
     for (const auto& pose : last) roots.push_back(toRoot(pose));
     setRootTransforms(roots);
   }
-  /// What the contacts permutation collides with.
+  /// Colliders of the contacts permutation.
   void setColliders(const std::vector<Collider>& colliders) {
     contacts_.setCapsules(list_, colliders);
   }

@@ -1,5 +1,5 @@
-// A list whose pass reads a texture of an engine, for what runtimes say of textures: its kernel has
-// no code.
+// A list whose pass reads a texture of an engine, for the runtimes' errors about textures: its
+// kernel has no code.
 #pragma once
 
 #include "pelage/list_check.h"

@@ -255,7 +255,7 @@ inline std::vector<WrongList> wrongDraws(const WrongListBuffers& b) {
   return all;
 }
 
-/// Of draws whose vertex kernel has inputs: 6 vertices of 16 bytes.
+/// Wrong draws whose vertex kernel has inputs: 6 vertices of 16 bytes.
 inline std::vector<WrongList> wrongVertices(const WrongListBuffers& b) {
   // As fill_vertex, with an input.
   static const VertexAttribute attributes[] = {{0, VertexFormat::kUint2, 8}};

@@ -68,7 +68,7 @@ class VulkanDelivery : public testing::TestWithParam<Solver>, protected EngineRu
     engine_->discard(slot);
     if (loss == Loss::kTold) runtime_->abandonFrame();
     if (loss != Loss::kAheadOfTime) return;
-    // On top of what will not run: refused, and lost as well.
+    // A list after one that will not run: refused, and lost as well.
     write(scene, frame, other_);
     const Engine::Frame& next = beginFrame();
     expectOk(runtime_->update(scene_.resources(), next.commands));
@@ -146,7 +146,7 @@ TEST_P(VulkanDelivery, AFrameThatIsNotSubmittedIsAsIfItHadNeverBeenWritten) {
   }
 }
 
-// Whoever forgets it sees it at once, and loses nothing.
+// An engine that forgets submitted() sees it at once, and loses nothing.
 TEST_P(VulkanDelivery, WithoutSubmittedHairStaysInItsBindShape) {
   DeliveryScene scene(scene_, GetParam());
   std::vector<std::byte> first;

@@ -118,7 +118,7 @@ class VulkanEngine : public testing::Test, protected EngineRun {
 TEST_F(VulkanEngine, KnowsTexturesUntilTheyAreForgotten) {
   createRuntime(engine_->runtimeDef());
   const TextureId texture = newTextureId();
-  // Of no object: no list gets as far as to use them.
+  // These handles are of no object: no list gets as far as to use them.
   int view = 0, sampler = 0;
   const auto viewHandle = reinterpret_cast<VkImageView>(&view);
   const auto samplerHandle = reinterpret_cast<VkSampler>(&sampler);

@@ -30,7 +30,7 @@ constexpr VkFormat kColor = VK_FORMAT_R8G8B8A8_UNORM;
 constexpr VkFormat kBoth = VK_FORMAT_D32_SFLOAT_S8_UINT;
 constexpr uint32_t kClearedStencil = 7;
 
-/// What an engine draws into.
+/// Targets of an engine.
 struct TargetKind {
   const char* name;
   bool dynamic = true;

@@ -28,7 +28,7 @@ class Player {
     EXPECT_TRUE(made) << made.error().message;
     runtime_.emplace(*std::move(made));
   }
-  // What was recorded before has finished on the device.
+  // Earlier commands have finished on the device.
   void record(int frame, VkCommandBuffer commands) {
     runtime_->beginFrame(static_cast<uint64_t>(frame) + 1, static_cast<uint64_t>(frame));
     inputs_.setInputs(frame);

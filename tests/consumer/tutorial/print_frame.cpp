@@ -1,4 +1,4 @@
-// What a frame asks of a GPU: no GPU is needed to see it.
+// Prints the passes of a frame; no GPU is needed for it.
 #include <pelage/scene.h>
 
 #include <cstdio>

@@ -1,4 +1,4 @@
-// What pack_samples packs and gives back. Group "pack": space0 Packing.
+// Inputs and results of pack_samples. Group "pack": space0 Packing.
 #ifndef PELAGE_TESTS_OIT_PACKING_SAMPLES_HLSLI
 #define PELAGE_TESTS_OIT_PACKING_SAMPLES_HLSLI
 

@@ -16,7 +16,7 @@ namespace {
 constexpr uint32_t kLeafSize = 4;
 // A group is far when it is this many of its radii away.
 constexpr double kFarRadii = 2.5;
-// What the dipoles may be off, with room to spare; the test of the oracle measures it.
+// Bound of the dipoles' error, with a margin; the test of the oracle measures it.
 constexpr double kFastError = 0.2;
 
 Vector3d toDouble(const Float3& p) { return {p.x, p.y, p.z}; }

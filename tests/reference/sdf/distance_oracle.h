@@ -49,8 +49,8 @@ class DistanceOracle {
   /// Negative inside.
   double signedDistance(const Vector3d& p) const;
 
-  /// Of many points; fast when neighbours in the list are neighbours in space.
-  /// Where nothing is within `reach`, the result is +-reach.
+  /// Fast when points that follow each other are close in space.
+  /// Where nothing is within `range`, the result is +-range.
   std::vector<double> signedDistances(std::span<const Vector3d> points, double range = 1e300) const;
 
   /// At the nodes of a grid, x fastest.

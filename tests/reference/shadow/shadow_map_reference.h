@@ -1,4 +1,4 @@
-// What a shadow map of strands holds, and what receivers see of it, in double precision.
+// Shadow maps of strands, and their transmittance at receivers, in double precision.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,4 @@
-// What strands cover, seen from a light, in double precision and without a map.
+// Area that strands cover, seen from a light, in double precision and without a map.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,8 +21,8 @@ struct LightAxes {
 /// Opacity-weighted area that fibers cover, without regard to what covers what [m2].
 double coveredArea(std::span<const ShadowFiber> fibers, const LightAxes& light);
 
-/// Optical depth of what lies in front of a point, in a square beam around it: the covered area
-/// over that of the beam. \param width edge of the square, along the axes [m].
+/// Optical depth in front of a point, in a square beam around it: the covered area over that of the
+/// beam. \param width edge of the square, along the axes [m].
 double beamDepth(std::span<const ShadowFiber> fibers, const LightAxes& light,
                  const Eigen::Vector3d& point, double width);
 

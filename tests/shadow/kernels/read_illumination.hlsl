@@ -1,4 +1,4 @@
-// What arrives of a light at points, without shadows: color, and the share of one at 1 m.
+// Light that reaches points, without shadows: color, and its ratio to the light at 1 m.
 #include "shading/strand_lighting.hlsli"
 
 cbuffer ReadIlluminationConstants : register(b0, space0) {

@@ -1,4 +1,4 @@
-// What receivers see of a depth map of opaque geometry: the transmittance at points.
+// Reads the transmittance at points from a depth map of opaque geometry.
 #include "shading/layouts/opaque_shadow_view.hlsli"
 
 cbuffer ReadOpaqueConstants : register(b0, space0) {

@@ -1,4 +1,4 @@
-// What receivers see of a shadow map: the transmittance at points.
+// Reads the transmittance at points from a shadow map.
 #include "shading/layouts/strand_shadow_view.hlsli"
 
 cbuffer ReadShadowConstants : register(b0, space0) {

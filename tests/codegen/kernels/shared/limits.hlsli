@@ -1,4 +1,4 @@
-// What the fixture's host knows, too.
+// The fixture's host has these constants, too.
 #ifndef FIXTURE_LIMITS_HLSLI
 #define FIXTURE_LIMITS_HLSLI
 
