@@ -28,7 +28,6 @@ using test::bytesOf;
 using test::expectError;
 using test::kInf;
 using test::kNan;
-using test::mentions;
 using test::required;
 
 template <class T>
@@ -47,10 +46,11 @@ std::filesystem::path realAsset(const char* file) {
   return std::filesystem::path(PELAGE_TEST_DATA_DIR) / "ratboy" / file;
 }
 
-// `message` starts with "name: byte N: ".
-bool namesOffset(const Error& error, size_t offset) {
-  return error.code == ErrorCode::kInvalidFile &&
-         mentions(error, ": byte " + std::to_string(offset) + ": ");
+// The file is refused by the byte at `offset`, with these words.
+template <class T>
+void expectErrorAt(const Result<T>& loaded, size_t offset, std::string_view words) {
+  SCOPED_TRACE(offset);
+  expectError(loaded, ErrorCode::kInvalidFile, {": byte " + std::to_string(offset) + ": ", words});
 }
 
 bool finite(const Float4& v) {
@@ -178,8 +178,7 @@ TEST(HairAsset, RoundTripKeepsReservedWordsGapsAndTheOrderOfArrays) {
 
   // When the asset no longer fits the layout it came in, it gets a plain one.
   loaded->strandUv.clear();
-  const auto changed = saveTfx(*loaded);
-  ASSERT_TRUE(changed);
+  const auto changed = required(saveTfx(*loaded));
   EXPECT_EQ(changed->size(), 160u + 4 * 16);
   EXPECT_EQ(loadTfx(*changed, "memory")->positions, loaded->positions);
 }
@@ -201,11 +200,8 @@ TEST(HairAsset, RefusesATruncatedFileWithTheByteOffset) {  // K23
   for (size_t size = 0; size < bytes.size(); ++size) {
     // A copy of its own, so that a sanitizer sees a read past the end.
     const Bytes part(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
-    const auto loaded = loadTfx(part, "cut.tfx");
-    ASSERT_FALSE(loaded) << size;
-    ASSERT_EQ(loaded.error().code, ErrorCode::kInvalidFile);
-    ASSERT_TRUE(mentions(loaded.error(), "cut.tfx: byte ")) << loaded.error().message;
-    ASSERT_TRUE(mentions(loaded.error(), std::to_string(size))) << loaded.error().message;
+    expectError(loadTfx(part, "cut.tfx"), ErrorCode::kInvalidFile,
+                {"cut.tfx: byte ", std::to_string(size)});
   }
 }
 
@@ -233,10 +229,7 @@ TEST(HairAsset, RefusesImpossibleHeadersWithTheByteOffset) {  // K23
                         {28, 164, 28, "overlap the positions"}}) {
     Bytes bytes = fullFile();
     put(bytes, c.at, c.value);
-    const auto loaded = loadTfx(bytes, "bad.tfx");
-    ASSERT_FALSE(loaded) << c.text;
-    EXPECT_TRUE(namesOffset(loaded.error(), c.named)) << loaded.error().message;
-    EXPECT_TRUE(mentions(loaded.error(), c.text)) << loaded.error().message;
+    expectErrorAt(loadTfx(bytes, "bad.tfx"), c.named, c.text);
   }
 }
 
@@ -247,27 +240,18 @@ TEST(HairAsset, RefusesValuesThatAreNotFiniteWithTheByteOffset) {
     Bytes bytes = fullFile();
     const size_t at = offsets[0] + (1 * 5 + 3) * 16 + 8;  // z of strand 1, vertex 3
     put(bytes, at, value);
-    const auto loaded = loadTfx(bytes, "bad.tfx");
-    ASSERT_FALSE(loaded);
-    EXPECT_TRUE(namesOffset(loaded.error(), at)) << loaded.error().message;
-    EXPECT_TRUE(mentions(loaded.error(), "strand 1, vertex 3")) << loaded.error().message;
+    expectErrorAt(loadTfx(bytes, "bad.tfx"), at, "strand 1, vertex 3");
   }
-  struct Case {
-    size_t at;
-    float value;
-  };
-  for (const Case& c : {Case{offsets[0] + 12, kNan},
-                        {offsets[0] + 12, -1},
-                        {offsets[1] + 8, kNan},
-                        {offsets[2] + 4, kInf},
-                        {offsets[3] + 4, -0.5f},
-                        {offsets[3] + 4, kNan},
-                        {offsets[4] + 16, kNan}}) {
+  for (const auto& [at, value] : {std::pair<size_t, float>{offsets[0] + 12, kNan},
+                                  {offsets[0] + 12, -1},
+                                  {offsets[1] + 8, kNan},
+                                  {offsets[2] + 4, kInf},
+                                  {offsets[3] + 4, -0.5f},
+                                  {offsets[3] + 4, kNan},
+                                  {offsets[4] + 16, kNan}}) {
     Bytes bytes = fullFile();
-    put(bytes, c.at, c.value);
-    const auto loaded = loadTfx(bytes, "bad.tfx");
-    ASSERT_FALSE(loaded);
-    EXPECT_TRUE(namesOffset(loaded.error(), c.at)) << loaded.error().message;
+    put(bytes, at, value);
+    expectErrorAt(loadTfx(bytes, "bad.tfx"), at, "");
   }
 }
 
@@ -295,9 +279,7 @@ TEST(HairAsset, RepairsValuesOnRequestAndCountsThem) {
 
 TEST(HairAsset, MissingFilesAndFoldersAreErrorsThatNameThem) {
   expectError(loadTfx("/nonexistent/hair.tfx"), ErrorCode::kFileNotFound, "/nonexistent/hair.tfx");
-  const auto folder = loadTfx(std::filesystem::temp_directory_path());
-  ASSERT_FALSE(folder);
-  EXPECT_EQ(folder.error().code, ErrorCode::kFileNotFound);
+  expectError(loadTfx(std::filesystem::temp_directory_path()), ErrorCode::kFileNotFound, "");
   expectError(saveTfx(assetOfAllArrays(), "/nonexistent/hair.tfx"), "/nonexistent/hair.tfx");
 }
 
@@ -306,15 +288,15 @@ TEST(HairAsset, MissingFilesAndFoldersAreErrorsThatNameThem) {
 TEST(HairAsset, RefusesArraysThatDoNotFitTogether) {
   HairAsset asset = assetOfAllArrays();
   asset.vertexUv.pop_back();
-  EXPECT_TRUE(mentions(asset.process().error(), "vertexUv has 14"));
+  expectError(asset.process(), "vertexUv has 14");
   asset = assetOfAllArrays();
   asset.verticesPerStrand = 257;
-  EXPECT_TRUE(mentions(asset.process().error(), "2 to 256"));
+  expectError(asset.process(), "2 to 256");
   asset = assetOfAllArrays();
   asset.positions[7].y = kNan;
-  EXPECT_TRUE(mentions(asset.process().error(), "strand 1, vertex 2"));
-  EXPECT_TRUE(mentions(HairAsset().process().error(), "no strands"));
-  EXPECT_TRUE(mentions(assetOfAllArrays().process({.tipThickness = -1}).error(), "tipThickness"));
+  expectError(asset.process(), "strand 1, vertex 2");
+  expectError(HairAsset().process(), "no strands");
+  expectError(assetOfAllArrays().process({.tipThickness = -1}), "tipThickness");
   EXPECT_FALSE(saveTfx(asset));
   EXPECT_FALSE(packRest(assetOfAllArrays()));
 }
@@ -533,8 +515,8 @@ TEST(HairAsset, PackedRestDataIsStrandFastest) {
 TEST(FollowHairs, HaveTheRightGuideAndFillTheDiscForEveryCount) {  // K19, K20
   const HairAsset asset = bentStrands(65, 3, 0.3);
   for (const uint32_t count : {0u, 1u, 3u, 64u}) {
-    const auto hairs = asset.generateFollowHairs({.countPerGuide = count, .maxRadius = 0.01f});
-    ASSERT_TRUE(hairs);
+    const auto hairs =
+        required(asset.generateFollowHairs({.countPerGuide = count, .maxRadius = 0.01f}));
     ASSERT_EQ(hairs->size(), 65u * count);
     for (size_t i = 0; i < hairs->size(); ++i) ASSERT_EQ((*hairs)[i].guide, i / count);
   }
@@ -544,9 +526,8 @@ TEST(FollowHairs,
      LieInThePlaneAcrossTheRootAndAreUniformInTheDisc) {  // K11: the offset is bound to
                                                           // the root, not to the world
   const HairAsset asset = bentStrands(500, 3, 0.3);
-  const auto hairs =
-      asset.generateFollowHairs({.countPerGuide = 64, .maxRadius = 0.01f, .tipSeparation = 2.5f});
-  ASSERT_TRUE(hairs);
+  const auto hairs = required(
+      asset.generateFollowHairs({.countPerGuide = 64, .maxRadius = 0.01f, .tipSeparation = 2.5f}));
   int inner = 0;
   double sum[3] = {0, 0, 0};
   for (const FollowHair& hair : *hairs) {
@@ -641,8 +622,7 @@ TEST(FollowHairs, GiveNoWeightToGuidesThatAreNotThere) {
   asset.strandCount = 2;
   asset.verticesPerStrand = 2;
   asset.positions = {{0, 0, 0, 0}, {0, 1, 0, 0}, {0.01f, 0, 0, 0}, {0.01f, 1, 0, 0}};
-  const auto hairs = asset.generateFollowHairs({.countPerGuide = 3, .guidesPerHair = 3});
-  ASSERT_TRUE(hairs);
+  const auto hairs = required(asset.generateFollowHairs({.countPerGuide = 3, .guidesPerHair = 3}));
   for (const FollowHair& hair : *hairs) {
     EXPECT_EQ(hair.otherGuides[0], 1 - hair.guide);
     EXPECT_GT(hair.otherWeights[0], 0);
@@ -653,15 +633,13 @@ TEST(FollowHairs, GiveNoWeightToGuidesThatAreNotThere) {
 
 TEST(FollowHairs, RefuseValuesOutOfRangeByName) {
   const HairAsset asset = bentStrands(2, 3, 0.3);
-  EXPECT_TRUE(mentions(asset.generateFollowHairs({.countPerGuide = 65}).error(), "countPerGuide"));
+  expectError(asset.generateFollowHairs({.countPerGuide = 65}), "countPerGuide");
   for (const uint32_t guides : {0u, 4u}) {
-    EXPECT_TRUE(
-        mentions(asset.generateFollowHairs({.guidesPerHair = guides}).error(), "guidesPerHair"));
+    expectError(asset.generateFollowHairs({.guidesPerHair = guides}), "guidesPerHair");
   }
-  EXPECT_TRUE(mentions(asset.generateFollowHairs({.maxRadius = kNan}).error(), "maxRadius"));
-  EXPECT_TRUE(mentions(asset.generateFollowHairs({.maxRadius = -1}).error(), "maxRadius"));
-  EXPECT_TRUE(
-      mentions(asset.generateFollowHairs({.tipSeparation = kInf}).error(), "tipSeparation"));
+  expectError(asset.generateFollowHairs({.maxRadius = kNan}), "maxRadius");
+  expectError(asset.generateFollowHairs({.maxRadius = -1}), "maxRadius");
+  expectError(asset.generateFollowHairs({.tipSeparation = kInf}), "tipSeparation");
   EXPECT_FALSE(HairAsset().generateFollowHairs({}));
 }
 
@@ -670,8 +648,7 @@ TEST(FollowHairs, OfAGuideWithoutLengthAreFinite) {  // K17
   asset.strandCount = 1;
   asset.verticesPerStrand = 2;
   asset.positions.assign(2, {0, 0, 0, 0});
-  const auto hairs = asset.generateFollowHairs({.countPerGuide = 8});
-  ASSERT_TRUE(hairs);
+  const auto hairs = required(asset.generateFollowHairs({.countPerGuide = 8}));
   for (const FollowHair& hair : *hairs) EXPECT_TRUE(finite(hair.offset));
 }
 
@@ -698,9 +675,7 @@ TEST(BoneWeights, RefusesATruncatedFileWithTheByteOffset) {  // K23
   const Bytes bytes = *saveTfxBone(someWeights(2));
   for (size_t size = 0; size < bytes.size(); ++size) {
     const Bytes part(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
-    const auto loaded = loadTfxBone(part, "cut.tfxbone");
-    ASSERT_FALSE(loaded) << size;
-    ASSERT_TRUE(mentions(loaded.error(), "cut.tfxbone: byte ")) << loaded.error().message;
+    expectError(loadTfxBone(part, "cut.tfxbone"), "cut.tfxbone: byte ");
   }
 }
 
@@ -745,13 +720,9 @@ TEST(BoneWeights, RefusesEveryImpossibleFieldWithTheByteOffset) {  // K23
     Bytes bytes = *saveTfxBone(someWeights(2));
     ASSERT_EQ(bytes.size(), 123u);
     put(bytes, c.at, c.value);
-    const auto loaded = loadTfxBone(bytes, "bad.tfxbone");
-    ASSERT_FALSE(loaded) << c.at << " " << c.text;
-    EXPECT_TRUE(namesOffset(loaded.error(), c.named)) << loaded.error().message;
-    EXPECT_TRUE(mentions(loaded.error(), c.text)) << loaded.error().message;
+    expectErrorAt(loadTfxBone(bytes, "bad.tfxbone"), c.named, c.text);
   }
-  EXPECT_TRUE(
-      mentions(loadTfxBone(*saveTfxBone(someWeights(2)), "x", 5).error(), "the hair has 5"));
+  expectError(loadTfxBone(*saveTfxBone(someWeights(2)), "x", 5), "the hair has 5");
 }
 
 TEST(BoneWeights, StrandRecordsMayComeInAnyOrder) {
@@ -781,8 +752,7 @@ TEST(BoneWeights, NamesAreMappedThroughTheCallersFunction) {
   };
   expectError(mapBones(weights.bones, weights.strands, lookup), "'left ear'");
 
-  const auto mapped = mapBones(weights.bones, weights.strands, lookup, 7);
-  ASSERT_TRUE(mapped);
+  const auto mapped = required(mapBones(weights.bones, weights.strands, lookup, 7));
   // The bone of weight 0 takes the index of the heaviest one.
   EXPECT_EQ((*mapped)[0], (BoneInfluences{{41, 40, 7, 41}, {0.5f, 0.25f, 0.25f, 0}}));
 
@@ -886,10 +856,7 @@ TEST(CollisionMesh, RefusesEveryTruncation) {
   const std::string good = *saveTfxMesh(tetrahedron());
   // Without its last line end, and without the last digit's neighbours, the text is still complete.
   for (size_t size = 0; size + 2 < good.size(); ++size) {
-    const std::string part = good.substr(0, size);
-    const auto loaded = loadTfxMesh(part, "cut.tfxmesh");
-    ASSERT_FALSE(loaded) << size;
-    ASSERT_TRUE(mentions(loaded.error(), "cut.tfxmesh:")) << loaded.error().message;
+    expectError(loadTfxMesh(good.substr(0, size), "cut.tfxmesh"), "cut.tfxmesh:");
   }
 }
 

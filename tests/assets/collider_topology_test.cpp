@@ -19,13 +19,13 @@ namespace {
 using detail::ColliderTopology;
 using reference::TriangleMesh;
 using test::expectError;
+using test::expectHas;
 using test::required;
+using test::valueOf;
 
 ColliderTopology topologyOf(const TriangleMesh& mesh) {
-  auto topology = detail::makeColliderTopology(
-      mesh.indices, static_cast<uint32_t>(mesh.positions.size()), mesh.positions);
-  EXPECT_TRUE(topology) << topology.error().message;
-  return *topology;
+  return valueOf(detail::makeColliderTopology(
+      mesh.indices, static_cast<uint32_t>(mesh.positions.size()), mesh.positions));
 }
 
 uint32_t pointOf(const ColliderTopology& topology, uint32_t corner) {
@@ -101,8 +101,7 @@ TEST(ColliderTopology, ZeroAndMinusZeroAreOnePlace) {
 
 TEST(ColliderTopology, WithoutPositionsEveryVertexIsAPlace) {
   const TriangleMesh mesh = reference::torus(1, 0.3f, 9, 8);
-  auto topology = detail::makeColliderTopology(mesh.indices, 72, {});
-  ASSERT_TRUE(topology);
+  auto topology = required(detail::makeColliderTopology(mesh.indices, 72, {}));
   EXPECT_EQ(topology->pointCount(), 72u);
   EXPECT_TRUE(topology->isSolid());
   EXPECT_EQ(topology->adjacency, topologyOf(mesh).adjacency);
@@ -212,7 +211,7 @@ TEST(ColliderTopology, AnEmptyMeshIsNotClosed) {
   const ColliderTopology topology = topologyOf({});
   EXPECT_FALSE(topology.report.closed);
   EXPECT_EQ(topology.pointOffsets, std::vector<uint32_t>{0});
-  EXPECT_NE(describe(topology.report).find("empty"), std::string::npos);
+  expectHas(describe(topology.report), "empty");
 }
 
 TEST(ColliderTopology, RefusesIndicesThatAreWrong) {
@@ -229,12 +228,11 @@ TEST(MeshReport, SaysWhatIsWrong) {
   CollisionMesh mesh;
   mesh.positions = shape.positions;
   mesh.indices = shape.indices;
-  auto report = inspectMesh(mesh);
-  ASSERT_TRUE(report);
+  auto report = required(inspectMesh(mesh));
   const std::string text = describe(*report);
   for (const char* part : {"open", "2 vertices that are not finite", "1 triangles that are not",
                            "2 duplicate triangles", "triangles without area", "two of three axes"})
-    EXPECT_NE(text.find(part), std::string::npos) << part << " is missing in: " << text;
+    expectHas(text, part);
   EXPECT_EQ(describe(topologyOf(reference::cube(1)).report),
             "12 triangles, 8 vertices at 8 points, closed");
 }
@@ -245,8 +243,7 @@ TEST(MeshReport, TheRealMeshesAreClosed) {
        {std::pair{"Ratboy_body.tfxmesh", 25814u}, {"Ratboy_left_hand.tfxmesh", 2490u}}) {
     if (!std::filesystem::exists(folder / file)) GTEST_SKIP() << "skipped: " << folder / file;
     auto mesh = required(loadTfxMesh(folder / file));
-    auto report = inspectMesh(*mesh);
-    ASSERT_TRUE(report);
+    auto report = required(inspectMesh(*mesh));
     EXPECT_EQ(report->triangleCount, triangles);
     EXPECT_TRUE(report->closed && report->consistentlyOriented) << describe(*report);
     EXPECT_FALSE(report->inverted);

@@ -144,8 +144,7 @@ TEST(FollowFile, GoesThroughADisk) {
   const auto path = folder / "hairs";
   const std::vector<FollowHair> hairs = makeHairs();
   ASSERT_TRUE(saveFollowHairs(hairs, 7, path));
-  const auto loaded = loadFollowHairs(path, 7);
-  ASSERT_TRUE(loaded);
+  const auto loaded = required(loadFollowHairs(path, 7));
   EXPECT_EQ(*loaded, hairs);
   expectError(loadFollowHairs(folder / "none", 7), ErrorCode::kFileNotFound, "none");
   EXPECT_FALSE(saveFollowHairs(hairs, 7, path / "no_folder" / "x.tfxfollow"));

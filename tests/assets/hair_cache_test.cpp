@@ -184,8 +184,7 @@ TEST_F(HairCache, PartsJoinToTheBytesOfOneFile) {
   def.firstFrame = 104;
   const std::vector<std::filesystem::path> both = {odd[0], write(def, all.subspan(1, 5), "5")};
   ASSERT_TRUE(joinHairCaches(both, folder_ / "odd"));
-  auto reader = HairCacheReader::open(folder_ / "odd");
-  ASSERT_TRUE(reader);
+  auto reader = required(HairCacheReader::open(folder_ / "odd"));
   double largest = 0;
   for (size_t f = 0; f < 6; ++f) {
     const auto positions = read(*reader, f);
@@ -235,8 +234,7 @@ TEST_F(HairCache, AFileThatWasNotClosedIsNotThere) {
   const Frames frames = swing(def, 1, 0);
   const auto path = folder_ / "a";
   {
-    auto writer = HairCacheWriter::create(path, def);
-    ASSERT_TRUE(writer);
+    auto writer = required(HairCacheWriter::create(path, def));
     ASSERT_TRUE(writer->append(frames[0]));
     EXPECT_FALSE(std::filesystem::exists(path));
   }
@@ -276,8 +274,7 @@ TEST_F(HairCache, TheWriterRefusesWhatItCannotWrite) {
   EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
   EXPECT_FALSE(HairCacheWriter::create(folder_ / "missing" / "a", good));
 
-  auto writer = HairCacheWriter::create(folder_ / "a", good);
-  ASSERT_TRUE(writer);
+  auto writer = required(HairCacheWriter::create(folder_ / "a", good));
   auto frame = swing(good, 1, 0)[0];
   EXPECT_FALSE(writer->append(std::span(frame).first(2)));
   frame[3].z = std::numeric_limits<float>::infinity();

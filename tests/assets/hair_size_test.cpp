@@ -107,8 +107,7 @@ TEST(ScaleHair, ScalesTheSizeAndDropsWhatWasDerived) {
   ASSERT_TRUE(asset.process());
   ASSERT_TRUE(scaleHair(asset, 0.01f));
   EXPECT_FALSE(packRest(asset)) << "the rest shape is that of before";
-  const auto size = measureHair(asset);
-  ASSERT_TRUE(size);
+  const auto size = required(measureHair(asset));
   EXPECT_NEAR(size->meanLength, 0.2, 1e-7);
   EXPECT_NEAR(size->low.z, -0.01, 1e-7);
   EXPECT_EQ(asset.positions[2].w, 1);  // the mass is not a length

@@ -61,15 +61,13 @@ TEST_F(MeshImport, AnObjCubeOfQuadsIsAClosedMeshOfTwelveTriangles) {
   EXPECT_EQ(mesh->positions.size(), 8u);
   EXPECT_EQ(boneOf(*mesh, 0), "crate");
   EXPECT_EQ(mesh->repairedVertexCount, 0u);
-  auto report = inspectMesh(*mesh);
-  ASSERT_TRUE(report);
+  auto report = required(inspectMesh(*mesh));
   EXPECT_TRUE(report->closed && report->consistentlyOriented) << describe(*report);
   EXPECT_NEAR(report->volume, 1, 1e-6);
 }
 
 TEST_F(MeshImport, WhatIsImportedCanBeSaved) {
-  auto mesh = loadMesh(write("cube.obj", kCube));
-  ASSERT_TRUE(mesh);
+  auto mesh = required(loadMesh(write("cube.obj", kCube)));
   auto text = required(saveTfxMesh(*mesh));
   auto again = required(loadMesh(write("cube.tfxmesh", *text)));
   EXPECT_EQ(again->positions, mesh->positions);

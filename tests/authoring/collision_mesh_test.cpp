@@ -28,6 +28,7 @@ using Vector = detail::Vector3<double>;
 using test::expectError;
 using test::required;
 using test::TestFolder;
+using test::valueOf;
 
 SkinnedMesh skinnedHead(float cellSize) {
   auto head = generateHead(cellSize);
@@ -81,9 +82,7 @@ class CutFromATube : public testing::Test {
     def.by = by;
     def.only = std::move(only);
     def.capHoles = capHoles;
-    auto meshes = collisionMeshes(mesh_, def);
-    EXPECT_TRUE(meshes) << meshes.error().message;
-    return meshes ? *meshes : std::vector<NamedCollisionMesh>();
+    return valueOf(collisionMeshes(mesh_, def));
   }
 
   const TestFolder folder_;

@@ -8,7 +8,6 @@
 #include <cstring>
 #include <filesystem>
 #include <functional>
-#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,6 +15,7 @@
 #include "pelage/authoring/curve_import.h"
 #include "pelage/hair_asset.h"
 #include "support/errors.h"
+#include "support/not_numbers.h"
 #include "support/test_folder.h"
 
 namespace pelage {
@@ -23,9 +23,11 @@ namespace {
 
 using Bytes = std::vector<std::byte>;
 using test::expectError;
-using test::mentions;
+using test::expectHas;
+using test::kNan;
 using test::required;
 using test::TestFolder;
+using test::valueOf;
 
 Bytes bytesOf(std::string_view text) {
   const auto* data = reinterpret_cast<const std::byte*>(text.data());
@@ -222,9 +224,7 @@ TEST(HairFiles, EveryTruncationIsAnErrorOrTheCurvesThatAreWhole) {
       }
       if (curves && !openEnd && sample.bytes.size() - size > 16)
         ADD_FAILURE() << "accepted with " << size << " bytes";
-      if (!curves) {
-        EXPECT_TRUE(mentions(curves.error(), name)) << curves.error().message;
-      }
+      if (!curves) expectHas(curves.error().message, name);
     }
     EXPECT_GT(refused, sample.bytes.size() / 4);
   }
@@ -361,9 +361,7 @@ TEST(GltfCurves, LinesAreJoinedAndLoopsClosed) {
   const std::string uri =
       ",\"uri\":\"data:application/octet-stream;base64," + base64(gltfBuffer()) + "\"";
   const auto counts = [&](const std::string& primitive) {
-    auto curves = loadGltfCurves(bytesOf(gltfText(uri, primitive)), "a.gltf");
-    EXPECT_TRUE(curves) << curves.error().message;
-    return curves ? curves->vertexCounts : std::vector<uint32_t>();
+    return valueOf(loadGltfCurves(bytesOf(gltfText(uri, primitive)), "a.gltf")).vertexCounts;
   };
   EXPECT_EQ(counts(R"({"mode":1,"indices":2,"attributes":{"POSITION":0}})"),
             std::vector<uint32_t>{4});
@@ -463,8 +461,7 @@ TEST(GltfCurves, BuffersBesideTheFileAreFound) {
   const Bytes buffer = gltfBuffer();
   (void)folder.write("the hair.bin", {reinterpret_cast<const char*>(buffer.data()), buffer.size()});
   (void)folder.write("a.gltf", text);
-  const auto curves = loadHairCurves(folder / "a.gltf");
-  EXPECT_TRUE(curves) << curves.error().message;
+  EXPECT_TRUE(loadHairCurves(folder / "a.gltf"));
   expectError(loadHairCurves(bytesOf(text), "a.gltf"), "load by path");
 }
 
@@ -529,9 +526,8 @@ TEST(TfxCurves, AStrandOfVersion4WithoutAnyPositionIsDroppedAndTheOthersAreKept)
     asset.positions.push_back({x, 1, 0, 0});
   }
   Bytes bytes = *saveTfx(asset);
-  const float nan = std::numeric_limits<float>::quiet_NaN();
   for (const size_t vertex : {2, 3, 5}) {  // all of strand 1, one of strand 2
-    std::memcpy(bytes.data() + 160 + vertex * sizeof(Float4), &nan, sizeof(nan));
+    std::memcpy(bytes.data() + 160 + vertex * sizeof(Float4), &kNan, sizeof(kNan));
   }
   auto curves = required(loadTfxCurves(bytes, "a.tfx"));
   CurveImportReport report;

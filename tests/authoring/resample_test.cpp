@@ -13,6 +13,7 @@
 
 #include "pelage/random.h"
 #include "polyline.h"
+#include "support/errors.h"
 #include "support/extremes.h"
 #include "support/not_numbers.h"
 
@@ -20,7 +21,11 @@ namespace pelage {
 namespace {
 
 using detail::Vector;
+using test::expectError;
+using test::expectOk;
 using test::kNan;
+using test::required;
+using test::valueOf;
 
 constexpr VertexPlacement kBoth[] = {VertexPlacement::kEven, VertexPlacement::kFitted};
 
@@ -89,16 +94,11 @@ double sampledDistance(const std::vector<Vector>& a, const std::vector<Vector>& 
 double lengthOf(const std::vector<Vector>& points) { return detail::arcLengths(points).back(); }
 
 ResampleResult resample(const HairCurves& curves, const ResampleDef& def) {
-  Result<ResampleResult> result = resampleCurves(curves, def);
-  EXPECT_TRUE(result) << result.error().message;
-  return result ? *std::move(result) : ResampleResult{};
+  return valueOf(resampleCurves(curves, def));
 }
 
-bool isResamplingRefused(const HairCurves& curves, const ResampleDef& def, std::string_view text) {
-  const Result<ResampleResult> result = resampleCurves(curves, def);
-  if (result) return false;
-  EXPECT_NE(result.error().message.find(text), std::string::npos) << result.error().message;
-  return result.error().code == ErrorCode::kInvalidArgument;
+void expectResamplingRefused(const HairCurves& curves, const ResampleDef& def, const char* text) {
+  expectError(resampleCurves(curves, def), ErrorCode::kInvalidArgument, text);
 }
 
 TEST(Resample, PutsVerticesOntoTheCurveAndKeepsItsEnds) {
@@ -240,9 +240,8 @@ TEST(Resample, ABoundOutOfReachSaysWhatIsReached) {
     teeth.push_back({i % 2 == 0 ? 0.0f : 0.01f, 0.001f * static_cast<float>(i), 0});
   addCurve(curves, {{0, 0, 0}, {0, 1, 0}});
   addCurve(curves, teeth);
-  EXPECT_TRUE(
-      isResamplingRefused(curves, {.errorBound = 1e-4f}, "256, the most there can be, reach 0.00"));
-  EXPECT_TRUE(isResamplingRefused(curves, {.errorBound = 1e-4f}, "curve 1"));
+  expectResamplingRefused(curves, {.errorBound = 1e-4f}, "256, the most there can be, reach 0.00");
+  expectResamplingRefused(curves, {.errorBound = 1e-4f}, "curve 1");
 }
 
 TEST(Resample, CarriesAttributesAlongTheCurve) {
@@ -271,8 +270,7 @@ TEST(Resample, CarriesAttributesAlongTheCurve) {
   EXPECT_EQ(asset.positions[7 + 2].w, 0);
   EXPECT_NEAR(asset.positions[7 + 4].w, 1.0f, 1e-6f);
   HairAsset processed = asset;
-  const Result<void> accepted = processed.process();
-  EXPECT_TRUE(accepted) << accepted.error().message;
+  expectOk(processed.process());
 }
 
 TEST(Resample, HoldsTheRootAndOnRequestTheTip) {
@@ -294,8 +292,7 @@ TEST(Resample, KeepsCurvesWithoutLengthAndCountsThem) {
     ResampleResult result = resample(curves, {.verticesPerStrand = 9, .placement = placement});
     EXPECT_EQ(result.report.zeroLengthCurves, 1u);
     for (uint32_t v = 0; v < 9; ++v) EXPECT_EQ(result.asset.positions[v].z, 3);
-    const Result<void> accepted = result.asset.process();
-    EXPECT_TRUE(accepted) << accepted.error().message;
+    expectOk(result.asset.process());
     EXPECT_TRUE(std::isfinite(result.report.maxDeviation));
     EXPECT_TRUE(std::isfinite(result.report.maxLengthChange));
   }
@@ -303,24 +300,24 @@ TEST(Resample, KeepsCurvesWithoutLengthAndCountsThem) {
 
 TEST(Resample, RefusesWhatCannotBeAStrand) {
   const HairCurves good = wavyCurves(3);
-  EXPECT_TRUE(isResamplingRefused({}, {}, "no curves"));
-  EXPECT_TRUE(isResamplingRefused(good, {.verticesPerStrand = 1}, "verticesPerStrand is 1"));
-  EXPECT_TRUE(isResamplingRefused(good, {.verticesPerStrand = 257}, "verticesPerStrand is 257"));
-  EXPECT_TRUE(isResamplingRefused(good, {.errorBound = -1}, "errorBound is -1"));
-  EXPECT_TRUE(isResamplingRefused(good, {.errorBound = kNan}, "errorBound is nan"));
+  expectResamplingRefused({}, {}, "no curves");
+  expectResamplingRefused(good, {.verticesPerStrand = 1}, "verticesPerStrand is 1");
+  expectResamplingRefused(good, {.verticesPerStrand = 257}, "verticesPerStrand is 257");
+  expectResamplingRefused(good, {.errorBound = -1}, "errorBound is -1");
+  expectResamplingRefused(good, {.errorBound = kNan}, "errorBound is nan");
   HairCurves bad = good;
   bad.positions[4].y = kNan;
-  EXPECT_TRUE(isResamplingRefused(bad, {}, "curve 0"));
+  expectResamplingRefused(bad, {}, "curve 0");
   bad = good;
   addCurve(bad, {{0, 0, 0}});
-  EXPECT_TRUE(isResamplingRefused(bad, {}, "curve 3 has 1 vertices"));
+  expectResamplingRefused(bad, {}, "curve 3 has 1 vertices");
   bad = good;
   bad.radii.assign(bad.positions.size(), 1e-4f);
   bad.radii[1] = -1;
-  EXPECT_TRUE(isResamplingRefused(bad, {}, "radius at vertex 1 of curve 0"));
+  expectResamplingRefused(bad, {}, "radius at vertex 1 of curve 0");
   bad = good;
   bad.inverseMasses.assign(bad.positions.size(), -1.0f);
-  EXPECT_TRUE(isResamplingRefused(bad, {}, "inverse mass of vertex 0"));
+  expectResamplingRefused(bad, {}, "inverse mass of vertex 0");
 }
 
 TEST(Resample, TellsItsProgressToTheEnd) {
@@ -340,8 +337,7 @@ TEST(Resample, TellsItsProgressToTheEnd) {
 TEST(Resample, TheMohawkKeepsItsShape) {
   const auto path = std::filesystem::path(PELAGE_TEST_DATA_DIR) / "ratboy/Ratboy_mohawk.tfx";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "no " << path;
-  const Result<HairAsset> mohawk = loadTfx(path);
-  ASSERT_TRUE(mohawk);
+  const Result<HairAsset> mohawk = required(loadTfx(path));
   HairCurves curves;
   for (uint32_t s = 0; s < mohawk->strandCount; s += 4) {
     curves.vertexCounts.push_back(mohawk->verticesPerStrand);

@@ -174,8 +174,7 @@ TEST_F(BoundToATube, ThePartsOfAFileAreItsObjectsByMaterialInTheFilesOrder) {
   const Float3 expectedPosition = {1, 3, -1};
   EXPECT_EQ(mesh_.positions[mesh_.parts[1].firstVertex + 6], expectedPosition);
   // The mesh has shared vertices: it is welded only for collision.
-  auto welded = loadMesh(folder_ / "tube.gltf");
-  ASSERT_TRUE(welded);
+  auto welded = required(loadMesh(folder_ / "tube.gltf"));
   EXPECT_EQ(welded->positions.size(), 20u + 3u);
 }
 

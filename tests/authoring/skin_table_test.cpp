@@ -254,8 +254,7 @@ TEST(TfxSkin, GivesBackWhatWasSaved) {
 }
 
 TEST(TfxSkin, ATruncatedFileIsAnErrorWithTheOffset) {
-  auto bytes = saveTfxSkin(smallTable());
-  ASSERT_TRUE(bytes);
+  auto bytes = required(saveTfxSkin(smallTable()));
   for (size_t size = 0; size < bytes->size(); ++size) {
     auto table = loadTfxSkin(std::span(*bytes).first(size), "cut.tfxskin");
     ASSERT_FALSE(table) << size;
@@ -266,8 +265,7 @@ TEST(TfxSkin, ATruncatedFileIsAnErrorWithTheOffset) {
 }
 
 TEST(TfxSkin, EveryChangedByteIsAnErrorOrAValidTable) {
-  auto bytes = saveTfxSkin(smallTable());
-  ASSERT_TRUE(bytes);
+  auto bytes = required(saveTfxSkin(smallTable()));
   for (size_t i = 0; i < bytes->size(); ++i)
     for (const unsigned change : {0x01u, 0x80u, 0xffu}) {
       std::vector<std::byte> changed = *bytes;

@@ -85,15 +85,13 @@ TEST_F(UsdCurves, SeveralThreadsWriteTheBytesOfOne) {
 TEST_F(UsdCurves, AFileThatWasNotClosedIsNotThere) {
   const std::vector<Float3> frame(5);
   {
-    auto writer = UsdCurvesWriter::create(folder_ / "a.usda", twoStrands());
-    ASSERT_TRUE(writer);
+    auto writer = required(UsdCurvesWriter::create(folder_ / "a.usda", twoStrands()));
     ASSERT_TRUE(writer->append(frame));
     EXPECT_FALSE(std::filesystem::exists(folder_ / "a.usda"));
   }
   EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
   for (const char* name : {"a.usda", "b.usda"}) {
-    auto writer = UsdCurvesWriter::create(folder_ / name, twoStrands());
-    ASSERT_TRUE(writer);
+    auto writer = required(UsdCurvesWriter::create(folder_ / name, twoStrands()));
     for (int f = 0; f < 3; ++f) ASSERT_TRUE(writer->append(frame));
     ASSERT_TRUE(writer->close());
     EXPECT_FALSE(writer->close());
@@ -121,8 +119,7 @@ TEST_F(UsdCurves, RefusesWhatIsNoFileOfUsd) {
   EXPECT_TRUE(refused([](auto& d) { d.strandIds = {1, uint64_t{1} << 63}; }));
   EXPECT_TRUE(refused([](auto& d) { d.framesPerSecond = 0; }));
   EXPECT_TRUE(refused([](auto& d) { d.firstFrame = int64_t{1} << 41; }));
-  auto writer = UsdCurvesWriter::create(folder_ / "a.usda", twoStrands());
-  ASSERT_TRUE(writer);
+  auto writer = required(UsdCurvesWriter::create(folder_ / "a.usda", twoStrands()));
   std::vector<Float3> frame(5);
   EXPECT_FALSE(writer->append(std::span(frame).first(4)));
   EXPECT_FALSE(writer->close()) << "without frames";

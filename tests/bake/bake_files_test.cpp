@@ -52,8 +52,7 @@ TEST(AtomicFile, LeavesTheOldFileWithoutCommit) {
   const TestFolder folder;
   ASSERT_TRUE(writeAtomic(folder / "a", "1-2", "old"));
   {
-    auto file = AtomicFile::create(folder / "a", "1-2");
-    ASSERT_TRUE(file);
+    auto file = required(AtomicFile::create(folder / "a", "1-2"));
     ASSERT_TRUE(file->write(bytesOf("new")));
     EXPECT_EQ(fileCount(folder), 2u);
   }

@@ -24,6 +24,7 @@ namespace {
 
 using test::bytesOfFloats;
 using test::expectError;
+using test::expectHas;
 using test::kNan;
 using test::pointFile;
 using test::required;
@@ -112,16 +113,15 @@ TEST_F(Stream, WhatIsWrongIsNamedByFileAndPlace) {
     ASSERT_NE(at, std::string::npos) << c.from;
     text.replace(at, std::string(c.from).size(), c.to);
     const std::string error = errorOf(text, one);
-    EXPECT_NE(error.find(c.message), std::string::npos) << error << "\nwanted: " << c.message;
+    expectHas(error, c.message);
   }
   std::vector<float> floats = one;
-  EXPECT_NE(errorOf(kHeader, {}).find("b.bin: has 0 bytes"), std::string::npos);
+  expectHas(errorOf(kHeader, {}), "b.bin: has 0 bytes");
   floats.pop_back();
-  EXPECT_NE(errorOf(kHeader, floats).find("b.bin: has 92 bytes"), std::string::npos);
+  expectHas(errorOf(kHeader, floats), "b.bin: has 92 bytes");
   floats = joined({kUnmoved, kUnmoved, kUnmoved, kUnmoved});
   floats[40] = kNan;
-  EXPECT_NE(errorOf(kHeader, floats).find("b.bin: byte 144: frame 1: the transform of 'b' is not"),
-            std::string::npos);
+  expectHas(errorOf(kHeader, floats), "b.bin: byte 144: frame 1: the transform of 'b' is not");
   EXPECT_FALSE(loadBoneStream(folder_ / "none.json"));
 }
 
@@ -214,7 +214,7 @@ TEST(SkinMesh, RootsThatAreFarFromItAreReported) {
     EXPECT_EQ(table->roots.size(), 3u);
     EXPECT_EQ(warning.empty(), near) << warning << " at " << height;
   }
-  EXPECT_NE(warning.find("3 of 3 roots"), std::string::npos) << warning;
+  expectHas(warning, "3 of 3 roots");
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 namespace pelage::bake {
 namespace {
 
+using test::expectHas;
 using test::required;
 using test::TestFolder;
 
@@ -104,9 +105,8 @@ TEST(Project, WhatIsWrongIsNamedByItsPointer) {
       ADD_FAILURE() << "accepted: " << c.from << " -> " << c.to;
       continue;
     }
-    EXPECT_NE(project.error().message.find(c.message), std::string::npos)
-        << project.error().message << "\nwanted: " << c.message;
-    EXPECT_NE(project.error().message.find("p.json"), std::string::npos);
+    expectHas(project.error().message, c.message);
+    expectHas(project.error().message, "p.json");
   }
   EXPECT_FALSE(loadProject(folder / "none.json"));
   for (const char* text : {"", "[]", "null", "{\"shots\": []}", "{\"shots\": [1, [], null]}"})
@@ -142,8 +142,7 @@ TEST(Project, TheFingerprintFollowsTheFilesAndTheSettings) {
   const TestFolder folder;
   (void)folder.write("x.tfx", "a");
   (void)folder.write("x.tfxbone", "b");
-  const auto project = loadProject(folder.write("p.json", kFine));
-  ASSERT_TRUE(project);
+  const auto project = required(loadProject(folder.write("p.json", kFine)));
   Shot shot = project->shots[1];
   const auto first = required(keyOf(*project, shot));
   EXPECT_EQ(*keyOf(*project, shot), *first);
@@ -158,8 +157,7 @@ TEST(Project, TheFingerprintFollowsTheFilesAndTheSettings) {
   shot.animation = folder.write("w.gltf", R"({"buffers": [{"uri": "w.bin"}]})");
   EXPECT_FALSE(keyOf(*project, shot));
   (void)folder.write("w.bin", "1");
-  const auto animated = keyOf(*project, shot);
-  ASSERT_TRUE(animated);
+  const auto animated = required(keyOf(*project, shot));
   (void)folder.write("w.bin", "2");
   EXPECT_NE(*keyOf(*project, shot), *animated);
   // So do the floats of a bone stream, and a point cache with its mesh.
@@ -168,12 +166,10 @@ TEST(Project, TheFingerprintFollowsTheFilesAndTheSettings) {
       folder.write("b.json", R"({"version": 1, "fps": 24, "bones": ["a"], "data": "b.bin"})");
   EXPECT_FALSE(keyOf(*project, shot));
   (void)folder.write("b.bin", "1");
-  const auto streamed = keyOf(*project, shot);
-  ASSERT_TRUE(streamed);
+  const auto streamed = required(keyOf(*project, shot));
   shot.points = folder.write("c.pc2", "1");
   shot.pointMesh = folder.write("c.obj", "1");
-  const auto moved = keyOf(*project, shot);
-  ASSERT_TRUE(moved);
+  const auto moved = required(keyOf(*project, shot));
   EXPECT_NE(*moved, *streamed);
   (void)folder.write("b.bin", "2");
   const auto changed = keyOf(*project, shot);
@@ -186,8 +182,7 @@ TEST(Project, AFileOfManyShotsIsHashedOnceUntilItChanges) {
   const TestFolder folder;
   const auto file = folder.write("x", "one");
   FileHashes hashes;
-  const auto first = hashes.of(file);
-  ASSERT_TRUE(first);
+  const auto first = required(hashes.of(file));
   EXPECT_EQ(hashes.of(file)->hash, first->hash);
   EXPECT_EQ(hashes.filesRead(), 1u);
   (void)folder.write("x", "other");
@@ -198,19 +193,18 @@ TEST(Project, AFileOfManyShotsIsHashedOnceUntilItChanges) {
 
 TEST(Plan, RangesAreWholeChunksAndCoverTheShots) {
   const TestFolder folder;
-  const auto project = loadProject(folder.write("p q.json", kFine));
-  ASSERT_TRUE(project);
+  const auto project = required(loadProject(folder.write("p q.json", kFine)));
   const std::string path = (folder / "p q.json").string();
   EXPECT_EQ(planCommands(*project, "/bin/pelage-bake", 0),
             (std::vector<std::string>{"/bin/pelage-bake run '" + path + "' --shot a",
                                       "/bin/pelage-bake run '" + path + "' --shot b"}));
   const auto commands = planCommands(*project, "bake", 16);
   ASSERT_EQ(commands.size(), 6u);
-  EXPECT_NE(commands[0].find("--shot a --frames=1-15"), std::string::npos);
-  EXPECT_NE(commands[1].find("--shot a --frames=16-20"), std::string::npos);
-  EXPECT_NE(commands[2].find("--shot b --frames=-3-7"), std::string::npos);
-  EXPECT_NE(commands[3].find("--shot b --frames=8-23"), std::string::npos);
-  EXPECT_NE(commands[5].find("--shot b --frames=40-40"), std::string::npos);
+  expectHas(commands[0], "--shot a --frames=1-15");
+  expectHas(commands[1], "--shot a --frames=16-20");
+  expectHas(commands[2], "--shot b --frames=-3-7");
+  expectHas(commands[3], "--shot b --frames=8-23");
+  expectHas(commands[5], "--shot b --frames=40-40");
   EXPECT_EQ(parseFrames("-3-15"), (FrameRange{-3, 15}));
   EXPECT_EQ(parseFrames("-9--3"), (FrameRange{-9, -3}));
   for (const char* text : {"", "5", "5-", "-5", "5-3", "1-2x", "a-b"})
@@ -221,14 +215,12 @@ TEST(Plan, RangesAreWholeChunksAndCoverTheShots) {
 
 TEST(Plan, AShotWithoutAFolderIsMissing) {
   const TestFolder folder;
-  const auto project = loadProject(folder.write("p.json", kFine));
-  ASSERT_TRUE(project);
+  const auto project = required(loadProject(folder.write("p.json", kFine)));
   FileHashes hashes;
   const auto status = required(statusOf(*project, project->shots[0], hashes));
   EXPECT_EQ(status->state, ShotState::kMissing);
   EXPECT_EQ(status->chunks, 3u);
-  const auto check = verifyShot(*project, project->shots[0], false);
-  ASSERT_TRUE(check);
+  const auto check = required(verifyShot(*project, project->shots[0], false));
   EXPECT_FALSE(check->complete);
   EXPECT_EQ(check->fault, "chunk 0 is missing");
 }

@@ -34,9 +34,11 @@ namespace pelage::bake {
 namespace {
 
 using test::expectError;
+using test::expectHas;
 using test::required;
 using test::TestFolder;
 using test::textOf;
+using test::valueOf;
 
 // A box of 6 cm below the strands, of which one half follows another bone.
 CollisionMesh box() {
@@ -86,14 +88,10 @@ class Bake : public testing::Test {
                  "colliders": ["box.tfxmesh"]},
       "animation": {"motion": "shake", "start": 0.4}, "settings": "soft.json")" +
                                                           more + "}]}");
-    auto project = loadProject(path);
-    EXPECT_TRUE(project) << project.error().message;
-    return *std::move(project);
+    return valueOf(loadProject(path));
   }
   RunReport runAll(const Project& project, const RunOptions& options = {}) {
-    auto done = runShot(project, project.shots[0], options);
-    EXPECT_TRUE(done) << done.error().message;
-    return done ? *done : RunReport();
+    return valueOf(runShot(project, project.shots[0], options));
   }
   /// The cache of a run that nothing disturbs.
   const std::string& expected() {
@@ -155,10 +153,8 @@ TEST_F(Bake, ACheckpointHasAllOfTheState) {
   const Project project = load("state");
   const Shot& shot = project.shots[0];
   const auto inputs = required(loadShot(shot));
-  auto device = openDevice(Api::kVulkan, "");
-  ASSERT_TRUE(device);
-  auto scene = ShotScene::create(*inputs, shot, project.framesPerSecond);
-  ASSERT_TRUE(scene);
+  auto device = required(openDevice(Api::kVulkan, ""));
+  auto scene = required(ShotScene::create(*inputs, shot, project.framesPerSecond));
   const uint64_t last = scene->stepCount();
   constexpr uint64_t kBetween = 8;
   std::vector<std::map<std::string, std::vector<std::byte>>> expected;
@@ -173,8 +169,7 @@ TEST_F(Bake, ACheckpointHasAllOfTheState) {
   for (uint64_t from = 1; from < last; from += kBetween) {
     device = openDevice(Api::kVulkan, "");
     ASSERT_TRUE(device);
-    auto again = ShotScene::create(*inputs, shot, project.framesPerSecond);
-    ASSERT_TRUE(again);
+    auto again = required(ShotScene::create(*inputs, shot, project.framesPerSecond));
     const auto path = folder_ / std::to_string(from);
     ASSERT_TRUE(loadCheckpoint(path, {1, from, "gpu"}, *again));
     for (uint64_t step = from; step < std::min(from + 3, last); ++step) {
@@ -247,8 +242,7 @@ TEST_F(Bake, GoesOnBehindAnInterruptionAtAnyFrame) {
   report = runAll(project);
   EXPECT_TRUE(report.wasComplete);
   EXPECT_EQ(report.stepsRun, 0u);
-  const auto check = verifyShot(project, project.shots[0], true);
-  ASSERT_TRUE(check);
+  const auto check = required(verifyShot(project, project.shots[0], true));
   EXPECT_TRUE(check->complete);
   EXPECT_EQ(check->fault, "");
   const Project changed = load("parts", ", \"subSteps\": 2");
@@ -272,7 +266,7 @@ TEST_F(Bake, RangesGiveTheFilesOfTheWhole) {
   options.warn = [&](const std::string& text) { warning = text; };
   const RunReport late = runAll(project, options);
   EXPECT_EQ(late.resumedSteps, 0u);
-  EXPECT_NE(warning.find("ends too early"), std::string::npos) << warning;
+  expectHas(warning, "ends too early");
   options.range = FrameRange{1, 3};
   EXPECT_EQ(runAll(project, options).outcome, RunOutcome::kComplete);
   EXPECT_TRUE(cacheOf(project) == expected());
@@ -348,13 +342,11 @@ TEST_F(Bake, HairFollowsAPointCacheAsItFollowsBones) {
   moved.influences.assign(8, {{0, 0, 0, 0}, {1, 0, 0, 0}});
   ASSERT_TRUE(saveTfxMesh(moved, folder_ / "skin.tfxmesh"));
   const auto load = [&](const std::string& name, const char* hair, const char* animation) {
-    const auto project = loadProject(folder_.write(
+    return valueOf(loadProject(folder_.write(
         name + ".json", R"({"version": 1, "chunkFrames": 4, "checkpointChunks": 1, "output": ")" +
                             name + R"(", "shots": [{"name": "s", "frames": [1, 10], "settings":
                             "soft.json", "assets": {"hairs": [{"file": "hair.tfx")" +
-                            hair + R"(, "animation": {)" + animation + "}}]}"));
-    EXPECT_TRUE(project) << project.error().message;
-    return *project;
+                            hair + R"(, "animation": {)" + animation + "}}]}")));
   };
   const Project bones =
       load("bones_", R"(, "bones": "all.tfxbone"}], "colliders": ["skin.tfxmesh"]})",
@@ -435,11 +427,8 @@ TEST_F(Bake, ContactsThatMultiplyDifferencesAreNamed) {
   const auto done = runShot(*project, project->shots[0], {});
   ASSERT_FALSE(done);
   const std::string& message = done.error().message;
-  EXPECT_NE(message.find("95 % of the vertices are not kept within 0.05 mm"), std::string::npos)
-      << message;
-  EXPECT_NE(message.find("mm with 2 sub-steps. More were not tried: 1e-5 m/s2 more of gravity"),
-            std::string::npos)
-      << message;
+  expectHas(message, "95 % of the vertices are not kept within 0.05 mm");
+  expectHas(message, "mm with 2 sub-steps. More were not tried: 1e-5 m/s2 more of gravity");
 }
 
 }  // namespace

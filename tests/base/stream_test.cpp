@@ -20,6 +20,7 @@
 #include "pelage/sdf_data.h"
 #include "pelage/skin_table.h"
 #include "support/errors.h"
+#include "support/not_numbers.h"
 #include "support/test_folder.h"
 
 namespace pelage {
@@ -28,6 +29,7 @@ namespace {
 using Bytes = std::vector<std::byte>;
 using test::bytesOf;
 using test::expectError;
+using test::kNan;
 using test::required;
 using test::TestFolder;
 
@@ -293,15 +295,13 @@ TEST(TfxParts, ArraysThatAreNotWantedAreNotRead) {
               part->vertexColor.empty());
   EXPECT_EQ(source.bytesRead(), 160u + kStrands * kVertices * 16);
 
-  const auto thickness =
-      loadTfx(tfxFile(), "part", {.strandUv = false, .vertexUv = false, .vertexColor = false});
-  ASSERT_TRUE(thickness);
+  const auto thickness = required(
+      loadTfx(tfxFile(), "part", {.strandUv = false, .vertexUv = false, .vertexColor = false}));
   EXPECT_EQ(thickness->strandThickness, fullAsset().strandThickness);
 }
 
 TEST(TfxParts, APartIsSavedAsAFileOfItsOwn) {
-  auto part = loadTfx(tfxFile(), "part", {.maxStrands = 2, .vertexColor = false});
-  ASSERT_TRUE(part);
+  auto part = required(loadTfx(tfxFile(), "part", {.maxStrands = 2, .vertexColor = false}));
   const auto bytes = required(saveTfx(*part));
   EXPECT_EQ(bytes->size(), 160u + 2 * (kVertices * 24 + 12));
   const auto again = required(loadTfx(*bytes, "again"));
@@ -311,9 +311,8 @@ TEST(TfxParts, APartIsSavedAsAFileOfItsOwn) {
 
 TEST(TfxParts, WhatIsNotReadIsNotJudgedButArraysThatLeaveTheFileAre) {
   Bytes bytes = tfxFile();
-  const float broken = std::numeric_limits<float>::quiet_NaN();
   const size_t lastVertex = 160 + (kStrands * kVertices - 1) * 16;
-  std::memcpy(bytes.data() + lastVertex, &broken, sizeof(broken));
+  std::memcpy(bytes.data() + lastVertex, &kNan, sizeof(kNan));
   EXPECT_FALSE(loadTfx(bytes, "whole"));
   EXPECT_TRUE(loadTfx(bytes, "part", {.maxStrands = kStrands - 1}));
   bytes.pop_back();

@@ -21,6 +21,7 @@
 #include "pelage/gpu_structs.h"
 #include "pelage/kernels.h"
 #include "pelage/layouts.h"
+#include "support/errors.h"
 
 namespace {
 
@@ -28,6 +29,7 @@ namespace gpu = fixture::gpu;
 using pelage::Access;
 using pelage::codegen::SpirvInstruction;
 using pelage::codegen::SpirvReader;
+using pelage::test::expectHas;
 
 // True when the variant template accepts the key.
 template <gpu::MoveParticlesKey K>
@@ -87,10 +89,9 @@ TEST(GeneratedKernels, HaveAVariantOfTheirOwnForEachKey) {
         if (variant == nullptr) continue;
         found.insert(variant);
         const std::string key = variant->key;
-        EXPECT_NE(key.find(drag ? "airDrag=1" : "airDrag=0"), std::string::npos) << key;
-        EXPECT_NE(key.find(bounce ? "bounce=1" : "bounce=0"), std::string::npos) << key;
-        EXPECT_NE(key.find("subSteps=" + std::to_string(static_cast<int>(steps))),
-                  std::string::npos);
+        expectHas(key, drag ? "airDrag=1" : "airDrag=0");
+        expectHas(key, bounce ? "bounce=1" : "bounce=0");
+        expectHas(key, "subSteps=" + std::to_string(static_cast<int>(steps)));
         EXPECT_EQ(variant->kernel, &gpu::kMoveParticlesKernel);
       }
     }
@@ -209,10 +210,10 @@ TEST(GeneratedKernels, CarrySpirvWithThePlannedBindingsAndNoNames) {
 TEST(GeneratedKernels, BindByNumberInGlsl) {
   for (const std::string& text :
        {glslOf(*gpu::moveParticlesVariant({})), esslOf(*gpu::moveParticlesVariant({}))}) {
-    EXPECT_NE(text.find("layout(binding = 0, std140) uniform ForceConstants"), std::string::npos);
-    EXPECT_NE(text.find("layout(binding = 0, std430) buffer g_particles"), std::string::npos);
-    EXPECT_NE(text.find("layout(binding = 1, std430) readonly buffer g_wells"), std::string::npos);
-    EXPECT_NE(text.find("layout(binding = 0) uniform"), std::string::npos) << "the texture";
+    expectHas(text, "layout(binding = 0, std140) uniform ForceConstants");
+    expectHas(text, "layout(binding = 0, std430) buffer g_particles");
+    expectHas(text, "layout(binding = 1, std430) readonly buffer g_wells");
+    expectHas(text, "layout(binding = 0) uniform");
   }
 }
 
@@ -229,17 +230,14 @@ TEST(GeneratedKernels, StayPreciseInSpirvAndInGlsl) {
     EXPECT_TRUE(module->decoration(i.result, SpvDecorationNoContraction).has_value());
   }
   EXPECT_GT(products, 10u);
-  EXPECT_NE(glslOf(variant).find("precise "), std::string::npos);
-  EXPECT_NE(esslOf(variant).find("precise "), std::string::npos);
+  expectHas(glslOf(variant), "precise ");
+  expectHas(esslOf(variant), "precise ");
 }
 
 TEST(GeneratedKernels, MapClipSpaceInTheVertexStageAlone) {
-  EXPECT_NE(glslOf(gpu::pointVertexVariant()).find("gl_Position.y = -gl_Position.y"),
-            std::string::npos);
-  EXPECT_NE(esslOf(gpu::pointVertexVariant()).find("gl_Position.y = -gl_Position.y"),
-            std::string::npos);
-  EXPECT_NE(esslOf(gpu::pointVertexVariant()).find("2.0 * gl_Position.z - gl_Position.w"),
-            std::string::npos);
+  expectHas(glslOf(gpu::pointVertexVariant()), "gl_Position.y = -gl_Position.y");
+  expectHas(esslOf(gpu::pointVertexVariant()), "gl_Position.y = -gl_Position.y");
+  expectHas(esslOf(gpu::pointVertexVariant()), "2.0 * gl_Position.z - gl_Position.w");
   EXPECT_EQ(glslOf(gpu::pointVertexVariant()).find("SPIRV_Cross_BaseInstance"), std::string::npos);
 }
 
@@ -260,8 +258,8 @@ TEST(GeneratedKernels, DeclareThePositionInvariantForDrawsThatMeetAgainAtTheSame
           EXPECT_TRUE(module->decoration(i.operands[0], SpvDecorationInvariant).has_value())
               << kernel->name << " " << variant->key;
         }
-        EXPECT_NE(glslOf(*variant).find("invariant gl_Position;"), std::string::npos);
-        EXPECT_NE(esslOf(*variant).find("invariant gl_Position;"), std::string::npos);
+        expectHas(glslOf(*variant), "invariant gl_Position;");
+        expectHas(esslOf(*variant), "invariant gl_Position;");
       }
     }
   }
@@ -288,8 +286,7 @@ TEST(GeneratedSpecialization, GivesTheDefaultsOfTheHlslAndTheBitsOfEachType) {
   ASSERT_EQ(gpu::kMoveParticlesKernel.specConstants.size(), 4u);
   EXPECT_STREQ(gpu::kMoveParticlesKernel.specConstants[3].name, "g_restitution");
   EXPECT_EQ(gpu::kMoveParticlesKernel.specConstants[3].defaultBits, 0x3f000000u);
-  EXPECT_NE(glslOf(*gpu::moveParticlesVariant({.bounce = true})).find("SPIRV_CROSS_CONSTANT_ID_7"),
-            std::string::npos);
+  expectHas(glslOf(*gpu::moveParticlesVariant({.bounce = true})), "SPIRV_CROSS_CONSTANT_ID_7");
 }
 
 TEST(GeneratedConstants, AreThoseOfTheHlsl) {

@@ -352,7 +352,14 @@ class FrontEndTest : public testing::Test {
     input.entry = "k";
     return compileHlsl(input);
   }
+  /// The module of a kernel that compiles; valid until the next one.
+  SpirvReader moduleOf(const std::string& text) {
+    output_ = compile(text);
+    EXPECT_TRUE(output_.ok) << output_.log;
+    return SpirvReader::parse(output_.spirv).value();
+  }
   const TestFolder folder_;
+  FrontEndOutput output_;
 };
 
 TEST_F(FrontEndTest, NamesFileAndLineOfAnErrorInAnInclude) {
@@ -374,21 +381,18 @@ TEST_F(FrontEndTest, EndsAnIncludeThatIncludesItself) {
 }
 
 TEST_F(FrontEndTest, KeepsStorageBuffersInTheirOwnClass) {
-  const FrontEndOutput output = compile(
+  const SpirvReader module = moduleOf(
       "RWStructuredBuffer<uint> g_x : register(u5, space1);\n"
       "[numthreads(4, 2, 1)] void k(uint3 id : SV_DispatchThreadID) { g_x[id.x] = 1; }\n");
-  ASSERT_TRUE(output.ok) << output.log;
-  const std::optional<SpirvReader> module = SpirvReader::parse(output.spirv);
-  ASSERT_TRUE(module);
   bool found = false;
-  for (const SpirvInstruction& i : module->instructions()) {
-    if (i.op == SpvOpVariable && module->name(i.result) == "g_x") {
+  for (const SpirvInstruction& i : module.instructions()) {
+    if (i.op == SpvOpVariable && module.name(i.result) == "g_x") {
       found = true;
       EXPECT_EQ(i.operands[0], static_cast<uint32_t>(SpvStorageClassStorageBuffer));
     }
   }
   EXPECT_TRUE(found);
-  const ModuleReflection reflection = reflectModule(*module);
+  const ModuleReflection reflection = reflectModule(module);
   ASSERT_EQ(reflection.resources.size(), 1u);
   EXPECT_EQ(reflection.resources[0].registerClass, RegisterClass::kUav);
   EXPECT_EQ(reflection.resources[0].registerNumber, 5u);
@@ -398,33 +402,27 @@ TEST_F(FrontEndTest, KeepsStorageBuffersInTheirOwnClass) {
 }
 
 TEST_F(FrontEndTest, SeesResourcesWithoutARegister) {
-  const FrontEndOutput output = compile(
+  const SpirvReader module = moduleOf(
       "RWStructuredBuffer<uint> g_x;\n"
       "[numthreads(1, 1, 1)] void k(uint3 id : SV_DispatchThreadID) { g_x[id.x] = 1; }\n");
-  ASSERT_TRUE(output.ok) << output.log;
-  const std::optional<SpirvReader> module = SpirvReader::parse(output.spirv);
-  ASSERT_TRUE(module);
-  const ModuleReflection reflection = reflectModule(*module);
+  const ModuleReflection reflection = reflectModule(module);
   ASSERT_EQ(reflection.resources.size(), 1u);
   EXPECT_FALSE(reflection.resources[0].hasRegister);
 }
 
 TEST_F(FrontEndTest, AddsUpGroupsharedMemory) {
-  const FrontEndOutput output = compile(
+  const SpirvReader module = moduleOf(
       "struct Tile { float3 a; float b; };\n"
       "groupshared float4 s_a[64];\ngroupshared Tile s_b[8];\n"
       "RWStructuredBuffer<float4> g_x : register(u0, space0);\n"
       "[numthreads(64, 1, 1)] void k(uint lane : SV_GroupIndex) {\n"
       "  s_a[lane] = g_x[lane]; s_b[lane & 7].b = 1.0; GroupMemoryBarrierWithGroupSync();\n"
       "  g_x[lane] = s_a[63 - lane] * s_b[0].b; }\n");
-  ASSERT_TRUE(output.ok) << output.log;
-  const std::optional<SpirvReader> module = SpirvReader::parse(output.spirv);
-  ASSERT_TRUE(module);
-  EXPECT_EQ(reflectModule(*module).sharedBytes, 64u * 16u + 8u * 16u);
+  EXPECT_EQ(reflectModule(module).sharedBytes, 64u * 16u + 8u * 16u);
 }
 
 TEST_F(FrontEndTest, DerivesAccessFromWhatIsDoneAndNotFromTheDeclaration) {
-  const FrontEndOutput output = compile(
+  const SpirvReader module = moduleOf(
       "RWStructuredBuffer<uint> g_read : register(u0, space0);\n"
       "RWStructuredBuffer<uint> g_write : register(u1, space0);\n"
       "RWStructuredBuffer<uint> g_atomic : register(u2, space0);\n"
@@ -435,11 +433,8 @@ TEST_F(FrontEndTest, DerivesAccessFromWhatIsDoneAndNotFromTheDeclaration) {
       "[numthreads(1, 1, 1)] void k(uint3 id : SV_DispatchThreadID) {\n"
       "  put(id.x, get(id.y));\n  InterlockedAdd(g_atomic[0], 1);\n"
       "  g_image[id.xy] = g_texels.Load(int3(id.xy, 0)); }\n");
-  ASSERT_TRUE(output.ok) << output.log;
-  const std::optional<SpirvReader> module = SpirvReader::parse(output.spirv);
-  ASSERT_TRUE(module);
   std::map<std::string, Access> found;
-  for (const auto& [id, access] : resourceAccess(*module)) found[module->name(id)] = access;
+  for (const auto& [id, access] : resourceAccess(module)) found[module.name(id)] = access;
   EXPECT_EQ(found, (std::map<std::string, Access>{{"g_read", Access::kRead},
                                                   {"g_write", Access::kWrite},
                                                   {"g_atomic", Access::kReadWrite},

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "codegen/process.h"
+#include "support/errors.h"
 #include "support/test_folder.h"
 
 namespace pelage::codegen {
@@ -16,6 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using End = ProcessResult::End;
+using pelage::test::expectHas;
 using pelage::test::TestFolder;
 
 // Speaks the protocol of serveJobs(). What it does depends on the job's name and on how many jobs
@@ -73,7 +75,7 @@ TEST_F(CodegenWorker, BlamesACrashOnTheJobThatCrashesAlone) {
   EXPECT_EQ(run("a").end, End::kDone);
   const ProcessResult crash = run("crash");
   EXPECT_EQ(crash.end, End::kCrashed);
-  EXPECT_NE(crash.reason.find("signal 11"), std::string::npos) << crash.reason;
+  expectHas(crash.reason, "signal 11");
   EXPECT_EQ(run("b").end, End::kDone);
   EXPECT_EQ(trace(), (Lines{"a 1", "crash 2", "crash 1", "b 1"}));
 }
@@ -122,7 +124,7 @@ TEST_F(CodegenWorker, SaysThatAProgramDoesNotStart) {
   Worker missing(folder_ / "missing");
   const ProcessResult result = missing.run(folder_ / "a", kLong);
   EXPECT_EQ(result.end, End::kNotStarted);
-  EXPECT_NE(result.reason.find("missing"), std::string::npos) << result.reason;
+  expectHas(result.reason, "missing");
 }
 
 }  // namespace

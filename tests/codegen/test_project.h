@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "codegen/driver.h"
+#include "support/errors.h"
 #include "support/test_folder.h"
 
 namespace pelage::codegen::test {

@@ -1,10 +1,5 @@
 # Run by ctest; see CMakeLists.txt beside this file.
-function(run)
-  execute_process(COMMAND ${ARGN} RESULT_VARIABLE status)
-  if(NOT status EQUAL 0)
-    message(FATAL_ERROR "failed with ${status}: ${ARGN}")
-  endif()
-endfunction()
+include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 
 # The compiled kernels are those of the build that runs this.
 run(${CMAKE_COMMAND} -S ${PELAGE_SOURCE_DIR} -B ${BUILD_DIR} -G ${GENERATOR}

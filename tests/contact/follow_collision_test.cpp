@@ -23,7 +23,7 @@ namespace {
 using reference::TriangleMesh;
 
 constexpr uint32_t kGuides = 10, kFollows = 60, kVertices = 24;
-constexpr float kBallRadius = 0.08f, kMargin = 0.001f;
+constexpr float kBallRadius = 0.08f, kMargin = 0.001f, kWallTop = 0.06f;
 constexpr uint32_t kHeld = 11;  // vertex of the first guide, within the ball's height
 
 /// Strands that hang around a ball at the origin and just do not touch it.
@@ -79,6 +79,32 @@ class FollowCollision : public SceneTest {
     SdfCollider& collider = run_.scene.collider(run_.add(toMesh(shape), {.cellSize = cell}));
     collider.margin = kMargin;
     return collider;
+  }
+  /// A root beside a thin wall goes by x in one frame, so that its follow hair would be behind the
+  /// wall. \param keptFrom least x of the collided follow hair below kWallTop
+  template <class AddWall>
+  void jumpOver(float x, float keptFrom, const AddWall& addWall) {
+    const HairAsset asset = plumb();
+    std::vector<FollowHair> follow(1);
+    follow[0].offset = {-0.012f, 0, 0, 1};
+    // So that the strand goes with its root at once; the wall's upper edge is below the roots.
+    settings_.globalStiffness = 0.99f;
+    settings_.globalRange = 1;
+    HairObject& hair = add(CollidingHair::kGuidesAndFollows, asset, follow);
+    HairObject& guideOnly = add(CollidingHair::kGuides, asset, follow);
+    addWall(hair, guideOnly);
+    for (const float at : {0.0f, 0.0f, x, x, x}) {
+      const AffineTransform bone = rigidTransform({0, 0, 0, 1}, {at, 0, 0});
+      setBone(hair, bone);
+      setBone(guideOnly, bone);
+      run_.step();
+    }
+    const std::vector<Float4> kept = follows(hair), evaluated = follows(guideOnly);
+    for (size_t v = 0; v < kVertices; ++v) {
+      if (evaluated[v].y > kWallTop) continue;
+      EXPECT_LT(evaluated[v].x, -0.002f) << "vertex " << v << " would be on the other side";
+      EXPECT_GT(kept[v].x, keptFrom) << "vertex " << v;
+    }
   }
   SdfCollider& addBall() { return add(ball(), 0.008f); }
   static TriangleMesh ball() { return reference::sphere(kBallRadius, 24, 32); }
@@ -184,53 +210,18 @@ TEST_P(FollowCollision, FrictionHoldsBackByItsShareOfTheDepthAndNoLonger) {  // 
 }
 
 TEST_P(FollowCollision, AFastFollowHairStaysOnItsGuidesSideOfAThinPlate) {  // K30
-  const HairAsset asset = plumb();
-  std::vector<FollowHair> follow(1);
-  follow[0].offset = {-0.012f, 0, 0, 1};
-  // So that the strand goes with its root at once; the plate's upper edge is below the roots.
-  settings_.globalStiffness = 0.99f;
-  settings_.globalRange = 1;
-  HairObject& hair = add(CollidingHair::kGuidesAndFollows, asset, follow);
-  HairObject& guideOnly = add(CollidingHair::kGuides, asset, follow);
-  add(reference::box({-0.002f, -0.3f, -0.1f}, {0.002f, 0.06f, 0.1f}), 0.008f);
-  for (const float x : {0.0f, 0.0f, -0.012f, -0.012f, -0.012f}) {
-    const AffineTransform bone = rigidTransform({0, 0, 0, 1}, {x, 0, 0});
-    setBone(hair, bone);
-    setBone(guideOnly, bone);
-    run_.step();
-  }
-  const std::vector<Float4> kept = follows(hair), evaluated = follows(guideOnly);
-  for (size_t v = 0; v < kVertices; ++v) {
-    if (evaluated[v].y > 0.06f) continue;
-    EXPECT_LT(evaluated[v].x, -0.002f) << "vertex " << v << " would be on the other side";
-    EXPECT_GT(kept[v].x, 0.002f) << "vertex " << v;
-  }
+  jumpOver(-0.012f, 0.002f, [&](HairObject&, HairObject&) {
+    add(reference::box({-0.002f, -0.3f, -0.1f}, {0.002f, kWallTop, 0.1f}), 0.008f);
+  });
 }
 
 TEST_P(FollowCollision, AFastFollowHairStaysOnItsGuidesSideOfAThinCapsule) {  // K30
-  constexpr float kThin = 0.004f, kTop = 0.06f;
-  const HairAsset asset = plumb();
-  std::vector<FollowHair> follow(1);
-  follow[0].offset = {-0.012f, 0, 0, 1};
-  settings_.globalStiffness = 0.99f;
-  settings_.globalRange = 1;
-  HairObject& hair = add(CollidingHair::kGuidesAndFollows, asset, follow);
-  HairObject& guideOnly = add(CollidingHair::kGuides, asset, follow);
-  const CapsuleCollider capsule = {
-      .head = {0, kTop, 0}, .headRadius = kThin, .tail = {0, -0.3f, 0}, .tailRadius = kThin};
-  for (HairObject* object : {&hair, &guideOnly}) setCollider(*object, capsule);
-  for (const float x : {0.0f, 0.0f, -0.011f, -0.011f, -0.011f}) {
-    const AffineTransform bone = rigidTransform({0, 0, 0, 1}, {x, 0, 0});
-    setBone(hair, bone);
-    setBone(guideOnly, bone);
-    run_.step();
-  }
-  const std::vector<Float4> kept = follows(hair), evaluated = follows(guideOnly);
-  for (size_t v = 0; v < kVertices; ++v) {
-    if (evaluated[v].y > kTop) continue;
-    EXPECT_LT(evaluated[v].x, -0.002f) << "vertex " << v << " would be on the other side";
-    EXPECT_GT(kept[v].x, kThin - 1e-5f) << "vertex " << v;
-  }
+  constexpr float kThin = 0.004f;
+  jumpOver(-0.011f, kThin - 1e-5f, [&](HairObject& hair, HairObject& guideOnly) {
+    const CapsuleCollider capsule = {
+        .head = {0, kWallTop, 0}, .headRadius = kThin, .tail = {0, -0.3f, 0}, .tailRadius = kThin};
+    for (HairObject* object : {&hair, &guideOnly}) setCollider(*object, capsule);
+  });
 }
 
 TEST_P(FollowCollision, BetweenAMeshAndACapsuleTheyAreOutsideOfBoth) {

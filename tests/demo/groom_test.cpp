@@ -51,8 +51,7 @@ double distance(const Float4& a, const Float4& b) {
 
 TEST(HeadMesh, IsClosedAndEachEdgeJoinsTwoTriangles) {
   for (const float cellSize : {0.003f, 0.004f, 0.0045f, 0.005f, 0.006f, 0.007f}) {
-    const auto mesh = generateHead(cellSize);
-    ASSERT_TRUE(mesh);
+    const auto mesh = required(generateHead(cellSize));
     std::map<std::pair<uint32_t, uint32_t>, int> edges;
     for (size_t t = 0; t < mesh->indices.size(); t += 3)
       for (size_t k = 0; k < 3; ++k)
@@ -70,8 +69,7 @@ TEST(HeadMesh, IsClosedAndEachEdgeJoinsTwoTriangles) {
 }
 
 TEST(HeadMesh, LooksOutwardAndHasTheSizeOfAHead) {
-  const auto mesh = generateHead();
-  ASSERT_TRUE(mesh);
+  const auto mesh = required(generateHead());
   EXPECT_GT(mesh->positions.size(), 5000u);
   EXPECT_LT(mesh->positions.size(), 12000u);
   double volume = 0, area = 0;
@@ -151,8 +149,7 @@ TEST(Groom, NoVertexIsInsideTheHead) {
     def.curlRadius = 0.01f;
     def.noise = 0.02f;
     def.clumpStrength = 1;
-    const auto groom = generateGroom(def);
-    ASSERT_TRUE(groom);
+    const auto groom = required(generateGroom(def));
     expectOutside(def, groom->hair);
   }
 }
@@ -164,8 +161,7 @@ TEST(Groom, StrandsHaveTheLengthThatWasAskedFor) {
   def.curlRadius = 0;
   def.noise = 0;
   def.clumpCount = 0;
-  const auto groom = generateGroom(def);
-  ASSERT_TRUE(groom);
+  const auto groom = required(generateGroom(def));
   for (uint32_t s = 0; s < def.strandCount; ++s) {
     const Float4* v = &groom->hair.positions[size_t{s} * def.verticesPerStrand];
     double length = 0;
@@ -196,8 +192,7 @@ TEST(Groom, EqualDefinitionsGiveEqualBytesOnEveryMachine) {  // K24
 }
 
 TEST(Groom, WritesTheFilesThatTheLoadersRead) {
-  const auto groom = generateGroom(smallGroom());
-  ASSERT_TRUE(groom);
+  const auto groom = required(generateGroom(smallGroom()));
   const TestFolder folder;
   required(writeGroom(*groom, folder.path(), "hair"));
   auto hair = loadTfx(folder / "hair.tfx");

@@ -10,7 +10,6 @@
 #include <limits>
 #include <map>
 #include <memory>
-#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,6 +18,7 @@
 #include "support/errors.h"
 #include "support/own_device.h"
 #include "support/test_code.h"
+#include "support/test_folder.h"
 #include "support/texture_list.h"
 
 namespace pelage::test {
@@ -529,37 +529,17 @@ TEST_P(GlRuntimeTest, MakesAProgramOnceForEachSetOfSpecValues) {
   EXPECT_EQ(runtime.statistics().programsCompiled, 2u);
 }
 
-class CacheDirectory {
- public:
-  CacheDirectory() {
-    path_ = std::filesystem::temp_directory_path() /
-            ("pelage-gl-test-" + std::to_string(std::random_device{}()));
-  }
-  ~CacheDirectory() {
-    std::error_code error;
-    std::filesystem::remove_all(path_, error);
-  }
-  CacheDirectory(const CacheDirectory&) = delete;
-  CacheDirectory& operator=(const CacheDirectory&) = delete;
-  std::string path() const { return path_.string(); }
-  std::vector<std::filesystem::path> files() const {
-    std::vector<std::filesystem::path> files;
-    std::error_code error;
-    for (const auto& entry : std::filesystem::directory_iterator(path_, error))
-      files.push_back(entry.path());
-    return files;
-  }
-
- private:
-  std::filesystem::path path_;
-};
-
 TEST_P(GlRuntimeTest, LoadsProgramsFromTheCacheAndCompilesWhatIsCorrupt) {
   if (!makeRuntime().limits().programBinaries) GTEST_SKIP() << "the driver has no program binaries";
-  const CacheDirectory directory;
+  const TestFolder folder;
+  const std::filesystem::path directory = folder / "programs";
+  const auto files = [&] {
+    const std::filesystem::directory_iterator all(directory);
+    return std::vector<std::filesystem::path>(begin(all), end(all));
+  };
   // Runs the kernel with a new runtime, checks the numbers, and says where its program came from.
   const auto fromDirectory = [&](bool doubled = false) {
-    gl::Runtime runtime = makeRuntime(gl::directoryProgramCache(directory.path()));
+    gl::Runtime runtime = makeRuntime(gl::directoryProgramCache(directory.string()));
     ResourceTable table;
     std::vector<uint32_t> source = ramp(5, 64), target = ramp(6, 64);
     const BufferId sourceBuffer = addBuffer(table, "source", source);
@@ -577,10 +557,10 @@ TEST_P(GlRuntimeTest, LoadsProgramsFromTheCacheAndCompilesWhatIsCorrupt) {
   const std::pair compiled{1u, 0u}, loaded{0u, 1u};
 
   EXPECT_EQ(fromDirectory(), compiled);
-  ASSERT_EQ(directory.files().size(), 1u);
+  ASSERT_EQ(files().size(), 1u);
   EXPECT_EQ(fromDirectory(), loaded);
 
-  const std::filesystem::path file = directory.files()[0];
+  const std::filesystem::path file = files()[0];
   const auto size = std::filesystem::file_size(file);
   {  // one bit in the middle
     std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
@@ -599,7 +579,7 @@ TEST_P(GlRuntimeTest, LoadsProgramsFromTheCacheAndCompilesWhatIsCorrupt) {
 
   // Another kernel, another entry.
   EXPECT_EQ(fromDirectory(true), compiled);
-  EXPECT_EQ(directory.files().size(), 2u);
+  EXPECT_EQ(files().size(), 2u);
 }
 
 TEST_P(GlRuntimeTest, CompilesWhatTheDriverRefusesToLoad) {

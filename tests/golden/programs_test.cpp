@@ -26,6 +26,7 @@
 namespace {
 
 using pelage::Api;
+using pelage::test::expectHas;
 using pelage::test::ProgramOutput;
 using pelage::test::required;
 using pelage::test::runIn;
@@ -156,7 +157,7 @@ TEST_F(ProgramsOnce, HeadlessShowsFilesWithSeveralMeshesAnAnimationAndSettings) 
 #endif
       "--settings soft.json --follow 3");
   expectHair(output, 0.02, 0.7);
-  EXPECT_NE(output.out.find("contacts: long"), std::string::npos) << output.out;
+  expectHas(output.out, "contacts: long");
   expectPicture("out/frame_0006.png", 0.05, 0.95);
 }
 
@@ -166,8 +167,8 @@ TEST_F(ProgramsOnce, HeadlessShowsFollowHairsOfAFileCachesAndFields) {
   auto assets = required(pelage::program::loadAssetFiles(
       {.hairs = {file("assets/long.tfx")}, .bones = {file("assets/long.tfxbone")}}, warnings));
   pelage::CachedHair& hair = assets->hairs[0];
-  const auto follow = hair.asset.generateFollowHairs({.countPerGuide = 4, .maxRadius = 0.005f});
-  ASSERT_TRUE(follow);
+  const auto follow =
+      required(hair.asset.generateFollowHairs({.countPerGuide = 4, .maxRadius = 0.005f}));
   ASSERT_TRUE(pelage::saveFollowHairs(*follow, hair.asset.strandCount, file("long.tfxfollow")));
   hair.followHairs = *follow;
   ASSERT_TRUE(pelage::saveAssetCache(*assets, file("long.pelage")));
@@ -178,25 +179,22 @@ TEST_F(ProgramsOnce, HeadlessShowsFollowHairsOfAFileCachesAndFields) {
         "--pelage long.pelage --draw-sdf" + mesh}) {
     const ProgramOutput output = headless(arguments);
     expectHair(output, 0.02, 0.7);
-    EXPECT_NE(output.out.find(count), std::string::npos) << output.out;
+    expectHas(output.out, count);
   }
   const ProgramOutput one = headless("--pelage long.pelage --follow 1 --no-images");
   EXPECT_EQ(one.code, 0) << one.errors;
-  EXPECT_NE(one.out.find(", " + std::to_string(hair.asset.strandCount) + " follow hairs"),
-            std::string::npos)
-      << one.out;
+  expectHas(one.out, ", " + std::to_string(hair.asset.strandCount) + " follow hairs");
 }
 
 TEST_F(ProgramsOnce, HeadlessWarnsOfHairInCentimetersAndTakesAScale) {
   writeCentimeters();
   const ProgramOutput wrong = headless("--asset cm.tfx");
   EXPECT_EQ(wrong.code, 0) << wrong.errors;
-  EXPECT_NE(wrong.errors.find("pelage-headless: warning: cm: the strands have a mean length of 28 "
-                              "m; hair is shorter than that. Is it in centimeters (a scale of "
-                              "0.01 makes it 0.28 m)"),
-            std::string::npos)
-      << wrong.errors;
-  EXPECT_NE(wrong.errors.find("--scale"), std::string::npos);
+  expectHas(wrong.errors,
+            "pelage-headless: warning: cm: the strands have a mean length of 28 "
+            "m; hair is shorter than that. Is it in centimeters (a scale of "
+            "0.01 makes it 0.28 m)");
+  expectHas(wrong.errors, "--scale");
   const ProgramOutput right = headless("--asset cm.tfx --scale 0.01");
   expectHair(right, 0.01, 0.7);
   expectPicture("out/frame_0006.png", 0.01, 0.7);
@@ -207,12 +205,11 @@ TEST_F(ProgramsOnce, HeadlessSaysWhereAPictureShowsNoHair) {
   // Hair of kilometers is less than a hundredth of a percent of a pixel wide.
   const ProgramOutput output = headless("--asset cm.tfx --scale 1000 --quiet");
   EXPECT_EQ(output.code, 0) << output.errors;
-  EXPECT_NE(output.errors.find("warning: no hair can be seen in frames 3, 6: "), std::string::npos)
-      << output.errors;
+  expectHas(output.errors, "warning: no hair can be seen in frames 3, 6: ");
   const ProgramOutput none =
       run(PELAGE_HEADLESS, "--api " + api() + " --asset cm.tfx --scale 0.01 --quiet --frames 2");
   EXPECT_EQ(none.code, 0) << none.errors;
-  EXPECT_NE(none.errors.find("warning: there is no picture"), std::string::npos) << none.errors;
+  expectHas(none.errors, "warning: there is no picture");
 }
 
 TEST_F(ProgramsOnce, EngineShaderDrawsAHead) {

@@ -25,6 +25,7 @@ namespace {
 using pelage::Float3;
 using pelage::Float4;
 using pelage::RenderedImage;
+using pelage::test::expectHas;
 using pelage::test::required;
 
 RenderedImage filled(uint32_t width, uint32_t height, Float4 value) {
@@ -236,10 +237,10 @@ TEST(PngFile, GivesBackWhatWasWritten) {
 TEST(PngFile, NamesTheFileThatItCannotReadOrWrite) {
   const auto missing = sample::readPng(temporary("no_such.png").string());
   ASSERT_FALSE(missing.ok());
-  EXPECT_NE(missing.error().message.find("no_such.png"), std::string::npos);
+  expectHas(missing.error().message, "no_such.png");
   const auto written = sample::writePng(temporary("no_such_folder/a.png").string(), {});
   ASSERT_FALSE(written.ok());
-  EXPECT_NE(written.error().message.find("no_such_folder"), std::string::npos);
+  expectHas(written.error().message, "no_such_folder");
 }
 
 TEST(Figures, SumsPassesByNameAndLeavesOutWhatWasNotTimed) {
@@ -260,7 +261,7 @@ TEST(Figures, SumsPassesByNameAndLeavesOutWhatWasNotTimed) {
   EXPECT_DOUBLE_EQ(first.minMilliseconds(), 1);
   EXPECT_DOUBLE_EQ(first.gigabytesPerSecond(), 1.5);
   EXPECT_TRUE(figures.passes()[1].milliseconds.empty());
-  EXPECT_NE(figures.table().find("second"), std::string::npos);
+  expectHas(figures.table(), "second");
 }
 
 TEST(Figures, AppendsRowsUnderOneHeader) {
@@ -327,11 +328,9 @@ TEST_F(AssetFilesTest, WarnOfAGroomInCentimetersAndNameTheScale) {
   EXPECT_TRUE(warnings_.empty());
   const auto units = pelage::program::unitWarnings(*assets, 1);
   ASSERT_EQ(units.size(), 1u);
-  EXPECT_NE(units[0].find("long: the strands have a mean length of 30 m"), std::string::npos)
-      << units[0];
-  EXPECT_NE(units[0].find("centimeters (a scale of 0.01 makes it 0.3 m)"), std::string::npos)
-      << units[0];
-  EXPECT_NE(units[0].find("--scale"), std::string::npos);
+  expectHas(units[0], "long: the strands have a mean length of 30 m");
+  expectHas(units[0], "centimeters (a scale of 0.01 makes it 0.3 m)");
+  expectHas(units[0], "--scale");
 }
 
 TEST_F(AssetFilesTest, ScaleHairFollowHairsAndMeshesAlike) {

@@ -132,9 +132,7 @@ TEST(RootUvCost, IsFourBytesANodeOfLightsThatReadIt) {
   TransparencySettings settings = {.method = Transparency::kWindowed, .nodeCount = 1000};
   const auto planOf = [&](const EngineLights* lights) {
     settings.engineLights = lights;
-    const Result<TransparencyPlan> plan = planTransparency(32, 32, settings);
-    EXPECT_TRUE(plan) << plan.error().message;
-    return plan ? *plan : TransparencyPlan{};
+    return valueOf(planTransparency(32, 32, settings));
   };
   EXPECT_EQ(planOf(&without).bytes, planOf(nullptr).bytes);
   EXPECT_EQ(planOf(&with).bytes, planOf(nullptr).bytes + 4000);

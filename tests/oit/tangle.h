@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "oit/fragment_capture.h"
 #include "pelage/random.h"
 #include "pelage/scene.h"
 #include "support/gpu_fixture.h"
+#include "support/not_numbers.h"
 #include "support/pictures.h"
 #include "support/required_devices.h"
 #include "support/scene_run.h"
@@ -131,8 +131,6 @@ class TangleRun {
   /// \param far  every fourth vertex is so far away that its products have no floats, too
   RenderedImage renderSpoiled(const View& view, const TransparencySettings& settings,
                               bool far = false) {
-    constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-    constexpr float kInf = std::numeric_limits<float>::infinity();
     std::vector<Float4> positions = run.positions(hair());
     const std::vector<Float4> tangents(positions.size(), {kNan, 0, kInf, 0});
     for (size_t i = 0; i < positions.size(); i += 5) positions[i] = {kNan, kInf, -kInf, kNan};
@@ -153,9 +151,7 @@ class TangleRun {
     const uint32_t width = target.width > 0 ? target.width : view.width;
     const uint32_t height = target.height > 0 ? target.height : view.height;
     const RenderedImage none = {width, height, std::vector<Float4>(size_t{width} * height)};
-    const Result<void> drawn = run.scene.draw(view, tangleLights(), settings, lists);
-    EXPECT_TRUE(drawn) << drawn.error().message;
-    if (!drawn) return none;
+    expectOk(run.scene.draw(view, tangleLights(), settings, lists));
     return renderLists(view, target).value_or(none);
   }
 

@@ -52,9 +52,7 @@ class ViewsOfAFrame : public SharedTangleTest<> {
     for (const PassList& list : written.lists) pointers.push_back(&list);
     expectOk(tangleRun().run.device()->update(scene().resources()));
     RenderTargetDef target = {.width = written.view.width, .height = written.view.height};
-    Result<RenderedImage> image = tangleRun().run.device()->render(pointers, target);
-    EXPECT_TRUE(image) << image.error().message;
-    return image ? std::move(*image) : RenderedImage{};
+    return valueOf(tangleRun().run.device()->render(pointers, target));
   }
   RenderedImage alone(const View& view, const TransparencySettings& settings) {
     nextFrame();

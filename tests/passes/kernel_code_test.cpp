@@ -73,7 +73,7 @@ TEST(KernelCodes, SayWhenATableIsDamaged) {
     EXPECT_FALSE(spirv);
     if (spirv) return std::string();
     EXPECT_EQ(spirv.error().code, ErrorCode::kInvalidFile);
-    EXPECT_NE(spirv.error().message.find("shift_positions"), std::string::npos);
+    expectHas(spirv.error().message, "shift_positions");
     return spirv.error().message;
   };
   // Any byte: the frame has a check sum.
@@ -104,7 +104,7 @@ TEST(KernelCodes, SayWhenATableIsDamaged) {
   KernelCode far = good;
   far.ranges = &outside;
   far.rangeCount = 1;
-  EXPECT_NE(errorOf(far).find("too short"), std::string::npos);
+  expectHas(errorOf(far), "too short");
 }
 
 TEST(KernelCodes, UnpackOnSeveralThreads) {

@@ -27,9 +27,7 @@ const Character& character() {
     def.longHair = {64, 16, 0.34f};
     def.fur = {128, 8, 0.03f};
     def.mohawk = {32, 8, 0.09f};
-    Result<Character> character = generateCharacter(def);
-    EXPECT_TRUE(character) << character.error().message;
-    return std::move(*character);
+    return valueOf(generateCharacter(def));
   }();
   return made;
 }

@@ -19,11 +19,7 @@ class FrameOrder : public testing::Test {
   static View view() {
     return cameraView({.eye = {0, 0.04f, 0.5f}, .target = {0, 0.04f, 0}, .width = 100});
   }
-  Frame begin() {
-    Result<Frame> frame = scene_.simulate(1.0f / 60);
-    EXPECT_TRUE(frame) << frame.error().message;
-    return std::move(*frame);
-  }
+  Frame begin() { return *required(scene_.simulate(1.0f / 60)); }
   // "u": update; of each list the name of its first pass, and "d" and the view for draws.
   FrameExecutor executor(const std::string& failing = "") {
     FrameExecutor executor;

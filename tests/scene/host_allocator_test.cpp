@@ -139,12 +139,12 @@ TEST(SetHostAllocator, RefusesHalfAnAllocatorAndOneThatComesLate) {
       [](const char*, const char* message, const char*, int) { g_assertion = message; });
   Tracker tracker;
   setHostAllocator({.user = &tracker, .allocate = tracker.allocator().allocate});
-  EXPECT_NE(g_assertion.find("both functions, or none"), std::string::npos) << g_assertion;
+  expectHas(g_assertion, "both functions, or none");
   g_assertion.clear();
   {
     const HostArray<int> array(3);
     setHostAllocator(tracker.allocator());
-    EXPECT_NE(g_assertion.find("before all else"), std::string::npos) << g_assertion;
+    expectHas(g_assertion, "before all else");
   }
   setAssertHandler(nullptr);
   const HostArray<int> array(3);

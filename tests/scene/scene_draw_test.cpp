@@ -14,6 +14,7 @@
 #include "pelage/gpu_structs.h"
 #include "pelage/list_check.h"
 #include "scene/scene_lists.h"
+#include "support/not_numbers.h"
 #include "support/views.h"
 
 namespace pelage::test {
@@ -503,8 +504,6 @@ struct WrongDraw {
 };
 
 std::vector<WrongDraw> wrongDraws() {
-  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  constexpr float kInf = std::numeric_limits<float>::infinity();
   using V = View;
   using L = Light;
   using T = TransparencySettings;

@@ -13,6 +13,7 @@
 #include "pelage/gpu_structs.h"
 #include "pelage/skeleton.h"
 #include "scene/scene_lists.h"
+#include "support/not_numbers.h"
 #include "support/views.h"
 
 namespace pelage::test {
@@ -313,7 +314,6 @@ TEST_F(SceneRuntimeTest, SkeletonsThatWalkTakeHairAndFieldsAlong) {  // K31
 TEST_F(SceneRuntimeTest, SkeletonsWakeHairAndBrokenBonesStayWhereTheyWere) {
   const SkeletonId id = addSkeleton(2);
   addHair({.skeleton = id});
-  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   std::vector<AffineTransform> pose = {shifted(0.1f), shifted(0.2f)};
   scene_.skeleton(id).setBones(pose);
   pose = {shifted(kNan), shifted(0.3f)};

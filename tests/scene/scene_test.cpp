@@ -10,6 +10,7 @@
 #include "pelage/gpu_structs.h"
 #include "pelage/kernels.h"
 #include "scene/scene_lists.h"
+#include "support/not_numbers.h"
 
 namespace pelage::test {
 namespace {
@@ -416,9 +417,7 @@ TEST_F(SceneTest, AShiftOfTheOriginIsInTheListThatComesNext) {
 TEST_F(SceneTest, AShiftThatIsAbsurdChangesNothing) {
   add();
   simulate();
-  const float infinity = std::numeric_limits<float>::infinity();
-  for (const float bad :
-       {std::numeric_limits<float>::quiet_NaN(), infinity, -infinity, 1.7e7f, -1e30f}) {
+  for (const float bad : {std::numeric_limits<float>::quiet_NaN(), kInf, -kInf, 1.7e7f, -1e30f}) {
     for (const Float3& shift : {Float3{bad, 0, 0}, Float3{1, bad, 0}, Float3{1, 1, bad}}) {
       expectError(scene_.shiftOrigin(shift), {"shiftOrigin()", "16777216"});
     }

@@ -201,9 +201,7 @@ HairId addDrawn(Scene& scene, const DrawnFeatures& kind) {
   def.settings.solver = Solver::kClassic;
   def.material.fiberRadius = 0.0015f;
   if (kind.followHairs) def.followHairs = follows;
-  const Result<HairId> hair = scene.addHair(asset, def);
-  EXPECT_TRUE(hair) << hair.error().message;
-  return *hair;
+  return valueOf(scene.addHair(asset, def));
 }
 
 TEST_P(Tiers, SayBeforeAFrameWhatItsDrawsThenDo) {

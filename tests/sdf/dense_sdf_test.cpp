@@ -270,8 +270,7 @@ TEST(DenseSdfList, WhatIsWrongIsNamed) {
   bad = good;
   bad.first = 1;
   expectRefused(bad, "take 36");
-  const Result<ColliderId> id = scene.addCollider(good, {.name = "ground"});
-  ASSERT_TRUE(id);
+  const Result<ColliderId> id = required(scene.addCollider(good, {.name = "ground"}));
   ASSERT_TRUE(scene.addHair(makeAsset(), {}));
   PassList list;
   EXPECT_TRUE(scene.simulate(1.0f / 60, list));

@@ -532,9 +532,8 @@ class IsoSurfaceDraw : public GpuTest {
 };
 
 TEST_P(IsoSurfaceDraw, ShowsTheSurfaceWhereItIsAndSaysWhatItDidNotDraw) {
-  auto surface = detail::IsoSurface::create(gpu().resources, "sphere", field_.nodes,
-                                            detail::defaultIsoSurfaceCapacity(field_.nodes));
-  ASSERT_TRUE(surface.ok()) << surface.error().message;
+  auto surface = required(detail::IsoSurface::create(
+      gpu().resources, "sphere", field_.nodes, detail::defaultIsoSurfaceCapacity(field_.nodes)));
   View view;
   view.width = view.height = kPixels;
   detail::IsoSurface::Look look;
@@ -548,8 +547,7 @@ TEST_P(IsoSurfaceDraw, ShowsTheSurfaceWhereItIsAndSaysWhatItDidNotDraw) {
   for (const float side : {1.0f, -1.0f}) {
     view.eye = {0, 0, side};
     view.worldToClip = lookAt(view.eye, {0, 0, 0}, {0, 1, 0}, 0.3f, 1, 0.1f, 10.0f);
-    const auto image = render(*surface, view, light, look);
-    ASSERT_TRUE(image.ok()) << image.error().message;
+    const auto image = required(render(*surface, view, light, look));
     double area = 0, inside = 0, left = 0, right = 0;
     for (uint32_t i = 0; i < image->pixels.size(); ++i) {
       const Float4& p = image->pixels[i];
@@ -563,26 +561,22 @@ TEST_P(IsoSurfaceDraw, ShowsTheSurfaceWhereItIsAndSaysWhatItDidNotDraw) {
     EXPECT_EQ(inside, 0) << "the inside of the surface is seen";
     EXPECT_GT(side * (right - left), 0.3 * (left + right)) << "the light comes from +x";
   }
-  const auto raw = gpu().device()->read(surface->counts());
-  ASSERT_TRUE(raw.ok());
-  const auto size = surface->checkCounts(*raw);
-  ASSERT_TRUE(size.ok()) << size.error().message;
+  const auto raw = required(gpu().device()->read(surface->counts()));
+  const auto size = required(surface->checkCounts(*raw));
   EXPECT_EQ(size->triangles, 2 * size->vertices - 4) << "a closed surface without holes";
 
-  auto small = detail::IsoSurface::create(gpu().resources, "small", field_.nodes, {100, 5000});
-  ASSERT_TRUE(small.ok());
+  auto small =
+      required(detail::IsoSurface::create(gpu().resources, "small", field_.nodes, {100, 5000}));
   ASSERT_TRUE(render(*small, view, light, look).ok());
-  const auto smallCounts = gpu().device()->read(small->counts());
-  ASSERT_TRUE(smallCounts.ok());
+  const auto smallCounts = required(gpu().device()->read(small->counts()));
   expectError(small->checkCounts(*smallCounts), {"'small'", std::to_string(size->vertices)});
 
   // A field that has grown since.
-  auto tight = detail::IsoSurface::create(gpu().resources, "tight", {28, 26, 24}, {9000, 18000});
-  ASSERT_TRUE(tight.ok());
+  auto tight =
+      required(detail::IsoSurface::create(gpu().resources, "tight", {28, 26, 24}, {9000, 18000}));
   EXPECT_FALSE(tight->hasRoomFor(field_.nodes));
   ASSERT_TRUE(render(*tight, view, light, look).ok());
-  const auto tightCounts = gpu().device()->read(tight->counts());
-  ASSERT_TRUE(tightCounts.ok());
+  const auto tightCounts = required(gpu().device()->read(tight->counts()));
   EXPECT_FALSE(tight->checkCounts(*tightCounts).ok());
 
   remove(*surface);

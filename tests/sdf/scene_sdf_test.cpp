@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,6 +15,7 @@
 #include "support/scene_test.h"
 #include "support/sdf_error.h"
 #include "support/strand_measures.h"
+#include "support/test_folder.h"
 
 namespace pelage::test {
 namespace {
@@ -197,13 +197,9 @@ TEST_P(SceneSdf, AFieldIsTheSameOutOfAFile) {
   add(toMesh(reference::torus(0.08f, 0.03f, 20, 12)), {.cellSize = 0.01f});
   run_.step();
   const SdfData built = copy();
-  const std::filesystem::path path =
-      std::filesystem::temp_directory_path() /
-      ("pelage_scene_sdf_" + std::string(apiName(GetParam())) + ".psdf");
-  expectOk(saveSdf(built, path));
-  const Result<SdfData> loaded = loadSdf(path);
-  std::filesystem::remove(path);
-  ASSERT_TRUE(loaded) << loaded.error().message;
+  const TestFolder folder;
+  expectOk(saveSdf(built, folder / "torus.psdf"));
+  const Result<SdfData> loaded = required(loadSdf(folder / "torus.psdf"));
   run_.remove(id_);
   id_ = run_.add(*loaded, {.name = "baked"});
   run_.step();
@@ -239,8 +235,7 @@ TEST_P(SceneSdf, DrawsAColliderWhereItsFieldIs) {
   // A disc of 0.1 of the 0.414 m that the view is wide half a metre away.
   EXPECT_NEAR(count, 460, 60);
   EXPECT_NEAR(x, 50 + 24, 2);
-  const auto counts = run_.device()->read(collider.buffers().isoCounts);
-  ASSERT_TRUE(counts);
+  const auto counts = required(run_.device()->read(collider.buffers().isoCounts));
   expectOk(run_.scene.checkColliderDraw(id_, *counts));
 }
 

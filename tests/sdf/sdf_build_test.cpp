@@ -345,9 +345,8 @@ TEST_P(SdfBuild, RecordsHaveVerticesNeighboursAndAngleWeightedNormals) {
   SdfRun run(gpu(), mesh, {.cellSize = 0.1f, .motion = true});
   run.build();
   const detail::SdfGridPlan& plan = run.def.plan;
-  const auto topology = detail::makeColliderTopology(
-      mesh.indices, static_cast<uint32_t>(mesh.positions.size()), mesh.positions);
-  ASSERT_TRUE(topology.ok());
+  const auto topology = required(detail::makeColliderTopology(
+      mesh.indices, static_cast<uint32_t>(mesh.positions.size()), mesh.positions));
   std::vector<Vector3d> normals(topology->pointCount(), Vector3d::Zero());
   const auto at = [&](uint32_t corner) {
     const Float3& p = mesh.positions[topology->indices[corner]];

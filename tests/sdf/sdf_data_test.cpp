@@ -8,6 +8,7 @@
 
 #include "pelage/sdf_data.h"
 #include "support/errors.h"
+#include "support/test_folder.h"
 
 namespace pelage {
 namespace {
@@ -32,28 +33,15 @@ SdfData sampleData() {
 
 class SdfDataTest : public testing::Test {
  protected:
-  void SetUp() override {
-    path_ = std::filesystem::temp_directory_path() /
-            ("pelage_" + std::to_string(testing::UnitTest::GetInstance()->random_seed()) + "_" +
-             testing::UnitTest::GetInstance()->current_test_info()->name() + ".psdf");
-    const Result<void> saved = saveSdf(sampleData(), path_);
-    ASSERT_TRUE(saved) << saved.error().message;
-  }
-  void TearDown() override { std::filesystem::remove(path_); }
-  std::vector<std::byte> bytes() const {
-    std::vector<std::byte> all(std::filesystem::file_size(path_));
-    FILE* file = std::fopen(path_.string().c_str(), "rb");
-    EXPECT_EQ(std::fread(all.data(), 1, all.size(), file), all.size());
-    std::fclose(file);
-    return all;
-  }
+  void SetUp() override { test::required(saveSdf(sampleData(), path_)); }
   template <class T>
   static void expectRefused(std::vector<std::byte> bytes, size_t at, T value, const char* what) {
     std::memcpy(bytes.data() + at, &value, sizeof(value));
     test::expectError(loadSdf(bytes, "bad.psdf"), ErrorCode::kInvalidFile, {"bad.psdf", what});
   }
 
-  std::filesystem::path path_;
+  const test::TestFolder folder_;
+  const std::filesystem::path path_ = folder_ / "sample.psdf";
 };
 
 TEST_F(SdfDataTest, WhatIsSavedIsWhatIsLoaded) {
@@ -68,7 +56,7 @@ TEST_F(SdfDataTest, NodesInsideMayHaveNoTriangle) {
 }
 
 TEST_F(SdfDataTest, EveryFaultOfAFileIsNamedWithItsPlace) {
-  const std::vector<std::byte> good = bytes();
+  const std::vector<std::byte> good = test::bytesOf(path_);
   ASSERT_EQ(good.size(), kHeaderBytes + 24 * 4 + 3 * 64);
   expectRefused(good, 0, uint32_t{1}, "byte 0: is no .psdf file");
   expectRefused(good, 4, uint32_t{7}, "byte 4: has version 7");

@@ -9,9 +9,13 @@
 
 #include "sdf/sdf_build.h"
 #include "support/errors.h"
+#include "support/not_numbers.h"
 
 namespace pelage::detail {
 namespace {
+
+using test::kNan;
+using test::required;
 
 SdfGridDef bodyDef() {
   return {.lowest = {-0.5f, 0, -0.2f},
@@ -28,8 +32,7 @@ TEST(SdfGrid, HasRoomForTheBandOnEveryAxisByItself) {
   for (const float band : {1.0f, 2.0f, 3.5f}) {
     SdfGridDef def = bodyDef();
     def.band = band;
-    const auto plan = planSdfGrid(def);
-    ASSERT_TRUE(plan.ok());
+    const auto plan = required(planSdfGrid(def));
     const double cell = static_cast<double>(def.cellSize);
     for (int axis = 0; axis < 3; ++axis) {
       const double before = (at(def.lowest, axis) - at(plan->origin, axis)) / cell;
@@ -70,8 +73,7 @@ TEST(SdfGrid, KeysHaveBitsForEveryTriangle) {
                                     {(1u << 20) - 1, 20u}}) {
     SdfGridDef def = bodyDef();
     def.triangleCount = count;
-    const auto plan = planSdfGrid(def);
-    ASSERT_TRUE(plan.ok());
+    const auto plan = required(planSdfGrid(def));
     EXPECT_EQ(plan->triangleBits, bits) << count;
     EXPECT_GT(1u << plan->triangleBits, count);
   }
@@ -87,8 +89,7 @@ TEST(SdfGrid, TheErrorNamesACellSizeThatFits) {
   ASSERT_NE(where, std::string::npos) << plan.error().message;
   const float fitting = std::stof(plan.error().message.substr(where + 15));
   def.cellSize = 1.001f * fitting;  // the message is rounded
-  const auto second = planSdfGrid(def);
-  ASSERT_TRUE(second.ok()) << second.error().message;
+  const auto second = required(planSdfGrid(def));
   EXPECT_LE(second->bytes, def.memoryCap);
   def.cellSize = 0.95f * fitting;
   EXPECT_FALSE(planSdfGrid(def).ok()) << "and no much smaller one does";
@@ -107,15 +108,14 @@ TEST(SdfGrid, RefusesTooManyNodesWhateverTheCap) {
 }
 
 TEST(SdfGrid, RefusesWhatIsOutOfRange) {
-  const float nan = std::numeric_limits<float>::quiet_NaN();
   const auto refuses = [](auto change) {
     SdfGridDef def = bodyDef();
     change(def);
     return !planSdfGrid(def).ok();
   };
-  EXPECT_TRUE(refuses([&](SdfGridDef& def) { def.lowest.x = nan; }));
+  EXPECT_TRUE(refuses([&](SdfGridDef& def) { def.lowest.x = kNan; }));
   EXPECT_TRUE(refuses([](SdfGridDef& def) { def.cellSize = 0; }));
-  EXPECT_TRUE(refuses([&](SdfGridDef& def) { def.cellSize = nan; }));
+  EXPECT_TRUE(refuses([&](SdfGridDef& def) { def.cellSize = kNan; }));
   EXPECT_TRUE(refuses([](SdfGridDef& def) { def.band = 0.5f; }));
   EXPECT_TRUE(refuses([](SdfGridDef& def) { def.band = 17; }));
   EXPECT_TRUE(refuses([](SdfGridDef& def) { def.triangleCount = 1u << 20; }));
@@ -123,14 +123,12 @@ TEST(SdfGrid, RefusesWhatIsOutOfRange) {
 
 TEST(SdfGrid, AnEmptyMeshHasASmallGrid) {
   SdfGridDef def = {.lowest = {1, 1, 1}, .highest = {-1, -1, -1}, .cellSize = 0.1f};
-  const auto plan = planSdfGrid(def);
-  ASSERT_TRUE(plan.ok());
+  const auto plan = required(planSdfGrid(def));
   EXPECT_LE(plan->nodeCount(), 1000u);
 }
 
 TEST(SdfGrid, WhatStaysOfAFieldIsFiveBytesANode) {
-  const auto plan = planSdfGrid(bodyDef());
-  ASSERT_TRUE(plan.ok());
+  const auto plan = required(planSdfGrid(bodyDef()));
   SdfBuildDef def;
   def.plan = *plan;
   def.triangleCount = 25814;

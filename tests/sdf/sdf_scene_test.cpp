@@ -19,6 +19,7 @@ namespace {
 using test::expectError;
 using test::kNan;
 using test::makeAsset;
+using test::required;
 using test::setBone;
 
 constexpr float kFrame = 1.0f / 60;
@@ -318,8 +319,7 @@ TEST_F(SdfSceneTest, AFieldOfAFileIsNeverBuilt) {
   data.triangleCount = 1;
   data.keys.assign(64, 0x7fffffffu);
   data.surface.assign(16, 0xffffffffu);
-  const Result<ColliderId> added = scene_.addCollider(data, {.name = "baked"});
-  ASSERT_TRUE(added) << added.error().message;
+  const Result<ColliderId> added = required(scene_.addCollider(data, {.name = "baked"}));
   simulate();
   EXPECT_EQ(count("scatter_triangles") + count("skin_vertices"), 0u);
   const std::vector<Sdf> sdfs = uploadedSdfs(hair);
@@ -328,8 +328,7 @@ TEST_F(SdfSceneTest, AFieldOfAFileIsNeverBuilt) {
   const BufferDesc* keys = scene_.resources().find(scene_.sdfKeys());
   ASSERT_NE(keys, nullptr);
   EXPECT_EQ(std::memcmp(keys->initial.data(), data.keys.data(), 256), 0);
-  const Result<SdfData> copy = scene_.copySdf(*added, {}, {});
-  ASSERT_TRUE(copy);
+  const Result<SdfData> copy = required(scene_.copySdf(*added, {}, {}));
   EXPECT_EQ(*copy, data);
 }
 

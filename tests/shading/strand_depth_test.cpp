@@ -4,7 +4,6 @@
 
 #include <Eigen/Dense>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -16,6 +15,7 @@
 #include "support/extremes.h"
 #include "support/lists.h"
 #include "support/matrices.h"
+#include "support/not_numbers.h"
 #include "support/pictures.h"
 #include "support/scene_run.h"
 #include "support/views.h"
@@ -705,9 +705,8 @@ TEST_P(StrandDepth, SurvivesVerticesThatAreNotFinite) {
   HairObject& object = add(makeFur().asset);
   object.material.fiberRadius = 0.002f;
   run_.step();
-  const float nan = std::numeric_limits<float>::quiet_NaN();
   AffineTransform broken;
-  broken.rows[0].x = nan;
+  broken.rows[0].x = kNan;
   pose(broken);
   run_.step();
   const View view = depthView({0, 0, 1}, {0, 0, 0});
@@ -846,17 +845,16 @@ TEST(StrandDepthTiers, HaveBuffersForStrandsOnTheScreenAndGiveThemBack) {
 TEST(StrandDepthErrors, NameTheMemberThatIsOutOfRange) {
   Scene scene;
   ASSERT_TRUE(scene.addHair(makeAsset(), {}));
-  const float nan = std::numeric_limits<float>::quiet_NaN();
   const View view = depthView({0, 0, 1}, {0, 0, 0});
   PassList list;
   const auto refuses = [&](const View& drawn, const HairDepthSettings& settings, const char* word) {
     expectError(scene.drawDepth(drawn, settings, list), word);
   };
-  for (const float opacity : {-0.1f, 1.1f, nan}) refuses(view, {.opacity = opacity}, "opacity");
+  for (const float opacity : {-0.1f, 1.1f, kNan}) refuses(view, {.opacity = opacity}, "opacity");
   HairDepthSettings settings = {.color = HairDepthColor::kMotion};
-  settings.previousWorldToClip.rows[2].y = nan;
+  settings.previousWorldToClip.rows[2].y = kNan;
   refuses(view, settings, "previousWorldToClip");
-  refuses(view, {.color = HairDepthColor::kMotion, .jitter = {0, nan}}, "jitter");
+  refuses(view, {.color = HairDepthColor::kMotion, .jitter = {0, kNan}}, "jitter");
   refuses(view, {.color = HairDepthColor::kMotion, .previousJitter = {INFINITY, 0}},
           "previousJitter");
   View empty = view;

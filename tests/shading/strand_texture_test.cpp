@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstring>
 #include <iostream>
-#include <limits>
 #include <numbers>
 #include <span>
 #include <string>
@@ -17,6 +16,7 @@
 #include "support/errors.h"
 #include "support/extremes.h"
 #include "support/lists.h"
+#include "support/not_numbers.h"
 #include "support/scene_run.h"
 #include "support/views.h"
 
@@ -427,7 +427,6 @@ TEST(StrandTextureErrors, NameWhatIsWrong) {
   const auto bare = scene.addHair(asset, {.name = "bare"});
   ASSERT_TRUE(hair && bare);
   const TextureId id = newTextureId();
-  const float nan = std::numeric_limits<float>::quiet_NaN();
   const auto refused = [&](HairId object, const StrandTexture& texture, const char* word) {
     scene.hair(object).strandTexture = texture;
     PassList list;
@@ -444,7 +443,7 @@ TEST(StrandTextureErrors, NameWhatIsWrong) {
   refused(*hair, {id, 4, 65537}, "4 x 65537 texels");
   refused(*hair, {id, 4, 4, 0}, "mipLevels is 0");
   refused(*hair, {id, 4, 4, 18}, "mipLevels is 18");
-  refused(*hair, {id, 4, 4, 1, nan}, "lodBias");
+  refused(*hair, {id, 4, 4, 1, kNan}, "lodBias");
   refused(*hair, {id, 4, 4, 1, 16.5f}, "lodBias");
   PassList list;
   expectOk(scene.draw(viewFrom(0.6f), {}, list));

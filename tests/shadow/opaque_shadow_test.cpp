@@ -9,6 +9,7 @@
 #include "shadow/opaque_shadow.h"
 #include "shadow_test/gpu_structs.h"
 #include "shadow_test/kernels.h"
+#include "support/not_numbers.h"
 #include "support/strand_run.h"
 
 namespace pelage::test {
@@ -130,8 +131,6 @@ TEST_P(OpaqueShadowMap, BiasLightsHairOnTheSurfaceThatCastsTheShadow) {
 }
 
 TEST_P(OpaqueShadowMap, IsLitOutsideAndWhereNothingIsKnown) {
-  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  constexpr float kInf = std::numeric_limits<float>::infinity();
   const std::vector<float> covered(size_t{kSize} * kSize, 0.25f);
   const std::vector<Float4> outside = {{0.4f, 0, 0, 0},  {0, 0, -0.4f, 0},  {kNan, 0, 0, 0},
                                        {0, 0, kNan, 0},  {kInf, 0, 0, 0},   {0, 0, -kInf, 0},

@@ -11,6 +11,7 @@
 #include "shading/light_numbers.h"
 #include "shadow/strand_shadow_run.h"
 #include "support/extremes.h"
+#include "support/not_numbers.h"
 
 namespace pelage::test {
 namespace {
@@ -211,8 +212,6 @@ TEST_P(PointShadow, CurledHairIsInTheMapAsInTheReference) {
 
 TEST_P(PointShadow, NothingOfBadHairLeavesTheMapOrTheRange) {
   Hair hair;
-  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  constexpr float kInf = std::numeric_limits<float>::infinity();
   for (const float bad : {kNan, kInf, -kInf, 1e38f, -1e30f, 0.0f, 1e-30f})
     for (const float other : {0.02f, -0.05f, 1e20f}) {
       hair.positions.push_back({bad, other, 0.05f, 0});

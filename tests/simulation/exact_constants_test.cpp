@@ -9,6 +9,7 @@
 
 #include "../reference/rod/exact_rod.h"
 #include "simulation/exact_solver.h"
+#include "support/errors.h"
 
 namespace pelage {
 namespace {
@@ -24,8 +25,7 @@ HairAsset strandOf(const std::vector<Vector3d>& points) {
   for (size_t i = 0; i < points.size(); ++i)
     asset.positions.push_back({static_cast<float>(points[i].x), static_cast<float>(points[i].y),
                                static_cast<float>(points[i].z), i < 2 ? 0.0f : 1.0f});
-  const Result<void> processed = asset.process();
-  EXPECT_TRUE(processed) << processed.error().message;
+  test::expectOk(asset.process());
   return asset;
 }
 

@@ -25,6 +25,7 @@ namespace {
 using test::expectError;
 using test::kNan;
 using test::makeAsset;
+using test::required;
 using test::setBone;
 using test::setCollider;
 
@@ -534,8 +535,7 @@ TEST_F(ExactSceneTest, SwitchingTheSolverReplacesTheContacts) {
 }
 
 TEST_F(ExactSceneTest, RemovingAnObjectFreesItsBuffers) {
-  const Result<HairId> id = scene_.addHair(asset_, {});
-  ASSERT_TRUE(id);
+  const Result<HairId> id = required(scene_.addHair(asset_, {}));
   setCollider(scene_.hair(*id), {.headRadius = 1, .tailRadius = 1});
   simulate();
   const HairBuffers buffers = scene_.hair(*id).buffers();

@@ -11,6 +11,7 @@
 
 #include "pelage/cache_player.h"
 #include "stress/stress_run.h"
+#include "support/test_folder.h"
 
 namespace pelage::test {
 namespace {
@@ -27,14 +28,7 @@ double distanceFromGiven(const std::vector<Float4>& drawn, const std::vector<Flo
 
 class GivenHair : public SceneTest {
  protected:
-  GivenHair()
-      : asset_(wavyAsset(kGivenStrands, kGivenVertices)),
-        path_(std::filesystem::temp_directory_path() /
-              ("pelage_given_hair_" + std::to_string(static_cast<int>(GetParam())))) {}
-  void TearDown() override {
-    SceneTest::TearDown();
-    std::filesystem::remove(path_);
-  }
+  GivenHair() : asset_(wavyAsset(kGivenStrands, kGivenVertices)) {}
 
   // The bind pose, which bends more with each frame.
   std::vector<Float3> shape(int frame, Float3 at = {}) const {
@@ -54,9 +48,7 @@ class GivenHair : public SceneTest {
     EXPECT_TRUE(writer);
     for (int f = 0; f < static_cast<int>(kGivenFrames); ++f) EXPECT_TRUE(writer->append(shape(f)));
     EXPECT_TRUE(writer->close());
-    auto opened = CachePlayer::open(path_, def);
-    EXPECT_TRUE(opened) << opened.error().message;
-    return std::move(*opened);
+    return *required(CachePlayer::open(path_, def));
   }
   void show(CachePlayer& player, double frame, HairObject& hair) {
     const auto shown = player.show(frame, hair);
@@ -72,7 +64,8 @@ class GivenHair : public SceneTest {
   }
 
   HairAsset asset_;
-  std::filesystem::path path_;
+  const TestFolder folder_;
+  const std::filesystem::path path_ = folder_ / "hair.pelagecache";
 };
 
 constexpr double kCacheBound = 1.001e-4;  // of the cache, and a little rounding of doubles
@@ -226,8 +219,7 @@ TEST_P(GivenHair, AFrameThatIsBrokenIsAnErrorWhenItIsShown) {
     file.seekp(-static_cast<std::streamoff>(kGivenFrames * 24 + 32 + 8), std::ios::end);
     file.write("damaged!", 8);
   }
-  auto cache = CachePlayer::open(path_);
-  ASSERT_TRUE(cache) << cache.error().message;
+  auto cache = required(CachePlayer::open(path_));
   HairObject& hair = run_.add(asset_);
   const int last = static_cast<int>(kGivenFrames) - 1;
   for (int round = 0; round < 2; ++round) {

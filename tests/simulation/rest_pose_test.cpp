@@ -228,8 +228,7 @@ INSTANTIATE_TEST_SUITE_P(All, RestPose, solversOnFirstApi(), solverTestName);
 TEST(RestPoseViews, SeeHairWhereItsNewPoseIs) {
   Scene scene;
   const HairAsset asset = wavyAsset(3, 5);
-  const auto added = scene.addHair(asset, {});
-  ASSERT_TRUE(added);
+  const auto added = required(scene.addHair(asset, {}));
   const auto isSeen = [&](float x) {
     PassList list;
     EXPECT_TRUE(scene.simulate(1.0f / 60, list));
@@ -255,8 +254,7 @@ TEST(RestPoseViews, SeeHairWhereItsNewPoseIs) {
 TEST(RestPoseErrors, NameWhatIsWrongAndChangeNothing) {
   Scene scene;
   const HairAsset asset = wavyAsset(3, 5);
-  const auto added = scene.addHair(asset, {.name = "mane"});
-  ASSERT_TRUE(added);
+  const auto added = required(scene.addHair(asset, {.name = "mane"}));
   HairObject& hair = scene.hair(*added);
   PassList list;
   ASSERT_TRUE(scene.simulate(1.0f / 60, list));

@@ -50,17 +50,6 @@ std::string text(const char* format, Values... values) {
 
 RootPose still(double) { return {}; }
 
-/// Fast turns and shifts of a head; it starts smoothly from rest.
-RootPose shakenHead(double time) {
-  double s = std::clamp(time / 0.6, 0.0, 1.0);
-  s = s * s * s * (10 - 15 * s + 6 * s * s);
-  const Quaterniond rotation =
-      axisAngle(Vector3d(0, 1, 0), s * 0.8 * std::sin(2 * pi * 1.2 * time)) *
-      axisAngle(Vector3d(0, 0, 1), s * 0.3 * std::sin(2 * pi * 1.9 * time));
-  const Vector3d shift(s * 0.05 * std::sin(9 * time), 0, s * 0.03 * std::sin(7 * time));
-  return {rotation, rotate(rotation, Vector3d(0.1, 0, 0)) + shift};
-}
-
 /// Root on a circle of 0.1 m, to 720 degrees/s within 0.3 s, stopped at 1.5 s.
 RootPose spun(double time) {
   const double t = std::min(time, 1.5);

@@ -410,9 +410,8 @@ TEST_P(ExactScene, FollowHairsLookTheSameWhetherTheyAreStoredOrNot) {
 }
 
 TEST_P(ExactScene, LevelOfDetailSimulatesFewerGuidesAndKeepsTheirLengths) {  // K44
-  Result<Groom> groom =
-      generateGroom({.strandCount = 200, .verticesPerStrand = 12, .headCellSize = 0.007f});
-  ASSERT_TRUE(groom) << groom.error().message;
+  Result<Groom> groom = required(
+      generateGroom({.strandCount = 200, .verticesPerStrand = 12, .headCellSize = 0.007f}));
   HairAsset& asset = groom->hair;
   expectOk(asset.process());
   HairObject& hair = run_.add(asset, {.settings = {}, .levelOfDetail = true});

@@ -262,9 +262,8 @@ TEST(FollowSurfaceList, WhatIsWrongIsNamed) {
   broken.roots[3].bind[1] = broken.roots[3].bind[0];
   expectNoSkeleton({.source = BoneSource::kSurface, .surface = &broken}, "root 3");
   EXPECT_EQ(scene.resources().count(), 0u);
-  const Result<SkeletonId> id =
-      scene.addSkeleton({.name = "skin", .source = BoneSource::kSurface, .surface = &table});
-  ASSERT_TRUE(id);
+  const Result<SkeletonId> id = required(
+      scene.addSkeleton({.name = "skin", .source = BoneSource::kSurface, .surface = &table}));
   ASSERT_TRUE(scene.addHair(makeAsset(), {.skeleton = *id}));
   PassList list;
   const auto expectRefused = [&](const char* what) {

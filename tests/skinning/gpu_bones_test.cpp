@@ -407,8 +407,7 @@ TEST_F(GpuBonesList, ViewsSeeHairAsFarFromThePlacementAsItMayBe) {
   for (const float deviation : {0.5f, 4.0f}) {
     SkeletonPose& skeleton =
         addSkeleton({.name = "gpu", .source = BoneSource::kBuffer, .deviation = deviation});
-    const auto hair = scene_.addHair(makeAsset(), {.skeleton = id_});
-    ASSERT_TRUE(hair);
+    const auto hair = required(scene_.addHair(makeAsset(), {.skeleton = id_}));
     const AffineTransform placement = rigidTransform({0, 0, 0, 1}, {6, 0, 0});
     skeleton.setBones({.buffer = addBuffer(12)}, placement);
     simulate();

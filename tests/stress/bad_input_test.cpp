@@ -48,8 +48,7 @@ TEST(BadSettings, EveryNumberThatIsNotOneIsRefusedByName) {
   };
   const HairAsset asset = wavyAsset(2, 4);
   Scene scene;
-  const Result<HairId> hair = scene.addHair(asset, {.name = "tail"});
-  ASSERT_TRUE(hair);
+  const Result<HairId> hair = required(scene.addHair(asset, {.name = "tail"}));
   PassList list;
   for (const auto& [name, number] : numbers) {
     for (const float bad : {kNan, kInf, -kInf}) {

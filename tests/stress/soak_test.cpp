@@ -29,16 +29,14 @@ class Soak : public testing::TestWithParam<Api> {
     world.hair(0).material.fiberRadius = 0.001f;
     for (int frame = 0; frame < 3; ++frame) {
       world.setInputs(frame);
-      Result<Frame> made = scene.simulate(DeliveryScene::seconds(frame));
-      ASSERT_TRUE(made) << made.error().message;
+      Result<Frame> made = required(scene.simulate(DeliveryScene::seconds(frame)));
       const Light light = {.shadow = HairShadow::kDeep, .shadowSize = 32};
       const auto method =
           static_cast<Transparency>((3 * number + static_cast<uint32_t>(frame)) % 8);
       const uint32_t pixels = 16 + 8 * (number % 2);
       ASSERT_TRUE(made->draw(viewOfSoak(pixels), {&light, 1}, {.method = method}));
       const RenderTargetDef target = {.width = pixels, .height = pixels};
-      const auto images = run_.device()->render(*made, {&target, 1});
-      ASSERT_TRUE(images) << images.error().message;
+      const auto images = required(run_.device()->render(*made, {&target, 1}));
       EXPECT_GE(scene.resources().totalBytes(), scene.drawBytes().shadows);
     }
     world.remove();

@@ -14,10 +14,6 @@
 
 namespace pelage::test {
 
-inline bool mentions(const Error& error, std::string_view text) {
-  return error.message.find(text) != std::string::npos;
-}
-
 /// Fails the test with the message of an error.
 inline void expectOk(const Result<void>& result) {
   EXPECT_TRUE(result.ok()) << (result.ok() ? "" : result.error().message);
@@ -37,13 +33,16 @@ inline void required(const Result<void>& result,
   if (!result) (void)required<int>(result.error(), at);
 }
 
+/// Fails unless `text` has `part`.
+inline void expectHas(std::string_view text, std::string_view part) {
+  EXPECT_NE(text.find(part), std::string_view::npos) << "'" << part << "' is not in: " << text;
+}
+
 /// Fails unless `result` is an error whose message has all of the words.
 template <class R>
 void expectError(const R& result, std::initializer_list<std::string_view> words) {
   ASSERT_FALSE(result) << "no error, but it should have one that says '" << *words.begin() << "'";
-  for (const std::string_view word : words)
-    EXPECT_NE(result.error().message.find(word), std::string::npos)
-        << "'" << word << "' is not in: " << result.error().message;
+  for (const std::string_view word : words) expectHas(result.error().message, word);
 }
 template <class R>
 void expectError(const R& result, const char* word) {

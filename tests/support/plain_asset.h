@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "pelage/hair_asset.h"
+#include "support/errors.h"
 
 namespace pelage::test {
 
@@ -21,8 +22,7 @@ inline HairAsset makeAsset(uint32_t strands = 5, uint32_t vertices = 8) {
           {0.01f * static_cast<float>(s) + 3 * t * t, t, 0, v < 2 ? 0.0f : 1.0f});
     }
   }
-  const Result<void> processed = asset.process();
-  EXPECT_TRUE(processed) << processed.error().message;
+  expectOk(asset.process());
   return asset;
 }
 
@@ -39,8 +39,7 @@ HairAsset strandsAt(uint32_t strands, uint32_t vertices, const Position& positio
       asset.positions.push_back({p.x, p.y, p.z, v < 2 ? 0.0f : 1.0f});
     }
   }
-  const Result<void> processed = asset.process();
-  EXPECT_TRUE(processed) << processed.error().message;
+  expectOk(asset.process());
   return asset;
 }
 

@@ -190,9 +190,7 @@ class SceneRun {
   SdfData copySdf(ColliderId id) const {
     const auto keys = device_->read(scene.sdfKeys()), surface = device_->read(scene.sdfSurface());
     EXPECT_TRUE(keys && surface);
-    Result<SdfData> data = scene.copySdf(id, *keys, *surface);
-    EXPECT_TRUE(data) << data.error().message;
-    return data ? std::move(*data) : SdfData();
+    return valueOf(scene.copySdf(id, *keys, *surface));
   }
   /// The object that was added last.
   HairId lastHair() const { return hairs_.back(); }

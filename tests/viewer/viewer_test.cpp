@@ -33,6 +33,7 @@
 namespace {
 
 using pelage::Api;
+using pelage::test::expectHas;
 using pelage::test::kFirstApi;
 using pelage::test::ProgramOutput;
 using pelage::test::statisticsOf;
@@ -281,7 +282,7 @@ TEST_P(Viewer, GoesOnBehindTheTaskBar) {
   const Session& session = sessions().first;
   expectHair(session.picture("restored"), "restored");
   EXPECT_NE(session.picture("restored").rgb, session.picture("pulled").rgb);
-  EXPECT_NE(session.recorded.find("25 minimize"), std::string::npos);
+  expectHas(session.recorded, "25 minimize");
 }
 
 // The program sleeps while its window is minimized.
@@ -496,7 +497,7 @@ TEST_P(Viewer, WithoutADisplayItSaysSo) {
   const Folder folder;
   const ProgramOutput output = folder.run(api(), "0 quit\n", "", ":9999");
   EXPECT_EQ(output.code, 1);
-  EXPECT_NE(output.errors.find("display"), std::string::npos) << output.errors;
+  expectHas(output.errors, "display");
   EXPECT_EQ(std::count(output.errors.begin(), output.errors.end(), '\n'), 1) << output.errors;
 }
 
@@ -525,8 +526,7 @@ TEST_P(Viewer, AScriptThatIsWrongIsRefusedWithItsLine) {
   const Folder folder;
   const ProgramOutput output = folder.run(api(), "0 quit\n0 jump\n");
   EXPECT_EQ(output.code, 1);
-  EXPECT_NE(output.errors.find("script.txt:2: there is no event 'jump'"), std::string::npos)
-      << output.errors;
+  expectHas(output.errors, "script.txt:2: there is no event 'jump'");
 }
 
 INSTANTIATE_TEST_SUITE_P(Apis, Viewer, testing::ValuesIn(pelage::test::kWindowApis),

@@ -131,15 +131,15 @@ TEST_F(VulkanEngine, KnowsTexturesUntilTheyAreForgotten) {
   };
   constexpr const char* kUnknown = "'g_picture': the runtime does not know the texture";
   constexpr const char* kNoSampler = "'g_pictureSampler': the texture was registered without";
-  EXPECT_NE(messageOf().find(kUnknown), std::string::npos);
+  expectHas(messageOf(), kUnknown);
   runtime_->registerTexture(texture, {.view = viewHandle});
-  EXPECT_NE(messageOf().find(kNoSampler), std::string::npos);
+  expectHas(messageOf(), kNoSampler);
   runtime_->registerTexture(texture, {.view = viewHandle, .sampler = samplerHandle});
   const std::string other = messageOf();
   EXPECT_FALSE(other.empty()) << "the kernel has no code";
   EXPECT_EQ(other.find("texture"), std::string::npos) << other;
   runtime_->registerTexture(texture, {});
-  EXPECT_NE(messageOf().find(kUnknown), std::string::npos);
+  expectHas(messageOf(), kUnknown);
   finishFrames();
 }
 
@@ -337,7 +337,7 @@ TEST_F(VulkanEngine, MakesThePipelinesOfAListOnSeveralThreadsAndEachOnce) {
     ASSERT_EQ(times.size(), 2u) << threads;
     EXPECT_NE(times[0].name, times[1].name);
     for (const PipelineTime& time : times) {
-      EXPECT_NE(time.name.find("accumulate"), std::string::npos);
+      expectHas(time.name, "accumulate");
       EXPECT_GT(time.milliseconds, 0);
     }
   }
@@ -567,13 +567,13 @@ TEST_F(VulkanEngine, NamesWhatIsMissingFromTheDefinition) {
   };
   RuntimeDef def = engine_->runtimeDef();
   def.device = VK_NULL_HANDLE;
-  EXPECT_NE(messageOf(def).find("RuntimeDef::device"), std::string::npos);
+  expectHas(messageOf(def), "RuntimeDef::device");
   def = engine_->runtimeDef();
   def.queueFamily = 77;
-  EXPECT_NE(messageOf(def).find("queueFamily is 77"), std::string::npos);
+  expectHas(messageOf(def), "queueFamily is 77");
   def = engine_->runtimeDef();
   def.getInstanceProcAddr = [](VkInstance, const char*) -> PFN_vkVoidFunction { return nullptr; };
-  EXPECT_NE(messageOf(def).find("no function vk"), std::string::npos);
+  expectHas(messageOf(def), "no function vk");
 }
 
 }  // namespace
