@@ -32,14 +32,9 @@ class HairCache : public testing::Test {
   std::filesystem::path write(const HairCacheDef& def, std::span<const std::vector<Float3>> frames,
                               const char* name = "a.pelagecache") {
     const auto path = folder_ / name;
-    auto writer = HairCacheWriter::create(path, def);
-    EXPECT_TRUE(writer) << writer.error().message;
-    for (const auto& frame : frames) {
-      const auto added = writer->append(frame);
-      EXPECT_TRUE(added) << added.error().message;
-    }
-    const auto closed = writer->close();
-    EXPECT_TRUE(closed) << closed.error().message;
+    auto writer = required(HairCacheWriter::create(path, def));
+    for (const auto& frame : frames) required(writer->append(frame));
+    required(writer->close());
     return path;
   }
 
@@ -84,9 +79,19 @@ double distance(const Float3& a, const Float3& b) {
 
 std::vector<Float3> read(HairCacheReader& reader, uint64_t frame) {
   std::vector<Float3> out(reader.vertexCount());
-  const auto done = reader.read(frame, out);
-  EXPECT_TRUE(done) << done.error().message;
+  required(reader.read(frame, out));
   return out;
+}
+
+// The largest distance of a vertex from where it was written [m].
+double largestError(HairCacheReader& reader, std::span<const std::vector<Float3>> frames) {
+  double largest = 0;
+  for (size_t f = 0; f < frames.size(); ++f) {
+    const auto positions = read(reader, f);
+    for (size_t v = 0; v < positions.size(); ++v)
+      test::keepLargest(largest, distance(positions[v], frames[f][v]));
+  }
+  return largest;
 }
 
 TEST_F(HairCache, EveryVertexStaysWithinTheBoundFromTheOriginToHugeCoordinates) {
@@ -97,13 +102,7 @@ TEST_F(HairCache, EveryVertexStaysWithinTheBoundFromTheOriginToHugeCoordinates) 
       const Frames frames = swing(def, 6, offset);
       auto reader = required(HairCacheReader::open(write(def, frames)));
       ASSERT_EQ(reader->frameCount(), frames.size());
-      double largest = 0;
-      for (size_t f = 0; f < frames.size(); ++f) {
-        const auto positions = read(*reader, f);
-        for (size_t v = 0; v < positions.size(); ++v)
-          test::keepLargest(largest, distance(positions[v], frames[f][v]));
-      }
-      EXPECT_LE(largest, bound) << "at " << offset << " m";
+      EXPECT_LE(largestError(*reader, frames), bound) << "at " << offset << " m";
     }
   }
 }
@@ -115,13 +114,7 @@ TEST_F(HairCache, HairThatLeavesTheOriginStaysWithinTheBound) {
   float offset = 0.01f;
   for (int f = 0; f < 60; ++f, offset *= 2) frames.push_back(swing(def, 1, offset, f)[0]);
   auto reader = required(HairCacheReader::open(write(def, frames)));
-  double largest = 0;
-  for (size_t f = 0; f < frames.size(); ++f) {
-    const auto positions = read(*reader, f);
-    for (size_t v = 0; v < positions.size(); ++v)
-      test::keepLargest(largest, distance(positions[v], frames[f][v]));
-  }
-  EXPECT_LE(largest, def.errorBound);
+  EXPECT_LE(largestError(*reader, frames), def.errorBound);
 }
 
 TEST_F(HairCache, KeepsBitsWithoutABound) {
@@ -185,13 +178,7 @@ TEST_F(HairCache, PartsJoinToTheBytesOfOneFile) {
   const std::vector<std::filesystem::path> both = {odd[0], write(def, all.subspan(1, 5), "5")};
   ASSERT_TRUE(joinHairCaches(both, folder_ / "odd"));
   auto reader = required(HairCacheReader::open(folder_ / "odd"));
-  double largest = 0;
-  for (size_t f = 0; f < 6; ++f) {
-    const auto positions = read(*reader, f);
-    for (size_t v = 0; v < positions.size(); ++v)
-      test::keepLargest(largest, distance(positions[v], frames[f][v]));
-  }
-  EXPECT_LE(largest, def.errorBound);
+  EXPECT_LE(largestError(*reader, all.first(6)), def.errorBound);
 }
 
 TEST_F(HairCache, SeveralThreadsWriteTheBytesOfOne) {

@@ -208,12 +208,16 @@ std::unique_ptr<aiScene> manyBones() {
   return scene;
 }
 
-TEST_F(MeshImport, KeepsTheFourStrongestBones) {
+// manyBones() through a file of this format.
+Result<CollisionMesh> loadManyBones(const char* format, const std::filesystem::path& path) {
   Assimp::Exporter exporter;
-  const std::filesystem::path path = folder_ / "many.assbin";
-  ASSERT_EQ(exporter.Export(manyBones().get(), "assbin", path.string()), AI_SUCCESS)
+  EXPECT_EQ(exporter.Export(manyBones().get(), format, path.string()), AI_SUCCESS)
       << exporter.GetErrorString();
-  auto mesh = required(loadMesh(path));
+  return required(loadMesh(path));
+}
+
+TEST_F(MeshImport, KeepsTheFourStrongestBones) {
+  auto mesh = loadManyBones("assbin", folder_ / "many.assbin");
   // Weights 0.1 0.35 0.3 0.25 0.2 0.15: bones 1 to 4, together 1.1.
   const size_t v = vertexAt(*mesh, {0, 0, 0});
   for (size_t k = 0; k < 4; ++k) {
@@ -229,11 +233,7 @@ TEST_F(MeshImport, KeepsTheFourStrongestBones) {
 }
 
 TEST_F(MeshImport, ReadsFbx) {
-  Assimp::Exporter exporter;
-  const std::filesystem::path path = folder_ / "many.fbx";
-  ASSERT_EQ(exporter.Export(manyBones().get(), "fbxa", path.string()), AI_SUCCESS)
-      << exporter.GetErrorString();
-  auto mesh = required(loadMesh(path));
+  auto mesh = loadManyBones("fbxa", folder_ / "many.fbx");
   EXPECT_EQ(mesh->indices.size(), 3u);
   EXPECT_EQ(boneOf(*mesh, vertexAt(*mesh, {1, 0, 0})), "bone3");
 }

@@ -4,13 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <vector>
+
+#include "support/not_numbers.h"
 
 namespace pelage::test {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 double largestOf(const std::vector<double>& values) {
   double largest = 0;
@@ -34,7 +33,7 @@ TEST(Extremes, AreThoseOfAllValues) {
 TEST(Extremes, StayNanOnceAValueIsNan) {
   for (size_t at = 0; at < 3; ++at) {
     std::vector<double> values = {1, 2, 3};
-    values[at] = kNan;
+    values[at] = double{kNan};
     EXPECT_TRUE(std::isnan(largestOf(values))) << "value " << at;
     EXPECT_TRUE(std::isnan(smallestOf(values))) << "value " << at;
   }

@@ -657,14 +657,10 @@ TEST_P(ShiftPositions, AddsToARangeAndKeepsTheRest) {
   constants.shift = {12.5f, -0.1f, 1e5f, 77};
   constants.shiftedFirst = 30;
   constants.shiftedCount = 901;
-  PassList list;
-  PassBuilder builder(list);
-  builder.dispatch(shiftPositionsVariant({}), constants.shiftedCount);
-  buffer.bindTo(builder, "g_shiftedPositions");
-  builder.constants("ShiftPositionsConstants", constants);
-  expectOk(builder.finish());
-  expectOk(gpu().device()->update(gpu().resources));
-  gpu().execute(list);
+  dispatch(gpu(), shiftPositionsVariant({}), constants.shiftedCount, [&](PassBuilder& pass) {
+    buffer.bindTo(pass, "g_shiftedPositions");
+    pass.constants("ShiftPositionsConstants", constants);
+  });
   for (size_t i = 30; i < 931; ++i) {
     data[i].x += constants.shift.x;
     data[i].y += constants.shift.y;

@@ -260,14 +260,10 @@ TEST_P(MoveRigidly, MovesEachKindAndKeepsTheRest) {
       kMovesPoint | kMovesDirection << kMovedKindBits | kMovesFrame << (2 * kMovedKindBits);
   constants.moveRotation = toFloat4(q.vec(), q.w());
   constants.moveShift = toFloat4(motion.shift);
-  PassList list;
-  PassBuilder builder(list);
-  builder.dispatch(moveRigidlyVariant({}), constants.movedCount);
-  buffer.bindTo(builder, "g_movedElements");
-  builder.constants("MoveRigidlyConstants", constants);
-  expectOk(builder.finish());
-  expectOk(gpu().device()->update(gpu().resources));
-  gpu().execute(list);
+  dispatch(gpu(), moveRigidlyVariant({}), constants.movedCount, [&](PassBuilder& pass) {
+    buffer.bindTo(pass, "g_movedElements");
+    pass.constants("MoveRigidlyConstants", constants);
+  });
   const std::vector<Float4> moved = buffer.read();
   ASSERT_EQ(moved.size(), data.size());
   for (size_t i = 0; i < data.size(); ++i) {
