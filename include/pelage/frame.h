@@ -18,7 +18,7 @@
 namespace pelage {
 
 namespace detail {
-class SceneImpl;
+struct SceneParts;
 }  // namespace detail
 
 /// A list of a frame, as a runtime runs it.
@@ -122,8 +122,8 @@ class PELAGE_API Frame {
  private:
   friend class Scene;
   Frame();
-  Result<detail::SceneImpl*> open(const char* call) const;
-  Result<detail::SceneImpl*> openForMore(const char* call) const;
+  Result<detail::SceneParts*> open(const char* call) const;
+  Result<detail::SceneParts*> openForMore(const char* call) const;
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -24,7 +24,7 @@
 namespace pelage {
 
 namespace detail {
-class SceneImpl;
+class HairStore;
 struct HairInternals;
 }  // namespace detail
 
@@ -297,7 +297,7 @@ class PELAGE_API HairObject {
   void reset();
 
  private:
-  friend class detail::SceneImpl;
+  friend class detail::HairStore;
   HairObject();
 
   std::string name_;

@@ -18,7 +18,7 @@
 namespace pelage {
 
 namespace detail {
-class SceneImpl;
+class HairStore;
 class SdfRoom;
 struct SdfColliderInternals;
 }  // namespace detail
@@ -148,7 +148,7 @@ class PELAGE_API SdfCollider {
   void reset();
 
  private:
-  friend class detail::SceneImpl;
+  friend class detail::HairStore;
   friend class detail::SdfRoom;
   SdfCollider();
 

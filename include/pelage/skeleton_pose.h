@@ -14,7 +14,7 @@
 namespace pelage {
 
 namespace detail {
-class SceneImpl;
+class HairStore;
 struct SkeletonInternals;
 }  // namespace detail
 
@@ -101,7 +101,7 @@ class PELAGE_API SkeletonPose {
   std::span<const AffineTransform> bones() const;
 
  private:
-  friend class detail::SceneImpl;
+  friend class detail::HairStore;
   SkeletonPose();
 
   std::string name_;

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "base/vector3.h"
-#include "scene/scene_draw.h"
+#include "scene/view_drawing.h"
 
 namespace pelage {
 

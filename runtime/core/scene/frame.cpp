@@ -7,7 +7,7 @@
 #include "pelage/assert.h"
 #include "pelage/list_check.h"
 #include "pelage/scene.h"
-#include "scene/scene_impl.h"
+#include "scene/scene_parts.h"
 
 namespace pelage {
 
@@ -23,8 +23,8 @@ struct Frame::Impl {
     uint32_t view = FrameStep::kNoView;
     uint32_t listOfView = 0;
   };
-  std::weak_ptr<detail::SceneImpl> scene;
-  uint64_t frame = 0;  // DrawRooms::frame
+  std::weak_ptr<detail::SceneParts> scene;
+  uint64_t frame = 0;  // HairStore::frame
   std::deque<Item> items;
   std::vector<FrameStep> steps;
   size_t simulation = 0;  // index of its list
@@ -35,17 +35,17 @@ struct Frame::Impl {
 
   // One whose memory an earlier frame has had.
   std::unique_ptr<PassList> makeList() const {
-    const std::shared_ptr<detail::SceneImpl> open = scene.lock();
-    if (open == nullptr || open->rooms().spareLists.empty()) return std::make_unique<PassList>();
-    std::vector<std::unique_ptr<PassList>>& spare = open->rooms().spareLists;
+    const std::shared_ptr<detail::SceneParts> open = scene.lock();
+    if (open == nullptr || open->drawing.spareLists.empty()) return std::make_unique<PassList>();
+    std::vector<std::unique_ptr<PassList>>& spare = open->drawing.spareLists;
     std::unique_ptr<PassList> list = std::move(spare.back());
     spare.pop_back();
     return list;
   }
   ~Impl() {
-    const std::shared_ptr<detail::SceneImpl> open = scene.lock();
+    const std::shared_ptr<detail::SceneParts> open = scene.lock();
     if (open == nullptr) return;
-    std::vector<std::unique_ptr<PassList>>& spare = open->rooms().spareLists;
+    std::vector<std::unique_ptr<PassList>>& spare = open->drawing.spareLists;
     for (Item& item : items) {
       if (spare.size() == kSpareLists) break;
       item.list->clear();
@@ -60,14 +60,14 @@ Frame& Frame::operator=(Frame&& other) noexcept = default;
 Frame::~Frame() = default;
 
 // The scene, where it has this frame still.
-Result<detail::SceneImpl*> Frame::open(const char* call) const {
+Result<detail::SceneParts*> Frame::open(const char* call) const {
   const auto refuse = [&](const std::string& what) {
     return Error{ErrorCode::kInvalidArgument, "Frame::" + std::string(call) + ": " + what};
   };
   if (impl_ == nullptr) return refuse("the frame was moved away");
-  const std::shared_ptr<detail::SceneImpl> scene = impl_->scene.lock();
+  const std::shared_ptr<detail::SceneParts> scene = impl_->scene.lock();
   if (scene == nullptr) return refuse("the scene of the frame is gone");
-  if (scene->rooms().frame != impl_->frame) {
+  if (scene->store.frame != impl_->frame) {
     return refuse(
         "simulate() has begun another frame of the scene: draw a frame and give it to the runtime "
         "before the next simulate()");
@@ -75,8 +75,8 @@ Result<detail::SceneImpl*> Frame::open(const char* call) const {
   return scene.get();
 }
 
-Result<detail::SceneImpl*> Frame::openForMore(const char* call) const {
-  Result<detail::SceneImpl*> scene = open(call);
+Result<detail::SceneParts*> Frame::openForMore(const char* call) const {
+  Result<detail::SceneParts*> scene = open(call);
   if (scene && impl_->finished) {
     return Error{ErrorCode::kInvalidArgument,
                  "Frame::" + std::string(call) +
@@ -87,7 +87,7 @@ Result<detail::SceneImpl*> Frame::openForMore(const char* call) const {
 }
 
 Result<void> Frame::interpolate(float share) {
-  const Result<detail::SceneImpl*> scene = openForMore("interpolate()");
+  const Result<detail::SceneParts*> scene = openForMore("interpolate()");
   if (!scene) return scene.error();
   if (impl_->drawn || impl_->interpolated) {
     return Error{ErrorCode::kInvalidArgument,
@@ -95,18 +95,19 @@ Result<void> Frame::interpolate(float share) {
                      (impl_->drawn ? "drawn" : "interpolated") +
                      " already: call it once, before draw(), drawDepth() and castShadows()"};
   }
-  Result<void> placed = (*scene)->interpolate(share, *impl_->items[impl_->simulation].list);
+  Result<void> placed =
+      (*scene)->simulation.interpolate(share, *impl_->items[impl_->simulation].list);
   impl_->interpolated = placed.ok();
   return placed;
 }
 
 Result<uint32_t> Frame::draw(const View& view, std::span<const Light> lights,
                              const TransparencySettings& settings, PassList before) {
-  const Result<detail::SceneImpl*> scene = openForMore("draw()");
+  const Result<detail::SceneParts*> scene = openForMore("draw()");
   if (!scene) return scene.error();
   std::vector<PassList> lists;
   lists.push_back(std::move(before));
-  if (Result<void> drawn = (*scene)->draw(view, lights, settings, lists); !drawn)
+  if (Result<void> drawn = (*scene)->drawing.draw(view, lights, settings, lists); !drawn)
     return drawn.error();
   impl_->drawn = true;
   for (uint32_t i = 0; i < lists.size(); ++i) {
@@ -120,16 +121,16 @@ Result<uint32_t> Frame::draw(const View& view, std::span<const Light> lights,
 
 Result<uint32_t> Frame::drawDepth(const View& view, const HairDepthSettings& settings,
                                   PassList before) {
-  const Result<detail::SceneImpl*> scene = openForMore("drawDepth()");
+  const Result<detail::SceneParts*> scene = openForMore("drawDepth()");
   if (!scene) return scene.error();
-  if (Result<void> drawn = (*scene)->drawDepth(view, settings, before); !drawn)
+  if (Result<void> drawn = (*scene)->drawing.drawDepth(view, settings, before); !drawn)
     return drawn.error();
   impl_->drawn = true;
   return addView(std::move(before));
 }
 
 Result<uint32_t> Frame::addView(PassList list) {
-  if (const Result<detail::SceneImpl*> scene = openForMore("addView()"); !scene)
+  if (const Result<detail::SceneParts*> scene = openForMore("addView()"); !scene)
     return scene.error();
   Impl::Item& item = impl_->items.emplace_back();
   item.list = std::make_unique<PassList>(std::move(list));
@@ -138,10 +139,10 @@ Result<uint32_t> Frame::addView(PassList list) {
 }
 
 Result<uint32_t> Frame::castShadows(std::span<const Light> lights) {
-  const Result<detail::SceneImpl*> scene = openForMore("castShadows()");
+  const Result<detail::SceneParts*> scene = openForMore("castShadows()");
   if (!scene) return scene.error();
   std::unique_ptr<PassList> list = impl_->makeList();
-  Result<uint32_t> cast = (*scene)->castShadows(lights, *list);
+  Result<uint32_t> cast = (*scene)->drawing.castShadows(lights, *list);
   if (!cast) return cast;
   impl_->drawn = true;
   impl_->items.emplace_back().list = std::move(list);
@@ -164,7 +165,7 @@ PassList& Frame::addListBefore() {
 }
 
 Result<void> Frame::finish() {
-  const Result<detail::SceneImpl*> scene = open("finish()");
+  const Result<detail::SceneParts*> scene = open("finish()");
   if (!scene) return scene.error();
   if (impl_->finished) return {};
   for (const Impl::Item& item : impl_->items) {
@@ -178,7 +179,7 @@ Result<void> Frame::finish() {
   }
   impl_->finished = true;
   for (const Impl::Item& item : impl_->items) {
-    (*scene)->finish(*item.list);
+    (*scene)->journal.finish(*item.list);
     impl_->steps.push_back({item.list.get(), item.view, item.listOfView});
   }
   return {};
@@ -203,9 +204,9 @@ uint32_t Frame::viewCount() const { return impl_ != nullptr ? impl_->views : 0; 
 
 Result<void> Frame::run(const FrameExecutor& executor) {
   if (Result<void> done = finish(); !done) return done;
-  const Result<detail::SceneImpl*> scene = open("run()");
+  const Result<detail::SceneParts*> scene = open("run()");
   if (!scene) return scene.error();
-  if (Result<void> done = executor.update((*scene)->resources()); !done) return done;
+  if (Result<void> done = executor.update((*scene)->store.resources); !done) return done;
   for (const FrameStep& step : impl_->steps) {
     if (Result<void> done = executor.record(step); !done) return done;
     if (step.view == FrameStep::kNoView) continue;
@@ -219,10 +220,10 @@ Result<void> Frame::run(const FrameExecutor& executor) {
 // The simulation is the first list of a frame.
 Result<Frame> Scene::simulate(float dt) {
   Frame frame;
-  frame.impl_->scene = impl_;
+  frame.impl_->scene = parts_;
   std::unique_ptr<PassList> list = frame.impl_->makeList();
   if (Result<void> done = simulate(dt, *list); !done) return done.error();
-  frame.impl_->frame = impl_->rooms().frame;
+  frame.impl_->frame = parts_->store.frame;
   frame.impl_->items.emplace_back().list = std::move(list);
   return frame;
 }

@@ -2,110 +2,97 @@
 
 #include <utility>
 
-#include "scene/scene_impl.h"
+#include "scene/scene_parts.h"
 
 namespace pelage {
 
-Scene::Scene() : impl_(std::make_shared<detail::SceneImpl>()) {}
+Scene::Scene() : parts_(std::make_shared<detail::SceneParts>()) {}
 Scene::~Scene() = default;
 Scene::Scene(Scene&& other) noexcept
-    : impl_(std::exchange(other.impl_, std::make_shared<detail::SceneImpl>())) {}
+    : parts_(std::exchange(other.parts_, std::make_shared<detail::SceneParts>())) {}
 Scene& Scene::operator=(Scene&& other) noexcept {
-  impl_ = std::exchange(other.impl_, std::make_shared<detail::SceneImpl>());
+  parts_ = std::exchange(other.parts_, std::make_shared<detail::SceneParts>());
   return *this;
 }
 
 Result<HairId> Scene::addHair(const HairAsset& asset, const HairDef& def) {
-  return impl_->addHair(std::make_shared<const HairAsset>(asset), def);
+  return addHair(std::make_shared<const HairAsset>(asset), def);
 }
 Result<HairId> Scene::addHair(std::shared_ptr<const HairAsset> asset, const HairDef& def) {
-  return impl_->addHair(std::move(asset), def);
+  return parts_->store.addHair(std::move(asset), def);
 }
-Result<void> Scene::removeHair(HairId id) { return impl_->removeHair(id); }
-HairObject& Scene::hair(HairId id) { return impl_->hair(id); }
-const HairObject& Scene::hair(HairId id) const { return impl_->hair(id); }
-bool Scene::isValid(HairId id) const { return impl_->isValid(id); }
-bool Scene::isValid(ColliderId id) const { return impl_->isValid(id); }
-bool Scene::isValid(SkeletonId id) const { return impl_->isValid(id); }
-uint32_t Scene::hairCount() const { return impl_->hairCount(); }
-Result<ColliderId> Scene::addCollider(const CollisionMesh& mesh, const SdfColliderDef& def) {
-  return impl_->addCollider(mesh, def);
+HairObject& Scene::hair(HairId id) { return parts_->store.hair(id); }
+const HairObject& Scene::hair(HairId id) const { return parts_->store.hair(id); }
+bool Scene::isValid(HairId id) const { return parts_->store.hairSlots.find(id) != nullptr; }
+bool Scene::isValid(ColliderId id) const {
+  return parts_->store.sdfs.colliders.find(id) != nullptr;
 }
-Result<ColliderId> Scene::addCollider(const SdfData& data, const SdfColliderDef& def) {
-  return impl_->addCollider(data, def);
+bool Scene::isValid(SkeletonId id) const { return parts_->store.skeletonSlots.find(id) != nullptr; }
+SdfCollider& Scene::collider(ColliderId id) { return parts_->store.collider(id); }
+const SdfCollider& Scene::collider(ColliderId id) const { return parts_->store.collider(id); }
+Result<SkeletonId> Scene::addSkeleton(const SkeletonDef& def) {
+  return parts_->store.addSkeleton(def);
 }
-Result<ColliderId> Scene::addCollider(const DenseSdf& sdf, const SdfColliderDef& def) {
-  return impl_->addCollider(sdf, def);
+SkeletonPose& Scene::skeleton(SkeletonId id) { return parts_->store.skeleton(id); }
+const SkeletonPose& Scene::skeleton(SkeletonId id) const { return parts_->store.skeleton(id); }
+BufferId Scene::sdfKeys() const { return parts_->store.sdfs.keys; }
+BufferId Scene::sdfSurface() const { return parts_->store.sdfs.surface; }
+ResourceTable& Scene::resources() { return parts_->store.resources; }
+const ResourceTable& Scene::resources() const { return parts_->store.resources; }
+double Scene::time() const { return parts_->store.time; }
+void Scene::setLevels(bool on) { parts_->store.hazards.setLevels(on); }
+
+void Scene::trim() {
+  parts_->journal.commit();
+  parts_->journal.collectShared();
+  parts_->drawing.trim("Scene::trim() freed its buffers; write it again");
+  parts_->store.sdfs.trim(parts_->store.room());
 }
-Result<void> Scene::removeCollider(ColliderId id) { return impl_->removeCollider(id); }
-SdfCollider& Scene::collider(ColliderId id) { return impl_->collider(id); }
-const SdfCollider& Scene::collider(ColliderId id) const { return impl_->collider(id); }
-Result<SkeletonId> Scene::addSkeleton(const SkeletonDef& def) { return impl_->addSkeleton(def); }
-Result<void> Scene::removeSkeleton(SkeletonId id) { return impl_->removeSkeleton(id); }
-SkeletonPose& Scene::skeleton(SkeletonId id) { return impl_->skeleton(id); }
-const SkeletonPose& Scene::skeleton(SkeletonId id) const { return impl_->skeleton(id); }
-void Scene::trim() { impl_->trim(); }
-Result<SdfData> Scene::copySdf(ColliderId id, std::span<const std::byte> keys,
-                               std::span<const std::byte> surface) const {
-  return impl_->copySdf(id, keys, surface);
+
+// Frames.
+Result<void> Scene::simulate(float dt, PassList& list) {
+  return parts_->simulation.simulate(dt, list);
 }
-BufferId Scene::sdfKeys() const { return impl_->sdfKeys(); }
-BufferId Scene::sdfSurface() const { return impl_->sdfSurface(); }
-ResourceTable& Scene::resources() { return impl_->resources(); }
-const ResourceTable& Scene::resources() const { return impl_->resources(); }
-ObjectBytes Scene::bytesOf(HairId id) const { return impl_->objectBytes(id); }
-ObjectBytes Scene::bytesOf(ColliderId id) const { return impl_->objectBytes(id); }
-DrawBytes Scene::drawBytes() const { return impl_->drawBytes(); }
-Result<void> Scene::simulate(float dt, PassList& list) { return impl_->simulate(dt, list); }
+Result<void> Scene::interpolate(float share, PassList& list) {
+  return parts_->simulation.interpolate(share, list);
+}
+void Scene::finish(PassList& list) { parts_->journal.finish(list); }
+void Scene::abandon(const PassList& list) { parts_->journal.abandon(list); }
+
+// Drawing.
 Result<void> Scene::draw(const View& view, const Light& light, PassList& list) {
-  return impl_->draw(view, light, list);
+  return parts_->drawing.draw(view, light, list);
 }
 Result<void> Scene::draw(const View& view, std::span<const Light> lights,
                          const TransparencySettings& settings, std::vector<PassList>& lists) {
-  return impl_->draw(view, lights, settings, lists);
+  return parts_->drawing.draw(view, lights, settings, lists);
 }
 Result<void> Scene::drawDepth(const View& view, const HairDepthSettings& settings, PassList& list) {
-  return impl_->drawDepth(view, settings, list);
+  return parts_->drawing.drawDepth(view, settings, list);
 }
-Result<void> Scene::interpolate(float share, PassList& list) {
-  return impl_->interpolate(share, list);
-}
-float Scene::shareForView(HairId id, const View& view, float pixels) const {
-  return impl_->shareForView(id, view, pixels);
-}
-TransparencyWork Scene::predictWork(const View& view) const { return impl_->predictWork(view); }
 Result<uint32_t> Scene::castShadows(std::span<const Light> lights, PassList& list) {
-  return impl_->castShadows(lights, list);
+  return parts_->drawing.castShadows(lights, list);
 }
-void Scene::setTier(Tier tier) { impl_->setTier(tier); }
-void Scene::setLevels(bool on) { impl_->setLevels(on); }
-void Scene::setShadowMemory(uint64_t maxBytes) { impl_->setShadowMemory(maxBytes); }
-BufferId Scene::shadowWords() const { return impl_->shadowWords(); }
-BufferId Scene::shadowViews() const { return impl_->shadowViews(); }
-BufferId Scene::transparencyCounters() const { return impl_->transparencyCounters(); }
-TransparencyTiles Scene::transparencyTiles() const { return impl_->transparencyTiles(); }
 Result<void> Scene::drawCollider(ColliderId id, const View& view, const Light& light,
                                  const ColliderLook& look, PassList& list) {
-  return impl_->drawCollider(id, view, light, look, list);
-}
-Result<void> Scene::checkColliderDraw(ColliderId id, std::span<const std::byte> counts) const {
-  return impl_->checkColliderDraw(id, counts);
+  return parts_->drawing.drawCollider(id, view, light, look, list);
 }
 Result<void> Scene::drawContacts(HairId id, const View& view, const ContactLook& look,
                                  PassList& list) {
-  return impl_->drawContacts(id, view, look, list);
+  return parts_->drawing.drawContacts(id, view, look, list);
 }
-Result<float> Scene::deepestContact(HairId id, std::span<const std::byte> contacts,
-                                    std::span<const std::byte> contactWords,
-                                    std::span<const std::byte> positions) const {
-  return impl_->deepestContact(id, contacts, contactWords, positions);
+TransparencyWork Scene::predictWork(const View& view) const {
+  return parts_->drawing.predictWork(view);
 }
-void Scene::finish(PassList& list) { impl_->finish(list); }
-void Scene::abandon(const PassList& list) { impl_->abandon(list); }
-Result<void> Scene::shiftOrigin(Float3 shift) { return impl_->shiftOrigin(shift); }
-Result<void> Scene::teleport(HairId id, const AffineTransform& motion) {
-  return impl_->teleport(id, motion);
+DrawBytes Scene::drawBytes() const {
+  const detail::ViewDrawing& drawing = parts_->drawing;
+  return {drawing.oit.bytes(resources()), drawing.shadows.bytes(resources())};
 }
-double Scene::time() const { return impl_->time(); }
+void Scene::setTier(Tier tier) { parts_->drawing.tier = tier; }
+void Scene::setShadowMemory(uint64_t maxBytes) { parts_->drawing.shadows.maxBytes = maxBytes; }
+BufferId Scene::shadowWords() const { return parts_->drawing.shadows.words(); }
+BufferId Scene::shadowViews() const { return parts_->drawing.shadows.views(); }
+BufferId Scene::transparencyCounters() const { return parts_->drawing.oit.counters(); }
+TransparencyTiles Scene::transparencyTiles() const { return parts_->drawing.oit.tiles(); }
 
 }  // namespace pelage

@@ -2,100 +2,95 @@
 #include <string>
 
 #include "base/ids.h"
-#include "scene/scene_impl.h"
+#include "scene/scene_parts.h"
 #include "sdf/dense_sdf.h"
 
-namespace pelage::detail {
+namespace pelage {
 
-Result<ColliderId> SceneImpl::addCollider(const CollisionMesh& mesh, const SdfColliderDef& def) {
+Result<ColliderId> Scene::addCollider(const CollisionMesh& mesh, const SdfColliderDef& def) {
+  detail::HairStore& store = parts_->store;
   const auto refuse = [&](const std::string& what) {
     return Error{ErrorCode::kInvalidArgument, "collider '" + def.name + "': " + what};
   };
-  if (Result<void> valid = checkSdfColliderDef(def); !valid) return refuse(valid.error().message);
-  if (sdfs_.colliders.isFull()) return refuse("the scene has as many colliders as ids");
-  const Result<SkeletonPose*> skeleton = findSkeleton(def.skeleton, def.boneCount);
+  if (Result<void> valid = detail::checkSdfColliderDef(def); !valid)
+    return refuse(valid.error().message);
+  if (store.sdfs.colliders.isFull()) return refuse("the scene has as many colliders as ids");
+  const Result<SkeletonPose*> skeleton = store.findSkeleton(def.skeleton, def.boneCount);
   if (!skeleton) return refuse(skeleton.error().message);
-  ColliderBones bones = {.count = def.boneCount};
+  detail::ColliderBones bones = {.count = def.boneCount};
   if (*skeleton != nullptr) {
     if (def.vertices != BufferId::kInvalid)
       return refuse("has a vertex buffer, which follows no skeleton");
-    bones = {(*skeleton)->internals_.get(), (*skeleton)->boneCount()};
+    bones = {&detail::HairStore::of(**skeleton), (*skeleton)->boneCount()};
   }
-  const Result<ColliderId> id = sdfs_.add(mesh, def, bones, shifted(), room());
-  if (id) relayFrames();
+  const Result<ColliderId> id = store.sdfs.add(mesh, def, bones, store.shifted, store.room());
+  if (id) parts_->journal.relayFrames();
   return id;
 }
 
-Result<ColliderId> SceneImpl::addCollider(const SdfData& data, const SdfColliderDef& def) {
+Result<ColliderId> Scene::addCollider(const SdfData& data, const SdfColliderDef& def) {
+  detail::HairStore& store = parts_->store;
   const auto refuse = [&](const std::string& what) {
     return Error{ErrorCode::kInvalidArgument, "collider '" + def.name + "': " + what};
   };
-  if (Result<void> valid = checkSdfColliderDef(def); !valid) return refuse(valid.error().message);
-  if (sdfs_.colliders.isFull()) return refuse("the scene has as many colliders as ids");
+  if (Result<void> valid = detail::checkSdfColliderDef(def); !valid)
+    return refuse(valid.error().message);
+  if (store.sdfs.colliders.isFull()) return refuse("the scene has as many colliders as ids");
   if (def.skeleton != SkeletonId::kInvalid)
     return refuse("a field that was built before never moves, and follows no skeleton");
-  const Result<ColliderId> id = sdfs_.add(data, def, shifted(), room());
-  if (id) relayFrames();
+  const Result<ColliderId> id = store.sdfs.add(data, def, store.shifted, store.room());
+  if (id) parts_->journal.relayFrames();
   return id;
 }
 
-Result<ColliderId> SceneImpl::addCollider(const DenseSdf& sdf, const SdfColliderDef& def) {
+Result<ColliderId> Scene::addCollider(const DenseSdf& sdf, const SdfColliderDef& def) {
+  detail::HairStore& store = parts_->store;
   const auto refuse = [&](const std::string& what) {
     return Error{ErrorCode::kInvalidArgument, "collider '" + def.name + "': " + what};
   };
-  if (const std::string fault = faultOf(sdf, resources_); !fault.empty()) return refuse(fault);
-  if (sdfs_.colliders.isFull()) return refuse("the scene has as many colliders as ids");
-  const ColliderId id = sdfs_.add(sdf, def, shifted(), room());
-  relayFrames();
+  if (const std::string fault = detail::faultOf(sdf, store.resources); !fault.empty())
+    return refuse(fault);
+  if (store.sdfs.colliders.isFull()) return refuse("the scene has as many colliders as ids");
+  const ColliderId id = store.sdfs.add(sdf, def, store.shifted, store.room());
+  parts_->journal.relayFrames();
   return id;
 }
 
-Result<void> SceneImpl::removeCollider(ColliderId id) {
-  if (!isValid(id)) return noSuchThing("removeCollider()", sdfs_.colliders.whyNot(id));
-  settleFrames(false);
-  forgetOwner(&collider(id));
-  sdfs_.remove(id, room());
-  removeUnusedCopies();
-  relayFrames();
+Result<void> Scene::removeCollider(ColliderId id) {
+  detail::HairStore& store = parts_->store;
+  if (!isValid(id)) return detail::noSuchThing("removeCollider()", store.sdfs.colliders.whyNot(id));
+  parts_->journal.settle(false);
+  parts_->journal.forgetOwner(&store.collider(id));
+  store.sdfs.remove(id, store.room());
+  store.removeUnusedCopies();
+  parts_->journal.relayFrames();
   return {};
 }
 
-ObjectBytes SceneImpl::objectBytes(ColliderId id) {
+ObjectBytes Scene::bytesOf(ColliderId id) const {
   static_cast<void>(collider(id));
-  const SdfRoom::Bytes bytes = sdfs_.bytesOf(id, room());
+  const detail::SdfRoom::Bytes bytes = parts_->store.sdfs.bytesOf(id, parts_->store.room());
   return {bytes.own, bytes.shared};
 }
 
-SdfCollider& SceneImpl::collider(ColliderId id) {
-  SdfCollider* found = sdfs_.colliders.find(id);
-  if (found == nullptr) endForId("collider()", sdfs_.colliders.whyNot(id));
+Result<SdfData> Scene::copySdf(ColliderId id, std::span<const std::byte> keys,
+                               std::span<const std::byte> surface) const {
+  static_cast<void>(collider(id));
+  return parts_->store.sdfs.copy(id, keys, surface);
+}
+
+Result<void> Scene::checkColliderDraw(ColliderId id, std::span<const std::byte> counts) const {
+  static_cast<void>(collider(id));
+  return parts_->store.sdfs.checkDraw(id, counts);
+}
+
+namespace detail {
+
+SdfCollider& HairStore::collider(ColliderId id) const {
+  SdfCollider* found = sdfs.colliders.find(id);
+  if (found == nullptr) endForId("collider()", sdfs.colliders.whyNot(id));
   return *found;
 }
 
-const SdfCollider& SceneImpl::collider(ColliderId id) const {
-  return const_cast<SceneImpl*>(this)->collider(id);
-}
-
-Result<SdfData> SceneImpl::copySdf(ColliderId id, std::span<const std::byte> keys,
-                                   std::span<const std::byte> surface) const {
-  static_cast<void>(collider(id));
-  return sdfs_.copy(id, keys, surface);
-}
-
-Result<void> SceneImpl::drawCollider(ColliderId id, const View& view, const Light& light,
-                                     const ColliderLook& look, PassList& list) {
-  settleFrames(false);
-  static_cast<void>(collider(id));
-  if (const Result<DrawnView> frame = beginDraw(view, {&light, 1}, &list); !frame)
-    return frame.error();
-  Result<void> added = sdfs_.draw(id, view, light, look, room(), list);
-  setArea({&list, 1}, view);
-  return added;
-}
-
-Result<void> SceneImpl::checkColliderDraw(ColliderId id, std::span<const std::byte> counts) const {
-  static_cast<void>(collider(id));
-  return sdfs_.checkDraw(id, counts);
-}
-
-}  // namespace pelage::detail
+}  // namespace detail
+}  // namespace pelage

@@ -13,7 +13,8 @@
 #include "base/ids.h"
 #include "pelage/constants.h"
 #include "pelage/kernels.h"
-#include "scene/scene_impl.h"
+#include "scene/hair_order.h"
+#include "scene/scene_parts.h"
 #include "shading/root_uvs.h"
 #include "simulation/hair_passes.h"
 
@@ -219,14 +220,53 @@ std::vector<uint32_t> ribbonIndices(uint32_t vertices) {
   return indices;
 }
 
+// Adds the buffers that stay as long as the object does.
+void addHairBuffers(HairObject& object, const HairAsset& asset, const HairDef& def,
+                    HairStore& store) {
+  HairInternals& hair = HairStore::of(object);
+  const RoomBuffers room = store.room();
+  const auto add = [&](const char* what, uint64_t count, uint32_t stride,
+                       BufferUsage usage = BufferUsage::kStorage) {
+    return room.add(def.name + "/" + what, count, stride, {}, usage);
+  };
+  const auto table = [&](const char* what, const auto& values) {
+    return room.share(def.name, what, sizeof(values[0]), detail::bytesOf(values));
+  };
+  HairBuffers& buffers = HairStore::buffersOf(object);
+  const uint64_t guides = object.guideCount();
+  const uint64_t stored = hair.storesFollowHairs ? object.strandCount() : guides;
+  buffers.positions = add("positions", stored * object.verticesPerStrand(), sizeof(Float4));
+  buffers.tangents = add("tangents", stored * object.verticesPerStrand(), sizeof(Float4));
+  buffers.bindRoots = table("bindRoots", bindRootsOf(asset));
+  buffers.rootBindings = table("rootBindings", bindingsOf(asset, def));
+  if (hair.skeleton != nullptr) {
+    buffers.boneTransforms = bonesFor(*hair.skeleton, def.skinning, room);
+  } else {
+    buffers.boneTransforms = add("boneTransforms", rowsOf(def.skinning) * object.boneCount(),
+                                 sizeof(Float4), BufferUsage::kStorage | BufferUsage::kUpload);
+  }
+  if (!def.followHairs.empty())
+    buffers.followHairRecords = table("followHairRecords", recordsOf(def.followHairs));
+  if (!asset.strandThickness.empty())
+    buffers.strandThickness = table("strandThickness", thicknessOf(asset, def, hair));
+  if (!asset.vertexColor.empty())
+    buffers.vertexColors = table("vertexColors", packColors(asset.vertexColor));
+  if (!def.baseTexture.texels.empty())
+    buffers.baseTexture = table("baseTexture", textureOf(asset, def.baseTexture));
+  if (def.strandUvs) buffers.strandUvs = table("strandUvs", rootUvsOf(asset));
+  buffers.indices =
+      room.share(def.name, "indices", sizeof(uint32_t),
+                 detail::bytesOf(ribbonIndices(object.verticesPerStrand())), BufferUsage::kIndex);
+}
+
 }  // namespace
 
-Result<HairId> SceneImpl::addHair(std::shared_ptr<const HairAsset> shared, const HairDef& def) {
+Result<HairId> HairStore::addHair(std::shared_ptr<const HairAsset> given, const HairDef& def) {
   const auto refuse = [&](const std::string& what) {
     return Error{ErrorCode::kInvalidArgument, "hair '" + def.name + "': " + what};
   };
-  if (shared == nullptr) return refuse("the asset is null");
-  const HairAsset& asset = *shared;
+  if (given == nullptr) return refuse("the asset is null");
+  const HairAsset& asset = *given;
   if (asset.restLengths.empty()) {
     return refuse("the asset has no rest data: call process() on it first, without an error");
   }
@@ -234,7 +274,7 @@ Result<HairId> SceneImpl::addHair(std::shared_ptr<const HairAsset> shared, const
   if (Result<void> valid = pelage::validate(asset); !valid) return refuse(valid.error().message);
   if (Result<void> valid = checkRestData(asset); !valid) return refuse(valid.error().message);
   if (Result<void> valid = validate(def.settings); !valid) return refuse(valid.error().message);
-  if (objects_.isFull()) return refuse("the scene has as many hair objects as ids");
+  if (hairSlots.isFull()) return refuse("the scene has as many hair objects as ids");
   const Result<SkeletonPose*> skeleton = findSkeleton(def.skeleton, def.boneCount);
   if (!skeleton) return refuse(skeleton.error().message);
   const uint32_t boneCount = *skeleton != nullptr ? (*skeleton)->boneCount() : def.boneCount;
@@ -254,13 +294,13 @@ Result<HairId> SceneImpl::addHair(std::shared_ptr<const HairAsset> shared, const
   object->boneCount_ = boneCount;
   object->drawnStrands = object->strandCount();
   HairInternals& hair = *object->internals_;
-  static_cast<Groom&>(hair) = groomOf(std::move(shared), def);
+  static_cast<Groom&>(hair) = groomOf(std::move(given), def);
   hair.skinning = def.skinning;
   hair.bones.resize(boneCount);
   hair.bounds = boundsOfRoots(asset, def.influences);
-  hair.origin.shifted = shifted();
+  hair.origin.shifted = shifted;
   if (*skeleton != nullptr) {
-    hair.skeleton = (*skeleton)->internals_.get();
+    hair.skeleton = &of(**skeleton);
     if (hair.skeleton->isOnGpu()) {
       hair.bones = hair.skeleton->bones;
       hair.bounds = boundsOfRoots(asset, {});
@@ -268,51 +308,14 @@ Result<HairId> SceneImpl::addHair(std::shared_ptr<const HairAsset> shared, const
     }
     moveOrigin(*hair.skeleton, {hair.bounds.front().bone, hair.bounds.front().center});
   }
-  addHairBuffers(*object, asset, def);
+  addHairBuffers(*object, asset, def, *this);
   PassList unused;
-  hair.solver.prepare(frameOf(*object, object->settings, 0, 1, unused));
-  return objects_.add(std::move(object));
+  hair.solver.prepare(frameOf(*this, *object, object->settings, {}, unused));
+  return hairSlots.add(std::move(object));
 }
 
-// Those that stay as long as the object does.
-void SceneImpl::addHairBuffers(HairObject& object, const HairAsset& asset, const HairDef& def) {
-  HairInternals& hair = *object.internals_;
-  const auto add = [&](const char* what, uint64_t count, uint32_t stride,
-                       BufferUsage usage = BufferUsage::kStorage) {
-    return room().add(def.name + "/" + what, count, stride, {}, usage);
-  };
-  const auto table = [&](const char* what, const auto& values) {
-    return room().share(def.name, what, sizeof(values[0]), bytesOf(values));
-  };
-  HairBuffers& buffers = object.buffers_;
-  const uint64_t guides = object.guideCount_;
-  const uint64_t stored = hair.storesFollowHairs ? object.strandCount() : guides;
-  buffers.positions = add("positions", stored * object.vertexCount_, sizeof(Float4));
-  buffers.tangents = add("tangents", stored * object.vertexCount_, sizeof(Float4));
-  buffers.bindRoots = table("bindRoots", bindRootsOf(asset));
-  buffers.rootBindings = table("rootBindings", bindingsOf(asset, def));
-  if (hair.skeleton != nullptr) {
-    buffers.boneTransforms = bonesFor(*hair.skeleton, def.skinning, room());
-  } else {
-    buffers.boneTransforms = add("boneTransforms", rowsOf(def.skinning) * object.boneCount_,
-                                 sizeof(Float4), BufferUsage::kStorage | BufferUsage::kUpload);
-  }
-  if (!def.followHairs.empty())
-    buffers.followHairRecords = table("followHairRecords", recordsOf(def.followHairs));
-  if (!asset.strandThickness.empty())
-    buffers.strandThickness = table("strandThickness", thicknessOf(asset, def, hair));
-  if (!asset.vertexColor.empty())
-    buffers.vertexColors = table("vertexColors", packColors(asset.vertexColor));
-  if (!def.baseTexture.texels.empty())
-    buffers.baseTexture = table("baseTexture", textureOf(asset, def.baseTexture));
-  if (def.strandUvs) buffers.strandUvs = table("strandUvs", rootUvsOf(asset));
-  buffers.indices = room().share(def.name, "indices", sizeof(uint32_t),
-                                 bytesOf(ribbonIndices(object.vertexCount_)), BufferUsage::kIndex);
-}
-
-// All that the object has in the table.
-void SceneImpl::removeHairBuffers(HairBuffers& buffers, HairFrameState& state, bool hasSkeleton,
-                                  const RoomBuffers& room) {
+void removeHairBuffers(HairBuffers& buffers, HairFrameState& state, bool hasSkeleton,
+                       const RoomBuffers& room) {
   state.solver.remove(buffers, room);
   state.contacts.remove(room);
   state.fieldForces.remove(room);
@@ -330,67 +333,52 @@ void SceneImpl::removeHairBuffers(HairBuffers& buffers, HairFrameState& state, b
     room.remove(*buffer);
 }
 
+HairObject& HairStore::hair(HairId id) const {
+  HairObject* object = hairSlots.find(id);
+  if (object == nullptr) endForId("hair()", hairSlots.whyNot(id));
+  return *object;
+}
+
+}  // namespace pelage::detail
+
+namespace pelage {
+
 // What removing it would give back, of copies of its state.
-ObjectBytes SceneImpl::objectBytes(HairId id) {
-  const HairObject& object = hair(id);
-  HairBuffers buffers = object.buffers_;
-  HairFrameState state = *object.internals_;
-  HostArray<RemovedBuffer> removed;
-  const RoomBuffers room = {resources_, hazards_, &removed};
-  removeHairBuffers(buffers, state, object.internals_->skeleton != nullptr, room);
+ObjectBytes Scene::bytesOf(HairId id) const {
+  detail::HairStore& store = parts_->store;
+  const HairObject& object = store.hair(id);
+  HairBuffers buffers = object.buffers();
+  detail::HairFrameState state = detail::HairStore::of(object);
+  HostArray<detail::RemovedBuffer> removed;
+  const detail::RoomBuffers room = {store.resources, store.hazards, &removed};
+  removeHairBuffers(buffers, state, detail::HairStore::of(object).skeleton != nullptr, room);
   ObjectBytes bytes;
-  for (const RemovedBuffer& buffer : removed) {
-    uint64_t& sum = shared_.contains(buffer.buffer) ? bytes.shared : bytes.own;
+  for (const detail::RemovedBuffer& buffer : removed) {
+    uint64_t& sum = store.shared.contains(buffer.buffer) ? bytes.shared : bytes.own;
     sum += room.bytesOf(buffer.buffer);
   }
   return bytes;
 }
 
-Result<void> SceneImpl::removeHair(HairId id) {
-  if (!isValid(id)) return noSuchThing("removeHair()", objects_.whyNot(id));
-  settleFrames(false);
-  HairObject& object = hair(id);
-  forgetOwner(&object);
-  HairInternals& internals = *object.internals_;
-  removeHairBuffers(object.buffers_, internals, internals.skeleton != nullptr, room());
-  objects_.remove(id);
-  removeUnusedCopies();
-  collectShared();
+Result<void> Scene::removeHair(HairId id) {
+  detail::HairStore& store = parts_->store;
+  if (!isValid(id)) return detail::noSuchThing("removeHair()", store.hairSlots.whyNot(id));
+  parts_->journal.settle(false);
+  HairObject& object = store.hair(id);
+  parts_->journal.forgetOwner(&object);
+  detail::HairInternals& hair = detail::HairStore::of(object);
+  removeHairBuffers(detail::HairStore::buffersOf(object), hair, hair.skeleton != nullptr,
+                    store.room());
+  store.hairSlots.remove(id);
+  store.removeUnusedCopies();
+  parts_->journal.collectShared();
   if (hairCount() == 0)
-    removeDrawBuffers("its buffers went with the last hair object; write it again");
+    parts_->drawing.trim("its buffers went with the last hair object; write it again");
   return {};
 }
 
-// Tables that no object has any more, and no frame that may turn out not to run.
-void SceneImpl::collectShared() {
-  using Ids = std::array<BufferId, sizeof(HairBuffers) / sizeof(BufferId)>;
-  const auto has = [](const HairBuffers& buffers, BufferId buffer) {
-    const Ids ids = std::bit_cast<Ids>(buffers);
-    return std::find(ids.begin(), ids.end(), buffer) != ids.end();
-  };
-  shared_.collect(resources_, hazards_, [&](BufferId buffer) {
-    for (const auto& object : objects_)
-      if (object != nullptr && has(object->buffers_, buffer)) return true;
-    for (const FrameCheckpoint& frame : frames_.open)
-      for (const HairCheckpoint& saved : frame.hairs)
-        if (has(saved.buffers, buffer)) return true;
-    return false;
-  });
+uint32_t Scene::hairCount() const {
+  return static_cast<uint32_t>(std::ranges::distance(parts_->store.hairs()));
 }
 
-HairObject& SceneImpl::hair(HairId id) {
-  HairObject* object = objects_.find(id);
-  if (object == nullptr) endForId("hair()", objects_.whyNot(id));
-  return *object;
-}
-
-const HairObject& SceneImpl::hair(HairId id) const {
-  return const_cast<SceneImpl*>(this)->hair(id);
-}
-
-uint32_t SceneImpl::hairCount() const {
-  return static_cast<uint32_t>(
-      std::count_if(objects_.begin(), objects_.end(), [](const auto& o) { return o != nullptr; }));
-}
-
-}  // namespace pelage::detail
+}  // namespace pelage

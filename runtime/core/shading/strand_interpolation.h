@@ -46,7 +46,7 @@ class StrandInterpolation {
   /// before means nothing, and the last one is drawn. \param restarts nothing was drawn before
   Result<void> record(const InterpolatedHair& hair, float share, bool known, bool restarts,
                       PassList& list) const;
-  /// Notes that they were placed. \param frame DrawRooms::frame
+  /// Notes that they were placed. \param frame HairStore::frame
   void finish(uint64_t frame) {
     frame_ = frame;
     drawn_ = true;

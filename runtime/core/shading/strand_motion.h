@@ -39,7 +39,7 @@ class StrandMotion {
   /// Adds the pass that keeps the positions. Call it before the simulation moves them; in a frame
   /// that is a reset behind it, so that nothing has moved.
   Result<void> keep(const MotionHair& hair, PassList& list) const;
-  /// Notes what was kept. \param frame DrawRooms::frame
+  /// Notes what was kept. \param frame HairStore::frame
   void finish(const MotionHair& hair, bool reset, uint64_t frame);
   /// What the frame has moved from: only if it has simulated.
   StrandsBefore before(uint64_t frame) const;

@@ -1,4 +1,4 @@
-// What drawing knows of a hair object, and the rooms that draw.
+// Drawing of a scene's hair.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,10 @@
 #include "oit/oit_views.h"
 #include "pelage/scene.h"
 #include "pelage/tier.h"
+#include "scene/frame_journal.h"
 #include "scene/hair_internals.h"
+#include "scene/hair_simulation.h"
+#include "scene/hair_store.h"
 #include "shading/strand_colors.h"
 #include "shading/strand_depth.h"
 #include "shading/strand_draws.h"
@@ -17,7 +20,7 @@
 
 namespace pelage::detail {
 
-/// \param frame DrawRooms::frame
+/// \param frame HairStore::frame
 DrawnHair drawnHairOf(const HairObject& object, const HairInternals& hair, uint64_t frame);
 /// Around the hair where a frame draws it.
 Ball ballOfDrawn(const HairObject& object, const HairInternals& hair, uint64_t frame);
@@ -42,9 +45,9 @@ struct ShadowCast {
   ShadowPlan plan;
 };
 
-/// The rooms that draw, and the frame that they draw in.
-struct DrawRooms {
-  uint64_t frame = 1;  ///< simulate() begins another one
+/// Draws the hair of a scene in views. Scene has the documentation of what is named as there.
+class ViewDrawing {
+ public:
   Tier tier = Tier::kWide;
   OitViews oit;
   ShadowMaps shadows;
@@ -52,12 +55,30 @@ struct DrawRooms {
   StrandDepths depths;
   std::vector<std::unique_ptr<PassList>> spareLists;  ///< of frames, for their memory
 
-  void trim(const RoomBuffers& room, const char* reason) {
-    oit.trim(room, reason);
-    shadows.trim(room, reason);
-    colors.trim(room, reason);
-    depths.trim(room, reason);
-  }
+  ViewDrawing(HairStore& store, FrameJournal& journal, HairSimulation& simulation)
+      : store_(store), journal_(journal), simulation_(simulation) {}
+  Result<void> draw(const View& view, const Light& light, PassList& list);
+  Result<void> draw(const View& view, std::span<const Light> lights,
+                    const TransparencySettings& settings, std::vector<PassList>& lists);
+  Result<void> drawDepth(const View& view, const HairDepthSettings& settings, PassList& list);
+  Result<uint32_t> castShadows(std::span<const Light> lights, PassList& list);
+  Result<void> drawCollider(ColliderId id, const View& view, const Light& light,
+                            const ColliderLook& look, PassList& list);
+  Result<void> drawContacts(HairId id, const View& view, const ContactLook& look, PassList& list);
+  TransparencyWork predictWork(const View& view) const;
+  /// \param reason  why lists that have not run cannot any more
+  void trim(const char* reason);
+
+ private:
+  /// \param list  that the view is drawn into, behind what it has
+  Result<DrawnView> begin(const View& view, std::span<const Light> lights,
+                          const PassList* list = nullptr) const;
+  Result<ShadowCast> checkShadows(std::span<const Light> lights, bool draws);
+  Result<void> addShadows(ShadowCast& cast, DrawnView& frame, PassList& list);
+
+  HairStore& store_;
+  FrameJournal& journal_;
+  HairSimulation& simulation_;
 };
 
 }  // namespace pelage::detail

@@ -1,20 +1,21 @@
-// Teleports: what an object has from frame to frame moves rigidly. As with a shift of the world,
-// the host moves at once, and the GPU in the list that comes next.
+// Shifts of the world's origin, and teleports: the host moves at once, and the GPU in the list that
+// comes next. Solvers' states are relative to origins of their own and stay as they are at shifts;
+// the outputs, which are in world space, are written anew or moved.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
-#include <vector>
+#include <utility>
 
-#include "scene/scene_impl.h"
-#include "simulation/hair_passes.h"
+#include "scene/scene_parts.h"
 
-namespace pelage::detail {
+namespace pelage {
+namespace detail {
 
 namespace {
 
-// Floats beyond it are not whole metres any more [m].
-constexpr double kMaxDistance = 0x1p24;
+// Floats beyond it are not whole meters any more [m].
+constexpr double kMaxMove = 0x1p24;
 // How far the rows of a rotation may be off unit length and right angles.
 constexpr double kRotationError = 1e-3;
 
@@ -49,7 +50,7 @@ Result<RigidMove> rigidMoveOf(const AffineTransform& motion) {
     rows[row] = toVector({r.x, r.y, r.z});
     shift[row] = static_cast<double>(r.w);
     // Also for NaN.
-    if (!(std::abs(shift[row]) <= kMaxDistance)) return refuse("goes farther than 16777216 m");
+    if (!(std::abs(shift[row]) <= kMaxMove)) return refuse("goes farther than 16777216 m");
   }
   for (size_t a = 0; a < 3; ++a) {
     for (size_t b = 0; b <= a; ++b) {
@@ -86,7 +87,7 @@ void moveCapsules(HostArray<CapsuleCollider>& capsules, const RigidMove& move) {
   }
 }
 
-// What a frame goes on from. Data on the GPU are relative to the origin that it has now.
+// Data on the GPU stay relative to the origin that the state has now.
 void moveState(HairFrameState& state, const RigidMove& move) {
   moveCapsules(state.collidersBefore, move);
   state.bonesBefore.clear();
@@ -110,29 +111,6 @@ void moveState(HairFrameState& state, const RigidMove& move) {
 
 }  // namespace
 
-Result<void> SceneImpl::teleport(HairId id, const AffineTransform& motion) {
-  HairObject* object = objects_.find(id);
-  if (object == nullptr) {
-    return Error{ErrorCode::kInvalidArgument,
-                 "teleport(): the id names no hair object of this scene"};
-  }
-  const Result<RigidMove> move = rigidMoveOf(motion);
-  if (!move) return move.error();
-  HairInternals& hair = *object->internals_;
-  if (hair.skeleton == nullptr)
-    for (AffineTransform& bone : hair.bones) moveBone(bone, *move);
-  moveCapsules(hair.colliders, *move);
-  moveGiven(hair.given, *move);
-  hair.bonesChanged = true;
-  moveState(hair, *move);
-  // What open frames are taken back to.
-  for (FrameCheckpoint& frame : frames_.open)
-    for (HairCheckpoint& saved : frame.hairs)
-      if (saved.object == object) moveState(saved.state, *move);
-  draws_.shadows.forget();
-  return {};
-}
-
 RigidMove teleportInWorld(const HairFrameState& state) {
   return teleportInWorld(state, state.origin);
 }
@@ -144,19 +122,60 @@ RigidMove teleportInWorld(const HairFrameState& state, const LocalOrigin& origin
   return {move.rotation, move.shift + to - rotate(move.rotation, from)};
 }
 
-// Moves what rooms have on the GPU but for positions.
-Result<void> SceneImpl::addTeleport(const HairFrame& frame, const HairInternals& hair) {
-  if (!hair.teleport) return {};
-  const RigidMove world = teleportInWorld(hair);
-  for (const std::vector<MovedElements>& room :
-       {hair.solver.moved(frame), hair.contacts.moved(), hair.grid.moved(frame.guideVertices()),
-        hair.followContacts.moved()}) {
-    for (const MovedElements& elements : room) {
-      const RigidMove& move = elements.inWorld ? world : hair.teleport->move;
-      if (Result<void> added = addRigidMove(frame, move, elements); !added) return added;
-    }
+}  // namespace detail
+
+Result<void> Scene::shiftOrigin(Float3 shift) {
+  for (const auto& [value, axis] :
+       {std::pair(shift.x, "x"), std::pair(shift.y, "y"), std::pair(shift.z, "z")}) {
+    if (std::abs(static_cast<double>(value)) <= detail::kMaxMove) continue;
+    return Error{ErrorCode::kInvalidArgument, std::string("shiftOrigin(): ") + axis + " is " +
+                                                  std::to_string(value) +
+                                                  " m, but must be in -16777216..16777216"};
   }
+  detail::HairStore& store = parts_->store;
+  const detail::Vector3<double> by = detail::toVector(shift);
+  store.shifted += by;
+  for (SkeletonPose& skeleton : store.skeletons())
+    shiftWorld(detail::HairStore::of(skeleton), by, store.shifted);
+  for (SdfCollider& held : store.colliders())
+    shiftWorld(detail::HairStore::of(held), by, store.shifted);
+  for (HairObject& object : store.hairs())
+    shiftWorld(detail::HairStore::of(object), by, store.shifted);
+  // What open frames are taken back to is in the new coordinates, too.
+  for (detail::FrameCheckpoint& frame : parts_->journal.open()) {
+    for (detail::HairCheckpoint& saved : frame.hairs) shiftWorld(saved.state, by, store.shifted);
+    for (detail::ColliderCheckpoint& saved : frame.colliders) {
+      shiftWorld(saved.state, by, store.shifted);
+      const detail::SdfColliderInternals& now = detail::HairStore::of(*saved.collider);
+      if (now.data || now.dense) saved.state.grid = now.grid;
+    }
+    for (detail::SkeletonCheckpoint& saved : frame.skeletons) saved.origin.shifted = store.shifted;
+  }
+  parts_->drawing.shadows.forget();
   return {};
 }
 
-}  // namespace pelage::detail
+Result<void> Scene::teleport(HairId id, const AffineTransform& motion) {
+  HairObject* object = parts_->store.hairSlots.find(id);
+  if (object == nullptr) {
+    return Error{ErrorCode::kInvalidArgument,
+                 "teleport(): the id names no hair object of this scene"};
+  }
+  const Result<detail::RigidMove> move = detail::rigidMoveOf(motion);
+  if (!move) return move.error();
+  detail::HairInternals& hair = detail::HairStore::of(*object);
+  if (hair.skeleton == nullptr)
+    for (AffineTransform& bone : hair.bones) detail::moveBone(bone, *move);
+  detail::moveCapsules(hair.colliders, *move);
+  moveGiven(hair.given, *move);
+  hair.bonesChanged = true;
+  detail::moveState(hair, *move);
+  // What open frames are taken back to.
+  for (detail::FrameCheckpoint& frame : parts_->journal.open())
+    for (detail::HairCheckpoint& saved : frame.hairs)
+      if (saved.object == object) detail::moveState(saved.state, *move);
+  parts_->drawing.shadows.forget();
+  return {};
+}
+
+}  // namespace pelage

@@ -6,7 +6,7 @@
 
 #include "base/vector3.h"
 #include "pelage/skeleton.h"
-#include "scene/scene_impl.h"
+#include "scene/scene_parts.h"
 
 namespace pelage::detail {
 
@@ -91,20 +91,20 @@ bool isDrawn(const DrawnView& view, const HairObject& object) {
 
 }  // namespace
 
-TransparencyWork SceneImpl::predictWork(const View& view) const {
+TransparencyWork ViewDrawing::predictWork(const View& view) const {
   TransparencyWork work;
-  const Result<DrawnView> frame = beginDraw(view, {});
+  const Result<DrawnView> frame = begin(view, {});
   if (!frame) return work;
-  for (const auto& object : objects_) {
-    if (object == nullptr || !isDrawn(*frame, *object)) continue;
-    const HairInternals& hair = *object->internals_;
-    const DrawnStrands strands = drawnStrandsOf(*object);
-    const StrandMaterial& m = object->material;
+  for (const HairObject& object : store_.hairs()) {
+    if (!isDrawn(*frame, object)) continue;
+    const HairInternals& hair = HairStore::of(object);
+    const DrawnStrands strands = drawnStrandsOf(object);
+    const StrandMaterial& m = object.material;
     const float fiber =
         m.fiberRadius * (1 + m.tipRadiusRatio) * hair.meanThickness * strands.widening;
     const HairImage image = imageOf(view, hair, toDouble(fiber));
     const double metres = strands.count * toDouble(hair.meanStrand);
-    const double segments = static_cast<double>(strands.count) * (object->verticesPerStrand() - 1);
+    const double segments = static_cast<double>(strands.count) * (object.verticesPerStrand() - 1);
     work.vertices += segments + strands.count;
     work.fragments += metres * kMeanImage * image.ribbonMetre;
     work.references += segments * (image.share + 2 * image.ribbon / kEdge) +

@@ -1,0 +1,109 @@
+// What a scene keeps of frames that may turn out not to run.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "passes/list_run.h"
+#include "passes/room_buffers.h"
+#include "pelage/scene.h"
+#include "scene/hair_internals.h"
+#include "scene/hair_store.h"
+#include "sdf/sdf_collider.h"
+#include "skinning/skeleton_pose.h"
+
+namespace pelage::detail {
+
+struct HairCheckpoint {
+  HairObject* object = nullptr;
+  HairFrameState state;
+  HairBuffers buffers;
+};
+
+struct ColliderCheckpoint {
+  SdfCollider* collider = nullptr;
+  SdfFrameState state;
+  SdfColliderBuffers buffers;
+};
+
+struct SkeletonCheckpoint {
+  SkeletonPose* skeleton = nullptr;
+  LocalOrigin origin;
+  bool originKnown = false;
+  std::array<SkeletonInternals::Copy, 2> copies;
+};
+
+/// What a frame changes on the host, as it was before it. On the GPU a frame that does not run
+/// changes nothing, so with this everything is as it was.
+struct FrameCheckpoint {
+  uint64_t number = 0;  ///< PassList::frame
+  double time = 0;
+  BufferId sdfKeys = BufferId::kInvalid, sdfSurface = BufferId::kInvalid;
+  HostArray<HairCheckpoint> hairs;
+  HostArray<ColliderCheckpoint> colliders;
+  HostArray<SkeletonCheckpoint> skeletons;
+
+  /// Of the table, before the frame and after it: buffers that were added in between are its own.
+  uint64_t firstVersion = 0, lastVersion = 0;
+  /// Buffers that it has no use for any more. They go once it has run.
+  HostArray<RemovedBuffer> removed;
+
+  std::shared_ptr<RunRecord> run;  ///< of its list; nullptr before Scene::finish()
+  bool abandoned = false;
+};
+
+/// Keeps a checkpoint of each frame until the frame has run, and goes back to it where the frame
+/// does not run.
+class FrameJournal {
+ public:
+  /// Changes of the scene that a list makes. Without keep() they are taken back.
+  class Recording {
+   public:
+    /// Saves a checkpoint; a list that has one keeps its own.
+    Recording(FrameJournal& journal, PassList& list);
+    ~Recording();
+    void keep() { kept_ = true; }
+
+   private:
+    FrameJournal& journal_;
+    PassList& list_;
+    bool kept_ = false;
+  };
+
+  explicit FrameJournal(HairStore& store) : store_(store) {}
+  void finish(PassList& list);
+  void abandon(const PassList& list);
+  /// Finds out which open frames have run, and takes back the lost ones.
+  /// \param boundary  a frame begins: lists that are not recorded by now never are
+  void settle(bool boundary);
+  /// Lets go of the frames that have run.
+  void commit();
+  void takeBackAll();
+  /// Sends everything again to a GPU that may have lost it. \param kept  objects without a reset
+  void resetAll(std::span<HairObject* const> kept = {});
+  /// Call it before an object is removed.
+  void forgetOwner(const void* owner);
+  /// Call it when the SDFs have got other offsets between two frames.
+  void relayFrames();
+  /// Removes tables that no object has, and no open frame.
+  void collectShared();
+  bool isLast(const PassList& list) const {
+    return !open_.empty() && open_.back().number == list.frame;
+  }
+  bool allHaveRun() const;
+  /// All open frames, which go back to what is in them.
+  std::span<FrameCheckpoint> open() { return open_; }
+
+ private:
+  void save();
+  void restore();
+  void removeOf(FrameCheckpoint& frame, const void* owner);
+
+  HairStore& store_;
+  HostArray<FrameCheckpoint> open_;   ///< from the oldest one on; each was written on top of it
+  HostArray<FrameCheckpoint> spare_;  ///< for their memory
+};
+
+}  // namespace pelage::detail

@@ -1,0 +1,81 @@
+// The objects of a scene, and what all of them share.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <ranges>
+
+#include "base/ids.h"
+#include "passes/room_buffers.h"
+#include "pelage/scene.h"
+#include "scene/hair_internals.h"
+#include "sdf/sdf_room.h"
+#include "skinning/skeleton_pose.h"
+
+namespace pelage::detail {
+
+/// Objects that there are: Slots without its empty ones.
+template <class Id, class T>
+auto objectsOf(const Slots<Id, T>& slots) {
+  return std::views::all(slots) |
+         std::views::filter([](const std::unique_ptr<T>& held) { return held != nullptr; }) |
+         std::views::transform([](const std::unique_ptr<T>& held) -> T& { return *held; });
+}
+
+/// Holds the objects of a scene by id, their buffers, and what is the same for all of them.
+class HairStore {
+ public:
+  ResourceTable resources;
+  HazardTracker hazards;
+  SharedTables shared;
+  Slots<HairId, HairObject> hairSlots;
+  Slots<SkeletonId, SkeletonPose> skeletonSlots;
+  SdfRoom sdfs;
+  double time = 0;          ///< that is simulated [s]
+  Vector3<double> shifted;  ///< sum of all shifts of the world [m]
+  uint64_t frame = 1;       ///< simulate() begins another one
+  /// Buffers that the frame which is recorded has no use for; nullptr between frames.
+  HostArray<RemovedBuffer>* removed = nullptr;
+
+  static HairInternals& of(HairObject& hair) { return *hair.internals_; }
+  static const HairInternals& of(const HairObject& hair) { return *hair.internals_; }
+  static SdfColliderInternals& of(SdfCollider& collider) { return *collider.internals_; }
+  static SkeletonInternals& of(SkeletonPose& skeleton) { return *skeleton.internals_; }
+  static HairBuffers& buffersOf(HairObject& hair) { return hair.buffers_; }
+  static SdfColliderBuffers& buffersOf(SdfCollider& collider) { return collider.buffers_; }
+  auto hairs() const { return objectsOf(hairSlots); }
+  auto skeletons() const { return objectsOf(skeletonSlots); }
+  auto colliders() const { return objectsOf(sdfs.colliders); }
+  // They assert that the object exists.
+  HairObject& hair(HairId id) const;
+  SkeletonPose& skeleton(SkeletonId id) const;
+  SdfCollider& collider(ColliderId id) const;
+
+  /// \param owner  of what is removed: a hair object or a collider; nullptr: the scene
+  RoomBuffers room(const void* owner = nullptr) {
+    return {resources, hazards, removed, owner, &shared};
+  }
+  Result<HairId> addHair(std::shared_ptr<const HairAsset> asset, const HairDef& def);
+  Result<SkeletonId> addSkeleton(const SkeletonDef& def);
+  /// Errors: what follows the skeleton.
+  Result<void> checkUnused(SkeletonPose& skeleton) const;
+  /// The skeleton that a definition names; nullptr for bones of its own. Errors do not name the
+  /// object.
+  Result<SkeletonPose*> findSkeleton(SkeletonId id, uint32_t boneCount) const;
+  /// Errors: bones on the GPU that an engine has got wrong, and that something follows.
+  Result<void> checkSkeletons() const;
+  /// Takes over the bones that have changed.
+  void followSkeletons();
+  /// Removes copies of bones that nothing reads any more.
+  void removeUnusedCopies();
+};
+
+/// Removes all that an object has in the table.
+void removeHairBuffers(HairBuffers& buffers, HairFrameState& state, bool hasSkeleton,
+                       const RoomBuffers& room);
+
+/// Lets the next frame upload what an object has on the GPU beside its strands' state.
+void sendAgain(HairInternals& hair);
+void sendAgain(SdfColliderInternals& collider);
+
+}  // namespace pelage::detail

@@ -1,0 +1,311 @@
+// Drawing of hair: which hair a view has, its shadows, and its kind of transparency.
+#include "base/eigen_matrix.h"
+#include "pelage/list_check.h"
+#include "scene/scene_parts.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+namespace pelage::detail {
+
+namespace {
+
+// Of the map around all hair, without the ball.
+StrandShadowDef shadowDefOf(const Light& light) {
+  StrandShadowDef def;
+  def.toLight = light.direction;
+  def.hasPosition = light.hasPosition;
+  def.position = light.position;
+  def.coneAngle = light.outerConeAngle;
+  def.size = light.shadowSize;
+  def.layers = light.shadow == HairShadow::kDeep ? light.shadowLayers : 0;
+  def.biasTexels = light.shadowBias;
+  def.layerRange = light.shadowLayerRange;
+  def.volume = light.shadowVolume;
+  return def;
+}
+
+OpaqueShadowPlan opaquePlanOf(const Light& light) {
+  return {.depth = light.opaque.depth, .words = light.opaque.width * light.opaque.height};
+}
+
+PixelArea areaOf(const View& view) {
+  return {static_cast<uint32_t>(view.x), static_cast<uint32_t>(view.y), view.width, view.height};
+}
+
+// Validates material and texture.
+Result<void> checkLook(const HairObject& object) {
+  std::string fault = detail::faultOf(object.material);
+  if (fault.empty()) fault = detail::faultOf(object.strandTexture, object.buffers());
+  if (fault.empty()) return {};
+  return Error{ErrorCode::kInvalidArgument, "hair '" + object.name() + "': " + fault};
+}
+
+// Depth maps of opaque geometry that cast shadows on hair.
+Result<void> checkOpaques(std::span<const Light> lights, const ResourceTable& resources,
+                          ShadowCast& cast) {
+  for (size_t i = 0; i < lights.size(); ++i) {
+    const OpaqueShadow& map = lights[i].opaque;
+    if (map.depth == BufferId::kInvalid) continue;
+    if (cast.opaqueLights.size() == kMaxStrandShadows)
+      return refuseView("more than " + std::to_string(kMaxStrandShadows) +
+                        " lights have a shadow of opaque geometry");
+    const uint64_t bytes = uint64_t{opaquePlanOf(lights[i]).words} * sizeof(float);
+    const BufferDesc* desc = resources.find(map.depth);
+    const uint64_t given = desc != nullptr ? desc->size : 0;
+    if (given < bytes)
+      return refuseView("light " + std::to_string(i) + ": opaque.depth has " +
+                        std::to_string(given) + " bytes, but " + std::to_string(map.width) + " x " +
+                        std::to_string(map.height) + " floats take " + std::to_string(bytes));
+    cast.opaqueLights.push_back(i);
+  }
+  return {};
+}
+
+// All hair that casts shadows.
+// \param all  the ball around it
+Result<std::vector<ShadowedHair>> shadowedHairs(const HairStore& store, Ball& all) {
+  std::vector<ShadowedHair> hairs;
+  for (const HairObject& object : store.hairs()) {
+    if (!object.visible || drawnStrandsOf(object).count == 0) continue;
+    if (Result<void> checked = checkLook(object); !checked) return checked.error();
+    const HairInternals& hair = HairStore::of(object);
+    const Ball ball = ballOfDrawn(object, hair, store.frame);
+    // Unbounded hair casts no shadow.
+    if (!std::isfinite(ball.radius)) continue;
+    all = hairs.empty() ? ball : ballAround(all, ball);
+    hairs.push_back(shadowedHairOf(object, hair, store.frame));
+  }
+  return hairs;
+}
+
+}  // namespace
+
+void setArea(std::span<PassList> lists, const View& view) {
+  for (PassList& list : lists) {
+    if (!list.passes.empty() && isDraw(list.passes.back().kind)) list.area = areaOf(view);
+  }
+}
+
+Result<DrawnView> ViewDrawing::begin(const View& view, std::span<const Light> lights,
+                                     const PassList* list) const {
+  if (view.width == 0 || view.height == 0)
+    return refuseView("is " + std::to_string(view.width) + " x " + std::to_string(view.height) +
+                      " pixels; View::width and height are those of the viewport, and above 0");
+  Result<StrandViewConstants> constants = viewConstants(view, lights);
+  if (!constants) return constants.error();
+  if (list != nullptr) {
+    if (Result<void> fits = checkArea(*list, areaOf(view)); !fits) return fits.error();
+  }
+  DrawnView frame = {.view = view, .lights = lights, .constants = *constants};
+  frame.transformsFirst = limitsOf(tier).storageBuffers.vertex == 0;
+  for (const HairObject& object : store_.hairs()) {
+    if (!object.visible) continue;
+    if (Result<void> checked = checkLook(object); !checked) return checked.error();
+    DrawnHair hair = drawnHairOf(object, HairStore::of(object), store_.frame);
+    hair.before = HairStore::of(object).motion.before(store_.frame);
+    if (hair.strands.count > 0 && isInFrustum(view, hair.ball)) frame.hairs.push_back(hair);
+  }
+  return frame;
+}
+
+// One list without sorting.
+Result<void> ViewDrawing::draw(const View& view, const Light& light, PassList& list) {
+  journal_.settle(false);
+  Result<DrawnView> frame = begin(view, {&light, 1}, &list);
+  if (!frame) return frame.error();
+  Result<ShadowCast> cast = checkShadows(frame->lights, true);
+  if (!cast) return cast.error();
+  if (Result<void> added = addShadows(*cast, *frame, list); !added) return added;
+  const TransparencySettings settings = {.method = Transparency::kStochastic};
+  const Result<OitPlan> plan = OitViews::check(*frame, settings, store_.room());
+  if (!plan) return plan.error();
+  std::vector<PassList> lists;
+  lists.push_back(std::move(list));
+  Result<void> added = colors.record(*frame, store_.room(), store_.frame, lists[0]);
+  if (added) added = oit.record(*frame, settings, *plan, store_.room(), store_.frame, lists);
+  list = std::move(lists.front());
+  if (added) simulation_.finishMoves();
+  setArea({&list, 1}, view);
+  return added;
+}
+
+Result<void> ViewDrawing::draw(const View& view, std::span<const Light> lights,
+                               const TransparencySettings& settings, std::vector<PassList>& lists) {
+  journal_.settle(false);
+  if (lists.empty()) lists.resize(1);
+  for (size_t i = 1; i < lists.size(); ++i) lists[i].clear();
+  const RoomBuffers room = store_.room();
+  Result<DrawnView> frame = begin(view, lights, lists.data());
+  if (!frame) return frame.error();
+  const Result<OitPlan> plan = OitViews::check(*frame, settings, room);
+  if (!plan) return plan.error();
+  if (frame->hairs.empty()) return {};
+  Result<ShadowCast> cast = checkShadows(lights, true);
+  if (!cast) return cast.error();
+  if (Result<void> added = addShadows(*cast, *frame, lists[0]); !added) return added;
+  Result<void> added = colors.record(*frame, room, store_.frame, lists[0]);
+  if (added) added = oit.record(*frame, settings, *plan, room, store_.frame, lists);
+  colors.share(*frame, lists, store_.frame);
+  shadows.share(lists, store_.frame);
+  if (added) simulation_.finishMoves();
+  setArea(lists, view);
+  return added;
+}
+
+// Beside any kind of transparency: it takes the strands alone.
+Result<void> ViewDrawing::drawDepth(const View& view, const HairDepthSettings& settings,
+                                    PassList& list) {
+  journal_.settle(false);
+  if (Result<void> valid = validate(settings); !valid) return valid;
+  Result<DrawnView> frame = begin(view, {});
+  if (!frame) return frame.error();
+  if (Result<void> fits = StrandDepths::check(*frame, settings); !fits) return fits;
+  if (frame->hairs.empty()) return {};
+  if (Result<void> moved = simulation_.movePending(list); !moved) return moved;
+  Result<void> added = colors.record(*frame, store_.room(), store_.frame, list);
+  if (added) added = depths.record(*frame, settings, store_.room(), store_.frame, list);
+  if (added) simulation_.finishMoves();
+  return added;
+}
+
+Result<uint32_t> ViewDrawing::castShadows(std::span<const Light> lights, PassList& list) {
+  journal_.settle(false);
+  // Shadow maps are independent of the view.
+  const View view;
+  Result<StrandViewConstants> constants = viewConstants(view, lights);
+  if (!constants) return constants.error();
+  DrawnView frame = {.view = view, .lights = lights, .constants = *constants};
+  Result<ShadowCast> cast = checkShadows(lights, false);
+  if (!cast) return cast.error();
+  if (Result<void> added = addShadows(*cast, frame, list); !added) return added.error();
+  simulation_.finishMoves();
+  return static_cast<uint32_t>(cast->plan.maps.size());
+}
+
+// Maps of the lights that cast shadows, from all hair in the scene that is visible to anybody.
+// \param draws hair is drawn, and opaque geometry casts shadows on it.
+Result<ShadowCast> ViewDrawing::checkShadows(std::span<const Light> lights, bool draws) {
+  ShadowCast cast;
+  Ball all;
+  Result<std::vector<ShadowedHair>> hairs = shadowedHairs(store_, all);
+  if (!hairs) return hairs.error();
+  cast.hairs = std::move(*hairs);
+  std::vector<StrandShadowDef> defs;
+  for (size_t i = 0; i < lights.size() && !cast.hairs.empty(); ++i) {
+    const Light& light = lights[i];
+    if (light.shadow == HairShadow::kNone) continue;
+    if (defs.size() == kMaxStrandShadows)
+      return refuseView("more than " + std::to_string(kMaxStrandShadows) + " lights have a shadow");
+    StrandShadowDef def = shadowDefOf(light);
+    def.center = all.center;
+    def.shifted = store_.shifted;
+    def.radius = steadyRadius(all.radius);
+    defs.push_back(def);
+    cast.lights.push_back(i);
+  }
+  std::vector<OpaqueShadowPlan> opaques;
+  if (draws && !cast.hairs.empty()) {
+    if (Result<void> checked = checkOpaques(lights, store_.resources, cast); !checked)
+      return checked.error();
+    for (const size_t light : cast.opaqueLights) opaques.push_back(opaquePlanOf(lights[light]));
+  }
+  Result<ShadowPlan> plan = shadows.check(defs, opaques, cast.hairs, store_.room(), store_.frame);
+  if (!plan) return plan.error();
+  cast.plan = std::move(*plan);
+  return cast;
+}
+
+// Positions where they are after a shift of the world; then the maps.
+Result<void> ViewDrawing::addShadows(ShadowCast& cast, DrawnView& frame, PassList& list) {
+  if (Result<void> moved = simulation_.movePending(list); !moved) return moved;
+  const RoomBuffers room = store_.room();
+  if (Result<void> added = shadows.record(cast.plan, cast.hairs, room, store_.frame, list); !added)
+    return added;
+  for (size_t i = 0; i < cast.lights.size(); ++i) {
+    const auto index = static_cast<uint32_t>(i);
+    setShadow(frame.constants, index, cast.plan.maps[i].view);
+    frame.constants.lightShadows[cast.lights[i]].x = index;
+  }
+  for (size_t i = 0; i < cast.opaqueLights.size(); ++i) {
+    const auto index = static_cast<uint32_t>(i);
+    setOpaqueShadow(frame.constants, index, frame.lights[cast.opaqueLights[i]].opaque,
+                    cast.plan.opaques[i].firstWord);
+    frame.constants.lightShadows[cast.opaqueLights[i]].y = 1 + index;
+  }
+  frame.shadowWords = shadows.words();
+  frame.shadowBytes = room.bytesOf(frame.shadowWords);
+  return {};
+}
+
+// For debugging.
+Result<void> ViewDrawing::drawCollider(ColliderId id, const View& view, const Light& light,
+                                       const ColliderLook& look, PassList& list) {
+  journal_.settle(false);
+  static_cast<void>(store_.collider(id));
+  if (const Result<DrawnView> frame = begin(view, {&light, 1}, &list); !frame) return frame.error();
+  Result<void> added = store_.sdfs.draw(id, view, light, look, store_.room(), list);
+  setArea({&list, 1}, view);
+  return added;
+}
+
+Result<void> ViewDrawing::drawContacts(HairId id, const View& view, const ContactLook& look,
+                                       PassList& list) {
+  journal_.settle(false);
+  const HairObject& object = store_.hair(id);
+  if (const Result<DrawnView> frame = begin(view, {}, &list); !frame) return frame.error();
+  for (const auto& [value, name] :
+       {std::pair(look.length, "length"), std::pair(look.width, "width"),
+        std::pair(look.deepestDepth, "deepestDepth")}) {
+    if (!(value > 0) || !std::isfinite(value))
+      return Error{ErrorCode::kInvalidArgument, "ContactLook::" + std::string(name) + " is " +
+                                                    std::to_string(value) +
+                                                    "; it is a finite number > 0"};
+  }
+  if (Result<void> moved = simulation_.movePending(list); !moved) return moved;
+  simulation_.finishMoves();
+  Result<void> added =
+      HairStore::of(object).contacts.addDraw(list, object.buffers().positions, view, look);
+  setArea({&list, 1}, view);
+  return added;
+}
+
+void ViewDrawing::trim(const char* reason) {
+  const RoomBuffers room = store_.room();
+  oit.trim(room, reason);
+  shadows.trim(room, reason);
+  colors.trim(room, reason);
+  depths.trim(room, reason);
+}
+
+}  // namespace pelage::detail
+
+namespace pelage {
+
+float Scene::shareForView(HairId id, const View& view, float pixels) const {
+  constexpr double kLeast = 1.0 / 64;
+  const HairObject& object = hair(id);
+  const detail::Ball ball = ballOfStrands(detail::HairStore::of(object));
+  const Eigen::Matrix4d clip = detail::toMatrix(view.worldToClip);
+  const Eigen::Vector4d center(double{ball.center.x}, double{ball.center.y}, double{ball.center.z},
+                               1);
+  // The nearest strands decide.
+  const double w = clip.row(3) * center - double{ball.radius} * clip.row(3).head<3>().norm();
+  const double pixelsAMetre = 0.5 * view.height * clip.row(1).head<3>().norm() / w;
+  const double width = 2 * double{object.material.fiberRadius} * pixelsAMetre;
+  const double share = width / double{pixels};
+  // Behind or around the eye, and what is not a number, keep all strands.
+  if (!(w > 0) || !(share >= 0)) return 1;
+  return static_cast<float>(std::clamp(share, kLeast, 1.0));
+}
+
+Result<float> Scene::deepestContact(HairId id, std::span<const std::byte> contacts,
+                                    std::span<const std::byte> contactWords,
+                                    std::span<const std::byte> positions) const {
+  return detail::HairStore::of(hair(id)).contacts.deepest(contacts, contactWords, positions);
+}
+
+}  // namespace pelage
