@@ -131,8 +131,9 @@ struct FollowContactCounters {
 /// readCounters() does.
 PELAGE_API FollowContactCounters readFollowContactCounters(std::span<const std::byte> words);
 
-/// Buffers of a hair object; kInvalid marks one that this object does not need.
-struct HairBuffers {
+/// Buffers of a hair object that the library makes; kInvalid marks one that this object does not
+/// need.
+struct HairOutputs {
   BufferId positions = BufferId::kInvalid;      ///< [strand][vertex] Float4, guides first;
                                                 ///< follow hairs only with storeFollowHairs
   BufferId tangents = BufferId::kInvalid;       ///< [strand][vertex] Float4, of the same size
@@ -141,7 +142,6 @@ struct HairBuffers {
                                                 ///< ExactStrand
   BufferId sleep = BufferId::kInvalid;          ///< exact: uint32, see readCounters()
   BufferId lodParents = BufferId::kInvalid;     ///< exact, with level of detail: [guide] uint32
-  BufferId forces = BufferId::kInvalid;         ///< [guide][vertex] Float4, see setForces()
   BufferId contactForces = BufferId::kInvalid;  ///< hair-hair contact: [guide][vertex] Float4, sum
                                                 ///< with `forces`
   BufferId contacts = BufferId::kInvalid;  ///< [guide][vertex][2] ContactRecord, of vertices whose
@@ -177,6 +177,11 @@ struct HairBuffers {
   BufferId drawnTangents = BufferId::kInvalid;   ///< likewise
   BufferId drawnRoots = BufferId::kInvalid;  ///< likewise of rootTransforms(): now and before; only
                                              ///< with follow hairs that are not stored
+};
+
+/// All buffers of a hair object.
+struct HairBuffers : HairOutputs {
+  BufferId forces = BufferId::kInvalid;  ///< [guide][vertex] Float4, yours: see setForces()
 };
 
 /// Hair of a scene. Threads: the one that uses its scene.
@@ -298,7 +303,7 @@ class PELAGE_API HairObject {
 
  private:
   friend class detail::HairStore;
-  HairObject();
+  explicit HairObject(std::unique_ptr<detail::HairInternals> internals);
 
   std::string name_;
   uint32_t guideCount_ = 0, followCount_ = 0, vertexCount_ = 0, boneCount_ = 0;

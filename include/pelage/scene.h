@@ -363,7 +363,7 @@ class PELAGE_API Scene {
   static constexpr uint32_t kMaxSubSteps = 4;
 
  private:
-  std::shared_ptr<detail::SceneParts> parts_;  ///< shared with nobody; frames ask whether it is there
+  std::shared_ptr<detail::SceneParts> parts_;  ///< shared with nobody; frames ask for it
 };
 
 }  // namespace pelage

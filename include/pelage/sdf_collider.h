@@ -88,7 +88,7 @@ PELAGE_API SdfCounters readSdfCounters(std::span<const std::byte> work);
 
 /// Buffers of a collider; kInvalid marks one that this collider does not need. Keys and records are
 /// in two buffers that all colliders share, Scene::sdfKeys() and Scene::sdfSurface().
-struct SdfColliderBuffers {
+struct SdfOutputs {
   BufferId bindVertices = BufferId::kInvalid;    ///< [vertex][3] float
   BufferId bindings = BufferId::kInvalid;        ///< [vertex] VertexBinding
   BufferId bones = BufferId::kInvalid;           ///< 3 (matrices) or 2 (dual quaternions) Float4
@@ -101,6 +101,10 @@ struct SdfColliderBuffers {
   BufferId counts = BufferId::kInvalid;  ///< crossings of the nodes
   BufferId points = BufferId::kInvalid, work = BufferId::kInvalid, marks = BufferId::kInvalid;
   BufferId votes = BufferId::kInvalid;
+};
+
+/// All buffers of a collider.
+struct SdfColliderBuffers : SdfOutputs {
   BufferId isoCounts = BufferId::kInvalid;  ///< for Scene::checkColliderDraw()
 };
 

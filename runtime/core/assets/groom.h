@@ -1,4 +1,4 @@
-// What never changes of the hair of an object, for all rooms.
+// The hair of an object, for all rooms.
 #pragma once
 
 #include <cmath>
@@ -15,11 +15,19 @@
 
 namespace pelage::detail {
 
-struct Groom {
+/// The rest pose, which HairObject::setRestPose() changes.
+struct RestPose {
   /// Positions and rest data, to fill buffers again when settings change.
   std::shared_ptr<const HairAsset> asset;
+  uint64_t version = 0;     ///< rises with each change
+  float longestStrand = 0;  ///< [m]
+  float meanStrand = 0;     ///< mean length [m]
+  float volume = 0;         ///< that the bind shape fills [m3]
+};
+
+/// What never changes.
+struct Groom {
   std::shared_ptr<const HairAsset> firstAsset;  ///< of addHair(): the order of strands goes by it
-  uint64_t restVersion = 0;                     ///< rises with HairObject::setRestPose()
   std::vector<BoneInfluences> influences;       ///< [guide], or empty for bone 0
   std::vector<StrandFactors> strandFactors;     ///< [guide], or empty for 1
   std::vector<uint32_t> hairsOfGuides;          ///< that a guide stands for, with itself
@@ -27,9 +35,6 @@ struct Groom {
   bool storesFollowHairs = false;
   bool collidesFollowHairs = false;  ///< they are stored, too
   bool heldVertices = false;         ///< beyond the two at the root
-  float longestStrand = 0;           ///< [m]
-  float meanStrand = 0;              ///< mean length [m]
-  float volume = 0;                  ///< that the bind shape fills [m3]
   float followRange = 0;     ///< largest offset of a follow hair at its root, and at its tip
   float followTipRange = 0;  ///< before the setting's tipSeparation [m]
   float meanThickness = 1, maxThickness = 1;     ///< of the factors of all strands

@@ -64,6 +64,14 @@ std::vector<Collider> packCapsules(std::span<const CapsuleCollider> capsules,
   return packed;
 }
 
+void moveCapsules(std::span<CapsuleCollider> capsules, const WorldMove& move) {
+  for (CapsuleCollider& capsule : capsules) {
+    move.point(capsule.head);
+    move.point(capsule.tail);
+    move.direction(capsule.angularVelocity);
+  }
+}
+
 void settleCapsules(std::span<CapsuleCollider> before, std::span<const CapsuleCollider> now,
                     double roundedShift) {
   constexpr double kRounding = 0x1p-23;

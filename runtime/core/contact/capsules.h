@@ -6,6 +6,7 @@
 
 #include "base/bounds.h"
 #include "base/local_origin.h"
+#include "base/rigid_move.h"
 #include "pelage/collider.h"
 #include "pelage/gpu_structs.h"
 
@@ -13,10 +14,11 @@ namespace pelage::detail {
 
 /// True for other capsules than before; those that only move are not.
 bool areReplaced(std::span<const CapsuleCollider> before, std::span<const CapsuleCollider> now);
-/// Those of a frame of so many seconds that reach a ball, relative to an origin.
+/// Returns the capsules that reach a ball in a frame of so many seconds, relative to an origin.
 std::vector<Collider> packCapsules(std::span<const CapsuleCollider> capsules,
                                    std::span<const CapsuleCollider> capsulesBefore,
                                    const LocalOrigin& origin, const Ball& ball, float seconds);
+void moveCapsules(std::span<CapsuleCollider> capsules, const WorldMove& move);
 /// After shifts of the world: capsules that moved by no more than an engine's rounding have not
 /// moved. \param roundedShift  sum of the largest components of the shifts [m]
 void settleCapsules(std::span<CapsuleCollider> before, std::span<const CapsuleCollider> now,

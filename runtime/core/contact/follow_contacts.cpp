@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <span>
+#include <utility>
 
 #include "pelage/bindings.h"
 #include "pelage/constants.h"
@@ -34,13 +35,12 @@ uint64_t FollowContacts::wordBytes() const {
          sizeof(uint32_t);
 }
 
-void FollowContacts::prepare(ResourceTable& resources, const std::string& name, uint32_t strands,
-                             uint32_t verticesPerStrand) {
-  strands_ = strands;
-  vertices_ = verticesPerStrand;
+void FollowContacts::makeBuffers(const HairFrame& frame) {
+  strands_ = frame.followCount;
+  vertices_ = frame.vertexCount;
   const auto add = [&](const char* what, uint64_t bytes, uint32_t stride, BufferUsage usage) {
-    return resources.add(
-        {.name = name + "/" + what, .size = bytes, .stride = stride, .usage = usage});
+    return frame.room.resources.add(
+        {.name = frame.name + "/" + what, .size = bytes, .stride = stride, .usage = usage});
   };
   before_ = add("followBefore", beforeBytes(), sizeof(Float4), BufferUsage::kStorage);
   contacts_ = add("followContacts", contactBytes(), sizeof(FollowContact), BufferUsage::kStorage);
@@ -49,17 +49,23 @@ void FollowContacts::prepare(ResourceTable& resources, const std::string& name, 
                    BufferUsage::kReadback);
 }
 
-Result<void> FollowContacts::add(PassList& list, const ResourceTable& resources,
-                                 const FollowHairs& hairs, const ColliderBuffers& colliders,
-                                 bool known) {
+Result<void> FollowContacts::record(HairFrame& frame, const ColliderBuffers& colliders) {
+  const bool known = std::exchange(goesOn_, false) && !frame.reset;
+  if (!frame.groom.collidesFollowHairs || !colliders.any()) return {};
+  if (words_ == BufferId::kInvalid) {
+    makeBuffers(frame);
+    frame.buffers.followBefore = before_;
+    frame.buffers.followContactWords = words_;
+  }
   goesOn_ = true;
   uint32_t head[kFollowHeadWords] = {};
   head[kFollowArguments + 1] = rows();
   head[kFollowArguments + 2] = 1;
-  addUpload(list, words_, std::as_bytes(std::span(head)));
+  addUpload(frame.list, words_, std::as_bytes(std::span(head)));
+  const Float3 origin = frame.origin.world();
   FollowCollisionConstants constants = {};
-  constants.followOrigin = {hairs.origin.x, hairs.origin.y, hairs.origin.z, 0};
-  constants.firstFollow = hairs.first;
+  constants.followOrigin = {origin.x, origin.y, origin.z, 0};
+  constants.firstFollow = frame.guideCount;
   constants.followHairCount = strands_;
   constants.followVertexCount = vertices_;
   constants.followSdfCount = colliders.contactSdfCount;
@@ -72,24 +78,25 @@ Result<void> FollowContacts::add(PassList& list, const ResourceTable& resources,
   for (const bool again : {false, true}) {
     constants.followAgain = again ? 1 : 0;
     for (const KernelVariant* variant : {&find, &walk}) {
-      Result<void> added = addPass(list, resources, *variant, hairs, colliders, constants);
+      Result<void> added = addPass(frame, *variant, colliders, constants);
       if (!added) return added;
     }
   }
   return {};
 }
 
-Result<void> FollowContacts::addPass(PassList& list, const ResourceTable& resources,
-                                     const KernelVariant& variant, const FollowHairs& hairs,
+Result<void> FollowContacts::addPass(const HairFrame& frame, const KernelVariant& variant,
                                      const ColliderBuffers& colliders,
                                      const FollowCollisionConstants& constants) const {
   const bool walks = &variant == &collideFollowHairsVariant({});
-  const uint64_t stored = (uint64_t{hairs.first} + strands_) * vertices_ * sizeof(Float4);
-  PassBuilder builder(list);
+  const ResourceTable& resources = frame.room.resources;
+  const uint64_t stored = (uint64_t{frame.guideCount} + strands_) * vertices_ * sizeof(Float4);
+  PassBuilder builder(frame.list);
   if (constants.followAgain != 0)
     builder.dispatchIndirect(variant, words_, kFollowArguments * sizeof(uint32_t));
-  else if (hairs.awake != BufferId::kInvalid)
-    builder.dispatchIndirect(variant, hairs.awake, hairs.argumentBytes);
+  else if (frame.sleeps)
+    builder.dispatchIndirect(variant, frame.buffers.sleep,
+                             exact::kSleepFollowArguments * sizeof(uint32_t));
   else
     builder.dispatch(variant, tiles() * variant.groupSize[0],
                      walks ? 1 : rows() * variant.groupSize[1]);
@@ -100,8 +107,8 @@ Result<void> FollowContacts::addPass(PassList& list, const ResourceTable& resour
       .followKeys = resources.whole(colliders.contactSdfKeys),
       .followSurface = resources.whole(colliders.contactSdfSurface),
       .followColliders = resources.whole(colliders.capsules),
-      .followPositions = {hairs.positions, stored},
-      .followTangents = {hairs.tangents, stored},
+      .followPositions = {frame.buffers.positions, stored},
+      .followTangents = {frame.buffers.tangents, stored},
       .followBefore = {before_, beforeBytes()},
       .followContacts = {contacts_, contactBytes()},
       .followWords = {words_, wordBytes()},

@@ -23,15 +23,15 @@ static_assert(sizeof(Collider) == contact::kColliderElements * sizeof(Uint4));
 static_assert(sizeof(Sdf) == sizeof(Collider), "both are elements of one buffer");
 
 constexpr uint32_t kMaskBits = 32;
-// What is this near to a surface has a record [m]; or as near as it falls further in a sub-step.
+// Vertices this near to a surface have a record [m]; falling hair reaches further.
 constexpr float kRange = 1e-3f;
 // Falls longer than this are part of a vertex's predicted position; for shorter ones the planes at
 // the unpredicted position are better [m].
 constexpr float kLeap = 0.01f;
-// Corners of what is drawn of a record.
+// Corners of the needle that draws a record.
 constexpr uint32_t kNeedleCorners = 3;
 
-// Of a vertex with records.
+// Depth of the deepest record of a vertex.
 float deepestOf(const ContactRecord* records, const Float3& point) {
   float deepest = 0;
   for (uint32_t k = 0; k < kMaxContacts; ++k) {
@@ -78,10 +78,6 @@ uint32_t HairContacts::strands() const {
 
 uint64_t HairContacts::wordBytes() const { return strands() * sizeof(uint32_t) + strandBytes(); }
 
-uint64_t HairContacts::solveArguments(uint32_t step) const {
-  return (uint64_t{head(step)} + kContactSolveArguments) * sizeof(uint32_t);
-}
-
 void HairContacts::prepare(ResourceTable& resources, const std::string& name,
                            std::span<const ContactStrand> strands, uint32_t verticesPerStrand,
                            uint64_t vertices, uint32_t steps) {
@@ -116,15 +112,12 @@ void HairContacts::prepare(ResourceTable& resources, const std::string& name,
 std::vector<MovedElements> HairContacts::moved() const {
   using namespace move_rigidly;
   if (!known_ || records_ == BufferId::kInvalid) return {};
+  const uint64_t before = recordBytes() / sizeof(Float4);
   // Records, the positions before the last sub-step, and the displacements of the roots.
   return {
-      {records_,
-       0,
-       recordBytes() / sizeof(Float4),
-       1,
-       {kMovesDirection, kMovesDirection, kMovesDirection, kMovesPoint}},
-      {records_, beforeElement(), vertices_, 1, {kMovesPoint}, true},
-      {records_, beforeElement() + vertices_, 2 * uint64_t{strandCount_}, 1, {kMovesDirection}}};
+      {records_, 0, before, 1, {kMovesDirection, kMovesDirection, kMovesDirection, kMovesPoint}},
+      {records_, before, vertices_, 1, {kMovesPoint}, true},
+      {records_, before + vertices_, 2 * uint64_t{strandCount_}, 1, {kMovesDirection}}};
 }
 
 void HairContacts::clearTotals(PassList& list) {

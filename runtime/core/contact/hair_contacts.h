@@ -80,13 +80,8 @@ class HairContacts {
   void shiftWorld(const Vector3<double>& shifted) { origin_.shifted = shifted; }
   /// Call when moved() is relative to another origin from now on.
   void moveTo(const LocalOrigin& origin) { origin_ = origin; }
-  /// What a rigid motion of the object moves.
+  /// Elements that a rigid motion of the object moves.
   std::vector<MovedElements> moved() const;
-  /// Positions of the last sub-step from which find() continues; kInvalid if it does not.
-  BufferId before() const { return known_ ? records_ : BufferId::kInvalid; }
-  /// The Float4 of before() where they begin.
-  uint64_t beforeElement() const { return recordBytes() / sizeof(Float4); }
-  uint64_t vertexCount() const { return vertices_; }
   /// Call after a frame without contacts: earlier contacts do not continue.
   void forget() { known_ = false; }
   /// Call in a frame without begin(): its totals are 0.
@@ -118,7 +113,9 @@ class HairContacts {
   /// Groups in y of the pass over a list of tiles.
   uint32_t rows() const { return maskWords_ * 8; }
   /// Offset of the arguments of the solver's dispatch over the tiles that are solved again.
-  uint64_t solveArguments(uint32_t step) const;
+  uint64_t solveArguments(uint32_t step) const {
+    return (uint64_t{head(step)} + contact_records::kContactSolveArguments) * sizeof(uint32_t);
+  }
 
  private:
   uint64_t beforeBytes() const { return (vertices_ + 2 * uint64_t{strandCount_}) * sizeof(Float4); }

@@ -26,8 +26,8 @@ constexpr double kFrontCells = 1;
 // A binding's offset is a multiple of this many vectors on every device.
 constexpr uint64_t kAlignedVectors = 256 / kVector;
 
-// Of the ball around the middle that no strand leaves while the bones move rigidly [m].
-double extentOf(const GridHair& hair) {
+// Radius around the middle that no strand leaves while the bones move rigidly [m].
+double extentOf(const HairInputs& hair) {
   const Float3 middle = middleOf(hair.bounds, {});
   double extent = 0;
   for (const BoneBounds& ball : hair.bounds) {
@@ -36,7 +36,7 @@ double extentOf(const GridHair& hair) {
     const double z = static_cast<double>(ball.center.z - middle.z);
     extent = std::max(extent, std::sqrt(x * x + y * y + z * z) + static_cast<double>(ball.radius));
   }
-  return 1.01 * extent + static_cast<double>(hair.groom.longestStrand) +
+  return 1.01 * extent + static_cast<double>(hair.rest.longestStrand) +
          static_cast<double>(hair.deviation);
 }
 
@@ -108,9 +108,9 @@ bool isOn(const HairContactSettings& contact) {
 
 }  // namespace
 
-// What all kernels of the grid take: the grid around a middle.
+// Constants of all kernels of the grid: the grid around a middle.
 // \param shifted of the middle's space: nodes stay where they are in the first world
-HairGridConstants HairGrid::constantsOf(const GridHair& hair, Float3 middle,
+HairGridConstants HairGrid::constantsOf(const HairFrame& frame, Float3 middle,
                                         const Vector3<double>& shifted) const {
   const double cell = static_cast<double>(cell_);
   const double extent = 0.5 * cell * (size_ - kGridBorder);
@@ -126,7 +126,7 @@ HairGridConstants HairGrid::constantsOf(const GridHair& hair, Float3 middle,
   constants.massScale = massScale_;
   constants.momentumScale = momentumScale_;
   constants.gridSize = size_;
-  constants.gridVertexCount = static_cast<uint32_t>(hair.groom.asset->positions.size());
+  constants.gridVertexCount = static_cast<uint32_t>(frame.inputs.rest.asset->positions.size());
   return constants;
 }
 
@@ -158,8 +158,8 @@ Result<void> HairGrid::addSplatPasses(const HairGridConstants& constants, Buffer
 }
 
 // The rest density of every vertex, once for a grid.
-Result<void> HairGrid::addMeasurePasses(const GridHair& hair, PassList& list) const {
-  HairGridConstants constants = constantsOf(hair, middleOf(hair.bounds, {}), {});
+Result<void> HairGrid::addMeasurePasses(const HairFrame& frame, PassList& list) const {
+  HairGridConstants constants = constantsOf(frame, middleOf(frame.inputs.bounds, {}), {});
   const uint64_t count = constants.gridVertexCount;
   const uint64_t nodes = uint64_t{constants.gridSize} * constants.gridSize * constants.gridSize;
   const Float4 origin = constants.gridOrigin;
@@ -195,17 +195,25 @@ void HairGrid::remove(const RoomBuffers& room) {
   *this = {};
 }
 
-void HairGrid::prepare(const GridHair& hair, bool takesForces, const RoomBuffers& room) {
-  const HairContactSettings& contact = hair.settings;
+void HairGrid::prepare(HairFrame& frame) {
+  if (frame.mode == FrameMode::kPose) return;
+  const HairContactSettings& contact = frame.settings.contact;
+  const RoomBuffers& room = frame.room;
+  const bool on = frame.mode == FrameMode::kSimulate && frame.settings.solver == Solver::kExact &&
+                  isOn(contact);
   room.remove(bindPoses_);
-  const bool on = takesForces && isOn(contact);
-  const bool same = size_ > 0 && cellSetting_ == contact.cellSize &&
+  const bool same = !frame.otherRest && size_ > 0 && cellSetting_ == contact.cellSize &&
                     friction_ == (contact.friction > 0) && pressure_ == (contact.stiffness > 0);
-  if (on && same) return;
-  remove(room);
-  if (!on) return;
+  if (!on || !same) remove(room);
+  if (on && !same) make(frame);
+  frame.buffers.contactForces = forces_;
+  others_ = frame.forces;
+  if (on) frame.forces = forces_;
+}
 
-  const double extent = extentOf(hair);
+void HairGrid::make(const HairFrame& frame) {
+  const HairContactSettings& contact = frame.settings.contact;
+  const double extent = extentOf(frame.inputs);
   const double cell = std::max(static_cast<double>(contact.cellSize),
                                2 * extent / (hair_grid::kMaxGridSize - kGridBorder - 1));
   cellSetting_ = contact.cellSize;
@@ -214,8 +222,8 @@ void HairGrid::prepare(const GridHair& hair, bool takesForces, const RoomBuffers
   friction_ = contact.friction > 0;
   pressure_ = contact.stiffness > 0;
 
-  const HairAsset& asset = *hair.groom.asset;
-  const std::vector<Float4> masses = massesOf(asset, hair.groom.hairsOfGuides);
+  const HairAsset& asset = *frame.inputs.rest.asset;
+  const std::vector<Float4> masses = massesOf(asset, frame.groom.hairsOfGuides);
   double total = 0;
   for (const Float4& vertex : masses) total += static_cast<double>(vertex.w);
   // Powers of two: they do not depend on the order of the sum, and products with them are exact.
@@ -225,7 +233,7 @@ void HairGrid::prepare(const GridHair& hair, bool takesForces, const RoomBuffers
   const auto add = [&](const char* what, uint64_t count, uint32_t stride,
                        std::span<const Float4> initial = {}) {
     const auto bytes = std::as_bytes(initial);
-    return room.add(hair.name + "/" + what, count, stride, {bytes.begin(), bytes.end()});
+    return frame.room.add(frame.name + "/" + what, count, stride, {bytes.begin(), bytes.end()});
   };
   const uint64_t nodes = uint64_t{size_} * size_ * size_;
   nodes_ = add("contactNodes", nodes * (friction_ ? 4 : 1), sizeof(uint32_t));
@@ -233,21 +241,22 @@ void HairGrid::prepare(const GridHair& hair, bool takesForces, const RoomBuffers
   forces_ = add("contactForces", masses.size(), kVector);
   if (pressure_) {
     rest_ = add("contactRest", masses.size(), sizeof(float));
-    const std::vector<Float4> poses = rotatedBindPoses(asset, middleOf(hair.bounds, {}));
+    const std::vector<Float4> poses = rotatedBindPoses(asset, middleOf(frame.inputs.bounds, {}));
     bindPoses_ = add("contactBindPoses", poses.size(), kVector, poses);
   }
 }
 
-Result<void> HairGrid::record(const GridHair& hair, double h, bool reset, PassList& list) {
+Result<void> HairGrid::record(const HairFrame& frame, double h, bool reset) {
   if (size_ == 0) return {};
-  const HairContactSettings& contact = hair.settings;
+  PassList& list = frame.list;
+  const HairContactSettings& contact = frame.settings.contact;
   if (bindPoses_ != BufferId::kInvalid && !measured_) {
-    if (Result<void> added = addMeasurePasses(hair, list); !added) return added;
+    if (Result<void> added = addMeasurePasses(frame, list); !added) return added;
     measured_ = true;
   }
-  const Float3 middle = middleOf(hair.bounds, hair.bones);
+  const Float3 middle = middleOf(frame.inputs.bounds, frame.inputs.bones);
   const bool finite = isFinite(middle);
-  HairGridConstants constants = constantsOf(hair, finite ? middle : middle_, hair.shifted);
+  HairGridConstants constants = constantsOf(frame, finite ? middle : middle_, frame.origin.shifted);
   if (reset) history_ = 0;
   // There are positions from the second step on, and velocities from the third one on.
   if (history_ > 1) {
@@ -266,13 +275,14 @@ Result<void> HairGrid::record(const GridHair& hair, double h, bool reset, PassLi
   if (history_ == 0) {
     // Nothing is inside a grid without nodes: the pass clears the forces.
     constants.gridSize = 0;
-  } else if (Result<void> added = addSplatPasses(constants, hair.positions, 0, list); !added) {
+  } else if (Result<void> added = addSplatPasses(constants, frame.buffers.positions, 0, list);
+             !added) {
     return added;
   }
   const uint64_t count = constants.gridVertexCount;
   const uint64_t nodes = uint64_t{size_} * size_ * size_;
   const uint64_t nodeBytes = nodes * (friction_ ? 4 : 1) * sizeof(uint32_t);
-  const bool others = hair.otherForces != BufferId::kInvalid;
+  const bool others = others_ != BufferId::kInvalid;
   constants.addsForces = others ? 1 : 0;
   PassBuilder builder(list);
   dispatchRows(builder, applyHairGridVariant({}), count)
@@ -280,13 +290,13 @@ Result<void> HairGrid::record(const GridHair& hair, double h, bool reset, PassLi
              nodeBytes);
   history_ = std::min(history_ + 1, 2u);
   step_ = h;
-  const BufferRange positions = {hair.positions, count * kVector};
+  const BufferRange positions = {frame.buffers.positions, count * kVector};
   const BufferRange rest = {rest_, count * sizeof(float)};
   // Positions stand in, and are not read, without pressure and without forces of others.
   return builder.finish(HairGridBindings{
       .hairGridConstants = constants,
       .gridPositions = positions,
-      .otherForces = others ? BufferRange{hair.otherForces, count * kVector} : positions,
+      .otherForces = others ? BufferRange{others_, count * kVector} : positions,
       .gridBefore = {vertices_, count * kVector},
       .gridRest = rest.isBound() ? rest : positions,
       .gridNodes = {nodes_, nodeBytes},
@@ -294,9 +304,10 @@ Result<void> HairGrid::record(const GridHair& hair, double h, bool reset, PassLi
   });
 }
 
-void HairGrid::finish(const GridHair& hair, double seconds) {
+void HairGrid::finish(const HairFrame& frame) {
   if (size_ == 0) return;
-  const Float3 middle = middleOf(hair.bounds, hair.bones);
+  const auto seconds = static_cast<double>(frame.length);
+  const Float3 middle = middleOf(frame.inputs.bounds, frame.inputs.bones);
   const auto speed = [&](float now, float before) {
     const double v = (static_cast<double>(now) - static_cast<double>(before)) / seconds;
     return std::isfinite(v) ? static_cast<float>(v) : 0.0f;

@@ -54,11 +54,11 @@ struct CachePlayer::Impl {
   HairCacheReader reader;  ///< of the thread, but for what does not change
   CachePlayerDef def;
   uint64_t frameCount;
-  // Of the scene's thread.
+  // The scene's thread alone uses these:
   std::vector<Float3> blended;
   std::optional<Place> shown;
 
-  // Of both threads.
+  // Both threads use these:
   std::mutex mutex;
   std::condition_variable changed;
   std::vector<DecodedFrame> frames;

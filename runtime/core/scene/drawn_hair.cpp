@@ -10,7 +10,7 @@ namespace pelage {
 
 DrawnStrands drawnStrandsOf(const HairObject& object) {
   const uint32_t all = std::min(object.drawnStrands, object.strandCount());
-  // What is not a number counts as 1.
+  // NaN counts as 1.
   const double share =
       object.drawnShare >= 0 ? std::min(static_cast<double>(object.drawnShare), 1.0) : 1.0;
   DrawnStrands drawn;
@@ -46,11 +46,11 @@ DrawnHair drawnHairOf(const HairObject& object, const HairInternals& hair, uint6
   drawn.vertexCount = object.verticesPerStrand();
   drawn.guideCount = object.guideCount();
   drawn.followCount = object.strandCount() - object.guideCount();
-  drawn.storesFollows = hair.storesFollowHairs;
+  drawn.storesFollows = hair.groom.storesFollowHairs;
   drawn.tipSeparation = object.settings.tipSeparation;
-  drawn.textureSize = {hair.textureWidth, hair.textureHeight};
+  drawn.textureSize = {hair.groom.textureWidth, hair.groom.textureHeight};
   if (object.strandTexture.texture != TextureId::kInvalid) drawn.texture = &object.strandTexture;
-  const StrandsBetween between = hair.interpolation.drawn(frame);
+  const StrandsBetween between = hair.get<StrandInterpolation>().drawn(frame);
   const bool placed = between.positions != BufferId::kInvalid;
   drawn.positions = placed ? between.positions : object.buffers().positions;
   drawn.tangents = placed ? between.tangents : object.buffers().tangents;
@@ -61,16 +61,16 @@ DrawnHair drawnHairOf(const HairObject& object, const HairInternals& hair, uint6
 
 Ball ballOfDrawn(const HairObject& object, const HairInternals& hair, uint64_t frame) {
   const Ball now = ballOfHair(hair, object.settings.tipSeparation);
-  const bool placed = hair.interpolation.drawn(frame).positions != BufferId::kInvalid;
-  return placed ? ballAround(now, hair.interpolation.ballBefore()) : now;
+  const bool placed = hair.get<StrandInterpolation>().drawn(frame).positions != BufferId::kInvalid;
+  return placed ? ballAround(now, hair.get<StrandInterpolation>().ballBefore()) : now;
 }
 
 Ball ballOfHair(const HairInternals& hair, float tipSeparation) {
   Ball ball = ballOfStrands(hair);
   // Between root and tip the offset goes linearly from one to the other.
   const float tip =
-      std::isfinite(tipSeparation) ? std::abs(tipSeparation) * hair.followTipRange : 0;
-  ball.radius += std::max(hair.followRange, tip);
+      std::isfinite(tipSeparation) ? std::abs(tipSeparation) * hair.groom.followTipRange : 0;
+  ball.radius += std::max(hair.groom.followRange, tip);
   return ball;
 }
 
@@ -82,7 +82,7 @@ ShadowedHair shadowedHairOf(const HairObject& object, const HairInternals& hair,
   shadowed.vertexCount = object.verticesPerStrand();
   shadowed.strandCount = drawn.count;
   shadowed.guideCount = object.guideCount();
-  shadowed.storesFollows = hair.storesFollowHairs;
+  shadowed.storesFollows = hair.groom.storesFollowHairs;
   shadowed.tipSeparation = object.settings.tipSeparation;
   shadowed.fiberRadius = m.fiberRadius * drawn.widening;
   shadowed.tipRadiusRatio = m.tipRadiusRatio;
@@ -90,11 +90,11 @@ ShadowedHair shadowedHairOf(const HairObject& object, const HairInternals& hair,
   // Fading strands have half their width on average.
   shadowed.fadingCount = static_cast<uint32_t>(std::lround(drawn.fading));
   shadowed.fade = 0.5f;
-  shadowed.strandLength = hair.meanStrand;
-  shadowed.volume = hair.volume;
-  shadowed.meanThickness = hair.meanThickness;
-  shadowed.maxThickness = hair.maxThickness;
-  const StrandsBetween between = hair.interpolation.drawn(frame);
+  shadowed.strandLength = hair.rest.meanStrand;
+  shadowed.volume = hair.rest.volume;
+  shadowed.meanThickness = hair.groom.meanThickness;
+  shadowed.maxThickness = hair.groom.maxThickness;
+  const StrandsBetween between = hair.get<StrandInterpolation>().drawn(frame);
   shadowed.positions =
       between.positions != BufferId::kInvalid ? between.positions : buffers.positions;
   shadowed.thickness = buffers.strandThickness;

@@ -33,8 +33,7 @@ bool isLost(const FrameCheckpoint& frame, bool boundary) {
 
 void sendAgain(HairInternals& hair) {
   hair.bonesChanged = true;
-  hair.sdfsBefore.clear();
-  hair.givenPositions.forget();
+  forgetRooms(hair.rooms);
   if (hair.skeleton != nullptr) hair.skeleton->copyFor(hair.skinning).version = 0;
 }
 
@@ -157,14 +156,12 @@ void FrameJournal::restore() {
     HairInternals& now = HairStore::of(*saved.object);
     const bool reset = now.resetPending;
     std::swap(static_cast<HairFrameState&>(now), saved.state);
-    // What the application has set since stays set.
+    // Resets that the application has asked for since stay.
     now.resetPending |= reset;
     // Bones on the GPU may have changed while their placement stayed.
     now.bonesChanged =
         now.bones != now.bonesBefore || (now.skeleton != nullptr && now.skeleton->isOnGpu());
-    const BufferId forces = HairStore::buffersOf(*saved.object).forces;
-    HairStore::buffersOf(*saved.object) = saved.buffers;
-    HairStore::buffersOf(*saved.object).forces = forces;
+    static_cast<HairOutputs&>(HairStore::buffersOf(*saved.object)) = saved.buffers;
   }
   for (ColliderCheckpoint& saved : frame.colliders) {
     SdfColliderInternals& now = HairStore::of(*saved.collider);
@@ -172,9 +169,7 @@ void FrameJournal::restore() {
     std::swap(static_cast<SdfFrameState&>(now), saved.state);
     now.resetPending |= reset;
     now.verticesChanged |= changed;
-    const BufferId counts = HairStore::buffersOf(*saved.collider).isoCounts;
-    HairStore::buffersOf(*saved.collider) = saved.buffers;
-    HairStore::buffersOf(*saved.collider).isoCounts = counts;
+    static_cast<SdfOutputs&>(HairStore::buffersOf(*saved.collider)) = saved.buffers;
   }
   for (const SkeletonCheckpoint& saved : frame.skeletons) {
     SkeletonInternals& now = HairStore::of(*saved.skeleton);
@@ -260,8 +255,8 @@ void FrameJournal::resetAll(std::span<HairObject* const> kept) {
     if (std::find(kept.begin(), kept.end(), &object) != kept.end()) continue;
     HairInternals& hair = HairStore::of(object);
     hair.resetPending = true;
-    hair.followContacts.forget();
-    hair.grid.remove(store_.room());
+    hair.get<FollowContacts>().stop();
+    hair.get<HairGrid>().remove(store_.room());
     HairStore::buffersOf(object).contactForces = BufferId::kInvalid;
   }
   for (SdfCollider& collider : store_.colliders()) HairStore::of(collider).resetPending = true;
@@ -271,8 +266,8 @@ void FrameJournal::resetAll(std::span<HairObject* const> kept) {
 
 // A table may be that of a frame which is taken back.
 void FrameJournal::collectShared() {
-  using Ids = std::array<BufferId, sizeof(HairBuffers) / sizeof(BufferId)>;
-  const auto has = [](const HairBuffers& buffers, BufferId buffer) {
+  using Ids = std::array<BufferId, sizeof(HairOutputs) / sizeof(BufferId)>;
+  const auto has = [](const HairOutputs& buffers, BufferId buffer) {
     const Ids ids = std::bit_cast<Ids>(buffers);
     return std::find(ids.begin(), ids.end(), buffer) != ids.end();
   };

@@ -1,4 +1,4 @@
-// What a scene keeps of frames that may turn out not to run.
+// Checkpoints of frames that may turn out not to run.
 #pragma once
 
 #include <array>
@@ -19,13 +19,13 @@ namespace pelage::detail {
 struct HairCheckpoint {
   HairObject* object = nullptr;
   HairFrameState state;
-  HairBuffers buffers;
+  HairOutputs buffers;
 };
 
 struct ColliderCheckpoint {
   SdfCollider* collider = nullptr;
   SdfFrameState state;
-  SdfColliderBuffers buffers;
+  SdfOutputs buffers;
 };
 
 struct SkeletonCheckpoint {
@@ -35,8 +35,8 @@ struct SkeletonCheckpoint {
   std::array<SkeletonInternals::Copy, 2> copies;
 };
 
-/// What a frame changes on the host, as it was before it. On the GPU a frame that does not run
-/// changes nothing, so with this everything is as it was.
+/// The host's data as they were before a frame. A frame that does not run changes nothing on the
+/// GPU, so going back to these is enough.
 struct FrameCheckpoint {
   uint64_t number = 0;  ///< PassList::frame
   double time = 0;
@@ -45,7 +45,7 @@ struct FrameCheckpoint {
   HostArray<ColliderCheckpoint> colliders;
   HostArray<SkeletonCheckpoint> skeletons;
 
-  /// Of the table, before the frame and after it: buffers that were added in between are its own.
+  /// Versions of the table before and after the frame: it owns the buffers added in between.
   uint64_t firstVersion = 0, lastVersion = 0;
   /// Buffers that it has no use for any more. They go once it has run.
   HostArray<RemovedBuffer> removed;

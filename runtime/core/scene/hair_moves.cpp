@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "contact/capsules.h"
 #include "scene/scene_parts.h"
 
 namespace pelage {
@@ -79,34 +80,24 @@ void moveBone(AffineTransform& bone, const RigidMove& move) {
   set(&Float4::w, move(column(&Float4::w)));
 }
 
-void moveCapsules(HostArray<CapsuleCollider>& capsules, const RigidMove& move) {
-  for (CapsuleCollider& capsule : capsules) {
-    capsule.head = toFloat3(move(toVector(capsule.head)));
-    capsule.tail = toFloat3(move(toVector(capsule.tail)));
-    capsule.angularVelocity = toFloat3(rotate(move.rotation, toVector(capsule.angularVelocity)));
-  }
-}
-
 // Data on the GPU stay relative to the origin that the state has now.
 void moveState(HairFrameState& state, const RigidMove& move) {
-  moveCapsules(state.collidersBefore, move);
   state.bonesBefore.clear();
-  state.grid.move(move);
-  state.interpolation.move(move);
-  state.interpolation.forgetDrawn();
-  if (!(state.solver.lastFrame() > 0)) return;
-  const LocalOrigin old = state.origin;
-  const Vector3<double> from = old.metres - old.shifted;
-  const Vector3<double> to = move(from);
-  state.origin = old.nearDouble(to);
-  const RigidMove relative = {move.rotation, to - (state.origin.metres - state.origin.shifted)};
-  state.teleport = state.teleport
-                       ? PendingTeleport{relative.after(state.teleport->move), state.teleport->from}
+  WorldMove world = {.rigid = move};
+  if (state.get<StrandSolver>().lastFrame() > 0) {
+    const LocalOrigin old = state.origin;
+    const Vector3<double> from = old.metres - old.shifted;
+    const Vector3<double> to = move(from);
+    state.origin = old.nearDouble(to);
+    const RigidMove relative = {move.rotation, to - (state.origin.metres - state.origin.shifted)};
+    state.teleport =
+        state.teleport ? PendingTeleport{relative.after(state.teleport->move), state.teleport->from}
                        : PendingTeleport{relative, old.metres};
-  state.contacts.moveTo(state.origin);
-  // What an engine rounds anew has not moved.
-  for (const Vector3<double>& at : {from, to})
-    state.roundedShift += std::max({std::abs(at.x), std::abs(at.y), std::abs(at.z)});
+    world.origin = state.origin;
+    for (const Vector3<double>& at : {from, to})
+      world.extent += std::max({std::abs(at.x), std::abs(at.y), std::abs(at.z)});
+  }
+  moveRooms(state.rooms, world);
 }
 
 }  // namespace
@@ -141,7 +132,7 @@ Result<void> Scene::shiftOrigin(Float3 shift) {
     shiftWorld(detail::HairStore::of(held), by, store.shifted);
   for (HairObject& object : store.hairs())
     shiftWorld(detail::HairStore::of(object), by, store.shifted);
-  // What open frames are taken back to is in the new coordinates, too.
+  // Open frames go back to the new coordinates, too.
   for (detail::FrameCheckpoint& frame : parts_->journal.open()) {
     for (detail::HairCheckpoint& saved : frame.hairs) shiftWorld(saved.state, by, store.shifted);
     for (detail::ColliderCheckpoint& saved : frame.colliders) {
@@ -166,11 +157,11 @@ Result<void> Scene::teleport(HairId id, const AffineTransform& motion) {
   detail::HairInternals& hair = detail::HairStore::of(*object);
   if (hair.skeleton == nullptr)
     for (AffineTransform& bone : hair.bones) detail::moveBone(bone, *move);
-  detail::moveCapsules(hair.colliders, *move);
+  detail::moveCapsules(hair.colliders, {.rigid = *move});
   moveGiven(hair.given, *move);
   hair.bonesChanged = true;
   detail::moveState(hair, *move);
-  // What open frames are taken back to.
+  // Open frames go back to the new place.
   for (detail::FrameCheckpoint& frame : parts_->journal.open())
     for (detail::HairCheckpoint& saved : frame.hairs)
       if (saved.object == object) detail::moveState(saved.state, *move);

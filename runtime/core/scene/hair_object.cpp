@@ -20,11 +20,12 @@ SimulationCounters readCounters(std::span<const std::byte> sleepWords) {
           .secondPasses = words[exact::kSleepSecondPasses]};
 }
 
-HairObject::HairObject() : internals_(std::make_unique<detail::HairInternals>()) {}
+HairObject::HairObject(std::unique_ptr<detail::HairInternals> internals)
+    : internals_(std::move(internals)) {}
 HairObject::~HairObject() = default;
 
 BufferRange HairObject::rootTransforms() const {
-  return internals_->solver.rootTransforms(buffers_);
+  return internals_->get<detail::StrandSolver>().rootTransforms(buffers_);
 }
 SkinningMethod HairObject::skinning() const { return internals_->skinning; }
 
@@ -101,7 +102,7 @@ Result<void> HairObject::setPositions(std::span<const Float3> positions) {
     // As the solvers write it: whether a vertex is free.
     given.positions.resize(positions.size());
     for (size_t i = 0; i < positions.size(); ++i) {
-      const bool held = i % vertexCount_ < 2 || !(internals_->asset->positions[i].w > 0);
+      const bool held = i % vertexCount_ < 2 || !(internals_->rest.asset->positions[i].w > 0);
       given.positions[i].w = held ? 0.0f : 1.0f;
     }
   }
@@ -150,17 +151,12 @@ Ball ballOfStrands(const HairInternals& hair) {
   for (const Ball& ball : balls)
     all.radius = std::max(all.radius, distance(all.center, ball.center) + ball.radius);
   // Blends of bones stay between what the bones do; rounding does not.
-  all.radius = 1.01f * all.radius + hair.longestStrand + hair.deviation;
+  all.radius = 1.01f * all.radius + hair.rest.longestStrand + hair.deviation;
   return all;
 }
 
 Ball ballOfCollisions(const HairInternals& hair, float tipSeparation) {
-  return hair.collidesFollowHairs ? ballOfHair(hair, tipSeparation) : ballOfStrands(hair);
-}
-
-bool collidesWith(const HairInternals& hair, ColliderId collider) {
-  return !hair.meshColliders ||
-         std::binary_search(hair.meshColliders->begin(), hair.meshColliders->end(), collider);
+  return hair.groom.collidesFollowHairs ? ballOfHair(hair, tipSeparation) : ballOfStrands(hair);
 }
 
 Float3 moveOrigin(HairInternals& hair) {
@@ -192,24 +188,14 @@ Float3 moveOrigin(HairInternals& hair) {
   return between(old, hair.origin);
 }
 
-namespace {
-
-void shift(ShiftedFloats& floats, HostArray<CapsuleCollider>& capsules, const Vector3<double>& by) {
-  for (CapsuleCollider& capsule : capsules) {
-    floats.shift(capsule.head, by);
-    floats.shift(capsule.tail, by);
-  }
-}
-
-}  // namespace
-
 void shiftWorld(HairInternals& hair, const Vector3<double>& shift, const Vector3<double>& shifted) {
   hair.shiftedInputs.begin();
   for (AffineTransform& bone : hair.bones) hair.shiftedInputs.shift(bone, -shift);
-  detail::shift(hair.shiftedInputs, hair.colliders, -shift);
+  const RigidMove move = {.rotation = {}, .shift = -shift};
+  moveCapsules(hair.colliders, {.rigid = move, .shifted = &hair.shiftedInputs});
   hair.shiftedInputs.shift(hair.field.origin, -shift);
   hair.shiftedInputs.end();
-  moveGiven(hair.given, {.rotation = {}, .shift = -shift});
+  moveGiven(hair.given, move);
   shiftWorld(static_cast<HairFrameState&>(hair), shift, shifted);
 }
 
@@ -218,14 +204,14 @@ void shiftWorld(HairFrameState& state, const Vector3<double>& shift,
   state.origin.shifted = shifted;
   ShiftedFloats& floats = state.shiftedFloats;
   floats.begin();
-  state.grid.shift(floats, -shift);
-  detail::shift(floats, state.collidersBefore, -shift);
+  moveRooms(state.rooms,
+            {.rigid = {.rotation = {}, .shift = -shift},
+             .shifted = &floats,
+             .extent = std::max({std::abs(shift.x), std::abs(shift.y), std::abs(shift.z)})});
   for (AffineTransform& bone : state.bonesBefore) floats.shift(bone, -shift);
-  state.interpolation.move({.rotation = {}, .shift = -shift});
   floats.end();
-  // Of outputs that are not there nothing is to be moved.
-  if (state.solver.lastFrame() > 0) state.pendingShift += shift;
-  state.roundedShift += std::max({std::abs(shift.x), std::abs(shift.y), std::abs(shift.z)});
+  // No outputs yet: nothing to move.
+  if (state.get<StrandSolver>().lastFrame() > 0) state.pendingShift += shift;
 }
 
 void moveGiven(GivenShape& given, const RigidMove& move) {
@@ -236,12 +222,6 @@ void moveGiven(GivenShape& given, const RigidMove& move) {
   }
   given.ball.center = toFloat3(move(toVector(given.ball.center)));
   ++given.version;
-}
-
-void forgetRounding(HairInternals& hair) {
-  if (!(hair.roundedShift > 0)) return;
-  settleCapsules(hair.collidersBefore, hair.colliders, hair.roundedShift);
-  hair.roundedShift = 0;
 }
 
 }  // namespace detail

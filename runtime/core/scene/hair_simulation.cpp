@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,11 +13,12 @@ namespace pelage::detail {
 namespace {
 
 constexpr float kPoseStep = 1.0f / 60;  // [s]; the pose does not depend on it
+static_assert(kMaxFrameSteps == Scene::kMaxSubSteps);
 
 bool isNew(const HairObject& object) { return HairStore::of(object).resetPending; }
 
 bool interpolates(const HairObject& object) {
-  return object.interpolates || HairStore::of(object).interpolation.isOn();
+  return object.interpolates || HairStore::of(object).get<StrandInterpolation>().isOn();
 }
 
 // Errors: what an application can get wrong from frame to frame.
@@ -32,7 +34,7 @@ Result<void> checkObject(const HairObject& object, const ResourceTable& resource
   const bool exact = object.settings.solver == Solver::kExact;
   if (exact && !(share >= 0 && share <= 1))
     return refuse("simulatedShare is " + std::to_string(share) + ", but must be in 0..1");
-  if (exact && share < 1 && !HairStore::of(object).levelOfDetail)
+  if (exact && share < 1 && !HairStore::of(object).groom.levelOfDetail)
     return refuse("simulatedShare is below 1; set HairDef::levelOfDetail for it");
   if (const std::string fault = detail::faultOf(HairStore::of(object).field, resources);
       !fault.empty())
@@ -145,15 +147,17 @@ Result<void> HairSimulation::movePending(PassList& list) {
   const auto isPending = [](const HairObject& o) { return isMovePending(HairStore::of(o)); };
   if (std::ranges::none_of(store_.hairs(), isPending)) return {};
   // Where the list does not run, the next one has to move the outputs.
-  if (list.frame == 0) journal_.settle(false);
-  FrameJournal::Recording recording(journal_, list);
+  std::optional<FrameJournal::Recording> recording;
+  if (list.frame == 0) {
+    journal_.settle(false);
+    recording.emplace(journal_, list);
+  }
   for (HairObject& object : store_.hairs()) {
     if (!isPending(object)) continue;
-    const FrameTime time = {.dt = HairStore::of(object).solver.lastFrame()};
-    Result<void> moved = recordHair(store_, object, FrameMode::kMove, time, list);
+    Result<void> moved = recordHair(store_, object, FrameMode::kMove, {}, list);
     if (!moved) return moved;
   }
-  recording.keep();
+  if (recording) recording->keep();
   return {};
 }
 
@@ -163,7 +167,7 @@ void HairSimulation::finishMoves() {
     if (!isMovePending(hair)) continue;
     hair.pendingShift = {};
     hair.teleport.reset();
-    hair.contacts.shiftWorld(store_.shifted);
+    hair.get<HairColliders>().contacts().shiftWorld(store_.shifted);
   }
 }
 
@@ -184,7 +188,8 @@ Result<void> HairSimulation::interpolate(float share, PassList& list) {
   {
     FrameJournal::Recording recording(journal_, list);
     for (HairObject& object : store_.hairs())
-      if (done && interpolates(object)) done = interpolateHair(store_, object, share, list);
+      if (done && interpolates(object))
+        done = recordHair(store_, object, FrameMode::kBetween, {.share = share}, list);
     if (done) recording.keep();
   }
   if (!done) list.clear();

@@ -9,8 +9,8 @@
 
 namespace pelage::detail {
 
-/// Writes lists that simulate hair, pose it, or move it. Scene has the documentation of what is
-/// named as there.
+/// Writes lists that simulate hair, pose it, or move it. Scene documents functions of the same
+/// name.
 class HairSimulation {
  public:
   HairSimulation(HairStore& store, FrameJournal& journal) : store_(store), journal_(journal) {}

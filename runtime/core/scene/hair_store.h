@@ -14,7 +14,7 @@
 
 namespace pelage::detail {
 
-/// Objects that there are: Slots without its empty ones.
+/// The objects of the slots that are not empty.
 template <class Id, class T>
 auto objectsOf(const Slots<Id, T>& slots) {
   return std::views::all(slots) |
@@ -51,7 +51,7 @@ class HairStore {
   SkeletonPose& skeleton(SkeletonId id) const;
   SdfCollider& collider(ColliderId id) const;
 
-  /// \param owner  of what is removed: a hair object or a collider; nullptr: the scene
+  /// \param owner  of buffers that are removed: a hair object or a collider; nullptr: the scene
   RoomBuffers room(const void* owner = nullptr) {
     return {resources, hazards, removed, owner, &shared};
   }

@@ -1,4 +1,4 @@
-// What a view's hair will cost to draw, from its size on the screen alone.
+// Predicts the cost of drawing a view's hair from its size on the screen alone.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -47,7 +47,7 @@ size_t sampleAt(size_t sample, size_t samples, size_t vertices, size_t verticesP
 // \param fiber width of a fiber [m].
 HairImage imageOf(const View& view, const HairInternals& hair, double fiber) {
   HairImage image;
-  const std::vector<Float4>& positions = hair.asset->positions;
+  const std::vector<Float4>& positions = hair.rest.asset->positions;
   // All of the bind shape goes with one bone. Where hair follows several, the counters of the
   // frames put right what that misses.
   const AffineTransform bone =
@@ -58,7 +58,8 @@ HairImage imageOf(const View& view, const HairInternals& hair, double fiber) {
   const size_t samples = std::min(positions.size(), kSamples);
   double lowX = 1, highX = -1, lowY = 1, highY = -1;
   for (size_t sample = 0; sample < samples; ++sample) {
-    const size_t i = sampleAt(sample, samples, positions.size(), hair.asset->verticesPerStrand);
+    const size_t i =
+        sampleAt(sample, samples, positions.size(), hair.rest.asset->verticesPerStrand);
     const Float3 p = transformPoint(bone, {positions[i].x, positions[i].y, positions[i].z});
     const double w = dot(rows[3], p), z = dot(rows[2], p);
     const double x = dot(rows[0], p) / w, y = dot(rows[1], p) / w;
@@ -101,9 +102,9 @@ TransparencyWork ViewDrawing::predictWork(const View& view) const {
     const DrawnStrands strands = drawnStrandsOf(object);
     const StrandMaterial& m = object.material;
     const float fiber =
-        m.fiberRadius * (1 + m.tipRadiusRatio) * hair.meanThickness * strands.widening;
+        m.fiberRadius * (1 + m.tipRadiusRatio) * hair.groom.meanThickness * strands.widening;
     const HairImage image = imageOf(view, hair, toDouble(fiber));
-    const double metres = strands.count * toDouble(hair.meanStrand);
+    const double metres = strands.count * toDouble(hair.rest.meanStrand);
     const double segments = static_cast<double>(strands.count) * (object.verticesPerStrand() - 1);
     work.vertices += segments + strands.count;
     work.fragments += metres * kMeanImage * image.ribbonMetre;

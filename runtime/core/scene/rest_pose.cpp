@@ -20,13 +20,13 @@ bool sameBits(const Float4& a, const Float4& b) {
 
 namespace detail {
 
-void setRestData(Groom& groom, std::shared_ptr<const HairAsset> asset) {
-  groom.longestStrand = longestStrand(*asset);
-  groom.volume = static_cast<float>(hairVolume(asset->positions, asset->verticesPerStrand));
+void setRestData(RestPose& rest, std::shared_ptr<const HairAsset> asset) {
+  rest.longestStrand = longestStrand(*asset);
+  rest.volume = static_cast<float>(hairVolume(asset->positions, asset->verticesPerStrand));
   double lengths = 0;
   for (const float length : asset->restLengths) lengths += static_cast<double>(length);
-  groom.meanStrand = static_cast<float>(lengths / static_cast<double>(asset->strandCount));
-  groom.asset = std::move(asset);
+  rest.meanStrand = static_cast<float>(lengths / static_cast<double>(asset->strandCount));
+  rest.asset = std::move(asset);
 }
 
 }  // namespace detail
@@ -36,7 +36,7 @@ Result<void> HairObject::setRestPose(std::span<const Float4> positions) {
     return Error{ErrorCode::kInvalidArgument, "hair '" + name_ + "': setRestPose(): " + what};
   };
   detail::HairInternals& hair = *internals_;
-  const HairAsset& old = *hair.asset;
+  const HairAsset& old = *hair.rest.asset;
   if (positions.size() != old.positions.size()) {
     return refuse("got " + std::to_string(positions.size()) + " positions, but " +
                   std::to_string(guideCount_) + " guides of " + std::to_string(vertexCount_) +
@@ -54,9 +54,9 @@ Result<void> HairObject::setRestPose(std::span<const Float4> positions) {
   if (Result<void> processed = changed->process(); !processed)
     return refuse(processed.error().message);
   changed->vertexThickness = old.vertexThickness;
-  setRestData(hair, std::move(changed));
-  hair.bounds = detail::boundsOfRoots(*hair.asset, hair.influences);
-  ++hair.restVersion;
+  setRestData(hair.rest, std::move(changed));
+  hair.bounds = detail::boundsOfRoots(*hair.rest.asset, hair.groom.influences);
+  ++hair.rest.version;
   return {};
 }
 

@@ -29,7 +29,7 @@ bool storesFollowHairs(const HairDef& def) {
   return def.storeFollowHairs || def.collidingHair == CollidingHair::kGuidesAndFollows;
 }
 
-// What is wrong, or nothing.
+// Each of these returns what is wrong, or nothing.
 
 std::string faultOfCounts(const HairAsset& asset, const HairDef& def) {
   const uint64_t guides = asset.strandCount, follows = def.followHairs.size();
@@ -122,7 +122,18 @@ std::string faultOfUvs(const HairAsset& asset, const HairDef& def) {
   return "HairDef::strandUvs is set, but the asset has no strandUv";
 }
 
-Groom groomOf(std::shared_ptr<const HairAsset> shared, const HairDef& def) {
+// [strand] thickness, the follow hairs' that of their guides.
+std::vector<float> thicknessOf(const HairAsset& asset, const HairDef& def) {
+  std::vector<float> thickness = asset.strandThickness;
+  if (thickness.empty()) return thickness;
+  thickness.reserve(asset.strandCount + def.followHairs.size());
+  for (const FollowHair& follow : def.followHairs)
+    thickness.push_back(asset.strandThickness[follow.guide]);
+  return thickness;
+}
+
+Groom groomOf(std::shared_ptr<const HairAsset> shared, const HairDef& def,
+              std::span<const float> thickness) {
   const HairAsset& asset = *shared;
   Groom groom;
   groom.strandFactors.assign(def.strandFactors.begin(), def.strandFactors.end());
@@ -141,17 +152,8 @@ Groom groomOf(std::shared_ptr<const HairAsset> shared, const HairDef& def) {
   groom.textureWidth = def.baseTexture.width;
   groom.textureHeight = def.baseTexture.height;
   groom.influences.assign(def.influences.begin(), def.influences.end());
-  groom.firstAsset = shared;
-  setRestData(groom, std::move(shared));
-  return groom;
-}
-
-// [strand] thickness, the follow hairs' that of their guides.
-std::vector<float> thicknessOf(const HairAsset& asset, const HairDef& def, Groom& groom) {
-  std::vector<float> thickness = asset.strandThickness;
-  thickness.reserve(asset.strandCount + def.followHairs.size());
-  for (const FollowHair& follow : def.followHairs)
-    thickness.push_back(asset.strandThickness[follow.guide]);
+  groom.firstAsset = std::move(shared);
+  if (thickness.empty()) return groom;
   double sum = 0;
   groom.maxThickness = 0;
   for (const float factor : thickness) {
@@ -159,7 +161,7 @@ std::vector<float> thicknessOf(const HairAsset& asset, const HairDef& def, Groom
     groom.maxThickness = std::max(groom.maxThickness, factor);
   }
   groom.meanThickness = static_cast<float>(sum / static_cast<double>(thickness.size()));
-  return thickness;
+  return groom;
 }
 
 std::vector<RootBinding> bindingsOf(const HairAsset& asset, const HairDef& def) {
@@ -222,7 +224,7 @@ std::vector<uint32_t> ribbonIndices(uint32_t vertices) {
 
 // Adds the buffers that stay as long as the object does.
 void addHairBuffers(HairObject& object, const HairAsset& asset, const HairDef& def,
-                    HairStore& store) {
+                    const std::vector<float>& thickness, HairStore& store) {
   HairInternals& hair = HairStore::of(object);
   const RoomBuffers room = store.room();
   const auto add = [&](const char* what, uint64_t count, uint32_t stride,
@@ -234,7 +236,7 @@ void addHairBuffers(HairObject& object, const HairAsset& asset, const HairDef& d
   };
   HairBuffers& buffers = HairStore::buffersOf(object);
   const uint64_t guides = object.guideCount();
-  const uint64_t stored = hair.storesFollowHairs ? object.strandCount() : guides;
+  const uint64_t stored = hair.groom.storesFollowHairs ? object.strandCount() : guides;
   buffers.positions = add("positions", stored * object.verticesPerStrand(), sizeof(Float4));
   buffers.tangents = add("tangents", stored * object.verticesPerStrand(), sizeof(Float4));
   buffers.bindRoots = table("bindRoots", bindRootsOf(asset));
@@ -247,8 +249,7 @@ void addHairBuffers(HairObject& object, const HairAsset& asset, const HairDef& d
   }
   if (!def.followHairs.empty())
     buffers.followHairRecords = table("followHairRecords", recordsOf(def.followHairs));
-  if (!asset.strandThickness.empty())
-    buffers.strandThickness = table("strandThickness", thicknessOf(asset, def, hair));
+  if (!thickness.empty()) buffers.strandThickness = table("strandThickness", thickness);
   if (!asset.vertexColor.empty())
     buffers.vertexColors = table("vertexColors", packColors(asset.vertexColor));
   if (!def.baseTexture.texels.empty())
@@ -284,7 +285,9 @@ Result<HairId> HairStore::addHair(std::shared_ptr<const HairAsset> given, const 
         faultOfTexture(asset, def.baseTexture), faultOfUvs(asset, def)})
     if (!fault.empty()) return refuse(fault);
 
-  auto object = std::unique_ptr<HairObject>(new HairObject);
+  const std::vector<float> thickness = thicknessOf(asset, def);
+  auto object = std::unique_ptr<HairObject>(
+      new HairObject(std::make_unique<HairInternals>(groomOf(given, def, thickness))));
   object->name_ = def.name;
   object->settings = def.settings;
   object->material = def.material;
@@ -294,7 +297,7 @@ Result<HairId> HairStore::addHair(std::shared_ptr<const HairAsset> given, const 
   object->boneCount_ = boneCount;
   object->drawnStrands = object->strandCount();
   HairInternals& hair = *object->internals_;
-  static_cast<Groom&>(hair) = groomOf(std::move(given), def);
+  setRestData(hair.rest, std::move(given));
   hair.skinning = def.skinning;
   hair.bones.resize(boneCount);
   hair.bounds = boundsOfRoots(asset, def.influences);
@@ -308,28 +311,21 @@ Result<HairId> HairStore::addHair(std::shared_ptr<const HairAsset> given, const 
     }
     moveOrigin(*hair.skeleton, {hair.bounds.front().bone, hair.bounds.front().center});
   }
-  addHairBuffers(*object, asset, def, *this);
+  addHairBuffers(*object, asset, def, thickness, *this);
   PassList unused;
-  hair.solver.prepare(frameOf(*this, *object, object->settings, {}, unused));
+  HairFrame first = frameOf(*this, *object, object->settings, FrameMode::kPose, {}, unused);
+  hair.get<StrandSolver>().prepare(first);
   return hairSlots.add(std::move(object));
 }
 
 void removeHairBuffers(HairBuffers& buffers, HairFrameState& state, bool hasSkeleton,
                        const RoomBuffers& room) {
-  state.solver.remove(buffers, room);
-  state.contacts.remove(room);
-  state.fieldForces.remove(room);
-  state.grid.remove(room);
-  state.followContacts.remove(room);
-  state.motion.remove(room);
-  state.interpolation.remove(room);
-  state.givenPositions.remove(room);
+  removeRooms(state.rooms, buffers, room);
   if (hasSkeleton) buffers.boneTransforms = BufferId::kInvalid;
   for (BufferId* buffer :
        {&buffers.positions, &buffers.tangents, &buffers.bindRoots, &buffers.rootBindings,
         &buffers.boneTransforms, &buffers.followHairRecords, &buffers.strandThickness,
-        &buffers.indices, &buffers.colliders, &buffers.sdfs, &buffers.vertexColors,
-        &buffers.baseTexture, &buffers.strandUvs})
+        &buffers.indices, &buffers.vertexColors, &buffers.baseTexture, &buffers.strandUvs})
     room.remove(*buffer);
 }
 
@@ -343,7 +339,7 @@ HairObject& HairStore::hair(HairId id) const {
 
 namespace pelage {
 
-// What removing it would give back, of copies of its state.
+// Removes copies of the state, and adds up the bytes.
 ObjectBytes Scene::bytesOf(HairId id) const {
   detail::HairStore& store = parts_->store;
   const HairObject& object = store.hair(id);

@@ -1,4 +1,4 @@
-// What a scene goes on from when its device is lost: what the host has, and what was read back.
+// Recovery of a scene whose device is lost, from the host's data and a snapshot.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -20,7 +20,7 @@ struct BufferContents {
 struct HairSnapshot {
   HairId id = {};
   HairFrameState state;
-  HairBuffers buffers;
+  HairOutputs buffers;
   std::vector<BufferContents> contents;
 };
 
@@ -33,7 +33,7 @@ struct SnapshotData {
 
 namespace {
 
-// Buffers of an object alone, with what the GPU has written.
+// Buffers that belong to one object alone, and that the GPU writes.
 std::vector<BufferId> ownBuffers(HairStore& store, const HairObject& object) {
   const HairInternals& hair = HairStore::of(object);
   HairBuffers buffers = object.buffers();
@@ -68,10 +68,9 @@ Result<std::vector<BufferContents>> contentsOf(HairStore& store, const HairObjec
 
 // False where a change of the solver, of settings or of the rest pose has made other buffers since.
 bool hasBuffersOf(HairStore& store, const HairObject& object, const HairSnapshot& saved) {
-  using Ids = std::array<BufferId, sizeof(HairBuffers) / sizeof(BufferId)>;
-  HairBuffers then = saved.buffers;
-  then.forces = object.buffers().forces;
-  if (std::bit_cast<Ids>(then) != std::bit_cast<Ids>(object.buffers())) return false;
+  using Ids = std::array<BufferId, sizeof(HairOutputs) / sizeof(BufferId)>;
+  const HairOutputs& now = object.buffers();
+  if (std::bit_cast<Ids>(saved.buffers) != std::bit_cast<Ids>(now)) return false;
   const std::vector<BufferId> own = ownBuffers(store, object);
   return std::equal(
       own.begin(), own.end(), saved.contents.begin(), saved.contents.end(),
@@ -121,7 +120,7 @@ Result<SceneSnapshot> Scene::takeSnapshot(const BufferReader& read) const {
   data->shifted = store.shifted;
   for (size_t i = 0; i < store.hairSlots.size(); ++i) {
     const HairObject* object = store.hairSlots[i];
-    // One that is to be reset has nothing to keep.
+    // A reset keeps nothing.
     if (object == nullptr || detail::HairStore::of(*object).resetPending) continue;
     Result<std::vector<detail::BufferContents>> contents = detail::contentsOf(store, *object, read);
     if (!contents) return contents.error();

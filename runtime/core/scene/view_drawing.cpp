@@ -13,7 +13,7 @@ namespace pelage::detail {
 
 namespace {
 
-// Of the map around all hair, without the ball.
+// Definition of the map around all hair, without the ball.
 StrandShadowDef shadowDefOf(const Light& light) {
   StrandShadowDef def;
   def.toLight = light.direction;
@@ -106,7 +106,7 @@ Result<DrawnView> ViewDrawing::begin(const View& view, std::span<const Light> li
     if (!object.visible) continue;
     if (Result<void> checked = checkLook(object); !checked) return checked.error();
     DrawnHair hair = drawnHairOf(object, HairStore::of(object), store_.frame);
-    hair.before = HairStore::of(object).motion.before(store_.frame);
+    hair.before = HairStore::of(object).get<StrandMotion>().before(store_.frame);
     if (hair.strands.count > 0 && isInFrustum(view, hair.ball)) frame.hairs.push_back(hair);
   }
   return frame;
@@ -267,8 +267,8 @@ Result<void> ViewDrawing::drawContacts(HairId id, const View& view, const Contac
   }
   if (Result<void> moved = simulation_.movePending(list); !moved) return moved;
   simulation_.finishMoves();
-  Result<void> added =
-      HairStore::of(object).contacts.addDraw(list, object.buffers().positions, view, look);
+  Result<void> added = HairStore::of(object).get<HairColliders>().contacts().addDraw(
+      list, object.buffers().positions, view, look);
   setArea({&list, 1}, view);
   return added;
 }
@@ -305,7 +305,8 @@ float Scene::shareForView(HairId id, const View& view, float pixels) const {
 Result<float> Scene::deepestContact(HairId id, std::span<const std::byte> contacts,
                                     std::span<const std::byte> contactWords,
                                     std::span<const std::byte> positions) const {
-  return detail::HairStore::of(hair(id)).contacts.deepest(contacts, contactWords, positions);
+  return detail::HairStore::of(hair(id)).get<detail::HairColliders>().contacts().deepest(
+      contacts, contactWords, positions);
 }
 
 }  // namespace pelage

@@ -45,7 +45,7 @@ struct ShadowCast {
   ShadowPlan plan;
 };
 
-/// Draws the hair of a scene in views. Scene has the documentation of what is named as there.
+/// Draws the hair of a scene in views. Scene documents functions of the same name.
 class ViewDrawing {
  public:
   Tier tier = Tier::kWide;

@@ -9,22 +9,33 @@
 
 namespace pelage::detail {
 
-void StrandInterpolation::prepare(const InterpolatedHair& hair, bool wanted,
-                                  const RoomBuffers& room) {
-  if (isOn() == wanted) return;
-  known_ = false;
-  forgetDrawn();
-  if (!wanted) {
-    remove(room);
-    return;
+void StrandInterpolation::prepare(HairFrame& frame) {
+  if (frame.mode == FrameMode::kPose) return;
+  if (isOn() != frame.interpolates) {
+    known_ = false;
+    forgetDrawn();
+    if (frame.interpolates)
+      makeBuffers(frame);
+    else
+      remove(frame.room);
   }
-  const MotionHair& of = hair.positions;
-  before_ = room.add(of.name + "/positionsBefore", of.elements, sizeof(Float4));
-  positions_ = room.add(of.name + "/drawnPositions", of.elements, sizeof(Float4));
-  tangents_ = room.add(of.name + "/drawnTangents", of.elements, sizeof(Float4));
-  if (hair.evaluatesFollows)
-    roots_ = room.add(of.name + "/drawnRoots", simulation::kRootSets * uint64_t{hair.guides},
-                      sizeof(RootTransform));
+  frame.buffers.drawnPositions = positions_;
+  frame.buffers.drawnTangents = tangents_;
+  frame.buffers.drawnRoots = roots_;
+}
+
+void StrandInterpolation::makeBuffers(const HairFrame& frame) {
+  const uint64_t vertices = frame.storedVertices();
+  const auto add = [&](const char* what, uint64_t elements, uint32_t stride) {
+    return frame.room.add(frame.name + "/" + what, elements, stride);
+  };
+  before_ = add("positionsBefore", vertices, sizeof(Float4));
+  positions_ = add("drawnPositions", vertices, sizeof(Float4));
+  tangents_ = add("drawnTangents", vertices, sizeof(Float4));
+  // Drawing computes follow hairs that are not stored from guides and roots.
+  if (frame.followCount > 0 && !frame.groom.storesFollowHairs)
+    roots_ = add("drawnRoots", simulation::kRootSets * uint64_t{frame.guideCount},
+                 sizeof(RootTransform));
 }
 
 void StrandInterpolation::remove(const RoomBuffers& room) {
@@ -70,9 +81,10 @@ Result<void> StrandInterpolation::record(const InterpolatedHair& hair, float sha
                                        .drawnRoots = {roots_, rootBytes}});
 }
 
-void StrandInterpolation::move(const RigidMove& move) {
+void StrandInterpolation::move(const WorldMove& move) {
   for (Ball* ball : {&ballBefore_, &ballNow_})
-    ball->center = toFloat3(move(toVector(ball->center)));
+    ball->center = toFloat3(move.rigid(toVector(ball->center)));
+  if (move.shifted == nullptr) forgetDrawn();
 }
 
 }  // namespace pelage::detail

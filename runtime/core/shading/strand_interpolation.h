@@ -10,6 +10,7 @@
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
 #include "shading/strand_motion.h"
+#include "skinning/hair_frame.h"
 
 namespace pelage::detail {
 
@@ -19,7 +20,6 @@ struct InterpolatedHair {
   uint32_t vertices = 0;        ///< of a strand
   uint32_t guides = 0;
   BufferRange roots = {};  ///< [2][guide] RootTransform, of the last state and the one before
-  bool evaluatesFollows = false;  ///< drawing computes follow hairs from guides and roots
 };
 
 /// What draws read in place of the last state.
@@ -33,7 +33,7 @@ struct StrandsBetween {
 class StrandInterpolation {
  public:
   /// Makes the buffers, or removes them.
-  void prepare(const InterpolatedHair& hair, bool wanted, const RoomBuffers& room);
+  void prepare(HairFrame& frame);
   bool isOn() const { return before_ != BufferId::kInvalid; }
   void remove(const RoomBuffers& room);
 
@@ -68,9 +68,11 @@ class StrandInterpolation {
   StrandsBetween buffers() const { return {positions_, tangents_, roots_}; }
   /// Around the hair in the state before.
   const Ball& ballBefore() const { return ballBefore_; }
-  void move(const RigidMove& move);
+  void move(const WorldMove& move);
 
  private:
+  void makeBuffers(const HairFrame& frame);
+
   BufferId before_ = BufferId::kInvalid;
   BufferId positions_ = BufferId::kInvalid, tangents_ = BufferId::kInvalid;
   BufferId roots_ = BufferId::kInvalid;

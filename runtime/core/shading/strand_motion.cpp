@@ -24,14 +24,18 @@ Result<void> addKeepPass(const MotionHair& hair, BufferId to, PassList& list) {
                                     .keptPositions = {to, bytes}});
 }
 
-void StrandMotion::prepare(const MotionHair& hair, bool wanted, const RoomBuffers& room) {
+void StrandMotion::prepare(HairFrame& frame) {
+  if (frame.mode == FrameMode::kPose) return;
   const bool there = positions_ != BufferId::kInvalid;
-  if (there == wanted) return;
-  frame_ = 0;
-  if (wanted)
-    positions_ = room.add(hair.name + "/previousPositions", hair.elements, sizeof(Float4));
-  else
-    remove(room);
+  if (there != frame.tracksMotion) {
+    frame_ = 0;
+    if (there)
+      remove(frame.room);
+    else
+      positions_ =
+          frame.room.add(frame.name + "/previousPositions", frame.storedVertices(), sizeof(Float4));
+  }
+  frame.buffers.previousPositions = positions_;
 }
 
 Result<void> StrandMotion::keep(const MotionHair& hair, PassList& list) const {

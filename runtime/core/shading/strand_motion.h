@@ -8,6 +8,7 @@
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
 #include "pelage/types.h"
+#include "skinning/hair_frame.h"
 
 namespace pelage::detail {
 
@@ -35,7 +36,7 @@ struct StrandsBefore {
 class StrandMotion {
  public:
   /// Makes the buffer, or removes it.
-  void prepare(const MotionHair& hair, bool wanted, const RoomBuffers& room);
+  void prepare(HairFrame& frame);
   /// Adds the pass that keeps the positions. Call it before the simulation moves them; in a frame
   /// that is a reset behind it, so that nothing has moved.
   Result<void> keep(const MotionHair& hair, PassList& list) const;
@@ -43,7 +44,6 @@ class StrandMotion {
   void finish(const MotionHair& hair, bool reset, uint64_t frame);
   /// What the frame has moved from: only if it has simulated.
   StrandsBefore before(uint64_t frame) const;
-  BufferId positions() const { return positions_; }
   void remove(const RoomBuffers& room) { room.remove(positions_); }
 
  private:

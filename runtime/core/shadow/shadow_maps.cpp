@@ -119,8 +119,8 @@ Result<ShadowMaps::Choice> ShadowMaps::choose(const ShadowPlan& plan,
   return Choice{.bank = bank, .empties = true, .words = std::max(*words, kLeastWords)};
 }
 
-// What a bank may have beside those that lists still need: `words` at least, and where there is
-// room what keeps the next frame from making maps twice.
+// Words of a bank beside banks that lists still need: `words` at least, and under the cap as many
+// as keep the next frame from making maps twice.
 Result<uint64_t> ShadowMaps::limit(uint64_t words, size_t bank, const RoomBuffers& room,
                                    uint64_t frame) const {
   uint64_t others = 0;

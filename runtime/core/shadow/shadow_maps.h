@@ -17,7 +17,7 @@
 
 namespace pelage::detail {
 
-/// What the lights of a view take, found out before anything changes.
+/// The maps of a view's lights, found out before anything changes.
 struct ShadowPlan {
   std::vector<StrandShadowPlan> maps;  ///< in the order of the lights; firstWord is not known yet
   std::vector<OpaqueShadowPlan> opaques;  ///< likewise
@@ -35,26 +35,26 @@ class ShadowMaps {
                            std::span<const OpaqueShadowPlan> opaques,
                            std::span<const ShadowedHair> hairs, const RoomBuffers& room,
                            uint64_t frame) const;
-  /// Adds the passes of the maps that no list of this frame makes, and the upload of what shaders
-  /// know of them. \param plan of check(); gets the places of the maps.
+  /// Adds the passes of the maps that no list of this frame makes, and uploads their table for
+  /// shaders. \param plan of check(); gets the offsets of the maps.
   Result<void> record(ShadowPlan& plan, std::span<const ShadowedHair> hairs,
                       const RoomBuffers& room, uint64_t frame, PassList& list);
   /// Lists that read the maps of the last record(), besides the one that made them.
   void share(std::span<PassList> lists, uint64_t frame);
   /// Hair or the world has changed: no map is used again.
   void forget();
-  /// Bytes of all maps, and of what shaders know of them.
+  /// Bytes of all maps and their tables.
   uint64_t bytes(const ResourceTable& resources) const;
   /// Frees all buffers. \param reason why lists that have not run cannot any more.
   void trim(const RoomBuffers& room, const char* reason);
 
-  /// Of the last record(); kInvalid before it.
+  /// Buffers of the last record(); kInvalid before it.
   BufferId words() const { return words_; }
   BufferId views() const { return views_; }
 
  private:
   struct Map {
-    StrandShadowView view;  ///< with its place; of a depth map of opaque geometry it has no more
+    StrandShadowView view;                 ///< with its offset; the only member that depth maps use
     BufferId opaque = BufferId::kInvalid;  ///< what that is a copy of
     uint32_t words = 0;
     std::vector<ShadowedHair> hairs;
@@ -67,7 +67,7 @@ class ShadowMaps {
     std::vector<Map> maps;
     TicketSet tickets;
   };
-  /// What shaders know of the maps of a view.
+  /// The table of a view's maps for shaders.
   struct Table {
     BufferId views = BufferId::kInvalid;
     std::vector<StrandShadowView> content;
@@ -101,7 +101,7 @@ class ShadowMaps {
   Bank* bank_ = nullptr;  ///< of the last record()
   Table* table_ = nullptr;
   uint64_t frame_ = 0;   ///< of the last record()
-  uint64_t wanted_ = 0;  ///< words that would have kept this frame from making a map twice
+  uint64_t wanted_ = 0;  ///< capacity [words] that would have avoided drawing a map twice
 };
 
 }  // namespace pelage::detail

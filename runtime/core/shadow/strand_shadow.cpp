@@ -34,8 +34,7 @@ constexpr double kWidestBall = 0.7, kWidestCone = 1.05;
 // ball's radius. strand_lighting.hlsli takes a light for no smaller than this.
 constexpr double kNearest = 0.01, kNearestShare = 1.0 / 32;
 constexpr uint32_t kCubeFaces = 6;
-// Half a texel on both sides of what a map looks at for the interpolation, half of one for
-// snapping.
+// Half a texel on both sides of a map's ball for the interpolation, half of one for snapping.
 constexpr double kEdgeTexels = 3;
 // The radius up to which a fiber near a light is as wide as it is [texel]: sums keep small quanta.
 constexpr double kWidestFiber = 4;
@@ -65,7 +64,7 @@ uint64_t texelsOf(const StrandShadowView& view) {
   return uint64_t{view.width} * view.height * view.faceCount;
 }
 
-// What is wrong with a map, or nothing.
+// Returns what is wrong with a map, or nothing.
 std::string faultOf(const StrandShadowDef& def) {
   if (def.size < kMinShadowSize || def.size > kMaxShadowSize)
     return fmt::format("a map of {} texels; it has to be {} to {}", def.size, kMinShadowSize,
@@ -84,7 +83,7 @@ std::string faultOf(const StrandShadowDef& def) {
   return {};
 }
 
-// A map's projection, what of it a definition says, and how large a fiber is in it.
+// A map's projection, the constants that depend on it, and the size of a fiber in it.
 struct Projection {
   StrandShadowView view = {};
   double smallestTexel = 0;  // edge of a texel where hair is nearest to the light [m]
@@ -123,7 +122,7 @@ Projection parallelTo(const StrandShadowDef& def) {
   return {view, texel};
 }
 
-// What a map of a light at a point looks at.
+// The cone or cube that a map of a light at a point covers.
 struct Sight {
   bool around = false;  // a cube
   Vector axis = {0, 0, 1};
@@ -186,7 +185,7 @@ Projection fromPoint(const StrandShadowDef& def) {
   return {view, texel * nearest / std::sqrt(1 + 2 * corner * corner)};
 }
 
-// What a map's texels hold, beside the projection.
+// Sets the members of a view that describe its texels.
 void setContent(StrandShadowView& view, const StrandShadowDef& def) {
   view.firstWord = def.firstWord;
   view.layerCount = def.layers;

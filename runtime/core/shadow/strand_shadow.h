@@ -41,7 +41,7 @@ struct StrandShadowDef {
   Float3 position = {};        ///< of it [m]
   float coneAngle = 0;         ///< half angle of its cone [rad]; 0: it shines in all directions
   Float3 center = {};          ///< of a ball around all hair, in world space [m]
-  /// Of the scene's origin [m]: texels stay where they are in the world before it.
+  /// Shift of the scene's origin [m]: texels stay where they are in the first world.
   Vector3<double> shifted;
   float radius = 0;         ///< of it [m]; keep it from frame to frame, texels depend on it
   uint32_t size = 1024;     ///< texels an edge, 4..8192

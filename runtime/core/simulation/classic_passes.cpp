@@ -33,7 +33,7 @@ double mapStiffness(double s, double h) {
 
 }  // namespace
 
-// What does not depend on the step.
+// Constants that do not depend on the step.
 SimulationConstants StrandSolver::classicConstants(const HairFrame& frame) const {
   const SimulationSettings& s = frame.settings;
   const double h = static_cast<double>(frame.length) / frame.steps;
@@ -41,7 +41,7 @@ SimulationConstants StrandSolver::classicConstants(const HairFrame& frame) const
   const double forceStep = std::max(h, kReferenceStep);
   const double damping = static_cast<double>(s.damping);
 
-  SimulationConstants constants = frame.constants();
+  SimulationConstants constants = constantsOf(frame);
   const Float3 gravity = frame.gravity();
   constants.gravity = {gravity.x, gravity.y, gravity.z, 1 - frame.loadShare};
   const Float3 wind = frame.air.velocity;
@@ -67,20 +67,20 @@ SimulationConstants StrandSolver::classicConstants(const HairFrame& frame) const
   constants.localIterations = s.localStiffness > 0 ? s.localIterations : 0;
   constants.lengthIterations = s.lengthIterations;
 
-  constants.contactMasks = frame.contacts.masks();
-  constants.contactMaskWords = frame.contacts.maskWords();
+  constants.contactMasks = frame.contacts.masks;
+  constants.contactMaskWords = frame.contacts.maskWords;
   // Still air does not drag.
   if (isZero(s.wind.velocity)) constants.wind.w = 0;
   return constants;
 }
 
-Result<void> StrandSolver::addClassicPasses(const HairFrame& frame) {
+Result<void> StrandSolver::addClassicPasses(const HairFrame& frame, const StepInputs& inputs) {
   const HairBuffers& buffers = frame.buffers;
   const uint64_t guides = frame.guideCount;
   const uint64_t vertices = guides * frame.vertexCount;
   SimulationConstants constants = classicConstants(frame);
   SimulateClassicKey key;
-  key.contacts = frame.hasContacts;
+  key.contacts = frame.contacts.any;
   key.forces = frame.forces != BufferId::kInvalid;
   const KernelVariant& variant = simulateClassicVariant(key);
   const auto steps = static_cast<float>(frame.steps);
@@ -92,8 +92,10 @@ Result<void> StrandSolver::addClassicPasses(const HairFrame& frame) {
     constants.rootEnd = static_cast<float>(step + 1) / steps;
     constants.timeStepRatio = lastStep_ > 0 ? constants.timeStep / lastStep_ : 1.0f;
     lastStep_ = constants.timeStep;
-    if (frame.hasContacts) {
-      if (Result<void> found = findContacts(frame, step, frame.steps, false); !found) return found;
+    if (frame.contacts.any) {
+      Result<void> found = inputs.findContacts(
+          {.step = step, .steps = frame.steps, .strands = frame.guideCount, .again = false});
+      if (!found) return found;
     }
     PassBuilder builder(frame.list);
     // State read and written twice each, rest data, positions and tangents.
@@ -107,9 +109,9 @@ Result<void> StrandSolver::addClassicPasses(const HairFrame& frame) {
             SimBindings{
                 .simulationConstants = constants,
                 .rest = {buffers.rest, (restSets_.factors ? 3 : 2) * vertices * kVector},
-                .contacts = {frame.contacts.records(), frame.contacts.recordBytes()},
+                .contacts = {frame.contacts.records.buffer, frame.contacts.recordBytes},
                 .strandForces = {frame.forces, vertices * kVector},
-                .contactWords = {frame.contacts.words(), frame.contacts.wordBytes()},
+                .contactWords = frame.contacts.words,
                 .state = frame.room.resources.whole(buffers.state),
             });
         !added)
@@ -122,7 +124,7 @@ Result<void> StrandSolver::addClassicPasses(const HairFrame& frame) {
 Result<void> StrandSolver::skinClassic(const HairFrame& frame) {
   const HairBuffers& buffers = frame.buffers;
   const uint64_t vertices = frame.guideVertices();
-  SimulationConstants constants = frame.constants();
+  SimulationConstants constants = constantsOf(frame);
   constants.vspCoefficient = frame.settings.vspCoefficient;
   lastStep_ = frame.length;
   PassBuilder builder(frame.list);
@@ -144,7 +146,7 @@ Result<void> StrandSolver::skinClassic(const HairFrame& frame) {
 Result<void> StrandSolver::rewriteClassic(const HairFrame& frame) const {
   const HairBuffers& buffers = frame.buffers;
   const uint64_t vertices = uint64_t{frame.guideCount} * frame.vertexCount;
-  SimulationConstants constants = frame.constants();
+  SimulationConstants constants = constantsOf(frame);
   const Float3 origin = frame.stateOrigin.world();
   constants.origin = {origin.x, origin.y, origin.z, 0};
   PassBuilder builder(frame.list);

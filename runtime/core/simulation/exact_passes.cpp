@@ -22,7 +22,7 @@ constexpr uint32_t kFadingShare = 8;
 // Tiles that an indirect dispatch can list.
 constexpr uint32_t kMaxListedTiles = 65535;
 
-// Of those that are simulated, how many take on more and more of the shape of another one.
+// Number of simulated guides that take on more and more of the shape of another one.
 uint32_t fadingGuides(uint32_t guides, uint32_t simulated) {
   return std::min({guides / kFadingShare, guides - simulated, std::max(simulated, 1u) - 1});
 }
@@ -45,7 +45,7 @@ ExactConstants StrandSolver::exactConstants(const HairFrame& frame) const {
   constants.rootCount = frame.guideCount;
   constants.outputCount = frame.guideCount * frame.vertexCount;
   constants.outputVertices = frame.vertexCount;
-  constants.colliderCount = frame.colliders.capsuleCount;
+  constants.colliderCount = frame.contacts.capsuleCount;
   constants.slot = slot_;
   constants.simulatedCount = simulatedCount_;
   constants.fadeStart = simulatedCount_ - fadingGuides(frame.guideCount, simulatedCount_);
@@ -64,7 +64,7 @@ Result<void> StrandSolver::addSleepPass(HairFrame& frame, ExactConstants constan
   simulatedBefore_ = simulatedCount_;
   frame.sleeps = s.sleep.enabled && !gusts && !forced && tiles <= kMaxListedTiles;
   const bool wake = frame.reset || !isZero(frame.rebase) || !sleptBefore_ || refined ||
-                    frame.collidersReplaced || restChanged() || s != settingsBefore_ ||
+                    frame.contacts.replaced || restChanged() || s != settingsBefore_ ||
                     frame.loadShare != loadShareBefore_;
   sleptBefore_ = frame.sleeps;
   if (!frame.sleeps) return {};
@@ -83,7 +83,7 @@ Result<void> StrandSolver::addSleepPass(HairFrame& frame, ExactConstants constan
   set(exact::kSleepSolveArguments, 0, 1);
   set(exact::kSleepFollowArguments, followsShifted_ ? followGroups : 0,
       groups(frame.vertexCount, follow.groupSize[1]));
-  set(exact::kSleepFindArguments, 0, frame.contacts.rows());
+  set(exact::kSleepFindArguments, 0, frame.contacts.rows);
   addUpload(frame.list, buffers.sleep, std::as_bytes(std::span(head)));
   constants.flags = wake ? exact::kWakeAllFlag : 0;
   constants.rootBegin = 0;
@@ -99,7 +99,7 @@ Result<void> StrandSolver::addSleepPass(HairFrame& frame, ExactConstants constan
                          frame.guideCount * sizeof(uint32_t) + tiles * 2 * sizeof(uint32_t));
 }
 
-// What does not depend on the step.
+// Constants that do not depend on the step.
 ExactConstants StrandSolver::frameConstants(const HairFrame& frame) const {
   const SimulationSettings& s = frame.settings;
   const uint32_t steps = frame.steps * s.subSteps;
@@ -114,8 +114,7 @@ ExactConstants StrandSolver::frameConstants(const HairFrame& frame) const {
   return constants;
 }
 
-Result<void> StrandSolver::addExactPasses(HairFrame& frame, HairGrid& grid,
-                                          const GridHair& gridHair) {
+Result<void> StrandSolver::addExactPasses(HairFrame& frame, const StepInputs& inputs) {
   const SimulationSettings& s = frame.settings;
   const uint32_t steps = frame.steps * s.subSteps;
   const double h = static_cast<double>(frame.length) / steps;
@@ -132,13 +131,12 @@ Result<void> StrandSolver::addExactPasses(HairFrame& frame, HairGrid& grid,
     if (!added) return added;
   }
   if (frame.reset) history_ = {};
-  constants.contactList = frame.contacts.list();
-  constants.contactMasks = frame.contacts.masks();
-  constants.contactMaskWords = frame.contacts.maskWords();
+  constants.contactList = frame.contacts.list;
+  constants.contactMasks = frame.contacts.masks;
+  constants.contactMaskWords = frame.contacts.maskWords;
   for (uint32_t step = 0; step < steps; ++step) {
     if (step % s.subSteps == 0) {
-      const Result<void> added =
-          grid.record(gridHair, h * s.subSteps, step == 0 && frame.reset, frame.list);
+      const Result<void> added = inputs.beginStep(h * s.subSteps, step == 0 && frame.reset);
       if (!added) return added;
     }
     setExactStep(constants, s, h, history_, frame.air, frame.loadShare);
@@ -152,8 +150,8 @@ Result<void> StrandSolver::addExactPasses(HairFrame& frame, HairGrid& grid,
     if (step == 0 && !isZero(frame.rebase)) constants.flags |= exact::kRebaseFlag;
     constants.slot = slot_;
     slot_ = (slot_ + 1) % exact::kStateSlots;
-    constants.contactHead = frame.contacts.head(step);
-    if (Result<void> added = addExactStep(frame, constants, step); !added) return added;
+    constants.contactHead = frame.contacts.firstHead + step * frame.contacts.headWords;
+    if (Result<void> added = addExactStep(frame, inputs, constants, step); !added) return added;
   }
   if (constants.fadeStart == frame.guideCount) return {};
   constants.flags = 0;
@@ -164,14 +162,14 @@ Result<void> StrandSolver::addExactPasses(HairFrame& frame, HairGrid& grid,
 }
 
 // A sub-step, with the contacts that it is solved with.
-Result<void> StrandSolver::addExactStep(const HairFrame& frame, const ExactConstants& constants,
-                                        uint32_t step) const {
+Result<void> StrandSolver::addExactStep(const HairFrame& frame, const StepInputs& inputs,
+                                        const ExactConstants& constants, uint32_t step) const {
   const uint32_t steps = frame.steps * frame.settings.subSteps;
   const uint64_t bytes = uint64_t{simulatedCount_} * frame.vertexCount * kExactBytesAVertex;
   SimulateExactKey key;
   key.globalShape = restSets_.targets;
   key.forces = frame.forces != BufferId::kInvalid;
-  key.contacts = frame.hasContacts;
+  key.contacts = frame.contacts.any;
   key.velocityShockPropagation = usesShockPropagation(frame.settings);
   const KernelVariant& variant = *simulateExactVariant(completeKey(key));
   PassBuilder builder(frame.list);
@@ -182,21 +180,24 @@ Result<void> StrandSolver::addExactStep(const HairFrame& frame, const ExactConst
       dispatchRows(builder, variant, simulatedCount_);
     return finishExactPass(frame, builder, values, bytes);
   };
-  if (frame.hasContacts && step == 0 && frame.reset) {
+  ContactPart part = {.step = step, .steps = steps, .strands = simulatedCount_, .again = false};
+  if (frame.contacts.any && step == 0 && frame.reset) {
     // The positions are those of the frame before.
     ExactConstants pose = constants;
     pose.flags |= exact::kPoseFlag;
     if (Result<void> added = solve(pose); !added) return added;
   }
-  if (frame.hasContacts) {
-    if (Result<void> found = findContacts(frame, step, steps, false); !found) return found;
+  if (frame.contacts.any) {
+    if (Result<void> found = inputs.findContacts(part); !found) return found;
   }
-  if (Result<void> added = solve(constants); !added || !frame.hasContacts) return added;
+  if (Result<void> added = solve(constants); !added || !frame.contacts.any) return added;
   // Where a vertex ended far from where its contact was found.
-  if (Result<void> found = findContacts(frame, step, steps, true); !found) return found;
+  part.again = true;
+  if (Result<void> found = inputs.findContacts(part); !found) return found;
   ExactConstants again = constants;
   again.flags = (constants.flags & ~(exact::kResetFlag | exact::kRebaseFlag)) | exact::kAgainFlag;
-  builder.dispatchIndirect(variant, frame.contacts.words(), frame.contacts.solveArguments(step));
+  const uint64_t arguments = constants.contactHead + contact_records::kContactSolveArguments;
+  builder.dispatchIndirect(variant, frame.contacts.words.buffer, arguments * sizeof(uint32_t));
   return finishExactPass(frame, builder, again, bytes);
 }
 
@@ -224,8 +225,8 @@ Result<void> StrandSolver::finishExactPass(const HairFrame& frame, PassBuilder& 
           .lodParents = {buffers.lodParents, guides * sizeof(uint32_t)},
           .state = frame.room.resources.whole(buffers.state),
           .sleep = {buffers.sleep, sleepWordCount(guides) * sizeof(uint32_t)},
-          .contacts = {frame.contacts.records(), frame.contacts.bufferBytes()},
-          .contactWords = {frame.contacts.words(), frame.contacts.wordBytes()},
+          .contacts = frame.contacts.records,
+          .contactWords = frame.contacts.words,
       });
 }
 

@@ -127,11 +127,11 @@ ExactStrands packExactStrands(const HairAsset& asset, bool levelOfDetail) {
   return packed;
 }
 
-ExactStrands exactStrandsOf(const Groom& groom) {
+ExactStrands exactStrandsOf(const Groom& groom, const RestPose& rest) {
   ExactStrands packed = packExactStrands(*groom.firstAsset, groom.levelOfDetail);
-  if (groom.asset == groom.firstAsset) return packed;
+  if (rest.asset == groom.firstAsset) return packed;
   for (ExactStrand& strand : packed.strands)
-    strand.strandLength = lengthOf(*groom.asset, strand.root);
+    strand.strandLength = lengthOf(*rest.asset, strand.root);
   return packed;
 }
 

@@ -11,6 +11,7 @@
 #include "pelage/hair_asset.h"
 #include "pelage/hair_object.h"
 #include "pelage/simulation_settings.h"
+#include "skinning/hair_frame.h"
 
 namespace pelage {
 
@@ -40,8 +41,8 @@ struct ExactStrands {
 /// Strands in tiles of 32, in the order of the kernel's threads: by vertex count, then as in the
 /// asset, or, for level of detail, at random, so that every prefix covers the scalp.
 ExactStrands packExactStrands(const HairAsset& asset, bool levelOfDetail);
-/// Those of an object: the order stays what it was when it was added, whatever the rest pose is.
-ExactStrands exactStrandsOf(const Groom& groom);
+/// Strands of an object in the order of its first rest pose, with the lengths of the current one.
+ExactStrands exactStrandsOf(const Groom& groom, const RestPose& rest);
 /// For every strand except the first one: an earlier strand near it.
 std::vector<uint32_t> nearStrandsBefore(const HairAsset& asset, const ExactStrands& strands);
 /// Number of elements of g_state, which starts as zeros.
@@ -71,12 +72,7 @@ std::vector<Float4> packClassicFactors(const HairAsset& asset, const RestSets& s
 std::vector<Float4> packExactRest(const HairAsset& asset, const ExactStrands& strands,
                                   const RestSets& sets);
 
-/// The wind at a time [m/s].
-struct AirMotion {
-  Float3 velocity;  ///< gusts included
-  Float3 gust0;     ///< the part of the gusts in it
-  Float3 gust1;     ///< the same a quarter of their period later
-};
+/// The wind at a time, in seconds.
 /// \param loadShare  of the wind that acts on hair
 AirMotion airAt(const WindSettings& wind, double time, float loadShare = 1);
 /// Share of gravity, wind and forces that acts on hair: 1 up to a VSP coefficient of 0.75, from

@@ -38,37 +38,38 @@ std::string faultOf(const ForceField& field, const ResourceTable& resources) {
                " on, but its buffer only " + std::to_string(values->size) + " bytes");
 }
 
-void FieldForces::prepare(const FieldHair& hair, const RoomBuffers& room) {
-  if (hair.field.values == BufferId::kInvalid) {
-    remove(room);
-  } else if (forces_ == BufferId::kInvalid) {
-    forces_ = room.add(hair.name + "/fieldForces", hair.vertices, kForceSize);
-  }
+void FieldForces::prepare(HairFrame& frame) {
+  if (frame.mode != FrameMode::kSimulate) return;
+  if (frame.inputs.field.values == BufferId::kInvalid)
+    remove(frame.room);
+  else if (forces_ == BufferId::kInvalid)
+    forces_ = frame.room.add(frame.name + "/fieldForces", frame.guideVertices(), kForceSize);
+  if (forces_ != BufferId::kInvalid) frame.forces = forces_;
 }
 
-Result<void> FieldForces::record(const FieldHair& hair, bool known, const ResourceTable& resources,
-                                 PassList& list) const {
+Result<void> FieldForces::record(const HairFrame& frame) const {
   if (forces_ == BufferId::kInvalid) return {};
-  const ForceField& field = hair.field;
-  const bool others = hair.otherForces != BufferId::kInvalid;
-  const auto count = static_cast<uint32_t>(hair.vertices);
+  const ForceField& field = frame.inputs.field;
+  const BufferId engine = frame.buffers.forces;
+  const bool others = engine != BufferId::kInvalid;
+  const auto count = static_cast<uint32_t>(frame.guideVertices());
   ForceFieldConstants constants = {};
   constants.fieldVertexCount = count;
   constants.fieldAddsForces = others ? 1 : 0;
   constants.fieldFirst = field.first;
-  constants.fieldKnown = known ? 1 : 0;
+  constants.fieldKnown = frame.reset ? 0 : 1;
   constants.fieldOrigin = {field.origin.x, field.origin.y, field.origin.z, field.cellSize};
   constants.fieldNodes = {field.nodes[0], field.nodes[1], field.nodes[2], 0};
-  const BufferRange positions = {hair.positions, count * kForceSize};
-  PassBuilder builder(list);
+  const BufferRange positions = {frame.buffers.positions, count * kForceSize};
+  PassBuilder builder(frame.list);
   dispatchRows(builder, sampleForceFieldVariant(), count)
       .bytes(count * (others ? 3 : 2) * kForceSize);
   // Positions stand in, and are not read, without forces of others.
   return builder.finish(ForceFieldBindings{
       .forceFieldConstants = constants,
       .fieldPositions = positions,
-      .fieldValues = resources.whole(field.values),
-      .fieldOthers = others ? BufferRange{hair.otherForces, count * kForceSize} : positions,
+      .fieldValues = frame.room.resources.whole(field.values),
+      .fieldOthers = others ? BufferRange{engine, count * kForceSize} : positions,
       .fieldForces = {forces_, count * kForceSize},
   });
 }

@@ -7,20 +7,22 @@
 
 namespace pelage::detail {
 
-bool GivenPositions::prepare(const HairFrame& frame, const GivenShape& shape) {
+void GivenPositions::prepare(HairFrame& frame) {
   const bool wasOn = buffer_ != BufferId::kInvalid;
-  if (!shape.isOn()) {
+  if (!frame.inputs.given.isOn()) {
     remove(frame.room);
+    frame.reset |= wasOn;
   } else if (!wasOn) {
     buffer_ = frame.room.add(frame.name + "/givenPositions", frame.guideVertices(), kVector, {},
                              BufferUsage::kStorage | BufferUsage::kUpload);
     forget();
   }
-  return wasOn && !shape.isOn();
 }
 
-Result<void> GivenPositions::place(const HairFrame& frame, const GivenShape& shape) {
+Result<void> GivenPositions::record(const HairFrame& frame) {
+  const GivenShape& shape = frame.inputs.given;
   if (buffer_ == BufferId::kInvalid) return {};
+  if (frame.mode == FrameMode::kSkin && !frame.reset && version_ == shape.version) return {};
   if (version_ != shape.version)
     addUpload(frame.list, buffer_, std::as_bytes(std::span(shape.positions)));
   version_ = shape.version;

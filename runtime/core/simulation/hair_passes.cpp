@@ -14,20 +14,20 @@ constexpr uint32_t kFollowsAThread = simulation::kStrandsAThread;
 
 }  // namespace
 
-SimulationConstants HairFrame::constants() const {
-  const Float3 from = origin.world();
+SimulationConstants constantsOf(const HairFrame& frame) {
+  const Float3 from = frame.origin.world();
   SimulationConstants constants = {};
   constants.origin = {from.x, from.y, from.z, 0};
-  constants.rebase = {rebase.x, rebase.y, rebase.z, 0};
-  constants.guideCount = guideCount;
-  constants.followCount = groom.storesFollowHairs ? followCount : 0;
-  constants.vertexCount = vertexCount;
-  constants.boneCount = boneCount;
+  constants.rebase = {frame.rebase.x, frame.rebase.y, frame.rebase.z, 0};
+  constants.guideCount = frame.guideCount;
+  constants.followCount = frame.groom.storesFollowHairs ? frame.followCount : 0;
+  constants.vertexCount = frame.vertexCount;
+  constants.boneCount = frame.boneCount;
   constants.timeStepRatio = 1;
   constants.rootBegin = 0;
   constants.rootEnd = 1;
-  constants.tipSeparation = settings.tipSeparation;
-  constants.flags = reset ? simulation::kResetFlag : 0;
+  constants.tipSeparation = frame.settings.tipSeparation;
+  constants.flags = frame.reset ? simulation::kResetFlag : 0;
   return constants;
 }
 
@@ -42,7 +42,7 @@ uint64_t maxStoredFollows() {
 Result<void> addRootPass(const HairFrame& frame, SkinningMethod skinning) {
   const HairBuffers& buffers = frame.buffers;
   const uint64_t guides = frame.guideCount;
-  SimulationConstants constants = frame.constants();
+  SimulationConstants constants = constantsOf(frame);
   if (skinning == SkinningMethod::kDualQuaternions)
     constants.flags |= simulation::kDualQuaternionsFlag;
   PassBuilder builder(frame.list);
@@ -63,7 +63,7 @@ Result<void> addFollowPass(const HairFrame& frame) {
   const uint64_t guides = frame.guideCount;
   const uint64_t follows = frame.followCount;
   const uint64_t vertices = frame.vertexCount;
-  SimulationConstants constants = frame.constants();
+  SimulationConstants constants = constantsOf(frame);
   constants.flags = 0;
   PassBuilder builder(frame.list);
   if (frame.sleeps)
@@ -83,26 +83,6 @@ Result<void> addFollowPass(const HairFrame& frame) {
           .followHairRecords = {buffers.followHairRecords, follows * sizeof(FollowHairRecord)},
           .rootTransforms = frame.roots,
       });
-}
-
-Result<void> addFollowCollision(const HairFrame& frame, FollowContacts& contacts) {
-  const bool known = contacts.goesOn() && !frame.reset;
-  contacts.forget();
-  if (!frame.groom.collidesFollowHairs || !frame.colliders.any()) return {};
-  if (!contacts.isPrepared()) {
-    contacts.prepare(frame.room.resources, frame.name, frame.followCount, frame.vertexCount);
-    frame.buffers.followBefore = contacts.before();
-    frame.buffers.followContactWords = contacts.words();
-  }
-  FollowHairs hairs = {.positions = frame.buffers.positions,
-                       .tangents = frame.buffers.tangents,
-                       .first = frame.guideCount,
-                       .origin = frame.origin.world()};
-  if (frame.sleeps) {
-    hairs.awake = frame.buffers.sleep;
-    hairs.argumentBytes = kFollowArguments;
-  }
-  return contacts.add(frame.list, frame.room.resources, hairs, frame.colliders, known);
 }
 
 Result<void> addShift(const HairFrame& frame, Float3 by, BufferId buffer, uint64_t first,

@@ -4,13 +4,17 @@
 #include <cstdint>
 
 #include "base/rigid_move.h"
-#include "contact/follow_contacts.h"
 #include "passes/moved_elements.h"
+#include "pelage/constants.h"
+#include "pelage/gpu_structs.h"
 #include "pelage/kernel.h"
 #include "pelage/result.h"
-#include "simulation/hair_frame.h"
+#include "skinning/hair_frame.h"
 
 namespace pelage::detail {
+
+/// Constants of every kernel of the group "simulation".
+SimulationConstants constantsOf(const HairFrame& frame);
 
 /// Groups along an axis of a dispatch that every device takes.
 inline constexpr uint64_t kMaxGroups = 65535;
@@ -25,8 +29,6 @@ inline constexpr uint64_t kFollowArguments = exact::kSleepFollowArguments * size
 Result<void> addRootPass(const HairFrame& frame, SkinningMethod skinning);
 /// Places stored follow hairs beside their guides.
 Result<void> addFollowPass(const HairFrame& frame);
-/// Moves stored follow hairs out of colliders.
-Result<void> addFollowCollision(const HairFrame& frame, FollowContacts& contacts);
 /// Moves Float4 of a buffer by a shift of the world [m].
 Result<void> addShift(const HairFrame& frame, Float3 by, BufferId buffer, uint64_t first,
                       uint64_t count);

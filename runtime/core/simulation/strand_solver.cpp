@@ -6,16 +6,8 @@
 #include "pelage/assert.h"
 #include "pelage/constants.h"
 #include "pelage/kernels.h"
-#include "pelage/scene.h"
 
 namespace pelage::detail {
-
-namespace {
-
-/// Where g_sleep has the groups of find_contacts [bytes].
-constexpr uint64_t kFindArguments = exact::kSleepFindArguments * sizeof(uint32_t);
-
-}  // namespace
 
 void StrandSolver::remove(HairBuffers& buffers, const RoomBuffers& room) {
   for (BufferId* buffer : {&buffers.state, &buffers.rest, &buffers.sleep, &buffers.lodParents})
@@ -23,15 +15,14 @@ void StrandSolver::remove(HairBuffers& buffers, const RoomBuffers& room) {
   solver_.reset();
 }
 
-bool StrandSolver::prepare(const HairFrame& frame) {
+void StrandSolver::prepare(HairFrame& frame) {
   const Groom& groom = frame.groom;
   const SimulationSettings& s = frame.settings;
   const bool exact = s.solver == Solver::kExact;
-  const bool other = solver_ != s.solver;
-  if (other) {
+  frame.otherSolver = solver_ != s.solver;
+  if (frame.otherSolver) {
     remove(frame.buffers, frame.room);
-    frame.contacts.remove(frame.room);
-    frame.buffers.contacts = frame.buffers.contactWords = BufferId::kInvalid;
+    frame.reset = true;
     solver_ = s.solver;
     if (exact)
       makeExactBuffers(frame);
@@ -42,16 +33,17 @@ bool StrandSolver::prepare(const HairFrame& frame) {
                          .factors = !groom.strandFactors.empty() || s.curves != ParameterCurves{},
                          .strands = groom.strandFactors,
                          .curves = s.curves};
-  const bool otherPose = restVersion_ != groom.restVersion;
+  const bool otherPose = restVersion_ != frame.inputs.rest.version;
   if (otherPose) {
     frame.room.remove(frame.buffers.bindRoots);
-    frame.buffers.bindRoots =
-        frame.room.share(frame.name, "bindRoots", kVector, bytesOf(bindRootsOf(*groom.asset)));
-    restVersion_ = groom.restVersion;
+    frame.buffers.bindRoots = frame.room.share(frame.name, "bindRoots", kVector,
+                                               bytesOf(bindRootsOf(*frame.inputs.rest.asset)));
+    restVersion_ = frame.inputs.rest.version;
   }
   if (otherPose || frame.buffers.rest == BufferId::kInvalid || !(sets == restSets_))
     makeRest(frame, sets);
-  return other;
+  frame.roots = rootTransforms(frame.buffers);
+  frame.otherRest = restChanged();
 }
 
 void StrandSolver::makeClassicBuffers(const HairFrame& frame) {
@@ -65,14 +57,14 @@ void StrandSolver::makeState(const HairFrame& frame, uint64_t elements) {
   constexpr uint64_t kAlignment = exact::kRootAlignment;
   static_assert(kAlignment * kVector % 256 == 0, "devices ask for offsets of up to 256 bytes");
   rootOffset_ = (elements + kAlignment - 1) / kAlignment * kAlignment * kVector;
-  rootBytes_ = kRootTransformSets * frame.guideCount * sizeof(RootTransform);
+  rootBytes_ = uint64_t{simulation::kRootSets} * frame.guideCount * sizeof(RootTransform);
   frame.buffers.state =
       frame.room.add(frame.name + "/state", (rootOffset_ + rootBytes_) / kVector, kVector);
 }
 
 void StrandSolver::makeExactBuffers(const HairFrame& frame) {
-  const HairAsset& asset = *frame.groom.asset;
-  const ExactStrands strands = exactStrandsOf(frame.groom);
+  const HairAsset& asset = *frame.inputs.rest.asset;
+  const ExactStrands strands = exactStrandsOf(frame.groom, frame.inputs.rest);
   stateStride_ = strands.stateStride;
   slot_ = 0;
   const auto add = [&](const char* what, uint64_t count, uint32_t stride,
@@ -94,12 +86,12 @@ void StrandSolver::makeExactBuffers(const HairFrame& frame) {
 }
 
 void StrandSolver::makeRest(const HairFrame& frame, const RestSets& sets) {
-  const HairAsset& asset = *frame.groom.asset;
+  const HairAsset& asset = *frame.inputs.rest.asset;
   restSets_ = sets;
   frame.room.remove(frame.buffers.rest);
   std::vector<Float4> rest;
   if (frame.settings.solver == Solver::kExact) {
-    rest = packExactRest(asset, exactStrandsOf(frame.groom), sets);
+    rest = packExactRest(asset, exactStrandsOf(frame.groom, frame.inputs.rest), sets);
   } else {
     Result<std::vector<Float4>> packed = packRest(asset);
     PELAGE_ASSERT(packed, "addHair() takes processed assets only");
@@ -112,64 +104,25 @@ void StrandSolver::makeRest(const HairFrame& frame, const RestSets& sets) {
   frame.buffers.rest = frame.room.share(frame.name, "rest", kVector, bytesOf(rest));
 }
 
-void StrandSolver::prepareContacts(HairFrame& frame) const {
-  HairContacts& contacts = frame.contacts;
-  const bool exact = frame.settings.solver == Solver::kExact;
-  const uint32_t subSteps = exact ? frame.settings.subSteps : 1;
-  // A reset of the classic solver takes the goals, and moves nothing.
-  frame.hasContacts = (exact || !frame.reset) && frame.colliders.any();
-  if (frame.reset || !frame.hasContacts) contacts.forget();
-  if (!frame.hasContacts) {
-    contacts.clearTotals(frame.list);
-    return;
+std::vector<ContactStrand> StrandSolver::strandsOf(const HairFrame& frame) {
+  std::vector<ContactStrand> strands;
+  if (frame.settings.solver == Solver::kExact) {
+    for (const ExactStrand& s : exactStrandsOf(frame.groom, frame.inputs.rest).strands)
+      strands.push_back({.target = s.target, .count = s.count, .root = s.root, .pad0 = 0});
+    return strands;
   }
-  if (!contacts.isPrepared(frame.steps * subSteps)) {
-    contacts.remove(frame.room);
-    std::vector<ContactStrand> strands;
-    if (exact) {
-      for (const ExactStrand& s : exactStrandsOf(frame.groom).strands)
-        strands.push_back({.target = s.target, .count = s.count, .root = s.root, .pad0 = 0});
-    } else {
-      for (uint32_t guide = 0; guide < frame.guideCount; ++guide)
-        strands.push_back({.target = guide * frame.vertexCount,
-                           .count = frame.vertexCount,
-                           .root = guide,
-                           .pad0 = 0});
-    }
-    contacts.prepare(frame.room.resources, frame.name, strands, frame.vertexCount,
-                     frame.guideVertices(), Scene::kMaxSubSteps * subSteps);
-    frame.buffers.contacts = contacts.records();
-    frame.buffers.contactWords = contacts.words();
-  }
-  contacts.begin(frame.list);
+  for (uint32_t guide = 0; guide < frame.guideCount; ++guide)
+    strands.push_back({.target = guide * frame.vertexCount,
+                       .count = frame.vertexCount,
+                       .root = guide,
+                       .pad0 = 0});
+  return strands;
 }
 
-Result<void> StrandSolver::findContacts(const HairFrame& frame, uint32_t step, uint32_t steps,
-                                        bool again) const {
-  const HairBuffers& buffers = frame.buffers;
-  const bool exact = frame.settings.solver == Solver::kExact;
-  const AwakeTiles awake = {.buffer = exact ? buffers.sleep : buffers.state,
-                            .listed = frame.sleeps,
-                            .firstWord = exact::kSleepHead,
-                            .argumentBytes = kFindArguments};
-  const ContactStep part = {.index = step,
-                            .begin = static_cast<float>(step) / static_cast<float>(steps),
-                            .end = static_cast<float>(step + 1) / static_cast<float>(steps),
-                            .length = frame.length / static_cast<float>(steps),
-                            .gravity = frame.gravity(),
-                            .again = again};
-  const ContactHair hair = {.positions = buffers.positions,
-                            .roots = rootTransforms(buffers),
-                            .rootCount = frame.guideCount,
-                            .strands = exact ? simulatedCount_ : frame.guideCount,
-                            .origin = frame.origin};
-  return frame.contacts.find(frame.list, frame.room.resources, hair, frame.colliders, awake, part);
-}
-
-Result<void> StrandSolver::record(HairFrame& frame, HairGrid& grid, const GridHair& gridHair) {
+Result<void> StrandSolver::record(HairFrame& frame, const StepInputs& inputs) {
   const Result<void> added = frame.settings.solver == Solver::kExact
-                                 ? addExactPasses(frame, grid, gridHair)
-                                 : addClassicPasses(frame);
+                                 ? addExactPasses(frame, inputs)
+                                 : addClassicPasses(frame, inputs);
   if (!added) return added;
   lastFrame_ = frame.length;
   settingsBefore_ = frame.settings;

@@ -2,21 +2,21 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
-#include "contact/hair_grid.h"
 #include "passes/moved_elements.h"
 #include "passes/room_buffers.h"
 #include "pelage/gpu_structs.h"
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
 #include "simulation/exact_solver.h"
-#include "simulation/hair_frame.h"
+#include "skinning/hair_frame.h"
 
 namespace pelage::detail {
 
-/// Of g_state of the classic solver.
+/// Sets of vectors in g_state of the classic solver.
 inline constexpr uint64_t kClassicStateSets = simulation::kStateSets;
 
 /// The settings pull vertices to the bind pose.
@@ -32,23 +32,31 @@ inline uint64_t sleepWordCount(uint64_t strands) {
   return exact::kSleepHead + 2 * tileCount(strands) + strands;
 }
 
+/// Functions that the solver calls for each sub-step.
+struct StepInputs {
+  /// Adds passes before a step of h seconds: what acts on the hair in it.
+  std::function<Result<void>(double h, bool reset)> beginStep;
+  /// Adds the pass that finds the contacts of a sub-step.
+  std::function<Result<void>(const ContactPart& part)> findContacts;
+};
+
 /// The solver of one object. A copy of it is what a frame is taken back to.
 class StrandSolver {
  public:
-  /// Makes the buffers where those that are there are for something else.
-  /// \return true where the hair has no state now: the frame is to be a reset
-  bool prepare(const HairFrame& frame);
+  /// Makes the buffers where those that are there are for something else; the hair has no state
+  /// then, and the frame is a reset.
+  void prepare(HairFrame& frame);
   void remove(HairBuffers& buffers, const RoomBuffers& room);
-  /// Finds out whether the frame has contacts, makes their buffers, and begins it for them.
-  void prepareContacts(HairFrame& frame) const;
-  /// Adds the passes of the frame, and where they read them those of contacts and of the grid.
-  Result<void> record(HairFrame& frame, HairGrid& grid, const GridHair& gridHair);
+  /// Strands in the order of the solver, for contacts.
+  static std::vector<ContactStrand> strandsOf(const HairFrame& frame);
+  /// Adds the passes of the frame.
+  Result<void> record(HairFrame& frame, const StepInputs& inputs);
   /// Adds the pass that poses the guides without simulating them, in place of record(). A frame
   /// behind it continues from there, with the velocity of the roots.
   Result<void> skin(HairFrame& frame);
   /// Adds the passes that write the positions anew from the state, after a shift of the world.
   Result<void> rewritePositions(const HairFrame& frame) const;
-  /// What a rigid motion of the object moves of the state, the roots and the tangents.
+  /// Elements of the state, the roots and the tangents that a rigid motion of the object moves.
   std::vector<MovedElements> moved(const HairFrame& frame) const;
   /// Call it where follow hairs are where no simulation has put them: the next frame places all of
   /// them anew, also those that sleep.
@@ -58,8 +66,6 @@ class StrandSolver {
   BufferRange rootTransforms(const HairBuffers& buffers) const {
     return {buffers.state, rootBytes_, rootOffset_};
   }
-  /// The rest pose is another one than in the frame before.
-  bool restChanged() const { return restVersion_ != restVersionBefore_; }
   float lastFrame() const { return lastFrame_; }  ///< [s]; 0 before the first one
 
  private:
@@ -67,19 +73,18 @@ class StrandSolver {
   void makeExactBuffers(const HairFrame& frame);
   void makeState(const HairFrame& frame, uint64_t elements);
   void makeRest(const HairFrame& frame, const RestSets& sets);
-  Result<void> findContacts(const HairFrame& frame, uint32_t step, uint32_t steps,
-                            bool again) const;
+  bool restChanged() const { return restVersion_ != restVersionBefore_; }
 
   SimulationConstants classicConstants(const HairFrame& frame) const;
-  Result<void> addClassicPasses(const HairFrame& frame);
+  Result<void> addClassicPasses(const HairFrame& frame, const StepInputs& inputs);
   Result<void> skinClassic(const HairFrame& frame);
   Result<void> rewriteClassic(const HairFrame& frame) const;
 
   ExactConstants exactConstants(const HairFrame& frame) const;
   ExactConstants frameConstants(const HairFrame& frame) const;
-  Result<void> addExactPasses(HairFrame& frame, HairGrid& grid, const GridHair& gridHair);
-  Result<void> addExactStep(const HairFrame& frame, const ExactConstants& constants,
-                            uint32_t step) const;
+  Result<void> addExactPasses(HairFrame& frame, const StepInputs& inputs);
+  Result<void> addExactStep(const HairFrame& frame, const StepInputs& inputs,
+                            const ExactConstants& constants, uint32_t step) const;
   Result<void> addSleepPass(HairFrame& frame, ExactConstants constants);
   Result<void> addInterpolationPass(const HairFrame& frame, const ExactConstants& constants,
                                     uint32_t strands) const;
@@ -91,9 +96,9 @@ class StrandSolver {
 
   std::optional<Solver> solver_;    ///< that the buffers were made for
   RestSets restSets_;               ///< likewise
-  uint64_t restVersion_ = 0;        ///< likewise, of Groom::restVersion
+  uint64_t restVersion_ = 0;        ///< likewise, of RestPose::version
   uint64_t restVersionBefore_ = 0;  ///< of the last frame
-  /// Of the last frame; a change wakes all strands.
+  /// Settings of the last frame; a change wakes all strands.
   SimulationSettings settingsBefore_;
   float loadShareBefore_ = 1;  ///< likewise
   float lastFrame_ = 0;

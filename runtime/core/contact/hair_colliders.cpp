@@ -1,0 +1,177 @@
+#include "contact/hair_colliders.h"
+
+#include <algorithm>
+
+#include "contact/capsules.h"
+#include "pelage/constants.h"
+#include "pelage/gpu_structs.h"
+
+namespace pelage::detail {
+
+namespace {
+
+// Where g_sleep has the groups of find_contacts [bytes].
+constexpr uint64_t kFindArguments = exact::kSleepFindArguments * sizeof(uint32_t);
+
+bool isExact(const HairFrame& frame) { return frame.settings.solver == Solver::kExact; }
+
+}  // namespace
+
+void HairColliders::prepare(HairFrame& frame) {
+  if (frame.otherSolver) {
+    contacts_.remove(frame.room);
+    frame.buffers.contacts = frame.buffers.contactWords = BufferId::kInvalid;
+  }
+  frame.contacts = inputs();
+}
+
+ContactInputs HairColliders::inputs() const {
+  const HairContacts& c = contacts_;
+  return {.any = false,
+          .replaced = false,
+          .capsuleCount = 0,
+          .records = {c.records(), c.bufferBytes()},
+          .recordBytes = c.recordBytes(),
+          .words = {c.words(), c.wordBytes()},
+          .firstHead = c.head(0),
+          .headWords = c.head(1) - c.head(0),
+          .list = c.list(),
+          .masks = c.masks(),
+          .maskWords = c.maskWords(),
+          .rows = c.rows()};
+}
+
+void HairColliders::record(HairFrame& frame, const SdfRoom& sdfs, const Ball& ball,
+                           const Strands& strands) {
+  bool replaced = areReplaced(capsulesBefore_, frame.inputs.colliders);
+  replaced |= sendSdfs(frame, sdfs, ball);
+  replaced |= sendCapsules(frame, ball);
+  beginContacts(frame, strands);
+  frame.contacts.replaced = replaced;
+  frame.contacts.capsuleCount = inReach_.capsuleCount;
+}
+
+// Returns whether they are others than in the frame before.
+bool HairColliders::sendSdfs(HairFrame& frame, const SdfRoom& sdfs, const Ball& ball) {
+  const HairInputs& inputs = frame.inputs;
+  SdfRoom::InReach found;
+  if (frame.usesMeshColliders) {
+    const HairReach reach = {ball, inputs.meshColliders ? &*inputs.meshColliders : nullptr};
+    found = sdfs.inReach(reach, frame.origin);
+  }
+  HostArray<std::byte> bytes = bytesOf(found.sdfs);
+  const auto count = static_cast<uint32_t>(found.sdfs.size());
+  const bool replaced = found.rebuilt || bytes != sdfsBefore_;
+  // Capsules come behind the SDFs.
+  const uint32_t wanted = count > 0 ? count + static_cast<uint32_t>(inputs.colliders.size()) : 0;
+  if (wanted > sdfCapacity_) {
+    frame.room.remove(frame.buffers.sdfs);
+    sdfCapacity_ = wanted;
+    frame.buffers.sdfs = frame.room.add(frame.name + "/fields", wanted, sizeof(Sdf), {},
+                                        BufferUsage::kStorage | BufferUsage::kUpload);
+    sdfsBefore_.clear();
+  }
+  if (!bytes.empty() && bytes != sdfsBefore_) addUpload(frame.list, frame.buffers.sdfs, bytes);
+  sdfsBefore_ = std::move(bytes);
+  inReach_.sdfs = frame.buffers.sdfs;
+  inReach_.contactSdfCount = count;
+  inReach_.hasDenseSdfs = found.dense;
+  inReach_.contactSdfKeys = sdfs.keys;
+  inReach_.contactSdfSurface = sdfs.surface;
+  return replaced;
+}
+
+// Returns whether sleeping strands, which are not tested against capsules, have to wake.
+bool HairColliders::sendCapsules(HairFrame& frame, const Ball& ball) {
+  const HostArray<CapsuleCollider>& capsules = frame.inputs.colliders;
+  if (rounded_ > 0) settleCapsules(capsulesBefore_, capsules, rounded_);
+  rounded_ = 0;
+  const bool wakes = frame.groom.collidesFollowHairs && capsules != capsulesBefore_;
+  const std::vector<Collider> packed =
+      packCapsules(capsules, capsulesBefore_, frame.origin, ball, frame.length);
+  const auto bytes = std::as_bytes(std::span(packed));
+  const auto count = static_cast<uint32_t>(packed.size());
+  // SDF permutations bind the capsule buffer, too.
+  const uint32_t wanted = std::max(count, inReach_.contactSdfCount > 0 ? 1u : 0u);
+  if (wanted > capsuleCapacity_) {
+    frame.room.remove(frame.buffers.colliders);
+    capsuleCapacity_ = wanted;
+    frame.buffers.colliders = frame.room.add(frame.name + "/colliders", wanted, sizeof(Collider),
+                                             {}, BufferUsage::kStorage | BufferUsage::kUpload);
+  }
+  if (count > 0) {
+    addUpload(frame.list, frame.buffers.colliders, bytes);
+    if (const uint64_t sdfs = inReach_.contactSdfCount; sdfs > 0)
+      addUpload(frame.list, frame.buffers.sdfs, bytes, sdfs * sizeof(Sdf));
+  }
+  capsulesBefore_ = capsules;
+  inReach_.capsules = frame.buffers.colliders;
+  inReach_.capsuleCount = count;
+  return wakes;
+}
+
+void HairColliders::beginContacts(HairFrame& frame, const Strands& strands) {
+  const bool exact = isExact(frame);
+  const uint32_t subSteps = exact ? frame.settings.subSteps : 1;
+  // A reset of the classic solver takes the bind pose, and moves nothing.
+  const bool any = (exact || !frame.reset) && inReach_.any();
+  if (frame.reset || !any) contacts_.forget();
+  if (!any) {
+    contacts_.clearTotals(frame.list);
+    return;
+  }
+  if (!contacts_.isPrepared(frame.steps * subSteps)) {
+    contacts_.remove(frame.room);
+    contacts_.prepare(frame.room.resources, frame.name, strands(), frame.vertexCount,
+                      frame.guideVertices(), kMaxFrameSteps * subSteps);
+    frame.buffers.contacts = contacts_.records();
+    frame.buffers.contactWords = contacts_.words();
+  }
+  contacts_.begin(frame.list);
+  frame.contacts = inputs();
+  frame.contacts.any = true;
+}
+
+Result<void> HairColliders::find(const HairFrame& frame, const ContactPart& part) {
+  const HairBuffers& buffers = frame.buffers;
+  const auto step = static_cast<float>(part.step), steps = static_cast<float>(part.steps);
+  const AwakeTiles awake = {.buffer = isExact(frame) ? buffers.sleep : buffers.state,
+                            .listed = frame.sleeps,
+                            .firstWord = exact::kSleepHead,
+                            .argumentBytes = kFindArguments};
+  const ContactStep of = {.index = part.step,
+                          .begin = step / steps,
+                          .end = static_cast<float>(part.step + 1) / steps,
+                          .length = frame.length / steps,
+                          .gravity = frame.gravity(),
+                          .again = part.again};
+  const ContactHair hair = {.positions = buffers.positions,
+                            .roots = frame.roots,
+                            .rootCount = frame.guideCount,
+                            .strands = part.strands,
+                            .origin = frame.origin};
+  return contacts_.find(frame.list, frame.room.resources, hair, inReach_, awake, of);
+}
+
+void HairColliders::pause(HairFrame& frame) {
+  contacts_.forget();
+  contacts_.clearTotals(frame.list);
+  // Capsules have not moved when the hair collides again.
+  capsulesBefore_ = frame.inputs.colliders;
+  rounded_ = 0;
+}
+
+void HairColliders::move(const WorldMove& move) {
+  moveCapsules(capsulesBefore_, move);
+  rounded_ += move.extent;
+  if (move.origin) contacts_.moveTo(*move.origin);
+}
+
+void HairColliders::remove(HairBuffers& buffers, const RoomBuffers& room) {
+  contacts_.remove(room);
+  buffers.contacts = buffers.contactWords = BufferId::kInvalid;
+  room.remove(buffers.colliders);
+  room.remove(buffers.sdfs);
+}
+
+}  // namespace pelage::detail

@@ -1,0 +1,64 @@
+// The colliders of a hair object: the SDFs and capsules in reach, and the contacts with them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "base/bounds.h"
+#include "base/rigid_move.h"
+#include "contact/hair_contacts.h"
+#include "passes/moved_elements.h"
+#include "passes/room_buffers.h"
+#include "pelage/collider.h"
+#include "pelage/host_allocator.h"
+#include "pelage/result.h"
+#include "sdf/sdf_room.h"
+#include "skinning/hair_frame.h"
+
+namespace pelage::detail {
+
+/// The colliders of one object. A copy of it is what a frame is taken back to.
+class HairColliders {
+ public:
+  /// Strands in the order of the solver.
+  using Strands = std::function<std::vector<ContactStrand>()>;
+
+  /// Removes contacts that were made for another solver.
+  void prepare(HairFrame& frame);
+  /// Sends what strands in a ball can reach, and begins the contacts of the frame.
+  void record(HairFrame& frame, const SdfRoom& sdfs, const Ball& ball, const Strands& strands);
+  /// Adds the pass that finds the contacts of a sub-step.
+  Result<void> find(const HairFrame& frame, const ContactPart& part);
+  /// In a frame without collisions: contacts of later frames have no history.
+  void pause(HairFrame& frame);
+  /// The next frame sends the SDFs again.
+  void forget() { sdfsBefore_.clear(); }
+  void move(const WorldMove& move);
+  std::vector<MovedElements> moved(const HairFrame&) const { return contacts_.moved(); }
+  void remove(HairBuffers& buffers, const RoomBuffers& room);
+
+  HairContacts& contacts() { return contacts_; }
+  const HairContacts& contacts() const { return contacts_; }
+  const ColliderBuffers& inReach() const { return inReach_; }
+
+ private:
+  bool sendSdfs(HairFrame& frame, const SdfRoom& sdfs, const Ball& ball);
+  bool sendCapsules(HairFrame& frame, const Ball& ball);
+  void beginContacts(HairFrame& frame, const Strands& strands);
+  ContactInputs inputs() const;
+
+  HairContacts contacts_;
+  ColliderBuffers inReach_;                    ///< of the last frame
+  HostArray<CapsuleCollider> capsulesBefore_;  ///< of the last frame
+  HostArray<std::byte> sdfsBefore_;            ///< contents of their buffer
+  uint32_t capsuleCapacity_ = 0;               ///< elements of the buffer
+  uint32_t sdfCapacity_ = 0;                   ///< likewise
+  /// Extent of moves since the last frame [m]; bounds the rounding of capsules that an engine sends
+  /// again.
+  double rounded_ = 0;
+};
+
+}  // namespace pelage::detail
