@@ -308,8 +308,8 @@ BackEndOutput runBackEnd(const BackEndInput& input) {
     return output;
   }
   output.optimised = *optimised;
-  // Stripping takes away nothing but names and lines, so that one validation does for both modules.
-  // What is wrong is looked for in the one with names.
+  // Stripping takes away nothing but names and lines, so one validation does for both modules. The
+  // one with names is validated, for better messages.
   std::optional<std::vector<uint32_t>> stripped = strip(*optimised);
   messages.clear();
   if (!stripped || !validate(*stripped, messages)) {

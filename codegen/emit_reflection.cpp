@@ -51,7 +51,7 @@ Json structJson(const HostStruct& type) {
   return {{"name", type.name}, {"size", type.size}, {"members", std::move(members)}};
 }
 
-// What is switched on, and for which keys: any of the list.
+// The conditions that complete each axis of a key; any one of them does.
 Json completionJson(const ManifestKernel& kernel) {
   Json json = Json::object();
   for (const CompletionRule& rule : completeKeys(kernel).rules) {

@@ -349,7 +349,7 @@ class Writer {
     return out + "}\n\n" + close();
   }
 
-  // What each distinct variant uses.
+  // Lists the resources of each distinct variant.
   void bindings(const KernelOutput& output, std::string& out) const {
     const std::string name = pascalCase(output.kernel.name);
     for (size_t v = 0; v < output.variants.size(); ++v) {

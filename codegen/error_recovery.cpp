@@ -44,7 +44,7 @@ std::optional<FoundToken> findLocation(const TokenStream& stream, const checks::
   return first;
 }
 
-// What goes, and what takes its place so that nothing else becomes wrong.
+// Replaces a range of the source, so that nothing after it becomes wrong.
 struct Edit {
   TokenRange range;
   std::string replacement;
@@ -130,7 +130,7 @@ void blank(std::string& text, const Token& token) {
 std::vector<FrontEndMessage> findAllErrors(FrontEndInput input, std::string preprocessed,
                                            const std::vector<FrontEndMessage>& first) {
   std::vector<FrontEndMessage> errors;
-  // What was declared in a statement that is gone is unknown because of that.
+  // Names declared in a blanked statement: errors that call them unknown do not count.
   std::set<std::string, std::less<>> blanked;
   std::vector<FrontEndMessage> messages = first;
   for (int round = 0; round < kMaximumErrors; ++round) {

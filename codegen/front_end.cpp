@@ -140,7 +140,7 @@ std::string preamble(const FrontEndInput& input) {
   return text;
 }
 
-// What preprocessing and compiling share: the source text and the set-up of the shader object.
+// Preprocessing and compiling share the source text and the set-up of the shader object.
 struct Job {
   explicit Job(const FrontEndInput& input)
       : includer(input), shader(language(input.stage)), defines(preamble(input)), name(input.file) {
@@ -164,7 +164,7 @@ struct Job {
     shader.setShiftBinding(glslang::EResTexture, RegisterBase::kTexture);
     shader.setShiftBinding(glslang::EResUav, RegisterBase::kUav);
     shader.setShiftBinding(glslang::EResSampler, RegisterBase::kSampler);
-    // What the HLSL mapping does not call a UAV keeps the class of its register all the same.
+    // Resources that the HLSL mapping does not call a UAV keep the class of their register.
     shader.setShiftBinding(glslang::EResImage, RegisterBase::kUav);
     shader.setShiftBinding(glslang::EResSsbo, RegisterBase::kUav);
   }

@@ -52,7 +52,7 @@ struct Fault {
   std::string message;
 };
 
-// What is wrong with a member that comes after byte `end`, or nothing.
+// Describes the error in a member that comes after byte `end`, if there is one.
 std::optional<Fault> faultOf(const StructMember& member, bool isBlock, uint32_t end) {
   const std::string what = "member '" + member.name + "' ";
   const std::string name = hostName(member.name);

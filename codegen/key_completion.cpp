@@ -52,7 +52,7 @@ class RuleFinder {
       if (!needsRule(key) || isCovered(key, rules)) continue;
       rules.push_back(shortened(ruleOf(key.wanted)));
     }
-    // What several others cover together is not needed.
+    // A rule that several others cover together is not needed.
     for (size_t i = rules.size(); i-- > 0;) {
       std::vector<CompletionRule> others = rules;
       others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));

@@ -52,7 +52,7 @@ int main(int argc, char** argv) {
                  "Keep names and lines in SPIR-V, and indentation in GLSL: for debugging");
     app.add_flag("-q,--quiet", quiet, "No summary line");
 
-    // What the tool runs itself as, so that a crash of a compiler ends only the child.
+    // The tool runs itself as a worker, so that a crash of a compiler ends only the child.
     const CLI::App* worker = app.add_subcommand("worker")->group("");
 
     CLI11_PARSE(app, argc, argv);

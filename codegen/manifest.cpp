@@ -258,7 +258,7 @@ class Reader {
         }
         const auto [found, added] = owners.emplace(layout.string, manifest_.groups.size());
         group.layouts.push_back(layout.string);
-        // What stands behind a wrong one is wrong with it.
+        // After the first wrong layout, those behind it would only repeat the error.
         if (!added && inOrder) inOrder = checkShared(group, found->second, layout);
       }
       manifest_.groups.push_back(std::move(group));

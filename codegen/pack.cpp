@@ -8,7 +8,7 @@ namespace pelage::codegen {
 namespace {
 
 // Permutations of a kernel are nearly the same and lie one behind the other: the window spans all
-// of them (16 MiB), so that each costs little more than what sets it apart.
+// of them (16 MiB), so that each costs little more than its differences.
 constexpr int kLevel = 19;
 constexpr int kWindowLog = 24;
 

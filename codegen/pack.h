@@ -10,7 +10,7 @@ namespace pelage::codegen {
 /// only when memory runs out.
 std::string pack(std::string_view bytes);
 
-/// "zstd 1.5.4", with what decides about the bytes.
+/// "zstd 1.5.4" and the settings that change the bytes.
 std::string packVersion();
 
 }  // namespace pelage::codegen

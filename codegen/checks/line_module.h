@@ -45,7 +45,7 @@ class LineModule {
 
   bool hasDecoration(uint32_t id, uint32_t decoration) const;
 
-  /// Follows OpTypePointer once; 0 for what is no pointer type.
+  /// Follows OpTypePointer once; 0 if the type is no pointer.
   uint32_t pointee(uint32_t pointerType) const;
   /// Component type of a vector or matrix (to the scalar), or `type` itself.
   uint32_t scalarType(uint32_t type) const;

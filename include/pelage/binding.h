@@ -1,4 +1,4 @@
-// What a pass binds: the types behind the generated structs (pelage/bindings.h, and the header that
+// Types behind the generated binding structs (pelage/bindings.h, and the header that
 // pelage_add_kernels() makes for an engine's own HLSL). There is one struct a layout, with a member
 // for each buffer and each constant block:
 //
@@ -33,8 +33,8 @@ struct BufferRange {
   bool operator==(const BufferRange&) const = default;
 };
 
-/// What is bound to one entry of a layout: a buffer, a texture or its sampler, the bytes of a
-/// constant block, or nothing.
+/// The value of one entry of a layout: a buffer, a texture or its sampler, the bytes of a constant
+/// block, or nothing.
 struct BoundResource {
   BoundResource() = default;
   explicit BoundResource(const BufferRange& bound) : range(bound) {}

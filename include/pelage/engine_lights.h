@@ -25,9 +25,9 @@ struct EngineLights {
   /// All that pelage_add_engine_lights() has made, of the same version of pelage. Static tables:
   /// they outlive the lists that name them.
   std::span<const Kernel* const> kernels = {};
-  /// What they read, by the names in HLSL; ones that a kernel does not use are left out. They are
-  /// copied into the lists, where the buffers get barriers as all others do. Textures are the
-  /// engine's to make ready before the lists run.
+  /// Resources of the engine's kernels, by the names in HLSL; a kernel need not use all of them.
+  /// They are copied into the lists, where the buffers get barriers as all others do. The engine
+  /// makes its textures ready before the lists run.
   std::vector<NamedResource> resources = {};
 };
 

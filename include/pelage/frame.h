@@ -83,9 +83,8 @@ class PELAGE_API Frame {
   Result<uint32_t> draw(const View& view, std::span<const Light> lights,
                         const TransparencySettings& settings = {}, PassList before = {});
   /// Draws depth of hair, and motion where the settings ask for it, into targets of their own: a
-  /// view beside those of draw(), of the same camera and whatever method. Its target has a depth
-  /// target, with depth of what is opaque so that it hides hair; it keeps what is there, or clears
-  /// it. It adds nothing to other views.
+  /// view beside those of draw(), of the same camera and any method. Its target has a depth target;
+  /// with the depth of opaque objects in it, these hide hair. It adds nothing to other views.
   /// \param before  passes and draws of yours that come first in the view.
   /// \return number of the view. Errors: those of Scene::drawDepth(); a frame that is finished or
   /// over.
@@ -112,7 +111,7 @@ class PELAGE_API Frame {
   /// call it before they record anything. \param areas  [view] the viewport that it gets. Errors:
   /// another rectangle than the View's; the message has both.
   Result<void> checkAreas(std::span<const PixelArea> areas) const;
-  /// What to run, in this order, behind an update() to resources(). Empty before finish().
+  /// The steps to run, in this order, after an update() to resources(). Empty before finish().
   std::span<const FrameStep> steps() const;
   /// Runs the frame: finish(), update(), then record() and draw() of each list.
   /// Errors: those of finish() and of the executor, which end the run.

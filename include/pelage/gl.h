@@ -64,14 +64,14 @@ struct RuntimeDef {
   /// recording. Costs a synchronisation with the driver a call.
   bool debug = false;
   /// The context counts as one of at most this tier: Limits are no more than its own, and kernels
-  /// that need more are refused. For tests of what small devices can do.
+  /// that need more are refused. Use it to test how a program behaves on small devices.
   Tier maxTier = Tier::kWide;
   /// The sources of all kernels of the lists to come; OpenGL reads the GLSL, OpenGL ES the ESSL. A
   /// program that names its own tables here links those kernels only.
   std::vector<KernelCodeList> code = {allGlsl(), allEssl()};
 };
 
-/// What the context offers; read once in create().
+/// Limits of the context; read once in create().
 struct Limits {
   uint32_t storageBindings = 0, uniformBindings = 0;  ///< binding points of the context
   uint32_t computeStorageBlocks = 0, vertexStorageBlocks = 0, pixelStorageBlocks = 0;
@@ -85,7 +85,7 @@ struct Limits {
   bool programBinaries = false;  ///< the driver hands out binaries for the ProgramCache
 };
 
-/// What a Runtime has done so far.
+/// Totals since a Runtime was created.
 struct Statistics {
   uint32_t programsCompiled = 0;  ///< from source
   uint32_t programsLoaded = 0;    ///< from the ProgramCache
@@ -102,8 +102,8 @@ struct ExternalTexture {
   uint32_t sampler = 0;  ///< of glGenSamplers(); 0: as the texture's own parameters say
 };
 
-/// What createLayout() makes of a table: GL has no descriptor sets, so this is its slots. Owned by
-/// the runtime.
+/// The result of createLayout() for a table: GL has no descriptor sets, so it is the table's
+/// binding slots. Owned by the runtime.
 struct Layout {
   const LayoutTable* table = nullptr;
   struct Slot {
@@ -222,7 +222,8 @@ class PELAGE_GL_API Runtime {
   ///
   ///     if (!runtime.supports({.method = Transparency::kTiles})) method = Transparency::kWindowed;
   ///
-  /// \param hair  what of hair is drawn. Errors: as above; those of planTransparency().
+  /// \param hair  the features of the hair that is drawn. Errors: as above; those of
+  /// planTransparency().
   Result<void> supports(const TransparencySettings& settings, const DrawnFeatures& hair = {}) const;
 
   /// Makes the programs of a list, without running it: while loading, with listToPrepare(). Its

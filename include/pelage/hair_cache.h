@@ -1,6 +1,6 @@
 // Simulated hair in one compressed file, .pelagecache: the positions of every vertex in every frame
-// of a shot, each within a stated distance of what was simulated. docs/bake_outputs.md describes
-// the file byte by byte and has figures.
+// of a shot, each within a stated distance of the simulated one. docs/bake_outputs.md describes the
+// file byte by byte and has figures.
 #pragma once
 
 #include <cstddef>
@@ -24,7 +24,7 @@ inline constexpr uint32_t kHairCacheVersion = 1;
 /// Maximum number of vertices of all strands.
 inline constexpr uint32_t kMaxHairCacheVertices = 1u << 28;
 
-/// What is the same in all frames of a cache.
+/// The properties that all frames of a cache share.
 struct HairCacheDef {
   std::string name = {};     ///< of the hair; at most 4095 bytes
   uint32_t strandCount = 0;  ///< at least 1

@@ -1,5 +1,5 @@
-// Depth and motion of hair, for what an engine does with a picture: temporal anti-aliasing, depth
-// of field, fog.
+// Depth and motion of hair, for effects that an engine applies to a picture: temporal
+// anti-aliasing, depth of field, fog.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace pelage {
 
-/// What Frame::drawDepth() writes into the color target, beside depth into the depth target.
+/// The contents of the color target of Frame::drawDepth(); depth goes into the depth target.
 enum class HairDepthColor : uint8_t {
   kNone,   ///< nothing: color stays as it is
   kDepth,  ///< (depth, 0, 0, 1), depth 0..1 as in the depth target: for R32F
@@ -34,7 +34,7 @@ struct HairDepthSettings {
   Matrix4 previousWorldToClip = {};
   /// kMotion: by how much the jitter of temporal anti-aliasing moves the picture in
   /// View::worldToClip and in previousWorldToClip [pixels], x to the right and y down; finite.
-  /// Motion is without it: it is 0 for what stands still. Leave one at 0 if its matrix has no
+  /// Motion does not contain it: a vertex at rest has motion 0. Leave one at 0 if its matrix has no
   /// jitter.
   Float2 jitter = {};
   Float2 previousJitter = {};  ///< as `jitter`

@@ -34,7 +34,7 @@ enum class SkinningMethod : uint8_t {
   kDualQuaternions,  ///< dual quaternion blending (Kavan et al. 2008); bones without scale
 };
 
-/// Which strands of an object collide.
+/// The strands of an object that collide.
 enum class CollidingHair : uint8_t {
   kGuides,            ///< only guides collide; follow hairs follow them
   kGuidesAndFollows,  ///< follow hairs are moved out, too: docs/contact.md
@@ -246,7 +246,7 @@ class PELAGE_API HairObject {
   bool interpolates = false;
 
   /// Sets the skinning transforms (bind space to world) of all bones for the next frames. Asserts
-  /// that there are boneCount() of them, and that the object follows no skeleton. A root with a
+  /// that the span has boneCount() elements, and that the object follows no skeleton. A root with a
   /// non-finite transform stays where it was.
   void setBones(std::span<const AffineTransform> bones);
   /// Sets the capsules that the hair collides with in the next frames; empty for none. A collider
@@ -311,8 +311,8 @@ class PELAGE_API HairObject {
   std::unique_ptr<detail::HairInternals> internals_;
 };
 
-/// What HairObject::drawnStrands and drawnShare make of an object's strands: its level of detail in
-/// draws.
+/// The level of detail of an object in draws, computed from HairObject::drawnStrands and
+/// drawnShare.
 struct DrawnStrands {
   uint32_t count = 0;  ///< strands that draws take, from the first
   float shown = 0;     ///< likewise, before it was rounded up

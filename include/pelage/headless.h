@@ -37,7 +37,7 @@ struct HeadlessDef {
   /// Vulkan: the Khronos validation layer with synchronisation validation. GL: a debug context.
   /// Messages are counted and printed to stderr. An error when it is asked for and not there.
   bool validation = false;
-  /// Which device when there are several, in the driver's order; -1 takes a discrete GPU, else an
+  /// Selects one of several devices, in the driver's order; -1 takes a discrete GPU, else an
   /// integrated one, else a software driver.
   int deviceIndex = -1;
   /// Vulkan: the device with this UUID, in place of an index: 32 hexadecimal digits, as
@@ -77,17 +77,16 @@ struct RenderTargetDef {
   uint32_t samples = 1;            ///< one of DeviceInfo::sampleCounts
   Float4 clearColor = {0, 0, 0, 0};
   float clearDepth = 1;  ///< 1 for standard depth, 0 for reversed depth
-  /// Receives the depth of the area that is drawn to, after the draws of list number
-  /// `depthCopyAfter` and before the next list: a float a pixel in 0..1 as the kernels see them,
-  /// row 0 is the top row. For what an engine would read from its depth texture. The target has one
-  /// sample then.
+  /// Receives the depth of the drawn area, after the draws of list number `depthCopyAfter` and
+  /// before the next list: a float a pixel in 0..1 as the kernels see them, row 0 is the top row.
+  /// It stands for the depth texture of an engine. The target has one sample then.
   BufferId depthCopy = BufferId::kInvalid;
   uint32_t depthCopyAfter = 0;  ///< index of the list
   /// The viewport: what is drawn to of the target, as View::x, y, width and height have it. All of
   /// the target where it has no pixels. All of the target is cleared.
   PixelArea area = {};
-  /// 32-bit float colour, for what is no color: depth, motion. Not every device has it with several
-  /// samples a pixel, which is an error of render() then.
+  /// 32-bit float color, for values that are no colors: depth, motion. Some devices lack it with
+  /// several samples a pixel, which is an error of render() then.
   bool float32Color = false;
 };
 
@@ -112,7 +111,7 @@ struct TextureDef {
   std::span<const float> texels = {};
 };
 
-/// What render() gives back; row 0 is the top row on every API.
+/// The result of render(); row 0 is the top row on every API.
 struct RenderedImage {
   uint32_t width = 0, height = 0;
   std::vector<Float4> pixels;  ///< width * height, linear, samples averaged

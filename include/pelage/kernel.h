@@ -63,8 +63,8 @@ struct VertexAttribute {
   uint32_t offset;  ///< bytes from the start of an element; may reach into the next elements
 };
 
-/// What a vertex kernel reads through the fixed-function vertex input instead of storage buffers,
-/// which many devices do not have in that stage. All from one buffer, Pass::vertices.
+/// The attributes that a vertex kernel reads through the fixed-function vertex input. Many devices
+/// have no storage buffers in that stage. All are from one buffer, Pass::vertices.
 struct VertexInput {
   std::span<const VertexAttribute> attributes;  ///< ascending by location
   uint32_t stride;                              ///< bytes from an element to the next
@@ -91,7 +91,7 @@ struct KernelVariant {
   const char* key;  ///< "wind=1 globalShape=0"; empty when the kernel has no axes
   std::span<const VariantBinding> bindings;  ///< ascending by (set, entry)
   uint32_t groupSize[3];                     ///< compute: threads a group; else 0
-  /// Of the SPIR-V, and of GL binding numbers that do not begin at 0; equal variants are one
+  /// Hash of the SPIR-V, and of GL binding numbers that do not begin at 0; equal variants are one
   /// object. Finds its code (pelage/kernel_code.h).
   uint64_t hash;
   Tier tier = Tier::kWide;   ///< the devices that it runs on, as the manifest states it
@@ -111,10 +111,10 @@ struct Kernel {
   bool commutes = false;
 };
 
-/// What making a pipeline (Vulkan) or a program (OpenGL) took.
+/// The time it took to make a pipeline (Vulkan) or a program (OpenGL).
 struct PipelineTime {
   std::string name;  ///< kernel and permutation, of both stages of a draw
-  /// Of the caller's clock. Several are made at a time, so that these overlap.
+  /// On the caller's clock. Several are made at a time, so these overlap.
   double milliseconds = 0;
 };
 

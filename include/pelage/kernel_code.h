@@ -27,7 +27,7 @@ namespace pelage {
 /// Generated tables, or a selection of them.
 using KernelCodeList = std::span<const KernelCode* const>;
 
-/// What a program carries of one kernel.
+/// The code of one kernel in a program.
 struct CarriedKernel {
   const char* kernel = "";
   CodeFormat format = CodeFormat::kSpirv;

@@ -1,5 +1,5 @@
-// What can be wrong with a pass list, found before anything of it runs. pelage's runtimes call this
-// for every list that they record; an executor of your own calls it as well:
+// Finds errors in a pass list before anything of it runs. pelage's runtimes call this for every
+// list that they record; an executor of your own calls it as well:
 //
 //     if (auto checked = checkList(list, resources, limits); !checked) return checked;
 //     if (auto ready = checkRun(list); !ready) return ready;
@@ -19,7 +19,7 @@
 
 namespace pelage {
 
-/// What a device allows of a pass. The defaults hold for every list that PassBuilder makes.
+/// Limits of a device for one pass. The defaults hold for every list that PassBuilder makes.
 struct DeviceLimits {
   /// Thread groups of a dispatch an axis. Vulkan: maxComputeWorkGroupCount, GL:
   /// GL_MAX_COMPUTE_WORK_GROUP_COUNT.
@@ -46,7 +46,7 @@ struct KnownBuffer {
 /// Finds the buffer of an id; nothing for an id that was removed or that the executor has not seen.
 using BufferLookup = std::function<std::optional<KnownBuffer>(BufferId)>;
 
-/// What of a list is about to run.
+/// The part of a list that is about to run.
 enum class ListPart : uint8_t {
   kAll,         ///< everything
   kDispatches,  ///< the uploads, the barriers and the dispatches
@@ -71,7 +71,7 @@ PELAGE_API Result<void> checkPasses(const PassList& list);
 ///
 /// Changes nothing. Allocates only for an error.
 ///
-/// Errors: kInvalidArgument; kUnsupported for what the device cannot run. They name the pass and
+/// Errors: kInvalidArgument; kUnsupported if the device cannot run the list. They name the pass and
 /// the resource, or the upload's buffer.
 PELAGE_API Result<void> checkList(const PassList& list, const BufferLookup& find,
                                   const DeviceLimits& limits, ListPart part = ListPart::kAll);

@@ -28,10 +28,10 @@ struct RunOrder;
 struct RunRecord;
 }  // namespace detail
 
-/// What has become of a PassList; shared by its copies and by who runs it.
+/// The state of a PassList's run; shared by its copies and its executor.
 using RunHandle = std::shared_ptr<detail::ListRun>;
 
-/// What a buffer is used for; a bit set.
+/// The uses of a buffer; a bit set.
 enum class BufferUsage : uint8_t {
   kStorage = 1,    ///< shader storage buffer
   kIndex = 2,      ///< uint32 indices of a draw
@@ -101,7 +101,7 @@ class PELAGE_API ResourceTable {
   uint32_t count() const;
   /// Changes whenever a buffer is added or removed: it rises.
   uint64_t version() const { return version_; }
-  /// What version() was when this buffer had been added; 0 when it is not there.
+  /// The value of version() right after this buffer was added; 0 if it is not in the table.
   uint64_t versionOf(BufferId id) const;
   /// Names the table for as long as the program runs, > 0. A copy is another table.
   uint64_t id() const { return id_.value; }
@@ -185,8 +185,8 @@ struct DrawState {
   bool operator==(const DrawState&) const = default;
 };
 
-/// What must have finished before a pass starts. `before` and `after` hold the accesses on the
-/// two sides; host uploads and index, vertex or indirect reads have flags of their own.
+/// A dependency that must be met before a pass starts. `before` and `after` hold the accesses on
+/// the two sides; host uploads and index, vertex or indirect reads have flags of their own.
 struct Barrier {
   BufferId buffer = BufferId::kInvalid;
   Access before = Access::kNone;
@@ -273,7 +273,7 @@ struct PELAGE_API PassList {
   /// The viewport that its draws are written for: View::x, y, width and height of Scene::draw().
   /// Runtimes refuse to draw the list into another one. Without pixels: any.
   PixelArea area;
-  /// What has become of it; from HazardTracker::resolve() or Scene::finish() on. Copies share it.
+  /// The state of its run; from HazardTracker::resolve() or Scene::finish() on. Copies share it.
   RunHandle run;
   /// The buffers of the view that it draws, until it has run; from Scene::draw(). Copies share it.
   std::shared_ptr<detail::ListHold> hold;
@@ -324,7 +324,7 @@ class PELAGE_API PassBuilder {
   /// the same list may have written them.
   PassBuilder& drawIndirect(const KernelVariant& vertex, const KernelVariant& pixel,
                             const DrawState& state, BufferId arguments, uint64_t offset = 0);
-  /// What a vertex kernel with Kernel::vertexInput reads; finish() is an error without it.
+  /// Sets the buffer that Kernel::vertexInput reads; finish() is an error without it.
   PassBuilder& vertices(BufferRange range);
   /// Offers a storage buffer under the name it has in HLSL. Nothing notices a wrong name that no
   /// kernel needs.
@@ -353,7 +353,7 @@ class PELAGE_API PassBuilder {
     return finish(std::span<const LayoutBindings>(all));
   }
   Result<void> finish(std::span<const LayoutBindings> bindings);
-  /// Adds the pass with what was offered by name.
+  /// Adds the pass with the resources that were offered by name.
   Result<void> finish() { return finish(std::span<const LayoutBindings>()); }
 
  private:
@@ -372,8 +372,8 @@ class PELAGE_API PassBuilder {
 PELAGE_API void addUpload(PassList& list, BufferId buffer, std::span<const std::byte> bytes,
                           uint64_t offset = 0);
 
-/// What executors of lists call: pelage's runtimes do, and one of your own is to. The accounts may
-/// be kept on any thread; a list itself is for one at a time.
+/// Calls for executors of lists: pelage's runtimes make them, and so does one of your own. They may
+/// come from any thread; one list is used by one thread at a time.
 ///
 ///     if (auto checked = checkList(list, resources); !checked) return checked;  // list_check.h
 ///     if (auto ready = checkRun(list); !ready) return ready;

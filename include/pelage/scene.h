@@ -34,7 +34,7 @@ using BufferReader = std::function<Result<std::vector<std::byte>>(BufferId)>;
 /// The state of the hair of a scene at a time, on the host: Scene::takeSnapshot(). Copies share it.
 class PELAGE_API SceneSnapshot {
  public:
-  /// That it takes; 0 for none.
+  /// Sum in bytes.
   uint64_t bytes() const;
 
  private:
@@ -100,10 +100,11 @@ class PELAGE_API Scene {
   bool isValid(SkeletonId id) const;
   uint32_t hairCount() const;
 
-  /// Adds a mesh that hair collides with, through a signed distance field: all hair, but for what
-  /// HairObject::setMeshColliders() leaves out. It is built before the hair moves, in the frames in
-  /// which hair can reach it and it has moved: what moved alone, or all of it. Open meshes and
-  /// meshes with overlaps are taken, see SdfCollider::report().
+  /// Adds a mesh that hair collides with, through a signed distance field. All hair collides with
+  /// it, except objects that HairObject::setMeshColliders() excludes. The field is built before the
+  /// hair moves, in frames in which the mesh has moved and hair can touch it: only the part that
+  /// moved, or all of it. Open meshes and meshes with overlaps are allowed, see
+  /// SdfCollider::report().
   /// Errors: no bones, settings out of range, indices of vertices or bones that do not exist, a
   /// field over the memory cap, a vertex buffer that is too small, a skeleton that does not exist
   /// or has another number of bones.
@@ -140,9 +141,9 @@ class PELAGE_API Scene {
   /// the next draw().
   void trim();
 
-  /// What the last build of a collider left in sdfKeys() and sdfSurface(), read back, as data that
-  /// can be saved. Error: there was no build since it got its place there, or the buffers are not
-  /// the scene's.
+  /// Converts a collider's field, as its last build left it in sdfKeys() and sdfSurface() and you
+  /// read it back, to data that can be saved. Error: the field has not been built since the
+  /// collider got its range in these buffers, or the buffers are not the scene's.
   Result<SdfData> copySdf(ColliderId id, std::span<const std::byte> keys,
                           std::span<const std::byte> surface) const;
   /// Keys and records of all colliders; kInvalid without any.
@@ -161,7 +162,7 @@ class PELAGE_API Scene {
   /// that the object exists. Cost: some lookups.
   ObjectBytes bytesOf(HairId id) const;
   ObjectBytes bytesOf(ColliderId id) const;
-  /// Bytes of what trim() gives back, apart from drawCollider()'s.
+  /// Size of the memory that trim() gives back, without drawCollider()'s.
   DrawBytes drawBytes() const;
 
   /// Begins a frame that advances every hair object by dt: draw its views, and give it to a runtime
@@ -222,9 +223,9 @@ class PELAGE_API Scene {
   /// so that the simulation falls with it. 1 where the view or the position of the hair is not
   /// finite.
   float shareForView(HairId id, const View& view, float pixels = 0.4f) const;
-  /// What drawing this view with an exact method takes, from the hair's size on the screen alone:
-  /// within a factor of two or so. For chooseTransparency(). Nothing where draw() would draw
-  /// nothing or refuse the view.
+  /// Predicts the work of drawing this view with an exact method, from the hair's size on the
+  /// screen alone: within a factor of two or so. For chooseTransparency(). Zero where draw() would
+  /// draw nothing or refuse the view.
   TransparencyWork predictWork(const View& view) const;
   /// Adds the passes that fill the shadow maps of these lights, as draw() does, and no draws: for
   /// shaders of your own (sample/engine_shader). A light that a list of this frame has a map of
@@ -248,8 +249,8 @@ class PELAGE_API Scene {
   /// Words of the shadow maps of the last draw or castShadows(), for pixel kernels of your own
   /// (SHADOW_WORDS of kernels/shading/strand_shadow.hlsli); kInvalid before the first one.
   BufferId shadowWords() const;
-  /// What those kernels need to know of each map: kMaxStrandShadows elements of StrandShadowView,
-  /// of which as many are written as there are maps; kInvalid likewise.
+  /// Data of each map for those kernels: kMaxStrandShadows elements of StrandShadowView, one
+  /// written for each map; kInvalid before the maps exist.
   BufferId shadowViews() const;
   /// Words for readTransparencyCounters(), of the view that was drawn last; kInvalid before the
   /// first draw with linked lists or tiles.
@@ -263,9 +264,9 @@ class PELAGE_API Scene {
   /// Errors: a grid that is too large for it; a view or light as draw() refuses it.
   Result<void> drawCollider(ColliderId id, const View& view, const Light& light,
                             const ColliderLook& look, PassList& list);
-  /// Whether the last drawCollider() that ran drew all of it. \param counts what
-  /// SdfColliderBuffers::isoCounts holds, read back. Error: the surface is larger than what there
-  /// is room for, and incomplete.
+  /// Whether the last drawCollider() that ran drew all of it. Error: the surface is larger than its
+  /// buffers, and incomplete.
+  /// \param counts  the contents of SdfColliderBuffers::isoCounts, read back.
   Result<void> checkColliderDraw(ColliderId id, std::span<const std::byte> counts) const;
   /// Adds the draw of an object's contact records, for debugging: those of the last simulation, on
   /// the GPU. Vertices that touch nothing have no pixels; an object that was in reach of no

@@ -14,8 +14,8 @@
 
 namespace pelage {
 
-/// What of the library a program will use, at the start or later. Which pipelines a scene needs
-/// depends on its features, not on its size.
+/// The features of the library that a program will use, at the start or later. They decide which
+/// pipelines a scene needs; its size does not.
 struct SceneFeatures {
   /// One for each kind of object: what differs between them (solver, contact between hairs, global
   /// stiffness, velocity shock propagation, ...) and may be switched on later.
@@ -51,7 +51,7 @@ struct SceneFeatures {
   Tier tier = Tier::kWide;     ///< Scene::setTier()
 };
 
-/// What of hair objects a view draws, for listToDraw().
+/// The features of hair objects that a view draws, for listToDraw().
 struct DrawnFeatures {
   bool followHairs = false;     ///< HairDef::followHairs, not stored
   bool attributes = false;      ///< as SceneFeatures::attributes

@@ -137,15 +137,15 @@ class PELAGE_API SdfCollider {
   bool enabled = true;
 
   /// Sets the skinning transforms (bind space to world) of all bones for the next frames. Asserts
-  /// that there are boneCount of them, and that the collider follows no skeleton. Vertices of a
+  /// that the span has boneCount elements, and that the collider follows no skeleton. Vertices of a
   /// non-finite transform stay where they were.
   void setBones(std::span<const AffineTransform> bones);
   /// Call this when the engine's vertex buffer has changed. All vertices are within the box [m], in
   /// world space; hair does not collide with those outside of it.
   void setVertexBounds(const Float3& low, const Float3& high);
-  /// Of a collider with an SDF of your engine: says that the buffer has new distances, or that the
-  /// grid is somewhere else; without it both stay. The number of nodes along each axis stays, which
-  /// Scene::simulate() checks. Asserts that the collider is one.
+  /// Says that the buffer of an SDF of your engine has new distances, or that its grid has moved;
+  /// without this call both stay as they were. The number of nodes along each axis must stay, which
+  /// Scene::simulate() checks. Asserts that the collider has such an SDF.
   void setDistances(const DenseSdf& sdf);
   /// Clears the history of the surface: for teleports, with HairObject::reset(). A full build
   /// follows in the next frame in which hair is in range.

@@ -83,19 +83,20 @@ class PELAGE_API SkeletonPose {
   uint32_t boneCount() const;
 
   /// Sets the skinning transforms (bind space to world) of all bones for the next frames. Asserts
-  /// that there are boneCount() of them, and BoneSource::kHost. A bone with a non-finite transform
-  /// stays where it was.
+  /// that the span has boneCount() elements, and BoneSource::kHost. A bone with a non-finite
+  /// transform stays where it was.
   void setBones(std::span<const AffineTransform> bones);
   /// Says that a buffer has new transforms, and about where they are; without it the bones stand
-  /// still. A placement that is not finite leaves the last one. What a bone with a non-finite
-  /// transform moves stays where it was. Asserts BoneSource::kBuffer. Cost: a pass of one thread a
-  /// bone, for each SkinningMethod of what follows.
+  /// still. A placement that is not finite leaves the last one. Hair and vertices of a bone with a
+  /// non-finite transform stay where they were. Asserts BoneSource::kBuffer. Cost: a pass of one
+  /// thread a bone, for each SkinningMethod of the skeleton's followers.
   void setBones(const BoneBuffer& bones, const AffineTransform& placement);
   /// Says that buffers have new vertices of the parts of SkeletonDef::surface, one for each, and
   /// about where they are; without it the mesh stands still. Parts without roots need no buffer. A
   /// root whose triangle has no area (twice it is below 1e-6 of its longest edge's square) or is
   /// not finite stays where it was. Asserts BoneSource::kSurface and the number of parts. Cost: a
-  /// pass of one thread a root for each part, and for each SkinningMethod of what follows.
+  /// pass of one thread a root for each part, and for each SkinningMethod of the skeleton's
+  /// followers.
   void setVertices(std::span<const VertexBuffer> parts, const AffineTransform& placement);
   /// The current transforms; empty where they are on the GPU.
   std::span<const AffineTransform> bones() const;

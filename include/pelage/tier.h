@@ -44,7 +44,7 @@ struct StageCounts {
   constexpr bool operator==(const StageCounts&) const = default;
 };
 
-/// What a kernel may use of a device.
+/// Limits that a device sets to a kernel.
 struct TierLimits {
   StageCounts storageBuffers;         ///< of one kernel
   uint32_t drawStorageBuffers = 0;    ///< of the vertex and the pixel kernel of a draw together
@@ -58,7 +58,7 @@ struct TierLimits {
   constexpr bool operator==(const TierLimits&) const = default;
 };
 
-/// What every device of a tier has. docs/limits.md names the sources.
+/// Limits that every device of a tier meets. docs/limits.md names the sources.
 constexpr TierLimits limitsOf(Tier tier) {
   // Vulkan and ES 3.2 promise 128 threads and 16 KiB to base, too; all desktop GPUs have more.
   constexpr TierLimits kEs = {{4, 0, 4},      4,    4, {4, 0, 4}, {12, 12, 12}, {16, 16, 16}, 128,

@@ -54,7 +54,7 @@ struct TransparencySettings {
   bool spillTail = true;
   /// Lists and tiles: where less than this comes through, nothing is looked for behind, 0..1.
   float epsilon = 0.5f / 255;
-  /// Tiles: depth of what is opaque, a float for each pixel of the view, row 0 the top row. The
+  /// Tiles: depth of opaque objects, a float for each pixel of the view, row 0 the top row. The
   /// engine fills it after lists[0] and before lists[1]. Without it nothing occludes hair.
   BufferId opaqueDepth = BufferId::kInvalid;
   /// The engine's own lights in place of those that draw() is given, whose ambient light and shadow
@@ -62,7 +62,7 @@ struct TransparencySettings {
   const EngineLights* engineLights = nullptr;
 };
 
-/// What the buffers of a method take for a view.
+/// Sizes of a method's buffers for a view.
 struct TransparencyPlan {
   uint32_t nodeCount = 0;  ///< of lists; of tiles the segments in them
   uint64_t bytes = 0;      ///< of all buffers
@@ -73,14 +73,14 @@ inline constexpr uint32_t kMaxListNodes = 0x3ffffff;
 
 /// Errors: a method that is no Transparency; a view without pixels or of more than 2^28; an epsilon
 /// that is not 0..1; a cap that is too small for one node, or for the layers of a method that keeps
-/// a fixed number, with what is needed. \param strandVertices of the strands in view, for tiles
-/// alone.
+/// a fixed number, with the size that is needed.
+/// \param strandVertices  vertices of the strands in view; only tiles need it.
 PELAGE_API Result<TransparencyPlan> planTransparency(uint32_t width, uint32_t height,
                                                      const TransparencySettings& settings,
                                                      uint64_t strandVertices = 0);
 
-/// What the lists of the last frame held, or the tiles: they have segments in tiles for fragments,
-/// and a tile whose segments do not all fit is left empty.
+/// Counters of the last frame's lists or tiles. Tiles count segments in tiles as fragments; a tile
+/// whose segments do not all fit is left empty.
 struct TransparencyCounters {
   uint32_t fragments = 0;  ///< that wanted a node
   uint32_t spilled = 0;    ///< of them without room
@@ -115,7 +115,7 @@ PELAGE_API TransparencyCounters readTransparencyCounters(std::span<const std::by
 /// not made anew every frame.
 PELAGE_API uint32_t growNodes(const TransparencyCounters& counters, uint32_t nodeCount);
 
-/// What the time of the exact methods, kWindowed and kTiles, goes by.
+/// The quantities on which the time of the exact methods, kWindowed and kTiles, depends.
 struct TransparencyWork {
   double vertices = 0;    ///< of the strands that are drawn
   double fragments = 0;   ///< that their ribbons have in the view
@@ -124,10 +124,10 @@ struct TransparencyWork {
   double alpha = 0;       ///< of a fragment on average, 0..1
 };
 
-/// Puts what a frame counted in place of what was predicted: fragments of lists or references of
-/// tiles, and the tiles. Of the two, the one that was not counted is scaled by the same factor.
-/// \param predicted for that frame by Scene::predictWork(). Others than the two methods change
-/// nothing, nor does a frame without hair.
+/// Replaces predicted work by the work that a frame counted: fragments of lists or references of
+/// tiles, and the tiles. Of fragments and references, only one is counted; the other is scaled by
+/// the same factor. Other methods than the two change nothing, nor does a frame without hair.
+/// \param predicted  from Scene::predictWork() for that frame.
 PELAGE_API TransparencyWork refineWork(const TransparencyWork& predicted, Transparency method,
                                        const TransparencyCounters& counters);
 

@@ -1,4 +1,4 @@
-// What drawing strands needs to know of camera, light and material.
+// Camera, lights and material for drawing strands.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ struct View {
   uint32_t seed = 0;           ///< of the coverage dither; constant: a still image does not flicker
 };
 
-/// What hair does to the light that passes it.
+/// How hair dims the light that passes it.
 enum class HairShadow : uint8_t {
   kNone,
   /// Light falls with the way through hair of mean density behind the nearest strand.

@@ -39,7 +39,7 @@
 
 namespace pelage::vulkan {
 
-/// What a buffer's memory is for.
+/// The purpose of a buffer's memory.
 enum class MemoryKind : uint8_t {
   kDevice,     ///< device-local; the host does not see it
   kConstants,  ///< mapped, host-coherent, device-local as well where there is such memory
@@ -70,8 +70,8 @@ struct RuntimeDef {
   VkDevice device = VK_NULL_HANDLE;
   /// Family of the queue that runs the command buffers: compute, and graphics when there are draws.
   uint32_t queueFamily = 0;
-  /// What the device was created with. A kernel that needs more than this is an error that names
-  /// the feature.
+  /// The features that the device was created with. A kernel that needs more than this is an error
+  /// that names the feature.
   VkPhysicalDeviceFeatures enabledFeatures = {};
   /// Where functions come from; nullptr opens the system's loader (libvulkan.so.1).
   PFN_vkGetInstanceProcAddr getInstanceProcAddr = nullptr;
@@ -91,8 +91,8 @@ struct RuntimeDef {
   /// Frames that may have recorded something and are not known to have completed; 0: any number. A
   /// frame more is refused: an engine that never says what has completed would else use up memory.
   uint32_t maxFramesInFlight = 64;
-  /// The device counts as one of at most this tier: kernels that need more are refused. For tests
-  /// of what small devices can do.
+  /// The device counts as one of at most this tier: kernels that need more are refused. Use it to
+  /// test how a program behaves on small devices.
   Tier maxTier = Tier::kWide;
   /// The SPIR-V of all kernels of the lists to come. A program that names its own tables here links
   /// those kernels only.
@@ -113,11 +113,12 @@ struct ExternalBuffer {
 
 /// A texture of the engine, with the sampler that reads it.
 struct ExternalTexture {
-  /// Of the type that the HLSL declares: VK_IMAGE_VIEW_TYPE_2D_ARRAY for a Texture2DArray, _CUBE
-  /// for a TextureCube. Of a depth image the aspect VK_IMAGE_ASPECT_DEPTH_BIT.
+  /// The view's type is the one that the HLSL declares: VK_IMAGE_VIEW_TYPE_2D_ARRAY for a
+  /// Texture2DArray, _CUBE for a TextureCube. A depth image has the aspect
+  /// VK_IMAGE_ASPECT_DEPTH_BIT.
   VkImageView view = VK_NULL_HANDLE;
   VkSampler sampler = VK_NULL_HANDLE;  ///< VK_NULL_HANDLE: kernels only load its texels
-  /// That the image has while lists with the texture run.
+  /// The image's layout while lists with the texture run.
   VkImageLayout layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
 };
 
@@ -163,11 +164,11 @@ struct ViewTarget {
   std::function<void(const FrameStep& step)> end;
 };
 
-/// What a Runtime takes of the device's memory.
+/// Device memory that a Runtime uses.
 struct MemoryUse {
   uint64_t bufferBytes = 0;  ///< of the table's buffers: Runtime::bufferBytes()
-  /// Of constants and uploads: those of frames in flight, and what is kept for the next ones. Grows
-  /// with each frame that is not known to have completed.
+  /// Constants and uploads: those of frames in flight, and those kept for the next ones. Grows with
+  /// each frame that is not known to have completed.
   uint64_t frameBytes = 0;
   uint32_t framesInFlight = 0;  ///< that recorded something, and are not known to have completed
 };
@@ -241,7 +242,8 @@ class PELAGE_VULKAN_API Runtime {
   ///
   ///     if (!runtime.supports({.method = Transparency::kTiles})) method = Transparency::kWindowed;
   ///
-  /// \param hair  what of hair is drawn. Errors: as above; those of planTransparency().
+  /// \param hair  the features of the hair that is drawn. Errors: as above; those of
+  /// planTransparency().
   Result<void> supports(const TransparencySettings& settings, const DrawnFeatures& hair = {}) const;
 
   /// Makes the pipelines of a list ahead of its first frame, several at a time: of one that is to

@@ -48,7 +48,7 @@ class Blend {
   double distance_;
 };
 
-// Of p.x >= 0, as all below.
+// Expects p.x >= 0, as all below.
 double torso(const Vector& p) {
   static const BoundedCapsule kShoulders({0, -0.040, -0.042}, {0.132, -0.060, -0.040}, 0.056,
                                          0.047),

@@ -1,4 +1,4 @@
-// What the character does, as functions of time.
+// Motions of the character, as functions of time.
 #include <array>
 #include <cmath>
 #include <cstddef>

@@ -14,13 +14,13 @@ namespace pelage::detail {
 /// How far outside its ground every vertex but the root stays [m].
 inline constexpr double kHairClearance = 0.0006;
 
-/// What hair grows on, and how it is combed there. Distances as those of Solid.
+/// The surface on which hair grows and is combed. Distances as those of Solid.
 class HairGround {
  public:
   virtual ~HairGround() = default;
   virtual double surface(const Vector& p) const = 0;
   virtual Vector normal(const Vector& p) const = 0;
-  /// The same with what hair only glides over, like ears, smoothed.
+  /// The same together with parts that hair only glides over, like ears, smoothed.
   virtual double combedSurface(const Vector& p) const { return surface(p); }
   virtual Vector combedNormal(const Vector& p) const { return normal(p); }
   /// Away from the ground without what hair does not grow on.

@@ -1,4 +1,4 @@
-// What every part of the GL runtime needs to know of the context.
+// Facts about the context, for every part of the GL runtime.
 #pragma once
 
 #include <string>

@@ -133,7 +133,7 @@
   X(PFNGLGETQUERYOBJECTUI64VPROC, glGetQueryObjectui64v) \
   X(PFNGLQUERYCOUNTERPROC, glQueryCounter)
 
-// Of GL_KHR_parallel_shader_compile or, with the suffix ARB, GL_ARB_parallel_shader_compile; else
+// From GL_KHR_parallel_shader_compile or, with the suffix ARB, GL_ARB_parallel_shader_compile; else
 // nullptr.
 #define PELAGE_GL_PARALLEL_FUNCTIONS(X) \
   X(PFNGLMAXSHADERCOMPILERTHREADSKHRPROC, glMaxShaderCompilerThreads)

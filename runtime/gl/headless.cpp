@@ -100,7 +100,7 @@ Result<std::vector<Candidate>> findCandidates(int deviceIndex) {
       const EGLDeviceEXT device = found[static_cast<size_t>(i)];
       const char* extensions =
           queryString != nullptr ? queryString(device, EGL_EXTENSIONS) : nullptr;
-      // EGL does not say what is discrete; of what it says, CUDA is the surest sign of it.
+      // EGL does not say which devices are discrete; CUDA is the surest sign.
       const int rank = listHas(extensions, "EGL_MESA_device_software") ? 3
                        : listHas(extensions, "EGL_NV_device_cuda")     ? 0
                                                                        : 1;
@@ -260,7 +260,7 @@ class ScopedCurrent {
   bool current_ = false;
 };
 
-// What counts: every API error and undefined behaviour, and of the rest what is severe.
+// Counts every API error, all undefined behavior, and other severe messages.
 void APIENTRY onDebugMessage(GLenum, GLenum type, GLuint id, GLenum severity, GLsizei length,
                              const GLchar* message, const void* user) {
   const bool error = type == GL_DEBUG_TYPE_ERROR || type == GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR;

@@ -23,8 +23,8 @@ uint64_t hashValue(const T& value, uint64_t hash) {
   return hashBytes(&value, sizeof(value), hash);
 }
 
-// In front of every stored binary. `check` is a second hash of what the key was made of; with
-// both, 128 bits would have to collide for a wrong program to be taken.
+// In front of every stored binary. `check` is a second hash of the key's contents; with both, 128
+// bits would have to collide for a wrong program to be taken.
 struct BinaryHeader {
   char magic[4];
   uint32_t version;
@@ -165,7 +165,7 @@ void ProgramStore::begin(const KernelVariant& kernel, const KernelVariant* pixel
                          std::span<const SpecValue> values) {
   std::vector<Entry>& entries = entriesOf(kernel, pixel, values);
   if (known(entries, kernel, pixel) != nullptr) return;
-  // What is wrong with it is said by find().
+  // find() reports errors.
   Result<Entry> entry = start(kernel, pixel, wanted_);
   if (entry) entries.push_back(*std::move(entry));
 }

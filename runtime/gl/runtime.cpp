@@ -444,7 +444,7 @@ Result<void> Runtime::registerBuffer(BufferId id, uint32_t glName) {
   const uint32_t tableIndex = ResourceTable::indexOf(id);
   if (tableIndex >= impl_->buffers.size()) impl_->buffers.resize(size_t{tableIndex} + 1);
   Buffer& buffer = impl_->buffers[tableIndex];
-  // What the table says of this id stays.
+  // Keeps the label and usage that the table gave this id.
   const bool replaces = buffer.id == id;
   std::string label = replaces ? std::move(buffer.label) : "#" + number(id);
   const BufferUsage usage = replaces ? buffer.tableUsage : kAnyUsage;

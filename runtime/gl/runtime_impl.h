@@ -20,7 +20,7 @@ inline constexpr GLenum kDisabledInDraws[] = {
     GL_SAMPLE_MASK,         GL_PRIMITIVE_RESTART_FIXED_INDEX,
 };
 
-/// Of a buffer that the engine registered before the table had it.
+/// Usage of a buffer that the engine registered before the table had it.
 inline constexpr BufferUsage kAnyUsage = BufferUsage::kStorage | BufferUsage::kIndex |
                                          BufferUsage::kIndirect | BufferUsage::kUpload |
                                          BufferUsage::kReadback | BufferUsage::kVertex;

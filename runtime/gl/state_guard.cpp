@@ -39,7 +39,7 @@ constexpr PlainTarget kPlainTargets[] = {
     {GL_DISPATCH_INDIRECT_BUFFER, GL_DISPATCH_INDIRECT_BUFFER_BINDING},
     {GL_DRAW_INDIRECT_BUFFER, GL_DRAW_INDIRECT_BUFFER_BINDING}};
 
-// The query for what a unit has of a target of textures; 0: none that can be registered.
+// The query for the texture of a unit at a target; 0: textures of this target cannot be registered.
 GLenum textureBinding(GLenum target) {
   switch (target) {
     case GL_TEXTURE_2D:

@@ -34,7 +34,7 @@ class BufferMemory {
     bool dedicated = false;
     std::map<VkDeviceSize, VkDeviceSize> free;
   };
-  // What AllocatedBuffer::allocation points to when the memory is ours.
+  // AllocatedBuffer::allocation points to one if the memory is ours.
   struct Allocation {
     Block* block = nullptr;
     VkDeviceSize offset = 0;

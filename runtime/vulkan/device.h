@@ -1,4 +1,4 @@
-// What every part of the runtime knows about the caller's device.
+// Facts about the caller's device, for every part of the runtime.
 #pragma once
 
 #include "functions.h"

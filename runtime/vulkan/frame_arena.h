@@ -32,7 +32,7 @@ class FrameArena {
   Result<ArenaSlice> allocate(uint64_t frame, VkDeviceSize size, VkDeviceSize alignment);
   /// Takes back what frames up to `completedFrame` used.
   void collect(uint64_t completedFrame);
-  /// Of all chunks.
+  /// Size of all chunks.
   uint64_t bytes() const;
 
  private:

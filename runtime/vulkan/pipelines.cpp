@@ -91,7 +91,7 @@ bool isDepthFormat(VkFormat format) {
          format == VK_FORMAT_D32_SFLOAT || (isStencilFormat(format) && format != VK_FORMAT_S8_UINT);
 }
 
-// Of the two kernels of a draw, the one whose layouts the other's are the first of.
+// Returns the kernel of a draw with more layouts; those of the other one are its first.
 const Kernel& layoutsOf(const KernelVariant& kernel, const KernelVariant* pixel) {
   const bool more =
       pixel != nullptr && pixel->kernel->layouts.size() > kernel.kernel->layouts.size();
@@ -138,7 +138,7 @@ void appendKey(std::vector<uint64_t>& key, std::span<const SpecValue> values) {
 
 uint64_t pointerKey(const void* pointer) { return reinterpret_cast<uintptr_t>(pointer); }
 
-// What of a pipeline does not come from its shaders. Its structs point at each other.
+// The parts of a pipeline that do not come from its shaders. Its structs point at each other.
 struct FixedFunction {
   FixedFunction(const DrawState& state, const TargetFormats& target, const VertexInput* input);
   FixedFunction(const FixedFunction&) = delete;
@@ -425,7 +425,7 @@ Result<VkPipelineLayout> Pipelines::layout(const Kernel& kernel) {
   return index->second;
 }
 
-// What is known of the kernel's code, where the device has the features that it needs.
+// Facts about the kernel's code. Error: the device lacks a feature that it needs.
 Result<SpirvFacts> Pipelines::factsOf(const KernelVariant& variant,
                                       std::span<const uint32_t> words) const {
   const VkShaderStageFlagBits stage = stageFlag(variant.kernel->stage);
@@ -571,7 +571,7 @@ Result<void> Pipelines::make(std::span<const PipelineRequest> requests) {
   return {};
 }
 
-// What is not for several threads: the layouts. Expects setKey() of the request.
+// The part that one thread does: the layouts. Expects setKey() of the request.
 Result<Pipelines::Job> Pipelines::begin(const PipelineRequest& request) {
   Job job;
   job.key = key_;

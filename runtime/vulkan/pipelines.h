@@ -20,7 +20,7 @@ struct Pipeline {
   VkPipelineLayout layout = VK_NULL_HANDLE;
 };
 
-/// What a pass needs a pipeline for.
+/// The request for a pass's pipeline.
 struct PipelineRequest {
   const KernelVariant* kernel = nullptr;  ///< the compute kernel, or the vertex kernel of a draw
   const KernelVariant* pixel = nullptr;   ///< nullptr: a compute pass

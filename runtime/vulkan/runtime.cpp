@@ -118,7 +118,7 @@ PixelArea areaOf(const VkRect2D& area) {
           area.extent.width, area.extent.height};
 }
 
-// What a permutation may use. Sets have the resources of all permutations; Pipelines checks those.
+// Limits of a permutation. Sets have the resources of all permutations; Pipelines checks those.
 TierLimits tierLimitsOf(const VkPhysicalDeviceLimits& limits, Tier maxTier) {
   TierLimits own = limitsOf(Tier::kWide);
   const uint32_t buffers = limits.maxPerStageDescriptorStorageBuffers;
@@ -355,7 +355,7 @@ void Runtime::Impl::retire(BufferSlot& slot) {
   slot = {};
 }
 
-// What may fail, into a list that takes everything back on an error.
+// Collects new buffers in a list, so that an error can take all of them back.
 Result<void> Runtime::Impl::create(const ResourceTable& resources, std::vector<New>& added) {
   const auto undo = [&](const Error& error) -> Result<void> {
     for (const New& item : added)
@@ -468,7 +468,7 @@ void Runtime::Impl::submitted() {
   for (BufferSlot& slot : slots) slot.filling = false;
 }
 
-// Nothing of what was recorded since the last submitted() runs.
+// Lists recorded since the last submitted() do not run.
 void Runtime::Impl::abandonFrame() {
   for (auto run = recordedRuns.rbegin(); run != recordedRuns.rend(); ++run) abandon(*run);
   recordedRuns.clear();

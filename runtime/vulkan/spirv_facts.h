@@ -1,4 +1,4 @@
-// What the runtime must know about a SPIR-V module before it hands it to a driver.
+// Facts about a SPIR-V module that the runtime needs before a driver gets it.
 #pragma once
 
 #include <cstdint>

@@ -14,7 +14,7 @@
 
 namespace pelage {
 
-/// What is the same in all frames of a file.
+/// The properties that all frames of a file share.
 struct UsdCurvesDef {
   std::string name = "hair";  ///< of the prim: letters, digits and _, not a digit first; 1..255
   std::vector<uint32_t> vertexCounts = {};  ///< [strand] at least 2; at least 1 strand

@@ -1,5 +1,5 @@
-// What there is to tune, as a table: an editor draws its widgets from it, files of settings are
-// read and written by it, and docs/parameters.md has its texts.
+// All parameters as a table: an editor draws its widgets from it, files of settings are read and
+// written by it, and docs/parameters.md has its texts.
 #pragma once
 
 #include <cstdint>

@@ -17,7 +17,7 @@
 
 namespace pelage {
 
-/// Of HairObjectSettings::drawnStrands: as many as there are.
+/// HairObjectSettings::drawnStrands: all strands.
 inline constexpr uint32_t kAllStrands = 0xffffffffu;
 
 /// Members of HairObject beside its simulation and material: level of detail above all. They may

@@ -15,8 +15,8 @@
 
 namespace pelage {
 
-/// What a file of settings sets. It is a JSON object with the members of SceneSettings, and in
-/// these the names of docs/settings.md, all optional:
+/// The values that a file of settings sets. It is a JSON object with the members of SceneSettings,
+/// and in these the names of docs/settings.md, all optional:
 ///
 ///     {"simulation": {"bendLength": 0.08, "wind": {"velocity": [2, 0, 0]}},
 ///      "material": {"model": "fiber"}, "lights": [{"shadow": "deep"}]}
@@ -39,8 +39,8 @@ class SettingsFile {
 
   /// Whether it sets this: "simulation.bendLength", or a whole section: "lights".
   bool sets(std::string_view name) const;
-  /// Names of what it sets, in the order of the table: "simulation.wind.velocity",
-  /// "lights[0].color". Those of the simulation on the top level are without "simulation.".
+  /// Names of the values that it sets, in the order of the table: "simulation.wind.velocity",
+  /// "lights[0].color". Names of the simulation on the top level have no "simulation." in front.
   const std::vector<std::string>& names() const { return names_; }
 
  private:
@@ -62,7 +62,7 @@ Result<SceneSettings> loadSettings(const std::filesystem::path& path);
 /// The same from text. \param name of the file, for errors.
 Result<SceneSettings> parseSettings(std::string_view text, std::string_view name);
 
-/// What of settings is written.
+/// The settings that are written.
 enum class SettingsExtent : uint8_t {
   kChanges,  ///< what differs from the default
   kAll,

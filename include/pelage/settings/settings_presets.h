@@ -19,8 +19,8 @@ struct SettingsPreset {
 /// long, curly, fur, mohawk, afro and beard.
 std::span<const SettingsPreset> settingsPresets();
 
-/// Settings of a preset; what it does not set has its default. Error: there is none of this name,
-/// with the names that there are.
+/// Settings of a preset; values that it does not set have their defaults. Error: no preset has this
+/// name; the message lists all names.
 Result<SceneSettings> presetSettings(std::string_view name);
 
 }  // namespace pelage

@@ -39,7 +39,7 @@ static_assert(sizeof(Header) == 48);
 uint64_t headerChecksum(std::span<const std::byte> headerAndTable);
 
 /// The contents of a section. The file has the infos first, then the others by decreasing
-/// alignment, so that there are no gaps; within these, by item and kind.
+/// alignment, so that it has no gaps; within these, by item and kind.
 enum class Kind : uint32_t {
   kHairInfo = 1,      ///< HairInfo
   kMeshInfo = 2,      ///< MeshInfo

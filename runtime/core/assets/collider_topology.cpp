@@ -99,7 +99,7 @@ class Builder {
 
   void takeTriangles() {
     MeshReport& report = out_.report;
-    // Of equal triples, with rotated corners, the first triangle stays.
+    // The first of several equal triangles stays; their corners may be rotated.
     std::vector<std::pair<std::array<uint32_t, 3>, uint32_t>> triples;
     std::vector<bool> taken(report.triangleCount);
     for (uint32_t t = 0; t < report.triangleCount; ++t) {

@@ -8,7 +8,7 @@ namespace pelage::detail {
 
 namespace {
 
-// What is wrong with an array of floats for each vertex, or nothing.
+// Describes the error in an array of floats for each vertex; empty if there is none.
 template <class T>
 std::string faultOf(const HairAsset& asset, const char* name, const std::vector<T>& array) {
   const size_t vertices = size_t{asset.strandCount} * asset.verticesPerStrand;

@@ -330,7 +330,7 @@ Result<void> validate(const HairAsset& asset) {
 
 Result<void> HairAsset::process(const ProcessDef& def) {
   Result<void> processed = detail::guarded([&] { return processAsset(*this, def); });
-  // That of other positions, or a part of it.
+  // Rest data of other positions, or a part of it, would be wrong.
   if (!processed) clearRestData(*this);
   return processed;
 }

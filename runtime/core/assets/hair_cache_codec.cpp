@@ -21,7 +21,7 @@ uint32_t zigzag(uint32_t value) {
 }
 uint32_t unzigzag(uint32_t value) { return (value >> 1) ^ (0u - (value & 1)); }
 
-// What a strand has of the one before it in the chunk: its values and their number of vertices.
+// A strand predicts from the one before it in the chunk: its values and their number of vertices.
 struct Neighbor {
   const uint32_t* values = nullptr;
   uint32_t vertexCount = 0;

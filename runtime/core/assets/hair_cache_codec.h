@@ -12,8 +12,8 @@
 
 namespace pelage::detail::hair_cache {
 
-/// What of the strands predicts a vertex (docs/bake_outputs.md). A root is predicted by the root
-/// before it; the first one by 0.
+/// The neighbors of a strand that predict a vertex (docs/bake_outputs.md). A root is predicted by
+/// the root before it; the first one by 0.
 enum SpaceOrder : uint8_t {
   kNoSpace = 0,     ///< nothing
   kConstant = 1,    ///< the vertex before

@@ -1,4 +1,4 @@
-// What writing, reading and joining of .pelagecache files share.
+// Shared by writing, reading and joining of .pelagecache files.
 #pragma once
 
 #include <cstdint>

@@ -50,18 +50,18 @@ float stepFor(double maxCoordinate, double errorBound) {
 }  // namespace
 
 struct FrameWriter {
-  /// What a thread needs of its own.
+  /// Memory of one thread.
   struct Worker {
     Encoder encoder;
     Bytes contents;  ///< of the chunks that it has encoded of the frame
   };
-  /// What a chunk of the frame has become.
+  /// One chunk of the frame in its compressed form.
   struct Encoded {
     ChunkHeader header;
     uint32_t worker = 0;
     size_t offset = 0;  ///< in its contents
   };
-  /// What is to be known of the positions of a chunk.
+  /// Extremes of the positions of a chunk.
   struct Extent {
     float maxCoordinate = 0;
     size_t notFinite = SIZE_MAX;  ///< the first vertex that is not; SIZE_MAX: all are

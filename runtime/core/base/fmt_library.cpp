@@ -3,7 +3,7 @@
 
 namespace fmt::detail {
 
-// What format.h declares and only a library defines.
+// format.h declares these, and only a library defines them.
 template thousands_sep_result<char> thousands_sep_impl(locale_ref);
 template char decimal_point_impl(locale_ref);
 

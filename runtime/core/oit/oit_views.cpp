@@ -42,7 +42,7 @@ Result<void> checkDepth(const View& view, BufferId depth, const RoomBuffers& roo
                    " bytes, but a float a pixel takes " + std::to_string(bytes)};
 }
 
-// What is drawn from its place on the screen.
+// Checks memory for vertices in screen space.
 Result<void> checkRecords(const DrawnView& view, uint64_t bytes,
                           const TransparencySettings& settings) {
   uint64_t largest = 0;

@@ -18,26 +18,25 @@
 
 namespace pelage::detail {
 
-/// Of strands that are placed on the screen.
+/// Usage of the buffer of strands in screen space.
 inline constexpr BufferUsage kRecordUsage = BufferUsage::kStorage | BufferUsage::kVertex;
-/// Of draws that blend what they have resolved over the target.
+/// Blends a resolved picture of hair over the target.
 DrawState overTarget();
 
-/// What one view draws into. Each buffer is made by the first draw that needs it, and only grows.
+/// The buffers of one view. Each is made by the first draw that needs it, and only grows.
 struct OitBuffers {
-  /// Of per-pixel linked lists; kernels/oit/layouts/ppll_build.hlsli says what is in them.
+  /// Per-pixel linked lists; their layout is in kernels/oit/layouts/ppll_build.hlsli.
   struct Lists {
     BufferId heads = BufferId::kInvalid, nodes = BufferId::kInvalid, counters = BufferId::kInvalid,
              tiles = BufferId::kInvalid, tail = BufferId::kInvalid;
   } lists;
-  /// Of methods with a fixed number of layers; see kernels/oit/layouts/hybrid_depths.hlsli,
-  /// hybrid_colors.hlsl and short_cut_*.hlsl.
+  /// Methods with a fixed number of layers; see kernels/oit/layouts/hybrid_depths.hlsli,
+  /// hybrid_colors.hlsl and short_cut_*.hlsli.
   struct Layers {
     BufferId depths = BufferId::kInvalid, colors = BufferId::kInvalid, tail = BufferId::kInvalid,
              counters = BufferId::kInvalid, tiles = BufferId::kInvalid;
   } hybrid, shortCut;
-  /// Of strands in tiles; see kernels/oit/layouts/strand_tiles.hlsli; the counters are those of
-  /// lists.
+  /// Strands in tiles; see kernels/oit/layouts/strand_tiles.hlsli. Counters are those of lists.
   struct Tiles {
     BufferId records = BufferId::kInvalid, tiles = BufferId::kInvalid,
              references = BufferId::kInvalid, sums = BufferId::kInvalid,
@@ -47,7 +46,7 @@ struct OitBuffers {
   std::vector<BufferId*> all();
 };
 
-/// What was found out about a draw before it changes anything.
+/// The checked plan of a draw, made before anything changes.
 struct OitPlan {
   std::vector<MaterialBatch> batches;  ///< of methods that keep materials
   uint64_t vertices = 0;               ///< of the largest of them
@@ -89,9 +88,9 @@ class OitViews {
   /// \param lists as many as the method needs are made; those from 1 on are empty.
   Result<void> record(DrawnView& view, const TransparencySettings& settings, const OitPlan& plan,
                       const RoomBuffers& room, uint64_t frame, std::vector<PassList>& lists);
-  /// Of lists or tiles of the view that was drawn last; kInvalid before the first one.
+  /// Counters of the lists or tiles of the view that was drawn last; kInvalid before the first one.
   BufferId counters() const;
-  /// Of the view that was drawn last; buffers are kInvalid where it has none.
+  /// Tiles of the view that was drawn last; buffers are kInvalid where it has none.
   const TransparencyTiles& tiles() const { return tiles_; }
   /// [view] bytes of its buffers, for all methods it has had.
   std::vector<uint64_t> bytes(const ResourceTable& resources) const;

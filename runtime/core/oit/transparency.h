@@ -1,4 +1,4 @@
-// Sizes of what transparency keeps.
+// Sizes of the buffers of the transparency methods.
 #pragma once
 
 #include <cstdint>
@@ -22,14 +22,14 @@ struct ListSizes {
   uint64_t bytesWithoutNodes() const { return headBytes + tileBytes + tailBytes + kCounterBytes; }
 };
 
-/// Of each node, by TransparencySettings::engineLights.
+/// Size of a node, by TransparencySettings::engineLights.
 uint64_t nodeBytes(const TransparencySettings& settings);
 ListSizes listSizes(uint32_t width, uint32_t height, bool tail);
 
 /// Fragments that a pixel keeps, of methods with a fixed number of them; else 0.
 uint32_t layerCount(Transparency method);
 
-/// What they keep.
+/// Sizes of the buffers of methods with a fixed number of layers.
 struct LayerSizes {
   uint32_t columns = 0;  ///< of tiles
   uint64_t tiles = 0;
@@ -41,7 +41,7 @@ LayerSizes layerSizes(uint32_t width, uint32_t height, uint32_t layers);
 Result<TransparencyPlan> planLayers(uint32_t width, uint32_t height,
                                     const TransparencySettings& settings);
 
-/// What tiles of strands take.
+/// Sizes of the buffers of strands in tiles.
 struct StrandTileSizes {
   uint32_t columns = 0;  ///< of tiles
   uint32_t tiles = 0;

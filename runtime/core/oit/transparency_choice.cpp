@@ -1,4 +1,4 @@
-// Which of the exact methods is faster: a model of their times, fitted to
+// Predicts which exact method is faster: a model of their times, fitted to
 // benchmark/results/transparency_h200.csv. docs/oit_tiles.md says how well.
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@ namespace pelage {
 
 namespace {
 
-// Of the 64 pixels of a tile with hair, those that have some: the mean of the rows, 27 to 31.
+// Pixels with hair in a tile that has some, of 64: the mean of the rows, 27 to 31.
 constexpr double kTilePixels = 28;
 // Where less than this comes through, nothing is looked for: TransparencySettings::epsilon.
 constexpr double kEpsilon = 0.5 / 255;

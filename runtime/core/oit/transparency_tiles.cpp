@@ -1,4 +1,4 @@
-// Sizes of what strands in tiles take.
+// Sizes of the buffers of strands in tiles.
 #include <algorithm>
 #include <string>
 

@@ -277,7 +277,7 @@ Result<void> Checker::vertices(const Pass& pass) const {
         "{}: its vertices, {} bytes at {}, are no whole words inside buffer '{}' of {} bytes",
         nameOf(pass), range.size, range.offset, buffer->name, buffer->size);
   }
-  // What indices and indirect arguments ask for is in the GPU's memory.
+  // Only the GPU knows the vertices that indices and indirect arguments ask for.
   const bool known =
       pass.kind == PassKind::kDraw && (input.perInstance || pass.indices == BufferId::kInvalid);
   const uint64_t needed = input.bytes(!known              ? 0
@@ -292,7 +292,7 @@ Result<void> Checker::pass(const Pass& pass) const {
   const auto layouts = pass.layouts();
   for (const PassBinding& binding : list_.bindingsOf(pass)) {
     const LayoutEntry& entry = layouts[binding.set]->entries[binding.entry];
-    // What a texture is, the runtimes know.
+    // The runtimes know the textures, and check them.
     if (isTexture(entry.kind)) continue;
     Result<void> checked = entry.kind == ResourceKind::kUniformBuffer
                                ? constants(pass, binding, entry)

@@ -22,7 +22,7 @@ struct ListTicket {
   std::atomic<bool> dropped = false;               ///< no copy is left
 };
 
-/// What the copies of a list share.
+/// Shared by the copies of a list.
 struct ListHold {
   std::shared_ptr<ListTicket> ticket;
   ListHold() = default;

@@ -1,4 +1,4 @@
-// What rooms have on the GPU of an object, and how a rigid motion of the object changes it.
+// How a rigid motion of an object changes the data that rooms have of it on the GPU.
 #pragma once
 
 #include <cstdint>

@@ -489,7 +489,7 @@ struct BufferUse {
   bool indirect = false;
 };
 
-// What resolve() keeps from list to list, for its memory.
+// Memory that resolve() keeps from list to list.
 struct ListSchedule {
   PassLevels levels;
 

@@ -14,7 +14,7 @@ namespace pelage::detail {
 
 inline constexpr uint64_t kVector = sizeof(Float4);
 
-/// What a room wants of one of its buffers.
+/// A room's request for one of its buffers.
 struct BufferNeed {
   BufferId& buffer;
   std::string name;

@@ -13,7 +13,7 @@
 
 namespace pelage::detail {
 
-/// What is wrong with an SDF, or nothing.
+/// Describes the error in an SDF; empty if there is none.
 std::string faultOf(const DenseSdf& sdf, const ResourceTable& resources);
 uint64_t nodeCountOf(const SdfGrid& grid);
 /// Box around the nodes, in world space.

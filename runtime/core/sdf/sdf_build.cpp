@@ -77,7 +77,7 @@ class SdfPasses {
     builder.dispatchIndirect(variant, buffers_.work, arguments * sizeof(uint32_t));
     finish(builder);
   }
-  /// Direct, or with as many groups as the GPU finds that there are.
+  /// Direct, or indirect with the number of groups that the GPU counted.
   void add(const KernelVariant& variant, Groups groups, uint32_t arguments, bool indirect) {
     if (indirect)
       addIndirect(variant, arguments);

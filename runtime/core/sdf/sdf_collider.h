@@ -34,7 +34,7 @@ struct SdfFrameState {
   bool resetPending = true;  ///< there is no motion from the last frame
   bool buildPending = true;  ///< needs a full build
 
-  /// Of the plan, and of vertices of its own.
+  /// Origin of the plan, and of vertices of the collider's own.
   LocalOrigin origin;
   ShiftedFloats shiftedFloats;  ///< of `builtBones`
   Vector3<double> dataNode;     ///< node 0 of data, relative to the origin [m]
@@ -70,7 +70,7 @@ struct SdfColliderInternals : SdfFrameState {
 
   std::optional<IsoSurface> isoSurface;  ///< once it was drawn
 };
-/// Errors: what of a def is out of range.
+/// Errors: members of a def that are out of range.
 Result<void> checkSdfColliderDef(const SdfColliderDef& def);
 
 /// The boxes of all bones that move a vertex.

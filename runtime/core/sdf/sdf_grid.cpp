@@ -45,7 +45,7 @@ Axes planAxes(const SdfGridDef& def, double cell) {
   return plan;
 }
 
-// Of keys and crossings.
+// Keys and crossings.
 double bytesANode(const SdfGridDef& def) { return def.threeAxes ? 4 + 3 : 4 + 1; }
 
 // Returns the limit that a grid exceeds, or nothing.

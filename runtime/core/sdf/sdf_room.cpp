@@ -27,7 +27,7 @@ uint64_t nextRange(uint64_t element, uint64_t stride) {
   const uint64_t elements = kSdfRangeAlignment / stride;
   return (element + elements - 1) / elements * elements;
 }
-// A build of what moved costs about twice a whole one for what it touches.
+// A build of the moved part costs about twice as much per node as a full build.
 constexpr float kMostMovedShare = 0.5f;
 
 uint32_t recordElements(const SdfColliderInternals& c) {
@@ -55,7 +55,7 @@ BufferId addTable(const RoomBuffers& room, const std::string& name, const std::v
   return room.add(name, values.size(), sizeof(T), bytesOf(values));
 }
 
-// What is wrong with the vertex buffer of an engine, or nothing.
+// Describes the error in the vertex buffer of an engine; empty if there is none.
 std::string faultOfVertices(const ResourceTable& resources, const SdfColliderDef& def,
                             uint64_t count) {
   if (def.vertices == BufferId::kInvalid) return {};
@@ -70,7 +70,7 @@ std::string faultOfVertices(const ResourceTable& resources, const SdfColliderDef
          "; " + std::to_string(count) + " vertices take " + std::to_string(bytes);
 }
 
-// What is wrong with bone weights, or nothing.
+// Describes the error in bone weights; empty if there is none.
 std::string faultOfInfluences(const CollisionMesh& mesh, uint32_t boneCount) {
   if (!mesh.influences.empty() && mesh.influences.size() != mesh.positions.size()) {
     return "has " + std::to_string(mesh.positions.size()) + " vertices, but bone weights for " +
@@ -202,7 +202,7 @@ void SdfRoom::addSkinningBuffers(SdfCollider& collider, const CollisionMesh& mes
                               BufferUsage::kStorage | BufferUsage::kUpload);
 }
 
-// What the build knows of the triangles, in place of what there is.
+// Replaces the tables of triangles that the build reads.
 void SdfRoom::addTables(SdfCollider& collider, const RoomBuffers& room) {
   const SdfColliderInternals& c = *collider.internals_;
   SdfColliderBuffers& buffers = collider.buffers_;

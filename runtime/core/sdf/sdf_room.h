@@ -48,7 +48,7 @@ class SdfRoom {
   ColliderId add(const DenseSdf& sdf, const SdfColliderDef& def, const Vector3<double>& shifted,
                  const RoomBuffers& room);
   void remove(ColliderId id, const RoomBuffers& room);
-  /// Of a collider's own buffers, and of its part of keys and surface.
+  /// Sizes of a collider's own buffers, and of its part of keys and surface.
   struct Bytes {
     uint64_t own = 0, shared = 0;
   };

@@ -62,7 +62,7 @@ std::string numberFaultOf(const Light& light) {
   return light.opaque.depth != BufferId::kInvalid ? opaqueFaultOf(light.opaque) : std::string();
 }
 
-// That of the light: a smooth step in the cosine, as in glTF's KHR_lights_punctual, whose code does
+// StrandLight.cone: a smooth step in the cosine, as in glTF's KHR_lights_punctual, whose code does
 // not light the middle of cones below 0.045 rad in full.
 Float4 coneOf(const Light& light, Float3 axis) {
   if (!light.hasPosition || !(light.outerConeAngle > 0)) return {};

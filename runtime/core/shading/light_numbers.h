@@ -14,7 +14,7 @@ inline constexpr uint32_t kMinShadowSize = 4;  ///< of a map [texels]
 inline constexpr uint32_t kMaxShadowSize = strand_shadow_view::kMaxShadowSize;
 inline constexpr uint32_t kMaxShadowLayers = strand_shadow_view::kMaxShadowLayers;
 
-/// What of a light's cone and shadows is out of range, by the field's name; empty: nothing.
+/// Name of the first field of a light's cone and shadows that is out of range; empty: none.
 std::string numberFaultOf(const Light& light);
 /// StrandLight.cone. \param axis unit vector towards the light.
 Float4 coneOf(const Light& light, Float3 axis);

@@ -17,7 +17,7 @@
 
 namespace pelage::detail {
 
-/// What of an object's texture is out of range or missing; empty: nothing.
+/// Describes the error in an object's texture; empty if there is none.
 std::string faultOf(const StrandTexture& texture, const HairBuffers& buffers);
 
 class StrandColors {

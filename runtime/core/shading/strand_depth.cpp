@@ -42,12 +42,12 @@ Float4 change(const Float4& to, const Float4& from) {
           difference(to.w, from.w)};
 }
 
-// What draws and dispatches over an object read beside the strands themselves.
+// The bindings of draws and dispatches over an object, beside the strands themselves.
 StrandDepthBindings depthBindings(const DrawnView& view, const DrawnHair& hair,
                                   const HairDepthSettings& settings,
                                   const StrandBindings& strands) {
   StrandDepthConstants constants = {};
-  // What is opaque may be a little less so where it is interpolated.
+  // Interpolation may make opaque hair slightly less opaque.
   constants.depthOpacity = settings.opacity * (1 - 1e-5f);
   constants.previousTipSeparation = hair.tipSeparation;
   constants.motionRecordCount = static_cast<uint32_t>(hair.drawnVertices());

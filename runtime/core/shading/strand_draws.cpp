@@ -19,10 +19,10 @@ static_assert(kMaxStrandShadows == shading::kMaxStrandShadows);
 
 namespace {
 
-// Of a viewport. Kernels take it as an integer.
+// Offset of a viewport. Kernels take it as an integer.
 bool isOffset(float x) { return x >= 0 && x < 65536 && x == std::floor(x); }
 
-// Of a vector that is finite and not zero.
+// Expects a vector that is finite and not zero.
 Float3 normalized(Float3 v) {
   float length = std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
   if (!(length > 0x1p-60f && length < 0x1p60f)) {
@@ -38,7 +38,7 @@ std::string toText(Float3 v) {
   return "(" + std::to_string(v.x) + ", " + std::to_string(v.y) + ", " + std::to_string(v.z) + ")";
 }
 
-// What is wrong with the numbers of a view, or nothing.
+// Describes the error in the numbers of a view; empty if there is none.
 std::string faultOf(const View& view) {
   for (int row = 0; row < 4; ++row) {
     if (!isFinite(view.worldToClip.rows[row])) {
@@ -79,7 +79,7 @@ std::string faultOf(const Light& light) {
 
 Float4 withW(Float3 v, float w) { return {v.x, v.y, v.z, w}; }
 
-// What draws read at the roots: colors of an engine's texture, pelage's own texture, or UV alone.
+// Root data of draws: colors of an engine's texture, pelage's own texture, or UV alone.
 BufferRange rootRange(const DrawnHair& hair) {
   const uint64_t guides = hair.guideCount;
   const uint64_t texels = uint64_t{hair.textureSize.x} * hair.textureSize.y;

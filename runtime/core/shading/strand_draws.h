@@ -73,9 +73,9 @@ struct RecordThreads {
 };
 RecordThreads recordThreads(uint64_t records);
 
-/// Of a view. Errors: worldToClip that is not finite or has no inverse, an eye that is not finite,
-/// a viewport of no whole numbers, samples that no target has; too many lights, a light that is not
-/// finite, or of no direction or shadow.
+/// Constants of a view. Errors: worldToClip that is not finite or has no inverse, an eye that is
+/// not finite, a viewport of no whole numbers, a number of samples that targets do not have; too
+/// many lights, a light that is not finite, has no direction, or an unknown shadow.
 Result<StrandViewConstants> viewConstants(const View& view, std::span<const Light> lights);
 /// The error of a view that cannot be drawn.
 Error refuseView(const std::string& what);
@@ -90,7 +90,7 @@ struct ShadingParts {
 };
 
 ShadingParts shadingOf(const StrandMaterial& material);
-/// What of a material is no number, or of no value of its enum; empty: nothing.
+/// Name of the first invalid field; empty if all are valid.
 std::string faultOf(const StrandMaterial& material);
 
 /// Fills the tables of StrandShading, [material]; of its model four in one element.
@@ -101,7 +101,7 @@ void setMaterials(std::span<const StrandMaterial* const> materials, std::span<Ui
 /// Bits of RenderConstants::strandAttributes: render::kHasThickness and others.
 uint32_t strandAttributes(const DrawnView& view, const DrawnHair& hair);
 
-/// What draws and dispatches over an object's strands read.
+/// The bindings of draws and dispatches over an object's strands.
 struct StrandBindings {
   RenderPosTanBindings posTan;
   RenderBindings render;

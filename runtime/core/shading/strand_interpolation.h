@@ -14,7 +14,7 @@
 
 namespace pelage::detail {
 
-/// What an object has that is interpolated.
+/// The input of interpolation for one object.
 struct InterpolatedHair {
   const MotionHair& positions;  ///< of the last state
   uint32_t vertices = 0;        ///< of a strand
@@ -22,7 +22,7 @@ struct InterpolatedHair {
   BufferRange roots = {};  ///< [2][guide] RootTransform, of the last state and the one before
 };
 
-/// What draws read in place of the last state.
+/// Interpolated strands, which draws read in place of the last state.
 struct StrandsBetween {
   BufferId positions = BufferId::kInvalid;  ///< kInvalid: nothing was interpolated
   BufferId tangents = BufferId::kInvalid;
@@ -51,12 +51,12 @@ class StrandInterpolation {
     frame_ = frame;
     drawn_ = true;
   }
-  /// What draws of a frame read.
+  /// The strands that draws of a frame read.
   StrandsBetween drawn(uint64_t frame) const {
     if (frame_ != frame || frame_ == 0) return {};
     return {positions_, tangents_, roots_};
   }
-  /// What was drawn last means nothing for motion: after resets and teleports.
+  /// The last drawn strands mean nothing for motion: call it after resets and teleports.
   void forgetDrawn() {
     drawn_ = false;
     frame_ = 0;

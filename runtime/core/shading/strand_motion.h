@@ -26,7 +26,7 @@ struct MotionHair {
 /// Adds the pass that copies the positions to a buffer of as many elements.
 Result<void> addKeepPass(const MotionHair& hair, BufferId to, PassList& list);
 
-/// What draws know of the frame before. Without positions nothing has moved in the world.
+/// Strands of the frame before, for draws. Without positions nothing has moved in the world.
 struct StrandsBefore {
   BufferId positions = BufferId::kInvalid;
   float tipSeparation = 1;
@@ -42,7 +42,7 @@ class StrandMotion {
   Result<void> keep(const MotionHair& hair, PassList& list) const;
   /// Notes what was kept. \param frame HairStore::frame
   void finish(const MotionHair& hair, bool reset, uint64_t frame);
-  /// What the frame has moved from: only if it has simulated.
+  /// Strands before the motion of this frame: only if it has simulated.
   StrandsBefore before(uint64_t frame) const;
   void remove(const RoomBuffers& room) { room.remove(positions_); }
 

@@ -35,7 +35,7 @@ uint32_t strideOf(const BoneBuffer& bones) {
   return bones.stride > 0 ? bones.stride : floatsOf(bones.layout);
 }
 
-// What is wrong with elements of so many floats in a buffer, or nothing.
+// Describes the error in `count` elements of `floats` floats in a buffer; empty if there is none.
 std::string faultOfRange(const ResourceTable& resources, BufferId id, const std::string& what,
                          uint64_t offset, uint64_t stride, uint64_t count, uint64_t floats) {
   const BufferDesc* buffer = resources.find(id);
@@ -85,7 +85,7 @@ Float4 toFloat4(const Vector3<double>& v, double w) {
   return {p.x, p.y, p.z, static_cast<float>(w)};
 }
 
-// What follow_surface reads of a root.
+// Data of a root for follow_surface.
 SurfaceBone surfaceBoneOf(const SurfaceRoot& root, uint32_t strand) {
   const auto frame =
       triangleFrame(toVector(root.bind[0]), toVector(root.bind[1]), toVector(root.bind[2]));

@@ -59,11 +59,11 @@ struct SkeletonInternals {
 
 /// Returns false for coordinates that are not finite or so large that they are broken.
 bool isUsable(const Float3& position);
-/// What is wrong with a definition, or nothing.
+/// Describes the error in a definition; empty if there is none.
 std::string faultOf(const SkeletonDef& def);
 /// Makes the table of a skeleton that follows a surface.
 void addSurface(SkeletonInternals& skeleton, const SkinTable& table, const RoomBuffers& room);
-/// What is wrong with the buffers that the bones come from, or nothing.
+/// Describes the error in the buffers that the bones come from; empty if there is none.
 std::string faultOfSource(const SkeletonInternals& skeleton, const ResourceTable& resources);
 /// Moves the origin to follow the anchor; the first call sets the anchor.
 void moveOrigin(SkeletonInternals& skeleton, const SkeletonInternals::Anchor& anchor);
