@@ -215,7 +215,7 @@ class PELAGE_VULKAN_API Runtime {
   /// Makes update() use a buffer of the engine for this id. Call it before the update() that sees
   /// the id first; asserts on an id that already has a buffer. A second call replaces the first.
   /// update() refuses a buffer that is smaller than the BufferDesc, by its name.
-  void useExternalBuffer(BufferId id, const ExternalBuffer& buffer);
+  void registerBuffer(BufferId id, const ExternalBuffer& buffer);
 
   /// Says what a texture of newTextureId() is in lists that are recorded from now on; a second call
   /// replaces it, and one without a view forgets it. The engine keeps view and sampler alive until

@@ -316,7 +316,7 @@ Result<void> Runtime::Impl::checkExternal(const BufferDesc& desc,
   const VkDeviceSize given = std::min(rest, external.size);
   if (given >= desc.size) return {};
   return invalid(fmt::format(
-      "the engine's buffer for '{}' (useExternalBuffer()) has {} bytes at offset {}; it needs {}: "
+      "the engine's buffer for '{}' (registerBuffer()) has {} bytes at offset {}; it needs {}: "
       "give a larger one before the next update()",
       desc.name, given, external.offset, desc.size));
 }
@@ -905,10 +905,10 @@ void Runtime::collect(uint64_t completedFrame) {
   if (completedFrame == impl_->frame) impl_->timedList = nullptr;
 }
 
-void Runtime::useExternalBuffer(BufferId id, const ExternalBuffer& buffer) {
+void Runtime::registerBuffer(BufferId id, const ExternalBuffer& buffer) {
   PELAGE_ASSERT(buffer.buffer != VK_NULL_HANDLE, "an external buffer is a buffer");
   PELAGE_ASSERT(buffer.offset % 4 == 0, "the offset of an external buffer is a multiple of 4");
-  PELAGE_ASSERT(impl_->find(id) == nullptr, "useExternalBuffer() comes before update()");
+  PELAGE_ASSERT(impl_->find(id) == nullptr, "registerBuffer() comes before update()");
   std::erase_if(impl_->pendingExternals,
                 [&](const PendingExternal& pending) { return pending.id == id; });
   impl_->pendingExternals.push_back({id, buffer});

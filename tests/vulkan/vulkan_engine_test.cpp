@@ -252,8 +252,8 @@ TEST_F(VulkanEngine, RunsOnABufferOfTheEngineAtAnOffset) {
   std::memset(own.mapped, 0xab, kOffset + kElementBytes);
   const EngineBuffer contents = engine_->createBuffer(kElementBytes, kUsage, true);
   std::memset(contents.mapped, 0, kElementBytes);
-  runtime_->useExternalBuffer(target, {own.buffer, kOffset, false});
-  runtime_->useExternalBuffer(kept, {contents.buffer, 0, true});
+  runtime_->registerBuffer(target, {own.buffer, kOffset, false});
+  runtime_->registerBuffer(kept, {contents.buffer, 0, true});
   const Engine::Frame& frame = beginFrame();
   ASSERT_TRUE(runtime_->update(table_, frame.commands));
   EXPECT_EQ(runtime_->buffer(target).buffer, own.buffer);
@@ -300,14 +300,13 @@ TEST_F(VulkanEngine, RefusesABufferOfTheEngineThatIsTooSmallByName) {
       {.buffer = large.buffer, .offset = 512, .size = 0},
   };
   for (const vulkan::ExternalBuffer& wrong : wrongs) {
-    runtime_->useExternalBuffer(target, wrong);
+    runtime_->registerBuffer(target, wrong);
     expectError(runtime_->update(table_, frame.commands), ErrorCode::kInvalidArgument,
                 {"'target'", "it needs 20000"});
     EXPECT_EQ(runtime_->buffer(target).buffer, VkBuffer{VK_NULL_HANDLE});
   }
   // The last one counts.
-  runtime_->useExternalBuffer(target,
-                              {.buffer = large.buffer, .offset = 512, .size = kElementBytes});
+  runtime_->registerBuffer(target, {.buffer = large.buffer, .offset = 512, .size = kElementBytes});
   expectOk(runtime_->update(table_, frame.commands));
   EXPECT_EQ(runtime_->buffer(target).buffer, large.buffer);
   EXPECT_EQ(runtime_->buffer(target).size, kElementBytes);
