@@ -5,10 +5,10 @@
 
 namespace pelage::detail {
 
-Result<void> addHybridPasses(OitDraw& draw, uint32_t layers, std::vector<PassList>& lists) {
-  const View& view = draw.view.view;
+namespace {
+
+void makeLayerBuffers(OitDraw& draw, const LayerSizes& sizes) {
   OitBuffers::Layers& hybrid = draw.buffers.hybrid;
-  const LayerSizes sizes = layerSizes(view.width, view.height, layers);
   constexpr uint32_t kWord = sizeof(uint32_t);
   draw.makeRoom(hybrid.depths, "transparency/layer depths", sizes.depthBytes, kWord);
   draw.makeRoom(hybrid.colors, "transparency/layer colors", sizes.colorBytes, kWord);
@@ -17,32 +17,54 @@ Result<void> addHybridPasses(OitDraw& draw, uint32_t layers, std::vector<PassLis
                 BufferUsage::kStorage | BufferUsage::kVertex);
   draw.makeRoom(hybrid.counters, "transparency/layer counters", kCounterBytes, kWord,
                 BufferUsage::kStorage | BufferUsage::kIndirect);
+}
 
+Result<void> addLayerResolve(const OitDraw& draw, const LayerSizes& sizes, uint32_t layers,
+                             PassList& list) {
+  const View& view = draw.view.view;
+  const OitBuffers::Layers& hybrid = draw.buffers.hybrid;
+  HybridReadConstants read = {};
+  read.layersOrigin = {view.x, view.y};
+  read.layersWidth = view.width;
+  read.layersHeight = view.height;
+  read.layersQuads = layers / 4;
+  PassBuilder resolve(list);
+  resolve.drawIndirect(oitTileVertexVariant(), hybridReadVariant(), overTarget(), hybrid.counters)
+      .vertices(tileList(hybrid.tiles, view.width, view.height));
+  return resolve.finish(
+      OitTilesBindings{.oitTileConstants = tileConstants(view.width, view.height)},
+      HybridReadBindings{
+          .hybridReadConstants = read,
+          .layerColors = {hybrid.colors, sizes.colorBytes},
+          .layerTail = {hybrid.tail, sizes.tailBytes},
+      });
+}
+
+}  // namespace
+
+Result<void> addHybridPasses(OitDraw& draw, uint32_t layers, std::vector<PassList>& lists) {
+  const View& view = draw.view.view;
+  const OitBuffers::Layers& hybrid = draw.buffers.hybrid;
+  const LayerSizes sizes = layerSizes(view.width, view.height, layers);
+  makeLayerBuffers(draw, sizes);
   HybridDepthsConstants depths = {};
   depths.hybridWidth = view.width;
   depths.hybridHeight = view.height;
   depths.hybridLayers = layers;
   depths.hybridTileColumns = sizes.columns;
-  PassBuilder clear(lists[0]);
-  clear.dispatch(clearHybridVariant(), view.width * layers, view.height)
-      .bytes(sizes.depthBytes + sizes.colorBytes + sizes.tailBytes);
-  if (Result<void> added = clear.finish(HybridDepthsBindings{
-          .hybridDepthsConstants = depths,
-          .hybridDepths = {hybrid.depths, sizes.depthBytes},
-          .hybridCounters = {hybrid.counters, kCounterBytes},
-          .hybridTiles = {hybrid.tiles, sizes.tileBytes},
-          .hybridClearedColors = {hybrid.colors, sizes.colorBytes},
-          .hybridClearedTail = {hybrid.tail, sizes.tailBytes},
-      });
-      !added)
-    return added;
-
   const HybridDepthsBindings find{
       .hybridDepthsConstants = depths,
       .hybridDepths = {hybrid.depths, sizes.depthBytes},
       .hybridCounters = {hybrid.counters, kCounterBytes},
       .hybridTiles = {hybrid.tiles, sizes.tileBytes},
+      .hybridClearedColors = {hybrid.colors, sizes.colorBytes},
+      .hybridClearedTail = {hybrid.tail, sizes.tailBytes},
   };
+  PassBuilder clear(lists[0]);
+  clear.dispatch(clearHybridVariant(), view.width * layers, view.height)
+      .bytes(sizes.depthBytes + sizes.colorBytes + sizes.tailBytes);
+  if (Result<void> added = clear.finish(find); !added) return added;
+
   HybridColorsConstants colors = {};
   colors.colorsWidth = view.width;
   colors.colorsHeight = view.height;
@@ -57,22 +79,7 @@ Result<void> addHybridPasses(OitDraw& draw, uint32_t layers, std::vector<PassLis
     return added;
   const KernelVariant& lit = litVariant(draw.view.engineLights, hybridColorsVariant());
   if (Result<void> added = addStrandDraws(draw.view, lit, fill, lists[1]); !added) return added;
-
-  HybridReadConstants read = {};
-  read.layersOrigin = {view.x, view.y};
-  read.layersWidth = view.width;
-  read.layersHeight = view.height;
-  read.layersQuads = layers / 4;
-  PassBuilder resolve(lists[2]);
-  resolve.drawIndirect(oitTileVertexVariant(), hybridReadVariant(), overTarget(), hybrid.counters)
-      .vertices(tileList(hybrid.tiles, view.width, view.height));
-  return resolve.finish(
-      OitTilesBindings{.oitTileConstants = tileConstants(view.width, view.height)},
-      HybridReadBindings{
-          .hybridReadConstants = read,
-          .layerColors = {hybrid.colors, sizes.colorBytes},
-          .layerTail = {hybrid.tail, sizes.tailBytes},
-      });
+  return addLayerResolve(draw, sizes, layers, lists[2]);
 }
 
 }  // namespace pelage::detail

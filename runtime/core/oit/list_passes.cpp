@@ -5,6 +5,42 @@
 
 namespace pelage::detail {
 
+namespace {
+
+Result<void> addListResolve(const OitDraw& draw, const MaterialBatch& batch, const ListSizes& sizes,
+                            uint64_t nodeBytes, PassList& list) {
+  const View& view = draw.view.view;
+  const TransparencySettings& settings = draw.settings;
+  const OitBuffers::Lists& lists = draw.buffers.lists;
+  PPLLReadConstants read = {};
+  setMaterials(batch.materials, read.readModels, read.readBodies, read.readPrimaries,
+               read.readSecondaries, read.readFibers);
+  read.readWidth = view.width;
+  read.readHeight = view.height;
+  read.readNodeCapacity = draw.plan.sizes.nodeCount;
+  read.readEpsilon = settings.epsilon;
+  const EngineLights* lights = draw.view.engineLights;
+  PassBuilder resolve(list);
+  resolve
+      .drawIndirect(litVariant(lights, oitTileVertexVariant({})),
+                    litVariant(lights, ppllReadVariant({.tail = settings.spillTail})), overTarget(),
+                    lists.counters)
+      .vertices(tileList(lists.tiles, view.width, view.height));
+  if (lights != nullptr) resolve.offer(lights->resources);
+  return resolve.finish(
+      OitTilesBindings{.oitTileConstants = tileConstants(view.width, view.height)},
+      PPLLReadBindings{
+          .strandViewConstants = draw.view.constants,
+          .ppllReadConstants = read,
+          .readHeads = {lists.heads, sizes.headBytes},
+          .readNodes = {lists.nodes, nodeBytes},
+          .readTail = {lists.tail, sizes.tailBytes},
+          .readShadowWords = {draw.view.shadowWords, draw.view.shadowBytes},
+      });
+}
+
+}  // namespace
+
 Result<void> addListPasses(OitDraw& draw, const MaterialBatch& batch, PassList& buildList,
                            PassList& resolveList) {
   const View& view = draw.view.view;
@@ -30,19 +66,6 @@ Result<void> addListPasses(OitDraw& draw, const MaterialBatch& batch, PassList& 
   build.listHeight = view.height;
   build.nodeCapacity = draw.plan.sizes.nodeCount;
   build.listTileColumns = sizes.columns;
-  PassBuilder clear(buildList);
-  clear.dispatch(clearPpllVariant({.tail = tail}), view.width, view.height)
-      .bytes(sizes.headBytes + sizes.tailBytes);
-  if (Result<void> added = clear.finish(PPLLBuildBindings{
-          .ppllBuildConstants = build,
-          .listHeads = {lists.heads, sizes.headBytes},
-          .listCounters = {lists.counters, kCounterBytes},
-          .listTiles = {lists.tiles, sizes.tileBytes},
-          .listTail = {lists.tail, sizes.tailBytes},
-      });
-      !added)
-    return added;
-
   const PPLLBuildBindings fill{
       .ppllBuildConstants = build,
       .listHeads = {lists.heads, sizes.headBytes},
@@ -51,6 +74,11 @@ Result<void> addListPasses(OitDraw& draw, const MaterialBatch& batch, PassList& 
       .listTiles = {lists.tiles, sizes.tileBytes},
       .listTail = {lists.tail, sizes.tailBytes},
   };
+  PassBuilder clear(buildList);
+  clear.dispatch(clearPpllVariant({.tail = tail}), view.width, view.height)
+      .bytes(sizes.headBytes + sizes.tailBytes);
+  if (Result<void> added = clear.finish(fill); !added) return added;
+
   for (size_t i = 0; i < batch.hairs.size(); ++i) {
     Result<void> added = addStrandDraw(
         draw.view, draw.view.hairs[batch.hairs[i]], batch.materialOf[i],
@@ -58,31 +86,7 @@ Result<void> addListPasses(OitDraw& draw, const MaterialBatch& batch, PassList& 
     if (!added) return added;
   }
 
-  PPLLReadConstants read = {};
-  setMaterials(batch.materials, read.readModels, read.readBodies, read.readPrimaries,
-               read.readSecondaries, read.readFibers);
-  read.readWidth = view.width;
-  read.readHeight = view.height;
-  read.readNodeCapacity = draw.plan.sizes.nodeCount;
-  read.readEpsilon = settings.epsilon;
-  const EngineLights* lights = draw.view.engineLights;
-  PassBuilder resolve(resolveList);
-  resolve
-      .drawIndirect(litVariant(lights, oitTileVertexVariant({})),
-                    litVariant(lights, ppllReadVariant({.tail = tail})), overTarget(),
-                    lists.counters)
-      .vertices(tileList(lists.tiles, view.width, view.height));
-  if (lights != nullptr) resolve.offer(lights->resources);
-  return resolve.finish(
-      OitTilesBindings{.oitTileConstants = tileConstants(view.width, view.height)},
-      PPLLReadBindings{
-          .strandViewConstants = draw.view.constants,
-          .ppllReadConstants = read,
-          .readHeads = {lists.heads, sizes.headBytes},
-          .readNodes = {lists.nodes, nodeBytes},
-          .readTail = {lists.tail, sizes.tailBytes},
-          .readShadowWords = {draw.view.shadowWords, draw.view.shadowBytes},
-      });
+  return addListResolve(draw, batch, sizes, nodeBytes, resolveList);
 }
 
 }  // namespace pelage::detail

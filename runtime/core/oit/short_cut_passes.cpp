@@ -70,25 +70,18 @@ Result<void> addShortCutPasses(OitDraw& draw, std::vector<PassList>& lists) {
   depths.shortCutWidth = view.width;
   depths.shortCutHeight = view.height;
   depths.shortCutTileColumns = sizes.columns;
-  PassBuilder clear(lists[0]);
-  clear.dispatch(clearShortCutVariant(), view.width * 4, view.height)
-      .bytes(sizes.depthBytes + sizes.colorBytes);
-  if (Result<void> added = clear.finish(ShortCutDepthsAlphaBindings{
-          .shortCutDepthsAlphaConstants = depths,
-          .shortCutDepths = {shortCut.depths, sizes.depthBytes},
-          .shortCutCounters = {shortCut.counters, kCounterBytes},
-          .shortCutTiles = {shortCut.tiles, sizes.tileBytes},
-          .shortCutClearedColors = {shortCut.colors, sizes.colorBytes},
-      });
-      !added)
-    return added;
-
   const ShortCutDepthsAlphaBindings find{
       .shortCutDepthsAlphaConstants = depths,
       .shortCutDepths = {shortCut.depths, sizes.depthBytes},
       .shortCutCounters = {shortCut.counters, kCounterBytes},
       .shortCutTiles = {shortCut.tiles, sizes.tileBytes},
+      .shortCutClearedColors = {shortCut.colors, sizes.colorBytes},
   };
+  PassBuilder clear(lists[0]);
+  clear.dispatch(clearShortCutVariant(), view.width * 4, view.height)
+      .bytes(sizes.depthBytes + sizes.colorBytes);
+  if (Result<void> added = clear.finish(find); !added) return added;
+
   ShortCutFillColorsConstants colors = {};
   colors.fillWidth = view.width;
   colors.fillHeight = view.height;

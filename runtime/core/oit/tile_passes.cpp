@@ -12,6 +12,24 @@ namespace {
 
 constexpr uint64_t kDispatchOffset = strand_tile_counters::kTileDispatchWord * sizeof(uint32_t);
 
+// Sorts the segments of strands into tiles: counts them, makes room, and writes references.
+Result<void> addBins(const StrandTilesBindings& bins, uint32_t tiles, uint64_t vertices,
+                     PassList& list) {
+  const auto add = [&](const KernelVariant& kernel, uint32_t x, uint32_t y = 1) -> Result<void> {
+    PassBuilder builder(list);
+    builder.dispatch(kernel, x, y);
+    return builder.finish(bins);
+  };
+  const RecordThreads threads = recordThreads(vertices);
+  if (Result<void> added = add(clearStrandTilesVariant(), tiles); !added) return added;
+  if (Result<void> added = add(binStrandsVariant({.fill = false}), threads.x, threads.y); !added)
+    return added;
+  if (Result<void> added = add(sumStrandTilesVariant(), tiles); !added) return added;
+  if (Result<void> added = add(offsetStrandTilesVariant(), 1); !added) return added;
+  if (Result<void> added = add(allocateStrandTilesVariant(), tiles); !added) return added;
+  return add(binStrandsVariant({.fill = true}), threads.x, threads.y);
+}
+
 // Composites the tiles, and shows the picture.
 Result<void> addComposite(const OitDraw& draw, const MaterialBatch& batch,
                           const StrandTileSizes& sizes, PassList& list) {
@@ -69,8 +87,7 @@ Result<void> addTilePasses(OitDraw& draw, const MaterialBatch& batch, PassList& 
   const View& view = draw.view.view;
   OitBuffers::Tiles& strands = draw.buffers.strands;
   BufferId& counters = draw.buffers.lists.counters;
-  const uint64_t vertices = batch.vertices;
-  const StrandTileSizes sizes = strandTileSizes(view.width, view.height, vertices);
+  const StrandTileSizes sizes = strandTileSizes(view.width, view.height, batch.vertices);
   const uint64_t referenceBytes = uint64_t{draw.plan.sizes.nodeCount} * sizeof(uint32_t);
   constexpr uint32_t kWord = sizeof(uint32_t);
   // Batches share it, and lists of the first one name it already.
@@ -90,9 +107,9 @@ Result<void> addTilePasses(OitDraw& draw, const MaterialBatch& batch, PassList& 
   bin.binHeight = view.height;
   bin.binTileColumns = sizes.columns;
   bin.binTileCount = sizes.tiles;
-  bin.binRecordCount = static_cast<uint32_t>(vertices);
+  bin.binRecordCount = static_cast<uint32_t>(batch.vertices);
   bin.binCapacity = draw.plan.sizes.nodeCount;
-  StrandTilesBindings bins{
+  const StrandTilesBindings bins{
       .strandTilesConstants = bin,
       .binRecords = {strands.records, sizes.recordBytes},
       .binTiles = {strands.tiles, sizes.tileBytes},
@@ -110,20 +127,7 @@ Result<void> addTilePasses(OitDraw& draw, const MaterialBatch& batch, PassList& 
       return added;
     record += hair.drawnVertices();
   }
-  const auto add = [&](const KernelVariant& kernel, uint32_t x, uint32_t y = 1) -> Result<void> {
-    PassBuilder builder(list);
-    builder.dispatch(kernel, x, y);
-    return builder.finish(bins);
-  };
-  const RecordThreads threads = recordThreads(vertices);
-  if (Result<void> added = add(clearStrandTilesVariant(), sizes.tiles); !added) return added;
-  if (Result<void> added = add(binStrandsVariant({.fill = false}), threads.x, threads.y); !added)
-    return added;
-  if (Result<void> added = add(sumStrandTilesVariant(), sizes.tiles); !added) return added;
-  if (Result<void> added = add(offsetStrandTilesVariant(), 1); !added) return added;
-  if (Result<void> added = add(allocateStrandTilesVariant(), sizes.tiles); !added) return added;
-  if (Result<void> added = add(binStrandsVariant({.fill = true}), threads.x, threads.y); !added)
-    return added;
+  if (Result<void> added = addBins(bins, sizes.tiles, batch.vertices, list); !added) return added;
   return addComposite(draw, batch, sizes, list);
 }
 
