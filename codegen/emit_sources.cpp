@@ -365,10 +365,17 @@ class Writer {
   }
 
   void tables(const KernelOutput& output, std::string& out) const {
+    out += "namespace {\n\n";
+    variantTables(output, out);
+    kernelTables(output, out);
+    out += "}  // namespace\n\n";
+    kernelObject(output, out);
+    variantFunction(output.kernel, out);
+  }
+
+  void variantTables(const KernelOutput& output, std::string& out) const {
     const ManifestKernel& kernel = output.kernel;
     const std::string name = pascalCase(kernel.name);
-    const std::string function = camelCase(kernel.name) + "Variant";
-    out += "namespace {\n\n";
     out += fmt::format("constinit const {0}KernelVariant k{1}Variants[] = {{\n", prefix_, name);
     for (size_t v = 0; v < output.variants.size(); ++v) {
       const VariantOutput& variant = output.variants[v];
@@ -401,7 +408,11 @@ class Writer {
                                   : fmt::format("    &k{}Variants[{}],\n", name, found->second);
     }
     out += "};\n\n";
+  }
 
+  void kernelTables(const KernelOutput& output, std::string& out) const {
+    const ManifestKernel& kernel = output.kernel;
+    const std::string name = pascalCase(kernel.name);
     const ManifestGroup& group = program_.manifest.groups[kernel.group];
     out += fmt::format("constexpr const {0}LayoutTable* k{1}Layouts[] = {{\n", prefix_, name);
     for (const std::string& layout : group.layouts) out += fmt::format("    &k{}Layout,\n", layout);
@@ -415,17 +426,25 @@ class Writer {
       out += "};\n\n";
     }
     if (kernel.vertexInput) vertexInput(output, out);
-    out += "}  // namespace\n\n";
+  }
+
+  void kernelObject(const KernelOutput& output, std::string& out) const {
+    const ManifestKernel& kernel = output.kernel;
+    const std::string name = pascalCase(kernel.name);
     out += fmt::format(
         "constinit const {0}Kernel k{1}Kernel{{\"{2}\", {0}Stage::{3}, k{1}Layouts,\n    {4}, "
         "k{1}Distinct, {5}, {6}}};\n\n",
         prefix_, name, kernel.name, enumerator(kernel.stage),
         output.specConstants.empty() ? "{}" : "k" + name + "SpecConstants",
         kernel.vertexInput ? "&k" + name + "VertexInput" : "nullptr", kernel.commutes);
+  }
 
+  void variantFunction(const ManifestKernel& kernel, std::string& out) const {
+    const std::string name = pascalCase(kernel.name);
     const bool optional = !kernel.excludes.empty();
-    out += fmt::format("const {}KernelVariant{} {}(const {}Key&{}) {{\n", prefix_,
-                       optional ? "*" : "&", function, name, kernel.axes.empty() ? "" : " key");
+    out += fmt::format("const {}KernelVariant{} {}Variant(const {}Key&{}) {{\n", prefix_,
+                       optional ? "*" : "&", camelCase(kernel.name), name,
+                       kernel.axes.empty() ? "" : " key");
     out += "  size_t index = 0;\n";
     for (const Axis& axis : kernel.axes) {
       if (axis.isBool) {

@@ -42,6 +42,42 @@ PlannedEntry entryOf(const Resource& resource, Stage stage, const SourceLocation
   return entry;
 }
 
+// Adds the stages of a resource to those of the same resource in an earlier module.
+void merge(const PlannedEntry& entry, PlannedEntry& known, Diagnostics& diagnostics) {
+  known.stages = static_cast<StageMask>(known.stages | entry.stages);
+  if (known.structName == entry.structName && known.kind == entry.kind &&
+      known.stride == entry.stride) {
+    return;
+  }
+  diagnostics.error(entry.location.file, entry.location.line, "PK506",
+                    "'" + entry.name + "' is a " + entry.structName + " of " +
+                        std::to_string(entry.stride) + " bytes here and a " + known.structName +
+                        " of " + std::to_string(known.stride) + " bytes at " + at(known.location));
+}
+
+// An error that is reported at both of two resources.
+struct Clash {
+  const char* code;
+  std::string text, otherText;
+};
+
+Clash slotClash(const PlannedEntry& entry, const PlannedEntry& other, uint32_t space,
+                const std::string& group) {
+  const auto text = [&](const PlannedEntry& here, const PlannedEntry& there) {
+    return "'" + here.name + "' and '" + there.name + "' (" + at(there.location) + ") both are " +
+           slotName(entry, space) + " of group \"" + group + "\"";
+  };
+  return {"PK504", text(entry, other), text(other, entry)};
+}
+
+Clash nameClash(const PlannedEntry& entry, uint32_t space, const PlannedEntry& other,
+                uint32_t otherSpace) {
+  const std::string slot = slotName(entry, space), otherSlot = slotName(other, otherSpace);
+  const std::string here = "'" + entry.name + "' is ";
+  return {"PK505", here + slot + " here and " + otherSlot + " at " + at(other.location),
+          here + otherSlot + " here and " + slot + " at " + at(entry.location)};
+}
+
 }  // namespace
 
 uint32_t rawBinding(RegisterClass registerClass, uint32_t registerNumber) {
@@ -113,33 +149,17 @@ void LayoutPlan::add(const ManifestKernel& kernel, const ModuleReflection& refle
         const uint32_t set = layouts_[index].set;
         const bool sameSlot = index == home && other.registerClass == entry.registerClass &&
                               other.registerNumber == entry.registerNumber;
+        if (!sameSlot && other.name != entry.name) continue;
+        known = true;
         if (sameSlot && other.name == entry.name) {
-          known = true;
-          other.stages = static_cast<StageMask>(other.stages | entry.stages);
-          if (other.structName != entry.structName || other.kind != entry.kind ||
-              other.stride != entry.stride) {
-            error("PK506", "'" + entry.name + "' is a " + entry.structName + " of " +
-                               std::to_string(entry.stride) + " bytes here and a " +
-                               other.structName + " of " + std::to_string(other.stride) +
-                               " bytes at " + at(other.location));
-          }
-        } else if (sameSlot) {
-          error("PK504", "'" + entry.name + "' and '" + other.name + "' (" + at(other.location) +
-                             ") both are " + slotName(entry, resource.space) + " of group \"" +
-                             group.name + "\"");
-          diagnostics.error(other.location.file, other.location.line, "PK504",
-                            "'" + other.name + "' and '" + entry.name + "' (" + at(where) +
-                                ") both are " + slotName(entry, resource.space) + " of group \"" +
-                                group.name + "\"");
-          known = true;
-        } else if (other.name == entry.name) {
-          error("PK505", "'" + entry.name + "' is " + slotName(entry, resource.space) +
-                             " here and " + slotName(other, set) + " at " + at(other.location));
-          diagnostics.error(other.location.file, other.location.line, "PK505",
-                            "'" + entry.name + "' is " + slotName(other, set) + " here and " +
-                                slotName(entry, resource.space) + " at " + at(where));
-          known = true;
+          merge(entry, other, diagnostics);
+          continue;
         }
+        const auto [code, text, otherText] =
+            sameSlot ? slotClash(entry, other, resource.space, group.name)
+                     : nameClash(entry, resource.space, other, set);
+        error(code, text);
+        diagnostics.error(other.location.file, other.location.line, code, otherText);
       }
     }
     if (!known) layouts_[home].entries.push_back(std::move(entry));

@@ -330,19 +330,49 @@ class Reader {
               {"name", "file", "stage", "group", "axes", "exclude", "conflicts", "tier", "tiers",
                "precise", "commutes", "vertexInput"},
               where);
+    checkName(kernel, where);
+    readSource(node, kernel, where);
+    if (const Node* axes = node.find("axes")) readAxes(*axes, kernel, where);
+    if (const Node* exclude = node.find("exclude")) {
+      kernel.excludes = readExclusions(*exclude, false, kernel, where);
+    }
+    if (const Node* conflicts = node.find("conflicts")) {
+      kernel.conflicts = readExclusions(*conflicts, true, kernel, where);
+      kernel.excludes.insert(kernel.excludes.end(), kernel.conflicts.begin(),
+                             kernel.conflicts.end());
+    }
+    if (const Node* tier = node.find("tier")) kernel.tier = readTier(*tier, where);
+    if (const Node* rules = node.find("tiers")) readTierRules(*rules, kernel, where);
+    if (const Node* precise = node.find("precise")) {
+      if (expect(*precise, Node::Type::kBool, "\"precise\"")) kernel.precise = precise->boolean;
+    }
+    if (const Node* commutes = node.find("commutes")) {
+      if (expect(*commutes, Node::Type::kBool, "\"commutes\"")) kernel.commutes = commutes->boolean;
+    }
+    if (const Node* input = node.find("vertexInput")) readVertexInput(*input, kernel, where);
+    if (!checkPermutations(kernel, where)) return;
+    if (diagnostics_.items().size() == saidBefore) checkCompletion(kernel, where);
+    manifest_.kernels.push_back(std::move(kernel));
+  }
+
+  void checkName(const ManifestKernel& kernel, const std::string& where) {
     if (!isIdentifier(kernel.name) ||
         std::any_of(kernel.name.begin(), kernel.name.end(),
                     [](unsigned char c) { return std::isupper(c) != 0; })) {
-      error(name->line, "PK304",
+      error(kernel.line, "PK304",
             "\"" + kernel.name + "\" is not a kernel name; write it like \"skin_roots\"");
     }
     for (const ManifestKernel& other : manifest_.kernels) {
       if (camelCase(other.name) == camelCase(kernel.name)) {
-        error(name->line, "PK307",
+        error(kernel.line, "PK307",
               where + " is there twice, or gives the same C++ name as \"" + other.name +
                   "\" in line " + std::to_string(other.line));
       }
     }
+  }
+
+  // The file, stage and group of a kernel.
+  void readSource(const Node& node, ManifestKernel& kernel, const std::string& where) {
     if (const Node* file = require(node, "file", Node::Type::kString, where)) {
       kernel.file = file->string;
       std::error_code ignored;
@@ -363,40 +393,24 @@ class Reader {
         kernel.group = static_cast<uint32_t>(found - manifest_.groups.begin());
       }
     }
-    if (const Node* axes = node.find("axes")) readAxes(*axes, kernel, where);
-    if (const Node* exclude = node.find("exclude")) {
-      kernel.excludes = readExclusions(*exclude, false, kernel, where);
-    }
-    if (const Node* conflicts = node.find("conflicts")) {
-      kernel.conflicts = readExclusions(*conflicts, true, kernel, where);
-      kernel.excludes.insert(kernel.excludes.end(), kernel.conflicts.begin(),
-                             kernel.conflicts.end());
-    }
-    if (const Node* tier = node.find("tier")) kernel.tier = readTier(*tier, where);
-    if (const Node* rules = node.find("tiers")) readTierRules(*rules, kernel, where);
-    if (const Node* precise = node.find("precise")) {
-      if (expect(*precise, Node::Type::kBool, "\"precise\"")) kernel.precise = precise->boolean;
-    }
-    if (const Node* commutes = node.find("commutes")) {
-      if (expect(*commutes, Node::Type::kBool, "\"commutes\"")) kernel.commutes = commutes->boolean;
-    }
-    if (const Node* input = node.find("vertexInput")) readVertexInput(*input, kernel, where);
+  }
+
+  // Returns false for a kernel with so many permutations that nothing can go on with it.
+  bool checkPermutations(const ManifestKernel& kernel, const std::string& where) {
     if (countPermutations(kernel) > kMaximumPermutations) {
-      error(name->line, "PK310",
+      error(kernel.line, "PK310",
             where + " has " + std::to_string(countPermutations(kernel)) +
                 " permutations, more than " + std::to_string(kMaximumPermutations) +
                 "; make some axes specialization constants");
-      return;
+      return false;
     }
     if (kernel.permutations().empty()) {
-      error(name->line, "PK311", where + ": all permutations are excluded");
+      error(kernel.line, "PK311", where + ": all permutations are excluded");
     } else if (kernel.isExcluded(kernel.defaultPermutation())) {
-      error(name->line, "PK311",
+      error(kernel.line, "PK311",
             where + ": the default permutation (false, or the first value) is excluded");
-    } else if (diagnostics_.items().size() == saidBefore) {
-      checkCompletion(kernel, where);
     }
-    manifest_.kernels.push_back(std::move(kernel));
+    return true;
   }
 
   void readStage(const Node& stage, ManifestKernel& kernel, const std::string& where) {

@@ -40,6 +40,31 @@ uint64_t saturatingMultiply(uint64_t a, uint64_t b) {
              : a * b;
 }
 
+// The instruction at the front of `words`, without its line; nothing if it is malformed.
+std::optional<Instruction> decode(std::span<const uint32_t> words, uint32_t bound) {
+  const uint32_t count = words[0] >> 16;
+  if (count == 0 || count > words.size()) return std::nullopt;
+  Instruction instruction;
+  instruction.opcode = static_cast<uint16_t>(words[0] & 0xffff);
+  std::span<const uint32_t> operands = words.subspan(1, count - 1);
+  bool hasResult = false, hasType = false;
+  spv::HasResultAndType(static_cast<spv::Op>(instruction.opcode), &hasResult, &hasType);
+  if (operands.size() < static_cast<size_t>(hasResult) + static_cast<size_t>(hasType)) {
+    return std::nullopt;
+  }
+  if (hasType) {
+    instruction.type = operands.front();
+    operands = operands.subspan(1);
+  }
+  if (hasResult) {
+    instruction.result = operands.front();
+    operands = operands.subspan(1);
+  }
+  if (instruction.type >= bound || instruction.result >= bound) return std::nullopt;
+  instruction.operands = operands;
+  return instruction;
+}
+
 }  // namespace
 
 std::optional<LineModule> LineModule::parse(std::span<const uint32_t> words) {
@@ -51,29 +76,11 @@ std::optional<LineModule> LineModule::parse(std::span<const uint32_t> words) {
 
   uint32_t fileId = 0, line = 0;
   for (size_t at = kHeaderWords; at < words.size();) {
-    const uint32_t count = words[at] >> 16;
-    if (count == 0 || count > words.size() - at) return std::nullopt;
-    Instruction instruction;
-    instruction.opcode = static_cast<uint16_t>(words[at] & 0xffff);
-    std::span<const uint32_t> operands = words.subspan(at + 1, count - 1);
-    at += count;
-
-    bool hasResult = false, hasType = false;
-    spv::HasResultAndType(static_cast<spv::Op>(instruction.opcode), &hasResult, &hasType);
-    if (operands.size() < static_cast<size_t>(hasResult) + static_cast<size_t>(hasType)) {
-      return std::nullopt;
-    }
-    if (hasType) {
-      instruction.type = operands.front();
-      operands = operands.subspan(1);
-    }
-    if (hasResult) {
-      instruction.result = operands.front();
-      operands = operands.subspan(1);
-    }
-    if (instruction.type >= bound || instruction.result >= bound) return std::nullopt;
-    instruction.operands = operands;
-
+    const std::optional<Instruction> decoded = decode(words.subspan(at), bound);
+    if (!decoded) return std::nullopt;
+    at += words[at] >> 16;
+    Instruction instruction = *decoded;
+    const std::span<const uint32_t> operands = instruction.operands;
     switch (instruction.opcode) {
       case spv::OpLine:
         fileId = instruction.operand(0);
@@ -101,7 +108,7 @@ std::optional<LineModule> LineModule::parse(std::span<const uint32_t> words) {
     instruction.fileId = fileId;
     instruction.line = line;
     module.instructions_.push_back(instruction);
-    if (hasResult) {
+    if (instruction.result != 0) {
       module.definitions_[instruction.result] = static_cast<uint32_t>(module.instructions_.size());
     }
     // The line of a block ends with it.
