@@ -10,6 +10,66 @@
 
 namespace pelage::vulkan {
 
+namespace {
+
+// The color, the depth and, with several samples, the image that they are resolved into.
+std::vector<VkAttachmentDescription> attachmentsOf(VkFormat format, VkSampleCountFlagBits samples,
+                                                   bool load) {
+  const bool resolves = samples != VK_SAMPLE_COUNT_1_BIT;
+  std::vector<VkAttachmentDescription> attachments(resolves ? 3 : 2);
+  VkAttachmentDescription& color = attachments[0];
+  color.format = format;
+  color.samples = samples;
+  color.loadOp = load ? VK_ATTACHMENT_LOAD_OP_LOAD : VK_ATTACHMENT_LOAD_OP_CLEAR;
+  color.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+  color.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
+  color.stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
+  color.finalLayout =
+      resolves ? VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL : VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
+  color.initialLayout = load ? color.finalLayout : VK_IMAGE_LAYOUT_UNDEFINED;
+  VkAttachmentDescription& depth = attachments[1];
+  depth = color;
+  depth.format = RenderTarget::kDepthFormat;
+  depth.finalLayout = VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
+  depth.initialLayout = load ? depth.finalLayout : VK_IMAGE_LAYOUT_UNDEFINED;
+  if (resolves) {
+    VkAttachmentDescription& resolve = attachments[2];
+    resolve = color;
+    resolve.samples = VK_SAMPLE_COUNT_1_BIT;
+    resolve.loadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
+    resolve.initialLayout = VK_IMAGE_LAYOUT_UNDEFINED;
+    resolve.finalLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
+  }
+  return attachments;
+}
+
+// The pass waits for draws and copies before it; copies after it wait for its color.
+std::array<VkSubpassDependency, 2> dependenciesOfPass() {
+  constexpr VkPipelineStageFlags kAttachmentStages = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT |
+                                                     VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT |
+                                                     VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT;
+  VkSubpassDependency before = {};
+  before.srcSubpass = VK_SUBPASS_EXTERNAL;
+  before.dstSubpass = 0;
+  before.srcStageMask = kAttachmentStages | VK_PIPELINE_STAGE_TRANSFER_BIT;
+  before.dstStageMask = kAttachmentStages;
+  before.srcAccessMask =
+      VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
+  before.dstAccessMask =
+      VK_ACCESS_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT |
+      VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
+  VkSubpassDependency after = {};
+  after.srcSubpass = 0;
+  after.dstSubpass = VK_SUBPASS_EXTERNAL;
+  after.srcStageMask = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
+  after.dstStageMask = VK_PIPELINE_STAGE_TRANSFER_BIT;
+  after.srcAccessMask = VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
+  after.dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT;
+  return {before, after};
+}
+
+}  // namespace
+
 Result<void> RenderTarget::makeImage(Image& image, VkFormat format, VkImageUsageFlags usage,
                                      VkSampleCountFlagBits samples, VkImageAspectFlags aspect,
                                      const char* name) const {
@@ -64,30 +124,8 @@ Result<void> RenderTarget::makeImage(Image& image, VkFormat format, VkImageUsage
 
 Result<VkRenderPass> RenderTarget::makeRenderPass(VkSampleCountFlagBits samples, bool load) const {
   const bool resolves = samples != VK_SAMPLE_COUNT_1_BIT;
-  std::vector<VkAttachmentDescription> attachments(resolves ? 3 : 2);
-  VkAttachmentDescription& color = attachments[0];
-  color.format = colorFormat_;
-  color.samples = samples;
-  color.loadOp = load ? VK_ATTACHMENT_LOAD_OP_LOAD : VK_ATTACHMENT_LOAD_OP_CLEAR;
-  color.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-  color.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
-  color.stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
-  color.finalLayout =
-      resolves ? VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL : VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
-  color.initialLayout = load ? color.finalLayout : VK_IMAGE_LAYOUT_UNDEFINED;
-  VkAttachmentDescription& depth = attachments[1];
-  depth = color;
-  depth.format = kDepthFormat;
-  depth.finalLayout = VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
-  depth.initialLayout = load ? depth.finalLayout : VK_IMAGE_LAYOUT_UNDEFINED;
-  if (resolves) {
-    VkAttachmentDescription& resolve = attachments[2];
-    resolve = color;
-    resolve.samples = VK_SAMPLE_COUNT_1_BIT;
-    resolve.loadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
-    resolve.initialLayout = VK_IMAGE_LAYOUT_UNDEFINED;
-    resolve.finalLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
-  }
+  const std::vector<VkAttachmentDescription> attachments =
+      attachmentsOf(colorFormat_, samples, load);
   const VkAttachmentReference colorReference = {0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
   const VkAttachmentReference depthReference = {1,
                                                 VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL};
@@ -99,27 +137,7 @@ Result<VkRenderPass> RenderTarget::makeRenderPass(VkSampleCountFlagBits samples,
   subpass.pDepthStencilAttachment = &depthReference;
   if (resolves) subpass.pResolveAttachments = &resolveReference;
 
-  constexpr VkPipelineStageFlags kAttachmentStages = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT |
-                                                     VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT |
-                                                     VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT;
-  VkSubpassDependency before = {};
-  before.srcSubpass = VK_SUBPASS_EXTERNAL;
-  before.dstSubpass = 0;
-  before.srcStageMask = kAttachmentStages | VK_PIPELINE_STAGE_TRANSFER_BIT;
-  before.dstStageMask = kAttachmentStages;
-  before.srcAccessMask =
-      VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
-  before.dstAccessMask =
-      VK_ACCESS_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT |
-      VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
-  VkSubpassDependency after = {};
-  after.srcSubpass = 0;
-  after.dstSubpass = VK_SUBPASS_EXTERNAL;
-  after.srcStageMask = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
-  after.dstStageMask = VK_PIPELINE_STAGE_TRANSFER_BIT;
-  after.srcAccessMask = VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
-  after.dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT;
-  const VkSubpassDependency dependencies[] = {before, after};
+  const std::array<VkSubpassDependency, 2> dependencies = dependenciesOfPass();
 
   auto info = tagged<VkRenderPassCreateInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO);
   info.attachmentCount = static_cast<uint32_t>(attachments.size());
@@ -127,7 +145,7 @@ Result<VkRenderPass> RenderTarget::makeRenderPass(VkSampleCountFlagBits samples,
   info.subpassCount = 1;
   info.pSubpasses = &subpass;
   info.dependencyCount = static_cast<uint32_t>(std::size(dependencies));
-  info.pDependencies = dependencies;
+  info.pDependencies = dependencies.data();
   VkRenderPass pass = VK_NULL_HANDLE;
   const VkResult result = device_.vk.CreateRenderPass(device_.handle, &info, nullptr, &pass);
   if (result != VK_SUCCESS) return vulkanError(result, "vkCreateRenderPass");

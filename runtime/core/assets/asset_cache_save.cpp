@@ -94,6 +94,27 @@ class Sections {
   std::deque<Bytes> owned_;
 };
 
+// Fills the layout of the asset's file in, and returns its extra parts. If the asset no longer
+// matches its file, only the reserved words are of use.
+Bytes packLayout(const HairAsset& asset, HairInfo& info) {
+  const TfxFileLayout& layout = asset.fileLayout;
+  std::copy(std::begin(layout.reserved), std::end(layout.reserved), info.layoutReserved);
+  Bytes extras;
+  if (tfxLayoutFits(asset)) {
+    info.layoutStrandCount = layout.strandCount;
+    info.layoutVerticesPerStrand = layout.verticesPerStrand;
+    info.layoutFileSize = layout.fileSize;
+    std::copy(std::begin(layout.offsets), std::end(layout.offsets), info.layoutOffsets);
+    info.layoutExtraCount = static_cast<uint32_t>(layout.extras.size());
+    for (const TfxFileLayout::Extra& extra : layout.extras) {
+      append(extras, extra.offset);
+      append(extras, static_cast<uint64_t>(extra.bytes.size()));
+      extras.insert(extras.end(), extra.bytes.begin(), extra.bytes.end());
+    }
+  }
+  return extras;
+}
+
 Result<void> addHair(const CachedHair& hair, size_t item, Sections& sections) {
   const auto refuse = [&](std::string_view what) {
     return invalid(fmt::format("hair {} ('{}'): {}", item, hair.name, what));
@@ -126,23 +147,7 @@ Result<void> addHair(const CachedHair& hair, size_t item, Sections& sections) {
   info.verticesPerStrand = asset.verticesPerStrand;
   info.followCount = static_cast<uint32_t>(hair.followHairs.size());
   info.degenerateSegmentCount = asset.degenerateSegmentCount;
-  const TfxFileLayout& layout = asset.fileLayout;
-  std::copy(std::begin(layout.reserved), std::end(layout.reserved), info.layoutReserved);
-  // If the asset no longer matches its file, only the reserved words of the layout are of use.
-  Bytes extras;
-  if (tfxLayoutFits(asset)) {
-    info.layoutStrandCount = layout.strandCount;
-    info.layoutVerticesPerStrand = layout.verticesPerStrand;
-    info.layoutFileSize = layout.fileSize;
-    std::copy(std::begin(layout.offsets), std::end(layout.offsets), info.layoutOffsets);
-    info.layoutExtraCount = static_cast<uint32_t>(layout.extras.size());
-    for (const TfxFileLayout::Extra& extra : layout.extras) {
-      append(extras, extra.offset);
-      append(extras, static_cast<uint64_t>(extra.bytes.size()));
-      extras.insert(extras.end(), extra.bytes.begin(), extra.bytes.end());
-    }
-  }
-  sections.addOwn(Kind::kHairExtras, item, std::move(extras));
+  sections.addOwn(Kind::kHairExtras, item, packLayout(asset, info));
   if (hair.bones) {
     info.boneCount = static_cast<uint32_t>(hair.bones->bones.size());
     info.repairedStrandCount = hair.bones->repairedStrandCount;

@@ -44,7 +44,7 @@ float segmentLength(const Float4& a, const Float4& b) {
   return static_cast<float>(detail::length(d));
 }
 
-Result<void> checkAsset(const HairAsset& asset) {
+Result<void> checkSizes(const HairAsset& asset) {
   if (asset.strandCount == 0) return invalid("the hair asset has no strands");
   if (asset.verticesPerStrand < kMinVerticesPerStrand ||
       asset.verticesPerStrand > kMaxVerticesPerStrand)
@@ -72,9 +72,11 @@ Result<void> checkAsset(const HairAsset& asset) {
   if (auto r = checkSize("vertexUv", asset.vertexUv.size(), vertexCount, true); !r) return r;
   if (auto r = checkSize("strandThickness", asset.strandThickness.size(), strandCount, true); !r)
     return r;
-  if (auto r = checkSize("vertexColor", asset.vertexColor.size(), vertexCount, true); !r) return r;
+  return checkSize("vertexColor", asset.vertexColor.size(), vertexCount, true);
+}
 
-  for (uint64_t i = 0; i < vertexCount; ++i) {
+Result<void> checkPositions(const HairAsset& asset) {
+  for (uint64_t i = 0; i < asset.positions.size(); ++i) {
     const Float4& p = asset.positions[i];
     const uint64_t strand = i / asset.verticesPerStrand, vertex = i % asset.verticesPerStrand;
     if (!isCoordinate(p.x) || !isCoordinate(p.y) || !isCoordinate(p.z))
@@ -88,6 +90,12 @@ Result<void> checkAsset(const HairAsset& asset) {
                       "not negative",
                       strand, vertex, p.w));
   }
+  return {};
+}
+
+Result<void> checkAsset(const HairAsset& asset) {
+  if (auto r = checkSizes(asset); !r) return r;
+  if (auto r = checkPositions(asset); !r) return r;
   for (uint64_t i = 0; i < asset.strandThickness.size(); ++i)
     if (!(asset.strandThickness[i] >= 0 && asset.strandThickness[i] <= kMaxCoordinate))
       return invalid(fmt::format("thickness of strand {} is {}; it must be 0 to 1e6", i,
