@@ -519,6 +519,19 @@ void HeadlessGl::releaseTarget() {
   width_ = height_ = samples_ = 0;
 }
 
+// Device `name` cannot make a target.
+Error targetError(const std::string& name, const RenderTargetDef& target, GLenum error,
+                  GLenum status) {
+  return Error{error == GL_OUT_OF_MEMORY ? ErrorCode::kOutOfMemory : ErrorCode::kUnsupported,
+               name + " cannot draw to " + std::to_string(target.width) + " x " +
+                   std::to_string(target.height) + (target.float32Color ? " RGBA32F" : " RGBA16F") +
+                   " pixels with " + std::to_string(target.samples) +
+                   " samples and 32-bit depth (" +
+                   (error != GL_NO_ERROR ? gl::errorName(error)
+                                         : "framebuffer status " + std::to_string(status)) +
+                   ")"};
+}
+
 Result<void> HeadlessGl::makeTarget(const RenderTargetDef& target) {
   if (width_ == target.width && height_ == target.height && samples_ == target.samples &&
       float32_ == target.float32Color)
@@ -570,14 +583,7 @@ Result<void> HeadlessGl::makeTarget(const RenderTargetDef& target) {
   }
   if (error != GL_NO_ERROR || status != GL_FRAMEBUFFER_COMPLETE) {
     releaseTarget();
-    return Error{error == GL_OUT_OF_MEMORY ? ErrorCode::kOutOfMemory : ErrorCode::kUnsupported,
-                 info_.name + " cannot draw to " + std::to_string(target.width) + " x " +
-                     std::to_string(target.height) +
-                     (target.float32Color ? " RGBA32F" : " RGBA16F") + " pixels with " +
-                     std::to_string(target.samples) + " samples and 32-bit depth (" +
-                     (error != GL_NO_ERROR ? gl::errorName(error)
-                                           : "framebuffer status " + std::to_string(status)) +
-                     ")"};
+    return targetError(info_.name, target, error, status);
   }
   width_ = target.width;
   height_ = target.height;

@@ -18,6 +18,10 @@ Error invalid(std::string message) {
   return Error{ErrorCode::kInvalidArgument, std::move(message)};
 }
 
+Error unsupported(std::string message) {
+  return Error{ErrorCode::kUnsupported, std::move(message)};
+}
+
 bool fits(uint64_t offset, uint64_t size, uint64_t total) {
   return offset <= total && size <= total - offset;
 }
@@ -256,23 +260,18 @@ Result<void> Runtime::supports(const TransparencySettings& settings,
 
 const Statistics& Runtime::statistics() const { return impl_->statistics; }
 
-Result<Runtime> Runtime::create(RuntimeDef def) {
-  const auto unsupported = [](std::string message) {
-    return Error{ErrorCode::kUnsupported, std::move(message)};
-  };
-  if (!def.getProcAddress) return invalid("gl::RuntimeDef::getProcAddress is empty");
-  const auto context = std::make_shared<Context>();
-  Functions& gl = context->gl;
-  context->debug = def.debug;
+namespace {
 
-  // The version first: an old context should be told so, not that some function is missing.
+// The version is checked before functions are looked for: an old context is told so.
+Result<void> loadContext(const RuntimeDef& def, Context& context) {
+  Functions& gl = context.gl;
   gl.glGetString = reinterpret_cast<PFNGLGETSTRINGPROC>(def.getProcAddress("glGetString"));
   if (gl.glGetString == nullptr)
     return unsupported("getProcAddress does not know glGetString: it must load core functions too");
   const std::string versionText = stringOf(gl, GL_VERSION);
   if (versionText.empty()) return invalid("no OpenGL context is current: make one current first");
   const Version version = parseVersion(versionText);
-  context->profile = version.profile;
+  context.profile = version.profile;
   const bool core = version.profile == Profile::kCore;
   const int have = version.major * 10 + version.minor;
   if (have < (core ? 45 : 32)) {
@@ -285,47 +284,50 @@ Result<Runtime> Runtime::create(RuntimeDef def) {
   if (!missing.empty())
     return unsupported("getProcAddress does not know " + missing + " of '" + versionText + "'");
   clearErrors(gl);
+  context.renderer = stringOf(gl, GL_RENDERER);
+  context.identity = stringOf(gl, GL_VENDOR) + '\n' + context.renderer + '\n' + versionText + '\n' +
+                     stringOf(gl, GL_SHADING_LANGUAGE_VERSION);
+  return {};
+}
 
-  context->renderer = stringOf(gl, GL_RENDERER);
-  context->identity = stringOf(gl, GL_VENDOR) + '\n' + context->renderer + '\n' + versionText +
-                      '\n' + stringOf(gl, GL_SHADING_LANGUAGE_VERSION);
-  Limits& limits = context->limits;
-  limits = readLimits(gl);
-  context->drawBuffers = std::clamp(integer(gl, GL_MAX_DRAW_BUFFERS), 1u, kMostDrawBuffers);
-  if (def.maxTier != Tier::kWide) lowerTo(def.maxTier, limits);
-  const auto require = [&](uint32_t value, uint32_t least, const char* name) -> Result<void> {
-    if (value >= least) return {};
-    return unsupported(context->renderer + " has " + name + " = " + std::to_string(value) +
-                       "; pelage needs at least " + std::to_string(least));
-  };
+Result<void> checkLimits(const Context& context) {
+  const Limits& limits = context.limits;
   for (const auto& [value, least, name] :
        {std::tuple{limits.storageBindings, 4u, "GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS"},
         std::tuple{limits.computeStorageBlocks, 4u, "GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS"},
         std::tuple{limits.groupCount[0], 65535u, "GL_MAX_COMPUTE_WORK_GROUP_COUNT"},
         std::tuple{limits.groupThreads, 128u, "GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS"}}) {
-    if (Result<void> enough = require(value, least, name); !enough) return enough.error();
+    if (value >= least) continue;
+    return unsupported(context.renderer + " has " + name + " = " + std::to_string(value) +
+                       "; pelage needs at least " + std::to_string(least));
   }
   if (limits.uniformAlignment == 0 || PassList::kConstantAlignment % limits.uniformAlignment != 0) {
-    return unsupported(context->renderer + " has GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT = " +
+    return unsupported(context.renderer + " has GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT = " +
                        std::to_string(limits.uniformAlignment) + ", which does not divide " +
                        std::to_string(PassList::kConstantAlignment));
   }
+  return {};
+}
 
+// Functions and limits that pelage can do without.
+void loadOptional(const RuntimeDef& def, Context& context) {
+  Functions& gl = context.gl;
+  const bool core = context.profile == Profile::kCore;
   bool timer = core;
   if (!core && hasExtension(gl, "GL_EXT_disjoint_timer_query")) {
     timer = loadTimerFunctions(gl, def.getProcAddress, "EXT").empty();
-    context->disjointTimer = timer;
+    context.disjointTimer = timer;
   }
   if (timer) {
     GLint bits = 0;
     gl.glGetQueryiv(GL_TIMESTAMP, GL_QUERY_COUNTER_BITS, &bits);
-    limits.timestamps = bits > 0;
+    context.limits.timestamps = bits > 0;
   }
   // Both versions have it; contexts without robustness never report a reset.
   if (!loadRobustFunctions(gl, def.getProcAddress, "").empty() &&
       !loadRobustFunctions(gl, def.getProcAddress, "KHR").empty())
     gl.glGetGraphicsResetStatus = nullptr;
-  // All the threads that the driver likes: some have but one until they are asked.
+  // Allow as many compiler threads as the driver supports: some use one until they are asked.
   for (const char* suffix : {"KHR", "ARB"}) {
     const std::string extension = std::string("GL_") + suffix + "_parallel_shader_compile";
     if (!hasExtension(gl, extension.c_str())) continue;
@@ -336,10 +338,25 @@ Result<Runtime> Runtime::create(RuntimeDef def) {
   GLint formats = 0;
   gl.glGetIntegerv(GL_NUM_PROGRAM_BINARY_FORMATS, &formats);
   if (formats > 0) {
-    context->binaryFormats.resize(static_cast<size_t>(formats));
-    gl.glGetIntegerv(GL_PROGRAM_BINARY_FORMATS, context->binaryFormats.data());
-    limits.programBinaries = true;
+    context.binaryFormats.resize(static_cast<size_t>(formats));
+    gl.glGetIntegerv(GL_PROGRAM_BINARY_FORMATS, context.binaryFormats.data());
+    context.limits.programBinaries = true;
   }
+}
+
+}  // namespace
+
+Result<Runtime> Runtime::create(RuntimeDef def) {
+  if (!def.getProcAddress) return invalid("gl::RuntimeDef::getProcAddress is empty");
+  const auto context = std::make_shared<Context>();
+  context->debug = def.debug;
+  if (Result<void> loaded = loadContext(def, *context); !loaded) return loaded.error();
+  context->limits = readLimits(context->gl);
+  context->drawBuffers =
+      std::clamp(integer(context->gl, GL_MAX_DRAW_BUFFERS), 1u, kMostDrawBuffers);
+  if (def.maxTier != Tier::kWide) lowerTo(def.maxTier, context->limits);
+  if (Result<void> checked = checkLimits(*context); !checked) return checked.error();
+  loadOptional(def, *context);
   auto impl = std::make_unique<Impl>(context, std::move(def.programCache));
   for (const KernelCodeList list : def.code) impl->programs.addCode(list);
   return Runtime(std::move(impl));

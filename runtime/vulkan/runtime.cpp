@@ -74,6 +74,16 @@ struct RetiredBuffer {
   uint64_t size = 0;
 };
 
+// Constants of a list's passes from offset `first` of the list on.
+struct CopiedConstants {
+  ArenaSlice slice;
+  uint64_t first = 0;
+
+  uint32_t offsetOf(const PassBinding& binding) const {
+    return static_cast<uint32_t>(slice.offset + binding.offset - first);
+  }
+};
+
 // A pass, ready to be recorded.
 struct ResolvedPass {
   Pipeline pipeline;
@@ -249,14 +259,19 @@ struct Runtime::Impl {
   Result<void> makePipelines(const PassList& list, const TargetFormats* target);
   Result<void> resolve(const PassList& list, bool draws, const TargetFormats* target);
   Result<void> resolvePass(const PassList& list, const Pass& pass, const TargetFormats* target,
-                           const ArenaSlice& constants, uint64_t firstConstant, ResolvedPass& out);
-  Result<ArenaSlice> copyConstants(const PassList& list, bool draws, uint64_t& first);
+                           const CopiedConstants& constants, ResolvedPass& out);
+  Result<ResolvedPass::Set> resolveSet(const Pass& pass, uint32_t set,
+                                       std::span<const PassBinding> bindings,
+                                       const CopiedConstants& constants);
+  Result<CopiedConstants> copyConstants(const PassList& list, bool draws);
   Result<void> makeFiller();
 
   Result<void> checkGraphics() const;
 
   // Lists: the recording step.
   Result<void> record(const PassList& list, VkCommandBuffer commands);
+  Result<size_t> reserveTimers(const PassList& list);
+  void recordDispatches(const PassList& list, size_t span, VkCommandBuffer commands);
   Result<void> recordDraws(const PassList& list, VkCommandBuffer commands,
                            const TargetFormats& target, const VkRect2D& area);
   void recordUploads(const PassList& list, const ArenaSlice& data, VkCommandBuffer commands);
@@ -579,7 +594,7 @@ Result<void> Runtime::Impl::makeFiller() {
   return {};
 }
 
-Result<ArenaSlice> Runtime::Impl::copyConstants(const PassList& list, bool draws, uint64_t& first) {
+Result<CopiedConstants> Runtime::Impl::copyConstants(const PassList& list, bool draws) {
   uint64_t begin = UINT64_MAX;
   uint64_t end = 0;
   for (const Pass& pass : list.passes) {
@@ -591,18 +606,72 @@ Result<ArenaSlice> Runtime::Impl::copyConstants(const PassList& list, bool draws
       end = std::max(end, binding.offset + binding.size);
     }
   }
-  if (begin >= end) return ArenaSlice{};
-  first = begin;
+  if (begin >= end) return CopiedConstants{};
   Result<ArenaSlice> slice =
       constantsArena.allocate(frame, end - begin, PassList::kConstantAlignment);
-  if (slice)
-    std::memcpy(slice->mapped, list.constants.data() + begin, static_cast<size_t>(end - begin));
-  return slice;
+  if (!slice) return slice.error();
+  std::memcpy(slice->mapped, list.constants.data() + begin, static_cast<size_t>(end - begin));
+  return CopiedConstants{*slice, begin};
+}
+
+Result<ResolvedPass::Set> Runtime::Impl::resolveSet(const Pass& pass, uint32_t set,
+                                                    std::span<const PassBinding> bindings,
+                                                    const CopiedConstants& constants) {
+  const LayoutTable& table = *pass.layouts()[set];
+  ResolvedPass::Set resolvedSet;
+  resolvedSet.index = set;
+  resolvedSet.firstOffset = static_cast<uint32_t>(dynamicOffsets.size());
+  bound.clear();
+  // Dynamic offsets go by ascending binding number, which entries need not follow.
+  std::array<std::pair<uint32_t, uint32_t>, 32> offsets;
+  size_t offsetCount = 0;
+  for (uint32_t index = 0; index < table.entries.size(); ++index) {
+    const LayoutEntry& entry = table.entries[index];
+    const auto found = std::find_if(bindings.begin(), bindings.end(), [&](const auto& binding) {
+      return binding.set == set && binding.entry == index;
+    });
+    if (entry.kind == ResourceKind::kUniformBuffer) {
+      if (offsetCount == offsets.size()) {
+        return Error{
+            ErrorCode::kUnsupported,
+            fmt::format("layout {} has more than {} uniform blocks", table.name, offsets.size())};
+      }
+      if (found != bindings.end()) {
+        bound.push_back(
+            {index, constants.slice.generation, constants.slice.buffer, 0, found->size, {}});
+        offsets[offsetCount++] = {entry.binding, constants.offsetOf(*found)};
+      } else {
+        if (Result<void> made = makeFiller(); !made) return made.error();
+        bound.push_back({index, fillerGeneration, filler.buffer, 0, fillerSize, {}});
+        offsets[offsetCount++] = {entry.binding, 0};
+      }
+    } else if (found != bindings.end() && found->texture != TextureId::kInvalid) {
+      const TextureSlot& slot = textures.at(found->texture);
+      const ExternalTexture& texture = slot.texture;
+      bound.push_back({.entry = index,
+                       .generation = slot.generation,
+                       .image = {texture.sampler, texture.view, texture.layout}});
+    } else if (found != bindings.end()) {
+      const BufferSlot& slot = *find(found->buffer);
+      bound.push_back(
+          {index, slot.generation, slot.buffer, slot.offset + found->offset, found->size, {}});
+    }
+  }
+  std::sort(offsets.begin(), offsets.begin() + static_cast<std::ptrdiff_t>(offsetCount));
+  for (size_t i = 0; i < offsetCount; ++i) dynamicOffsets.push_back(offsets[i].second);
+  resolvedSet.offsetCount = static_cast<uint32_t>(offsetCount);
+  Result<VkDescriptorSet> handle = descriptors.set(table, bound, frame);
+  if (!handle) {
+    return Error{handle.error().code,
+                 fmt::format("pass {}: {}", variantName(*pass.kernel), handle.error().message)};
+  }
+  resolvedSet.handle = *handle;
+  return resolvedSet;
 }
 
 Result<void> Runtime::Impl::resolvePass(const PassList& list, const Pass& pass,
-                                        const TargetFormats* target, const ArenaSlice& constants,
-                                        uint64_t firstConstant, ResolvedPass& out) {
+                                        const TargetFormats* target,
+                                        const CopiedConstants& constants, ResolvedPass& out) {
   Result<Pipeline> pipeline = pipelineOf(list, pass, target);
   if (!pipeline) return pipeline.error();
   out.pipeline = *pipeline;
@@ -619,57 +688,9 @@ Result<void> Runtime::Impl::resolvePass(const PassList& list, const Pass& pass,
     const bool used = std::any_of(bindings.begin(), bindings.end(),
                                   [&](const PassBinding& binding) { return binding.set == set; });
     if (!used) continue;
-    const LayoutTable& table = *layouts[set];
-    ResolvedPass::Set& resolvedSet = out.sets[out.setCount];
-    resolvedSet.index = set;
-    resolvedSet.firstOffset = static_cast<uint32_t>(dynamicOffsets.size());
-    bound.clear();
-    // Dynamic offsets go by ascending binding number, which entries need not follow.
-    std::array<std::pair<uint32_t, uint32_t>, 32> offsets;
-    size_t offsetCount = 0;
-    for (uint32_t index = 0; index < table.entries.size(); ++index) {
-      const LayoutEntry& entry = table.entries[index];
-      const auto found = std::find_if(bindings.begin(), bindings.end(), [&](const auto& binding) {
-        return binding.set == set && binding.entry == index;
-      });
-      if (entry.kind == ResourceKind::kUniformBuffer) {
-        if (offsetCount == offsets.size()) {
-          return Error{
-              ErrorCode::kUnsupported,
-              fmt::format("layout {} has more than {} uniform blocks", table.name, offsets.size())};
-        }
-        if (found != bindings.end()) {
-          bound.push_back({index, constants.generation, constants.buffer, 0, found->size, {}});
-          offsets[offsetCount++] = {
-              entry.binding,
-              static_cast<uint32_t>(constants.offset + found->offset - firstConstant)};
-        } else {
-          if (Result<void> made = makeFiller(); !made) return made;
-          bound.push_back({index, fillerGeneration, filler.buffer, 0, fillerSize, {}});
-          offsets[offsetCount++] = {entry.binding, 0};
-        }
-      } else if (found != bindings.end() && found->texture != TextureId::kInvalid) {
-        const TextureSlot& slot = textures.at(found->texture);
-        const ExternalTexture& texture = slot.texture;
-        bound.push_back({.entry = index,
-                         .generation = slot.generation,
-                         .image = {texture.sampler, texture.view, texture.layout}});
-      } else if (found != bindings.end()) {
-        const BufferSlot& slot = *find(found->buffer);
-        bound.push_back(
-            {index, slot.generation, slot.buffer, slot.offset + found->offset, found->size, {}});
-      }
-    }
-    std::sort(offsets.begin(), offsets.begin() + static_cast<std::ptrdiff_t>(offsetCount));
-    for (size_t i = 0; i < offsetCount; ++i) dynamicOffsets.push_back(offsets[i].second);
-    resolvedSet.offsetCount = static_cast<uint32_t>(offsetCount);
-    Result<VkDescriptorSet> handle = descriptors.set(table, bound, frame);
-    if (!handle) {
-      return Error{handle.error().code,
-                   fmt::format("pass {}: {}", variantName(*pass.kernel), handle.error().message)};
-    }
-    resolvedSet.handle = *handle;
-    ++out.setCount;
+    const Result<ResolvedPass::Set> ready = resolveSet(pass, set, bindings, constants);
+    if (!ready) return ready.error();
+    out.sets[out.setCount++] = *ready;
   }
   return {};
 }
@@ -681,14 +702,12 @@ Result<void> Runtime::Impl::resolve(const PassList& list, bool draws, const Targ
   dynamicOffsets.clear();
   const ListPart part = draws ? ListPart::kDraws : ListPart::kDispatches;
   if (Result<void> checked = check(list, part); !checked) return checked;
-  uint64_t firstConstant = 0;
-  Result<ArenaSlice> constants = copyConstants(list, draws, firstConstant);
+  const Result<CopiedConstants> constants = copyConstants(list, draws);
   if (!constants) return constants.error();
   for (const Pass& pass : list.passes) {
     if (isDraw(pass.kind) != draws) continue;
     ResolvedPass& out = resolved.emplace_back();
-    if (Result<void> done = resolvePass(list, pass, target, *constants, firstConstant, out); !done)
-      return done;
+    if (Result<void> done = resolvePass(list, pass, target, *constants, out); !done) return done;
   }
   return {};
 }
@@ -739,49 +758,31 @@ void Runtime::Impl::bind(const ResolvedPass& pass, VkPipelineBindPoint point,
   }
 }
 
-Result<void> Runtime::Impl::record(const PassList& list, VkCommandBuffer commands) {
-  if (Result<void> done = checkTable(list, tableId); !done) return done;
-  if (Result<void> done = resolve(list, false, nullptr); !done) return done;
-  if (Result<void> done = checkRun(list); !done) return done;
-  ArenaSlice data;
-  if (!list.uploads.empty()) {
-    Result<ArenaSlice> slice =
-        stagingArena.allocate(frame, list.uploadData.size(), kStagingAlignment);
-    if (!slice) return slice.error();
-    data = *slice;
-    std::memcpy(data.mapped, list.uploadData.data(), list.uploadData.size());
-  }
-  size_t span = 0;
+// Reserves the timers of a list, which may fail; returns those of its dispatches.
+Result<size_t> Runtime::Impl::reserveTimers(const PassList& list) {
   timedList = nullptr;
-  if (timestamps && !list.passes.empty()) {
-    std::vector<Timers::TimedPass> dispatches, draws;
-    for (const Pass& pass : list.passes) {
-      if (isDraw(pass.kind))
-        draws.push_back({pass.name, static_cast<uint32_t>(draws.size())});
-      else
-        dispatches.push_back({pass.name, pass.level});
-    }
-    timedDrawCount = draws.size();
-    Result<size_t> reserved = timers.reserve(frame, std::move(dispatches));
-    if (!reserved) return reserved.error();
-    span = *reserved;
-    if (timedDrawCount > 0) {
-      Result<size_t> drawSpan = timers.reserve(frame, std::move(draws));
-      if (!drawSpan) return drawSpan.error();
-      timedDraws = *drawSpan;
-      timedList = &list;
-    }
+  if (!timestamps || list.passes.empty()) return size_t{0};
+  std::vector<Timers::TimedPass> dispatches, draws;
+  for (const Pass& pass : list.passes) {
+    if (isDraw(pass.kind))
+      draws.push_back({pass.name, static_cast<uint32_t>(draws.size())});
+    else
+      dispatches.push_back({pass.name, pass.level});
   }
+  timedDrawCount = draws.size();
+  Result<size_t> reserved = timers.reserve(frame, std::move(dispatches));
+  if (!reserved) return reserved.error();
+  if (timedDrawCount > 0) {
+    Result<size_t> drawSpan = timers.reserve(frame, std::move(draws));
+    if (!drawSpan) return drawSpan.error();
+    timedDraws = *drawSpan;
+    timedList = &list;
+  }
+  return reserved;
+}
 
-  // Nothing fails from here on.
+void Runtime::Impl::recordDispatches(const PassList& list, size_t span, VkCommandBuffer commands) {
   const bool timed = timestamps && !list.passes.empty();
-  if (timed) timers.resetSpan(span, commands);
-  if (timedList != nullptr) timers.resetSpan(timedDraws, commands);
-  if (!list.uploads.empty()) {
-    const Label label(device, commands, "uploads");
-    recordBarriers(list.uploadBarriers, commands);
-    recordUploads(list, data, commands);
-  }
   uint32_t index = 0;
   if (timed) timers.write(span, 0, commands);
   for (const ResolvedPass& ready : resolved) {
@@ -797,6 +798,32 @@ Result<void> Runtime::Impl::record(const PassList& list, VkCommandBuffer command
     }
     if (timed && isLastOfLevel(list, index - 1)) timers.write(span, pass.level + 1, commands);
   }
+}
+
+Result<void> Runtime::Impl::record(const PassList& list, VkCommandBuffer commands) {
+  if (Result<void> done = checkTable(list, tableId); !done) return done;
+  if (Result<void> done = resolve(list, false, nullptr); !done) return done;
+  if (Result<void> done = checkRun(list); !done) return done;
+  ArenaSlice data;
+  if (!list.uploads.empty()) {
+    Result<ArenaSlice> slice =
+        stagingArena.allocate(frame, list.uploadData.size(), kStagingAlignment);
+    if (!slice) return slice.error();
+    data = *slice;
+    std::memcpy(data.mapped, list.uploadData.data(), list.uploadData.size());
+  }
+  const Result<size_t> span = reserveTimers(list);
+  if (!span) return span.error();
+
+  // Nothing fails from here on.
+  if (timestamps && !list.passes.empty()) timers.resetSpan(*span, commands);
+  if (timedList != nullptr) timers.resetSpan(timedDraws, commands);
+  if (!list.uploads.empty()) {
+    const Label label(device, commands, "uploads");
+    recordBarriers(list.uploadBarriers, commands);
+    recordUploads(list, data, commands);
+  }
+  recordDispatches(list, *span, commands);
   recordBarriers(list.drawBarriers, commands);
   setRecorded(list.run);
   if (list.run != nullptr) recordedRuns.push_back(list.run);
