@@ -1,6 +1,7 @@
 // Facts about the context, for every part of the GL runtime.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,10 @@ struct Context {
   bool disjointTimer = false;  ///< the clock may jump, and the context says when it did
   bool debug = false;
 };
+
+/// Loads the functions of the current context, and reads what it offers. Errors: no context; a
+/// version, function or limit that pelage needs is missing.
+Result<std::shared_ptr<const Context>> readContext(const RuntimeDef& def);
 
 /// "GL_INVALID_OPERATION".
 std::string errorName(GLenum error);
