@@ -18,6 +18,12 @@
 
 namespace pelage {
 
+/// How the bones of a root are blended.
+enum class SkinningMethod : uint8_t {
+  kMatrices,         ///< weighted sum of matrices, then the closest rotation
+  kDualQuaternions,  ///< dual quaternion blending (Kavan et al. 2008); bones without scale
+};
+
 /// A bone as named in a file.
 struct BoneName {
   uint32_t index = 0;  ///< used by the influences of the same file; below the bone count

@@ -20,4 +20,12 @@ struct CapsuleCollider {
   bool operator==(const CapsuleCollider&) const = default;
 };
 
+/// The look of contact records in Scene::drawContacts(): one needle each, from the vertex along the
+/// contact's normal. docs/contact.md has the colors.
+struct ContactLook {
+  float length = 0.004f;        ///< length of a sticking contact [m], > 0; sliding ones have half
+  float width = 4;              ///< width at the vertex [pixels], > 0
+  float deepestDepth = 0.001f;  ///< a vertex this deep is red [m], > 0
+};
+
 }  // namespace pelage

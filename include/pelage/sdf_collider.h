@@ -8,9 +8,9 @@
 #include <span>
 #include <string>
 
+#include "pelage/bone_weights.h"
 #include "pelage/collision_mesh.h"
 #include "pelage/export.h"
-#include "pelage/hair_object.h"
 #include "pelage/ids.h"
 #include "pelage/pass_list.h"
 #include "pelage/types.h"

@@ -75,6 +75,13 @@ struct HairContactSettings {
   bool operator==(const HairContactSettings&) const = default;
 };
 
+/// Factors on the parameters of one strand, >= 0.
+struct StrandFactors {
+  float stiffness = 1;        ///< on bending and twist
+  float globalStiffness = 1;  ///< on the spring to the bind pose
+  float damping = 1;          ///< on the air drag
+};
+
 /// The settings of a hair object. They may change every frame. Values of 0..1 are defined for steps
 /// of 1/60 s and are converted to the actual step, so hair does not depend on the frame rate.
 struct SimulationSettings {

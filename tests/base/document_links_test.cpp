@@ -141,6 +141,103 @@ TEST(DocumentLinks, PathsInTextsAndCommentsAreThere) {
   EXPECT_GT(count, 100u);
 }
 
+// The lines of a comment, or of the code up to the end of the declaration that follows it.
+struct Comment {
+  std::string text;
+  std::string declaration;
+};
+
+std::string trimmed(const std::string& line) {
+  const size_t start = line.find_first_not_of(" \t");
+  return start == std::string::npos ? std::string() : line.substr(start);
+}
+
+// A declaration ends at the first ';' or '{' outside of parentheses.
+bool endsDeclaration(const std::string& code) {
+  int depth = 0;
+  for (const char c : code) {
+    if (c == '(') ++depth;
+    if (c == ')') --depth;
+    if (depth == 0 && (c == ';' || c == '{')) return true;
+  }
+  return false;
+}
+
+std::vector<Comment> commentsOf(const fs::path& source) {
+  std::vector<Comment> comments;
+  std::ifstream in(source);
+  bool inComment = false, open = false;
+  for (std::string line; std::getline(in, line);) {
+    const bool isComment = trimmed(line).starts_with("//");
+    if (isComment && !inComment) comments.emplace_back();
+    if (isComment) comments.back().text += line + "\n";
+    if (inComment && !isComment) open = true;
+    if (isComment) open = false;
+    inComment = isComment;
+    if (!open) continue;
+    comments.back().declaration += line + "\n";
+    open = !endsDeclaration(comments.back().declaration);
+  }
+  return comments;
+}
+
+bool hasWord(const std::string& text, const std::string& word) {
+  return std::regex_search(text, std::regex("\\b" + word + "\\b"));
+}
+
+const std::set<std::string> kSources = {".h", ".cpp", ".hlsl", ".hlsli"};
+
+// Sources whose comments describe functions and name files.
+std::vector<fs::path> commentedFiles() {
+  std::vector<fs::path> files = filesOf(kSources);
+  std::erase_if(files, [](const fs::path& file) {
+    static const std::set<std::string> folders = {"codegen", "include", "kernels", "runtime",
+                                                  "tools"};
+    return !folders.contains(file.lexically_relative(kRoot).begin()->string());
+  });
+  return files;
+}
+
+TEST(Comments, DescribeParametersOfTheDeclarationThatFollows) {
+  static const std::regex param(R"(\\param\s+(\w+))");
+  size_t count = 0;
+  for (const fs::path& file : commentedFiles())
+    for (const Comment& comment : commentsOf(file))
+      for (std::sregex_iterator it(comment.text.begin(), comment.text.end(), param), end; it != end;
+           ++it) {
+        ++count;
+        EXPECT_TRUE(hasWord(comment.declaration, (*it)[1].str()))
+            << file << " describes parameter " << (*it)[1].str() << " of\n"
+            << comment.declaration;
+      }
+  EXPECT_GT(count, 50u);
+}
+
+TEST(Comments, NameFilesThatAreThere) {
+  // Made by the build, or of other projects.
+  std::set<std::string> known = {"a.hlsl",       "bindings.h", "code.h",  "constants.h",
+                                 "essl.h",       "format.h",   "glsl.h",  "gpu_structs.h",
+                                 "kernels.h",    "layouts.h",  "spirv.h", "sysexits.h",
+                                 "vulkan_core.h"};
+  for (const fs::path& file : filesOf({".h", ".cpp", ".hlsl", ".hlsli", ".py", ".sh"}))
+    known.insert(file.filename().string());
+  static const std::regex comment(R"(//.*)");
+  static const std::regex name(
+      R"((^|[^A-Za-z0-9_.*])([a-z0-9_]+\.(?:hlsli?|h|cpp|py|sh))(?![A-Za-z0-9_]))");
+  size_t count = 0;
+  for (const fs::path& file : commentedFiles()) {
+    const std::string text = textOf(file);
+    for (std::sregex_iterator line(text.begin(), text.end(), comment), end; line != end; ++line) {
+      const std::string words = line->str();
+      for (std::sregex_iterator it(words.begin(), words.end(), name); it != end; ++it) {
+        ++count;
+        EXPECT_TRUE(known.contains((*it)[2].str())) << file << " names " << (*it)[2].str();
+      }
+    }
+  }
+  EXPECT_GT(count, 50u);
+}
+
 // Whoever knows one tree knows all.
 TEST(DocumentLinks, EveryRoomThatUsersMeetHasAPage) {
   for (const char* room : {"assets", "passes", "skinning", "sdf", "contact", "simulation",

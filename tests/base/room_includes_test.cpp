@@ -6,6 +6,7 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,6 +27,27 @@ constexpr std::array<std::string_view, 16> kOtherTests = {
 
 size_t heightOf(std::string_view room) {
   return static_cast<size_t>(std::find(kRooms.begin(), kRooms.end(), room) - kRooms.begin());
+}
+
+// Public headers that belong to a room, with the lowest room that may include them. The others are
+// plain data and interfaces that every room may use.
+const std::map<std::string_view, std::string_view> kPublicHeaders = {
+    {"skeleton_pose.h", "skinning"}, {"sdf_collider.h", "sdf"},
+    {"sdf_data.h", "sdf"},           {"engine_lights.h", "shading"},
+    {"hair_depth.h", "shading"},     {"strand_texture.h", "shading"},
+    {"view.h", "shading"},           {"transparency.h", "oit"},
+    {"cache_player.h", "scene"},     {"frame.h", "scene"},
+    {"hair_object.h", "scene"},      {"headless.h", "scene"},
+    {"pelage.h", "scene"},           {"scene.h", "scene"},
+    {"scene_features.h", "scene"},
+};
+
+// The room of a public header; the lowest for one that every room may use.
+std::string_view publicRoomOf(std::string_view include) {
+  constexpr std::string_view kFolder = "pelage/";
+  if (!include.starts_with(kFolder)) return kRooms.front();
+  const auto found = kPublicHeaders.find(include.substr(kFolder.size()));
+  return found == kPublicHeaders.end() ? kRooms.front() : found->second;
 }
 
 // Paths in quotes that a source includes.
@@ -81,11 +103,30 @@ TEST(RoomIncludes, PointDown) {
         if (used.empty()) {
           EXPECT_TRUE(include.starts_with("pelage/"))
               << source << " includes " << include << " without its room";
+          EXPECT_LE(heightOf(publicRoomOf(include)), heightOf(room))
+              << source << " includes " << include;
           continue;
         }
         EXPECT_LE(heightOf(used), heightOf(room)) << source << " includes " << include;
       }
   }
+}
+
+TEST(RoomIncludes, OfPublicHeadersPointDown) {
+  const fs::path folder = fs::path(PELAGE_SOURCE_DIR) / "include/pelage";
+  for (const auto& [header, room] : kPublicHeaders)
+    EXPECT_TRUE(fs::exists(folder / header)) << header << " of " << room;
+  size_t count = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (entry.is_directory() || name == "vulkan.h" || name == "gl.h") continue;
+    for (const std::string& include : includesOf(entry.path())) {
+      ++count;
+      EXPECT_LE(heightOf(publicRoomOf(include)), heightOf(publicRoomOf("pelage/" + name)))
+          << name << " includes " << include;
+    }
+  }
+  EXPECT_GT(count, 100u);
 }
 
 // The folders in one of the tree.

@@ -18,8 +18,8 @@ inline constexpr const char* kProgram = "pelage-bake";
 /// Exit codes. 75 is EX_TEMPFAIL of sysexits.h: run the command again.
 inline constexpr int kFailure = 1, kBadArguments = 2, kRunAgain = 75;
 
-/// \param exitCode  receives the exit code of a run that has no error
 void addPlanCommand(CLI::App& app, Session& session);
+/// \param exitCode  receives the exit code of a run that has no error
 void addRunCommand(CLI::App& app, Session& session, int& exitCode);
 void addStatusCommand(CLI::App& app, Session& session);
 void addVerifyCommand(CLI::App& app, Session& session, int& exitCode);

@@ -10,8 +10,8 @@
 
 #include "pelage/bone_weights.h"
 #include "pelage/hair_asset.h"
-#include "pelage/hair_object.h"
 #include "pelage/host_allocator.h"
+#include "pelage/simulation_settings.h"
 
 namespace pelage::detail {
 

@@ -6,7 +6,7 @@
 
 #include "pelage/bindings.h"
 #include "pelage/constants.h"
-#include "pelage/hair_object.h"
+#include "pelage/hair_buffers.h"
 #include "pelage/kernels.h"
 
 namespace pelage {

@@ -11,12 +11,13 @@
 #include "base/local_origin.h"
 #include "passes/moved_elements.h"
 #include "passes/room_buffers.h"
+#include "pelage/camera.h"
+#include "pelage/collider.h"
 #include "pelage/constants.h"
 #include "pelage/gpu_structs.h"
-#include "pelage/hair_object.h"
+#include "pelage/hair_buffers.h"
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
-#include "pelage/view.h"
 
 namespace pelage::detail {
 

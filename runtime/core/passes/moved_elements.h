@@ -11,7 +11,7 @@ namespace pelage::detail {
 
 /// Elements of a buffer of Float4. They are in blocks of one kind; the kinds repeat.
 struct MovedElements {
-  /// \param kinds  move_rigidly::kMoves... of each block of a period
+  /// \param kindsOfBlocks  move_rigidly::kMoves... of each block of a period
   MovedElements(BufferId ofBuffer, uint64_t firstElement, uint64_t elements, uint64_t blockElements,
                 std::initializer_list<uint32_t> kindsOfBlocks, bool inTheWorld = false)
       : buffer(ofBuffer),

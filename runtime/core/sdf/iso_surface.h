@@ -8,11 +8,12 @@
 #include <span>
 #include <string>
 
+#include "pelage/camera.h"
 #include "pelage/gpu_structs.h"
+#include "pelage/light.h"
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
 #include "pelage/types.h"
-#include "pelage/view.h"
 
 namespace pelage::detail {
 

@@ -10,14 +10,15 @@
 #include "base/bounds.h"
 #include "base/local_origin.h"
 #include "passes/room_buffers.h"
+#include "pelage/camera.h"
 #include "pelage/collision_mesh.h"
 #include "pelage/gpu_structs.h"
 #include "pelage/ids.h"
+#include "pelage/light.h"
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
 #include "pelage/sdf_collider.h"
 #include "pelage/sdf_data.h"
-#include "pelage/view.h"
 #include "sdf/sdf_collider.h"
 
 namespace pelage::detail {

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "pelage/constants.h"
+#include "pelage/light.h"
 #include "pelage/types.h"
-#include "pelage/view.h"
 
 namespace pelage::detail {
 

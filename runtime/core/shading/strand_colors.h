@@ -10,9 +10,10 @@
 
 #include "passes/list_ticket.h"
 #include "passes/room_buffers.h"
-#include "pelage/hair_object.h"
+#include "pelage/hair_buffers.h"
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
+#include "pelage/strand_texture.h"
 #include "shading/strand_draws.h"
 
 namespace pelage::detail {

@@ -13,9 +13,10 @@
 #include "pelage/constants.h"
 #include "pelage/engine_lights.h"
 #include "pelage/gpu_structs.h"
-#include "pelage/hair_object.h"
+#include "pelage/hair_buffers.h"
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
+#include "pelage/strand_texture.h"
 #include "pelage/view.h"
 #include "shading/strand_motion.h"
 

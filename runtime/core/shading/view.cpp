@@ -1,4 +1,4 @@
-#include "pelage/view.h"
+#include "pelage/camera.h"
 
 #include <Eigen/Dense>
 #include <cmath>

@@ -9,7 +9,6 @@
 #include "pelage/constants.h"
 #include "pelage/gpu_structs.h"
 #include "pelage/hair_asset.h"
-#include "pelage/hair_object.h"
 #include "pelage/simulation_settings.h"
 #include "skinning/hair_frame.h"
 

@@ -11,9 +11,10 @@
 #include "passes/room_buffers.h"
 #include "pelage/collider.h"
 #include "pelage/force_field.h"
-#include "pelage/hair_object.h"
+#include "pelage/hair_buffers.h"
 #include "pelage/ids.h"
 #include "pelage/pass_list.h"
+#include "pelage/simulation_settings.h"
 #include "skinning/bone_bounds.h"
 
 namespace pelage::detail {

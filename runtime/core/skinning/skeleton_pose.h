@@ -9,7 +9,7 @@
 
 #include "base/local_origin.h"
 #include "passes/room_buffers.h"
-#include "pelage/hair_object.h"
+#include "pelage/bone_weights.h"
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
 #include "pelage/skeleton_pose.h"
