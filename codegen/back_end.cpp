@@ -94,13 +94,9 @@ std::string oneLine(std::string text) {
   return result;
 }
 
-std::optional<std::vector<uint32_t>> optimise(const std::vector<uint32_t>& words,
-                                              std::string& messages) {
-  spvtools::Optimizer optimizer(kEnvironment);
-  optimizer.SetMessageConsumer(collect(messages));
-  // HLSL may pass resources to functions; SPIR-V may not, until everything is inlined.
-  optimizer.RegisterLegalizationPasses();
-  optimizer.RegisterPerformancePasses();
+// Runs the registered passes, and gives ids without gaps.
+std::optional<std::vector<uint32_t>> run(spvtools::Optimizer& optimizer,
+                                         const std::vector<uint32_t>& words) {
   optimizer.RegisterPass(spvtools::CreateCompactIdsPass());
   spvtools::OptimizerOptions options;
   options.set_run_validator(false);
@@ -109,16 +105,21 @@ std::optional<std::vector<uint32_t>> optimise(const std::vector<uint32_t>& words
   return result;
 }
 
+std::optional<std::vector<uint32_t>> optimise(const std::vector<uint32_t>& words,
+                                              std::string& messages) {
+  spvtools::Optimizer optimizer(kEnvironment);
+  optimizer.SetMessageConsumer(collect(messages));
+  // HLSL may pass resources to functions; SPIR-V may not, until everything is inlined.
+  optimizer.RegisterLegalizationPasses();
+  optimizer.RegisterPerformancePasses();
+  return run(optimizer, words);
+}
+
 std::optional<std::vector<uint32_t>> strip(const std::vector<uint32_t>& words) {
   spvtools::Optimizer optimizer(kEnvironment);
   optimizer.RegisterPass(spvtools::CreateStripDebugInfoPass());
   optimizer.RegisterPass(spvtools::CreateStripReflectInfoPass());
-  optimizer.RegisterPass(spvtools::CreateCompactIdsPass());
-  spvtools::OptimizerOptions options;
-  options.set_run_validator(false);
-  std::vector<uint32_t> result;
-  if (!optimizer.Run(words.data(), words.size(), &result, options)) return std::nullopt;
-  return result;
+  return run(optimizer, words);
 }
 
 bool validate(const std::vector<uint32_t>& words, std::string& messages) {
