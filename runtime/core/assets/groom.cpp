@@ -43,6 +43,16 @@ Result<void> checkRestData(const HairAsset& asset) {
   return {};
 }
 
+void clearRestData(HairAsset& asset) {
+  asset.restLengths.clear();
+  asset.restFrames.clear();
+  asset.restVectors.clear();
+  asset.tangents.clear();
+  asset.inverseMasses.clear();
+  asset.vertexThickness.clear();
+  asset.degenerateSegmentCount = 0;
+}
+
 std::vector<Float4> bindRootsOf(const HairAsset& asset) {
   std::vector<Float4> roots;
   roots.reserve(asset.strandCount);

@@ -46,6 +46,8 @@ inline bool isCoordinate(float value) { return std::abs(value) <= kMaxCoordinate
 /// Whether the asset is as process() left it. Errors: arrays of another size than the strands have,
 /// rest data of no numbers; the message names the array and the strand.
 Result<void> checkRestData(const HairAsset& asset);
+/// Takes back what process() derived.
+void clearRestData(HairAsset& asset);
 /// [guide] bind position of vertex 0.
 std::vector<Float4> bindRootsOf(const HairAsset& asset);
 /// Length of the longest strand [m].

@@ -191,16 +191,6 @@ Result<void> processAsset(HairAsset& asset, const ProcessDef& def) {
   return {};
 }
 
-void clearRestData(HairAsset& asset) {
-  asset.restLengths.clear();
-  asset.restFrames.clear();
-  asset.restVectors.clear();
-  asset.tangents.clear();
-  asset.inverseMasses.clear();
-  asset.vertexThickness.clear();
-  asset.degenerateSegmentCount = 0;
-}
-
 // Finds the roots nearest to a point; roots are sorted along one axis.
 class NearestRoots {
  public:
@@ -339,7 +329,7 @@ Result<void> validate(const HairAsset& asset) {
 Result<void> HairAsset::process(const ProcessDef& def) {
   Result<void> processed = detail::guarded([&] { return processAsset(*this, def); });
   // Rest data of other positions, or a part of it, would be wrong.
-  if (!processed) clearRestData(*this);
+  if (!processed) detail::clearRestData(*this);
   return processed;
 }
 

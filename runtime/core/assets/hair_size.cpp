@@ -106,13 +106,7 @@ Result<void> scaleHair(HairAsset& asset, float scale) {
                                  i, value * scale, scale)};
   }
   for (Float4& p : asset.positions) p = {p.x * scale, p.y * scale, p.z * scale, p.w};
-  asset.restLengths.clear();
-  asset.restFrames.clear();
-  asset.restVectors.clear();
-  asset.tangents.clear();
-  asset.inverseMasses.clear();
-  asset.vertexThickness.clear();
-  asset.degenerateSegmentCount = 0;
+  detail::clearRestData(asset);
   return {};
 }
 
