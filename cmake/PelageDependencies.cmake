@@ -86,7 +86,7 @@ option(PELAGE_BUILD_VIEWER "Build the viewer: a window for hair (GLFW, Dear ImGu
   ${pelage_viewer_packages})
 if(PELAGE_BUILD_VIEWER)
   if(NOT PELAGE_BUILD_SAMPLES)
-    message(FATAL_ERROR "pelage: the viewer shows what the samples do: -DPELAGE_BUILD_SAMPLES=ON")
+    message(FATAL_ERROR "pelage: the viewer needs tools/studio, which the samples' option builds: -DPELAGE_BUILD_SAMPLES=ON")
   endif()
   if(NOT TARGET glfw)
     pelage_missing("GLFW 3.3 or newer (or -DPELAGE_BUILD_VIEWER=OFF)" libglfw3-dev)

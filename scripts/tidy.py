@@ -16,7 +16,7 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 
 SOURCES_PER_GROUP = 8
-FOLDERS = ("include", "runtime", "codegen", "sample", "viewer")
+FOLDERS = ("include", "runtime", "codegen", "sample", "tools/studio", "viewer")
 
 
 def commands_of(build):

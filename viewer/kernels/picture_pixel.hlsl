@@ -1,4 +1,4 @@
-// Puts the scene over a backdrop and encodes it for the screen, as sample/support/image.h does on
+// Puts the scene over a backdrop and encodes it for the screen, as tools/studio/image.h does on
 // the host: compositeOver(), toneMap(), encodeSrgb().
 //
 // One thread a pixel. Reads g_sceneColor and the constants.

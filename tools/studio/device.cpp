@@ -25,13 +25,13 @@ constexpr int kMaxDevices = 64;
 
 Result<std::unique_ptr<HeadlessDevice>> createDeviceOfPelage(const HeadlessDef& def) {
   if (def.api == Api::kVulkan) {
-#ifdef PELAGE_SAMPLE_VULKAN
+#ifdef PELAGE_STUDIO_VULKAN
     return pelage::createHeadlessVulkan(def);
 #else
     return notBuilt("PELAGE_VULKAN");
 #endif
   }
-#ifdef PELAGE_SAMPLE_GL
+#ifdef PELAGE_STUDIO_GL
   return pelage::createHeadlessGl(def);
 #else
   return notBuilt("PELAGE_GL");
