@@ -15,6 +15,7 @@
 #include "pelage/authoring/collision_from_mesh.h"
 #include "pelage/demo/groom.h"
 #include "pelage/random.h"
+#include "points.h"
 #include "support/errors.h"
 #include "support/extremes.h"
 #include "support/test_folder.h"
@@ -24,7 +25,7 @@ namespace pelage {
 namespace {
 
 using detail::TriangleTree;
-using Vector = detail::Vector3<double>;
+using detail::Vector;
 using test::expectError;
 using test::required;
 using test::TestFolder;

@@ -12,18 +12,18 @@
 #include <string_view>
 #include <vector>
 
-#include "base/vector3.h"
 #include "follow_fit.h"
 #include "hair_clusters.h"
 #include "pelage/demo/groom.h"
 #include "pelage/random.h"
+#include "points.h"
 #include "support/errors.h"
 #include "support/extremes.h"
 
 namespace pelage {
 namespace {
 
-using Vector = detail::Vector3<double>;
+using detail::Vector;
 using test::expectError;
 using test::expectOk;
 using test::required;

@@ -59,14 +59,14 @@ std::vector<Vector> pointsOf(const HairCurves& curves, uint32_t curve) {
   for (uint32_t c = 0; c < curve; ++c) first += curves.vertexCounts[c];
   std::vector<Vector> points;
   for (uint32_t v = 0; v < curves.vertexCounts[curve]; ++v)
-    points.push_back(detail::toVector(curves.positions[first + v]));
+    points.push_back(detail::vectorOf(curves.positions[first + v]));
   return points;
 }
 
 std::vector<Vector> pointsOf(const HairAsset& asset, uint32_t strand) {
   std::vector<Vector> points;
   for (uint32_t v = 0; v < asset.verticesPerStrand; ++v)
-    points.push_back(detail::toVector(asset.positions[strand * asset.verticesPerStrand + v]));
+    points.push_back(detail::vectorOf(asset.positions[strand * asset.verticesPerStrand + v]));
   return points;
 }
 

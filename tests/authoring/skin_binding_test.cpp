@@ -15,6 +15,7 @@
 #include "pelage/authoring/skin_binding.h"
 #include "pelage/mesh_import.h"
 #include "pelage/random.h"
+#include "points.h"
 #include "support/errors.h"
 #include "support/not_numbers.h"
 #include "support/test_folder.h"
@@ -25,7 +26,7 @@ namespace {
 
 using detail::SurfacePoint;
 using detail::TriangleTree;
-using Vector = detail::Vector3<double>;
+using detail::Vector;
 using test::expectError;
 using test::kNan;
 using test::required;

@@ -11,8 +11,8 @@
 #include <cmath>
 #include <utility>
 
-#include "base/file_io.h"
-#include "base/guard.h"
+#include "binary_file.h"
+#include "common/errors.h"
 #include "gltf_file.h"
 
 namespace pelage {
@@ -321,8 +321,8 @@ std::vector<AffineTransform> toScene(const SkeletonAnimation& animation,
 }  // namespace
 
 Result<SkeletonAnimation> loadAnimation(const std::filesystem::path& path, std::string_view clip) {
-  return detail::guarded([&]() -> Result<SkeletonAnimation> {
-    auto bytes = detail::readFile(path);
+  return tools::guarded([&]() -> Result<SkeletonAnimation> {
+    auto bytes = tools::readFile(path);
     if (!bytes) return bytes.error();
     const std::string name = path.string();
     return AnimationReader(*bytes, name, path.parent_path().empty() ? "." : path.parent_path())
@@ -332,7 +332,7 @@ Result<SkeletonAnimation> loadAnimation(const std::filesystem::path& path, std::
 
 Result<SkeletonAnimation> loadAnimation(std::span<const std::byte> bytes, std::string_view name,
                                         std::string_view clip) {
-  return detail::guarded([&] { return AnimationReader(bytes, name, {}).read(clip); });
+  return tools::guarded([&] { return AnimationReader(bytes, name, {}).read(clip); });
 }
 
 Skeleton skeletonOf(const SkeletonAnimation& animation) {

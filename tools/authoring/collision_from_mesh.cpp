@@ -7,8 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "base/errors.h"
-#include "base/guard.h"
+#include "common/errors.h"
 #include "cut_caps.h"
 #include "influence_blend.h"
 #include "mesh_simplify.h"
@@ -18,11 +17,11 @@
 namespace pelage {
 namespace {
 
-using detail::invalid;
 using detail::toFloat3;
-using detail::toVector;
 using detail::Vector;
+using detail::vectorOf;
 using detail::WeldBy;
+using tools::invalid;
 
 // Names in a message about a name that is not there.
 constexpr size_t kPiecesListed = 20;
@@ -48,11 +47,11 @@ class Cutter {
         boneNumbers_(mesh.bones.size(), kNone) {
     boneNames_.resize(mesh.bones.size());
     for (const BoneName& bone : mesh.bones) boneNames_[bone.index] = bone.name;
-    for (size_t v = 0; v < merged_.size(); ++v) normals_[merged_[v]] += toVector(mesh.normals[v]);
+    for (size_t v = 0; v < merged_.size(); ++v) normals_[merged_[v]] += vectorOf(mesh.normals[v]);
     std::vector<uint32_t> counts(merged_.size());
     for (const uint32_t v : merged_) ++counts[v];
     for (size_t v = 0; v < merged_.size(); ++v)
-      if (counts[v] > 1) normals_[v] = detail::normalizeOr(normals_[v], {});
+      if (counts[v] > 1) normals_[v] = detail::unitOrZero(normals_[v]);
   }
 
   Result<std::vector<NamedCollisionMesh>> cut() {
@@ -185,14 +184,14 @@ class Cutter {
     Vector sum, normal;
     std::vector<detail::WeightedInfluences> influences;
     for (size_t i = 0; i < corners.size(); ++i) {
-      const Vector at = toVector(mesh.positions[corners[i]]);
+      const Vector at = vectorOf(mesh.positions[corners[i]]);
       sum += at;
-      normal += cross(at, toVector(mesh.positions[corners[(i + 1) % corners.size()]]));
+      normal += cross(at, vectorOf(mesh.positions[corners[(i + 1) % corners.size()]]));
       influences.push_back({&mesh.influences[corners[i]], 1});
     }
     const BoneInfluences blended = detail::blendInfluences(influences, 4);
     mesh.positions.push_back(toFloat3(sum * (1.0 / static_cast<double>(corners.size()))));
-    mesh.normals.push_back(toFloat3(detail::normalizeOr(normal, {})));
+    mesh.normals.push_back(toFloat3(detail::unitOrZero(normal)));
     mesh.influences.push_back(blended);
     for (size_t i = 0; i < corners.size(); ++i)
       mesh.indices.insert(mesh.indices.end(),
@@ -252,7 +251,7 @@ class Cutter {
 
 Result<std::vector<NamedCollisionMesh>> collisionMeshes(const SkinnedMesh& mesh,
                                                         const CollisionMeshDef& def) {
-  return detail::guarded([&]() -> Result<std::vector<NamedCollisionMesh>> {
+  return tools::guarded([&]() -> Result<std::vector<NamedCollisionMesh>> {
     if (!(def.errorBound >= 0) || !std::isfinite(def.errorBound))
       return invalid(fmt::format("errorBound is {}; it must be 0 or more", def.errorBound));
     if (auto r = validate(mesh); !r) return r.error();

@@ -11,8 +11,7 @@
 #include <vector>
 
 #include "axes.h"
-#include "base/errors.h"
-#include "base/guard.h"
+#include "common/errors.h"
 #include "pelage/hair_asset.h"
 #include "pelage/random.h"
 #include "points.h"
@@ -20,7 +19,7 @@
 namespace pelage {
 namespace {
 
-Error invalidCurves(std::string what) { return detail::invalid("curves: " + std::move(what)); }
+Error invalidCurves(std::string what) { return tools::invalid("curves: " + std::move(what)); }
 
 Result<void> checkDef(const CurveImportDef& def) {
   if (!detail::isScale(def.scale))
@@ -208,7 +207,7 @@ class Preparation {
 
 Result<void> prepareCurves(HairCurves& curves, const CurveImportDef& def,
                            CurveImportReport* report) {
-  return detail::guarded([&]() -> Result<void> {
+  return tools::guarded([&]() -> Result<void> {
     CurveImportReport found;
     if (auto r = checkDef(def); !r) return r;
     if (auto r = checkSizes(curves); !r) return r;

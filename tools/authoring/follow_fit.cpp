@@ -39,13 +39,13 @@ class Products {
  public:
   Products(std::span<const Float4> strand, std::span<const Candidate> guides) {
     const size_t vertexCount = strand.size();
-    const Vector root = toVector(strand[0]);
+    const Vector root = vectorOf(strand[0]);
     std::vector<Vector> differences(guides.size() * vertexCount);
     for (size_t k = 0; k < guides.size(); ++k) {
-      const Vector guideRoot = toVector(guides[k].strand[0]);
+      const Vector guideRoot = vectorOf(guides[k].strand[0]);
       offsets_[k] = root - guideRoot;
       for (size_t v = 1; v < vertexCount; ++v) {
-        const Vector z = (toVector(guides[k].strand[v]) - guideRoot) - (toVector(strand[v]) - root);
+        const Vector z = (vectorOf(guides[k].strand[v]) - guideRoot) - (vectorOf(strand[v]) - root);
         const double along = static_cast<double>(v) / static_cast<double>(vertexCount - 1);
         differences[k * vertexCount + v] = z;
         sums_[k] += z * along;
@@ -191,7 +191,7 @@ FollowHair makeHair(const Fit& fit, const Products& products, std::span<const Fl
   const Weights stored = {double{shares.shares[0]}, double{shares.shares[1]},
                           double{shares.shares[2]}};
   hair.offset.w =
-      static_cast<float>(1 + products.slope(choice, used, stored, toVector(hair.offset)));
+      static_cast<float>(1 + products.slope(choice, used, stored, vectorOf(hair.offset)));
   return hair;
 }
 

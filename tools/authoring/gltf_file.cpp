@@ -7,10 +7,13 @@
 #include <array>
 #include <utility>
 
-#include "base/file_io.h"
+#include "binary_file.h"
 
 namespace pelage::detail {
 namespace {
+
+using tools::fileError;
+using tools::readAt;
 
 constexpr uint32_t kGlbMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
 constexpr uint32_t kByte = 5120, kUnsignedByte = 5121, kShort = 5122, kUnsignedShort = 5123,
@@ -249,7 +252,7 @@ Result<std::span<const std::byte>> GltfFile::readBuffer(uint64_t index,
       return fail(path + ".uri", fmt::format("'{}' cannot be found without the file's folder; "
                                              "load by path, or use a .glb",
                                              uri.substr(0, 80)));
-    auto read = readFile(folder_ / file);
+    auto read = tools::readFile(folder_ / file);
     if (!read) return read.error();
     content = *std::move(read);
     bytesRead_ += content.size();

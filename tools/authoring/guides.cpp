@@ -11,8 +11,7 @@
 #include <string>
 #include <utility>
 
-#include "base/errors.h"
-#include "base/guard.h"
+#include "common/errors.h"
 #include "follow_fit.h"
 #include "hair_clusters.h"
 #include "polyline.h"
@@ -23,9 +22,9 @@ namespace {
 using detail::Candidate;
 using detail::FeatureTree;
 using detail::HairFeatures;
-using detail::invalid;
 using detail::Neighbor;
-using detail::toVector;
+using detail::vectorOf;
+using tools::invalid;
 
 // With an error bound: a round makes guides of one in so many hairs beyond it.
 constexpr uint32_t kHairsPerPromotion = 8;
@@ -87,7 +86,7 @@ class Selector {
     const std::span<const Float4> strand = strandOf(hair);
     Deviation r;
     for (size_t v = 0; v < strand.size(); ++v) {
-      const detail::Vector d = toVector(evaluated_[v]) - toVector(strand[v]);
+      const detail::Vector d = vectorOf(evaluated_[v]) - vectorOf(strand[v]);
       const double square = dot(d, d);
       r.largest = std::max(r.largest, square);
       r.sum += std::sqrt(square);
@@ -308,7 +307,7 @@ Result<std::vector<Float4>> point(const HairAsset& guides, std::span<const Follo
 
 Result<GuideSelection> selectGuides(const HairAsset& groom, const GuideDef& def,
                                     const AuthoringProgress& progress) {
-  return detail::guarded([&]() -> Result<GuideSelection> {
+  return tools::guarded([&]() -> Result<GuideSelection> {
     if (auto r = checkGroom(groom, def); !r) return r.error();
     return Selector(groom, def, progress).run();
   });
@@ -316,7 +315,7 @@ Result<GuideSelection> selectGuides(const HairAsset& groom, const GuideDef& def,
 
 Result<std::vector<Float4>> evaluateFollowHairs(const HairAsset& guides,
                                                 std::span<const FollowHair> hairs) {
-  return detail::guarded([&] { return point(guides, hairs); });
+  return tools::guarded([&] { return point(guides, hairs); });
 }
 
 }  // namespace pelage

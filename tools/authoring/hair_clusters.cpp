@@ -113,7 +113,7 @@ HairFeatures::HairFeatures(const HairAsset& groom, double rootWeight) : count_(g
   values_.assign(count_ * size_, 0.0f);
   Vector center;
   for (uint32_t i = 0; i < count_; ++i)
-    center += toVector(groom.positions[uint64_t{i} * vertexCount]) * (1.0 / count_);
+    center += vectorOf(groom.positions[uint64_t{i} * vertexCount]) * (1.0 / count_);
   const double perVertex = 1 / std::sqrt(static_cast<double>(vertexCount));
   for (uint32_t i = 0; i < count_; ++i) {
     const Float4* strand = groom.positions.data() + uint64_t{i} * vertexCount;
@@ -123,11 +123,11 @@ HairFeatures::HairFeatures(const HairAsset& groom, double rootWeight) : count_(g
       *out++ = static_cast<float>(v.y);
       *out++ = static_cast<float>(v.z);
     };
-    const Vector root = toVector(strand[0]);
+    const Vector root = vectorOf(strand[0]);
     put((root - center) * rootWeight);
     for (const std::vector<double>& component : basis) {
       Vector sum;
-      for (uint32_t v = 1; v < vertexCount; ++v) sum += (toVector(strand[v]) - root) * component[v];
+      for (uint32_t v = 1; v < vertexCount; ++v) sum += (vectorOf(strand[v]) - root) * component[v];
       put(sum * perVertex);
     }
   }

@@ -2,24 +2,20 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <cstddef>
 #include <string_view>
 
-#include "base/errors.h"
-#include "base/finite.h"
+#include "common/errors.h"
+#include "common/finite.h"
 #include "pelage/hair_asset.h"
 #include "points.h"
 
 namespace pelage {
 namespace {
 
-using detail::invalid;
 using detail::isCoordinate;
-using detail::isFinite;
-
-bool isFinite(float value) { return std::isfinite(value); }
-bool isFinite(const Float2& v) { return std::isfinite(v.x) && std::isfinite(v.y); }
+using tools::invalid;
+using tools::isFinite;
 
 template <class T>
 Result<void> checkArray(const std::vector<T>& values, size_t count, std::string_view what) {

@@ -7,8 +7,8 @@
 #include <cctype>
 #include <utility>
 
-#include "base/file_io.h"
-#include "base/guard.h"
+#include "binary_file.h"
+#include "common/errors.h"
 #include "text_lines.h"
 
 namespace pelage {
@@ -66,12 +66,12 @@ std::optional<HairFileKind> hairFileKind(std::span<const std::byte> bytes, std::
 
 Result<HairCurves> loadHairCurves(std::span<const std::byte> bytes, std::string_view name,
                                   HairFileReport* report) {
-  return detail::guarded([&] { return load(bytes, name, {}, report); });
+  return tools::guarded([&] { return load(bytes, name, {}, report); });
 }
 
 Result<HairCurves> loadHairCurves(const std::filesystem::path& path, HairFileReport* report) {
-  return detail::guarded([&]() -> Result<HairCurves> {
-    auto bytes = detail::readFile(path);
+  return tools::guarded([&]() -> Result<HairCurves> {
+    auto bytes = tools::readFile(path);
     if (!bytes) return bytes.error();
     const std::filesystem::path folder = path.parent_path();
     return load(*bytes, path.string(), folder.empty() ? "." : folder, report);

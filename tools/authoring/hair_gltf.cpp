@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/guard.h"
+#include "common/errors.h"
 #include "gltf_file.h"
 #include "line_chains.h"
 #include "pelage/authoring/hair_files.h"
@@ -298,7 +298,7 @@ class GltfReader {
 
 Result<HairCurves> loadGltfCurves(std::span<const std::byte> bytes, std::string_view name,
                                   const std::filesystem::path& folder, HairFileReport* report) {
-  return detail::guarded([&]() -> Result<HairCurves> {
+  return tools::guarded([&]() -> Result<HairCurves> {
     HairFileReport found{HairFileKind::kGltf, "glTF 2.0 lines", bytes.size(), {}};
     auto curves = GltfReader(bytes, name, folder, found).read();
     if (report != nullptr) *report = std::move(found);

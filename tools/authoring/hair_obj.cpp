@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "base/guard.h"
+#include "common/errors.h"
 #include "line_chains.h"
 #include "pelage/authoring/hair_files.h"
 #include "text_lines.h"
@@ -180,7 +180,7 @@ class ObjReader {
 
 Result<HairCurves> loadObjCurves(std::span<const std::byte> bytes, std::string_view name,
                                  HairFileReport* report) {
-  return detail::guarded([&]() -> Result<HairCurves> {
+  return tools::guarded([&]() -> Result<HairCurves> {
     HairFileReport found{HairFileKind::kObj, "Wavefront OBJ lines", bytes.size(), {}};
     auto curves = ObjReader(bytes, name, found).read();
     if (report != nullptr) *report = std::move(found);

@@ -5,8 +5,8 @@
 #include <iterator>
 #include <limits>
 
-#include "base/file_io.h"
-#include "base/guard.h"
+#include "binary_file.h"
+#include "common/errors.h"
 #include "pelage/authoring/hair_files.h"
 #include "text_lines.h"
 
@@ -187,7 +187,7 @@ Result<std::string> writeText(const HairCurves& curves) {
 
 Result<HairCurves> loadHairText(std::span<const std::byte> bytes, std::string_view name,
                                 HairFileReport* report) {
-  return detail::guarded([&]() -> Result<HairCurves> {
+  return tools::guarded([&]() -> Result<HairCurves> {
     HairFileReport found{HairFileKind::kHairText, "hairtxt 1", bytes.size(), {}};
     auto curves = HairTextReader(bytes, name, found).read();
     if (report != nullptr) *report = std::move(found);
@@ -196,14 +196,14 @@ Result<HairCurves> loadHairText(std::span<const std::byte> bytes, std::string_vi
 }
 
 Result<std::string> saveHairText(const HairCurves& curves) {
-  return detail::guarded([&] { return writeText(curves); });
+  return tools::guarded([&] { return writeText(curves); });
 }
 
 Result<void> saveHairText(const HairCurves& curves, const std::filesystem::path& path) {
-  return detail::guarded([&]() -> Result<void> {
+  return tools::guarded([&]() -> Result<void> {
     auto text = writeText(curves);
     if (!text) return text.error();
-    return detail::writeFile(path, std::as_bytes(std::span(*text)));
+    return tools::writeFile(path, std::as_bytes(std::span(*text)));
   });
 }
 

@@ -10,8 +10,8 @@
 #include <limits>
 #include <optional>
 
-#include "base/file_io.h"
-#include "base/guard.h"
+#include "binary_file.h"
+#include "common/errors.h"
 #include "pelage/authoring/hair_files.h"
 #include "pelage/hair_asset.h"
 #include "text_lines.h"
@@ -20,9 +20,9 @@ namespace pelage {
 namespace {
 
 using detail::clip;
-using detail::fileError;
-using detail::readAt;
 using detail::TextLines;
+using tools::fileError;
+using tools::readAt;
 
 // The first two vertices of a strand follow the skin, as do the last two when both ends are fixed.
 void addMasses(HairCurves& curves, bool bothEndsImmovable) {
@@ -351,7 +351,7 @@ Result<HairCurves> load(std::span<const std::byte> bytes, std::string_view name,
 
 Result<HairCurves> loadTfxCurves(std::span<const std::byte> bytes, std::string_view name,
                                  HairFileReport* report) {
-  return detail::guarded([&]() -> Result<HairCurves> {
+  return tools::guarded([&]() -> Result<HairCurves> {
     HairFileReport found{HairFileKind::kTfx, "", bytes.size(), {}};
     auto curves = load(bytes, name, found);
     if (report != nullptr) *report = std::move(found);

@@ -6,15 +6,15 @@
 #include <cmath>
 #include <limits>
 
-#include "base/file_io.h"
-#include "base/guard.h"
+#include "binary_file.h"
+#include "common/errors.h"
 #include "pelage/authoring/hair_files.h"
 
 namespace pelage {
 namespace {
 
-using detail::fileError;
-using detail::readAt;
+using tools::fileError;
+using tools::readAt;
 
 constexpr uint64_t kHeaderSize = 128, kInfoSize = 88;
 constexpr uint64_t kStrandCountAt = 4, kPointCountAt = 8, kArraysAt = 12, kSegmentsAt = 16;
@@ -187,12 +187,12 @@ Result<std::vector<std::byte>> writeYuksel(const HairCurves& curves) {
 
   std::vector<std::byte> bytes;
   for (const char c : std::string_view("HAIR")) bytes.push_back(static_cast<std::byte>(c));
-  detail::append(bytes, curves.curveCount());
-  detail::append(bytes, static_cast<uint32_t>(curves.positions.size()));
-  detail::append(bytes, arrays);
-  detail::append(bytes, *most - 1);
+  tools::append(bytes, curves.curveCount());
+  tools::append(bytes, static_cast<uint32_t>(curves.positions.size()));
+  tools::append(bytes, arrays);
+  tools::append(bytes, *most - 1);
   // Defaults of arrays that are not there: thickness 1, opaque, white.
-  for (const float value : {1.0f, 0.0f, 1.0f, 1.0f, 1.0f}) detail::append(bytes, value);
+  for (const float value : {1.0f, 0.0f, 1.0f, 1.0f, 1.0f}) tools::append(bytes, value);
   constexpr std::string_view kInfo = "written by pelage";
   static_assert(kInfo.size() < kInfoSize && kInfoAt + kInfoSize == kHeaderSize);
   for (const char c : kInfo) bytes.push_back(static_cast<std::byte>(c));
@@ -200,13 +200,12 @@ Result<std::vector<std::byte>> writeYuksel(const HairCurves& curves) {
 
   if ((arrays >> kSegments & 1) != 0)
     for (const uint32_t count : curves.vertexCounts)
-      detail::append(bytes, static_cast<uint16_t>(count - 1));
+      tools::append(bytes, static_cast<uint16_t>(count - 1));
   appendAll(bytes, curves.positions);
-  for (const float radius : curves.radii) detail::append(bytes, 2 * radius);
+  for (const float radius : curves.radii) tools::append(bytes, 2 * radius);
   if (!opaque)
-    for (const Float4& color : curves.colors) detail::append(bytes, 1 - color.w);
-  for (const Float4& color : curves.colors)
-    detail::append(bytes, Float3{color.x, color.y, color.z});
+    for (const Float4& color : curves.colors) tools::append(bytes, 1 - color.w);
+  for (const Float4& color : curves.colors) tools::append(bytes, Float3{color.x, color.y, color.z});
   appendAll(bytes, curves.vertexUv);
   return bytes;
 }
@@ -215,7 +214,7 @@ Result<std::vector<std::byte>> writeYuksel(const HairCurves& curves) {
 
 Result<HairCurves> loadYukselHair(std::span<const std::byte> bytes, std::string_view name,
                                   HairFileReport* report) {
-  return detail::guarded([&]() -> Result<HairCurves> {
+  return tools::guarded([&]() -> Result<HairCurves> {
     HairFileReport found{HairFileKind::kHair, "HAIR", bytes.size(), {}};
     auto curves = YukselReader(bytes, name, found).read();
     if (report != nullptr) *report = std::move(found);
@@ -224,14 +223,14 @@ Result<HairCurves> loadYukselHair(std::span<const std::byte> bytes, std::string_
 }
 
 Result<std::vector<std::byte>> saveYukselHair(const HairCurves& curves) {
-  return detail::guarded([&] { return writeYuksel(curves); });
+  return tools::guarded([&] { return writeYuksel(curves); });
 }
 
 Result<void> saveYukselHair(const HairCurves& curves, const std::filesystem::path& path) {
-  return detail::guarded([&]() -> Result<void> {
+  return tools::guarded([&]() -> Result<void> {
     auto bytes = writeYuksel(curves);
     if (!bytes) return bytes.error();
-    return detail::writeFile(path, *bytes);
+    return tools::writeFile(path, *bytes);
   });
 }
 

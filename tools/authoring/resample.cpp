@@ -10,8 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/errors.h"
-#include "base/guard.h"
+#include "common/errors.h"
 #include "polyline.h"
 #include "vertex_placement.h"
 
@@ -19,10 +18,10 @@ namespace pelage {
 namespace {
 
 using detail::Curve;
-using detail::invalid;
 using detail::PolylinePoint;
-using detail::toVector;
 using detail::Vector;
+using detail::vectorOf;
+using tools::invalid;
 
 constexpr uint64_t kMaxVertices = 0x7fffffff;
 constexpr uint64_t kProgressStride = 256;
@@ -76,7 +75,7 @@ class Resampler {
     Curve curve;
     const size_t first = firsts_[index];
     for (size_t i = 0; i < curves_.vertexCounts[index]; ++i)
-      curve.points.push_back(toVector(curves_.positions[first + i]));
+      curve.points.push_back(vectorOf(curves_.positions[first + i]));
     curve.arc = detail::arcLengths(curve.points);
     return curve;
   }
@@ -98,7 +97,7 @@ class Resampler {
           site.share == 1 ? curve.points[site.segment + 1] : detail::pointAt(curve.points, site);
       strand.positions.push_back(
           {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
-      points.push_back(toVector(strand.positions.back()));
+      points.push_back(vectorOf(strand.positions.back()));
     }
     if (curve.length() > 0) {
       strand.deviation = detail::hausdorffDistance(curve.points, points);
@@ -266,7 +265,7 @@ Result<void> checkCurves(const HairCurves& curves, const ResampleDef& def) {
 
 Result<ResampleResult> resampleCurves(const HairCurves& curves, const ResampleDef& def,
                                       const AuthoringProgress& progress) {
-  return detail::guarded([&]() -> Result<ResampleResult> {
+  return tools::guarded([&]() -> Result<ResampleResult> {
     if (auto r = checkCurves(curves, def); !r) return r.error();
     return Resampler(curves, def, progress).run();
   });

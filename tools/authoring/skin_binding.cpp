@@ -7,12 +7,11 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 
-#include "base/errors.h"
-#include "base/guard.h"
-#include "base/triangle_frame.h"
+#include "common/errors.h"
 #include "influence_blend.h"
 #include "points.h"
 #include "triangle_tree.h"
@@ -20,12 +19,12 @@
 namespace pelage {
 namespace {
 
-using detail::invalid;
 using detail::SurfacePoint;
 using detail::toFloat3;
-using detail::toVector;
 using detail::TriangleTree;
 using detail::Vector;
+using detail::vectorOf;
+using tools::invalid;
 
 Result<void> checkRoots(std::span<const Float3> roots, const BindDef& def) {
   if (!(def.maxDistance >= 0) || !std::isfinite(def.maxDistance))
@@ -42,6 +41,24 @@ Result<void> checkRoots(std::span<const Float3> roots, const BindDef& def) {
   return {};
 }
 
+// The frame of SurfaceRoot::offset.
+struct TriangleFrame {
+  Vector x, y, z;  // unit vectors
+
+  Vector offset(const Vector& v) const { return {dot(v, x), dot(v, y), dot(v, z)}; }
+};
+
+// Nothing for a triangle that .tfxskin refuses: one that is not finite, or without area.
+std::optional<TriangleFrame> frameOf(const Vector& a, const Vector& b, const Vector& c) {
+  constexpr double kNoArea = 1e-9;  // twice the area over the square of the longest edge
+  const Vector u = b - a, v = c - a, w = c - b, normal = cross(u, v);
+  const double area = length(normal);
+  if (!std::isfinite(area) || !(area > kNoArea * std::max({dot(u, u), dot(v, v), dot(w, w)})))
+    return std::nullopt;
+  const Vector x = u * (1 / length(u)), z = normal * (1 / area);
+  return TriangleFrame{x, cross(z, x), z};
+}
+
 class Binder {
  public:
   Binder(const SkinnedMesh& mesh, const BindDef& def) : mesh_(mesh), def_(def) {}
@@ -50,9 +67,9 @@ class Binder {
     std::vector<uint32_t> used;
     for (uint32_t t = 0; t < mesh_.triangleCount(); ++t) {
       const auto corner = [&](size_t k) {
-        return toVector(mesh_.positions[mesh_.indices[size_t{t} * 3 + k]]);
+        return vectorOf(mesh_.positions[mesh_.indices[size_t{t} * 3 + k]]);
       };
-      if (detail::triangleFrame(corner(0), corner(1), corner(2))) used.push_back(t);
+      if (frameOf(corner(0), corner(1), corner(2))) used.push_back(t);
     }
     if (used.empty()) return invalid("mesh: none of its triangles has an area");
     out_.report.degenerateTriangles = mesh_.triangleCount() - static_cast<uint32_t>(used.size());
@@ -60,7 +77,7 @@ class Binder {
     uint32_t hint = used.front();
     double sum = 0;
     for (uint32_t i = 0; i < roots.size(); ++i) {
-      const Vector root = toVector(roots[i]);
+      const Vector root = vectorOf(roots[i]);
       const SurfacePoint point = tree.closest(root, hint);
       hint = point.triangle;
       out_.weights.strands.push_back(weightsAt(point));
@@ -109,11 +126,11 @@ class Binder {
                           static_cast<float>(point.barycentric[1]),
                           static_cast<float>(point.barycentric[2])};
     // From where the rounded weights are, so that the sum is the root.
-    const Vector a = toVector(result.bind[0]);
-    const Vector surface = a + (toVector(result.bind[1]) - a) * result.barycentric.y +
-                           (toVector(result.bind[2]) - a) * result.barycentric.z;
-    const auto frame = detail::triangleFrame(a, toVector(result.bind[1]), toVector(result.bind[2]));
-    result.offset = toFloat3(frame->toFrame(root - surface));
+    const Vector a = vectorOf(result.bind[0]);
+    const Vector surface = a + (vectorOf(result.bind[1]) - a) * result.barycentric.y +
+                           (vectorOf(result.bind[2]) - a) * result.barycentric.z;
+    const auto frame = frameOf(a, vectorOf(result.bind[1]), vectorOf(result.bind[2]));
+    result.offset = toFloat3(frame->offset(root - surface));
     return result;
   }
 
@@ -195,7 +212,7 @@ Result<WeightComparison> compare(const BoneWeights& a, const BoneWeights& b) {
 
 Result<SkinBinding> bindRoots(std::span<const Float3> roots, const SkinnedMesh& mesh,
                               const BindDef& def) {
-  return detail::guarded([&]() -> Result<SkinBinding> {
+  return tools::guarded([&]() -> Result<SkinBinding> {
     if (auto r = checkRoots(roots, def); !r) return r.error();
     if (auto r = validate(mesh); !r) return r.error();
     return Binder(mesh, def).bind(roots);
@@ -211,7 +228,7 @@ std::vector<Float3> rootsOf(const HairAsset& asset) {
 }
 
 Result<WeightComparison> compareWeights(const BoneWeights& a, const BoneWeights& b) {
-  return detail::guarded([&] { return compare(a, b); });
+  return tools::guarded([&] { return compare(a, b); });
 }
 
 }  // namespace pelage

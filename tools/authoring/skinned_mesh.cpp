@@ -2,21 +2,23 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <limits>
+#include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
-#include "assets/bone_influences.h"
 #include "axes.h"
-#include "base/errors.h"
-#include "base/guard.h"
+#include "common/errors.h"
 #include "points.h"
 
 namespace pelage {
 namespace {
 
-using detail::invalid;
 using detail::isCoordinate;
+using tools::invalid;
 
 Result<void> checkPart(const SkinnedMesh& mesh, const SkinnedMeshPart& part) {
   for (uint64_t t = part.firstTriangle; t < uint64_t{part.firstTriangle} + part.triangleCount; ++t)
@@ -27,6 +29,34 @@ Result<void> checkPart(const SkinnedMesh& mesh, const SkinnedMeshPart& part) {
             fmt::format("mesh: triangle {} of part '{}' refers to vertex {}; the part has {} to {}",
                         t - part.firstTriangle, part.name, v, part.firstVertex,
                         uint64_t{part.firstVertex} + part.vertexCount));
+  return {};
+}
+
+Result<void> checkBones(std::span<const BoneName> bones) {
+  std::vector<bool> seen(bones.size());
+  for (const auto& [index, name] : bones) {
+    if (index >= bones.size() || seen[index])
+      return invalid(fmt::format("bone '{}' has the index {}; each of 0 to {} must occur once",
+                                 name, index, bones.size() - 1));
+    if (name.find('\0') != std::string::npos)
+      return invalid(fmt::format("the name of bone {} is too long or has a NUL inside", index));
+    seen[index] = true;
+  }
+  return {};
+}
+
+Result<void> checkInfluences(const SkinnedMesh& mesh, size_t vertex) {
+  const auto& [bones, weights] = mesh.influences[vertex];
+  for (int k = 0; k < 4; ++k) {
+    if (bones[k] >= mesh.bones.size())
+      return invalid(
+          fmt::format("vertex {} follows bone {} of {}", vertex, bones[k], mesh.bones.size()));
+    if (!(weights[k] >= 0 && weights[k] <= 1e6f))
+      return invalid(
+          fmt::format("vertex {} has the bone weight {}; it must be 0 to 1e6", vertex, weights[k]));
+  }
+  if (std::all_of(std::begin(weights), std::end(weights), [](float weight) { return weight == 0; }))
+    return invalid(fmt::format("the bone weights of vertex {} are all zero", vertex));
   return {};
 }
 
@@ -54,13 +84,12 @@ Result<void> checkMesh(const SkinnedMesh& mesh) {
                                vertex, vertexCount, triangle, mesh.triangleCount()));
   for (const SkinnedMeshPart& part : mesh.parts)
     if (auto r = checkPart(mesh, part); !r) return r;
-  if (auto r = detail::checkBoneNames(mesh.bones, std::numeric_limits<size_t>::max()); !r) return r;
+  if (auto r = checkBones(mesh.bones); !r) return r;
   for (size_t v = 0; v < vertexCount; ++v) {
     if (const Float3& p = mesh.positions[v]; !isCoordinate(p))
       return invalid(fmt::format("mesh: vertex {} is at {} {} {}; coordinates must be within +-1e6",
                                  v, p.x, p.y, p.z));
-    if (auto r = detail::checkInfluences(mesh.influences[v], mesh.bones.size(), "vertex", v); !r)
-      return r;
+    if (auto r = checkInfluences(mesh, v); !r) return r;
   }
   return {};
 }
@@ -82,11 +111,11 @@ Result<void> prepare(SkinnedMesh& mesh, const MeshImportDef& def) {
 }  // namespace
 
 Result<void> prepareMesh(SkinnedMesh& mesh, const MeshImportDef& def) {
-  return detail::guarded([&] { return prepare(mesh, def); });
+  return tools::guarded([&] { return prepare(mesh, def); });
 }
 
 Result<void> validate(const SkinnedMesh& mesh) {
-  return detail::guarded([&] { return checkMesh(mesh); });
+  return tools::guarded([&] { return checkMesh(mesh); });
 }
 
 }  // namespace pelage

@@ -48,7 +48,7 @@ bool planeBetween(const Triangle& a, const Triangle& b, Vector& origin, Vector& 
       if (!(square > 0)) return false;
       const auto across = [&](const Vector& corner) {
         const Vector d = corner - from;
-        return normalizeOr(d - edge * (dot(d, edge) / square), {});
+        return unitOrZero(d - edge * (dot(d, edge) / square));
       };
       origin = from;
       normal = across(b[(j + 2) % 3]) - across(a[(i + 2) % 3]);

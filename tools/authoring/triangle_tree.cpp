@@ -93,7 +93,7 @@ TriangleTree::TriangleTree(std::span<const Float3> positions, std::span<const ui
 std::array<Vector, 3> TriangleTree::corners(uint32_t triangle) const {
   std::array<Vector, 3> result;
   for (size_t k = 0; k < 3; ++k)
-    result[k] = toVector(positions_[indices_[size_t{triangle} * 3 + k]]);
+    result[k] = vectorOf(positions_[indices_[size_t{triangle} * 3 + k]]);
   return result;
 }
 

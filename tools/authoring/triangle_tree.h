@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "base/vector3.h"
 #include "pelage/types.h"
+#include "points.h"
 
 namespace pelage::detail {
 
@@ -15,15 +15,14 @@ namespace pelage::detail {
 struct SurfacePoint {
   uint32_t triangle = 0;
   std::array<double, 3> barycentric{};  ///< 0..1, the sum is 1
-  Vector3<double> position;
+  Vector position;
   double squaredDistance = 0;
 };
 
 /// Closest point of one triangle; one without area is the segments between its corners. Points of
 /// an edge or a corner come out the same to the last bit for all triangles that share it. Does not
 /// set SurfacePoint::triangle.
-SurfacePoint closestPoint(const Vector3<double>& point,
-                          const std::array<Vector3<double>, 3>& triangle);
+SurfacePoint closestPoint(const Vector& point, const std::array<Vector, 3>& triangle);
 
 /// A tree of boxes over triangles, for exact searches of the closest point.
 class TriangleTree {
@@ -36,18 +35,18 @@ class TriangleTree {
 
   /// The closest point; among equally close ones that on the lowest triangle. `hint` is a triangle
   /// that may be near; it makes the search shorter and does not change the result.
-  SurfacePoint closest(const Vector3<double>& point, uint32_t hint) const;
-  SurfacePoint closest(const Vector3<double>& point) const { return closest(point, used_[0]); }
+  SurfacePoint closest(const Vector& point, uint32_t hint) const;
+  SurfacePoint closest(const Vector& point) const { return closest(point, used_[0]); }
 
-  std::array<Vector3<double>, 3> corners(uint32_t triangle) const;
+  std::array<Vector, 3> corners(uint32_t triangle) const;
 
  private:
   struct Node {
-    Vector3<double> low, high;
+    Vector low, high;
     uint32_t first = 0;  ///< of a leaf: into used_; else its second child (the first one follows)
     uint32_t count = 0;  ///< of a leaf's triangles; 0 = not a leaf
   };
-  void build(uint32_t first, uint32_t count, const std::vector<Vector3<double>>& centers);
+  void build(uint32_t first, uint32_t count, const std::vector<Vector>& centers);
 
   std::span<const Float3> positions_;
   std::span<const uint32_t> indices_;

@@ -3,20 +3,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
 #include <fstream>
+#include <future>
 #include <iterator>
 #include <limits>
 #include <optional>
 #include <string_view>
 #include <system_error>
 #include <utility>
+#include <vector>
 
-#include "base/bounds.h"
-#include "base/errors.h"
-#include "base/file_io.h"
-#include "base/guard.h"
-#include "base/workers.h"
+#include "binary_file.h"
+#include "common/errors.h"
+#include "common/finite.h"
 
 namespace pelage {
 namespace {
@@ -27,7 +29,7 @@ constexpr size_t kMaxName = 255;
 constexpr int kTimeDigits = 16;
 
 Error invalidUsd(std::string_view what) {
-  return detail::invalid(fmt::format("USD curves: {}", what));
+  return tools::invalid(fmt::format("USD curves: {}", what));
 }
 
 bool isIdentifier(std::string_view name) {
@@ -45,10 +47,16 @@ uint64_t verticesOf(const UsdCurvesDef& def) {
   return count;
 }
 
-detail::Box boundsOf(std::span<const Float3> positions) {
-  detail::Box box;
-  for (const Float3& p : positions) box = detail::include(box, p);
-  return box;
+using Extent = std::array<Float3, 2>;  // lowest and highest corner
+
+Extent extentOf(std::span<const Float3> positions) {
+  Extent extent = {positions[0], positions[0]};
+  auto& [low, high] = extent;
+  for (const Float3& p : positions) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  return extent;
 }
 
 // Text of a file, in parts.
@@ -113,7 +121,7 @@ namespace detail {
 class VectorText {
  public:
   explicit VectorText(uint32_t threads)
-      : threads_(std::max(threads, 1u)), pieces_(size_t{kPiecesEach} * threads_.count()) {}
+      : threads_(std::max(threads, 1u)), pieces_(size_t{kPiecesEach} * threads_) {}
 
   /// Threads that have something to do for so many vectors.
   static size_t pieceCount(size_t vectors) { return (vectors + kPiece - 1) / kPiece; }
@@ -122,15 +130,16 @@ class VectorText {
     text.push_back('[');
     for (size_t first = 0; first < vectors.size(); first += pieces_.size() * kPiece) {
       const size_t count = std::min(pieces_.size(), pieceCount(vectors.size() - first));
-      threads_.run(count, [&](size_t piece, uint32_t) {
-        const size_t begin = first + piece * kPiece;
-        const size_t end = std::min(begin + kPiece, vectors.size());
-        pieces_[piece].clear();
-        for (size_t i = begin; i < end; ++i) {
-          if (i > 0) pieces_[piece].append(std::string_view(", "));
-          addVector(pieces_[piece], vectors[i]);
-        }
-      });
+      std::atomic<size_t> next = 0;
+      const auto work = [&] {
+        for (size_t piece = next++; piece < count; piece = next++)
+          write(pieces_[piece], vectors, first + piece * kPiece);
+      };
+      std::vector<std::future<void>> others;
+      while (others.size() + 1 < std::min<size_t>(threads_, count))
+        others.push_back(std::async(work));
+      work();
+      for (std::future<void>& other : others) other.get();
       for (size_t i = 0; i < count; ++i) text.append(pieces_[i].begin(), pieces_[i].end());
     }
     text.push_back(']');
@@ -140,7 +149,16 @@ class VectorText {
   static constexpr size_t kPiece = 4096;  ///< vectors that a thread writes at a time
   static constexpr uint32_t kPiecesEach = 4;
 
-  Workers threads_;
+  // A piece, with the comma that separates it from the one before it.
+  static void write(Text& text, std::span<const Float3> vectors, size_t begin) {
+    text.clear();
+    for (size_t i = begin; i < std::min(begin + kPiece, vectors.size()); ++i) {
+      if (i > 0) text.append(std::string_view(", "));
+      addVector(text, vectors[i]);
+    }
+  }
+
+  uint32_t threads_;
   std::vector<Text> pieces_;
 };
 
@@ -240,7 +258,7 @@ struct UsdCurvesWriter::Impl {
   int64_t frameCount = 0;
   bool closed = false;
   std::vector<Float3> beforeLast, last, velocity;
-  std::vector<detail::Box> extents;  ///< [frame] without widths
+  std::vector<Extent> extents;  ///< [frame] without widths
   Text text;
 
   Result<void> begin();
@@ -276,7 +294,7 @@ Result<void> UsdCurvesWriter::Impl::addVelocities(int64_t frame, std::span<const
   velocity.resize(from.size());
   for (size_t i = 0; i < from.size(); ++i) {
     velocity[i] = {speed(from[i].x, to[i].x), speed(from[i].y, to[i].y), speed(from[i].z, to[i].z)};
-    if (!detail::isFinite(velocity[i]))
+    if (!tools::isFinite(velocity[i]))
       return invalidUsd(fmt::format("frame {}: the velocity of vertex {} is not finite",
                                     def.firstFrame + frame, i));
   }
@@ -291,7 +309,7 @@ Result<void> UsdCurvesWriter::Impl::append(std::span<const Float3> positions) {
   if (positions.size() != vertexCount)
     return invalidUsd(fmt::format("{} positions for {} vertices", positions.size(), vertexCount));
   const auto broken = std::find_if_not(positions.begin(), positions.end(),
-                                       [](const Float3& p) { return detail::isFinite(p); });
+                                       [](const Float3& p) { return tools::isFinite(p); });
   if (broken != positions.end())
     return invalidUsd(fmt::format("frame {}: vertex {} is not finite", def.firstFrame + frameCount,
                                   broken - positions.begin()));
@@ -305,7 +323,7 @@ Result<void> UsdCurvesWriter::Impl::append(std::span<const Float3> positions) {
   add(text, "        {}: ", def.firstFrame + frameCount);
   vectors.add(text, positions);
   text.append(std::string_view(",\n"));
-  extents.push_back(boundsOf(positions));
+  extents.push_back(extentOf(positions));
   ++frameCount;
   beforeLast.swap(last);
   last.assign(positions.begin(), positions.end());
@@ -366,7 +384,7 @@ UsdCurvesWriter::~UsdCurvesWriter() = default;
 
 Result<UsdCurvesWriter> UsdCurvesWriter::create(const std::filesystem::path& path, UsdCurvesDef def,
                                                 uint32_t threads) {
-  return detail::guarded([&]() -> Result<UsdCurvesWriter> {
+  return tools::guarded([&]() -> Result<UsdCurvesWriter> {
     if (auto r = validate(def); !r) return r.error();
     auto impl = std::make_unique<Impl>(path, std::move(def), threads);
     if (auto r = impl->begin(); !r) return r.error();
@@ -375,10 +393,10 @@ Result<UsdCurvesWriter> UsdCurvesWriter::create(const std::filesystem::path& pat
 }
 
 Result<void> UsdCurvesWriter::append(std::span<const Float3> positions) {
-  return detail::guarded([&] { return impl_->append(positions); });
+  return tools::guarded([&] { return impl_->append(positions); });
 }
 Result<void> UsdCurvesWriter::close() {
-  return detail::guarded([&] { return impl_->close(); });
+  return tools::guarded([&] { return impl_->close(); });
 }
 
 namespace {
@@ -440,17 +458,17 @@ Result<void> saveClips(const std::filesystem::path& path, const UsdCurvesDef& de
   Text text;
   addManifest(text, def);
   const auto bytes = [&] { return std::as_bytes(std::span(text.data(), text.size())); };
-  if (auto r = detail::writeFile(path.parent_path() / manifest, bytes()); !r) return r;
+  if (auto r = tools::writeFile(path.parent_path() / manifest, bytes()); !r) return r;
   text.clear();
   addRoot(text, def, clips, manifest);
-  return detail::writeFile(path, bytes());
+  return tools::writeFile(path, bytes());
 }
 
 }  // namespace
 
 Result<void> saveUsdClips(const std::filesystem::path& path, const UsdCurvesDef& def,
                           std::span<const UsdClip> clips) {
-  return detail::guarded([&] { return saveClips(path, def, clips); });
+  return tools::guarded([&] { return saveClips(path, def, clips); });
 }
 
 }  // namespace pelage

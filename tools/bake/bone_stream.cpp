@@ -10,7 +10,7 @@
 #include <span>
 #include <utility>
 
-#include "base/finite.h"
+#include "common/finite.h"
 #include "json_members.h"
 #include "pelage/skeleton.h"
 #include "pelage/stream.h"
@@ -33,7 +33,7 @@ std::optional<AffineTransform> transformOf(const json& from) {
     numbers[i] = from[i].get<float>();
   }
   const auto transform = std::bit_cast<AffineTransform>(numbers);
-  if (!detail::isFinite(transform)) return std::nullopt;
+  if (!tools::isFinite(transform)) return std::nullopt;
   return transform;
 }
 
@@ -172,7 +172,7 @@ Result<BoneStream> loadBoneStream(const Path& path) {
     return done.error();
   for (size_t i = 0; i < stream.transforms.size(); ++i) {
     const size_t bone = i % stream.bones.size();
-    if (!detail::isFinite(stream.transforms[i]))
+    if (!tools::isFinite(stream.transforms[i]))
       return Error{
           ErrorCode::kInvalidFile,
           fmt::format("{}: byte {}: frame {}: the transform of '{}' is not finite", name,

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "atomic_file.h"
-#include "base/guard.h"
+#include "common/errors.h"
 
 namespace pelage::bake {
 namespace {
@@ -119,7 +119,7 @@ void ChunkWriter::work() {
     lock.unlock();
     taken_.notify_all();
     const auto start = Clock::now();
-    const Result<void> done = detail::guarded([&] { return write(job); });
+    const Result<void> done = tools::guarded([&] { return write(job); });
     lock.lock();
     report_.seconds += secondsSince(start);
     busy_ = false;

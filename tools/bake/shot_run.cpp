@@ -10,9 +10,9 @@
 #include <utility>
 
 #include "atomic_file.h"
-#include "base/guard.h"
 #include "checkpoint.h"
 #include "chunk_writer.h"
+#include "common/errors.h"
 #include "json_members.h"
 #include "pelage/hair_cache.h"
 #include "pelage/settings/settings_file.h"
@@ -396,7 +396,7 @@ Result<std::vector<StoredFile>> ShotRun::joinChunks(const std::vector<std::strin
   std::atomic<size_t> next = 0;
   const auto join = [&] {
     for (size_t i = next++; i < hairs.size(); i = next++)
-      joined[i] = detail::guarded([&] { return joinHair(hairs[i], width, threads / atOnce); });
+      joined[i] = tools::guarded([&] { return joinHair(hairs[i], width, threads / atOnce); });
   };
   {
     std::vector<std::jthread> others;

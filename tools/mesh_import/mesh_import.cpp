@@ -19,8 +19,7 @@
 #include <utility>
 #include <vector>
 
-#include "assets/bone_influences.h"
-#include "base/guard.h"
+#include "common/errors.h"
 #include "mesh_weld.h"
 #include "pelage/authoring/skinned_mesh.h"
 
@@ -132,8 +131,7 @@ class MeshReader {
     for (uint32_t b = 0; b < mesh.mNumBones; ++b)
       for (uint32_t i = 0; i < mesh.mBones[b]->mNumWeights; ++i) {
         const aiVertexWeight& weight = mesh.mBones[b]->mWeights[i];
-        if (weight.mVertexId >= mesh.mNumVertices || !detail::isWeight(weight.mWeight) ||
-            weight.mWeight == 0)
+        if (weight.mVertexId >= mesh.mNumVertices || !(weight.mWeight > 0) || weight.mWeight > 1e6f)
           continue;
         std::vector<Share>& list = shares[weight.mVertexId];
         if (!list.empty() && list.back().bone == b)
@@ -344,11 +342,11 @@ Result<CollisionMesh> load(const std::filesystem::path& path) {
 }  // namespace
 
 Result<CollisionMesh> loadMesh(const std::filesystem::path& path) {
-  return detail::guarded([&] { return load(path); });
+  return tools::guarded([&] { return load(path); });
 }
 
 Result<SkinnedMesh> loadSkinnedMesh(const std::filesystem::path& path) {
-  return detail::guarded([&] { return loadSkinned(path); });
+  return tools::guarded([&] { return loadSkinned(path); });
 }
 
 }  // namespace pelage
