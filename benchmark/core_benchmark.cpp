@@ -1,4 +1,4 @@
-// What the core costs on the CPU: deriving rest data, and writing a frame's pass list.
+// Measures the core on the CPU: deriving rest data, and writing a frame's pass list.
 #include <benchmark/benchmark.h>
 
 #include <cmath>

@@ -17,7 +17,7 @@ awk -F, -v api="$api" -v dir="$work" '
   NR > 1 && $2 == api {
     print $14, $10 == "" ? "nan" : $10, $5, $12, $7, $20 > dir "/" $3 "." $4
   }' "$csv"
-# Of the grooms, the size that is compared: 32,640 strands, or the largest.
+# Grooms are compared at 32,640 strands, or at the largest size.
 size=$(awk -F, -v api="$api" 'NR > 1 && $2 == api && $3 == "groom" { if ($7 > m) m = $7
   if ($7 == 32640) found = 1 } END { print found ? 32640 : m }' "$csv")
 swing=$(awk '{ print $5; exit }' "$work/limp_swing.exact")

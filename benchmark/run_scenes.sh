@@ -34,7 +34,7 @@ rm -f "$csv" "${csv%.csv}"_{passes,first_frame,drawing,drawing_passes}.csv
 tool=("$tool" --csv "$csv" --commit "$commit" "${size[@]}")
 failed=0
 
-# The rows get three quarters of the time, each API an equal part of what is left of it.
+# The rows get three quarters of the time, each API an equal part of the time that is left.
 rows_end=$((seconds * 3 / 4))
 left=$(wc -w <<<"$apis")
 for api in $apis; do

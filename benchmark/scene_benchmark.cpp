@@ -49,7 +49,7 @@ bench::SceneSize sizeOf(const Options& options) {
   return options.small ? bench::SceneSize::kSmall : bench::SceneSize::kFull;
 }
 
-// Those of some rows that a filter fits.
+// Returns the rows that a filter fits.
 template <class Row>
 std::vector<Row> chosenOf(std::vector<Row> all, const Options& options) {
   std::vector<Row> rows;

@@ -1,4 +1,4 @@
-// What the scene benchmark computes from times and positions is what its columns say.
+// The scene benchmark computes from times and positions what its columns say.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -93,7 +93,7 @@ TEST(DrawingRows, HaveNamesOfTheirOwnAndBeginWithThePictureAlone) {
   }
 }
 
-/// One that draws nothing else, as a smoke test wants it.
+/// A result that passes the smoke test: nothing else is drawn.
 DrawingResult drawnAlone() {
   DrawingResult result;
   result.figures.beginFrame();
@@ -144,7 +144,7 @@ struct DriftingRow {
   CopyTimes copies;
 };
 
-/// Of rows beside which the copy takes 100 us before and so long after.
+/// Runs rows beside which the copy takes 100 us before and `after` us after.
 pelage::Result<DriftingRow> steadiestOf(const std::vector<double>& after) {
   size_t runs = 0;
   return steadiest({.maxRuns = 4, .maxDrift = 0.05}, [&]() -> pelage::Result<DriftingRow> {

@@ -37,7 +37,7 @@ struct Options {
   std::string csv, commit;
 };
 
-// A device with what is measured on it.
+// A device with its scene and its copies.
 struct Bench {
   explicit Bench(pelage::HeadlessDevice& device)
       : workbench{device, {}}, copies(device, workbench.scene, {}) {}
@@ -61,7 +61,7 @@ std::vector<SolverChoice> choicesOf(const BenchScene& scene, const Options& opti
     // XPBD has no velocity shock propagation.
     if (kind == SolverKind::kCosserat && scene.carry > 0) continue;
     if (!isChosen(options.solvers, solverName(kind))) continue;
-    // Nobody but the exact solver sleeps; the baseline is there for the ratio.
+    // Only the exact solver sleeps; the baseline is there for the ratio.
     if (scene.sleeps && kind != SolverKind::kExact && kind != SolverKind::kSweeps) continue;
     for (const uint32_t effort : efforts) {
       choices.push_back({kind, effort});

@@ -21,7 +21,7 @@ struct ClassicSum {
   float transmittance;
 };
 
-// In front of what there is.
+// Blends a fragment over the sum.
 void blendOver(inout ClassicSum sum, ClassicFragment fragment, float2 pixel) {
   float4 tangent = unpackBytes(fragment.tangent);
   float3 position = fragmentPosition(pixel - g_viewport.xy, asfloat(fragment.depth));

@@ -143,7 +143,7 @@ PictureError comparePicture(const RenderedImage& image, const ExactPicture& exac
     for (int c = 0; c < 3; ++c) {
       const double difference = static_cast<double>(channels[c]) - pixel.color[c];
       sum += difference * difference;
-      // One that is not a number must not hide in a maximum.
+      // The comparison is false for NaN, which must not hide in a maximum.
       if (!(std::abs(difference) <= largest)) largest = std::abs(difference);
     }
     if (!(largest <= error.largest)) error.largest = largest;

@@ -1,4 +1,4 @@
-// What a picture of hair is held against: the exact composite, in double precision, of the
+// The reference for pictures of hair: the exact composite, in double precision, of the
 // fragments that a scene's strands make.
 #pragma once
 

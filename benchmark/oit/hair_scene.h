@@ -15,7 +15,6 @@
 
 namespace bench {
 
-/// What a scene is made of.
 struct HairSceneDef {
   std::string name;
   sample::DemoAssets assets;

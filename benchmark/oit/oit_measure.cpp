@@ -145,9 +145,9 @@ class OitFrames {
     return true;
   }
 
-  /// Of the method's buffers in the last frame.
+  /// Total size of the buffers that the method bound in the last frame.
   uint64_t bytes() const {
-    // What is bound of them: a larger one may be there since an earlier method.
+    // The bound part counts: a buffer may be larger since an earlier method.
     std::map<BufferId, uint64_t> buffers;
     for (const PassList& list : lists_)
       for (const pelage::Pass& pass : list.passes)
@@ -174,7 +174,7 @@ class OitFrames {
   std::vector<PassList> lists_;
 };
 
-// What frames took, beside a copy.
+// Times of frames and of the copies beside them.
 struct TimedFrames {
   FrameTimes times;
   CopyTimes copies;

@@ -42,7 +42,6 @@ struct OitRow {
   CopyTimes copies;         ///< beside the frames
 };
 
-/// What is drawn.
 struct OitCase {
   HairScene& scene;
   CopyReference& copies;

@@ -12,7 +12,7 @@ using pelage::Result;
 
 namespace {
 
-// Of the frames of a row that draws nothing: each is followed by a picture that is read back.
+// A row draws a third of the frames of a row without pictures: each picture is read back.
 constexpr int kFrameShare = 3;
 constexpr int kPlayedFrames = 48;
 

@@ -25,8 +25,8 @@ struct DrawingResult {
   /// By how much the drawing groups take longer than in the row that draws nothing else [us].
   Spread added;
   bool hasAdded = false;  ///< false without that row
-  /// Of rows that play: how long the host takes to set the positions of a frame, waits for the
-  /// decoder included [frame] [us].
+  /// [frame] Time in which the host sets positions, waits for the decoder included [us]. Rows that
+  /// play have it.
   std::vector<double> showUs = {};
 };
 
@@ -40,10 +40,10 @@ pelage::Result<DrawingResult> measureDrawing(Workbench& workbench, CopyReference
                                              const engine_lights::LightRig& rig,
                                              const DrawingDef& drawing, const MeasureDef& def);
 
-/// What a row of a smoke test must have; the error names what it has not.
+/// Checks a row of a smoke test; the error names what is missing.
 pelage::Result<void> checkDrawing(const DrawingResult& result);
-/// What rows of a smoke test must have together: depth and motion leave the picture alone, lights
-/// of an engine do not. \param results  in the order of drawingRows(), some of them
+/// Compares rows of a smoke test: depth and motion must leave the picture alone, lights of an
+/// engine must not. \param results  in the order of drawingRows(), some of them
 pelage::Result<void> comparePictures(std::span<const DrawingResult> results);
 
 }  // namespace bench

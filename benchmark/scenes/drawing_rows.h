@@ -9,7 +9,7 @@
 
 namespace bench {
 
-/// What a frame has beside the simulation and a picture of the hair.
+/// Work of a frame beyond the simulation and a picture of the hair.
 enum class DrawingExtra : uint8_t {
   kNone,
   kDepth,          ///< a view of depth alone

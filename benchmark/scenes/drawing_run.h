@@ -46,7 +46,7 @@ class DrawingRun {
   pelage::Result<void> recordFrames(int frames);
   /// Runs the next frame of 1/60 s. \param figures  nullptr: it is not timed
   pelage::Result<void> runFrame(FrameFigures* figures);
-  /// What lists or tiles held in the last frame.
+  /// Contents of lists or tiles in the last frame.
   pelage::Result<pelage::TransparencyCounters> counters();
   /// Gives lists or tiles the room that the last frame wanted. They keep it in the next ones.
   pelage::Result<void> grow();
@@ -55,7 +55,7 @@ class DrawingRun {
   /// How long the host took to set the positions of the last frame that was played [us].
   double showUs() const { return showUs_; }
   pelage::Transparency method() const { return settings_.method; }
-  /// Of the last frame.
+  /// The picture of the last frame.
   const pelage::RenderedImage& picture() const { return picture_; }
 
  private:

@@ -16,7 +16,7 @@ struct Spread {
 };
 Spread spreadOf(std::vector<double> values);
 
-/// What a pass is for.
+/// Purpose of a pass.
 enum class PassGroup : uint8_t {
   kSimulation,     ///< all that move hair, but for those of the next two
   kSdf,            ///< writes to a buffer of an SDF
@@ -30,7 +30,7 @@ enum class PassGroup : uint8_t {
 inline constexpr size_t kPassGroups = 8;
 const char* passGroupName(PassGroup group);
 
-/// Those that are there because hair is drawn, but for the shadow, which all rows have.
+/// Groups that drawing adds, without the shadow, which all rows have.
 inline constexpr PassGroup kDrawingGroups[] = {PassGroup::kKept, PassGroup::kInterpolation,
                                                PassGroup::kPicture, PassGroup::kDepth};
 
@@ -48,7 +48,7 @@ class FrameFigures {
   /// Adds a pass of the frame. \param milliseconds  negative without a timestamp
   void add(const char* name, PassGroup group, double milliseconds);
 
-  /// Of all frames that have begun, and their passes.
+  /// Number of frames that have begun, and the sums of their passes.
   uint32_t frames() const { return frames_; }
   const std::vector<PassFigure>& passes() const { return passes_; }
   double perFrame(const PassFigure& pass) const {

@@ -1,4 +1,4 @@
-// What the scenes of the scene benchmark are made of. Each asset is made once and shared by rows.
+// Assets of the scene benchmark. Each asset is made once and shared by rows.
 #pragma once
 
 #include <cstdint>

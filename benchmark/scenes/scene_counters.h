@@ -1,4 +1,4 @@
-// What kernels count themselves, for the rows of the scene benchmark.
+// Reads the counters of kernels, for the rows of the scene benchmark.
 #pragma once
 
 #include <string>

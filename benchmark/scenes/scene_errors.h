@@ -1,5 +1,5 @@
-// What a row got wrong: edges that are too long, vertices inside a collider, strands that are no
-// numbers.
+// Errors of a row: edges that are too long, vertices inside a collider, strands that are not
+// finite.
 #pragma once
 
 #include <cstdint>

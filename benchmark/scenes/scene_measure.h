@@ -33,7 +33,7 @@ struct SceneResult {
   SceneErrors errors;
   std::vector<Counter> counters;  ///< means over the samples
   CopyTimes copies;               ///< beside the frames
-  /// Of median and mean frame to those of the classic baseline in the same scene; 0 without one.
+  /// Median and mean frame over those of the classic baseline in the same scene; 0 without one.
   double ratioOfMedian = 0, ratioOfMean = 0;
 };
 

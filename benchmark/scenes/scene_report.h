@@ -22,7 +22,7 @@ pelage::Result<void> appendFirstFrameCsv(const std::string& path, const SceneRow
                                          double milliseconds, const pelage::DeviceInfo& device,
                                          const std::string& commit);
 
-/// What a row of a smoke test must have; the error names what it has not.
+/// Checks a row of a smoke test; the error names what is missing.
 pelage::Result<void> checkResult(const SceneResult& result);
 
 }  // namespace bench

@@ -255,7 +255,7 @@ bool writesTo(const pelage::ResourceTable& resources, const PassList& list,
   return false;
 }
 
-// Those that colliders share are named "sdf/...", those of one collider after it.
+// Buffers that colliders share are named "sdf/..."; buffers of one collider have its name.
 bool isSdfBuffer(const DemoScene& demo, std::string_view name) {
   if (name.starts_with("sdf/")) return true;
   const auto& colliders = demo.colliders();

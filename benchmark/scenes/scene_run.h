@@ -26,7 +26,7 @@ struct RunHair {
   uint32_t followHairs = 0;
 };
 
-/// What hair collides with, where it is in one frame, in world space.
+/// The colliders of hair in one frame, in world space.
 struct ColliderPose {
   std::vector<pelage::CapsuleCollider> capsules;
   std::vector<pelage::reference::TriangleMesh> meshes;
@@ -42,7 +42,7 @@ class SceneRun {
   /// Writes the complete lists of the next frame of 1/60 s, which run one after another.
   virtual pelage::Result<void> advance(std::vector<pelage::PassList>& lists) = 0;
   virtual std::vector<RunHair> hairs() const = 0;
-  /// Of the last frame.
+  /// The colliders of the last frame.
   virtual ColliderPose colliders() const = 0;
   /// Whether a buffer is one of an SDF's own, by its name.
   virtual bool isSdfBuffer(std::string_view name) const = 0;

@@ -45,7 +45,7 @@ class SdfBuild {
   virtual pelage::Result<std::vector<NodeValue>> nodes() = 0;
   virtual uint64_t nodeCount() const = 0;  ///< of its own grid
   virtual uint64_t sdfBytes() const = 0;   ///< of what is kept a node
-  /// Of all of its buffers but mesh and vertices.
+  /// Total size of all buffers but mesh and vertices.
   virtual uint64_t bytes() const = 0;
 
  protected:

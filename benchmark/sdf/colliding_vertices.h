@@ -1,4 +1,4 @@
-// What a baseline's or pelage's SDF moves out.
+// Vertices that an SDF moves out of its mesh: pelage's or a baseline's.
 #pragma once
 
 #include <cstdint>

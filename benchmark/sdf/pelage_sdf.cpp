@@ -62,7 +62,7 @@ std::vector<bool> movedVertices(const SdfShape& shape) {
   for (uint32_t t = 0; t < mesh.triangleCount(); ++t)
     heights.emplace_back(-mesh.positions[mesh.indices[size_t{t} * 3]].y, t);
   std::sort(heights.begin(), heights.end());
-  // What moves takes the triangles around it along: they are about a twentieth more.
+  // Triangles around the moved ones move, too: about a twentieth more.
   heights.resize(static_cast<size_t>(0.95 * kMovedShare * static_cast<double>(heights.size())));
   std::vector<bool> moved(mesh.positions.size());
   for (const auto& [height, t] : heights)

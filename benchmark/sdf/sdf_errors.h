@@ -1,4 +1,4 @@
-// What is wrong with a distance field, held against the oracle.
+// Errors of a distance field against the oracle.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace bench {
 
-/// What a build says of a node.
+/// State of a node after a build.
 enum class NodeState : uint8_t {
   kUnwritten,  ///< nothing
   kUnfilled,   ///< which side it is on

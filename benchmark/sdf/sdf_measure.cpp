@@ -128,7 +128,7 @@ class Hair {
   CollidingVertices buffers_;
 };
 
-// What a list took, beside a copy.
+// Times of a list and of the copies beside it.
 struct TimedList {
   PassTimes times;
   CopyTimes copies;

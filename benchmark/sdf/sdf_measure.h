@@ -19,7 +19,7 @@ struct SdfRow {
   float cellSize = 0;  ///< [m]
   /// All passes [us]; 0 without timestamps.
   double median = 0, least = 0;
-  /// Of them, medians: surface records, interior beyond the band; keys and signs are the rest.
+  /// Medians of its parts: surface records, interior beyond the band; keys and signs are the rest.
   double surface = -1, interior = -1;
   SdfErrors errors;
   bool hasErrors = false;
@@ -42,7 +42,7 @@ struct HairSet {
 HairSet makeHairSet(const SdfShape& shape, const pelage::reference::DistanceOracle& oracle,
                     std::string name, uint32_t vertices, float from, float to, float cellSize);
 
-/// What all methods are compared at.
+/// The shape and size at which all methods are compared.
 struct SdfCase {
   const SdfShape& shape;
   uint32_t cells;

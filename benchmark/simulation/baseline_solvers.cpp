@@ -32,7 +32,7 @@ Float4 toFloat4(const pelage::rod::Vector3d& v, float w = 0) {
 }
 Float4 toFloat4(const pelage::Quaternion& q) { return {q.x, q.y, q.z, q.w}; }
 
-/// What both baselines have: buffers that are removed in the end, and the roots' last poses.
+/// The base of both baselines: removes its buffers in the end, and knows the roots' last poses.
 class BaselineSolver : public StrandSolver {
  public:
   ~BaselineSolver() override {

@@ -32,7 +32,7 @@ using std::numbers::pi;
 
 namespace {
 
-// Of the stiff classic strands; no value of it is a bending stiffness.
+// Classic strands are stiff with it; it has no equivalent in bending stiffness.
 constexpr float kClassicStiffness = 0.9f;
 
 RootPose still(double) { return {}; }

@@ -22,7 +22,7 @@ inline pelage::rod::Vector3d toVector(const pelage::Float4& v) { return {v.x, v.
 
 inline constexpr double kFrameSeconds = 1 / 60.0;
 
-/// What a scene is compared with.
+/// The reference that a scene is compared with.
 struct Reference {
   /// Positions of the strand in each of the last frames.size() frames.
   std::vector<Points> frames;

@@ -22,7 +22,7 @@ struct ClockDef {
 /// no warm-up.
 ClockDef clocksOf(const pelage::DeviceInfo& device, const ClockDef& def = {});
 
-/// For tests of what rows hold beside times.
+/// Runs once, for tests that ignore times.
 inline constexpr ClockDef kOnce = {.maxRuns = 1, .warmUpMilliseconds = 0};
 
 /// The copy beside a row. Rows have one as their member `copies`.

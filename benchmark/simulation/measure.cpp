@@ -221,7 +221,7 @@ class SceneRound {
     row.strands = scene_.asset.strandCount;
     row.vertices = scene_.asset.verticesPerStrand;
     row.frames = scene_.frames;
-    // What hair that sleeps does not move is not known.
+    // How many bytes sleeping strands save is not known.
     for (const pelage::Pass& pass : list_.passes) row.bytes += scene_.sleeps ? 0 : pass.bytes;
     times_.store(row);
     errors_.store(row);

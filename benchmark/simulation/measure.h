@@ -19,7 +19,7 @@ struct Measurement {
   /// Root mean square distance from the reference in percent of the strand's length; negative where
   /// the scene has none.
   double error = -1;
-  /// Of the edges of at least kShortestEdge: largest and root mean square change of length [%].
+  /// Largest and root mean square change of length of edges of at least kShortestEdge [%].
   double maxStretch = 0, rmsStretch = 0;
   uint64_t brokenStrands = 0;  ///< with a coordinate that is not a number, in the last frame
   /// All passes of a frame [us]; 0 without timestamps.

@@ -1,4 +1,4 @@
-// The median of what was measured.
+// The median of measured values.
 #pragma once
 
 #include <algorithm>

@@ -9,7 +9,7 @@
 
 namespace engine_lights {
 
-/// Triangles of what is opaque, in world space [m].
+/// Opaque triangles in world space [m].
 struct OpaqueGeometry {
   std::vector<pelage::Float3> positions;
   std::vector<uint32_t> indices;  ///< three a triangle

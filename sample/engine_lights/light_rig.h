@@ -23,10 +23,10 @@ struct LightRig {
   pelage::TextureId spot = pelage::TextureId::kInvalid;
   pelage::TextureId irradiance = pelage::TextureId::kInvalid;
 
-  /// Draws the maps of what is opaque. Errors: those of the device.
+  /// Draws the maps of the opaque triangles. Errors: those of the device.
   static pelage::Result<LightRig> create(pelage::HeadlessDevice& device,
                                          const OpaqueGeometry& opaque);
-  /// What rig.hlsli reads, for the hair's kernels and the body's.
+  /// Resources that rig.hlsli reads in the hair's kernels and in the body's.
   std::vector<pelage::NamedResource> resources(const LightsOn& on) const;
 };
 

@@ -27,7 +27,7 @@ namespace {
 constexpr uint32_t kLeastNodes = 1u << 20;
 constexpr Float3 kSkin = {0.46f, 0.31f, 0.24f};
 
-// What the sun comes through: two bars of a window, which the picture does not show.
+// Two bars of a window cast shadows of the sun; the picture does not show them.
 void addBars(OpaqueGeometry& opaque) {
   const Float3 sun = sunDirection();
   const Float3 center = {0.6f * sun.x, 0.12f + 0.6f * sun.y, 0.6f * sun.z};

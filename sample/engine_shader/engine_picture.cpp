@@ -38,7 +38,7 @@ Result<pelage::HairId> addHair(pelage::Scene& scene, pelage::HairAsset asset) {
   // This engine's vertex shader reads them where the guides are.
   def.storeFollowHairs = true;
   def.settings.globalStiffness = 0.3f;
-  // What the shadow map takes the fibers for.
+  // The radii of the fibers in the shadow map.
   def.material.fiberRadius = kRootRadius;
   def.material.tipRadiusRatio = kTipRadius / kRootRadius;
   return scene.addHair(asset, def);

@@ -113,7 +113,7 @@ CLI::Validator oneOf(const std::map<std::string, T>& values) {
 
 namespace {
 
-// What options need beside Options.
+// Values of options that are not in Options.
 struct Given {
   std::vector<float> wind = {0, 0, 0};
   uint32_t guides = 0, follow = 0, samples = 0, subSteps = 1;
@@ -344,8 +344,8 @@ void checkScene(const Given& given, const Options& options) {
     throw CLI::ValidationError("--scene", "is for what is generated, not for files");
 }
 
-// What the file of settings says of what there are options for, too; options that are given go
-// first. Errors: CLI::ValidationError for the file.
+// Takes values of the settings file for which there are options; options that are given go first.
+// Errors: CLI::ValidationError for the file.
 void takeSettings(const Given& given, Options& options) {
   if (given.settings.empty()) return;
   auto settings = pelage::SettingsFile::load(given.settings);

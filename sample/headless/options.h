@@ -19,7 +19,7 @@
 
 namespace sample {
 
-/// What is generated, unless files are given.
+/// The scene that is generated unless files are given.
 enum class GeneratedScene : uint8_t { kCharacter, kHead };
 
 /// How much is simulated and drawn where options do not say it.
@@ -42,13 +42,13 @@ struct Options {
   pelage::CharacterMotion motion = pelage::CharacterMotion::kAll;  ///< of the character
   uint64_t seed = 1;
   GroomPreset preset = GroomPreset::kParted;  ///< of the generated groom
-  /// Of the generated groom, or of the character's long hair; a default when not given.
+  /// Guides of the generated groom, or of the character's long hair; a default when not given.
   std::optional<uint32_t> guides;
   uint32_t repeat = 1;
   std::optional<uint32_t> follow;  ///< hairs a guide; a default for each asset when not given
   pelage::SkinningMethod skinning = pelage::SkinningMethod::kMatrices;
   HeadCollider headCollider = HeadCollider::kCapsules;
-  /// Those that are given go before `settings`.
+  /// Options that are given go before `settings`.
   std::optional<pelage::Solver> solver;
   std::optional<uint32_t> subSteps;
   std::optional<pelage::Float3> wind;

@@ -112,7 +112,7 @@ class FrameLoop {
     return image;
   }
 
-  // What of a picture of the last frame is hair.
+  // Counts the pixels of hair in a picture of the last frame.
   Result<HairPixels> hairPixels(const pelage::RenderedImage& image) {
     if (!demo_.drawsMeshes()) return sample::hairPixels(image, nullptr);
     pelage::PassList list;
@@ -149,7 +149,7 @@ class FrameLoop {
     return device_.update(demo_.resources());
   }
 
-  // The next picture's lists have room for what this one's wanted.
+  // The next picture's lists have the capacity that this picture wanted.
   Result<void> growLists() {
     const pelage::BufferId counters = demo_.transparencyCounters();
     const bool grows = settings_.method == pelage::Transparency::kWindowed ||
@@ -266,7 +266,7 @@ void printGrooms(const Options& options, const DemoScene& demo) {
                options.quality == Quality::kFast ? "fast" : "full");
 }
 
-// What contacts of follow hairs took in the last frame.
+// Prints the contacts of follow hairs in the last frame.
 void printFollowContacts(const pelage::HairObject& hair, HeadlessDevice& device) {
   if (hair.buffers().followContactWords == pelage::BufferId::kInvalid) return;
   const auto words = device.read(hair.buffers().followContactWords);
@@ -276,7 +276,7 @@ void printFollowContacts(const pelage::HairObject& hair, HeadlessDevice& device)
              counters.records, counters.strandsWalkedAgain);
 }
 
-// What contacts took in the last frame, and what they left.
+// Prints the contacts of the last frame, and the deepest vertex that they left.
 Result<void> printContacts(const DemoScene& demo, HeadlessDevice& device) {
   constexpr float kMillimeters = 1000;
   for (const pelage::HairId id : demo.hairs()) {
@@ -293,7 +293,7 @@ Result<void> printContacts(const DemoScene& demo, HeadlessDevice& device) {
   return {};
 }
 
-// Of all grooms together; the most vertices that a strand has.
+// Sums over all grooms, and the maximum of vertices per strand.
 RunInfo runInfo(const Options& options, const DemoScene& demo, std::string name, uint32_t frames) {
   RunInfo info = {options.commit, std::move(name), 0, 0, 0, frames};
   for (const pelage::HairId id : demo.hairs()) {
@@ -373,7 +373,7 @@ Result<FileAssets> loadFiles(const Options& options, Progress& progress) {
     printWarning(warning);
   FileAssets files = {*std::move(loaded), {}};
   for (pelage::CachedHair& hair : files.assets.hairs) {
-    // Those of a cache; --follow-file is not given with --follow.
+    // The follow hairs of a cache; --follow-file excludes --follow.
     if (options.follow) hair.followHairs.clear();
     std::vector<pelage::BoneInfluences> none;
     if (Result<void> done =
@@ -409,7 +409,7 @@ Result<void> run(Options options) {
   if (options.listDevices) return printDevices(options.api);
 
   Progress progress(options.quiet);
-  // What is wrong with a file is said without a device.
+  // Errors of files come before a device is opened.
   std::optional<FileAssets> files;
   if (showsFiles(options)) {
     auto loaded = loadFiles(options, progress);

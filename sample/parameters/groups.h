@@ -1,4 +1,4 @@
-// What the files of the table's rows share.
+// Helpers of the files that have the table's rows.
 #pragma once
 
 #include <concepts>
@@ -54,7 +54,7 @@ template <class T>
 std::string text(std::span<const T> value) {
   return value.empty() ? "empty" : std::to_string(value.size()) + " elements";
 }
-/// Of structs whose fields are a group of their own.
+/// Rows of structs whose fields are a group of their own.
 template <class T>
 requires std::same_as<T, pelage::WindSettings> || std::same_as<T, pelage::ParameterCurves> ||
     std::same_as<T, pelage::SleepSettings> || std::same_as<T, pelage::HairContactSettings> ||

@@ -21,7 +21,7 @@
 
 namespace sample {
 
-/// What is in the picture.
+/// The subject of the picture.
 enum class Subject : uint8_t {
   kLock,    ///< a lock of hair on a small ball
   kSwatch,  ///< hair laid over a roll

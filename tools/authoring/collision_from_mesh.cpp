@@ -241,7 +241,7 @@ class Cutter {
   detail::EdgeBalance whole_;     // between places
   std::vector<Vector> normals_;   // [vertex] of those that stay
   std::vector<std::string> boneNames_;
-  // Of the piece at hand; kNone for what it does not have.
+  // Reset for each piece; kNone: not in the piece.
   std::vector<uint32_t> numbers_;      // [vertex] in the collision mesh
   std::vector<uint32_t> cornerAt_;     // [place] a vertex of the collision mesh
   std::vector<uint32_t> boneNumbers_;  // [bone] in the collision mesh

@@ -42,7 +42,7 @@ bool EdgeBalance::isClosed(uint32_t from, uint32_t to) const {
 
 std::vector<std::vector<uint32_t>> cutRims(std::span<const uint32_t> indices,
                                            const EdgeBalance& whole) {
-  // What closes an edge runs along it the other way.
+  // A closing edge runs the other way.
   std::vector<std::array<uint32_t, 2>> edges;  // from, to
   for (const Balance& edge : openEdges(indices)) {
     if (!whole.isClosed(edge.edge[0], edge.edge[1])) continue;

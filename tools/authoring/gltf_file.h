@@ -1,5 +1,5 @@
-// What glTF 2.0 readers of this library share: the JSON, the buffers and the accessors, each
-// checked before it is used.
+// Shared by the readers of glTF 2.0: the JSON, the buffers and the accessors, each checked before
+// it is used.
 #pragma once
 
 #include <cstddef>

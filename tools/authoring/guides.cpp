@@ -63,7 +63,6 @@ class Selector {
   }
 
  private:
-  // What follows one hair.
   struct Follow {
     FollowHair hair;  // guides by their index in the full groom
     Deviation deviation;

@@ -264,7 +264,7 @@ std::vector<uint32_t> findMedoids(const HairFeatures& features, std::span<const 
       seeds.addCenter(hair);
     } while (medoids.size() < count && seeds.draw(random, hair));
   }
-  // What is left are copies of medoids.
+  // The remaining hairs are copies of medoids.
   for (size_t i = 0; medoids.size() < count; ++i)
     if (!isMedoid[hairs[i]]) add(hairs[i]);
 

@@ -1,4 +1,4 @@
-// Which reader a file is for.
+// Chooses the reader for a file.
 #include "pelage/authoring/hair_files.h"
 
 #include <fmt/format.h>

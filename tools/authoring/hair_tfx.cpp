@@ -32,8 +32,8 @@ void addMasses(HairCurves& curves, bool bothEndsImmovable) {
       curves.inverseMasses.push_back(i < 2 || i + 2 >= count ? 0.0f : 1.0f);
 }
 
-// Of a file of version 4.0, the strands without a vertex that is within kMaxCoordinate. None when
-// the positions are not where the header says: loadTfx() has the words for that.
+// Strands of a file of version 4.0 without a vertex that is within kMaxCoordinate. None when the
+// positions are not where the header says: loadTfx() reports that.
 std::vector<uint32_t> strandsWithoutPositions(std::span<const std::byte> bytes) {
   constexpr uint64_t kHeaderSize = 160;
   if (bytes.size() < kHeaderSize) return {};

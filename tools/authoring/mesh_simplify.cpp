@@ -44,7 +44,7 @@ SimplifiedMesh simplifyMesh(std::span<const Float3> positions, std::span<const u
   const unsigned options = keepRims ? unsigned{meshopt_SimplifyLockBorder} : 0u;
   const TriangleTree sourceTree = treeOf(positions, source);
   // meshoptimizer bounds a mean over the triangles that met in a vertex, so the distance comes out
-  // larger or smaller than what is asked for.
+  // larger or smaller than the bound.
   double target = errorBound;
   for (int i = 0; i < kTries; ++i) {
     std::vector<uint32_t> result(source.size());

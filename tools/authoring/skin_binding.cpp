@@ -112,7 +112,7 @@ class Binder {
     const auto after = std::upper_bound(
         mesh_.parts.begin(), mesh_.parts.end(), point.triangle,
         [](uint32_t t, const SkinnedMeshPart& part) { return t < part.firstTriangle; });
-    // Of parts that start there the last one; those before it have no triangles.
+    // The last part that starts there; others that start there have no triangles.
     const auto part = after - 1;
     SurfaceRoot result;
     result.part = static_cast<uint32_t>(part - mesh_.parts.begin());

@@ -56,7 +56,7 @@ std::optional<int64_t> parseInteger(std::string_view word) {
 }
 
 bool TextLines::next() {
-  // What was not read of a continued line.
+  // Skips the rest of a continued line.
   do {
     if (rest_.empty()) {
       line_ = {};

@@ -23,7 +23,7 @@ std::optional<float> parseFloat(std::string_view word);
 /// A whole word as a whole number.
 std::optional<int64_t> parseInteger(std::string_view word);
 
-/// What some editors of Windows put in front of UTF-8.
+/// Some editors of Windows put it in front of UTF-8.
 inline constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
 class TextLines {
@@ -67,7 +67,7 @@ class TextLines {
   uint64_t lineNumber_ = 0;
 };
 
-/// What of a word goes into an error.
+/// The part of a word that errors quote.
 inline std::string_view clip(std::string_view text) { return text.substr(0, 40); }
 
 }  // namespace pelage::detail

@@ -90,7 +90,7 @@ const char* interpolationOf(const UsdCurvesDef& def) {
   return def.widths.size() == def.vertexCounts.size() ? "uniform" : "vertex";
 }
 
-// What no frame changes.
+// Adds the attributes that are the same in all frames.
 void addConstants(Text& text, const UsdCurvesDef& def) {
   text.append(std::string_view("    int[] curveVertexCounts = "));
   addNumbers(text, std::span(def.vertexCounts));

@@ -90,7 +90,7 @@ class Fitting {
     for (size_t segment = 1; segment <= segments_; ++segment) {
       before.swap(reached);
       reached.assign(last_ + 1, kInfinity);
-      // What can be reached from the root, and reach the tip.
+      // Sites that are reachable from the root, and from which the tip is reachable.
       const size_t left = segments_ - segment;
       const size_t first = std::max(segment * kShortest, last_ - std::min(last_, left * kLongest));
       const size_t end = std::min(segment * kLongest, last_ - left * kShortest);

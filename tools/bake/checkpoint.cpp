@@ -39,7 +39,7 @@ std::span<const std::byte> bytesOf(const T& value) {
 
 uint64_t hashOf(std::span<const std::byte> bytes) { return sourceKeyOf(bytes, "").hash; }
 
-// Keeps the hashes of what goes through it.
+// Writes a file and hashes its bytes.
 class HashedWriter {
  public:
   explicit HashedWriter(AtomicFile file) : file_(std::move(file)) {}

@@ -16,7 +16,7 @@
 
 namespace pelage::bake {
 
-/// What a checkpoint is of.
+/// Identifies the state that a checkpoint holds.
 struct CheckpointKey {
   uint64_t fingerprint = 0;  ///< of the shot
   uint64_t steps = 0;        ///< that have run

@@ -20,7 +20,7 @@
 
 namespace pelage::bake {
 
-/// What a writer has done so far.
+/// Progress of a writer.
 struct ChunkWriterReport {
   uint64_t frames = 0;   ///< of chunks that are complete on the disk
   double seconds = 0;    ///< of encoding and writing

@@ -22,7 +22,7 @@ struct ErrorBound {
   double share = 0.99;  ///< of the vertices, 0..1
 };
 
-/// Of a number of sub-steps, against twice as many.
+/// Error of a number of sub-steps against twice as many.
 struct SubStepError {
   uint32_t subSteps = 1;
   double error = 0;                  ///< of the share of the vertices, at most [m]

@@ -15,7 +15,7 @@ using nlohmann::json;
 
 namespace {
 
-// Of a name in a JSON pointer: RFC 6901.
+// Escapes a name for a JSON pointer: RFC 6901.
 std::string escaped(std::string_view key) {
   std::string text;
   for (const char c : key) text += c == '~' ? "~0" : c == '/' ? "~1" : std::string(1, c);

@@ -13,7 +13,7 @@
 
 namespace pelage::bake {
 
-/// What is wrong with a file, in the order in which it was found.
+/// Errors of a file, in the order in which they were found.
 struct JsonFaults {
   std::string file;
   std::vector<std::string> messages;

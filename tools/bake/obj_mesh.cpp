@@ -47,7 +47,7 @@ std::optional<uint32_t> cornerOf(std::string_view word, size_t vertices) {
   return static_cast<uint32_t>(index);
 }
 
-// What is wrong with a line, or nullptr.
+// Returns the error of a line, or nullptr.
 const char* readLine(std::string_view line, CollisionMesh& mesh) {
   Words words(line);
   const std::string_view kind = words.next();

@@ -49,7 +49,7 @@ uint64_t totalBytes(const std::vector<StoredFile>& files) {
   return sum;
 }
 
-// What is wrong with a cache of a shot, or nothing.
+// Returns the error of a cache of a shot; empty if there is none.
 std::string faultOfCache(const Path& path, const Shot& shot, bool decode) {
   auto reader = HairCacheReader::open(path);
   if (!reader) return reader.error().message;

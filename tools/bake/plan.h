@@ -1,4 +1,4 @@
-// What is to be run, how far it is, and whether it is still what it was.
+// The work of a project: lists it, reports progress, and verifies results.
 #pragma once
 
 #include <cstdint>

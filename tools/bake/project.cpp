@@ -164,7 +164,7 @@ void readOutput(JsonMembers& root, const Path& folder, Project& project) {
   }
 }
 
-// What the frames of a shot depend on, beside its files.
+// Everything that the frames of a shot depend on, except its files.
 json inputsOf(const Project& project, const Shot& shot) {
   json inputs = {{"version", 1},
                  {"cacheVersion", kHairCacheVersion},

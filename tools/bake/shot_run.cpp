@@ -286,7 +286,7 @@ Result<void> ShotRun::simulate(const std::vector<uint64_t>& missing) {
     if (!done || stops) break;
   }
   if (done && stopped() && steps_ < lastStep_) report_.outcome = RunOutcome::kInterrupted;
-  // What is complete is written, whatever ended the run.
+  // Complete chunks are written, whatever ended the run.
   const Result<void> written = writer_->close();
   report_.framesWritten = writer_->report().frames;
   report_.encodingSeconds = writer_->report().seconds;

@@ -94,7 +94,7 @@ void poseBy(Skeleton skeleton, std::function<std::vector<AffineTransform>(double
   };
 }
 
-// What moves the bones, and their names.
+// Loads the motion of the bones, and their names.
 Result<void> loadMotion(const Shot& shot, ShotInputs& inputs) {
   inputs.pose = [](double) { return std::vector<AffineTransform>(1); };
   if (!shot.animation.empty()) {

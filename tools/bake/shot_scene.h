@@ -19,7 +19,7 @@
 
 namespace pelage::bake {
 
-/// A groom with what it has of its own.
+/// A groom with its own settings.
 struct ShotHair {
   CachedHair hair;
   SimulationSettings settings;
@@ -51,7 +51,7 @@ struct ShotInputs {
 /// does not have; a point cache of another mesh; two grooms of one name.
 Result<ShotInputs> loadShot(const Shot& shot);
 
-/// What is baked of a groom.
+/// A groom in the scene, as it is baked.
 struct BakedHair {
   std::string name;
   HairId id = {};

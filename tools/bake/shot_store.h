@@ -1,4 +1,4 @@
-// The folder of a shot: what of it is written, and how far its work is.
+// The folder of a shot: its complete files, and the progress of its work.
 //
 //   OUTPUT/SHOT/done.json             the shot is complete: its files with their hashes
 //   OUTPUT/SHOT/GROOM.pelagecache     all frames, and GROOM.usda
@@ -22,7 +22,7 @@
 
 namespace pelage::bake {
 
-/// A file of a folder with what it must be.
+/// A file of a folder with its expected size and hash.
 struct StoredFile {
   std::string name;
   uint64_t bytes = 0;
@@ -47,7 +47,7 @@ class ShotStore {
 
   /// Contents of done.json; nothing where the shot is not complete. Errors: a file that is damaged.
   Result<std::optional<nlohmann::json>> done() const;
-  /// The fingerprint of what is in the folder; nothing where there is nothing. \param device
+  /// The fingerprint of the work in the folder; nothing for an empty folder. \param device
   /// receives the device, where it is known.
   Result<std::optional<uint64_t>> fingerprint(std::string* device = nullptr) const;
   /// Makes the folders, and notes what the work is of. Errors: the folder has work of something
@@ -75,7 +75,7 @@ class ShotStore {
 nlohmann::json toJson(const std::vector<StoredFile>& files);
 /// Errors: JSON that toJson() has not made. \param name  of the file, for errors
 Result<std::vector<StoredFile>> filesOf(const nlohmann::json& from, const std::string& name);
-/// The first file that is missing or has other bytes, with what is wrong; empty if all is well.
+/// Names the first file that is missing or has other bytes, and its error; empty if all is well.
 /// \param hashes  false: compares sizes alone
 std::string faultOf(const std::vector<StoredFile>& files, const std::filesystem::path& folder,
                     bool hashes);

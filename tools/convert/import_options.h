@@ -10,7 +10,7 @@ class Validator;
 
 namespace pelage::convert {
 
-/// --scale, --up-axis, --invert-z. \param of what the help says that they belong to.
+/// --scale, --up-axis, --invert-z. \param of  owner of the axes in the help texts
 void addAxisOptions(CLI::App& command, const char* of, float& scale, UpAxis& upAxis, bool& invertZ);
 
 const char* toString(UpAxis axis);

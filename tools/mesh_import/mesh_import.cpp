@@ -105,9 +105,9 @@ class MeshReader {
     return entry->second;
   }
 
-  // What maps the vertices of a mesh to the scene, by bone of the mesh; the last one is for those
-  // without a bone. Where the file's pose is the bind pose all are one map but for rounding, which
-  // would tear vertices apart that have different bones: then it is one.
+  // Maps from the mesh to the scene [bone of the mesh]; the last one is for vertices without a
+  // bone. In the bind pose all maps are equal but for rounding, which would tear vertices of
+  // different bones apart: then all are the same.
   std::vector<Matrix4d> mapsOf(const aiMesh& mesh, const NodeAt& placed) const {
     std::vector<Matrix4d> maps;
     for (uint32_t i = 0; i < mesh.mNumBones; ++i) {

@@ -8,7 +8,7 @@
 
 namespace pelage::detail {
 
-/// What vertices must agree in, bit by bit but for the sign of zero.
+/// Attributes that must be equal bit by bit, except for the sign of zero.
 enum class WeldBy : uint8_t {
   kPosition,
   kPositionAndBones,

@@ -1,4 +1,4 @@
-// What a program says on stderr, one line each.
+// Messages of a program on stderr, one line each.
 #pragma once
 
 #include <string_view>

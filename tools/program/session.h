@@ -1,4 +1,4 @@
-// What the commands of a program share: the report, for people or as JSON, and progress.
+// Shared by the commands of a program: the report, for people or as JSON, and progress.
 #pragma once
 
 #include <cstdint>

@@ -32,7 +32,7 @@ Error outOfRange(const Parameter& parameter, std::string_view name, std::string_
           fmt::format("'{}' is {}, but must be {}", name, value, rangeText(parameter))};
 }
 
-// What is wrong with one of a value's numbers.
+// Returns the error of one number of a value.
 std::optional<Error> wrong(const Parameter& parameter, float value, std::string_view name) {
   if (std::isnan(value)) return outOfRange(parameter, name, "not a number");
   if (std::isinf(value)) {

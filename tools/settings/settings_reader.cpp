@@ -73,7 +73,7 @@ std::optional<ParameterValue> valueOf(const Parameter& parameter, const json& fr
   return std::nullopt;
 }
 
-// What a value must be that is of another type.
+// Names the type that a value should have had.
 std::string wanted(const Parameter& parameter) {
   switch (parameter.type) {
     case ParameterType::kBool:
@@ -139,7 +139,7 @@ class SettingsReader {
     checkTop(top);
     const std::span<const SettingsSection> sections = settingsSections();
     for (size_t s = 0; s < sections.size(); ++s) {
-      // Those of the simulation may be on the top level.
+      // Settings of the simulation may be on the top level.
       if (s == 0) takeSection(0, 0, top, "");
       const auto found = top.find(std::string(sections[s].key));
       if (found == top.end()) continue;

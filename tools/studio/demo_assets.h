@@ -1,4 +1,4 @@
-// What the sample makes to show: a groom on a head.
+// Generates a groom on a head.
 #pragma once
 
 #include <cstdint>

@@ -87,7 +87,7 @@ DemoScene::DemoScene(const DemoDef& def)
     : ownScene_(def.scene == nullptr ? std::make_unique<pelage::Scene>() : nullptr),
       scene_(def.scene == nullptr ? ownScene_.get() : def.scene) {}
 
-// One that was moved from has none of these.
+// A scene that was moved from has none of these.
 DemoScene::~DemoScene() {
   for (MeshObject& mesh : meshes_) mesh.remove(scene_->resources());
   if (!hairs_.empty() && opaqueDepth_ != pelage::BufferId::kInvalid)
@@ -148,7 +148,7 @@ Result<DemoScene> DemoScene::create(const DemoAssets& assets, const DemoDef& def
   return demo;
 }
 
-// What hair collides with, and the mesh that is drawn.
+// Adds the collider and the mesh that is drawn.
 Result<void> DemoScene::addHead(const DemoAssets& assets, const DemoDef& def) {
   const bool collides = def.headCollider == HeadCollider::kMesh && assets.mesh;
   if (def.drawSdf && !collides)

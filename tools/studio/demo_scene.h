@@ -22,7 +22,7 @@
 
 namespace sample {
 
-/// What the hair of a generated head collides with.
+/// The collider of a generated head.
 enum class HeadCollider : uint8_t {
   kCapsules,
   kMesh,  ///< the head's mesh, through a signed distance field
@@ -123,8 +123,8 @@ class DemoScene {
   /// Adds what comes before the hair in a view: the shadow maps of hair, and the draws of
   /// drawMeshes() with the shadow in them.
   pelage::Result<void> drawOpaque(const pelage::View& view, pelage::PassList& list);
-  /// Adds the draws of what draw() shows beside hair and contacts, with the shadow of the hair of
-  /// the last draw().
+  /// Adds the draws of all that draw() shows except hair and contacts, with the shadow of the hair
+  /// of the last draw().
   pelage::Result<void> drawMeshes(const pelage::View& view, pelage::PassList& list);
   /// With DemoDef::drawSdf, after draw() has run: an error when a surface was too large to be drawn
   /// as a whole.
@@ -147,14 +147,14 @@ class DemoScene {
   const std::vector<pelage::ColliderId>& colliders() const { return colliders_; }
   /// Skinning transforms of the last frame, bind space to world.
   std::vector<pelage::AffineTransform> bones() const { return pose_(frame_ * kFrameSeconds); }
-  /// What a head's hair collides with by HeadCollider::kCapsules, where it is in the last frame.
+  /// The capsules of HeadCollider::kCapsules in the last frame.
   std::vector<pelage::CapsuleCollider> capsules() const;
   /// The same at a time of pose() [s].
   std::vector<pelage::CapsuleCollider> capsules(double seconds) const;
   /// HairAsset::restLengths of a hair object. \param hair index in hairs().
   const std::vector<float>& restLengths(size_t hair) const { return restLengths_[hair]; }
   const pelage::Scene& scene() const { return *scene_; }
-  /// Of the device that runs it: Scene::setTier().
+  /// Tier of the device that runs the scene: Scene::setTier().
   void setTier(pelage::Tier tier) { scene_->setTier(tier); }
   /// Counters of a hair object's contacts in the last frame, and its deepest vertex [m]: read back.
   /// Nothing where no collider has been in reach.
@@ -174,7 +174,6 @@ class DemoScene {
 
  private:
   explicit DemoScene(const DemoDef& def);
-  /// What a hair object is made of.
   struct HairSource {
     std::shared_ptr<const pelage::HairAsset> asset;
     pelage::HairDef def;  ///< without its spans, which are those below

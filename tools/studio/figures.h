@@ -1,4 +1,4 @@
-// What each kernel cost: collected pass by pass, shown as a table, kept as CSV.
+// The cost of each kernel: collected pass by pass, shown as a table, kept as CSV.
 #pragma once
 
 #include <cstdint>
@@ -42,7 +42,7 @@ class Figures {
   std::vector<PassFigure> passes_;
 };
 
-/// What stands beside the figures in every row of the CSV file.
+/// The columns that are the same in every row of the CSV file.
 struct RunInfo {
   std::string commit;  ///< of the source, as the user says; may be empty
   std::string asset;

@@ -204,7 +204,7 @@ json animationOf(const char* name, CharacterMotion motion, const pelage::Skeleto
     for (size_t bone = 0; bone < bones; ++bone) {
       const LocalPose pose = localPose(skeleton, world, bone);
       Float4 q = pose.rotation;
-      // Of the two quaternions of a rotation the one near the one before.
+      // A rotation has two quaternions: take the one that is nearer to the key before.
       const std::vector<float>& before = rotations[bone];
       const size_t n = before.size();
       if (n >= 4 &&

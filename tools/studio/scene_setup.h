@@ -1,4 +1,4 @@
-// What the sample's scenes have in common: what the camera is to see, and the light.
+// Shared by the demo scenes: the points that the camera shows, and the light.
 #pragma once
 
 #include <span>
@@ -34,8 +34,8 @@ void sweepMesh(const pelage::CollisionMesh& mesh, const std::vector<pelage::Affi
 /// A warm light from the upper left of a camera in this direction, and a cool sky.
 pelage::Light studioLight(const pelage::Float3& camera);
 
-/// What a light in this direction sees of these points, on a map of size x size texels: parallel,
-/// with depth for three times as much in front of them.
+/// A parallel view of these points from the light, on a map of size x size texels, with depth for
+/// three times their extent in front of them.
 pelage::View lightView(std::span<const pelage::Float3> points, const pelage::Float3& toLight,
                        uint32_t size);
 

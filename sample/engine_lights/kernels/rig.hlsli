@@ -93,7 +93,7 @@ SpotLight spotAt(float3 world) {
   float share = saturate((cosine - g_rigSpotPosition.w) / (g_rigSpotAxis.w - g_rigSpotPosition.w));
   spot.color = g_rigSpotColor.rgb * (share * share / distanceSquared);
   float4 p = float4(world, 1.0);
-  // What is behind the spot light has no share of it.
+  // Points behind the spot light get none of it.
   float w = max(dot(g_rigSpot[3], p), 1e-6);
   float2 clip = float2(dot(g_rigSpot[0], p), dot(g_rigSpot[1], p)) / w;
   float depth = dot(g_rigSpot[2], p) / w - g_rigMaps.w;
@@ -108,7 +108,7 @@ SpotLight spotAt(float3 world) {
   return spot;
 }
 
-// Light of the sky and of what is around, on a white surface that faces this way. Without
+// Light of the sky and the surroundings on a white surface that faces this way. Without
 // derivatives: the kernels that call it do so in loops and in compute.
 float3 skyOn(float3 normal) {
   return g_rigIrradiance.SampleLevel(g_rigIrradianceSampler, normal, 0.0).rgb * g_rigSky.x;

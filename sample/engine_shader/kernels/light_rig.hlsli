@@ -1,5 +1,5 @@
 // The light of this engine: a sky, a key light with a shadow of the hair, a rim light from behind.
-// Who includes this defines LIGHT_RIG_REGISTER before. Nothing of it is pelage's.
+// Define LIGHT_RIG_REGISTER before you include this. All of it is the engine's.
 #ifndef ENGINE_SHADER_LIGHT_RIG_HLSLI
 #define ENGINE_SHADER_LIGHT_RIG_HLSLI
 
