@@ -261,7 +261,7 @@ void addSimulationOptions(CLI::App& app, Options& options, Given& given) {
                          ->type_name("X,Y,Z");
 }
 
-void addPictureOptions(CLI::App& app, Options& options, Given& given) {
+void addPictureOptions(CLI::App& app, Options& options) {
   app.add_option("--frames", options.frames, "frames of 1/60 s to simulate (240)")
       ->check(CLI::Range(1u, 1u << 20).description(""))
       ->type_name("N");
@@ -281,6 +281,9 @@ void addPictureOptions(CLI::App& app, Options& options, Given& given) {
   app.add_option("--height", options.height, "of the pictures [pixels] (640)")
       ->check(CLI::Range(16u, 16384u).description(""))
       ->type_name("N");
+}
+
+void addDrawingOptions(CLI::App& app, Options& options, Given& given) {
   const std::map<std::string, pelage::Transparency> transparencies = {
       {"alpha-test", pelage::Transparency::kAlphaTest},
       {"stochastic", pelage::Transparency::kStochastic},
@@ -409,7 +412,8 @@ std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
   addFileOptions(app, options, given);
   addHairOptions(app, options, given);
   addSimulationOptions(app, options, given);
-  addPictureOptions(app, options, given);
+  addPictureOptions(app, options);
+  addDrawingOptions(app, options, given);
   addOutputOptions(app, options);
   try {
     app.parse(argc, argv);

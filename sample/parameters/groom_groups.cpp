@@ -147,12 +147,9 @@ std::vector<Parameter> regionRows() {
 }  // namespace
 
 std::vector<ParameterGroup> groomGroups() {
-  std::vector<Parameter> rows = sizeRows();
-  for (auto* more : {&shapeRows, &regionRows})
-    for (Parameter& row : (*more)()) rows.push_back(std::move(row));
   return {{"GroomDef", "pelage/demo/groom.h",
            "generateGroom(): the head in many of these pictures. [gallery.md](gallery.md)",
-           std::move(rows)}};
+           joined(sizeRows(), shapeRows(), regionRows())}};
 }
 
 }  // namespace sample

@@ -69,6 +69,17 @@ requires std::same_as<T, pelage::WindSettings> || std::same_as<T, pelage::Parame
 Parameter tuned(std::string_view owner, std::string_view field,
                 std::optional<Picture> picture = {});
 
+/// The rows of all these parts, one after the other.
+template <class... Part>
+std::vector<Parameter> joined(Part&&... part) {
+  std::vector<Parameter> rows;
+  const auto append = [&rows](std::vector<Parameter> more) {
+    for (Parameter& row : more) rows.push_back(std::move(row));
+  };
+  (append(std::forward<Part>(part)), ...);
+  return rows;
+}
+
 /// An object as it is made.
 template <class T>
 const T& untouched() {

@@ -116,7 +116,7 @@ std::vector<Parameter> objectRows() {
   };
 }
 
-std::vector<Parameter> defRows() {
+std::vector<Parameter> bindingRows() {
   return {
       {PELAGE_FIELD(HairDef, name),
        "",
@@ -154,6 +154,11 @@ std::vector<Parameter> defRows() {
        "one per guide; see StrandFactors",
        "Factors of every guide; if empty, all are 1.",
        {}},
+  };
+}
+
+std::vector<Parameter> strandRows() {
+  return {
       tuned("HairDef", "levelOfDetail"),
       {PELAGE_FIELD(HairDef, followHairs),
        "",
@@ -425,7 +430,8 @@ std::vector<ParameterGroup> hairGroups() {
   return {
       {"HairObject", object, "Scene::hair(); may change at any time. [scene.md](scene.md)",
        objectRows()},
-      {"HairDef", object, "Argument of Scene::addHair(); cannot change later.", defRows()},
+      {"HairDef", object, "Argument of Scene::addHair(); cannot change later.",
+       joined(bindingRows(), strandRows())},
       {"StrandFactors", object, "HairDef::strandFactors", factorRows()},
       {"ColorTexture", object, "HairDef::baseTexture", textureRows()},
       {"StrandTexture", "pelage/strand_texture.h",

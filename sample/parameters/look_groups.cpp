@@ -230,6 +230,11 @@ std::vector<Parameter> lightRows() {
             show(with(spot(), [](Setup& s) { s.lights[0].outerConeAngle = 0.3f; }),
                  std::vector{0.0f, 0.2f, 0.3f}, light(&Light::innerConeAngle),
                  "An outer angle of 0.3: a soft edge, a narrow one, and none.")),
+  };
+}
+
+std::vector<Parameter> shadowRows() {
+  return {
       tuned("Light", "shadow",
             show(shadowed(), std::vector{HairShadow::kNone, HairShadow::kDepth, HairShadow::kDeep},
                  light(&Light::shadow), "The light is on the left.")),
@@ -408,19 +413,16 @@ std::vector<Parameter> depthRows() {
 }  // namespace
 
 std::vector<ParameterGroup> materialGroups() {
-  std::vector<Parameter> rows = colorRows();
-  for (auto* more : {&kajiyaRows, &fiberRows})
-    for (Parameter& row : (*more)()) rows.push_back(std::move(row));
   return {{"StrandMaterial", "pelage/view.h",
            "HairObject::material; may change at any time. [shading.md](shading.md)",
-           std::move(rows)}};
+           joined(colorRows(), kajiyaRows(), fiberRows())}};
 }
 
 std::vector<ParameterGroup> viewGroups() {
   const std::string view = "pelage/view.h";
   return {
       {"Light", view, "Scene::draw(), at most 8; shadows for 4 of them. [shadow.md](shadow.md)",
-       lightRows()},
+       joined(lightRows(), shadowRows())},
       {"OpaqueShadow", view,
        "Light::opaque. [shadow.md](shadow.md#shadows-of-opaque-geometry-on-hair)",
        opaqueShadowRows()},

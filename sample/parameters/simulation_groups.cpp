@@ -131,6 +131,11 @@ std::vector<Parameter> mainRows() {
                  "0.67 s after the lock was released, undamped: one step damps the swing by "
                  "itself, and "
                  "more keep its speed.")),
+  };
+}
+
+std::vector<Parameter> poseRows() {
+  return {
       tuned("SimulationSettings", "localStiffness",
             show(classic(curly()), std::vector{0.0f, 0.9f, 1.0f},
                  setting(&SimulationSettings::localStiffness),
@@ -159,6 +164,11 @@ std::vector<Parameter> mainRows() {
                  std::vector{5.0f, 9.0f, 200.0f}, setting(&SimulationSettings::vspThreshold),
                  "The same pull at 12 m/s² with a coefficient of 0: more than twice the threshold, "
                  "between, and below it.")),
+  };
+}
+
+std::vector<Parameter> motionRows() {
+  return {
       {PELAGE_FIELD(SimulationSettings, wind), "", "see WindSettings", "A wind with gusts.", {}},
       tuned("SimulationSettings", "airDrag",
             show(classic(windy(3)), std::vector{0.2f, 2.0f, 10.0f},
@@ -322,7 +332,7 @@ std::vector<ParameterGroup> simulationGroups() {
   return {
       {"SimulationSettings", header,
        "HairObject::settings; all may change in every frame. [simulation.md](simulation.md)",
-       mainRows()},
+       joined(mainRows(), poseRows(), motionRows())},
       {"WindSettings", header, "SimulationSettings::wind", windRows()},
       {"ParameterCurves", header,
        "SimulationSettings::curves: eight factors at equal distances from the root to the tip.",

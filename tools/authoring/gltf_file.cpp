@@ -298,37 +298,44 @@ Result<GltfFile::View> GltfFile::view(uint64_t accessor, uint32_t components) {
   result.count = elements;
   if (elements == 0) return fail(path + ".count", "0; it must be at least 1");
 
-  const std::string viewPath = fmt::format("bufferViews[{}]", viewIndex);
-  auto viewObject = element("bufferViews", viewIndex);
-  if (!viewObject) return viewObject.error();
-  const auto extensions = (*viewObject)->find("extensions");
-  if (extensions != (*viewObject)->end() && extensions->contains("EXT_meshopt_compression"))
-    return fail(viewPath, "EXT_meshopt_compression cannot be read; export without compression");
-  auto bufferIndex = whole(**viewObject, "buffer", viewPath);
-  if (!bufferIndex) return bufferIndex.error();
-  auto viewOffset = whole(**viewObject, "byteOffset", viewPath, 0);
-  if (!viewOffset) return viewOffset.error();
-  auto viewLength = whole(**viewObject, "byteLength", viewPath);
-  if (!viewLength) return viewLength.error();
   const uint64_t elementSize = componentSize * components;
-  auto stride = whole(**viewObject, "byteStride", viewPath, elementSize);
+  auto from = bufferView(viewIndex, elementSize);
+  if (!from) return from.error();
+  // In this order nothing overflows: the first element fits, then the others do.
+  const uint64_t length = from->bytes.size();
+  if (offset > length || elementSize > length - offset ||
+      elements - 1 > (length - offset - elementSize) / from->stride)
+    return fail(path, fmt::format("{} elements of {} bytes from byte {} leave its view of {} bytes",
+                                  elements, elementSize, offset, length));
+  result.stride = from->stride;
+  result.bytes = from->bytes.subspan(offset);
+  return result;
+}
+
+Result<GltfFile::BufferView> GltfFile::bufferView(uint64_t index, uint64_t elementSize) {
+  const std::string path = fmt::format("bufferViews[{}]", index);
+  auto object = element("bufferViews", index);
+  if (!object) return object.error();
+  const auto extensions = (*object)->find("extensions");
+  if (extensions != (*object)->end() && extensions->contains("EXT_meshopt_compression"))
+    return fail(path, "EXT_meshopt_compression cannot be read; export without compression");
+  auto bufferIndex = whole(**object, "buffer", path);
+  if (!bufferIndex) return bufferIndex.error();
+  auto offset = whole(**object, "byteOffset", path, 0);
+  if (!offset) return offset.error();
+  auto length = whole(**object, "byteLength", path);
+  if (!length) return length.error();
+  auto stride = whole(**object, "byteStride", path, elementSize);
   if (!stride) return stride.error();
   if (*stride < elementSize || *stride > 252 + elementSize)
-    return fail(viewPath + ".byteStride",
+    return fail(path + ".byteStride",
                 fmt::format("{} for elements of {} bytes", *stride, elementSize));
   auto bytes = buffer(*bufferIndex);
   if (!bytes) return bytes.error();
-  if (*viewOffset > bytes->size() || *viewLength > bytes->size() - *viewOffset)
-    return fail(viewPath, fmt::format("bytes {} + {} leave the buffer of {} bytes", *viewOffset,
-                                      *viewLength, bytes->size()));
-  // In this order nothing overflows: the first element fits, then the others do.
-  if (offset > *viewLength || elementSize > *viewLength - offset ||
-      elements - 1 > (*viewLength - offset - elementSize) / *stride)
-    return fail(path, fmt::format("{} elements of {} bytes from byte {} leave its view of {} bytes",
-                                  elements, elementSize, offset, *viewLength));
-  result.stride = *stride;
-  result.bytes = bytes->subspan(*viewOffset + offset, *viewLength - offset);
-  return result;
+  if (*offset > bytes->size() || *length > bytes->size() - *offset)
+    return fail(path, fmt::format("bytes {} + {} leave the buffer of {} bytes", *offset, *length,
+                                  bytes->size()));
+  return BufferView{bytes->subspan(*offset, *length), *stride};
 }
 
 Result<std::vector<float>> GltfFile::floats(uint64_t accessor, uint32_t components) {

@@ -56,11 +56,17 @@ class GltfFile {
     bool normalized = false;
   };
 
+  struct BufferView {
+    std::span<const std::byte> bytes;
+    uint64_t stride = 0;
+  };
+
   Result<void> parseBinary();
   Result<void> parseJson(std::string_view text, uint64_t offset);
   Result<std::span<const std::byte>> buffer(uint64_t index);
   Result<std::span<const std::byte>> readBuffer(uint64_t index, const nlohmann::json& object);
   Result<View> view(uint64_t accessor, uint32_t components);
+  Result<BufferView> bufferView(uint64_t index, uint64_t elementSize);
 
   std::span<const std::byte> bytes_, chunk_;
   std::string_view name_;

@@ -245,10 +245,11 @@ void FeatureTree::nearest(const float* point, size_t count, std::vector<Neighbor
   }
 }
 
-std::vector<uint32_t> findMedoids(const HairFeatures& features, std::span<const uint32_t> hairs,
-                                  uint32_t count, uint64_t seed,
-                                  const std::function<void()>& step) {
-  if (count >= hairs.size()) return {hairs.begin(), hairs.end()};
+namespace {
+
+// Hairs far from each other.
+std::vector<uint32_t> firstMedoids(const HairFeatures& features, std::span<const uint32_t> hairs,
+                                   uint32_t count, uint64_t seed) {
   Random random(seed);
   std::vector<uint32_t> medoids;
   std::vector<bool> isMedoid(features.count(), false);
@@ -256,61 +257,80 @@ std::vector<uint32_t> findMedoids(const HairFeatures& features, std::span<const 
     isMedoid[hair] = true;
     medoids.push_back(hair);
   };
-  {
-    SeedTree seeds(features, {hairs.begin(), hairs.end()});
-    uint32_t hair = hairs[random.below(static_cast<uint32_t>(hairs.size()))];
-    do {
-      add(hair);
-      seeds.addCenter(hair);
-    } while (medoids.size() < count && seeds.draw(random, hair));
-  }
+  SeedTree seeds(features, {hairs.begin(), hairs.end()});
+  uint32_t hair = hairs[random.below(static_cast<uint32_t>(hairs.size()))];
+  do {
+    add(hair);
+    seeds.addCenter(hair);
+  } while (medoids.size() < count && seeds.draw(random, hair));
   // The remaining hairs are copies of medoids.
   for (size_t i = 0; medoids.size() < count; ++i)
     if (!isMedoid[hairs[i]]) add(hairs[i]);
+  return medoids;
+}
 
-  const size_t size = features.size();
-  std::vector<uint32_t> clusters(hairs.size());
+struct Clusters {
+  std::vector<uint32_t> of;    // [hair of the span] its cluster
+  std::vector<float> centers;  // [cluster] mean of the features
+};
+
+Clusters clustersAround(const HairFeatures& features, std::span<const uint32_t> hairs,
+                        std::span<const uint32_t> medoids) {
+  constexpr uint32_t kNoCluster = 0xffffffff;
+  const size_t size = features.size(), count = medoids.size();
+  std::vector<uint32_t> clusterOf(features.count(), kNoCluster);  // [medoid]
+  for (uint32_t c = 0; c < count; ++c) clusterOf[medoids[c]] = c;
+  const FeatureTree tree(features, {medoids.begin(), medoids.end()});
+  Clusters clusters = {std::vector<uint32_t>(hairs.size()), std::vector<float>(count * size)};
   std::vector<Neighbor> found;
-  std::vector<uint32_t> clusterOf(features.count(), 0);
-  for (uint32_t iteration = 0; iteration < kClusterIterations; ++iteration) {
-    for (uint32_t c = 0; c < count; ++c) clusterOf[medoids[c]] = c;
-    const FeatureTree tree(features, medoids);
-    std::vector<double> means(count * size, 0.0);
-    std::vector<uint32_t> sizes(count, 0);
-    for (size_t i = 0; i < hairs.size(); ++i) {
-      // A medoid stays in its own cluster, even if another one is in the same place.
-      uint32_t nearest = hairs[i];
-      if (!isMedoid[nearest]) {
-        tree.nearest(features[hairs[i]], 1, found);
-        nearest = found[0].hair;
-      }
-      const uint32_t c = clusters[i] = clusterOf[nearest];
-      ++sizes[c];
-      for (size_t k = 0; k < size; ++k) means[c * size + k] += double{features[hairs[i]][k]};
+  std::vector<double> sums(count * size, 0.0);
+  std::vector<uint32_t> sizes(count, 0);
+  for (size_t i = 0; i < hairs.size(); ++i) {
+    // A medoid stays in its own cluster, even if another one is in the same place.
+    uint32_t c = clusterOf[hairs[i]];
+    if (c == kNoCluster) {
+      tree.nearest(features[hairs[i]], 1, found);
+      c = clusterOf[found[0].hair];
     }
-    std::vector<float> centers(count * size);
-    for (uint32_t c = 0; c < count; ++c)
-      for (size_t k = 0; k < size; ++k)
-        centers[c * size + k] = static_cast<float>(means[c * size + k] / sizes[c]);
-    // The sum of the squared distances from one point to all of a cluster is its size times the
-    // squared distance from the mean, and a constant: the medoid is the hair nearest to the mean.
-    std::vector<Neighbor> best(count, {kInfinity, 0});
-    for (size_t i = 0; i < hairs.size(); ++i) {
-      const uint32_t c = clusters[i];
-      const float most = std::nextafter(best[c].squared, kInfinity);
-      const Neighbor next = {
-          squaredDistance(centers.data() + c * size, features[hairs[i]], size, most), hairs[i]};
-      best[c] = std::min(best[c], next);
-    }
-    bool changed = false;
-    for (const uint32_t medoid : medoids) isMedoid[medoid] = false;
-    for (uint32_t c = 0; c < count; ++c) {
-      changed = changed || medoids[c] != best[c].hair;
-      medoids[c] = best[c].hair;
-      isMedoid[medoids[c]] = true;
-    }
+    clusters.of[i] = c;
+    ++sizes[c];
+    for (size_t k = 0; k < size; ++k) sums[c * size + k] += double{features[hairs[i]][k]};
+  }
+  for (size_t i = 0; i < sums.size(); ++i)
+    clusters.centers[i] = static_cast<float>(sums[i] / sizes[i / size]);
+  return clusters;
+}
+
+// [cluster] The sum of the squared distances from one point to all of a cluster is its size times
+// the squared distance from the mean, and a constant: the medoid is the hair nearest to the mean.
+std::vector<uint32_t> medoidsOf(const Clusters& clusters, const HairFeatures& features,
+                                std::span<const uint32_t> hairs) {
+  const size_t size = features.size();
+  std::vector<Neighbor> best(clusters.centers.size() / size, {kInfinity, 0});
+  for (size_t i = 0; i < hairs.size(); ++i) {
+    const uint32_t c = clusters.of[i];
+    const float most = std::nextafter(best[c].squared, kInfinity);
+    const Neighbor next = {
+        squaredDistance(clusters.centers.data() + c * size, features[hairs[i]], size, most),
+        hairs[i]};
+    best[c] = std::min(best[c], next);
+  }
+  std::vector<uint32_t> medoids;
+  for (const Neighbor& neighbor : best) medoids.push_back(neighbor.hair);
+  return medoids;
+}
+
+}  // namespace
+
+std::vector<uint32_t> findMedoids(const HairFeatures& features, std::span<const uint32_t> hairs,
+                                  uint32_t count, uint64_t seed,
+                                  const std::function<void()>& step) {
+  if (count >= hairs.size()) return {hairs.begin(), hairs.end()};
+  std::vector<uint32_t> medoids = firstMedoids(features, hairs, count, seed), before;
+  for (uint32_t i = 0; i < kClusterIterations && medoids != before; ++i) {
+    before = medoids;
+    medoids = medoidsOf(clustersAround(features, hairs, before), features, hairs);
     if (step) step();
-    if (!changed) break;
   }
   std::sort(medoids.begin(), medoids.end());
   return medoids;

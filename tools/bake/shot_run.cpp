@@ -48,333 +48,261 @@ Result<std::vector<uint64_t>> chunksOf(const Project& project, const Shot& shot,
                            project.chunkFrames)};
 }
 
-// One run of one range.
-class ShotRun {
- public:
-  ShotRun(const Project& project, const Shot& shot, const RunOptions& options)
-      : project_(project),
-        shot_(shot),
-        options_(options),
-        range_(options.range.value_or(shot.frames)),
-        store_(project, shot),
-        tag_(fmt::format("{}-{}", range_.first, range_.last)) {}
+// The task of a run, and its report.
+struct Run {
+  const Project& project;
+  const Shot& shot;
+  const RunOptions& options;
+  FrameRange range = options.range.value_or(shot.frames);
+  ShotStore store{project, shot};
+  std::string tag = fmt::format("{}-{}", range.first, range.last);
+  uint64_t fingerprint = 0;
+  RunReport report = {};
 
-  Result<RunReport> run();
-
- private:
-  Result<bool> isComplete();
-  Result<void> work();
-  Result<void> chooseSteps(const ShotInputs& inputs);
-  Result<void> prepare();
-  Result<void> resume(uint64_t firstMissing);
-  Result<void> simulate(const std::vector<uint64_t>& missing);
-  Result<void> runChunk(uint64_t chunk);
-  Result<void> runStep();
-  bool isInGrace(int64_t frames);
-  bool isCheckpoint(uint64_t chunk, bool stops) const;
-  Result<void> checkpoint();
-  Result<void> finish();
-  Result<void> keep(const Path& path, std::vector<StoredFile>& files) const;
-  Result<std::vector<StoredFile>> joinChunks(const std::vector<std::string>& hairs) const;
-  Result<std::vector<StoredFile>> joinHair(const std::string& hair, float width,
-                                           uint32_t threads) const;
-  Result<void> commit(std::vector<StoredFile> files);
-  bool stopped() const { return options_.interrupted && options_.interrupted(); }
+  bool stopped() const { return options.interrupted && options.interrupted(); }
   void warn(const std::string& text) const {
-    if (options_.warn) options_.warn(text);
+    if (options.warn) options.warn(text);
   }
-  CheckpointKey key(uint64_t steps) const { return {fingerprint_, steps, report_.device}; }
-
-  const Project& project_;
-  const Shot& shot_;
-  const RunOptions& options_;
-  FrameRange range_;
-  ShotStore store_;
-  std::string tag_;
-  uint64_t fingerprint_ = 0;
-  std::vector<uint64_t> chunks_;
-  RunReport report_;
-
-  std::optional<ShotInputs> inputs_;
-  std::optional<ShotScene> scene_;
-  std::unique_ptr<HeadlessDevice> device_;
-  std::optional<ChunkWriter> writer_;
-  uint64_t steps_ = 0;                     ///< that the scene has run
-  uint64_t firstStep_ = 0, lastStep_ = 0;  ///< of this run, for progress
-  std::chrono::steady_clock::time_point stepEnd_;
-  double stepSeconds_ = 0;  ///< of the last step, with what is read and waited for
-  std::optional<std::chrono::steady_clock::time_point> stoppedAt_;
+  CheckpointKey key(uint64_t steps) const { return {fingerprint, steps, report.device}; }
 };
 
-Result<bool> ShotRun::isComplete() {
-  const auto done = store_.done();
+Result<bool> isComplete(Run& run) {
+  const auto done = run.store.done();
   if (!done) return done.error();
   if (!*done) return false;
-  const auto known = store_.fingerprint(&report_.device);
+  const auto known = run.store.fingerprint(&run.report.device);
   if (!known) return known.error();
-  if (**known != fingerprint_)
+  if (**known != run.fingerprint)
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("{}: is complete, with other settings or files than the project has "
                              "now; --restart begins anew, or give the shot another name",
-                             store_.folder().string())};
+                             run.store.folder().string())};
   const auto files = filesOf(**done, "done.json");
-  const std::string fault = files ? faultOf(*files, store_.folder(), false) : "";
+  const std::string fault = files ? faultOf(*files, run.store.folder(), false) : "";
   if (!fault.empty())
-    return Error{ErrorCode::kInvalidFile,
-                 fmt::format("{}: {}; begin anew by --restart", store_.folder().string(), fault)};
+    return Error{ErrorCode::kInvalidFile, fmt::format("{}: {}; begin anew by --restart",
+                                                      run.store.folder().string(), fault)};
   return true;
 }
 
-Result<RunReport> ShotRun::run() {
-  auto chunks = chunksOf(project_, shot_, range_);
-  if (!chunks) return chunks.error();
-  chunks_ = *std::move(chunks);
-  FileHashes hashes;
-  const auto fingerprint = fingerprintOf(project_, shot_, hashes);
-  if (!fingerprint) return fingerprint.error();
-  fingerprint_ = *fingerprint;
-  if (auto made = makeFolder(store_.folder()); !made) return made.error();
-  const auto lock = FileLock::take(store_.lockPath(range_),
-                                   options_.wait ? FileLock::Wait::kYes : FileLock::Wait::kNo);
-  if (!lock) return lock.error();
-  if (!lock->holds()) {
-    report_.outcome = RunOutcome::kBusy;
-    return report_;
-  }
-  if (options_.restart)
-    if (auto cleared = store_.clear(); !cleared) return cleared.error();
-  auto complete = isComplete();
-  if (!complete) return complete.error();
-  report_.wasComplete = *complete;
-  if (*complete) {
-    // A run that was killed behind done.json has left it.
-    std::error_code ignored;
-    std::filesystem::remove_all(store_.work(), ignored);
-    removeTemporaries(store_.folder(), tag_);
-    if (auto noted = store_.log({{"event", "complete already"}}); !noted) return noted.error();
-    return report_;
-  }
-  removeTemporaries(store_.work(), tag_);
-  removeTemporaries(store_.folder(), tag_);
-  const Result<void> done = work();
-  if (done) return report_;
-  // Another process, of a range that overlaps, may have completed the shot and removed its work.
-  complete = isComplete();
-  if (complete && *complete) {
-    report_.outcome = RunOutcome::kComplete;
-    return report_;
-  }
-  (void)store_.log({{"event", "error"}, {"message", done.error().message}});
-  return done.error();
-}
-
-Result<void> ShotRun::work() {
-  std::vector<uint64_t> missing;
-  for (const uint64_t chunk : chunks_)
-    if (store_.chunk(chunk, true).empty()) missing.push_back(chunk);
-  if (!missing.empty()) {
-    if (auto done = prepare(); !done) return done;
-    if (auto done = resume(scene_->stepOf(chunkOf(project_, shot_, missing.front()).first)); !done)
-      return done;
-    if (auto done = simulate(missing); !done) return done;
-    if (report_.outcome == RunOutcome::kInterrupted)
-      return store_.log({{"event", "interrupted"}, {"steps", steps_}});
-  }
-  return finish();
-}
-
-// Device, inputs and scene, and what the folder is of.
-Result<void> ShotRun::prepare() {
-  auto inputs = loadShot(shot_);
-  if (!inputs) return inputs.error();
-  inputs_ = *std::move(inputs);
-  for (const std::string& warning : inputs_->warnings) warn(warning);
-  const std::string& wanted = options_.device.empty() ? project_.device : options_.device;
-  auto device = openDevice(project_.api, wanted);
-  if (!device) return device.error();
-  report_.device = deviceName((*device)->info());
-  if (auto begun = store_.begin(fingerprint_, report_.device, tag_); !begun) return begun;
-  if (shot_.errorBound) {
-    if (auto chosen = chooseSteps(*inputs_); !chosen) return chosen;
-  }
-  device_ = *std::move(device);
-  std::optional<uint32_t> subSteps;
-  if (report_.choice) subSteps = report_.choice->tried.back().subSteps;
-  auto scene = ShotScene::create(*inputs_, shot_, project_.framesPerSecond, subSteps);
-  if (!scene) return scene.error();
-  scene_.emplace(*std::move(scene));
-  report_.subSteps = scene_->subSteps();
-  for (const BakedHair& hair : scene_->hairs()) {
-    report_.vertices += hair.vertexCount;
-    report_.strands += hair.vertexCounts.size();
-  }
-  return {};
-}
+// A shot on a device. The scene refers to the inputs.
+struct OpenShot {
+  ShotInputs inputs;
+  std::optional<ShotScene> scene;
+  std::unique_ptr<HeadlessDevice> device;
+  uint64_t steps = 0;  ///< that the scene has run
+};
 
 // An earlier run has chosen, or this one does.
-Result<void> ShotRun::chooseSteps(const ShotInputs& inputs) {
-  const Path path = store_.subStepsFile();
+Result<void> chooseSteps(Run& run, const ShotInputs& inputs) {
+  const Path path = run.store.subStepsFile();
   if (std::error_code ignored; std::filesystem::exists(path, ignored)) {
     const auto loaded = loadJson(path.string());
     if (!loaded) return loaded.error();
     auto choice = subStepsOf(*loaded, path.string());
     if (!choice) return choice.error();
-    report_.choice = *std::move(choice);
+    run.report.choice = *std::move(choice);
     return {};
   }
-  const std::string& wanted = options_.device.empty() ? project_.device : options_.device;
-  auto choice = chooseSubSteps(inputs, shot_, project_.framesPerSecond,
-                               [&] { return openDevice(project_.api, wanted); });
+  const std::string& wanted = run.options.device.empty() ? run.project.device : run.options.device;
+  auto choice = chooseSubSteps(inputs, run.shot, run.project.framesPerSecond,
+                               [&] { return openDevice(run.project.api, wanted); });
   if (!choice) return choice.error();
-  report_.choice = *std::move(choice);
-  return writeAtomic(path, tag_, toJson(*report_.choice).dump(1) + "\n");
+  run.report.choice = *std::move(choice);
+  return writeAtomic(path, run.tag, toJson(*run.report.choice).dump(1) + "\n");
+}
+
+// Opens inputs, device and scene, and notes in the folder which shot it has.
+Result<void> openShot(Run& run, OpenShot& opened) {
+  auto inputs = loadShot(run.shot);
+  if (!inputs) return inputs.error();
+  opened.inputs = *std::move(inputs);
+  for (const std::string& warning : opened.inputs.warnings) run.warn(warning);
+  const std::string& wanted = run.options.device.empty() ? run.project.device : run.options.device;
+  auto device = openDevice(run.project.api, wanted);
+  if (!device) return device.error();
+  run.report.device = deviceName((*device)->info());
+  if (auto begun = run.store.begin(run.fingerprint, run.report.device, run.tag); !begun)
+    return begun;
+  if (run.shot.errorBound) {
+    if (auto chosen = chooseSteps(run, opened.inputs); !chosen) return chosen;
+  }
+  opened.device = *std::move(device);
+  std::optional<uint32_t> subSteps;
+  if (run.report.choice) subSteps = run.report.choice->tried.back().subSteps;
+  auto scene = ShotScene::create(opened.inputs, run.shot, run.project.framesPerSecond, subSteps);
+  if (!scene) return scene.error();
+  opened.scene.emplace(*std::move(scene));
+  run.report.subSteps = opened.scene->subSteps();
+  for (const BakedHair& hair : opened.scene->hairs()) {
+    run.report.vertices += hair.vertexCount;
+    run.report.strands += hair.vertexCounts.size();
+  }
+  return {};
 }
 
 // Brings the scene to the latest checkpoint that is not behind the first frame to write.
-Result<void> ShotRun::resume(uint64_t firstMissing) {
-  std::vector<uint64_t> checkpoints = store_.checkpoints();
+Result<void> resume(Run& run, OpenShot& opened, uint64_t firstMissing) {
+  std::vector<uint64_t> checkpoints = run.store.checkpoints();
   while (!checkpoints.empty()) {
     const uint64_t steps = checkpoints.back();
     checkpoints.pop_back();
     if (steps == 0 || steps > firstMissing) continue;
-    const Path path = store_.checkpointFile(steps);
-    const auto loaded = loadCheckpoint(path, key(steps), *scene_);
+    const Path path = run.store.checkpointFile(steps);
+    const auto loaded = loadCheckpoint(path, run.key(steps), *opened.scene);
     if (loaded) {
-      steps_ = report_.resumedSteps = steps;
+      opened.steps = run.report.resumedSteps = steps;
       break;
     }
-    warn(loaded.error().message + "; going on from an earlier frame");
+    run.warn(loaded.error().message + "; going on from an earlier frame");
     std::error_code ignored;
     std::filesystem::remove(path, ignored);
-    auto scene = ShotScene::create(*inputs_, shot_, project_.framesPerSecond, report_.subSteps);
+    auto scene = ShotScene::create(opened.inputs, run.shot, run.project.framesPerSecond,
+                                   run.report.subSteps);
     if (!scene) return scene.error();
-    scene_.emplace(*std::move(scene));
+    opened.scene.emplace(*std::move(scene));
   }
-  scene_->scene().setTier(device_->info().tier);
-  return store_.log({{"event", "start"},
-                     {"frames", {range_.first, range_.last}},
-                     {"from", steps_},
-                     {"device", report_.device}});
+  opened.scene->scene().setTier(opened.device->info().tier);
+  return run.store.log({{"event", "start"},
+                        {"frames", {run.range.first, run.range.last}},
+                        {"from", opened.steps},
+                        {"device", run.report.device}});
 }
 
-Result<void> ShotRun::runStep() {
-  if (auto done = scene_->run(steps_, *device_); !done) return done;
+// Times steps, and the time since the run was asked to stop.
+class StepClock {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  void endStep() {
+    const auto now = Clock::now();
+    stepSeconds_ = secondsBetween(std::exchange(stepEnd_, now), now);
+  }
+  // Call it once the run was asked to stop: whether frames end within this time from the first
+  // call.
+  bool endsWithin(double seconds, int64_t frames) {
+    const auto now = Clock::now();
+    if (!stoppedAt_) stoppedAt_ = now;
+    return secondsBetween(*stoppedAt_, now) + static_cast<double>(frames) * stepSeconds_ <= seconds;
+  }
+  double sinceStart() const { return secondsBetween(start_, Clock::now()); }
+
+ private:
+  static double secondsBetween(Clock::time_point a, Clock::time_point b) {
+    return std::chrono::duration<double>(b - a).count();
+  }
+
+  Clock::time_point start_ = Clock::now(), stepEnd_ = start_;
+  double stepSeconds_ = 0;  // of the last step, with what is read and waited for
+  std::optional<Clock::time_point> stoppedAt_;
+};
+
+// Simulates the frames of chunks, and hands them to the writer.
+class ShotSimulation {
+ public:
+  ShotSimulation(Run& run, OpenShot& opened, uint64_t lastChunk)
+      : run_(run),
+        scene_(*opened.scene),
+        device_(*opened.device),
+        steps_(opened.steps),
+        firstStep_(opened.steps),
+        lastStep_(scene_.stepOf(chunkOf(run.project, run.shot, lastChunk).last) + 1),
+        writer_(run.project, run.shot, scene_.hairs(), run.tag, threadsOf(run.options)) {}
+
+  Result<void> simulate(const std::vector<uint64_t>& chunks);
+
+ private:
+  Result<void> runChunk(uint64_t chunk);
+  Result<void> runStep();
+  bool isCheckpoint(uint64_t chunk, bool stops) const;
+  Result<void> checkpoint();
+
+  Run& run_;
+  ShotScene& scene_;
+  HeadlessDevice& device_;
+  uint64_t& steps_;
+  const uint64_t firstStep_, lastStep_;  // for progress
+  ChunkWriter writer_;
+  StepClock clock_;
+};
+
+Result<void> ShotSimulation::runStep() {
+  if (auto done = scene_.run(steps_, device_); !done) return done;
   ++steps_;
-  ++report_.stepsRun;
-  const auto now = std::chrono::steady_clock::now();
-  stepSeconds_ = std::chrono::duration<double>(now - std::exchange(stepEnd_, now)).count();
-  if (options_.progress) options_.progress(steps_ - firstStep_, lastStep_ - firstStep_);
+  ++run_.report.stepsRun;
+  clock_.endStep();
+  if (run_.options.progress) run_.options.progress(steps_ - firstStep_, lastStep_ - firstStep_);
   return {};
 }
 
-Result<void> ShotRun::simulate(const std::vector<uint64_t>& missing) {
-  const auto start = std::chrono::steady_clock::now();
-  firstStep_ = steps_;
-  lastStep_ = scene_->stepOf(chunkOf(project_, shot_, missing.back()).last) + 1;
-  writer_.emplace(project_, shot_, scene_->hairs(), tag_, threadsOf(options_));
+Result<void> ShotSimulation::simulate(const std::vector<uint64_t>& chunks) {
   Result<void> done;
-  stepEnd_ = start;
-  for (const uint64_t chunk : missing) {
-    const FrameRange frames = chunkOf(project_, shot_, chunk);
-    while (done && !stopped() && steps_ < scene_->stepOf(frames.first)) done = runStep();
-    if (done && !stopped()) done = runChunk(chunk);
+  for (const uint64_t chunk : chunks) {
+    const FrameRange frames = chunkOf(run_.project, run_.shot, chunk);
+    while (done && !run_.stopped() && steps_ < scene_.stepOf(frames.first)) done = runStep();
+    if (done && !run_.stopped()) done = runChunk(chunk);
     if (!done) break;
     const bool between =
-        steps_ <= scene_->stepOf(frames.first) || steps_ > scene_->stepOf(frames.last);
-    const bool stops = stopped();
+        steps_ <= scene_.stepOf(frames.first) || steps_ > scene_.stepOf(frames.last);
+    const bool stops = run_.stopped();
     if (between && isCheckpoint(chunk, stops)) done = checkpoint();
     if (!done || stops) break;
   }
-  if (done && stopped() && steps_ < lastStep_) report_.outcome = RunOutcome::kInterrupted;
+  if (done && run_.stopped() && steps_ < lastStep_) run_.report.outcome = RunOutcome::kInterrupted;
   // Complete chunks are written, whatever ended the run.
-  const Result<void> written = writer_->close();
-  report_.framesWritten = writer_->report().frames;
-  report_.encodingSeconds = writer_->report().seconds;
-  report_.waitingSeconds = writer_->report().waitedFor;
-  report_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const Result<void> written = writer_.close();
+  run_.report.framesWritten = writer_.report().frames;
+  run_.report.encodingSeconds = writer_.report().seconds;
+  run_.report.waitingSeconds = writer_.report().waitedFor;
+  run_.report.seconds = clock_.sinceStart();
   return done ? written : done;
 }
 
-// Simulates the frames of a chunk, and hands them to the writer.
-Result<void> ShotRun::runChunk(uint64_t chunk) {
-  const FrameRange frames = chunkOf(project_, shot_, chunk);
+Result<void> ShotSimulation::runChunk(uint64_t chunk) {
+  const FrameRange frames = chunkOf(run_.project, run_.shot, chunk);
   for (int64_t frame = frames.first; frame <= frames.last; ++frame) {
-    if (stopped() && !isInGrace(frames.last - frame + 1)) return {};
+    if (run_.stopped() && !clock_.endsWithin(run_.options.graceSeconds, frames.last - frame + 1))
+      return {};
     if (auto done = runStep(); !done) return done;
     const auto start = std::chrono::steady_clock::now();
     std::vector<std::vector<std::byte>> positions;
-    for (const BakedHair& hair : scene_->hairs()) {
-      auto bytes = scene_->readBytes(hair, *device_);
+    for (const BakedHair& hair : scene_.hairs()) {
+      auto bytes = scene_.readBytes(hair, device_);
       if (!bytes) return bytes.error();
       positions.push_back(*std::move(bytes));
     }
-    report_.readingSeconds +=
+    run_.report.readingSeconds +=
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    if (auto done = writer_->add(chunk, frame, std::move(positions)); !done) return done;
+    if (auto done = writer_.add(chunk, frame, std::move(positions)); !done) return done;
   }
   return {};
-}
-
-// Whether frames take no longer than an interrupted run may go on.
-bool ShotRun::isInGrace(int64_t frames) {
-  const auto now = std::chrono::steady_clock::now();
-  if (!stoppedAt_) stoppedAt_ = now;
-  const double since = std::chrono::duration<double>(now - *stoppedAt_).count();
-  return since + static_cast<double>(frames) * stepSeconds_ <= options_.graceSeconds;
 }
 
 // Behind every n-th chunk, behind the range where another one goes on, and where the run ends
 // early.
-bool ShotRun::isCheckpoint(uint64_t chunk, bool stops) const {
-  if (stops) return options_.graceSeconds > 0 && steps_ > report_.resumedSteps;
-  const FrameRange frames = chunkOf(project_, shot_, chunk);
-  return (chunk + 1) % project_.checkpointChunks == 0 || frames.last == range_.last;
+bool ShotSimulation::isCheckpoint(uint64_t chunk, bool stops) const {
+  if (stops) return run_.options.graceSeconds > 0 && steps_ > run_.report.resumedSteps;
+  const FrameRange frames = chunkOf(run_.project, run_.shot, chunk);
+  return (chunk + 1) % run_.project.checkpointChunks == 0 || frames.last == run_.range.last;
 }
 
-Result<void> ShotRun::checkpoint() {
-  if (steps_ == scene_->stepCount()) return {};
-  const auto saved =
-      saveCheckpoint(store_.checkpointFile(steps_), tag_, key(steps_), *scene_, *device_);
+Result<void> ShotSimulation::checkpoint() {
+  if (steps_ == scene_.stepCount()) return {};
+  const auto saved = saveCheckpoint(run_.store.checkpointFile(steps_), run_.tag, run_.key(steps_),
+                                    scene_, device_);
   if (!saved) return saved.error();
   // Earlier ones of this range are of no more use once the chunks between are on the disk.
-  if (auto written = writer_->flush(); !written) return written;
+  if (auto written = writer_.flush(); !written) return written;
   std::error_code ignored;
-  for (const uint64_t steps : store_.checkpoints())
-    if (steps < steps_ && (steps > scene_->stepOf(range_.first) || steps < shot_.preRoll))
-      std::filesystem::remove(store_.checkpointFile(steps), ignored);
+  for (const uint64_t steps : run_.store.checkpoints())
+    if (steps < steps_ && (steps > scene_.stepOf(run_.range.first) || steps < run_.shot.preRoll))
+      std::filesystem::remove(run_.store.checkpointFile(steps), ignored);
   return {};
 }
 
-// Completes the shot if no chunk is missing. Whoever is last does it.
-Result<void> ShotRun::finish() {
-  const auto lock = FileLock::take(store_.lockPath(), FileLock::Wait::kYes);
-  if (!lock) return lock.error();
-  const auto complete = isComplete();
-  if (!complete) return complete.error();
-  if (*complete) return {};
-  const uint64_t count = chunkCount(project_, shot_);
-  std::vector<std::string> hairs;
-  for (uint64_t i = 0; i < count; ++i) {
-    const std::vector<StoredFile> files = store_.chunk(i, false);
-    if (files.empty()) {
-      report_.outcome = RunOutcome::kRangeDone;
-      return store_.log({{"event", "range"},
-                         {"frames", {range_.first, range_.last}},
-                         {"steps", report_.stepsRun}});
-    }
-    if (i > 0) continue;
-    // GROOM.000000.pelagecache
-    for (const StoredFile& file : files)
-      hairs.push_back(Path(Path(file.name).stem()).stem().string());
-  }
-  auto files = joinChunks(hairs);
-  if (!files) return files.error();
-  return commit(*std::move(files));
-}
-
 // Gives a file of the shot, which has been written under its temporary name, its own.
-Result<void> ShotRun::keep(const Path& path, std::vector<StoredFile>& files) const {
-  const Path temporary = temporaryName(path, tag_);
+Result<void> keep(const Run& run, const Path& path, std::vector<StoredFile>& files) {
+  const Path temporary = temporaryName(path, run.tag);
   auto file = storedFile(temporary, path.filename().string());
   if (!file) return file.error();
   if (auto done = commitFile(temporary, path); !done) return done;
@@ -382,21 +310,39 @@ Result<void> ShotRun::keep(const Path& path, std::vector<StoredFile>& files) con
   return {};
 }
 
-Result<std::vector<StoredFile>> ShotRun::joinChunks(const std::vector<std::string>& hairs) const {
+// The files of a groom.
+Result<std::vector<StoredFile>> joinHair(const Run& run, const std::string& hair, float width,
+                                         uint32_t threads) {
+  std::vector<StoredFile> files;
+  std::vector<Path> parts;
+  for (uint64_t i = 0; i < chunkCount(run.project, run.shot); ++i)
+    parts.push_back(run.store.chunkFile(hair, i));
+  const Path cache = run.store.folder() / (hair + ".pelagecache");
+  if (auto done = joinHairCaches(parts, temporaryName(cache, run.tag)); !done) return done.error();
+  if (auto done = keep(run, cache, files); !done) return done.error();
+  if (!run.project.usd) return files;
+  const Path usd = run.store.folder() / (hair + ".usda");
+  if (auto done = writeUsd(cache, width, temporaryName(usd, run.tag), threads); !done)
+    return done.error();
+  if (auto done = keep(run, usd, files); !done) return done.error();
+  return files;
+}
+
+Result<std::vector<StoredFile>> joinChunks(const Run& run, const std::vector<std::string>& hairs) {
   SceneSettings settings;
-  if (!shot_.settings.empty()) {
-    const auto loaded = SettingsFile::load(shot_.settings);
+  if (!run.shot.settings.empty()) {
+    const auto loaded = SettingsFile::load(run.shot.settings);
     if (!loaded) return loaded.error();
     loaded->apply(settings);
   }
   const float width = 2 * settings.material.fiberRadius;
-  const uint32_t threads = threadsOf(options_);
+  const uint32_t threads = threadsOf(run.options);
   const uint32_t atOnce = std::clamp(static_cast<uint32_t>(hairs.size()), 1u, threads);
   std::vector<Result<std::vector<StoredFile>>> joined(hairs.size(), std::vector<StoredFile>());
   std::atomic<size_t> next = 0;
   const auto join = [&] {
     for (size_t i = next++; i < hairs.size(); i = next++)
-      joined[i] = tools::guarded([&] { return joinHair(hairs[i], width, threads / atOnce); });
+      joined[i] = tools::guarded([&] { return joinHair(run, hairs[i], width, threads / atOnce); });
   };
   {
     std::vector<std::jthread> others;
@@ -411,36 +357,18 @@ Result<std::vector<StoredFile>> ShotRun::joinChunks(const std::vector<std::strin
   return files;
 }
 
-// The files of a groom.
-Result<std::vector<StoredFile>> ShotRun::joinHair(const std::string& hair, float width,
-                                                  uint32_t threads) const {
-  std::vector<StoredFile> files;
-  std::vector<Path> parts;
-  for (uint64_t i = 0; i < chunkCount(project_, shot_); ++i)
-    parts.push_back(store_.chunkFile(hair, i));
-  const Path cache = store_.folder() / (hair + ".pelagecache");
-  if (auto done = joinHairCaches(parts, temporaryName(cache, tag_)); !done) return done.error();
-  if (auto done = keep(cache, files); !done) return done.error();
-  if (!project_.usd) return files;
-  const Path usd = store_.folder() / (hair + ".usda");
-  if (auto done = writeUsd(cache, width, temporaryName(usd, tag_), threads); !done)
-    return done.error();
-  if (auto done = keep(usd, files); !done) return done.error();
-  return files;
-}
-
-Result<void> ShotRun::commit(std::vector<StoredFile> files) {
+Result<void> commit(Run& run, const std::vector<StoredFile>& files) {
   std::string device;
-  const auto known = store_.fingerprint(&device);
+  const auto known = run.store.fingerprint(&device);
   if (!known) return known.error();
-  json done = {{"inputs", fmt::format("{:016x}", fingerprint_)},
+  json done = {{"inputs", fmt::format("{:016x}", run.fingerprint)},
                {"device", device},
-               {"frames", {shot_.frames.first, shot_.frames.last}},
+               {"frames", {run.shot.frames.first, run.shot.frames.last}},
                {"files", toJson(files)}};
-  if (std::error_code ignored; std::filesystem::exists(store_.subStepsFile(), ignored)) {
-    const auto loaded = loadJson(store_.subStepsFile().string());
+  if (std::error_code ignored; std::filesystem::exists(run.store.subStepsFile(), ignored)) {
+    const auto loaded = loadJson(run.store.subStepsFile().string());
     if (!loaded) return loaded.error();
-    const auto choice = subStepsOf(*loaded, store_.subStepsFile().string());
+    const auto choice = subStepsOf(*loaded, run.store.subStepsFile().string());
     if (!choice) return choice.error();
     const SubStepError& chosen = choice->tried.back();
     done["subSteps"] = chosen.subSteps;
@@ -448,22 +376,105 @@ Result<void> ShotRun::commit(std::vector<StoredFile> files) {
     done["errorBound"] = choice->bound.length;
     done["errorShare"] = choice->bound.share;
   }
-  if (auto written = writeAtomic(store_.folder() / "done.json", tag_, done.dump(1) + "\n");
+  if (auto written = writeAtomic(run.store.folder() / "done.json", run.tag, done.dump(1) + "\n");
       !written)
     return written;
   std::error_code ignored;
-  std::filesystem::remove_all(store_.work(), ignored);
-  report_.outcome = RunOutcome::kComplete;
-  return store_.log({{"event", "done"},
-                     {"steps", report_.stepsRun},
-                     {"resumed", report_.resumedSteps},
-                     {"seconds", report_.seconds}});
+  std::filesystem::remove_all(run.store.work(), ignored);
+  run.report.outcome = RunOutcome::kComplete;
+  return run.store.log({{"event", "done"},
+                        {"steps", run.report.stepsRun},
+                        {"resumed", run.report.resumedSteps},
+                        {"seconds", run.report.seconds}});
+}
+
+// Completes the shot if no chunk is missing. Whoever is last does it.
+Result<void> finish(Run& run) {
+  const auto lock = FileLock::take(run.store.lockPath(), FileLock::Wait::kYes);
+  if (!lock) return lock.error();
+  const auto complete = isComplete(run);
+  if (!complete) return complete.error();
+  if (*complete) return {};
+  const uint64_t count = chunkCount(run.project, run.shot);
+  std::vector<std::string> hairs;
+  for (uint64_t i = 0; i < count; ++i) {
+    const std::vector<StoredFile> files = run.store.chunk(i, false);
+    if (files.empty()) {
+      run.report.outcome = RunOutcome::kRangeDone;
+      return run.store.log({{"event", "range"},
+                            {"frames", {run.range.first, run.range.last}},
+                            {"steps", run.report.stepsRun}});
+    }
+    if (i > 0) continue;
+    // GROOM.000000.pelagecache
+    for (const StoredFile& file : files)
+      hairs.push_back(Path(Path(file.name).stem()).stem().string());
+  }
+  auto files = joinChunks(run, hairs);
+  if (!files) return files.error();
+  return commit(run, *files);
+}
+
+Result<void> work(Run& run, const std::vector<uint64_t>& chunks) {
+  std::vector<uint64_t> missing;
+  for (const uint64_t chunk : chunks)
+    if (run.store.chunk(chunk, true).empty()) missing.push_back(chunk);
+  if (!missing.empty()) {
+    OpenShot opened;
+    if (auto done = openShot(run, opened); !done) return done;
+    const int64_t firstFrame = chunkOf(run.project, run.shot, missing.front()).first;
+    if (auto done = resume(run, opened, opened.scene->stepOf(firstFrame)); !done) return done;
+    if (auto done = ShotSimulation(run, opened, missing.back()).simulate(missing); !done)
+      return done;
+    if (run.report.outcome == RunOutcome::kInterrupted)
+      return run.store.log({{"event", "interrupted"}, {"steps", opened.steps}});
+  }
+  return finish(run);
 }
 
 }  // namespace
 
 Result<RunReport> runShot(const Project& project, const Shot& shot, const RunOptions& options) {
-  return ShotRun(project, shot, options).run();
+  Run run = {project, shot, options};
+  auto chunks = chunksOf(run.project, run.shot, run.range);
+  if (!chunks) return chunks.error();
+  FileHashes hashes;
+  const auto fingerprint = fingerprintOf(run.project, run.shot, hashes);
+  if (!fingerprint) return fingerprint.error();
+  run.fingerprint = *fingerprint;
+  if (auto made = makeFolder(run.store.folder()); !made) return made.error();
+  const auto lock = FileLock::take(run.store.lockPath(run.range),
+                                   run.options.wait ? FileLock::Wait::kYes : FileLock::Wait::kNo);
+  if (!lock) return lock.error();
+  if (!lock->holds()) {
+    run.report.outcome = RunOutcome::kBusy;
+    return run.report;
+  }
+  if (run.options.restart)
+    if (auto cleared = run.store.clear(); !cleared) return cleared.error();
+  auto complete = isComplete(run);
+  if (!complete) return complete.error();
+  run.report.wasComplete = *complete;
+  if (*complete) {
+    // A run that was killed behind done.json has left it.
+    std::error_code ignored;
+    std::filesystem::remove_all(run.store.work(), ignored);
+    removeTemporaries(run.store.folder(), run.tag);
+    if (auto noted = run.store.log({{"event", "complete already"}}); !noted) return noted.error();
+    return run.report;
+  }
+  removeTemporaries(run.store.work(), run.tag);
+  removeTemporaries(run.store.folder(), run.tag);
+  const Result<void> done = work(run, *chunks);
+  if (done) return run.report;
+  // Another process, of a range that overlaps, may have completed the shot and removed its work.
+  complete = isComplete(run);
+  if (complete && *complete) {
+    run.report.outcome = RunOutcome::kComplete;
+    return run.report;
+  }
+  (void)run.store.log({{"event", "error"}, {"message", done.error().message}});
+  return done.error();
 }
 
 Result<std::unique_ptr<HeadlessDevice>> openDevice(Api api, const std::string& device) {

@@ -92,6 +92,11 @@ std::vector<Parameter> shapeRows() {
           .infinite()
           .logSlider(1, 1000)
           .pictured(),
+  };
+}
+
+std::vector<Parameter> strandRows() {
+  return {
       PELAGE_PARAMETER(SimulationSettings, airDrag)
           .says("1/s", ">= 0", "Rate at which the air drags a segment along, across the segment.")
           .atLeast(0)
@@ -225,7 +230,7 @@ std::vector<Parameter> contactRows() {
 
 std::vector<Parameter> simulationParameters() {
   std::vector<Parameter> rows = mainRows();
-  for (auto* more : {&shapeRows, &windRows, &curveRows, &sleepRows, &contactRows})
+  for (auto* more : {&shapeRows, &strandRows, &windRows, &curveRows, &sleepRows, &contactRows})
     append(rows, (*more)());
   return rows;
 }
