@@ -45,14 +45,56 @@ HairCacheDef cacheDefOf(const Project& project, const BakedHair& hair, int64_t f
 
 }  // namespace
 
-ChunkWriter::ChunkWriter(const Project& project, const Shot& shot,
-                         const std::vector<BakedHair>& hairs, std::string tag, uint32_t threads)
+ChunkFiles::ChunkFiles(const Project& project, const Shot& shot,
+                       const std::vector<BakedHair>& hairs, std::string tag, uint32_t threads)
     : project_(project),
       shot_(shot),
       hairs_(hairs),
       store_(project, shot),
       tag_(std::move(tag)),
-      threads_(threads) {
+      threads_(threads) {}
+
+Result<void> ChunkFiles::write(const ChunkFrame& frame) {
+  if (files_.empty())
+    if (auto done = begin(frame); !done) return done;
+  for (size_t i = 0; i < files_.size(); ++i) {
+    const auto done = files_[i].writer.append(positionsOf(hairs_[i], frame.positions[i]));
+    if (!done)
+      return Error{done.error().code, fmt::format("shot '{}', frame {}: {}", shot_.name,
+                                                  frame.frame, done.error().message)};
+  }
+  return framesOf(frame.chunk).last == frame.frame ? complete(frame.chunk) : Result<void>();
+}
+
+Result<void> ChunkFiles::begin(const ChunkFrame& frame) {
+  for (const BakedHair& hair : hairs_) {
+    Path temporary = temporaryName(store_.chunkFile(hair.name, frame.chunk), tag_);
+    auto writer =
+        HairCacheWriter::create(temporary, cacheDefOf(project_, hair, frame.frame), threads_);
+    if (!writer) return writer.error();
+    files_.push_back({std::move(temporary), *std::move(writer)});
+  }
+  return {};
+}
+
+// All files of the chunk get their names, and last the chunk is there.
+Result<void> ChunkFiles::complete(uint64_t chunk) {
+  std::vector<StoredFile> stored;
+  for (size_t i = 0; i < files_.size(); ++i) {
+    if (auto done = files_[i].writer.close(); !done) return done;
+    const Path path = store_.chunkFile(hairs_[i].name, chunk);
+    auto file = storedFile(files_[i].temporary, path.filename().string());
+    if (!file) return file.error();
+    if (auto done = commitFile(files_[i].temporary, path); !done) return done;
+    stored.push_back(*std::move(file));
+  }
+  files_.clear();
+  return store_.addChunk(chunk, stored, tag_);
+}
+
+ChunkWriter::ChunkWriter(const Project& project, const Shot& shot,
+                         const std::vector<BakedHair>& hairs, std::string tag, uint32_t threads)
+    : files_(project, shot, hairs, std::move(tag), threads) {
   uint64_t frameBytes = 1;
   for (const BakedHair& hair : hairs) frameBytes += hair.bytes();
   maxFrames_ = static_cast<size_t>(
@@ -61,10 +103,6 @@ ChunkWriter::ChunkWriter(const Project& project, const Shot& shot,
 }
 
 ChunkWriter::~ChunkWriter() { (void)close(); }
-
-bool ChunkWriter::isLast(uint64_t chunk, int64_t frame) const {
-  return chunkOf(project_, shot_, chunk).last == frame;
-}
 
 Result<void> ChunkWriter::add(uint64_t chunk, int64_t frame,
                               std::vector<std::vector<std::byte>> positions) {
@@ -90,7 +128,8 @@ Result<void> ChunkWriter::flush() {
 Result<void> ChunkWriter::close() {
   {
     const std::lock_guard lock(mutex_);
-    while (!queue_.empty() && !isLast(queue_.back().chunk, queue_.back().frame)) queue_.pop_back();
+    while (!queue_.empty() && files_.framesOf(queue_.back().chunk).last != queue_.back().frame)
+      queue_.pop_back();
   }
   Result<void> done = flush();
   {
@@ -113,18 +152,19 @@ void ChunkWriter::work() {
   for (;;) {
     added_.wait(lock, [&] { return stops_ || !queue_.empty(); });
     if (queue_.empty()) return;
-    const FrameJob job = std::move(queue_.front());
+    const ChunkFrame frame = std::move(queue_.front());
     queue_.pop_front();
     busy_ = true;
     lock.unlock();
     taken_.notify_all();
     const auto start = Clock::now();
-    const Result<void> done = tools::guarded([&] { return write(job); });
+    const Result<void> done = tools::guarded([&] { return files_.write(frame); });
     lock.lock();
     report_.seconds += secondsSince(start);
     busy_ = false;
     if (done) {
-      if (files_.empty()) report_.frames += chunkOf(project_, shot_, job.chunk).count();
+      const FrameRange frames = files_.framesOf(frame.chunk);
+      if (frames.last == frame.frame) report_.frames += frames.count();
     } else {
       error_ = done.error();
       queue_.clear();
@@ -132,44 +172,6 @@ void ChunkWriter::work() {
     taken_.notify_all();
     if (error_) return;
   }
-}
-
-Result<void> ChunkWriter::write(const FrameJob& job) {
-  if (files_.empty())
-    if (auto done = begin(job); !done) return done;
-  for (size_t i = 0; i < files_.size(); ++i) {
-    const auto done = files_[i].writer.append(positionsOf(hairs_[i], job.positions[i]));
-    if (!done)
-      return Error{done.error().code, fmt::format("shot '{}', frame {}: {}", shot_.name, job.frame,
-                                                  done.error().message)};
-  }
-  return isLast(job.chunk, job.frame) ? complete(job.chunk) : Result<void>();
-}
-
-Result<void> ChunkWriter::begin(const FrameJob& job) {
-  for (const BakedHair& hair : hairs_) {
-    Path temporary = temporaryName(store_.chunkFile(hair.name, job.chunk), tag_);
-    auto writer =
-        HairCacheWriter::create(temporary, cacheDefOf(project_, hair, job.frame), threads_);
-    if (!writer) return writer.error();
-    files_.push_back({std::move(temporary), *std::move(writer)});
-  }
-  return {};
-}
-
-// All files of the chunk get their names, and last the chunk is there.
-Result<void> ChunkWriter::complete(uint64_t chunk) {
-  std::vector<StoredFile> stored;
-  for (size_t i = 0; i < files_.size(); ++i) {
-    if (auto done = files_[i].writer.close(); !done) return done;
-    const Path path = store_.chunkFile(hairs_[i].name, chunk);
-    auto file = storedFile(files_[i].temporary, path.filename().string());
-    if (!file) return file.error();
-    if (auto done = commitFile(files_[i].temporary, path); !done) return done;
-    stored.push_back(*std::move(file));
-  }
-  files_.clear();
-  return store_.addChunk(chunk, stored, tag_);
 }
 
 }  // namespace pelage::bake

@@ -20,6 +20,43 @@
 
 namespace pelage::bake {
 
+struct ChunkFrame {
+  uint64_t chunk = 0;
+  int64_t frame = 0;
+  std::vector<std::vector<std::byte>> positions;  ///< [hair] ShotScene::readBytes()
+};
+
+/// Encodes frames into the files of their chunk.
+class ChunkFiles {
+ public:
+  ChunkFiles(const Project& project, const Shot& shot, const std::vector<BakedHair>& hairs,
+             std::string tag, uint32_t threads);
+
+  FrameRange framesOf(uint64_t chunk) const { return chunkOf(project_, shot_, chunk); }
+  /// Writes the first frame of a chunk, or the next one. The last one completes the files on the
+  /// disk. Errors: those of the disk; a position that is not finite.
+  Result<void> write(const ChunkFrame& frame);
+  /// Forgets a chunk that is not complete.
+  void clear() { files_.clear(); }
+
+ private:
+  struct OpenFile {
+    std::filesystem::path temporary;
+    HairCacheWriter writer;
+  };
+
+  Result<void> begin(const ChunkFrame& frame);
+  Result<void> complete(uint64_t chunk);
+
+  const Project& project_;
+  const Shot& shot_;
+  const std::vector<BakedHair>& hairs_;
+  ShotStore store_;
+  std::string tag_;
+  uint32_t threads_ = 1;
+  std::vector<OpenFile> files_;  ///< [hair] of the current chunk
+};
+
 /// Progress of a writer.
 struct ChunkWriterReport {
   uint64_t frames = 0;   ///< of chunks that are complete on the disk
@@ -54,34 +91,14 @@ class ChunkWriter {
   ChunkWriterReport report() const;
 
  private:
-  struct FrameJob {
-    uint64_t chunk = 0;
-    int64_t frame = 0;
-    std::vector<std::vector<std::byte>> positions;  ///< [hair]
-  };
-  struct OpenFile {
-    std::filesystem::path temporary;
-    HairCacheWriter writer;
-  };
-
-  bool isLast(uint64_t chunk, int64_t frame) const;
   void work();
-  Result<void> write(const FrameJob& job);
-  Result<void> begin(const FrameJob& job);
-  Result<void> complete(uint64_t chunk);
 
-  const Project& project_;
-  const Shot& shot_;
-  const std::vector<BakedHair>& hairs_;
-  ShotStore store_;
-  std::string tag_;
-  uint32_t threads_ = 1;
-  size_t maxFrames_ = 2;         ///< in the queue
-  std::vector<OpenFile> files_;  ///< [hair] of the chunk at hand; of the thread alone
+  size_t maxFrames_ = 2;  ///< in the queue
+  ChunkFiles files_;      ///< of the thread alone, but framesOf()
 
   mutable std::mutex mutex_;
   std::condition_variable added_, taken_;
-  std::deque<FrameJob> queue_;
+  std::deque<ChunkFrame> queue_;
   bool busy_ = false, stops_ = false;
   std::optional<Error> error_;
   ChunkWriterReport report_;
