@@ -7,9 +7,8 @@
 #include <memory>
 #include <string>
 
-#include "simulation/bench_device.h"
 #include "simulation/measure.h"
-#include "support/required_devices.h"
+#include "workbench_test.h"
 
 namespace bench {
 namespace {
@@ -23,20 +22,8 @@ using pelage::rod::RootPose;
 using pelage::rod::straightPoints;
 using pelage::rod::Vector3d;
 
-class Baseline : public testing::TestWithParam<Api> {
+class Baseline : public WorkbenchTest {
  protected:
-  void SetUp() override {
-    pelage::HeadlessDef def;
-    def.api = GetParam();
-    auto device = bench::createDevice(def);
-    if (!device && device.error().code == pelage::ErrorCode::kUnsupported)
-      PELAGE_SKIP_WITHOUT_DEVICE() << device.error().message;
-    ASSERT_TRUE(device.ok()) << device.error().message;
-    device_ = std::move(*device);
-    workbench_.reset(new Workbench{*device_, {}});
-    copies_ = std::make_unique<CopyReference>(*device_, workbench_->scene, kOnce);
-  }
-
   Measurement measured(const BenchScene& scene, SolverKind kind, uint32_t effort) {
     const SceneReference reference(scene);
     auto row = measure(*workbench_, *copies_, scene, reference, {kind, effort});
@@ -64,10 +51,6 @@ class Baseline : public testing::TestWithParam<Api> {
     }
     return points;
   }
-
-  std::unique_ptr<HeadlessDevice> device_;
-  std::unique_ptr<Workbench> workbench_;
-  std::unique_ptr<CopyReference> copies_;
 };
 
 /// A horizontal strand of 0.3 m without stiffness, which comes to hang.

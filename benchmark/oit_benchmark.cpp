@@ -122,15 +122,9 @@ class Run {
 // A device has the buffers of one scene.
 Result<void> runScene(pelage::Api api, const HairSceneDef& def, const Options& options,
                       int& failures) {
-  pelage::HeadlessDef deviceDef;
-  deviceDef.api = api;
-  deviceDef.deviceIndex = options.device;
-  const auto device = bench::createDevice(deviceDef);
-  if (!device) {
-    if (device.error().code != pelage::ErrorCode::kUnsupported) return device.error();
-    fmt::print("{}: skipped, {}\n", pelage::apiName(api), device.error().message);
-    return {};
-  }
+  const auto device = bench::openDevice(api, options.device);
+  if (!device) return device.error();
+  if (!*device) return {};
   fmt::print(
       "{}: {} ({})\n{:<8}{:<7}{:>5} {:<6}{:<6}{:<14}{:>7}{:>8}{:>8}{:>10}{:>10}{:>9}{:>7}"
       "{:>9}{:>11}{:>8}{:>5}\n",

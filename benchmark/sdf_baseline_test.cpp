@@ -9,8 +9,7 @@
 #include <string>
 
 #include "sdf/sdf_measure.h"
-#include "simulation/bench_device.h"
-#include "support/required_devices.h"
+#include "workbench_test.h"
 
 namespace bench {
 namespace {
@@ -27,20 +26,8 @@ SdfShape shapeNamed(const std::string& name) {
   return {};
 }
 
-class SdfBaseline : public testing::TestWithParam<Api> {
+class SdfBaseline : public WorkbenchTest {
  protected:
-  void SetUp() override {
-    pelage::HeadlessDef def;
-    def.api = GetParam();
-    auto device = bench::createDevice(def);
-    if (!device && device.error().code == pelage::ErrorCode::kUnsupported)
-      PELAGE_SKIP_WITHOUT_DEVICE() << device.error().message;
-    ASSERT_TRUE(device.ok()) << device.error().message;
-    device_ = std::move(*device);
-    workbench_.reset(new Workbench{*device_, {}});
-    copies_ = std::make_unique<CopyReference>(*device_, workbench_->scene, kOnce);
-  }
-
   /// The row of the build, then those of the collisions with near hair.
   std::vector<SdfRow> measured(const SdfShape& shape, uint32_t cells, SdfMethod method,
                                uint32_t vertices = 0) {
@@ -58,10 +45,6 @@ class SdfBaseline : public testing::TestWithParam<Api> {
     EXPECT_TRUE(rows.ok()) << (rows.ok() ? "" : rows.error().message);
     return rows.ok() ? *rows : std::vector<SdfRow>{SdfRow{}};
   }
-
-  std::unique_ptr<HeadlessDevice> device_;
-  std::unique_ptr<Workbench> workbench_;
-  std::unique_ptr<CopyReference> copies_;
 };
 
 // K27: 60 % of a sphere are never written, and K28: too far beyond two cells.

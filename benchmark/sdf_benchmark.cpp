@@ -22,7 +22,6 @@ using bench::SdfMethod;
 using bench::SdfMotion;
 using bench::SdfRow;
 using bench::SdfShape;
-using pelage::ErrorCode;
 using pelage::Result;
 using pelage::reference::DistanceOracle;
 
@@ -163,15 +162,9 @@ class ShapeRun {
 
 Result<void> runApi(pelage::Api api, const std::vector<SdfShape>& shapes, const Options& options,
                     int& failures) {
-  pelage::HeadlessDef def;
-  def.api = api;
-  def.deviceIndex = options.device;
-  const auto device = bench::createDevice(def);
-  if (!device) {
-    if (device.error().code != ErrorCode::kUnsupported) return device.error();
-    fmt::print("{}: skipped, {}\n", pelage::apiName(api), device.error().message);
-    return {};
-  }
+  const auto device = bench::openDevice(api, options.device);
+  if (!device) return device.error();
+  if (!*device) return {};
   fmt::print("{}: {} ({})\n", pelage::apiName(api), (*device)->info().name,
              (*device)->info().driver);
   fmt::print("{:<11}{:>6}  {:<14}{:<45}{:>10}{:>10}{:>7}{:>10}{:>8}{:>8}{:>9}\n", "shape", "cells",

@@ -20,7 +20,6 @@ using bench::Measurement;
 using bench::SolverChoice;
 using bench::SolverKind;
 using pelage::Error;
-using pelage::ErrorCode;
 using pelage::Result;
 
 struct Options {
@@ -152,15 +151,9 @@ Result<void> runMohawk(Bench& bench, const Options& options, int& failures) {
 }
 
 Result<void> runApi(pelage::Api api, const Options& options, int& failures) {
-  pelage::HeadlessDef def;
-  def.api = api;
-  def.deviceIndex = options.device;
-  const auto device = bench::createDevice(def);
-  if (!device) {
-    if (device.error().code != ErrorCode::kUnsupported) return device.error();
-    fmt::print("{}: skipped, {}\n", pelage::apiName(api), device.error().message);
-    return {};
-  }
+  const auto device = bench::openDevice(api, options.device);
+  if (!device) return device.error();
+  if (!*device) return {};
   fmt::print("{}: {} ({})\n", pelage::apiName(api), (*device)->info().name,
              (*device)->info().driver);
   fmt::print("{:<24}{:<15}{:<16}{:>8}{:>11}{:>12}{:>12}{:>8}{:>12}{:>12}{:>10}\n", "scene",

@@ -53,12 +53,17 @@ class BaselineSolver : public StrandSolver {
     return owned_.back();
   }
   uint64_t total() const { return uint64_t{strands_} * vertices_; }
-  void moveTo(const RootPose& pose) {
+  template <class Constants>
+  void moveTo(const RootPose& pose, Constants& constants) {
+    constants.restart = frame_ == 0 ? 1 : 0;
     if (frame_ == 0) poses_ = {pose, pose, pose};
     poses_ = {pose, poses_[0], poses_[1]};
     ++frame_;
+    constants.rotation = toFloat4(poses_[0].rotation);
+    constants.shift = toFloat4(poses_[0].translation);
+    constants.rotationBefore = toFloat4(poses_[1].rotation);
+    constants.shiftBefore = toFloat4(poses_[1].translation);
   }
-  bool isFirstFrame() const { return frame_ == 1; }
 
   Workbench& workbench_;
   std::vector<BufferId> owned_;
@@ -90,14 +95,9 @@ class SweepsSolver : public BaselineSolver {
   }
 
   Result<void> advance(const RootPose& pose, PassList& list) override {
-    moveTo(pose);
-    constants_.rotation = toFloat4(poses_[0].rotation);
-    constants_.shift = toFloat4(poses_[0].translation);
-    constants_.rotationBefore = toFloat4(poses_[1].rotation);
-    constants_.shiftBefore = toFloat4(poses_[1].translation);
+    moveTo(pose, constants_);
     constants_.rotationEarlier = toFloat4(poses_[2].rotation);
     constants_.shiftEarlier = toFloat4(poses_[2].translation);
-    constants_.restart = isFirstFrame() ? 1 : 0;
     list.clear();
     const auto threads = static_cast<uint32_t>(total());
     const bool carries = constants_.carryShare > 0, keepsShape = constants_.localStiffness > 0;
@@ -159,12 +159,7 @@ class CosseratSolver : public BaselineSolver {
   }
 
   Result<void> advance(const RootPose& pose, PassList& list) override {
-    moveTo(pose);
-    constants_.rotation = toFloat4(poses_[0].rotation);
-    constants_.shift = toFloat4(poses_[0].translation);
-    constants_.rotationBefore = toFloat4(poses_[1].rotation);
-    constants_.shiftBefore = toFloat4(poses_[1].translation);
-    constants_.restart = isFirstFrame() ? 1 : 0;
+    moveTo(pose, constants_);
     list.clear();
     PassBuilder builder(list);
     builder.dispatch(baseline::simulateCosseratVariant({}), strands_)

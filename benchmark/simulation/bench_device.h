@@ -12,4 +12,7 @@ namespace bench {
 pelage::Result<std::unique_ptr<pelage::HeadlessDevice>> createDevice(
     const pelage::HeadlessDef& def);
 
+/// The device of an API. Nullptr, and a message on stdout, where it is not supported.
+pelage::Result<std::unique_ptr<pelage::HeadlessDevice>> openDevice(pelage::Api api, int index);
+
 }  // namespace bench

@@ -15,8 +15,8 @@ namespace pelage::bake {
 using program::Session;
 
 inline constexpr const char* kProgram = "pelage-bake";
-/// Exit codes. 75 is EX_TEMPFAIL of sysexits.h: run the command again.
-inline constexpr int kFailure = 1, kBadArguments = 2, kRunAgain = 75;
+/// Exit code: EX_TEMPFAIL of sysexits.h.
+inline constexpr int kRunAgain = 75;
 
 void addPlanCommand(CLI::App& app, Session& session);
 /// \param exitCode  receives the exit code of a run that has no error

@@ -107,7 +107,7 @@ Result<void> verify(const std::string& path, bool decode, Session& session, int&
   session.add("shots", std::move(shots), "", "");
   session.add("bytes", bytes, "bytes", fmt::format("{:.2f} MB", 1e-6 * static_cast<double>(bytes)));
   session.add("fine", fine, "fine", fmt::format("{} of {} shots", fine, project->shots.size()));
-  if (fine != project->shots.size()) exitCode = kFailure;
+  if (fine != project->shots.size()) exitCode = program::kFailure;
   return {};
 }
 

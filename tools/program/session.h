@@ -11,7 +11,14 @@
 
 #include "pelage/result.h"
 
+namespace CLI {
+class App;
+}
+
 namespace pelage::program {
+
+/// Exit codes of programs.
+inline constexpr int kFailure = 1, kBadArguments = 2;
 
 /// One run of the program. A command adds facts to the report in the order in which they are to be
 /// read; the session prints them at the end, as lines "label: text" or as one JSON object.
@@ -51,5 +58,11 @@ class Session {
   std::vector<std::string> warnings_;
   uint64_t drawnPermille_ = ~uint64_t{0};
 };
+
+/// Runs a program of commands, and returns its exit code. Errors go to stderr.
+/// \param addCommands  adds the commands, and may keep `exitCode`: that of a run without an error
+int runCommands(const char* program, const char* description, const char* version, int argc,
+                char** argv,
+                const std::function<void(CLI::App&, Session&, int& exitCode)>& addCommands);
 
 }  // namespace pelage::program
