@@ -5,15 +5,8 @@
 # part where DATA_DIR holds it. What takes little time and memory comes first, because the clocks of a
 # GPU that is loaded fall; no more than 8 minutes. A software driver gets small pictures.
 set -euo pipefail
-here=$(dirname "$0")
-tool=$1
-csv=$2/transparency_$3.csv
-data=${4:-$here/../../shared/data}
+source "$(dirname "$0")/run_options.sh" transparency "$@"
 shift $(($# < 4 ? $# : 4))
-commit=${PELAGE_COMMIT:-$(git -C "$here" describe --always --dirty 2>/dev/null || echo unknown)}
-
-mkdir -p "$(dirname "$csv")"
-rm -f "$csv"
 run() { "$tool" --csv "$csv" --commit "$commit" --data "$data" "$@"; }
 software=(--sizes 480x270 --guides 200 --frames 2 --together 1 --seconds 240)
 case $csv in

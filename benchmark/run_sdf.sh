@@ -4,15 +4,8 @@
 # TOOL is pelage-sdf-benchmark; DEVICE names the file: h200, lavapipe, llvmpipe. Body and hand take
 # part where DATA_DIR holds them. A software driver gets little hair and coarse grids.
 set -euo pipefail
-here=$(dirname "$0")
-tool=$1
-csv=$2/sdf_$3.csv
-data=${4:-$here/../../shared/data}
+source "$(dirname "$0")/run_options.sh" sdf "$@"
 shift $(($# < 4 ? $# : 4))
-commit=${PELAGE_COMMIT:-$(git -C "$here" describe --always --dirty 2>/dev/null || echo unknown)}
-
-mkdir -p "$(dirname "$csv")"
-rm -f "$csv"
 run() { "$tool" --csv "$csv" --commit "$commit" --data "$data" "$@"; }
 software=(--frames 6 --vertices 32000 --cells 18 25 50)
 case $csv in

@@ -5,15 +5,8 @@
 # TOOL is pelage-simulation-benchmark; DEVICE names the file: h200, lavapipe. The mohawk takes part
 # where DATA_DIR holds it, but not on a software driver.
 set -euo pipefail
-here=$(dirname "$0")
-tool=$1
-csv=$2/simulation_$3.csv
-data=${4:-$here/../../shared/data}
+source "$(dirname "$0")/run_options.sh" simulation "$@"
 shift $(($# < 4 ? $# : 4))
-commit=${PELAGE_COMMIT:-$(git -C "$here" describe --always --dirty 2>/dev/null || echo unknown)}
-
-mkdir -p "$(dirname "$csv")"
-rm -f "$csv"
 run() { "$tool" --csv "$csv" --commit "$commit" "$@"; }
 case $csv in
   *lavapipe.csv | *llvmpipe.csv)
