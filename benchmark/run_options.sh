@@ -1,3 +1,4 @@
+#!/usr/bin/env bash
 # Sourced by run_*.sh as: run_options.sh NAME TOOL OUT_DIR DEVICE [DATA_DIR] ...
 # Sets tool, csv, data and commit, and removes the file that the run replaces.
 here=$(dirname "${BASH_SOURCE[0]}")
