@@ -39,7 +39,7 @@ void FollowContacts::makeBuffers(const HairFrame& frame) {
   strands_ = frame.followCount;
   vertices_ = frame.vertexCount;
   const auto add = [&](const char* what, uint64_t bytes, uint32_t stride, BufferUsage usage) {
-    return frame.room.resources.add(
+    return frame.factory.resources.add(
         {.name = frame.name + "/" + what, .size = bytes, .stride = stride, .usage = usage});
   };
   before_ = add("followBefore", beforeBytes(), sizeof(Float4), BufferUsage::kStorage);
@@ -89,7 +89,7 @@ Result<void> FollowContacts::addPass(const HairFrame& frame, const KernelVariant
                                      const ColliderBuffers& colliders,
                                      const FollowCollisionConstants& constants) const {
   const bool walks = &variant == &collideFollowHairsVariant({});
-  const ResourceTable& resources = frame.room.resources;
+  const ResourceTable& resources = frame.factory.resources;
   const uint64_t stored = (uint64_t{frame.guideCount} + strands_) * vertices_ * sizeof(Float4);
   PassBuilder builder(frame.list);
   if (constants.followAgain != 0)

@@ -21,8 +21,8 @@ class FollowContacts {
   void pause(HairFrame&) { stop(); }
   /// The next frame does not go on from this one.
   void stop() { goesOn_ = false; }
-  void remove(const RoomBuffers& room) {
-    for (BufferId* buffer : {&before_, &contacts_, &words_}) room.remove(*buffer);
+  void remove(const BufferFactory& factory) {
+    for (BufferId* buffer : {&before_, &contacts_, &words_}) factory.remove(*buffer);
   }
   /// The last frame has collided: the next one goes on from where the hairs were.
   bool goesOn() const { return goesOn_; }

@@ -19,7 +19,7 @@ bool isExact(const HairFrame& frame) { return frame.settings.solver == Solver::k
 
 void HairColliders::prepare(HairFrame& frame) {
   if (frame.otherSolver) {
-    contacts_.remove(frame.room);
+    contacts_.remove(frame.factory);
     frame.buffers.contacts = frame.buffers.contactWords = BufferId::kInvalid;
   }
   frame.contacts = inputs();
@@ -65,10 +65,10 @@ bool HairColliders::sendSdfs(HairFrame& frame, const SdfRoom& sdfs, const Ball& 
   // Capsules come behind the SDFs.
   const uint32_t wanted = count > 0 ? count + static_cast<uint32_t>(inputs.colliders.size()) : 0;
   if (wanted > sdfCapacity_) {
-    frame.room.remove(frame.buffers.sdfs);
+    frame.factory.remove(frame.buffers.sdfs);
     sdfCapacity_ = wanted;
-    frame.buffers.sdfs = frame.room.add(frame.name + "/fields", wanted, sizeof(Sdf), {},
-                                        BufferUsage::kStorage | BufferUsage::kUpload);
+    frame.buffers.sdfs = frame.factory.add(frame.name + "/fields", wanted, sizeof(Sdf), {},
+                                           BufferUsage::kStorage | BufferUsage::kUpload);
     sdfsBefore_.clear();
   }
   if (!bytes.empty() && bytes != sdfsBefore_) addUpload(frame.list, frame.buffers.sdfs, bytes);
@@ -94,10 +94,10 @@ bool HairColliders::sendCapsules(HairFrame& frame, const Ball& ball) {
   // SDF permutations bind the capsule buffer, too.
   const uint32_t wanted = std::max(count, inReach_.contactSdfCount > 0 ? 1u : 0u);
   if (wanted > capsuleCapacity_) {
-    frame.room.remove(frame.buffers.colliders);
+    frame.factory.remove(frame.buffers.colliders);
     capsuleCapacity_ = wanted;
-    frame.buffers.colliders = frame.room.add(frame.name + "/colliders", wanted, sizeof(Collider),
-                                             {}, BufferUsage::kStorage | BufferUsage::kUpload);
+    frame.buffers.colliders = frame.factory.add(frame.name + "/colliders", wanted, sizeof(Collider),
+                                                {}, BufferUsage::kStorage | BufferUsage::kUpload);
   }
   if (count > 0) {
     addUpload(frame.list, frame.buffers.colliders, bytes);
@@ -121,8 +121,8 @@ void HairColliders::beginContacts(HairFrame& frame, const Strands& strands) {
     return;
   }
   if (!contacts_.isPrepared(frame.steps * subSteps)) {
-    contacts_.remove(frame.room);
-    contacts_.prepare(frame.room.resources, frame.name, strands(), frame.vertexCount,
+    contacts_.remove(frame.factory);
+    contacts_.prepare(frame.factory.resources, frame.name, strands(), frame.vertexCount,
                       frame.guideVertices(), kMaxFrameSteps * subSteps);
     frame.buffers.contacts = contacts_.records();
     frame.buffers.contactWords = contacts_.words();
@@ -150,7 +150,7 @@ Result<void> HairColliders::find(const HairFrame& frame, const ContactPart& part
                             .rootCount = frame.guideCount,
                             .strands = part.strands,
                             .origin = frame.origin};
-  return contacts_.find(frame.list, frame.room.resources, hair, inReach_, awake, of);
+  return contacts_.find(frame.list, frame.factory.resources, hair, inReach_, awake, of);
 }
 
 void HairColliders::pause(HairFrame& frame) {
@@ -167,11 +167,11 @@ void HairColliders::move(const WorldMove& move) {
   if (move.origin) contacts_.moveTo(*move.origin);
 }
 
-void HairColliders::remove(HairBuffers& buffers, const RoomBuffers& room) {
-  contacts_.remove(room);
+void HairColliders::remove(HairBuffers& buffers, const BufferFactory& factory) {
+  contacts_.remove(factory);
   buffers.contacts = buffers.contactWords = BufferId::kInvalid;
-  room.remove(buffers.colliders);
-  room.remove(buffers.sdfs);
+  factory.remove(buffers.colliders);
+  factory.remove(buffers.sdfs);
 }
 
 }  // namespace pelage::detail

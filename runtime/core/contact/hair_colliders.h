@@ -10,8 +10,8 @@
 #include "base/bounds.h"
 #include "base/rigid_move.h"
 #include "contact/hair_contacts.h"
+#include "passes/buffer_factory.h"
 #include "passes/moved_elements.h"
-#include "passes/room_buffers.h"
 #include "pelage/collider.h"
 #include "pelage/host_allocator.h"
 #include "pelage/result.h"
@@ -38,7 +38,7 @@ class HairColliders {
   void forget() { sdfsBefore_.clear(); }
   void move(const WorldMove& move);
   std::vector<MovedElements> moved(const HairFrame&) const { return contacts_.moved(); }
-  void remove(HairBuffers& buffers, const RoomBuffers& room);
+  void remove(HairBuffers& buffers, const BufferFactory& factory);
 
   HairContacts& contacts() { return contacts_; }
   const HairContacts& contacts() const { return contacts_; }

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "base/local_origin.h"
+#include "passes/buffer_factory.h"
 #include "passes/moved_elements.h"
-#include "passes/room_buffers.h"
 #include "pelage/camera.h"
 #include "pelage/collider.h"
 #include "pelage/constants.h"
@@ -95,8 +95,8 @@ class HairContacts {
   Result<float> deepest(std::span<const std::byte> records, std::span<const std::byte> words,
                         std::span<const std::byte> positions) const;
   /// Removes the buffers; prepare() makes them again.
-  void remove(const RoomBuffers& room) {
-    for (BufferId* buffer : {&records_, &words_}) room.remove(*buffer);
+  void remove(const BufferFactory& factory) {
+    for (BufferId* buffer : {&records_, &words_}) factory.remove(*buffer);
   }
 
   BufferId records() const { return records_; }

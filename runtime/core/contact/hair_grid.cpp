@@ -189,22 +189,22 @@ Result<void> HairGrid::addMeasurePasses(const HairFrame& frame, PassList& list) 
   return {};
 }
 
-void HairGrid::remove(const RoomBuffers& room) {
+void HairGrid::remove(const BufferFactory& factory) {
   for (BufferId* buffer : {&nodes_, &vertices_, &rest_, &forces_, &bindPoses_})
-    room.remove(*buffer);
+    factory.remove(*buffer);
   *this = {};
 }
 
 void HairGrid::prepare(HairFrame& frame) {
   if (frame.mode == FrameMode::kPose) return;
   const HairContactSettings& contact = frame.settings.contact;
-  const RoomBuffers& room = frame.room;
+  const BufferFactory& factory = frame.factory;
   const bool on = frame.mode == FrameMode::kSimulate && frame.settings.solver == Solver::kExact &&
                   isOn(contact);
-  room.remove(bindPoses_);
+  factory.remove(bindPoses_);
   const bool same = !frame.otherRest && size_ > 0 && cellSetting_ == contact.cellSize &&
                     friction_ == (contact.friction > 0) && pressure_ == (contact.stiffness > 0);
-  if (!on || !same) remove(room);
+  if (!on || !same) remove(factory);
   if (on && !same) make(frame);
   frame.buffers.contactForces = forces_;
   others_ = frame.forces;
@@ -233,7 +233,7 @@ void HairGrid::make(const HairFrame& frame) {
   const auto add = [&](const char* what, uint64_t count, uint32_t stride,
                        std::span<const Float4> initial = {}) {
     const auto bytes = std::as_bytes(initial);
-    return frame.room.add(frame.name + "/" + what, count, stride, {bytes.begin(), bytes.end()});
+    return frame.factory.add(frame.name + "/" + what, count, stride, {bytes.begin(), bytes.end()});
   };
   const uint64_t nodes = uint64_t{size_} * size_ * size_;
   nodes_ = add("contactNodes", nodes * (friction_ ? 4 : 1), sizeof(uint32_t));

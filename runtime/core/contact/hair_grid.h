@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "base/rigid_move.h"
+#include "passes/buffer_factory.h"
 #include "passes/moved_elements.h"
-#include "passes/room_buffers.h"
 #include "pelage/gpu_structs.h"
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
@@ -24,7 +24,7 @@ class HairGrid {
   Result<void> record(const HairFrame& frame, double h, bool reset);
   /// Call it behind the last step of a frame.
   void finish(const HairFrame& frame);
-  void remove(const RoomBuffers& room);
+  void remove(const BufferFactory& factory);
   void move(const WorldMove& move) {
     move.point(middle_);
     move.direction(velocity_);

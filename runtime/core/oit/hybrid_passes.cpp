@@ -10,13 +10,13 @@ namespace {
 void makeLayerBuffers(OitDraw& draw, const LayerSizes& sizes) {
   OitBuffers::Layers& hybrid = draw.buffers.hybrid;
   constexpr uint32_t kWord = sizeof(uint32_t);
-  draw.makeRoom(hybrid.depths, "transparency/layer depths", sizes.depthBytes, kWord);
-  draw.makeRoom(hybrid.colors, "transparency/layer colors", sizes.colorBytes, kWord);
-  draw.makeRoom(hybrid.tail, "transparency/layer tail", sizes.tailBytes, kWord);
-  draw.makeRoom(hybrid.tiles, "transparency/layer tiles", sizes.tileBytes, kWord,
-                BufferUsage::kStorage | BufferUsage::kVertex);
-  draw.makeRoom(hybrid.counters, "transparency/layer counters", kCounterBytes, kWord,
-                BufferUsage::kStorage | BufferUsage::kIndirect);
+  draw.ensureCapacity(hybrid.depths, "transparency/layer depths", sizes.depthBytes, kWord);
+  draw.ensureCapacity(hybrid.colors, "transparency/layer colors", sizes.colorBytes, kWord);
+  draw.ensureCapacity(hybrid.tail, "transparency/layer tail", sizes.tailBytes, kWord);
+  draw.ensureCapacity(hybrid.tiles, "transparency/layer tiles", sizes.tileBytes, kWord,
+                      BufferUsage::kStorage | BufferUsage::kVertex);
+  draw.ensureCapacity(hybrid.counters, "transparency/layer counters", kCounterBytes, kWord,
+                      BufferUsage::kStorage | BufferUsage::kIndirect);
 }
 
 Result<void> addLayerResolve(const OitDraw& draw, const LayerSizes& sizes, uint32_t layers,

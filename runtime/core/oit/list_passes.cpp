@@ -50,16 +50,16 @@ Result<void> addListPasses(OitDraw& draw, const MaterialBatch& batch, PassList& 
   const ListSizes sizes = listSizes(view.width, view.height, tail);
   const uint64_t nodeBytes = draw.plan.sizes.nodeCount * detail::nodeBytes(settings);
   constexpr uint32_t kWord = sizeof(uint32_t);
-  draw.makeRoom(lists.heads, "transparency/heads", sizes.headBytes, kWord);
-  draw.makeRoom(lists.nodes, "transparency/nodes", nodeBytes, sizeof(Uint4));
-  draw.makeRoom(lists.tiles, "transparency/tiles", sizes.tileBytes, kWord,
-                BufferUsage::kStorage | BufferUsage::kVertex);
-  draw.makeRoom(lists.counters, "transparency/counters", kCounterBytes, kWord,
-                BufferUsage::kStorage | BufferUsage::kIndirect | BufferUsage::kReadback);
+  draw.ensureCapacity(lists.heads, "transparency/heads", sizes.headBytes, kWord);
+  draw.ensureCapacity(lists.nodes, "transparency/nodes", nodeBytes, sizeof(Uint4));
+  draw.ensureCapacity(lists.tiles, "transparency/tiles", sizes.tileBytes, kWord,
+                      BufferUsage::kStorage | BufferUsage::kVertex);
+  draw.ensureCapacity(lists.counters, "transparency/counters", kCounterBytes, kWord,
+                      BufferUsage::kStorage | BufferUsage::kIndirect | BufferUsage::kReadback);
   if (tail)
-    draw.makeRoom(lists.tail, "transparency/tail", sizes.tailBytes, sizeof(Uint4));
+    draw.ensureCapacity(lists.tail, "transparency/tail", sizes.tailBytes, sizeof(Uint4));
   else
-    draw.room.remove(lists.tail);
+    draw.factory.remove(lists.tail);
 
   PPLLBuildConstants build = {};
   build.listWidth = view.width;

@@ -34,11 +34,11 @@ bool isOpaque(Transparency method) {
   return method == Transparency::kAlphaTest || method == Transparency::kStochastic;
 }
 
-Result<void> checkDepth(const View& view, BufferId depth, const RoomBuffers& room) {
+Result<void> checkDepth(const View& view, BufferId depth, const BufferFactory& factory) {
   const uint64_t bytes = uint64_t{view.width} * view.height * sizeof(float);
-  if (depth == BufferId::kInvalid || room.bytesOf(depth) >= bytes) return {};
+  if (depth == BufferId::kInvalid || factory.bytesOf(depth) >= bytes) return {};
   return Error{ErrorCode::kInvalidArgument,
-               "view: opaqueDepth has " + std::to_string(room.bytesOf(depth)) +
+               "view: opaqueDepth has " + std::to_string(factory.bytesOf(depth)) +
                    " bytes, but a float a pixel takes " + std::to_string(bytes)};
 }
 
@@ -113,7 +113,7 @@ std::vector<BufferId*> OitBuffers::all() {
 }
 
 Result<OitPlan> OitViews::check(DrawnView& view, const TransparencySettings& settings,
-                                const RoomBuffers& room) {
+                                const BufferFactory& factory) {
   OitPlan plan;
   if (Result<void> complete = checkLights(settings.engineLights); !complete)
     return complete.error();
@@ -143,14 +143,14 @@ Result<OitPlan> OitViews::check(DrawnView& view, const TransparencySettings& set
   plan.sizes = *sizes;
   plan.sizes.bytes += plan.recordBytes;
   if (settings.method == Transparency::kTiles && !view.hairs.empty()) {
-    if (Result<void> fits = checkDepth(view.view, settings.opaqueDepth, room); !fits)
+    if (Result<void> fits = checkDepth(view.view, settings.opaqueDepth, factory); !fits)
       return fits.error();
   }
   return plan;
 }
 
 Result<void> OitViews::record(DrawnView& view, const TransparencySettings& settings,
-                              const OitPlan& plan, const RoomBuffers& room, uint64_t frame,
+                              const OitPlan& plan, const BufferFactory& factory, uint64_t frame,
                               std::vector<PassList>& lists) {
   tiles_ = {};
   const size_t count = listsOf(settings.method, plan.batches.size());
@@ -166,13 +166,14 @@ Result<void> OitViews::record(DrawnView& view, const TransparencySettings& setti
                   .settings = settings,
                   .plan = plan,
                   .buffers = slot.buffers,
-                  .room = room,
+                  .factory = factory,
                   .suffix = last_ == 0 ? "" : " of view " + std::to_string(last_ + 1),
                   .exact = !created};
   Result<void> added;
   if (plan.recordBytes > 0) {
     BufferId& records = slot.buffers.strands.records;
-    draw.makeRoom(records, "transparency/strands", plan.recordBytes, sizeof(Uint4), kRecordUsage);
+    draw.ensureCapacity(records, "transparency/strands", plan.recordBytes, sizeof(Uint4),
+                        kRecordUsage);
     view.records = {records, plan.recordBytes};
     added = addTransforms(view, lists[0]);
   }
@@ -214,10 +215,10 @@ std::vector<uint64_t> OitViews::bytes(const ResourceTable& resources) const {
   return all;
 }
 
-void OitViews::trim(const RoomBuffers& room, const char* reason) {
+void OitViews::trim(const BufferFactory& factory, const char* reason) {
   for (const auto& slot : slots_) {
     slot->tickets.lose(reason);
-    for (BufferId* buffer : slot->buffers.all()) room.remove(*buffer);
+    for (BufferId* buffer : slot->buffers.all()) factory.remove(*buffer);
   }
   slots_.clear();
   last_ = 0;

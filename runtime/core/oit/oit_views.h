@@ -9,8 +9,8 @@
 
 #include "oit/material_batches.h"
 #include "oit/transparency.h"
+#include "passes/buffer_factory.h"
 #include "passes/list_ticket.h"
-#include "passes/room_buffers.h"
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
 #include "pelage/transparency.h"
@@ -60,14 +60,14 @@ struct OitDraw {
   const TransparencySettings& settings;
   const OitPlan& plan;
   OitBuffers& buffers;
-  RoomBuffers room;
+  BufferFactory factory;
   std::string suffix;   ///< of buffers' names
   bool exact = false;   ///< buffers that are too large were never created: make them anew, too
   bool remade = false;  ///< one was made
 
-  void makeRoom(BufferId& buffer, const char* name, uint64_t bytes, uint32_t stride,
-                BufferUsage usage = BufferUsage::kStorage) {
-    remade |= room.makeRoom({buffer, name + suffix, bytes, stride, usage}, exact);
+  void ensureCapacity(BufferId& buffer, const char* name, uint64_t bytes, uint32_t stride,
+                      BufferUsage usage = BufferUsage::kStorage) {
+    remade |= factory.ensureCapacity({buffer, name + suffix, bytes, stride, usage}, exact);
   }
 };
 
@@ -82,12 +82,12 @@ class OitViews {
   /// Errors: those of planTransparency(); opaqueDepth that is too small; engineLights that lack a
   /// kernel. Notes the lights in the view.
   static Result<OitPlan> check(DrawnView& view, const TransparencySettings& settings,
-                               const RoomBuffers& room);
+                               const BufferFactory& factory);
   /// Adds the passes of a method. The view gets the first buffers that no list names which is still
   /// to run: so views of a frame have buffers of their own, and the next frame has them again.
   /// \param lists as many as the method needs are made; those from 1 on are empty.
   Result<void> record(DrawnView& view, const TransparencySettings& settings, const OitPlan& plan,
-                      const RoomBuffers& room, uint64_t frame, std::vector<PassList>& lists);
+                      const BufferFactory& factory, uint64_t frame, std::vector<PassList>& lists);
   /// Counters of the lists or tiles of the view that was drawn last; kInvalid before the first one.
   BufferId counters() const;
   /// Tiles of the view that was drawn last; buffers are kInvalid where it has none.
@@ -95,7 +95,7 @@ class OitViews {
   /// [view] bytes of its buffers, for all methods it has had.
   std::vector<uint64_t> bytes(const ResourceTable& resources) const;
   /// Frees all buffers. \param reason why lists that have not run cannot any more.
-  void trim(const RoomBuffers& room, const char* reason);
+  void trim(const BufferFactory& factory, const char* reason);
 
  private:
   struct Slot {

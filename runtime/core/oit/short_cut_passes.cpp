@@ -59,12 +59,12 @@ Result<void> addShortCutPasses(OitDraw& draw, std::vector<PassList>& lists) {
   OitBuffers::Layers& shortCut = draw.buffers.shortCut;
   const LayerSizes sizes = layerSizes(view.width, view.height, layerCount(Transparency::kShortCut));
   constexpr uint32_t kWord = sizeof(uint32_t);
-  draw.makeRoom(shortCut.depths, "transparency/short cut depths", sizes.depthBytes, kWord);
-  draw.makeRoom(shortCut.colors, "transparency/short cut colors", sizes.colorBytes, kWord);
-  draw.makeRoom(shortCut.tiles, "transparency/short cut tiles", sizes.tileBytes, kWord,
-                BufferUsage::kStorage | BufferUsage::kVertex);
-  draw.makeRoom(shortCut.counters, "transparency/short cut counters", kCounterBytes, kWord,
-                BufferUsage::kStorage | BufferUsage::kIndirect);
+  draw.ensureCapacity(shortCut.depths, "transparency/short cut depths", sizes.depthBytes, kWord);
+  draw.ensureCapacity(shortCut.colors, "transparency/short cut colors", sizes.colorBytes, kWord);
+  draw.ensureCapacity(shortCut.tiles, "transparency/short cut tiles", sizes.tileBytes, kWord,
+                      BufferUsage::kStorage | BufferUsage::kVertex);
+  draw.ensureCapacity(shortCut.counters, "transparency/short cut counters", kCounterBytes, kWord,
+                      BufferUsage::kStorage | BufferUsage::kIndirect);
 
   ShortCutDepthsAlphaConstants depths = {};
   depths.shortCutWidth = view.width;

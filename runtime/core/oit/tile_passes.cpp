@@ -93,14 +93,16 @@ Result<void> addTilePasses(OitDraw& draw, const MaterialBatch& batch, PassList& 
   // Batches share it, and lists of the first one name it already.
   const uint64_t allRecords =
       strandTileSizes(view.width, view.height, draw.plan.vertices).recordBytes;
-  draw.makeRoom(strands.records, "transparency/strands", allRecords, sizeof(Uint4), kRecordUsage);
-  draw.makeRoom(strands.tiles, "transparency/strand tiles", sizes.tileBytes, kWord,
-                BufferUsage::kStorage | BufferUsage::kVertex);
-  draw.makeRoom(strands.references, "transparency/strand references", referenceBytes, kWord);
-  draw.makeRoom(strands.sums, "transparency/strand sums", sizes.sumBytes, sizeof(Uint2));
-  draw.makeRoom(strands.picture, "transparency/strand picture", sizes.pictureBytes, sizeof(Uint2));
-  draw.makeRoom(counters, "transparency/counters", kCounterBytes, kWord,
-                BufferUsage::kStorage | BufferUsage::kIndirect | BufferUsage::kReadback);
+  draw.ensureCapacity(strands.records, "transparency/strands", allRecords, sizeof(Uint4),
+                      kRecordUsage);
+  draw.ensureCapacity(strands.tiles, "transparency/strand tiles", sizes.tileBytes, kWord,
+                      BufferUsage::kStorage | BufferUsage::kVertex);
+  draw.ensureCapacity(strands.references, "transparency/strand references", referenceBytes, kWord);
+  draw.ensureCapacity(strands.sums, "transparency/strand sums", sizes.sumBytes, sizeof(Uint2));
+  draw.ensureCapacity(strands.picture, "transparency/strand picture", sizes.pictureBytes,
+                      sizeof(Uint2));
+  draw.ensureCapacity(counters, "transparency/counters", kCounterBytes, kWord,
+                      BufferUsage::kStorage | BufferUsage::kIndirect | BufferUsage::kReadback);
 
   StrandTilesConstants bin = {};
   bin.binWidth = view.width;

@@ -188,7 +188,8 @@ void FrameJournal::restore() {
   for (uint32_t slot = 0; slot < store_.resources.end(); ++slot) {
     BufferId buffer = store_.resources.at(slot);
     const uint64_t version = store_.resources.versionOf(buffer);
-    if (version > frame.firstVersion && version <= frame.lastVersion) store_.room().remove(buffer);
+    if (version > frame.firstVersion && version <= frame.lastVersion)
+      store_.factory().remove(buffer);
   }
   spare_.push_back(std::move(frame));
 }
@@ -205,7 +206,7 @@ void FrameJournal::commit() {
   const auto first = std::find_if_not(open_.begin(), open_.end(), isDelivered);
   for (auto frame = open_.begin(); frame != first; ++frame) {
     for (RemovedBuffer& removed : frame->removed)
-      if (store_.resources.find(removed.buffer) != nullptr) store_.room().remove(removed.buffer);
+      if (store_.resources.find(removed.buffer) != nullptr) store_.factory().remove(removed.buffer);
     spare_.push_back(std::move(*frame));
   }
   open_.erase(open_.begin(), first);
@@ -225,7 +226,7 @@ void FrameJournal::removeOf(FrameCheckpoint& frame, const void* owner) {
   for (RemovedBuffer& removed : frame.removed) {
     if (removed.owner != owner) continue;
     if (store_.resources.find(removed.buffer) != nullptr)
-      store_.room().remove(removed.buffer);
+      store_.factory().remove(removed.buffer);
     else
       removed.buffer = BufferId::kInvalid;
   }
@@ -256,7 +257,7 @@ void FrameJournal::resetAll(std::span<HairObject* const> kept) {
     HairInternals& hair = HairStore::of(object);
     hair.resetPending = true;
     hair.get<FollowContacts>().stop();
-    hair.get<HairGrid>().remove(store_.room());
+    hair.get<HairGrid>().remove(store_.factory());
     HairStore::buffersOf(object).contactForces = BufferId::kInvalid;
   }
   for (SdfCollider& collider : store_.colliders()) HairStore::of(collider).resetPending = true;

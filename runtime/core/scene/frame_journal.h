@@ -6,8 +6,8 @@
 #include <memory>
 #include <span>
 
+#include "passes/buffer_factory.h"
 #include "passes/list_run.h"
-#include "passes/room_buffers.h"
 #include "pelage/scene.h"
 #include "scene/hair_internals.h"
 #include "scene/hair_store.h"

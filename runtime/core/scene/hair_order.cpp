@@ -346,7 +346,7 @@ HairFrame frameOf(HairStore& store, HairObject& object, const SimulationSettings
           .inputs = hair,
           .settings = settings,
           .buffers = HairStore::buffersOf(object),
-          .room = store.room(&object),
+          .factory = store.factory(&object),
           .list = list,
           .mode = mode,
           .guideCount = object.guideCount(),

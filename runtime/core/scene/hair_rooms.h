@@ -8,7 +8,7 @@
 #include "contact/follow_contacts.h"
 #include "contact/hair_colliders.h"
 #include "contact/hair_grid.h"
-#include "passes/room_buffers.h"
+#include "passes/buffer_factory.h"
 #include "pelage/result.h"
 #include "shading/strand_interpolation.h"
 #include "shading/strand_motion.h"
@@ -29,7 +29,8 @@ namespace pelage::detail {
 ///     void move(const WorldMove& move);             // what the host has in world space
 ///     std::vector<MovedElements> moved(const HairFrame& frame) const;  // what the GPU has
 ///     void forget();                                // the GPU may lack what was uploaded
-///     void remove(const RoomBuffers& room);         // or remove(HairBuffers&, const RoomBuffers&)
+///     void remove(const BufferFactory& factory);         // or remove(HairBuffers&, const
+///     BufferFactory&)
 using HairRooms = std::tuple<StrandSolver, GivenPositions, HairColliders, FieldForces, HairGrid,
                              FollowContacts, StrandMotion, StrandInterpolation>;
 
@@ -62,7 +63,7 @@ inline void forgetRooms(HairRooms& rooms) {
   });
 }
 
-inline void removeRooms(HairRooms& rooms, HairBuffers& buffers, const RoomBuffers& from) {
+inline void removeRooms(HairRooms& rooms, HairBuffers& buffers, const BufferFactory& from) {
   eachRoom(rooms, [&](auto& room) {
     if constexpr (requires { room.remove(buffers, from); })
       room.remove(buffers, from);

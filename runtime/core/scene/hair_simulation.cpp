@@ -108,15 +108,15 @@ Result<void> HairSimulation::simulateFrame(float dt, uint32_t steps, PassList& l
   for (const HairObject& object : store_.hairs())
     if (const std::optional<HairReach> reach = reachOf(object)) reaches.push_back(*reach);
   SdfRoom& sdfs = store_.sdfs;
-  const Result<SdfRoom::Plans> plans = sdfs.check(reaches, store_.room());
+  const Result<SdfRoom::Plans> plans = sdfs.check(reaches, store_.factory());
   if (!plans) return plans.error();
-  sdfs.plan(*plans, store_.room());
+  sdfs.plan(*plans, store_.factory());
   // A reset repairs everything: whoever asks for it may have lost a frame without knowing.
   for (HairObject& object : store_.hairs())
     if (isNew(object)) sendAgain(HairStore::of(object));
   for (SdfCollider& held : store_.colliders())
     if (HairStore::of(held).resetPending) sendAgain(HairStore::of(held));
-  if (Result<void> done = sdfs.record(reaches, store_.room(), list); !done) return done;
+  if (Result<void> done = sdfs.record(reaches, store_.factory(), list); !done) return done;
   for (HairObject& object : store_.hairs()) {
     const FrameMode mode = isSimulated(object) ? FrameMode::kSimulate : FrameMode::kSkin;
     Result<void> done = recordHair(store_, object, mode, {.dt = dt, .steps = steps}, list);

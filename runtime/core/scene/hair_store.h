@@ -6,7 +6,7 @@
 #include <ranges>
 
 #include "base/ids.h"
-#include "passes/room_buffers.h"
+#include "passes/buffer_factory.h"
 #include "pelage/scene.h"
 #include "scene/hair_internals.h"
 #include "sdf/sdf_room.h"
@@ -52,7 +52,7 @@ class HairStore {
   SdfCollider& collider(ColliderId id) const;
 
   /// \param owner  of buffers that are removed: a hair object or a collider; nullptr: the scene
-  RoomBuffers room(const void* owner = nullptr) {
+  BufferFactory factory(const void* owner = nullptr) {
     return {resources, hazards, removed, owner, &shared};
   }
   Result<HairId> addHair(std::shared_ptr<const HairAsset> asset, const HairDef& def);
@@ -72,7 +72,7 @@ class HairStore {
 
 /// Removes all that an object has in the table.
 void removeHairBuffers(HairBuffers& buffers, HairFrameState& state, bool hasSkeleton,
-                       const RoomBuffers& room);
+                       const BufferFactory& factory);
 
 /// Lets the next frame upload what an object has on the GPU beside its strands' state.
 void sendAgain(HairInternals& hair);

@@ -46,7 +46,7 @@ void Scene::trim() {
   parts_->journal.commit();
   parts_->journal.collectShared();
   parts_->drawing.trim("Scene::trim() freed its buffers; write it again");
-  parts_->store.sdfs.trim(parts_->store.room());
+  parts_->store.sdfs.trim(parts_->store.factory());
 }
 
 // Frames.

@@ -23,7 +23,7 @@ Result<ColliderId> Scene::addCollider(const CollisionMesh& mesh, const SdfCollid
       return refuse("has a vertex buffer, which follows no skeleton");
     bones = {&detail::HairStore::of(**skeleton), (*skeleton)->boneCount()};
   }
-  const Result<ColliderId> id = store.sdfs.add(mesh, def, bones, store.shifted, store.room());
+  const Result<ColliderId> id = store.sdfs.add(mesh, def, bones, store.shifted, store.factory());
   if (id) parts_->journal.relayFrames();
   return id;
 }
@@ -38,7 +38,7 @@ Result<ColliderId> Scene::addCollider(const SdfData& data, const SdfColliderDef&
   if (store.sdfs.colliders.isFull()) return refuse("the scene has as many colliders as ids");
   if (def.skeleton != SkeletonId::kInvalid)
     return refuse("a field that was built before never moves, and follows no skeleton");
-  const Result<ColliderId> id = store.sdfs.add(data, def, store.shifted, store.room());
+  const Result<ColliderId> id = store.sdfs.add(data, def, store.shifted, store.factory());
   if (id) parts_->journal.relayFrames();
   return id;
 }
@@ -51,7 +51,7 @@ Result<ColliderId> Scene::addCollider(const DenseSdf& sdf, const SdfColliderDef&
   if (const std::string fault = detail::faultOf(sdf, store.resources); !fault.empty())
     return refuse(fault);
   if (store.sdfs.colliders.isFull()) return refuse("the scene has as many colliders as ids");
-  const ColliderId id = store.sdfs.add(sdf, def, store.shifted, store.room());
+  const ColliderId id = store.sdfs.add(sdf, def, store.shifted, store.factory());
   parts_->journal.relayFrames();
   return id;
 }
@@ -61,7 +61,7 @@ Result<void> Scene::removeCollider(ColliderId id) {
   if (!isValid(id)) return detail::noSuchThing("removeCollider()", store.sdfs.colliders.whyNot(id));
   parts_->journal.settle(false);
   parts_->journal.forgetOwner(&store.collider(id));
-  store.sdfs.remove(id, store.room());
+  store.sdfs.remove(id, store.factory());
   store.removeUnusedCopies();
   parts_->journal.relayFrames();
   return {};
@@ -69,7 +69,7 @@ Result<void> Scene::removeCollider(ColliderId id) {
 
 ObjectBytes Scene::bytesOf(ColliderId id) const {
   static_cast<void>(collider(id));
-  const detail::SdfRoom::Bytes bytes = parts_->store.sdfs.bytesOf(id, parts_->store.room());
+  const detail::SdfRoom::Bytes bytes = parts_->store.sdfs.bytesOf(id, parts_->store.factory());
   return {bytes.own, bytes.shared};
 }
 

@@ -226,13 +226,13 @@ std::vector<uint32_t> ribbonIndices(uint32_t vertices) {
 void addHairBuffers(HairObject& object, const HairAsset& asset, const HairDef& def,
                     const std::vector<float>& thickness, HairStore& store) {
   HairInternals& hair = HairStore::of(object);
-  const RoomBuffers room = store.room();
+  const BufferFactory factory = store.factory();
   const auto add = [&](const char* what, uint64_t count, uint32_t stride,
                        BufferUsage usage = BufferUsage::kStorage) {
-    return room.add(def.name + "/" + what, count, stride, {}, usage);
+    return factory.add(def.name + "/" + what, count, stride, {}, usage);
   };
   const auto table = [&](const char* what, const auto& values) {
-    return room.share(def.name, what, sizeof(values[0]), detail::bytesOf(values));
+    return factory.share(def.name, what, sizeof(values[0]), detail::bytesOf(values));
   };
   HairBuffers& buffers = HairStore::buffersOf(object);
   const uint64_t guides = object.guideCount();
@@ -242,7 +242,7 @@ void addHairBuffers(HairObject& object, const HairAsset& asset, const HairDef& d
   buffers.bindRoots = table("bindRoots", bindRootsOf(asset));
   buffers.rootBindings = table("rootBindings", bindingsOf(asset, def));
   if (hair.skeleton != nullptr) {
-    buffers.boneTransforms = bonesFor(*hair.skeleton, def.skinning, room);
+    buffers.boneTransforms = bonesFor(*hair.skeleton, def.skinning, factory);
   } else {
     buffers.boneTransforms = add("boneTransforms", rowsOf(def.skinning) * object.boneCount(),
                                  sizeof(Float4), BufferUsage::kStorage | BufferUsage::kUpload);
@@ -255,9 +255,9 @@ void addHairBuffers(HairObject& object, const HairAsset& asset, const HairDef& d
   if (!def.baseTexture.texels.empty())
     buffers.baseTexture = table("baseTexture", textureOf(asset, def.baseTexture));
   if (def.strandUvs) buffers.strandUvs = table("strandUvs", rootUvsOf(asset));
-  buffers.indices =
-      room.share(def.name, "indices", sizeof(uint32_t),
-                 detail::bytesOf(ribbonIndices(object.verticesPerStrand())), BufferUsage::kIndex);
+  buffers.indices = factory.share(def.name, "indices", sizeof(uint32_t),
+                                  detail::bytesOf(ribbonIndices(object.verticesPerStrand())),
+                                  BufferUsage::kIndex);
 }
 
 }  // namespace
@@ -319,14 +319,14 @@ Result<HairId> HairStore::addHair(std::shared_ptr<const HairAsset> given, const 
 }
 
 void removeHairBuffers(HairBuffers& buffers, HairFrameState& state, bool hasSkeleton,
-                       const RoomBuffers& room) {
-  removeRooms(state.rooms, buffers, room);
+                       const BufferFactory& factory) {
+  removeRooms(state.rooms, buffers, factory);
   if (hasSkeleton) buffers.boneTransforms = BufferId::kInvalid;
   for (BufferId* buffer :
        {&buffers.positions, &buffers.tangents, &buffers.bindRoots, &buffers.rootBindings,
         &buffers.boneTransforms, &buffers.followHairRecords, &buffers.strandThickness,
         &buffers.indices, &buffers.vertexColors, &buffers.baseTexture, &buffers.strandUvs})
-    room.remove(*buffer);
+    factory.remove(*buffer);
 }
 
 HairObject& HairStore::hair(HairId id) const {
@@ -346,12 +346,12 @@ ObjectBytes Scene::bytesOf(HairId id) const {
   HairBuffers buffers = object.buffers();
   detail::HairFrameState state = detail::HairStore::of(object);
   HostArray<detail::RemovedBuffer> removed;
-  const detail::RoomBuffers room = {store.resources, store.hazards, &removed};
-  removeHairBuffers(buffers, state, detail::HairStore::of(object).skeleton != nullptr, room);
+  const detail::BufferFactory factory = {store.resources, store.hazards, &removed};
+  removeHairBuffers(buffers, state, detail::HairStore::of(object).skeleton != nullptr, factory);
   ObjectBytes bytes;
   for (const detail::RemovedBuffer& buffer : removed) {
     uint64_t& sum = store.shared.contains(buffer.buffer) ? bytes.shared : bytes.own;
-    sum += room.bytesOf(buffer.buffer);
+    sum += factory.bytesOf(buffer.buffer);
   }
   return bytes;
 }
@@ -364,7 +364,7 @@ Result<void> Scene::removeHair(HairId id) {
   parts_->journal.forgetOwner(&object);
   detail::HairInternals& hair = detail::HairStore::of(object);
   removeHairBuffers(detail::HairStore::buffersOf(object), hair, hair.skeleton != nullptr,
-                    store.room());
+                    store.factory());
   store.hairSlots.remove(id);
   store.removeUnusedCopies();
   parts_->journal.collectShared();

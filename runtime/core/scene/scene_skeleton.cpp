@@ -22,7 +22,7 @@ Result<SkeletonId> HairStore::addSkeleton(const SkeletonDef& def) {
   internals.source = def.source;
   internals.boneCount = def.boneCount;
   if (internals.isOnGpu()) internals.deviation = def.deviation;
-  if (def.surface != nullptr) addSurface(internals, *def.surface, room());
+  if (def.surface != nullptr) addSurface(internals, *def.surface, factory());
   internals.bones.resize(internals.isOnGpu() ? 1 : internals.boneCount);
   internals.origin.shifted = shifted;
   return skeletonSlots.add(std::move(skeleton));
@@ -73,7 +73,7 @@ void HairStore::removeUnusedCopies() {
           std::ranges::any_of(colliders(),
                               [&](const SdfCollider& c) { return reads(c.buffers().bones); });
       if (read) continue;
-      room().remove(copy.buffer);
+      factory().remove(copy.buffer);
       copy = {};
     }
   }
@@ -114,7 +114,7 @@ Result<void> Scene::removeSkeleton(SkeletonId id) {
   SkeletonPose& removed = store.skeleton(id);
   if (Result<void> unused = store.checkUnused(removed); !unused) return unused;
   parts_->journal.forgetOwner(&removed);
-  store.room().remove(detail::HairStore::of(removed).surfaceBones);
+  store.factory().remove(detail::HairStore::of(removed).surfaceBones);
   store.skeletonSlots.remove(id);
   return {};
 }

@@ -121,12 +121,12 @@ Result<void> ViewDrawing::draw(const View& view, const Light& light, PassList& l
   if (!cast) return cast.error();
   if (Result<void> added = addShadows(*cast, *frame, list); !added) return added;
   const TransparencySettings settings = {.method = Transparency::kStochastic};
-  const Result<OitPlan> plan = OitViews::check(*frame, settings, store_.room());
+  const Result<OitPlan> plan = OitViews::check(*frame, settings, store_.factory());
   if (!plan) return plan.error();
   std::vector<PassList> lists;
   lists.push_back(std::move(list));
-  Result<void> added = colors.record(*frame, store_.room(), store_.frame, lists[0]);
-  if (added) added = oit.record(*frame, settings, *plan, store_.room(), store_.frame, lists);
+  Result<void> added = colors.record(*frame, store_.factory(), store_.frame, lists[0]);
+  if (added) added = oit.record(*frame, settings, *plan, store_.factory(), store_.frame, lists);
   list = std::move(lists.front());
   if (added) simulation_.finishMoves();
   setArea({&list, 1}, view);
@@ -138,17 +138,17 @@ Result<void> ViewDrawing::draw(const View& view, std::span<const Light> lights,
   journal_.settle(false);
   if (lists.empty()) lists.resize(1);
   for (size_t i = 1; i < lists.size(); ++i) lists[i].clear();
-  const RoomBuffers room = store_.room();
+  const BufferFactory factory = store_.factory();
   Result<DrawnView> frame = begin(view, lights, lists.data());
   if (!frame) return frame.error();
-  const Result<OitPlan> plan = OitViews::check(*frame, settings, room);
+  const Result<OitPlan> plan = OitViews::check(*frame, settings, factory);
   if (!plan) return plan.error();
   if (frame->hairs.empty()) return {};
   Result<ShadowCast> cast = checkShadows(lights, true);
   if (!cast) return cast.error();
   if (Result<void> added = addShadows(*cast, *frame, lists[0]); !added) return added;
-  Result<void> added = colors.record(*frame, room, store_.frame, lists[0]);
-  if (added) added = oit.record(*frame, settings, *plan, room, store_.frame, lists);
+  Result<void> added = colors.record(*frame, factory, store_.frame, lists[0]);
+  if (added) added = oit.record(*frame, settings, *plan, factory, store_.frame, lists);
   colors.share(*frame, lists, store_.frame);
   shadows.share(lists, store_.frame);
   if (added) simulation_.finishMoves();
@@ -166,8 +166,8 @@ Result<void> ViewDrawing::drawDepth(const View& view, const HairDepthSettings& s
   if (Result<void> fits = StrandDepths::check(*frame, settings); !fits) return fits;
   if (frame->hairs.empty()) return {};
   if (Result<void> moved = simulation_.movePending(list); !moved) return moved;
-  Result<void> added = colors.record(*frame, store_.room(), store_.frame, list);
-  if (added) added = depths.record(*frame, settings, store_.room(), store_.frame, list);
+  Result<void> added = colors.record(*frame, store_.factory(), store_.frame, list);
+  if (added) added = depths.record(*frame, settings, store_.factory(), store_.frame, list);
   if (added) simulation_.finishMoves();
   return added;
 }
@@ -213,7 +213,8 @@ Result<ShadowCast> ViewDrawing::checkShadows(std::span<const Light> lights, bool
       return checked.error();
     for (const size_t light : cast.opaqueLights) opaques.push_back(opaquePlanOf(lights[light]));
   }
-  Result<ShadowPlan> plan = shadows.check(defs, opaques, cast.hairs, store_.room(), store_.frame);
+  Result<ShadowPlan> plan =
+      shadows.check(defs, opaques, cast.hairs, store_.factory(), store_.frame);
   if (!plan) return plan.error();
   cast.plan = std::move(*plan);
   return cast;
@@ -222,8 +223,9 @@ Result<ShadowCast> ViewDrawing::checkShadows(std::span<const Light> lights, bool
 // Positions where they are after a shift of the world; then the maps.
 Result<void> ViewDrawing::addShadows(ShadowCast& cast, DrawnView& frame, PassList& list) {
   if (Result<void> moved = simulation_.movePending(list); !moved) return moved;
-  const RoomBuffers room = store_.room();
-  if (Result<void> added = shadows.record(cast.plan, cast.hairs, room, store_.frame, list); !added)
+  const BufferFactory factory = store_.factory();
+  if (Result<void> added = shadows.record(cast.plan, cast.hairs, factory, store_.frame, list);
+      !added)
     return added;
   for (size_t i = 0; i < cast.lights.size(); ++i) {
     const auto index = static_cast<uint32_t>(i);
@@ -237,7 +239,7 @@ Result<void> ViewDrawing::addShadows(ShadowCast& cast, DrawnView& frame, PassLis
     frame.constants.lightShadows[cast.opaqueLights[i]].y = 1 + index;
   }
   frame.shadowWords = shadows.words();
-  frame.shadowBytes = room.bytesOf(frame.shadowWords);
+  frame.shadowBytes = factory.bytesOf(frame.shadowWords);
   return {};
 }
 
@@ -247,7 +249,7 @@ Result<void> ViewDrawing::drawCollider(ColliderId id, const View& view, const Li
   journal_.settle(false);
   static_cast<void>(store_.collider(id));
   if (const Result<DrawnView> frame = begin(view, {&light, 1}, &list); !frame) return frame.error();
-  Result<void> added = store_.sdfs.draw(id, view, light, look, store_.room(), list);
+  Result<void> added = store_.sdfs.draw(id, view, light, look, store_.factory(), list);
   setArea({&list, 1}, view);
   return added;
 }
@@ -274,11 +276,11 @@ Result<void> ViewDrawing::drawContacts(HairId id, const View& view, const Contac
 }
 
 void ViewDrawing::trim(const char* reason) {
-  const RoomBuffers room = store_.room();
-  oit.trim(room, reason);
-  shadows.trim(room, reason);
-  colors.trim(room, reason);
-  depths.trim(room, reason);
+  const BufferFactory factory = store_.factory();
+  oit.trim(factory, reason);
+  shadows.trim(factory, reason);
+  colors.trim(factory, reason);
+  depths.trim(factory, reason);
 }
 
 }  // namespace pelage::detail

@@ -50,9 +50,10 @@ bool ownsVertices(const SdfColliderInternals& c) {
 }
 
 template <class T>
-BufferId addTable(const RoomBuffers& room, const std::string& name, const std::vector<T>& values) {
+BufferId addTable(const BufferFactory& factory, const std::string& name,
+                  const std::vector<T>& values) {
   if (values.empty()) return BufferId::kInvalid;
-  return room.add(name, values.size(), sizeof(T), bytesOf(values));
+  return factory.add(name, values.size(), sizeof(T), bytesOf(values));
 }
 
 // Describes the error in the vertex buffer of an engine; empty if there is none.
@@ -132,7 +133,7 @@ Result<void> addSkinningPass(SdfColliderInternals& c, const SdfColliderBuffers& 
 
 Result<ColliderId> SdfRoom::add(const CollisionMesh& mesh, const SdfColliderDef& def,
                                 const ColliderBones& bones, const Vector3<double>& shifted,
-                                const RoomBuffers& room) {
+                                const BufferFactory& factory) {
   const auto refuse = [&](const std::string& what) {
     return Error{ErrorCode::kInvalidArgument, "collider '" + def.name + "': " + what};
   };
@@ -140,7 +141,7 @@ Result<ColliderId> SdfRoom::add(const CollisionMesh& mesh, const SdfColliderDef&
     return refuse(fault);
   Result<ColliderTopology> topology = topologyOf(mesh);
   if (!topology) return refuse(topology.error().message);
-  if (const std::string fault = faultOfVertices(room.resources, def, mesh.positions.size());
+  if (const std::string fault = faultOfVertices(factory.resources, def, mesh.positions.size());
       !fault.empty())
     return refuse(fault);
 
@@ -167,16 +168,16 @@ Result<ColliderId> SdfRoom::add(const CollisionMesh& mesh, const SdfColliderDef&
   if (!plan) return plan.error();
 
   // Static buffers; those of the grid come with a plan.
-  addTables(*collider, room);
-  if (ownsVertices(c) && c.vertexCount > 0) addSkinningBuffers(*collider, mesh, room);
+  addTables(*collider, factory);
+  if (ownsVertices(c) && c.vertexCount > 0) addSkinningBuffers(*collider, mesh, factory);
   const ColliderId id = colliders.add(std::move(collider));
-  if (*plan) planCollider(*colliders.find(id), **plan, room);
-  layOut(room);
+  if (*plan) planCollider(*colliders.find(id), **plan, factory);
+  layOut(factory);
   return id;
 }
 
 void SdfRoom::addSkinningBuffers(SdfCollider& collider, const CollisionMesh& mesh,
-                                 const RoomBuffers& room) {
+                                 const BufferFactory& factory) {
   SdfColliderInternals& c = *collider.internals_;
   SdfColliderBuffers& buffers = collider.buffers_;
   std::vector<VertexBinding> bindings(c.vertexCount);
@@ -187,30 +188,30 @@ void SdfRoom::addSkinningBuffers(SdfCollider& collider, const CollisionMesh& mes
     bindings[v].bones = {from.bones[0], from.bones[1], from.bones[2], from.bones[3]};
     bindings[v].weights = {from.weights[0], from.weights[1], from.weights[2], from.weights[3]};
   }
-  buffers.bindVertices = addTable(room, c.def.name + "/bindVertices", mesh.positions);
-  buffers.bindings = addTable(room, c.def.name + "/bindings", bindings);
+  buffers.bindVertices = addTable(factory, c.def.name + "/bindVertices", mesh.positions);
+  buffers.bindings = addTable(factory, c.def.name + "/bindings", bindings);
   const auto space = [&](const char* what, uint64_t count, uint32_t stride, BufferUsage usage) {
-    return room.add(c.def.name + "/" + what, count, stride, {}, usage);
+    return factory.add(c.def.name + "/" + what, count, stride, {}, usage);
   };
   buffers.vertices =
       space("vertices", uint64_t{3} * c.vertexCount, sizeof(float), BufferUsage::kStorage);
   buffers.verticesBefore =
       space("verticesBefore", uint64_t{3} * c.vertexCount, sizeof(float), BufferUsage::kStorage);
   buffers.bones = c.skeleton != nullptr
-                      ? bonesFor(*c.skeleton, c.def.skinning, room)
+                      ? bonesFor(*c.skeleton, c.def.skinning, factory)
                       : space("bones", rowsOf(c.def.skinning) * c.bones.size(), kVector,
                               BufferUsage::kStorage | BufferUsage::kUpload);
 }
 
 // Replaces the tables of triangles that the build reads.
-void SdfRoom::addTables(SdfCollider& collider, const RoomBuffers& room) {
+void SdfRoom::addTables(SdfCollider& collider, const BufferFactory& factory) {
   const SdfColliderInternals& c = *collider.internals_;
   SdfColliderBuffers& buffers = collider.buffers_;
   SdfTables tables = makeSdfTables(c.topology);
   if (c.mirrored) flipWinding(tables);
   const auto replace = [&](BufferId& buffer, const char* what, const auto& values) {
-    room.remove(buffer);
-    buffer = addTable(room, c.def.name + "/" + what, values);
+    factory.remove(buffer);
+    buffer = addTable(factory, c.def.name + "/" + what, values);
   };
   replace(buffers.pointVertices, "pointVertices", tables.pointVertices);
   replace(buffers.indices, "indices", tables.indices);
@@ -220,7 +221,7 @@ void SdfRoom::addTables(SdfCollider& collider, const RoomBuffers& room) {
 }
 
 Result<ColliderId> SdfRoom::add(const SdfData& data, const SdfColliderDef& def,
-                                const Vector3<double>& shifted, const RoomBuffers& room) {
+                                const Vector3<double>& shifted, const BufferFactory& factory) {
   auto collider = std::unique_ptr<SdfCollider>(new SdfCollider);
   collider->name_ = def.name;
   SdfColliderInternals& c = *collider->internals_;
@@ -238,12 +239,12 @@ Result<ColliderId> SdfRoom::add(const SdfData& data, const SdfColliderDef& def,
        end(data.grid.origin.z, data.grid.nodes[2])}};
   c.topology.report.triangleCount = c.topology.report.usedTriangleCount = data.triangleCount;
   const ColliderId id = colliders.add(std::move(collider));
-  layOut(room);
+  layOut(factory);
   return id;
 }
 
 ColliderId SdfRoom::add(const DenseSdf& sdf, const SdfColliderDef& def,
-                        const Vector3<double>& shifted, const RoomBuffers& room) {
+                        const Vector3<double>& shifted, const BufferFactory& factory) {
   auto collider = std::unique_ptr<SdfCollider>(new SdfCollider);
   collider->name_ = def.name;
   SdfColliderInternals& c = *collider->internals_;
@@ -255,7 +256,7 @@ ColliderId SdfRoom::add(const DenseSdf& sdf, const SdfColliderDef& def,
   c.vertexBounds = boxOf(sdf.grid);
   c.origin = LocalOrigin{{}, shifted}.near({});
   const ColliderId id = colliders.add(std::move(collider));
-  layOut(room);
+  layOut(factory);
   return id;
 }
 
@@ -269,14 +270,14 @@ std::vector<BufferId*> SdfRoom::buffersOf(SdfColliderBuffers& b, bool hasSkeleto
   return all;
 }
 
-SdfRoom::Bytes SdfRoom::bytesOf(ColliderId id, const RoomBuffers& room) {
+SdfRoom::Bytes SdfRoom::bytesOf(ColliderId id, const BufferFactory& factory) {
   SdfCollider& collider = *colliders.find(id);
   const SdfColliderInternals& c = *collider.internals_;
   Bytes bytes;
   for (const BufferId* buffer : buffersOf(collider.buffers_, c.skeleton != nullptr))
-    bytes.own += room.bytesOf(*buffer);
+    bytes.own += factory.bytesOf(*buffer);
   if (c.isoSurface) {
-    for (const BufferId buffer : c.isoSurface->buffers()) bytes.own += room.bytesOf(buffer);
+    for (const BufferId buffer : c.isoSurface->buffers()) bytes.own += factory.bytesOf(buffer);
   }
   if (keys != BufferId::kInvalid)
     bytes.shared = nextRange(c.keyCapacity, sizeof(uint32_t)) * sizeof(uint32_t) +
@@ -284,24 +285,24 @@ SdfRoom::Bytes SdfRoom::bytesOf(ColliderId id, const RoomBuffers& room) {
   return bytes;
 }
 
-void SdfRoom::remove(ColliderId id, const RoomBuffers& room) {
+void SdfRoom::remove(ColliderId id, const BufferFactory& factory) {
   SdfCollider& removed = *colliders.find(id);
-  removeIsoSurface(removed, room);
+  removeIsoSurface(removed, factory);
   for (BufferId* buffer : buffersOf(removed.buffers_, removed.internals_->skeleton != nullptr))
-    room.remove(*buffer);
+    factory.remove(*buffer);
   colliders.remove(id);
-  layOut(room);
+  layOut(factory);
 }
 
-void SdfRoom::trim(const RoomBuffers& room) {
+void SdfRoom::trim(const BufferFactory& factory) {
   for (const auto& held : colliders)
-    if (held != nullptr) removeIsoSurface(*held, room);
+    if (held != nullptr) removeIsoSurface(*held, factory);
 }
 
 // Gives every field its place in the shared buffers, which are new: all fields are built again.
-void SdfRoom::layOut(const RoomBuffers& room) {
-  room.remove(keys);
-  room.remove(surface);
+void SdfRoom::layOut(const BufferFactory& factory) {
+  factory.remove(keys);
+  factory.remove(surface);
   uint64_t keyTotal = 0, elements = 0;
   for (const auto& held : colliders) {
     if (held == nullptr) continue;
@@ -328,15 +329,15 @@ void SdfRoom::layOut(const RoomBuffers& room) {
               recordBytes.begin() + int64_t{c.surfaceOffset} * 16);
   }
   constexpr BufferUsage kUsage = BufferUsage::kStorage | BufferUsage::kReadback;
-  keys = room.add("sdf/keys", keyTotal, sizeof(uint32_t), std::move(keyBytes), kUsage);
-  surface = room.add("sdf/surface", records / kSurfaceBytes, kSurfaceBytes, std::move(recordBytes),
-                     kUsage);
+  keys = factory.add("sdf/keys", keyTotal, sizeof(uint32_t), std::move(keyBytes), kUsage);
+  surface = factory.add("sdf/surface", records / kSurfaceBytes, kSurfaceBytes,
+                        std::move(recordBytes), kUsage);
 }
 
 // Takes a new grid, and makes the buffers that are too small for it anew.
 // True when the shared buffers are too small for it.
 bool SdfRoom::planCollider(SdfCollider& collider, const SdfGridPlan& plan,
-                           const RoomBuffers& room) {
+                           const BufferFactory& factory) {
   SdfColliderInternals& c = *collider.internals_;
   // The state is relative to the old origin; both are whole metres.
   const LocalOrigin origin = originFor(c);
@@ -351,10 +352,10 @@ bool SdfRoom::planCollider(SdfCollider& collider, const SdfGridPlan& plan,
   const SdfBufferSizes sizes = sdfBufferSizes(def);
   const auto ensure = [&](BufferId& buffer, const char* what, uint64_t size, uint32_t stride,
                           BufferUsage usage = BufferUsage::kStorage) {
-    const BufferDesc* desc = room.resources.find(buffer);
+    const BufferDesc* desc = factory.resources.find(buffer);
     if (size == 0 || (desc != nullptr && desc->size >= size)) return;
-    room.remove(buffer);
-    buffer = room.resources.add(
+    factory.remove(buffer);
+    buffer = factory.resources.add(
         {.name = c.def.name + "/" + what, .size = size, .stride = stride, .usage = usage});
   };
   SdfColliderBuffers& b = collider.buffers_;
@@ -372,15 +373,15 @@ bool SdfRoom::planCollider(SdfCollider& collider, const SdfGridPlan& plan,
   return grown;
 }
 
-void SdfRoom::plan(const Plans& plans, const RoomBuffers& room) {
+void SdfRoom::plan(const Plans& plans, const BufferFactory& factory) {
   bool grown = false;
-  RoomBuffers own = room;
+  BufferFactory own = factory;
   for (size_t i = 0; i < colliders.size(); ++i) {
     if (!plans[i]) continue;
     own.owner = colliders[i];
     if (planCollider(*colliders[i], *plans[i], own)) grown = true;
   }
-  if (grown) layOut(room);
+  if (grown) layOut(factory);
 }
 
 bool SdfRoom::isInRange(size_t slot, std::span<const HairReach> hair) const {
@@ -399,7 +400,7 @@ bool SdfRoom::isInRange(size_t slot, std::span<const HairReach> hair) const {
 
 // The grids that colliders need in this frame where they have none that does, [collider].
 Result<SdfRoom::Plans> SdfRoom::check(std::span<const HairReach> hair,
-                                      const RoomBuffers& room) const {
+                                      const BufferFactory& factory) const {
   Plans plans(colliders.size());
   for (size_t i = 0; i < colliders.size(); ++i) {
     const SdfCollider* collider = colliders[i];
@@ -414,7 +415,7 @@ Result<SdfRoom::Plans> SdfRoom::check(std::span<const HairReach> hair,
       if (!fault.empty()) return Error{ErrorCode::kInvalidArgument, fault};
     const SdfColliderInternals& c = *collider->internals_;
     if (c.dense) {
-      std::string fault = faultOf(*c.dense, room.resources);
+      std::string fault = faultOf(*c.dense, factory.resources);
       if (c.dense->grid.nodes != c.denseNodes)
         fault = "its grid has another number of nodes than when it was added: add a collider";
       if (!fault.empty() && isInRange(i, hair))
@@ -422,7 +423,7 @@ Result<SdfRoom::Plans> SdfRoom::check(std::span<const HairReach> hair,
       continue;
     }
     if (c.data || !isInRange(i, hair)) continue;
-    if (const std::string fault = faultOfVertices(room.resources, c.def, c.vertexCount);
+    if (const std::string fault = faultOfVertices(factory.resources, c.def, c.vertexCount);
         !fault.empty())
       return Error{ErrorCode::kInvalidArgument, "collider '" + collider->name_ + "': " + fault};
     Result<std::optional<SdfGridPlan>> plan = planGrid(c);
@@ -432,9 +433,9 @@ Result<SdfRoom::Plans> SdfRoom::check(std::span<const HairReach> hair,
   return plans;
 }
 
-Result<void> SdfRoom::record(std::span<const HairReach> hair, const RoomBuffers& room,
+Result<void> SdfRoom::record(std::span<const HairReach> hair, const BufferFactory& factory,
                              PassList& list) {
-  RoomBuffers own = room;
+  BufferFactory own = factory;
   for (size_t i = 0; i < colliders.size(); ++i) {
     if (colliders[i] == nullptr) continue;
     SdfColliderInternals& c = *colliders[i]->internals_;
@@ -447,14 +448,14 @@ Result<void> SdfRoom::record(std::span<const HairReach> hair, const RoomBuffers&
   return {};
 }
 
-Result<void> SdfRoom::build(SdfCollider& collider, const RoomBuffers& room, PassList& list) {
+Result<void> SdfRoom::build(SdfCollider& collider, const BufferFactory& factory, PassList& list) {
   SdfColliderInternals& c = *collider.internals_;
-  if (c.dense) return import(c, room, list);
+  if (c.dense) return import(c, factory, list);
   if (!c.active || c.data || c.plan.nodeCount() == 0) return {};
   if (const bool mirrored = isMirrored(c); mirrored != c.mirrored) {
     c.mirrored = mirrored;
     c.buildPending = true;
-    addTables(collider, room);
+    addTables(collider, factory);
   }
   const float tolerance = c.def.motionTolerance * c.plan.cellSize;
   const bool own = ownsVertices(c);
@@ -465,7 +466,8 @@ Result<void> SdfRoom::build(SdfCollider& collider, const RoomBuffers& room, Pass
   if (c.skeleton != nullptr && !c.origin.isAt(c.skeleton->origin)) return {};
   const bool whole = c.buildPending || (own && movedShare(c, tolerance) > kMostMovedShare);
   if (own && c.vertexCount > 0) {
-    if (Result<void> added = addSkinningPass(c, collider.buffers(), room.resources, list); !added)
+    if (Result<void> added = addSkinningPass(c, collider.buffers(), factory.resources, list);
+        !added)
       return added;
   }
   // Then the build has no positions from before.
@@ -487,7 +489,7 @@ Result<void> SdfRoom::build(SdfCollider& collider, const RoomBuffers& room, Pass
   // Motion is from one frame to the next; after a pause it is not known.
   c.moves = c.wasActive && !c.resetPending && !c.builtBones.empty();
   const Result<void> built =
-      addSdfBuild(list, room.resources, buffers, buildDefOf(c),
+      addSdfBuild(list, factory.resources, buffers, buildDefOf(c),
                   whole ? SdfBuildMode::kFull : SdfBuildMode::kIncremental, c.state);
   if (!built) return built;
   c.builtNow = true;
@@ -498,11 +500,11 @@ Result<void> SdfRoom::build(SdfCollider& collider, const RoomBuffers& room, Pass
 }
 
 // The keys of an engine's field.
-Result<void> SdfRoom::import(SdfColliderInternals& c, const RoomBuffers& room,
+Result<void> SdfRoom::import(SdfColliderInternals& c, const BufferFactory& factory,
                              PassList& list) const {
   const bool changed = c.buildPending || c.resetPending || c.builtVersion != c.denseVersion;
   if (!c.active || !changed) return {};
-  const Result<void> added = addImport(*c.dense, c.keyOffset, keys, room.resources, list);
+  const Result<void> added = addImport(*c.dense, c.keyOffset, keys, factory.resources, list);
   if (!added) return added;
   c.builtNow = true;
   c.buildPending = c.resetPending = false;

@@ -9,7 +9,7 @@
 
 #include "base/bounds.h"
 #include "base/local_origin.h"
-#include "passes/room_buffers.h"
+#include "passes/buffer_factory.h"
 #include "pelage/camera.h"
 #include "pelage/collision_mesh.h"
 #include "pelage/gpu_structs.h"
@@ -43,26 +43,27 @@ class SdfRoom {
   /// Errors: as of Scene::addCollider(), but for those of skeletons.
   Result<ColliderId> add(const CollisionMesh& mesh, const SdfColliderDef& def,
                          const ColliderBones& bones, const Vector3<double>& shifted,
-                         const RoomBuffers& room);
+                         const BufferFactory& factory);
   Result<ColliderId> add(const SdfData& data, const SdfColliderDef& def,
-                         const Vector3<double>& shifted, const RoomBuffers& room);
+                         const Vector3<double>& shifted, const BufferFactory& factory);
   ColliderId add(const DenseSdf& sdf, const SdfColliderDef& def, const Vector3<double>& shifted,
-                 const RoomBuffers& room);
-  void remove(ColliderId id, const RoomBuffers& room);
+                 const BufferFactory& factory);
+  void remove(ColliderId id, const BufferFactory& factory);
   /// Sizes of a collider's own buffers, and of its part of keys and surface.
   struct Bytes {
     uint64_t own = 0, shared = 0;
   };
-  Bytes bytesOf(ColliderId id, const RoomBuffers& room);
+  Bytes bytesOf(ColliderId id, const BufferFactory& factory);
   /// Removes what only drawing a collider has made.
-  void trim(const RoomBuffers& room);
+  void trim(const BufferFactory& factory);
 
   /// Errors: settings out of range, the vertex buffer of an engine, a grid over the memory cap.
-  Result<Plans> check(std::span<const HairReach> hair, const RoomBuffers& room) const;
+  Result<Plans> check(std::span<const HairReach> hair, const BufferFactory& factory) const;
   /// Takes the grids, and makes the buffers that are too small for them anew.
-  void plan(const Plans& plans, const RoomBuffers& room);
+  void plan(const Plans& plans, const BufferFactory& factory);
   /// Adds the passes that build the fields that hair can reach and that have moved.
-  Result<void> record(std::span<const HairReach> hair, const RoomBuffers& room, PassList& list);
+  Result<void> record(std::span<const HairReach> hair, const BufferFactory& factory,
+                      PassList& list);
   /// The fields of the frame that hair can reach, relative to an origin.
   struct InReach {
     std::vector<Sdf> sdfs;
@@ -74,7 +75,7 @@ class SdfRoom {
   Result<SdfData> copy(ColliderId id, std::span<const std::byte> keys,
                        std::span<const std::byte> surface) const;
   Result<void> draw(ColliderId id, const View& view, const Light& light, const ColliderLook& look,
-                    const RoomBuffers& room, PassList& list);
+                    const BufferFactory& factory, PassList& list);
   Result<void> checkDraw(ColliderId id, std::span<const std::byte> counts) const;
 
   Slots<ColliderId, SdfCollider> colliders;
@@ -83,15 +84,16 @@ class SdfRoom {
 
  private:
   static std::vector<BufferId*> buffersOf(SdfColliderBuffers& buffers, bool hasSkeleton);
-  static void addTables(SdfCollider& collider, const RoomBuffers& room);
+  static void addTables(SdfCollider& collider, const BufferFactory& factory);
   static void addSkinningBuffers(SdfCollider& collider, const CollisionMesh& mesh,
-                                 const RoomBuffers& room);
-  static bool planCollider(SdfCollider& collider, const SdfGridPlan& plan, const RoomBuffers& room);
-  static void removeIsoSurface(SdfCollider& collider, const RoomBuffers& room);
-  void layOut(const RoomBuffers& room);
+                                 const BufferFactory& factory);
+  static bool planCollider(SdfCollider& collider, const SdfGridPlan& plan,
+                           const BufferFactory& factory);
+  static void removeIsoSurface(SdfCollider& collider, const BufferFactory& factory);
+  void layOut(const BufferFactory& factory);
   bool isInRange(size_t slot, std::span<const HairReach> hair) const;
-  Result<void> build(SdfCollider& collider, const RoomBuffers& room, PassList& list);
-  Result<void> import(SdfColliderInternals& collider, const RoomBuffers& room,
+  Result<void> build(SdfCollider& collider, const BufferFactory& factory, PassList& list);
+  Result<void> import(SdfColliderInternals& collider, const BufferFactory& factory,
                       PassList& list) const;
 };
 

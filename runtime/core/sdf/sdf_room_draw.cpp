@@ -6,18 +6,18 @@
 namespace pelage::detail {
 
 Result<void> SdfRoom::draw(ColliderId id, const View& view, const Light& light,
-                           const ColliderLook& look, const RoomBuffers& room, PassList& list) {
+                           const ColliderLook& look, const BufferFactory& factory, PassList& list) {
   SdfCollider& drawn = *colliders.find(id);
   SdfColliderInternals& c = *drawn.internals_;
   // Relative to the collider's own origin, where floats are fine.
   const Sdf sdf = sdfOf(c, c.origin);
   const GridSize nodes = {sdf.nodes.x, sdf.nodes.y, sdf.nodes.z};
-  const uint64_t keyBytes = room.bytesOf(keys);
+  const uint64_t keyBytes = factory.bytesOf(keys);
   if (keyBytes == 0 || nodes[0] == 0) return {};  // no frame has planned a grid yet
   if (!c.isoSurface || !c.isoSurface->hasRoomFor(nodes)) {
-    removeIsoSurface(drawn, room);
-    auto made =
-        IsoSurface::create(room.resources, drawn.name(), nodes, defaultIsoSurfaceCapacity(nodes));
+    removeIsoSurface(drawn, factory);
+    auto made = IsoSurface::create(factory.resources, drawn.name(), nodes,
+                                   defaultIsoSurfaceCapacity(nodes));
     if (!made) return made.error();
     c.isoSurface = *made;
     drawn.buffers_.isoCounts = made->counts();
@@ -44,10 +44,10 @@ Result<void> SdfRoom::checkDraw(ColliderId id, std::span<const std::byte> counts
   return {};
 }
 
-void SdfRoom::removeIsoSurface(SdfCollider& collider, const RoomBuffers& room) {
+void SdfRoom::removeIsoSurface(SdfCollider& collider, const BufferFactory& factory) {
   SdfColliderInternals& c = *collider.internals_;
   if (!c.isoSurface) return;
-  for (BufferId buffer : c.isoSurface->buffers()) room.remove(buffer);
+  for (BufferId buffer : c.isoSurface->buffers()) factory.remove(buffer);
   c.isoSurface.reset();
   collider.buffers_.isoCounts = BufferId::kInvalid;
 }

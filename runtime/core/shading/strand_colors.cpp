@@ -80,7 +80,7 @@ std::string faultOf(const StrandTexture& texture, const HairBuffers& buffers) {
   return {};
 }
 
-Result<void> StrandColors::record(DrawnView& view, const RoomBuffers& room, uint64_t frame,
+Result<void> StrandColors::record(DrawnView& view, const BufferFactory& factory, uint64_t frame,
                                   PassList& list) {
   uint64_t bytes = 0;
   for (const DrawnHair& hair : view.hairs) bytes += bytesOf(hair);
@@ -89,7 +89,7 @@ Result<void> StrandColors::record(DrawnView& view, const RoomBuffers& room, uint
   last_ = &slot;
   const bool created = slot.tickets.hasRun();
   slot.tickets.lose(kColorsRemade);
-  if (room.makeRoom({slot.colors, "strand colors", bytes, sizeof(Uint2)}, !created))
+  if (factory.ensureCapacity({slot.colors, "strand colors", bytes, sizeof(Uint2)}, !created))
     slot.tickets.forgetRuns();
   uint64_t offset = 0;
   for (DrawnHair& hair : view.hairs) {
@@ -123,10 +123,10 @@ StrandColors::Slot& StrandColors::freeSlot(uint64_t frame) {
   return *slots_.emplace_back(std::make_unique<Slot>());
 }
 
-void StrandColors::trim(const RoomBuffers& room, const char* reason) {
+void StrandColors::trim(const BufferFactory& factory, const char* reason) {
   for (const auto& slot : slots_) {
     slot->tickets.lose(reason);
-    room.remove(slot->colors);
+    factory.remove(slot->colors);
   }
   slots_.clear();
   last_ = nullptr;

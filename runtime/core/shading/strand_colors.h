@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "passes/buffer_factory.h"
 #include "passes/list_ticket.h"
-#include "passes/room_buffers.h"
 #include "pelage/hair_buffers.h"
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
@@ -25,11 +25,12 @@ class StrandColors {
  public:
   /// Adds the passes of a view, and notes in its objects where their colors are. Adds nothing where
   /// none has a texture.
-  Result<void> record(DrawnView& view, const RoomBuffers& room, uint64_t frame, PassList& list);
+  Result<void> record(DrawnView& view, const BufferFactory& factory, uint64_t frame,
+                      PassList& list);
   /// Notes the lists of a view that read what record() was called for last, behind it.
   void share(const DrawnView& view, std::span<PassList> lists, uint64_t frame);
   /// Frees all buffers. \param reason why lists that have not run cannot any more.
-  void trim(const RoomBuffers& room, const char* reason);
+  void trim(const BufferFactory& factory, const char* reason);
 
  private:
   struct Slot {

@@ -145,16 +145,16 @@ Result<void> StrandDepths::check(DrawnView& view, const HairDepthSettings& setti
 }
 
 Result<void> StrandDepths::record(DrawnView& view, const HairDepthSettings& settings,
-                                  const RoomBuffers& room, uint64_t frame, PassList& list) {
+                                  const BufferFactory& factory, uint64_t frame, PassList& list) {
   if (view.transformsFirst && !view.hairs.empty()) {
     Slot& slot = freeSlot(frame);
     const bool created = slot.tickets.hasRun();
     slot.tickets.lose(kDepthRemade);
     const DrawnHair& last = view.hairs.back();
     const uint64_t bytes = (last.firstRecord + last.drawnVertices()) * kRecordBytes;
-    if (room.makeRoom({slot.records, "depth/strands", bytes, sizeof(Uint4),
-                       BufferUsage::kStorage | BufferUsage::kVertex},
-                      !created))
+    if (factory.ensureCapacity({slot.records, "depth/strands", bytes, sizeof(Uint4),
+                                BufferUsage::kStorage | BufferUsage::kVertex},
+                               !created))
       slot.tickets.forgetRuns();
     view.records = {slot.records, bytes};
     slot.tickets.add(ticketOf(list, frame));
@@ -176,10 +176,10 @@ StrandDepths::Slot& StrandDepths::freeSlot(uint64_t frame) {
   return *slots_.emplace_back(std::make_unique<Slot>());
 }
 
-void StrandDepths::trim(const RoomBuffers& room, const char* reason) {
+void StrandDepths::trim(const BufferFactory& factory, const char* reason) {
   for (const auto& slot : slots_) {
     slot->tickets.lose(reason);
-    room.remove(slot->records);
+    factory.remove(slot->records);
   }
   slots_.clear();
 }

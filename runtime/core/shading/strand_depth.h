@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
+#include "passes/buffer_factory.h"
 #include "passes/list_ticket.h"
-#include "passes/room_buffers.h"
 #include "pelage/hair_depth.h"
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
@@ -21,10 +21,10 @@ class StrandDepths {
   /// settings allow, where they are transformed first.
   static Result<void> check(DrawnView& view, const HairDepthSettings& settings);
   /// Adds the passes and draws of a view, behind check().
-  Result<void> record(DrawnView& view, const HairDepthSettings& settings, const RoomBuffers& room,
-                      uint64_t frame, PassList& list);
+  Result<void> record(DrawnView& view, const HairDepthSettings& settings,
+                      const BufferFactory& factory, uint64_t frame, PassList& list);
   /// Frees all buffers. \param reason why lists that have not run cannot any more.
-  void trim(const RoomBuffers& room, const char* reason);
+  void trim(const BufferFactory& factory, const char* reason);
 
  private:
   struct Slot {

@@ -17,7 +17,7 @@ void StrandInterpolation::prepare(HairFrame& frame) {
     if (frame.interpolates)
       makeBuffers(frame);
     else
-      remove(frame.room);
+      remove(frame.factory);
   }
   frame.buffers.drawnPositions = positions_;
   frame.buffers.drawnTangents = tangents_;
@@ -27,7 +27,7 @@ void StrandInterpolation::prepare(HairFrame& frame) {
 void StrandInterpolation::makeBuffers(const HairFrame& frame) {
   const uint64_t vertices = frame.storedVertices();
   const auto add = [&](const char* what, uint64_t elements, uint32_t stride) {
-    return frame.room.add(frame.name + "/" + what, elements, stride);
+    return frame.factory.add(frame.name + "/" + what, elements, stride);
   };
   before_ = add("positionsBefore", vertices, sizeof(Float4));
   positions_ = add("drawnPositions", vertices, sizeof(Float4));
@@ -38,8 +38,8 @@ void StrandInterpolation::makeBuffers(const HairFrame& frame) {
                  sizeof(RootTransform));
 }
 
-void StrandInterpolation::remove(const RoomBuffers& room) {
-  for (BufferId* buffer : {&before_, &positions_, &tangents_, &roots_}) room.remove(*buffer);
+void StrandInterpolation::remove(const BufferFactory& factory) {
+  for (BufferId* buffer : {&before_, &positions_, &tangents_, &roots_}) factory.remove(*buffer);
 }
 
 Result<void> StrandInterpolation::keep(const MotionHair& hair, PassList& list) const {

@@ -5,7 +5,7 @@
 
 #include "base/bounds.h"
 #include "base/rigid_move.h"
-#include "passes/room_buffers.h"
+#include "passes/buffer_factory.h"
 #include "pelage/binding.h"
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
@@ -35,7 +35,7 @@ class StrandInterpolation {
   /// Makes the buffers, or removes them.
   void prepare(HairFrame& frame);
   bool isOn() const { return before_ != BufferId::kInvalid; }
-  void remove(const RoomBuffers& room);
+  void remove(const BufferFactory& factory);
 
   /// Adds the pass that keeps the state before a simulation; behind one that resets the hair.
   Result<void> keep(const MotionHair& hair, PassList& list) const;

@@ -30,10 +30,10 @@ void StrandMotion::prepare(HairFrame& frame) {
   if (there != frame.tracksMotion) {
     frame_ = 0;
     if (there)
-      remove(frame.room);
+      remove(frame.factory);
     else
-      positions_ =
-          frame.room.add(frame.name + "/previousPositions", frame.storedVertices(), sizeof(Float4));
+      positions_ = frame.factory.add(frame.name + "/previousPositions", frame.storedVertices(),
+                                     sizeof(Float4));
   }
   frame.buffers.previousPositions = positions_;
 }

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "passes/room_buffers.h"
+#include "passes/buffer_factory.h"
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
 #include "pelage/types.h"
@@ -44,7 +44,7 @@ class StrandMotion {
   void finish(const MotionHair& hair, bool reset, uint64_t frame);
   /// Strands before the motion of this frame: only if it has simulated.
   StrandsBefore before(uint64_t frame) const;
-  void remove(const RoomBuffers& room) { room.remove(positions_); }
+  void remove(const BufferFactory& factory) { factory.remove(positions_); }
 
  private:
   BufferId positions_ = BufferId::kInvalid;

@@ -17,8 +17,8 @@ constexpr const char* kShadowsRemade =
 constexpr uint64_t kLeastWords = 4;  // kernels have the buffer bound where no light has a shadow
 constexpr uint64_t kMostWords = std::numeric_limits<uint32_t>::max();
 
-uint64_t wordsOf(const RoomBuffers& room, BufferId buffer) {
-  return room.bytesOf(buffer) / sizeof(uint32_t);
+uint64_t wordsOf(const BufferFactory& factory, BufferId buffer) {
+  return factory.bytesOf(buffer) / sizeof(uint32_t);
 }
 
 bool isEqual(const StrandShadowView& a, const StrandShadowView& b) {
@@ -42,8 +42,8 @@ void need(const std::shared_ptr<ListTicket>& reader, const std::shared_ptr<ListT
 
 Result<ShadowPlan> ShadowMaps::check(std::span<const StrandShadowDef> defs,
                                      std::span<const OpaqueShadowPlan> opaques,
-                                     std::span<const ShadowedHair> hairs, const RoomBuffers& room,
-                                     uint64_t frame) const {
+                                     std::span<const ShadowedHair> hairs,
+                                     const BufferFactory& factory, uint64_t frame) const {
   ShadowPlan plan;
   for (StrandShadowDef def : defs) {
     def.firstWord = static_cast<uint32_t>(plan.words);
@@ -56,7 +56,7 @@ Result<ShadowPlan> ShadowMaps::check(std::span<const StrandShadowDef> defs,
     plan.words += opaque.words;
     plan.opaques.push_back(opaque);
   }
-  if (const Result<Choice> choice = choose(plan, hairs, room, frame); !choice)
+  if (const Result<Choice> choice = choose(plan, hairs, factory, frame); !choice)
     return choice.error();
   return plan;
 }
@@ -96,7 +96,7 @@ uint64_t ShadowMaps::missingWords(const Bank& bank, const ShadowPlan& plan,
 
 Result<ShadowMaps::Choice> ShadowMaps::choose(const ShadowPlan& plan,
                                               std::span<const ShadowedHair> hairs,
-                                              const RoomBuffers& room, uint64_t frame) const {
+                                              const BufferFactory& factory, uint64_t frame) const {
   if (plan.words == 0) {
     if (banks_.empty()) return Choice{.bank = 0, .empties = true, .words = kLeastWords};
     return Choice{};
@@ -111,21 +111,21 @@ Result<ShadowMaps::Choice> ShadowMaps::choose(const ShadowPlan& plan,
                        std::any_of(banks_[i]->maps.begin(), banks_[i]->maps.end(),
                                    [&](const Map& map) { return isOfFrame(map.maker, frame); });
     const uint64_t end = banks_[i]->used + missingWords(*banks_[i], plan, hairs, frame);
-    if (inUse && end <= std::min(wordsOf(room, banks_[i]->words), kMostWords))
+    if (inUse && end <= std::min(wordsOf(factory, banks_[i]->words), kMostWords))
       return Choice{.bank = i};
   }
-  const Result<uint64_t> words = limit(plan.words, bank, room, frame);
+  const Result<uint64_t> words = limit(plan.words, bank, factory, frame);
   if (!words) return words.error();
   return Choice{.bank = bank, .empties = true, .words = std::max(*words, kLeastWords)};
 }
 
 // Words of a bank beside banks that lists still need: `words` at least, and under the cap as many
 // as keep the next frame from making maps twice.
-Result<uint64_t> ShadowMaps::limit(uint64_t words, size_t bank, const RoomBuffers& room,
+Result<uint64_t> ShadowMaps::limit(uint64_t words, size_t bank, const BufferFactory& factory,
                                    uint64_t frame) const {
   uint64_t others = 0;
   for (size_t i = 0; i < banks_.size(); ++i)
-    if (i != bank && !banks_[i]->tickets.isFree(frame)) others += room.bytesOf(banks_[i]->words);
+    if (i != bank && !banks_[i]->tickets.isFree(frame)) others += factory.bytesOf(banks_[i]->words);
   const uint64_t bytes = words * sizeof(uint32_t);
   if (others + bytes > maxBytes) {
     return Error{
@@ -140,7 +140,7 @@ Result<uint64_t> ShadowMaps::limit(uint64_t words, size_t bank, const RoomBuffer
   return others + grown * sizeof(uint32_t) <= maxBytes ? grown : words;
 }
 
-ShadowMaps::Bank& ShadowMaps::prepare(const Choice& choice, const RoomBuffers& room,
+ShadowMaps::Bank& ShadowMaps::prepare(const Choice& choice, const BufferFactory& factory,
                                       uint64_t frame) {
   if (choice.bank == banks_.size()) banks_.push_back(std::make_unique<Bank>());
   Bank& bank = *banks_[choice.bank];
@@ -158,22 +158,22 @@ ShadowMaps::Bank& ShadowMaps::prepare(const Choice& choice, const RoomBuffers& r
   bank.maps.clear();
   bank.used = 0;
   // Where it holds what several did, the others are of no use any more.
-  if (choice.words > wordsOf(room, bank.words)) {
+  if (choice.words > wordsOf(factory, bank.words)) {
     std::erase_if(banks_, [&](const std::unique_ptr<Bank>& other) {
       if (other.get() == &bank || !other->tickets.isFree(frame)) return false;
       other->tickets.lose(kShadowsRemade);
-      room.remove(other->words);
+      factory.remove(other->words);
       return true;
     });
   }
-  const bool made = room.makeRoom(
+  const bool made = factory.ensureCapacity(
       {bank.words, "shadows/words", choice.words * sizeof(uint32_t), sizeof(uint32_t)}, !created);
   if (made) bank.tickets.forgetRuns();
   return bank;
 }
 
 ShadowMaps::Table& ShadowMaps::prepareTable(const std::vector<StrandShadowView>& content,
-                                            bool complete, const RoomBuffers& room,
+                                            bool complete, const BufferFactory& factory,
                                             uint64_t frame) {
   Table* free = nullptr;
   for (const std::unique_ptr<Table>& table : tables_) {
@@ -186,8 +186,9 @@ ShadowMaps::Table& ShadowMaps::prepareTable(const std::vector<StrandShadowView>&
   if (free == nullptr) {
     tables_.push_back(std::make_unique<Table>());
     free = tables_.back().get();
-    room.makeRoom({free->views, "shadows/views", kMaxStrandShadows * sizeof(StrandShadowView),
-                   sizeof(StrandShadowView), BufferUsage::kStorage | BufferUsage::kUpload});
+    factory.ensureCapacity({free->views, "shadows/views",
+                            kMaxStrandShadows * sizeof(StrandShadowView), sizeof(StrandShadowView),
+                            BufferUsage::kStorage | BufferUsage::kUpload});
   }
   free->tickets.lose(kShadowsRemade);
   free->content = content;
@@ -196,8 +197,8 @@ ShadowMaps::Table& ShadowMaps::prepareTable(const std::vector<StrandShadowView>&
 }
 
 Result<void> ShadowMaps::record(ShadowPlan& plan, std::span<const ShadowedHair> hairs,
-                                const RoomBuffers& room, uint64_t frame, PassList& list) {
-  const Result<Choice> choice = choose(plan, hairs, room, frame);
+                                const BufferFactory& factory, uint64_t frame, PassList& list) {
+  const Result<Choice> choice = choose(plan, hairs, factory, frame);
   if (!choice) return choice.error();
   if (frame != frame_ && plan.words > 0) {
     wanted_ = 0;
@@ -210,7 +211,7 @@ Result<void> ShadowMaps::record(ShadowPlan& plan, std::span<const ShadowedHair> 
     }
   }
   const std::shared_ptr<ListTicket> ticket = ticketOf(list, frame);
-  bank_ = &prepare(*choice, room, frame);
+  bank_ = &prepare(*choice, factory, frame);
 
   std::vector<bool> missing;
   std::vector<StrandShadowView> content;
@@ -229,7 +230,7 @@ Result<void> ShadowMaps::record(ShadowPlan& plan, std::span<const ShadowedHair> 
     content.push_back(map.view);
   }
   const bool complete = std::find(missing.begin(), missing.end(), true) == missing.end();
-  table_ = &prepareTable(content, complete, room, frame);
+  table_ = &prepareTable(content, complete, factory, frame);
   words_ = bank_->words;
   views_ = table_->views;
   const bool known = complete && table_->maker != nullptr;
@@ -242,7 +243,7 @@ Result<void> ShadowMaps::record(ShadowPlan& plan, std::span<const ShadowedHair> 
     buffers.viewCount = kMaxStrandShadows;
     buffers.view = static_cast<uint32_t>(i);
     buffers.words = words_;
-    buffers.wordCount = wordsOf(room, words_);
+    buffers.wordCount = wordsOf(factory, words_);
     if (!missing[i]) {
       addUpload(list, views_, std::as_bytes(std::span(&content[i], 1)),
                 i * sizeof(StrandShadowView));
@@ -250,14 +251,14 @@ Result<void> ShadowMaps::record(ShadowPlan& plan, std::span<const ShadowedHair> 
       return added;
     }
   }
-  if (Result<void> copied = recordOpaques(plan, room, frame, list); !copied) return copied;
+  if (Result<void> copied = recordOpaques(plan, factory, frame, list); !copied) return copied;
   share({&list, 1}, frame);
   return {};
 }
 
 // Copies the maps of opaque geometry that are not in the bank.
-Result<void> ShadowMaps::recordOpaques(ShadowPlan& plan, const RoomBuffers& room, uint64_t frame,
-                                       PassList& list) {
+Result<void> ShadowMaps::recordOpaques(ShadowPlan& plan, const BufferFactory& factory,
+                                       uint64_t frame, PassList& list) {
   for (OpaqueShadowPlan& opaque : plan.opaques) {
     const std::shared_ptr<ListTicket> ticket = ticketOf(list, frame);
     if (const Map* known = findOpaque(*bank_, opaque, frame); known != nullptr) {
@@ -270,7 +271,8 @@ Result<void> ShadowMaps::recordOpaques(ShadowPlan& plan, const RoomBuffers& room
     StrandShadowView view = {};
     view.firstWord = opaque.firstWord;
     bank_->maps.push_back({view, opaque.depth, opaque.words, {}, ticket});
-    if (Result<void> added = addOpaqueShadow(list, opaque, words_, wordsOf(room, words_)); !added)
+    if (Result<void> added = addOpaqueShadow(list, opaque, words_, wordsOf(factory, words_));
+        !added)
       return added;
   }
   return {};
@@ -301,14 +303,14 @@ uint64_t ShadowMaps::bytes(const ResourceTable& resources) const {
   return bytes;
 }
 
-void ShadowMaps::trim(const RoomBuffers& room, const char* reason) {
+void ShadowMaps::trim(const BufferFactory& factory, const char* reason) {
   for (const std::unique_ptr<Bank>& bank : banks_) {
     bank->tickets.lose(reason);
-    room.remove(bank->words);
+    factory.remove(bank->words);
   }
   for (const std::unique_ptr<Table>& table : tables_) {
     table->tickets.lose(reason);
-    room.remove(table->views);
+    factory.remove(table->views);
   }
   banks_.clear();
   tables_.clear();

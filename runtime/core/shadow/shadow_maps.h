@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "passes/buffer_factory.h"
 #include "passes/list_ticket.h"
-#include "passes/room_buffers.h"
 #include "pelage/gpu_structs.h"
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
@@ -33,12 +33,12 @@ class ShadowMaps {
   /// opaque geometry. Errors: those of planStrandShadow(); maps that leave no room under maxBytes.
   Result<ShadowPlan> check(std::span<const StrandShadowDef> defs,
                            std::span<const OpaqueShadowPlan> opaques,
-                           std::span<const ShadowedHair> hairs, const RoomBuffers& room,
+                           std::span<const ShadowedHair> hairs, const BufferFactory& factory,
                            uint64_t frame) const;
   /// Adds the passes of the maps that no list of this frame makes, and uploads their table for
   /// shaders. \param plan of check(); gets the offsets of the maps.
   Result<void> record(ShadowPlan& plan, std::span<const ShadowedHair> hairs,
-                      const RoomBuffers& room, uint64_t frame, PassList& list);
+                      const BufferFactory& factory, uint64_t frame, PassList& list);
   /// Lists that read the maps of the last record(), besides the one that made them.
   void share(std::span<PassList> lists, uint64_t frame);
   /// Hair or the world has changed: no map is used again.
@@ -46,7 +46,7 @@ class ShadowMaps {
   /// Bytes of all maps and their tables.
   uint64_t bytes(const ResourceTable& resources) const;
   /// Frees all buffers. \param reason why lists that have not run cannot any more.
-  void trim(const RoomBuffers& room, const char* reason);
+  void trim(const BufferFactory& factory, const char* reason);
 
   /// Buffers of the last record(); kInvalid before it.
   BufferId words() const { return words_; }
@@ -86,14 +86,14 @@ class ShadowMaps {
   static uint64_t missingWords(const Bank& bank, const ShadowPlan& plan,
                                std::span<const ShadowedHair> hairs, uint64_t frame);
   Result<Choice> choose(const ShadowPlan& plan, std::span<const ShadowedHair> hairs,
-                        const RoomBuffers& room, uint64_t frame) const;
-  Result<uint64_t> limit(uint64_t words, size_t bank, const RoomBuffers& room,
+                        const BufferFactory& factory, uint64_t frame) const;
+  Result<uint64_t> limit(uint64_t words, size_t bank, const BufferFactory& factory,
                          uint64_t frame) const;
-  Result<void> recordOpaques(ShadowPlan& plan, const RoomBuffers& room, uint64_t frame,
+  Result<void> recordOpaques(ShadowPlan& plan, const BufferFactory& factory, uint64_t frame,
                              PassList& list);
-  Bank& prepare(const Choice& choice, const RoomBuffers& room, uint64_t frame);
+  Bank& prepare(const Choice& choice, const BufferFactory& factory, uint64_t frame);
   Table& prepareTable(const std::vector<StrandShadowView>& content, bool complete,
-                      const RoomBuffers& room, uint64_t frame);
+                      const BufferFactory& factory, uint64_t frame);
 
   std::vector<std::unique_ptr<Bank>> banks_;
   std::vector<std::unique_ptr<Table>> tables_;

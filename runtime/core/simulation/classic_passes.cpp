@@ -112,7 +112,7 @@ Result<void> StrandSolver::addClassicPasses(const HairFrame& frame, const StepIn
                 .contacts = {frame.contacts.records.buffer, frame.contacts.recordBytes},
                 .strandForces = {frame.forces, vertices * kVector},
                 .contactWords = frame.contacts.words,
-                .state = frame.room.resources.whole(buffers.state),
+                .state = frame.factory.resources.whole(buffers.state),
             });
         !added)
       return added;
@@ -138,7 +138,7 @@ Result<void> StrandSolver::skinClassic(const HairFrame& frame) {
       SimBindings{
           .simulationConstants = constants,
           .rest = {buffers.rest, (restSets_.factors ? 3 : 2) * vertices * kVector},
-          .state = frame.room.resources.whole(buffers.state),
+          .state = frame.factory.resources.whole(buffers.state),
       });
 }
 
@@ -158,7 +158,7 @@ Result<void> StrandSolver::rewriteClassic(const HairFrame& frame) const {
       },
       SimBindings{
           .simulationConstants = constants,
-          .state = frame.room.resources.whole(buffers.state),
+          .state = frame.factory.resources.whole(buffers.state),
       });
 }
 

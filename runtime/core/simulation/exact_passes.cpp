@@ -208,8 +208,8 @@ Result<void> StrandSolver::finishExactPass(const HairFrame& frame, PassBuilder& 
   const HairBuffers& buffers = frame.buffers;
   const uint64_t guides = frame.guideCount;
   const uint64_t vertices = guides * frame.vertexCount;
-  const BufferRange rest = frame.room.resources.whole(buffers.rest);
-  const BufferRange colliders = frame.room.resources.whole(buffers.colliders);
+  const BufferRange rest = frame.factory.resources.whole(buffers.rest);
+  const BufferRange colliders = frame.factory.resources.whole(buffers.colliders);
   builder.bytes(bytes);
   return builder.finish(
       ExactPosTanBindings{
@@ -223,7 +223,7 @@ Result<void> StrandSolver::finishExactPass(const HairFrame& frame, PassBuilder& 
           .exactColliders = colliders.isBound() ? colliders : rest,
           .forces = {frame.forces, vertices * kVector},
           .lodParents = {buffers.lodParents, guides * sizeof(uint32_t)},
-          .state = frame.room.resources.whole(buffers.state),
+          .state = frame.factory.resources.whole(buffers.state),
           .sleep = {buffers.sleep, sleepWordCount(guides) * sizeof(uint32_t)},
           .contacts = frame.contacts.records,
           .contactWords = frame.contacts.words,

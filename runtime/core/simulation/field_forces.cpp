@@ -41,9 +41,9 @@ std::string faultOf(const ForceField& field, const ResourceTable& resources) {
 void FieldForces::prepare(HairFrame& frame) {
   if (frame.mode != FrameMode::kSimulate) return;
   if (frame.inputs.field.values == BufferId::kInvalid)
-    remove(frame.room);
+    remove(frame.factory);
   else if (forces_ == BufferId::kInvalid)
-    forces_ = frame.room.add(frame.name + "/fieldForces", frame.guideVertices(), kForceSize);
+    forces_ = frame.factory.add(frame.name + "/fieldForces", frame.guideVertices(), kForceSize);
   if (forces_ != BufferId::kInvalid) frame.forces = forces_;
 }
 
@@ -68,7 +68,7 @@ Result<void> FieldForces::record(const HairFrame& frame) const {
   return builder.finish(ForceFieldBindings{
       .forceFieldConstants = constants,
       .fieldPositions = positions,
-      .fieldValues = frame.room.resources.whole(field.values),
+      .fieldValues = frame.factory.resources.whole(field.values),
       .fieldOthers = others ? BufferRange{engine, count * kForceSize} : positions,
       .fieldForces = {forces_, count * kForceSize},
   });

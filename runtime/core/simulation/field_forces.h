@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "passes/room_buffers.h"
+#include "passes/buffer_factory.h"
 #include "pelage/force_field.h"
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
@@ -20,7 +20,7 @@ class FieldForces {
   /// Makes the buffer, or removes it where there is no field.
   void prepare(HairFrame& frame);
   Result<void> record(const HairFrame& frame) const;
-  void remove(const RoomBuffers& room) { room.remove(forces_); }
+  void remove(const BufferFactory& factory) { factory.remove(forces_); }
 
  private:
   /// [vertex] Float4: the sum with the engine's forces; kInvalid where there is no field.

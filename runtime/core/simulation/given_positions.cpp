@@ -10,11 +10,11 @@ namespace pelage::detail {
 void GivenPositions::prepare(HairFrame& frame) {
   const bool wasOn = buffer_ != BufferId::kInvalid;
   if (!frame.inputs.given.isOn()) {
-    remove(frame.room);
+    remove(frame.factory);
     frame.reset |= wasOn;
   } else if (!wasOn) {
-    buffer_ = frame.room.add(frame.name + "/givenPositions", frame.guideVertices(), kVector, {},
-                             BufferUsage::kStorage | BufferUsage::kUpload);
+    buffer_ = frame.factory.add(frame.name + "/givenPositions", frame.guideVertices(), kVector, {},
+                                BufferUsage::kStorage | BufferUsage::kUpload);
     forget();
   }
 }

@@ -19,8 +19,8 @@ class GivenPositions {
   Result<void> record(const HairFrame& frame);
   /// Nothing is known of the buffer's contents.
   void forget() { version_ = 0; }
-  void remove(const RoomBuffers& room) {
-    room.remove(buffer_);
+  void remove(const BufferFactory& factory) {
+    factory.remove(buffer_);
     forget();
   }
 

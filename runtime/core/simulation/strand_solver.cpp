@@ -9,9 +9,9 @@
 
 namespace pelage::detail {
 
-void StrandSolver::remove(HairBuffers& buffers, const RoomBuffers& room) {
+void StrandSolver::remove(HairBuffers& buffers, const BufferFactory& factory) {
   for (BufferId* buffer : {&buffers.state, &buffers.rest, &buffers.sleep, &buffers.lodParents})
-    room.remove(*buffer);
+    factory.remove(*buffer);
   solver_.reset();
 }
 
@@ -21,7 +21,7 @@ void StrandSolver::prepare(HairFrame& frame) {
   const bool exact = s.solver == Solver::kExact;
   frame.otherSolver = solver_ != s.solver;
   if (frame.otherSolver) {
-    remove(frame.buffers, frame.room);
+    remove(frame.buffers, frame.factory);
     frame.reset = true;
     solver_ = s.solver;
     if (exact)
@@ -35,9 +35,9 @@ void StrandSolver::prepare(HairFrame& frame) {
                          .curves = s.curves};
   const bool otherPose = restVersion_ != frame.inputs.rest.version;
   if (otherPose) {
-    frame.room.remove(frame.buffers.bindRoots);
-    frame.buffers.bindRoots = frame.room.share(frame.name, "bindRoots", kVector,
-                                               bytesOf(bindRootsOf(*frame.inputs.rest.asset)));
+    frame.factory.remove(frame.buffers.bindRoots);
+    frame.buffers.bindRoots = frame.factory.share(frame.name, "bindRoots", kVector,
+                                                  bytesOf(bindRootsOf(*frame.inputs.rest.asset)));
     restVersion_ = frame.inputs.rest.version;
   }
   if (otherPose || frame.buffers.rest == BufferId::kInvalid || !(sets == restSets_))
@@ -59,7 +59,7 @@ void StrandSolver::makeState(const HairFrame& frame, uint64_t elements) {
   rootOffset_ = (elements + kAlignment - 1) / kAlignment * kAlignment * kVector;
   rootBytes_ = uint64_t{simulation::kRootSets} * frame.guideCount * sizeof(RootTransform);
   frame.buffers.state =
-      frame.room.add(frame.name + "/state", (rootOffset_ + rootBytes_) / kVector, kVector);
+      frame.factory.add(frame.name + "/state", (rootOffset_ + rootBytes_) / kVector, kVector);
 }
 
 void StrandSolver::makeExactBuffers(const HairFrame& frame) {
@@ -69,14 +69,14 @@ void StrandSolver::makeExactBuffers(const HairFrame& frame) {
   slot_ = 0;
   const auto add = [&](const char* what, uint64_t count, uint32_t stride,
                        BufferUsage usage = BufferUsage::kStorage) {
-    return frame.room.add(frame.name + "/" + what, count, stride, {}, usage);
+    return frame.factory.add(frame.name + "/" + what, count, stride, {}, usage);
   };
   HairBuffers& buffers = frame.buffers;
   makeState(frame, exactStateCount(stateStride_, asset.strandCount));
   if (frame.groom.levelOfDetail) {
     const std::vector<uint32_t> parents = nearStrandsBefore(asset, strands);
     buffers.lodParents =
-        frame.room.share(frame.name, "lodParents", sizeof(uint32_t), bytesOf(parents));
+        frame.factory.share(frame.name, "lodParents", sizeof(uint32_t), bytesOf(parents));
   }
   simulatedCount_ = 0;
   buffers.sleep = add("sleep", sleepWordCount(frame.guideCount), sizeof(uint32_t),
@@ -88,7 +88,7 @@ void StrandSolver::makeExactBuffers(const HairFrame& frame) {
 void StrandSolver::makeRest(const HairFrame& frame, const RestSets& sets) {
   const HairAsset& asset = *frame.inputs.rest.asset;
   restSets_ = sets;
-  frame.room.remove(frame.buffers.rest);
+  frame.factory.remove(frame.buffers.rest);
   std::vector<Float4> rest;
   if (frame.settings.solver == Solver::kExact) {
     rest = packExactRest(asset, exactStrandsOf(frame.groom, frame.inputs.rest), sets);
@@ -101,7 +101,7 @@ void StrandSolver::makeRest(const HairFrame& frame, const RestSets& sets) {
       rest.insert(rest.end(), factors.begin(), factors.end());
     }
   }
-  frame.buffers.rest = frame.room.share(frame.name, "rest", kVector, bytesOf(rest));
+  frame.buffers.rest = frame.factory.share(frame.name, "rest", kVector, bytesOf(rest));
 }
 
 std::vector<ContactStrand> StrandSolver::strandsOf(const HairFrame& frame) {

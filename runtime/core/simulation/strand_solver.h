@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "passes/buffer_factory.h"
 #include "passes/moved_elements.h"
-#include "passes/room_buffers.h"
 #include "pelage/gpu_structs.h"
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
@@ -46,7 +46,7 @@ class StrandSolver {
   /// Makes the buffers where those that are there are for something else; the hair has no state
   /// then, and the frame is a reset.
   void prepare(HairFrame& frame);
-  void remove(HairBuffers& buffers, const RoomBuffers& room);
+  void remove(HairBuffers& buffers, const BufferFactory& factory);
   /// Strands in the order of the solver, for contacts.
   static std::vector<ContactStrand> strandsOf(const HairFrame& frame);
   /// Adds the passes of the frame.

@@ -188,7 +188,7 @@ std::string faultOf(const SkeletonDef& def) {
   return {};
 }
 
-void addSurface(SkeletonInternals& skeleton, const SkinTable& table, const RoomBuffers& room) {
+void addSurface(SkeletonInternals& skeleton, const SkinTable& table, const BufferFactory& factory) {
   skeleton.boneCount = static_cast<uint32_t>(table.roots.size());
   skeleton.parts.assign(table.parts.size(), {});
   for (const SurfaceRoot& root : table.roots) {
@@ -209,8 +209,8 @@ void addSurface(SkeletonInternals& skeleton, const SkinTable& table, const RoomB
     const SurfaceRoot& root = table.roots[strand];
     bones[next[root.part]++] = surfaceBoneOf(root, strand);
   }
-  skeleton.surfaceBones =
-      room.add(skeleton.name + "/surfaceBones", bones.size(), sizeof(SurfaceBone), bytesOf(bones));
+  skeleton.surfaceBones = factory.add(skeleton.name + "/surfaceBones", bones.size(),
+                                      sizeof(SurfaceBone), bytesOf(bones));
 }
 
 std::string faultOfSource(const SkeletonInternals& skeleton, const ResourceTable& resources) {

@@ -8,7 +8,7 @@
 #include "assets/groom.h"
 #include "base/bounds.h"
 #include "base/local_origin.h"
-#include "passes/room_buffers.h"
+#include "passes/buffer_factory.h"
 #include "pelage/collider.h"
 #include "pelage/force_field.h"
 #include "pelage/hair_buffers.h"
@@ -90,7 +90,7 @@ struct HairFrame {
   const HairInputs& inputs;
   const SimulationSettings& settings;
   HairBuffers& buffers;
-  RoomBuffers room;
+  BufferFactory factory;
   PassList& list;
   FrameMode mode;
   uint32_t guideCount, followCount, vertexCount, boneCount;

@@ -113,11 +113,12 @@ std::vector<Float4> packBones(std::span<const AffineTransform> bones, const Loca
   return packed;
 }
 
-BufferId bonesFor(SkeletonInternals& skeleton, SkinningMethod method, const RoomBuffers& room) {
+BufferId bonesFor(SkeletonInternals& skeleton, SkinningMethod method,
+                  const BufferFactory& factory) {
   SkeletonInternals::Copy& copy = skeleton.copyFor(method);
   if (copy.buffer == BufferId::kInvalid) {
     const bool dual = method == SkinningMethod::kDualQuaternions;
-    copy.buffer = room.add(
+    copy.buffer = factory.add(
         skeleton.name + (dual ? "/dualQuaternions" : "/matrices"),
         rowsOf(method) * skeleton.boneCount, sizeof(Float4), {},
         skeleton.isOnGpu() ? BufferUsage::kStorage : BufferUsage::kStorage | BufferUsage::kUpload);

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/local_origin.h"
-#include "passes/room_buffers.h"
+#include "passes/buffer_factory.h"
 #include "pelage/bone_weights.h"
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
@@ -62,7 +62,7 @@ bool isUsable(const Float3& position);
 /// Describes the error in a definition; empty if there is none.
 std::string faultOf(const SkeletonDef& def);
 /// Makes the table of a skeleton that follows a surface.
-void addSurface(SkeletonInternals& skeleton, const SkinTable& table, const RoomBuffers& room);
+void addSurface(SkeletonInternals& skeleton, const SkinTable& table, const BufferFactory& factory);
 /// Describes the error in the buffers that the bones come from; empty if there is none.
 std::string faultOfSource(const SkeletonInternals& skeleton, const ResourceTable& resources);
 /// Moves the origin to follow the anchor; the first call sets the anchor.
@@ -81,7 +81,7 @@ std::vector<Float4> packBones(std::span<const AffineTransform> bones, const Loca
                               SkinningMethod method);
 
 /// The buffer of a method's copy, which is made where there is none.
-BufferId bonesFor(SkeletonInternals& skeleton, SkinningMethod method, const RoomBuffers& room);
+BufferId bonesFor(SkeletonInternals& skeleton, SkinningMethod method, const BufferFactory& factory);
 /// Adds the upload of a method's copy, or the passes that write it, if it is out of date.
 Result<void> sendBones(SkeletonInternals& skeleton, SkinningMethod method,
                        const ResourceTable& resources, PassList& list);

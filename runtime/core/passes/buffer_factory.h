@@ -30,7 +30,7 @@ struct RemovedBuffer {
 };
 
 /// Where rooms make their buffers: the table of a scene, and what is known of accesses to them.
-struct RoomBuffers {
+struct BufferFactory {
   ResourceTable& resources;
   HazardTracker& hazards;
   HostArray<RemovedBuffer>* removed = nullptr;  ///< of the frame that is recorded; nullptr: what
@@ -74,7 +74,7 @@ struct RoomBuffers {
   }
   /// Makes a buffer anew where it is too small. \param exact also where it is too large.
   /// \return true where it did.
-  bool makeRoom(const BufferNeed& need, bool exact = false) const {
+  bool ensureCapacity(const BufferNeed& need, bool exact = false) const {
     const uint64_t bytes = bytesOf(need.buffer);
     if (exact ? bytes == need.bytes : bytes >= need.bytes) return false;
     remove(need.buffer);
