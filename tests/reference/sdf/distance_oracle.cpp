@@ -19,8 +19,6 @@ constexpr double kFarRadii = 2.5;
 // Bound of the dipoles' error, with a margin; the test of the oracle measures it.
 constexpr double kFastError = 0.2;
 
-Vector3d toDouble(const Float3& p) { return {p.x, p.y, p.z}; }
-
 double squaredDistanceToBox(const Vector3d& p, const Vector3d& low, const Vector3d& high) {
   return (low - p).cwiseMax(p - high).cwiseMax(0.0).squaredNorm();
 }

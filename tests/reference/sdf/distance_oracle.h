@@ -14,6 +14,8 @@ namespace pelage::reference {
 
 using Eigen::Vector3d;
 
+inline Vector3d toDouble(const Float3& p) { return {p.x, p.y, p.z}; }
+
 /// The part of a triangle that a point is closest to.
 enum class TriangleFeature { kFace, kEdge01, kEdge12, kEdge20, kVertex0, kVertex1, kVertex2 };
 

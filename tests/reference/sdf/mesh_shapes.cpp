@@ -8,7 +8,7 @@
 namespace pelage::reference {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 Float3 point(double x, double y, double z) {
   return {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
@@ -30,8 +30,8 @@ TriangleMesh sphereLike(uint32_t rings, uint32_t segments, const Shape& shape) {
   mesh.positions.push_back(shape(0, 0));
   for (uint32_t ring = 1; ring < rings; ++ring)
     for (uint32_t segment = 0; segment < segments; ++segment)
-      mesh.positions.push_back(shape(kPi * ring / rings, 2 * kPi * segment / segments));
-  mesh.positions.push_back(shape(kPi, 0));
+      mesh.positions.push_back(shape(pi * ring / rings, 2 * pi * segment / segments));
+  mesh.positions.push_back(shape(pi, 0));
   const auto last = static_cast<uint32_t>(mesh.positions.size() - 1);
   const auto at = [&](uint32_t ring, uint32_t segment) {
     return 1 + (ring - 1) * segments + segment % segments;
@@ -59,7 +59,7 @@ TriangleMesh torus(float majorRadius, float minorRadius, uint32_t around, uint32
   TriangleMesh mesh;
   for (uint32_t i = 0; i < around; ++i)
     for (uint32_t k = 0; k < across; ++k) {
-      const double u = 2 * kPi * i / around, v = 2 * kPi * k / across;
+      const double u = 2 * pi * i / around, v = 2 * pi * k / across;
       const double r = majorRadius + minorRadius * std::cos(v);
       mesh.positions.push_back(point(r * std::cos(u), r * std::sin(u), minorRadius * std::sin(v)));
     }

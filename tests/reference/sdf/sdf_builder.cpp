@@ -19,8 +19,6 @@ constexpr uint32_t kInside = 0x80000000u;  // kSdfInside
 constexpr uint32_t kFar = 0x40000000u;     // kSdfFar
 constexpr float kNowhere = 1e18f;          // kSdfNowhere
 
-Vector3d toDouble(const Float3& p) { return {p.x, p.y, p.z}; }
-
 // Vertices of equal position are one.
 std::vector<uint32_t> points(const std::vector<Float3>& positions) {
   std::map<std::tuple<float, float, float>, uint32_t> known;

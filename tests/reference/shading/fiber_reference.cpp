@@ -10,7 +10,7 @@ namespace pelage::reference {
 namespace {
 
 using Eigen::Vector3d;
-constexpr double kPi = std::numbers::pi;
+using std::numbers::pi;
 
 /// log I0(x). std::cyl_bessel_i overflows from about 700 on; the series for large arguments
 /// (Abramowitz and Stegun 9.7.1) has converged long before.
@@ -21,7 +21,7 @@ double logBessel(double x) {
     term *= (2.0 * k - 1) * (2.0 * k - 1) / (8.0 * x * k);
     sum += term;
   }
-  return x - 0.5 * std::log(2 * kPi * x) + std::log(sum);
+  return x - 0.5 * std::log(2 * pi * x) + std::log(sum);
 }
 
 /// d'Eon et al. 2011, equation 7, in logarithms.
@@ -36,10 +36,10 @@ double longitudinal(double variance, double thetaLight, double thetaEye) {
 
 /// Chiang et al. 2016, equation 11.
 double azimuthal(double angle, double scale) {
-  const double x = std::remainder(angle, 2 * kPi);
+  const double x = std::remainder(angle, 2 * pi);
   const auto share = [&](double y) { return 1 / (1 + std::exp(-y / scale)); };
   const double density = share(x) * share(-x) / scale;
-  return density / (share(kPi) - share(-kPi));
+  return density / (share(pi) - share(-pi));
 }
 
 double fresnel(double cosine, double ior) {
@@ -69,9 +69,8 @@ double scattering(const Fiber& fiber, const Angles& at, double offset) {
   // Chiang et al. 2016, equations 7, 8 and 12.
   const double m =
       0.726 * fiber.betaM + 0.812 * std::pow(fiber.betaM, 2) + 3.7 * std::pow(fiber.betaM, 20);
-  const double scale =
-      std::sqrt(kPi / 8) *
-      (0.265 * fiber.betaN + 1.194 * std::pow(fiber.betaN, 2) + 5.372 * std::pow(fiber.betaN, 22));
+  const double scale = std::sqrt(pi / 8) * (0.265 * fiber.betaN + 1.194 * std::pow(fiber.betaN, 2) +
+                                            5.372 * std::pow(fiber.betaN, 22));
   const std::array<double, 4> variance = {m * m, m * m / 4, 4 * m * m, 4 * m * m};
   const std::array<double, 4> tilt = {2 * fiber.tilt, -fiber.tilt, -4 * fiber.tilt, 0};
 
@@ -87,14 +86,14 @@ double scattering(const Fiber& fiber, const Angles& at, double offset) {
                azimuthal(at.azimuth - 2 * gamma, scale);
   double share = (1 - reflected) * (1 - reflected) * through;
   for (size_t p = 1; p < 3; ++p) {
-    const double turn = 2 * gamma + static_cast<double>(p) * (kPi - 2 * gammaInside);
+    const double turn = 2 * gamma + static_cast<double>(p) * (pi - 2 * gammaInside);
     sum += share * longitudinal(variance[p], at.light, at.eye + tilt[p]) *
            azimuthal(at.azimuth - turn, scale);
     share *= through * reflected;
   }
   // All further reflections.
-  return sum + share / (1 - through * reflected) * longitudinal(variance[3], at.light, at.eye) /
-                   (2 * kPi);
+  return sum +
+         share / (1 - through * reflected) * longitudinal(variance[3], at.light, at.eye) / (2 * pi);
 }
 
 }  // namespace
@@ -116,10 +115,10 @@ double farScattering(const Fiber& fiber, const Vector3d& tangent, const Vector3d
   const Angles angles = anglesOf(tangent, toEye, toLight);
   double sum = 0;
   for (int i = 0; i < steps; ++i) {
-    const double gamma = ((i + 0.5) / steps - 0.5) * kPi;
+    const double gamma = ((i + 0.5) / steps - 0.5) * pi;
     sum += scattering(fiber, angles, std::sin(gamma)) * std::cos(gamma);
   }
-  return sum * kPi / (2 * steps);
+  return sum * pi / (2 * steps);
 }
 
 }  // namespace pelage::reference
