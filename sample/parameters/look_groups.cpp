@@ -419,14 +419,14 @@ std::vector<ParameterGroup> materialGroups() {
 }
 
 std::vector<ParameterGroup> viewGroups() {
-  const std::string view = "pelage/view.h";
   return {
-      {"Light", view, "Scene::draw(), at most 8; shadows for 4 of them. [shadow.md](shadow.md)",
+      {"Light", "pelage/light.h",
+       "Scene::draw(), at most 8; shadows for 4 of them. [shadow.md](shadow.md)",
        joined(lightRows(), shadowRows())},
-      {"OpaqueShadow", view,
+      {"OpaqueShadow", "pelage/light.h",
        "Light::opaque. [shadow.md](shadow.md#shadows-of-opaque-geometry-on-hair)",
        opaqueShadowRows()},
-      {"View", view, "Scene::draw(): a camera and its target.", viewRows()},
+      {"View", "pelage/camera.h", "Scene::draw(): a camera and its target.", viewRows()},
       {"TransparencySettings", "pelage/transparency.h", "Scene::draw(). [oit.md](oit.md)",
        transparencyRows()},
       {"HairDepthSettings", "pelage/hair_depth.h",
