@@ -25,7 +25,7 @@ struct RestPose {
   float volume = 0;         ///< that the bind shape fills [m3]
 };
 
-/// What never changes.
+/// The hair of an object as it was added; it never changes.
 struct Groom {
   std::shared_ptr<const HairAsset> firstAsset;  ///< of addHair(): the order of strands goes by it
   std::vector<BoneInfluences> influences;       ///< [guide], or empty for bone 0

@@ -7,20 +7,26 @@
 
 namespace pelage {
 
+namespace {
+
+Error refuseCollider(const SdfColliderDef& def, const std::string& what) {
+  return {ErrorCode::kInvalidArgument, "collider '" + def.name + "': " + what};
+}
+
+}  // namespace
+
 Result<ColliderId> Scene::addCollider(const CollisionMesh& mesh, const SdfColliderDef& def) {
   detail::HairStore& store = parts_->store;
-  const auto refuse = [&](const std::string& what) {
-    return Error{ErrorCode::kInvalidArgument, "collider '" + def.name + "': " + what};
-  };
   if (Result<void> valid = detail::checkSdfColliderDef(def); !valid)
-    return refuse(valid.error().message);
-  if (store.sdfs.colliders.isFull()) return refuse("the scene has as many colliders as ids");
+    return refuseCollider(def, valid.error().message);
+  if (store.sdfs.colliders.isFull())
+    return refuseCollider(def, "the scene has as many colliders as ids");
   const Result<SkeletonPose*> skeleton = store.findSkeleton(def.skeleton, def.boneCount);
-  if (!skeleton) return refuse(skeleton.error().message);
+  if (!skeleton) return refuseCollider(def, skeleton.error().message);
   detail::ColliderBones bones = {.count = def.boneCount};
   if (*skeleton != nullptr) {
     if (def.vertices != BufferId::kInvalid)
-      return refuse("has a vertex buffer, which follows no skeleton");
+      return refuseCollider(def, "has a vertex buffer, which follows no skeleton");
     bones = {&detail::HairStore::of(**skeleton), (*skeleton)->boneCount()};
   }
   const Result<ColliderId> id = store.sdfs.add(mesh, def, bones, store.shifted, store.factory());
@@ -30,14 +36,13 @@ Result<ColliderId> Scene::addCollider(const CollisionMesh& mesh, const SdfCollid
 
 Result<ColliderId> Scene::addCollider(const SdfData& data, const SdfColliderDef& def) {
   detail::HairStore& store = parts_->store;
-  const auto refuse = [&](const std::string& what) {
-    return Error{ErrorCode::kInvalidArgument, "collider '" + def.name + "': " + what};
-  };
   if (Result<void> valid = detail::checkSdfColliderDef(def); !valid)
-    return refuse(valid.error().message);
-  if (store.sdfs.colliders.isFull()) return refuse("the scene has as many colliders as ids");
+    return refuseCollider(def, valid.error().message);
+  if (store.sdfs.colliders.isFull())
+    return refuseCollider(def, "the scene has as many colliders as ids");
   if (def.skeleton != SkeletonId::kInvalid)
-    return refuse("a field that was built before never moves, and follows no skeleton");
+    return refuseCollider(def,
+                          "a field that was built before never moves, and follows no skeleton");
   const Result<ColliderId> id = store.sdfs.add(data, def, store.shifted, store.factory());
   if (id) parts_->journal.relayFrames();
   return id;
@@ -45,12 +50,10 @@ Result<ColliderId> Scene::addCollider(const SdfData& data, const SdfColliderDef&
 
 Result<ColliderId> Scene::addCollider(const DenseSdf& sdf, const SdfColliderDef& def) {
   detail::HairStore& store = parts_->store;
-  const auto refuse = [&](const std::string& what) {
-    return Error{ErrorCode::kInvalidArgument, "collider '" + def.name + "': " + what};
-  };
   if (const std::string fault = detail::faultOf(sdf, store.resources); !fault.empty())
-    return refuse(fault);
-  if (store.sdfs.colliders.isFull()) return refuse("the scene has as many colliders as ids");
+    return refuseCollider(def, fault);
+  if (store.sdfs.colliders.isFull())
+    return refuseCollider(def, "the scene has as many colliders as ids");
   const ColliderId id = store.sdfs.add(sdf, def, store.shifted, store.factory());
   parts_->journal.relayFrames();
   return id;
