@@ -1,8 +1,8 @@
-"""Breaks kernels on purpose, one line at a time, and reports which test notices.
+"""Breaks kernels and the order of a frame, one line at a time, and reports which test notices.
 
     python3 scripts/mutants.py [--build DIR] [--report FILE] [NAME...]
 
-tests/mutants.json has the mutants: a text of a kernel, what replaces it, and the tests (a
+tests/mutants.json has the mutants: a text of a source, what replaces it, and the tests (a
 program and a filter of GoogleTest) of which one has to fail. Each mutant is written into the working
 tree, built in DIR (build/release), tested and taken back. The exit status is 1 if one survives.
 """

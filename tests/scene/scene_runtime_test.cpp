@@ -214,6 +214,11 @@ TEST_F(SceneRuntimeTest, WhereFollowHairsWereIsKnownFromFrameToFrameAlone) {
   box.enabled = true;
   EXPECT_EQ(history(), 0) << "after a pause it is not known";
   EXPECT_EQ(history(), 1);
+  hair.simulated = false;
+  EXPECT_EQ(history(), -1);
+  hair.simulated = true;
+  EXPECT_EQ(history(), 0) << "hair that was not simulated has not collided";
+  EXPECT_EQ(history(), 1);
   hair.reset();
   EXPECT_EQ(history(), 0);
 }

@@ -442,14 +442,14 @@ Fur makeFur() {
 }
 
 // Every pixel of hair that is rigid, found by its depth: follow hairs, computed and stored, level
-// of detail, and attributes.
+// of detail, attributes, and hair that is not simulated.
 TEST_P(StrandDepth, MotionOfAllKindsOfStrandsFollowsTheRoots) {
   const Fur fur = makeFur();
   const AffineTransform before = turned(10, {0, 0.6f, 0.8f}, {0.01f, -0.02f, 0.03f});
   const AffineTransform now = turned(13, {0, 0.6f, 0.8f}, {0.02f, -0.01f, 0.05f});
   const View from = depthView({0.02f, 0, 1}, {0, 0, 0}),
              view = depthView({0, 0.01f, 1.02f}, {0, 0, 0});
-  for (const int kind : {0, 1, 2, 3, 4}) {
+  for (const int kind : {0, 1, 2, 3, 4, 5}) {
     SCOPED_TRACE(kind);
     HairDef def = {.levelOfDetail = kind == 3, .storeFollowHairs = kind == 2};
     HairAsset asset = fur.asset;
@@ -460,6 +460,7 @@ TEST_P(StrandDepth, MotionOfAllKindsOfStrandsFollowsTheRoots) {
     object.material.fiberRadius = 0.002f;
     object.material.tipRadiusRatio = 1;
     if (kind == 3) object.simulatedShare = 0.5f;
+    object.simulated = kind != 5;
     pose(before);
     // The level of detail changes over a quarter of a second.
     for (int i = 0; i < 18; ++i) run_.step();
