@@ -417,7 +417,8 @@ class PELAGE_API HazardTracker {
   /// same time: the first of them has the barriers of all. A read after a write, a write after a
   /// read and a write after a write get a barrier; a read after a read gets none. After lists that
   /// were abandoned, barriers are right whether these ran or not. Takes time in proportion to the
-  /// number of dispatches.
+  /// number of dispatches. A list that has run stays as it is, and checkRun() refuses it: clear()
+  /// it first.
   void resolve(PassList& list);
   /// Whether resolve() sorts dispatches into levels (default). Off, they stay in the order in which
   /// they were added, each a level of its own: for debugging.

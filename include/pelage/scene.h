@@ -281,7 +281,8 @@ class PELAGE_API Scene {
                                std::span<const std::byte> contactWords,
                                std::span<const std::byte> positions) const;
   /// Computes the barriers of a list that is complete. Call it once for each list, in the order in
-  /// which the lists run; lists of your own that touch the scene's buffers included.
+  /// which the lists run; lists of your own that touch the scene's buffers included. A list that
+  /// has run stays refused until it is cleared.
   void finish(PassList& list);
   /// Says that a list does not run, though it was recorded, submitted or reported as delivered.
   /// Only needed then: what the scene and the runtimes see by themselves they see without it. It

@@ -112,6 +112,7 @@ class DrawLists : public GpuTest {
   Result<RenderedImage> tryRender(const PassList& list, const RenderTargetDef& target) {
     expectOk(device().update(gpu().resources));
     PassList copy = list;
+    copy.run.reset();  // it may have run
     gpu().hazards.resolve(copy);
     return device().render(copy, target);
   }

@@ -49,6 +49,20 @@ TEST_F(ListRunTest, AListThatIsRecordedDoesNotRunAgain) {
   EXPECT_TRUE(checkDraws(first));
 }
 
+TEST_F(ListRunTest, BarriersForAListThatHasRunDoNotLetItRunAgain) {
+  for (const bool delivered : {false, true}) {
+    PassList kept = list();
+    delivered ? setDelivered(kept.run) : setRecorded(kept.run);
+    addDraw(kept, kB);
+    tracker_.resolve(kept);
+    expectRefused(kept, "has run before");
+    kept.clear();
+    addDraw(kept, kB);
+    tracker_.resolve(kept);
+    run(kept);
+  }
+}
+
 TEST_F(ListRunTest, ListsRunInTheOrderOfTheirBarriers) {
   const PassList first = list(), second = list();
   expectRefused(second, "finished before this one has not run");

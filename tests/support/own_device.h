@@ -112,7 +112,9 @@ class OwnDevice {
     return addZeros(table_, name, count, usage);
   }
   void update() { expectOk(device_->update(table_)); }
+  /// As a new list, also where it has run.
   Result<void> run(PassList& list, std::vector<PassTiming>* timings = nullptr) {
+    list.run.reset();
     tracker_.resolve(list);
     return device_->execute(list, timings);
   }

@@ -28,6 +28,12 @@ RunState stateOf(const RunRecord& record) {
   return record.state;
 }
 
+bool hasRun(const PassList& list) {
+  if (list.run == nullptr) return false;
+  const RunState state = stateOf(*list.run->record);
+  return state == RunState::kRecorded || state == RunState::kDelivered;
+}
+
 void abandon(RunRecord& record, const char* reason) {
   const std::lock_guard lock(record.order->mutex);
   if (record.state == RunState::kDelivered || record.state == RunState::kAbandoned) return;
@@ -75,7 +81,7 @@ Result<void> checkBarriers(const PassList& list) {
 }  // namespace
 
 Result<void> checkRun(const PassList& list) {
-  if (Result<void> checked = checkBarriers(list); !checked || list.run == nullptr) return checked;
+  if (list.run == nullptr) return checkBarriers(list);
   const detail::RunRecord& record = *list.run->record;
   const std::lock_guard lock(record.order->mutex);
   switch (record.state) {
@@ -83,7 +89,7 @@ Result<void> checkRun(const PassList& list) {
       break;
     case detail::RunState::kRecorded:
     case detail::RunState::kDelivered:
-      return refuse("the list has run before; each runs once: write it again");
+      return refuse("the list has run before; each runs once: clear() it, and write it again");
     case detail::RunState::kAbandoned:
       if (record.reason != nullptr) {
         return {Error{ErrorCode::kInvalidArgument,
@@ -93,6 +99,7 @@ Result<void> checkRun(const PassList& list) {
           "the list was abandoned: Scene::simulate() or Scene::abandon() came before it "
           "ran, or a list before it did not run; write it again");
   }
+  if (Result<void> checked = checkBarriers(list); !checked) return checked;
   if (record.behind == record.order->recorded) return {};
   if (record.order->recorded > record.number)
     return refuse("a list that was finished after this one has run before it: keep their order");
@@ -103,8 +110,7 @@ Result<void> checkRun(const PassList& list) {
 
 Result<void> checkDraws(const PassList& list) {
   if (Result<void> checked = checkBarriers(list); !checked || list.run == nullptr) return checked;
-  const detail::RunState state = detail::stateOf(*list.run->record);
-  if (state == detail::RunState::kRecorded || state == detail::RunState::kDelivered) return {};
+  if (detail::hasRun(list)) return {};
   return refuse("the list's draws run after its dispatches: record() the list first");
 }
 

@@ -617,7 +617,7 @@ void apply(State& now, const detail::BufferUse& use, HostArray<Barrier>& out) {
 }  // namespace
 
 void HazardTracker::resolve(PassList& list) {
-  // A list that was resolved before, and has not run.
+  if (detail::hasRun(list)) return;
   list.run.reset();
   settle();
   HostArray<State> statesBefore = states_;

@@ -61,6 +61,7 @@ FrameJournal::Recording::~Recording() {
 }
 
 void FrameJournal::finish(PassList& list) {
+  if (hasRun(list)) return;
   store_.hazards.resolve(list);
   list.table = store_.resources.id();
   if (const char* reason = noteRun(list); reason != nullptr)
