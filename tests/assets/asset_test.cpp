@@ -296,7 +296,7 @@ TEST(HairAsset, RefusesArraysThatDoNotFitTogether) {
   asset.positions[7].y = kNan;
   expectError(asset.process(), "strand 1, vertex 2");
   expectError(HairAsset().process(), "no strands");
-  expectError(assetOfAllArrays().process({.tipThickness = -1}), "tipThickness");
+  expectError(assetOfAllArrays().process({.tipThickness = -1}), "tip thickness");
   EXPECT_FALSE(saveTfx(asset));
   EXPECT_FALSE(packRest(assetOfAllArrays()));
 }
@@ -633,13 +633,13 @@ TEST(FollowHairs, GiveNoWeightToGuidesThatAreNotThere) {
 
 TEST(FollowHairs, RefuseValuesOutOfRangeByName) {
   const HairAsset asset = bentStrands(2, 3, 0.3);
-  expectError(asset.generateFollowHairs({.countPerGuide = 65}), "countPerGuide");
+  expectError(asset.generateFollowHairs({.countPerGuide = 65}), "follow hairs per guide");
   for (const uint32_t guides : {0u, 4u}) {
-    expectError(asset.generateFollowHairs({.guidesPerHair = guides}), "guidesPerHair");
+    expectError(asset.generateFollowHairs({.guidesPerHair = guides}), "guides per hair");
   }
-  expectError(asset.generateFollowHairs({.maxRadius = kNan}), "maxRadius");
-  expectError(asset.generateFollowHairs({.maxRadius = -1}), "maxRadius");
-  expectError(asset.generateFollowHairs({.tipSeparation = kInf}), "tipSeparation");
+  expectError(asset.generateFollowHairs({.maxRadius = kNan}), "radius of follow hairs");
+  expectError(asset.generateFollowHairs({.maxRadius = -1}), "radius of follow hairs");
+  expectError(asset.generateFollowHairs({.tipSeparation = kInf}), "tip separation");
   EXPECT_FALSE(HairAsset().generateFollowHairs({}));
 }
 

@@ -211,7 +211,6 @@ must_fail(2 "--error-bound" groom a.hairtxt e.tfx --error-bound 1 --vertices-per
 must_fail(2 "--follow" groom a.hairtxt e.tfx --follow e.tfxfollow)
 must_fail(2 "--vertices-per-strand" groom a.hairtxt e.tfx --vertices-per-strand many)
 must_fail(1 "missing.hair: no such file" groom missing.hair e.tfx)
-must_fail(1 "verticesPerStrand" groom clean.hairtxt e.tfx --vertices-per-strand 1)
 must_fail(1 "scale" groom a.hairtxt e.tfx --scale 0)
 must_fail(1 "scale" groom a.hairtxt e.tfx --scale nan)
 must_fail(1 "short.tfx: byte 0: " groom short.tfx e.tfx)
@@ -231,6 +230,47 @@ must_fail(1 "a.hairtxt: byte [0-9]+: .*pelage-convert groom" cache e.pelage --ha
 must_fail(1 "no/folder/e.tfx" groom clean.hairtxt no/folder/e.tfx)
 must_fail(1 "short.tfxbone" info short.tfxbone)
 must_fail(1 "short.tfxmesh" info short.tfxmesh)
+# A file of another kind is never replaced: each output has the extension of its format.
+foreach(name other.obj other.abc other)
+  file(WRITE ${WORK_DIR}/${name} "kept")
+  must_fail(1 "${name}: .*needs the extension .tfx" groom clean.hairtxt ${name})
+  must_fail(1 "${name}: .*extension .tfxbone" bind g.tfx mesh.obj ${name})
+  must_fail(1 "${name}: .*extension .tfxmesh" collision mesh.obj ${name})
+  must_fail(1 "${name}: .*extension .tfxmesh" collision mesh.obj ${name} --by material)
+  must_fail(1 "${name}: .*extension .pelage" cache ${name} --hair g.tfx)
+  must_fail(1 "${name}: .*extension .usda" usd none.pelagecache ${name})
+  must_fail(1 "${name}: .*extension .tfxskin" bind g.tfx mesh.obj e.tfxbone --skin ${name})
+  must_fail(1 "${name}: .*extension .tfxfollow"
+    groom a.hairtxt e.tfx --guide-count 1 --follow ${name})
+  file(READ ${WORK_DIR}/${name} kept)
+  if(NOT kept STREQUAL "kept")
+    message(SEND_ERROR "${name} was replaced")
+  endif()
+endforeach()
+run_convert(0 groom clean.hairtxt UPPER.TFX)
+
+# A wrong file among several: the reports of the others, and one line each for those that are wrong.
+run_convert(1 info short.tfx h.tfx missing.hair clean.hairtxt)
+if(NOT errors MATCHES "^pelage-convert: error: short.tfx[^\n]*\npelage-convert: error: missing.hair[^\n]*\n$"
+   OR NOT output MATCHES "^file +h.tfx\n.*\n\nfile +clean.hairtxt\n")
+  message(SEND_ERROR "info of good and wrong files:\n${output}${errors}")
+endif()
+run_convert(1 info g.tfx short.tfx --json)
+json_equals(files 0 kind "hair curves")
+json_equals(files 1 file "short.tfx")
+string(JSON message GET "${output}" files 1 error)
+if(NOT message MATCHES "^short.tfx: byte 0")
+  message(SEND_ERROR "no error in the report:\n${output}")
+endif()
+must_fail(2 "'grom' is no command; there are bind, cache, collision, groom, info and usd" grom a.hairtxt)
+must_fail(2 "a command is missing; there are bind, cache")
+
+# Errors have the names of options.
+must_fail(1 "clean.hairtxt: the vertices per strand are 1; .* 2 to 256"
+  groom clean.hairtxt e.tfx --vertices-per-strand 1)
+must_fail(1 "clean.hairtxt: the error bound is -?(inf|nan)" groom clean.hairtxt e.tfx --error-bound inf)
+must_fail(1 "tip thickness is 2; it must be 0 to 1" cache e.pelage --hair g.tfx --tip-thickness 2)
+
 # Simulated hair.
 set(shot ${CMAKE_CURRENT_LIST_DIR}/../fuzz/corpus/haircache/valid.pelagecache)
 run_convert(0 info ${shot} --json)

@@ -445,11 +445,11 @@ TEST(Guides, RefusesWhatItCannotSelectFrom) {
   const HairAsset groom = makeGroom();
   expectSelectionRefused(groom, {}, "either");
   expectSelectionRefused(groom, {.guideCount = 3, .guideErrorBound = 1}, "either");
-  expectSelectionRefused(groom, {.guideErrorBound = -1}, "guideErrorBound is -1");
-  expectSelectionRefused(groom, {.guideErrorBound = std::nanf("")}, "guideErrorBound is nan");
-  expectSelectionRefused(groom, {.guideCount = 3, .guidesPerHair = 0}, "guidesPerHair is 0");
-  expectSelectionRefused(groom, {.guideCount = 3, .guidesPerHair = 4}, "guidesPerHair is 4");
-  expectSelectionRefused(groom, {.guideCount = 3, .rootWeight = -1}, "rootWeight is -1");
+  expectSelectionRefused(groom, {.guideErrorBound = -1}, "error bound of guides is -1");
+  expectSelectionRefused(groom, {.guideErrorBound = std::nanf("")}, "error bound of guides is nan");
+  expectSelectionRefused(groom, {.guideCount = 3, .guidesPerHair = 0}, "guides per hair is 0");
+  expectSelectionRefused(groom, {.guideCount = 3, .guidesPerHair = 4}, "guides per hair is 4");
+  expectSelectionRefused(groom, {.guideCount = 3, .rootWeight = -1}, "weight of the roots is -1");
   expectSelectionRefused({}, {.guideCount = 3}, "no strands");
   HairAsset bad = groom;
   bad.positions[5].x = std::nanf("");

@@ -301,10 +301,10 @@ TEST(Resample, KeepsCurvesWithoutLengthAndCountsThem) {
 TEST(Resample, RefusesWhatCannotBeAStrand) {
   const HairCurves good = wavyCurves(3);
   expectResamplingRefused({}, {}, "no curves");
-  expectResamplingRefused(good, {.verticesPerStrand = 1}, "verticesPerStrand is 1");
-  expectResamplingRefused(good, {.verticesPerStrand = 257}, "verticesPerStrand is 257");
-  expectResamplingRefused(good, {.errorBound = -1}, "errorBound is -1");
-  expectResamplingRefused(good, {.errorBound = kNan}, "errorBound is nan");
+  expectResamplingRefused(good, {.verticesPerStrand = 1}, "vertices per strand are 1");
+  expectResamplingRefused(good, {.verticesPerStrand = 257}, "vertices per strand are 257");
+  expectResamplingRefused(good, {.errorBound = -1}, "error bound is -1");
+  expectResamplingRefused(good, {.errorBound = kNan}, "error bound is nan");
   HairCurves bad = good;
   bad.positions[4].y = kNan;
   expectResamplingRefused(bad, {}, "curve 0");

@@ -262,15 +262,16 @@ class Selector {
 Result<void> checkGroom(const HairAsset& groom, const GuideDef& def) {
   const bool bounded = def.guideErrorBound != 0;
   if ((def.guideCount > 0) == bounded)
-    return invalid("GuideDef: set either guideCount or guideErrorBound");
+    return invalid("either a number of guides or an error bound of theirs is needed");
   if (bounded && !(def.guideErrorBound > 0 && std::isfinite(def.guideErrorBound)))
     return invalid(
-        fmt::format("GuideDef::guideErrorBound is {} m; it must be above 0", def.guideErrorBound));
+        fmt::format("the error bound of guides is {} m; it must be above 0", def.guideErrorBound));
   if (def.guidesPerHair < 1 || def.guidesPerHair > 3)
     return invalid(
-        fmt::format("GuideDef::guidesPerHair is {}; it must be 1 to 3", def.guidesPerHair));
+        fmt::format("the number of guides per hair is {}; it must be 1 to 3", def.guidesPerHair));
   if (!(def.rootWeight >= 0 && def.rootWeight <= 100))
-    return invalid(fmt::format("GuideDef::rootWeight is {}; it must be 0 to 100", def.rootWeight));
+    return invalid(
+        fmt::format("the weight of the roots is {}; it must be 0 to 100", def.rootWeight));
   if (auto r = validate(groom); !r) return r;
   for (size_t i = 0; i < groom.vertexCounts.size(); ++i)
     if (groom.vertexCounts[i] != groom.verticesPerStrand)

@@ -236,11 +236,11 @@ class Resampler {
 Result<void> checkCurves(const HairCurves& curves, const ResampleDef& def) {
   if (def.verticesPerStrand < kMinVerticesPerStrand ||
       def.verticesPerStrand > kMaxVerticesPerStrand)
-    return invalid(fmt::format("ResampleDef::verticesPerStrand is {}; it must be {} to {}",
+    return invalid(fmt::format("the vertices per strand are {}; they must be {} to {}",
                                def.verticesPerStrand, kMinVerticesPerStrand,
                                kMaxVerticesPerStrand));
   if (!(def.errorBound >= 0) || !std::isfinite(def.errorBound))
-    return invalid(fmt::format("ResampleDef::errorBound is {} m; it must be 0 (none) or more",
+    return invalid(fmt::format("the error bound is {} m; it must be 0 (none) or more, and finite",
                                def.errorBound));
   if (auto r = validate(curves); !r) return r;
   if (curves.vertexCounts.empty()) return invalid("there are no curves to resample");

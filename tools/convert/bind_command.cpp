@@ -10,6 +10,7 @@
 
 #include "commands.h"
 #include "import_options.h"
+#include "output_file.h"
 #include "pelage/authoring/skin_binding.h"
 #include "pelage/bone_weights.h"
 #include "pelage/hair_asset.h"
@@ -65,6 +66,9 @@ Result<void> reportComparison(const BindOptions& options, const BoneWeights& wei
 }
 
 Result<void> bind(const BindOptions& options, Session& session) {
+  if (auto r = program::checkOutput(options.output, ".tfxbone"); !r) return r;
+  if (!options.skin.empty())
+    if (auto r = program::checkOutput(options.skin, ".tfxskin"); !r) return r;
   auto groom = loadTfx(options.groom);
   if (!groom) return groom.error();
   auto mesh = loadSkinnedMesh(options.mesh);

@@ -13,6 +13,7 @@
 
 #include "asset_files.h"
 #include "commands.h"
+#include "output_file.h"
 #include "pelage/asset_cache.h"
 
 namespace pelage::convert {
@@ -41,6 +42,7 @@ double fastest(Function&& function) {
 }
 
 Result<void> writeCache(const CacheOptions& options, Session& session) {
+  if (auto r = program::checkOutput(options.output, ".pelage"); !r) return r;
   const program::AssetFiles& from = options.files;
   if (from.hairs.empty() && from.meshes.empty())
     return Error{ErrorCode::kInvalidArgument,

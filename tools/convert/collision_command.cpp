@@ -12,6 +12,7 @@
 
 #include "commands.h"
 #include "import_options.h"
+#include "output_file.h"
 #include "pelage/authoring/collision_from_mesh.h"
 #include "pelage/collision_mesh.h"
 
@@ -53,6 +54,7 @@ std::string fileName(const std::string& name, std::set<std::string>& taken) {
 }
 
 Result<void> makeCollision(const CollisionOptions& options, Session& session) {
+  if (auto r = program::checkOutput(options.output, ".tfxmesh"); !r) return r;
   auto mesh = loadSkinnedMesh(options.mesh);
   if (!mesh) return mesh.error();
   if (auto r = prepareMesh(*mesh, options.import); !r)

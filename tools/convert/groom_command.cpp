@@ -15,6 +15,7 @@
 #include "asset_files.h"
 #include "commands.h"
 #include "import_options.h"
+#include "output_file.h"
 #include "pelage/authoring/curve_import.h"
 #include "pelage/authoring/guides.h"
 #include "pelage/authoring/hair_files.h"
@@ -225,6 +226,9 @@ Result<void> passThrough(const HairAsset& asset, const GroomOptions& options, Se
 }
 
 Result<void> groom(GroomOptions options, Session& session) {
+  if (auto r = program::checkOutput(options.output, ".tfx"); !r) return r;
+  if (!options.follow.empty())
+    if (auto r = program::checkOutput(options.follow, ".tfxfollow"); !r) return r;
   HairFileReport file;
   auto curves = loadHairCurves(options.input, &file);
   if (!curves) return curves.error();

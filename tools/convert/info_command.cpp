@@ -397,7 +397,9 @@ Result<void> info(InfoOptions options, Session& session) {
   for (const std::filesystem::path& file : options.files) {
     options.file = file;
     session.beginFile();
-    if (auto r = fileInfo(options, session); !r) return r;
+    auto r = fileInfo(options, session);
+    if (!r && options.files.size() == 1) return r;
+    if (!r) session.fail(file.string(), r.error().message);
   }
   return {};
 }

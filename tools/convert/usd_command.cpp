@@ -12,6 +12,7 @@
 
 #include "commands.h"
 #include "import_options.h"
+#include "output_file.h"
 #include "pelage/authoring/usd_curves.h"
 #include "pelage/hair_cache.h"
 
@@ -39,6 +40,7 @@ UsdCurvesDef curvesOf(const HairCacheDef& cache, const UsdOptions& options) {
 }
 
 Result<void> writeUsd(const UsdOptions& options, Session& session) {
+  if (auto r = program::checkOutput(options.output, ".usda"); !r) return r;
   auto reader = HairCacheReader::open(options.cache);
   if (!reader) return reader.error();
   auto writer = UsdCurvesWriter::create(options.output, curvesOf(reader->def(), options),

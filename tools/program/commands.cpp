@@ -1,5 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <exception>
+#include <string>
+#include <vector>
 
 #include "program_messages.h"
 #include "session.h"
@@ -7,13 +9,27 @@
 namespace pelage::program {
 namespace {
 
+// Says which commands there are, and names the word that is none of them.
+std::string missingCommand(const CLI::App& app) {
+  const std::vector<std::string> words = app.remaining();
+  std::string text =
+      words.empty() ? "a command is missing" : "'" + words.front() + "' is no command";
+  const std::vector<const CLI::App*> commands = app.get_subcommands({});
+  for (size_t i = 0; i < commands.size(); ++i)
+    text += (i == 0                     ? "; there are "
+             : i + 1 == commands.size() ? " and "
+                                        : ", ") +
+            commands[i]->get_name();
+  return text + "; see --help";
+}
+
 int run(CLI::App& app, Session& session, int argc, char** argv, const int& exitCode) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked) {  // help, version
     return app.exit(asked);
   } catch (const CLI::ParseError& error) {
-    printError(app.get_name(), error.what());
+    printError(app.get_name(), app.get_subcommands().empty() ? missingCommand(app) : error.what());
     return kBadArguments;
   }
   if (const auto done = session.command(); !done) {
@@ -21,7 +37,8 @@ int run(CLI::App& app, Session& session, int argc, char** argv, const int& exitC
     return kFailure;
   }
   session.print();
-  return exitCode;
+  for (const std::string& error : session.errors()) printError(app.get_name(), error);
+  return session.errors().empty() ? exitCode : kFailure;
 }
 
 }  // namespace

@@ -26,12 +26,18 @@ void Session::beginFile() {
   if (report_.empty()) return;
   earlier_.push_back(std::move(report_));
   report_ = {};
-  lines_.push_back({});
+  if (!lines_.empty() && !lines_.back().label.empty()) lines_.push_back({});
 }
 
 void Session::warn(std::string text) {
   if (!quiet) printWarning(program_, text);
   warnings_.push_back(std::move(text));
+}
+
+void Session::fail(std::string_view file, std::string text) {
+  report_["file"] = file;
+  report_["error"] = text;
+  errors_.push_back(std::move(text));
 }
 
 void Session::print() const {

@@ -37,6 +37,10 @@ class Session {
   void add(std::string_view key, nlohmann::json value, std::string_view label, std::string text);
   /// Something that the artist should know: in the list "warnings" of the report, and on stderr.
   void warn(std::string text);
+  /// An error in one of several files: in its report, and on stderr after all reports. The program
+  /// goes on with the next file, and exits with kFailure in the end.
+  void fail(std::string_view file, std::string text);
+  const std::vector<std::string>& errors() const { return errors_; }
   /// Prints the report on stdout.
   void print() const;
 
@@ -55,7 +59,7 @@ class Session {
   nlohmann::ordered_json report_;
   std::vector<nlohmann::ordered_json> earlier_;  // reports of the files before
   std::vector<Line> lines_;
-  std::vector<std::string> warnings_;
+  std::vector<std::string> warnings_, errors_;
   uint64_t drawnPermille_ = ~uint64_t{0};
 };
 

@@ -168,8 +168,7 @@ void processStrand(HairAsset& asset, uint64_t first, float thickness, float tipT
 
 Result<void> processAsset(HairAsset& asset, const ProcessDef& def) {
   if (!(def.tipThickness >= 0 && def.tipThickness <= 1))
-    return invalid(
-        fmt::format("ProcessDef::tipThickness is {}; it must be 0 to 1", def.tipThickness));
+    return invalid(fmt::format("the tip thickness is {}; it must be 0 to 1", def.tipThickness));
   if (auto r = checkAsset(asset); !r) return r;
   const uint64_t vertexCount = uint64_t{asset.strandCount} * asset.verticesPerStrand;
   for (uint64_t strand = 0; strand < asset.vertexCounts.size(); ++strand) {
@@ -278,16 +277,18 @@ void addGuides(FollowHair& hair, const HairAsset& asset, const NearestRoots& roo
 
 Result<std::vector<FollowHair>> makeFollowHairs(const HairAsset& asset, const FollowDef& def) {
   if (def.countPerGuide > kMaxFollowHairsPerGuide)
-    return invalid(fmt::format("FollowDef::countPerGuide is {}; it must be 0 to {}",
+    return invalid(fmt::format("the number of follow hairs per guide is {}; it must be 0 to {}",
                                def.countPerGuide, kMaxFollowHairsPerGuide));
   if (def.guidesPerHair < 1 || def.guidesPerHair > 3)
     return invalid(
-        fmt::format("FollowDef::guidesPerHair is {}; it must be 1 to 3", def.guidesPerHair));
+        fmt::format("the number of guides per hair is {}; it must be 1 to 3", def.guidesPerHair));
   if (!(def.maxRadius >= 0 && def.maxRadius <= 1))
-    return invalid(fmt::format("FollowDef::maxRadius is {} m; it must be 0 to 1 m", def.maxRadius));
-  if (!(def.tipSeparation >= 0 && def.tipSeparation <= 100))
     return invalid(
-        fmt::format("FollowDef::tipSeparation is {}; it must be 0 to 100", def.tipSeparation));
+        fmt::format("the radius of follow hairs around their guide is {} m; it must be 0 to 1 m",
+                    def.maxRadius));
+  if (!(def.tipSeparation >= 0 && def.tipSeparation <= 100))
+    return invalid(fmt::format("the tip separation of follow hairs is {}; it must be 0 to 100",
+                               def.tipSeparation));
   if (auto r = checkAsset(asset); !r) return r.error();
   const uint64_t total = uint64_t{asset.strandCount} * def.countPerGuide;
   if (total + asset.strandCount > std::numeric_limits<uint32_t>::max())
