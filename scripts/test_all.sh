@@ -35,12 +35,20 @@ done
 source scripts/steps.sh
 
 # The release build of scripts/test.sh, made here where that step does not run.
-build_release() {
+configure_release() {
   bash scripts/install_packages.sh scripts/packages.txt scripts/packages_viewer.txt \
     scripts/packages_tests.txt
   cmake --preset release -DPELAGE_BUILD_TESTS=ON -DPELAGE_BUILD_BENCHMARKS=ON \
     -DPELAGE_CODEGEN_CACHE="$codegen_cache" "$@" > /dev/null
+}
+build_release() {
+  configure_release "$@"
   cmake --build --preset release --parallel "$jobs"
+}
+# Kernels of other builds come from the release build's generator, which is all that they need of it.
+build_generator() {
+  configure_release
+  cmake --build --preset release --parallel "$jobs" --target pelage-codegen
 }
 install_more() { bash scripts/install_packages.sh scripts/packages_all.txt; }
 # The slow tests of a label.
@@ -48,12 +56,11 @@ slow_tests() {
   build_release
   ctest --preset release --parallel "$jobs" -L slow -L "$1" -E consumer_shared
 }
-# build_sanitized TARGET [OPTION...]: kernels come from the release build, whose generator made them; the
-# generator itself runs under the sanitizers in its own tests.
+# build_sanitized TARGET [OPTION...]; the generator runs under the sanitizers in its own tests.
 build_sanitized() {
   local target=$1
   shift
-  build_release
+  build_generator
   cmake --preset asan -DPELAGE_CODEGEN_CACHE="$codegen_cache" \
     -DPELAGE_CODEGEN_EXECUTABLE="$PWD/build/release/codegen/pelage-codegen" "$@" > /dev/null
   cmake --build --preset asan --parallel "$jobs" --target "$target"
@@ -64,7 +71,7 @@ for name in "$@"; do
   case "$name" in
     test) bash scripts/test.sh ;;
     sources)
-      build_release
+      build_generator
       cmake --preset each -DPELAGE_BUILD_TESTS=ON -DPELAGE_BUILD_BENCHMARKS=ON \
         -DPELAGE_CODEGEN_CACHE="$codegen_cache" \
         -DPELAGE_CODEGEN_EXECUTABLE="$PWD/build/release/codegen/pelage-codegen" > /dev/null
