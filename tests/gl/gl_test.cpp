@@ -295,10 +295,10 @@ class GlRuntimeTest : public GlContextTest {
     return list;
   }
   /// As a new list, also where it has run.
-  static void record(gl::Runtime& runtime, PassList& list) {
+  static void record(gl::Runtime& runtime, PassList& list, gl::PassTimer* timer = nullptr) {
     list.run.reset();
     HazardTracker().resolve(list);
-    expectOk(runtime.record(list));
+    expectOk(runtime.record(list, timer));
   }
 
   ResourceTable table_;
@@ -684,9 +684,7 @@ TEST_P(GlRuntimeTest, KeepsSeveralTimersInFlight) {
     gl::PassTimer& timer = timers[static_cast<size_t>(frame % 3)];
     EXPECT_EQ(timer.read().size(), frame < 3 ? 0u : 2u);
     EXPECT_TRUE(timer.ready());
-    PassList copy = list;
-    HazardTracker().resolve(copy);
-    ASSERT_TRUE(runtime.record(copy, &timer));
+    record(runtime, list, &timer);
   }
 }
 
