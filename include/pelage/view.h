@@ -33,7 +33,7 @@ struct StrandMaterial {
   float primaryExponent = 80.0f;    ///< its sharpness, 1..10,000
   float primaryShift = -0.06f;      ///< its shift along the strand; < 0 towards the root
   float secondaryStrength = 0.45f;  ///< Kajiya-Kay: highlight of the hair's colour, 0..64
-  float secondaryExponent = 16.0f;
+  float secondaryExponent = 16.0f;  ///< 1..10,000
   float secondaryShift = 0.12f;
   float secondaryTint = 1.0f;           ///< share of the hair's colour in it, 0..1
   float longitudinalRoughness = 0.25f;  ///< fiber model, 0..1

@@ -8,6 +8,7 @@
 #include <limits>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -547,6 +548,23 @@ std::vector<WrongDraw> wrongDraws() {
       {{"'hair': material.refractiveIndex", "nan"},
        [](V&, L&, T&, M& m) { m.refractiveIndex = kNan; }},
   };
+  const std::tuple<const char*, float M::*, float, const char*> materials[] = {
+      {"material.opacity is -1", &M::opacity, -1.0f, "in 0..1"},
+      {"material.opacity is 5", &M::opacity, 5.0f, "in 0..1"},
+      {"material.fiberRadius is 0", &M::fiberRadius, 0.0f, "above 0"},
+      {"material.fiberRadius is -1", &M::fiberRadius, -1.0f, "above 0"},
+      {"material.tipRadiusRatio is 100", &M::tipRadiusRatio, 100.0f, "in 0..1"},
+      {"material.refractiveIndex is 1", &M::refractiveIndex, 1.0f, "above 1"},
+      {"material.longitudinalRoughness is -1", &M::longitudinalRoughness, -1.0f, "in 0..1"},
+      {"material.azimuthalRoughness is 2", &M::azimuthalRoughness, 2.0f, "in 0..1"},
+      {"material.primaryExponent is 0", &M::primaryExponent, 0.0f, "in 1..10000"},
+      {"material.secondaryExponent is 0", &M::secondaryExponent, 0.0f, "in 1..10000"},
+      {"material.ambientStrength is 65", &M::ambientStrength, 65.0f, "in 0..64"},
+      {"material.cuticleTilt is nan", &M::cuticleTilt, kNan, "finite"},
+      {"material.tipShare is nan", &M::tipShare, kNan, "in 0..1"},
+  };
+  for (const auto& [name, field, value, range] : materials)
+    all.push_back({{name, range}, [field, value](V&, L&, T&, M& m) { m.*field = value; }});
   const auto deep = [&](const char* name, const char* value, auto set) {
     all.push_back({{name, value}, [set](V&, L& l, T&, M&) {
                      l.shadow = HairShadow::kDeep;
@@ -615,6 +633,28 @@ TEST_F(SceneDraw, RefusesByNameWhatIsNoNumberAndNoValueOfItsEnum) {
     hair.material = good;
     EXPECT_EQ(frame->viewCount(), 0u);
   }
+  EXPECT_NE(draw(viewFrom(0.5f)), "");
+}
+
+TEST_F(SceneDraw, RefusesNumbersOfStrandsThatAreOutOfRange) {
+  HairObject& hair = add();
+  PassList list;
+  expectOk(scene_.simulate(1.0f / 60, list));
+  const auto expectRefused = [&](const char* words) {
+    const Light light = {.shadow = HairShadow::kDepth};
+    PassList drawn;
+    expectError(scene_.draw(viewFrom(0.5f), light, drawn), words);
+    expectError(scene_.drawDepth(viewFrom(0.5f), {}, drawn), words);
+    expectError(scene_.castShadows({&light, 1}, drawn), words);
+  };
+  for (const float share : {kNan, -3.0f, 1.5f}) {
+    hair.drawnShare = share;
+    expectRefused("'hair': drawnShare is");
+  }
+  hair.drawnShare = 1;
+  hair.drawnStrands = 1000000000;
+  expectRefused("'hair': drawnStrands is 1000000000");
+  hair.drawnStrands = hair.strandCount();
   EXPECT_NE(draw(viewFrom(0.5f)), "");
 }
 

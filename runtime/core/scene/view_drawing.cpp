@@ -1,5 +1,6 @@
 // Drawing of hair: which hair a view has, its shadows, and its kind of transparency.
 #include "base/eigen_matrix.h"
+#include "base/range.h"
 #include "pelage/list_check.h"
 #include "scene/scene_parts.h"
 
@@ -36,9 +37,13 @@ PixelArea areaOf(const View& view) {
   return {static_cast<uint32_t>(view.x), static_cast<uint32_t>(view.y), view.width, view.height};
 }
 
-// Validates material and texture.
+// Validates numbers of strands, material and texture.
 Result<void> checkLook(const HairObject& object) {
-  std::string fault = detail::faultOf(object.material);
+  std::string fault = detail::faultOf(Range{"drawnShare", object.drawnShare, 0, 1});
+  if (object.drawnStrands > object.strandCount())
+    fault = "drawnStrands is " + std::to_string(object.drawnStrands) + ", but must be in 0.." +
+            std::to_string(object.strandCount());
+  if (fault.empty()) fault = detail::faultOf(object.material);
   if (fault.empty()) fault = detail::faultOf(object.strandTexture, object.buffers());
   if (fault.empty()) return {};
   return Error{ErrorCode::kInvalidArgument, "hair '" + object.name() + "': " + fault};
@@ -70,8 +75,9 @@ Result<void> checkOpaques(std::span<const Light> lights, const ResourceTable& re
 Result<std::vector<ShadowedHair>> shadowedHairs(const HairStore& store, Ball& all) {
   std::vector<ShadowedHair> hairs;
   for (const HairObject& object : store.hairs()) {
-    if (!object.visible || drawnStrandsOf(object).count == 0) continue;
+    if (!object.visible) continue;
     if (Result<void> checked = checkLook(object); !checked) return checked.error();
+    if (drawnStrandsOf(object).count == 0) continue;
     const HairInternals& hair = HairStore::of(object);
     const Ball ball = ballOfDrawn(object, hair, store.frame);
     // Unbounded hair casts no shadow.

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/eigen_matrix.h"
+#include "base/range.h"
 #include "pelage/kernels.h"
 #include "shading/light_numbers.h"
 #include "shading/lit_kernels.h"
@@ -178,36 +179,34 @@ Result<StrandViewConstants> viewConstants(const View& view, std::span<const Ligh
 }
 
 std::string faultOf(const StrandMaterial& m) {
-  for (const auto& [name, color] :
-       {std::pair("rootColor", m.rootColor), std::pair("tipColor", m.tipColor)}) {
-    if (!isFinite(color))
-      return std::string("material.") + name + " is " + toText(color) + ", but must be finite";
-  }
-  const std::pair<const char*, float> numbers[] = {
-      {"tipShare", m.tipShare},
-      {"colorVariation", m.colorVariation},
-      {"opacity", m.opacity},
-      {"fiberRadius", m.fiberRadius},
-      {"tipRadiusRatio", m.tipRadiusRatio},
-      {"ambientStrength", m.ambientStrength},
-      {"diffuseStrength", m.diffuseStrength},
-      {"primaryStrength", m.primaryStrength},
-      {"primaryExponent", m.primaryExponent},
+  const Range ranges[] = {
+      {"rootColor.x", m.rootColor.x, 0, 1},
+      {"rootColor.y", m.rootColor.y, 0, 1},
+      {"rootColor.z", m.rootColor.z, 0, 1},
+      {"tipColor.x", m.tipColor.x, 0, 1},
+      {"tipColor.y", m.tipColor.y, 0, 1},
+      {"tipColor.z", m.tipColor.z, 0, 1},
+      {"tipShare", m.tipShare, 0, 1},
+      {"colorVariation", m.colorVariation, 0, 1},
+      {"opacity", m.opacity, 0, 1},
+      {"fiberRadius", m.fiberRadius, 0, Range::kInfinity, true},
+      {"tipRadiusRatio", m.tipRadiusRatio, 0, 1},
+      {"ambientStrength", m.ambientStrength, 0, 64},
+      {"diffuseStrength", m.diffuseStrength, 0, 64},
+      {"primaryStrength", m.primaryStrength, 0, 64},
+      {"primaryExponent", m.primaryExponent, 1, 10000},
       {"primaryShift", m.primaryShift},
-      {"secondaryStrength", m.secondaryStrength},
-      {"secondaryExponent", m.secondaryExponent},
+      {"secondaryStrength", m.secondaryStrength, 0, 64},
+      {"secondaryExponent", m.secondaryExponent, 1, 10000},
       {"secondaryShift", m.secondaryShift},
-      {"secondaryTint", m.secondaryTint},
-      {"longitudinalRoughness", m.longitudinalRoughness},
-      {"azimuthalRoughness", m.azimuthalRoughness},
+      {"secondaryTint", m.secondaryTint, 0, 1},
+      {"longitudinalRoughness", m.longitudinalRoughness, 0, 1},
+      {"azimuthalRoughness", m.azimuthalRoughness, 0, 1},
       {"cuticleTilt", m.cuticleTilt},
-      {"refractiveIndex", m.refractiveIndex},
-      {"scatteredShare", m.scatteredShare}};
-  for (const auto& [name, number] : numbers) {
-    if (!std::isfinite(number))
-      return std::string("material.") + name + " is " + std::to_string(number) +
-             ", but must be finite";
-  }
+      {"refractiveIndex", m.refractiveIndex, 1, Range::kInfinity, true},
+      {"scatteredShare", m.scatteredShare, 0, 1}};
+  for (const Range& range : ranges)
+    if (const std::string fault = faultOf(range); !fault.empty()) return "material." + fault;
   if (m.model <= ShadingModel::kFiber) return {};
   return "material.model is " + std::to_string(static_cast<uint32_t>(m.model)) +
          ", which is no ShadingModel; take one of its values";
