@@ -17,8 +17,8 @@
 
 namespace pelage {
 
-/// A buffer of a ResourceTable.
-enum class BufferId : uint32_t { kInvalid = 0 };
+/// A buffer of a ResourceTable, and of its copies. Other tables do not have it.
+enum class BufferId : uint64_t { kInvalid = 0 };
 
 /// A texture of the engine with the sampler that reads it; see newTextureId().
 enum class TextureId : uint32_t { kInvalid = 0 };

@@ -115,13 +115,15 @@ class PELAGE_API ResourceTable {
   };
   struct PELAGE_API Id {
     Id();
-    Id(const Id&) : Id() {}
+    Id(const Id& other) : Id() { owner = other.owner; }
     Id(Id&& other) noexcept;
     Id& operator=(const Id&);
     Id& operator=(Id&& other) noexcept;
     ~Id() = default;
     uint64_t value;
+    uint32_t owner;  ///< upper half of the ids of its buffers, those of copies too
   };
+  BufferId idOf(uint32_t tableIndex, uint32_t generation) const;
   HostArray<Slot> buffers_;
   HostArray<uint32_t> free_;  ///< slots
   uint64_t version_ = 0;

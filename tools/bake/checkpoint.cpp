@@ -180,9 +180,12 @@ Result<void> loadCheckpoint(const std::filesystem::path& path, const CheckpointK
   for (uint64_t i = 0; i < head->records; ++i) {
     const auto record = reader.read<Record>();
     if (!record) return record.error();
-    const auto buffer = static_cast<BufferId>(record->buffer);
+    // The upper half of an id is that of another run.
+    const uint32_t slot = ResourceTable::indexOf(static_cast<BufferId>(record->buffer));
+    const BufferId buffer = slot < table.end() ? table.at(slot) : BufferId::kInvalid;
     const BufferDesc* desc = table.find(buffer);
-    if (desc == nullptr || (record->bytes != 0 && record->bytes != desc->size))
+    if (desc == nullptr || static_cast<uint32_t>(buffer) != record->buffer ||
+        (record->bytes != 0 && record->bytes != desc->size))
       return reader.fail("has other buffers than the scene");
     if (record->bytes == 0) continue;
     const auto bytes = reader.read(record->bytes);

@@ -17,10 +17,6 @@ constexpr uint64_t kMaxGroups = 65535;
 // The buffers that successively had one slot of a table.
 constexpr uint32_t kMaxGenerations = 0xffffffffu / ResourceTable::kMaxBuffers;
 
-BufferId idOf(uint32_t tableIndex, uint32_t generation) {
-  return static_cast<BufferId>(generation * ResourceTable::kMaxBuffers + tableIndex + 1);
-}
-
 }  // namespace
 
 TextureId newTextureId() {
@@ -31,19 +27,26 @@ TextureId newTextureId() {
 ResourceTable::Id::Id() {
   static std::atomic<uint64_t> count{0};
   value = ++count;
+  owner = static_cast<uint32_t>(value);
 }
 
 // The moved-from table becomes a new one.
-ResourceTable::Id::Id(Id&& other) noexcept : Id() { std::swap(value, other.value); }
+ResourceTable::Id::Id(Id&& other) noexcept : Id() { *this = std::move(other); }
 
 ResourceTable::Id& ResourceTable::Id::operator=(const Id& other) {
-  if (this != &other) value = Id().value;
+  if (this != &other) *this = Id(other);
   return *this;
 }
 
 ResourceTable::Id& ResourceTable::Id::operator=(Id&& other) noexcept {
   std::swap(value, other.value);
+  std::swap(owner, other.owner);
   return *this;
+}
+
+BufferId ResourceTable::idOf(uint32_t tableIndex, uint32_t generation) const {
+  return static_cast<BufferId>(uint64_t{id_.owner} << 32 |
+                               (generation * kMaxBuffers + tableIndex + 1));
 }
 
 BufferId ResourceTable::add(BufferDesc desc) {
