@@ -105,9 +105,9 @@ class PELAGE_API Scene {
   /// hair moves, in frames in which the mesh has moved and hair can touch it: only the part that
   /// moved, or all of it. Open meshes and meshes with overlaps are allowed, see
   /// SdfCollider::report().
-  /// Errors: no bones, settings out of range, indices of vertices or bones that do not exist, a
-  /// field over the memory cap, a vertex buffer that is too small, a skeleton that does not exist
-  /// or has another number of bones.
+  /// Errors: no triangles, a vertex that is not finite, no bones, settings out of range, indices of
+  /// vertices or bones that do not exist, a field over the memory cap, a vertex buffer that is too
+  /// small, a skeleton that does not exist or has another number of bones.
   Result<ColliderId> addCollider(const CollisionMesh& mesh, const SdfColliderDef& def);
   /// The same with a field that was built before; it never moves. Errors: settings out of range, a
   /// skeleton.

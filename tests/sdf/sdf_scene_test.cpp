@@ -252,20 +252,18 @@ TEST_F(SdfSceneTest, WhatIsWrongWithAColliderIsNamed) {
   mesh.influences.resize(8);
   mesh.influences[3].bones[2] = 4;
   expectRefused(mesh, {.boneCount = 4}, "vertex 3 refers to bone 4");
+  mesh = boxMesh();
+  mesh.positions[5].y = kNan;
+  expectRefused(mesh, {}, "vertex 5 is not finite");
+  mesh.indices.clear();
+  expectRefused(mesh, {}, "has no triangles");
+  expectRefused(CollisionMesh{}, {}, "has no triangles");
   const BufferId small = scene_.resources().add({.name = "small", .size = 64, .stride = 4});
   expectRefused(boxMesh(), {.vertices = small, .vertexStride = 4}, "has 64 bytes; 8 vertices take");
   SdfCollider& collider = addCollider();
   addHair();
   collider.friction = kNan;
   EXPECT_FALSE(scene_.simulate(kFrame, list_));
-}
-
-TEST_F(SdfSceneTest, AnEmptyMeshIsAColliderThatDoesNothing) {
-  HairObject& hair = addHair();
-  addCollider(CollisionMesh{});
-  simulate();
-  EXPECT_EQ(count("scatter_triangles"), 0u);
-  EXPECT_TRUE(uploadedSdfs(hair).empty());
 }
 
 TEST_F(SdfSceneTest, CollidersShareTwoBuffersAndLeaveNothingBehind) {

@@ -76,7 +76,6 @@ class SdfTrouble : public SdfStress {
                    }});
     all.push_back({"zero area and duplicates", nothing,
                    reference::withZeroArea(reference::withDuplicates(block(), 5), 7)});
-    all.push_back({"with NaN", nothing, reference::withNaN(block())});
     return all;
   }
 };

@@ -126,7 +126,6 @@ HostArray<BoneBox> boneBoxesOf(const CollisionMesh& mesh) {
     ++boxes[bone].vertexCount;
   };
   for (size_t v = 0; v < mesh.positions.size(); ++v) {
-    if (!isFinite(mesh.positions[v])) continue;
     bool bound = false;
     for (size_t k = 0; k < 4 && v < mesh.influences.size(); ++k) {
       if (!(mesh.influences[v].weights[k] > 0)) continue;
@@ -142,12 +141,8 @@ HostArray<BoneBox> boneBoxesOf(const CollisionMesh& mesh) {
 
 HostArray<BoneBox> boxOfAll(const CollisionMesh& mesh) {
   BoneBox all;
-  for (const Float3& p : mesh.positions) {
-    if (!isFinite(p)) continue;
-    all.box = include(all.box, p);
-    ++all.vertexCount;
-  }
-  if (all.box.isEmpty()) return {};
+  for (const Float3& p : mesh.positions) all.box = include(all.box, p);
+  all.vertexCount = static_cast<uint32_t>(mesh.positions.size());
   return {all};
 }
 

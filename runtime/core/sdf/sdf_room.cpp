@@ -8,6 +8,7 @@
 
 #include "assets/groom.h"
 #include "assets/prepared_collider.h"
+#include "base/finite.h"
 #include "passes/dispatch_rows.h"
 #include "pelage/assert.h"
 #include "pelage/bindings.h"
@@ -71,8 +72,11 @@ std::string faultOfVertices(const ResourceTable& resources, const SdfColliderDef
          "; " + std::to_string(count) + " vertices take " + std::to_string(bytes);
 }
 
-// Describes the error in bone weights; empty if there is none.
-std::string faultOfInfluences(const CollisionMesh& mesh, uint32_t boneCount) {
+// Describes the error in triangles, vertices and bone weights; empty if there is none.
+std::string faultOfMesh(const CollisionMesh& mesh, uint32_t boneCount) {
+  if (mesh.indices.empty()) return "has no triangles";
+  for (size_t v = 0; v < mesh.positions.size(); ++v)
+    if (!isFinite(mesh.positions[v])) return "vertex " + std::to_string(v) + " is not finite";
   if (!mesh.influences.empty() && mesh.influences.size() != mesh.positions.size()) {
     return "has " + std::to_string(mesh.positions.size()) + " vertices, but bone weights for " +
            std::to_string(mesh.influences.size());
@@ -90,7 +94,6 @@ std::string faultOfInfluences(const CollisionMesh& mesh, uint32_t boneCount) {
 
 // A fiftieth of the longest side of a box.
 float defaultCellSize(const Box& box) {
-  if (box.isEmpty()) return 1;
   const float longest =
       std::max({box.high.x - box.low.x, box.high.y - box.low.y, box.high.z - box.low.z});
   return longest > 0 ? longest / 50 : 1;
@@ -137,7 +140,7 @@ Result<ColliderId> SdfRoom::add(const CollisionMesh& mesh, const SdfColliderDef&
   const auto refuse = [&](const std::string& what) {
     return Error{ErrorCode::kInvalidArgument, "collider '" + def.name + "': " + what};
   };
-  if (const std::string fault = faultOfInfluences(mesh, bones.count); !fault.empty())
+  if (const std::string fault = faultOfMesh(mesh, bones.count); !fault.empty())
     return refuse(fault);
   Result<ColliderTopology> topology = topologyOf(mesh);
   if (!topology) return refuse(topology.error().message);
@@ -157,8 +160,7 @@ Result<ColliderId> SdfRoom::add(const CollisionMesh& mesh, const SdfColliderDef&
   c.bones.resize(bones.count);
   c.skeleton = bones.skeleton;
   if (c.skeleton != nullptr) c.bones = c.skeleton->bones;
-  for (const Float3& p : mesh.positions)
-    if (isFinite({p, p})) c.vertexBounds = include(c.vertexBounds, p);
+  for (const Float3& p : mesh.positions) c.vertexBounds = include(c.vertexBounds, p);
   if (!(c.def.cellSize > 0)) c.def.cellSize = defaultCellSize(c.vertexBounds);
   if (c.skeleton != nullptr && !c.boneBoxes.empty()) {
     const BoneBox& first = c.boneBoxes.front();
