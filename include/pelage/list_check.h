@@ -89,6 +89,9 @@ PELAGE_API Result<void> checkLimits(const KernelVariant& kernel, const KernelVar
 /// draws are recorded. \param area  the viewport that they get. Errors: kInvalidArgument, with both
 /// rectangles.
 PELAGE_API Result<void> checkArea(const PassList& list, const PixelArea& area);
+/// The same for PassList::samples. \param samples  of the target. Errors: kInvalidArgument, with
+/// both numbers.
+PELAGE_API Result<void> checkSamples(const PassList& list, uint32_t samples);
 
 /// Whether a list is of the table that an executor has the buffers of. Ids of another one may mean
 /// other buffers here.

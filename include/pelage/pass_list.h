@@ -275,6 +275,8 @@ struct PELAGE_API PassList {
   /// The viewport that its draws are written for: View::x, y, width and height of Scene::draw().
   /// Runtimes refuse to draw the list into another one. Without pixels: any.
   PixelArea area;
+  /// The samples of a pixel that its draws are written for: View::samples. 0: any.
+  uint32_t samples = 0;
   /// The state of its run; from HazardTracker::resolve() or Scene::finish() on. Copies share it.
   RunHandle run;
   /// The buffers of the view that it draws, until it has run; from Scene::draw(). Copies share it.

@@ -158,8 +158,9 @@ struct TargetFormats {
 struct ViewTarget {
   TargetFormats formats;
   VkRect2D area = {};  ///< the viewport, as View::x, y, width and height have it
-  /// Begins the render pass for the draws of a list of the view, and ends it. The first list of the
-  /// view may clear the target, all others keep what is in it. Called outside of a render pass.
+  /// Begins the render pass for the draws of a list of the view, and ends it; both are needed. The
+  /// first list of the view may clear the target, all others keep what is in it. Called outside of
+  /// a render pass.
   std::function<void(const FrameStep& step)> begin;
   std::function<void(const FrameStep& step)> end;
 };
@@ -264,8 +265,8 @@ class PELAGE_VULKAN_API Runtime {
 
   /// Records a frame: update(), then record() and recordDraws() of its lists, with the render
   /// passes of the engine around the draws. \param targets  one for each view of the frame. Errors:
-  /// those of the calls; another number of targets, or an area that is not the View's, before
-  /// anything is recorded.
+  /// those of the calls; another number of targets, one without begin or end, an area or samples
+  /// that are not the View's, before anything is recorded.
   Result<void> record(Frame& frame, VkCommandBuffer commands,
                       std::span<const ViewTarget> targets = {});
 

@@ -851,6 +851,7 @@ Result<void> Runtime::Impl::recordDraws(const PassList& list, VkCommandBuffer co
                                area.offset.y));
   }
   if (Result<void> done = checkArea(list, areaOf(area)); !done) return done;
+  if (Result<void> done = checkSamples(list, target.samples); !done) return done;
   if (Result<void> done = resolve(list, true, &target); !done) return done;
   if (resolved.empty()) return {};
   if (Result<void> done = checkDraws(list); !done) return done;
@@ -1004,14 +1005,24 @@ Result<void> Runtime::record(Frame& frame, VkCommandBuffer commands,
   std::vector<PixelArea> areas;
   for (const ViewTarget& target : targets) areas.push_back(areaOf(target.area));
   if (Result<void> fits = frame.checkAreas(areas); !fits) return fits;
+  for (const FrameStep& step : frame.steps()) {
+    if (step.view == FrameStep::kNoView) continue;
+    const ViewTarget& target = targets[step.view];
+    if (const char* missing = !target.begin ? "begin" : !target.end ? "end" : nullptr)
+      return invalid(
+          fmt::format("view {}: ViewTarget::{} is empty: give a function that {}s the render pass",
+                      step.view, missing, missing));
+    if (Result<void> fits = checkSamples(*step.list, target.formats.samples); !fits)
+      return Error{fits.error().code, fmt::format("view {}: {}", step.view, fits.error().message)};
+  }
   FrameExecutor executor;
   executor.update = [&](const ResourceTable& resources) { return update(resources, commands); };
   executor.record = [&](const FrameStep& step) { return record(*step.list, commands); };
   executor.draw = [&](const FrameStep& step) {
     const ViewTarget& target = targets[step.view];
-    if (target.begin) target.begin(step);
+    target.begin(step);
     Result<void> drawn = recordDraws(*step.list, commands, target.formats, target.area);
-    if (target.end) target.end(step);
+    target.end(step);
     return drawn;
   };
   return frame.run(executor);

@@ -466,5 +466,32 @@ TEST_F(VulkanTargets, AnAreaThatIsNotTheViewsIsRefusedBeforeARenderPassBegins) {
   engine_->discard(frames_[0]);
 }
 
+TEST_F(VulkanTargets, OtherSamplesThanTheViewsAndMissingCallbacksAreRefused) {
+  engine_->begin(frames_[0]);
+  runtime_->beginFrame(1, 0);
+  Result<Frame> made = required(scene_.simulate(1.0f / 60));
+  const Light light;
+  View smooth = view();
+  smooth.samples = 4;
+  ASSERT_TRUE(made->draw(smooth, {&light, 1}));
+  vulkan::ViewTarget to;
+  to.area = {{0, 0}, {kSize, kSize}};
+  const auto expectRefused = [&](std::initializer_list<std::string_view> words) {
+    expectError(runtime_->record(*made, frames_[0].commands, {&to, 1}), words);
+  };
+  expectRefused({"view 0", "ViewTarget::begin"});
+  to.begin = [](const FrameStep&) { ADD_FAILURE() << "a render pass has begun"; };
+  expectRefused({"view 0", "ViewTarget::end"});
+  to.end = to.begin;
+  expectRefused({"view 0", "1 sample", "View::samples is 4"});
+  // The call for each list says the same.
+  for (const FrameStep& step : made->steps()) {
+    if (step.view == FrameStep::kNoView) continue;
+    expectError(runtime_->recordDraws(*step.list, frames_[0].commands, to.formats, to.area),
+                "View::samples is 4");
+  }
+  engine_->discard(frames_[0]);
+}
+
 }  // namespace
 }  // namespace pelage::test

@@ -433,6 +433,13 @@ Result<void> checkArea(const PassList& list, const PixelArea& area) {
       area.width, area.height, area.x, area.y, view.width, view.height, view.x, view.y);
 }
 
+Result<void> checkSamples(const PassList& list, uint32_t samples) {
+  if (list.samples == 0 || list.samples == samples) return {};
+  return invalid(
+      "draws into a target of {} sample{}, but View::samples is {}: give both the same number",
+      samples, samples == 1 ? "" : "s", list.samples);
+}
+
 Result<void> checkTable(const PassList& list, uint64_t table) {
   if (list.table == 0 || table == 0 || list.table == table) return {};
   return invalid(

@@ -131,6 +131,7 @@ void PassList::clear() {
   constants.clear();
   frame = table = 0;
   area = {};
+  samples = 0;
   run.reset();
   hold.reset();
 }

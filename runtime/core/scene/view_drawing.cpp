@@ -92,7 +92,9 @@ Result<std::vector<ShadowedHair>> shadowedHairs(const HairStore& store, Ball& al
 
 void setArea(std::span<PassList> lists, const View& view) {
   for (PassList& list : lists) {
-    if (!list.passes.empty() && isDraw(list.passes.back().kind)) list.area = areaOf(view);
+    if (list.passes.empty() || !isDraw(list.passes.back().kind)) continue;
+    list.area = areaOf(view);
+    list.samples = view.samples;
   }
 }
 

@@ -25,7 +25,7 @@ DrawnHair drawnHairOf(const HairObject& object, const HairInternals& hair, uint6
 /// Around the hair where a frame draws it.
 Ball ballOfDrawn(const HairObject& object, const HairInternals& hair, uint64_t frame);
 
-/// Notes which viewport the draws of lists are for: PassList::area.
+/// Notes which target the draws of lists are for: PassList::area and samples.
 void setArea(std::span<PassList> lists, const View& view);
 
 Ball ballAround(const Ball& a, const Ball& b);
