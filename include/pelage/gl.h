@@ -67,7 +67,8 @@ struct RuntimeDef {
   /// that need more are refused. Use it to test how a program behaves on small devices.
   Tier maxTier = Tier::kWide;
   /// The sources of all kernels of the lists to come; OpenGL reads the GLSL, OpenGL ES the ESSL. A
-  /// program that names its own tables here links those kernels only.
+  /// program that names its own tables in the initializer, RuntimeDef{.code = ...}, links those
+  /// kernels only; `RuntimeDef def;` links all.
   std::vector<KernelCodeList> code = {allGlsl(), allEssl()};
 };
 

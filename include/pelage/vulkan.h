@@ -94,8 +94,8 @@ struct RuntimeDef {
   /// The device counts as one of at most this tier: kernels that need more are refused. Use it to
   /// test how a program behaves on small devices.
   Tier maxTier = Tier::kWide;
-  /// The SPIR-V of all kernels of the lists to come. A program that names its own tables here links
-  /// those kernels only.
+  /// The SPIR-V of all kernels of the lists to come. A program that names its own tables in the
+  /// initializer, RuntimeDef{.code = ...}, links those kernels only; `RuntimeDef def;` links all.
   std::vector<KernelCodeList> code = {allSpirv()};
 };
 
@@ -260,6 +260,7 @@ class PELAGE_VULKAN_API Runtime {
 
   /// Records the list's draws, inside the caller's render pass; record() comes before. Sets
   /// viewport and scissor to `area` with a negative height: clip space has y up, row 0 is the top.
+  /// Leaves them changed, and the pipeline, descriptor sets, vertex and index buffer of graphics.
   Result<void> recordDraws(const PassList& list, VkCommandBuffer commands,
                            const TargetFormats& target, const VkRect2D& area);
 
