@@ -114,7 +114,8 @@ class PELAGE_API Frame {
   /// The steps to run, in this order, after an update() to resources(). Empty before finish().
   std::span<const FrameStep> steps() const;
   /// Runs the frame: finish(), update(), then record() and draw() of each list.
-  /// Errors: those of finish() and of the executor, which end the run.
+  /// Errors: a function of the executor is empty (draw may be, without views); those of finish()
+  /// and of the executor, which end the run.
   Result<void> run(const FrameExecutor& executor);
   uint32_t viewCount() const;
 

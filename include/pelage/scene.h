@@ -339,9 +339,9 @@ class PELAGE_API Scene {
   Result<void> teleport(HairId id, const AffineTransform& motion);
 
   /// Reads the state of all hair back, to go on from where the device is lost. \param read  as
-  /// HeadlessDevice::read(), or from copies of your own. Errors: a frame has not run yet; those of
-  /// `read`. Cost: all buffers of hair that are not shared cross the bus; take one every few
-  /// seconds, or before what may lose the device.
+  /// HeadlessDevice::read(), or from copies of your own. Errors: a frame has not run yet; `read` is
+  /// empty; those of `read`. Cost: all buffers of hair that are not shared cross the bus; take one
+  /// every few seconds, or before what may lose the device.
   Result<SceneSnapshot> takeSnapshot(const BufferReader& read) const;
   /// Takes note that the device is lost, or another one takes over: nothing that was recorded
   /// counts, and the next update() of a new runtime makes all buffers anew. Objects, settings, ids,

@@ -214,8 +214,9 @@ class PELAGE_VULKAN_API Runtime {
   void collect(uint64_t completedFrame);
 
   /// Makes update() use a buffer of the engine for this id. Call it before the update() that sees
-  /// the id first; asserts on an id that already has a buffer. A second call replaces the first.
-  /// update() refuses a buffer that is smaller than the BufferDesc, by its name.
+  /// the id first. A second call replaces the first. Asserts on an id that already has a buffer,
+  /// and on a null buffer, which changes nothing. update() refuses a buffer that is smaller than
+  /// the BufferDesc, by its name.
   void registerBuffer(BufferId id, const ExternalBuffer& buffer);
 
   /// Says what a texture of newTextureId() is in lists that are recorded from now on; a second call

@@ -937,6 +937,7 @@ void Runtime::registerBuffer(BufferId id, const ExternalBuffer& buffer) {
   PELAGE_ASSERT(buffer.buffer != VK_NULL_HANDLE, "an external buffer is a buffer");
   PELAGE_ASSERT(buffer.offset % 4 == 0, "the offset of an external buffer is a multiple of 4");
   PELAGE_ASSERT(impl_->find(id) == nullptr, "registerBuffer() comes before update()");
+  if (buffer.buffer == VK_NULL_HANDLE) return;
   std::erase_if(impl_->pendingExternals,
                 [&](const PendingExternal& pending) { return pending.id == id; });
   impl_->pendingExternals.push_back({id, buffer});

@@ -31,6 +31,10 @@ TEST_F(ListCheck, TakesAListInWhichNothingIsWrong) {
   EXPECT_TRUE(checkList(PassList(), resources_));
 }
 
+TEST_F(ListCheck, RefusesALookupThatIsNoFunction) {
+  expectError(checkList(rightList(buffers_), BufferLookup(), {}), "the lookup of buffers is empty");
+}
+
 TEST_F(ListCheck, RefusesEveryWrongListAndNamesPassAndResource) {
   for (const WrongList& wrong : wrongLists(buffers_)) {
     const Result<void> checked = checkList(spoiled(wrong, buffers_), resources_);

@@ -2,6 +2,9 @@
 // crashes.
 #include <gtest/gtest.h>
 
+#include <string>
+#include <utility>
+
 #include "scene/scene_lists.h"
 #include "support/views.h"
 
@@ -43,6 +46,39 @@ TEST_F(Misuse, ATableThatIsCopiedHasTheSameBuffers) {
   const BufferId positions = hair_.buffers().positions;
   ASSERT_NE(copy.find(positions), nullptr);
   EXPECT_EQ(copy.find(positions)->name, scene_.resources().find(positions)->name);
+}
+
+TEST_F(Misuse, FunctionsThatAreEmptyAreRefusedByName) {
+  simulate();
+  expectError(scene_.takeSnapshot({}), {"takeSnapshot()", "reader"});
+  Result<Frame> frame = required(scene_.simulate(kFrameSeconds));
+  ASSERT_TRUE(frame->draw(view(), {}));
+  FrameExecutor executor = executorOf([](const PassList&) {});
+  for (const char* name : {"update", "record", "draw"}) {
+    FrameExecutor part = executor;
+    if (name == std::string("update")) part.update = nullptr;
+    if (name == std::string("record")) part.record = nullptr;
+    if (name == std::string("draw")) part.draw = nullptr;
+    expectError(frame->run(part), {"FrameExecutor::", name});
+  }
+  expectOk(frame->run(executor));
+}
+
+std::string g_misuse;
+
+TEST_F(Misuse, AFrameThatWasMovedAwayTakesListsAndForgetsThem) {
+  setAssertHandler([](const char*, const char* message, const char*, int) { g_misuse = message; });
+  Result<Frame> frame = required(scene_.simulate(kFrameSeconds));
+  const Frame moved = *std::move(frame);
+  for (PassList* (*add)(Frame&) :
+       {+[](Frame& f) { return &f.addList(); }, +[](Frame& f) { return &f.addListBefore(); }}) {
+    g_misuse.clear();
+    PassList* list = add(frame.value());
+    ASSERT_NE(list, nullptr);
+    EXPECT_TRUE(list->passes.empty());
+    EXPECT_NE(g_misuse.find("moved away"), std::string::npos) << g_misuse;
+  }
+  setAssertHandler(nullptr);
 }
 
 }  // namespace

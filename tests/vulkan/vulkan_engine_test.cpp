@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "pelage/assert.h"
 #include "runtime_test/layouts.h"
 #include "runtime_test/spirv.h"
 #include "support/errors.h"
@@ -307,6 +308,12 @@ TEST_F(VulkanEngine, RefusesABufferOfTheEngineThatIsTooSmallByName) {
   }
   // The last one counts.
   runtime_->registerBuffer(target, {.buffer = large.buffer, .offset = 512, .size = kElementBytes});
+  // A null buffer is an assertion, and no buffer where its handler returns.
+  static std::string asserted;
+  setAssertHandler([](const char*, const char* message, const char*, int) { asserted = message; });
+  runtime_->registerBuffer(target, {});
+  setAssertHandler(nullptr);
+  EXPECT_EQ(asserted, "an external buffer is a buffer");
   expectOk(runtime_->update(table_, frame.commands));
   EXPECT_EQ(runtime_->buffer(target).buffer, large.buffer);
   EXPECT_EQ(runtime_->buffer(target).size, kElementBytes);

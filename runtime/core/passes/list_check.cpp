@@ -395,6 +395,7 @@ Result<void> checkPasses(const PassList& list) {
 
 Result<void> checkList(const PassList& list, const BufferLookup& find, const DeviceLimits& limits,
                        ListPart part) {
+  if (!find) return invalid("checkList(): the lookup of buffers is empty: give a function");
   if (Result<void> checked = checkPasses(list); !checked) return checked;
   const Checker checker(list, find, limits);
   if (part != ListPart::kDraws) {

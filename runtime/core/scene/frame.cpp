@@ -15,6 +15,13 @@ namespace {
 
 constexpr size_t kSpareLists = 8;
 
+// A list of no frame, for callers whose handler of assertions returns.
+PassList& strayList() {
+  thread_local PassList stray;
+  stray.clear();
+  return stray;
+}
+
 }  // namespace
 
 struct Frame::Impl {
@@ -150,6 +157,8 @@ Result<uint32_t> Frame::castShadows(std::span<const Light> lights) {
 }
 
 PassList& Frame::addList() {
+  PELAGE_ASSERT(impl_ != nullptr, "Frame::addList(): the frame was moved away");
+  if (impl_ == nullptr) return strayList();
   PELAGE_ASSERT(!impl_->finished, "Frame::addList(): add lists before finish()");
   std::unique_ptr<PassList>& list = impl_->items.emplace_back().list;
   list = impl_->makeList();
@@ -157,6 +166,8 @@ PassList& Frame::addList() {
 }
 
 PassList& Frame::addListBefore() {
+  PELAGE_ASSERT(impl_ != nullptr, "Frame::addListBefore(): the frame was moved away");
+  if (impl_ == nullptr) return strayList();
   PELAGE_ASSERT(!impl_->finished, "Frame::addListBefore(): add lists before finish()");
   const auto at = impl_->items.begin() + static_cast<ptrdiff_t>(impl_->simulation++);
   std::unique_ptr<PassList>& list = impl_->items.emplace(at)->list;
@@ -203,6 +214,13 @@ std::span<const FrameStep> Frame::steps() const {
 uint32_t Frame::viewCount() const { return impl_ != nullptr ? impl_->views : 0; }
 
 Result<void> Frame::run(const FrameExecutor& executor) {
+  const std::pair<const char*, bool> functions[] = {{"update", executor.update != nullptr},
+                                                    {"record", executor.record != nullptr},
+                                                    {"draw", executor.draw || viewCount() == 0}};
+  for (const auto& [name, isThere] : functions)
+    if (!isThere)
+      return Error{ErrorCode::kInvalidArgument, std::string("Frame::run(): FrameExecutor::") +
+                                                    name + " is empty: give a function"};
   if (Result<void> done = finish(); !done) return done;
   const Result<detail::SceneParts*> scene = open("run()");
   if (!scene) return scene.error();

@@ -107,6 +107,8 @@ std::vector<HairObject*> restoreHairs(HairStore& store, const SnapshotData& snap
 }  // namespace detail
 
 Result<SceneSnapshot> Scene::takeSnapshot(const BufferReader& read) const {
+  if (!read)
+    return Error{ErrorCode::kInvalidArgument, "takeSnapshot(): the reader is empty: give one"};
   detail::HairStore& store = parts_->store;
   parts_->journal.settle(false);
   if (!parts_->journal.allHaveRun()) {
