@@ -160,20 +160,21 @@ TEST_P(EngineLightsTest, AreInWhatIsPreparedAndSupported) {
 }
 
 TEST_P(EngineLightsTest, NameWhatIsMissing) {
-  const auto refused = [&](const Method& method, const EngineLights& lights, const char* word) {
+  const auto refused = [&](const Method& method, const EngineLights& lights,
+                           std::initializer_list<std::string_view> words) {
     std::vector<PassList> lists;
     expectError(tangleRun().run.scene.draw(tangleView(kEnginePixels), tangleLights(),
                                            settingsOf(method, &lights), lists),
-                {word});
+                words);
   };
   const EngineLights whole = constantLights();
   for (const Method& method : kMethods) {
     if (!hasTarget(method)) continue;
-    refused(method, {.kernels = whole.kernels.subspan(1)}, whole.kernels[0]->name);
+    refused(method, {.kernels = whole.kernels.subspan(1)}, {whole.kernels[0]->name});
     for (size_t i = 0; i < whole.resources.size(); ++i) {
       EngineLights lights = whole;
       lights.resources.erase(lights.resources.begin() + static_cast<std::ptrdiff_t>(i));
-      refused(method, lights, whole.resources[i].name.c_str());
+      refused(method, lights, {whole.resources[i].name, "EngineLights::resources"});
     }
   }
 }

@@ -157,6 +157,10 @@ Result<void> ViewDrawing::draw(const View& view, std::span<const Light> lights,
   if (Result<void> added = addShadows(*cast, *frame, lists[0]); !added) return added;
   Result<void> added = colors.record(*frame, factory, store_.frame, lists[0]);
   if (added) added = oit.record(*frame, settings, *plan, factory, store_.frame, lists);
+  if (!added && settings.engineLights != nullptr)
+    added = Error{added.error().code, added.error().message +
+                                          "; what engineLight() reads goes into "
+                                          "EngineLights::resources"};
   colors.share(*frame, lists, store_.frame);
   shadows.share(lists, store_.frame);
   if (added) simulation_.finishMoves();
