@@ -72,7 +72,7 @@ PELAGE_API Result<void> checkPasses(const PassList& list);
 /// Changes nothing. Allocates only for an error.
 ///
 /// Errors: kInvalidArgument; kUnsupported if the device cannot run the list. They name the pass and
-/// the resource, or the upload's buffer.
+/// the resource, or the upload's buffer. A list that was abandoned has the error of checkRun().
 PELAGE_API Result<void> checkList(const PassList& list, const BufferLookup& find,
                                   const DeviceLimits& limits, ListPart part = ListPart::kAll);
 /// The same with the buffers of a table, which has to be the list's own (see checkTable()).

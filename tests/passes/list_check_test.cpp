@@ -31,6 +31,17 @@ TEST_F(ListCheck, TakesAListInWhichNothingIsWrong) {
   EXPECT_TRUE(checkList(PassList(), resources_));
 }
 
+TEST_F(ListCheck, SaysOfAnAbandonedListThatItWas) {
+  HazardTracker tracker;
+  PassList list = rightList(buffers_);
+  tracker.resolve(list);
+  expectOk(checkList(list, resources_));
+  resources_.remove(buffers_.source);
+  expectError(checkList(list, resources_), "was removed");
+  abandon(list.run);
+  expectError(checkList(list, resources_), "the list was abandoned");
+}
+
 TEST_F(ListCheck, RefusesALookupThatIsNoFunction) {
   expectError(checkList(rightList(buffers_), BufferLookup(), {}), "the lookup of buffers is empty");
 }

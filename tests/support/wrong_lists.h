@@ -165,7 +165,7 @@ inline std::vector<WrongList> wrongDispatches(const WrongListBuffers& b) {
          list.passes[0].barrierCount = 1;
          list.barriers.push_back({.buffer = b.removed});
        },
-       {"barrier between the dispatches", "removed"}},
+       {"barrier between the dispatches", "removed, with an object or by trim()"}},
       {"a barrier before the draws of a buffer that is not there",
        [=](PassList& list) { list.drawBarriers.push_back({.buffer = b.removed}); },
        {"barrier before the draws", "removed"}},

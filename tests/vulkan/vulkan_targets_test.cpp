@@ -466,6 +466,22 @@ TEST_F(VulkanTargets, AnAreaThatIsNotTheViewsIsRefusedBeforeARenderPassBegins) {
   engine_->discard(frames_[0]);
 }
 
+TEST_F(VulkanTargets, BuffersThatATrimTookAreSaidToBeGoneWithIt) {
+  engine_->begin(frames_[0]);
+  runtime_->beginFrame(1, 0);
+  Result<Frame> made = required(scene_.simulate(1.0f / 60));
+  const Light light;
+  ASSERT_TRUE(made->draw(view(), {&light, 1}, {.method = Transparency::kWindowed}));
+  expectOk(made->finish());
+  scene_.trim();
+  vulkan::ViewTarget to;
+  to.area = {{0, 0}, {kSize, kSize}};
+  to.begin = to.end = [](const FrameStep&) { ADD_FAILURE() << "a render pass"; };
+  expectError(runtime_->record(*made, frames_[0].commands, {&to, 1}),
+              "Scene::trim() freed its buffers");
+  engine_->discard(frames_[0]);
+}
+
 TEST_F(VulkanTargets, OtherSamplesThanTheViewsAndMissingCallbacksAreRefused) {
   engine_->begin(frames_[0]);
   runtime_->beginFrame(1, 0);

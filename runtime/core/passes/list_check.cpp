@@ -6,6 +6,8 @@
 #include <span>
 #include <utility>
 
+#include "passes/list_run.h"
+
 namespace pelage {
 namespace {
 
@@ -157,8 +159,9 @@ Result<void> Checker::barriers(std::span<const Barrier> barriers, const char* wh
   for (const Barrier& barrier : barriers) {
     if (find_(barrier.buffer)) continue;
     return invalid(
-        "a barrier {} names buffer {}, which was removed, or which update() has not seen", where,
-        numberOf(barrier.buffer));
+        "a barrier {} names buffer {}: update() has not seen it, or it was removed, with an object "
+        "or by trim(); then write the list again",
+        where, numberOf(barrier.buffer));
   }
   return {};
 }
@@ -396,6 +399,8 @@ Result<void> checkPasses(const PassList& list) {
 Result<void> checkList(const PassList& list, const BufferLookup& find, const DeviceLimits& limits,
                        ListPart part) {
   if (!find) return invalid("checkList(): the lookup of buffers is empty: give a function");
+  // Why its buffers are gone says more than that they are.
+  if (detail::isAbandoned(list)) return checkRun(list);
   if (Result<void> checked = checkPasses(list); !checked) return checked;
   const Checker checker(list, find, limits);
   if (part != ListPart::kDraws) {

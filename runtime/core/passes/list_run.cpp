@@ -34,6 +34,10 @@ bool hasRun(const PassList& list) {
   return state == RunState::kRecorded || state == RunState::kDelivered;
 }
 
+bool isAbandoned(const PassList& list) {
+  return list.run != nullptr && stateOf(*list.run->record) == RunState::kAbandoned;
+}
+
 void abandon(RunRecord& record, const char* reason) {
   const std::lock_guard lock(record.order->mutex);
   if (record.state == RunState::kDelivered || record.state == RunState::kAbandoned) return;

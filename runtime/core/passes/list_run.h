@@ -49,6 +49,7 @@ RunHandle openRun(const std::shared_ptr<RunOrder>& order, const RunRecord* last,
 RunState stateOf(const RunRecord& record);
 /// Whether the list, or a copy of it, was recorded or delivered.
 bool hasRun(const PassList& list);
+bool isAbandoned(const PassList& list);
 /// No effect on one that was delivered. \param reason for checkRun(); of static lifetime.
 void abandon(RunRecord& record, const char* reason = nullptr);
 /// No effect on one that was abandoned.
