@@ -2,7 +2,7 @@
 // list that they record; an executor of your own calls it as well:
 //
 //     if (auto checked = checkList(list, resources, limits); !checked) return checked;
-//     if (auto ready = checkRun(list); !ready) return ready;
+//     if (auto ready = checkRun(list, executor); !ready) return ready;
 //     ...  // no index, offset or pointer of the list needs another check
 #pragma once
 

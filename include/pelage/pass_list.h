@@ -31,6 +31,12 @@ struct RunRecord;
 /// The state of a PassList's run; shared by its copies and its executor.
 using RunHandle = std::shared_ptr<detail::ListRun>;
 
+/// Names a runtime, or an executor of your own: the one whose buffers have the results of lists.
+/// See checkRun().
+enum class ExecutorId : uint64_t { kUnknown = 0 };
+/// A new id, from any thread.
+PELAGE_API ExecutorId newExecutorId();
+
 /// The uses of a buffer; a bit set.
 enum class BufferUsage : uint8_t {
   kStorage = 1,    ///< shader storage buffer
@@ -380,23 +386,25 @@ PELAGE_API void addUpload(PassList& list, BufferId buffer, std::span<const std::
 /// come from any thread; one list is used by one thread at a time.
 ///
 ///     if (auto checked = checkList(list, resources); !checked) return checked;  // list_check.h
-///     if (auto ready = checkRun(list); !ready) return ready;
+///     if (auto ready = checkRun(list, executor); !ready) return ready;  // newExecutorId()
 ///     ...                      // uploads, dispatches
-///     setDelivered(list.run);  // or setRecorded(), and setDelivered() once it is submitted
+///     setDelivered(list.run, executor);  // or setRecorded(), and this once it is submitted
+///
+/// Executors without an id, kUnknown, are not told from others.
 ///
 /// A list that nobody calls setDelivered() for has not run: the scene writes all of its frame
 /// again. Without a handle (a list that needs no barriers) the calls do nothing.
 
 /// Whether a list may run now. Errors: it has no barriers, or passes or uploads that were added
 /// behind them; it has run; it was abandoned; a list that got its barriers before has not run yet,
-/// or one that got them after has.
-PELAGE_API Result<void> checkRun(const PassList& list);
+/// or one that got them after has; those before ran on another executor, which has their results.
+PELAGE_API Result<void> checkRun(const PassList& list, ExecutorId executor = ExecutorId::kUnknown);
 /// Whether its draws may be recorded: behind checkRun() and setRecorded() or setDelivered().
 PELAGE_API Result<void> checkDraws(const PassList& list);
 /// Says that a list is in a command buffer, behind those that are there already.
-PELAGE_API void setRecorded(const RunHandle& run);
+PELAGE_API void setRecorded(const RunHandle& run, ExecutorId executor = ExecutorId::kUnknown);
 /// Says that a list has run, or is sure to: its command buffer was submitted.
-PELAGE_API void setDelivered(const RunHandle& run);
+PELAGE_API void setDelivered(const RunHandle& run, ExecutorId executor = ExecutorId::kUnknown);
 /// Says that a list does not run, nor any that got its barriers after it. Scene::abandon() is this
 /// for lists of a scene.
 PELAGE_API void abandon(const RunHandle& run);
@@ -431,6 +439,8 @@ class PELAGE_API HazardTracker {
   void forget(BufferId buffer);
   /// Abandons all lists that were resolved and not recorded yet.
   void abandonOpen();
+  /// Lets any executor run the next lists, as before the first one. Scene::recover() calls it.
+  void forgetExecutor();
 
  private:
   struct State {

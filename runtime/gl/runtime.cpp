@@ -523,11 +523,11 @@ Result<void> Runtime::record(const PassList& list, PassTimer* timer) {
   if (Result<void> checked = checkTable(list, impl_->table); !checked) return checked;
   if (Result<void> checked = impl_->check(*this, list, ListPart::kDispatches); !checked)
     return checked;
-  if (Result<void> ready = checkRun(list); !ready) return ready;
+  if (Result<void> ready = checkRun(list, impl_->executor); !ready) return ready;
   const Functions& gl = impl_->context->gl;
   if (impl_->context->debug) clearErrors(gl);
   // Nothing fails from here on that would leave it out.
-  setDelivered(list.run);
+  setDelivered(list.run, impl_->executor);
   impl_->forgetBindings();
 
   impl_->memoryBarrier(list.uploadBarriers);

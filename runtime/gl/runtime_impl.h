@@ -46,7 +46,8 @@ struct Runtime::Impl {
   Statistics statistics;
   ProgramStore programs;
   std::vector<Buffer> buffers;  // [BufferId]
-  uint64_t table = 0;           // ResourceTable::id(); 0: none was seen yet
+  const ExecutorId executor = newExecutorId();
+  uint64_t table = 0;  // ResourceTable::id(); 0: none was seen yet
   std::unordered_map<TextureId, ExternalTexture> textures;
   std::unordered_map<const LayoutTable*, std::unique_ptr<Layout>> layouts;
   GLuint constants = 0;

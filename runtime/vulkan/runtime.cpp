@@ -298,6 +298,7 @@ struct Runtime::Impl {
   std::vector<PendingExternal> pendingExternals;
   std::vector<RetiredBuffer> retiredBuffers;
   std::unordered_map<TextureId, TextureSlot> textures;
+  const ExecutorId executor = newExecutorId();
   uint64_t tableId = 0;  // 0: none was seen yet
   uint64_t tableVersion = 0;
 
@@ -803,7 +804,7 @@ void Runtime::Impl::recordDispatches(const PassList& list, size_t span, VkComman
 Result<void> Runtime::Impl::record(const PassList& list, VkCommandBuffer commands) {
   if (Result<void> done = checkTable(list, tableId); !done) return done;
   if (Result<void> done = resolve(list, false, nullptr); !done) return done;
-  if (Result<void> done = checkRun(list); !done) return done;
+  if (Result<void> done = checkRun(list, executor); !done) return done;
   ArenaSlice data;
   if (!list.uploads.empty()) {
     Result<ArenaSlice> slice =
@@ -825,7 +826,7 @@ Result<void> Runtime::Impl::record(const PassList& list, VkCommandBuffer command
   }
   recordDispatches(list, *span, commands);
   recordBarriers(list.drawBarriers, commands);
-  setRecorded(list.run);
+  setRecorded(list.run, executor);
   if (list.run != nullptr) recordedRuns.push_back(list.run);
   return {};
 }

@@ -256,15 +256,15 @@ TEST(GlDevices, WorkAlternatelyInOneProcess) {
   const BufferId sourceBuffer = addBuffer(table, "source", source);
   const BufferId targetBuffer = addBuffer(table, "target", target);
   for (const auto& device : devices) ASSERT_TRUE(device->update(table));
-  HazardTracker tracker;
+  std::vector<HazardTracker> trackers(devices.size());
   for (uint32_t frame = 0; frame < 4; ++frame) {
     PassList list;
     addAccumulate(list, sourceBuffer, targetBuffer, 100, 2, frame);
-    for (const auto& device : devices) {
+    for (size_t i = 0; i < devices.size(); ++i) {
       // A list runs once.
       PassList copy = list;
-      tracker.resolve(copy);
-      ASSERT_TRUE(device->execute(copy));
+      trackers[i].resolve(copy);
+      ASSERT_TRUE(devices[i]->execute(copy));
     }
     accumulateOnHost(source, target, 2, frame);
   }

@@ -73,6 +73,27 @@ TEST_F(ListRunTest, ListsRunInTheOrderOfTheirBarriers) {
   expectRefused(third, "finished after this one has run");
 }
 
+TEST_F(ListRunTest, AnotherExecutorIsRefusedUntilNothingIsLeftOfWhatRan) {
+  const ExecutorId here = newExecutorId(), there = newExecutorId();
+  const PassList first = list();
+  setRecorded(first.run, here);
+  abandon(first.run);
+  const PassList second = list(), third = list();
+  EXPECT_TRUE(checkRun(second, there)) << "nothing has run here";
+  setRecorded(second.run, there);
+  setDelivered(second.run);
+  expectError(checkRun(third, here), {"another runtime"});
+  EXPECT_TRUE(checkRun(third, there));
+  run(third);
+  const PassList fourth = list();
+  EXPECT_TRUE(checkRun(fourth, here)) << "nobody knows where the third one ran";
+  setDelivered(fourth.run, here);
+  const PassList fifth = list();
+  expectError(checkRun(fifth, there), {"Scene::recover()"});
+  tracker_.forgetExecutor();
+  EXPECT_TRUE(checkRun(fifth, there));
+}
+
 TEST_F(ListRunTest, ListsThatAreRecordedOneAfterAnotherAreInOrder) {
   const PassList first = list(), second = list();
   setRecorded(first.run);

@@ -450,6 +450,7 @@ TEST_F(VulkanEngine, RefusesFramesWhenNoneIsEverSaidToHaveCompleted) {
 
   // No bound.
   def.maxFramesInFlight = 0;
+  tracker_.forgetExecutor();
   createRuntime(def);
   frame_ = 1'000'000;  // numbers of an engine begin anywhere
   for (int i = 0; i < 70; ++i) ASSERT_TRUE(record(0));

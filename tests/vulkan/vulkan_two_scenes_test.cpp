@@ -93,5 +93,25 @@ TEST_F(VulkanTwoScenes, DoNotShareARuntime) {
   engine_->wait(frames_[0]);
 }
 
+TEST_F(VulkanTwoScenes, FramesOfOneSceneDoNotGoToAnotherRuntime) {
+  Player one(*engine_, Solver::kExact);
+  engine_->begin(frames_[0]);
+  one.record(0, frames_[0].commands);
+  engine_->submit(frames_[0]);
+  one.submitted();
+  engine_->wait(frames_[0]);
+  Result<vulkan::Runtime> other = required(vulkan::Runtime::create(engine_->runtimeDef()));
+  engine_->begin(frames_[0]);
+  other->beginFrame(1, 0);
+  Result<Frame> frame = required(one.scene().simulate(1.0f / 60));
+  expectError(other->record(*frame, frames_[0].commands), {"another runtime", "Scene::recover()"});
+  ASSERT_TRUE(one.scene().recover());
+  frame = required(one.scene().simulate(1.0f / 60));
+  expectOk(other->record(*frame, frames_[0].commands));
+  engine_->submit(frames_[0]);
+  other->submitted();
+  engine_->wait(frames_[0]);
+}
+
 }  // namespace
 }  // namespace pelage::test

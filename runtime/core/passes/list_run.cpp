@@ -1,6 +1,7 @@
 #include "passes/list_run.h"
 
 #include <algorithm>
+#include <atomic>
 #include <string>
 
 namespace pelage {
@@ -48,17 +49,23 @@ void abandon(RunRecord& record, const char* reason) {
   record.reason = reason;
 }
 
-void setRecorded(RunRecord& record) {
+// Notes that a list is the last one that was recorded.
+static void note(const RunRecord& record, ExecutorId executor) {
+  record.order->recorded = record.number;
+  record.order->executor = executor;
+}
+
+void setRecorded(RunRecord& record, ExecutorId executor) {
   const std::lock_guard lock(record.order->mutex);
   if (record.state != RunState::kOpen) return;
   record.state = RunState::kRecorded;
-  record.order->recorded = record.number;
+  note(record, executor);
 }
 
-void setDelivered(RunRecord& record) {
+void setDelivered(RunRecord& record, ExecutorId executor) {
   const std::lock_guard lock(record.order->mutex);
   if (record.state == RunState::kAbandoned) return;
-  if (record.state == RunState::kOpen) record.order->recorded = record.number;
+  if (record.state == RunState::kOpen) note(record, executor);
   record.state = RunState::kDelivered;
 }
 
@@ -82,9 +89,24 @@ Result<void> checkBarriers(const PassList& list) {
   return {};
 }
 
+// Buffers of another executor have the results of the lists before.
+Result<void> checkExecutor(const detail::RunOrder& order, ExecutorId executor) {
+  const ExecutorId before = order.executor;
+  if (order.recorded == 0 || before == executor) return {};
+  if (before == ExecutorId::kUnknown || executor == ExecutorId::kUnknown) return {};
+  return refuse(
+      "the lists before this one ran on another runtime, whose buffers have their results: run "
+      "all lists of a scene on one, or call Scene::recover() to go on with this one");
+}
+
 }  // namespace
 
-Result<void> checkRun(const PassList& list) {
+ExecutorId newExecutorId() {
+  static std::atomic<uint64_t> count{0};
+  return static_cast<ExecutorId>(++count);
+}
+
+Result<void> checkRun(const PassList& list, ExecutorId executor) {
   if (list.run == nullptr) return checkBarriers(list);
   const detail::RunRecord& record = *list.run->record;
   const std::lock_guard lock(record.order->mutex);
@@ -104,7 +126,7 @@ Result<void> checkRun(const PassList& list) {
           "ran, or a list before it did not run; write it again");
   }
   if (Result<void> checked = checkBarriers(list); !checked) return checked;
-  if (record.behind == record.order->recorded) return {};
+  if (record.behind == record.order->recorded) return checkExecutor(*record.order, executor);
   if (record.order->recorded > record.number)
     return refuse("a list that was finished after this one has run before it: keep their order");
   return refuse(
@@ -118,12 +140,12 @@ Result<void> checkDraws(const PassList& list) {
   return refuse("the list's draws run after its dispatches: record() the list first");
 }
 
-void setRecorded(const RunHandle& run) {
-  if (run != nullptr) detail::setRecorded(*run->record);
+void setRecorded(const RunHandle& run, ExecutorId executor) {
+  if (run != nullptr) detail::setRecorded(*run->record, executor);
 }
 
-void setDelivered(const RunHandle& run) {
-  if (run != nullptr) detail::setDelivered(*run->record);
+void setDelivered(const RunHandle& run, ExecutorId executor) {
+  if (run != nullptr) detail::setDelivered(*run->record, executor);
 }
 
 void abandon(const RunHandle& run) {

@@ -22,6 +22,7 @@ struct RunOrder {
   std::mutex mutex;       ///< of this and of all its records
   uint64_t lists = 0;     ///< so far
   uint64_t recorded = 0;  ///< number of the last one that was recorded or delivered; 0: none
+  ExecutorId executor = ExecutorId::kUnknown;  ///< that has their results
 };
 
 /// The state of a list; its tracker and its scene share it.
@@ -53,7 +54,7 @@ bool isAbandoned(const PassList& list);
 /// No effect on one that was delivered. \param reason for checkRun(); of static lifetime.
 void abandon(RunRecord& record, const char* reason = nullptr);
 /// No effect on one that was abandoned.
-void setRecorded(RunRecord& record);
-void setDelivered(RunRecord& record);
+void setRecorded(RunRecord& record, ExecutorId executor);
+void setDelivered(RunRecord& record, ExecutorId executor);
 
 }  // namespace pelage::detail

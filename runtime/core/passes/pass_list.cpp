@@ -481,6 +481,12 @@ void HazardTracker::abandonOpen() {
   settle();
 }
 
+void HazardTracker::forgetExecutor() {
+  if (order_ == nullptr) return;
+  const std::lock_guard lock(order_->mutex);
+  order_->executor = ExecutorId::kUnknown;
+}
+
 namespace detail {
 
 // The accesses of the passes of a level to one buffer, over all bindings.

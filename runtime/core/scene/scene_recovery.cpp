@@ -156,6 +156,7 @@ Result<uint32_t> Scene::recover(const SceneSnapshot& snapshot) {
   if (data != nullptr) kept = detail::restoreHairs(store, *data);
   if (!kept.empty()) store.time = data->time;
   parts_->journal.resetAll(kept);
+  store.hazards.forgetExecutor();
   return static_cast<uint32_t>(kept.size());
 }
 
