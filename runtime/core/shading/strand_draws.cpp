@@ -204,7 +204,8 @@ std::string faultOf(const StrandMaterial& m) {
       {"azimuthalRoughness", m.azimuthalRoughness, 0, 1},
       {"cuticleTilt", m.cuticleTilt},
       {"refractiveIndex", m.refractiveIndex, 1, Range::kInfinity, true},
-      {"scatteredShare", m.scatteredShare, 0, 1}};
+      {"scatteredShare", m.scatteredShare, 0, 1},
+  };
   for (const Range& range : ranges)
     if (const std::string fault = faultOf(range); !fault.empty()) return "material." + fault;
   if (m.model <= ShadingModel::kFiber) return {};
