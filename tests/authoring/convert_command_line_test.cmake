@@ -271,6 +271,22 @@ must_fail(1 "clean.hairtxt: the vertices per strand are 1; .* 2 to 256"
 must_fail(1 "clean.hairtxt: the error bound is -?(inf|nan)" groom clean.hairtxt e.tfx --error-bound inf)
 must_fail(1 "tip thickness is 2; it must be 0 to 1" cache e.pelage --hair g.tfx --tip-thickness 2)
 
+# Colors and thickness of the file go into the .tfx, whose thickness of 1 is 80 um across.
+file(WRITE ${WORK_DIR}/look.hairtxt "hairtxt 1 x y z radius r g b\n0 0 0 0.02 1 0 0\n0 0 10 0.04 0 1 0\n")
+must_warn("thickness along a strand is not kept: a strand has one, the mean"
+  groom look.hairtxt look.tfx --scale 0.01 --json)
+string(JSON radius GET "${output}" fiber_radius)
+if(radius LESS 0.000299 OR radius GREATER 0.000301)
+  message(SEND_ERROR "the radius of 0.03 cm is ${radius} m")
+endif()
+run_convert(0 info look.tfx --json)
+json_equals(arrays 1 radii)
+json_equals(arrays 2 colors)
+string(JSON radius GET "${output}" fiber_radius)
+if(radius LESS 0.000299 OR radius GREATER 0.000301)
+  message(SEND_ERROR "the radius of look.tfx is ${radius} m")
+endif()
+
 # Simulated hair.
 set(shot ${CMAKE_CURRENT_LIST_DIR}/../fuzz/corpus/haircache/valid.pelagecache)
 run_convert(0 info ${shot} --json)

@@ -276,6 +276,35 @@ TEST(YukselHair, ReadsTheHeaderAndTheArraysWhereTheSpecificationPutsThem) {
   EXPECT_EQ(curves->colors[1], (Float4{0.25f, 0.5f, 0.75f, 0.25f}));
 }
 
+// A color and a thickness in the header are those of all strands; the format's own library writes
+// 1, opaque and white for "none".
+TEST(YukselHair, KeepsColorAndThicknessOfTheHeader) {
+  HairCurves curves = someCurves();
+  curves.radii.clear();
+  curves.colors.clear();
+  const Bytes plain = *saveYukselHair(curves);
+  const auto none = required(loadYukselHair(plain, "a.hair"));
+  EXPECT_TRUE(none->radii.empty() && none->colors.empty());
+
+  Bytes bytes = changed(plain, 20, 0.25f);  // thickness
+  bytes = changed(bytes, 24, 0.5f);         // transparency
+  bytes = changed(bytes, 28, Float3{0.1f, 0.2f, 0.3f});
+  HairFileReport report;
+  const auto all = required(loadYukselHair(bytes, "a.hair", &report));
+  EXPECT_EQ(all->radii, std::vector<float>(10, 0.125f));
+  ASSERT_EQ(all->colors.size(), 10u);
+  EXPECT_TRUE(all->colors[9].x == 0.1f && all->colors[9].z == 0.3f && all->colors[9].w == 0.5f);
+  EXPECT_TRUE(report.notes.empty());
+
+  // Values out of range are left out, and named.
+  bytes = changed(changed(plain, 20, -1.0f), 28, Float3{kNan, 0, 0});
+  const auto wrong = required(loadYukselHair(bytes, "a.hair", &report));
+  EXPECT_TRUE(wrong->radii.empty() && wrong->colors.empty());
+  ASSERT_EQ(report.notes.size(), 2u);
+  expectHas(report.notes[0], "thickness");
+  expectHas(report.notes[1], "color");
+}
+
 TEST(YukselHair, CountsThatLieAreRefusedAtTheirByte) {
   const Bytes good = hairFile();
   for (const uint32_t lie : {0u, 4u, 0x7FFFFFFFu, 0xFFFFFFFFu}) {

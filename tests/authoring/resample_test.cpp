@@ -253,7 +253,7 @@ TEST(Resample, CarriesAttributesAlongTheCurve) {
   curves.vertexUv = {{0, 0}, {1, 2}, {0, 0}, {0, 1}, {0, 3}};
   curves.strandUv = {{0.25f, 0.5f}, {0.75f, 1}};
   curves.inverseMasses = {0, 1, 0, 0, 2};
-  const ResampleResult result = resample(curves, {.verticesPerStrand = 7});
+  const ResampleResult result = resample(curves, {.verticesPerStrand = 7, .unitRadius = 5e-5f});
   const HairAsset& asset = result.asset;
   EXPECT_EQ(asset.strandUv, curves.strandUv);
   EXPECT_NEAR(asset.vertexColor[3].x, 0.5f, 1e-6f);
@@ -263,8 +263,8 @@ TEST(Resample, CarriesAttributesAlongTheCurve) {
   // Curve 1: 3e-4 over 1 m, then 3e-4 to 0 over 2 m. Both: 1e-4 over 1 m and 2e-4 over 3 m.
   EXPECT_NEAR(result.report.fiberRadius, 1.75e-4f, 1e-9f);
   ASSERT_EQ(asset.strandThickness.size(), 2u);
-  EXPECT_NEAR(asset.strandThickness[0], 1 / 1.75f, 1e-6f);
-  EXPECT_NEAR(asset.strandThickness[1], 2 / 1.75f, 1e-6f);
+  EXPECT_NEAR(asset.strandThickness[0], 2, 1e-6f);
+  EXPECT_NEAR(asset.strandThickness[1], 4, 1e-6f);
   EXPECT_NEAR(asset.positions[3].w, 0.5f, 1e-6f);
   // Between two kinematic vertices all is kinematic.
   EXPECT_EQ(asset.positions[7 + 2].w, 0);
@@ -305,6 +305,7 @@ TEST(Resample, RefusesWhatCannotBeAStrand) {
   expectResamplingRefused(good, {.verticesPerStrand = 257}, "vertices per strand are 257");
   expectResamplingRefused(good, {.errorBound = -1}, "error bound is -1");
   expectResamplingRefused(good, {.errorBound = kNan}, "error bound is nan");
+  expectResamplingRefused(good, {.unitRadius = 0}, "radius for a thickness of 1 is 0");
   HairCurves bad = good;
   bad.positions[4].y = kNan;
   expectResamplingRefused(bad, {}, "curve 0");

@@ -61,11 +61,11 @@ class Resampling(unittest.TestCase):
         kept = hair.resample(curves, 2, 1.5)
         np.testing.assert_array_equal(kept.positions[:, 1, 2], [2])
 
-    def test_thickness_is_relative_to_the_mean_radius_by_length(self):
-        factors, mean = hair.thickness_factors(np.array([1.0, 3.0]), np.array([3.0, 1.0]))
-        self.assertEqual(mean, 1.5)
-        np.testing.assert_allclose(factors, [2 / 3, 2])
-        self.assertIsNone(hair.thickness_factors(np.array([2.0, 2.0]), np.array([3.0, 1.0]))[0])
+    def test_a_thickness_of_1_is_80_um_across(self):
+        factors, mean = hair.thickness_factors(np.array([4e-5, 1.2e-4]), np.array([3.0, 1.0]))
+        self.assertAlmostEqual(mean, 6e-5)
+        np.testing.assert_allclose(factors, [1, 3])
+        self.assertIsNone(hair.thickness_factors(np.zeros(2), np.array([3.0, 1.0]))[0])
 
     def test_the_mean_radius_of_a_curve_counts_its_parts_by_length(self):
         curves = hair.HairCurves("c", [3], [(0, 0, 0), (1, 0, 0), (4, 0, 0)], [2, 2, 6])

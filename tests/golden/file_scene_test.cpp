@@ -274,6 +274,27 @@ TEST(FileAssetsScene, RefusesAnAnimationOfHairWithoutBones) {
   expectError(DemoScene::create(files, {}), "'groom' has no bones");
 }
 
+TEST(FileAssetsScene, KeepsColorsAndThicknessOfFilesAndIsBrownWithout) {
+  FileAssets files = headFiles();
+  pelage::HairAsset& asset = files.assets.hairs[0].asset;
+  asset.vertexColor.clear();
+  const auto materialOf = [](const FileAssets& from) {
+    const auto demo = required(DemoScene::create(from, {}));
+    return demo->scene().hair(demo->hairs()[0]).material;
+  };
+  const pelage::StrandMaterial plain = materialOf(files);
+  EXPECT_EQ(plain.fiberRadius, 40e-6f);  // 80 um across; strandThickness is a factor on it
+  for (const Float3& color : {plain.rootColor, plain.tipColor}) {
+    EXPECT_TRUE(color.x > color.y && color.y > color.z) << "brown";
+    EXPECT_LT(color.x, 2 * color.y) << "neither red nor orange";
+  }
+  // Colors of vertices are multiplied with the material's.
+  asset.vertexColor.assign(asset.positions.size(), {0.1f, 0.5f, 0.2f, 1});
+  const pelage::StrandMaterial colored = materialOf(files);
+  for (const Float3& color : {colored.rootColor, colored.tipColor})
+    EXPECT_TRUE(color.x == 1 && color.y == 1 && color.z == 1);
+}
+
 TEST(FileAssetsScene, RefusesFilesWithoutHairAndFieldsThatAreNotThere) {
   EXPECT_FALSE(DemoScene::create(FileAssets{}, {}));
   DemoDef def;

@@ -116,25 +116,36 @@ class YukselReader {
     std::memcpy(static_cast<void*>(out.data()), bytes_.data() + offsets_[array], count * sizeof(T));
   }
 
+  // Thickness 1, opaque and white in a header stand for "none": the format's own library writes
+  // them where nothing was set.
   void readThickness() {
     if (has(kThickness)) {
       copy(kThickness, curves_.radii);
       for (float& radius : curves_.radii) radius *= 0.5f;
       return;
     }
-    report_.notes.push_back(fmt::format("all strands have the thickness {}, which is not kept",
-                                        readAt<float>(bytes_, kThicknessAt)));
+    const auto thickness = readAt<float>(bytes_, kThicknessAt);
+    if (thickness == 1) return;
+    if (thickness > 0 && std::isfinite(thickness))
+      curves_.radii.assign(pointCount_, 0.5f * thickness);
+    else
+      report_.notes.push_back(
+          fmt::format("the thickness {} of all strands is not kept: it is not above 0", thickness));
   }
 
   void readColors() {
     const auto color = readAt<Float3>(bytes_, kColorAt);
     const auto transparency = readAt<float>(bytes_, kTransparencyAt);
     if (!has(kColors) && !has(kTransparency)) {
-      report_.notes.push_back(
-          fmt::format("all strands have the colour {} {} {} and the transparency {}, which are not "
-                      "kept",
-                      color.x, color.y, color.z, transparency));
-      return;
+      if (color == Float3{1, 1, 1} && transparency == 0) return;
+      const auto isShare = [](float value) { return value >= 0 && value <= 1; };
+      if (!isShare(color.x) || !isShare(color.y) || !isShare(color.z) || !isShare(transparency)) {
+        report_.notes.push_back(
+            fmt::format("the color {} {} {} and the transparency {} of all strands are not kept: "
+                        "they are not 0 to 1",
+                        color.x, color.y, color.z, transparency));
+        return;
+      }
     }
     curves_.colors.assign(pointCount_, {color.x, color.y, color.z, 1 - transparency});
     for (uint64_t i = 0; i < pointCount_; ++i) {

@@ -178,11 +178,10 @@ class Resampler {
       if (i % kProgressStride == 0) report(total() - curveCount + i);
     }
     if (lengthSum > 0 && radiusSum > 0) {
-      const double mean = radiusSum / lengthSum;
-      facts.fiberRadius = static_cast<float>(mean);
+      facts.fiberRadius = static_cast<float>(radiusSum / lengthSum);
       for (const double radius : radii)
         asset.strandThickness.push_back(
-            static_cast<float>(std::min(radius / mean, double{kMaxCoordinate})));
+            static_cast<float>(std::min(radius / double{def_.unitRadius}, double{kMaxCoordinate})));
     }
     facts.strands = curveCount;
     facts.verticesPerStrand = count;
@@ -242,6 +241,11 @@ Result<void> checkCurves(const HairCurves& curves, const ResampleDef& def) {
   if (!(def.errorBound >= 0) || !std::isfinite(def.errorBound))
     return invalid(fmt::format("the error bound is {} m; it must be 0 (none) or more, and finite",
                                def.errorBound));
+  if (!(def.unitRadius > 0) || !std::isfinite(def.unitRadius))
+    return invalid(
+        fmt::format("the radius for a thickness of 1 is {} m; it must be above 0, and "
+                    "finite",
+                    def.unitRadius));
   if (auto r = validate(curves); !r) return r;
   if (curves.vertexCounts.empty()) return invalid("there are no curves to resample");
   size_t vertex = 0;

@@ -110,8 +110,8 @@ void reportCurves(const CurveImportReport& report, Session& session) {
     session.warn(
         fmt::format("{} vertices without usable coordinates were removed", report.removedVertices));
   if (report.repairedValues > 0)
-    session.warn(fmt::format("{} values of UV, colour, radius or mass were set to 0",
-                             report.repairedValues));
+    session.warn(
+        fmt::format("{} values of UV, color, radius or mass were set to 0", report.repairedValues));
 }
 
 void reportDeviation(const ResampleReport& report, const HairCurves& curves, Session& session) {
@@ -131,7 +131,8 @@ void reportDeviation(const ResampleReport& report, const HairCurves& curves, Ses
                           report.meanDeviation, 100 * report.maxLengthChange));
   if (report.fiberRadius > 0)
     session.add("fiber_radius", report.fiberRadius, "fiber radius",
-                fmt::format("{:.4g} m, which a thickness of 1 stands for", report.fiberRadius));
+                fmt::format("{:.4g} m on average; a thickness of 1 stands for {:g} m",
+                            report.fiberRadius, kUnitFiberRadius));
 }
 
 bool allHaveOneCount(const HairCurves& curves) {
@@ -139,6 +140,21 @@ bool allHaveOneCount(const HairCurves& curves) {
   return count <= kMaxVerticesPerStrand &&
          std::all_of(curves.vertexCounts.begin(), curves.vertexCounts.end(),
                      [count](uint32_t other) { return other == count; });
+}
+
+void warnOfTaper(const HairCurves& curves, Session& session) {
+  constexpr float kNoticed = 1.01f;  // most over least
+  size_t first = 0;
+  if (curves.radii.empty()) return;
+  for (const uint32_t count : curves.vertexCounts) {
+    const auto [least, most] =
+        std::minmax_element(curves.radii.begin() + static_cast<ptrdiff_t>(first),
+                            curves.radii.begin() + static_cast<ptrdiff_t>(first + count));
+    first += count;
+    if (*most <= kNoticed * *least) continue;
+    session.warn("the thickness along a strand is not kept: a strand has one, the mean");
+    return;
+  }
 }
 
 // Strands with the vertices of the curves, which all have as many.
@@ -156,9 +172,8 @@ HairAsset keepVertices(const HairCurves& curves, const GroomOptions& options) {
     asset.positions.push_back({p.x, p.y, p.z, tip ? 0 : mass});
   }
   // Readers of .tfx give a strand one radius.
-  const double unit = double{kUnitFiberRadius} * options.import.scale;
   for (size_t i = 0; i < curves.radii.size(); i += count)
-    asset.strandThickness.push_back(static_cast<float>(curves.radii[i] / unit));
+    asset.strandThickness.push_back(curves.radii[i] / options.resample.unitRadius);
   asset.strandUv = curves.strandUv;
   asset.vertexUv = curves.vertexUv;
   asset.vertexColor = curves.colors;
@@ -234,6 +249,8 @@ Result<void> groom(GroomOptions options, Session& session) {
   if (!curves) return curves.error();
   const bool isTfx = file.kind == HairFileKind::kTfx;
   reportInput(options, file, session);
+  // The thickness of a .tfx has no unit: the scale does not change it.
+  if (isTfx) options.resample.unitRadius = kUnitFiberRadius * options.import.scale;
   // A .tfx 4.0 that nothing changes keeps its bytes, its zero-length strands included.
   if (isTfx && options.changesNothing())
     if (auto asset = loadTfx(options.input); asset) return passThrough(*asset, options, session);
@@ -258,6 +275,7 @@ Result<void> groom(GroomOptions options, Session& session) {
       return Error{resampled.error().code,
                    options.input.string() + ": " + resampled.error().message};
     asset = std::move(resampled->asset);
+    warnOfTaper(*curves, session);
     reportOptions(options, asset.verticesPerStrand, session);
     reportDeviation(resampled->report, *curves, session);
   }

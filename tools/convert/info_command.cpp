@@ -117,7 +117,7 @@ Result<void> curvesInfo(const InfoOptions& options, Session& session) {
   const std::array<std::pair<const char*, bool>, 5> all = {
       {{"inverse masses", !curves->inverseMasses.empty()},
        {"radii", !curves->radii.empty()},
-       {"colours", !curves->colors.empty()},
+       {"colors", !curves->colors.empty()},
        {"vertex UV", !curves->vertexUv.empty()},
        {"strand UV", !curves->strandUv.empty()}}};
   std::string text;
@@ -125,6 +125,14 @@ Result<void> curvesInfo(const InfoOptions& options, Session& session) {
     if (!there) continue;
     arrays.emplace_back(name);
     text += fmt::format("{}{}", text.empty() ? "" : ", ", name);
+  }
+  if (!curves->radii.empty()) {
+    double sum = 0;
+    for (const float radius : curves->radii) sum += double{radius};
+    // The radii of a .tfx come from a factor without a unit.
+    const double unit = file.kind == HairFileKind::kTfx ? double{options.scale} : 1.0;
+    const double mean = sum / static_cast<double>(curves->radii.size()) / unit;
+    session.add("fiber_radius", mean, "fiber radius", fmt::format("{:.4g} m on average", mean));
   }
   session.add("arrays", arrays, "arrays", text.empty() ? "positions alone" : text);
   return {};

@@ -54,12 +54,14 @@ float cellSizeOf(const CollisionMesh& mesh) {
   return std::max({b.high.x - b.low.x, b.high.y - b.low.y, b.high.z - b.low.z}) / kCellsPerSide;
 }
 
-// Nothing is known of the groom: red.
-pelage::StrandMaterial fileMaterial() {
+// A neutral brown, or the colors of the file, which are multiplied with the material's. Thickness
+// is a factor on a fiber of 80 um.
+pelage::StrandMaterial fileMaterial(const pelage::HairAsset& hair) {
   pelage::StrandMaterial material;
-  material.rootColor = {0.16f, 0.026f, 0.010f};
-  material.tipColor = {0.46f, 0.15f, 0.040f};
-  material.fiberRadius = 200e-6f;
+  const bool colored = !hair.vertexColor.empty();
+  material.rootColor = colored ? Float3{1, 1, 1} : Float3{0.060f, 0.038f, 0.026f};
+  material.tipColor = colored ? Float3{1, 1, 1} : Float3{0.150f, 0.098f, 0.066f};
+  material.fiberRadius = 40e-6f;
   material.primaryStrength = 0.06f;
   material.secondaryStrength = 0.8f;
   return material;
@@ -171,7 +173,7 @@ Result<void> DemoScene::addFiles(const FileAssets& files, const std::vector<std:
     }
     pelage::HairDef look;
     look.name = hair.name;
-    look.material = fileMaterial();
+    look.material = fileMaterial(hair.asset);
     look.settings = fileSettings(def.solver);
     look.influences = influences;
     look.followHairs = hair.followHairs;

@@ -24,6 +24,10 @@ struct HairCurves {
   uint32_t curveCount() const { return static_cast<uint32_t>(vertexCounts.size()); }
 };
 
+/// Fiber radius for a HairAsset::strandThickness of 1, where curves become strands or the other way
+/// [m]; thus also the StrandMaterial::fiberRadius of such hair.
+inline constexpr float kUnitFiberRadius = 4e-5f;
+
 /// Checks that the arrays match and the values are in range: coordinates finite and within
 /// kMaxCoordinate, everything else finite. Errors name curve and vertex.
 Result<void> validate(const HairCurves& curves);

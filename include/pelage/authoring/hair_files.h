@@ -50,8 +50,8 @@ Result<HairCurves> loadHairCurves(std::span<const std::byte> bytes, std::string_
 std::optional<HairFileKind> hairFileKind(std::span<const std::byte> bytes, std::string_view name);
 
 /// Reads .hair: Cem Yuksel's HAIR format, http://www.cemyuksel.com/research/hairmodels. Thickness
-/// is interpreted as the diameter; transparency becomes opacity. A default in the header makes no
-/// array.
+/// is interpreted as the diameter; transparency becomes opacity. Defaults of the header fill the
+/// arrays that the file lacks, but for thickness 1, opaque and white, which stand for "not set".
 Result<HairCurves> loadYukselHair(std::span<const std::byte> bytes, std::string_view name,
                                   HairFileReport* report = nullptr);
 
@@ -75,8 +75,6 @@ Result<HairCurves> loadGltfCurves(std::span<const std::byte> bytes, std::string_
 /// are left for prepareCurves() to drop.
 Result<HairCurves> loadTfxCurves(std::span<const std::byte> bytes, std::string_view name,
                                  HairFileReport* report = nullptr);
-/// Fiber radius for a strand thickness of 1 when .tfx becomes curves [m].
-inline constexpr float kUnitFiberRadius = 4e-5f;
 
 /// Reads .hairtxt: `hairtxt 1`, the columns, and one vertex per line; a blank line ends a curve.
 Result<HairCurves> loadHairText(std::span<const std::byte> bytes, std::string_view name,

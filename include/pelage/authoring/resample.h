@@ -29,6 +29,7 @@ struct ResampleDef {
   VertexPlacement placement = VertexPlacement::kEven;
   /// The last two vertices are kinematic as well as the first two (a braid, a lash on two bones).
   bool bothEndsImmovable = false;
+  float unitRadius = kUnitFiberRadius;  ///< radius for a strandThickness of 1 [m], > 0
 };
 
 /// The deviation of the strands from their curves. The deviation of a strand is the Hausdorff
@@ -42,8 +43,7 @@ struct ResampleReport {
   uint32_t worstCurve = 0;        ///< the curve with the maximum deviation
   float maxLengthChange = 0;      ///< maximum change of a strand's length, relative to its curve's
   uint32_t zeroLengthCurves = 0;  ///< curves with all vertices at one position; kept as they are
-  /// Mean radius of the curves, by length of curve [m]: the fiber radius to which
-  /// HairAsset::strandThickness is relative; 0 if the curves have no radii.
+  /// Mean radius of the curves, by length of curve [m]; 0 if they have none.
   float fiberRadius = 0;
 };
 
@@ -59,7 +59,7 @@ using AuthoringProgress = std::function<void(uint64_t done, uint64_t total)>;
 /// the first and the last at its ends. Repeated vertices of a curve do not matter.
 /// - Inverse masses are interpolated, or 1 if there are none, and 0 on vertices 0 and 1 (and on the
 ///   last two, see bothEndsImmovable). Colors and vertex UV are interpolated; strand UV are kept.
-/// - Radii become strandThickness: a strand's mean radius relative to the mean of all.
+/// - Radii become strandThickness: a strand's mean radius relative to unitRadius.
 /// - kFitted chooses among points of the curve that are a twelfth of an even segment apart, first
 ///   for the minimum deviation (the min-epsilon problem of Imai and Iri 1988, "Polygonal
 ///   approximations of a curve", by dynamic programming), then for the minimum sum of squared

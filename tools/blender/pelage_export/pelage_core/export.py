@@ -127,9 +127,10 @@ class _Groom:
     def _thickness(strands, factor, report):
         if any(part.radii is None for part in strands):
             return None
-        factors, mean = hair.thickness_factors(np.concatenate([part.radii for part in strands]),
-                                               np.concatenate([part.lengths for part in strands]))
-        report.lines.append("mean fiber radius: %.3g m" % (mean * factor))
+        factors, mean = hair.thickness_factors(
+            factor * np.concatenate([part.radii for part in strands]),
+            np.concatenate([part.lengths for part in strands]))
+        report.lines.append("mean fiber radius: %.3g m" % mean)
         return factors
 
     @staticmethod

@@ -7,6 +7,8 @@ from .random_pcg import Random
 
 # Shorter curves have no direction [m]; kMinSegmentLength of pelage/hair_asset.h.
 MIN_LENGTH = 1e-12
+# Fiber radius for a strand thickness of 1 [m]; kUnitFiberRadius of pelage/authoring/hair_curves.h.
+UNIT_FIBER_RADIUS = 4e-5
 
 
 class HairCurves:
@@ -118,15 +120,13 @@ def inverse_masses(strand_count, vertices_per_strand, both_ends_immovable):
 
 
 def thickness_factors(radii, lengths):
-    """[strand] factor on the fiber radius: a strand's mean radius relative to that of all hair,
-    each strand counted by its length.
+    """[strand] a strand's mean radius [m] relative to UNIT_FIBER_RADIUS.
 
-    :returns: the factors, None when all are alike; and that mean radius.
+    :returns: the factors, None when all are 0; and the mean radius of all hair, each strand counted
+        by its length.
     """
     mean = float((radii * lengths).sum() / lengths.sum())
-    if mean <= 0 or np.all(radii == radii[0]):
-        return None, mean
-    return radii / mean, mean
+    return (radii / UNIT_FIBER_RADIUS if mean > 0 else None), mean
 
 
 def random_order(strand_count, seed):
