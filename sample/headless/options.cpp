@@ -120,6 +120,10 @@ struct Given {
   pelage::Solver solver = pelage::Solver::kExact;
   std::filesystem::path settings;
   bool noImages = false;
+  std::vector<float> camera, lookAt;
+  std::vector<unsigned> background;
+  float fov = 0;
+  CLI::Option* fovOption = nullptr;
   CLI::Option *solverOption = nullptr, *subStepsOption = nullptr, *windOption = nullptr;
   CLI::Option *followFileOption = nullptr, *collidersOption = nullptr;
   CLI::Option *sceneOption = nullptr, *motionOption = nullptr, *presetOption = nullptr;
@@ -261,7 +265,7 @@ void addSimulationOptions(CLI::App& app, Options& options, Given& given) {
                          ->type_name("X,Y,Z");
 }
 
-void addPictureOptions(CLI::App& app, Options& options) {
+void addPictureOptions(CLI::App& app, Options& options, Given& given) {
   app.add_option("--frames", options.frames, "frames of 1/60 s to simulate (240)")
       ->check(CLI::Range(1u, 1u << 20).description(""))
       ->type_name("N");
@@ -281,6 +285,23 @@ void addPictureOptions(CLI::App& app, Options& options) {
   app.add_option("--height", options.height, "of the pictures [pixels] (640)")
       ->check(CLI::Range(16u, 16384u).description(""))
       ->type_name("N");
+  app.add_option("--camera", given.camera, "position of the camera [m] (sees all that is drawn)")
+      ->delimiter(',')
+      ->expected(3)
+      ->type_name("X,Y,Z");
+  app.add_option("--look-at", given.lookAt, "point that --camera looks at [m] (the middle)")
+      ->delimiter(',')
+      ->expected(3)
+      ->type_name("X,Y,Z");
+  given.fovOption = app.add_option("--fov", given.fov, "vertical field of view [degrees] (24)")
+                        ->check(CLI::Range(1.0f, 150.0f).description(""))
+                        ->type_name("X");
+  app.add_option("--background", given.background,
+                 "color of the pictures where nothing is, sRGB 0 to 255 (a gradient)")
+      ->delimiter(',')
+      ->expected(3)
+      ->check(CLI::Range(0u, 255u).description(""))
+      ->type_name("R,G,B");
 }
 
 void addDrawingOptions(CLI::App& app, Options& options, Given& given) {
@@ -370,6 +391,27 @@ void takeSettings(const Given& given, Options& options) {
   options.settings = *std::move(settings);
 }
 
+// Errors: CLI::ValidationError for positions that no camera has.
+void takeCamera(const Given& given, Options& options) {
+  constexpr float kDegrees = 3.14159265f / 180;
+  for (const std::vector<float>* point : {&given.camera, &given.lookAt})
+    for (const float x : *point)
+      if (!(std::abs(x) <= pelage::kMaxCoordinate))
+        throw CLI::ValidationError("--camera and --look-at", "take coordinates within 1e6 m");
+  const auto pointOf = [](const std::vector<float>& p) { return pelage::Float3{p[0], p[1], p[2]}; };
+  if (!given.camera.empty()) options.camera.eye = pointOf(given.camera);
+  if (!given.lookAt.empty() && given.camera.empty())
+    throw CLI::ValidationError("--look-at", "needs --camera");
+  if (!given.lookAt.empty()) options.camera.target = pointOf(given.lookAt);
+  if (!given.lookAt.empty() && given.lookAt == given.camera)
+    throw CLI::ValidationError("--look-at", "is where --camera is");
+  if (*given.fovOption) options.camera.verticalFov = given.fov * kDegrees;
+  const std::vector<unsigned>& rgb = given.background;
+  if (!rgb.empty())
+    options.background = {static_cast<uint8_t>(rgb[0]), static_cast<uint8_t>(rgb[1]),
+                          static_cast<uint8_t>(rgb[2])};
+}
+
 // Errors: CLI::ValidationError for options that do not go together.
 void take(const Given& given, Options& options) {
   if (*given.guidesOption) options.guides = given.guides;
@@ -389,6 +431,7 @@ void take(const Given& given, Options& options) {
   if (*given.subStepsOption) options.subSteps = given.subSteps;
   if (*given.windOption) options.wind = {given.wind[0], given.wind[1], given.wind[2]};
   options.images = !given.noImages;
+  takeCamera(given, options);
   options.files.repair = true;
   takeSettings(given, options);
   checkTogether(options, given.wind);
@@ -412,7 +455,7 @@ std::variant<Options, int> parseOptions(int argc, const char* const* argv) {
   addFileOptions(app, options, given);
   addHairOptions(app, options, given);
   addSimulationOptions(app, options, given);
-  addPictureOptions(app, options);
+  addPictureOptions(app, options, given);
   addDrawingOptions(app, options, given);
   addOutputOptions(app, options);
   try {

@@ -1,6 +1,7 @@
 // The command line of pelage-headless.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -61,6 +62,8 @@ struct Options {
   std::optional<uint32_t> samples;  ///< what the kind of transparency wants when not given
   pelage::Transparency transparency = pelage::Transparency::kWindowed;
   pelage::HairShadow shadow = pelage::HairShadow::kDeep;
+  CameraPlace camera;
+  std::optional<std::array<uint8_t, 3>> background;  ///< sRGB; a gradient when not given
   bool images = true;
   bool drawSdf = false, drawContacts = false;
   std::filesystem::path out = "out";

@@ -11,19 +11,20 @@ namespace sample {
 using pelage::Result;
 
 Result<PictureWriter> PictureWriter::create(const std::filesystem::path& folder, uint32_t cells,
-                                            uint32_t width, uint32_t height, uint32_t supersample) {
+                                            uint32_t width, uint32_t height, uint32_t supersample,
+                                            const Backdrop& backdrop) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error)
     return pelage::Error{
         pelage::ErrorCode::kFileNotFound,
         fmt::format("{}: cannot make the folder: {}", folder.string(), error.message())};
-  return PictureWriter(folder, ContactSheet(cells, width, height), supersample);
+  return PictureWriter(folder, ContactSheet(cells, width, height), supersample, backdrop);
 }
 
 Result<void> PictureWriter::add(uint32_t frame, const pelage::RenderedImage& image) {
   pelage::RenderedImage picture = boxDownsample(image, supersample_);
-  compositeOver(picture, Backdrop{});
+  compositeOver(picture, backdrop_);
   sheet_.add(picture);
   return writePng((folder_ / fmt::format("frame_{:04}.png", frame)).string(), encodeSrgb(picture));
 }

@@ -76,8 +76,8 @@ class FrameLoop {
       : demo_(demo), device_(device) {
     const uint32_t width = options.width * *options.supersample;
     const uint32_t height = options.height * *options.supersample;
-    const Camera camera =
-        demo.camera(static_cast<float>(options.width) / static_cast<float>(options.height));
+    const Camera camera = demo.camera(
+        static_cast<float>(options.width) / static_cast<float>(options.height), options.camera);
     view_ = makeView(camera, width, height, samplesOf(options));
     target_.width = width;
     target_.height = height;
@@ -190,8 +190,9 @@ Result<RunResult> runFrames(const Options& options, FrameLoop& loop, Progress& p
   std::optional<PictureWriter> pictures;
   const uint32_t pictureCount = options.frames / *options.every;
   if (options.images && pictureCount > 0) {
-    auto writer = PictureWriter::create(options.out, pictureCount, options.width, options.height,
-                                        *options.supersample);
+    auto writer = PictureWriter::create(
+        options.out, pictureCount, options.width, options.height, *options.supersample,
+        options.background ? flatBackdrop(*options.background) : Backdrop{});
     if (!writer) return writer.error();
     pictures = std::move(*writer);
   }

@@ -295,6 +295,23 @@ TEST(FileAssetsScene, KeepsColorsAndThicknessOfFilesAndIsBrownWithout) {
     EXPECT_TRUE(color.x == 1 && color.y == 1 && color.z == 1);
 }
 
+TEST(FileAssetsScene, ShowsMeshesAsAWhole) {
+  FileAssets files = headFiles();
+  pelage::CollisionMesh& mesh = files.assets.meshes[0].mesh;
+  Float3& foot = mesh.positions[mesh.indices[0]];
+  foot.y -= 1;
+  const auto demo = required(DemoScene::create(files, {}));
+  const pelage::View view = sample::makeView(demo->camera(1), 64, 64, 1);
+  for (const Float3& p : mesh.positions) {
+    const auto row = [&](int i) {
+      const Float4& r = view.worldToClip.rows[i];
+      return r.x * p.x + r.y * p.y + r.z * p.z + r.w;
+    };
+    ASSERT_TRUE(std::abs(row(0)) < row(3) && std::abs(row(1)) < row(3))
+        << p.x << ' ' << p.y << ' ' << p.z;
+  }
+}
+
 TEST(FileAssetsScene, RefusesFilesWithoutHairAndFieldsThatAreNotThere) {
   EXPECT_FALSE(DemoScene::create(FileAssets{}, {}));
   DemoDef def;

@@ -1,6 +1,7 @@
 // The parts of the sample that need no GPU.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -135,6 +136,46 @@ TEST(Camera, SeesEveryPointAndTouchesTheMargin) {
       pelage::test::keepLargest(widest, std::abs(clip[1] / clip[3]));
     }
     EXPECT_NEAR(widest, 0.8f, 2e-3f) << aspect;
+  }
+}
+
+TEST(Camera, IsWhereItIsPutAndSeesAllPointsInDepth) {
+  const std::vector<Float3> points = {{0, 1, 0}, {0.2f, 1.5f, 0.1f}, {-0.3f, 1.2f, -0.4f}};
+  const sample::Camera seen =
+      sample::placeCamera(points, {.eye = Float3{0, 1.2f, 3}, .verticalFov = 0.5f}, {}, 1);
+  EXPECT_TRUE(seen.eye.z == 3 && seen.verticalFov == 0.5f);
+  EXPECT_NEAR(seen.target.y, 1.25f, 1e-6);  // the middle of the points
+  EXPECT_TRUE(seen.near > 0 && seen.near < 2.9f && seen.far > 3.4f);
+  // Among the points, one is behind.
+  const sample::Camera inside = sample::placeCamera(
+      points, {.eye = Float3{0, 1.2f, -0.1f}, .target = Float3{0, 1.2f, 1}}, {}, 1);
+  EXPECT_EQ(inside.target.z, 1);
+  EXPECT_GT(inside.near, 0);
+  EXPECT_GT(inside.far, inside.near);
+  // Without an eye it frames the points.
+  const sample::Camera framed = sample::placeCamera(points, {.verticalFov = 0.3f}, {}, 1);
+  EXPECT_EQ(framed.eye, sample::frameAll(points, {.verticalFov = 0.3f}, 1).eye);
+}
+
+TEST(Camera, LooksStraightDown) {
+  const sample::Camera camera =
+      sample::placeCamera(std::vector<Float3>{{0, 1, 0}, {0.2f, 1.5f, 0.1f}},
+                          {.eye = Float3{0, 4, 0}, .target = Float3{0, 0, 0}}, {}, 1);
+  const pelage::View view = sample::makeView(camera, 16, 16, 1);
+  const Float4& right = view.worldToClip.rows[0];
+  const Float4& up = view.worldToClip.rows[1];
+  EXPECT_TRUE(right.x > 1 && right.y == 0 && right.z == 0);
+  EXPECT_TRUE(up.z < -1 && up.y == 0 && up.x == 0);
+}
+
+TEST(Image, AFlatBackdropHasItsBytesInThePicture) {
+  for (const uint8_t value : std::to_array<uint8_t>({0, 1, 100, 200, 250, 255})) {
+    pelage::RenderedImage image;
+    image.width = image.height = 1;
+    image.pixels.resize(1);
+    sample::compositeOver(image, sample::flatBackdrop({value, 30, 255}));
+    const sample::ByteImage bytes = sample::encodeSrgb(image);
+    EXPECT_EQ(bytes.rgb, (std::vector<uint8_t>{value, 30, 255}));
   }
 }
 

@@ -59,9 +59,44 @@ Camera frameAll(std::span<const Float3> points, const CameraDef& def, float aspe
   return camera;
 }
 
+Camera placeCamera(std::span<const Float3> points, const CameraPlace& place, const CameraDef& def,
+                   float aspect) {
+  CameraDef framed = def;
+  framed.verticalFov = place.verticalFov.value_or(def.verticalFov);
+  if (!place.eye) return frameAll(points, framed, aspect);
+  Camera camera;
+  camera.verticalFov = framed.verticalFov;
+  camera.eye = *place.eye;
+  Float3 low = points[0], high = points[0];
+  for (const Float3& p : points) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  camera.target = place.target.value_or(
+      Float3{(low.x + high.x) / 2, (low.y + high.y) / 2, (low.z + high.z) / 2});
+  const Float3 view = add(camera.target, camera.eye, -1);
+  const Float3 forward = dot(view, view) > 0 ? unit(view) : Float3{0, 0, -1};
+  if (!(dot(view, view) > 0)) camera.target = add(camera.eye, forward);
+  float nearest = std::numeric_limits<float>::max(), farthest = 0;
+  for (const Float3& p : points) {
+    const float distance = dot(add(p, camera.eye, -1), forward);
+    nearest = std::min(nearest, distance);
+    farthest = std::max(farthest, distance);
+  }
+  // The margins are those of frameAll(): hair moves out of its bind shape.
+  const float depth = std::max(farthest - nearest, 1e-3f);
+  camera.near = std::max(nearest / 2, depth * 1e-2f);
+  camera.far = std::max(farthest, camera.near) + 4 * depth;
+  return camera;
+}
+
 pelage::View makeView(const Camera& camera, uint32_t width, uint32_t height, uint32_t samples) {
   pelage::View view;
-  view.worldToClip = pelage::lookAt(camera.eye, camera.target, {0, 1, 0}, camera.verticalFov,
+  // Seen from straight above or below, -z is up.
+  const Float3 forward = unit(add(camera.target, camera.eye, -1));
+  const bool vertical = std::hypot(forward.x, forward.z) < 1e-4f;
+  const Float3 up = vertical ? Float3{0, 0, -1} : Float3{0, 1, 0};
+  view.worldToClip = pelage::lookAt(camera.eye, camera.target, up, camera.verticalFov,
                                     static_cast<float>(width) / static_cast<float>(height),
                                     camera.near, camera.far);
   view.eye = camera.eye;

@@ -1,6 +1,7 @@
 // A camera that sees all of something.
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "pelage/types.h"
@@ -26,6 +27,19 @@ struct Camera {
 /// \param points at least one [m].
 /// \param aspect width over height of the picture.
 Camera frameAll(std::span<const pelage::Float3> points, const CameraDef& def, float aspect);
+
+/// A camera where somebody wants it; members that are not given are found from the points.
+struct CameraPlace {
+  std::optional<pelage::Float3> eye = {};  ///< [m]; without it all points are in the picture
+  std::optional<pelage::Float3> target =
+      {};                                 ///< with an eye: what it looks at [m]; else their middle
+  std::optional<float> verticalFov = {};  ///< full angle [radians]; else CameraDef::verticalFov
+};
+
+/// \param points, def, aspect as those of frameAll(). Its depth range holds the points before the
+/// eye.
+Camera placeCamera(std::span<const pelage::Float3> points, const CameraPlace& place,
+                   const CameraDef& def, float aspect);
 
 /// The view of a camera on a target of this size.
 pelage::View makeView(const Camera& camera, uint32_t width, uint32_t height, uint32_t samples);

@@ -440,7 +440,9 @@ uint64_t DemoScene::vertexCount() const {
   return count;
 }
 
-Camera DemoScene::camera(float aspect) const { return frameAll(sweptPoints_, cameraDef_, aspect); }
+Camera DemoScene::camera(float aspect, const CameraPlace& place) const {
+  return placeCamera(sweptPoints_, place, cameraDef_, aspect);
+}
 
 Camera DemoScene::cameraFrom(const Float3& direction, float aspect) const {
   CameraDef def = cameraDef_;

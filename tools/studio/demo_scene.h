@@ -133,7 +133,9 @@ class DemoScene {
   void finish(pelage::PassList& list) { scene_->finish(list); }
 
   /// A camera that sees the bind shape in every pose of the motion.
-  Camera camera(float aspect) const;
+  Camera camera(float aspect) const { return camera(aspect, {}); }
+  /// The same from a place, as far as it is given.
+  Camera camera(float aspect, const CameraPlace& place) const;
   /// The same from another side. \param direction from the scene towards the camera; any length >
   /// 0.
   Camera cameraFrom(const pelage::Float3& direction, float aspect) const;

@@ -195,6 +195,7 @@ Result<void> DemoScene::addFiles(const FileAssets& files, const std::vector<std:
     if (added && !def.drawSdf)
       added = addMesh(mesh, {.name = cached.name + "/mesh", .influences = mesh.influences});
     if (!added) return added;
+    for (const std::vector<AffineTransform>& pose : poses) sweepMesh(mesh, pose, sweptPoints_);
   }
   return {};
 }

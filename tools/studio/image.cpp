@@ -89,6 +89,19 @@ RenderedImage boxDownsample(const RenderedImage& image, uint32_t factor) {
   return reduce(image, factor, image.width / factor, image.height / factor);
 }
 
+Backdrop flatBackdrop(const std::array<uint8_t, 3>& srgb) {
+  // The inverse of encodeSrgb().
+  const auto linear = [](uint8_t byte) {
+    const float v = std::min(static_cast<float>(byte) / 255, 0.999f);  // 1 would be infinite
+    const float light = v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
+    if (light <= kShoulder) return light;
+    const float room = 1 - kShoulder;
+    return kShoulder - room * std::log(1 - (light - kShoulder) / room);
+  };
+  const Float3 color = {linear(srgb[0]), linear(srgb[1]), linear(srgb[2])};
+  return {color, color, 0};
+}
+
 void compositeOver(RenderedImage& image, const Backdrop& backdrop) {
   const float width = static_cast<float>(image.width), height = static_cast<float>(image.height);
   for (uint32_t y = 0; y < image.height; ++y) {

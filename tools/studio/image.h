@@ -1,6 +1,7 @@
 // Pictures on the host: linear float pixels from the device, 8-bit sRGB for files.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -22,6 +23,9 @@ struct Backdrop {
   pelage::Float3 bottom = {0.26f, 0.27f, 0.285f};
   float glow = 0.6f;  ///< relative brightening in the middle, >= 0
 };
+
+/// A backdrop of one color. \param srgb  its bytes in the picture that encodeSrgb() makes
+Backdrop flatBackdrop(const std::array<uint8_t, 3>& srgb);
 
 /// The pixels of a picture that show hair.
 struct HairPixels {
