@@ -222,7 +222,7 @@ TEST(Plan, AShotWithoutAFolderIsMissing) {
   EXPECT_EQ(status->chunks, 3u);
   const auto check = required(verifyShot(*project, project->shots[0], false));
   EXPECT_FALSE(check->complete);
-  EXPECT_EQ(check->fault, "chunk 0 is missing");
+  EXPECT_EQ(check->fault, "chunk 0 is missing or damaged; run the shot again");
 }
 
 TEST(Json, LengthsHaveUnits) {

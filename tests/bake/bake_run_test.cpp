@@ -245,6 +245,36 @@ TEST_F(Bake, GoesOnBehindAnInterruptionAtAnyFrame) {
   const auto check = required(verifyShot(project, project.shots[0], true));
   EXPECT_TRUE(check->complete);
   EXPECT_EQ(check->fault, "");
+  const auto stateNow = [&](bool hashed) {
+    FileHashes hashes;
+    const auto status = required(statusOf(project, project.shots[0], hashes, hashed));
+    EXPECT_EQ(status->state == ShotState::kDamaged,
+              status->fault.find("--restart") != std::string::npos);
+    return status->state;
+  };
+  EXPECT_EQ(stateNow(true), ShotState::kComplete);
+
+  // A byte that has changed, and a file that has become shorter.
+  const auto path = project.output / "s" / "hair.pelagecache";
+  const std::string good = cacheOf(project);
+  std::string bad = good;
+  bad[bad.size() / 2] ^= 1;
+  (void)folder_.write(path.string(), bad);
+  EXPECT_EQ(stateNow(true), ShotState::kDamaged);
+  expectError(runShot(project, project.shots[0], {}), {"hair.pelagecache", "--restart"});
+  expectHas(required(verifyShot(project, project.shots[0], false))->fault,
+            project.file.string() + " --shot s --restart");
+  (void)folder_.write(path.string(), good.substr(1));
+  EXPECT_EQ(stateNow(false), ShotState::kDamaged);
+  (void)folder_.write(path.string(), good);
+  const auto donePath = project.output / "s" / "done.json";
+  const std::string done = textOf(donePath);
+  (void)folder_.write(donePath.string(), done.substr(1));
+  EXPECT_EQ(stateNow(false), ShotState::kDamaged);
+  expectError(runShot(project, project.shots[0], {}), {"done.json", "--restart"});
+  (void)folder_.write(donePath.string(), done);
+  EXPECT_EQ(stateNow(true), ShotState::kComplete);
+
   const Project changed = load("parts", ", \"subSteps\": 2");
   expectError(runShot(changed, changed.shots[0], {}), "--restart");
   FileHashes hashes;

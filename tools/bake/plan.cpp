@@ -49,6 +49,13 @@ uint64_t totalBytes(const std::vector<StoredFile>& files) {
   return sum;
 }
 
+// A fault of a complete shot, with the way out.
+std::string withRestart(const std::string& fault, const Project& project, const Shot& shot) {
+  if (fault.empty()) return fault;
+  return fmt::format("{}; begin anew: pelage-bake run {} --shot {} --restart", fault,
+                     shellWord(project.file.string()), shellWord(shot.name));
+}
+
 // Returns the error of a cache of a shot; empty if there is none.
 std::string faultOfCache(const Path& path, const Shot& shot, bool decode) {
   auto reader = HairCacheReader::open(path);
@@ -121,13 +128,16 @@ const char* toString(ShotState state) {
       return "running";
     case ShotState::kComplete:
       return "complete";
+    case ShotState::kDamaged:
+      return "damaged";
     case ShotState::kStale:
       return "stale";
   }
   return "unknown";
 }
 
-Result<ShotStatus> statusOf(const Project& project, const Shot& shot, FileHashes& hashes) {
+Result<ShotStatus> statusOf(const Project& project, const Shot& shot, FileHashes& hashes,
+                            bool check) {
   const ShotStore store(project, shot);
   ShotStatus status;
   status.chunks = chunkCount(project, shot);
@@ -135,17 +145,22 @@ Result<ShotStatus> statusOf(const Project& project, const Shot& shot, FileHashes
   if (!fingerprint) return fingerprint.error();
   addEvents(store.events(), status);
   const auto known = store.fingerprint();
-  if (!known) return known.error();
   const auto done = store.done();
-  if (!done) return done.error();
+  if (!known || !done) {
+    status.state = ShotState::kDamaged;
+    status.fault = (known ? done.error() : known.error()).message;
+    return status;
+  }
   if (*done) {
     const auto files = filesOf(**done, "done.json");
-    status.state = ShotState::kComplete;
+    if (!files) return files.error();
     status.chunksWritten = status.chunks;
-    if (files) status.bytes = totalBytes(*files);
+    status.bytes = totalBytes(*files);
+    status.fault = withRestart(faultOf(*files, store.folder(), check), project, shot);
+    status.state = status.fault.empty() ? ShotState::kComplete : ShotState::kDamaged;
   } else {
     for (uint64_t i = 0; i < status.chunks; ++i) {
-      const std::vector<StoredFile> files = store.chunk(i, false);
+      const std::vector<StoredFile> files = store.chunk(i, check);
       status.chunksWritten += files.empty() ? 0 : 1;
       status.bytes += totalBytes(files);
     }
@@ -168,7 +183,8 @@ Result<ShotCheck> verifyShot(const Project& project, const Shot& shot, bool deco
       const std::vector<StoredFile> files = store.chunk(i, true);
       check.files += files.size();
       check.bytes += totalBytes(files);
-      if (files.empty() && check.fault.empty()) check.fault = fmt::format("chunk {} is missing", i);
+      if (files.empty() && check.fault.empty())
+        check.fault = fmt::format("chunk {} is missing or damaged; run the shot again", i);
     }
     return check;
   }
@@ -181,6 +197,7 @@ Result<ShotCheck> verifyShot(const Project& project, const Shot& shot, bool deco
   for (const StoredFile& file : *files)
     if (check.fault.empty() && Path(file.name).extension() == ".pelagecache")
       check.fault = faultOfCache(store.folder() / file.name, shot, decode);
+  check.fault = withRestart(check.fault, project, shot);
   return check;
 }
 

@@ -24,7 +24,7 @@ std::string shellWord(const std::string& text);
 /// "A-B", with numbers below 0, too; nothing for other text.
 std::optional<FrameRange> parseFrames(const std::string& text);
 
-enum class ShotState : uint8_t { kMissing, kPartial, kRunning, kComplete, kStale };
+enum class ShotState : uint8_t { kMissing, kPartial, kRunning, kComplete, kDamaged, kStale };
 const char* toString(ShotState state);
 
 struct ShotStatus {
@@ -36,14 +36,17 @@ struct ShotStatus {
   double seconds = 0;               ///< likewise
   uint32_t starts = 0, errors = 0;  ///< processes that began to simulate, and errors of these
   std::string lastError;
+  std::string fault;  ///< of kDamaged, with the way out
 };
-/// Errors: inputs that cannot be read, files of the shot that are damaged.
-Result<ShotStatus> statusOf(const Project& project, const Shot& shot, FileHashes& hashes);
+/// \param check  hashes the files that are complete; false: compares their sizes alone. Errors:
+/// inputs that cannot be read.
+Result<ShotStatus> statusOf(const Project& project, const Shot& shot, FileHashes& hashes,
+                            bool check = false);
 
 struct ShotCheck {
   bool complete = false;
   uint64_t files = 0, bytes = 0;
-  std::string fault;  ///< empty where all is well
+  std::string fault;  ///< with the way out; empty where all is well
 };
 /// Hashes all files of a complete shot, opens its caches and counts their frames; of a shot that is
 /// not complete its chunks. \param decode  also decodes all frames

@@ -50,14 +50,14 @@ Result<void> plan(const PlanArguments& arguments, Session& session) {
   return {};
 }
 
-Result<void> status(const std::string& path, Session& session) {
+Result<void> status(const std::string& path, bool check, Session& session) {
   const auto project = loadProject(path);
   if (!project) return project.error();
   nlohmann::json shots = nlohmann::json::array();
   uint64_t complete = 0;
   FileHashes hashes;
   for (const Shot& shot : project->shots) {
-    const auto status = statusOf(*project, shot, hashes);
+    const auto status = statusOf(*project, shot, hashes, check);
     if (!status) return status.error();
     complete += status->state == ShotState::kComplete ? 1 : 0;
     shots.push_back({{"name", shot.name},
@@ -70,18 +70,22 @@ Result<void> status(const std::string& path, Session& session) {
                      {"seconds", status->seconds},
                      {"starts", status->starts},
                      {"errors", status->errors},
-                     {"last_error", status->lastError}});
+                     {"last_error", status->lastError},
+                     {"fault", status->fault}});
+    std::string trouble;
+    if (!status->fault.empty())
+      trouble = ", " + status->fault;
+    else if (status->state != ShotState::kComplete && !status->lastError.empty())
+      trouble = ", last error: " + status->lastError;
     session.add("", {}, shot.name,
                 fmt::format("{:<8}  {}/{} chunks, {:.2f} MB{}", toString(status->state),
                             status->chunksWritten, status->chunks,
-                            1e-6 * static_cast<double>(status->bytes),
-                            status->state == ShotState::kComplete || status->lastError.empty()
-                                ? ""
-                                : ", last error: " + status->lastError));
+                            1e-6 * static_cast<double>(status->bytes), trouble));
   }
   session.add("shots", std::move(shots), "", "");
   session.add("complete", complete, "complete",
-              fmt::format("{} of {} shots", complete, project->shots.size()));
+              fmt::format("{} of {} shots{}", complete, project->shots.size(),
+                          check ? "" : ", by the sizes of files; --check reads them"));
   return {};
 }
 
@@ -97,7 +101,8 @@ Result<void> verify(const std::string& path, bool decode, Session& session, int&
     const bool isFine = check && check->complete && fault.empty();
     const std::string text = isFine           ? "fine"
                              : !fault.empty() ? fault
-                                              : "all chunks are fine, but it is not complete";
+                                              : "all chunks are fine, but it is not complete; run "
+                                                "the shot again";
     fine += isFine ? 1 : 0;
     bytes += check ? check->bytes : 0;
     shots.push_back({{"name", shot.name}, {"fine", isFine}, {"text", text}});
@@ -133,10 +138,12 @@ void addPlanCommand(CLI::App& app, Session& session) {
 
 void addStatusCommand(CLI::App& app, Session& session) {
   auto project = std::make_shared<std::string>();
+  auto check = std::make_shared<bool>(false);
   CLI::App* command = app.add_subcommand("status", "Says how far the shots of a project are");
   command->add_option("PROJECT", *project, "Project, .json")->required();
-  command->callback([project, &session] {
-    session.command = [project, &session] { return status(*project, session); };
+  command->add_flag("--check", *check, "Hash the files, too, in place of comparing their sizes");
+  command->callback([project, check, &session] {
+    session.command = [project, check, &session] { return status(*project, *check, session); };
   });
 }
 

@@ -66,7 +66,8 @@ struct Run {
   CheckpointKey key(uint64_t steps) const { return {fingerprint, steps, report.device}; }
 };
 
-Result<bool> isComplete(Run& run) {
+// \param hashes  reads the files; false: compares their sizes alone
+Result<bool> isComplete(Run& run, bool hashes) {
   const auto done = run.store.done();
   if (!done) return done.error();
   if (!*done) return false;
@@ -78,7 +79,7 @@ Result<bool> isComplete(Run& run) {
                              "now; --restart begins anew, or give the shot another name",
                              run.store.folder().string())};
   const auto files = filesOf(**done, "done.json");
-  const std::string fault = files ? faultOf(*files, run.store.folder(), false) : "";
+  const std::string fault = files ? faultOf(*files, run.store.folder(), hashes) : "";
   if (!fault.empty())
     return Error{ErrorCode::kInvalidFile, fmt::format("{}: {}; begin anew by --restart",
                                                       run.store.folder().string(), fault)};
@@ -392,7 +393,7 @@ Result<void> commit(Run& run, const std::vector<StoredFile>& files) {
 Result<void> finish(Run& run) {
   const auto lock = FileLock::take(run.store.lockPath(), FileLock::Wait::kYes);
   if (!lock) return lock.error();
-  const auto complete = isComplete(run);
+  const auto complete = isComplete(run, false);
   if (!complete) return complete.error();
   if (*complete) return {};
   const uint64_t count = chunkCount(run.project, run.shot);
@@ -452,7 +453,7 @@ Result<RunReport> runShot(const Project& project, const Shot& shot, const RunOpt
   }
   if (run.options.restart)
     if (auto cleared = run.store.clear(); !cleared) return cleared.error();
-  auto complete = isComplete(run);
+  auto complete = isComplete(run, true);
   if (!complete) return complete.error();
   run.report.wasComplete = *complete;
   if (*complete) {
@@ -468,7 +469,7 @@ Result<RunReport> runShot(const Project& project, const Shot& shot, const RunOpt
   const Result<void> done = work(run, *chunks);
   if (done) return run.report;
   // Another process, of a range that overlaps, may have completed the shot and removed its work.
-  complete = isComplete(run);
+  complete = isComplete(run, false);
   if (complete && *complete) {
     run.report.outcome = RunOutcome::kComplete;
     return run.report;

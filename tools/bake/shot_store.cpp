@@ -35,7 +35,15 @@ bool isThere(const Path& path) {
 }
 
 Error damaged(const std::string& name) {
-  return {ErrorCode::kInvalidFile, name + ": is damaged; remove the folder, or use --restart"};
+  return {ErrorCode::kInvalidFile, name + ": is damaged; begin anew by --restart"};
+}
+
+// The JSON of a file that the store has written.
+Result<json> loadOwn(const Path& path) {
+  auto loaded = loadJson(path.string());
+  if (!loaded)
+    return Error{loaded.error().code, loaded.error().message + "; begin anew by --restart"};
+  return loaded;
 }
 
 }  // namespace
@@ -101,7 +109,7 @@ Path ShotStore::checkpointFile(uint64_t steps) const {
 Result<std::optional<json>> ShotStore::done() const {
   const Path path = folder_ / "done.json";
   if (!isThere(path)) return std::optional<json>();
-  auto loaded = loadJson(path.string());
+  auto loaded = loadOwn(path);
   if (!loaded) return loaded.error();
   const auto files = filesOf(*loaded, path.string());
   if (!files) return files.error();
@@ -112,7 +120,7 @@ Result<std::optional<uint64_t>> ShotStore::fingerprint(std::string* device) cons
   Path path = folder_ / "done.json";
   if (!isThere(path)) path = work() / "key.json";
   if (!isThere(path)) return std::optional<uint64_t>();
-  const auto key = loadJson(path.string());
+  const auto key = loadOwn(path);
   if (!key) return key.error();
   const bool fits = key->is_object() && key->contains("inputs") && (*key)["inputs"].is_string() &&
                     key->contains("device") && (*key)["device"].is_string();
