@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "messages.h"
+#include "modeling_files.h"
 
 namespace sample {
 
@@ -58,9 +59,12 @@ void checkFiles(const Options& options) {
                                "are for --asset, in the same order; there are more of them");
   if (!options.files.followHairs.empty() && options.repeat != 1)
     throw CLI::ValidationError("--repeat", "is without --follow-file");
-  if (!options.clip.empty() && options.animation.empty())
+  const bool onlyTfx = std::none_of(files.hairs.begin(), files.hairs.end(), [](const auto& path) {
+    return isModelingFile(pelage::program::lowerExtension(path));
+  });
+  if (!options.clip.empty() && options.animation.empty() && onlyTfx)
     throw CLI::ValidationError("--clip", "needs --animation");
-  if (options.drawSdf && files.meshes.empty() && files.cache.empty())
+  if (options.drawSdf && files.meshes.empty() && files.cache.empty() && onlyTfx)
     throw CLI::ValidationError("--draw-sdf", "needs --mesh with --asset");
   if (options.guides)
     throw CLI::ValidationError("--guides", "is for the generated groom, not for files");
@@ -154,9 +158,10 @@ void addDeviceOptions(CLI::App& app, Options& options) {
 
 void addFileOptions(CLI::App& app, Options& options, Given& given) {
   pelage::program::AssetFiles& files = options.files;
-  app.add_option("--asset", files.hairs, "guide hairs; any number")
+  app.add_option("--asset", files.hairs,
+                 "hair: .tfx" + std::string(modelingExtensions()) + "; any number")
       ->allow_extra_args(false)
-      ->type_name("FILE.tfx");
+      ->type_name("FILE");
   app.add_option("--bones", files.bones,
                  "bone weights: the first of the first --asset, and so on; - for none")
       ->allow_extra_args(false)

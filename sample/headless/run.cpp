@@ -16,7 +16,7 @@
 #include "device.h"
 #include "figures.h"
 #include "messages.h"
-#include "motion_file.h"
+#include "modeling_files.h"
 #include "picture_writer.h"
 
 namespace sample {
@@ -363,16 +363,56 @@ Result<DemoScene> makeHeadScene(const Options& options) {
   return DemoScene::create(*assets, demoDef(options));
 }
 
+// Takes the hair of modeling programs out of the files. Errors: bones or follow hairs for it.
+Result<std::vector<std::filesystem::path>> takeModelingFiles(pelage::program::AssetFiles& files) {
+  const pelage::program::AssetFiles all = files;
+  files.hairs.clear();
+  files.bones.clear();
+  files.followHairs.clear();
+  std::vector<std::filesystem::path> modeling;
+  for (size_t i = 0; i < all.hairs.size(); ++i) {
+    const auto of = [i](const std::vector<std::filesystem::path>& paths) {
+      return i < paths.size() ? paths[i] : "-";
+    };
+    const std::filesystem::path bones = of(all.bones), followHairs = of(all.followHairs);
+    if (!isModelingFile(pelage::program::lowerExtension(all.hairs[i]))) {
+      files.hairs.push_back(all.hairs[i]);
+      files.bones.push_back(bones);
+      files.followHairs.push_back(followHairs);
+    } else if (bones == "-" && followHairs == "-") {
+      modeling.push_back(all.hairs[i]);
+    } else {
+      return Error{ErrorCode::kInvalidArgument,
+                   all.hairs[i].string() +
+                       ": --bones and --follow-file are for .tfx; pelage-convert groom makes one"};
+    }
+  }
+  return modeling;
+}
+
 Result<FileAssets> loadFiles(const Options& options, Progress& progress) {
   progress.begin("loading files");
+  pelage::program::AssetFiles own = options.files;
+  const auto modeling = takeModelingFiles(own);
+  if (!modeling) return modeling.error();
   std::vector<std::string> warnings;
-  auto loaded = pelage::program::loadAssetFiles(options.files, warnings);
+  auto loaded = pelage::program::loadAssetFiles(own, warnings);
   if (!loaded) return loaded.error();
+  FileAssets files = {*std::move(loaded), {}};
+  if (!options.animation.empty()) {
+    // --scale is not for it.
+    auto motion = loadMotion(options.animation, {.clip = options.clip});
+    if (!motion) return motion.error();
+    files.motion = *std::move(motion);
+  }
+  if (Result<void> added =
+          addModelingFiles(*modeling, {.scale = own.scale, .clip = options.clip}, files, warnings);
+      !added)
+    return added.error();
   progress.clear();
   for (const std::string& warning : warnings) printWarning(warning);
-  for (const std::string& warning : pelage::program::unitWarnings(*loaded, options.files.scale))
+  for (const std::string& warning : pelage::program::unitWarnings(files.assets, own.scale))
     printWarning(warning);
-  FileAssets files = {*std::move(loaded), {}};
   for (pelage::CachedHair& hair : files.assets.hairs) {
     // The follow hairs of a cache; --follow-file excludes --follow.
     if (options.follow) hair.followHairs.clear();
@@ -381,11 +421,6 @@ Result<FileAssets> loadFiles(const Options& options, Progress& progress) {
             repeatGuides(hair.asset, hair.bones ? hair.bones->strands : none, options.repeat);
         !done)
       return done.error();
-  }
-  if (!options.animation.empty()) {
-    auto motion = loadMotion(options.animation, options.clip);
-    if (!motion) return motion.error();
-    files.motion = *std::move(motion);
   }
   return files;
 }

@@ -251,6 +251,27 @@ TEST_F(ProgramsOnce, ParametersRendersAStrip) {
   EXPECT_GT(levels.size(), 20u);
 }
 
+#ifdef PELAGE_ANIMATIONS
+// Hair of modeling programs is taken as it is, in one run with a .tfx.
+TEST_F(ProgramsOnce, HeadlessTakesHairOfModelingPrograms) {
+  writeCentimeters();
+  std::string curves = "hairtxt 1 x y z\n";
+  for (int strand = 0; strand < 12; ++strand)
+    for (int v = 0; v < 5; ++v)
+      curves += std::to_string(strand % 4) + " " + std::to_string(-6 * v) + " " +
+                std::to_string(strand / 4) + (v == 4 ? "\n\n" : "\n");
+  (void)folder_.write("curves.hairtxt", curves);
+  const ProgramOutput output = headless("--scale 0.01 --asset curves.hairtxt --asset cm.tfx");
+  ASSERT_EQ(output.code, 0) << output.errors;
+  EXPECT_EQ(output.errors, "");
+  expectHas(output.out, "curves, 12 guides");
+  expectHas(output.out, "cm, 24 guides");
+  const ProgramOutput bones = headless("--asset curves.hairtxt --bones cm.tfxbone");
+  EXPECT_EQ(bones.code, 1);
+  expectHas(bones.errors, "curves.hairtxt: --bones and --follow-file are for .tfx");
+}
+#endif
+
 #ifdef PELAGE_HELLO  // Vulkan
 TEST_F(ProgramsOnce, HelloSaysWhereATipWent) {
   const ProgramOutput output = run(PELAGE_HELLO, "");

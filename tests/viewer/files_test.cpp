@@ -73,6 +73,19 @@ TEST_F(ViewerFiles, WhatIsNoHairIsRefusedByName) {
 }
 
 #ifdef PELAGE_TEST_AUTHORING
+TEST_F(ViewerFiles, CurvesKeepTheirColorAndThickness) {
+  (void)folder_.write("look.hairtxt",
+                      "hairtxt 1 x y z radius r g b\n"
+                      "0 0 0 12e-5 0.5 0.25 1\n0 0.3 0 12e-5 0.5 0.25 1\n");
+  const auto loaded = required(viewer::loadFiles(std::vector<Path>{file("look.hairtxt")}, 1));
+  ASSERT_EQ(loaded->assets.hairs.size(), 1u);
+  const pelage::HairAsset& hair = loaded->assets.hairs[0].asset;
+  ASSERT_EQ(hair.strandThickness.size(), 1u);
+  EXPECT_NEAR(hair.strandThickness[0], 3, 1e-5f);  // of 40 um
+  ASSERT_FALSE(hair.vertexColor.empty());
+  EXPECT_EQ(hair.vertexColor[0].y, 0.25f);
+}
+
 // Hair collides with a character and follows it; its clip moves in the file's unit.
 TEST_F(ViewerFiles, ACharacterMovesHairThatHasNoBones) {
   const auto character = required(pelage::generateCharacter());

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "asset_files.h"
+#include "modeling_files.h"
 
 namespace viewer {
 
@@ -33,8 +34,7 @@ Path companionOf(const Path& hair, const char* extension, std::span<const Path> 
 
 struct Sorted {
   pelage::program::AssetFiles own;  // pelage's own formats
-  std::vector<Path> curves;         // of the authoring library
-  std::vector<Path> characters;     // likewise; their curves are optional
+  std::vector<Path> modeling;       // sample::isModelingFile()
 };
 
 Result<Sorted> sortFiles(std::span<const Path> files) {
@@ -53,22 +53,19 @@ Result<Sorted> sortFiles(std::span<const Path> files) {
         return Error{ErrorCode::kInvalidArgument,
                      file.string() + ": a second .pelage file; one holds a whole scene"};
       sorted.own.cache = file;
-    } else if (isCharacterFile(extension)) {
-      sorted.characters.push_back(file);
-    } else if (isCurveFile(extension)) {
-      sorted.curves.push_back(file);
+    } else if (sample::isModelingFile(extension)) {
+      sorted.modeling.push_back(file);
     } else if (extension != ".tfxbone" && extension != ".tfxfollow") {
       return Error{ErrorCode::kUnsupported,
                    fmt::format("{}: the viewer opens .tfx, .tfxbone, .tfxfollow, .tfxmesh, "
                                ".pelage{}",
-                               file.string(), curveExtensions())};
+                               file.string(), sample::modelingExtensions())};
     }
   }
   return sorted;
 }
 
-// Loads all files; scale and guesses stay. Hair comes before characters, which bind it to their
-// meshes.
+// Loads all files; scale and guesses stay.
 Result<void> loadSorted(Sorted sorted, const std::string& clip, LoadedFiles& loaded) {
   loaded.remarks.clear();
   loaded.motion.reset();
@@ -76,13 +73,10 @@ Result<void> loadSorted(Sorted sorted, const std::string& clip, LoadedFiles& loa
   auto assets = pelage::program::loadAssetFiles(sorted.own, loaded.remarks);
   if (!assets) return assets.error();
   loaded.assets = *std::move(assets);
-  for (const Path& file : sorted.curves) {
-    auto hair = loadCurveFile(file, loaded.scale, loaded.remarks);
-    if (!hair) return hair.error();
-    loaded.assets.hairs.push_back(*std::move(hair));
-  }
-  for (const Path& file : sorted.characters)
-    if (Result<void> done = addCharacterFile(file, clip, loaded); !done) return done;
+  if (Result<void> done = sample::addModelingFiles(
+          sorted.modeling, {.scale = loaded.scale, .clip = clip}, loaded, loaded.remarks);
+      !done)
+    return done;
   if (loaded.assets.hairs.empty())
     return Error{ErrorCode::kInvalidArgument,
                  "there is no hair in the files: name a groom, too (.tfx or .pelage)"};
@@ -128,7 +122,7 @@ bool isKnownFile(const Path& path) {
   const std::string extension = lowerExtension(path);
   constexpr const char* kOwn[] = {".tfx", ".tfxbone", ".tfxfollow", ".tfxmesh", ".pelage", ".json"};
   return std::find(std::begin(kOwn), std::end(kOwn), extension) != std::end(kOwn) ||
-         isCurveFile(extension) || isCharacterFile(extension);
+         sample::isModelingFile(extension);
 }
 
 pelage::Result<std::vector<FolderEntry>> listFolder(const std::filesystem::path& folder) {
