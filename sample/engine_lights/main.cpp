@@ -36,7 +36,8 @@ int main(int argc, char** argv) {
   const std::string usage =
       "usage: pelage-engine-lights FILE.png [vulkan|gl|gles] "
       "[alpha-test|stochastic|windowed|hybrid|short-cut|tiles]";
-  if (argc < 2 || argc > 4) return fail(usage);
+  if (argc == 2 && std::string_view(argv[1]) == "--help") return std::puts(usage.c_str()) < 0;
+  if (argc < 2 || argc > 4 || argv[1][0] == '-') return fail(usage);
   const auto api = sample::parseApi(argc > 2 ? argv[2] : "vulkan");
   const auto method = parseMethod(argc > 3 ? argv[3] : "windowed");
   if (!api || !method) return fail(usage);

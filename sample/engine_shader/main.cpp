@@ -2,6 +2,7 @@
 // Usage: pelage-engine-shader FILE.png [vulkan|gl|gles]
 #include <cstdio>
 #include <string>
+#include <string_view>
 
 #include "device.h"
 #include "engine_picture.h"
@@ -19,7 +20,8 @@ int fail(const std::string& why) {
 
 int main(int argc, char** argv) {
   const std::string usage = "usage: pelage-engine-shader FILE.png [vulkan|gl|gles]";
-  if (argc < 2 || argc > 3) return fail(usage);
+  if (argc == 2 && std::string_view(argv[1]) == "--help") return std::puts(usage.c_str()) < 0;
+  if (argc < 2 || argc > 3 || argv[1][0] == '-') return fail(usage);
   const auto api = sample::parseApi(argc > 2 ? argv[2] : "vulkan");
   if (!api) return fail(usage);
   pelage::HeadlessDef deviceDef;

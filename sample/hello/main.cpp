@@ -25,6 +25,8 @@ pelage::Result<pelage::HairAsset> makeHair(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc > 1 && argv[1][0] == '-') return std::puts("usage: pelage-hello [FILE.tfx]") < 0;
+
   // 1. Guide hairs, with the rest data that the simulation needs.
   auto asset = makeHair(argc, argv);
   if (!good(asset) || !good(asset->process())) return 1;

@@ -74,7 +74,7 @@ TEST(Project, WhatIsWrongIsNamedByItsPointer) {
            {"\"api\": \"gl\"", "\"api\": \"metal\"", "/device/api: must be one of"},
            {"\"name\": \"b\"", "\"name\": \"a\"", "/shots/1/name: another shot is 'a'"},
            {"\"name\": \"b\"", "\"name\": \"../b\"", "/shots/1/name: must be"},
-           {"[1, 20]", "[20, 1]", "/shots/0/frames: must be [first, last]"},
+           {"[1, 20]", "[20, 1]", "/shots/0/frames: must be [first, last], first <= last"},
            {"[1, 20]", "[1, 1e400]", "number overflow"},
            {"[1, 20]", "[1, 2000000]", "/shots/0/frames: are more than"},
            {"\"0.5mm\"", "\"0.5 furlongs\"", "/shots/0/errorBound: must be a length"},

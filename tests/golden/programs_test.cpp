@@ -219,6 +219,21 @@ TEST_F(ProgramsOnce, EngineShaderDrawsAHead) {
   expectPicture("head.png", 0.1, 0.95);
 }
 
+TEST_F(ProgramsOnce, SamplesSayHowTheyAreUsed) {
+  std::vector<std::string> programs = {PELAGE_ENGINE_SHADER, PELAGE_ENGINE_LIGHTS};
+#ifdef PELAGE_HELLO
+  programs.emplace_back(PELAGE_HELLO);
+#endif
+  for (const std::string& program : programs) {
+    const ProgramOutput output = run(program, "--help");
+    EXPECT_EQ(output.code, 0) << program;
+    EXPECT_EQ(output.errors, "");
+    expectHas(output.out, "usage: pelage-");
+    EXPECT_FALSE(std::filesystem::exists(file("--help"))) << program;
+  }
+  EXPECT_EQ(run(PELAGE_ENGINE_SHADER, "--size").code, 1);
+}
+
 TEST_F(ProgramsOnce, EngineLightsDrawsTheCharacterInItsLights) {
   const ProgramOutput output = run(PELAGE_ENGINE_LIGHTS, "character.png " + api());
   EXPECT_EQ(output.code, 0) << output.errors;

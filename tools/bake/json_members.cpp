@@ -187,7 +187,8 @@ std::pair<int64_t, int64_t> JsonMembers::range(std::string_view key, int64_t low
   };
   if (!value->is_array() || value->size() != 2 || !fits((*value)[0]) || !fits((*value)[1]) ||
       (*value)[0].get<int64_t>() > (*value)[1].get<int64_t>()) {
-    fault(key, fmt::format("must be [first, last], whole numbers from {} to {}", low, high));
+    fault(key, fmt::format("must be [first, last], first <= last, whole numbers from {} to {}", low,
+                           high));
     return {low, low};
   }
   return {(*value)[0].get<int64_t>(), (*value)[1].get<int64_t>()};
