@@ -1,19 +1,26 @@
 #!/usr/bin/env bash
-# Renders the pictures of docs/viewer.md on a display of its own (xvfb-run):
+# Renders the pictures of docs/viewer.md on a display of its own (Xvfb):
 # scripts/viewer_pictures.sh [PELAGE_VIEWER [arguments]].
 set -euo pipefail
 cd "$(dirname "$0")/.."
 tool=$(realpath "${1:-build/release/viewer/pelage-viewer}")
 shift || true
 out=$(mktemp -d)
-trap 'rm -rf "$out"' EXIT
+Xvfb -displayfd 1 -screen 0 1280x1024x24 > "$out/display" 2> "$out/errors" &
+xvfb=$!
+trap 'kill "$xvfb" 2> /dev/null || true; rm -rf "$out"' EXIT
+until [ -s "$out/display" ]; do
+  kill -0 "$xvfb" 2> /dev/null || { cat "$out/errors" >&2; exit 1; }
+  sleep 0.1
+done
+DISPLAY=:$(cat "$out/display")
+export DISPLAY
 look=(--strands 1 --shadow deep --transparency windowed)
 picture() {  # NAME FRAMES [arguments]: what is on stdin, then a picture at a frame
   local name=$1 frame=$2
   shift 2
   { cat; echo "$frame screenshot $out/$name.png"; } > "$out/$name.txt"
-  xvfb-run -a -s "-screen 0 1280x1024x24" timeout 200 "$tool" --size 960x640 "${look[@]}" \
-    --script "$out/$name.txt" "$@"
+  timeout 200 "$tool" --size 960x640 "${look[@]}" --script "$out/$name.txt" "$@"
   mv "$out/$name.png" "docs/images/$name.png"
 }
 picture viewer 3 "$@" <<< "0 key ="

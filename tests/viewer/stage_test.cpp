@@ -1,9 +1,11 @@
 // Camera and clock of the viewer, the arrow of the wind, and picking of hair.
 #include <gtest/gtest.h>
+#include <imgui.h>
 
 #include <cmath>
 #include <vector>
 
+#include "interface/user_interface.h"
 #include "stage/controls.h"
 #include "stage/hair_pull.h"
 #include "stage/orbit_camera.h"
@@ -108,6 +110,41 @@ TEST(WindArrow, ItsTipSetsTheWindInThePicture) {
   expectNear(storm,
              {viewer::kMaxArrowWind * camera.right().x, viewer::kMaxArrowWind * camera.right().y,
               viewer::kMaxArrowWind * camera.right().z});
+}
+
+TEST(WindArrow, IsBelowWindowsAtTheRight) {
+  viewer::UserInterface interface(1.5f);
+  ImGui::GetIO().Fonts->Build();
+  viewer::WindowSize size;
+  size.width = size.pixelWidth = 960;
+  size.height = size.pixelHeight = 640;
+  size.interfaceScale = 1.5f;
+  ImVec2 corner;
+  for (int frame = 0; frame < 2; ++frame)
+    interface.build(size, 0.01, [&] {
+      viewer::placeAtRight(size, 380, 520);
+      ImGui::Begin("window");
+      corner = {ImGui::GetWindowPos().x + ImGui::GetWindowWidth(),
+                ImGui::GetWindowPos().y + ImGui::GetWindowHeight()};
+      ImGui::End();
+    });
+  const viewer::OrbitCamera camera = someCamera();
+  const Float3 up = camera.up();
+  const float most = viewer::kMaxArrowWind;
+  const viewer::WindArrow arrow =
+      viewer::windArrowOf(camera, {most * up.x, most * up.y, most * up.z}, size);
+  EXPECT_GT(corner.x, arrow.base.x);
+  EXPECT_LE(corner.y, arrow.tip.y - arrow.tipRadius + 1e-3f);
+}
+
+// The panel sets speed and horizontal direction of a wind that the arrow has made rise.
+TEST(WindArrow, ThePanelKeepsTheSlopeOfTheWind) {
+  const Float3 turned = viewer::turnedWind({3, 4, 0}, 10, 0);
+  EXPECT_NEAR(turned.x, 0, 1e-6f);
+  EXPECT_NEAR(turned.y, 8, 1e-5f);
+  EXPECT_NEAR(turned.z, 6, 1e-5f);
+  const Float3 first = viewer::turnedWind({}, 2, 1.5707963f);
+  EXPECT_TRUE(std::abs(first.x - 2) < 1e-6f && first.y == 0 && std::abs(first.z) < 1e-6f);
 }
 
 // There are two strands of four vertices, one behind the other.

@@ -36,8 +36,7 @@ void drawWind(const Stage& stage, const WindowSize& size, ImDrawList& list) {
                            {tip.x + uy * 0.6f, tip.y - ux * 0.6f}, kColor);
   }
   list.AddCircle(tip, arrow.tipRadius, kFaint);
-  const std::string text = fmt::format(
-      "wind {:.1f} m/s", std::sqrt(wind.x * wind.x + wind.y * wind.y + wind.z * wind.z));
+  const std::string text = fmt::format("wind {:.1f} m/s", std::hypot(wind.x, wind.y, wind.z));
   list.AddText({base.x - 40 * scale, static_cast<float>(size.height) - 18 * scale}, kColor,
                text.c_str());
 }
@@ -247,17 +246,15 @@ void buildLook(Stage& stage, const Canvas& canvas) {
     stage.look.strandShare = std::clamp(percent, 2.0f, 100.0f) / 100;
 }
 
-// Builds the wind, as a horizontal direction and a speed, and the ball.
+// Builds the wind, as a speed and a horizontal direction, and the ball.
 void buildForces(Stage& stage) {
   pelage::Float3& wind = stage.look.wind;
-  float speed = std::hypot(wind.x, wind.z);
+  float speed = std::hypot(wind.x, wind.y, wind.z);
   float angle = speed > 0 ? std::atan2(wind.x, wind.z) : 0;
   const bool stronger = ImGui::SliderFloat("Wind", &speed, 0, kMostWind, "%.1f m/s");
   const bool turned = ImGui::SliderAngle("towards", &angle, -180, 180);
-  if (stronger || (turned && speed > 0)) {
-    speed = std::clamp(speed, 0.0f, kMostWind);
-    wind = {speed * std::sin(angle), wind.y, speed * std::cos(angle)};
-  }
+  if (stronger || (turned && speed > 0))
+    wind = turnedWind(wind, std::clamp(speed, 0.0f, kMostWind), angle);
   ImGui::Checkbox("Ball", &stage.ball.present);
   ImGui::SameLine();
   ImGui::SetNextItemWidth(-ImGui::GetFontSize() * 6);

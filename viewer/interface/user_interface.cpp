@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "input/event.h"
+#include "stage/controls.h"
 
 namespace viewer {
 
@@ -47,7 +48,7 @@ void text(const std::string& line) { ImGui::TextUnformatted(line.c_str()); }
 
 void placeAtRight(const WindowSize& size, float width, float height) {
   const float scale = size.interfaceScale, margin = 8 * scale;
-  const float most = static_cast<float>(size.height) - 2 * margin;
+  const float most = static_cast<float>(size.height) - windArrowHeight(size) - margin;
   ImGui::SetNextWindowPos({static_cast<float>(size.width) - width * scale - margin, margin},
                           ImGuiCond_Appearing);
   ImGui::SetNextWindowSize({width * scale, std::max(std::min(height * scale, most), 80.0f)},

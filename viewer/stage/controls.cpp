@@ -21,6 +21,17 @@ constexpr float kCalm = 0.5f;    // [m/s]: a weaker wind is none
 
 }  // namespace
 
+float windArrowHeight(const WindowSize& size) {
+  return (kCorner + kScale * kMaxArrowWind + kTipRadius) * size.interfaceScale;
+}
+
+Float3 turnedWind(const Float3& before, float speed, float angle) {
+  const float now = std::sqrt(dot(before, before));
+  const float rise = now > 0 ? before.y / now : 0;
+  const float level = speed * std::sqrt(std::max(1 - rise * rise, 0.0f));
+  return {level * std::sin(angle), speed * rise, level * std::cos(angle)};
+}
+
 bool WindArrow::isOnTip(double x, double y) const {
   return std::hypot(x - double{tip.x}, y - double{tip.y}) <= double{tipRadius};
 }

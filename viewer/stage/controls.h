@@ -26,6 +26,12 @@ pelage::Float3 windOfTip(const OrbitCamera& camera, const pelage::Float3& before
                          const WindowSize& size, double x, double y);
 
 inline constexpr float kMaxArrowWind = 20;  ///< [m/s]
+/// Returns the height at the bottom of the window in which the arrow is.
+float windArrowHeight(const WindowSize& size);
+
+/// Returns the wind with another speed [m/s] and another horizontal direction, an angle about y
+/// that is 0 along +z [radians]; it rises or falls as before.
+pelage::Float3 turnedWind(const pelage::Float3& before, float speed, float angle);
 
 /// Moves camera, ball, hair and wind by mouse and keys.
 class StageControls {
