@@ -76,7 +76,9 @@ pelage::Result<sample::DemoScene> mohawkScene() {
                                            warnings);
   }();
   if (!files) return files.error();
-  return sample::DemoScene::create(sample::FileAssets{*files, {}}, {});
+  sample::DemoDef demo;
+  demo.followPerGuide = 24;  // its fibers are thinner than a pixel
+  return sample::DemoScene::create(sample::FileAssets{*files, {}}, demo);
 }
 
 pelage::Result<pelage::Character> smallCharacter() {

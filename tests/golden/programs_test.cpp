@@ -156,7 +156,7 @@ TEST_F(ProgramsOnce, HeadlessShowsFilesWithSeveralMeshesAnAnimationAndSettings) 
       "--animation assets/character.gltf --clip headShake "
 #endif
       "--settings soft.json --follow 3");
-  expectHair(output, 0.02, 0.7);
+  expectHair(output, 0.002, 0.7);
   expectHas(output.out, "contacts: long");
   expectPicture("out/frame_0006.png", 0.05, 0.95);
 }
@@ -178,7 +178,7 @@ TEST_F(ProgramsOnce, HeadlessShowsFollowHairsOfAFileCachesAndFields) {
        {"--asset assets/long.tfx --bones assets/long.tfxbone --follow-file long.tfxfollow" + mesh,
         "--pelage long.pelage --draw-sdf" + mesh}) {
     const ProgramOutput output = headless(arguments);
-    expectHair(output, 0.02, 0.7);
+    expectHair(output, 0.003, 0.7);  // few fibers of 80 um, with the body in the picture
     expectHas(output.out, count);
   }
   const ProgramOutput one = headless("--pelage long.pelage --follow 1 --no-images");
