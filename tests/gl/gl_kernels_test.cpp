@@ -16,6 +16,7 @@
 #include "runtime_test/kernels.h"
 #include "runtime_test/layouts.h"
 #include "support/full_stress.h"
+#include "support/gpu_fixture.h"
 
 namespace pelage::test {
 namespace {
