@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <regex>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,6 +18,7 @@ namespace pelage::fuzz {
 namespace {
 
 using test::bytesOf;
+using test::textOf;
 
 struct Target {
   const char* name;
@@ -86,6 +89,30 @@ TEST_P(Corpus, RandomDamageKeepsEveryPromise) {
     }
     ASSERT_EQ(GetParam().run(bytes).fault, "") << "file " << round % whole.size() << ", " << round;
   }
+}
+
+// docs/assets.md lists the targets, in the rows of its table of fuzzers.
+TEST(FuzzPage, ListsEveryTarget) {
+  const std::string page = textOf(std::filesystem::path(PELAGE_SOURCE_DIR) / "docs/assets.md");
+  const std::string heading = "\n## Fuzzers\n";
+  const size_t start = page.find(heading);
+  ASSERT_NE(start, std::string::npos);
+  const std::string section =
+      page.substr(start, page.find("\n## ", start + heading.size()) - start);
+  std::set<std::string> listed, wanted;
+  const std::regex row(R"(\n\| ([^|]*)\|)"), name("`(\\w+)`");
+  for (std::sregex_iterator it(section.begin(), section.end(), row), end; it != end; ++it) {
+    const std::string cell = (*it)[1].str();
+    for (std::sregex_iterator one(cell.begin(), cell.end(), name); one != end; ++one)
+      listed.insert((*one)[1].str());
+  }
+  for (const Target& target : kTargets) {
+    wanted.insert(target.name);
+    EXPECT_TRUE(listed.contains(target.name)) << target.name << " is not on the page";
+  }
+#if PELAGE_FUZZ_CURVES
+  EXPECT_EQ(listed, wanted);
+#endif
 }
 
 INSTANTIATE_TEST_SUITE_P(Fuzz, Corpus, testing::ValuesIn(kTargets),
