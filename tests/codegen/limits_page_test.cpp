@@ -97,10 +97,6 @@ uint32_t storageBuffers(const KernelVariant& variant) {
   return count;
 }
 
-const char* stageWord(Stage stage) {
-  return stage == Stage::kCompute ? "compute" : stage == Stage::kVertex ? "vertex" : "pixel";
-}
-
 std::string range(std::vector<uint32_t> values) {
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
   return *low == *high ? std::to_string(*low) : fmt::format("{} to {}", *low, *high);
@@ -116,14 +112,16 @@ std::string rowOf(const Kernel& kernel, Tier tier) {
     buffers.push_back(storageBuffers(*variant));
     threads.push_back(variant->groupSize[0] * variant->groupSize[1] * variant->groupSize[2]);
     shared.push_back(variant->sharedBytes);
-    if (count++ < 4) keys += fmt::format("{}`{}`", keys.empty() ? "" : "<br>", variant->key);
+    if (count++ < 4) keys += fmt::format("{}`{}`", keys.empty() ? ": " : "<br>", variant->key);
   }
   if (count == 0) return "";
-  if (count == kernel.variants.size()) keys = "all";
+  if (count == kernel.variants.size()) keys = "";
   if (count < kernel.variants.size() && count > 4) keys += fmt::format("<br>{} more", count - 4);
   const bool compute = kernel.stage == Stage::kCompute;
-  return fmt::format("| `{}` | {} | {} | {} | {} | {} | {} |\n", kernel.name,
-                     stageWord(kernel.stage), keys, range(buffers), compute ? range(threads) : "",
+  return fmt::format("| `{}`{} | {} | {} | {} | {} |\n", kernel.name, keys, range(buffers),
+                     compute                          ? range(threads)
+                     : kernel.stage == Stage::kVertex ? "vertex"
+                                                      : "pixel",
                      compute ? range(shared) : "", tierName(tier));
 }
 
@@ -175,47 +173,52 @@ std::string tierTable() {
 std::string page() {
   std::string text =
       "# What devices need\n"
-      "Made from the tables of the kernels by the target `limits_page`; a test keeps this page in "
-      "sync with them.\n\n"
-      "A device is of one of three tiers. Every kernel states the tier that it runs on, and the "
-      "build refuses a kernel\nthat needs more. A runtime checks each kernel against the limits of "
-      "its device before it makes anything of it,\nand names the kernel that it refuses.\n\n"
+      "A device is of one of three tiers. To see what a small one refuses, treat a large one as "
+      "small: `RuntimeDef::maxTier`,\n`HeadlessDef::maxTier`, `pelage-headless --tier base`, or "
+      "`PELAGE_TIER=base` for the tests. `Scene::setTier(runtime.tier())`\ntells the scene.\n\n"
       "- `es`: OpenGL ES 3.2.\n- `base`: OpenGL 4.5, and Vulkan and OpenGL ES on common devices.\n"
       "- `wide`: desktop GPUs.\n\n" +
       tierTable() +
-      "\n`pelage/tier.h` has these numbers. They follow the minimum limits of the "
-      "specifications: OpenGL 4.5\nand OpenGL ES 3.2 (tables of implementation-dependent values) "
-      "and Vulkan 1.0 (Required Limits). Vulkan promises\n4 storage buffers in every stage, so "
-      "that "
-      "`base` asks for more than each Vulkan device has to have. Some drivers\nof OpenGL ES have "
-      "fewer storage buffers in pixel kernels than `es`. OpenGL 4.5 has 1024 threads and 32 KiB "
-      "of\n"
-      "groupshared memory; `base` keeps what Vulkan and OpenGL ES promise, because no kernel needs "
-      "more.\n\n"
-      "To see what a small device refuses, treat a large one as small: `RuntimeDef::maxTier`, "
-      "`HeadlessDef::maxTier`,\n`pelage-headless --tier base`, or `PELAGE_TIER=base` for the "
-      "tests. `Scene::setTier(runtime.tier())` tells the\nscene.\n\n"
-      "On Vulkan, a pipeline layout has the buffers of all kernels of a group, and a device limits "
-      "these, too. The runtime\nchecks them against the device, not against the tier.\n\n"
+      "\nEvery kernel states its tier, and the build refuses one that needs more. A runtime checks "
+      "each kernel against the limits\nof its device before it makes anything of it, and names "
+      "what "
+      "it refuses. On Vulkan it also checks a pipeline layout, which\nhas the buffers of all "
+      "kernels "
+      "of a group, against the device.\n\n"
+      "The numbers are those of `pelage/tier.h`: the minimum limits of OpenGL 4.5 and OpenGL ES "
+      "3.2 "
+      "(tables of\nimplementation-dependent values) and Vulkan 1.0 (Required Limits). But Vulkan "
+      "promises 4 storage buffers in every\nstage, fewer than `base`; some drivers of OpenGL ES "
+      "have "
+      "fewer in pixel kernels than `es`; and OpenGL 4.5 has 1024\nthreads and 32 KiB of "
+      "groupshared "
+      "memory, more than any kernel needs. The target `limits_page` makes this page from "
+      "the\ntables "
+      "of the kernels; a test keeps it in sync.\n\n"
       "## Features\n"
-      "The tier on which a feature runs in its cheapest form, and the one on which all of its "
-      "permutations run.\n\n"
-      "| feature | runs on | all of it on |\n|---|---|---|\n";
+      "The tier on which a feature runs in its cheapest form, the one on which all of its "
+      "permutations run, and its kernels.\n\n"
+      "| feature | runs on | all of it on | kernels |\n|---|---|---|---|\n";
+  std::vector<std::string> order;
   for (const Feature& feature : features()) {
     const auto [least, all] = tiersOf(feature);
-    text += fmt::format("| {} | {} | {} |\n", feature.name, tierName(least), tierName(all));
-  }
-  text += "\n## Kernels\n";
-  for (const Feature& feature : features()) {
-    text += fmt::format(
-        "\n### {}\n\n| kernel | stage | permutations | storage buffers | threads | shared bytes | "
-        "tier |\n|---|---|---|---|---|---|---|\n",
-        feature.name);
+    std::string names;
     for (const std::string& name : feature.kernels) {
-      const Kernel* kernel = find(name);
-      if (kernel == nullptr) continue;
-      for (const Tier tier : kTiers) text += rowOf(*kernel, tier);
+      names += fmt::format("{}`{}`", names.empty() ? "" : ", ", name);
+      if (std::find(order.begin(), order.end(), name) == order.end()) order.push_back(name);
     }
+    text +=
+        fmt::format("| {} | {} | {} | {} |\n", feature.name, tierName(least), tierName(all), names);
+  }
+  text +=
+      "\n## Kernels\n"
+      "A kernel whose permutations are of several tiers has a row for each.\n\n"
+      "| kernel | storage buffers | threads of a group, or stage | shared bytes | tier |\n"
+      "|---|---|---|---|---|\n";
+  for (const std::string& name : order) {
+    const Kernel* kernel = find(name);
+    if (kernel == nullptr) continue;
+    for (const Tier tier : kTiers) text += rowOf(*kernel, tier);
   }
   return text;
 }
