@@ -1,5 +1,4 @@
-// Processed assets in one binary file, .pelage, that loads without parsing. docs/assets_formats.md
-// describes the file byte by byte, docs/assets.md describes its use.
+// Processed assets in one binary file, .pelage, that loads without parsing: docs/assets.md.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// The .pelage file: header, table of sections, sections without gaps. Little endian;
-// docs/assets_formats.md describes it byte by byte.
+// The .pelage file: header, table of sections, sections without gaps, little endian. The format is
+// private to a version of the library; docs/assets_formats.md says what a file holds.
 #pragma once
 
 #include <array>
