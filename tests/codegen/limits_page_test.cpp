@@ -8,6 +8,7 @@
 #include <fstream>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "pelage/kernels.h"
@@ -102,8 +103,14 @@ std::string range(std::vector<uint32_t> values) {
   return *low == *high ? std::to_string(*low) : fmt::format("{} to {}", *low, *high);
 }
 
-// A row for the permutations of a kernel that have one tier.
-std::string rowOf(const Kernel& kernel, Tier tier) {
+std::string lineOf(std::string_view kernel, std::string_view buffers, std::string_view threads,
+                   std::string_view shared, std::string_view tier) {
+  return fmt::format("    {:<28}{:<10}{:<10}{:<9}{}\n", kernel, buffers, threads, shared, tier);
+}
+
+// A line for the permutations of a kernel that have one tier; up to four of them have lines of
+// their own below it where others have another tier.
+std::string linesOf(const Kernel& kernel, Tier tier) {
   std::vector<uint32_t> buffers, threads, shared;
   std::string keys;
   size_t count = 0;
@@ -112,17 +119,17 @@ std::string rowOf(const Kernel& kernel, Tier tier) {
     buffers.push_back(storageBuffers(*variant));
     threads.push_back(variant->groupSize[0] * variant->groupSize[1] * variant->groupSize[2]);
     shared.push_back(variant->sharedBytes);
-    if (count++ < 4) keys += fmt::format("{}`{}`", keys.empty() ? ": " : "<br>", variant->key);
+    if (count++ < 4) keys += fmt::format("      {}\n", variant->key);
   }
   if (count == 0) return "";
   if (count == kernel.variants.size()) keys = "";
-  if (count < kernel.variants.size() && count > 4) keys += fmt::format("<br>{} more", count - 4);
+  if (count < kernel.variants.size() && count > 4)
+    keys += fmt::format("      {} more\n", count - 4);
   const bool compute = kernel.stage == Stage::kCompute;
-  return fmt::format("| `{}`{} | {} | {} | {} | {} |\n", kernel.name, keys, range(buffers),
-                     compute                          ? range(threads)
-                     : kernel.stage == Stage::kVertex ? "vertex"
-                                                      : "pixel",
-                     compute ? range(shared) : "", tierName(tier));
+  const char* const stage = kernel.stage == Stage::kVertex ? "vertex" : "pixel";
+  return lineOf(kernel.name, range(buffers), compute ? range(threads) : stage,
+                compute ? range(shared) : "-", tierName(tier)) +
+         keys;
 }
 
 // The tier of a feature: that of its cheapest permutations, and that of all.
@@ -212,13 +219,14 @@ std::string page() {
   }
   text +=
       "\n## Kernels\n"
-      "A kernel whose permutations are of several tiers has a row for each.\n\n"
-      "| kernel | storage buffers | threads of a group, or stage | shared bytes | tier |\n"
-      "|---|---|---|---|---|\n";
+      "Storage buffers, threads of a group or the stage, bytes of groupshared memory. A kernel "
+      "whose "
+      "permutations are of several\ntiers has a line for each, with these permutations.\n\n" +
+      lineOf("kernel", "buffers", "threads", "shared", "tier");
   for (const std::string& name : order) {
     const Kernel* kernel = find(name);
     if (kernel == nullptr) continue;
-    for (const Tier tier : kTiers) text += rowOf(*kernel, tier);
+    for (const Tier tier : kTiers) text += linesOf(*kernel, tier);
   }
   return text;
 }
