@@ -1,4 +1,4 @@
-// Known defects of other hair libraries, for both solvers in a scene; docs/stress.md lists them.
+// Known defects of other hair libraries, for both solvers in a scene; the README lists them.
 #include <numbers>
 
 #include "stress/stress_run.h"

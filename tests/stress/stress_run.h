@@ -12,7 +12,7 @@
 
 namespace pelage::test {
 
-/// A line of docs/stress.md.
+/// A line of the README of this folder.
 inline void printFigure(const std::string& what, double measured) {
   std::printf("[ FIGURE ] %s: %.4g\n", what.c_str(), measured);
 }
