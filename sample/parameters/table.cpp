@@ -65,15 +65,13 @@ std::string pictureValues(const Parameter& parameter) {
 
 constexpr const char* kPageTop =
     R"(# Parameters
-This page lists what a program can set of hair, with unit, range and default, and its effect in pictures.
-`scripts/parameter_pictures.sh` renders it; `pelage-parameters --list` prints the tables. The program
-`sample/parameters` has the table, takes the defaults from the structs, and writes this page; a test
-keeps both in sync with the headers. Values are from left to right, the default in **bold**. A value out
-of range is an error that names the field; materials are clamped instead. [authoring.md](authoring.md)
-has the options of the tools.
+All that a program can set of hair, and its effect in pictures. Values are from left to right, the default in **bold**. A value out of
+range is an error that names the field. Files of them: [settings.md](settings.md); a picture from your own groom:
+[artists.md](artists.md).
 
-Unless the text says otherwise, `SimulationSettings` and its members have their defaults, a picture
-"at rest" is taken 3 to 4 s after the hair was released from its bind pose, and the exact solver runs.
+Unless the text says otherwise, a picture "at rest" is taken 3 to 4 s after the hair was released from its bind pose, the exact solver
+runs, and all else has its default. `scripts/parameter_pictures.sh` renders this page from the table in `sample/parameters`, which a test
+keeps in sync with the headers; `pelage-parameters --list` prints it.
 )";
 
 }  // namespace
@@ -210,11 +208,11 @@ std::string parameterPage() {
   std::string page = kPageTop;
   for (const ParameterGroup& group : parameterTable()) {
     page += fmt::format("\n## {}\n`include/{}`. {}\n\n", group.owner, group.header, group.intro);
-    page += "| field | unit | range | default | meaning |\n|---|---|---|---|---|\n";
+    page += "| field | unit, range | default | meaning |\n|---|---|---|---|\n";
     for (const Parameter& p : group.parameters)
-      page +=
-          fmt::format("| `{}` | {} | {} | {} | {}{} |\n", p.field, p.unit, p.range, p.defaultText,
-                      p.solver.empty() ? "" : "*" + p.solver + " solver.* ", p.meaning);
+      page += fmt::format("| `{}` | {}{}{} | {} | {}{} |\n", p.field, p.unit,
+                          p.unit.empty() || p.range.empty() ? "" : ", ", p.range, p.defaultText,
+                          p.solver.empty() ? "" : "*" + p.solver + " solver.* ", p.meaning);
     for (const Parameter& p : group.parameters)
       if (p.picture)
         page += fmt::format("\n`{}`: {}. {}\n\n![{}](images/parameters/{})\n", p.field,
