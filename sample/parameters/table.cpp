@@ -69,7 +69,7 @@ All that a program can set of hair, and its effect in pictures. Values are from 
 range is an error that names the field. Files of them: [settings.md](settings.md); a picture from your own groom:
 [artists.md](artists.md).
 
-Unless the text says otherwise, a picture "at rest" is taken 3 to 4 s after the hair was released from its bind pose, the exact solver
+*exact* and *classic* name the solver that reads a field. Unless the text says otherwise, a picture "at rest" is taken 3 to 4 s after the hair was released from its bind pose, the exact solver
 runs, and all else has its default. `scripts/parameter_pictures.sh` renders this page from the table in `sample/parameters`, which a test
 keeps in sync with the headers; `pelage-parameters --list` prints it.
 )";
@@ -212,7 +212,7 @@ std::string parameterPage() {
     for (const Parameter& p : group.parameters)
       page += fmt::format("| `{}` | {}{}{} | {} | {}{} |\n", p.field, p.unit,
                           p.unit.empty() || p.range.empty() ? "" : ", ", p.range, p.defaultText,
-                          p.solver.empty() ? "" : "*" + p.solver + " solver.* ", p.meaning);
+                          p.solver.empty() ? "" : "*" + p.solver + ".* ", p.meaning);
     for (const Parameter& p : group.parameters)
       if (p.picture)
         page += fmt::format("\n`{}`: {}. {}\n\n![{}](images/parameters/{})\n", p.field,
