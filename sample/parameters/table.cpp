@@ -65,12 +65,13 @@ std::string pictureValues(const Parameter& parameter) {
 
 constexpr const char* kPageTop =
     R"(# Parameters
-All that a program can set of hair, and its effect in pictures. Values are from left to right, the default in **bold**. A value out of
-range is an error that names the field. Files of them: [settings.md](settings.md); a picture from your own groom:
-[artists.md](artists.md).
+All that a program can set of hair, and its effect in pictures. Values are from left to right, the default in
+**bold**. A value out of range is an error that names the field. Files of them: [settings.md](settings.md); a
+picture from your own groom: [artists.md](artists.md).
 
-*exact* and *classic* name the solver that reads a field. Unless the text says otherwise, a picture "at rest" is taken 3 to 4 s after the hair was released from its bind pose, the exact solver
-runs, and all else has its default. `scripts/parameter_pictures.sh` renders this page from the table in `sample/parameters`, which a test
+*exact* and *classic* name the solver that reads a field. Unless the text says otherwise, a picture "at rest" is
+taken 3 to 4 s after the hair was released from its bind pose, the exact solver runs, and all else has its
+default. `scripts/parameter_pictures.sh` renders this page from the table in `sample/parameters`, which a test
 keeps in sync with the headers; `pelage-parameters --list` prints it.
 )";
 
