@@ -1,5 +1,5 @@
 // Material and light of strands as buffers store them; no resources, those are in the layouts.
-// docs/shading.md has units, ranges and defaults.
+// docs/parameters.md has units, ranges and defaults.
 #ifndef PELAGE_SHADING_LAYOUTS_SHADING_HLSLI
 #define PELAGE_SHADING_LAYOUTS_SHADING_HLSLI
 
