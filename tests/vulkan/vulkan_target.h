@@ -12,7 +12,7 @@
 
 namespace pelage::test {
 
-/// What a target has.
+/// The attachments of a target.
 struct TargetKind {
   const char* name;
   bool dynamic = true;

@@ -43,8 +43,10 @@ struct Frame::Impl {
   // One whose memory an earlier frame has had.
   std::unique_ptr<PassList> makeList() const {
     const std::shared_ptr<detail::SceneParts> open = scene.lock();
-    if (open == nullptr || open->drawing.spareLists.empty()) return std::make_unique<PassList>();
+    if (open == nullptr) return std::make_unique<PassList>();
     std::vector<std::unique_ptr<PassList>>& spare = open->drawing.spareLists;
+    spare.reserve(kSpareLists);  // so that frames may end where there is no memory
+    if (spare.empty()) return std::make_unique<PassList>();
     std::unique_ptr<PassList> list = std::move(spare.back());
     spare.pop_back();
     return list;
@@ -55,6 +57,7 @@ struct Frame::Impl {
     std::vector<std::unique_ptr<PassList>>& spare = open->drawing.spareLists;
     for (Item& item : items) {
       if (spare.size() == kSpareLists) break;
+      if (item.list == nullptr) continue;
       item.list->clear();
       spare.push_back(std::move(item.list));
     }

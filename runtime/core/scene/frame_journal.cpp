@@ -6,6 +6,8 @@
 #include <array>
 #include <atomic>
 #include <bit>
+#include <exception>
+#include <new>
 #include <utility>
 
 #include "passes/list_ticket.h"
@@ -56,8 +58,13 @@ FrameJournal::Recording::~Recording() {
   journal_.store_.removed = nullptr;
   journal_.open_.back().lastVersion = journal_.store_.resources.version();
   if (kept_) return;
-  journal_.restore();
   list_.frame = 0;
+  try {
+    journal_.restore();
+  } catch (const std::bad_alloc&) {
+    // An exception that is on its way says so already.
+    if (std::uncaught_exceptions() == 0) std::terminate();
+  }
 }
 
 void FrameJournal::finish(PassList& list) {
