@@ -12,6 +12,9 @@ endif()
 if(PELAGE_MESH_IMPORT)
   list(APPEND pelage_targets pelage_mesh_import)
 endif()
+if(PELAGE_C)
+  list(APPEND pelage_targets pelage_c)
+endif()
 
 if(PELAGE_AUTHORING)
   list(APPEND pelage_targets pelage_authoring pelage_convert

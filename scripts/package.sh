@@ -12,7 +12,7 @@ cmake -S . -B build/package -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_
   -DCMAKE_INSTALL_DOCDIR=share/doc/libpelage-dev -DPELAGE_CODEGEN_CACHE="$PWD/build/codegen_cache" \
   -DPELAGE_BUILD_TESTS=OFF -DPELAGE_BUILD_SAMPLES=OFF -DPELAGE_BUILD_BENCHMARKS=OFF \
   -DPELAGE_BUILD_VIEWER=OFF \
-  -DPELAGE_SHARED=OFF "$@"
+  -DPELAGE_SHARED=OFF -DPELAGE_C_SHARED=OFF "$@"
 cmake --build build/package --parallel "$(nproc)"
 rm -f build/package/*.deb
 umask 022

@@ -1,9 +1,5 @@
-// The version of pelage, for the preprocessor and at run time.
+// The version of pelage, for the preprocessor and at run time. C may include it, too.
 #pragma once
-
-#include <cstdint>
-
-#include "pelage/export.h"
 
 /// Semantic version. While the major number is 0, the API may change with every minor number.
 #define PELAGE_VERSION_MAJOR 0
@@ -13,6 +9,11 @@
 #define PELAGE_VERSION \
   (PELAGE_VERSION_MAJOR * 10000 + PELAGE_VERSION_MINOR * 100 + PELAGE_VERSION_PATCH)
 
+#ifdef __cplusplus
+#include <cstdint>
+
+#include "pelage/export.h"
+
 namespace pelage {
 
 /// Returns PELAGE_VERSION of the linked library. It differs from the macro if the headers belong to
@@ -20,3 +21,4 @@ namespace pelage {
 PELAGE_API uint32_t libraryVersion();
 
 }  // namespace pelage
+#endif

@@ -78,6 +78,7 @@ class PelageConan(ConanFile):
     def generate(self):
         toolchain = CMakeToolchain(self)
         toolchain.cache_variables["PELAGE_SHARED"] = bool(self.options.shared)
+        toolchain.cache_variables["PELAGE_C_SHARED"] = bool(self.options.shared)
         toolchain.cache_variables["PELAGE_VULKAN"] = bool(self.options.vulkan)
         toolchain.cache_variables["PELAGE_GL"] = bool(self.options.gl)
         toolchain.cache_variables["PELAGE_MESH_IMPORT"] = bool(self.options.mesh_import)

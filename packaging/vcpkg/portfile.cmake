@@ -20,6 +20,7 @@ vcpkg_cmake_configure(
   OPTIONS
     ${FEATURE_OPTIONS}
     -DPELAGE_SHARED=${shared}
+    -DPELAGE_C_SHARED=${shared}
     -DPELAGE_INSTALL=ON
     -DPELAGE_BUILD_TESTS=OFF
     -DPELAGE_BUILD_SAMPLES=OFF
