@@ -64,6 +64,8 @@ c++ -std=c++20 -o build/kernels_only project/kernels_only.cpp $(pkg-config --cfl
 build/kernels_only
 c++ -std=c++20 -o build/scene pkgconfig/scene.cpp $(pkg-config --cflags --libs pelage-vulkan)
 build/scene
+cc -std=c99 -o build/c_scene c/main.c $(pkg-config --cflags --libs pelage-c)
+build/c_scene
 c++ -std=c++20 -o build/authoring pkgconfig/authoring.cpp $(pkg-config --cflags --libs pelage-authoring)
 printf "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n" >triangle.obj
 build/authoring triangle.obj

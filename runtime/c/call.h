@@ -45,7 +45,7 @@ class Handles {
   T* add(std::shared_ptr<T> object) {
     const std::lock_guard lock(mutex_);
     objects_.emplace(last_ + 1, Entry{kName<T>, std::move(object)});
-    return reinterpret_cast<T*>(++last_);
+    return reinterpret_cast<T*>(++last_);  // NOLINT(performance-no-int-to-ptr)
   }
   /// nullptr where the handle is of another kind, or of none.
   template <class T>
@@ -173,6 +173,8 @@ auto make(Object** out, T*... handles) {
   };
 }
 
+// NOLINTBEGIN(bugprone-macro-parentheses): names and types.
+
 /// A variable with the value of a Result; the function returns where that is an error.
 #define PELAGE_C_TRY(name, expression)            \
   auto name##Result = (expression);               \
@@ -187,9 +189,9 @@ T defaultsOf() {
 
 inline Error wrongSize(const char* name, uint64_t given, size_t own) {
   return invalid(
-      "{0} has {1} bytes, but {2} in this library, version {3}: call {0}_init(), and use the "
-      "header of the library",
-      name, given, own, PELAGE_VERSION);
+      "{0} has {1} bytes, but {2} in this library, version {3}.{4}.{5}: call {0}_init(), and use "
+      "the header of the library",
+      name, given, own, PELAGE_VERSION_MAJOR, PELAGE_VERSION_MINOR, PELAGE_VERSION_PATCH);
 }
 template <class T>
 pelage_result init(T* out, size_t size) noexcept {
@@ -205,6 +207,8 @@ pelage_result init(T* out, size_t size) noexcept {
 #define PELAGE_C_STRUCT(type) \
   PELAGE_C_NAME(type);        \
   pelage_result type##_init(type* out, size_t size) { return pelage::c::init(out, size); }
+
+// NOLINTEND(bugprone-macro-parentheses)
 
 /// A copy of a struct, checked.
 template <class T>
