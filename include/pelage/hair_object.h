@@ -175,7 +175,7 @@ class PELAGE_API HairObject {
   ///   them; w is ignored, the inverse masses stay.
   /// Errors: another number of positions; one that is not finite or out of range, with its strand
   /// and vertex. Nothing has changed then.
-  /// Cost: rest data are derived on the host, and a table of 16 to 48 bytes a vertex is sent; none
+  /// Cost: rest data are derived on the host, and a table of 16 to 64 bytes a vertex is sent; none
   /// where the positions are those that the object has.
   Result<void> setRestPose(std::span<const Float4> positions);
   /// Sets where the guides are from the next frame on, in place of a solver: for simulated hair

@@ -44,6 +44,7 @@
 #include "pelage/pass_list.h"
 #include "pelage/random.h"
 #include "pelage/result.h"
+#include "pelage/sag_compensation.h"
 #include "pelage/scene.h"
 #include "pelage/scene_features.h"
 #include "pelage/sdf_collider.h"

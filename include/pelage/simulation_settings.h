@@ -103,6 +103,17 @@ struct SimulationSettings {
   /// Exact: relaxation time of the inner damping of bending and twist (Kelvin-Voigt) [s], 0..1. At
   /// 0 the kernel skips it.
   float relaxationTime = 0.0f;
+  /// Exact: share of the sag that the rest shape makes up for, 0..1: it is bent against this share
+  /// of gravity. At 0 the bind shape is the rest shape, and hair falls when it is loaded; at 1 hair
+  /// hangs in its bind shape from the first frame on. Gravity is that of these settings, in the
+  /// axes of the bind pose: as it acts while bones do not rotate it. On a head that bows, hair
+  /// hangs from there as it should. Strands that are too limp to hold their bind shape take the
+  /// largest share that they can: reachableSagCompensation() (sag_compensation.h) names them. Wind
+  /// and forces are not balanced. A change of this, gravity, bendLength, twistRatio, the global
+  /// shape or curves.stiffness computes the rest shape again on the host (0.5 us a vertex, more for
+  /// limp strands) and uploads it; hair goes on from where it is, and comes to rest for the new
+  /// values.
+  float sagCompensation = 0.0f;
   /// Exact: number of sub-steps per step of at most 1/60 s, 1..32. The error falls with the power
   /// of 1.5 to 1.9 of this number, up to 8 (docs/numerics.md). The cost is proportional to it.
   uint32_t subSteps = 1;

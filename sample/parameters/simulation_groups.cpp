@@ -125,6 +125,11 @@ std::vector<Parameter> mainRows() {
                setting(&SimulationSettings::relaxationTime),
                "0.57 s after the lock was released, without other damping: inner damping slows the "
                "bending and keeps the lock in one curve.")),
+      tuned(
+          "SimulationSettings", "sagCompensation",
+          show(with(lockSetup(), [](Setup& s) { settings(s).bendLength = 0.08f; }),
+               std::vector{0.0f, 0.5f, 1.0f}, setting(&SimulationSettings::sagCompensation),
+               "At rest, with a bendLength of 0.08: the lock was groomed as it is on the right.")),
       tuned("SimulationSettings", "subSteps",
             show(with(falling(40), damped), std::vector{1u, 4u, 16u},
                  setting(&SimulationSettings::subSteps),

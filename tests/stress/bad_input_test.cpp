@@ -22,6 +22,7 @@ TEST(BadSettings, EveryNumberThatIsNotOneIsRefusedByName) {
       {"bendLength", &s.bendLength},
       {"twistRatio", &s.twistRatio},
       {"relaxationTime", &s.relaxationTime},
+      {"sagCompensation", &s.sagCompensation},
       {"localStiffness", &s.localStiffness},
       {"globalStiffness", &s.globalStiffness},
       {"globalRange", &s.globalRange},

@@ -57,6 +57,7 @@ SimulationSettings toSettings(const rod::RodSettings& from, Solver solver, uint3
   s.lengthIterations = 1 + static_cast<uint32_t>(between(0, 16));
   s.airDrag = narrow(between(0, 20));
   s.maxSpeed = narrow(between(0, 1) < 0.5 ? 50 : between(0.1, 1e4));
+  s.sagCompensation = narrow(between(0, 1) < 0.5 ? 0 : between(0, 1));
   return s;
 }
 

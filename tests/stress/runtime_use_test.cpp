@@ -62,6 +62,7 @@ void change(SimulationSettings& s, Dice& dice, bool structure) {
   if (!structure) return;
   s.solver = dice.random.below(8) == 0 ? Solver::kClassic : Solver::kExact;
   s.relaxationTime = dice.share();
+  s.sagCompensation = dice.coin() ? 0 : dice.share();
   s.sleep.enabled = dice.coin();
   s.contact.stiffness = dice.coin() ? 0 : dice.share();
   s.contact.friction = dice.coin() ? 0 : dice.share();

@@ -56,6 +56,7 @@ class DeliveryScene {
     settings.wind.gustStrength = 0;
     const bool exact = solver == Solver::kExact;
     if (exact) settings.contact.stiffness = 0.3f;
+    if (exact) settings.sagCompensation = 0.5f;
     const Result<SkeletonId> skeleton = scene.addSkeleton({.name = "walker", .boneCount = 2});
     EXPECT_TRUE(skeleton);
     skeleton_ = *skeleton;

@@ -42,6 +42,13 @@ std::vector<Parameter> mainRows() {
           .log()
           .ofSolver("exact")
           .pictured(),
+      PELAGE_PARAMETER(SimulationSettings, sagCompensation)
+          .says("share", "0..1",
+                "Share of gravity that the rest shape is bent against: at 1 hair hangs in its bind "
+                "shape, where it is not too limp for it.")
+          .within(0, 1)
+          .ofSolver("exact")
+          .pictured(),
       PELAGE_PARAMETER(SimulationSettings, subSteps)
           .says("", "1..32",
                 "Number of sub-steps per step of at most 1/60 s; the error falls with the power of "

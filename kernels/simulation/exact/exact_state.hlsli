@@ -45,6 +45,14 @@ uint stateIndex(uint set, uint vertex, ExactStrand strand) {
   return set * g_stateStride + strand.state + vertex * kTileStrands;
 }
 
+// Returns the rotation from edge i - 1 to edge i in the bind pose, in the frame of edge i - 1.
+float4 bindRotation(uint edge, ExactStrand strand) {
+  float3 rest = restRotation(g_rest[stateIndex(0, edge, strand)].xy);
+  float4 joint = float4(0.0, rest.x, rest.y, rest.z);
+  if (g_bindSet > 0u) joint = g_rest[stateIndex(g_bindSet, edge, strand)];
+  return joint;
+}
+
 // Returns false for a record that does not fit the buffers of the state and the roots.
 bool isSound(ExactStrand strand) {
   if (strand.count < kMinCount || strand.count > kMaxCount) return false;

@@ -18,11 +18,9 @@
 // at rest; with a parent of the same rest shape it has the parent's shape.
 #include "exact_state.hlsli"
 
-// Returns the frame of the edge after `before` at rest, in bind space.
+// Returns the frame of the edge after `before` in the bind pose, in bind space.
 float4 restFrameAfter(float4 before, uint edge, ExactStrand strand) {
-  float4 stored = g_rest[stateIndex(0, edge, strand)];
-  float3 rest = restRotation(stored.xy);
-  return normalizeProduct(multiplyQuaternions(before, float4(0.0, rest.x, rest.y, rest.z)));
+  return normalizeProduct(multiplyQuaternions(before, bindRotation(edge, strand)));
 }
 
 [numthreads(32, 1, 1)]

@@ -221,7 +221,7 @@ RodVertex freeVertex(StoredVertex stored, Transport transport, RodRoot root, flo
   return vertex;
 }
 
-// Writes the rest shape at the root's pose, at rest, into the states from which the step starts.
+// Writes the bind shape at the root's pose, at rest, into the states from which the step starts.
 void resetStrand(ExactStrand strand, Slots slots, RodRoot root, uint index) {
   uint tip = strand.count - 1;
   float4 rootRest = g_rest[stateIndex(0, 0, strand)];
@@ -238,10 +238,8 @@ void resetStrand(ExactStrand strand, Slots slots, RodRoot root, uint index) {
     if (i == tip) {
       frame = identity;
     } else if (i > 0) {
-      float4 stored = g_rest[stateIndex(0, i, strand)];
-      float3 rest = restRotation(stored.xy);
-      frame = normalizeProduct(multiplyQuaternions(frame, float4(0.0, rest.x, rest.y, rest.z)));
-      x = x + axisX(frame) * stored.z;
+      frame = normalizeProduct(multiplyQuaternions(frame, bindRotation(i, strand)));
+      x = x + axisX(frame) * g_rest[stateIndex(0, i, strand)].z;
     }
     g_state[stateIndex(kDisplacementSets + slots.now, i, strand)] = zero;
     g_state[stateIndex(kDisplacementSets + slots.before, i, strand)] = zero;

@@ -80,11 +80,9 @@ void skin_exact_strands(uint3 thread : SV_DispatchThreadID) {
   x = x + edge;
   g_state[strandIndex(kFirstPosition, slots.now, index)] = float4(x, 0.0);
   [loop] for (uint i = 1; i < tip; ++i) {
-    float4 joint = g_rest[stateIndex(0, i, strand)];
-    float3 rest = restRotation(joint.xy);
-    frame = normalizeProduct(multiplyQuaternions(frame, float4(0.0, rest.x, rest.y, rest.z)));
+    frame = normalizeProduct(multiplyQuaternions(frame, bindRotation(i, strand)));
     g_state[stateIndex(kFrameSets + slots.now, i, strand)] = frame;
-    precise float3 next = axisX(frame) * joint.z;
+    precise float3 next = axisX(frame) * g_rest[stateIndex(0, i, strand)].z;
     precise float3 across = edge + next;
     writeVertex(strand.target + i, i, x, across, axisX(frame));
     x = x + next;

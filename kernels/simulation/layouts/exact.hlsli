@@ -107,6 +107,7 @@ cbuffer ExactConstants : register(b0, space1) {
   uint g_contactList;
   float g_guessTrend;  // 0.5 min(c, 1): fraction of the last guess's error that a guess adds to
                        // the last rotation of an edge
+  uint g_bindSet;      // set of g_rest with the joints of the bind pose; 0: they are those at rest
 };
 
 // Bits of g_flags.
@@ -151,8 +152,9 @@ RWStructuredBuffer<float4> g_state : register(u0, space1);
 //   The tip: the length of edge 0, 0, 0, the tip's Voronoi length.
 // With the globalShape permutation a second set: xyz bind position relative to that of vertex 0
 // [m], w arc length from the root over the strand's length, 0..1, or -1 for a vertex that is held
-// where the bind pose has it. One more set with factors: x on bending and twist, y on the global
-// shape, z on the air drag; w unused. Behind the sets [strand] an ExactStrand in two elements, as
+// where the bind pose has it. Where the rest shape balances gravity, a set with the rotations from
+// edge i - 1 to edge i in the bind pose, in the frame of edge i - 1; they have a twist. One more set
+// with factors: x on bending and twist, y on the global shape, z on the air drag; w unused. Behind the sets [strand] an ExactStrand in two elements, as
 // its bits.
 StructuredBuffer<float4> g_rest : register(t0, space1);
 StructuredBuffer<Collider> g_exactColliders : register(t1, space1);

@@ -42,6 +42,7 @@ ExactConstants StrandSolver::exactConstants(const HairFrame& frame) const {
   constants.strandCount = frame.guideCount;
   constants.stateStride = stateStride_;
   constants.strandRecords = restSets_.count() * stateStride_;
+  constants.bindSet = restSets_.bindSet();
   constants.rootCount = frame.guideCount;
   constants.outputCount = frame.guideCount * frame.vertexCount;
   constants.outputVertices = frame.vertexCount;

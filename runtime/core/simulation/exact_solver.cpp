@@ -6,15 +6,16 @@
 #include <cstring>
 #include <limits>
 #include <numbers>
+#include <string>
+
+#include "pelage/sag_compensation.h"
 
 namespace pelage::detail {
 
 static_assert(kMaxVerticesPerStrand == strand_indexing::kMaxVertices);
 namespace {
 
-struct Rotation {
-  double x = 0, y = 0, z = 0, w = 1;
-};
+using Rotation = UnitQuaternion<double>;
 
 Rotation rotationOf(const Quaternion& q) {
   return {static_cast<double>(q.x), static_cast<double>(q.y), static_cast<double>(q.z),
@@ -31,11 +32,16 @@ Rotation relative(const Quaternion& from, const Quaternion& to) {
   return {r.x * scale, r.y * scale, r.z * scale, r.w * scale};
 }
 
+Float4 packed(const Rotation& q) {
+  return {static_cast<float>(q.x), static_cast<float>(q.y), static_cast<float>(q.z),
+          static_cast<float>(q.w)};
+}
+
 // The two numbers of a joint at rest: see g_rest.
-Float4 jointOf(const Rotation& q, double edgeLength, double voronoiLength) {
+Float4 jointOf(const Rotation& q, float edgeLength, float voronoiLength) {
   const double scale = (q.w < 0 ? -1 : 1) / (1 + std::abs(q.w));
-  return {static_cast<float>(q.y * scale), static_cast<float>(q.z * scale),
-          static_cast<float>(edgeLength), static_cast<float>(voronoiLength)};
+  return {static_cast<float>(q.y * scale), static_cast<float>(q.z * scale), edgeLength,
+          voronoiLength};
 }
 
 // Length whose bending is in the joint at vertex 1: edge 0, which follows the root, and half of
@@ -48,6 +54,24 @@ double rootVoronoiLength(double first, double second, double total) {
   const double end = first + 0.5 * second, left = total - first;
   const double whole = std::pow(total, 4) - std::pow(total - end, 4), at = 4 * std::pow(left, 3);
   return whole < 3 * end * at ? whole / at : 3 * end;
+}
+
+// Voronoi lengths of the vertices of a strand [m].
+// \param lengths  of the edges behind the vertices; that of the tip does not count
+void setVoronoiLengths(std::span<const float> lengths, std::vector<double>& to) {
+  const size_t count = lengths.size();
+  double total = 0;
+  for (size_t i = 0; i + 1 < count; ++i) total += static_cast<double>(lengths[i]);
+  const double least = std::max(1e-3 * total / static_cast<double>(count - 1), 1e-7);
+  to.clear();
+  for (size_t i = 0; i < count; ++i) {
+    const bool tip = i + 1 == count;
+    const double before = i > 0 ? static_cast<double>(lengths[i - 1]) : 0;
+    const double after = tip ? 0 : static_cast<double>(lengths[i]);
+    const double stands =
+        i == 1 && !tip ? rootVoronoiLength(before, after, total) : 0.5 * (before + after);
+    to.push_back(std::max(stands, least));
+  }
 }
 
 float lengthOf(const HairAsset& asset, uint32_t strand) {
@@ -77,6 +101,12 @@ uint32_t mixed(uint32_t value) {
 
 // Gusts: two incommensurate waves, so that the pattern does not repeat soon; in -1..1.
 double gust(double phase) { return 0.6 * std::sin(phase) + 0.4 * std::sin(2.618 * phase + 1.3); }
+
+// The bending stiffness over the mass a length [m4/s2].
+double bendOf(const SimulationSettings& s) {
+  const auto bendLength = static_cast<double>(s.bendLength);
+  return 9.81 * bendLength * bendLength * bendLength;
+}
 
 // Converts a fraction of the displacement to the bind pose in 1/60 s to a spring [1/s2].
 double targetSpring(double share) { return share * 3600 / std::max(1 - share, 1e-3); }
@@ -160,34 +190,96 @@ std::vector<Float4> packClassicFactors(const HairAsset& asset, const RestSets& s
   return factors;
 }
 
+namespace {
+
+// A strand in its bind pose, and the joints that balance it; its memory serves many strands.
+class BoundStrand {
+ public:
+  std::vector<SagJoint> joints;
+
+  // Returns the fraction of the load that joints can balance.
+  double balance(const HairAsset& asset, uint32_t strand, uint32_t count, const RestSets& sets) {
+    const size_t first = size_t{strand} * asset.verticesPerStrand;
+    const std::span<const float> own(&asset.restLengths[first], count);
+    setVoronoiLengths(own, voronoiLengths_);
+    tangents_.clear();
+    lengths_.clear();
+    stiffness_.clear();
+    springs_.clear();
+    double total = 0, arc = 0;
+    for (uint32_t i = 0; i + 1 < count; ++i) total += static_cast<double>(own[i]);
+    bool held = false;
+    for (uint32_t i = 0; i < count; ++i) {
+      const double share = total > 0 ? arc / total : 0;
+      const Float4 factors = sets.factors ? vertexFactors(sets, strand, share) : Float4{1, 1, 1, 0};
+      const bool isHeld = i > 1 && asset.inverseMasses[first + i] <= 0;
+      held = held || isHeld;
+      stiffness_.push_back(std::max(static_cast<double>(factors.x), 1e-6));
+      springs_.push_back(isHeld ? kHeldSpring
+                                : springOf(sets.sag, share, static_cast<double>(factors.y)));
+      if (i + 1 == count) break;
+      const auto length = static_cast<double>(own[i]);
+      lengths_.push_back(length);
+      tangents_.push_back(axisX(relative({}, asset.restFrames[first + i + 1])));
+      arc += length;
+    }
+    if (!held && !(sets.sag.targetSpring > 0)) springs_.clear();
+    joints.resize(count - 1);
+    return balanceSag({.rootFrame = relative({}, asset.restFrames[first + 1]),
+                       .tangents = tangents_,
+                       .lengths = lengths_,
+                       .voronoiLengths = voronoiLengths_,
+                       .stiffness = stiffness_,
+                       .springs = springs_},
+                      sets.sag, joints);
+  }
+
+ private:
+  // As stiff as the solver's: kHoldStiffness in kernels/simulation/exact.
+  static constexpr double kHeldSpring = 1e6;
+
+  static double springOf(const SagLoad& load, double share, double factor) {
+    if (!(load.targetSpring > 0)) return 0;
+    const double fade = 0.25 * load.targetRange;
+    return load.targetSpring * factor *
+           std::clamp((load.targetRange + fade - share) / fade, 0.0, 1.0);
+  }
+
+  std::vector<Vector3<double>> tangents_;
+  std::vector<double> lengths_, voronoiLengths_, stiffness_, springs_;
+};
+
+}  // namespace
+
 std::vector<Float4> packExactRest(const HairAsset& asset, const ExactStrands& strands,
                                   const RestSets& sets) {
-  const size_t stride = strands.stateStride;
+  const size_t stride = strands.stateStride, bindSet = sets.bindSet();
   std::vector<Float4> rest(sets.count() * stride);
+  std::vector<double> voronoiLengths;
+  BoundStrand bound;
   for (const ExactStrand& strand : strands.strands) {
     const Quaternion* frames = &asset.restFrames[strand.target];
     const Float4* bind = &asset.positions[strand.target];
     const float* lengths = &asset.restLengths[strand.target];
     double total = 0, arc = 0;
     for (uint32_t i = 0; i + 1 < strand.count; ++i) total += static_cast<double>(lengths[i]);
-    const double least = std::max(1e-3 * total / (strand.count - 1), 1e-7);
+    setVoronoiLengths({lengths, strand.count}, voronoiLengths);
+    if (bindSet > 0) bound.balance(asset, strand.root, strand.count, sets);
     for (uint32_t i = 0; i < strand.count; ++i) {
       const size_t at = strand.state + size_t{exact::kTileStrands} * i;
       const bool tip = i + 1 == strand.count;
-      const double before = i > 0 ? static_cast<double>(lengths[i - 1]) : 0;
-      const double after = tip ? 0 : static_cast<double>(lengths[i]);
-      const double stands =
-          i == 1 && !tip ? rootVoronoiLength(before, after, total) : 0.5 * (before + after);
-      const double voronoiLength = std::max(stands, least);
+      const auto voronoiLength = static_cast<float>(voronoiLengths[i]);
       // Frame of the edge after vertex i: restFrames has that of the edge before it.
       if (i == 0) {
         const Rotation frame = relative({}, frames[1]);
-        rest[at] = {static_cast<float>(frame.x), static_cast<float>(frame.y),
-                    static_cast<float>(frame.z), static_cast<float>(frame.w)};
+        rest[at] = packed(frame);
       } else if (tip) {
-        rest[at] = {lengths[0], 0, 0, static_cast<float>(voronoiLength)};
+        rest[at] = {lengths[0], 0, 0, voronoiLength};
+      } else if (bindSet > 0) {
+        rest[at] = jointOf(bound.joints[i].rest, lengths[i], voronoiLength);
+        rest[bindSet * stride + at] = packed(bound.joints[i].bind);
       } else {
-        rest[at] = jointOf(relative(frames[i], frames[i + 1]), after, voronoiLength);
+        rest[at] = jointOf(relative(frames[i], frames[i + 1]), lengths[i], voronoiLength);
       }
       const double share = total > 0 ? arc / total : 0;
       if (sets.targets) {
@@ -234,6 +326,21 @@ float loadShareOf(const SimulationSettings& settings) {
   return std::min(1.0f, 4 * (1 - settings.vspCoefficient));
 }
 
+SagLoad sagLoadOf(const SimulationSettings& s) {
+  const double share = static_cast<double>(s.sagCompensation) * static_cast<double>(loadShareOf(s));
+  const Vector3<double> acceleration = toVector(s.gravity) * share;
+  if (s.solver != Solver::kExact || !(dot(acceleration, acceleration) > 0)) return {};
+  const double bend = bendOf(s);
+  SagLoad load = {.acceleration = acceleration,
+                  .bend = bend,
+                  .twist = bend * static_cast<double>(s.twistRatio)};
+  if (s.globalStiffness > 0 && s.globalRange > 0) {
+    load.targetSpring = targetSpring(static_cast<double>(s.globalStiffness));
+    load.targetRange = static_cast<double>(s.globalRange);
+  }
+  return load;
+}
+
 AirMotion airAt(const WindSettings& wind, double time, float loadShare) {
   const double phase = 2 * std::numbers::pi * time / static_cast<double>(wind.gustPeriod);
   const auto scaled = [&](double factor) {
@@ -263,9 +370,11 @@ void setExactStep(ExactConstants& constants, const SimulationSettings& s, double
                               weight);
   };
   const Float3 wind = air.velocity;
-  constants.drift = {displacement(s.gravity.x * loadShare, wind.x),
-                     displacement(s.gravity.y * loadShare, wind.y),
-                     displacement(s.gravity.z * loadShare, wind.z), 1 - loadShare};
+  // Gravity that the rest shape balances does not fade: without it hair would rise.
+  const float gravityShare = loadShare + s.sagCompensation * (loadShareOf(s) - loadShare);
+  constants.drift = {displacement(s.gravity.x * gravityShare, wind.x),
+                     displacement(s.gravity.y * gravityShare, wind.y),
+                     displacement(s.gravity.z * gravityShare, wind.z), 1 - loadShare};
   const bool blows = wind.x != 0 || wind.y != 0 || wind.z != 0;
   constants.gust0 = {displacement(0, air.gust0.x), displacement(0, air.gust0.y),
                      displacement(0, air.gust0.z), blows ? s.wind.strandVariation : 0};
@@ -290,8 +399,7 @@ void setExactStep(ExactConstants& constants, const SimulationSettings& s, double
   constants.slowRotation = static_cast<float>(slowRotation(h, drag));
   constants.twistInertia = static_cast<float>(0.005 * std::min(60 * h, 1.0));
   constants.guessTrend = static_cast<float>(0.5 * std::min(drag, 1.0));
-  const double bendLength = static_cast<double>(s.bendLength);
-  const double bend = 9.81 * bendLength * bendLength * bendLength;
+  const double bend = bendOf(s);
   constants.bendStiffness = static_cast<float>(bend);
   constants.twistStiffness = static_cast<float>(bend * static_cast<double>(s.twistRatio));
   constants.damping = static_cast<float>(static_cast<double>(s.relaxationTime) / h);
@@ -305,3 +413,33 @@ void setExactStep(ExactConstants& constants, const SimulationSettings& s, double
 }
 
 }  // namespace pelage::detail
+
+namespace pelage {
+
+Result<std::vector<float>> reachableSagCompensation(const HairAsset& asset,
+                                                    const SimulationSettings& settings,
+                                                    std::span<const StrandFactors> factors) {
+  if (Result<void> checked = validate(asset); !checked) return checked.error();
+  if (Result<void> checked = detail::checkRestData(asset); !checked) return checked.error();
+  if (Result<void> checked = validate(settings); !checked) return checked.error();
+  if (!factors.empty() && factors.size() != asset.strandCount) {
+    return Error{ErrorCode::kInvalidArgument, "reachableSagCompensation() got " +
+                                                  std::to_string(factors.size()) + " factors for " +
+                                                  std::to_string(asset.strandCount) + " guides"};
+  }
+  SimulationSettings whole = settings;
+  whole.solver = Solver::kExact;
+  whole.sagCompensation = 1;
+  const detail::RestSets sets = {.factors = true,
+                                 .strands = factors,
+                                 .curves = settings.curves,
+                                 .sag = detail::sagLoadOf(whole)};
+  std::vector<float> shares(asset.strandCount, 1);
+  if (!sets.sag.acts()) return shares;
+  detail::BoundStrand bound;
+  for (uint32_t s = 0; s < asset.strandCount; ++s)
+    shares[s] = static_cast<float>(bound.balance(asset, s, detail::vertexCountOf(asset, s), sets));
+  return shares;
+}
+
+}  // namespace pelage

@@ -10,6 +10,7 @@
 #include "pelage/gpu_structs.h"
 #include "pelage/hair_asset.h"
 #include "pelage/simulation_settings.h"
+#include "simulation/sag_balance.h"
 #include "skinning/hair_frame.h"
 
 namespace pelage {
@@ -56,10 +57,17 @@ struct RestSets {
   bool factors = false;                         ///< the last set
   std::span<const StrandFactors> strands = {};  ///< [strand], or empty for 1
   ParameterCurves curves = {};
+  /// The load that the rest shape balances; if it acts, a set has the joints of the bind pose.
+  SagLoad sag = {};
   bool operator==(const RestSets& other) const {
-    return targets == other.targets && factors == other.factors && curves == other.curves;
+    return targets == other.targets && factors == other.factors && curves == other.curves &&
+           sag == other.sag;
   }
-  uint32_t count() const { return 1u + (targets ? 1u : 0u) + (factors ? 1u : 0u); }
+  /// The set with the joints of the bind pose; 0: they are those at rest.
+  uint32_t bindSet() const { return sag.acts() ? 1u + (targets ? 1u : 0u) : 0; }
+  uint32_t count() const {
+    return 1u + (targets ? 1u : 0u) + (sag.acts() ? 1u : 0u) + (factors ? 1u : 0u);
+  }
 };
 
 /// Factors at a fraction of a strand's arc length: on stiffness, global stiffness and damping.
@@ -70,6 +78,9 @@ std::vector<Float4> packClassicFactors(const HairAsset& asset, const RestSets& s
 /// Contents of g_rest: the sets, then the strands.
 std::vector<Float4> packExactRest(const HairAsset& asset, const ExactStrands& strands,
                                   const RestSets& sets);
+
+/// The load that rest shapes balance: SimulationSettings::sagCompensation of the gravity that acts.
+SagLoad sagLoadOf(const SimulationSettings& settings);
 
 /// The wind at a time, in seconds.
 /// \param loadShare  of the wind that acts on hair

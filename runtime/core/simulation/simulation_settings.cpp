@@ -62,6 +62,7 @@ Result<void> validate(const SimulationSettings& s) {
       {"bendLength", s.bendLength, 0, 10},
       {"twistRatio", s.twistRatio, 0.05f, 10},
       {"relaxationTime", s.relaxationTime, 0, 1},
+      {"sagCompensation", s.sagCompensation, 0, 1},
       {"localStiffness", s.localStiffness, 0, 1},
       {"globalStiffness", s.globalStiffness, 0, 1},
       {"globalRange", s.globalRange, 0, 1},

@@ -32,7 +32,8 @@ void StrandSolver::prepare(HairFrame& frame) {
   const RestSets sets = {.targets = exact && (usesTargets(s) || groom.heldVertices),
                          .factors = !groom.strandFactors.empty() || s.curves != ParameterCurves{},
                          .strands = groom.strandFactors,
-                         .curves = s.curves};
+                         .curves = s.curves,
+                         .sag = sagLoadOf(s)};
   const bool otherPose = restVersion_ != frame.inputs.rest.version;
   if (otherPose) {
     frame.factory.remove(frame.buffers.bindRoots);
