@@ -22,6 +22,7 @@
 #include "pelage/authoring/resample.h"
 #include "pelage/follow_file.h"
 #include "pelage/hair_asset.h"
+#include "sag_report.h"
 
 namespace pelage::convert {
 namespace {
@@ -32,6 +33,7 @@ struct GroomOptions {
   CurveImportDef import;
   ResampleDef resample;
   GuideDef guides;
+  SagOptions sag;
   bool resampled = false;  // an option about the vertices of a strand was given
 
   bool selects() const { return guides.guideCount > 0 || guides.guideErrorBound > 0; }
@@ -214,6 +216,9 @@ Result<HairAsset> selectedGuides(const HairAsset& groom, const GroomOptions& opt
 }
 
 Result<void> writeAsset(const HairAsset& asset, const GroomOptions& options, Session& session) {
+  auto sag = sagReportOf(asset, 1, options.input.string(), options.sag, session);
+  if (!sag) return sag.error();
+  if (*sag) session.add("sag", (*sag)->json, "sag", (*sag)->text);
   auto bytes = saveTfx(asset);
   if (!bytes) return bytes.error();
   if (auto r = saveTfx(asset, options.output); !r) return r;
@@ -379,6 +384,7 @@ void addGroomCommand(CLI::App& app, Session& session) {
           ->excludes(count);
   CLI::Option* follow = command->add_option("--follow", options->follow,
                                             "Write the strands that follow the guides, .tfxfollow");
+  addSagOption(*command, options->sag);
   command->callback([=, &session] {
     if (*follow && !*count && !*guideBound)
       throw CLI::ValidationError("--follow", "needs --guide-count or --guide-error-bound");

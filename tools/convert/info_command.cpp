@@ -26,6 +26,7 @@
 #include "pelage/sdf_data.h"
 #include "pelage/settings/settings_file.h"
 #include "pelage/skin_table.h"
+#include "sag_report.h"
 
 namespace pelage::convert {
 namespace {
@@ -34,6 +35,7 @@ struct InfoOptions {
   std::vector<std::filesystem::path> files;
   std::filesystem::path file;  // the one at hand
   float scale = 1;             // of all lengths
+  SagOptions sag;
 };
 
 // Names of bones that people read; a program gets all.
@@ -135,6 +137,12 @@ Result<void> curvesInfo(const InfoOptions& options, Session& session) {
     session.add("fiber_radius", mean, "fiber radius", fmt::format("{:.4g} m on average", mean));
   }
   session.add("arrays", arrays, "arrays", text.empty() ? "positions alone" : text);
+  if (options.sag.settings.empty() || file.kind != HairFileKind::kTfx) return {};
+  auto guides = loadTfx(path, {.repair = true});
+  if (!guides) return guides.error();
+  auto sag = sagReportOf(*std::move(guides), options.scale, path.string(), options.sag, session);
+  if (!sag) return sag.error();
+  if (*sag) session.add("sag", (*sag)->json, "sag", (*sag)->text);
   return {};
 }
 
@@ -244,12 +252,17 @@ Result<void> cacheInfo(const InfoOptions& options, Session& session) {
                      {"vertices_per_strand", hair.asset.verticesPerStrand},
                      {"bones", bones},
                      {"follow_hairs", hair.followHairs.size()}});
+    auto sag = sagReportOf(hair.asset, options.scale, path.string() + ": " + hair.name, options.sag,
+                           session);
+    if (!sag) return sag.error();
+    if (*sag) hairs.back()["sag"] = (*sag)->json;
     session.add(
         "", {}, "hair",
         fmt::format("'{}': {} strands of {} vertices, {:.4g} m long on average, {} bones, {} "
                     "follow hairs",
                     hair.name, hair.asset.strandCount, hair.asset.verticesPerStrand,
                     size->meanLength, bones, hair.followHairs.size()));
+    if (*sag) session.add("", {}, "sag", fmt::format("'{}': {}", hair.name, (*sag)->text));
   }
   for (const CachedMesh& mesh : cache->meshes) {
     meshes.push_back({{"name", mesh.name},
@@ -425,6 +438,7 @@ void addInfoCommand(CLI::App& app, Session& session) {
   command->add_option("--scale", options->scale, "Metres a unit of the file")
       ->check(isAboveZero())
       ->capture_default_str();
+  addSagOption(*command, options->sag);
   command->callback([options, &session] {
     session.command = [options, &session] { return info(*options, session); };
   });
