@@ -89,6 +89,9 @@ class PELAGE_API HairObject {
   uint32_t boneCount() const { return boneCount_; }
   SkinningMethod skinning() const;
   const HairBuffers& buffers() const { return buffers_; }
+  /// Guides that are too limp for SimulationSettings::sagCompensation, as it was in the last frame:
+  /// they sag, by less than without it. reachableSagCompensation() names them.
+  uint32_t limpGuideCount() const;
   /// [2][guide] RootTransform: the roots in this frame and the last one, a part of
   /// HairBuffers::state.
   BufferRange rootTransforms() const;

@@ -215,6 +215,25 @@ TEST_F(SagLists, WithoutItThereIsNoSetOfBindJoints) {
   EXPECT_EQ(scene_.resources().find(hair.buffers().rest)->size, classic);
 }
 
+TEST_F(SagLists, CountsGuidesThatAreTooLimp) {
+  const HairAsset asset = sagAsset(3);
+  SimulationSettings settings;
+  settings.bendLength = kSagBendLength;
+  const std::vector<float> shares = valueOf(reachableSagCompensation(asset, settings));
+  HairObject& hair = addHair({.settings = settings}, asset);
+  for (const float asked : {0.0f, 0.3f, 1.0f}) {
+    hair.settings.sagCompensation = asked;
+    simulate();
+    const auto limp =
+        std::count_if(shares.begin(), shares.end(), [&](float share) { return share < asked; });
+    EXPECT_EQ(hair.limpGuideCount(), limp) << asked;
+    EXPECT_EQ(limp > 0, asked > 0) << asked;
+  }
+  hair.settings.solver = Solver::kClassic;
+  simulate();
+  EXPECT_EQ(hair.limpGuideCount(), 0u);
+}
+
 TEST_F(SagLists, RefusesSharesOutOfRange) {
   HairObject& hair = addHair();
   for (const float share : {-0.1f, 1.1f}) {

@@ -95,6 +95,10 @@ std::vector<SettingsMessage> SettingsPanel::build(Stage& stage, const WindowSize
   if (ImGui::Begin("Settings")) {
     buildHair(stage);
     buildFile(stage, messages);
+    const pelage::HairObject& hair = stage.scene().hair(stage.hairs()[hair_]);
+    if (hair.limpGuideCount() > 0)
+      ImGui::TextWrapped("%u of %u guides are too limp for this sagCompensation, and sag.",
+                         hair.limpGuideCount(), hair.guideCount());
     SceneSettings settings = settingsOf(stage, hair_);
     panel_.sections = stageSections();
     const PanelChange change = drawParameters(panel_, settings);

@@ -27,6 +27,9 @@ HairObject::~HairObject() = default;
 BufferRange HairObject::rootTransforms() const {
   return internals_->get<detail::StrandSolver>().rootTransforms(buffers_);
 }
+uint32_t HairObject::limpGuideCount() const {
+  return internals_->get<detail::StrandSolver>().limpGuides();
+}
 SkinningMethod HairObject::skinning() const { return internals_->skinning; }
 
 void HairObject::setBones(std::span<const AffineTransform> bones) {

@@ -252,11 +252,12 @@ class BoundStrand {
 }  // namespace
 
 std::vector<Float4> packExactRest(const HairAsset& asset, const ExactStrands& strands,
-                                  const RestSets& sets) {
+                                  const RestSets& sets, uint32_t* limp) {
   const size_t stride = strands.stateStride, bindSet = sets.bindSet();
   std::vector<Float4> rest(sets.count() * stride);
   std::vector<double> voronoiLengths;
   BoundStrand bound;
+  uint32_t limpStrands = 0;
   for (const ExactStrand& strand : strands.strands) {
     const Quaternion* frames = &asset.restFrames[strand.target];
     const Float4* bind = &asset.positions[strand.target];
@@ -264,7 +265,7 @@ std::vector<Float4> packExactRest(const HairAsset& asset, const ExactStrands& st
     double total = 0, arc = 0;
     for (uint32_t i = 0; i + 1 < strand.count; ++i) total += static_cast<double>(lengths[i]);
     setVoronoiLengths({lengths, strand.count}, voronoiLengths);
-    if (bindSet > 0) bound.balance(asset, strand.root, strand.count, sets);
+    if (bindSet > 0 && bound.balance(asset, strand.root, strand.count, sets) < 1) ++limpStrands;
     for (uint32_t i = 0; i < strand.count; ++i) {
       const size_t at = strand.state + size_t{exact::kTileStrands} * i;
       const bool tip = i + 1 == strand.count;
@@ -293,6 +294,7 @@ std::vector<Float4> packExactRest(const HairAsset& asset, const ExactStrands& st
       if (!tip) arc += static_cast<double>(lengths[i]);
     }
   }
+  if (limp != nullptr) *limp = limpStrands;
   const size_t records = rest.size();
   rest.resize(records + 2 * strands.strands.size());
   std::memcpy(static_cast<void*>(rest.data() + records), strands.strands.data(),

@@ -76,8 +76,9 @@ Float4 vertexFactors(const RestSets& sets, uint32_t strand, double share);
 std::vector<Float4> packClassicFactors(const HairAsset& asset, const RestSets& sets);
 
 /// Contents of g_rest: the sets, then the strands.
+/// \param limp  receives the number of strands that cannot balance the load
 std::vector<Float4> packExactRest(const HairAsset& asset, const ExactStrands& strands,
-                                  const RestSets& sets);
+                                  const RestSets& sets, uint32_t* limp = nullptr);
 
 /// The load that rest shapes balance: SimulationSettings::sagCompensation of the gravity that acts.
 SagLoad sagLoadOf(const SimulationSettings& settings);

@@ -89,10 +89,11 @@ void StrandSolver::makeExactBuffers(const HairFrame& frame) {
 void StrandSolver::makeRest(const HairFrame& frame, const RestSets& sets) {
   const HairAsset& asset = *frame.inputs.rest.asset;
   restSets_ = sets;
+  limpGuides_ = 0;
   frame.factory.remove(frame.buffers.rest);
   std::vector<Float4> rest;
   if (frame.settings.solver == Solver::kExact) {
-    rest = packExactRest(asset, exactStrandsOf(frame.groom, frame.inputs.rest), sets);
+    rest = packExactRest(asset, exactStrandsOf(frame.groom, frame.inputs.rest), sets, &limpGuides_);
   } else {
     Result<std::vector<Float4>> packed = packRest(asset);
     PELAGE_ASSERT(packed, "addHair() takes processed assets only");

@@ -66,6 +66,8 @@ class StrandSolver {
   BufferRange rootTransforms(const HairBuffers& buffers) const {
     return {buffers.state, rootBytes_, rootOffset_};
   }
+  /// Strands that cannot balance SimulationSettings::sagCompensation.
+  uint32_t limpGuides() const { return limpGuides_; }
   float lastFrame() const { return lastFrame_; }  ///< [s]; 0 before the first one
 
  private:
@@ -96,6 +98,7 @@ class StrandSolver {
 
   std::optional<Solver> solver_;    ///< that the buffers were made for
   RestSets restSets_;               ///< likewise
+  uint32_t limpGuides_ = 0;         ///< in restSets_
   uint64_t restVersion_ = 0;        ///< likewise, of RestPose::version
   uint64_t restVersionBefore_ = 0;  ///< of the last frame
   /// Settings of the last frame; a change wakes all strands.
