@@ -1,9 +1,10 @@
 // The objects of a scene, and what all of them share.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <ranges>
+#include <utility>
 
 #include "base/ids.h"
 #include "passes/buffer_factory.h"
@@ -14,13 +15,47 @@
 
 namespace pelage::detail {
 
-/// The objects of the slots that are not empty.
+/// The objects of the slots that are not empty, as a range. (Views of std::ranges do not compile
+/// with clang-tidy 14.)
 template <class Id, class T>
-auto objectsOf(const Slots<Id, T>& slots) {
-  return std::views::all(slots) |
-         std::views::filter([](const std::unique_ptr<T>& held) { return held != nullptr; }) |
-         std::views::transform([](const std::unique_ptr<T>& held) -> T& { return *held; });
-}
+class Objects {
+ public:
+  using Slot = decltype(std::declval<const Slots<Id, T>&>().begin());
+
+  class Iterator {
+   public:
+    using value_type = T;
+    using difference_type = std::ptrdiff_t;
+
+    Iterator() = default;
+    Iterator(Slot slot, Slot end) : slot_(slot), end_(end) { skipEmpty(); }
+    T& operator*() const { return **slot_; }
+    Iterator& operator++() {
+      ++slot_;
+      skipEmpty();
+      return *this;
+    }
+    Iterator operator++(int) {
+      const Iterator before = *this;
+      ++*this;
+      return before;
+    }
+    friend bool operator==(const Iterator& a, const Iterator& b) { return a.slot_ == b.slot_; }
+
+   private:
+    void skipEmpty() {
+      while (slot_ != end_ && *slot_ == nullptr) ++slot_;
+    }
+    Slot slot_ = {}, end_ = {};
+  };
+
+  explicit Objects(const Slots<Id, T>& slots) : begin_(slots.begin()), end_(slots.end()) {}
+  Iterator begin() const { return {begin_, end_}; }
+  Iterator end() const { return {end_, end_}; }
+
+ private:
+  Slot begin_, end_;
+};
 
 /// Holds the objects of a scene by id, their buffers, and what is the same for all of them.
 class HairStore {
@@ -43,9 +78,9 @@ class HairStore {
   static SkeletonInternals& of(SkeletonPose& skeleton) { return *skeleton.internals_; }
   static HairBuffers& buffersOf(HairObject& hair) { return hair.buffers_; }
   static SdfColliderBuffers& buffersOf(SdfCollider& collider) { return collider.buffers_; }
-  auto hairs() const { return objectsOf(hairSlots); }
-  auto skeletons() const { return objectsOf(skeletonSlots); }
-  auto colliders() const { return objectsOf(sdfs.colliders); }
+  Objects<HairId, HairObject> hairs() const { return Objects(hairSlots); }
+  Objects<SkeletonId, SkeletonPose> skeletons() const { return Objects(skeletonSlots); }
+  Objects<ColliderId, SdfCollider> colliders() const { return Objects(sdfs.colliders); }
   // They assert that the object exists.
   HairObject& hair(HairId id) const;
   SkeletonPose& skeleton(SkeletonId id) const;
