@@ -24,10 +24,8 @@ PELAGE_API SimulationCounters readCounters(std::span<const std::byte> sleepWords
 /// Counters of contacts in a frame, over all sub-steps.
 struct ContactCounters {
   uint32_t records = 0;  ///< pairs of a vertex and a collider near it (at most two per vertex)
-  uint32_t furtherPasses =
-      0;  ///< exact: solver passes beyond the first one of strands with a record
-  uint32_t tilesSolvedAgain = 0;  ///< exact: tiles of 32 strands whose contacts were found again,
-                                  ///< because a vertex ended over 3 cm from its predicted position
+  /// exact: strands that were solved a second time, with contacts found anew
+  uint32_t strandsSolvedAgain = 0;
 };
 
 /// Reads the counters from the first 16 bytes of HairBuffers::contactWords, as readCounters() does.

@@ -19,6 +19,8 @@ static const float3 kApartColor = float3(0.03, 0.16, 0.90);
 static const float3 kContactColor = float3(0.03, 0.65, 0.07);
 static const float3 kShallowColor = float3(0.95, 0.75, 0.02);
 static const float3 kDeepColor = float3(0.90, 0.02, 0.02);
+// Share of the largest possible friction from which on a vertex slides.
+static const float kSlidingShare = 0.999;
 static const float kSlidingLength = 0.5;  // share of the needle's length
 static const float kSlidingWhite = 0.5;   // share of white in the color
 
@@ -77,7 +79,8 @@ ContactVaryings contact_vertex(uint index : SV_VertexID, uint strand : SV_Instan
   float3 normal = contact.plane.xyz;
   float3 found = float3(contact.foundX, contact.foundY, contact.foundZ);
   float depth = -(contact.plane.w + dot(normal, position - g_drawnOrigin.xyz - found));
-  bool slides = (contact.bits & kContactSlides) != 0u;
+  float most = contact.surface.w * contact.force.w;
+  bool slides = most > 0.0 && length(contact.force.xyz) > kSlidingShare * most;
   float3 end = position + normal * (g_needleLength * (slides ? kSlidingLength : 1.0));
   if (!isDrawable(end) || !(abs(depth) < 1e18)) return result;
   float4 foot = toClip(position);

@@ -2,7 +2,8 @@
 //
 // Threads: one per vertex. A group of 32 x 4 has 32 vertices of 4 strands: group.x is a tile of 32
 //          strands (or an entry of a list of tiles), group.y counts the 8 groups of 4 strands, then
-//          the words of the masks, then rows of 32,768 tiles.
+//          the words of the masks, then rows of 32,768 tiles. In a second search group.x and rows
+//          in group.z count groups of 4 strands of a list, and group.y the words of the masks.
 // Reads:   g_contactPositions, g_contactRoots, g_awakeTiles, g_capsules; with SDF in its place
 //          g_contactColliders, g_contactSdfKeys, g_contactSdfSurface
 // Writes:  g_contacts, g_contactWords
@@ -12,7 +13,7 @@
 // position. The vertex gets a record for each of the (at most kMaxContacts, deepest) colliders
 // within g_contactRange, plus a quarter of its displacement relative to the root (in a second
 // search: all of it), of the predicted position. If it had a record with the same collider, the
-// forces are kept: the solver starts from them. In a second search, for marked strands, vertices
+// forces are kept: the solver starts from them. In a second search, for listed strands, vertices
 // are swept to where the solver has put them.
 //
 // A group first tests which of its vertices may be near a collider, which costs one key or one
@@ -62,6 +63,7 @@ groupshared float3 s_from[128];
 groupshared float3 s_to[128];
 groupshared float s_range[128];
 groupshared uint s_element[128];
+groupshared uint s_scratch[128];
 groupshared uint s_had[4];
 
 // Returns the force of the record that the vertex had with the same collider, in the new tangent
@@ -76,7 +78,7 @@ ContactRecord goOn(ContactRecord record, uint first, bool had) {
       precise float3 tangential = force.xyz - n * off;
       if (isUsable(tangential) && force.w >= 0.0 && force.w < 1e18) {
         record.force = float4(tangential, force.w);
-        record.bits = record.bits | (bits & (kContactSticks | kContactSlides));
+        if (force.w > 0.0) record.bits = record.bits | kContactPressed;
       }
       break;
     }
@@ -113,8 +115,32 @@ ContactStrand strandAt(uint slot) {
   strand.target = g_contactWords[word];
   strand.count = g_contactWords[word + 1u];
   strand.root = g_contactWords[word + 2u];
-  strand.pad0 = 0u;
+  strand.state = g_contactWords[word + 3u];
   return strand;
+}
+
+// Plane of a record in the scratch.
+float4 planeOf(ContactRecord record) {
+  precise float along = dot3(record.plane.xyz, record.surface.xyz);
+  return float4(record.plane.xyz, record.force.w > 0.0 ? along : kNoLimit);
+}
+
+// Writes what the elimination needs of the records of a vertex.
+void storeScratch(uint entry, ContactRecord a, ContactRecord b, bool more) {
+  uint element =
+      g_contactBefore + g_contactVertexCount + 2u * g_contactStrandTotal + s_scratch[entry];
+  precise float3 force = a.plane.xyz * a.force.w + a.force.xyz;
+  precise float load = squareRoot(dot3(force, force));
+  float4 second = float4(0.0, 0.0, 0.0, kNoLimit);
+  if (more) {
+    second = planeOf(b);
+    precise float3 other = b.plane.xyz * b.force.w + b.force.xyz;
+    force = force + other;
+    load = load + squareRoot(dot3(other, other));
+  }
+  g_contacts[element + kScratchPlanes * g_contactStride] = asuint(planeOf(a));
+  g_contacts[element + (kScratchPlanes + 1u) * g_contactStride] = asuint(second);
+  g_contacts[element + kScratchForces * g_contactStride] = asuint(float4(force, load));
 }
 
 // Writes the records of a vertex. Returns their number.
@@ -139,6 +165,7 @@ uint findRecords(uint entry) {
   if (more) a.bits = a.bits | kContactMore;
   storeRecord(element, a);
   if (more) storeRecord(element + 1u, b);
+  if (g_contactStride > 0u) storeScratch(entry, a, b, more);
   return more ? 2u : 1u;
 }
 
@@ -182,19 +209,20 @@ void find_contacts(uint3 group : SV_GroupID, uint3 lane : SV_GroupThreadID,
   uint word = block / (kTileStrands / kGroupStrands);
   uint quarter = block - word * (kTileStrands / kGroupStrands);
   uint tile = row * kRowGroups + group.x;
-  bool listed = true;
-  if (again) {
-    listed = tile < min(g_contactWords[g_contactHead + kContactFindArguments], g_contactTileCount);
-    tile = listed ? g_contactWords[g_contactList + tile] : 0u;
-  } else if ((g_contactFlags & kListedFlag) != 0u) {
+  if (!again && (g_contactFlags & kListedFlag) != 0u)
     tile = g_awakeTiles[g_tileList + min(tile, g_contactTileCount - 1u)];
-  }
   uint slot = tile * kTileStrands + quarter * kGroupStrands + lane.y;
-  bool inside = listed && tile < g_contactTileCount && slot < g_contactStrandCount;
-  if (again && inside) {
-    uint strands = g_contactWords[g_contactList + g_contactTileCount + tile];
-    inside = ((strands >> (quarter * kGroupStrands + lane.y)) & 1u) != 0u;
+  bool inside = tile < g_contactTileCount;
+  if (again) {
+    uint entry = (group.z * kListedGroups + group.x) * kGroupStrands + lane.y;
+    word = group.y;
+    uint strand = 0u;
+    if (entry < g_contactWords[g_contactHead + kContactListed])
+      strand = g_contactWords[g_contactList + entry];
+    inside = (strand & kListedFar) != 0u;
+    slot = strand & ~kListedFar;
   }
+  inside = inside && slot < g_contactStrandCount;
   uint maskWord = g_contactMasks + slot * g_contactMaskWords + word;
   if (index == 0u) s_count = 0u;
   if (lane.x == 0u) {
@@ -202,8 +230,6 @@ void find_contacts(uint3 group : SV_GroupID, uint3 lane : SV_GroupThreadID,
     bool goesOn = again || (g_contactFlags & kNoHistoryFlag) == 0u;
     s_had[lane.y] = inside && goesOn ? g_contactWords[maskWord] : 0u;
   }
-  if (index == 0u && !again && inside && block == 0u)
-    g_contactWords[g_contactList + g_contactTileCount + tile] = 0u;
   GroupMemoryBarrierWithGroupSync();
 
   uint vertex = word * 32u + lane.x;
@@ -254,6 +280,7 @@ void find_contacts(uint3 group : SV_GroupID, uint3 lane : SV_GroupThreadID,
       s_to[entry] = to;
       s_range[entry] = range;
       s_element[entry] = own;
+      s_scratch[entry] = strand.state + vertex * kTileStrands;
     }
   }
   GroupMemoryBarrierWithGroupSync();

@@ -286,10 +286,9 @@ Result<void> printContacts(const DemoScene& demo, HeadlessDevice& device) {
     if (!figures) return figures.error();
     if (!*figures) continue;
     const pelage::ContactCounters& counters = (*figures)->counters;
-    fmt::print(
-        "contacts: {}, {} records, {} further passes, {} tiles solved again, {:.3f} mm deep\n",
-        demo.scene().hair(id).name(), counters.records, counters.furtherPasses,
-        counters.tilesSolvedAgain, (*figures)->deepest * kMillimeters);
+    fmt::print("contacts: {}, {} records, {} strands solved again, {:.3f} mm deep\n",
+               demo.scene().hair(id).name(), counters.records, counters.strandsSolvedAgain,
+               (*figures)->deepest * kMillimeters);
   }
   return {};
 }

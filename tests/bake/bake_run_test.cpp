@@ -449,7 +449,7 @@ TEST_F(Bake, ContactsThatMultiplyDifferencesAreNamed) {
       "sensitive.json",
       R"({"version": 1, "output": "sensitive", "shots": [{"name": "s", "frames": [1, 6],
       "assets": {"generated": {"kind": "head", "guides": 40}}, "animation": {"motion": "shake"},
-      "errorBound": "50um", "errorShare": 0.95}]})")));
+      "errorBound": "1um", "errorShare": 0.95}]})")));
   Shot finer = project->shots[0];
   finer.cellSize = 0.004;
   const auto inputs = required(loadShot(finer));
@@ -457,7 +457,7 @@ TEST_F(Bake, ContactsThatMultiplyDifferencesAreNamed) {
   const auto done = runShot(*project, project->shots[0], {});
   ASSERT_FALSE(done);
   const std::string& message = done.error().message;
-  expectHas(message, "95 % of the vertices are not kept within 0.05 mm");
+  expectHas(message, "95 % of the vertices are not kept within 0.001 mm");
   expectHas(message, "mm with 2 sub-steps. More were not tried: 1e-5 m/s2 more of gravity");
 }
 

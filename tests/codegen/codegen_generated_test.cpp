@@ -66,13 +66,12 @@ TEST(GeneratedKernels, CompleteAKeyThatTheManifestExcludes) {
 }
 
 TEST(GeneratedKernels, OfPelageGiveRareFeaturesTheCommonOnes) {
-  static_assert(completeKey(pelage::SimulateExactKey{.contacts = true}) ==
-                pelage::SimulateExactKey{.contacts = true, .velocityShockPropagation = true});
+  static_assert(completeKey(pelage::FindContactsKey{.denseSdf = true}) ==
+                pelage::FindContactsKey{.sdf = true, .denseSdf = true});
   // Whatever a scene has, there is a kernel for it.
-  for (int bits = 0; bits < 16; ++bits) {
-    const pelage::SimulateExactKey key{(bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0,
-                                       (bits & 8) != 0};
-    EXPECT_NE(simulateExactVariant(completeKey(key)), nullptr) << bits;
+  for (int bits = 0; bits < 4; ++bits) {
+    const pelage::FindContactsKey key{(bits & 1) != 0, (bits & 2) != 0};
+    EXPECT_NE(findContactsVariant(completeKey(key)), nullptr) << bits;
     EXPECT_EQ(completeKey(key) == key, exists(key)) << bits;
   }
 }

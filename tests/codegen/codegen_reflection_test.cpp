@@ -290,7 +290,7 @@ TEST(CodegenReflection, KeepsWhatEnginesBuildOn) {
        "[] es [1 0 SimulationConstants read 0, 1 1 g_rest read 0, 1 2 g_boneTransforms read 1, "
        "1 3 g_rootBindings read 2, 1 8 g_rootTransforms readWrite 3] [64, 1, 1] 0"},
       {"simulate_exact",
-       "[globalShape=0 contacts=0 velocityShockPropagation=0 forces=0] base [0 0 g_positions "
+       "[globalShape=0 velocityShockPropagation=0 forces=0] base [0 0 g_positions "
        "readWrite 0, 0 1 g_tangents readWrite 1, 1 0 ExactConstants read 0, 1 1 g_rest read 2, "
        "1 5 g_state readWrite 3, 1 6 g_sleep readWrite 4] [32, 1, 1] 0"},
       {"apply_hair_grid",

@@ -23,7 +23,7 @@ using reference::TriangleMesh;
 
 constexpr float kFieldStep = 1.0f / 60;
 
-/// simulate_exact on buffers of its own; the roots stay in the bind pose.
+/// The exact solver on buffers of its own; the roots stay in the bind pose.
 class RodFieldRun {
  public:
   /// Where the log lies: far enough from the roots that these do not hold what lies on it.

@@ -20,7 +20,8 @@ class SceneDeliveryTest : public SceneListTest {
     const Pass* pass = findPass(list_, kernel);
     return pass != nullptr ? constantsOf<ExactConstants>(list_, *pass, "ExactConstants").flags : 0;
   }
-  bool resets() const { return (flags() & 1u) != 0; }
+  /// With or without contacts.
+  bool resets() const { return ((flags() | flags("eliminate_strands")) & 1u) != 0; }
 
   PassList other_;
 };

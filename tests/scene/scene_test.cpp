@@ -82,7 +82,7 @@ TEST_F(SceneTest, FollowHairsThatOnlyTheDrawingNeedsAreNeitherStoredNorUpdated) 
 TEST_F(SceneTest, HairThatIsNotSimulatedHasNoPassOfASolverOrOfContacts) {
   for (const Solver solver : {Solver::kExact, Solver::kClassic}) {
     const bool exact = solver == Solver::kExact;
-    const char* solve = exact ? "simulate_exact" : "simulate_classic";
+    const char* solve = exact ? "eliminate_strands" : "simulate_classic";
     const char* skin = exact ? "skin_exact_strands" : "skin_classic_strands";
     SimulationSettings settings;
     settings.solver = solver;

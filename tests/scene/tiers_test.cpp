@@ -270,7 +270,7 @@ TEST_P(Tiers, SayWhetherAWholeSceneRuns) {
 }
 
 TEST(TierLimits, AreCheckedForEachStageAndForBoth) {
-  const KernelVariant& exact = *simulateExactVariant({});
+  const KernelVariant& exact = simulateExactVariant({});
   EXPECT_TRUE(checkLimits(exact, nullptr, limitsOf(Tier::kBase), "a phone"));
   expectError(checkLimits(exact, nullptr, limitsOf(Tier::kEs), "a phone"), "a phone allows 4");
   const KernelVariant& vertex = strandVertexVariant({.smooth = true});

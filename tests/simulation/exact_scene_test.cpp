@@ -47,10 +47,6 @@ class ExactSceneTest : public test::SceneListTest {
     return constantsOf<ContactConstants>("find_contacts");
   }
   SimulateExactKey plainKey() const { return {.velocityShockPropagation = true}; }
-  /// With colliders within reach.
-  SimulateExactKey contactKey() const {
-    return {.contacts = true, .velocityShockPropagation = true};
-  }
   const KernelVariant* variant() const { return passes("simulate_exact").at(0)->kernel; }
   std::vector<Collider> uploadedColliders(const HairObject& hair) const {
     return uploaded<Collider>(hair.buffers().colliders);
@@ -91,13 +87,13 @@ TEST_F(ExactSceneTest, AShiftOfTheOriginIsOnePassInTheNextListAlone) {
 TEST_F(ExactSceneTest, WhatIsSwitchedOffIsNotInThePermutationOrHasNoStrength) {
   HairObject& hair = add();
   simulate();
-  EXPECT_EQ(variant(), simulateExactVariant(plainKey()));
+  EXPECT_EQ(variant(), &simulateExactVariant(plainKey()));
   const uint64_t rest = scene_.resources().find(hair.buffers().rest)->size;
 
   hair.settings.globalStiffness = 0.1f;
   simulate();
   EXPECT_EQ(variant(),
-            simulateExactVariant({.globalShape = true, .velocityShockPropagation = true}));
+            &simulateExactVariant({.globalShape = true, .velocityShockPropagation = true}));
   const uint64_t strands = hair.guideCount() * sizeof(ExactStrand);
   EXPECT_EQ(scene_.resources().find(hair.buffers().rest)->size, 2 * (rest - strands) + strands);
   EXPECT_EQ(constants().at(0).flags & 1u, 0u) << "the hair goes on as it was";
@@ -106,14 +102,14 @@ TEST_F(ExactSceneTest, WhatIsSwitchedOffIsNotInThePermutationOrHasNoStrength) {
   hair.settings.vspCoefficient = 0;
   hair.settings.vspThreshold = std::numeric_limits<float>::infinity();
   simulate();
-  EXPECT_EQ(variant(), simulateExactVariant({}));
+  EXPECT_EQ(variant(), &simulateExactVariant({}));
   EXPECT_EQ(scene_.resources().find(hair.buffers().rest)->size, rest);
 
   EXPECT_EQ(constants().at(0).damping, 0.0f);
 
   hair.settings.relaxationTime = 1e-3f;
   simulate();
-  EXPECT_EQ(variant(), simulateExactVariant({}));
+  EXPECT_EQ(variant(), &simulateExactVariant({}));
   EXPECT_GT(constants().at(0).damping, 0.0f);
 }
 
@@ -136,7 +132,7 @@ TEST_F(ExactSceneTest, HeldVerticesNeedTheirGoals) {
   add();
   simulate();
   EXPECT_TRUE(variant() ==
-              simulateExactVariant({.globalShape = true, .velocityShockPropagation = true}));
+              &simulateExactVariant({.globalShape = true, .velocityShockPropagation = true}));
 }
 
 TEST_F(ExactSceneTest, SubStepsCoverTheFrameOnceAndTakeTurnsWithTheState) {
@@ -225,7 +221,7 @@ TEST_F(ExactSceneTest, CollidersThatNoStrandReachesAreLeftOut) {  // K34
   const CapsuleCollider negative = {.headRadius = -1};
   hair.setColliders({{far, broken, negative}});
   simulate();
-  EXPECT_EQ(variant(), simulateExactVariant(plainKey()));
+  EXPECT_EQ(variant(), &simulateExactVariant(plainKey()));
   EXPECT_EQ(passes("simulate_exact").size(), 1u);
   EXPECT_TRUE(passes("find_contacts").empty());
   EXPECT_EQ(hair.buffers().colliders, BufferId::kInvalid);
@@ -234,22 +230,22 @@ TEST_F(ExactSceneTest, CollidersThatNoStrandReachesAreLeftOut) {  // K34
 
   hair.setColliders({{far, broken, negative, near}});
   simulate();
-  EXPECT_EQ(variant(), simulateExactVariant(contactKey()));
+  EXPECT_TRUE(passes("simulate_exact").empty());
   const std::vector<Collider> colliders = uploadedColliders(hair);
   ASSERT_EQ(colliders.size(), 1u);
   EXPECT_EQ(colliders[0].head, (Float4{0, -0.5f, 0, 0.4f}));
   EXPECT_EQ(colliders[0].headBefore, (Float4{0, -0.5f, 0, 0.7f}));
-  EXPECT_EQ(constants().at(0).colliderCount, 1u);
+  EXPECT_EQ(constants("eliminate_strands").at(0).colliderCount, 1u);
   EXPECT_EQ(contactConstants().at(0).capsuleCount, 1u);
 
   setCollider(hair, far);
   simulate();
-  EXPECT_EQ(variant(), simulateExactVariant(plainKey()));
+  EXPECT_EQ(variant(), &simulateExactVariant(plainKey()));
   EXPECT_TRUE(passes("find_contacts").empty());
 }
 
-// Contacts are found for the tiles that are awake before the step, and once more for those in which
-// a vertex has ended far from where its contact was found. A reset needs its pose first.
+// Contacts are found for the tiles that are awake before the step, and once more for the strands
+// that are solved again. A reset needs its pose first.
 TEST_F(ExactSceneTest, ContactsAreFoundBeforeAStepAndAgainAfterIt) {
   constexpr uint32_t kListed = 1, kAgain = 2, kNoHistory = 4;
   HairObject& hair = add();
@@ -262,40 +258,44 @@ TEST_F(ExactSceneTest, ContactsAreFoundBeforeAStepAndAgainAfterIt) {
   };
   using Names = std::vector<std::string>;
   simulate();
-  EXPECT_EQ(names(), (Names{"skin_roots", "select_awake_tiles", "simulate_exact", "find_contacts",
-                            "simulate_exact", "find_contacts", "simulate_exact"}));
-  EXPECT_EQ(constants().at(0).flags & (1u | 256u), 1u | 256u);
-  EXPECT_EQ(constants().at(1).flags & (1u | 128u | 256u), 1u);
-  EXPECT_EQ(constants().at(2).flags & (1u | 128u | 256u), 128u);
+  const Names step = {"find_contacts", "eliminate_strands", "solve_contacts", "roll_out_strands",
+                      "find_contacts", "eliminate_strands", "solve_contacts", "roll_out_strands"};
+  Names expected = {"skin_roots", "select_awake_tiles", "eliminate_strands"};
+  expected.insert(expected.end(), step.begin(), step.end());
+  EXPECT_EQ(names(), expected);
+  const auto eliminations = [&] { return constants("eliminate_strands"); };
+  EXPECT_EQ(eliminations().at(0).flags & (1u | 128u | 256u), 1u | 256u);
+  EXPECT_EQ(eliminations().at(1).flags & (1u | 128u | 256u), 1u);
+  EXPECT_EQ(eliminations().at(2).flags & (1u | 128u | 256u), 1u | 128u);
   EXPECT_EQ(contactConstants().at(0).contactFlags & 7u, kListed | kNoHistory);
   EXPECT_EQ(contactConstants().at(1).contactFlags & 7u, kAgain);
 
   simulate();
-  EXPECT_EQ(names(), (Names{"skin_roots", "select_awake_tiles", "find_contacts", "simulate_exact",
-                            "find_contacts", "simulate_exact"}));
-  for (const std::string_view name : {"find_contacts", "simulate_exact"}) {
+  expected.erase(expected.begin() + 2);
+  EXPECT_EQ(names(), expected);
+  for (const std::string& name : step) {
     for (const Pass* pass : passes(name)) EXPECT_EQ(pass->kind, PassKind::kDispatchIndirect);
   }
   EXPECT_EQ(contactConstants().at(0).contactFlags & 7u, kListed);
-  EXPECT_EQ(constants().at(0).slot, constants().at(1).slot) << "the same step once more";
-  EXPECT_EQ(constants().at(1).flags & 128u, 128u);
+  EXPECT_EQ(eliminations().at(0).slot, eliminations().at(1).slot) << "the same step once more";
+  EXPECT_EQ(eliminations().at(1).flags & 128u, 128u);
 
   hair.settings.sleep.enabled = false;
   hair.settings.subSteps = 2;
   simulate();
   EXPECT_EQ(passes("find_contacts").size(), 4u);
-  EXPECT_EQ(passes("simulate_exact").size(), 4u);
-  EXPECT_EQ(passes("find_contacts").at(0)->kind, PassKind::kDispatch);
-  EXPECT_EQ(passes("find_contacts").at(1)->kind, PassKind::kDispatchIndirect);
-  EXPECT_EQ(passes("simulate_exact").at(0)->kind, PassKind::kDispatch);
-  EXPECT_EQ(passes("simulate_exact").at(1)->kind, PassKind::kDispatchIndirect);
+  for (const std::string& name : step) {
+    ASSERT_EQ(passes(name).size(), 4u) << name;
+    EXPECT_EQ(passes(name).at(0)->kind, PassKind::kDispatch);
+    EXPECT_EQ(passes(name).at(1)->kind, PassKind::kDispatchIndirect);
+  }
   // Each sub-step has a head of its own, and its part of the frame.
   const std::vector<ContactConstants> found = contactConstants();
   ASSERT_EQ(found.size(), 4u);
   EXPECT_NE(found[0].contactHead, found[2].contactHead);
   EXPECT_EQ(found[0].contactHead, found[1].contactHead);
-  EXPECT_EQ(found[0].contactHead, constants().at(0).contactHead);
-  EXPECT_EQ(found[2].contactHead, constants().at(2).contactHead);
+  EXPECT_EQ(found[0].contactHead, eliminations().at(0).contactHead);
+  EXPECT_EQ(found[2].contactHead, eliminations().at(2).contactHead);
   EXPECT_EQ(found[0].contactBegin, 0.0f);
   EXPECT_EQ(found[0].contactEnd, found[2].contactBegin);
   EXPECT_EQ(found[2].contactEnd, 1.0f);
@@ -317,12 +317,13 @@ TEST_F(ExactSceneTest, TheHeadOfSleepHasWhatIndirectPassesTake) {
   HairObject& hair = add();
   setCollider(hair, {.headRadius = 0.1f, .tailRadius = 0.1f});
   simulate();
-  // Twelve words, a tile with its offset, five strands.
-  EXPECT_EQ(scene_.resources().find(hair.buffers().sleep)->size, (12u + 2 + 5) * 4);
+  // Sixteen words, a tile with its offset, five strands.
+  EXPECT_EQ(scene_.resources().find(hair.buffers().sleep)->size, (16u + 2 + 5) * 4);
   const std::vector<uint32_t> head = uploaded<uint32_t>(hair.buffers().sleep);
-  ASSERT_EQ(head.size(), 12u);
-  // Eight groups of four strands for each 32 vertices.
-  EXPECT_EQ(head, (std::vector<uint32_t>{0, 1, 1, 0, 0, head[5], 1, 0, 0, 8, 1, 0}));
+  ASSERT_EQ(head.size(), 16u);
+  // A tile is four groups of eight strands in the elimination, eight of four for each 32 vertices,
+  // and a group a strand.
+  EXPECT_EQ(head, (std::vector<uint32_t>{0, 4, 1, 0, 0, head[5], 1, 0, 0, 8, 1, 0, 32, 0, 1, 0}));
 }
 
 TEST_F(ExactSceneTest, CollidersMoveFromWhereTheyWere) {
@@ -411,10 +412,10 @@ TEST_F(ExactSceneTest, TakesForcesOnlyFromABufferThatIsLargeEnough) {
   expectRefused({"has 16 bytes; it takes 640"});
   hair.setForces(scene_.resources().add({.name = "forces", .size = 640, .stride = 16}));
   simulate();
-  EXPECT_EQ(variant(), simulateExactVariant({.velocityShockPropagation = true, .forces = true}));
+  EXPECT_EQ(variant(), &simulateExactVariant({.velocityShockPropagation = true, .forces = true}));
   hair.setForces(BufferId::kInvalid);
   simulate();
-  EXPECT_EQ(variant(), simulateExactVariant(plainKey()));
+  EXPECT_EQ(variant(), &simulateExactVariant(plainKey()));
 }
 
 // Bones, a reset and the wind's phase wait for a frame that is not refused.

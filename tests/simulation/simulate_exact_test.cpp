@@ -22,6 +22,7 @@ namespace pelage::rod {
 namespace {
 
 using test::apiTestName;
+using test::ExactKey;
 using test::expectOk;
 using test::Gpu;
 using test::GpuTest;
@@ -63,8 +64,7 @@ std::vector<RestStrand> makeStrands(const std::vector<int>& counts, uint64_t see
 /// The buffers of one object on a device, in tiles of 32 strands sorted by vertex count.
 class RodRun {
  public:
-  RodRun(Gpu& gpu, const std::vector<RestStrand>& rests, const SimulateExactKey& key,
-         bool holdTip = false)
+  RodRun(Gpu& gpu, const std::vector<RestStrand>& rests, const ExactKey& key, bool holdTip = false)
       : RodRun(gpu, rests, key, pack(rests, holdTip)) {}
 
   /// Advances by `dt` seconds from one pose of the roots to another, as ExactRod::step() does.
@@ -166,8 +166,7 @@ class RodRun {
     uint32_t stride = 0, outputs = 0;
   };
 
-  RodRun(Gpu& gpu, const std::vector<RestStrand>& rests, const SimulateExactKey& key,
-         const Packed& packed)
+  RodRun(Gpu& gpu, const std::vector<RestStrand>& rests, const ExactKey& key, const Packed& packed)
       : gpu_(gpu),
         rests_(rests),
         packed_(packed),
@@ -186,8 +185,11 @@ class RodRun {
     Packed packed;
     for (uint32_t s = 0; s < rests.size(); ++s) {
       const auto count = static_cast<uint32_t>(rests[s].size());
-      packed.records.push_back(
-          {.count = count, .target = packed.outputs, .root = s, .seed = s, .strandLength = 1});
+      packed.records.push_back({.count = count,
+                                .target = packed.outputs,
+                                .root = s,
+                                .seed = s,
+                                .strandLength = static_cast<float>(rests[s].length())});
       packed.outputs += count;
     }
     std::stable_sort(packed.records.begin(), packed.records.end(),
@@ -274,7 +276,7 @@ class RodRun {
 /// Something that strands go through.
 struct Case {
   std::string name;
-  SimulateExactKey key;
+  ExactKey key;
   std::vector<int> counts;
   int frames;
   /// Largest distance to the double reference over the strand's length, in the frames that are
@@ -301,7 +303,7 @@ struct Case {
 };
 
 /// Settings of its own for every axis that is on.
-Case makeCase(std::string name, const SimulateExactKey& key, std::vector<int> counts, int frames,
+Case makeCase(std::string name, const ExactKey& key, std::vector<int> counts, int frames,
               double tolerance, int toleranceFrames) {
   Case c{std::move(name), key, std::move(counts), frames, tolerance, toleranceFrames};
   c.settings.material = {.bend = 1e-3, .twist = 0.5e-3, .airDrag = 3};
@@ -330,11 +332,22 @@ Case makeCase(std::string name, const SimulateExactKey& key, std::vector<int> co
   return c;
 }
 
+RodCollider toReference(const Collider& c) {
+  return {.head = toVector(c.head),
+          .tail = toVector(c.tail),
+          .headBefore = toVector(c.headBefore),
+          .tailBefore = toVector(c.tailBefore),
+          .headRadius = c.head.w,
+          .tailRadius = c.tail.w,
+          .friction = c.headBefore.w};
+}
+
 /// Positions of the two references, [frame][strand][vertex] in one row a frame.
 struct Expected {
   std::vector<RestStrand> rests;
   std::vector<std::vector<Vector3<float>>> floats;
   std::vector<std::vector<Vector3d>> doubles;
+  long sweptPasses = 0, matrixPasses = 0;  ///< of all strands
 };
 
 /// Computed once for all APIs.
@@ -347,7 +360,10 @@ const Expected& expectedOf(const Case& c) {
   std::vector<ExactRod<float>> floats;
   std::vector<ExactRod<double>> doubles;
   double time = 0;
-  const RodSettings& settings = c.settings;
+  RodSettings settings = c.settings;
+  std::vector<RodCollider> colliders;
+  for (const Collider& from : c.colliders) colliders.push_back(toReference(from));
+  settings.colliders = colliders;
   for (int frame = 0; frame < c.frames; ++frame) {
     const double dt = c.stepAt(frame);
     time += dt;
@@ -367,6 +383,10 @@ const Expected& expectedOf(const Case& c) {
       }
     }
   }
+  for (const ExactRod<float>& rod : floats) {
+    expected.sweptPasses += rod.statistics().sweptPasses;
+    expected.matrixPasses += rod.statistics().contactPasses - rod.statistics().sweptPasses;
+  }
   return expected;
 }
 
@@ -380,6 +400,7 @@ class SimulateExact : public GpuTest {
     SCOPED_TRACE(c.name);
     const Expected& expected = expectedOf(c);
     RodRun run(gpu(), expected.rests, c.key, c.settings.holdTip);
+    if (!c.colliders.empty()) run.setColliders(c.colliders);
     double time = 0, worst = 0, stretch = 0;
     size_t different = 0;
     int firstDifferent = -1;
@@ -438,7 +459,7 @@ TEST_P(SimulateExact, HasTheBitsOfTheFloatReference) {
 }
 
 TEST_P(SimulateExact, HasTheBitsOfTheFloatReferenceInStepsOfEveryKind) {
-  const SimulateExactKey shock = {.velocityShockPropagation = true};
+  const ExactKey shock = {.velocityShockPropagation = true};
   Case steps = makeCase("steps of 1/240 to 1/15 s", {}, kFewSizes, 60, 5e-4, 60);
   steps.varyingSteps = true;
   Case subSteps = makeCase("3 sub-steps", shock, kFewSizes, 60, 5e-3, 60);
@@ -457,8 +478,8 @@ TEST_P(SimulateExact, HasTheBitsOfTheFloatReferenceInStepsOfEveryKind) {
 TEST_P(SimulateExact, HasTheBitsOfTheFloatReferenceInEveryPermutation) {
   const std::array<std::vector<uint32_t>, 3> masks = {{{2, 4, 7}, {1, 3, 5, 7}, {6, 7}}};
   for (const uint32_t mask : masks[static_cast<size_t>(GetParam())]) {
-    const SimulateExactKey key = {.globalShape = (mask & 1) != 0,
-                                  .velocityShockPropagation = (mask & 4) != 0};
+    const ExactKey key = {.globalShape = (mask & 1) != 0,
+                          .velocityShockPropagation = (mask & 4) != 0};
     Case c = makeCase("permutation " + std::to_string(mask), key, kFewSizes, 60, 1e-2, 60);
     if ((mask & 2) != 0) c.settings.material.relaxation = 1e-3;
     compare(c);
@@ -466,7 +487,7 @@ TEST_P(SimulateExact, HasTheBitsOfTheFloatReferenceInEveryPermutation) {
 }
 
 /// The permutations with contacts.
-SimulateExactKey contactKey(bool globalShape) {
+ExactKey contactKey(bool globalShape) {
   return {.globalShape = globalShape, .contacts = true, .velocityShockPropagation = true};
 }
 /// A sphere around which nothing is within a metre.
@@ -478,8 +499,8 @@ Collider farSphere() {
 TEST_P(SimulateExact, HasTheSameBitsWithContactsWhereNothingIsWithinReach) {
   for (const bool globalShape : {false, true}) {
     SCOPED_TRACE(globalShape);
-    const SimulateExactKey key = contactKey(globalShape);
-    SimulateExactKey without = key;
+    const ExactKey key = contactKey(globalShape);
+    ExactKey without = key;
     without.contacts = false;
     Case c = makeCase("", key, {}, 0, 0, 0);
     c.settings.subSteps = 2;
@@ -489,7 +510,6 @@ TEST_P(SimulateExact, HasTheSameBitsWithContactsWhereNothingIsWithinReach) {
     for (int frame = 0; frame < 30; ++frame) {
       for (RodRun* r : {&run, &plain}) r->stepHead(frame, c.settings);
       ASSERT_EQ(run.counters().records, 0u);
-      ASSERT_EQ(run.counters().tilesSolvedAgain, 0u);
     }
     EXPECT_TRUE(sameBits(run.positions(), plain.positions()));
     EXPECT_TRUE(sameBits(run.state(), plain.state()));
@@ -497,9 +517,21 @@ TEST_P(SimulateExact, HasTheSameBitsWithContactsWhereNothingIsWithinReach) {
   }
 }
 
+TEST_P(SimulateExact, HasTheBitsOfTheFloatReferenceInContact) {
+  for (const int subSteps : {1, 3}) {
+    Case c = makeCase("contacts, sub-steps " + std::to_string(subSteps), contactKey(false),
+                      kFewSizes, 60, 1, 0);
+    c.settings.subSteps = subSteps;
+    compare(c);
+    // With the matrix, and with more contacts than it has.
+    EXPECT_GT(expectedOf(c).sweptPasses, 10);
+    EXPECT_GT(expectedOf(c).matrixPasses, 100);
+  }
+}
+
 /// Strands with records of a plane that is meters below all of them move as if they had none.
 TEST_P(SimulateExact, PlanesThatAreFarPushNothing) {
-  const SimulateExactKey key = contactKey(false);
+  const ExactKey key = contactKey(false);
   const std::vector<RestStrand> rests = makeStrands(kFewSizes);
   const Case c = makeCase("", key, {}, 0, 0, 0);
   RodRun run(gpu(), rests, key), plain(gpu(), rests, key);
@@ -517,9 +549,9 @@ TEST_P(SimulateExact, PlanesThatAreFarPushNothing) {
     for (size_t v = 0; v < a.size(); ++v)
       keepLargest(worst, length(toVector(a[v]) - toVector(b[v])));
     std::printf("[ FIGURE ] frame %d: %g m\n", frame, worst);
-    // Only the guess of where vertices go on to is another one.
+    // The iterations leave a small share of the penalties.
     if (frame == 0) {
-      EXPECT_LT(worst, 1e-6);
+      EXPECT_LT(worst, 5e-5);
     }
   }
   // At rest it does not count.
@@ -550,7 +582,7 @@ TEST_P(SimulateExact, AddsItsOriginToWhatIsDrawnOnly) {
 
 TEST_P(SimulateExact, ResetForgetsWhatWas) {
   const std::vector<RestStrand> rests = makeStrands(kFewSizes);
-  const SimulateExactKey key = contactKey(true);
+  const ExactKey key = contactKey(true);
   const Case c = makeCase("", key, {}, 0, 0, 0);
   RodRun used(gpu(), rests, key), fresh(gpu(), rests, key);
   for (RodRun* run : {&used, &fresh}) run->setColliders(c.colliders);
@@ -570,7 +602,7 @@ TEST_P(SimulateExact, LosesWhatIsNotANumberInAFewSteps) {
   const std::vector<RestStrand> rests = makeStrands({2, 3, 8, 16, 33, 20, 20, 20, 20});
   for (const bool all : {false, true}) {
     SCOPED_TRACE(all);
-    const SimulateExactKey key = all ? contactKey(true) : SimulateExactKey{};
+    const ExactKey key = all ? contactKey(true) : ExactKey{};
     const Case c = makeCase("", key, {}, 0, 0, 0);
     RodRun run(gpu(), rests, key);
     if (all) run.setColliders(c.colliders);
@@ -628,7 +660,7 @@ TEST_P(SimulateExact, LosesWhatIsNotANumberInAFewSteps) {
 
 TEST_P(SimulateExact, StandsRootTransformsThatNobodyWrote) {
   const std::vector<RestStrand> rests = makeStrands({2, 8, 12});
-  const SimulateExactKey key = contactKey(true);
+  const ExactKey key = contactKey(true);
   Case c = makeCase("", key, {}, 0, 0, 0);
   c.settings.gravity = c.settings.wind = Vector3d();
   RodRun run(gpu(), rests, key);
@@ -692,7 +724,7 @@ TEST_P(SimulateExact, LeavesOutStrandsWhoseRecordsDoNotFit) {
 
 /// Everything that the kernel wrote after 30 frames of two sub-steps with all features.
 std::vector<Float4> simulated(Gpu& gpu) {
-  const SimulateExactKey key = contactKey(true);
+  const ExactKey key = contactKey(true);
   Case c = makeCase("", key, {}, 0, 0, 0);
   c.settings.subSteps = 2;
   RodRun run(gpu, makeStrands(kFewSizes), key);

@@ -19,7 +19,7 @@ class ContactPass {
   static constexpr size_t kMaxCapsules = 4;
 
   /// \param strands in the order in which the solver takes them
-  ContactPass(Gpu& gpu, const std::vector<ContactStrand>& strands, uint32_t verticesPerStrand,
+  ContactPass(Gpu& gpu, const detail::ContactStrands& strands, uint32_t verticesPerStrand,
               uint64_t vertices, uint32_t steps = 1)
       : gpu_(gpu), capsules_(gpu, "capsules", std::vector<Collider>(kMaxCapsules)) {
     contacts_.prepare(gpu.resources, "test", strands, verticesPerStrand, vertices, steps);
@@ -69,7 +69,7 @@ class ContactPass {
   }
   /// Offers the records to a solver.
   void bindTo(PassBuilder& builder) const {
-    builder.bind("g_contacts", contacts_.records(), contacts_.recordBytes())
+    builder.bind("g_contacts", contacts_.records(), contacts_.bufferBytes())
         .bind("g_contactWords", contacts_.words(), contacts_.wordBytes());
   }
   const detail::HairContacts& contacts() const { return contacts_; }

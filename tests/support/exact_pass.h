@@ -1,4 +1,4 @@
-// The passes of simulate_exact, on buffers of a test's own.
+// The passes of the exact solver, on buffers of a test's own.
 #pragma once
 
 #include <algorithm>
@@ -6,6 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "passes/dispatch_rows.h"
+#include "pelage/constants.h"
 #include "pelage/gpu_structs.h"
 #include "pelage/kernels.h"
 #include "support/contact_pass.h"
@@ -20,12 +22,20 @@ struct ExactData {
   uint32_t stride = 0, strandRecords = 0, outputs = 0;
 };
 
+/// Features of a sub-step, which choose its kernels.
+struct ExactKey {
+  bool globalShape = false;
+  bool contacts = false;
+  bool velocityShockPropagation = false;  ///< always with contacts
+  bool forces = false;
+};
+
 class ExactPass {
  public:
   static constexpr uint32_t kReset = 1, kAgain = 128, kPose = 256;  // of ExactConstants::flags
 
   /// \param subSteps  at most, of a frame
-  ExactPass(Gpu& gpu, const SimulateExactKey& key, const ExactData& data, uint32_t subSteps = 1)
+  ExactPass(Gpu& gpu, const ExactKey& key, const ExactData& data, uint32_t subSteps = 1)
       : positions(gpu, "positions", std::vector<Float4>(data.outputs)),
         tangents(gpu, "tangents", std::vector<Float4>(data.outputs)),
         state(gpu, "state", data.state),
@@ -34,7 +44,7 @@ class ExactPass {
         gpu_(gpu),
         key_(key),
         sleep_(gpu, "sleep",
-               std::vector<uint32_t>(12 + 2 * ((data.strands.size() + 31) / 32) +
+               std::vector<uint32_t>(exact::kSleepHead + 2 * ((data.strands.size() + 31) / 32) +
                                      data.strands.size())) {
     constants.strandCount = static_cast<uint32_t>(data.strands.size());
     constants.simulatedCount = constants.fadeStart = constants.rootCount = constants.strandCount;
@@ -57,7 +67,11 @@ class ExactPass {
   /// again where a vertex has ended far from where its contact was found.
   void solve(PassList& list, detail::ContactStep step) {
     if (!contacts) {
-      dispatch(list, constants, step.index);
+      addStrandPass(list,
+                    simulateExactVariant({.globalShape = key_.globalShape,
+                                          .velocityShockPropagation = key_.velocityShockPropagation,
+                                          .forces = key_.forces}),
+                    constants);
       return;
     }
     constants.contactHead = contacts->contacts().head(step.index);
@@ -66,15 +80,26 @@ class ExactPass {
                                       .rootCount = constants.rootCount,
                                       .strands = constants.simulatedCount,
                                       .origin = {}};
+    const KernelVariant& eliminate =
+        eliminateStrandsVariant({.globalShape = key_.globalShape, .forces = key_.forces});
     ExactConstants values = constants;
     values.flags |= kPose;
-    if ((constants.flags & kReset) != 0) dispatch(list, values, step.index);
-    contacts->find(list, hair, step);
-    dispatch(list, constants, step.index);
-    step.again = true;
-    contacts->find(list, hair, step);
-    values.flags = (constants.flags & ~kReset) | kAgain;
-    dispatch(list, values, step.index);
+    if ((constants.flags & kReset) != 0) addStrandPass(list, eliminate, values);
+    values.flags = constants.flags;
+    for (const bool again : {false, true}) {
+      if (again) values.flags |= kAgain;
+      step.again = again;
+      contacts->find(list, hair, step);
+      addStrandPass(list, eliminate, values);
+      PassBuilder builder(list);
+      if (again)
+        builder.dispatchIndirect(solveContactsVariant({}), contacts->contacts().words(),
+                                 listArguments(contact_records::kContactSolveArguments));
+      else
+        detail::dispatchGroups(builder, solveContactsVariant({}), constants.strandCount);
+      finish(builder, values);
+      addStrandPass(list, rollOutStrandsVariant({}), values);
+    }
   }
   /// Fails when a pattern behind a buffer was written to.
   void checkGuards() const {
@@ -85,10 +110,11 @@ class ExactPass {
 
  private:
   void addContacts(const ExactData& data, uint32_t subSteps) {
-    std::vector<ContactStrand> strands;
+    detail::ContactStrands strands = {.strands = {}, .stateStride = data.stride};
     uint32_t most = 0;
     for (const ExactStrand& s : data.strands) {
-      strands.push_back({.target = s.target, .count = s.count, .root = s.root, .pad0 = 0});
+      strands.strands.push_back(
+          {.target = s.target, .count = s.count, .root = s.root, .state = s.state});
       most = std::max(most, s.count);
     }
     contacts.emplace(gpu_, strands, most, uint64_t{data.outputs}, subSteps);
@@ -97,14 +123,19 @@ class ExactPass {
     constants.contactMasks = found.masks();
     constants.contactMaskWords = found.maskWords();
   }
-  void dispatch(PassList& list, const ExactConstants& values, uint32_t step) {
+  uint64_t listArguments(uint32_t arguments) const {
+    return (uint64_t{constants.contactHead} + arguments) * sizeof(uint32_t);
+  }
+  void addStrandPass(PassList& list, const KernelVariant& variant, const ExactConstants& values) {
     PassBuilder builder(list);
-    const KernelVariant& variant = *simulateExactVariant(key_);
     if ((values.flags & kAgain) != 0)
       builder.dispatchIndirect(variant, contacts->contacts().words(),
-                               contacts->contacts().solveArguments(step));
+                               listArguments(contact_records::kContactStrandArguments));
     else
       builder.dispatch(variant, constants.strandCount);
+    finish(builder, values);
+  }
+  void finish(PassBuilder& builder, const ExactConstants& values) {
     positions.bindTo(builder, "g_positions");
     tangents.bindTo(builder, "g_tangents");
     state.bindTo(builder, "g_state");
@@ -116,7 +147,7 @@ class ExactPass {
   }
 
   Gpu& gpu_;
-  SimulateExactKey key_;
+  ExactKey key_;
   GuardedBuffer<uint32_t> sleep_;
 };
 

@@ -275,10 +275,11 @@ class StrandRun {
     ADD_FAILURE() << rest.error().message;
     return {};
   }
-  static std::vector<ContactStrand> contactStrands(uint32_t guides, uint32_t vertices) {
-    std::vector<ContactStrand> strands;
+  static detail::ContactStrands contactStrands(uint32_t guides, uint32_t vertices) {
+    detail::ContactStrands strands;
     for (uint32_t guide = 0; guide < guides; ++guide)
-      strands.push_back({.target = guide * vertices, .count = vertices, .root = guide, .pad0 = 0});
+      strands.strands.push_back(
+          {.target = guide * vertices, .count = vertices, .root = guide, .state = 0});
     return strands;
   }
   void findContacts() {

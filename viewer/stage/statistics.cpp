@@ -71,9 +71,8 @@ std::vector<std::string> linesOf(const HairStatistics& hair) {
     lines.push_back(fmt::format("{} guides awake, {} second passes", hair.simulation->awakeStrands,
                                 hair.simulation->secondPasses));
   if (hair.contacts)
-    lines.push_back(fmt::format("{} contacts, {} passes more, {} tiles again",
-                                hair.contacts->records, hair.contacts->furtherPasses,
-                                hair.contacts->tilesSolvedAgain));
+    lines.push_back(fmt::format("{} contacts, {} strands again", hair.contacts->records,
+                                hair.contacts->strandsSolvedAgain));
   if (hair.followContacts)
     lines.push_back(fmt::format("{} contacts of follow hairs, {} strands again",
                                 hair.followContacts->records,

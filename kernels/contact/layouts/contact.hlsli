@@ -6,8 +6,8 @@
 #include "../../sdf/layouts/sdf.hlsli"
 
 cbuffer ContactConstants : register(b0, space0) {
-  uint g_contactPad0;         // first: decision 0008
-  uint g_contactBefore;       // element of g_contacts, see there
+  uint g_contactStride;  // elements of a set of the scratch; 0: there is none; first: decision 0008
+  uint g_contactBefore;  // element of g_contacts, see there
   uint g_contactStrands;      // word of g_contactWords
   uint g_contactStrandTotal;  // simulated or not
   float4 g_contactOrigin;     // xyz [m]: records, capsules and SDFs are relative to it; w unused
@@ -17,7 +17,7 @@ cbuffer ContactConstants : register(b0, space0) {
   uint g_capsuleCount;
   uint g_contactSdfCount;
   uint g_contactHead;   // first word of this sub-step's head
-  uint g_contactList;   // of the list of tiles
+  uint g_contactList;   // of the list of strands
   uint g_contactMasks;  // of the masks
   uint g_tileList;      // of the list of tiles in g_awakeTiles
   uint g_contactFlags;  // bits: the flags below
@@ -34,7 +34,7 @@ cbuffer ContactConstants : register(b0, space0) {
 
 // Bits of g_contactFlags.
 static const uint kListedFlag = 1;     // only the tiles listed in g_awakeTiles
-static const uint kAgainFlag = 2;      // again, for the tiles of the list
+static const uint kAgainFlag = 2;      // again, for the strands of the list
 static const uint kNoHistoryFlag = 4;  // nothing is known of the displacement before
 static const uint kOddFlag = 8;  // which of the two steps of roots is that of the last sub-step
 

@@ -107,82 +107,25 @@ Bending bendingOf(RodEdge edge, RodEdge parent, float3 rest, float inverseVorono
 }
 
 #if CONTACTS
-// Returns the friction of a contact with its normal force; leaves that of a sticking contact at the
-// iterate.
-Value addFriction(Value value, inout RodContact contact, float k) {
-  float3 n = contact.normal;
-  precise float c = k;
-  if ((contact.bits & kContactSticks) != 0u) {
-    precise float3 pull = contact.tangential - contact.slip * k;
-    contact.tangential = pull;
-    precise float3 px = value.px - pull;
-    value.px = px;
-  } else {
-    float3 d = directionOr(contact.tangential, float3(0.0, 0.0, 0.0));
-    precise float pull = contact.friction * contact.normalForce;
-    precise float3 px = value.px - d * pull;
-    value.px = px;
-    precise float size = max(abs(dot3(contact.slip, d)), kMinSlip);
-    c = min(k, pull / size);
-    precise float3 dc = d * -c;
-    value.m = addOuter(value.m, dc, d);
-  }
-  precise float3 nc = n * -c;
-  value.m = addOuter(addDiagonal(value.m, c), nc, n);
+Value addPenalty(Value value, float3 normal, float across, float along) {
+  precise float3 more = normal * (along - across);
+  value.m = addOuter(addDiagonal(value.m, across), more, normal);
   return value;
 }
 
-// Adds the contacts of a vertex.
-//
-// \param first  the first record
-Value addContacts(Value value, ExactStrand strand, uint index, StoredContact first,
-                  RodVertex vertex, Transport transport) {
-  uint record = recordOf(strand, index);
-  float k = contactStiffness(strand);
-  float3 moved = worldDisplacement(transport, vertex.x, vertex.displacement);
-  precise float3 free = vertex.target - vertex.displacement;
-  [loop] for (uint c = 0; c < kMaxContacts; ++c) {
-    if (c > 0u) first = loadContact(record + c);
-    RodContact contact = contactAt(first, vertex.x, moved);
-    uint stored = contact.bits;
-    // Where the vertex would go alone.
-    precise float alone = contact.gap + dot3(contact.normal, free);
-    precise float trial = contact.normalForce - k * contact.gap;
-    bool active = trial > 0.0 || (contact.gap < kContactDistance && alone < 0.0);
-    if (active && !(contact.normalForce > 0.0)) {
-      precise float press = max(-alone, 0.0) * vertex.weight;
-      contact.normalForce = press;
-      trial = press - k * contact.gap;
-    }
-    uint states = kContactSticks | kContactSlides;
-    if (active && contact.friction > 0.0 && (contact.bits & states) == 0u) {
-      precise float3 slip = contact.slip + free;
-      precise float outward = dot3(free, contact.normal);
-      slip = slip - contact.normal * outward;
-      precise float most = contact.friction * contact.normalForce;
-      bool sticks = lengthOf(slip) * vertex.weight <= most;
-      precise float3 against = slip * -1.0;
-      float3 direction = directionOr(against, float3(0.0, 0.0, 0.0));
-      precise float3 tangential = direction * (sticks ? 0.0 : most);
-      contact.tangential = tangential;
-      contact.bits = contact.bits | (sticks ? kContactSticks : kContactSlides);
-    }
-    contact.bits = (contact.bits & ~kContactActive) | (active ? kContactActive : 0u);
-    if (active) {
-      precise float3 px = value.px - contact.normal * trial;
-      value.px = px;
-      precise float3 kn = contact.normal * k;
-      value.m = addOuter(value.m, kn, contact.normal);
-      precise float load = value.load + contact.normalForce;
-      value.load = load;
-      if ((contact.bits & states) != 0u && contact.normalForce > 0.0)
-        value = addFriction(value, contact, k);
-      contact.normalForce = trial;
-    }
-    if (contact.bits != stored || active)
-      storeContact(record + c, contact.tangential, contact.normalForce, contact.bits);
-    if ((contact.bits & kContactMore) == 0u) break;
-  }
+// Adds the contacts of a vertex: the forces of the last step and the penalties.
+Value addContacts(Value value, ExactStrand strand, StoredTouch touch, RodVertex vertex) {
+  precise float weight = max(vertex.weight, leastWeight(strand));
+  precise float across = weight * kFrictionPenalty;
+  precise float along = weight * kContactPenalty;
+  value = addPenalty(value, touch.plane0.xyz, across, along);
+  // Without a second record its normal is 0.
+  bool second = dot3(touch.plane1.xyz, touch.plane1.xyz) > 0.0;
+  value = addPenalty(value, touch.plane1.xyz, second ? across : 0.0, second ? along : 0.0);
+  precise float3 px = value.px - touch.a.xyz;
+  precise float load = value.load + touch.a.w;
+  value.px = px;
+  value.load = load;
   return value;
 }
 #endif
@@ -194,7 +137,7 @@ Value addVertex(Value value, RodVertex vertex) {
   precise float3 px = value.px + force;
   value.px = px;
 #if CONTACTS
-  precise float load = value.load + squareRoot(dot3(force, force));
+  precise float load = value.load + lengthOf(force);
   value.load = load;
 #endif
   return value;
@@ -203,6 +146,7 @@ Value addVertex(Value value, RodVertex vertex) {
 struct Elimination {
   Value value;
   Gain gain;
+  Response response;
 };
 
 // \param endWeight am of vertex i + 1, whose rotary inertia about the tangent is a share of am l^2
@@ -270,6 +214,8 @@ Elimination eliminateEdge(Value v, RodEdge edge, Bending bending, float twistSti
   gain.edgeLength = edge.edgeLength;
   gain.halfRotation = edge.halfRotation;
   result.gain = gain;
+  result.response.w = w;
+  result.response.e = e;
 
   precise float mxx = m.xx - dot3(x0, gain.kx0);
   precise float mxy = m.xy - dot3(x0, gain.kx1);

@@ -19,6 +19,12 @@ struct Gain {
   float3 halfRotation;
 };
 
+// A gain's response to forces: their moment q about the edge e adds W q to k.
+struct Response {
+  Symmetric3 w;
+  float3 e;
+};
+
 struct PackedGain {
   float4 a;
   float4 b;
@@ -79,6 +85,14 @@ Gain unpackGain(PackedGain p) {
   g.edgeLength = p.f.y;
   g.halfRotation = unpackRotation(p.f.zw);
   return g;
+}
+
+// Returns the rotation of an edge by its control law.
+// \param k of the law, or 0 for differences of states
+float3 controlLaw(Gain g, float3 k, float3 u, float3 dx) {
+  precise float3 law =
+      g.kw0 * u.x + g.kw1 * u.y + g.kw2 * u.z - k - g.kx0 * dx.x - g.kx1 * dx.y - g.kx2 * dx.z;
+  return law;
 }
 
 #endif

@@ -199,43 +199,6 @@ float3 transportedDisplacements(Transport transport, float3 displacement, float3
 #endif
   return r;
 }
-#if CONTACTS
-// As transportedDisplacements(), without the effect of an impact. BDF2 extrapolates the last change
-// of the displacement: after an impact that would be a rebound with two thirds of the speed. Here a
-// change is extrapolated only as far as it agrees with the previous one (a minmod limiter, as
-// LeVeque, Finite Volume Methods for Hyperbolic Problems, section 6.9). Smooth motion does not
-// change.
-float3 limitedDisplacements(Transport transport, float3 displacement, float3 before,
-                            float3 earlier) {
-  if (g_displacementShare == 0.0 || g_displacementShareBefore == 0.0 ||
-      g_displacementShareEarlier == 0.0)
-    return transportedDisplacements(transport, displacement, before, earlier);
-#if VELOCITY_SHOCK_PROPAGATION
-  precise float3 w0 =
-      rotateDisplacement(transport.displacement, displacement) / g_displacementShare;
-  precise float3 w1 =
-      rotateDisplacement(transport.displacementBefore, before) / g_displacementShareBefore;
-  precise float3 w2 =
-      rotateDisplacement(transport.displacementEarlier, earlier) / g_displacementShareEarlier;
-#else
-  precise float3 w0 = displacement;
-  precise float3 w1 = before;
-  precise float3 w2 = earlier;
-#endif
-  precise float3 change = w0 - w1;
-  precise float3 changeBefore = w1 - w2;
-  precise float3 steady =
-      w0 * (g_displacementShare + g_displacementShareBefore + g_displacementShareEarlier);
-  if (!(dot3(change, changeBefore) > 0.0)) return steady;
-  precise float size = dot3(change, change);
-  precise float sizeBefore = dot3(changeBefore, changeBefore);
-  if (size > 4.0 * sizeBefore) change = change * squareRoot(4.0 * sizeBefore / size);
-  if (sizeBefore > 4.0 * size) changeBefore = changeBefore * squareRoot(4.0 * size / sizeBefore);
-  precise float3 r = steady - change * (g_displacementShareBefore + g_displacementShareEarlier) -
-                     changeBefore * g_displacementShareEarlier;
-  return r;
-}
-#endif
 float4 transportFrame(Transport transport, float4 q) {
 #if VELOCITY_SHOCK_PROPAGATION
   return polishProduct(multiplyQuaternions(transport.now.rotation, q));

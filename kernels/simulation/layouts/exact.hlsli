@@ -108,6 +108,9 @@ cbuffer ExactConstants : register(b0, space1) {
   float g_guessTrend;  // 0.5 min(c, 1): fraction of the last guess's error that a guess adds to
                        // the last rotation of an edge
   uint g_bindSet;      // set of g_rest with the joints of the bind pose; 0: they are those at rest
+  uint g_exactPad0;
+  uint g_exactPad1;
+  uint g_exactPad2;
 };
 
 // Bits of g_flags.
@@ -118,11 +121,17 @@ static const uint kSleepFlag = 8;     // only the tiles that are awake
 static const uint kWakeAllFlag = 16;  // all tiles wake
 static const uint kChangedFlag = 32;  // g_rotationRatio is not 1
 static const uint kRestartFlag = 64;  // interpolate_guides makes states
-// Only strands whose contacts were found again; they continue from the result.
+// A second round: only listed strands; they continue from the result.
 static const uint kAgainFlag = 128;
 static const uint kPoseFlag = 256;  // only the reset, with its positions
+// Groups of eliminate_strands and roll_out_strands have 8 strands rather than 32.
+static const uint kNarrowFlag = 512;
 
 static const uint kTileStrands = 32;
+// Strands of a group with kNarrowFlag, and in a second round. A group takes as long as all that its
+// strands do one after the other where they differ.
+static const uint kNarrowStrands = 8;
+static const uint kAgainStrands = 4;
 // Sets of g_state with states and with gains; number of states; elements of a strand in a state.
 static const uint kStateSets = 8;
 static const uint kGainSets = 6;
@@ -139,7 +148,8 @@ static const uint kRootAlignment = 16;
 //      change
 //   1: position of vertex 1 [m]   2: of the tip   3: velocity of the root in the last frame [m/s]
 //   4: rotation by which this step transported the previous state
-// Then 6 sets of scratch, the control law of every edge. Then, from a multiple of kRootAlignment
+// Then 6 sets of scratch, the control law of every edge; vertex 0 has the displacement of the tip
+// for a second round of contacts. Then, from a multiple of kRootAlignment
 // on, [2][root][2]: of this frame (0) and the last one (1) rotation, then position of vertex 0
 // relative to g_origin [m]: two elements as a RootTransform; other kernels bind the buffer from
 // there on. The host makes it zero, and starts with a reset.
@@ -169,19 +179,21 @@ StructuredBuffer<float4> g_forces : register(t2, space1);
 //   4..6           groups of an indirect dispatch over the follow hairs: 0 while all sleep
 //   7              second passes
 //   8..10          groups of find_contacts over the list
-//   12..12+T-1     the list
-//   12+T..12+2T-1  what to add to g_slot for a tile that slept
-//   12+2T..        [strand] time at rest [s], as the bits of a float
+//   12..14         groups of solve_contacts over the list
+//   16..16+T-1     the list
+//   16+T..16+2T-1  what to add to g_slot for a tile that slept
+//   16+2T..        [strand] time at rest [s], as the bits of a float
 RWStructuredBuffer<uint> g_sleep : register(u1, space1);
 static const uint kSleepSolveArguments = 0;
 static const uint kSleepAwakeStrands = 3;
 static const uint kSleepFollowArguments = 4;
 static const uint kSleepSecondPasses = 7;
 static const uint kSleepFindArguments = 8;
-static const uint kSleepHead = 12;  // words before the list
+static const uint kSleepContactArguments = 12;
+static const uint kSleepHead = 16;  // words before the list
 // [strand] index of a strand near it and before it.
 StructuredBuffer<uint> g_lodParents : register(t3, space1);
-// With the contacts permutation: contact_records.hlsli.
+// As contact_records.hlsli has them; only kernels with contacts bind them.
 RWStructuredBuffer<uint4> g_contacts : register(u2, space1);
 RWStructuredBuffer<uint> g_contactWords : register(u3, space1);
 

@@ -24,7 +24,7 @@ namespace pelage::detail {
 class HairColliders {
  public:
   /// Strands in the order of the solver.
-  using Strands = std::function<std::vector<ContactStrand>()>;
+  using Strands = std::function<ContactStrands()>;
 
   /// Removes contacts that were made for another solver.
   void prepare(HairFrame& frame);

@@ -24,7 +24,7 @@ static_assert(sizeof(Sdf) == sizeof(Collider), "both are elements of one buffer"
 
 constexpr uint32_t kMaskBits = 32;
 // Vertices this near to a surface have a record [m]; falling hair reaches further.
-constexpr float kRange = 1e-3f;
+constexpr float kRange = 3e-3f;
 // Falls longer than this are part of a vertex's predicted position; for shorter ones the planes at
 // the unpredicted position are better [m].
 constexpr float kLeap = 0.01f;
@@ -58,9 +58,7 @@ ContactCounters readContactCounters(std::span<const std::byte> words) {
   uint32_t totals[kContactTotalWords] = {};
   const size_t bytes = std::min(words.size(), sizeof(totals));
   std::copy_n(words.begin(), bytes, std::as_writable_bytes(std::span(totals)).begin());
-  return {.records = totals[kContactCount],
-          .furtherPasses = totals[kContactPasses],
-          .tilesSolvedAgain = totals[kContactTiles]};
+  return {.records = totals[kContactCount], .strandsSolvedAgain = totals[kContactAgain]};
 }
 
 namespace detail {
@@ -79,16 +77,17 @@ uint32_t HairContacts::strands() const {
 uint64_t HairContacts::wordBytes() const { return strands() * sizeof(uint32_t) + strandBytes(); }
 
 void HairContacts::prepare(ResourceTable& resources, const std::string& name,
-                           std::span<const ContactStrand> strands, uint32_t verticesPerStrand,
+                           const ContactStrands& strands, uint32_t verticesPerStrand,
                            uint64_t vertices, uint32_t steps) {
-  strandCount_ = static_cast<uint32_t>(strands.size());
+  strandCount_ = static_cast<uint32_t>(strands.strands.size());
+  stateStride_ = strands.stateStride;
   tiles_ = (strandCount_ + contact::kTileStrands - 1) / contact::kTileStrands;
   maskWords_ = (verticesPerStrand + kMaskBits - 1) / kMaskBits;
   verticesPerStrand_ = verticesPerStrand;
   vertices_ = vertices;
   steps_ = steps;
   auto targets = std::make_shared<std::vector<uint32_t>>();
-  for (const ContactStrand& strand : strands) targets->push_back(strand.target);
+  for (const ContactStrand& strand : strands.strands) targets->push_back(strand.target);
   targets_ = std::move(targets);
   const auto add = [&](const char* what, uint64_t bytes, uint32_t stride, BufferUsage usage,
                        HostArray<std::byte> initial = {}) {
@@ -101,7 +100,8 @@ void HairContacts::prepare(ResourceTable& resources, const std::string& name,
   records_ = add("contacts", bufferBytes(), sizeof(ContactRecord),
                  BufferUsage::kStorage | BufferUsage::kReadback);
   HostArray<std::byte> initial(wordBytes());
-  std::memcpy(initial.data() + this->strands() * sizeof(uint32_t), strands.data(), strandBytes());
+  std::memcpy(initial.data() + this->strands() * sizeof(uint32_t), strands.strands.data(),
+              strandBytes());
   words_ = add("contactWords", wordBytes(), sizeof(uint32_t),
                BufferUsage::kStorage | BufferUsage::kIndirect | BufferUsage::kUpload |
                    BufferUsage::kReadback,
@@ -132,9 +132,8 @@ void HairContacts::begin(PassList& list) {
   std::vector<uint32_t> heads(kContactTotalWords + steps_ * kContactHeadWords);
   for (uint32_t step = 0; step < steps_; ++step) {
     uint32_t* head = heads.data() + this->head(step);
-    head[kContactFindArguments + 1] = rows();
-    head[kContactFindArguments + 2] = 1;
-    head[kContactSolveArguments + 1] = head[kContactSolveArguments + 2] = 1;
+    head[kContactFindArguments + 1] = maskWords_;
+    head[kContactStrandArguments + 1] = head[kContactSolveArguments + 1] = 1;
   }
   addUpload(list, words_, std::as_bytes(std::span(heads)));
 }
@@ -147,6 +146,7 @@ Result<void> HairContacts::find(PassList& list, const ResourceTable& resources,
   ContactConstants constants = {};
   const Float3 origin = hair.origin.world();
   constants.contactOrigin = {origin.x, origin.y, origin.z, 0};
+  constants.contactStride = stateStride_;
   constants.contactStrandCount = hair.strands;
   constants.contactRootCount = hair.rootCount;
   constants.contactVertexCount = static_cast<uint32_t>(vertices_);

@@ -18,6 +18,7 @@
 #include "pelage/hair_buffers.h"
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
+#include "skinning/hair_frame.h"
 
 namespace pelage::detail {
 
@@ -57,17 +58,15 @@ struct ContactStep {
   float length = 0;          ///< [s]
   Float3 gravity;            ///< acceleration of falling hair [m/s2]
   float furtherRange = 0;    ///< additional range beyond that of the step [m]
-  bool again = false;        ///< only for the tiles that the solver has listed
+  bool again = false;        ///< only for the strands that the solver has listed
 };
 
 /// The contacts of one hair object.
 class HairContacts {
  public:
-  /// Creates the buffers for strands in the order of the solver. The caller has removed earlier
-  /// ones.
-  void prepare(ResourceTable& resources, const std::string& name,
-               std::span<const ContactStrand> strands, uint32_t verticesPerStrand,
-               uint64_t vertices, uint32_t steps);
+  /// Creates the buffers. The caller has removed earlier ones.
+  void prepare(ResourceTable& resources, const std::string& name, const ContactStrands& strands,
+               uint32_t verticesPerStrand, uint64_t vertices, uint32_t steps);
   bool isPrepared(uint32_t steps) const {
     return records_ != BufferId::kInvalid && steps <= steps_;
   }
@@ -106,26 +105,30 @@ class HairContacts {
   }
   uint64_t wordBytes() const;
   /// Bytes of records() and what comes behind them.
-  uint64_t bufferBytes() const { return recordBytes() + beforeBytes(); }
+  uint64_t bufferBytes() const {
+    return recordBytes() + beforeBytes() + uint64_t{scratchSets()} * stateStride_ * sizeof(Uint4);
+  }
   uint32_t head(uint32_t step) const;
   uint32_t list() const { return head(steps_); }
-  uint32_t masks() const { return list() + 2 * tiles_; }
+  uint32_t masks() const { return list() + strandCount_; }
   uint32_t maskWords() const { return maskWords_; }
   /// Groups in y of the pass over a list of tiles.
   uint32_t rows() const { return maskWords_ * 8; }
-  /// Offset of the arguments of the solver's dispatch over the tiles that are solved again.
-  uint64_t solveArguments(uint32_t step) const {
-    return (uint64_t{head(step)} + contact_records::kContactSolveArguments) * sizeof(uint32_t);
-  }
 
  private:
+  uint32_t scratchSets() const {
+    using namespace contact_records;
+    // Vertices 0 and 1 have no contacts.
+    return verticesPerStrand_ > kMatrixContacts + 2 ? kScratchSweepSets : kScratchSets;
+  }
   uint64_t beforeBytes() const { return (vertices_ + 2 * uint64_t{strandCount_}) * sizeof(Float4); }
 
   uint64_t strandBytes() const { return strandCount_ * sizeof(ContactStrand); }
   uint32_t strands() const;
 
   BufferId records_ = BufferId::kInvalid, words_ = BufferId::kInvalid;
-  uint32_t tiles_ = 0, maskWords_ = 1, strandCount_ = 0, steps_ = 0, verticesPerStrand_ = 0;
+  uint32_t tiles_ = 0, maskWords_ = 1, strandCount_ = 0, steps_ = 0, verticesPerStrand_ = 0,
+           stateStride_ = 0;
   uint64_t vertices_ = 0;
   float lastLength_ = 0;  ///< of the last sub-step [s]
   bool known_ = false;    ///< the last sub-step was found for

@@ -32,7 +32,24 @@ bool usesShockPropagation(const SimulationSettings& s) {
   return s.vspCoefficient > 0 || std::isfinite(s.vspThreshold);
 }
 
+// Strands of a group of eliminate_strands and roll_out_strands. Groups of few strands are faster
+// while the device has room for all of them.
+uint32_t groupStrands(uint32_t strands) {
+  constexpr uint32_t kFew = 8192;
+  return strands <= kFew ? exact::kNarrowStrands : exact::kTileStrands;
+}
+
+// Offset of the arguments of an indirect dispatch over the strands that are solved again.
+uint64_t listArguments(const ExactConstants& constants, uint32_t arguments) {
+  return (uint64_t{constants.contactHead} + arguments) * sizeof(uint32_t);
+}
+
 }  // namespace
+
+// Bytes that a pass over all vertices moves.
+uint64_t StrandSolver::vertexBytes(const HairFrame& frame) const {
+  return uint64_t{simulatedCount_} * frame.vertexCount * kExactBytesAVertex;
+}
 
 ExactConstants StrandSolver::exactConstants(const HairFrame& frame) const {
   const Float3 origin = frame.origin.world();
@@ -81,10 +98,12 @@ Result<void> StrandSolver::addSleepPass(HairFrame& frame, ExactConstants constan
     head[arguments + 1] = y;
     head[arguments + 2] = 1;
   };
-  set(exact::kSleepSolveArguments, 0, 1);
+  set(exact::kSleepSolveArguments, 0,
+      frame.contacts.any ? exact::kTileStrands / groupStrands(frame.guideCount) : 1);
   set(exact::kSleepFollowArguments, followsShifted_ ? followGroups : 0,
       groups(frame.vertexCount, follow.groupSize[1]));
   set(exact::kSleepFindArguments, 0, frame.contacts.rows);
+  set(exact::kSleepContactArguments, exact::kTileStrands, 0);
   addUpload(frame.list, buffers.sleep, std::as_bytes(std::span(head)));
   constants.flags = wake ? exact::kWakeAllFlag : 0;
   constants.rootBegin = 0;
@@ -92,10 +111,7 @@ Result<void> StrandSolver::addSleepPass(HairFrame& frame, ExactConstants constan
   constants.slot = slot_;
   constants.followGroups = followGroups;
   PassBuilder builder(frame.list);
-  const auto columns = static_cast<uint32_t>(std::min<uint64_t>(tiles, dispatch::kRowGroups));
-  const auto rows =
-      static_cast<uint32_t>((tiles + dispatch::kRowGroups - 1) / dispatch::kRowGroups);
-  builder.dispatch(selectAwakeTilesVariant({}), columns * exact::kTileStrands, rows);
+  dispatchGroups(builder, selectAwakeTilesVariant({}), tiles);
   return finishExactPass(frame, builder, constants,
                          frame.guideCount * sizeof(uint32_t) + tiles * 2 * sizeof(uint32_t));
 }
@@ -162,44 +178,77 @@ Result<void> StrandSolver::addExactPasses(HairFrame& frame, const StepInputs& in
   return addInterpolationPass(frame, constants, frame.guideCount - constants.fadeStart);
 }
 
-// A sub-step, with the contacts that it is solved with.
+// Adds a pass with contacts that has a thread a strand.
+Result<void> StrandSolver::addStrandPass(const HairFrame& frame, const KernelVariant& variant,
+                                         const ExactConstants& constants) const {
+  PassBuilder builder(frame.list);
+  const uint32_t strands = groupStrands(frame.guideCount);
+  if ((constants.flags & exact::kAgainFlag) != 0)
+    builder.dispatchIndirect(variant, frame.contacts.words.buffer,
+                             listArguments(constants, contact_records::kContactStrandArguments));
+  else if (frame.sleeps)
+    builder.dispatchIndirect(variant, frame.buffers.sleep);
+  else
+    dispatchGroups(builder, variant, (uint64_t{simulatedCount_} + strands - 1) / strands);
+  return finishExactPass(frame, builder, constants, vertexBytes(frame));
+}
+
+// A sub-step.
 Result<void> StrandSolver::addExactStep(const HairFrame& frame, const StepInputs& inputs,
                                         const ExactConstants& constants, uint32_t step) const {
-  const uint32_t steps = frame.steps * frame.settings.subSteps;
-  const uint64_t bytes = uint64_t{simulatedCount_} * frame.vertexCount * kExactBytesAVertex;
-  SimulateExactKey key;
-  key.globalShape = restSets_.targets;
-  key.forces = frame.forces != BufferId::kInvalid;
-  key.contacts = frame.contacts.any;
-  key.velocityShockPropagation = usesShockPropagation(frame.settings);
-  const KernelVariant& variant = *simulateExactVariant(completeKey(key));
+  const bool forced = frame.forces != BufferId::kInvalid;
+  if (frame.contacts.any) {
+    return addContactStep(
+        frame, inputs, constants, step,
+        eliminateStrandsVariant({.globalShape = restSets_.targets, .forces = forced}));
+  }
+  const KernelVariant& variant =
+      simulateExactVariant({.globalShape = restSets_.targets,
+                            .velocityShockPropagation = usesShockPropagation(frame.settings),
+                            .forces = forced});
   PassBuilder builder(frame.list);
-  const auto solve = [&](const ExactConstants& values) {
-    if (frame.sleeps)
-      builder.dispatchIndirect(variant, frame.buffers.sleep);
-    else
-      dispatchRows(builder, variant, simulatedCount_);
-    return finishExactPass(frame, builder, values, bytes);
-  };
-  ContactPart part = {.step = step, .steps = steps, .strands = simulatedCount_, .again = false};
-  if (frame.contacts.any && step == 0 && frame.reset) {
+  if (frame.sleeps)
+    builder.dispatchIndirect(variant, frame.buffers.sleep);
+  else
+    dispatchRows(builder, variant, simulatedCount_);
+  return finishExactPass(frame, builder, constants, vertexBytes(frame));
+}
+
+// A sub-step with contacts: two rounds, the second one of the strands that the first one lists.
+Result<void> StrandSolver::addContactStep(const HairFrame& frame, const StepInputs& inputs,
+                                          ExactConstants constants, uint32_t step,
+                                          const KernelVariant& eliminate) const {
+  if (groupStrands(frame.guideCount) == exact::kNarrowStrands)
+    constants.flags |= exact::kNarrowFlag;
+  if (step == 0 && frame.reset) {
     // The positions are those of the frame before.
     ExactConstants pose = constants;
     pose.flags |= exact::kPoseFlag;
-    if (Result<void> added = solve(pose); !added) return added;
+    if (Result<void> added = addStrandPass(frame, eliminate, pose); !added) return added;
   }
-  if (frame.contacts.any) {
+  for (const bool again : {false, true}) {
+    if (again) constants.flags |= exact::kAgainFlag;
+    const ContactPart part = {.step = step,
+                              .steps = frame.steps * frame.settings.subSteps,
+                              .strands = simulatedCount_,
+                              .again = again};
     if (Result<void> found = inputs.findContacts(part); !found) return found;
+    if (Result<void> added = addStrandPass(frame, eliminate, constants); !added) return added;
+    PassBuilder builder(frame.list);
+    const KernelVariant& solve = solveContactsVariant({});
+    if (again)
+      builder.dispatchIndirect(solve, frame.contacts.words.buffer,
+                               listArguments(constants, contact_records::kContactSolveArguments));
+    else if (frame.sleeps)
+      builder.dispatchIndirect(solve, frame.buffers.sleep,
+                               exact::kSleepContactArguments * sizeof(uint32_t));
+    else
+      dispatchGroups(builder, solve, simulatedCount_);
+    Result<void> added = finishExactPass(frame, builder, constants, vertexBytes(frame));
+    if (added) added = addStrandPass(frame, rollOutStrandsVariant({}), constants);
+    if (!added) return added;
   }
-  if (Result<void> added = solve(constants); !added || !frame.contacts.any) return added;
-  // Where a vertex ended far from where its contact was found.
-  part.again = true;
-  if (Result<void> found = inputs.findContacts(part); !found) return found;
-  ExactConstants again = constants;
-  again.flags = (constants.flags & ~(exact::kResetFlag | exact::kRebaseFlag)) | exact::kAgainFlag;
-  const uint64_t arguments = constants.contactHead + contact_records::kContactSolveArguments;
-  builder.dispatchIndirect(variant, frame.contacts.words.buffer, arguments * sizeof(uint32_t));
-  return finishExactPass(frame, builder, again, bytes);
+  return {};
 }
 
 // Adds a pass of the group "exact".

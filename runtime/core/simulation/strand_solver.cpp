@@ -106,18 +106,21 @@ void StrandSolver::makeRest(const HairFrame& frame, const RestSets& sets) {
   frame.buffers.rest = frame.factory.share(frame.name, "rest", kVector, bytesOf(rest));
 }
 
-std::vector<ContactStrand> StrandSolver::strandsOf(const HairFrame& frame) {
-  std::vector<ContactStrand> strands;
+ContactStrands StrandSolver::strandsOf(const HairFrame& frame) {
+  ContactStrands strands;
   if (frame.settings.solver == Solver::kExact) {
-    for (const ExactStrand& s : exactStrandsOf(frame.groom, frame.inputs.rest).strands)
-      strands.push_back({.target = s.target, .count = s.count, .root = s.root, .pad0 = 0});
+    const ExactStrands exact = exactStrandsOf(frame.groom, frame.inputs.rest);
+    strands.stateStride = exact.stateStride;
+    for (const ExactStrand& s : exact.strands)
+      strands.strands.push_back(
+          {.target = s.target, .count = s.count, .root = s.root, .state = s.state});
     return strands;
   }
   for (uint32_t guide = 0; guide < frame.guideCount; ++guide)
-    strands.push_back({.target = guide * frame.vertexCount,
-                       .count = frame.vertexCount,
-                       .root = guide,
-                       .pad0 = 0});
+    strands.strands.push_back({.target = guide * frame.vertexCount,
+                               .count = frame.vertexCount,
+                               .root = guide,
+                               .state = 0});
   return strands;
 }
 

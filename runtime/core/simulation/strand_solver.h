@@ -48,7 +48,7 @@ class StrandSolver {
   void prepare(HairFrame& frame);
   void remove(HairBuffers& buffers, const BufferFactory& factory);
   /// Strands in the order of the solver, for contacts.
-  static std::vector<ContactStrand> strandsOf(const HairFrame& frame);
+  static ContactStrands strandsOf(const HairFrame& frame);
   /// Adds the passes of the frame.
   Result<void> record(HairFrame& frame, const StepInputs& inputs);
   /// Adds the pass that poses the guides without simulating them, in place of record(). A frame
@@ -87,6 +87,12 @@ class StrandSolver {
   Result<void> addExactPasses(HairFrame& frame, const StepInputs& inputs);
   Result<void> addExactStep(const HairFrame& frame, const StepInputs& inputs,
                             const ExactConstants& constants, uint32_t step) const;
+  Result<void> addContactStep(const HairFrame& frame, const StepInputs& inputs,
+                              ExactConstants constants, uint32_t step,
+                              const KernelVariant& eliminate) const;
+  Result<void> addStrandPass(const HairFrame& frame, const KernelVariant& variant,
+                             const ExactConstants& constants) const;
+  uint64_t vertexBytes(const HairFrame& frame) const;
   Result<void> addSleepPass(HairFrame& frame, ExactConstants constants);
   Result<void> addInterpolationPass(const HairFrame& frame, const ExactConstants& constants,
                                     uint32_t strands) const;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "assets/groom.h"
 #include "base/bounds.h"
@@ -11,6 +12,7 @@
 #include "passes/buffer_factory.h"
 #include "pelage/collider.h"
 #include "pelage/force_field.h"
+#include "pelage/gpu_structs.h"
 #include "pelage/hair_buffers.h"
 #include "pelage/ids.h"
 #include "pelage/pass_list.h"
@@ -77,11 +79,17 @@ struct ContactInputs {
   uint32_t rows = 0;  ///< groups in y of the pass over a list of tiles
 };
 
+/// Strands in the order of the solver.
+struct ContactStrands {
+  std::vector<ContactStrand> strands;
+  uint32_t stateStride = 0;  ///< ExactConstants::stateStride; 0: the solver needs no scratch
+};
+
 /// A sub-step that contacts are found for.
 struct ContactPart {
   uint32_t step = 0, steps = 1;
   uint32_t strands = 0;  ///< that are simulated
-  bool again = false;    ///< only for the tiles that the solver has listed
+  bool again = false;    ///< only for the strands that the solver has listed
 };
 
 struct HairFrame {
