@@ -8,7 +8,6 @@
 #include <cstring>
 #include <functional>
 #include <limits>
-#include <new>
 #include <string>
 #include <thread>
 #include <vector>
@@ -16,32 +15,9 @@
 #include "c/c_objects.h"
 #include "pelage/asset_cache.h"
 #include "pelage/settings/scene_settings.h"
+#include "support/counted_new.h"
 #include "support/plain_asset.h"
 #include "support/test_folder.h"
-
-namespace {
-
-// The next allocations, after which there is no memory; below 0: there always is. Libraries that
-// this program links take its operator new, too.
-thread_local int64_t g_allocationsLeft = -1;
-
-}  // namespace
-
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
-#endif
-void* operator new(size_t size, const std::nothrow_t& /*tag*/) noexcept {
-  if (g_allocationsLeft == 0) return nullptr;
-  if (g_allocationsLeft > 0) --g_allocationsLeft;
-  return std::malloc(size == 0 ? 1 : size);
-}
-void* operator new(size_t size) {
-  if (void* memory = ::operator new(size, std::nothrow)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, size_t) noexcept { std::free(memory); }
-void operator delete(void* memory, const std::nothrow_t& /*tag*/) noexcept { std::free(memory); }
 
 namespace pelage::test {
 namespace {

@@ -1,4 +1,5 @@
-// Counts the calls of operator new of a test program: included by one source of it.
+// Counts and limits the calls of operator new of a test program: included by one source of it.
+// Shared libraries that the program loads take its operator new, too.
 #pragma once
 
 #include <atomic>
@@ -9,6 +10,8 @@
 
 namespace pelage::test {
 inline std::atomic<uint64_t> g_newCount{0};
+/// Allocations of this thread, after which there is no memory; below 0: there always is.
+inline thread_local int64_t g_allocationsLeft = -1;
 }  // namespace pelage::test
 
 // GCC warns where it inlines one of them alone, as it does under the sanitizers.
@@ -16,6 +19,8 @@ inline std::atomic<uint64_t> g_newCount{0};
 #pragma GCC diagnostic ignored "-Wmismatched-new-delete"
 #endif
 void* operator new(size_t size, const std::nothrow_t& /*tag*/) noexcept {
+  if (pelage::test::g_allocationsLeft == 0) return nullptr;
+  if (pelage::test::g_allocationsLeft > 0) --pelage::test::g_allocationsLeft;
   ++pelage::test::g_newCount;
   return std::malloc(size == 0 ? 1 : size);
 }

@@ -9,7 +9,8 @@
 // friction cone, y = the force of the penalty:
 //   v = 1.6 R dx - 0.6 y,  f' = P(f - R w0 - v),  y' = v + f' - f
 // The force on the vertex is f + y, and y vanishes where the law holds. The elimination has the f of
-// the last step. The next step starts from f: hair at rest takes one pass, does not creep and does not tremble.
+// the last step, and the next step starts from this one's: hair at rest takes one pass, and does not
+// creep.
 //
 // The penetration that remains is removed from the positions only: the edge to the vertex is
 // rotated, the next edges lead back to the solution, and the history of the displacements does not
@@ -31,13 +32,14 @@ static const float kFrictionPenalty = 1.5;
 // Minimum weight of a vertex for its penalty, over the mean of the strand's: a tip has half.
 static const float kLeastWeight = 0.5;
 // With 3 iterations friction is 20 % off; from 8 on the error is that of the linearization. With 8
-// an undamped limp rope gains 4.1 % of mgL in a second, with 10 2.4 %.
+// an undamped limp rope gains 4.0 % of mgL in a second, with 10 2.5 %.
 static const uint kContactIterations = 10;
 static const float kRelaxation = 1.6;
 // A vertex at rest on a surface is on either side of it by rounding [m].
 static const float kContactDistance = 2e-5;
-// Strands with contacts are linearized once more if an edge rotated by more than this [rad], or if
-// the sizes of the forces changed by more than this share of their sum.
+// Strands with contacts are linearized once more if an edge rotated by more than kContactRotation
+// [rad]; or by more than kForceRotation, and the sizes of the forces changed by more than kForceChange
+// of their sum.
 static const float kContactRotation = 0.4;
 static const float kForceChange = 0.5;
 static const float kForceRotation = 0.1;

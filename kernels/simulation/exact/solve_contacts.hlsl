@@ -31,8 +31,8 @@ groupshared float s_blocksC[kBlocks];
 groupshared float4 s_changes[kMatrixContacts];
 groupshared float2 s_sums[kMatrixContacts];
 // Lanes that have no vertex: of the columns of C, and of dx by the gains.
-static const uint kComplianceLane = 24;
-static const uint kFreeLane = 30;
+static const uint kComplianceLane = kMatrixContacts;
+static const uint kFreeLane = kComplianceLane + 6;
 groupshared float s_products[36];  // T C, by columns
 // Three columns of C, and dx by the gains: dx and u.
 groupshared float3 s_starts[8];
