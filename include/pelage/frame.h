@@ -18,6 +18,7 @@
 namespace pelage {
 
 namespace detail {
+struct FrameState;
 struct SceneParts;
 }  // namespace detail
 
@@ -121,11 +122,10 @@ class PELAGE_API Frame {
 
  private:
   friend class Scene;
-  Frame();
+  explicit Frame(const std::shared_ptr<detail::SceneParts>& scene);
   Result<detail::SceneParts*> open(const char* call) const;
   Result<detail::SceneParts*> openForMore(const char* call) const;
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  std::unique_ptr<detail::FrameState> state_;
 };
 
 }  // namespace pelage

@@ -460,12 +460,21 @@ class PELAGE_API HazardTracker {
   /// A list that may still be abandoned.
   struct Open {
     std::shared_ptr<detail::RunRecord> record;
-    HostArray<State> before;  ///< states before it
+    size_t firstChange = 0;  ///< index into changes_
+  };
+  /// The state of a buffer before a list that uses it.
+  struct Change {
+    uint32_t tableIndex = 0;
+    State before;
   };
   State& state(BufferId buffer);
+  bool begin(uint32_t tableIndex);
   void settle();
-  void mergeWith(const HostArray<State>& before);
-  HostArray<State> states_;
+  void mergeFrom(size_t firstChange);
+  HostArray<State> states_;    ///< [table index]
+  HostArray<uint64_t> marks_;  ///< [table index] last value of mark_ that touched it
+  uint64_t mark_ = 0;          ///< rises with each list
+  HostArray<Change> changes_;  ///< by the open lists, in their order
   std::shared_ptr<detail::RunOrder> order_;
   HostArray<Open> open_;  ///< in the order in which they run
   std::shared_ptr<detail::ListSchedule> schedule_;

@@ -1,5 +1,5 @@
 // Pass lists, buffers and objects take their arrays from the HostAllocator. A frame that is like
-// the one before takes as much of it, and gives as much back.
+// those before it allocates nothing.
 #include "pelage/host_allocator.h"
 
 #include <gtest/gtest.h>
@@ -12,9 +12,7 @@
 
 #include "pelage/assert.h"
 #include "scene/scene_lists.h"
-#include "support/counted_new.h"
-#include "support/delivery_scene.h"
-#include "support/views.h"
+#include "support/steady_scene.h"
 
 namespace pelage::test {
 namespace {
@@ -151,67 +149,86 @@ TEST(SetHostAllocator, RefusesHalfAnAllocatorAndOneThatComesLate) {
   EXPECT_EQ(tracker.count(), 0u) << "the one that was refused is not used";
 }
 
-View smallView() {
-  return cameraView({.eye = {0.2f, 0.04f, 0.6f}, .target = {0.2f, 0.04f, 0}, .fov = 0.8f});
-}
+/// A frame's work by lists that its caller keeps.
+class KeptLists {
+ public:
+  void run(Scene& scene, const SteadyScene& steady, Transparency method) {
+    simulation_.clear();
+    EXPECT_TRUE(scene.simulate(1.0f / 60, simulation_));
+    EXPECT_TRUE(scene.interpolate(0.5f, simulation_));
+    depth_.clear();
+    if (!views_.empty()) views_[0].clear();
+    EXPECT_TRUE(scene.draw(steady.view(), steady.lights(), {.method = method}, views_));
+    EXPECT_TRUE(scene.drawDepth(steady.view(), {.color = HairDepthColor::kMotion}, depth_));
+    finish(scene, simulation_);
+    for (PassList& list : views_) finish(scene, list);
+    finish(scene, depth_);
+  }
 
-/// Allocations of a frame.
-struct Taken {
-  uint64_t arrays = 0, others = 0, liveBytes = 0;
-  bool operator==(const Taken&) const = default;
+ private:
+  static void finish(Scene& scene, PassList& list) {
+    scene.finish(list);
+    EXPECT_TRUE(checkRun(list));
+    setDelivered(list.run);
+  }
+  PassList simulation_, depth_;
+  std::vector<PassList> views_;
 };
 
-// A frame is run as far as the scene knows. \param lists  nullptr: by a Frame
-Taken runFrame(Scene& scene, const Tracker& tracker, std::vector<PassList>* lists) {
-  const uint64_t arrays = tracker.count(), news = g_newCount;
-  const Light light = {.shadow = HairShadow::kDeep, .shadowSize = 32};
-  if (lists == nullptr) {
-    Result<Frame> frame = scene.simulate(1.0f / 60);
-    EXPECT_TRUE(frame);
-    EXPECT_TRUE(frame->draw(smallView(), {&light, 1}));
-    EXPECT_TRUE(frame->run(executorOf([](const PassList&) {})));
-  } else {
-    lists->resize(std::max<size_t>(lists->size(), 2));
-    std::vector<PassList> views(std::make_move_iterator(lists->begin() + 1),
-                                std::make_move_iterator(lists->end()));
-    views[0].clear();
-    EXPECT_TRUE(scene.simulate(1.0f / 60, (*lists)[0]));
-    EXPECT_TRUE(scene.draw(smallView(), {&light, 1}, {}, views));
-    lists->resize(1);
-    for (PassList& view : views) lists->push_back(std::move(view));
-    for (PassList& list : *lists) {
-      scene.finish(list);
-      setDelivered(list.run);
-    }
+constexpr Transparency kMethods[] = {Transparency::kTiles,     Transparency::kWindowed,
+                                     Transparency::kHybrid4,   Transparency::kShortCut,
+                                     Transparency::kAlphaTest, Transparency::kStochastic};
+
+class SteadyFrames : public testing::TestWithParam<uint32_t> {};
+INSTANTIATE_TEST_SUITE_P(Objects, SteadyFrames, testing::Values(1, 100));
+
+TEST_P(SteadyFrames, AllocateNothingByLists) {
+  for (const Transparency method : kMethods) {
+    Scene scene;
+    SteadyScene steady(scene, GetParam());
+    KeptLists lists;
+    const uint64_t taken = allocationsOf([&] {
+      steady.setInputs();
+      lists.run(scene, steady, method);
+    });
+    EXPECT_EQ(taken, 0u) << "method " << static_cast<int>(method);
   }
-  return {tracker.count() - arrays, g_newCount - news, tracker.bytes()};
 }
 
-// Hair, colliders and a skeleton, with everything that has a history, in a loop that changes only
-// in what moves.
-TEST_F(HostAllocatorTest, FramesThatAreAlikeTakeAsMuchAndKeepNothing) {
-  constexpr int kWarmUp = 24, kFrames = 48;
-  for (const Solver solver : {Solver::kExact, Solver::kClassic})
-    for (const bool byLists : {false, true}) {
-      Scene scene;
-      DeliveryScene world(scene, solver);
-      std::vector<PassList> lists;
-      Taken first, most;
-      for (int frame = 0; frame < kWarmUp + kFrames; ++frame) {
-        const Taken taken = runFrame(scene, tracker_, byLists ? &lists : nullptr);
-        if (frame == kWarmUp) first = taken;
-        if (frame < kWarmUp) continue;
-        EXPECT_EQ(taken.liveBytes, first.liveBytes) << "frame " << frame;
-        most.arrays = std::max(most.arrays, taken.arrays);
-        most.others = std::max(most.others, taken.others);
+TEST_P(SteadyFrames, AllocateNothingByAFrame) {
+  Scene scene;
+  SteadyScene steady(scene, GetParam());
+  size_t passes = 0;
+  const FrameExecutor executor = executorOf([&](const PassList& list) {
+    EXPECT_TRUE(checkRun(list));
+    passes += list.passes.size();
+  });
+  const uint64_t taken = allocationsOf([&] {
+    steady.setInputs();
+    Frame frame = steady.makeFrame(kMethods);
+    EXPECT_TRUE(frame.run(executor));
+  });
+  EXPECT_GT(passes, 0u);
+  EXPECT_EQ(taken, 0u);
+}
+
+// Lists and frames come and go, and are lost.
+TEST_F(HostAllocatorTest, KeepsAsMuchInEachFrameThatIsAlike) {
+  Scene scene;
+  SteadyScene steady(scene, 7);
+  uint64_t kept = 0;
+  for (int frame = 0; frame < SteadyScene::kWarmUp + SteadyScene::kFrames; ++frame) {
+    steady.setInputs();
+    {
+      Frame made = steady.makeFrame(kMethods);
+      if (frame % 3 > 0) {
+        EXPECT_TRUE(made.run(executorOf([](const PassList&) {})));
       }
-      std::printf("[ FIGURE ] %s, %s: %llu arrays and %llu other allocations a frame at most\n",
-                  solver == Solver::kExact ? "exact" : "classic", byLists ? "lists" : "Frame",
-                  static_cast<unsigned long long>(most.arrays),
-                  static_cast<unsigned long long>(most.others));
-      EXPECT_LE(most.arrays, 200u);
-      EXPECT_LE(most.others, 2000u);
     }
+    if (frame == SteadyScene::kWarmUp) kept = tracker_.bytes();
+    if (frame < SteadyScene::kWarmUp) continue;
+    EXPECT_EQ(tracker_.bytes(), kept) << "frame " << frame;
+  }
 }
 
 }  // namespace

@@ -2,14 +2,14 @@
 // Shared libraries that the program loads take its operator new, too.
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <new>
 
 namespace pelage::test {
-inline std::atomic<uint64_t> g_newCount{0};
+/// Calls of operator new on this thread.
+inline thread_local uint64_t g_newCount = 0;
 /// Allocations of this thread, after which there is no memory; below 0: there always is.
 inline thread_local int64_t g_allocationsLeft = -1;
 }  // namespace pelage::test

@@ -41,27 +41,30 @@ bool areReplaced(std::span<const CapsuleCollider> before, std::span<const Capsul
                      });
 }
 
-std::vector<Collider> packCapsules(std::span<const CapsuleCollider> capsules,
-                                   std::span<const CapsuleCollider> capsulesBefore,
-                                   const LocalOrigin& origin, const Ball& ball, float seconds) {
-  std::vector<Collider> packed;
+size_t packCapsules(std::span<const CapsuleCollider> capsules,
+                    std::span<const CapsuleCollider> capsulesBefore, const LocalOrigin& origin,
+                    const Ball& ball, float seconds, std::span<Collider> packed) {
+  const auto relative = [&](Float3 p, float w) {
+    const Float3 r = origin.relative(p);
+    return Float4{r.x, r.y, r.z, w};
+  };
+  const auto pack = [&](const CapsuleCollider& now, const CapsuleCollider& before) {
+    return Collider{.head = relative(now.head, now.headRadius),
+                    .tail = relative(now.tail, now.tailRadius),
+                    .headBefore = relative(before.head, now.friction),
+                    .tailBefore = relative(before.tail, 0),
+                    .spin = spinOf(now, seconds)};
+  };
+  size_t count = 0;
   for (size_t i = 0; i < capsules.size(); ++i) {
     const CapsuleCollider& now = capsules[i];
     if (!isValid(now)) continue;
     const bool known = i < capsulesBefore.size() && isValid(capsulesBefore[i]);
     const CapsuleCollider& before = known ? capsulesBefore[i] : now;
     if (!reaches(now, ball) && !reaches(before, ball)) continue;
-    const auto relative = [&](Float3 p, float w) {
-      const Float3 r = origin.relative(p);
-      return Float4{r.x, r.y, r.z, w};
-    };
-    packed.push_back({.head = relative(now.head, now.headRadius),
-                      .tail = relative(now.tail, now.tailRadius),
-                      .headBefore = relative(before.head, now.friction),
-                      .tailBefore = relative(before.tail, 0),
-                      .spin = spinOf(now, seconds)});
+    if (const size_t at = count++; at < packed.size()) packed[at] = pack(now, before);
   }
-  return packed;
+  return count;
 }
 
 void moveCapsules(std::span<CapsuleCollider> capsules, const WorldMove& move) {

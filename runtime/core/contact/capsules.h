@@ -1,8 +1,8 @@
 // Capsules that hair collides with, from frame to frame.
 #pragma once
 
+#include <cstddef>
 #include <span>
-#include <vector>
 
 #include "base/bounds.h"
 #include "base/local_origin.h"
@@ -14,10 +14,11 @@ namespace pelage::detail {
 
 /// True for other capsules than before; those that only move are not.
 bool areReplaced(std::span<const CapsuleCollider> before, std::span<const CapsuleCollider> now);
-/// Returns the capsules that reach a ball in a frame of so many seconds, relative to an origin.
-std::vector<Collider> packCapsules(std::span<const CapsuleCollider> capsules,
-                                   std::span<const CapsuleCollider> capsulesBefore,
-                                   const LocalOrigin& origin, const Ball& ball, float seconds);
+/// Writes the capsules that reach a ball in a frame of so many seconds, relative to an origin, as
+/// far as there is room. \return their number
+size_t packCapsules(std::span<const CapsuleCollider> capsules,
+                    std::span<const CapsuleCollider> capsulesBefore, const LocalOrigin& origin,
+                    const Ball& ball, float seconds, std::span<Collider> packed = {});
 void moveCapsules(std::span<CapsuleCollider> capsules, const WorldMove& move);
 /// After shifts of the world: capsules that moved by no more than an engine's rounding have not
 /// moved. \param roundedShift  sum of the largest components of the shifts [m]

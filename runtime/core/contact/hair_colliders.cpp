@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "contact/capsules.h"
+#include "passes/upload_memory.h"
 #include "pelage/constants.h"
 #include "pelage/gpu_structs.h"
 
@@ -41,7 +42,7 @@ ContactInputs HairColliders::inputs() const {
           .rows = c.rows()};
 }
 
-void HairColliders::record(HairFrame& frame, const SdfRoom& sdfs, const Ball& ball,
+void HairColliders::record(HairFrame& frame, SdfRoom& sdfs, const Ball& ball,
                            const Strands& strands) {
   bool replaced = areReplaced(capsulesBefore_, frame.inputs.colliders);
   replaced |= sendSdfs(frame, sdfs, ball);
@@ -52,16 +53,15 @@ void HairColliders::record(HairFrame& frame, const SdfRoom& sdfs, const Ball& ba
 }
 
 // Returns whether they are others than in the frame before.
-bool HairColliders::sendSdfs(HairFrame& frame, const SdfRoom& sdfs, const Ball& ball) {
+bool HairColliders::sendSdfs(HairFrame& frame, SdfRoom& sdfs, const Ball& ball) {
   const HairInputs& inputs = frame.inputs;
-  SdfRoom::InReach found;
-  if (frame.usesMeshColliders) {
-    const HairReach reach = {ball, inputs.meshColliders ? &*inputs.meshColliders : nullptr};
-    found = sdfs.inReach(reach, frame.origin);
-  }
-  HostArray<std::byte> bytes = bytesOf(found.sdfs);
+  const HairReach reach = {ball, inputs.meshColliders ? &*inputs.meshColliders : nullptr};
+  const SdfRoom::InReach& found =
+      sdfs.inReach(frame.usesMeshColliders ? &reach : nullptr, frame.origin);
+  const auto bytes = std::as_bytes(std::span(found.sdfs));
+  const auto isSent = [&] { return std::ranges::equal(bytes, sdfsBefore_); };
   const auto count = static_cast<uint32_t>(found.sdfs.size());
-  const bool replaced = found.rebuilt || bytes != sdfsBefore_;
+  const bool replaced = found.rebuilt || !isSent();
   // Capsules come behind the SDFs.
   const uint32_t wanted = count > 0 ? count + static_cast<uint32_t>(inputs.colliders.size()) : 0;
   if (wanted > sdfCapacity_) {
@@ -71,8 +71,8 @@ bool HairColliders::sendSdfs(HairFrame& frame, const SdfRoom& sdfs, const Ball& 
                                            BufferUsage::kStorage | BufferUsage::kUpload);
     sdfsBefore_.clear();
   }
-  if (!bytes.empty() && bytes != sdfsBefore_) addUpload(frame.list, frame.buffers.sdfs, bytes);
-  sdfsBefore_ = std::move(bytes);
+  if (!bytes.empty() && !isSent()) addUpload(frame.list, frame.buffers.sdfs, bytes);
+  sdfsBefore_.assign(bytes.begin(), bytes.end());
   inReach_.sdfs = frame.buffers.sdfs;
   inReach_.contactSdfCount = count;
   inReach_.hasDenseSdfs = found.dense;
@@ -87,10 +87,10 @@ bool HairColliders::sendCapsules(HairFrame& frame, const Ball& ball) {
   if (rounded_ > 0) settleCapsules(capsulesBefore_, capsules, rounded_);
   rounded_ = 0;
   const bool wakes = frame.groom.collidesFollowHairs && capsules != capsulesBefore_;
-  const std::vector<Collider> packed =
-      packCapsules(capsules, capsulesBefore_, frame.origin, ball, frame.length);
-  const auto bytes = std::as_bytes(std::span(packed));
-  const auto count = static_cast<uint32_t>(packed.size());
+  const auto pack = [&](std::span<Collider> packed) {
+    return packCapsules(capsules, capsulesBefore_, frame.origin, ball, frame.length, packed);
+  };
+  const auto count = static_cast<uint32_t>(pack({}));
   // SDF permutations bind the capsule buffer, too.
   const uint32_t wanted = std::max(count, inReach_.contactSdfCount > 0 ? 1u : 0u);
   if (wanted > capsuleCapacity_) {
@@ -99,11 +99,9 @@ bool HairColliders::sendCapsules(HairFrame& frame, const Ball& ball) {
     frame.buffers.colliders = frame.factory.add(frame.name + "/colliders", wanted, sizeof(Collider),
                                                 {}, BufferUsage::kStorage | BufferUsage::kUpload);
   }
-  if (count > 0) {
-    addUpload(frame.list, frame.buffers.colliders, bytes);
-    if (const uint64_t sdfs = inReach_.contactSdfCount; sdfs > 0)
-      addUpload(frame.list, frame.buffers.sdfs, bytes, sdfs * sizeof(Sdf));
-  }
+  pack(uploadOf<Collider>(frame.list, frame.buffers.colliders, count));
+  if (const uint64_t sdfs = inReach_.contactSdfCount; sdfs > 0)
+    pack(uploadOf<Collider>(frame.list, frame.buffers.sdfs, count, sdfs * sizeof(Sdf)));
   capsulesBefore_ = capsules;
   inReach_.capsules = frame.buffers.colliders;
   inReach_.capsuleCount = count;

@@ -29,7 +29,7 @@ class HairColliders {
   /// Removes contacts that were made for another solver.
   void prepare(HairFrame& frame);
   /// Sends what strands in a ball can reach, and begins the contacts of the frame.
-  void record(HairFrame& frame, const SdfRoom& sdfs, const Ball& ball, const Strands& strands);
+  void record(HairFrame& frame, SdfRoom& sdfs, const Ball& ball, const Strands& strands);
   /// Adds the pass that finds the contacts of a sub-step.
   Result<void> find(const HairFrame& frame, const ContactPart& part);
   /// In a frame without collisions: contacts of later frames have no history.
@@ -45,7 +45,7 @@ class HairColliders {
   const ColliderBuffers& inReach() const { return inReach_; }
 
  private:
-  bool sendSdfs(HairFrame& frame, const SdfRoom& sdfs, const Ball& ball);
+  bool sendSdfs(HairFrame& frame, SdfRoom& sdfs, const Ball& ball);
   bool sendCapsules(HairFrame& frame, const Ball& ball);
   void beginContacts(HairFrame& frame, const Strands& strands);
   ContactInputs inputs() const;

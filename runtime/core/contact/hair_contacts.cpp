@@ -9,6 +9,7 @@
 #include <limits>
 #include <vector>
 
+#include "passes/upload_memory.h"
 #include "pelage/bindings.h"
 #include "pelage/constants.h"
 #include "pelage/kernels.h"
@@ -129,13 +130,13 @@ void HairContacts::clearTotals(PassList& list) {
 
 void HairContacts::begin(PassList& list) {
   counted_ = true;
-  std::vector<uint32_t> heads(kContactTotalWords + steps_ * kContactHeadWords);
+  const std::span<uint32_t> heads =
+      uploadOf<uint32_t>(list, words_, kContactTotalWords + size_t{steps_} * kContactHeadWords);
   for (uint32_t step = 0; step < steps_; ++step) {
     uint32_t* head = heads.data() + this->head(step);
     head[kContactFindArguments + 1] = maskWords_;
     head[kContactStrandArguments + 1] = head[kContactSolveArguments + 1] = 1;
   }
-  addUpload(list, words_, std::as_bytes(std::span(heads)));
 }
 
 Result<void> HairContacts::find(PassList& list, const ResourceTable& resources,

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
-#include <optional>
+#include <span>
 
 #include "base/vector3.h"
 
@@ -19,60 +19,62 @@ double distanceOf(const DrawnView& view, const DrawnHair& hair) {
   return squared >= 0 ? squared : 0;  // what is not a number is near
 }
 
-void addTo(MaterialBatch& batch, size_t index, const DrawnHair& hair, size_t material) {
-  batch.hairs.push_back(index);
-  batch.materialOf.push_back(material);
-  batch.vertices += uint64_t{hair.strands.count} * hair.vertexCount;
-}
-
-// Where the batch has this shading, or room for it.
-std::optional<size_t> findMaterial(MaterialBatch& batch, std::vector<ShadingParts>& shadings,
-                                   const StrandMaterial& material) {
-  const ShadingParts shading = shadingOf(material);
-  const auto known = std::find(shadings.begin(), shadings.end(), shading);
-  if (known != shadings.end()) return static_cast<size_t>(known - shadings.begin());
-  if (shadings.size() == kMaxMaterials) return std::nullopt;
-  shadings.push_back(shading);
-  batch.materials.push_back(&material);
-  return shadings.size() - 1;
-}
-
-// In an order, as many objects a batch as have room.
-std::vector<MaterialBatch> fill(const DrawnView& view, const std::vector<size_t>& order) {
-  std::vector<MaterialBatch> batches(1);
-  std::vector<ShadingParts> shadings;
-  for (const size_t i : order) {
-    const DrawnHair& hair = view.hairs[i];
-    std::optional<size_t> material = findMaterial(batches.back(), shadings, *hair.material);
-    if (!material) {
-      batches.emplace_back();
-      shadings.clear();
-      material = findMaterial(batches.back(), shadings, *hair.material);
-    }
-    addTo(batches.back(), i, hair, *material);
-  }
-  return batches;
-}
-
 }  // namespace
 
-std::vector<MaterialBatch> materialBatches(const DrawnView& view) {
-  std::vector<size_t> order(view.hairs.size());
-  std::iota(order.begin(), order.end(), size_t{0});
-  if (order.size() <= kMaxMaterials) {
-    std::vector<MaterialBatch> one(1);
-    for (const size_t i : order) {
-      addTo(one[0], i, view.hairs[i], i);
-      one[0].materials.push_back(view.hairs[i].material);
+// Of the next hair to the last batch. Returns whether that had it, or room for it.
+bool MaterialBatches::addMaterial(const StrandMaterial& material, bool shares) {
+  const ShadingParts shading = shadingOf(material);
+  const auto known = shares ? std::ranges::find(shadings_, shading) : shadings_.end();
+  if (known == shadings_.end() && shadings_.size() == kMaxMaterials) return false;
+  materialOf_.push_back(static_cast<size_t>(known - shadings_.begin()));
+  if (known != shadings_.end()) return true;
+  shadings_.push_back(shading);
+  materials_.push_back(&material);
+  return true;
+}
+
+// As many objects a batch as have room.
+void MaterialBatches::fillInOrder(const DrawnView& view, bool shares) {
+  batches_.assign(1, {});
+  shadings_.clear();
+  materialOf_.clear();
+  materials_.clear();
+  materialOf_.reserve(order_.size());
+  materials_.reserve(order_.size());
+  size_t first = 0, firstMaterial = 0;
+  const auto end = [&](size_t last) {
+    MaterialBatch& batch = batches_.back();
+    batch.hairs = std::span(order_).subspan(first, last - first);
+    batch.materialOf = std::span(materialOf_).subspan(first, last - first);
+    batch.materials = std::span(materials_).subspan(firstMaterial);
+    first = last;
+    firstMaterial = materials_.size();
+  };
+  for (size_t i = 0; i < order_.size(); ++i) {
+    const DrawnHair& hair = view.hairs[order_[i]];
+    if (!addMaterial(*hair.material, shares)) {
+      end(i);
+      batches_.emplace_back();
+      shadings_.clear();
+      addMaterial(*hair.material, shares);
     }
-    return one;
+    batches_.back().vertices += uint64_t{hair.strands.count} * hair.vertexCount;
   }
-  std::vector<MaterialBatch> batches = fill(view, order);
-  if (batches.size() == 1) return batches;
-  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
-    return distanceOf(view, view.hairs[a]) > distanceOf(view, view.hairs[b]);
+  end(order_.size());
+}
+
+void MaterialBatches::fill(const DrawnView& view) {
+  order_.resize(view.hairs.size());
+  std::iota(order_.begin(), order_.end(), size_t{0});
+  const bool shares = order_.size() > kMaxMaterials;
+  fillInOrder(view, shares);
+  if (batches_.size() == 1) return;
+  std::ranges::sort(order_, [&](size_t a, size_t b) {
+    const double distanceA = distanceOf(view, view.hairs[a]);
+    const double distanceB = distanceOf(view, view.hairs[b]);
+    return distanceA != distanceB ? distanceA > distanceB : a < b;
   });
-  return fill(view, order);
+  fillInOrder(view, shares);
 }
 
 }  // namespace pelage::detail

@@ -67,7 +67,7 @@ Result<void> addMethod(OitDraw& draw, std::vector<PassList>& lists) {
   if (method == Transparency::kShortCut) return addShortCutPasses(draw, lists);
   if (const uint32_t layers = layerCount(method); layers > 0)
     return addHybridPasses(draw, layers, lists);
-  const std::vector<MaterialBatch>& batches = draw.plan.batches;
+  const std::span<const MaterialBatch> batches = draw.plan.batches.all();
   for (size_t i = 0; i < batches.size(); ++i) {
     Result<void> added = method == Transparency::kTiles
                              ? addTilePasses(draw, batches[i], lists[1 + i])
@@ -112,23 +112,22 @@ std::vector<BufferId*> OitBuffers::all() {
           &strands.tiles,  &strands.sums,    &strands.references, &strands.picture};
 }
 
-Result<OitPlan> OitViews::check(DrawnView& view, const TransparencySettings& settings,
-                                const BufferFactory& factory) {
-  OitPlan plan;
-  if (Result<void> complete = checkLights(settings.engineLights); !complete)
-    return complete.error();
+Result<void> OitViews::check(DrawnView& view, const TransparencySettings& settings,
+                             const BufferFactory& factory, OitPlan& plan) {
+  plan.batches.clear();
+  plan.vertices = plan.recordBytes = 0;
+  if (Result<void> complete = checkLights(settings.engineLights); !complete) return complete;
   view.engineLights = settings.engineLights;
   view.readsUv = readsRootUv(settings.engineLights);
   TransparencySettings left = settings;
   if (view.transformsFirst && settings.method != Transparency::kTiles) {
     plan.recordBytes = placeRecords(view);
-    if (Result<void> fits = checkRecords(view, plan.recordBytes, settings); !fits)
-      return fits.error();
+    if (Result<void> fits = checkRecords(view, plan.recordBytes, settings); !fits) return fits;
     left.maxBytes -= plan.recordBytes;
   }
   if (settings.method == Transparency::kWindowed || settings.method == Transparency::kTiles)
-    plan.batches = materialBatches(view);
-  for (const MaterialBatch& batch : plan.batches)
+    plan.batches.fill(view);
+  for (const MaterialBatch& batch : plan.batches.all())
     plan.vertices = std::max(plan.vertices, batch.vertices);
   const Result<TransparencyPlan> sizes =
       planTransparency(view.view.width, view.view.height, left, plan.vertices);
@@ -143,17 +142,16 @@ Result<OitPlan> OitViews::check(DrawnView& view, const TransparencySettings& set
   plan.sizes = *sizes;
   plan.sizes.bytes += plan.recordBytes;
   if (settings.method == Transparency::kTiles && !view.hairs.empty()) {
-    if (Result<void> fits = checkDepth(view.view, settings.opaqueDepth, factory); !fits)
-      return fits.error();
+    return checkDepth(view.view, settings.opaqueDepth, factory);
   }
-  return plan;
+  return {};
 }
 
 Result<void> OitViews::record(DrawnView& view, const TransparencySettings& settings,
                               const OitPlan& plan, const BufferFactory& factory, uint64_t frame,
                               std::vector<PassList>& lists) {
   tiles_ = {};
-  const size_t count = listsOf(settings.method, plan.batches.size());
+  const size_t count = listsOf(settings.method, plan.batches.all().size());
   if (lists.size() < count) lists.resize(count);
   if (isOpaque(settings.method) && plan.recordBytes == 0)
     return addOpaqueDraws(view, settings.method == Transparency::kStochastic, lists[0]);
@@ -178,7 +176,7 @@ Result<void> OitViews::record(DrawnView& view, const TransparencySettings& setti
     added = addTransforms(view, lists[0]);
   }
   if (added) added = addMethod(draw, lists);
-  if (added && !plan.batches.empty()) tiles_ = tilesOf(draw);
+  if (added && !plan.batches.all().empty()) tiles_ = tilesOf(draw);
   if (draw.remade) slot.tickets.forgetRuns();
   std::shared_ptr<ListTicket> before;
   for (size_t i = 0; i < count; ++i) {

@@ -48,8 +48,8 @@ struct OitBuffers {
 
 /// The checked plan of a draw, made before anything changes.
 struct OitPlan {
-  std::vector<MaterialBatch> batches;  ///< of methods that keep materials
-  uint64_t vertices = 0;               ///< of the largest of them
+  MaterialBatches batches;  ///< of methods that keep materials
+  uint64_t vertices = 0;    ///< of the largest of them
   TransparencyPlan sizes;
   uint64_t recordBytes = 0;  ///< where hair is transformed first
 };
@@ -67,7 +67,7 @@ struct OitDraw {
 
   void ensureCapacity(BufferId& buffer, const char* name, uint64_t bytes, uint32_t stride,
                       BufferUsage usage = BufferUsage::kStorage) {
-    remade |= factory.ensureCapacity({buffer, name + suffix, bytes, stride, usage}, exact);
+    remade |= factory.ensureCapacity({buffer, name, bytes, stride, usage, suffix}, exact);
   }
 };
 
@@ -81,8 +81,8 @@ class OitViews {
  public:
   /// Errors: those of planTransparency(); opaqueDepth that is too small; engineLights that lack a
   /// kernel. Notes the lights in the view.
-  static Result<OitPlan> check(DrawnView& view, const TransparencySettings& settings,
-                               const BufferFactory& factory);
+  static Result<void> check(DrawnView& view, const TransparencySettings& settings,
+                            const BufferFactory& factory, OitPlan& plan);
   /// Adds the passes of a method. The view gets the first buffers that no list names which is still
   /// to run: so views of a frame have buffers of their own, and the next frame has them again.
   /// \param lists as many as the method needs are made; those from 1 on are empty.

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -17,10 +18,11 @@ inline constexpr uint64_t kVector = sizeof(Float4);
 /// A room's request for one of its buffers.
 struct BufferNeed {
   BufferId& buffer;
-  std::string name;
+  const char* name;
   uint64_t bytes;
   uint32_t stride;
   BufferUsage usage = BufferUsage::kStorage;
+  std::string_view suffix = {};  ///< of the name
 };
 
 /// A buffer that a frame has no use for any more. It goes once the frame has run.
@@ -78,8 +80,10 @@ struct BufferFactory {
     const uint64_t bytes = bytesOf(need.buffer);
     if (exact ? bytes == need.bytes : bytes >= need.bytes) return false;
     remove(need.buffer);
-    need.buffer = resources.add(
-        {.name = need.name, .size = need.bytes, .stride = need.stride, .usage = need.usage});
+    need.buffer = resources.add({.name = std::string(need.name).append(need.suffix),
+                                 .size = need.bytes,
+                                 .stride = need.stride,
+                                 .usage = need.usage});
     return true;
   }
 };

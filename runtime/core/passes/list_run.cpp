@@ -4,6 +4,8 @@
 #include <atomic>
 #include <string>
 
+#include "passes/handles.h"
+
 namespace pelage {
 namespace detail {
 
@@ -13,8 +15,8 @@ ListRun::~ListRun() {
 
 RunHandle openRun(const std::shared_ptr<RunOrder>& order, const RunRecord* last,
                   const PassList& list) {
-  auto run = std::make_shared<ListRun>();
-  run->record = std::make_shared<RunRecord>();
+  std::shared_ptr<ListRun> run = makeHandle<ListRun>();
+  run->record = makeHandle<RunRecord>();
   run->passes = list.passes.size();
   run->uploads = list.uploads.size();
   const std::lock_guard lock(order->mutex);

@@ -21,9 +21,9 @@ std::shared_ptr<ListTicket> ticketOf(PassList& list, uint64_t frame) {
     const std::shared_ptr<ListTicket>& held = list.hold->ticket;
     if (held->frame == frame && held->runs.empty() && held->lost == nullptr) return held;
   }
-  auto ticket = std::make_shared<ListTicket>();  // first: a hold always has one
+  std::shared_ptr<ListTicket> ticket = makeHandle<ListTicket>();  // first: a hold always has one
   ticket->frame = frame;
-  auto hold = std::make_shared<ListHold>();
+  std::shared_ptr<ListHold> hold = makeHandle<ListHold>();
   hold->ticket = std::move(ticket);
   list.hold = std::move(hold);
   return list.hold->ticket;

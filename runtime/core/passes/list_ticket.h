@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "passes/handles.h"
 #include "passes/list_run.h"
 #include "pelage/pass_list.h"
 
@@ -14,12 +15,11 @@ namespace pelage::detail {
 /// The account of a list that names such buffers, and of its copies. Who shares the buffers out
 /// holds it, too.
 struct ListTicket {
-  uint64_t frame = 0;                              ///< in which the list was written
-  std::vector<std::shared_ptr<RunRecord>> runs;    ///< of the list and of its copies; empty before
-                                                   ///< the barriers
-  std::vector<std::shared_ptr<ListTicket>> needs;  ///< of lists that write what this one reads
-  const char* lost = nullptr;                      ///< why the buffers are not the list's any more
-  std::atomic<bool> dropped = false;               ///< no copy is left
+  uint64_t frame = 0;                 ///< in which the list was written
+  HandleArray<RunRecord> runs;        ///< of the list and of its copies; empty before the barriers
+  HandleArray<ListTicket> needs;      ///< of lists that write what this one reads
+  const char* lost = nullptr;         ///< why the buffers are not the list's any more
+  std::atomic<bool> dropped = false;  ///< no copy is left
 };
 
 /// Shared by the copies of a list.

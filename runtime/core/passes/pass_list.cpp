@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstring>
 #include <string>
+#include <utility>
 
 #include "passes/list_run.h"
 #include "passes/pass_levels.h"
@@ -425,10 +426,20 @@ bool isLastOfLevel(const PassList& list, size_t dispatch) {
          list.passes[next].level != list.passes[dispatch].level;
 }
 
+// Returns true the first time since mark_ rose.
+bool HazardTracker::begin(uint32_t tableIndex) {
+  if (tableIndex >= states_.size()) {
+    states_.resize(size_t{tableIndex} + 1);
+    marks_.resize(states_.size());
+  }
+  return std::exchange(marks_[tableIndex], mark_) != mark_;
+}
+
 HazardTracker::State& HazardTracker::state(BufferId buffer) {
   const uint32_t tableIndex = ResourceTable::indexOf(buffer);
-  if (tableIndex >= states_.size()) states_.resize(size_t{tableIndex} + 1);
+  const bool first = begin(tableIndex);
   State& state = states_[tableIndex];
+  if (first) changes_.push_back({tableIndex, state});
   if (state.buffer != buffer) state = {.buffer = buffer};
   return state;
 }
@@ -438,11 +449,13 @@ void HazardTracker::forget(BufferId buffer) {
   if (tableIndex < states_.size()) states_[tableIndex] = {};
 }
 
-// Merges the states with and without later events: the union of the accesses, and visible only if
-// visible in both.
-void HazardTracker::mergeWith(const HostArray<State>& before) {
-  for (size_t tableIndex = 0; tableIndex < before.size(); ++tableIndex) {
-    const State& old = before[tableIndex];
+// Merges the states with and without the changes from one on: the union of the accesses, and
+// visible only if visible in both.
+void HazardTracker::mergeFrom(size_t firstChange) {
+  ++mark_;
+  for (size_t i = firstChange; i < changes_.size(); ++i) {
+    const auto& [tableIndex, old] = changes_[i];
+    if (!begin(tableIndex)) continue;  // the first change has the state before all of them
     State& now = states_[tableIndex];
     if (old.buffer == BufferId::kInvalid || now.buffer != old.buffer) continue;
     now.readStages |= old.readStages;
@@ -467,12 +480,16 @@ void HazardTracker::settle() {
   if (first != open_.end()) {
     // Later lists were to run after it.
     for (auto open = open_.end(); open != first;) detail::abandon(*(--open)->record);
-    mergeWith(first->before);
+    mergeFrom(first->firstChange);
+    changes_.resize(first->firstChange);
     open_.erase(first, open_.end());
   }
   std::erase_if(open_, [](const Open& open) {
     return detail::stateOf(*open.record) == RunState::kDelivered;
   });
+  const size_t needed = open_.empty() ? changes_.size() : open_.front().firstChange;
+  changes_.erase(changes_.begin(), changes_.begin() + static_cast<ptrdiff_t>(needed));
+  for (Open& open : open_) open.firstChange -= needed;
 }
 
 void HazardTracker::abandonOpen() {
@@ -630,15 +647,16 @@ void HazardTracker::resolve(PassList& list) {
   if (detail::hasRun(list)) return;
   list.run.reset();
   settle();
-  HostArray<State> statesBefore = states_;
+  ++mark_;
+  const size_t firstChange = changes_.size();
   list.barriers.clear();
   list.uploadBarriers.clear();
   list.drawBarriers.clear();
 
-  HostArray<BufferId> uploaded;
   for (const Upload& upload : list.uploads) {
-    if (std::find(uploaded.begin(), uploaded.end(), upload.buffer) != uploaded.end()) continue;
-    uploaded.push_back(upload.buffer);
+    const uint32_t tableIndex = ResourceTable::indexOf(upload.buffer);
+    const bool uploaded = tableIndex < marks_.size() && marks_[tableIndex] == mark_;
+    if (uploaded && states_[tableIndex].buffer == upload.buffer) continue;
     State& now = state(upload.buffer);
     if (isTouched(now)) {
       Barrier barrier = barrierBehind(now);
@@ -680,7 +698,7 @@ void HazardTracker::resolve(PassList& list) {
 
   if (order_ == nullptr) order_ = std::make_shared<detail::RunOrder>();
   list.run = detail::openRun(order_, open_.empty() ? nullptr : open_.back().record.get(), list);
-  open_.push_back({list.run->record, std::move(statesBefore)});
+  open_.push_back({list.run->record, firstChange});
 }
 
 }  // namespace pelage

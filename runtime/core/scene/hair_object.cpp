@@ -137,22 +137,23 @@ float scaleOf(const AffineTransform& m) {
 
 Ball ballOfStrands(const HairInternals& hair) {
   if (hair.given.isOn()) return hair.given.ball;
-  std::vector<Ball> balls;
-  for (const BoneBounds& bounds : hair.bounds) {
+  const auto ballOf = [&](const BoneBounds& bounds) {
     const AffineTransform& bone = hair.bones[bounds.bone];
-    balls.push_back({apply(bone, bounds.center), bounds.radius * scaleOf(bone)});
-    if (!isFinite(balls.back().center) || !std::isfinite(balls.back().radius))
-      return {{}, INFINITY};
-  }
+    return Ball{apply(bone, bounds.center), bounds.radius * scaleOf(bone)};
+  };
   Ball all;
-  for (const Ball& ball : balls) {
-    const auto share = 1 / static_cast<float>(balls.size());
+  const auto share = 1 / static_cast<float>(hair.bounds.size());
+  for (const BoneBounds& bounds : hair.bounds) {
+    const Ball ball = ballOf(bounds);
+    if (!isFinite(ball.center) || !std::isfinite(ball.radius)) return {{}, INFINITY};
     all.center.x += ball.center.x * share;
     all.center.y += ball.center.y * share;
     all.center.z += ball.center.z * share;
   }
-  for (const Ball& ball : balls)
+  for (const BoneBounds& bounds : hair.bounds) {
+    const Ball ball = ballOf(bounds);
     all.radius = std::max(all.radius, distance(all.center, ball.center) + ball.radius);
+  }
   // Blends of bones stay between what the bones do; rounding does not.
   all.radius = 1.01f * all.radius + hair.rest.longestStrand + hair.deviation;
   return all;

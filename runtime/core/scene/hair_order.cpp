@@ -108,8 +108,7 @@ Result<void> placeBones(HairWork& work) {
         sendBones(*hair.skeleton, hair.skinning, work.store.resources, frame.list);
     if (!sent) return sent;
   } else {
-    const std::vector<Float4> bones = packBones(hair.bones, hair.origin, hair.skinning);
-    addUpload(frame.list, frame.buffers.boneTransforms, std::as_bytes(std::span(bones)));
+    sendBones(hair.bones, hair.origin, hair.skinning, frame.buffers.boneTransforms, frame.list);
   }
   hair.bonesBefore = hair.bones;
   return {};

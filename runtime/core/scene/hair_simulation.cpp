@@ -104,13 +104,13 @@ Result<void> HairSimulation::simulateFrame(float dt, uint32_t steps, PassList& l
   if (Result<void> valid = store_.checkSkeletons(); !valid) return valid;
   store_.followSkeletons();
   if (Result<void> valid = checkHairs(false); !valid) return valid;
-  std::vector<HairReach> reaches;
+  std::vector<HairReach>& reaches = reaches_;
+  reaches.clear();
   for (const HairObject& object : store_.hairs())
     if (const std::optional<HairReach> reach = reachOf(object)) reaches.push_back(*reach);
   SdfRoom& sdfs = store_.sdfs;
-  const Result<SdfRoom::Plans> plans = sdfs.check(reaches, store_.factory());
-  if (!plans) return plans.error();
-  sdfs.plan(*plans, store_.factory());
+  if (Result<void> checked = sdfs.check(reaches, store_.factory()); !checked) return checked;
+  sdfs.plan(store_.factory());
   // A reset repairs everything: whoever asks for it may have lost a frame without knowing.
   for (HairObject& object : store_.hairs())
     if (isNew(object)) sendAgain(HairStore::of(object));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "pelage/scene.h"
 #include "scene/frame_journal.h"
@@ -28,6 +29,7 @@ class HairSimulation {
 
   HairStore& store_;
   FrameJournal& journal_;
+  std::vector<HairReach> reaches_;  ///< of a frame; kept for its memory
 };
 
 }  // namespace pelage::detail

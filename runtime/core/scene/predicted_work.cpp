@@ -92,7 +92,7 @@ bool isDrawn(const DrawnView& view, const HairObject& object) {
 
 }  // namespace
 
-TransparencyWork ViewDrawing::predictWork(const View& view) const {
+TransparencyWork ViewDrawing::predictWork(const View& view) {
   TransparencyWork work;
   const Result<DrawnView> frame = begin(view, {});
   if (!frame) return work;

@@ -45,6 +45,7 @@ void Scene::setLevels(bool on) { parts_->store.hazards.setLevels(on); }
 void Scene::trim() {
   parts_->journal.commit();
   parts_->journal.collectShared();
+  parts_->drawing.spareFrames.clear();
   parts_->drawing.trim("Scene::trim() freed its buffers; write it again");
   parts_->store.sdfs.trim(parts_->store.factory());
 }

@@ -70,24 +70,6 @@ Result<void> checkOpaques(std::span<const Light> lights, const ResourceTable& re
   return {};
 }
 
-// All hair that casts shadows.
-// \param all  the ball around it
-Result<std::vector<ShadowedHair>> shadowedHairs(const HairStore& store, Ball& all) {
-  std::vector<ShadowedHair> hairs;
-  for (const HairObject& object : store.hairs()) {
-    if (!object.visible) continue;
-    if (Result<void> checked = checkLook(object); !checked) return checked.error();
-    if (drawnStrandsOf(object).count == 0) continue;
-    const HairInternals& hair = HairStore::of(object);
-    const Ball ball = ballOfDrawn(object, hair, store.frame);
-    // Unbounded hair casts no shadow.
-    if (!std::isfinite(ball.radius)) continue;
-    all = hairs.empty() ? ball : ballAround(all, ball);
-    hairs.push_back(shadowedHairOf(object, hair, store.frame));
-  }
-  return hairs;
-}
-
 }  // namespace
 
 void setArea(std::span<PassList> lists, const View& view) {
@@ -99,7 +81,7 @@ void setArea(std::span<PassList> lists, const View& view) {
 }
 
 Result<DrawnView> ViewDrawing::begin(const View& view, std::span<const Light> lights,
-                                     const PassList* list) const {
+                                     const PassList* list) {
   if (view.width == 0 || view.height == 0)
     return refuseView("is " + std::to_string(view.width) + " x " + std::to_string(view.height) +
                       " pixels; View::width and height are those of the viewport, and above 0");
@@ -109,14 +91,16 @@ Result<DrawnView> ViewDrawing::begin(const View& view, std::span<const Light> li
     if (Result<void> fits = checkArea(*list, areaOf(view)); !fits) return fits.error();
   }
   DrawnView frame = {.view = view, .lights = lights, .constants = *constants};
+  drawn_.clear();
   frame.transformsFirst = limitsOf(tier).storageBuffers.vertex == 0;
   for (const HairObject& object : store_.hairs()) {
     if (!object.visible) continue;
     if (Result<void> checked = checkLook(object); !checked) return checked.error();
     DrawnHair hair = drawnHairOf(object, HairStore::of(object), store_.frame);
     hair.before = HairStore::of(object).get<StrandMotion>().before(store_.frame);
-    if (hair.strands.count > 0 && isInFrustum(view, hair.ball)) frame.hairs.push_back(hair);
+    if (hair.strands.count > 0 && isInFrustum(view, hair.ball)) drawn_.push_back(hair);
   }
+  frame.hairs = drawn_;
   return frame;
 }
 
@@ -125,16 +109,15 @@ Result<void> ViewDrawing::draw(const View& view, const Light& light, PassList& l
   journal_.settle(false);
   Result<DrawnView> frame = begin(view, {&light, 1}, &list);
   if (!frame) return frame.error();
-  Result<ShadowCast> cast = checkShadows(frame->lights, true);
-  if (!cast) return cast.error();
-  if (Result<void> added = addShadows(*cast, *frame, list); !added) return added;
+  if (Result<void> cast = checkShadows(frame->lights, true); !cast) return cast;
+  if (Result<void> added = addShadows(*frame, list); !added) return added;
   const TransparencySettings settings = {.method = Transparency::kStochastic};
-  const Result<OitPlan> plan = OitViews::check(*frame, settings, store_.factory());
-  if (!plan) return plan.error();
+  if (Result<void> planned = OitViews::check(*frame, settings, store_.factory(), plan_); !planned)
+    return planned;
   std::vector<PassList> lists;
   lists.push_back(std::move(list));
   Result<void> added = colors.record(*frame, store_.factory(), store_.frame, lists[0]);
-  if (added) added = oit.record(*frame, settings, *plan, store_.factory(), store_.frame, lists);
+  if (added) added = oit.record(*frame, settings, plan_, store_.factory(), store_.frame, lists);
   list = std::move(lists.front());
   if (added) simulation_.finishMoves();
   setArea({&list, 1}, view);
@@ -149,14 +132,13 @@ Result<void> ViewDrawing::draw(const View& view, std::span<const Light> lights,
   const BufferFactory factory = store_.factory();
   Result<DrawnView> frame = begin(view, lights, lists.data());
   if (!frame) return frame.error();
-  const Result<OitPlan> plan = OitViews::check(*frame, settings, factory);
-  if (!plan) return plan.error();
+  if (Result<void> planned = OitViews::check(*frame, settings, factory, plan_); !planned)
+    return planned;
   if (frame->hairs.empty()) return {};
-  Result<ShadowCast> cast = checkShadows(lights, true);
-  if (!cast) return cast.error();
-  if (Result<void> added = addShadows(*cast, *frame, lists[0]); !added) return added;
+  if (Result<void> cast = checkShadows(lights, true); !cast) return cast;
+  if (Result<void> added = addShadows(*frame, lists[0]); !added) return added;
   Result<void> added = colors.record(*frame, factory, store_.frame, lists[0]);
-  if (added) added = oit.record(*frame, settings, *plan, factory, store_.frame, lists);
+  if (added) added = oit.record(*frame, settings, plan_, factory, store_.frame, lists);
   if (!added && settings.engineLights != nullptr)
     added = Error{added.error().code, added.error().message +
                                           "; what engineLight() reads goes into "
@@ -191,49 +173,66 @@ Result<uint32_t> ViewDrawing::castShadows(std::span<const Light> lights, PassLis
   Result<StrandViewConstants> constants = viewConstants(view, lights);
   if (!constants) return constants.error();
   DrawnView frame = {.view = view, .lights = lights, .constants = *constants};
-  Result<ShadowCast> cast = checkShadows(lights, false);
-  if (!cast) return cast.error();
-  if (Result<void> added = addShadows(*cast, frame, list); !added) return added.error();
+  if (Result<void> cast = checkShadows(lights, false); !cast) return cast.error();
+  if (Result<void> added = addShadows(frame, list); !added) return added.error();
   simulation_.finishMoves();
-  return static_cast<uint32_t>(cast->plan.maps.size());
+  return static_cast<uint32_t>(cast_.plan.maps.size());
+}
+
+// All hair that casts shadows.
+// \param all  the ball around it
+Result<void> ViewDrawing::castHairs(Ball& all) {
+  std::vector<ShadowedHair>& hairs = cast_.hairs;
+  hairs.clear();
+  for (const HairObject& object : store_.hairs()) {
+    if (!object.visible) continue;
+    if (Result<void> checked = checkLook(object); !checked) return checked;
+    if (drawnStrandsOf(object).count == 0) continue;
+    const HairInternals& hair = HairStore::of(object);
+    const Ball ball = ballOfDrawn(object, hair, store_.frame);
+    // Unbounded hair casts no shadow.
+    if (!std::isfinite(ball.radius)) continue;
+    all = hairs.empty() ? ball : ballAround(all, ball);
+    hairs.push_back(shadowedHairOf(object, hair, store_.frame));
+  }
+  return {};
 }
 
 // Maps of the lights that cast shadows, from all hair in the scene that is visible to anybody.
 // \param draws hair is drawn, and opaque geometry casts shadows on it.
-Result<ShadowCast> ViewDrawing::checkShadows(std::span<const Light> lights, bool draws) {
-  ShadowCast cast;
+Result<void> ViewDrawing::checkShadows(std::span<const Light> lights, bool draws) {
+  ShadowCast& cast = cast_;
+  cast.lights.clear();
+  cast.opaqueLights.clear();
+  cast.defs.clear();
+  cast.opaques.clear();
   Ball all;
-  Result<std::vector<ShadowedHair>> hairs = shadowedHairs(store_, all);
-  if (!hairs) return hairs.error();
-  cast.hairs = std::move(*hairs);
-  std::vector<StrandShadowDef> defs;
+  if (Result<void> found = castHairs(all); !found) return found;
   for (size_t i = 0; i < lights.size() && !cast.hairs.empty(); ++i) {
     const Light& light = lights[i];
     if (light.shadow == HairShadow::kNone) continue;
-    if (defs.size() == kMaxStrandShadows)
+    if (cast.defs.size() == kMaxStrandShadows)
       return refuseView("more than " + std::to_string(kMaxStrandShadows) + " lights have a shadow");
     StrandShadowDef def = shadowDefOf(light);
     def.center = all.center;
     def.shifted = store_.shifted;
     def.radius = steadyRadius(all.radius);
-    defs.push_back(def);
+    cast.defs.push_back(def);
     cast.lights.push_back(i);
   }
-  std::vector<OpaqueShadowPlan> opaques;
   if (draws && !cast.hairs.empty()) {
     if (Result<void> checked = checkOpaques(lights, store_.resources, cast); !checked)
-      return checked.error();
-    for (const size_t light : cast.opaqueLights) opaques.push_back(opaquePlanOf(lights[light]));
+      return checked;
+    for (const size_t light : cast.opaqueLights)
+      cast.opaques.push_back(opaquePlanOf(lights[light]));
   }
-  Result<ShadowPlan> plan =
-      shadows.check(defs, opaques, cast.hairs, store_.factory(), store_.frame);
-  if (!plan) return plan.error();
-  cast.plan = std::move(*plan);
-  return cast;
+  return shadows.check(cast.defs, cast.opaques, cast.hairs, store_.factory(), store_.frame,
+                       cast.plan);
 }
 
 // Positions where they are after a shift of the world; then the maps.
-Result<void> ViewDrawing::addShadows(ShadowCast& cast, DrawnView& frame, PassList& list) {
+Result<void> ViewDrawing::addShadows(DrawnView& frame, PassList& list) {
+  ShadowCast& cast = cast_;
   if (Result<void> moved = simulation_.movePending(list); !moved) return moved;
   const BufferFactory factory = store_.factory();
   if (Result<void> added = shadows.record(cast.plan, cast.hairs, factory, store_.frame, list);

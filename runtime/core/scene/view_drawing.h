@@ -10,6 +10,7 @@
 #include "pelage/scene.h"
 #include "pelage/tier.h"
 #include "scene/frame_journal.h"
+#include "scene/frame_state.h"
 #include "scene/hair_internals.h"
 #include "scene/hair_simulation.h"
 #include "scene/hair_store.h"
@@ -43,6 +44,8 @@ struct ShadowCast {
   std::vector<size_t> lights;        ///< [map] index of the light
   std::vector<size_t> opaqueLights;  ///< [map of opaque geometry] likewise
   ShadowPlan plan;
+  std::vector<StrandShadowDef> defs;      ///< [map]
+  std::vector<OpaqueShadowPlan> opaques;  ///< [map of opaque geometry]
 };
 
 /// Draws the hair of a scene in views. Scene documents functions of the same name.
@@ -53,7 +56,7 @@ class ViewDrawing {
   ShadowMaps shadows;
   StrandColors colors;
   StrandDepths depths;
-  std::vector<std::unique_ptr<PassList>> spareLists;  ///< of frames, for their memory
+  std::vector<std::unique_ptr<FrameState>> spareFrames;  ///< for their memory
 
   ViewDrawing(HairStore& store, FrameJournal& journal, HairSimulation& simulation)
       : store_(store), journal_(journal), simulation_(simulation) {}
@@ -65,20 +68,25 @@ class ViewDrawing {
   Result<void> drawCollider(ColliderId id, const View& view, const Light& light,
                             const ColliderLook& look, PassList& list);
   Result<void> drawContacts(HairId id, const View& view, const ContactLook& look, PassList& list);
-  TransparencyWork predictWork(const View& view) const;
+  TransparencyWork predictWork(const View& view);
   /// \param reason  why lists that have not run cannot any more
   void trim(const char* reason);
 
  private:
   /// \param list  that the view is drawn into, behind what it has
   Result<DrawnView> begin(const View& view, std::span<const Light> lights,
-                          const PassList* list = nullptr) const;
-  Result<ShadowCast> checkShadows(std::span<const Light> lights, bool draws);
-  Result<void> addShadows(ShadowCast& cast, DrawnView& frame, PassList& list);
+                          const PassList* list = nullptr);
+  Result<void> castHairs(Ball& all);
+  Result<void> checkShadows(std::span<const Light> lights, bool draws);
+  Result<void> addShadows(DrawnView& frame, PassList& list);
 
   HairStore& store_;
   FrameJournal& journal_;
   HairSimulation& simulation_;
+  // Of the draw at hand; kept for their memory.
+  std::vector<DrawnHair> drawn_;
+  ShadowCast cast_;
+  OitPlan plan_;
 };
 
 }  // namespace pelage::detail

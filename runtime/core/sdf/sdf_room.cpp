@@ -109,8 +109,7 @@ Result<void> addSkinningPass(SdfColliderInternals& c, const SdfColliderBuffers& 
   if (c.skeleton != nullptr) {
     if (Result<void> sent = sendBones(*c.skeleton, method, resources, list); !sent) return sent;
   } else {
-    const std::vector<Float4> bones = packBones(c.bones, c.origin, method);
-    addUpload(list, b.bones, std::as_bytes(std::span(bones)));
+    sendBones(c.bones, c.origin, method, b.bones, list);
   }
   BoneSkinningConstants constants = {};
   constants.skinnedCount = c.vertexCount;
@@ -375,13 +374,13 @@ bool SdfRoom::planCollider(SdfCollider& collider, const SdfGridPlan& plan,
   return grown;
 }
 
-void SdfRoom::plan(const Plans& plans, const BufferFactory& factory) {
+void SdfRoom::plan(const BufferFactory& factory) {
   bool grown = false;
   BufferFactory own = factory;
   for (size_t i = 0; i < colliders.size(); ++i) {
-    if (!plans[i]) continue;
+    if (!plans_[i]) continue;
     own.owner = colliders[i];
-    if (planCollider(*colliders[i], *plans[i], own)) grown = true;
+    if (planCollider(*colliders[i], *plans_[i], own)) grown = true;
   }
   if (grown) layOut(factory);
 }
@@ -401,9 +400,8 @@ bool SdfRoom::isInRange(size_t slot, std::span<const HairReach> hair) const {
 }
 
 // The grids that colliders need in this frame where they have none that does, [collider].
-Result<SdfRoom::Plans> SdfRoom::check(std::span<const HairReach> hair,
-                                      const BufferFactory& factory) const {
-  Plans plans(colliders.size());
+Result<void> SdfRoom::check(std::span<const HairReach> hair, const BufferFactory& factory) {
+  plans_.assign(colliders.size(), std::nullopt);
   for (size_t i = 0; i < colliders.size(); ++i) {
     const SdfCollider* collider = colliders[i];
     if (collider == nullptr) continue;
@@ -430,9 +428,9 @@ Result<SdfRoom::Plans> SdfRoom::check(std::span<const HairReach> hair,
       return Error{ErrorCode::kInvalidArgument, "collider '" + collider->name_ + "': " + fault};
     Result<std::optional<SdfGridPlan>> plan = planGrid(c);
     if (!plan) return plan.error();
-    plans[i] = *plan;
+    plans_[i] = *plan;
   }
-  return plans;
+  return {};
 }
 
 Result<void> SdfRoom::record(std::span<const HairReach> hair, const BufferFactory& factory,
@@ -514,14 +512,17 @@ Result<void> SdfRoom::import(SdfColliderInternals& c, const BufferFactory& facto
   return {};
 }
 
-SdfRoom::InReach SdfRoom::inReach(const HairReach& hair, const LocalOrigin& origin) const {
-  InReach found;
+const SdfRoom::InReach& SdfRoom::inReach(const HairReach* hair, const LocalOrigin& origin) {
+  InReach& found = inReach_;
+  found.sdfs.clear();
+  found.rebuilt = found.dense = false;
+  if (hair == nullptr) return found;
   for (size_t slot = 0; slot < colliders.size(); ++slot) {
     const SdfCollider* held = colliders[slot];
     if (held == nullptr || !held->internals_->active) continue;
-    if (!meets(hair, colliders.idOf(slot))) continue;
+    if (!meets(*hair, colliders.idOf(slot))) continue;
     const SdfColliderInternals& c = *held->internals_;
-    Ball ball = hair.ball;
+    Ball ball = hair->ball;
     ball.radius += held->margin;
     if (!reaches(boundsOf(c), ball)) continue;
     Sdf sdf = sdfOf(c, origin);

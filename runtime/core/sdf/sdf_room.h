@@ -37,9 +37,6 @@ struct ColliderBones {
 
 class SdfRoom {
  public:
-  /// [collider] the grid that one needs in a frame; nothing where it has one that does.
-  using Plans = std::vector<std::optional<SdfGridPlan>>;
-
   /// Errors: as of Scene::addCollider(), but for those of skeletons.
   Result<ColliderId> add(const CollisionMesh& mesh, const SdfColliderDef& def,
                          const ColliderBones& bones, const Vector3<double>& shifted,
@@ -58,19 +55,20 @@ class SdfRoom {
   void trim(const BufferFactory& factory);
 
   /// Errors: settings out of range, the vertex buffer of an engine, a grid over the memory cap.
-  Result<Plans> check(std::span<const HairReach> hair, const BufferFactory& factory) const;
-  /// Takes the grids, and makes the buffers that are too small for them anew.
-  void plan(const Plans& plans, const BufferFactory& factory);
+  Result<void> check(std::span<const HairReach> hair, const BufferFactory& factory);
+  /// Takes the grids of check(), and makes the buffers that are too small for them anew.
+  void plan(const BufferFactory& factory);
   /// Adds the passes that build the fields that hair can reach and that have moved.
   Result<void> record(std::span<const HairReach> hair, const BufferFactory& factory,
                       PassList& list);
-  /// The fields of the frame that hair can reach, relative to an origin.
+  /// The fields of the frame that hair can reach, relative to an origin. They stay until the next
+  /// call. \param hair  nullptr: none
   struct InReach {
     std::vector<Sdf> sdfs;
     bool rebuilt = false;  ///< one of them, in this frame
     bool dense = false;    ///< one of them is an engine's
   };
-  InReach inReach(const HairReach& hair, const LocalOrigin& origin) const;
+  const InReach& inReach(const HairReach* hair, const LocalOrigin& origin);
 
   Result<SdfData> copy(ColliderId id, std::span<const std::byte> keys,
                        std::span<const std::byte> surface) const;
@@ -95,6 +93,10 @@ class SdfRoom {
   Result<void> build(SdfCollider& collider, const BufferFactory& factory, PassList& list);
   Result<void> import(SdfColliderInternals& collider, const BufferFactory& factory,
                       PassList& list) const;
+
+  InReach inReach_;
+  /// [collider] the grid that one needs in a frame; nothing where it has one that does.
+  std::vector<std::optional<SdfGridPlan>> plans_;
 };
 
 }  // namespace pelage::detail

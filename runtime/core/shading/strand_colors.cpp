@@ -110,7 +110,7 @@ void StrandColors::share(const DrawnView& view, std::span<PassList> lists, uint6
   for (PassList& list : lists.subspan(1)) {
     if (list.passes.empty()) continue;  // nobody has to run it
     const std::shared_ptr<ListTicket> ticket = ticketOf(list, frame);
-    std::vector<std::shared_ptr<ListTicket>>& needs = ticket->needs;
+    HandleArray<ListTicket>& needs = ticket->needs;
     if (std::find(needs.begin(), needs.end(), maker) == needs.end()) needs.push_back(maker);
     last_->tickets.add(ticket);
   }

@@ -55,7 +55,7 @@ struct DrawnView {
   const View& view;
   std::span<const Light> lights;
   StrandViewConstants constants = {};
-  std::vector<DrawnHair> hairs = {};
+  std::span<DrawnHair> hairs = {};
   BufferId shadowWords = BufferId::kInvalid;
   uint64_t shadowBytes = 0;
   bool transformsFirst = false;  ///< the vertex stage has no storage buffers: draws take records

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 #include <span>
+#include <utility>
 
 #include "pelage/view.h"
 
@@ -33,18 +34,21 @@ bool isOfFrame(const std::shared_ptr<ListTicket>& maker, uint64_t frame) {
 }
 
 void need(const std::shared_ptr<ListTicket>& reader, const std::shared_ptr<ListTicket>& maker) {
-  std::vector<std::shared_ptr<ListTicket>>& needs = reader->needs;
+  HandleArray<ListTicket>& needs = reader->needs;
   if (maker != reader && std::find(needs.begin(), needs.end(), maker) == needs.end())
     needs.push_back(maker);
 }
 
 }  // namespace
 
-Result<ShadowPlan> ShadowMaps::check(std::span<const StrandShadowDef> defs,
-                                     std::span<const OpaqueShadowPlan> opaques,
-                                     std::span<const ShadowedHair> hairs,
-                                     const BufferFactory& factory, uint64_t frame) const {
-  ShadowPlan plan;
+Result<void> ShadowMaps::check(std::span<const StrandShadowDef> defs,
+                               std::span<const OpaqueShadowPlan> opaques,
+                               std::span<const ShadowedHair> hairs, const BufferFactory& factory,
+                               uint64_t frame, ShadowPlan& plan) {
+  plan.maps.clear();
+  plan.opaques.clear();
+  plan.words = 0;
+  plan.hairs = numberOf(hairs, frame);
   for (StrandShadowDef def : defs) {
     def.firstWord = static_cast<uint32_t>(plan.words);
     const Result<StrandShadowPlan> map = planStrandShadow(def, hairs);
@@ -56,21 +60,28 @@ Result<ShadowPlan> ShadowMaps::check(std::span<const StrandShadowDef> defs,
     plan.words += opaque.words;
     plan.opaques.push_back(opaque);
   }
-  if (const Result<Choice> choice = choose(plan, hairs, factory, frame); !choice)
-    return choice.error();
-  return plan;
+  if (const Result<Choice> choice = choose(plan, factory, frame); !choice) return choice.error();
+  return {};
+}
+
+size_t ShadowMaps::numberOf(std::span<const ShadowedHair> hairs, uint64_t frame) {
+  if (std::exchange(hairFrame_, frame) != frame) hairCount_ = 0;
+  for (size_t i = 0; i < hairCount_; ++i)
+    if (std::ranges::equal(hairs, hairs_[i])) return i;
+  if (hairCount_ == hairs_.size()) hairs_.emplace_back();
+  hairs_[hairCount_].assign(hairs.begin(), hairs.end());
+  return hairCount_++;
 }
 
 // One of this frame, with the same hair.
 const ShadowMaps::Map* ShadowMaps::findMap(const Bank& bank, const StrandShadowPlan& plan,
-                                           std::span<const ShadowedHair> hairs, uint64_t frame) {
+                                           size_t hairs, uint64_t frame) {
   for (const Map& map : bank.maps) {
-    if (map.opaque != BufferId::kInvalid || !isOfFrame(map.maker, frame)) continue;
+    if (map.opaque != BufferId::kInvalid || map.hairs != hairs || !isOfFrame(map.maker, frame))
+      continue;
     StrandShadowView view = plan.view;
     view.firstWord = map.view.firstWord;
-    if (isEqual(view, map.view) &&
-        std::equal(hairs.begin(), hairs.end(), map.hairs.begin(), map.hairs.end()))
-      return &map;
+    if (isEqual(view, map.view)) return &map;
   }
   return nullptr;
 }
@@ -84,33 +95,31 @@ const ShadowMaps::Map* ShadowMaps::findOpaque(const Bank& bank, const OpaqueShad
   return nullptr;
 }
 
-uint64_t ShadowMaps::missingWords(const Bank& bank, const ShadowPlan& plan,
-                                  std::span<const ShadowedHair> hairs, uint64_t frame) {
+uint64_t ShadowMaps::missingWords(const Bank& bank, const ShadowPlan& plan, uint64_t frame) {
   uint64_t words = 0;
   for (const StrandShadowPlan& map : plan.maps)
-    if (findMap(bank, map, hairs, frame) == nullptr) words += map.words;
+    if (findMap(bank, map, plan.hairs, frame) == nullptr) words += map.words;
   for (const OpaqueShadowPlan& opaque : plan.opaques)
     if (findOpaque(bank, opaque, frame) == nullptr) words += opaque.words;
   return words;
 }
 
-Result<ShadowMaps::Choice> ShadowMaps::choose(const ShadowPlan& plan,
-                                              std::span<const ShadowedHair> hairs,
-                                              const BufferFactory& factory, uint64_t frame) const {
+Result<ShadowMaps::Choice> ShadowMaps::choose(const ShadowPlan& plan, const BufferFactory& factory,
+                                              uint64_t frame) const {
   if (plan.words == 0) {
     if (banks_.empty()) return Choice{.bank = 0, .empties = true, .words = kLeastWords};
     return Choice{};
   }
   size_t bank = banks_.size();
   for (size_t i = 0; i < banks_.size(); ++i) {
-    if (missingWords(*banks_[i], plan, hairs, frame) == 0) return Choice{.bank = i};
+    if (missingWords(*banks_[i], plan, frame) == 0) return Choice{.bank = i};
     if (bank == banks_.size() && banks_[i]->tickets.isFree(frame)) bank = i;
   }
   for (size_t i = 0; i < banks_.size(); ++i) {
     const bool inUse = !banks_[i]->tickets.isFree(frame) ||
                        std::any_of(banks_[i]->maps.begin(), banks_[i]->maps.end(),
                                    [&](const Map& map) { return isOfFrame(map.maker, frame); });
-    const uint64_t end = banks_[i]->used + missingWords(*banks_[i], plan, hairs, frame);
+    const uint64_t end = banks_[i]->used + missingWords(*banks_[i], plan, frame);
     if (inUse && end <= std::min(wordsOf(factory, banks_[i]->words), kMostWords))
       return Choice{.bank = i};
   }
@@ -172,15 +181,14 @@ ShadowMaps::Bank& ShadowMaps::prepare(const Choice& choice, const BufferFactory&
   return bank;
 }
 
-ShadowMaps::Table& ShadowMaps::prepareTable(const std::vector<StrandShadowView>& content,
-                                            bool complete, const BufferFactory& factory,
+// Of content_.
+ShadowMaps::Table& ShadowMaps::prepareTable(bool complete, const BufferFactory& factory,
                                             uint64_t frame) {
   Table* free = nullptr;
   for (const std::unique_ptr<Table>& table : tables_) {
     const bool equal = complete && isOfFrame(table->maker, frame) &&
-                       std::equal(content.begin(), content.end(), table->content.begin(),
-                                  table->content.end(), isEqual);
-    if (equal || content.empty()) return *table;
+                       std::ranges::equal(content_, table->content, isEqual);
+    if (equal || content_.empty()) return *table;
     if (free == nullptr && table->tickets.isFree(frame)) free = table.get();
   }
   if (free == nullptr) {
@@ -191,14 +199,14 @@ ShadowMaps::Table& ShadowMaps::prepareTable(const std::vector<StrandShadowView>&
                             BufferUsage::kStorage | BufferUsage::kUpload});
   }
   free->tickets.lose(kShadowsRemade);
-  free->content = content;
+  free->content = content_;
   free->maker = nullptr;
   return *free;
 }
 
 Result<void> ShadowMaps::record(ShadowPlan& plan, std::span<const ShadowedHair> hairs,
                                 const BufferFactory& factory, uint64_t frame, PassList& list) {
-  const Result<Choice> choice = choose(plan, hairs, factory, frame);
+  const Result<Choice> choice = choose(plan, factory, frame);
   if (!choice) return choice.error();
   if (frame != frame_ && plan.words > 0) {
     wanted_ = 0;
@@ -206,36 +214,36 @@ Result<void> ShadowMaps::record(ShadowPlan& plan, std::span<const ShadowedHair> 
   }
   if (choice->empties) {
     for (const std::unique_ptr<Bank>& bank : banks_) {
-      const uint64_t missing = missingWords(*bank, plan, hairs, frame);
+      const uint64_t missing = missingWords(*bank, plan, frame);
       if (missing < plan.words) wanted_ = std::max(wanted_, bank->used + missing);
     }
   }
   const std::shared_ptr<ListTicket> ticket = ticketOf(list, frame);
   bank_ = &prepare(*choice, factory, frame);
 
-  std::vector<bool> missing;
-  std::vector<StrandShadowView> content;
+  uint32_t missing = 0;  // maps, as bits
+  static_assert(kMaxStrandShadows <= 32);
+  content_.clear();
   for (StrandShadowPlan& map : plan.maps) {
-    const Map* known = findMap(*bank_, map, hairs, frame);
-    missing.push_back(known == nullptr);
+    const Map* known = findMap(*bank_, map, plan.hairs, frame);
     if (known != nullptr) {
       map.view.firstWord = known->view.firstWord;
       need(ticket, known->maker);
     } else {
+      missing |= 1u << content_.size();
       map.view.firstWord = static_cast<uint32_t>(bank_->used);
       bank_->used += map.words;
-      bank_->maps.push_back(
-          {map.view, BufferId::kInvalid, map.words, {hairs.begin(), hairs.end()}, ticket});
+      bank_->maps.push_back({map.view, BufferId::kInvalid, map.words, plan.hairs, ticket});
     }
-    content.push_back(map.view);
+    content_.push_back(map.view);
   }
-  const bool complete = std::find(missing.begin(), missing.end(), true) == missing.end();
-  table_ = &prepareTable(content, complete, factory, frame);
+  const bool complete = missing == 0;
+  table_ = &prepareTable(complete, factory, frame);
   words_ = bank_->words;
   views_ = table_->views;
   const bool known = complete && table_->maker != nullptr;
   // Without maps nothing is read of the table, whoever has filled it last.
-  if (known && !content.empty()) need(ticket, table_->maker);
+  if (known && !content_.empty()) need(ticket, table_->maker);
   for (size_t i = 0; i < plan.maps.size() && !known; ++i) {
     table_->maker = ticket;
     StrandShadowBuffers buffers;
@@ -244,8 +252,8 @@ Result<void> ShadowMaps::record(ShadowPlan& plan, std::span<const ShadowedHair> 
     buffers.view = static_cast<uint32_t>(i);
     buffers.words = words_;
     buffers.wordCount = wordsOf(factory, words_);
-    if (!missing[i]) {
-      addUpload(list, views_, std::as_bytes(std::span(&content[i], 1)),
+    if ((missing >> i & 1) == 0) {
+      addUpload(list, views_, std::as_bytes(std::span(&content_[i], 1)),
                 i * sizeof(StrandShadowView));
     } else if (Result<void> added = addStrandShadow(list, plan.maps[i], buffers, hairs); !added) {
       return added;
@@ -270,7 +278,7 @@ Result<void> ShadowMaps::recordOpaques(ShadowPlan& plan, const BufferFactory& fa
     bank_->used += opaque.words;
     StrandShadowView view = {};
     view.firstWord = opaque.firstWord;
-    bank_->maps.push_back({view, opaque.depth, opaque.words, {}, ticket});
+    bank_->maps.push_back({view, opaque.depth, opaque.words, 0, ticket});
     if (Result<void> added = addOpaqueShadow(list, opaque, words_, wordsOf(factory, words_));
         !added)
       return added;

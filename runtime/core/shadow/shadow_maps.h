@@ -22,6 +22,7 @@ struct ShadowPlan {
   std::vector<StrandShadowPlan> maps;  ///< in the order of the lights; firstWord is not known yet
   std::vector<OpaqueShadowPlan> opaques;  ///< likewise
   uint64_t words = 0;                     ///< of all of them
+  size_t hairs = 0;                       ///< number of the hair that is in them, in its frame
 };
 
 class ShadowMaps {
@@ -31,10 +32,9 @@ class ShadowMaps {
 
   /// \param defs of the lights of a view that have a map, \param opaques of those that have one of
   /// opaque geometry. Errors: those of planStrandShadow(); maps that leave no room under maxBytes.
-  Result<ShadowPlan> check(std::span<const StrandShadowDef> defs,
-                           std::span<const OpaqueShadowPlan> opaques,
-                           std::span<const ShadowedHair> hairs, const BufferFactory& factory,
-                           uint64_t frame) const;
+  Result<void> check(std::span<const StrandShadowDef> defs,
+                     std::span<const OpaqueShadowPlan> opaques, std::span<const ShadowedHair> hairs,
+                     const BufferFactory& factory, uint64_t frame, ShadowPlan& plan);
   /// Adds the passes of the maps that no list of this frame makes, and uploads their table for
   /// shaders. \param plan of check(); gets the offsets of the maps.
   Result<void> record(ShadowPlan& plan, std::span<const ShadowedHair> hairs,
@@ -57,7 +57,7 @@ class ShadowMaps {
     StrandShadowView view;                 ///< with its offset; the only member that depth maps use
     BufferId opaque = BufferId::kInvalid;  ///< what that is a copy of
     uint32_t words = 0;
-    std::vector<ShadowedHair> hairs;
+    size_t hairs = 0;  ///< ShadowPlan::hairs
     std::shared_ptr<ListTicket> maker;
   };
   /// Maps that are in one buffer.
@@ -80,23 +80,26 @@ class ShadowMaps {
     bool empties = false;  ///< its maps go
     uint64_t words = 0;    ///< that it has to have
   };
-  static const Map* findMap(const Bank& bank, const StrandShadowPlan& plan,
-                            std::span<const ShadowedHair> hairs, uint64_t frame);
+  static const Map* findMap(const Bank& bank, const StrandShadowPlan& plan, size_t hairs,
+                            uint64_t frame);
   static const Map* findOpaque(const Bank& bank, const OpaqueShadowPlan& plan, uint64_t frame);
-  static uint64_t missingWords(const Bank& bank, const ShadowPlan& plan,
-                               std::span<const ShadowedHair> hairs, uint64_t frame);
-  Result<Choice> choose(const ShadowPlan& plan, std::span<const ShadowedHair> hairs,
-                        const BufferFactory& factory, uint64_t frame) const;
+  static uint64_t missingWords(const Bank& bank, const ShadowPlan& plan, uint64_t frame);
+  Result<Choice> choose(const ShadowPlan& plan, const BufferFactory& factory, uint64_t frame) const;
+  size_t numberOf(std::span<const ShadowedHair> hairs, uint64_t frame);
   Result<uint64_t> limit(uint64_t words, size_t bank, const BufferFactory& factory,
                          uint64_t frame) const;
   Result<void> recordOpaques(ShadowPlan& plan, const BufferFactory& factory, uint64_t frame,
                              PassList& list);
   Bank& prepare(const Choice& choice, const BufferFactory& factory, uint64_t frame);
-  Table& prepareTable(const std::vector<StrandShadowView>& content, bool complete,
-                      const BufferFactory& factory, uint64_t frame);
+  Table& prepareTable(bool complete, const BufferFactory& factory, uint64_t frame);
 
   std::vector<std::unique_ptr<Bank>> banks_;
   std::vector<std::unique_ptr<Table>> tables_;
+  // Memory that is kept from frame to frame.
+  std::vector<StrandShadowView> content_;         ///< of the table at hand
+  std::vector<std::vector<ShadowedHair>> hairs_;  ///< [number] of one frame
+  size_t hairCount_ = 0;
+  uint64_t hairFrame_ = 0;
   BufferId words_ = BufferId::kInvalid, views_ = BufferId::kInvalid;
   Bank* bank_ = nullptr;  ///< of the last record()
   Table* table_ = nullptr;

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "base/finite.h"
+#include "passes/upload_memory.h"
 #include "pelage/assert.h"
 #include "pelage/constants.h"
 #include "pelage/skeleton.h"
@@ -94,23 +95,22 @@ void shiftWorld(SkeletonInternals& skeleton, const Vector3<double>& shift,
   skeleton.shiftedFloats.end();
 }
 
-std::vector<Float4> packBones(std::span<const AffineTransform> bones, const LocalOrigin& origin,
-                              SkinningMethod method) {
-  std::vector<Float4> packed;
-  packed.reserve(rowsOf(method) * bones.size());
+void sendBones(std::span<const AffineTransform> bones, const LocalOrigin& origin,
+               SkinningMethod method, BufferId buffer, PassList& list) {
+  auto packed = uploadOf<Float4>(list, buffer, rowsOf(method) * bones.size()).begin();
   for (AffineTransform bone : bones) {
     const Float3 moved = origin.relative({bone.rows[0].w, bone.rows[1].w, bone.rows[2].w});
     bone.rows[0].w = moved.x;
     bone.rows[1].w = moved.y;
     bone.rows[2].w = moved.z;
     if (method == SkinningMethod::kMatrices) {
-      packed.insert(packed.end(), std::begin(bone.rows), std::end(bone.rows));
+      packed = std::copy(std::begin(bone.rows), std::end(bone.rows), packed);
     } else {
       const DualQuaternion motion = toDualQuaternion(bone);
-      packed.insert(packed.end(), {motion.real, motion.dual});
+      *packed++ = motion.real;
+      *packed++ = motion.dual;
     }
   }
-  return packed;
 }
 
 BufferId bonesFor(SkeletonInternals& skeleton, SkinningMethod method,
@@ -133,8 +133,7 @@ Result<void> sendBones(SkeletonInternals& skeleton, SkinningMethod method,
   if (skeleton.isOnGpu()) {
     if (Result<void> added = addBonePasses(skeleton, method, resources, list); !added) return added;
   } else {
-    const std::vector<Float4> packed = packBones(skeleton.bones, skeleton.origin, method);
-    addUpload(list, copy.buffer, std::as_bytes(std::span(packed)));
+    sendBones(skeleton.bones, skeleton.origin, method, copy.buffer, list);
   }
   copy.version = skeleton.version;
   copy.origin = skeleton.origin;

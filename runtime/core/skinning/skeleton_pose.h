@@ -72,13 +72,13 @@ void moveOrigin(SkeletonInternals& skeleton);
 void shiftWorld(SkeletonInternals& skeleton, const Vector3<double>& shift,
                 const Vector3<double>& shifted);
 
-/// Number of Float4 per bone in the result of packBones().
+/// Number of Float4 per bone on the GPU.
 inline uint64_t rowsOf(SkinningMethod method) {
   return method == SkinningMethod::kMatrices ? 3 : 2;
 }
-/// Bones relative to an origin, as the kernels read them.
-std::vector<Float4> packBones(std::span<const AffineTransform> bones, const LocalOrigin& origin,
-                              SkinningMethod method);
+/// Uploads bones relative to an origin, as the kernels read them.
+void sendBones(std::span<const AffineTransform> bones, const LocalOrigin& origin,
+               SkinningMethod method, BufferId buffer, PassList& list);
 
 /// The buffer of a method's copy, which is made where there is none.
 BufferId bonesFor(SkeletonInternals& skeleton, SkinningMethod method, const BufferFactory& factory);
