@@ -620,9 +620,9 @@ Result<void> Runtime::record(Frame& frame, std::span<const ViewTarget> targets) 
                    std::to_string(targets.size()) + " targets");
   }
   if (Result<void> done = frame.finish(); !done) return done;
-  std::vector<PixelArea> areas;
-  for (const ViewTarget& target : targets) areas.push_back(areaOf(target.area));
-  if (Result<void> fits = frame.checkAreas(areas); !fits) return fits;
+  impl_->areas.clear();
+  for (const ViewTarget& target : targets) impl_->areas.push_back(areaOf(target.area));
+  if (Result<void> fits = frame.checkAreas(impl_->areas); !fits) return fits;
   FrameExecutor executor;
   executor.update = [&](const ResourceTable& resources) { return update(resources); };
   executor.record = [&](const FrameStep& step) { return record(*step.list); };

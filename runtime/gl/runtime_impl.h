@@ -55,6 +55,7 @@ struct Runtime::Impl {
   GLuint vertexArray = 0;
   const VertexInput* vertexInput = nullptr;  // that the vertex array is set up for
   std::vector<std::byte> zeros;
+  std::vector<PixelArea> areas;      // of the targets of a frame
   std::vector<GLuint> passPrograms;  // of the passes that check() went through
   std::array<Bound, kMaxBindings> boundUniform, boundStorage;
   GLuint currentProgram = 0;

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <unordered_map>
@@ -321,6 +322,7 @@ struct Runtime::Impl {
   std::vector<ResolvedPass> resolved;
   std::vector<uint32_t> dynamicOffsets;
   std::vector<BoundBuffer> bound;
+  std::vector<PixelArea> areas;
   BarrierBatch batch;
 };
 
@@ -1004,9 +1006,9 @@ Result<void> Runtime::record(Frame& frame, VkCommandBuffer commands,
                              targets.size())};
   }
   if (Result<void> done = frame.finish(); !done) return done;
-  std::vector<PixelArea> areas;
-  for (const ViewTarget& target : targets) areas.push_back(areaOf(target.area));
-  if (Result<void> fits = frame.checkAreas(areas); !fits) return fits;
+  impl_->areas.clear();
+  for (const ViewTarget& target : targets) impl_->areas.push_back(areaOf(target.area));
+  if (Result<void> fits = frame.checkAreas(impl_->areas); !fits) return fits;
   for (const FrameStep& step : frame.steps()) {
     if (step.view == FrameStep::kNoView) continue;
     const ViewTarget& target = targets[step.view];
@@ -1020,13 +1022,15 @@ Result<void> Runtime::record(Frame& frame, VkCommandBuffer commands,
   FrameExecutor executor;
   executor.update = [&](const ResourceTable& resources) { return update(resources, commands); };
   executor.record = [&](const FrameStep& step) { return record(*step.list, commands); };
-  executor.draw = [&](const FrameStep& step) {
+  // A function of one pointer needs no memory.
+  const auto drawStep = [&](const FrameStep& step) {
     const ViewTarget& target = targets[step.view];
     target.begin(step);
     Result<void> drawn = recordDraws(*step.list, commands, target.formats, target.area);
     target.end(step);
     return drawn;
   };
+  executor.draw = std::cref(drawStep);
   return frame.run(executor);
 }
 

@@ -23,7 +23,7 @@ namespace pelage::test {
 /// colliders, hair-hair contact, wind, sleep, levels of detail, motion and interpolation.
 class SteadyScene {
  public:
-  static constexpr int kWarmUp = 40, kFrames = 12;
+  static constexpr int kWarmUp = 18, kFrames = 6;
 
   SteadyScene(Scene& scene, uint32_t objects) : scene_(scene) {
     const Result<SkeletonId> skeleton = scene.addSkeleton({.name = "walker", .boneCount = 2});
@@ -85,13 +85,13 @@ class SteadyScene {
             Light{.direction = {1, 0, 0}, .shadow = HairShadow::kDepth, .shadowSize = 32}};
   }
   /// A frame with a picture by each method of `methods`, and one of depth and motion.
-  Frame makeFrame(std::span<const Transparency> methods) {
+  Frame makeFrame(std::span<const Transparency> methods, uint32_t size = 64) {
     Result<Frame> frame = scene_.simulate(1.0f / 60);
     EXPECT_TRUE(frame) << frame.error().message;
     EXPECT_TRUE(frame->interpolate(0.5f));
     for (const Transparency method : methods)
-      EXPECT_TRUE(frame->draw(view(), lights(), {.method = method}));
-    EXPECT_TRUE(frame->drawDepth(view(), {.color = HairDepthColor::kMotion}));
+      EXPECT_TRUE(frame->draw(view(size), lights(), {.method = method}));
+    EXPECT_TRUE(frame->drawDepth(view(size), {.color = HairDepthColor::kMotion}));
     return *std::move(frame);
   }
 

@@ -61,13 +61,13 @@ class SdfRoom {
   /// Adds the passes that build the fields that hair can reach and that have moved.
   Result<void> record(std::span<const HairReach> hair, const BufferFactory& factory,
                       PassList& list);
-  /// The fields of the frame that hair can reach, relative to an origin. They stay until the next
-  /// call. \param hair  nullptr: none
   struct InReach {
     std::vector<Sdf> sdfs;
     bool rebuilt = false;  ///< one of them, in this frame
     bool dense = false;    ///< one of them is an engine's
   };
+  /// The fields of the frame that hair can reach, relative to an origin. They stay until the next
+  /// call. \param hair  nullptr: none
   const InReach& inReach(const HairReach* hair, const LocalOrigin& origin);
 
   Result<SdfData> copy(ColliderId id, std::span<const std::byte> keys,
