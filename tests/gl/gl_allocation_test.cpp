@@ -10,7 +10,7 @@ class GlAllocation : public GlContextTest {};
 INSTANTIATE_TEST_SUITE_P(All, GlAllocation, testing::Values(Api::kGl, Api::kGles), apiTestName);
 
 TEST_P(GlAllocation, IsNotNeededByFramesThatAreAlike) {
-  for (const uint32_t objects : {1u, 100u}) {
+  for (const uint32_t objects : {1u, 30u}) {
     gl::RuntimeDef def;
     def.getProcAddress = eglAddress;
     Result<gl::Runtime> runtime = gl::Runtime::create(std::move(def));

@@ -25,13 +25,13 @@ VKAPI_ATTR VkBool32 VKAPI_CALL onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT,
 }  // namespace
 
 std::unique_ptr<Engine> Engine::create(std::string& reason,
-                                       const VkPhysicalDeviceFeatures& features) {
+                                       const VkPhysicalDeviceFeatures& features, bool validates) {
   std::unique_ptr<Engine> engine(new Engine);
   engine->features_ = features;
-  return engine->open(reason) ? std::move(engine) : nullptr;
+  return engine->open(reason, validates) ? std::move(engine) : nullptr;
 }
 
-bool Engine::open(std::string& reason) {
+bool Engine::open(std::string& reason, bool validates) {
   auto application = tagged<VkApplicationInfo>(VK_STRUCTURE_TYPE_APPLICATION_INFO);
   application.apiVersion = VK_API_VERSION_1_3;
   auto messenger = tagged<VkDebugUtilsMessengerCreateInfoEXT>(
@@ -46,16 +46,16 @@ bool Engine::open(std::string& reason) {
   auto validation = tagged<VkValidationFeaturesEXT>(VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT);
   validation.enabledValidationFeatureCount = 1;
   validation.pEnabledValidationFeatures = &enable;
-  messenger.pNext = &validation;
+  if (validates) messenger.pNext = &validation;
   const char* layer = "VK_LAYER_KHRONOS_validation";
   const char* extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME,
                               VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
   auto info = tagged<VkInstanceCreateInfo>(VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO);
   info.pNext = &messenger;
   info.pApplicationInfo = &application;
-  info.enabledLayerCount = 1;
+  info.enabledLayerCount = validates ? 1 : 0;
   info.ppEnabledLayerNames = &layer;
-  info.enabledExtensionCount = 2;
+  info.enabledExtensionCount = validates ? 2 : 1;
   info.ppEnabledExtensionNames = extensions;
   if (vkCreateInstance(&info, nullptr, &instance_) != VK_SUCCESS) {
     reason = "no Vulkan instance with the validation layer";

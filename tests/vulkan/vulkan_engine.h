@@ -46,8 +46,10 @@ class Engine {
  public:
   /// nullptr and a reason when there is no device or no validation layer.
   /// \param features  of the device, as far as it has them
+  /// \param validates  false: without the layer, which allocates in every call
   static std::unique_ptr<Engine> create(std::string& reason,
-                                        const VkPhysicalDeviceFeatures& features = {});
+                                        const VkPhysicalDeviceFeatures& features = {},
+                                        bool validates = true);
   ~Engine();
   Engine(const Engine&) = delete;
   Engine& operator=(const Engine&) = delete;
@@ -86,7 +88,7 @@ class Engine {
 
  private:
   Engine() = default;
-  bool open(std::string& reason);
+  bool open(std::string& reason, bool validates);
 
   std::atomic<uint32_t> messages_{0};
   VkInstance instance_ = VK_NULL_HANDLE;
@@ -106,9 +108,9 @@ class EngineRun {
   static constexpr size_t kFramesInFlight = 3;
 
   /// In SetUp(): skips the test without a device.
-  void open(const VkPhysicalDeviceFeatures& features = {}) {
+  void open(const VkPhysicalDeviceFeatures& features = {}, bool validates = true) {
     std::string reason;
-    engine_ = Engine::create(reason, features);
+    engine_ = Engine::create(reason, features, validates);
     if (engine_ == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << reason;
     for (Engine::Frame& frame : frames_) frame = engine_->createFrame();
     copies_ = engine_->createFrame();
