@@ -1,7 +1,9 @@
 // Measures the core on the CPU: deriving rest data, and writing a frame's pass list.
 #include <benchmark/benchmark.h>
 
+#include <chrono>
 #include <cmath>
+#include <memory>
 
 #include "pelage/hair_asset.h"
 #include "pelage/random.h"
@@ -35,14 +37,25 @@ void processAsset(benchmark::State& state) {
 }
 BENCHMARK(processAsset)->Arg(2228)->Arg(32640)->Unit(benchmark::kMillisecond);
 
-void writePassList(benchmark::State& state) {
+// Objects of the exact solver that move in wind and have a capsule each.
+void addObjects(pelage::Scene& scene, int64_t count, benchmark::State& state) {
   pelage::HairAsset asset = makeCurls(64, 16);
   if (!asset.process()) state.SkipWithError("process() failed");
   const auto follow = asset.generateFollowHairs({.countPerGuide = 4});
-  pelage::Scene scene;
-  for (int64_t i = 0; i < state.range(0); ++i) {
-    if (!scene.addHair(asset, {.followHairs = *follow})) state.SkipWithError("addHair() failed");
+  const auto shared = std::make_shared<const pelage::HairAsset>(asset);
+  const pelage::CapsuleCollider capsule = {
+      .head = {0, -0.1f, 0}, .headRadius = 0.01f, .tail = {0, -0.2f, 0}, .tailRadius = 0.01f};
+  for (int64_t i = 0; i < count; ++i) {
+    const auto id = scene.addHair(shared, {.followHairs = *follow});
+    if (!id) return state.SkipWithError("addHair() failed");
+    scene.hair(*id).settings.wind.velocity = {1, 0, 0};
+    scene.hair(*id).setColliders({&capsule, 1});
   }
+}
+
+void writePassList(benchmark::State& state) {
+  pelage::Scene scene;
+  addObjects(scene, state.range(0), state);
   pelage::PassList list;
   const pelage::View view{.width = 64, .height = 64};
   for (auto _ : state) {
@@ -55,5 +68,39 @@ void writePassList(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations() * state.range(0));
 }
 BENCHMARK(writePassList)->Arg(1)->Arg(16)->Arg(256)->Unit(benchmark::kMicrosecond);
+
+// A Frame with a picture and a deep shadow, up to its barriers; the mean of each part beside it.
+void writeFrame(benchmark::State& state) {
+  using Clock = std::chrono::steady_clock;
+  pelage::Scene scene;
+  addObjects(scene, state.range(0), state);
+  pelage::View view;
+  view.width = view.height = 64;
+  view.eye = {0, -0.1f, 1};
+  view.worldToClip = pelage::lookAt(view.eye, {0, -0.1f, 0}, {0, 1, 0}, 1, 1, 0.1f, 5);
+  const pelage::Light light = {.shadow = pelage::HairShadow::kDeep, .shadowSize = 64};
+  Clock::duration simulated{}, drawn{}, finished{};
+  for (auto _ : state) {
+    const auto start = Clock::now();
+    auto frame = scene.simulate(1.0f / 60);
+    const auto afterSimulate = Clock::now();
+    if (!frame || !frame->draw(view, {&light, 1}, {.method = pelage::Transparency::kTiles}))
+      return state.SkipWithError("no frame");
+    const auto afterDraw = Clock::now();
+    if (!frame->finish()) return state.SkipWithError("no barriers");
+    finished += Clock::now() - afterDraw;
+    drawn += afterDraw - afterSimulate;
+    simulated += afterSimulate - start;
+    for (const pelage::FrameStep& step : frame->steps()) pelage::setDelivered(step.list->run);
+  }
+  const auto mean = [](Clock::duration sum) {
+    return benchmark::Counter(std::chrono::duration<double, std::micro>(sum).count(),
+                              benchmark::Counter::kAvgIterations);
+  };
+  state.counters["simulate_us"] = mean(simulated);
+  state.counters["draw_us"] = mean(drawn);
+  state.counters["finish_us"] = mean(finished);
+}
+BENCHMARK(writeFrame)->Arg(1)->Arg(100)->Unit(benchmark::kMicrosecond);
 
 }  // namespace

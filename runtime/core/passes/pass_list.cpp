@@ -287,9 +287,12 @@ Result<BoundResource> PassBuilder::find(const KernelVariant& variant, const Vari
                                         std::span<const LayoutBindings> bindings) const {
   const LayoutTable& layout = *variant.kernel->layouts[use.set];
   const LayoutEntry& entry = layout.entries[use.entry];
-  const auto typed = std::find_if(bindings.begin(), bindings.end(), [&](const LayoutBindings& b) {
-    return isSame(b.layout(), layout);
-  });
+  auto typed = std::find_if(bindings.begin(), bindings.end(),
+                            [&](const LayoutBindings& b) { return &b.layout() == &layout; });
+  if (typed == bindings.end()) {
+    typed = std::find_if(bindings.begin(), bindings.end(),
+                         [&](const LayoutBindings& b) { return isSame(b.layout(), layout); });
+  }
   if (typed != bindings.end()) {
     const Result<size_t> at = entryIn(typed->layout(), layout, use.entry);
     if (!at) return Error{at.error().code, "pass " + variantName(variant) + at.error().message};
@@ -334,9 +337,12 @@ Result<void> PassBuilder::addBindings(const KernelVariant& variant,
   const Kernel& kernel = *variant.kernel;
   for (const VariantBinding& use : variant.bindings) {
     const LayoutEntry& entry = kernel.layouts[use.set]->entries[use.entry];
-    const auto known = std::find_if(
-        list_.bindings.begin() + pass_.firstBinding, list_.bindings.end(),
-        [&](const PassBinding& b) { return b.set == use.set && b.entry == use.entry; });
+    // A kernel has each of its bindings once.
+    const auto first = &variant == pass_.pixel ? list_.bindings.begin() + pass_.firstBinding
+                                               : list_.bindings.end();
+    const auto known = std::find_if(first, list_.bindings.end(), [&](const PassBinding& b) {
+      return b.set == use.set && b.entry == use.entry;
+    });
     if (known != list_.bindings.end()) {  // the other stage of the draw also uses it
       known->access = known->access | use.access;
       known->stages |= stageBit(kernel.stage);
@@ -344,7 +350,7 @@ Result<void> PassBuilder::addBindings(const KernelVariant& variant,
     }
     const Result<BoundResource> resource = find(variant, use, bindings);
     if (!resource) return resource.error();
-    PassBinding binding;
+    PassBinding& binding = list_.bindings.emplace_back();  // finish() drops it after an error
     binding.set = use.set;
     binding.entry = use.entry;
     binding.buffer = resource->range.buffer;
@@ -364,7 +370,6 @@ Result<void> PassBuilder::addBindings(const KernelVariant& variant,
       binding.size = block.size();
       binding.offset = addBlock(block);
     }
-    list_.bindings.push_back(binding);
   }
   return {};
 }
@@ -411,8 +416,9 @@ Result<void> PassBuilder::finish(std::span<const LayoutBindings> bindings) {
   pass_.bindingCount = static_cast<uint32_t>(list_.bindings.size()) - pass_.firstBinding;
   if (!isDraw(pass_.kind)) {
     // Dispatches come before draws, whatever the order of the calls.
-    const auto firstDraw = std::find_if(list_.passes.begin(), list_.passes.end(),
-                                        [](const Pass& pass) { return isDraw(pass.kind); });
+    const auto firstDraw =
+        std::partition_point(list_.passes.begin(), list_.passes.end(),
+                             [](const Pass& pass) { return !isDraw(pass.kind); });
     list_.passes.insert(firstDraw, pass_);
   } else {
     list_.passes.push_back(pass_);
