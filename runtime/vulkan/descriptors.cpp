@@ -12,17 +12,22 @@ constexpr uint32_t kMostPoolSets = 256;
 /// A set that was not used in so many completed frames is given to others.
 constexpr uint64_t kFramesKept = 128;
 constexpr uint64_t kFramesBetweenSweeps = 32;
-constexpr size_t kWordsPerBuffer = 4;
+constexpr size_t kWordsPerBuffer = 3;
+
+// The entry and the buffer in one word of a key; layouts have fewer than 256 entries.
+uint64_t nameOf(uint64_t generation, uint32_t entry) { return generation << 8 | entry; }
 
 }  // namespace
 
 size_t WordsHash::operator()(const std::vector<uint64_t>& words) const {
-  uint64_t hash = 0xcbf29ce484222325u;
-  for (const uint64_t word : words) {
-    hash = (hash ^ word) * 0x100000001b3u;
+  // In two halves, which do not wait for each other.
+  uint64_t hashes[2] = {0xcbf29ce484222325u, 0x84222325cbf29ce4u};
+  for (size_t i = 0; i < words.size(); ++i) {
+    uint64_t& hash = hashes[i % 2];
+    hash = (hash ^ words[i]) * 0x100000001b3u;
     hash ^= hash >> 29;  // words are longer than FNV's bytes: bring the high bits down
   }
-  return static_cast<size_t>(hash);
+  return static_cast<size_t>(hashes[0] ^ hashes[1] * 0x100000001b3u);
 }
 
 VkShaderStageFlags shaderStages(StageMask stages) {
@@ -176,8 +181,7 @@ Result<VkDescriptorSet> Descriptors::set(const LayoutTable& table,
   key_.clear();
   key_.push_back(reinterpret_cast<uintptr_t>(&table));
   for (const BoundBuffer& bound : buffers) {
-    key_.push_back(bound.entry);
-    key_.push_back(bound.generation);
+    key_.push_back(nameOf(bound.generation, bound.entry));
     key_.push_back(bound.offset);
     key_.push_back(bound.range);
   }
@@ -224,7 +228,7 @@ void Descriptors::forgetBuffer(uint64_t generation) {
   std::erase_if(sets_, [&](const auto& entry) {
     const auto& [key, cached] = entry;
     for (size_t at = 1; at < key.size(); at += kWordsPerBuffer) {
-      if (key[at + 1] == generation) {
+      if (key[at] >> 8 == generation) {
         retired_.push_back(cached);
         return true;
       }

@@ -32,8 +32,10 @@ std::span<PassLevels::Range> PassLevels::rangesOf(BufferId buffer, uint64_t begi
   HostArray<Range>& sorted = ranges.sorted;
   if (ranges.list != lists_) {
     ranges.list = lists_;
-    sorted.clear();
+    sorted.assign(1, {.begin = begin, .end = end});
   }
+  // Nearly all buffers are bound in one way.
+  if (sorted.size() == 1 && sorted[0].begin == begin && sorted[0].end == end) return sorted;
   auto at = std::partition_point(sorted.begin(), sorted.end(),
                                  [&](const Range& range) { return range.end <= begin; });
   if (at != sorted.end() && at->begin < begin) {
