@@ -60,7 +60,7 @@ class SteadyScene {
     }
   }
 
-  /// What an application sets in each frame.
+  /// Sets bones and colliders, as an application does in each frame.
   void setInputs() {
     const auto t = 0.01f * static_cast<float>(++frame_ % 8);
     const AffineTransform bones[2] = {rigidTransform({0, 0, 0, 1}, {0, t, 0}),

@@ -21,7 +21,7 @@ double distanceOf(const DrawnView& view, const DrawnHair& hair) {
 
 }  // namespace
 
-// Of the next hair to the last batch. Returns whether that had it, or room for it.
+// Notes the next hair's material. Returns whether the last batch had it, or room for it.
 bool MaterialBatches::addMaterial(const StrandMaterial& material, bool shares) {
   const ShadingParts shading = shadingOf(material);
   const auto known = shares ? std::ranges::find(shadings_, shading) : shadings_.end();

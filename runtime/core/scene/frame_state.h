@@ -1,4 +1,4 @@
-// What a frame has, in the memory of an earlier one.
+// The lists of a frame, in the memory of an earlier frame.
 #pragma once
 
 #include <cstddef>

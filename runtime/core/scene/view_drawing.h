@@ -83,7 +83,7 @@ class ViewDrawing {
   HairStore& store_;
   FrameJournal& journal_;
   HairSimulation& simulation_;
-  // Of the draw at hand; kept for their memory.
+  // The current draw uses these; they keep their memory.
   std::vector<DrawnHair> drawn_;
   ShadowCast cast_;
   OitPlan plan_;

@@ -181,7 +181,7 @@ ShadowMaps::Bank& ShadowMaps::prepare(const Choice& choice, const BufferFactory&
   return bank;
 }
 
-// Of content_.
+// The table gets content_.
 ShadowMaps::Table& ShadowMaps::prepareTable(bool complete, const BufferFactory& factory,
                                             uint64_t frame) {
   Table* free = nullptr;
