@@ -1,4 +1,4 @@
-# pelage_add_kernels(TARGET MANIFEST file [INCLUDE dirs...] [REFLECTION file] [SHARED])
+# pelage_add_kernels(TARGET MANIFEST file [INCLUDE dirs...] [REFLECTION file] [SHARED] [WGSL])
 #
 # Makes libraries, static ones without SHARED, from a manifest of HLSL kernels. Code that links
 # TARGET includes
@@ -12,6 +12,9 @@
 #   <namespace>/glsl.h         TARGET_glsl, GLSL 450 core
 #   <namespace>/essl.h         TARGET_essl, ESSL 320
 #   <namespace>/code.h         TARGET_code: the three of them
+#   <namespace>/wgsl.h         TARGET_wgsl, with WGSL: of a manifest that has "webgpu": true. The folder wgsl
+#                              beside the generated sources has the same as files. Needs
+#                              PELAGE_WGSL_TRANSLATOR, codegen/wgsl/translate.mjs with its packages.
 # The target's property PELAGE_GENERATED_INCLUDE is the folder that holds them.
 # INCLUDE adds folders to the search of #include in HLSL, REFLECTION names the JSON file (default:
 # reflection.json beside the generated sources).
@@ -64,10 +67,10 @@ function(pelage_kernel_entry text name out)
 endfunction()
 
 function(pelage_add_kernels target)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "SHARED" "MANIFEST;REFLECTION" "INCLUDE")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "SHARED;WGSL" "MANIFEST;REFLECTION" "INCLUDE")
   if(NOT arg_MANIFEST OR arg_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR
-      "usage: pelage_add_kernels(TARGET MANIFEST file [INCLUDE dirs...] [REFLECTION file] [SHARED])")
+      "usage: pelage_add_kernels(TARGET MANIFEST file [INCLUDE dirs...] [REFLECTION file] [SHARED] [WGSL])")
   endif()
   get_filename_component(manifest "${arg_MANIFEST}" ABSOLUTE)
   set(output "${CMAKE_CURRENT_BINARY_DIR}/${target}")
@@ -86,17 +89,28 @@ function(pelage_add_kernels target)
   endif()
   string(REPLACE "::" "/" folder "${namespace}")
   set(headers)
-  foreach(header bindings code constants essl glsl gpu_structs kernels layouts spirv)
+  set(formats spirv glsl essl)
+  set(wgsl)
+  if(arg_WGSL)
+    if(NOT PELAGE_WGSL_TRANSLATOR)
+      message(FATAL_ERROR "pelage: WGSL needs PELAGE_WGSL_TRANSLATOR")
+    endif()
+    list(APPEND formats wgsl)
+    set(wgsl --wgsl "${PELAGE_WGSL_TRANSLATOR}" --node "${PELAGE_NODE_EXECUTABLE}")
+  endif()
+  foreach(header bindings code constants gpu_structs kernels layouts ${formats})
     list(APPEND headers "${output}/include/${folder}/${header}.h")
   endforeach()
   set(sources "${output}/kernels.cpp" "${output}/layouts.cpp")
   pelage_kernel_names("${text}" kernels)
   set(code_sources "${output}/code/code.cpp")
-  foreach(format spirv glsl essl)
+  set(format_sources)
+  foreach(format IN LISTS formats)
     set(${format}_sources "${output}/code/${format}.cpp")
     foreach(kernel IN LISTS kernels)
       list(APPEND ${format}_sources "${output}/code/${kernel}_${format}.cpp")
     endforeach()
+    list(APPEND format_sources ${${format}_sources})
   endforeach()
 
   set(includes)
@@ -118,11 +132,12 @@ function(pelage_add_kernels target)
   endif()
   add_custom_command(
     OUTPUT "${output}/kernels.stamp"
-    BYPRODUCTS ${headers} ${sources} ${code_sources} ${spirv_sources} ${glsl_sources} ${essl_sources}
+    BYPRODUCTS ${headers} ${sources} ${code_sources} ${format_sources}
       "${reflection}"
     COMMAND ${codegen} "${manifest}" --output "${output}" ${includes} ${cache} ${names}
+      ${wgsl}
       --reflection "${reflection}" --stamp "${output}/kernels.stamp" --depfile "${output}/kernels.d"
-    DEPENDS ${codegen} "${manifest}"
+    DEPENDS ${codegen} "${manifest}" ${PELAGE_WGSL_TRANSLATOR}
     DEPFILE "${output}/kernels.d"
     COMMENT "Compiling the kernels of ${target}"
     VERBATIM)
@@ -136,12 +151,14 @@ function(pelage_add_kernels target)
   add_library(${target} ${type} ${sources} ${headers} "${output}/kernels.stamp")
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${output}/include>)
   target_link_libraries(${target} PUBLIC pelage::headers)
-  foreach(format spirv glsl essl code)
+  set(libraries ${target})
+  foreach(format IN LISTS formats ITEMS code)
+    list(APPEND libraries ${target}_${format})
     add_library(${target}_${format} ${type} ${${format}_sources} "${output}/kernels.stamp")
     target_link_libraries(${target}_${format} PUBLIC ${target})
   endforeach()
   target_link_libraries(${target}_code PUBLIC ${target}_spirv ${target}_glsl ${target}_essl)
-  foreach(library ${target} ${target}_spirv ${target}_glsl ${target}_essl ${target}_code)
+  foreach(library IN LISTS libraries)
     add_dependencies(${library} ${target}_headers)
     target_compile_features(${library} PUBLIC cxx_std_20)
     # One object a kernel, so that a program links the code of those that it names.

@@ -21,6 +21,7 @@
 #include "codegen/process.h"
 #include "codegen/spirv_reader.h"
 #include "codegen/unit.h"
+#include "codegen/wgsl_module.h"
 
 namespace pelage::codegen {
 namespace {
@@ -136,7 +137,9 @@ class Builder {
       }
       report([](const Unit& unit) -> const Diagnostics& { return unit.back.diagnostics; });
       checkPairs();
+      checkWebgpu();
       collectVariants(plan);
+      translateToWgsl();
       packKernels();
     }
     finishWorkers();
@@ -379,6 +382,48 @@ class Builder {
     }
   }
 
+  // PK703: what WebGPU has too little of, or not at all.
+  void checkWebgpu() {
+    if (!result_.program.manifest.webgpu) return;
+    for (const Unit& unit : units_) {
+      if (unit.kernel->whyNotWebgpu(unit.permutation) != nullptr) continue;
+      const std::optional<SpirvReader> module = SpirvReader::parse(unit.back.optimised);
+      if (!module) continue;
+      const SourceLocation where = locate(unit, unit.kernel->name);
+      const auto error = [&](const std::string& what) {
+        result_.diagnostics.error(where.file, where.line, "PK703",
+                                  "kernel " + describe(unit) + " " + what +
+                                      ": change it, or name the reason in \"noWebgpu\"");
+      };
+      const auto check = [&](uint64_t count, uint32_t most, const char* what) {
+        if (count > most)
+          error("has " + std::to_string(count) + " " + what + ", WebGPU promises " +
+                std::to_string(most));
+      };
+      const Stage stage = unit.kernel->stage;
+      const ModuleReflection reflection = reflectModule(*module);
+      std::map<ResourceKind, uint32_t> counts;
+      for (const Resource& resource : reflection.resources) ++counts[resource.kind];
+      check(counts[ResourceKind::kStorageBuffer], kWebgpuLimits.storageBuffers.of(stage),
+            "storage buffers");
+      check(counts[ResourceKind::kUniformBuffer], kWebgpuLimits.uniformBlocks.of(stage),
+            "constant blocks");
+      check(counts[ResourceKind::kSampledTexture], kWebgpuLimits.textures.of(stage), "textures");
+      check(counts[ResourceKind::kStorageTexture], kWebgpuLimits.images.of(stage), "images");
+      check(uint64_t{reflection.groupSize[0]} * reflection.groupSize[1] * reflection.groupSize[2],
+            kWebgpuLimits.groupThreads, "threads in a group");
+      for (size_t axis = 0; axis < 3; ++axis)
+        check(reflection.groupSize[axis], kWebgpuLimits.groupSize[axis], "threads on an axis");
+      check(reflection.sharedBytes, kWebgpuLimits.groupSharedBytes, "bytes of groupshared memory");
+      if (stage != Stage::kPixel) continue;
+      for (const auto& [id, access] : resourceAccess(*module)) {
+        if (access == Access::kRead) continue;
+        error("writes '" + module->name(id) + "', and pixel kernels write no buffers on WebGPU");
+        break;
+      }
+    }
+  }
+
   static std::string describe(const Unit& unit) {
     return "'" + unit.kernel->name + "'" + (unit.key.empty() ? "" : " with " + unit.key);
   }
@@ -483,11 +528,14 @@ class Builder {
         const auto [found, added] = known.emplace(unit.back.spirv, output.variants.size());
         if (!added) {
           VariantOutput& same = output.variants[found->second];
+          if (kernel.whyNotWebgpu(unit.permutation) == nullptr) same.noWebgpu.clear();
           same.permutations.push_back(unit.permutation);
           same.tier = std::min(same.tier, kernel.tierOf(unit.permutation));
           continue;
         }
         output.variants.push_back(makeVariant(unit, *module, plan));
+        if (!options_.wgslTranslator.empty())
+          wgslModules_[output.variants.back().hash] = prepareForWgsl(unit.back.spirv);
       }
       std::sort(output.specConstants.begin(), output.specConstants.end(),
                 [](const SpecConstantInfo& a, const SpecConstantInfo& b) { return a.id < b.id; });
@@ -496,10 +544,78 @@ class Builder {
     }
   }
 
+  // Translates all variants that run on WebGPU and are not in the cache in one run of Node.js.
+  void translateToWgsl() {
+    Program& program = result_.program;
+    if (options_.wgslTranslator.empty() || !program.manifest.webgpu) return;
+    program.wgsl = true;
+    const fs::path translator = fs::absolute(options_.wgslTranslator);
+    Sha256 tools;
+    for (const fs::path& file : {translator, translator.parent_path() / "package-lock.json"})
+      tools.field(readWholeFile(file).value_or(""));
+    const std::string toolKey = hex(tools.finish());
+    struct Job {
+      VariantOutput* variant;
+      const ManifestKernel* kernel;
+      std::string key;
+      fs::path stem;
+    };
+    std::vector<Job> jobs;
+    const fs::path folder = scratch_ / "wgsl";
+    for (KernelOutput& output : program.kernels) {
+      for (VariantOutput& variant : output.variants) {
+        if (!variant.noWebgpu.empty()) continue;
+        const std::vector<uint32_t>& words = wgslModules_.at(variant.hash);
+        Sha256 hash;
+        hash.field("wgsl").field(kCacheFormat).field(toolKey).words(words);
+        Job job{&variant, &output.kernel, hex(hash.finish()),
+                folder / std::to_string(variant.hash)};
+        variant.wgsl = cache_.load(job.key).value_or("");
+        if (!variant.wgsl.empty()) continue;
+        require(writeWholeFile(job.stem.string() + ".spv", toBytes(words)), job.stem);
+        jobs.push_back(std::move(job));
+      }
+    }
+    if (jobs.empty()) return;
+    const fs::path log = scratch_ / "wgsl.log";
+    const ProcessResult ran =
+        runProgram({options_.node.string(), translator.string(), folder.string()}, log);
+    if (ran.end != ProcessResult::End::kDone) {
+      const std::string said = readWholeFile(log).value_or("");
+      result_.diagnostics.error(program.manifest.file, 1, "PK411",
+                                translator.string() + ": " + ran.reason + " " + said);
+      return;
+    }
+    for (const Job& job : jobs) {
+      job.variant->wgsl = readWholeFile(job.stem.string() + ".wgsl").value_or("");
+      if (!job.variant->wgsl.empty()) {
+        cache_.store(job.key, job.variant->wgsl);
+        continue;
+      }
+      std::string why = readWholeFile(job.stem.string() + ".error").value_or("no output");
+      std::replace(why.begin(), why.end(), '\n', ' ');
+      result_.diagnostics.error(job.kernel->file, 1, "PK414",
+                                "kernel '" + job.kernel->name + "' with '" +
+                                    permutationKey(*job.kernel, job.variant->permutations.front()) +
+                                    "' cannot be written as WGSL: " + why +
+                                    ": change it, or name the reason in \"noWebgpu\"");
+    }
+  }
+
+  static std::string toBytes(const std::vector<uint32_t>& words) {
+    std::string bytes;
+    bytes.reserve(words.size() * sizeof(uint32_t));
+    for (const uint32_t word : words) {
+      for (int shift = 0; shift < 32; shift += 8) bytes += static_cast<char>(word >> shift & 0xffu);
+    }
+    return bytes;
+  }
+
   // Puts the variants' code together, format by format, and compresses it.
   void packKernels() {
     inParallel<KernelOutput>(result_.program.kernels, [this](KernelOutput& output, size_t) {
-      for (const CodeFormat format : {CodeFormat::kSpirv, CodeFormat::kGlsl, CodeFormat::kEssl}) {
+      for (const CodeFormat format :
+           {CodeFormat::kSpirv, CodeFormat::kGlsl, CodeFormat::kEssl, CodeFormat::kWgsl}) {
         PackedCode& code = output.code[static_cast<size_t>(format)];
         std::string all;
         for (const VariantOutput& variant : output.variants) {
@@ -531,15 +647,12 @@ class Builder {
   // The bytes of a variant's code.
   std::string codeOf(const VariantOutput& variant, CodeFormat format) const {
     if (format != CodeFormat::kSpirv) {
-      const std::string& source = format == CodeFormat::kGlsl ? variant.glsl : variant.essl;
+      const std::string& source = format == CodeFormat::kGlsl   ? variant.glsl
+                                  : format == CodeFormat::kEssl ? variant.essl
+                                                                : variant.wgsl;
       return options_.keepNames ? source : withoutIndentation(source);
     }
-    std::string bytes;
-    bytes.reserve(variant.spirv.size() * sizeof(uint32_t));
-    for (const uint32_t word : variant.spirv) {
-      for (int shift = 0; shift < 32; shift += 8) bytes += static_cast<char>(word >> shift & 0xffu);
-    }
-    return bytes;
+    return toBytes(variant.spirv);
   }
 
   static std::string withoutIndentation(std::string_view source) {
@@ -570,6 +683,8 @@ class Builder {
     std::copy_n(reflection.groupSize, 3, variant.groupSize);
     variant.sharedBytes = reflection.sharedBytes;
     variant.tier = unit.kernel->tierOf(unit.permutation);
+    if (const std::string* why = unit.kernel->whyNotWebgpu(unit.permutation))
+      variant.noWebgpu = *why;
     const auto numbers = storageBufferNumbers(module, firstBinding);
     for (const auto& [id, access] : resourceAccess(module)) {
       const uint32_t set = module.decoration(id, SpvDecorationDescriptorSet).value_or(0);
@@ -717,6 +832,7 @@ class Builder {
   std::deque<Worker> workers_;
   std::map<std::string, std::vector<std::string>> closures_;  // by kernel or file
   std::vector<Unit> units_;
+  std::map<uint64_t, std::vector<uint32_t>> wgslModules_;  // by VariantOutput::hash
   BuildResult result_;
 };
 

@@ -19,6 +19,7 @@ constexpr Format kFormats[] = {
     {CodeFormat::kGlsl, "glsl", "kGlsl", "GLSL 450 core"},
     {CodeFormat::kEssl, "essl", "kEssl", "ESSL 320"},
 };
+constexpr Format kWgslFormat = {CodeFormat::kWgsl, "wgsl", "kWgsl", "WGSL"};
 
 // As a string literal: compilers take one far faster than an array of numbers, in a fortieth of the
 // memory. MSVC ends literals at 65,535 bytes, so there it is numbers.
@@ -61,12 +62,16 @@ class CodeWriter {
 
   std::map<std::string, std::string> write() const {
     std::map<std::string, std::string> files;
-    for (const Format& format : kFormats) {
-      const std::string name = format.name;
-      files["include/" + folder_ + "/" + name + ".h"] = header(format);
-      files["code/" + name + ".cpp"] = list(format);
-      for (const KernelOutput& kernel : program_.kernels)
-        files["code/" + kernel.kernel.name + "_" + name + ".cpp"] = table(kernel, format);
+    for (const Format& format : kFormats) add(format, files);
+    if (program_.wgsl) {
+      add(kWgslFormat, files);
+      // Programs in other languages read the files, and reflection.json beside them.
+      for (const KernelOutput& kernel : program_.kernels) {
+        for (const VariantOutput& variant : kernel.variants) {
+          const std::string file = fmt::format("{}_{:016x}.wgsl", kernel.kernel.name, variant.hash);
+          if (!variant.wgsl.empty()) files["wgsl/" + file] = variant.wgsl;
+        }
+      }
     }
     files["include/" + folder_ + "/code.h"] = allHeader();
     files["code/code.cpp"] = allList();
@@ -74,6 +79,13 @@ class CodeWriter {
   }
 
  private:
+  void add(const Format& format, std::map<std::string, std::string>& files) const {
+    const std::string name = format.name;
+    files["include/" + folder_ + "/" + name + ".h"] = header(format);
+    files["code/" + name + ".cpp"] = list(format);
+    for (const KernelOutput& kernel : program_.kernels)
+      files["code/" + kernel.kernel.name + "_" + name + ".cpp"] = table(kernel, format);
+  }
   static const PackedCode& packed(const KernelOutput& kernel, const Format& format) {
     return kernel.code[static_cast<size_t>(format.format)];
   }

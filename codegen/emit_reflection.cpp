@@ -115,6 +115,7 @@ Json kernelJson(const KernelOutput& output, const Program& program) {
       json["sharedBytes"] = variant.sharedBytes;
     }
     json["hash"] = fmt::format("{:016x}", variant.hash);
+    if (!variant.noWebgpu.empty()) json["noWebgpu"] = variant.noWebgpu;
     variants.push_back(std::move(json));
   }
   Json json = {

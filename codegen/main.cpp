@@ -44,6 +44,10 @@ int main(int argc, char** argv) {
         app.add_option("--stamp", options.stampFile, "File to touch after a success");
     app.add_option("-M,--depfile", options.depFile, "File for the dependencies of the stamp")
         ->needs(stamp);
+    app.add_option("--wgsl", options.wgslTranslator,
+                   "Write WGSL, too: codegen/wgsl/translate.mjs beside its installed packages")
+        ->check(CLI::ExistingFile);
+    app.add_option("--node", options.node, "Node.js for --wgsl")->capture_default_str();
     app.add_option("-j,--jobs", options.jobs, "Permutations at a time (default: hardware threads)");
     app.add_option("--timeout", timeout, "Seconds that one permutation may take")
         ->check(CLI::Range(1, 86400))

@@ -174,7 +174,10 @@ class Reader {
 
   void read(const Node& root) {
     if (!expect(root, Node::Type::kObject, "the manifest")) return;
-    allowKeys(root, {"namespace", "groups", "constants", "kernels"}, "the manifest");
+    allowKeys(root, {"namespace", "groups", "constants", "kernels", "webgpu"}, "the manifest");
+    if (const Node* webgpu = root.find("webgpu")) {
+      if (expect(*webgpu, Node::Type::kBool, "\"webgpu\"")) manifest_.webgpu = webgpu->boolean;
+    }
     readNamespace(root);
     if (const Node* constants = root.find("constants")) readConstants(*constants);
     if (const Node* groups = require(root, "groups", Node::Type::kObject, "the manifest")) {
@@ -328,7 +331,7 @@ class Reader {
     const std::string where = "kernel \"" + kernel.name + "\"";
     allowKeys(node,
               {"name", "file", "stage", "group", "axes", "exclude", "conflicts", "tier", "tiers",
-               "precise", "commutes", "vertexInput"},
+               "precise", "commutes", "vertexInput", "noWebgpu"},
               where);
     checkName(kernel, where);
     readSource(node, kernel, where);
@@ -343,6 +346,7 @@ class Reader {
     }
     if (const Node* tier = node.find("tier")) kernel.tier = readTier(*tier, where);
     if (const Node* rules = node.find("tiers")) readTierRules(*rules, kernel, where);
+    if (const Node* list = node.find("noWebgpu")) readWebgpuExceptions(*list, kernel, where);
     if (const Node* precise = node.find("precise")) {
       if (expect(*precise, Node::Type::kBool, "\"precise\"")) kernel.precise = precise->boolean;
     }
@@ -547,6 +551,21 @@ class Reader {
     }
   }
 
+  void readWebgpuExceptions(const Node& list, ManifestKernel& kernel, const std::string& where) {
+    if (!expect(list, Node::Type::kArray, "\"noWebgpu\"")) return;
+    for (const Node& node : list.children) {
+      if (!expect(node, Node::Type::kObject, "an exception")) continue;
+      const std::string rule = "an exception of " + where;
+      allowKeys(node, {"when", "why"}, rule);
+      WebgpuException read;
+      if (const Node* why = require(node, "why", Node::Type::kString, rule)) read.why = why->string;
+      const Node* when = node.find("when");
+      if (when != nullptr && expect(*when, Node::Type::kObject, "\"when\" of " + rule))
+        read.conditions = readConditions(*when, false, kernel, where);
+      kernel.webgpuExceptions.push_back(std::move(read));
+    }
+  }
+
   std::vector<std::vector<AxisValue>> readExclusions(const Node& list, bool areConflicts,
                                                      const ManifestKernel& kernel,
                                                      const std::string& where) {
@@ -683,6 +702,12 @@ Tier ManifestKernel::tierOf(const Permutation& permutation) const {
   for (const TierRule& rule : tierRules)
     if (allHold(rule.conditions, permutation)) highest = std::max(highest, rule.tier);
   return highest;
+}
+
+const std::string* ManifestKernel::whyNotWebgpu(const Permutation& permutation) const {
+  for (const WebgpuException& exception : webgpuExceptions)
+    if (allHold(exception.conditions, permutation)) return &exception.why;
+  return nullptr;
 }
 
 bool Manifest::groupsFit(uint32_t a, uint32_t b) const {

@@ -43,6 +43,13 @@ struct TierRule {
   Tier tier = Tier::kBase;
 };
 
+/// The permutations for which all conditions hold, all of them without conditions, do not run on
+/// WebGPU.
+struct WebgpuException {
+  std::vector<AxisValue> conditions;
+  std::string why;
+};
+
 struct ManifestKernel {
   std::string name;
   std::string file;  ///< relative to the manifest
@@ -55,6 +62,7 @@ struct ManifestKernel {
   std::optional<ManifestVertexInput> vertexInput;
   Tier tier = Tier::kBase;  ///< of the permutations without a rule
   std::vector<TierRule> tierRules;
+  std::vector<WebgpuException> webgpuExceptions;
   bool precise = false;
   bool commutes = false;
   uint32_t line = 0;  ///< in the manifest
@@ -68,6 +76,8 @@ struct ManifestKernel {
   Permutation defaultPermutation() const;
   /// The highest tier of the kernel and of the rules that hold.
   Tier tierOf(const Permutation& permutation) const;
+  /// Why the permutation does not run on WebGPU; nullptr if it does.
+  const std::string* whyNotWebgpu(const Permutation& permutation) const;
 };
 
 struct ManifestGroup {
@@ -89,6 +99,7 @@ struct Manifest {
   std::vector<ManifestGroup> groups;        ///< in the order of the file
   std::vector<ManifestConstants> constants;
   std::vector<ManifestKernel> kernels;
+  bool webgpu = false;  ///< the kernels keep to kWebgpuLimits, but for their exceptions
 
   std::string namespaceName() const;    ///< "a::b"
   std::string namespaceFolder() const;  ///< "a/b"

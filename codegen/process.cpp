@@ -14,6 +14,7 @@
 #include <cstdio>
 #include <cstring>
 #include <system_error>
+#include <utility>
 
 extern char** environ;
 
@@ -95,16 +96,15 @@ bool Worker::start(std::string& reason) {
   return true;
 }
 
-ProcessResult Worker::collect() {
+namespace {
+
+ProcessResult waitForEnd(pid_t child) {
   ProcessResult result;
-  close(socket_);
-  socket_ = -1;
   int status = 0;
   pid_t ended = 0;
   do {
-    ended = waitpid(child_, &status, 0);
+    ended = waitpid(child, &status, 0);
   } while (ended < 0 && errno == EINTR);
-  child_ = -1;
   if (ended < 0) {
     result.reason = "cannot wait for the child process: " + std::string(std::strerror(errno));
   } else if (WIFEXITED(status)) {
@@ -117,6 +117,14 @@ ProcessResult Worker::collect() {
     result.reason = "signal " + std::to_string(signal) + " (" + strsignal(signal) + ")";
   }
   return result;
+}
+
+}  // namespace
+
+ProcessResult Worker::collect() {
+  close(socket_);
+  socket_ = -1;
+  return waitForEnd(std::exchange(child_, -1));
 }
 
 ProcessResult Worker::finish() {
@@ -178,6 +186,26 @@ int serveJobs(const std::function<int(const fs::path& stem)>& work) {
     if (!sendAll(kSocket, &kDone, 1)) return 1;
   }
   return 0;
+}
+
+ProcessResult runProgram(std::vector<std::string> arguments, const fs::path& log) {
+  std::vector<char*> argv;
+  for (std::string& argument : arguments) argv.push_back(argument.data());
+  argv.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  constexpr mode_t kMode = 0644;
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(),
+                                   O_WRONLY | O_CREAT | O_TRUNC, kMode);
+  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
+  pid_t child = -1;
+  const int error = posix_spawnp(&child, argv[0], &actions, nullptr, argv.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (error != 0) {
+    return {ProcessResult::End::kNotStarted,
+            "cannot start " + arguments[0] + ": " + std::strerror(error)};
+  }
+  return waitForEnd(child);
 }
 
 fs::path currentExecutable() {

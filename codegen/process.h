@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace pelage::codegen {
 
@@ -52,6 +53,10 @@ class Worker {
 /// The child: calls `work` with each stem until the parent wants no more. Returns the exit status:
 /// that of the first `work` that was not 0.
 int serveJobs(const std::function<int(const std::filesystem::path& stem)>& work);
+
+/// Runs a program, which is looked for in PATH, and waits for its end. Its output goes to the log.
+/// \param arguments the program first
+ProcessResult runProgram(std::vector<std::string> arguments, const std::filesystem::path& log);
 
 /// Returns the path of the running executable; empty if the system does not provide it.
 std::filesystem::path currentExecutable();

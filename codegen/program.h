@@ -29,6 +29,8 @@ struct VariantOutput {
   std::vector<uint32_t> spirv;            ///< with names where the build keeps them
   std::string glsl;
   std::string essl;
+  std::string wgsl;                  ///< empty unless the build asks for it
+  std::string noWebgpu;              ///< why no permutation runs on WebGPU; else empty
   std::vector<BindingUse> bindings;  ///< ascending by (set, entry)
   uint32_t groupSize[3] = {0, 0, 0};
   uint32_t sharedBytes = 0;
@@ -52,7 +54,7 @@ struct KernelOutput {
   std::vector<SpecConstantInfo> specConstants;  ///< ascending by id
   std::vector<StageInput> inputs;               ///< of vertex kernels, ascending by location
   std::vector<VariantOutput> variants;
-  std::array<PackedCode, 3> code;  ///< by CodeFormat
+  std::array<PackedCode, 4> code;  ///< by CodeFormat
 };
 
 /// The constants of a file, in a namespace of their own.
@@ -68,6 +70,7 @@ struct Program {
   std::vector<HostStruct> structs;  ///< each behind those that it contains
   std::vector<KernelOutput> kernels;
   std::vector<ConstantsOutput> constants;  ///< in the manifest's order
+  bool wgsl = false;                       ///< WGSL was asked for
 };
 
 /// The first lines of a generated file.

@@ -14,18 +14,19 @@
 # benchmarks       every row of the benchmarks with few strands and frames, and their baselines
 # viewer           the window under random input, 5 minutes an API
 # blender usd      the add-on in Blender, and the USD files by another reader
+# webgpu           the kernels as WGSL in Dawn; the packages are npm's
 # package          programs of others against installed libraries; the Debian package in an empty Debian (as root)
 # shared           shared libraries
 # Not among them: `mutants` (scripts/mutants.py, hours).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 [ $# -gt 0 ] || set -- test sources sanitizers sanitizers_gpu fuzz analysis stress oracle tiers benchmarks \
-  viewer blender usd package shared
+  viewer blender usd webgpu package shared
 
 for name in "$@"; do
   case "$name" in
     test | sources | sanitizers | sanitizers_gpu | fuzz | analysis | stress | oracle | tiers | \
-      benchmarks | viewer | blender | usd | package | shared | mutants) ;;
+      benchmarks | viewer | blender | usd | webgpu | package | shared | mutants) ;;
     *)
       echo "pelage: no step '$name'; scripts/test_all.sh lists them in its first lines" >&2
       exit 2
@@ -103,6 +104,12 @@ for name in "$@"; do
     blender | usd)
       install_more
       slow_tests "$name"
+      ;;
+    webgpu)
+      install_more
+      configure_release -DPELAGE_WGSL=ON
+      cmake --build --preset release --parallel "$jobs" --target pelage_kernels_wgsl pelage_lavapipe_layer
+      ctest --preset release -L webgpu
       ;;
     oracle)
       build_release

@@ -6,6 +6,8 @@
 //   pelage/essl.h   library pelage::essl   kDrawStrandsEssl  ... allEssl()    ESSL 320
 //   pelage/code.h   library pelage::code   allCode(): the three of them
 //
+// With PELAGE_WGSL there are library pelage::wgsl and its allWgsl(), too: docs/webgpu.md
+//
 // pelage_add_kernels() makes the same headers and libraries of an engine's own HLSL.
 #pragma once
 
@@ -39,7 +41,7 @@ struct CarriedKernel {
 /// One entry for each table of a list, in its order. Of allSpirv(): all SPIR-V of pelage.
 PELAGE_API std::vector<CarriedKernel> carriedKernels(KernelCodeList list);
 
-/// "SPIR-V", "GLSL" or "ESSL".
+/// "SPIR-V", "GLSL", "ESSL" or "WGSL".
 PELAGE_API const char* codeFormatName(CodeFormat format);
 
 /// Finds and unpacks the code of permutations, for an executor.
@@ -59,7 +61,7 @@ class PELAGE_API KernelCodes {
   /// table has the permutation; kInvalidFile when the table is damaged.
   Result<std::vector<uint32_t>> spirv(const KernelVariant& variant) const;
 
-  /// The source of a permutation, kGlsl or kEssl. Errors: as spirv().
+  /// The source of a permutation, kGlsl, kEssl or kWgsl. Errors: as spirv().
   Result<std::string> source(const KernelVariant& variant, CodeFormat format) const;
 
  private:

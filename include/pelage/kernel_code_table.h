@@ -12,6 +12,7 @@ enum class CodeFormat : uint8_t {
   kSpirv,
   kGlsl,  ///< GLSL 450 core
   kEssl,  ///< ESSL 320
+  kWgsl,
 };
 
 /// The code of a kernel's permutations in one format, one behind the other and compressed (zstd).

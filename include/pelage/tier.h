@@ -70,6 +70,12 @@ constexpr TierLimits limitsOf(Tier tier) {
   return tier == Tier::kEs ? kEs : tier == Tier::kBase ? kBase : kWide;
 }
 
+/// Limits that every WebGPU device meets. They are no Tier: a kernel of tier `wide` may keep to
+/// them, and one of tier `es` may not, because pixel kernels write no storage buffers there. Of
+/// OpenGL's members, storageBindings and drawStorageBuffers say nothing. docs/webgpu.md
+inline constexpr TierLimits kWebgpuLimits = {
+    {8, 8, 8}, 16, 16, {4, 0, 4}, {12, 12, 12}, {16, 16, 16}, 256, {256, 256, 64}, 16384};
+
 /// Each limit is the smaller one of both.
 constexpr TierLimits lowerOf(const TierLimits& a, const TierLimits& b) {
   const auto counts = [](const StageCounts& x, const StageCounts& y) {

@@ -22,9 +22,11 @@ const char* codeFormatName(CodeFormat format) {
     case CodeFormat::kGlsl:
       return "GLSL";
     case CodeFormat::kEssl:
+      return "ESSL";
+    case CodeFormat::kWgsl:
       break;
   }
-  return "ESSL";
+  return "WGSL";
 }
 
 std::vector<CarriedKernel> carriedKernels(KernelCodeList list) {

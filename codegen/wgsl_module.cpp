@@ -1,0 +1,110 @@
+#include "codegen/wgsl_module.h"
+
+#include <map>
+#include <optional>
+#include <unordered_map>
+
+#include "codegen/reflect.h"
+#include "codegen/spirv_reader.h"
+
+namespace pelage::codegen {
+namespace {
+
+constexpr size_t kIdBoundWord = 3;  // of the header: all ids are smaller
+
+// The word of an instruction that has its pointer; 0 for instructions without one.
+size_t pointerWord(SpvOp op) {
+  switch (op) {
+    case SpvOpStore:
+    case SpvOpAtomicStore:
+      return 1;
+    case SpvOpLoad:
+    case SpvOpAccessChain:
+    case SpvOpAtomicLoad:
+    case SpvOpAtomicExchange:
+    case SpvOpAtomicCompareExchange:
+    case SpvOpAtomicIAdd:
+    case SpvOpAtomicISub:
+    case SpvOpAtomicUMin:
+    case SpvOpAtomicUMax:
+    case SpvOpAtomicSMin:
+    case SpvOpAtomicSMax:
+    case SpvOpAtomicAnd:
+    case SpvOpAtomicOr:
+    case SpvOpAtomicXor:
+      return 3;
+    default:
+      return 0;
+  }
+}
+
+class WgslRewriter {
+ public:
+  explicit WgslRewriter(const SpirvReader& module)
+      : module_(module), words_(module.words()), bound_(words_[kIdBoundWord]) {}
+
+  std::vector<uint32_t> run() {
+    out_.assign(words_.begin(), words_.begin() + kHeaderWords);
+    uint32_t block = 0;
+    bool decorated = false;
+    for (const SpirvInstruction& instruction : module_.instructions()) {
+      if (instruction.op == SpvOpLabel) block = instruction.result;
+      if (instruction.op == SpvOpAccessChain) homes_[instruction.result] = block;
+      if (instruction.op == SpvOpDecorate && !decorated) {
+        decorateReadOnly();
+        decorated = true;
+      }
+      copy(instruction, block);
+    }
+    out_[kIdBoundWord] = bound_;
+    return std::move(out_);
+  }
+
+ private:
+  std::span<const uint32_t> wordsOf(const SpirvInstruction& instruction) const {
+    return words_.subspan(instruction.wordOffset, words_[instruction.wordOffset] >> 16);
+  }
+
+  // Appends the instruction, with a chain of its own where its pointer comes from another block.
+  // Returns the offset of its first word.
+  size_t copy(const SpirvInstruction& instruction, uint32_t block) {
+    const std::span<const uint32_t> words = wordsOf(instruction);
+    const size_t at = pointerWord(instruction.op);
+    uint32_t pointer = at != 0 ? words[at] : 0;
+    const auto home = homes_.find(pointer);
+    if (home != homes_.end() && home->second != block) {
+      const size_t clone = copy(*module_.definition(pointer), block);
+      pointer = out_[clone + 2] = bound_++;
+    }
+    const size_t begin = out_.size();
+    out_.insert(out_.end(), words.begin(), words.end());
+    if (at != 0) out_[begin + at] = pointer;
+    return begin;
+  }
+
+  void decorateReadOnly() {
+    for (const auto& [id, access] : resourceAccess(module_)) {
+      const SpirvInstruction* variable = module_.definition(id);
+      if (access != Access::kRead || variable->operands[0] != SpvStorageClassStorageBuffer ||
+          module_.decoration(id, SpvDecorationNonWritable))
+        continue;
+      out_.insert(out_.end(),
+                  {3u << 16 | uint32_t{SpvOpDecorate}, id, uint32_t{SpvDecorationNonWritable}});
+    }
+  }
+
+  const SpirvReader& module_;
+  std::span<const uint32_t> words_;
+  uint32_t bound_;
+  std::vector<uint32_t> out_;
+  std::unordered_map<uint32_t, uint32_t> homes_;  // blocks of access chains
+};
+
+}  // namespace
+
+std::vector<uint32_t> prepareForWgsl(std::span<const uint32_t> spirv) {
+  const std::optional<SpirvReader> module = SpirvReader::parse(spirv);
+  return module ? WgslRewriter(*module).run() : std::vector<uint32_t>(spirv.begin(), spirv.end());
+}
+
+}  // namespace pelage::codegen
