@@ -108,7 +108,8 @@ for name in "$@"; do
     webgpu)
       install_more
       configure_release -DPELAGE_WGSL=ON
-      cmake --build --preset release --parallel "$jobs" --target pelage_kernels_wgsl pelage_lavapipe_layer
+      cmake --build --preset release --parallel "$jobs" --target pelage_kernels_wgsl \
+        pelage_lavapipe_layer pelage_record_scene
       ctest --preset release -L webgpu
       ;;
     oracle)

@@ -1,4 +1,4 @@
-// What codegen promises of kernels on WebGPU. tests/webgpu has what WebGPU says to them.
+// Codegen keeps kernels to the limits of WebGPU. Dawn reads them in tests/webgpu.
 #include <gtest/gtest.h>
 
 #include <algorithm>

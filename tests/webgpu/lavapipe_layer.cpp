@@ -10,8 +10,8 @@
 
 namespace {
 
-// What the layer calls in the one below, asked for before the loader knows the instance: later it
-// would find the layer's own.
+// An instance, and functions of the layer below. They are looked up before the loader knows the
+// instance: later it would return those of this layer.
 struct Instance {
   VkInstance handle;
   PFN_vkGetInstanceProcAddr next;
