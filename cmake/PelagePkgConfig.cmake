@@ -46,6 +46,10 @@ pelage_pkgconfig(pelage-glsl "Hair and fur kernels as GLSL 4.50"
   LIBRARIES pelage_kernels_glsl REQUIRES pelage-kernels)
 pelage_pkgconfig(pelage-essl "Hair and fur kernels as ESSL 3.20"
   LIBRARIES pelage_kernels_essl REQUIRES pelage-kernels)
+if(PELAGE_HAS_WGSL)
+  pelage_pkgconfig(pelage-wgsl "Hair and fur kernels as WGSL"
+    LIBRARIES pelage_kernels_wgsl REQUIRES pelage-kernels)
+endif()
 pelage_pkgconfig(pelage "Scenes of hair and fur as lists of GPU passes, and generated hair"
   LIBRARIES pelage_demo pelage_core REQUIRES pelage-kernels)
 pelage_pkgconfig(pelage-settings "Parameters, settings files and presets for pelage"

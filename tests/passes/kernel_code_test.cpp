@@ -1,10 +1,12 @@
 // The code of kernels: every permutation unpacks to its original bytes, and damage is found.
 #include "pelage/kernel_code.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cstdlib>
+#include <filesystem>
 #include <map>
 #include <regex>
 #include <string>
@@ -19,6 +21,9 @@
 #include "support/errors.h"
 #include "support/test_code.h"
 #include "support/test_folder.h"
+#ifdef PELAGE_WGSL_DIR
+#include "pelage/wgsl.h"
+#endif
 
 namespace pelage::test {
 namespace {
@@ -47,6 +52,27 @@ TEST(KernelCodes, HaveEveryPermutationInEveryFormat) {
     }
   }
 }
+
+#ifdef PELAGE_WGSL_DIR
+TEST(KernelCodes, HaveTheWgslThatOtherLanguagesReadInFiles) {
+  const KernelCodes codes(allWgsl());
+  size_t found = 0;
+  for (const Kernel* kernel : allKernels()) {
+    for (const KernelVariant* variant : kernel->variants) {
+      const auto path = std::filesystem::path(PELAGE_WGSL_DIR) /
+                        fmt::format("{}_{:016x}.wgsl", kernel->name, variant->hash);
+      const auto source = codes.source(*variant, CodeFormat::kWgsl);
+      ASSERT_EQ(source.ok(), std::filesystem::exists(path)) << path;
+      if (!source) continue;
+      // Without indentation where the build keeps no names.
+      EXPECT_NE(source->find(fmt::format("\nfn {}(", kernel->name)), std::string::npos) << path;
+      EXPECT_LE(source->size(), std::filesystem::file_size(path)) << path;
+      ++found;
+    }
+  }
+  EXPECT_GT(found, 100u);
+}
+#endif
 
 TEST(KernelCodes, HaveOnlyTheTablesThatTheyWereGiven) {
   const KernelCode* const one[] = {&kShiftPositionsSpirv};
