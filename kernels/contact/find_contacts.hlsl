@@ -11,8 +11,8 @@
 // The kernel predicts that a vertex goes on as in the last sub-step, and that near the root it
 // follows a change of the root's motion. It sweeps the vertex from its current to its predicted
 // position. The vertex gets a record for each of the (at most kMaxContacts, deepest) colliders
-// within g_contactRange, plus a quarter of its displacement relative to the root (in a second
-// search: all of it), of the predicted position. If it had a record with the same collider, the
+// within g_contactRange, plus a quarter of its displacement and of that of the surface relative to
+// the root (in a second search: all of them), of the predicted position. If it had a record with the same collider, the
 // forces are kept: the solver starts from them. In a second search, for listed strands, vertices
 // are swept to where the solver has put them.
 //
