@@ -72,10 +72,8 @@ static const uint kSweepSteps = 16;
 // Does the same as findContact() for a point that moves from `from` to `p`. If its path crosses the
 // surface, the contact has the plane at the crossing.
 //
-// A point that is not outside at `from` is held on the side where it is then, if the surface faces
-// away from the one nearest to p.
-//
-// \param rests  true: otherwise a point that lies on the surface at `from` is not swept
+// \param rests  true: a point that lies on the surface at `from` is held there if the surface faces
+//               away from the surface nearest to p; false: such a point is not swept
 Contact sweepCapsule(Collider shape, float3 from, float3 p, float begin, float end, bool rests) {
   Contact last = findContact(shape, p, begin, end);
   // Relative to the surface, which is where it is in the end.
@@ -86,8 +84,8 @@ Contact sweepCapsule(Collider shape, float3 from, float3 p, float begin, float e
     return last;
   Contact contact = findContact(shape, start, begin, end);
   float deepest = 0.0;
-  if (rests && contact.penetration > -kSweepContact) deepest = -1e18;
-  if (!(dot3(contact.normal, last.normal) > 0.0)) deepest = rests ? kSweepContact : 1e18;
+  if (rests && contact.penetration > -kSweepContact)
+    deepest = dot3(contact.normal, last.normal) > 0.0 ? -1e18 : kSweepContact;
   if (!(contact.penetration < deepest)) return last;
   precise float3 direction = displacement * (1.0 / max(size, 1e-20));
   precise float s = 0.0;

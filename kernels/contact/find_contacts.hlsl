@@ -11,8 +11,8 @@
 // The kernel predicts that a vertex goes on as in the last sub-step, and that near the root it
 // follows a change of the root's motion. It sweeps the vertex from its current to its predicted
 // position. The vertex gets a record for each of the (at most kMaxContacts, deepest) colliders
-// within g_contactRange, plus a quarter of its displacement and of that of the surface relative to
-// the root (in a second search: all of them), of the predicted position. If it had a record with the same collider, the
+// within g_contactRange, plus a quarter of its displacement relative to the root (in a second
+// search: all of it), of the predicted position. If it had a record with the same collider, the
 // forces are kept: the solver starts from them. In a second search, for listed strands, vertices
 // are swept to where the solver has put them.
 //
@@ -62,7 +62,6 @@ groupshared uint s_list[128];
 groupshared float3 s_from[128];
 groupshared float3 s_to[128];
 groupshared float s_range[128];
-groupshared float3 s_root[128];
 groupshared uint s_element[128];
 groupshared uint s_scratch[128];
 groupshared uint s_had[4];
@@ -144,25 +143,20 @@ void storeScratch(uint entry, ContactRecord a, ContactRecord b, bool more) {
   g_contacts[element + kScratchForces * g_contactStride] = asuint(float4(force, load));
 }
 
-// In a second search the prediction was wrong by much, so more of the vertices may collide.
-float shareOfRange() { return (g_contactFlags & kAgainFlag) != 0u ? 1.0 : 0.25; }
-
 // Writes the records of a vertex. Returns their number.
 uint findRecords(uint entry) {
   SweptVertex swept;
   swept.from = s_from[entry];
   swept.to = s_to[entry];
   swept.relative = float3(0.0, 0.0, 0.0);
-  swept.root = s_root[entry];
-  swept.share = shareOfRange();
   swept.begin = g_contactBegin;
   swept.end = g_contactEnd;
   swept.range = s_range[entry];
   Found first;
   Found second;
   findDeepest(swept, first, second);
-  if (first.collider == kContactCollider) return 0u;
-  bool more = second.collider != kContactCollider;
+  if (!(first.contact.penetration > -swept.range)) return 0u;
+  bool more = second.contact.penetration > -swept.range;
   uint strand = s_list[entry] >> 5;
   bool had = ((s_had[strand] >> (s_list[entry] & 31u)) & 1u) != 0u;
   uint element = s_element[entry] * kMaxContacts;
@@ -268,13 +262,13 @@ void find_contacts(uint3 group : SV_GroupID, uint3 lane : SV_GroupThreadID,
       precise float share = 1.0 - float(vertex) / float(strand.count);
       to = there + displacement + (root.now - root.last) * share + g_contactFall.xyz;
     }
-    precise float range = g_contactRange + shareOfRange() * squareRoot(dot3(relative, relative));
+    // In a second search the prediction was wrong by much, so more of the vertices may collide.
+    precise float range =
+        g_contactRange + (again ? 1.0 : 0.25) * squareRoot(dot3(relative, relative));
     SweptVertex swept;
     swept.from = from;
     swept.to = to;
     swept.relative = relative;
-    swept.root = root.now;
-    swept.share = shareOfRange();
     swept.begin = g_contactBegin;
     swept.end = g_contactEnd;
     swept.range = range;
@@ -285,7 +279,6 @@ void find_contacts(uint3 group : SV_GroupID, uint3 lane : SV_GroupThreadID,
       s_from[entry] = from;
       s_to[entry] = to;
       s_range[entry] = range;
-      s_root[entry] = root.now;
       s_element[entry] = own;
       s_scratch[entry] = strand.state + vertex * kTileStrands;
     }

@@ -69,8 +69,6 @@ FollowSweep firstSweep(uint follow, uint vertex, float4 now) {
   sweep.swept.begin = known ? 0.0 : 1.0;
   sweep.swept.end = 1.0;
   sweep.swept.range = kFollowRange;
-  sweep.swept.root = float3(0.0, 0.0, 0.0);
-  sweep.swept.share = 0.0;
   sweep.wanted = now.w > 0.0 && isUsable(now.xyz);
   return sweep;
 }
@@ -102,8 +100,6 @@ FollowSweep furtherSweep(uint follow, uint vertex, float4 now, uint had) {
   sweep.swept.end = 1.0;
   // So that a vertex that a plane holds far outside finds its surface again.
   sweep.swept.range = kFollowRange + squareRoot(squared);
-  sweep.swept.root = float3(0.0, 0.0, 0.0);
-  sweep.swept.share = 0.0;
   sweep.wanted = now.w > 0.0 && isUsable(now.xyz) && isUsable(from) && squared > 0.0;
   return sweep;
 }
