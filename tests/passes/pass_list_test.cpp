@@ -357,6 +357,8 @@ TEST(HazardTracker, OrdersUploadsAgainstTheLastFrameAndTheNextPass) {
   const std::array<std::byte, 16> data = {};
   for (int frame = 0; frame < 2; ++frame) {
     list.clear();
+    // Two uploads into one buffer: one barrier.
+    addUpload(list, kA, data);
     addUpload(list, kA, data);
     addCopy(list, kA, kB);
     tracker.resolve(list);
