@@ -174,7 +174,7 @@ endfunction()
 # lights of an engine: the HLSL file defines engineLight(), which lights strands in place of pelage's
 # lights in every transparency method (docs/shading.md). Its resources are in ENGINE_LIGHTS_SPACE.
 # <namespace>::allKernels() goes to pelage::EngineLights::kernels. TIER is that of the devices that are
-# to run them, base by default; with es, composite_strand_tiles is of base all the same. ROOT_UV: engineLight()
+# to run them, base by default; with es, shade_strand_tiles is of base all the same. ROOT_UV: engineLight()
 # reads StrandSurface.uv, which is 0 without it; lists then take 4 bytes more a node.
 function(pelage_add_engine_lights target)
   cmake_parse_arguments(PARSE_ARGV 1 arg "ROOT_UV" "FILE;NAMESPACE;TIER" "INCLUDE")
@@ -209,7 +209,7 @@ function(pelage_add_engine_lights target)
   endif()
   foreach(entry strand_vertex: strand_record_vertex: oit_tile_vertex: strand_pixel:StrandPixel
       ppll_read:PpllRead hybrid_colors:HybridColors short_cut_fill_colors:ShortCutFillColors
-      composite_strand_tiles:CompositeStrandTiles ${uv_kernels})
+      shade_strand_tiles:ShadeStrandTiles ${uv_kernels})
     string(REGEX MATCH "^([^:]*):(.*)$" matched "${entry}")
     set(name "${CMAKE_MATCH_1}")
     set(lit "${CMAKE_MATCH_2}")

@@ -35,11 +35,11 @@ constexpr OitMethod kMethods[] = {
 
 // Passes that light fragments, or composite them. What is neither these nor a shadow is the build.
 constexpr std::string_view kResolvePasses[] = {
-    "classic_list_read",      "ppll_read",
-    "hybrid_colors",          "hybrid_read",
-    "short_cut_fill_colors",  "short_cut_resolve_color",
-    "composite_strand_tiles", "show_strand_tiles",
-    "strand_pixel",
+    "classic_list_read",     "ppll_read",
+    "hybrid_colors",         "hybrid_read",
+    "short_cut_fill_colors", "short_cut_resolve_color",
+    "shade_strand_tiles",    "gather_strand_tiles",
+    "show_strand_tiles",     "strand_pixel",
 };
 constexpr std::string_view kShadowPasses[] = {"clear_strand_shadow", "splat_strand_depths",
                                               "splat_strand_opacity", "accumulate_strand_shadow"};

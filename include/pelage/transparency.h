@@ -31,9 +31,10 @@ enum class Transparency : uint8_t {
   /// The nearest 3 fragments, the others with their mean colour: 28 bytes a pixel. Draws the
   /// strands twice, and writes the depth of the third fragment into the target.
   kShortCut,
-  /// The exact composite without the hardware's rasteriser and without lists: strands are sorted
-  /// into tiles, each of which is composited in the memory of a group. 48 bytes a vertex of the
-  /// hair in view, 8 a pixel, and 4 for each segment in each tile that it touches. See opaqueDepth.
+  /// The exact composite by compute kernels alone: fragments are sorted by pixel, and only those
+  /// that are visible are lit. 48 bytes a vertex of the hair in view, 12 a pixel, and 28 a
+  /// fragment;
+  /// where that is too much, in rounds over parts of the picture. See opaqueDepth.
   kTiles,
 };
 
@@ -46,8 +47,8 @@ struct TransparencySettings {
   /// most take more (VkPhysicalDeviceLimits::maxStorageBufferRange,
   /// GL_MAX_SHADER_STORAGE_BLOCK_SIZE, DeviceInfo::maxBufferBytes).
   uint64_t maxBufferBytes = uint64_t{128} << 20;
-  /// Lists: fragments that they have room for; 0 takes 8 a pixel of the view. Tiles: segments in
-  /// tiles; 0 takes 6 a vertex. See growNodes().
+  /// Fragments that there is room for; 0 takes 8 a pixel of the view for lists; for tiles 8 a
+  /// vertex, or 2 a pixel if that is more. See growNodes().
   uint32_t nodeCount = 0;
   /// Lists: fragments without room are averaged, behind those that have it; costs 16 bytes a pixel.
   /// Otherwise they are left out.
@@ -64,8 +65,12 @@ struct TransparencySettings {
 
 /// Sizes of a method's buffers for a view.
 struct TransparencyPlan {
-  uint32_t nodeCount = 0;  ///< of lists; of tiles the segments in them
+  uint32_t nodeCount = 0;  ///< of lists; of tiles the fragments of all rounds
   uint64_t bytes = 0;      ///< of all buffers
+  /// Tiles: where memory is short, they are drawn in rounds, each of which walks through all
+  /// strands again; 1 to 16.
+  uint32_t rounds = 1;
+  uint32_t roundCapacity = 0;  ///< tiles: fragments that a round has room for
 };
 
 /// Largest number of nodes that lists may have.
@@ -79,8 +84,8 @@ PELAGE_API Result<TransparencyPlan> planTransparency(uint32_t width, uint32_t he
                                                      const TransparencySettings& settings,
                                                      uint64_t strandVertices = 0);
 
-/// Counters of the last frame's lists or tiles. Tiles count segments in tiles as fragments; a tile
-/// whose segments do not all fit is left empty.
+/// Counters of the last frame's lists or tiles. A tile whose fragments do not all fit is left
+/// empty.
 struct TransparencyCounters {
   uint32_t fragments = 0;  ///< that wanted a node
   uint32_t spilled = 0;    ///< of them without room
@@ -94,8 +99,8 @@ struct TransparencyTiles {
   Transparency method = Transparency::kWindowed;  ///< kWindowed or kTiles
   uint32_t columns = 0, rows = 0;                 ///< of tiles
   uint32_t nodeCount = 0;                         ///< TransparencyPlan::nodeCount of the view
-  /// kTiles: [tile] number of segments, 0 where they had no room; [tile] end of its references;
-  /// then the tiles that have hair. kWindowed: [tile] whether it has hair; then the tiles that have
+  /// kTiles: [tile] number of fragments, 0 where they had no room; [tile] their offset; then the
+  /// tiles that have hair. kWindowed: [tile] whether it has hair; then the tiles that have
   /// hair. Layouts: kernels/oit/layouts/strand_tiles.hlsli and ppll_build.hlsli.
   BufferId tiles = BufferId::kInvalid;
   BufferId counters = BufferId::kInvalid;  ///< Scene::transparencyCounters()
@@ -117,17 +122,15 @@ PELAGE_API uint32_t growNodes(const TransparencyCounters& counters, uint32_t nod
 
 /// The quantities on which the time of the exact methods, kWindowed and kTiles, depends.
 struct TransparencyWork {
-  double vertices = 0;    ///< of the strands that are drawn
-  double fragments = 0;   ///< that their ribbons have in the view
-  double references = 0;  ///< segments in tiles of 8 x 8 pixels
-  double tiles = 0;       ///< of them with hair
-  double alpha = 0;       ///< of a fragment on average, 0..1
+  double vertices = 0;   ///< of the strands that are drawn
+  double fragments = 0;  ///< that their ribbons have in the view
+  double tiles = 0;      ///< of 8 x 8 pixels, with hair
+  double alpha = 0;      ///< of a fragment on average, 0..1
 };
 
-/// Replaces predicted work by the work that a frame counted: fragments of lists or references of
-/// tiles, and the tiles. Of fragments and references, only one is counted; the other is scaled by
-/// the same factor. Other methods than the two change nothing, nor does a frame without hair.
-/// \param predicted  from Scene::predictWork() for that frame.
+/// Replaces predicted work by the work that a frame counted: fragments and tiles. Other methods
+/// than the two change nothing, nor does a frame without hair. \param predicted  from
+/// Scene::predictWork() for that frame.
 PELAGE_API TransparencyWork refineWork(const TransparencyWork& predicted, Transparency method,
                                        const TransparencyCounters& counters);
 

@@ -77,9 +77,9 @@ const std::vector<Feature>& features() {
         "short_cut_resolve_depth", "short_cut_fill_colors", "short_cut_resolve_color",
         "oit_tile_vertex"}},
       {"Transparency: kTiles",
-       {"transform_strands", "clear_strand_tiles", "bin_strands", "sum_strand_tiles",
-        "offset_strand_tiles", "allocate_strand_tiles", "composite_strand_tiles", "oit_tile_vertex",
-        "show_strand_tiles"}},
+       {"transform_strands", "clear_strand_tiles", "raster_strands", "sum_strand_tiles",
+        "offset_strand_tiles", "allocate_strand_tiles", "weigh_strand_tiles", "shade_strand_tiles",
+        "gather_strand_tiles", "oit_tile_vertex", "show_strand_tiles"}},
   };
   return kFeatures;
 }

@@ -2,6 +2,7 @@
 // comes out, but for rounding, and no value reaches into its neighbour's bits.
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <vector>
 
@@ -79,6 +80,22 @@ TEST_P(Packing, FragmentsComeBackWithinHalfAStep) {
     // Half a step of both octahedral coordinates moves the third by both; vectors on the octahedron
     // are at least 1 / sqrt(3) long.
     EXPECT_LT(angle, 0.501 / 1023 * std::sqrt(6.0) * std::sqrt(3.0));
+  }
+}
+
+TEST_P(Packing, FragmentsOfTilesComeBackForEveryNumberOfSegments) {
+  for (const bool reversed : {false, true}) {
+    const std::vector<PackingSample> samples = randomSamples(1);
+    const std::vector<PackingResult> results = pack(samples, reversed);
+    for (size_t i = 0; i < samples.size(); ++i) {
+      const PackingResult& r = results[i];
+      const uint32_t depth = std::bit_cast<uint32_t>(samples[i].tangent.w);
+      const uint32_t key = (reversed ? ~depth : depth) & ((1u << 30) - 1);
+      EXPECT_EQ(r.tileKey, key >> (r.tileBits - 24));
+      EXPECT_NEAR(r.tileRoot, 1023 * std::sqrt(double{samples[i].color.w}), 0.501);
+      EXPECT_EQ(r.tileSegment,
+                std::bit_cast<uint32_t>(samples[i].color.x) & ((1u << r.tileBits) - 1));
+    }
   }
 }
 

@@ -147,9 +147,7 @@ TEST_P(TransparencyTargets, CostAboutTheWorkThatIsPredicted) {
     TransparencySettings settings = {.method = method, .nodeCount = 1 << 17};
     tangleRun().render(view, settings);
     const TransparencyCounters counted = tangleRun().counters(settings.nodeCount);
-    const double ratio =
-        (method == Transparency::kTiles ? predicted.references : predicted.fragments) /
-        counted.fragments;
+    const double ratio = predicted.fragments / counted.fragments;
     std::cout << "predicted " << ratio << " of the work, " << predicted.tiles / counted.tiles
               << " of the tiles\n";
     EXPECT_NEAR(std::log(ratio), 0, std::log(2.0));

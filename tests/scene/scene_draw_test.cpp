@@ -394,7 +394,7 @@ TEST_F(SceneDraw, BatchesAreOf64Materials) {
   EXPECT_EQ(count("ppll_read"), 1u);
   draw(view, {.method = Transparency::kTiles});
   EXPECT_EQ(lists_.size(), 2u);
-  EXPECT_EQ(count("composite_strand_tiles"), 1u);
+  EXPECT_EQ(count("weigh_strand_tiles"), 1u);
   for (size_t i = 0; i < objects.size(); ++i)
     objects[i]->material.primaryShift = 0.001f * static_cast<float>(i);
   draw(view);
@@ -404,7 +404,7 @@ TEST_F(SceneDraw, BatchesAreOf64Materials) {
   draw(view, {.method = Transparency::kTiles});
   EXPECT_EQ(lists_.size(), 4u);
   EXPECT_EQ(count("transform_strands"), 130u);
-  EXPECT_EQ(count("composite_strand_tiles"), 3u);
+  EXPECT_EQ(count("weigh_strand_tiles"), 3u);
   EXPECT_NE(draw(view, {.method = Transparency::kHybrid4}), "");
   EXPECT_EQ(lists_.size(), 3u);
 }

@@ -52,8 +52,9 @@ class Inspection : public testing::TestWithParam<pelage::Api> {
 
   void draw() {
     auto frame = required(stage_.makeFrame(1.0 / 60, kPixels, kPixels));
-    const std::vector<pelage::RenderTargetDef> targets(stage_.views().size(),
-                                                       {.width = kPixels, .height = kPixels});
+    std::vector<pelage::RenderTargetDef> targets;
+    for (const viewer::CanvasView& view : stage_.views())
+      targets.push_back({.width = kPixels, .height = kPixels, .depthCopy = view.depthCopy});
     const auto images = required(device_->render(*frame, targets));
     picture_ = images->back();
     required(stage_.measure([&](pelage::BufferId buffer) { return device_->read(buffer); }));

@@ -97,7 +97,7 @@ TEST(InspectionLook, SaysWhatTheMethodHasInItsTiles) {
   figures.tiles = 12;
   figures.tilesWithoutRoom = 2;
   const viewer::InspectionKey tiles = inspectionKey(look, figures, pelage::Transparency::kTiles);
-  EXPECT_EQ(tiles.title, "Segments a tile of 8 x 8 pixels");
+  EXPECT_EQ(tiles.title, "Fragments a tile of 8 x 8 pixels");
   ASSERT_EQ(tiles.lines.size(), 3u);
   EXPECT_EQ(tiles.lines[0], "fullest tile 900, mean 100");
   EXPECT_EQ(tiles.lines[2], "2 of them empty for lack of room (striped)");

@@ -251,8 +251,9 @@ std::vector<Parameter> transparencyParameters() {
           .logSlider(kMebibyte, 4096 * kMebibyte),
       PELAGE_PARAMETER(TransparencySettings, nodeCount)
           .says("fragments", "0..67,108,863",
-                "Lists: capacity for fragments; 0 means 8 per pixel of the view. Tiles: capacity "
-                "for segments in tiles; 0 means 6 per vertex.")
+                "Capacity for fragments. 0 means, for lists, 8 per pixel of the view; for tiles, 8 "
+                "per "
+                "vertex or 2 per pixel, whichever is more.")
           .within(0, kMaxListNodes)
           .log()
           .pictured(),

@@ -76,9 +76,7 @@ void StatisticsPanel::build(const Stage& stage, const Canvas& canvas, const Pass
     }
     for (const ColliderStatistics& collider : statistics_.colliders) text(lineOf(collider));
     if (statistics_.transparency)
-      for (const std::string& line :
-           linesOf(*statistics_.transparency, stage.transparency.settings().method))
-        text(line);
+      for (const std::string& line : linesOf(*statistics_.transparency)) text(line);
     if (stage.inspection.value == InspectedValue::kTiles)
       for (const std::string& line :
            inspectionKey(stage.inspection, stage.inspected(), stage.look.transparency).lines)

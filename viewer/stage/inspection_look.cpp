@@ -148,8 +148,7 @@ InspectionKey overdrawKey(const InspectionLook& look, const InspectionFigures& f
 
 InspectionKey tilesKey(const InspectionLook& look, const InspectionFigures& figures,
                        pelage::Transparency method) {
-  const bool segments = method == pelage::Transparency::kTiles;
-  if (!segments && method != pelage::Transparency::kWindowed)
+  if (method != pelage::Transparency::kTiles && method != pelage::Transparency::kWindowed)
     return {"Tiles",
             nullptr,
             {},
@@ -157,13 +156,12 @@ InspectionKey tilesKey(const InspectionLook& look, const InspectionFigures& figu
             {},
             {"This method sorts nothing into tiles: choose windowed or tiles to see how full they "
              "are."}};
-  InspectionKey key = {
-      fmt::format("{} a tile of 8 x 8 pixels", segments ? "Segments" : "Fragments"),
-      &kCountRamp,
-      "0",
-      fmt::format("{:.3g}", look.tileRange / 2),
-      fmt::format("{:.5g}", look.tileRange),
-      {}};
+  InspectionKey key = {"Fragments a tile of 8 x 8 pixels",
+                       &kCountRamp,
+                       "0",
+                       fmt::format("{:.3g}", look.tileRange / 2),
+                       fmt::format("{:.5g}", look.tileRange),
+                       {}};
   if (!figures.known) return key;
   const uint64_t filled = figures.tiles - figures.tilesWithoutRoom;
   const double mean =

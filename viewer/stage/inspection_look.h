@@ -37,7 +37,7 @@ enum class InspectedValue : uint8_t {
   kStretch,      ///< of the guides' edges: length over rest length, less 1
   kPenetration,  ///< depth of vertices in colliders
   kOverdraw,     ///< fragments a pixel
-  kTiles,        ///< segments or fragments in the tiles of the transparency method, over the hair
+  kTiles,        ///< fragments in the tiles of the transparency method, over the hair
   kSdfSurface,   ///< colliders as their SDFs have them, with the hair
   kSdfSlice,     ///< distances of the SDFs in a plane
   kGuides,       ///< guides and follow hairs in two colors
@@ -75,7 +75,7 @@ struct InspectionFigures {
   uint64_t notFinite = 0;  ///< vertices
   uint64_t measured = 0;   ///< vertices
   uint64_t pixels = 0;     ///< with hair
-  uint64_t fragments = 0;  ///< or segments, of all pixels or tiles
+  uint64_t fragments = 0;  ///< of all pixels or tiles
   uint64_t tiles = 0;      ///< with hair
   uint64_t tilesWithoutRoom = 0;
   /// Level of detail.

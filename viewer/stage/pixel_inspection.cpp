@@ -101,8 +101,9 @@ Result<void> countTiles(const pelage::TransparencyTiles& tiles, uint64_t pixels,
   Result<void> done =
       add(clearTileCountsVariant({}), std::max<uint64_t>(tileCount, tile_counts::kTileWords));
   if (!done) return done;
-  done = tiles.method == pelage::Transparency::kTiles ? add(countTileSegmentsVariant({}), tileCount)
-                                                      : add(countTileNodesVariant({}), pixels);
+  done = tiles.method == pelage::Transparency::kTiles
+             ? add(countTileFragmentsVariant({}), tileCount)
+             : add(countTileNodesVariant({}), pixels);
   return done ? add(sumTileCountsVariant({}), tileCount) : done;
 }
 

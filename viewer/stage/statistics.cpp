@@ -87,13 +87,8 @@ std::string lineOf(const ColliderStatistics& collider) {
                      mebibytes(collider.bytes.own + collider.bytes.shared));
 }
 
-std::vector<std::string> linesOf(const pelage::TransparencyCounters& counters,
-                                 pelage::Transparency method) {
-  if (method == pelage::Transparency::kTiles)
-    return {
-        fmt::format("{} segments in tiles, {} without room", counters.fragments, counters.spilled),
-        fmt::format("{} tiles with hair", counters.tiles)};
-  return {fmt::format("{} fragments, {} spilled", counters.fragments, counters.spilled),
+std::vector<std::string> linesOf(const pelage::TransparencyCounters& counters) {
+  return {fmt::format("{} fragments, {} without room", counters.fragments, counters.spilled),
           fmt::format("{} tiles with hair", counters.tiles)};
 }
 

@@ -51,7 +51,6 @@ inline double mebibytes(uint64_t bytes) { return static_cast<double>(bytes) / (1
 /// Return statistics as lines of text.
 std::vector<std::string> linesOf(const HairStatistics& hair);
 std::string lineOf(const ColliderStatistics& collider);
-std::vector<std::string> linesOf(const pelage::TransparencyCounters& counters,
-                                 pelage::Transparency method);
+std::vector<std::string> linesOf(const pelage::TransparencyCounters& counters);
 
 }  // namespace viewer

@@ -1,4 +1,4 @@
-// Resources for compositing tiles of strands. Group "strandTilesComposite".
+// Resources for lighting the visible fragments of strands. Group "strandTilesComposite".
 #ifndef PELAGE_OIT_LAYOUTS_STRAND_TILES_COMPOSITE_HLSLI
 #define PELAGE_OIT_LAYOUTS_STRAND_TILES_COMPOSITE_HLSLI
 
@@ -12,27 +12,18 @@ cbuffer StrandTilesCompositeConstants : register(b1, space0) {
   float4 g_tilePrimaries[64];
   float4 g_tileSecondaries[64];
   float4 g_tileFibers[64];
-  uint g_tileWidth;     // [pixels]
-  uint g_tileHeight;    // [pixels]
-  uint g_tileRowSize;   // tiles in a row
-  uint g_tileTotal;     // tiles of the view
-  float g_tileEpsilon;  // transmittance that counts as none, 0..1
+  uint g_tileWidth;    // [pixels]
+  uint g_tileSumsEnd;  // index of the last of the sums
+  uint g_tileStride;   // threads of the dispatch
   uint g_tilePad0;
-  uint g_tilePad1;
-  uint g_tilePad2;
 };
 
-// As in strand_tiles.hlsli.
+// As in strand_tiles.hlsli and strand_tiles_weigh.hlsli.
 StructuredBuffer<uint4> g_tileRecords : register(t0, space0);
-StructuredBuffer<uint> g_tileBins : register(t1, space0);
-StructuredBuffer<uint> g_tileReferences : register(t2, space0);
-StructuredBuffer<uint> g_tileCounters : register(t3, space0);
+StructuredBuffer<uint2> g_tileSums : register(t1, space0);
 // Words of all shadow maps.
-StructuredBuffer<uint> g_tileShadowWords : register(t4, space0);
-// [y][x]: depth of opaque objects; only with the occluded permutation.
-StructuredBuffer<float> g_tileDepth : register(t5, space0);
-// [y][x]: premultiplied color and 1 - transmittance as four halves, of the tiles that have hair.
-RWStructuredBuffer<uint2> g_tilePicture : register(u0, space0);
+StructuredBuffer<uint> g_tileShadowWords : register(t2, space0);
+RWStructuredBuffer<uint4> g_tileVisible : register(u0, space0);
 
 StrandShading tileShading(uint material) {
   uint4 models = g_tileModels[material >> 2];

@@ -1,12 +1,11 @@
-// Empties all tiles.
+// Empties all pixels.
 //
-// Threads: one per tile.
-// Writes:  g_binTiles
+// Threads: one per pixel of a tile.
+// Writes:  g_binPixels
 #include "../layouts/strand_tiles.hlsli"
 
 [numthreads(128, 1, 1)]
-void clear_strand_tiles(uint tile : SV_DispatchThreadID) {
-  if (tile >= g_binTileCount) return;
-  g_binTiles[tile] = 0u;
-  g_binTiles[g_binTileCount + tile] = 0u;
+void clear_strand_tiles(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
+  uint pixel = (group.y * 32768u + group.x) * 128u + lane;
+  if (pixel < 64u * g_binTileCount) g_binPixels[pixel] = 0u;
 }

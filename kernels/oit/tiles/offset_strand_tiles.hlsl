@@ -1,4 +1,5 @@
-// Turns the sums of the blocks into prefix sums, and writes the draw arguments.
+// Turns the sums of the blocks into prefix sums, and writes the arguments of
+// the draw and of dispatches.
 //
 // Threads: one group of 128, each thread a run of blocks.
 // Reads:   g_binSums
@@ -8,7 +9,7 @@
 
 [numthreads(128, 1, 1)]
 void offset_strand_tiles(uint lane : SV_GroupIndex) {
-  uint blocks = (g_binTileCount + 127u) / 128u;
+  uint blocks = binBlocks();
   uint share = (blocks + 127u) / 128u;
   uint begin = min(lane * share, blocks);
   uint end = min(begin + share, blocks);
@@ -27,9 +28,10 @@ void offset_strand_tiles(uint lane : SV_GroupIndex) {
     g_binCounters[kTileInstancesWord] = all.y;
     g_binCounters[2] = 0u;
     g_binCounters[3] = 0u;
-    g_binCounters[kTileReferencesWord] = all.x;
+    g_binSums[blocks] = uint2(0u, all.y);
+    g_binCounters[kTileFragmentsWord] = all.x;
     g_binCounters[kTileDispatchWord] = min(all.y, kTileDispatchRow);
     g_binCounters[kTileDispatchWord + 1u] = (all.y + kTileDispatchRow - 1u) / kTileDispatchRow;
-    g_binCounters[kTileDispatchWord + 2u] = 1u;
+    g_binCounters[kTileDispatchWord + 2u] = kTileParts;
   }
 }

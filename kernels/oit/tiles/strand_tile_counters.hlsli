@@ -5,12 +5,16 @@
 // 0..3 are the arguments of the draw of tiles: vertices, instances, 0, 0.
 static const uint kTileDrawWord = 0u;
 static const uint kTileInstancesWord = 1u;
-// Number of references that segments requested.
-static const uint kTileReferencesWord = 4u;
-// 5..7 are the arguments of the dispatch of the composite: groups.
+// Number of fragments that segments have.
+static const uint kTileFragmentsWord = 4u;
+// 5..7 are the arguments of dispatches over tiles: groups.
 static const uint kTileDispatchWord = 5u;
 
-// Groups of the composite in a row.
+// Tiles in a row of these groups, which are kTileParts deep.
 static const uint kTileDispatchRow = 1024u;
+static const uint kTileParts = 4u;
+
+// Offset of a tile whose fragments have no room.
+static const uint kNoTileOffset = 0xffffffffu;
 
 #endif

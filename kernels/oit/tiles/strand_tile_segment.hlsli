@@ -1,4 +1,5 @@
-// Segments of strands in the memory of a group, and their fragments in a pixel.
+// Segments of strands, and their fragments in a pixel. The including file defines SEGMENT_RECORDS, the
+// buffer of vertices as shading/strand_record.hlsli has them.
 //
 // A point of a triangle at a pixel p is a sum of its corners with weights e_i, the determinants of
 // the two other corners as seen from p (Olano and Greer, "Triangle scan conversion using 2D
@@ -12,90 +13,54 @@
 #define PELAGE_OIT_TILES_STRAND_TILE_SEGMENT_HLSLI
 
 #include "../../shading/strand_common.hlsli"
-#include "../fragment_packing.hlsli"
 #include "../../shading/strand_record.hlsli"
+#include "../fragment_packing.hlsli"
 
-static const uint kStagedSegments = 64u;
-
-// [segment]: corners 0 and 1, then 2 and 3: x and y, times w, on the grid, and as they are.
-groupshared float4 s_corners[2u * kStagedSegments];
-groupshared float4 s_exactCorners[2u * kStagedSegments];
-// [segment][end]: w, z, share, half width.
-groupshared float4 s_ends[2u * kStagedSegments];
-// [segment]: minimum and maximum depth key, tangents of both ends.
-groupshared uint4 s_keys[kStagedSegments];
-// [segment]: colors of both ends.
-groupshared uint4 s_looks[kStagedSegments];
-// [segment]: extent of both ends [pixels], as floats, the first record, rows and columns of the
-// tile.
-groupshared uint4 s_segments[kStagedSegments];
-
-struct TileSegment {
-  uint4 corners0, corners1;
-  uint4 shape0, shape1;
-  uint record;
-  uint2 keys;  // minimum and maximum depth key
-  uint lines;  // bits 0..7 rows of the tile that may have it, 8..15 columns
+struct StrandSegment {
+  float4 low;       // corners 0 and 1: x and y, times w, on the grid
+  float4 high;      // corners 2 and 3
+  float4 exactLow;  // as they are
+  float4 exactHigh;
+  float2 w;  // of both ends, as are the next ones
+  float2 z;
+  float2 share;
+  float2 halfWidth;  // [pixels]
+  float2 extent;     // of the ribbon [pixels]
+  uint2 keys;        // minimum and maximum depth key; of a segment that a plane cuts not known
 };
 
-// Bits 0..7 for the centers of a tile's pixels between two coordinates on one axis.
-uint linesBetween(float low, float high, float tile) {
-  int first = int(ceil(clamp(low - tile - 0.5, 0.0, 8.0)));
-  int last = int(floor(clamp(high - tile - 0.5, -1.0, 7.0)));
-  uint bits = 0u;
-  if (first <= last) bits = ((2u << uint(last)) - 1u) & ~((1u << uint(first)) - 1u);
-  return bits;
-}
-
-uint linesOfSegment(SegmentEnd a, SegmentEnd b, float2 tile) {
-  float2 low = min(min(a.low, a.high), min(b.low, b.high));
-  float2 high = max(max(a.low, a.high), max(b.low, b.high));
-  uint rows = linesBetween(low.y, high.y, tile.y);
-  uint columns = linesBetween(low.x, high.x, tile.x);
-  uint lines = 0u;
-  if (rows != 0u && columns != 0u) lines = rows | (columns << 8);
-  return lines;
-}
-
-// \param tile its first pixel.
-TileSegment loadSegment(uint record, float2 tile) {
-  TileSegment segment;
-  segment.record = record;
-  segment.corners0 = g_tileRecords[kRecordWords * record];
-  segment.shape0 = g_tileRecords[kRecordWords * record + 1u];
-  segment.corners1 = g_tileRecords[kRecordWords * record + kRecordWords];
-  segment.shape1 = g_tileRecords[kRecordWords * record + kRecordWords + 1u];
-  // Not known if a plane cuts the segment.
-  segment.keys = uint2(0u, 0xffffffffu);
-  segment.lines = 0xffffu;
-  if (isInDepth(segment.shape0) && isInDepth(segment.shape1)) {
-    bool reversed = g_reversedDepth != 0u;
-    uint a = depthKey(asfloat(segment.shape0.x) / asfloat(segment.shape0.y), reversed);
-    uint b = depthKey(asfloat(segment.shape1.x) / asfloat(segment.shape1.y), reversed);
-    segment.keys = uint2(min(a, b), max(a, b));
-    segment.lines = linesOfSegment(segmentEnd(segment.corners0, segment.shape0),
-                                   segmentEnd(segment.corners1, segment.shape1), tile);
-  }
-  return segment;
+// Returns whether a vertex and the next one are the ends of a segment that may have fragments.
+// Fibers without width have no coverage.
+bool isSegment(uint4 first, uint4 second) {
+  return (first.w & kRecordStartsSegment) != 0u && (second.w & kRecordDrawn) != 0u &&
+         max(asfloat(first.z), asfloat(second.z)) > 0.0;
 }
 
 float extentOf(uint4 shape) { return (shape.w & kRecordWide) != 0u ? asfloat(shape.z) + 0.5 : 0.0; }
 
-void stageSegment(uint slot, TileSegment segment) {
-  SegmentEnd a = segmentEnd(segment.corners0, segment.shape0);
-  SegmentEnd b = segmentEnd(segment.corners1, segment.shape1);
-  uint4 look0 = g_tileRecords[kRecordWords * segment.record + 2u];
-  uint4 look1 = g_tileRecords[kRecordWords * segment.record + kRecordWords + 2u];
-  s_corners[2u * slot] = float4(a.low, a.high);
-  s_corners[2u * slot + 1u] = float4(b.low, b.high);
-  s_exactCorners[2u * slot] = asfloat(segment.corners0);
-  s_exactCorners[2u * slot + 1u] = asfloat(segment.corners1);
-  s_ends[2u * slot] = float4(a.w, a.z, a.share, asfloat(segment.shape0.z));
-  s_ends[2u * slot + 1u] = float4(b.w, b.z, b.share, asfloat(segment.shape1.z));
-  s_keys[slot] = uint4(segment.keys, look0.x, look1.x);
-  s_looks[slot] = uint4(look0.yz, look1.yz);
-  s_segments[slot] = uint4(asuint(extentOf(segment.shape0)), asuint(extentOf(segment.shape1)),
-                           segment.record, segment.lines);
+// \param record of the first vertex. \param shape0, shape1 second words of both vertices.
+StrandSegment segmentAt(uint record, uint4 shape0, uint4 shape1, bool reversed) {
+  uint4 corners0 = SEGMENT_RECORDS[kRecordWords * record];
+  uint4 corners1 = SEGMENT_RECORDS[kRecordWords * record + kRecordWords];
+  SegmentEnd a = segmentEnd(corners0, shape0);
+  SegmentEnd b = segmentEnd(corners1, shape1);
+  StrandSegment segment;
+  segment.low = float4(a.low, a.high);
+  segment.high = float4(b.low, b.high);
+  segment.exactLow = asfloat(corners0);
+  segment.exactHigh = asfloat(corners1);
+  segment.w = float2(a.w, b.w);
+  segment.z = float2(a.z, b.z);
+  segment.share = float2(a.share, b.share);
+  segment.halfWidth = float2(asfloat(shape0.z), asfloat(shape1.z));
+  segment.extent = float2(extentOf(shape0), extentOf(shape1));
+  segment.keys = uint2(0u, 0xffffffffu);
+  if (isInDepth(shape0) && isInDepth(shape1)) {
+    uint first = depthKey(a.z, reversed);
+    uint second = depthKey(b.z, reversed);
+    segment.keys = uint2(min(first, second), max(first, second));
+  }
+  return segment;
 }
 
 // Twice the area of the triangle of a, b and the origin.
@@ -171,27 +136,25 @@ struct SegmentPoint {
   float share;     // fraction of the distance from the first end to the second
 };
 
-// \param areas of the corners 0..3.
-SegmentPoint pointAt(uint slot, float4 areas) {
+// \param at center of the pixel. \param side the triangle.
+SegmentPoint pointAt(StrandSegment segment, uint side, float2 at, bool reversed) {
   SegmentPoint found;
   found.key = 0u;
   found.coverage = 0.0;
   found.share = 0.0;
-  float4 a = s_ends[2u * slot];
-  float4 b = s_ends[2u * slot + 1u];
-  float4 weights = areas / dot(areas, float4(a.xx, b.xx));
+  SegmentView seen = viewSegment(segment.exactLow, segment.exactHigh, segment.w, at);
+  float4 areas = cornerAreas(seen, side);
+  float4 weights = areas / dot(areas, segment.w.xxyy);
   float2 ends = weights.xz + weights.yw;
-  float depth = ends.x * a.y + ends.y * b.y;
+  float depth = dot(ends, segment.z);
   if (!(depth >= -1e-6) || !(depth <= 1.0 + 1e-6)) return found;
   // Clamped: rounding must not leave the segment.
-  uint2 keys = s_keys[slot].xy;
-  found.key = clamp(depthKey(depth, g_reversedDepth != 0u), keys.x, keys.y);
+  found.key = clamp(depthKey(depth, reversed), segment.keys.x, segment.keys.y);
   // Linear on the screen: distance and width times w.
-  float2 range = asfloat(s_segments[slot].xy);
-  float distance = dot(weights.yw - weights.xz, float2(a.x, b.x) * range);
-  found.coverage = ribbonCoverage(distance, dot(ends, float2(a.x * a.w, b.x * b.w)));
+  float distance = dot(weights.yw - weights.xz, segment.w * segment.extent);
+  found.coverage = ribbonCoverage(distance, dot(ends, segment.w * segment.halfWidth));
   // With perspective.
-  float2 bent = ends * float2(a.z, b.z);
+  float2 bent = ends * segment.share;
   found.share = saturate(bent.y / (bent.x + bent.y));
   return found;
 }
@@ -202,15 +165,17 @@ struct FragmentWords {
   uint color;
 };
 
-FragmentWords wordsAt(uint slot, SegmentPoint found) {
-  uint4 look = s_looks[slot];
-  float2 first = unpackHalves(look.y);
-  float2 second = unpackHalves(look.w);
+// \param record of the first vertex.
+FragmentWords wordsAt(uint record, SegmentPoint found) {
+  uint4 look0 = SEGMENT_RECORDS[kRecordWords * record + 2u];
+  uint4 look1 = SEGMENT_RECORDS[kRecordWords * record + kRecordWords + 2u];
+  float2 first = unpackHalves(look0.z);
+  float2 second = unpackHalves(look1.z);
   float opacity = first.y + (second.y - first.y) * found.share;
-  float3 low = unpackDirection(s_keys[slot].z);
-  float3 high = unpackDirection(s_keys[slot].w);
-  float3 root = float3(unpackHalves(look.x), first.x);
-  float3 tip = float3(unpackHalves(look.z), second.x);
+  float3 low = unpackDirection(look0.x);
+  float3 high = unpackDirection(look1.x);
+  float3 root = float3(unpackHalves(look0.y), first.x);
+  float3 tip = float3(unpackHalves(look1.y), second.x);
   FragmentWords words;
   words.shape = packShape(low + (high - low) * found.share, saturate(opacity * found.coverage));
   words.color = packColor(root + (tip - root) * found.share);

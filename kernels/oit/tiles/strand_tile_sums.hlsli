@@ -1,4 +1,4 @@
-// Sums over tiles: x references, y tiles that have some. References saturate.
+// Sums over tiles: x fragments, y tiles that have some. Fragments saturate.
 #ifndef PELAGE_OIT_TILES_STRAND_TILE_SUMS_HLSLI
 #define PELAGE_OIT_TILES_STRAND_TILE_SUMS_HLSLI
 

@@ -105,11 +105,11 @@ DrawState overTarget() {
 }
 
 std::vector<BufferId*> OitBuffers::all() {
-  return {&lists.heads,    &lists.nodes,     &lists.counters,     &lists.tiles,
-          &lists.tail,     &hybrid.depths,   &hybrid.colors,      &hybrid.tail,
-          &hybrid.tiles,   &hybrid.counters, &shortCut.depths,    &shortCut.colors,
-          &shortCut.tiles, &shortCut.tail,   &shortCut.counters,  &strands.records,
-          &strands.tiles,  &strands.sums,    &strands.references, &strands.picture};
+  return {&lists.heads,     &lists.nodes,     &lists.counters, &lists.tiles,   &lists.tail,
+          &hybrid.depths,   &hybrid.colors,   &hybrid.tail,    &hybrid.tiles,  &hybrid.counters,
+          &shortCut.depths, &shortCut.colors, &shortCut.tiles, &shortCut.tail, &shortCut.counters,
+          &strands.records, &strands.pixels,  &strands.tiles,  &strands.sums,  &strands.fragments,
+          &strands.visible, &strands.picture};
 }
 
 Result<void> OitViews::check(DrawnView& view, const TransparencySettings& settings,

@@ -38,9 +38,9 @@ struct OitBuffers {
   } hybrid, shortCut;
   /// Strands in tiles; see kernels/oit/layouts/strand_tiles.hlsli. Counters are those of lists.
   struct Tiles {
-    BufferId records = BufferId::kInvalid, tiles = BufferId::kInvalid,
-             references = BufferId::kInvalid, sums = BufferId::kInvalid,
-             picture = BufferId::kInvalid;
+    BufferId records = BufferId::kInvalid, pixels = BufferId::kInvalid, tiles = BufferId::kInvalid,
+             fragments = BufferId::kInvalid, visible = BufferId::kInvalid,
+             sums = BufferId::kInvalid, picture = BufferId::kInvalid;
   } strands;
 
   std::vector<BufferId*> all();

@@ -45,11 +45,21 @@ Result<TransparencyPlan> planLayers(uint32_t width, uint32_t height,
 struct StrandTileSizes {
   uint32_t columns = 0;  ///< of tiles
   uint32_t tiles = 0;
-  uint64_t recordBytes = 0, tileBytes = 0, sumBytes = 0, pictureBytes = 0;
-  uint64_t bytesWithoutReferences() const {
-    return recordBytes + tileBytes + sumBytes + pictureBytes + kCounterBytes;
+  uint64_t recordBytes = 0, pixelBytes = 0, tileBytes = 0, sumBytes = 0, pictureBytes = 0;
+  uint64_t bytesWithoutFragments() const {
+    return recordBytes + pixelBytes + tileBytes + sumBytes + pictureBytes + kCounterBytes;
   }
 };
+
+/// How rounds over tiles share the fragments of a view.
+struct RoundSizes {
+  uint32_t count = 1;
+  uint32_t capacity = 0;  ///< fragments that a round has room for
+  /// A round takes the tiles whose first fragment is in a range of so many. The rest of the
+  /// capacity is for the last of them.
+  uint32_t span = 0;
+};
+RoundSizes roundSizes(const TransparencyPlan& plan);
 
 StrandTileSizes strandTileSizes(uint32_t width, uint32_t height, uint64_t strandVertices);
 Result<TransparencyPlan> planStrandTiles(uint32_t width, uint32_t height,

@@ -1,5 +1,5 @@
 // Predicts which exact method is faster: a model of their times, fitted to
-// benchmark/results/transparency_h200.csv. docs/oit_tiles.md says how well.
+// benchmark/results/transparency_h100.csv. docs/oit_tiles.md says how well.
 #include <algorithm>
 #include <cmath>
 
@@ -13,39 +13,33 @@ namespace {
 constexpr double kTilePixels = 28;
 // Where less than this comes through, nothing is looked for: TransparencySettings::epsilon.
 constexpr double kEpsilon = 0.5 / 255;
-// Fragments that a pixel finds in one walk through its list, or its tile.
-constexpr double kWindow = 8;
 // A change of methods has to gain a fifth: buffers are made for it.
 constexpr double kGain = 0.8;
 
 // Lists [ms].
-constexpr double kListVertex = 3.5e-6;   // placed and rasterised
+constexpr double kListVertex = 4.0e-6;   // placed and rasterised
 constexpr double kListVisible = 7.8e-6;  // put into a list, found there, sorted and lit
 // Tiles [ms].
-constexpr double kTileVisible = 6.8e-7;    // lit
-constexpr double kTileReference = 3.1e-7;  // that a tile walks past
-constexpr double kTileWalk = 3.9e-4;       // the same in one tile: others run beside it
-// Layers of the deepest pixels that count, over the mean.
-constexpr double kDeepest = 3;
+constexpr double kTileVertex = 1.9e-7;     // placed and cut into slices
+constexpr double kTileFragment = 1.55e-7;  // put into a list, and weighed
+constexpr double kTileVisible = 9e-8;      // lit and added up
+constexpr double kTilePasses = 0.045;      // clearing and adding up of tiles
 
 // Whether numbers, and such that can be divided by.
 bool isKnown(const TransparencyWork& work) {
-  return work.fragments > 0 && std::isfinite(work.fragments) && work.references > 0 &&
-         std::isfinite(work.references) && work.tiles >= 1 && std::isfinite(work.tiles);
+  return work.fragments > 0 && std::isfinite(work.fragments) && work.tiles >= 1 &&
+         std::isfinite(work.tiles);
 }
 
 }  // namespace
 
 TransparencyWork refineWork(const TransparencyWork& predicted, Transparency method,
                             const TransparencyCounters& counters) {
-  const bool lists = method == Transparency::kWindowed;
-  if ((!lists && method != Transparency::kTiles) || !isKnown(predicted)) return predicted;
+  const bool counted = method == Transparency::kWindowed || method == Transparency::kTiles;
+  if (!counted || !isKnown(predicted)) return predicted;
   if (counters.fragments == 0 || counters.tiles == 0) return predicted;
   TransparencyWork work = predicted;
-  const double factor = static_cast<double>(counters.fragments) /
-                        (lists ? predicted.fragments : predicted.references);
-  work.fragments *= factor;
-  work.references *= factor;
+  work.fragments = counters.fragments;
   work.tiles = counters.tiles;
   return work;
 }
@@ -60,10 +54,8 @@ TransparencyCost predictCost(const TransparencyWork& work) {
   const double visible = work.fragments * -std::expm1(-shown / layers);
   TransparencyCost cost;
   cost.windowed = kListVertex * work.vertices + kListVisible * visible;
-  // All tiles share the device, and the last one has to be waited for.
-  const double walks = 1 + std::min(shown, kDeepest * layers) / kWindow;
-  cost.tiles =
-      kTileVisible * visible + walks * work.references * (kTileReference + kTileWalk / work.tiles);
+  cost.tiles = kTilePasses + kTileVertex * work.vertices + kTileFragment * work.fragments +
+               kTileVisible * visible;
   return cost;
 }
 

@@ -13,10 +13,8 @@ namespace pelage::detail {
 namespace {
 
 constexpr double kEdge = pixel_tiles::kTileEdge;
-// Means over all directions of a unit vector: the length of its image, and how far that reaches
-// across and down, added up.
+// Mean length of the image of a unit vector, over all directions.
 constexpr double kMeanImage = std::numbers::pi / 4;
-constexpr double kMeanSpan = 1;
 constexpr size_t kSamples = 256;  // vertices of the bind shape that stand for all
 
 double dot(const Float4& row, const Float3& p) {
@@ -26,9 +24,6 @@ double dot(const Float4& row, const Float3& p) {
 
 // Means over an object's vertices; one outside of the view adds nothing.
 struct HairImage {
-  double share = 0;                        // of them in the view
-  double metre = 0;                        // pixels of it
-  double ribbon = 0;                       // pixels across a ribbon
   double ribbonMetre = 0, fiberMetre = 0;  // pixels of a metre of ribbon, of fiber
   double tiles = 0;                        // in the rectangle around them
 };
@@ -56,6 +51,7 @@ HairImage imageOf(const View& view, const HairInternals& hair, double fiber) {
   const double scale =
       0.5 * view.height * std::hypot(toDouble(rows[1].x), toDouble(rows[1].y), toDouble(rows[1].z));
   const size_t samples = std::min(positions.size(), kSamples);
+  bool seen = false;
   double lowX = 1, highX = -1, lowY = 1, highY = -1;
   for (size_t sample = 0; sample < samples; ++sample) {
     const size_t i =
@@ -65,9 +61,7 @@ HairImage imageOf(const View& view, const HairInternals& hair, double fiber) {
     const double x = dot(rows[0], p) / w, y = dot(rows[1], p) / w;
     if (!(w > 0 && z >= 0 && z <= w && std::abs(x) <= 1 && std::abs(y) <= 1)) continue;
     const double metre = scale / w;
-    image.share += 1;
-    image.metre += metre;
-    image.ribbon += fiber * metre + 1;
+    seen = true;
     image.ribbonMetre += metre * (fiber * metre + 1);
     image.fiberMetre += metre * (fiber * metre);
     lowX = std::min(lowX, x);
@@ -75,12 +69,11 @@ HairImage imageOf(const View& view, const HairInternals& hair, double fiber) {
     lowY = std::min(lowY, y);
     highY = std::max(highY, y);
   }
-  if (image.share > 0) {
+  if (seen) {
     image.tiles = (0.5 * view.width * (highX - lowX) / kEdge + 1) *
                   (0.5 * view.height * (highY - lowY) / kEdge + 1);
   }
-  for (double* sum :
-       {&image.share, &image.metre, &image.ribbon, &image.ribbonMetre, &image.fiberMetre})
+  for (double* sum : {&image.ribbonMetre, &image.fiberMetre})
     *sum /= static_cast<double>(std::max<size_t>(samples, 1));
   return image;
 }
@@ -105,11 +98,8 @@ TransparencyWork ViewDrawing::predictWork(const View& view) {
         m.fiberRadius * (1 + m.tipRadiusRatio) * hair.groom.meanThickness * strands.widening;
     const HairImage image = imageOf(view, hair, toDouble(fiber));
     const double metres = strands.count * toDouble(hair.rest.meanStrand);
-    const double segments = static_cast<double>(strands.count) * (object.verticesPerStrand() - 1);
-    work.vertices += segments + strands.count;
+    work.vertices += static_cast<double>(strands.count) * object.verticesPerStrand();
     work.fragments += metres * kMeanImage * image.ribbonMetre;
-    work.references += segments * (image.share + 2 * image.ribbon / kEdge) +
-                       metres * kMeanSpan * image.metre / kEdge;
     work.tiles += image.tiles;
     work.alpha += metres * kMeanImage * toDouble(m.opacity) * image.fiberMetre;
   }

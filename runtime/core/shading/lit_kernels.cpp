@@ -31,7 +31,7 @@ Result<void> checkLights(const EngineLights* lights) {
   for (const Kernel* kernel :
        {&kStrandVertexKernel, &kStrandRecordVertexKernel, &kOitTileVertexKernel,
         &kStrandPixelKernel, &kPpllReadKernel, &kHybridColorsKernel, &kShortCutFillColorsKernel,
-        &kCompositeStrandTilesKernel}) {
+        &kShadeStrandTilesKernel}) {
     for (const KernelVariant* variant : kernel->variants) {
       if (find(*lights, *variant) != nullptr) continue;
       return Error{ErrorCode::kInvalidArgument,

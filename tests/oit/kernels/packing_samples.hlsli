@@ -15,6 +15,11 @@ struct PackingResult {
   uint colorWord;
   uint layer;
   uint layerAgain;  // packLayer() of `light`
+  // packTileFragment() and back, with 24 to 31 bits for the segment.
+  uint tileKey;
+  uint tileRoot;
+  uint tileSegment;
+  uint tileBits;
 };
 
 cbuffer PackingConstants : register(b0, space0) {

@@ -1,4 +1,4 @@
-// Takes the number of segments of each tile from those that kTiles has sorted.
+// Takes the number of fragments of each tile from those that kTiles has sorted.
 //
 // Threads: one per tile of the list of tiles that have hair, in rows of kInspectRow.
 // Reads:   g_tileWords, g_tileCounters
@@ -10,7 +10,7 @@
 #include "oit/tiles/strand_tile_counters.hlsli"
 
 [numthreads(64, 1, 1)]
-void count_tile_segments(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
+void count_tile_fragments(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
   uint index = group.y * kInspectRow + group.x * 64u + lane;
   if (index >= min(g_tileCounters[kTileInstancesWord], g_tileCount)) return;
   uint tile = g_tileWords[2u * g_tileCount + index];

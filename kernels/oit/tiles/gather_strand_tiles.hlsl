@@ -1,0 +1,65 @@
+// Adds up the light of the visible fragments of pixels, in integers: no order of them changes a bit.
+//
+// Threads: four groups of 128 per tile that has hair, 8 threads per pixel; dispatched indirectly.
+// Reads:   g_weighTiles, g_weighSums, g_weighVisible, g_weighPicture
+// Writes:  g_weighPicture
+#include "../layouts/strand_tiles_weigh.hlsli"
+#include "../pixel_tiles.hlsli"
+#include "../../shading/strand_record.hlsli"
+#include "strand_tile_counters.hlsli"
+#include "strand_tile_fragment.hlsli"
+#include "strand_tile_pixel.hlsli"
+
+// [pixel]: whole units of light, and 2^-24 of them.
+groupshared uint s_whole[48];
+groupshared uint s_parts[48];
+groupshared uint s_depth[16];
+
+static const float kParts = 16777216.0;
+
+[numthreads(128, 1, 1)]
+void gather_strand_tiles(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
+  if (lane < 48u) {
+    s_whole[lane] = 0u;
+    s_parts[lane] = 0u;
+  }
+  if (lane < 16u) s_depth[lane] = 0u;
+  GroupMemoryBarrierWithGroupSync();
+  uint own = lane / 8u;
+  TilePixel pixel = tilePixelOf(group, own);
+  uint place = pixel.at.y * g_weighWidth + pixel.at.x;
+  if (pixel.inRound && pixel.inside) {
+    uint2 range = g_weighPicture[place];
+    uint3 whole = uint3(0u, 0u, 0u);
+    uint3 parts = uint3(0u, 0u, 0u);
+    uint depth = 0u;
+    for (uint i = lane % 8u; i < range.y; i += 8u) {
+      uint4 entry = g_weighVisible[range.x + i];
+      // Halves end there; what is not a number counts as none.
+      float3 light = asfloat(entry.xyz);
+      light = float3(light.x > 0.0 ? min(light.x, 65000.0) : 0.0,
+                     light.y > 0.0 ? min(light.y, 65000.0) : 0.0,
+                     light.z > 0.0 ? min(light.z, 65000.0) : 0.0);
+      float3 units = floor(light);
+      whole += uint3(units);
+      parts += uint3((light - units) * kParts);
+      whole += parts >> 24;
+      parts &= 0xffffffu;
+      depth = min(depth + entry.w, 1u << 27);
+    }
+    [unroll] for (uint k = 0u; k < 3u; ++k) {
+      InterlockedAdd(s_whole[3u * own + k], whole[k]);
+      InterlockedAdd(s_parts[3u * own + k], parts[k]);
+    }
+    InterlockedAdd(s_depth[own], depth);
+  }
+  GroupMemoryBarrierWithGroupSync();
+  // Tiles without room are empty; those of other rounds are left alone.
+  bool empty = pixel.known && g_weighTiles[pixel.tile] == 0u;
+  if (lane % 8u != 0u || !pixel.inside || !(pixel.inRound || empty)) return;
+  float3 sum;
+  [unroll] for (uint k = 0u; k < 3u; ++k) sum[k] =
+      float(s_whole[3u * own + k]) + float(s_parts[3u * own + k]) * (1.0 / kParts);
+  g_weighPicture[place] = uint2(
+      packHalves(sum.rg), packHalves(float2(sum.b, 1.0 - transmittanceOfDepth(s_depth[own]))));
+}

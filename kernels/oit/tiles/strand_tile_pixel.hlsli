@@ -1,0 +1,34 @@
+// Pixels of the tiles that have hair. The including file has strand_tiles_weigh.hlsli.
+#ifndef PELAGE_OIT_TILES_STRAND_TILE_PIXEL_HLSLI
+#define PELAGE_OIT_TILES_STRAND_TILE_PIXEL_HLSLI
+
+struct TilePixel {
+  uint2 at;
+  uint tile;
+  uint index;    // in the tile
+  bool inside;   // of the view
+  bool inRound;  // the tile has fragments, and this is their round
+  bool known;    // the tile has hair
+};
+
+// \param pixel of the group, 0..15.
+TilePixel tilePixelOf(uint3 group, uint pixel) {
+  uint listed = group.y * kTileDispatchRow + group.x;
+  TilePixel found;
+  found.known = listed < g_weighSums[weighSumsEnd()].y;
+  found.tile = 0u;
+  found.inRound = false;
+  // The last row of groups may extend beyond the tiles: these groups do nothing.
+  if (found.known) {
+    found.tile = g_weighTiles[2u * g_weighTileCount + listed];
+    uint offset = g_weighTiles[g_weighTileCount + found.tile];
+    found.inRound = offset - g_weighRoundBegin < g_weighRoundSpan;
+  }
+  found.index = group.z * 16u + pixel;
+  found.at = uint2(found.tile % g_weighTileColumns, found.tile / g_weighTileColumns) * kTileEdge +
+             uint2(found.index & 7u, found.index >> kTileShift);
+  found.inside = found.known && found.at.x < g_weighWidth && found.at.y < g_weighHeight;
+  return found;
+}
+
+#endif
