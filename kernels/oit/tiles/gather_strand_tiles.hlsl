@@ -10,12 +10,21 @@
 #include "strand_tile_fragment.hlsli"
 #include "strand_tile_pixel.hlsli"
 
-// [pixel]: whole units of light, and 2^-24 of them.
+// [pixel][channel]: whole units of light, and 2^-24 of them.
 groupshared uint s_whole[48];
 groupshared uint s_parts[48];
 groupshared uint s_depth[16];
 
 static const float kParts = 16777216.0;
+
+void addLight(uint channel, uint whole, uint parts) {
+  InterlockedAdd(s_whole[channel], whole);
+  InterlockedAdd(s_parts[channel], parts);
+}
+
+float lightAt(uint channel) {
+  return float(s_whole[channel]) + float(s_parts[channel]) * (1.0 / kParts);
+}
 
 [numthreads(128, 1, 1)]
 void gather_strand_tiles(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
@@ -47,19 +56,18 @@ void gather_strand_tiles(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
       parts &= 0xffffffu;
       depth = min(depth + entry.w, 1u << 27);
     }
-    [unroll] for (uint k = 0u; k < 3u; ++k) {
-      InterlockedAdd(s_whole[3u * own + k], whole[k]);
-      InterlockedAdd(s_parts[3u * own + k], parts[k]);
-    }
+    addLight(3u * own, whole.r, parts.r);
+    addLight(3u * own + 1u, whole.g, parts.g);
+    addLight(3u * own + 2u, whole.b, parts.b);
     InterlockedAdd(s_depth[own], depth);
   }
   GroupMemoryBarrierWithGroupSync();
   // Tiles without room are empty; those of other rounds are left alone.
-  bool empty = pixel.known && g_weighTiles[pixel.tile] == 0u;
-  if (lane % 8u != 0u || !pixel.inside || !(pixel.inRound || empty)) return;
-  float3 sum;
-  [unroll] for (uint k = 0u; k < 3u; ++k) sum[k] =
-      float(s_whole[3u * own + k]) + float(s_parts[3u * own + k]) * (1.0 / kParts);
-  g_weighPicture[place] = uint2(
-      packHalves(sum.rg), packHalves(float2(sum.b, 1.0 - transmittanceOfDepth(s_depth[own]))));
+  bool written = pixel.inRound;
+  if (pixel.known) written = written || g_weighTiles[pixel.tile] == 0u;
+  if (lane % 8u == 0u && pixel.inside && written) {
+    float3 sum = float3(lightAt(3u * own), lightAt(3u * own + 1u), lightAt(3u * own + 2u));
+    g_weighPicture[place] = uint2(
+        packHalves(sum.rg), packHalves(float2(sum.b, 1.0 - transmittanceOfDepth(s_depth[own]))));
+  }
 }

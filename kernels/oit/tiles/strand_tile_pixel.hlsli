@@ -14,16 +14,13 @@ struct TilePixel {
 // \param pixel of the group, 0..15.
 TilePixel tilePixelOf(uint3 group, uint pixel) {
   uint listed = group.y * kTileDispatchRow + group.x;
+  uint count = g_weighSums[weighSumsEnd()].y;
   TilePixel found;
-  found.known = listed < g_weighSums[weighSumsEnd()].y;
-  found.tile = 0u;
-  found.inRound = false;
   // The last row of groups may extend beyond the tiles: these groups do nothing.
-  if (found.known) {
-    found.tile = g_weighTiles[2u * g_weighTileCount + listed];
-    uint offset = g_weighTiles[g_weighTileCount + found.tile];
-    found.inRound = offset - g_weighRoundBegin < g_weighRoundSpan;
-  }
+  found.known = listed < count;
+  found.tile = g_weighTiles[2u * g_weighTileCount + min(listed, count - 1u)];
+  uint offset = g_weighTiles[g_weighTileCount + found.tile];
+  found.inRound = found.known && offset - g_weighRoundBegin < g_weighRoundSpan;
   found.index = group.z * 16u + pixel;
   found.at = uint2(found.tile % g_weighTileColumns, found.tile / g_weighTileColumns) * kTileEdge +
              uint2(found.index & 7u, found.index >> kTileShift);
