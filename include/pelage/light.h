@@ -53,7 +53,7 @@ struct Light {
   uint32_t shadowLayers = 8;   ///< kDeep: 1..16
   /// Hair up to so far behind the nearest hair is lit [texels], >= 0: as much as keeps a strand
   /// from shadowing itself.
-  float shadowBias = 0.5f;
+  float shadowBias = 0.35f;
   /// kDeep: distance behind the nearest hair that the layers take up, >= 0 [m]; what lies beyond is
   /// in the last one. 0: 8 free paths of light in hair of mean density, at most what hair takes up.
   float shadowLayerRange = 0;

@@ -38,6 +38,11 @@ StrandShadowView shadowFace(StrandShadowView map, uint face) {
   return one;
 }
 
+// Returns the word of a texel's first layer, on a map of one face.
+uint firstLayerOf(StrandShadowView map, uint texel) {
+  return map.firstWord + map.width * map.height + texel * map.layerCount;
+}
+
 bool isProjective(StrandShadowView map) { return dot(map.mapW.xyz, map.mapW.xyz) > 0.0; }
 
 #endif

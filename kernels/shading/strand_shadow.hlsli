@@ -16,8 +16,8 @@
 // Returns the optical depth of the texel at (x, y) up to a distance behind the near plane [m].
 float opticalDepthAt(StrandShadowView map, int x, int y, float depth) {
   if (min(x, y) < 0 || x >= int(map.width) || y >= int(map.height)) return 0.0;
-  uint word = map.firstWord + (uint(y) * map.width + uint(x)) * (1u + map.layerCount);
-  uint nearest = SHADOW_WORDS[word];
+  uint texel = uint(y) * map.width + uint(x);
+  uint nearest = SHADOW_WORDS[map.firstWord + texel];
   if (nearest == kNoHair) return 0.0;
   float behind = depth - map.bias - asfloat(nearest);
   if (!(behind > 0.0)) return 0.0;
@@ -28,7 +28,7 @@ float opticalDepthAt(StrandShadowView map, int x, int y, float depth) {
   float2 ends = float2(layer, layer + 1.0) / layers;
   ends = ends * ends * map.layerRange;
   float share = saturate((behind - ends.x) / (ends.y - ends.x));
-  uint last = word + 1u + uint(layer);
+  uint last = firstLayerOf(map, texel) + uint(layer);
   float low = 0.0;
   if (layer > 0.0) low = float(SHADOW_WORDS[last - 1u]);
   float high = float(SHADOW_WORDS[last]);

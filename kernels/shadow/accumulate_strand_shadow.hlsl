@@ -11,12 +11,15 @@
 void accumulate_strand_shadow(uint3 thread : SV_DispatchThreadID) {
   StrandShadowView map = g_shadowViews[g_shadowView];
   uint index = indexOfThread(thread);
-  if (!isShadowView(map) || index >= map.width * map.height * map.faceCount) return;
-  uint word = map.firstWord + index * (1u + map.layerCount);
-  if (g_shadowWords[word] == kNoHair) return;
+  uint texels = map.width * map.height;
+  if (!isShadowView(map) || index >= texels * map.faceCount) return;
+  map = shadowFace(map, index / texels);
+  uint texel = index % texels;
+  if (g_shadowWords[map.firstWord + texel] == kNoHair) return;
+  uint first = firstLayerOf(map, texel);
   uint sum = 0u;
-  for (uint layer = 1; layer <= map.layerCount; ++layer) {
-    sum += g_shadowWords[word + layer];
-    g_shadowWords[word + layer] = sum;
+  for (uint layer = 0u; layer < map.layerCount; ++layer) {
+    sum += g_shadowWords[first + layer];
+    g_shadowWords[first + layer] = sum;
   }
 }

@@ -1,4 +1,4 @@
-// A strand's segment in the texels of a shadow map, cut into pieces between the centers of texels.
+// A strand's segment in the texels of a shadow map, cut into pieces at the edges of texels.
 #ifndef PELAGE_SHADOW_SHADOW_SEGMENT_HLSLI
 #define PELAGE_SHADOW_SHADOW_SEGMENT_HLSLI
 
@@ -129,12 +129,13 @@ ShadowPoint between(ShadowPoint a, ShadowPoint b, float share) {
   return r;
 }
 
-// Returns the fractions of a line at which it enters (x) and leaves (y) the texels -1 .. end of an
-// axis.
-float2 clipAxis(float from, float to, float end, float2 range) {
+// Returns the fractions of a line at which it enters (x) and leaves (y) the texels of an axis, with
+// a row around them. Pieces with a part in a texel are whole.
+float2 clipAxis(float from, float to, uint count, float2 range) {
   precise float offset = to - from;
-  if (offset == 0.0) return from < -1.0 || from > end ? float2(1.0, 0.0) : range;
-  precise float low = (-1.0 - from) / offset;
+  float end = float(count) + 0.5;
+  if (offset == 0.0) return from < -1.5 || from > end ? float2(1.0, 0.0) : range;
+  precise float low = (-1.5 - from) / offset;
   precise float high = (end - from) / offset;
   return float2(max(range.x, min(low, high)), min(range.y, max(low, high)));
 }
@@ -177,8 +178,8 @@ ShadowSegment shadowSegment(StrandShadowView map, uint face, StrandPart part) {
   if (!(max(r.from.radius, r.to.radius) > 0.0) || !(g_shadowOpacity > 0.0)) return r;
 
   float2 range = float2(0.0, 1.0);
-  range = clipAxis(r.from.texel.x, r.to.texel.x, float(map.width), range);
-  range = clipAxis(r.from.texel.y, r.to.texel.y, float(map.height), range);
+  range = clipAxis(r.from.texel.x, r.to.texel.x, map.width, range);
+  range = clipAxis(r.from.texel.y, r.to.texel.y, map.height, range);
   if (!(range.x < range.y)) return r;
   ShadowPoint from = r.from;
   if (range.x > 0.0) r.from = between(from, r.to, range.x);
@@ -187,77 +188,67 @@ ShadowSegment shadowSegment(StrandShadowView map, uint face, StrandPart part) {
   return r;
 }
 
-// The walk of a segment over squares between the centers of four texels. Square (x, y) has the
-// texels x and x + 1 in the rows y and y + 1; squares start at -1, whose texels are partly outside.
+// The walk of a segment over the rows of texels across the axis on which it is longer: a piece a
+// row. Row i goes from i - 0.5 to i + 0.5.
 struct ShadowWalk {
-  int2 square;
-  int2 last;
-  int2 direction;
+  bool alongX;  // rows are columns of the map
+  int row;
+  int direction;
   uint pieces;  // left
+  float from;   // where the segment begins, along the axis [texel]
+  float perTexel;
   float begin;  // of the piece, share of the segment
   float end;
 };
 
-int2 squareOf(StrandShadowView map, float2 texel) {
-  float2 bound = float2(float(map.width), float(map.height)) - 1.0;
-  return int2(min(max(floor(texel), -1.0), bound));
-}
+int rowOf(float texel, uint count) { return int(min(max(floor(texel + 0.5), -1.0), float(count))); }
 
-void findPieceEnd(ShadowSegment segment, inout ShadowWalk walk) {
-  if (walk.pieces <= 1u) {
-    walk.end = 1.0;
-    return;
-  }
-  // 2 is beyond the end: the walk on this axis has ended.
-  precise float2 offset = segment.to.texel - segment.from.texel;
-  precise float2 share = float2(2.0, 2.0);
-  if (walk.square.x != walk.last.x)
-    share.x = (float(walk.square.x + max(walk.direction.x, 0)) - segment.from.texel.x) / offset.x;
-  if (walk.square.y != walk.last.y)
-    share.y = (float(walk.square.y + max(walk.direction.y, 0)) - segment.from.texel.y) / offset.y;
-  walk.end = min(max(min(share.x, share.y), walk.begin), 1.0);
+void findPieceEnd(inout ShadowWalk walk) {
+  precise float border = float(walk.row) + 0.5 * float(walk.direction);
+  precise float share = (border - walk.from) * walk.perTexel;
+  walk.end = walk.pieces <= 1u ? 1.0 : min(max(share, walk.begin), 1.0);
 }
 
 ShadowWalk beginWalk(StrandShadowView map, ShadowSegment segment) {
   ShadowWalk walk;
-  walk.square = squareOf(map, segment.from.texel);
-  walk.last = squareOf(map, segment.to.texel);
-  int2 squares = walk.last - walk.square;
-  walk.direction = int2(squares.x < 0 ? -1 : 1, squares.y < 0 ? -1 : 1);
-  walk.pieces = uint(abs(squares.x) + abs(squares.y)) + 1u;
+  precise float2 offset = segment.to.texel - segment.from.texel;
+  walk.alongX = abs(offset.x) > abs(offset.y);
+  uint count = walk.alongX ? map.width : map.height;
+  walk.from = walk.alongX ? segment.from.texel.x : segment.from.texel.y;
+  walk.row = rowOf(walk.from, count);
+  int rows = rowOf(walk.alongX ? segment.to.texel.x : segment.to.texel.y, count) - walk.row;
+  walk.direction = rows < 0 ? -1 : 1;
+  walk.pieces = uint(abs(rows)) + 1u;
+  // Not read where the segment stays in a row.
+  precise float perTexel = 1.0 / (walk.alongX ? offset.x : offset.y);
+  walk.perTexel = perTexel;
   walk.begin = 0.0;
   walk.end = 1.0;
-  findPieceEnd(segment, walk);
+  findPieceEnd(walk);
   return walk;
 }
 
-// Goes to the next piece. The squares are counted, not measured, so that the walk ends.
-void advance(ShadowSegment segment, inout ShadowWalk walk) {
-  precise float2 offset = segment.to.texel - segment.from.texel;
-  bool alongX = walk.square.y == walk.last.y;
-  if (walk.square.x != walk.last.x && walk.square.y != walk.last.y) {
-    precise float x =
-        (float(walk.square.x + max(walk.direction.x, 0)) - segment.from.texel.x) / offset.x;
-    precise float y =
-        (float(walk.square.y + max(walk.direction.y, 0)) - segment.from.texel.y) / offset.y;
-    alongX = x <= y;
-  }
-  if (alongX) {
-    walk.square.x += walk.direction.x;
-  } else {
-    walk.square.y += walk.direction.y;
-  }
+// Goes to the next piece. The rows are counted, not measured, so that the walk ends.
+void advance(inout ShadowWalk walk) {
+  walk.row += walk.direction;
   walk.begin = walk.end;
   --walk.pieces;
-  findPieceEnd(segment, walk);
+  findPieceEnd(walk);
 }
 
-// First word of the texel at corner 0..3 of a square, or kNoHair outside the map.
-uint wordOfCorner(StrandShadowView map, int2 square, uint corner) {
-  int2 texel = square + int2(int(corner & 1u), int(corner >> 1));
-  if (min(texel.x, texel.y) < 0 || texel.x >= int(map.width) || texel.y >= int(map.height))
-    return kNoHair;
-  return map.firstWord + (uint(texel.y) * map.width + uint(texel.x)) * (1u + map.layerCount);
+ShadowPoint middleOf(ShadowSegment segment, ShadowWalk walk) {
+  precise float halfway = (walk.begin + walk.end) * 0.5;
+  return between(segment.from, segment.to, halfway);
+}
+
+float acrossRow(ShadowWalk walk, ShadowPoint p) { return walk.alongX ? p.texel.y : p.texel.x; }
+
+// Returns the texel in the walk's row at a distance along the row; kNoHair outside the map.
+uint texelInRow(StrandShadowView map, ShadowWalk walk, int across) {
+  int x = walk.alongX ? walk.row : across;
+  int y = walk.alongX ? across : walk.row;
+  if (min(x, y) < 0 || x >= int(map.width) || y >= int(map.height)) return kNoHair;
+  return uint(y) * map.width + uint(x);
 }
 
 float depthOf(ShadowPoint p) {

@@ -2,76 +2,64 @@
 //
 // Threads: one per segment of a strand, in rows of 2^20.
 // Reads:   as splat_strand_depths, and what that wrote
-// Writes:  the layers of g_shadowWords, which clear_strand_shadow has emptied; a layer's own part,
+// Writes:  the layers of g_shadowWords, which splat_strand_depths has emptied; a layer's own part,
 //          accumulate_strand_shadow adds them up
 //
 // The method is that of deep opacity maps (Yuksel and Keyser, "Deep opacity maps", Eurographics
 // 2008): layers begin at the nearest hair of each texel. A fiber of radius r with visible length l
-// covers 2 r l, and a texel gets opacity times covered area over the texel's area. The area is
-// distributed with the bilinear weights of the four texels around each point of the fiber. Within a
-// square between texel centers that is an integral of cubic functions along the piece, which
-// Simpson's rule computes exactly; so a fiber much thinner than a texel contributes exactly its
-// area.
+// covers 2 r l, and a texel gets opacity times covered area over the texel's area. The area of the
+// piece in a row goes to the two texels of the row that are next to the piece's middle, with linear
+// weights: across a fiber that is a tent of a texel's width, along it nothing needs to be smoothed.
 //
-// Sums are integers. The rounding error of a deposit goes to the next deposit of the segment. The
-// tent of a texel's weights, along any line, contains at most one texel of length: a straight
-// segment adds at most tauScale 2 maxRadius + 4 to a texel, wherever it is. The host sets tauScale
-// so that the sum of all segments stays below 2^32, and maxRadius to the actual maximum.
+// Sums are integers. The rounding error of a deposit goes to the next deposit of the segment. A
+// texel gets one deposit of a straight segment, of at most sqrt(2) texels of length: at most
+// tauScale 2 sqrt(2) maxRadius + 1. The host sets tauScale so that the sum of all segments stays
+// below 2^32, and maxRadius to the actual maximum.
 //
 // Invariant (tests/shadow): the sum over texels and layers is the covered area, to half a quantum
 // per segment; any order of the strands, and any API, gives the same bits.
 #include "shadow_segment.hlsli"
 
-float2 weightsIn(int2 square, float2 texel) {
-  precise float2 share = min(max(texel - float2(square), 0.0), 1.0);
-  return share;
+uint nearestAt(StrandShadowView map, uint texel) {
+  return texel == kNoHair ? kNoHair : g_shadowWords[map.firstWord + texel];
 }
 
-float cornerWeight(float2 share, uint corner) {
-  precise float2 other = 1.0 - share;
-  precise float weight =
-      ((corner & 1u) != 0u ? share.x : other.x) * (corner > 1u ? share.y : other.y);
-  return weight;
+void addQuanta(StrandShadowView map, uint texel, uint nearest, float depth, float layersPerRange,
+               float quanta) {
+  if (nearest == kNoHair || !(quanta >= 1.0)) return;
+  precise float behind = max(depth - asfloat(nearest), 0.0) * layersPerRange;
+  float layer = min(floor(squareRoot(behind)), float(map.layerCount) - 1.0);
+  InterlockedAdd(g_shadowWords[firstLayerOf(map, texel) + uint(layer)],
+                 uint(min(quanta, 4294967040.0)));
 }
 
 void splatOpacity(StrandShadowView map, ShadowSegment segment) {
   precise float2 offset = segment.to.texel - segment.from.texel;
   precise float squared = offset.x * offset.x + offset.y * offset.y;
-  // Simpson's rule has a sixth of the ends and four sixths of the middle.
-  precise float amount = 2.0 * squareRoot(squared) * min(g_shadowOpacity, 1.0) * map.tauScale / 6.0;
+  precise float amount = 2.0 * squareRoot(squared) * min(g_shadowOpacity, 1.0) * map.tauScale;
   float layers = float(map.layerCount);
+  precise float layersPerRange = layers * layers / map.layerRange;
   precise float owed = 0.5;
 
   ShadowWalk walk = beginWalk(map, segment);
-  ShadowPoint before = segment.from;
   while (walk.pieces > 0u) {
-    precise float halfway = (walk.begin + walk.end) * 0.5;
-    ShadowPoint middle = between(segment.from, segment.to, halfway);
-    ShadowPoint after = between(segment.from, segment.to, walk.end);
-    precise float scale = amount * (walk.end - walk.begin);
-    precise float3 covered = float3(before.radius, 4.0 * middle.radius, after.radius) * scale;
-    float2 atBefore = weightsIn(walk.square, before.texel);
-    float2 atMiddle = weightsIn(walk.square, middle.texel);
-    float2 atAfter = weightsIn(walk.square, after.texel);
+    ShadowPoint middle = middleOf(segment, walk);
+    float across = acrossRow(walk, middle);
+    int low = int(floor(across));
+    uint2 texels = uint2(texelInRow(map, walk, low), texelInRow(map, walk, low + 1));
+    // Both before the first addition, which a load of the same buffer would wait for.
+    uint2 nearest = uint2(nearestAt(map, texels.x), nearestAt(map, texels.y));
     float depth = depthOf(middle);
-    for (uint corner = 0; corner < 4u; ++corner) {
-      precise float part = covered.x * cornerWeight(atBefore, corner) +
-                           covered.y * cornerWeight(atMiddle, corner) +
-                           covered.z * cornerWeight(atAfter, corner);
-      owed = owed + part;
-      precise float quanta = floor(owed);
-      owed = owed - quanta;
-      uint word = wordOfCorner(map, walk.square, corner);
-      if (word == kNoHair || !(quanta >= 1.0)) continue;
-      uint nearest = g_shadowWords[word];
-      precise float behind = 0.0;
-      if (nearest != kNoHair) behind = max(depth - asfloat(nearest), 0.0);
-      precise float layerPosition = squareRoot(behind / map.layerRange) * layers;
-      uint layer = uint(min(layerPosition, layers - 1.0));
-      InterlockedAdd(g_shadowWords[word + 1u + layer], uint(min(quanta, 4294967040.0)));
-    }
-    before = after;
-    advance(segment, walk);
+    precise float high = across - float(low);
+    precise float covered = amount * (walk.end - walk.begin) * middle.radius;
+    precise float2 owing = float2(owed + covered * (1.0 - high), 0.0);
+    float2 quanta = floor(owing);
+    owing.y = owing.x - quanta.x + covered * high;
+    quanta.y = floor(owing.y);
+    owed = owing.y - quanta.y;
+    addQuanta(map, texels.x, nearest.x, depth, layersPerRange, quanta.x);
+    addQuanta(map, texels.y, nearest.y, depth, layersPerRange, quanta.y);
+    advance(walk);
   }
 }
 

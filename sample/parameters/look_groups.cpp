@@ -254,7 +254,7 @@ std::vector<Parameter> shadowRows() {
                "Sparse hair with the light behind it: with few layers light penetrates too far.")),
       tuned("Light", "shadowBias",
             show(with(shadowed(), [](Setup& s) { s.lights[0].shadowSize = 64; }),
-                 std::vector{0.0f, 0.5f, 4.0f}, light(&Light::shadowBias),
+                 std::vector{0.0f, 0.35f, 4.0f}, light(&Light::shadowBias),
                  "Texels of 13 mm: the shadow begins deeper in the hair.")),
       tuned("Light", "shadowLayerRange"),
       tuned("Light", "shadowVolume",

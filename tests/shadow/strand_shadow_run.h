@@ -139,6 +139,24 @@ struct FlatMap {
   LightAxes axes;
 };
 
+/// The words of a map.
+struct MapWords {
+  std::vector<uint32_t> words;
+  uint32_t texels = 0, layers = 0;  ///< of a face
+
+  /// \param texel of all faces.
+  uint32_t nearest(size_t texel) const { return words[faceOf(texel) + texel % texels]; }
+  bool hasHair(size_t texel) const { return nearest(texel) != 0xffffffffu; }
+  /// Optical depth up to the end of a layer; 0 without hair [quanta].
+  uint32_t depth(size_t texel, uint32_t layer) const {
+    return hasHair(texel) ? words[faceOf(texel) + texels + texel % texels * layers + layer] : 0;
+  }
+  size_t count() const { return words.size() / (1 + layers); }
+
+ private:
+  size_t faceOf(size_t texel) const { return texel / texels * texels * (1 + layers); }
+};
+
 /// A map on a device, with words of another one on both sides.
 class MapRun {
  public:
@@ -178,12 +196,16 @@ class MapRun {
     EXPECT_TRUE(std::all_of(end, all.end(), isPattern)) << "words behind the map";
     return {begin, end};
   }
+  MapWords map() const {
+    return {words(), plan_.view.width * plan_.view.height, plan_.view.layerCount};
+  }
   /// Over all texels and layers.
   double sumOfDepths() const {
     double sum = 0;
-    const std::vector<uint32_t> all = words();
-    for (size_t i = plan_.view.layerCount; i < all.size(); i += plan_.view.layerCount + 1)
-      sum += static_cast<double>(all[i]) / static_cast<double>(plan_.view.tauScale);
+    const MapWords all = map();
+    for (size_t i = 0; i < all.count(); ++i)
+      sum += static_cast<double>(all.depth(i, all.layers - 1)) /
+             static_cast<double>(plan_.view.tauScale);
     return sum;
   }
 

@@ -1,11 +1,12 @@
 // A shadow map of strands, shared by the kernels that write it and those that read it; no
 // resources.
 //
-// A map is width x height texels in a buffer of uint, row by row, each 1 + layerCount words:
-//   0      distance of the nearest hair behind the light's near plane [m], the bits of a float that
-//          is not negative; kNoHair where there is none
-//   1...   optical depth up to the end of layer 1, 2, ... [quanta]
-// Layer i of n ends layerRange (i / n)^2 behind the nearest hair; the last one has no end.
+// A map is width x height texels in a buffer of uint: first a word each, row by row,
+//   distance of the nearest hair behind the light's near plane [m], the bits of a float that is not
+//   negative; kNoHair where there is none
+// and then layerCount words each:
+//   optical depth up to the end of layer 0, 1, ... [quanta]; undefined where there is no hair
+// Layer i of n ends layerRange ((i + 1) / n)^2 behind the nearest hair; the last one has no end.
 //
 // The map of a light that hair surrounds is a cube: six such maps, of the directions +x, -x, +y,
 // -y, +z and -z from the light, one behind the other.

@@ -7,7 +7,6 @@
 
 cbuffer StrandShadowConstants : register(b0, space0) {
   uint g_shadowView;         // element of g_shadowViews
-  uint g_shadowWordCount;    // words of that map
   uint g_shadowVertexCount;  // vertices per strand
   uint g_shadowStrandCount;
   uint g_shadowGuideCount;      // the strands from here on are follow hairs, computed here
@@ -18,6 +17,7 @@ cbuffer StrandShadowConstants : register(b0, space0) {
   float g_shadowFade;           // factor on the radius of the last strands
   uint g_shadowFadingCount;     // how many those are
   uint g_shadowHasThickness;    // 0 or 1
+  uint g_shadowPad0;
 };
 
 // [strand][vertex]: world position [m]; w unused. Only of the first g_shadowGuideCount strands.

@@ -293,10 +293,10 @@ Result<StrandShadowPlan> planStrandShadow(const StrandShadowDef& def,
   // Room for the rounding of the ratio, which the kernel does in floats.
   view.maxRadius = static_cast<float>(def.hasPosition ? std::min(1.001 * sums.widest, kWidestFiber)
                                                       : 1.001 * sums.widest);
-  // splat_strand_opacity says what a segment adds to a texel at most. The other half of 2^32 is for
-  // rounding: 4 quanta a segment.
-  const double most = 2 * toDouble(view.maxRadius) * sums.segments;
-  const double scale = std::min(kFinestQuantum, most > 0 ? 0x1p31 / most : kFinestQuantum);
+  // splat_strand_opacity says what a segment adds to a texel at most. The last quarter of 2^32 is
+  // for rounding.
+  const double most = 2 * std::numbers::sqrt2 * toDouble(view.maxRadius) * sums.segments;
+  const double scale = std::min(kFinestQuantum, most > 0 ? 0x1.8p31 / most : kFinestQuantum);
   view.tauScale = static_cast<float>(std::exp2(std::floor(std::log2(scale))));
   view.tauQuantum = 1 / view.tauScale;
   if (!(sums.segments < 0x1p29))
@@ -317,7 +317,6 @@ Result<void> addStrandShadow(PassList& list, const StrandShadowPlan& plan,
 
   StrandShadowConstants constants = {};
   constants.shadowView = buffers.view;
-  constants.shadowWordCount = plan.words;
   const auto dispatch = [&](const KernelVariant& variant, uint64_t threads, uint64_t bytes,
                             const ShadowedHair& hair) {
     const uint64_t guides = hair.guideCount, follows = hair.strandCount - storedOf(hair);
@@ -345,8 +344,8 @@ Result<void> addStrandShadow(PassList& list, const StrandShadowPlan& plan,
         .shadowWords = {buffers.words, buffers.wordCount * sizeof(uint32_t)},
     });
   };
-  if (Result<void> added = dispatch(clearStrandShadowVariant({}), plan.words, plan.bytes(), {});
-      !added)
+  const uint64_t texels = texelsOf(plan.view), depthBytes = texels * sizeof(uint32_t);
+  if (Result<void> added = dispatch(clearStrandShadowVariant({}), texels, depthBytes, {}); !added)
     return added;
 
   const auto eachHair = [&](const KernelVariant& variant) -> Result<void> {
@@ -375,7 +374,7 @@ Result<void> addStrandShadow(PassList& list, const StrandShadowPlan& plan,
   if (!added || plan.view.layerCount == 0) return added;
   added = eachHair(splatStrandOpacityVariant());
   if (!added) return added;
-  return dispatch(accumulateStrandShadowVariant({}), texelsOf(plan.view), 2 * plan.bytes(), {});
+  return dispatch(accumulateStrandShadowVariant({}), texels, 2 * plan.bytes() - depthBytes, {});
 }
 
 }  // namespace pelage::detail

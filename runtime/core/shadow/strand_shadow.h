@@ -43,13 +43,13 @@ struct StrandShadowDef {
   Float3 center = {};          ///< of a ball around all hair, in world space [m]
   /// Shift of the scene's origin [m]: texels stay where they are in the first world.
   Vector3<double> shifted;
-  float radius = 0;         ///< of it [m]; keep it from frame to frame, texels depend on it
-  uint32_t size = 1024;     ///< texels an edge, 4..8192
-  uint32_t layers = 8;      ///< 1..16; 0: distances alone
-  uint32_t firstWord = 0;   ///< of the map in the buffer of all maps
-  float biasTexels = 0.5f;  ///< bias [texel], >= 0
-  float layerRange = 0;     ///< [m] that the layers take up; 0: found from the hair
-  float volume = 0;         ///< of all hair [m3]; 0: the sum, or where one is not known the ball
+  float radius = 0;          ///< of it [m]; keep it from frame to frame, texels depend on it
+  uint32_t size = 1024;      ///< texels an edge, 4..8192
+  uint32_t layers = 8;       ///< 1..16; 0: distances alone
+  uint32_t firstWord = 0;    ///< of the map in the buffer of all maps
+  float biasTexels = 0.35f;  ///< bias [texel], >= 0
+  float layerRange = 0;      ///< [m] that the layers take up; 0: found from the hair
+  float volume = 0;          ///< of all hair [m3]; 0: the sum, or where one is not known the ball
 };
 
 struct StrandShadowPlan {

@@ -25,19 +25,17 @@ MapPoint lerp(const MapPoint& a, const MapPoint& b, double t) {
           a.depth + (b.depth - a.depth) * t, a.radius + (b.radius - a.radius) * t};
 }
 
-// Sorted fractions at which a line crosses middles of texels, with both ends.
-std::vector<double> cutsOf(const Vector2d& from, const Vector2d& to) {
+// Sorted fractions at which a line leaves a row of texels, with both ends.
+std::vector<double> cutsOf(double from, double to) {
   std::vector<double> cuts = {0, 1};
-  for (int axis = 0; axis < 2; ++axis) {
-    const double low = std::min(from[axis], to[axis]), high = std::max(from[axis], to[axis]);
-    for (double line = std::ceil(low); line <= high; ++line)
-      if (high > low) cuts.push_back((line - from[axis]) / (to[axis] - from[axis]));
-  }
-  for (double& cut : cuts) cut = std::clamp(cut, 0.0, 1.0);
+  const double low = std::min(from, to), high = std::max(from, to);
+  for (double edge = std::ceil(low + 0.5) - 0.5; edge <= high; ++edge)
+    if (high > low) cuts.push_back(std::clamp((edge - from) / (to - from), 0.0, 1.0));
   std::sort(cuts.begin(), cuts.end());
   return cuts;
 }
 
+// The weight of a texel at a point between the middles of four.
 double weightOf(const Vector2d& texel, int x, int y) {
   return std::max(0.0, 1 - std::abs(texel.x() - x)) * std::max(0.0, 1 - std::abs(texel.y() - y));
 }
@@ -90,27 +88,26 @@ void ShadowMapReference::add(const ShadowFiber& whole) {
   };
   const MapPoint from = onMap(fiber.from, fiber.fromRadius);
   const MapPoint to = onMap(fiber.to, fiber.toRadius);
-  const double length = (to.texel - from.texel).norm();
-  const std::vector<double> cuts = cutsOf(from.texel, to.texel);
+  const Vector2d offset = to.texel - from.texel;
+  const int along = std::abs(offset.x()) > std::abs(offset.y()) ? 0 : 1, across = 1 - along;
+  const std::vector<double> cuts = cutsOf(from.texel[along], to.texel[along]);
   for (size_t i = 1; i < cuts.size(); ++i) {
     const MapPoint a = lerp(from, to, cuts[i - 1]), b = lerp(from, to, cuts[i]);
     const MapPoint middle = lerp(from, to, (cuts[i - 1] + cuts[i]) / 2);
-    const double share = length * (cuts[i] - cuts[i - 1]) * fiber.opacity;
-    const int left = static_cast<int>(std::floor(middle.texel.x()));
-    const int top = static_cast<int>(std::floor(middle.texel.y()));
-    for (const auto& [x, y] : {std::pair(left, top), std::pair(left + 1, top),
-                               std::pair(left, top + 1), std::pair(left + 1, top + 1)}) {
-      if (x < 0 || y < 0 || x >= static_cast<int>(projection_.width) ||
-          y >= static_cast<int>(projection_.height))
+    const double area = 2 * offset.norm() * (cuts[i] - cuts[i - 1]) * fiber.opacity * middle.radius;
+    int at[2];
+    at[along] = static_cast<int>(std::floor(middle.texel[along] + 0.5));
+    const double low = std::floor(middle.texel[across]);
+    for (const double other : {low, low + 1}) {
+      at[across] = static_cast<int>(other);
+      if (std::min(at[0], at[1]) < 0 || at[0] >= static_cast<int>(projection_.width) ||
+          at[1] >= static_cast<int>(projection_.height))
         continue;
-      Texel& texel = texels_[static_cast<size_t>(y) * projection_.width + static_cast<size_t>(x)];
+      Texel& texel =
+          texels_[static_cast<size_t>(at[1]) * projection_.width + static_cast<size_t>(at[0])];
       texel.nearest = std::min({texel.nearest, a.depth / a.inverse, b.depth / b.inverse});
-      // Simpson's rule, exact for cubic functions.
-      const double area =
-          2 * share / 6 *
-          (a.radius * weightOf(a.texel, x, y) + 4 * middle.radius * weightOf(middle.texel, x, y) +
-           b.radius * weightOf(b.texel, x, y));
-      texel.parts.emplace_back(middle.depth / middle.inverse, area);
+      texel.parts.emplace_back(middle.depth / middle.inverse,
+                               area * (1 - std::abs(middle.texel[across] - other)));
     }
   }
 }
