@@ -64,6 +64,29 @@ Contact findContact(Collider shape, float3 p, float begin, float end) {
   return contact;
 }
 
+// Returns false if sweepCapsule() finds nothing within `range`, for a part of its cost.
+bool mayTouchCapsule(Collider shape, float3 from, float3 p, float begin, float end, float range) {
+  precise float3 headDisplacement = shape.head.xyz - shape.headBefore.xyz;
+  precise float3 tailDisplacement = shape.tail.xyz - shape.tailBefore.xyz;
+  precise float3 head = shape.headBefore.xyz + headDisplacement * end;
+  precise float3 tail = shape.tailBefore.xyz + tailDisplacement * end;
+  precise float3 axis = tail - head;
+  precise float3 arm = p - head;
+  precise float along = dot3(arm, axis) / max(dot3(axis, axis), 1e-16);
+  precise float3 off = arm - axis * min(max(along, 0.0), 1.0);
+  // A path from its start in the frame of reference of the surface leads as far as its length.
+  precise float3 displacement = p - from;
+  float radius = max(shape.head.w, shape.tail.w);
+  precise float moved2 =
+      max(dot3(headDisplacement, headDisplacement), dot3(tailDisplacement, tailDisplacement));
+  precise float spun2 = dot3(shape.spin.xyz, shape.spin.xyz) * radius * radius;
+  precise float path =
+      squareRoot(dot3(displacement, displacement)) + squareRoot(moved2) + squareRoot(spun2);
+  // With room for rounding.
+  precise float most = (radius + max(range, path)) * 1.001 + 1e-4;
+  return !(dot3(off, off) > most * most);
+}
+
 // A sweep longer than this fraction of the smaller radius finds the first contact on its path.
 static const float kSweepFrom = 0.25;
 static const float kSweepContact = 1e-5;  // [m]
@@ -75,21 +98,32 @@ static const uint kSweepSteps = 16;
 // \param rests  true: a point that lies on the surface at `from` is held there if the surface faces
 //               away from the surface nearest to p; false: such a point is not swept
 Contact sweepCapsule(Collider shape, float3 from, float3 p, float begin, float end, bool rests) {
-  Contact last = findContact(shape, p, begin, end);
-  // Relative to the surface, which is where it is in the end.
-  precise float3 start = from + last.surfaceMotion;
-  precise float3 displacement = p - start;
-  float size = squareRoot(dot3(displacement, displacement));
-  if (!(size > kSweepFrom * min(shape.head.w, shape.tail.w)) || last.penetration < -1e17)
-    return last;
-  Contact contact = findContact(shape, start, begin, end);
-  float deepest = 0.0;
-  if (rests && contact.penetration > -kSweepContact)
-    deepest = dot3(contact.normal, last.normal) > 0.0 ? -1e18 : kSweepContact;
-  if (!(contact.penetration < deepest)) return last;
-  precise float3 direction = displacement * (1.0 / max(size, 1e-20));
+  Contact last = (Contact)0;
+  precise float3 start = p;
+  precise float3 direction = float3(0.0, 0.0, 0.0);
+  float size = 0.0;
   precise float s = 0.0;
-  [loop] for (uint i = 0; i < kSweepSteps; ++i) {
+  // One call of findContact(), because compilers copy it to every call: at the end of the path, and
+  // from its start on.
+  [loop] for (uint i = 0; i <= kSweepSteps; ++i) {
+    Contact contact = findContact(shape, i == 0u ? p : start + direction * s, begin, end);
+    if (i == 0u) {
+      last = contact;
+      // Relative to the surface, which is where it is in the end.
+      start = from + last.surfaceMotion;
+      precise float3 displacement = p - start;
+      size = squareRoot(dot3(displacement, displacement));
+      if (!(size > kSweepFrom * min(shape.head.w, shape.tail.w)) || last.penetration < -1e17)
+        return last;
+      direction = displacement * (1.0 / max(size, 1e-20));
+      continue;
+    }
+    if (i == 1u) {
+      float deepest = 0.0;
+      if (rests && contact.penetration > -kSweepContact)
+        deepest = dot3(contact.normal, last.normal) > 0.0 ? -1e18 : kSweepContact;
+      if (!(contact.penetration < deepest)) return last;
+    }
     if (contact.penetration > -kSweepContact) {
       precise float3 left = p - (start + direction * s);
       precise float penetration = contact.penetration - dot3(contact.normal, left);
@@ -99,7 +133,6 @@ Contact sweepCapsule(Collider shape, float3 from, float3 p, float begin, float e
     }
     s = s - contact.penetration;
     if (!(s < size)) return last;
-    contact = findContact(shape, start + direction * s, begin, end);
   }
   return last;
 }

@@ -67,9 +67,9 @@ Found nothingFound() {
 // Returns true if a collider may be in range.
 bool mayCollide(SweptVertex vertex) {
   for (uint c = 0; c < CONTACT_CAPSULE_COUNT; ++c) {
-    Contact contact = sweepCapsule(CONTACT_CAPSULE(c), vertex.from, vertex.to, vertex.begin,
-                                   vertex.end, CONTACT_RESTS);
-    if (contact.penetration > -vertex.range) return true;
+    if (mayTouchCapsule(CONTACT_CAPSULE(c), vertex.from, vertex.to, vertex.begin, vertex.end,
+                        vertex.range))
+      return true;
   }
 #if SDF
   for (uint f = 0; f < CONTACT_SDF_COUNT; ++f) {
@@ -97,9 +97,12 @@ void findDeepest(SweptVertex vertex, out Found first, out Found second) {
   first = nothingFound();
   second = nothingFound();
   for (uint c = 0; c < CONTACT_CAPSULE_COUNT; ++c) {
+    Collider capsule = CONTACT_CAPSULE(c);
+    if (!mayTouchCapsule(capsule, vertex.from, vertex.to, vertex.begin, vertex.end, vertex.range))
+      continue;
     Found found;
-    found.contact = sweepCapsule(CONTACT_CAPSULE(c), vertex.from, vertex.to, vertex.begin,
-                                 vertex.end, CONTACT_RESTS);
+    found.contact =
+        sweepCapsule(capsule, vertex.from, vertex.to, vertex.begin, vertex.end, CONTACT_RESTS);
     found.collider = min(c, kContactSdf - 1u);
     keepDeepest(found, vertex.range, first, second);
   }

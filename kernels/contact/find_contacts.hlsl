@@ -1,9 +1,10 @@
 // Finds the contacts of vertices with capsules and SDFs before a solver takes its sub-step.
 //
-// Threads: one per vertex. A group of 32 x 4 has 32 vertices of 4 strands: group.x is a tile of 32
-//          strands (or an entry of a list of tiles), group.y counts the 8 groups of 4 strands, then
-//          the words of the masks, then rows of 32,768 tiles. In a second search group.x and rows
-//          in group.z count groups of 4 strands of a list, and group.y the words of the masks.
+// Threads: one per vertex. A group of 128 has as many whole strands as it has threads for, or 32
+//          vertices of 4 longer ones: group.x is a tile of 32 strands (or an entry of a list of
+//          tiles), group.y counts the groups of a tile, then the words of the masks, then rows of
+//          32,768 tiles. In a second search group.x and rows in group.z count groups of 4 strands
+//          of a list, and group.y the words of the masks.
 // Reads:   g_contactPositions, g_contactRoots, g_awakeTiles, g_capsules; with SDF in its place
 //          g_contactColliders, g_contactSdfKeys, g_contactSdfSurface
 // Writes:  g_contacts, g_contactWords
@@ -56,15 +57,18 @@ static const uint kNoElement = 0xffffffffu;
 // Maximum displacement that the prediction extrapolates [m].
 static const float kLongestStep = 1.0;
 
-groupshared uint s_masks[4];
+// [strand of the group]
+groupshared uint s_masks[kTileStrands];
+groupshared uint s_had[kTileStrands];
+groupshared uint s_target[kTileStrands];
+groupshared uint s_state[kTileStrands];
+groupshared uint s_records;
+// Vertices that may be near a collider: 32 times the strand of the group, and the bit of the mask.
 groupshared uint s_count;
-groupshared uint s_list[128];
-groupshared float3 s_from[128];
-groupshared float3 s_to[128];
-groupshared float s_range[128];
-groupshared uint s_element[128];
-groupshared uint s_scratch[128];
-groupshared uint s_had[4];
+groupshared uint s_list[kGroupThreads];
+groupshared float3 s_from[kGroupThreads];
+groupshared float3 s_to[kGroupThreads];
+groupshared float s_range[kGroupThreads];
 
 // Returns the force of the record that the vertex had with the same collider, in the new tangent
 // plane.
@@ -126,9 +130,9 @@ float4 planeOf(ContactRecord record) {
 }
 
 // Writes what the elimination needs of the records of a vertex.
-void storeScratch(uint entry, ContactRecord a, ContactRecord b, bool more) {
-  uint element =
-      g_contactBefore + g_contactVertexCount + 2u * g_contactStrandTotal + s_scratch[entry];
+// \param vertex  its element in a set of the scratch
+void storeScratch(uint vertex, ContactRecord a, ContactRecord b, bool more) {
+  uint element = g_contactBefore + g_contactVertexCount + 2u * g_contactStrandTotal + vertex;
   precise float3 force = a.plane.xyz * a.force.w + a.force.xyz;
   precise float load = squareRoot(dot3(force, force));
   float4 second = float4(0.0, 0.0, 0.0, kNoLimit);
@@ -144,7 +148,8 @@ void storeScratch(uint entry, ContactRecord a, ContactRecord b, bool more) {
 }
 
 // Writes the records of a vertex. Returns their number.
-uint findRecords(uint entry) {
+// \param firstVertex  of the mask's word
+uint findRecords(uint entry, uint firstVertex) {
   SweptVertex swept;
   swept.from = s_from[entry];
   swept.to = s_to[entry];
@@ -157,15 +162,17 @@ uint findRecords(uint entry) {
   findDeepest(swept, first, second);
   if (!(first.contact.penetration > -swept.range)) return 0u;
   bool more = second.contact.penetration > -swept.range;
-  uint strand = s_list[entry] >> 5;
-  bool had = ((s_had[strand] >> (s_list[entry] & 31u)) & 1u) != 0u;
-  uint element = s_element[entry] * kMaxContacts;
+  uint strand = s_list[entry] / kMaskVertices;
+  uint bit = s_list[entry] % kMaskVertices;
+  uint vertex = firstVertex + bit;
+  bool had = ((s_had[strand] >> bit) & 1u) != 0u;
+  uint element = (s_target[strand] + vertex) * kMaxContacts;
   ContactRecord a = goOn(recordOf(first, swept.to), element, had);
   ContactRecord b = goOn(recordOf(second, swept.to), element, had && more);
   if (more) a.bits = a.bits | kContactMore;
   storeRecord(element, a);
   if (more) storeRecord(element + 1u, b);
-  if (g_contactStride > 0u) storeScratch(entry, a, b, more);
+  if (g_contactStride > 0u) storeScratch(s_state[strand] + vertex * kTileStrands, a, b, more);
   return more ? 2u : 1u;
 }
 
@@ -199,22 +206,26 @@ RootSteps rootSteps(ContactStrand strand, uint slot) {
   return steps;
 }
 
-[numthreads(32, 4, 1)]
-void find_contacts(uint3 group : SV_GroupID, uint3 lane : SV_GroupThreadID,
-                   uint index : SV_GroupIndex) {
+[numthreads(kGroupThreads, 1, 1)]
+void find_contacts(uint3 group : SV_GroupID, uint index : SV_GroupIndex) {
   bool again = (g_contactFlags & kAgainFlag) != 0u;
-  uint blocks = (kTileStrands / kGroupStrands) * g_contactMaskWords;
+  uint groupVertices = again ? kMaskVertices : g_contactGroupVertices;
+  uint groupStrands = again ? kListedStrands : g_contactGroupStrands;
+  uint own = index / groupVertices;
+  uint bit = index - own * groupVertices;
+  uint blocks = g_contactTileGroups * g_contactMaskWords;
   uint row = group.y / blocks;
   uint block = group.y - row * blocks;
-  uint word = block / (kTileStrands / kGroupStrands);
-  uint quarter = block - word * (kTileStrands / kGroupStrands);
+  uint word = block / g_contactTileGroups;
+  uint part = block - word * g_contactTileGroups;
   uint tile = row * kRowGroups + group.x;
   if (!again && (g_contactFlags & kListedFlag) != 0u)
     tile = g_awakeTiles[g_tileList + min(tile, g_contactTileCount - 1u)];
-  uint slot = tile * kTileStrands + quarter * kGroupStrands + lane.y;
-  bool inside = tile < g_contactTileCount;
+  uint lane = part * groupStrands + own;
+  uint slot = tile * kTileStrands + lane;
+  bool inside = tile < g_contactTileCount && lane < kTileStrands;
   if (again) {
-    uint entry = (group.z * kListedGroups + group.x) * kGroupStrands + lane.y;
+    uint entry = (group.z * kListedGroups + group.x) * kListedStrands + own;
     word = group.y;
     uint strand = 0u;
     if (entry < g_contactWords[g_contactHead + kContactListed])
@@ -222,27 +233,30 @@ void find_contacts(uint3 group : SV_GroupID, uint3 lane : SV_GroupThreadID,
     inside = (strand & kListedFar) != 0u;
     slot = strand & ~kListedFar;
   }
-  inside = inside && slot < g_contactStrandCount;
+  inside = inside && own < groupStrands && slot < g_contactStrandCount;
   uint maskWord = g_contactMasks + slot * g_contactMaskWords + word;
-  if (index == 0u) s_count = 0u;
-  if (lane.x == 0u) {
-    s_masks[lane.y] = 0u;
+  uint firstVertex = word * kMaskVertices;
+  ContactStrand strand = (ContactStrand)0;
+  if (inside) strand = strandAt(slot);
+  if (index == 0u) {
+    s_count = 0u;
+    s_records = 0u;
+  }
+  if (inside && bit == 0u) {
     bool goesOn = again || (g_contactFlags & kNoHistoryFlag) == 0u;
-    s_had[lane.y] = inside && goesOn ? g_contactWords[maskWord] : 0u;
+    s_masks[own] = 0u;
+    s_had[own] = goesOn ? g_contactWords[maskWord] : 0u;
+    s_target[own] = strand.target;
+    s_state[own] = strand.state;
   }
   GroupMemoryBarrierWithGroupSync();
 
-  uint vertex = word * 32u + lane.x;
-  uint own = kNoElement;
-  if (inside) {
-    ContactStrand strand = strandAt(slot);
-    uint element = strand.target + vertex;
-    if (vertex < strand.count && element < g_contactVertexCount) own = element;
-  }
-  if (own != kNoElement && vertex >= 2u) {
-    ContactStrand strand = strandAt(slot);
-    float3 now = g_contactPositions[own].xyz;
-    float3 before = asfloat(g_contacts[g_contactBefore + own].xyz);
+  uint vertex = firstVertex + bit;
+  uint element = strand.target + vertex;
+  bool exists = vertex < strand.count && element < g_contactVertexCount;
+  if (exists && vertex >= 2u) {
+    float3 now = g_contactPositions[element].xyz;
+    float3 before = asfloat(g_contacts[g_contactBefore + element].xyz);
     bool known = (g_contactFlags & kNoHistoryFlag) == 0u && isUsable(before);
     RootSteps root = rootSteps(strand, slot);
     if (vertex == 2u && !again)
@@ -275,26 +289,25 @@ void find_contacts(uint3 group : SV_GroupID, uint3 lane : SV_GroupThreadID,
     if (isUsable(to) && mayCollide(swept)) {
       uint entry;
       InterlockedAdd(s_count, 1u, entry);
-      s_list[entry] = lane.y * 32u + lane.x;
+      s_list[entry] = own * kMaskVertices + bit;
       s_from[entry] = from;
       s_to[entry] = to;
       s_range[entry] = range;
-      s_element[entry] = own;
-      s_scratch[entry] = strand.state + vertex * kTileStrands;
     }
   }
   GroupMemoryBarrierWithGroupSync();
 
   if (index < s_count) {
-    uint records = findRecords(index);
+    uint records = findRecords(index, firstVertex);
     if (records > 0u) {
       uint which = s_list[index];
-      InterlockedOr(s_masks[which >> 5], 1u << (which & 31u));
-      InterlockedAdd(g_contactWords[kContactCount], records);
+      InterlockedOr(s_masks[which / kMaskVertices], 1u << (which % kMaskVertices));
+      InterlockedAdd(s_records, records);
     }
   }
   GroupMemoryBarrierWithGroupSync();
-  if (lane.x == 0u && inside) g_contactWords[maskWord] = s_masks[lane.y];
-  if (own != kNoElement && !again)
-    g_contacts[g_contactBefore + own] = uint4(asuint(g_contactPositions[own].xyz), 0u);
+  if (inside && bit == 0u) g_contactWords[maskWord] = s_masks[own];
+  if (exists && !again)
+    g_contacts[g_contactBefore + element] = uint4(asuint(g_contactPositions[element].xyz), 0u);
+  if (index == 0u && s_records > 0u) InterlockedAdd(g_contactWords[kContactCount], s_records);
 }

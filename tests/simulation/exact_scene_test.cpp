@@ -321,9 +321,9 @@ TEST_F(ExactSceneTest, TheHeadOfSleepHasWhatIndirectPassesTake) {
   EXPECT_EQ(scene_.resources().find(hair.buffers().sleep)->size, (16u + 2 + 5) * 4);
   const std::vector<uint32_t> head = uploaded<uint32_t>(hair.buffers().sleep);
   ASSERT_EQ(head.size(), 16u);
-  // A tile is four groups of eight strands in the elimination, eight of four for each 32 vertices,
+  // A tile is four groups of eight strands in the elimination, two of sixteen strands of eight vertices,
   // and a group a strand.
-  EXPECT_EQ(head, (std::vector<uint32_t>{0, 4, 1, 0, 0, head[5], 1, 0, 0, 8, 1, 0, 32, 0, 1, 0}));
+  EXPECT_EQ(head, (std::vector<uint32_t>{0, 4, 1, 0, 0, head[5], 1, 0, 0, 2, 1, 0, 32, 0, 1, 0}));
 }
 
 TEST_F(ExactSceneTest, CollidersMoveFromWhereTheyWere) {

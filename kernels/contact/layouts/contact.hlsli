@@ -30,6 +30,12 @@ cbuffer ContactConstants : register(b0, space0) {
   // xyz additional displacement of falling vertices in the sub-step, if it is far enough to skip a
   // thin part [m]; w unused
   float4 g_contactFall;
+  // Outside of a second search: vertices that a group takes of a strand, 2..32; its strands; groups
+  // of a tile and a word of the masks.
+  uint g_contactGroupVertices;
+  uint g_contactGroupStrands;
+  uint g_contactTileGroups;
+  uint g_contactPad0;
 };
 
 // Bits of g_contactFlags.
@@ -38,9 +44,11 @@ static const uint kAgainFlag = 2;      // again, for the strands of the list
 static const uint kNoHistoryFlag = 4;  // nothing is known of the displacement before
 static const uint kOddFlag = 8;  // which of the two steps of roots is that of the last sub-step
 
-// Strands a tile and a group.
 static const uint kTileStrands = 32;
-static const uint kGroupStrands = 4;
+static const uint kGroupThreads = 128;
+// Vertices of a word of the masks, and strands of a group in a second search.
+static const uint kMaskVertices = 32;
+static const uint kListedStrands = kGroupThreads / kMaskVertices;
 
 // [vertex] world position [m], before the sub-step; again: after it.
 StructuredBuffer<float4> g_contactPositions : register(t0, space0);

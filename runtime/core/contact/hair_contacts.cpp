@@ -23,7 +23,6 @@ static_assert(sizeof(ContactRecord) == kContactElements * sizeof(Uint4));
 static_assert(sizeof(Collider) == contact::kColliderElements * sizeof(Uint4));
 static_assert(sizeof(Sdf) == sizeof(Collider), "both are elements of one buffer");
 
-constexpr uint32_t kMaskBits = 32;
 // Vertices this near to a surface have a record [m]; falling hair reaches further.
 constexpr float kRange = 3e-3f;
 // Falls longer than this are part of a vertex's predicted position; for shorter ones the planes at
@@ -68,6 +67,20 @@ uint32_t HairContacts::head(uint32_t step) const {
   return kContactTotalWords + step * kContactHeadWords;
 }
 
+uint32_t HairContacts::groupVertices() const {
+  return std::min(verticesPerStrand_, contact::kMaskVertices);
+}
+
+uint32_t HairContacts::groupStrands() const {
+  return verticesPerStrand_ == 0
+             ? contact::kListedStrands
+             : std::min(contact::kGroupThreads / groupVertices(), contact::kTileStrands);
+}
+
+uint32_t HairContacts::tileGroups() const {
+  return (contact::kTileStrands + groupStrands() - 1) / groupStrands();
+}
+
 // The word where they begin; what draws them binds them from there on.
 uint32_t HairContacts::strands() const {
   const uint64_t end = uint64_t{masks()} + uint64_t{strandCount_} * maskWords_;
@@ -83,7 +96,7 @@ void HairContacts::prepare(ResourceTable& resources, const std::string& name,
   strandCount_ = static_cast<uint32_t>(strands.strands.size());
   stateStride_ = strands.stateStride;
   tiles_ = (strandCount_ + contact::kTileStrands - 1) / contact::kTileStrands;
-  maskWords_ = (verticesPerStrand + kMaskBits - 1) / kMaskBits;
+  maskWords_ = (verticesPerStrand + contact::kMaskVertices - 1) / contact::kMaskVertices;
   verticesPerStrand_ = verticesPerStrand;
   vertices_ = vertices;
   steps_ = steps;
@@ -174,6 +187,9 @@ Result<void> HairContacts::find(PassList& list, const ResourceTable& resources,
                        step.gravity.z * squared};
   const float height = std::hypot(fall.x, fall.y, fall.z);
   constants.contactRange = kRange + height + step.furtherRange;
+  constants.contactGroupVertices = groupVertices();
+  constants.contactGroupStrands = groupStrands();
+  constants.contactTileGroups = tileGroups();
   if (height > kLeap) constants.contactFall = {fall.x, fall.y, fall.z, 0};
   const KernelVariant& variant = *findContactsVariant(
       {.sdf = colliders.contactSdfCount > 0, .denseSdf = colliders.hasDenseSdfs});
@@ -184,8 +200,7 @@ Result<void> HairContacts::find(PassList& list, const ResourceTable& resources,
     builder.dispatchIndirect(variant, awake.buffer, awake.argumentBytes);
   else
     builder.dispatch(variant, std::min(tiles_, dispatch::kRowGroups) * kFindContactsGroupSize.x,
-                     rows() * ((tiles_ + dispatch::kRowGroups - 1) / dispatch::kRowGroups) *
-                         kFindContactsGroupSize.y);
+                     rows() * ((tiles_ + dispatch::kRowGroups - 1) / dispatch::kRowGroups));
   builder.bytes(vertices_ * 3 * sizeof(Float4));
   if (!step.again) {
     odd_ = !odd_;
@@ -257,8 +272,8 @@ Result<float> HairContacts::deepest(std::span<const std::byte> records,
   float deepest = 0;
   for (size_t strand = 0; strand < foundStrands_; ++strand) {
     for (size_t vertex = 0; vertex < verticesPerStrand_; ++vertex) {
-      const uint32_t mask = masks[strand * maskWords_ + vertex / kMaskBits];
-      if (((mask >> (vertex % kMaskBits)) & 1) == 0) continue;
+      const uint32_t mask = masks[strand * maskWords_ + vertex / contact::kMaskVertices];
+      if (((mask >> (vertex % contact::kMaskVertices)) & 1) == 0) continue;
       const size_t element = (*targets_)[strand] + vertex;
       const Float4& p = points[element];
       deepest = std::max(

@@ -113,9 +113,13 @@ class HairContacts {
   uint32_t masks() const { return list() + strandCount_; }
   uint32_t maskWords() const { return maskWords_; }
   /// Groups in y of the pass over a list of tiles.
-  uint32_t rows() const { return maskWords_ * 8; }
+  uint32_t rows() const { return maskWords_ * tileGroups(); }
 
  private:
+  /// Vertices that a group of find_contacts takes of a strand, its strands, and groups of a tile.
+  uint32_t groupVertices() const;
+  uint32_t groupStrands() const;
+  uint32_t tileGroups() const;
   uint32_t scratchSets() const {
     using namespace contact_records;
     // Vertices 0 and 1 have no contacts.
