@@ -6,7 +6,6 @@
 #include <optional>
 #include <vector>
 
-#include "passes/dispatch_rows.h"
 #include "pelage/constants.h"
 #include "pelage/gpu_structs.h"
 #include "pelage/kernels.h"
@@ -92,11 +91,9 @@ class ExactPass {
       contacts->find(list, hair, step);
       addStrandPass(list, eliminate, values);
       PassBuilder builder(list);
-      if (again)
-        builder.dispatchIndirect(solveContactsVariant({}), contacts->contacts().words(),
-                                 listArguments(contact_records::kContactSolveArguments));
-      else
-        detail::dispatchGroups(builder, solveContactsVariant({}), constants.strandCount);
+      builder.dispatchIndirect(solveContactsVariant({}), contacts->contacts().words(),
+                               listArguments(again ? contact_records::kContactSolveArguments
+                                                   : contact_records::kContactGroupArguments));
       finish(builder, values);
       addStrandPass(list, rollOutStrandsVariant({}), values);
     }

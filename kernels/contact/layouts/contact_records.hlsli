@@ -8,6 +8,8 @@
 //   list    [strand] strands that are solved again, and kListedFar for those whose contacts are found
 //           again
 //   masks   [strand][mask word] bit i % 32 of word i / 32: vertex i has a record
+//   lists   kContactListCount for solve_contacts, by the number of vertices in contact; [strand]: its
+//           index, and its last vertex in contact | 65,536 times their number
 //   strands [strand] ContactStrand, from a multiple of kContactAlignment on
 // Strands are counted in the order in which the solver takes them.
 #ifndef PELAGE_CONTACT_LAYOUTS_CONTACT_RECORDS_HLSLI
@@ -86,13 +88,20 @@ static const float kNoLimit = 1e30;
 static const uint kContactCount = 0;  // records written
 static const uint kContactAgain = 1;  // strands solved again
 static const uint kContactTotalWords = 4;
-// Words of a head: groups of indirect dispatches over the list, 3 words each, with at most
+// Words of a head: groups of indirect dispatches over the lists, 3 words each, with at most
 // kListedGroups in x and rows of them in z.
-static const uint kContactHeadWords = 12;
+static const uint kContactHeadWords = 20;
 static const uint kContactFindArguments = 0;    // of find_contacts: 4 strands a group
 static const uint kContactStrandArguments = 3;  // of kernels with a thread a strand, 4 a group
 static const uint kContactSolveArguments = 6;   // of solve_contacts: a strand a group
 static const uint kContactListed = 9;           // strands in the list
+static const uint kContactGroups = 10;          // of solve_contacts over the lists by number
+static const uint kContactGroupArguments = 12;
+static const uint kContactLists = 16;  // strands in each of them
+// Lists of strands with at most kFewLanes vertices in contact, twice as many, and more.
+static const uint kContactListCount = 3;
+static const uint kContactListWords = 2;
+static const uint kFewLanes = 8;
 static const uint kListedGroups = 65535;
 static const uint kListedFar = 0x80000000u;
 

@@ -5,8 +5,8 @@
 // Threads: one per strand, in groups of 32 of which the first 8 (kNarrowFlag) or all have one; in a
 //          second round the first 4, each with a strand of the list.
 // Reads:   g_rest, g_state, g_contacts, g_contactWords, g_forces, g_sleep
-// Writes:  g_state (gains; at a reset the states that it reads), g_contacts (scratch); with the pose
-//          flag g_positions alone
+// Writes:  g_state (gains; at a reset the states that it reads), g_contacts (scratch), g_contactWords
+//          (lists for solve_contacts, in no order); with the pose flag g_positions alone
 //
 // In a second round, which roll_out_strands lists strands for, the strand is linearized about the
 // result of the first one.
@@ -15,6 +15,21 @@
 #define CONTACTS 1
 #define VELOCITY_SHOCK_PROPAGATION 1
 #include "exact_step.hlsli"
+
+// Lists a strand with records for solve_contacts.
+void listForSolve(uint index, uint vertices) {
+  uint contacts = contactCount(index, vertices);
+  uint list = contacts <= kFewLanes ? 0u : (contacts <= 2u * kFewLanes ? 1u : 2u);
+  uint entry;
+  InterlockedAdd(g_contactWords[g_contactHead + kContactLists + list], 1u, entry);
+  uint word = listedWord(list, entry);
+  g_contactWords[word] = index;
+  g_contactWords[word + 1u] = contacts << 16 | lastContact(index, vertices);
+  if (entry % strandsOfGroup(list) != 0u) return;
+  uint group;
+  InterlockedAdd(g_contactWords[g_contactHead + kContactGroups], 1u, group);
+  listGroup(kContactGroupArguments, group);
+}
 
 [numthreads(32, 1, 1)]
 void eliminate_strands(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
@@ -37,4 +52,5 @@ void eliminate_strands(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
   if (!rod.overlaps) return;
   storeScratch(kScratchStates, 0u, rod.strand, rod.transport.now.rotation);
   storeScratch(kScratchStates, 1u, rod.strand, float4(rod.transport.now.shift, 0.0));
+  if (!again) listForSolve(index, rod.strand.count);
 }

@@ -24,16 +24,6 @@ Symmetric3 inversePivot(StoredResponse stored) {
   return makeSymmetric(stored.a.x, stored.a.y, stored.a.z, stored.a.w, stored.b.x, stored.b.y);
 }
 
-// Returns the last vertex in contact, or 0.
-uint lastContact(uint index, uint count) {
-  uint last = 0u;
-  for (uint word = 0u; word * 32u < count; ++word) {
-    uint mask = contactMask(index, word * 32u);
-    if (mask != 0u) last = word * 32u + firstbithigh(mask);
-  }
-  return min(last, count - 1u);
-}
-
 // State (dx, u) of a vertex and the edge before it.
 struct RodState {
   float3 dx;

@@ -132,6 +132,33 @@ uint contactMask(uint index, uint vertex) {
 
 bool hasContact(uint mask, uint vertex) { return ((mask >> (vertex & 31u)) & 1u) != 0u; }
 
+// Returns how many of its vertices have a record.
+uint contactCount(uint index, uint count) {
+  uint contacts = 0u;
+  for (uint word = 0; word * 32u < count; ++word)
+    contacts = contacts + countbits(contactMask(index, word * 32u));
+  return contacts;
+}
+
+// Returns the last vertex in contact, or 0.
+uint lastContact(uint index, uint count) {
+  uint last = 0u;
+  for (uint word = 0u; word * 32u < count; ++word) {
+    uint mask = contactMask(index, word * 32u);
+    if (mask != 0u) last = word * 32u + firstbithigh(mask);
+  }
+  return min(last, count - 1u);
+}
+
+// Strands that a group of solve_contacts takes of a list.
+uint strandsOfGroup(uint list) { return 1u << (kContactListCount - 1u - list); }
+
+// First word of an entry of a list for solve_contacts.
+uint listedWord(uint list, uint entry) {
+  return g_contactMasks + g_strandCount * g_contactMaskWords +
+         kContactListWords * (list * g_strandCount + entry);
+}
+
 // Returns true if the strand has a record.
 bool touchesAnything(uint index, uint count) {
   uint any = 0u;

@@ -304,6 +304,13 @@ uint strandOfLane(uint3 group, uint lane) {
     return g_sleep[kSleepHead + group.x] * kTileStrands + group.y * strands + lane;
   return indexOfGroup(group) * strands + lane;
 }
+
+// Adds a group to an indirect dispatch.
+void listGroup(uint arguments, uint group) {
+  uint word = g_contactHead + arguments;
+  InterlockedMax(g_contactWords[word], min(group + 1u, kListedGroups));
+  InterlockedMax(g_contactWords[word + 2u], group / kListedGroups + 1u);
+}
 #endif
 
 // Returns false for a strand that is not simulated, or does not fit its buffers.

@@ -21,12 +21,6 @@
 // Strands that a group of find_contacts takes.
 static const uint kFindStrands = 4;
 
-void listGroup(uint arguments, uint group) {
-  uint word = g_contactHead + arguments;
-  InterlockedMax(g_contactWords[word], min(group + 1u, kListedGroups));
-  InterlockedMax(g_contactWords[word + 2u], group / kListedGroups + 1u);
-}
-
 // Lists a strand for the second round.
 void solveAgain(uint index, bool far) {
   uint entry;

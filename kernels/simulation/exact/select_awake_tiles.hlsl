@@ -100,7 +100,6 @@ void select_awake_tiles(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
     InterlockedAdd(g_sleep[kSleepAwakeStrands], min(kTileStrands, simulated - tile * kTileStrands));
     InterlockedMax(g_sleep[kSleepFollowArguments], g_followGroups);
     InterlockedAdd(g_sleep[kSleepFindArguments], 1u);
-    InterlockedAdd(g_sleep[kSleepContactArguments + 1u], 1u);
   } else {
     uint offset = g_sleep[kSleepHead + tiles + tile];
     g_sleep[kSleepHead + tiles + tile] = (offset + g_slotsBack) % 4;

@@ -1,8 +1,8 @@
 // The forces of the contacts of a strand, between eliminate_strands and roll_out_strands: iterations
 // between Coulomb's law at each contact and the strand's linear response (exact_contact.hlsli).
 //
-// Threads: a group per strand; in the order of the state, or of the list in a second round.
-//          Strands without a record leave at once.
+// Threads: groups of 32 with one, two or four strands, of a list of eliminate_strands with 32, 16 or
+//          8 lanes for each; in a second round one strand, of the list of roll_out_strands.
 // Reads:   g_rest, g_state (gains), g_contacts, g_contactWords, g_sleep
 // Writes:  g_contacts (forces of the records, scratch); g_state (k of the gains) if it sweeps
 //
@@ -10,10 +10,10 @@
 // (dx_i, dphi_i-1) to forces on it follows from root to tip as a covariance does in a Kalman filter:
 //   C_i+1 = T C_i T^T + B W B^T,
 // T the closed loop of edge i, B what its rotation does to the state, W the inverse of its pivot;
-// what a force does further on, T takes there. Six lanes have the columns of C. The others have a
-// vertex in contact each: three columns of the matrix from there on, and in the iterations the
-// contacts of the vertex. A strand with more vertices in contact than the matrix has takes two sweeps
-// in each iteration instead, by one lane.
+// what a force does further on, T takes there. Each lane of a strand has a vertex in contact: three
+// columns of the matrix from there on, and in the iterations the contacts of the vertex. The first six
+// also have the columns of C, the next one dx by the gains. A strand with more vertices in contact
+// than the matrix has takes two sweeps in each iteration instead, by one lane.
 //
 // Invariant (tests/simulation): agrees with tests/reference/rod bit by bit where the device's square
 // root and division are exact.
@@ -22,22 +22,38 @@
 #include "../../base/dispatch.hlsli"
 #include "exact_compliance.hlsli"
 
-// Blocks of the lower triangle, by columns, in three arrays: few and wide loads.
+static const uint kLanes = 32;
+static const uint kMostStrands = kLanes / kFewLanes;
+// Lanes of the columns of C, and the lane of dx by the gains.
+static const uint kComplianceLanes = 6;
+static const uint kFreeLane = kComplianceLanes;
+// Blocks of the lower triangle, by columns, in three arrays: few and wide loads. Those of a strand
+// follow those of the one before it.
 static const uint kBlocks = kMatrixContacts * (kMatrixContacts + 1) / 2;
 groupshared float4 s_blocksA[kBlocks];
 groupshared float4 s_blocksB[kBlocks];
 groupshared float s_blocksC[kBlocks];
-// [vertex in contact] change of the forces since the elimination.
-groupshared float4 s_changes[kMatrixContacts];
-groupshared float2 s_sums[kMatrixContacts];
-// Lanes that have no vertex: of the columns of C, and of dx by the gains.
-static const uint kComplianceLane = kMatrixContacts;
-static const uint kFreeLane = kComplianceLane + 6;
-groupshared float s_products[36];  // T C, by columns
+// [lane] change of the forces since the elimination.
+groupshared float4 s_changes[kLanes];
+groupshared float2 s_sums[kLanes];
+groupshared float s_products[36 * kMostStrands];  // T C, by columns
 // Three columns of C, and dx by the gains: dx and u.
-groupshared float3 s_starts[8];
+groupshared float3 s_starts[8 * kMostStrands];
 
-uint blockAt(uint row, uint column) { return row * (row + 1u) / 2u + column; }
+// A strand of a group, and where the group's memory has it.
+struct GroupStrand {
+  uint index;  // kNoStrand: there is none
+  uint count;  // vertices in contact
+  uint last;   // vertex in contact
+  uint lane;   // of the strand's lanes
+  uint firstLane;
+  uint firstBlock;
+  uint number;  // of the strand in the group
+};
+
+uint blockAt(GroupStrand own, uint row, uint column) {
+  return own.firstBlock + row * (row + 1u) / 2u + column;
+}
 
 // A record in the iterations.
 struct ContactSplit {
@@ -228,10 +244,11 @@ Touch nextForces(Touch touch, float3 dx) {
   ContactSplit next = nextForce(touch.a, dx);
   float3 change = addChange(float3(0.0, 0.0, 0.0), touch.a, next);
   touch.a = next;
-  // Without a second record it is 0, and stays so.
-  next = nextForce(touch.b, dx);
-  change = addChange(change, touch.b, next);
-  touch.b = next;
+  if (touch.second) {
+    next = nextForce(touch.b, dx);
+    change = addChange(change, touch.b, next);
+    touch.b = next;
+  }
   precise float3 sum = touch.change + change;
   touch.change = sum;
   return touch;
@@ -281,8 +298,7 @@ struct Columns {
   RodState c;
 };
 
-void storeBlock(uint row, uint column, Columns columns) {
-  uint block = blockAt(row, column);
+void storeBlock(uint block, Columns columns) {
   s_blocksA[block] = float4(columns.a.dx, columns.b.dx.x);
   s_blocksB[block] = float4(columns.b.dx.yz, columns.c.dx.xy);
   s_blocksC[block] = columns.c.dx.z;
@@ -300,8 +316,7 @@ float3 axisOf(uint i) {
   return float3(i == 0u ? 1.0 : 0.0, i == 1u ? 1.0 : 0.0, i == 2u ? 1.0 : 0.0);
 }
 
-void storeProduct(uint column, RodState state) {
-  uint word = 6u * column;
+void storeProduct(uint word, RodState state) {
   s_products[word] = state.dx.x;
   s_products[word + 1u] = state.dx.y;
   s_products[word + 2u] = state.dx.z;
@@ -311,11 +326,12 @@ void storeProduct(uint column, RodState state) {
 }
 
 // Returns a column of the compliance behind an edge, from the row of T C.
-RodState nextCompliance(uint column, Gain g, StoredResponse stored) {
+// \param word  the row's first one
+RodState nextCompliance(uint column, uint word, Gain g, StoredResponse stored) {
   float3 e = stored.c.xyz;
   RodState row;
-  row.dx = float3(s_products[column], s_products[column + 6u], s_products[column + 12u]);
-  row.u = float3(s_products[column + 18u], s_products[column + 24u], s_products[column + 30u]);
+  row.dx = float3(s_products[word], s_products[word + 6u], s_products[word + 12u]);
+  row.u = float3(s_products[word + 18u], s_products[word + 24u], s_products[word + 30u]);
   row = advance(g, float3(0.0, 0.0, 0.0), e, row);
   float3 axis = axisOf(column < 3u ? column : column - 3u);
   float3 moment = cross3(e, axis);
@@ -328,61 +344,70 @@ RodState nextCompliance(uint column, Gain g, StoredResponse stored) {
 }
 
 // Root to the last vertex in contact: the matrix. Returns dx by the gains of the lane's vertex.
-float3 fillMatrix(ExactStrand strand, uint index, uint last, uint lane) {
-  bool compliant = lane >= kComplianceLane && lane < kFreeLane;
+// \param furthest  of the last vertices of the group's strands
+float3 fillMatrix(GroupStrand own, ExactStrand strand, uint furthest) {
+  bool compliant = own.lane < kComplianceLanes;
   Columns columns = noColumns();
+  RodState response = noState();  // to forces at the vertex itself; of one lane to the gains
   float3 free = float3(0.0, 0.0, 0.0);
+  float3 zero = float3(0.0, 0.0, 0.0);
   uint contact = 0u;
-  uint mask = contactMask(index, 2);
-  [loop] for (uint i = 1u; i < last; ++i) {
-    // Not loaded ahead: registers would leave less room for other groups.
-    Gain g = unpackGain(loadGain(i, strand));
-    StoredResponse stored = loadResponse(i, strand);
+  uint mask = 0u;
+  uint products = 36u * own.number;
+  uint starts = 8u * own.number;
+  uint most = max(own.last, 2u) - 1u;
+  PackedGain packed = loadGain(1u, strand);
+  StoredResponse stored = loadResponse(1u, strand);
+  [loop] for (uint i = 1u; i < furthest; ++i) {
+    // Loads of the next iteration, before the arithmetic of this one.
+    uint after = min(i + 1u, most);
+    PackedGain packedNext = loadGain(after, strand);
+    StoredResponse storedNext = loadResponse(after, strand);
+    if (i == 1u || ((i + 1u) & 31u) == 0u) mask = contactMask(own.index, i + 1u);
+    bool inContact = i < own.last && hasContact(mask, i + 1u);
+    Gain g = unpackGain(packed);
     float3 e = stored.c.xyz;
-    float3 zero = float3(0.0, 0.0, 0.0);
-    columns.a = advance(g, lane == kFreeLane ? g.k : zero, e, columns.a);
+    columns.a = advance(g, zero, e, columns.a);
     columns.b = advance(g, zero, e, columns.b);
     columns.c = advance(g, zero, e, columns.c);
-    if (compliant) storeProduct(lane - kComplianceLane, columns.a);
+    response = advance(g, own.lane == kFreeLane ? g.k : zero, e, response);
+    if (compliant) storeProduct(products + 6u * own.lane, response);
     GroupMemoryBarrierWithGroupSync();
-    if (compliant) columns.a = nextCompliance(lane - kComplianceLane, g, stored);
-    if (((i + 1u) & 31u) == 0u) mask = contactMask(index, i + 1u);
-    bool inContact = hasContact(mask, i + 1u);
-    if (inContact) {
-      bool starts = lane >= kComplianceLane && lane < kComplianceLane + 3u;
-      if (starts || lane == kFreeLane) {
-        uint start = 2u * (starts ? lane - kComplianceLane : 3u);
-        s_starts[start] = columns.a.dx;
-        s_starts[start + 1u] = columns.a.u;
-      }
+    if (compliant) response = nextCompliance(own.lane, products + own.lane, g, stored);
+    if (inContact && (own.lane < 3u || own.lane == kFreeLane)) {
+      uint start = starts + 2u * min(own.lane, 3u);
+      s_starts[start] = response.dx;
+      s_starts[start + 1u] = response.u;
     }
     GroupMemoryBarrierWithGroupSync();
     if (inContact) {
-      if (lane == contact) {
-        columns.a.dx = s_starts[0];
-        columns.a.u = s_starts[1];
-        columns.b.dx = s_starts[2];
-        columns.b.u = s_starts[3];
-        columns.c.dx = s_starts[4];
-        columns.c.u = s_starts[5];
-        free = s_starts[6];
+      if (own.lane == contact) {
+        columns.a.dx = s_starts[starts];
+        columns.a.u = s_starts[starts + 1u];
+        columns.b.dx = s_starts[starts + 2u];
+        columns.b.u = s_starts[starts + 3u];
+        columns.c.dx = s_starts[starts + 4u];
+        columns.c.u = s_starts[starts + 5u];
+        free = s_starts[starts + 6u];
       }
-      if (lane <= contact) storeBlock(contact, lane, columns);
+      if (own.lane <= contact) storeBlock(blockAt(own, contact, own.lane), columns);
       contact = contact + 1u;
     }
+    packed = packedNext;
+    stored = storedNext;
   }
   return free;
 }
 
-// Returns dx of vertex `own` by the change of the forces at vertex j, both in contact.
-float3 responseTo(uint own, uint j, uint count) {
-  uint other = min(j, count - 1u);
-  bool below = other <= own;
-  uint block = blockAt(below ? own : other, below ? other : own);
+// Returns dx of the lane's vertex by the change of the forces at vertex j, both in contact.
+float3 responseTo(GroupStrand own, uint j) {
+  uint other = min(j, own.count - 1u);
+  bool below = other <= own.lane;
+  uint block = blockAt(own, below ? own.lane : other, below ? other : own.lane);
   float4 a = s_blocksA[block];
   float4 b = s_blocksB[block];
   float c = s_blocksC[block];
-  float3 f = j < count ? s_changes[other].xyz : float3(0.0, 0.0, 0.0);
+  float3 f = j < own.count ? s_changes[own.firstLane + other].xyz : float3(0.0, 0.0, 0.0);
   // Above the diagonal the transposed block.
   float3 m0 = float3(a.x, below ? a.yz : float2(a.w, b.z));
   float3 m1 = float3(below ? a.w : a.y, b.x, below ? b.y : b.w);
@@ -391,15 +416,15 @@ float3 responseTo(uint own, uint j, uint count) {
   return dx;
 }
 
-// Returns dx of vertex `own` in contact by the gains and the changes of all forces. Four at a time,
-// which do not wait for each other.
-float3 responseAt(float3 dx, uint own, uint count) {
+// Returns dx of the lane's vertex by the gains and the changes of all forces. Four at a time, which do
+// not wait for each other.
+float3 responseAt(GroupStrand own, float3 dx) {
   precise float3 sum = dx;
-  for (uint j = 0u; j < count; j += 4u) {
-    float3 r0 = responseTo(own, j, count);
-    float3 r1 = responseTo(own, j + 1u, count);
-    float3 r2 = responseTo(own, j + 2u, count);
-    float3 r3 = responseTo(own, j + 3u, count);
+  for (uint j = 0u; j < own.count; j += 4u) {
+    float3 r0 = responseTo(own, j);
+    float3 r1 = responseTo(own, j + 1u);
+    float3 r2 = responseTo(own, j + 2u);
+    float3 r3 = responseTo(own, j + 3u);
     sum = sum + ((r0 + r1) + (r2 + r3));
   }
   return sum;
@@ -486,49 +511,107 @@ void storeSums(ExactStrand strand, float2 sums) {
   storeScratch(kScratchFound, 0u, strand, float4(sums, 0.0, 0.0));
 }
 
-// Returns the strand of a group, and kNoStrand past the end.
 static const uint kNoStrand = 0xffffffffu;
-uint strandOfGroup(uint3 group) {
-  if ((g_flags & kAgainFlag) != 0u) {
-    uint entry = group.z * kListedGroups + group.x;
-    if (entry >= g_contactWords[g_contactHead + kContactListed]) return kNoStrand;
-    return g_contactWords[g_contactList + entry] & ~kListedFar;
-  }
-  // The list has tiles: x is the strand in its tile.
-  if ((g_flags & kSleepFlag) != 0u) return g_sleep[kSleepHead + group.y] * kTileStrands + group.x;
-  return indexOfGroup(group);
+
+GroupStrand noStrand() {
+  GroupStrand strand;
+  strand.index = kNoStrand;
+  strand.count = 0u;
+  strand.last = 0u;
+  strand.lane = 0u;
+  strand.firstLane = 0u;
+  strand.firstBlock = 0u;
+  strand.number = 0u;
+  return strand;
 }
 
-[numthreads(32, 1, 1)]
-void solve_contacts(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
-  uint index = strandOfGroup(group);
-  if (index >= min(g_strandCount, g_simulatedCount)) return;
-  ExactStrand strand = strandAt(index);
-  if (!isSound(strand)) return;
-  if (!fitsOutputs(strand)) return;
-  uint last = lastContact(index, strand.count);
-  if (last < 2u) return;
-  uint count = 0u;
-  for (uint word = 0u; word * 32u < strand.count; ++word)
-    count = count + countbits(contactMask(index, word * 32u));
-  if (count > kMatrixContacts) {
-    if (lane == 0u) storeSums(strand, sweepForces(strand, index, last));
+// Returns an entry of a list of eliminate_strands, and none past its end.
+GroupStrand listedStrand(uint list, uint entry) {
+  GroupStrand strand = noStrand();
+  if (entry < g_contactWords[g_contactHead + kContactLists + list]) {
+    uint word = listedWord(list, entry);
+    uint extent = g_contactWords[word + 1u];
+    strand.index = g_contactWords[word];
+    strand.count = extent >> 16;
+    strand.last = extent & 0xffffu;
+  }
+  return strand;
+}
+
+// The only strand of a group in the second round.
+GroupStrand strandOfRound(uint group) {
+  GroupStrand strand = noStrand();
+  if (group >= g_contactWords[g_contactHead + kContactListed]) return strand;
+  strand.index = g_contactWords[g_contactList + group] & ~kListedFar;
+  uint vertices = strandAt(strand.index).count;
+  strand.count = contactCount(strand.index, vertices);
+  strand.last = lastContact(strand.index, vertices);
+  return strand;
+}
+
+[numthreads(kLanes, 1, 1)]
+void solve_contacts(uint3 groupId : SV_GroupID, uint lane : SV_GroupIndex) {
+  uint group = groupId.z * kListedGroups + groupId.x;
+  GroupStrand strand0 = noStrand();
+  GroupStrand strand1 = noStrand();
+  GroupStrand strand2 = noStrand();
+  GroupStrand strand3 = noStrand();
+  uint list = kContactListCount - 1u;
+  if ((g_flags & kAgainFlag) != 0u) {
+    strand0 = strandOfRound(group);
+  } else {
+    // The longest ones first.
+    uint before = 0u;
+    uint groups = g_contactWords[g_contactHead + kContactLists + list];
+    while (list > 0u && group >= before + groups) {
+      before += groups;
+      list = list - 1u;
+      uint strands = strandsOfGroup(list);
+      groups = (g_contactWords[g_contactHead + kContactLists + list] + strands - 1u) / strands;
+    }
+    uint strands = strandsOfGroup(list);
+    uint entry = (group - before) * strands;
+    strand0 = listedStrand(list, entry);
+    if (strands > 1u) strand1 = listedStrand(list, entry + 1u);
+    if (strands > 2u) strand2 = listedStrand(list, entry + 2u);
+    if (strands > 3u) strand3 = listedStrand(list, entry + 3u);
+  }
+  uint furthest = max(max(strand0.last, strand1.last), max(strand2.last, strand3.last));
+  if (furthest < 2u) return;
+  if (strand0.count > kMatrixContacts) {
+    if (lane == 0u) {
+      ExactStrand strand = strandAt(strand0.index);
+      storeSums(strand, sweepForces(strand, strand0.index, strand0.last));
+    }
     return;
   }
-  bool active = lane < count;
-  float3 dx = fillMatrix(strand, index, last, lane);
-  Touch own = noTouch();
-  if (active) own = beginTouch(vertexOf(index, strand.count, lane), strand);
+  uint lanes = kLanes / strandsOfGroup(list);
+  uint number = lane / lanes;
+  GroupStrand own = strand0;
+  if (number == 1u) own = strand1;
+  if (number == 2u) own = strand2;
+  if (number == 3u) own = strand3;
+  // A strand that is not there does as the first one, and stores nothing.
+  if (own.index == kNoStrand) own.index = strand0.index;
+  own.lane = lane - number * lanes;
+  own.firstLane = number * lanes;
+  own.firstBlock = number * (lanes * (lanes + 1u) / 2u);
+  own.number = number;
+  ExactStrand strand = strandAt(own.index);
+  bool active = own.lane < own.count;
+  float3 dx = fillMatrix(own, strand, furthest);
+  Touch touch = noTouch();
+  if (active) touch = beginTouch(vertexOf(own.index, strand.count, own.lane), strand);
   [loop] for (uint k = 0u; k < kContactIterations; ++k) {
-    if (active) s_changes[lane] = float4(own.change, 0.0);
+    if (active) s_changes[lane] = float4(touch.change, 0.0);
     GroupMemoryBarrierWithGroupSync();
-    if (active) own = nextForces(own, responseAt(dx, lane, count));
+    if (active) touch = nextForces(touch, responseAt(own, dx));
     GroupMemoryBarrierWithGroupSync();
   }
-  if (active) s_sums[lane] = endTouch(own, strand);
+  if (active) s_sums[lane] = endTouch(touch, strand);
   GroupMemoryBarrierWithGroupSync();
-  if (lane != 0u) return;
+  if (!active || own.lane != 0u) return;
   precise float2 sums = float2(0.0, 0.0);
-  for (uint j = 0u; j < count; ++j) sums = sums + s_sums[j];
+  for (uint j = 0u; j < own.count; ++j) sums = sums + s_sums[own.firstLane + j];
   storeSums(strand, sums);
 }

@@ -179,7 +179,6 @@ StructuredBuffer<float4> g_forces : register(t2, space1);
 //   4..6           groups of an indirect dispatch over the follow hairs: 0 while all sleep
 //   7              second passes
 //   8..10          groups of find_contacts over the list
-//   12..14         groups of solve_contacts over the list
 //   16..16+T-1     the list
 //   16+T..16+2T-1  what to add to g_slot for a tile that slept
 //   16+2T..        [strand] time at rest [s], as the bits of a float
@@ -189,7 +188,6 @@ static const uint kSleepAwakeStrands = 3;
 static const uint kSleepFollowArguments = 4;
 static const uint kSleepSecondPasses = 7;
 static const uint kSleepFindArguments = 8;
-static const uint kSleepContactArguments = 12;
 static const uint kSleepHead = 16;  // words before the list
 // [strand] index of a strand near it and before it.
 StructuredBuffer<uint> g_lodParents : register(t3, space1);

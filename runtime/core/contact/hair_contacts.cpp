@@ -83,7 +83,8 @@ uint32_t HairContacts::tileGroups() const {
 
 // The word where they begin; what draws them binds them from there on.
 uint32_t HairContacts::strands() const {
-  const uint64_t end = uint64_t{masks()} + uint64_t{strandCount_} * maskWords_;
+  const uint64_t end = uint64_t{masks()} + uint64_t{strandCount_} *
+                                               (maskWords_ + kContactListCount * kContactListWords);
   return static_cast<uint32_t>((end + kContactAlignment - 1) / kContactAlignment *
                                kContactAlignment);
 }
@@ -149,6 +150,7 @@ void HairContacts::begin(PassList& list) {
     uint32_t* head = heads.data() + this->head(step);
     head[kContactFindArguments + 1] = maskWords_;
     head[kContactStrandArguments + 1] = head[kContactSolveArguments + 1] = 1;
+    head[kContactGroupArguments + 1] = 1;
   }
 }
 

@@ -103,7 +103,6 @@ Result<void> StrandSolver::addSleepPass(HairFrame& frame, ExactConstants constan
   set(exact::kSleepFollowArguments, followsShifted_ ? followGroups : 0,
       groups(frame.vertexCount, follow.groupSize[1]));
   set(exact::kSleepFindArguments, 0, frame.contacts.rows);
-  set(exact::kSleepContactArguments, exact::kTileStrands, 0);
   addUpload(frame.list, buffers.sleep, std::as_bytes(std::span(head)));
   constants.flags = wake ? exact::kWakeAllFlag : 0;
   constants.rootBegin = 0;
@@ -236,14 +235,10 @@ Result<void> StrandSolver::addContactStep(const HairFrame& frame, const StepInpu
     if (Result<void> added = addStrandPass(frame, eliminate, constants); !added) return added;
     PassBuilder builder(frame.list);
     const KernelVariant& solve = solveContactsVariant({});
-    if (again)
-      builder.dispatchIndirect(solve, frame.contacts.words.buffer,
-                               listArguments(constants, contact_records::kContactSolveArguments));
-    else if (frame.sleeps)
-      builder.dispatchIndirect(solve, frame.buffers.sleep,
-                               exact::kSleepContactArguments * sizeof(uint32_t));
-    else
-      dispatchGroups(builder, solve, simulatedCount_);
+    builder.dispatchIndirect(
+        solve, frame.contacts.words.buffer,
+        listArguments(constants, again ? contact_records::kContactSolveArguments
+                                       : contact_records::kContactGroupArguments));
     Result<void> added = finishExactPass(frame, builder, constants, vertexBytes(frame));
     if (added) added = addStrandPass(frame, rollOutStrandsVariant({}), constants);
     if (!added) return added;
