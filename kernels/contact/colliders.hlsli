@@ -64,8 +64,9 @@ Contact findContact(Collider shape, float3 p, float begin, float end) {
   return contact;
 }
 
-// Returns false if sweepCapsule() finds nothing within `range`, for a part of its cost.
-bool mayTouchCapsule(Collider shape, float3 from, float3 p, float begin, float end, float range) {
+// Returns false if sweepCapsule() finds nothing within `range`, and `share` of the surface's
+// displacement further, for a part of its cost.
+bool mayTouchCapsule(Collider shape, float3 from, float3 p, float end, float range, float share) {
   precise float3 headDisplacement = shape.head.xyz - shape.headBefore.xyz;
   precise float3 tailDisplacement = shape.tail.xyz - shape.tailBefore.xyz;
   precise float3 head = shape.headBefore.xyz + headDisplacement * end;
@@ -80,10 +81,10 @@ bool mayTouchCapsule(Collider shape, float3 from, float3 p, float begin, float e
   precise float moved2 =
       max(dot3(headDisplacement, headDisplacement), dot3(tailDisplacement, tailDisplacement));
   precise float spun2 = dot3(shape.spin.xyz, shape.spin.xyz) * radius * radius;
-  precise float path =
-      squareRoot(dot3(displacement, displacement)) + squareRoot(moved2) + squareRoot(spun2);
+  precise float surface = squareRoot(moved2) + squareRoot(spun2);
+  precise float path = squareRoot(dot3(displacement, displacement)) + surface;
   // With room for rounding.
-  precise float most = (radius + max(range, path)) * 1.001 + 1e-4;
+  precise float most = (radius + max(range + share * surface, path)) * 1.001 + 1e-4;
   return !(dot3(off, off) > most * most);
 }
 
@@ -95,8 +96,10 @@ static const uint kSweepSteps = 16;
 // Does the same as findContact() for a point that moves from `from` to `p`. If its path crosses the
 // surface, the contact has the plane at the crossing.
 //
-// \param rests  true: a point that lies on the surface at `from` is held there if the surface faces
-//               away from the surface nearest to p; false: such a point is not swept
+// A point that is not outside at `from` is held on the side where it is then, if the surface faces
+// away from the one nearest to p.
+//
+// \param rests  true: otherwise a point that lies on the surface at `from` is not swept
 Contact sweepCapsule(Collider shape, float3 from, float3 p, float begin, float end, bool rests) {
   Contact last = (Contact)0;
   precise float3 start = p;
@@ -120,8 +123,8 @@ Contact sweepCapsule(Collider shape, float3 from, float3 p, float begin, float e
     }
     if (i == 1u) {
       float deepest = 0.0;
-      if (rests && contact.penetration > -kSweepContact)
-        deepest = dot3(contact.normal, last.normal) > 0.0 ? -1e18 : kSweepContact;
+      if (rests && contact.penetration > -kSweepContact) deepest = -1e18;
+      if (!(dot3(contact.normal, last.normal) > 0.0)) deepest = rests ? kSweepContact : 1e18;
       if (!(contact.penetration < deepest)) return last;
     }
     if (contact.penetration > -kSweepContact) {

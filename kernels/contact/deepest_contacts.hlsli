@@ -1,7 +1,8 @@
 // Finds the deepest contacts of a swept vertex with the colliders of an object.
 //
 // The including file defines CONTACT_CAPSULE(c), CONTACT_CAPSULE_COUNT, CONTACT_SDF(f) and
-// CONTACT_SDF_COUNT; CONTACT_LOOKS, 2 if a fast vertex may go further than predicted, else 1;
+// CONTACT_SDF_COUNT; CONTACT_SDF_MOTION(f, sdf, p), about how the SDF moves in the frame near p [m],
+// where it is too far to be asked for it; CONTACT_LOOKS, 2 if a fast vertex may go further than predicted, else 1;
 // CONTACT_RESTS, as in sweepCapsule(); and with SDF also
 // SDF_KEYS and SDF_SURFACE.
 #ifndef PELAGE_CONTACT_DEEPEST_CONTACTS_HLSLI
@@ -22,8 +23,10 @@
 // \param before      position of the vertex at the start of the sub-step
 // \param begin, end  the part of the frame that is in the sub-step, 0..1
 // \param range       a vertex within this distance of the surface has a contact [m]
-Contact findSdfContact(Sdf sdf, float3 before, float3 p, float begin, float end, float range) {
-  SdfContact found = sdfContact(sdf, before, p, begin, end, range);
+// \param guess       as in sdfContact()
+Contact findSdfContact(Sdf sdf, float3 before, float3 p, float begin, float end, float range,
+                       float3 guess) {
+  SdfContact found = sdfContact(sdf, before, p, begin, end, range, guess);
   precise float cell = sdf.origin.w;
   precise float penetration = found.penetration * cell;
   precise float3 surfaceMotion = found.motion * ((end - begin) * cell);
@@ -49,9 +52,12 @@ struct SweptVertex {
   float3 from;
   float3 to;
   float3 relative;  // displacement against the strand's root
+  float3 root;      // displacement of the strand's root
   float begin;      // of the part, 0..1
   float end;
-  float range;  // a vertex within this distance of a surface has a contact [m]
+  float range;  // a vertex within this distance of a surface has a contact [m]; further for one
+                // that moves against the root:
+  float share;  // by this share of its displacement
 };
 
 Found nothingFound() {
@@ -64,17 +70,30 @@ Found nothingFound() {
   return found;
 }
 
+// Returns the distance within which a vertex has a contact with a surface that moves by so much.
+float rangeOf(SweptVertex vertex, float3 surfaceMotion) {
+  precise float3 against = surfaceMotion - vertex.root;
+  precise float range = vertex.range + vertex.share * squareRoot(dot3(against, against));
+  return range;
+}
+
+bool mayTouch(SweptVertex vertex, Collider capsule) {
+  precise float range = vertex.range + vertex.share * squareRoot(dot3(vertex.root, vertex.root));
+  return mayTouchCapsule(capsule, vertex.from, vertex.to, vertex.end, range, vertex.share);
+}
+
 // Returns true if a collider may be in range.
 bool mayCollide(SweptVertex vertex) {
   for (uint c = 0; c < CONTACT_CAPSULE_COUNT; ++c) {
-    if (mayTouchCapsule(CONTACT_CAPSULE(c), vertex.from, vertex.to, vertex.begin, vertex.end,
-                        vertex.range))
-      return true;
+    if (mayTouch(vertex, CONTACT_CAPSULE(c))) return true;
   }
 #if SDF
   for (uint f = 0; f < CONTACT_SDF_COUNT; ++f) {
-    if (sdfMayBeInRange(CONTACT_SDF(f), vertex.from, vertex.to, vertex.relative, vertex.end,
-                        vertex.range))
+    Sdf sdf = CONTACT_SDF(f);
+    float3 motion = CONTACT_SDF_MOTION(f, sdf, vertex.to);
+    float range = rangeOf(vertex, motion * (vertex.end - vertex.begin));
+    if (sdfMayBeInRange(sdf, vertex.from, vertex.to, vertex.relative, vertex.begin, vertex.end,
+                        range, motion))
       return true;
   }
 #endif
@@ -92,39 +111,40 @@ void keepDeepest(Found found, float range, inout Found first, inout Found second
   }
 }
 
-// \param first, second  deepest first; none if the penetration is not > -range
+// \param first, second  deepest first; kContactCollider where there is none
 void findDeepest(SweptVertex vertex, out Found first, out Found second) {
   first = nothingFound();
   second = nothingFound();
   for (uint c = 0; c < CONTACT_CAPSULE_COUNT; ++c) {
     Collider capsule = CONTACT_CAPSULE(c);
-    if (!mayTouchCapsule(capsule, vertex.from, vertex.to, vertex.begin, vertex.end, vertex.range))
-      continue;
+    if (!mayTouch(vertex, capsule)) continue;
     Found found;
     found.contact =
         sweepCapsule(capsule, vertex.from, vertex.to, vertex.begin, vertex.end, CONTACT_RESTS);
     found.collider = min(c, kContactSdf - 1u);
-    keepDeepest(found, vertex.range, first, second);
+    keepDeepest(found, rangeOf(vertex, found.contact.surfaceMotion), first, second);
   }
 #if SDF
   for (uint f = 0; f < CONTACT_SDF_COUNT; ++f) {
     Found found;
     // A fast vertex may go further than predicted, and end behind a thin part: query a second time,
     // as far again. (One call, because compilers copy the query to every call.)
+    Sdf sdf = CONTACT_SDF(f);
+    float3 motion = CONTACT_SDF_MOTION(f, sdf, vertex.to);
+    float range = rangeOf(vertex, motion * (vertex.end - vertex.begin));
     precise float3 displacement = vertex.to - vertex.from;
     precise float3 further = float3(0.0, 0.0, 0.0);
     [loop] for (uint look = 0; look < CONTACT_LOOKS; ++look) {
-      found.contact = findSdfContact(CONTACT_SDF(f), vertex.from, vertex.to + further, vertex.begin,
-                                     vertex.end, vertex.range);
+      found.contact = findSdfContact(sdf, vertex.from, vertex.to + further, vertex.begin,
+                                     vertex.end, range, motion);
       precise float depth = found.contact.penetration + dot3(further, found.contact.normal);
       found.contact.penetration = depth;
-      if (found.contact.penetration > -vertex.range ||
-          dot3(displacement, displacement) <= kLeap * kLeap)
+      if (found.contact.penetration > -range || dot3(displacement, displacement) <= kLeap * kLeap)
         break;
       further = displacement;
     }
     found.collider = kContactSdf | min(f, kContactSdf - 2u);
-    keepDeepest(found, vertex.range, first, second);
+    keepDeepest(found, range, first, second);
   }
 #endif
 }

@@ -12,10 +12,10 @@
 // The kernel predicts that a vertex goes on as in the last sub-step, and that near the root it
 // follows a change of the root's motion. It sweeps the vertex from its current to its predicted
 // position. The vertex gets a record for each of the (at most kMaxContacts, deepest) colliders
-// within g_contactRange, plus a quarter of its displacement relative to the root (in a second
-// search: all of it), of the predicted position. If it had a record with the same collider, the
-// forces are kept: the solver starts from them. In a second search, for listed strands, vertices
-// are swept to where the solver has put them.
+// within g_contactRange, plus a quarter of its displacement and of that of the surface relative to
+// the root (in a second search: all of them), of the predicted position. If it had a record with the
+// same collider, the forces are kept: the solver starts from them. In a second search, for listed
+// strands, vertices are swept to where the solver has put them.
 //
 // A group first tests which of its vertices may be near a collider, which costs one key or one
 // capsule each, and then distributes the queries over its threads.
@@ -49,6 +49,10 @@ Collider capsuleAt(uint c) {
 #define CONTACT_CAPSULE_COUNT g_capsuleCount
 #define CONTACT_SDF(f) loadSdf(f)
 #define CONTACT_SDF_COUNT g_contactSdfCount
+#define CONTACT_SDF_MOTION(f, sdf, p) guessedMotion(f, sdf, p)
+#if SDF
+float3 guessedMotion(uint f, Sdf sdf, float3 p);
+#endif
 #define CONTACT_LOOKS 2
 #define CONTACT_RESTS false
 #include "deepest_contacts.hlsli"
@@ -62,6 +66,7 @@ groupshared uint s_masks[kTileStrands];
 groupshared uint s_had[kTileStrands];
 groupshared uint s_target[kTileStrands];
 groupshared uint s_state[kTileStrands];
+groupshared float3 s_root[kTileStrands];
 groupshared uint s_records;
 // Vertices that may be near a collider: 32 times the strand of the group, and the bit of the mask.
 groupshared uint s_count;
@@ -69,6 +74,45 @@ groupshared uint s_list[kGroupThreads];
 groupshared float3 s_from[kGroupThreads];
 groupshared float3 s_to[kGroupThreads];
 groupshared float s_range[kGroupThreads];
+
+#if SDF
+// Motions of a few triangles of the first SDFs, of which one is near enough to a far vertex to tell
+// how the surface moves there.
+static const uint kGuesses = 4;
+static const uint kGuessedSdfs = 8;
+groupshared SdfGuess s_guesses[kGuesses * kGuessedSdfs];
+
+SdfGuess guessAt(Sdf sdf, uint k) { return sdfGuessOf(sdf, sdf.triangleCount / kGuesses * k); }
+
+// Before a barrier.
+void prepareGuesses(uint index) {
+  uint f = index / kGuesses;
+  if (f < min(g_contactSdfCount, kGuessedSdfs))
+    s_guesses[index] = guessAt(loadSdf(f), index % kGuesses);
+}
+
+// Returns about how an SDF moves in the frame near p [m].
+float3 guessedMotion(uint f, Sdf sdf, float3 p) {
+  precise float3 motion = float3(0.0, 0.0, 0.0);
+  if ((g_contactFlags & kMovingFlag) == 0u || !sdfMoves(sdf) || !isUsable(p)) return motion;
+  precise float3 at = (p - sdf.origin.xyz) * (1.0 / sdf.origin.w);
+  float nearest = 1e18;
+  for (uint k = 0; k < kGuesses; ++k) {
+    SdfGuess guess = s_guesses[kGuesses * min(f, kGuessedSdfs - 1u) + k];
+    if (f >= kGuessedSdfs) guess = guessAt(sdf, k);
+    precise float3 off = guess.at - at;
+    precise float squared = dot3(off, off);
+    if (squared < nearest) {
+      nearest = squared;
+      motion = guess.motion;
+    }
+  }
+  return motion;
+}
+#endif
+
+// In a second search the prediction was wrong by much, so more of the vertices may collide.
+float shareOfRange() { return (g_contactFlags & kAgainFlag) != 0u ? 1.0 : 0.25; }
 
 // Returns the force of the record that the vertex had with the same collider, in the new tangent
 // plane.
@@ -153,17 +197,19 @@ uint findRecords(uint entry, uint firstVertex) {
   SweptVertex swept;
   swept.from = s_from[entry];
   swept.to = s_to[entry];
+  uint strand = s_list[entry] / kMaskVertices;
+  uint bit = s_list[entry] % kMaskVertices;
   swept.relative = float3(0.0, 0.0, 0.0);
+  swept.root = s_root[strand];
   swept.begin = g_contactBegin;
   swept.end = g_contactEnd;
   swept.range = s_range[entry];
+  swept.share = shareOfRange();
   Found first;
   Found second;
   findDeepest(swept, first, second);
-  if (!(first.contact.penetration > -swept.range)) return 0u;
-  bool more = second.contact.penetration > -swept.range;
-  uint strand = s_list[entry] / kMaskVertices;
-  uint bit = s_list[entry] % kMaskVertices;
+  if (first.collider == kContactCollider) return 0u;
+  bool more = second.collider != kContactCollider;
   uint vertex = firstVertex + bit;
   bool had = ((s_had[strand] >> bit) & 1u) != 0u;
   uint element = (s_target[strand] + vertex) * kMaxContacts;
@@ -249,6 +295,9 @@ void find_contacts(uint3 group : SV_GroupID, uint index : SV_GroupIndex) {
     s_target[own] = strand.target;
     s_state[own] = strand.state;
   }
+#if SDF
+  if ((g_contactFlags & kMovingFlag) != 0u) prepareGuesses(index);
+#endif
   GroupMemoryBarrierWithGroupSync();
 
   uint vertex = firstVertex + bit;
@@ -276,16 +325,17 @@ void find_contacts(uint3 group : SV_GroupID, uint index : SV_GroupIndex) {
       precise float share = 1.0 - float(vertex) / float(strand.count);
       to = there + displacement + (root.now - root.last) * share + g_contactFall.xyz;
     }
-    // In a second search the prediction was wrong by much, so more of the vertices may collide.
-    precise float range =
-        g_contactRange + (again ? 1.0 : 0.25) * squareRoot(dot3(relative, relative));
+    precise float range = g_contactRange + shareOfRange() * squareRoot(dot3(relative, relative));
     SweptVertex swept;
     swept.from = from;
     swept.to = to;
     swept.relative = relative;
+    swept.root = root.now;
     swept.begin = g_contactBegin;
     swept.end = g_contactEnd;
     swept.range = range;
+    swept.share = shareOfRange();
+    if (bit == max(firstVertex, 2u) - firstVertex) s_root[own] = root.now;
     if (isUsable(to) && mayCollide(swept)) {
       uint entry;
       InterlockedAdd(s_count, 1u, entry);

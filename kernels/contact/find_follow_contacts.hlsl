@@ -28,6 +28,7 @@
 #define CONTACT_CAPSULE_COUNT g_followColliderCount
 #define CONTACT_SDF(f) g_followSdfs[f]
 #define CONTACT_SDF_COUNT g_followSdfCount
+#define CONTACT_SDF_MOTION(f, sdf, p) float3(0.0, 0.0, 0.0)
 // A vertex is at its posed position, not at a predicted one; and in every frame it is posed anew on
 // the far side of the surface that it rests on.
 #define CONTACT_LOOKS 1
@@ -69,6 +70,8 @@ FollowSweep firstSweep(uint follow, uint vertex, float4 now) {
   sweep.swept.begin = known ? 0.0 : 1.0;
   sweep.swept.end = 1.0;
   sweep.swept.range = kFollowRange;
+  sweep.swept.root = float3(0.0, 0.0, 0.0);
+  sweep.swept.share = 0.0;
   sweep.wanted = now.w > 0.0 && isUsable(now.xyz);
   return sweep;
 }
@@ -100,6 +103,8 @@ FollowSweep furtherSweep(uint follow, uint vertex, float4 now, uint had) {
   sweep.swept.end = 1.0;
   // So that a vertex that a plane holds far outside finds its surface again.
   sweep.swept.range = kFollowRange + squareRoot(squared);
+  sweep.swept.root = float3(0.0, 0.0, 0.0);
+  sweep.swept.share = 0.0;
   sweep.wanted = now.w > 0.0 && isUsable(now.xyz) && isUsable(from) && squared > 0.0;
   return sweep;
 }

@@ -67,7 +67,7 @@ void collideWithSdf(inout SdfVertex vertex, Sdf sdf, float frameBegin, float fra
   float3 normal = float3(0.0, 0.0, 0.0);
   bool touched = false;
   [loop] for (uint round = 0; round < kSdfRounds; ++round) {
-    SdfContact contact = sdfContact(sdf, from, to, begin, end, 0.0);
+    SdfContact contact = sdfContact(sdf, from, to, begin, end, 0.0, float3(0.0, 0.0, 0.0));
     if (!contact.found) break;
     precise float cell = sdf.origin.w;
     if (round == 0) {

@@ -61,6 +61,26 @@ float2 sdfPartWithin(Sdf sdf, float3 a, float3 direction, float most) {
                 min(min(leave.x, leave.y), min(leave.z, most)));
 }
 
+bool sdfMoves(Sdf sdf) { return sdf.motionScale > 0.0 && sdf.surfaceStride >= kSdfMovingRecord; }
+
+// Where a triangle is, and how it moves in the frame.
+struct SdfGuess {
+  float3 at;      // [cell]
+  float3 motion;  // [m]
+};
+
+SdfGuess sdfGuessOf(Sdf sdf, uint index) {
+  SdfGuess guess;
+  guess.at = float3(1e18, 1e18, 1e18);
+  guess.motion = float3(0.0, 0.0, 0.0);
+  if (sdfMoves(sdf) && index < sdf.triangleCount) {
+    guess.at = loadSdfCorners(sdf, index).a;
+    precise float3 motion = sdfMotionAt(sdf, index, float2(0.0, 0.0)) * sdf.origin.w;
+    guess.motion = motion;
+  }
+  return guess;
+}
+
 // Returns false if sdfContact() without a range finds nothing, for the cost of some keys.
 bool sdfMayCollide(Sdf sdf, float3 before, float3 after, float end) {
   precise float inverseCell = 1.0 / sdf.origin.w;
@@ -77,9 +97,9 @@ bool sdfMayCollide(Sdf sdf, float3 before, float3 after, float end) {
 }
 
 // Returns false if sdfContact() with this range [m] finds nothing, for a point that moves by
-// `relative` relative to the surface.
-bool sdfMayBeInRange(Sdf sdf, float3 before, float3 after, float3 relative, float end,
-                     float furthest) {
+// `relative` relative to the root of its strand; otherwise as sdfContact().
+bool sdfMayBeInRange(Sdf sdf, float3 before, float3 after, float3 relative, float begin, float end,
+                     float furthest, float3 motion) {
   precise float inverseCell = 1.0 / sdf.origin.w;
   precise float3 a = (before - sdf.origin.xyz) * inverseCell;
   precise float3 b = (after - sdf.origin.xyz) * inverseCell;
@@ -89,6 +109,11 @@ bool sdfMayBeInRange(Sdf sdf, float3 before, float3 after, float3 relative, floa
   if (!isUsable(a) || !isUsable(b)) return false;
   // Swept, and as far beyond: the surface may be that far from the end.
   precise float squared = dot3(displacement, displacement);
+  if (dot3(motion, motion) > 0.0) {
+    precise float3 against = b - a - motion * (inverseCell * (end - begin));
+    squared = max(squared, dot3(against, against));
+    b = b + motion * (inverseCell * (1.0 - end));
+  }
   if (squared > kSdfSweepFrom * kSdfSweepFrom) wanted = wanted + 2.0 * squareRoot(squared);
   bool shifts = moving && end < 1.0;
   float range = shifts ? max(wanted, sdf.band) : wanted;
@@ -105,8 +130,9 @@ bool sdfMayBeInRange(Sdf sdf, float3 before, float3 after, float3 relative, floa
 //                       sdf.origin [m]
 // \param begin, end     shares of the frame at which it is there, 0..1
 // \param furthest       a point within this distance outside the margin has a contact [m]
-SdfContact sdfContact(Sdf sdf, float3 before, float3 after, float begin, float end,
-                      float furthest) {
+// \param guess          motion in the frame of a surface that is too far to be asked for it [m]
+SdfContact sdfContact(Sdf sdf, float3 before, float3 after, float begin, float end, float furthest,
+                      float3 guess) {
   precise float inverseCell = 1.0 / sdf.origin.w;
   precise float3 a = (before - sdf.origin.xyz) * inverseCell;
   precise float3 b = (after - sdf.origin.xyz) * inverseCell;
@@ -117,7 +143,8 @@ SdfContact sdfContact(Sdf sdf, float3 before, float3 after, float begin, float e
   contact.swept = false;
   contact.normal = float3(0.0, 0.0, 0.0);
   contact.penetration = 0.0;
-  contact.motion = float3(0.0, 0.0, 0.0);
+  precise float3 guessed = guess * inverseCell;
+  contact.motion = guessed;
   contact.from = a;
   contact.to = b;
   contact.stop = b;
@@ -128,13 +155,16 @@ SdfContact sdfContact(Sdf sdf, float3 before, float3 after, float begin, float e
   precise float leftBefore = 1.0 - begin;
   bool shifts = moving && left > 0.0;
   uint phase = kSdfAtEnd;
-  precise float3 at = b;
+  precise float3 at = b + guessed * left;
+  contact.to = at;
   precise float3 direction = float3(0.0, 0.0, 0.0);
   precise float s = 0.0;
   precise float last = 0.0;
   // A displacement that may be long needs the motion of the surface, even if it is far.
   precise float3 wholeDisplacement = b - a;
   bool mayBeLong = dot3(wholeDisplacement, wholeDisplacement) > kSdfSweepFrom * kSdfSweepFrom;
+  precise float3 against = wholeDisplacement - guessed * (end - begin);
+  mayBeLong = mayBeLong || dot3(against, against) > kSdfSweepFrom * kSdfSweepFrom;
   bool asks = moving && (left > 0.0 || mayBeLong);
   float range = asks ? max(wanted, sdf.band) : wanted;
   [loop] for (uint query = 0; query < kSdfMostQueries; ++query) {
@@ -190,7 +220,7 @@ SdfContact sdfContact(Sdf sdf, float3 before, float3 after, float begin, float e
         if (moving && phase == kSdfAtEnd && !hit.found) {
           // The motion of the surface is then that near the start.
           phase = kSdfAtBegin;
-          at = a;
+          at = a + guessed * leftBefore;
           range = sdf.band;
           continue;
         }

@@ -42,7 +42,8 @@ cbuffer ContactConstants : register(b0, space0) {
 static const uint kListedFlag = 1;     // only the tiles listed in g_awakeTiles
 static const uint kAgainFlag = 2;      // again, for the strands of the list
 static const uint kNoHistoryFlag = 4;  // nothing is known of the displacement before
-static const uint kOddFlag = 8;  // which of the two steps of roots is that of the last sub-step
+static const uint kOddFlag = 8;      // which of the two steps of roots is that of the last sub-step
+static const uint kMovingFlag = 16;  // an SDF moves in the frame
 
 static const uint kTileStrands = 32;
 static const uint kGroupThreads = 128;

@@ -43,8 +43,10 @@ static const float kContactDistance = 2e-5;
 static const float kContactRotation = 0.4;
 static const float kForceChange = 0.5;
 static const float kForceRotation = 0.1;
-// Distance from where a contact was found within which its plane is valid [m].
+// Distance from where a contact was found within which its plane is valid [m]; and that of a contact
+// that presses on a surface that moves by more than that along its normal.
 static const float kContactRange = 0.03;
+static const float kQuickContactRange = 0.005;
 
 // Element of g_contacts in a set of the scratch; contact_records.hlsli has the sets.
 uint scratchIndex(uint set, uint vertex, ExactStrand strand) {
@@ -209,6 +211,15 @@ float3 rotatedEdge(float3 u, float3 edge) {
   precise float scale = 2.0 / (1.0 + dot3(halfRotation, halfRotation));
   precise float3 r = (rotated + cross3(halfRotation, rotated)) * scale;
   return r;
+}
+
+// Returns true if a vertex is too far from where its contact was found, by the square of the distance.
+//
+// \param plane  as in correctionOf()
+bool isFar(float4 plane, float squared) {
+  bool quick = plane.w < kNoLimit && abs(plane.w) > kQuickContactRange;
+  float most = quick ? kQuickContactRange : kContactRange;
+  return squared > most * most;
 }
 
 // Returns the part of a displacement that led out of a collider, beyond `correction`.

@@ -582,7 +582,8 @@ RollOut rollOut(RodStep rod, uint pass) {
     if (inContact) {
       float3 moved = worldDisplacement(transport.now, x, wholeDisplacement);
       precise float3 off = x - touch.a.xyz;
-      result.far = result.far || dot3(off, off) > kContactRange * kContactRange;
+      precise float squared = dot3(off, off);
+      result.far = result.far || isFar(touch.plane0, squared) || isFar(touch.plane1, squared);
       precise float gap = touch.a.w + dot3(touch.plane0.xyz, off);
       correction = correctionOf(correction, touch.plane0, gap, moved);
       gap = touch.b.w + dot3(touch.plane1.xyz, off);

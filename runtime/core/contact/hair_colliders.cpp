@@ -76,6 +76,8 @@ bool HairColliders::sendSdfs(HairFrame& frame, SdfRoom& sdfs, const Ball& ball) 
   inReach_.sdfs = frame.buffers.sdfs;
   inReach_.contactSdfCount = count;
   inReach_.hasDenseSdfs = found.dense;
+  inReach_.hasMovingSdfs =
+      std::ranges::any_of(found.sdfs, [](const Sdf& sdf) { return sdf.motionScale > 0; });
   inReach_.contactSdfKeys = sdfs.keys;
   inReach_.contactSdfSurface = sdfs.surface;
   return replaced;

@@ -179,6 +179,7 @@ Result<void> HairContacts::find(PassList& list, const ResourceTable& resources,
                            (known_ || step.again ? 0 : contact::kNoHistoryFlag) |
                            (awake.listed && !step.again ? contact::kListedFlag : 0);
   if (odd_) constants.contactFlags |= contact::kOddFlag;
+  if (colliders.hasMovingSdfs) constants.contactFlags |= contact::kMovingFlag;
   constants.contactStrandTotal = strandCount_;
   constants.contactTileCount = tiles_;
   constants.contactBegin = step.begin;

@@ -30,6 +30,7 @@ struct ColliderBuffers {
   BufferId sdfs = BufferId::kInvalid;
   uint32_t contactSdfCount = 0;
   bool hasDenseSdfs = false;  ///< some of them are an engine's
+  bool hasMovingSdfs = false;
   BufferId contactSdfKeys = BufferId::kInvalid, contactSdfSurface = BufferId::kInvalid;
   bool any() const { return capsuleCount > 0 || contactSdfCount > 0; }
 };
