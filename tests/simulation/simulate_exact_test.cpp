@@ -499,9 +499,10 @@ Collider farSphere() {
 TEST_P(SimulateExact, HasTheSameBitsWithContactsWhereNothingIsWithinReach) {
   for (const bool globalShape : {false, true}) {
     SCOPED_TRACE(globalShape);
-    const ExactKey key = contactKey(globalShape);
+    ExactKey key = contactKey(globalShape);
     ExactKey without = key;
     without.contacts = false;
+    key.blocks = globalShape;
     Case c = makeCase("", key, {}, 0, 0, 0);
     c.settings.subSteps = 2;
     const std::vector<RestStrand> rests = makeStrands(kAllSizes);
@@ -522,10 +523,39 @@ TEST_P(SimulateExact, HasTheBitsOfTheFloatReferenceInContact) {
     Case c = makeCase("contacts, sub-steps " + std::to_string(subSteps), contactKey(false),
                       kFewSizes, 60, 1, 0);
     c.settings.subSteps = subSteps;
-    compare(c);
+    for (const bool blocks : {false, true}) {
+      c.key.blocks = blocks;
+      compare(c);
+    }
     // With the matrix, and with more contacts than it has.
     EXPECT_GT(expectedOf(c).sweptPasses, 10);
     EXPECT_GT(expectedOf(c).matrixPasses, 100);
+  }
+}
+
+// Several lanes a strand have the bits of one, with every permutation, and strands that are not
+// whole blocks.
+TEST_P(SimulateExact, HasTheSameBitsInBlocks) {
+  for (const bool globalShape : {false, true}) {
+    SCOPED_TRACE(globalShape);
+    ExactKey key = contactKey(globalShape);
+    Case c = makeCase("", key, {}, 0, 0, 0);
+    c.settings.subSteps = 2;
+    const std::vector<RestStrand> rests = makeStrands(kAllSizes);
+    RodRun one(gpu(), rests, key);
+    key.blocks = true;
+    RodRun several(gpu(), rests, key);
+    for (RodRun* r : {&one, &several}) r->setColliders(c.colliders);
+    uint32_t again = 0;
+    for (int frame = 0; frame < 20; ++frame) {
+      for (RodRun* r : {&one, &several}) r->stepHead(frame, c.settings);
+      EXPECT_GT(several.counters().records, 0u);
+      again += several.counters().strandsSolvedAgain;
+      ASSERT_TRUE(sameBits(one.positions(), several.positions())) << frame;
+    }
+    EXPECT_GT(again, 0u);
+    EXPECT_TRUE(sameBits(one.state(), several.state()));
+    several.checkGuards();
   }
 }
 

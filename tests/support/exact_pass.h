@@ -27,6 +27,7 @@ struct ExactKey {
   bool contacts = false;
   bool velocityShockPropagation = false;  ///< always with contacts
   bool forces = false;
+  bool blocks = false;  ///< with contacts: several lanes a strand
 };
 
 class ExactPass {
@@ -79,23 +80,28 @@ class ExactPass {
                                       .rootCount = constants.rootCount,
                                       .strands = constants.simulatedCount,
                                       .origin = {}};
-    const KernelVariant& eliminate =
-        eliminateStrandsVariant({.globalShape = key_.globalShape, .forces = key_.forces});
+    const auto eliminate = [&](bool blocks) -> const KernelVariant& {
+      return eliminateStrandsVariant(
+          {.blocks = blocks, .globalShape = key_.globalShape, .forces = key_.forces});
+    };
     ExactConstants values = constants;
+    if (key_.blocks) values.flags |= exact::kNarrowFlag;
+    const uint32_t flags = values.flags;
     values.flags |= kPose;
-    if ((constants.flags & kReset) != 0) addStrandPass(list, eliminate, values);
-    values.flags = constants.flags;
+    if ((constants.flags & kReset) != 0) addStrandPass(list, eliminate(key_.blocks), values);
+    values.flags = flags;
     for (const bool again : {false, true}) {
+      const bool blocks = key_.blocks || again;
       if (again) values.flags |= kAgain;
       step.again = again;
       contacts->find(list, hair, step);
-      addStrandPass(list, eliminate, values);
+      addStrandPass(list, eliminate(blocks), values);
       PassBuilder builder(list);
       builder.dispatchIndirect(solveContactsVariant({}), contacts->contacts().words(),
                                listArguments(again ? contact_records::kContactSolveArguments
                                                    : contact_records::kContactGroupArguments));
       finish(builder, values);
-      addStrandPass(list, rollOutStrandsVariant({}), values);
+      addStrandPass(list, rollOutStrandsVariant({.blocks = blocks}), values);
     }
   }
   /// Fails when a pattern behind a buffer was written to.
@@ -128,6 +134,9 @@ class ExactPass {
     if ((values.flags & kAgain) != 0)
       builder.dispatchIndirect(variant, contacts->contacts().words(),
                                listArguments(contact_records::kContactStrandArguments));
+    else if ((values.flags & exact::kNarrowFlag) != 0)
+      builder.dispatch(variant, (constants.strandCount + exact::kNarrowStrands - 1) /
+                                    exact::kNarrowStrands * variant.groupSize[0]);
     else
       builder.dispatch(variant, constants.strandCount);
     finish(builder, values);

@@ -44,8 +44,45 @@ struct RodVertex {
   float3 x;             // position in the iterate [m]
   float3 target;        // the displacement that it would have alone
   float weight;         // am
-  float voronoiLength;  // [m]
 };
+
+// Where a free vertex goes in this step.
+struct RodTarget {
+  float3 displacement;  // that it would have alone, without the bind pose
+  float weight;         // am
+#if GLOBAL_SHAPE
+  float3 bindTarget;  // where the bind pose has it [m]
+  float share;        // of the bind pose
+#endif
+};
+
+RodTarget noTarget() {
+  RodTarget target;
+  target.displacement = float3(0.0, 0.0, 0.0);
+  target.weight = 0.0;
+#if GLOBAL_SHAPE
+  target.bindTarget = float3(0.0, 0.0, 0.0);
+  target.share = 0.0;
+#endif
+  return target;
+}
+
+// \param x position in the iterate, \param displacement since the start of the step
+RodVertex vertexAt(RodTarget target, float3 x, float3 displacement) {
+  precise float3 alone = target.displacement;
+#if GLOBAL_SHAPE
+  if (target.share > 0.0) {
+    precise float3 targetDisplacement = target.bindTarget - x + displacement;
+    alone = alone + (targetDisplacement - alone) * target.share;
+  }
+#endif
+  RodVertex vertex;
+  vertex.displacement = displacement;
+  vertex.x = x;
+  vertex.target = alone;
+  vertex.weight = target.weight;
+  return vertex;
+}
 
 // An edge and the joint at its root's end.
 struct RodEdge {
@@ -106,6 +143,18 @@ Bending bendingOf(RodEdge edge, RodEdge parent, float3 rest, float inverseVorono
   return bending;
 }
 
+// An edge and the vertex at its root's end, as far as they do not depend on the vertices behind.
+struct RodJoint {
+  Bending bending;
+  float twistStiffness;
+  float3 tangent;  // of the iterate
+  float edgeLength;
+  float3 halfRotation;  // as in RodEdge
+  float rotated;        // rotation about the tangent from the guess to the iterate
+  float3 moved;         // change of the edge's vector in this step [m]
+  RodTarget target;
+};
+
 #if CONTACTS
 Value addPenalty(Value value, float3 normal, float across, float along) {
   precise float3 more = normal * (along - across);
@@ -150,11 +199,9 @@ struct Elimination {
 };
 
 // \param endWeight am of vertex i + 1, whose rotary inertia about the tangent is a share of am l^2
-// \param rotated   rotation vector from the edge's guess to the iterate
-Elimination eliminateEdge(Value v, RodEdge edge, Bending bending, float twistStiffness,
-                          float endWeight, float3 rotated) {
-  float3 t = axisX(edge.iterate);
-  precise float3 e = t * edge.edgeLength;
+Elimination eliminateEdge(Value v, RodJoint joint, float endWeight) {
+  float3 t = joint.tangent;
+  precise float3 e = t * joint.edgeLength;
   Symmetric3 m = v.m;
   // S M with S = [e], by columns; S M S^T; S N.
   float3 c0 = cross3(e, float3(m.xx, m.xy, m.xz));
@@ -171,7 +218,7 @@ Elimination eliminateEdge(Value v, RodEdge edge, Bending bending, float twistSti
   precise float tension = abs(dot3(v.px, e));
 #if CONTACTS
   // Far from the solution the gradient of a contact is far from its force.
-  tension = min(tension, v.load * edge.edgeLength);
+  tension = min(tension, v.load * joint.edgeLength);
 #endif
   precise float3 tt = t * tension;
   precise float axx = r0.x + n0.x + n0.x + v.d.xx + tension - tt.x * t.x;
@@ -183,17 +230,17 @@ Elimination eliminateEdge(Value v, RodEdge edge, Bending bending, float twistSti
   Symmetric3 a = makeSymmetric(axx, axy, axz, ayy, ayz, azz);
   // Along t all but D vanishes in exact arithmetic: its rounding is replaced.
   precise float own = max(dot3(t, multiplySymmetric(v.d, t)), 0.0);
-  precise float missing = max(traceOf(a) * kTwistFloor - twistStiffness - own, 0.0);
-  precise float inertia = endWeight * edge.edgeLength * edge.edgeLength * g_twistInertia;
+  precise float missing = max(traceOf(a) * kTwistFloor - joint.twistStiffness - own, 0.0);
+  precise float inertia = endWeight * joint.edgeLength * joint.edgeLength * g_twistInertia;
   precise float correction = own - dot3(t, multiplySymmetric(a, t)) + missing + inertia;
   precise float3 ct = t * correction;
   a = addOuter(a, ct, t);
   a = addDiagonal(a, kTiny);
-  precise float resist = inertia * dot3(t, rotated);
+  precise float resist = inertia * joint.rotated;
   precise float3 pf = v.pf + t * resist;
 
-  Symmetric3 b = bending.b;
-  float3 g = bending.gradient;
+  Symmetric3 b = joint.bending.b;
+  float3 g = joint.bending.gradient;
   Symmetric3 sum = addSymmetric(a, b);
   precise float least = traceOf(sum) * kPivotFloor + kTiny;
   Symmetric3 w = inverseOf(sum, least);
@@ -211,8 +258,8 @@ Elimination eliminateEdge(Value v, RodEdge edge, Bending bending, float twistSti
   gain.kw0 = multiplySymmetric(w, float3(b.xx, b.xy, b.xz));
   gain.kw1 = multiplySymmetric(w, float3(b.xy, b.yy, b.yz));
   gain.kw2 = multiplySymmetric(w, float3(b.xz, b.yz, b.zz));
-  gain.edgeLength = edge.edgeLength;
-  gain.halfRotation = edge.halfRotation;
+  gain.edgeLength = joint.edgeLength;
+  gain.halfRotation = joint.halfRotation;
   result.gain = gain;
   result.response.w = w;
   result.response.e = e;

@@ -138,10 +138,9 @@ float3 freeDisplacement(StoredVertex stored, Transport transport) {
                                   stored.displacementEarlier.xyz);
 }
 
-// \param x position in the iterate, \param displacement since the start of the step
 // \param displacements where the vertex goes without a force
-RodVertex freeVertex(StoredVertex stored, Transport transport, RodRoot root, float3 drift, float3 x,
-                     float3 displacement, float3 displacements) {
+RodTarget targetOf(StoredVertex stored, Transport transport, RodRoot root, float3 drift,
+                   float3 displacements) {
   precise float3 target = displacements + drift;
   precise float weight = g_weight;
 #if FORCES
@@ -160,6 +159,8 @@ RodVertex freeVertex(StoredVertex stored, Transport transport, RodRoot root, flo
     target = pushed;
     weight = heavier;
   }
+  RodTarget free = noTarget();
+  free.displacement = target;
 #if GLOBAL_SHAPE
   float spring = kHoldStiffness;
   if (stored.bindTarget.w >= 0.0) {
@@ -170,19 +171,15 @@ RodVertex freeVertex(StoredVertex stored, Transport transport, RodRoot root, flo
   }
   if (spring > 0.0) {
     precise float3 bindTarget = root.position + rotate(root.rotation, stored.bindTarget.xyz);
-    precise float3 targetDisplacement = bindTarget - x + displacement;
     weight = weight + spring;
-    target = target + (targetDisplacement - target) * (spring / weight);
+    precise float bindShare = spring / weight;
+    free.bindTarget = bindTarget;
+    free.share = bindShare;
   }
 #endif
-  RodVertex vertex;
-  vertex.displacement = displacement;
-  vertex.x = x;
-  vertex.target = target;
-  vertex.voronoiLength = stored.rest.w;
   precise float am = stored.rest.w * weight;
-  vertex.weight = am;
-  return vertex;
+  free.weight = am;
+  return free;
 }
 
 // Writes the bind shape at the root's pose, at rest, into the states from which the step starts.
@@ -396,6 +393,105 @@ void storeState(ExactStrand strand, uint index, RodVertex vertex) {
 }
 #endif
 
+// The records of a vertex in the elimination.
+struct JointContact {
+  bool inContact;
+#if CONTACTS
+  StoredTouch touch;
+#endif
+};
+
+// Returns an edge and the vertex at its root's end.
+RodJoint jointOf(RodStep rod, StoredVertex stored, RodEdge edge, RodEdge parent, uint pass,
+                 JointContact contact) {
+  RodJoint joint;
+  float3 rotated = float3(0.0, 0.0, 0.0);
+  if (pass > 0) rotated = rotationBetween(edge.iterate, edge.guess);
+  joint.tangent = axisX(edge.iterate);
+  joint.edgeLength = edge.edgeLength;
+  joint.halfRotation = edge.halfRotation;
+  joint.rotated = dot3(joint.tangent, rotated);
+  precise float3 moved = (joint.tangent - axisX(edge.frame)) * edge.edgeLength;
+  joint.moved = moved;
+  // Stiffness is divided by the Voronoi length.
+  precise float inverseVoronoiLength = max(stored.factors.x, 1e-6) / stored.rest.w;
+  joint.bending = bendingOf(edge, parent, restRotation(stored.rest.xy), inverseVoronoiLength);
+  precise float twistStiffness = g_twistStiffness * inverseVoronoiLength;
+  joint.twistStiffness = twistStiffness;
+  float3 displacements = freeDisplacement(stored, rod.transport);
+#if CONTACTS
+  if (contact.inContact)
+    displacements =
+        limitRebound(displacements, stored.displacement.xyz, rod.transport, contact.touch);
+#endif
+  joint.target = targetOf(stored, rod.transport, rod.root, rod.drift, displacements);
+  return joint;
+}
+
+// A strand between two edges of its elimination: the vertex at their joint, and all behind it.
+struct RodChain {
+  Value value;
+  float weight;  // am of the vertex
+  float3 displacement;
+  float3 x;
+};
+
+// Returns the tip.
+// \param stores  false: of several lanes one stores what solve_contacts needs
+RodChain beginChain(RodStep rod, TipState tip, StoredVertex stored, JointContact contact,
+                    bool stores) {
+  uint end = rod.strand.count - 1u;
+  precise float3 displacement = tip.displacement + rod.rootStepDisplacement;
+  float3 displacements = freeDisplacement(stored, rod.transport);
+#if CONTACTS
+  if (contact.inContact)
+    displacements =
+        limitRebound(displacements, stored.displacement.xyz, rod.transport, contact.touch);
+#endif
+  RodTarget target = targetOf(stored, rod.transport, rod.root, rod.drift, displacements);
+  RodVertex vertex = vertexAt(target, tip.x, displacement);
+  RodChain chain;
+  chain.value = addVertex(emptyValue(), vertex);
+  chain.weight = vertex.weight;
+  chain.displacement = displacement;
+  chain.x = tip.x;
+#if CONTACTS
+  if (!rod.overlaps) chain.value.load = 1e30;
+  if (contact.inContact) {
+    chain.value = addContacts(chain.value, rod.strand, contact.touch, vertex);
+    if (stores) storeState(rod.strand, end, vertex);
+  }
+#endif
+  return chain;
+}
+
+// Eliminates edge i, and adds vertex i.
+RodChain eliminateJoint(RodChain chain, RodStep rod, uint i, RodJoint joint, JointContact contact) {
+  precise float3 displacement = chain.displacement - joint.moved;
+  precise float3 x = chain.x - joint.tangent * joint.edgeLength;
+  Elimination step = eliminateEdge(chain.value, joint, chain.weight);
+  storeGain(i, rod.strand, step.gain);
+  RodChain next;
+  next.value = step.value;
+#if CONTACTS
+  if (rod.overlaps) storeResponse(i, rod.strand, step.response);
+#endif
+  RodVertex vertex = vertexAt(joint.target, x, displacement);
+  if (i > 1) {
+    next.value = addVertex(next.value, vertex);
+#if CONTACTS
+    if (contact.inContact) {
+      next.value = addContacts(next.value, rod.strand, contact.touch, vertex);
+      storeState(rod.strand, i, vertex);
+    }
+#endif
+  }
+  next.weight = vertex.weight;
+  next.displacement = displacement;
+  next.x = x;
+  return next;
+}
+
 // Tip to root.
 void eliminate(RodStep rod, uint pass, TipState tip) {
   ExactStrand strand = rod.strand;
@@ -406,27 +502,15 @@ void eliminate(RodStep rod, uint pass, TipState tip) {
   StoredVertex stored = loadVertex(last, strand, slots);
   StoredEdge storedEdge = loadEdge(last, strand, slots, pass);
   StoredEdge storedParent = loadEdge(last - 1, strand, slots, pass);
-  precise float3 displacement = tip.displacement + rod.rootStepDisplacement;
-  precise float3 x = tip.x;
-  float3 displacements = freeDisplacement(storedEnd, transport);
+  JointContact contact;
+  contact.inContact = false;
 #if CONTACTS
   uint mask = 0u;
   if (rod.overlaps) mask = contactMask(rod.index, last + 1);
-  bool inContact = hasContact(mask, last + 1);
-  StoredTouch touch = loadTouch(last + 1, strand, kScratchForces);
-  if (inContact)
-    displacements = limitRebound(displacements, storedEnd.displacement.xyz, transport, touch);
+  contact.inContact = hasContact(mask, last + 1);
+  contact.touch = loadTouch(last + 1, strand, kScratchForces);
 #endif
-  RodVertex vertex =
-      freeVertex(storedEnd, transport, rod.root, rod.drift, x, displacement, displacements);
-  Value value = addVertex(emptyValue(), vertex);
-#if CONTACTS
-  if (!rod.overlaps) value.load = 1e30;
-  if (inContact) {
-    value = addContacts(value, strand, touch, vertex);
-    storeState(strand, last + 1, vertex);
-  }
-#endif
+  RodChain chain = beginChain(rod, tip, storedEnd, contact, true);
   RodEdge edge = freeEdge(storedEdge, storedEnd.displacement.w, transport, stored.rest.z, pass);
   [loop] for (uint i = last; i >= 1; --i) {
     // Loads of the next iteration, before the arithmetic of this one.
@@ -434,41 +518,15 @@ void eliminate(RodStep rod, uint pass, TipState tip) {
     StoredEdge storedGrandparent = loadEdge(i > 1 ? i - 2 : 0, strand, slots, pass);
 #if CONTACTS
     if (rod.overlaps && (i & 31u) == 31u) mask = contactMask(rod.index, i);
-    inContact = i > 1 && hasContact(mask, i);
-    if (inContact) touch = loadTouch(i, strand, kScratchForces);
+    contact.inContact = i > 1 && hasContact(mask, i);
+    if (contact.inContact) contact.touch = loadTouch(i, strand, kScratchForces);
 #endif
 
     RodEdge parent = rootEdge(storedParent, transport, rod.rootFrame);
     if (i > 1)
       parent = freeEdge(storedParent, stored.displacement.w, transport, storedNext.rest.z, pass);
-    float3 rotated = float3(0.0, 0.0, 0.0);
-    if (pass > 0) rotated = rotationBetween(edge.iterate, edge.guess);
-    float3 tangent = axisX(edge.iterate);
-    displacement = displacement - (tangent - axisX(edge.frame)) * edge.edgeLength;
-    x = x - tangent * edge.edgeLength;
-    // Stiffness is divided by the Voronoi length.
-    precise float inverseVoronoiLength = max(stored.factors.x, 1e-6) / stored.rest.w;
-    Bending bending = bendingOf(edge, parent, restRotation(stored.rest.xy), inverseVoronoiLength);
-    precise float twistStiffness = g_twistStiffness * inverseVoronoiLength;
-    Elimination step = eliminateEdge(value, edge, bending, twistStiffness, vertex.weight, rotated);
-    storeGain(i, strand, step.gain);
-    value = step.value;
-    displacements = freeDisplacement(stored, transport);
-#if CONTACTS
-    if (rod.overlaps) storeResponse(i, strand, step.response);
-    if (inContact)
-      displacements = limitRebound(displacements, stored.displacement.xyz, transport, touch);
-#endif
-    vertex = freeVertex(stored, transport, rod.root, rod.drift, x, displacement, displacements);
-    if (i > 1) {
-      value = addVertex(value, vertex);
-#if CONTACTS
-      if (inContact) {
-        value = addContacts(value, strand, touch, vertex);
-        storeState(strand, i, vertex);
-      }
-#endif
-    }
+    RodJoint joint = jointOf(rod, stored, edge, parent, pass, contact);
+    chain = eliminateJoint(chain, rod, i, joint, contact);
 
     stored = storedNext;
     storedParent = storedGrandparent;
@@ -486,32 +544,183 @@ struct RollOut {
 #endif
 };
 
+// An edge before its rotation.
+struct RolledEdge {
+  float4 old;  // before the step, transported
+  float4 iterate;
+  float3 halfRotation;
+  float edgeLength;
+};
+
+RolledEdge rolledEdge(StoredEdge stored, float3 halfRotation, float edgeLength, Transport transport,
+                      uint pass) {
+  RolledEdge edge;
+  edge.old = transportFrame(transport, stored.now);
+  edge.iterate = stored.next;
+  if (pass == 0) edge.iterate = guessFrame(edge.old, halfRotation);
+  edge.halfRotation = halfRotation;
+  edge.edgeLength = edgeLength;
+  return edge;
+}
+
+// A strand in its roll-out, up to the start of an edge.
+struct RollChain {
+  float3 x;
+  float3 displacement;
+  float3 dx;  // of the solution against the iterate
+  float3 u;
+  float4 frame;
+  float3 edge;    // its vector
+  float3 offset;  // from the solution
+  float largest;
+  float farthest;
+};
+
+RollChain beginRollOut(RodStep rod) {
+  RollChain chain;
+  chain.x = rod.x1;
+  chain.displacement = float3(0.0, 0.0, 0.0);
+  chain.dx = float3(0.0, 0.0, 0.0);
+  chain.u = float3(0.0, 0.0, 0.0);
+  chain.frame = rod.rootFrame;
+  chain.edge = rod.edge0;
+  chain.offset = float3(0.0, 0.0, 0.0);
+  chain.largest = 0.0;
+  chain.farthest = 0.0;
+  return chain;
+}
+
+// Rotates an edge by its control law.
+//
+// \param oldTangent  before the step, transported
+RollChain rollEdge(RollChain chain, RodStep rod, Gain g, float4 iterate, float3 oldTangent,
+                   JointContact contact) {
+  RollChain next = chain;
+  float4 limited = limitedRotation(controlLaw(g, g.k, chain.u, chain.dx));
+  next.u = limited.xyz;
+  next.largest = max(chain.largest, limited.w);
+  float4 frame = rotatedBy(next.u, iterate);
+#if CONTACTS
+  if (rod.overlaps) {
+    // To the solution, and in front of the planes.
+    float3 led = axisX(frame);
+    float3 direction = led;
+    precise float3 offset = chain.offset;
+    if (dot3(offset, offset) > 1e-18) {
+      precise float3 arm = led * g.edgeLength - offset;
+      precise float squared = dot3(arm, arm);
+      precise float least = 1e-6 * g.edgeLength * g.edgeLength;
+      if (squared > least) direction = directionOr(arm, led);
+    }
+    if (contact.inContact) {
+      StoredTouch touch = contact.touch;
+      direction =
+          keepOut(direction, touch.plane0.xyz, touch.a.xyz, touch.a.w, chain.x, g.edgeLength);
+      direction =
+          keepOut(direction, touch.plane1.xyz, touch.a.xyz, touch.b.w, chain.x, g.edgeLength);
+    }
+    if (direction.x != led.x || direction.y != led.y || direction.z != led.z) {
+      frame = rotateFrame(frame, led, direction);
+      offset = offset + (axisX(frame) - led) * g.edgeLength;
+    }
+    next.offset = offset;
+  }
+#endif
+  // A state that was not a number: the edge continues the previous one.
+  if (!isUnit(frame)) frame = chain.frame;
+  next.frame = frame;
+  float3 tangent = axisX(frame);
+  precise float3 edgeVector = tangent * g.edgeLength;
+  precise float3 x = chain.x + edgeVector;
+  precise float3 dx = chain.dx;
+#if CONTACTS
+  if (rod.overlaps) dx = dx + rotatedEdge(next.u, axisX(iterate) * g.edgeLength);
+  if (!rod.overlaps) dx = dx + (tangent - axisX(iterate)) * g.edgeLength;
+#else
+  dx = dx + (tangent - axisX(iterate)) * g.edgeLength;
+#endif
+  precise float3 displacement = chain.displacement + (tangent - oldTangent) * g.edgeLength;
+  precise float3 wholeDisplacement = rod.rootStepDisplacement + displacement;
+  next.farthest = max(chain.farthest, dot3(wholeDisplacement, wholeDisplacement));
+  next.edge = edgeVector;
+  next.x = x;
+  next.dx = dx;
+  next.displacement = displacement;
+  return next;
+}
+
+struct EdgeEnd {
+  float3 guessed;  // displacement of its end in the next step's guess, against its start
+  bool far;        // from where its contact was found
+};
+
+// Writes edge i, the vertex at its start for drawing, and the displacement of that at its end.
+//
+// \param start   its position
+// \param across  from the vertex before to the one behind
+EdgeEnd endEdge(RodStep rod, uint i, RolledEdge edge, float4 frame, float3 start, float3 across,
+                float3 displacement, float3 offset, JointContact contact) {
+  uint next = rod.slots.next;
+  g_state[stateIndex(kFrameSets + next, i, rod.strand)] = frame;
+  float3 tangent = axisX(frame);
+  writeOutput(i, rod.strand, start, across, tangent);
+  precise float3 x = start + tangent * edge.edgeLength;
+  precise float3 wholeDisplacement = rod.rootStepDisplacement + displacement;
+  float nextRotation =
+      nextHalfRotation(frame, edge.old, edge.halfRotation, g_guessTrend, g_slowRotation);
+  EdgeEnd end;
+  end.far = false;
+#if CONTACTS
+  precise float3 correction = offset;
+  if (contact.inContact) {
+    StoredTouch touch = contact.touch;
+    float3 moved = worldDisplacement(rod.transport.now, x, wholeDisplacement);
+    precise float3 off = x - touch.a.xyz;
+    precise float squared = dot3(off, off);
+    end.far = isFar(touch.plane0, squared) || isFar(touch.plane1, squared);
+    precise float gap = touch.a.w + dot3(touch.plane0.xyz, off);
+    correction = correctionOf(correction, touch.plane0, gap, moved);
+    gap = touch.b.w + dot3(touch.plane1.xyz, off);
+    correction = correctionOf(correction, touch.plane1, gap, moved);
+  }
+  wholeDisplacement = wholeDisplacement - correction;
+#endif
+  g_state[stateIndex(kDisplacementSets + next, i + 1, rod.strand)] =
+      float4(wholeDisplacement, nextRotation);
+  float4 goingOn = guessFrame(frame, halfRotationOn(nextRotation, 1.0));
+  precise float3 guessed = (axisX(goingOn) - tangent) * edge.edgeLength;
+  end.guessed = guessed;
+  return end;
+}
+
+RollOut endRollOut(RodStep rod, RollChain chain, float3 guessed) {
+  writeOutput(rod.strand.count - 1u, rod.strand, chain.x, chain.edge, axisX(chain.frame));
+  RollOut result;
+  result.largest = chain.largest;
+  result.farthest = chain.farthest;
+  result.tip.displacement = chain.displacement;
+  result.tip.x = chain.x;
+  result.guessedDisplacement = guessed;
+#if CONTACTS
+  result.far = false;
+#endif
+  return result;
+}
+
 // Root to tip.
 RollOut rollOut(RodStep rod, uint pass) {
   ExactStrand strand = rod.strand;
   Slots slots = rod.slots;
-  Transport transport = rod.transport;
   uint last = strand.count - 2;  // edge
-  RollOut result;
-  result.largest = 0.0;
-  result.farthest = 0.0;
-  precise float3 displacement = float3(0.0, 0.0, 0.0);
-  precise float3 guessedDisplacement = float3(0.0, 0.0, 0.0);
-  precise float3 x = rod.x1;
-  precise float3 dx = float3(0.0, 0.0, 0.0);
-  precise float3 u = float3(0.0, 0.0, 0.0);
-  float4 frameBefore = rod.rootFrame;
-  precise float3 tangent = axisX(rod.rootFrame);
-  precise float3 edgeBefore = rod.edge0;
-  writeOutput(0, strand, rod.root.position, rod.edge0, tangent);
+  writeOutput(0, strand, rod.root.position, rod.edge0, axisX(rod.rootFrame));
+  RollChain chain = beginRollOut(rod);
+  precise float3 guessed = float3(0.0, 0.0, 0.0);
+  bool far = false;
+  JointContact contact;
+  contact.inContact = false;
 #if CONTACTS
-  result.far = false;
-  precise float3 offset = float3(0.0, 0.0, 0.0);  // from the solution
   uint mask = 0u;
   if (rod.overlaps) mask = contactMask(rod.index, 0);
-#endif
-
-#if CONTACTS
   StoredTouch touchNext = loadTouch(2, strand, kScratchFound);
 #endif
   StoredEdge stored = loadEdge(1, strand, slots, pass);
@@ -523,85 +732,27 @@ RollOut rollOut(RodStep rod, uint pass) {
     PackedGain packedNext = loadGain(after, strand);
 #if CONTACTS
     if (rod.overlaps && ((i + 1) & 31u) == 0u) mask = contactMask(rod.index, i + 1);
-    bool inContact = hasContact(mask, i + 1);
-    StoredTouch touch = touchNext;
+    contact.inContact = hasContact(mask, i + 1);
+    contact.touch = touchNext;
     if (rod.overlaps) touchNext = loadTouch(after + 1u, strand, kScratchFound);
 #endif
 
     Gain g = unpackGain(packed);
-    float4 limited = limitedRotation(controlLaw(g, g.k, u, dx));
-    u = limited.xyz;
-    result.largest = max(result.largest, limited.w);
-    float4 old = transportFrame(transport, stored.now);
-    float4 iterate = stored.next;
-    if (pass == 0) iterate = guessFrame(old, g.halfRotation);
-    float4 frame = rotatedBy(u, iterate);
-#if CONTACTS
-    if (rod.overlaps) {
-      // To the solution, and in front of the planes.
-      float3 led = axisX(frame);
-      float3 direction = led;
-      if (dot3(offset, offset) > 1e-18) {
-        precise float3 arm = led * g.edgeLength - offset;
-        precise float squared = dot3(arm, arm);
-        precise float least = 1e-6 * g.edgeLength * g.edgeLength;
-        if (squared > least) direction = directionOr(arm, led);
-      }
-      if (inContact) {
-        direction = keepOut(direction, touch.plane0.xyz, touch.a.xyz, touch.a.w, x, g.edgeLength);
-        direction = keepOut(direction, touch.plane1.xyz, touch.a.xyz, touch.b.w, x, g.edgeLength);
-      }
-      if (direction.x != led.x || direction.y != led.y || direction.z != led.z) {
-        frame = rotateFrame(frame, led, direction);
-        offset = offset + (axisX(frame) - led) * g.edgeLength;
-      }
-    }
-#endif
-    // A state that was not a number: the edge continues the previous one.
-    if (!isUnit(frame)) frame = frameBefore;
-    frameBefore = frame;
-    g_state[stateIndex(kFrameSets + slots.next, i, strand)] = frame;
-    tangent = axisX(frame);
-    precise float3 edgeVector = tangent * g.edgeLength;
-    precise float3 across = edgeBefore + edgeVector;
-    writeOutput(i, strand, x, across, tangent);
-    edgeBefore = edgeVector;
-    x = x + edgeVector;
-#if CONTACTS
-    if (rod.overlaps) dx = dx + rotatedEdge(u, axisX(iterate) * g.edgeLength);
-    if (!rod.overlaps) dx = dx + (tangent - axisX(iterate)) * g.edgeLength;
-#else
-    dx = dx + (tangent - axisX(iterate)) * g.edgeLength;
-#endif
-    displacement = displacement + (tangent - axisX(old)) * g.edgeLength;
-    precise float3 wholeDisplacement = rod.rootStepDisplacement + displacement;
-    result.farthest = max(result.farthest, dot3(wholeDisplacement, wholeDisplacement));
-    float nextRotation = nextHalfRotation(frame, old, g.halfRotation, g_guessTrend, g_slowRotation);
-#if CONTACTS
-    precise float3 correction = offset;
-    if (inContact) {
-      float3 moved = worldDisplacement(transport.now, x, wholeDisplacement);
-      precise float3 off = x - touch.a.xyz;
-      precise float squared = dot3(off, off);
-      result.far = result.far || isFar(touch.plane0, squared) || isFar(touch.plane1, squared);
-      precise float gap = touch.a.w + dot3(touch.plane0.xyz, off);
-      correction = correctionOf(correction, touch.plane0, gap, moved);
-      gap = touch.b.w + dot3(touch.plane1.xyz, off);
-      correction = correctionOf(correction, touch.plane1, gap, moved);
-    }
-    wholeDisplacement = wholeDisplacement - correction;
-#endif
-    g_state[stateIndex(kDisplacementSets + slots.next, i + 1, strand)] =
-        float4(wholeDisplacement, nextRotation);
-    float4 goingOn = guessFrame(frame, halfRotationOn(nextRotation, 1.0));
-    guessedDisplacement = guessedDisplacement + (axisX(goingOn) - tangent) * g.edgeLength;
+    RolledEdge edge = rolledEdge(stored, g.halfRotation, g.edgeLength, rod.transport, pass);
+    RollChain next = rollEdge(chain, rod, g, edge.iterate, axisX(edge.old), contact);
+    precise float3 across = chain.edge + next.edge;
+    EdgeEnd end =
+        endEdge(rod, i, edge, next.frame, chain.x, across, next.displacement, next.offset, contact);
+    guessed = guessed + end.guessed;
+    far = far || end.far;
+    chain = next;
     stored = storedNext;
     packed = packedNext;
   }
-  writeOutput(last + 1, strand, x, edgeBefore, tangent);
-  result.tip.displacement = displacement;
-  result.tip.x = x;
-  result.guessedDisplacement = guessedDisplacement;
+  RollOut result = endRollOut(rod, chain, guessed);
+#if CONTACTS
+  result.far = far;
+#endif
   return result;
 }
 
@@ -688,7 +839,13 @@ bool prepareState(uint index) {
   Slots slots = slotsOfTile(index / kTileStrands);
   ExactStrand strand = strandAt(index);
   bool reset = (g_flags & kResetFlag) != 0u;
-  if (reset) resetStrand(strand, slots, rootAt(rootPath(strand.root), g_rootEnd), index);
+#if CONTACTS
+  // By a pass of its own, which only does that.
+  bool resets = reset && (g_flags & kPoseFlag) != 0u;
+#else
+  bool resets = reset;
+#endif
+  if (resets) resetStrand(strand, slots, rootAt(rootPath(strand.root), g_rootEnd), index);
   if ((g_flags & kPoseFlag) != 0u) return false;
   if ((g_flags & kRebaseFlag) != 0u && !reset) rebaseStrand(slots, index);
   return true;

@@ -15,7 +15,11 @@
 // Invariant (tests/simulation): as simulate_exact. No strand is listed twice in a sub-step.
 #define CONTACTS 1
 #define VELOCITY_SHOCK_PROPAGATION 1
+#if BLOCKS
+#include "exact_blocks.hlsli"
+#else
 #include "exact_step.hlsli"
+#endif
 #include "exact_compliance.hlsli"
 
 // Strands that a group of find_contacts takes.
@@ -47,22 +51,49 @@ bool isEnough(RodStep rod, RollOut rolled) {
   return sums.y <= most || rolled.largest <= kForceRotation * kForceRotation;
 }
 
+// Takes the forces that solve_contacts has found into the control laws.
+void takeForces(RodStep rod) {
+  if (rod.overlaps) addForces(rod.strand, lastContact(rod.index, rod.strand.count));
+}
+
+void endRound(RodStep rod, RollOut rolled) {
+  bool again = (g_flags & kAgainFlag) != 0u;
+  if (rod.strand.count > 2u) {
+    g_state[gainIndex(0, rod.strand)] = float4(rolled.tip.displacement, 0.0);
+    if (!again) {
+      if (!isEnough(rod, rolled)) solveAgain(rod.index, rolled.far);
+    }
+  }
+  endStep(rod, rolled, again ? 0.0 : g_frameTime);
+}
+
 [numthreads(32, 1, 1)]
 void roll_out_strands(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
+  uint pass = (g_flags & kAgainFlag) != 0u ? 1u : 0u;
+#if BLOCKS
+  BlockLane own = blockLane(lane);
+  uint index = strandOfLane(group, own.number);
+  bool has = isSimulated(index);
+  RodStep rod = (RodStep)0;
+  if (has) rod = beginStep(index);
+  bool first = has && own.part == 0u;
+  bool rolls = has && rod.strand.count > 2u;
+  if (first && rolls) takeForces(rod);
+  RollOut rolled = rollOutInBlocks(own, rod, rolls, pass);
+  if (!first) return;
+  if (!rolls) rolled = rootAlone(rod);
+  endRound(rod, rolled);
+#else
   uint index = strandOfLane(group, lane);
   if (!isSimulated(index)) return;
-  bool again = (g_flags & kAgainFlag) != 0u;
   RodStep rod = beginStep(index);
   RollOut rolled;
   if (rod.strand.count > 2u) {
-    if (rod.overlaps) addForces(rod.strand, lastContact(index, rod.strand.count));
-    rolled = rollOut(rod, again ? 1u : 0u);
-    g_state[gainIndex(0, rod.strand)] = float4(rolled.tip.displacement, 0.0);
-    if (!again) {
-      if (!isEnough(rod, rolled)) solveAgain(index, rolled.far);
-    }
+    takeForces(rod);
+    rolled = rollOut(rod, pass);
   } else {
     rolled = rootAlone(rod);
   }
-  endStep(rod, rolled, again ? 0.0 : g_frameTime);
+  endRound(rod, rolled);
+#endif
 }

@@ -197,9 +197,7 @@ Result<void> StrandSolver::addExactStep(const HairFrame& frame, const StepInputs
                                         const ExactConstants& constants, uint32_t step) const {
   const bool forced = frame.forces != BufferId::kInvalid;
   if (frame.contacts.any) {
-    return addContactStep(
-        frame, inputs, constants, step,
-        eliminateStrandsVariant({.globalShape = restSets_.targets, .forces = forced}));
+    return addContactStep(frame, inputs, constants, step);
   }
   const KernelVariant& variant =
       simulateExactVariant({.globalShape = restSets_.targets,
@@ -215,15 +213,19 @@ Result<void> StrandSolver::addExactStep(const HairFrame& frame, const StepInputs
 
 // A sub-step with contacts: two rounds, the second one of the strands that the first one lists.
 Result<void> StrandSolver::addContactStep(const HairFrame& frame, const StepInputs& inputs,
-                                          ExactConstants constants, uint32_t step,
-                                          const KernelVariant& eliminate) const {
-  if (groupStrands(frame.guideCount) == exact::kNarrowStrands)
-    constants.flags |= exact::kNarrowFlag;
+                                          ExactConstants constants, uint32_t step) const {
+  const bool narrow = groupStrands(frame.guideCount) == exact::kNarrowStrands;
+  if (narrow) constants.flags |= exact::kNarrowFlag;
+  const auto eliminate = [&](bool blocks) -> const KernelVariant& {
+    return eliminateStrandsVariant({.blocks = blocks,
+                                    .globalShape = restSets_.targets,
+                                    .forces = frame.forces != BufferId::kInvalid});
+  };
   if (step == 0 && frame.reset) {
     // The positions are those of the frame before.
     ExactConstants pose = constants;
     pose.flags |= exact::kPoseFlag;
-    if (Result<void> added = addStrandPass(frame, eliminate, pose); !added) return added;
+    if (Result<void> added = addStrandPass(frame, eliminate(narrow), pose); !added) return added;
   }
   for (const bool again : {false, true}) {
     if (again) constants.flags |= exact::kAgainFlag;
@@ -232,7 +234,9 @@ Result<void> StrandSolver::addContactStep(const HairFrame& frame, const StepInpu
                               .strands = simulatedCount_,
                               .again = again};
     if (Result<void> found = inputs.findContacts(part); !found) return found;
-    if (Result<void> added = addStrandPass(frame, eliminate, constants); !added) return added;
+    const bool blocks = narrow || again;
+    if (Result<void> added = addStrandPass(frame, eliminate(blocks), constants); !added)
+      return added;
     PassBuilder builder(frame.list);
     const KernelVariant& solve = solveContactsVariant({});
     builder.dispatchIndirect(
@@ -240,7 +244,7 @@ Result<void> StrandSolver::addContactStep(const HairFrame& frame, const StepInpu
         listArguments(constants, again ? contact_records::kContactSolveArguments
                                        : contact_records::kContactGroupArguments));
     Result<void> added = finishExactPass(frame, builder, constants, vertexBytes(frame));
-    if (added) added = addStrandPass(frame, rollOutStrandsVariant({}), constants);
+    if (added) added = addStrandPass(frame, rollOutStrandsVariant({.blocks = blocks}), constants);
     if (!added) return added;
   }
   return {};

@@ -88,8 +88,7 @@ class StrandSolver {
   Result<void> addExactStep(const HairFrame& frame, const StepInputs& inputs,
                             const ExactConstants& constants, uint32_t step) const;
   Result<void> addContactStep(const HairFrame& frame, const StepInputs& inputs,
-                              ExactConstants constants, uint32_t step,
-                              const KernelVariant& eliminate) const;
+                              ExactConstants constants, uint32_t step) const;
   Result<void> addStrandPass(const HairFrame& frame, const KernelVariant& variant,
                              const ExactConstants& constants) const;
   uint64_t vertexBytes(const HairFrame& frame) const;
