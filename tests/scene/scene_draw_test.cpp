@@ -335,7 +335,7 @@ TEST_F(SceneDraw, LightsSayHowTheirShadowsAreRead) {
   // In texels.
   const float texel = first.shadowDepths[0].w;
   EXPECT_GT(texel, 0);
-  EXPECT_FLOAT_EQ(first.shadowDepths[0].y, 0.5f * texel);
+  EXPECT_FLOAT_EQ(first.shadowDepths[0].y, Light().shadowBias * texel);
   light.shadowBias = 3;
   EXPECT_FLOAT_EQ(constants().shadowDepths[0].y, 3 * texel);
   // In meters.

@@ -4,13 +4,16 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "pelage/constants.h"
 #include "pelage/scene.h"
 #include "pelage/scene_features.h"
 #include "pelage/skeleton.h"
@@ -46,6 +49,7 @@ class DeliveryScene {
  public:
   static constexpr int kFrames = 10;
   static constexpr float kShare = 0.3f;  // of interpolate()
+  static constexpr uint32_t kShadowSize = 64;
 
   /// \param engineInputs  also hair that follows what an engine has on the GPU
   DeliveryScene(Scene& scene, Solver solver, bool engineInputs = false)
@@ -173,7 +177,7 @@ class DeliveryScene {
     if (Result<void> placed = scene_.interpolate(kShare, list); !placed) return placed;
     Light light;
     light.shadow = HairShadow::kDeep;
-    light.shadowSize = 64;
+    light.shadowSize = kShadowSize;
     const Result<uint32_t> maps = scene_.castShadows({&light, 1}, list);
     return maps ? Result<void>() : maps.error();
   }
@@ -183,17 +187,31 @@ class DeliveryScene {
     Result<Frame> made = scene_.simulate(seconds(frame));
     EXPECT_TRUE(made) << made.error().message;
     EXPECT_TRUE(made->interpolate(kShare));
-    const Light light = {.shadow = HairShadow::kDeep, .shadowSize = 64};
+    const Light light = {.shadow = HairShadow::kDeep, .shadowSize = kShadowSize};
     EXPECT_TRUE(made->castShadows({&light, 1}));
     return *std::move(made);
   }
 
   using Results = std::vector<std::vector<std::byte>>;
+  /// The layers of texels without hair. \param words of the shadow map
+  static void clearUndefined(std::vector<std::byte>& words) {
+    constexpr size_t kTexels = size_t{kShadowSize} * kShadowSize;
+    const size_t layers = Light().shadowLayers;
+    ASSERT_GE(words.size(), kTexels * (1 + layers) * sizeof(uint32_t));
+    for (size_t texel = 0; texel < kTexels; ++texel) {
+      uint32_t nearest = 0;
+      std::memcpy(&nearest, words.data() + texel * sizeof(uint32_t), sizeof(uint32_t));
+      const size_t first = (kTexels + texel * layers) * sizeof(uint32_t);
+      if (nearest == strand_shadow_view::kNoHair)
+        std::fill_n(words.data() + first, layers * sizeof(uint32_t), std::byte{0});
+    }
+  }
   /// \param read  the bytes of a BufferId
   template <class Read>
   Results readResults(const Read& read) const {
     Results all;
     for (const BufferId buffer : results()) all.push_back(read(buffer));
+    clearUndefined(all.back());
     return all;
   }
   /// Buffers with the results of a frame; those of hair(0) come first.
