@@ -1,6 +1,7 @@
 // Contacts of simulate_classic with spheres and tapered capsules, and what moves with its origin.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -29,17 +30,24 @@ Collider sphere(const Vector3d& center, double radius, double friction = 0) {
 /// negative outside.
 double deepest(const HairAsset& asset, const std::vector<Float4>& positions,
                const Collider& shape) {
+  const Vector3d head = toVector(shape.head), axis = toVector(shape.tail) - head;
+  const double thinner = double{shape.tail.w} - double{shape.head.w}, length = axis.norm();
   double depth = -std::numeric_limits<double>::infinity();
   for (size_t i = 0; i < positions.size(); ++i) {
     if (i % asset.verticesPerStrand < 2) continue;
-    for (int k = 0; k <= 1000; ++k) {
-      const double t = k / 1000.0;
-      const Vector3d center =
-          toVector(shape.head) + t * (toVector(shape.tail) - toVector(shape.head));
-      const double radius =
-          double{shape.head.w} + t * (double{shape.tail.w} - double{shape.head.w});
-      keepLargest(depth, radius - (toVector(positions[i]) - center).norm());
+    const Vector3d p = toVector(positions[i]) - head;
+    // The depth is concave along the axis: its largest value is where the derivative is zero, or
+    // at an end where it has none.
+    double t = 0;
+    if (length > std::abs(thinner)) {
+      const double along = p.dot(axis) / length;
+      const double away = std::sqrt(std::max(p.squaredNorm() - along * along, 0.0));
+      const double slope = thinner / std::sqrt(length * length - thinner * thinner);
+      t = std::clamp((along + away * slope) / length, 0.0, 1.0);
+    } else {
+      t = thinner > 0 ? 1 : 0;
     }
+    keepLargest(depth, double{shape.head.w} + t * thinner - (p - t * axis).norm());
   }
   return depth;
 }
