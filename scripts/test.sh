@@ -16,7 +16,7 @@ git ls-files '*.h' '*.cpp' 2>/dev/null | xargs -r clang-format-14 --dry-run --We
 bash scripts/format_kernels.sh --check
 
 step "build"
-cmake --preset release -DPELAGE_BUILD_TESTS=ON -DPELAGE_BUILD_BENCHMARKS=OFF \
+cmake --preset release -DPELAGE_BUILD_TESTS=ON -DPELAGE_BUILD_BENCHMARKS=OFF -DPELAGE_WGSL=OFF \
   -DPELAGE_CODEGEN_CACHE="$codegen_cache"
 cmake --build --preset release --parallel "$jobs"
 
