@@ -151,6 +151,7 @@ TEST_P(ViewsOfAFrame, HaveOneMapForALightThatAllOfThemSee) {
   const View view = viewOf(48, 48);
   const auto draw = [&](const std::vector<std::vector<Light>>& all) {
     nextFrame();
+    expectOk(scene().shiftOrigin({}));  // as if it had moved: no map is kept
     std::vector<WrittenView> written;
     for (const std::vector<Light>& lights : all) written.push_back(write(view, settings, lights));
     for (WrittenView& one : written) finish(one);
@@ -181,6 +182,118 @@ TEST_P(ViewsOfAFrame, HaveOneMapForALightThatAllOfThemSee) {
     EXPECT_TRUE(isSame(run(written[0]), expected[3])) << round;
     EXPECT_TRUE(isSame(run(written[1]), expected[2])) << round;
   }
+}
+
+/// Hair of two objects, and what a light with a shadow shows of it.
+class KeptShadows : public SceneRunTest<> {
+ protected:
+  void SetUp() override {
+    SceneRunTest::SetUp();
+    if (run_.device() == nullptr) return;
+    light_ = {.direction = {0.5f, 0.7f, 0.5f}, .shadow = HairShadow::kDeep, .shadowSize = 64};
+    addHair({.strands = 200});
+    addHair({.strands = 100, .seed = 8});
+    run_.step();
+  }
+  void addHair(const TangleDef& def) {
+    HairDef hair = {.material = tangleMaterial(def)};
+    const Result<HairId> added = run_.scene.addHair(tangle(def), hair);
+    ASSERT_TRUE(added) << added.error().message;
+    hairs_.push_back(*added);
+  }
+  void TearDown() override {
+    for (const HairId id : hairs_) static_cast<void>(run_.scene.removeHair(id));
+    SceneRunTest::TearDown();
+  }
+  HairObject& hair(size_t i) { return run_.scene.hair(hairs_[i]); }
+  RenderedImage draw(const std::vector<Light>& lights) {
+    const View view =
+        cameraView({.eye = {0.02f, 0.01f, 0.45f}, .width = 48, .height = 40, .nearPlane = 0.1f});
+    std::vector<PassList> lists(1);
+    expectOk(run_.scene.draw(view, lights, {.method = Transparency::kAlphaTest}, lists));
+    maps_ = passesNamed(lists, "clear_strand_shadow");
+    return valueOf(run_.renderLists(lists, {.width = view.width, .height = view.height}));
+  }
+  /// Draws with a new map, and a frame later with the same one.
+  void expectNewMap(const char* event) {
+    SCOPED_TRACE(event);
+    const RenderedImage seen = draw({light_});
+    EXPECT_EQ(maps_, 1u);
+    run_.step(0);
+    EXPECT_TRUE(isSame(draw({light_}), seen));
+    EXPECT_EQ(maps_, 0u);
+    run_.scene.trim();
+    run_.step(0);
+    EXPECT_TRUE(isSame(draw({light_}), seen)) << "the map was old";
+    run_.step(0);
+  }
+
+  std::vector<HairId> hairs_;
+  Light light_;
+  size_t maps_ = 0;  ///< that the last picture filled
+};
+
+TEST_P(KeptShadows, AreThoseOfTheHairAndTheLightAsTheyAre) {
+  expectNewMap("the first one");
+  run_.step();
+  expectNewMap("hair has moved");
+  light_.direction = {-0.6f, 0.3f, 0.4f};
+  expectNewMap("the light has moved");
+  light_.shadowBias = 2;
+  expectNewMap("another bias");
+  light_.shadowSize = 48;
+  expectNewMap("another size");
+  hair(0).material.opacity = 0.9f;
+  expectNewMap("another opacity");
+  hair(0).material.fiberRadius *= 2;
+  expectNewMap("another radius");
+  hair(1).drawnStrands = 40;
+  expectNewMap("fewer strands");
+  hair(1).visible = false;
+  expectNewMap("an object is hidden");
+  hair(1).visible = true;
+  expectNewMap("an object is visible");
+  AffineTransform motion = {};
+  motion.rows[0].w = 0.02f;
+  expectOk(run_.scene.teleport(hairs_[0], motion));
+  run_.step(0);
+  expectNewMap("a teleport");
+  expectOk(run_.scene.shiftOrigin({0.01f, 0, 0.02f}));
+  run_.step(0);
+  expectNewMap("the world has shifted");
+  hair(0).reset();
+  run_.step();
+  expectNewMap("a reset");
+  expectOk(run_.scene.removeHair(hairs_.back()));
+  hairs_.pop_back();
+  run_.step(0);
+  expectNewMap("an object is removed");
+  addHair({.strands = 80, .seed = 9});
+  run_.step();
+  expectNewMap("an object is new");
+  {
+    PassList lost;
+    expectOk(run_.scene.simulate(1.0f / 60, lost));
+  }
+  run_.step(0);
+  expectNewMap("a frame did not run");
+}
+
+// A light that moves in front of hair that does not, beside one that stays.
+TEST_P(KeptShadows, TakeNoMoreMemoryFromFrameToFrame) {
+  Light lamp = light_;
+  uint64_t bytes = 0;
+  size_t maps = 0;
+  for (int i = 0; i < 40; ++i) {
+    run_.step(0);
+    lamp.direction.x = 0.05f * static_cast<float>(i);
+    draw({light_, lamp});
+    if (i == 8) bytes = run_.scene.drawBytes().shadows;
+    if (i <= 8) continue;
+    EXPECT_EQ(run_.scene.drawBytes().shadows, bytes) << i;
+    maps += maps_;
+  }
+  EXPECT_LT(maps, 2 * 31u) << "the map of the light that stays is never used again";
 }
 
 TEST_P(ViewsOfAFrame, AreRefusedWhereAnotherDrawHasTheirBuffers) {
@@ -236,12 +349,14 @@ TEST_P(ViewsOfAFrame, AreRefusedWhereTheListWithTheirMapsDoesNotRun) {
   EXPECT_TRUE(isSame(alone(viewOf(40, 40), settings), alone(viewOf(40, 40), settings)));
 
   nextFrame();
+  expectOk(scene().shiftOrigin({}));
   WrittenView first = write(viewOf(40, 40), settings);
   second = write(viewOf(40, 40), settings);
   finish(second);
   expectError(checkRun(second.lists[0]), "order");
 }
 
+INSTANTIATE_TEST_SUITE_P(All, KeptShadows, testing::ValuesIn(kApis), apiTestName);
 INSTANTIATE_TEST_SUITE_P(All, ViewsOfAFrame, testing::ValuesIn(kApis), apiTestName);
 
 }  // namespace

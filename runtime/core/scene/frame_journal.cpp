@@ -159,6 +159,7 @@ void FrameJournal::save() {
 void FrameJournal::restore() {
   FrameCheckpoint frame = std::move(open_.back());
   open_.pop_back();
+  ++store_.moves;
   if (frame.run != nullptr) detail::abandon(*frame.run);
   for (HairCheckpoint& saved : frame.hairs) {
     HairInternals& now = HairStore::of(*saved.object);

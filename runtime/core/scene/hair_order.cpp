@@ -371,6 +371,7 @@ HairFrame frameOf(HairStore& store, HairObject& object, const SimulationSettings
 Result<void> recordHair(HairStore& store, HairObject& object, FrameMode mode, FrameTime time,
                         PassList& list) {
   HairInternals& hair = HairStore::of(object);
+  ++store.moves;
   std::optional<SimulationSettings> posed;
   if (mode == FrameMode::kPose) posed = withoutForces(object.settings);
   const SimulationSettings& settings = posed ? *posed : object.settings;

@@ -69,6 +69,7 @@ class HairStore {
   double time = 0;          ///< that is simulated [s]
   Vector3<double> shifted;  ///< sum of all shifts of the world [m]
   uint64_t frame = 1;       ///< simulate() begins another one
+  uint64_t moves = 0;       ///< rises with each list that moves hair, or turns out not to have run
   /// Buffers that the frame which is recorded has no use for; nullptr between frames.
   HostArray<RemovedBuffer>* removed = nullptr;
 

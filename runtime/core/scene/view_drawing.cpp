@@ -227,7 +227,7 @@ Result<void> ViewDrawing::checkShadows(std::span<const Light> lights, bool draws
       cast.opaques.push_back(opaquePlanOf(lights[light]));
   }
   return shadows.check(cast.defs, cast.opaques, cast.hairs, store_.factory(), store_.frame,
-                       cast.plan);
+                       store_.moves, cast.plan);
 }
 
 // Positions where they are after a shift of the world; then the maps.

@@ -17,6 +17,7 @@ constexpr const char* kShadowsRemade =
     "its shadow maps were remade by a later draw(); write it again";
 constexpr uint64_t kLeastWords = 4;  // kernels have the buffer bound where no light has a shadow
 constexpr uint64_t kMostWords = std::numeric_limits<uint32_t>::max();
+constexpr size_t kMostHairs = 64;  // whose maps are told apart
 
 uint64_t wordsOf(const BufferFactory& factory, BufferId buffer) {
   return factory.bytesOf(buffer) / sizeof(uint32_t);
@@ -29,8 +30,8 @@ bool isEqual(const StrandShadowView& a, const StrandShadowView& b) {
   return std::ranges::equal(bytesOf(a), bytesOf(b));
 }
 
-bool isOfFrame(const std::shared_ptr<ListTicket>& maker, uint64_t frame) {
-  return maker != nullptr && maker->frame == frame && isMade(*maker, frame);
+bool isKnown(const std::shared_ptr<ListTicket>& maker, uint64_t frame) {
+  return maker != nullptr && isMade(*maker, frame);
 }
 
 void need(const std::shared_ptr<ListTicket>& reader, const std::shared_ptr<ListTicket>& maker) {
@@ -44,11 +45,13 @@ void need(const std::shared_ptr<ListTicket>& reader, const std::shared_ptr<ListT
 Result<void> ShadowMaps::check(std::span<const StrandShadowDef> defs,
                                std::span<const OpaqueShadowPlan> opaques,
                                std::span<const ShadowedHair> hairs, const BufferFactory& factory,
-                               uint64_t frame, ShadowPlan& plan) {
+                               uint64_t frame, uint64_t moves, ShadowPlan& plan) {
   plan.maps.clear();
   plan.opaques.clear();
   plan.words = 0;
-  plan.hairs = numberOf(hairs, frame);
+  plan.hairs = numberOf(hairs, moves);
+  plan.moves = moves;
+  beginFrame(frame, moves);
   for (StrandShadowDef def : defs) {
     def.firstWord = static_cast<uint32_t>(plan.words);
     const Result<StrandShadowPlan> map = planStrandShadow(def, hairs);
@@ -64,20 +67,42 @@ Result<void> ShadowMaps::check(std::span<const StrandShadowDef> defs,
   return {};
 }
 
-size_t ShadowMaps::numberOf(std::span<const ShadowedHair> hairs, uint64_t frame) {
-  if (std::exchange(hairFrame_, frame) != frame) hairCount_ = 0;
+size_t ShadowMaps::numberOf(std::span<const ShadowedHair> hairs, uint64_t moves) {
+  if (std::exchange(moves_, moves) != moves) hairCount_ = 0;
   for (size_t i = 0; i < hairCount_; ++i)
     if (std::ranges::equal(hairs, hairs_[i])) return i;
+  if (hairCount_ == kMostHairs) {
+    forget();
+    hairCount_ = 0;
+  }
   if (hairCount_ == hairs_.size()) hairs_.emplace_back();
   hairs_[hairCount_].assign(hairs.begin(), hairs.end());
   return hairCount_++;
 }
 
-// One of this frame, with the same hair.
-const ShadowMaps::Map* ShadowMaps::findMap(const Bank& bank, const StrandShadowPlan& plan,
-                                           size_t hairs, uint64_t frame) {
-  for (const Map& map : bank.maps) {
-    if (map.opaque != BufferId::kInvalid || map.hairs != hairs || !isOfFrame(map.maker, frame))
+// Drops the maps that no view is going to read again, so that lights that move take no more room
+// from frame to frame: all of a bank where the last frame left one of them unread.
+void ShadowMaps::beginFrame(uint64_t frame, uint64_t moves) {
+  if (std::exchange(begun_, frame) == frame) return;
+  for (const std::unique_ptr<Bank>& bank : banks_) {
+    if (!bank->tickets.isFree(frame)) continue;
+    std::erase_if(bank->maps, [](const Map& map) { return map.opaque != BufferId::kInvalid; });
+    const auto isOver = [&](const Map& map) {
+      return map.frame != bank->frame || map.moves != moves;
+    };
+    if (std::ranges::any_of(bank->maps, isOver)) bank->maps.clear();
+    bank->used = 0;
+    for (const Map& map : bank->maps)
+      bank->used = std::max(bank->used, uint64_t{map.view.firstWord} + map.words);
+  }
+}
+
+// One with the same light and hair.
+ShadowMaps::Map* ShadowMaps::findMap(Bank& bank, const StrandShadowPlan& plan, const ShadowPlan& of,
+                                     uint64_t frame) {
+  for (Map& map : bank.maps) {
+    if (map.opaque != BufferId::kInvalid || map.hairs != of.hairs || map.moves != of.moves ||
+        !isKnown(map.maker, frame))
       continue;
     StrandShadowView view = plan.view;
     view.firstWord = map.view.firstWord;
@@ -87,18 +112,18 @@ const ShadowMaps::Map* ShadowMaps::findMap(const Bank& bank, const StrandShadowP
 }
 
 // One of this frame: an engine fills its map before the first view that reads it.
-const ShadowMaps::Map* ShadowMaps::findOpaque(const Bank& bank, const OpaqueShadowPlan& plan,
-                                              uint64_t frame) {
-  for (const Map& map : bank.maps)
-    if (map.opaque == plan.depth && map.words == plan.words && isOfFrame(map.maker, frame))
+ShadowMaps::Map* ShadowMaps::findOpaque(Bank& bank, const OpaqueShadowPlan& plan, uint64_t frame) {
+  for (Map& map : bank.maps)
+    if (map.opaque == plan.depth && map.words == plan.words && map.frame == frame &&
+        isKnown(map.maker, frame))
       return &map;
   return nullptr;
 }
 
-uint64_t ShadowMaps::missingWords(const Bank& bank, const ShadowPlan& plan, uint64_t frame) {
+uint64_t ShadowMaps::missingWords(Bank& bank, const ShadowPlan& plan, uint64_t frame) {
   uint64_t words = 0;
   for (const StrandShadowPlan& map : plan.maps)
-    if (findMap(bank, map, plan.hairs, frame) == nullptr) words += map.words;
+    if (findMap(bank, map, plan, frame) == nullptr) words += map.words;
   for (const OpaqueShadowPlan& opaque : plan.opaques)
     if (findOpaque(bank, opaque, frame) == nullptr) words += opaque.words;
   return words;
@@ -118,7 +143,7 @@ Result<ShadowMaps::Choice> ShadowMaps::choose(const ShadowPlan& plan, const Buff
   for (size_t i = 0; i < banks_.size(); ++i) {
     const bool inUse = !banks_[i]->tickets.isFree(frame) ||
                        std::any_of(banks_[i]->maps.begin(), banks_[i]->maps.end(),
-                                   [&](const Map& map) { return isOfFrame(map.maker, frame); });
+                                   [&](const Map& map) { return isKnown(map.maker, frame); });
     const uint64_t end = banks_[i]->used + missingWords(*banks_[i], plan, frame);
     if (inUse && end <= std::min(wordsOf(factory, banks_[i]->words), kMostWords))
       return Choice{.bank = i};
@@ -155,7 +180,7 @@ ShadowMaps::Bank& ShadowMaps::prepare(const Choice& choice, const BufferFactory&
   Bank& bank = *banks_[choice.bank];
   if (!choice.empties) {
     const bool old = std::none_of(bank.maps.begin(), bank.maps.end(),
-                                  [&](const Map& map) { return isOfFrame(map.maker, frame); });
+                                  [&](const Map& map) { return isKnown(map.maker, frame); });
     if (old && bank.tickets.isFree(frame)) {
       bank.maps.clear();
       bank.used = 0;
@@ -186,7 +211,7 @@ ShadowMaps::Table& ShadowMaps::prepareTable(bool complete, const BufferFactory& 
                                             uint64_t frame) {
   Table* free = nullptr;
   for (const std::unique_ptr<Table>& table : tables_) {
-    const bool equal = complete && isOfFrame(table->maker, frame) &&
+    const bool equal = complete && isKnown(table->maker, frame) &&
                        std::ranges::equal(content_, table->content, isEqual);
     if (equal || content_.empty()) return *table;
     if (free == nullptr && table->tickets.isFree(frame)) free = table.get();
@@ -220,20 +245,23 @@ Result<void> ShadowMaps::record(ShadowPlan& plan, std::span<const ShadowedHair> 
   }
   const std::shared_ptr<ListTicket> ticket = ticketOf(list, frame);
   bank_ = &prepare(*choice, factory, frame);
+  bank_->frame = frame;
 
   uint32_t missing = 0;  // maps, as bits
   static_assert(kMaxStrandShadows <= 32);
   content_.clear();
   for (StrandShadowPlan& map : plan.maps) {
-    const Map* known = findMap(*bank_, map, plan.hairs, frame);
+    Map* known = findMap(*bank_, map, plan, frame);
     if (known != nullptr) {
+      known->frame = frame;
       map.view.firstWord = known->view.firstWord;
       need(ticket, known->maker);
     } else {
       missing |= 1u << content_.size();
       map.view.firstWord = static_cast<uint32_t>(bank_->used);
       bank_->used += map.words;
-      bank_->maps.push_back({map.view, BufferId::kInvalid, map.words, plan.hairs, ticket});
+      bank_->maps.push_back(
+          {map.view, BufferId::kInvalid, map.words, plan.hairs, plan.moves, frame, ticket});
     }
     content_.push_back(map.view);
   }
@@ -269,7 +297,7 @@ Result<void> ShadowMaps::recordOpaques(ShadowPlan& plan, const BufferFactory& fa
                                        uint64_t frame, PassList& list) {
   for (OpaqueShadowPlan& opaque : plan.opaques) {
     const std::shared_ptr<ListTicket> ticket = ticketOf(list, frame);
-    if (const Map* known = findOpaque(*bank_, opaque, frame); known != nullptr) {
+    if (Map* known = findOpaque(*bank_, opaque, frame); known != nullptr) {
       opaque.firstWord = known->view.firstWord;
       need(ticket, known->maker);
       continue;
@@ -278,7 +306,7 @@ Result<void> ShadowMaps::recordOpaques(ShadowPlan& plan, const BufferFactory& fa
     bank_->used += opaque.words;
     StrandShadowView view = {};
     view.firstWord = opaque.firstWord;
-    bank_->maps.push_back({view, opaque.depth, opaque.words, 0, ticket});
+    bank_->maps.push_back({view, opaque.depth, opaque.words, 0, 0, frame, ticket});
     if (Result<void> added = addOpaqueShadow(list, opaque, words_, wordsOf(factory, words_));
         !added)
       return added;

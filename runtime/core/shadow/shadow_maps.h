@@ -1,4 +1,5 @@
-// Shadow maps of a frame: each light has one map, whatever number of views sees it.
+// Shadow maps: each light has one map, whatever number of views sees it, for as long as neither it
+// nor hair changes.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +23,8 @@ struct ShadowPlan {
   std::vector<StrandShadowPlan> maps;  ///< in the order of the lights; firstWord is not known yet
   std::vector<OpaqueShadowPlan> opaques;  ///< likewise
   uint64_t words = 0;                     ///< of all of them
-  size_t hairs = 0;                       ///< number of the hair that is in them, in its frame
+  size_t hairs = 0;                       ///< number of the hair that is in them
+  uint64_t moves = 0;                     ///< HairStore::moves
 };
 
 class ShadowMaps {
@@ -31,12 +33,14 @@ class ShadowMaps {
   uint64_t maxBytes = uint64_t{1} << 30;
 
   /// \param defs of the lights of a view that have a map, \param opaques of those that have one of
-  /// opaque geometry. Errors: those of planStrandShadow(); maps that leave no room under maxBytes.
+  /// opaque geometry, \param moves HairStore::moves. Errors: those of planStrandShadow(); maps that
+  /// leave no room under maxBytes.
   Result<void> check(std::span<const StrandShadowDef> defs,
                      std::span<const OpaqueShadowPlan> opaques, std::span<const ShadowedHair> hairs,
-                     const BufferFactory& factory, uint64_t frame, ShadowPlan& plan);
-  /// Adds the passes of the maps that no list of this frame makes, and uploads their table for
-  /// shaders. \param plan of check(); gets the offsets of the maps.
+                     const BufferFactory& factory, uint64_t frame, uint64_t moves,
+                     ShadowPlan& plan);
+  /// Adds the passes of the maps that no list has made since hair moved last, and uploads their
+  /// table for shaders. \param plan of check(); gets the offsets of the maps.
   Result<void> record(ShadowPlan& plan, std::span<const ShadowedHair> hairs,
                       const BufferFactory& factory, uint64_t frame, PassList& list);
   /// Lists that read the maps of the last record(), besides the one that made them.
@@ -58,12 +62,15 @@ class ShadowMaps {
     BufferId opaque = BufferId::kInvalid;  ///< what that is a copy of
     uint32_t words = 0;
     size_t hairs = 0;  ///< ShadowPlan::hairs
+    uint64_t moves = 0;
+    uint64_t frame = 0;  ///< of its last reader
     std::shared_ptr<ListTicket> maker;
   };
   /// Maps that are in one buffer.
   struct Bank {
     BufferId words = BufferId::kInvalid;
-    uint64_t used = 0;  ///< words
+    uint64_t used = 0;   ///< words
+    uint64_t frame = 0;  ///< of its last reader
     std::vector<Map> maps;
     TicketSet tickets;
   };
@@ -80,12 +87,13 @@ class ShadowMaps {
     bool empties = false;  ///< its maps go
     uint64_t words = 0;    ///< that it has to have
   };
-  static const Map* findMap(const Bank& bank, const StrandShadowPlan& plan, size_t hairs,
-                            uint64_t frame);
-  static const Map* findOpaque(const Bank& bank, const OpaqueShadowPlan& plan, uint64_t frame);
-  static uint64_t missingWords(const Bank& bank, const ShadowPlan& plan, uint64_t frame);
+  static Map* findMap(Bank& bank, const StrandShadowPlan& map, const ShadowPlan& plan,
+                      uint64_t frame);
+  static Map* findOpaque(Bank& bank, const OpaqueShadowPlan& plan, uint64_t frame);
+  static uint64_t missingWords(Bank& bank, const ShadowPlan& plan, uint64_t frame);
   Result<Choice> choose(const ShadowPlan& plan, const BufferFactory& factory, uint64_t frame) const;
-  size_t numberOf(std::span<const ShadowedHair> hairs, uint64_t frame);
+  size_t numberOf(std::span<const ShadowedHair> hairs, uint64_t moves);
+  void beginFrame(uint64_t frame, uint64_t moves);
   Result<uint64_t> limit(uint64_t words, size_t bank, const BufferFactory& factory,
                          uint64_t frame) const;
   Result<void> recordOpaques(ShadowPlan& plan, const BufferFactory& factory, uint64_t frame,
@@ -97,9 +105,10 @@ class ShadowMaps {
   std::vector<std::unique_ptr<Table>> tables_;
   // Memory that is kept from frame to frame.
   std::vector<StrandShadowView> content_;         ///< of the table at hand
-  std::vector<std::vector<ShadowedHair>> hairs_;  ///< [number] of one frame
+  std::vector<std::vector<ShadowedHair>> hairs_;  ///< [number], since hair moved last
   size_t hairCount_ = 0;
-  uint64_t hairFrame_ = 0;
+  uint64_t moves_ = 0;  ///< of them
+  uint64_t begun_ = 0;  ///< frame of the last check()
   BufferId words_ = BufferId::kInvalid, views_ = BufferId::kInvalid;
   Bank* bank_ = nullptr;  ///< of the last record()
   Table* table_ = nullptr;
