@@ -66,7 +66,9 @@ Contact findContact(Collider shape, float3 p, float begin, float end) {
 
 // Returns false if sweepCapsule() finds nothing within `range`, and `share` of the surface's
 // displacement further, for a part of its cost.
-bool mayTouchCapsule(Collider shape, float3 from, float3 p, float end, float range, float share) {
+//
+// \param path  length of the path to p [m]
+bool mayTouchCapsule(Collider shape, float3 p, float path, float end, float range, float share) {
   precise float3 headDisplacement = shape.head.xyz - shape.headBefore.xyz;
   precise float3 tailDisplacement = shape.tail.xyz - shape.tailBefore.xyz;
   precise float3 head = shape.headBefore.xyz + headDisplacement * end;
@@ -75,16 +77,14 @@ bool mayTouchCapsule(Collider shape, float3 from, float3 p, float end, float ran
   precise float3 arm = p - head;
   precise float along = dot3(arm, axis) / max(dot3(axis, axis), 1e-16);
   precise float3 off = arm - axis * min(max(along, 0.0), 1.0);
-  // A path from its start in the frame of reference of the surface leads as far as its length.
-  precise float3 displacement = p - from;
   float radius = max(shape.head.w, shape.tail.w);
   precise float moved2 =
       max(dot3(headDisplacement, headDisplacement), dot3(tailDisplacement, tailDisplacement));
   precise float spun2 = dot3(shape.spin.xyz, shape.spin.xyz) * radius * radius;
-  precise float surface = squareRoot(moved2) + squareRoot(spun2);
-  precise float path = squareRoot(dot3(displacement, displacement)) + surface;
+  // At least the displacement of the surface, against which the path may be longer by as much.
+  precise float surface = squareRoot(2.0 * (moved2 + spun2));
   // With room for rounding.
-  precise float most = (radius + max(range + share * surface, path)) * 1.001 + 1e-4;
+  precise float most = (radius + max(range + share * surface, path + surface)) * 1.001 + 1e-4;
   return !(dot3(off, off) > most * most);
 }
 

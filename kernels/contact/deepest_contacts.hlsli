@@ -77,15 +77,28 @@ float rangeOf(SweptVertex vertex, float3 surfaceMotion) {
   return range;
 }
 
-bool mayTouch(SweptVertex vertex, Collider capsule) {
+// Bounds of a vertex for all capsules.
+struct CapsuleReach {
+  float path;  // length [m]
+  float range;
+};
+
+CapsuleReach capsuleReach(SweptVertex vertex) {
+  precise float3 displacement = vertex.to - vertex.from;
   precise float range = vertex.range + vertex.share * squareRoot(dot3(vertex.root, vertex.root));
-  return mayTouchCapsule(capsule, vertex.from, vertex.to, vertex.end, range, vertex.share);
+  CapsuleReach reach;
+  reach.path = squareRoot(dot3(displacement, displacement));
+  reach.range = range;
+  return reach;
 }
 
 // Returns true if a collider may be in range.
 bool mayCollide(SweptVertex vertex) {
+  CapsuleReach reach = capsuleReach(vertex);
   for (uint c = 0; c < CONTACT_CAPSULE_COUNT; ++c) {
-    if (mayTouch(vertex, CONTACT_CAPSULE(c))) return true;
+    if (mayTouchCapsule(CONTACT_CAPSULE(c), vertex.to, reach.path, vertex.end, reach.range,
+                        vertex.share))
+      return true;
   }
 #if SDF
   for (uint f = 0; f < CONTACT_SDF_COUNT; ++f) {
@@ -115,9 +128,11 @@ void keepDeepest(Found found, float range, inout Found first, inout Found second
 void findDeepest(SweptVertex vertex, out Found first, out Found second) {
   first = nothingFound();
   second = nothingFound();
+  CapsuleReach reach = capsuleReach(vertex);
   for (uint c = 0; c < CONTACT_CAPSULE_COUNT; ++c) {
     Collider capsule = CONTACT_CAPSULE(c);
-    if (!mayTouch(vertex, capsule)) continue;
+    if (!mayTouchCapsule(capsule, vertex.to, reach.path, vertex.end, reach.range, vertex.share))
+      continue;
     Found found;
     found.contact =
         sweepCapsule(capsule, vertex.from, vertex.to, vertex.begin, vertex.end, CONTACT_RESTS);

@@ -71,15 +71,14 @@ groupshared uint s_records;
 // Vertices that may be near a collider: 32 times the strand of the group, and the bit of the mask.
 groupshared uint s_count;
 groupshared uint s_list[kGroupThreads];
-groupshared float3 s_from[kGroupThreads];
+groupshared float4 s_from[kGroupThreads];  // w: range
 groupshared float3 s_to[kGroupThreads];
-groupshared float s_range[kGroupThreads];
 
 #if SDF
 // Motions of a few triangles of the first SDFs, of which one is near enough to a far vertex to tell
 // how the surface moves there.
 static const uint kGuesses = 4;
-static const uint kGuessedSdfs = 8;
+static const uint kGuessedSdfs = 4;
 groupshared SdfGuess s_guesses[kGuesses * kGuessedSdfs];
 
 SdfGuess guessAt(Sdf sdf, uint k) { return sdfGuessOf(sdf, sdf.triangleCount / kGuesses * k); }
@@ -195,7 +194,7 @@ void storeScratch(uint vertex, ContactRecord a, ContactRecord b, bool more) {
 // \param firstVertex  of the mask's word
 uint findRecords(uint entry, uint firstVertex) {
   SweptVertex swept;
-  swept.from = s_from[entry];
+  swept.from = s_from[entry].xyz;
   swept.to = s_to[entry];
   uint strand = s_list[entry] / kMaskVertices;
   uint bit = s_list[entry] % kMaskVertices;
@@ -203,7 +202,7 @@ uint findRecords(uint entry, uint firstVertex) {
   swept.root = s_root[strand];
   swept.begin = g_contactBegin;
   swept.end = g_contactEnd;
-  swept.range = s_range[entry];
+  swept.range = s_from[entry].w;
   swept.share = shareOfRange();
   Found first;
   Found second;
@@ -340,9 +339,8 @@ void find_contacts(uint3 group : SV_GroupID, uint index : SV_GroupIndex) {
       uint entry;
       InterlockedAdd(s_count, 1u, entry);
       s_list[entry] = own * kMaskVertices + bit;
-      s_from[entry] = from;
+      s_from[entry] = float4(from, range);
       s_to[entry] = to;
-      s_range[entry] = range;
     }
   }
   GroupMemoryBarrierWithGroupSync();
