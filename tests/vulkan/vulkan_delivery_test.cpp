@@ -94,6 +94,9 @@ class VulkanDelivery : public testing::TestWithParam<Solver>, protected EngineRu
     list_.clear();
     submit(slot);
   }
+  Results readAll(const DeliveryScene& scene) const {
+    return scene.readResults([this](BufferId buffer) { return read(buffer); });
+  }
   std::vector<Results> play(Loss loss) {
     DeliveryScene scene(scene_, GetParam());
     std::vector<Results> frames;
@@ -102,7 +105,7 @@ class VulkanDelivery : public testing::TestWithParam<Solver>, protected EngineRu
       if (loss != Loss::kNone) lose(scene, frame, loss);
       execute(scene, frame);
       waitForFrames();
-      frames.push_back(scene.readResults([this](BufferId buffer) { return read(buffer); }));
+      frames.push_back(readAll(scene));
     }
     scene.remove();
     return frames;
@@ -197,8 +200,9 @@ TEST_P(VulkanDelivery, SeveralFramesMayBeInOneSubmission) {
     }
     submit(slot);
     engine_->wait(slot);
-    for (size_t i = 0; i < scene.results().size(); ++i) {
-      ASSERT_TRUE(read(scene.results()[i]) == apart[static_cast<size_t>(frame) + 1][i])
+    const Results seen = readAll(scene);
+    for (size_t i = 0; i < seen.size(); ++i) {
+      ASSERT_TRUE(seen[i] == apart[static_cast<size_t>(frame) + 1][i])
           << "frame " << frame << ", buffer " << i;
     }
   }
