@@ -56,7 +56,6 @@ class WaitedFrames {
   }
 
   Result<void> create(Tier maxTier);
-  bool isCreated() const { return runtime_.has_value(); }
   Runtime& runtime() { return *runtime_; }
   const Runtime& runtime() const { return *runtime_; }
   VkCommandBuffer commands() const { return commands_; }
@@ -197,7 +196,6 @@ class HeadlessVulkan final : public HeadlessDevice {
 HeadlessVulkan::~HeadlessVulkan() {
   if (device_.handle == VK_NULL_HANDLE) return;
   static_cast<void>(device_.vk.DeviceWaitIdle(device_.handle));
-  if (frames_.isCreated()) frames_.runtime().forget(target_.renderPass());
   target_.destroy();
   for (Texture& texture : textures_) texture.destroy(device_);
 }
@@ -313,7 +311,6 @@ Result<void> HeadlessVulkan::makeTarget(const RenderTargetDef& def) {
                  fmt::format("{} has no queue that draws; it can only compute", info_.name)};
   }
   if (target_.fits(def)) return {};
-  frames_.runtime().forget(target_.renderPass());
   return target_.make(def);
 }
 

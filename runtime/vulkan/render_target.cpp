@@ -152,8 +152,21 @@ Result<VkRenderPass> RenderTarget::makeRenderPass(VkSampleCountFlagBits samples,
   return pass;
 }
 
+Result<void> RenderTarget::makePasses(VkSampleCountFlagBits samples) {
+  Passes& passes = allPasses_[{colorFormat_, samples}];
+  for (const bool load : {false, true}) {
+    VkRenderPass& pass = load ? passes.loads : passes.clears;
+    if (pass != VK_NULL_HANDLE) continue;
+    Result<VkRenderPass> made = makeRenderPass(samples, load);
+    if (!made) return made.error();
+    pass = *made;
+  }
+  passes_ = passes;
+  return {};
+}
+
 Result<void> RenderTarget::make(const RenderTargetDef& def) {
-  destroy();
+  destroyImages();
   width_ = def.width;
   height_ = def.height;
   samples_ = def.samples;
@@ -163,7 +176,7 @@ Result<void> RenderTarget::make(const RenderTargetDef& def) {
   constexpr VkImageUsageFlags kReadColor =
       VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
   const auto fail = [&](const Error& error) -> Result<void> {
-    destroy();
+    destroyImages();
     return error;
   };
   if (Result<void> made =
@@ -187,13 +200,9 @@ Result<void> RenderTarget::make(const RenderTargetDef& def) {
       return fail(made.error());
     views.push_back(resolve_.view);
   }
-  for (const bool load : {false, true}) {
-    Result<VkRenderPass> made = makeRenderPass(samples, load);
-    if (!made) return fail(made.error());
-    (load ? loadPass_ : renderPass_) = *made;
-  }
+  if (Result<void> made = makePasses(samples); !made) return fail(made.error());
   auto info = tagged<VkFramebufferCreateInfo>(VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO);
-  info.renderPass = renderPass_;
+  info.renderPass = passes_.clears;
   info.attachmentCount = static_cast<uint32_t>(views.size());
   info.pAttachments = views.data();
   info.width = width_;
@@ -212,16 +221,21 @@ void RenderTarget::destroyImage(Image& image) const {
   image = {};
 }
 
-void RenderTarget::destroy() {
+void RenderTarget::destroyImages() {
   device_.vk.DestroyFramebuffer(device_.handle, framebuffer_, nullptr);
-  device_.vk.DestroyRenderPass(device_.handle, renderPass_, nullptr);
-  device_.vk.DestroyRenderPass(device_.handle, loadPass_, nullptr);
   destroyImage(color_);
   destroyImage(depth_);
   destroyImage(resolve_);
   framebuffer_ = VK_NULL_HANDLE;
-  renderPass_ = VK_NULL_HANDLE;
-  loadPass_ = VK_NULL_HANDLE;
+}
+
+void RenderTarget::destroy() {
+  destroyImages();
+  for (const auto& [key, passes] : allPasses_) {
+    device_.vk.DestroyRenderPass(device_.handle, passes.clears, nullptr);
+    device_.vk.DestroyRenderPass(device_.handle, passes.loads, nullptr);
+  }
+  allPasses_.clear();
 }
 
 TargetFormats RenderTarget::formats() const {
@@ -229,7 +243,7 @@ TargetFormats RenderTarget::formats() const {
   formats.color = colorFormat_;
   formats.depth = kDepthFormat;
   formats.samples = static_cast<VkSampleCountFlagBits>(samples_);
-  formats.renderPass = renderPass_;  // its pipelines serve the compatible one as well
+  formats.renderPass = passes_.clears;  // its pipelines serve the compatible one as well
   return formats;
 }
 
@@ -239,7 +253,7 @@ void RenderTarget::begin(VkCommandBuffer commands, const RenderTargetDef& def, b
   std::copy(std::begin(color), std::end(color), clears[0].color.float32);
   clears[1].depthStencil.depth = def.clearDepth;
   auto pass = tagged<VkRenderPassBeginInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO);
-  pass.renderPass = clear ? renderPass_ : loadPass_;
+  pass.renderPass = clear ? passes_.clears : passes_.loads;
   pass.framebuffer = framebuffer_;
   pass.renderArea.extent = {width_, height_};
   pass.clearValueCount = static_cast<uint32_t>(clears.size());

@@ -1,13 +1,17 @@
 // The target of the Vulkan headless device's render().
 #pragma once
 
+#include <map>
+#include <utility>
+
 #include "device.h"
 #include "pelage/headless.h"
 #include "pelage/vulkan.h"
 
 namespace pelage::vulkan {
 
-/// Images, render passes and framebuffer. Kept while the size stays.
+/// Images and framebuffer, kept while the size stays; render passes, and so the pipelines that are
+/// made for them, are kept for all sizes.
 class RenderTarget {
  public:
   static constexpr VkFormat kColorFormat = VK_FORMAT_R16G16B16A16_SFLOAT;
@@ -30,8 +34,9 @@ class RenderTarget {
   /// Before the device goes.
   void destroy();
 
-  /// The one that clears: the pipelines of draws are made for it.
-  VkRenderPass renderPass() const { return renderPass_; }
+  /// The one that clears: the pipelines of draws are made for it. One for each format and number of
+  /// samples.
+  VkRenderPass renderPass() const { return passes_.clears; }
   TargetFormats formats() const;
   /// Begins a render pass, which clears or loads what is there.
   void begin(VkCommandBuffer commands, const RenderTargetDef& def, bool clear) const;
@@ -49,8 +54,14 @@ class RenderTarget {
   Result<void> makeImage(Image& image, VkFormat format, VkImageUsageFlags usage,
                          VkSampleCountFlagBits samples, VkImageAspectFlags aspect,
                          const char* name) const;
+  struct Passes {
+    VkRenderPass clears = VK_NULL_HANDLE;
+    VkRenderPass loads = VK_NULL_HANDLE;  // compatible with it; goes on drawing
+  };
   Result<VkRenderPass> makeRenderPass(VkSampleCountFlagBits samples, bool load) const;
+  Result<void> makePasses(VkSampleCountFlagBits samples);
   void destroyImage(Image& image) const;
+  void destroyImages();
 
   const Device& device_;
   uint32_t width_ = 0;
@@ -59,9 +70,9 @@ class RenderTarget {
   VkFormat colorFormat_ = kColorFormat;
   Image color_;  // with one sample: what is read back
   Image depth_;
-  Image resolve_;                             // with more than one sample: what is read back
-  VkRenderPass renderPass_ = VK_NULL_HANDLE;  // clears first
-  VkRenderPass loadPass_ = VK_NULL_HANDLE;    // compatible with it; goes on drawing
+  Image resolve_;  // with more than one sample: what is read back
+  std::map<std::pair<VkFormat, uint32_t>, Passes> allPasses_;  // by color format and samples
+  Passes passes_;                                              // of the target that there is
   VkFramebuffer framebuffer_ = VK_NULL_HANDLE;
 };
 

@@ -129,6 +129,36 @@ TEST_F(VulkanHeadless, RunsAPassThatUsesNoConstantsOfItsLayout) {
   EXPECT_EQ(read(marked), expected);
 }
 
+// Pictures of several sizes in turn need no pipelines of their own, which take longer than drawing.
+TEST_F(VulkanHeadless, PipelinesStayWhenATargetHasAnotherSizeOrOtherSamples) {
+  device_ = valueOf(createDeviceOfPelage({.api = Api::kVulkan, .validation = true}));
+  static std::vector<KernelCode> code;  // of the test, which spoils it
+  static std::vector<const KernelCode*> tables;
+  for (const KernelCode* table : runtime_test::allCode()) code.push_back(*table);
+  for (const KernelCode& table : code) tables.push_back(&table);
+  device_->addCode(tables);
+  const BufferId corners = add("corners", kEverything);
+  update();
+  PassList list;
+  addFill(list, {}, corners, 3, {.color = {0.5f, 0.25f, 1, 1}, .offset = {}});
+  const auto drawAll = [&] {
+    for (const uint32_t samples : {1u, 4u}) {
+      for (const uint32_t size : {8u, 24u}) {
+        list.run.reset();
+        EXPECT_EQ(render(list, {.width = size, .height = size, .samples = samples}).pixels[0],
+                  (Float4{0.5f, 0.25f, 1, 1}));
+      }
+    }
+  };
+  drawAll();
+  for (KernelCode& table : code) table.packedBytes = 0;
+  drawAll();
+  list.clear();
+  addFill(list, {.blend = BlendMode::kPremultipliedAlpha}, corners, 3);
+  tracker_.resolve(list);
+  EXPECT_FALSE(device_->render(list, {.width = 8, .height = 8}, nullptr)) << "it is spoiled";
+}
+
 TEST_F(VulkanHeadless, ReusesDescriptorsAndMemoryAsBuffersComeAndGo) {
   const BufferId source = add("source", ramp(3, kThreads));
   for (uint32_t round = 0; round < 100; ++round) {
