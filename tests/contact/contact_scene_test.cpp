@@ -218,7 +218,7 @@ std::string shapeTestName(const testing::TestParamInfo<std::tuple<Api, ColliderS
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ContactScene,
-                         testing::Combine(testing::ValuesIn(kApis),
+                         testing::Combine(testing::ValuesIn(kRuntimeApis),
                                           testing::Values(ColliderShape::kCapsule,
                                                           ColliderShape::kMesh)),
                          shapeTestName);

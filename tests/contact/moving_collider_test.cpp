@@ -317,7 +317,8 @@ std::string nameOfMove(const testing::TestParamInfo<std::tuple<Api, uint32_t>>& 
 }
 
 INSTANTIATE_TEST_SUITE_P(All, MovingCollider,
-                         testing::Combine(testing::ValuesIn(kApis), testing::Values(1u, 16u)),
+                         testing::Combine(testing::ValuesIn(kRuntimeApis),
+                                          testing::Values(1u, 16u)),
                          nameOfMove);
 
 }  // namespace

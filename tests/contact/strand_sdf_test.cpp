@@ -334,7 +334,7 @@ TEST_P(StrandField, HeldVerticesStayWhereTheyAre) {
     EXPECT_GT(oracle.signedDistance(toVector(positions[i])) / kFieldCell, -0.1) << i;
 }
 
-INSTANTIATE_TEST_SUITE_P(Apis, StrandField, testing::ValuesIn(kApis), apiTestName);
+INSTANTIATE_TEST_SUITE_P(Apis, StrandField, testing::ValuesIn(kRuntimeApis), apiTestName);
 
 template <class Run>
 void expectSameBits(const char* solver) {

@@ -46,7 +46,7 @@ class GlLayouts : public GlContextTest {
     GlContextTest::TearDown();
   }
 
-  // Variants of every kernel against the structs of the reflection, which are those that the
+  // Variants of kernels against the structs of the reflection, which are those that the
   // generated header asserts offset by offset. Returns how many members were compared.
   int compare(std::span<const Kernel* const> kernels, const char* reflectionPath) {
     const json reflection = readJson(reflectionPath);
@@ -55,11 +55,22 @@ class GlLayouts : public GlContextTest {
     for (const json& object : reflection.value("structs", json::array()))
       structs[object.at("name")] = object;
     int compared = 0;
+    std::set<std::pair<ResourceKind, std::string>> seen;  // blocks
+    const auto isNew = [&](const KernelVariant& variant) {
+      bool any = false;
+      for (const VariantBinding& binding : variant.bindings) {
+        const LayoutEntry& entry = variant.kernel->layouts[binding.set]->entries[binding.entry];
+        if (seen.emplace(entry.kind, entry.structName).second) any = true;
+      }
+      return any;
+    };
     for (const Kernel* kernel : kernels) {
-      // Blocks are laid out alike in all of them, and drivers compile slowly: the last one has
-      // most.
+      // Blocks are laid out alike in all of them, and drivers compile slowly: kernels with a block
+      // that none before has, and of these the last permutation, which has most.
       const size_t count = kernel->variants.size();
-      const size_t picked = fullStress() ? std::min<size_t>(count, 4) : 1;
+      const size_t picked = fullStress()                          ? std::min<size_t>(count, 4)
+                            : isNew(*kernel->variants[count - 1]) ? 1
+                                                                  : 0;
       for (size_t i = 0; i < picked; ++i) {
         const KernelVariant& variant =
             *kernel->variants[picked > 1 ? i * (count - 1) / (picked - 1) : count - 1];
@@ -151,12 +162,12 @@ class GlLayouts : public GlContextTest {
 };
 INSTANTIATE_TEST_SUITE_P(All, GlLayouts, testing::Values(Api::kGl, Api::kGles), apiTestName);
 
-TEST_P(GlLayouts, AreTheDriversInEveryKernelOfTheLibrary) {
+TEST_P(GlLayouts, AreTheDriversInTheKernelsOfTheLibrary) {
   EXPECT_GT(compare(pelage::allKernels(), PELAGE_REFLECTION), 100);
 }
 
 TEST_P(GlLayouts, AreTheDriversInTheKernelsOfTheseTests) {
-  EXPECT_GT(compare(runtime_test::allKernels(), PELAGE_RUNTIME_TEST_REFLECTION), 20);
+  EXPECT_GT(compare(runtime_test::allKernels(), PELAGE_RUNTIME_TEST_REFLECTION), 15);
 }
 
 TEST_P(GlLayouts, AreMadeThroughTheGeneratedTemplates) {

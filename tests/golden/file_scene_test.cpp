@@ -257,7 +257,7 @@ TEST_P(FileScene, AnAnimationMovesEachBoneByItsName) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Apis, FileScene, testing::ValuesIn(pelage::test::kApis),
+INSTANTIATE_TEST_SUITE_P(Apis, FileScene, testing::ValuesIn(pelage::test::kRuntimeApis),
                          pelage::test::apiTestName);
 
 TEST(FileAssetsScene, RefusesAnAnimationThatLacksABone) {

@@ -123,7 +123,7 @@ TEST_P(Crowd, ThatShadesAlikeIsThePictureOfOneObject) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Crowd, testing::ValuesIn(kApis), apiTestName);
+INSTANTIATE_TEST_SUITE_P(All, Crowd, testing::ValuesIn(kRuntimeApis), apiTestName);
 
 }  // namespace
 }  // namespace pelage::test

@@ -92,7 +92,7 @@ class EngineLightsTest : public SharedTangleTest<> {
   uint32_t messages_ = 0;
   BufferId scale_ = BufferId::kInvalid;
 };
-INSTANTIATE_TEST_SUITE_P(All, EngineLightsTest, testing::ValuesIn(kApis), apiTestName);
+INSTANTIATE_TEST_SUITE_P(All, EngineLightsTest, testing::ValuesIn(kRuntimeApis), apiTestName);
 
 TEST_P(EngineLightsTest, ThatReturnPelagesLightGiveItsPicture) {
   const EngineLights lights = viewLights();

@@ -228,7 +228,8 @@ TEST_P(LightsOfAView, PointLightFarAwayIsADirectionalLight) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, LightsOfAView,
-                         testing::Combine(testing::ValuesIn(kApis), testing::ValuesIn(kLitMethods)),
+                         testing::Combine(testing::ValuesIn(kRuntimeApis),
+                                          testing::ValuesIn(kLitMethods)),
                          [](const auto& one) {
                            return std::string(apiName(std::get<0>(one.param))) + "_" +
                                   std::get<1>(one.param).second;

@@ -169,7 +169,7 @@ TEST_P(TransparencyTargets, HaveNoNumberlessPixelsWithTheEyeAmongOpaqueStrands) 
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, TransparencyTargets, testing::ValuesIn(kApis), apiTestName);
+INSTANTIATE_TEST_SUITE_P(All, TransparencyTargets, testing::ValuesIn(kRuntimeApis), apiTestName);
 
 }  // namespace
 }  // namespace pelage::test

@@ -115,7 +115,7 @@ TEST_P(TransformedStrands, CountAgainstTheMemoryOfTheView) {
   EXPECT_TRUE(scene.draw(tangleView(kRecordPixels), tangleLights(), settings, lists));
 }
 
-INSTANTIATE_TEST_SUITE_P(Apis, TransformedStrands, testing::ValuesIn(kApis), apiTestName);
+INSTANTIATE_TEST_SUITE_P(Apis, TransformedStrands, testing::ValuesIn(kRuntimeApis), apiTestName);
 
 }  // namespace
 }  // namespace pelage::test

@@ -356,8 +356,8 @@ TEST_P(ViewsOfAFrame, AreRefusedWhereTheListWithTheirMapsDoesNotRun) {
   expectError(checkRun(second.lists[0]), "order");
 }
 
-INSTANTIATE_TEST_SUITE_P(All, KeptShadows, testing::ValuesIn(kApis), apiTestName);
-INSTANTIATE_TEST_SUITE_P(All, ViewsOfAFrame, testing::ValuesIn(kApis), apiTestName);
+INSTANTIATE_TEST_SUITE_P(All, KeptShadows, testing::ValuesIn(kRuntimeApis), apiTestName);
+INSTANTIATE_TEST_SUITE_P(All, ViewsOfAFrame, testing::ValuesIn(kRuntimeApis), apiTestName);
 
 }  // namespace
 }  // namespace pelage::test

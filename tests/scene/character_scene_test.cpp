@@ -150,7 +150,7 @@ TEST_P(CharacterScene, HasTheSameBitsWithoutLevels) {
     EXPECT_EQ(now_.run.positions(*now_.hairs[g]), serial.run.positions(*serial.hairs[g])) << g;
 }
 
-INSTANTIATE_TEST_SUITE_P(All, CharacterScene, testing::ValuesIn(kApis), apiTestName);
+INSTANTIATE_TEST_SUITE_P(All, CharacterScene, testing::ValuesIn(kRuntimeApis), apiTestName);
 
 }  // namespace
 }  // namespace pelage::test

@@ -220,7 +220,7 @@ TEST_P(Delivery, ARuntimeHasTheBuffersOfOneScene) {
   scene.remove();
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Delivery, testing::ValuesIn(solversOnApis()), solverTestName);
+INSTANTIATE_TEST_SUITE_P(All, Delivery, testing::ValuesIn(solversOnRuntimes()), solverTestName);
 
 }  // namespace
 }  // namespace pelage::test

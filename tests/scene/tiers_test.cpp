@@ -52,7 +52,7 @@ void execute(Scene& scene, HeadlessDevice& device, PassList& list) {
   expectOk(device.execute(list));
 }
 
-View viewOf(uint32_t pixels) {
+View tierView(uint32_t pixels) {
   return cameraView(
       {.eye = {0.05f, 0.04f, 0.4f}, .target = {0.05f, 0.04f, 0}, .fov = 0.6f, .width = pixels});
 }
@@ -63,7 +63,7 @@ void drawAll(Scene& scene, HeadlessDevice& device, const std::vector<Transparenc
   constexpr RenderTargetDef kTarget = {.width = 48, .height = 48};
   for (const TransparencySettings& settings : methods) {
     std::vector<PassList> lists;
-    expectOk(scene.draw(viewOf(kTarget.width), {&light, 1}, settings, lists));
+    expectOk(scene.draw(tierView(kTarget.width), {&light, 1}, settings, lists));
     run.images.push_back(imageOf(renderLists(scene, device, lists, kTarget), kTarget));
   }
 }
@@ -225,7 +225,7 @@ TEST_P(Tiers, SayBeforeAFrameWhatItsDrawsThenDo) {
         const Result<void> said = device->supports(settings, kind);
         Result<Frame> frame = required(scene.simulate(0));
         const Light light;
-        ASSERT_TRUE(frame->draw(viewOf(24), {&light, 1}, settings));
+        ASSERT_TRUE(frame->draw(tierView(24), {&light, 1}, settings));
         const RenderTargetDef target = {.width = 24, .height = 24};
         const auto images = device->render(*frame, {&target, 1});
         ASSERT_EQ(said.ok(), images.ok()) << (said.ok() ? images.error() : said.error()).message;

@@ -58,7 +58,7 @@ Recording play(Api api, Solver solver, Beat&& beat) {
 }
 
 class TwoScenes : public testing::TestWithParam<Api> {};
-INSTANTIATE_TEST_SUITE_P(All, TwoScenes, testing::ValuesIn(kApis), apiTestName);
+INSTANTIATE_TEST_SUITE_P(All, TwoScenes, testing::ValuesIn(kRuntimeApis), apiTestName);
 
 TEST_P(TwoScenes, OnTwoThreadsHaveTheBitsOfEachAlone) {
   constexpr Solver kSolvers[] = {Solver::kExact, Solver::kClassic};

@@ -332,7 +332,7 @@ TEST_P(SceneSdfHair, IsCarriedByAMeshThatMovesAndNotWithoutIt) {
   EXPECT_GT(depth(run_.positions(hair), center), 0.02);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, SceneSdfHair, allSolversOnApis(), solverTestName);
+INSTANTIATE_TEST_SUITE_P(All, SceneSdfHair, allSolversOnRuntimes(), solverTestName);
 
 }  // namespace
 }  // namespace pelage::test

@@ -188,7 +188,7 @@ class SdfCollision : public GpuTest {};
 /// On the first API: SdfCollisionBits compares the others with it, and these take seconds.
 class SdfCollisionOnce : public GpuTest {};
 
-TEST_P(SdfCollision, PutsVerticesOutsideInOneStep) {
+TEST_P(SdfCollisionOnce, PutsVerticesOutsideInOneStep) {
   for (const Body* body : smoothBodies()) {
     // From just below the surface to the middle.
     Vertices vertices = verticesNear(*body, 6000, 3, 1);
@@ -544,7 +544,7 @@ TEST_P(SdfCollision, EveryFieldIsMetWhereverItLiesInTheBuffers) {
 
 // Overlaps have sheets inside, holes have borders: what is inside by winding number goes out. Keys
 // of the kernels know which sheets are a way out; those of the host are of the nearest triangle.
-TEST_P(SdfCollision, OpenAndOverlappingMeshesPutOutWhatIsInside) {
+TEST_P(SdfCollisionOnce, OpenAndOverlappingMeshesPutOutWhatIsInside) {
   struct Case {
     Body body;
     double leastOfHost, least;

@@ -241,7 +241,7 @@ TEST_P(SdfRebuild, IsAFullBuildWhenTheGridGoesOn) {
     EXPECT_NEAR(std::bit_cast<float>(surface[7 * t + 4].x), -0.2f, 1e-4f);
 }
 
-INSTANTIATE_TEST_SUITE_P(Apis, SdfRebuild, testing::ValuesIn(kApis), apiTestName);
+INSTANTIATE_TEST_SUITE_P(Apis, SdfRebuild, testing::ValuesIn(kRuntimeApis), apiTestName);
 
 }  // namespace
 }  // namespace pelage::test

@@ -171,7 +171,7 @@ class StrandTextureTest : public SceneRunTest<> {
  private:
   uint32_t messages_ = 0;
 };
-INSTANTIATE_TEST_SUITE_P(All, StrandTextureTest, testing::ValuesIn(kApis), apiTestName);
+INSTANTIATE_TEST_SUITE_P(All, StrandTextureTest, testing::ValuesIn(kRuntimeApis), apiTestName);
 
 // HairBuffers::strandUvs of a root, found by looking at all others.
 Float4 surfaceAt(const std::vector<Root>& roots, size_t at) {

@@ -231,7 +231,7 @@ TEST_P(GivenHair, AFrameThatIsBrokenIsAnErrorWhenItIsShown) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, GivenHair, testing::ValuesIn(kApis), apiTestName);
+INSTANTIATE_TEST_SUITE_P(All, GivenHair, testing::ValuesIn(kRuntimeApis), apiTestName);
 
 }  // namespace
 }  // namespace pelage::test

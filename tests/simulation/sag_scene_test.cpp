@@ -186,7 +186,7 @@ TEST_P(SagScene, LimpHairSagsLessThanWithoutIt) {
   EXPECT_LT(sag[1], sag[0]);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, SagScene, testing::ValuesIn(kApis), apiTestName);
+INSTANTIATE_TEST_SUITE_P(All, SagScene, testing::ValuesIn(kRuntimeApis), apiTestName);
 
 class SagLists : public SceneListTest {};
 

@@ -669,11 +669,11 @@ TEST_P(ShiftPositions, AddsToARangeAndKeepsTheRest) {
   EXPECT_TRUE(buffer.read() == data);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, ShiftPositions, testing::ValuesIn(kApis), apiTestName);
+INSTANTIATE_TEST_SUITE_P(All, ShiftPositions, testing::ValuesIn(kRuntimeApis), apiTestName);
 
-INSTANTIATE_TEST_SUITE_P(All, ShiftOrigin, testing::ValuesIn(solversOnApis()), solverTestName);
+INSTANTIATE_TEST_SUITE_P(All, ShiftOrigin, testing::ValuesIn(solversOnRuntimes()), solverTestName);
 INSTANTIATE_TEST_SUITE_P(All, ShiftOriginExact,
-                         testing::Combine(testing::ValuesIn(kApis),
+                         testing::Combine(testing::ValuesIn(kRuntimeApis),
                                           testing::Values(Solver::kExact)),
                          solverTestName);
 

@@ -155,7 +155,7 @@ TEST_P(SkinnedHair, GravityRisesOverTheBlendTime) {
   EXPECT_LT(fall(0.5f, 6), fall(0.25f, 6));
 }
 
-INSTANTIATE_TEST_SUITE_P(All, SkinnedHair, testing::ValuesIn(solversOnApis()), solverTestName);
+INSTANTIATE_TEST_SUITE_P(All, SkinnedHair, testing::ValuesIn(solversOnRuntimes()), solverTestName);
 
 }  // namespace
 }  // namespace pelage::test

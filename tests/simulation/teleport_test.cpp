@@ -287,7 +287,7 @@ TEST_P(MoveRigidly, MovesEachKindAndKeepsTheRest) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, MoveRigidly, testing::ValuesIn(kApis), apiTestName);
+INSTANTIATE_TEST_SUITE_P(All, MoveRigidly, testing::ValuesIn(kRuntimeApis), apiTestName);
 
 }  // namespace
 }  // namespace pelage::test

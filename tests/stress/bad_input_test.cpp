@@ -432,7 +432,7 @@ TEST_P(BadInput, GroomsMayBeOdd) {
   printFigure("held vertices, " + label() + ": largest distance to their place [mm]", 1000 * worst);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, BadInput, allSolversOnApis(), solverTestName);
+INSTANTIATE_TEST_SUITE_P(All, BadInput, allSolversOnRuntimes(), solverTestName);
 
 }  // namespace
 }  // namespace pelage::test

@@ -349,7 +349,7 @@ TEST_P(Defects, WindBlowsAlongItsVector) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Defects, allSolversOnApis(), solverTestName);
+INSTANTIATE_TEST_SUITE_P(All, Defects, allSolversOnRuntimes(), solverTestName);
 
 }  // namespace
 }  // namespace pelage::test

@@ -282,7 +282,7 @@ TEST_P(RuntimeUseOnGpu, StaysFiniteAndGivesItsMemoryBack) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, RuntimeUseOnGpu, allSolversOnApis(), solverTestName);
+INSTANTIATE_TEST_SUITE_P(All, RuntimeUseOnGpu, allSolversOnRuntimes(), solverTestName);
 
 }  // namespace
 }  // namespace pelage::test

@@ -31,6 +31,10 @@ inline constexpr bool kSanitized = false;
 
 inline constexpr std::array<Api, 3> kApis = {Api::kVulkan, Api::kGl, Api::kGles};
 
+/// Scenes are tested on one API of each runtime where other tests run their kernels on every API:
+/// OpenGL ES has the host code of OpenGL.
+inline constexpr std::array<Api, 2> kRuntimeApis = {Api::kVulkan, Api::kGl};
+
 /// On which tests of the host's code run, when the kernels that run are tested on every API.
 #if PELAGE_TEST_VULKAN
 inline constexpr Api kFirstApi = Api::kVulkan;

@@ -37,6 +37,13 @@ inline std::vector<std::tuple<Api, Solver>> solversOnApis() {
   return all;
 }
 
+/// These leave OpenGL ES out, as kRuntimeApis does.
+inline std::vector<std::tuple<Api, Solver>> solversOnRuntimes() {
+  std::vector<std::tuple<Api, Solver>> all = solversOnApis();
+  std::erase_if(all, [](const auto& one) { return std::get<0>(one) == Api::kGles; });
+  return all;
+}
+
 /// Names of tests by the parameters above.
 inline std::string solverTestName(const testing::TestParamInfo<std::tuple<Api, Solver>>& test) {
   return std::string(apiName(std::get<0>(test.param))) +

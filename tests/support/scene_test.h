@@ -58,4 +58,10 @@ inline auto allSolversOnApis() {
                           testing::Values(Solver::kExact, Solver::kClassic));
 }
 
+/// Both solvers on each runtime.
+inline auto allSolversOnRuntimes() {
+  return testing::Combine(testing::ValuesIn(kRuntimeApis),
+                          testing::Values(Solver::kExact, Solver::kClassic));
+}
+
 }  // namespace pelage::test

@@ -1,6 +1,6 @@
 // The viewer in a window: scripts orbit, pause, resize and quit; the pictures show hair, and are
 // the same in every run. The display is an Xvfb that the test starts. A start takes longer than
-// many frames of little hair: one session does many things, and several tests check it.
+// many frames of little hair: one session does many things.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -184,38 +184,12 @@ std::string shifted(const std::string& script, uint64_t frames) {
   return result;
 }
 
-/// The session of kManyThings, which runs once for each API.
-struct Sessions {
-  explicit Sessions(const std::string& api) {
-    folder.writeHair();
-    std::ofstream(folder.file("broken.tfx")) << "no hair at all";
-    std::string script = kManyThings;
-    for (size_t at = script.find("screenshot "); at != std::string::npos;
-         at = script.find("screenshot ", at + 1))
-      script.insert(script.find('\n', at), ".png");
-    first = sessionOf(api, folder, script, arguments + "--record recorded.txt");
-  }
-  /// Replays the recording of `first`.
-  Session replay(const std::string& api) const {
-    return sessionOf(api, folder, first.recorded, arguments);
-  }
-  const std::string arguments = "hair.tfx --strands 1 --settings wide.json ";
-  Folder folder;
-  Session first;
-};
-
 class Viewer : public testing::TestWithParam<Api> {
  protected:
   void SetUp() override {
     if (display().empty()) PELAGE_SKIP_WITHOUT_DEVICE() << "skipped: Xvfb does not start";
   }
   static std::string api() { return pelage::apiName(GetParam()); }
-  static const Sessions& sessions() {
-    static std::map<Api, std::unique_ptr<Sessions>> all;
-    std::unique_ptr<Sessions>& known = all[GetParam()];
-    if (!known) known = std::make_unique<Sessions>(api());
-    return *known;
-  }
   /// Expects hair in columns of a picture. \param first, end the columns; 0, 0: all.
   static void expectHair(const ByteImage& image, const std::string& name, uint32_t first = 0,
                          uint32_t end = 0) {
@@ -227,47 +201,44 @@ class Viewer : public testing::TestWithParam<Api> {
 };
 
 TEST_P(Viewer, ShowsHairAndDoesWhatAScriptSays) {
-  const Session& session = sessions().first;
+  const Folder folder;
+  folder.writeHair();
+  std::ofstream(folder.file("broken.tfx")) << "no hair at all";
+  std::string script = kManyThings;
+  for (size_t at = script.find("screenshot "); at != std::string::npos;
+       at = script.find("screenshot ", at + 1))
+    script.insert(script.find('\n', at), ".png");
+  const std::string arguments = "hair.tfx --strands 1 --settings wide.json ";
+  const Session session = sessionOf(api(), folder, script, arguments + "--record recorded.txt");
   ASSERT_EQ(session.output.code, 0) << session.output.errors;
   EXPECT_EQ(session.output.errors, "");
-  const ByteImage start = session.picture("start"), paused = session.picture("paused");
-  ASSERT_EQ(start.width, 160u);
-  ASSERT_EQ(start.height, 120u);
-  for (const char* name : {"start", "orbited", "near", "resized"})
+  const auto expectOther = [&](const char* name, const char* other) {
+    EXPECT_NE(session.picture(name).rgb, session.picture(other).rgb) << name << ", " << other;
+  };
+  const auto expectSame = [&](const char* name, const char* other) {
+    EXPECT_EQ(session.picture(name).rgb, session.picture(other).rgb) << name << ", " << other;
+  };
+  EXPECT_EQ(session.picture("start").width, 160u);
+  EXPECT_EQ(session.picture("start").height, 120u);
+  for (const char* name : {"start", "orbited", "near", "resized", "free", "restored"})
     expectHair(session.picture(name), name);
-  EXPECT_NE(start.rgb, session.picture("moved").rgb);
-  EXPECT_EQ(paused.rgb, session.picture("paused_later").rgb);
-  EXPECT_NE(paused.rgb, session.picture("orbited").rgb);
-  EXPECT_NE(session.picture("orbited").rgb, session.picture("near").rgb);
-  const ByteImage resized = session.picture("resized");
-  EXPECT_EQ(resized.width, 200u);
-  EXPECT_EQ(resized.height, 100u);
-}
+  expectOther("start", "moved");
+  expectSame("paused", "paused_later");
+  expectOther("paused", "orbited");
+  expectOther("orbited", "near");
+  EXPECT_EQ(session.picture("resized").width, 200u);
+  EXPECT_EQ(session.picture("resized").height, 100u);
+  // A broken file is a message, and the scene stays.
+  expectOther("resized", "message");
+  expectSame("resized", "behind_message");
+  // A reset begins again, and a ball moves hair.
+  expectSame("free", "free_again");
+  expectOther("free", "pushed");
+  // It goes on behind the task bar.
+  expectOther("restored", "pulled");
+  expectHas(session.recorded, "25 minimize");
 
-TEST_P(Viewer, ARecordingIsAScriptOfTheSameSession) {
-  if (GetParam() != kFirstApi) GTEST_SKIP() << "skipped: not the first API";
-  const Session &first = sessions().first, replay = sessions().replay(api());
-  ASSERT_EQ(replay.output.code, 0) << replay.output.errors;
-  ASSERT_EQ(replay.pictures.size(), first.pictures.size());
-  for (const auto& [name, picture] : first.pictures)
-    EXPECT_EQ(picture.rgb, replay.picture(name).rgb) << name;
-}
-
-TEST_P(Viewer, ABrokenFileIsAMessageAndTheSceneStays) {
-  const Session& session = sessions().first;
-  EXPECT_NE(session.picture("resized").rgb, session.picture("message").rgb);
-  EXPECT_EQ(session.picture("resized").rgb, session.picture("behind_message").rgb);
-}
-
-TEST_P(Viewer, AResetBeginsAgainAndABallMovesHair) {
-  const Session& session = sessions().first;
-  expectHair(session.picture("free"), "free");
-  EXPECT_EQ(session.picture("free").rgb, session.picture("free_again").rgb);
-  EXPECT_NE(session.picture("free").rgb, session.picture("pushed").rgb);
-}
-
-TEST_P(Viewer, TheMousePullsALockAndNoOtherHair) {
-  const Session& session = sessions().first;
+  // The mouse pulls a lock and no other hair.
   const ByteImage free = session.picture("free"), pulled = session.picture("pulled");
   ASSERT_EQ(free.rgb.size(), pulled.rgb.size());
   const uint32_t half = free.width / 2;
@@ -276,13 +247,14 @@ TEST_P(Viewer, TheMousePullsALockAndNoOtherHair) {
     if (free.rgb[i] != pulled.rgb[i]) ++(i / 3 % free.width < half ? left : right);
   EXPECT_EQ(left, 0u);
   EXPECT_GT(right, 30u);
-}
 
-TEST_P(Viewer, GoesOnBehindTheTaskBar) {
-  const Session& session = sessions().first;
-  expectHair(session.picture("restored"), "restored");
-  EXPECT_NE(session.picture("restored").rgb, session.picture("pulled").rgb);
-  expectHas(session.recorded, "25 minimize");
+  // The recording is a script of the same session, whatever the API.
+  if (GetParam() != kFirstApi) return;
+  const Session replay = sessionOf(api(), folder, session.recorded, arguments);
+  ASSERT_EQ(replay.output.code, 0) << replay.output.errors;
+  ASSERT_EQ(replay.pictures.size(), session.pictures.size());
+  for (const auto& [name, picture] : session.pictures)
+    EXPECT_EQ(picture.rgb, replay.picture(name).rgb) << name;
 }
 
 // The program sleeps while its window is minimized.

@@ -17,7 +17,7 @@ class VulkanAllocation : public testing::TestWithParam<uint32_t>,
   }
   void TearDown() override { close(); }
 };
-INSTANTIATE_TEST_SUITE_P(Objects, VulkanAllocation, testing::Values(1, 30));
+INSTANTIATE_TEST_SUITE_P(Objects, VulkanAllocation, testing::Values(1, 12));
 
 TEST_P(VulkanAllocation, IsNotNeededByFramesThatAreAlike) {
   createRuntime(engine_->runtimeDef());
