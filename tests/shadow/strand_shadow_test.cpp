@@ -277,6 +277,9 @@ TEST_P(StrandShadow, SumsDoNotOverflowWhenAllHairIsInOneTexel) {
   EXPECT_NEAR(run.sumOfDepths() * texelArea(plan) / area, 1, 1e-3);
   const float behind = run.transmittance({toFloat4(flat.axes.toLight * -0.1)})[0];
   EXPECT_LT(behind, 1e-6f);
+  // A little wider, and the sums need larger quanta.
+  hair.radius *= 1.004f;
+  EXPECT_EQ(planFor(flat.def, {hair.shadowed()}).view.tauScale, 0x1p13f);
 }
 
 TEST_P(StrandShadow, NothingOfTheHairBeforeIsLeft) {
