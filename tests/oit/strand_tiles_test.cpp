@@ -112,6 +112,13 @@ TEST_P(StrandTiles, AreThePictureOfTheListsForEverySizeOfTheView) {
 }
 
 TEST_P(StrandTiles, AreExactForMoreLayersThanAGroupHasRoomFor) {
+  // One alone in front, so that the others have few of the bins of a histogram of depths.
+  HairAsset front;
+  front.strandCount = 1;
+  front.verticesPerStrand = 2;
+  front.positions = {{-0.05f, 0, 0.38f, 0}, {0.05f, 0, 0.38f, 1}};
+  expectOk(front.process());
+  tangleRun().add({.radius = 0.01f}, front);
   // So faint that all of them are visible, and so opaque that only the nearest ones are.
   tangleRun().add({.strands = 2500, .radius = 0.03f});
   for (const float opacity : {0.005f, 0.05f, 0.9f}) {

@@ -34,7 +34,8 @@ struct TileDraw {
   bool occluded() const { return draw.settings.opaqueDepth != BufferId::kInvalid; }
   /// Bits that indices of segments have, see packTileFragment().
   uint32_t segmentBits() const {
-    return std::max<uint32_t>(24, static_cast<uint32_t>(std::bit_width(2 * batch.vertices)));
+    const uint64_t last = 2 * std::max<uint64_t>(batch.vertices, 1) - 1;
+    return std::max<uint32_t>(24, static_cast<uint32_t>(std::bit_width(last)));
   }
   RoundSizes rounds() const { return roundSizes(draw.plan.sizes); }
 
