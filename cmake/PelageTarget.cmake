@@ -36,7 +36,8 @@ endfunction()
 function(pelage_thin_target target)
   pelage_target(${target})
   target_compile_options(${target} PRIVATE
-    $<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-O1>)
+    $<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang>>:-O1>
+    $<$<AND:$<CONFIG:Debug>,$<CXX_COMPILER_ID:GNU,Clang>>:-O0>)  # the sanitizers' preset has -O1
 endfunction()
 
 # pelage_library(TARGET): one of the libraries that PELAGE_SHARED makes shared. They export what

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <deque>
 #include <functional>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -46,6 +47,18 @@ struct Unit {
   bool ran = false;  // a child process worked for it
 };
 
+// Empty if it cannot be read. Read once: builds of one process have a tool that stays as it is.
+std::string hashOfTool(const fs::path& tool) {
+  static std::mutex mutex;
+  static std::map<fs::path, std::string> known;
+  const std::lock_guard lock(mutex);
+  std::string& hash = known[tool];
+  if (hash.empty()) {
+    if (const std::optional<std::string> bytes = readWholeFile(tool)) hash = sha256Hex(*bytes);
+  }
+  return hash;
+}
+
 class Builder {
  public:
   explicit Builder(const BuildOptions& options)
@@ -72,9 +85,8 @@ class Builder {
       }
     }
     result_.permutations = units_.size();
-    if (const std::optional<std::string> tool = readWholeFile(options_.tool)) {
-      toolHash_ = sha256Hex(*tool);
-    } else {
+    toolHash_ = hashOfTool(options_.tool);
+    if (toolHash_.empty()) {
       result_.diagnostics.error(manifest.file, 1, "PK410",
                                 "cannot read the tool " + options_.tool.string());
       return finish();

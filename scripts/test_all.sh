@@ -12,7 +12,7 @@
 # oracle           references and comparisons with them, at full length
 # tiers            the core of the suite on devices of tier base
 # benchmarks       every row of the benchmarks with few strands and frames, and their baselines
-# viewer           the window under random input, 5 minutes an API
+# viewer           the window under random input, 2 minutes an API
 # blender usd      the add-on in Blender, and the USD files by another reader
 # webgpu           the kernels as WGSL in Dawn; the packages are npm's
 # package          programs of others against installed libraries; the Debian package in an empty Debian (as root)
@@ -124,7 +124,8 @@ for name in "$@"; do
       ;;
     viewer)
       build_release
-      PELAGE_STRESS=full build/release/tests/viewer/viewer_tests --gtest_filter='*SurvivesRandomInput*'
+      printf '%s\n' vulkan gl | PELAGE_STRESS=full xargs -P "$jobs" -I API \
+        build/release/tests/viewer/viewer_tests --gtest_filter='*SurvivesRandomInput/API'
       ;;
     package)
       slow_tests package
