@@ -3,7 +3,8 @@
 # those that are named:
 #   scripts/test_all.sh sanitizers fuzz
 # test             scripts/test.sh
-# sources          every source compiled by itself, without the unity build
+# sources          every source compiled by itself, without the unity build; the libraries as shared ones, and
+#                  programs of others against them
 # sanitizers       host code under the address and undefined-behavior sanitizers, with leaks: label unit
 # sanitizers_gpu   runtimes, kernels' host code and pictures under them, on software drivers
 # fuzz             the fuzzers of loaders, 20,000 inputs each
@@ -16,17 +17,16 @@
 # blender usd      the add-on in Blender, and the USD files by another reader
 # webgpu           the kernels as WGSL in Dawn; the packages are npm's
 # package          programs of others against installed libraries; the Debian package in an empty Debian (as root)
-# shared           shared libraries
 # Not among them: `mutants` (scripts/mutants.py, hours).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 [ $# -gt 0 ] || set -- test sources sanitizers sanitizers_gpu fuzz analysis stress oracle tiers benchmarks \
-  viewer blender usd webgpu package shared
+  viewer blender usd webgpu package
 
 for name in "$@"; do
   case "$name" in
     test | sources | sanitizers | sanitizers_gpu | fuzz | analysis | stress | oracle | tiers | \
-      benchmarks | viewer | blender | usd | webgpu | package | shared | mutants) ;;
+      benchmarks | viewer | blender | usd | webgpu | package | mutants) ;;
     *)
       echo "pelage: no step '$name'; scripts/test_all.sh lists them in its first lines" >&2
       exit 2
@@ -41,7 +41,7 @@ configure_release() {
   bash scripts/install_packages.sh scripts/packages.txt scripts/packages_viewer.txt \
     scripts/packages_tests.txt
   cmake --preset release -DPELAGE_BUILD_TESTS=ON -DPELAGE_BUILD_BENCHMARKS=ON \
-    -DPELAGE_WGSL=OFF -DPELAGE_TEST_SHARED=OFF -DPELAGE_CODEGEN_CACHE="$codegen_cache" "$@" > /dev/null
+    -DPELAGE_WGSL=OFF -DPELAGE_CODEGEN_CACHE="$codegen_cache" "$@" > /dev/null
 }
 build_release() {
   configure_release "$@"
@@ -75,10 +75,14 @@ for name in "$@"; do
     test) bash scripts/test.sh ;;
     sources)
       build_generator
-      cmake --preset each -DPELAGE_BUILD_TESTS=ON -DPELAGE_BUILD_BENCHMARKS=ON \
-        -DPELAGE_CODEGEN_CACHE="$codegen_cache" \
+      # Tests need static libraries.
+      cmake --preset each -B build/shared -DBUILD_SHARED_LIBS=ON -DPELAGE_BUILD_TESTS=OFF \
+        -DPELAGE_BUILD_SAMPLES=OFF -DPELAGE_BUILD_BENCHMARKS=OFF -DPELAGE_BUILD_VIEWER=OFF \
+        -DCMAKE_SHARED_LINKER_FLAGS=-Wl,--no-undefined -DPELAGE_CODEGEN_CACHE="$codegen_cache" \
         -DPELAGE_CODEGEN_EXECUTABLE="$PWD/build/release/codegen/pelage-codegen" > /dev/null
-      cmake --build --preset each --parallel "$jobs"
+      cmake --build build/shared --parallel "$jobs"
+      cmake -D BUILD_DIR="$PWD/build/shared" -P tests/consumer/shared_test.cmake
+      python3 scripts/tidy.py --compile
       ;;
     sanitizers)
       # The drivers keep caches until the process ends, so leaks are looked for in the tests without them.
@@ -130,10 +134,6 @@ for name in "$@"; do
     package)
       slow_tests package
       bash scripts/test_package.sh
-      ;;
-    shared)
-      build_release -DPELAGE_TEST_SHARED=ON
-      ctest --preset release -R consumer_shared
       ;;
     mutants)
       build_release

@@ -12,7 +12,7 @@ mirror=${PELAGE_MIRROR:-http://deb.debian.org/debian}
 bash scripts/install_packages.sh scripts/packages_deb.txt
 if [ $# -eq 0 ]; then
   step "package"
-  bash scripts/package.sh
+  bash scripts/package.sh -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=12
   set -- build/package/libpelage-dev_*.deb
 fi
 deb=$1

@@ -58,6 +58,13 @@ def groups_of(sources, commands, most):
     return sorted(groups, key=len, reverse=True)
 
 
+def complaint_of(entry):
+    """What the build's compiler says of a source by itself; empty when it takes it."""
+    command = re.sub(r" -o \S+ -c ", " -fsyntax-only ", entry["command"])
+    return subprocess.run(command, shell=True, cwd=entry["directory"], stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, text=True, check=False).stdout
+
+
 class Tidy:
     def __init__(self, root, out, commands, checks):
         self.root, self.out, self.commands, self.checks = root, out, commands, checks
@@ -105,6 +112,9 @@ def main():
     arguments.add_argument("--each", action="store_true",
                            help="check each source alone: finds one that lacks an #include, and "
                                 "takes several times as long")
+    arguments.add_argument("--compile", action="store_true",
+                           help="compile each source of tests, benchmarks, samples and viewer by "
+                                "itself with the build's compiler, and nothing else")
     arguments.add_argument("--analyze", action="store_true",
                            help="with the static analyzer, which takes as long as all else")
     arguments.add_argument("sources", nargs="*", help="these sources; all without")
@@ -116,6 +126,13 @@ def main():
     sources = ([os.path.abspath(source) for source in options.sources] or
                [f"{root}/{source}" for source in listed])
     commands = commands_of(configured(root))
+    if options.compile:
+        entries = [entry for source, entry in commands.items()
+                   if re.match(f"{root}/(tests|benchmark|sample|viewer)/", source)]
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            said = "".join(pool.map(complaint_of, entries))
+        print(f"{said}tidy: {len(entries)} sources compiled")
+        sys.exit(1 if said else 0)
     if not any(source.startswith(f"{root}/viewer/") for source in commands):
         sources = [source for source in sources if not source.startswith(f"{root}/viewer/")]
     groups = groups_of(sources, commands, 1 if options.each else SOURCES_PER_GROUP)
