@@ -106,11 +106,11 @@ std::vector<Parameter> objectRows() {
               picture.values = {"420", "2800", "all (14000)"};
               return picture;
             }()),
-      tuned("HairObject", "drawnShare",
-            show(
-                headSetup(), std::vector{0.03f, 0.2f, 1.0f},
-                [](Setup& s, float v) { s.drawnShare = v; },
-                "The same numbers of strands as above, but wider: from afar nothing changes.")),
+      tuned(
+          "HairObject", "drawnShare",
+          show(
+              headSetup(), std::vector{0.03f, 0.2f, 1.0f},
+              [](Setup& s, float v) { s.drawnShare = v; }, "As many strands as above, but wider.")),
       tuned("HairObject", "tracksMotion"),
       tuned("HairObject", "interpolates"),
   };
@@ -132,8 +132,7 @@ std::vector<Parameter> bindingRows() {
                             pelage::SkinningMethod::kDualQuaternions},
                 [](Setup& s, pelage::SkinningMethod v) { s.hair.skinning = v; },
                 "Fur on a tube whose right half is rotated by 170 degrees: blended matrices "
-                "collapse in "
-                "between.")),
+                "collapse.")),
       {PELAGE_FIELD(HairDef, influences),
        "",
        "one per guide",
@@ -190,8 +189,7 @@ std::vector<Parameter> strandRows() {
                    }),
               std::vector{pelage::CollidingHair::kGuides, pelage::CollidingHair::kGuidesAndFollows},
               [](Setup& s, pelage::CollidingHair v) { s.hair.collidingHair = v; },
-              "Six guides with wide bundles: follow hairs go through the mesh, or are moved "
-              "out.")),
+              "Wide bundles: follow hairs go through the mesh, or are moved out.")),
   };
 }
 
@@ -397,8 +395,7 @@ std::vector<Parameter> lookRows() {
             show(
                 drawnField(), std::vector{-4.0f, 0.0f, 4.0f},
                 [](Setup& s, float v) { s.colliderLook.isoLevel = v; },
-                "Inside, on, and outside of the head, with cells of 6 mm and a band of 5; the hair "
-                "stays where it is.")),
+                "Inside, on, and outside of the head, with cells of 6 mm and a band of 5.")),
       tuned(
           "ColliderLook", "color",
           show(
@@ -445,7 +442,7 @@ std::vector<ParameterGroup> hairGroups() {
          "share",
          "0..1",
          "Thickness of the tip relative to the root in HairAsset::vertexThickness, for your own "
-         "renderer; the scene's draws use StrandMaterial::tipRadiusRatio.",
+         "renderer.",
          {}}}},
   };
 }

@@ -180,9 +180,7 @@ std::vector<Parameter> fiberRows() {
       tuned("StrandMaterial", "azimuthalRoughness",
             show(backLit(), std::vector{0.1f, 0.3f, 0.9f},
                  material(&StrandMaterial::azimuthalRoughness),
-                 "Light that comes through from behind: smooth fibers send more of it to the eye, "
-                 "rough "
-                 "ones spread and color it.")),
+                 "Light from behind: smooth fibers send more of it to the eye.")),
       tuned(
           "StrandMaterial", "cuticleTilt",
           show(with(fiberSwatch(), [](Setup& s) { s.hair.material.longitudinalRoughness = 0.12f; }),
@@ -195,7 +193,7 @@ std::vector<Parameter> fiberRows() {
       tuned("StrandMaterial", "scatteredShare",
             show(fiberSwatch(), std::vector{0.0f, 0.4f, 1.0f},
                  material(&StrandMaterial::scatteredShare),
-                 "An approximation of light that passes from fiber to fiber: softer and fuller.")),
+                 "Light that passes from fiber to fiber: softer and fuller.")),
   };
 }
 
@@ -241,17 +239,16 @@ std::vector<Parameter> shadowRows() {
       tuned("Light", "shadowSize",
             show(shadowed(), std::vector{16u, 64u, 1024u}, light(&Light::shadowSize),
                  "Deep shadows: large texels blur them.")),
-      tuned(
-          "Light", "shadowLayers",
-          show(with(shadowed(),
-                    [](Setup& s) {
-                      s.groom.strandCount = 700;
-                      s.follow.countPerGuide = 3;
-                      s.lights[0].direction = {-0.2f, 0.3f, -0.9f};
-                      s.lights[0].color = {4, 3.8f, 3.4f};
-                    }),
-               std::vector{1u, 2u, 8u}, light(&Light::shadowLayers),
-               "Sparse hair with the light behind it: with few layers light penetrates too far.")),
+      tuned("Light", "shadowLayers",
+            show(with(shadowed(),
+                      [](Setup& s) {
+                        s.groom.strandCount = 700;
+                        s.follow.countPerGuide = 3;
+                        s.lights[0].direction = {-0.2f, 0.3f, -0.9f};
+                        s.lights[0].color = {4, 3.8f, 3.4f};
+                      }),
+                 std::vector{1u, 2u, 8u}, light(&Light::shadowLayers),
+                 "Sparse hair, the light behind it: with few layers light penetrates too far.")),
       tuned("Light", "shadowBias",
             show(with(shadowed(), [](Setup& s) { s.lights[0].shadowSize = 64; }),
                  std::vector{0.0f, 0.35f, 4.0f}, light(&Light::shadowBias),
@@ -338,15 +335,15 @@ std::vector<Parameter> transparencyRows() {
                     v == Transparency::kAlphaTest || v == Transparency::kStochastic;
                 s.samples = sampled ? 4 : 1;
               },
-              "Fibers with an opacity of 0.4, close up. The first two have four samples per pixel. "
-              "The other methods look like kWindowed here.")),
+              "Fibers with an opacity of 0.4, close up. The first two have four samples per "
+              "pixel.")),
       tuned("TransparencySettings", "maxBytes"),
       tuned("TransparencySettings", "maxBufferBytes"),
       tuned("TransparencySettings", "nodeCount",
             show(with(deep, [](Setup& s) { s.transparency.spillTail = false; }),
                  std::vector{60000u, 0u, 3000000u}, transparency(&TransparencySettings::nodeCount),
                  "160 x 160 pixels without spillTail, transparent fibers in many layers: fragments "
-                 "without a node are missing; the last has nodes for all.")),
+                 "without a node are missing.")),
       tuned("TransparencySettings", "spillTail",
             show(with(deep, [](Setup& s) { s.transparency.nodeCount = 60000; }),
                  std::vector{false, true}, transparency(&TransparencySettings::spillTail),
@@ -354,7 +351,7 @@ std::vector<Parameter> transparencyRows() {
       tuned("TransparencySettings", "epsilon",
             show(deep, std::vector{0.5f / 255, 0.3f, 0.8f},
                  transparency(&TransparencySettings::epsilon),
-                 "A large value leaves out fragments behind: pixels keep some of the background.")),
+                 "A large value leaves out fragments behind.")),
       {PELAGE_FIELD(TransparencySettings, opaqueDepth),
        "",
        "one float per pixel",
@@ -373,9 +370,7 @@ std::vector<Parameter> depthRows() {
       {PELAGE_FIELD(HairDepthSettings, opacity),
        "",
        "0..1",
-       "Hair counts from this product of opacity and coverage of a pixel on; thinner fibers have "
-       "no "
-       "depth.",
+       "Hair counts from this product of opacity and coverage of a pixel on.",
        {}},
       {PELAGE_FIELD(HairDepthSettings, color),
        "",

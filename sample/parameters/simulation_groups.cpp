@@ -102,15 +102,15 @@ std::vector<Parameter> mainRows() {
       tuned("SimulationSettings", "solver",
             show(lockSetup(), std::vector{Solver::kExact, Solver::kClassic},
                  setting(&SimulationSettings::solver),
-                 "The same lock at rest: the rod is bent by its weight; the classic solver's local "
-                 "shape alone does not support it.")),
+                 "At rest: the rod is bent by its weight; the classic solver's local shape alone "
+                 "does not support it.")),
       tuned(
           "SimulationSettings", "gravity",
           show(lockSetup(), std::vector<Float3>{{0, -1, 0}, {0, -9.81f, 0}, {0, 4, 0}},
                setting(&SimulationSettings::gravity), "At rest: weak, as on earth, and upwards.")),
       tuned("SimulationSettings", "damping",
             show(falling(22), std::vector{0.0f, 0.06f, 0.5f}, setting(&SimulationSettings::damping),
-                 "0.37 s after the lock was released: the more damping, the later it falls.")),
+                 "0.37 s after the lock was released.")),
       tuned("SimulationSettings", "bendLength",
             show(lockSetup(), std::vector{0.01f, 0.05f, 0.12f},
                  setting(&SimulationSettings::bendLength),
@@ -119,12 +119,10 @@ std::vector<Parameter> mainRows() {
             show(with(curly(), [](Setup& s) { settings(s).bendLength = 0.03f; }),
                  std::vector{0.05f, 0.75f, 10.0f}, setting(&SimulationSettings::twistRatio),
                  "Curls at rest: a strand that twists easily is pulled straight by its weight.")),
-      tuned(
-          "SimulationSettings", "relaxationTime",
-          show(with(falling(34), damped), std::vector{0.0f, 0.05f, 0.5f},
-               setting(&SimulationSettings::relaxationTime),
-               "0.57 s after the lock was released, without other damping: inner damping slows the "
-               "bending and keeps the lock in one curve.")),
+      tuned("SimulationSettings", "relaxationTime",
+            show(with(falling(34), damped), std::vector{0.0f, 0.05f, 0.5f},
+                 setting(&SimulationSettings::relaxationTime),
+                 "0.57 s after the lock was released, without other damping.")),
       tuned(
           "SimulationSettings", "sagCompensation",
           show(with(lockSetup(), [](Setup& s) { settings(s).bendLength = 0.08f; }),
@@ -133,9 +131,7 @@ std::vector<Parameter> mainRows() {
       tuned("SimulationSettings", "subSteps",
             show(with(falling(40), damped), std::vector{1u, 4u, 16u},
                  setting(&SimulationSettings::subSteps),
-                 "0.67 s after the lock was released, undamped: one step damps the swing by "
-                 "itself, and "
-                 "more keep its speed.")),
+                 "0.67 s after the lock was released, undamped: one step damps the swing.")),
   };
 }
 
@@ -153,17 +149,14 @@ std::vector<Parameter> poseRows() {
             show(with(lockSetup(), [](Setup& s) { settings(s).globalRange = 1; }),
                  std::vector{0.0f, 0.01f, 0.1f}, setting(&SimulationSettings::globalStiffness),
                  "At rest, with a globalRange of 1: the bind pose stands out to the right.")),
-      tuned(
-          "SimulationSettings", "globalRange",
-          show(
-              with(lockSetup(), [](Setup& s) { settings(s).globalStiffness = 0.2f; }),
-              std::vector{0.3f, 0.6f, 1.0f}, setting(&SimulationSettings::globalRange),
-              "At rest, with a globalStiffness of 0.2: beyond the range only the bending stiffness "
-              "acts.")),
+      tuned("SimulationSettings", "globalRange",
+            show(with(lockSetup(), [](Setup& s) { settings(s).globalStiffness = 0.2f; }),
+                 std::vector{0.3f, 0.6f, 1.0f}, setting(&SimulationSettings::globalRange),
+                 "At rest, with a globalStiffness of 0.2.")),
       tuned("SimulationSettings", "vspCoefficient",
             show(pulled(12), std::vector{0.0f, 0.75f, 1.0f},
                  setting(&SimulationSettings::vspCoefficient),
-                 "The ball is pulled to the right at 12 m/s²: hair stays behind, or follows.")),
+                 "The ball is pulled to the right at 12 m/s².")),
       tuned("SimulationSettings", "vspThreshold",
             show(with(pulled(12), [](Setup& s) { settings(s).vspCoefficient = 0; }),
                  std::vector{5.0f, 9.0f, 200.0f}, setting(&SimulationSettings::vspThreshold),
@@ -231,14 +224,14 @@ std::vector<Parameter> windRows() {
             show(
                 windy(2.5f), std::vector{0.0f, 0.5f, 1.0f},
                 [](Setup& s, float v) { settings(s).wind.gustStrength = v; },
-                "The same moment of a wind of 2.5 m/s: steady, and in gusts.")),
+                "The same moment of a wind of 2.5 m/s.")),
       tuned("WindSettings", "gustPeriod"),
-      tuned("WindSettings", "strandVariation",
-            show(
-                with(windy(2.5f), [](Setup& s) { settings(s).wind.gustStrength = 1; }),
-                std::vector{0.0f, 0.5f, 1.0f},
-                [](Setup& s, float v) { settings(s).wind.strandVariation = v; },
-                "The same moment of gusts: the same for all, and different for each strand.")),
+      tuned(
+          "WindSettings", "strandVariation",
+          show(
+              with(windy(2.5f), [](Setup& s) { settings(s).wind.gustStrength = 1; }),
+              std::vector{0.0f, 0.5f, 1.0f},
+              [](Setup& s, float v) { settings(s).wind.strandVariation = v; }, "The same moment.")),
   };
 }
 
@@ -249,7 +242,7 @@ std::vector<Parameter> curveRows() {
             show(
                 lockSetup(), curves,
                 [](Setup& s, const ParameterCurve& v) { settings(s).curves.stiffness = v; },
-                "At rest: stiff at the root and soft at the tip, even, and vice versa.")),
+                "At rest.")),
       tuned("ParameterCurves", "globalStiffness",
             show(
                 with(lockSetup(),
@@ -269,7 +262,7 @@ std::vector<Parameter> curveRows() {
                        settings(s).bendLength = 0.02f;
                      }),
                 curves, [](Setup& s, const ParameterCurve& v) { settings(s).curves.damping = v; },
-                "0.43 s after the lock was released: where the drag is, hair stays behind.")),
+                "0.43 s after the lock was released.")),
   };
 }
 
@@ -285,8 +278,8 @@ std::vector<Parameter> sleepRows() {
                      }),
                 std::vector{5e-4f, 0.25f, 1.0f},
                 [](Setup& s, float v) { settings(s).sleep.speed = v; },
-                "2.5 s after the lock was released, with a time of 0.1 s: with too high a speed it "
-                "falls asleep while it moves.")),
+                "2.5 s after the lock was released, with a time of 0.1 s: too high a speed lets it "
+                "sleep while it moves.")),
       tuned(
           "SleepSettings", "time",
           show(
@@ -296,8 +289,7 @@ std::vector<Parameter> sleepRows() {
                      settings(s).sleep.speed = 1;
                    }),
               std::vector{0.1f, 0.25f, 0.5f}, [](Setup& s, float v) { settings(s).sleep.time = v; },
-              "The same with a speed of 1 m/s, much too high: the longer the time, the further the "
-              "hair moves.")),
+              "The same with a speed of 1 m/s, much too high.")),
       tuned("SleepSettings", "wakeDistance"),
   };
 }
@@ -308,7 +300,7 @@ std::vector<Parameter> contactRows() {
             show(
                 bushy(), std::vector{0.0f, 0.002f, 1.0f},
                 [](Setup& s, float v) { settings(s).contact.stiffness = v; },
-                "Hair that is a wide brush in its bind pose, at rest: contact keeps its volume.")),
+                "A wide brush in its bind pose, at rest: contact keeps its volume.")),
       tuned("HairContactSettings", "friction",
             show(
                 with(bushy(),
@@ -319,8 +311,7 @@ std::vector<Parameter> contactRows() {
                      }),
                 std::vector{0.0f, 0.1f, 0.8f},
                 [](Setup& s, float v) { settings(s).contact.friction = v; },
-                "0.8 s after hair of different lengths was released: with friction it moves as "
-                "one.")),
+                "0.8 s after hair of different lengths was released.")),
       tuned("HairContactSettings", "cellSize",
             show(
                 with(bushy(), [](Setup& s) { settings(s).contact.stiffness = 1; }),

@@ -25,14 +25,14 @@ std::vector<Parameter> objectParameters() {
               "If false, the hair is moved rigidly with its bones, without a solver and contacts."),
       PELAGE_PARAMETER_AS("HairObject", HairObjectSettings, blendTime)
           .says("s", ">= 0",
-                "Time in which gravity, wind and forces rise to their full strength after "
-                "`simulated` has become true again.")
+                "Time in which gravity, wind and forces rise after `simulated` has become true "
+                "again.")
           .atLeast(0)
           .slider(0, 5),
       PELAGE_PARAMETER_AS("HairObject", HairObjectSettings, usesMeshColliders)
           .says("", "",
-                "If true, the hair collides with mesh colliders of the scene: with those of "
-                "setMeshColliders(), or all.")
+                "If true, the hair collides with mesh colliders: with those of setMeshColliders(), "
+                "or all.")
           .pictured(),
       PELAGE_PARAMETER_AS("HairObject", HairObjectSettings, visible)
           .says("", "", "A hidden object is simulated, but not drawn."),
@@ -44,8 +44,8 @@ std::vector<Parameter> objectParameters() {
           .pictured(),
       PELAGE_PARAMETER_AS("HairObject", HairObjectSettings, drawnShare)
           .says("share of drawnStrands", "0..1",
-                "Level of detail: the remaining strands are wider, so that the hair covers the "
-                "same area. See Scene::shareForView().")
+                "Level of detail: fewer, wider strands cover the same area. See "
+                "Scene::shareForView().")
           .within(0, 1)
           .log()
           .pictured(),

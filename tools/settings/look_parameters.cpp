@@ -28,8 +28,8 @@ std::vector<Parameter> colorRows() {
           .pictured(),
       PELAGE_PARAMETER(StrandMaterial, tipShare)
           .says("share of the strand", "0..1",
-                "Part of the strand, from the tip, over which the color goes from that of the root "
-                "to that of the tip; 0: the root's all along.")
+                "Part of the strand, from the tip, over which the root's color becomes the tip's; "
+                "0: the root's all along.")
           .within(0, 1),
       PELAGE_PARAMETER(StrandMaterial, colorVariation)
           .says("share", "0..1", "Variation of the color between strands.")
@@ -187,7 +187,7 @@ std::vector<Parameter> shadowRows() {
           .log()
           .pictured(),
       PELAGE_PARAMETER(Light, shadowLayers)
-          .says("", "1..16", "Number of layers of deep shadows.")
+          .says("", "1..16", "Layers of deep shadows.")
           .within(1, 16)
           .pictured(),
       PELAGE_PARAMETER(Light, shadowBias)
@@ -211,9 +211,7 @@ std::vector<Parameter> shadowRows() {
           .logSlider(0, 0.1)
           .pictured(),
       PELAGE_INNER_PARAMETER(Light, opaque, OpaqueShadow, bias)
-          .says("m", ">= 0",
-                "Opaque geometry this close in front of hair does not shadow it: roots lie on the "
-                "skin.")
+          .says("m", ">= 0", "Opaque geometry this close in front of hair does not shadow it.")
           .atLeast(0)
           .logSlider(0, 0.1),
   };
@@ -237,8 +235,7 @@ std::vector<Parameter> transparencyParameters() {
   return {
       PELAGE_PARAMETER(TransparencySettings, method)
           .says("", "kAlphaTest, kStochastic, kWindowed, kHybrid4/8/16, kShortCut, kTiles",
-                "Method that draws hair over what is behind it. [oit.md](oit.md) compares the "
-                "methods.")
+                "Method that draws hair. [oit.md](oit.md) compares them.")
           .names(kTransparencies)
           .pictured(),
       PELAGE_PARAMETER(TransparencySettings, maxBytes)

@@ -10,8 +10,8 @@ std::vector<Parameter> mainRows() {
   return {
       PELAGE_PARAMETER(SimulationSettings, solver)
           .says("", "kExact, kClassic",
-                "An inextensible elastic rod, or the cheaper position-based solver. A change puts "
-                "the hair back into its bind shape.")
+                "An inextensible elastic rod, or points that are cheaper. A change puts the hair "
+                "back into its bind shape.")
           .names(kSolvers)
           .pictured(),
       PELAGE_PARAMETER(SimulationSettings, gravity)
@@ -37,15 +37,15 @@ std::vector<Parameter> mainRows() {
           .ofSolver("exact")
           .pictured(),
       PELAGE_PARAMETER(SimulationSettings, relaxationTime)
-          .says("s", "0..1", "Inner damping of bending and twist; 0 turns it off.")
+          .says("s", "0..1", "Inner damping of bending and twist; 0 is off.")
           .within(0, 1)
           .log()
           .ofSolver("exact")
           .pictured(),
       PELAGE_PARAMETER(SimulationSettings, sagCompensation)
           .says("share", "0..1",
-                "Share of gravity that the rest shape is bent against: at 1 hair hangs in its bind "
-                "shape, where it is not too limp for it.")
+                "Share of gravity that the rest shape is bent against: at 1 hair that is not too "
+                "limp hangs in its bind shape.")
           .within(0, 1)
           .ofSolver("exact")
           .pictured(),
@@ -63,8 +63,7 @@ std::vector<Parameter> shapeRows() {
   return {
       PELAGE_PARAMETER(SimulationSettings, localStiffness)
           .says("", "0..1",
-                "How strongly each segment keeps its bind angle to the previous one; 0 turns local "
-                "shape off.")
+                "How strongly each segment keeps its bind angle to the previous one; 0 is off.")
           .within(0, 1)
           .ofSolver("classic")
           .pictured(),
@@ -76,7 +75,7 @@ std::vector<Parameter> shapeRows() {
       PELAGE_PARAMETER(SimulationSettings, globalStiffness)
           .says("fraction per 1/60 s", "0..1",
                 "Fraction of its displacement from the bind pose that a vertex loses in 1/60 s; 0 "
-                "turns global shape off.")
+                "is off.")
           .within(0, 1)
           .log()
           .pictured(),
@@ -87,14 +86,14 @@ std::vector<Parameter> shapeRows() {
           .pictured(),
       PELAGE_PARAMETER(SimulationSettings, vspCoefficient)
           .says("share", "0..1",
-                "Velocity shock propagation: fraction of the root's rigid motion that the whole "
-                "strand follows. From 0.75 on gravity, wind and forces fade; at 1 they do not act.")
+                "Velocity shock propagation: fraction of the root's rigid motion that the strand "
+                "follows. From 0.75 on gravity, wind and forces fade; at 1 they do not act.")
           .within(0, 1)
           .pictured(),
       PELAGE_PARAMETER(SimulationSettings, vspThreshold)
           .says("m/s²", "> 0",
                 "Acceleration of the root from which on the strand follows more of its motion; at "
-                "twice the value it follows all of it.")
+                "twice the value all of it.")
           .above(0)
           .infinite()
           .logSlider(1, 1000)
@@ -136,7 +135,7 @@ std::vector<Parameter> strandRows() {
 std::vector<Parameter> windRows() {
   return {
       PELAGE_INNER_PARAMETER(SimulationSettings, wind, WindSettings, velocity)
-          .says("m/s", "", "Mean velocity of the air in world space; 0 turns the wind off.")
+          .says("m/s", "", "Mean velocity of the air in world space; 0 is off.")
           .slider(-20, 20)
           .pictured(),
       PELAGE_INNER_PARAMETER(SimulationSettings, wind, WindSettings, gustStrength)
@@ -148,9 +147,7 @@ std::vector<Parameter> windRows() {
           .atLeast(1e-3f)
           .logSlider(0.1, 20),
       PELAGE_INNER_PARAMETER(SimulationSettings, wind, WindSettings, strandVariation)
-          .says("share", "0..1",
-                "How much the gusts differ from strand to strand; at 0 all strands feel the same "
-                "gusts.")
+          .says("share", "0..1", "How much the gusts differ from strand to strand.")
           .within(0, 1)
           .pictured(),
   };
@@ -209,16 +206,15 @@ std::vector<Parameter> contactRows() {
   return {
       PELAGE_INNER_PARAMETER(SimulationSettings, contact, HairContactSettings, stiffness)
           .says("", "0..1",
-                "How strongly hair spreads where it is denser than in the bind pose; 0 turns this "
-                "off.")
+                "How strongly hair spreads where it is denser than in the bind pose; 0 is off.")
           .within(0, 1)
           .log()
           .ofSolver("exact")
           .pictured(),
       PELAGE_INNER_PARAMETER(SimulationSettings, contact, HairContactSettings, friction)
-          .says("fraction per 1/60 s", "0..1",
-                "Fraction of its velocity relative to the surrounding hair that hair loses in 1/60 "
-                "s.")
+          .says(
+              "fraction per 1/60 s", "0..1",
+              "Fraction of its velocity relative to the hair around it that hair loses in 1/60 s.")
           .within(0, 1)
           .ofSolver("exact")
           .pictured(),
