@@ -223,6 +223,25 @@ ParsedModule parseModule(const std::vector<uint32_t>& words) {
   return module;
 }
 
+// Writes a variable for each value that a kernel reads from a buffer. SPIRV-Cross would write the
+// read at each of its uses, in loops, too, and compilers of GLSL do not take these together where
+// something is written in between.
+class GlslWriter : public spirv_cross::CompilerGLSL {
+ public:
+  GlslWriter(const spirv_cross::ParsedIR& parsed, const std::vector<uint32_t>& words)
+      : CompilerGLSL(parsed) {
+    const std::optional<SpirvReader> module = SpirvReader::parse(words);
+    if (!module) return;
+    for (const SpirvInstruction& instruction : module->instructions()) {
+      if (instruction.op != SpvOpLoad) continue;
+      const SpirvInstruction* pointer = module->definition(instruction.operands[0]);
+      const SpirvInstruction* type = module->definition(pointer->resultType);
+      if (type->operands[0] == SpvStorageClassStorageBuffer)
+        forced_temporaries.insert(instruction.result);
+    }
+  }
+};
+
 // Text that means the same, and that NVIDIA's compiler of GLSL is done with in a fraction of the
 // time: loops are not unrolled, and what SPIRV-Cross writes as `do { ... } while(false)`, a block
 // that is left by `break`, is a switch, which is no loop.
@@ -265,7 +284,7 @@ std::string crossCompile(const ParsedModule& module, const std::vector<uint32_t>
   };
   if (!module.ir) return fail(module.error);
   try {
-    spirv_cross::CompilerGLSL compiler(*module.ir);
+    GlslWriter compiler(*module.ir, words);
     spirv_cross::CompilerGLSL::Options options;
     options.version = es ? 320 : 450;
     options.es = es;

@@ -216,6 +216,49 @@ TEST(GeneratedKernels, BindByNumberInGlsl) {
   }
 }
 
+size_t countOf(std::string_view text, std::string_view part) {
+  size_t count = 0;
+  for (size_t at = text.find(part); at != std::string_view::npos; at = text.find(part, at + 1))
+    ++count;
+  return count;
+}
+
+// Instructions that read or write an element of a storage buffer.
+size_t bufferAccesses(const SpirvReader& module) {
+  const auto inBuffer = [&](uint32_t id) {
+    const SpirvInstruction* pointer = module.definition(id);
+    const SpirvInstruction* type =
+        pointer != nullptr ? module.definition(pointer->resultType) : nullptr;
+    return type != nullptr && type->op == SpvOpTypePointer &&
+           type->operands[0] == SpvStorageClassStorageBuffer;
+  };
+  size_t count = 0;
+  for (const SpirvInstruction& instruction : module.instructions()) {
+    const bool isAccess = instruction.op == SpvOpLoad || instruction.op == SpvOpStore ||
+                          (instruction.op >= SpvOpAtomicLoad && instruction.op <= SpvOpAtomicXor);
+    if (isAccess && inBuffer(instruction.operands[0])) ++count;
+  }
+  return count;
+}
+
+TEST(GeneratedKernels, ReadABufferInGlslAsOftenAsInSpirv) {
+  size_t all = 0;
+  for (const auto kernels : {gpu::allKernels(), pelage::allKernels()}) {
+    for (const pelage::Kernel* kernel : kernels) {
+      for (const pelage::KernelVariant* variant : kernel->variants) {
+        const std::vector<uint32_t> words = spirvOf(*variant);
+        const std::optional<SpirvReader> module = SpirvReader::parse(words);
+        ASSERT_TRUE(module) << kernel->name;
+        const size_t accesses = bufferAccesses(*module);
+        all += accesses;
+        for (const std::string& text : {glslOf(*variant), esslOf(*variant)})
+          EXPECT_LE(countOf(text, "._data["), accesses) << kernel->name << " " << variant->key;
+      }
+    }
+  }
+  EXPECT_GT(all, 1000u);
+}
+
 TEST(GeneratedKernels, StayPreciseInSpirvAndInGlsl) {
   const pelage::KernelVariant& variant =
       *gpu::moveParticlesVariant({.airDrag = true, .bounce = true});
