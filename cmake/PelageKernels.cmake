@@ -1,4 +1,4 @@
-# pelage_add_kernels(TARGET MANIFEST file [INCLUDE dirs...] [REFLECTION file] [SHARED] [WGSL])
+# pelage_add_kernels(TARGET MANIFEST file [INCLUDE dirs...] [REFLECTION file] [SHARED] [WGSL] [MSL] [HLSL])
 #
 # Makes libraries, static ones without SHARED, from a manifest of HLSL kernels. Code that links
 # TARGET includes
@@ -15,6 +15,7 @@
 #   <namespace>/wgsl.h         TARGET_wgsl, with WGSL: of a manifest that has "webgpu": true. The folder wgsl
 #                              beside the generated sources has the same as files. Needs
 #                              PELAGE_WGSL_TRANSLATOR, codegen/wgsl/translate.mjs with its packages.
+# MSL adds <namespace>/metal.h and the folder msl, HLSL adds dxc.txt: docs/metal_d3d12.md.
 # The target's property PELAGE_GENERATED_INCLUDE is the folder that holds them.
 # INCLUDE adds folders to the search of #include in HLSL, REFLECTION names the JSON file (default:
 # reflection.json beside the generated sources).
@@ -67,10 +68,10 @@ function(pelage_kernel_entry text name out)
 endfunction()
 
 function(pelage_add_kernels target)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "SHARED;WGSL" "MANIFEST;REFLECTION" "INCLUDE")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "SHARED;WGSL;MSL;HLSL" "MANIFEST;REFLECTION" "INCLUDE")
   if(NOT arg_MANIFEST OR arg_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR
-      "usage: pelage_add_kernels(TARGET MANIFEST file [INCLUDE dirs...] [REFLECTION file] [SHARED] [WGSL])")
+      "usage: pelage_add_kernels(TARGET MANIFEST file [INCLUDE dirs...] [REFLECTION file] [SHARED] [WGSL] [MSL] [HLSL])")
   endif()
   get_filename_component(manifest "${arg_MANIFEST}" ABSOLUTE)
   set(output "${CMAKE_CURRENT_BINARY_DIR}/${target}")
@@ -98,7 +99,16 @@ function(pelage_add_kernels target)
     list(APPEND formats wgsl)
     set(wgsl --wgsl "${PELAGE_WGSL_TRANSLATOR}" --node "${PELAGE_NODE_EXECUTABLE}")
   endif()
-  foreach(header bindings code constants gpu_structs kernels layouts ${formats})
+  set(native)
+  set(native_headers)
+  if(arg_MSL)
+    list(APPEND native --msl)
+    list(APPEND native_headers metal)
+  endif()
+  if(arg_HLSL)
+    list(APPEND native --hlsl)
+  endif()
+  foreach(header bindings code constants gpu_structs kernels layouts ${native_headers} ${formats})
     list(APPEND headers "${output}/include/${folder}/${header}.h")
   endforeach()
   set(sources "${output}/kernels.cpp" "${output}/layouts.cpp")
@@ -135,7 +145,7 @@ function(pelage_add_kernels target)
     BYPRODUCTS ${headers} ${sources} ${code_sources} ${format_sources}
       "${reflection}"
     COMMAND ${codegen} "${manifest}" --output "${output}" ${includes} ${cache} ${names}
-      ${wgsl}
+      ${wgsl} ${native}
       --reflection "${reflection}" --stamp "${output}/kernels.stamp" --depfile "${output}/kernels.d"
     DEPENDS ${codegen} "${manifest}" ${PELAGE_WGSL_TRANSLATOR}
     DEPFILE "${output}/kernels.d"

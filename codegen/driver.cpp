@@ -152,6 +152,7 @@ class Builder {
       checkWebgpu();
       collectVariants(plan);
       translateToWgsl();
+      translateToMsl();
       packKernels();
     }
     finishWorkers();
@@ -546,6 +547,7 @@ class Builder {
           continue;
         }
         output.variants.push_back(makeVariant(unit, *module, plan));
+        origins_[output.variants.back().hash] = &unit;
         if (!options_.wgslTranslator.empty())
           wgslModules_[output.variants.back().hash] = prepareForWgsl(unit.back.spirv);
       }
@@ -611,6 +613,31 @@ class Builder {
                                     permutationKey(*job.kernel, job.variant->permutations.front()) +
                                     "' cannot be written as WGSL: " + why +
                                     ": change it, or name the reason in \"noWebgpu\"");
+    }
+  }
+
+  void translateToMsl() {
+    Program& program = result_.program;
+    program.hlsl = options_.hlsl;
+    program.msl = options_.msl;
+    if (!options_.msl) return;
+    inParallel<KernelOutput>(program.kernels, [this](KernelOutput& output, size_t) {
+      uint32_t vertexBuffers = 0;  // Metal's attributes may not reach into the next elements
+      if (const auto& input = output.kernel.vertexInput) {
+        for (const uint32_t offset : input->offsets)
+          vertexBuffers = std::max(vertexBuffers, offset / input->stride + 1);
+      }
+      for (VariantOutput& variant : output.variants)
+        variant.msl = writeMsl(origins_.at(variant.hash)->back.optimised, vertexBuffers);
+    });
+    for (const KernelOutput& output : program.kernels) {
+      for (const VariantOutput& variant : output.variants) {
+        const Unit& unit = *origins_.at(variant.hash);
+        const SourceLocation where = locate(unit, unit.kernel->name);
+        for (const BackEndError& error : variant.msl.errors)
+          result_.diagnostics.error(where.file, where.line, error.code,
+                                    "kernel " + describe(unit) + " " + error.message);
+      }
     }
   }
 
@@ -697,6 +724,9 @@ class Builder {
     variant.tier = unit.kernel->tierOf(unit.permutation);
     if (const std::string* why = unit.kernel->whyNotWebgpu(unit.permutation))
       variant.noWebgpu = *why;
+    for (const Resource& resource : unit.reflection.resources)
+      variant.registers.push_back(
+          {resource.name, resource.registerClass, resource.registerNumber, resource.space});
     const auto numbers = storageBufferNumbers(module, firstBinding);
     for (const auto& [id, access] : resourceAccess(module)) {
       const uint32_t set = module.decoration(id, SpvDecorationDescriptorSet).value_or(0);
@@ -797,6 +827,11 @@ class Builder {
       files[options_.outputDir / name] = std::move(text);
     for (auto& [name, text] : emitCode(result_.program))
       files[options_.outputDir / name] = std::move(text);
+    if (result_.program.msl) {
+      for (auto& [name, text] : emitMetal(result_.program))
+        files[options_.outputDir / name] = std::move(text);
+    }
+    if (result_.program.hlsl) files[options_.outputDir / "dxc.txt"] = emitDxcLines(result_.program);
     files[options_.reflectionFile.empty() ? options_.outputDir / "reflection.json"
                                           : options_.reflectionFile] =
         emitReflection(result_.program);
@@ -845,6 +880,7 @@ class Builder {
   std::map<std::string, std::vector<std::string>> closures_;  // by kernel or file
   std::vector<Unit> units_;
   std::map<uint64_t, std::vector<uint32_t>> wgslModules_;  // by VariantOutput::hash
+  std::map<uint64_t, const Unit*> origins_;                // by VariantOutput::hash
   BuildResult result_;
 };
 

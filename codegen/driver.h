@@ -23,6 +23,8 @@ struct BuildOptions {
   std::filesystem::path tool;            ///< pelage-codegen, which the children run
   std::filesystem::path wgslTranslator;  ///< wgsl/translate.mjs with its packages; empty: no WGSL
   std::filesystem::path node = "node";   ///< Node.js, which runs it
+  bool msl = false;                      ///< MSL and its slots, for Metal
+  bool hlsl = false;                     ///< how DXC makes the kernels, for Direct3D 12
   bool keepNames = false;                ///< debug names in SPIR-V, indentation in GLSL
   unsigned jobs = 0;                     ///< parallel children; 0: one per hardware thread
   std::chrono::seconds timeout{120};     ///< of a child

@@ -79,6 +79,39 @@ Json vertexInputJson(const KernelOutput& output) {
           {"attributes", std::move(attributes)}};
 }
 
+Json slotJson(uint8_t slot) { return slot == MetalKernel::kNone ? Json() : Json(slot); }
+
+Json metalJson(const KernelOutput& output, const VariantOutput& variant) {
+  Json bindings = Json::array();
+  for (const MetalBinding& binding : variant.msl.bindings) {
+    constexpr const char* kTables[] = {"buffer", "texture", "sampler"};
+    bindings.push_back({{"set", binding.set},
+                        {"entry", binding.entry},
+                        {"table", kTables[static_cast<size_t>(binding.table)]},
+                        {"slot", binding.slot},
+                        {"bytes", binding.bytes}});
+  }
+  return {{"file", mslFile(output, variant)},
+          {"function", variant.msl.function},
+          {"bindings", std::move(bindings)},
+          {"vertexBuffer", slotJson(variant.msl.vertexBuffer)},
+          {"sizes", slotJson(variant.msl.sizes)}};
+}
+
+Json hlslJson(const KernelOutput& output, const VariantOutput& variant) {
+  Json registers = Json::array();
+  for (const HlslRegister& r : variant.registers) {
+    registers.push_back({{"name", r.name},
+                         {"register", registerLetter(r.registerClass) + std::to_string(r.number)},
+                         {"space", r.space}});
+  }
+  return {{"file", output.kernel.file},
+          {"entry", output.kernel.name},
+          {"profile", hlslProfile(output.kernel.stage)},
+          {"defines", hlslDefines(output, variant)},
+          {"registers", std::move(registers)}};
+}
+
 Json kernelJson(const KernelOutput& output, const Program& program) {
   const ManifestKernel& kernel = output.kernel;
   Json constants = Json::array();
@@ -116,6 +149,8 @@ Json kernelJson(const KernelOutput& output, const Program& program) {
     }
     json["hash"] = fmt::format("{:016x}", variant.hash);
     if (!variant.noWebgpu.empty()) json["noWebgpu"] = variant.noWebgpu;
+    if (program.msl) json["metal"] = metalJson(output, variant);
+    if (program.hlsl) json["hlsl"] = hlslJson(output, variant);
     variants.push_back(std::move(json));
   }
   Json json = {

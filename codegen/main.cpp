@@ -48,6 +48,10 @@ int main(int argc, char** argv) {
                    "Write WGSL, too: codegen/wgsl/translate.mjs beside its installed packages")
         ->check(CLI::ExistingFile);
     app.add_option("--node", options.node, "Node.js for --wgsl")->capture_default_str();
+    app.add_flag("--msl", options.msl,
+                 "Write MSL, too: msl/*.metal, metal.h with its slots, both in the reflection");
+    app.add_flag("--hlsl", options.hlsl,
+                 "Write what a compiler of shader model 6 needs: dxc.txt, and the reflection");
     app.add_option("-j,--jobs", options.jobs, "Permutations at a time (default: hardware threads)");
     app.add_option("--timeout", timeout, "Seconds that one permutation may take")
         ->check(CLI::Range(1, 86400))

@@ -11,6 +11,7 @@
 #include "codegen/host_struct.h"
 #include "codegen/layout_plan.h"
 #include "codegen/manifest.h"
+#include "codegen/msl.h"
 #include "codegen/reflect.h"
 #include "pelage/kernel_code_table.h"
 
@@ -23,15 +24,25 @@ struct BindingUse {
   uint32_t glBinding = 0;
 };
 
+/// A register of the HLSL that a permutation declares and can read, before optimization.
+struct HlslRegister {
+  std::string name;
+  RegisterClass registerClass = RegisterClass::kUniform;
+  uint32_t number = 0;
+  uint32_t space = 0;
+};
+
 /// A distinct variant: one SPIR-V, used by one or more permutations.
 struct VariantOutput {
   std::vector<Permutation> permutations;  ///< in the manifest's order
   std::vector<uint32_t> spirv;            ///< with names where the build keeps them
   std::string glsl;
   std::string essl;
-  std::string wgsl;                  ///< empty unless the build asks for it
-  std::string noWebgpu;              ///< why no permutation runs on WebGPU; else empty
-  std::vector<BindingUse> bindings;  ///< ascending by (set, entry)
+  std::string wgsl;                     ///< empty unless the build asks for it
+  std::string noWebgpu;                 ///< why no permutation runs on WebGPU; else empty
+  MslModule msl;                        ///< empty unless the build asks for it
+  std::vector<HlslRegister> registers;  ///< of the first permutation, by (space, register)
+  std::vector<BindingUse> bindings;     ///< ascending by (set, entry)
   uint32_t groupSize[3] = {0, 0, 0};
   uint32_t sharedBytes = 0;
   Tier tier = Tier::kWide;  ///< the lowest one of the permutations
@@ -71,6 +82,8 @@ struct Program {
   std::vector<KernelOutput> kernels;
   std::vector<ConstantsOutput> constants;  ///< in the manifest's order
   bool wgsl = false;                       ///< WGSL was asked for
+  bool msl = false;                        ///< MSL was asked for
+  bool hlsl = false;                       ///< command lines for shader model 6 were asked for
 };
 
 /// The first lines of a generated file.
@@ -88,6 +101,16 @@ std::string bindingsHeader(const Program& program);
 std::map<std::string, std::string> emitSources(const Program& program);
 /// The same of the libraries of code.
 std::map<std::string, std::string> emitCode(const Program& program);
+/// The header of slots on Metal, and a file of MSL for each permutation.
+std::map<std::string, std::string> emitMetal(const Program& program);
+/// Arguments of DXC, a line for each permutation.
+std::string emitDxcLines(const Program& program);
+/// Name of a permutation's file in the folder msl.
+std::string mslFile(const KernelOutput& kernel, const VariantOutput& variant);
+/// "WIND=1", for each axis.
+std::vector<std::string> hlslDefines(const KernelOutput& kernel, const VariantOutput& variant);
+/// "cs_6_0".
+std::string hlslProfile(Stage stage);
 
 /// reflection.json: the contents of the outputs, without the code.
 std::string emitReflection(const Program& program);
