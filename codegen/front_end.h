@@ -1,5 +1,5 @@
 // The only interface to glslang: HLSL to SPIR-V, and the check that a GLSL text parses. Another
-// front end would only replace front_end.cpp.
+// front end would only replace front_end.cpp: docs/decisions/0018-front-end.md.
 #pragma once
 
 #include <cstdint>
