@@ -831,7 +831,8 @@ class Builder {
       for (auto& [name, text] : emitMetal(result_.program))
         files[options_.outputDir / name] = std::move(text);
     }
-    if (result_.program.hlsl) files[options_.outputDir / "dxc.txt"] = emitDxcLines(result_.program);
+    if (result_.program.hlsl)
+      files[options_.outputDir / "dxc.txt"] = emitDxcLines(result_.program, options_.includeDirs);
     files[options_.reflectionFile.empty() ? options_.outputDir / "reflection.json"
                                           : options_.reflectionFile] =
         emitReflection(result_.program);

@@ -72,8 +72,11 @@ std::map<std::string, std::string> emitMetal(const Program& program) {
   return files;
 }
 
-std::string emitDxcLines(const Program& program) {
-  std::string text;
+std::string emitDxcLines(const Program& program,
+                         const std::vector<std::filesystem::path>& includeDirs) {
+  std::string text, includes = " -I .";
+  for (const std::filesystem::path& dir : includeDirs)
+    includes += " -I " + std::filesystem::absolute(dir).lexically_normal().generic_string();
   for (const KernelOutput& kernel : program.kernels) {
     for (const VariantOutput& variant : kernel.variants) {
       // Before HLSL 2021, `&&` evaluates both sides, as the kernels expect.
@@ -81,7 +84,8 @@ std::string emitDxcLines(const Program& program) {
           fmt::format("-T {} -E {} -HV 2018", hlslProfile(kernel.kernel.stage), kernel.kernel.name);
       if (kernel.kernel.precise) text += " -Gis";
       for (const std::string& define : hlslDefines(kernel, variant)) text += " -D " + define;
-      text += fmt::format(" -I . -Fo {}.dxil {}\n", stem(kernel, variant), kernel.kernel.file);
+      text +=
+          fmt::format("{} -Fo {}.dxil {}\n", includes, stem(kernel, variant), kernel.kernel.file);
     }
   }
   return text;

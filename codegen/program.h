@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
@@ -103,8 +104,9 @@ std::map<std::string, std::string> emitSources(const Program& program);
 std::map<std::string, std::string> emitCode(const Program& program);
 /// The header of slots on Metal, and a file of MSL for each permutation.
 std::map<std::string, std::string> emitMetal(const Program& program);
-/// Arguments of DXC, a line for each permutation.
-std::string emitDxcLines(const Program& program);
+/// Arguments of DXC in the manifest's folder, a line for each permutation.
+std::string emitDxcLines(const Program& program,
+                         const std::vector<std::filesystem::path>& includeDirs);
 /// Name of a permutation's file in the folder msl.
 std::string mslFile(const KernelOutput& kernel, const VariantOutput& variant);
 /// "WIND=1", for each axis.

@@ -284,10 +284,12 @@ TEST(CodegenNative, GivesTheSizesOfBuffersASlotOnlyWhereTheyAreAskedFor) {
                 "void some(uint i : SV_GroupIndex) {\n  uint count = 1u, stride = 0u;\n"
                 "#if ASK\n  g_out.GetDimensions(count, stride);\n#endif\n  g_out[i] = count;\n}\n");
   BuildOptions options = project.options();
-  options.msl = true;
+  options.msl = options.hlsl = true;
+  options.includeDirs = {"/elsewhere"};
   const BuildResult result = build(options);
   ASSERT_TRUE(result.ok) << result.diagnostics.format();
   const auto& variants = result.program.kernels[0].variants;
+  expectHas(project.outputs()["dxc.txt"], " -D ASK=1 -I . -I /elsewhere -Fo some_");
   EXPECT_EQ(variants[0].msl.sizes, MetalKernel::kNone);
   EXPECT_EQ(variants[1].msl.sizes, 1);
   EXPECT_EQ(slotsIn(variants[1].msl.source), (Slots{{"buffer", 0}, {"buffer", 1}}));
