@@ -57,7 +57,7 @@ function(pelage_library target)
 endfunction()
 
 # pelage_precompile(TARGET [HEADERS...]): precompiles the standard headers that most files include, and
-# these, for the files of a target. Every file still includes what it uses; `tidy.py --compile` compiles
+# these, for the files of a target. Every file still includes what it uses; `test_all.sh sources` compiles
 # them one by one without.
 option(PELAGE_PRECOMPILED_HEADERS "Precompile the headers that most files include"
   ${PROJECT_IS_TOP_LEVEL})

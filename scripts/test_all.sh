@@ -34,6 +34,18 @@ for name in "$@"; do
   esac
 done
 source scripts/steps.sh
+# Of several steps, each runs, whatever the others do.
+if [ $# -gt 1 ]; then
+  failed=()
+  for name in "$@"; do
+    names+=("$name")
+    starts+=("$SECONDS")
+    bash scripts/test_all.sh "$name" || failed+=("$name")
+  done
+  [ ${#failed[@]} -gt 0 ] || exit 0
+  echo "pelage: failed: ${failed[*]}" >&2
+  exit 1
+fi
 
 # The release build of scripts/test.sh, made here where that step does not run. What a step switches on is
 # off in the next one's.
@@ -69,75 +81,73 @@ build_sanitized() {
   cmake --build --preset asan --parallel "$jobs" --target "$target"
 }
 
-for name in "$@"; do
-  step "$name"
-  case "$name" in
-    test) bash scripts/test.sh ;;
-    sources)
-      build_generator
-      # Tests need static libraries.
-      cmake --preset each -B build/shared -DBUILD_SHARED_LIBS=ON -DPELAGE_BUILD_TESTS=OFF \
-        -DPELAGE_BUILD_SAMPLES=OFF -DPELAGE_BUILD_BENCHMARKS=OFF -DPELAGE_BUILD_VIEWER=OFF \
-        -DCMAKE_SHARED_LINKER_FLAGS=-Wl,--no-undefined -DPELAGE_CODEGEN_CACHE="$codegen_cache" \
-        -DPELAGE_CODEGEN_EXECUTABLE="$PWD/build/release/codegen/pelage-codegen" > /dev/null
-      cmake --build build/shared --parallel "$jobs"
-      cmake -D BUILD_DIR="$PWD/build/shared" -P tests/consumer/shared_test.cmake
-      python3 scripts/tidy.py --compile
-      ;;
-    sanitizers)
-      # The drivers keep caches until the process ends, so leaks are looked for in the tests without them.
-      build_sanitized pelage_unit_tests -DPELAGE_UNIT_TESTS_ONLY=ON
-      ASAN_OPTIONS=detect_leaks=1 ctest --preset asan -L unit -LE slow --parallel "$jobs"
-      ;;
-    sanitizers_gpu)
-      # GLES has the host code of GL; tests of kernels, samples and tools have the same on every API.
-      # Long runs and their pictures are no other code.
-      build_sanitized all -DPELAGE_UNIT_TESTS_ONLY=OFF
-      ASAN_OPTIONS=detect_leaks=0 ctest --preset asan -L gpu -LE "unit|slow|gles|golden|oracle" \
-        --parallel "$jobs"
-      ;;
-    fuzz)
-      install_more clang
-      build_release
-      bash scripts/fuzz.sh
-      ;;
-    analysis)
-      install_more clang
-      build_release
-      python3 scripts/tidy.py
-      ;;
-    stress | tiers) slow_tests "$name" ;;
-    blender | usd)
-      install_more "$name"
-      slow_tests "$name"
-      ;;
-    webgpu)
-      install_more usd  # Node.js and npm
-      configure_release -DPELAGE_WGSL=ON
-      cmake --build --preset release --parallel "$jobs" --target pelage_kernels_wgsl \
-        pelage_lavapipe_layer pelage_record_scene
-      ctest --preset release -L webgpu
-      ;;
-    oracle)
-      build_release
-      PELAGE_STRESS=full ctest --preset release --parallel "$jobs" -L oracle
-      ;;
-    benchmarks)
-      build_release
-      ctest --preset release --parallel "$jobs" -L benchmark
-      ;;
-    viewer)
-      build_release
-      printf '%s\n' vulkan gl | PELAGE_STRESS=full xargs -P "$jobs" -I API \
-        build/release/tests/viewer/viewer_tests --gtest_filter='*SurvivesRandomInput/API'
-      ;;
-    package)
-      slow_tests package
-      bash scripts/test_package.sh
-      ;;
-    mutants)
-      build_release
-      python3 scripts/mutants.py
-      ;;
-  esac
-done
+step "$1"
+case "$1" in
+  test) bash scripts/test.sh ;;
+  sources)
+    build_generator
+    # Tests need static libraries.
+    cmake --preset each -B build/shared -DBUILD_SHARED_LIBS=ON -DPELAGE_BUILD_TESTS=OFF \
+      -DPELAGE_BUILD_SAMPLES=OFF -DPELAGE_BUILD_BENCHMARKS=OFF -DPELAGE_BUILD_VIEWER=OFF \
+      -DCMAKE_SHARED_LINKER_FLAGS=-Wl,--no-undefined -DPELAGE_CODEGEN_CACHE="$codegen_cache" \
+      -DPELAGE_CODEGEN_EXECUTABLE="$PWD/build/release/codegen/pelage-codegen" > /dev/null
+    cmake --build build/shared --parallel "$jobs"
+    cmake -D BUILD_DIR="$PWD/build/shared" -P tests/consumer/shared_test.cmake
+    python3 scripts/tidy.py --compile
+    ;;
+  sanitizers)
+    # The drivers keep caches until the process ends, so leaks are looked for in the tests without them.
+    build_sanitized pelage_unit_tests -DPELAGE_UNIT_TESTS_ONLY=ON
+    ASAN_OPTIONS=detect_leaks=1 ctest --preset asan -L unit -LE slow --parallel "$jobs"
+    ;;
+  sanitizers_gpu)
+    # GLES has the host code of GL; tests of kernels, samples and tools have the same on every API.
+    # Long runs and their pictures are no other code.
+    build_sanitized all -DPELAGE_UNIT_TESTS_ONLY=OFF
+    ASAN_OPTIONS=detect_leaks=0 ctest --preset asan -L gpu -LE "unit|slow|gles|golden|oracle" \
+      --parallel "$jobs"
+    ;;
+  fuzz)
+    install_more clang
+    build_release
+    bash scripts/fuzz.sh
+    ;;
+  analysis)
+    install_more clang
+    build_release
+    python3 scripts/tidy.py
+    ;;
+  stress | tiers) slow_tests "$1" ;;
+  blender | usd)
+    install_more "$1"
+    slow_tests "$1"
+    ;;
+  webgpu)
+    install_more usd  # Node.js and npm
+    configure_release -DPELAGE_WGSL=ON
+    cmake --build --preset release --parallel "$jobs" --target pelage_kernels_wgsl \
+      pelage_lavapipe_layer pelage_record_scene
+    ctest --preset release -L webgpu
+    ;;
+  oracle)
+    build_release
+    PELAGE_STRESS=full ctest --preset release --parallel "$jobs" -L oracle
+    ;;
+  benchmarks)
+    build_release
+    ctest --preset release --parallel "$jobs" -L benchmark
+    ;;
+  viewer)
+    build_release
+    printf '%s\n' vulkan gl | PELAGE_STRESS=full xargs -P "$jobs" -I API \
+      build/release/tests/viewer/viewer_tests --gtest_filter='*SurvivesRandomInput/API'
+    ;;
+  package)
+    slow_tests package
+    bash scripts/test_package.sh
+    ;;
+  mutants)
+    build_release
+    python3 scripts/mutants.py
+    ;;
+esac
