@@ -34,7 +34,7 @@ for name in "$@"; do
   esac
 done
 source scripts/steps.sh
-# Of several steps, each runs, whatever the others do.
+# A step that fails keeps no other from running.
 if [ $# -gt 1 ]; then
   failed=()
   for name in "$@"; do
