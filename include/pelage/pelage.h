@@ -41,6 +41,7 @@
 #include "pelage/layouts.h"
 #include "pelage/light.h"
 #include "pelage/list_check.h"
+#include "pelage/metal_kernel.h"
 #include "pelage/pass_list.h"
 #include "pelage/random.h"
 #include "pelage/result.h"
