@@ -36,6 +36,7 @@ struct Native {
     BuildOptions options = project.options();
     options.manifest = PELAGE_CODEGEN_TEST_DIR "/../../kernels/manifest.json";
     options.cacheDir = PELAGE_KERNELS_CACHE;
+    options.tool = PELAGE_KERNELS_TOOL;
     options.jobs = jobs;
     options.msl = options.hlsl = true;
     result = build(options);
