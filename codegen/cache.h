@@ -9,6 +9,10 @@
 
 namespace pelage::codegen {
 
+/// Part of all keys. Counts up when the same tool and input give another result for a reason that
+/// no hash sees.
+inline constexpr uint64_t kCacheFormat = 1;
+
 class Cache {
  public:
   explicit Cache(std::filesystem::path folder) : folder_(std::move(folder)) {}

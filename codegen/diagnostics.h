@@ -9,6 +9,12 @@
 
 namespace pelage::codegen {
 
+/// The location of a declaration.
+struct SourceLocation {
+  std::string file;
+  uint32_t line = 1;
+};
+
 /// One message in the format of compilers.
 struct Diagnostic {
   std::string file;
@@ -20,12 +26,18 @@ struct Diagnostic {
   auto operator<=>(const Diagnostic&) const = default;
 };
 
+/// The text in single quotes, as messages name things.
+inline std::string quote(std::string_view text) { return "'" + std::string(text) + "'"; }
+
 /// Collects the messages of a whole build, so that all of them are reported at once.
 class Diagnostics {
  public:
   void add(Diagnostic diagnostic) { items_.push_back(std::move(diagnostic)); }
   void error(std::string file, uint32_t line, std::string code, std::string message) {
     add({std::move(file), line, std::move(code), std::move(message), true});
+  }
+  void error(const SourceLocation& where, std::string code, std::string message) {
+    error(where.file, where.line, std::move(code), std::move(message));
   }
   void note(std::string file, uint32_t line, std::string code, std::string message) {
     add({std::move(file), line, std::move(code), std::move(message), false});

@@ -109,7 +109,7 @@ std::optional<HostStruct> makeHostStruct(const StructLayout& layout, const Sourc
                                          Diagnostics& diagnostics) {
   bool ok = true;
   const auto error = [&](const char* code, const std::string& message) {
-    diagnostics.error(where.file, where.line, code, "struct '" + layout.name + "': " + message);
+    diagnostics.error(where, code, "struct '" + layout.name + "': " + message);
     ok = false;
   };
   HostStruct result;

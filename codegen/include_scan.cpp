@@ -1,7 +1,6 @@
 #include "codegen/include_scan.h"
 
 #include <optional>
-#include <set>
 #include <sstream>
 #include <system_error>
 
@@ -70,6 +69,12 @@ IncludeScanner::Entry& IncludeScanner::entry(const std::string& name) {
     }
   }
   return entry;
+}
+
+std::set<fs::path> IncludeScanner::files() const {
+  std::set<fs::path> paths;
+  for (const auto& [name, entry] : entries_) paths.insert(pathOf(name).lexically_normal());
+  return paths;
 }
 
 std::vector<std::string> IncludeScanner::closure(const std::string& file) {

@@ -4,12 +4,14 @@
 
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
 namespace pelage::codegen {
 
-/// Reads files once and follows their #include lines, with the search order of the front end.
+/// Reads files once and follows their #include lines, with the search order of the front end. Files
+/// that have been read may be asked for by several threads.
 class IncludeScanner {
  public:
   IncludeScanner(std::filesystem::path baseDir, std::vector<std::filesystem::path> includeDirs)
@@ -21,6 +23,9 @@ class IncludeScanner {
 
   /// Returns the SHA-256 of a file's content in hex digits; "missing" if there is none.
   const std::string& contentHash(const std::string& name) { return entry(name).hash; }
+
+  /// Returns the paths of all files of all closures, sorted.
+  std::set<std::filesystem::path> files() const;
 
  private:
   struct Entry {

@@ -49,7 +49,7 @@ void merge(const PlannedEntry& entry, PlannedEntry& known, Diagnostics& diagnost
       known.stride == entry.stride) {
     return;
   }
-  diagnostics.error(entry.location.file, entry.location.line, "PK506",
+  diagnostics.error(entry.location, "PK506",
                     "'" + entry.name + "' is a " + entry.structName + " of " +
                         std::to_string(entry.stride) + " bytes here and a " + known.structName +
                         " of " + std::to_string(known.stride) + " bytes at " + at(known.location));
@@ -107,20 +107,16 @@ std::set<size_t> LayoutPlan::boundWith(size_t layout) const {
   return result;
 }
 
-void LayoutPlan::add(const ManifestKernel& kernel, const ModuleReflection& reflection,
-                     const FrontEndResult& front, Diagnostics& diagnostics) {
+void LayoutPlan::add(const Unit& unit, Diagnostics& diagnostics) {
+  const ManifestKernel& kernel = *unit.kernel;
   const ManifestGroup& group = manifest_.groups[kernel.group];
-  const auto locate = [&](const std::string& name) {
-    const auto found = front.declarations.find(name);
-    return found == front.declarations.end() ? SourceLocation{kernel.file, 1} : found->second;
-  };
-  for (const Resource& resource : reflection.resources) {
-    const SourceLocation where = locate(resource.name);
+  for (const Resource& resource : unit.reflection->resources) {
+    const SourceLocation where = unit.locate(resource.name);
     const auto error = [&](const char* code, std::string message) {
-      diagnostics.error(where.file, where.line, code, std::move(message));
+      diagnostics.error(where, code, std::move(message));
     };
     if (!resource.hasRegister) {
-      if (front.diagnostics.hasErrors()) continue;
+      if (unit.front.diagnostics.hasErrors()) continue;
       error("PK501",
             "'" + resource.name +
                 "' has no register: write : register(xN, spaceM), where M is the index of its "
@@ -129,7 +125,7 @@ void LayoutPlan::add(const ManifestKernel& kernel, const ModuleReflection& refle
       continue;
     }
     if (resource.isArray) {
-      if (front.diagnostics.hasErrors()) continue;
+      if (unit.front.diagnostics.hasErrors()) continue;
       error("PK502", "'" + resource.name + "' is an array of resources; declare each by itself");
       continue;
     }
@@ -159,7 +155,7 @@ void LayoutPlan::add(const ManifestKernel& kernel, const ModuleReflection& refle
             sameSlot ? slotClash(entry, other, resource.space, group.name)
                      : nameClash(entry, resource.space, other, set);
         error(code, text);
-        diagnostics.error(other.location.file, other.location.line, code, otherText);
+        diagnostics.error(other.location, code, otherText);
       }
     }
     if (!known) layouts_[home].entries.push_back(std::move(entry));
@@ -192,7 +188,7 @@ void LayoutPlan::assign(Diagnostics& diagnostics) {
         if (entry.kind != ResourceKind::kStorageBuffer) entry.glBinding = next[entry.kind]++;
         for (const GlLimit& limit : kGlLimits) {
           if (limit.kind != entry.kind || entry.glBinding < limit.count) continue;
-          diagnostics.error(entry.location.file, entry.location.line, "PK700",
+          diagnostics.error(entry.location, "PK700",
                             "'" + entry.name + "' would be " + limit.what + " binding " +
                                 std::to_string(entry.glBinding) + " of group \"" +
                                 manifest_.groups[group].name + "\" on GL, the last one is " +
@@ -201,13 +197,13 @@ void LayoutPlan::assign(Diagnostics& diagnostics) {
         const std::string host = hostName(entry.name);
         for (uint32_t j = 0; j < i; ++j) {
           if (hostName(entries[j].name) != host) continue;
-          diagnostics.error(entry.location.file, entry.location.line, "PK507",
+          diagnostics.error(entry.location, "PK507",
                             "'" + entry.name + "' and '" + entries[j].name + "' (" +
                                 at(entries[j].location) + ") have the same C++ name '" + host +
                                 "'");
         }
         if (!isIdentifier(host)) {
-          diagnostics.error(entry.location.file, entry.location.line, "PK507",
+          diagnostics.error(entry.location, "PK507",
                             "'" + entry.name + "' gives '" + host + "', which is no C++ name");
         }
       }
@@ -215,11 +211,10 @@ void LayoutPlan::assign(Diagnostics& diagnostics) {
   }
 }
 
-std::vector<BindingPatch> LayoutPlan::patches(const ManifestKernel& kernel,
-                                              const ModuleReflection& reflection) const {
+std::vector<BindingPatch> LayoutPlan::patches(const Unit& unit) const {
   std::vector<BindingPatch> patches;
-  for (const Resource& resource : reflection.resources) {
-    for (const PlannedEntry& entry : layout(kernel.group, resource.space).entries) {
+  for (const Resource& resource : unit.reflection->resources) {
+    for (const PlannedEntry& entry : layout(unit.kernel->group, resource.space).entries) {
       if (entry.name != resource.name) continue;
       patches.push_back({resource.space, rawBinding(entry.registerClass, entry.registerNumber),
                          entry.binding, entry.glBinding, entry.kind});

@@ -37,28 +37,19 @@ struct PlannedLayout {
   std::vector<PlannedEntry> entries;  ///< index = Vulkan binding
 };
 
-/// Index into the entries of the layout (group, set).
-struct EntryIndex {
-  uint32_t set = 0;
-  uint32_t entry = 0;
-  auto operator<=>(const EntryIndex&) const = default;
-};
-
 class LayoutPlan {
  public:
   explicit LayoutPlan(const Manifest& manifest);
 
-  /// Adds the resources of one permutation's module, and reports their errors, except those that
-  /// the front end has reported.
-  void add(const ManifestKernel& kernel, const ModuleReflection& reflection,
-           const FrontEndResult& front, Diagnostics& diagnostics);
+  /// Adds the resources of a reflected module, and reports their errors, except those that the
+  /// front end has reported.
+  void add(const Unit& unit, Diagnostics& diagnostics);
 
   /// Numbers the bindings. Call once, after the last add().
   void assign(Diagnostics& diagnostics);
 
-  /// Returns the bindings of the resources of a kernel's module.
-  std::vector<BindingPatch> patches(const ManifestKernel& kernel,
-                                    const ModuleReflection& reflection) const;
+  /// Returns the bindings of the resources of a reflected module.
+  std::vector<BindingPatch> patches(const Unit& unit) const;
 
   /// In the manifest's order, without duplicates.
   std::vector<PlannedLayout>& layouts() { return layouts_; }

@@ -58,6 +58,20 @@ std::string toText(const json& value) {
   return {bytes.begin(), bytes.end()};
 }
 
+template <class Result, class Fill>
+std::optional<Result> decode(const std::string& text, const Fill& fill) {
+  try {
+    const json value = json::from_cbor(text);
+    Result result;
+    result.complete = value.at("complete").get<bool>();
+    result.diagnostics = unpackDiagnostics(value.at("diagnostics"));
+    fill(value, result);
+    return result;
+  } catch (const json::exception&) {
+    return std::nullopt;
+  }
+}
+
 void addMessages(const std::vector<FrontEndMessage>& messages, Diagnostics& diagnostics) {
   for (const FrontEndMessage& message : messages) {
     if (message.isError) diagnostics.error(message.file, message.line, "PK400", message.text);
@@ -81,39 +95,54 @@ std::map<std::string, SourceLocation> findDeclarations(const std::string& text,
 }
 
 // Saves the results so far to disk: glslang may crash the process in any of its calls.
-class ResultFile {
- public:
-  explicit ResultFile(fs::path path) : path_(std::move(path)) {}
-  bool write(const FrontEndResult& result) const { return writeWholeFile(path_, encode(result)); }
-  bool write(const BackEndResult& result) const { return writeWholeFile(path_, encode(result)); }
-  bool write(const ConstantsResult& result) const { return writeWholeFile(path_, encode(result)); }
+// \return the exit status
+template <class Result>
+int write(const fs::path& file, const Result& result) {
+  return writeWholeFile(file, encode(result)) ? 0 : 1;
+}
 
- private:
-  fs::path path_;
-};
+json pack(const FrontEndInput& source) {
+  json macros = json::array(), includeDirs = json::array();
+  for (const auto& [name, value] : source.macros) macros.push_back({name, value});
+  for (const fs::path& dir : source.includeDirs) includeDirs.push_back(dir.string());
+  return {{"baseDir", source.baseDir.string()},
+          {"file", source.file},
+          {"entry", source.entry},
+          {"stage", static_cast<int>(source.stage)},
+          {"macros", std::move(macros)},
+          {"includeDirs", std::move(includeDirs)}};
+}
 
-int runFrontEnd(const json& job, const ResultFile& file) {
-  FrontEndInput input;
-  input.baseDir = job.at("baseDir").get<std::string>();
-  input.file = job.at("file").get<std::string>();
-  input.entry = job.at("entry").get<std::string>();
-  input.stage = static_cast<Stage>(job.at("stage").get<int>());
-  for (const json& macro : job.at("macros")) {
-    input.macros.emplace_back(macro.at(0).get<std::string>(), macro.at(1).get<std::string>());
-  }
-  for (const json& dir : job.at("includeDirs"))
-    input.includeDirs.emplace_back(dir.get<std::string>());
+FrontEndInput unpackSource(const json& value) {
+  FrontEndInput source;
+  source.baseDir = value.at("baseDir").get<std::string>();
+  source.file = value.at("file").get<std::string>();
+  source.entry = value.at("entry").get<std::string>();
+  source.stage = static_cast<Stage>(value.at("stage").get<int>());
+  for (const json& macro : value.at("macros"))
+    source.macros.emplace_back(macro.at(0).get<std::string>(), macro.at(1).get<std::string>());
+  for (const json& dir : value.at("includeDirs"))
+    source.includeDirs.emplace_back(dir.get<std::string>());
+  return source;
+}
 
-  FrontEndResult result;
+template <class Result>
+PreprocessOutput preprocess(const FrontEndInput& input, Result& result) {
   PreprocessOutput source = preprocessHlsl(input);
   result.files = source.files;
   addMessages(source.messages, result.diagnostics);
-  if (!source.ok && !result.diagnostics.hasErrors()) {
+  if (!source.ok && !result.diagnostics.hasErrors())
     result.diagnostics.error(input.file, 1, "PK400", "the preprocessor gave up without a message");
-  }
+  return source;
+}
+
+int runFrontEnd(const json& job, const fs::path& file) {
+  const FrontEndInput input = unpackSource(job.at("source"));
+  FrontEndResult result;
+  const PreprocessOutput source = preprocess(input, result);
   if (!source.ok) {
     result.complete = true;
-    return file.write(result) ? 0 : 1;
+    return write(file, result);
   }
 
   CheckInput check;
@@ -126,7 +155,7 @@ int runFrontEnd(const json& job, const ResultFile& file) {
   check.precise = job.at("precise").get<bool>();
   runSourceChecks(check, result.diagnostics);
   result.declarations = findDeclarations(source.text, input.file);
-  if (!file.write(result)) return 1;
+  if (write(file, result) != 0) return 1;
 
   FrontEndOutput output = compileHlsl(input);
   if (!output.ok) {
@@ -135,10 +164,10 @@ int runFrontEnd(const json& job, const ResultFile& file) {
     addMessages({*std::find_if(output.messages.begin(), output.messages.end(),
                                [](const FrontEndMessage& m) { return m.isError; })},
                 early.diagnostics);
-    if (!file.write(early)) return 1;
+    if (write(file, early) != 0) return 1;
     addMessages(findAllErrors(input, source.text, output.messages), result.diagnostics);
     result.complete = true;
-    return file.write(result) ? 0 : 1;
+    return write(file, result);
   }
   result.spirv = std::move(output.spirv);
   result.log = std::move(output.log);
@@ -146,24 +175,14 @@ int runFrontEnd(const json& job, const ResultFile& file) {
   check.frontEndLog = result.log;
   runModuleChecks(check, result.diagnostics);
   result.complete = true;
-  return file.write(result) ? 0 : 1;
+  return write(file, result);
 }
 
-int runConstants(const json& job, const ResultFile& file) {
-  FrontEndInput input;
-  input.baseDir = job.at("baseDir").get<std::string>();
-  input.file = job.at("file").get<std::string>();
-  for (const json& dir : job.at("includeDirs"))
-    input.includeDirs.emplace_back(dir.get<std::string>());
-
+int runConstants(const json& job, const fs::path& file) {
+  const FrontEndInput input = unpackSource(job.at("source"));
   ConstantsResult result;
   result.complete = true;
-  PreprocessOutput source = preprocessHlsl(input);
-  result.files = source.files;
-  addMessages(source.messages, result.diagnostics);
-  if (!source.ok && !result.diagnostics.hasErrors()) {
-    result.diagnostics.error(input.file, 1, "PK400", "the preprocessor gave up without a message");
-  }
+  const PreprocessOutput source = preprocess(input, result);
   if (!result.diagnostics.hasErrors())
     result.constants = findConstants(source.text, input.file, result.diagnostics);
   if (!result.diagnostics.hasErrors()) {
@@ -175,10 +194,10 @@ int runConstants(const json& job, const ResultFile& file) {
       addMessages(findAllErrors(probe, *probe.text, output.messages), result.diagnostics);
     }
   }
-  return file.write(result) ? 0 : 1;
+  return write(file, result);
 }
 
-int runBackEnd(const json& job, const ResultFile& file) {
+int runBackEnd(const json& job, const fs::path& file) {
   BackEndInput input;
   const std::vector<uint32_t> raw = unpackWords(job.at("spirv"));
   input.rawSpirv = raw;
@@ -219,23 +238,23 @@ int runBackEnd(const json& job, const ResultFile& file) {
   result.glsl = std::move(output.glsl);
   result.essl = std::move(output.essl);
   result.complete = true;
-  return file.write(result) ? 0 : 1;
+  return write(file, result);
 }
 
 }  // namespace
 
+std::string Unit::text() const {
+  return "'" + kernel->name + "'" + (key.empty() ? "" : " with " + key);
+}
+
+SourceLocation Unit::locate(const std::string& name) const {
+  const auto found = front.declarations.find(name);
+  return found != front.declarations.end() ? found->second : SourceLocation{kernel->file, 1};
+}
+
 std::string encode(const FrontEndJob& job) {
-  json macros = json::array();
-  for (const auto& [name, value] : job.source.macros) macros.push_back({name, value});
-  json includeDirs = json::array();
-  for (const fs::path& dir : job.source.includeDirs) includeDirs.push_back(dir.string());
   return toText({{"step", "front end"},
-                 {"baseDir", job.source.baseDir.string()},
-                 {"file", job.source.file},
-                 {"entry", job.source.entry},
-                 {"stage", static_cast<int>(job.source.stage)},
-                 {"macros", std::move(macros)},
-                 {"includeDirs", std::move(includeDirs)},
+                 {"source", pack(job.source)},
                  {"kernel", job.kernel},
                  {"precise", job.precise}});
 }
@@ -261,12 +280,7 @@ std::string encode(const BackEndJob& job) {
 }
 
 std::string encode(const ConstantsJob& job) {
-  json includeDirs = json::array();
-  for (const fs::path& dir : job.source.includeDirs) includeDirs.push_back(dir.string());
-  return toText({{"step", "constants"},
-                 {"baseDir", job.source.baseDir.string()},
-                 {"file", job.source.file},
-                 {"includeDirs", std::move(includeDirs)}});
+  return toText({{"step", "constants"}, {"source", pack(job.source)}});
 }
 
 std::string encode(const FrontEndResult& result) {
@@ -301,55 +315,32 @@ std::string encode(const ConstantsResult& result) {
 }
 
 std::optional<FrontEndResult> decodeFrontEndResult(const std::string& text) {
-  try {
-    const json value = json::from_cbor(text);
-    FrontEndResult result;
-    result.complete = value.at("complete").get<bool>();
-    result.diagnostics = unpackDiagnostics(value.at("diagnostics"));
+  return decode<FrontEndResult>(text, [](const json& value, FrontEndResult& result) {
     result.spirv = unpackWords(value.at("spirv"));
     result.log = value.at("log").get<std::string>();
     result.files = value.at("files").get<std::vector<std::string>>();
-    for (const auto& [name, where] : value.at("declarations").items()) {
+    for (const auto& [name, where] : value.at("declarations").items())
       result.declarations[name] = {where.at(0).get<std::string>(), where.at(1).get<uint32_t>()};
-    }
-    return result;
-  } catch (const json::exception&) {
-    return std::nullopt;
-  }
+  });
 }
 
 std::optional<BackEndResult> decodeBackEndResult(const std::string& text) {
-  try {
-    const json value = json::from_cbor(text);
-    BackEndResult result;
-    result.complete = value.at("complete").get<bool>();
-    result.diagnostics = unpackDiagnostics(value.at("diagnostics"));
+  return decode<BackEndResult>(text, [](const json& value, BackEndResult& result) {
     result.optimised = unpackWords(value.at("optimised"));
     result.spirv = unpackWords(value.at("spirv"));
     result.glsl = value.at("glsl").get<std::string>();
     result.essl = value.at("essl").get<std::string>();
-    return result;
-  } catch (const json::exception&) {
-    return std::nullopt;
-  }
+  });
 }
 
 std::optional<ConstantsResult> decodeConstantsResult(const std::string& text) {
-  try {
-    const json value = json::from_cbor(text);
-    ConstantsResult result;
-    result.complete = value.at("complete").get<bool>();
-    result.diagnostics = unpackDiagnostics(value.at("diagnostics"));
+  return decode<ConstantsResult>(text, [](const json& value, ConstantsResult& result) {
     result.files = value.at("files").get<std::vector<std::string>>();
-    for (const json& c : value.at("constants")) {
+    for (const json& c : value.at("constants"))
       result.constants.push_back({c.at(0).get<std::string>(),
                                   static_cast<ScalarType>(c.at(1).get<int>()),
                                   c.at(2).get<uint32_t>(), c.at(3).get<uint32_t>()});
-    }
-    return result;
-  } catch (const json::exception&) {
-    return std::nullopt;
-  }
+  });
 }
 
 int runUnit(const fs::path& stem) {
@@ -361,7 +352,7 @@ int runUnit(const fs::path& stem) {
       return 1;
     }
     const json job = json::from_cbor(*text);
-    const ResultFile file(stem.string() + ".result");
+    const fs::path file = stem.string() + ".result";
     if (job.at("step") == "constants") return runConstants(job, file);
     return job.at("step") == "front end" ? runFrontEnd(job, file) : runBackEnd(job, file);
   } catch (const std::exception& e) {

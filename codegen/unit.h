@@ -15,14 +15,10 @@
 #include "codegen/constants.h"
 #include "codegen/diagnostics.h"
 #include "codegen/front_end.h"
+#include "codegen/manifest.h"
+#include "codegen/reflect.h"
 
 namespace pelage::codegen {
-
-/// The location of a declaration.
-struct SourceLocation {
-  std::string file;
-  uint32_t line = 1;
-};
 
 struct FrontEndJob {
   FrontEndInput source;
@@ -72,6 +68,24 @@ struct BackEndResult {
   std::vector<uint32_t> spirv;
   std::string glsl;
   std::string essl;
+};
+
+/// A permutation of a kernel with the results of its steps.
+struct Unit {
+  const ManifestKernel* kernel = nullptr;
+  Permutation permutation;
+  std::string key;  ///< permutationKey()
+  FrontEndResult front;
+  std::optional<ModuleReflection> reflection;  ///< of the front end's module, if there is one
+  BackEndResult back;
+  uint32_t firstStorageBinding = 0;  ///< on GL
+  uint32_t storageBuffers = 0;       ///< that the optimized module has
+  bool ran = false;                  ///< a child process worked for it
+
+  /// "'skin_roots' with wind=1".
+  std::string text() const;
+  /// Returns where the kernel declares a name; the start of its file if that is unknown.
+  SourceLocation locate(const std::string& name) const;
 };
 
 std::string encode(const FrontEndJob& job);
