@@ -49,6 +49,24 @@ struct Vector {
   uint32_t component = 0, count = 0;
 };
 
+std::optional<Vector> aggregate(const LineModule& module, uint32_t type, uint16_t opcode) {
+  const Instruction* found = module.definition(type);
+  // Two to four, in every valid module.
+  if (!found || found->opcode != opcode || found->operand(1) < 2 || found->operand(1) > 4) {
+    return std::nullopt;
+  }
+  return Vector{found->operand(0), found->operand(1)};
+}
+
+std::optional<Vector> vectorType(const LineModule& module, uint32_t type) {
+  return aggregate(module, type, spv::OpTypeVector);
+}
+
+// The component is the type of a column.
+std::optional<Vector> matrixType(const LineModule& module, uint32_t type) {
+  return aggregate(module, type, spv::OpTypeMatrix);
+}
+
 class Rewriter {
  public:
   Rewriter(std::span<const uint32_t> words, const LineModule& module)
@@ -89,13 +107,14 @@ class Rewriter {
     const uint32_t a = instruction[3], b = instruction[4];
     switch (opcode) {
       case spv::OpDot: {
-        const auto vector = vectorType(typeOf(a));
+        const auto vector = vectorType(module_, module_.typeOf(a));
         if (!vector || vector->component != type) return false;
         dot(*vector, a, b, result);
         return true;
       }
       case spv::OpVectorTimesMatrix: {
-        const auto vector = vectorType(typeOf(a)), columns = matrixType(typeOf(b));
+        const auto vector = vectorType(module_, module_.typeOf(a)),
+                   columns = matrixType(module_, module_.typeOf(b));
         if (!vector || !columns) return false;
         std::vector<uint32_t> parts;
         for (uint32_t i = 0; i < columns->count; ++i) {
@@ -103,18 +122,20 @@ class Rewriter {
           parts.push_back(bound_++);
           dot(*vector, a, column, parts.back());
         }
-        construct(type, parts, result);
+        emitTo(result, spv::OpCompositeConstruct, type, parts);
         return true;
       }
       case spv::OpMatrixTimesVector: {
-        const auto columns = matrixType(typeOf(a)), vector = vectorType(typeOf(b));
+        const auto columns = matrixType(module_, module_.typeOf(a)),
+                   vector = vectorType(module_, module_.typeOf(b));
         if (!columns || !vector || vector->count != columns->count) return false;
         transform(*columns, vector->component, a, b, result);
         return true;
       }
       case spv::OpMatrixTimesMatrix: {
-        const auto left = matrixType(typeOf(a)), right = matrixType(typeOf(b));
-        const auto vector = right ? vectorType(right->component) : std::nullopt;
+        const auto left = matrixType(module_, module_.typeOf(a)),
+                   right = matrixType(module_, module_.typeOf(b));
+        const auto vector = right ? vectorType(module_, right->component) : std::nullopt;
         if (!left || !vector || vector->count != left->count) return false;
         std::vector<uint32_t> parts;
         for (uint32_t i = 0; i < right->count; ++i) {
@@ -122,32 +143,12 @@ class Rewriter {
           parts.push_back(bound_++);
           transform(*left, vector->component, a, column, parts.back());
         }
-        construct(type, parts, result);
+        emitTo(result, spv::OpCompositeConstruct, type, parts);
         return true;
       }
       default:
         return false;
     }
-  }
-
-  uint32_t typeOf(uint32_t id) const {
-    const Instruction* found = module_.definition(id);
-    return found ? found->type : 0;
-  }
-  std::optional<Vector> aggregate(uint32_t type, uint16_t opcode) const {
-    const Instruction* found = module_.definition(type);
-    // Two to four, in every valid module.
-    if (!found || found->opcode != opcode || found->operand(1) < 2 || found->operand(1) > 4) {
-      return std::nullopt;
-    }
-    return Vector{found->operand(0), found->operand(1)};
-  }
-  std::optional<Vector> vectorType(uint32_t type) const {
-    return aggregate(type, spv::OpTypeVector);
-  }
-  // The component is the type of a column.
-  std::optional<Vector> matrixType(uint32_t type) const {
-    return aggregate(type, spv::OpTypeMatrix);
   }
 
   void emitTo(uint32_t result, uint16_t opcode, uint32_t type, std::span<const uint32_t> operands) {
@@ -161,9 +162,6 @@ class Rewriter {
     const uint32_t result = bound_++;
     emitTo(result, opcode, type, {operands.begin(), operands.size()});
     return result;
-  }
-  void construct(uint32_t type, const std::vector<uint32_t>& parts, uint32_t result) {
-    emitTo(result, spv::OpCompositeConstruct, type, parts);
   }
 
   // Adds the products from the first to the last, the last sum into `result`.

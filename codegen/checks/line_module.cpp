@@ -122,6 +122,11 @@ const Instruction* LineModule::definition(uint32_t id) const {
   return &instructions_[definitions_[id] - 1];
 }
 
+uint32_t LineModule::typeOf(uint32_t id) const {
+  const Instruction* found = definition(id);
+  return found ? found->type : 0;
+}
+
 std::string_view LineModule::name(uint32_t id) const { return textOf(names_, id); }
 
 std::string_view LineModule::file(uint32_t stringId) const { return textOf(strings_, stringId); }

@@ -38,6 +38,8 @@ class LineModule {
 
   /// Returns the instruction that defines `id`; nullptr if none does.
   const Instruction* definition(uint32_t id) const;
+  /// Type of the value `id`, 0 if it has none.
+  uint32_t typeOf(uint32_t id) const;
   /// OpName of an id, empty when it has none.
   std::string_view name(uint32_t id) const;
   /// Text of the OpString, empty when there is none.

@@ -18,17 +18,11 @@ bool isQualifier(std::string_view text) {
   return std::find(kQualifiers.begin(), kQualifiers.end(), text) != kQualifiers.end();
 }
 
-class Parser {
+// Parses declarations of variables and what they consist of.
+class DeclarationParser {
  public:
-  explicit Parser(const TokenStream& stream) : stream_(stream) {}
+  explicit DeclarationParser(const TokenStream& stream) : stream_(stream) {}
 
-  SourceModel run() {
-    size_t i = 0;
-    while (i < stream_.end()) i = std::max(parseTopLevel(i), i + 1);
-    return std::move(model_);
-  }
-
- private:
   const Token& at(size_t i) const { return stream_.at(i); }
   bool is(size_t i, std::string_view text) const { return at(i).is(text); }
 
@@ -127,7 +121,8 @@ class Parser {
   }
 
   // "type a[2] : SEMANTIC, b;" to behind the ';'.
-  size_t parseVariables(size_t i, const Declaration& prototype, std::vector<Declaration>& result) {
+  size_t parseVariables(size_t i, const Declaration& prototype,
+                        std::vector<Declaration>& result) const {
     for (;;) {
       if (!at(i).isIdentifier()) break;
       Declaration declaration = prototype;
@@ -157,6 +152,28 @@ class Parser {
     return close + 1;
   }
 
+  // Behind the next ';', braces and what is in them included.
+  size_t skipStatement(size_t i) const {
+    while (i < stream_.end() && !is(i, ";")) i = is(i, "{") ? stream_.matching(i) + 1 : i + 1;
+    return i + 1;
+  }
+
+ protected:
+  const TokenStream& stream_;
+};
+
+// Parses scopes.
+class Parser : private DeclarationParser {
+ public:
+  explicit Parser(const TokenStream& stream) : DeclarationParser(stream) {}
+
+  SourceModel run() {
+    size_t i = 0;
+    while (i < stream_.end()) i = std::max(parseTopLevel(i), i + 1);
+    return std::move(model_);
+  }
+
+ private:
   // A function whose name is at `i`, to behind its body or ';'.
   size_t parseFunction(size_t i, const Declaration& prototype) {
     Function function;
@@ -235,12 +252,6 @@ class Parser {
     return close + 1;
   }
 
-  // Behind the next ';', braces and what is in them included.
-  size_t skipStatement(size_t i) const {
-    while (i < stream_.end() && !is(i, ";")) i = is(i, "{") ? stream_.matching(i) + 1 : i + 1;
-    return i + 1;
-  }
-
   size_t parseTopLevel(size_t i) {
     Declaration prototype;
     i = parseAttributes(i, prototype.attributes);
@@ -275,7 +286,6 @@ class Parser {
     return parseVariables(i, prototype, model_.globals);
   }
 
-  const TokenStream& stream_;
   SourceModel model_;
 };
 

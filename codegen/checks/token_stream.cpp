@@ -18,6 +18,27 @@ constexpr std::array<std::string_view, 19> kLongPunctuators = {
     "::", "==", "!=", "<=", ">=", "&&", "||", "+=", "-=", "*=",
     "/=", "%=", "&=", "|=", "^=", "++", "--", "->", "<<"};
 
+// "#line 12" or "#line 12 "file"".
+bool parseLineDirective(std::string_view line, uint32_t& number, std::string_view& name) {
+  const auto skipSpace = [&line] {
+    while (!line.empty() && isSpace(line.front())) line.remove_prefix(1);
+  };
+  line.remove_prefix(1);
+  skipSpace();
+  if (line.substr(0, 4) != "line") return false;
+  line.remove_prefix(4);
+  skipSpace();
+  const auto [rest, error] = std::from_chars(line.data(), line.data() + line.size(), number);
+  if (error != std::errc{}) return false;
+  line.remove_prefix(static_cast<size_t>(rest - line.data()));
+  skipSpace();
+  if (!line.empty() && line.front() == '"') {
+    const size_t close = line.find('"', 1);
+    if (close != std::string_view::npos) name = line.substr(1, close - 1);
+  }
+  return true;
+}
+
 class Lexer {
  public:
   Lexer(std::string_view text, std::string_view file) : text_(text) {
@@ -127,27 +148,6 @@ class Lexer {
     line_ = number;
     // The number is that of the line after this one.
     position_ = end < text_.size() ? end + 1 : end;
-  }
-
-  // "#line 12" or "#line 12 "file"".
-  static bool parseLineDirective(std::string_view line, uint32_t& number, std::string_view& name) {
-    const auto skipSpace = [&line] {
-      while (!line.empty() && isSpace(line.front())) line.remove_prefix(1);
-    };
-    line.remove_prefix(1);
-    skipSpace();
-    if (line.substr(0, 4) != "line") return false;
-    line.remove_prefix(4);
-    skipSpace();
-    const auto [rest, error] = std::from_chars(line.data(), line.data() + line.size(), number);
-    if (error != std::errc{}) return false;
-    line.remove_prefix(static_cast<size_t>(rest - line.data()));
-    skipSpace();
-    if (!line.empty() && line.front() == '"') {
-      const size_t close = line.find('"', 1);
-      if (close != std::string_view::npos) name = line.substr(1, close - 1);
-    }
-    return true;
   }
 
   std::string_view text_;
