@@ -87,6 +87,21 @@ struct Program {
   bool hlsl = false;                       ///< command lines for shader model 6 were asked for
 };
 
+/// How generated C++ names things.
+struct CppNames {
+  std::string space;   ///< "a::b"
+  std::string folder;  ///< "a/b"
+  std::string prefix;  ///< of names of pelage: "::pelage::", or nothing in pelage itself
+};
+CppNames cppNames(const Manifest& manifest);
+
+/// Defines a function that returns pointers to constants.
+/// \param type of the constants, without its namespace
+/// \param items "      &kName,\n" for each
+/// \param result the function's type, without its namespace; empty: a span
+std::string listFunction(const CppNames& names, const std::string& type, const std::string& name,
+                         const std::string& items, const std::string& result = "");
+
 /// The first lines of a generated file.
 std::string generatedHead(const Program& program, const std::string& what);
 /// Enumerator of VertexFormat without its k: "Float3".
