@@ -7,7 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <set>
+#include <system_error>
 
 #include "codegen/file_io.h"
 #include "codegen/key_completion.h"
@@ -167,30 +167,16 @@ const char* typeName(Node::Type type) {
   return "an object";
 }
 
-class Reader {
+// Reports what is wrong with nodes.
+class NodeChecks {
  public:
-  Reader(const fs::path& path, Manifest& manifest, Diagnostics& diagnostics)
-      : folder_(path.parent_path()), manifest_(manifest), diagnostics_(diagnostics) {}
+  NodeChecks(const std::string& file, Diagnostics& diagnostics)
+      : file_(file), diagnostics_(diagnostics) {}
 
-  void read(const Node& root) {
-    if (!expect(root, Node::Type::kObject, "the manifest")) return;
-    allowKeys(root, {"namespace", "groups", "constants", "kernels", "webgpu"}, "the manifest");
-    if (const Node* webgpu = root.find("webgpu")) {
-      if (expect(*webgpu, Node::Type::kBool, "\"webgpu\"")) manifest_.webgpu = webgpu->boolean;
-    }
-    readNamespace(root);
-    if (const Node* constants = root.find("constants")) readConstants(*constants);
-    if (const Node* groups = require(root, "groups", Node::Type::kObject, "the manifest")) {
-      readGroups(*groups);
-    }
-    if (const Node* kernels = require(root, "kernels", Node::Type::kArray, "the manifest")) {
-      for (const Node& kernel : kernels->children) readKernel(kernel);
-    }
-  }
+  size_t reported() const { return diagnostics_.items().size(); }
 
- private:
   void error(uint32_t line, const char* code, std::string message) {
-    diagnostics_.error(manifest_.file, line, code, std::move(message));
+    diagnostics_.error(file_, line, code, std::move(message));
   }
 
   bool expect(const Node& node, Node::Type type, const std::string& what) {
@@ -210,6 +196,13 @@ class Reader {
     return expect(*node, type, "\"" + std::string(key) + "\"") ? node : nullptr;
   }
 
+  // An optional key.
+  void readBool(const Node& object, const char* key, bool& value) {
+    const Node* node = object.find(key);
+    if (node != nullptr && expect(*node, Node::Type::kBool, "\"" + std::string(key) + "\""))
+      value = node->boolean;
+  }
+
   void allowKeys(const Node& object, std::initializer_list<std::string_view> allowed,
                  const std::string& where) {
     for (size_t i = 0; i < object.keys.size(); ++i) {
@@ -222,431 +215,469 @@ class Reader {
     }
   }
 
-  void readNamespace(const Node& root) {
-    const Node* node = require(root, "namespace", Node::Type::kString, "the manifest");
-    if (node == nullptr) return;
-    std::string rest = node->string;
-    while (true) {
-      const size_t colons = rest.find("::");
-      const std::string part = rest.substr(0, colons);
-      if (!isIdentifier(part)) {
-        error(node->line, "PK304", "\"" + node->string + "\" is not a C++ namespace");
-        return;
-      }
-      manifest_.namespaceParts.push_back(part);
-      if (colons == std::string::npos) return;
-      rest = rest.substr(colons + 2);
-    }
-  }
+ private:
+  const std::string& file_;
+  Diagnostics& diagnostics_;
+};
 
-  void readGroups(const Node& groups) {
-    std::map<std::string, size_t> owners;  // the first group that has a layout
-    for (size_t i = 0; i < groups.keys.size() && i < groups.children.size(); ++i) {
-      ManifestGroup group;
-      group.name = groups.keys[i];
-      group.line = groups.keyLines[i];
-      const Node& list = groups.children[i];
-      if (!expect(list, Node::Type::kArray, "group \"" + group.name + "\"")) continue;
-      if (list.children.empty() || list.children.size() > kMaximumLayouts) {
-        error(list.line, "PK305",
-              "group \"" + group.name + "\" has " + std::to_string(list.children.size()) +
-                  " layouts; Vulkan guarantees 1 to " + std::to_string(kMaximumLayouts) + " sets");
-      }
-      bool inOrder = true;
-      for (const Node& layout : list.children) {
-        if (!expect(layout, Node::Type::kString, "a layout")) continue;
-        if (!isIdentifier(layout.string) || std::islower(layout.string[0]) != 0) {
-          error(layout.line, "PK304",
-                "\"" + layout.string + "\" is not a layout name; write it like \"SimPosTan\"");
-        }
-        const auto [found, added] = owners.emplace(layout.string, manifest_.groups.size());
-        group.layouts.push_back(layout.string);
-        // After the first wrong layout, those behind it would only repeat the error.
-        if (!added && inOrder) inOrder = checkShared(group, found->second, layout);
-      }
-      manifest_.groups.push_back(std::move(group));
-    }
-  }
+bool isFile(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored);
+}
 
-  void readConstants(const Node& list) {
-    if (!expect(list, Node::Type::kArray, "\"constants\"")) return;
-    for (const Node& node : list.children) {
-      if (!expect(node, Node::Type::kString, "a file of constants")) continue;
-      const ManifestConstants constants{node.string, fs::path(node.string).stem().string(),
-                                        node.line};
-      std::error_code ignored;
-      if (!fs::is_regular_file(folder_ / constants.file, ignored)) {
-        error(node.line, "PK308", "constants: there is no file \"" + constants.file + "\"");
-        continue;
-      }
-      if (!isIdentifier(constants.space)) {
-        error(node.line, "PK304",
-              "\"" + constants.space + "\" of \"" + constants.file +
-                  "\" is no C++ namespace: rename the file");
-        continue;
-      }
-      const auto same =
-          std::find_if(manifest_.constants.begin(), manifest_.constants.end(),
-                       [&](const ManifestConstants& c) { return c.space == constants.space; });
-      if (same != manifest_.constants.end()) {
-        error(node.line, "PK318",
-              "the constants of \"" + constants.file + "\" get the namespace of those of \"" +
-                  same->file + "\" in line " + std::to_string(same->line) +
-                  ": name a file once, and give files different names");
-        continue;
-      }
-      manifest_.constants.push_back(constants);
+void readNamespace(const Node& root, Manifest& manifest, NodeChecks& checks) {
+  const Node* node = checks.require(root, "namespace", Node::Type::kString, "the manifest");
+  if (node == nullptr) return;
+  std::string rest = node->string;
+  while (true) {
+    const size_t colons = rest.find("::");
+    const std::string part = rest.substr(0, colons);
+    if (!isIdentifier(part)) {
+      checks.error(node->line, "PK304", "\"" + node->string + "\" is not a C++ namespace");
+      return;
     }
+    manifest.namespaceParts.push_back(part);
+    if (colons == std::string::npos) return;
+    rest = rest.substr(colons + 2);
   }
+}
 
-  // A layout has one set number and one block of GL bindings: what a group shares with another one
-  // is how both begin. The layout is the last one of the group so far.
-  bool checkShared(const ManifestGroup& group, size_t owner, const Node& layout) {
-    if (owner == manifest_.groups.size()) {
-      error(layout.line, "PK306",
-            "layout \"" + layout.string + "\" is there twice in group \"" + group.name + "\"");
-      return false;
-    }
-    const ManifestGroup& other = manifest_.groups[owner];
-    if (other.layouts.size() >= group.layouts.size() &&
-        std::equal(group.layouts.begin(), group.layouts.end(), other.layouts.begin())) {
-      return true;
-    }
-    error(layout.line, "PK306",
-          "layout \"" + layout.string + "\" is in group \"" + other.name +
-              "\" too, at another index or after other layouts: put the layouts that groups share "
-              "first, in the same order in each");
+// A layout has one set number and one block of GL bindings: what a group shares with another one
+// is how both begin. The layout is the last one of the group so far.
+bool checkShared(const ManifestGroup& group, size_t owner, const Node& layout,
+                 const std::vector<ManifestGroup>& groups, NodeChecks& checks) {
+  if (owner == groups.size()) {
+    checks.error(layout.line, "PK306",
+                 "layout \"" + layout.string + "\" is there twice in group \"" + group.name + "\"");
     return false;
   }
-
-  void readKernel(const Node& node) {
-    if (!expect(node, Node::Type::kObject, "a kernel")) return;
-    ManifestKernel kernel;
-    const size_t saidBefore = diagnostics_.items().size();
-    kernel.line = node.line;
-    const Node* name = require(node, "name", Node::Type::kString, "a kernel");
-    if (name == nullptr) return;
-    kernel.name = name->string;
-    kernel.line = name->line;
-    const std::string where = "kernel \"" + kernel.name + "\"";
-    allowKeys(node,
-              {"name", "file", "stage", "group", "axes", "exclude", "conflicts", "tier", "tiers",
-               "precise", "commutes", "vertexInput", "noWebgpu"},
-              where);
-    checkName(kernel, where);
-    readSource(node, kernel, where);
-    if (const Node* axes = node.find("axes")) readAxes(*axes, kernel, where);
-    if (const Node* exclude = node.find("exclude")) {
-      kernel.excludes = readExclusions(*exclude, false, kernel, where);
-    }
-    if (const Node* conflicts = node.find("conflicts")) {
-      kernel.conflicts = readExclusions(*conflicts, true, kernel, where);
-      kernel.excludes.insert(kernel.excludes.end(), kernel.conflicts.begin(),
-                             kernel.conflicts.end());
-    }
-    if (const Node* tier = node.find("tier")) kernel.tier = readTier(*tier, where);
-    if (const Node* rules = node.find("tiers")) readTierRules(*rules, kernel, where);
-    if (const Node* list = node.find("noWebgpu")) readWebgpuExceptions(*list, kernel, where);
-    if (const Node* precise = node.find("precise")) {
-      if (expect(*precise, Node::Type::kBool, "\"precise\"")) kernel.precise = precise->boolean;
-    }
-    if (const Node* commutes = node.find("commutes")) {
-      if (expect(*commutes, Node::Type::kBool, "\"commutes\"")) kernel.commutes = commutes->boolean;
-    }
-    if (const Node* input = node.find("vertexInput")) readVertexInput(*input, kernel, where);
-    if (!checkPermutations(kernel, where)) return;
-    if (diagnostics_.items().size() == saidBefore) checkCompletion(kernel, where);
-    manifest_.kernels.push_back(std::move(kernel));
-  }
-
-  void checkName(const ManifestKernel& kernel, const std::string& where) {
-    if (!isIdentifier(kernel.name) ||
-        std::any_of(kernel.name.begin(), kernel.name.end(),
-                    [](unsigned char c) { return std::isupper(c) != 0; })) {
-      error(kernel.line, "PK304",
-            "\"" + kernel.name + "\" is not a kernel name; write it like \"skin_roots\"");
-    }
-    for (const ManifestKernel& other : manifest_.kernels) {
-      if (camelCase(other.name) == camelCase(kernel.name)) {
-        error(kernel.line, "PK307",
-              where + " is there twice, or gives the same C++ name as \"" + other.name +
-                  "\" in line " + std::to_string(other.line));
-      }
-    }
-  }
-
-  // The file, stage and group of a kernel.
-  void readSource(const Node& node, ManifestKernel& kernel, const std::string& where) {
-    if (const Node* file = require(node, "file", Node::Type::kString, where)) {
-      kernel.file = file->string;
-      std::error_code ignored;
-      if (!fs::is_regular_file(folder_ / kernel.file, ignored)) {
-        error(file->line, "PK308", where + ": there is no file \"" + kernel.file + "\"");
-      }
-    }
-    if (const Node* stage = require(node, "stage", Node::Type::kString, where)) {
-      readStage(*stage, kernel, where);
-    }
-    if (const Node* group = require(node, "group", Node::Type::kString, where)) {
-      const auto found =
-          std::find_if(manifest_.groups.begin(), manifest_.groups.end(),
-                       [&](const ManifestGroup& g) { return g.name == group->string; });
-      if (found == manifest_.groups.end()) {
-        error(group->line, "PK309", where + ": there is no group \"" + group->string + "\"");
-      } else {
-        kernel.group = static_cast<uint32_t>(found - manifest_.groups.begin());
-      }
-    }
-  }
-
-  // Returns false for a kernel with so many permutations that nothing can go on with it.
-  bool checkPermutations(const ManifestKernel& kernel, const std::string& where) {
-    if (countPermutations(kernel) > kMaximumPermutations) {
-      error(kernel.line, "PK310",
-            where + " has " + std::to_string(countPermutations(kernel)) +
-                " permutations, more than " + std::to_string(kMaximumPermutations) +
-                "; make some axes specialization constants");
-      return false;
-    }
-    if (kernel.permutations().empty()) {
-      error(kernel.line, "PK311", where + ": all permutations are excluded");
-    } else if (kernel.isExcluded(kernel.defaultPermutation())) {
-      error(kernel.line, "PK311",
-            where + ": the default permutation (false, or the first value) is excluded");
-    }
+  const ManifestGroup& other = groups[owner];
+  if (other.layouts.size() >= group.layouts.size() &&
+      std::equal(group.layouts.begin(), group.layouts.end(), other.layouts.begin())) {
     return true;
   }
+  checks.error(
+      layout.line, "PK306",
+      "layout \"" + layout.string + "\" is in group \"" + other.name +
+          "\" too, at another index or after other layouts: put the layouts that groups share "
+          "first, in the same order in each");
+  return false;
+}
 
-  void readStage(const Node& stage, ManifestKernel& kernel, const std::string& where) {
-    if (stage.string == "compute") {
-      kernel.stage = Stage::kCompute;
-    } else if (stage.string == "vertex") {
-      kernel.stage = Stage::kVertex;
-    } else if (stage.string == "pixel") {
-      kernel.stage = Stage::kPixel;
-    } else {
-      error(stage.line, "PK302",
-            where + ": stage \"" + stage.string + "\" is none of compute, vertex, pixel");
+void readGroups(const Node& groups, Manifest& manifest, NodeChecks& checks) {
+  std::map<std::string, size_t> owners;  // the first group that has a layout
+  for (size_t i = 0; i < groups.keys.size() && i < groups.children.size(); ++i) {
+    ManifestGroup group;
+    group.name = groups.keys[i];
+    const Node& list = groups.children[i];
+    if (!checks.expect(list, Node::Type::kArray, "group \"" + group.name + "\"")) continue;
+    if (list.children.empty() || list.children.size() > kMaximumLayouts) {
+      checks.error(list.line, "PK305",
+                   "group \"" + group.name + "\" has " + std::to_string(list.children.size()) +
+                       " layouts; Vulkan guarantees 1 to " + std::to_string(kMaximumLayouts) +
+                       " sets");
+    }
+    bool inOrder = true;
+    for (const Node& layout : list.children) {
+      if (!checks.expect(layout, Node::Type::kString, "a layout")) continue;
+      if (!isIdentifier(layout.string) || std::islower(layout.string[0]) != 0) {
+        checks.error(layout.line, "PK304",
+                     "\"" + layout.string + "\" is not a layout name; write it like \"SimPosTan\"");
+      }
+      const auto [found, added] = owners.emplace(layout.string, manifest.groups.size());
+      group.layouts.push_back(layout.string);
+      // After the first wrong layout, those behind it would only repeat the error.
+      if (!added && inOrder)
+        inOrder = checkShared(group, found->second, layout, manifest.groups, checks);
+    }
+    manifest.groups.push_back(std::move(group));
+  }
+}
+
+void readConstantFiles(const Node& list, const fs::path& folder, Manifest& manifest,
+                       NodeChecks& checks) {
+  if (!checks.expect(list, Node::Type::kArray, "\"constants\"")) return;
+  for (const Node& node : list.children) {
+    if (!checks.expect(node, Node::Type::kString, "a file of constants")) continue;
+    const ManifestConstants constants{node.string, fs::path(node.string).stem().string(),
+                                      node.line};
+    if (!isFile(folder / constants.file)) {
+      checks.error(node.line, "PK308", "constants: there is no file \"" + constants.file + "\"");
+      continue;
+    }
+    if (!isIdentifier(constants.space)) {
+      checks.error(node.line, "PK304",
+                   "\"" + constants.space + "\" of \"" + constants.file +
+                       "\" is no C++ namespace: rename the file");
+      continue;
+    }
+    const auto same =
+        std::find_if(manifest.constants.begin(), manifest.constants.end(),
+                     [&](const ManifestConstants& c) { return c.space == constants.space; });
+    if (same != manifest.constants.end()) {
+      checks.error(node.line, "PK318",
+                   "the constants of \"" + constants.file + "\" get the namespace of those of \"" +
+                       same->file + "\" in line " + std::to_string(same->line) +
+                       ": name a file once, and give files different names");
+      continue;
+    }
+    manifest.constants.push_back(constants);
+  }
+}
+
+void checkName(const ManifestKernel& kernel, const std::string& where,
+               const std::vector<ManifestKernel>& others, NodeChecks& checks) {
+  if (!isIdentifier(kernel.name) ||
+      std::any_of(kernel.name.begin(), kernel.name.end(),
+                  [](unsigned char c) { return std::isupper(c) != 0; })) {
+    checks.error(kernel.line, "PK304",
+                 "\"" + kernel.name + "\" is not a kernel name; write it like \"skin_roots\"");
+  }
+  for (const ManifestKernel& other : others) {
+    if (camelCase(other.name) == camelCase(kernel.name)) {
+      checks.error(kernel.line, "PK307",
+                   where + " is there twice, or gives the same C++ name as \"" + other.name +
+                       "\" in line " + std::to_string(other.line));
+    }
+  }
+}
+
+void readStage(const Node& stage, ManifestKernel& kernel, const std::string& where,
+               NodeChecks& checks) {
+  if (stage.string == "compute") {
+    kernel.stage = Stage::kCompute;
+  } else if (stage.string == "vertex") {
+    kernel.stage = Stage::kVertex;
+  } else if (stage.string == "pixel") {
+    kernel.stage = Stage::kPixel;
+  } else {
+    checks.error(stage.line, "PK302",
+                 where + ": stage \"" + stage.string + "\" is none of compute, vertex, pixel");
+  }
+}
+
+void readValues(const Node& values, Axis& axis, const std::string& where, NodeChecks& checks) {
+  if (!checks.expect(values, Node::Type::kArray, "\"values\"")) return;
+  axis.isBool = false;
+  axis.values.clear();
+  for (const Node& value : values.children) {
+    if (!checks.expect(value, Node::Type::kInteger, "a value of axis \"" + axis.name + "\""))
+      continue;
+    if (value.integer < 0 || value.integer > 1'000'000 ||
+        std::find(axis.values.begin(), axis.values.end(), value.integer) != axis.values.end()) {
+      checks.error(value.line, "PK313",
+                   where + ": value " + std::to_string(value.integer) + " of axis \"" + axis.name +
+                       "\" is there twice or not in 0..1000000");
+      continue;
+    }
+    axis.values.push_back(static_cast<int32_t>(value.integer));
+  }
+  if (axis.values.empty()) {
+    checks.error(values.line, "PK313", where + ": axis \"" + axis.name + "\" has no values");
+    axis.values.push_back(0);
+  }
+}
+
+Tier readTier(const Node& node, const std::string& where, NodeChecks& checks) {
+  if (!checks.expect(node, Node::Type::kString, "\"tier\"")) return Tier::kBase;
+  const std::optional<Tier> tier = tierFromName(node.string);
+  if (!tier) {
+    checks.error(node.line, "PK302",
+                 where + ": \"tier\" is \"es\", \"base\" (default) or \"wide\", not \"" +
+                     node.string + "\"");
+  }
+  return tier.value_or(Tier::kBase);
+}
+
+size_t countPermutations(const ManifestKernel& kernel) {
+  size_t count = 1;
+  for (const Axis& axis : kernel.axes) {
+    if (count > kMaximumPermutations) break;
+    count *= axis.values.size();
+  }
+  return count;
+}
+
+// Returns false for a kernel with so many permutations that nothing can go on with it.
+bool checkPermutations(const ManifestKernel& kernel, const std::string& where, NodeChecks& checks) {
+  if (countPermutations(kernel) > kMaximumPermutations) {
+    checks.error(kernel.line, "PK310",
+                 where + " has " + std::to_string(countPermutations(kernel)) +
+                     " permutations, more than " + std::to_string(kMaximumPermutations) +
+                     "; make some axes specialization constants");
+    return false;
+  }
+  if (kernel.permutations().empty()) {
+    checks.error(kernel.line, "PK311", where + ": all permutations are excluded");
+  } else if (kernel.isExcluded(kernel.defaultPermutation())) {
+    checks.error(kernel.line, "PK311",
+                 where + ": the default permutation (false, or the first value) is excluded");
+  }
+  return true;
+}
+
+void checkCompletion(const ManifestKernel& kernel, const std::string& where, NodeChecks& checks) {
+  const KeyCompletion completion = completeKeys(kernel);
+  if (completion.incomplete) {
+    checks.error(kernel.line, "PK316",
+                 where + ": no permutation has all of \"" +
+                     permutationKey(kernel, *completion.incomplete) +
+                     "\"; if no key may ask for that, write its exclusion under \"conflicts\"");
+  }
+  if (!completion.ambiguous.empty()) {
+    checks.error(kernel.line, "PK317",
+                 where + ": \"" + permutationKey(kernel, completion.ambiguous[0]) +
+                     "\" could be completed to \"" +
+                     permutationKey(kernel, completion.ambiguous[1]) + "\" or to \"" +
+                     permutationKey(kernel, completion.ambiguous[2]) +
+                     "\": exclude one of them, or both");
+  }
+}
+
+class KernelReader {
+ public:
+  KernelReader(ManifestKernel& kernel, const std::string& where, NodeChecks& checks)
+      : kernel_(kernel), where_(where), checks_(checks) {}
+
+  void read(const Node& node, const fs::path& folder, const std::vector<ManifestGroup>& groups) {
+    readSource(node, folder, groups);
+    if (const Node* axes = node.find("axes")) readAxes(*axes);
+    if (const Node* exclude = node.find("exclude"))
+      kernel_.excludes = readExclusions(*exclude, false);
+    if (const Node* conflicts = node.find("conflicts")) {
+      kernel_.conflicts = readExclusions(*conflicts, true);
+      kernel_.excludes.insert(kernel_.excludes.end(), kernel_.conflicts.begin(),
+                              kernel_.conflicts.end());
+    }
+    if (const Node* tier = node.find("tier")) kernel_.tier = readTier(*tier, where_, checks_);
+    if (const Node* rules = node.find("tiers")) readTierRules(*rules);
+    if (const Node* list = node.find("noWebgpu")) readWebgpuExceptions(*list);
+    checks_.readBool(node, "precise", kernel_.precise);
+    checks_.readBool(node, "commutes", kernel_.commutes);
+    if (const Node* input = node.find("vertexInput")) readVertexInput(*input);
+  }
+
+ private:
+  // The file, stage and group of the kernel.
+  void readSource(const Node& node, const fs::path& folder,
+                  const std::vector<ManifestGroup>& groups) {
+    if (const Node* file = checks_.require(node, "file", Node::Type::kString, where_)) {
+      kernel_.file = file->string;
+      if (!isFile(folder / kernel_.file)) {
+        checks_.error(file->line, "PK308", where_ + ": there is no file \"" + kernel_.file + "\"");
+      }
+    }
+    if (const Node* stage = checks_.require(node, "stage", Node::Type::kString, where_)) {
+      readStage(*stage, kernel_, where_, checks_);
+    }
+    if (const Node* group = checks_.require(node, "group", Node::Type::kString, where_)) {
+      const auto found = std::find_if(groups.begin(), groups.end(), [&](const ManifestGroup& g) {
+        return g.name == group->string;
+      });
+      if (found == groups.end()) {
+        checks_.error(group->line, "PK309",
+                      where_ + ": there is no group \"" + group->string + "\"");
+      } else {
+        kernel_.group = static_cast<uint32_t>(found - groups.begin());
+      }
     }
   }
 
-  void readVertexInput(const Node& node, ManifestKernel& kernel, const std::string& where) {
-    const std::string what = "\"vertexInput\" of " + where;
-    if (!expect(node, Node::Type::kObject, what)) return;
-    allowKeys(node, {"stride", "step", "offsets"}, what);
-    if (kernel.stage != Stage::kVertex) {
-      error(node.line, "PK302", where + ": only vertex kernels have a \"vertexInput\"");
+  void readVertexInput(const Node& node) {
+    const std::string what = "\"vertexInput\" of " + where_;
+    if (!checks_.expect(node, Node::Type::kObject, what)) return;
+    checks_.allowKeys(node, {"stride", "step", "offsets"}, what);
+    if (kernel_.stage != Stage::kVertex) {
+      checks_.error(node.line, "PK302", where_ + ": only vertex kernels have a \"vertexInput\"");
     }
     // The least that every API takes as a stride (GL_MAX_VERTEX_ATTRIB_STRIDE,
     // maxVertexInputBindingStride) and as an offset.
     constexpr int64_t kMaximumStride = 2048, kMaximumOffset = 2047;
     ManifestVertexInput input;
-    input.line = node.line;
-    if (const Node* stride = require(node, "stride", Node::Type::kInteger, what)) {
+    if (const Node* stride = checks_.require(node, "stride", Node::Type::kInteger, what)) {
       input.stride = static_cast<uint32_t>(std::clamp<int64_t>(stride->integer, 0, kMaximumStride));
       if (stride->integer != input.stride || input.stride == 0 || input.stride % 4 != 0) {
-        error(stride->line, "PK302",
-              what + ": \"stride\" is a multiple of 4 from 4 to " + std::to_string(kMaximumStride));
+        checks_.error(
+            stride->line, "PK302",
+            what + ": \"stride\" is a multiple of 4 from 4 to " + std::to_string(kMaximumStride));
       }
     }
-    if (const Node* step = require(node, "step", Node::Type::kString, what)) {
+    if (const Node* step = checks_.require(node, "step", Node::Type::kString, what)) {
       input.perInstance = step->string == "instance";
       if (!input.perInstance && step->string != "vertex")
-        error(step->line, "PK302", what + ": \"step\" is \"vertex\" or \"instance\"");
+        checks_.error(step->line, "PK302", what + ": \"step\" is \"vertex\" or \"instance\"");
     }
-    if (const Node* offsets = require(node, "offsets", Node::Type::kArray, what)) {
+    if (const Node* offsets = checks_.require(node, "offsets", Node::Type::kArray, what)) {
       for (const Node& offset : offsets->children) {
         const bool fits = offset.type == Node::Type::kInteger && offset.integer >= 0 &&
                           offset.integer <= kMaximumOffset && offset.integer % 4 == 0;
         if (!fits) {
-          error(
+          checks_.error(
               offset.line, "PK302",
               what + ": an offset is a multiple of 4 from 0 to " + std::to_string(kMaximumOffset));
         }
         input.offsets.push_back(fits ? static_cast<uint32_t>(offset.integer) : 0);
       }
     }
-    kernel.vertexInput = std::move(input);
+    kernel_.vertexInput = std::move(input);
   }
 
-  void readAxes(const Node& axes, ManifestKernel& kernel, const std::string& where) {
-    if (!expect(axes, Node::Type::kArray, "\"axes\"")) return;
+  void readAxes(const Node& axes) {
+    if (!checks_.expect(axes, Node::Type::kArray, "\"axes\"")) return;
     for (const Node& node : axes.children) {
-      if (!expect(node, Node::Type::kObject, "an axis")) continue;
-      const Node* name = require(node, "name", Node::Type::kString, "an axis of " + where);
+      if (!checks_.expect(node, Node::Type::kObject, "an axis")) continue;
+      const Node* name = checks_.require(node, "name", Node::Type::kString, "an axis of " + where_);
       if (name == nullptr) continue;
       Axis axis;
       axis.name = name->string;
-      allowKeys(node, {"name", "values"}, "axis \"" + axis.name + "\"");
+      checks_.allowKeys(node, {"name", "values"}, "axis \"" + axis.name + "\"");
       if (!isIdentifier(axis.name) || std::isupper(static_cast<unsigned char>(axis.name[0])) != 0) {
-        error(name->line, "PK304",
-              "\"" + axis.name + "\" is not an axis name; write it like \"globalShape\"");
+        checks_.error(name->line, "PK304",
+                      "\"" + axis.name + "\" is not an axis name; write it like \"globalShape\"");
         continue;
       }
-      for (const Axis& other : kernel.axes) {
+      for (const Axis& other : kernel_.axes) {
         if (macroName(other.name) == macroName(axis.name)) {
-          error(name->line, "PK312",
-                where + ": axes \"" + other.name + "\" and \"" + axis.name +
-                    "\" have the same macro " + macroName(axis.name));
+          checks_.error(name->line, "PK312",
+                        where_ + ": axes \"" + other.name + "\" and \"" + axis.name +
+                            "\" have the same macro " + macroName(axis.name));
         }
       }
-      if (const Node* values = node.find("values")) readValues(*values, axis, where);
-      kernel.axes.push_back(std::move(axis));
+      if (const Node* values = node.find("values")) readValues(*values, axis, where_, checks_);
+      kernel_.axes.push_back(std::move(axis));
     }
   }
 
-  void readValues(const Node& values, Axis& axis, const std::string& where) {
-    if (!expect(values, Node::Type::kArray, "\"values\"")) return;
-    axis.isBool = false;
-    axis.values.clear();
-    for (const Node& value : values.children) {
-      if (!expect(value, Node::Type::kInteger, "a value of axis \"" + axis.name + "\"")) continue;
-      if (value.integer < 0 || value.integer > 1'000'000 ||
-          std::find(axis.values.begin(), axis.values.end(), value.integer) != axis.values.end()) {
-        error(value.line, "PK313",
-              where + ": value " + std::to_string(value.integer) + " of axis \"" + axis.name +
-                  "\" is there twice or not in 0..1000000");
-        continue;
-      }
-      axis.values.push_back(static_cast<int32_t>(value.integer));
-    }
-    if (axis.values.empty()) {
-      error(values.line, "PK313", where + ": axis \"" + axis.name + "\" has no values");
-      axis.values.push_back(0);
-    }
-  }
-
-  Tier readTier(const Node& node, const std::string& where) {
-    if (!expect(node, Node::Type::kString, "\"tier\"")) return Tier::kBase;
-    const std::optional<Tier> tier = tierFromName(node.string);
-    if (!tier) {
-      error(node.line, "PK302",
-            where + ": \"tier\" is \"es\", \"base\" (default) or \"wide\", not \"" + node.string +
-                "\"");
-    }
-    return tier.value_or(Tier::kBase);
-  }
-
-  void readTierRules(const Node& list, ManifestKernel& kernel, const std::string& where) {
-    if (!expect(list, Node::Type::kArray, "\"tiers\"")) return;
+  void readTierRules(const Node& list) {
+    if (!checks_.expect(list, Node::Type::kArray, "\"tiers\"")) return;
     for (const Node& node : list.children) {
-      if (!expect(node, Node::Type::kObject, "a tier of permutations")) continue;
-      const std::string rule = "a tier of permutations of " + where;
-      allowKeys(node, {"when", "tier"}, rule);
-      const Node* when = require(node, "when", Node::Type::kObject, rule);
-      const Node* tier = require(node, "tier", Node::Type::kString, rule);
+      if (!checks_.expect(node, Node::Type::kObject, "a tier of permutations")) continue;
+      const std::string rule = "a tier of permutations of " + where_;
+      checks_.allowKeys(node, {"when", "tier"}, rule);
+      const Node* when = checks_.require(node, "when", Node::Type::kObject, rule);
+      const Node* tier = checks_.require(node, "tier", Node::Type::kString, rule);
       if (when == nullptr || tier == nullptr) continue;
-      const size_t saidBefore = diagnostics_.items().size();
+      const size_t saidBefore = checks_.reported();
       TierRule read;
-      read.tier = readTier(*tier, where);
-      read.conditions = readConditions(*when, false, kernel, where);
-      if (diagnostics_.items().size() != saidBefore) continue;
-      if (read.conditions.empty() || read.tier <= kernel.tier) {
-        error(node.line, "PK319",
-              where + ": \"when\" names axes and their values, and the tier is higher than \"" +
-                  tierName(kernel.tier) + "\", which all permutations have");
+      read.tier = readTier(*tier, where_, checks_);
+      read.conditions = readConditions(*when, false);
+      if (checks_.reported() != saidBefore) continue;
+      if (read.conditions.empty() || read.tier <= kernel_.tier) {
+        checks_.error(node.line, "PK319",
+                      where_ +
+                          ": \"when\" names axes and their values, and the tier is higher than \"" +
+                          tierName(kernel_.tier) + "\", which all permutations have");
         continue;
       }
-      kernel.tierRules.push_back(std::move(read));
+      kernel_.tierRules.push_back(std::move(read));
     }
   }
 
-  void readWebgpuExceptions(const Node& list, ManifestKernel& kernel, const std::string& where) {
-    if (!expect(list, Node::Type::kArray, "\"noWebgpu\"")) return;
+  void readWebgpuExceptions(const Node& list) {
+    if (!checks_.expect(list, Node::Type::kArray, "\"noWebgpu\"")) return;
     for (const Node& node : list.children) {
-      if (!expect(node, Node::Type::kObject, "an exception")) continue;
-      const std::string rule = "an exception of " + where;
-      allowKeys(node, {"when", "why"}, rule);
+      if (!checks_.expect(node, Node::Type::kObject, "an exception")) continue;
+      const std::string rule = "an exception of " + where_;
+      checks_.allowKeys(node, {"when", "why"}, rule);
       WebgpuException read;
-      if (const Node* why = require(node, "why", Node::Type::kString, rule)) read.why = why->string;
+      if (const Node* why = checks_.require(node, "why", Node::Type::kString, rule))
+        read.why = why->string;
       const Node* when = node.find("when");
-      if (when != nullptr && expect(*when, Node::Type::kObject, "\"when\" of " + rule))
-        read.conditions = readConditions(*when, false, kernel, where);
-      kernel.webgpuExceptions.push_back(std::move(read));
+      if (when != nullptr && checks_.expect(*when, Node::Type::kObject, "\"when\" of " + rule))
+        read.conditions = readConditions(*when, false);
+      kernel_.webgpuExceptions.push_back(std::move(read));
     }
   }
 
-  std::vector<std::vector<AxisValue>> readExclusions(const Node& list, bool areConflicts,
-                                                     const ManifestKernel& kernel,
-                                                     const std::string& where) {
+  std::vector<std::vector<AxisValue>> readExclusions(const Node& list, bool areConflicts) {
     std::vector<std::vector<AxisValue>> exclusions;
-    if (!expect(list, Node::Type::kArray, areConflicts ? "\"conflicts\"" : "\"exclude\""))
+    if (!checks_.expect(list, Node::Type::kArray, areConflicts ? "\"conflicts\"" : "\"exclude\""))
       return exclusions;
     for (const Node& node : list.children) {
-      if (!expect(node, Node::Type::kObject, "an exclusion")) continue;
+      if (!checks_.expect(node, Node::Type::kObject, "an exclusion")) continue;
       if (node.keys.empty()) {
-        error(node.line, "PK314", where + ": an exclusion without an axis excludes everything");
+        checks_.error(node.line, "PK314",
+                      where_ + ": an exclusion without an axis excludes everything");
         continue;
       }
-      std::vector<AxisValue> conditions = readConditions(node, areConflicts, kernel, where);
+      std::vector<AxisValue> conditions = readConditions(node, areConflicts);
       if (!conditions.empty()) exclusions.push_back(std::move(conditions));
     }
     return exclusions;
   }
 
-  std::vector<AxisValue> readConditions(const Node& node, bool areConflicts,
-                                        const ManifestKernel& kernel, const std::string& where) {
+  std::vector<AxisValue> readConditions(const Node& node, bool areConflicts) {
     std::vector<AxisValue> conditions;
     for (size_t i = 0; i < node.keys.size() && i < node.children.size(); ++i) {
-      const auto axis = std::find_if(kernel.axes.begin(), kernel.axes.end(),
+      const auto axis = std::find_if(kernel_.axes.begin(), kernel_.axes.end(),
                                      [&](const Axis& a) { return a.name == node.keys[i]; });
-      if (axis == kernel.axes.end()) {
-        error(node.keyLines[i], "PK314", where + " has no axis \"" + node.keys[i] + "\"");
+      if (axis == kernel_.axes.end()) {
+        checks_.error(node.keyLines[i], "PK314", where_ + " has no axis \"" + node.keys[i] + "\"");
         continue;
       }
       const Node& value = node.children[i];
-      if (!expect(value, axis->isBool ? Node::Type::kBool : Node::Type::kInteger,
-                  "the value of axis \"" + axis->name + "\"")) {
+      if (!checks_.expect(value, axis->isBool ? Node::Type::kBool : Node::Type::kInteger,
+                          "the value of axis \"" + axis->name + "\"")) {
         continue;
       }
       const int64_t number = axis->isBool ? int64_t{value.boolean} : value.integer;
       if (std::find(axis->values.begin(), axis->values.end(), number) == axis->values.end()) {
-        error(value.line, "PK314",
-              where + ": axis \"" + axis->name + "\" has no value " + std::to_string(number));
+        checks_.error(
+            value.line, "PK314",
+            where_ + ": axis \"" + axis->name + "\" has no value " + std::to_string(number));
         continue;
       }
       if (areConflicts && axis->isBool && number == 0) {
-        error(value.line, "PK315",
-              where + ": a conflict with axis \"" + axis->name +
-                  "\" off ends when it is switched on: write it under \"exclude\"");
+        checks_.error(value.line, "PK315",
+                      where_ + ": a conflict with axis \"" + axis->name +
+                          "\" off ends when it is switched on: write it under \"exclude\"");
         continue;
       }
-      conditions.emplace_back(static_cast<uint32_t>(axis - kernel.axes.begin()),
+      conditions.emplace_back(static_cast<uint32_t>(axis - kernel_.axes.begin()),
                               static_cast<int32_t>(number));
     }
     return conditions;
   }
 
-  void checkCompletion(const ManifestKernel& kernel, const std::string& where) {
-    const KeyCompletion completion = completeKeys(kernel);
-    if (completion.incomplete) {
-      error(kernel.line, "PK316",
-            where + ": no permutation has all of \"" +
-                permutationKey(kernel, *completion.incomplete) +
-                "\"; if no key may ask for that, write its exclusion under \"conflicts\"");
-    }
-    if (!completion.ambiguous.empty()) {
-      error(kernel.line, "PK317",
-            where + ": \"" + permutationKey(kernel, completion.ambiguous[0]) +
-                "\" could be completed to \"" + permutationKey(kernel, completion.ambiguous[1]) +
-                "\" or to \"" + permutationKey(kernel, completion.ambiguous[2]) +
-                "\": exclude one of them, or both");
-    }
-  }
-
-  static size_t countPermutations(const ManifestKernel& kernel) {
-    size_t count = 1;
-    for (const Axis& axis : kernel.axes) {
-      if (count > kMaximumPermutations) break;
-      count *= axis.values.size();
-    }
-    return count;
-  }
-
-  fs::path folder_;
-  Manifest& manifest_;
-  Diagnostics& diagnostics_;
+  ManifestKernel& kernel_;
+  const std::string& where_;  // in messages
+  NodeChecks& checks_;
 };
+
+void readKernel(const Node& node, const fs::path& folder, Manifest& manifest, NodeChecks& checks) {
+  if (!checks.expect(node, Node::Type::kObject, "a kernel")) return;
+  const size_t reported = checks.reported();
+  const Node* name = checks.require(node, "name", Node::Type::kString, "a kernel");
+  if (name == nullptr) return;
+  ManifestKernel kernel;
+  kernel.name = name->string;
+  kernel.line = name->line;
+  const std::string where = "kernel \"" + kernel.name + "\"";
+  checks.allowKeys(node,
+                   {"name", "file", "stage", "group", "axes", "exclude", "conflicts", "tier",
+                    "tiers", "precise", "commutes", "vertexInput", "noWebgpu"},
+                   where);
+  checkName(kernel, where, manifest.kernels, checks);
+  KernelReader(kernel, where, checks).read(node, folder, manifest.groups);
+  if (!checkPermutations(kernel, where, checks)) return;
+  if (checks.reported() == reported) checkCompletion(kernel, where, checks);
+  manifest.kernels.push_back(std::move(kernel));
+}
+
+void readRoot(const Node& root, const fs::path& folder, Manifest& manifest, NodeChecks& checks) {
+  const std::string what = "the manifest";
+  if (!checks.expect(root, Node::Type::kObject, what)) return;
+  checks.allowKeys(root, {"namespace", "groups", "constants", "kernels", "webgpu"}, what);
+  checks.readBool(root, "webgpu", manifest.webgpu);
+  readNamespace(root, manifest, checks);
+  if (const Node* constants = root.find("constants"))
+    readConstantFiles(*constants, folder, manifest, checks);
+  if (const Node* groups = checks.require(root, "groups", Node::Type::kObject, what))
+    readGroups(*groups, manifest, checks);
+  if (const Node* kernels = checks.require(root, "kernels", Node::Type::kArray, what)) {
+    for (const Node& kernel : kernels->children) readKernel(kernel, folder, manifest, checks);
+  }
+}
 
 bool allHold(const std::vector<AxisValue>& conditions, const Permutation& permutation) {
   return std::all_of(conditions.begin(), conditions.end(), [&](const AxisValue& condition) {
@@ -741,7 +772,8 @@ Manifest readManifest(const fs::path& path, Diagnostics& diagnostics) {
   TreeBuilder builder(line, manifest.file, diagnostics);
   if (nlohmann::json::sax_parse(LineIterator(text->data(), &line),
                                 LineIterator(text->data() + text->size(), &line), &builder)) {
-    Reader(path, manifest, diagnostics).read(builder.root);
+    NodeChecks checks(manifest.file, diagnostics);
+    readRoot(builder.root, path.parent_path(), manifest, checks);
   }
   return manifest;
 }

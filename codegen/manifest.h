@@ -34,7 +34,6 @@ struct ManifestVertexInput {
   uint32_t stride = 0;  ///< bytes
   bool perInstance = false;
   std::vector<uint32_t> offsets;  ///< bytes; by location, from 0 on
-  uint32_t line = 0;
 };
 
 /// The permutations for which all conditions hold need a higher tier.
@@ -83,7 +82,6 @@ struct ManifestKernel {
 struct ManifestGroup {
   std::string name;
   std::vector<std::string> layouts;  ///< index = set
-  uint32_t line = 0;
 };
 
 /// A file whose `static const` numbers become C++ constants.

@@ -1,7 +1,9 @@
 #include "codegen/reflect.h"
 
 #include <algorithm>
+#include <optional>
 #include <set>
+#include <tuple>
 #include <unordered_set>
 
 #include "codegen/enum_names.h"
@@ -28,97 +30,168 @@ ScalarType scalarType(const SpirvInstruction& type) {
   }
 }
 
-class Reflector {
+bool isResourceStorage(uint32_t storage) {
+  switch (static_cast<SpvStorageClass>(storage)) {
+    case SpvStorageClassUniform:
+    case SpvStorageClassStorageBuffer:
+    case SpvStorageClassUniformConstant:
+      return true;
+    default:
+      return false;
+  }
+}
+
+// Sizes and alignments with std430's rules, for groupshared memory and tails of structs.
+uint32_t alignmentOf(const SpirvReader& module, uint32_t typeId);
+
+uint32_t sizeOf(const SpirvReader& module, uint32_t typeId) {
+  const SpirvInstruction& t = *module.definition(typeId);
+  const auto padded = [&](uint32_t id) {
+    return roundUp(sizeOf(module, id), alignmentOf(module, id));
+  };
+  switch (t.op) {
+    case SpvOpTypeVector:
+      return t.operands[1] * sizeOf(module, t.operands[0]);
+    case SpvOpTypeMatrix:
+      return t.operands[1] * padded(t.operands[0]);
+    case SpvOpTypeArray:
+      return module.constant(t.operands[1]).value_or(0) * padded(t.operands[0]);
+    case SpvOpTypeStruct: {
+      uint32_t end = 0;
+      for (const uint32_t member : t.operands)
+        end = roundUp(end, alignmentOf(module, member)) + sizeOf(module, member);
+      return roundUp(end, alignmentOf(module, typeId));
+    }
+    case SpvOpTypeFloat:
+    case SpvOpTypeInt:
+      return t.operands[0] / 8;
+    default:
+      return 4;
+  }
+}
+
+uint32_t alignmentOf(const SpirvReader& module, uint32_t typeId) {
+  const SpirvInstruction& t = *module.definition(typeId);
+  switch (t.op) {
+    case SpvOpTypeVector:
+      return sizeOf(module, t.operands[0]) * (t.operands[1] == 3 ? 4 : t.operands[1]);
+    case SpvOpTypeMatrix:
+    case SpvOpTypeArray:
+      return alignmentOf(module, t.operands[0]);
+    case SpvOpTypeStruct: {
+      uint32_t largest = 4;
+      for (const uint32_t member : t.operands)
+        largest = std::max(largest, alignmentOf(module, member));
+      return largest;
+    }
+    default:
+      return std::max(sizeOf(module, typeId), 4u);
+  }
+}
+
+// The ids that functions called from the entry point mention.
+std::unordered_set<uint32_t> reachableIds(const SpirvReader& module) {
+  std::map<uint32_t, std::vector<const SpirvInstruction*>> bodies;
+  uint32_t current = 0;
+  for (const SpirvInstruction& instruction : module.instructions()) {
+    if (instruction.op == SpvOpFunction) current = instruction.result;
+    if (current != 0) bodies[current].push_back(&instruction);
+    if (instruction.op == SpvOpFunctionEnd) current = 0;
+  }
+  std::vector<uint32_t> pending;
+  if (module.entryPoint()) pending.push_back(*module.entryPoint());
+  std::set<uint32_t> seen;
+  std::unordered_set<uint32_t> reachable;
+  while (!pending.empty()) {
+    const uint32_t function = pending.back();
+    pending.pop_back();
+    if (!seen.insert(function).second) continue;
+    for (const SpirvInstruction* instruction : bodies[function]) {
+      // Operands that are literals may add a wrong id. That would at worst keep a resource which
+      // the front end declared and nothing uses, and it declares only what is used.
+      reachable.insert(instruction->operands.begin(), instruction->operands.end());
+      if (instruction->op == SpvOpFunctionCall) pending.push_back(instruction->operands[0]);
+    }
+  }
+  return reachable;
+}
+
+// Name of a texture's type in HLSL.
+std::string textureName(const SpirvInstruction& image, bool isStorage) {
+  std::string name = isStorage ? "RWTexture" : "Texture";
+  switch (static_cast<SpvDim>(image.operands[1])) {
+    case SpvDim1D:
+      name += "1D";
+      break;
+    case SpvDim3D:
+      name += "3D";
+      break;
+    case SpvDimCube:
+      name += "Cube";
+      break;
+    case SpvDimBuffer:
+      name = isStorage ? "RWBuffer" : "Buffer";
+      break;
+    default:
+      name += "2D";
+      break;
+  }
+  if (image.operands[4] != 0) name += "MS";
+  if (image.operands[3] != 0) name += "Array";
+  return name;
+}
+
+void setRegister(const SpirvReader& module, Resource& resource) {
+  const uint32_t binding = module.decoration(resource.id, SpvDecorationBinding).value_or(0);
+  resource.space = module.decoration(resource.id, SpvDecorationDescriptorSet).value_or(0);
+  for (const auto& [registerClass, base] :
+       {std::pair(RegisterClass::kUniform, RegisterBase::kUniform),
+        std::pair(RegisterClass::kTexture, RegisterBase::kTexture),
+        std::pair(RegisterClass::kUav, RegisterBase::kUav),
+        std::pair(RegisterClass::kSampler, RegisterBase::kSampler)}) {
+    if (binding < base) break;
+    resource.registerClass = registerClass;
+    resource.registerNumber = binding - base;
+    resource.hasRegister = true;
+  }
+}
+
+std::optional<StageInput> stageInput(const SpirvReader& module, uint32_t id, uint32_t typeId) {
+  const std::optional<uint32_t> location = module.decoration(id, SpvDecorationLocation);
+  const SpirvInstruction* object = module.definition(typeId);
+  if (!location || object == nullptr) return std::nullopt;
+  StageInput input;
+  input.location = *location;
+  input.name = module.name(id);
+  if (object->op == SpvOpTypeVector) {
+    input.components = object->operands[1];
+    object = module.definition(object->operands[0]);
+  }
+  input.scalar = scalarType(*object);
+  return input;
+}
+
+std::optional<SpecConstantInfo> specConstant(const SpirvReader& module,
+                                             const SpirvInstruction& instruction) {
+  const std::optional<uint32_t> id = module.decoration(instruction.result, SpvDecorationSpecId);
+  if (!id) return std::nullopt;
+  SpecConstantInfo info;
+  info.id = *id;
+  info.name = module.name(instruction.result);
+  info.type = scalarType(*module.definition(instruction.resultType));
+  info.defaultBits = module.constant(instruction.result).value_or(0);
+  return info;
+}
+
+// Collects resources, and the layouts of their structs.
+class ResourceReader {
  public:
-  explicit Reflector(const SpirvReader& module) : module_(module) {}
+  ResourceReader(const SpirvReader& module, ModuleReflection& output)
+      : module_(module), output_(output) {}
 
-  ModuleReflection run() {
-    findReachable();
-    for (const SpirvInstruction& instruction : module_.instructions()) {
-      switch (instruction.op) {
-        case SpvOpVariable:
-          variable(instruction);
-          break;
-        case SpvOpExecutionMode:
-          if (instruction.operands.size() == 5 &&
-              instruction.operands[1] == static_cast<uint32_t>(SpvExecutionModeLocalSize)) {
-            std::copy_n(instruction.operands.begin() + 2, 3, output_.groupSize);
-          }
-          break;
-        case SpvOpSpecConstant:
-        case SpvOpSpecConstantTrue:
-        case SpvOpSpecConstantFalse:
-          specConstant(instruction);
-          break;
-        default:
-          break;
-      }
-    }
-    std::sort(output_.resources.begin(), output_.resources.end(),
-              [](const Resource& a, const Resource& b) {
-                return std::tie(a.space, a.registerClass, a.registerNumber, a.name) <
-                       std::tie(b.space, b.registerClass, b.registerNumber, b.name);
-              });
-    std::sort(output_.inputs.begin(), output_.inputs.end(),
-              [](const StageInput& a, const StageInput& b) { return a.location < b.location; });
-    std::sort(output_.specConstants.begin(), output_.specConstants.end(),
-              [](const SpecConstantInfo& a, const SpecConstantInfo& b) { return a.id < b.id; });
-    return std::move(output_);
-  }
-
- private:
-  const SpirvInstruction* type(uint32_t id) const { return module_.definition(id); }
-
-  // Marks the ids that functions called from the entry point mention.
-  void findReachable() {
-    std::map<uint32_t, std::vector<const SpirvInstruction*>> bodies;
-    uint32_t current = 0;
-    for (const SpirvInstruction& instruction : module_.instructions()) {
-      if (instruction.op == SpvOpFunction) current = instruction.result;
-      if (current != 0) bodies[current].push_back(&instruction);
-      if (instruction.op == SpvOpFunctionEnd) current = 0;
-    }
-    std::vector<uint32_t> pending;
-    if (module_.entryPoint()) pending.push_back(*module_.entryPoint());
-    std::set<uint32_t> seen;
-    while (!pending.empty()) {
-      const uint32_t function = pending.back();
-      pending.pop_back();
-      if (!seen.insert(function).second) continue;
-      for (const SpirvInstruction* instruction : bodies[function]) {
-        // Operands that are literals may add a wrong id. That would at worst keep a resource which
-        // the front end declared and nothing uses, and it declares only what is used.
-        reachable_.insert(instruction->operands.begin(), instruction->operands.end());
-        if (instruction->op == SpvOpFunctionCall) pending.push_back(instruction->operands[0]);
-        if (instruction->op == SpvOpStore || instruction->op == SpvOpImageWrite ||
-            instruction->op == SpvOpFunctionCall || instruction->op == SpvOpKill) {
-          output_.hasBody = true;
-        }
-      }
-    }
-  }
-
-  void variable(const SpirvInstruction& instruction) {
-    const auto storage = static_cast<SpvStorageClass>(instruction.operands[0]);
-    const SpirvInstruction* pointer = type(instruction.resultType);
-    if (pointer == nullptr || pointer->op != SpvOpTypePointer) return;
-    uint32_t typeId = pointer->operands[1];
-    if (storage == SpvStorageClassWorkgroup) {
-      output_.sharedBytes = roundUp(output_.sharedBytes, alignment(typeId)) + size(typeId);
-      return;
-    }
-    if (storage == SpvStorageClassInput) {
-      input(instruction.result, typeId);
-      return;
-    }
-    if (storage != SpvStorageClassUniform && storage != SpvStorageClassStorageBuffer &&
-        storage != SpvStorageClassUniformConstant) {
-      return;
-    }
-    if (!reachable_.contains(instruction.result)) return;
-
+  void read(uint32_t id, SpvStorageClass storage, uint32_t typeId) {
     Resource resource;
-    resource.id = instruction.result;
+    resource.id = id;
     const SpirvInstruction* object = type(typeId);
     while (object != nullptr &&
            (object->op == SpvOpTypeArray || object->op == SpvOpTypeRuntimeArray)) {
@@ -127,16 +200,21 @@ class Reflector {
       object = type(typeId);
     }
     if (object == nullptr) return;
-    resource.name = module_.name(instruction.result);
+    resource.name = module_.name(id);
     if (resource.name.empty()) resource.name = module_.name(typeId);
     switch (object->op) {
       case SpvOpTypeStruct:
-        buffer(typeId, storage, resource);
+        readBuffer(typeId, storage, resource);
         break;
       case SpvOpTypeImage:
-      case SpvOpTypeSampledImage:
-        texture(*object, resource);
+      case SpvOpTypeSampledImage: {
+        const bool sampled = object->op == SpvOpTypeSampledImage;
+        const SpirvInstruction& image = sampled ? *type(object->operands[0]) : *object;
+        const bool isStorage = image.operands[5] == 2;
+        resource.kind = isStorage ? ResourceKind::kStorageTexture : ResourceKind::kSampledTexture;
+        resource.structName = textureName(image, isStorage);
         break;
+      }
       case SpvOpTypeSampler:
         resource.kind = ResourceKind::kSampler;
         resource.structName = "SamplerState";
@@ -144,26 +222,14 @@ class Reflector {
       default:
         return;
     }
-    slot(instruction.result, resource);
+    setRegister(module_, resource);
     output_.resources.push_back(std::move(resource));
   }
 
-  void input(uint32_t id, uint32_t typeId) {
-    const std::optional<uint32_t> location = module_.decoration(id, SpvDecorationLocation);
-    const SpirvInstruction* object = type(typeId);
-    if (!location || object == nullptr) return;
-    StageInput input;
-    input.location = *location;
-    input.name = module_.name(id);
-    if (object->op == SpvOpTypeVector) {
-      input.components = object->operands[1];
-      object = type(object->operands[0]);
-    }
-    input.scalar = scalarType(*object);
-    output_.inputs.push_back(std::move(input));
-  }
+ private:
+  const SpirvInstruction* type(uint32_t id) const { return module_.definition(id); }
 
-  void buffer(uint32_t typeId, SpvStorageClass storage, Resource& resource) {
+  void readBuffer(uint32_t typeId, SpvStorageClass storage, Resource& resource) {
     const bool isStorage = storage == SpvStorageClassStorageBuffer ||
                            module_.decoration(typeId, SpvDecorationBufferBlock).has_value();
     resource.kind = isStorage ? ResourceKind::kStorageBuffer : ResourceKind::kUniformBuffer;
@@ -196,53 +262,6 @@ class Reflector {
           word(scalarType(*type(element->operands[0]))) + std::to_string(element->operands[1]);
     } else {
       resource.structName = word(scalarType(*element));
-    }
-  }
-
-  void texture(const SpirvInstruction& object, Resource& resource) {
-    const SpirvInstruction& image =
-        object.op == SpvOpTypeSampledImage ? *type(object.operands[0]) : object;
-    const bool isStorage = image.operands[5] == 2;
-    resource.kind = isStorage ? ResourceKind::kStorageTexture : ResourceKind::kSampledTexture;
-    std::string name = isStorage ? "RWTexture" : "Texture";
-    switch (static_cast<SpvDim>(image.operands[1])) {
-      case SpvDim1D:
-        name += "1D";
-        break;
-      case SpvDim3D:
-        name += "3D";
-        break;
-      case SpvDimCube:
-        name += "Cube";
-        break;
-      case SpvDimBuffer:
-        name = isStorage ? "RWBuffer" : "Buffer";
-        break;
-      default:
-        name += "2D";
-        break;
-    }
-    if (image.operands[4] != 0) name += "MS";
-    if (image.operands[3] != 0) name += "Array";
-    resource.structName = name;
-  }
-
-  void slot(uint32_t id, Resource& resource) {
-    const uint32_t binding = module_.decoration(id, SpvDecorationBinding).value_or(0);
-    resource.space = module_.decoration(id, SpvDecorationDescriptorSet).value_or(0);
-    const auto take = [&](RegisterClass registerClass, uint32_t base) {
-      resource.registerClass = registerClass;
-      resource.registerNumber = binding - base;
-      resource.hasRegister = true;
-    };
-    if (binding >= RegisterBase::kSampler) {
-      take(RegisterClass::kSampler, RegisterBase::kSampler);
-    } else if (binding >= RegisterBase::kUav) {
-      take(RegisterClass::kUav, RegisterBase::kUav);
-    } else if (binding >= RegisterBase::kTexture) {
-      take(RegisterClass::kTexture, RegisterBase::kTexture);
-    } else if (binding >= RegisterBase::kUniform) {
-      take(RegisterClass::kUniform, RegisterBase::kUniform);
     }
   }
 
@@ -298,7 +317,7 @@ class Reflector {
       StructLayout nested = structLayout(typeId, false);
       nested.size = member.arrayStride != 0
                         ? member.arrayStride
-                        : roundUp(nested.size, inBlock ? 16 : alignment(typeId));
+                        : roundUp(nested.size, inBlock ? 16 : alignmentOf(module_, typeId));
       addStruct(std::move(nested));
     }
   }
@@ -306,77 +325,27 @@ class Reflector {
   uint32_t memberBytes(uint32_t typeId, const StructMember& member) {
     if (member.arraySize > 0) return member.arraySize * member.arrayStride;
     if (!member.structName.empty()) return output_.structs.at(member.structName).size;
-    return size(typeId);
-  }
-
-  // Sizes and alignments with std430's rules, for groupshared memory and tails of structs.
-  uint32_t size(uint32_t typeId) {
-    const SpirvInstruction& t = *type(typeId);
-    switch (t.op) {
-      case SpvOpTypeVector:
-        return t.operands[1] * size(t.operands[0]);
-      case SpvOpTypeMatrix:
-        return t.operands[1] * roundUp(size(t.operands[0]), alignment(t.operands[0]));
-      case SpvOpTypeArray:
-        return module_.constant(t.operands[1]).value_or(0) *
-               roundUp(size(t.operands[0]), alignment(t.operands[0]));
-      case SpvOpTypeStruct: {
-        uint32_t end = 0;
-        for (const uint32_t member : t.operands) {
-          end = roundUp(end, alignment(member)) + size(member);
-        }
-        return roundUp(end, alignment(typeId));
-      }
-      case SpvOpTypeFloat:
-      case SpvOpTypeInt:
-        return t.operands[0] / 8;
-      default:
-        return 4;
-    }
-  }
-
-  uint32_t alignment(uint32_t typeId) {
-    const SpirvInstruction& t = *type(typeId);
-    switch (t.op) {
-      case SpvOpTypeVector:
-        return size(t.operands[0]) * (t.operands[1] == 3 ? 4 : t.operands[1]);
-      case SpvOpTypeMatrix:
-      case SpvOpTypeArray:
-        return alignment(t.operands[0]);
-      case SpvOpTypeStruct: {
-        uint32_t largest = 4;
-        for (const uint32_t member : t.operands) largest = std::max(largest, alignment(member));
-        return largest;
-      }
-      default:
-        return std::max(size(typeId), 4u);
-    }
-  }
-
-  void specConstant(const SpirvInstruction& instruction) {
-    const std::optional<uint32_t> id = module_.decoration(instruction.result, SpvDecorationSpecId);
-    if (!id) return;
-    SpecConstantInfo info;
-    info.id = *id;
-    info.name = module_.name(instruction.result);
-    info.type = scalarType(*type(instruction.resultType));
-    info.defaultBits = module_.constant(instruction.result).value_or(0);
-    output_.specConstants.push_back(std::move(info));
+    return sizeOf(module_, typeId);
   }
 
   const SpirvReader& module_;
-  ModuleReflection output_;
-  std::unordered_set<uint32_t> reachable_;
+  ModuleReflection& output_;
 };
 
-bool isResourceStorage(uint32_t storage) {
-  switch (static_cast<SpvStorageClass>(storage)) {
-    case SpvStorageClassUniform:
-    case SpvStorageClassStorageBuffer:
-    case SpvStorageClassUniformConstant:
-      return true;
-    default:
-      return false;
+void readVariable(const SpirvReader& module, const SpirvInstruction& instruction,
+                  const std::unordered_set<uint32_t>& reachable, ModuleReflection& output) {
+  const auto storage = static_cast<SpvStorageClass>(instruction.operands[0]);
+  const SpirvInstruction* pointer = module.definition(instruction.resultType);
+  if (pointer == nullptr || pointer->op != SpvOpTypePointer) return;
+  const uint32_t typeId = pointer->operands[1];
+  if (storage == SpvStorageClassWorkgroup) {
+    output.sharedBytes =
+        roundUp(output.sharedBytes, alignmentOf(module, typeId)) + sizeOf(module, typeId);
+  } else if (storage == SpvStorageClassInput) {
+    if (const auto input = stageInput(module, instruction.result, typeId))
+      output.inputs.push_back(*input);
+  } else if (isResourceStorage(storage) && reachable.contains(instruction.result)) {
+    ResourceReader(module, output).read(instruction.result, storage, typeId);
   }
 }
 
@@ -393,7 +362,41 @@ char registerLetter(RegisterClass registerClass) {
   return "btus"[static_cast<size_t>(registerClass)];
 }
 
-ModuleReflection reflectModule(const SpirvReader& module) { return Reflector(module).run(); }
+ModuleReflection reflectModule(const SpirvReader& module) {
+  ModuleReflection output;
+  const std::unordered_set<uint32_t> reachable = reachableIds(module);
+  for (const SpirvInstruction& instruction : module.instructions()) {
+    switch (instruction.op) {
+      case SpvOpVariable:
+        readVariable(module, instruction, reachable, output);
+        break;
+      case SpvOpExecutionMode:
+        if (instruction.operands.size() == 5 &&
+            instruction.operands[1] == static_cast<uint32_t>(SpvExecutionModeLocalSize)) {
+          std::copy_n(instruction.operands.begin() + 2, 3, output.groupSize);
+        }
+        break;
+      case SpvOpSpecConstant:
+      case SpvOpSpecConstantTrue:
+      case SpvOpSpecConstantFalse:
+        if (const auto constant = specConstant(module, instruction))
+          output.specConstants.push_back(*constant);
+        break;
+      default:
+        break;
+    }
+  }
+  std::sort(output.resources.begin(), output.resources.end(),
+            [](const Resource& a, const Resource& b) {
+              return std::tie(a.space, a.registerClass, a.registerNumber, a.name) <
+                     std::tie(b.space, b.registerClass, b.registerNumber, b.name);
+            });
+  std::sort(output.inputs.begin(), output.inputs.end(),
+            [](const StageInput& a, const StageInput& b) { return a.location < b.location; });
+  std::sort(output.specConstants.begin(), output.specConstants.end(),
+            [](const SpecConstantInfo& a, const SpecConstantInfo& b) { return a.id < b.id; });
+  return output;
+}
 
 using Origins = std::map<uint32_t, std::set<uint32_t>>;
 

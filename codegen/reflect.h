@@ -82,7 +82,6 @@ struct ModuleReflection {
   std::vector<StageInput> inputs;  ///< of any stage, ascending by location
   uint32_t groupSize[3] = {0, 0, 0};
   uint32_t sharedBytes = 0;  ///< groupshared memory with the default specialization
-  bool hasBody = false;      ///< the entry point does something
 };
 
 /// Reads names and registers from the module as written by the front end.
