@@ -180,30 +180,38 @@ std::string esslOf(const pelage::KernelVariant& variant) {
   return sourceOf(variant, pelage::CodeFormat::kEssl);
 }
 
-TEST(GeneratedKernels, CarrySpirvWithThePlannedBindingsAndNoNames) {
+// Calls visit(kernel, variant, module) for each variant of all kernels.
+template <class Visit>
+void forEachModule(const Visit& visit) {
   for (const auto kernels : {gpu::allKernels(), pelage::allKernels()}) {
     for (const pelage::Kernel* kernel : kernels) {
       for (const pelage::KernelVariant* variant : kernel->variants) {
+        SCOPED_TRACE(std::string(kernel->name) + " " + variant->key);
         const std::vector<uint32_t> words = spirvOf(*variant);
         const std::optional<SpirvReader> module = SpirvReader::parse(words);
-        ASSERT_TRUE(module) << kernel->name;
-        std::set<std::pair<uint32_t, uint32_t>> planned;
-        for (const pelage::VariantBinding& binding : variant->bindings) {
-          planned.insert(
-              {binding.set, kernel->layouts[binding.set]->entries[binding.entry].binding});
-        }
-        EXPECT_EQ(moduleBindings(*module), planned) << kernel->name << " " << variant->key;
-        for (const SpirvInstruction& instruction : module->instructions()) {
-          EXPECT_NE(instruction.op, SpvOpName);
-          EXPECT_NE(instruction.op, SpvOpLine);
-          EXPECT_NE(instruction.op, SpvOpString);
-        }
-        EXPECT_TRUE(glslOf(*variant).starts_with("#version 450\n"));
-        EXPECT_TRUE(esslOf(*variant).starts_with("#version 320 es\n"));
-        EXPECT_NE(variant->hash, 0u);
+        ASSERT_TRUE(module);
+        visit(*kernel, *variant, *module);
       }
     }
   }
+}
+
+TEST(GeneratedKernels, CarrySpirvWithThePlannedBindingsAndNoNames) {
+  forEachModule([](const pelage::Kernel& kernel, const pelage::KernelVariant& variant,
+                   const SpirvReader& module) {
+    std::set<std::pair<uint32_t, uint32_t>> planned;
+    for (const pelage::VariantBinding& binding : variant.bindings)
+      planned.insert({binding.set, kernel.layouts[binding.set]->entries[binding.entry].binding});
+    EXPECT_EQ(moduleBindings(module), planned);
+    for (const SpirvInstruction& instruction : module.instructions()) {
+      EXPECT_NE(instruction.op, SpvOpName);
+      EXPECT_NE(instruction.op, SpvOpLine);
+      EXPECT_NE(instruction.op, SpvOpString);
+    }
+    EXPECT_TRUE(glslOf(variant).starts_with("#version 450\n"));
+    EXPECT_TRUE(esslOf(variant).starts_with("#version 320 es\n"));
+    EXPECT_NE(variant.hash, 0u);
+  });
 }
 
 TEST(GeneratedKernels, BindByNumberInGlsl) {
@@ -243,19 +251,13 @@ size_t bufferAccesses(const SpirvReader& module) {
 
 TEST(GeneratedKernels, ReadABufferInGlslAsOftenAsInSpirv) {
   size_t all = 0;
-  for (const auto kernels : {gpu::allKernels(), pelage::allKernels()}) {
-    for (const pelage::Kernel* kernel : kernels) {
-      for (const pelage::KernelVariant* variant : kernel->variants) {
-        const std::vector<uint32_t> words = spirvOf(*variant);
-        const std::optional<SpirvReader> module = SpirvReader::parse(words);
-        ASSERT_TRUE(module) << kernel->name;
-        const size_t accesses = bufferAccesses(*module);
+  forEachModule(
+      [&](const pelage::Kernel&, const pelage::KernelVariant& variant, const SpirvReader& module) {
+        const size_t accesses = bufferAccesses(module);
         all += accesses;
-        for (const std::string& text : {glslOf(*variant), esslOf(*variant)})
-          EXPECT_LE(countOf(text, "._data["), accesses) << kernel->name << " " << variant->key;
-      }
-    }
-  }
+        for (const std::string& text : {glslOf(variant), esslOf(variant)})
+          EXPECT_LE(countOf(text, "._data["), accesses);
+      });
   EXPECT_GT(all, 1000u);
 }
 
@@ -285,26 +287,19 @@ TEST(GeneratedKernels, MapClipSpaceInTheVertexStageAlone) {
 
 TEST(GeneratedKernels, DeclareThePositionInvariantForDrawsThatMeetAgainAtTheSameDepth) {
   size_t positions = 0;
-  for (const auto kernels : {gpu::allKernels(), pelage::allKernels()}) {
-    for (const pelage::Kernel* kernel : kernels) {
-      if (kernel->stage != pelage::Stage::kVertex) continue;
-      for (const pelage::KernelVariant* variant : kernel->variants) {
-        const std::vector<uint32_t> words = spirvOf(*variant);
-        const std::optional<SpirvReader> module = SpirvReader::parse(words);
-        ASSERT_TRUE(module) << kernel->name;
-        for (const SpirvInstruction& i : module->instructions()) {
-          if (i.op != SpvOpDecorate || i.operands[1] != SpvDecorationBuiltIn ||
-              i.operands[2] != SpvBuiltInPosition)
-            continue;
-          ++positions;
-          EXPECT_TRUE(module->decoration(i.operands[0], SpvDecorationInvariant).has_value())
-              << kernel->name << " " << variant->key;
-        }
-        expectHas(glslOf(*variant), "invariant gl_Position;");
-        expectHas(esslOf(*variant), "invariant gl_Position;");
-      }
+  forEachModule([&](const pelage::Kernel& kernel, const pelage::KernelVariant& variant,
+                    const SpirvReader& module) {
+    if (kernel.stage != pelage::Stage::kVertex) return;
+    for (const SpirvInstruction& i : module.instructions()) {
+      if (i.op != SpvOpDecorate || i.operands[1] != SpvDecorationBuiltIn ||
+          i.operands[2] != SpvBuiltInPosition)
+        continue;
+      ++positions;
+      EXPECT_TRUE(module.decoration(i.operands[0], SpvDecorationInvariant).has_value());
     }
-  }
+    expectHas(glslOf(variant), "invariant gl_Position;");
+    expectHas(esslOf(variant), "invariant gl_Position;");
+  });
   EXPECT_GT(positions, 5u);
 }
 
