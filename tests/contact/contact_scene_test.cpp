@@ -48,6 +48,8 @@ class ContactScene : public SceneTestOn<std::tuple<Api, ColliderShape>> {
   HairObject* hair_ = nullptr;
   Watch watch_;
 };
+class MeshContactScene : public ContactScene {};
+class CapsuleContactScene : public ContactScene {};
 
 /// Over the shoulder: 0.5 m of hair, straight beside the top of the cylinder.
 std::vector<Point> overShoulder(int count) {
@@ -115,15 +117,13 @@ double slide(SceneRun& run, double friction, double degreesAbove, double seconds
   return slip;
 }
 
-TEST_P(ContactScene, FrictionHoldsBelowItsAngleAndDoesNotCreep) {
-  if (!mesh()) GTEST_SKIP() << "a slope is a mesh";
+TEST_P(MeshContactScene, FrictionHoldsBelowItsAngleAndDoesNotCreep) {
   for (const double friction : {0.1, 0.3, 0.6, 1.0})
     EXPECT_LT(std::abs(slide(run_, friction, -0.5, 1)), 1e-5) << friction;
   EXPECT_LT(std::abs(slide(run_, 0.3, -1, 10)), 1e-5);
 }
 
-TEST_P(ContactScene, HairSlidesAboveTheAngleOfFrictionAsCoulombSays) {
-  if (!mesh()) GTEST_SKIP() << "a slope is a mesh";
+TEST_P(MeshContactScene, HairSlidesAboveTheAngleOfFrictionAsCoulombSays) {
   for (const double friction : {0.0, 0.1, 0.3, 0.6, 1.0}) {
     const double angle = std::atan(friction) + 2 * std::numbers::pi / 180;
     // From the speed that it has after the first frame.
@@ -167,7 +167,7 @@ TEST_P(ContactScene, ATautLimpStrandStaysOverTheCylinder) {
   EXPECT_LT(farthest, 5e-4);
 }
 
-TEST_P(ContactScene, ATurningDrumTakesHairAlong) {
+TEST_P(CapsuleContactScene, ATurningDrumTakesHairAlong) {
   // Limp hair that winds along the top of the drum, so that it has slack, and is held at the root.
   const double speed = 1;
   std::vector<Point> points;
@@ -176,7 +176,6 @@ TEST_P(ContactScene, ATurningDrumTakesHairAlong) {
     points.push_back({x, std::sqrt(0.0501 * 0.0501 - x * x), -0.06 + 0.003 * i});
   }
   addStrand(points, settingsOf(0));
-  if (mesh()) GTEST_SKIP() << "see scene_sdf_test";
   CapsuleCollider drum = cylinder(0.05f, 1.0f);
   drum.angularVelocity = {0, 0, static_cast<float>(-speed)};
   setCollider(*hair_, drum);
@@ -192,8 +191,7 @@ TEST_P(ContactScene, ATurningDrumTakesHairAlong) {
   EXPECT_NEAR(angle, speed * frames / 60, 0.05 * speed * frames / 60);
 }
 
-TEST_P(ContactScene, HairThatIsThrownAtStopsAtTheSurface) {
-  if (mesh()) GTEST_SKIP() << "of capsules";
+TEST_P(CapsuleContactScene, HairThatIsThrownAtStopsAtTheSurface) {
   addStrand(straight(32, {0, 0, 0}, {0, -0.3, 0}), settingsOf(0.0467f));
   double deepest = -1;
   for (int frame = 0; frame < 30; ++frame) {
@@ -221,6 +219,14 @@ INSTANTIATE_TEST_SUITE_P(All, ContactScene,
                          testing::Combine(testing::ValuesIn(kRuntimeApis),
                                           testing::Values(ColliderShape::kCapsule,
                                                           ColliderShape::kMesh)),
+                         shapeTestName);
+INSTANTIATE_TEST_SUITE_P(All, MeshContactScene,
+                         testing::Combine(testing::ValuesIn(kRuntimeApis),
+                                          testing::Values(ColliderShape::kMesh)),
+                         shapeTestName);
+INSTANTIATE_TEST_SUITE_P(All, CapsuleContactScene,
+                         testing::Combine(testing::ValuesIn(kRuntimeApis),
+                                          testing::Values(ColliderShape::kCapsule)),
                          shapeTestName);
 
 }  // namespace
