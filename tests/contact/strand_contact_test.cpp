@@ -98,6 +98,34 @@ TEST_P(StrandContact, KeepsHairOutOfEveryShapeAndAtItsLength) {
   }
 }
 
+// The force of a record goes on, friction in the tangent plane of now.
+TEST_P(StrandContact, FrictionGoesOnInTheNewTangentPlane) {
+  const HairAsset asset = combAsset(3, 24, Vector3d(1, 0, 0));
+  StrandRun run(gpu(), asset);
+  run.reset(bindPoses(asset));
+  run.constants.gravity = {0, -9.81f, 0, 0};
+  run.setColliders({sphere({0.1, -0.05, 0.02}, 0.08, 0.3)});
+  for (int step = 0; step < 20; ++step) run.simulate(kStill);
+  run.run();
+  std::vector<ContactRecord> before = run.contactRecords();
+  for (ContactRecord& record : before) record.force = {0.3f, -0.2f, 0.5f, 2.0f};
+  run.setContactRecords(before);
+  run.setColliders({sphere({0.1, -0.05, 0.03}, 0.08, 0.3)});
+  run.simulate(kStill);
+  run.run();
+  const std::vector<ContactRecord> now = run.contactRecords();
+  size_t wentOn = 0;
+  for (size_t i = 0; i < now.size(); i += 2) {
+    const Vector3d normal = toVector(now[i].plane), force = toVector(now[i].force);
+    if (force == toVector(before[i].force) || now[i].force.w == 0) continue;
+    const Vector3d old = toVector(before[i].force);
+    EXPECT_LT((force - (old - normal * normal.dot(old))).norm(), 1e-6) << i;
+    EXPECT_EQ(now[i].force.w, 2);
+    ++wentOn;
+  }
+  EXPECT_GT(wentOn, 0u);
+}
+
 /// A vertex on the ridge of a capsule that is inclined by `degrees`: it hangs 500 m to the side, so
 /// that its strand holds it there and nowhere else. Returns how far it slides down [m].
 double slideOnSlope(Gpu& gpu, double degrees, float friction, int steps) {

@@ -248,6 +248,19 @@ class StrandRun {
       roots[i] = {all[firstRoot() + 2 * i], all[firstRoot() + 2 * i + 1]};
     return roots;
   }
+  /// [vertex][2] of the last search for contacts.
+  std::vector<ContactRecord> contactRecords() const {
+    std::vector<ContactRecord> records(size_t{2} * guides_ * vertices_);
+    Result<std::vector<std::byte>> bytes = gpu_.device()->read(contacts_.contacts().records());
+    if (bytes)
+      std::memcpy(records.data(), bytes->data(), records.size() * sizeof(ContactRecord));
+    else
+      ADD_FAILURE() << bytes.error().message;
+    return records;
+  }
+  void setContactRecords(const std::vector<ContactRecord>& records) {
+    addUpload(list_, contacts_.contacts().records(), std::as_bytes(std::span(records)));
+  }
   /// Fails when a pattern behind a buffer was written to.
   void checkGuards() const {
     (void)positions_.read();
