@@ -70,6 +70,9 @@ struct RuntimeDef {
   VkDevice device = VK_NULL_HANDLE;
   /// Family of the queue that runs the command buffers: compute, and graphics when there are draws.
   uint32_t queueFamily = 0;
+  /// Families of further queues that run some of the command buffers (Runtime::useQueueFamily()):
+  /// they compute. Buffers are then made with VK_SHARING_MODE_CONCURRENT for all of these families.
+  std::vector<uint32_t> otherQueueFamilies;
   /// The features that the device was created with. A kernel that needs more than this is an error
   /// that names the feature.
   VkPhysicalDeviceFeatures enabledFeatures = {};
@@ -163,6 +166,12 @@ struct ViewTarget {
   /// a render pass.
   std::function<void(const FrameStep& step)> begin;
   std::function<void(const FrameStep& step)> end;
+};
+
+/// A command buffer for a queue beside the one that draws.
+struct ComputeCommands {
+  VkCommandBuffer commands = VK_NULL_HANDLE;
+  uint32_t queueFamily = 0;  ///< RuntimeDef::queueFamily or one of otherQueueFamilies
 };
 
 /// Device memory that a Runtime uses.
@@ -271,6 +280,19 @@ class PELAGE_VULKAN_API Runtime {
   /// that are not the View's, before anything is recorded.
   Result<void> record(Frame& frame, VkCommandBuffer commands,
                       std::span<const ViewTarget> targets = {});
+  /// The same for two queues: update() and what comes before the first view (simulation, shadow
+  /// maps of castShadows(), lists of yours) goes into `compute`, the rest into `commands`, which
+  /// are of RuntimeDef::queueFamily. The engine orders the queues with semaphores: `commands` wait
+  /// for `compute` of the same frame, and `compute` waits for `commands` of the frame before, both
+  /// at VK_PIPELINE_STAGE_ALL_COMMANDS_BIT. Errors: those above, and of useQueueFamily().
+  Result<void> record(Frame& frame, const ComputeCommands& compute, VkCommandBuffer commands,
+                      std::span<const ViewTarget> targets = {});
+
+  /// Says of which family the command buffers of the next calls are; at first
+  /// RuntimeDef::queueFamily. On a family that only computes, barriers leave out what draws do:
+  /// semaphores order queues, as record() for two of them says. Errors: kInvalidArgument for a
+  /// family that RuntimeDef does not name; nothing has changed then.
+  Result<void> useQueueFamily(uint32_t family);
 
   /// The layout manager of the generated Create*Layout templates: makes the descriptor set layout
   /// of a table when it is first asked for. Uniform buffers are dynamic ones. The runtime owns it.
@@ -306,6 +328,8 @@ class PELAGE_VULKAN_API Runtime {
  private:
   struct Impl;
   explicit Runtime(std::unique_ptr<Impl> impl);
+  Result<void> recordFrame(Frame& frame, const ComputeCommands& before,
+                           const ComputeCommands& views, std::span<const ViewTarget> targets);
   std::unique_ptr<Impl> impl_;
 };
 

@@ -54,7 +54,23 @@ void BarrierBatch::add(const Barrier& barrier, const BarrierTarget& target) {
   barriers_.push_back(memory);
 }
 
+namespace {
+
+// Stages and accesses of draws, which a queue without graphics does not have.
+constexpr VkPipelineStageFlags kDrawStages = VK_PIPELINE_STAGE_VERTEX_INPUT_BIT |
+                                             VK_PIPELINE_STAGE_VERTEX_SHADER_BIT |
+                                             VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT;
+constexpr VkAccessFlags kDrawAccess =
+    VK_ACCESS_INDEX_READ_BIT | VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT;
+
+}  // namespace
+
 void BarrierBatch::record(const Device& device, VkCommandBuffer commands) {
+  if (!device.draws()) {
+    before_ &= ~kDrawStages;
+    after_ &= ~kDrawStages;
+    for (VkBufferMemoryBarrier& barrier : barriers_) barrier.dstAccessMask &= ~kDrawAccess;
+  }
   if (before_ != 0 && after_ != 0) {
     device.vk.CmdPipelineBarrier(commands, before_, after_, 0, 0, nullptr,
                                  static_cast<uint32_t>(barriers_.size()), barriers_.data(), 0,

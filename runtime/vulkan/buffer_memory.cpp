@@ -28,6 +28,11 @@ Result<AllocatedBuffer> BufferMemory::create(VkDeviceSize size, VkBufferUsageFla
   info.size = size;
   info.usage = usage;
   info.sharingMode = VK_SHARING_MODE_EXCLUSIVE;
+  if (device_.families.size() > 1) {
+    info.sharingMode = VK_SHARING_MODE_CONCURRENT;
+    info.queueFamilyIndexCount = static_cast<uint32_t>(device_.families.size());
+    info.pQueueFamilyIndices = device_.families.data();
+  }
 
   if (allocator_.create == nullptr) return createOwn(info, kind, name);
 

@@ -142,6 +142,39 @@ TierLimits tierLimitsOf(const VkPhysicalDeviceLimits& limits, Tier maxTier) {
   return lowerOf(own, limitsOf(maxTier));
 }
 
+// The families of RuntimeDef; command buffers are of the first one.
+Result<void> fillFamilies(const RuntimeDef& def, Device& device) {
+  uint32_t count = 0;
+  device.vk.GetPhysicalDeviceQueueFamilyProperties(device.physical, &count, nullptr);
+  std::vector<VkQueueFamilyProperties> all(count);
+  device.vk.GetPhysicalDeviceQueueFamilyProperties(device.physical, &count, all.data());
+  const auto add = [&](uint32_t family, const char* field) -> Result<void> {
+    if (family >= count) {
+      return invalid(fmt::format("RuntimeDef::{} has family {}, {} has {} families", field, family,
+                                 device.properties.deviceName, count));
+    }
+    if ((all[family].queueFlags & VK_QUEUE_COMPUTE_BIT) == 0) {
+      return Error{ErrorCode::kUnsupported,
+                   fmt::format("RuntimeDef::{}: queue family {} of {} cannot compute: take one "
+                               "with VK_QUEUE_COMPUTE_BIT",
+                               field, family, device.properties.deviceName)};
+    }
+    if (std::ranges::find(device.families, family) != device.families.end()) return {};
+    device.families.push_back(family);
+    device.familyProperties.push_back(all[family]);
+    return {};
+  };
+  if (Result<void> added = add(def.queueFamily, "queueFamily"); !added) return added;
+  for (const uint32_t family : def.otherQueueFamilies)
+    if (Result<void> added = add(family, "otherQueueFamilies"); !added) return added;
+  device.queueFamily = def.queueFamily;
+  device.queue = device.familyProperties.front();
+  device.timestampBits = device.queue.timestampValidBits;
+  for (const VkQueueFamilyProperties& family : device.familyProperties)
+    device.timestampBits = std::min(device.timestampBits, family.timestampValidBits);
+  return {};
+}
+
 Result<void> fillDevice(const RuntimeDef& def, Device& device) {
   if (def.instance == VK_NULL_HANDLE) return invalid("RuntimeDef::instance is null");
   if (def.physicalDevice == VK_NULL_HANDLE) return invalid("RuntimeDef::physicalDevice is null");
@@ -151,7 +184,6 @@ Result<void> fillDevice(const RuntimeDef& def, Device& device) {
   device.instance = def.instance;
   device.physical = def.physicalDevice;
   device.handle = def.device;
-  device.queueFamily = def.queueFamily;
   device.callbacks = def.allocationCallbacks;
   device.features = def.enabledFeatures;
 
@@ -182,22 +214,7 @@ Result<void> fillDevice(const RuntimeDef& def, Device& device) {
   device.maxAllocation = maintenance.maxMemoryAllocationSize;
   vk.GetPhysicalDeviceMemoryProperties(device.physical, &device.memory);
 
-  uint32_t count = 0;
-  vk.GetPhysicalDeviceQueueFamilyProperties(device.physical, &count, nullptr);
-  std::vector<VkQueueFamilyProperties> families(count);
-  vk.GetPhysicalDeviceQueueFamilyProperties(device.physical, &count, families.data());
-  if (def.queueFamily >= count) {
-    return invalid(fmt::format("RuntimeDef::queueFamily is {}, {} has {} families", def.queueFamily,
-                               device.properties.deviceName, count));
-  }
-  device.queue = families[def.queueFamily];
-  if ((device.queue.queueFlags & VK_QUEUE_COMPUTE_BIT) == 0) {
-    return Error{ErrorCode::kUnsupported,
-                 fmt::format("queue family {} of {} cannot compute: take one with "
-                             "VK_QUEUE_COMPUTE_BIT",
-                             def.queueFamily, device.properties.deviceName)};
-  }
-  return {};
+  return fillFamilies(def, device);
 }
 
 }  // namespace
@@ -442,7 +459,7 @@ void Runtime::Impl::fill(std::vector<New>& added, VkCommandBuffer commands) {
   }
   if (!barriers.empty()) {
     // The list's hazards do not know of the initial data: whatever comes next waits for it here.
-    const bool graphics = (device.queue.queueFlags & VK_QUEUE_GRAPHICS_BIT) != 0;
+    const bool graphics = device.draws();
     const VkPipelineStageFlags next =
         (graphics ? kShaderStages | VK_PIPELINE_STAGE_VERTEX_INPUT_BIT
                   : VkPipelineStageFlags{VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT}) |
@@ -834,7 +851,7 @@ Result<void> Runtime::Impl::record(const PassList& list, VkCommandBuffer command
 }
 
 Result<void> Runtime::Impl::checkGraphics() const {
-  if ((device.queue.queueFlags & VK_QUEUE_GRAPHICS_BIT) != 0) return {};
+  if (device.draws()) return {};
   return Error{ErrorCode::kUnsupported,
                fmt::format("queue family {} of {} cannot draw: take one with "
                            "VK_QUEUE_GRAPHICS_BIT",
@@ -998,8 +1015,32 @@ Result<void> Runtime::record(const PassList& list, VkCommandBuffer commands) {
   return guarded([&] { return impl_->record(list, commands); });
 }
 
+Result<void> Runtime::useQueueFamily(uint32_t family) {
+  Device& device = impl_->device;
+  const auto found = std::ranges::find(device.families, family);
+  if (found == device.families.end()) {
+    return invalid(
+        fmt::format("RuntimeDef names no queue family {}: add it to otherQueueFamilies", family));
+  }
+  device.queueFamily = family;
+  device.queue = device.familyProperties[static_cast<size_t>(found - device.families.begin())];
+  return {};
+}
+
 Result<void> Runtime::record(Frame& frame, VkCommandBuffer commands,
                              std::span<const ViewTarget> targets) {
+  const ComputeCommands all = {commands, impl_->device.queueFamily};
+  return recordFrame(frame, all, all, targets);
+}
+
+Result<void> Runtime::record(Frame& frame, const ComputeCommands& compute, VkCommandBuffer commands,
+                             std::span<const ViewTarget> targets) {
+  return recordFrame(frame, compute, {commands, impl_->device.families.front()}, targets);
+}
+
+Result<void> Runtime::recordFrame(Frame& frame, const ComputeCommands& before,
+                                  const ComputeCommands& views,
+                                  std::span<const ViewTarget> targets) {
   if (targets.size() != frame.viewCount()) {
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("the frame has {} views, but there are {} targets", frame.viewCount(),
@@ -1019,19 +1060,34 @@ Result<void> Runtime::record(Frame& frame, VkCommandBuffer commands,
     if (Result<void> fits = checkSamples(*step.list, target.formats.samples); !fits)
       return Error{fits.error().code, fmt::format("view {}: {}", step.view, fits.error().message)};
   }
-  FrameExecutor executor;
-  executor.update = [&](const ResourceTable& resources) { return update(resources, commands); };
-  executor.record = [&](const FrameStep& step) { return record(*step.list, commands); };
+  const uint32_t family = impl_->device.queueFamily;
+  if (Result<void> used = useQueueFamily(before.queueFamily); !used) return used;
+  bool drawing = false;
   // A function of one pointer needs no memory.
+  const auto updateTable = [&](const ResourceTable& resources) {
+    return update(resources, before.commands);
+  };
+  const auto recordStep = [&](const FrameStep& step) -> Result<void> {
+    if (!drawing && step.view != FrameStep::kNoView) {
+      drawing = true;
+      if (Result<void> used = useQueueFamily(views.queueFamily); !used) return used;
+    }
+    return record(*step.list, drawing ? views.commands : before.commands);
+  };
   const auto drawStep = [&](const FrameStep& step) {
     const ViewTarget& target = targets[step.view];
     target.begin(step);
-    Result<void> drawn = recordDraws(*step.list, commands, target.formats, target.area);
+    Result<void> drawn = recordDraws(*step.list, views.commands, target.formats, target.area);
     target.end(step);
     return drawn;
   };
+  FrameExecutor executor;
+  executor.update = std::cref(updateTable);
+  executor.record = std::cref(recordStep);
   executor.draw = std::cref(drawStep);
-  return frame.run(executor);
+  Result<void> done = frame.run(executor);
+  if (Result<void> used = useQueueFamily(family); !used) return used;
+  return done;
 }
 
 Result<void> Runtime::recordDraws(const PassList& list, VkCommandBuffer commands,

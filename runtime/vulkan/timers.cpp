@@ -23,7 +23,7 @@ Result<size_t> Timers::reserve(uint64_t frame, std::vector<TimedPass> passes) {
   Frame& now = frames_.back();
   Span span;
   span.passes = std::move(passes);
-  if (device_.queue.timestampValidBits > 0) {
+  if (device_.timestampBits > 0) {
     const uint32_t queries = span.stamps();
     if (now.pools.empty() || now.pools.back().size - now.pools.back().used < queries) {
       now.pools.reserve(now.pools.size() + 1);
@@ -68,7 +68,7 @@ void Timers::write(size_t index, uint32_t timestamp, VkCommandBuffer commands) {
 }
 
 void Timers::read(const Frame& frame, Finished& out) const {
-  const uint32_t bits = device_.queue.timestampValidBits;
+  const uint32_t bits = device_.timestampBits;
   const uint64_t mask = bits >= 64 ? ~uint64_t{0} : (uint64_t{1} << bits) - 1;
   std::vector<uint64_t> stamps;
   for (const Span& span : frame.spans) {

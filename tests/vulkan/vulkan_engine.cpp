@@ -100,26 +100,36 @@ bool Engine::open(std::string& reason, bool validates) {
     return false;
   }
   family_ = static_cast<uint32_t>(family - families.begin());
+  const auto compute = std::find_if(families.begin(), families.end(), [&](const auto& candidate) {
+    return (candidate.queueFlags & both) == VK_QUEUE_COMPUTE_BIT;
+  });
+  computeFamily_ =
+      static_cast<uint32_t>((compute != families.end() ? compute : family) - families.begin());
 
   const float priority = 1;
-  auto queue = tagged<VkDeviceQueueCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO);
-  queue.queueFamilyIndex = family_;
-  queue.queueCount = 1;
-  queue.pQueuePriorities = &priority;
+  std::vector<VkDeviceQueueCreateInfo> queues;
+  for (const uint32_t each : {family_, computeFamily_}) {
+    if (!queues.empty() && each == family_) break;
+    queues.push_back(tagged<VkDeviceQueueCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO));
+    queues.back().queueFamilyIndex = each;
+    queues.back().queueCount = 1;
+    queues.back().pQueuePriorities = &priority;
+  }
   auto rendering = tagged<VkPhysicalDeviceDynamicRenderingFeatures>(
       VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DYNAMIC_RENDERING_FEATURES);
   rendering.dynamicRendering = VK_TRUE;
   dynamicRendering_ = properties_.apiVersion >= VK_API_VERSION_1_3;
   auto device = tagged<VkDeviceCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO);
   if (dynamicRendering_) device.pNext = &rendering;
-  device.queueCreateInfoCount = 1;
-  device.pQueueCreateInfos = &queue;
+  device.queueCreateInfoCount = static_cast<uint32_t>(queues.size());
+  device.pQueueCreateInfos = queues.data();
   device.pEnabledFeatures = &features_;
   if (vkCreateDevice(physical_, &device, nullptr, &device_) != VK_SUCCESS) {
     reason = "the Vulkan device cannot be made";
     return false;
   }
   vkGetDeviceQueue(device_, family_, 0, &queue_);
+  vkGetDeviceQueue(device_, computeFamily_, 0, &computeQueue_);
   return true;
 }
 
@@ -239,10 +249,10 @@ std::vector<std::byte> Engine::read(const pelage::vulkan::BufferRange& range,
   return bytes;
 }
 
-Engine::Frame Engine::createFrame() const {
+Engine::Frame Engine::createFrame(uint32_t queueFamily) const {
   Frame frame;
   auto pool = tagged<VkCommandPoolCreateInfo>(VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO);
-  pool.queueFamilyIndex = family_;
+  pool.queueFamilyIndex = queueFamily;
   check(vkCreateCommandPool(device_, &pool, nullptr, &frame.pool), "vkCreateCommandPool");
   auto info = tagged<VkCommandBufferAllocateInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO);
   info.commandPool = frame.pool;

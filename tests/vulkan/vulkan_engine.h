@@ -68,7 +68,8 @@ class Engine {
     VkCommandBuffer commands = VK_NULL_HANDLE;
     VkFence fence = VK_NULL_HANDLE;
   };
-  Frame createFrame() const;
+  Frame createFrame() const { return createFrame(family_); }
+  Frame createFrame(uint32_t queueFamily) const;
   void destroyFrame(const Frame& frame) const;
   /// Waits for the frame's last submission, then begins its command buffer anew.
   void begin(const Frame& frame) const;
@@ -84,6 +85,11 @@ class Engine {
   const VkPhysicalDeviceFeatures& features() const { return features_; }
   const VkPhysicalDeviceProperties& properties() const { return properties_; }
   bool dynamicRendering() const { return dynamicRendering_; }
+  uint32_t family() const { return family_; }
+  VkQueue queue() const { return queue_; }
+  /// A family that only computes and its queue; family() and queue() on a device without.
+  uint32_t computeFamily() const { return computeFamily_; }
+  VkQueue computeQueue() const { return computeQueue_; }
   uint32_t messageCount() const { return messages_.load(); }
 
  private:
@@ -98,7 +104,9 @@ class Engine {
   VkPhysicalDeviceFeatures features_ = {};
   VkDevice device_ = VK_NULL_HANDLE;
   uint32_t family_ = 0;
+  uint32_t computeFamily_ = 0;
   VkQueue queue_ = VK_NULL_HANDLE;
+  VkQueue computeQueue_ = VK_NULL_HANDLE;
   bool dynamicRendering_ = false;
 };
 
