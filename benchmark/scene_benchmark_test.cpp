@@ -86,10 +86,10 @@ TEST(DrawingRows, HaveNamesOfTheirOwnAndBeginWithThePictureAlone) {
     for (const SceneRow& row : sceneRows(size)) names.insert(row.name());
     const std::vector<DrawingRow> rows = drawingRows(size);
     for (const DrawingRow& row : rows) EXPECT_TRUE(names.insert(row.name()).second) << row.name();
-    ASSERT_EQ(rows.size(), 7u);
+    ASSERT_EQ(rows.size(), 8u);
     EXPECT_EQ(rows[0].extra, DrawingExtra::kNone);
-    EXPECT_EQ(rows[5].extra, DrawingExtra::kNone);
-    EXPECT_EQ(rows[5].guides, 10 * rows[0].guides);
+    EXPECT_EQ(rows[6].extra, DrawingExtra::kNone);
+    EXPECT_EQ(rows[6].guides, 10 * rows[0].guides);
   }
 }
 
@@ -128,7 +128,8 @@ TEST(CheckDrawing, WantsThePictureOfTheRowAloneBesideDepthAndAnotherOneInOtherLi
   std::vector<DrawingResult> results(2, drawnAlone());
   for (const bool same : {false, true}) {
     results[1].meanLight = same ? 0.5 : 0.6;
-    for (const DrawingExtra extra : {DrawingExtra::kDepth, DrawingExtra::kMotion}) {
+    for (const DrawingExtra extra :
+         {DrawingExtra::kDepth, DrawingExtra::kMotion, DrawingExtra::kStereo}) {
       results[1].row.extra = extra;
       EXPECT_EQ(comparePictures(results).ok(), same);
     }

@@ -122,7 +122,8 @@ Result<void> comparePictures(std::span<const DrawingResult> results) {
     if (extra == DrawingExtra::kNone) alone = &result;
     if (alone == nullptr) continue;
     const bool same = result.meanLight == alone->meanLight;
-    const bool mustBe = extra == DrawingExtra::kDepth || extra == DrawingExtra::kMotion;
+    const bool mustBe = extra == DrawingExtra::kDepth || extra == DrawingExtra::kMotion ||
+                        extra == DrawingExtra::kStereo;
     const bool mustNot = extra == DrawingExtra::kEngineLights;
     if ((mustBe && !same) || (mustNot && same))
       return Error{ErrorCode::kDevice, result.row.name() + ": its picture is " +

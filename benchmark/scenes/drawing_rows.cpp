@@ -14,6 +14,8 @@ const char* extraName(DrawingExtra extra) {
       return "motion";
     case DrawingExtra::kInterpolation:
       return "interpolation";
+    case DrawingExtra::kStereo:
+      return "stereo";
     case DrawingExtra::kEngineLights:
       return "engine_lights";
     case DrawingExtra::kPlayback:
@@ -34,8 +36,9 @@ std::vector<DrawingRow> drawingRows(SceneSize size) {
     row = {.guides = 90, .width = 480, .height = 270, .shadowSize = 256};
   if (size == SceneSize::kQuick) row = {.guides = 9, .width = 96, .height = 54, .shadowSize = 64};
   std::vector<DrawingRow> rows;
-  for (const DrawingExtra extra : {DrawingExtra::kNone, DrawingExtra::kDepth, DrawingExtra::kMotion,
-                                   DrawingExtra::kInterpolation, DrawingExtra::kEngineLights}) {
+  for (const DrawingExtra extra :
+       {DrawingExtra::kNone, DrawingExtra::kDepth, DrawingExtra::kMotion,
+        DrawingExtra::kInterpolation, DrawingExtra::kStereo, DrawingExtra::kEngineLights}) {
     row.extra = extra;
     rows.push_back(row);
   }

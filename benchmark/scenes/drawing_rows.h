@@ -15,6 +15,7 @@ enum class DrawingExtra : uint8_t {
   kDepth,          ///< a view of depth alone
   kMotion,         ///< a view of depth and motion vectors
   kInterpolation,  ///< hair is drawn between two states of the simulation
+  kStereo,         ///< the picture of the other eye
   kEngineLights,   ///< the lights of sample/engine_lights in place of pelage's
   kPlayback,       ///< guides from caches, decoded meanwhile, in place of a simulation
 };

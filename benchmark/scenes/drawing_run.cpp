@@ -22,7 +22,8 @@ using sample::DemoScene;
 namespace {
 
 constexpr std::string_view kKeepPass = "keep_positions", kMeshPass = "mesh_pixel";
-constexpr float kShare = 0.5f;  // of the way from the state before to the last one
+constexpr float kShare = 0.5f;          // of the way from the state before to the last one
+constexpr float kBetweenEyes = 0.063f;  // [m]
 constexpr uint64_t kMaxBytes = uint64_t{4} << 30;
 
 // Adds passes from `first` on of the timings of several lists.
@@ -78,7 +79,11 @@ DrawingRun::DrawingRun(Workbench& workbench, DemoScene demo, const DrawingRow& r
   demo_.light.shadow = pelage::HairShadow::kDeep;
   demo_.light.shadowSize = row.shadowSize;
   const float aspect = static_cast<float>(row.width) / static_cast<float>(row.height);
-  view_ = sample::makeView(demo_.camera(aspect), row.width, row.height, 1);
+  sample::Camera camera = demo_.camera(aspect);
+  view_ = sample::makeView(camera, row.width, row.height, 1);
+  camera.eye.x += kBetweenEyes;
+  camera.target.x += kBetweenEyes;
+  otherView_ = sample::makeView(camera, row.width, row.height, 1);
   target_ = {.width = row.width, .height = row.height};
   settings_.maxBytes = kMaxBytes;
   settings_.maxBufferBytes = workbench.device.info().maxBufferBytes;
@@ -135,12 +140,18 @@ Result<void> DrawingRun::write() {
   lists_.resize(std::max<size_t>(lists_.size(), 1));
   lists_[0].clear();
   if (Result<void> done = demo_.draw(view_, settings_, lists_); !done) return done;
+  otherLists_.resize(std::max<size_t>(otherLists_.size(), 1));
+  otherLists_[0].clear();
+  if (row_.extra == DrawingExtra::kStereo)
+    if (Result<void> done = demo_.draw(otherView_, settings_, otherLists_); !done) return done;
   if (drawsDepth())
     if (Result<void> done = drawDepth(); !done) return done;
 
   scene.finish(simulation_);
   if (!between_.passes.empty()) scene.finish(between_);
   for (PassList& list : lists_) scene.finish(list);
+  if (row_.extra == DrawingExtra::kStereo)
+    for (PassList& list : otherLists_) scene.finish(list);
   if (drawsDepth()) scene.finish(depth_);
   return workbench_.device.update(scene.resources());
 }
@@ -177,25 +188,35 @@ Result<void> DrawingRun::simulate(FrameFigures* figures) {
   return {};
 }
 
-// The picture, then depth in a target of its own.
-Result<void> DrawingRun::show(FrameFigures* figures) {
+Result<pelage::RenderedImage> DrawingRun::showView(const std::vector<PassList>& view,
+                                                   FrameFigures* figures) {
   std::vector<PassTiming> timings;
-  std::vector<PassTiming>* const wanted = figures != nullptr ? &timings : nullptr;
   std::vector<const PassList*> lists;
-  for (const PassList& list : lists_) lists.push_back(&list);
-  auto picture = workbench_.device.render(lists, target_, wanted);
-  if (!picture) return picture.error();
-  picture_ = *std::move(picture);
+  for (const PassList& list : view) lists.push_back(&list);
+  auto picture = workbench_.device.render(lists, target_, figures != nullptr ? &timings : nullptr);
+  if (!picture || figures == nullptr) return picture;
   size_t first = 0;
-  for (const PassList& list : lists_) {
-    if (figures != nullptr)
-      addPasses(*figures, list, timings, first,
-                [&](const PassList& of, const Pass& pass) { return groupInPicture(of, pass); });
+  for (const PassList& list : view) {
+    addPasses(*figures, list, timings, first,
+              [&](const PassList& of, const Pass& pass) { return groupInPicture(of, pass); });
     first += list.passes.size();
   }
+  return picture;
+}
+
+// The picture, then that of the other eye or depth in targets of their own.
+Result<void> DrawingRun::show(FrameFigures* figures) {
+  auto picture = showView(lists_, figures);
+  if (!picture) return picture.error();
+  picture_ = *std::move(picture);
+  if (row_.extra == DrawingExtra::kStereo) {
+    const auto other = showView(otherLists_, figures);
+    return other ? Result<void>() : other.error();
+  }
   if (!drawsDepth()) return {};
-  const auto depth =
-      workbench_.device.render(depth_, {.width = row_.width, .height = row_.height}, wanted);
+  std::vector<PassTiming> timings;
+  const auto depth = workbench_.device.render(depth_, {.width = row_.width, .height = row_.height},
+                                              figures != nullptr ? &timings : nullptr);
   if (!depth) return depth.error();
   if (figures != nullptr)
     addPasses(*figures, depth_, timings, 0, [](const PassList&, const Pass& pass) {

@@ -65,6 +65,8 @@ class DrawingRun {
   pelage::Result<void> write();
   pelage::Result<void> drawDepth();
   pelage::Result<void> simulate(FrameFigures* figures);
+  pelage::Result<pelage::RenderedImage> showView(const std::vector<pelage::PassList>& view,
+                                                 FrameFigures* figures);
   pelage::Result<void> show(FrameFigures* figures);
   PassGroup groupInSimulation(const pelage::PassList& list, const pelage::Pass& pass) const;
   PassGroup groupInPicture(const pelage::PassList& list, const pelage::Pass& pass) const;
@@ -75,11 +77,11 @@ class DrawingRun {
   DrawingDef def_;
   std::optional<pelage::EngineLights> lights_;
   bool chosen_ = false;
-  pelage::View view_;
+  pelage::View view_, otherView_;
   pelage::RenderTargetDef target_;
   pelage::TransparencySettings settings_;
   pelage::PassList simulation_, between_, depth_;
-  std::vector<pelage::PassList> lists_;  ///< of the picture
+  std::vector<pelage::PassList> lists_, otherLists_;  ///< of the picture, of the other eye's
   pelage::RenderedImage picture_;
   Playback playback_;
   double showUs_ = 0;
