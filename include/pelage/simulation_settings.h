@@ -117,6 +117,12 @@ struct SimulationSettings {
   /// Exact: number of sub-steps per step of at most 1/60 s, 1..32. The error falls with the power
   /// of 1.5 to 1.9 of this number, up to 8 (docs/numerics.md). The cost is proportional to it.
   uint32_t subSteps = 1;
+  /// Exact: most sub-steps of a step in which colliders move fast against the hair, 1..32. Where
+  /// a capsule in reach moves by more than two thirds of its radius in a sub-step, or a mesh by
+  /// more than 1.5 cells, seen from the middle of the roots, there are as many as it takes for half
+  /// a radius or cell each: thin things would else go through hair. Another number wakes hair that
+  /// sleeps. At subSteps or less there are never more than subSteps.
+  uint32_t maxSubSteps = 16;
   /// Classic: how strongly each segment keeps its bind angle to the previous one, 0..1; at 0 the
   /// kernel skips the local shape.
   float localStiffness = 0.9f;

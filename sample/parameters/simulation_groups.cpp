@@ -132,6 +132,7 @@ std::vector<Parameter> mainRows() {
             show(with(falling(40), damped), std::vector{1u, 4u, 16u},
                  setting(&SimulationSettings::subSteps),
                  "0.67 s after the lock was released, undamped: one step damps the swing.")),
+      tuned("SimulationSettings", "maxSubSteps"),
   };
 }
 

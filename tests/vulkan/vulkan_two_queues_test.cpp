@@ -21,8 +21,8 @@ using runtime_test::Engine;
 using runtime_test::EngineRun;
 using runtime_test::tagged;
 
-// What the runtime asked of Vulkan. A device with one family counts as one with a second family,
-// that only computes, and whose command buffers go to the only queue there is.
+// Records what the runtime calls. Where a device has one family, the runtime sees a second one that
+// only computes; its command buffers go to the queue of the first.
 struct Watch {
   bool pretends = false;
   uint32_t pretended = 0;  // the family that is not there
@@ -122,7 +122,7 @@ class VulkanTwoQueues : public testing::Test, protected EngineRun {
     return def;
   }
 
-  // Simulation first, then the views; each waits for what came before it, on the other queue.
+  // The simulation waits for the views of the frame before, and the views for the simulation.
   void submitBoth(bool isFirst, const Engine::Frame& views) {
     const VkPipelineStageFlags all = VK_PIPELINE_STAGE_ALL_COMMANDS_BIT;
     const auto send = [&](const Engine::Frame& frame, VkQueue queue, const VkSemaphore* waits,

@@ -56,6 +56,14 @@ std::vector<Parameter> mainRows() {
           .within(1, 32)
           .ofSolver("exact")
           .pictured(),
+      PELAGE_PARAMETER(SimulationSettings, maxSubSteps)
+          .says(
+              "", "1..32",
+              "Most sub-steps where colliders move fast against the hair: in a sub-step by more "
+              "than two thirds of a capsule's radius, or 1.5 cells of a mesh. At subSteps or less "
+              "there are never more than subSteps.")
+          .within(1, 32)
+          .ofSolver("exact"),
   };
 }
 

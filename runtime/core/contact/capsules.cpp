@@ -67,6 +67,25 @@ size_t packCapsules(std::span<const CapsuleCollider> capsules,
   return count;
 }
 
+double wayInRadii(std::span<const CapsuleCollider> capsules,
+                  std::span<const CapsuleCollider> capsulesBefore, const Ball& ball, Float3 moved) {
+  constexpr float kThinnest = 1e-3f;  // [m]
+  double most = 0;
+  for (size_t i = 0; i < std::min(capsules.size(), capsulesBefore.size()); ++i) {
+    const CapsuleCollider& now = capsules[i];
+    const CapsuleCollider& before = capsulesBefore[i];
+    if (!isValid(now) || !isValid(before)) continue;
+    if (!reaches(now, ball) && !reaches(before, ball)) continue;
+    const float radius = std::max(std::min(now.headRadius, now.tailRadius), kThinnest);
+    const auto way = [&](Float3 from, Float3 to) {
+      return distance(to, {from.x + moved.x, from.y + moved.y, from.z + moved.z});
+    };
+    most = std::max(most, double{std::max(way(before.head, now.head), way(before.tail, now.tail))} /
+                              double{radius});
+  }
+  return most;
+}
+
 void moveCapsules(std::span<CapsuleCollider> capsules, const WorldMove& move) {
   for (CapsuleCollider& capsule : capsules) {
     move.point(capsule.head);

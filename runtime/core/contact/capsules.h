@@ -19,6 +19,10 @@ bool areReplaced(std::span<const CapsuleCollider> before, std::span<const Capsul
 size_t packCapsules(std::span<const CapsuleCollider> capsules,
                     std::span<const CapsuleCollider> capsulesBefore, const LocalOrigin& origin,
                     const Ball& ball, float seconds, std::span<Collider> packed = {});
+/// The way of the fastest capsule that reaches a ball, over its smaller radius.
+/// \param moved  displacement of the hair [m]
+double wayInRadii(std::span<const CapsuleCollider> capsules,
+                  std::span<const CapsuleCollider> capsulesBefore, const Ball& ball, Float3 moved);
 void moveCapsules(std::span<CapsuleCollider> capsules, const WorldMove& move);
 /// After shifts of the world: capsules that moved by no more than an engine's rounding have not
 /// moved. \param roundedShift  sum of the largest components of the shifts [m]

@@ -1,6 +1,7 @@
 #include "contact/hair_colliders.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "contact/capsules.h"
 #include "passes/upload_memory.h"
@@ -40,6 +41,27 @@ ContactInputs HairColliders::inputs() const {
           .masks = c.masks(),
           .maskWords = c.maskWords(),
           .rows = c.rows()};
+}
+
+uint32_t HairColliders::subSteps(const HairInputs& inputs, const SimulationSettings& settings,
+                                 const Ball& ball, const SdfRoom* sdfs, uint32_t steps) const {
+  if (!middleBefore_ || settings.maxSubSteps <= settings.subSteps) return settings.subSteps;
+  const Float3 middle = middleOf(inputs.bounds, inputs.bones);
+  const Float3 moved = {middle.x - middleBefore_->x, middle.y - middleBefore_->y,
+                        middle.z - middleBefore_->z};
+  // Ways in radii and cells. What is slower in a sub-step than the first needs no more of them.
+  const auto needs = [&](double way, double slow) {
+    return way > slow * steps * settings.subSteps ? way / 0.5 : 0.0;
+  };
+  double needed = needs(wayInRadii(inputs.colliders, capsulesBefore_, ball, moved), 2.0 / 3);
+  if (sdfs != nullptr) {
+    const HairReach reach = {ball, inputs.meshColliders ? &*inputs.meshColliders : nullptr};
+    needed = std::max(needed, needs(sdfs->wayInCells(reach, moved), 1.5));
+  }
+  needed = std::ceil(needed / steps);
+  // Also for NaN.
+  if (!(needed > settings.subSteps)) return settings.subSteps;
+  return static_cast<uint32_t>(std::min(needed, static_cast<double>(settings.maxSubSteps)));
 }
 
 void HairColliders::record(HairFrame& frame, SdfRoom& sdfs, const Ball& ball,
@@ -105,6 +127,7 @@ bool HairColliders::sendCapsules(HairFrame& frame, const Ball& ball) {
   if (const uint64_t sdfs = inReach_.contactSdfCount; sdfs > 0)
     pack(uploadOf<Collider>(frame.list, frame.buffers.sdfs, count, sdfs * sizeof(Sdf)));
   capsulesBefore_ = capsules;
+  middleBefore_ = middleOf(frame.inputs.bounds, frame.inputs.bones);
   inReach_.capsules = frame.buffers.colliders;
   inReach_.capsuleCount = count;
   return wakes;
@@ -112,7 +135,8 @@ bool HairColliders::sendCapsules(HairFrame& frame, const Ball& ball) {
 
 void HairColliders::beginContacts(HairFrame& frame, const Strands& strands) {
   const bool exact = isExact(frame);
-  const uint32_t subSteps = exact ? frame.settings.subSteps : 1;
+  const uint32_t subSteps =
+      exact ? std::max(frame.settings.subSteps, frame.settings.maxSubSteps) : 1;
   // A reset of the classic solver takes the bind pose, and moves nothing.
   const bool any = (exact || !frame.reset) && inReach_.any();
   if (frame.reset || !any) contacts_.forget();
@@ -158,6 +182,7 @@ void HairColliders::pause(HairFrame& frame) {
   contacts_.clearTotals(frame.list);
   // Capsules have not moved when the hair collides again.
   capsulesBefore_ = frame.inputs.colliders;
+  middleBefore_.reset();
   rounded_ = 0;
 }
 

@@ -335,6 +335,23 @@ bool isMovePending(const HairFrameState& state) {
   return state.teleport.has_value() || shift.x != 0 || shift.y != 0 || shift.z != 0;
 }
 
+namespace {
+
+// More where colliders are fast. Moves of hair and world count as none.
+uint32_t subStepsOf(const HairStore& store, const HairObject& object, FrameMode mode,
+                    FrameTime time) {
+  const HairInternals& hair = HairStore::of(object);
+  const SimulationSettings& settings = object.settings;
+  if (mode != FrameMode::kSimulate || settings.solver != Solver::kExact || hair.resetPending ||
+      isMovePending(hair))
+    return settings.subSteps;
+  return hair.get<HairColliders>().subSteps(
+      hair, settings, ballOfCollisions(hair, settings.tipSeparation),
+      object.usesMeshColliders ? &store.sdfs : nullptr, time.steps);
+}
+
+}  // namespace
+
 HairFrame frameOf(HairStore& store, HairObject& object, const SimulationSettings& settings,
                   FrameMode mode, FrameTime time, PassList& list) {
   HairInternals& hair = HairStore::of(object);
@@ -372,9 +389,14 @@ Result<void> recordHair(HairStore& store, HairObject& object, FrameMode mode, Fr
                         PassList& list) {
   HairInternals& hair = HairStore::of(object);
   ++store.moves;
-  std::optional<SimulationSettings> posed;
-  if (mode == FrameMode::kPose) posed = withoutForces(object.settings);
-  const SimulationSettings& settings = posed ? *posed : object.settings;
+  std::optional<SimulationSettings> changed;
+  if (mode == FrameMode::kPose) changed = withoutForces(object.settings);
+  if (const uint32_t subSteps = subStepsOf(store, object, mode, time);
+      subSteps != object.settings.subSteps) {
+    changed = object.settings;
+    changed->subSteps = subSteps;
+  }
+  const SimulationSettings& settings = changed ? *changed : object.settings;
   HairWork work = {.store = store,
                    .object = object,
                    .hair = hair,

@@ -43,13 +43,14 @@ Box boxOfData(const SdfColliderInternals& collider) {
 }
 
 // A point of a box moves at most as far as one of its corners.
+// \param moved  displacement that does not count [m]
 float largestDisplacement(const BoneBox& bone, const AffineTransform& from,
-                          const AffineTransform& to) {
+                          const AffineTransform& to, Float3 moved = {}) {
   float largest = 0;
   for (uint32_t i = 0; i < 8; ++i) {
     const Float3 p = corner(bone.box, i);
     const Float3 a = transformPoint(from, p), b = transformPoint(to, p);
-    const Float3 displacement = {b.x - a.x, b.y - a.y, b.z - a.z};
+    const Float3 displacement = {b.x - a.x - moved.x, b.y - a.y - moved.y, b.z - a.z - moved.z};
     const float distance =
         std::sqrt(displacement.x * displacement.x + displacement.y * displacement.y +
                   displacement.z * displacement.z);
@@ -319,6 +320,17 @@ float motionSinceBuild(const SdfColliderInternals& collider) {
                                                     collider.bones[bone.bone]));
   }
   return largest;
+}
+
+double wayInCells(const SdfColliderInternals& collider, Float3 moved) {
+  if (!collider.builtNow || !collider.moves || collider.bonesBefore.size() != collider.bones.size())
+    return 0;
+  float largest = 0;
+  for (const BoneBox& bone : collider.boneBoxes) {
+    largest = std::max(largest, largestDisplacement(bone, collider.bonesBefore[bone.bone],
+                                                    collider.bones[bone.bone], moved));
+  }
+  return double{largest} / double{collider.plan.cellSize};
 }
 
 float movedShare(const SdfColliderInternals& collider, float distance) {

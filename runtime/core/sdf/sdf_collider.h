@@ -27,8 +27,9 @@ struct BoneBox {
 
 /// The state of a collider that a frame changes, as HairFrameState.
 struct SdfFrameState {
-  HostArray<AffineTransform> builtBones;  ///< of the field; empty before the first build
-  uint64_t builtVersion = 0;              ///< likewise, of a skeleton on the GPU or of `dense`
+  HostArray<AffineTransform> builtBones;   ///< of the field; empty before the first build
+  HostArray<AffineTransform> bonesBefore;  ///< where the records' motion begins
+  uint64_t builtVersion = 0;               ///< likewise, of a skeleton on the GPU or of `dense`
   bool verticesChanged = true;
   bool mirrored = false;     ///< the tables have flipped triangles
   bool resetPending = true;  ///< there is no motion from the last frame
@@ -103,6 +104,9 @@ void shiftWorld(SdfColliderInternals& collider, const Vector3<double>& shift,
 void shiftWorld(SdfFrameState& state, const Vector3<double>& shift, const Vector3<double>& shifted);
 /// Upper bound of a vertex's displacement since the SDF was built [m]; infinity if it is not known.
 float motionSinceBuild(const SdfColliderInternals& collider);
+/// The way of the vertices in this frame, over the size of a cell; at most that of the box that is
+/// fastest. \param moved  displacement of the hair [m]
+double wayInCells(const SdfColliderInternals& collider, Float3 moved);
 /// Upper bound of the fraction of vertices that a bone moves by more than a distance [m], 0..1.
 float movedShare(const SdfColliderInternals& collider, float distance);
 

@@ -494,6 +494,7 @@ Result<void> SdfRoom::build(SdfCollider& collider, const BufferFactory& factory,
   if (!built) return built;
   c.builtNow = true;
   c.buildPending = c.resetPending = c.verticesChanged = false;
+  c.bonesBefore.swap(c.builtBones);
   c.builtBones = c.bones;
   c.builtVersion = c.skeleton != nullptr ? c.skeleton->version : 0;
   return {};
@@ -510,6 +511,20 @@ Result<void> SdfRoom::import(SdfColliderInternals& c, const BufferFactory& facto
   c.buildPending = c.resetPending = false;
   c.builtVersion = c.denseVersion;
   return {};
+}
+
+double SdfRoom::wayInCells(const HairReach& hair, Float3 moved) const {
+  double most = 0;
+  for (size_t slot = 0; slot < colliders.size(); ++slot) {
+    const SdfCollider* held = colliders[slot];
+    if (held == nullptr || !held->internals_->active || !meets(hair, colliders.idOf(slot)))
+      continue;
+    Ball ball = hair.ball;
+    ball.radius += held->margin;
+    if (reaches(boundsOf(*held->internals_), ball))
+      most = std::max(most, detail::wayInCells(*held->internals_, moved));
+  }
+  return most;
 }
 
 const SdfRoom::InReach& SdfRoom::inReach(const HairReach* hair, const LocalOrigin& origin) {

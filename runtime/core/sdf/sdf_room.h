@@ -69,6 +69,9 @@ class SdfRoom {
   /// The fields of the frame that hair can reach, relative to an origin. They stay until the next
   /// call. \param hair  nullptr: none
   const InReach& inReach(const HairReach* hair, const LocalOrigin& origin);
+  /// The way of the fastest field in reach in this frame, in its cells. \param moved  displacement
+  /// of the hair [m]
+  double wayInCells(const HairReach& hair, Float3 moved) const;
 
   Result<SdfData> copy(ColliderId id, std::span<const std::byte> keys,
                        std::span<const std::byte> surface) const;

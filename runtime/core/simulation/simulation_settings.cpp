@@ -101,6 +101,10 @@ Result<void> validate(const SimulationSettings& s) {
     return outOfRange("subSteps", std::to_string(s.subSteps),
                       "in 1.." + std::to_string(kMaxSubStepsOfAStep));
   }
+  if (s.maxSubSteps < 1 || s.maxSubSteps > kMaxSubStepsOfAStep) {
+    return outOfRange("maxSubSteps", std::to_string(s.maxSubSteps),
+                      "in 1.." + std::to_string(kMaxSubStepsOfAStep));
+  }
   if (s.localIterations < 1 || s.localIterations > 16)
     return outOfRange("localIterations", std::to_string(s.localIterations), "in 1..16");
   if (s.lengthIterations < 1 || s.lengthIterations > 16)
