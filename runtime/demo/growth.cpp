@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "base/portable_math.h"
 
@@ -21,12 +22,10 @@ constexpr size_t kMostMisses = 1000;
 // Streams of the generator: one for the roots, then one a strand.
 constexpr uint64_t kFirstStrandStream = 1;
 
-// Points on the ground, no two closer than spacing(): dart throwing (Cook 1986, "Stochastic
-// Sampling in Computer Graphics") on an area-weighted choice of triangles. When darts no longer
-// find a gap the spacing shrinks, so that the wanted number is always reached.
-class RootSampler {
+// Draws points of the ground's triangles where hair grows, uniform in area.
+class GroundDarts {
  public:
-  RootSampler(const CollisionMesh& mesh, const HairGround& ground) : mesh_(mesh), ground_(ground) {
+  GroundDarts(const CollisionMesh& mesh, const HairGround& ground) : mesh_(mesh) {
     double area = 0;
     for (size_t t = 0; t + 2 < mesh.indices.size(); t += 3) {
       const Vector a = corner(t), b = corner(t + 1), c = corner(t + 2);
@@ -37,29 +36,17 @@ class RootSampler {
   }
 
   bool empty() const { return triangles_.empty(); }
-  double spacing() const { return spacing_; }
+  double area() const { return triangles_.back().areaUpToHere; }
 
-  std::vector<HairRoot> sample(uint32_t count, Random& random) {
-    // A dense triangular lattice has area * 2 / sqrt(3) / spacing^2 points; start above it.
-    const double area = triangles_.back().areaUpToHere;
-    spacing_ = std::sqrt(area * 1.1547 / count);
-    wanted_ = count;
-    std::vector<HairRoot> roots;
-    rebuild(roots);
-    uint32_t misses = 0;
-    while (roots.size() < count) {
-      const Vector p = throwDart(random);
-      if (ground_.grows(p) && isFree(p, roots)) {
-        insert(p, static_cast<uint32_t>(roots.size()));
-        roots.push_back({p, ground_.rootNormal(p)});
-        misses = 0;
-      } else if (++misses > 40 + std::min(roots.size() / 4, kMostMisses)) {
-        spacing_ *= 0.97;
-        rebuild(roots);
-        misses = 0;
-      }
-    }
-    return roots;
+  Vector next(Random& random) const {
+    const double target = random.uniformDouble() * area();
+    const auto found =
+        std::upper_bound(triangles_.begin(), triangles_.end() - 1, target,
+                         [](double value, const Triangle& t) { return value < t.areaUpToHere; });
+    // Uniform in a triangle: Turk 1990, "Generating Random Points in Triangles".
+    const double s = std::sqrt(random.uniformDouble()), t = random.uniformDouble();
+    const size_t i = found->firstIndex;
+    return corner(i) * (1 - s) + corner(i + 1) * (s * (1 - t)) + corner(i + 2) * (s * t);
   }
 
  private:
@@ -70,18 +57,35 @@ class RootSampler {
 
   Vector corner(size_t index) const { return toVector(mesh_.positions[mesh_.indices[index]]); }
 
-  Vector throwDart(Random& random) const {
-    const double target = random.uniformDouble() * triangles_.back().areaUpToHere;
-    const auto found =
-        std::upper_bound(triangles_.begin(), triangles_.end() - 1, target,
-                         [](double value, const Triangle& t) { return value < t.areaUpToHere; });
-    // Uniform in a triangle: Turk 1990, "Generating Random Points in Triangles".
-    const double s = std::sqrt(random.uniformDouble()), t = random.uniformDouble();
-    const size_t i = found->firstIndex;
-    return corner(i) * (1 - s) + corner(i + 1) * (s * (1 - t)) + corner(i + 2) * (s * t);
+  const CollisionMesh& mesh_;
+  std::vector<Triangle> triangles_;
+};
+
+// A hash grid of roots with cells of the spacing's size: a neighbor is in one of 27 cells.
+class RootGrid {
+ public:
+  RootGrid(const std::vector<HairRoot>& roots, uint32_t wanted, double spacing)
+      : spacing_(spacing), heads_(std::max<size_t>(64, 2 * size_t{wanted}), kEnd) {
+    for (const HairRoot& root : roots) insert(root.position);
   }
 
-  // A hash grid with cells of the spacing's size: a neighbor is in one of 27 cells.
+  void insert(const Vector& p) {
+    const auto c = cellOf(p);
+    uint32_t& head = heads_[bucket(c[0], c[1], c[2])];
+    next_.push_back(std::exchange(head, static_cast<uint32_t>(next_.size())));
+  }
+
+  bool isFree(const Vector& p, const std::vector<HairRoot>& roots) const {
+    const auto c = cellOf(p);
+    for (int64_t z = -1; z <= 1; ++z)
+      for (int64_t y = -1; y <= 1; ++y)
+        for (int64_t x = -1; x <= 1; ++x)
+          for (uint32_t i = heads_[bucket(c[0] + x, c[1] + y, c[2] + z)]; i != kEnd; i = next_[i])
+            if (length(roots[i].position - p) < spacing_) return false;
+    return true;
+  }
+
+ private:
   static constexpr uint32_t kEnd = 0xffffffffu;
 
   size_t bucket(int64_t x, int64_t y, int64_t z) const {
@@ -96,35 +100,8 @@ class RootSampler {
             static_cast<int64_t>(std::floor(p.z / spacing_))};
   }
 
-  void rebuild(const std::vector<HairRoot>& roots) {
-    heads_.assign(std::max<size_t>(64, 2 * size_t{wanted_}), kEnd);
-    next_.clear();
-    for (size_t i = 0; i < roots.size(); ++i) insert(roots[i].position, static_cast<uint32_t>(i));
-  }
-
-  void insert(const Vector& p, uint32_t index) {
-    const auto c = cellOf(p);
-    uint32_t& head = heads_[bucket(c[0], c[1], c[2])];
-    next_.push_back(head);
-    head = index;
-  }
-
-  bool isFree(const Vector& p, const std::vector<HairRoot>& roots) const {
-    const auto c = cellOf(p);
-    for (int64_t z = -1; z <= 1; ++z)
-      for (int64_t y = -1; y <= 1; ++y)
-        for (int64_t x = -1; x <= 1; ++x)
-          for (uint32_t i = heads_[bucket(c[0] + x, c[1] + y, c[2] + z)]; i != kEnd; i = next_[i])
-            if (length(roots[i].position - p) < spacing_) return false;
-    return true;
-  }
-
-  const CollisionMesh& mesh_;
-  const HairGround& ground_;
-  std::vector<Triangle> triangles_;
+  double spacing_;
   std::vector<uint32_t> heads_, next_;
-  uint32_t wanted_ = 0;
-  double spacing_ = 0;
 };
 
 Vector unitVector(Random& random) {
@@ -134,104 +111,60 @@ Vector unitVector(Random& random) {
   return {radius * rotation.cosine, radius * rotation.sine, z};
 }
 
-}  // namespace
-
-HairRoots sampleRoots(const CollisionMesh& mesh, const HairGround& ground, uint32_t count,
-                      Random& random) {
-  RootSampler sampler(mesh, ground);
-  if (sampler.empty()) return {};
-  HairRoots result;
-  result.roots = sampler.sample(count, random);
-  result.spacing = sampler.spacing();
-  return result;
-}
-
-HairGrower::HairGrower(const GroomDef& def, const HairGround& ground,
-                       const std::vector<HairRoot>& roots)
-    : def_(def),
-      ground_(ground),
-      roots_(roots),
-      pointCount_((def.verticesPerStrand - 1) * kPointsPerSegment + 1) {
-  const uint32_t count = def.strandCount;
-  lengths_.resize(count);
-  paths_.resize(count);
-  for (uint32_t i = 0; i < count; ++i) {
-    Random random(def.seed, kFirstStrandStream + i);
-    lengths_[i] = def.length * (1 - def.lengthVariation * random.uniformDouble()) *
-                  ground.lengthShare(roots[i].position);
-    paths_[i] = grow(roots[i], lengths_[i], random.uniformDouble());
-  }
-  findClumps();
-  makeCurls();
-}
-
-float HairGrower::thickness(uint32_t index) const {
-  Random random(def_.seed, kFirstStrandStream + 3 * uint64_t{def_.strandCount} + index);
-  return 1 - def_.thicknessVariation * random.uniform();
+// Points of a strand's path before it is resampled.
+uint32_t pointCountOf(const GroomDef& def) {
+  return (def.verticesPerStrand - 1) * kPointsPerSegment + 1;
 }
 
 // Moves a point out of the ground.
-Vector HairGrower::pushOut(Vector p) const {
+Vector pushOut(const HairGround& ground, Vector p) {
   for (int step = 0; step < 64; ++step) {
-    const double d = ground_.surface(p);
+    const double d = ground.surface(p);
     if (d >= kHairClearance) break;
-    p += ground_.normal(p) * (kHairClearance - d + 1e-5);
+    p += ground.normal(p) * (kHairClearance - d + 1e-5);
   }
   return p;
 }
 
-Path HairGrower::strand(uint32_t index) const {
-  const uint32_t center = clumpOf_[index];
-  Random random(def_.seed, kFirstStrandStream + def_.strandCount + index);
-  const std::array<Wave, 3> waves = {wave(random, 1), wave(random, 2), wave(random, 4)};
-  Path path = paths_[index];
-  for (uint32_t k = 1; k < pointCount_; ++k) {
-    const double share = static_cast<double>(k) / (pointCount_ - 1);
-    const double meters = share * lengths_[index];
-    Vector p = path[k];
-    const double pull = def_.clumpStrength * share * std::sqrt(share);
-    p = lerp(p, paths_[center][k], pull);
-    p += curls_[curlOf_[center]][k];
-    for (const Wave& w : waves)
-      p += w.direction *
-           (w.amplitude * def_.noise * share * sinCos(w.phase + w.frequency * meters).sine);
-    path[k] = pushOut(p);
-  }
-  return resample(path, lengths_[index]);
-}
+struct Wave {
+  Vector direction;
+  double amplitude, frequency, phase;
+};
 
-HairGrower::Wave HairGrower::wave(Random& random, double octave) {
+Wave waveOf(Random& random, double octave) {
   return {unitVector(random), 1 / octave, octave * 9 * (1 + random.uniformDouble()),
           kTwoPi * random.uniformDouble()};
 }
 
 // The smooth path before locks, curls and noise. `layer` 0..1: how far out in the layer of hair.
 // Hair from below lies under the hair that falls over it from above.
-Path HairGrower::grow(const HairRoot& root, double length, double layer) const {
-  const double above = ground_.height(root.position);
-  const SinCos lift = sinCos(def_.lift * (0.3 + 0.7 * above));
-  const double volume = def_.volume * (0.1 + 0.9 * above) * (0.4 + 0.6 * layer);
-  const double step = length / (pointCount_ - 1);
+Path grow(const GroomDef& def, const HairGround& ground, const HairRoot& root, double length,
+          double layer) {
+  const uint32_t points = pointCountOf(def);
+  const double above = ground.height(root.position);
+  const SinCos lift = sinCos(def.lift * (0.3 + 0.7 * above));
+  const double volume = def.volume * (0.1 + 0.9 * above) * (0.4 + 0.6 * layer);
+  const double step = length / (points - 1);
   Vector direction = normalizeOr(
-      root.normal * lift.sine + ground_.combDirection(root.position, root.normal) * lift.cosine,
+      root.normal * lift.sine + ground.combDirection(root.position, root.normal) * lift.cosine,
       root.normal);
   // Near an ear the root is under the smoothed surface; the hair comes out of it by and by.
-  const double rootClearance = std::min(ground_.combedSurface(root.position), kHairClearance);
-  Path path(pointCount_);
+  const double rootClearance = std::min(ground.combedSurface(root.position), kHairClearance);
+  Path path(points);
   path[0] = root.position;
-  for (uint32_t k = 1; k < pointCount_; ++k) {
+  for (uint32_t k = 1; k < points; ++k) {
     const Vector& p = path[k - 1];
     const double near =
-        1 - smoothStep(0.005, 0.04, ground_.combedSurface(p));  // only the ground combs
-    Vector bend = Vector{0, -1, 0} * def_.droop;
-    if (near > 0) bend += ground_.combDirection(p, ground_.rootNormal(p)) * (def_.comb * near);
+        1 - smoothStep(0.005, 0.04, ground.combedSurface(p));  // only the ground combs
+    Vector bend = Vector{0, -1, 0} * def.droop;
+    if (near > 0) bend += ground.combDirection(p, ground.rootNormal(p)) * (def.comb * near);
     direction = normalizeOr(direction + bend * step, direction);
     Vector next = p + direction * step;
     const double reached = smoothStep(0, 0.04, step * k);
     const double clearance = rootClearance + (kHairClearance + volume - rootClearance) * reached;
-    const double gap = clearance - ground_.combedSurface(next);
+    const double gap = clearance - ground.combedSurface(next);
     if (gap > 0) {
-      const Vector normal = ground_.combedNormal(next);
+      const Vector normal = ground.combedNormal(next);
       next += normal * gap;
       direction =
           normalizeOr(direction - normal * std::min(dot(direction, normal), 0.0), direction);
@@ -243,84 +176,154 @@ Path HairGrower::grow(const HairRoot& root, double length, double layer) const {
 
 // Centres of the locks by farthest-point sampling; each strand joins the nearest one that is
 // combed alike.
-void HairGrower::findClumps() {
-  const uint32_t count = def_.strandCount;
-  clumpOf_.resize(count);
-  for (uint32_t i = 0; i < count; ++i) clumpOf_[i] = i;
-  curlOf_.assign(count, 0);
-  if (def_.clumpCount == 0) {
-    for (uint32_t i = 0; i < count; ++i) curlOf_[i] = i;
-    centers_ = clumpOf_;
-    return;
+Clumps findClumps(const GroomDef& def, const HairGround& ground,
+                  const std::vector<HairRoot>& roots) {
+  const uint32_t count = def.strandCount;
+  Clumps clumps;
+  clumps.of.resize(count);
+  for (uint32_t i = 0; i < count; ++i) clumps.of[i] = i;
+  clumps.curlOf.assign(count, 0);
+  if (def.clumpCount == 0) {
+    for (uint32_t i = 0; i < count; ++i) clumps.curlOf[i] = i;
+    clumps.centers = clumps.of;
+    return clumps;
   }
   std::vector<Vector> combs(count);
   for (uint32_t i = 0; i < count; ++i)
-    combs[i] = ground_.combDirection(roots_[i].position, roots_[i].normal);
+    combs[i] = ground.combDirection(roots[i].position, roots[i].normal);
   std::vector<double> nearest(count, 1e9), spread(count, 1e9);
   uint32_t center = 0;
-  for (uint32_t c = 0; c < std::min(def_.clumpCount, count); ++c) {
-    curlOf_[center] = c;
-    centers_.push_back(center);
+  for (uint32_t c = 0; c < std::min(def.clumpCount, count); ++c) {
+    clumps.curlOf[center] = c;
+    clumps.centers.push_back(center);
     uint32_t farthest = 0;
     for (uint32_t i = 0; i < count; ++i) {
-      const double distance = length(roots_[i].position - roots_[center].position);
+      const double distance = length(roots[i].position - roots[center].position);
       spread[i] = std::min(spread[i], distance);
       if (spread[i] > spread[farthest]) farthest = i;
       const double weighted = distance * (1 + 4 * (1 - dot(combs[i], combs[center])));
       if (weighted < nearest[i]) {
         nearest[i] = weighted;
-        clumpOf_[i] = center;
+        clumps.of[i] = center;
       }
     }
     center = farthest;
   }
+  return clumps;
 }
 
-// One helix a lock, in a frame carried along the lock's central strand.
-void HairGrower::makeCurls() {
-  curls_.resize(centers_.size());
-  for (size_t c = 0; c < centers_.size(); ++c) {
-    const uint32_t center = centers_[c];
-    Random random(def_.seed, kFirstStrandStream + 2 * uint64_t{def_.strandCount} + center);
-    const double phase = kTwoPi * random.uniformDouble();
-    const double frequency = def_.curlFrequency * (0.8 + 0.4 * random.uniformDouble());
-    const Path& path = paths_[center];
-    curls_[c].resize(pointCount_);
-    Vector tangent = {1, 0, 0};
-    UnitQuaternion<double> frame;
-    for (uint32_t k = 0; k < pointCount_; ++k) {
-      const Vector next =
-          k + 1 < pointCount_ ? normalizeOr(path[k + 1] - path[k], tangent) : tangent;
-      frame = normalized(shortestArc(tangent, next) * frame);
-      tangent = next;
-      const double share = static_cast<double>(k) / (pointCount_ - 1);
-      const SinCos rotation = sinCos(phase + kTwoPi * frequency * share * lengths_[center]);
-      const double radius = def_.curlRadius * smoothStep(0, 0.5, share);
-      curls_[c][k] = rotate(frame, Vector{0, radius * rotation.cosine, radius * rotation.sine});
-    }
+// The helix of a lock around its central strand, in a frame carried along that.
+Path curlAround(const GroomDef& def, uint32_t center, const Path& path, double length) {
+  Path curl(path.size());
+  Random random(def.seed, kFirstStrandStream + 2 * uint64_t{def.strandCount} + center);
+  const double phase = kTwoPi * random.uniformDouble();
+  const double frequency = def.curlFrequency * (0.8 + 0.4 * random.uniformDouble());
+  Vector tangent = {1, 0, 0};
+  UnitQuaternion<double> frame;
+  for (size_t k = 0; k < path.size(); ++k) {
+    const Vector next = k + 1 < path.size() ? normalizeOr(path[k + 1] - path[k], tangent) : tangent;
+    frame = normalized(shortestArc(tangent, next) * frame);
+    tangent = next;
+    const double share = static_cast<double>(k) / static_cast<double>(path.size() - 1);
+    const SinCos rotation = sinCos(phase + kTwoPi * frequency * share * length);
+    const double radius = def.curlRadius * smoothStep(0, 0.5, share);
+    curl[k] = rotate(frame, Vector{0, radius * rotation.cosine, radius * rotation.sine});
   }
+  return curl;
 }
 
 // Vertices at equal distances along the path, `length` apart in all where the path is that long.
-Path HairGrower::resample(const Path& path, double length) const {
+Path resample(const GroomDef& def, const HairGround& ground, const Path& path, double length) {
   double total = 0;
   for (size_t k = 1; k < path.size(); ++k) total += detail::length(path[k] - path[k - 1]);
-  const double segment = std::min(length, total) / (def_.verticesPerStrand - 1);
+  const double segment = std::min(length, total) / (def.verticesPerStrand - 1);
   Path vertices = {path[0]};
   double walked = 0;
-  for (size_t k = 1; k < path.size() && vertices.size() < def_.verticesPerStrand; ++k) {
+  for (size_t k = 1; k < path.size() && vertices.size() < def.verticesPerStrand; ++k) {
     const double piece = detail::length(path[k] - path[k - 1]);
-    while (vertices.size() < def_.verticesPerStrand) {
+    while (vertices.size() < def.verticesPerStrand) {
       const double wanted = segment * static_cast<double>(vertices.size());
       if (wanted > walked + piece) break;
       const double t = piece > 0 ? (wanted - walked) / piece : 0;
-      vertices.push_back(pushOut(lerp(path[k - 1], path[k], saturate(t))));
+      vertices.push_back(pushOut(ground, lerp(path[k - 1], path[k], saturate(t))));
     }
     walked += piece;
   }
   // Rounding may leave the tip over.
-  while (vertices.size() < def_.verticesPerStrand) vertices.push_back(path.back());
+  while (vertices.size() < def.verticesPerStrand) vertices.push_back(path.back());
   return vertices;
+}
+
+}  // namespace
+
+// Dart throwing (Cook 1986, "Stochastic Sampling in Computer Graphics") on an area-weighted choice
+// of triangles. When darts no longer find a gap the spacing shrinks, so that the wanted number is
+// always reached.
+HairRoots sampleRoots(const CollisionMesh& mesh, const HairGround& ground, uint32_t count,
+                      Random& random) {
+  const GroundDarts darts(mesh, ground);
+  if (darts.empty()) return {};
+  HairRoots result;
+  std::vector<HairRoot>& roots = result.roots;
+  // A dense triangular lattice has area * 2 / sqrt(3) / spacing^2 points; start above it.
+  result.spacing = std::sqrt(darts.area() * 1.1547 / count);
+  RootGrid grid(roots, count, result.spacing);
+  uint32_t misses = 0;
+  while (roots.size() < count) {
+    const Vector p = darts.next(random);
+    if (ground.grows(p) && grid.isFree(p, roots)) {
+      grid.insert(p);
+      roots.push_back({p, ground.rootNormal(p)});
+      misses = 0;
+    } else if (++misses > 40 + std::min(roots.size() / 4, kMostMisses)) {
+      result.spacing *= 0.97;
+      grid = RootGrid(roots, count, result.spacing);
+      misses = 0;
+    }
+  }
+  return result;
+}
+
+HairGrower::HairGrower(const GroomDef& def, const HairGround& ground,
+                       const std::vector<HairRoot>& roots)
+    : def_(def), ground_(ground) {
+  const uint32_t count = def.strandCount;
+  lengths_.resize(count);
+  paths_.resize(count);
+  for (uint32_t i = 0; i < count; ++i) {
+    Random random(def.seed, kFirstStrandStream + i);
+    lengths_[i] = def.length * (1 - def.lengthVariation * random.uniformDouble()) *
+                  ground.lengthShare(roots[i].position);
+    paths_[i] = grow(def, ground, roots[i], lengths_[i], random.uniformDouble());
+  }
+  clumps_ = findClumps(def, ground, roots);
+  for (const uint32_t center : clumps_.centers)
+    curls_.push_back(curlAround(def, center, paths_[center], lengths_[center]));
+}
+
+float HairGrower::thickness(uint32_t index) const {
+  Random random(def_.seed, kFirstStrandStream + 3 * uint64_t{def_.strandCount} + index);
+  return 1 - def_.thicknessVariation * random.uniform();
+}
+
+Path HairGrower::strand(uint32_t index) const {
+  const uint32_t center = clumps_.of[index];
+  Random random(def_.seed, kFirstStrandStream + def_.strandCount + index);
+  const std::array<Wave, 3> waves = {waveOf(random, 1), waveOf(random, 2), waveOf(random, 4)};
+  Path path = paths_[index];
+  for (size_t k = 1; k < path.size(); ++k) {
+    const double share = static_cast<double>(k) / static_cast<double>(path.size() - 1);
+    const double meters = share * lengths_[index];
+    Vector p = path[k];
+    const double pull = def_.clumpStrength * share * std::sqrt(share);
+    p = lerp(p, paths_[center][k], pull);
+    p += curls_[clumps_.curlOf[center]][k];
+    for (const Wave& w : waves)
+      p += w.direction *
+           (w.amplitude * def_.noise * share * sinCos(w.phase + w.frequency * meters).sine);
+    path[k] = pushOut(ground_, p);
+  }
+  return resample(def_, ground_, path, lengths_[index]);
 }
 
 }  // namespace pelage::detail

@@ -51,6 +51,13 @@ HairRoots sampleRoots(const CollisionMesh& mesh, const HairGround& ground, uint3
 
 using Path = std::vector<Vector>;
 
+/// The locks that strands gather in.
+struct Clumps {
+  std::vector<uint32_t> of;       ///< [strand] central strand of its lock
+  std::vector<uint32_t> centers;  ///< the central strands
+  std::vector<uint32_t> curlOf;   ///< [central strand] its number in `centers`
+};
+
 /// The strands of a definition that is valid, at roots as many as it has strands. Of the
 /// definition, `style`, `hairline` and `stripWidth` are the ground's.
 class HairGrower {
@@ -63,27 +70,12 @@ class HairGrower {
   float thickness(uint32_t index) const;
 
  private:
-  struct Wave {
-    Vector direction;
-    double amplitude, frequency, phase;
-  };
-  static Wave wave(Random& random, double octave);
-  Vector pushOut(Vector p) const;
-  Path grow(const HairRoot& root, double length, double layer) const;
-  void findClumps();
-  void makeCurls();
-  Path resample(const Path& path, double length) const;
-
   const GroomDef& def_;
   const HairGround& ground_;
-  const std::vector<HairRoot>& roots_;
-  uint32_t pointCount_;
   std::vector<double> lengths_;
   std::vector<Path> paths_;
-  std::vector<uint32_t> clumpOf_;  // central strand of each strand's lock
-  std::vector<uint32_t> centers_;
-  std::vector<uint32_t> curlOf_;  // index into curls_, of central strands
-  std::vector<Path> curls_;
+  Clumps clumps_;
+  std::vector<Path> curls_;  // [Clumps::curlOf]
 };
 
 }  // namespace pelage::detail

@@ -1,19 +1,20 @@
 #include "surface_net.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
-#include <utility>
+#include <optional>
+#include <vector>
 
 namespace pelage::detail {
 
 namespace {
 
-// Naive surface nets (Gibson 1998, "Constrained Elastic Surface Nets"): a vertex in each cell that
-// the surface crosses, a quad around each grid edge that it crosses.
-class SurfaceNet {
+// Distances of a solid at the nodes of a grid.
+class SolidNodes {
  public:
-  SurfaceNet(const Solid& solid, const SolidBox& box, double cellSize)
+  SolidNodes(const Solid& solid, const SolidBox& box, double cellSize)
       : solid_(solid), cell_(cellSize) {
     const Vector size = box.high - box.low;
     for (size_t axis = 0; axis < 3; ++axis) {
@@ -25,21 +26,20 @@ class SurfaceNet {
               Vector{node(count_[0] - 1), node(count_[1] - 1), node(count_[2] - 1)} * 0.5;
     sample();
     resolveAmbiguousFaces();
-    makeVertices();
-    makeTriangles();
   }
 
-  SurfaceMesh take() { return std::move(mesh_); }
-
- private:
-  static constexpr uint32_t kNone = std::numeric_limits<uint32_t>::max();
-  static constexpr size_t kBlock = 4;  // nodes an edge
-
-  double node(size_t i) const { return static_cast<double>(i) * cell_; }
+  size_t size() const { return values_.size(); }
+  size_t count(size_t axis) const { return count_[axis]; }
   size_t at(size_t i, size_t j, size_t k) const { return (k * count_[1] + j) * count_[0] + i; }
+  double value(size_t i, size_t j, size_t k) const { return values_[at(i, j, k)]; }
   Vector point(size_t i, size_t j, size_t k) const {
     return origin_ + Vector{node(i), node(j), node(k)};
   }
+
+ private:
+  static constexpr size_t kBlock = 4;  // nodes an edge
+
+  double node(size_t i) const { return static_cast<double>(i) * cell_; }
 
   // Blocks of nodes that the surface cannot reach take the distance of their middle, of which only
   // the sign is used.
@@ -87,79 +87,90 @@ class SurfaceNet {
     return true;
   }
 
-  void makeVertices() {
-    cellVertex_.assign(values_.size(), kNone);
-    for (size_t k = 0; k + 1 < count_[2]; ++k)
-      for (size_t j = 0; j + 1 < count_[1]; ++j)
-        for (size_t i = 0; i + 1 < count_[0]; ++i) makeVertex(i, j, k);
-  }
-
-  void makeVertex(size_t i, size_t j, size_t k) {
-    Vector sum;
-    int crossings = 0;
-    for (size_t a = 0; a < 8; ++a) {
-      for (size_t axis = 0; axis < 3; ++axis) {
-        const size_t b = a | size_t{1} << axis;
-        if (b == a) continue;
-        const double va = values_[at(i + (a & 1), j + (a >> 1 & 1), k + (a >> 2))];
-        const double vb = values_[at(i + (b & 1), j + (b >> 1 & 1), k + (b >> 2))];
-        if ((va < 0) == (vb < 0)) continue;
-        const Vector pa = point(i + (a & 1), j + (a >> 1 & 1), k + (a >> 2));
-        const Vector pb = point(i + (b & 1), j + (b >> 1 & 1), k + (b >> 2));
-        sum += lerp(pa, pb, va / (va - vb));
-        ++crossings;
-      }
-    }
-    if (crossings == 0) return;
-    Vector p = sum * (1.0 / crossings);
-    // The mean lies beside the surface where that is curved; walk to it, but not out of the cell.
-    for (int step = 0; step < 4; ++step) {
-      const double d = solid_.distance(p);
-      const double limit = 0.2 * cell_;
-      p -= solid_.normal(p) * std::min(std::max(d, -limit), limit);
-    }
-    cellVertex_[at(i, j, k)] = static_cast<uint32_t>(mesh_.vertices.size());
-    mesh_.vertices.push_back(p);
-  }
-
-  void makeTriangles() {
-    for (size_t k = 1; k + 1 < count_[2]; ++k)
-      for (size_t j = 1; j + 1 < count_[1]; ++j)
-        for (size_t i = 1; i + 1 < count_[0]; ++i) {
-          const bool inside = values_[at(i, j, k)] < 0;
-          // The four cells around the edge that leaves this node, in turn about the axis.
-          if (inside != (values_[at(i + 1, j, k)] < 0))
-            makeQuad(at(i, j - 1, k - 1), at(i, j, k - 1), at(i, j, k), at(i, j - 1, k), inside);
-          if (inside != (values_[at(i, j + 1, k)] < 0))
-            makeQuad(at(i - 1, j, k - 1), at(i - 1, j, k), at(i, j, k), at(i, j, k - 1), inside);
-          if (inside != (values_[at(i, j, k + 1)] < 0))
-            makeQuad(at(i - 1, j - 1, k), at(i, j - 1, k), at(i, j, k), at(i - 1, j, k), inside);
-        }
-  }
-
-  void makeQuad(size_t a, size_t b, size_t c, size_t d, bool inside) {
-    uint32_t quad[4] = {cellVertex_[a], cellVertex_[b], cellVertex_[c], cellVertex_[d]};
-    if (!inside) std::swap(quad[1], quad[3]);
-    const double ac = length(mesh_.vertices[quad[0]] - mesh_.vertices[quad[2]]);
-    const double bd = length(mesh_.vertices[quad[1]] - mesh_.vertices[quad[3]]);
-    const size_t first = ac <= bd ? 0 : 1;  // cut along the shorter diagonal
-    for (const size_t corner : {size_t{0}, size_t{1}, size_t{2}, size_t{0}, size_t{2}, size_t{3}})
-      mesh_.indices.push_back(quad[(first + corner) % 4]);
-  }
-
   const Solid& solid_;
   double cell_;
-  SurfaceMesh mesh_;
   size_t count_[3] = {};
   Vector origin_;
   std::vector<double> values_;
-  std::vector<uint32_t> cellVertex_;  // by the cell's lowest node
 };
+
+// The vertex of a cell that the surface crosses.
+std::optional<Vector> vertexOf(const Solid& solid, const SolidNodes& nodes, double cellSize,
+                               size_t i, size_t j, size_t k) {
+  Vector sum;
+  int crossings = 0;
+  for (size_t a = 0; a < 8; ++a) {
+    for (size_t axis = 0; axis < 3; ++axis) {
+      const size_t b = a | size_t{1} << axis;
+      if (b == a) continue;
+      const double va = nodes.value(i + (a & 1), j + (a >> 1 & 1), k + (a >> 2));
+      const double vb = nodes.value(i + (b & 1), j + (b >> 1 & 1), k + (b >> 2));
+      if ((va < 0) == (vb < 0)) continue;
+      const Vector pa = nodes.point(i + (a & 1), j + (a >> 1 & 1), k + (a >> 2));
+      const Vector pb = nodes.point(i + (b & 1), j + (b >> 1 & 1), k + (b >> 2));
+      sum += lerp(pa, pb, va / (va - vb));
+      ++crossings;
+    }
+  }
+  if (crossings == 0) return std::nullopt;
+  Vector p = sum * (1.0 / crossings);
+  // The mean lies beside the surface where that is curved; walk to it, but not out of the cell.
+  for (int step = 0; step < 4; ++step) {
+    const double d = solid.distance(p);
+    const double limit = 0.2 * cellSize;
+    p -= solid.normal(p) * std::min(std::max(d, -limit), limit);
+  }
+  return p;
+}
+
+void addQuad(SurfaceMesh& mesh, std::array<uint32_t, 4> quad) {
+  const double ac = length(mesh.vertices[quad[0]] - mesh.vertices[quad[2]]);
+  const double bd = length(mesh.vertices[quad[1]] - mesh.vertices[quad[3]]);
+  const size_t first = ac <= bd ? 0 : 1;  // cut along the shorter diagonal
+  for (const size_t corner : {size_t{0}, size_t{1}, size_t{2}, size_t{0}, size_t{2}, size_t{3}})
+    mesh.indices.push_back(quad[(first + corner) % 4]);
+}
+
+// A quad around each edge of the grid that the surface crosses.
+// \param cellVertex  by the cell's lowest node
+void addQuads(const SolidNodes& nodes, const std::vector<uint32_t>& cellVertex, SurfaceMesh& mesh) {
+  const auto quad = [&](size_t a, size_t b, size_t c, size_t d, bool inside) {
+    addQuad(mesh, inside ? std::array{cellVertex[a], cellVertex[b], cellVertex[c], cellVertex[d]}
+                         : std::array{cellVertex[a], cellVertex[d], cellVertex[c], cellVertex[b]});
+  };
+  const auto at = [&](size_t i, size_t j, size_t k) { return nodes.at(i, j, k); };
+  for (size_t k = 1; k + 1 < nodes.count(2); ++k)
+    for (size_t j = 1; j + 1 < nodes.count(1); ++j)
+      for (size_t i = 1; i + 1 < nodes.count(0); ++i) {
+        const bool inside = nodes.value(i, j, k) < 0;
+        // The four cells around the edge that leaves this node, in turn about the axis.
+        if (inside != (nodes.value(i + 1, j, k) < 0))
+          quad(at(i, j - 1, k - 1), at(i, j, k - 1), at(i, j, k), at(i, j - 1, k), inside);
+        if (inside != (nodes.value(i, j + 1, k) < 0))
+          quad(at(i - 1, j, k - 1), at(i - 1, j, k), at(i, j, k), at(i, j, k - 1), inside);
+        if (inside != (nodes.value(i, j, k + 1) < 0))
+          quad(at(i - 1, j - 1, k), at(i, j - 1, k), at(i, j, k), at(i - 1, j, k), inside);
+      }
+}
 
 }  // namespace
 
+// Naive surface nets (Gibson 1998, "Constrained Elastic Surface Nets"): a vertex in each cell that
+// the surface crosses, a quad around each grid edge that it crosses.
 SurfaceMesh meshSolid(const Solid& solid, const SolidBox& box, double cellSize) {
-  return SurfaceNet(solid, box, cellSize).take();
+  const SolidNodes nodes(solid, box, cellSize);
+  SurfaceMesh mesh;
+  std::vector<uint32_t> cellVertex(nodes.size(), std::numeric_limits<uint32_t>::max());
+  for (size_t k = 0; k + 1 < nodes.count(2); ++k)
+    for (size_t j = 0; j + 1 < nodes.count(1); ++j)
+      for (size_t i = 0; i + 1 < nodes.count(0); ++i) {
+        const std::optional<Vector> vertex = vertexOf(solid, nodes, cellSize, i, j, k);
+        if (!vertex) continue;
+        cellVertex[nodes.at(i, j, k)] = static_cast<uint32_t>(mesh.vertices.size());
+        mesh.vertices.push_back(*vertex);
+      }
+  addQuads(nodes, cellVertex, mesh);
+  return mesh;
 }
 
 }  // namespace pelage::detail
