@@ -102,38 +102,22 @@ class TableReader {
   StreamReader& stream_;
 };
 
-// Reads the sections in the order of the file.
-class Loader {
+const Section& sectionOf(Kind kind, size_t item, const std::vector<Section>& sections) {
+  Section wanted;
+  wanted.kind = static_cast<uint32_t>(kind);
+  wanted.item = static_cast<uint32_t>(item);
+  const auto of = std::lower_bound(sections.begin(), sections.end(), wanted, comesBefore);
+  PELAGE_ASSERT(of != sections.end() && of->kind == wanted.kind && of->item == wanted.item,
+                "an array is from a section that was read");
+  return *of;
+}
+
+// Reads contents of sections; errors name the section and the byte.
+class SectionReader {
  public:
-  explicit Loader(StreamReader& stream) : stream_(stream) {}
+  explicit SectionReader(StreamReader& stream) : stream_(stream) {}
+  StreamReader& stream() const { return stream_; }
 
-  Result<AssetCache> load() {
-    Header header;
-    auto sections = TableReader(stream_).read(header);
-    if (!sections) return sections.error();
-    for (const Section& section : *sections)
-      if (auto r = take(section); !r) return r.error();
-    if (hairs_.size() != header.hairCount || meshes_.size() != header.meshCount)
-      return fileError(stream_.name(), offsetof(Header, hairCount),
-                       "the numbers of hairs and meshes differ from those in the header");
-    for (size_t i = 0; i < hairs_.size(); ++i)
-      if (auto r = finishHair(i, *sections); !r) return r.error();
-    for (size_t i = 0; i < meshes_.size(); ++i)
-      if (auto r = finishMesh(i, *sections); !r) return r.error();
-    return std::move(cache_);
-  }
-
-  Result<std::vector<SourceKey>> loadSources() {
-    Header header;
-    const auto sections = TableReader(stream_).read(header);
-    if (!sections) return sections.error();
-    for (const Section& section : *sections)
-      if (static_cast<Kind>(section.kind) == Kind::kSources)
-        if (auto r = take(section); !r) return r.error();
-    return std::move(cache_.sources);
-  }
-
- private:
   Error fault(const Section& section, uint64_t offset, std::string_view what) const {
     const auto kind = static_cast<Kind>(section.kind);
     if (kind == Kind::kSources)
@@ -155,6 +139,14 @@ class Loader {
     if (hash64(std::as_bytes(std::span(out))) != section.checksum)
       return fault(section, 0, "its checksum does not match; the file is damaged");
     return {};
+  }
+
+  // The only element of a section.
+  template <class T>
+  Result<T> readOne(const Section& section) {
+    std::vector<T> one;
+    if (auto r = readArray(section, 1, one); !r) return r.error();
+    return one[0];
   }
 
   Result<Bytes> readBytes(const Section& section) {
@@ -202,62 +194,46 @@ class Loader {
     return {};
   }
 
-  Result<void> readSources(const Section& section) {
-    if (section.item != 0) return fault(section, 0, "there is more than one of them");
-    auto bytes = readBytes(section);
-    if (!bytes) return bytes.error();
-    uint64_t at = 0;
-    while (at < bytes->size()) {
-      if (bytes->size() - at < 2 * sizeof(uint64_t))
-        return fault(section, at, "it ends inside an entry");
-      SourceKey source;
-      source.size = readAt<uint64_t>(*bytes, at);
-      source.hash = readAt<uint64_t>(*bytes, at + sizeof(uint64_t));
-      at += 2 * sizeof(uint64_t);
-      auto text = textAt(section, *bytes, at);
-      if (!text) return text.error();
-      source.name = std::move(*text);
-      cache_.sources.push_back(std::move(source));
-    }
-    return {};
+  Result<void> faultIn(const Fault& found, size_t item, const std::vector<Section>& sections) {
+    return fault(sectionOf(found.kind, item, sections), found.offset, found.what);
   }
 
-  Result<void> readExtras(const Section& section, const HairInfo& info, TfxFileLayout& layout) {
-    auto bytes = readBytes(section);
-    if (!bytes) return bytes.error();
-    uint64_t at = 0;
-    while (at < bytes->size()) {
-      constexpr uint64_t kHead = 2 * sizeof(uint64_t);
-      if (bytes->size() - at < kHead) return fault(section, at, "it ends inside an entry");
-      const auto size = readAt<uint64_t>(*bytes, at + sizeof(uint64_t));
-      if (size > bytes->size() - at - kHead) return fault(section, at, "an entry leaves it");
-      const auto begin = bytes->begin() + static_cast<std::ptrdiff_t>(at + kHead);
-      layout.extras.push_back(
-          {readAt<uint64_t>(*bytes, at), {begin, begin + static_cast<std::ptrdiff_t>(size)}});
-      at += kHead + size;
-    }
-    if (layout.extras.size() != info.layoutExtraCount)
-      return fault(section, 0, "it has another number of entries than the hair says");
-    return {};
+  // \param owner  "hair" or "mesh"
+  Error missing(const char* owner, size_t item, Kind kind) const {
+    return fileError(stream_.name(), sizeof(Header),
+                     fmt::format("{} {} has no section '{}'", owner, item, nameOf(kind)));
   }
 
-  Result<void> takeHairInfo(const Section& section) {
-    std::vector<HairInfo> infos;
-    if (auto r = readArray(section, 1, infos); !r) return r;
-    const HairInfo& info = infos[0];
-    if (section.item != hairs_.size() || hairs_.size() == kMaxItems)
-      return fault(section, 0, "its number is out of order");
+ private:
+  StreamReader& stream_;
+};
+
+// The hairs of a cache.
+class HairLoader {
+ public:
+  HairLoader(SectionReader& reader, std::vector<CachedHair>& hairs)
+      : reader_(reader), hairs_(hairs) {}
+
+  size_t count() const { return infos_.size(); }
+
+  Result<void> takeInfo(const Section& section) {
+    const Result<HairInfo> read = reader_.readOne<HairInfo>(section);
+    if (!read) return read.error();
+    const HairInfo& info = *read;
+    if (section.item != infos_.size() || infos_.size() == kMaxItems)
+      return reader_.fault(section, 0, "its number is out of order");
     if (info.strandCount == 0 || info.verticesPerStrand < kMinVerticesPerStrand ||
         info.verticesPerStrand > kMaxVerticesPerStrand)
-      return fault(section, 0,
-                   fmt::format("{} strands of {} vertices; it must be 1 or more of 2 to 256",
-                               info.strandCount, info.verticesPerStrand));
+      return reader_.fault(
+          section, 0,
+          fmt::format("{} strands of {} vertices; it must be 1 or more of 2 to 256",
+                      info.strandCount, info.verticesPerStrand));
     const uint64_t vertices = uint64_t{info.strandCount} * info.verticesPerStrand;
     if (info.degenerateSegmentCount > vertices || info.repairedStrandCount > info.strandCount ||
         info.followCount > kMaxFollowHairs)
-      return fault(section, 0, "a count is out of range");
+      return reader_.fault(section, 0, "a count is out of range");
     if (info.reserved[0] != 0 || info.reserved[1] != 0 || info.reserved[2] != 0)
-      return fault(section, 0, "words that must be 0 are not");
+      return reader_.fault(section, 0, "words that must be 0 are not");
     CachedHair hair;
     HairAsset& asset = hair.asset;
     asset.strandCount = info.strandCount;
@@ -273,126 +249,45 @@ class Loader {
       hair.bones.emplace();
       hair.bones->repairedStrandCount = info.repairedStrandCount;
     }
-    cache_.hairs.push_back(std::move(hair));
-    hairs_.push_back(info);
+    hairs_.push_back(std::move(hair));
+    infos_.push_back(info);
     return {};
   }
 
-  Result<void> takeMeshInfo(const Section& section) {
-    std::vector<MeshInfo> infos;
-    if (auto r = readArray(section, 1, infos); !r) return r;
-    const MeshInfo& info = infos[0];
-    if (section.item != meshes_.size() || meshes_.size() == kMaxItems)
-      return fault(section, 0, "its number is out of order");
-    if (info.vertexCount == 0 || info.vertexCount > 0x7fffffffu || info.triangleCount == 0 ||
-        info.triangleCount > 0x7fffffffu || info.boneCount == 0 ||
-        info.repairedVertexCount > info.vertexCount)
-      return fault(section, 0, "a count is out of range");
-    cache_.meshes.emplace_back();
-    cache_.meshes.back().mesh.repairedVertexCount = info.repairedVertexCount;
-    meshes_.push_back(info);
-    return {};
-  }
-
-  Result<void> takeTopologyInfo(const Section& section) {
-    std::vector<TopologyInfo> infos;
-    if (auto r = readArray(section, 1, infos); !r) return r;
-    const TopologyInfo& info = infos[0];
-    if (section.item >= meshes_.size()) return fault(section, 0, "it belongs to no mesh");
-    const MeshInfo& mesh = meshes_[section.item];
-    if (info.triangleCount > mesh.triangleCount || info.pointCount == 0 ||
-        info.pointCount > mesh.vertexCount || info.flags > 7)
-      return fault(section, 0, "a count is out of range");
-    topologies_.resize(meshes_.size());
-    topologies_[section.item].emplace().topology.report = reportOf(info);
-    topologyInfos_.resize(meshes_.size());
-    topologyInfos_[section.item] = info;
-    return {};
-  }
-
-  Result<void> takeOfTopology(const Section& section) {
-    if (section.item >= topologies_.size() || !topologies_[section.item])
-      return fault(section, 0, "it belongs to no topology");
-    const TopologyInfo& info = topologyInfos_[section.item];
-    Result<void> result;
-    forEachTopologyArray(topologies_[section.item]->topology, meshes_[section.item].vertexCount,
-                         info.triangleCount, info.pointCount,
-                         [&](Kind of, auto& array, uint64_t count) {
-                           if (of == static_cast<Kind>(section.kind))
-                             result = readArray(section, count, array);
-                         });
-    return result;
-  }
-
-  Result<void> takeOfHair(const Section& section) {
-    const HairInfo& info = hairs_[section.item];
-    CachedHair& hair = cache_.hairs[section.item];
+  Result<void> take(const Section& section) {
+    const HairInfo& info = infos_[section.item];
+    CachedHair& hair = hairs_[section.item];
     const auto kind = static_cast<Kind>(section.kind);
     switch (kind) {
       case Kind::kHairName:
-        return readText(section, hair.name);
+        return reader_.readText(section, hair.name);
       case Kind::kHairExtras:
         return readExtras(section, info, hair.asset.fileLayout);
       case Kind::kHairBones:
       case Kind::kStrandBones:
-        if (!hair.bones) return fault(section, 0, "the hair has bone weights, but no bones");
-        if (kind == Kind::kHairBones) return readBones(section, info.boneCount, hair.bones->bones);
-        return readArray(section, info.strandCount, hair.bones->strands);
+        if (!hair.bones)
+          return reader_.fault(section, 0, "the hair has bone weights, but no bones");
+        if (kind == Kind::kHairBones)
+          return reader_.readBones(section, info.boneCount, hair.bones->bones);
+        return reader_.readArray(section, info.strandCount, hair.bones->strands);
       case Kind::kFollowHairs:
-        return readArray(section, info.followCount, hair.followHairs);
+        return reader_.readArray(section, info.followCount, hair.followHairs);
       default:
         break;
     }
     Result<void> result;
     forEachArray(hair.asset, info.strandCount, uint64_t{info.strandCount} * info.verticesPerStrand,
                  [&](Kind of, auto& array, uint64_t count, bool) {
-                   if (of == kind) result = readArray(section, count, array);
+                   if (of == kind) result = reader_.readArray(section, count, array);
                  });
     return result;
   }
 
-  Result<void> takeOfMesh(const Section& section) {
-    const MeshInfo& info = meshes_[section.item];
-    CachedMesh& cached = cache_.meshes[section.item];
-    CollisionMesh& mesh = cached.mesh;
-    switch (static_cast<Kind>(section.kind)) {
-      case Kind::kMeshName:
-        return readText(section, cached.name);
-      case Kind::kMeshBones:
-        return readBones(section, info.boneCount, mesh.bones);
-      case Kind::kMeshPositions:
-        return readArray(section, info.vertexCount, mesh.positions);
-      case Kind::kMeshNormals:
-        return readArray(section, info.vertexCount, mesh.normals);
-      case Kind::kMeshInfluences:
-        return readArray(section, info.vertexCount, mesh.influences);
-      case Kind::kMeshIndices:
-        return readArray(section, uint64_t{3} * info.triangleCount, mesh.indices);
-      default:
-        return takeOfTopology(section);
-    }
-  }
-
-  Result<void> take(const Section& section) {
-    const auto kind = static_cast<Kind>(section.kind);
-    if (kind == Kind::kHairInfo) return takeHairInfo(section);
-    if (kind == Kind::kMeshInfo) return takeMeshInfo(section);
-    if (kind == Kind::kTopologyInfo) return takeTopologyInfo(section);
-    if (kind == Kind::kSources) return readSources(section);
-    const bool mesh = belongsToMesh(kind);
-    if (section.item >= (mesh ? meshes_.size() : hairs_.size()))
-      return fault(section, 0, "it belongs to nothing in the file");
-    return mesh ? takeOfMesh(section) : takeOfHair(section);
-  }
-
   // Checks for missing sections, and checks the values.
-  Result<void> finishHair(size_t item, const std::vector<Section>& sections) {
-    const CachedHair& hair = cache_.hairs[item];
-    const HairInfo& info = hairs_[item];
-    const auto missing = [&](Kind kind) {
-      return fileError(stream_.name(), sizeof(Header),
-                       fmt::format("hair {} has no section '{}'", item, nameOf(kind)));
-    };
+  Result<void> finish(size_t item, const std::vector<Section>& sections) {
+    const CachedHair& hair = hairs_[item];
+    const HairInfo& info = infos_[item];
+    const auto missing = [&](Kind kind) { return reader_.missing("hair", item, kind); };
     Result<void> complete;
     forEachArray(hair.asset, 0, 0, [&](Kind kind, const auto& array, uint64_t, bool optional) {
       if (complete && array.empty() && !optional) complete = missing(kind);
@@ -405,27 +300,112 @@ class Loader {
     if (layout.extras.size() != info.layoutExtraCount) return missing(Kind::kHairExtras);
     // saveTfx() allocates the size in the layout.
     if (layout.fileSize != 0 && !tfxLayoutFits(hair.asset))
-      return fileError(stream_.name(), sizeof(Header),
+      return fileError(reader_.stream().name(), sizeof(Header),
                        fmt::format("hair {} has the layout of another .tfx file", item));
     const auto found = faultOf(hair);
-    return found ? faultIn(*found, item, sections) : Result<void>();
+    return found ? reader_.faultIn(*found, item, sections) : Result<void>();
   }
 
-  Result<void> finishMesh(size_t item, const std::vector<Section>& sections) {
-    const CollisionMesh& mesh = cache_.meshes[item].mesh;
-    const auto missing = [&](Kind kind) {
-      return fileError(stream_.name(), sizeof(Header),
-                       fmt::format("mesh {} has no section '{}'", item, nameOf(kind)));
-    };
+ private:
+  Result<void> readExtras(const Section& section, const HairInfo& info, TfxFileLayout& layout) {
+    auto bytes = reader_.readBytes(section);
+    if (!bytes) return bytes.error();
+    uint64_t at = 0;
+    while (at < bytes->size()) {
+      constexpr uint64_t kHead = 2 * sizeof(uint64_t);
+      if (bytes->size() - at < kHead) return reader_.fault(section, at, "it ends inside an entry");
+      const auto size = readAt<uint64_t>(*bytes, at + sizeof(uint64_t));
+      if (size > bytes->size() - at - kHead)
+        return reader_.fault(section, at, "an entry leaves it");
+      const auto begin = bytes->begin() + static_cast<std::ptrdiff_t>(at + kHead);
+      layout.extras.push_back(
+          {readAt<uint64_t>(*bytes, at), {begin, begin + static_cast<std::ptrdiff_t>(size)}});
+      at += kHead + size;
+    }
+    if (layout.extras.size() != info.layoutExtraCount)
+      return reader_.fault(section, 0, "it has another number of entries than the hair says");
+    return {};
+  }
+
+  SectionReader& reader_;
+  std::vector<CachedHair>& hairs_;
+  std::vector<HairInfo> infos_;
+};
+
+// The collision meshes of a cache.
+class MeshLoader {
+ public:
+  MeshLoader(SectionReader& reader, std::vector<CachedMesh>& meshes)
+      : reader_(reader), meshes_(meshes) {}
+
+  size_t count() const { return infos_.size(); }
+
+  Result<void> takeInfo(const Section& section) {
+    const Result<MeshInfo> read = reader_.readOne<MeshInfo>(section);
+    if (!read) return read.error();
+    const MeshInfo& info = *read;
+    if (section.item != infos_.size() || infos_.size() == kMaxItems)
+      return reader_.fault(section, 0, "its number is out of order");
+    if (info.vertexCount == 0 || info.vertexCount > 0x7fffffffu || info.triangleCount == 0 ||
+        info.triangleCount > 0x7fffffffu || info.boneCount == 0 ||
+        info.repairedVertexCount > info.vertexCount)
+      return reader_.fault(section, 0, "a count is out of range");
+    meshes_.emplace_back();
+    meshes_.back().mesh.repairedVertexCount = info.repairedVertexCount;
+    infos_.push_back(info);
+    return {};
+  }
+
+  Result<void> takeTopologyInfo(const Section& section) {
+    const Result<TopologyInfo> read = reader_.readOne<TopologyInfo>(section);
+    if (!read) return read.error();
+    const TopologyInfo& info = *read;
+    if (section.item >= infos_.size()) return reader_.fault(section, 0, "it belongs to no mesh");
+    const MeshInfo& mesh = infos_[section.item];
+    if (info.triangleCount > mesh.triangleCount || info.pointCount == 0 ||
+        info.pointCount > mesh.vertexCount || info.flags > 7)
+      return reader_.fault(section, 0, "a count is out of range");
+    topologies_.resize(infos_.size());
+    topologies_[section.item].emplace().topology.report = reportOf(info);
+    topologyInfos_.resize(infos_.size());
+    topologyInfos_[section.item] = info;
+    return {};
+  }
+
+  Result<void> take(const Section& section) {
+    const MeshInfo& info = infos_[section.item];
+    CachedMesh& cached = meshes_[section.item];
+    CollisionMesh& mesh = cached.mesh;
+    switch (static_cast<Kind>(section.kind)) {
+      case Kind::kMeshName:
+        return reader_.readText(section, cached.name);
+      case Kind::kMeshBones:
+        return reader_.readBones(section, info.boneCount, mesh.bones);
+      case Kind::kMeshPositions:
+        return reader_.readArray(section, info.vertexCount, mesh.positions);
+      case Kind::kMeshNormals:
+        return reader_.readArray(section, info.vertexCount, mesh.normals);
+      case Kind::kMeshInfluences:
+        return reader_.readArray(section, info.vertexCount, mesh.influences);
+      case Kind::kMeshIndices:
+        return reader_.readArray(section, uint64_t{3} * info.triangleCount, mesh.indices);
+      default:
+        return takeOfTopology(section);
+    }
+  }
+
+  Result<void> finish(size_t item, const std::vector<Section>& sections) {
+    const CollisionMesh& mesh = meshes_[item].mesh;
+    const auto missing = [&](Kind kind) { return reader_.missing("mesh", item, kind); };
     if (mesh.positions.empty()) return missing(Kind::kMeshPositions);
     if (mesh.normals.empty()) return missing(Kind::kMeshNormals);
     if (mesh.influences.empty()) return missing(Kind::kMeshInfluences);
     if (mesh.indices.empty()) return missing(Kind::kMeshIndices);
     if (mesh.bones.empty()) return missing(Kind::kMeshBones);
-    if (const auto found = faultOf(mesh)) return faultIn(*found, item, sections);
+    if (const auto found = faultOf(mesh)) return reader_.faultIn(*found, item, sections);
     if (item >= topologies_.size() || !topologies_[item]) return {};
     PreparedCollider& prepared = *topologies_[item];
-    const MeshInfo& info = meshes_[item];
+    const MeshInfo& info = infos_[item];
     const TopologyInfo& topologyInfo = topologyInfos_[item];
     Result<void> complete;
     forEachTopologyArray(prepared.topology, info.vertexCount, topologyInfo.triangleCount,
@@ -435,36 +415,105 @@ class Loader {
                          });
     if (!complete) return complete;
     if (const auto found = faultOf(prepared.topology, info.vertexCount, info.triangleCount))
-      return faultIn(*found, item, sections);
+      return reader_.faultIn(*found, item, sections);
     // The checksums of the hashed sections, which matched.
     prepared.positionsHash = sectionOf(Kind::kMeshPositions, item, sections).checksum;
     prepared.indicesHash = sectionOf(Kind::kMeshIndices, item, sections).checksum;
-    cache_.meshes[item].mesh.prepared =
-        std::make_shared<const PreparedCollider>(std::move(prepared));
+    meshes_[item].mesh.prepared = std::make_shared<const PreparedCollider>(std::move(prepared));
     return {};
   }
 
-  static const Section& sectionOf(Kind kind, size_t item, const std::vector<Section>& sections) {
-    Section wanted;
-    wanted.kind = static_cast<uint32_t>(kind);
-    wanted.item = static_cast<uint32_t>(item);
-    const auto of = std::lower_bound(sections.begin(), sections.end(), wanted, comesBefore);
-    PELAGE_ASSERT(of != sections.end() && of->kind == wanted.kind && of->item == wanted.item,
-                  "an array is from a section that was read");
-    return *of;
+ private:
+  Result<void> takeOfTopology(const Section& section) {
+    if (section.item >= topologies_.size() || !topologies_[section.item])
+      return reader_.fault(section, 0, "it belongs to no topology");
+    const TopologyInfo& info = topologyInfos_[section.item];
+    Result<void> result;
+    forEachTopologyArray(topologies_[section.item]->topology, infos_[section.item].vertexCount,
+                         info.triangleCount, info.pointCount,
+                         [&](Kind of, auto& array, uint64_t count) {
+                           if (of == static_cast<Kind>(section.kind))
+                             result = reader_.readArray(section, count, array);
+                         });
+    return result;
   }
 
-  Result<void> faultIn(const Fault& found, size_t item, const std::vector<Section>& sections) {
-    return fault(sectionOf(found.kind, item, sections), found.offset, found.what);
-  }
-
-  StreamReader& stream_;
-  AssetCache cache_;
-  std::vector<HairInfo> hairs_;
-  std::vector<MeshInfo> meshes_;
+  SectionReader& reader_;
+  std::vector<CachedMesh>& meshes_;
+  std::vector<MeshInfo> infos_;
   // [mesh] as far as they are there.
   std::vector<std::optional<PreparedCollider>> topologies_;
   std::vector<TopologyInfo> topologyInfos_;
+};
+
+// Reads the sections in the order of the file.
+class Loader {
+ public:
+  explicit Loader(StreamReader& stream) : reader_(stream) {}
+
+  Result<AssetCache> load() {
+    Header header;
+    auto sections = TableReader(reader_.stream()).read(header);
+    if (!sections) return sections.error();
+    for (const Section& section : *sections)
+      if (auto r = take(section); !r) return r.error();
+    if (hairs_.count() != header.hairCount || meshes_.count() != header.meshCount)
+      return fileError(reader_.stream().name(), offsetof(Header, hairCount),
+                       "the numbers of hairs and meshes differ from those in the header");
+    for (size_t i = 0; i < hairs_.count(); ++i)
+      if (auto r = hairs_.finish(i, *sections); !r) return r.error();
+    for (size_t i = 0; i < meshes_.count(); ++i)
+      if (auto r = meshes_.finish(i, *sections); !r) return r.error();
+    return std::move(cache_);
+  }
+
+  Result<std::vector<SourceKey>> loadSources() {
+    Header header;
+    const auto sections = TableReader(reader_.stream()).read(header);
+    if (!sections) return sections.error();
+    for (const Section& section : *sections)
+      if (static_cast<Kind>(section.kind) == Kind::kSources)
+        if (auto r = take(section); !r) return r.error();
+    return std::move(cache_.sources);
+  }
+
+ private:
+  Result<void> readSources(const Section& section) {
+    if (section.item != 0) return reader_.fault(section, 0, "there is more than one of them");
+    auto bytes = reader_.readBytes(section);
+    if (!bytes) return bytes.error();
+    uint64_t at = 0;
+    while (at < bytes->size()) {
+      if (bytes->size() - at < 2 * sizeof(uint64_t))
+        return reader_.fault(section, at, "it ends inside an entry");
+      SourceKey source;
+      source.size = readAt<uint64_t>(*bytes, at);
+      source.hash = readAt<uint64_t>(*bytes, at + sizeof(uint64_t));
+      at += 2 * sizeof(uint64_t);
+      auto text = reader_.textAt(section, *bytes, at);
+      if (!text) return text.error();
+      source.name = std::move(*text);
+      cache_.sources.push_back(std::move(source));
+    }
+    return {};
+  }
+
+  Result<void> take(const Section& section) {
+    const auto kind = static_cast<Kind>(section.kind);
+    if (kind == Kind::kHairInfo) return hairs_.takeInfo(section);
+    if (kind == Kind::kMeshInfo) return meshes_.takeInfo(section);
+    if (kind == Kind::kTopologyInfo) return meshes_.takeTopologyInfo(section);
+    if (kind == Kind::kSources) return readSources(section);
+    const bool mesh = belongsToMesh(kind);
+    if (section.item >= (mesh ? meshes_.count() : hairs_.count()))
+      return reader_.fault(section, 0, "it belongs to nothing in the file");
+    return mesh ? meshes_.take(section) : hairs_.take(section);
+  }
+
+  SectionReader reader_;
+  AssetCache cache_;
+  HairLoader hairs_{reader_, cache_.hairs};
+  MeshLoader meshes_{reader_, cache_.meshes};
 };
 
 }  // namespace
