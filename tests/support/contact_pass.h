@@ -69,8 +69,8 @@ class ContactPass {
   }
   /// Offers the records to a solver.
   void bindTo(PassBuilder& builder) const {
-    builder.bind("g_contacts", contacts_.records(), contacts_.bufferBytes())
-        .bind("g_contactWords", contacts_.words(), contacts_.wordBytes());
+    builder.bind("g_contacts", contacts_.records(), contacts_.layout().recordBufferBytes())
+        .bind("g_contactWords", contacts_.words(), contacts_.layout().wordBytes());
   }
   const detail::HairContacts& contacts() const { return contacts_; }
   /// Counters of the last frame.

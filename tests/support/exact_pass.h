@@ -74,7 +74,7 @@ class ExactPass {
                     constants);
       return;
     }
-    constants.contactHead = contacts->contacts().head(step.index);
+    constants.contactHead = contacts->contacts().layout().head(step.index);
     const detail::ContactHair hair = {.positions = positions.id(),
                                       .roots = gpu_.resources.whole(roots.id()),
                                       .rootCount = constants.rootCount,
@@ -121,10 +121,10 @@ class ExactPass {
       most = std::max(most, s.count);
     }
     contacts.emplace(gpu_, strands, most, uint64_t{data.outputs}, subSteps);
-    const detail::HairContacts& found = contacts->contacts();
+    const detail::ContactLayout& found = contacts->contacts().layout();
     constants.contactList = found.list();
     constants.contactMasks = found.masks();
-    constants.contactMaskWords = found.maskWords();
+    constants.contactMaskWords = found.maskWords;
   }
   uint64_t listArguments(uint32_t arguments) const {
     return (uint64_t{constants.contactHead} + arguments) * sizeof(uint32_t);

@@ -308,9 +308,9 @@ class StrandRun {
                     .end = constants.rootEnd,
                     .length = constants.timeStep,
                     .gravity = {constants.gravity.x, constants.gravity.y, constants.gravity.z}});
-    const detail::HairContacts& contacts = contacts_.contacts();
+    const detail::ContactLayout& contacts = contacts_.contacts().layout();
     constants.contactMasks = contacts.masks();
-    constants.contactMaskWords = contacts.maskWords();
+    constants.contactMaskWords = contacts.maskWords;
   }
   void pass(const KernelVariant& variant, uint32_t threadsX, uint32_t threadsY = 1) {
     PassBuilder builder(list_);

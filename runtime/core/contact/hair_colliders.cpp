@@ -28,19 +28,19 @@ void HairColliders::prepare(HairFrame& frame) {
 }
 
 ContactInputs HairColliders::inputs() const {
-  const HairContacts& c = contacts_;
+  const ContactLayout& layout = contacts_.layout();
   return {.any = false,
           .replaced = false,
           .capsuleCount = 0,
-          .records = {c.records(), c.bufferBytes()},
-          .recordBytes = c.recordBytes(),
-          .words = {c.words(), c.wordBytes()},
-          .firstHead = c.head(0),
-          .headWords = c.head(1) - c.head(0),
-          .list = c.list(),
-          .masks = c.masks(),
-          .maskWords = c.maskWords(),
-          .rows = c.rows()};
+          .records = {contacts_.records(), layout.recordBufferBytes()},
+          .recordBytes = layout.recordBytes(),
+          .words = {contacts_.words(), layout.wordBytes()},
+          .firstHead = layout.head(0),
+          .headWords = layout.head(1) - layout.head(0),
+          .list = layout.list(),
+          .masks = layout.masks(),
+          .maskWords = layout.maskWords,
+          .rows = layout.rows()};
 }
 
 uint32_t HairColliders::subSteps(const HairInputs& inputs, const SimulationSettings& settings,

@@ -63,44 +63,48 @@ ContactCounters readContactCounters(std::span<const std::byte> words) {
 
 namespace detail {
 
-uint32_t HairContacts::head(uint32_t step) const {
+uint32_t ContactLayout::head(uint32_t step) const {
   return kContactTotalWords + step * kContactHeadWords;
 }
 
-uint32_t HairContacts::groupVertices() const {
-  return std::min(verticesPerStrand_, contact::kMaskVertices);
+uint32_t ContactLayout::groupVertices() const {
+  return std::min(verticesPerStrand, contact::kMaskVertices);
 }
 
-uint32_t HairContacts::groupStrands() const {
-  return verticesPerStrand_ == 0
+uint32_t ContactLayout::groupStrands() const {
+  return verticesPerStrand == 0
              ? contact::kListedStrands
              : std::min(contact::kGroupThreads / groupVertices(), contact::kTileStrands);
 }
 
-uint32_t HairContacts::tileGroups() const {
+uint32_t ContactLayout::tileGroups() const {
   return (contact::kTileStrands + groupStrands() - 1) / groupStrands();
 }
 
 // The word where they begin; what draws them binds them from there on.
-uint32_t HairContacts::strands() const {
-  const uint64_t end = uint64_t{masks()} + uint64_t{strandCount_} *
-                                               (maskWords_ + kContactListCount * kContactListWords);
+uint32_t ContactLayout::strands() const {
+  const uint64_t end = uint64_t{masks()} +
+                       uint64_t{strandCount} * (maskWords + kContactListCount * kContactListWords);
   return static_cast<uint32_t>((end + kContactAlignment - 1) / kContactAlignment *
                                kContactAlignment);
 }
 
-uint64_t HairContacts::wordBytes() const { return strands() * sizeof(uint32_t) + strandBytes(); }
+uint64_t ContactLayout::recordBufferBytes() const {
+  const uint64_t before = (vertices + 2 * uint64_t{strandCount}) * sizeof(Float4);
+  // Vertices 0 and 1 have no contacts.
+  const uint32_t sets = verticesPerStrand > kMatrixContacts + 2 ? kScratchSweepSets : kScratchSets;
+  return recordBytes() + before + uint64_t{sets} * stateStride * sizeof(Uint4);
+}
 
 void HairContacts::prepare(ResourceTable& resources, const std::string& name,
                            const ContactStrands& strands, uint32_t verticesPerStrand,
                            uint64_t vertices, uint32_t steps) {
-  strandCount_ = static_cast<uint32_t>(strands.strands.size());
-  stateStride_ = strands.stateStride;
-  tiles_ = (strandCount_ + contact::kTileStrands - 1) / contact::kTileStrands;
-  maskWords_ = (verticesPerStrand + contact::kMaskVertices - 1) / contact::kMaskVertices;
-  verticesPerStrand_ = verticesPerStrand;
-  vertices_ = vertices;
-  steps_ = steps;
+  layout_.strandCount = static_cast<uint32_t>(strands.strands.size());
+  layout_.stateStride = strands.stateStride;
+  layout_.maskWords = (verticesPerStrand + contact::kMaskVertices - 1) / contact::kMaskVertices;
+  layout_.verticesPerStrand = verticesPerStrand;
+  layout_.vertices = vertices;
+  layout_.steps = steps;
   auto targets = std::make_shared<std::vector<uint32_t>>();
   for (const ContactStrand& strand : strands.strands) targets->push_back(strand.target);
   targets_ = std::move(targets);
@@ -112,12 +116,12 @@ void HairContacts::prepare(ResourceTable& resources, const std::string& name,
                           .usage = usage,
                           .initial = std::move(initial)});
   };
-  records_ = add("contacts", bufferBytes(), sizeof(ContactRecord),
+  records_ = add("contacts", layout_.recordBufferBytes(), sizeof(ContactRecord),
                  BufferUsage::kStorage | BufferUsage::kReadback);
-  HostArray<std::byte> initial(wordBytes());
-  std::memcpy(initial.data() + this->strands() * sizeof(uint32_t), strands.strands.data(),
-              strandBytes());
-  words_ = add("contactWords", wordBytes(), sizeof(uint32_t),
+  HostArray<std::byte> initial(layout_.wordBytes());
+  std::memcpy(initial.data() + layout_.strands() * sizeof(uint32_t), strands.strands.data(),
+              layout_.strandBytes());
+  words_ = add("contactWords", layout_.wordBytes(), sizeof(uint32_t),
                BufferUsage::kStorage | BufferUsage::kIndirect | BufferUsage::kUpload |
                    BufferUsage::kReadback,
                std::move(initial));
@@ -127,12 +131,16 @@ void HairContacts::prepare(ResourceTable& resources, const std::string& name,
 std::vector<MovedElements> HairContacts::moved() const {
   using namespace move_rigidly;
   if (!known_ || records_ == BufferId::kInvalid) return {};
-  const uint64_t before = recordBytes() / sizeof(Float4);
+  const uint64_t before = layout_.recordBytes() / sizeof(Float4);
   // Records, the positions before the last sub-step, and the displacements of the roots.
   return {
       {records_, 0, before, 1, {kMovesDirection, kMovesDirection, kMovesDirection, kMovesPoint}},
-      {records_, before, vertices_, 1, {kMovesPoint}, true},
-      {records_, before + vertices_, 2 * uint64_t{strandCount_}, 1, {kMovesDirection}}};
+      {records_, before, layout_.vertices, 1, {kMovesPoint}, true},
+      {records_,
+       before + layout_.vertices,
+       2 * uint64_t{layout_.strandCount},
+       1,
+       {kMovesDirection}}};
 }
 
 void HairContacts::clearTotals(PassList& list) {
@@ -144,44 +152,42 @@ void HairContacts::clearTotals(PassList& list) {
 
 void HairContacts::begin(PassList& list) {
   counted_ = true;
-  const std::span<uint32_t> heads =
-      uploadOf<uint32_t>(list, words_, kContactTotalWords + size_t{steps_} * kContactHeadWords);
-  for (uint32_t step = 0; step < steps_; ++step) {
-    uint32_t* head = heads.data() + this->head(step);
-    head[kContactFindArguments + 1] = maskWords_;
+  const std::span<uint32_t> heads = uploadOf<uint32_t>(
+      list, words_, kContactTotalWords + size_t{layout_.steps} * kContactHeadWords);
+  for (uint32_t step = 0; step < layout_.steps; ++step) {
+    uint32_t* head = heads.data() + layout_.head(step);
+    head[kContactFindArguments + 1] = layout_.maskWords;
     head[kContactStrandArguments + 1] = head[kContactSolveArguments + 1] = 1;
     head[kContactGroupArguments + 1] = 1;
   }
 }
 
-Result<void> HairContacts::find(PassList& list, const ResourceTable& resources,
-                                const ContactHair& hair, const ColliderBuffers& colliders,
-                                const AwakeTiles& awake, const ContactStep& step) {
-  foundStrands_ = hair.strands;
-  origin_ = hair.origin;
+ContactConstants HairContacts::constantsOf(const ContactHair& hair,
+                                           const ColliderBuffers& colliders,
+                                           const AwakeTiles& awake, const ContactStep& step) const {
   ContactConstants constants = {};
   const Float3 origin = hair.origin.world();
   constants.contactOrigin = {origin.x, origin.y, origin.z, 0};
-  constants.contactStride = stateStride_;
+  constants.contactStride = layout_.stateStride;
   constants.contactStrandCount = hair.strands;
   constants.contactRootCount = hair.rootCount;
-  constants.contactVertexCount = static_cast<uint32_t>(vertices_);
-  constants.contactMaskWords = maskWords_;
+  constants.contactVertexCount = static_cast<uint32_t>(layout_.vertices);
+  constants.contactMaskWords = layout_.maskWords;
   constants.capsuleCount = colliders.capsuleCount;
   constants.contactSdfCount = colliders.contactSdfCount;
-  constants.contactHead = head(step.index);
-  constants.contactList = this->list();
-  constants.contactMasks = masks();
-  constants.contactBefore = static_cast<uint32_t>(recordBytes() / sizeof(Uint4));
-  constants.contactStrands = this->strands();
+  constants.contactHead = layout_.head(step.index);
+  constants.contactList = layout_.list();
+  constants.contactMasks = layout_.masks();
+  constants.contactBefore = static_cast<uint32_t>(layout_.recordBytes() / sizeof(Uint4));
+  constants.contactStrands = layout_.strands();
   constants.tileList = awake.firstWord;
   constants.contactFlags = (step.again ? contact::kAgainFlag : 0) |
                            (known_ || step.again ? 0 : contact::kNoHistoryFlag) |
                            (awake.listed && !step.again ? contact::kListedFlag : 0);
   if (odd_) constants.contactFlags |= contact::kOddFlag;
   if (colliders.hasMovingSdfs) constants.contactFlags |= contact::kMovingFlag;
-  constants.contactStrandTotal = strandCount_;
-  constants.contactTileCount = tiles_;
+  constants.contactStrandTotal = layout_.strandCount;
+  constants.contactTileCount = layout_.tiles();
   constants.contactBegin = step.begin;
   constants.contactEnd = step.end;
   constants.contactRatio = lastLength_ > 0 ? step.length / lastLength_ : 1;
@@ -190,21 +196,31 @@ Result<void> HairContacts::find(PassList& list, const ResourceTable& resources,
                        step.gravity.z * squared};
   const float height = std::hypot(fall.x, fall.y, fall.z);
   constants.contactRange = kRange + height + step.furtherRange;
-  constants.contactGroupVertices = groupVertices();
-  constants.contactGroupStrands = groupStrands();
-  constants.contactTileGroups = tileGroups();
+  constants.contactGroupVertices = layout_.groupVertices();
+  constants.contactGroupStrands = layout_.groupStrands();
+  constants.contactTileGroups = layout_.tileGroups();
   if (height > kLeap) constants.contactFall = {fall.x, fall.y, fall.z, 0};
+  return constants;
+}
+
+Result<void> HairContacts::find(PassList& list, const ResourceTable& resources,
+                                const ContactHair& hair, const ColliderBuffers& colliders,
+                                const AwakeTiles& awake, const ContactStep& step) {
+  foundStrands_ = hair.strands;
+  origin_ = hair.origin;
+  const ContactConstants constants = constantsOf(hair, colliders, awake, step);
   const KernelVariant& variant = *findContactsVariant(
       {.sdf = colliders.contactSdfCount > 0, .denseSdf = colliders.hasDenseSdfs});
   PassBuilder builder(list);
   if (step.again)
-    builder.dispatchIndirect(variant, words_, head(step.index) * sizeof(uint32_t));
+    builder.dispatchIndirect(variant, words_, layout_.head(step.index) * sizeof(uint32_t));
   else if (awake.listed)
     builder.dispatchIndirect(variant, awake.buffer, awake.argumentBytes);
   else
-    builder.dispatch(variant, std::min(tiles_, dispatch::kRowGroups) * kFindContactsGroupSize.x,
-                     rows() * ((tiles_ + dispatch::kRowGroups - 1) / dispatch::kRowGroups));
-  builder.bytes(vertices_ * 3 * sizeof(Float4));
+    builder.dispatch(
+        variant, std::min(layout_.tiles(), dispatch::kRowGroups) * kFindContactsGroupSize.x,
+        layout_.rows() * ((layout_.tiles() + dispatch::kRowGroups - 1) / dispatch::kRowGroups));
+  builder.bytes(layout_.vertices * 3 * sizeof(Float4));
   if (!step.again) {
     odd_ = !odd_;
     known_ = true;
@@ -212,15 +228,15 @@ Result<void> HairContacts::find(PassList& list, const ResourceTable& resources,
   }
   return builder.finish(ContactBindings{
       .contactConstants = constants,
-      .contactPositions = {hair.positions, vertices_ * sizeof(Float4)},
+      .contactPositions = {hair.positions, layout_.vertices * sizeof(Float4)},
       .awakeTiles = resources.whole(awake.buffer),
       .contactRoots = hair.roots,
       .capsules = resources.whole(colliders.capsules),
       .contactColliders = resources.whole(colliders.sdfs),
       .contactSdfKeys = resources.whole(colliders.contactSdfKeys),
       .contactSdfSurface = resources.whole(colliders.contactSdfSurface),
-      .contacts = {records_, bufferBytes()},
-      .contactWords = {words_, wordBytes()},
+      .contacts = {records_, layout_.recordBufferBytes()},
+      .contactWords = {words_, layout_.wordBytes()},
   });
 }
 
@@ -234,26 +250,26 @@ Result<void> HairContacts::addDraw(PassList& list, BufferId positions, const Vie
   constants.drawnOrigin = {origin.x, origin.y, origin.z, 0};
   constants.drawnPixels = {static_cast<float>(view.width), static_cast<float>(view.height)};
   constants.drawnStrandCount = foundStrands_;
-  constants.drawnVertexCount = static_cast<uint32_t>(vertices_);
-  constants.drawnMasks = masks();
-  constants.drawnMaskWords = maskWords_;
+  constants.drawnVertexCount = static_cast<uint32_t>(layout_.vertices);
+  constants.drawnMasks = layout_.masks();
+  constants.drawnMaskWords = layout_.maskWords;
   constants.needleLength = look.length;
   constants.needleWidth = look.width;
   constants.deepestDepth = look.deepestDepth;
   DrawState state;
   state.depthCompare = view.reversedDepth ? DepthCompare::kGreater : DepthCompare::kLess;
-  const uint32_t records = verticesPerStrand_ * kMaxContacts;
+  const uint32_t records = layout_.verticesPerStrand * kMaxContacts;
   PassBuilder pass(list);
   return pass
       .draw(contactVertexVariant({}), contactPixelVariant({}), state, records * kNeedleCorners,
             foundStrands_)
-      .bytes(uint64_t{foundStrands_} * maskWords_ * sizeof(uint32_t))
+      .bytes(uint64_t{foundStrands_} * layout_.maskWords * sizeof(uint32_t))
       .finish(DrawContactsBindings{
           .drawContactsConstants = constants,
-          .drawnPositions = {positions, vertices_ * sizeof(Float4)},
-          .drawnContacts = {records_, recordBytes()},
-          .drawnWords = {words_, wordBytes()},
-          .drawnStrands = {words_, strandBytes(), strands() * sizeof(uint32_t)},
+          .drawnPositions = {positions, layout_.vertices * sizeof(Float4)},
+          .drawnContacts = {records_, layout_.recordBytes()},
+          .drawnWords = {words_, layout_.wordBytes()},
+          .drawnStrands = {words_, layout_.strandBytes(), layout_.strands() * sizeof(uint32_t)},
       });
 }
 
@@ -261,21 +277,21 @@ Result<float> HairContacts::deepest(std::span<const std::byte> records,
                                     std::span<const std::byte> words,
                                     std::span<const std::byte> positions) const {
   if (!known_ || records_ == BufferId::kInvalid) return 0.0f;
-  if (records.size() < recordBytes() || words.size() != wordBytes() ||
-      positions.size() < vertices_ * sizeof(Float4)) {
+  if (records.size() < layout_.recordBytes() || words.size() != layout_.wordBytes() ||
+      positions.size() < layout_.vertices * sizeof(Float4)) {
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("deepestContact(): contacts, words and positions have {}, {} and {} "
                              "bytes; the object's have at least {}, {} and at least {}",
-                             records.size(), words.size(), positions.size(), recordBytes(),
-                             wordBytes(), vertices_ * sizeof(Float4))};
+                             records.size(), words.size(), positions.size(), layout_.recordBytes(),
+                             layout_.wordBytes(), layout_.vertices * sizeof(Float4))};
   }
   const auto found = copied<ContactRecord>(records);
-  const auto masks = copied<uint32_t>(words.subspan(this->masks() * sizeof(uint32_t)));
+  const auto masks = copied<uint32_t>(words.subspan(layout_.masks() * sizeof(uint32_t)));
   const auto points = copied<Float4>(positions);
   float deepest = 0;
   for (size_t strand = 0; strand < foundStrands_; ++strand) {
-    for (size_t vertex = 0; vertex < verticesPerStrand_; ++vertex) {
-      const uint32_t mask = masks[strand * maskWords_ + vertex / contact::kMaskVertices];
+    for (size_t vertex = 0; vertex < layout_.verticesPerStrand; ++vertex) {
+      const uint32_t mask = masks[strand * layout_.maskWords + vertex / contact::kMaskVertices];
       if (((mask >> (vertex % contact::kMaskVertices)) & 1) == 0) continue;
       const size_t element = (*targets_)[strand] + vertex;
       const Float4& p = points[element];

@@ -62,6 +62,37 @@ struct ContactStep {
   bool again = false;        ///< only for the strands that the solver has listed
 };
 
+/// Sizes of the buffers of an object's contacts, and where in them its parts are.
+struct ContactLayout {
+  uint32_t strandCount = 0, steps = 0, verticesPerStrand = 0, stateStride = 0;
+  uint32_t maskWords = 1;
+  uint64_t vertices = 0;
+
+  uint32_t tiles() const {
+    return (strandCount + contact::kTileStrands - 1) / contact::kTileStrands;
+  }
+  /// Vertices that a group of find_contacts takes of a strand, its strands, and groups of a tile.
+  uint32_t groupVertices() const;
+  uint32_t groupStrands() const;
+  uint32_t tileGroups() const;
+  /// Groups in y of the pass over a list of tiles.
+  uint32_t rows() const { return maskWords * tileGroups(); }
+
+  uint64_t recordBytes() const {
+    return vertices * contact_records::kMaxContacts * sizeof(ContactRecord);
+  }
+  /// Bytes of the records and what comes behind them.
+  uint64_t recordBufferBytes() const;
+
+  /// Offsets of words.
+  uint32_t head(uint32_t step) const;
+  uint32_t list() const { return head(steps); }
+  uint32_t masks() const { return list() + strandCount; }
+  uint32_t strands() const;
+  uint64_t strandBytes() const { return strandCount * sizeof(ContactStrand); }
+  uint64_t wordBytes() const { return strands() * sizeof(uint32_t) + strandBytes(); }
+};
+
 /// The contacts of one hair object.
 class HairContacts {
  public:
@@ -69,7 +100,7 @@ class HairContacts {
   void prepare(ResourceTable& resources, const std::string& name, const ContactStrands& strands,
                uint32_t verticesPerStrand, uint64_t vertices, uint32_t steps);
   bool isPrepared(uint32_t steps) const {
-    return records_ != BufferId::kInvalid && steps <= steps_;
+    return records_ != BufferId::kInvalid && steps <= layout_.steps;
   }
   /// Call once per frame, before the first find().
   void begin(PassList& list);
@@ -101,40 +132,14 @@ class HairContacts {
 
   BufferId records() const { return records_; }
   BufferId words() const { return words_; }
-  uint64_t recordBytes() const {
-    return vertices_ * contact_records::kMaxContacts * sizeof(ContactRecord);
-  }
-  uint64_t wordBytes() const;
-  /// Bytes of records() and what comes behind them.
-  uint64_t bufferBytes() const {
-    return recordBytes() + beforeBytes() + uint64_t{scratchSets()} * stateStride_ * sizeof(Uint4);
-  }
-  uint32_t head(uint32_t step) const;
-  uint32_t list() const { return head(steps_); }
-  uint32_t masks() const { return list() + strandCount_; }
-  uint32_t maskWords() const { return maskWords_; }
-  /// Groups in y of the pass over a list of tiles.
-  uint32_t rows() const { return maskWords_ * tileGroups(); }
+  const ContactLayout& layout() const { return layout_; }
 
  private:
-  /// Vertices that a group of find_contacts takes of a strand, its strands, and groups of a tile.
-  uint32_t groupVertices() const;
-  uint32_t groupStrands() const;
-  uint32_t tileGroups() const;
-  uint32_t scratchSets() const {
-    using namespace contact_records;
-    // Vertices 0 and 1 have no contacts.
-    return verticesPerStrand_ > kMatrixContacts + 2 ? kScratchSweepSets : kScratchSets;
-  }
-  uint64_t beforeBytes() const { return (vertices_ + 2 * uint64_t{strandCount_}) * sizeof(Float4); }
+  ContactConstants constantsOf(const ContactHair& hair, const ColliderBuffers& colliders,
+                               const AwakeTiles& awake, const ContactStep& step) const;
 
-  uint64_t strandBytes() const { return strandCount_ * sizeof(ContactStrand); }
-  uint32_t strands() const;
-
+  ContactLayout layout_;
   BufferId records_ = BufferId::kInvalid, words_ = BufferId::kInvalid;
-  uint32_t tiles_ = 0, maskWords_ = 1, strandCount_ = 0, steps_ = 0, verticesPerStrand_ = 0,
-           stateStride_ = 0;
-  uint64_t vertices_ = 0;
   float lastLength_ = 0;  ///< of the last sub-step [s]
   bool known_ = false;    ///< the last sub-step was found for
   bool odd_ = false;      ///< in turn, from sub-step to sub-step

@@ -106,14 +106,12 @@ bool isOn(const HairContactSettings& contact) {
   return contact.stiffness > 0 || contact.friction > 0;
 }
 
-}  // namespace
-
 // Constants of all kernels of the grid: the grid around a middle.
 // \param shifted of the middle's space: nodes stay where they are in the first world
-HairGridConstants HairGrid::constantsOf(const HairFrame& frame, Float3 middle,
-                                        const Vector3<double>& shifted) const {
-  const double cell = static_cast<double>(cell_);
-  const double extent = 0.5 * cell * (size_ - kGridBorder);
+HairGridConstants constantsOf(const GridShape& shape, const HairFrame& frame, Float3 middle,
+                              const Vector3<double>& shifted) {
+  const double cell = static_cast<double>(shape.cell);
+  const double extent = 0.5 * cell * (shape.size - kGridBorder);
   // To whole cells, so that hair at rest sees the same density wherever a little motion puts it.
   const auto lowest = [&](float m, double shift) {
     const double at = static_cast<double>(m) + shift;
@@ -121,18 +119,18 @@ HairGridConstants HairGrid::constantsOf(const HairFrame& frame, Float3 middle,
   };
   HairGridConstants constants = {};
   constants.gridOrigin = {lowest(middle.x, shifted.x), lowest(middle.y, shifted.y),
-                          lowest(middle.z, shifted.z), cell_};
+                          lowest(middle.z, shifted.z), shape.cell};
   constants.gridVelocity = {0, 0, 0, kMaxSpeed};
-  constants.massScale = massScale_;
-  constants.momentumScale = momentumScale_;
-  constants.gridSize = size_;
+  constants.massScale = shape.massScale;
+  constants.momentumScale = shape.momentumScale;
+  constants.gridSize = shape.size;
   constants.gridVertexCount = static_cast<uint32_t>(frame.inputs.rest.asset->positions.size());
   return constants;
 }
 
 // Clears the grid and adds the vertices to it.
-Result<void> HairGrid::addSplatPasses(const HairGridConstants& constants, BufferId positions,
-                                      uint64_t offset, PassList& list) const {
+Result<void> addSplatPasses(const HairGridConstants& constants, const GridBuffers& buffers,
+                            BufferId positions, uint64_t offset, PassList& list) {
   const uint32_t count = constants.gridVertexCount;
   const uint64_t nodes = uint64_t{constants.gridSize} * constants.gridSize * constants.gridSize;
   const uint32_t channels = constants.gridFriction != 0 ? 4 : 1;
@@ -143,7 +141,7 @@ Result<void> HairGrid::addSplatPasses(const HairGridConstants& constants, Buffer
       .bytes(nodeBytes);
   if (Result<void> added = clear.finish(HairGridBindings{
           .hairGridConstants = constants,
-          .gridNodes = {nodes_, nodeBytes},
+          .gridNodes = {buffers.nodes, nodeBytes},
       });
       !added)
     return added;
@@ -152,16 +150,17 @@ Result<void> HairGrid::addSplatPasses(const HairGridConstants& constants, Buffer
   return splat.finish(HairGridBindings{
       .hairGridConstants = constants,
       .gridPositions = {positions, count * kVector, offset},
-      .gridBefore = {vertices_, count * kVector},
-      .gridNodes = {nodes_, nodeBytes},
+      .gridBefore = {buffers.vertices, count * kVector},
+      .gridNodes = {buffers.nodes, nodeBytes},
   });
 }
 
 // The rest density of every vertex, once for a grid.
-Result<void> HairGrid::addMeasurePasses(const HairFrame& frame, PassList& list) const {
-  HairGridConstants constants = constantsOf(frame, middleOf(frame.inputs.bounds, {}), {});
+Result<void> addMeasurePasses(const GridShape& shape, const GridBuffers& buffers,
+                              const HairFrame& frame) {
+  PassList& list = frame.list;
+  HairGridConstants constants = constantsOf(shape, frame, middleOf(frame.inputs.bounds, {}), {});
   const uint64_t count = constants.gridVertexCount;
-  const uint64_t nodes = uint64_t{constants.gridSize} * constants.gridSize * constants.gridSize;
   const Float4 origin = constants.gridOrigin;
   for (uint32_t direction = 0; direction < kDirections; ++direction) {
     const uint64_t offset = direction * alignedCount(count) * kVector;
@@ -170,17 +169,18 @@ Result<void> HairGrid::addMeasurePasses(const HairFrame& frame, PassList& list) 
         return from - static_cast<float>(slotInCell(slot, axis)) * origin.w;
       };
       constants.gridOrigin = {moved(origin.x, 0), moved(origin.y, 1), moved(origin.z, 2), origin.w};
-      const BufferId poses = bindPoses_;
-      if (Result<void> added = addSplatPasses(constants, poses, offset, list); !added) return added;
+      if (Result<void> added = addSplatPasses(constants, buffers, buffers.bindPoses, offset, list);
+          !added)
+        return added;
       PassBuilder builder(list);
       dispatchRows(builder, measureHairGridVariant({}), count)
-          .bytes(count * (2 * kVector + 2 * sizeof(float)) + nodes * sizeof(uint32_t));
+          .bytes(count * (2 * kVector + 2 * sizeof(float)) + shape.nodes() * sizeof(uint32_t));
       if (Result<void> added = builder.finish(HairGridBindings{
               .hairGridConstants = constants,
-              .gridPositions = {poses, count * kVector, offset},
-              .gridBefore = {vertices_, count * kVector},
-              .gridRest = {rest_, count * sizeof(float)},
-              .gridNodes = {nodes_, nodes * sizeof(uint32_t)},
+              .gridPositions = {buffers.bindPoses, count * kVector, offset},
+              .gridBefore = {buffers.vertices, count * kVector},
+              .gridRest = {buffers.rest, count * sizeof(float)},
+              .gridNodes = {buffers.nodes, shape.nodes() * sizeof(uint32_t)},
           });
           !added)
         return added;
@@ -189,8 +189,11 @@ Result<void> HairGrid::addMeasurePasses(const HairFrame& frame, PassList& list) 
   return {};
 }
 
+}  // namespace
+
 void HairGrid::remove(const BufferFactory& factory) {
-  for (BufferId* buffer : {&nodes_, &vertices_, &rest_, &forces_, &bindPoses_})
+  for (BufferId* buffer :
+       {&buffers_.nodes, &buffers_.vertices, &buffers_.rest, &buffers_.forces, &buffers_.bindPoses})
     factory.remove(*buffer);
   *this = {};
 }
@@ -201,14 +204,15 @@ void HairGrid::prepare(HairFrame& frame) {
   const BufferFactory& factory = frame.factory;
   const bool on = frame.mode == FrameMode::kSimulate && frame.settings.solver == Solver::kExact &&
                   isOn(contact);
-  factory.remove(bindPoses_);
-  const bool same = !frame.otherRest && size_ > 0 && cellSetting_ == contact.cellSize &&
-                    friction_ == (contact.friction > 0) && pressure_ == (contact.stiffness > 0);
+  factory.remove(buffers_.bindPoses);
+  const bool same = !frame.otherRest && shape_.size > 0 && shape_.cellSetting == contact.cellSize &&
+                    shape_.friction == (contact.friction > 0) &&
+                    shape_.pressure == (contact.stiffness > 0);
   if (!on || !same) remove(factory);
   if (on && !same) make(frame);
-  frame.buffers.contactForces = forces_;
+  frame.buffers.contactForces = buffers_.forces;
   others_ = frame.forces;
-  if (on) frame.forces = forces_;
+  if (on) frame.forces = buffers_.forces;
 }
 
 void HairGrid::make(const HairFrame& frame) {
@@ -216,47 +220,49 @@ void HairGrid::make(const HairFrame& frame) {
   const double extent = extentOf(frame.inputs);
   const double cell = std::max(static_cast<double>(contact.cellSize),
                                2 * extent / (hair_grid::kMaxGridSize - kGridBorder - 1));
-  cellSetting_ = contact.cellSize;
-  cell_ = static_cast<float>(cell);
-  size_ = static_cast<uint32_t>(std::ceil(2 * extent / static_cast<double>(cell_))) + kGridBorder;
-  friction_ = contact.friction > 0;
-  pressure_ = contact.stiffness > 0;
+  shape_.cellSetting = contact.cellSize;
+  shape_.cell = static_cast<float>(cell);
+  shape_.size =
+      static_cast<uint32_t>(std::ceil(2 * extent / static_cast<double>(shape_.cell))) + kGridBorder;
+  shape_.friction = contact.friction > 0;
+  shape_.pressure = contact.stiffness > 0;
 
   const HairAsset& asset = *frame.inputs.rest.asset;
   const std::vector<Float4> masses = massesOf(asset, frame.groom.hairsOfGuides);
   double total = 0;
   for (const Float4& vertex : masses) total += static_cast<double>(vertex.w);
   // Powers of two: they do not depend on the order of the sum, and products with them are exact.
-  massScale_ = powerOfTwoBelow(std::min(0x1p31 / total, 0x1p100));
-  momentumScale_ = massScale_ / (2 * kMaxSpeed);
+  shape_.massScale = powerOfTwoBelow(std::min(0x1p31 / total, 0x1p100));
+  shape_.momentumScale = shape_.massScale / (2 * kMaxSpeed);
 
   const auto add = [&](const char* what, uint64_t count, uint32_t stride,
                        std::span<const Float4> initial = {}) {
     const auto bytes = std::as_bytes(initial);
     return frame.factory.add(frame.name + "/" + what, count, stride, {bytes.begin(), bytes.end()});
   };
-  const uint64_t nodes = uint64_t{size_} * size_ * size_;
-  nodes_ = add("contactNodes", nodes * (friction_ ? 4 : 1), sizeof(uint32_t));
-  vertices_ = add("contactVertices", masses.size(), kVector, masses);
-  forces_ = add("contactForces", masses.size(), kVector);
-  if (pressure_) {
-    rest_ = add("contactRest", masses.size(), sizeof(float));
+  buffers_.nodes =
+      add("contactNodes", shape_.nodes() * (shape_.friction ? 4 : 1), sizeof(uint32_t));
+  buffers_.vertices = add("contactVertices", masses.size(), kVector, masses);
+  buffers_.forces = add("contactForces", masses.size(), kVector);
+  if (shape_.pressure) {
+    buffers_.rest = add("contactRest", masses.size(), sizeof(float));
     const std::vector<Float4> poses = rotatedBindPoses(asset, middleOf(frame.inputs.bounds, {}));
-    bindPoses_ = add("contactBindPoses", poses.size(), kVector, poses);
+    buffers_.bindPoses = add("contactBindPoses", poses.size(), kVector, poses);
   }
 }
 
 Result<void> HairGrid::record(const HairFrame& frame, double h, bool reset) {
-  if (size_ == 0) return {};
+  if (shape_.size == 0) return {};
   PassList& list = frame.list;
   const HairContactSettings& contact = frame.settings.contact;
-  if (bindPoses_ != BufferId::kInvalid && !measured_) {
-    if (Result<void> added = addMeasurePasses(frame, list); !added) return added;
+  if (buffers_.bindPoses != BufferId::kInvalid && !measured_) {
+    if (Result<void> added = addMeasurePasses(shape_, buffers_, frame); !added) return added;
     measured_ = true;
   }
   const Float3 middle = middleOf(frame.inputs.bounds, frame.inputs.bones);
   const bool finite = isFinite(middle);
-  HairGridConstants constants = constantsOf(frame, finite ? middle : middle_, frame.origin.shifted);
+  HairGridConstants constants =
+      constantsOf(shape_, frame, finite ? middle : middle_, frame.origin.shifted);
   if (reset) history_ = 0;
   // There are positions from the second step on, and velocities from the third one on.
   if (history_ > 1) {
@@ -268,44 +274,45 @@ Result<void> HairGrid::record(const HairFrame& frame, double h, bool reset) {
   }
   constants.pressure =
       static_cast<float>(static_cast<double>(contact.stiffness) *
-                         std::pow(kFrontCells * static_cast<double>(cell_) * 60, 2));
-  constants.gridFriction = friction_ ? 1 : 0;
+                         std::pow(kFrontCells * static_cast<double>(shape_.cell) * 60, 2));
+  constants.gridFriction = shape_.friction ? 1 : 0;
   constants.frictionRate =
       static_cast<float>((1 - std::pow(1 - static_cast<double>(contact.friction), 60 * h)) / h);
   if (history_ == 0) {
     // Nothing is inside a grid without nodes: the pass clears the forces.
     constants.gridSize = 0;
-  } else if (Result<void> added = addSplatPasses(constants, frame.buffers.positions, 0, list);
+  } else if (Result<void> added =
+                 addSplatPasses(constants, buffers_, frame.buffers.positions, 0, list);
              !added) {
     return added;
   }
   const uint64_t count = constants.gridVertexCount;
-  const uint64_t nodes = uint64_t{size_} * size_ * size_;
-  const uint64_t nodeBytes = nodes * (friction_ ? 4 : 1) * sizeof(uint32_t);
+  const uint64_t nodeBytes = shape_.nodes() * (shape_.friction ? 4 : 1) * sizeof(uint32_t);
   const bool others = others_ != BufferId::kInvalid;
   constants.addsForces = others ? 1 : 0;
   PassBuilder builder(list);
   dispatchRows(builder, applyHairGridVariant({}), count)
-      .bytes(count * (4 * kVector + (pressure_ ? sizeof(float) : 0) + (others ? kVector : 0)) +
+      .bytes(count *
+                 (4 * kVector + (shape_.pressure ? sizeof(float) : 0) + (others ? kVector : 0)) +
              nodeBytes);
   history_ = std::min(history_ + 1, 2u);
   step_ = h;
   const BufferRange positions = {frame.buffers.positions, count * kVector};
-  const BufferRange rest = {rest_, count * sizeof(float)};
+  const BufferRange rest = {buffers_.rest, count * sizeof(float)};
   // Positions stand in, and are not read, without pressure and without forces of others.
   return builder.finish(HairGridBindings{
       .hairGridConstants = constants,
       .gridPositions = positions,
       .otherForces = others ? BufferRange{others_, count * kVector} : positions,
-      .gridBefore = {vertices_, count * kVector},
+      .gridBefore = {buffers_.vertices, count * kVector},
       .gridRest = rest.isBound() ? rest : positions,
-      .gridNodes = {nodes_, nodeBytes},
-      .gridForces = {forces_, count * kVector},
+      .gridNodes = {buffers_.nodes, nodeBytes},
+      .gridForces = {buffers_.forces, count * kVector},
   });
 }
 
 void HairGrid::finish(const HairFrame& frame) {
-  if (size_ == 0) return;
+  if (shape_.size == 0) return;
   const auto seconds = static_cast<double>(frame.length);
   const Float3 middle = middleOf(frame.inputs.bounds, frame.inputs.bones);
   const auto speed = [&](float now, float before) {

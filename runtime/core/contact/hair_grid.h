@@ -15,6 +15,23 @@
 
 namespace pelage::detail {
 
+/// A grid, and the settings that it was made for.
+struct GridShape {
+  uint32_t size = 0;  ///< nodes an axis; 0: there is none
+  float cell = 0;     ///< [m]
+  float cellSetting = 0;
+  bool friction = false, pressure = false;
+  float massScale = 0, momentumScale = 0;  ///< of HairGridConstants
+  uint64_t nodes() const { return uint64_t{size} * size * size; }
+};
+
+struct GridBuffers {
+  BufferId nodes = BufferId::kInvalid, vertices = BufferId::kInvalid;
+  BufferId rest = BufferId::kInvalid;
+  BufferId forces = BufferId::kInvalid;     ///< [vertex] Float4: the sum with the forces of others
+  BufferId bindPoses = BufferId::kInvalid;  ///< until the rest density has been measured
+};
+
 /// The grid of one object, and its buffers. A copy of it is what a frame is taken back to.
 class HairGrid {
  public:
@@ -30,30 +47,16 @@ class HairGrid {
     move.direction(velocity_);
   }
   std::vector<MovedElements> moved(const HairFrame& frame) const {
-    if (size_ == 0 || history_ == 0) return {};
-    return {{vertices_, 0, frame.guideVertices(), 1, {move_rigidly::kMovesPoint}, true}};
+    if (shape_.size == 0 || history_ == 0) return {};
+    return {{buffers_.vertices, 0, frame.guideVertices(), 1, {move_rigidly::kMovesPoint}, true}};
   }
 
  private:
   void make(const HairFrame& frame);
-  HairGridConstants constantsOf(const HairFrame& frame, Float3 middle,
-                                const Vector3<double>& shifted) const;
-  Result<void> addSplatPasses(const HairGridConstants& constants, BufferId positions,
-                              uint64_t offset, PassList& list) const;
-  Result<void> addMeasurePasses(const HairFrame& frame, PassList& list) const;
 
-  uint32_t size_ = 0;  ///< nodes an axis; 0: there is none
-  float cell_ = 0;     ///< [m]
-  // The settings that it was made for:
-  float cellSetting_ = 0;
-  bool friction_ = false, pressure_ = false;
-
-  float massScale_ = 0, momentumScale_ = 0;  ///< of HairGridConstants
-  BufferId nodes_ = BufferId::kInvalid, vertices_ = BufferId::kInvalid;
-  BufferId rest_ = BufferId::kInvalid;
-  BufferId forces_ = BufferId::kInvalid;     ///< [vertex] Float4: the sum with the forces of others
-  BufferId others_ = BufferId::kInvalid;     ///< these, in this frame; kInvalid: none
-  BufferId bindPoses_ = BufferId::kInvalid;  ///< until the rest density has been measured
+  GridShape shape_;
+  GridBuffers buffers_;
+  BufferId others_ = BufferId::kInvalid;  ///< forces of others in this frame; kInvalid: none
   bool measured_ = false;
   uint32_t history_ = 0;  ///< steps since the last reset, at most 2
   double step_ = 0;       ///< the last one [s]
