@@ -31,10 +31,8 @@ double mapStiffness(double s, double h) {
   return spring / (1 + spring);
 }
 
-}  // namespace
-
 // Constants that do not depend on the step.
-SimulationConstants StrandSolver::classicConstants(const HairFrame& frame) const {
+SimulationConstants stepConstants(const HairFrame& frame, const RestSets& rest) {
   const SimulationSettings& s = frame.settings;
   const double h = static_cast<double>(frame.length) / frame.steps;
   // Forces are found for steps of 1/60 s or more, and shorter steps take a share of them.
@@ -49,7 +47,7 @@ SimulationConstants StrandSolver::classicConstants(const HairFrame& frame) const
   const Float3 gust0 = frame.air.gust0, gust1 = frame.air.gust1;
   constants.gust0 = {gust0.x, gust0.y, gust0.z, s.wind.strandVariation};
   constants.gust1 = {gust1.x, gust1.y, gust1.z, 0};
-  constants.factorSet = restSets_.factors ? 2 : 0;
+  constants.factorSet = rest.factors ? 2 : 0;
   constants.timeStep = static_cast<float>(h);
   constants.dampingKeep = static_cast<float>(std::pow(1 - damping, forceStep / kReferenceStep));
   constants.gravityStep = static_cast<float>(squareOf(forceStep, damping));
@@ -74,11 +72,28 @@ SimulationConstants StrandSolver::classicConstants(const HairFrame& frame) const
   return constants;
 }
 
-Result<void> StrandSolver::addClassicPasses(const HairFrame& frame, const StepInputs& inputs) {
-  const HairBuffers& buffers = frame.buffers;
-  const uint64_t guides = frame.guideCount;
-  const uint64_t vertices = guides * frame.vertexCount;
-  SimulationConstants constants = classicConstants(frame);
+// The bindings of every pass of the solver.
+SimBindings bindingsOf(const HairFrame& frame, const SimulationConstants& constants) {
+  return {.simulationConstants = constants,
+          .state = frame.factory.resources.whole(frame.buffers.state)};
+}
+
+BufferRange restOf(const HairFrame& frame, const RestSets& rest) {
+  return {frame.buffers.rest, (rest.factors ? 3 : 2) * frame.guideVertices() * kVector};
+}
+
+SimPosTanBindings outputsOf(const HairFrame& frame) {
+  const uint64_t bytes = frame.guideVertices() * kVector;
+  return {.positions = {frame.buffers.positions, bytes},
+          .tangents = {frame.buffers.tangents, bytes}};
+}
+
+}  // namespace
+
+Result<void> ClassicSolver::record(const HairFrame& frame, const StepInputs& inputs,
+                                   const SolverMemory& memory) {
+  const uint64_t guides = frame.guideCount, vertices = frame.guideVertices();
+  SimulationConstants constants = stepConstants(frame, memory.rest);
   SimulateClassicKey key;
   key.contacts = frame.contacts.any;
   key.forces = frame.forces != BufferId::kInvalid;
@@ -101,28 +116,18 @@ Result<void> StrandSolver::addClassicPasses(const HairFrame& frame, const StepIn
     // State read and written twice each, rest data, positions and tangents.
     builder.dispatch(variant, frame.guideCount)
         .bytes(8 * vertices * kVector + 2 * guides * sizeof(RootTransform));
-    if (Result<void> added = builder.finish(
-            SimPosTanBindings{
-                .positions = {buffers.positions, vertices * kVector},
-                .tangents = {buffers.tangents, vertices * kVector},
-            },
-            SimBindings{
-                .simulationConstants = constants,
-                .rest = {buffers.rest, (restSets_.factors ? 3 : 2) * vertices * kVector},
-                .contacts = {frame.contacts.records.buffer, frame.contacts.recordBytes},
-                .strandForces = {frame.forces, vertices * kVector},
-                .contactWords = frame.contacts.words,
-                .state = frame.factory.resources.whole(buffers.state),
-            });
-        !added)
-      return added;
+    SimBindings bindings = bindingsOf(frame, constants);
+    bindings.rest = restOf(frame, memory.rest);
+    bindings.contacts = {frame.contacts.records.buffer, frame.contacts.recordBytes};
+    bindings.strandForces = {frame.forces, vertices * kVector};
+    bindings.contactWords = frame.contacts.words;
+    if (Result<void> added = builder.finish(outputsOf(frame), bindings); !added) return added;
   }
   return {};
 }
 
 // The bind shape under the roots.
-Result<void> StrandSolver::skinClassic(const HairFrame& frame) {
-  const HairBuffers& buffers = frame.buffers;
+Result<void> ClassicSolver::skin(const HairFrame& frame, const SolverMemory& memory) {
   const uint64_t vertices = frame.guideVertices();
   SimulationConstants constants = constantsOf(frame);
   constants.vspCoefficient = frame.settings.vspCoefficient;
@@ -130,22 +135,14 @@ Result<void> StrandSolver::skinClassic(const HairFrame& frame) {
   PassBuilder builder(frame.list);
   dispatchRows(builder, skinClassicStrandsVariant({}), vertices);
   builder.bytes(5 * vertices * kVector);
-  return builder.finish(
-      SimPosTanBindings{
-          .positions = {buffers.positions, vertices * kVector},
-          .tangents = {buffers.tangents, vertices * kVector},
-      },
-      SimBindings{
-          .simulationConstants = constants,
-          .rest = {buffers.rest, (restSets_.factors ? 3 : 2) * vertices * kVector},
-          .state = frame.factory.resources.whole(buffers.state),
-      });
+  SimBindings bindings = bindingsOf(frame, constants);
+  bindings.rest = restOf(frame, memory.rest);
+  return builder.finish(outputsOf(frame), bindings);
 }
 
 // Positions from the state, after a shift of the world.
-Result<void> StrandSolver::rewriteClassic(const HairFrame& frame) const {
-  const HairBuffers& buffers = frame.buffers;
-  const uint64_t vertices = uint64_t{frame.guideCount} * frame.vertexCount;
+Result<void> ClassicSolver::rewritePositions(const HairFrame& frame) {
+  const uint64_t vertices = frame.guideVertices();
   SimulationConstants constants = constantsOf(frame);
   const Float3 origin = frame.stateOrigin.world();
   constants.origin = {origin.x, origin.y, origin.z, 0};
@@ -153,13 +150,8 @@ Result<void> StrandSolver::rewriteClassic(const HairFrame& frame) const {
   dispatchRows(builder, rewriteClassicPositionsVariant({}), vertices);
   builder.bytes(3 * vertices * kVector);
   return builder.finish(
-      SimPosTanBindings{
-          .positions = {buffers.positions, vertices * kVector},
-      },
-      SimBindings{
-          .simulationConstants = constants,
-          .state = frame.factory.resources.whole(buffers.state),
-      });
+      SimPosTanBindings{.positions = {frame.buffers.positions, vertices * kVector}},
+      bindingsOf(frame, constants));
 }
 
 }  // namespace pelage::detail

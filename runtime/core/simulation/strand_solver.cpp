@@ -27,73 +27,63 @@ void StrandSolver::prepare(HairFrame& frame) {
     if (exact)
       makeExactBuffers(frame);
     else
-      makeClassicBuffers(frame);
+      makeState(frame, kClassicStateSets * frame.guideVertices());
   }
   const RestSets sets = {.targets = exact && (usesTargets(s) || groom.heldVertices),
                          .factors = !groom.strandFactors.empty() || s.curves != ParameterCurves{},
                          .strands = groom.strandFactors,
                          .curves = s.curves,
                          .sag = sagLoadOf(s)};
-  const bool otherPose = restVersion_ != frame.inputs.rest.version;
+  const bool otherPose = memory_.restVersion != frame.inputs.rest.version;
   if (otherPose) {
     frame.factory.remove(frame.buffers.bindRoots);
     frame.buffers.bindRoots = frame.factory.share(frame.name, "bindRoots", kVector,
                                                   bytesOf(bindRootsOf(*frame.inputs.rest.asset)));
-    restVersion_ = frame.inputs.rest.version;
+    memory_.restVersion = frame.inputs.rest.version;
   }
-  if (otherPose || frame.buffers.rest == BufferId::kInvalid || !(sets == restSets_))
+  if (otherPose || frame.buffers.rest == BufferId::kInvalid || !(sets == memory_.rest))
     makeRest(frame, sets);
   frame.roots = rootTransforms(frame.buffers);
-  frame.otherRest = restChanged();
-}
-
-void StrandSolver::makeClassicBuffers(const HairFrame& frame) {
-  const uint64_t vertices = frame.guideVertices();
-  static_assert(simulation::kRootAlignment == exact::kRootAlignment);
-  makeState(frame, kClassicStateSets * vertices);
+  frame.otherRest = memory_.restChanged();
 }
 
 // The state, and behind it the roots, which other rooms bind alone.
 void StrandSolver::makeState(const HairFrame& frame, uint64_t elements) {
   constexpr uint64_t kAlignment = exact::kRootAlignment;
   static_assert(kAlignment * kVector % 256 == 0, "devices ask for offsets of up to 256 bytes");
+  static_assert(simulation::kRootAlignment == kAlignment);
   rootOffset_ = (elements + kAlignment - 1) / kAlignment * kAlignment * kVector;
   rootBytes_ = uint64_t{simulation::kRootSets} * frame.guideCount * sizeof(RootTransform);
   frame.buffers.state =
       frame.factory.add(frame.name + "/state", (rootOffset_ + rootBytes_) / kVector, kVector);
 }
 
-void StrandSolver::makeExactBuffers(const HairFrame& frame) {
+void StrandSolver::makeExactBuffers(HairFrame& frame) {
   const HairAsset& asset = *frame.inputs.rest.asset;
   const ExactStrands strands = exactStrandsOf(frame.groom, frame.inputs.rest);
-  stateStride_ = strands.stateStride;
-  slot_ = 0;
-  const auto add = [&](const char* what, uint64_t count, uint32_t stride,
-                       BufferUsage usage = BufferUsage::kStorage) {
-    return frame.factory.add(frame.name + "/" + what, count, stride, {}, usage);
-  };
+  exact_ = ExactSolver(strands.stateStride);
   HairBuffers& buffers = frame.buffers;
-  makeState(frame, exactStateCount(stateStride_, asset.strandCount));
+  makeState(frame, exactStateCount(strands.stateStride, asset.strandCount));
   if (frame.groom.levelOfDetail) {
     const std::vector<uint32_t> parents = nearStrandsBefore(asset, strands);
     buffers.lodParents =
         frame.factory.share(frame.name, "lodParents", sizeof(uint32_t), bytesOf(parents));
   }
-  simulatedCount_ = 0;
-  buffers.sleep = add("sleep", sleepWordCount(frame.guideCount), sizeof(uint32_t),
-                      BufferUsage::kStorage | BufferUsage::kIndirect | BufferUsage::kUpload |
-                          BufferUsage::kReadback);
-  sleptBefore_ = false;
+  buffers.sleep = frame.factory.add(frame.name + "/sleep", sleepWordCount(frame.guideCount),
+                                    sizeof(uint32_t), {},
+                                    BufferUsage::kStorage | BufferUsage::kIndirect |
+                                        BufferUsage::kUpload | BufferUsage::kReadback);
 }
 
 void StrandSolver::makeRest(const HairFrame& frame, const RestSets& sets) {
   const HairAsset& asset = *frame.inputs.rest.asset;
-  restSets_ = sets;
-  limpGuides_ = 0;
+  memory_.rest = sets;
+  memory_.limpGuides = 0;
   frame.factory.remove(frame.buffers.rest);
   std::vector<Float4> rest;
   if (frame.settings.solver == Solver::kExact) {
-    rest = packExactRest(asset, exactStrandsOf(frame.groom, frame.inputs.rest), sets, &limpGuides_);
+    rest = packExactRest(asset, exactStrandsOf(frame.groom, frame.inputs.rest), sets,
+                         &memory_.limpGuides);
   } else {
     Result<std::vector<Float4>> packed = packRest(asset);
     PELAGE_ASSERT(packed, "addHair() takes processed assets only");
@@ -125,27 +115,27 @@ ContactStrands StrandSolver::strandsOf(const HairFrame& frame) {
 }
 
 Result<void> StrandSolver::record(HairFrame& frame, const StepInputs& inputs) {
-  const Result<void> added = frame.settings.solver == Solver::kExact
-                                 ? addExactPasses(frame, inputs)
-                                 : addClassicPasses(frame, inputs);
+  Result<void> added = frame.settings.solver == Solver::kExact
+                           ? exact_.record(frame, inputs, memory_)
+                           : classic_.record(frame, inputs, memory_);
   if (!added) return added;
-  lastFrame_ = frame.length;
-  settingsBefore_ = frame.settings;
-  restVersionBefore_ = restVersion_;
-  loadShareBefore_ = frame.loadShare;
-  followsShifted_ = false;
+  keepFrame(frame);
+  memory_.loadShareBefore = frame.loadShare;
   return {};
 }
 
 Result<void> StrandSolver::skin(HairFrame& frame) {
-  const Result<void> added =
-      frame.settings.solver == Solver::kExact ? skinExact(frame) : skinClassic(frame);
-  if (!added) return added;
-  lastFrame_ = frame.length;
-  settingsBefore_ = frame.settings;
-  restVersionBefore_ = restVersion_;
-  followsShifted_ = false;
-  return {};
+  Result<void> added = frame.settings.solver == Solver::kExact ? exact_.skin(frame, memory_)
+                                                               : classic_.skin(frame, memory_);
+  if (added) keepFrame(frame);
+  return added;
+}
+
+void StrandSolver::keepFrame(const HairFrame& frame) {
+  memory_.lastFrame = frame.length;
+  memory_.settingsBefore = frame.settings;
+  memory_.restVersionBefore = memory_.restVersion;
+  memory_.followsShifted = false;
 }
 
 std::vector<MovedElements> StrandSolver::moved(const HairFrame& frame) const {
@@ -160,7 +150,7 @@ std::vector<MovedElements> StrandSolver::moved(const HairFrame& frame) const {
     all.push_back({buffers.state, 0, 2 * vertices, 1, {kMovesPoint}});
     return all;
   }
-  const uint64_t set = stateStride_;
+  const uint64_t set = exact_.stateStride();
   static_assert(exact::kStateSets == 2 * exact::kStateSlots && exact::kStrandElements == 5);
   all.push_back({buffers.state,
                  0,
@@ -177,7 +167,8 @@ std::vector<MovedElements> StrandSolver::moved(const HairFrame& frame) const {
 }
 
 Result<void> StrandSolver::rewritePositions(const HairFrame& frame) const {
-  return solver_ == Solver::kExact ? rewriteExact(frame) : rewriteClassic(frame);
+  return solver_ == Solver::kExact ? exact_.rewritePositions(frame, memory_)
+                                   : ClassicSolver::rewritePositions(frame);
 }
 
 }  // namespace pelage::detail

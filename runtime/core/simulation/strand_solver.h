@@ -40,6 +40,53 @@ struct StepInputs {
   std::function<Result<void>(const ContactPart& part)> findContacts;
 };
 
+/// The rest data on the GPU and the last frame: both solvers continue from them.
+struct SolverMemory {
+  RestSets rest;
+  uint32_t limpGuides = 0;            ///< in `rest`
+  uint64_t restVersion = 0;           ///< likewise, of RestPose::version
+  uint64_t restVersionBefore = 0;     ///< of the last frame
+  SimulationSettings settingsBefore;  ///< likewise; a change wakes all strands
+  float loadShareBefore = 1;          ///< likewise
+  float lastFrame = 0;                ///< its length [s]; 0 before the first one
+  bool followsShifted = false;        ///< not placed anew since a shift
+  bool restChanged() const { return restVersion != restVersionBefore; }
+};
+
+/// The passes of the classic solver.
+class ClassicSolver {
+ public:
+  Result<void> record(const HairFrame& frame, const StepInputs& inputs, const SolverMemory& memory);
+  Result<void> skin(const HairFrame& frame, const SolverMemory& memory);
+  static Result<void> rewritePositions(const HairFrame& frame);
+
+ private:
+  float lastStep_ = 0;  ///< length of the last sub-step [s]; 0 before the first one
+};
+
+/// The passes of the exact solver.
+class ExactSolver {
+ public:
+  explicit ExactSolver(uint32_t stateStride = 0) : stateStride_(stateStride) {}
+  Result<void> record(HairFrame& frame, const StepInputs& inputs, const SolverMemory& memory);
+  Result<void> skin(const HairFrame& frame, const SolverMemory& memory);
+  Result<void> rewritePositions(const HairFrame& frame, const SolverMemory& memory) const;
+  uint32_t stateStride() const { return stateStride_; }
+
+ private:
+  ExactConstants constantsOf(const HairFrame& frame, const SolverMemory& memory) const;
+  ExactConstants frameConstants(const HairFrame& frame, const SolverMemory& memory) const;
+  Result<void> addSleepPass(HairFrame& frame, ExactConstants constants, const SolverMemory& memory);
+  void setLevelOfDetail(const HairFrame& frame, ExactConstants& constants);
+
+  uint32_t stateStride_;
+  uint32_t slot_ = 0;            ///< of the state now
+  uint32_t simulatedCount_ = 0;  ///< in the last frame; 0 before the first one
+  uint32_t simulatedBefore_ = 0;
+  bool sleptBefore_ = false;  ///< tiles could sleep in the last frame
+  ExactHistory history_;
+};
+
 /// The solver of one object. A copy of it is what a frame is taken back to.
 class StrandSolver {
  public:
@@ -60,64 +107,26 @@ class StrandSolver {
   std::vector<MovedElements> moved(const HairFrame& frame) const;
   /// Call it where follow hairs are where no simulation has put them: the next frame places all of
   /// them anew, also those that sleep.
-  void placeFollowsAnew() { followsShifted_ = true; }
+  void placeFollowsAnew() { memory_.followsShifted = true; }
 
   /// [2][guide] RootTransform
   BufferRange rootTransforms(const HairBuffers& buffers) const {
     return {buffers.state, rootBytes_, rootOffset_};
   }
   /// Strands that cannot balance SimulationSettings::sagCompensation.
-  uint32_t limpGuides() const { return limpGuides_; }
-  float lastFrame() const { return lastFrame_; }  ///< [s]; 0 before the first one
+  uint32_t limpGuides() const { return memory_.limpGuides; }
+  float lastFrame() const { return memory_.lastFrame; }  ///< [s]; 0 before the first one
 
  private:
-  void makeClassicBuffers(const HairFrame& frame);
-  void makeExactBuffers(const HairFrame& frame);
+  void makeExactBuffers(HairFrame& frame);
   void makeState(const HairFrame& frame, uint64_t elements);
   void makeRest(const HairFrame& frame, const RestSets& sets);
-  bool restChanged() const { return restVersion_ != restVersionBefore_; }
+  void keepFrame(const HairFrame& frame);
 
-  SimulationConstants classicConstants(const HairFrame& frame) const;
-  Result<void> addClassicPasses(const HairFrame& frame, const StepInputs& inputs);
-  Result<void> skinClassic(const HairFrame& frame);
-  Result<void> rewriteClassic(const HairFrame& frame) const;
-
-  ExactConstants exactConstants(const HairFrame& frame) const;
-  ExactConstants frameConstants(const HairFrame& frame) const;
-  Result<void> addExactPasses(HairFrame& frame, const StepInputs& inputs);
-  Result<void> addExactStep(const HairFrame& frame, const StepInputs& inputs,
-                            const ExactConstants& constants, uint32_t step) const;
-  Result<void> addContactStep(const HairFrame& frame, const StepInputs& inputs,
-                              ExactConstants constants, uint32_t step) const;
-  Result<void> addStrandPass(const HairFrame& frame, const KernelVariant& variant,
-                             const ExactConstants& constants) const;
-  uint64_t vertexBytes(const HairFrame& frame) const;
-  Result<void> addSleepPass(HairFrame& frame, ExactConstants constants);
-  Result<void> addInterpolationPass(const HairFrame& frame, const ExactConstants& constants,
-                                    uint32_t strands) const;
-  Result<void> finishExactPass(const HairFrame& frame, PassBuilder& builder,
-                               const ExactConstants& constants, uint64_t bytes) const;
-  void setLevelOfDetail(const HairFrame& frame, ExactConstants& constants);
-  Result<void> skinExact(const HairFrame& frame);
-  Result<void> rewriteExact(const HairFrame& frame) const;
-
-  std::optional<Solver> solver_;    ///< that the buffers were made for
-  RestSets restSets_;               ///< likewise
-  uint32_t limpGuides_ = 0;         ///< in restSets_
-  uint64_t restVersion_ = 0;        ///< likewise, of RestPose::version
-  uint64_t restVersionBefore_ = 0;  ///< of the last frame
-  /// Settings of the last frame; a change wakes all strands.
-  SimulationSettings settingsBefore_;
-  float loadShareBefore_ = 1;  ///< likewise
-  float lastFrame_ = 0;
-  float lastStep_ = 0;        ///< classic: length of the last sub-step [s]; 0 before the first one
-  bool sleptBefore_ = false;  ///< tiles could sleep in the last frame
-  bool followsShifted_ = false;  ///< not placed anew since a shift
-  uint32_t simulatedBefore_ = 0;
-  uint32_t simulatedCount_ = 0;  ///< exact: in the last frame; 0 before the first one
-  ExactHistory history_;
-  uint32_t slot_ = 0;  ///< exact: of the state now
-  uint32_t stateStride_ = 0;
+  std::optional<Solver> solver_;  ///< that the buffers were made for
+  SolverMemory memory_;
+  ClassicSolver classic_;
+  ExactSolver exact_;
   uint64_t rootOffset_ = 0, rootBytes_ = 0;  ///< of the roots in the buffer of the state
 };
 
