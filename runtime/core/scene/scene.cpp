@@ -90,7 +90,7 @@ DrawBytes Scene::drawBytes() const {
   return {drawing.oit.bytes(resources()), drawing.shadows.bytes(resources())};
 }
 void Scene::setTier(Tier tier) { parts_->drawing.tier = tier; }
-void Scene::setShadowMemory(uint64_t maxBytes) { parts_->drawing.shadows.maxBytes = maxBytes; }
+void Scene::setShadowMemory(uint64_t maxBytes) { parts_->drawing.shadows.setMaxBytes(maxBytes); }
 BufferId Scene::shadowWords() const { return parts_->drawing.shadows.words(); }
 BufferId Scene::shadowViews() const { return parts_->drawing.shadows.views(); }
 BufferId Scene::transparencyCounters() const { return parts_->drawing.oit.counters(); }
