@@ -94,72 +94,54 @@ std::string pipelineOf(const PassList& list, const Pass& pass) {
   return key;
 }
 
-class SmallScene {
+// The first pass of each pipeline of lists.
+class KeptPasses {
  public:
-  /// \param viewsOnly  keeps the passes of views, and drops those that move hair
-  explicit SmallScene(const SceneFeatures& features, bool viewsOnly = false)
-      : features_(features), viewsOnly_(viewsOnly) {}
+  void take(const PassList& list) {
+    for (Pass pass : list.passes) {
+      if (!known_.insert(pipelineOf(list, pass)).second) continue;
+      const auto bindings = list.bindingsOf(pass);
+      const auto values = list.specValuesOf(pass);
+      pass.firstBinding = static_cast<uint32_t>(all_.bindings.size());
+      pass.firstSpecValue = static_cast<uint32_t>(all_.specValues.size());
+      pass.firstBarrier = pass.barrierCount = 0;
+      all_.bindings.insert(all_.bindings.end(), bindings.begin(), bindings.end());
+      all_.specValues.insert(all_.specValues.end(), values.begin(), values.end());
+      all_.passes.push_back(pass);
+    }
+  }
 
-  Result<PassList> play() {
-    scene_.setTier(features_.tier);
-    if (Result<void> added = addHair(); !added) return added.error();
-    addBuffers();
-    if (Result<void> added = addFollowers(); !added) return added.error();
-    for (const bool forces : {false, true}) {
-      if (forces && !features_.forces) continue;
-      for (const HairId id : hairs_)
-        scene_.hair(id).setForces(forces ? forces_ : BufferId::kInvalid);
-      if (Result<void> ran = playColliders(); !ran) return ran.error();
-    }
-    if (features_.denseSdfs) {
-      if (Result<void> ran = playDenseSdf(); !ran) return ran.error();
-    }
-    if (features_.forceField) {
-      for (const HairId id : hairs_)
-        scene_.hair(id).setForceField({.values = forces_, .cellSize = 1, .nodes = {2, 2, 2}});
-      if (Result<void> ran = playColliders(); !ran) return ran.error();
-      for (const HairId id : hairs_) scene_.hair(id).setForceField({});
-    }
-    if (Result<void> ran = playWithoutSolver(); !ran) return ran.error();
-    if (Result<void> ran = playMoves(); !ran) return ran.error();
+  // Passes that do not draw come first.
+  PassList list() && {
     std::stable_partition(all_.passes.begin(), all_.passes.end(),
                           [](const Pass& pass) { return !isDraw(pass.kind); });
     return std::move(all_);
   }
 
  private:
-  // Hair that bones or given positions place.
-  Result<void> playWithoutSolver() {
-    if (features_.skinnedHair) {
-      for (const bool simulated : {false, true}) {
-        for (const HairId id : hairs_) scene_.hair(id).simulated = simulated;
-        if (Result<void> ran = frames(); !ran) return ran;
-      }
-    }
-    if (features_.givenHair) {
-      for (const bool given : {true, false}) {
-        const std::vector<Float3> positions(given ? size_t{kStrands} * kVertices : 0);
-        for (const HairId id : hairs_)
-          if (Result<void> set = scene_.hair(id).setPositions(positions); !set) return set;
-        if (Result<void> ran = frames(); !ran) return ran;
-      }
-    }
-    return {};
+  PassList all_;
+  std::set<std::string> known_;
+};
+
+// Hair of all kinds that a program has, and buffers for it.
+class SmallScene {
+ public:
+  explicit SmallScene(const SceneFeatures& features) : features_(features) {
+    scene_.setTier(features.tier);
   }
 
-  Result<void> playMoves() {
-    if (features_.originShifts) {
-      if (Result<void> moved = scene_.shiftOrigin({1, 0, 0}); !moved) return moved;
-      if (Result<void> ran = frames(); !ran) return ran;
-    }
-    if (features_.teleports) {
-      for (const HairId id : hairs_)
-        if (Result<void> moved = scene_.teleport(id, {}); !moved) return moved;
-      if (Result<void> ran = frames(); !ran) return ran;
-    }
-    return {};
+  Result<void> fill() {
+    if (Result<void> added = addHair(); !added) return added;
+    addBuffers();
+    return addFollowers();
   }
 
+  Scene& scene() { return scene_; }
+  const std::vector<HairId>& hairs() const { return hairs_; }
+  BufferId forces() const { return forces_; }
+  BufferId depth() const { return depth_; }
+
+ private:
   Result<void> addHair() {
     const std::vector<FollowHair> follows = {{.guide = 0, .offset = {0.001f, 0, 0, 1}}};
     const std::vector<Float4> texel = {{1, 1, 1, 1}};
@@ -241,12 +223,82 @@ class SmallScene {
     return {};
   }
 
+  const SceneFeatures& features_;
+  Scene scene_;
+  std::vector<HairId> hairs_;
+  BufferId forces_ = BufferId::kInvalid, depth_ = BufferId::kInvalid;
+};
+
+// Plays a small scene with all features of a program, and keeps its passes.
+class ScenePlayer {
+ public:
+  /// \param viewsOnly  keeps the passes of views, and drops those that move hair
+  explicit ScenePlayer(const SceneFeatures& features, bool viewsOnly = false)
+      : features_(features), viewsOnly_(viewsOnly), small_(features) {}
+
+  Result<PassList> play() {
+    if (Result<void> filled = small_.fill(); !filled) return filled.error();
+    for (const bool forces : {false, true}) {
+      if (forces && !features_.forces) continue;
+      for (const HairId id : small_.hairs())
+        small_.scene().hair(id).setForces(forces ? small_.forces() : BufferId::kInvalid);
+      if (Result<void> ran = playColliders(); !ran) return ran.error();
+    }
+    if (features_.denseSdfs) {
+      if (Result<void> ran = playDenseSdf(); !ran) return ran.error();
+    }
+    if (features_.forceField) {
+      for (const HairId id : small_.hairs())
+        small_.scene().hair(id).setForceField(
+            {.values = small_.forces(), .cellSize = 1, .nodes = {2, 2, 2}});
+      if (Result<void> ran = playColliders(); !ran) return ran.error();
+      for (const HairId id : small_.hairs()) small_.scene().hair(id).setForceField({});
+    }
+    if (Result<void> ran = playWithoutSolver(); !ran) return ran.error();
+    if (Result<void> ran = playMoves(); !ran) return ran.error();
+    return std::move(kept_).list();
+  }
+
+ private:
+  // Hair that bones or given positions place.
+  Result<void> playWithoutSolver() {
+    if (features_.skinnedHair) {
+      for (const bool simulated : {false, true}) {
+        for (const HairId id : small_.hairs()) small_.scene().hair(id).simulated = simulated;
+        if (Result<void> ran = frames(); !ran) return ran;
+      }
+    }
+    if (features_.givenHair) {
+      for (const bool given : {true, false}) {
+        const std::vector<Float3> positions(given ? size_t{kStrands} * kVertices : 0);
+        for (const HairId id : small_.hairs())
+          if (Result<void> set = small_.scene().hair(id).setPositions(positions); !set) return set;
+        if (Result<void> ran = frames(); !ran) return ran;
+      }
+    }
+    return {};
+  }
+
+  Result<void> playMoves() {
+    if (features_.originShifts) {
+      if (Result<void> moved = small_.scene().shiftOrigin({1, 0, 0}); !moved) return moved;
+      if (Result<void> ran = frames(); !ran) return ran;
+    }
+    if (features_.teleports) {
+      for (const HairId id : small_.hairs())
+        if (Result<void> moved = small_.scene().teleport(id, {}); !moved) return moved;
+      if (Result<void> ran = frames(); !ran) return ran;
+    }
+    return {};
+  }
+
   void setCapsules(bool on) {
     const CapsuleCollider capsule = {.head = {0.01f, 0.02f, 0},
                                      .headRadius = 0.005f,
                                      .tail = {0, 0.02f, 0},
                                      .tailRadius = 0.005f};
-    for (const HairId id : hairs_) scene_.hair(id).setColliders({&capsule, on ? 1u : 0u});
+    for (const HairId id : small_.hairs())
+      small_.scene().hair(id).setColliders({&capsule, on ? 1u : 0u});
   }
 
   // Nothing in reach, capsules, a mesh, and both.
@@ -265,7 +317,7 @@ class SmallScene {
 
   // It is built as a whole, then what has moved of it, then as a whole.
   Result<void> playMesh() {
-    const Result<ColliderId> added = scene_.addCollider(
+    const Result<ColliderId> added = small_.scene().addCollider(
         smallMesh(), {.name = "prepared mesh", .cellSize = 0.01f, .boneCount = 2});
     if (!added) return added.error();
     for (const auto& [first, second] :
@@ -273,24 +325,24 @@ class SmallScene {
       AffineTransform bones[2];
       bones[0].rows[0].w = first;
       bones[1].rows[0].w = second;
-      scene_.collider(*added).setBones(bones);
+      small_.scene().collider(*added).setBones(bones);
       if (Result<void> ran = frames(); !ran) return ran;
     }
-    return scene_.removeCollider(*added);
+    return small_.scene().removeCollider(*added);
   }
 
   Result<void> playDenseSdf() {
-    const Result<ColliderId> added = scene_.addCollider(
-        DenseSdf{.distances = depth_, .grid = {.cellSize = 0.1f, .nodes = {2, 2, 2}}},
+    const Result<ColliderId> added = small_.scene().addCollider(
+        DenseSdf{.distances = small_.depth(), .grid = {.cellSize = 0.1f, .nodes = {2, 2, 2}}},
         {.name = "prepared SDF"});
     if (!added) return added.error();
     if (Result<void> ran = frames(); !ran) return ran;
-    return scene_.removeCollider(*added);
+    return small_.scene().removeCollider(*added);
   }
 
   Result<void> frames() {
     for (int i = 0; i < 2; ++i) {
-      auto frame = scene_.simulate(1.0f / 60);
+      auto frame = small_.scene().simulate(1.0f / 60);
       if (!frame) return frame.error();
       if (features_.interpolation)
         if (Result<void> placed = frame->interpolate(0.5f); !placed) return placed;
@@ -300,14 +352,15 @@ class SmallScene {
         Light light = {.shadow = shadows ? HairShadow::kDeep : HairShadow::kNone,
                        .shadowSize = 8,
                        .shadowLayers = 2};
-        if (features_.opaqueShadows) light.opaque = {.depth = depth_, .width = 2, .height = 2};
+        if (features_.opaqueShadows)
+          light.opaque = {.depth = small_.depth(), .width = 2, .height = 2};
         // For an engine that draws hair by itself.
         if (features_.transparency.empty() && shadows) {
           const auto cast = frame->castShadows({&light, 1});
           if (!cast) return cast.error();
         }
         for (TransparencySettings settings : features_.transparency) {
-          if (settings.opaqueDepth != BufferId::kInvalid) settings.opaqueDepth = depth_;
+          if (settings.opaqueDepth != BufferId::kInvalid) settings.opaqueDepth = small_.depth();
           const auto drawn = frame->draw(view, {&light, 1}, settings);
           if (!drawn) return drawn.error();
         }
@@ -320,7 +373,7 @@ class SmallScene {
                                       .record =
                                           [this](const FrameStep& step) {
                                             if (!viewsOnly_ || step.view != FrameStep::kNoView)
-                                              take(*step.list);
+                                              kept_.take(*step.list);
                                             setDelivered(step.list->run);
                                             return Result<void>();
                                           },
@@ -330,34 +383,16 @@ class SmallScene {
     return {};
   }
 
-  // Keeps the first pass of each pipeline.
-  void take(const PassList& list) {
-    for (Pass pass : list.passes) {
-      if (!known_.insert(pipelineOf(list, pass)).second) continue;
-      const auto bindings = list.bindingsOf(pass);
-      const auto values = list.specValuesOf(pass);
-      pass.firstBinding = static_cast<uint32_t>(all_.bindings.size());
-      pass.firstSpecValue = static_cast<uint32_t>(all_.specValues.size());
-      pass.firstBarrier = pass.barrierCount = 0;
-      all_.bindings.insert(all_.bindings.end(), bindings.begin(), bindings.end());
-      all_.specValues.insert(all_.specValues.end(), values.begin(), values.end());
-      all_.passes.push_back(pass);
-    }
-  }
-
   const SceneFeatures& features_;
   const bool viewsOnly_;
-  Scene scene_;
-  std::vector<HairId> hairs_;
-  BufferId forces_ = BufferId::kInvalid, depth_ = BufferId::kInvalid;
-  PassList all_;
-  std::set<std::string> known_;
+  SmallScene small_;
+  KeptPasses kept_;
 };
 
 }  // namespace
 
 Result<PassList> listToPrepare(const SceneFeatures& features) {
-  return SmallScene(features).play();
+  return ScenePlayer(features).play();
 }
 
 Result<PassList> listToDraw(const TransparencySettings& settings, const DrawnFeatures& hair,
@@ -370,7 +405,7 @@ Result<PassList> listToDraw(const TransparencySettings& settings, const DrawnFea
                                   .shadows = false,
                                   .transparency = {settings},
                                   .tier = tier};
-  return SmallScene(features, true).play();
+  return ScenePlayer(features, true).play();
 }
 
 }  // namespace pelage
