@@ -277,6 +277,177 @@ void APIENTRY onDebugMessage(GLenum, GLenum type, GLuint id, GLenum severity, GL
                id, static_cast<int>(text.size()), text.data());
 }
 
+GLenum colorFormatOf(const RenderTargetDef& target) {
+  return target.float32Color ? GL_RGBA32F : GL_RGBA16F;
+}
+
+// Sum of those of 1, 2, 4 and 8 that the format has. GL rounds other counts up without a word.
+uint32_t sampleCountsOf(const Functions& gl, GLenum format) {
+  GLint count = 0;
+  gl.glGetInternalformativ(GL_RENDERBUFFER, format, GL_NUM_SAMPLE_COUNTS, 1, &count);
+  std::vector<GLint> samples(static_cast<size_t>(std::max(count, 0)));
+  if (count > 0)
+    gl.glGetInternalformativ(GL_RENDERBUFFER, format, GL_SAMPLES, count, samples.data());
+  uint32_t sum = 1;
+  for (const GLint n : samples)
+    if (n == 2 || n == 4 || n == 8) sum |= static_cast<uint32_t>(n);
+  return sum;
+}
+
+// The sample counts of a target of a color format.
+uint32_t targetSampleCounts(const Functions& gl, GLenum color) {
+  return sampleCountsOf(gl, color) & sampleCountsOf(gl, GL_DEPTH_COMPONENT32F);
+}
+
+GLint64 sizeOf(const Functions& gl, GLuint buffer) {
+  GLint64 size = 0;
+  if (buffer == 0) return size;
+  gl.glBindBuffer(GL_COPY_WRITE_BUFFER, buffer);
+  gl.glGetBufferParameteri64v(GL_COPY_WRITE_BUFFER, GL_BUFFER_SIZE, &size);
+  return size;
+}
+
+// The target of render(), kept between frames of one size.
+class RenderTarget {
+ public:
+  explicit RenderTarget(const Functions& gl) : gl_(gl) {}
+  // Before the context goes.
+  void release() {
+    releaseImages();
+    depthCopy_.release(gl_);
+  }
+  // \param device  its name, for messages
+  Result<void> make(const RenderTargetDef& target, const std::string& device);
+  void bind() const { gl_.glBindFramebuffer(GL_FRAMEBUFFER, framebuffers_[0]); }
+  void clear(const RenderTargetDef& target) const;
+  Result<void> copyDepth(gl::Profile profile, const PixelArea& area, GLuint buffer) {
+    return depthCopy_.run(gl_, profile, depthTexture_, area, buffer);
+  }
+  // Reads the colors, samples averaged.
+  void read(const RenderTargetDef& target, std::span<Float4> pixels) const;
+
+ private:
+  void releaseImages();
+
+  const Functions& gl_;
+  uint32_t width_ = 0, height_ = 0, samples_ = 0;
+  bool float32_ = false;
+  GLuint framebuffers_[2] = {};   // [0] is drawn to, [1] takes the average of its samples
+  GLuint renderbuffers_[3] = {};  // color, depth of several samples, average
+  GLuint depthTexture_ = 0;       // depth of one sample: what depthCopy_ can read
+  gl::DepthCopy depthCopy_;
+};
+
+void RenderTarget::releaseImages() {
+  gl_.glDeleteFramebuffers(2, framebuffers_);
+  gl_.glDeleteRenderbuffers(3, renderbuffers_);
+  gl_.glDeleteTextures(1, &depthTexture_);
+  depthTexture_ = 0;
+  std::fill(std::begin(framebuffers_), std::end(framebuffers_), 0u);
+  std::fill(std::begin(renderbuffers_), std::end(renderbuffers_), 0u);
+  width_ = height_ = samples_ = 0;
+}
+
+// Device `name` cannot make a target.
+Error targetError(const std::string& name, const RenderTargetDef& target, GLenum error,
+                  GLenum status) {
+  return Error{error == GL_OUT_OF_MEMORY ? ErrorCode::kOutOfMemory : ErrorCode::kUnsupported,
+               name + " cannot draw to " + std::to_string(target.width) + " x " +
+                   std::to_string(target.height) + (target.float32Color ? " RGBA32F" : " RGBA16F") +
+                   " pixels with " + std::to_string(target.samples) +
+                   " samples and 32-bit depth (" +
+                   (error != GL_NO_ERROR ? gl::errorName(error)
+                                         : "framebuffer status " + std::to_string(status)) +
+                   ")"};
+}
+
+Result<void> RenderTarget::make(const RenderTargetDef& target, const std::string& device) {
+  if (width_ == target.width && height_ == target.height && samples_ == target.samples &&
+      float32_ == target.float32Color)
+    return {};
+  releaseImages();
+  const auto width = static_cast<GLsizei>(target.width);
+  const auto height = static_cast<GLsizei>(target.height);
+  const GLenum color = colorFormatOf(target);
+  const GLsizei samples = target.samples > 1 ? static_cast<GLsizei>(target.samples) : 0;
+  gl_.glGenFramebuffers(2, framebuffers_);
+  gl_.glGenRenderbuffers(3, renderbuffers_);
+  gl::clearErrors(gl_);
+  const auto storage = [&](int index, GLenum format, GLsizei count) {
+    gl_.glBindRenderbuffer(GL_RENDERBUFFER, renderbuffers_[index]);
+    gl_.glRenderbufferStorageMultisample(GL_RENDERBUFFER, count, format, width, height);
+  };
+  storage(0, color, samples);
+  if (samples > 0) {
+    storage(1, GL_DEPTH_COMPONENT32F, samples);
+    storage(2, color, 0);
+  } else {
+    gl_.glGenTextures(1, &depthTexture_);
+    gl_.glActiveTexture(GL_TEXTURE0);
+    gl_.glBindTexture(GL_TEXTURE_2D, depthTexture_);
+    gl_.glTexStorage2D(GL_TEXTURE_2D, 1, GL_DEPTH_COMPONENT32F, width, height);
+    gl_.glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    gl_.glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    gl_.glBindTexture(GL_TEXTURE_2D, 0);
+  }
+  GLenum status = GL_FRAMEBUFFER_COMPLETE;
+  const auto attach = [&](int framebuffer, int colour, bool depth) {
+    gl_.glBindFramebuffer(GL_FRAMEBUFFER, framebuffers_[framebuffer]);
+    gl_.glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER,
+                                  renderbuffers_[colour]);
+    if (depth && samples > 0) {
+      gl_.glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER,
+                                    renderbuffers_[1]);
+    } else if (depth) {
+      gl_.glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depthTexture_,
+                                 0);
+    }
+    const GLenum now = gl_.glCheckFramebufferStatus(GL_FRAMEBUFFER);
+    if (now != GL_FRAMEBUFFER_COMPLETE) status = now;
+  };
+  const GLenum error = gl_.glGetError();
+  if (error == GL_NO_ERROR) {
+    attach(0, 0, true);
+    if (samples > 0) attach(1, 2, false);
+  }
+  if (error != GL_NO_ERROR || status != GL_FRAMEBUFFER_COMPLETE) {
+    releaseImages();
+    return targetError(device, target, error, status);
+  }
+  width_ = target.width;
+  height_ = target.height;
+  samples_ = target.samples;
+  float32_ = target.float32Color;
+  return {};
+}
+
+void RenderTarget::clear(const RenderTargetDef& target) const {
+  bind();
+  // Clears obey these, and the draws of an earlier frame have set them.
+  gl_.glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  gl_.glDepthMask(GL_TRUE);
+  gl_.glDisable(GL_SCISSOR_TEST);
+  gl_.glDisable(GL_RASTERIZER_DISCARD);
+  const Float4& color = target.clearColor;
+  const GLfloat values[4] = {color.x, color.y, color.z, color.w};
+  gl_.glClearBufferfv(GL_COLOR, 0, values);
+  gl_.glClearBufferfv(GL_DEPTH, 0, &target.clearDepth);
+}
+
+void RenderTarget::read(const RenderTargetDef& target, std::span<Float4> pixels) const {
+  const auto width = static_cast<GLint>(target.width), height = static_cast<GLint>(target.height);
+  if (target.samples > 1) {
+    gl_.glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffers_[0]);
+    gl_.glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffers_[1]);
+    gl_.glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT,
+                          GL_NEAREST);
+    gl_.glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffers_[1]);
+  }
+  gl::clearErrors(gl_);
+  static_assert(sizeof(Float4) == 4 * sizeof(float));
+  gl_.glReadPixels(0, 0, width, height, GL_RGBA, GL_FLOAT, pixels.data());
+}
+
 constexpr uint32_t kLargestTarget = 16384;
 
 class HeadlessGl final : public HeadlessDevice {
@@ -285,9 +456,8 @@ class HeadlessGl final : public HeadlessDevice {
                                                         const HeadlessDef& def);
   ~HeadlessGl() override {
     const ScopedCurrent current(egl_);
-    releaseTarget();
+    target_.release();
     gl_.glDeleteTextures(static_cast<GLsizei>(textures_.size()), textures_.data());
-    depthCopy_.release(gl_);
     timer_.reset();
     runtime_.reset();
   }
@@ -330,11 +500,6 @@ class HeadlessGl final : public HeadlessDevice {
   explicit HeadlessGl(EglContext egl) : egl_(std::move(egl)) {}
   Result<void> initialise(const HeadlessDef& def);
   Result<void> finish(Result<void> recorded, std::vector<PassTiming>* timings);
-  Result<void> makeTarget(const RenderTargetDef& target);
-  void releaseTarget();
-  uint64_t sizeOf(BufferId buffer) const;
-  uint32_t sampleCounts(GLenum color) const;
-  void clear(const RenderTargetDef& target) const;
   Result<void> recordLists(std::span<const PassList* const> lists, const RenderTargetDef& target,
                            gl::PassTimer* timer);
 
@@ -344,14 +509,7 @@ class HeadlessGl final : public HeadlessDevice {
   DeviceInfo info_;
   std::optional<gl::Runtime> runtime_;
   std::optional<gl::PassTimer> timer_;
-
-  // Kept between frames of one size: [0] is drawn to, [1] takes the average of its samples.
-  uint32_t width_ = 0, height_ = 0, samples_ = 0;
-  bool float32_ = false;
-  GLuint framebuffers_[2] = {};
-  GLuint renderbuffers_[3] = {};  // colour, depth of several samples, average
-  GLuint depthTexture_ = 0;       // depth of one sample: what depthCopy_ can read
-  gl::DepthCopy depthCopy_;
+  RenderTarget target_{gl_};
   std::vector<GLuint> textures_;  // of createTexture()
 };
 
@@ -369,23 +527,6 @@ std::pair<std::string, std::string> splitVersion(const std::string& version) {
     at += kProfile.size();
   if (at == std::string::npos || at >= version.size()) return {version, ""};
   return {version.substr(0, at), version.substr(at + 1)};
-}
-
-GLenum colorFormatOf(const RenderTargetDef& target) {
-  return target.float32Color ? GL_RGBA32F : GL_RGBA16F;
-}
-
-// Sum of those of 1, 2, 4 and 8 that the format has. GL rounds other counts up without a word.
-uint32_t sampleCountsOf(const Functions& gl, GLenum format) {
-  GLint count = 0;
-  gl.glGetInternalformativ(GL_RENDERBUFFER, format, GL_NUM_SAMPLE_COUNTS, 1, &count);
-  std::vector<GLint> samples(static_cast<size_t>(std::max(count, 0)));
-  if (count > 0)
-    gl.glGetInternalformativ(GL_RENDERBUFFER, format, GL_SAMPLES, count, samples.data());
-  uint32_t sum = 1;
-  for (const GLint n : samples)
-    if (n == 2 || n == 4 || n == 8) sum |= static_cast<uint32_t>(n);
-  return sum;
 }
 
 Result<void> HeadlessGl::initialise(const HeadlessDef& def) {
@@ -425,7 +566,7 @@ Result<void> HeadlessGl::initialise(const HeadlessDef& def) {
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   for (const char* software : {"llvmpipe", "softpipe", "swrast", "swiftshader", "software"})
     info_.software |= lower.find(software) != std::string::npos;
-  info_.sampleCounts = sampleCounts(GL_RGBA16F);
+  info_.sampleCounts = targetSampleCounts(gl_, GL_RGBA16F);
   info_.maxSamples = std::bit_floor(info_.sampleCounts);
   info_.maxBufferBytes = runtime_->limits().storageBlockBytes;
   info_.tier = runtime_->tier();
@@ -509,115 +650,6 @@ Result<TextureId> HeadlessGl::createTexture(const TextureDef& def) {
   return id;
 }
 
-void HeadlessGl::releaseTarget() {
-  gl_.glDeleteFramebuffers(2, framebuffers_);
-  gl_.glDeleteRenderbuffers(3, renderbuffers_);
-  gl_.glDeleteTextures(1, &depthTexture_);
-  depthTexture_ = 0;
-  std::fill(std::begin(framebuffers_), std::end(framebuffers_), 0u);
-  std::fill(std::begin(renderbuffers_), std::end(renderbuffers_), 0u);
-  width_ = height_ = samples_ = 0;
-}
-
-// Device `name` cannot make a target.
-Error targetError(const std::string& name, const RenderTargetDef& target, GLenum error,
-                  GLenum status) {
-  return Error{error == GL_OUT_OF_MEMORY ? ErrorCode::kOutOfMemory : ErrorCode::kUnsupported,
-               name + " cannot draw to " + std::to_string(target.width) + " x " +
-                   std::to_string(target.height) + (target.float32Color ? " RGBA32F" : " RGBA16F") +
-                   " pixels with " + std::to_string(target.samples) +
-                   " samples and 32-bit depth (" +
-                   (error != GL_NO_ERROR ? gl::errorName(error)
-                                         : "framebuffer status " + std::to_string(status)) +
-                   ")"};
-}
-
-Result<void> HeadlessGl::makeTarget(const RenderTargetDef& target) {
-  if (width_ == target.width && height_ == target.height && samples_ == target.samples &&
-      float32_ == target.float32Color)
-    return {};
-  releaseTarget();
-  const auto width = static_cast<GLsizei>(target.width);
-  const auto height = static_cast<GLsizei>(target.height);
-  const GLenum color = colorFormatOf(target);
-  const GLsizei samples = target.samples > 1 ? static_cast<GLsizei>(target.samples) : 0;
-  gl_.glGenFramebuffers(2, framebuffers_);
-  gl_.glGenRenderbuffers(3, renderbuffers_);
-  gl::clearErrors(gl_);
-  const auto storage = [&](int index, GLenum format, GLsizei count) {
-    gl_.glBindRenderbuffer(GL_RENDERBUFFER, renderbuffers_[index]);
-    gl_.glRenderbufferStorageMultisample(GL_RENDERBUFFER, count, format, width, height);
-  };
-  storage(0, color, samples);
-  if (samples > 0) {
-    storage(1, GL_DEPTH_COMPONENT32F, samples);
-    storage(2, color, 0);
-  } else {
-    gl_.glGenTextures(1, &depthTexture_);
-    gl_.glActiveTexture(GL_TEXTURE0);
-    gl_.glBindTexture(GL_TEXTURE_2D, depthTexture_);
-    gl_.glTexStorage2D(GL_TEXTURE_2D, 1, GL_DEPTH_COMPONENT32F, width, height);
-    gl_.glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    gl_.glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-    gl_.glBindTexture(GL_TEXTURE_2D, 0);
-  }
-  GLenum status = GL_FRAMEBUFFER_COMPLETE;
-  const auto attach = [&](int framebuffer, int colour, bool depth) {
-    gl_.glBindFramebuffer(GL_FRAMEBUFFER, framebuffers_[framebuffer]);
-    gl_.glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER,
-                                  renderbuffers_[colour]);
-    if (depth && samples > 0) {
-      gl_.glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER,
-                                    renderbuffers_[1]);
-    } else if (depth) {
-      gl_.glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depthTexture_,
-                                 0);
-    }
-    const GLenum now = gl_.glCheckFramebufferStatus(GL_FRAMEBUFFER);
-    if (now != GL_FRAMEBUFFER_COMPLETE) status = now;
-  };
-  const GLenum error = gl_.glGetError();
-  if (error == GL_NO_ERROR) {
-    attach(0, 0, true);
-    if (samples > 0) attach(1, 2, false);
-  }
-  if (error != GL_NO_ERROR || status != GL_FRAMEBUFFER_COMPLETE) {
-    releaseTarget();
-    return targetError(info_.name, target, error, status);
-  }
-  width_ = target.width;
-  height_ = target.height;
-  samples_ = target.samples;
-  float32_ = target.float32Color;
-  return {};
-}
-
-uint32_t HeadlessGl::sampleCounts(GLenum color) const {
-  return sampleCountsOf(gl_, color) & sampleCountsOf(gl_, GL_DEPTH_COMPONENT32F);
-}
-
-uint64_t HeadlessGl::sizeOf(BufferId buffer) const {
-  const GLuint name = runtime_->bufferName(buffer);
-  if (name == 0) return 0;
-  GLint64 size = 0;
-  gl_.glBindBuffer(GL_COPY_WRITE_BUFFER, name);
-  gl_.glGetBufferParameteri64v(GL_COPY_WRITE_BUFFER, GL_BUFFER_SIZE, &size);
-  return static_cast<uint64_t>(size);
-}
-
-void HeadlessGl::clear(const RenderTargetDef& target) const {
-  gl_.glBindFramebuffer(GL_FRAMEBUFFER, framebuffers_[0]);
-  // Clears obey these, and the draws of an earlier frame have set them.
-  gl_.glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  gl_.glDepthMask(GL_TRUE);
-  gl_.glDisable(GL_SCISSOR_TEST);
-  gl_.glDisable(GL_RASTERIZER_DISCARD);
-  const Float4& color = target.clearColor;
-  const GLfloat values[4] = {color.x, color.y, color.z, color.w};
-  gl_.glClearBufferfv(GL_COLOR, 0, values);
-  gl_.glClearBufferfv(GL_DEPTH, 0, &target.clearDepth);
-}
-
 Result<void> HeadlessGl::recordLists(std::span<const PassList* const> lists,
                                      const RenderTargetDef& target, gl::PassTimer* timer) {
   // An error is found before anything runs.
@@ -627,16 +659,16 @@ Result<void> HeadlessGl::recordLists(std::span<const PassList* const> lists,
     if (Result<void> fits = checkArea(*list, *area); !fits) return fits;
     if (Result<void> ready = runtime_->prepare(*list); !ready) return ready;
   }
-  clear(target);
+  target_.clear(target);
   for (size_t i = 0; i < lists.size(); ++i) {
     if (Result<void> done = runtime_->record(*lists[i], timer); !done) return done;
-    gl_.glBindFramebuffer(GL_FRAMEBUFFER, framebuffers_[0]);
+    target_.bind();
     Result<void> drawn =
         runtime_->recordDraws(*lists[i], {area->x, area->y, area->width, area->height}, timer);
     if (!drawn) return drawn;
     if (target.depthCopy == BufferId::kInvalid || i != target.depthCopyAfter) continue;
-    Result<void> copied = depthCopy_.run(gl_, runtime_->profile(), depthTexture_, *area,
-                                         runtime_->bufferName(target.depthCopy));
+    Result<void> copied =
+        target_.copyDepth(runtime_->profile(), *area, runtime_->bufferName(target.depthCopy));
     if (!copied) return copied;
   }
   return {};
@@ -659,34 +691,26 @@ Result<RenderedImage> HeadlessGl::render(std::span<const PassList* const> lists,
   const ScopedCurrent current(egl_);
   if (Result<void> ok = current.check(); !ok) return ok.error();
   const uint32_t counts =
-      target.float32Color ? sampleCounts(colorFormatOf(target)) : info_.sampleCounts;
+      target.float32Color ? targetSampleCounts(gl_, colorFormatOf(target)) : info_.sampleCounts;
   if ((counts & target.samples) == 0) {
     return unsupported(std::to_string(target.samples) + " samples a pixel: " + info_.name +
                        " has no such target; it has up to " + std::to_string(info_.maxSamples));
   }
-  if (Result<void> ok = checkDepthCopy(target, lists.size(), sizeOf(target.depthCopy)); !ok)
+  if (Result<void> ok = checkDepthCopy(
+          target, lists.size(),
+          static_cast<uint64_t>(sizeOf(gl_, runtime_->bufferName(target.depthCopy))));
+      !ok)
     return ok.error();
   RenderedImage image;
   image.width = target.width;
   image.height = target.height;
   image.pixels.resize(size_t{target.width} * target.height);
-  if (Result<void> made = makeTarget(target); !made) return made.error();
+  if (Result<void> made = target_.make(target, info_.name); !made) return made.error();
 
   gl::PassTimer* timer = timings != nullptr ? &*timer_ : nullptr;
   Result<void> recorded = recordLists(lists, target, timer);
   if (recorded) {
-    const auto width = static_cast<GLint>(target.width);
-    const auto height = static_cast<GLint>(target.height);
-    if (target.samples > 1) {
-      gl_.glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffers_[0]);
-      gl_.glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffers_[1]);
-      gl_.glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT,
-                            GL_NEAREST);
-      gl_.glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffers_[1]);
-    }
-    gl::clearErrors(gl_);
-    static_assert(sizeof(Float4) == 4 * sizeof(float));
-    gl_.glReadPixels(0, 0, width, height, GL_RGBA, GL_FLOAT, image.pixels.data());
+    target_.read(target, image.pixels);
     if (const GLenum error = gl_.glGetError(); error != GL_NO_ERROR) {
       recorded = Error{ErrorCode::kDevice,
                        info_.name + " does not give the picture back: " + gl::errorName(error)};

@@ -36,6 +36,12 @@ struct BinaryHeader {
 constexpr char kMagic[4] = {'P', 'L', 'G', 'B'};
 constexpr uint32_t kBinaryVersion = 1;
 
+using Clock = std::chrono::steady_clock;
+
+double millisecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
 GLenum shaderType(Stage stage) {
   switch (stage) {
     case Stage::kCompute:
@@ -100,6 +106,204 @@ std::string trimmed(std::string text) {
   return text.empty() ? "(the driver says nothing)" : text;
 }
 
+Result<void> checkLimits(const Context& context, const KernelVariant& variant) {
+  const Limits& limits = context.limits;
+  const Stage stage = variant.kernel->stage;
+  const std::string kernel = "kernel " + variantName(variant);
+
+  const char* first = "";
+  const uint32_t blocks = storageBlocks(variant, &first);
+  const auto [allowed, constant] =
+      stage == Stage::kCompute
+          ? std::pair{limits.computeStorageBlocks, "GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS"}
+      : stage == Stage::kVertex
+          ? std::pair{limits.vertexStorageBlocks, "GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS"}
+          : std::pair{limits.pixelStorageBlocks, "GL_MAX_FRAGMENT_SHADER_STORAGE_BLOCKS"};
+  if (blocks > allowed) {
+    return Error{ErrorCode::kUnsupported,
+                 kernel + " needs " + std::to_string(blocks) + " storage buffers in the " +
+                     stageName(stage) + " stage ('" + first + "' first); " + context.renderer +
+                     " allows " + std::to_string(allowed) + " (" + constant +
+                     "): use Vulkan, OpenGL core or another device"};
+  }
+  const uint32_t points = std::min(limits.storageBindings, kMaxBindings);
+  for (const VariantBinding& binding : variant.bindings) {
+    const LayoutEntry& entry = variant.kernel->layouts[binding.set]->entries[binding.entry];
+    if (entry.kind != ResourceKind::kStorageBuffer || binding.glBinding < points) continue;
+    return Error{ErrorCode::kUnsupported, kernel + ": '" + entry.name + "' has GL binding " +
+                                              std::to_string(binding.glBinding) + "; " +
+                                              context.renderer + " and pelage allow " +
+                                              std::to_string(points) + " of its kind"};
+  }
+  if (stage != Stage::kCompute) return {};
+
+  uint64_t threads = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    threads *= variant.groupSize[axis];
+    if (variant.groupSize[axis] > limits.groupSize[axis]) {
+      return Error{ErrorCode::kUnsupported,
+                   kernel + " has " + std::to_string(variant.groupSize[axis]) +
+                       " threads a group on axis " + "xyz"[axis] + "; " + context.renderer +
+                       " allows " + std::to_string(limits.groupSize[axis]) +
+                       " (GL_MAX_COMPUTE_WORK_GROUP_SIZE)"};
+    }
+  }
+  if (threads > limits.groupThreads) {
+    return Error{ErrorCode::kUnsupported, kernel + " has " + std::to_string(threads) +
+                                              " threads a group; " + context.renderer + " allows " +
+                                              std::to_string(limits.groupThreads) +
+                                              " (GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS)"};
+  }
+  return {};
+}
+
+Result<void> checkLimits(const Context& context, const KernelVariant& kernel,
+                         const KernelVariant* pixel) {
+  if (Result<void> fits = checkLimits(context, kernel); !fits) return fits;
+  if (pixel == nullptr) return {};
+  if (Result<void> fits = checkLimits(context, *pixel); !fits) return fits;
+  const uint32_t both = storageBlocks(kernel) + storageBlocks(*pixel);
+  if (both <= context.limits.combinedStorageBlocks) return {};
+  return Error{ErrorCode::kUnsupported,
+               "kernels " + variantName(kernel) + " and " + variantName(*pixel) + " need " +
+                   std::to_string(both) + " storage buffers together; " + context.renderer +
+                   " allows " + std::to_string(context.limits.combinedStorageBlocks) +
+                   " (GL_MAX_COMBINED_SHADER_STORAGE_BLOCKS)"};
+}
+
+struct StageSource {
+  const KernelVariant* variant;
+  std::string text;
+};
+
+std::string namesOf(std::span<const StageSource> stages) {
+  std::string names;
+  for (const StageSource& stage : stages)
+    names += (names.empty() ? "" : " + ") + variantName(*stage.variant);
+  return names;
+}
+
+// Asks for nothing that would wait: a driver with threads of its own compiles while the next
+// program is handed over.
+ProgramBuild compileAndLink(const Context& context, const ProgramCache& cache,
+                            std::span<const StageSource> stages, bool separable) {
+  const Functions& gl = context.gl;
+  ProgramBuild build;
+  build.names = namesOf(stages);
+  build.program = gl.glCreateProgram();
+  for (const StageSource& stage : stages) {
+    const GLuint shader = gl.glCreateShader(shaderType(stage.variant->kernel->stage));
+    const GLchar* text = stage.text.c_str();
+    const GLint length = static_cast<GLint>(stage.text.size());
+    gl.glShaderSource(shader, 1, &text, &length);
+    gl.glCompileShader(shader);
+    gl.glAttachShader(build.program, shader);
+    build.shaders.push_back({stage.variant, shader});
+  }
+  if (separable) gl.glProgramParameteri(build.program, GL_PROGRAM_SEPARABLE, GL_TRUE);
+  if (cache.store && context.limits.programBinaries)
+    gl.glProgramParameteri(build.program, GL_PROGRAM_BINARY_RETRIEVABLE_HINT, GL_TRUE);
+  gl.glLinkProgram(build.program);
+  return build;
+}
+
+std::string infoLog(GLuint object, decltype(Functions::glGetShaderiv) getSize,
+                    decltype(Functions::glGetShaderInfoLog) getLog) {
+  GLint length = 0;
+  getSize(object, GL_INFO_LOG_LENGTH, &length);
+  std::string log(static_cast<size_t>(std::max(length, 1)), '\0');
+  getLog(object, static_cast<GLsizei>(log.size()), nullptr, log.data());
+  return trimmed(std::move(log));
+}
+
+// Waits for the driver. After an error the program is deleted.
+Result<void> finish(const Context& context, const ProgramBuild& build) {
+  const Functions& gl = context.gl;
+  std::optional<Error> error;
+  for (const auto& [variant, shader] : build.shaders) {
+    GLint compiled = GL_FALSE;
+    gl.glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
+    if (compiled == GL_FALSE && !error) {
+      error = Error{ErrorCode::kDevice,
+                    "kernel " + variantName(*variant) + " does not compile on " + context.renderer +
+                        ": " + infoLog(shader, gl.glGetShaderiv, gl.glGetShaderInfoLog)};
+    }
+  }
+  GLint linked = GL_FALSE;
+  gl.glGetProgramiv(build.program, GL_LINK_STATUS, &linked);
+  if (linked == GL_FALSE && !error) {
+    error = Error{ErrorCode::kDevice,
+                  "kernel " + build.names + " does not link on " + context.renderer + ": " +
+                      infoLog(build.program, gl.glGetProgramiv, gl.glGetProgramInfoLog)};
+  }
+  // They live on as long as the program does.
+  for (const auto& [variant, shader] : build.shaders) gl.glDeleteShader(shader);
+  if (!error) {
+    if (context.debug) gl.glObjectLabel(GL_PROGRAM, build.program, -1, build.names.c_str());
+    return {};
+  }
+  gl.glDeleteProgram(build.program);
+  clearErrors(gl);
+  return *error;
+}
+
+// The program of a stored binary; 0 when there is no usable one.
+GLuint loadBinary(const Context& context, const ProgramCache& cache, uint64_t key, uint64_t check) {
+  const Functions& gl = context.gl;
+  if (!cache.load || !context.limits.programBinaries) return 0;
+  const std::vector<std::byte> bytes = cache.load(key);
+  BinaryHeader header;
+  if (bytes.size() < sizeof(header)) return 0;
+  std::memcpy(&header, bytes.data(), sizeof(header));
+  const std::byte* payload = bytes.data() + sizeof(header);
+  const size_t payloadSize = bytes.size() - sizeof(header);
+  if (std::memcmp(header.magic, kMagic, sizeof(kMagic)) != 0 || header.version != kBinaryVersion ||
+      header.check != check || header.size != payloadSize ||
+      header.payloadHash != hashBytes(payload, payloadSize, kHashStart))
+    return 0;
+  // Drivers report GL_INVALID_ENUM for a format that they do not have.
+  const auto& formats = context.binaryFormats;
+  if (std::find(formats.begin(), formats.end(), static_cast<GLint>(header.format)) == formats.end())
+    return 0;
+  const GLuint program = gl.glCreateProgram();
+  gl.glProgramBinary(program, header.format, payload, static_cast<GLsizei>(payloadSize));
+  GLint linked = GL_FALSE;
+  gl.glGetProgramiv(program, GL_LINK_STATUS, &linked);
+  if (linked != GL_FALSE) return program;
+  gl.glDeleteProgram(program);
+  clearErrors(gl);
+  return 0;
+}
+
+void storeBinary(const Context& context, const ProgramCache& cache, const ProgramBuild& build) {
+  const GLuint program = build.program;
+  const Functions& gl = context.gl;
+  if (!cache.store || !context.limits.programBinaries) return;
+  GLint size = 0;
+  gl.glGetProgramiv(program, GL_PROGRAM_BINARY_LENGTH, &size);
+  if (size <= 0) return;
+  std::vector<std::byte> bytes(sizeof(BinaryHeader) + static_cast<size_t>(size));
+  std::byte* payload = bytes.data() + sizeof(BinaryHeader);
+  GLenum format = 0;
+  GLsizei written = 0;
+  gl.glGetProgramBinary(program, size, &written, &format, payload);
+  if (written <= 0) {
+    clearErrors(gl);
+    return;
+  }
+  bytes.resize(sizeof(BinaryHeader) + static_cast<size_t>(written));
+  payload = bytes.data() + sizeof(BinaryHeader);
+  BinaryHeader header;
+  std::memcpy(header.magic, kMagic, sizeof(kMagic));
+  header.version = kBinaryVersion;
+  header.check = build.check;
+  header.payloadHash = hashBytes(payload, static_cast<size_t>(written), kHashStart);
+  header.format = format;
+  header.size = static_cast<uint32_t>(written);
+  std::memcpy(bytes.data(), &header, sizeof(header));
+  cache.store(build.key, bytes);
+}
+
 }  // namespace
 
 Result<std::string> assembleSource(const KernelVariant& variant, std::string_view text,
@@ -148,9 +352,9 @@ ProgramStore::~ProgramStore() {
   const Functions& gl = context_->gl;
   for (const auto& [hash, entries] : programs_) {
     for (const Entry& entry : entries) {
-      gl.glDeleteProgram(entry.building ? entry.building->program : entry.program);
-      if (!entry.building) continue;
-      for (const auto& [variant, shader] : entry.building->shaders) gl.glDeleteShader(shader);
+      gl.glDeleteProgram(entry.build ? entry.build->program : entry.program);
+      if (!entry.build) continue;
+      for (const auto& [variant, shader] : entry.build->shaders) gl.glDeleteShader(shader);
     }
   }
 }
@@ -179,16 +383,16 @@ Result<GLuint> ProgramStore::find(const KernelVariant& kernel, const KernelVaria
     if (!started) return started.error();
     entry = &entries.emplace_back(*std::move(started));
   }
-  if (!entry->building) return entry->program;
-  const std::unique_ptr<Building> building = std::move(entry->building);
-  if (Result<void> linked = finish(*building); !linked) {
+  if (!entry->build) return entry->program;
+  const std::unique_ptr<ProgramBuild> build = std::move(entry->build);
+  if (Result<void> linked = finish(*context_, *build); !linked) {
     entries.erase(entries.begin() + (entry - entries.data()));
     return linked.error();
   }
-  entry->program = building->program;
+  entry->program = build->program;
   ++statistics_.programsCompiled;
-  store(entry->program, building->key, building->check);
-  note(building->names, building->start);
+  storeBinary(*context_, cache_, *build);
+  times_.push_back({build->names, millisecondsSince(build->start)});
   return entry->program;
 }
 
@@ -213,79 +417,9 @@ ProgramStore::Entry* ProgramStore::known(std::vector<Entry>& entries, const Kern
   return nullptr;
 }
 
-void ProgramStore::note(std::string name, Clock::time_point start) {
-  times_.push_back(
-      {std::move(name), std::chrono::duration<double, std::milli>(Clock::now() - start).count()});
-}
-
-Result<void> ProgramStore::checkLimits(const KernelVariant& variant) const {
-  const Limits& limits = context_->limits;
-  const Stage stage = variant.kernel->stage;
-  const std::string kernel = "kernel " + variantName(variant);
-
-  const char* first = "";
-  const uint32_t blocks = storageBlocks(variant, &first);
-  const auto [allowed, constant] =
-      stage == Stage::kCompute
-          ? std::pair{limits.computeStorageBlocks, "GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS"}
-      : stage == Stage::kVertex
-          ? std::pair{limits.vertexStorageBlocks, "GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS"}
-          : std::pair{limits.pixelStorageBlocks, "GL_MAX_FRAGMENT_SHADER_STORAGE_BLOCKS"};
-  if (blocks > allowed) {
-    return Error{ErrorCode::kUnsupported,
-                 kernel + " needs " + std::to_string(blocks) + " storage buffers in the " +
-                     stageName(stage) + " stage ('" + first + "' first); " + context_->renderer +
-                     " allows " + std::to_string(allowed) + " (" + constant +
-                     "): use Vulkan, OpenGL core or another device"};
-  }
-  const uint32_t points = std::min(limits.storageBindings, kMaxBindings);
-  for (const VariantBinding& binding : variant.bindings) {
-    const LayoutEntry& entry = variant.kernel->layouts[binding.set]->entries[binding.entry];
-    if (entry.kind != ResourceKind::kStorageBuffer || binding.glBinding < points) continue;
-    return Error{ErrorCode::kUnsupported, kernel + ": '" + entry.name + "' has GL binding " +
-                                              std::to_string(binding.glBinding) + "; " +
-                                              context_->renderer + " and pelage allow " +
-                                              std::to_string(points) + " of its kind"};
-  }
-  if (stage != Stage::kCompute) return {};
-
-  uint64_t threads = 1;
-  for (int axis = 0; axis < 3; ++axis) {
-    threads *= variant.groupSize[axis];
-    if (variant.groupSize[axis] > limits.groupSize[axis]) {
-      return Error{ErrorCode::kUnsupported,
-                   kernel + " has " + std::to_string(variant.groupSize[axis]) +
-                       " threads a group on axis " + "xyz"[axis] + "; " + context_->renderer +
-                       " allows " + std::to_string(limits.groupSize[axis]) +
-                       " (GL_MAX_COMPUTE_WORK_GROUP_SIZE)"};
-    }
-  }
-  if (threads > limits.groupThreads) {
-    return Error{ErrorCode::kUnsupported, kernel + " has " + std::to_string(threads) +
-                                              " threads a group; " + context_->renderer +
-                                              " allows " + std::to_string(limits.groupThreads) +
-                                              " (GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS)"};
-  }
-  return {};
-}
-
-Result<void> ProgramStore::checkLimits(const KernelVariant& kernel,
-                                       const KernelVariant* pixel) const {
-  if (Result<void> fits = checkLimits(kernel); !fits) return fits;
-  if (pixel == nullptr) return {};
-  if (Result<void> fits = checkLimits(*pixel); !fits) return fits;
-  const uint32_t both = storageBlocks(kernel) + storageBlocks(*pixel);
-  if (both <= context_->limits.combinedStorageBlocks) return {};
-  return Error{ErrorCode::kUnsupported,
-               "kernels " + variantName(kernel) + " and " + variantName(*pixel) + " need " +
-                   std::to_string(both) + " storage buffers together; " + context_->renderer +
-                   " allows " + std::to_string(context_->limits.combinedStorageBlocks) +
-                   " (GL_MAX_COMBINED_SHADER_STORAGE_BLOCKS)"};
-}
-
 Result<void> ProgramStore::checkSupport(const KernelVariant& kernel,
                                         const KernelVariant* pixel) const {
-  if (Result<void> fits = checkLimits(kernel, pixel); !fits) return fits;
+  if (Result<void> fits = checkLimits(*context_, kernel, pixel); !fits) return fits;
   for (const KernelVariant* variant : {&kernel, pixel}) {
     if (variant == nullptr) continue;
     if (const Result<std::string> source = sourceOf(*variant, {}); !source) return source.error();
@@ -306,7 +440,7 @@ Result<ProgramStore::Entry> ProgramStore::start(const KernelVariant& kernel,
                                                 const KernelVariant* pixel,
                                                 std::span<const SpecValue> values) {
   const Clock::time_point begin = Clock::now();
-  if (Result<void> fits = checkLimits(kernel, pixel); !fits) return fits.error();
+  if (Result<void> fits = checkLimits(*context_, kernel, pixel); !fits) return fits.error();
   std::vector<StageSource> stages;
   for (const KernelVariant* variant : {&kernel, pixel}) {
     if (variant == nullptr) continue;
@@ -325,164 +459,30 @@ Result<ProgramStore::Entry> ProgramStore::start(const KernelVariant& kernel,
   for (const StageSource& stage : stages) add(stage.text);
 
   Entry entry = {&kernel, pixel, {values.begin(), values.end()}, 0, nullptr};
-  if (const GLuint loaded = load(key, check)) {
+  if (const GLuint loaded = loadBinary(*context_, cache_, key, check)) {
     ++statistics_.programsLoaded;
     entry.program = loaded;
-    note(namesOf(stages), begin);
+    times_.push_back({namesOf(stages), millisecondsSince(begin)});
     return entry;
   }
-  entry.building = std::make_unique<Building>(compileAndLink(stages, false));
-  entry.building->start = begin;
-  entry.building->key = key;
-  entry.building->check = check;
+  entry.build = std::make_unique<ProgramBuild>(compileAndLink(*context_, cache_, stages, false));
+  entry.build->start = begin;
+  entry.build->key = key;
+  entry.build->check = check;
   return entry;
 }
 
-std::string ProgramStore::namesOf(std::span<const StageSource> stages) {
-  std::string names;
-  for (const StageSource& stage : stages)
-    names += (names.empty() ? "" : " + ") + variantName(*stage.variant);
-  return names;
-}
-
-// Asks for nothing that would wait: a driver with threads of its own compiles while the next
-// program is handed over.
-ProgramStore::Building ProgramStore::compileAndLink(std::span<const StageSource> stages,
-                                                    bool separable) {
-  const Functions& gl = context_->gl;
-  Building building;
-  building.names = namesOf(stages);
-  building.program = gl.glCreateProgram();
-  for (const StageSource& stage : stages) {
-    const GLuint shader = gl.glCreateShader(shaderType(stage.variant->kernel->stage));
-    const GLchar* text = stage.text.c_str();
-    const GLint length = static_cast<GLint>(stage.text.size());
-    gl.glShaderSource(shader, 1, &text, &length);
-    gl.glCompileShader(shader);
-    gl.glAttachShader(building.program, shader);
-    building.shaders.push_back({stage.variant, shader});
-  }
-  if (separable) gl.glProgramParameteri(building.program, GL_PROGRAM_SEPARABLE, GL_TRUE);
-  if (cache_.store && context_->limits.programBinaries)
-    gl.glProgramParameteri(building.program, GL_PROGRAM_BINARY_RETRIEVABLE_HINT, GL_TRUE);
-  gl.glLinkProgram(building.program);
-  return building;
-}
-
-std::string ProgramStore::compileLog(GLuint shader) const {
-  const Functions& gl = context_->gl;
-  GLint length = 0;
-  gl.glGetShaderiv(shader, GL_INFO_LOG_LENGTH, &length);
-  std::string log(static_cast<size_t>(std::max(length, 1)), '\0');
-  gl.glGetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), nullptr, log.data());
-  return trimmed(std::move(log));
-}
-
-std::string ProgramStore::linkLog(GLuint program) const {
-  const Functions& gl = context_->gl;
-  GLint length = 0;
-  gl.glGetProgramiv(program, GL_INFO_LOG_LENGTH, &length);
-  std::string log(static_cast<size_t>(std::max(length, 1)), '\0');
-  gl.glGetProgramInfoLog(program, static_cast<GLsizei>(log.size()), nullptr, log.data());
-  return trimmed(std::move(log));
-}
-
-// Waits for the driver. After an error the program is deleted.
-Result<void> ProgramStore::finish(const Building& building) {
-  const Functions& gl = context_->gl;
-  std::optional<Error> error;
-  for (const auto& [variant, shader] : building.shaders) {
-    GLint compiled = GL_FALSE;
-    gl.glGetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
-    if (compiled == GL_FALSE && !error) {
-      error =
-          Error{ErrorCode::kDevice, "kernel " + variantName(*variant) + " does not compile on " +
-                                        context_->renderer + ": " + compileLog(shader)};
-    }
-  }
-  GLint linked = GL_FALSE;
-  gl.glGetProgramiv(building.program, GL_LINK_STATUS, &linked);
-  if (linked == GL_FALSE && !error) {
-    error = Error{ErrorCode::kDevice, "kernel " + building.names + " does not link on " +
-                                          context_->renderer + ": " + linkLog(building.program)};
-  }
-  // They live on as long as the program does.
-  for (const auto& [variant, shader] : building.shaders) gl.glDeleteShader(shader);
-  if (!error) {
-    if (context_->debug) gl.glObjectLabel(GL_PROGRAM, building.program, -1, building.names.c_str());
-    return {};
-  }
-  gl.glDeleteProgram(building.program);
-  clearErrors(gl);
-  return *error;
-}
-
 Result<GLuint> ProgramStore::makeStage(const KernelVariant& variant) {
-  if (Result<void> fits = checkLimits(variant); !fits) return fits.error();
+  if (Result<void> fits = checkLimits(*context_, variant); !fits) return fits.error();
   Result<std::string> source = sourceOf(variant, {});
   if (!source) return source.error();
   const StageSource stage{&variant, std::move(*source)};
   // Desktop GL links a vertex stage alone, and refuses a separable one that does not redeclare
   // gl_PerVertex; ES has it the other way round.
   const bool whole = context_->profile == Profile::kCore && variant.kernel->stage == Stage::kVertex;
-  const Building building = compileAndLink({&stage, 1}, !whole);
-  if (Result<void> linked = finish(building); !linked) return linked.error();
-  return building.program;
-}
-
-GLuint ProgramStore::load(uint64_t key, uint64_t check) {
-  const Functions& gl = context_->gl;
-  if (!cache_.load || !context_->limits.programBinaries) return 0;
-  const std::vector<std::byte> bytes = cache_.load(key);
-  BinaryHeader header;
-  if (bytes.size() < sizeof(header)) return 0;
-  std::memcpy(&header, bytes.data(), sizeof(header));
-  const std::byte* payload = bytes.data() + sizeof(header);
-  const size_t payloadSize = bytes.size() - sizeof(header);
-  if (std::memcmp(header.magic, kMagic, sizeof(kMagic)) != 0 || header.version != kBinaryVersion ||
-      header.check != check || header.size != payloadSize ||
-      header.payloadHash != hashBytes(payload, payloadSize, kHashStart))
-    return 0;
-  // Drivers report GL_INVALID_ENUM for a format that they do not have.
-  const auto& formats = context_->binaryFormats;
-  if (std::find(formats.begin(), formats.end(), static_cast<GLint>(header.format)) == formats.end())
-    return 0;
-  const GLuint program = gl.glCreateProgram();
-  gl.glProgramBinary(program, header.format, payload, static_cast<GLsizei>(payloadSize));
-  GLint linked = GL_FALSE;
-  gl.glGetProgramiv(program, GL_LINK_STATUS, &linked);
-  if (linked != GL_FALSE) return program;
-  gl.glDeleteProgram(program);
-  clearErrors(gl);
-  return 0;
-}
-
-void ProgramStore::store(GLuint program, uint64_t key, uint64_t check) {
-  const Functions& gl = context_->gl;
-  if (!cache_.store || !context_->limits.programBinaries) return;
-  GLint size = 0;
-  gl.glGetProgramiv(program, GL_PROGRAM_BINARY_LENGTH, &size);
-  if (size <= 0) return;
-  std::vector<std::byte> bytes(sizeof(BinaryHeader) + static_cast<size_t>(size));
-  std::byte* payload = bytes.data() + sizeof(BinaryHeader);
-  GLenum format = 0;
-  GLsizei written = 0;
-  gl.glGetProgramBinary(program, size, &written, &format, payload);
-  if (written <= 0) {
-    clearErrors(gl);
-    return;
-  }
-  bytes.resize(sizeof(BinaryHeader) + static_cast<size_t>(written));
-  payload = bytes.data() + sizeof(BinaryHeader);
-  BinaryHeader header;
-  std::memcpy(header.magic, kMagic, sizeof(kMagic));
-  header.version = kBinaryVersion;
-  header.check = check;
-  header.payloadHash = hashBytes(payload, static_cast<size_t>(written), kHashStart);
-  header.format = format;
-  header.size = static_cast<uint32_t>(written);
-  std::memcpy(bytes.data(), &header, sizeof(header));
-  cache_.store(key, bytes);
+  const ProgramBuild build = compileAndLink(*context_, cache_, {&stage, 1}, !whole);
+  if (Result<void> linked = finish(*context_, build); !linked) return linked.error();
+  return build.program;
 }
 
 }  // namespace pelage::gl

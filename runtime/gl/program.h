@@ -21,6 +21,15 @@ namespace pelage::gl {
 Result<std::string> assembleSource(const KernelVariant& variant, std::string_view text,
                                    std::span<const SpecValue> values);
 
+/// A program that the driver is at.
+struct ProgramBuild {
+  std::string names;
+  GLuint program = 0;
+  std::vector<std::pair<const KernelVariant*, GLuint>> shaders;
+  std::chrono::steady_clock::time_point start;
+  uint64_t key = 0, check = 0;
+};
+
 class ProgramStore {
  public:
   ProgramStore(std::shared_ptr<const Context> context, ProgramCache cache, Statistics& statistics);
@@ -50,29 +59,14 @@ class ProgramStore {
   Result<GLuint> makeStage(const KernelVariant& variant);
 
  private:
-  using Clock = std::chrono::steady_clock;
-  struct StageSource {
-    const KernelVariant* variant;
-    std::string text;
-  };
-  /// A program that the driver is at.
-  struct Building {
-    std::string names;
-    GLuint program = 0;
-    std::vector<std::pair<const KernelVariant*, GLuint>> shaders;
-    Clock::time_point start;
-    uint64_t key = 0, check = 0;
-  };
   struct Entry {
     const KernelVariant* kernel;
     const KernelVariant* pixel;
     std::vector<SpecValue> values;
-    GLuint program;                      ///< 0 while it is being built
-    std::unique_ptr<Building> building;  ///< nullptr when it is done
+    GLuint program;                       ///< 0 while it is being built
+    std::unique_ptr<ProgramBuild> build;  ///< nullptr when it is done
   };
 
-  Result<void> checkLimits(const KernelVariant& variant) const;
-  Result<void> checkLimits(const KernelVariant& kernel, const KernelVariant* pixel) const;
   Result<std::string> sourceOf(const KernelVariant& variant,
                                std::span<const SpecValue> values) const;
   /// Fills wanted_.
@@ -82,15 +76,6 @@ class ProgramStore {
                const KernelVariant* pixel) const;
   Result<Entry> start(const KernelVariant& kernel, const KernelVariant* pixel,
                       std::span<const SpecValue> values);
-  static std::string namesOf(std::span<const StageSource> stages);
-  Building compileAndLink(std::span<const StageSource> stages, bool separable);
-  Result<void> finish(const Building& building);
-  std::string compileLog(GLuint shader) const;
-  std::string linkLog(GLuint program) const;
-  void note(std::string name, Clock::time_point start);
-  /// 0 when there is no usable binary.
-  GLuint load(uint64_t key, uint64_t check);
-  void store(GLuint program, uint64_t key, uint64_t check);
 
   std::shared_ptr<const Context> context_;
   ProgramCache cache_;

@@ -233,19 +233,19 @@ void FixedFunction::fill(VkGraphicsPipelineCreateInfo& info) const {
   info.pDynamicState = &dynamic;
 }
 
-}  // namespace
-
-struct Pipelines::Module {
-  Module(const Device& owner, VkShaderModule module, std::string entry)
-      : device(&owner), handle(module), entryPoint(std::move(entry)) {}
-  Module(Module&& other) noexcept
-      : device(other.device),
-        handle(std::exchange(other.handle, VK_NULL_HANDLE)),
-        entryPoint(std::move(other.entryPoint)) {}
-  Module& operator=(Module&&) = delete;
-  ~Module() {
-    if (handle != VK_NULL_HANDLE)
-      device->vk.DestroyShaderModule(device->handle, handle, device->callbacks);
+// A shader module for the time of a pipeline's creation.
+class ShaderModule {
+ public:
+  ShaderModule(const Device& owner, VkShaderModule module, std::string entry)
+      : device_(&owner), handle_(module), entryPoint_(std::move(entry)) {}
+  ShaderModule(ShaderModule&& other) noexcept
+      : device_(other.device_),
+        handle_(std::exchange(other.handle_, VK_NULL_HANDLE)),
+        entryPoint_(std::move(other.entryPoint_)) {}
+  ShaderModule& operator=(ShaderModule&&) = delete;
+  ~ShaderModule() {
+    if (handle_ != VK_NULL_HANDLE)
+      device_->vk.DestroyShaderModule(device_->handle, handle_, device_->callbacks);
   }
 
   VkPipelineShaderStageCreateInfo stage(VkShaderStageFlagBits flag,
@@ -253,62 +253,20 @@ struct Pipelines::Module {
     auto info = tagged<VkPipelineShaderStageCreateInfo>(
         VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO);
     info.stage = flag;
-    info.module = handle;
-    info.pName = entryPoint.c_str();
+    info.module = handle_;
+    info.pName = entryPoint_.c_str();
     info.pSpecializationInfo = &specialization;
     return info;
   }
 
-  const Device* device;
-  VkShaderModule handle;
-  std::string entryPoint;
+ private:
+  const Device* device_;
+  VkShaderModule handle_;
+  std::string entryPoint_;
 };
 
-Pipelines::Pipelines(const Device& device, Descriptors& descriptors)
-    : device_(device), descriptors_(descriptors) {}
-
-Pipelines::~Pipelines() {
-  for (const auto& [key, cached] : pipelines_)
-    device_.vk.DestroyPipeline(device_.handle, cached.pipeline.handle, device_.callbacks);
-  for (const auto& [key, layout] : layouts_)
-    device_.vk.DestroyPipelineLayout(device_.handle, layout, device_.callbacks);
-  if (ownsCache_) device_.vk.DestroyPipelineCache(device_.handle, cache_, device_.callbacks);
-}
-
-Result<void> Pipelines::openCache(VkPipelineCache engine, std::span<const std::byte> data) {
-  if (engine != VK_NULL_HANDLE) {
-    cache_ = engine;
-    return {};
-  }
-  auto info = tagged<VkPipelineCacheCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO);
-  if (cacheDataFits(data, device_.properties)) {
-    info.initialDataSize = data.size();
-    info.pInitialData = data.data();
-  }
-  const VkResult result =
-      device_.vk.CreatePipelineCache(device_.handle, &info, device_.callbacks, &cache_);
-  if (result != VK_SUCCESS) return vulkanError(result, "pipeline cache");
-  ownsCache_ = true;
-  return {};
-}
-
-Result<std::vector<std::byte>> Pipelines::cacheData() const {
-  // Another thread may add pipelines to an engine's cache between the two calls: ask again then.
-  for (;;) {
-    size_t size = 0;
-    VkResult result = device_.vk.GetPipelineCacheData(device_.handle, cache_, &size, nullptr);
-    if (result != VK_SUCCESS) return vulkanError(result, "size of the pipeline cache");
-    std::vector<std::byte> data(size);
-    result = device_.vk.GetPipelineCacheData(device_.handle, cache_, &size, data.data());
-    if (result == VK_INCOMPLETE) continue;
-    if (result != VK_SUCCESS) return vulkanError(result, "contents of the pipeline cache");
-    data.resize(size);
-    return data;
-  }
-}
-
-Result<void> Pipelines::checkLimits(const Kernel& kernel) const {
-  const VkPhysicalDeviceLimits& limits = device_.limits();
+Result<void> checkLimits(const Device& device, const Kernel& kernel) {
+  const VkPhysicalDeviceLimits& limits = device.limits();
   if (kernel.layouts.size() > limits.maxBoundDescriptorSets) {
     return Error{ErrorCode::kUnsupported,
                  fmt::format("kernel {} has {} descriptor sets, the device binds {} "
@@ -362,18 +320,18 @@ Result<void> Pipelines::checkLimits(const Kernel& kernel) const {
                "maxDescriptorSetStorageBuffers");
 }
 
-Result<void> Pipelines::checkTarget(const TargetFormats& target, const DrawState& state,
-                                    const std::string& draw) const {
+Result<void> checkTarget(const Device& device, const TargetFormats& target, const DrawState& state,
+                         const std::string& draw) {
   const auto refuse = [&](ErrorCode code, const std::string& what) {
     return Error{code, "draw " + draw + ": " + what};
   };
-  const uint32_t most = std::min(kMaxOtherColors + 1, device_.limits().maxColorAttachments);
+  const uint32_t most = std::min(kMaxOtherColors + 1, device.limits().maxColorAttachments);
   if (target.otherColorCount >= most) {
     return refuse(ErrorCode::kInvalidArgument,
                   fmt::format("TargetFormats::otherColorCount is {}, but must be 0 to {}",
                               target.otherColorCount, most - 1));
   }
-  if (target.otherColorCount > 0 && state.colorWrite && !device_.features.independentBlend) {
+  if (target.otherColorCount > 0 && state.colorWrite && !device.features.independentBlend) {
     return refuse(
         ErrorCode::kUnsupported,
         "TargetFormats::otherColorCount above 0 needs the device feature independentBlend, "
@@ -398,12 +356,216 @@ Result<void> Pipelines::checkTarget(const TargetFormats& target, const DrawState
                             static_cast<int>(target.stencil), static_cast<int>(target.depth)));
 }
 
+// Facts about the kernel's code. Error: the device lacks a feature that it needs.
+Result<SpirvFacts> factsOf(const Device& device, const KernelVariant& variant,
+                           std::span<const uint32_t> words) {
+  const VkShaderStageFlagBits stage = stageFlag(variant.kernel->stage);
+  Result<SpirvFacts> facts = spirvFacts(words, stage, device);
+  if (!facts) {
+    return Error{facts.error().code,
+                 fmt::format("kernel {}: {}", variantName(variant), facts.error().message)};
+  }
+  std::string missing = facts->missingFeature;
+  for (const VariantBinding& use : variant.bindings) {
+    if (!writes(use.access)) continue;
+    if (stage == VK_SHADER_STAGE_VERTEX_BIT && !device.features.vertexPipelineStoresAndAtomics)
+      missing = "the device feature vertexPipelineStoresAndAtomics";
+    if (stage == VK_SHADER_STAGE_FRAGMENT_BIT && !device.features.fragmentStoresAndAtomics)
+      missing = "the device feature fragmentStoresAndAtomics";
+  }
+  if (!missing.empty()) {
+    return Error{ErrorCode::kUnsupported,
+                 fmt::format("kernel {} needs {}, which the device lacks or which was not enabled "
+                             "(RuntimeDef::enabledFeatures)",
+                             variantName(variant), missing)};
+  }
+  return facts;
+}
+
+Result<ShaderModule> makeModule(const Device& device, const KernelCodes& codes,
+                                const KernelVariant& variant) {
+  const Result<std::vector<uint32_t>> words = codes.spirv(variant);
+  if (!words) return words.error();
+  Result<SpirvFacts> facts = factsOf(device, variant, *words);
+  if (!facts) return facts.error();
+  auto info = tagged<VkShaderModuleCreateInfo>(VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO);
+  info.codeSize = words->size() * sizeof(uint32_t);
+  info.pCode = words->data();
+  VkShaderModule handle = VK_NULL_HANDLE;
+  const VkResult result =
+      device.vk.CreateShaderModule(device.handle, &info, device.callbacks, &handle);
+  if (result != VK_SUCCESS)
+    return vulkanError(result, fmt::format("shader module of {}", variantName(variant)));
+  return ShaderModule(device, handle, std::move(facts->entryPoint));
+}
+
+// A pipeline that is being made.
+struct Job {
+  std::vector<uint64_t> key;
+  PipelineRequest request;
+  VkPipelineLayout layout = VK_NULL_HANDLE;
+  std::string name;
+  std::optional<Result<VkPipeline>> result = std::nullopt;
+  double milliseconds = 0;
+};
+
+void setKey(const PipelineRequest& request, std::vector<uint64_t>& key) {
+  key.assign({pointerKey(request.kernel), pointerKey(request.pixel)});
+  if (request.pixel != nullptr) {
+    const DrawState& state = request.state;
+    const TargetFormats& target = *request.target;
+    key.insert(
+        key.end(),
+        {static_cast<uint64_t>(state.topology) | static_cast<uint64_t>(state.depthCompare) << 8 |
+             static_cast<uint64_t>(state.depthWrite) << 16 |
+             static_cast<uint64_t>(state.blend) << 24 |
+             static_cast<uint64_t>(state.colorWrite) << 31 |
+             static_cast<uint64_t>(target.samples) << 32,
+         static_cast<uint64_t>(target.color) << 32 | static_cast<uint32_t>(target.depth),
+         // NOLINTNEXTLINE: an integer on 32-bit platforms, a pointer on others
+         (uint64_t)target.renderPass,
+         static_cast<uint64_t>(target.stencil) << 32 | static_cast<uint32_t>(target.subpass),
+         target.otherColorCount});
+    for (uint32_t i = 0; i < std::min(target.otherColorCount, kMaxOtherColors); ++i)
+      key.push_back(static_cast<uint64_t>(target.otherColors[i]));
+  }
+  appendKey(key, request.values);
+}
+
+// The name of a pipeline that the device can make.
+Result<std::string> checkedName(const Device& device, const PipelineRequest& request) {
+  std::string name = variantName(*request.kernel);
+  if (Result<void> fits = pelage::checkLimits(*request.kernel, request.pixel, device.tierLimits,
+                                              device.properties.deviceName);
+      !fits)
+    return fits.error();
+  if (request.pixel != nullptr) {
+    name += " + " + variantName(*request.pixel);
+    if (Result<void> fits = checkTarget(device, *request.target, request.state, name); !fits)
+      return fits.error();
+    if (request.target->renderPass == VK_NULL_HANDLE && !device.vk.dynamicRendering) {
+      return Error{ErrorCode::kUnsupported,
+                   "draw " + name +
+                       ": TargetFormats::renderPass is null and the device has no dynamic "
+                       "rendering (Vulkan 1.3 or VK_KHR_dynamic_rendering): give a render pass"};
+    }
+  }
+  return name;
+}
+
+Result<VkPipeline> createCompute(const Device& device, const KernelCodes& codes,
+                                 VkPipelineCache cache, const Job& job) {
+  Result<ShaderModule> shader = makeModule(device, codes, *job.request.kernel);
+  if (!shader) return shader.error();
+  const Specialization specialization(job.request.values);
+  auto info = tagged<VkComputePipelineCreateInfo>(VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO);
+  info.stage = shader->stage(VK_SHADER_STAGE_COMPUTE_BIT, specialization.info);
+  info.layout = job.layout;
+  info.basePipelineIndex = -1;
+  VkPipeline handle = VK_NULL_HANDLE;
+  const VkResult result =
+      device.vk.CreateComputePipelines(device.handle, cache, 1, &info, device.callbacks, &handle);
+  if (result != VK_SUCCESS) return vulkanError(result, "pipeline of kernel " + job.name);
+  return handle;
+}
+
+Result<VkPipeline> createGraphics(const Device& device, const KernelCodes& codes,
+                                  VkPipelineCache cache, const Job& job) {
+  const PipelineRequest& request = job.request;
+  const TargetFormats& target = *request.target;
+  Result<ShaderModule> vertexShader = makeModule(device, codes, *request.kernel);
+  if (!vertexShader) return vertexShader.error();
+  Result<ShaderModule> pixelShader = makeModule(device, codes, *request.pixel);
+  if (!pixelShader) return pixelShader.error();
+
+  const Specialization specialization(request.values);
+  const VkPipelineShaderStageCreateInfo stages[] = {
+      vertexShader->stage(VK_SHADER_STAGE_VERTEX_BIT, specialization.info),
+      pixelShader->stage(VK_SHADER_STAGE_FRAGMENT_BIT, specialization.info)};
+  const FixedFunction fixed(request.state, target, request.kernel->kernel->vertexInput);
+  auto rendering =
+      tagged<VkPipelineRenderingCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO);
+  std::array<VkFormat, 1 + kMaxOtherColors> colors = {target.color};
+  std::copy(target.otherColors.begin(), target.otherColors.end(), colors.begin() + 1);
+  rendering.colorAttachmentCount = 1 + target.otherColorCount;
+  rendering.pColorAttachmentFormats = colors.data();
+  rendering.depthAttachmentFormat = target.depth;
+  rendering.stencilAttachmentFormat = target.stencil;
+
+  auto info = tagged<VkGraphicsPipelineCreateInfo>(VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO);
+  if (target.renderPass == VK_NULL_HANDLE) info.pNext = &rendering;
+  info.stageCount = static_cast<uint32_t>(std::size(stages));
+  info.pStages = stages;
+  fixed.fill(info);
+  info.layout = job.layout;
+  info.renderPass = target.renderPass;
+  info.subpass = target.subpass;
+  info.basePipelineIndex = -1;
+  VkPipeline handle = VK_NULL_HANDLE;
+  const VkResult result =
+      device.vk.CreateGraphicsPipelines(device.handle, cache, 1, &info, device.callbacks, &handle);
+  if (result != VK_SUCCESS) return vulkanError(result, "pipeline of draw " + job.name);
+  return handle;
+}
+
+// Any number of threads at a time: the driver synchronises the cache.
+Result<VkPipeline> create(const Device& device, const KernelCodes& codes, VkPipelineCache cache,
+                          const Job& job) {
+  return job.request.pixel != nullptr ? createGraphics(device, codes, cache, job)
+                                      : createCompute(device, codes, cache, job);
+}
+
+}  // namespace
+
+Pipelines::Pipelines(const Device& device, Descriptors& descriptors)
+    : device_(device), descriptors_(descriptors) {}
+
+Pipelines::~Pipelines() {
+  for (const auto& [key, cached] : pipelines_)
+    device_.vk.DestroyPipeline(device_.handle, cached.pipeline.handle, device_.callbacks);
+  for (const auto& [key, layout] : layouts_)
+    device_.vk.DestroyPipelineLayout(device_.handle, layout, device_.callbacks);
+  if (ownsCache_) device_.vk.DestroyPipelineCache(device_.handle, cache_, device_.callbacks);
+}
+
+Result<void> Pipelines::openCache(VkPipelineCache engine, std::span<const std::byte> data) {
+  if (engine != VK_NULL_HANDLE) {
+    cache_ = engine;
+    return {};
+  }
+  auto info = tagged<VkPipelineCacheCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO);
+  if (cacheDataFits(data, device_.properties)) {
+    info.initialDataSize = data.size();
+    info.pInitialData = data.data();
+  }
+  const VkResult result =
+      device_.vk.CreatePipelineCache(device_.handle, &info, device_.callbacks, &cache_);
+  if (result != VK_SUCCESS) return vulkanError(result, "pipeline cache");
+  ownsCache_ = true;
+  return {};
+}
+
+Result<std::vector<std::byte>> Pipelines::cacheData() const {
+  // Another thread may add pipelines to an engine's cache between the two calls: ask again then.
+  for (;;) {
+    size_t size = 0;
+    VkResult result = device_.vk.GetPipelineCacheData(device_.handle, cache_, &size, nullptr);
+    if (result != VK_SUCCESS) return vulkanError(result, "size of the pipeline cache");
+    std::vector<std::byte> data(size);
+    result = device_.vk.GetPipelineCacheData(device_.handle, cache_, &size, data.data());
+    if (result == VK_INCOMPLETE) continue;
+    if (result != VK_SUCCESS) return vulkanError(result, "contents of the pipeline cache");
+    data.resize(size);
+    return data;
+  }
+}
+
 Result<VkPipelineLayout> Pipelines::layout(const Kernel& kernel) {
   std::vector<uint64_t> key;
   for (const LayoutTable* table : kernel.layouts) key.push_back(pointerKey(table));
   if (const auto known = layouts_.find(key); known != layouts_.end()) return known->second;
 
-  if (Result<void> checked = checkLimits(kernel); !checked) return checked.error();
+  if (Result<void> checked = checkLimits(device_, kernel); !checked) return checked.error();
   std::vector<VkDescriptorSetLayout> sets;
   for (const LayoutTable* table : kernel.layouts) {
     Result<VkDescriptorSetLayout> set =
@@ -425,98 +587,25 @@ Result<VkPipelineLayout> Pipelines::layout(const Kernel& kernel) {
   return index->second;
 }
 
-// Facts about the kernel's code. Error: the device lacks a feature that it needs.
-Result<SpirvFacts> Pipelines::factsOf(const KernelVariant& variant,
-                                      std::span<const uint32_t> words) const {
-  const VkShaderStageFlagBits stage = stageFlag(variant.kernel->stage);
-  Result<SpirvFacts> facts = spirvFacts(words, stage, device_);
-  if (!facts) {
-    return Error{facts.error().code,
-                 fmt::format("kernel {}: {}", variantName(variant), facts.error().message)};
-  }
-  std::string missing = facts->missingFeature;
-  for (const VariantBinding& use : variant.bindings) {
-    if (!writes(use.access)) continue;
-    if (stage == VK_SHADER_STAGE_VERTEX_BIT && !device_.features.vertexPipelineStoresAndAtomics)
-      missing = "the device feature vertexPipelineStoresAndAtomics";
-    if (stage == VK_SHADER_STAGE_FRAGMENT_BIT && !device_.features.fragmentStoresAndAtomics)
-      missing = "the device feature fragmentStoresAndAtomics";
-  }
-  if (!missing.empty()) {
-    return Error{ErrorCode::kUnsupported,
-                 fmt::format("kernel {} needs {}, which the device lacks or which was not enabled "
-                             "(RuntimeDef::enabledFeatures)",
-                             variantName(variant), missing)};
-  }
-  return facts;
-}
-
 Result<void> Pipelines::checkSupport(const KernelVariant& kernel,
                                      const KernelVariant* pixel) const {
   if (Result<void> fits =
           pelage::checkLimits(kernel, pixel, device_.tierLimits, device_.properties.deviceName);
       !fits)
     return fits;
-  if (Result<void> fits = checkLimits(layoutsOf(kernel, pixel)); !fits) return fits;
+  if (Result<void> fits = checkLimits(device_, layoutsOf(kernel, pixel)); !fits) return fits;
   for (const KernelVariant* variant : {&kernel, pixel}) {
     if (variant == nullptr) continue;
     const Result<std::vector<uint32_t>> words = codes_.spirv(*variant);
     if (!words) return words.error();
-    if (const Result<SpirvFacts> facts = factsOf(*variant, *words); !facts) return facts.error();
+    if (const Result<SpirvFacts> facts = factsOf(device_, *variant, *words); !facts)
+      return facts.error();
   }
   return {};
 }
 
-Result<Pipelines::Module> Pipelines::module(const KernelVariant& variant) const {
-  const Result<std::vector<uint32_t>> words = codes_.spirv(variant);
-  if (!words) return words.error();
-  Result<SpirvFacts> facts = factsOf(variant, *words);
-  if (!facts) return facts.error();
-  auto info = tagged<VkShaderModuleCreateInfo>(VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO);
-  info.codeSize = words->size() * sizeof(uint32_t);
-  info.pCode = words->data();
-  VkShaderModule handle = VK_NULL_HANDLE;
-  const VkResult result =
-      device_.vk.CreateShaderModule(device_.handle, &info, device_.callbacks, &handle);
-  if (result != VK_SUCCESS)
-    return vulkanError(result, fmt::format("shader module of {}", variantName(variant)));
-  return Module(device_, handle, std::move(facts->entryPoint));
-}
-
-struct Pipelines::Job {
-  Key key;
-  PipelineRequest request;
-  VkPipelineLayout layout = VK_NULL_HANDLE;
-  std::string name;
-  std::optional<Result<VkPipeline>> result;
-  double milliseconds = 0;
-};
-
-void Pipelines::setKey(const PipelineRequest& request) {
-  key_.assign({pointerKey(request.kernel), pointerKey(request.pixel)});
-  if (request.pixel != nullptr) {
-    const DrawState& state = request.state;
-    const TargetFormats& target = *request.target;
-    key_.insert(
-        key_.end(),
-        {static_cast<uint64_t>(state.topology) | static_cast<uint64_t>(state.depthCompare) << 8 |
-             static_cast<uint64_t>(state.depthWrite) << 16 |
-             static_cast<uint64_t>(state.blend) << 24 |
-             static_cast<uint64_t>(state.colorWrite) << 31 |
-             static_cast<uint64_t>(target.samples) << 32,
-         static_cast<uint64_t>(target.color) << 32 | static_cast<uint32_t>(target.depth),
-         // NOLINTNEXTLINE: an integer on 32-bit platforms, a pointer on others
-         (uint64_t)target.renderPass,
-         static_cast<uint64_t>(target.stencil) << 32 | static_cast<uint32_t>(target.subpass),
-         target.otherColorCount});
-    for (uint32_t i = 0; i < std::min(target.otherColorCount, kMaxOtherColors); ++i)
-      key_.push_back(static_cast<uint64_t>(target.otherColors[i]));
-  }
-  appendKey(key_, request.values);
-}
-
 const Pipeline* Pipelines::find(const PipelineRequest& request) {
-  setKey(request);
+  setKey(request, key_);
   const auto known = pipelines_.find(key_);
   return known == pipelines_.end() ? nullptr : &known->second.pipeline;
 }
@@ -528,11 +617,13 @@ Result<void> Pipelines::make(std::span<const PipelineRequest> requests) {
     if (find(request) != nullptr) continue;
     if (std::any_of(jobs.begin(), jobs.end(), [this](const Job& job) { return job.key == key_; }))
       continue;
-    Result<Job> job = begin(request);
-    if (job) {
-      jobs.push_back(*std::move(job));
+    Result<std::string> name = checkedName(device_, request);
+    const Result<VkPipelineLayout> made =
+        name ? layout(layoutsOf(*request.kernel, request.pixel)) : name.error();
+    if (made) {
+      jobs.push_back({key_, request, *made, *std::move(name)});
     } else if (!error) {
-      error = job.error();
+      error = made.error();
     }
   }
 
@@ -541,7 +632,7 @@ Result<void> Pipelines::make(std::span<const PipelineRequest> requests) {
     using Clock = std::chrono::steady_clock;
     for (size_t i = next++; i < jobs.size(); i = next++) {
       const Clock::time_point start = Clock::now();
-      jobs[i].result.emplace(guarded([&] { return create(jobs[i]); }));
+      jobs[i].result.emplace(guarded([&] { return create(device_, codes_, cache_, jobs[i]); }));
       jobs[i].milliseconds =
           std::chrono::duration<double, std::milli>(Clock::now() - start).count();
     }
@@ -569,91 +660,6 @@ Result<void> Pipelines::make(std::span<const PipelineRequest> requests) {
   }
   if (error) return *error;
   return {};
-}
-
-// The part that one thread does: the layouts. Expects setKey() of the request.
-Result<Pipelines::Job> Pipelines::begin(const PipelineRequest& request) {
-  Job job;
-  job.key = key_;
-  job.request = request;
-  job.name = variantName(*request.kernel);
-  if (Result<void> fits = pelage::checkLimits(*request.kernel, request.pixel, device_.tierLimits,
-                                              device_.properties.deviceName);
-      !fits)
-    return fits.error();
-  if (request.pixel != nullptr) {
-    job.name += " + " + variantName(*request.pixel);
-    if (Result<void> fits = checkTarget(*request.target, request.state, job.name); !fits)
-      return fits.error();
-    if (request.target->renderPass == VK_NULL_HANDLE && !device_.vk.dynamicRendering) {
-      return Error{ErrorCode::kUnsupported,
-                   "draw " + job.name +
-                       ": TargetFormats::renderPass is null and the device has no dynamic "
-                       "rendering (Vulkan 1.3 or VK_KHR_dynamic_rendering): give a render pass"};
-    }
-  }
-  Result<VkPipelineLayout> pipelineLayout = layout(layoutsOf(*request.kernel, request.pixel));
-  if (!pipelineLayout) return pipelineLayout.error();
-  job.layout = *pipelineLayout;
-  return job;
-}
-
-// Any number of threads at a time: the driver synchronises the cache.
-Result<VkPipeline> Pipelines::create(const Job& job) const {
-  return job.request.pixel != nullptr ? createGraphics(job) : createCompute(job);
-}
-
-Result<VkPipeline> Pipelines::createCompute(const Job& job) const {
-  Result<Module> shader = module(*job.request.kernel);
-  if (!shader) return shader.error();
-  const Specialization specialization(job.request.values);
-  auto info = tagged<VkComputePipelineCreateInfo>(VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO);
-  info.stage = shader->stage(VK_SHADER_STAGE_COMPUTE_BIT, specialization.info);
-  info.layout = job.layout;
-  info.basePipelineIndex = -1;
-  VkPipeline handle = VK_NULL_HANDLE;
-  const VkResult result = device_.vk.CreateComputePipelines(device_.handle, cache_, 1, &info,
-                                                            device_.callbacks, &handle);
-  if (result != VK_SUCCESS) return vulkanError(result, "pipeline of kernel " + job.name);
-  return handle;
-}
-
-Result<VkPipeline> Pipelines::createGraphics(const Job& job) const {
-  const PipelineRequest& request = job.request;
-  const TargetFormats& target = *request.target;
-  Result<Module> vertexShader = module(*request.kernel);
-  if (!vertexShader) return vertexShader.error();
-  Result<Module> pixelShader = module(*request.pixel);
-  if (!pixelShader) return pixelShader.error();
-
-  const Specialization specialization(request.values);
-  const VkPipelineShaderStageCreateInfo stages[] = {
-      vertexShader->stage(VK_SHADER_STAGE_VERTEX_BIT, specialization.info),
-      pixelShader->stage(VK_SHADER_STAGE_FRAGMENT_BIT, specialization.info)};
-  const FixedFunction fixed(request.state, target, request.kernel->kernel->vertexInput);
-  auto rendering =
-      tagged<VkPipelineRenderingCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO);
-  std::array<VkFormat, 1 + kMaxOtherColors> colors = {target.color};
-  std::copy(target.otherColors.begin(), target.otherColors.end(), colors.begin() + 1);
-  rendering.colorAttachmentCount = 1 + target.otherColorCount;
-  rendering.pColorAttachmentFormats = colors.data();
-  rendering.depthAttachmentFormat = target.depth;
-  rendering.stencilAttachmentFormat = target.stencil;
-
-  auto info = tagged<VkGraphicsPipelineCreateInfo>(VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO);
-  if (target.renderPass == VK_NULL_HANDLE) info.pNext = &rendering;
-  info.stageCount = static_cast<uint32_t>(std::size(stages));
-  info.pStages = stages;
-  fixed.fill(info);
-  info.layout = job.layout;
-  info.renderPass = target.renderPass;
-  info.subpass = target.subpass;
-  info.basePipelineIndex = -1;
-  VkPipeline handle = VK_NULL_HANDLE;
-  const VkResult result = device_.vk.CreateGraphicsPipelines(device_.handle, cache_, 1, &info,
-                                                             device_.callbacks, &handle);
-  if (result != VK_SUCCESS) return vulkanError(result, "pipeline of draw " + job.name);
-  return handle;
 }
 
 void Pipelines::forget(VkRenderPass renderPass) {

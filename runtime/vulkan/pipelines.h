@@ -62,24 +62,8 @@ class Pipelines {
     Pipeline pipeline;
     VkRenderPass renderPass = VK_NULL_HANDLE;
   };
-  /// A shader module for the time of a pipeline's creation.
-  struct Module;
 
-  /// A pipeline that is being made.
-  struct Job;
-  using Key = std::vector<uint64_t>;
-
-  void setKey(const PipelineRequest& request);
-  Result<Job> begin(const PipelineRequest& request);
-  Result<VkPipeline> create(const Job& job) const;
-  Result<VkPipeline> createCompute(const Job& job) const;
-  Result<VkPipeline> createGraphics(const Job& job) const;
   Result<VkPipelineLayout> layout(const Kernel& kernel);
-  Result<void> checkLimits(const Kernel& kernel) const;
-  Result<void> checkTarget(const TargetFormats& target, const DrawState& state,
-                           const std::string& draw) const;
-  Result<SpirvFacts> factsOf(const KernelVariant& variant, std::span<const uint32_t> words) const;
-  Result<Module> module(const KernelVariant& variant) const;
 
   const Device& device_;
   Descriptors& descriptors_;
@@ -90,7 +74,7 @@ class Pipelines {
   std::unordered_map<std::vector<uint64_t>, VkPipelineLayout, WordsHash> layouts_;
   std::vector<PipelineTime> times_;
   uint32_t threads_ = 0;
-  Key key_;  // of the request at hand
+  std::vector<uint64_t> key_;  // of the request at hand
 };
 
 }  // namespace pelage::vulkan

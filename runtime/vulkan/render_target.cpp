@@ -68,33 +68,39 @@ std::array<VkSubpassDependency, 2> dependenciesOfPass() {
   return {before, after};
 }
 
-}  // namespace
+struct ImageDef {
+  VkFormat format;
+  VkImageUsageFlags usage;
+  VkSampleCountFlagBits samples;
+  VkImageAspectFlags aspect;
+  const char* name;
+};
 
-Result<void> RenderTarget::makeImage(Image& image, VkFormat format, VkImageUsageFlags usage,
-                                     VkSampleCountFlagBits samples, VkImageAspectFlags aspect,
-                                     const char* name) const {
-  const Functions& vk = device_.vk;
+Result<void> makeImage(const Device& device, const RenderTargetDef& target, const ImageDef& def,
+                       TargetImage& image) {
+  const Functions& vk = device.vk;
   const auto failed = [&](VkResult result) {
-    return vulkanError(result, fmt::format("{} image of {} x {} pixels, {} samples", name, width_,
-                                           height_, static_cast<uint32_t>(samples)));
+    return vulkanError(result,
+                       fmt::format("{} image of {} x {} pixels, {} samples", def.name, target.width,
+                                   target.height, static_cast<uint32_t>(def.samples)));
   };
   auto info = tagged<VkImageCreateInfo>(VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO);
   info.imageType = VK_IMAGE_TYPE_2D;
-  info.format = format;
-  info.extent = {width_, height_, 1};
+  info.format = def.format;
+  info.extent = {target.width, target.height, 1};
   info.mipLevels = 1;
   info.arrayLayers = 1;
-  info.samples = samples;
+  info.samples = def.samples;
   info.tiling = VK_IMAGE_TILING_OPTIMAL;
-  info.usage = usage;
+  info.usage = def.usage;
   info.initialLayout = VK_IMAGE_LAYOUT_UNDEFINED;
-  VkResult result = vk.CreateImage(device_.handle, &info, nullptr, &image.image);
+  VkResult result = vk.CreateImage(device.handle, &info, nullptr, &image.image);
   if (result != VK_SUCCESS) return failed(result);
-  vk.name(device_.handle, VK_OBJECT_TYPE_IMAGE, image.image, name);
+  vk.name(device.handle, VK_OBJECT_TYPE_IMAGE, image.image, def.name);
 
   VkMemoryRequirements needs = {};
-  vk.GetImageMemoryRequirements(device_.handle, image.image, &needs);
-  const VkPhysicalDeviceMemoryProperties& types = device_.memory;
+  vk.GetImageMemoryRequirements(device.handle, image.image, &needs);
+  const VkPhysicalDeviceMemoryProperties& types = device.memory;
   uint32_t type = types.memoryTypeCount;
   for (uint32_t i = 0; i < types.memoryTypeCount; ++i) {
     if ((needs.memoryTypeBits >> i & 1u) == 0) continue;
@@ -107,25 +113,25 @@ Result<void> RenderTarget::makeImage(Image& image, VkFormat format, VkImageUsage
   auto memory = tagged<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
   memory.allocationSize = needs.size;
   memory.memoryTypeIndex = type;
-  result = vk.AllocateMemory(device_.handle, &memory, nullptr, &image.memory);
+  result = vk.AllocateMemory(device.handle, &memory, nullptr, &image.memory);
   if (result != VK_SUCCESS) return failed(result);
-  result = vk.BindImageMemory(device_.handle, image.image, image.memory, 0);
+  result = vk.BindImageMemory(device.handle, image.image, image.memory, 0);
   if (result != VK_SUCCESS) return failed(result);
 
   auto view = tagged<VkImageViewCreateInfo>(VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO);
   view.image = image.image;
   view.viewType = VK_IMAGE_VIEW_TYPE_2D;
-  view.format = format;
-  view.subresourceRange = {aspect, 0, 1, 0, 1};
-  result = vk.CreateImageView(device_.handle, &view, nullptr, &image.view);
+  view.format = def.format;
+  view.subresourceRange = {def.aspect, 0, 1, 0, 1};
+  result = vk.CreateImageView(device.handle, &view, nullptr, &image.view);
   if (result != VK_SUCCESS) return failed(result);
   return {};
 }
 
-Result<VkRenderPass> RenderTarget::makeRenderPass(VkSampleCountFlagBits samples, bool load) const {
+Result<VkRenderPass> makeRenderPass(const Device& device, VkFormat format,
+                                    VkSampleCountFlagBits samples, bool load) {
   const bool resolves = samples != VK_SAMPLE_COUNT_1_BIT;
-  const std::vector<VkAttachmentDescription> attachments =
-      attachmentsOf(colorFormat_, samples, load);
+  const std::vector<VkAttachmentDescription> attachments = attachmentsOf(format, samples, load);
   const VkAttachmentReference colorReference = {0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
   const VkAttachmentReference depthReference = {1,
                                                 VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL};
@@ -147,17 +153,27 @@ Result<VkRenderPass> RenderTarget::makeRenderPass(VkSampleCountFlagBits samples,
   info.dependencyCount = static_cast<uint32_t>(std::size(dependencies));
   info.pDependencies = dependencies.data();
   VkRenderPass pass = VK_NULL_HANDLE;
-  const VkResult result = device_.vk.CreateRenderPass(device_.handle, &info, nullptr, &pass);
+  const VkResult result = device.vk.CreateRenderPass(device.handle, &info, nullptr, &pass);
   if (result != VK_SUCCESS) return vulkanError(result, "vkCreateRenderPass");
   return pass;
 }
 
+void destroyImage(const Device& device, TargetImage& image) {
+  device.vk.DestroyImageView(device.handle, image.view, nullptr);
+  device.vk.DestroyImage(device.handle, image.image, nullptr);
+  device.vk.FreeMemory(device.handle, image.memory, nullptr);
+  image = {};
+}
+
+}  // namespace
+
 Result<void> RenderTarget::makePasses(VkSampleCountFlagBits samples) {
-  Passes& passes = allPasses_[{colorFormat_, samples}];
+  const VkFormat format = formatOf(def_);
+  TargetPasses& passes = allPasses_[{format, samples}];
   for (const bool load : {false, true}) {
     VkRenderPass& pass = load ? passes.loads : passes.clears;
     if (pass != VK_NULL_HANDLE) continue;
-    Result<VkRenderPass> made = makeRenderPass(samples, load);
+    Result<VkRenderPass> made = makeRenderPass(device_, format, samples, load);
     if (!made) return made.error();
     pass = *made;
   }
@@ -167,10 +183,8 @@ Result<void> RenderTarget::makePasses(VkSampleCountFlagBits samples) {
 
 Result<void> RenderTarget::make(const RenderTargetDef& def) {
   destroyImages();
-  width_ = def.width;
-  height_ = def.height;
-  samples_ = def.samples;
-  colorFormat_ = formatOf(def);
+  def_ = def;
+  const VkFormat format = formatOf(def);
   const auto samples = static_cast<VkSampleCountFlagBits>(def.samples);
   const bool resolves = def.samples > 1;
   constexpr VkImageUsageFlags kReadColor =
@@ -179,34 +193,29 @@ Result<void> RenderTarget::make(const RenderTargetDef& def) {
     destroyImages();
     return error;
   };
-  if (Result<void> made =
-          makeImage(color_, colorFormat_,
-                    resolves ? VkImageUsageFlags{VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT} : kReadColor,
-                    samples, VK_IMAGE_ASPECT_COLOR_BIT, "pelage/color");
-      !made)
-    return fail(made.error());
-  if (Result<void> made = makeImage(
-          depth_, kDepthFormat,
-          resolves ? VkImageUsageFlags{VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT}
-                   : VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
-          samples, VK_IMAGE_ASPECT_DEPTH_BIT, "pelage/depth");
-      !made)
-    return fail(made.error());
+  const ImageDef color = {
+      format, resolves ? VkImageUsageFlags{VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT} : kReadColor,
+      samples, VK_IMAGE_ASPECT_COLOR_BIT, "pelage/color"};
+  const ImageDef depth = {
+      kDepthFormat,
+      resolves ? VkImageUsageFlags{VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT}
+               : VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
+      samples, VK_IMAGE_ASPECT_DEPTH_BIT, "pelage/depth"};
+  const ImageDef resolved = {format, kReadColor, VK_SAMPLE_COUNT_1_BIT, VK_IMAGE_ASPECT_COLOR_BIT,
+                             "pelage/resolved color"};
+  Result<void> images = makeImage(device_, def, color, color_);
+  if (images) images = makeImage(device_, def, depth, depth_);
+  if (images && resolves) images = makeImage(device_, def, resolved, resolve_);
+  if (!images) return fail(images.error());
   std::vector<VkImageView> views = {color_.view, depth_.view};
-  if (resolves) {
-    if (Result<void> made = makeImage(resolve_, colorFormat_, kReadColor, VK_SAMPLE_COUNT_1_BIT,
-                                      VK_IMAGE_ASPECT_COLOR_BIT, "pelage/resolved color");
-        !made)
-      return fail(made.error());
-    views.push_back(resolve_.view);
-  }
+  if (resolves) views.push_back(resolve_.view);
   if (Result<void> made = makePasses(samples); !made) return fail(made.error());
   auto info = tagged<VkFramebufferCreateInfo>(VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO);
   info.renderPass = passes_.clears;
   info.attachmentCount = static_cast<uint32_t>(views.size());
   info.pAttachments = views.data();
-  info.width = width_;
-  info.height = height_;
+  info.width = def.width;
+  info.height = def.height;
   info.layers = 1;
   const VkResult result =
       device_.vk.CreateFramebuffer(device_.handle, &info, nullptr, &framebuffer_);
@@ -214,18 +223,11 @@ Result<void> RenderTarget::make(const RenderTargetDef& def) {
   return {};
 }
 
-void RenderTarget::destroyImage(Image& image) const {
-  device_.vk.DestroyImageView(device_.handle, image.view, nullptr);
-  device_.vk.DestroyImage(device_.handle, image.image, nullptr);
-  device_.vk.FreeMemory(device_.handle, image.memory, nullptr);
-  image = {};
-}
-
 void RenderTarget::destroyImages() {
   device_.vk.DestroyFramebuffer(device_.handle, framebuffer_, nullptr);
-  destroyImage(color_);
-  destroyImage(depth_);
-  destroyImage(resolve_);
+  destroyImage(device_, color_);
+  destroyImage(device_, depth_);
+  destroyImage(device_, resolve_);
   framebuffer_ = VK_NULL_HANDLE;
 }
 
@@ -240,9 +242,9 @@ void RenderTarget::destroy() {
 
 TargetFormats RenderTarget::formats() const {
   TargetFormats formats;
-  formats.color = colorFormat_;
+  formats.color = formatOf(def_);
   formats.depth = kDepthFormat;
-  formats.samples = static_cast<VkSampleCountFlagBits>(samples_);
+  formats.samples = static_cast<VkSampleCountFlagBits>(def_.samples);
   formats.renderPass = passes_.clears;  // its pipelines serve the compatible one as well
   return formats;
 }
@@ -255,7 +257,7 @@ void RenderTarget::begin(VkCommandBuffer commands, const RenderTargetDef& def, b
   auto pass = tagged<VkRenderPassBeginInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO);
   pass.renderPass = clear ? passes_.clears : passes_.loads;
   pass.framebuffer = framebuffer_;
-  pass.renderArea.extent = {width_, height_};
+  pass.renderArea.extent = {def_.width, def_.height};
   pass.clearValueCount = static_cast<uint32_t>(clears.size());
   pass.pClearValues = clears.data();
   device_.vk.CmdBeginRenderPass(commands, &pass, VK_SUBPASS_CONTENTS_INLINE);
@@ -305,8 +307,8 @@ void RenderTarget::copyColor(VkCommandBuffer commands, VkBuffer buffer) const {
   const Functions& vk = device_.vk;
   VkBufferImageCopy copy = {};
   copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-  copy.imageExtent = {width_, height_, 1};
-  const VkImage source = samples_ > 1 ? resolve_.image : color_.image;
+  copy.imageExtent = {def_.width, def_.height, 1};
+  const VkImage source = def_.samples > 1 ? resolve_.image : color_.image;
   vk.CmdCopyImageToBuffer(commands, source, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, buffer, 1, &copy);
   auto barrier = tagged<VkMemoryBarrier>(VK_STRUCTURE_TYPE_MEMORY_BARRIER);
   barrier.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;

@@ -10,6 +10,17 @@
 
 namespace pelage::vulkan {
 
+struct TargetImage {
+  VkImage image = VK_NULL_HANDLE;
+  VkDeviceMemory memory = VK_NULL_HANDLE;
+  VkImageView view = VK_NULL_HANDLE;
+};
+
+struct TargetPasses {
+  VkRenderPass clears = VK_NULL_HANDLE;
+  VkRenderPass loads = VK_NULL_HANDLE;  // compatible with it; goes on drawing
+};
+
 /// Images and framebuffer, kept while the size stays; render passes, and so the pipelines that are
 /// made for them, are kept for all sizes.
 class RenderTarget {
@@ -23,8 +34,8 @@ class RenderTarget {
   RenderTarget& operator=(const RenderTarget&) = delete;
 
   bool fits(const RenderTargetDef& def) const {
-    return framebuffer_ != VK_NULL_HANDLE && width_ == def.width && height_ == def.height &&
-           samples_ == def.samples && colorFormat_ == formatOf(def);
+    return framebuffer_ != VK_NULL_HANDLE && def_.width == def.width && def_.height == def.height &&
+           def_.samples == def.samples && def_.float32Color == def.float32Color;
   }
   static VkFormat formatOf(const RenderTargetDef& def) {
     return def.float32Color ? kFloat32Format : kColorFormat;
@@ -46,33 +57,16 @@ class RenderTarget {
   void copyColor(VkCommandBuffer commands, VkBuffer buffer) const;
 
  private:
-  struct Image {
-    VkImage image = VK_NULL_HANDLE;
-    VkDeviceMemory memory = VK_NULL_HANDLE;
-    VkImageView view = VK_NULL_HANDLE;
-  };
-  Result<void> makeImage(Image& image, VkFormat format, VkImageUsageFlags usage,
-                         VkSampleCountFlagBits samples, VkImageAspectFlags aspect,
-                         const char* name) const;
-  struct Passes {
-    VkRenderPass clears = VK_NULL_HANDLE;
-    VkRenderPass loads = VK_NULL_HANDLE;  // compatible with it; goes on drawing
-  };
-  Result<VkRenderPass> makeRenderPass(VkSampleCountFlagBits samples, bool load) const;
   Result<void> makePasses(VkSampleCountFlagBits samples);
-  void destroyImage(Image& image) const;
   void destroyImages();
 
   const Device& device_;
-  uint32_t width_ = 0;
-  uint32_t height_ = 0;
-  uint32_t samples_ = 0;
-  VkFormat colorFormat_ = kColorFormat;
-  Image color_;  // with one sample: what is read back
-  Image depth_;
-  Image resolve_;  // with more than one sample: what is read back
-  std::map<std::pair<VkFormat, uint32_t>, Passes> allPasses_;  // by color format and samples
-  Passes passes_;                                              // of the target that there is
+  RenderTargetDef def_;
+  TargetImage color_;  // with one sample: what is read back
+  TargetImage depth_;
+  TargetImage resolve_;  // with more than one sample: what is read back
+  std::map<std::pair<VkFormat, uint32_t>, TargetPasses> allPasses_;  // by color format and samples
+  TargetPasses passes_;                                              // of the target that there is
   VkFramebuffer framebuffer_ = VK_NULL_HANDLE;
 };
 
