@@ -130,7 +130,7 @@ void Compiler::frontEnd(std::vector<Unit>& units) {
 
 void Compiler::frontEnd(Unit& unit, const std::string& name, Worker& worker) {
   const ManifestKernel& kernel = *unit.kernel;
-  FrontEndJob job{source_, kernel.name, kernel.precise};
+  FrontEndJob job{source_, kernel.precise};
   job.source.file = kernel.file;
   job.source.entry = kernel.name;
   job.source.stage = kernel.stage;
@@ -158,10 +158,10 @@ void Compiler::backEnd(std::vector<Unit>& units, const LayoutPlan& plan, const M
       if (!unit.reflection || (kernel.stage == Stage::kVertex) != vertex) return;
       unit.firstStorageBinding = firstStorageBinding(unit, units, manifest);
       const SourceLocation where = unit.locate(kernel.name);
-      const std::string encoded = encode(
-          BackEndJob{kernel.name, kernel.file, kernel.name, where, kernel.stage,
-                     kernel.tierOf(unit.permutation), kernel.precise, unit.firstStorageBinding,
-                     unit.front.spirv, unit.front.log, plan.patches(unit)});
+      const std::string encoded = encode(BackEndJob{kernel.file, kernel.name, where, kernel.stage,
+                                                    kernel.tierOf(unit.permutation), kernel.precise,
+                                                    unit.firstStorageBinding, unit.front.spirv,
+                                                    unit.front.log, plan.patches(unit)});
       unit.ran |= run<BackEndResult>({"back end",
                                       "kernel '" + kernel.name + "'",
                                       where,

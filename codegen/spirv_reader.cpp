@@ -1,43 +1,43 @@
 #include "codegen/spirv_reader.h"
 
+#include <algorithm>
+
 namespace pelage::codegen {
 namespace {
 
 const std::string kEmpty;
 
-// A SPIR-V literal string: bytes in words, lowest first, zero-terminated.
-std::string literalString(std::span<const uint32_t> words) {
-  std::string text;
-  for (const uint32_t word : words) {
-    for (int shift = 0; shift < 32; shift += 8) {
-      const char c = static_cast<char>(word >> shift & 0xff);
-      if (c == 0) return text;
-      text += c;
-    }
-  }
-  return text;
+}  // namespace
+
+std::optional<SpirvInstruction> decodeInstruction(std::span<const uint32_t> words) {
+  const size_t count = words[0] >> 16;
+  if (count == 0 || count > words.size()) return std::nullopt;
+  SpirvInstruction instruction;
+  instruction.op = static_cast<SpvOp>(words[0] & 0xffff);
+  bool hasResult = false, hasResultType = false;
+  SpvHasResultAndType(instruction.op, &hasResult, &hasResultType);
+  size_t next = 1;
+  if (count < 1u + hasResult + hasResultType) return std::nullopt;
+  if (hasResultType) instruction.resultType = words[next++];
+  if (hasResult) instruction.result = words[next++];
+  instruction.operands = words.subspan(next, count - next);
+  return instruction;
 }
 
-}  // namespace
+std::string_view literalString(std::span<const uint32_t> words) {
+  const std::string_view text(reinterpret_cast<const char*>(words.data()), words.size() * 4);
+  return text.substr(0, std::min(text.find('\0'), text.size()));
+}
 
 std::optional<SpirvReader> SpirvReader::parse(std::span<const uint32_t> words) {
   if (words.size() < kHeaderWords || words[0] != SpvMagicNumber) return std::nullopt;
   SpirvReader module;
   module.words_ = words;
   for (size_t i = kHeaderWords; i < words.size();) {
-    const size_t count = words[i] >> 16;
-    if (count == 0 || i + count > words.size()) return std::nullopt;
-    SpirvInstruction instruction;
-    instruction.op = static_cast<SpvOp>(words[i] & 0xffff);
+    std::optional<SpirvInstruction> decoded = decodeInstruction(words.subspan(i));
+    if (!decoded) return std::nullopt;
+    SpirvInstruction& instruction = *decoded;
     instruction.wordOffset = i;
-    bool hasResult = false;
-    bool hasResultType = false;
-    SpvHasResultAndType(instruction.op, &hasResult, &hasResultType);
-    size_t next = 1;
-    if (count < 1u + hasResult + hasResultType) return std::nullopt;
-    if (hasResultType) instruction.resultType = words[i + next++];
-    if (hasResult) instruction.result = words[i + next++];
-    instruction.operands = words.subspan(i + next, count - next);
     const std::span<const uint32_t> operands = instruction.operands;
     switch (instruction.op) {
       case SpvOpName:
@@ -64,9 +64,10 @@ std::optional<SpirvReader> SpirvReader::parse(std::span<const uint32_t> words) {
       default:
         break;
     }
-    if (hasResult) module.definitions_[instruction.result] = module.instructions_.size();
+    if (instruction.result != 0)
+      module.definitions_[instruction.result] = module.instructions_.size();
     module.instructions_.push_back(instruction);
-    i += count;
+    i += words[i] >> 16;
   }
   return module;
 }

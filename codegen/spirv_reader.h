@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <unordered_map>
 #include <vector>
 
@@ -24,6 +25,11 @@ struct SpirvInstruction {
   std::span<const uint32_t> operands;  ///< after result type and result
   size_t wordOffset = 0;               ///< of its first word in the module
 };
+
+/// The instruction at the front of `words`, with the offset 0; nothing if it is malformed.
+std::optional<SpirvInstruction> decodeInstruction(std::span<const uint32_t> words);
+/// A literal string, up to its zero.
+std::string_view literalString(std::span<const uint32_t> words);
 
 class SpirvReader {
  public:

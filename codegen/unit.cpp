@@ -146,8 +146,6 @@ int runFrontEnd(const json& job, const fs::path& file) {
   }
 
   CheckInput check;
-  const std::string kernel = job.at("kernel").get<std::string>();
-  check.kernelName = kernel;
   check.stage = input.stage;
   check.entry = input.entry;
   check.file = input.file;
@@ -217,8 +215,6 @@ int runBackEnd(const json& job, const fs::path& file) {
   BackEndOutput output = runBackEnd(input);
   BackEndResult result;
   CheckInput check;
-  const std::string kernel = job.at("kernel").get<std::string>();
-  check.kernelName = kernel;
   check.stage = input.stage;
   check.entry = input.entry;
   check.file = job.at("file").get<std::string>();
@@ -253,10 +249,7 @@ SourceLocation Unit::locate(const std::string& name) const {
 }
 
 std::string encode(const FrontEndJob& job) {
-  return toText({{"step", "front end"},
-                 {"source", pack(job.source)},
-                 {"kernel", job.kernel},
-                 {"precise", job.precise}});
+  return toText({{"step", "front end"}, {"source", pack(job.source)}, {"precise", job.precise}});
 }
 
 std::string encode(const BackEndJob& job) {
@@ -265,7 +258,6 @@ std::string encode(const BackEndJob& job) {
     patches.push_back({p.set, p.rawBinding, p.binding, p.glBinding, static_cast<int>(p.kind)});
   }
   return toText({{"step", "back end"},
-                 {"kernel", job.kernel},
                  {"file", job.file},
                  {"entry", job.entry},
                  {"entryFile", job.entryLocation.file},

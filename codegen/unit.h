@@ -22,7 +22,6 @@ namespace pelage::codegen {
 
 struct FrontEndJob {
   FrontEndInput source;
-  std::string kernel;
   bool precise = false;
 };
 
@@ -48,7 +47,6 @@ struct ConstantsResult {
 };
 
 struct BackEndJob {
-  std::string kernel;
   std::string file;
   std::string entry;
   SourceLocation entryLocation;

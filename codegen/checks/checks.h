@@ -20,7 +20,6 @@ namespace pelage::codegen {
 
 /// One permutation of one kernel, and its results so far.
 struct CheckInput {
-  std::string_view kernelName;
   Stage stage = Stage::kCompute;
   std::string entry;
   /// Name of the kernel's file in messages; `preprocessed` starts in it.
@@ -41,7 +40,7 @@ struct CheckInput {
   bool precise = false;
 };
 
-/// Checks before compilation. Reads kernelName, stage, entry, file and preprocessed. After an
+/// Checks before compilation. Reads stage, entry, file and preprocessed. After an
 /// error, do not pass the text to the front end: some of the refused code crashes it.
 void runSourceChecks(const CheckInput& input, Diagnostics& diagnostics);
 

@@ -1,7 +1,6 @@
 #include "codegen/checks/line_module.h"
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 
 #include <spirv/unified1/spirv.hpp>
@@ -15,12 +14,6 @@ namespace {
 constexpr uint32_t kMaximumDepth = 64;
 // The universal limit on ids of the SPIR-V specification (2.17).
 constexpr uint32_t kMaximumBound = 0x3fffff;
-
-// A literal string, up to its zero.
-std::string_view literal(std::span<const uint32_t> words) {
-  const std::string_view text(reinterpret_cast<const char*>(words.data()), words.size() * 4);
-  return text.substr(0, std::min(text.find('\0'), text.size()));
-}
 
 bool contains(const std::unordered_map<uint32_t, std::vector<uint32_t>>& table, uint32_t id,
               uint32_t value) {
@@ -40,31 +33,6 @@ uint64_t saturatingMultiply(uint64_t a, uint64_t b) {
              : a * b;
 }
 
-// The instruction at the front of `words`, without its line; nothing if it is malformed.
-std::optional<Instruction> decode(std::span<const uint32_t> words, uint32_t bound) {
-  const uint32_t count = words[0] >> 16;
-  if (count == 0 || count > words.size()) return std::nullopt;
-  Instruction instruction;
-  instruction.opcode = static_cast<uint16_t>(words[0] & 0xffff);
-  std::span<const uint32_t> operands = words.subspan(1, count - 1);
-  bool hasResult = false, hasType = false;
-  spv::HasResultAndType(static_cast<spv::Op>(instruction.opcode), &hasResult, &hasType);
-  if (operands.size() < static_cast<size_t>(hasResult) + static_cast<size_t>(hasType)) {
-    return std::nullopt;
-  }
-  if (hasType) {
-    instruction.type = operands.front();
-    operands = operands.subspan(1);
-  }
-  if (hasResult) {
-    instruction.result = operands.front();
-    operands = operands.subspan(1);
-  }
-  if (instruction.type >= bound || instruction.result >= bound) return std::nullopt;
-  instruction.operands = operands;
-  return instruction;
-}
-
 }  // namespace
 
 std::optional<LineModule> LineModule::parse(std::span<const uint32_t> words) {
@@ -76,10 +44,13 @@ std::optional<LineModule> LineModule::parse(std::span<const uint32_t> words) {
 
   uint32_t fileId = 0, line = 0;
   for (size_t at = kHeaderWords; at < words.size();) {
-    const std::optional<Instruction> decoded = decode(words.subspan(at), bound);
-    if (!decoded) return std::nullopt;
+    const std::optional<SpirvInstruction> decoded = decodeInstruction(words.subspan(at));
+    if (!decoded || decoded->resultType >= bound || decoded->result >= bound) return std::nullopt;
     at += words[at] >> 16;
-    Instruction instruction = *decoded;
+    Instruction instruction = {.opcode = static_cast<uint16_t>(decoded->op),
+                               .type = decoded->resultType,
+                               .result = decoded->result,
+                               .operands = decoded->operands};
     const std::span<const uint32_t> operands = instruction.operands;
     switch (instruction.opcode) {
       case spv::OpLine:
@@ -91,11 +62,11 @@ std::optional<LineModule> LineModule::parse(std::span<const uint32_t> words) {
         continue;
       case spv::OpName:
         if (operands.size() > 1 && operands[0] < bound) {
-          module.names_[operands[0]] = literal(operands.subspan(1));
+          module.names_[operands[0]] = literalString(operands.subspan(1));
         }
         break;
       case spv::OpString:
-        module.strings_[instruction.result] = literal(operands);
+        module.strings_[instruction.result] = literalString(operands);
         break;
       case spv::OpDecorate:
         if (operands.size() > 1 && operands[0] < bound) {

@@ -92,7 +92,6 @@ struct Compiled {
 void runFixture(const Fixture& fixture, Compiled& result) {
   const PreprocessOutput text = preprocessHlsl(fixture.compile);
   ASSERT_TRUE(text.ok) << (text.messages.empty() ? "" : text.messages.front().text);
-  result.input.kernelName = "fixture";
   result.input.stage = fixture.compile.stage;
   result.input.entry = fixture.compile.entry;
   result.input.file = fixture.compile.file;
