@@ -105,8 +105,8 @@ bool mayCollide(SweptVertex vertex) {
     Sdf sdf = CONTACT_SDF(f);
     float3 motion = CONTACT_SDF_MOTION(f, sdf, vertex.to);
     float range = rangeOf(vertex, motion * (vertex.end - vertex.begin));
-    if (sdfMayBeInRange(sdf, vertex.from, vertex.to, vertex.relative, vertex.begin, vertex.end,
-                        range, motion))
+    if (sdfMayBeInRange(sdf, vertex.from, vertex.to, vertex.relative,
+                        float2(vertex.begin, vertex.end), range, motion))
       return true;
   }
 #endif

@@ -57,7 +57,6 @@ float3 guessedMotion(uint f, Sdf sdf, float3 p);
 #define CONTACT_RESTS false
 #include "deepest_contacts.hlsli"
 
-static const uint kNoElement = 0xffffffffu;
 // Maximum displacement that the prediction extrapolates [m].
 static const float kLongestStep = 1.0;
 

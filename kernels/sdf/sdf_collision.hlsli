@@ -97,9 +97,10 @@ bool sdfMayCollide(Sdf sdf, float3 before, float3 after, float end) {
 }
 
 // Returns false if sdfContact() with this range [m] finds nothing, for a point that moves by
-// `relative` relative to the root of its strand; otherwise as sdfContact().
-bool sdfMayBeInRange(Sdf sdf, float3 before, float3 after, float3 relative, float begin, float end,
+// `relative` relative to the root of its strand in `span`, begin and end; otherwise as sdfContact().
+bool sdfMayBeInRange(Sdf sdf, float3 before, float3 after, float3 relative, float2 span,
                      float furthest, float3 motion) {
+  float begin = span.x, end = span.y;
   precise float inverseCell = 1.0 / sdf.origin.w;
   precise float3 a = (before - sdf.origin.xyz) * inverseCell;
   precise float3 b = (after - sdf.origin.xyz) * inverseCell;

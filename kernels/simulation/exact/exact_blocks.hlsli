@@ -257,9 +257,12 @@ RollOut rollOutInBlocks(BlockLane own, RodStep rod, bool has, uint pass) {
     }
     GroupMemoryBarrierWithGroupSync();
     if (exists) {
-      EdgeEnd end = endEdge(rod, i, edge, s_frames[own.lane], s_positions[own.lane].xyz,
-                            s_across[own.lane].xyz, s_displacements[own.lane].xyz,
-                            s_offsets[own.lane].xyz, contact);
+      RollChain rolled = (RollChain)0;
+      rolled.frame = s_frames[own.lane];
+      rolled.displacement = s_displacements[own.lane].xyz;
+      rolled.offset = s_offsets[own.lane].xyz;
+      EdgeEnd end =
+          endEdge(rod, i, edge, rolled, s_positions[own.lane].xyz, s_across[own.lane].xyz, contact);
       s_ends[own.lane] = float4(end.guessed, end.far ? 1.0 : 0.0);
     }
     GroupMemoryBarrierWithGroupSync();

@@ -656,22 +656,24 @@ struct EdgeEnd {
 
 // Writes edge i, the vertex at its start for drawing, and the displacement of that at its end.
 //
+// \param rolled  the frame of the edge, and the displacement and offset at its end
 // \param start   its position
 // \param across  from the vertex before to the one behind
-EdgeEnd endEdge(RodStep rod, uint i, RolledEdge edge, float4 frame, float3 start, float3 across,
-                float3 displacement, float3 offset, JointContact contact) {
+EdgeEnd endEdge(RodStep rod, uint i, RolledEdge edge, RollChain rolled, float3 start, float3 across,
+                JointContact contact) {
+  float4 frame = rolled.frame;
   uint next = rod.slots.next;
   g_state[stateIndex(kFrameSets + next, i, rod.strand)] = frame;
   float3 tangent = axisX(frame);
   writeOutput(i, rod.strand, start, across, tangent);
   precise float3 x = start + tangent * edge.edgeLength;
-  precise float3 wholeDisplacement = rod.rootStepDisplacement + displacement;
+  precise float3 wholeDisplacement = rod.rootStepDisplacement + rolled.displacement;
   float nextRotation =
       nextHalfRotation(frame, edge.old, edge.halfRotation, g_guessTrend, g_slowRotation);
   EdgeEnd end;
   end.far = false;
 #if CONTACTS
-  precise float3 correction = offset;
+  precise float3 correction = rolled.offset;
   if (contact.inContact) {
     StoredTouch touch = contact.touch;
     float3 moved = worldDisplacement(rod.transport.now, x, wholeDisplacement);
@@ -741,8 +743,7 @@ RollOut rollOut(RodStep rod, uint pass) {
     RolledEdge edge = rolledEdge(stored, g.halfRotation, g.edgeLength, rod.transport, pass);
     RollChain next = rollEdge(chain, rod, g, edge.iterate, axisX(edge.old), contact);
     precise float3 across = chain.edge + next.edge;
-    EdgeEnd end =
-        endEdge(rod, i, edge, next.frame, chain.x, across, next.displacement, next.offset, contact);
+    EdgeEnd end = endEdge(rod, i, edge, next, chain.x, across, contact);
     guessed = guessed + end.guessed;
     far = far || end.far;
     chain = next;
