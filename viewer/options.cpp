@@ -71,7 +71,7 @@ void addCaptureOptions(CLI::App& app, Options& options) {
 void addScreenOptions(CLI::App& app, Options& options, Given& given) {
   app.add_option("FILES", options.source.files,
                  "hair to show: .tfx with .tfxbone, .tfxfollow and .tfxmesh, .pelage, .hair, .obj, "
-                 ".gltf, .glb, .hairtxt (a generated character)");
+                 ".gltf, .glb, .hairtxt, .usda (a generated character)");
   given.apiOption = addChoice(app, "--api", "API", given.api, kApis,
                               "vulkan or gl (vulkan, or gl where there is no Vulkan)");
   app.add_option("--device", options.screen.device,

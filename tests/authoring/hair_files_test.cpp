@@ -77,6 +77,7 @@ void expectSame(const HairCurves& a, const HairCurves& b) {
 
 Bytes hairFile() { return *saveYukselHair(someCurves()); }
 Bytes textFile() { return bytesOf(*saveHairText(someCurves())); }
+Bytes usdFile() { return bytesOf(*saveUsdCurves(someCurves())); }
 
 Bytes objFile() {
   return bytesOf(
@@ -191,7 +192,7 @@ struct Sample {
 std::vector<Sample> allSamples() {
   return {{"a.hair", hairFile()}, {"a.hairtxt", textFile()}, {"a.obj", objFile()},
           {"a.gltf", gltfFile()}, {"a.glb", glbFile()},      {"text.tfx", tfx2File()},
-          {"3.tfx", tfx3File()},  {"4.tfx", tfx4File()}};
+          {"3.tfx", tfx3File()},  {"4.tfx", tfx4File()},     {"a.usda", usdFile()}};
 }
 
 // ---- Every format

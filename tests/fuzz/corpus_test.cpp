@@ -31,7 +31,7 @@ constexpr Target kTargets[] = {
 #if PELAGE_FUZZ_CURVES
     {"hair", hair},       {"hairtxt", hairtxt},     {"obj", obj},
     {"gltf", gltf},       {"tfxcurves", tfxcurves}, {"animation", animation},
-    {"pc2", pc2},         {"skinobj", skinobj},
+    {"pc2", pc2},         {"skinobj", skinobj},     {"usda", usda},
 #endif
 };
 

@@ -17,7 +17,8 @@ Outcome check(const Result<HairCurves>& loaded) {
   };
   if (curves.positions.size() != vertices || !fits(curves.inverseMasses, vertices) ||
       !fits(curves.radii, vertices) || !fits(curves.colors, vertices) ||
-      !fits(curves.vertexUv, vertices) || !fits(curves.strandUv, curves.curveCount()))
+      !fits(curves.vertexUv, vertices) || !fits(curves.strandUv, curves.curveCount()) ||
+      !fits(curves.labels, curves.curveCount()))
     return broken("the arrays do not fit together");
   CurveImportReport report;
   // An error when nothing usable is left.
@@ -37,6 +38,18 @@ Outcome check(const Result<HairCurves>& loaded) {
       !sameBits(again->radii, curves.radii) || !sameBits(again->colors, curves.colors) ||
       !sameBits(again->vertexUv, curves.vertexUv) || !sameBits(again->strandUv, curves.strandUv))
     return broken("the .hairtxt gives other curves");
+  // Fails only where a radius is too large.
+  if (const auto usd = saveUsdCurves(curves)) {
+    const auto fromUsd = loadUsdCurves(std::as_bytes(std::span(*usd)), kName);
+    if (!fromUsd) return broken("the .usda cannot be loaded: " + fromUsd.error().message);
+    if (!sameBits(fromUsd->vertexCounts, curves.vertexCounts) ||
+        !sameBits(fromUsd->positions, curves.positions) ||
+        !sameBits(fromUsd->inverseMasses, curves.inverseMasses) ||
+        !sameBits(fromUsd->radii, curves.radii) || !sameBits(fromUsd->colors, curves.colors) ||
+        !sameBits(fromUsd->vertexUv, curves.vertexUv) ||
+        !sameBits(fromUsd->strandUv, curves.strandUv) || fromUsd->labels != curves.labels)
+      return broken("the .usda gives other curves");
+  }
   const auto binary = saveYukselHair(curves);
   if (!binary) return broken("no .hair: " + binary.error().message);
   const auto fromBinary = loadYukselHair(*binary, kName);
@@ -53,6 +66,7 @@ Outcome hair(std::span<const std::byte> bytes) { return check(loadYukselHair(byt
 Outcome hairtxt(std::span<const std::byte> bytes) { return check(loadHairText(bytes, kName)); }
 Outcome obj(std::span<const std::byte> bytes) { return check(loadObjCurves(bytes, kName)); }
 Outcome gltf(std::span<const std::byte> bytes) { return check(loadGltfCurves(bytes, kName)); }
+Outcome usda(std::span<const std::byte> bytes) { return check(loadUsdCurves(bytes, kName)); }
 Outcome tfxcurves(std::span<const std::byte> bytes) { return check(loadTfxCurves(bytes, kName)); }
 
 }  // namespace pelage::fuzz

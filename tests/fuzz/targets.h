@@ -36,6 +36,7 @@ Outcome obj(std::span<const std::byte> bytes);
 Outcome gltf(std::span<const std::byte> bytes);
 /// .tfx of any version.
 Outcome tfxcurves(std::span<const std::byte> bytes);
+Outcome usda(std::span<const std::byte> bytes);
 /// Clips of .gltf and .glb files (tools/authoring).
 Outcome animation(std::span<const std::byte> bytes);
 /// The motion of a bake's skin (tools/bake).

@@ -109,4 +109,15 @@ assert.strictEqual(valueOf(root, 'string primPath'), '"/hair"');
 checkFrames(read('part0.usda'), first, 2);
 checkFrames(read('part1.usda'), first + 2, count - 2);
 assert.match(read('clips.manifest.usda'), /over "hair"/);
+
+// Curves that are no shot, with Unreal's names.
+const groom = read('groom.usda');
+assert.strictEqual(Number(valueOf(groom, 'metersPerUnit')), 1);
+assert.deepStrictEqual(numbersIn(valueOf(groom, 'int[] curveVertexCounts')), expected.vertexCounts);
+assertClose(numbersIn(valueOf(groom, 'point3f[] points')), expected.points[0], 'points of the groom');
+assert.strictEqual(numbersIn(valueOf(groom, 'float[] widths')).length, expected.points[0].length / 3);
+assert.deepStrictEqual(numbersIn(valueOf(groom, 'int64[] primvars:groom_id')), expected.ids);
+assert.deepStrictEqual(numbersIn(valueOf(groom, 'int[] primvars:groom_guide')), [1, 0, 1]);
+assert.deepStrictEqual(numbersIn(valueOf(groom, 'int[] primvars:groom_group_id')), [0, 3, 3]);
+assertClose(numbersIn(valueOf(groom, 'float2[] primvars:groom_root_uv')), [0, 0.5, 0.25, 1, 1, 0], 'root UV');
 console.log(`${count} frames and 2 clips are as they were written`);

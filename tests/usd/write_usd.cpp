@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "pelage/authoring/hair_files.h"
 #include "pelage/authoring/usd_curves.h"
 
 namespace {
@@ -70,6 +71,15 @@ Result<void> writeAll(const std::filesystem::path& folder) {
   if (auto r = write(folder / "part1.usda", def, kFirst + 2, all.subspan(2)); !r) return r;
   const UsdClip clips[] = {{"./part0.usda", kFirst, 2}, {"./part1.usda", kFirst + 2, 3}};
   writeExpected(folder / "expected.json", def, frames);
+  HairCurves curves;
+  curves.vertexCounts = def.vertexCounts;
+  curves.positions = frames[0];
+  for (const float width : {1e-4f, 8e-5f, 6.5e-5f})
+    curves.radii.resize(curves.radii.size() + 3, width / 2);
+  curves.colors.assign(9, {0.5f, 0.25f, 0.125f, 1});
+  curves.strandUv = {{0, 0.5f}, {0.25f, 1}, {1, 0}};
+  curves.labels = {{7, 0, true}, {0, 3, false}, {(uint64_t{1} << 53) - 1, 3, true}};
+  if (auto r = saveUsdCurves(curves, folder / "groom.usda"); !r) return r;
   return saveUsdClips(folder / "clips.usda", def, clips);
 }
 

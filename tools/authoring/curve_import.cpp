@@ -40,7 +40,8 @@ Result<void> checkSizes(const HairCurves& curves) {
   const auto fits = [](size_t size, uint64_t count) { return size == 0 || size == count; };
   if (!fits(curves.inverseMasses.size(), vertexCount) || !fits(curves.radii.size(), vertexCount) ||
       !fits(curves.colors.size(), vertexCount) || !fits(curves.vertexUv.size(), vertexCount) ||
-      !fits(curves.strandUv.size(), curves.vertexCounts.size()))
+      !fits(curves.strandUv.size(), curves.vertexCounts.size()) ||
+      !fits(curves.labels.size(), curves.vertexCounts.size()))
     return invalidCurves(fmt::format("arrays that do not fit {} curves with {} vertices",
                                      curves.vertexCounts.size(), vertexCount));
   return {};
@@ -131,11 +132,13 @@ class Preparation {
       sum += length;
       curves_.vertexCounts[curveTo] = kept;
       if (!curves_.strandUv.empty()) curves_.strandUv[curveTo] = curves_.strandUv[curve];
+      if (!curves_.labels.empty()) curves_.labels[curveTo] = curves_.labels[curve];
       ++curveTo;
     }
     resizeVertices(to);
     curves_.vertexCounts.resize(curveTo);
     if (!curves_.strandUv.empty()) curves_.strandUv.resize(curveTo);
+    if (!curves_.labels.empty()) curves_.labels.resize(curveTo);
     if (curveTo > 0) report_.meanLength = sum / static_cast<double>(curveTo);
   }
 
@@ -195,6 +198,7 @@ class Preparation {
     reorder(curves_.colors, true);
     reorder(curves_.vertexUv, true);
     reorder(curves_.strandUv, false);
+    reorder(curves_.labels, false);
     reorder(curves_.vertexCounts, false);
   }
 

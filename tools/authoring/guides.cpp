@@ -55,6 +55,10 @@ class Selector {
       guides_ = detail::findMedoids(features_, everyHair_, def_.guideCount, def_.seed,
                                     [this] { step(); });
       fitAll();
+    } else if (!def_.guides.empty()) {
+      total_ = 2;
+      guides_ = def_.guides;
+      fitAll();
     } else {
       total_ = kMaxTrials;
       searchForBound();
@@ -261,8 +265,12 @@ class Selector {
 
 Result<void> checkGroom(const HairAsset& groom, const GuideDef& def) {
   const bool bounded = def.guideErrorBound != 0;
-  if ((def.guideCount > 0) == bounded)
-    return invalid("either a number of guides or an error bound of theirs is needed");
+  if ((def.guideCount > 0) + bounded + !def.guides.empty() != 1)
+    return invalid("either a number of guides, an error bound of theirs or a list is needed");
+  for (size_t i = 0; i < def.guides.size(); ++i)
+    if (def.guides[i] >= groom.strandCount || (i > 0 && def.guides[i] <= def.guides[i - 1]))
+      return invalid(fmt::format("entry {} of the guides is {}; they ascend, below {}", i,
+                                 def.guides[i], groom.strandCount));
   if (bounded && !(def.guideErrorBound > 0 && std::isfinite(def.guideErrorBound)))
     return invalid(
         fmt::format("the error bound of guides is {} m; it must be above 0", def.guideErrorBound));

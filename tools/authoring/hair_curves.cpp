@@ -48,6 +48,9 @@ Result<void> validate(const HairCurves& curves) {
   }
   if (vertex != curves.positions.size())
     return invalid(fmt::format("{} positions for {} vertices", curves.positions.size(), vertex));
+  if (!curves.labels.empty() && curves.labels.size() != curves.vertexCounts.size())
+    return invalid(fmt::format("curves: {} labels for {} curves", curves.labels.size(),
+                               curves.vertexCounts.size()));
   if (auto r = checkArray(curves.inverseMasses, vertex, "inverse masses"); !r) return r;
   if (auto r = checkArray(curves.radii, vertex, "radii"); !r) return r;
   if (auto r = checkArray(curves.colors, vertex, "colors"); !r) return r;

@@ -27,7 +27,7 @@ Result<HairCurves> load(std::span<const std::byte> bytes, std::string_view name,
   if (!kind)
     return Error{ErrorCode::kInvalidFile,
                  fmt::format("{}: byte 0: not a kind of file that has hair; .tfx, .hair, .obj, "
-                             ".gltf, .glb and .hairtxt can be read",
+                             ".gltf, .glb, .hairtxt and .usda can be read",
                              name)};
   switch (*kind) {
     case HairFileKind::kTfx:
@@ -40,6 +40,8 @@ Result<HairCurves> load(std::span<const std::byte> bytes, std::string_view name,
       return loadGltfCurves(bytes, name, folder, report);
     case HairFileKind::kHairText:
       return loadHairText(bytes, name, report);
+    case HairFileKind::kUsd:
+      return loadUsdCurves(bytes, name, report);
   }
   return Error{ErrorCode::kInvalidArgument, "unknown kind of file"};
 }
@@ -52,11 +54,14 @@ std::optional<HairFileKind> hairFileKind(std::span<const std::byte> bytes, std::
   if (text.substr(0, 4) == "HAIR") return HairFileKind::kHair;
   if (text.substr(0, 4) == "glTF") return HairFileKind::kGltf;
   if (text.substr(0, 8) == "hairtxt ") return HairFileKind::kHairText;
+  if (text.substr(0, 6) == "#usda " || text.substr(0, 8) == "PXR-USDC") return HairFileKind::kUsd;
   constexpr std::pair<std::string_view, HairFileKind> kExtensions[] = {
       {".tfx", HairFileKind::kTfx},          {".tfxb", HairFileKind::kTfx},
       {".hair", HairFileKind::kHair},        {".obj", HairFileKind::kObj},
       {".gltf", HairFileKind::kGltf},        {".glb", HairFileKind::kGltf},
-      {".hairtxt", HairFileKind::kHairText},
+      {".hairtxt", HairFileKind::kHairText}, {".usda", HairFileKind::kUsd},
+      {".usd", HairFileKind::kUsd},          {".usdc", HairFileKind::kUsd},
+      {".usdz", HairFileKind::kUsd},
   };
   const std::string extension = lowerExtension(name);
   for (const auto& [known, kind] : kExtensions)
@@ -90,6 +95,8 @@ const char* toString(HairFileKind kind) {
       return "glTF";
     case HairFileKind::kHairText:
       return "hairtxt";
+    case HairFileKind::kUsd:
+      return "USD";
   }
   return "?";
 }

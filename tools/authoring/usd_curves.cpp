@@ -19,6 +19,7 @@
 #include "binary_file.h"
 #include "common/errors.h"
 #include "common/finite.h"
+#include "pelage/authoring/hair_files.h"
 
 namespace pelage {
 namespace {
@@ -74,6 +75,18 @@ void addNumbers(Text& text, std::span<const T> numbers) {
   text.push_back('[');
   for (size_t i = 0; i < numbers.size(); ++i) add(text, "{}{}", i > 0 ? ", " : "", numbers[i]);
   text.push_back(']');
+}
+
+// An attribute with metadata.
+template <class T, class Write>
+void addValues(Text& text, std::string_view declaration, std::span<const T> values,
+               std::string_view interpolation, Write write) {
+  add(text, "    {} = [", declaration);
+  for (size_t i = 0; i < values.size(); ++i) {
+    if (i > 0) text.append(std::string_view(", "));
+    write(values[i]);
+  }
+  add(text, "] (\n        interpolation = \"{}\"\n    )\n", interpolation);
 }
 
 // The metadata of a layer. \param endTime as it is to be printed
@@ -235,6 +248,87 @@ Result<void> validate(const UsdCurvesDef& def) {
   if (def.firstFrame < -kMaxFrameNumber || def.firstFrame > kMaxFrameNumber)
     return invalidUsd("firstFrame is not within +-2^40");
   return {};
+}
+
+namespace {
+
+constexpr float kMaxRadius = 1e30f;
+constexpr uint32_t kMaxGroups = 1u << 24;  // whole numbers of a float
+
+Result<void> checkCurves(const HairCurves& curves, std::string_view prim) {
+  if (!isIdentifier(prim))
+    return invalidUsd(fmt::format("'{}' is no name of a prim", prim.substr(0, kMaxName)));
+  if (auto r = validate(curves); !r) return r;
+  if (curves.vertexCounts.empty()) return invalidUsd("there are no curves");
+  for (const float radius : curves.radii)
+    if (!(std::abs(radius) <= kMaxRadius)) return invalidUsd("a radius is above 1e30");
+  for (const CurveLabel& label : curves.labels)
+    if (label.id > std::numeric_limits<int64_t>::max() || label.group >= kMaxGroups)
+      return invalidUsd("the id of a curve is 2^63 or more, or a group 2^24 or more");
+  return {};
+}
+
+// Shapes, then what they look like, then their labels.
+Result<std::string> curvesText(const HairCurves& curves, std::string_view prim) {
+  if (auto r = checkCurves(curves, prim); !r) return r.error();
+  Text text;
+  add(text,
+      "#usda 1.0\n(\n    defaultPrim = \"{}\"\n    metersPerUnit = 1\n    upAxis = \"Y\"\n)\n\n"
+      "def BasisCurves \"{}\"\n{{\n    int[] curveVertexCounts = ",
+      prim, prim);
+  addNumbers(text, std::span(curves.vertexCounts));
+  auto [low, high] = extentOf(curves.positions);
+  float largest = 0;
+  for (const float radius : curves.radii) largest = std::max(largest, radius);
+  text.append(std::string_view("\n    float3[] extent = ["));
+  addVector(text, {low.x - largest, low.y - largest, low.z - largest});
+  text.append(std::string_view(", "));
+  addVector(text, {high.x + largest, high.y + largest, high.z + largest});
+  text.append(std::string_view("]\n    point3f[] points = ["));
+  for (size_t i = 0; i < curves.positions.size(); ++i) {
+    if (i > 0) text.append(std::string_view(", "));
+    addVector(text, curves.positions[i]);
+  }
+  text.append(std::string_view(
+      "]\n    uniform token type = \"linear\"\n    uniform token wrap = \"nonperiodic\"\n"));
+  const auto addNumber = [&](const auto& number) { add(text, "{}", number); };
+  const auto addUv = [&](const Float2& uv) { add(text, "({}, {})", uv.x, uv.y); };
+  const auto addAll = [&](std::string_view declaration, const auto& values, std::string_view per,
+                          auto write) {
+    if (!values.empty()) addValues(text, declaration, std::span(values), per, write);
+  };
+  addAll("float[] widths", curves.radii, "vertex", [&](float r) { add(text, "{}", 2 * r); });
+  addAll("float[] primvars:pelage:inverseMass", curves.inverseMasses, "vertex", addNumber);
+  addAll("color3f[] primvars:displayColor", curves.colors, "vertex", [&](const Float4& c) {
+    addVector(text, {c.x, c.y, c.z});
+  });
+  addAll("float[] primvars:displayOpacity", curves.colors, "vertex",
+         [&](const Float4& c) { add(text, "{}", c.w); });
+  addAll("texCoord2f[] primvars:st", curves.vertexUv, "vertex", addUv);
+  addAll("float2[] primvars:groom_root_uv", curves.strandUv, "uniform", addUv);
+  addAll("int64[] primvars:groom_id", curves.labels, "uniform",
+         [&](const CurveLabel& label) { add(text, "{}", label.id); });
+  addAll("int[] primvars:groom_guide", curves.labels, "uniform",
+         [&](const CurveLabel& label) { add(text, "{}", label.isGuide ? 1 : 0); });
+  addAll("int[] primvars:groom_group_id", curves.labels, "uniform",
+         [&](const CurveLabel& label) { add(text, "{}", label.group); });
+  text.append(std::string_view("}\n"));
+  return std::string(text.data(), text.size());
+}
+
+}  // namespace
+
+Result<std::string> saveUsdCurves(const HairCurves& curves) {
+  return tools::guarded([&] { return curvesText(curves, "hair"); });
+}
+
+Result<void> saveUsdCurves(const HairCurves& curves, const std::filesystem::path& path,
+                           std::string_view prim) {
+  return tools::guarded([&]() -> Result<void> {
+    auto text = curvesText(curves, prim);
+    if (!text) return text.error();
+    return tools::writeFile(path, std::as_bytes(std::span(*text)));
+  });
 }
 
 struct UsdCurvesWriter::Impl {

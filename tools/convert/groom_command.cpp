@@ -34,9 +34,10 @@ struct GroomOptions {
   ResampleDef resample;
   GuideDef guides;
   SagOptions sag;
-  bool resampled = false;  // an option about the vertices of a strand was given
+  bool resampled = false;   // an option about the vertices of a strand was given
+  bool fileGuides = false;  // the file says which curves are guides
 
-  bool selects() const { return guides.guideCount > 0 || guides.guideErrorBound > 0; }
+  bool selects() const { return guides.guideCount > 0 || guides.guideErrorBound > 0 || fileGuides; }
   /// Whether the strands of a .tfx pass as they are.
   bool changesNothing() const {
     CurveImportDef neutral;
@@ -284,6 +285,15 @@ Result<void> groom(GroomOptions options, Session& session) {
     reportOptions(options, asset.verticesPerStrand, session);
     reportDeviation(resampled->report, *curves, session);
   }
+  if (options.fileGuides) {
+    for (uint32_t curve = 0; curve < curves->labels.size(); ++curve)
+      if (curves->labels[curve].isGuide) options.guides.guides.push_back(curve);
+    if (options.guides.guides.empty())
+      return Error{ErrorCode::kInvalidFile,
+                   fmt::format("{}: --file-guides: the file labels no curve as a guide "
+                               "(primvars:groom_guide of .usda)",
+                               options.input.string())};
+  }
   if (options.selects()) {
     auto guides = selectedGuides(asset, options, session);
     if (!guides) return guides.error();
@@ -341,7 +351,7 @@ void addGroomCommand(CLI::App& app, Session& session) {
   auto options = std::make_shared<GroomOptions>();
   CLI::App* command = app.add_subcommand(
       "groom",
-      "Makes guide strands, .tfx, of hair curves: .tfx, .hair, .obj, .gltf, .glb, .hairtxt");
+      "Makes guide strands, .tfx, of hair curves: .tfx, .hair, .obj, .gltf, .glb, .hairtxt, .usda");
   // The last of the files is OUT; one list, because the parser gives all to the first one.
   command
       ->add_option("IN", options->inputs,
@@ -382,12 +392,19 @@ void addGroomCommand(CLI::App& app, Session& session) {
                        "Keep as few guides as put no vertex of the others off by more [m]")
           ->check(isAboveZero())
           ->excludes(count);
+  CLI::Option* fileGuides =
+      command
+          ->add_flag("--file-guides", options->fileGuides,
+                     "Keep the curves that a .usda labels as guides (primvars:groom_guide)")
+          ->excludes(count)
+          ->excludes(guideBound);
   CLI::Option* follow = command->add_option("--follow", options->follow,
                                             "Write the strands that follow the guides, .tfxfollow");
   addSagOption(*command, options->sag);
   command->callback([=, &session] {
-    if (*follow && !*count && !*guideBound)
-      throw CLI::ValidationError("--follow", "needs --guide-count or --guide-error-bound");
+    if (*follow && !*count && !*guideBound && !*fileGuides)
+      throw CLI::ValidationError("--follow",
+                                 "needs --guide-count, --guide-error-bound or --file-guides");
     options->resampled = *vertices || *bound || *placement;
     options->guides.seed = options->import.seed;
     options->output = options->inputs.back();

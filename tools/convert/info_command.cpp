@@ -116,12 +116,13 @@ Result<void> curvesInfo(const InfoOptions& options, Session& session) {
   warnOfUnit(path, {report.meanLength, report.maxLength, {}, {}}, options, session);
   reportBounds(curves->positions, 1, session);
   std::vector<std::string> arrays;
-  const std::array<std::pair<const char*, bool>, 5> all = {
+  const std::array<std::pair<const char*, bool>, 6> all = {
       {{"inverse masses", !curves->inverseMasses.empty()},
        {"radii", !curves->radii.empty()},
        {"colors", !curves->colors.empty()},
        {"vertex UV", !curves->vertexUv.empty()},
-       {"strand UV", !curves->strandUv.empty()}}};
+       {"strand UV", !curves->strandUv.empty()},
+       {"labels", !curves->labels.empty()}}};
   std::string text;
   for (const auto& [name, there] : all) {
     if (!there) continue;
@@ -135,6 +136,11 @@ Result<void> curvesInfo(const InfoOptions& options, Session& session) {
     const double unit = file.kind == HairFileKind::kTfx ? double{options.scale} : 1.0;
     const double mean = sum / static_cast<double>(curves->radii.size()) / unit;
     session.add("fiber_radius", mean, "fiber radius", fmt::format("{:.4g} m on average", mean));
+  }
+  if (!curves->labels.empty()) {
+    const auto guides = std::count_if(curves->labels.begin(), curves->labels.end(),
+                                      [](const CurveLabel& label) { return label.isGuide; });
+    session.add("guides", guides, "guides", fmt::format("{} of the curves", guides));
   }
   session.add("arrays", arrays, "arrays", text.empty() ? "positions alone" : text);
   if (options.sag.settings.empty() || file.kind != HairFileKind::kTfx) return {};
@@ -391,7 +397,8 @@ Result<void> curvesOrMeshInfo(const InfoOptions& options, const std::string& ext
                               Session& session) {
   auto curves = curvesInfo(options, session);
   if (curves || curves.error().code == ErrorCode::kFileNotFound) return curves;
-  constexpr std::array kHairAlone = {".tfx", ".tfxb", ".hair", ".hairtxt"};
+  constexpr std::array kHairAlone = {".tfx",  ".tfxb", ".hair", ".hairtxt",
+                                     ".usda", ".usd",  ".usdc", ".usdz"};
   if (std::find(kHairAlone.begin(), kHairAlone.end(), extension) != kHairAlone.end()) return curves;
   auto mesh = meshInfo(options, session);
   const bool namesHair = extension == ".obj" || extension == ".gltf" || extension == ".glb";

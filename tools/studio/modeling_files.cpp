@@ -119,10 +119,11 @@ Result<void> addCharacter(const Path& path, const ModelingDef& def, FileAssets& 
 }  // namespace
 
 bool isModelingFile(std::string_view extension) {
-  return isOneOf({".hair", ".obj", ".gltf", ".glb", ".hairtxt"}, extension);
+  return isOneOf({".hair", ".obj", ".gltf", ".glb", ".hairtxt", ".usda", ".usd", ".usdc", ".usdz"},
+                 extension);
 }
 
-const char* modelingExtensions() { return ", .hair, .obj, .gltf, .glb and .hairtxt"; }
+const char* modelingExtensions() { return ", .hair, .obj, .gltf, .glb, .hairtxt and .usda"; }
 
 Result<void> addModelingFiles(std::span<const Path> paths, const ModelingDef& def,
                               FileAssets& files, std::vector<std::string>& remarks) {

@@ -15,12 +15,13 @@ namespace pelage {
 /// factor would swing the tip with the head.
 inline constexpr float kMaxFittedTipFactor = 10.0f;
 
-/// Set exactly one of guideCount and guideErrorBound.
+/// Set exactly one of guideCount, guideErrorBound and guides.
 struct GuideDef {
-  uint32_t guideCount = 0;     ///< >= 1; if the groom has no more hairs than this, all are guides
-  float guideErrorBound = 0;   ///< > 0: maximum error of a vertex [m]; uses as few guides as found
-  uint64_t seed = 1;           ///< the same seed gives the same guides on every machine
-  uint32_t guidesPerHair = 3;  ///< maximum number of guides that a hair follows, 1..3
+  uint32_t guideCount = 0;    ///< >= 1; if the groom has no more hairs than this, all are guides
+  float guideErrorBound = 0;  ///< > 0: maximum error of a vertex [m]; uses as few guides as found
+  std::vector<uint32_t> guides = {};  ///< indices of the guides in the full groom, ascending
+  uint64_t seed = 1;                  ///< the same seed gives the same guides on every machine
+  uint32_t guidesPerHair = 3;         ///< maximum number of guides that a hair follows, 1..3
   /// Weight of the distance of two roots relative to the difference in shape, 0..100. Guides far
   /// away may fit the shape at rest, but move with another part of the skin.
   float rootWeight = 0.5f;
@@ -62,6 +63,7 @@ struct GuideSelection {
 ///   rest. Its root is exact.
 /// - guideErrorBound: clusters of some number, and further guides for the hairs that exceed the
 ///   bound; the number is searched by growing it by a factor of 4 and bisection.
+/// - guides: those of an artist, as CurveLabel::isGuide marks them; only the others are fitted.
 ///
 /// Errors: what validate(HairAsset) refuses, strands with their own vertexCounts (resample them
 /// first), a value of `def` out of range.

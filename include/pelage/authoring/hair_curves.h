@@ -10,6 +10,14 @@
 
 namespace pelage {
 
+/// How a modeling program labels a curve.
+struct CurveLabel {
+  uint64_t id = 0;       ///< Unreal's groom_id; the index of the curve where a file has none
+  uint32_t group = 0;    ///< Unreal's groom_group_id; below 2^24
+  bool isGuide = false;  ///< Unreal's groom_guide
+  bool operator==(const CurveLabel&) const = default;
+};
+
 /// Curves of hair, root first. Per-vertex arrays hold the vertices of curve 0, then of curve 1, and
 /// so on; optional arrays may be empty.
 struct HairCurves {
@@ -20,6 +28,7 @@ struct HairCurves {
   std::vector<Float4> colors;        ///< [vertex] linear RGBA, A = opacity; optional
   std::vector<Float2> vertexUv;      ///< [vertex]; optional
   std::vector<Float2> strandUv;      ///< [curve] UV on the scalp's texture; optional
+  std::vector<CurveLabel> labels;    ///< [curve]; optional, only .usda has them
 
   uint32_t curveCount() const { return static_cast<uint32_t>(vertexCounts.size()); }
 };

@@ -17,11 +17,12 @@
 namespace pelage {
 
 enum class HairFileKind {
-  kTfx,      ///< .tfx of TressFX 1 to 4
-  kHair,     ///< .hair of Cem Yuksel
-  kObj,      ///< polylines of a Wavefront .obj
-  kGltf,     ///< lines of a .gltf or .glb
-  kHairText  ///< .hairtxt of pelage
+  kTfx,       ///< .tfx of TressFX 1 to 4
+  kHair,      ///< .hair of Cem Yuksel
+  kObj,       ///< polylines of a Wavefront .obj
+  kGltf,      ///< lines of a .gltf or .glb
+  kHairText,  ///< .hairtxt of pelage
+  kUsd        ///< BasisCurves of a .usda
 };
 
 /// The report of a reader.
@@ -33,10 +34,11 @@ struct HairFileReport {
   std::vector<std::string> notes;
 };
 
-// All readers return the curves as they are in the file: they change no unit or axis, and a curve
-// may have a single vertex or a coordinate that is not finite. prepareCurves() (curve_import.h)
-// repairs them and counts what it drops. Errors name the file with its line or byte. Counts are
-// checked against the file's size before memory is allocated. `report` may be null.
+// All readers return the curves as they are in the file: they change no unit or axis (but those of
+// .usda, which says its own: its curves are in meters with y up), and a curve may have a single
+// vertex or a coordinate that is not finite. prepareCurves() (curve_import.h) repairs them and
+// counts what it drops. Errors name the file with its line or byte. Counts are checked against the
+// file's size before memory is allocated. `report` may be null.
 
 /// Reads any of the formats. The magic number at the start of the file determines the format,
 /// otherwise the extension. Errors: those of the reader, and a file in none of the formats.
@@ -79,6 +81,23 @@ Result<HairCurves> loadTfxCurves(std::span<const std::byte> bytes, std::string_v
 /// Reads .hairtxt: `hairtxt 1`, the columns, and one vertex per line; a blank line ends a curve.
 Result<HairCurves> loadHairText(std::span<const std::byte> bytes, std::string_view name,
                                 HairFileReport* report = nullptr);
+
+/// Reads the BasisCurves of a .usda file, in meters with y up: those that are defined, active and
+/// visible, transformed by their prims. Cubic curves become polylines that are off by 1/1000 of
+/// their length at most, or have 16 vertices a segment. The widths are diameters. Of animated
+/// values, the first time sample counts; references, sublayers and variants are not read. Errors
+/// name the prim; .usdc and .usdz are errors that say how to convert them.
+Result<HairCurves> loadUsdCurves(std::span<const std::byte> bytes, std::string_view name,
+                                 HairFileReport* report = nullptr);
+
+/// Returns the text of a .usda file with one prim, "hair", of linear curves in meters, y up, with
+/// the primvars of Unreal's grooms; loadUsdCurves() gives the same curves, bit by bit. Errors:
+/// curves that validate() refuses, no curves, an id of 2^63 or more, a group of 2^24 or more, a
+/// radius above 1e30.
+Result<std::string> saveUsdCurves(const HairCurves& curves);
+/// The same as a file. \param prim  the prim's name: letters, digits and _, no digit first, 1..255
+Result<void> saveUsdCurves(const HairCurves& curves, const std::filesystem::path& path,
+                           std::string_view prim = "hair");
 
 /// Returns the text of a .hairtxt file; loadHairText() gives the same curves, bit by bit. Errors:
 /// curves that validate() refuses.
