@@ -2,7 +2,9 @@
 include(CMakePackageConfigHelpers)
 
 set(pelage_targets pelage_headers pelage_passes pelage_core pelage_demo pelage_settings pelage_kernels
-  pelage_kernels_spirv pelage_kernels_glsl pelage_kernels_essl pelage_kernels_code pelage-codegen)
+  pelage_kernels_spirv pelage_kernels_glsl pelage_kernels_essl pelage_kernels_code pelage-codegen
+  pelage_ray_tracing pelage_ray_tracing_kernels pelage_ray_tracing_kernels_spirv
+  pelage_ray_tracing_kernels_glsl pelage_ray_tracing_kernels_essl pelage_ray_tracing_kernels_code)
 if(PELAGE_HAS_WGSL)
   list(APPEND pelage_targets pelage_kernels_wgsl)
 endif()

@@ -2,9 +2,9 @@
 // layouts.
 //
 // Not included, because they need other headers or libraries: the C interface (pelage/pelage_c.h),
-// the runtimes (pelage/vulkan.h, pelage/gl.h), devices without a window (pelage/headless.h), the
-// import of meshes (pelage/mesh_import.h), tools that prepare assets (pelage/authoring/) and the
-// generated character and grooms (pelage/demo/).
+// the runtimes (pelage/vulkan.h, pelage/gl.h), devices without a window (pelage/headless.h), inputs
+// for ray tracing (pelage/ray_tracing.h), the import of meshes (pelage/mesh_import.h), tools that
+// prepare assets (pelage/authoring/) and the generated character and grooms (pelage/demo/).
 //
 // Threads: every class says what it takes. Data (settings, assets, definitions, lists) is as a
 // standard container: several threads may read one while none writes it. Functions that belong to

@@ -177,7 +177,7 @@ TEST(RoomIncludes, TestsHaveTheRoomsOfTheCore) {
 // What is built on the core takes its public headers, and of its rooms the lowest alone.
 TEST(RoomIncludes, OfOtherLibrariesAreOfPublicHeadersAndTheBase) {
   for (const std::string_view folder :
-       {"runtime/c", "runtime/demo", "runtime/vulkan", "runtime/gl"}) {
+       {"runtime/c", "runtime/demo", "runtime/ray_tracing", "runtime/vulkan", "runtime/gl"}) {
     const std::vector<fs::path> sources = sourcesIn(fs::path(PELAGE_SOURCE_DIR) / folder);
     ASSERT_FALSE(sources.empty()) << folder;
     for (const fs::path& source : sources)
