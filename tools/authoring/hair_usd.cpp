@@ -590,7 +590,7 @@ class UsdReader {
     samples.push_back({segments - 1, 1});
   }
 
-  // Of one prim.
+  // The values of a prim.
   struct Arrays {
     Values points, widths, colors, opacities, masses, vertexUv, rootUv, ids, guides, groups;
   };

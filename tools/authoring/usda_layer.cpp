@@ -89,7 +89,7 @@ class Tokens {
     }
   }
 
-  // What is between `open`, which is here, and `close`.
+  // Reads the text between `open`, which is here, and `close`.
   Result<Token> enclosed(Token::Kind kind, std::string_view open, std::string_view close,
                          bool escapes, bool lines) {
     const size_t begin = at_ + open.size();
@@ -239,8 +239,8 @@ class UsdaReader {
     return {};
   }
 
-  // What is between ( and ), if there is any: calls `entry` with the key and the token of a plain
-  // value, or none.
+  // Reads metadata between ( and ), if there is any: calls `entry` with each key and the first
+  // token of its value.
   template <class Entry>
   Result<void> readMetadata(Entry entry) {
     auto open = take('(');

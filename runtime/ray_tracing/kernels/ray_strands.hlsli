@@ -5,7 +5,7 @@
 #include "base/dispatch.hlsli"
 #include "base/quaternion.hlsli"
 
-// Of a segment: two quads at right angles, which share no vertex.
+// A segment is two quads at right angles, which share no vertex.
 static const uint kRayTriangleVertices = 8;
 static const uint kRayTriangleIndices = 12;
 
