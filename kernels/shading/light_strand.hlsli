@@ -59,10 +59,12 @@ float3 viewLight(StrandShading material, StrandSurface surface) {
       StrandVolume volume = strandVolumeOf(material, surface);
       if (open > 0.0)
         sum += color * shadeStrandInHair(material, surface, arriving.toLight, volume, path);
-      inside +=
-          volumeAmbient(volume, path, dot(surface.toEye, arriving.toLight),
-                        environmentOnFiber(surface.tangent), environmentSlope(arriving.toLight));
-      rays += 1.0;
+      if (path.known) {
+        float facing = dot(surface.toEye, arriving.toLight);
+        inside += volumeAmbient(volume, path, facing, environmentOnFiber(surface.tangent),
+                                environmentSlope(arriving.toLight));
+        rays += 1.0;
+      }
     } else if (open > 0.0) {
       sum += color * shadeStrand(material, surface, arriving.toLight);
     }

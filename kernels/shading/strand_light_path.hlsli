@@ -6,6 +6,7 @@
 static const float kEndlessHair = 64.0;
 
 struct StrandLightPath {
+  bool known;           // the point is in the light's map; else there is no hair
   float transmittance;  // of the hair between light and point, 0..1
   float front;          // its optical depth
   float behind;         // that of the hair beyond the point

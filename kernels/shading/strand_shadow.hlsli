@@ -48,6 +48,7 @@ float2 opticalDepthsAt(StrandShadowView map, int x, int y, float depth) {
 // that is not finite.
 StrandLightPath strandLightPath(StrandShadowView map, float3 position) {
   StrandLightPath path;
+  path.known = false;
   path.transmittance = 1.0;
   path.front = 0.0;
   path.behind = 0.0;
@@ -64,6 +65,7 @@ StrandLightPath strandLightPath(StrandShadowView map, float3 position) {
   // NaN fails these tests, too.
   if (!(min(texel.x, texel.y) > -1.0) || !(texel.x < size.x) || !(texel.y < size.y)) return path;
   if (!(depth > 0.0) || !(depth < 1e30)) return path;
+  path.known = true;
   map.bias *= at.w;
   if (isProjective(map)) {
     // The distance along a ray is longer than that along the axis.

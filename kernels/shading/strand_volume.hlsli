@@ -15,13 +15,12 @@
 #include "fiber_bsdf.hlsli"
 #include "strand_light_path.hlsli"
 
-// Diffuse light falls by exp(-sqrt(kDiffusion (1 - albedo)) depth): 2 around parallel fibers, 3 in
-// all directions. kEscape is the same factor of light that leaves at an end: pi / 2 around fibers,
-// 2 in all directions (Marshak's condition). The values of kDiffusion and kTowardsEye have the
-// minimum error against the path tracer.
-static const float kDiffusion = 2.46;
-static const float kEscape = 1.5708;
-static const float kTowardsEye = 1.34;
+// Diffuse light falls by exp(-sqrt(kDiffusion (1 - albedo)) depth), and leaves at an end by
+// Marshak's condition, with kEscape. kTowardsEye has the minimum error against the path tracer, and
+// corrects the mean of directions for parallel fibers.
+static const float kDiffusion = 3.0;
+static const float kEscape = 2.0;
+static const float kTowardsEye = 1.2;
 
 struct StrandVolume {
   float3 albedo;   // share of the light that a fiber sends on
@@ -40,18 +39,18 @@ StrandVolume strandVolume(FiberModel fiber) {
   volume.albedo = reflected + tt + trt / (1.0 - through * reflected);
   // The mean cosine of a logistic distribution is nearly that of a normal one.
   float kept = exp(-1.645 * fiber.logisticScale * fiber.logisticScale);
-  float3 forward = kept * (0.066 * reflected + 0.85 * tt - 0.9 * trt);
+  float3 forward = kept * (0.066 * reflected + 0.87 * tt - 0.9 * trt);
   volume.forward = max(forward, float3(0.0, 0.0, 0.0));
   volume.lost = kDiffusion * (1.0 - volume.albedo) / (1.0 - volume.forward);
   return volume;
 }
 
 // Returns the decay of diffuse light per optical depth of the beam, along a light's ray. What leaves
-// through the sides of the hair adds to it: in a cube of edge a, 2 (pi / a)^2, where a ends
-// kEscape / kDiffusion outside of the hair.
+// through the sides of the hair adds to it: 2.5 (pi / a)^2, between 2 of a cube of edge a and 8/3 of
+// a ball as large. a ends kEscape / kDiffusion outside of the hair.
 float3 diffuseDecay(StrandVolume volume, StrandLightPath path) {
   float3 edge = (1.0 - volume.forward) * path.across + 2.0 * kEscape / kDiffusion;
-  float3 decay2 = volume.lost + 2.0 * kShadingPi * kShadingPi / (edge * edge);
+  float3 decay2 = volume.lost + 2.5 * kShadingPi * kShadingPi / (edge * edge);
   return sqrt(max(decay2, float3(1e-4, 1e-4, 1e-4)));
 }
 
@@ -99,7 +98,7 @@ float3 volumeAmbient(StrandVolume volume, StrandLightPath path, float facing, fl
   // Light that goes straight on comes from behind the fiber, from one of two halves of the sphere
   // with a soft border. What comes from outside of the hair is left out: it belongs to the picture
   // behind the hair, where a dark strand before a bright sky is dark.
-  float side = clamp(3.0 * facing, -1.0, 1.0);
+  float side = clamp(1.25 * facing, -1.0, 1.0);
   float outside = lerp(exp(-path.front), exp(-path.behind), 0.5 + 0.5 * side);
   float3 passing = volume.forward * max(even - side * along - outside, float3(0.0, 0.0, 0.0));
   float3 sum = mean * ((volume.albedo - volume.forward) * even + passing) +

@@ -10,6 +10,7 @@ void shade_volume(uint3 id : SV_DispatchThreadID) {
   StrandShading material = materialOf(s);
   StrandSurface surface = surfaceOf(s);
   StrandLightPath path;
+  path.known = true;
   path.front = s.toEye.w;
   path.behind = s.base.w;
   path.across = s.light.w;
