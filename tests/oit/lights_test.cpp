@@ -129,7 +129,7 @@ TEST_P(LightsOfAView, EachHasItsOwnOpaqueGeometry) {
   // The same ambient light in all pictures.
   Light none = left;
   none.color = none.ambient = {0, 0, 0};
-  // Ambient light goes by the shadow maps that there are.
+  // A shadow map dims ambient light: all pictures have one of the same hair.
   Light mapped = none;
   mapped.shadow = HairShadow::kDeep;
   const RenderedImage leftAlone = draw(std::vector<Light>{left, mapped});
