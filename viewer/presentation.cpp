@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <utility>
 
 namespace viewer {
@@ -13,23 +12,22 @@ using pelage::Result;
 
 namespace {
 
-constexpr uint32_t kSoftwareCoarseness = 2;
-constexpr int kMaxWaysBack = 5;     // kernels, settings, target, memory, the default look
-constexpr uint32_t kMaxLosses = 3;  // of the device, before the program gives up
+constexpr float kSoftwareShare = 0.25f;  // of the strands
+constexpr int kMaxWaysBack = 5;          // kernels, settings, target, memory, the default look
+constexpr uint32_t kMaxLosses = 3;       // of the device, before the program gives up
 
 }  // namespace
 
 Result<void> Presentation::open(const Options& options) {
   if (Result<void> done = screen.open(options.screen); !done) return done;
   stage.look.motion = options.motion;
-  // A driver on the CPU takes seconds for all pixels of a head, sorted. Hair with fewer strands, or
-  // without shadows, looks like straw: it gets fewer pixels.
+  // A driver on the CPU takes seconds for all strands of a head, sorted and with shadows.
   const bool software = screen.canvas->info().software;
   stage.look.transparency = options.transparency.value_or(
       software ? pelage::Transparency::kShortCut : pelage::Transparency::kWindowed);
-  stage.look.strandShare = options.strandShare.value_or(1.0f);
-  stage.look.shadow = options.shadow.value_or(pelage::HairShadow::kDeep);
-  coarseness_ = options.coarseness.value_or(software ? kSoftwareCoarseness : 1);
+  stage.look.strandShare = options.strandShare.value_or(software ? kSoftwareShare : 1.0f);
+  stage.look.shadow =
+      options.shadow.value_or(software ? pelage::HairShadow::kNone : pelage::HairShadow::kDeep);
   stage.clock.fixed = options.fixedClock;
   adoptDevice();
   return {};
@@ -85,13 +83,11 @@ Result<bool> Presentation::draw(const WindowSize& size, double seconds, bool cap
     return false;
   };
   if (Result<void> done = setTarget(); !done) return goBack(done.error());
-  const uint32_t width = std::max(size.pixelWidth / coarseness_, 1u);
-  const uint32_t height = std::max(size.pixelHeight / coarseness_, 1u);
-  auto frame = stage.makeFrame(seconds, width, height);
+  auto frame = stage.makeFrame(seconds, size.pixelWidth, size.pixelHeight);
   // Several ways back may be needed in turn, and earlier settings may need another target.
   for (int i = 0; i < kMaxWaysBack && !frame && goesBack(frame.error()); ++i) {
     if (Result<void> done = setTarget(); !done) return done.error();
-    frame = stage.makeFrame(0, width, height);
+    frame = stage.makeFrame(0, size.pixelWidth, size.pixelHeight);
   }
   if (!frame) return frame.error();
   CanvasFrame shown;
@@ -99,7 +95,6 @@ Result<bool> Presentation::draw(const WindowSize& size, double seconds, bool cap
   shown.views = stage.views();
   shown.interface = screen.interface->drawData();
   shown.captures = captures;
-  shown.coarseness = coarseness_;
   if (Result<void> done = screen.canvas->show(shown); !done) return goBack(done.error());
   good_.keep(stage);
   kernels_.prove();

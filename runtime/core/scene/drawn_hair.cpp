@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -134,7 +133,7 @@ void setShadow(StrandViewConstants& constants, uint32_t index, const StrandShado
   constants.shadowSizes[index] = {map.width, map.height, map.firstWord, map.layerCount};
   constants.shadowDepths[index] = {map.layerRange, map.bias, map.extinction, map.texelSize};
   constants.shadowScales[index] = {map.tauScale, map.tauQuantum, map.maxRadius, map.nearW};
-  constants.shadowFaces[index] = {map.faceCount, std::bit_cast<uint32_t>(map.across), 0, 0};
+  constants.shadowFaces[index].x = map.faceCount;
 }
 
 void setOpaqueShadow(StrandViewConstants& constants, uint32_t index, const OpaqueShadow& map,

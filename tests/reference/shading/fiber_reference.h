@@ -3,7 +3,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 
 namespace pelage::reference {
 
@@ -22,17 +21,6 @@ double absorptionOf(double albedo, double betaN);
 /// positive towards tangent x toEye. Unit vectors.
 double nearScattering(const Fiber& fiber, const Eigen::Vector3d& tangent,
                       const Eigen::Vector3d& toEye, const Eigen::Vector3d& toLight, double offset);
-
-/// A direction towards the light with the density of nearScattering() over its integral, which is
-/// the weight (Chiang et al. 2016 for the lobes, d'Eon et al. 2011 along the fiber).
-struct FiberSample {
-  Eigen::Vector3d toLight;
-  double weight;
-};
-/// \param random four numbers in 0..1
-FiberSample sampleScattering(const Fiber& fiber, const Eigen::Vector3d& tangent,
-                             const Eigen::Vector3d& toEye, double offset,
-                             const std::array<double, 4>& random);
 
 /// Its mean over the offsets, by `steps` midpoints of the arc.
 double farScattering(const Fiber& fiber, const Eigen::Vector3d& tangent,

@@ -12,8 +12,6 @@
 
 // Light that reaches past the terminator, as it does through skin: 0 is Lambert, 1 a full wrap.
 static const float kWrap = 0.35;
-// How far light spreads under skin [m]: the edges of shadows are as soft.
-static const float kSpread = 0.0025;
 static const float kHighlight = 0.10;
 static const float kHighlightExponent = 14.0;
 // Fresnel term of Schlick, "An Inexpensive BRDF Model for Physically-based Rendering" (1994), eq.
@@ -35,7 +33,7 @@ float4 mesh_pixel(MeshVaryings input) : SV_Target {
   float3 reflected = g_ambientColor.rgb * 0.5;
 #if SHADOWED
   // Hair that keeps the light away covers the skin from about half of all directions.
-  float open = softTransmittance(g_meshShadowViews[0], input.world, light, kSpread);
+  float open = strandTransmittance(g_meshShadowViews[0], input.world);
   arriving *= open;
   ambient *= 0.5 + 0.5 * open;
   reflected *= open;
