@@ -67,9 +67,9 @@ class ContactDraw : public SceneTest {
     const auto records = run_.read<ContactRecord>(hair().buffers().contacts);
     // Behind the totals, the heads, and a list of one strand.
     const auto words = run_.read<uint32_t>(hair().buffers().contactWords);
-    const size_t firstMask =
-        contact_records::kContactTotalWords + 1 +
-        size_t{contact_records::kContactHeadWords} * Scene::kMaxSubSteps * hair().settings.subSteps;
+    const size_t firstMask = contact_records::kContactTotalWords + 1 +
+                             size_t{contact_records::kContactHeadWords} * Scene::kMaxSubSteps *
+                                 hair().settings.maxSubSteps;
     std::vector<Needle> needles;
     for (size_t v = 0; v < positions.size(); ++v) {
       if (((words[firstMask + v / 32] >> (v % 32)) & 1) == 0) continue;
