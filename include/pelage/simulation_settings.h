@@ -120,9 +120,10 @@ struct SimulationSettings {
   /// Exact: most sub-steps of a step in which colliders move fast against the hair, 1..32. Where
   /// a capsule in reach moves by more than two thirds of its radius in a sub-step, or a mesh by
   /// more than 1.5 cells, seen from the middle of the roots, there are as many as it takes for half
-  /// a radius or cell each: thin things would else go through hair. Another number wakes hair that
-  /// sleeps. At subSteps or less there are never more than subSteps.
-  uint32_t maxSubSteps = 16;
+  /// a radius or cell each: thin things would else go through hair. Meshes that rotate with the
+  /// hair count as moving. Another number wakes hair that sleeps. At subSteps or less there are
+  /// never more than subSteps.
+  uint32_t maxSubSteps = 1;
   /// Classic: how strongly each segment keeps its bind angle to the previous one, 0..1; at 0 the
   /// kernel skips the local shape.
   float localStiffness = 0.9f;

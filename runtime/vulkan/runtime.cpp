@@ -150,7 +150,7 @@ Result<void> fillFamilies(const RuntimeDef& def, Device& device) {
   device.vk.GetPhysicalDeviceQueueFamilyProperties(device.physical, &count, all.data());
   const auto add = [&](uint32_t family, const char* field) -> Result<void> {
     if (family >= count) {
-      return invalid(fmt::format("RuntimeDef::{} has family {}, {} has {} families", field, family,
+      return invalid(fmt::format("RuntimeDef::{} is {}, {} has {} families", field, family,
                                  device.properties.deviceName, count));
     }
     if ((all[family].queueFlags & VK_QUEUE_COMPUTE_BIT) == 0) {

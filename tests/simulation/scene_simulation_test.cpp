@@ -335,7 +335,6 @@ TEST_P(ExactScene, OnlyTheTilesThatAColliderStirsWake) {
   for (size_t i = size_t{32} * 10; i < asset.positions.size(); ++i) asset.positions[i].x += 2;
   expectOk(asset.process());
   SimulationSettings settings = calmSettings();
-  settings.maxSubSteps = 1;  // another number of them wakes all
   HairObject& hair = run_.add(asset, {.settings = settings});
   CapsuleCollider ball = {
       .head = {2, 1, 0}, .headRadius = 0.05f, .tail = {2, 1, 0}, .tailRadius = 0.05f};
