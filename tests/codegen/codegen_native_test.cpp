@@ -29,10 +29,12 @@ constexpr const char* kTables[] = {"buffer", "texture", "sampler"};
 #if defined(__SANITIZE_ADDRESS__)
 constexpr const char* kKernels = PELAGE_CODEGEN_TEST_DIR "/kernels";
 constexpr const char* kReflection = PELAGE_FIXTURE_REFLECTION;
+constexpr const char* kMetalHeader = "fixture/gpu/metal.h";
 constexpr size_t kLeastVariants = 10;
 #else
 constexpr const char* kKernels = PELAGE_CODEGEN_TEST_DIR "/../../kernels";
 constexpr const char* kReflection = PELAGE_KERNELS_REFLECTION;
+constexpr const char* kMetalHeader = "pelage/metal.h";
 constexpr size_t kLeastVariants = 100;
 #endif
 
@@ -230,16 +232,18 @@ TEST(CodegenNative, WritesAHeaderThatCompiles) {
   const Value& variant = kernel.at("variants")[0];
   const Value& metal = variant.at("metal");
   const std::string hash = "0x" + variant.at("hash").get<std::string>() + "ull";
+  const std::string table = all.reflection.at("namespace").get<std::string>() + "::kMetalKernels";
   all.project.write(
-      "use.cpp", "#include \"" + (all.project.output() / "include/pelage/metal.h").string() +
+      "use.cpp", "#include \"" + (all.project.output() / "include" / kMetalHeader).string() +
                      "\"\n#include <string_view>\n"
-                     "constexpr auto* k = pelage::findMetalKernel(pelage::kMetalKernels, " +
-                     hash + ");\nstatic_assert(k && k->function == std::string_view(\"" +
+                     "constexpr auto* k = pelage::findMetalKernel(" +
+                     table + ", " + hash +
+                     ");\nstatic_assert(k && k->function == std::string_view(\"" +
                      metal.at("function").get<std::string>() +
                      "\") && k->bindings.size() == " + std::to_string(metal.at("bindings").size()) +
                      " && k->threads[0] == " + variant.at("groupSize")[0].dump() +
                      " && k->bindings[0].bytes == " + metal.at("bindings")[0].at("bytes").dump() +
-                     ");\nstatic_assert(!pelage::findMetalKernel(pelage::kMetalKernels, 1));\n");
+                     ");\nstatic_assert(!pelage::findMetalKernel(" + table + ", 1));\n");
   const pelage::test::ProgramOutput ran = pelage::test::runIn(
       all.project.folder() / "src",
       PELAGE_CXX " -std=c++20 -fsyntax-only -I " PELAGE_CODEGEN_TEST_DIR "/../../include use.cpp");
