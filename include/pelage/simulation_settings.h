@@ -119,9 +119,9 @@ struct SimulationSettings {
   uint32_t subSteps = 1;
   /// Exact: most sub-steps of a step in which colliders move fast against the hair, 1..32. Where
   /// a capsule in reach moves by more than two thirds of its radius in a sub-step, or a mesh by
-  /// more than 1.5 cells, seen from the middle of the roots, there are as many as it takes for half
-  /// a radius or cell each: thin things would else go through hair. Meshes that rotate with the
-  /// hair count as moving. Another number wakes hair that sleeps. At subSteps or less there are
+  /// more than 1.5 cells, there are as many as it takes for half a radius or cell each: thin things
+  /// would else go through hair. What moves with the middle of the roots, or with a bone of the
+  /// hair, counts as still. Another number wakes hair that sleeps. At subSteps or less there are
   /// never more than subSteps.
   uint32_t maxSubSteps = 1;
   /// Classic: how strongly each segment keeps its bind angle to the previous one, 0..1; at 0 the

@@ -3,12 +3,14 @@
 // takes.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdio>
 #include <numbers>
 #include <string_view>
 
 #include "contact/contact_run.h"
 #include "pelage/random.h"
+#include "pelage/skeleton.h"
 #include "support/full_stress.h"
 #include "support/scene_test.h"
 
@@ -316,9 +318,9 @@ TEST_P(MovingCollider, AThinPlateTakesEveryStrandAlong) {
 }
 
 /// Sub-steps of the last of a few frames in which a collider moves by `way` a frame, and the hair
-/// by `taken`.
+/// by `taken`; both rotate by an angle a frame about the hair's bone.
 uint32_t subStepsOf(SceneRun& run, const SimulationSettings& settings, double way, double taken,
-                    bool isMesh) {
+                    bool isMesh, double angle = 0) {
   const HairAsset asset = strandsAt(2, 8, [](uint32_t s, uint32_t v) {
     return Float3{0.01f * static_cast<float>(s), -0.02f * static_cast<float>(v), 0};
   });
@@ -326,12 +328,15 @@ uint32_t subStepsOf(SceneRun& run, const SimulationSettings& settings, double wa
   ColliderId mesh = {};
   if (isMesh) mesh = run.add(toMesh(reference::sphere(0.03f, 12, 24)), {.cellSize = 0.01f});
   for (int frame = 0; frame < 4; ++frame) {
-    AffineTransform bone;
+    const auto about = static_cast<float>(angle * frame);
+    AffineTransform bone = rigidTransform({0, 0, std::sin(about / 2), std::cos(about / 2)}, {});
     bone.rows[0].w = static_cast<float>(taken * frame);
     hair.setBones({&bone, 1});
-    bone.rows[0].w = static_cast<float>(0.05 + way * frame);
+    const float far = static_cast<float>(0.05 + (way - taken) * frame);
+    bone.rows[0].w += bone.rows[0].x * far;
+    bone.rows[1].w += bone.rows[1].x * far;
     if (isMesh) setBone(run.scene.collider(mesh), bone);
-    const Float3 at = {bone.rows[0].w, -0.05f, 0};
+    const Float3 at = transformPoint(bone, {0, -0.05f, 0});
     if (!isMesh)
       setCollider(hair, {.head = at, .headRadius = 0.03f, .tail = at, .tailRadius = 0.03f});
     if (frame < 3) run.step();
@@ -365,6 +370,9 @@ TEST_P(FastColliders, TakeAsManySubStepsAsTheyNeed) {
     EXPECT_EQ(of(6, 2, 1.7, 0), 6u);
     EXPECT_EQ(of(1, 16, 1.7, 1.7), 1u) << "both move";
     EXPECT_EQ(of(1, 16, 0.0, 1.7), 4u) << "the hair moves";
+    SimulationSettings settings;
+    settings.maxSubSteps = 16;
+    EXPECT_EQ(subStepsOf(run_, settings, 0, 0, isMesh, 0.8), 1u) << "both rotate";
   }
 }
 

@@ -68,7 +68,8 @@ size_t packCapsules(std::span<const CapsuleCollider> capsules,
 }
 
 double wayInRadii(std::span<const CapsuleCollider> capsules,
-                  std::span<const CapsuleCollider> capsulesBefore, const Ball& ball, Float3 moved) {
+                  std::span<const CapsuleCollider> capsulesBefore, const Ball& ball,
+                  const BoneMoves& moves, double enough) {
   constexpr float kThinnest = 1e-3f;  // [m]
   double most = 0;
   for (size_t i = 0; i < std::min(capsules.size(), capsulesBefore.size()); ++i) {
@@ -77,11 +78,12 @@ double wayInRadii(std::span<const CapsuleCollider> capsules,
     if (!isValid(now) || !isValid(before)) continue;
     if (!reaches(now, ball) && !reaches(before, ball)) continue;
     const float radius = std::max(std::min(now.headRadius, now.tailRadius), kThinnest);
-    const auto way = [&](Float3 from, Float3 to) {
-      return distance(to, {from.x + moved.x, from.y + moved.y, from.z + moved.z});
-    };
-    most = std::max(most, double{std::max(way(before.head, now.head), way(before.tail, now.tail))} /
-                              double{radius});
+    const float way =
+        moves.leastWay(static_cast<float>(enough) * radius, [&](const AffineTransform& move) {
+          return std::max(distance(now.head, transformPoint(move, before.head)),
+                          distance(now.tail, transformPoint(move, before.tail)));
+        });
+    most = std::max(most, double{way} / double{radius});
   }
   return most;
 }

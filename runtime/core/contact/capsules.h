@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <span>
 
+#include "base/bone_moves.h"
 #include "base/bounds.h"
 #include "base/local_origin.h"
 #include "base/rigid_move.h"
@@ -20,9 +21,10 @@ size_t packCapsules(std::span<const CapsuleCollider> capsules,
                     std::span<const CapsuleCollider> capsulesBefore, const LocalOrigin& origin,
                     const Ball& ball, float seconds, std::span<Collider> packed = {});
 /// The way of the fastest capsule that reaches a ball, over its smaller radius.
-/// \param moved  displacement of the hair [m]
+/// \param enough  the same: ways up to this one need not be the least of the hair's moves
 double wayInRadii(std::span<const CapsuleCollider> capsules,
-                  std::span<const CapsuleCollider> capsulesBefore, const Ball& ball, Float3 moved);
+                  std::span<const CapsuleCollider> capsulesBefore, const Ball& ball,
+                  const BoneMoves& moves, double enough);
 void moveCapsules(std::span<CapsuleCollider> capsules, const WorldMove& move);
 /// After shifts of the world: capsules that moved by no more than an engine's rounding have not
 /// moved. \param roundedShift  sum of the largest components of the shifts [m]

@@ -43,20 +43,26 @@ ContactInputs HairColliders::inputs() const {
           .rows = layout.rows()};
 }
 
-uint32_t HairColliders::subSteps(const HairInputs& inputs, const SimulationSettings& settings,
-                                 const Ball& ball, const SdfRoom* sdfs, uint32_t steps) const {
-  if (!middleBefore_ || settings.maxSubSteps <= settings.subSteps) return settings.subSteps;
+uint32_t HairColliders::subSteps(const HairInputs& inputs,
+                                 std::span<const AffineTransform> bonesBefore,
+                                 const SimulationSettings& settings, const Ball& ball,
+                                 const SdfRoom* sdfs, uint32_t steps) const {
+  if (settings.maxSubSteps <= settings.subSteps || bonesBefore.size() != inputs.bones.size())
+    return settings.subSteps;
   const Float3 middle = middleOf(inputs.bounds, inputs.bones);
-  const Float3 moved = {middle.x - middleBefore_->x, middle.y - middleBefore_->y,
-                        middle.z - middleBefore_->z};
-  // Ways in radii and cells. What is slower in a sub-step than the first needs no more of them.
-  const auto needs = [&](double way, double slow) {
-    return way > slow * steps * settings.subSteps ? way / 0.5 : 0.0;
-  };
-  double needed = needs(wayInRadii(inputs.colliders, capsulesBefore_, ball, moved), 2.0 / 3);
+  const Float3 from = middleOf(inputs.bounds, bonesBefore);
+  const BoneMoves moves = {.middle = {middle.x - from.x, middle.y - from.y, middle.z - from.z},
+                           .before = bonesBefore,
+                           .now = inputs.bones};
+  // Ways in radii and cells. What is slower in a frame than the first needs no more of them.
+  const uint32_t parts = steps * settings.subSteps;
+  const double slowRadii = parts * 2.0 / 3, slowCells = parts * 1.5;
+  const double radii = wayInRadii(inputs.colliders, capsulesBefore_, ball, moves, slowRadii);
+  double needed = radii > slowRadii ? radii / 0.5 : 0.0;
   if (sdfs != nullptr) {
     const HairReach reach = {ball, inputs.meshColliders ? &*inputs.meshColliders : nullptr};
-    needed = std::max(needed, needs(sdfs->wayInCells(reach, moved), 1.5));
+    const double cells = sdfs->wayInCells(reach, moves, slowCells);
+    if (cells > slowCells) needed = std::max(needed, cells / 0.5);
   }
   needed = std::ceil(needed / steps);
   // Also for NaN.
@@ -127,7 +133,6 @@ bool HairColliders::sendCapsules(HairFrame& frame, const Ball& ball) {
   if (const uint64_t sdfs = inReach_.contactSdfCount; sdfs > 0)
     pack(uploadOf<Collider>(frame.list, frame.buffers.sdfs, count, sdfs * sizeof(Sdf)));
   capsulesBefore_ = capsules;
-  middleBefore_ = middleOf(frame.inputs.bounds, frame.inputs.bones);
   inReach_.capsules = frame.buffers.colliders;
   inReach_.capsuleCount = count;
   return wakes;
@@ -182,7 +187,6 @@ void HairColliders::pause(HairFrame& frame) {
   contacts_.clearTotals(frame.list);
   // Capsules have not moved when the hair collides again.
   capsulesBefore_ = frame.inputs.colliders;
-  middleBefore_.reset();
   rounded_ = 0;
 }
 

@@ -31,8 +31,10 @@ class HairColliders {
   void prepare(HairFrame& frame);
   /// Sub-steps that a frame of so many steps needs: SimulationSettings::maxSubSteps.
   /// \param sdfs  that the hair collides with; nullptr: none
-  uint32_t subSteps(const HairInputs& inputs, const SimulationSettings& settings, const Ball& ball,
-                    const SdfRoom* sdfs, uint32_t steps) const;
+  /// \param bonesBefore  of the last frame
+  uint32_t subSteps(const HairInputs& inputs, std::span<const AffineTransform> bonesBefore,
+                    const SimulationSettings& settings, const Ball& ball, const SdfRoom* sdfs,
+                    uint32_t steps) const;
   /// Sends what strands in a ball can reach, and begins the contacts of the frame.
   void record(HairFrame& frame, SdfRoom& sdfs, const Ball& ball, const Strands& strands);
   /// Adds the pass that finds the contacts of a sub-step.
@@ -58,7 +60,6 @@ class HairColliders {
   HairContacts contacts_;
   ColliderBuffers inReach_;                    ///< of the last frame
   HostArray<CapsuleCollider> capsulesBefore_;  ///< of the last frame
-  std::optional<Float3> middleBefore_;         ///< of the roots, in the last frame
   HostArray<std::byte> sdfsBefore_;            ///< contents of their buffer
   uint32_t capsuleCapacity_ = 0;               ///< elements of the buffer
   uint32_t sdfCapacity_ = 0;                   ///< likewise

@@ -346,7 +346,7 @@ uint32_t subStepsOf(const HairStore& store, const HairObject& object, FrameMode 
       isMovePending(hair))
     return settings.subSteps;
   return hair.get<HairColliders>().subSteps(
-      hair, settings, ballOfCollisions(hair, settings.tipSeparation),
+      hair, hair.bonesBefore, settings, ballOfCollisions(hair, settings.tipSeparation),
       object.usesMeshColliders ? &store.sdfs : nullptr, time.steps);
 }
 

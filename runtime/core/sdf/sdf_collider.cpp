@@ -43,14 +43,14 @@ Box boxOfData(const SdfColliderInternals& collider) {
 }
 
 // A point of a box moves at most as far as one of its corners.
-// \param moved  displacement that does not count [m]
+// \param move  displacement that does not count
 float largestDisplacement(const BoneBox& bone, const AffineTransform& from,
-                          const AffineTransform& to, Float3 moved = {}) {
+                          const AffineTransform& to, const AffineTransform& move = {}) {
   float largest = 0;
   for (uint32_t i = 0; i < 8; ++i) {
     const Float3 p = corner(bone.box, i);
-    const Float3 a = transformPoint(from, p), b = transformPoint(to, p);
-    const Float3 displacement = {b.x - a.x - moved.x, b.y - a.y - moved.y, b.z - a.z - moved.z};
+    const Float3 a = transformPoint(move, transformPoint(from, p)), b = transformPoint(to, p);
+    const Float3 displacement = {b.x - a.x, b.y - a.y, b.z - a.z};
     const float distance =
         std::sqrt(displacement.x * displacement.x + displacement.y * displacement.y +
                   displacement.z * displacement.z);
@@ -322,15 +322,20 @@ float motionSinceBuild(const SdfColliderInternals& collider) {
   return largest;
 }
 
-double wayInCells(const SdfColliderInternals& collider, Float3 moved) {
+double wayInCells(const SdfColliderInternals& collider, const BoneMoves& moves, double enough) {
   if (!collider.builtNow || !collider.moves || collider.bonesBefore.size() != collider.bones.size())
     return 0;
+  const float cell = collider.plan.cellSize;
   float largest = 0;
-  for (const BoneBox& bone : collider.boneBoxes) {
-    largest = std::max(largest, largestDisplacement(bone, collider.bonesBefore[bone.bone],
-                                                    collider.bones[bone.bone], moved));
+  for (const BoneBox& box : collider.boneBoxes) {
+    const AffineTransform& before = collider.bonesBefore[box.bone];
+    const AffineTransform& now = collider.bones[box.bone];
+    const auto way = [&](const AffineTransform& move) {
+      return largestDisplacement(box, before, now, move);
+    };
+    largest = std::max(largest, moves.leastWay(static_cast<float>(enough) * cell, way));
   }
-  return double{largest} / double{collider.plan.cellSize};
+  return double{largest} / double{cell};
 }
 
 float movedShare(const SdfColliderInternals& collider, float distance) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "assets/collider_topology.h"
+#include "base/bone_moves.h"
 #include "base/bounds.h"
 #include "base/local_origin.h"
 #include "pelage/sdf_collider.h"
@@ -105,8 +106,8 @@ void shiftWorld(SdfFrameState& state, const Vector3<double>& shift, const Vector
 /// Upper bound of a vertex's displacement since the SDF was built [m]; infinity if it is not known.
 float motionSinceBuild(const SdfColliderInternals& collider);
 /// The way of the vertices in this frame, over the size of a cell; at most that of the box that is
-/// fastest. \param moved  displacement of the hair [m]
-double wayInCells(const SdfColliderInternals& collider, Float3 moved);
+/// fastest. \param enough  the same: ways up to this one need not be the least of the hair's moves
+double wayInCells(const SdfColliderInternals& collider, const BoneMoves& moves, double enough);
 /// Upper bound of the fraction of vertices that a bone moves by more than a distance [m], 0..1.
 float movedShare(const SdfColliderInternals& collider, float distance);
 

@@ -513,7 +513,7 @@ Result<void> SdfRoom::import(SdfColliderInternals& c, const BufferFactory& facto
   return {};
 }
 
-double SdfRoom::wayInCells(const HairReach& hair, Float3 moved) const {
+double SdfRoom::wayInCells(const HairReach& hair, const BoneMoves& moves, double enough) const {
   double most = 0;
   for (size_t slot = 0; slot < colliders.size(); ++slot) {
     const SdfCollider* held = colliders[slot];
@@ -522,7 +522,7 @@ double SdfRoom::wayInCells(const HairReach& hair, Float3 moved) const {
     Ball ball = hair.ball;
     ball.radius += held->margin;
     if (reaches(boundsOf(*held->internals_), ball))
-      most = std::max(most, detail::wayInCells(*held->internals_, moved));
+      most = std::max(most, detail::wayInCells(*held->internals_, moves, enough));
   }
   return most;
 }

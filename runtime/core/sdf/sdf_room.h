@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "base/bone_moves.h"
 #include "base/bounds.h"
 #include "base/local_origin.h"
 #include "passes/buffer_factory.h"
@@ -69,9 +70,9 @@ class SdfRoom {
   /// The fields of the frame that hair can reach, relative to an origin. They stay until the next
   /// call. \param hair  nullptr: none
   const InReach& inReach(const HairReach* hair, const LocalOrigin& origin);
-  /// The way of the fastest field in reach in this frame, in its cells. \param moved  displacement
-  /// of the hair [m]
-  double wayInCells(const HairReach& hair, Float3 moved) const;
+  /// The way of the fastest field in reach in this frame, in its cells.
+  /// \param enough  the same: ways up to this one need not be the least of the hair's moves
+  double wayInCells(const HairReach& hair, const BoneMoves& moves, double enough) const;
 
   Result<SdfData> copy(ColliderId id, std::span<const std::byte> keys,
                        std::span<const std::byte> surface) const;
