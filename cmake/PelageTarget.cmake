@@ -20,7 +20,7 @@ function(pelage_target target)
   if(PELAGE_SANITIZE)
     target_compile_options(${target} PRIVATE -fsanitize=address,undefined
       -fno-sanitize=vptr  # Debian builds glslang without run-time type information
-      # What the address sanitizer finds as well, for a third of the time that compiling takes.
+      # What the address sanitizer finds as well; it makes compiling much longer.
       -fno-sanitize=null,object-size,pointer-overflow
       # The fuzzers look for it in the loaders, which are the code that casts bytes.
       -fno-sanitize=alignment

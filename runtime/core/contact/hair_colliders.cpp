@@ -54,15 +54,15 @@ uint32_t HairColliders::subSteps(const HairInputs& inputs,
   const BoneMoves moves = {.middle = {middle.x - from.x, middle.y - from.y, middle.z - from.z},
                            .before = bonesBefore,
                            .now = inputs.bones};
-  // Ways in radii and cells. What is slower in a frame than the first needs no more of them.
+  // Ways in radii and cells. What is no longer than these in a frame needs no more sub-steps.
   const uint32_t parts = steps * settings.subSteps;
   const double slowRadii = parts * 2.0 / 3, slowCells = parts * 1.5;
-  const double radii = wayInRadii(inputs.colliders, capsulesBefore_, ball, moves, slowRadii);
-  double needed = radii > slowRadii ? radii / 0.5 : 0.0;
+  const auto needs = [](double way, double slow) { return way > slow ? way / 0.5 : 0.0; };
+  double needed =
+      needs(wayInRadii(inputs.colliders, capsulesBefore_, ball, moves, slowRadii), slowRadii);
   if (sdfs != nullptr) {
     const HairReach reach = {ball, inputs.meshColliders ? &*inputs.meshColliders : nullptr};
-    const double cells = sdfs->wayInCells(reach, moves, slowCells);
-    if (cells > slowCells) needed = std::max(needed, cells / 0.5);
+    needed = std::max(needed, needs(sdfs->wayInCells(reach, moves, slowCells), slowCells));
   }
   needed = std::ceil(needed / steps);
   // Also for NaN.

@@ -30,8 +30,8 @@ class HairColliders {
   /// Removes contacts that were made for another solver.
   void prepare(HairFrame& frame);
   /// Sub-steps that a frame of so many steps needs: SimulationSettings::maxSubSteps.
+  /// \param bonesBefore  of the last frame; empty: not known
   /// \param sdfs  that the hair collides with; nullptr: none
-  /// \param bonesBefore  of the last frame
   uint32_t subSteps(const HairInputs& inputs, std::span<const AffineTransform> bonesBefore,
                     const SimulationSettings& settings, const Ball& ball, const SdfRoom* sdfs,
                     uint32_t steps) const;
