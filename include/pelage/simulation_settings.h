@@ -55,8 +55,8 @@ struct SleepSettings {
   /// Strands fall asleep when they and their neighbors have been at rest for this long [s], >= 0.
   float time = 0.5f;
   /// They wake when the motion of their root would move the tip by this distance [m], >= 0, when a
-  /// collider moves within their range, and when a setting changes. Wind with gusts and forces keep
-  /// all strands awake.
+  /// collider moves within their range, and when a setting changes, but for subSteps. Wind with
+  /// gusts and forces keep all strands awake.
   float wakeDistance = 2e-4f;
   bool operator==(const SleepSettings&) const = default;
 };
@@ -121,9 +121,8 @@ struct SimulationSettings {
   /// a capsule in reach moves by more than two thirds of its radius in a sub-step, or a mesh by
   /// more than 1.5 cells, there are as many as it takes for half a radius or cell each: thin things
   /// would else go through hair. What moves with the middle of the roots, or with a bone of the
-  /// hair, counts as still. Another number wakes hair that sleeps. At subSteps or less there are
-  /// never more than subSteps.
-  uint32_t maxSubSteps = 1;
+  /// hair, counts as still. At subSteps or less there are never more than subSteps.
+  uint32_t maxSubSteps = 16;
   /// Classic: how strongly each segment keeps its bind angle to the previous one, 0..1; at 0 the
   /// kernel skips the local shape.
   float localStiffness = 0.9f;

@@ -187,8 +187,11 @@ Result<void> ExactSolver::addSleepPass(HairFrame& frame, ExactConstants constant
   const bool refined = simulatedCount_ != simulatedBefore_;
   simulatedBefore_ = simulatedCount_;
   frame.sleeps = s.sleep.enabled && !gusts && !forced && tiles <= kMaxListedTiles;
+  // Fast colliders change the number of sub-steps; that moves nothing which rests.
+  SimulationSettings before = memory.settingsBefore;
+  before.subSteps = s.subSteps;
   const bool wake = frame.reset || !isZero(frame.rebase) || !sleptBefore_ || refined ||
-                    frame.contacts.replaced || memory.restChanged() || s != memory.settingsBefore ||
+                    frame.contacts.replaced || memory.restChanged() || s != before ||
                     frame.loadShare != memory.loadShareBefore;
   sleptBefore_ = frame.sleeps;
   if (!frame.sleeps) return {};

@@ -46,7 +46,7 @@ struct SolverMemory {
   uint32_t limpGuides = 0;            ///< in `rest`
   uint64_t restVersion = 0;           ///< likewise, of RestPose::version
   uint64_t restVersionBefore = 0;     ///< of the last frame
-  SimulationSettings settingsBefore;  ///< likewise; a change wakes all strands
+  SimulationSettings settingsBefore;  ///< likewise; a change of others than subSteps wakes all
   float loadShareBefore = 1;          ///< likewise
   float lastFrame = 0;                ///< its length [s]; 0 before the first one
   bool followsShifted = false;        ///< not placed anew since a shift
