@@ -52,6 +52,9 @@ if(PELAGE_HAS_WGSL)
 endif()
 pelage_pkgconfig(pelage "Scenes of hair and fur as lists of GPU passes, and generated hair"
   LIBRARIES pelage_demo pelage_core REQUIRES pelage-kernels)
+pelage_pkgconfig(pelage-ray-tracing "Strands of pelage as inputs of acceleration structures"
+  LIBRARIES pelage_ray_tracing pelage_ray_tracing_kernels_code pelage_ray_tracing_kernels_spirv
+    pelage_ray_tracing_kernels_glsl pelage_ray_tracing_kernels_essl pelage_ray_tracing_kernels REQUIRES pelage)
 pelage_pkgconfig(pelage-settings "Parameters, settings files and presets for pelage"
   LIBRARIES pelage_settings REQUIRES pelage)
 if(PELAGE_VULKAN)

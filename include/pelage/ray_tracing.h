@@ -14,16 +14,18 @@
 namespace pelage {
 
 enum class RayGeometryKind : uint8_t {
-  /// Disjoint orthogonal triangle strips: two quads at right angles a segment, 8 vertices and 12
-  /// indices, for VK_GEOMETRY_TYPE_TRIANGLES_KHR.
-  kTriangles,
   /// A position and a radius a vertex, 2 indices a segment, for
-  /// VK_GEOMETRY_TYPE_LINEAR_SWEPT_SPHERES_NV with VK_RAY_TRACING_LSS_INDEXING_MODE_LIST_NV.
+  /// VK_GEOMETRY_TYPE_LINEAR_SWEPT_SPHERES_NV with VK_RAY_TRACING_LSS_INDEXING_MODE_LIST_NV, or for
+  /// curves that an engine makes of them.
   kSpheres,
+  /// Disjoint orthogonal triangle strips: two quads at right angles a segment, 8 vertices and 12
+  /// indices, for VK_GEOMETRY_TYPE_TRIANGLES_KHR. An application for a patent covers them
+  /// (docs/ray_tracing.md), so they are not the default.
+  kTriangles,
 };
 
 struct RayGeometryDef {
-  RayGeometryKind kind = RayGeometryKind::kTriangles;
+  RayGeometryKind kind = RayGeometryKind::kSpheres;
   /// Share of the strands, > 0..1: the first ones, rounded up.
   float strandShare = 1;
   /// Segments of a strand, below its number of vertices: evenly chosen vertices, with both ends. 0:
@@ -70,7 +72,7 @@ class RayGeometry {
  private:
   bool isTriangles() const { return kind_ == RayGeometryKind::kTriangles; }
 
-  RayGeometryKind kind_ = RayGeometryKind::kTriangles;
+  RayGeometryKind kind_ = RayGeometryKind::kSpheres;
   BufferId source_ = BufferId::kInvalid;  ///< HairBuffers::positions
   BufferId positions_ = BufferId::kInvalid, radii_ = BufferId::kInvalid;
   BufferId indices_ = BufferId::kInvalid;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
+#include <string_view>
 
 namespace runtime_test {
 namespace {
@@ -22,16 +23,27 @@ VKAPI_ATTR VkBool32 VKAPI_CALL onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT,
   return VK_FALSE;
 }
 
+bool hasAll(VkPhysicalDevice device, const std::vector<const char*>& names) {
+  uint32_t count = 0;
+  vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr);
+  std::vector<VkExtensionProperties> there(count);
+  vkEnumerateDeviceExtensionProperties(device, nullptr, &count, there.data());
+  return std::ranges::all_of(names, [&](std::string_view name) {
+    return std::ranges::any_of(there, [&](const auto& one) { return name == one.extensionName; });
+  });
+}
+
 }  // namespace
 
 std::unique_ptr<Engine> Engine::create(std::string& reason,
-                                       const VkPhysicalDeviceFeatures& features, bool validates) {
+                                       const VkPhysicalDeviceFeatures& features, bool validates,
+                                       const DeviceExtensions& extensions) {
   std::unique_ptr<Engine> engine(new Engine);
   engine->features_ = features;
-  return engine->open(reason, validates) ? std::move(engine) : nullptr;
+  return engine->open(reason, validates, extensions) ? std::move(engine) : nullptr;
 }
 
-bool Engine::open(std::string& reason, bool validates) {
+bool Engine::open(std::string& reason, bool validates, const DeviceExtensions& extensions) {
   auto application = tagged<VkApplicationInfo>(VK_STRUCTURE_TYPE_APPLICATION_INFO);
   application.apiVersion = VK_API_VERSION_1_3;
   auto messenger = tagged<VkDebugUtilsMessengerCreateInfoEXT>(
@@ -48,7 +60,7 @@ bool Engine::open(std::string& reason, bool validates) {
   validation.pEnabledValidationFeatures = &enable;
   if (validates) messenger.pNext = &validation;
   const char* layer = "VK_LAYER_KHRONOS_validation";
-  const char* extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME,
+  const char* ofInstance[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME,
                               VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
   auto info = tagged<VkInstanceCreateInfo>(VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO);
   info.pNext = &messenger;
@@ -56,7 +68,7 @@ bool Engine::open(std::string& reason, bool validates) {
   info.enabledLayerCount = validates ? 1 : 0;
   info.ppEnabledLayerNames = &layer;
   info.enabledExtensionCount = validates ? 2 : 1;
-  info.ppEnabledExtensionNames = extensions;
+  info.ppEnabledExtensionNames = ofInstance;
   if (vkCreateInstance(&info, nullptr, &instance_) != VK_SUCCESS) {
     reason = "no Vulkan instance with the validation layer";
     return false;
@@ -120,6 +132,13 @@ bool Engine::open(std::string& reason, bool validates) {
   rendering.dynamicRendering = VK_TRUE;
   dynamicRendering_ = properties_.apiVersion >= VK_API_VERSION_1_3;
   auto device = tagged<VkDeviceCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO);
+  hasExtensions_ = hasAll(physical_, extensions.names);
+  if (hasExtensions_) {
+    rendering.pNext = extensions.features;
+    device.pNext = extensions.features;
+    device.enabledExtensionCount = static_cast<uint32_t>(extensions.names.size());
+    device.ppEnabledExtensionNames = extensions.names.data();
+  }
   if (dynamicRendering_) device.pNext = &rendering;
   device.queueCreateInfoCount = static_cast<uint32_t>(queues.size());
   device.pQueueCreateInfos = queues.data();
@@ -173,6 +192,9 @@ EngineBuffer Engine::createBuffer(VkDeviceSize size, VkBufferUsageFlags usage,
                   : VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
   auto allocate = tagged<VkMemoryAllocateInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO);
   allocate.allocationSize = needs.size;
+  auto flags = tagged<VkMemoryAllocateFlagsInfo>(VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO);
+  flags.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
+  if ((usage & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT) != 0) allocate.pNext = &flags;
   for (uint32_t type = 0; type < types.memoryTypeCount; ++type) {
     if ((needs.memoryTypeBits >> type & 1u) == 0) continue;
     if ((types.memoryTypes[type].propertyFlags & wanted) != wanted) continue;

@@ -42,14 +42,22 @@ struct EngineImage {
   VkImageAspectFlags aspects = 0;
 };
 
+/// Extensions of the device that some tests need.
+struct DeviceExtensions {
+  std::vector<const char*> names;
+  void* features = nullptr;  ///< a chain for VkDeviceCreateInfo::pNext
+};
+
 class Engine {
  public:
   /// nullptr and a reason when there is no device or no validation layer.
   /// \param features  of the device, as far as it has them
   /// \param validates  false: without the layer, which allocates in every call
+  /// \param extensions  enabled if it has all of them: hasExtensions()
   static std::unique_ptr<Engine> create(std::string& reason,
                                         const VkPhysicalDeviceFeatures& features = {},
-                                        bool validates = true);
+                                        bool validates = true,
+                                        const DeviceExtensions& extensions = {});
   ~Engine();
   Engine(const Engine&) = delete;
   Engine& operator=(const Engine&) = delete;
@@ -85,6 +93,7 @@ class Engine {
   const VkPhysicalDeviceFeatures& features() const { return features_; }
   const VkPhysicalDeviceProperties& properties() const { return properties_; }
   bool dynamicRendering() const { return dynamicRendering_; }
+  bool hasExtensions() const { return hasExtensions_; }
   uint32_t family() const { return family_; }
   VkQueue queue() const { return queue_; }
   /// A family that only computes and its queue; family() and queue() on a device without.
@@ -94,7 +103,7 @@ class Engine {
 
  private:
   Engine() = default;
-  bool open(std::string& reason, bool validates);
+  bool open(std::string& reason, bool validates, const DeviceExtensions& extensions);
 
   std::atomic<uint32_t> messages_{0};
   VkInstance instance_ = VK_NULL_HANDLE;
@@ -108,6 +117,7 @@ class Engine {
   VkQueue queue_ = VK_NULL_HANDLE;
   VkQueue computeQueue_ = VK_NULL_HANDLE;
   bool dynamicRendering_ = false;
+  bool hasExtensions_ = false;
 };
 
 /// Base of tests with an engine: its frames in flight, and a runtime on its device.
@@ -116,9 +126,10 @@ class EngineRun {
   static constexpr size_t kFramesInFlight = 3;
 
   /// In SetUp(): skips the test without a device.
-  void open(const VkPhysicalDeviceFeatures& features = {}, bool validates = true) {
+  void open(const VkPhysicalDeviceFeatures& features = {}, bool validates = true,
+            const DeviceExtensions& extensions = {}) {
     std::string reason;
-    engine_ = Engine::create(reason, features, validates);
+    engine_ = Engine::create(reason, features, validates, extensions);
     if (engine_ == nullptr) PELAGE_SKIP_WITHOUT_DEVICE() << reason;
     for (Engine::Frame& frame : frames_) frame = engine_->createFrame();
     copies_ = engine_->createFrame();
