@@ -13,7 +13,6 @@ using pelage::Result;
 namespace {
 
 constexpr float kSoftwareShare = 0.25f;  // of the strands
-constexpr int kMaxWaysBack = 5;          // kernels, settings, target, memory, the default look
 constexpr uint32_t kMaxLosses = 3;       // of the device, before the program gives up
 
 }  // namespace
@@ -78,14 +77,15 @@ Result<bool> Presentation::draw(const WindowSize& size, double seconds, bool cap
     return screen.canvas->setTarget({size.pixelWidth, size.pixelHeight, stage.viewSettings.samples,
                                      stage.viewSettings.reversedDepth});
   };
+  WaysBack ways(good_, stage);
   const auto goBack = [&](const Error& refused) -> Result<bool> {
-    if (!goesBack(refused)) return refused;
+    if (!goesBack(refused, ways)) return refused;
     return false;
   };
   if (Result<void> done = setTarget(); !done) return goBack(done.error());
   auto frame = stage.makeFrame(seconds, size.pixelWidth, size.pixelHeight);
   // Several ways back may be needed in turn, and earlier settings may need another target.
-  for (int i = 0; i < kMaxWaysBack && !frame && goesBack(frame.error()); ++i) {
+  while (!frame && goesBack(frame.error(), ways)) {
     if (Result<void> done = setTarget(); !done) return done.error();
     frame = stage.makeFrame(0, size.pixelWidth, size.pixelHeight);
   }
@@ -109,13 +109,9 @@ void Presentation::end() {
 
 // Gives way where the library or the device refuses settings or kernels: with a message, the last
 // good ones are back.
-bool Presentation::goesBack(const Error& refused) {
+bool Presentation::goesBack(const Error& refused, WaysBack& ways) {
   if (keepsOldKernels(refused)) return true;
-  if (refused.code == ErrorCode::kDeviceLost) return false;
-  // A larger window may refuse the same settings: for their memory.
-  if (!good_.restore(stage) && !stage.resetTarget() && !stage.transparency.resetMemory() &&
-      !applyDefaultLook(stage))
-    return false;
+  if (refused.code == ErrorCode::kDeviceLost || !ways.take()) return false;
   return !report("The settings cannot be used", refused);
 }
 

@@ -66,7 +66,7 @@ class Presentation {
 
  private:
   void adoptDevice();
-  bool goesBack(const pelage::Error& refused);
+  bool goesBack(const pelage::Error& refused, WaysBack& ways);
   pelage::Result<void> takeKernels(const KernelBuild& build);
   pelage::Result<void> useCode(std::shared_ptr<const KernelTables> code);
   bool keepsOldKernels(const pelage::Error& refused);

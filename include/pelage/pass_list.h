@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <ranges>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -82,6 +83,16 @@ class PELAGE_API ResourceTable {
   /// Registers a buffer and returns its id. Asserts on size 0, a size that is not a multiple of 4,
   /// or initial data of another size.
   BufferId add(BufferDesc desc);
+  /// Registers a buffer with these values in it, which are its size, stride and initial data.
+  template <std::ranges::contiguous_range Values>
+  BufferId add(std::string name, const Values& values, BufferUsage usage = BufferUsage::kStorage) {
+    const auto bytes = std::as_bytes(std::span(values));
+    return add({.name = std::move(name),
+                .size = bytes.size(),
+                .stride = sizeof(*std::ranges::data(values)),
+                .usage = usage,
+                .initial = {bytes.begin(), bytes.end()}});
+  }
   /// Replaces the initial data of a buffer, for runtimes that make it from now on. Asserts on bytes
   /// of another size, and on an id of none.
   void setInitial(BufferId id, std::span<const std::byte> bytes);

@@ -27,6 +27,8 @@
 #include "layouts/contact.hlsli"
 #include "contact_access.hlsli"
 #if SDF
+// In the short sub-steps of fast colliders, displacements that lead through thin plates are shorter.
+#define SDF_SWEEP_FROM ((g_contactFlags & kFastFlag) != 0u ? 0.5 * kSdfSweepFrom : kSdfSweepFrom)
 #define SDF_KEYS g_contactSdfKeys
 #define SDF_SURFACE g_contactSdfSurface
 #define SDF_ELEMENTS g_contactColliders

@@ -17,6 +17,9 @@
 
 // A displacement longer than this is swept [cell]: half of the thinnest plate that counts.
 static const float kSdfSweepFrom = 0.5;
+#ifndef SDF_SWEEP_FROM
+#define SDF_SWEEP_FROM kSdfSweepFrom
+#endif
 // A sweep stops this close to the surface [cell], if the next kSdfLookAhead lead at least as deep
 // below it: not if the path runs along the surface.
 static const float kSdfStop = 0.1;
@@ -90,7 +93,7 @@ bool sdfMayCollide(Sdf sdf, float3 before, float3 after, float end) {
   precise float margin = sdf.margin * inverseCell;
   if (!isUsable(a) || !isUsable(b)) return false;
   // Long displacements are swept.
-  if (!(dot3(displacement, displacement) <= kSdfSweepFrom * kSdfSweepFrom)) return true;
+  if (!(dot3(displacement, displacement) <= SDF_SWEEP_FROM * SDF_SWEEP_FROM)) return true;
   bool shifts = sdf.motionScale > 0.0 && sdf.surfaceStride >= 7u && end < 1.0;
   float furthest = shifts ? max(margin, sdf.band) : margin;
   return sdfNearOf(sdf, b, furthest).may;
@@ -115,7 +118,7 @@ bool sdfMayBeInRange(Sdf sdf, float3 before, float3 after, float3 relative, floa
     squared = max(squared, dot3(against, against));
     b = b + motion * (inverseCell * (1.0 - end));
   }
-  if (squared > kSdfSweepFrom * kSdfSweepFrom) wanted = wanted + 2.0 * squareRoot(squared);
+  if (squared > SDF_SWEEP_FROM * SDF_SWEEP_FROM) wanted = wanted + 2.0 * squareRoot(squared);
   bool shifts = moving && end < 1.0;
   float range = shifts ? max(wanted, sdf.band) : wanted;
   SdfNear near = sdfNearOf(sdf, b, range);
@@ -163,9 +166,9 @@ SdfContact sdfContact(Sdf sdf, float3 before, float3 after, float begin, float e
   precise float last = 0.0;
   // A displacement that may be long needs the motion of the surface, even if it is far.
   precise float3 wholeDisplacement = b - a;
-  bool mayBeLong = dot3(wholeDisplacement, wholeDisplacement) > kSdfSweepFrom * kSdfSweepFrom;
+  bool mayBeLong = dot3(wholeDisplacement, wholeDisplacement) > SDF_SWEEP_FROM * SDF_SWEEP_FROM;
   precise float3 against = wholeDisplacement - guessed * (end - begin);
-  mayBeLong = mayBeLong || dot3(against, against) > kSdfSweepFrom * kSdfSweepFrom;
+  mayBeLong = mayBeLong || dot3(against, against) > SDF_SWEEP_FROM * SDF_SWEEP_FROM;
   bool asks = moving && (left > 0.0 || mayBeLong);
   float range = asks ? max(wanted, sdf.band) : wanted;
   [loop] for (uint query = 0; query < kSdfMostQueries; ++query) {
@@ -194,7 +197,7 @@ SdfContact sdfContact(Sdf sdf, float3 before, float3 after, float begin, float e
       if (phase == kSdfFacing) {
         precise float below = hit.distance + dot3(hit.normal, direct);
         bool faces = hit.found && dot3(hit.normal, contact.normal) > 0.0;
-        if (faces && below > -kSdfFacingDrop * length - kSdfSweepFrom) break;
+        if (faces && below > -kSdfFacingDrop * length - SDF_SWEEP_FROM) break;
       } else {
         if (hit.found) contact.motion = hit.motion;
         if (phase == kSdfAtEnd) {
@@ -217,7 +220,7 @@ SdfContact sdfContact(Sdf sdf, float3 before, float3 after, float begin, float e
         contact.to = to;
         precise float3 displacement = to - from;
         precise float squared = dot3(displacement, displacement);
-        if (!(squared > kSdfSweepFrom * kSdfSweepFrom)) break;
+        if (!(squared > SDF_SWEEP_FROM * SDF_SWEEP_FROM)) break;
         if (moving && phase == kSdfAtEnd && !hit.found) {
           // The motion of the surface is then that near the start.
           phase = kSdfAtBegin;

@@ -86,13 +86,8 @@ Result<RayGeometry> RayGeometry::create(ResourceTable& resources, const HairObje
   if (!triangles) geometry.radii_ = add("radii", vertices);
   const std::vector<uint32_t> words =
       triangles ? triangleIndices(segments) : segmentIndices(strands, geometry.segments_);
-  const auto bytes = std::as_bytes(std::span(words));
   geometry.indices_ =
-      resources.add({.name = def.name + "/indices",
-                     .size = bytes.size(),
-                     .stride = sizeof(uint32_t),
-                     .usage = BufferUsage::kStorage | BufferUsage::kIndex,
-                     .initial = std::vector<std::byte>(bytes.begin(), bytes.end())});
+      resources.add(def.name + "/indices", words, BufferUsage::kStorage | BufferUsage::kIndex);
   return geometry;
 }
 

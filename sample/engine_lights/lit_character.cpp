@@ -41,17 +41,6 @@ void addBars(OpaqueGeometry& opaque) {
   }
 }
 
-template <class T>
-BufferId addBuffer(pelage::Scene& scene, const char* name, const std::vector<T>& data,
-                   pelage::BufferUsage usage) {
-  const auto bytes = std::as_bytes(std::span(data));
-  return scene.resources().add({.name = name,
-                                .size = bytes.size(),
-                                .stride = sizeof(T),
-                                .usage = usage,
-                                .initial = {bytes.begin(), bytes.end()}});
-}
-
 pelage::CharacterDef characterDef(float hairShare) {
   pelage::CharacterDef def;
   def.cellSize = 0.006f;
@@ -106,8 +95,10 @@ Result<LitCharacter> LitCharacter::create(pelage::HeadlessDevice& device, float 
   }
   lit.vertexCount_ = static_cast<uint32_t>(mesh.positions.size());
   lit.indexCount_ = static_cast<uint32_t>(mesh.indices.size());
-  lit.vertices_ = addBuffer(lit.scene_, "body/vertices", vertices, pelage::BufferUsage::kVertex);
-  lit.indices_ = addBuffer(lit.scene_, "body/indices", mesh.indices, pelage::BufferUsage::kIndex);
+  lit.vertices_ =
+      lit.scene_.resources().add("body/vertices", vertices, pelage::BufferUsage::kVertex);
+  lit.indices_ =
+      lit.scene_.resources().add("body/indices", mesh.indices, pelage::BufferUsage::kIndex);
 
   OpaqueGeometry opaque = {mesh.positions, mesh.indices};
   addBars(opaque);

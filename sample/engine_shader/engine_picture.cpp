@@ -44,17 +44,6 @@ Result<pelage::HairId> addHair(pelage::Scene& scene, pelage::HairAsset asset) {
   return scene.addHair(asset, def);
 }
 
-template <class T>
-BufferId addBuffer(pelage::Scene& scene, const char* name, const std::vector<T>& data,
-                   pelage::BufferUsage usage) {
-  const auto bytes = std::as_bytes(std::span(data));
-  return scene.resources().add({.name = name,
-                                .size = bytes.size(),
-                                .stride = sizeof(T),
-                                .usage = usage,
-                                .initial = {bytes.begin(), bytes.end()}});
-}
-
 std::vector<Float4> toFloat4(const std::vector<Float3>& vectors) {
   std::vector<Float4> result;
   for (const Float3& v : vectors) result.push_back({v.x, v.y, v.z, 0});
@@ -71,11 +60,11 @@ Head addHead(pelage::Scene& scene, const pelage::CollisionMesh& mesh) {
   Head head;
   head.vertexCount = static_cast<uint32_t>(mesh.positions.size());
   head.indexCount = static_cast<uint32_t>(mesh.indices.size());
-  head.positions =
-      addBuffer(scene, "head/positions", toFloat4(mesh.positions), pelage::BufferUsage::kStorage);
+  head.positions = scene.resources().add("head/positions", toFloat4(mesh.positions),
+                                         pelage::BufferUsage::kStorage);
   head.normals =
-      addBuffer(scene, "head/normals", toFloat4(mesh.normals), pelage::BufferUsage::kStorage);
-  head.indices = addBuffer(scene, "head/indices", mesh.indices, pelage::BufferUsage::kIndex);
+      scene.resources().add("head/normals", toFloat4(mesh.normals), pelage::BufferUsage::kStorage);
+  head.indices = scene.resources().add("head/indices", mesh.indices, pelage::BufferUsage::kIndex);
   return head;
 }
 

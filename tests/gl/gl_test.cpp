@@ -253,8 +253,10 @@ TEST(GlDevices, WorkAlternatelyInOneProcess) {
   for (const auto& device : devices) device->addCode(runtime_test::allCode());
   ResourceTable table;
   std::vector<uint32_t> source = ramp(1, 100), target = ramp(2, 100);
-  const BufferId sourceBuffer = addBuffer(table, "source", source);
-  const BufferId targetBuffer = addBuffer(table, "target", target);
+  const BufferId sourceBuffer =
+      table.add("source", source, BufferUsage::kStorage | BufferUsage::kUpload);
+  const BufferId targetBuffer =
+      table.add("target", target, BufferUsage::kStorage | BufferUsage::kUpload);
   for (const auto& device : devices) ASSERT_TRUE(device->update(table));
   std::vector<HazardTracker> trackers(devices.size());
   for (uint32_t frame = 0; frame < 4; ++frame) {
@@ -369,7 +371,8 @@ INSTANTIATE_TEST_SUITE_P(All, GlLackingTest, Values(Api::kGl, Api::kGles), apiTe
 
 TEST_P(GlLackingTest, BeginsAllProgramsOfAListBeforeItWaitsForOne) {
   gl::Runtime runtime = makeRuntime();
-  const BufferId corners = addBuffer(table_, "corners", kEverything);
+  const BufferId corners =
+      table_.add("corners", kEverything, BufferUsage::kStorage | BufferUsage::kUpload);
   PassList list = smallList(runtime);
   addAccumulate(list, buffer_, other_, 64, 1, 1, true);
   addAccumulate(list, buffer_, other_, 64, 1, 1);
@@ -441,7 +444,8 @@ TEST_P(GlLackingTest, NamesTheLimitThatIsTooLow) {
 TEST_P(GlLackingTest, RefusesADrawWhoseVertexStageHasNoStorageBuffers) {
   g_fakeIntegers[GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS] = 0;
   gl::Runtime runtime = makeRuntime();  // compute alone still works
-  const BufferId corners = addBuffer(table_, "corners", kEverything);
+  const BufferId corners =
+      table_.add("corners", kEverything, BufferUsage::kStorage | BufferUsage::kUpload);
   ASSERT_TRUE(runtime.update(table_));
   PassList list;
   addFill(list, {}, corners, 3);
@@ -459,7 +463,8 @@ TEST(GlRuntime, SaysThatNoContextIsCurrent) {
 TEST_P(GlRuntimeTest, UsesABufferOfTheEngine) {
   gl::Runtime runtime = makeRuntime();
   const std::vector<uint32_t> source = ramp(5, 64);
-  const BufferId sourceBuffer = addBuffer(table_, "source", source);
+  const BufferId sourceBuffer =
+      table_.add("source", source, BufferUsage::kStorage | BufferUsage::kUpload);
   const BufferId shared = addZeros(table_, "shared", 64);
 
   const auto bindBuffer = glFunction<PFNGLBINDBUFFERPROC>("glBindBuffer");
@@ -544,8 +549,10 @@ TEST_P(GlRuntimeTest, LoadsProgramsFromTheCacheAndCompilesWhatIsCorrupt) {
     gl::Runtime runtime = makeRuntime(gl::directoryProgramCache(directory.string()));
     ResourceTable table;
     std::vector<uint32_t> source = ramp(5, 64), target = ramp(6, 64);
-    const BufferId sourceBuffer = addBuffer(table, "source", source);
-    const BufferId targetBuffer = addBuffer(table, "target", target);
+    const BufferId sourceBuffer =
+        table.add("source", source, BufferUsage::kStorage | BufferUsage::kUpload);
+    const BufferId targetBuffer =
+        table.add("target", target, BufferUsage::kStorage | BufferUsage::kUpload);
     EXPECT_TRUE(runtime.update(table));
     PassList list;
     addAccumulate(list, sourceBuffer, targetBuffer, 64, 2, 1, doubled);
@@ -762,7 +769,8 @@ TEST_P(GlRuntimeTest, GuardsTheStateOfTheEngine) {
   const BufferId other =
       addZeros(table_, "other", 64, BufferUsage::kStorage | BufferUsage::kIndirect);
   const BufferId zeros = addZeros(table_, "zeros", 4, BufferUsage::kIndirect);
-  const BufferId corners = addBuffer(table_, "corners", kEverything);
+  const BufferId corners =
+      table_.add("corners", kEverything, BufferUsage::kStorage | BufferUsage::kUpload);
   ASSERT_TRUE(runtime.update(table_));
   PassList list;
   const std::vector<uint32_t> groups(64, 1);

@@ -62,13 +62,7 @@ class EngineLightsTest : public SharedTangleTest<> {
     test_lights::ConstantLight block = {};
     block.constantLight = color;
     const float scales[] = {0, 1, 0};
-    if (scale_ == BufferId::kInvalid) {
-      const auto bytes = std::as_bytes(std::span(scales));
-      scale_ = tangleRun().resources().add({.name = "scale",
-                                            .size = bytes.size(),
-                                            .stride = sizeof(float),
-                                            .initial = {bytes.begin(), bytes.end()}});
-    }
+    if (scale_ == BufferId::kInvalid) scale_ = tangleRun().resources().add("scale", scales);
     // 1 in one texel, and what is not red is 1 on every face.
     std::vector<float> texels(size_t{3} * 2 * 2), cube(size_t{6} * 4 * 4);
     texels[(1 * 2 + 1) * 3 + 2] = 1;

@@ -42,12 +42,8 @@ class LightsOfAView : public SharedTangleTest<LitCase> {
     std::vector<float> depths(size_t{kTexels} * kTexels, 1);
     for (size_t i = 0; i < depths.size(); ++i)
       if ((i % kTexels < darkColumns) != others) depths[i] = 0;
-    const auto bytes = std::as_bytes(std::span(depths));
     OpaqueShadow map;
-    map.depth = resources.add({.name = "opaque shadow",
-                               .size = bytes.size(),
-                               .stride = sizeof(float),
-                               .initial = {bytes.begin(), bytes.end()}});
+    map.depth = resources.add("opaque shadow", depths);
     map.width = map.height = kTexels;
     // From the front: 0.64 m of x and y, depth 0 at z = 0.5.
     map.worldToClip.rows[0] = {3.125f, 0, 0, 0};

@@ -62,7 +62,7 @@ class DrawLists : public GpuTest {
     return buffers_.back();
   }
   BufferId addCorners(const std::vector<Float4>& corners) {
-    buffers_.push_back(addBuffer(gpu().resources, "corners", corners, BufferUsage::kStorage));
+    buffers_.push_back(gpu().resources.add("corners", corners, BufferUsage::kStorage));
     return buffers_.back();
   }
   BufferId addCorners(const Rectangle& rectangle) { return addCorners(rectangle.corners()); }

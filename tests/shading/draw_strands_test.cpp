@@ -79,12 +79,7 @@ class DrawStrands : public GpuTest {
     const GuardedBuffer<Float4> tangentBuffer(gpu(), "tangents", tangents);
     const GuardedBuffer<float> thicknessBuffer(gpu(), "thickness", thickness);
     const GuardedBuffer<uint32_t> shadowBuffer(gpu(), "shadows", {0, 0, 0, 0});
-    const auto bytes = std::as_bytes(std::span(indices));
-    const BufferId indexBuffer = gpu().resources.add({.name = "indices",
-                                                      .size = bytes.size(),
-                                                      .stride = sizeof(uint32_t),
-                                                      .usage = BufferUsage::kIndex,
-                                                      .initial = {bytes.begin(), bytes.end()}});
+    const BufferId indexBuffer = gpu().resources.add("indices", indices, BufferUsage::kIndex);
     expectOk(gpu().device()->update(gpu().resources));
 
     PassList list;

@@ -243,11 +243,7 @@ class DeliveryScene {
  private:
   void addEngineInputs(const SimulationSettings& settings) {
     const auto add = [this](const char* name, const std::vector<float>& floats) {
-      const auto bytes = std::as_bytes(std::span(floats));
-      return scene_.resources().add({.name = name,
-                                     .size = bytes.size(),
-                                     .stride = sizeof(float),
-                                     .initial = {bytes.begin(), bytes.end()}});
+      return scene_.resources().add(name, floats);
     };
     // A ring of two poses of two bones.
     std::vector<float> bones;

@@ -37,16 +37,6 @@ inline std::vector<uint32_t> ramp(uint32_t first, size_t count) {
   return values;
 }
 
-template <class T>
-BufferId addBuffer(ResourceTable& table, const char* name, const std::vector<T>& values,
-                   BufferUsage usage = BufferUsage::kStorage | BufferUsage::kUpload) {
-  const auto bytes = std::as_bytes(std::span(values));
-  return table.add({.name = name,
-                    .size = bytes.size(),
-                    .stride = sizeof(T),
-                    .usage = usage,
-                    .initial = std::vector<std::byte>(bytes.begin(), bytes.end())});
-}
 /// A buffer of 32-bit words.
 inline BufferId addZeros(ResourceTable& table, const char* name, uint64_t count,
                          BufferUsage usage = BufferUsage::kStorage | BufferUsage::kUpload) {
@@ -105,7 +95,7 @@ class OwnDevice {
   template <class T>
   BufferId add(const char* name, const std::vector<T>& values,
                BufferUsage usage = BufferUsage::kStorage | BufferUsage::kUpload) {
-    return addBuffer(table_, name, values, usage);
+    return table_.add(name, values, usage);
   }
   BufferId addWords(const char* name, uint64_t count,
                     BufferUsage usage = BufferUsage::kStorage | BufferUsage::kUpload) {

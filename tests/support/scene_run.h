@@ -115,12 +115,8 @@ class SceneRun {
   /// A buffer that stands for one of an engine.
   template <class T>
   BufferId add(std::string name, const std::vector<T>& values) {
-    const auto bytes = std::as_bytes(std::span(values));
-    buffers_.push_back(scene.resources().add({.name = std::move(name),
-                                              .size = bytes.size(),
-                                              .stride = sizeof(T),
-                                              .usage = BufferUsage::kStorage | BufferUsage::kUpload,
-                                              .initial = {bytes.begin(), bytes.end()}}));
+    buffers_.push_back(scene.resources().add(std::move(name), values,
+                                             BufferUsage::kStorage | BufferUsage::kUpload));
     return buffers_.back();
   }
   void remove(ColliderId id) {

@@ -1,20 +1,24 @@
 // Reads .usda files with tinyusdz, which knows nothing of pelage, and compares what it prints with
 // the numbers that were written: read_usd.mjs FOLDER, where write_usd has put them.
 import assert from 'node:assert';
-import { readFileSync } from 'node:fs';
+import { copyFileSync, readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { join } from 'node:path';
+import { pathToFileURL } from 'node:url';
 
 const folder = process.argv[2];
 const require = createRequire(import.meta.url);
 
 // The package is built for browsers: it refuses Node by name, but needs nothing that Node lacks.
 async function loadTinyUsdz() {
-  const wasm = join(require.resolve('tinyusdz'), '..', 'tinyusdz.wasm');
+  const directory = join(require.resolve('tinyusdz'), '..');
+  // Node.js 18 takes a .js file of this package for CommonJS.
+  const module = join(directory, 'tinyusdz.mjs');
+  copyFileSync(join(directory, 'tinyusdz.js'), module);
   process.type = 'renderer';
   globalThis.window = globalThis;
-  const { default: make } = await import('tinyusdz/tinyusdz.js');
-  return make({ wasmBinary: readFileSync(wasm) });
+  const { default: make } = await import(pathToFileURL(module));
+  return make({ wasmBinary: readFileSync(join(directory, 'tinyusdz.wasm')) });
 }
 
 const tinyusdz = await loadTinyUsdz();

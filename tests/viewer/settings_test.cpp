@@ -204,6 +204,27 @@ TEST_F(StageSettings, OfMemoryAreThoseOfTheDeviceAgainWhereTheyAreTooSmall) {
   EXPECT_TRUE(stage_.makeFrame(0.01, 640, 480));
 }
 
+// A way back does not undo what one before it has changed.
+TEST_F(StageSettings, GoBackOnEachWayOnce) {
+  stage_.setDevice({});
+  SceneSettings settings = settingsOf(stage_, 0);
+  settings.view.samples = 4;
+  settings.transparency.method = pelage::Transparency::kShortCut;
+  settings.transparency.maxBytes = 200 << 10;
+  ASSERT_TRUE(apply(settings, 0, stage_));
+  ASSERT_TRUE(stage_.makeFrame(0.01, 64, 64));
+  viewer::GoodSettings good;
+  good.keep(stage_);
+  viewer::WaysBack ways(good, stage_);
+  ASSERT_FALSE(stage_.makeFrame(0.01, 640, 480));
+  EXPECT_TRUE(ways.take());
+  EXPECT_EQ(stage_.viewSettings.samples, 1u);
+  ASSERT_FALSE(stage_.makeFrame(0.01, 640, 480));
+  EXPECT_TRUE(ways.take());
+  EXPECT_TRUE(stage_.makeFrame(0.01, 640, 480));
+  EXPECT_EQ(stage_.viewSettings.samples, 1u);
+}
+
 TEST_F(StageSettings, ThatAreOutOfRangeChangeNothing) {
   SceneSettings settings = settingsOf(stage_, 0);
   settings.simulation.damping = std::nanf("");

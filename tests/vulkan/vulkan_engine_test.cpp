@@ -85,7 +85,7 @@ class VulkanEngine : public testing::Test, protected EngineRun {
     runtime_->collect(frame_);
   }
   BufferId add(const char* name, uint32_t first) {
-    return addBuffer(table_, name, ramp(first, kElements));
+    return table_.add(name, ramp(first, kElements), BufferUsage::kStorage | BufferUsage::kUpload);
   }
   void accumulate(PassList& list, BufferId source, BufferId target, uint32_t factor,
                   uint32_t bias) {
@@ -485,7 +485,8 @@ TEST_F(VulkanEngine, DrawsInsideDynamicRendering) {
   if (!engine_->dynamicRendering()) GTEST_SKIP() << "the device is older than Vulkan 1.3";
   createRuntime(engine_->runtimeDef());
   constexpr uint32_t kSize = 16;
-  const BufferId triangle = addBuffer(table_, "triangle", kEverything);
+  const BufferId triangle =
+      table_.add("triangle", kEverything, BufferUsage::kStorage | BufferUsage::kUpload);
   const EngineImage image =
       engine_->createImage(VK_FORMAT_R8G8B8A8_UNORM, VK_IMAGE_ASPECT_COLOR_BIT, kSize);
   const EngineBuffer out = engine_->createBuffer(VkDeviceSize{kSize} * kSize * 4,

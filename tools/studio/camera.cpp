@@ -5,11 +5,10 @@
 #include <limits>
 
 #include "float3_math.h"
+#include "names.h"
 #include "pelage/assert.h"
 
 namespace sample {
-
-using pelage::Float3;
 
 namespace {
 

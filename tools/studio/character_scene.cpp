@@ -3,15 +3,12 @@
 #include <cmath>
 
 #include "demo_scene.h"
+#include "names.h"
 #include "scene_setup.h"
 
 namespace sample {
 
-using pelage::AffineTransform;
-using pelage::Character;
 using pelage::CharacterGroom;
-using pelage::Float3;
-using pelage::Result;
 
 namespace {
 

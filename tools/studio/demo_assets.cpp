@@ -7,16 +7,9 @@
 #include <unordered_map>
 
 #include "gltf_file.h"
+#include "names.h"
 
 namespace sample {
-
-using pelage::BoneInfluences;
-using pelage::Error;
-using pelage::ErrorCode;
-using pelage::Float3;
-using pelage::Float4;
-using pelage::HairAsset;
-using pelage::Result;
 
 namespace {
 

@@ -6,14 +6,10 @@
 #include <utility>
 
 #include "head_motion.h"
+#include "names.h"
 #include "scene_setup.h"
 
 namespace sample {
-
-using pelage::AffineTransform;
-using pelage::Float3;
-using pelage::HairAsset;
-using pelage::Result;
 
 namespace {
 

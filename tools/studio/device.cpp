@@ -2,16 +2,14 @@
 
 #include <string>
 
+#include "names.h"
 #include "sample/code.h"
 
 namespace sample {
 
 using pelage::Api;
-using pelage::Error;
-using pelage::ErrorCode;
 using pelage::HeadlessDef;
 using pelage::HeadlessDevice;
-using pelage::Result;
 
 namespace {
 

@@ -8,10 +8,11 @@
 #include <cstring>
 #include <numeric>
 
+#include "names.h"
+
 namespace sample {
 
 using pelage::DeviceInfo;
-using pelage::Result;
 
 namespace {
 

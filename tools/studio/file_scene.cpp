@@ -6,20 +6,13 @@
 
 #include "demo_scene.h"
 #include "head_motion.h"
+#include "names.h"
 #include "scene_setup.h"
 
 namespace sample {
 
-using pelage::AffineTransform;
-using pelage::BoneInfluences;
 using pelage::CachedHair;
 using pelage::CachedMesh;
-using pelage::CollisionMesh;
-using pelage::Error;
-using pelage::ErrorCode;
-using pelage::Float3;
-using pelage::Float4;
-using pelage::Result;
 
 namespace {
 

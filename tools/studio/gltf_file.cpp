@@ -13,19 +13,13 @@
 #include <string>
 #include <vector>
 
+#include "names.h"
 #include "pelage/skeleton.h"
 
 namespace sample {
 
 using nlohmann::json;
-using pelage::AffineTransform;
-using pelage::Character;
 using pelage::CharacterMotion;
-using pelage::Error;
-using pelage::ErrorCode;
-using pelage::Float3;
-using pelage::Float4;
-using pelage::Result;
 
 namespace {
 

@@ -5,10 +5,10 @@
 #include <numbers>
 #include <string_view>
 
+#include "names.h"
+
 namespace sample {
 
-using pelage::AffineTransform;
-using pelage::Float3;
 using pelage::Quaternion;
 
 namespace {

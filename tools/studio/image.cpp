@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "names.h"
 #include "pelage/assert.h"
 
 namespace sample {
 
-using pelage::Float3;
-using pelage::Float4;
 using pelage::RenderedImage;
 
 namespace {

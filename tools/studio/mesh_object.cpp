@@ -5,21 +5,15 @@
 #include <iterator>
 #include <vector>
 
+#include "names.h"
 #include "pelage/assert.h"
 #include "sample/gpu_structs.h"
 #include "sample/kernels.h"
 
 namespace sample {
 
-using pelage::BoneInfluences;
 using pelage::BufferId;
 using pelage::BufferUsage;
-using pelage::CollisionMesh;
-using pelage::Error;
-using pelage::ErrorCode;
-using pelage::Float3;
-using pelage::Float4;
-using pelage::Result;
 
 namespace {
 
@@ -61,17 +55,6 @@ std::vector<MeshVertex> packVertices(const CollisionMesh& mesh, const MeshDef& d
   return vertices;
 }
 
-template <class T>
-BufferId addBuffer(pelage::ResourceTable& resources, const std::string& name,
-                   std::span<const T> data, BufferUsage usage) {
-  const auto bytes = std::as_bytes(data);
-  return resources.add({.name = name,
-                        .size = bytes.size(),
-                        .stride = sizeof(T),
-                        .usage = usage,
-                        .initial = {bytes.begin(), bytes.end()}});
-}
-
 }  // namespace
 
 Result<MeshObject> MeshObject::create(pelage::ResourceTable& resources, const CollisionMesh& mesh,
@@ -96,10 +79,8 @@ Result<MeshObject> MeshObject::create(pelage::ResourceTable& resources, const Co
   object.indexCount_ = static_cast<uint32_t>(mesh.indices.size());
   object.bones_.resize(def.boneCount);
   const std::vector<MeshVertex> vertices = packVertices(mesh, def);
-  object.vertices_ = addBuffer(resources, def.name + "/vertices",
-                               std::span<const MeshVertex>(vertices), BufferUsage::kVertex);
-  object.indices_ = addBuffer(resources, def.name + "/indices",
-                              std::span<const uint32_t>(mesh.indices), BufferUsage::kIndex);
+  object.vertices_ = resources.add(def.name + "/vertices", vertices, BufferUsage::kVertex);
+  object.indices_ = resources.add(def.name + "/indices", mesh.indices, BufferUsage::kIndex);
   return object;
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "asset_files.h"
+#include "names.h"
 
 #ifdef PELAGE_STUDIO_AUTHORING
 #include "pelage/authoring/animation.h"
@@ -19,9 +20,6 @@
 
 namespace sample {
 
-using pelage::Error;
-using pelage::ErrorCode;
-using pelage::Result;
 using Path = std::filesystem::path;
 
 #ifdef PELAGE_STUDIO_AUTHORING

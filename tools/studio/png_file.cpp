@@ -9,11 +9,9 @@
 #include <filesystem>
 #include <system_error>
 
-namespace sample {
+#include "names.h"
 
-using pelage::Error;
-using pelage::ErrorCode;
-using pelage::Result;
+namespace sample {
 
 namespace {
 

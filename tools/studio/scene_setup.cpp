@@ -4,15 +4,10 @@
 #include <cmath>
 
 #include "float3_math.h"
+#include "names.h"
 #include "pelage/skeleton.h"
 
 namespace sample {
-
-using pelage::AffineTransform;
-using pelage::BoneInfluences;
-using pelage::Float3;
-using pelage::Float4;
-using pelage::HairAsset;
 
 Float3 blendedPoint(const std::vector<AffineTransform>& bones, const BoneInfluences& influences,
                     const Float3& point) {

@@ -103,17 +103,13 @@ void HairPull::hold(pelage::Scene& scene, pelage::HairId hair, std::span<const F
     any |= vertex.w > 0;
   }
   if (!any) return;
-  const auto bytes = std::as_bytes(std::span(taken));
   pelage::ResourceTable& resources = scene.resources();
   Lock lock;
   lock.hair = hair;
   lock.vertexCount = static_cast<uint32_t>(taken.size());
-  lock.taken = resources.add({.name = "pull/taken",
-                              .size = bytes.size(),
-                              .stride = sizeof(Float4),
-                              .initial = std::vector<std::byte>(bytes.begin(), bytes.end())});
-  lock.forces =
-      resources.add({.name = "pull/forces", .size = bytes.size(), .stride = sizeof(Float4)});
+  lock.taken = resources.add("pull/taken", taken);
+  lock.forces = resources.add(
+      {.name = "pull/forces", .size = taken.size() * sizeof(Float4), .stride = sizeof(Float4)});
   scene.hair(hair).setForces(lock.forces);
   locks_.push_back(lock);
 }

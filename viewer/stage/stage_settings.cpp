@@ -140,4 +140,15 @@ bool applyDefaultLook(Stage& stage) {
   return differs;
 }
 
+bool WaysBack::take() {
+  bool changed = false;
+  for (; !changed && taken_ < 4; ++taken_) {
+    if (taken_ == 0) changed = good_.restore(stage_);
+    if (taken_ == 1) changed = stage_.resetTarget();
+    if (taken_ == 2) changed = stage_.transparency.resetMemory();
+    if (taken_ == 3) changed = applyDefaultLook(stage_);
+  }
+  return changed;
+}
+
 }  // namespace viewer

@@ -47,4 +47,19 @@ class GoodSettings {
 /// others.
 bool applyDefaultLook(Stage& stage);
 
+/// The ways back from settings that were refused: the last good ones, another target, the memory of
+/// the device for a larger window, the default look. Each is taken once: the first one would undo
+/// what a later one has changed.
+class WaysBack {
+ public:
+  WaysBack(const GoodSettings& good, Stage& stage) : good_(good), stage_(stage) {}
+  /// Takes the next way that changes a setting. \return false: there is none.
+  bool take();
+
+ private:
+  const GoodSettings& good_;
+  Stage& stage_;
+  int taken_ = 0;
+};
+
 }  // namespace viewer

@@ -271,11 +271,7 @@ StrandValues& StrandInspection::valuesOf(const Inspected& what, size_t index) {
                  .size = kSummaryBytes,
                  .stride = sizeof(uint32_t),
                  .usage = BufferUsage::kStorage | BufferUsage::kUpload | BufferUsage::kReadback});
-  const auto lengths = std::as_bytes(std::span(what.demo->restLengths(index)));
-  hair.restLengths = table.add({.name = object.name() + "/restLengths",
-                                .size = lengths.size(),
-                                .stride = sizeof(float),
-                                .initial = std::vector<std::byte>(lengths.begin(), lengths.end())});
+  hair.restLengths = table.add(object.name() + "/restLengths", what.demo->restLengths(index));
   return at->second = hair;
 }
 

@@ -44,6 +44,7 @@ static const uint kAgainFlag = 2;      // again, for the strands of the list
 static const uint kNoHistoryFlag = 4;  // nothing is known of the displacement before
 static const uint kOddFlag = 8;      // which of the two steps of roots is that of the last sub-step
 static const uint kMovingFlag = 16;  // an SDF moves in the frame
+static const uint kFastFlag = 32;    // colliders are fast: sub-steps are shorter for them
 
 static const uint kTileStrands = 32;
 static const uint kGroupThreads = 128;

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <iterator>
@@ -47,10 +48,9 @@ class LineReader {
 
   std::string_view word() {
     skipBlanks();
-    size_t length = 0;
-    while (length < line_.size() && !isBlank(line_[length])) ++length;
-    const std::string_view result = line_.substr(0, length);
-    line_.remove_prefix(length);
+    const auto end = std::ranges::find_if(line_, isBlank) - line_.begin();
+    const std::string_view result = line_.substr(0, static_cast<size_t>(end));
+    line_.remove_prefix(result.size());
     return result;
   }
 

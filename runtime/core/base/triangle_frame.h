@@ -16,9 +16,6 @@ struct TriangleFrame {
   double edge = 0, shear = 0, height = 0;
 
   Vector3<double> toSpace(const Vector3<double>& v) const { return x * v.x + y * v.y + z * v.z; }
-  Vector3<double> toFrame(const Vector3<double>& v) const {
-    return {dot(v, x), dot(v, y), dot(v, z)};
-  }
 };
 
 /// Returns nothing if the triangle is not finite or has no area (twice the area over the square of

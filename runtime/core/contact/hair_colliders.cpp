@@ -173,7 +173,8 @@ Result<void> HairColliders::find(const HairFrame& frame, const ContactPart& part
                           .end = static_cast<float>(part.step + 1) / steps,
                           .length = frame.length / steps,
                           .gravity = frame.gravity(),
-                          .again = part.again};
+                          .again = part.again,
+                          .fast = frame.hasFastColliders};
   const ContactHair hair = {.positions = buffers.positions,
                             .roots = frame.roots,
                             .rootCount = frame.guideCount,

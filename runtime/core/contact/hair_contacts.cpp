@@ -185,6 +185,7 @@ ContactConstants HairContacts::constantsOf(const ContactHair& hair,
                            (known_ || step.again ? 0 : contact::kNoHistoryFlag) |
                            (awake.listed && !step.again ? contact::kListedFlag : 0);
   if (odd_) constants.contactFlags |= contact::kOddFlag;
+  if (step.fast) constants.contactFlags |= contact::kFastFlag;
   if (colliders.hasMovingSdfs) constants.contactFlags |= contact::kMovingFlag;
   constants.contactStrandTotal = layout_.strandCount;
   constants.contactTileCount = layout_.tiles();

@@ -60,6 +60,7 @@ struct ContactStep {
   Float3 gravity;            ///< acceleration of falling hair [m/s2]
   float furtherRange = 0;    ///< additional range beyond that of the step [m]
   bool again = false;        ///< only for the strands that the solver has listed
+  bool fast = false;         ///< colliders are fast
 };
 
 /// Sizes of the buffers of an object's contacts, and where in them its parts are.

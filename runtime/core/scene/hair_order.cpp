@@ -403,6 +403,7 @@ Result<void> recordHair(HairStore& store, HairObject& object, FrameMode mode, Fr
                    .frame = frameOf(store, object, settings, mode, time, list),
                    .share = time.share,
                    .before = std::nullopt};
+  work.frame.hasFastColliders = settings.subSteps > object.settings.subSteps;
   Result<void> added;
   for (const Stage& stage : frameOrder())
     if (added && (stage.modes & in(mode)) != 0) added = stage.record(work);

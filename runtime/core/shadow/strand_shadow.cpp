@@ -305,13 +305,55 @@ Result<StrandShadowPlan> planStrandShadow(const StrandShadowDef& def,
   return plan;
 }
 
+namespace {
+
+void setHair(StrandShadowConstants& constants, const ShadowedHair& hair) {
+  constants.shadowVertexCount = hair.vertexCount;
+  constants.shadowStrandCount = hair.strandCount;
+  constants.shadowGuideCount = storedOf(hair);
+  constants.shadowTipSeparation = hair.tipSeparation;
+  constants.shadowFiberRadius = hair.fiberRadius;
+  constants.shadowTipRatio = hair.tipRadiusRatio;
+  constants.shadowOpacity = hair.opacity;
+  constants.shadowFade = hair.fade;
+  constants.shadowFadingCount = hair.fadingCount;
+  constants.shadowHasThickness = hair.thickness != BufferId::kInvalid ? 1 : 0;
+}
+
+StrandShadowBindings bindingsOf(const StrandShadowConstants& constants,
+                                const StrandShadowBuffers& buffers, const ShadowedHair& hair) {
+  const uint64_t guides = hair.guideCount, follows = hair.strandCount - storedOf(hair);
+  const uint64_t stored = uint64_t{storedOf(hair)} * hair.vertexCount * sizeof(Float4);
+  // Stand-ins that are not read, where no strand is placed and all have one thickness.
+  const BufferRange positions = {hair.positions,
+                                 uint64_t{hair.vertexCount} * sizeof(Float4) *
+                                     (hair.storesFollows ? hair.strandCount : guides)};
+  const BufferRange standIn = {hair.positions, stored};
+  const BufferRange evaluated = hair.rootTransforms;
+  const BufferRange thickness = {hair.thickness, uint64_t{hair.strandCount} * sizeof(float)};
+  const BufferRange followHairRecords = {hair.followHairRecords,
+                                         follows * sizeof(FollowHairRecord)};
+  const BufferRange orPlaced = evaluated.isBound() ? evaluated : standIn;
+  return {
+      .strandShadowConstants = constants,
+      .shadowPositions = positions,
+      .shadowViews = {buffers.views, uint64_t{buffers.viewCount} * sizeof(StrandShadowView)},
+      .shadowThickness = thickness.isBound() ? thickness : standIn,
+      .shadowFollowHairRecords =
+          follows > 0 && followHairRecords.isBound() ? followHairRecords : orPlaced,
+      .shadowRoots = orPlaced,
+      .shadowWords = {buffers.words, buffers.wordCount * sizeof(uint32_t)},
+  };
+}
+
+}  // namespace
+
 Result<void> addStrandShadow(PassList& list, const StrandShadowPlan& plan,
                              const StrandShadowBuffers& buffers,
                              std::span<const ShadowedHair> hairs) {
   PELAGE_ASSERT(buffers.view < buffers.viewCount, "no such view");
   PELAGE_ASSERT(buffers.wordCount >= uint64_t{plan.view.firstWord} + plan.words,
                 "the buffer of the maps ends before the map does");
-  const uint64_t viewBytes = uint64_t{buffers.viewCount} * sizeof(StrandShadowView);
   addUpload(list, buffers.views, std::as_bytes(std::span(&plan.view, 1)),
             uint64_t{buffers.view} * sizeof(StrandShadowView));
 
@@ -319,48 +361,18 @@ Result<void> addStrandShadow(PassList& list, const StrandShadowPlan& plan,
   constants.shadowView = buffers.view;
   const auto dispatch = [&](const KernelVariant& variant, uint64_t threads, uint64_t bytes,
                             const ShadowedHair& hair) {
-    const uint64_t guides = hair.guideCount, follows = hair.strandCount - storedOf(hair);
-    const uint64_t stored = uint64_t{storedOf(hair)} * hair.vertexCount * sizeof(Float4);
     PassBuilder builder(list);
     dispatchRows(builder, variant, threads).bytes(bytes);
-    // Stand-ins that are not read, where no strand is placed and all have one thickness.
-    const BufferRange positions = {hair.positions,
-                                   uint64_t{hair.vertexCount} * sizeof(Float4) *
-                                       (hair.storesFollows ? hair.strandCount : guides)};
-    const BufferRange standIn = {hair.positions, stored};
-    const BufferRange evaluated = hair.rootTransforms;
-    const BufferRange thickness = {hair.thickness, uint64_t{hair.strandCount} * sizeof(float)};
-    const BufferRange followHairRecords = {hair.followHairRecords,
-                                           follows * sizeof(FollowHairRecord)};
-    const BufferRange orPlaced = evaluated.isBound() ? evaluated : standIn;
-    return builder.finish(StrandShadowBindings{
-        .strandShadowConstants = constants,
-        .shadowPositions = positions,
-        .shadowViews = {buffers.views, viewBytes},
-        .shadowThickness = thickness.isBound() ? thickness : standIn,
-        .shadowFollowHairRecords =
-            follows > 0 && followHairRecords.isBound() ? followHairRecords : orPlaced,
-        .shadowRoots = orPlaced,
-        .shadowWords = {buffers.words, buffers.wordCount * sizeof(uint32_t)},
-    });
+    return builder.finish(bindingsOf(constants, buffers, hair));
   };
   const uint64_t texels = texelsOf(plan.view), depthBytes = texels * sizeof(uint32_t);
-  if (Result<void> added = dispatch(clearStrandShadowVariant({}), texels, depthBytes, {}); !added)
-    return added;
+  if (Result<void> done = dispatch(clearStrandShadowVariant({}), texels, depthBytes, {}); !done)
+    return done;
 
   const auto eachHair = [&](const KernelVariant& variant) -> Result<void> {
     for (const ShadowedHair& hair : hairs) {
       const uint32_t evaluated = hair.strandCount - storedOf(hair);
-      constants.shadowVertexCount = hair.vertexCount;
-      constants.shadowStrandCount = hair.strandCount;
-      constants.shadowGuideCount = storedOf(hair);
-      constants.shadowTipSeparation = hair.tipSeparation;
-      constants.shadowFiberRadius = hair.fiberRadius;
-      constants.shadowTipRatio = hair.tipRadiusRatio;
-      constants.shadowOpacity = hair.opacity;
-      constants.shadowFade = hair.fade;
-      constants.shadowFadingCount = hair.fadingCount;
-      constants.shadowHasThickness = hair.thickness != BufferId::kInvalid ? 1 : 0;
+      setHair(constants, hair);
       const uint64_t bytes =
           uint64_t{storedOf(hair)} * hair.vertexCount * sizeof(Float4) +
           evaluated * sizeof(FollowHairRecord) +

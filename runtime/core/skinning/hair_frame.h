@@ -119,6 +119,8 @@ struct HairFrame {
   bool otherSolver = false;  ///< simulation: than in the frame before
   bool otherRest = false;    ///< simulation: the rest pose is another than in the frame before
   bool sleeps = false;       ///< simulation: tiles of strands may sleep
+  /// Contact: there are more sub-steps than the object's settings say, as colliders are fast.
+  bool hasFastColliders = false;
   ContactInputs contacts = {};
   BufferId forces = BufferId::kInvalid;  ///< that the solver reads, from all who add some
 
