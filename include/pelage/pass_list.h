@@ -83,7 +83,8 @@ class PELAGE_API ResourceTable {
   /// Registers a buffer and returns its id. Asserts on size 0, a size that is not a multiple of 4,
   /// or initial data of another size.
   BufferId add(BufferDesc desc);
-  /// Registers a buffer with these values in it, which are its size, stride and initial data.
+  /// Registers a buffer with these values in it, which give size, stride and contents. Asserts
+  /// as above.
   template <std::ranges::contiguous_range Values>
   BufferId add(std::string name, const Values& values, BufferUsage usage = BufferUsage::kStorage) {
     const auto bytes = std::as_bytes(std::span(values));

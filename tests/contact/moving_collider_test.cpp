@@ -313,7 +313,7 @@ TEST_P(MovingCollider, AThinPlateTakesEveryStrandAlong) {
   std::printf("[ FIGURE ] %u sub-steps, plate: through %d of %d, deepest %.3f cell\n", subSteps(),
               result.through, result.strands, result.deepest);
   // With 1 sub-step 4 of the 1,536 of all seeds do (12 on an NVIDIA H200), and 0.4 of a cell; with
-  // 16 none, and 0.16. They hang over an edge, which passes between two of their vertices.
+  // 16 none, and 0.16. The 4 hang over an edge, which passes between two of their vertices.
   EXPECT_LE(result.through, subSteps() == 1 ? result.strands / 100 : 0);
   EXPECT_LT(result.deepest, fullStress() ? 0.5 : 0.05);
   EXPECT_GT(result.deepest, -0.5) << "nothing touched";
