@@ -1,10 +1,12 @@
-// Guide hair as loaded from a file, and the data that the simulation derives from it.
+// Guide hair as loaded from a file, the data that the simulation derives from it, its size, and its
+// follow hairs.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -167,5 +169,63 @@ PELAGE_API Result<HairAsset> loadTfx(ByteSource& source, std::string_view name,
 /// the header in the order of the offsets.
 PELAGE_API Result<std::vector<std::byte>> saveTfx(const HairAsset& asset);
 PELAGE_API Result<void> saveTfx(const HairAsset& asset, const std::filesystem::path& path);
+
+/// Returns the bytes of a .tfxfollow file, version 1 (docs/assets_formats.md). \param guideCount
+/// number of guides, >= 1. Errors: a guide that is not below guideCount, a value that is not finite
+/// or beyond
+/// +-1e6, weights that are not within 0..1 or sum to more than 1; the message names the hair.
+PELAGE_API Result<std::vector<std::byte>> saveFollowHairs(std::span<const FollowHair> hairs,
+                                                          uint32_t guideCount);
+PELAGE_API Result<void> saveFollowHairs(std::span<const FollowHair> hairs, uint32_t guideCount,
+                                        const std::filesystem::path& path);
+
+/// Loads a .tfxfollow file and checks all of it; saving gives the same bytes again. \param
+/// guideCount number of guides of the asset that the hairs follow; 0 accepts any number. Errors
+/// name the byte offset: no .tfxfollow file, another version, another number of guides, a file
+/// whose size differs from that in its header, and everything that saveFollowHairs() refuses.
+PELAGE_API Result<std::vector<FollowHair>> loadFollowHairs(const std::filesystem::path& path,
+                                                           uint32_t guideCount);
+/// The same from memory, or from a stream, which is read at once; `name` names it in errors.
+PELAGE_API Result<std::vector<FollowHair>> loadFollowHairs(std::span<const std::byte> bytes,
+                                                           std::string_view name,
+                                                           uint32_t guideCount);
+PELAGE_API Result<std::vector<FollowHair>> loadFollowHairs(ByteSource& source,
+                                                           std::string_view name,
+                                                           uint32_t guideCount);
+
+/// Mean strand lengths [m] within which a groom is taken for one in meters.
+inline constexpr double kMinMeanLength = 0.001, kMaxMeanLength = 3;
+
+struct HairSize {
+  double meanLength = 0;  ///< mean length of the strands, along their vertices [m]
+  double maxLength = 0;   ///< length of the longest strand [m]
+  Float3 low, high;       ///< bounds of the vertices [m]
+};
+
+/// Returns the size of a groom, as loaded or processed. Vertices beyond HairAsset::vertexCounts do
+/// not count. Costs one pass over the positions. Errors: an asset that validate() refuses.
+PELAGE_API Result<HairSize> measureHair(const HairAsset& asset);
+
+/// A unit that a groom may be in.
+struct UnitGuess {
+  const char* unit = "";  ///< "centimeters"
+  float scale = 1;        ///< meters per unit, for scaleHair()
+  double meanLength = 0;  ///< mean length of the strands with this scale [m]
+};
+
+/// Returns the units with which strands of this mean length would be of a size that hair has, the
+/// likeliest first; empty if the length is within kMinMeanLength..kMaxMeanLength, or if no usual
+/// unit explains it. \param meanLength HairSize::meanLength.
+PELAGE_API std::vector<UnitGuess> guessUnits(double meanLength);
+
+/// Returns one line about strands that are too long or too short for meters, with the likely units
+/// and their scales; empty if nothing is wrong.
+PELAGE_API std::string unitWarning(const HairSize& size);
+
+/// Multiplies all positions, and clears what process() has derived from them: call it again. Scale
+/// follow hairs and collision meshes with it: FollowHair::offset.x, y and z, and
+/// CollisionMesh::positions. \param scale meters per unit, 1e-9..1e9. Errors, after which the asset
+/// is as it was: a scale out of range, a coordinate beyond kMaxCoordinate.
+PELAGE_API Result<void> scaleHair(HairAsset& asset, float scale);
 
 }  // namespace pelage

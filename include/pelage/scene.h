@@ -15,7 +15,6 @@
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
 #include "pelage/sdf_collider.h"
-#include "pelage/sdf_data.h"
 #include "pelage/skeleton_pose.h"
 #include "pelage/tier.h"
 #include "pelage/transparency.h"

@@ -1,18 +1,24 @@
-// A triangle mesh that hair collides with, through a signed distance field (SDF) on the GPU.
+// A triangle mesh that hair collides with, through a signed distance field (SDF) on the GPU, and
+// SDFs that were built in advance.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "pelage/bone_weights.h"
 #include "pelage/collision_mesh.h"
 #include "pelage/export.h"
 #include "pelage/ids.h"
 #include "pelage/pass_list.h"
+#include "pelage/result.h"
+#include "pelage/stream.h"
 #include "pelage/types.h"
 
 namespace pelage {
@@ -160,5 +166,28 @@ class PELAGE_API SdfCollider {
   SdfColliderBuffers buffers_;
   std::unique_ptr<detail::SdfColliderInternals> internals_;
 };
+
+/// An SDF as the kernels store it. kernels/sdf/layouts/sdf.hlsli and kernels/sdf/sdf_key.hlsli
+/// describe the layout.
+struct SdfData {
+  SdfGrid grid;
+  float band = 2;      ///< [cells]
+  float farRange = 0;  ///< [cells]
+  uint32_t triangleBits = 0;
+  uint32_t triangleCount = 0;
+  std::vector<uint32_t> keys;     ///< [node], x fastest
+  std::vector<uint32_t> surface;  ///< [triangle][16], records without motion
+  bool operator==(const SdfData&) const = default;
+};
+
+/// Saves an SDF (.psdf, little endian): "PSDF", version, header, keys, records.
+PELAGE_API Result<void> saveSdf(const SdfData& data, const std::filesystem::path& path);
+/// Loads an SDF. Errors name the file and the byte: another kind of file or version, sizes that do
+/// not match the file, a grid or numbers out of range, a key or a record that refers to a triangle
+/// that does not exist.
+PELAGE_API Result<SdfData> loadSdf(const std::filesystem::path& path);
+/// The same from memory, or from a stream, which is read at once; `name` names it in errors.
+PELAGE_API Result<SdfData> loadSdf(std::span<const std::byte> bytes, std::string_view name);
+PELAGE_API Result<SdfData> loadSdf(ByteSource& source, std::string_view name);
 
 }  // namespace pelage

@@ -23,7 +23,7 @@
 #include "pelage/hair_asset.h"
 #include "pelage/headless.h"
 #include "pelage/scene.h"
-#include "pelage/settings/settings_presets.h"
+#include "pelage/settings/settings_file.h"
 #if PELAGE_C_VULKAN
 #include "pelage/vulkan.h"
 #endif

@@ -147,6 +147,19 @@ constexpr T tagged(VkStructureType type) {
   return structure;
 }
 
+/// A plane with one level, one layer and one sample a pixel.
+inline VkImageCreateInfo imageInfo(VkFormat format, uint32_t width, uint32_t height,
+                                   VkImageUsageFlags usage) {
+  auto info = tagged<VkImageCreateInfo>(VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO);
+  info.imageType = VK_IMAGE_TYPE_2D;
+  info.format = format;
+  info.extent = {width, height, 1};
+  info.mipLevels = info.arrayLayers = 1;
+  info.samples = VK_SAMPLE_COUNT_1_BIT;
+  info.usage = usage;
+  return info;
+}
+
 /// "VK_ERROR_DEVICE_LOST" and the like.
 std::string resultName(VkResult result);
 

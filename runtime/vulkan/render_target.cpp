@@ -84,16 +84,8 @@ Result<void> makeImage(const Device& device, const RenderTargetDef& target, cons
                        fmt::format("{} image of {} x {} pixels, {} samples", def.name, target.width,
                                    target.height, static_cast<uint32_t>(def.samples)));
   };
-  auto info = tagged<VkImageCreateInfo>(VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO);
-  info.imageType = VK_IMAGE_TYPE_2D;
-  info.format = def.format;
-  info.extent = {target.width, target.height, 1};
-  info.mipLevels = 1;
-  info.arrayLayers = 1;
+  VkImageCreateInfo info = imageInfo(def.format, target.width, target.height, def.usage);
   info.samples = def.samples;
-  info.tiling = VK_IMAGE_TILING_OPTIMAL;
-  info.usage = def.usage;
-  info.initialLayout = VK_IMAGE_LAYOUT_UNDEFINED;
   VkResult result = vk.CreateImage(device.handle, &info, nullptr, &image.image);
   if (result != VK_SUCCESS) return failed(result);
   vk.name(device.handle, VK_OBJECT_TYPE_IMAGE, image.image, def.name);

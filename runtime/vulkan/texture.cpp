@@ -32,17 +32,11 @@ Result<void> Texture::make(const Device& device, const TextureDef& def) {
 
 Result<void> Texture::makeImage(const Device& device, const TextureDef& def) {
   const Functions& vk = device.vk;
-  auto info = tagged<VkImageCreateInfo>(VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO);
+  VkImageCreateInfo info = imageInfo(formatOf(def), def.width, def.height,
+                                     VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT);
   if (def.shape == TextureShape::kCube) info.flags = VK_IMAGE_CREATE_CUBE_COMPATIBLE_BIT;
-  info.imageType = VK_IMAGE_TYPE_2D;
-  info.format = formatOf(def);
-  info.extent = {def.width, def.height, 1};
   info.mipLevels = def.mipLevels;
   info.arrayLayers = def.layers;
-  info.samples = VK_SAMPLE_COUNT_1_BIT;
-  info.tiling = VK_IMAGE_TILING_OPTIMAL;
-  info.usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
-  info.initialLayout = VK_IMAGE_LAYOUT_UNDEFINED;
   VkResult result = vk.CreateImage(device.handle, &info, nullptr, &image_);
   if (result != VK_SUCCESS) return failed(result, def);
 

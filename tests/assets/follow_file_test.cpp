@@ -1,5 +1,5 @@
 // .tfxfollow: round trips, and what no file may do.
-#include "pelage/follow_file.h"
+#include "pelage/hair_asset.h"
 
 #include <gtest/gtest.h>
 

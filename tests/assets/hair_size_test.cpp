@@ -1,5 +1,5 @@
 // The size of a groom, and the unit that it is in.
-#include "pelage/hair_size.h"
+#include "pelage/hair_asset.h"
 
 #include <gtest/gtest.h>
 

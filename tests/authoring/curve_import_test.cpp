@@ -1,5 +1,5 @@
 // From curves as a file has them to curves that everything else can take.
-#include "pelage/authoring/curve_import.h"
+#include "pelage/authoring/hair_curves.h"
 
 #include <gtest/gtest.h>
 

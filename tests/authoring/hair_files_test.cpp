@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "pelage/authoring/curve_import.h"
+#include "pelage/authoring/hair_curves.h"
 #include "pelage/hair_asset.h"
 #include "support/errors.h"
 #include "support/not_numbers.h"

@@ -1,5 +1,5 @@
 // Resampling of curves: where the vertices are, and whether the reported deviation is true.
-#include "pelage/authoring/resample.h"
+#include "pelage/authoring/hair_curves.h"
 
 #include <gtest/gtest.h>
 

@@ -9,10 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "pelage/authoring/curve_import.h"
 #include "pelage/authoring/guides.h"
+#include "pelage/authoring/hair_curves.h"
 #include "pelage/authoring/hair_files.h"
-#include "pelage/authoring/resample.h"
 #include "pelage/authoring/usd_curves.h"
 #include "support/errors.h"
 #include "support/test_folder.h"

@@ -33,13 +33,19 @@ size_t heightOf(std::string_view room) {
 // Public headers that belong to a room, with the lowest room that may include them. The others are
 // plain data and interfaces that every room may use.
 const std::map<std::string_view, std::string_view> kPublicHeaders = {
-    {"skeleton_pose.h", "skinning"}, {"sdf_collider.h", "sdf"},
-    {"sdf_data.h", "sdf"},           {"engine_lights.h", "shading"},
-    {"hair_depth.h", "shading"},     {"strand_texture.h", "shading"},
-    {"view.h", "shading"},           {"transparency.h", "oit"},
-    {"cache_player.h", "scene"},     {"frame.h", "scene"},
-    {"hair_object.h", "scene"},      {"headless.h", "scene"},
-    {"pelage.h", "scene"},           {"scene.h", "scene"},
+    {"skeleton_pose.h", "skinning"},
+    {"sdf_collider.h", "sdf"},
+    {"engine_lights.h", "shading"},
+    {"hair_depth.h", "shading"},
+    {"strand_texture.h", "shading"},
+    {"view.h", "shading"},
+    {"transparency.h", "oit"},
+    {"cache_player.h", "scene"},
+    {"frame.h", "scene"},
+    {"hair_object.h", "scene"},
+    {"headless.h", "scene"},
+    {"pelage.h", "scene"},
+    {"scene.h", "scene"},
     {"scene_features.h", "scene"},
 };
 

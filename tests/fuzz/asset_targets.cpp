@@ -4,9 +4,8 @@
 
 #include "pelage/bone_weights.h"
 #include "pelage/collision_mesh.h"
-#include "pelage/follow_file.h"
 #include "pelage/hair_asset.h"
-#include "pelage/sdf_data.h"
+#include "pelage/sdf_collider.h"
 #include "pelage/skin_table.h"
 #include "targets.h"
 

@@ -1,4 +1,4 @@
-#include "pelage/authoring/curve_import.h"
+#include "pelage/authoring/hair_curves.h"
 #include "pelage/authoring/hair_files.h"
 #include "targets.h"
 

@@ -9,9 +9,9 @@
 
 #include "pelage/asset_cache.h"
 #include "pelage/authoring/hair_files.h"
-#include "pelage/follow_file.h"
+#include "pelage/hair_asset.h"
 #include "pelage/hair_cache.h"
-#include "pelage/sdf_data.h"
+#include "pelage/sdf_collider.h"
 #include "pelage/skin_table.h"
 
 namespace {

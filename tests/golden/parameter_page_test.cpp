@@ -41,7 +41,10 @@ const std::set<std::string> kNoParameters = {"TransparencyPlan",
                                              "Groom",
                                              "ContactCounters",
                                              "FollowContactCounters",
-                                             "DenseSdf"};
+                                             "DenseSdf",
+                                             "SdfData",
+                                             "HairSize",
+                                             "UnitGuess"};
 
 // The names that one declaration without initialisers declares.
 void addNames(const std::string& declaration, std::set<std::string>& names) {

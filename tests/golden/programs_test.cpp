@@ -15,7 +15,6 @@
 #include "asset_files.h"
 #include "device.h"
 #include "pelage/asset_cache.h"
-#include "pelage/follow_file.h"
 #include "pelage/hair_asset.h"
 #include "png_file.h"
 #include "support/errors.h"

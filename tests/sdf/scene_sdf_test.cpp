@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "pelage/sdf_data.h"
+#include "pelage/sdf_collider.h"
 #include "pelage/skeleton.h"
 #include "reference/sdf/mesh_shapes.h"
 #include "support/collision_shapes.h"

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "pelage/sdf_data.h"
+#include "pelage/sdf_collider.h"
 #include "support/errors.h"
 #include "support/test_folder.h"
 

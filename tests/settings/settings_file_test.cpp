@@ -12,7 +12,6 @@
 #include <string>
 #include <utility>
 
-#include "pelage/settings/settings_presets.h"
 #include "random_settings.h"
 #include "support/errors.h"
 #include "support/test_folder.h"

@@ -4,7 +4,7 @@
 
 #include <Eigen/Geometry>
 
-#include "pelage/sdf_data.h"
+#include "pelage/sdf_collider.h"
 #include "pelage/skeleton.h"
 #include "reference/sdf/distance_oracle.h"
 #include "reference/sdf/mesh_shapes.h"

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "pelage/sdf_data.h"
+#include "pelage/sdf_collider.h"
 #include "reference/sdf/distance_oracle.h"
 #include "reference/sdf/mesh_shapes.h"
 

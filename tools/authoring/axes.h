@@ -1,7 +1,7 @@
 // From the axes and the unit of a file to meters with y up.
 #pragma once
 
-#include "pelage/authoring/curve_import.h"
+#include "pelage/authoring/hair_curves.h"
 #include "pelage/types.h"
 
 namespace pelage::detail {

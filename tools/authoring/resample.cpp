@@ -1,4 +1,4 @@
-#include "pelage/authoring/resample.h"
+#include "pelage/authoring/hair_curves.h"
 
 #include <fmt/format.h>
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "pelage/authoring/resample.h"
+#include "pelage/authoring/hair_curves.h"
 #include "polyline.h"
 
 namespace pelage::detail {

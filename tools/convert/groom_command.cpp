@@ -16,11 +16,9 @@
 #include "commands.h"
 #include "import_options.h"
 #include "output_file.h"
-#include "pelage/authoring/curve_import.h"
 #include "pelage/authoring/guides.h"
+#include "pelage/authoring/hair_curves.h"
 #include "pelage/authoring/hair_files.h"
-#include "pelage/authoring/resample.h"
-#include "pelage/follow_file.h"
 #include "pelage/hair_asset.h"
 #include "sag_report.h"
 

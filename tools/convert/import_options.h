@@ -1,7 +1,7 @@
 // Options that groom, bind and collision have in common: the unit and the axes of a file.
 #pragma once
 
-#include "pelage/authoring/curve_import.h"
+#include "pelage/authoring/hair_curves.h"
 
 namespace CLI {
 class App;

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "pelage/hair_size.h"
+#include "pelage/hair_asset.h"
 #include "pelage/sag_compensation.h"
 #include "pelage/settings/settings_file.h"
 

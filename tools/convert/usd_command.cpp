@@ -14,7 +14,7 @@
 #include "commands.h"
 #include "import_options.h"
 #include "output_file.h"
-#include "pelage/authoring/curve_import.h"
+#include "pelage/authoring/hair_curves.h"
 #include "pelage/authoring/hair_files.h"
 #include "pelage/authoring/usd_curves.h"
 #include "pelage/hair_cache.h"

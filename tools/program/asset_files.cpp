@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "pelage/follow_file.h"
+#include "pelage/hair_asset.h"
 
 namespace pelage::program {
 namespace {

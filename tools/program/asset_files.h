@@ -7,7 +7,6 @@
 
 #include "pelage/asset_cache.h"
 #include "pelage/hair_asset.h"
-#include "pelage/hair_size.h"
 #include "pelage/result.h"
 
 namespace pelage::program {

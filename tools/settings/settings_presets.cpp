@@ -1,4 +1,4 @@
-#include "pelage/settings/settings_presets.h"
+#include "pelage/settings/settings_file.h"
 
 #include <fmt/format.h>
 

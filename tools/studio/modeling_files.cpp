@@ -11,9 +11,8 @@
 #ifdef PELAGE_STUDIO_AUTHORING
 #include "pelage/authoring/animation.h"
 #include "pelage/authoring/collision_from_mesh.h"
-#include "pelage/authoring/curve_import.h"
+#include "pelage/authoring/hair_curves.h"
 #include "pelage/authoring/hair_files.h"
-#include "pelage/authoring/resample.h"
 #include "pelage/authoring/skin_binding.h"
 #include "pelage/authoring/skinned_mesh.h"
 #endif

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include "pelage/settings/settings_presets.h"
+#include "pelage/settings/settings_file.h"
 #include "value_widget.h"
 
 namespace viewer {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "demo_scene.h"
-#include "pelage/hair_size.h"
+#include "pelage/hair_asset.h"
 #include "pelage/result.h"
 
 namespace viewer {

@@ -36,7 +36,7 @@ struct HairFileReport {
 
 // All readers return the curves as they are in the file: they change no unit or axis (but those of
 // .usda, which says its own: its curves are in meters with y up), and a curve may have a single
-// vertex or a coordinate that is not finite. prepareCurves() (curve_import.h) repairs them and
+// vertex or a coordinate that is not finite. prepareCurves() (hair_curves.h) repairs them and
 // counts what it drops. Errors name the file with its line or byte. Counts are checked against the
 // file's size before memory is allocated. `report` may be null.
 

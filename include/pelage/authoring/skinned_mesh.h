@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "pelage/authoring/curve_import.h"
+#include "pelage/authoring/hair_curves.h"
 #include "pelage/bone_weights.h"
 #include "pelage/result.h"
 #include "pelage/types.h"

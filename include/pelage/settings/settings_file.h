@@ -1,9 +1,10 @@
-// Settings as JSON files, and as C++.
+// Settings as JSON files, and as C++; kinds of hair to begin with.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -82,5 +83,19 @@ Result<void> saveSettings(const std::filesystem::path& path, const SceneSettings
 /// members of a HairObject `hair`, a HairDef `def`, an SdfCollider `collider` and a View `view`,
 /// which must be there.
 std::string settingsSnippet(const SceneSettings& settings);
+
+/// A kind of hair: simulation, material and follow hairs.
+struct SettingsPreset {
+  std::string_view name;     ///< "curly"
+  std::string_view meaning;  ///< a sentence
+  std::string_view text;     ///< JSON of SettingsFile
+};
+
+/// long, curly, fur, mohawk, afro and beard.
+std::span<const SettingsPreset> settingsPresets();
+
+/// Settings of a preset; values that it does not set have their defaults. Error: no preset has this
+/// name; the message lists all names.
+Result<SceneSettings> presetSettings(std::string_view name);
 
 }  // namespace pelage

@@ -1,5 +1,5 @@
 // The .tfxfollow file: a header of 24 bytes, then 36 bytes a hair. Little endian.
-#include "pelage/follow_file.h"
+#include "pelage/hair_asset.h"
 
 #include <fmt/format.h>
 

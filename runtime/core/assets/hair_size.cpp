@@ -1,4 +1,4 @@
-#include "pelage/hair_size.h"
+#include "pelage/hair_asset.h"
 
 #include <fmt/format.h>
 

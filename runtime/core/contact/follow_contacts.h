@@ -18,9 +18,8 @@ class FollowContacts {
  public:
   /// Adds the passes of a frame: find and walk, then both once more for the marked strands.
   Result<void> record(HairFrame& frame, const ColliderBuffers& colliders);
-  void pause(HairFrame&) { stop(); }
-  /// The next frame does not go on from this one.
-  void stop() { goesOn_ = false; }
+  void pause(HairFrame&) { goesOn_ = false; }
+  void lose(HairBuffers&, const BufferFactory&) { goesOn_ = false; }
   void remove(const BufferFactory& factory) {
     for (BufferId* buffer : {&before_, &contacts_, &words_}) factory.remove(*buffer);
   }

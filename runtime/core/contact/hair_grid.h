@@ -42,6 +42,10 @@ class HairGrid {
   /// Call it behind the last step of a frame.
   void finish(const HairFrame& frame);
   void remove(const BufferFactory& factory);
+  void lose(HairBuffers& buffers, const BufferFactory& factory) {
+    remove(factory);
+    buffers.contactForces = BufferId::kInvalid;
+  }
   void move(const WorldMove& move) {
     move.point(middle_);
     move.direction(velocity_);

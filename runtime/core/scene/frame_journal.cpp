@@ -265,9 +265,7 @@ void FrameJournal::resetAll(std::span<HairObject* const> kept) {
     if (std::find(kept.begin(), kept.end(), &object) != kept.end()) continue;
     HairInternals& hair = HairStore::of(object);
     hair.resetPending = true;
-    hair.get<FollowContacts>().stop();
-    hair.get<HairGrid>().remove(store_.factory());
-    HairStore::buffersOf(object).contactForces = BufferId::kInvalid;
+    loseRooms(hair.rooms, HairStore::buffersOf(object), store_.factory());
   }
   for (SdfCollider& collider : store_.colliders()) HairStore::of(collider).resetPending = true;
   for (SkeletonPose& skeleton : store_.skeletons())

@@ -29,8 +29,8 @@ namespace pelage::detail {
 ///     void move(const WorldMove& move);             // what the host has in world space
 ///     std::vector<MovedElements> moved(const HairFrame& frame) const;  // what the GPU has
 ///     void forget();                                // the GPU may lack what was uploaded
-///     void remove(const BufferFactory& factory);         // or remove(HairBuffers&, const
-///     BufferFactory&)
+///     void lose(HairBuffers& buffers, const BufferFactory& factory);  // the GPU lost the hair
+///     void remove(const BufferFactory& factory);    // or with HairBuffers& before it
 using HairRooms = std::tuple<StrandSolver, GivenPositions, HairColliders, FieldForces, HairGrid,
                              FollowContacts, StrandMotion, StrandInterpolation>;
 
@@ -60,6 +60,12 @@ inline void moveRooms(HairRooms& rooms, const WorldMove& move) {
 inline void forgetRooms(HairRooms& rooms) {
   eachRoom(rooms, [](auto& room) {
     if constexpr (requires { room.forget(); }) room.forget();
+  });
+}
+
+inline void loseRooms(HairRooms& rooms, HairBuffers& buffers, const BufferFactory& factory) {
+  eachRoom(rooms, [&](auto& room) {
+    if constexpr (requires { room.lose(buffers, factory); }) room.lose(buffers, factory);
   });
 }
 

@@ -12,7 +12,6 @@
 #include "base/bounds.h"
 #include "base/local_origin.h"
 #include "pelage/sdf_collider.h"
-#include "pelage/sdf_data.h"
 #include "sdf/iso_surface.h"
 #include "sdf/sdf_build.h"
 #include "skinning/skeleton_pose.h"

@@ -1,4 +1,4 @@
-#include "pelage/sdf_data.h"
+#include "pelage/sdf_collider.h"
 
 #include <algorithm>
 #include <cmath>

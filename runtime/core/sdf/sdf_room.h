@@ -19,7 +19,6 @@
 #include "pelage/pass_list.h"
 #include "pelage/result.h"
 #include "pelage/sdf_collider.h"
-#include "pelage/sdf_data.h"
 #include "sdf/sdf_collider.h"
 
 namespace pelage::detail {

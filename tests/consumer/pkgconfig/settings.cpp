@@ -1,5 +1,5 @@
 // Settings of an installed pelage: a preset, written and read again.
-#include <pelage/settings/settings_presets.h>
+#include <pelage/settings/settings_file.h>
 
 #include <cstdio>
 
