@@ -15,7 +15,7 @@ until [ -s "$out/display" ]; do
 done
 DISPLAY=:$(cat "$out/display")
 export DISPLAY
-look=(--strands 1 --shadow deep --transparency windowed)
+look=(--coarse 1 --strands 1 --shadow deep --transparency windowed)
 picture() {  # NAME FRAMES [arguments]: what is on stdin, then a picture at a frame
   local name=$1 frame=$2
   shift 2
@@ -62,7 +62,7 @@ picture viewer_ball 7 --groom straight "$@" <<'SCRIPT'
 3 move 430 310
 4 move 440 312
 SCRIPT
-look=(--strands 0.5 --shadow none --transparency tiles)
+look=(--coarse 1 --strands 0.5 --shadow none --transparency tiles)
 picture viewer_tiles 2 "$@" <<'SCRIPT'
 0 key tab
 0 key v
@@ -71,7 +71,7 @@ picture viewer_tiles 2 "$@" <<'SCRIPT'
 0 key v
 SCRIPT
 # Without shadows and lists: some frames of long hair, and hair that is drawn twice.
-look=(--strands 0.5 --shadow none --transparency shortcut)
+look=(--coarse 1 --strands 0.5 --shadow none --transparency shortcut)
 # Time stands still, so that hair does not leave the ball; figures come every 15 frames.
 picture viewer_penetration 18 --groom straight "$@" <<'SCRIPT'
 0 key tab

@@ -51,9 +51,11 @@ struct Given {
   pelage::Transparency transparency = pelage::Transparency::kWindowed;
   pelage::HairShadow shadow = pelage::HairShadow::kDeep;
   float strandShare = 1;
+  uint32_t coarseness = 1;
   pelage::Solver compared = pelage::Solver::kExact;
   CLI::Option *apiOption = nullptr, *presetOption = nullptr, *comparedOption = nullptr,
-              *strandsOption = nullptr, *transparencyOption = nullptr, *shadowOption = nullptr;
+              *strandsOption = nullptr, *coarseOption = nullptr, *transparencyOption = nullptr,
+              *shadowOption = nullptr;
 };
 
 void addCaptureOptions(CLI::App& app, Options& options) {
@@ -106,12 +108,16 @@ void addLookOptions(CLI::App& app, Options& options, Given& given) {
       addChoice(app, "--transparency", "METHOD", given.transparency, kTransparencies,
                 namesOf(kTransparencies) + " (windowed; shortcut on the CPU)");
   given.shadowOption = addChoice(app, "--shadow", "KIND", given.shadow, kShadows,
-                                 "of hair: " + namesOf(kShadows) + " (deep; none on the CPU)");
-  given.strandsOption =
-      app.add_option("--strands", given.strandShare,
-                     "share of the strands that are drawn, 0.02..1 (1; 0.25 on the CPU)")
-          ->check(CLI::Range(0.02f, 1.0f).description(""))
-          ->type_name("X");
+                                 "of hair: " + namesOf(kShadows) + " (deep)");
+  given.strandsOption = app.add_option("--strands", given.strandShare,
+                                       "share of the strands that are drawn, 0.02..1 (1)")
+                            ->check(CLI::Range(0.02f, 1.0f).description(""))
+                            ->type_name("X");
+  given.coarseOption =
+      app.add_option("--coarse", given.coarseness,
+                     "edge of a pixel of the hair [pixels of the window], 1..4 (1; 2 on the CPU)")
+          ->check(CLI::Range(1u, 4u).description(""))
+          ->type_name("N");
   app.add_option("--settings", options.settings, "of the hair, its look and the lights, as JSON")
       ->check(CLI::ExistingFile.description(""))
       ->type_name("FILE");
@@ -145,6 +151,7 @@ void take(const Given& given, Options& options) {
   if (*given.comparedOption) options.compared = given.compared;
   if (*given.transparencyOption) options.transparency = given.transparency;
   if (*given.strandsOption) options.strandShare = given.strandShare;
+  if (*given.coarseOption) options.coarseness = given.coarseness;
   if (*given.shadowOption) options.shadow = given.shadow;
   if (*given.presetOption && !options.source.files.empty())
     throw CLI::ValidationError("--groom", "is for the generated head, not for files");

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace viewer {
@@ -12,21 +13,22 @@ using pelage::Result;
 
 namespace {
 
-constexpr float kSoftwareShare = 0.25f;  // of the strands
-constexpr uint32_t kMaxLosses = 3;       // of the device, before the program gives up
+constexpr uint32_t kSoftwareCoarseness = 2;
+constexpr uint32_t kMaxLosses = 3;  // of the device, before the program gives up
 
 }  // namespace
 
 Result<void> Presentation::open(const Options& options) {
   if (Result<void> done = screen.open(options.screen); !done) return done;
   stage.look.motion = options.motion;
-  // A driver on the CPU takes seconds for all strands of a head, sorted and with shadows.
+  // A driver on the CPU takes seconds for all pixels of a head, sorted. Hair with fewer strands, or
+  // without shadows, looks like straw: it gets fewer pixels.
   const bool software = screen.canvas->info().software;
   stage.look.transparency = options.transparency.value_or(
       software ? pelage::Transparency::kShortCut : pelage::Transparency::kWindowed);
-  stage.look.strandShare = options.strandShare.value_or(software ? kSoftwareShare : 1.0f);
-  stage.look.shadow =
-      options.shadow.value_or(software ? pelage::HairShadow::kNone : pelage::HairShadow::kDeep);
+  stage.look.strandShare = options.strandShare.value_or(1.0f);
+  stage.look.shadow = options.shadow.value_or(pelage::HairShadow::kDeep);
+  coarseness_ = options.coarseness.value_or(software ? kSoftwareCoarseness : 1);
   stage.clock.fixed = options.fixedClock;
   adoptDevice();
   return {};
@@ -83,11 +85,13 @@ Result<bool> Presentation::draw(const WindowSize& size, double seconds, bool cap
     return false;
   };
   if (Result<void> done = setTarget(); !done) return goBack(done.error());
-  auto frame = stage.makeFrame(seconds, size.pixelWidth, size.pixelHeight);
+  const uint32_t width = std::max(size.pixelWidth / coarseness_, 1u);
+  const uint32_t height = std::max(size.pixelHeight / coarseness_, 1u);
+  auto frame = stage.makeFrame(seconds, width, height);
   // Several ways back may be needed in turn, and earlier settings may need another target.
   while (!frame && goesBack(frame.error(), ways)) {
     if (Result<void> done = setTarget(); !done) return done.error();
-    frame = stage.makeFrame(0, size.pixelWidth, size.pixelHeight);
+    frame = stage.makeFrame(0, width, height);
   }
   if (!frame) return frame.error();
   CanvasFrame shown;
@@ -95,6 +99,7 @@ Result<bool> Presentation::draw(const WindowSize& size, double seconds, bool cap
   shown.views = stage.views();
   shown.interface = screen.interface->drawData();
   shown.captures = captures;
+  shown.coarseness = coarseness_;
   if (Result<void> done = screen.canvas->show(shown); !done) return goBack(done.error());
   good_.keep(stage);
   kernels_.prove();

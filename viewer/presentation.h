@@ -72,7 +72,8 @@ class Presentation {
   bool keepsOldKernels(const pelage::Error& refused);
 
   GoodSettings good_;
-  uint32_t losses_ = 0;  // of the device, in a row
+  uint32_t losses_ = 0;      // of the device, in a row
+  uint32_t coarseness_ = 1;  // CanvasFrame::coarseness
   bool hasFrames_ = false;
 };
 

@@ -32,14 +32,33 @@ struct OpaqueShadow {
   float bias = 0.004f;
 };
 
+/// Light from all sides by spherical harmonics of order 2: its radiance, linear RGB, projected on
+/// the nine real functions Y_lm of Ramamoorthi and Hanrahan, "An efficient representation for
+/// irradiance environment maps", SIGGRAPH 2001, equation 3, with the axes x, y, z of the world. In
+/// place of their irradiance it is weighted as fibers take it (docs/shading.md, Environment light).
+/// Any finite values; where the sum is negative, no light arrives. All 0, the default: none.
+struct EnvironmentLight {
+  Float3 l00 = {};   ///< times 0.282095: mean radiance, which adds to Light::ambient
+  Float3 l1m1 = {};  ///< y: light from above; 0.488603 y
+  Float3 l10 = {};   ///< z
+  Float3 l11 = {};   ///< x
+  Float3 l2m2 = {};  ///< 1.092548 x y
+  Float3 l2m1 = {};  ///< y z
+  Float3 l20 = {};   ///< 0.315392 (3 z^2 - 1)
+  Float3 l21 = {};   ///< x z
+  Float3 l22 = {};   ///< 0.546274 (x^2 - y^2)
+};
+
 /// A light, and an ambient term that goes with it. Linear RGB; a white surface that faces a light
 /// of 1 is as bright as 1.
 struct Light {
   Float3 direction = {0.35f, 0.75f, 0.55f};  ///< towards the light, of any length > 0
   Float3 color = {1, 1, 1};
   Float3 ambient = {0.12f, 0.13f, 0.15f};  ///< from all sides; those of all lights add up
-  bool hasPosition = false;                ///< a point light, or a spot light
-  Float3 position = {};  ///< of a point light [m]; color is that at a distance of 1 m
+  /// From all sides, too, but not the same from each; those of all lights add up.
+  EnvironmentLight environment = {};
+  bool hasPosition = false;  ///< a point light, or a spot light
+  Float3 position = {};      ///< of a point light [m]; color is that at a distance of 1 m
   /// Makes a point light a spot light, which shines along -direction: half angle of the cone
   /// outside of which it is dark [rad], 0..pi/2; 0: it shines in all directions. It needs
   /// hasPosition.

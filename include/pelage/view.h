@@ -41,6 +41,10 @@ struct StrandMaterial {
   float cuticleTilt = 0.035f;           ///< fiber model: of the scales, towards the root [rad]
   float refractiveIndex = 1.55f;        ///< fiber model, > 1
   float scatteredShare = 0.0f;          ///< fiber model: light scattered in all directions, 0..1
+  /// Fiber model: share of the light that passes from fiber to fiber, 0..1, for lights with a
+  /// HairShadow (after Zinke et al., "Dual scattering approximation for fast multiple scattering in
+  /// hair", 2008; docs/shading.md). 0: hair in front of a strand dims light in no color.
+  float multipleScattering = 1.0f;
 };
 
 /// The level of detail of a hair object in draws: drawnStrandsOf().

@@ -26,24 +26,50 @@ StrandSurface strandSurface(float3 position, float3 tangent, float3 baseColor) {
   return makeStrandSurface(position, tangent, g_eye.xyz, baseColor);
 }
 
+// Weight of the ray to the eye beside those of lights in ambient light: a strand that is visible is
+// at the edge of the hair.
+static const float kEyeRayShare = 0.35;
+
+// Ambient light of a strand that faces the eye, where no shadow map says how deep it lies.
+float3 openAmbient(StrandShading material, StrandSurface surface) {
+  float3 facing = shadingNormal(surface.tangent, surface.toEye);
+  float3 arriving = environmentOnFiber(surface.tangent) + (2.0 / 3.0) * environmentSlope(facing);
+  return max(arriving, float3(0.0, 0.0, 0.0)) * strandAmbient(material, surface);
+}
+
 // Sums the lights of StrandViewConstants, each through the hair and past the opaque geometry in
-// front of it, and the ambient term.
+// front of it, and ambient light. Where lights have shadow maps, these are known: what hair leaves
+// of ambient light on each light's ray, and for the fiber models light that passes from fiber to
+// fiber.
 float3 viewLight(StrandShading material, StrandSurface surface) {
-  float3 sum = g_ambientColor.rgb * strandAmbient(material, surface);
+  float3 sum = float3(0.0, 0.0, 0.0);
+  float3 inside = float3(0.0, 0.0, 0.0);
+  float rays = 0.0;
   uint count = min(g_lightCount, kMaxStrandLights);
   for (uint i = 0u; i < count; ++i) {
     StrandLight light = lightAt(i);
     StrandIllumination arriving = strandIllumination(light, surface.position);
-    float transmittance = 1.0;
-    if (light.shadow.x < kMaxStrandShadows)
-      transmittance = strandTransmittance(shadowAt(light.shadow.x), surface.position);
+    float open = 1.0;
     if (light.shadow.y - 1u < kMaxStrandShadows)
-      transmittance *= opaqueTransmittance(opaqueShadowAt(light.shadow.y - 1u), surface.position,
-                                           arriving.toLight);
-    if (transmittance > 0.0)
-      sum += arriving.color * (shadeStrand(material, surface, arriving.toLight) * transmittance);
+      open = opaqueTransmittance(opaqueShadowAt(light.shadow.y - 1u), surface.position,
+                                 arriving.toLight);
+    float3 color = arriving.color * open;
+    StrandLightPath path = openLightPath();
+    if (light.shadow.x < kMaxStrandShadows)
+      path = strandLightPath(shadowAt(light.shadow.x), surface.position);
+    StrandVolume volume = strandVolumeOf(material, surface);
+    if (open > 0.0)
+      sum += color * shadeStrandInHair(material, surface, arriving.toLight, volume, path);
+    if (path.known) {
+      float facing = dot(surface.toEye, arriving.toLight);
+      inside += volumeAmbient(volume, path, facing, environmentOnFiber(surface.tangent),
+                              environmentSlope(arriving.toLight));
+      rays += 1.0;
+    }
   }
-  return sum;
+  if (!(rays > 0.0)) return sum + openAmbient(material, surface);
+  inside *= bounded(material.body.y, 0.0, kMostStrength) / rays;
+  return sum + lerp(inside, openAmbient(material, surface), kEyeRayShare);
 }
 
 #ifdef ENGINE_LIGHTS_SPACE

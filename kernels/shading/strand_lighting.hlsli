@@ -11,6 +11,7 @@
 #include "fiber_bsdf.hlsli"
 #include "kajiya_kay.hlsli"
 #include "shading_math.hlsli"
+#include "strand_volume.hlsli"
 
 struct StrandSurface {
   float3 position;   // world [m]
@@ -73,6 +74,22 @@ float3 shadeStrand(StrandShading m, StrandSurface s, float3 toLight) {
   float share = bounded(m.body.z, 0.0, 1.0);
   float3 scattered = base * (angles.cosLight / (kShadingPi * kShadingPi));
   return kShadingPi * lerp(single, scattered, share);
+}
+
+StrandVolume strandVolumeOf(StrandShading m, StrandSurface s) {
+  return strandVolume(makeFiberModel(m.fiber, boundedColor(s.baseColor)));
+}
+
+// Returns the same through hair. The fiber models have the light that passes from fiber to fiber,
+// by the share m.body.w. \param volume strandVolumeOf() the surface
+float3 shadeStrandInHair(StrandShading m, StrandSurface s, float3 toLight, StrandVolume volume,
+                         StrandLightPath path) {
+  float share = m.model.x == kStrandKajiyaKay ? 0.0 : bounded(m.body.w, 0.0, 1.0);
+  float3 dimmed = float3(1.0, 1.0, 1.0) * path.transmittance;
+  float3 light = shadeStrand(m, s, toLight);
+  if (!(share > 0.0) || !path.known) return light * dimmed;
+  return light * lerp(dimmed, volumeBeam(volume, path), share) +
+         share * volumeDiffuse(volume, path);
 }
 
 // Returns the light to the eye from light of 1 from all sides. Hair as a whole reflects its base

@@ -90,7 +90,7 @@ class FrameLoop {
       settings_.opaqueDepth = demo.addDepthBuffer(width, height);
       target_.depthCopy = settings_.opaqueDepth;
     }
-    demo.light.shadow = options.shadow;
+    demo.setShadow(options.shadow);
   }
 
   Result<void> simulate() {

@@ -60,7 +60,7 @@ requires std::same_as<T, pelage::WindSettings> || std::same_as<T, pelage::Parame
     std::same_as<T, pelage::SleepSettings> || std::same_as<T, pelage::HairContactSettings> ||
     std::same_as<T, pelage::SimulationSettings> || std::same_as<T, pelage::StrandMaterial> ||
     std::same_as<T, pelage::ColorTexture> || std::same_as<T, pelage::StrandTexture> ||
-    std::same_as<T, pelage::OpaqueShadow>
+    std::same_as<T, pelage::OpaqueShadow> || std::same_as<T, pelage::EnvironmentLight>
         std::string text(const T&) {
   return "its own";
 }

@@ -193,7 +193,16 @@ std::vector<Parameter> fiberRows() {
       tuned("StrandMaterial", "scatteredShare",
             show(fiberSwatch(), std::vector{0.0f, 0.4f, 1.0f},
                  material(&StrandMaterial::scatteredShare),
-                 "Light that passes from fiber to fiber: softer and fuller.")),
+                 "Light that goes off in all directions: softer and fuller.")),
+      tuned(
+          "StrandMaterial", "multipleScattering",
+          show(with(shadowed(),
+                    [](Setup& s) {
+                      s.hair.material.model = ShadingModel::kFiber;
+                      s.hair.material.rootColor = s.hair.material.tipColor = {0.60f, 0.42f, 0.24f};
+                    }),
+               std::vector{0.0f, 0.5f, 1.0f}, material(&StrandMaterial::multipleScattering),
+               "Blond hair: light that passes from fiber to fiber.")),
   };
 }
 
@@ -211,6 +220,11 @@ std::vector<Parameter> lightRows() {
             show(shadowed(),
                  std::vector<Float3>{{0, 0, 0}, {0.12f, 0.13f, 0.15f}, {0.6f, 0.65f, 0.75f}},
                  light(&Light::ambient), "Look at the side away from the light.")),
+      {PELAGE_FIELD(Light, environment),
+       "",
+       "",
+       "Light from all sides that is not the same from each; those of all lights add up.",
+       {}},
       tuned("Light", "hasPosition"),
       tuned("Light", "position",
             show(with(shadowed(),
@@ -264,6 +278,13 @@ std::vector<Parameter> shadowRows() {
        "Depth map of opaque geometry that casts a shadow on hair, with any `shadow`.",
        {}},
   };
+}
+
+std::vector<Parameter> environmentRows() {
+  std::vector<Parameter> rows;
+  for (const char* name : {"l00", "l1m1", "l10", "l11", "l2m2", "l2m1", "l20", "l21", "l22"})
+    rows.push_back(tuned("EnvironmentLight", name));
+  return rows;
 }
 
 std::vector<Parameter> opaqueShadowRows() {
@@ -418,6 +439,8 @@ std::vector<ParameterGroup> viewGroups() {
       {"Light", "pelage/light.h",
        "Scene::draw(), at most 8; shadows for 4 of them. [shadow.md](shadow.md)",
        joined(lightRows(), shadowRows())},
+      {"EnvironmentLight", "pelage/light.h",
+       "Light::environment. [shading.md](shading.md#environment-light)", environmentRows()},
       {"OpaqueShadow", "pelage/light.h",
        "Light::opaque. [shadow.md](shadow.md#shadows-of-opaque-geometry-on-hair)",
        opaqueShadowRows()},

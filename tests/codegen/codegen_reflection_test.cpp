@@ -268,7 +268,7 @@ TEST(CodegenReflection, KeepsWhatEnginesBuildOn) {
         "g_gridNodes uint storageBuffer readWrite [compute] 4 u2 5 0",
         "g_gridForces float4 storageBuffer write [compute] 16 u3 6 0"}},
       {"Render",
-       {"StrandViewConstants StrandViewConstants uniformBuffer read [compute, vertex, pixel] 1600 "
+       {"StrandViewConstants StrandViewConstants uniformBuffer read [compute, vertex, pixel] 1728 "
         "b0 "
         "0 0",
         "RenderConstants RenderConstants uniformBuffer read [compute, vertex, pixel] 160 b1 1 1",

@@ -102,7 +102,7 @@ pelage::Result<sample::DemoScene> characterScene() {
 /// Draws what has been simulated.
 pelage::Result<ByteImage> draw(pelage::HeadlessDevice& device, sample::DemoScene& demo,
                                bool sorted) {
-  demo.light.shadow = sorted ? pelage::HairShadow::kDeep : pelage::HairShadow::kNone;
+  demo.setShadow(sorted ? pelage::HairShadow::kDeep : pelage::HairShadow::kNone);
   pelage::TransparencySettings settings;
   settings.method = sorted ? pelage::Transparency::kWindowed : pelage::Transparency::kStochastic;
   settings.nodeCount = 1 << 20;

@@ -134,7 +134,7 @@ const std::map<std::string, std::set<std::string>> kNotTuned = {
     {"HairDef",
      {"name", "settings", "material", "influences", "boneCount", "skeleton", "strandFactors",
       "followHairs", "baseTexture", "strandUvs"}},
-    {"Light", {"opaque"}},
+    {"Light", {"environment", "opaque"}},
     {"OpaqueShadow", {"depth", "width", "height", "worldToClip", "reversedDepth"}},
     {"View", {"worldToClip", "eye", "x", "y", "width", "height"}},
     {"TransparencySettings", {"opaqueDepth", "engineLights"}}};

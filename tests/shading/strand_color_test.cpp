@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 #include "support/errors.h"
@@ -39,10 +40,9 @@ class StrandColor : public SceneRunTest<> {
     run_.step();
   }
   /// Colors of the row across the middle of the strand, from one side to the other.
-  std::vector<Float4> row() {
+  std::vector<Float4> row(const Light& light = {.color = {0, 0, 0}, .ambient = {1, 1, 1}}) {
     const View view =
         cameraView({.eye = {0, 0, 1}, .fov = 2 * std::atan(0.2f), .width = kRowPixels});
-    const Light light = {.color = {0, 0, 0}, .ambient = {1, 1, 1}};
     PassList list;
     expectOk(run_.scene.draw(view, light, list));
     const auto image = run_.renderLists({&list, 1}, {.width = kRowPixels, .height = kRowPixels});
@@ -71,6 +71,48 @@ TEST_P(StrandColor, TheTipsColorFadesInOverItsShare) {
     // The target has 16 bits.
     EXPECT_LT(worst, 2e-3) << share;
   }
+}
+
+/// Radiance of an environment, red, by the functions of Ramamoorthi and Hanrahan 2001.
+double radianceOf(const EnvironmentLight& e, const Vector3d& d) {
+  const double x = d.x(), y = d.y(), z = d.z();
+  const auto red = [](const Float3& color) { return static_cast<double>(color.x); };
+  return 0.282095 * red(e.l00) + 0.488603 * (red(e.l1m1) * y + red(e.l10) * z + red(e.l11) * x) +
+         1.092548 * (red(e.l2m2) * x * y + red(e.l2m1) * y * z + red(e.l21) * x * z) +
+         0.315392 * red(e.l20) * (3 * z * z - 1) + 0.546274 * red(e.l22) * (x * x - y * y);
+}
+
+TEST_P(StrandColor, TakesAnEnvironmentByTheSineToTheFiber) {
+  StrandMaterial& m = run_.scene.hair(run_.lastHair()).material;
+  m.rootColor = m.tipColor = {0.5f, 0.5f, 0.5f};
+  const auto lightOf = [&](const EnvironmentLight& environment) {
+    const std::vector<Float4> pixels =
+        row({.color = {0, 0, 0}, .ambient = {0, 0, 0}, .environment = environment});
+    return pixels.size() == kRowPixels ? static_cast<double>(pixels[kRowPixels / 2].x) : -1;
+  };
+  // The fiber lies along x, and shows its side along z.
+  for (Float3 EnvironmentLight::*band :
+       {&EnvironmentLight::l1m1, &EnvironmentLight::l10, &EnvironmentLight::l11,
+        &EnvironmentLight::l2m2, &EnvironmentLight::l2m1, &EnvironmentLight::l20,
+        &EnvironmentLight::l21, &EnvironmentLight::l22}) {
+    EnvironmentLight one;
+    one.l00 = {4, 0, 0};
+    one.*band = {0.8f, 0, 0};
+    double sum = 0, weights = 0;
+    constexpr int kSteps = 160;
+    for (int i = 0; i < kSteps; ++i)
+      for (int k = 0; k < kSteps; ++k) {
+        const double along = (i + 0.5) / kSteps * 2 - 1,
+                     around = (k + 0.5) / kSteps * 2 * std::numbers::pi;
+        const double sine = std::sqrt(1 - along * along);
+        sum += sine * radianceOf(one, {along, sine * std::cos(around), sine * std::sin(around)});
+        weights += sine;
+      }
+    const double facing = 0.488603 * static_cast<double>(one.l10.x);
+    EXPECT_NEAR(lightOf(one), 0.5 * (sum / weights + 2.0 / 3 * facing), 2e-3);
+  }
+  // Nothing comes from where the sum is negative.
+  EXPECT_EQ(lightOf({.l00 = {-1, 0, 0}}), 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, StrandColor, testing::ValuesIn(kApis), apiTestName);

@@ -209,12 +209,13 @@ class MapRun {
     return sum;
   }
 
-  std::vector<float> transmittance(const std::vector<Float4>& points) {
+  std::vector<float> transmittance(const std::vector<Float4>& points, bool soft = false) {
     const GuardedBuffer<Float4> pointBuffer(gpu_, "readPoints", points);
     const GuardedBuffer<float> results(gpu_, "readResults", std::vector<float>(points.size(), -1));
     shadow_test::ReadShadowConstants constants = {};
     constants.readCount = static_cast<uint32_t>(points.size());
     constants.readView = 1;
+    constants.readSoft = soft ? 1 : 0;
     dispatch(gpu_, shadow_test::readStrandShadowVariant({}), points.size(), [&](PassBuilder& pass) {
       pointBuffer.bindTo(pass, "g_readPoints");
       words_.bindTo(pass, "g_readWords");

@@ -124,8 +124,8 @@ TEST_P(StrandShadow, TransmittanceIsThatOfABeamThroughTheHair) {
   };
   // Distances alone have the mean density where hair is denser or thinner: a point can be off by
   // any amount, and the mean alone says something. What they hold, the next test knows exactly.
-  for (const Level level : {Level{0, 0.145, 1}, Level{4, 0.049, 0.30}, Level{8, 0.0295, 0.18},
-                            Level{16, 0.022, 0.125}}) {
+  for (const Level level : {Level{0, 0.145, 1}, Level{4, 0.049, 0.30}, Level{8, 0.0305, 0.18},
+                            Level{16, 0.0225, 0.125}}) {
     const StrandShadowPlan plan = planFor(headDef(256, level.layers), {hair.shadowed()});
     MapRun run(gpu(), plan);
     run.draw(hair);
@@ -174,6 +174,47 @@ TEST_P(StrandShadow, TransmittanceIsThatOfTheTexelsInDoublePrecision) {
     EXPECT_LT(max, 1.2e-4) << layers << " layers";
     RecordProperty("exact" + std::to_string(layers), testing::PrintToString(std::pair(mean, max)));
   }
+}
+
+// At the middle of a texel light is that of the texel alone.
+TEST_P(StrandShadow, SoftLightIsTheMeanOfFiveTexels) {
+  static const Hair hair = headOfHair(4000, 12);
+  const StrandShadowPlan plan = planFor(headDef(256, 8), {hair.shadowed()});
+  const StrandShadowView& view = plan.view;
+  const Receivers receivers(hair, axesOf(view), 500, 2 * static_cast<double>(view.texelSize));
+  const Eigen::Vector4d rows[] = {rowOf(view.mapX), rowOf(view.mapY)};
+  const Eigen::Vector2d offsets[] = {{0, 0}, {1.8, 0.7}, {-0.7, 1.8}, {-1.8, -0.7}, {0.7, -1.8}};
+  std::vector<Float4> points, middles;
+  for (const Float4& point : receivers.points) {
+    const Vector3d position = toVector(point);
+    bool isNearEdge = false;
+    std::vector<Float4> five;
+    for (const Eigen::Vector2d& offset : offsets) {
+      Vector3d middle = position;
+      for (int axis = 0; axis < 2; ++axis) {
+        const double at = rows[axis].dot(position.homogeneous());
+        const double share = at + offset[axis] - std::floor(at + offset[axis]);
+        isNearEdge = isNearEdge || std::abs(share - 0.5) > 0.499;
+        middle += (std::floor(at + offset[axis]) + 0.5 - at) * static_cast<double>(view.texelSize) *
+                  rows[axis].head<3>().normalized();
+      }
+      five.push_back(toFloat4(middle));
+    }
+    if (isNearEdge) continue;
+    points.push_back(point);
+    middles.insert(middles.end(), five.begin(), five.end());
+  }
+  ASSERT_GT(points.size(), 400u);
+  MapRun run(gpu(), plan);
+  run.draw(hair);
+  const std::vector<float> soft = run.transmittance(points, true),
+                           each = run.transmittance(middles);
+  for (size_t i = 0; i < soft.size(); ++i) {
+    float sum = 0;
+    for (size_t k = 0; k < 5; ++k) sum += each[5 * i + k];
+    EXPECT_NEAR(soft[i], sum / 5, 1e-3f) << "point " << i;
+  }
+  EXPECT_EQ(run.transmittance({{1e6f, 0, 0, 0}}, true), std::vector<float>{1});
 }
 
 // A strand alone that goes through the map at a slope of 1: the nearest of its hair in the texels
@@ -275,7 +316,8 @@ TEST_P(StrandShadow, SumsDoNotOverflowWhenAllHairIsInOneTexel) {
   const double area = reference::coveredArea(hair.fibers(), flat.axes);
   EXPECT_GT(area / texelArea(plan), 10000);
   EXPECT_NEAR(run.sumOfDepths() * texelArea(plan) / area, 1, 1e-3);
-  const float behind = run.transmittance({toFloat4(flat.axes.toLight * -0.1)})[0];
+  const Vector3d middle = toVector(flat.at(32.5, 32.5));
+  const float behind = run.transmittance({toFloat4(middle - flat.axes.toLight * 0.1)})[0];
   EXPECT_LT(behind, 1e-6f);
   // A little wider, and the sums need larger quanta.
   hair.radius *= 1.004f;

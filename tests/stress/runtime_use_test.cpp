@@ -92,6 +92,7 @@ void change(StrandMaterial& m, Dice& dice) {
   m.cuticleTilt = dice.between(-0.2f, 0.2f);
   m.refractiveIndex = dice.between(1.01f, 3);
   m.scatteredShare = dice.share();
+  m.multipleScattering = dice.share();
 }
 
 void change(HairObject& hair, Dice& dice, bool structure) {

@@ -107,7 +107,7 @@ struct Session {
 Session sessionOf(const std::string& api, const Folder& folder, const std::string& script,
                   const std::string& arguments, const std::string& displayName = display()) {
   Session session;
-  session.output = folder.run(api, script, arguments, displayName);
+  session.output = folder.run(api, script, arguments + " --coarse 1 --shadow none", displayName);
   for (const auto& entry : std::filesystem::directory_iterator(folder.file(""))) {
     if (entry.path().extension() != ".png") continue;
     const auto image = sample::readPng(entry.path().string());

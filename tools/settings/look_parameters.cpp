@@ -132,6 +132,13 @@ std::vector<Parameter> fiberRows() {
                 "Fiber model: share of the light that is scattered in all directions.")
           .within(0, 1)
           .pictured(),
+      PELAGE_PARAMETER(StrandMaterial, multipleScattering)
+          .says(
+              "share", "0..1",
+              "Fiber model: share of the light that passes from fiber to fiber, for lights with a "
+              "shadow.")
+          .within(0, 1)
+          .pictured(),
   };
 }
 
@@ -217,6 +224,43 @@ std::vector<Parameter> shadowRows() {
   };
 }
 
+std::vector<Parameter> environmentRows() {
+  return {
+      PELAGE_INNER_PARAMETER(Light, environment, EnvironmentLight, l00)
+          .says("linear RGB", "finite",
+                "Radiance from direction (x, y, z) times 0.282095: mean radiance, which adds to "
+                "ambient.")
+          .slider(-1, 1),
+      PELAGE_INNER_PARAMETER(Light, environment, EnvironmentLight, l1m1)
+          .says("linear RGB", "finite",
+                "Radiance from direction (x, y, z) times 0.488603 y: from above.")
+          .slider(-1, 1),
+      PELAGE_INNER_PARAMETER(Light, environment, EnvironmentLight, l10)
+          .says("linear RGB", "finite", "Radiance from direction (x, y, z) times 0.488603 z.")
+          .slider(-1, 1),
+      PELAGE_INNER_PARAMETER(Light, environment, EnvironmentLight, l11)
+          .says("linear RGB", "finite", "Radiance from direction (x, y, z) times 0.488603 x.")
+          .slider(-1, 1),
+      PELAGE_INNER_PARAMETER(Light, environment, EnvironmentLight, l2m2)
+          .says("linear RGB", "finite", "Radiance from direction (x, y, z) times 1.092548 x y.")
+          .slider(-1, 1),
+      PELAGE_INNER_PARAMETER(Light, environment, EnvironmentLight, l2m1)
+          .says("linear RGB", "finite", "Radiance from direction (x, y, z) times 1.092548 y z.")
+          .slider(-1, 1),
+      PELAGE_INNER_PARAMETER(Light, environment, EnvironmentLight, l20)
+          .says("linear RGB", "finite",
+                "Radiance from direction (x, y, z) times 0.315392 (3 z^2 - 1).")
+          .slider(-1, 1),
+      PELAGE_INNER_PARAMETER(Light, environment, EnvironmentLight, l21)
+          .says("linear RGB", "finite", "Radiance from direction (x, y, z) times 1.092548 x z.")
+          .slider(-1, 1),
+      PELAGE_INNER_PARAMETER(Light, environment, EnvironmentLight, l22)
+          .says("linear RGB", "finite",
+                "Radiance from direction (x, y, z) times 0.546274 (x^2 - y^2).")
+          .slider(-1, 1),
+  };
+}
+
 }  // namespace
 
 std::vector<Parameter> materialParameters() {
@@ -227,7 +271,7 @@ std::vector<Parameter> materialParameters() {
 
 std::vector<Parameter> lightParameters() {
   std::vector<Parameter> rows = lightRows();
-  append(rows, shadowRows());
+  for (auto* more : {&environmentRows, &shadowRows}) append(rows, (*more)());
   return rows;
 }
 

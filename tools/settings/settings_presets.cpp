@@ -9,34 +9,33 @@ constexpr SettingsPreset kPresets[] = {
     {"long", "Long straight dark hair that swings.", R"({
   "simulation": {"damping": 0.04, "bendLength": 0.12, "globalStiffness": 0.03, "globalRange": 0.4,
                  "vspCoefficient": 0.2},
-  "material": {"rootColor": [0.012, 0.008, 0.007], "tipColor": [0.04, 0.024, 0.018],
-               "fiberRadius": 115e-6, "primaryStrength": 0.16, "primaryExponent": 90,
-               "secondaryStrength": 0.9, "secondaryExponent": 14},
+  "material": {"rootColor": [0.008, 0.006, 0.005], "tipColor": [0.022, 0.014, 0.011],
+               "colorVariation": 0.25, "fiberRadius": 115e-6, "tipRadiusRatio": 0.15,
+               "model": "fiber", "longitudinalRoughness": 0.2},
   "follow": {"countPerGuide": 10}
 })"},
     {"curly", "Red curls, lit as dielectric fibers are.", R"({
   "simulation": {"damping": 0.04, "bendLength": 0.08, "globalStiffness": 0.1, "globalRange": 0.4,
                  "vspCoefficient": 0.2},
-  "material": {"rootColor": [0.2, 0.055, 0.02], "tipColor": [0.46, 0.17, 0.055],
-               "fiberRadius": 115e-6, "model": "fiber", "primaryStrength": 0.09,
-               "primaryExponent": 50, "secondaryStrength": 0.9, "secondaryExponent": 14,
-               "scatteredShare": 0.35},
+  "material": {"rootColor": [0.06, 0.016, 0.004], "tipColor": [0.2, 0.058, 0.012],
+               "colorVariation": 0.25, "fiberRadius": 115e-6, "tipRadiusRatio": 0.15,
+               "model": "fiber", "longitudinalRoughness": 0.35},
   "follow": {"countPerGuide": 10, "maxRadius": 0.003}
 })"},
     {"fur", "Short dense fur that stands up again.", R"({
   "simulation": {"damping": 0.04, "bendLength": 0.08, "globalStiffness": 0.3, "globalRange": 0.4,
                  "vspCoefficient": 0.2},
-  "material": {"rootColor": [0.1, 0.07, 0.045], "tipColor": [0.62, 0.52, 0.38],
-               "fiberRadius": 70e-6, "primaryStrength": 0.09, "primaryExponent": 50,
-               "secondaryStrength": 0.9, "secondaryExponent": 14},
+  "material": {"rootColor": [0.06, 0.04, 0.022], "tipColor": [0.5, 0.37, 0.2],
+               "colorVariation": 0.25, "fiberRadius": 70e-6, "tipRadiusRatio": 0.15,
+               "model": "fiber", "longitudinalRoughness": 0.45},
   "follow": {"countPerGuide": 8, "maxRadius": 0.002}
 })"},
     {"mohawk", "A stiff red strip that stands.", R"({
   "simulation": {"damping": 0.04, "bendLength": 0.3, "globalStiffness": 0.2, "globalRange": 0.4,
                  "vspCoefficient": 0.2},
-  "material": {"rootColor": [0.16, 0.026, 0.01], "tipColor": [0.55, 0.1, 0.03],
-               "fiberRadius": 115e-6, "primaryStrength": 0.09, "primaryExponent": 50,
-               "secondaryStrength": 0.9, "secondaryExponent": 14},
+  "material": {"rootColor": [0.07, 0.009, 0.003], "tipColor": [0.34, 0.05, 0.008],
+               "colorVariation": 0.25, "fiberRadius": 115e-6, "tipRadiusRatio": 0.15,
+               "model": "fiber"},
   "follow": {"countPerGuide": 10, "maxRadius": 0.003}
 })"},
     {"afro", "Tight dark curls that keep their volume and move as one.", R"({
@@ -44,7 +43,7 @@ constexpr SettingsPreset kPresets[] = {
                  "vspCoefficient": 0.4, "contact": {"stiffness": 0.2, "friction": 0.3}},
   "material": {"rootColor": [0.012, 0.008, 0.006], "tipColor": [0.03, 0.018, 0.012],
                "colorVariation": 0.25, "fiberRadius": 90e-6, "model": "fiber",
-               "longitudinalRoughness": 0.4, "azimuthalRoughness": 0.5, "scatteredShare": 0.5},
+               "longitudinalRoughness": 0.4, "azimuthalRoughness": 0.5},
   "follow": {"countPerGuide": 16, "maxRadius": 0.004}
 })"},
     {"beard", "Short coarse hair that hardly moves.", R"({

@@ -42,7 +42,7 @@ Result<DemoScene> DemoScene::create(const Character& character, const DemoDef& d
   demo.setMotion(def.motion);
   demo.cameraDef_.direction = kCharacterCameraDirection;
   demo.cameraDef_.margin = 0.02f;
-  demo.takeLook(studioLight(kCharacterCameraDirection), def);
+  demo.takeLook({studioLight(kCharacterCameraDirection)}, def);
 
   for (const CharacterGroom& groom : character.grooms) {
     pelage::HairAsset hair = groom.hair;

@@ -86,18 +86,19 @@ DemoScene::DemoScene(const DemoDef& def)
 // A scene that was moved from has none of these.
 DemoScene::~DemoScene() {
   for (MeshObject& mesh : meshes_) mesh.remove(scene_->resources());
-  if (!hairs_.empty() && opaqueDepth_ != pelage::BufferId::kInvalid)
-    scene_->resources().remove(opaqueDepth_);
+  if (!hairs_.empty())
+    for (const pelage::BufferId depth : opaqueDepths_)
+      if (depth != pelage::BufferId::kInvalid) scene_->resources().remove(depth);
   for (const pelage::HairId hair : hairs_) (void)scene_->removeHair(hair);
   for (const pelage::ColliderId collider : colliders_) (void)scene_->removeCollider(collider);
 }
 
 // How what is drawn looks.
-void DemoScene::takeLook(const pelage::Light& from, const DemoDef& def) {
+void DemoScene::takeLook(std::vector<pelage::Light> from, const DemoDef& def) {
   drawSdf_ = def.drawSdf;
   drawContacts_ = def.drawContacts;
   pelage::SceneSettings scene;
-  scene.lights = {from};
+  scene.lights = std::move(from);
   if (def.settings) def.settings->apply(scene);
   // A scene without lights is dark.
   if (scene.lights.empty()) scene.lights = {{.color = {0, 0, 0}, .ambient = {0, 0, 0}}};
@@ -105,6 +106,18 @@ void DemoScene::takeLook(const pelage::Light& from, const DemoDef& def) {
   moreLights.assign(scene.lights.begin() + 1, scene.lights.end());
   colliderLook_ = scene.colliderLook;
   contactLook_ = scene.contactLook;
+}
+
+void DemoScene::setShadow(pelage::HairShadow shadow) {
+  light.shadow = shadow;
+  // A shadow that it removed comes back.
+  unshadowed_.resize(moreLights.size());
+  for (size_t i = 0; i < moreLights.size(); ++i) {
+    pelage::HairShadow& own = moreLights[i].shadow;
+    if (own == pelage::HairShadow::kNone && !unshadowed_[i]) continue;
+    own = shadow;
+    unshadowed_[i] = shadow == pelage::HairShadow::kNone;
+  }
 }
 
 std::vector<pelage::Light> DemoScene::allLights() const {
@@ -122,7 +135,7 @@ Result<DemoScene> DemoScene::create(const DemoAssets& assets, const DemoDef& def
   demo.cycle_ = {0, kHeadMotionSeconds};
   const Look look = generatedLook(def.preset, def.solver);
   demo.cameraDef_ = look.camera;
-  demo.takeLook(studioLight(look.camera.direction), def);
+  demo.takeLook(studioLights(look.camera.direction), def);
 
   pelage::HairDef hairDef;
   hairDef.name = assets.name;
@@ -329,29 +342,37 @@ Result<void> DemoScene::drawMeshes(const pelage::View& view, pelage::PassList& l
 }
 
 Result<void> DemoScene::castOpaqueShadow(pelage::HeadlessDevice& device) {
+  if (Result<void> done = castOpaqueShadow(0, light, device); !done) return done;
+  for (size_t i = 0; i < moreLights.size(); ++i)
+    if (Result<void> done = castOpaqueShadow(i + 1, moreLights[i], device); !done) return done;
+  return {};
+}
+
+Result<void> DemoScene::castOpaqueShadow(size_t index, pelage::Light& from,
+                                         pelage::HeadlessDevice& device) {
   constexpr uint32_t kSize = 1024;  // texels: 0.7 mm on a head
-  const float bias = light.opaque.bias;
-  light.opaque = {.bias = bias};
-  if (light.shadow == pelage::HairShadow::kNone || meshes_.empty()) return {};
-  if (opaqueDepth_ == pelage::BufferId::kInvalid) {
-    opaqueDepth_ = scene_->resources().add({.name = "opaque shadow",
-                                            .size = uint64_t{kSize} * kSize * sizeof(float),
-                                            .stride = sizeof(float)});
+  from.opaque = {.bias = from.opaque.bias};
+  if (from.shadow == pelage::HairShadow::kNone || meshes_.empty()) return {};
+  opaqueDepths_.resize(std::max(opaqueDepths_.size(), index + 1), pelage::BufferId::kInvalid);
+  pelage::BufferId& depth = opaqueDepths_[index];
+  if (depth == pelage::BufferId::kInvalid) {
+    depth = scene_->resources().add({.name = "opaque shadow",
+                                     .size = uint64_t{kSize} * kSize * sizeof(float),
+                                     .stride = sizeof(float)});
   }
-  const pelage::View view = lightView(sweptPoints_, light.direction, kSize);
+  const pelage::View view = lightView(sweptPoints_, from.direction, kSize);
   pelage::PassList list;
   for (const MeshObject& mesh : meshes_)
     if (Result<void> done = mesh.draw(view, light, list); !done) return done;
   finish(list);
   if (Result<void> done = device.update(resources()); !done) return done;
-  const auto image =
-      device.render(list, {.width = kSize, .height = kSize, .depthCopy = opaqueDepth_});
+  const auto image = device.render(list, {.width = kSize, .height = kSize, .depthCopy = depth});
   if (!image) return image.error();
-  light.opaque = {.depth = opaqueDepth_,
-                  .width = kSize,
-                  .height = kSize,
-                  .worldToClip = view.worldToClip,
-                  .bias = bias};
+  from.opaque = {.depth = depth,
+                 .width = kSize,
+                 .height = kSize,
+                 .worldToClip = view.worldToClip,
+                 .bias = from.opaque.bias};
   return {};
 }
 

@@ -113,6 +113,8 @@ class DemoScene {
   /// the next draw(): Light::opaque. After advance(). It takes nothing where the light casts no
   /// shadow or there is no mesh.
   pelage::Result<void> castOpaqueShadow(pelage::HeadlessDevice& device);
+  /// Sets the shadow that hair casts, of the light and those of moreLights that have one.
+  void setShadow(pelage::HairShadow shadow);
   /// Adds the draws of mesh and hair, without sorting.
   pelage::Result<void> draw(const pelage::View& view, pelage::PassList& list);
   /// Adds them to lists that run one after another. lists[0] keeps what it has.
@@ -189,6 +191,8 @@ class DemoScene {
       const std::vector<pelage::AffineTransform>& posed) const;
   pelage::Result<void> drawContacts(const pelage::View& view, pelage::PassList& list);
   pelage::Result<void> castHairShadow(pelage::PassList& list);
+  pelage::Result<void> castOpaqueShadow(size_t index, pelage::Light& from,
+                                        pelage::HeadlessDevice& device);
   pelage::Result<void> addMesh(const pelage::CollisionMesh& mesh, MeshDef def);
   pelage::Result<void> addHead(const DemoAssets& assets, const DemoDef& def);
   pelage::Result<void> addFiles(const FileAssets& files, const std::vector<std::string>& bones,
@@ -198,7 +202,7 @@ class DemoScene {
   pelage::Result<void> addCollider(const pelage::CollisionMesh& mesh,
                                    const pelage::SdfColliderDef& from, const DemoDef& demo);
   pelage::Result<void> addBody(const pelage::Character& character);
-  void takeLook(const pelage::Light& from, const DemoDef& def);
+  void takeLook(std::vector<pelage::Light> from, const DemoDef& def);
   std::vector<pelage::Light> allLights() const;
 
   std::unique_ptr<pelage::Scene> ownScene_;  ///< nullptr: it is somebody else's
@@ -208,8 +212,9 @@ class DemoScene {
   std::vector<std::vector<float>> restLengths_;  ///< [hair]
   std::vector<MeshObject> meshes_;
   std::vector<pelage::ColliderId> colliders_;
-  pelage::BufferId opaqueDepth_ = pelage::BufferId::kInvalid;  ///< of Light::opaque
-  bool hairShadowsMeshes_ = false;                             ///< in the last draw()
+  std::vector<pelage::BufferId> opaqueDepths_;  ///< [light], of Light::opaque
+  std::vector<bool> unshadowed_;                ///< [moreLights]: by setShadow()
+  bool hairShadowsMeshes_ = false;              ///< in the last draw()
   bool drawSdf_ = false, drawContacts_ = false;
   pelage::ColliderLook colliderLook_;
   pelage::ContactLook contactLook_;

@@ -144,7 +144,7 @@ Result<DemoScene> DemoScene::create(const FileAssets& files, const DemoDef& def)
   demo.cycle_ = {0, files.motion ? files.motion->seconds : kHeadMotionSeconds};
   demo.boneCount_ = static_cast<uint32_t>(std::max<size_t>(names.size(), 1));
   demo.cameraDef_.direction = kFileCameraDirection;
-  demo.takeLook(studioLight(kFileCameraDirection), def);
+  demo.takeLook(studioLights(kFileCameraDirection), def);
   if (def.drawSdf && files.assets.meshes.empty())
     return Error{ErrorCode::kInvalidArgument, "there is no mesh whose field could be drawn"};
   if (Result<void> added = demo.addFiles(files, names, def); !added) return added.error();

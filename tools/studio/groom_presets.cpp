@@ -4,16 +4,15 @@ namespace sample {
 
 namespace {
 
-// Chestnut hair whose bind shape hangs already.
+// Chestnut hair whose bind shape hangs already, lit as dielectric fibers are.
 PresetLook parted() {
   PresetLook look;
-  look.material.rootColor = {0.030f, 0.014f, 0.009f};
-  look.material.tipColor = {0.165f, 0.083f, 0.040f};
+  look.material.model = pelage::ShadingModel::kFiber;
+  look.material.rootColor = {0.018f, 0.009f, 0.006f};
+  look.material.tipColor = {0.110f, 0.052f, 0.026f};
+  look.material.colorVariation = 0.25f;
   look.material.fiberRadius = 115e-6f;
-  look.material.primaryStrength = 0.09f;
-  look.material.primaryExponent = 50;
-  look.material.secondaryStrength = 0.9f;
-  look.material.secondaryExponent = 14;
+  look.material.tipRadiusRatio = 0.15f;
   return look;
 }
 
@@ -21,20 +20,18 @@ PresetLook straight() {
   PresetLook look = parted();
   look.groom.style = pelage::HairStyle::kSweptBack;
   look.groom.length = 0.34f;
-  look.groom.lengthVariation = 0.06f;
+  look.groom.lengthVariation = 0.16f;
   look.groom.verticesPerStrand = 32;
   look.groom.curlRadius = 0;
   look.groom.clumpStrength = 0.25f;
   look.groom.noise = 0.002f;
-  look.material.rootColor = {0.012f, 0.008f, 0.007f};
-  look.material.tipColor = {0.040f, 0.024f, 0.018f};
-  look.material.primaryStrength = 0.16f;
-  look.material.primaryExponent = 90;
+  look.material.rootColor = {0.008f, 0.006f, 0.005f};
+  look.material.tipColor = {0.022f, 0.014f, 0.011f};
+  look.material.longitudinalRoughness = 0.2f;
   look.bendLength = 0.12f;
   return look;
 }
 
-// Lit as dielectric fibers are.
 PresetLook curly() {
   PresetLook look = parted();
   look.groom.length = 0.24f;
@@ -45,10 +42,9 @@ PresetLook curly() {
   look.groom.clumpCount = 420;
   look.groom.clumpStrength = 0.55f;
   look.groom.volume = 0.016f;
-  look.material.rootColor = {0.20f, 0.055f, 0.020f};
-  look.material.tipColor = {0.46f, 0.17f, 0.055f};
-  look.material.model = pelage::ShadingModel::kFiber;
-  look.material.scatteredShare = 0.35f;
+  look.material.rootColor = {0.060f, 0.016f, 0.004f};
+  look.material.tipColor = {0.200f, 0.058f, 0.012f};
+  look.material.longitudinalRoughness = 0.35f;
   look.globalStiffness = 0.10f;
   look.followRadius = 0.003f;
   return look;
@@ -67,8 +63,9 @@ PresetLook fur() {
   look.groom.clumpCount = 1500;
   look.groom.clumpStrength = 0.3f;
   look.groom.noise = 0.002f;
-  look.material.rootColor = {0.10f, 0.070f, 0.045f};
-  look.material.tipColor = {0.62f, 0.52f, 0.38f};
+  look.material.rootColor = {0.060f, 0.040f, 0.022f};
+  look.material.tipColor = {0.50f, 0.37f, 0.20f};
+  look.material.longitudinalRoughness = 0.45f;
   look.material.fiberRadius = 70e-6f;
   look.globalStiffness = 0.3f;
   look.followPerGuide = 8;
@@ -88,8 +85,8 @@ PresetLook mohawk() {
   look.groom.curlRadius = 0.001f;
   look.groom.clumpCount = 60;
   look.groom.clumpStrength = 0.6f;
-  look.material.rootColor = {0.16f, 0.026f, 0.010f};
-  look.material.tipColor = {0.55f, 0.10f, 0.030f};
+  look.material.rootColor = {0.070f, 0.009f, 0.003f};
+  look.material.tipColor = {0.340f, 0.050f, 0.008f};
   look.bendLength = 0.3f;
   look.globalStiffness = 0.2f;
   look.followRadius = 0.003f;

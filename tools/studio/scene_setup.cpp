@@ -50,16 +50,38 @@ void sweepMesh(const pelage::CollisionMesh& mesh, const std::vector<AffineTransf
     points.push_back(blendedPoint(bones, mesh.influences[i], mesh.positions[i]));
 }
 
-pelage::Light studioLight(const Float3& camera) {
+namespace {
+
+// A direction in the view of a camera that looks horizontally.
+Float3 fromCamera(const Float3& camera, float right, float up, float back) {
   const float length = std::hypot(camera.x, camera.z);
-  const Float3 back =
-      length > 0 ? Float3{camera.x / length, 0, camera.z / length} : Float3{0, 0, 1};
-  constexpr float kLeft = 0.55f, kUp = 0.70f, kBack = 0.62f;
+  const Float3 to = length > 0 ? Float3{camera.x / length, 0, camera.z / length} : Float3{0, 0, 1};
+  return {back * to.x + right * to.z, up, back * to.z - right * to.x};
+}
+
+}  // namespace
+
+pelage::Light studioLight(const Float3& camera) {
   pelage::Light light;
-  light.direction = {kBack * back.x - kLeft * back.z, kUp, kBack * back.z + kLeft * back.x};
+  light.direction = fromCamera(camera, -0.55f, 0.70f, 0.62f);
   light.color = {1.32f, 1.24f, 1.12f};
   light.ambient = {0.19f, 0.22f, 0.27f};
+  // Bands of order 1 are radiance over 0.488603.
+  const Float3 fill = fromCamera(camera, 0.5f, 0, 0.4f);
+  light.environment.l1m1 = {0.20f, 0.23f, 0.28f};
+  light.environment.l10 = {0.16f * fill.z, 0.17f * fill.z, 0.19f * fill.z};
+  light.environment.l11 = {0.16f * fill.x, 0.17f * fill.x, 0.19f * fill.x};
   return light;
+}
+
+std::vector<pelage::Light> studioLights(const Float3& camera) {
+  pelage::Light rim;
+  rim.direction = fromCamera(camera, 0.45f, 0.62f, -0.75f);
+  rim.color = {0.24f, 0.26f, 0.30f};
+  rim.ambient = {};
+  rim.shadow = pelage::HairShadow::kDeep;
+  rim.shadowSize = 512;
+  return {studioLight(camera), rim};
 }
 
 pelage::View lightView(std::span<const Float3> points, const Float3& toLight, uint32_t size) {

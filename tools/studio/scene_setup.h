@@ -31,8 +31,11 @@ void sweepHair(const pelage::HairAsset& hair, std::span<const pelage::BoneInflue
 void sweepMesh(const pelage::CollisionMesh& mesh, const std::vector<pelage::AffineTransform>& bones,
                std::vector<pelage::Float3>& points);
 
-/// A warm light from the upper left of a camera in this direction, and a cool sky.
+/// The key of a studio for a camera in this direction: a warm light from the upper left. Its
+/// environment is the fill: a cool sky, and less light from the right.
 pelage::Light studioLight(const pelage::Float3& camera);
+/// The key, and a cool rim light from behind on the right.
+std::vector<pelage::Light> studioLights(const pelage::Float3& camera);
 
 /// A parallel view of these points from the light, on a map of size x size texels, with depth for
 /// three times their extent in front of them.

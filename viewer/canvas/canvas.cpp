@@ -80,7 +80,7 @@ pelage::Result<std::unique_ptr<Canvas>> createCanvas(const CanvasDef& def, Windo
 }
 
 pelage::Result<pelage::PassList> pictureList(pelage::TextureId scene, uint32_t width,
-                                             uint32_t height, bool flipsRows) {
+                                             uint32_t height, bool flipsRows, uint32_t coarseness) {
   const sample::Backdrop backdrop;
   PictureConstants constants = {};
   constants.backdropTop = {backdrop.top.x, backdrop.top.y, backdrop.top.z, backdrop.glow};
@@ -88,6 +88,7 @@ pelage::Result<pelage::PassList> pictureList(pelage::TextureId scene, uint32_t w
   constants.pictureWidth = width;
   constants.pictureHeight = height;
   constants.flipsRows = flipsRows ? 1 : 0;
+  constants.coarseness = coarseness;
   pelage::DrawState state;
   state.depthCompare = pelage::DepthCompare::kAlways;
   state.depthWrite = false;

@@ -59,6 +59,9 @@ struct CanvasFrame {
   std::span<const CanvasView> views;  ///< all views of the frame
   ImDrawData* interface = nullptr;
   bool captures = false;  ///< captured() has the picture
+  /// Edge of a pixel of the scene [pixels of the window], >= 1: the views take the top left of the
+  /// target, and the picture magnifies them.
+  uint32_t coarseness = 1;
 };
 
 /// Owns a device. It draws the scene into a linear target with depth, puts it over a backdrop,
@@ -117,7 +120,7 @@ std::filesystem::path cacheFolder();
 /// encoded for the screen. \param scene the scene's color, registered with the runtime: a 2D array
 /// of one layer.
 pelage::Result<pelage::PassList> pictureList(pelage::TextureId scene, uint32_t width,
-                                             uint32_t height, bool flipsRows);
+                                             uint32_t height, bool flipsRows, uint32_t coarseness);
 
 /// Checks that a device has targets with so many samples. Error: kUnsupported, with the numbers
 /// that it has.

@@ -7,8 +7,8 @@ cbuffer PictureConstants : register(b0, space0) {
   float4 g_backdropBottom;  // linear rgb
   uint g_pictureWidth;      // [pixels]
   uint g_pictureHeight;
-  uint g_flipsRows;  // 1: row 0 of the target is the bottom one
-  uint g_picturePad0;
+  uint g_flipsRows;   // 1: row 0 of the target is the bottom one
+  uint g_coarseness;  // edge of a pixel of the scene [pixels of the picture], >= 1
 };
 
 Texture2DArray<float4> g_sceneColor : register(t0, space0);  // [0] linear, premultiplied alpha

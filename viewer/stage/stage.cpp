@@ -249,7 +249,7 @@ void Stage::applyLook(uint32_t width, uint32_t height) {
         scene_.hair(hair).settings.wind.velocity = look.wind;
       scene_.hair(hair).drawnShare = look.strandShare;
     }
-    side.demo->light.shadow = look.shadow;
+    side.demo->setShadow(look.shadow);
   }
   if (resized || applied_->look.transparency != look.transparency) {
     transparency.restart(look.transparency);

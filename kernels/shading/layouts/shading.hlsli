@@ -17,7 +17,8 @@ static const uint kNoStrandShadow = 0xffffffffu;
 struct StrandShading {
   uint4 model;  // x one of the above; yzw 0
   // x Kajiya-Kay's diffuse strength, y strength of ambient light, z share of the light that the
-  // fiber models scatter in all directions, as neighboring fibers do; w 0
+  // fiber models scatter in all directions, as neighboring fibers do; w share of the light between
+  // fibers (strand_volume.hlsli)
   float4 body;
   // Kajiya-Kay's highlights: x strength, y exponent, z shift (< 0 towards the root), w share of the
   // base color in theirs

@@ -36,7 +36,7 @@ struct StrandShadowView {
   float maxRadius;   // maximum radius of a fiber [texel]; wider ones count as this
   float nearW;       // w below this is not in the map; > 0
   uint faceCount;    // 1, or 6: a cube
-  uint pad0;
+  float across;      // optical depth from side to side of all hair, if it had its mean density
   uint pad1;
   uint pad2;
 };

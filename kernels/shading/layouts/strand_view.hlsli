@@ -27,14 +27,33 @@ cbuffer StrandViewConstants : STRAND_VIEW_REGISTER {
   uint4 g_shadowSizes[4];
   float4 g_shadowDepths[4];
   float4 g_shadowScales[4];
-  uint4 g_shadowFaces[4];  // x faceCount
+  uint4 g_shadowFaces[4];  // x faceCount, y the bits of across
   float4 g_lightCones[8];  // StrandLight.cone, [light]
   // Members of OpaqueShadowView, [shadow]: clipX to clipW; width, height, firstWord, reversedDepth;
   // bias.
   float4 g_opaqueRows[16];
   uint4 g_opaqueSizes[4];
   float4 g_opaqueBiases[4];
+  // Light from all sides, linear rgb: g_ambientColor plus a sum of these times polynomials of the
+  // direction, y, z, x, x y, y z, 3 z^2 - 1, x z, x^2 - y^2.
+  float4 g_environment[8];
 };
+
+// Radiance that a fiber receives: the mean over all directions, weighted by the sine of their angle
+// to the fiber (Kajiya and Kay 1989), by which band 2 counts -1/8 of its value along the fiber and
+// band 1 cancels out (docs/shading.md).
+float3 environmentOnFiber(float3 t) {
+  float3 along = g_environment[3].rgb * (t.x * t.y) + g_environment[4].rgb * (t.y * t.z) +
+                 g_environment[5].rgb * (3.0 * t.z * t.z - 1.0) +
+                 g_environment[6].rgb * (t.x * t.z) +
+                 g_environment[7].rgb * (t.x * t.x - t.y * t.y);
+  return max(g_ambientColor.rgb - 0.125 * along, float3(0.0, 0.0, 0.0));
+}
+
+// Half of the change of radiance from -d to d.
+float3 environmentSlope(float3 d) {
+  return g_environment[0].rgb * d.y + g_environment[1].rgb * d.z + g_environment[2].rgb * d.x;
+}
 
 StrandLight lightAt(uint index) {
   StrandLight light;
@@ -64,7 +83,7 @@ StrandShadowView shadowAt(uint index) {
   map.maxRadius = g_shadowScales[index].z;
   map.nearW = g_shadowScales[index].w;
   map.faceCount = g_shadowFaces[index].x;
-  map.pad0 = 0u;
+  map.across = asfloat(g_shadowFaces[index].y);
   map.pad1 = 0u;
   map.pad2 = 0u;
   return map;

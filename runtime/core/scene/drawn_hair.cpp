@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -133,7 +134,7 @@ void setShadow(StrandViewConstants& constants, uint32_t index, const StrandShado
   constants.shadowSizes[index] = {map.width, map.height, map.firstWord, map.layerCount};
   constants.shadowDepths[index] = {map.layerRange, map.bias, map.extinction, map.texelSize};
   constants.shadowScales[index] = {map.tauScale, map.tauQuantum, map.maxRadius, map.nearW};
-  constants.shadowFaces[index].x = map.faceCount;
+  constants.shadowFaces[index] = {map.faceCount, std::bit_cast<uint32_t>(map.across), 0, 0};
 }
 
 void setOpaqueShadow(StrandViewConstants& constants, uint32_t index, const OpaqueShadow& map,

@@ -61,8 +61,18 @@ std::string faultOf(const View& view) {
 
 // The same of a light.
 std::string faultOf(const Light& light) {
-  const std::pair<const char*, Float3> vectors[] = {
-      {"color", light.color}, {"ambient", light.ambient}, {"position", light.position}};
+  const std::pair<const char*, Float3> vectors[] = {{"color", light.color},
+                                                    {"ambient", light.ambient},
+                                                    {"position", light.position},
+                                                    {"environment.l00", light.environment.l00},
+                                                    {"environment.l1m1", light.environment.l1m1},
+                                                    {"environment.l10", light.environment.l10},
+                                                    {"environment.l11", light.environment.l11},
+                                                    {"environment.l2m2", light.environment.l2m2},
+                                                    {"environment.l2m1", light.environment.l2m1},
+                                                    {"environment.l20", light.environment.l20},
+                                                    {"environment.l21", light.environment.l21},
+                                                    {"environment.l22", light.environment.l22}};
   for (const auto& [name, vector] : vectors)
     if (!isFinite(vector)) return name + (" is " + toText(vector)) + ", but must be finite";
   if (light.shadow > HairShadow::kDeep) {
@@ -79,6 +89,22 @@ std::string faultOf(const Light& light) {
 }
 
 Float4 withW(Float3 v, float w) { return {v.x, v.y, v.z, w}; }
+
+void addTo(Float4& sum, Float3 v, float weight) {
+  sum.x += weight * v.x;
+  sum.y += weight * v.y;
+  sum.z += weight * v.z;
+}
+
+// Each coefficient times the factor of its polynomial.
+void addEnvironment(const EnvironmentLight& from, StrandViewConstants& constants) {
+  addTo(constants.ambientColor, from.l00, 0.282095f);
+  const std::pair<Float3, float> bands[] = {
+      {from.l1m1, 0.488603f}, {from.l10, 0.488603f}, {from.l11, 0.488603f}, {from.l2m2, 1.092548f},
+      {from.l2m1, 1.092548f}, {from.l20, 0.315392f}, {from.l21, 1.092548f}, {from.l22, 0.546274f}};
+  for (size_t i = 0; i < std::size(bands); ++i)
+    addTo(constants.environment[i], bands[i].first, bands[i].second);
+}
 
 // Root data of draws: colors of an engine's texture, pelage's own texture, or UV alone.
 BufferRange rootRange(const DrawnHair& hair) {
@@ -171,9 +197,8 @@ Result<StrandViewConstants> viewConstants(const View& view, std::span<const Ligh
     constants.lightShadows[i].x = ~0u;
     if (light.outerConeAngle > 0)
       constants.lightCones[i] = coneOf(light, normalized(light.direction));
-    constants.ambientColor.x += light.ambient.x;
-    constants.ambientColor.y += light.ambient.y;
-    constants.ambientColor.z += light.ambient.z;
+    addTo(constants.ambientColor, light.ambient, 1);
+    addEnvironment(light.environment, constants);
   }
   return constants;
 }
@@ -205,6 +230,7 @@ std::string faultOf(const StrandMaterial& m) {
       {"cuticleTilt", m.cuticleTilt},
       {"refractiveIndex", m.refractiveIndex, 1, Range::kInfinity, true},
       {"scatteredShare", m.scatteredShare, 0, 1},
+      {"multipleScattering", m.multipleScattering, 0, 1},
   };
   for (const Range& range : ranges)
     if (const std::string fault = faultOf(range); !fault.empty()) return "material." + fault;
@@ -215,7 +241,7 @@ std::string faultOf(const StrandMaterial& m) {
 
 ShadingParts shadingOf(const StrandMaterial& m) {
   return {static_cast<uint32_t>(m.model),
-          {m.diffuseStrength, m.ambientStrength, m.scatteredShare, 0},
+          {m.diffuseStrength, m.ambientStrength, m.scatteredShare, m.multipleScattering},
           {m.primaryStrength, m.primaryExponent, m.primaryShift, 0},
           {m.secondaryStrength, m.secondaryExponent, m.secondaryShift, m.secondaryTint},
           {m.longitudinalRoughness, m.azimuthalRoughness, m.cuticleTilt, m.refractiveIndex}};

@@ -286,6 +286,8 @@ Result<StrandShadowPlan> planStrandShadow(const StrandShadowDef& def,
   // A ray meets fibers at random, on average every `spacing`: it is not the power of 1 - opacity
   // that the mean of the light has, but that of exp(-opacity).
   view.extinction = static_cast<float>(sums.opaqueArea / volume);
+  view.across =
+      volume > 0 ? static_cast<float>(std::min(2 * radius * sums.opaqueArea / volume, 1e6)) : 0;
   const double depths = sums.opaqueArea > 0 ? kLayerDepths * volume / sums.opaqueArea
                                             : std::numeric_limits<double>::infinity();
   view.layerRange =

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <span>
 
 namespace pelage::reference {
 
@@ -22,8 +24,22 @@ double absorptionOf(double albedo, double betaN);
 double nearScattering(const Fiber& fiber, const Eigen::Vector3d& tangent,
                       const Eigen::Vector3d& toEye, const Eigen::Vector3d& toLight, double offset);
 
-/// Its mean over the offsets, by `steps` midpoints of the arc.
+/// Mean of nearScattering() over the offsets, by `steps` midpoints of the arc.
 double farScattering(const Fiber& fiber, const Eigen::Vector3d& tangent,
                      const Eigen::Vector3d& toEye, const Eigen::Vector3d& toLight, int steps);
+
+/// nearScattering() of fibers that differ in absorption alone. \param light [absorption]
+void nearScattering(const Fiber& fiber, std::span<const double> absorptions,
+                    const Eigen::Vector3d& tangent, const Eigen::Vector3d& toEye,
+                    const Eigen::Vector3d& toLight, double offset, std::span<double> light);
+
+/// A direction towards the light, by chance: the lobe by the light that all of these fibers send
+/// together (Chiang et al. 2016), the direction by the lobe (d'Eon et al. 2011). \param random four
+/// numbers in 0..1. \param weights [absorption] of the path, multiplied by nearScattering() over
+/// the density of the direction
+Eigen::Vector3d sampleScattering(const Fiber& fiber, std::span<const double> absorptions,
+                                 const Eigen::Vector3d& tangent, const Eigen::Vector3d& toEye,
+                                 double offset, const std::array<double, 4>& random,
+                                 std::span<double> weights);
 
 }  // namespace pelage::reference

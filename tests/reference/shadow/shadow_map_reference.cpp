@@ -154,8 +154,9 @@ double ShadowMapReference::light(const Vector3d& point, const ShadowReading& rea
   double sum = 0;
   for (int y = top; y <= top + 1; ++y)
     for (int x = left; x <= left + 1; ++x)
-      sum += weightOf(texel, x, y) * depthAt(x, y, projection_.z.dot(h) - reading.bias * w, here);
-  return std::exp(-sum);
+      sum += weightOf(texel, x, y) *
+             std::exp(-depthAt(x, y, projection_.z.dot(h) - reading.bias * w, here));
+  return sum;
 }
 
 }  // namespace pelage::reference

@@ -1,11 +1,11 @@
-// Reads the transmittance at points from a shadow map.
+// Reads the transmittance at points from a shadow map, or its mean for skin.
 #include "shading/layouts/strand_shadow_view.hlsli"
 
 cbuffer ReadShadowConstants : register(b0, space0) {
   uint g_readCount;
   uint g_readView;
+  uint g_readSoft;  // 1: softTransmittance()
   uint g_readPad0;
-  uint g_readPad1;
 };
 StructuredBuffer<float4> g_readPoints : register(t0, space0);
 StructuredBuffer<uint> g_readWords : register(t1, space0);
@@ -18,6 +18,8 @@ RWStructuredBuffer<float> g_readResults : register(u0, space0);
 [numthreads(64, 1, 1)]
 void read_strand_shadow(uint3 thread : SV_DispatchThreadID) {
   if (thread.x >= g_readCount) return;
-  g_readResults[thread.x] =
-      strandTransmittance(g_readViews[g_readView], g_readPoints[thread.x].xyz);
+  float3 position = g_readPoints[thread.x].xyz;
+  g_readResults[thread.x] = g_readSoft != 0u
+                                ? softTransmittance(g_readViews[g_readView], position)
+                                : strandTransmittance(g_readViews[g_readView], position);
 }

@@ -33,7 +33,7 @@ float4 mesh_pixel(MeshVaryings input) : SV_Target {
   float3 reflected = g_ambientColor.rgb * 0.5;
 #if SHADOWED
   // Hair that keeps the light away covers the skin from about half of all directions.
-  float open = strandTransmittance(g_meshShadowViews[0], input.world);
+  float open = softTransmittance(g_meshShadowViews[0], input.world);
   arriving *= open;
   ambient *= 0.5 + 0.5 * open;
   reflected *= open;

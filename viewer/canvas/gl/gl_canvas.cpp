@@ -346,7 +346,8 @@ Result<void> GlCanvas::draw(const pelage::FrameStep& step, const CanvasFrame& fr
 Result<void> GlCanvas::show(const CanvasFrame& frame) {
   const uint32_t views = frame.frame->viewCount();
   const CanvasTarget& size = target_.size();
-  Result<pelage::PassList> picture = pictureList(scene_, size.width, size.height, true);
+  Result<pelage::PassList> picture =
+      pictureList(scene_, size.width, size.height, true, frame.coarseness);
   if (!picture) return picture.error();
   if (const auto added = frame.frame->addView(*std::move(picture)); !added) return added.error();
   pelage::FrameExecutor executor;

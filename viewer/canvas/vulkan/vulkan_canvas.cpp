@@ -355,7 +355,8 @@ Result<void> VulkanCanvas::begin() {
 // Records the scene's views, then the picture with the interface.
 Result<void> VulkanCanvas::record(const CanvasFrame& frame, Slot& slot) {
   const uint32_t views = frame.frame->viewCount();
-  Result<pelage::PassList> picture = pictureList(scene_, target_.width, target_.height, false);
+  Result<pelage::PassList> picture =
+      pictureList(scene_, target_.width, target_.height, false, frame.coarseness);
   if (!picture) return picture.error();
   if (const auto added = frame.frame->addView(*std::move(picture)); !added) return added.error();
   if (Result<void> done = frames_.beginCommands(slot); !done) return done;
