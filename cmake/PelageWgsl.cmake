@@ -21,7 +21,7 @@ endif()
 # The packages are installed in the build tree, and again when their list changes.
 set(pelage_wgsl_source ${CMAKE_CURRENT_LIST_DIR}/../codegen/wgsl)
 set(pelage_wgsl_dir ${PROJECT_BINARY_DIR}/wgsl)
-foreach(file package.json package-lock.json translate.mjs)
+foreach(file package.json package-lock.json translate.mjs uniform.mjs)
   configure_file(${pelage_wgsl_source}/${file} ${pelage_wgsl_dir}/${file} COPYONLY)
 endforeach()
 file(SHA256 ${pelage_wgsl_dir}/package-lock.json pelage_wgsl_wanted)

@@ -64,8 +64,8 @@ void translateToWgsl(const BuildOptions& options, const fs::path& folder, const 
                      const std::vector<Unit>& units, Program& program, Diagnostics& diagnostics) {
   const fs::path translator = fs::absolute(options.wgslTranslator);
   Sha256 tools;
-  for (const fs::path& file : {translator, translator.parent_path() / "package-lock.json"})
-    tools.field(readWholeFile(file).value_or(""));
+  for (const char* file : {"translate.mjs", "uniform.mjs", "package-lock.json"})
+    tools.field(readWholeFile(translator.parent_path() / file).value_or(""));
   const std::string toolKey = hex(tools.finish());
   struct Job {
     VariantOutput* variant;

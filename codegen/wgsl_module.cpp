@@ -38,6 +38,28 @@ size_t pointerWord(SpvOp op) {
   }
 }
 
+// The word of an instruction of group memory or buffers that has a value which naga does not look
+// for in other blocks; 0 for instructions without one.
+size_t atomicValueWord(SpvOp op) {
+  switch (op) {
+    case SpvOpAtomicStore:
+      return 4;
+    case SpvOpAtomicExchange:
+    case SpvOpAtomicIAdd:
+    case SpvOpAtomicISub:
+    case SpvOpAtomicUMin:
+    case SpvOpAtomicUMax:
+    case SpvOpAtomicSMin:
+    case SpvOpAtomicSMax:
+    case SpvOpAtomicAnd:
+    case SpvOpAtomicOr:
+    case SpvOpAtomicXor:
+      return 6;
+    default:
+      return 0;
+  }
+}
+
 class WgslRewriter {
  public:
   explicit WgslRewriter(const SpirvReader& module)
@@ -49,7 +71,7 @@ class WgslRewriter {
     bool decorated = false;
     for (const SpirvInstruction& instruction : module_.instructions()) {
       if (instruction.op == SpvOpLabel) block = instruction.result;
-      if (instruction.op == SpvOpAccessChain) homes_[instruction.result] = block;
+      if (block != 0 && instruction.result != 0) homes_[instruction.result] = block;
       if (instruction.op == SpvOpDecorate && !decorated) {
         decorateReadOnly();
         decorated = true;
@@ -71,15 +93,29 @@ class WgslRewriter {
     const std::span<const uint32_t> words = wordsOf(instruction);
     const size_t at = pointerWord(instruction.op);
     uint32_t pointer = at != 0 ? words[at] : 0;
-    const auto home = homes_.find(pointer);
-    if (home != homes_.end() && home->second != block) {
+    if (isFar(pointer, block) && module_.definition(pointer)->op == SpvOpAccessChain) {
       const size_t clone = copy(*module_.definition(pointer), block);
       pointer = out_[clone + 2] = bound_++;
+    }
+    const size_t valueAt = atomicValueWord(instruction.op);
+    uint32_t value = valueAt != 0 ? words[valueAt] : 0;
+    if (isFar(value, block)) {
+      const uint32_t copied = bound_++;
+      out_.insert(out_.end(), {4u << 16 | uint32_t{SpvOpCopyObject},
+                               module_.definition(value)->resultType, copied, value});
+      value = copied;
     }
     const size_t begin = out_.size();
     out_.insert(out_.end(), words.begin(), words.end());
     if (at != 0) out_[begin + at] = pointer;
+    if (valueAt != 0) out_[begin + valueAt] = value;
     return begin;
+  }
+
+  // Whether an id is of another block than the one that uses it.
+  bool isFar(uint32_t id, uint32_t block) const {
+    const auto home = homes_.find(id);
+    return home != homes_.end() && home->second != block;
   }
 
   void decorateReadOnly() {
@@ -97,7 +133,7 @@ class WgslRewriter {
   std::span<const uint32_t> words_;
   uint32_t bound_;
   std::vector<uint32_t> out_;
-  std::unordered_map<uint32_t, uint32_t> homes_;  // blocks of access chains
+  std::unordered_map<uint32_t, uint32_t> homes_;  // blocks of ids
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 import { readdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { parseSpirv, validate, writeWgsl } from "naga-wasm";
+import { agreeOnBranches } from "./uniform.mjs";
 
 /**
  * Gives inputs of the entry point to the function that naga calls from it as parameters. Naga hands
@@ -27,13 +28,28 @@ function passInputs(wgsl) {
     .replace("    function_();\n", () => `    function_(${values.join(", ")});\n`);
 }
 
+/**
+ * Leaves y of clip space upwards, as kernels write it and WebGPU wants it. naga negates it, for it takes
+ * y of SPIR-V to be downwards; on Vulkan, the viewport has a negative height instead.
+ * @param {string} wgsl
+ * @returns {string}
+ */
+function keepClipSpace(wgsl) {
+  const entry = wgsl.indexOf("\n@vertex");
+  if (entry < 0) return wgsl;
+  const flip = /^ {4}let (_e\d+) = (\w+)\.y;\n {4}\2\.y = -\(\1\);\n/m;
+  const text = wgsl.slice(entry);
+  if (!flip.test(text)) throw new Error("naga has not negated y of clip space");
+  return wgsl.slice(0, entry) + text.replace(flip, "");
+}
+
 const folder = process.argv[2];
 for (const file of readdirSync(folder).filter((name) => name.endsWith(".spv"))) {
   const stem = join(folder, file.slice(0, -".spv".length));
   try {
     const module = parseSpirv(new Uint8Array(readFileSync(join(folder, file))));
     const info = validate(module);
-    writeFileSync(`${stem}.wgsl`, passInputs(writeWgsl(module, info)));
+    writeFileSync(`${stem}.wgsl`, agreeOnBranches(passInputs(keepClipSpace(writeWgsl(module, info)))));
     info.free();
     module.free();
   } catch (error) {

@@ -101,9 +101,24 @@ uint32_t farChains(const SpirvReader& module) {
   return count;
 }
 
-TEST(CodegenWebgpu, PutsEveryAccessChainIntoTheBlockThatUsesIt) {
+// Values of atomic operations that come from another block.
+uint32_t farValues(const SpirvReader& module) {
+  std::map<uint32_t, uint32_t> blocks;
+  uint32_t block = 0, count = 0;
+  for (const SpirvInstruction& instruction : module.instructions()) {
+    if (instruction.op == SpvOpLabel) block = instruction.result;
+    if (instruction.op >= SpvOpAtomicIAdd && instruction.op <= SpvOpAtomicXor) {
+      const auto value = blocks.find(instruction.operands.back());
+      if (value != blocks.end() && value->second != block) ++count;
+    }
+    if (block != 0) blocks[instruction.result] = block;
+  }
+  return count;
+}
+
+TEST(CodegenWebgpu, PutsPointersAndAtomicValuesIntoTheBlockThatUsesThem) {
   const KernelCodes codes(allSpirv());
-  uint32_t before = 0;
+  uint32_t before = 0, valuesBefore = 0;
   for (const Kernel* kernel : allKernels()) {
     for (const KernelVariant* variant : kernel->variants) {
       const std::vector<uint32_t> words = *codes.spirv(*variant);
@@ -114,6 +129,8 @@ TEST(CodegenWebgpu, PutsEveryAccessChainIntoTheBlockThatUsesIt) {
       ASSERT_TRUE(after) << kernel->name;
       before += farChains(*module);
       EXPECT_EQ(farChains(*after), 0u) << kernel->name << ' ' << variant->key;
+      valuesBefore += farValues(*module);
+      EXPECT_EQ(farValues(*after), 0u) << kernel->name << ' ' << variant->key;
       // The buffers that it only reads are those that may not be written.
       for (const auto& [id, access] : resourceAccess(*after)) {
         if (after->definition(id)->operands[0] != SpvStorageClassStorageBuffer) continue;
@@ -124,6 +141,7 @@ TEST(CodegenWebgpu, PutsEveryAccessChainIntoTheBlockThatUsesIt) {
     }
   }
   EXPECT_GT(before, 0u);
+  EXPECT_GT(valuesBefore, 0u);
 }
 
 TEST(CodegenWebgpu, PageListsEveryKernelThatDoesNotRunThere) {

@@ -19,7 +19,8 @@ StructuredBuffer<uint4> g_weighRecords : register(t0, space0);
 StructuredBuffer<uint> g_weighPixels : register(t1, space0);
 StructuredBuffer<uint> g_weighTiles : register(t2, space0);
 StructuredBuffer<uint2> g_weighFragments : register(t3, space0);
-RWStructuredBuffer<uint2> g_weighSums : register(u0, space0);
+// Pairs of words.
+RWStructuredBuffer<uint> g_weighSums : register(u0, space0);
 // [visible fragment], a pixel's one after the other: segment as TileFragment has it, pixel
 // y * width + x, optical depth in front of the fragment, and its own. shade_strand_tiles leaves
 // the premultiplied light that arrives at the eye as three floats, and the optical depth.
@@ -28,6 +29,7 @@ RWStructuredBuffer<uint4> g_weighVisible : register(u1, space0);
 // 1 - transmittance as four halves. Of the tiles that have hair.
 RWStructuredBuffer<uint2> g_weighPicture : register(u2, space0);
 
-uint weighSumsEnd() { return (g_weighTileCount + 127u) / 128u; }
+// The index of the last pair.
+uint weighSumsEnd() { return 2u * ((g_weighTileCount + 127u) / 128u); }
 
 #endif

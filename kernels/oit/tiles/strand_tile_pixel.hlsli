@@ -14,7 +14,7 @@ struct TilePixel {
 // \param pixel of the group, 0..15.
 TilePixel tilePixelOf(uint3 group, uint pixel) {
   uint listed = group.y * kTileDispatchRow + group.x;
-  uint count = g_weighSums[weighSumsEnd()].y;
+  uint count = g_weighSums[weighSumsEnd() + 1u];
   TilePixel found;
   // The last row of groups may extend beyond the tiles: these groups do nothing.
   found.known = listed < count;

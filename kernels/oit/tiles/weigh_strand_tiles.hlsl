@@ -157,7 +157,7 @@ void makeRoom(uint lane) {
     s_before[lane] = before;
     uint begin = 0u;
     if (lane == 0u) {
-      if (all > 0u) InterlockedAdd(g_weighSums[weighSumsEnd()].x, all, begin);
+      if (all > 0u) InterlockedAdd(g_weighSums[weighSumsEnd()], all, begin);
       s_begin = begin;
     }
   }
@@ -390,7 +390,7 @@ void weigh_strand_tiles(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
     if (walked && lane == 0u) {
       // All get room, as their number is not known before.
       uint begin;
-      InterlockedAdd(g_weighSums[weighSumsEnd()].x, s_edges[last] - s_edges[first], begin);
+      InterlockedAdd(g_weighSums[weighSumsEnd()], s_edges[last] - s_edges[first], begin);
       s_begin = begin;
       s_before[first] = 0u;
       s_depth = 0u;
