@@ -15,7 +15,7 @@
 # benchmarks       every row of the benchmarks with few strands and frames, and their baselines
 # viewer           the window under random input, 2 minutes an API
 # blender usd      the add-on in Blender, and the USD files by another reader
-# webgpu           the kernels as WGSL in Dawn; the packages are npm's
+# webgpu           the kernels as WGSL in Dawn, and the core as WebAssembly; packages are npm's, too
 # package          programs of others against installed libraries; the Debian package in an empty Debian (as root)
 # Not among them: `mutants` (scripts/mutants.py, hours).
 set -euo pipefail
@@ -124,9 +124,10 @@ case "$1" in
     ;;
   webgpu)
     install_more usd  # Node.js and npm
+    install_more web
     configure_release -DPELAGE_WGSL=ON
     cmake --build --preset release --parallel "$jobs" --target pelage_kernels_wgsl \
-      pelage_lavapipe_layer pelage_record_scene
+      pelage_lavapipe_layer pelage_record_scene pelage_web
     ctest --preset release -L webgpu
     ;;
   oracle)

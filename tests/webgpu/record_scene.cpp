@@ -15,6 +15,7 @@
 #include "pelage/demo/groom.h"
 #include "pelage/headless.h"
 #include "pelage/scene.h"
+#include "web_scene.h"
 
 namespace {
 
@@ -178,11 +179,46 @@ Result<void> record(const std::filesystem::path& folder, const Recording& record
   return {};
 }
 
+// The scene of wasm_test.mjs, by the native core.
+Result<void> recordPage(const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder);
+  const auto scene = webgpu::WebScene::head(500, 7);
+  if (!scene) return scene.error();
+  const auto device = createHeadlessVulkan({});
+  if (!device) return device.error();
+  const double radius[] = {0.001};
+  if (auto set = (*scene)->set("material", "fiberRadius", radius); !set) return set;
+  const double wind[] = {2, 0, 0};
+  if (auto set = (*scene)->set("simulation", "wind.velocity", wind); !set) return set;
+  Recorder recorder(folder);
+  for (int i = 0; i < 10; ++i) {
+    const webgpu::WebCamera camera = {
+        .eye = {0.2f, 0.2f, 0.8f}, .target = {0, 0.15f, 0}, .width = kWidth, .height = kHeight};
+    if (auto stepped = (*scene)->step(kStep, camera); !stepped) return stepped;
+    const auto lists = (*scene)->lists();
+    if (auto added = recorder.add((*scene)->scene().resources(), lists); !added) return added;
+    if (auto updated = (*device)->update((*scene)->scene().resources()); !updated) return updated;
+    const auto image = (*device)->render(lists, {.width = kWidth, .height = kHeight});
+    if (!image) return image.error();
+    if (i == 9) recorder.expect(*image);
+  }
+  const BufferId positions = (*scene)->scene().hair((*scene)->hairs()[0]).buffers().positions;
+  const auto bytes = (*device)->read(positions);
+  if (!bytes) return bytes.error();
+  recorder.expect("positions", positions, *bytes);
+  if (!recorder.finish()) return Error{ErrorCode::kInvalidFile, "cannot write " + folder.string()};
+  return {};
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   if (argc != 2) return std::puts("usage: record_scene FOLDER"), 2;
   const std::filesystem::path folder = argv[1];
+  if (const auto done = recordPage(folder / "page"); !done) {
+    std::fprintf(stderr, "record_scene: page: %s\n", done.error().message.c_str());
+    return 1;
+  }
   for (const Recording& scene :
        {Recording{.name = "exact"}, Recording{.name = "contacts", .contacts = true},
         Recording{.name = "classic", .solver = Solver::kClassic},

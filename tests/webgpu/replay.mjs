@@ -2,6 +2,7 @@
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { Executor, readFrame } from "./executor.mjs";
+import { readBuffer, readPicture } from "./readback.mjs";
 
 const COLOR = "rgba16float";
 
@@ -33,45 +34,20 @@ export async function replay(device, variants, folder) {
     await device.queue.onSubmittedWorkDone();
   }
 
-  async function read(size, copy) {
-    const mapped = device.createBuffer({ size, usage: GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST });
-    const encoder = device.createCommandEncoder();
-    copy(encoder, mapped);
-    device.queue.submit([encoder.finish()]);
-    await mapped.mapAsync(GPUMapMode.READ);
-    return new Uint8Array(mapped.getMappedRange().slice(0));
-  }
   const at = (offset, size) => new Uint8Array(bytes.subarray(offset, offset + size));
   const outputs = [];
   for (const { what, buffer, expected, size } of scene.outputs) {
-    const values = await read(size, (encoder, mapped) =>
-      encoder.copyBufferToBuffer(executor.buffer(buffer), 0, mapped, 0, size),
-    );
+    const values = await readBuffer(device, executor.buffer(buffer), size);
     outputs.push({ what, values, expected: at(expected, size) });
   }
-  const halves =
-    scene.picture &&
-    (await read(8 * width * height, (encoder, buffer) =>
-      encoder.copyTextureToBuffer({ texture: picture }, { buffer, bytesPerRow: 8 * width }, [width, height]),
-    ));
+  const pixels = scene.picture && (await readPicture(device, picture));
   executor.destroy();
   return {
     outputs,
-    picture: halves && {
-      pixels: floatsOf(new Uint16Array(halves.buffer)),
+    picture: pixels && {
+      pixels,
       expected: new Float32Array(at(scene.picture.expected, 16 * width * height).buffer),
     },
     kernels,
   };
-}
-
-/** @param {Uint16Array} halves @returns {Float32Array} */
-function floatsOf(halves) {
-  return Float32Array.from(halves, (half) => {
-    const sign = half & 0x8000 ? -1 : 1;
-    const exponent = (half >> 10) & 31;
-    const fraction = half & 1023;
-    if (exponent === 31) return fraction ? NaN : sign * Infinity;
-    return sign * (exponent ? 2 ** (exponent - 15) * (1 + fraction / 1024) : (2 ** -14 * fraction) / 1024);
-  });
 }
