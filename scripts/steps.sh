@@ -1,4 +1,4 @@
-# Shared by demo.sh, test.sh and test_all.sh, which source it from the root of the tree: steps with their
+# Shared by demo.sh, test.sh, test_all.sh and web.sh, which source it from the root of the tree: steps with their
 # times, and what builds and tests have in common.
 
 # A driver or validation layer that is missing is a failure here, and no reason to skip.

@@ -15,7 +15,7 @@
 # benchmarks       every row of the benchmarks with few strands and frames, and their baselines
 # viewer           the window under random input, 2 minutes an API
 # blender usd      the add-on in Blender, and the USD files by another reader
-# webgpu           the kernels as WGSL in Dawn, and the core as WebAssembly; packages are npm's, too
+# webgpu           the kernels as WGSL in Dawn, and the page in Chromium; packages are npm's, too
 # package          programs of others against installed libraries; the Debian package in an empty Debian (as root)
 # Not among them: `mutants` (scripts/mutants.py, hours).
 set -euo pipefail

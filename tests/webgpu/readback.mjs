@@ -35,7 +35,7 @@ export async function readPicture(device, texture) {
 }
 
 /** @param {Uint16Array} halves @returns {Float32Array} */
-export function floatsOf(halves) {
+function floatsOf(halves) {
   return Float32Array.from(halves, (half) => {
     const sign = half & 0x8000 ? -1 : 1;
     const exponent = (half >> 10) & 31;
