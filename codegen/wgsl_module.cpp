@@ -12,6 +12,25 @@ namespace {
 
 constexpr size_t kIdBoundWord = 3;  // of the header: all ids are smaller
 
+// Operations that return what was there, and change it by a value.
+bool isAtomicChange(SpvOp op) {
+  switch (op) {
+    case SpvOpAtomicExchange:
+    case SpvOpAtomicIAdd:
+    case SpvOpAtomicISub:
+    case SpvOpAtomicUMin:
+    case SpvOpAtomicUMax:
+    case SpvOpAtomicSMin:
+    case SpvOpAtomicSMax:
+    case SpvOpAtomicAnd:
+    case SpvOpAtomicOr:
+    case SpvOpAtomicXor:
+      return true;
+    default:
+      return false;
+  }
+}
+
 // The word of an instruction that has its pointer; 0 for instructions without one.
 size_t pointerWord(SpvOp op) {
   switch (op) {
@@ -21,43 +40,18 @@ size_t pointerWord(SpvOp op) {
     case SpvOpLoad:
     case SpvOpAccessChain:
     case SpvOpAtomicLoad:
-    case SpvOpAtomicExchange:
     case SpvOpAtomicCompareExchange:
-    case SpvOpAtomicIAdd:
-    case SpvOpAtomicISub:
-    case SpvOpAtomicUMin:
-    case SpvOpAtomicUMax:
-    case SpvOpAtomicSMin:
-    case SpvOpAtomicSMax:
-    case SpvOpAtomicAnd:
-    case SpvOpAtomicOr:
-    case SpvOpAtomicXor:
       return 3;
     default:
-      return 0;
+      return isAtomicChange(op) ? 3 : 0;
   }
 }
 
-// The word of an instruction of group memory or buffers that has a value which naga does not look
-// for in other blocks; 0 for instructions without one.
+// The word of an atomic operation that has a value which naga does not look for in other blocks; 0
+// for instructions without one.
 size_t atomicValueWord(SpvOp op) {
-  switch (op) {
-    case SpvOpAtomicStore:
-      return 4;
-    case SpvOpAtomicExchange:
-    case SpvOpAtomicIAdd:
-    case SpvOpAtomicISub:
-    case SpvOpAtomicUMin:
-    case SpvOpAtomicUMax:
-    case SpvOpAtomicSMin:
-    case SpvOpAtomicSMax:
-    case SpvOpAtomicAnd:
-    case SpvOpAtomicOr:
-    case SpvOpAtomicXor:
-      return 6;
-    default:
-      return 0;
-  }
+  if (op == SpvOpAtomicStore) return 4;
+  return isAtomicChange(op) ? 6 : 0;
 }
 
 class WgslRewriter {

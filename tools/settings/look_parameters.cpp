@@ -224,42 +224,27 @@ std::vector<Parameter> shadowRows() {
   };
 }
 
+// Texts of rows live as long as the program.
+#define RADIANCE_BAND(band, factor)                                                    \
+  PELAGE_INNER_PARAMETER(Light, environment, EnvironmentLight, band)                   \
+      .says("linear RGB", "finite", "Radiance from direction (x, y, z) times " factor) \
+      .slider(-1, 1)
+
 std::vector<Parameter> environmentRows() {
   return {
-      PELAGE_INNER_PARAMETER(Light, environment, EnvironmentLight, l00)
-          .says("linear RGB", "finite",
-                "Radiance from direction (x, y, z) times 0.282095: mean radiance, which adds to "
-                "ambient.")
-          .slider(-1, 1),
-      PELAGE_INNER_PARAMETER(Light, environment, EnvironmentLight, l1m1)
-          .says("linear RGB", "finite",
-                "Radiance from direction (x, y, z) times 0.488603 y: from above.")
-          .slider(-1, 1),
-      PELAGE_INNER_PARAMETER(Light, environment, EnvironmentLight, l10)
-          .says("linear RGB", "finite", "Radiance from direction (x, y, z) times 0.488603 z.")
-          .slider(-1, 1),
-      PELAGE_INNER_PARAMETER(Light, environment, EnvironmentLight, l11)
-          .says("linear RGB", "finite", "Radiance from direction (x, y, z) times 0.488603 x.")
-          .slider(-1, 1),
-      PELAGE_INNER_PARAMETER(Light, environment, EnvironmentLight, l2m2)
-          .says("linear RGB", "finite", "Radiance from direction (x, y, z) times 1.092548 x y.")
-          .slider(-1, 1),
-      PELAGE_INNER_PARAMETER(Light, environment, EnvironmentLight, l2m1)
-          .says("linear RGB", "finite", "Radiance from direction (x, y, z) times 1.092548 y z.")
-          .slider(-1, 1),
-      PELAGE_INNER_PARAMETER(Light, environment, EnvironmentLight, l20)
-          .says("linear RGB", "finite",
-                "Radiance from direction (x, y, z) times 0.315392 (3 z^2 - 1).")
-          .slider(-1, 1),
-      PELAGE_INNER_PARAMETER(Light, environment, EnvironmentLight, l21)
-          .says("linear RGB", "finite", "Radiance from direction (x, y, z) times 1.092548 x z.")
-          .slider(-1, 1),
-      PELAGE_INNER_PARAMETER(Light, environment, EnvironmentLight, l22)
-          .says("linear RGB", "finite",
-                "Radiance from direction (x, y, z) times 0.546274 (x^2 - y^2).")
-          .slider(-1, 1),
+      RADIANCE_BAND(l00, "0.282095: mean radiance, which adds to ambient."),
+      RADIANCE_BAND(l1m1, "0.488603 y: from above."),
+      RADIANCE_BAND(l10, "0.488603 z."),
+      RADIANCE_BAND(l11, "0.488603 x."),
+      RADIANCE_BAND(l2m2, "1.092548 x y."),
+      RADIANCE_BAND(l2m1, "1.092548 y z."),
+      RADIANCE_BAND(l20, "0.315392 (3 z^2 - 1)."),
+      RADIANCE_BAND(l21, "1.092548 x z."),
+      RADIANCE_BAND(l22, "0.546274 (x^2 - y^2)."),
   };
 }
+
+#undef RADIANCE_BAND
 
 }  // namespace
 
