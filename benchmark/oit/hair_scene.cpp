@@ -50,6 +50,8 @@ Result<std::optional<HairSceneDef>> mohawkScene(const std::filesystem::path& dat
   def.assets.hair = std::move(*asset);
   if (Result<void> done = def.assets.hair.process(); !done) return done.error();
   def.assets.mesh = std::move(*mesh);
+  // The figures of methods are of this model.
+  def.material.model = pelage::ShadingModel::kKajiyaKay;
   def.material.rootColor = {0.26f, 0.17f, 0.11f};
   def.material.tipColor = {0.85f, 0.60f, 0.36f};
   def.material.fiberRadius = 1.4e-3f;
@@ -69,6 +71,7 @@ Result<HairSceneDef> groomScene(uint32_t guides, float aspect) {
   HairSceneDef def;
   def.name = "groom";
   def.assets = std::move(*assets);
+  def.material.model = pelage::ShadingModel::kKajiyaKay;
   def.material.rootColor = {0.10f, 0.045f, 0.02f};
   def.material.tipColor = {0.33f, 0.166f, 0.080f};
   def.material.fiberRadius = 115e-6f;

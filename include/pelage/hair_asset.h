@@ -56,6 +56,7 @@ struct FollowDef {
   /// Distance from the guide at the tip relative to that at the root, 0..100; 1 keeps the hair
   /// parallel.
   float tipSeparation = 1.0f;
+  float flyaways = 0;  ///< share of hairs whose tips stand off, up to 4 radii farther, 0..1
   uint64_t seed = 1;
 };
 

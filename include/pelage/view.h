@@ -26,7 +26,7 @@ struct StrandMaterial {
   float opacity = 1.0f;          ///< of a fiber wider than a pixel, 0..1
   float fiberRadius = 60e-6f;    ///< at the root [m], > 0
   float tipRadiusRatio = 0.3f;   ///< radius at the tip over that at the root, 0..1
-  ShadingModel model = ShadingModel::kKajiyaKay;
+  ShadingModel model = ShadingModel::kFiber;
   float ambientStrength = 1.0f;     ///< 0..64
   float diffuseStrength = 1.0f;     ///< Kajiya-Kay, 0..64; 1 / pi keeps the energy
   float primaryStrength = 0.35f;    ///< Kajiya-Kay: highlight of the light's colour, 0..64
@@ -41,9 +41,10 @@ struct StrandMaterial {
   float cuticleTilt = 0.035f;           ///< fiber model: of the scales, towards the root [rad]
   float refractiveIndex = 1.55f;        ///< fiber model, > 1
   float scatteredShare = 0.0f;          ///< fiber model: light scattered in all directions, 0..1
-  /// Fiber model: share of the light that passes from fiber to fiber, 0..1, for lights with a
-  /// HairShadow (after Zinke et al., "Dual scattering approximation for fast multiple scattering in
-  /// hair", 2008; docs/shading.md). 0: hair in front of a strand dims light in no color.
+  /// Fiber model: share of the light that passes from fiber to fiber, 0..1 (after Zinke et al.,
+  /// "Dual scattering approximation for fast multiple scattering in hair", 2008; docs/shading.md).
+  /// A light without a HairShadow shines on the edge of dense hair. 0: hair in front of a strand
+  /// dims light in no color.
   float multipleScattering = 1.0f;
 };
 

@@ -174,15 +174,6 @@ FiberAttenuation fiberAttenuation(FiberModel model, FiberAngles a, float h) {
   return result;
 }
 
-// Returns the share of a logistic distribution of scale s, cut at -pi and pi, that lies below x.
-float logisticShare(float x, float s) {
-  float e = exp(-abs(x) / s);
-  float share = (x < 0.0 ? e : 1.0) / (1.0 + e);
-  float cut = exp(-kShadingPi / s);
-  cut = cut / (1.0 + cut);
-  return (share - cut) / (1.0 - 2.0 * cut);
-}
-
 // Number of turns from -pi to x.
 float azimuthTurns(float x) { return floor((x + kShadingPi) / (2.0 * kShadingPi)); }
 
@@ -193,14 +184,42 @@ float azimuthalDensity(float x, float s) {
   return e / (s * (1.0 + e) * (1.0 + e)) * (1.0 + cut) / (1.0 - cut);
 }
 
-// Returns its mean from x to y.
-float meanAzimuthalDensity(float x, float y, float s) {
+// Returns its integral from -pi to x.
+float azimuthalIntegral(float x, float s) {
+  float turns = azimuthTurns(x);
+  float rest = x - 2.0 * kShadingPi * turns;
+  float e = exp(-abs(rest) / s);
+  float share = (rest < 0.0 ? e : 1.0) / (1.0 + e);
+  float cut = exp(-kShadingPi / s);
+  cut = cut / (1.0 + cut);
+  return turns + (share - cut) / (1.0 - 2.0 * cut);
+}
+
+// Values at the azimuths where parts of the fiber's width end, of R, TT and TRT.
+struct LobeEnds {
+  float3 x;
+  float3 integral;
+};
+
+LobeEnds lobeEnds(float3 x, float s) {
+  LobeEnds ends;
+  ends.x = x;
+  ends.integral =
+      float3(azimuthalIntegral(x.x, s), azimuthalIntegral(x.y, s), azimuthalIntegral(x.z, s));
+  return ends;
+}
+
+// Returns the mean density from x to y. \param integral from x to y
+float meanAzimuthalDensity(float x, float y, float integral, float s) {
   if (abs(y - x) < 1e-3) return azimuthalDensity(0.5 * (x + y), s);
-  float turnsX = azimuthTurns(x);
-  float turnsY = azimuthTurns(y);
-  float share = logisticShare(y - 2.0 * kShadingPi * turnsY, s) -
-                logisticShare(x - 2.0 * kShadingPi * turnsX, s) + (turnsY - turnsX);
-  return max(share / (y - x), 0.0);
+  return max(integral / (y - x), 0.0);
+}
+
+float3 meanAzimuthalDensities(LobeEnds a, LobeEnds b, float s) {
+  float3 integral = b.integral - a.integral;
+  return float3(meanAzimuthalDensity(a.x.x, b.x.x, integral.x, s),
+                meanAzimuthalDensity(a.x.y, b.x.y, integral.y, s),
+                meanAzimuthalDensity(a.x.z, b.x.z, integral.z, s));
 }
 
 // Abramowitz and Stegun 4.4.46: error under 1e-7. Those of drivers may be off by 2e-4, which is
@@ -254,20 +273,16 @@ float3 fiberScattering(FiberModel model, FiberAngles a) {
   float s = model.logisticScale;
   float3 sum = float3(0.0, 0.0, 0.0);
   // The two halves are mirror images.
-  float3 innerRight = a.azimuth - lobeAzimuths(crossIor, 0.0);
-  float3 innerLeft = innerRight;
+  LobeEnds innerRight = lobeEnds(a.azimuth - lobeAzimuths(crossIor, 0.0), s);
+  LobeEnds innerLeft = innerRight;
   [unroll] for (uint part = 0u; part < kFiberParts; ++part) {
     float from = kFiberPartEnds[part];
     float to = kFiberPartEnds[part + 1u];
-    float3 outerRight = a.azimuth - lobeAzimuths(crossIor, to);
-    float3 outerLeft = a.azimuth - lobeAzimuths(crossIor, -to);
-    float3 azimuthal = float3(meanAzimuthalDensity(innerRight.x, outerRight.x, s) +
-                                  meanAzimuthalDensity(innerLeft.x, outerLeft.x, s),
-                              meanAzimuthalDensity(innerRight.y, outerRight.y, s) +
-                                  meanAzimuthalDensity(innerLeft.y, outerLeft.y, s),
-                              meanAzimuthalDensity(innerRight.z, outerRight.z, s) +
-                                  meanAzimuthalDensity(innerLeft.z, outerLeft.z, s));
-    float3 scattered = 0.5 * lobes.xyz * azimuthal;
+    LobeEnds outerRight = lobeEnds(a.azimuth - lobeAzimuths(crossIor, to), s);
+    LobeEnds outerLeft = lobeEnds(a.azimuth - lobeAzimuths(crossIor, -to), s);
+    float3 scattered = 0.5 * lobes.xyz *
+                       (meanAzimuthalDensities(innerRight, outerRight, s) +
+                        meanAzimuthalDensities(innerLeft, outerLeft, s));
     FiberAttenuation shares = fiberAttenuation(model, a, kFiberPartMiddles[part]);
     sum += (to - from) * (scattered.x * shares.r + scattered.y * shares.tt +
                           scattered.z * shares.trt + lobes.w / (2.0 * kShadingPi) * shares.rest);

@@ -87,7 +87,7 @@ float3 shadeStrandInHair(StrandShading m, StrandSurface s, float3 toLight, Stran
   float share = m.model.x == kStrandKajiyaKay ? 0.0 : bounded(m.body.w, 0.0, 1.0);
   float3 dimmed = float3(1.0, 1.0, 1.0) * path.transmittance;
   float3 light = shadeStrand(m, s, toLight);
-  if (!(share > 0.0) || !path.known) return light * dimmed;
+  if (!(share > 0.0)) return light * dimmed;
   return light * lerp(dimmed, volumeBeam(volume, path), share) +
          share * volumeDiffuse(volume, path);
 }

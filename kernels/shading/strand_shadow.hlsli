@@ -77,14 +77,14 @@ ShadowPoint shadowPoint(StrandShadowView map, float3 position) {
   return place;
 }
 
-// Returns what is on the light's ray through a point: no hair outside the map, and for a position
-// that is not finite.
+// Returns what is on the light's ray through a point: openLightPath() outside the map, and for a
+// position that is not finite.
 StrandLightPath strandLightPath(StrandShadowView map, float3 position) {
   StrandLightPath path = openLightPath();
-  path.across = map.across;
   ShadowPoint place = shadowPoint(map, position);
   path.known = place.known;
   if (!place.known) return path;
+  path.across = map.across;
 
   float2 lowest = floor(place.texel);
   float2 share = place.texel - lowest;

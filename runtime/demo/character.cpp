@@ -106,6 +106,7 @@ class LongHair : public Skin {
     return tangent(lerp(flow, down, shoulder), normal);
   }
   double height(const Vector& root) const override { return smoothStep(0.15, 0.31, root.y); }
+  double insideEdge(const Vector& root) const override { return detail::insideHairline(root, 0); }
   double lengthShare(const Vector& root) const override {
     // Hair from below ends where that from above does.
     return 0.72 + 0.28 * smoothStep(0.15, 0.31, root.y);
@@ -160,7 +161,7 @@ GroomDef groomDef(const CharacterHairDef& size, uint64_t seed) {
 
 GroomDef longHairDef(const CharacterDef& character) {
   GroomDef def = groomDef(character.longHair, character.seed);
-  def.lengthVariation = 0.10f;
+  def.lengthVariation = 0.04f;
   def.lift = 0.35f;
   def.volume = 0.010f;
   def.comb = 30;
@@ -169,6 +170,9 @@ GroomDef longHairDef(const CharacterDef& character) {
   def.curlFrequency = 9;
   def.clumpCount = std::min(160u, character.longHair.strandCount / 4);
   def.clumpStrength = 0.45f;
+  def.clumpLengthVariation = 0.05f;
+  def.clumpTaper = 0.08f;
+  def.hairlineFade = 0.014f;
   def.noise = 0.004f;
   return def;
 }
@@ -202,28 +206,26 @@ GroomDef mohawkDef(const CharacterDef& character) {
 }
 
 void setLongHairLook(CharacterGroom& groom) {
-  groom.material.rootColor = {0.020f, 0.009f, 0.006f};
-  groom.material.tipColor = {0.130f, 0.058f, 0.026f};
+  groom.material.rootColor = {0.018f, 0.009f, 0.006f};
+  groom.material.tipColor = {0.110f, 0.052f, 0.026f};
+  groom.material.colorVariation = 0.25f;
   groom.material.fiberRadius = 150e-6f;
-  groom.material.primaryStrength = 0.10f;
-  groom.material.primaryExponent = 60;
-  groom.material.secondaryStrength = 0.9f;
-  groom.material.secondaryExponent = 14;
+  groom.material.tipRadiusRatio = 0.15f;
   groom.settings.damping = 0.09f;
   groom.settings.bendLength = 0.09f;
   groom.settings.globalStiffness = 0.03f;
   groom.settings.globalRange = 0.3f;
   groom.settings.vspCoefficient = 0.4f;
-  groom.follow = {.countPerGuide = 12, .maxRadius = 0.006f, .tipSeparation = 0.6f};
+  groom.follow = {
+      .countPerGuide = 12, .maxRadius = 0.006f, .tipSeparation = 0.6f, .flyaways = 0.03f};
 }
 
 void setFurLook(CharacterGroom& groom) {
   groom.material.rootColor = {0.050f, 0.032f, 0.020f};
   groom.material.tipColor = {0.400f, 0.290f, 0.180f};
-  groom.material.fiberRadius = 130e-6f;
   groom.material.colorVariation = 0.3f;
-  groom.material.primaryStrength = 0.05f;
-  groom.material.secondaryStrength = 0.6f;
+  groom.material.fiberRadius = 130e-6f;
+  groom.material.longitudinalRoughness = 0.45f;
   groom.settings.damping = 0.10f;
   groom.settings.bendLength = 0.12f;
   groom.settings.globalStiffness = 0.35f;
@@ -233,17 +235,17 @@ void setFurLook(CharacterGroom& groom) {
 }
 
 void setMohawkLook(CharacterGroom& groom) {
-  groom.material.rootColor = {0.16f, 0.020f, 0.010f};
-  groom.material.tipColor = {0.60f, 0.11f, 0.030f};
+  groom.material.rootColor = {0.070f, 0.009f, 0.003f};
+  groom.material.tipColor = {0.340f, 0.050f, 0.008f};
+  groom.material.colorVariation = 0.25f;
   groom.material.fiberRadius = 130e-6f;
-  groom.material.primaryStrength = 0.09f;
-  groom.material.secondaryStrength = 0.9f;
+  groom.material.tipRadiusRatio = 0.15f;
   groom.settings.damping = 0.06f;
   groom.settings.bendLength = 0.30f;
   groom.settings.globalStiffness = 0.22f;
   groom.settings.globalRange = 0.6f;
   groom.settings.vspCoefficient = 0.3f;
-  groom.follow = {.countPerGuide = 10, .maxRadius = 0.004f};
+  groom.follow = {.countPerGuide = 10, .maxRadius = 0.004f, .flyaways = 0.03f};
 }
 
 CharacterGroom growGroom(std::string name, const GroomDef& def, const HairGround& ground,

@@ -61,6 +61,9 @@ class Scalp : public detail::HairGround {
     if (def_.stripWidth > 0 && std::abs(p.x) > def_.stripWidth / 2) return false;
     return detail::isScalp(p, def_.hairline);
   }
+  double insideEdge(const Vector& root) const override {
+    return detail::insideHairline(root, def_.hairline);
+  }
   Vector combDirection(const Vector& p, const Vector& normal) const override {
     return ::pelage::combDirection(p, normal, def_.style);
   }
@@ -98,8 +101,11 @@ Result<void> check(const GroomDef& def) {
                          {"curlRadius", def.curlRadius, 0, 0.1f},
                          {"curlFrequency", def.curlFrequency, 0, 500},
                          {"clumpStrength", def.clumpStrength, 0, 1},
+                         {"clumpLengthVariation", def.clumpLengthVariation, 0, 0.95f},
+                         {"clumpTaper", def.clumpTaper, 0, 0.95f},
                          {"noise", def.noise, 0, 0.1f},
                          {"hairline", def.hairline, -0.03f, 0.05f},
+                         {"hairlineFade", def.hairlineFade, 0, 0.05f},
                          {"stripWidth", def.stripWidth, 0, 0.3f},
                          {"thicknessVariation", def.thicknessVariation, 0, 1}})
     if (bad(r.value, r.low, r.high)) return outside(r.field, r.value, r.low, r.high);
@@ -142,7 +148,8 @@ Result<Groom> generate(const GroomDef& def) {
     // The scalp from above, the forehead at v = 1.
     hair.strandUv.push_back({static_cast<float>(saturate(0.5 + root.x / 0.18)),
                              static_cast<float>(saturate(0.5 + (root.z + 0.012) / 0.24))});
-    if (def.thicknessVariation > 0) hair.strandThickness.push_back(grower.thickness(i));
+    if (def.thicknessVariation > 0 || def.hairlineFade > 0)
+      hair.strandThickness.push_back(grower.thickness(i));
     const auto share = static_cast<float>(detail::headBoneShare(root));
     groom.bones.strands.push_back({{1, 0, 0, 0}, {share, 1 - share, 0, 0}});
   }

@@ -183,6 +183,7 @@ Clumps findClumps(const GroomDef& def, const HairGround& ground,
   clumps.of.resize(count);
   for (uint32_t i = 0; i < count; ++i) clumps.of[i] = i;
   clumps.curlOf.assign(count, 0);
+  clumps.fromCenter.assign(count, 0);
   if (def.clumpCount == 0) {
     for (uint32_t i = 0; i < count; ++i) clumps.curlOf[i] = i;
     clumps.centers = clumps.of;
@@ -209,6 +210,14 @@ Clumps findClumps(const GroomDef& def, const HairGround& ground,
     }
     center = farthest;
   }
+  std::vector<double> reach(count, 0);  // [center]
+  for (uint32_t i = 0; i < count; ++i) {
+    const uint32_t of = clumps.of[i];
+    clumps.fromCenter[i] = length(roots[i].position - roots[of].position);
+    reach[of] = std::max(reach[of], clumps.fromCenter[i]);
+  }
+  for (uint32_t i = 0; i < count; ++i)
+    if (reach[clumps.of[i]] > 0) clumps.fromCenter[i] /= reach[clumps.of[i]];
   return clumps;
 }
 
@@ -290,20 +299,37 @@ HairGrower::HairGrower(const GroomDef& def, const HairGround& ground,
   const uint32_t count = def.strandCount;
   lengths_.resize(count);
   paths_.resize(count);
+  thickness_.resize(count);
+  clumps_ = findClumps(def, ground, roots);
   for (uint32_t i = 0; i < count; ++i) {
     Random random(def.seed, kFirstStrandStream + i);
+    const double edge = edgeShare(roots[i].position);
     lengths_[i] = def.length * (1 - def.lengthVariation * random.uniformDouble()) *
-                  ground.lengthShare(roots[i].position);
+                  ground.lengthShare(roots[i].position) * edge * clumpShare(i);
+    thickness_[i] = edge;
     paths_[i] = grow(def, ground, roots[i], lengths_[i], random.uniformDouble());
   }
-  clumps_ = findClumps(def, ground, roots);
   for (const uint32_t center : clumps_.centers)
     curls_.push_back(curlAround(def, center, paths_[center], lengths_[center]));
 }
 
+// Factor on length and thickness of a strand at the edge of the hair.
+double HairGrower::edgeShare(const Vector& root) const {
+  if (!(def_.hairlineFade > 0)) return 1;
+  return 0.4 + 0.6 * smoothStep(0, def_.hairlineFade, ground_.insideEdge(root));
+}
+
+// Factor on the length of a strand by its lock, which ends in a point.
+double HairGrower::clumpShare(uint32_t strand) const {
+  Random random(def_.seed,
+                kFirstStrandStream + 4 * uint64_t{def_.strandCount} + clumps_.of[strand]);
+  return (1 - def_.clumpLengthVariation * random.uniformDouble()) *
+         (1 - def_.clumpTaper * clumps_.fromCenter[strand]);
+}
+
 float HairGrower::thickness(uint32_t index) const {
   Random random(def_.seed, kFirstStrandStream + 3 * uint64_t{def_.strandCount} + index);
-  return 1 - def_.thicknessVariation * random.uniform();
+  return (1 - def_.thicknessVariation * random.uniform()) * static_cast<float>(thickness_[index]);
 }
 
 Path HairGrower::strand(uint32_t index) const {

@@ -33,6 +33,8 @@ class HairGround {
   virtual double height(const Vector& root) const = 0;
   /// Factor on the length of a strand, by its root, > 0.
   virtual double lengthShare(const Vector& /*root*/) const { return 1; }
+  /// How far inside the edge of the hair a root is [m].
+  virtual double insideEdge(const Vector& /*root*/) const { return 1; }
 };
 
 struct HairRoot {
@@ -53,9 +55,10 @@ using Path = std::vector<Vector>;
 
 /// The locks that strands gather in.
 struct Clumps {
-  std::vector<uint32_t> of;       ///< [strand] central strand of its lock
-  std::vector<uint32_t> centers;  ///< the central strands
-  std::vector<uint32_t> curlOf;   ///< [central strand] its number in `centers`
+  std::vector<uint32_t> of;        ///< [strand] central strand of its lock
+  std::vector<double> fromCenter;  ///< [strand] from the center of the lock, 0, to its edge, 1
+  std::vector<uint32_t> centers;   ///< the central strands
+  std::vector<uint32_t> curlOf;    ///< [central strand] its number in `centers`
 };
 
 /// The strands of a definition that is valid, at roots as many as it has strands. Of the
@@ -70,9 +73,13 @@ class HairGrower {
   float thickness(uint32_t index) const;
 
  private:
+  double edgeShare(const Vector& root) const;
+  double clumpShare(uint32_t strand) const;
+
   const GroomDef& def_;
   const HairGround& ground_;
   std::vector<double> lengths_;
+  std::vector<double> thickness_;  // [strand]
   std::vector<Path> paths_;
   Clumps clumps_;
   std::vector<Path> curls_;  // [Clumps::curlOf]

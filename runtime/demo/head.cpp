@@ -68,19 +68,10 @@ Vector gradient(const Vector& point, Ears ears) {
   return gradientOf(point, [ears](const Vector& p) { return surface(p, ears); });
 }
 
-}  // namespace
-
-double headSurface(const Vector& p) { return surface(p, Ears::kReal); }
-Vector headNormal(const Vector& p) { return gradient(p, Ears::kReal); }
-Vector skullNormal(const Vector& p) { return gradient(p, Ears::kNone); }
-
-double combedSurface(const Vector& p) { return surface(p, Ears::kSmoothed); }
-
-Vector combedNormal(const Vector& p) { return gradient(p, Ears::kSmoothed); }
-
-bool isScalp(const Vector& p, double hairline) {
-  // Height of the hair's edge around the head, by the cosine of the angle from the face (1) over
-  // the ear (0) to the neck (-1), seen from a vertical axis in the middle of the skull.
+// Height of the edge of the hair at a point of the surface [m].
+double hairEdgeHeight(const Vector& p) {
+  // By the cosine of the angle from the face (1) over the ear (0) to the neck (-1), seen from a
+  // vertical axis in the middle of the skull.
   struct Knot {
     double cosine, height;
   };
@@ -93,7 +84,6 @@ bool isScalp(const Vector& p, double hairline) {
                                           {0.45, 0.240},
                                           {0.62, 0.272},
                                           {1.00, 0.286}}};
-  constexpr double kEarClearance = 0.010;
   const double x = p.x, z = p.z + 0.010;
   const double radius = std::sqrt(x * x + z * z);
   const double cosine = radius > 1e-9 ? z / radius : 0;
@@ -104,8 +94,28 @@ bool isScalp(const Vector& p, double hairline) {
     height = kEdge[i].height + (kEdge[i + 1].height - kEdge[i].height) * t;
     break;
   }
-  if (p.y < height + hairline) return false;
-  return ear({std::abs(x), p.y, p.z}) > kEarClearance;
+  return height;
+}
+
+}  // namespace
+
+double headSurface(const Vector& p) { return surface(p, Ears::kReal); }
+Vector headNormal(const Vector& p) { return gradient(p, Ears::kReal); }
+Vector skullNormal(const Vector& p) { return gradient(p, Ears::kNone); }
+
+double combedSurface(const Vector& p) { return surface(p, Ears::kSmoothed); }
+
+Vector combedNormal(const Vector& p) { return gradient(p, Ears::kSmoothed); }
+
+bool isScalp(const Vector& p, double hairline) {
+  constexpr double kEarClearance = 0.010;
+  if (p.y < hairEdgeHeight(p) + hairline) return false;
+  return ear({std::abs(p.x), p.y, p.z}) > kEarClearance;
+}
+
+double insideHairline(const Vector& p, double hairline) {
+  const double behind = 1 - smoothStep(-0.04, 0.0, p.z);
+  return p.y - hairEdgeHeight(p) - hairline + 0.1 * behind;
 }
 
 double headBoneShare(const Vector& p) {

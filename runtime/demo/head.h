@@ -23,6 +23,9 @@ Vector combedNormal(const Vector& p);
 /// Whether hair grows at a point of the surface. `hairline` [m] moves the edge up.
 bool isScalp(const Vector& p, double hairline);
 
+/// How far inside the hairline around the face such a point is [m]; far inside behind the ears.
+double insideHairline(const Vector& p, double hairline);
+
 /// Share of the head bone in what moves a point, 0..1; the rest is the neck's.
 double headBoneShare(const Vector& p);
 

@@ -29,6 +29,14 @@ Setup guides() {
   return setup;
 }
 
+// Few locks that are gathered.
+Setup pointed() {
+  Setup setup = headSetup();
+  setup.groom.clumpCount = 80;
+  setup.groom.clumpStrength = 0.7f;
+  return setup;
+}
+
 std::vector<Parameter> sizeRows() {
   return {
       {PELAGE_FIELD(GroomDef, seed), "", "", "Another seed gives different hair of the same kind.",
@@ -93,6 +101,14 @@ std::vector<Parameter> shapeRows() {
        "0 for none; at 1 all tips of a lock meet.",
        show(with(headSetup(), [](Setup& s) { s.groom.clumpCount = 80; }),
             std::vector{0.0f, 0.4f, 1.0f}, groom(&GroomDef::clumpStrength), "80 locks.")},
+      {PELAGE_FIELD(GroomDef, clumpLengthVariation), "share", "0..0.95",
+       "Locks are shorter by up to this fraction.",
+       show(pointed(), std::vector{0.0f, 0.3f, 0.9f}, groom(&GroomDef::clumpLengthVariation),
+            "80 locks; see the lower edge.")},
+      {PELAGE_FIELD(GroomDef, clumpTaper), "share", "0..0.95",
+       "Strands are shorter by up to this fraction at a lock's edge.",
+       show(pointed(), std::vector{0.0f, 0.4f, 0.9f}, groom(&GroomDef::clumpTaper),
+            "80 locks: level to pointed.")},
       {PELAGE_FIELD(GroomDef, noise), "m", "0..0.1", "Random displacement of tips.",
        head(&GroomDef::noise, std::vector{0.0f, 0.004f, 0.03f}, "Neat to wild.")},
   };
@@ -108,6 +124,16 @@ std::vector<Parameter> regionRows() {
                    s.groom.strandCount = 4000;
                  }),
             std::vector{-0.02f, 0.0f, 0.04f}, groom(&GroomDef::hairline), "Hair of 12 mm.")},
+      {PELAGE_FIELD(GroomDef, hairlineFade), "m", "0..0.05",
+       "Width of shorter and thinner hair around the face.",
+       show(with(headSetup(),
+                 [](Setup& s) {
+                   s.groom.style = HairStyle::kSweptBack;
+                   s.center = {0, 0.28f, 0.07f};
+                   s.extent = 0.16f;
+                 }),
+            std::vector{0.0f, 0.01f, 0.04f}, groom(&GroomDef::hairlineFade),
+            "Hair that is swept back.")},
       {PELAGE_FIELD(GroomDef, stripWidth), "m", "0..0.3",
        "Width of a strip along the middle with hair; 0 for all.",
        show(with(headSetup(),

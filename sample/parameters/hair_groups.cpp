@@ -288,6 +288,11 @@ std::vector<Parameter> followRows() {
       tuned("FollowDef", "tipSeparation",
             show(few, std::vector{0.0f, 1.0f, 4.0f}, separation,
                  "The same guides: gathered at the tip, parallel, spread.")),
+      tuned(
+          "FollowDef", "flyaways",
+          show(
+              few, std::vector{0.0f, 0.1f, 0.5f}, [](Setup& s, float v) { s.follow.flyaways = v; },
+              "The same guides: none, a tenth, half.")),
       tuned("FollowDef", "seed"),
   };
 }

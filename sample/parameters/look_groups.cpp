@@ -31,9 +31,14 @@ auto transparency(T TransparencySettings::*field) {
   return [field](Setup& setup, const T& value) { setup.transparency.*field = value; };
 }
 
+Setup kajiyaSwatch() {
+  Setup setup = swatchSetup();
+  setup.hair.material.model = ShadingModel::kKajiyaKay;
+  return setup;
+}
+
 Setup fiberSwatch() {
   Setup setup = swatchSetup();
-  setup.hair.material.model = ShadingModel::kFiber;
   setup.hair.material.rootColor = setup.hair.material.tipColor = {0.42f, 0.22f, 0.10f};
   return setup;
 }
@@ -122,27 +127,27 @@ std::vector<Parameter> kajiyaRows() {
                 },
                 "The same color and light.")),
       tuned("StrandMaterial", "ambientStrength",
-            show(swatchSetup(), std::vector{0.0f, 1.0f, 8.0f},
+            show(kajiyaSwatch(), std::vector{0.0f, 1.0f, 8.0f},
                  material(&StrandMaterial::ambientStrength),
                  "Look at the hair below, out of the light.")),
       tuned("StrandMaterial", "diffuseStrength",
-            show(swatchSetup(), std::vector{0.0f, 0.5f, 1.0f},
+            show(kajiyaSwatch(), std::vector{0.0f, 0.5f, 1.0f},
                  material(&StrandMaterial::diffuseStrength),
                  "Without it, only the highlights remain.")),
       tuned("StrandMaterial", "primaryStrength",
-            show(swatchSetup(), std::vector{0.0f, 0.35f, 1.5f},
+            show(kajiyaSwatch(), std::vector{0.0f, 0.35f, 1.5f},
                  material(&StrandMaterial::primaryStrength), "The white band.")),
       tuned("StrandMaterial", "primaryExponent",
-            show(swatchSetup(), std::vector{10.0f, 80.0f, 800.0f},
+            show(kajiyaSwatch(), std::vector{10.0f, 80.0f, 800.0f},
                  material(&StrandMaterial::primaryExponent), "A wide band, and narrow ones.")),
       tuned("StrandMaterial", "primaryShift",
-            show(swatchSetup(), std::vector{-0.4f, -0.06f, 0.3f},
+            show(kajiyaSwatch(), std::vector{-0.4f, -0.06f, 0.3f},
                  material(&StrandMaterial::primaryShift), "The white band moves along the hair.")),
       tuned("StrandMaterial", "secondaryStrength",
-            show(swatchSetup(), std::vector{0.0f, 0.45f, 3.0f},
+            show(kajiyaSwatch(), std::vector{0.0f, 0.45f, 3.0f},
                  material(&StrandMaterial::secondaryStrength), "The wide colored band.")),
       tuned("StrandMaterial", "secondaryExponent",
-            show(with(swatchSetup(),
+            show(with(kajiyaSwatch(),
                       [](Setup& s) {
                         s.hair.material.secondaryStrength = 2.5f;
                         s.hair.material.primaryStrength = 0;
@@ -150,7 +155,7 @@ std::vector<Parameter> kajiyaRows() {
                  std::vector{4.0f, 16.0f, 200.0f}, material(&StrandMaterial::secondaryExponent),
                  "With a strength of 2.5 and no primary highlight.")),
       tuned("StrandMaterial", "secondaryShift",
-            show(with(swatchSetup(),
+            show(with(kajiyaSwatch(),
                       [](Setup& s) {
                         s.hair.material.secondaryStrength = 2.5f;
                         s.hair.material.secondaryExponent = 40;
@@ -160,7 +165,7 @@ std::vector<Parameter> kajiyaRows() {
                  "With a strength of 2.5, an exponent of 40 and no primary highlight.")),
       tuned(
           "StrandMaterial", "secondaryTint",
-          show(with(swatchSetup(),
+          show(with(kajiyaSwatch(),
                     [](Setup& s) {
                       s.hair.material.secondaryStrength = 0.45f;
                       s.hair.material.primaryStrength = 0;
@@ -198,7 +203,6 @@ std::vector<Parameter> fiberRows() {
           "StrandMaterial", "multipleScattering",
           show(with(shadowed(),
                     [](Setup& s) {
-                      s.hair.material.model = ShadingModel::kFiber;
                       s.hair.material.rootColor = s.hair.material.tipColor = {0.60f, 0.42f, 0.24f};
                     }),
                std::vector{0.0f, 0.5f, 1.0f}, material(&StrandMaterial::multipleScattering),

@@ -11,7 +11,6 @@ void setLook(Setup& setup) {
   setup.hair.material.rootColor = {0.060f, 0.026f, 0.014f};
   setup.hair.material.tipColor = {0.210f, 0.100f, 0.045f};
   setup.hair.material.fiberRadius = 150e-6f;
-  setup.hair.material.primaryStrength = 0.1f;
   setup.transparency.nodeCount = 3000000;
 }
 

@@ -631,6 +631,26 @@ TEST(FollowHairs, GiveNoWeightToGuidesThatAreNotThere) {
   }
 }
 
+TEST(FollowHairs, StandOffAtTheTipAsManyAsWasAskedFor) {
+  const HairAsset asset = bentStrands(500, 3, 0.3);
+  FollowDef def = {.countPerGuide = 16, .maxRadius = 0.01f, .tipSeparation = 0.5f};
+  const auto without = required(asset.generateFollowHairs(def));
+  def.flyaways = 0.1f;
+  const auto with = required(asset.generateFollowHairs(def));
+  int flyaways = 0;
+  double sum = 0;
+  for (size_t i = 0; i < with->size(); ++i) {
+    const Float4 &a = (*without)[i].offset, &b = (*with)[i].offset;
+    ASSERT_TRUE(a.x == b.x && a.y == b.y && a.z == b.z);
+    ASSERT_GE(b.w, a.w);
+    ASSERT_LE(b.w, a.w + 4);
+    if (b.w > a.w) ++flyaways;
+    sum += double{b.w} - a.w;
+  }
+  EXPECT_NEAR(flyaways / 8000.0, 0.1, 0.01);
+  EXPECT_NEAR(sum / flyaways, 2, 0.15);
+}
+
 TEST(FollowHairs, RefuseValuesOutOfRangeByName) {
   const HairAsset asset = bentStrands(2, 3, 0.3);
   expectError(asset.generateFollowHairs({.countPerGuide = 65}), "follow hairs per guide");
@@ -640,6 +660,8 @@ TEST(FollowHairs, RefuseValuesOutOfRangeByName) {
   expectError(asset.generateFollowHairs({.maxRadius = kNan}), "radius of follow hairs");
   expectError(asset.generateFollowHairs({.maxRadius = -1}), "radius of follow hairs");
   expectError(asset.generateFollowHairs({.tipSeparation = kInf}), "tip separation");
+  expectError(asset.generateFollowHairs({.flyaways = 1.5f}), "flyaways");
+  expectError(asset.generateFollowHairs({.flyaways = kNan}), "flyaways");
   EXPECT_FALSE(HairAsset().generateFollowHairs({}));
 }
 

@@ -177,6 +177,102 @@ TEST(Groom, StrandsHaveTheLengthThatWasAskedFor) {
   }
 }
 
+double lengthOf(const Groom& groom, uint32_t strand) {
+  const uint32_t count = groom.hair.verticesPerStrand;
+  const Float4* v = &groom.hair.positions[size_t{strand} * count];
+  double length = 0;
+  for (uint32_t i = 0; i + 1 < count; ++i) length += distance(v[i], v[i + 1]);
+  return length;
+}
+
+// Strands whose length is that of their definition.
+GroomDef smoothGroom() {
+  GroomDef def = smallGroom();
+  def.lengthVariation = 0;
+  def.curlRadius = 0;
+  def.noise = 0;
+  def.clumpStrength = 0;
+  def.thicknessVariation = 0;
+  return def;
+}
+
+TEST(Groom, HasLocksOfDifferentLengthsThatEndInAPoint) {
+  GroomDef def = smoothGroom();
+  const auto level = required(generateGroom(def));
+  def.clumpLengthVariation = 0.4f;
+  const auto different = required(generateGroom(def));
+  def.clumpLengthVariation = 0;
+  def.clumpTaper = 0.5f;
+  const auto pointed = required(generateGroom(def));
+  std::map<long, int> locks;  // strands by the length that their lock leaves
+  int whole = 0, shorter = 0;
+  for (uint32_t s = 0; s < def.strandCount; ++s) {
+    const double share = lengthOf(*different, s) / lengthOf(*level, s);
+    ASSERT_GT(share, 0.57);
+    ASSERT_LT(share, 1.03);
+    ++locks[std::lround(share * 50)];
+    const double tapered = lengthOf(*pointed, s) / lengthOf(*level, s);
+    ASSERT_GT(tapered, 0.47);
+    ASSERT_LT(tapered, 1.03);
+    if (tapered > 0.97) ++whole;
+    if (tapered < 0.53) ++shorter;
+  }
+  EXPECT_GT(locks.size(), 10u);
+  // In each of 40 locks the middle is whole, and the farthest strand is the shortest.
+  EXPECT_GE(whole, 38);
+  EXPECT_GE(shorter, 30);
+}
+
+TEST(Groom, HasShorterAndThinnerHairAroundTheFace) {
+  GroomDef def = smoothGroom();
+  const auto all = required(generateGroom(def));
+  def.hairlineFade = 0.015f;
+  const auto faded = required(generateGroom(def));
+  ASSERT_TRUE(all->hair.strandThickness.empty());
+  ASSERT_EQ(faded->hair.strandThickness.size(), def.strandCount);
+  int edge = 0, inside = 0;
+  for (uint32_t s = 0; s < def.strandCount; ++s) {
+    const float thickness = faded->hair.strandThickness[s];
+    ASSERT_NEAR(lengthOf(*faded, s) / lengthOf(*all, s), thickness, 0.03);
+    ASSERT_GE(thickness, 0.4f);
+    // In the middle of the forehead the edge is at 0.28 m.
+    const Float4& root = faded->hair.positions[size_t{s} * def.verticesPerStrand];
+    if (root.z > 0.05f && std::abs(root.x) < 0.03f && root.y < 0.29f) {
+      EXPECT_LT(thickness, 0.9f);
+      ++edge;
+    } else if (root.y > 0.31f) {
+      EXPECT_EQ(thickness, 1);
+      ++inside;
+    }
+  }
+  EXPECT_GT(edge, 1);
+  EXPECT_GT(inside, 20);
+}
+
+TEST(FaceHair, StandsOnBothBrowsAndLidsAndOutsideTheHead) {
+  auto hair = required(generateFaceHair());
+  const uint32_t count = hair->verticesPerStrand;
+  int brows = 0, lashes = 0, left = 0;
+  for (uint32_t s = 0; s < hair->strandCount; ++s) {
+    const Float4* v = &hair->positions[size_t{s} * count];
+    ASSERT_NEAR(headDistance({v[0].x, v[0].y, v[0].z}), 0, 1e-4);
+    for (uint32_t i = 1; i < count; ++i)
+      ASSERT_GT(headDistance({v[i].x, v[i].y, v[i].z}), 5e-4f) << i;
+    double length = 0;
+    for (uint32_t i = 0; i + 1 < count; ++i) length += distance(v[i], v[i + 1]);
+    ASSERT_GT(length, 0.0035);
+    ASSERT_LT(length, 0.0095);
+    ++(v[0].y > 0.225f ? brows : lashes);
+    if (v[0].x > 0) ++left;
+  }
+  EXPECT_GT(brows, 300);
+  EXPECT_GT(lashes, 80);
+  EXPECT_EQ(uint32_t(2 * left), hair->strandCount);
+  EXPECT_TRUE(hair->process());
+  EXPECT_EQ(hair->degenerateSegmentCount, 0u);
+  EXPECT_NE(required(generateFaceHair(2))->positions, hair->positions);
+}
+
 TEST(Groom, EqualDefinitionsGiveEqualBytesOnEveryMachine) {  // K24
   const auto first = generateGroom(smallGroom());
   const auto second = generateGroom(smallGroom());
@@ -228,6 +324,8 @@ TEST(Groom, WorksAtTheEdgesOfItsRanges) {
            [](GroomDef& d) { d.curlRadius = 0.1f, d.curlFrequency = 500, d.noise = 0.1f; },
            [](GroomDef& d) { d.volume = 0.1f, d.lift = 0; },
            [](GroomDef& d) { d.stripWidth = 0.02f, d.hairline = -0.03f; },
+           [](GroomDef& d) { d.clumpLengthVariation = d.clumpTaper = 0.95f; },
+           [](GroomDef& d) { d.hairlineFade = 0.05f, d.hairline = 0.05f; },
            [](GroomDef& d) { d.thicknessVariation = 0; }}) {
     GroomDef def = smallGroom();
     change(def);
@@ -252,6 +350,9 @@ TEST(Groom, RefusesValuesOutOfRangeByName) {
   refused([](GroomDef& d) { d.length = 0; }, "length");
   refused([](GroomDef& d) { d.length = kNan; }, "length");
   refused([](GroomDef& d) { d.lift = 4; }, "lift");
+  refused([](GroomDef& d) { d.clumpLengthVariation = 1; }, "clumpLengthVariation");
+  refused([](GroomDef& d) { d.clumpTaper = -1; }, "clumpTaper");
+  refused([](GroomDef& d) { d.hairlineFade = kNan; }, "hairlineFade");
   refused([](GroomDef& d) { d.noise = -1; }, "noise");
   refused([](GroomDef& d) { d.style = static_cast<HairStyle>(9); }, "style");
   refused([](GroomDef& d) { d.headCellSize = 0; }, "cell size");

@@ -57,6 +57,7 @@ TEST(GroomPresets, AreThePresetsOfSettings) {
     expected.simulation.globalStiffness = look.globalStiffness;
     expected.follow.countPerGuide = look.followPerGuide;
     expected.follow.maxRadius = look.followRadius;
+    expected.follow.flyaways = look.flyaways;
     EXPECT_EQ(settingsText(*settings), settingsText(expected)) << name;
   }
 }

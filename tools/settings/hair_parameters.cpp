@@ -104,6 +104,11 @@ std::vector<Parameter> followParameters() {
           .within(0, 100)
           .slider(0, 4)
           .pictured(),
+      PELAGE_PARAMETER(FollowDef, flyaways)
+          .says("share", "0..1", "Share of hairs whose tips stand off, up to 4 radii farther.")
+          .within(0, 1)
+          .slider(0, 0.3)
+          .pictured(),
       PELAGE_PARAMETER(FollowDef, seed)
           .says("", "", "Another seed gives other hairs.")
           .slider(0, 100),

@@ -133,10 +133,7 @@ std::vector<Parameter> fiberRows() {
           .within(0, 1)
           .pictured(),
       PELAGE_PARAMETER(StrandMaterial, multipleScattering)
-          .says(
-              "share", "0..1",
-              "Fiber model: share of the light that passes from fiber to fiber, for lights with a "
-              "shadow.")
+          .says("share", "0..1", "Fiber model: share of the light that passes from fiber to fiber.")
           .within(0, 1)
           .pictured(),
   };

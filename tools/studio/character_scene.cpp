@@ -89,6 +89,7 @@ Result<void> DemoScene::addBody(const Character& character) {
   def.scalp = scalp;
   def.coat = coat;
   if (Result<void> done = addMesh(character.mesh, def); !done) return done;
+  if (Result<void> done = addFaceHair(character.skeleton); !done) return done;
   meshes_.back().material = {character.parts[0].color, character.parts[1].color,
                              character.parts[2].color};
   return {};

@@ -62,6 +62,8 @@ float smoothStep(float from, float to, float x) {
   return t * t * (3 - 2 * t);
 }
 
+constexpr float kHidingThickness = 0.6f;
+
 Result<void> makeFolder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
@@ -142,6 +144,8 @@ std::vector<float> coveredShares(const pelage::CollisionMesh& mesh, const HairAs
                                  float range) {
   PointGrid roots(range);
   for (uint32_t strand = 0; strand < hair.strandCount; ++strand) {
+    // The thin hair of a hairline does not hide the skin.
+    if (!hair.strandThickness.empty() && hair.strandThickness[strand] < kHidingThickness) continue;
     const Float4& root = hair.positions[size_t{strand} * hair.verticesPerStrand];
     roots.add({root.x, root.y, root.z});
   }

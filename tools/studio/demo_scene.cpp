@@ -44,6 +44,7 @@ struct Look {
   pelage::SimulationSettings settings;
   uint32_t followPerGuide = 0;
   float followRadius = 0;  // m
+  float flyaways = 0;
   CameraDef camera;
 };
 
@@ -54,6 +55,7 @@ Look generatedLook(GroomPreset preset, pelage::Solver solver) {
   look.material = from.material;
   look.followPerGuide = from.followPerGuide;
   look.followRadius = from.followRadius;
+  look.flyaways = from.flyaways;
   look.camera.direction = {0.40f, 0.16f, 1};
   look.settings.solver = solver;
   look.settings.damping = 0.04f;
@@ -71,8 +73,8 @@ Look generatedLook(GroomPreset preset, pelage::Solver solver) {
 
 bool areSame(const pelage::FollowDef& a, const pelage::FollowDef& b) {
   const auto membersOf = [](const pelage::FollowDef& def) {
-    const auto& [count, guides, radius, tip, seed] = def;
-    return std::tie(count, guides, radius, tip, seed);
+    const auto& [count, guides, radius, tip, flyaways, seed] = def;
+    return std::tie(count, guides, radius, tip, flyaways, seed);
   };
   return membersOf(a) == membersOf(b);
 }
@@ -90,6 +92,7 @@ DemoScene::~DemoScene() {
     for (const pelage::BufferId depth : opaqueDepths_)
       if (depth != pelage::BufferId::kInvalid) scene_->resources().remove(depth);
   for (const pelage::HairId hair : hairs_) (void)scene_->removeHair(hair);
+  for (const pelage::HairId hair : faceHair_) (void)scene_->removeHair(hair);
   for (const pelage::ColliderId collider : colliders_) (void)scene_->removeCollider(collider);
 }
 
@@ -142,10 +145,12 @@ Result<DemoScene> DemoScene::create(const DemoAssets& assets, const DemoDef& def
   hairDef.material = look.material;
   hairDef.settings = look.settings;
   hairDef.influences = assets.weights.strands;
-  Result<void> added = demo.addHair(
-      assets.hair, hairDef,
-      {.countPerGuide = look.followPerGuide, .maxRadius = look.followRadius, .seed = def.seed},
-      def);
+  Result<void> added = demo.addHair(assets.hair, hairDef,
+                                    {.countPerGuide = look.followPerGuide,
+                                     .maxRadius = look.followRadius,
+                                     .flyaways = look.flyaways,
+                                     .seed = def.seed},
+                                    def);
   if (!added) return added.error();
   if (added = demo.addHead(assets, def); !added) return added.error();
 
@@ -169,11 +174,15 @@ Result<void> DemoScene::addHead(const DemoAssets& assets, const DemoDef& def) {
       return done;
   if (def.drawSdf || !assets.mesh) return {};
   std::vector<float> scalp;
-  if (assets.rootSpacing > 0)
+  if (assets.rootSpacing > 0) {
     scalp = coveredShares(*assets.mesh, assets.hair, kScalpRange * assets.rootSpacing);
-  return addMesh(
+    if (Result<void> done = addFaceHair(assets.skeleton); !done) return done;
+  }
+  Result<void> added = addMesh(
       *assets.mesh,
       {.name = assets.name + "/mesh", .influences = assets.mesh->influences, .scalp = scalp});
+  if (added) meshes_.back().material.scalp = underHair(hairs_[0]);
+  return added;
 }
 
 Result<void> DemoScene::addHair(const HairAsset& hair, const pelage::HairDef& look,
@@ -249,6 +258,42 @@ Result<void> DemoScene::makeHairAgain(size_t hair, const HairMaking& making) {
   return {};
 }
 
+// The color of skin with the stubs of a hair's strands.
+Float3 DemoScene::underHair(pelage::HairId hair) const {
+  constexpr float kSkin = 0.06f, kRoots = 0.9f;
+  const Float3& skin = MeshMaterial().skin;
+  const Float3& root = scene_->hair(hair).material.rootColor;
+  return {kSkin * skin.x + kRoots * root.x, kSkin * skin.y + kRoots * root.y,
+          kSkin * skin.z + kRoots * root.z};
+}
+
+Result<void> DemoScene::addFaceHair(const pelage::Skeleton& skeleton) {
+  const auto head = std::find_if(skeleton.bones.begin(), skeleton.bones.end(),
+                                 [](const pelage::Bone& bone) { return bone.name == "head"; });
+  const auto bone = static_cast<uint32_t>(head - skeleton.bones.begin());
+  auto hair = pelage::generateFaceHair();
+  if (!hair) return hair.error();
+  if (Result<void> done = hair->process(); !done) return done;
+  const std::vector<BoneInfluences> influences(hair->strandCount, {{bone, 0, 0, 0}, {1, 0, 0, 0}});
+  pelage::HairDef def;
+  def.name = "face";
+  def.influences = influences;
+  def.boneCount = boneCount_;
+  // Darker than the tips of the hair, which the sun bleaches.
+  const pelage::StrandMaterial& hairs = scene_->hair(hairs_[0]).material;
+  def.material.rootColor = hairs.rootColor;
+  def.material.tipColor = {(hairs.rootColor.x + hairs.tipColor.x) / 2,
+                           (hairs.rootColor.y + hairs.tipColor.y) / 2,
+                           (hairs.rootColor.z + hairs.tipColor.z) / 2};
+  def.material.fiberRadius = 60e-6f;
+  def.material.tipRadiusRatio = 0.2f;
+  const auto added = scene_->addHair(std::make_shared<const HairAsset>(*std::move(hair)), def);
+  if (!added) return added.error();
+  scene_->hair(*added).simulated = false;
+  faceHair_.push_back(*added);
+  return {};
+}
+
 Result<void> DemoScene::addMesh(const pelage::CollisionMesh& mesh, MeshDef def) {
   def.boneCount = boneCount_;
   auto object = MeshObject::create(scene_->resources(), mesh, def);
@@ -282,6 +327,7 @@ Result<void> DemoScene::advance(pelage::PassList& list) {
 
 void DemoScene::poseHair(const std::vector<AffineTransform>& posed) {
   for (const pelage::HairId hair : hairs_) scene_->hair(hair).setBones(posed);
+  for (const pelage::HairId hair : faceHair_) scene_->hair(hair).setBones(posed);
   scene_->hair(hairs_[0]).setColliders(capsulesIn(posed));
   for (const pelage::ColliderId collider : colliders_) scene_->collider(collider).setBones(posed);
 }

@@ -186,6 +186,9 @@ class DemoScene {
     pelage::FollowDef follow;
   };
   pelage::Result<pelage::HairId> addToScene(const HairSource& source);
+  pelage::Float3 underHair(pelage::HairId hair) const;
+  /// Adds brows and lashes to the bone "head", in colors of the first hair.
+  pelage::Result<void> addFaceHair(const pelage::Skeleton& skeleton);
   void poseHair(const std::vector<pelage::AffineTransform>& posed);
   std::vector<pelage::CapsuleCollider> capsulesIn(
       const std::vector<pelage::AffineTransform>& posed) const;
@@ -208,6 +211,7 @@ class DemoScene {
   std::unique_ptr<pelage::Scene> ownScene_;  ///< nullptr: it is somebody else's
   pelage::Scene* scene_;
   std::vector<pelage::HairId> hairs_;
+  std::vector<pelage::HairId> faceHair_;         ///< none or one; it has no settings
   std::vector<HairSource> sources_;              ///< [hair]
   std::vector<std::vector<float>> restLengths_;  ///< [hair]
   std::vector<MeshObject> meshes_;

@@ -55,8 +55,6 @@ pelage::StrandMaterial fileMaterial(const pelage::HairAsset& hair) {
   material.rootColor = colored ? Float3{1, 1, 1} : Float3{0.060f, 0.038f, 0.026f};
   material.tipColor = colored ? Float3{1, 1, 1} : Float3{0.150f, 0.098f, 0.066f};
   material.fiberRadius = 40e-6f;
-  material.primaryStrength = 0.06f;
-  material.secondaryStrength = 0.8f;
   return material;
 }
 

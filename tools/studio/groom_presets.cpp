@@ -7,7 +7,9 @@ namespace {
 // Chestnut hair whose bind shape hangs already, lit as dielectric fibers are.
 PresetLook parted() {
   PresetLook look;
-  look.material.model = pelage::ShadingModel::kFiber;
+  look.groom.clumpLengthVariation = 0.15f;
+  look.groom.clumpTaper = 0.2f;
+  look.groom.hairlineFade = 0.014f;
   look.material.rootColor = {0.018f, 0.009f, 0.006f};
   look.material.tipColor = {0.110f, 0.052f, 0.026f};
   look.material.colorVariation = 0.25f;
@@ -20,7 +22,7 @@ PresetLook straight() {
   PresetLook look = parted();
   look.groom.style = pelage::HairStyle::kSweptBack;
   look.groom.length = 0.34f;
-  look.groom.lengthVariation = 0.16f;
+  look.groom.lengthVariation = 0.06f;
   look.groom.verticesPerStrand = 32;
   look.groom.curlRadius = 0;
   look.groom.clumpStrength = 0.25f;

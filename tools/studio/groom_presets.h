@@ -24,6 +24,7 @@ struct PresetLook {
   float globalStiffness = 0.03f;
   uint32_t followPerGuide = 10;
   float followRadius = 0.004f;  ///< [m]
+  float flyaways = 0.03f;       ///< FollowDef::flyaways
 };
 
 PresetLook presetLook(GroomPreset preset);

@@ -12,7 +12,7 @@
 
 namespace sample {
 
-inline constexpr float kScalpRange = 1.8f;  ///< root spacings that the colour under hair reaches
+inline constexpr float kScalpRange = 2.4f;  ///< root spacings that the colour under hair reaches
 inline constexpr double kSweptStep = 0.1;   ///< s between the poses that the camera looks at
 
 /// Minimum global stiffness of the classic solver, on all of a strand: its local shape alone does

@@ -39,13 +39,16 @@ struct GroomDef {
   float comb = 25.0f;     ///< how sharply hair bends to the combed direction [1/m], 0..1000
   float droop = 22.0f;    ///< how sharply it bends downwards [1/m], 0..1000
 
-  float curlRadius = 0.003f;    ///< radius of the curls [m], 0..0.1
-  float curlFrequency = 14.0f;  ///< turns per meter of hair, 0..500
-  uint32_t clumpCount = 240;    ///< number of locks, 0..4096; 0 = none
-  float clumpStrength = 0.4f;   ///< 0 = none, 1 = all tips of a lock meet
-  float noise = 0.004f;         ///< random displacement of tips [m], 0..0.1
+  float curlRadius = 0.003f;       ///< radius of the curls [m], 0..0.1
+  float curlFrequency = 14.0f;     ///< turns per meter of hair, 0..500
+  uint32_t clumpCount = 240;       ///< number of locks, 0..4096; 0 = none
+  float clumpStrength = 0.4f;      ///< 0 = none, 1 = all tips of a lock meet
+  float clumpLengthVariation = 0;  ///< locks are shorter by up to this fraction, 0..0.95
+  float clumpTaper = 0;  ///< strands are shorter by up to this fraction at a lock's edge, 0..0.95
+  float noise = 0.004f;  ///< random displacement of tips [m], 0..0.1
 
-  float hairline = 0.0f;  ///< moves the edge of the hair up (> 0: less hair) [m], -0.03..0.05
+  float hairline = 0.0f;   ///< moves the edge of the hair up (> 0: less hair) [m], -0.03..0.05
+  float hairlineFade = 0;  ///< width of shorter and thinner hair around the face [m], 0..0.05
   float stripWidth =
       0.0f;  ///< > 0: width of a strip along the middle with hair [m]; 0..0.3, 0 = all
   float thicknessVariation = 0.2f;  ///< strands are thinner by up to this fraction, 0..1; 0 = equal
@@ -68,6 +71,10 @@ struct Groom {
 /// of a strand is on the mesh; its other vertices are outside of the head. Errors: a value out of
 /// range, no scalp to place hair on.
 PELAGE_DEMO_API Result<Groom> generateGroom(const GroomDef& def = {});
+
+/// Makes brows and upper lashes of the same head, in bind pose: hair that moves with the bone
+/// "head" as a whole (HairObject::simulated = false). process() has not been called.
+PELAGE_DEMO_API Result<HairAsset> generateFaceHair(uint64_t seed = 1);
 
 /// Makes the bald head. `cellSize` is that of GroomDef::headCellSize.
 PELAGE_DEMO_API Result<CollisionMesh> generateHead(float cellSize = 0.005f);

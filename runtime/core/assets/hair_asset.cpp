@@ -289,6 +289,9 @@ Result<std::vector<FollowHair>> makeFollowHairs(const HairAsset& asset, const Fo
   if (!(def.tipSeparation >= 0 && def.tipSeparation <= 100))
     return invalid(fmt::format("the tip separation of follow hairs is {}; it must be 0 to 100",
                                def.tipSeparation));
+  if (!(def.flyaways >= 0 && def.flyaways <= 1))
+    return invalid(fmt::format("the share of flyaways among follow hairs is {}; it must be 0 to 1",
+                               def.flyaways));
   if (auto r = checkAsset(asset); !r) return r.error();
   const uint64_t total = uint64_t{asset.strandCount} * def.countPerGuide;
   if (total + asset.strandCount > std::numeric_limits<uint32_t>::max())
@@ -300,7 +303,7 @@ Result<std::vector<FollowHair>> makeFollowHairs(const HairAsset& asset, const Fo
   std::vector<FollowHair> hairs;
   hairs.reserve(total);
   for (uint32_t guide = 0; guide < asset.strandCount; ++guide) {
-    Random random(def.seed, guide);
+    Random random(def.seed, guide), stray(def.seed, uint64_t{asset.strandCount} + guide);
     const RestFrame frame = detail::shortestArc(
         FloatVector{1, 0, 0},
         rootTangent(asset.positions.data() + uint64_t{guide} * asset.verticesPerStrand,
@@ -314,6 +317,7 @@ Result<std::vector<FollowHair>> makeFollowHairs(const HairAsset& asset, const Fo
                                             static_cast<float>(radius * angle.sine)});
       FollowHair hair = {.guide = guide,
                          .offset = {offset.x, offset.y, offset.z, def.tipSeparation}};
+      if (stray.uniform() < def.flyaways) hair.offset.w += 4 * stray.uniform();
       if (roots) addGuides(hair, asset, *roots, def);
       hairs.push_back(hair);
     }

@@ -4,17 +4,18 @@
 #include "rig.hlsli"
 
 float3 engineLight(StrandShading material, StrandSurface surface) {
-  // pelage: the share of the sun that the hair in front lets through. The sun is light 0 of the
-  // view for the sake of this map.
-  float open = 1.0;
+  // pelage: the hair in front of the strand and behind it. The sun is light 0 of the view for the
+  // sake of this map.
+  StrandLightPath path = openLightPath();
   StrandLight sun = lightAt(0u);
   if (g_lightCount > 0u && sun.shadow.x < kMaxStrandShadows)
-    open = strandTransmittance(shadowAt(sun.shadow.x), surface.position);
+    path = strandLightPath(shadowAt(sun.shadow.x), surface.position);
 
-  float3 sunlight = g_rigSunColor.rgb * (open * sunVisibility(surface.position));
-  float3 light = sunlight * shadeStrand(material, surface, g_rigSun.xyz);
+  StrandVolume volume = strandVolumeOf(material, surface);
+  float3 sunlight = g_rigSunColor.rgb * sunVisibility(surface.position);
+  float3 light = sunlight * shadeStrandInHair(material, surface, g_rigSun.xyz, volume, path);
   SpotLight spot = spotAt(surface.position);
-  light += spot.color * shadeStrand(material, surface, spot.toLight);
+  light += spot.color * shadeStrandInHair(material, surface, spot.toLight, volume, openLightPath());
 
   // The side of the fiber that the camera sees faces this way.
   float3 front = surface.toEye - surface.tangent * dot(surface.tangent, surface.toEye);
