@@ -66,7 +66,8 @@ class PelageExportSettings(_Settings, bpy.types.PropertyGroup):
 
 def _draw(layout, settings):
     layout.use_property_split = True
-    for name in ("export_hair", "export_bones", "vertices_per_strand", "min_curve_length", "both_ends_immovable", "use_children"):
+    for name in ("export_hair", "export_bones", "vertices_per_strand", "min_curve_length",
+                 "both_ends_immovable", "use_children"):
         layout.prop(settings, name)
     column = layout.column(align=True)
     column.prop(settings, "randomize_strands")
