@@ -4,8 +4,6 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <set>
-#include <string_view>
 
 #include "interface/settings_panel.h"
 #include "pelage/settings/settings_file.h"
@@ -59,12 +57,9 @@ class StageSettings : public testing::Test {
 };
 
 TEST_F(StageSettings, AreWhatWasGiven) {
-  const uint32_t taken = viewer::stageSections();
-  EXPECT_NE(taken, 0u);
   size_t moved = 0;
   const auto sections = pelage::settingsSections();
   for (size_t s = 0; s < sections.size(); ++s) {
-    if ((taken >> s & 1u) == 0) continue;
     for (const pelage::Parameter& parameter : sections[s].parameters) {
       SceneSettings settings = settingsOf(stage_, 0);
       // An object draws no more strands than it has.
@@ -85,15 +80,6 @@ TEST_F(StageSettings, AreWhatWasGiven) {
     }
   }
   EXPECT_GT(moved, 60u);
-}
-
-// The window decides the other sections: the drawing of everything but hair.
-TEST_F(StageSettings, HaveEverySectionButThoseOfTheWindow) {
-  const std::set<std::string_view> ofTheWindow = {"colliderLook"};
-  const auto sections = pelage::settingsSections();
-  for (size_t s = 0; s < sections.size(); ++s)
-    EXPECT_TRUE((viewer::stageSections() >> s & 1u) != 0 || ofTheWindow.count(sections[s].key) > 0)
-        << sections[s].key;
 }
 
 TEST_F(StageSettings, OfMakingMakeTheHairAgainWithItsLook) {

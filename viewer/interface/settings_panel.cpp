@@ -100,7 +100,6 @@ std::vector<SettingsMessage> SettingsPanel::build(Stage& stage, const WindowSize
       ImGui::TextWrapped("%u of %u guides are too limp for this sagCompensation, and sag.",
                          hair.limpGuideCount(), hair.guideCount());
     SceneSettings settings = settingsOf(stage, hair_);
-    panel_.sections = stageSections();
     const PanelChange change = drawParameters(panel_, settings);
     if (change.changed())
       if (const Result<void> done = apply(settings, hair_, stage); !done)

@@ -77,7 +77,6 @@ class Drawing {
     drawTop();
     const auto sections = pelage::settingsSections();
     for (size_t s = 0; s < sections.size(); ++s) {
-      if ((panel_.sections >> s & 1u) == 0) continue;
       if (sections[s].isList)
         drawList(s);
       else
@@ -124,7 +123,6 @@ class Drawing {
     for (size_t s = 0; s < sections.size(); ++s) {
       const std::string_view key = sections[s].key;
       if (key != "simulation" && key != "material" && key != "follow") continue;
-      if ((panel_.sections >> s & 1u) == 0) continue;
       for (const Parameter& p : sections[s].parameters)
         sections[s].set(settings_, p, sections[s].get(*preset, p));
       note(s);

@@ -34,7 +34,6 @@ struct ParameterPanel {
   char search[64] = {};      ///< shows parameters with this text in name, unit or meaning
   bool onlyChanged = false;  ///< shows parameters that differ from their defaults
   bool openAll = false;      ///< opens all groups in the next draw
-  uint32_t sections = ~0u;   ///< bit i: the i-th of pelage::settingsSections() is drawn
   bool unfinished = false;   ///< the user still holds a slider that has moved
   /// Index of the last chosen preset in pelage::settingsPresets(); ~0: none.
   size_t newestPreset = ~size_t{0};

@@ -300,7 +300,7 @@ Result<void> Stage::drawSide(uint32_t index, const pelage::CapsuleCollider* ball
   pelage::PassList before;
   Result<void> done = drawsMeshes(inspection.value) ? demo.drawOpaque(view, before)
                       : inspection.value == InspectedValue::kSdfSurface
-                          ? Inspection::drawSurfaces(what, view, before)
+                          ? Inspection::drawSurfaces(what, colliderLook, view, before)
                           : Result<void>();
   if (done && ballShape != nullptr)
     done = ballMesh_.draw(ball.center, ball.radius, view, demo.light, scene_.resources(), before);

@@ -213,6 +213,7 @@ class Stage {
   InspectionLook inspection;
   /// Returns the figures of the chosen side, measured some frames ago.
   const InspectionFigures& inspected() const { return sides_[side_].inspection.figures(); }
+  pelage::ColliderLook colliderLook;  ///< of InspectedValue::kSdfSurface
   pelage::ContactLook contactLook;    ///< with StageLook::showsContacts
   pelage::ViewSettings viewSettings;  ///< of all views: CanvasTarget must match
   pelage::Scene& scene() { return scene_; }
