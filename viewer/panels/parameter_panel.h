@@ -19,6 +19,7 @@ struct PanelItem {
   pelage::Float2 min = {}, max = {};            ///< of the widget that sets the value
   pelage::Float2 resetMin = {}, resetMax = {};  ///< of the reset button
   bool isChanged = false;                       ///< it differs from its default
+  bool isUsed = true;                           ///< by the chosen solver; else it is grayed
 };
 
 /// A button of the last draw: "Reset group", "Remove light" or "Add light".
