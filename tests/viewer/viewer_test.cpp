@@ -299,7 +299,7 @@ TEST_P(Viewer, GrowsWithTheDotsOfTheDisplay) {
   EXPECT_EQ(session.output.errors, "");
   const ByteImage panel = session.picture("panel"), paused = session.picture("paused");
   EXPECT_LT(meanOfColumns(panel, 300, 480), 0.7 * meanOfColumns(paused, 300, 480));
-  EXPECT_EQ(meanOfColumns(panel, 540, 600), meanOfColumns(paused, 540, 600));
+  EXPECT_EQ(meanOfColumns(panel, 570, 600), meanOfColumns(paused, 570, 600));
   EXPECT_TRUE(paused.rgb == session.picture("later").rgb);
 }
 
