@@ -241,6 +241,22 @@ TEST_P(Inspection, TheSurfaceOfAnSdfHasTheColorOfTheSettings) {
   }
 }
 
+TEST_P(Inspection, TheGroundIsBelowAllHair) {
+  stage_.inspection.value = InspectedValue::kNone;
+  const auto drawnRows = [&] {
+    draw();
+    std::array<size_t, 4> quarters = {};
+    for (size_t i = 0; i < picture_.pixels.size(); ++i)
+      quarters[4 * i / picture_.pixels.size()] += picture_.pixels[i].w > 0 ? 1 : 0;
+    return quarters;
+  };
+  const std::array<size_t, 4> before = drawnRows();
+  stage_.look.showsGround = true;
+  const std::array<size_t, 4> after = drawnRows();
+  EXPECT_GT(after[3], before[3] + 50);
+  EXPECT_EQ(after[0], before[0]);
+}
+
 // A view that is no longer shown frees its buffers.
 TEST_P(Inspection, LeavesNoBuffersBehind) {
   const uint64_t bytes = stage_.scene().resources().totalBytes();

@@ -7,6 +7,7 @@
 
 #include "interface/settings_panel.h"
 #include "pelage/settings/settings_file.h"
+#include "stage/environment.h"
 #include "stage/stage_settings.h"
 #include "support/errors.h"
 #include "support/test_folder.h"
@@ -80,6 +81,21 @@ TEST_F(StageSettings, AreWhatWasGiven) {
     }
   }
   EXPECT_GT(moved, 60u);
+}
+
+TEST_F(StageSettings, HaveTheEnvironmentThatIsChosen) {
+  const pelage::Float3 own = settingsOf(stage_, 0).lights[0].environment.l1m1;
+  EXPECT_STREQ(viewer::environmentName(stage_), viewer::kOwnEnvironment);
+  for (const viewer::NamedEnvironment& one : viewer::environments()) {
+    setEnvironment(one.light, stage_);
+    EXPECT_STREQ(viewer::environmentName(stage_), one.name);
+    const pelage::EnvironmentLight e = settingsOf(stage_, 0).lights[0].environment;
+    EXPECT_EQ(e.l1m1, one.light.l1m1);
+    // No side is darker than black.
+    EXPECT_GE(0.282095f * e.l00.x, 0.488603f * std::hypot(e.l1m1.x, e.l10.x, e.l11.x)) << one.name;
+  }
+  setEnvironment(stage_.ownEnvironment(), stage_);
+  EXPECT_EQ(settingsOf(stage_, 0).lights[0].environment.l1m1, own);
 }
 
 TEST_F(StageSettings, OfMakingMakeTheHairAgainWithItsLook) {

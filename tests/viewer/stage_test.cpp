@@ -204,6 +204,31 @@ TEST(Help, HasTheLinesOfTheDocumentation) {
   }
 }
 
+TEST(StageControls, KeepsCamerasOnKeys) {
+  viewer::Stage stage;
+  viewer::StageControls controls;
+  const viewer::WindowSize size;
+  const auto key = [&](viewer::Key code, bool down) {
+    controls.take(viewer::KeyPressed{code, down}, size, stage);
+  };
+  const auto keep = [&](viewer::Key code) {
+    key(viewer::kKeyLeftControl, true);
+    key(code, true);
+    key(viewer::kKeyLeftControl, false);
+  };
+  stage.camera = someCamera();
+  keep('2');
+  stage.camera.orbit(1, 0.1f);
+  keep('9');
+  const Float3 second = stage.camera.eye();
+  key('2', true);
+  EXPECT_EQ(stage.camera.eye(), someCamera().eye());
+  key('1', true);  // nothing was kept
+  EXPECT_EQ(stage.camera.eye(), someCamera().eye());
+  key('9', true);
+  EXPECT_EQ(stage.camera.eye(), second);
+}
+
 // The panel sets speed and horizontal direction of a wind that the arrow has made rise.
 TEST(WindArrow, ThePanelKeepsTheSlopeOfTheWind) {
   const Float3 turned = viewer::turnedWind({3, 4, 0}, 10, 0);

@@ -15,6 +15,8 @@ constexpr HelpLine kLines[] = {
     {"left at the tip of the arrow", "sets the wind: direction in the picture, and strength"},
     {"Control and left", "drags a ball through the hair; the wheel moves it away and nearer"},
     {"F", "frames all"},
+    {"Control and 1 to 9", "keeps the camera"},
+    {"1 to 9", "goes to a camera that was kept"},
     {"Space", "plays, pauses"},
     {".", "takes a single step of 1/60 s"},
     {"-, =", "half as fast, twice as fast: 1/16 to 4 times"},

@@ -182,7 +182,7 @@ void FrameTimes::add(double seconds, const PassHistory& history) {
   if (!history.totals().empty()) gpuMilliseconds_ += static_cast<double>(history.totals().back());
   if (!text_.empty() && seconds_ < kAveraged) return;
   const double rate = frames_ / std::max(seconds_, 1e-6);
-  text_ = rate < 10 ? fmt::format("{:.1f} frames/s", rate) : fmt::format("{:.0f} frames/s", rate);
+  text_ = rate < 10 ? fmt::format("{:.2g} frames/s", rate) : fmt::format("{:.0f} frames/s", rate);
   if (!history.totals().empty())
     text_ += fmt::format(", GPU {:.2f} ms", gpuMilliseconds_ / frames_);
   seconds_ = gpuMilliseconds_ = 0;

@@ -15,6 +15,7 @@
 #include "interface/window_layout.h"
 #include "options.h"
 #include "stage/controls.h"
+#include "stage/environment.h"
 #include "stage/orbit_camera.h"
 
 namespace viewer {
@@ -251,6 +252,14 @@ void buildLook(Stage& stage, const Canvas& canvas) {
   choose("Shadow", kShadows, stage.look.shadow);
   float percent = 100 * stage.look.strandShare;
   if (slider("Strands", percent, 2, 100, "%.0f %%")) stage.look.strandShare = percent / 100;
+  rowName("Sky");
+  if (ImGui::BeginCombo("##environment", environmentName(stage))) {
+    if (ImGui::Selectable(kOwnEnvironment)) setEnvironment(stage.ownEnvironment(), stage);
+    for (const NamedEnvironment& one : environments())
+      if (ImGui::Selectable(one.name)) setEnvironment(one.light, stage);
+    ImGui::EndCombo();
+  }
+  ImGui::Checkbox("Ground", &stage.look.showsGround);
 }
 
 // Builds the wind, as a speed and a horizontal direction, and the ball.
