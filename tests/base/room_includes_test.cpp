@@ -21,10 +21,10 @@ constexpr std::array<std::string_view, 11> kRooms = {"base",   "assets",  "passe
                                                      "shadow", "oit",     "scene"};
 
 // Folders of tests that are not of one room.
-constexpr std::array<std::string_view, 19> kOtherTests = {
-    "c",       "authoring", "bake",   "blender",   "codegen",  "consumer",    "demo",
-    "fuzz",    "gl",        "golden", "reference", "settings", "ray_tracing", "stress",
-    "support", "usd",       "viewer", "webgpu",    "vulkan"};
+constexpr std::array<std::string_view, 20> kOtherTests = {
+    "c",      "authoring", "bake",   "blender", "codegen",   "consumer", "demo",
+    "fuzz",   "gl",        "golden", "maya",    "reference", "settings", "ray_tracing",
+    "stress", "support",   "usd",    "viewer",  "webgpu",    "vulkan"};
 
 size_t heightOf(std::string_view room) {
   return static_cast<size_t>(std::find(kRooms.begin(), kRooms.end(), room) - kRooms.begin());

@@ -13,7 +13,8 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(HERE, "../../tools/blender/pelage_export"))
 
 from pelage_core import ExportError, export, files, hair  # noqa: E402
-from pelage_core.options import ExportOptions  # noqa: E402
+from pelage_core.nurbs import nurbs_points, uniform_knots
+from pelage_core.options import COLLISION_OPTIONS, ExportOptions  # noqa: E402
 from pelage_core.random_pcg import Random  # noqa: E402
 from pelage_core.surface import Surface, polygon_corners, strongest  # noqa: E402
 
@@ -88,6 +89,28 @@ class Axes(unittest.TestCase):
     def test_invert_z_mirrors_the_axes_of_the_file(self):
         np.testing.assert_array_equal(hair.up_matrix("Z", False) @ (1, 2, 3), (1, 3, -2))
         np.testing.assert_array_equal(hair.up_matrix("Z", True) @ (1, 2, 3), (1, 3, 2))
+
+
+class Nurbs(unittest.TestCase):
+    def test_a_rational_curve_of_degree_2_is_a_circle(self):
+        corner = [(1, 0, 0, 2), (1, 1, 0, 4), (0, 1, 0, 6)]
+        points = nurbs_points(corner, [1, np.sqrt(0.5), 1], 3, uniform_knots(3, 3, True, False))
+        self.assertEqual(len(points), 9)
+        np.testing.assert_allclose(np.hypot(points[:, 0], points[:, 1]), 1)
+        np.testing.assert_allclose(points[[0, -1]], [corner[0], corner[2]], atol=1e-15)
+
+    def test_every_kind_of_knots_keeps_a_line_and_stays_in_its_hull(self):
+        for count, order, ends, bezier in [(2, 2, True, False), (5, 4, True, False),
+                                           (5, 4, False, False), (7, 4, False, True),
+                                           (9, 3, True, True), (6, 6, False, False)]:
+            line = np.outer(np.arange(count), (1.0, 2, 3))
+            knots = uniform_knots(count, order, ends, bezier)
+            self.assertEqual(len(knots), count + order)
+            points = nurbs_points(line, np.ones(count), order, knots)
+            np.testing.assert_allclose(points, np.outer(points[:, 0], (1, 2, 3)), atol=1e-12)
+            self.assertTrue((np.diff(points[:, 0]) > 0).all())
+            if ends:
+                np.testing.assert_allclose(points[[0, -1]], line[[0, -1]], atol=1e-12)
 
 
 class RandomNumbers(unittest.TestCase):
@@ -281,6 +304,31 @@ class Exports(unittest.TestCase):
         self.assertIn("numOfVertices 3\n", self.read("_a.tfxmesh").decode())
         with self.assertRaisesRegex(ExportError, "two collision meshes"):
             self.export([straight([(0, 0, 0)])], [surface, square()], collision_split="OBJECT")
+
+    def test_hair_bones_and_meshes_are_written_as_chosen(self):
+        surface = square()
+        for chosen in ((True, True), (True, False), (False, True), (False, False)):
+            report = self.export([straight([(0, 0, 0)], surface=surface)], [surface],
+                                 export_hair=chosen[0], export_bones=chosen[1])
+            names = [name for name, wanted in zip(("x.tfx", "x.tfxbone"), chosen) if wanted]
+            self.assertEqual([os.path.basename(path) for path in report.paths],
+                             names + ["x.tfxmesh"])
+        with self.assertRaisesRegex(ExportError, "nothing to write"):
+            self.export([straight([(0, 0, 0)])], export_hair=False)
+
+    def test_meshes_alone_are_those_of_an_export_with_hair(self):
+        surface = square()
+        options = dict(scale=2, up_axis="Z", invert_z=True)
+        self.assertLess(set(options), set(COLLISION_OPTIONS))
+        self.export([straight([(0, 0, 0)], surface=surface)], [surface], **options)
+        with_hair = self.read(".tfxmesh")
+        path = os.path.join(self._folder.name, "alone.tfxmesh")
+        report = export.export_collision(path, [surface], ExportOptions(**options))
+        self.assertEqual(report.paths, [path])
+        with open(path, "rb") as file:
+            self.assertEqual(file.read(), with_hair)
+        with self.assertRaisesRegex(ExportError, "no mesh"):
+            export.export_collision(path, [], ExportOptions())
 
     def test_roots_off_the_mesh_are_reported_with_their_distance(self):
         report = self.export([straight([(0.5, 0.5, 0.25)], surface=square())])

@@ -4,6 +4,7 @@ judges the files. What only Blender knows is checked here.
     blender -b --factory-startup --python-exit-code 1 --python export_test.py -- FOLDER
 """
 
+import math
 import os
 import sys
 
@@ -15,6 +16,7 @@ import bpy  # noqa: E402
 import make_scene  # noqa: E402
 import numpy as np  # noqa: E402
 import pelage_export  # noqa: E402
+from pelage_export import gather  # noqa: E402
 
 FOLDER = sys.argv[sys.argv.index("--") + 1]
 
@@ -31,6 +33,12 @@ def export(name, **options):
     check(result == {"FINISHED"}, "%s: %s" % (name, result))
 
 
+def export_collision(name, **options):
+    result = bpy.ops.export_scene.pelage_collision(
+        filepath=os.path.join(FOLDER, name + ".tfxmesh"), **options)
+    check(result == {"FINISHED"}, "%s: %s" % (name, result))
+
+
 def read(name):
     with open(os.path.join(FOLDER, name), "rb") as file:
         return file.read()
@@ -41,11 +49,11 @@ def check(condition, what):
         raise AssertionError(what)
 
 
-def expect_error(text, **options):
-    """The operator fails with this text, and leaves no file."""
+def expect_error(text, operator="pelage_hair", **options):
+    """An operator fails with this text, and leaves no file."""
     before = sorted(os.listdir(FOLDER))
     try:
-        bpy.ops.export_scene.pelage_hair(
+        getattr(bpy.ops.export_scene, operator)(
             **{"filepath": os.path.join(FOLDER, "error.tfx"), **options})
     except RuntimeError as error:
         check(text in str(error), "'%s' is not in '%s'" % (text, error))
@@ -100,6 +108,62 @@ def export_all():
     export("braid", collision="NONE", surface="collar")
 
 
+def export_meshes_alone():
+    """They are those of an export with hair, in rest pose; a choice leaves files out."""
+    select("rig")
+    export_collision("alone", collision_collection="colliders")
+    check(read("alone.tfxmesh") == read("curves.tfxmesh"), "meshes depend on the hair")
+    select("bust", "collar", "braid")
+    export_collision("alone_split", collision_split="OBJECT", scale=2.0, invert_z=True)
+    for part in ("_bust", "_collar"):
+        check(read("alone_split%s.tfxmesh" % part) == read("options%s.tfxmesh" % part), part)
+    select("long_hair")
+    export("bones_only", vertices_per_strand=24, collision="NONE", export_hair=False)
+    check(read("bones_only.tfxbone") == read("curves.tfxbone"), "bones depend on the choice")
+    check(not os.path.exists(os.path.join(FOLDER, "bones_only.tfx")), "hair was not chosen")
+
+
+def distance_to_line(points, line):
+    """Largest distance of points from a line of segments."""
+    a, edge = line[:-1], line[1:] - line[:-1]
+    length2 = np.maximum((edge**2).sum(axis=1), 1e-30)
+    t = np.clip(((points[:, None] - a) * edge).sum(axis=2) / length2, 0, 1)
+    return np.linalg.norm(points[:, None] - a - t[:, :, None] * edge, axis=2).min(axis=1).max()
+
+
+def gather_nurbs():
+    """The exporter's points of NURBS splines are on the curves that Blender draws."""
+    shapes = [(4, 3, True, False), (6, 4, True, False), (6, 4, False, False), (7, 4, False, True),
+              (7, 3, True, True), (3, 5, True, False)]
+    for count, order, ends, bezier in shapes:
+        data = bpy.data.curves.new("nurbs", "CURVE")
+        data.dimensions, data.resolution_u = "3D", 1024
+        spline = data.splines.new("NURBS")
+        spline.points.add(count - 1)
+        for k, point in enumerate(spline.points):
+            point.co = (math.cos(k), math.sin(2 * k), 0.3 * k, 1 + 0.5 * (k % 2))
+        spline.order_u, spline.use_endpoint_u, spline.use_bezier_u = order, ends, bezier
+        obj = bpy.data.objects.new("nurbs", data)
+        bpy.context.scene.collection.objects.link(obj)
+        bpy.context.view_layer.update()
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        curves = gather.Gatherer(depsgraph).curves_of(obj)[0]
+        mesh = obj.evaluated_get(depsgraph).to_mesh()
+        drawn = np.array([tuple(vertex.co) for vertex in mesh.vertices])
+        shape = "%d points, order %d, endpoint %s, bezier %s" % (count, order, ends, bezier)
+        check(distance_to_line(curves.points, drawn) < 1e-3, shape)
+        check(np.linalg.norm(curves.points[[0, -1]] - drawn[[0, -1]], axis=1).max() < 1e-5, shape)
+        # As hair curves they are the same.
+        select()
+        obj.select_set(True)
+        bpy.context.view_layer.objects.active = obj
+        bpy.ops.object.convert(target="CURVES")
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        converted = gather.Gatherer(depsgraph).curves_of(bpy.context.view_layer.objects.active)[0]
+        check(np.abs(converted.points - curves.points).max() < 1e-6, "hair curves: " + shape)
+        bpy.data.objects.remove(bpy.context.view_layer.objects.active)
+
+
 def export_without_armature():
     """A mesh that no armature moves is one bone."""
     bpy.ops.mesh.primitive_uv_sphere_add(segments=8, ring_count=6, location=(3, 0, 0))
@@ -124,11 +188,11 @@ def export_wrongly():
     bpy.context.view_layer.objects.active = bpy.data.objects["bust"]
     bpy.ops.object.mode_set(mode="EDIT")
     expect_error("edit mode")
+    expect_error("edit mode", operator="pelage_collision")
     bpy.ops.object.mode_set(mode="OBJECT")
-    select("braid")
-    spline = bpy.data.objects["braid"].data.splines[0]
-    spline.type = "NURBS"
-    expect_error("NURBS")
+    select("rig")
+    expect_error("no mesh", operator="pelage_collision")
+    expect_error("no collection 'x'", operator="pelage_collision", collision_collection="x")
 
 
 class Layout:
@@ -149,10 +213,10 @@ class Layout:
         getattr(owner, collection)
 
     def operator(self, name, **_):
-        check(name == "export_scene.pelage_hair", name)
+        OPERATORS.append(name)
 
 
-SHOWN = set()
+SHOWN, OPERATORS = set(), []
 
 
 def draw_panel():
@@ -163,6 +227,7 @@ def draw_panel():
     panel.draw(type("Panel", (), {"layout": Layout()}), bpy.context)
     missing = set(settings.bl_rna.properties.keys()) - SHOWN - {"rna_type", "name"}
     check(not missing, "the panel lacks %s" % missing)
+    check(OPERATORS == ["export_scene.pelage_hair", "export_scene.pelage_collision"], OPERATORS)
 
 
 def main():
@@ -176,6 +241,8 @@ def main():
     bust.modifiers["undercoat"].show_viewport = False
     before = scene_state()
     export_all()
+    export_meshes_alone()
+    gather_nurbs()
     export_without_armature()
     check(scene_state() == before, "the scene is not as it was: %s" % (scene_state(),))
     draw_panel()

@@ -9,6 +9,7 @@
 
 #include "capture/pass_times.h"
 #include "capture/recording.h"
+#include "interface/panels.h"
 #include "png_file.h"
 #include "support/errors.h"
 #include "support/test_folder.h"
@@ -47,6 +48,20 @@ class Capture : public testing::Test {
   const TestFolder folder_;
   std::string path_;
 };
+
+TEST(FrameTimes, AreAveragedOverHalfASecond) {
+  viewer::PassHistory history;
+  viewer::FrameTimes times;
+  times.add(0.1, history);
+  EXPECT_EQ(times.text(), "10 frames/s");  // the first frame, without GPU times
+  for (int i = 0; i < 40; ++i) {
+    const pelage::PassTiming timings[] = {{"a", i % 2 == 0 ? 1.0 : 2.0}, {"b", 0.5}};
+    history.add(timings);
+    times.add(1.0 / 64, history);
+    EXPECT_TRUE(i >= 31 || times.text() == "10 frames/s") << i;
+  }
+  EXPECT_EQ(times.text(), "64 frames/s, GPU 2.00 ms");
+}
 
 TEST_F(Capture, PicturesAreNumberedInTheirFolder) {
   auto recording = required(viewer::recordPictures(folder_ / "a" / "b"));

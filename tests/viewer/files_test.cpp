@@ -72,6 +72,22 @@ TEST_F(ViewerFiles, WhatIsNoHairIsRefusedByName) {
   expectError(viewer::loadFiles(std::vector<Path>{file("hair.tfxmesh")}, 0), "no hair");
 }
 
+TEST_F(ViewerFiles, AListWithoutFilesSaysWhy) {
+  const auto list = required(viewer::listFolder(folder_.path()));
+  EXPECT_EQ(list->fileCount, 3u);  // .tfx, .tfxbone, .tfxmesh
+  EXPECT_EQ(list->otherCount, 0u);
+  const Path other = folder_ / "other";
+  std::filesystem::create_directories(other / "folder");
+  const auto empty = required(viewer::listFolder(other));
+  EXPECT_EQ(empty->fileCount, 0u);
+  EXPECT_EQ(empty->entries, (std::vector<viewer::FolderEntry>{{"folder", true}}));
+  EXPECT_EQ(viewer::reasonForNoFiles(*empty).find("No files are here. It opens .tfx, "), 0u);
+  for (const char* name : {"a.txt", "b.png"}) std::ofstream(other / name) << "no hair";
+  EXPECT_EQ(viewer::reasonForNoFiles(*required(viewer::listFolder(other)))
+                .find("None of the 2 files here is one that the viewer opens."),
+            0u);
+}
+
 #ifdef PELAGE_TEST_AUTHORING
 TEST_F(ViewerFiles, CurvesKeepTheirColorAndThickness) {
   (void)folder_.write("look.hairtxt",

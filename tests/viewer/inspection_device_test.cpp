@@ -222,6 +222,41 @@ TEST_P(Inspection, LevelOfDetailHasAColorForEachKind) {
   EXPECT_GT(pixels[2], 20u);
 }
 
+TEST_P(Inspection, TheSurfaceOfAnSdfHasTheColorOfTheSettings) {
+  required(stage_.show({.kind = viewer::StageKind::kHead,
+                        .preset = sample::GroomPreset::kMohawk,
+                        .headCollider = sample::HeadCollider::kMesh}));
+  stage_.inspection.value = InspectedValue::kSdfSurface;
+  stage_.clock.playing = true;
+  draw();  // a simulation makes the grid
+  // The hair is red.
+  for (const size_t channel : {size_t{1}, size_t{2}}) {
+    pelage::SceneSettings settings = settingsOf(stage_, 0);
+    settings.colliderLook.color = channel == 1 ? Float3{0, 0.8f, 0} : Float3{0, 0, 0.8f};
+    required(apply(settings, 0, stage_));
+    draw();
+    const std::array<size_t, 3> pixels = pixelsByChannel();
+    EXPECT_GT(pixels[channel], 300u);
+    EXPECT_EQ(pixels[3 - channel], 0u);
+  }
+}
+
+TEST_P(Inspection, TheGroundIsBelowAllHair) {
+  stage_.inspection.value = InspectedValue::kNone;
+  const auto drawnRows = [&] {
+    draw();
+    std::array<size_t, 4> quarters = {};
+    for (size_t i = 0; i < picture_.pixels.size(); ++i)
+      quarters[4 * i / picture_.pixels.size()] += picture_.pixels[i].w > 0 ? 1 : 0;
+    return quarters;
+  };
+  const std::array<size_t, 4> before = drawnRows();
+  stage_.look.showsGround = true;
+  const std::array<size_t, 4> after = drawnRows();
+  EXPECT_GT(after[3], before[3] + 50);
+  EXPECT_EQ(after[0], before[0]);
+}
+
 // A view that is no longer shown frees its buffers.
 TEST_P(Inspection, LeavesNoBuffersBehind) {
   const uint64_t bytes = stage_.scene().resources().totalBytes();

@@ -189,9 +189,10 @@ TEST(Folder, ListsFoldersThenFilesThatCanBeOpened) {
   std::filesystem::create_directory(folder / "z");
   for (const char* name : {"b.tfx", "a.TFX", "words.txt", ".hidden.tfx", "s.json"})
     std::ofstream(folder / name) << "x";
-  const auto entries = required(viewer::listFolder(folder.path()));
-  EXPECT_EQ(*entries, (std::vector<viewer::FolderEntry>{
-                          {"z", true}, {"a.TFX", false}, {"b.tfx", false}, {"s.json", false}}));
+  const auto list = required(viewer::listFolder(folder.path()));
+  EXPECT_EQ(list->entries,
+            (std::vector<viewer::FolderEntry>{
+                {"z", true}, {"a.TFX", false}, {"b.tfx", false}, {"s.json", false}}));
   expectError(viewer::listFolder(folder / "none"), "none");
 }
 

@@ -79,6 +79,12 @@ class Panel : public testing::Test {
   }
   void click(const Float2& at) { drag(at, at); }
 
+  void useClassicSolver() {
+    settings.simulation.solver = pelage::Solver::kClassic;
+    history.add(settings);
+    frame();
+  }
+
   const PanelItem* find(const Parameter& parameter) const {
     for (const PanelItem& item : panel.items)
       if (item.parameter == &parameter && item.index == 0) return &item;
@@ -112,7 +118,7 @@ class Panel : public testing::Test {
       case ParameterType::kCount:
         return drag(low, inside(item.min, item.max, share > 0.5 ? 0.1f : 0.9f, 0.5f));
       default:
-        return drag(low, inside(item.min, item.max, 0.22f, 0.5f));
+        return drag(low, inside(item.min, item.max, 0.2137f, 0.5f));
     }
   }
 
@@ -156,6 +162,7 @@ TEST_F(Panel, DrawsEveryParameterOnceWhereItCanBeReached) {
 TEST_F(Panel, MovesEachValueInOneStepAndResetsUndoesAndRedoesIt) {
   open();
   eachParameter([&](const auto& section, size_t s, const Parameter& p) {
+    if (p.solver == "classic") useClassicSolver();
     const SceneSettings before = settings;
     sections = 0;
     finished = 0;
@@ -185,6 +192,41 @@ TEST_F(Panel, MovesEachValueInOneStepAndResetsUndoesAndRedoesIt) {
   });
 }
 
+TEST_F(Panel, GraysWhatTheChosenSolverDoesNotUse) {
+  open();
+  const auto& parameters = pelage::parametersOf<pelage::SimulationSettings>();
+  size_t ofOneSolver = 0;
+  for (const pelage::Solver solver : {pelage::Solver::kExact, pelage::Solver::kClassic}) {
+    if (solver == pelage::Solver::kClassic) useClassicSolver();
+    for (const Parameter& p : parameters) {
+      const bool isExact = solver == pelage::Solver::kExact;
+      const bool used = p.solver.empty() || (p.solver == "exact") == isExact;
+      ASSERT_EQ(find(p)->isUsed, used) << p.path;
+      if (used) continue;
+      move(*find(p));
+      EXPECT_EQ(finished, 0) << p.path;
+      EXPECT_NE(viewer::tooltipText(p).find("Only the " + std::string(p.solver)),
+                std::string::npos);
+      ++ofOneSolver;
+    }
+  }
+  EXPECT_GT(ofOneSolver, 4u);
+}
+
+// The grab of a slider would cover a number in it.
+TEST_F(Panel, HasNamesInWordsAndNumbersBesideTheirSliders) {
+  EXPECT_EQ(viewer::wordsOf("bendLength"), "bend length");
+  EXPECT_EQ(viewer::wordsOf("damping"), "damping");
+  open();
+  eachParameter([&](const auto&, size_t, const Parameter& p) {
+    const PanelItem item = *find(p);
+    EXPECT_LT(ImGui::CalcTextSize(viewer::wordsOf(p.field).c_str()).x, item.min.x) << p.path;
+    if (p.type != ParameterType::kFloat && p.type != ParameterType::kCount) return;
+    click({item.max.x - 2, (item.min.y + item.max.y) / 2});
+    EXPECT_EQ(finished, 0) << p.path;
+  });
+}
+
 TEST_F(Panel, ADragIsOneStepHoweverManyFramesItTakes) {
   open();
   const Parameter& p = pelage::parametersOf<pelage::SimulationSettings>()[2];
@@ -208,7 +250,7 @@ TEST_F(Panel, TakesNumbersThatAreTypedAndKeepsThemInRange) {
   const Parameter& damping = pelage::parametersOf<pelage::SimulationSettings>()[2];
   const auto type = [&](const char* text) {
     const PanelItem item = *find(damping);
-    const Float2 at = inside(item.min, item.max, 0.5f, 0.5f);
+    const Float2 at = inside(item.min, item.max, 0.2f, 0.5f);
     io.KeyCtrl = true;
     click(at);
     io.KeyCtrl = false;

@@ -60,8 +60,7 @@ const Parameter& parameterOf(std::string_view key, std::string_view path) {
 
 }  // namespace
 
-std::string everySetting(const SceneSettings& base, uint32_t sections,
-                         const std::filesystem::path& folder) {
+std::string everySetting(const SceneSettings& base, const std::filesystem::path& folder) {
   std::string script;
   uint32_t frame = 1;
   const auto drop = [&](const SceneSettings& settings) {
@@ -71,7 +70,6 @@ std::string everySetting(const SceneSettings& base, uint32_t sections,
   };
   const auto all = settingsSections();
   for (size_t s = 0; s < all.size(); ++s) {
-    if ((sections >> s & 1u) == 0) continue;
     for (const Parameter& parameter : all[s].parameters) {
       SceneSettings settings = base;
       all[s].set(settings, parameter, valueAt(parameter, 0.75, all[s].get(base, parameter)));

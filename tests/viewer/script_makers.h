@@ -12,9 +12,8 @@ namespace pelage::test {
 
 /// Writes files of settings to a folder, and returns a script that drops one file a frame. Each
 /// file has the settings of `base`, but one parameter is at three quarters of its slider. The last
-/// frame has `base` again. \param sections bit i: parameters of the i-th of settingsSections().
-std::string everySetting(const SceneSettings& base, uint32_t sections,
-                         const std::filesystem::path& folder);
+/// frame has `base` again.
+std::string everySetting(const SceneSettings& base, const std::filesystem::path& folder);
 
 /// Does the same for all methods of transparency and kinds of shadow. The script saves a screenshot
 /// "method_NAME.png" of each method, and "view.png" of a target with 4 samples and reversed depth.

@@ -4,11 +4,10 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <set>
-#include <string_view>
 
 #include "interface/settings_panel.h"
 #include "pelage/settings/settings_file.h"
+#include "stage/environment.h"
 #include "stage/stage_settings.h"
 #include "support/errors.h"
 #include "support/test_folder.h"
@@ -59,12 +58,9 @@ class StageSettings : public testing::Test {
 };
 
 TEST_F(StageSettings, AreWhatWasGiven) {
-  const uint32_t taken = viewer::stageSections();
-  EXPECT_NE(taken, 0u);
   size_t moved = 0;
   const auto sections = pelage::settingsSections();
   for (size_t s = 0; s < sections.size(); ++s) {
-    if ((taken >> s & 1u) == 0) continue;
     for (const pelage::Parameter& parameter : sections[s].parameters) {
       SceneSettings settings = settingsOf(stage_, 0);
       // An object draws no more strands than it has.
@@ -87,13 +83,19 @@ TEST_F(StageSettings, AreWhatWasGiven) {
   EXPECT_GT(moved, 60u);
 }
 
-// The window decides the other sections: the drawing of everything but hair.
-TEST_F(StageSettings, HaveEverySectionButThoseOfTheWindow) {
-  const std::set<std::string_view> ofTheWindow = {"colliderLook"};
-  const auto sections = pelage::settingsSections();
-  for (size_t s = 0; s < sections.size(); ++s)
-    EXPECT_TRUE((viewer::stageSections() >> s & 1u) != 0 || ofTheWindow.count(sections[s].key) > 0)
-        << sections[s].key;
+TEST_F(StageSettings, HaveTheEnvironmentThatIsChosen) {
+  const pelage::Float3 own = settingsOf(stage_, 0).lights[0].environment.l1m1;
+  EXPECT_STREQ(viewer::environmentName(stage_), viewer::kOwnEnvironment);
+  for (const viewer::NamedEnvironment& one : viewer::environments()) {
+    setEnvironment(one.light, stage_);
+    EXPECT_STREQ(viewer::environmentName(stage_), one.name);
+    const pelage::EnvironmentLight e = settingsOf(stage_, 0).lights[0].environment;
+    EXPECT_EQ(e.l1m1, one.light.l1m1);
+    // No side is darker than black.
+    EXPECT_GE(0.282095f * e.l00.x, 0.488603f * std::hypot(e.l1m1.x, e.l10.x, e.l11.x)) << one.name;
+  }
+  setEnvironment(stage_.ownEnvironment(), stage_);
+  EXPECT_EQ(settingsOf(stage_, 0).lights[0].environment.l1m1, own);
 }
 
 TEST_F(StageSettings, OfMakingMakeTheHairAgainWithItsLook) {

@@ -2,14 +2,23 @@
 #include <gtest/gtest.h>
 #include <imgui.h>
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <tuple>
 #include <vector>
 
+#include "interface/help.h"
 #include "interface/user_interface.h"
+#include "interface/window_layout.h"
 #include "stage/controls.h"
 #include "stage/hair_pull.h"
 #include "stage/orbit_camera.h"
 #include "stage/stage.h"
+#include "support/test_folder.h"
 
 namespace {
 
@@ -112,29 +121,112 @@ TEST(WindArrow, ItsTipSetsTheWindInThePicture) {
               viewer::kMaxArrowWind * camera.right().z});
 }
 
-TEST(WindArrow, IsBelowWindowsAtTheRight) {
-  viewer::UserInterface interface(1.5f);
+bool overlap(const viewer::WindowArea& a, const viewer::WindowArea& b) {
+  return a.corner.x < b.corner.x + b.size.x && b.corner.x < a.corner.x + a.size.x &&
+         a.corner.y < b.corner.y + b.size.y && b.corner.y < a.corner.y + a.size.y;
+}
+
+TEST(WindowLayout, CoversNeitherPanelNorArrowNorAnotherWindow) {
+  const viewer::OrbitCamera camera = someCamera();
+  const Float3 up = camera.up();
+  const float most = viewer::kMaxArrowWind;
+  for (const auto& [width, height, scale] : {std::tuple(960u, 640u, 1.0f),
+                                             {960u, 640u, 1.5f},
+                                             {1280u, 800u, 1.0f},
+                                             {1600u, 1000u, 1.0f},
+                                             {2560u, 1440u, 2.0f}}) {
+    viewer::WindowSize size;
+    size.width = width;
+    size.height = height;
+    size.interfaceScale = scale;
+    const viewer::WindArrow arrow =
+        viewer::windArrowOf(camera, {most * up.x, most * up.y, most * up.z}, size);
+    const std::vector<float> heights = {520, 460, 560, 360};
+    for (size_t count = 1; count <= heights.size(); ++count) {
+      const auto areas = viewer::windowAreas(size, std::span(heights).first(count));
+      ASSERT_EQ(areas.size(), count);
+      for (size_t i = 0; i < count; ++i) {
+        EXPECT_GT(areas[i].corner.x, viewer::kPanelWidth * scale);
+        EXPECT_LT(areas[i].corner.x + areas[i].size.x, static_cast<float>(width));
+        EXPECT_LE(areas[i].corner.y + areas[i].size.y, arrow.tip.y - arrow.tipRadius + 1e-3f);
+        for (size_t k = 0; k < i; ++k) EXPECT_FALSE(overlap(areas[i], areas[k])) << width;
+      }
+    }
+  }
+}
+
+// A user may move a window, until another one opens.
+TEST(WindowLayout, MakesRoomForAWindowThatOpens) {
+  viewer::UserInterface interface(1);
   ImGui::GetIO().Fonts->Build();
   viewer::WindowSize size;
   size.width = size.pixelWidth = 960;
   size.height = size.pixelHeight = 640;
-  size.interfaceScale = 1.5f;
+  viewer::WindowLayout layout;
   ImVec2 corner;
-  for (int frame = 0; frame < 2; ++frame)
+  float height = 0;
+  const auto build = [&](bool other, bool moves = false) {
     interface.build(size, 0.01, [&] {
-      viewer::placeAtRight(size, 380, 520);
-      ImGui::Begin("window");
-      corner = {ImGui::GetWindowPos().x + ImGui::GetWindowWidth(),
-                ImGui::GetWindowPos().y + ImGui::GetWindowHeight()};
+      layout.begin(size, {true, other, false, false});
+      layout.place(viewer::SideWindow::kSettings);
+      if (moves) ImGui::SetNextWindowPos({300, 100});
+      ImGui::Begin("settings");
+      corner = ImGui::GetWindowPos();
+      height = ImGui::GetWindowHeight();
       ImGui::End();
     });
-  const viewer::OrbitCamera camera = someCamera();
-  const Float3 up = camera.up();
-  const float most = viewer::kMaxArrowWind;
-  const viewer::WindArrow arrow =
-      viewer::windArrowOf(camera, {most * up.x, most * up.y, most * up.z}, size);
-  EXPECT_GT(corner.x, arrow.base.x);
-  EXPECT_LE(corner.y, arrow.tip.y - arrow.tipRadius + 1e-3f);
+  };
+  build(false);
+  const float first = corner.x, alone = height;
+  build(false, true);
+  build(false);
+  EXPECT_EQ(corner.x, 300);
+  build(true);
+  EXPECT_EQ(corner.x, first);
+  EXPECT_LT(height, alone / 2 + 1);
+}
+
+TEST(Interface, HasTheScalableFontOfThePackages) {
+  viewer::UserInterface interface(2);
+  ImFontAtlas& fonts = *ImGui::GetIO().Fonts;
+  fonts.Build();
+  EXPECT_EQ(fonts.Fonts[0]->FontSize, 28);
+  EXPECT_EQ(std::string_view(fonts.ConfigData[0].Name).substr(0, 10), "DejaVuSans");
+}
+
+TEST(Help, HasTheLinesOfTheDocumentation) {
+  const std::string page =
+      pelage::test::textOf(std::filesystem::path(PELAGE_SOURCE_DIR) / "docs/viewer.md");
+  for (const viewer::HelpLine& line : viewer::helpLines()) {
+    std::string expected = std::string("\n    ") + line.keys;
+    expected.resize(std::max(expected.size() + 1, size_t{1 + 4 + 43}), ' ');
+    EXPECT_NE(page.find(expected + line.action + "\n"), std::string::npos) << line.keys;
+  }
+}
+
+TEST(StageControls, KeepsCamerasOnKeys) {
+  viewer::Stage stage;
+  viewer::StageControls controls;
+  const viewer::WindowSize size;
+  const auto key = [&](viewer::Key code, bool down) {
+    controls.take(viewer::KeyPressed{code, down}, size, stage);
+  };
+  const auto keep = [&](viewer::Key code) {
+    key(viewer::kKeyLeftControl, true);
+    key(code, true);
+    key(viewer::kKeyLeftControl, false);
+  };
+  stage.camera = someCamera();
+  keep('2');
+  stage.camera.orbit(1, 0.1f);
+  keep('9');
+  const Float3 second = stage.camera.eye();
+  key('2', true);
+  EXPECT_EQ(stage.camera.eye(), someCamera().eye());
+  key('1', true);  // nothing was kept
+  EXPECT_EQ(stage.camera.eye(), someCamera().eye());
+  key('9', true);
+  EXPECT_EQ(stage.camera.eye(), second);
 }
 
 // The panel sets speed and horizontal direction of a wind that the arrow has made rise.

@@ -19,7 +19,6 @@
 #include "pelage/demo/groom.h"
 #include "pelage/settings/settings_file.h"
 #include "png_file.h"
-#include "stage/stage_settings.h"
 #include "support/errors.h"
 #include "support/full_stress.h"
 #include "support/gpu_fixture.h"
@@ -300,7 +299,7 @@ TEST_P(Viewer, GrowsWithTheDotsOfTheDisplay) {
   EXPECT_EQ(session.output.errors, "");
   const ByteImage panel = session.picture("panel"), paused = session.picture("paused");
   EXPECT_LT(meanOfColumns(panel, 300, 480), 0.7 * meanOfColumns(paused, 300, 480));
-  EXPECT_EQ(meanOfColumns(panel, 540, 600), meanOfColumns(paused, 540, 600));
+  EXPECT_EQ(meanOfColumns(panel, 570, 600), meanOfColumns(paused, 570, 600));
   EXPECT_TRUE(paused.rgb == session.picture("later").rgb);
 }
 
@@ -322,8 +321,7 @@ TEST_P(Viewer, DrawsWithEveryMethodAndTakesEverySetting) {
       "0 key tab\n0 key space\n" + pelage::test::everyMethod(wideHair(), folder.file(""), methods);
   // Settings do not depend on the API.
   if (GetParam() == kFirstApi)
-    script += shifted(
-        pelage::test::everySetting(wideHair(), viewer::stageSections(), folder.file("")), 30);
+    script += shifted(pelage::test::everySetting(wideHair(), folder.file("")), 30);
   const Session session =
       sessionOf(api(), folder, script, "hair.tfx --strands 1 --settings wide.json");
   ASSERT_EQ(session.output.code, 0) << session.output.errors;

@@ -1,12 +1,15 @@
 """Maya: exports hair curves, the bone weights of their roots and collision meshes for pelage.
 
+Load pelage_plugin.py in Maya's plug-in manager for the menu "pelage", or from Python:
+
     import pelage_export
-    pelage_export.show()                                   # a window with all options
+    pelage_export.show_hair()                              # a window with all options
     pelage_export.export("/assets/hero.tfx", vertices_per_strand=24, surface="head_geo")
+    pelage_export.export_collision("/assets/hero.tfxmesh") # the selected meshes, without hair
 
 Not run in Maya yet. The part that reads Maya's scene, in this file, follows the documentation of
-maya.cmds and of the Python API 2.0 and has only been compiled. Everything after it (options,
-resampling, binding, writing: pelage_core) is what the Blender add-on runs, and is tested.
+maya.cmds and of the Python API 2.0 and is tested against a stand-in of them. Everything after it
+(options, resampling, binding, writing: pelage_core) is what the Blender add-on runs.
 
 Needs Maya 2022 or newer with numpy (mayapy -m pip install numpy), and the folder pelage_core of
 tools/blender/pelage_export next to this file or where it is in the repository.
@@ -29,18 +32,19 @@ for _folder in (_HERE, os.path.join(_HERE, "..", "blender", "pelage_export")):
 from pelage_core import ExportError  # noqa: E402
 from pelage_core import export as core_export  # noqa: E402
 from pelage_core.hair import HairCurves  # noqa: E402
-from pelage_core.options import OPTIONS, ExportOptions  # noqa: E402
+from pelage_core.options import COLLISION_OPTIONS, OPTIONS, ExportOptions  # noqa: E402
 from pelage_core.surface import Surface, polygon_corners  # noqa: E402
 
 _METRES = 0.01  # of Maya's internal unit, whatever the user interface shows
 _SAMPLES_PER_SPAN = 8  # of a curve that is not made of straight lines
+_BASE_MESH = "pelageBaseMesh"  # key in the file information of a scene
 
 
 def export(path, surface="", collision_set="", **options):
     """Exports the curves that are selected or below the selection.
 
-    :param path: of the .tfx file. :param surface: mesh that the roots are bound to; empty: the mesh
-        that is selected with the curves.
+    :param path: of the .tfx file. :param surface: mesh that the roots are bound to; empty: the base
+        mesh of the scene, else the mesh that is selected with the curves.
     :param collision_set: set or group whose meshes are the collision mesh, with
         collision="COLLECTION". :param options: see pelage_core.options.
     :returns: pelage_core.export.Report. Raises ExportError.
@@ -60,6 +64,39 @@ def export(path, surface="", collision_set="", **options):
         read = {name: _read_mesh(name) for name in dict.fromkeys(meshes + colliders)}
         hair = _read_curves(curves, read[mesh] if mesh else None)
     return core_export.export(path, [hair], [read[name] for name in colliders], settings, _METRES)
+
+
+def export_collision(path, collision_set="", **options):
+    """Exports collision meshes without hair.
+
+    :param path: of the .tfxmesh file. :param collision_set: set or group with the meshes; empty:
+        those that are selected or below the selection. :param options: COLLISION_OPTIONS of
+        pelage_core.options. :returns: pelage_core.export.Report. Raises ExportError.
+    """
+    options.setdefault("up_axis", cmds.upAxis(query=True, axis=True).upper())
+    settings = ExportOptions(**options)
+    meshes = _set_meshes(collision_set) if collision_set else _shapes_below(
+        cmds.ls(selection=True, long=True) or [], "mesh")
+    with _BindPose(meshes):
+        surfaces = [_read_mesh(name) for name in meshes]
+    return core_export.export_collision(path, surfaces, settings, _METRES)
+
+
+def base_mesh():
+    """The mesh that roots are bound to where none is named; it is saved with the scene. Empty: none
+    has been set."""
+    found = cmds.fileInfo(_BASE_MESH, query=True)
+    return found[0] if found else ""
+
+
+def set_base_mesh():
+    """Makes the selected mesh the base mesh. :returns: its name. Raises ExportError."""
+    meshes = _shapes_below(cmds.ls(selection=True, long=True) or [], "mesh")
+    if len(meshes) != 1:
+        raise ExportError("%d meshes are selected; select the one that hair grows on" % len(meshes))
+    name = cmds.ls(cmds.listRelatives(meshes[0], parent=True, fullPath=True))[0]
+    cmds.fileInfo(_BASE_MESH, name)
+    return name
 
 
 class _BindPose:
@@ -98,6 +135,7 @@ def _shapes_below(nodes, kind):
 
 
 def _surface_mesh(name):
+    name = name or base_mesh()
     if name:
         found = _shapes_below(cmds.ls(name, long=True) or [], "mesh")
         if not found:
@@ -194,16 +232,56 @@ def _bone_weights(mesh, path, vertex_count, short):
     return bones, np.tile(np.arange(bone_count), (vertex_count, 1)), weights
 
 
-def show():
+def show_hair():
     """A window with the options and a button that asks for a file."""
-    window = cmds.window(title="pelage hair", widthHeight=(420, 480))
+    readers = _window("pelage: export hair", OPTIONS)
+    surface = cmds.textFieldButtonGrp(
+        label="Base Mesh", annotation="The roots are bound to it", text=base_mesh(),
+        buttonLabel="Set", buttonCommand=lambda *_: _set_base_mesh(surface))
+    readers["surface"] = lambda: cmds.textFieldButtonGrp(surface, query=True, text=True)
+    _add_set(readers, "Set or group for the collision mesh COLLECTION")
+    _finish(readers, export, "tfx")
+
+
+def show_collision():
+    """The window of export_collision()."""
+    readers = _window("pelage: export collision mesh",
+                      {name: OPTIONS[name] for name in COLLISION_OPTIONS})
+    _add_set(readers, "Set or group with the meshes; empty: the selected ones")
+    _finish(readers, export_collision, "tfxmesh")
+
+
+def choose_base_mesh():
+    """set_base_mesh() for the menu: an error is a message."""
+    _set_base_mesh(None)
+
+
+def _set_base_mesh(field):
+    try:
+        name = set_base_mesh()
+    except ExportError as error:
+        om.MGlobal.displayError("pelage: %s" % error)
+        return
+    if field is not None:
+        cmds.textFieldButtonGrp(field, edit=True, text=name)
+    om.MGlobal.displayInfo("pelage: hair is bound to %s" % name)
+
+
+def _window(title, options):
+    """Begins a window; returns functions that give the values of its controls."""
+    cmds.window(title=title, widthHeight=(420, 480))
     cmds.columnLayout(adjustableColumn=True, rowSpacing=4)
-    readers = {name: _control(name, option) for name, option in OPTIONS.items()}
-    for name, label in (("surface", "Surface"), ("collision_set", "Collision Set")):
-        field = cmds.textFieldGrp(label=label)
-        readers[name] = lambda field=field: cmds.textFieldGrp(field, query=True, text=True)
-    cmds.button(label="Export ...", command=lambda *_: _export_from(readers))
-    cmds.showWindow(window)
+    return {name: _control(name, option) for name, option in options.items()}
+
+
+def _add_set(readers, text):
+    field = cmds.textFieldGrp(label="Collision Set", annotation=text)
+    readers["collision_set"] = lambda: cmds.textFieldGrp(field, query=True, text=True)
+
+
+def _finish(readers, write, extension):
+    cmds.button(label="Export ...", command=lambda *_: _export_from(readers, write, extension))
+    cmds.showWindow()
 
 
 def _control(name, option):
@@ -227,12 +305,12 @@ def _control(name, option):
     return lambda: group(field, query=True, value1=True)
 
 
-def _export_from(readers):
-    chosen = cmds.fileDialog2(fileMode=0, fileFilter="pelage hair (*.tfx)")
+def _export_from(readers, write, extension):
+    chosen = cmds.fileDialog2(fileMode=0, fileFilter="pelage (*.%s)" % extension)
     if not chosen:
         return
     try:
-        report = export(chosen[0], **{name: read() for name, read in readers.items()})
+        report = write(chosen[0], **{name: read() for name, read in readers.items()})
     except ExportError as error:
         om.MGlobal.displayError("pelage: not exported: %s" % error)
         return

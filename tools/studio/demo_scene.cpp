@@ -375,16 +375,20 @@ Result<void> DemoScene::drawMeshes(const pelage::View& view, pelage::PassList& l
       if (Result<void> done = scene_->drawCollider(collider, view, light, colliderLook_, list);
           !done)
         return done;
-  const auto range = [&](pelage::BufferId buffer) -> pelage::BufferRange {
-    return scene_->resources().whole(buffer);
-  };
-  HairShadowMaps maps;
-  if (hairShadowsMeshes_) maps = {range(scene_->shadowWords()), range(scene_->shadowViews())};
+  const std::optional<HairShadowMaps> maps = hairShadowMaps();
   for (const MeshObject& mesh : meshes_) {
-    Result<void> done = mesh.draw(view, light, list, hairShadowsMeshes_ ? &maps : nullptr);
+    Result<void> done = mesh.draw(view, light, list, maps ? &*maps : nullptr);
     if (!done) return done;
   }
   return {};
+}
+
+std::optional<HairShadowMaps> DemoScene::hairShadowMaps() const {
+  if (!hairShadowsMeshes_) return std::nullopt;
+  const auto range = [&](pelage::BufferId buffer) -> pelage::BufferRange {
+    return scene_->resources().whole(buffer);
+  };
+  return HairShadowMaps{range(scene_->shadowWords()), range(scene_->shadowViews())};
 }
 
 Result<void> DemoScene::castOpaqueShadow(pelage::HeadlessDevice& device) {
@@ -505,6 +509,17 @@ uint64_t DemoScene::vertexCount() const {
 
 Camera DemoScene::camera(float aspect, const CameraPlace& place) const {
   return placeCamera(sweptPoints_, place, cameraDef_, aspect);
+}
+
+DemoScene::Extent DemoScene::extent() const {
+  Extent extent = {sweptPoints_[0], sweptPoints_[0]};
+  for (const Float3& p : sweptPoints_) {
+    extent.low = {std::min(extent.low.x, p.x), std::min(extent.low.y, p.y),
+                  std::min(extent.low.z, p.z)};
+    extent.high = {std::max(extent.high.x, p.x), std::max(extent.high.y, p.y),
+                   std::max(extent.high.z, p.z)};
+  }
+  return extent;
 }
 
 Camera DemoScene::cameraFrom(const Float3& direction, float aspect) const {

@@ -142,6 +142,14 @@ class DemoScene {
   /// 0.
   Camera cameraFrom(const pelage::Float3& direction, float aspect) const;
 
+  /// A box around all hair and meshes in every pose of the motion [m].
+  struct Extent {
+    pelage::Float3 low, high;
+  };
+  Extent extent() const;
+  /// Shadow maps of hair that the last drawOpaque() has made; nothing where the light has none.
+  std::optional<HairShadowMaps> hairShadowMaps() const;
+
   /// A buffer for the depth of the mesh, for TransparencySettings::opaqueDepth.
   pelage::BufferId addDepthBuffer(uint32_t width, uint32_t height);
   pelage::BufferId transparencyCounters() const { return scene_->transparencyCounters(); }

@@ -16,7 +16,6 @@ using pelage::Result;
 
 namespace {
 
-constexpr Key kKeyF1 = 290;
 constexpr int kFunctionKeys = 25;
 constexpr std::string_view kCode = "code";
 

@@ -8,17 +8,18 @@
 #include <system_error>
 #include <utility>
 
+#include "interface/help.h"
+
 namespace viewer {
 
 using pelage::Result;
 
 namespace {
 
-constexpr float kStatisticsWidth = 400;  // at scale 1
-constexpr float kStatisticsHeight = 460;
+constexpr double kAveraged = 0.5;  // [s]
 
 void memoryLine(uint64_t bytes, const char* what) {
-  text(fmt::format("{:8.1f} MiB {}", mebibytes(bytes), what));
+  textWithValue(what, fmt::format("{:.1f} MiB", mebibytes(bytes)));
 }
 
 void buildMemory(const Stage& stage, const Canvas& canvas) {
@@ -60,15 +61,14 @@ void StatisticsPanel::buildPasses(const PassHistory& history) {
       {ImGui::GetContentRegionAvail().x, 4 * ImGui::GetFontSize()});
   if (ImGui::Selectable("all passes", chosen == passes.end())) pass_.clear();
   for (const PassHistory::PassTime& pass : passes) {
-    const std::string line =
-        fmt::format("{:8.3f} ms {:2}x {}", pass.milliseconds, pass.passes, pass.name);
-    if (ImGui::Selectable(line.c_str(), pass.name == pass_)) pass_ = pass.name;
+    const std::string value = fmt::format("{}x   {:.3f} ms", pass.passes, pass.milliseconds);
+    if (ImGui::Selectable(pass.name.c_str(), pass.name == pass_)) pass_ = pass.name;
+    ImGui::SameLine(ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(value.c_str()).x);
+    text(value);
   }
 }
 
-void StatisticsPanel::build(const Stage& stage, const Canvas& canvas, const PassHistory& history,
-                            const WindowSize& size) {
-  placeAtRight(size, kStatisticsWidth, kStatisticsHeight);
+void StatisticsPanel::build(const Stage& stage, const Canvas& canvas, const PassHistory& history) {
   if (ImGui::Begin("Statistics")) {
     for (const HairStatistics& hair : statistics_.hairs) {
       text(hair.name);
@@ -89,13 +89,6 @@ void StatisticsPanel::build(const Stage& stage, const Canvas& canvas, const Pass
   ImGui::End();
 }
 
-namespace {
-
-constexpr float kDialogWidth = 420;  // at scale 1
-constexpr float kDialogHeight = 360;
-
-}  // namespace
-
 void FileDialog::toggle() {
   isOpen_ = !isOpen_;
   if (!isOpen_) return;
@@ -106,10 +99,10 @@ void FileDialog::toggle() {
 
 // Shows a folder; if it cannot be read, the current one stays.
 void FileDialog::enter(const std::filesystem::path& folder) {
-  auto entries = listFolder(folder);
-  error_ = entries ? std::string() : entries.error().message;
-  if (!entries) return;
-  entries_ = *std::move(entries);
+  auto list = listFolder(folder);
+  error_ = list ? std::string() : list.error().message;
+  if (!list) return;
+  list_ = *std::move(list);
   folder_ = folder;
   chosen_.clear();
   const std::string text = folder.string();
@@ -131,8 +124,9 @@ std::optional<FileChoice> FileDialog::takePath() {
 
 void FileDialog::buildEntries() {
   std::filesystem::path next;
+  if (list_.fileCount == 0) ImGui::TextWrapped("%s", reasonForNoFiles(list_).c_str());
   if (ImGui::Selectable("..")) next = folder_.parent_path();
-  for (const FolderEntry& entry : entries_) {
+  for (const FolderEntry& entry : list_.entries) {
     const std::string label = entry.isFolder ? entry.name + "/" : entry.name;
     const bool chosen = chosen_.contains(entry.name);
     if (!ImGui::Selectable(label.c_str(), chosen)) continue;
@@ -146,14 +140,7 @@ void FileDialog::buildEntries() {
   if (!next.empty()) enter(next);
 }
 
-std::optional<FileChoice> FileDialog::build(const WindowSize& size) {
-  if (!isOpen_) return std::nullopt;
-  const float scale = size.interfaceScale;
-  const auto width = static_cast<float>(size.width), height = static_cast<float>(size.height);
-  ImGui::SetNextWindowPos({width / 2, height / 2}, ImGuiCond_Appearing, {0.5f, 0.5f});
-  ImGui::SetNextWindowSize(
-      {std::min(kDialogWidth * scale, width), std::min(kDialogHeight * scale, height)},
-      ImGuiCond_Appearing);
+std::optional<FileChoice> FileDialog::build() {
   std::optional<FileChoice> choice;
   if (ImGui::Begin("Open files", &isOpen_, ImGuiWindowFlags_NoCollapse)) {
     if (std::exchange(wantsFocus_, false)) ImGui::SetKeyboardFocusHere();
@@ -189,6 +176,19 @@ double cpuSeconds() {
 
 }  // namespace
 
+void FrameTimes::add(double seconds, const PassHistory& history) {
+  seconds_ += seconds;
+  ++frames_;
+  if (!history.totals().empty()) gpuMilliseconds_ += static_cast<double>(history.totals().back());
+  if (!text_.empty() && seconds_ < kAveraged) return;
+  const double rate = frames_ / std::max(seconds_, 1e-6);
+  text_ = rate < 10 ? fmt::format("{:.2g} frames/s", rate) : fmt::format("{:.0f} frames/s", rate);
+  if (!history.totals().empty())
+    text_ += fmt::format(", GPU {:.2f} ms", gpuMilliseconds_ / frames_);
+  seconds_ = gpuMilliseconds_ = 0;
+  frames_ = 0;
+}
+
 bool Panels::takeShortcut(const KeyPressed& key, Stage& stage) {
   if (key.key == kKeyLeftControl || key.key == kKeyRightControl) control_ = key.down;
   if (!control_ || !key.down || (key.key != 'Z' && key.key != 'Y')) return false;
@@ -202,19 +202,37 @@ void Panels::takeKey(Key key) {
   if (key == 'S') showsSettings_ = !showsSettings_;
   if (key == 'O') dialog_.toggle();
   if (key == 'I') showsStatistics_ = !showsStatistics_;
+  if (key == kKeyF1) showsHelp_ = !showsHelp_;
 }
 
 PanelWishes Panels::build(Stage& stage, const Canvas& canvas, const PassHistory& history,
                           const WindowSize& size, double seconds, UserInterface& interface) {
   PanelWishes wishes;
   std::vector<SettingsMessage> messages;
+  times_.add(seconds, history);
   const auto windows = [&] {
-    buildInspectionKey(stage, size);
-    std::optional<FileChoice> chosen = dialog_.build(size);
+    buildInspectionKey(stage, size, areShown_);
+    layout_.begin(size, {areShown_ && showsSettings_, areShown_ && showsStatistics_, showsHelp_,
+                         dialog_.isOpen()});
+    std::optional<FileChoice> chosen;
+    if (dialog_.isOpen()) {
+      layout_.place(SideWindow::kFiles);
+      chosen = dialog_.build();
+    }
+    if (showsHelp_) {
+      layout_.place(SideWindow::kHelp);
+      showsHelp_ = buildHelp();
+    }
     if (areShown_) {
-      wishes = buildStagePanel(stage, canvas, history, size);
-      if (showsSettings_) messages = settings_[stage.side()].build(stage, size);
-      if (showsStatistics_) statistics_.build(stage, canvas, history, size);
+      wishes = buildStagePanel(stage, canvas, history, size, times_.text());
+      if (showsSettings_) {
+        layout_.place(SideWindow::kSettings);
+        messages = settings_[stage.side()].build(stage);
+      }
+      if (showsStatistics_) {
+        layout_.place(SideWindow::kStatistics);
+        statistics_.build(stage, canvas, history);
+      }
       drawGizmos(stage, size);
     }
     wishes.files = std::move(chosen);
@@ -232,6 +250,7 @@ void Panels::grant(const PanelWishes& wishes) {
   if (wishes.togglesSettings) takeKey('S');
   if (wishes.opensFiles) takeKey('O');
   if (wishes.togglesStatistics) takeKey('I');
+  if (wishes.togglesHelp) takeKey(kKeyF1);
 }
 
 Result<void> Panels::readStatistics(const Stage& stage, const pelage::BufferReader& read) {

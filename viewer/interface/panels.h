@@ -1,4 +1,5 @@
-// All windows of the interface: the panel at the left, settings, statistics and the file dialog.
+// All windows of the interface: the panel at the left, settings, statistics, help and the file
+// dialog.
 #pragma once
 
 #include <array>
@@ -15,6 +16,7 @@
 #include "interface/settings_panel.h"
 #include "interface/stage_panel.h"
 #include "interface/user_interface.h"
+#include "interface/window_layout.h"
 #include "stage/files.h"
 #include "stage/stage.h"
 #include "window/window.h"
@@ -28,8 +30,7 @@ class StatisticsPanel {
   /// Reads the counters every kReadEvery frames; call it after Canvas::show(). Errors: the
   /// device's.
   pelage::Result<void> read(const Stage& stage, const pelage::BufferReader& read);
-  void build(const Stage& stage, const Canvas& canvas, const PassHistory& history,
-             const WindowSize& size);
+  void build(const Stage& stage, const Canvas& canvas, const PassHistory& history);
 
  private:
   void buildPasses(const PassHistory& history);
@@ -44,7 +45,8 @@ class FileDialog {
   /// Opens it in the folder where it was last, at first the current one; or closes it.
   void toggle();
   /// Builds it if it is open. \return the files that the user has just chosen.
-  std::optional<FileChoice> build(const WindowSize& size);
+  std::optional<FileChoice> build();
+  bool isOpen() const { return isOpen_; }
 
  private:
   std::optional<FileChoice> takePath();
@@ -54,9 +56,23 @@ class FileDialog {
   bool isOpen_ = false, wantsFocus_ = false;
   std::filesystem::path folder_;
   std::array<char, 1024> path_ = {};
-  std::vector<FolderEntry> entries_;
+  FolderList list_;
   std::set<std::string> chosen_;  // names
   std::string error_;
+};
+
+/// Frames a second and GPU time of a frame, averaged over half a second.
+class FrameTimes {
+ public:
+  /// Adds a frame. \param seconds since the last one.
+  void add(double seconds, const PassHistory& history);
+  /// Returns "60 frames/s, GPU 3.21 ms"; without the time where the device measures none.
+  const std::string& text() const { return text_; }
+
+ private:
+  double seconds_ = 0, gpuMilliseconds_ = 0;
+  int frames_ = 0;
+  std::string text_;
 };
 
 /// All windows, and which of them are open.
@@ -86,7 +102,9 @@ class Panels {
   std::array<SettingsPanel, 2> settings_;  // [side]
   StatisticsPanel statistics_;
   FileDialog dialog_;
-  bool areShown_ = true, showsSettings_ = false, showsStatistics_ = false;
+  bool areShown_ = true, showsSettings_ = false, showsStatistics_ = false, showsHelp_ = false;
+  WindowLayout layout_;
+  FrameTimes times_;
   bool control_ = false;   // its key is down
   double cpuSeconds_ = 0;  // in all builds
   uint64_t buildCount_ = 0;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "interface/user_interface.h"
 #include "pelage/settings/settings_file.h"
 #include "stage/stage_settings.h"
 
@@ -13,13 +12,6 @@ namespace viewer {
 
 using pelage::Result;
 using pelage::SceneSettings;
-
-namespace {
-
-constexpr float kSettingsWidth = 380;   // at scale 1
-constexpr float kSettingsHeight = 520;  // at scale 1, less in a lower window
-
-}  // namespace
 
 // Begins new histories when the stage shows another scene.
 void SettingsPanel::follow(const Stage& stage) {
@@ -87,11 +79,10 @@ void SettingsPanel::buildFile(Stage& stage, std::vector<SettingsMessage>& messag
   ImGui::Separator();
 }
 
-std::vector<SettingsMessage> SettingsPanel::build(Stage& stage, const WindowSize& size) {
+std::vector<SettingsMessage> SettingsPanel::build(Stage& stage) {
   std::vector<SettingsMessage> messages;
   follow(stage);
   if (histories_.empty()) return messages;
-  placeAtRight(size, kSettingsWidth, kSettingsHeight);
   if (ImGui::Begin("Settings")) {
     buildHair(stage);
     buildFile(stage, messages);
@@ -100,7 +91,6 @@ std::vector<SettingsMessage> SettingsPanel::build(Stage& stage, const WindowSize
       ImGui::TextWrapped("%u of %u guides are too limp for this sagCompensation, and sag.",
                          hair.limpGuideCount(), hair.guideCount());
     SceneSettings settings = settingsOf(stage, hair_);
-    panel_.sections = stageSections();
     const PanelChange change = drawParameters(panel_, settings);
     if (change.changed())
       if (const Result<void> done = apply(settings, hair_, stage); !done)

@@ -9,7 +9,6 @@
 #include "panels/edit_history.h"
 #include "panels/parameter_panel.h"
 #include "stage/stage.h"
-#include "window/window.h"
 
 namespace viewer {
 
@@ -22,7 +21,7 @@ class SettingsPanel {
  public:
   /// Draws the window, and applies edits to the stage. \return messages about files that cannot be
   /// read or written.
-  std::vector<SettingsMessage> build(Stage& stage, const WindowSize& size);
+  std::vector<SettingsMessage> build(Stage& stage);
 
   /// Sets the settings of a file for all hair. Errors: SettingsFile's; nothing is set then.
   pelage::Result<void> load(const std::filesystem::path& file, Stage& stage);

@@ -6,13 +6,16 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numbers>
 #include <string>
 #include <vector>
 
 #include "image.h"
 #include "interface/user_interface.h"
+#include "interface/window_layout.h"
 #include "options.h"
 #include "stage/controls.h"
+#include "stage/environment.h"
 #include "stage/orbit_camera.h"
 
 namespace viewer {
@@ -73,22 +76,20 @@ ImU32 shownColor(const pelage::Float3& color) {
 }
 
 void buildRange(InspectionLook& look) {
-  const auto slide = [](const char* label, float& value, float low, float high,
-                        const char* format) {
-    ImGui::SliderFloat(label, &value, low, high, format, ImGuiSliderFlags_Logarithmic);
-    value = std::clamp(value, low, high);
+  const auto slide = [](float& value, float low, float high, const char* format) {
+    slider("Range", value, low, high, format, true);
   };
-  if (look.value == InspectedValue::kStretch) slide("Range", look.stretchRange, 1e-6f, 1, "%.2g");
+  if (look.value == InspectedValue::kStretch) slide(look.stretchRange, 1e-6f, 1, "%.2g");
   if (look.value == InspectedValue::kPenetration)
-    slide("Range [m]", look.penetrationRange, 1e-6f, 0.1f, "%.2g");
-  if (look.value == InspectedValue::kOverdraw) slide("Range", look.overdrawRange, 1, 1024, "%.0f");
-  if (look.value == InspectedValue::kTiles) slide("Range", look.tileRange, 1, 65536, "%.0f");
+    slide(look.penetrationRange, 1e-6f, 0.1f, "%.2g m");
+  if (look.value == InspectedValue::kOverdraw) slide(look.overdrawRange, 1, 1024, "%.0f");
+  if (look.value == InspectedValue::kTiles) slide(look.tileRange, 1, 65536, "%.0f");
   if (look.value != InspectedValue::kSdfSlice) return;
-  slide("Range [m]", look.sliceRange, 1e-4f, 1, "%.2g");
+  slide(look.sliceRange, 1e-4f, 1, "%.2g m");
   int axis = static_cast<int>(look.sliceAxis);
-  if (ImGui::Combo("Across", &axis, "x\0y\0z\0")) look.sliceAxis = static_cast<SliceAxis>(axis);
-  ImGui::SliderFloat("Position", &look.slicePosition, 0, 1, "%.2f");
-  look.slicePosition = std::clamp(look.slicePosition, 0.0f, 1.0f);
+  rowName("Across");
+  if (ImGui::Combo("##axis", &axis, "x\0y\0z\0")) look.sliceAxis = static_cast<SliceAxis>(axis);
+  slider("Position", look.slicePosition, 0, 1, "%.2f");
 }
 
 void buildBar(const InspectionKey& key) {
@@ -112,7 +113,8 @@ void buildBar(const InspectionKey& key) {
 
 void buildInspection(Stage& stage) {
   InspectionLook& look = stage.inspection;
-  if (ImGui::BeginCombo("Show", nameOf(look.value))) {
+  rowName("Show");
+  if (ImGui::BeginCombo("##view", nameOf(look.value))) {
     for (int i = 0; i < kInspectedValues; ++i) {
       const auto value = static_cast<InspectedValue>(i);
       if (ImGui::Selectable(nameOf(value), value == look.value)) look.value = value;
@@ -125,14 +127,16 @@ void buildInspection(Stage& stage) {
 
 }  // namespace
 
-void buildInspectionKey(const Stage& stage, const WindowSize& size) {
+void buildInspectionKey(const Stage& stage, const WindowSize& size, bool besideArrow) {
   const InspectionKey key =
       inspectionKey(stage.inspection, stage.inspected(), stage.look.transparency);
   if (key.title.empty()) return;
   const float scale = size.interfaceScale, margin = 8 * scale;
-  ImGui::SetNextWindowPos(
-      {static_cast<float>(size.width) - margin, static_cast<float>(size.height) - margin},
-      ImGuiCond_Always, {1, 1});
+  // The arrow points as far to the right as up.
+  const float right =
+      static_cast<float>(size.width) - (besideArrow ? windArrowHeight(size) : margin);
+  ImGui::SetNextWindowPos({right, static_cast<float>(size.height) - margin}, ImGuiCond_Always,
+                          {1, 1});
   ImGui::SetNextWindowSize({kKeyWidth * scale, 0});
   ImGui::Begin("Key", nullptr,
                ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs |
@@ -145,8 +149,8 @@ void buildInspectionKey(const Stage& stage, const WindowSize& size) {
 
 namespace {
 
-constexpr float kStageWidth = 250;  // at scale 1
-constexpr float kMostWind = 20;     // m/s
+constexpr float kMostWind = 20;   // m/s
+constexpr float kHalfTurn = 180;  // degrees
 constexpr size_t kListedPasses = 14;
 
 template <class T, size_t N>
@@ -155,7 +159,10 @@ bool choose(const char* label, const Choice<T> (&choices)[N], T& value) {
       std::find_if(std::begin(choices), std::end(choices),
                    [&](const Choice<T>& choice) { return choice.value == value; });
   bool changed = false;
-  if (!ImGui::BeginCombo(label, current == std::end(choices) ? "" : current->name)) return false;
+  rowName(label);
+  const std::string id = std::string("##") + label;
+  if (!ImGui::BeginCombo(id.c_str(), current == std::end(choices) ? "" : current->name))
+    return false;
   for (const Choice<T>& choice : choices) {
     if (!ImGui::Selectable(choice.name, choice.value == value)) continue;
     changed = value != choice.value;
@@ -178,12 +185,13 @@ void buildPlay(Stage& stage, PanelWishes& wishes) {
   ImGui::SameLine();
   text(fmt::format("{:.2f} s", clock.time));
   auto speed = static_cast<float>(clock.speed);
-  if (ImGui::SliderFloat("Speed", &speed, 0.05f, 4, "%.2f x", ImGuiSliderFlags_Logarithmic))
-    clock.speed = std::clamp(speed, 0.05f, 4.0f);
+  if (slider("Speed", speed, 0.05f, 4, "%.2f x", true)) clock.speed = speed;
   if (stage.hasMotions()) choose("Motion", kMotions, stage.look.motion);
   wishes.togglesSettings = ImGui::Button("All settings");
   ImGui::SameLine();
   wishes.togglesStatistics = ImGui::Button("Statistics");
+  ImGui::SameLine();
+  wishes.togglesHelp = ImGui::Button("F1: help");
 }
 
 // Builds the choice of generated hair and of the solver.
@@ -196,7 +204,8 @@ void buildSource(const Stage& stage, PanelWishes& wishes) {
       if (groom.value == source.preset) current = groom.name;
   bool changed = false;
   wishes.opensFiles = ImGui::Button("Open files");
-  if (ImGui::BeginCombo("Hair", current)) {
+  rowName("Hair");
+  if (ImGui::BeginCombo("##hair", current)) {
     if (ImGui::Selectable("character", source.kind == StageKind::kCharacter)) {
       source.kind = StageKind::kCharacter;
       changed = true;
@@ -242,25 +251,29 @@ void buildLook(Stage& stage, const Canvas& canvas) {
     stage.look.transparency = method;
   choose("Shadow", kShadows, stage.look.shadow);
   float percent = 100 * stage.look.strandShare;
-  if (ImGui::SliderFloat("Strands", &percent, 2, 100, "%.0f %%"))
-    stage.look.strandShare = std::clamp(percent, 2.0f, 100.0f) / 100;
+  if (slider("Strands", percent, 2, 100, "%.0f %%")) stage.look.strandShare = percent / 100;
+  rowName("Sky");
+  if (ImGui::BeginCombo("##environment", environmentName(stage))) {
+    if (ImGui::Selectable(kOwnEnvironment)) setEnvironment(stage.ownEnvironment(), stage);
+    for (const NamedEnvironment& one : environments())
+      if (ImGui::Selectable(one.name)) setEnvironment(one.light, stage);
+    ImGui::EndCombo();
+  }
+  ImGui::Checkbox("Ground", &stage.look.showsGround);
 }
 
 // Builds the wind, as a speed and a horizontal direction, and the ball.
 void buildForces(Stage& stage) {
   pelage::Float3& wind = stage.look.wind;
   float speed = std::hypot(wind.x, wind.y, wind.z);
-  float angle = speed > 0 ? std::atan2(wind.x, wind.z) : 0;
-  const bool stronger = ImGui::SliderFloat("Wind", &speed, 0, kMostWind, "%.1f m/s");
-  const bool turned = ImGui::SliderAngle("towards", &angle, -180, 180);
-  if (stronger || (turned && speed > 0))
-    wind = turnedWind(wind, std::clamp(speed, 0.0f, kMostWind), angle);
+  constexpr float kDegree = std::numbers::pi_v<float> / kHalfTurn;
+  float angle = speed > 0 ? std::atan2(wind.x, wind.z) / kDegree : 0;
+  const bool stronger = slider("Wind", speed, 0, kMostWind, "%.1f m/s");
+  const bool turned = slider("Towards", angle, -kHalfTurn, kHalfTurn, "%.0f\xc2\xb0");
+  if (stronger || (turned && speed > 0)) wind = turnedWind(wind, speed, angle * kDegree);
   ImGui::Checkbox("Ball", &stage.ball.present);
-  ImGui::SameLine();
-  ImGui::SetNextItemWidth(-ImGui::GetFontSize() * 6);
   float radius = 100 * stage.ball.radius;
-  if (ImGui::SliderFloat("radius", &radius, 1, 20, "%.0f cm"))
-    stage.ball.radius = std::clamp(radius, 1.0f, 20.0f) / 100;
+  if (slider("Radius", radius, 1, 20, "%.0f cm")) stage.ball.radius = radius / 100;
 }
 
 // Builds the comparison of two sides; the other windows show the chosen side.
@@ -294,11 +307,11 @@ void buildFigures(const Stage& stage, const Canvas& canvas) {
   uint64_t views = 0;
   for (const uint64_t bytes : drawn.views) views += bytes;
   const auto line = [](uint64_t bytes, const char* what) {
-    text(fmt::format("{:6.1f} MiB {}", mebibytes(bytes), what));
+    textWithValue(what, fmt::format("{:.1f} MiB", mebibytes(bytes)));
   };
-  line(memory.buffers, "in buffers");
-  line(views, "of them for the view");
-  line(drawn.shadows, "of them for shadows");
+  line(memory.buffers, "Buffers");
+  line(views, "  of the view");
+  line(drawn.shadows, "  of shadows");
 }
 
 void buildTimes(const PassHistory& history) {
@@ -312,24 +325,22 @@ void buildTimes(const PassHistory& history) {
                    {ImGui::GetContentRegionAvail().x, 4 * ImGui::GetFontSize()});
   const std::vector<PassHistory::PassTime> passes = history.passes();
   for (size_t i = 0; i < std::min(passes.size(), kListedPasses); ++i)
-    text(fmt::format("{:8.3f} ms {:2}x {}", passes[i].milliseconds, passes[i].passes,
-                     passes[i].name));
+    textWithValue(passes[i].name, fmt::format("{:.3f} ms", passes[i].milliseconds));
 }
 
 }  // namespace
 
 PanelWishes buildStagePanel(Stage& stage, const Canvas& canvas, const PassHistory& history,
-                            const WindowSize& size) {
+                            const WindowSize& size, const std::string& title) {
   PanelWishes wishes;
   const float scale = size.interfaceScale, margin = 8 * scale;
   ImGui::SetNextWindowPos({margin, margin}, ImGuiCond_Always);
   ImGui::SetNextWindowSizeConstraints(
-      {kStageWidth * scale, 0},
-      {kStageWidth * scale, std::max(static_cast<float>(size.height) - 2 * margin, 40.0f)});
+      {kPanelWidth * scale, 0},
+      {kPanelWidth * scale, std::max(static_cast<float>(size.height) - 2 * margin, 40.0f)});
   ImGui::Begin(
-      "pelage", nullptr,
+      (title + "###pelage").c_str(), nullptr,
       ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize);
-  ImGui::PushItemWidth(-ImGui::GetFontSize() * 5);
   buildPlay(stage, wishes);
   if (ImGui::CollapsingHeader("Hair", ImGuiTreeNodeFlags_DefaultOpen)) {
     buildSource(stage, wishes);
@@ -350,7 +361,6 @@ PanelWishes buildStagePanel(Stage& stage, const Canvas& canvas, const PassHistor
     ImGui::SameLine();
     wishes.losesDevice = ImGui::Button("Lose the device");
   }
-  ImGui::PopItemWidth();
   ImGui::End();
   return wishes;
 }

@@ -4,18 +4,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <iterator>
+#include <system_error>
 #include <utility>
 
 #include "input/event.h"
-#include "stage/controls.h"
 
 namespace viewer {
 
 namespace {
 
-constexpr float kFontSize = 13;       // native size of ImGui's bitmap font
-constexpr float kMessageWidth = 440;  // at scale 1
+constexpr float kFontSize = 14, kBitmapFontSize = 13;    // at scale 1
+constexpr float kNameShare = 0.3f, kSliderShare = 0.4f;  // of a window's width
+constexpr float kMessageWidth = 440;                     // at scale 1
 
 struct MappedKey {
   ImGuiKey to;
@@ -46,13 +48,31 @@ constexpr MappedKey kMappedKeys[] = {
 
 void text(const std::string& line) { ImGui::TextUnformatted(line.c_str()); }
 
-void placeAtRight(const WindowSize& size, float width, float height) {
-  const float scale = size.interfaceScale, margin = 8 * scale;
-  const float most = static_cast<float>(size.height) - windArrowHeight(size) - margin;
-  ImGui::SetNextWindowPos({static_cast<float>(size.width) - width * scale - margin, margin},
-                          ImGuiCond_Appearing);
-  ImGui::SetNextWindowSize({width * scale, std::max(std::min(height * scale, most), 80.0f)},
-                           ImGuiCond_Appearing);
+void textWithValue(const std::string& line, const std::string& value) {
+  text(line);
+  ImGui::SameLine(ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(value.c_str()).x);
+  text(value);
+}
+
+void rowName(const char* label) {
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextUnformatted(label);
+  ImGui::SameLine(kNameShare * ImGui::GetContentRegionMax().x);
+  ImGui::SetNextItemWidth(-1);
+}
+
+bool slider(const char* label, float& value, float low, float high, const char* format,
+            bool logarithmic) {
+  rowName(label);
+  ImGui::SetNextItemWidth(kSliderShare * ImGui::GetContentRegionMax().x);
+  ImGui::PushID(label);
+  const bool changed = ImGui::SliderFloat("##slider", &value, low, high, "",
+                                          logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
+  ImGui::PopID();
+  if (changed) value = std::clamp(value, low, high);
+  ImGui::SameLine();
+  ImGui::Text(format, static_cast<double>(value));
+  return changed;
 }
 
 UserInterface::UserInterface(float scale) {
@@ -68,8 +88,13 @@ UserInterface::UserInterface(float scale) {
   style.FrameRounding = 2;
   style.Colors[ImGuiCol_WindowBg].w = 0.88f;
   style.ScaleAllSizes(scale);
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(PELAGE_VIEWER_FONT, ignored)) {
+    io.Fonts->AddFontFromFileTTF(PELAGE_VIEWER_FONT, std::round(kFontSize * scale));
+    return;
+  }
   ImFontConfig font;
-  font.SizePixels = std::round(kFontSize * scale);
+  font.SizePixels = std::round(kBitmapFontSize * scale);
   font.OversampleH = font.OversampleV = 1;
   font.PixelSnapH = true;
   io.Fonts->AddFontDefault(&font);

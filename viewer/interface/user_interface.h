@@ -16,8 +16,15 @@ namespace viewer {
 
 /// Writes a line into the current window.
 void text(const std::string& line);
-/// Places the next window at the top right when it appears. \param width, height at scale 1.
-void placeAtRight(const WindowSize& size, float width, float height);
+/// Writes a line with a value at the right end.
+void textWithValue(const std::string& line, const std::string& value);
+/// Writes the name of the next item at the left. The item gets the rest of the width.
+void rowName(const char* label);
+/// Builds a slider with its name at the left and its value at the right, where its grab does not
+/// cover it. The value stays in the range. \param format of the value with its unit: "%.1f m/s".
+/// \return whether it changed.
+bool slider(const char* label, float& value, float low, float high, const char* format,
+            bool logarithmic = false);
 
 class UserInterface {
  public:

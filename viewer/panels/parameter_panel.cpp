@@ -18,8 +18,9 @@ using pelage::SceneSettings;
 using pelage::SettingsSection;
 
 const ImVec4 kChangedColor = {1.0f, 0.75f, 0.3f, 1.0f};
-constexpr float kWidgetShare = 0.5f;  // of the panel's width
-constexpr const char* kReset = "Reset";
+constexpr float kWidgetShare = 0.5f;        // of the panel's width
+constexpr float kNameShare = 0.38f;         // likewise
+constexpr const char* kReset = "\xc3\x97";  // a cross
 
 bool contains(std::string_view text, std::string_view part) {
   const auto same = [](char a, char b) {
@@ -43,8 +44,8 @@ bool isShown(const ParameterPanel& panel, const SceneSettings& settings, size_t 
   if (panel.onlyChanged && !isChanged(settings, s, index, parameter)) return false;
   const std::string_view part = panel.search;
   return part.empty() || contains(parameter.path, part) || contains(parameter.owner, part) ||
-         contains(parameter.meaning, part) || contains(parameter.unit, part) ||
-         contains(section(s).title, part);
+         contains(wordsOf(parameter.field), part) || contains(parameter.meaning, part) ||
+         contains(parameter.unit, part) || contains(section(s).title, part);
 }
 
 // Keeps the inner angle of a cone at most at the outer one: the angle that was not edited gives
@@ -56,8 +57,13 @@ void keepCone(const Parameter& parameter, pelage::Light& light) {
     light.innerConeAngle = std::min(light.innerConeAngle, light.outerConeAngle);
 }
 
+bool isUsed(const SceneSettings& settings, const Parameter& parameter) {
+  const bool exact = settings.simulation.solver == pelage::Solver::kExact;
+  return parameter.solver.empty() || parameter.solver == (exact ? "exact" : "classic");
+}
+
 void drawTooltip(const Parameter& parameter) {
-  if (!ImGui::IsItemHovered()) return;
+  if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
   ImGui::BeginTooltip();
   ImGui::PushTextWrapPos(ImGui::GetFontSize() * 30);
   ImGui::TextUnformatted(tooltipText(parameter).c_str());
@@ -77,7 +83,6 @@ class Drawing {
     drawTop();
     const auto sections = pelage::settingsSections();
     for (size_t s = 0; s < sections.size(); ++s) {
-      if ((panel_.sections >> s & 1u) == 0) continue;
       if (sections[s].isList)
         drawList(s);
       else
@@ -124,7 +129,6 @@ class Drawing {
     for (size_t s = 0; s < sections.size(); ++s) {
       const std::string_view key = sections[s].key;
       if (key != "simulation" && key != "material" && key != "follow") continue;
-      if ((panel_.sections >> s & 1u) == 0) continue;
       for (const Parameter& p : sections[s].parameters)
         sections[s].set(settings_, p, sections[s].get(*preset, p));
       note(s);
@@ -188,34 +192,49 @@ class Drawing {
     PanelItem item = {.section = &section(s),
                       .parameter = &parameter,
                       .index = index,
-                      .isChanged = isChanged(settings_, s, index, parameter)};
+                      .isChanged = isChanged(settings_, s, index, parameter),
+                      .isUsed = isUsed(settings_, parameter)};
     ParameterValue value = section(s).get(settings_, parameter, index);
-    ImGui::SetNextItemWidth(ImGui::GetWindowContentRegionMax().x * kWidgetShare);
-    bool edited = editValue(parameter, value);
+    bool edited = drawName(item);
+    if (edited) value = parameter.defaultValue;
+    ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
+    ImGui::BeginDisabled(!item.isUsed);
+    edited |= editValue(parameter, value);
+    ImGui::EndDisabled();
     item.min = point(ImGui::GetItemRectMin());
     item.max = point(ImGui::GetItemRectMax());
     drawTooltip(parameter);
-    ImGui::SameLine();
-    const std::string name(parameter.field);
-    if (item.isChanged)
-      ImGui::TextColored(kChangedColor, "%s *", name.c_str());
-    else
-      ImGui::TextUnformatted(name.c_str());
-    drawTooltip(parameter);
-    if (item.isChanged) {
-      ImGui::SameLine();
-      if (ImGui::SmallButton(kReset)) {
-        value = parameter.defaultValue;
-        edited = true;
-      }
-      item.resetMin = point(ImGui::GetItemRectMin());
-      item.resetMax = point(ImGui::GetItemRectMax());
-    }
     panel_.items.push_back(item);
     if (!edited) return;
     section(s).set(settings_, parameter, value, index);
     if (section(s).isList) keepCone(parameter, settings_.lights[index]);
     note(s);
+  }
+
+  // Draws the name, and a button that resets a changed value, in the left column. \return whether
+  // the button was pressed.
+  static bool drawName(PanelItem& item) {
+    const float left = ImGui::GetCursorPosX();
+    const float column = ImGui::GetWindowContentRegionMax().x * kNameShare;
+    const std::string name = wordsOf(item.parameter->field);
+    ImGui::AlignTextToFramePadding();
+    ImGui::BeginDisabled(!item.isUsed);
+    if (item.isChanged)
+      ImGui::TextColored(kChangedColor, "%s", name.c_str());
+    else
+      ImGui::TextUnformatted(name.c_str());
+    ImGui::EndDisabled();
+    drawTooltip(*item.parameter);
+    bool pressed = false;
+    if (item.isChanged) {
+      ImGui::SameLine(left + column - ImGui::GetFrameHeight());
+      pressed = ImGui::SmallButton(kReset);
+      if (ImGui::IsItemHovered()) ImGui::SetTooltip("Reset");
+      item.resetMin = point(ImGui::GetItemRectMin());
+      item.resetMax = point(ImGui::GetItemRectMax());
+    }
+    ImGui::SameLine(left + column);
+    return pressed;
   }
 
   void drawGroupButtons(size_t s, size_t index, size_t changed) {

@@ -19,6 +19,7 @@ struct PanelItem {
   pelage::Float2 min = {}, max = {};            ///< of the widget that sets the value
   pelage::Float2 resetMin = {}, resetMax = {};  ///< of the reset button
   bool isChanged = false;                       ///< it differs from its default
+  bool isUsed = true;                           ///< by the chosen solver; else it is grayed
 };
 
 /// A button of the last draw: "Reset group", "Remove light" or "Add light".
@@ -34,7 +35,6 @@ struct ParameterPanel {
   char search[64] = {};      ///< shows parameters with this text in name, unit or meaning
   bool onlyChanged = false;  ///< shows parameters that differ from their defaults
   bool openAll = false;      ///< opens all groups in the next draw
-  uint32_t sections = ~0u;   ///< bit i: the i-th of pelage::settingsSections() is drawn
   bool unfinished = false;   ///< the user still holds a slider that has moved
   /// Index of the last chosen preset in pelage::settingsPresets(); ~0: none.
   size_t newestPreset = ~size_t{0};

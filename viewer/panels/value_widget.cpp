@@ -123,37 +123,41 @@ using pelage::ParameterScale;
 using pelage::ParameterType;
 using pelage::ParameterValue;
 
-constexpr float kCurveLines = 3;  // height of a curve in lines of text
+constexpr float kCurveLines = 3;       // height of a curve in lines of text
+constexpr float kSliderShare = 0.36f;  // of the width, beside the number
+constexpr float kDragSteps = 200;      // pixels from one end of a range to the other
 
-std::string escaped(const std::string& text) {
-  std::string format;
-  for (const char c : text) format += c == '%' ? "%%" : std::string(1, c);
-  return format;
-}
-
-// Draws a slider of shares, so that each scale has all digits. Its text is the value.
-bool slide(const Parameter& parameter, double& value, const ParameterValue& shown) {
+// Draws a slider of shares, so that each scale has all digits.
+bool slide(const Parameter& parameter, double& value) {
   auto share = static_cast<float>(shareOf(parameter, value));
-  const std::string format = escaped(valueText(parameter, shown));
-  if (!ImGui::SliderFloat("##slider", &share, 0, 1, format.c_str(), ImGuiSliderFlags_NoInput))
-    return false;
+  if (!ImGui::SliderFloat("##slider", &share, 0, 1, "", ImGuiSliderFlags_NoInput)) return false;
   value = valueAtShare(parameter, share);
   return true;
+}
+
+void textBeside(const std::string& text) {
+  ImGui::SameLine();
+  ImGui::TextUnformatted(text.c_str());
 }
 
 bool edit(const Parameter&, bool& value) { return ImGui::Checkbox("##box", &value); }
 
 bool edit(const Parameter& parameter, float& value) {
+  ImGui::SetNextItemWidth(kSliderShare * ImGui::CalcItemWidth());
+  bool changed = false;
   if (parameter.scale == ParameterScale::kLog) {
     auto number = static_cast<double>(value);
-    if (!slide(parameter, number, value)) return false;
-    value = static_cast<float>(number);
-    return true;
+    changed = slide(parameter, number);
+    if (changed) value = static_cast<float>(number);
+  } else {
+    changed = ImGui::SliderFloat("##slider", &value, static_cast<float>(parameter.sliderLow),
+                                 static_cast<float>(parameter.sliderHigh), "");
+    // Typed numbers keep all their digits.
+    if (changed && ImGui::IsMouseDown(ImGuiMouseButton_Left))
+      value = static_cast<float>(rounded(static_cast<double>(value)));
   }
-  const std::string format =
-      "%.4g" + escaped(parameter.unit.empty() ? "" : " ") + escaped(std::string(parameter.unit));
-  return ImGui::SliderFloat("##slider", &value, static_cast<float>(parameter.sliderLow),
-                            static_cast<float>(parameter.sliderHigh), format.c_str());
+  textBeside(valueText(parameter, value));
+  return changed;
 }
 
 bool editChoice(const Parameter& parameter, uint64_t& value) {
@@ -170,21 +174,34 @@ bool editChoice(const Parameter& parameter, uint64_t& value) {
 
 bool edit(const Parameter& parameter, uint64_t& value) {
   if (parameter.type == ParameterType::kChoice) return editChoice(parameter, value);
+  ImGui::SetNextItemWidth(kSliderShare * ImGui::CalcItemWidth());
   auto number = static_cast<double>(value);
-  if (!slide(parameter, number, value)) return false;
-  value = static_cast<uint64_t>(number);
-  if (parameter.isPowerOfTwo) value = std::bit_floor(value);
-  return true;
+  const bool changed = slide(parameter, number);
+  if (changed) value = static_cast<uint64_t>(number);
+  if (changed && parameter.isPowerOfTwo) value = std::bit_floor(value);
+  textBeside(valueText(parameter, value));
+  return changed;
+}
+
+bool editVector(const Parameter& parameter, float* xyz) {
+  const std::string unit(parameter.unit);
+  const float unitWidth =
+      unit.empty() ? 0 : ImGui::CalcTextSize(unit.c_str()).x + ImGui::GetStyle().ItemSpacing.x;
+  ImGui::SetNextItemWidth(std::max(ImGui::CalcItemWidth() - unitWidth, 1.0f));
+  const auto low = static_cast<float>(parameter.sliderLow);
+  const auto high = static_cast<float>(parameter.sliderHigh);
+  const bool changed =
+      ImGui::DragFloat3("##vector", xyz, (high - low) / kDragSteps, low, high, "%.3g");
+  if (!unit.empty()) textBeside(unit);
+  return changed;
 }
 
 bool edit(const Parameter& parameter, Float3& value) {
   float xyz[3] = {value.x, value.y, value.z};
   constexpr ImGuiColorEditFlags kFlags = ImGuiColorEditFlags_Float | ImGuiColorEditFlags_HDR;
-  const bool changed =
-      parameter.type == ParameterType::kColor
-          ? ImGui::ColorEdit3("##color", xyz, kFlags)
-          : ImGui::SliderFloat3("##vector", xyz, static_cast<float>(parameter.sliderLow),
-                                static_cast<float>(parameter.sliderHigh), "%.3g");
+  const bool changed = parameter.type == ParameterType::kColor
+                           ? ImGui::ColorEdit3("##color", xyz, kFlags)
+                           : editVector(parameter, xyz);
   value = {xyz[0], xyz[1], xyz[2]};
   return changed;
 }
@@ -206,13 +223,25 @@ float inRange(const Parameter& parameter, float value) {
 
 bool editValue(const Parameter& parameter, ParameterValue& value) {
   const ParameterValue before = value;
+  ImGui::BeginGroup();
   std::visit([&](auto& of) { return edit(parameter, of); }, value);
+  ImGui::EndGroup();
   if (auto* number = std::get_if<float>(&value); number != nullptr)
     *number = inRange(parameter, *number);
   if (auto* xyz = std::get_if<Float3>(&value); xyz != nullptr)
     *xyz = {inRange(parameter, xyz->x), inRange(parameter, xyz->y), inRange(parameter, xyz->z)};
   if (!check(parameter, value)) value = before;
   return !haveSameBits(value, before);
+}
+
+std::string wordsOf(std::string_view name) {
+  std::string words;
+  for (const char c : name) {
+    const bool isUpper = c >= 'A' && c <= 'Z';
+    if (isUpper) words += ' ';
+    words += isUpper ? static_cast<char>(c - 'A' + 'a') : c;
+  }
+  return words;
 }
 
 std::string valueText(const Parameter& parameter, const ParameterValue& value) {

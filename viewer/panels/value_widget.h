@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "pelage/settings/parameter.h"
 #include "pelage/simulation_settings.h"
@@ -21,9 +22,12 @@ double valueAtShare(const pelage::Parameter& parameter, double share);
 bool editCurve(const char* id, pelage::ParameterCurve& curve, float low, float high, float width,
                float height);
 
-/// Draws the widget that sets a value, ImGui::CalcItemWidth() wide. \return whether the user
-/// changed the value, which stays in range.
+/// Draws the widget that sets a value, ImGui::CalcItemWidth() wide. Numbers are beside their
+/// slider, with their unit. \return whether the user changed the value, which stays in range.
 bool editValue(const pelage::Parameter& parameter, pelage::ParameterValue& value);
+
+/// Returns the name of a member in words: "bend length" for bendLength.
+std::string wordsOf(std::string_view name);
 
 /// Returns the text of a value with its unit: "0.05 m".
 std::string valueText(const pelage::Parameter& parameter, const pelage::ParameterValue& value);

@@ -175,11 +175,21 @@ void StageControls::scroll(const Scrolled& event, Stage& stage) const {
   center = {center.x + away * back.x, center.y + away * back.y, center.z + away * back.z};
 }
 
+void StageControls::keepOrTakeCamera(size_t index, Stage& stage) {
+  std::optional<OrbitCamera>& kept = cameras_[index];
+  if (control_)
+    kept = stage.camera;
+  else if (kept)
+    stage.camera = *kept;
+}
+
 void StageControls::key(const KeyPressed& event, const WindowSize& size, Stage& stage) {
   if (event.key == kKeyLeftShift || event.key == kKeyRightShift) shift_ = event.down;
   if (event.key == kKeyLeftControl || event.key == kKeyRightControl) control_ = event.down;
   if (event.key == kKeyLeftAlt || event.key == kKeyRightAlt || event.key == 'G')
     pulls_ = event.down;
+  if (event.down && event.key >= '1' && event.key <= '9')
+    keepOrTakeCamera(static_cast<size_t>(event.key - '1'), stage);
   if (!event.down || control_) return;
   PlayClock& clock = stage.clock;
   if (event.key == 'F') stage.frameAll(aspectOf(size, stage));

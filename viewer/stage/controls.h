@@ -1,6 +1,10 @@
 // Mouse and keys on the stage, with the arrow that sets the wind.
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <optional>
+
 #include "input/event.h"
 #include "pelage/types.h"
 #include "stage/orbit_camera.h"
@@ -46,10 +50,12 @@ class StageControls {
   void move(const MouseMoved& event, const WindowSize& size, Stage& stage);
   void scroll(const Scrolled& event, Stage& stage) const;
   void key(const KeyPressed& event, const WindowSize& size, Stage& stage);
+  void keepOrTakeCamera(size_t index, Stage& stage);
   MouseMoved mouse_;
   Drag drag_ = Drag::kNone;
   MouseButton button_ = MouseButton::kLeft;  // the one that began the drag
   bool shift_ = false, control_ = false, pulls_ = false;
+  std::array<std::optional<OrbitCamera>, 9> cameras_;  // of the keys 1 to 9
 };
 
 }  // namespace viewer

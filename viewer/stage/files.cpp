@@ -32,6 +32,11 @@ Path companionOf(const Path& hair, const char* extension, std::span<const Path> 
   return std::filesystem::is_regular_file(beside, error) ? beside : Path("-");
 }
 
+std::string openedFiles() {
+  return fmt::format(".tfx, .tfxbone, .tfxfollow, .tfxmesh, .pelage{}",
+                     sample::modelingExtensions());
+}
+
 struct Sorted {
   pelage::program::AssetFiles own;  // pelage's own formats
   std::vector<Path> modeling;       // sample::isModelingFile()
@@ -57,9 +62,7 @@ Result<Sorted> sortFiles(std::span<const Path> files) {
       sorted.modeling.push_back(file);
     } else if (extension != ".tfxbone" && extension != ".tfxfollow") {
       return Error{ErrorCode::kUnsupported,
-                   fmt::format("{}: the viewer opens .tfx, .tfxbone, .tfxfollow, .tfxmesh, "
-                               ".pelage{}",
-                               file.string(), sample::modelingExtensions())};
+                   fmt::format("{}: the viewer opens {}", file.string(), openedFiles())};
     }
   }
   return sorted;
@@ -125,24 +128,35 @@ bool isKnownFile(const Path& path) {
          sample::isModelingFile(extension);
 }
 
-pelage::Result<std::vector<FolderEntry>> listFolder(const std::filesystem::path& folder) {
+pelage::Result<FolderList> listFolder(const std::filesystem::path& folder) {
   namespace fs = std::filesystem;
   std::error_code error;
-  std::vector<FolderEntry> entries;
+  FolderList list;
   for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
     const std::string name = at->path().filename().string();
     std::error_code ignored;  // an entry may be gone by now
     const bool isFolder = at->is_directory(ignored);
-    if (name.starts_with('.') || (!isFolder && !isKnownFile(at->path()))) continue;
-    entries.push_back({name, isFolder});
+    if (name.starts_with('.')) continue;
+    if (!isFolder) ++(isKnownFile(at->path()) ? list.fileCount : list.otherCount);
+    if (isFolder || isKnownFile(at->path())) list.entries.push_back({name, isFolder});
   }
   if (error)
     return Error{ErrorCode::kFileNotFound,
                  folder.string() + " cannot be listed: " + error.message()};
-  std::sort(entries.begin(), entries.end(), [](const FolderEntry& a, const FolderEntry& b) {
-    return std::tuple(!a.isFolder, a.name) < std::tuple(!b.isFolder, b.name);
-  });
-  return entries;
+  std::sort(list.entries.begin(), list.entries.end(),
+            [](const FolderEntry& a, const FolderEntry& b) {
+              return std::tuple(!a.isFolder, a.name) < std::tuple(!b.isFolder, b.name);
+            });
+  return list;
+}
+
+std::string reasonForNoFiles(const FolderList& list) {
+  const std::string others =
+      list.otherCount == 0 ? "No files are here."
+      : list.otherCount == 1
+          ? "The file here is none that the viewer opens."
+          : fmt::format("None of the {} files here is one that the viewer opens.", list.otherCount);
+  return fmt::format("{} It opens {}, and settings as .json.", others, openedFiles());
 }
 
 }  // namespace viewer

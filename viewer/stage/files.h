@@ -1,6 +1,7 @@
 // Grooms and meshes from the files that a user names or drops.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -38,8 +39,16 @@ struct FolderEntry {
   bool operator==(const FolderEntry&) const = default;
 };
 
-/// Lists folders, then files that isKnownFile() knows, each sorted by name, without names that
-/// begin with a point. Errors: a folder that cannot be read.
-pelage::Result<std::vector<FolderEntry>> listFolder(const std::filesystem::path& folder);
+struct FolderList {
+  std::vector<FolderEntry> entries;  ///< folders, then files, each sorted by name
+  size_t fileCount = 0;              ///< of files in `entries`
+  size_t otherCount = 0;             ///< of files that isKnownFile() does not know
+};
+
+/// Lists folders, and files that isKnownFile() knows, without names that begin with a point.
+/// Errors: a folder that cannot be read.
+pelage::Result<FolderList> listFolder(const std::filesystem::path& folder);
+/// Returns why a list has no files: what the viewer opens, and how many other files there are.
+std::string reasonForNoFiles(const FolderList& list);
 
 }  // namespace viewer

@@ -103,9 +103,10 @@ DrawValuesConstants valuesOf(const InspectionLook& look, const View& view, uint3
   return constants;
 }
 
-Result<void> Inspection::drawSurfaces(const Inspected& what, const View& view, PassList& list) {
+Result<void> Inspection::drawSurfaces(const Inspected& what, const pelage::ColliderLook& look,
+                                      const View& view, PassList& list) {
   for (const pelage::ColliderId collider : what.demo->colliders()) {
-    Result<void> done = what.scene->drawCollider(collider, view, what.demo->light, {}, list);
+    Result<void> done = what.scene->drawCollider(collider, view, what.demo->light, look, list);
     if (!done) return done;
   }
   return {};

@@ -14,8 +14,8 @@ namespace viewer {
 class Inspection {
  public:
   /// Adds draws of SDF surfaces in place of meshes. \param list the first one of a view.
-  static pelage::Result<void> drawSurfaces(const Inspected& what, const pelage::View& view,
-                                           pelage::PassList& list);
+  static pelage::Result<void> drawSurfaces(const Inspected& what, const pelage::ColliderLook& look,
+                                           const pelage::View& view, pelage::PassList& list);
   /// Sets the look of the next frame. A change forgets the figures; a look without passes removes
   /// the buffers.
   void follow(const InspectionLook& look, pelage::Scene& scene);

@@ -218,6 +218,7 @@ Result<void> Stage::show(const StageSource& source) {
   left.demo.reset();  // its objects leave the scene
   left.demo.emplace(*std::move(demo));
   left.solver = source.solver;
+  left.environment = left.demo->light.environment;
   ++left.shown;
   loaded.assets = {};
   loaded_ = std::move(loaded);
@@ -300,8 +301,10 @@ Result<void> Stage::drawSide(uint32_t index, const pelage::CapsuleCollider* ball
   pelage::PassList before;
   Result<void> done = drawsMeshes(inspection.value) ? demo.drawOpaque(view, before)
                       : inspection.value == InspectedValue::kSdfSurface
-                          ? Inspection::drawSurfaces(what, view, before)
+                          ? Inspection::drawSurfaces(what, colliderLook, view, before)
                           : Result<void>();
+  if (done && look.showsGround && drawsMeshes(inspection.value))
+    done = groundMesh_.draw(demo, view, scene_.resources(), before);
   if (done && ballShape != nullptr)
     done = ballMesh_.draw(ball.center, ball.radius, view, demo.light, scene_.resources(), before);
   if (done) {
@@ -345,6 +348,7 @@ Result<void> Stage::compare(std::optional<pelage::Solver> right) {
     side.demo.reset();
     side.demo.emplace(*std::move(demo));
     side.solver = *right;
+    side.environment = side.demo->light.environment;
     if (Result<void> done = takeSettings(settings, *this); !done) return done;
     ++side.shown;
   } else {

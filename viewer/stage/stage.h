@@ -53,6 +53,7 @@ struct StageLook {
   pelage::Float3 wind = {};  ///< [m/s]
   float strandShare = 1;     ///< share of strands that are drawn, 0.02..1; fewer ones are wider
   bool showsContacts = false;
+  bool showsGround = false;
   bool operator==(const StageLook&) const = default;
 };
 
@@ -71,6 +72,18 @@ class BallMesh {
   pelage::Result<void> draw(const pelage::Float3& center, float radius, const pelage::View& view,
                             const pelage::Light& light, pelage::ResourceTable& resources,
                             pelage::PassList& list);
+
+ private:
+  std::optional<sample::MeshObject> mesh_;
+};
+
+/// The ground: squares below all hair and meshes, in the shadow of the hair.
+class GroundMesh {
+ public:
+  /// Adds the draw to a list, after DemoScene::drawOpaque(); the first call adds buffers to the
+  /// table.
+  pelage::Result<void> draw(const sample::DemoScene& demo, const pelage::View& view,
+                            pelage::ResourceTable& resources, pelage::PassList& list);
 
  private:
   std::optional<sample::MeshObject> mesh_;
@@ -146,6 +159,7 @@ struct StageSide {
   std::optional<sample::DemoScene> demo;  ///< in the stage's scene; nothing: the side is not shown
   pelage::Solver solver = pelage::Solver::kExact;
   uint64_t shown = 0;                                   ///< Stage::shown()
+  pelage::EnvironmentLight environment;                 ///< Stage::ownEnvironment()
   pelage::BufferId depth = pelage::BufferId::kInvalid;  ///< TransparencySettings::opaqueDepth
   Inspection inspection;
 };
@@ -213,6 +227,7 @@ class Stage {
   InspectionLook inspection;
   /// Returns the figures of the chosen side, measured some frames ago.
   const InspectionFigures& inspected() const { return sides_[side_].inspection.figures(); }
+  pelage::ColliderLook colliderLook;  ///< of InspectedValue::kSdfSurface
   pelage::ContactLook contactLook;    ///< with StageLook::showsContacts
   pelage::ViewSettings viewSettings;  ///< of all views: CanvasTarget must match
   pelage::Scene& scene() { return scene_; }
@@ -226,6 +241,8 @@ class Stage {
   /// one also lights the meshes.
   std::vector<pelage::Light> lights() const;
   void setLights(const std::vector<pelage::Light>& lights);
+  /// Returns the environment that the first light had when the scene was shown.
+  const pelage::EnvironmentLight& ownEnvironment() const { return sides_[side_].environment; }
   /// Functions of sample::DemoScene for the chosen side.
   sample::DemoScene::HairMaking making(size_t hair) const { return chosen().making(hair); }
   pelage::Result<void> makeHairAgain(size_t hair, const sample::DemoScene::HairMaking& making);
@@ -243,6 +260,7 @@ class Stage {
   std::array<StageSide, 2> sides_;
   uint32_t side_ = 0;  // the chosen one
   BallMesh ballMesh_;
+  GroundMesh groundMesh_;
   std::optional<AppliedLook> applied_;  // of the last frame
   std::vector<CanvasView> views_;
   std::optional<pelage::SceneSnapshot> snapshot_;

@@ -1,9 +1,5 @@
 #include "stage/stage_settings.h"
 
-#include <algorithm>
-#include <string_view>
-#include <vector>
-
 #include "pelage/assert.h"
 
 namespace viewer {
@@ -11,10 +7,6 @@ namespace viewer {
 using pelage::SceneSettings;
 
 namespace {
-
-constexpr std::string_view kSections[] = {"simulation",   "material", "object",      "creation",
-                                          "follow",       "collider", "contactLook", "lights",
-                                          "transparency", "view"};
 
 // Makes the hair again if it was made with other values.
 pelage::Result<void> applyMaking(const SceneSettings& settings, size_t hair, Stage& stage) {
@@ -30,15 +22,6 @@ pelage::Result<void> applyMaking(const SceneSettings& settings, size_t hair, Sta
 
 }  // namespace
 
-uint32_t stageSections() {
-  uint32_t bits = 0;
-  const auto all = pelage::settingsSections();
-  for (size_t s = 0; s < all.size(); ++s)
-    if (std::find(std::begin(kSections), std::end(kSections), all[s].key) != std::end(kSections))
-      bits |= 1u << s;
-  return bits;
-}
-
 SceneSettings settingsOf(const Stage& stage, size_t hair) {
   PELAGE_ASSERT(hair < stage.hairs().size(), "settingsOf(): the stage has no such hair");
   const pelage::HairObject& object = stage.scene().hair(stage.hairs()[hair]);
@@ -50,6 +33,7 @@ SceneSettings settingsOf(const Stage& stage, size_t hair) {
   settings.follow = stage.making(hair).follow;
   if (!stage.colliders().empty())
     settings.collider = settingsOf(stage.scene().collider(stage.colliders()[0]));
+  settings.colliderLook = stage.colliderLook;
   settings.contactLook = stage.contactLook;
   settings.lights = stage.lights();
   settings.transparency = stage.transparency.settings();
@@ -72,6 +56,7 @@ pelage::Result<void> apply(const SceneSettings& settings, size_t hair, Stage& st
   apply(settings.object, object);
   for (const pelage::ColliderId collider : stage.colliders())
     apply(settings.collider, stage.scene().collider(collider));
+  stage.colliderLook = settings.colliderLook;
   stage.contactLook = settings.contactLook;
   stage.setLights(settings.lights);
   stage.transparency.set(settings.transparency);

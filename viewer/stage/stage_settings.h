@@ -11,10 +11,6 @@
 
 namespace viewer {
 
-/// Returns the sections of SceneSettings that a stage has: bit i for the i-th of
-/// pelage::settingsSections(). The window decides the others.
-uint32_t stageSections();
-
 /// Returns the settings of a hair object, with those that all hair shares. \param hair index in
 /// Stage::hairs().
 pelage::SceneSettings settingsOf(const Stage& stage, size_t hair);

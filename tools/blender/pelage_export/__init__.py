@@ -6,8 +6,8 @@ bl_info = {
     "author": "pelage",
     "version": (0, 1, 0),
     "blender": (3, 3, 0),
-    "location": "File > Export > pelage hair (.tfx); File > Import > pelage cache (.pelagecache); "
-                "3D view > Sidebar > pelage",
+    "location": "File > Export > pelage hair (.tfx), pelage collision mesh (.tfxmesh); "
+                "File > Import > pelage cache (.pelagecache); 3D view > Sidebar > pelage",
     "description": "Exports hair (.tfx), its bone weights (.tfxbone) and collision meshes "
                    "(.tfxmesh); imports simulated hair (.pelagecache)",
     "doc_url": "",

@@ -7,8 +7,10 @@ import numpy as np
 
 from .pelage_core import ExportError
 from .pelage_core.hair import HairCurves
+from .pelage_core.nurbs import nurbs_points, uniform_knots
 from .pelage_core.surface import Surface
 
+_NURBS = 3  # of the attribute curve_type of hair curves
 _HAIR_TYPES = {"MESH", "CURVES", "CURVE"}
 
 
@@ -56,6 +58,11 @@ def rest_pose(context, objects, vertices_per_strand):
     finally:
         changes.undo()
         context.view_layer.update()
+
+
+def mesh_objects(objects):
+    """Those that are meshes, by name."""
+    return sorted((obj for obj in objects if obj.type == "MESH"), key=lambda obj: obj.name)
 
 
 def hair_objects(context):
@@ -133,10 +140,17 @@ class Gatherer:
         counts = np.zeros(len(data.curves), dtype=np.int32)
         data.curves.foreach_get("points_length", counts)
         points = _read(data.attributes["position"].data, "vector", 3)
-        radius = data.attributes.get("radius")
-        radii = None if radius is None else _read(radius.data, "value", 1)[:, 0]
-        return HairCurves(obj.name, counts, _transform(points, evaluated.matrix_world), radii,
-                          self._curve_colors(data, counts), self._surface_of(obj, obj.data.surface))
+        radius, colors = data.attributes.get("radius"), self._curve_colors(data, counts)
+        columns = [_transform(points, evaluated.matrix_world)]
+        if radius is not None:
+            columns.append(_read(radius.data, "value", 1))
+        if colors is not None:
+            columns.append(colors)
+        counts, table = _nurbs_as_points(data, counts, np.concatenate(columns, axis=1))
+        return HairCurves(obj.name, counts, table[:, :3],
+                          None if radius is None else table[:, 3],
+                          None if colors is None else table[:, -4:],
+                          self._surface_of(obj, obj.data.surface))
 
     def _curve_colors(self, data, counts):
         attribute = data.attributes.get(self._color_attribute) if self._color_attribute else None
@@ -157,11 +171,7 @@ class Gatherer:
         try:
             counts, points, radii = [], [], []
             for spline in data.splines:
-                if spline.type == "NURBS":
-                    raise ExportError("%s has a NURBS curve; change its type to Poly or Bezier"
-                                      % obj.name)
-                part = _bezier(spline) if spline.type == "BEZIER" else np.array(
-                    [tuple(p.co)[:3] + (p.radius,) for p in spline.points])
+                part = _bezier(spline) if spline.type == "BEZIER" else _poly_or_nurbs(spline)
                 counts.append(len(part))
                 points.append(part[:, :3])
                 radii.append(part[:, 3])
@@ -241,6 +251,43 @@ def _bezier(spline):
         radius = a.radius + (b.radius - a.radius) * t
         parts.append(np.concatenate((co, radius), axis=1)[1:])
     return np.concatenate(parts)
+
+
+def _poly_or_nurbs(spline):
+    """[vertex, 4] points and radii, as _bezier()."""
+    points = np.array([tuple(p.co)[:3] + (p.radius,) for p in spline.points])
+    order = min(spline.order_u, len(points))
+    if spline.type != "NURBS" or order < 2:
+        return points
+    knots = uniform_knots(len(points), order, spline.use_endpoint_u, spline.use_bezier_u)
+    return nurbs_points(points, [p.co[3] for p in spline.points], order, knots)
+
+
+def _nurbs_as_points(data, counts, table):
+    """Counts and a table [vertex, n] of hair curves, with points in place of NURBS curves."""
+    kinds = data.attributes.get("curve_type")
+    if kinds is None or not (_read(kinds.data, "value", 1, np.int8) == _NURBS).any():
+        return counts, table
+
+    def read(name, default, size):
+        found = data.attributes.get(name)
+        return np.full(size, default) if found is None else _read(
+            found.data, "value", 1, np.float32 if name == "nurbs_weight" else np.int8)[:, 0]
+
+    kinds, orders, modes = (read("curve_type", 0, len(counts)), read("nurbs_order", 4, len(counts)),
+                            read("knots_mode", 0, len(counts)))
+    weights = read("nurbs_weight", 1.0, len(table))
+    parts, first = [], 0
+    for kind, order, mode, count in zip(kinds, orders, modes, counts):
+        part = table[first:first + count]
+        order = min(order, count)
+        if kind == _NURBS and order > 1:
+            # Modes: 1 and 3 begin and end at points, 2 and 3 are Bezier's.
+            knots = uniform_knots(count, order, mode in (1, 3), mode in (2, 3))
+            part = nurbs_points(part, weights[first:first + count], order, knots)
+        parts.append(part)
+        first += count
+    return np.array([len(part) for part in parts]), np.concatenate(parts)
 
 
 def _bone_weights(obj, mesh):

@@ -1,4 +1,4 @@
-"""The export as an operator, and the panel with its settings."""
+"""The exports as operators, and the panel with their settings."""
 
 import bpy
 from bpy_extras.io_utils import ExportHelper
@@ -6,7 +6,7 @@ from bpy_extras.io_utils import ExportHelper
 from . import gather
 from .pelage_core import ExportError
 from .pelage_core import export as core_export
-from .pelage_core.options import OPTIONS, ExportOptions
+from .pelage_core.options import COLLISION_OPTIONS, OPTIONS, ExportOptions
 
 _CHOICES = {
     "X": ("X", ""), "Y": ("Y", ""), "Z": ("Z", ""),
@@ -53,7 +53,8 @@ class _Settings:
                         "surface at the roots; empty: none"),
         "collision_collection": bpy.props.StringProperty(
             name="Collection", default="",
-            description="Collection whose meshes are the collision mesh"),
+            description="Collection whose meshes are the collision mesh; for collision meshes "
+                        "alone, empty: the selected objects"),
     }
 
 
@@ -65,7 +66,8 @@ class PelageExportSettings(_Settings, bpy.types.PropertyGroup):
 
 def _draw(layout, settings):
     layout.use_property_split = True
-    for name in ("vertices_per_strand", "min_curve_length", "both_ends_immovable", "use_children"):
+    for name in ("export_hair", "export_bones", "vertices_per_strand", "min_curve_length",
+                 "both_ends_immovable", "use_children"):
         layout.prop(settings, name)
     column = layout.column(align=True)
     column.prop(settings, "randomize_strands")
@@ -83,20 +85,23 @@ def _draw(layout, settings):
         layout.prop(settings, "collision_split")
 
 
-def _collision_objects(settings):
-    collection = bpy.data.collections.get(settings.collision_collection)
+def _collection_meshes(name):
+    collection = bpy.data.collections.get(name)
     if collection is None:
-        raise ExportError("there is no collection '%s' to make the collision mesh of"
-                          % settings.collision_collection)
-    objects = sorted((obj for obj in collection.all_objects if obj.type == "MESH"),
-                     key=lambda obj: obj.name)
+        raise ExportError("there is no collection '%s' to make the collision mesh of" % name)
+    objects = gather.mesh_objects(collection.all_objects)
     if not objects:
         raise ExportError("the collection '%s' has no meshes" % collection.name)
     return objects
 
 
+def _unit(context):
+    settings = context.scene.unit_settings
+    return 1.0 if settings.system == "NONE" else settings.scale_length
+
+
 def export_hair(context, filepath, settings):
-    """Exports the selected objects. :returns: Report. Raises ExportError."""
+    """Exports the hair of the selected objects. :returns: Report. Raises ExportError."""
     options = ExportOptions(**{name: getattr(settings, name) for name in OPTIONS})
     objects = gather.hair_objects(context)
     with gather.rest_pose(context, objects, options.vertices_per_strand) as depsgraph:
@@ -106,15 +111,51 @@ def export_hair(context, filepath, settings):
         if options.collision == "SURFACE":
             surfaces = [part.surface for part in curves if part.surface is not None]
         elif options.collision == "COLLECTION":
-            surfaces = [gatherer.surface(obj) for obj in _collision_objects(settings)]
+            surfaces = [gatherer.surface(obj)
+                        for obj in _collection_meshes(settings.collision_collection)]
         else:
             surfaces = []
-    unit_settings = context.scene.unit_settings
-    unit = 1.0 if unit_settings.system == "NONE" else unit_settings.scale_length
-    return core_export.export(filepath, curves, surfaces, options, unit)
+    return core_export.export(filepath, curves, surfaces, options, _unit(context))
 
 
-class ExportPelageHair(_Settings, bpy.types.Operator, ExportHelper):
+def export_collision(context, filepath, settings):
+    """Exports the selected meshes, or those of a collection. :returns: Report. Raises
+    ExportError."""
+    options = ExportOptions(**{name: getattr(settings, name) for name in COLLISION_OPTIONS})
+    name = settings.collision_collection
+    objects = _collection_meshes(name) if name else gather.mesh_objects(context.selected_objects)
+    with gather.rest_pose(context, [], options.vertices_per_strand) as depsgraph:
+        surfaces = [gather.Gatherer(depsgraph).surface(obj) for obj in objects]
+    return core_export.export_collision(filepath, surfaces, options, _unit(context))
+
+
+class _Export(ExportHelper):
+    """An operator whose properties begin as those of the scene's settings of the same name."""
+
+    def invoke(self, context, event):
+        for name in self.shared():
+            setattr(self, name, getattr(context.scene.pelage_export, name))
+        return super().invoke(context, event)
+
+    def shared(self):
+        return [name for name in _Settings.__annotations__ if name in self.__annotations__]
+
+    def execute(self, context):
+        try:
+            report = self.write(context, bpy.path.abspath(self.filepath))
+        except ExportError as error:
+            self.report({"ERROR"}, "Not exported: %s" % error)
+            return {"CANCELLED"}
+        for text in report.warnings:
+            self.report({"WARNING"}, text)
+        self.report({"INFO"}, "; ".join(report.lines))
+        if self.options.is_invoke:
+            for name in self.shared():
+                setattr(context.scene.pelage_export, name, getattr(self, name))
+        return {"FINISHED"}
+
+
+class ExportPelageHair(_Settings, bpy.types.Operator, _Export):
     """Export hair, bone weights and collision meshes of the selected objects for pelage"""
 
     bl_idname = "export_scene.pelage_hair"
@@ -131,27 +172,35 @@ class ExportPelageHair(_Settings, bpy.types.Operator, ExportHelper):
     def poll(cls, context):
         return bool(context.selected_objects)
 
-    def invoke(self, context, event):
-        for name in _Settings.__annotations__:
-            setattr(self, name, getattr(context.scene.pelage_export, name))
-        return super().invoke(context, event)
-
-    def execute(self, context):
-        try:
-            report = export_hair(context, bpy.path.abspath(self.filepath), self)
-        except ExportError as error:
-            self.report({"ERROR"}, "Not exported: %s" % error)
-            return {"CANCELLED"}
-        for text in report.warnings:
-            self.report({"WARNING"}, text)
-        self.report({"INFO"}, "; ".join(report.lines))
-        if self.options.is_invoke:
-            for name in _Settings.__annotations__:
-                setattr(context.scene.pelage_export, name, getattr(self, name))
-        return {"FINISHED"}
+    def write(self, context, path):
+        return export_hair(context, path, self)
 
     def draw(self, context):
         _draw(self.layout, self)
+
+
+class ExportPelageCollision(bpy.types.Operator, _Export):
+    """Export the selected meshes, or those of a collection, as collision meshes for pelage"""
+
+    bl_idname = "export_scene.pelage_collision"
+    bl_label = "Export pelage Collision Mesh"
+    bl_options = {"PRESET"}
+
+    __annotations__ = {
+        **{name: _Settings.__annotations__[name]
+           for name in (*COLLISION_OPTIONS, "collision_collection")},
+        "filter_glob": bpy.props.StringProperty(default="*.tfxmesh", options={"HIDDEN"}),
+    }
+    filename_ext = ".tfxmesh"
+
+    def write(self, context, path):
+        return export_collision(context, path, self)
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        for name in COLLISION_OPTIONS:
+            self.layout.prop(self, name)
+        self.layout.prop_search(self, "collision_collection", bpy.data, "collections")
 
 
 class VIEW3D_PT_pelage_export(bpy.types.Panel):
@@ -163,14 +212,18 @@ class VIEW3D_PT_pelage_export(bpy.types.Panel):
     def draw(self, context):
         _draw(self.layout, context.scene.pelage_export)
         self.layout.operator_context = "INVOKE_DEFAULT"
-        self.layout.operator(ExportPelageHair.bl_idname, text="Export ...", icon="EXPORT")
+        self.layout.operator(ExportPelageHair.bl_idname, text="Export Hair ...", icon="EXPORT")
+        self.layout.operator(ExportPelageCollision.bl_idname, text="Export Collision Mesh ...",
+                             icon="EXPORT")
 
 
 def _menu_entry(self, context):
     self.layout.operator(ExportPelageHair.bl_idname, text="pelage hair (.tfx)")
+    self.layout.operator(ExportPelageCollision.bl_idname, text="pelage collision mesh (.tfxmesh)")
 
 
-_CLASSES = (PelageExportSettings, ExportPelageHair, VIEW3D_PT_pelage_export)
+_CLASSES = (PelageExportSettings, ExportPelageHair, ExportPelageCollision,
+            VIEW3D_PT_pelage_export)
 
 
 def register():

@@ -21,7 +21,8 @@ class Report:
 
 
 def export(path, curve_list, collision_surfaces, options, unit=1.0):
-    """Writes NAME.tfx, NAME.tfxbone and the collision meshes, all of them or none.
+    """Writes NAME.tfx, NAME.tfxbone and the collision meshes: those that are chosen, all of them or
+    none.
 
     :param path: of the .tfx file; the others lie next to it.
     :param curve_list: HairCurves in rest pose. :param collision_surfaces: Surfaces, may be empty.
@@ -31,26 +32,56 @@ def export(path, curve_list, collision_surfaces, options, unit=1.0):
     if not curve_list:
         raise ExportError("there is no hair to export: select an object with particle hair, hair "
                           "curves or curves")
-    base, extension = os.path.splitext(path)
-    if extension.lower() != ".tfx":
-        base = path
+    base = _without(".tfx", path)
     report = Report()
-    factor = options.scale * unit
-    axes = hair.up_matrix(options.up_axis, options.invert_z)
     surfaces = [curves.surface for curves in curve_list if curves.surface is not None]
     bones = _bone_table(surfaces + list(collision_surfaces))
-    contents = {base + ".tfx": None}
+    factor = options.scale * unit
     groom = _Groom(curve_list, options, factor, bones, report)
-    contents[base + ".tfx"] = groom.tfx(axes * factor)
-    if groom.bound:
+    contents = {}
+    if options.export_hair:
+        contents[base + ".tfx"] = groom.tfx(
+            hair.up_matrix(options.up_axis, options.invert_z) * factor)
+    if options.export_bones and groom.bound:
         contents[base + ".tfxbone"] = files.tfxbone_bytes(
             list(bones), groom.strand_bones, groom.strand_weights)
-    for suffix, surface_parts in _split(collision_surfaces, options.collision_split):
+    _add_meshes(contents, base, collision_surfaces, bones, options, factor, report)
+    if not contents:
+        raise ExportError("there is nothing to write: choose hair, bone weights of hair on a mesh, "
+                          "or a collision mesh")
+    return _write(contents, report)
+
+
+def export_collision(path, surfaces, options, unit=1.0):
+    """Writes collision meshes alone, all of them or none.
+
+    :param path: of the .tfxmesh file; parts of a split mesh lie next to it. :param surfaces:
+        Surfaces. :param unit: as in export(). :returns: Report. Raises ExportError.
+    """
+    if not surfaces:
+        raise ExportError("there is no mesh to export: select a mesh")
+    report, contents = Report(), {}
+    _add_meshes(contents, _without(".tfxmesh", path), surfaces, _bone_table(surfaces), options,
+                options.scale * unit, report)
+    return _write(contents, report)
+
+
+def _without(extension, path):
+    base, found = os.path.splitext(path)
+    return base if found.lower() == extension else path
+
+
+def _add_meshes(contents, base, surfaces, bones, options, factor, report):
+    axes = hair.up_matrix(options.up_axis, options.invert_z)
+    for suffix, surface_parts in _split(surfaces, options.collision_split):
         name = base + suffix + ".tfxmesh"
         if name in contents:
             raise ExportError("two collision meshes would be called %s; rename an object or a "
                               "material" % os.path.basename(name))
         contents[name] = _mesh_bytes(surface_parts, bones, axes, factor, options.invert_z, report)
+
+
+def _write(contents, report):
     files.write_files(contents)
     report.paths = list(contents)
     report.lines.append("wrote " + ", ".join(os.path.basename(name) for name in contents))

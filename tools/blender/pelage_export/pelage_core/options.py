@@ -45,12 +45,19 @@ OPTIONS = {
         float, 1.0, "Scale", "Factor on all lengths, after the units of the scene", 1e-9, 1e9),
     "up_axis": Option(
         UP_AXES, "Y", "Up Axis", "Axis that points up in the scene; it becomes y in the files"),
+    "export_hair": Option(bool, True, "Hair", "Write the strands: a .tfx file"),
+    "export_bones": Option(
+        bool, True, "Bone Weights",
+        "Write which bones move each root: a .tfxbone file, for the strands of the same options"),
     "collision": Option(
         COLLISIONS, "SURFACE", "Collision Mesh", "What the .tfxmesh file is made of"),
     "collision_split": Option(
         SPLITS, "WHOLE", "Split",
         "One .tfxmesh file in all, or one for each object or material"),
 }
+
+# Names of the options of an export of collision meshes alone.
+COLLISION_OPTIONS = ("scale", "up_axis", "invert_z", "collision_split")
 
 
 class ExportOptions:
