@@ -10,7 +10,7 @@ if (!folder) {
   process.exit(2);
 }
 const own = import.meta.dirname;
-const files = ["page.html", "page.css", "page.mjs", "view.mjs", "executor.mjs", "web_scene.mjs"];
+const files = ["page.html", "page.css", "page.mjs", "scenes.mjs", "view.mjs", "executor.mjs", "web_scene.mjs"];
 
 // Draws of tiles alone: the other vertex and pixel kernels are not for the page.
 const drawn = new Set(["oit_tile_vertex", "show_strand_tiles"]);

@@ -1,15 +1,11 @@
 // The page: picks a scene, draws it while the page is seen, and has the library's parameters.
-import { View } from "./view.mjs";
+import { SCENES } from "./scenes.mjs";
+import { View, cameraAround } from "./view.mjs";
 import { Core } from "./web_scene.mjs";
 
 // In the address: ?scene=character, ?strands=500 of the head.
 const wanted = new URLSearchParams(globalThis.location?.search);
 
-/** @type {Record<string, {make: (core: Core) => import("./web_scene.mjs").Scene, target: [number, number, number], distance: number}>} */
-const SCENES = {
-  head: { make: (core) => core.head(Number(wanted.get("strands") ?? 2000)), target: [0, 0.14, 0], distance: 0.8 },
-  character: { make: (core) => core.character(), target: [0, 0.05, 0], distance: 1.2 },
-};
 const LONGEST_STEP = 1 / 30; // of a frame [s]
 const MOST_PIXELS = 1920; // along the canvas
 const TIMED_FRAMES = 20;
@@ -55,19 +51,8 @@ class Orbit {
     this.#distance = distance;
   }
 
-  /** @returns {{eye: [number, number, number], target: [number, number, number], verticalFov: number}} */
   get camera() {
-    const flat = this.#distance * Math.cos(this.#pitch);
-    const [x, y, z] = this.#target;
-    return {
-      eye: [
-        x + flat * Math.sin(this.#yaw),
-        y + this.#distance * Math.sin(this.#pitch),
-        z + flat * Math.cos(this.#yaw),
-      ],
-      target: [x, y, z],
-      verticalFov: 0.6,
-    };
+    return cameraAround(this.#target, this.#distance, this.#yaw, this.#pitch);
   }
 }
 
@@ -203,7 +188,7 @@ async function run(core, variants, orbit) {
   const pick = () => {
     clear();
     const picked = SCENES[picker.value];
-    scene = picked.make(core);
+    scene = picked.make(core, wanted.has("strands") ? Number(wanted.get("strands")) : undefined);
     orbit.look(picked);
     view = new View(device, variants, scene);
     showParameters(scene);

@@ -69,6 +69,23 @@ export function clipMatrix({ eye, target, verticalFov, width, height }) {
   return new Float32Array([0, 1, 2, 3].flatMap((column) => rows.map((values) => values[column])));
 }
 
+/**
+ * A camera that looks at a point from a side.
+ * @param {[number, number, number]} target
+ * @param {number} distance [m]
+ * @param {number} yaw [rad]
+ * @param {number} pitch [rad]
+ * @returns {Omit<Camera, "width" | "height">}
+ */
+export function cameraAround([x, y, z], distance, yaw, pitch) {
+  const flat = distance * Math.cos(pitch);
+  return {
+    eye: [x + flat * Math.sin(yaw), y + distance * Math.sin(pitch), z + flat * Math.cos(yaw)],
+    target: [x, y, z],
+    verticalFov: 0.6,
+  };
+}
+
 /** A scene on a device. */
 export class View {
   #device;

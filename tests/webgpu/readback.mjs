@@ -23,15 +23,23 @@ export function readBuffer(device, buffer, size = buffer.size) {
 
 /**
  * @param {GPUDevice} device
+ * @param {GPUTexture} texture with rows of a multiple of 256 bytes
+ * @param {number} bytes of a pixel
+ */
+export function readTexture(device, texture, bytes) {
+  const { width, height } = texture;
+  return read(device, bytes * width * height, (encoder, buffer) =>
+    encoder.copyTextureToBuffer({ texture }, { buffer, bytesPerRow: bytes * width }, [width, height]),
+  );
+}
+
+/**
+ * @param {GPUDevice} device
  * @param {GPUTexture} texture of rgba16float, with a width that is a multiple of 32
  * @returns {Promise<Float32Array>} four a pixel
  */
 export async function readPicture(device, texture) {
-  const { width, height } = texture;
-  const bytes = await read(device, 8 * width * height, (encoder, buffer) =>
-    encoder.copyTextureToBuffer({ texture }, { buffer, bytesPerRow: 8 * width }, [width, height]),
-  );
-  return floatsOf(new Uint16Array(bytes.buffer));
+  return floatsOf(new Uint16Array((await readTexture(device, texture, 8)).buffer));
 }
 
 /** @param {Uint16Array} halves @returns {Float32Array} */
