@@ -1,13 +1,9 @@
-// What the page has to show, and from where.
+// What the page has to show.
+import { GROOMS } from "./web_scene.mjs";
 
-/**
- * A scene, which may take another number of strands, and the camera of its first picture.
- * @typedef {{make: (core: import("./web_scene.mjs").Core, strands?: number) => import("./web_scene.mjs").Scene,
- *   target: [number, number, number], distance: number}} Shown
- */
+/** @typedef {import("./web_scene.mjs").Core} Core */
+/** @typedef {import("./web_scene.mjs").Scene} Scene */
 
-/** @type {Record<string, Shown>} */
-export const SCENES = {
-  head: { make: (core, strands = 2000) => core.head(strands), target: [0, 0.14, 0], distance: 0.8 },
-  character: { make: (core) => core.character(), target: [0, 0.05, 0], distance: 1.2 },
-};
+/** @type {Record<string, (core: Core, numbers?: {strands?: number, follow?: number}) => Scene>} */
+export const SCENES = { character: (core) => core.character() };
+for (const groom of GROOMS) SCENES[groom] = (core, numbers) => core.head({ groom, ...numbers });

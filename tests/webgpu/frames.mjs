@@ -23,7 +23,7 @@ device.addEventListener("uncapturederror", ({ error }) => {
 /** @param {string} file of the page */
 const load = (file) => import(pathToFileURL(resolve(site, file)).href);
 const { Core } = await load("web_scene.mjs");
-const { View, cameraAround } = await load("view.mjs");
+const { View } = await load("view.mjs");
 const { SCENES } = await load("scenes.mjs");
 const variants = JSON.parse(readFileSync(join(site, "kernels.json"), "utf8"));
 const core = await Core.load(readFileSync(join(site, "pelage.wasm")));
@@ -41,11 +41,10 @@ function median(values) {
 }
 
 for (const name of names.length > 0 ? names : Object.keys(SCENES)) {
-  const { make, target, distance } = SCENES[name];
-  const scene = make(core);
+  const scene = SCENES[name](core);
   const view = new View(device, variants, scene);
   view.resize(...size);
-  const camera = cameraAround(target, distance, 0.4, 0.1);
+  const camera = scene.camera(size[0] / size[1]);
   const draw = () => {
     const begin = performance.now();
     view.draw(1 / 60, camera);
