@@ -31,7 +31,7 @@ export function showParameters(form, scene, say) {
     }
     const label = document.createElement("label");
     label.title = parameter.meaning;
-    label.append(`${parameter.path}${parameter.unit ? ` [${parameter.unit}]` : ""}`, ...controls);
+    label.append(`${parameter.path}${parameter.unit ? ` [${parameter.unit}]` : ""} `, ...controls);
     group.append(label);
   }
 }
@@ -57,7 +57,10 @@ export function controlsOf({ type, slider, choices, value }, change) {
     return [list];
   }
   const values = Array.isArray(value) ? [...value] : [value];
-  return values.map((one, i) => {
+  const numbers = document.createElement("output");
+  const show = () => (numbers.value = values.map((one) => Number(one.toPrecision(3))).join(", "));
+  show();
+  const ranges = values.map((one, i) => {
     const range = document.createElement("input");
     range.type = "range";
     const { position, valueAt } = scaleOf(slider, type === "count");
@@ -67,10 +70,12 @@ export function controlsOf({ type, slider, choices, value }, change) {
     range.value = String(position(one));
     range.addEventListener("input", () => {
       values[i] = valueAt(Number(range.value));
+      show();
       change(values);
     });
     return range;
   });
+  return [numbers, ...ranges];
 }
 
 /**

@@ -53,8 +53,9 @@ await inBrowser(SOFTWARE, async (browser) => {
     const label = [...document.querySelectorAll("#parameters label")].find((one) => one.textContent.startsWith("wind.velocity"));
     const slider = label.querySelector("input");
     slider.value = slider.value === "1" ? "0" : "1";
+    const before = label.querySelector("output").value;
     slider.dispatchEvent(new Event("input"));
-    return document.getElementById("message").textContent === "";
+    return document.getElementById("message").textContent === "" && label.querySelector("output").value !== before;
   })()`));
   // So are the presets; drags look around, pull hair and make wind.
   assert.equal(await browser.evaluate("document.querySelectorAll('#preset option').length"), 7);
