@@ -1,7 +1,7 @@
 // What the mouse, or a finger, does to the scene: looks around, pulls hair, makes wind.
 
 /** @typedef {[number, number, number]} Vector */
-/** @typedef {Omit<import("./web_scene.mjs").Camera, "width" | "height">} Place */
+/** @typedef {Omit<import("./web_scene.mjs").Camera, "width" | "height">} Viewpoint */
 /** @typedef {"look" | "pull" | "wind"} Drag */
 
 const MOST_WIND = 8; // of a drag over half the picture's height [m/s]
@@ -15,7 +15,7 @@ export class Orbit {
   /** @type {Vector} */
   #target = [0, 0, 0];
 
-  /** @param {Place} place to begin with */
+  /** @param {Viewpoint} viewpoint to begin with */
   look({ eye, target, verticalFov }) {
     const [x, y, z] = eye.map((value, i) => value - target[i]);
     this.#distance = Math.hypot(x, y, z);
@@ -26,7 +26,7 @@ export class Orbit {
   }
 
   /** @param {number} right [rad] @param {number} down [rad] */
-  turn(right, down) {
+  rotate(right, down) {
     this.#yaw -= right;
     this.#pitch = Math.min(Math.max(this.#pitch + down, -1.4), 1.4);
   }
@@ -36,7 +36,7 @@ export class Orbit {
     this.#distance = Math.min(Math.max(this.#distance * factor, 0.2), 6);
   }
 
-  /** @returns {Place} */
+  /** @returns {Viewpoint} */
   get camera() {
     const flat = this.#distance * Math.cos(this.#pitch);
     const [x, y, z] = this.#target;
@@ -94,7 +94,7 @@ export function takeDrags(canvas, orbit, shown, chosen, fail) {
   });
   canvas.addEventListener("pointermove", (event) => {
     const scene = shown()?.scene;
-    if (drag === "look") orbit.turn(0.01 * event.movementX, 0.01 * event.movementY);
+    if (drag === "look") orbit.rotate(0.01 * event.movementX, 0.01 * event.movementY);
     if (drag === "pull") scene?.dragTo(...pixel(event));
     if (drag !== "wind") return;
     const [right, down] = [event.offsetX - pressed[0], event.offsetY - pressed[1]];
