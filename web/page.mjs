@@ -1,19 +1,18 @@
 // The page: picks a scene, draws it while the page is seen, and has the library's parameters.
+import { showParameters } from "./controls.mjs";
+import { Orbit, takeDrags } from "./mouse.mjs";
+import { SCENES } from "./scenes.mjs";
 import { View } from "./view.mjs";
 import { Core } from "./web_scene.mjs";
 
-// In the address: ?scene=character, ?strands=500 of the head.
-const wanted = new URLSearchParams(globalThis.location?.search);
+// In the address: ?scene=curly, ?strands=500 and ?follow=0 of a head.
+const wanted = new URLSearchParams(location.search);
 
-/** @type {Record<string, {make: (core: Core) => import("./web_scene.mjs").Scene, target: [number, number, number], distance: number}>} */
-const SCENES = {
-  head: { make: (core) => core.head(Number(wanted.get("strands") ?? 2000)), target: [0, 0.14, 0], distance: 0.8 },
-  character: { make: (core) => core.character(), target: [0, 0.05, 0], distance: 1.2 },
-};
 const LONGEST_STEP = 1 / 30; // of a frame [s]
 const MOST_PIXELS = 1920; // along the canvas
-const TIMED_FRAMES = 20;
+const TIMED_FRAMES = 30;
 const OPEN_FRAMES = 2; // that the device has not finished
+const PICTURES = ["contact_sheet.png", "gallery_curly.png"]; // where there is no WebGPU
 
 /** @param {string} id @returns {any} */
 const element = (id) => document.getElementById(id);
@@ -24,144 +23,13 @@ function say(text) {
   element("message").hidden = text === "";
 }
 
-/** Looks at a point from all sides. */
-class Orbit {
-  #yaw = 0.4;
-  #pitch = 0.1;
-  #distance = 1;
-  /** @type {[number, number, number]} */
-  #target = [0, 0, 0];
-
-  /** @param {HTMLElement} canvas */
-  constructor(canvas) {
-    canvas.addEventListener("pointermove", ({ buttons, movementX, movementY }) => {
-      if (buttons === 0) return;
-      this.#yaw -= 0.01 * movementX;
-      this.#pitch = Math.min(Math.max(this.#pitch + 0.01 * movementY, -1.4), 1.4);
-    });
-    canvas.addEventListener(
-      "wheel",
-      (event) => {
-        event.preventDefault();
-        this.#distance = Math.min(Math.max(this.#distance * 1.001 ** event.deltaY, 0.2), 4);
-      },
-      { passive: false },
-    );
-  }
-
-  /** @param {{target: [number, number, number], distance: number}} scene */
-  look({ target, distance }) {
-    this.#target = target;
-    this.#distance = distance;
-  }
-
-  /** @returns {{eye: [number, number, number], target: [number, number, number], verticalFov: number}} */
-  get camera() {
-    const flat = this.#distance * Math.cos(this.#pitch);
-    const [x, y, z] = this.#target;
-    return {
-      eye: [
-        x + flat * Math.sin(this.#yaw),
-        y + this.#distance * Math.sin(this.#pitch),
-        z + flat * Math.cos(this.#yaw),
-      ],
-      target: [x, y, z],
-      verticalFov: 0.6,
-    };
-  }
-}
-
-/**
- * Controls for the parameters of a scene.
- * @param {import("./web_scene.mjs").Scene} scene
- */
-function showParameters(scene) {
-  const form = element("parameters");
-  for (const group of form.querySelectorAll("details")) group.remove();
-  /** @type {Map<string, HTMLElement>} */
-  const groups = new Map();
-  for (const parameter of scene.parameters) {
-    const controls = controlsOf(parameter, (values) => {
-      try {
-        scene.set(parameter.section, parameter.path, values);
-        say("");
-      } catch (error) {
-        say(String(error));
-      }
-    });
-    if (controls.length === 0) continue;
-    let group = groups.get(parameter.section);
-    if (!group) {
-      group = document.createElement("details");
-      const title = document.createElement("summary");
-      title.textContent = parameter.title;
-      group.append(title);
-      groups.set(parameter.section, group);
-      form.append(group);
-    }
-    const label = document.createElement("label");
-    label.title = parameter.meaning;
-    label.append(`${parameter.path}${parameter.unit ? ` [${parameter.unit}]` : ""}`, ...controls);
-    group.append(label);
-  }
-}
-
-/**
- * @param {import("./web_scene.mjs").Parameter} parameter
- * @param {(values: number[]) => void} change
- * @returns {HTMLElement[]} none for curves
- */
-export function controlsOf({ type, slider, choices, value }, change) {
-  if (type === "curve") return [];
-  if (type === "bool") {
-    const box = document.createElement("input");
-    box.type = "checkbox";
-    box.checked = value !== 0;
-    box.addEventListener("change", () => change([box.checked ? 1 : 0]));
-    return [box];
-  }
-  if (type === "choice") {
-    const list = document.createElement("select");
-    choices.forEach((choice, i) => list.append(new Option(choice, String(i), false, i === value)));
-    list.addEventListener("change", () => change([list.selectedIndex]));
-    return [list];
-  }
-  const values = Array.isArray(value) ? [...value] : [value];
-  return values.map((one, i) => {
-    const range = document.createElement("input");
-    range.type = "range";
-    const { position, valueAt } = scaleOf(slider, type === "count");
-    range.min = "0";
-    range.max = "1";
-    range.step = "0.001";
-    range.value = String(position(one));
-    range.addEventListener("input", () => {
-      values[i] = valueAt(Number(range.value));
-      change(values);
-    });
-    return range;
-  });
-}
-
-/**
- * @param {[number, number, number]} slider from, to, whether logarithmic
- * @param {boolean} isWhole
- */
-export function scaleOf([low, high, isLog], isWhole) {
-  const log = isLog && low > 0;
-  const at = (/** @type {number} */ share) =>
-    log ? low * (high / low) ** share : low + (high - low) * share;
-  return {
-    valueAt: (/** @type {number} */ share) => (isWhole ? Math.round(at(share)) : at(share)),
-    position: (/** @type {number} */ value) =>
-      log ? Math.log(Math.max(value, low) / low) / Math.log(high / low) : (value - low) / (high - low),
-  };
-}
+class NoWebGpu extends Error {}
 
 async function makeDevice() {
-  if (!navigator.gpu) throw new Error("This browser has no WebGPU. Recent versions of Chrome, Edge, Safari and Firefox have it.");
+  if (!navigator.gpu)
+    throw new NoWebGpu("This browser has no WebGPU. Recent versions of Chrome, Edge, Safari and Firefox have it.");
   const adapter = await navigator.gpu.requestAdapter({ powerPreference: "high-performance" });
-  if (!adapter) throw new Error("WebGPU finds no graphics processor that it can use here.");
+  if (!adapter) throw new NoWebGpu("WebGPU finds no graphics processor that it can use here.");
   return adapter.requestDevice();
 }
 
@@ -172,13 +40,37 @@ async function load(path) {
   return response;
 }
 
+/** Frame times, as text of the last frames. */
+class Times {
+  /** @type {number[]} */
+  #each = [];
+  #host = 0;
+  #last = performance.now();
+
+  /** @param {number} host milliseconds that the frame took on the host */
+  add(host) {
+    const now = performance.now();
+    this.#each.push(now - this.#last);
+    this.#last = now;
+    this.#host += host;
+    if (this.#each.length < TIMED_FRAMES) return;
+    const sorted = this.#each.sort((a, b) => a - b);
+    const [median, longest] = [sorted[TIMED_FRAMES >> 1], sorted[TIMED_FRAMES - 1]];
+    element("times").textContent =
+      `${median.toFixed(1)} ms a frame (longest ${longest.toFixed(1)}), ${(this.#host / TIMED_FRAMES).toFixed(1)} ms on the host`;
+    this.#each = [];
+    this.#host = 0;
+  }
+}
+
 /**
  * Runs until the device is lost.
  * @param {Core} core
  * @param {import("./executor.mjs").Variant[]} variants
  * @param {Orbit} orbit
+ * @param {{scene: import("./web_scene.mjs").Scene, view: View}} shown set to what is drawn
  */
-async function run(core, variants, orbit) {
+async function run(core, variants, orbit, shown) {
   const device = await makeDevice();
   const canvas = element("picture");
   const context = canvas.getContext("webgpu");
@@ -189,35 +81,36 @@ async function run(core, variants, orbit) {
     say(event.error.message);
   });
 
-  const picker = element("scene");
-  /** @type {import("./web_scene.mjs").Scene} */
-  let scene;
-  /** @type {View} */
-  let view;
   let isLost = false;
   let isPaused = false;
   const clear = () => {
-    view?.destroy();
-    scene?.destroy();
+    shown.view?.destroy();
+    shown.scene?.destroy();
   };
+  const form = element("parameters");
   const pick = () => {
     clear();
-    const picked = SCENES[picker.value];
-    scene = picked.make(core);
-    orbit.look(picked);
-    view = new View(device, variants, scene);
-    showParameters(scene);
+    /** @param {string} name */
+    const number = (name) => (wanted.has(name) ? Number(wanted.get(name)) : undefined);
+    shown.scene = SCENES[element("scene").value](core, { strands: number("strands"), follow: number("follow") });
+    shown.view = new View(device, variants, shown.scene);
+    orbit.look(shown.scene.camera(canvas.clientWidth / canvas.clientHeight));
+    showParameters(form, shown.scene, say);
+    element("preset").selectedIndex = 0;
     say("");
   };
-  picker.onchange = pick;
+  element("scene").onchange = pick;
+  element("preset").onchange = () => {
+    if (element("preset").value) shown.scene.takePreset(element("preset").value);
+    showParameters(form, shown.scene, say);
+  };
   element("pause").onclick = () => (isPaused = !isPaused);
   pick();
 
+  const times = new Times();
   let before = 0;
-  let work = 0;
   let count = 0;
   let open = 0;
-  let since = performance.now();
   const lost = device.lost.then(() => (isLost = true));
   /** @param {number} now */
   const frame = (now) => {
@@ -235,27 +128,34 @@ async function run(core, variants, orbit) {
     before = now;
     const begin = performance.now();
     try {
-      view.resize(width, height);
-      view.draw(step, orbit.camera);
-      view.show(context.getCurrentTexture().createView(), format);
+      shown.view.resize(width, height);
+      shown.view.draw(step, orbit.camera);
+      shown.view.show(context.getCurrentTexture().createView(), format);
     } catch (error) {
       say(String(error));
       throw error;
     }
     ++open;
     device.queue.onSubmittedWorkDone().then(() => --open);
-    work += performance.now() - begin;
+    times.add(performance.now() - begin);
     document.body.dataset.frames = String(++count);
-    if (count % TIMED_FRAMES === 0) {
-      const each = (performance.now() - since) / TIMED_FRAMES;
-      element("times").textContent = `${each.toFixed(1)} ms a frame, ${(work / TIMED_FRAMES).toFixed(1)} ms of it on the host`;
-      since = performance.now();
-      work = 0;
-    }
   };
   requestAnimationFrame(frame);
   await lost;
   clear();
+}
+
+/** @param {Error} error */
+function showPictures(error) {
+  say(error.message);
+  if (!(error instanceof NoWebGpu)) return;
+  for (const id of ["picture", "parameters", "times"]) element(id).remove();
+  for (const name of PICTURES) {
+    const picture = document.createElement("img");
+    picture.src = name;
+    picture.alt = "Hair that pelage has drawn";
+    document.body.append(picture);
+  }
 }
 
 async function start() {
@@ -265,11 +165,25 @@ async function start() {
     load("kernels.json").then((response) => response.json()),
   ]);
   const core = await Core.load(wasm);
-  const orbit = new Orbit(element("picture"));
+  for (const { name, meaning } of core.presets) {
+    const option = new Option(name, name);
+    option.title = meaning;
+    element("preset").append(option);
+  }
+  const orbit = new Orbit();
+  /** @type {any} */
+  const shown = {};
+  takeDrags(
+    element("picture"),
+    orbit,
+    () => (shown.view ? shown : null),
+    () => element("drag").value,
+    (error) => say(String(error)),
+  );
   for (;;) {
-    await run(core, variants, orbit);
+    await run(core, variants, orbit, shown);
     say("The graphics processor was lost, and starts again.");
   }
 }
 
-start().catch((error) => say(error.message));
+start().catch(showPictures);

@@ -1,33 +1,13 @@
-// What a page draws: a body, hair over it by tiles, and the picture on a canvas.
+// What a page draws: a scene into a picture, and the picture on a canvas; hair that is pulled.
 import { Executor } from "./executor.mjs";
 import { DEPTH_LIST } from "./web_scene.mjs";
 
 const COLOR = "rgba16float";
 const DEPTH = "depth32float";
-const BODY_STRIDE = 36;
-const BACKGROUND = { r: 0.02, g: 0.022, b: 0.027, a: 1 };
 
-const BODY = `
-struct Camera { clip: mat4x4<f32> }
-@group(0) @binding(0) var<uniform> camera: Camera;
-
-struct Corner {
-  @builtin(position) clip: vec4<f32>,
-  @location(0) normal: vec3<f32>,
-  @location(1) color: vec3<f32>,
-}
-
-@vertex fn corner(@location(0) at: vec3<f32>, @location(1) normal: vec3<f32>, @location(2) color: vec3<f32>) -> Corner {
-  return Corner(camera.clip * vec4(at, 1.0), normal, color);
-}
-
-@fragment fn shade(in: Corner) -> @location(0) vec4<f32> {
-  let facing = max(dot(normalize(in.normal), normalize(vec3(0.35, 0.75, 0.55))), 0.0);
-  return vec4(in.color * (0.2 + 0.8 * facing), 1.0);
-}`;
-
-// A triangle over all of the canvas; colors are linear up to here.
+// A triangle over all of the canvas, with the picture over a background; colors are linear up to here.
 const SHOW = `
+const background = vec3(0.05, 0.055, 0.065);
 @group(0) @binding(0) var picture: texture_2d<f32>;
 
 @vertex fn corner(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32> {
@@ -35,7 +15,8 @@ const SHOW = `
 }
 
 @fragment fn show(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
-  let linear = clamp(textureLoad(picture, vec2<i32>(at.xy), 0).rgb, vec3(0.0), vec3(1.0));
+  let drawn = textureLoad(picture, vec2<i32>(at.xy), 0);
+  let linear = clamp(drawn.rgb + (1.0 - drawn.a) * background, vec3(0.0), vec3(1.0));
   let low = linear * 12.92;
   let high = 1.055 * pow(linear, vec3(1.0 / 2.4)) - 0.055;
   return vec4(select(high, low, linear <= vec3(0.0031308)), 1.0);
@@ -43,43 +24,14 @@ const SHOW = `
 
 /** @typedef {import("./web_scene.mjs").Camera} Camera */
 
-/**
- * Columns of the matrix from the world to clip space.
- * @param {Camera} camera
- */
-export function clipMatrix({ eye, target, verticalFov, width, height }) {
-  const [near, far] = [0.05, 20];
-  const minus = (/** @type {number[]} */ a, /** @type {number[]} */ b) => a.map((value, i) => value - b[i]);
-  const dot = (/** @type {number[]} */ a, /** @type {number[]} */ b) => a.reduce((sum, value, i) => sum + value * b[i], 0);
-  const unit = (/** @type {number[]} */ a) => a.map((value) => value / Math.hypot(...a));
-  const cross = (/** @type {number[]} */ a, /** @type {number[]} */ b) => [
-    a[1] * b[2] - a[2] * b[1],
-    a[2] * b[0] - a[0] * b[2],
-    a[0] * b[1] - a[1] * b[0],
-  ];
-  const back = unit(minus(eye, target));
-  const right = unit(cross([0, 1, 0], back));
-  const up = cross(back, right);
-  const scale = 1 / Math.tan(verticalFov / 2);
-  const depth = far / (near - far);
-  /** @param {number[]} axis @param {number} factor */
-  const row = (axis, factor) => [...axis.map((value) => factor * value), -factor * dot(axis, eye)];
-  const rows = [row(right, (scale * height) / width), row(up, scale), row(back, depth), row(back, -1)];
-  rows[2][3] += near * depth;
-  return new Float32Array([0, 1, 2, 3].flatMap((column) => rows.map((values) => values[column])));
-}
-
 /** A scene on a device. */
 export class View {
   #device;
   #scene;
   #executor;
-  #matrix;
-  #body;
   /** @type {{width: number, height: number, color: GPUTexture, depth: GPUTexture} | null} */
   #picture = null;
-  /** @type {{vertices: GPUBuffer, indices: GPUBuffer, count: number} | null} */
-  #mesh = null;
+  #isDestroyed = false;
   /** @type {Map<GPUTextureFormat, GPURenderPipeline>} */
   #shows = new Map();
 
@@ -92,19 +44,6 @@ export class View {
     this.#device = device;
     this.#scene = scene;
     this.#executor = new Executor(device, variants);
-    this.#matrix = device.createBuffer({ size: 64, usage: GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST });
-    const module = device.createShaderModule({ code: BODY });
-    /** @type {GPUVertexBufferLayout} */
-    const layout = {
-      arrayStride: BODY_STRIDE,
-      attributes: [0, 12, 24].map((offset, shaderLocation) => ({ offset, shaderLocation, format: "float32x3" })),
-    };
-    this.#body = device.createRenderPipeline({
-      layout: "auto",
-      vertex: { module, entryPoint: "corner", buffers: [layout] },
-      fragment: { module, entryPoint: "shade", targets: [{ format: COLOR }] },
-      depthStencil: { format: DEPTH, depthCompare: "less", depthWriteEnabled: true },
-    });
   }
 
   /**
@@ -129,7 +68,7 @@ export class View {
     return this.#picture;
   }
 
-  /** The last picture, with linear colors. */
+  /** The last picture: linear colors, multiplied by their alpha. */
   get color() {
     return this.#sized.color;
   }
@@ -153,8 +92,9 @@ export class View {
       depth: depth.createView(),
       depthFormat: /** @type {GPUTextureFormat} */ (DEPTH),
     };
+    this.#clear(target);
     this.#executor.run(frame, target, (list) => {
-      if (list === DEPTH_LIST) this.#drawBody(camera, target);
+      if (list === DEPTH_LIST) this.#copyDepth();
     });
   }
 
@@ -187,54 +127,56 @@ export class View {
   }
 
   destroy() {
+    this.#isDestroyed = true;
     this.#executor.destroy();
-    for (const resource of [this.#picture?.color, this.#picture?.depth, this.#matrix, this.#mesh?.vertices, this.#mesh?.indices])
-      resource?.destroy();
+    this.#picture?.color.destroy();
+    this.#picture?.depth.destroy();
   }
 
-  // Clears the picture, draws the body, and gives its depth to the hair.
-  /** @param {Camera} camera @param {{color: GPUTextureView, depth: GPUTextureView}} target */
-  #drawBody(camera, { color, depth }) {
-    const { queue } = this.#device;
-    const mesh = this.#bodyMesh();
-    queue.writeBuffer(this.#matrix, 0, clipMatrix(camera));
+  /**
+   * Takes the lock of hair at a pixel of the picture: a promise of whether hair is there.
+   * @param {number} x pixels from the left
+   * @param {number} y pixels from the top
+   */
+  async pull(x, y) {
+    const hairs = Array.from({ length: this.#scene.hairs }, (_, i) => i);
+    const size = hairs.reduce((sum, hair) => sum + this.#scene.guideBytes(hair), 0);
+    const guides = this.#device.createBuffer({ size, usage: GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST });
     const encoder = this.#device.createCommandEncoder();
-    const pass = encoder.beginRenderPass({
-      colorAttachments: [{ view: color, loadOp: "clear", clearValue: BACKGROUND, storeOp: "store" }],
-      depthStencilAttachment: { view: depth, depthLoadOp: "clear", depthClearValue: 1, depthStoreOp: "store" },
-    });
-    if (mesh) {
-      const entries = [{ binding: 0, resource: { buffer: this.#matrix } }];
-      pass.setPipeline(this.#body);
-      pass.setBindGroup(0, this.#device.createBindGroup({ layout: this.#body.getBindGroupLayout(0), entries }));
-      pass.setVertexBuffer(0, mesh.vertices);
-      pass.setIndexBuffer(mesh.indices, "uint32");
-      pass.drawIndexed(mesh.count);
+    let at = 0;
+    for (const hair of hairs) {
+      const bytes = this.#scene.guideBytes(hair);
+      encoder.copyBufferToBuffer(this.#executor.buffer(this.#scene.positionsBuffer(hair)), 0, guides, at, bytes);
+      at += bytes;
     }
-    pass.end();
-    encoder.copyTextureToBuffer(
-      { texture: this.#sized.depth },
-      { buffer: this.#executor.buffer(this.#scene.depthBuffer), bytesPerRow: 4 * camera.width },
-      [camera.width, camera.height],
-    );
-    queue.submit([encoder.finish()]);
+    this.#device.queue.submit([encoder.finish()]);
+    await guides.mapAsync(GPUMapMode.READ);
+    const isHeld = !this.#isDestroyed && this.#scene.pull(x, y, new Uint8Array(guides.getMappedRange()));
+    guides.destroy();
+    return isHeld;
   }
 
-  #bodyMesh() {
-    const vertices = this.#scene.body;
-    if (vertices.length === 0) return null;
-    if (!this.#mesh) {
-      const indices = this.#scene.bodyIndices;
-      const make = (/** @type {number} */ size, /** @type {number} */ usage) =>
-        this.#device.createBuffer({ size, usage: usage | GPUBufferUsage.COPY_DST });
-      this.#mesh = {
-        vertices: make(vertices.byteLength, GPUBufferUsage.VERTEX),
-        indices: make(indices.byteLength, GPUBufferUsage.INDEX),
-        count: indices.length,
-      };
-      this.#device.queue.writeBuffer(this.#mesh.indices, 0, indices);
-    }
-    this.#device.queue.writeBuffer(this.#mesh.vertices, 0, vertices);
-    return this.#mesh;
+  /** @param {{color: GPUTextureView, depth: GPUTextureView}} target */
+  #clear({ color, depth }) {
+    const encoder = this.#device.createCommandEncoder();
+    encoder
+      .beginRenderPass({
+        colorAttachments: [{ view: color, loadOp: "clear", storeOp: "store" }],
+        depthStencilAttachment: { view: depth, depthLoadOp: "clear", depthClearValue: 1, depthStoreOp: "store" },
+      })
+      .end();
+    this.#device.queue.submit([encoder.finish()]);
+  }
+
+  // Gives the depth of the body to the hair.
+  #copyDepth() {
+    const { width, height, depth } = this.#sized;
+    const encoder = this.#device.createCommandEncoder();
+    encoder.copyTextureToBuffer(
+      { texture: depth },
+      { buffer: this.#executor.buffer(this.#scene.depthBuffer), bytesPerRow: 4 * width },
+      [width, height],
+    );
+    this.#device.queue.submit([encoder.finish()]);
   }
 }

@@ -1,38 +1,21 @@
 #include "web_scene.h"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <utility>
 #include <variant>
 
+#include "demo_assets.h"
+#include "head_motion.h"
 #include "pelage/demo/character.h"
-#include "pelage/demo/groom.h"
+#include "pelage/settings/settings_file.h"
 
 namespace pelage::webgpu {
 
 namespace {
 
-constexpr float kCell = 0.01f;  // of SDFs [m]
-constexpr Float3 kSkin = {0.42f, 0.24f, 0.17f};
-
-Float3 transformed(const AffineTransform& transform, Float3 v, float w) {
-  const auto row = [&](const Float4& r) { return r.x * v.x + r.y * v.y + r.z * v.z + r.w * w; };
-  return {row(transform.rows[0]), row(transform.rows[1]), row(transform.rows[2])};
-}
-
-void add(Float3& sum, float weight, Float3 v) {
-  sum.x += weight * v.x;
-  sum.y += weight * v.y;
-  sum.z += weight * v.z;
-}
-
-// The head turns from side to side.
-std::vector<AffineTransform> turnedHead(double seconds) {
-  const float angle = 0.3f * static_cast<float>(std::sin(1.5 * seconds));
-  const AffineTransform head = rigidTransform({0, std::sin(angle), 0, std::cos(angle)}, {});
-  return {head, head};
-}
+constexpr float kNear = 0.05f, kFar = 20;  // [m]
 
 nlohmann::json valueOf(const ParameterValue& value) {
   struct Visitor {
@@ -92,74 +75,36 @@ std::optional<ParameterValue> valueLike(const ParameterValue& other,
 
 }  // namespace
 
-Result<void> WebScene::addHair(HairAsset asset, HairDef def, const FollowDef* follow) {
-  if (Result<void> done = asset.process(); !done) return done;
-  std::vector<FollowHair> follows;
-  if (follow != nullptr) {
-    auto made = asset.generateFollowHairs(*follow);
-    if (!made) return made.error();
-    follows = std::move(*made);
-    def.followHairs = {follows.data(), follows.size()};
-  }
-  const auto added = scene_.addHair(asset, def);
-  if (!added) return added.error();
-  hairs_.push_back(*added);
-  return {};
-}
-
-Result<void> WebScene::addCollider(const CollisionMesh& mesh, std::string_view name) {
-  const auto bones = static_cast<uint32_t>(motion_(0).size());
-  const auto added =
-      scene_.addCollider(mesh, {.name = std::string(name), .cellSize = kCell, .boneCount = bones});
-  if (!added) return added.error();
-  colliders_.push_back(*added);
-  return {};
-}
-
 Result<std::unique_ptr<WebScene>> WebScene::character() {
-  auto made = generateCharacter();
-  if (!made) return made.error();
+  const auto character = generateCharacter();
+  if (!character) return character.error();
   std::unique_ptr<WebScene> result(new WebScene);
-  result->motion_ = [skeleton = made->skeleton](double seconds) {
-    const CharacterCycle cycle = characterCycle(CharacterMotion::kWalk);
-    const double length = cycle.end - cycle.start;
-    const double at = length > 0 ? cycle.start + std::fmod(seconds, length) : cycle.start;
-    return skinningTransforms(skeleton, poseCharacter(CharacterMotion::kWalk, at));
-  };
-  const auto bones = static_cast<uint32_t>(made->skeleton.bones.size());
-  for (const CharacterGroom& groom : made->grooms) {
-    HairDef def;
-    def.name = groom.name;
-    def.settings = groom.settings;
-    def.material = groom.material;
-    def.influences = {groom.bones.strands.data(), groom.bones.strands.size()};
-    def.boneCount = bones;
-    if (Result<void> added = result->addHair(groom.hair, def, &groom.follow); !added)
-      return added.error();
-  }
-  for (const CharacterCollider& collider : made->colliders)
-    if (Result<void> added = result->addCollider(collider.mesh, collider.name); !added)
-      return added.error();
-  result->colors_.assign(made->mesh.positions.size(), kSkin);
-  for (const CharacterPart& part : made->parts)
-    for (uint32_t i = 0; i < part.indexCount; ++i)
-      result->colors_[made->mesh.indices[part.firstIndex + i]] = part.color;
-  result->mesh_ = std::move(made->mesh);
+  sample::DemoDef def;
+  def.scene = &result->scene_;
+  auto demo = sample::DemoScene::create(*character, def);
+  if (!demo) return demo.error();
+  result->demo_.emplace(std::move(*demo));
+  result->demo_->setShadow(HairShadow::kDeep);
   return result;
 }
 
-Result<std::unique_ptr<WebScene>> WebScene::head(uint32_t strands, uint64_t seed) {
-  auto groom = generateGroom({.seed = seed, .strandCount = strands});
-  if (!groom) return groom.error();
+Result<std::unique_ptr<WebScene>> WebScene::head(const WebHead& def) {
+  GroomDef groom = sample::presetLook(def.groom).groom;
+  groom.seed = def.seed;
+  groom.strandCount = def.strands.value_or(groom.strandCount);
+  const auto assets = sample::generateAssets(groom);
+  if (!assets) return assets.error();
   std::unique_ptr<WebScene> result(new WebScene);
-  result->motion_ = turnedHead;
-  HairDef def;
-  def.influences = {groom->bones.strands.data(), groom->bones.strands.size()};
-  def.boneCount = 2;
-  if (Result<void> added = result->addHair(groom->hair, def, nullptr); !added) return added.error();
-  if (Result<void> added = result->addCollider(groom->head, "head"); !added) return added.error();
-  result->colors_.assign(groom->head.positions.size(), kSkin);
-  result->mesh_ = std::move(groom->head);
+  sample::DemoDef demoDef;
+  demoDef.scene = &result->scene_;
+  demoDef.preset = def.groom;
+  demoDef.followPerGuide = def.followPerGuide;
+  demoDef.seed = def.seed;
+  demoDef.headCollider = sample::HeadCollider::kMesh;
+  auto demo = sample::DemoScene::create(*assets, demoDef);
+  if (!demo) return demo.error();
+  result->demo_.emplace(std::move(*demo));
+  result->demo_->setShadow(HairShadow::kDeep);
   return result;
 }
 
@@ -167,43 +112,41 @@ Result<std::unique_ptr<WebScene>> WebScene::hair(std::span<const std::byte> tfx,
                                                  std::string_view name) {
   auto asset = loadTfx(tfx, name);
   if (!asset) return asset.error();
+  if (Result<void> done = asset->process(); !done) return done.error();
   std::unique_ptr<WebScene> result(new WebScene);
-  result->motion_ = [](double seconds) { return std::vector{turnedHead(seconds)[0]}; };
-  if (Result<void> added = result->addHair(std::move(*asset), {}, nullptr); !added)
-    return added.error();
+  const auto added = result->scene_.addHair(*asset, {});
+  if (!added) return added.error();
+  result->hair_ = *added;
+  for (const Float4& p : asset->positions) result->points_.push_back({p.x, p.y, p.z});
   return result;
 }
 
-void WebScene::pose() {
-  const std::vector<AffineTransform> bones = motion_(time_);
-  const std::span<const AffineTransform> all(bones.data(), bones.size());
-  for (const HairId hair : hairs_) scene_.hair(hair).setBones(all);
-  for (const ColliderId collider : colliders_) scene_.collider(collider).setBones(all);
-  body_.resize(mesh_.positions.size());
-  for (size_t v = 0; v < body_.size(); ++v) {
-    BodyVertex& vertex = body_[v];
-    vertex = BodyVertex{};
-    vertex.color = colors_[v];
-    float sum = 0;
-    const BoneInfluences& influences = mesh_.influences[v];
-    for (size_t i = 0; i < 4; ++i) {
-      const float weight = influences.weights[i];
-      if (!(weight > 0)) continue;
-      const AffineTransform& bone = bones[influences.bones[i]];
-      add(vertex.position, weight, transformed(bone, mesh_.positions[v], 1));
-      add(vertex.normal, weight, transformed(bone, mesh_.normals[v], 0));
-      sum += weight;
-    }
-    const Float3 p = vertex.position;
-    vertex.position = {p.x / sum, p.y / sum, p.z / sum};
+std::span<const HairId> WebScene::hairs() const {
+  if (demo_) return demo_->hairs();
+  return {&*hair_, 1};
+}
+
+sample::Camera WebScene::camera(float aspect) const {
+  return demo_ ? demo_->camera(aspect) : sample::frameAll(points_, {}, aspect);
+}
+
+void WebScene::pose(double seconds) {
+  time_ += seconds;
+  if (!demo_) {
+    const AffineTransform bone =
+        sample::rotationAbout(sample::poseRotation(sample::headPose(time_)), {});
+    return scene_.hair(*hair_).setBones({&bone, 1});
   }
+  const auto [start, end] = demo_->cycle();
+  if (time_ >= end) time_ = start + std::fmod(time_ - start, end - start);
+  demo_->pose(time_);
 }
 
 void WebScene::setArea(uint32_t width, uint32_t height) {
-  if (width == width_ && height == height_) return;
-  if (depth_ != BufferId::kInvalid) scene_.resources().remove(depth_);
-  width_ = width;
-  height_ = height;
+  if (depth_ != BufferId::kInvalid) {
+    if (width == camera_.width && height == camera_.height) return;
+    scene_.resources().remove(depth_);
+  }
   // The farthest depth.
   depth_ = scene_.resources().add("opaque depth", std::vector<float>(size_t{width} * height, 1.0f));
 }
@@ -211,27 +154,29 @@ void WebScene::setArea(uint32_t width, uint32_t height) {
 Result<void> WebScene::step(float seconds, const WebCamera& camera) {
   if (camera.width == 0 || camera.height == 0 || camera.width > 16384 || camera.height > 16384)
     return Error{ErrorCode::kInvalidArgument, "a picture has 1 to 16384 pixels an edge"};
-  time_ += seconds;
-  pose();
+  pose(seconds);
   setArea(camera.width, camera.height);
+  camera_ = camera;
+  view_ = sample::makeView({.eye = camera.eye,
+                            .target = camera.target,
+                            .verticalFov = camera.verticalFov,
+                            .near = kNear,
+                            .far = kFar},
+                           camera.width, camera.height, 1);
   if (Result<void> done = scene_.simulate(seconds, simulated_); !done) return done;
+  pulled_.clear();
+  if (Result<void> done = pull_.record(scene_, pulled_); !done) return done;
+  scene_.finish(pulled_);
   scene_.finish(simulated_);
 
-  View view;
-  view.eye = camera.eye;
-  view.width = camera.width;
-  view.height = camera.height;
-  view.worldToClip =
-      lookAt(camera.eye, camera.target, {0, 1, 0}, camera.verticalFov,
-             static_cast<float>(camera.width) / static_cast<float>(camera.height), 0.05f, 20);
   TransparencySettings settings;
   settings.method = Transparency::kTiles;
   settings.opaqueDepth = depth_;
   if (!drawn_.empty()) drawn_[0].clear();
-  if (Result<void> done = scene_.draw(view, {lights_.data(), lights_.size()}, settings, drawn_);
-      !done)
-    return done;
-  lists_ = {&simulated_};
+  Result<void> drawn = demo_ ? demo_->draw(view_, settings, drawn_)
+                             : scene_.draw(view_, {&ownLight_, 1}, settings, drawn_);
+  if (!drawn) return drawn;
+  lists_ = {&pulled_, &simulated_};
   for (PassList& list : drawn_) {
     scene_.finish(list);
     lists_.push_back(&list);
@@ -247,16 +192,73 @@ Result<std::span<const std::byte>> WebScene::frame(float seconds, const WebCamer
   return words;
 }
 
+size_t WebScene::guideBytes(size_t hair) const {
+  const HairObject& object = scene_.hair(hairs()[hair]);
+  return size_t{object.guideCount()} * object.verticesPerStrand() * sizeof(Float4);
+}
+
+Result<bool> WebScene::pull(float x, float y, std::span<const std::byte> guides) {
+  size_t bytes = 0;
+  for (size_t i = 0; i < hairs().size(); ++i) bytes += guideBytes(i);
+  if (guides.size() != bytes) {
+    return Error{ErrorCode::kInvalidArgument,
+                 "the guides have " + std::to_string(bytes) + " bytes of positions, not the " +
+                     std::to_string(guides.size()) + " that were given"};
+  }
+  const Float3 e = camera_.eye, t = camera_.target;
+  const float half =
+      std::hypot(e.x - t.x, e.y - t.y, e.z - t.z) * std::tan(camera_.verticalFov / 2);
+  pull_.ask(view_, x, y, sample::kLockRadius * half);
+  const auto read = [&](BufferId buffer) -> Result<std::vector<std::byte>> {
+    size_t at = 0, i = 0;
+    for (; scene_.hair(hairs()[i]).buffers().positions != buffer; ++i) at += guideBytes(i);
+    const auto own = guides.subspan(at, guideBytes(i));
+    return std::vector<std::byte>(own.begin(), own.end());
+  };
+  if (Result<void> taken = pull_.take(scene_, hairs(), read); !taken) return taken.error();
+  return pull_.holds();
+}
+
+void WebScene::dragTo(float x, float y) {
+  const auto width = static_cast<float>(camera_.width), height = static_cast<float>(camera_.height);
+  const sample::Camera camera = {
+      .eye = camera_.eye, .target = camera_.target, .verticalFov = camera_.verticalFov};
+  pull_.dragTo(sample::pointAt(camera, x / width, y / height, width / height, pull_.point()));
+}
+
 std::vector<void*> WebScene::objectsOf(std::string_view section) {
+  if (section == "lights") return {demo_ ? &demo_->light : &ownLight_};
   std::vector<void*> objects;
-  if (section == "lights")
-    for (Light& light : lights_) objects.push_back(&light);
-  for (const HairId id : hairs_) {
+  for (const HairId id : hairs()) {
     HairObject& hair = scene_.hair(id);
     if (section == "simulation") objects.push_back(&hair.settings);
     if (section == "material") objects.push_back(&hair.material);
   }
   return objects;
+}
+
+std::string WebScene::presets() {
+  nlohmann::json all = nlohmann::json::array();
+  for (const SettingsPreset& preset : settingsPresets())
+    all.push_back({{"name", preset.name}, {"meaning", preset.meaning}});
+  return all.dump();
+}
+
+Result<void> WebScene::takePreset(std::string_view name) {
+  const auto preset = presetSettings(name);
+  if (!preset) return preset.error();
+  release();
+  for (size_t i = 0; i < hairs().size(); ++i) {
+    if (demo_) {
+      sample::DemoScene::HairMaking making = demo_->making(i);
+      making.follow = preset->follow;
+      if (Result<void> made = demo_->makeHairAgain(i, making); !made) return made;
+    }
+    HairObject& hair = scene_.hair(hairs()[i]);
+    hair.settings = preset->simulation;
+    hair.material = preset->material;
+  }
+  return {};
 }
 
 std::string WebScene::parameters() {

@@ -1,21 +1,26 @@
-// Scenes of hair in JavaScript: pelage's core as WebAssembly. wasm_binding.cpp has what it exports.
+// Scenes of hair in JavaScript: pelage's core as WebAssembly. wasm/binding.cpp has what it exports.
 
 /**
- * @typedef {{section: string, title: string, path: string, type: string, unit: string, range: string,
- *   meaning: string, choices: string[], slider: [number, number, number], value: number | number[]}}
- *   Parameter
+ * @typedef {{section: string, title: string, path: string, type: string, unit: string, range:
+ * string, meaning: string, choices: string[], slider: [number, number, number], value: number |
+ * number[]}} Parameter
  * @typedef {{eye: [number, number, number], target: [number, number, number], verticalFov: number,
  *   width: number, height: number}} Camera
  */
 
 /** The list of a frame before which the depth of opaque objects is in Scene.depthBuffer. */
-export const DEPTH_LIST = 2;
+export const DEPTH_LIST = 3;
+/** Of heads, in the order of GroomPreset. */
+export const GROOMS = ["parted", "straight", "curly", "fur", "mohawk"];
 
-const NOT_SUPPORTED = 58; // of WASI
+const OF_GROOM = 0xffffffff;
+
+const NOT_SUPPORTED = 58;  // of WASI
 const STDERR = 2;
 
 /**
- * Functions of the system that the C++ library asks for. Messages go to the console; there are no files.
+ * Functions of the system that the C++ library asks for. Messages go to the console; there are no
+ * files.
  * @param {WebAssembly.Module} module
  * @param {() => WebAssembly.Memory} memory
  */
@@ -25,7 +30,7 @@ function importsOf(module, memory) {
     /** @param {number} file @param {number} parts @param {number} count @param {number} written */
     fd_write(file, parts, count, written) {
       const view = new DataView(memory().buffer);
-      let text = "";
+      let text = '';
       let bytes = 0;
       for (let i = 0; i < count; ++i) {
         const begin = view.getUint32(parts + 8 * i, true);
@@ -34,8 +39,10 @@ function importsOf(module, memory) {
         bytes += size;
       }
       view.setUint32(written, bytes, true);
-      if (file === STDERR) console.error(text);
-      else console.log(text);
+      if (file === STDERR)
+        console.error(text);
+      else
+        console.log(text);
       return 0;
     },
     /** @param {number} _clock @param {bigint} _precision @param {number} time */
@@ -52,11 +59,16 @@ function importsOf(module, memory) {
   };
   /** @type {Record<string, Record<string, WebAssembly.ImportValue>>} */
   const imports = {};
-  for (const { module: from, name } of WebAssembly.Module.imports(module)) {
+  for (const {module: from, name} of WebAssembly.Module.imports(module)) {
     imports[from] ??= {};
     imports[from][name] = system[name] ?? (() => NOT_SUPPORTED);
   }
   return imports;
+}
+
+/** @param {string} value */
+function text(value) {
+  return new TextEncoder().encode(value);
 }
 
 /** The core: makes scenes. */
@@ -81,25 +93,27 @@ export class Core {
     /** @type {WebAssembly.Instance} */
     let instance;
     instance = await WebAssembly.instantiate(
-      module,
-      importsOf(module, () => /** @type {WebAssembly.Memory} */ (instance.exports.memory)),
+        module,
+        importsOf(module, () => /** @type {WebAssembly.Memory} */ (instance.exports.memory)),
     );
     /** @type {any} */ (instance.exports)._initialize?.();
     return new Core(instance);
   }
 
-  /** The demo's character, which walks. */
+  /** The demo's character, which walks, shakes its head and jumps. */
   character() {
-    return new Scene(this, this.call("character"));
+    return new Scene(this, this.call('character'));
   }
 
   /**
-   * The demo's groom on a head.
-   * @param {number} strands
-   * @param {number} [seed]
+   * A groom of the gallery on a head; numbers that are not given are those of the groom.
+   * @param {{groom?: string, strands?: number, follow?: number, seed?: number}} [def] groom of
+   *   GROOMS, guides, follow hairs a guide
    */
-  head(strands, seed = 1) {
-    return new Scene(this, this.call("head", strands, seed));
+  head({ groom = "parted", strands = OF_GROOM, follow = OF_GROOM, seed = 1 } = {}) {
+    const index = GROOMS.indexOf(groom);
+    if (index < 0) throw new Error(`there is no groom '${groom}'; there are: ${GROOMS.join(", ")}`);
+    return new Scene(this, this.call("head", index, strands, follow, seed));
   }
 
   /**
@@ -107,7 +121,12 @@ export class Core {
    * @param {Uint8Array} bytes
    */
   hair(bytes) {
-    return this.with(bytes, (at) => new Scene(this, this.call("hair", at, bytes.length)));
+    return this.with(bytes, (at) => new Scene(this, this.call('hair', at, bytes.length)));
+  }
+
+  /** @returns {{name: string, meaning: string}[]} */
+  get presets() {
+    return JSON.parse(this.text(this.get("presets")));
   }
 
   /**
@@ -117,7 +136,7 @@ export class Core {
    */
   call(name, ...values) {
     const result = this.get(name, ...values);
-    if (result === 0) throw new Error(this.text(this.get("error")));
+    if (result === 0) throw new Error(this.text(this.get('error')));
     return result;
   }
 
@@ -181,39 +200,80 @@ export class Scene {
    * @param {Camera} camera
    * @returns {Uint8Array} until the next call
    */
-  frame(seconds, { eye, target, verticalFov, width, height }) {
-    const at = this.#core.call("frame", this.#scene, seconds, ...eye, ...target, verticalFov, width, height);
-    return this.#core.bytes(at, this.#core.get("frame_bytes"));
-  }
-
-  /** Number of the buffer for the depth of opaque objects, a float a pixel; far everywhere at first. */
-  get depthBuffer() {
-    return this.#core.get("depth_buffer", this.#scene);
+  frame(seconds, {eye, target, verticalFov, width, height}) {
+    const at = this.#core.call(
+        'frame', this.#scene, seconds, ...eye, ...target, verticalFov, width, height);
+    return this.#core.bytes(at, this.#core.get('frame_bytes'));
   }
 
   /**
-   * Number of the buffer with the positions of a hair object, four floats a vertex.
+   * Number of the buffer for the depth of opaque objects, a float a pixel; far everywhere at
+   * first.
+   */
+  get depthBuffer() {
+    return this.#core.get('depth_buffer', this.#scene);
+  }
+
+  /**
+   * A camera that sees all of the scene in every pose.
+   * @param {number} aspect width over height
+   * @returns {Omit<Camera, "width" | "height">}
+   */
+  camera(aspect) {
+    const bytes = this.#core.bytes(this.#core.get("camera", this.#scene, aspect), 28);
+    const [x, y, z, targetX, targetY, targetZ, verticalFov] = new Float32Array(bytes.slice().buffer);
+    return { eye: [x, y, z], target: [targetX, targetY, targetZ], verticalFov };
+  }
+
+  /** Number of hair objects. */
+  get hairs() {
+    return this.#core.get("hairs", this.#scene);
+  }
+
+  /**
+   * Number of the buffer with the positions of a hair object, four floats a vertex: guides come first.
    * @param {number} hair
    */
   positionsBuffer(hair) {
     return this.#core.call("positions_buffer", this.#scene, hair);
   }
 
-  /** The body as of the last frame: position, normal and color, nine floats a vertex. */
-  get body() {
-    const count = this.#core.get("body_vertices", this.#scene);
-    return new Float32Array(this.#core.bytes(this.#core.get("body", this.#scene), 36 * count).slice().buffer);
+  /**
+   * Bytes of the guides' positions.
+   * @param {number} hair
+   */
+  guideBytes(hair) {
+    return this.#core.get("guide_bytes", this.#scene, hair);
   }
 
-  /** Three indices a triangle. */
-  get bodyIndices() {
-    const count = this.#core.get("body_index_count", this.#scene);
-    return new Uint32Array(this.#core.bytes(this.#core.get("body_indices", this.#scene), 4 * count).slice().buffer);
+  /**
+   * Takes the lock of hair at a pixel of the last frame, for dragTo().
+   * @param {number} x pixels from the left
+   * @param {number} y pixels from the top
+   * @param {Uint8Array} guides the guides' positions of each hair object, one behind the other
+   * @returns {boolean} whether hair is there
+   */
+  pull(x, y, guides) {
+    return this.#core.with(guides, (at) => this.#core.call("pull", this.#scene, x, y, at, guides.length)) === 2;
+  }
+
+  /**
+   * Drags the lock to a pixel.
+   * @param {number} x
+   * @param {number} y
+   */
+  dragTo(x, y) {
+    this.#core.get("drag_to", this.#scene, x, y);
+  }
+
+  /** Releases the lock. */
+  release() {
+    this.#core.get("release", this.#scene);
   }
 
   /** @returns {Parameter[]} */
   get parameters() {
-    return JSON.parse(this.#core.text(this.#core.call("parameters", this.#scene)));
+    return JSON.parse(this.#core.text(this.#core.call('parameters', this.#scene)));
   }
 
   /**
@@ -224,18 +284,30 @@ export class Scene {
    */
   set(section, path, values) {
     const core = this.#core;
-    const text = (/** @type {string} */ value) => new TextEncoder().encode(value);
-    core.with(text(section), (sectionAt) =>
-      core.with(text(path), (pathAt) =>
-        core.with(new Uint8Array(new Float64Array(values).buffer), (valuesAt) =>
-          core.call("set", this.#scene, sectionAt, pathAt, valuesAt, values.length),
-        ),
-      ),
+    core.with(
+        text(section),
+        (sectionAt) => core.with(
+            text(path),
+            (pathAt) => core.with(
+                new Uint8Array(new Float64Array(values).buffer),
+                (valuesAt) =>
+                    core.call('set', this.#scene, sectionAt, pathAt, valuesAt, values.length),
+                ),
+            ),
     );
   }
 
+  /**
+   * Gives all hair the simulation, the material and the follow hairs of a preset; hair is then in its
+   * bind shape.
+   * @param {string} name of Core.presets
+   */
+  takePreset(name) {
+    this.#core.with(text(name), (at) => this.#core.call("take_preset", this.#scene, at));
+  }
+
   destroy() {
-    this.#core.get("free", this.#scene);
+    this.#core.get('free', this.#scene);
     this.#scene = 0;
   }
 }

@@ -11,11 +11,11 @@
 #include <tuple>
 #include <vector>
 
+#include "hair_pull.h"
 #include "interface/help.h"
 #include "interface/user_interface.h"
 #include "interface/window_layout.h"
 #include "stage/controls.h"
-#include "stage/hair_pull.h"
 #include "stage/orbit_camera.h"
 #include "stage/stage.h"
 #include "support/test_folder.h"
@@ -250,13 +250,13 @@ TEST(HairPull, TakesTheVertexUnderTheMouseThatIsInFront) {
       positions.push_back(
           {target.x + away * back.x, target.y + away * back.y, target.z + away * back.z, 0});
   }
-  const auto near = viewer::pickVertex(positions, 4, view, 322, 239);
+  const auto near = sample::pickVertex(positions, 4, view, 322, 239);
   ASSERT_TRUE(near);
   EXPECT_EQ(near->vertex, 2u);  // the first two are held by bones
   EXPECT_NEAR(near->depth, camera.distance(), 1e-4f);
-  EXPECT_FALSE(viewer::pickVertex(positions, 4, view, 400, 239));
+  EXPECT_FALSE(sample::pickVertex(positions, 4, view, 400, 239));
   positions[2].x = positions[3].x = std::nanf("");
-  const auto rear = viewer::pickVertex(positions, 4, view, 322, 239);
+  const auto rear = sample::pickVertex(positions, 4, view, 322, 239);
   ASSERT_TRUE(rear);
   EXPECT_EQ(rear->vertex, 6u);
 }

@@ -30,12 +30,17 @@ export class Browser {
     });
   }
 
-  /** @param {string} address */
-  async open(address) {
+  /**
+   * @param {string} address
+   * @param {string} before script that runs before those of the page
+   */
+  async open(address, before) {
     const { targetId } = await this.#send("Target.createTarget", { url: "about:blank" });
     this.#session = (await this.#send("Target.attachToTarget", { targetId, flatten: true })).sessionId;
     await this.#send("Runtime.enable");
     await this.#send("Log.enable");
+    await this.#send("Page.enable");
+    await this.#send("Page.addScriptToEvaluateOnNewDocument", { source: before });
     await this.#send("Page.navigate", { url: address });
     await this.until("location.href !== 'about:blank' && document.readyState === 'complete'");
   }
@@ -60,6 +65,19 @@ export class Browser {
       await new Promise((resolve) => setTimeout(resolve, 200));
     }
     throw new Error(`the page has not come to: ${expression}`);
+  }
+
+  /**
+   * Drags the mouse from a point of the page to another one.
+   * @param {number[]} from
+   * @param {number[]} to
+   */
+  async drag(from, to) {
+    const mouse = (type, [x, y], buttons) =>
+      this.#send("Input.dispatchMouseEvent", { type, x, y, buttons, button: "left", clickCount: 1 });
+    await mouse("mousePressed", from, 1);
+    await mouse("mouseMoved", to, 1);
+    await mouse("mouseReleased", to, 0);
   }
 
   async close() {

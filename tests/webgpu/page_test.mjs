@@ -7,8 +7,18 @@ import { Browser } from "./browser.mjs";
 import { checkPositions } from "./readback.mjs";
 
 const [chromium, site, folder] = process.argv.slice(2);
-const TYPES = { ".html": "text/html", ".css": "text/css", ".mjs": "text/javascript", ".json": "application/json", ".wasm": "application/wasm" };
-const SOFTWARE = ["--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader", "--disable-gpu-watchdog", "--window-size=320,240"];
+const TYPES = { ".html": "text/html", ".css": "text/css", ".mjs": "text/javascript", ".json": "application/json", ".wasm": "application/wasm", ".png": "image/png" };
+const SOFTWARE = ["--enable-unsafe-webgpu", "--use-webgpu-adapter=swiftshader", "--disable-gpu-watchdog", "--window-size=640,240"];
+// Without a GPU Chromium has no memory that WebGPU and what composes the page share, and loses the device
+// for a canvas: the page draws into a texture of its own.
+const NOT_SHOWN = `HTMLCanvasElement.prototype.getContext = () => ({
+  configure({ device, format }) {
+    this.texture = device.createTexture({ size: [64, 64], format, usage: GPUTextureUsage.RENDER_ATTACHMENT });
+  },
+  getCurrentTexture() {
+    return this.texture;
+  },
+});`;
 
 const server = createServer((request, response) => {
   const path = normalize(new URL(request.url, "http://localhost").pathname);
@@ -21,10 +31,10 @@ await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
 const address = `http://127.0.0.1:${server.address().port}/`;
 
 /** Opens the page or a file of it, and closes it in the end. @param {string[]} options */
-async function inBrowser(options, work, path = "?strands=200") {
+async function inBrowser(options, work, path = "?scene=parted&strands=200&follow=0") {
   const browser = new Browser(chromium, options);
   try {
-    await browser.open(address + path);
+    await browser.open(address + path, NOT_SHOWN);
     await work(browser);
   } finally {
     await browser.close();
@@ -35,7 +45,7 @@ await inBrowser(SOFTWARE, async (browser) => {
   // Two frames are given to the device. SwiftShader takes minutes to compile the kernels that draw.
   await browser.until("Number(document.body.dataset.frames) >= 2");
   assert.equal(await browser.evaluate("document.getElementById('message').textContent"), "");
-  assert.equal(await browser.evaluate("document.getElementById('scene').value"), "head");
+  assert.equal(await browser.evaluate("document.getElementById('scene').value"), "parted");
 
   // The parameters are the library's, and take values.
   assert((await browser.evaluate("document.querySelectorAll('#parameters label').length")) > 40);
@@ -43,9 +53,17 @@ await inBrowser(SOFTWARE, async (browser) => {
     const label = [...document.querySelectorAll("#parameters label")].find((one) => one.textContent.startsWith("wind.velocity"));
     const slider = label.querySelector("input");
     slider.value = slider.value === "1" ? "0" : "1";
+    const before = label.querySelector("output").value;
     slider.dispatchEvent(new Event("input"));
-    return document.getElementById("message").textContent === "";
+    return document.getElementById("message").textContent === "" && label.querySelector("output").value !== before;
   })()`));
+  // So are the presets; drags look around, pull hair and make wind.
+  assert.equal(await browser.evaluate("document.querySelectorAll('#preset option').length"), 7);
+  for (const drag of ["look", "pull", "wind"]) {
+    await browser.evaluate(`document.getElementById("drag").value = "${drag}"`);
+    await browser.drag([60, 60], [100, 80]);
+  }
+  assert.equal(await browser.evaluate("document.getElementById('message').textContent"), "");
   assert.deepEqual(browser.errors, []);
 });
 
@@ -54,7 +72,7 @@ const recorded = JSON.parse(readFileSync(join(folder, "page", "scene.json"), "ut
 const bytes = readFileSync(join(folder, "page", "scene.bin"));
 const floatsAt = (offset, size) => new Float32Array(new Uint8Array(bytes.subarray(offset, offset + size)).buffer);
 const { width, height } = recorded.picture;
-const SHADOW_LIST = 1; // behind the one that simulates
+const SHADOW_LIST = 2; // behind the one that simulates
 const RUN = `(async () => {
   const { Core } = await import("./web_scene.mjs");
   const { Executor } = await import("./executor.mjs");
@@ -63,7 +81,7 @@ const RUN = `(async () => {
   device.addEventListener("uncapturederror", ({ error }) => errors.push(error.message));
   const core = await Core.load(await (await fetch("pelage.wasm")).arrayBuffer());
   const executor = new Executor(device, await (await fetch("kernels.json")).json());
-  const scene = core.head(500, 7);
+  const scene = core.head({ strands: 500, follow: 0, seed: 7 });
   scene.set("material", "fiberRadius", [0.001]);
   scene.set("simulation", "wind.velocity", [2, 0, 0]);
   const positions = async () => {
@@ -107,9 +125,10 @@ await inBrowser(
   "page.css",
 );
 
-// Without WebGPU the page says so.
+// Without WebGPU the page says so, and shows pictures.
 await inBrowser(["--disable-gpu", "--disable-features=WebGPU", "--disable-blink-features=WebGPU"], async (browser) => {
   await browser.until("document.getElementById('message').textContent.includes('WebGPU')");
   console.log(await browser.evaluate("document.getElementById('message').textContent"));
+  await browser.until("[...document.images].length === 2 && [...document.images].every((one) => one.naturalWidth > 300)");
 });
 server.close();

@@ -23,15 +23,23 @@ export function readBuffer(device, buffer, size = buffer.size) {
 
 /**
  * @param {GPUDevice} device
+ * @param {GPUTexture} texture with rows of a multiple of 256 bytes
+ * @param {number} bytes of a pixel
+ */
+export function readTexture(device, texture, bytes) {
+  const { width, height } = texture;
+  return read(device, bytes * width * height, (encoder, buffer) =>
+    encoder.copyTextureToBuffer({ texture }, { buffer, bytesPerRow: bytes * width }, [width, height]),
+  );
+}
+
+/**
+ * @param {GPUDevice} device
  * @param {GPUTexture} texture of rgba16float, with a width that is a multiple of 32
  * @returns {Promise<Float32Array>} four a pixel
  */
 export async function readPicture(device, texture) {
-  const { width, height } = texture;
-  const bytes = await read(device, 8 * width * height, (encoder, buffer) =>
-    encoder.copyTextureToBuffer({ texture }, { buffer, bytesPerRow: 8 * width }, [width, height]),
-  );
-  return floatsOf(new Uint16Array(bytes.buffer));
+  return floatsOf(new Uint16Array((await readTexture(device, texture, 8)).buffer));
 }
 
 /** @param {Uint16Array} halves @returns {Float32Array} */
@@ -46,7 +54,8 @@ function floatsOf(halves) {
 }
 
 /**
- * Checks that vertices are within 0.1 mm of where they are expected, in the median.
+ * Checks that vertices are within 0.1 mm of where they are expected, in the median, and 99 of 100 within
+ * 1 mm: contacts are decisions, after which a last bit becomes millimeters.
  * @param {Float32Array} positions four a vertex
  * @param {Float32Array} expected
  */
@@ -60,8 +69,12 @@ export function checkPositions(positions, expected) {
   const median = 1000 * distances[distances.length >> 1];
   const most = 1000 * distances[distances.length - 1];
   const equal = distances.filter((d) => d === 0).length;
-  console.log(`  ${distances.length} vertices, ${equal} with the same bits, median ${median} mm, maximum ${most} mm`);
+  const nearly = 1000 * distances[Math.floor(0.99 * distances.length)];
+  console.log(
+    `  ${distances.length} vertices, ${equal} with the same bits, median ${median} mm, 99 % within ${nearly} mm, maximum ${most} mm`,
+  );
   assert(median <= 0.1, "the median vertex is within 0.1 mm");
+  assert(nearly <= 1, "99 of 100 vertices are within 1 mm");
 }
 
 /**

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "device.h"
 #include "frame_words.h"
 #include "pelage/demo/groom.h"
 #include "pelage/headless.h"
@@ -182,9 +183,9 @@ Result<void> record(const std::filesystem::path& folder, const Recording& record
 // The scene of wasm_test.mjs, by the native core.
 Result<void> recordPage(const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder);
-  const auto scene = webgpu::WebScene::head(500, 7);
+  const auto scene = webgpu::WebScene::head({.strands = 500, .followPerGuide = 0, .seed = 7});
   if (!scene) return scene.error();
-  const auto device = createHeadlessVulkan({});
+  const auto device = sample::createDevice({});
   if (!device) return device.error();
   const double radius[] = {0.001};
   if (auto set = (*scene)->set("material", "fiberRadius", radius); !set) return set;
@@ -198,7 +199,11 @@ Result<void> recordPage(const std::filesystem::path& folder) {
     const auto lists = (*scene)->lists();
     if (auto added = recorder.add((*scene)->scene().resources(), lists); !added) return added;
     if (auto updated = (*device)->update((*scene)->scene().resources()); !updated) return updated;
-    const auto image = (*device)->render(lists, {.width = kWidth, .height = kHeight});
+    const auto image =
+        (*device)->render(lists, {.width = kWidth,
+                                  .height = kHeight,
+                                  .depthCopy = (*scene)->depth(),
+                                  .depthCopyAfter = webgpu::WebScene::kDepthList - 1});
     if (!image) return image.error();
     if (i == 9) recorder.expect(*image);
   }

@@ -9,7 +9,7 @@ import { Core } from "./web_scene.mjs";
 
 const [site, folder] = process.argv.slice(2);
 const device = await testDevice();
-const { Executor } = await import("./executor.mjs");
+const { View } = await import("./view.mjs");
 const errors = [];
 device.addEventListener("uncapturederror", ({ error }) => errors.push(error.message));
 const variants = JSON.parse(readFileSync(join(site, "kernels.json"), "utf8"));
@@ -18,7 +18,7 @@ const recorded = JSON.parse(readFileSync(join(folder, "page", "scene.json"), "ut
 const bytes = readFileSync(join(folder, "page", "scene.bin"));
 const { width, height } = recorded.picture;
 
-const scene = core.head(500, 7);
+const scene = core.head({ strands: 500, follow: 0, seed: 7 });
 const camera = { eye: [0.2, 0.2, 0.8], target: [0, 0.15, 0], verticalFov: 0.6, width, height };
 
 // Values that are wrong are refused, with a message that names them.
@@ -27,7 +27,8 @@ assert.throws(() => scene.set("material", "opacity", [7]), /material\.opacity.*7
 assert.throws(() => scene.set("material", "opacity", [0.5, 0.5]), /2/);
 assert.throws(() => scene.frame(1 / 60, { ...camera, width: 0 }), /1 to 16384 pixels/);
 assert.throws(() => core.hair(new Uint8Array(10)), /hair\.tfx/);
-assert.throws(() => core.head(0), /strandCount/);
+assert.throws(() => core.head({ strands: 0 }), /strandCount/);
+assert.throws(() => core.head({ groom: "bald" }), /no groom 'bald'.*curly/);
 
 scene.set("material", "fiberRadius", [0.001]);
 scene.set("simulation", "wind.velocity", [2, 0, 0]);
@@ -35,18 +36,10 @@ const radius = scene.parameters.find(({ section, path }) => section === "materia
 assert.equal(radius.value, Math.fround(0.001));
 assert(radius.meaning !== "" && radius.slider[0] < radius.slider[1]);
 
-const executor = new Executor(device, variants);
-const picture = device.createTexture({
-  size: [width, height],
-  format: "rgba16float",
-  usage: GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.COPY_SRC,
-});
-const color = picture.createView();
+const view = new View(device, variants, scene);
+view.resize(width, height);
 for (const _ of recorded.frames) {
-  const encoder = device.createCommandEncoder();
-  encoder.beginRenderPass({ colorAttachments: [{ view: color, loadOp: "clear", storeOp: "store" }] }).end();
-  device.queue.submit([encoder.finish()]);
-  executor.run(scene.frame(1 / 60, camera), { color, colorFormat: "rgba16float" });
+  view.draw(1 / 60, camera);
   await device.queue.onSubmittedWorkDone();
 }
 assert.deepEqual(errors, []);
@@ -54,10 +47,10 @@ assert.deepEqual(errors, []);
 const floatsAt = (offset, size) => new Float32Array(new Uint8Array(bytes.subarray(offset, offset + size)).buffer);
 const [positions] = recorded.outputs;
 checkPositions(
-  new Float32Array((await readBuffer(device, executor.buffer(scene.positionsBuffer(0)))).buffer),
+  new Float32Array((await readBuffer(device, view.executor.buffer(scene.positionsBuffer(0)))).buffer),
   floatsAt(positions.expected, positions.size),
 );
-checkPicture(await readPicture(device, picture), floatsAt(recorded.picture.expected, 16 * width * height));
+checkPicture(await readPicture(device, view.color), floatsAt(recorded.picture.expected, 16 * width * height));
 assert.throws(() => scene.positionsBuffer(1), /hair object 1/);
 scene.destroy();
 process.exit(0);

@@ -105,4 +105,14 @@ pelage::View makeView(const Camera& camera, uint32_t width, uint32_t height, uin
   return view;
 }
 
+Float3 pointAt(const Camera& camera, float x, float y, float aspect, const Float3& plane) {
+  const Float3 back = unit(add(camera.eye, camera.target, -1));
+  const Float3 right = unit(cross({0, 1, 0}, back));
+  const float tangent = std::tan(camera.verticalFov / 2);
+  const float depth = dot(add(camera.eye, plane, -1), back);
+  const Float3 middle = add(camera.eye, back, -depth);
+  return add(add(middle, right, (2 * x - 1) * tangent * aspect * depth), cross(back, right),
+             (1 - 2 * y) * tangent * depth);
+}
+
 }  // namespace sample

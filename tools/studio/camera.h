@@ -1,4 +1,4 @@
-// A camera that sees all of something.
+// A camera that sees all of something, and points in its picture.
 #pragma once
 
 #include <optional>
@@ -43,5 +43,31 @@ Camera placeCamera(std::span<const pelage::Float3> points, const CameraPlace& pl
 
 /// The view of a camera on a target of this size.
 pelage::View makeView(const Camera& camera, uint32_t width, uint32_t height, uint32_t samples);
+
+/// The intersection of a pixel's ray with a plane that faces the camera. \param x, y shares of the
+/// picture from the top left, 0..1. \param aspect width over height. \param plane a point of the
+/// plane.
+pelage::Float3 pointAt(const Camera& camera, float x, float y, float aspect,
+                       const pelage::Float3& plane);
+
+/// A point in the picture: pixels from the top left, and its distance along the view [m].
+struct PicturePoint {
+  float x = 0, y = 0;
+  float depth = 0;
+};
+
+/// Projects a point; nothing if it is not in front of the camera, or not finite.
+inline std::optional<PicturePoint> project(const pelage::View& view, const pelage::Float3& point) {
+  const auto row = [&](int i) {
+    const pelage::Float4& of = view.worldToClip.rows[i];
+    return of.x * point.x + of.y * point.y + of.z * point.z + of.w;
+  };
+  const float w = row(3);
+  if (!(w > 0)) return std::nullopt;
+  const float x = row(0) / w, y = row(1) / w;
+  if (!(x * x + y * y < 1e12f)) return std::nullopt;
+  return PicturePoint{(0.5f + 0.5f * x) * static_cast<float>(view.width),
+                      (0.5f - 0.5f * y) * static_cast<float>(view.height), w};
+}
 
 }  // namespace sample

@@ -47,7 +47,8 @@ void drawWind(const Stage& stage, const WindowSize& size, ImDrawList& list) {
 void drawPull(const Stage& stage, const WindowSize& size, ImDrawList& list) {
   if (!stage.pull.holds()) return;
   const pelage::View view = stage.camera.view(size.width, size.height);
-  const auto from = project(view, stage.pull.point()), to = project(view, stage.pull.target());
+  const auto from = sample::project(view, stage.pull.point()),
+             to = sample::project(view, stage.pull.target());
   if (!from || !to) return;
   list.AddLine({from->x, from->y}, {to->x, to->y}, kFaint, 1.5f * size.interfaceScale);
   list.AddCircle({to->x, to->y}, 6 * size.interfaceScale, kColor);

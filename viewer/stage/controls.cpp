@@ -65,10 +65,8 @@ Float3 windOfTip(const OrbitCamera& camera, const Float3& before, const WindowSi
 
 namespace {
 
-constexpr double kZoomStep = 1.1;   // factor of a step of the wheel
-constexpr float kBallStep = 0.25f;  // radii that a step of the wheel moves the ball
-constexpr float kLockRadius =
-    0.15f;  // of a lock that is pulled, as a share of half the picture's height
+constexpr double kZoomStep = 1.1;      // factor of a step of the wheel
+constexpr float kBallStep = 0.25f;     // radii that a step of the wheel moves the ball
 constexpr double kSlowest = 1.0 / 16;  // PlayClock::speed
 constexpr double kFastest = 4;
 
@@ -111,7 +109,8 @@ void askForHair(const MouseMoved& mouse, const WindowSize& size, Stage& stage) {
                 (top.z - middle.z) * (top.z - middle.z));
   const MouseMoved within = inSide(mouse, size, stage);
   stage.pull.ask(stage.camera.view(std::max(size.width / stage.sides(), 1u), size.height),
-                 static_cast<float>(within.x), static_cast<float>(within.y), kLockRadius * half);
+                 static_cast<float>(within.x), static_cast<float>(within.y),
+                 sample::kLockRadius * half);
 }
 
 }  // namespace

@@ -71,11 +71,8 @@ pelage::View OrbitCamera::view(uint32_t width, uint32_t height, bool reversedDep
 }
 
 Float3 OrbitCamera::pointAt(float x, float y, float aspect, const Float3& plane) const {
-  const float tangent = std::tan(verticalFov_ / 2);
-  const float depth = distance_ - dot(add(plane, target_, -1), direction());
-  const Float3 middle = add(eye(), direction(), -depth);
-  return add(add(middle, right(), (2 * x - 1) * tangent * aspect * depth), up(),
-             (1 - 2 * y) * tangent * depth);
+  return sample::pointAt({.eye = eye(), .target = target_, .verticalFov = verticalFov_}, x, y,
+                         aspect, plane);
 }
 
 }  // namespace viewer

@@ -11,6 +11,7 @@
 
 #include "canvas/canvas.h"
 #include "demo_scene.h"
+#include "hair_pull.h"
 #include "mesh_object.h"
 #include "pelage/demo/character.h"
 #include "pelage/frame.h"
@@ -18,7 +19,6 @@
 #include "pelage/settings/scene_settings.h"
 #include "pelage/transparency.h"
 #include "stage/files.h"
-#include "stage/hair_pull.h"
 #include "stage/inspection.h"
 #include "stage/inspection_look.h"
 #include "stage/orbit_camera.h"
@@ -222,7 +222,7 @@ class Stage {
   PlayClock clock;
   StageLook look;
   StageBall ball;
-  HairPull pull;
+  sample::HairPull pull;
   StageTransparency transparency;
   InspectionLook inspection;
   /// Returns the figures of the chosen side, measured some frames ago.

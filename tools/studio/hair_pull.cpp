@@ -1,29 +1,27 @@
-#include "stage/hair_pull.h"
+#include "hair_pull.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <utility>
 
-#include "stage/orbit_camera.h"
-#include "viewer_kernels/bindings.h"
-#include "viewer_kernels/gpu_structs.h"
-#include "viewer_kernels/kernels.h"
+#include "camera.h"
+#include "names.h"
+#include "sample/bindings.h"
+#include "sample/gpu_structs.h"
+#include "sample/kernels.h"
 
-namespace viewer {
+namespace sample {
 
 using pelage::BufferId;
-using pelage::Float3;
-using pelage::Float4;
-using pelage::Result;
 
 namespace {
 
 constexpr uint32_t kHeldVertices = 2;    // of each strand, held by bones
 constexpr float kUnder = 8, kNear = 40;  // [pixels]
 // The spring follows the mouse within some frames, and is stable at the longest step, 1/60 s.
-constexpr float kRate = 40;     // [1/s]
-constexpr float kLimit = 1000;  // [m/s2]
+constexpr float kSpringRate = 40;  // [1/s]
+constexpr float kLimit = 1000;     // [m/s2]
 
 float squaredDistance(const Float4& a, const Float3& b) {
   const float x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
@@ -128,22 +126,21 @@ Result<void> HairPull::record(pelage::Scene& scene, pelage::PassList& list) {
   for (const Lock& lock : locks_) {
     if (!scene.isValid(lock.hair)) continue;
     const pelage::ResourceTable& resources = scene.resources();
-    viewer_kernels::PullConstants constants = {};
+    PullConstants constants = {};
     constants.pullVertexCount = lock.vertexCount;
-    constants.pullStiffness = kRate * kRate;
-    constants.pullDamping = 2 * kRate;
+    constants.pullStiffness = kSpringRate * kSpringRate;
+    constants.pullDamping = 2 * kSpringRate;
     constants.pullLimit = kLimit;
     constants.pullDrag = {target_.x - point_.x, target_.y - point_.y, target_.z - point_.z, 0};
-    viewer_kernels::PullBindings bindings{.pullConstants = constants};
+    PullBindings bindings{.pullConstants = constants};
     bindings.pullPositions = resources.whole(scene.hair(lock.hair).buffers().positions);
     bindings.pullTaken = resources.whole(lock.taken);
     bindings.pullForces = resources.whole(lock.forces);
-    Result<void> done = pelage::PassBuilder(list)
-                            .dispatch(viewer_kernels::pullHairVariant({}), lock.vertexCount)
-                            .finish(bindings);
+    Result<void> done =
+        pelage::PassBuilder(list).dispatch(pullHairVariant({}), lock.vertexCount).finish(bindings);
     if (!done) return done;
   }
   return {};
 }
 
-}  // namespace viewer
+}  // namespace sample

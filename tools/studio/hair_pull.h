@@ -11,7 +11,10 @@
 #include "pelage/scene.h"
 #include "pelage/view.h"
 
-namespace viewer {
+namespace sample {
+
+/// Radius of a lock that is pulled, as a share of half the picture's height.
+inline constexpr float kLockRadius = 0.15f;
 
 /// A vertex of a guide.
 struct PickedVertex {
@@ -65,4 +68,4 @@ class HairPull {
   pelage::Float3 point_, target_;
 };
 
-}  // namespace viewer
+}  // namespace sample
