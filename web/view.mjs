@@ -1,6 +1,6 @@
 // What a page draws: a scene into a picture, and the picture on a canvas; hair that is pulled.
 import { Executor } from "./executor.mjs";
-import { DEPTH_LIST } from "./web_scene.mjs";
+import { COUNTER_BYTES, DEPTH_LIST } from "./web_scene.mjs";
 
 const COLOR = "rgba16float";
 const DEPTH = "depth32float";
@@ -32,6 +32,7 @@ export class View {
   /** @type {{width: number, height: number, color: GPUTexture, depth: GPUTexture} | null} */
   #picture = null;
   #isDestroyed = false;
+  #isCounting = false;
   /** @type {Map<GPUTextureFormat, GPURenderPipeline>} */
   #shows = new Map();
 
@@ -96,6 +97,29 @@ export class View {
     this.#executor.run(frame, target, (list) => {
       if (list === DEPTH_LIST) this.#copyDepth();
     });
+    if (!this.#isCounting) void this.#count();
+  }
+
+  // Gives the scene room for the fragments of this frame, in one of the next ones.
+  async #count() {
+    const picture = this.#sized;
+    const counters = this.#device.createBuffer({
+      size: COUNTER_BYTES,
+      usage: GPUBufferUsage.MAP_READ | GPUBufferUsage.COPY_DST,
+    });
+    const encoder = this.#device.createCommandEncoder();
+    encoder.copyBufferToBuffer(this.#executor.buffer(this.#scene.countersBuffer), 0, counters, 0, COUNTER_BYTES);
+    this.#device.queue.submit([encoder.finish()]);
+    this.#isCounting = true;
+    try {
+      await counters.mapAsync(GPUMapMode.READ);
+    } catch {
+      return; // the device is lost
+    }
+    this.#isCounting = false;
+    if (!this.#isDestroyed && picture === this.#picture)
+      this.#scene.takeCounters(new Uint8Array(counters.getMappedRange()));
+    counters.destroy();
   }
 
   /**

@@ -169,12 +169,11 @@ Result<void> WebScene::step(float seconds, const WebCamera& camera) {
   scene_.finish(pulled_);
   scene_.finish(simulated_);
 
-  TransparencySettings settings;
-  settings.method = Transparency::kTiles;
-  settings.opaqueDepth = depth_;
+  settings_.method = Transparency::kTiles;
+  settings_.opaqueDepth = depth_;
   if (!drawn_.empty()) drawn_[0].clear();
-  Result<void> drawn = demo_ ? demo_->draw(view_, settings, drawn_)
-                             : scene_.draw(view_, {&ownLight_, 1}, settings, drawn_);
+  Result<void> drawn = demo_ ? demo_->draw(view_, settings_, drawn_)
+                             : scene_.draw(view_, {&ownLight_, 1}, settings_, drawn_);
   if (!drawn) return drawn;
   lists_ = {&pulled_, &simulated_};
   for (PassList& list : drawn_) {
@@ -190,6 +189,27 @@ Result<std::span<const std::byte>> WebScene::frame(float seconds, const WebCamer
   if (!words) return words.error();
   for (const PassList* list : lists_) setDelivered(list->run);
   return words;
+}
+
+uint32_t WebScene::countersBuffer() const {
+  const BufferId counters = scene_.transparencyCounters();
+  return counters == BufferId::kInvalid ? 0 : writer_.numberOf(counters);
+}
+
+Result<void> WebScene::takeCounters(std::span<const std::byte> words) {
+  if (words.size() < kCounterBytes)
+    return Error{ErrorCode::kInvalidArgument, "counters have 32 bytes"};
+  uint64_t vertices = 0;
+  if (demo_)
+    vertices = demo_->vertexCount();
+  else
+    vertices =
+        uint64_t{scene_.hair(*hair_).strandCount()} * scene_.hair(*hair_).verticesPerStrand();
+  const auto plan = planTransparency(camera_.width, camera_.height, settings_, vertices);
+  if (!plan) return plan.error();
+  settings_.nodeCount =
+      growNodes(readTransparencyCounters(words, plan->nodeCount), plan->nodeCount);
+  return {};
 }
 
 size_t WebScene::guideBytes(size_t hair) const {

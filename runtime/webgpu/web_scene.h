@@ -67,6 +67,14 @@ class WebScene {
   /// Its number in frames.
   uint32_t depthBuffer() const { return writer_.numberOf(depth_); }
 
+  /// Bytes of countersBuffer() that takeCounters() wants.
+  static constexpr size_t kCounterBytes = 32;
+  /// The number of the buffer that counts the fragments of the last frame; 0 before the first.
+  uint32_t countersBuffer() const;
+  /// Makes room for as many fragments as a frame of this size had. Errors: fewer than
+  /// kCounterBytes.
+  Result<void> takeCounters(std::span<const std::byte> words);
+
   /// The number of the buffer with the positions of a hair object, four floats a vertex: guides
   /// come first.
   uint32_t positionsBuffer(size_t hair) const {
@@ -118,6 +126,7 @@ class WebScene {
   View view_;
   WebCamera camera_;
   BufferId depth_ = BufferId::kInvalid;
+  TransparencySettings settings_;
   PassList pulled_, simulated_;
   std::vector<PassList> drawn_;
   std::vector<const PassList*> lists_;

@@ -10,6 +10,8 @@
 
 /** The list of a frame before which the depth of opaque objects is in Scene.depthBuffer. */
 export const DEPTH_LIST = 3;
+/** Bytes of Scene.countersBuffer that Scene.takeCounters() wants. */
+export const COUNTER_BYTES = 32;
 /** Of heads, in the order of GroomPreset. */
 export const GROOMS = ["parted", "straight", "curly", "fur", "mohawk"];
 
@@ -212,6 +214,19 @@ export class Scene {
    */
   get depthBuffer() {
     return this.#core.get('depth_buffer', this.#scene);
+  }
+
+  /** Number of the buffer that counts the fragments of the last frame; 0 before the first. */
+  get countersBuffer() {
+    return this.#core.get("counters_buffer", this.#scene);
+  }
+
+  /**
+   * Makes room for as many fragments as a frame had: tiles without room are empty.
+   * @param {Uint8Array} counters first COUNTER_BYTES of its countersBuffer, at the current size
+   */
+  takeCounters(counters) {
+    this.#core.with(counters, (at) => this.#core.call("take_counters", this.#scene, at, counters.length));
   }
 
   /**

@@ -217,7 +217,7 @@ TEST_P(StrandTiles, AreHiddenByWhatIsOpaque) {
     const RenderedImage before = render(settings);
     settings.opaqueDepth = target.depthCopy;
     const RenderedImage image = render(settings);
-    EXPECT_GT(maxDifference(exact, before), 0.1) << "some hair is behind the bars";
+    EXPECT_GT(maxDifference(exact, before), 0.03) << "some hair is behind the bars";
     EXPECT_LE(maxDifference(exact, image), 1.0 / 255);
 
     settings.opaqueDepth = tangleRun().resources().add({.name = "small", .size = 64, .stride = 4});

@@ -103,6 +103,14 @@ const left = Math.max(...before.map((value, i) => (i % 4 === 0 ? value - release
 console.log(`  and at ${(1000 * left).toFixed(0)} mm after it was released`);
 assert(left < 0.9 * pulled, "hair that is released goes back");
 
+// Tiles without room are empty, until the scene knows how many fragments there are.
+scene.set("material", "fiberRadius", [0.02]);
+const short = await drawn([0, 0.14, -0.8], 320, 240);
+for (let i = 0; i < 3; ++i) await drawn([0, 0.14, -0.8], 320, 240);
+const enough = await drawn([0, 0.14, -0.8], 320, 240);
+assert(enough.hair > short.hair + 0.05, "wide hair gets room");
+scene.set("material", "fiberRadius", [0.001]);
+
 // A preset sets simulation, material and follow hairs.
 assert.throws(() => scene.takePreset("bald"), /no preset 'bald'.*curly/);
 scene.takePreset("fur");

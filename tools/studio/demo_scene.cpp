@@ -91,8 +91,7 @@ DemoScene::~DemoScene() {
   if (!hairs_.empty())
     for (const pelage::BufferId depth : opaqueDepths_)
       if (depth != pelage::BufferId::kInvalid) scene_->resources().remove(depth);
-  for (const pelage::HairId hair : hairs_) (void)scene_->removeHair(hair);
-  for (const pelage::HairId hair : faceHair_) (void)scene_->removeHair(hair);
+  for (const pelage::HairId hair : drawnHairs()) (void)scene_->removeHair(hair);
   for (const pelage::ColliderId collider : colliders_) (void)scene_->removeCollider(collider);
 }
 
@@ -326,8 +325,7 @@ Result<void> DemoScene::advance(pelage::PassList& list) {
 }
 
 void DemoScene::poseHair(const std::vector<AffineTransform>& posed) {
-  for (const pelage::HairId hair : hairs_) scene_->hair(hair).setBones(posed);
-  for (const pelage::HairId hair : faceHair_) scene_->hair(hair).setBones(posed);
+  for (const pelage::HairId hair : drawnHairs()) scene_->hair(hair).setBones(posed);
   scene_->hair(hairs_[0]).setColliders(capsulesIn(posed));
   for (const pelage::ColliderId collider : colliders_) scene_->collider(collider).setBones(posed);
 }
@@ -498,9 +496,15 @@ Result<std::optional<DemoScene::ContactFigures>> DemoScene::contactFigures(
   return std::optional(ContactFigures{pelage::readContactCounters(*words), *deepest});
 }
 
+std::vector<pelage::HairId> DemoScene::drawnHairs() const {
+  std::vector<pelage::HairId> drawn = hairs_;
+  drawn.insert(drawn.end(), faceHair_.begin(), faceHair_.end());
+  return drawn;
+}
+
 uint64_t DemoScene::vertexCount() const {
   uint64_t count = 0;
-  for (const pelage::HairId id : hairs_) {
+  for (const pelage::HairId id : drawnHairs()) {
     const pelage::HairObject& hair = scene_->hair(id);
     count += uint64_t{hair.strandCount()} * hair.verticesPerStrand();
   }

@@ -156,6 +156,8 @@ class DemoScene {
   pelage::BufferId shadowWords() const { return scene_->shadowWords(); }
   const pelage::ResourceTable& resources() const { return scene_->resources(); }
   const std::vector<pelage::HairId>& hairs() const { return hairs_; }
+  /// The same, and brows and lashes, which have no settings of their own.
+  std::vector<pelage::HairId> drawnHairs() const;
   const std::vector<pelage::ColliderId>& colliders() const { return colliders_; }
   /// Skinning transforms of the last frame, bind space to world.
   std::vector<pelage::AffineTransform> bones() const { return pose_(frame_ * kFrameSeconds); }

@@ -65,7 +65,7 @@ std::vector<bool> showHair(const StageSide& chosen, bool drawsIt, std::span<cons
                            pelage::Scene& scene) {
   std::vector<bool> visible;
   for (const StageSide& side : sides) {
-    for (const pelage::HairId hair : side.demo->hairs()) {
+    for (const pelage::HairId hair : side.demo->drawnHairs()) {
       bool& shown = scene.hair(hair).visible;
       visible.push_back(shown);
       shown = shown && &side == &chosen && drawsIt;
@@ -78,7 +78,8 @@ void restoreHair(const std::vector<bool>& visible, std::span<const StageSide> si
                  pelage::Scene& scene) {
   size_t at = 0;
   for (const StageSide& side : sides)
-    for (const pelage::HairId hair : side.demo->hairs()) scene.hair(hair).visible = visible[at++];
+    for (const pelage::HairId hair : side.demo->drawnHairs())
+      scene.hair(hair).visible = visible[at++];
 }
 
 // Makes hair of one side pass through the meshes of the other.

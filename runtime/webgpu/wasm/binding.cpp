@@ -81,6 +81,15 @@ EMSCRIPTEN_KEEPALIVE uint32_t pelage_web_depth_buffer(const WebScene* scene) {
   return scene->depthBuffer();
 }
 
+EMSCRIPTEN_KEEPALIVE uint32_t pelage_web_counters_buffer(const WebScene* scene) {
+  return scene->countersBuffer();
+}
+
+EMSCRIPTEN_KEEPALIVE uint32_t pelage_web_take_counters(WebScene* scene, const std::byte* words,
+                                                       size_t size) {
+  return succeeded(scene->takeCounters({words, size}));
+}
+
 // Its eye, its target and its vertical field of view.
 EMSCRIPTEN_KEEPALIVE const float* pelage_web_camera(const WebScene* scene, float aspect) {
   static std::array<float, 7> camera;
