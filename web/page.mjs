@@ -30,7 +30,7 @@ async function makeDevice() {
     throw new NoWebGpu("This browser has no WebGPU. Recent versions of Chrome, Edge, Safari and Firefox have it.");
   const adapter = await navigator.gpu.requestAdapter({ powerPreference: "high-performance" });
   if (!adapter) throw new NoWebGpu("WebGPU finds no graphics processor that it can use here.");
-  return adapter.requestDevice();
+  return { device: await adapter.requestDevice(), isSoftware: adapter.info.isFallbackAdapter };
 }
 
 /** @param {string} path @returns {Promise<Response>} */
@@ -68,10 +68,11 @@ class Times {
  * @param {Core} core
  * @param {import("./executor.mjs").Variant[]} variants
  * @param {Orbit} orbit
- * @param {{scene: import("./web_scene.mjs").Scene, view: View}} shown set to what is drawn
+ * @param {{scene: import("./web_scene.mjs").Scene, view: View, isReady: boolean}} shown set to what
+ *   is drawn; whether its first frame was
  */
 async function run(core, variants, orbit, shown) {
-  const device = await makeDevice();
+  const { device, isSoftware } = await makeDevice();
   const canvas = element("picture");
   const context = canvas.getContext("webgpu");
   const format = navigator.gpu.getPreferredCanvasFormat();
@@ -94,10 +95,12 @@ async function run(core, variants, orbit, shown) {
     const number = (name) => (wanted.has(name) ? Number(wanted.get(name)) : undefined);
     shown.scene = SCENES[element("scene").value](core, { strands: number("strands"), follow: number("follow") });
     shown.view = new View(device, variants, shown.scene);
+    // A software driver compiles for minutes, and nothing side by side.
+    shown.isReady = isSoftware;
     orbit.look(shown.scene.camera(canvas.clientWidth / canvas.clientHeight));
     showParameters(form, shown.scene, say);
     element("preset").selectedIndex = 0;
-    say("");
+    say(isSoftware ? "" : "Compiling the kernels ...");
   };
   element("scene").onchange = pick;
   element("preset").onchange = () => {
@@ -111,12 +114,17 @@ async function run(core, variants, orbit, shown) {
   let before = 0;
   let count = 0;
   let open = 0;
+  /** @type {View | null} */
+  let prepared = null;
   const lost = device.lost.then(() => (isLost = true));
+  /** @param {unknown} error */
+  const fail = (error) => say(String(error));
   /** @param {number} now */
   const frame = (now) => {
     if (isLost) return;
     requestAnimationFrame(frame);
-    if (open >= OPEN_FRAMES) return;
+    const { view } = shown;
+    if (open >= OPEN_FRAMES || (view === prepared && !shown.isReady)) return;
     const ratio = Math.min(devicePixelRatio, MOST_PIXELS / Math.max(canvas.clientWidth, 1));
     const width = Math.max(64, 64 * Math.floor((canvas.clientWidth * ratio) / 64));
     const height = Math.max(64, Math.floor(canvas.clientHeight * ratio));
@@ -128,11 +136,20 @@ async function run(core, variants, orbit, shown) {
     before = now;
     const begin = performance.now();
     try {
-      shown.view.resize(width, height);
-      shown.view.draw(step, orbit.camera);
-      shown.view.show(context.getCurrentTexture().createView(), format);
+      view.resize(width, height);
+      if (!shown.isReady) {
+        prepared = view;
+        view.prepare(step, orbit.camera).then(() => {
+          if (view !== shown.view) return;
+          shown.isReady = true;
+          say("");
+        }, fail);
+        return;
+      }
+      view.draw(step, orbit.camera);
+      view.show(context.getCurrentTexture().createView(), format);
     } catch (error) {
-      say(String(error));
+      fail(error);
       throw error;
     }
     ++open;
@@ -176,7 +193,7 @@ async function start() {
   takeDrags(
     element("picture"),
     orbit,
-    () => (shown.view ? shown : null),
+    () => (shown.isReady ? shown : null),
     () => element("drag").value,
     (error) => say(String(error)),
   );

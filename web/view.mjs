@@ -2,8 +2,8 @@
 import { Executor } from "./executor.mjs";
 import { COUNTER_BYTES, DEPTH_LIST } from "./web_scene.mjs";
 
-const COLOR = "rgba16float";
-const DEPTH = "depth32float";
+/** @type {{colorFormat: GPUTextureFormat, depthFormat: GPUTextureFormat}} */
+const FORMATS = { colorFormat: "rgba16float", depthFormat: "depth32float" };
 
 // A triangle over all of the canvas, with the picture over a background; colors are linear up to here.
 const SHOW = `
@@ -59,8 +59,8 @@ export class View {
     this.#picture?.depth.destroy();
     const { RENDER_ATTACHMENT, TEXTURE_BINDING, COPY_SRC } = GPUTextureUsage;
     const size = [width, height];
-    const color = this.#device.createTexture({ size, format: COLOR, usage: RENDER_ATTACHMENT | TEXTURE_BINDING | COPY_SRC });
-    const depth = this.#device.createTexture({ size, format: DEPTH, usage: RENDER_ATTACHMENT | COPY_SRC });
+    const color = this.#device.createTexture({ size, format: FORMATS.colorFormat, usage: RENDER_ATTACHMENT | TEXTURE_BINDING | COPY_SRC });
+    const depth = this.#device.createTexture({ size, format: FORMATS.depthFormat, usage: RENDER_ATTACHMENT | COPY_SRC });
     this.#picture = { width, height, color, depth };
   }
 
@@ -84,15 +84,27 @@ export class View {
    * @param {Omit<Camera, "width" | "height">} from
    */
   draw(seconds, from) {
-    const { width, height, color, depth } = this.#sized;
-    const camera = { ...from, width, height };
-    const frame = this.#scene.frame(seconds, camera);
-    const target = {
-      color: color.createView(),
-      colorFormat: /** @type {GPUTextureFormat} */ (COLOR),
-      depth: depth.createView(),
-      depthFormat: /** @type {GPUTextureFormat} */ (DEPTH),
-    };
+    const { width, height } = this.#sized;
+    this.#run(this.#scene.frame(seconds, { ...from, width, height }));
+  }
+
+  /**
+   * Does the same for the first frame, and makes its pipelines side by side. Wait for it before
+   * the next call.
+   * @param {number} seconds
+   * @param {Omit<Camera, "width" | "height">} from
+   */
+  async prepare(seconds, from) {
+    const { width, height } = this.#sized;
+    const frame = this.#scene.frame(seconds, { ...from, width, height }).slice();
+    await this.#executor.prepare(frame, FORMATS);
+    if (!this.#isDestroyed) this.#run(frame);
+  }
+
+  /** @param {Uint8Array} frame */
+  #run(frame) {
+    const { color, depth } = this.#sized;
+    const target = { ...FORMATS, color: color.createView(), depth: depth.createView() };
     this.#clear(target);
     this.#executor.run(frame, target, (list) => {
       if (list === DEPTH_LIST) this.#copyDepth();

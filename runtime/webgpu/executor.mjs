@@ -133,6 +133,31 @@ export class Executor {
   }
 
   /**
+   * Makes the pipelines that a frame needs, side by side: run() makes those that it misses one after
+   * the other.
+   * @param {Uint8Array} memory
+   * @param {Omit<Target, "color" | "depth">} [target] formats of what its draws go into
+   */
+  async prepare(memory, target) {
+    /** @type {Map<string, Promise<void>>} */
+    const missing = new Map();
+    for (const pass of readFrame(memory).lists.flatMap(({ passes }) => passes)) {
+      const key = pass.kind < DRAW ? pass.kernel : drawKey(pass, target);
+      if (this.#dispatches.has(key) || this.#draws.has(key) || missing.has(key)) continue;
+      if (pass.kind < DRAW) {
+        const { layouts, descriptor } = this.#dispatchDescriptor(pass);
+        const made = this.#device.createComputePipelineAsync(descriptor);
+        missing.set(key, made.then((pipeline) => void this.#dispatches.set(key, { pipeline, layouts })));
+      } else if (target) {
+        const { layouts, descriptor } = this.#drawDescriptor(pass, target);
+        const made = this.#device.createRenderPipelineAsync(descriptor);
+        missing.set(key, made.then((pipeline) => void this.#draws.set(key, { pipeline, layouts })));
+      }
+    }
+    await Promise.all(missing.values());
+  }
+
+  /**
    * Runs a frame: makes its new buffers, and submits its lists one by one.
    * @param {Uint8Array} memory
    * @param {Target} [target] of its draws, without which a frame has none
@@ -300,31 +325,47 @@ export class Executor {
 
   /** @param {Pass} pass */
   #dispatchPipeline(pass) {
-    const variant = this.#variant(pass.kernel);
-    const found = this.#dispatches.get(variant.hash);
+    const found = this.#dispatches.get(pass.kernel);
     if (found) return found;
+    const { layouts, descriptor } = this.#dispatchDescriptor(pass);
+    const made = { pipeline: this.#device.createComputePipeline(descriptor), layouts };
+    this.#dispatches.set(pass.kernel, made);
+    return made;
+  }
+
+  /** @param {Pass} pass */
+  #dispatchDescriptor(pass) {
+    const variant = this.#variant(pass.kernel);
     const layouts = bindGroupLayouts(this.#device, [variant]);
-    const pipeline = this.#device.createComputePipeline({
+    /** @type {GPUComputePipelineDescriptor} */
+    const descriptor = {
       label: variant.kernel,
       layout: this.#device.createPipelineLayout({ bindGroupLayouts: layouts }),
       compute: { module: this.#module(variant), entryPoint: variant.kernel },
-    });
-    const made = { pipeline, layouts };
-    this.#dispatches.set(variant.hash, made);
-    return made;
+    };
+    return { layouts, descriptor };
   }
 
   /** @param {Pass} pass @param {Target} target */
   #drawPipeline(pass, target) {
-    const key = [pass.kernel, pass.pixel, pass.state, target.colorFormat, target.depthFormat].join(" ");
+    const key = drawKey(pass, target);
     const found = this.#draws.get(key);
     if (found) return found;
+    const { layouts, descriptor } = this.#drawDescriptor(pass, target);
+    const made = { pipeline: this.#device.createRenderPipeline(descriptor), layouts };
+    this.#draws.set(key, made);
+    return made;
+  }
+
+  /** @param {Pass} pass @param {Omit<Target, "color" | "depth">} target */
+  #drawDescriptor(pass, target) {
     const vertex = this.#variant(pass.kernel);
     const pixel = pass.pixel === NO_PIXEL ? null : this.#variant(pass.pixel);
     const layouts = bindGroupLayouts(this.#device, pixel ? [vertex, pixel] : [vertex]);
     const over = { srcFactor: "one", dstFactor: "one-minus-src-alpha" };
     const isBlended = (pass.state >> 7) % 2 === 1;
-    const pipeline = this.#device.createRenderPipeline({
+    /** @type {GPURenderPipelineDescriptor} */
+    const descriptor = {
       label: vertex.kernel,
       layout: this.#device.createPipelineLayout({ bindGroupLayouts: layouts }),
       vertex: {
@@ -351,11 +392,14 @@ export class Executor {
             ],
           }
         : undefined,
-    });
-    const made = { pipeline, layouts };
-    this.#draws.set(key, made);
-    return made;
+    };
+    return { layouts, descriptor };
   }
+}
+
+/** @param {Pass} pass @param {Omit<Target, "color" | "depth">} [target] */
+function drawKey(pass, target) {
+  return [pass.kernel, pass.pixel, pass.state, target?.colorFormat, target?.depthFormat].join(" ");
 }
 
 /** @param {number} usage of BufferUsage */

@@ -26,6 +26,7 @@ export async function addHair(canvas, { groom = "curly", wind = [0, 0, 0] } = {}
   canvas.height = canvas.clientHeight;
   view.resize(canvas.width, canvas.height);
   const camera = scene.camera(canvas.width / canvas.height);
+  await view.prepare(1 / 60, camera);
 
   let isRunning = true;
   let before = performance.now();
