@@ -12,7 +12,6 @@
 namespace pelage {
 namespace {
 
-using detail::saturate;
 using detail::smoothStep;
 using detail::Vector;
 

@@ -48,7 +48,8 @@ pelage::Result<void> writeAssets(const pelage::Character& character,
                                  const std::filesystem::path& folder);
 
 /// [vertex of the mesh] how much of the colour under the hair it takes: 1 where roots are near,
-/// falling to 0 at `reach` [m] from the nearest root.
+/// falling to 0 at `range` [m] from the nearest root. Hair of less than 0.6 of the radius hides no
+/// skin.
 std::vector<float> coveredShares(const pelage::CollisionMesh& mesh, const pelage::HairAsset& hair,
                                  float range);
 
