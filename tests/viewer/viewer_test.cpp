@@ -403,7 +403,8 @@ TEST_P(Viewer, ShowsTheCharacterAndALostDeviceComesBack) {
   const Folder folder;
   const Session session = sessionOf(
       api(), folder,
-      "0 key tab\n0 screenshot start.png\n1 key f9\n2 key enter\n4 screenshot later.png\n", "");
+      "0 key tab\n0 screenshot start.png\n1 key f9\n2 key enter\n4 screenshot later.png\n",
+      "--strands 0.2");
   ASSERT_EQ(session.output.code, 0) << session.output.errors;
   EXPECT_EQ(session.output.errors, "");
   expectHair(session.picture("start"), "at the start");
@@ -450,7 +451,7 @@ TEST_P(Viewer, ShowsTwoSidesAndOneAgain) {
       "0 key i\n0 key e\n1 screenshot panels.png\n2 key tab\n3 screenshot two.png\n"
       "4 keydown g\n4 move 110 60\n4 press left\n5 move 130 50\n6 release left\n6 keyup g\n"
       "7 resize 240 120\n7 screenshot resized.png\n8 key d\n8 screenshot one.png\n",
-      "--groom straight --compare classic");
+      "--groom straight --compare classic --strands 0.2");
   ASSERT_EQ(session.output.code, 0) << session.output.errors;
   EXPECT_EQ(session.output.errors, "");
   EXPECT_NE(session.picture("panels").rgb, session.picture("two").rgb);
