@@ -187,5 +187,22 @@ TEST_P(StrandVolume, SendsOnTheLightThatPathsFind) {
   }
 }
 
+TEST_P(StrandVolume, ShinesOnTheEdgeOfDenseHairWithoutAMap) {
+  constexpr double kDense = 16;  // optical depth
+  std::vector<ShadeSample> samples;
+  const Vector3d toEye = Vector3d(0, 1, 2).normalized();
+  for (const Vector3d& color : kColors)
+    for (const double front : {-1.0, 0.0})
+      samples.push_back({toFloat4(kFiberAxis, 0), toFloat4(toEye, front), toFloat4(color, kDense),
+                         toFloat4(kUp, kDense)});
+  const std::vector<Float4> together = shade(fiberMaterial(1), samples, false);
+  const std::vector<Float4> alone = shade(fiberMaterial(0), samples, false);
+  for (size_t i = 0; i < samples.size(); i += 2) {
+    const double open = toVector(together[i]).sum(), dense = toVector(together[i + 1]).sum();
+    EXPECT_NEAR(open / dense, 1, 1e-5);
+    EXPECT_GT(open, 1.05 * toVector(alone[i]).sum());
+  }
+}
+
 }  // namespace
 }  // namespace pelage::test
