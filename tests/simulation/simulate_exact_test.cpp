@@ -523,6 +523,9 @@ TEST_P(SimulateExact, HasTheBitsOfTheFloatReferenceInContact) {
     Case c = makeCase("contacts, sub-steps " + std::to_string(subSteps), contactKey(false),
                       kFewSizes, 60, 1, 0);
     c.settings.subSteps = subSteps;
+    // With 1 sub-step drag makes the second round rare, with 3 it does not.
+    c.settings.passTolerance =
+        RodTuning<float>::passTolerance(1.0 / 60 / subSteps, c.settings.material.airDrag, 0.5);
     for (const bool blocks : {false, true}) {
       c.key.blocks = blocks;
       compare(c);

@@ -39,7 +39,8 @@ static const float kRelaxation = 1.6;
 static const float kContactDistance = 2e-5;
 // Strands with contacts are linearized once more if an edge rotated by more than kContactRotation
 // [rad]; or by more than kForceRotation, and the sizes of the forces changed by more than kForceChange
-// of their sum.
+// of their sum. With so much drag that strands without contact may rotate further, it adds nothing but
+// in the step of a reset, which knows no forces (docs/decisions/0005-second-pass.md).
 static const float kContactRotation = 0.4;
 static const float kForceChange = 0.5;
 static const float kForceRotation = 0.1;

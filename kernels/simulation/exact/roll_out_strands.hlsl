@@ -8,9 +8,9 @@
 //          g_sleep, g_contactWords (the list and its arguments, totals)
 //
 // The first round lists the strands that need a second one: an edge rotated by more than
-// g_passTolerance; with contacts that press, by more than kContactRotation, or by more than
-// kForceRotation and the forces changed much; or a vertex ended far from where its contact was
-// found, and contacts are found again.
+// g_passTolerance; with contacts that press, where that is no more than kContactRotation and in the
+// step of a reset, by more than kContactRotation, or by more than kForceRotation and the forces
+// changed much; or a vertex ended far from where its contact was found, and contacts are found again.
 //
 // Invariant (tests/simulation): as simulate_exact. No strand is listed twice in a sub-step.
 #define CONTACTS 1
@@ -45,6 +45,7 @@ bool isEnough(RodStep rod, RollOut rolled) {
     precise float most = g_passTolerance * g_passTolerance;
     return rolled.largest <= most;
   }
+  if (g_passTolerance > kContactRotation && (g_flags & kResetFlag) == 0u) return true;
   precise float load = lengthOf(rod.drift) * g_weight * rod.strand.strandLength;
   precise float most = max(sums.x, load) * kForceChange;
   if (rolled.largest > kContactRotation * kContactRotation) return false;
