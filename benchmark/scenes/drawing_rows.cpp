@@ -4,6 +4,9 @@ namespace bench {
 
 namespace {
 
+// Of "draw_far": the character is some 90 pixels high.
+constexpr float kFar = 12;
+
 const char* extraName(DrawingExtra extra) {
   switch (extra) {
     case DrawingExtra::kNone:
@@ -27,7 +30,8 @@ const char* extraName(DrawingExtra extra) {
 }  // namespace
 
 std::string DrawingRow::name() const {
-  return std::string(tenfold ? "draw_10x/" : "draw/") + extraName(extra);
+  const std::string scene = distance > 1 ? "draw_far/" : (tenfold ? "draw_10x/" : "draw/");
+  return scene + extraName(extra);
 }
 
 std::vector<DrawingRow> drawingRows(SceneSize size) {
@@ -42,12 +46,16 @@ std::vector<DrawingRow> drawingRows(SceneSize size) {
     row.extra = extra;
     rows.push_back(row);
   }
+  DrawingRow far = row;
+  far.extra = DrawingExtra::kNone;
+  far.distance = kFar;
   row.tenfold = true;
   row.guides *= 10;
   for (const DrawingExtra extra : {DrawingExtra::kNone, DrawingExtra::kPlayback}) {
     row.extra = extra;
     rows.push_back(row);
   }
+  rows.push_back(far);
   return rows;
 }
 

@@ -23,11 +23,12 @@ enum class DrawingExtra : uint8_t {
 struct DrawingRow {
   DrawingExtra extra = DrawingExtra::kNone;
   bool tenfold = false;            ///< ten times the hair of the other rows
+  float distance = 1;              ///< of the camera, times that of the other rows
   uint32_t guides = 0;             ///< of the character's long hair
   uint32_t width = 0, height = 0;  ///< of the picture [pixels]
   uint32_t shadowSize = 0;         ///< of the shadow map [texels]
 
-  /// "draw/alone", "draw/depth", ..., "draw_10x/alone", "draw_10x/playback"
+  /// "draw/alone", "draw/depth", ..., "draw_10x/alone", "draw_10x/playback", "draw_far/alone"
   std::string name() const;
 };
 

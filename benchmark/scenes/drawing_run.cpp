@@ -80,6 +80,15 @@ DrawingRun::DrawingRun(Workbench& workbench, DemoScene demo, const DrawingRow& r
   demo_.light.shadowSize = row.shadowSize;
   const float aspect = static_cast<float>(row.width) / static_cast<float>(row.height);
   sample::Camera camera = demo_.camera(aspect);
+  if (row.distance != 1) {
+    const auto moved = [&](float eye, float target) {
+      return target + row.distance * (eye - target);
+    };
+    const pelage::Float3 eye = {moved(camera.eye.x, camera.target.x),
+                                moved(camera.eye.y, camera.target.y),
+                                moved(camera.eye.z, camera.target.z)};
+    camera = demo_.camera(aspect, {.eye = eye, .target = camera.target});
+  }
   view_ = sample::makeView(camera, row.width, row.height, 1);
   camera.eye.x += kBetweenEyes;
   camera.target.x += kBetweenEyes;

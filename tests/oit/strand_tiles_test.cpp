@@ -111,6 +111,17 @@ TEST_P(StrandTiles, AreThePictureOfTheListsForEverySizeOfTheView) {
   }
 }
 
+/// A group of threads takes one pixel of these, and otherwise 16 of a tile.
+TEST_P(StrandTiles, AreThePictureOfTheListsWhereFewTilesHaveManyFragments) {
+  tangleRun().add({.strands = 1200, .radius = 0.004f, .opacity = 0.1f});
+  const View view = tangleView(kTilePixels);
+  tangleRun().render(view, lists());
+  uint64_t fragments = 0;
+  for (const ExactPixel& pixel : tangleRun().exact(view)) fragments += pixel.fragments;
+  EXPECT_GT(fragments, 12u * view.width * view.height);
+  expectSame(tangleRun(), view, "many fragments", 0.2);
+}
+
 TEST_P(StrandTiles, AreExactForMoreLayersThanAGroupHasRoomFor) {
   // One alone in front, so that the others have few of the bins of a histogram of depths.
   HairAsset front;

@@ -13,7 +13,7 @@ cbuffer StrandTilesCompositeConstants : register(b1, space0) {
   float4 g_tileSecondaries[64];
   float4 g_tileFibers[64];
   uint g_tileWidth;    // [pixels]
-  uint g_tileSumsEnd;  // index of the last of the sums
+  uint g_tileSumsEnd;  // index behind the sums of blocks
   uint g_tileStride;   // threads of the dispatch
   uint g_tilePad0;
 };

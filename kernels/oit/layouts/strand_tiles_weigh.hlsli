@@ -29,7 +29,8 @@ RWStructuredBuffer<uint4> g_weighVisible : register(u1, space0);
 // 1 - transmittance as four halves. Of the tiles that have hair.
 RWStructuredBuffer<uint2> g_weighPicture : register(u2, space0);
 
-// The index of the last pair.
+// The index behind the sums of blocks: of the number of visible fragments, the tiles that have hair, and
+// the pixels of a group.
 uint weighSumsEnd() { return 2u * ((g_weighTileCount + 127u) / 128u); }
 
 #endif

@@ -29,9 +29,11 @@ void offset_strand_tiles(uint lane : SV_GroupIndex) {
     g_binCounters[2] = 0u;
     g_binCounters[3] = 0u;
     g_binSums[blocks] = uint2(0u, all.y);
+    uint pixels = pixelsOfGroup(all.x, all.y);
+    g_binSums[blocks + 1u] = uint2(pixels, 0u);
     g_binCounters[kTileFragmentsWord] = all.x;
     g_binCounters[kTileDispatchWord] = min(all.y, kTileDispatchRow);
     g_binCounters[kTileDispatchWord + 1u] = (all.y + kTileDispatchRow - 1u) / kTileDispatchRow;
-    g_binCounters[kTileDispatchWord + 2u] = kTileParts;
+    g_binCounters[kTileDispatchWord + 2u] = 64u / pixels;
   }
 }

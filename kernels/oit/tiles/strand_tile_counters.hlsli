@@ -10,9 +10,18 @@ static const uint kTileFragmentsWord = 4u;
 // 5..7 are the arguments of dispatches over tiles: groups.
 static const uint kTileDispatchWord = 5u;
 
-// Tiles in a row of these groups, which are kTileParts deep.
+// Tiles in a row of these groups.
 static const uint kTileDispatchRow = 1024u;
-static const uint kTileParts = 4u;
+
+// Pixels of a group of weigh_strand_tiles and gather_strand_tiles. It takes those of many fragments one
+// after the other: where few tiles have many, as of far hair, each group takes one pixel.
+static const uint kMostPixels = 16u;
+static const uint kManyFragments = 768u;  // of a tile
+static const uint kFewTiles = 1024u;
+
+uint pixelsOfGroup(uint fragments, uint tiles) {
+  return tiles <= kFewTiles && fragments / kManyFragments >= tiles ? 1u : kMostPixels;
+}
 
 // Offset of a tile whose fragments have no room.
 static const uint kNoTileOffset = 0xffffffffu;

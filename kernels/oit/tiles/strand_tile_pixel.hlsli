@@ -11,8 +11,14 @@ struct TilePixel {
   bool known;    // the tile has hair
 };
 
-// \param pixel of the group, 0..15.
-TilePixel tilePixelOf(uint3 group, uint pixel) {
+// Pixels of a group: kMostPixels, or 1.
+uint groupPixels() { return g_weighSums[weighSumsEnd() + 2u]; }
+
+// Lanes of a group of 128 for each of its pixels.
+uint lanesOfPixel(uint pixels) { return pixels == 1u ? 128u : 128u / kMostPixels; }
+
+// \param pixels of the group, \param pixel one of them.
+TilePixel tilePixelOf(uint3 group, uint pixels, uint pixel) {
   uint listed = group.y * kTileDispatchRow + group.x;
   uint count = g_weighSums[weighSumsEnd() + 1u];
   TilePixel found;
@@ -21,7 +27,7 @@ TilePixel tilePixelOf(uint3 group, uint pixel) {
   found.tile = g_weighTiles[2u * g_weighTileCount + min(listed, count - 1u)];
   uint offset = g_weighTiles[g_weighTileCount + found.tile];
   found.inRound = found.known && offset - g_weighRoundBegin < g_weighRoundSpan;
-  found.index = group.z * 16u + pixel;
+  found.index = group.z * pixels + pixel;
   found.at = uint2(found.tile % g_weighTileColumns, found.tile / g_weighTileColumns) * kTileEdge +
              uint2(found.index & 7u, found.index >> kTileShift);
   found.inside = found.known && found.at.x < g_weighWidth && found.at.y < g_weighHeight;

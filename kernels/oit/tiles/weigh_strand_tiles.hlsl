@@ -1,14 +1,16 @@
 // Finds the visible fragments of pixels: those that light still comes through to. The optical depth
-// in front of a fragment is the sum of those of all nearer ones in its pixel, so nothing is sorted.
+// in front of a fragment is the sum of those of all nearer ones in its pixel.
 //
-// Threads: four groups of 128 per tile that has hair, each for 16 pixels; dispatched indirectly.
+// Threads: groups of 128 for the pixels that groupPixels() says, per tile that has hair; dispatched
+//          indirectly.
 // Reads:   g_weighRecords, g_weighPixels, g_weighTiles, g_weighFragments
 // Writes:  g_weighSums, g_weighVisible, g_weighPicture
 //
-// A group takes as many of its pixels at a time as group memory has room for. Where there are many
-// fragments, a histogram of optical depths over the range of depths says behind which depth nothing is
-// visible; those behind it take no room. A pixel that has no room alone is walked from front to back,
-// in ranges of depths that have.
+// A group takes as many of its pixels at a time as group memory has room for. A pixel with more than
+// kUnsorted fragments is taken alone, and they are sorted: to compare each with each would take longer.
+// Where there are many fragments, a histogram of optical depths over the range of depths says behind
+// which depth nothing is visible; those behind it take no room. A pixel that has no room alone is
+// walked from front to back, in ranges of depths that have.
 //
 // Fragments of one depth are ordered by their segments, so the order in which they came changes no bit
 // of the picture; more of one depth than there is room for, by the index of the segment alone.
@@ -20,10 +22,9 @@
 #include "strand_tile_fragment.hlsli"
 #include "strand_tile_pixel.hlsli"
 
-static const uint kPixels = 16u;  // of a group
 static const uint kLanes = 128u;
-static const uint kPixelLanes = kLanes / kPixels;
-static const uint kRoom = 768u;  // fragments
+static const uint kRoom = 768u;      // fragments
+static const uint kUnsorted = 160u;  // of a pixel that is not alone
 // Sums of bins have 32 bits for this many.
 static const uint kMostBinned = 65536u;
 static const uint kBins = 32u;  // of a pixel
@@ -34,16 +35,17 @@ groupshared uint2 s_fragments[kRoom];  // depth key, optical depth
 groupshared uint s_segments[kRoom];    // see TileFragment
 groupshared uint s_fronts[kRoom];      // optical depth in front, or kHidden
 // The fragments of a pixel are those from its edge to the next one.
-groupshared uint s_edges[kPixels + 1u];  // in the list of the round
-groupshared uint s_ends[kPixels + 1u];   // of those that may be visible
-groupshared uint s_last[kPixels];        // depth keys behind it are hidden
-groupshared uint s_nearest[kPixels];
-groupshared uint s_farthest[kPixels];
-groupshared uint s_counts[kPixels];
-groupshared uint s_shown[kPixels];   // visible ones
-groupshared uint s_placed[kPixels];  // of these, those that are written
-groupshared uint s_before[kPixels];  // visible ones of the pixels before
-groupshared uint s_bins[kPixels * kBins];
+groupshared uint s_edges[kMostPixels + 1u];  // in the list of the round
+groupshared uint s_ends[kMostPixels + 1u];   // of those that may be visible
+groupshared uint s_last[kMostPixels];        // depth keys behind it are hidden
+groupshared uint s_nearest[kMostPixels];
+groupshared uint s_farthest[kMostPixels];
+groupshared uint s_counts[kMostPixels];
+groupshared uint s_shown[kMostPixels];   // visible ones
+groupshared uint s_placed[kMostPixels];  // of these, those that are written
+groupshared uint s_before[kMostPixels];  // visible ones of the pixels before
+// Also prefix sums, of lanes.
+groupshared uint s_bins[kMostPixels * kBins];
 groupshared uint s_begin;  // of the visible fragments
 groupshared uint s_taken;  // fragments in group memory
 groupshared uint s_depth;  // in front of a range of depths
@@ -88,10 +90,10 @@ uint2 pixelAt(uint2 corner, uint own) { return corner + uint2(own & 7u, own >> k
 uint placeOf(uint2 at) { return at.y * g_weighWidth + at.x; }
 
 // Optical depth in front of a fragment in group memory, at least cut if it is hidden.
-// \param begin, end of the pixel. \param base optical depth in front of all of these.
-uint frontOf(uint own, uint begin, uint end, uint base, uint cut) {
+// \param begin, end of the pixel.
+uint frontOf(uint own, uint begin, uint end, uint cut) {
   uint key = s_fragments[own].x;
-  uint front = base;
+  uint front = 0u;
   uint ties = 0u;
   uint i = begin;
   for (; i + 4u <= end && front < cut; i += 4u) {
@@ -118,23 +120,87 @@ uint frontOf(uint own, uint begin, uint end, uint base, uint cut) {
 // The last pixel from first on, before last, that begins at or before a fragment in group memory.
 uint pixelOf(uint fragment, uint first, uint last) {
   uint own = first;
-  [unroll] for (uint step = kPixels / 2u; step > 0u; step /= 2u) {
+  [unroll] for (uint step = kMostPixels / 2u; step > 0u; step /= 2u) {
     if (own + step < last && s_ends[own + step] - s_ends[first] <= fragment) own += step;
   }
   return own;
 }
 
-// Weighs the fragments in group memory.
-void weighTaken(uint lane, uint first, uint last, uint count, uint base) {
+// Whether a fragment in group memory is in front of another one.
+bool isNearer(uint one, uint two) {
+  uint first = s_fragments[one].x;
+  uint second = s_fragments[two].x;
+  bool nearer = first < second;
+  if (first == second) nearer = isBefore(s_segments[one], s_segments[two]);
+  return nearer;
+}
+
+// Orders two places; those from count on are behind all others.
+void order(uint one, uint two, uint count) {
+  if (two >= count || !isNearer(two, one)) return;
+  uint2 fragment = s_fragments[one];
+  uint segment = s_segments[one];
+  s_fragments[one] = s_fragments[two];
+  s_segments[one] = s_segments[two];
+  s_fragments[two] = fragment;
+  s_segments[two] = segment;
+}
+
+// Sorts fragments from front to back (Batcher, "Sorting networks and their applications", 1968; the
+// bitonic one, whose first step of each stage compares with the mirrored place).
+void sortTaken(uint lane, uint count) {
+  for (uint size = 2u; size < 2u * count; size *= 2u) {
+    for (uint step = size / 2u; step > 0u; step /= 2u) {
+      bool mirrors = 2u * step == size;
+      for (uint pair = lane; 2u * pair < size * ((count + size - 1u) / size); pair += kLanes) {
+        uint one = 2u * pair - (pair & (step - 1u));
+        order(one, mirrors ? one ^ (size - 1u) : one + step, count);
+      }
+      GroupMemoryBarrierWithGroupSync();
+    }
+  }
+}
+
+// Weighs the fragments of a pixel in group memory, which it sorts.
+// \param base optical depth in front of all of these.
+void weighSorted(uint lane, uint own, uint count, uint base) {
   uint cut = opticalCut(g_weighEpsilon);
-  bool alone = last == first + 1u;
+  sortTaken(lane, count);
+  uint most = (count + kLanes - 1u) / kLanes;
+  uint begin = min(lane * most, count);
+  uint end = min(begin + most, count);
+  // A sum that is as large as the cut stays there: 128 times the cut is below 2^32.
+  uint sum = 0u;
+  for (uint i = begin; i < end; ++i) sum = min(sum + min(s_fragments[i].y, cut), cut);
+  s_bins[lane] = sum;
+  for (uint range = 1u; range < kLanes; range *= 2u) {
+    GroupMemoryBarrierWithGroupSync();
+    uint others = lane >= range ? s_bins[lane - range] : 0u;
+    GroupMemoryBarrierWithGroupSync();
+    s_bins[lane] = min(s_bins[lane] + others, cut);
+  }
+  GroupMemoryBarrierWithGroupSync();
+  uint front = base + (lane > 0u ? s_bins[lane - 1u] : 0u);
+  uint shown = 0u;
+  for (uint j = begin; j < end; ++j) {
+    uint depth = s_fragments[j].y;
+    bool visible = depth != 0u && front < cut;
+    s_fronts[j] = visible ? front : kHidden;
+    shown += visible ? 1u : 0u;
+    front = min(front + min(depth, cut), cut);
+  }
+  InterlockedAdd(s_shown[own], shown);
+  GroupMemoryBarrierWithGroupSync();
+}
+
+// Weighs the fragments of pixels in group memory.
+void weighTaken(uint lane, uint first, uint last, uint count) {
+  uint cut = opticalCut(g_weighEpsilon);
   for (uint i = lane; i < count; i += kLanes) {
     uint front = kHidden;
     if (s_fragments[i].y != 0u) {
       uint own = pixelOf(i, first, last);
-      uint begin = alone ? 0u : s_ends[own] - s_ends[first];
-      uint end = alone ? count : s_ends[own + 1u] - s_ends[first];
-      front = frontOf(i, begin, end, base, cut);
+      front = frontOf(i, s_ends[own] - s_ends[first], s_ends[own + 1u] - s_ends[first], cut);
       if (front < cut)
         InterlockedAdd(s_shown[own], 1u);
       else
@@ -147,10 +213,10 @@ void weighTaken(uint lane, uint first, uint last, uint count, uint base) {
 
 // Makes room for the visible fragments of pixels.
 void makeRoom(uint lane) {
-  if (lane < kPixels) {
+  if (lane < kMostPixels) {
     uint before = 0u;
     uint all = 0u;
-    [unroll] for (uint k = 0u; k < kPixels; ++k) {
+    [unroll] for (uint k = 0u; k < kMostPixels; ++k) {
       before += k < lane ? s_shown[k] : 0u;
       all += s_shown[k];
     }
@@ -184,11 +250,12 @@ void takeAll(uint lane, uint begin, uint count) {
 }
 
 // Takes those that may be visible.
-void takeSome(uint lane, uint first, uint last) {
-  uint own = lane / kPixelLanes;
+// \param lanes of a pixel.
+void takeSome(uint lane, uint lanes, uint first, uint last) {
+  uint own = lanes == kLanes ? 0u : lane / (kLanes / kMostPixels);
   if (own < first || own >= last) return;
   uint begin = s_ends[own] - s_ends[first];
-  for (uint i = s_edges[own] + lane % kPixelLanes; i < s_edges[own + 1u]; i += kPixelLanes) {
+  for (uint i = s_edges[own] + (lane & (lanes - 1u)); i < s_edges[own + 1u]; i += lanes) {
     TileFragment fragment = fragmentAt(i);
     if (fragment.root == 0u || fragment.key > s_last[own]) continue;
     uint slot;
@@ -204,13 +271,14 @@ uint shiftOf(uint range) {
 }
 
 // Finds the depths behind which nothing is visible, and counts what is in front of them.
-void findLast(uint lane) {
+// \param lanes of a pixel.
+void findLast(uint lane, uint lanes) {
   uint cut = opticalCut(g_weighEpsilon);
-  uint own = lane / kPixelLanes;
-  uint sub = lane % kPixelLanes;
+  uint own = lanes == kLanes ? 0u : lane / (kLanes / kMostPixels);
+  uint sub = lane & (lanes - 1u);
   uint begin = s_edges[own] + sub;
   uint end = s_edges[own + 1u];
-  for (uint bin = sub; bin < kBins; bin += kPixelLanes) s_bins[own * kBins + bin] = 0u;
+  for (uint bin = sub; bin < kBins; bin += lanes) s_bins[own * kBins + bin] = 0u;
   if (sub == 0u) {
     s_nearest[own] = 0xffffffffu;
     s_farthest[own] = 0u;
@@ -220,7 +288,7 @@ void findLast(uint lane) {
   GroupMemoryBarrierWithGroupSync();
   uint nearest = 0xffffffffu;
   uint farthest = 0u;
-  for (uint i = begin; i < end; i += kPixelLanes) {
+  for (uint i = begin; i < end; i += lanes) {
     TileFragment fragment = fragmentAt(i);
     if (fragment.root == 0u) continue;
     nearest = min(nearest, fragment.key);
@@ -234,7 +302,7 @@ void findLast(uint lane) {
   bool some = nearest <= farthest && s_edges[own + 1u] - s_edges[own] <= kMostBinned;
   uint shift = some ? shiftOf(farthest - nearest) : 0u;
   if (some) {
-    for (uint j = begin; j < end; j += kPixelLanes) {
+    for (uint j = begin; j < end; j += lanes) {
       TileFragment fragment = fragmentAt(j);
       // Rounded down, so that the sums are not too large.
       if (fragment.root != 0u)
@@ -252,19 +320,19 @@ void findLast(uint lane) {
   }
   GroupMemoryBarrierWithGroupSync();
   uint counted = 0u;
-  for (uint m = begin; m < end; m += kPixelLanes) {
+  for (uint m = begin; m < end; m += lanes) {
     TileFragment fragment = fragmentAt(m);
     counted += fragment.root != 0u && fragment.key <= s_last[own] ? 1u : 0u;
   }
   InterlockedAdd(s_counts[own], counted);
   GroupMemoryBarrierWithGroupSync();
-  if (lane <= kPixels) {
+  if (lane <= kMostPixels) {
     uint sum = 0u;
-    [unroll] for (uint k = 0u; k < kPixels; ++k) sum += k < lane ? s_counts[k] : 0u;
+    [unroll] for (uint k = 0u; k < kMostPixels; ++k) sum += k < lane ? s_counts[k] : 0u;
     s_ends[lane] = sum;
   }
   GroupMemoryBarrierWithGroupSync();
-  if (lane < kPixels) s_counts[lane] = 0u;
+  if (lane < kMostPixels) s_counts[lane] = 0u;
   GroupMemoryBarrierWithGroupSync();
 }
 
@@ -363,27 +431,32 @@ void weighTies(uint2 corner, uint lane, uint own, uint key, uint base) {
 [numthreads(128, 1, 1)]
 void weigh_strand_tiles(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
   uint cut = opticalCut(g_weighEpsilon);
-  TilePixel pixel = tilePixelOf(group, 0u);
+  uint pixels = groupPixels();
+  TilePixel pixel = tilePixelOf(group, pixels, 0u);
   if (!pixel.inRound) return;
   uint2 corner = pixel.at;
-  if (lane <= kPixels) {
+  uint lanes = lanesOfPixel(pixels);
+  if (lane <= pixels) {
     // A pixel begins where the one before ends.
-    uint word = 64u * pixel.tile + group.z * kPixels + lane;
+    uint word = 64u * pixel.tile + group.z * pixels + lane;
     uint edge = g_weighTiles[g_weighTileCount + pixel.tile];
     if (word > 64u * pixel.tile) edge = g_weighPixels[word - 1u];
     s_edges[lane] = edge - g_weighRoundBegin;
     s_ends[lane] = s_edges[lane];
   }
   GroupMemoryBarrierWithGroupSync();
-  bool many = s_edges[kPixels] - s_edges[0] > kRoom;
-  if (many) findLast(lane);
+  bool many = s_edges[pixels] - s_edges[0] > kRoom;
+  if (many) findLast(lane, lanes);
   uint first = 0u;
-  while (first < kPixels) {
+  while (first < pixels) {
     uint last = first + 1u;
-    while (last < kPixels && s_ends[last + 1u] - s_ends[first] <= kRoom) ++last;
+    bool sorted = s_ends[last] - s_ends[first] > kUnsorted;
+    while (!sorted && last < pixels && s_ends[last + 1u] - s_ends[first] <= kRoom &&
+           s_ends[last + 1u] - s_ends[last] <= kUnsorted)
+      ++last;
     uint count = s_ends[last] - s_ends[first];
     bool walked = count > kRoom;
-    if (lane < kPixels) {
+    if (lane < kMostPixels) {
       s_shown[lane] = 0u;
       s_placed[lane] = 0u;
     }
@@ -407,12 +480,15 @@ void weigh_strand_tiles(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
         base = s_depth;
         ties = count == 0u && end != kNoKey;
       } else if (many) {
-        takeSome(lane, first, last);
+        takeSome(lane, lanes, first, last);
       } else {
         takeAll(lane, s_edges[first], count);
       }
       GroupMemoryBarrierWithGroupSync();
-      weighTaken(lane, first, last, count, base);
+      if (sorted)
+        weighSorted(lane, first, count, base);
+      else
+        weighTaken(lane, first, last, count);
       if (!walked) makeRoom(lane);
       writeTaken(corner, lane, first, last, count);
       more = false;

@@ -133,7 +133,7 @@ Result<void> addRound(const TileDraw& tiles, uint32_t round) {
   setMaterials(tiles.batch.materials, composite.tileModels, composite.tileBodies,
                composite.tilePrimaries, composite.tileSecondaries, composite.tileFibers);
   composite.tileWidth = view.width;
-  composite.tileSumsEnd = static_cast<uint32_t>(tiles.sizes.sumBytes / sizeof(Uint2)) - 1;
+  composite.tileSumsEnd = static_cast<uint32_t>(tiles.sizes.sumBytes / sizeof(Uint2)) - 2;
   constexpr uint32_t kGroup = kShadeStrandTilesGroupSize.x;
   composite.tileStride = std::min(kShadeThreads, (rounds.capacity + kGroup - 1) / kGroup * kGroup);
   PassBuilder shade(tiles.list);

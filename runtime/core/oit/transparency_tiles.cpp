@@ -33,7 +33,7 @@ StrandTileSizes strandTileSizes(uint32_t width, uint32_t height, uint64_t strand
   sizes.pixelBytes = lists.tiles * kTileEdge * kTileEdge * sizeof(uint32_t);
   sizes.tileBytes = 3 * lists.tiles * sizeof(uint32_t);
   constexpr uint64_t kBlock = kSumStrandTilesGroupSize.x;
-  sizes.sumBytes = ((lists.tiles + kBlock - 1) / kBlock + 1) * sizeof(Uint2);
+  sizes.sumBytes = ((lists.tiles + kBlock - 1) / kBlock + 2) * sizeof(Uint2);
   sizes.pictureBytes = uint64_t{width} * height * kPicturePixelBytes;
   return sizes;
 }
