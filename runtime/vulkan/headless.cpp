@@ -204,6 +204,7 @@ class HeadlessVulkan final : public HeadlessDevice {
   DeviceInfo info_;
   std::unique_ptr<BufferMemory> memory_;  // of readbacks
   WaitedFrames frames_{*own_};
+  std::pair<uint64_t, uint64_t> updated_ = {};  // id and version of the table
   RenderTarget target_{device_};
   std::vector<Texture> textures_;
 };
@@ -247,12 +248,17 @@ uint32_t HeadlessVulkan::sampleCounts(VkFormat color) const {
 
 Result<void> HeadlessVulkan::update(const ResourceTable& resources) {
   return guarded([&]() -> Result<void> {
+    // Without changes there is nothing to submit and to wait for.
+    const std::pair now(resources.id(), resources.version());
+    if (now == updated_) return {};
     if (Result<void> done = frames_.begin(); !done) return done;
     if (Result<void> done = frames_.runtime().update(resources, frames_.commands()); !done) {
       frames_.abandon();
       return done;
     }
-    return frames_.submit();
+    Result<void> done = frames_.submit();
+    if (done) updated_ = now;
+    return done;
   });
 }
 

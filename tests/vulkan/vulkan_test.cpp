@@ -179,6 +179,18 @@ TEST_F(VulkanHeadless, ReusesDescriptorsAndMemoryAsBuffersComeAndGo) {
   update();
 }
 
+TEST_F(VulkanHeadless, WaitsForTheGpuOnlyWhereATableHasChanged) {
+  (void)add("one", ramp(1, kThreads));
+  update();
+  const double before = device_->busySeconds();
+  update();
+  EXPECT_EQ(device_->busySeconds(), before);
+  const BufferId two = add("two", ramp(2, kThreads));
+  update();
+  EXPECT_GT(device_->busySeconds(), before);
+  EXPECT_EQ(read(two), ramp(2, kThreads));
+}
+
 // Four devices share two queues, each on its own thread; the one that made them is gone.
 TEST_F(VulkanHeadless, DevicesThatShareQueuesRunOnThreadsOfTheirOwn) {
   constexpr uint32_t kDevices = 4, kRounds = 20;
