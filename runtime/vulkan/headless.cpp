@@ -59,6 +59,8 @@ class WaitedFrames {
   Runtime& runtime() { return *runtime_; }
   const Runtime& runtime() const { return *runtime_; }
   VkCommandBuffer commands() const { return commands_; }
+  /// Whether the wait for a submission failed.
+  bool isRunning() const { return running_; }
   std::vector<PassTiming> timings() { return runtime_->timings(frame_); }
 
   /// Starts a frame and its command buffer.
@@ -76,6 +78,7 @@ class WaitedFrames {
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
   VkFence fence_ = VK_NULL_HANDLE;
   uint64_t frame_ = 0;
+  bool running_ = false;
   std::optional<Runtime> runtime_;
 };
 
@@ -144,10 +147,12 @@ Result<void> WaitedFrames::submit() {
     return vulkanError(result, "vkQueueSubmit");
   }
   runtime_->submitted();
+  running_ = true;
   own_.busy().begin();
   result = vk.WaitForFences(device_.handle, 1, &fence_, VK_TRUE, UINT64_MAX);
   own_.busy().end();
   if (result != VK_SUCCESS) return vulkanError(result, "vkWaitForFences");
+  running_ = false;
   result = vk.ResetFences(device_.handle, 1, &fence_);
   if (result != VK_SUCCESS) return vulkanError(result, "vkResetFences");
   runtime_->collect(frame_);
@@ -210,7 +215,8 @@ class HeadlessVulkan final : public HeadlessDevice {
 };
 
 HeadlessVulkan::~HeadlessVulkan() {
-  own_->waitIdle();
+  // The others that share it go on.
+  if (frames_.isRunning()) own_->waitIdle();
   target_.destroy();
   for (Texture& texture : textures_) texture.destroy(device_);
 }
